@@ -1,0 +1,22 @@
+//! Ctrl-C: the first one asks running work to stop cleanly, the second ends the process at once.
+
+use anyhow::Context;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+static REQUESTED: AtomicBool = AtomicBool::new(false);
+
+/// Starts to watch for Ctrl-C and the termination signal.
+pub fn install() -> anyhow::Result<()> {
+    ctrlc::set_handler(|| {
+        if REQUESTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    })
+    .context("cannot watch for Ctrl-C")
+}
+
+/// Whether the user has asked to stop. Long loops look at this once per step.
+#[must_use]
+pub fn requested() -> bool {
+    REQUESTED.load(Ordering::Relaxed)
+}

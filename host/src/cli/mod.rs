@@ -1,0 +1,71 @@
+//! The command line: arguments in, library calls, words and reports out.
+
+use crate::output::write_whole;
+use anyhow::Context;
+use clap::{Parser, Subcommand};
+use serde::Serialize;
+use std::{path::PathBuf, process::ExitCode};
+
+mod devices;
+mod flash;
+pub mod interrupt;
+mod reconstruct;
+mod stream;
+mod tare;
+
+/// Pressure-sensing robot skin by electrical impedance tomography.
+#[derive(Parser)]
+#[command(version, propagate_version = true, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Flash(flash::Args),
+    Tare(tare::Args),
+    Stream(stream::Args),
+    Devices(devices::Args),
+    Reconstruct(reconstruct::Args),
+}
+
+/// Runs the command line; errors go to standard error in full, with exit code 1.
+pub fn main() -> ExitCode {
+    match run(Cli::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(command: Command) -> anyhow::Result<()> {
+    interrupt::install()?;
+    match command {
+        Command::Flash(args) => flash::run(&args),
+        Command::Tare(args) => tare::run(&args),
+        Command::Stream(args) => stream::run(&args),
+        Command::Devices(args) => devices::run(&args),
+        Command::Reconstruct(args) => reconstruct::run(&args),
+    }
+}
+
+/// Where to write the report for scripts.
+#[derive(clap::Args)]
+struct JsonReport {
+    /// Also write the report as JSON (keys: docs/cli.md).
+    #[arg(long = "json", value_name = "FILE")]
+    path: Option<PathBuf>,
+}
+
+impl JsonReport {
+    /// Writes `report` if it was asked for.
+    fn write(&self, report: &impl Serialize) -> anyhow::Result<()> {
+        let Some(path) = &self.path else { return Ok(()) };
+        let mut text = serde_json::to_string_pretty(report).context("cannot express the report as JSON")?;
+        text.push('\n');
+        Ok(write_whole(path, text.as_bytes())?)
+    }
+}

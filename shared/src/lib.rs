@@ -1,0 +1,44 @@
+//! What Dermatome's sensor board and its host must agree on, bit for bit.
+//!
+//! One frame travels like this, one call per step:
+//!
+//! ```text
+//! frame -> reference -> reconstruct -> contact        (all inside pipeline)
+//! request packet -> protocol -> device -> protocol -> reply packet
+//! frame -> device -> pipeline -> events -> protocol -> event packets
+//! ```
+//!
+//! Nothing here knows a clock, an executor, an allocator or any hardware, and nothing in the
+//! frame path can panic. The firmware, the simulated board and replay of recordings all run this
+//! same code; the f64 solvers of the host are its independent oracle.
+#![no_std]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod contact;
+pub mod device;
+pub mod frame;
+pub mod image;
+pub mod patch;
+pub mod pipeline;
+pub mod protocol;
+pub mod reconstruct;
+pub mod reference;
+pub mod stimulation;
+pub mod units;
+
+/// Most electrodes a board can switch: one nibble of the multiplexer word each.
+pub const MAX_ELECTRODES: usize = 16;
+/// Most stimulation steps in one frame (16 drives, 16 sense pairs each).
+pub const MAX_STEPS: usize = 256;
+/// Most measurements, after reciprocal steps are combined.
+pub const MAX_MEASUREMENTS: usize = 256;
+/// Most image pixels.
+pub const MAX_PIXELS: usize = 1024;
+/// Most columns, and most rows, of the pixel grid.
+pub const MAX_GRID_SIDE: usize = 64;
+/// Most contacts reported for one image.
+pub const MAX_CONTACTS: usize = 8;
+/// Longest patch a board can hold, bytes: one of its two flash slots.
+pub const MAX_PATCH_BYTES: usize = 192 * 1024;

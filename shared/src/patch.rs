@@ -1,0 +1,511 @@
+//! Patch: everything a board needs to sense one skin, in one file.
+//!
+//! ```text
+//! offset  size                bytes
+//! 0       4                   magic "DSKP"
+//! 4       2                   format version (little-endian, like everything below)
+//! 6       2                   length of the header, h
+//! 8       4                   length of the whole patch
+//! 12      h                   header: PatchHeader in postcard encoding
+//! ..      4 * steps           stimulation table: drive plus, drive minus, sense plus, sense minus
+//! ..      2 * steps           combination: measurement each step adds to, bit 15 = subtract
+//! ..      mask bytes          pixel mask of the grid, one bit per cell
+//! ..      pixels              exponents of the matrix rows, i8
+//! ..      2 * pixels * meas.  reconstruction matrix, i16, [pixel][measurement]
+//! ..      4                   CRC-32 (ISO-HDLC) of all bytes before it
+//! ```
+//!
+//! A matrix entry is `mantissa * 2^-exponent`. [`PatchView`] reads a patch in place, from flash or
+//! from a file; [`PatchContents::write`] is its inverse.
+
+use crate::{
+    MAX_ELECTRODES, MAX_GRID_SIDE, MAX_MEASUREMENTS, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS,
+    image::{Geometry, PixelGrid, pixel_cells},
+    stimulation::Step,
+    units::RelativeConductivity,
+};
+use crc::{CRC_32_ISO_HDLC, Crc};
+use heapless::{String, Vec};
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
+/// First bytes of every patch.
+pub const MAGIC: [u8; 4] = *b"DSKP";
+/// Version of the layout above.
+pub const FORMAT_VERSION: u16 = 1;
+/// Checksum of patches and packets.
+pub const CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+const PREFIX_BYTES: usize = 12;
+const CRC_BYTES: usize = 4;
+const FLIPPED: u16 = 0x8000;
+
+/// How difference data is made from a frame and the reference; see [`crate::reference`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum Difference {
+    /// (v - v_ref) / mean |v_ref|
+    Plain,
+    /// (v - v_ref) / v_ref
+    Normalised,
+}
+
+/// How the skin is driven.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub struct Drive {
+    /// Carrier frequency, Hz.
+    pub frequency: f32,
+    /// Current amplitude, A.
+    pub amplitude: f32,
+    /// Frames per second.
+    pub frame_rate: f32,
+}
+
+/// Fixed facts of a patch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub struct PatchHeader {
+    /// Name of the skin it was built for.
+    pub skin: String<32>,
+    /// Electrodes on the rim.
+    pub electrodes: u8,
+    /// Stimulation steps in one frame.
+    pub steps: u16,
+    /// Measurements after reciprocal steps are combined; columns of the matrix.
+    pub measurements: u16,
+    /// Pixels; rows of the matrix.
+    pub pixels: u16,
+    /// Kind of difference data the matrix was computed for.
+    pub difference: Difference,
+    /// Where the pixels lie.
+    pub grid: PixelGrid,
+    /// How the skin is driven.
+    pub drive: Drive,
+    /// Smallest peak that counts as a contact.
+    pub contact_threshold: RelativeConductivity,
+}
+
+/// Where one step's code goes: the measurement it adds to, or subtracts from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CombinedInto {
+    /// Index of the measurement.
+    pub measurement: u16,
+    /// Whether the code is subtracted.
+    pub flipped: bool,
+}
+
+impl CombinedInto {
+    fn to_bytes(self) -> [u8; 2] {
+        (self.measurement | if self.flipped { FLIPPED } else { 0 }).to_le_bytes()
+    }
+
+    fn from_bytes(bytes: [u8; 2]) -> Self {
+        let word = u16::from_le_bytes(bytes);
+        Self { measurement: word & !FLIPPED, flipped: word & FLIPPED != 0 }
+    }
+}
+
+/// Why bytes are not a usable patch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PatchError {
+    /// The first four bytes are wrong.
+    #[error("not a patch: it does not start with \"DSKP\"")]
+    Magic,
+    /// Made for another version of the format.
+    #[error("patch format version {found} is unknown (this build reads version {FORMAT_VERSION})")]
+    Version {
+        /// Version in the file.
+        found: u16,
+    },
+    /// Shorter or longer than it says, or than its tables need.
+    #[error("patch is truncated or too long: it holds {found} bytes where {expected} are expected")]
+    Length {
+        /// Bytes expected.
+        expected: usize,
+        /// Bytes there.
+        found: usize,
+    },
+    /// The checksum does not match.
+    #[error("patch is damaged: CRC-32 is {found:#010x}, its content gives {computed:#010x}")]
+    Crc {
+        /// Checksum in the file.
+        found: u32,
+        /// Checksum of the content.
+        computed: u32,
+    },
+    /// The header cannot be decoded.
+    #[error("patch header cannot be decoded")]
+    Header,
+    /// A count is outside what a board can hold.
+    #[error("patch field `{field}` is {value}, allowed are {min} to {max}")]
+    Range {
+        /// Name of the field.
+        field: &'static str,
+        /// Its value.
+        value: usize,
+        /// Least allowed.
+        min: usize,
+        /// Most allowed.
+        max: usize,
+    },
+    /// A number that must be finite and positive is not.
+    #[error("patch field `{field}` must be a finite number above zero")]
+    NotPositive {
+        /// Name of the field.
+        field: &'static str,
+    },
+    /// A stimulation step names a missing electrode, or one electrode twice in a pair.
+    #[error("patch step {step} does not name pairs of two different electrodes")]
+    Step {
+        /// Index of the step.
+        step: usize,
+    },
+    /// A step adds to a measurement that does not exist, or a measurement gets no step.
+    #[error("patch combines its steps wrongly at measurement {measurement}")]
+    Combination {
+        /// Index of the measurement.
+        measurement: usize,
+    },
+    /// A matrix mantissa is -32,768, which the exact accumulation excludes.
+    #[error("patch matrix holds -32768 in the row of pixel {pixel}")]
+    Mantissa {
+        /// Index of the pixel.
+        pixel: usize,
+    },
+}
+
+/// What a patch holds, for writing one.
+#[derive(Clone, Copy, Debug)]
+pub struct PatchContents<'a> {
+    /// Fixed facts; its counts must match the tables.
+    pub header: &'a PatchHeader,
+    /// Stimulation table: `[step]`.
+    pub steps: &'a [Step],
+    /// Where each step's code goes: `[step]`.
+    pub combination: &'a [CombinedInto],
+    /// Pixel mask, one bit per cell.
+    pub mask: &'a [u8],
+    /// Exponents of the matrix rows: `[pixel]`.
+    pub exponents: &'a [i8],
+    /// Mantissas, -32,767 to 32,767: `[pixel][measurement]`.
+    pub matrix: &'a [i16],
+}
+
+impl PatchContents<'_> {
+    /// Writes the patch into `out` and gives its length; `None` if `out` is too short.
+    ///
+    /// [`PatchView::validate`] says whether the tables fit each other.
+    pub fn write(&self, out: &mut [u8]) -> Option<usize> {
+        let header_bytes = postcard::to_slice(self.header, out.get_mut(PREFIX_BYTES..)?).ok()?.len();
+        let mut end = PREFIX_BYTES + header_bytes;
+        let mut put = |bytes: &[u8]| {
+            out.get_mut(end..end + bytes.len())?.copy_from_slice(bytes);
+            end += bytes.len();
+            Some(())
+        };
+        self.steps.iter().try_for_each(|step| put(&step.to_bytes()))?;
+        self.combination.iter().try_for_each(|target| put(&target.to_bytes()))?;
+        put(self.mask)?;
+        self.exponents.iter().try_for_each(|exponent| put(&exponent.to_le_bytes()))?;
+        self.matrix.iter().try_for_each(|mantissa| put(&mantissa.to_le_bytes()))?;
+        let total = end + CRC_BYTES;
+        out.get_mut(..4)?.copy_from_slice(&MAGIC);
+        out.get_mut(4..6)?.copy_from_slice(&FORMAT_VERSION.to_le_bytes());
+        out.get_mut(6..8)?.copy_from_slice(&u16::try_from(header_bytes).ok()?.to_le_bytes());
+        out.get_mut(8..12)?.copy_from_slice(&u32::try_from(total).ok()?.to_le_bytes());
+        let crc = CRC32.checksum(out.get(..end)?);
+        out.get_mut(end..total)?.copy_from_slice(&crc.to_le_bytes());
+        Some(total)
+    }
+}
+
+/// A patch read in place.
+#[derive(Clone, Debug)]
+pub struct PatchView<'a> {
+    /// Fixed facts.
+    pub header: PatchHeader,
+    bytes: &'a [u8],
+    steps: &'a [u8],
+    combination: &'a [u8],
+    mask: &'a [u8],
+    exponents: &'a [u8],
+    matrix: &'a [u8],
+}
+
+impl<'a> PatchView<'a> {
+    /// Reads and checks everything: use it on bytes from outside.
+    pub fn validate(bytes: &'a [u8]) -> Result<Self, PatchError> {
+        let view = Self::open(bytes)?;
+        let computed = CRC32.checksum(&bytes[..bytes.len() - CRC_BYTES]);
+        if view.crc() != computed {
+            return Err(PatchError::Crc { found: view.crc(), computed });
+        }
+        view.check_counts()?;
+        view.check_tables()?;
+        Ok(view)
+    }
+
+    /// Finds the tables without checking their content: quick, for bytes validated before.
+    pub fn open(bytes: &'a [u8]) -> Result<Self, PatchError> {
+        let length_error = |expected| PatchError::Length { expected, found: bytes.len() };
+        let (prefix, rest) = bytes.split_first_chunk::<PREFIX_BYTES>().ok_or(length_error(PREFIX_BYTES))?;
+        let [m0, m1, m2, m3, v0, v1, h0, h1, t0, t1, t2, t3] = *prefix;
+        if [m0, m1, m2, m3] != MAGIC {
+            return Err(PatchError::Magic);
+        }
+        let version = u16::from_le_bytes([v0, v1]);
+        if version != FORMAT_VERSION {
+            return Err(PatchError::Version { found: version });
+        }
+        let total = u32::from_le_bytes([t0, t1, t2, t3]) as usize;
+        if total != bytes.len() {
+            return Err(length_error(total));
+        }
+        let header_bytes = usize::from(u16::from_le_bytes([h0, h1]));
+        let (header, tables) = rest.split_at_checked(header_bytes).ok_or(PatchError::Header)?;
+        let header: PatchHeader = postcard::from_bytes(header).map_err(|_| PatchError::Header)?;
+        let sizes = table_sizes(&header);
+        let expected = PREFIX_BYTES + header_bytes + sizes.iter().sum::<usize>() + CRC_BYTES;
+        if expected != bytes.len() {
+            return Err(length_error(expected));
+        }
+        let (steps, tables) = tables.split_at(sizes[0]);
+        let (combination, tables) = tables.split_at(sizes[1]);
+        let (mask, tables) = tables.split_at(sizes[2]);
+        let (exponents, tables) = tables.split_at(sizes[3]);
+        let matrix = &tables[..sizes[4]];
+        Ok(Self { header, bytes, steps, combination, mask, exponents, matrix })
+    }
+
+    /// All bytes of the patch.
+    #[must_use]
+    pub fn bytes(&self) -> &'a [u8] {
+        self.bytes
+    }
+
+    /// The checksum the patch carries, which also identifies it.
+    #[must_use]
+    pub fn crc(&self) -> u32 {
+        let last = self.bytes.last_chunk::<CRC_BYTES>();
+        last.map_or(0, |crc| u32::from_le_bytes(*crc))
+    }
+
+    /// Stimulation table: `[step]`.
+    pub fn steps(&self) -> impl Iterator<Item = Step> + use<'a> {
+        self.steps.chunks_exact(4).map(|b| Step::from_bytes([b[0], b[1], b[2], b[3]]))
+    }
+
+    /// Where each step's code goes: `[step]`.
+    pub fn combination(&self) -> impl Iterator<Item = CombinedInto> + use<'a> {
+        self.combination.chunks_exact(2).map(|b| CombinedInto::from_bytes([b[0], b[1]]))
+    }
+
+    /// Pixel mask, one bit per cell.
+    #[must_use]
+    pub fn mask(&self) -> &'a [u8] {
+        self.mask
+    }
+
+    /// Rows of the matrix with their exponents: `[pixel]` of little-endian i16 `[measurement]`.
+    pub fn rows(&self) -> impl Iterator<Item = (&'a [u8], i8)> + use<'a> {
+        let row_bytes = 2 * usize::from(self.header.measurements.max(1));
+        let exponents = self.exponents.iter().map(|&byte| i8::from_le_bytes([byte]));
+        self.matrix.chunks_exact(row_bytes).zip(exponents)
+    }
+
+    /// Grid and mask together, as viewers want them.
+    #[must_use]
+    pub fn geometry(&self) -> Geometry {
+        Geometry { grid: self.header.grid, mask: Vec::from_slice(self.mask).unwrap_or_default() }
+    }
+
+    fn check_counts(&self) -> Result<(), PatchError> {
+        let header = &self.header;
+        let range = |field, value: usize, min, max| {
+            if (min..=max).contains(&value) {
+                Ok(())
+            } else {
+                Err(PatchError::Range { field, value, min, max })
+            }
+        };
+        range("length", self.bytes.len(), 0, MAX_PATCH_BYTES)?;
+        range("electrodes", header.electrodes.into(), 4, MAX_ELECTRODES)?;
+        range("steps", header.steps.into(), 1, MAX_STEPS)?;
+        range("measurements", header.measurements.into(), 1, MAX_MEASUREMENTS)?;
+        range("pixels", header.pixels.into(), 1, MAX_PIXELS)?;
+        range("grid.columns", header.grid.columns.into(), 1, MAX_GRID_SIDE)?;
+        range("grid.rows", header.grid.rows.into(), 1, MAX_GRID_SIDE)?;
+        let pixels = usize::from(header.pixels);
+        range("mask pixels", pixel_cells(self.mask).count(), pixels, pixels)?;
+        let positive = |field, value: f32| {
+            if value.is_finite() && value > 0.0 { Ok(()) } else { Err(PatchError::NotPositive { field }) }
+        };
+        positive("grid.pitch", header.grid.pitch)?;
+        positive("grid.left", header.grid.left.abs() + 1.0)?;
+        positive("grid.top", header.grid.top.abs() + 1.0)?;
+        positive("drive.frequency", header.drive.frequency)?;
+        positive("drive.amplitude", header.drive.amplitude)?;
+        positive("drive.frame_rate", header.drive.frame_rate)
+    }
+
+    fn check_tables(&self) -> Result<(), PatchError> {
+        if let Some(step) = self.steps().position(|step| !step.is_valid(self.header.electrodes)) {
+            return Err(PatchError::Step { step });
+        }
+        let mut covered = [false; MAX_MEASUREMENTS];
+        let measurements = usize::from(self.header.measurements);
+        for target in self.combination() {
+            let measurement = usize::from(target.measurement);
+            if measurement >= measurements {
+                return Err(PatchError::Combination { measurement });
+            }
+            covered[measurement] = true;
+        }
+        if let Some(measurement) = covered[..measurements].iter().position(|&covered| !covered) {
+            return Err(PatchError::Combination { measurement });
+        }
+        let holds_min = |row: &[u8]| row.chunks_exact(2).any(|b| b == i16::MIN.to_le_bytes());
+        match self.rows().position(|(row, _)| holds_min(row)) {
+            Some(pixel) => Err(PatchError::Mantissa { pixel }),
+            None => Ok(()),
+        }
+    }
+}
+
+fn table_sizes(header: &PatchHeader) -> [usize; 5] {
+    let [steps, measurements, pixels] = [header.steps, header.measurements, header.pixels].map(usize::from);
+    // Products of two u16, doubled: at most 2^33, so they are computed saturating for 32-bit boards.
+    let matrix = pixels.saturating_mul(measurements).saturating_mul(2);
+    [4 * steps, 2 * steps, header.grid.mask_bytes(), pixels, matrix.min(u32::MAX as usize / 2)]
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::{frame::Frame, stimulation::pattern, units::AdcCode};
+    use proptest::prelude::*;
+
+    /// A patch of 8 electrodes, 2 x 2 pixels, whose pixel p reads measurement p.
+    pub(crate) fn small_patch(difference: Difference) -> std::vec::Vec<u8> {
+        let steps: std::vec::Vec<_> = pattern(8, 1, 1).collect();
+        let combination: std::vec::Vec<_> =
+            (0..steps.len() as u16).map(|measurement| CombinedInto { measurement, flipped: false }).collect();
+        let header = PatchHeader {
+            skin: String::try_from("small").unwrap(),
+            electrodes: 8,
+            steps: steps.len() as u16,
+            measurements: steps.len() as u16,
+            pixels: 4,
+            difference,
+            grid: PixelGrid { columns: 2, rows: 2, pitch: 0.01, left: -0.01, top: 0.01 },
+            drive: Drive { frequency: 50e3, amplitude: 1e-3, frame_rate: 50.0 },
+            contact_threshold: RelativeConductivity::from_f64(0.01),
+        };
+        let mut matrix = std::vec![0; 4 * steps.len()];
+        for pixel in 0..4 {
+            matrix[pixel * steps.len() + pixel] = 1 << 14;
+        }
+        let contents = PatchContents {
+            header: &header,
+            steps: &steps,
+            combination: &combination,
+            mask: &[0x0F],
+            exponents: &[14; 4],
+            matrix: &matrix,
+        };
+        let mut out = std::vec![0; 4096];
+        let length = contents.write(&mut out).unwrap();
+        out.truncate(length);
+        out
+    }
+
+    /// A frame of the small patch in which every code is `value`.
+    pub(crate) fn flat_frame(value: i32) -> Frame {
+        let codes = (0..40).map(|_| AdcCode(value)).collect();
+        Frame { codes, ..Frame::default() }
+    }
+
+    fn with_valid_crc(mut bytes: std::vec::Vec<u8>) -> std::vec::Vec<u8> {
+        let end = bytes.len() - CRC_BYTES;
+        let crc = CRC32.checksum(&bytes[..end]);
+        bytes[end..].copy_from_slice(&crc.to_le_bytes());
+        bytes
+    }
+
+    #[test]
+    fn a_written_patch_reads_back() {
+        let bytes = small_patch(Difference::Plain);
+        let patch = PatchView::validate(&bytes).unwrap();
+        assert_eq!(patch.header.skin, "small");
+        assert_eq!(
+            patch.steps().collect::<std::vec::Vec<_>>(),
+            pattern(8, 1, 1).collect::<std::vec::Vec<_>>()
+        );
+        assert_eq!(patch.rows().count(), 4);
+        let (row, exponent) = patch.rows().nth(2).unwrap();
+        assert_eq!((exponent, i16::from_le_bytes([row[4], row[5]])), (14, 1 << 14));
+    }
+
+    #[test]
+    fn wrong_magic_version_length_and_crc_are_told_apart() {
+        let good = small_patch(Difference::Plain);
+        let mut bytes = good.clone();
+        bytes[0] = b'X';
+        assert_eq!(PatchView::validate(&bytes).unwrap_err(), PatchError::Magic);
+        let mut bytes = good.clone();
+        bytes[4] = 9;
+        assert_eq!(PatchView::validate(&bytes).unwrap_err(), PatchError::Version { found: 9 });
+        let length = good.len();
+        assert_eq!(
+            PatchView::validate(&good[..length - 1]).unwrap_err(),
+            PatchError::Length { expected: length, found: length - 1 }
+        );
+        let mut bytes = good.clone();
+        bytes[length - 10] ^= 1;
+        assert!(matches!(PatchView::validate(&bytes), Err(PatchError::Crc { .. })));
+        assert!(matches!(PatchView::validate(&[]), Err(PatchError::Length { .. })));
+    }
+
+    #[test]
+    fn a_patch_for_more_electrodes_than_the_board_has_is_refused() {
+        let mut bytes = small_patch(Difference::Plain);
+        let electrodes = PREFIX_BYTES + 1 + "small".len();
+        assert_eq!(bytes[electrodes], 8);
+        bytes[electrodes] = 32;
+        let error = PatchView::validate(&with_valid_crc(bytes)).unwrap_err();
+        assert_eq!(error, PatchError::Range { field: "electrodes", value: 32, min: 4, max: 16 });
+    }
+
+    #[test]
+    fn a_step_on_a_missing_electrode_is_refused() {
+        let mut bytes = small_patch(Difference::Plain);
+        let electrodes = PREFIX_BYTES + 1 + "small".len();
+        bytes[electrodes] = 7;
+        let error = PatchView::validate(&with_valid_crc(bytes)).unwrap_err();
+        assert!(matches!(error, PatchError::Step { .. }));
+    }
+
+    proptest! {
+        #[test]
+        fn no_bytes_make_the_parser_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+            let _ = PatchView::validate(&bytes);
+        }
+
+        #[test]
+        fn no_damage_behind_a_valid_crc_makes_parser_or_pipeline_panic(
+            place in 4_usize..130,
+            value in any::<u8>(),
+            cut in 0_usize..3,
+        ) {
+            let mut bytes = small_patch(Difference::Normalised);
+            bytes.truncate(bytes.len() - cut);
+            bytes[place] = value;
+            let bytes = with_valid_crc(bytes);
+            if let Ok(patch) = PatchView::validate(&bytes) {
+                let mut state = crate::pipeline::PipelineState::default();
+                state.start_tare(1);
+                for value in [1000, 1200] {
+                    crate::pipeline::process(&patch, &mut state, &flat_frame(value));
+                }
+            }
+        }
+    }
+}

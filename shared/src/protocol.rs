@@ -1,0 +1,514 @@
+//! Protocol: every message on the wire, and its framing.
+//!
+//! A packet is a message in postcard encoding, followed by its CRC-32 (ISO-HDLC, little-endian),
+//! the whole COBS-encoded and ended by a zero byte. The first exchange is `Hello`; its two
+//! messages keep their encoding for ever, so that any two versions can tell each other apart.
+//! Requests carry a sequence number and get exactly one reply with the same number. Events carry
+//! a running number of their own, so that a lost event shows as a gap.
+
+use crate::{
+    MAX_PIXELS, MAX_STEPS,
+    contact::Contacts,
+    frame::FrameFlags,
+    image::{Geometry, Image},
+    patch::{CRC32, Drive},
+    units::{AdcCode, RelativeConductivity},
+};
+use heapless::{String, Vec};
+use postcard::ser_flavors::{Cobs, Slice, crc::CrcModifier};
+use postcard_schema::{Schema, key::hash::fnv1a64};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+/// Version of the messages below. Grows with every incompatible change.
+pub const PROTOCOL_VERSION: u16 = 1;
+/// Longest packet on the wire, with its framing, bytes.
+pub const MAX_PACKET_BYTES: usize = 4096;
+/// Longest piece of a patch in one request, bytes.
+pub const MAX_CHUNK_BYTES: usize = 512;
+
+/// Hash of all message types: two builds with the same hash understand each other.
+#[must_use]
+pub fn schema_hash() -> [u8; 8] {
+    let requests = fnv1a64::hash_ty_path::<RequestPacket>("request");
+    let from_board = fnv1a64::hash_ty_path::<BoardPacket>("board");
+    (u64::from_le_bytes(requests) ^ u64::from_le_bytes(from_board).rotate_left(1)).to_le_bytes()
+}
+
+/// From the host: one request.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub struct RequestPacket {
+    /// Chosen by the host, repeated in the reply.
+    pub sequence: u16,
+    /// What is asked.
+    pub request: Request,
+}
+
+/// What a host can ask of a board.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub enum Request {
+    /// Who are you, and do we speak the same language?
+    Hello(Version),
+    /// What do you hold and do?
+    Info,
+    /// A patch of this length and checksum will follow.
+    BeginUpload {
+        /// Length of the whole patch, bytes.
+        length: u32,
+        /// CRC-32 the patch ends with.
+        crc: u32,
+    },
+    /// The next piece of the patch.
+    UploadChunk {
+        /// Where it belongs; must be where the last piece ended.
+        offset: u32,
+        /// The piece.
+        bytes: Vec<u8, MAX_CHUNK_BYTES>,
+    },
+    /// The patch is complete: check it and use it from now on.
+    CommitUpload,
+    /// Average this many frames of the untouched skin as the new reference.
+    Tare {
+        /// Frames to average.
+        frames: u16,
+    },
+    /// Which pixels does the image have, and where?
+    Geometry,
+    /// Send these events with every frame from now on, and no others.
+    Stream(Selection),
+}
+
+/// A protocol version and schema hash; see [`PROTOCOL_VERSION`] and [`schema_hash`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct Version {
+    /// Version of the messages.
+    pub protocol: u16,
+    /// Hash of all message types.
+    pub schema: [u8; 8],
+}
+
+impl Version {
+    /// The version this build speaks.
+    #[must_use]
+    pub fn current() -> Self {
+        Self { protocol: PROTOCOL_VERSION, schema: schema_hash() }
+    }
+}
+
+/// Which events a host wants with every frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct Selection {
+    /// [`Event::Image`].
+    pub images: bool,
+    /// [`Event::Contacts`].
+    pub contacts: bool,
+    /// [`Event::Measurements`].
+    pub measurements: bool,
+}
+
+impl Selection {
+    /// Whether anything is wanted.
+    #[must_use]
+    pub fn any(self) -> bool {
+        self.images || self.contacts || self.measurements
+    }
+}
+
+/// From the board: a reply or an event.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub enum BoardPacket {
+    /// The answer to one request.
+    Reply {
+        /// Sequence number of the request.
+        sequence: u16,
+        /// The answer.
+        reply: Reply,
+    },
+    /// Something that happened.
+    Event {
+        /// Running number of events since the board started.
+        number: u32,
+        /// What happened.
+        event: Event,
+    },
+}
+
+/// Answers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub enum Reply {
+    /// To [`Request::Hello`].
+    Hello {
+        /// The version the board speaks.
+        version: Version,
+        /// Who it is.
+        identity: Identity,
+    },
+    /// To [`Request::Info`].
+    Info(Info),
+    /// To [`Request::Geometry`].
+    Geometry(Geometry),
+    /// To [`Request::Stream`]: the sequence number of the first frame that will be streamed.
+    Streaming {
+        /// Sequence number of that frame.
+        first_sequence: u32,
+    },
+    /// Done, and nothing more to say.
+    Done,
+    /// Not done.
+    Refused(Refusal),
+}
+
+/// Who a board is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct Identity {
+    /// Kind of board, e.g. "nucleo-g474re" or "simulated".
+    pub board: String<32>,
+    /// Version of its firmware.
+    pub firmware: String<16>,
+}
+
+/// What a board holds and does.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub struct Info {
+    /// Electrodes the board can switch.
+    pub electrodes: u8,
+    /// Longest patch it can store, bytes.
+    pub max_patch_bytes: u32,
+    /// The patch in use.
+    pub patch: Option<PatchInfo>,
+    /// Whether there is a reference, so that images can be made.
+    pub tared: bool,
+    /// Events being streamed.
+    pub streaming: Selection,
+}
+
+/// The patch a board uses.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub struct PatchInfo {
+    /// Its checksum, which identifies it.
+    pub crc: u32,
+    /// Name of the skin.
+    pub skin: String<32>,
+    /// Electrodes.
+    pub electrodes: u8,
+    /// Steps in a frame.
+    pub steps: u16,
+    /// Measurements after reciprocal steps are combined.
+    pub measurements: u16,
+    /// Pixels of the image.
+    pub pixels: u16,
+    /// How the skin is driven.
+    pub drive: Drive,
+}
+
+/// Why a board did not do what was asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema, thiserror::Error)]
+pub enum Refusal {
+    /// The host speaks another version.
+    #[error(
+        "the board speaks protocol version {board}; this host speaks another (update the older of the two)"
+    )]
+    Version {
+        /// The version the board speaks.
+        board: u16,
+    },
+    /// Nothing can be measured or drawn without a patch.
+    #[error("the board holds no patch (send one with `dermatome flash`)")]
+    NoPatch,
+    /// Nothing can be streamed without a reference.
+    #[error("the board has no reference frame (make one with `dermatome tare`)")]
+    NotTared,
+    /// The patch does not fit.
+    #[error("the patch holds {length} bytes, the board stores at most {max}")]
+    TooLong {
+        /// Length of the patch.
+        length: u32,
+        /// Most the board stores.
+        max: u32,
+    },
+    /// No upload is under way.
+    #[error("no upload is under way on the board")]
+    NoUpload,
+    /// A piece came out of turn.
+    #[error("the board expected the patch to continue at byte {expected}")]
+    OutOfOrder {
+        /// Where the next piece must start.
+        expected: u32,
+    },
+    /// The uploaded patch is damaged or not one this board can use; the old one stays.
+    #[error(
+        "the board checked the uploaded patch and found it damaged or unusable; it keeps the patch it had"
+    )]
+    BadPatch,
+    /// The board could not write its storage; the old patch stays.
+    #[error("the board could not write its patch storage; it keeps the patch it had")]
+    Storage,
+    /// A number in the request is out of range.
+    #[error("the board does not accept that number of frames (allowed are 1 to {max})")]
+    TareFrames {
+        /// Most frames.
+        max: u16,
+    },
+    /// This board cannot do that.
+    #[error("this board does not support that yet")]
+    Unsupported,
+}
+
+/// What a board tells unasked.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub enum Event {
+    /// A tare is complete.
+    Tared {
+        /// Frames averaged.
+        frames: u16,
+    },
+    /// Image of one frame.
+    Image {
+        /// Which frame.
+        at: FrameStamp,
+        /// The image.
+        image: PackedImage,
+    },
+    /// Contacts of one frame.
+    Contacts {
+        /// Which frame.
+        at: FrameStamp,
+        /// The contacts, strongest first.
+        contacts: Contacts,
+    },
+    /// Raw codes of one frame.
+    Measurements {
+        /// Which frame.
+        at: FrameStamp,
+        /// In-phase voltages: `[step]`.
+        codes: Vec<AdcCode, MAX_STEPS>,
+    },
+}
+
+/// Which frame an event belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct FrameStamp {
+    /// Running number of the frame since the board started.
+    pub sequence: u32,
+    /// When the scan ended, microseconds of the board's clock.
+    pub timestamp_us: u64,
+    /// What was wrong with the frame.
+    pub flags: FrameFlags,
+}
+
+/// An image for the wire: 16-bit mantissas with one exponent.
+///
+/// `value[pixel] = mantissas[pixel] * 2^-exponent`. Rounding is at most half a step, 2^-15 of the
+/// largest value.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct PackedImage {
+    /// Binary places after the point, 4 to 20.
+    pub exponent: i8,
+    /// Mantissas: `[pixel]`.
+    pub mantissas: Vec<i16, MAX_PIXELS>,
+}
+
+impl PackedImage {
+    /// Packs an image.
+    #[must_use]
+    pub fn pack(image: &Image) -> Self {
+        let largest = image.iter().map(|value| value.0.unsigned_abs()).max().unwrap_or(0);
+        // Bits beyond the 15 of a mantissa, with room for the rounding up.
+        let shift = (33 - largest.saturating_add(largest >> 15).leading_zeros() as i32 - 16).max(0);
+        let half = if shift > 0 { 1_i64 << (shift - 1) } else { 0 };
+        let round = |value: &RelativeConductivity| ((i64::from(value.0) + half) >> shift) as i16;
+        Self {
+            exponent: (RelativeConductivity::FRACTION_BITS - shift) as i8,
+            mantissas: image.iter().map(round).collect(),
+        }
+    }
+
+    /// Relative conductivity of each pixel.
+    pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
+        let step = 1.0 / (1_u64 << self.exponent.clamp(0, 62)) as f64;
+        self.mantissas.iter().map(move |&mantissa| f64::from(mantissa) * step)
+    }
+}
+
+/// Encodes a message as one packet, its final zero byte included, at the start of `out`.
+///
+/// Fails only if `out` is too short; [`MAX_PACKET_BYTES`] are always enough.
+pub fn encode<'a, T: Serialize>(message: &T, out: &'a mut [u8]) -> Result<&'a [u8], PacketError> {
+    let length = {
+        let cobs = Cobs::try_new(Slice::new(out)).map_err(|_| PacketError::TooLong)?;
+        let packet = CrcModifier::new(cobs, CRC32.digest());
+        postcard::serialize_with_flavor(message, packet).map_err(|_| PacketError::TooLong)?.len()
+    };
+    Ok(&out[..length])
+}
+
+/// Decodes one packet, without its final zero byte; `packet` is overwritten.
+pub fn decode<T: DeserializeOwned>(packet: &mut [u8]) -> Result<T, PacketError> {
+    let length = cobs::decode_in_place(packet).map_err(|_| PacketError::Framing)?;
+    let (message, crc) = packet[..length].split_last_chunk::<4>().ok_or(PacketError::Framing)?;
+    if CRC32.checksum(message) != u32::from_le_bytes(*crc) {
+        return Err(PacketError::Crc);
+    }
+    postcard::from_bytes(message).map_err(|_| PacketError::Message)
+}
+
+/// Why bytes are not a packet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PacketError {
+    /// The message does not fit the buffer.
+    #[error("packet is longer than {MAX_PACKET_BYTES} bytes")]
+    TooLong,
+    /// Not COBS, or too short to hold a checksum.
+    #[error("packet is not framed as COBS")]
+    Framing,
+    /// The checksum does not match.
+    #[error("packet is damaged (CRC-32 mismatch)")]
+    Crc,
+    /// Checksum correct, message unknown: another protocol version.
+    #[error("packet holds no message this protocol version knows")]
+    Message,
+}
+
+/// Collects received bytes into packets.
+#[derive(Clone, Debug)]
+pub struct PacketReader {
+    buffer: [u8; MAX_PACKET_BYTES],
+    length: usize,
+    overflown: bool,
+}
+
+impl Default for PacketReader {
+    fn default() -> Self {
+        Self { buffer: [0; MAX_PACKET_BYTES], length: 0, overflown: false }
+    }
+}
+
+impl PacketReader {
+    /// Takes one byte; gives a result where it ends a packet. Empty packets are skipped, so that
+    /// a sender can end line noise with a zero byte before its first packet.
+    pub fn push<T: DeserializeOwned>(&mut self, byte: u8) -> Option<Result<T, PacketError>> {
+        if byte != 0 {
+            match self.buffer.get_mut(self.length) {
+                Some(place) => *place = byte,
+                None => self.overflown = true,
+            }
+            self.length = (self.length + 1).min(MAX_PACKET_BYTES);
+            return None;
+        }
+        let length = core::mem::take(&mut self.length);
+        if core::mem::take(&mut self.overflown) {
+            return Some(Err(PacketError::TooLong));
+        }
+        (length > 0).then(|| decode(&mut self.buffer[..length]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::MAX_CONTACTS;
+    use crate::contact::Contact;
+    use proptest::prelude::*;
+
+    fn feed(bytes: &[u8]) -> std::vec::Vec<Result<RequestPacket, PacketError>> {
+        let mut reader = PacketReader::default();
+        bytes.iter().filter_map(|&byte| reader.push(byte)).collect()
+    }
+
+    fn hello(sequence: u16) -> RequestPacket {
+        RequestPacket { sequence, request: Request::Hello(Version::current()) }
+    }
+
+    #[test]
+    fn packets_survive_the_wire_between_noise() {
+        let mut buffer = [0; 64];
+        let mut stream = std::vec![7, 7, 0];
+        stream.extend(encode(&hello(5), &mut buffer).unwrap());
+        stream.extend(encode(&RequestPacket { sequence: 6, request: Request::Info }, &mut buffer).unwrap());
+        let got = feed(&stream);
+        assert_eq!(got.len(), 3);
+        assert!(got[0].is_err());
+        assert_eq!(got[1], Ok(hello(5)));
+        assert_eq!(got[2], Ok(RequestPacket { sequence: 6, request: Request::Info }));
+    }
+
+    #[test]
+    fn every_single_flipped_bit_is_noticed() {
+        let mut buffer = [0; 64];
+        let packet = encode(&hello(1), &mut buffer).unwrap().to_vec();
+        for bit in 0..packet.len() * 8 {
+            let mut damaged = packet.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            assert!(!feed(&damaged).contains(&Ok(hello(1))), "bit {bit}");
+        }
+    }
+
+    #[test]
+    fn a_packet_that_overflows_is_an_error_and_the_next_one_is_read() {
+        let mut stream = std::vec![1; MAX_PACKET_BYTES + 1];
+        stream.push(0);
+        let mut buffer = [0; 64];
+        stream.extend(encode(&hello(2), &mut buffer).unwrap());
+        assert_eq!(feed(&stream), [Err(PacketError::TooLong), Ok(hello(2))]);
+    }
+
+    #[test]
+    fn the_longest_messages_fit_a_packet() {
+        let at = FrameStamp { sequence: u32::MAX, timestamp_us: u64::MAX, flags: FrameFlags(255) };
+        let contact = Contact { position: [0.1; 2], area: 0.1, strength: 0.1, peak: 0.1 };
+        let image = PackedImage { exponent: -1, mantissas: (0..MAX_PIXELS).map(|_| i16::MIN).collect() };
+        let events = [
+            Event::Image { at, image },
+            Event::Contacts { at, contacts: (0..MAX_CONTACTS).map(|_| contact).collect() },
+            Event::Measurements { at, codes: (0..MAX_STEPS).map(|_| AdcCode(i32::MIN)).collect() },
+        ];
+        for event in events {
+            let mut buffer = [0; MAX_PACKET_BYTES];
+            encode(&BoardPacket::Event { number: u32::MAX, event }, &mut buffer).unwrap();
+        }
+    }
+
+    /// Hello must stay readable by every version there will ever be: these bytes never change.
+    #[test]
+    fn hello_keeps_its_bytes_for_ever() {
+        let version = Version { protocol: 1, schema: [1, 2, 3, 4, 5, 6, 7, 8] };
+        let request = RequestPacket { sequence: 2, request: Request::Hello(version) };
+        let mut buffer = [0; 64];
+        assert_eq!(postcard::to_slice(&request, &mut buffer).unwrap(), [2, 0, 1, 1, 2, 3, 4, 5, 6, 7, 8]);
+        let identity =
+            Identity { board: String::try_from("b").unwrap(), firmware: String::try_from("f").unwrap() };
+        let reply = BoardPacket::Reply { sequence: 2, reply: Reply::Hello { version, identity } };
+        let expected = [0, 2, 0, 1, 1, 2, 3, 4, 5, 6, 7, 8, 1, b'b', 1, b'f'];
+        assert_eq!(postcard::to_slice(&reply, &mut buffer).unwrap(), expected);
+    }
+
+    proptest! {
+        #[test]
+        fn no_bytes_make_the_reader_panic(bytes in prop::collection::vec(any::<u8>(), 0..600)) {
+            let mut reader = PacketReader::default();
+            for byte in bytes {
+                let _ = reader.push::<RequestPacket>(byte);
+            }
+        }
+
+        #[test]
+        fn no_message_bytes_make_the_decoder_panic(message in prop::collection::vec(any::<u8>(), 0..200)) {
+            let _ = postcard::from_bytes::<RequestPacket>(&message);
+            let _ = postcard::from_bytes::<BoardPacket>(&message);
+        }
+
+        #[test]
+        fn packing_an_image_keeps_it_to_half_a_step(
+            values in prop::collection::vec(any::<i32>(), 1..50),
+            shift in 0_u32..31,
+        ) {
+            let image: Image = values.iter().map(|value| RelativeConductivity(value >> shift)).collect();
+            let packed = PackedImage::pack(&image);
+            let largest = image.iter().map(|value| value.to_f64().abs()).fold(0.0, f64::max);
+            let half_step = 0.5 / f64::from(packed.exponent).exp2();
+            prop_assert!(packed.exponent == 20 || half_step <= largest / 32_000.0);
+            for (value, back) in image.iter().zip(packed.values()) {
+                prop_assert!((value.to_f64() - back).abs() <= half_step + 1e-12);
+            }
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! Reference and difference data: the untouched skin is averaged once (the *tare*), and every
+//! later frame becomes its change relative to that.
+//!
+//! Both kinds of difference data are ratios of codes, so gain, drive amplitude and the scale of
+//! the converter cancel, and the reconstruction matrix always yields relative conductivity:
+//!
+//! - normalised: y = (v - v_ref) / v_ref
+//! - plain: y = (v - v_ref) / mean |v_ref|, the mean taken over all measurements
+//!
+//! Subtraction is exact (64-bit integers); the one rounding before quantisation is in single
+//! precision, which every IEEE machine does alike.
+
+use crate::{
+    MAX_MEASUREMENTS,
+    frame::Frame,
+    patch::{Difference, PatchView},
+};
+use heapless::Vec;
+
+/// Frames averaged by default for one reference (thesis section 4.1: twenty).
+pub const DEFAULT_TARE_FRAMES: u16 = 20;
+
+/// The averaged untouched frame, kept as exact sums.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reference {
+    /// Frames summed.
+    frames: u16,
+    /// Sum of codes over the frames: `[measurement]`.
+    sums: Vec<i64, MAX_MEASUREMENTS>,
+    /// What turns `frames * v - sum` into difference data: `[measurement]`.
+    scales: Vec<f32, MAX_MEASUREMENTS>,
+}
+
+/// A reference that is still being averaged.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tare {
+    remaining: u16,
+    reference: Reference,
+}
+
+impl Tare {
+    /// Starts to average `frames` frames (at least one).
+    #[must_use]
+    pub fn new(frames: u16) -> Self {
+        Self { remaining: frames.max(1), reference: Reference::default() }
+    }
+
+    /// Adds one frame; gives the finished reference with the last one.
+    pub fn add(&mut self, patch: &PatchView<'_>, frame: &Frame) -> Option<Reference> {
+        let mut measured = Vec::new();
+        combine_steps(patch, frame, &mut measured);
+        let sums = &mut self.reference.sums;
+        if sums.len() != measured.len() {
+            sums.clear();
+            // Both have the same capacity, so this cannot fail.
+            let _ = sums.resize(measured.len(), 0);
+        }
+        for (sum, value) in sums.iter_mut().zip(&measured) {
+            *sum += value;
+        }
+        self.reference.frames += 1;
+        self.remaining -= 1;
+        if self.remaining > 0 {
+            return None;
+        }
+        let mut reference = core::mem::take(&mut self.reference);
+        reference.scales = scales(patch, &reference);
+        Some(reference)
+    }
+}
+
+impl Reference {
+    /// Sums of codes over [`Self::frames`] frames: `[measurement]`.
+    #[must_use]
+    pub fn sums(&self) -> &[i64] {
+        &self.sums
+    }
+
+    /// How many frames were averaged.
+    #[must_use]
+    pub fn frames(&self) -> u16 {
+        self.frames
+    }
+
+    /// Difference data of one frame with respect to this reference.
+    ///
+    /// A measurement whose reference is zero cannot be normalised and reads zero.
+    pub fn difference(&self, patch: &PatchView<'_>, frame: &Frame, out: &mut DifferenceData) {
+        let mut measured = Vec::new();
+        combine_steps(patch, frame, &mut measured);
+        let mut relative: Vec<f32, MAX_MEASUREMENTS> = Vec::new();
+        for ((value, sum), scale) in measured.iter().zip(&self.sums).zip(&self.scales) {
+            let change = value * i64::from(self.frames) - sum;
+            let _ = relative.push(change as f32 * scale);
+        }
+        out.quantise(&relative);
+    }
+}
+
+/// Difference data in block floating point: `y[m] = codes[m] * 2^-exponent`.
+///
+/// The exponent is chosen anew for each frame so that the largest code lies in 16,384 to 32,767;
+/// the rounding error is at most half a step, 2^-15 of the largest value.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DifferenceData {
+    /// Mantissas: `[measurement]`.
+    pub codes: Vec<i16, MAX_MEASUREMENTS>,
+    /// Binary places after the point, -60 to 60.
+    pub exponent: i32,
+}
+
+impl DifferenceData {
+    /// Quantises relative changes, `[measurement]`; values that are not finite read zero.
+    pub fn quantise(&mut self, relative: &[f32]) {
+        let finite = |y: f32| if y.is_finite() { y } else { 0.0 };
+        let largest = relative.iter().fold(0.0_f32, |max, &y| max.max(finite(y).abs()));
+        let floor_log2 = (largest.to_bits() >> 23) as i32 - 127;
+        self.exponent = if largest == 0.0 { 0 } else { (14 - floor_log2).clamp(-60, 60) };
+        let scale = f32::from_bits(((127 + self.exponent) as u32) << 23);
+        self.codes.clear();
+        for &y in relative.iter().take(MAX_MEASUREMENTS) {
+            let scaled = finite(y) * scale;
+            let rounded = (scaled + 0.5_f32.copysign(scaled)) as i32;
+            let _ = self.codes.push(rounded.clamp(-32_767, 32_767) as i16);
+        }
+    }
+}
+
+/// Adds up the steps that measure the same thing (reciprocal pairs), each with its sign.
+fn combine_steps(patch: &PatchView<'_>, frame: &Frame, out: &mut Vec<i64, MAX_MEASUREMENTS>) {
+    out.clear();
+    let _ = out.resize(usize::from(patch.header.measurements).min(MAX_MEASUREMENTS), 0);
+    for (code, target) in frame.codes.iter().zip(patch.combination()) {
+        if let Some(sum) = out.get_mut(usize::from(target.measurement)) {
+            let value = i64::from(code.0);
+            *sum += if target.flipped { -value } else { value };
+        }
+    }
+}
+
+fn scales(patch: &PatchView<'_>, reference: &Reference) -> Vec<f32, MAX_MEASUREMENTS> {
+    match patch.header.difference {
+        Difference::Normalised => reference.sums.iter().map(|&sum| inverse_or_zero(sum as f32)).collect(),
+        Difference::Plain => plain_scales(patch, reference),
+    }
+}
+
+/// 1 / (steps of this measurement * frames * mean |v_ref|): see the module's formula.
+fn plain_scales(patch: &PatchView<'_>, reference: &Reference) -> Vec<f32, MAX_MEASUREMENTS> {
+    let mut steps: Vec<f32, MAX_MEASUREMENTS> = Vec::new();
+    let _ = steps.resize(reference.sums.len(), 0.0);
+    for target in patch.combination() {
+        if let Some(count) = steps.get_mut(usize::from(target.measurement)) {
+            *count += 1.0;
+        }
+    }
+    let total: f32 =
+        reference.sums.iter().zip(&steps).map(|(&sum, &count)| sum.unsigned_abs() as f32 / count).sum();
+    let mean_times_frames = total / reference.sums.len().max(1) as f32;
+    steps.iter().map(|&count| inverse_or_zero(count * mean_times_frames)).collect()
+}
+
+fn inverse_or_zero(value: f32) -> f32 {
+    if value == 0.0 || !value.is_finite() { 0.0 } else { 1.0 / value }
+}
