@@ -45,6 +45,7 @@ pub struct RequestPacket {
 
 /// What a host can ask of a board.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[expect(clippy::large_enum_variant, reason = "there is no allocator to box with")]
 pub enum Request {
     /// Who are you, and do we speak the same language?
     Hello(Version),
@@ -115,6 +116,7 @@ impl Selection {
 
 /// From the board: a reply or an event.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[expect(clippy::large_enum_variant, reason = "there is no allocator to box with")]
 pub enum BoardPacket {
     /// The answer to one request.
     Reply {
@@ -134,6 +136,7 @@ pub enum BoardPacket {
 
 /// Answers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[expect(clippy::large_enum_variant, reason = "there is no allocator to box with")]
 pub enum Reply {
     /// To [`Request::Hello`].
     Hello {
@@ -255,6 +258,7 @@ pub enum Refusal {
 
 /// What a board tells unasked.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[expect(clippy::large_enum_variant, reason = "there is no allocator to box with")]
 pub enum Event {
     /// A tare is complete.
     Tared {
