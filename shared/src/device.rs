@@ -147,6 +147,7 @@ impl<S: PatchStore> Device<S> {
             Request::Hello(version) => self.hello(*version),
             Request::Info => Ok(Reply::Info(self.info())),
             Request::Geometry => Ok(Reply::Geometry(self.patch().ok_or(Refusal::NoPatch)?.geometry())),
+            Request::Reference => self.reference(),
             Request::BeginUpload { length, crc } => self.begin_upload(*length, *crc),
             Request::UploadChunk { offset, bytes } => self.upload_chunk(*offset, bytes),
             Request::CommitUpload => self.commit_upload(),
@@ -178,6 +179,12 @@ impl<S: PatchStore> Device<S> {
             tared: self.pipeline.reference().is_some(),
             streaming: self.streaming,
         }
+    }
+
+    fn reference(&self) -> Result<Reply, Refusal> {
+        let reference = self.pipeline.reference().ok_or(Refusal::NotTared)?;
+        let sums = reference.sums().iter().copied().collect();
+        Ok(Reply::Reference { frames: reference.frames(), sums })
     }
 
     fn begin_upload(&mut self, length: u32, crc: u32) -> Result<Reply, Refusal> {
@@ -348,6 +355,8 @@ mod tests {
         assert_eq!(ask(&mut device, Request::Tare { frames: 2 }), Reply::Done);
         assert!(events(&mut device, &frame(0, 100)).is_empty());
         assert_eq!(events(&mut device, &frame(1, 100)), [(0, Event::Tared { frames: 2 })]);
+        let sums = (0..40).map(|_| 200).collect();
+        assert_eq!(ask(&mut device, Request::Reference), Reply::Reference { frames: 2, sums });
         assert_eq!(ask(&mut device, Request::Stream(wanted)), Reply::Streaming { first_sequence: 2 });
         let seen = events(&mut device, &frame(2, 150));
         assert!(matches!(seen[0], (1, Event::Image { .. })));

@@ -7,7 +7,7 @@
 //! a running number of their own, so that a lost event shows as a gap.
 
 use crate::{
-    MAX_PIXELS, MAX_STEPS,
+    MAX_MEASUREMENTS, MAX_PIXELS, MAX_STEPS,
     contact::Contacts,
     frame::FrameFlags,
     image::{Geometry, Image},
@@ -74,6 +74,8 @@ pub enum Request {
     },
     /// Which pixels does the image have, and where?
     Geometry,
+    /// Which reference are frames compared with?
+    Reference,
     /// Send these events with every frame from now on, and no others.
     Stream(Selection),
 }
@@ -149,6 +151,13 @@ pub enum Reply {
     Info(Info),
     /// To [`Request::Geometry`].
     Geometry(Geometry),
+    /// To [`Request::Reference`].
+    Reference {
+        /// Frames averaged.
+        frames: u16,
+        /// Sum of codes over those frames: `[measurement]`.
+        sums: Vec<i64, MAX_MEASUREMENTS>,
+    },
     /// To [`Request::Stream`]: the sequence number of the first frame that will be streamed.
     Streaming {
         /// Sequence number of that frame.
