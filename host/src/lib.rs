@@ -5,7 +5,14 @@
 
 pub mod board;
 pub mod cli;
+pub mod forward;
+pub mod inverse;
+pub mod jacobian;
 pub mod link;
 pub mod measured;
+pub mod mesh;
 pub mod output;
+pub mod pixels;
+pub mod prior;
+pub mod skin;
 pub mod view;

@@ -1,0 +1,105 @@
+//! One first-order triangle, laid flat by its edge lengths, so that flat sheets and surfaces in
+//! space are one code path (thesis equations 2.3 and 5.6 to 5.11; the sign of equation 5.10 is
+//! misprinted there: df1/dx = -1/a2).
+
+use nalgebra::Point3;
+
+/// Gradients of the three shape functions in the triangle's own plane, times the square root of
+/// its area: `[axis][corner]`.
+///
+/// Row products give the local admittance of unit conductivity, K = G' G: the factor is stored
+/// because fields and Jacobian both want it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gradients(pub [[f64; 3]; 2]);
+
+impl Gradients {
+    /// Gradients of the triangle with these corners.
+    ///
+    /// In the plane: corner 0 at (0, 0), corner 1 at (a, 0), corner 2 at (b, c) with c > 0
+    /// whatever the orientation.
+    #[must_use]
+    pub fn of(corners: [Point3<f64>; 3]) -> Self {
+        let base = corners[1] - corners[0];
+        let side = corners[2] - corners[0];
+        let a = base.norm();
+        let b = side.dot(&base) / a;
+        let c = base.cross(&side).norm() / a;
+        // Twice the area is a c; dividing the rows by 2 area / sqrt(area):
+        let scale = 1.0 / (2.0 * a * c).sqrt();
+        Self([[-c * scale, c * scale, 0.0], [(b - a) * scale, -b * scale, a * scale]])
+    }
+
+    /// Local admittance at unit conductivity between corners `i` and `j`, S.
+    #[must_use]
+    pub fn admittance(&self, i: usize, j: usize) -> f64 {
+        self.0[0][i] * self.0[0][j] + self.0[1][i] * self.0[1][j]
+    }
+
+    /// Gradient of the field with these corner values, times the square root of the area.
+    #[must_use]
+    pub fn of_field(&self, values: [f64; 3]) -> [f64; 2] {
+        self.0.map(|row| row[0] * values[0] + row[1] * values[1] + row[2] * values[2])
+    }
+}
+
+/// Area of a triangle in space.
+#[must_use]
+pub fn area(corners: [Point3<f64>; 3]) -> f64 {
+    (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).norm() / 2.0
+}
+
+/// Smallest angle of a triangle, rad.
+#[must_use]
+pub fn smallest_angle(corners: [Point3<f64>; 3]) -> f64 {
+    let angle_at = |i: usize| {
+        let (u, v) = (corners[(i + 1) % 3] - corners[i], corners[(i + 2) % 3] - corners[i]);
+        u.cross(&v).norm().atan2(u.dot(&v))
+    };
+    (0..3).map(angle_at).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Rotation3, Vector3};
+    use proptest::prelude::*;
+
+    fn admittance(corners: [Point3<f64>; 3]) -> [f64; 9] {
+        let gradients = Gradients::of(corners);
+        std::array::from_fn(|k| gradients.admittance(k / 3, k % 3))
+    }
+
+    #[test]
+    fn right_triangle_has_the_textbook_admittance() {
+        let corners = [Point3::origin(), Point3::new(2.0, 0.0, 0.0), Point3::new(0.0, 2.0, 0.0)];
+        let expected = [1.0, -0.5, -0.5, -0.5, 0.5, 0.0, -0.5, 0.0, 0.5];
+        for (got, want) in admittance(corners).iter().zip(expected) {
+            assert!((got - want).abs() < 1e-15);
+        }
+    }
+
+    fn corners() -> impl Strategy<Value = [Point3<f64>; 3]> {
+        let point = || prop::array::uniform3(-1.0..1.0_f64).prop_map(Point3::from);
+        [point(), point(), point()].prop_filter("not a sliver", |corners| smallest_angle(*corners) > 0.05)
+    }
+
+    proptest! {
+        #[test]
+        fn neither_orientation_nor_pose_nor_size_matters(
+            corners in corners(),
+            axis in prop::array::uniform3(-3.0..3.0_f64),
+            size in 0.01..100.0,
+        ) {
+            let original = admittance(corners);
+            let [p, q, r] = corners;
+            let turned = admittance([p, r, q]);
+            let swap = [0, 2, 1];
+            let rotation = Rotation3::new(Vector3::from(axis));
+            let moved = admittance(corners.map(|p| (rotation * p) * size + Vector3::new(1.0, 2.0, 3.0)));
+            for k in 0..9 {
+                prop_assert!((original[k] - turned[swap[k / 3] * 3 + swap[k % 3]]).abs() < 1e-9 * original[k].abs().max(1.0));
+                prop_assert!((original[k] - moved[k]).abs() < 1e-8 * original[k].abs().max(1.0));
+            }
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! Every stage against EIDORS' numbers on EIDORS' own meshes: see tests/data/eidors/README.md.
+
+use dermatome::{
+    forward::{Fields, ForwardModel},
+    inverse::reconstruction_matrix,
+    jacobian::jacobian,
+    mesh::{ElectrodeContact, Mesh},
+    pixels,
+    prior::Prior,
+    skin,
+};
+use dermatome_shared::stimulation::{Step, pattern};
+use faer::{Col, Mat};
+use nalgebra::Point3;
+use std::{collections::HashMap, fs::File, io::BufReader, path::Path};
+
+/// One reference file with the model it describes.
+struct Reference {
+    arrays: npyz::npz::NpzArchive<BufReader<File>>,
+}
+
+impl Reference {
+    fn open(name: &str) -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/eidors").join(name);
+        Self { arrays: npyz::npz::NpzArchive::open(path).unwrap() }
+    }
+
+    fn floats(&mut self, key: &str) -> Vec<f64> {
+        self.arrays.by_name(key).unwrap().expect(key).into_vec().unwrap()
+    }
+
+    /// 1-based indices, made 0-based.
+    fn indices(&mut self, key: &str) -> Vec<usize> {
+        let values: Vec<i32> = self.arrays.by_name(key).unwrap().expect(key).into_vec().unwrap();
+        values.into_iter().map(|value| value as usize - 1).collect()
+    }
+
+    fn mesh(&mut self, complete: bool) -> Mesh {
+        let nodes = self.floats("nodes").chunks(2).map(|p| Point3::new(p[0], p[1], 0.0)).collect();
+        let elements: Vec<_> = self.indices("elems").chunks(3).map(|e| [e[0], e[1], e[2]]).collect();
+        let electrode_nodes = self.indices("elec_nodes");
+        let per_electrode = electrode_nodes.len() / 16;
+        let contact = |nodes: &[usize]| match complete {
+            false => ElectrodeContact::Node(nodes[0]),
+            true => ElectrodeContact::Edges(rim_edges(&elements, nodes)),
+        };
+        let electrodes = electrode_nodes.chunks(per_electrode).map(contact).collect();
+        Mesh { nodes, elements, electrodes }
+    }
+
+    fn forward(&mut self, mesh: &Mesh) -> ForwardModel {
+        let impedance = self.floats("z_contact");
+        let ground = self.floats("gnd_node")[0] as usize - 1;
+        ForwardModel::new(mesh, &impedance, ground).unwrap()
+    }
+}
+
+/// Edges between the given nodes that belong to one element only.
+fn rim_edges(elements: &[[usize; 3]], nodes: &[usize]) -> Vec<[usize; 2]> {
+    let mut uses: HashMap<[usize; 2], usize> = HashMap::new();
+    for element in elements {
+        for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+            let edge = [element[a].min(element[b]), element[a].max(element[b])];
+            *uses.entry(edge).or_default() += 1;
+        }
+    }
+    let on_rim = |edge: &[usize; 2]| uses[edge] == 1 && edge.iter().all(|node| nodes.contains(node));
+    let mut edges: Vec<_> = uses.keys().copied().filter(on_rim).collect();
+    edges.sort_unstable();
+    edges
+}
+
+fn steps() -> Vec<Step> {
+    pattern(16, 1, 1).collect()
+}
+
+/// Largest difference relative to the largest expected value.
+fn relative_error(got: &[f64], expected: &[f64]) -> f64 {
+    assert_eq!(got.len(), expected.len());
+    let largest = expected.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
+    got.iter().zip(expected).fold(0.0, |max: f64, (a, b)| max.max((a - b).abs())) / largest
+}
+
+fn rows(matrix: &Mat<f64>) -> Vec<f64> {
+    (0..matrix.nrows()).flat_map(|i| (0..matrix.ncols()).map(move |j| matrix[(i, j)])).collect()
+}
+
+fn homogeneous(reference: &mut Reference, mesh: &Mesh) -> Fields {
+    reference.forward(mesh).solve(&vec![1.0; mesh.elements.len()]).unwrap()
+}
+
+const MODELS: [(&str, bool); 4] =
+    [("a2c_pem.npz", false), ("b2C_cem.npz", true), ("c2c_pem.npz", false), ("c2c_cem.npz", true)];
+
+#[test]
+fn voltages_agree_to_1e_10_for_homogeneous_and_inhomogeneous_conductivity() {
+    for (name, complete) in MODELS {
+        let mut reference = Reference::open(name);
+        let mesh = reference.mesh(complete);
+        let forward = reference.forward(&mesh);
+        let voltages = forward.solve(&vec![1.0; mesh.elements.len()]).unwrap().voltages(&steps());
+        let error = relative_error(&voltages, &reference.floats("vh"));
+        assert!(error < 1e-10, "{name}: homogeneous {error:e}");
+        let voltages = forward.solve(&reference.floats("sigma_i")).unwrap().voltages(&steps());
+        let error = relative_error(&voltages, &reference.floats("vi"));
+        assert!(error < 1e-10, "{name}: inhomogeneous {error:e}");
+    }
+}
+
+#[test]
+fn node_potentials_agree_to_1e_10() {
+    for (name, complete) in MODELS {
+        let mut reference = Reference::open(name);
+        let mesh = reference.mesh(complete);
+        let fields = homogeneous(&mut reference, &mesh).potentials;
+        // Stimulation k: -1 A into electrode k, +1 A into k + 1.
+        let potentials =
+            Mat::from_fn(fields.nrows(), 16, |node, k| fields[(node, (k + 1) % 16)] - fields[(node, k)]);
+        let error = relative_error(&rows(&potentials), &reference.floats("nodev_h"));
+        assert!(error < 1e-10, "{name}: {error:e}");
+    }
+}
+
+#[test]
+fn system_matrix_agrees_to_1e_10() {
+    for (name, complete) in MODELS {
+        let mut reference = Reference::open(name);
+        let mesh = reference.mesh(complete);
+        let mut matrix = HashMap::<(usize, usize), f64>::new();
+        let ones = vec![1.0; mesh.elements.len()];
+        for (row, col, value) in reference.forward(&mesh).system_matrix(&ones).unwrap() {
+            *matrix.entry((row, col)).or_default() += value;
+        }
+        let places: Vec<_> = reference.indices("E_row").into_iter().zip(reference.indices("E_col")).collect();
+        let got: Vec<f64> = places.iter().map(|place| matrix.remove(place).unwrap_or(0.0)).collect();
+        let error = relative_error(&got, &reference.floats("E_val"));
+        assert!(error < 1e-10, "{name}: {error:e}");
+        assert!(matrix.values().all(|value| value.abs() < 1e-12), "{name}: entries EIDORS does not have");
+    }
+}
+
+#[test]
+fn jacobian_agrees_to_1e_10() {
+    for (name, complete) in MODELS {
+        let mut reference = Reference::open(name);
+        let mesh = reference.mesh(complete);
+        let fields = homogeneous(&mut reference, &mesh);
+        let jacobian = jacobian(&mesh, &fields, &steps(), &pixels::per_element(&mesh));
+        let error = relative_error(&rows(&jacobian), &reference.floats("J"));
+        assert!(error < 1e-10, "{name}: {error:e}");
+    }
+}
+
+#[test]
+fn laplace_prior_is_eidors_own() {
+    for (name, complete) in MODELS {
+        let mut reference = Reference::open(name);
+        let mesh = reference.mesh(complete);
+        let elements = pixels::per_element(&mesh);
+        let prior = Prior::Laplace { pixels: mesh.elements.len(), neighbours: elements.neighbours };
+        let mut entries = HashMap::<(usize, usize), f64>::new();
+        for (row, col, value) in prior.entries() {
+            *entries.entry((row, col)).or_default() += value;
+        }
+        let places = reference.indices("L_row").into_iter().zip(reference.indices("L_col"));
+        let expected: HashMap<_, _> = places.zip(reference.floats("L_val")).collect();
+        assert_eq!(entries, expected, "{name}");
+    }
+}
+
+/// Image of EIDORS' own data with a prior of ours.
+fn image(
+    reference: &mut Reference,
+    complete: bool,
+    kind: skin::Prior,
+    normalised: bool,
+    key: &str,
+) -> Vec<f64> {
+    let mesh = reference.mesh(complete);
+    let fields = homogeneous(reference, &mesh);
+    let elements = pixels::per_element(&mesh);
+    let mut jacobian = jacobian(&mesh, &fields, &steps(), &elements);
+    let (vh, vi) = (reference.floats("vh"), reference.floats("vi"));
+    let scale: Vec<f64> = vh.iter().map(|v| if normalised { 1.0 / v } else { 1.0 }).collect();
+    for pixel in 0..jacobian.ncols() {
+        (0..208).for_each(|m| jacobian[(m, pixel)] *= scale[m]);
+    }
+    let weights = vec![1.0; 208];
+    let prior = Prior::new(kind, &elements, &jacobian, &weights);
+    let hyperparameter = reference.floats(key)[0];
+    let matrix = reconstruction_matrix(&jacobian, &prior, &weights, hyperparameter).unwrap();
+    let difference = Col::from_fn(208, |m| (vi[m] - vh[m]) * scale[m]);
+    (&matrix * &difference).iter().copied().collect()
+}
+
+#[test]
+fn images_agree_to_1e_8() {
+    let kinds = [
+        (skin::Prior::Laplace, false, "laplace_n0"),
+        (skin::Prior::Laplace, true, "laplace_n1I"),
+        (skin::Prior::Tikhonov, false, "tikhonov_n0"),
+        (skin::Prior::Noser, false, "noser_n0"),
+    ];
+    for (name, complete) in MODELS {
+        let mut reference = Reference::open(name);
+        for (kind, normalised, key) in kinds {
+            let image = image(&mut reference, complete, kind, normalised, &format!("hp_{key}"));
+            let error = relative_error(&image, &reference.floats(&format!("x_{key}")));
+            assert!(error < 1e-8, "{name} {key}: {error:e}");
+        }
+    }
+}
