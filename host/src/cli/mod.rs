@@ -6,9 +6,12 @@ use clap::{Parser, Subcommand};
 use serde::Serialize;
 use std::{path::PathBuf, process::ExitCode};
 
+mod build;
 mod devices;
 mod flash;
+mod inspect;
 pub mod interrupt;
+mod progress;
 mod reconstruct;
 mod stream;
 mod tare;
@@ -23,6 +26,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Build(build::Args),
+    Inspect(inspect::Args),
     Flash(flash::Args),
     Tare(tare::Args),
     Stream(stream::Args),
@@ -44,6 +49,8 @@ pub fn main() -> ExitCode {
 fn run(command: Command) -> anyhow::Result<()> {
     interrupt::install()?;
     match command {
+        Command::Build(args) => build::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
         Command::Flash(args) => flash::run(&args),
         Command::Tare(args) => tare::run(&args),
         Command::Stream(args) => stream::run(&args),

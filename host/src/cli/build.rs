@@ -1,0 +1,114 @@
+//! `dermatome build`: skin file -> patch file.
+
+use super::{JsonReport, progress};
+use crate::{
+    mesh::quality::{Quality, quality},
+    model::{Model, Stage},
+    output::write_whole,
+    quantize::{self, FixedPointError},
+    skin::Skin,
+};
+use anyhow::Context;
+use dermatome_shared::patch::PatchView;
+use serde::Serialize;
+use std::{path::PathBuf, time::Instant};
+
+/// Compute a skin's reconstruction matrix and write its patch.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  dermatome build models/disc-210mm/skin.toml
+  dermatome build models/square-50mm/skin.toml -o left-palm.dermatome --json build.json")]
+pub(super) struct Args {
+    /// Skin file.
+    #[arg(value_name = "SKIN")]
+    skin: PathBuf,
+    /// Where to write the patch [default: the skin's name with .dermatome, in this folder].
+    #[arg(short, long, value_name = "PATCH")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonReport,
+}
+
+/// What `build` tells; keys are documented in docs/cli.md.
+#[derive(Serialize)]
+struct Report {
+    skin: String,
+    patch: PathBuf,
+    patch_bytes: usize,
+    patch_crc: u32,
+    electrodes: u8,
+    steps: usize,
+    measurements: usize,
+    pixels: usize,
+    mesh: Quality,
+    fixed_point_error: FixedPointError,
+    stage_seconds: Vec<(&'static str, f64)>,
+    total_seconds: f64,
+}
+
+/// Random presses on which the fixed-point error is measured.
+const TRIALS: usize = 32;
+
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let start = Instant::now();
+    let skin = Skin::load(&args.skin)?;
+    let path = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.dermatome", skin.name)));
+    let spinner = progress::spinner();
+    let mut model = Model::build(&skin, |stage| spinner.set_message(stage))
+        .with_context(|| format!("skin file `{}`", args.skin.display()))?;
+    let quantizing = Instant::now();
+    spinner.set_message("quantize");
+    let patch =
+        quantize::patch(&skin, &model).with_context(|| format!("skin file `{}`", args.skin.display()))?;
+    let view = PatchView::validate(&patch)?;
+    let fixed_point_error = quantize::fixed_point_error(&model, &view, TRIALS);
+    model.stages.push(Stage { name: "quantize", time: quantizing.elapsed() });
+    let writing = Instant::now();
+    write_whole(&path, &patch)?;
+    model.stages.push(Stage { name: "write", time: writing.elapsed() });
+    spinner.finish_and_clear();
+    let report = Report {
+        skin: skin.name.clone(),
+        patch: path,
+        patch_bytes: patch.len(),
+        patch_crc: view.crc(),
+        electrodes: skin.electrodes.count(),
+        steps: model.steps.len(),
+        measurements: model.jacobian.nrows(),
+        pixels: model.jacobian.ncols(),
+        mesh: quality(&model.mesh),
+        fixed_point_error,
+        stage_seconds: model.stages.iter().map(|stage| (stage.name, stage.time.as_secs_f64())).collect(),
+        total_seconds: start.elapsed().as_secs_f64(),
+    };
+    print(&report);
+    args.json.write(&report)
+}
+
+fn print(report: &Report) {
+    let mesh = &report.mesh;
+    println!("skin          {}", report.skin);
+    println!(
+        "mesh          {} elements, {} nodes, smallest angle {:.1} degrees",
+        mesh.elements, mesh.nodes, mesh.smallest_angle_degrees
+    );
+    println!(
+        "measurements  {} from {} steps, {} electrodes",
+        report.measurements, report.steps, report.electrodes
+    );
+    println!("pixels        {}", report.pixels);
+    println!(
+        "fixed point   error {:.4} % of the image's peak on {TRIALS} simulated presses (bound {:.3} %)",
+        report.fixed_point_error.measured_percent, report.fixed_point_error.bound_percent
+    );
+    for (name, seconds) in &report.stage_seconds {
+        println!("{name:<12}  {:>8.1} ms", seconds * 1e3);
+    }
+    println!("{:<12}  {:>8.1} ms", "total", report.total_seconds * 1e3);
+    println!(
+        "patch         {} ({} bytes, id {:08x})",
+        report.patch.display(),
+        report.patch_bytes,
+        report.patch_crc
+    );
+}

@@ -1,0 +1,78 @@
+//! `dermatome inspect`: what a patch file holds.
+
+use super::JsonReport;
+use anyhow::Context;
+use dermatome_shared::patch::{FORMAT_VERSION, PatchHeader, PatchView};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Show what a patch file holds, and check it.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  dermatome inspect disc-210mm.dermatome
+  dermatome inspect disc-210mm.dermatome --json patch.json")]
+pub(super) struct Args {
+    /// Patch file.
+    #[arg(value_name = "PATCH")]
+    patch: PathBuf,
+    #[command(flatten)]
+    json: JsonReport,
+}
+
+/// What `inspect` tells; keys are documented in docs/cli.md.
+#[derive(Serialize)]
+struct Report {
+    format_version: u16,
+    bytes: usize,
+    crc: u32,
+    header: PatchHeader,
+    smallest_exponent: i8,
+    largest_exponent: i8,
+}
+
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let name = || format!("patch file `{}`", args.patch.display());
+    let bytes = std::fs::read(&args.patch).with_context(|| format!("cannot read {}", name()))?;
+    let patch = PatchView::validate(&bytes).with_context(name)?;
+    let exponents = || patch.rows().map(|(_, exponent)| exponent);
+    let report = Report {
+        format_version: FORMAT_VERSION,
+        bytes: bytes.len(),
+        crc: patch.crc(),
+        header: patch.header.clone(),
+        smallest_exponent: exponents().min().unwrap_or(0),
+        largest_exponent: exponents().max().unwrap_or(0),
+    };
+    print(&report);
+    args.json.write(&report)
+}
+
+fn print(report: &Report) {
+    let header = &report.header;
+    let (grid, drive) = (&header.grid, &header.drive);
+    println!("skin          {}", header.skin);
+    println!(
+        "patch         {} bytes, format {}, id {:08x}, CRC good",
+        report.bytes, report.format_version, report.crc
+    );
+    println!("electrodes    {}", header.electrodes);
+    println!(
+        "measurements  {} from {} steps, {:?} difference",
+        header.measurements, header.steps, header.difference
+    );
+    println!(
+        "pixels        {} on a grid of {} x {}, {:.3} mm each",
+        header.pixels,
+        grid.columns,
+        grid.rows,
+        grid.pitch * 1e3
+    );
+    println!(
+        "drive         {} kHz, {:.3} mA, {} frames per second",
+        drive.frequency / 1e3,
+        drive.amplitude * 1e3,
+        drive.frame_rate
+    );
+    println!("contact from  {:.3} relative conductivity change", header.contact_threshold.to_f64());
+    println!("matrix        i16, row exponents {} to {}", report.smallest_exponent, report.largest_exponent);
+}

@@ -1,0 +1,194 @@
+//! Quantize: the f64 reconstruction matrix -> fixed-point patch, with its error report.
+
+use crate::{model::Model, skin::Skin};
+use dermatome_shared::{
+    MAX_PATCH_BYTES,
+    patch::{Drive, PatchContents, PatchError, PatchHeader, PatchView},
+    reconstruct::reconstruct,
+    reference::DifferenceData,
+    units::RelativeConductivity,
+};
+use faer::{Col, Mat};
+use rand::{Rng, SeedableRng};
+use serde::Serialize;
+
+/// A matrix in fixed point: `entry = mantissa * 2^-exponent` of its row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct QuantizedMatrix {
+    /// `[pixel][measurement]`, row major.
+    pub mantissas: Vec<i16>,
+    /// `[pixel]`.
+    pub exponents: Vec<i8>,
+}
+
+impl QuantizedMatrix {
+    /// Rounds each row to 16 bits with the finest exponent that fits.
+    #[must_use]
+    pub fn new(matrix: &Mat<f64>) -> Self {
+        let mut mantissas = Vec::with_capacity(matrix.nrows() * matrix.ncols());
+        let mut exponents = Vec::with_capacity(matrix.nrows());
+        for i in 0..matrix.nrows() {
+            let largest = matrix.row(i).iter().fold(0.0, |max: f64, value| max.max(value.abs()));
+            let exponent = finest_exponent(largest);
+            let round = |value: &f64| (value * f64::from(exponent).exp2()).round() as i16;
+            mantissas.extend(matrix.row(i).iter().map(round));
+            exponents.push(exponent);
+        }
+        Self { mantissas, exponents }
+    }
+}
+
+/// Largest exponent whose mantissas stay within 32,767.
+fn finest_exponent(largest: f64) -> i8 {
+    if largest == 0.0 {
+        return 0;
+    }
+    (32_767.0 / largest).log2().floor().clamp(-128.0, 127.0) as i8
+}
+
+/// Why a model does not make a patch.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PatchBuildError {
+    /// Longer than a board's slot.
+    #[error(
+        "the patch would take {bytes} bytes, a board stores at most {MAX_PATCH_BYTES}: use fewer `image.columns`, \
+         or combine reciprocal measurements"
+    )]
+    TooLong {
+        /// Length it would have.
+        bytes: usize,
+    },
+    /// The patch does not pass its own checks.
+    #[error("the skin does not make a valid patch: {0}")]
+    Invalid(#[from] PatchError),
+}
+
+/// The patch of a skin's model.
+pub fn patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
+    let quantized = QuantizedMatrix::new(&model.conductivity_from_difference);
+    let header = header(skin, model);
+    let contents = PatchContents {
+        header: &header,
+        steps: &model.steps,
+        combination: &model.combination,
+        mask: &model.geometry.mask,
+        exponents: &quantized.exponents,
+        matrix: &quantized.mantissas,
+    };
+    // Header and tables stay below 16 KiB; the rest is the matrix.
+    let mut bytes = vec![0; 16 * 1024 + 2 * quantized.mantissas.len()];
+    let length = contents.write(&mut bytes).expect("the buffer holds the tables");
+    bytes.truncate(length);
+    if length > MAX_PATCH_BYTES {
+        return Err(PatchBuildError::TooLong { bytes: length });
+    }
+    PatchView::validate(&bytes)?;
+    Ok(bytes)
+}
+
+fn header(skin: &Skin, model: &Model) -> PatchHeader {
+    let matrix = &model.conductivity_from_difference;
+    PatchHeader {
+        skin: skin.name.as_str().try_into().expect("a checked skin's name fits"),
+        electrodes: skin.electrodes.count(),
+        steps: model.steps.len() as u16,
+        measurements: matrix.ncols() as u16,
+        pixels: matrix.nrows() as u16,
+        difference: skin.inverse.difference,
+        grid: model.geometry.grid,
+        drive: Drive {
+            frequency: skin.drive.frequency as f32,
+            amplitude: skin.drive.amplitude as f32,
+            frame_rate: skin.drive.frame_rate as f32,
+        },
+        contact_threshold: RelativeConductivity::from_f64(skin.contact_threshold),
+    }
+}
+
+/// Error of the fixed-point image against f64, relative to the image's peak, in per cent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct FixedPointError {
+    /// Largest error that rounding could ever cause on the images tried.
+    pub bound_percent: f64,
+    /// Largest error over all pixels of the images tried.
+    pub measured_percent: f64,
+}
+
+/// Tries the patch on the images of `trials` random presses: the difference data that one random
+/// pixel and some noise would give, from a fixed seed.
+#[must_use]
+pub fn fixed_point_error(model: &Model, patch: &PatchView<'_>, trials: usize) -> FixedPointError {
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(1);
+    let mean = model.measurements().iter().map(|v| v.abs()).sum::<f64>() / model.jacobian.nrows() as f64;
+    let mut worst = FixedPointError::default();
+    for _ in 0..trials {
+        let pixel = random.random_range(0..model.jacobian.ncols());
+        let strength = model.jacobian.col(pixel).iter().fold(0.0, |max: f64, j| max.max(j.abs()));
+        let press =
+            |m: usize| model.jacobian[(m, pixel)] / mean + random.random_range(-0.01..0.01) * strength / mean;
+        let relative: Vec<f32> = (0..model.jacobian.nrows()).map(press).map(|y| y as f32).collect();
+        let error = error_of_image(model, patch, &relative);
+        worst.bound_percent = worst.bound_percent.max(error.bound_percent);
+        worst.measured_percent = worst.measured_percent.max(error.measured_percent);
+    }
+    worst
+}
+
+fn error_of_image(model: &Model, patch: &PatchView<'_>, relative: &[f32]) -> FixedPointError {
+    let matrix = &model.conductivity_from_difference;
+    let exact = matrix * Col::from_fn(relative.len(), |m| f64::from(relative[m]));
+    let mut data = DifferenceData::default();
+    data.quantise(relative);
+    let mut image = dermatome_shared::image::Image::new();
+    reconstruct(patch, &data, &mut image);
+    let peak = exact.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
+    let errors = image.iter().zip(exact.iter()).map(|(fixed, exact)| (fixed.to_f64() - exact).abs());
+    let bound = (0..matrix.nrows())
+        .zip(patch.rows())
+        .map(|(pixel, (_, exponent))| bound(matrix.row(pixel).iter(), exponent, relative, data.exponent));
+    FixedPointError {
+        bound_percent: 100.0 * bound.fold(0.0, f64::max) / peak,
+        measured_percent: 100.0 * errors.fold(0.0, f64::max) / peak,
+    }
+}
+
+/// The bound of [`dermatome_shared::reconstruct`].
+fn bound<'a>(row: impl Iterator<Item = &'a f64>, exponent: i8, data: &[f32], data_exponent: i32) -> f64 {
+    let row_half_step = (-f64::from(exponent) - 1.0).exp2();
+    let data_half_step = (-f64::from(data_exponent) - 1.0).exp2();
+    let data_sum: f64 = data.iter().map(|y| f64::from(y.abs())).sum();
+    let row_sum: f64 = row.map(|c| c.abs() + row_half_step).sum();
+    row_half_step * data_sum + data_half_step * row_sum + 0.5 / RelativeConductivity::ONE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn every_entry_is_kept_to_half_a_step_of_its_row(
+            values in prop::collection::vec(-1e3..1e3_f64, 12),
+            scale in prop::array::uniform3(-20..20_i32),
+        ) {
+            let matrix = Mat::from_fn(3, 4, |i, j| values[4 * i + j] * f64::from(scale[i]).exp2());
+            let quantized = QuantizedMatrix::new(&matrix);
+            for i in 0..3 {
+                let step = (-f64::from(quantized.exponents[i])).exp2();
+                let largest = matrix.row(i).iter().fold(0.0, |max: f64, v| max.max(v.abs()));
+                prop_assert!(step <= largest / 16_383.0 || largest == 0.0);
+                for j in 0..4 {
+                    let back = f64::from(quantized.mantissas[4 * i + j]) * step;
+                    prop_assert!((back - matrix[(i, j)]).abs() <= 0.5 * step);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_row_of_zeros_stays_zero() {
+        let quantized = QuantizedMatrix::new(&Mat::zeros(1, 3));
+        assert_eq!(quantized.mantissas, [0, 0, 0]);
+    }
+}
