@@ -5,16 +5,19 @@
 
 pub mod board;
 pub mod cli;
+pub mod demo;
 pub mod forward;
 pub mod inverse;
 pub mod jacobian;
 pub mod link;
 pub mod measured;
 pub mod mesh;
+pub mod metrics;
 pub mod model;
 pub mod output;
 pub mod pixels;
 pub mod prior;
 pub mod quantize;
+pub mod simulate;
 pub mod skin;
 pub mod view;

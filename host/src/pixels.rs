@@ -91,7 +91,7 @@ pub fn raster(mesh: &Mesh, geometry: &Geometry) -> Pixels {
 }
 
 /// Centres of the equal parts of a triangle.
-fn samples(corners: [Point3<f64>; 3]) -> impl Iterator<Item = Point3<f64>> {
+pub(crate) fn samples(corners: [Point3<f64>; 3]) -> impl Iterator<Item = Point3<f64>> {
     let step = 1.0 / SAMPLES_PER_EDGE as f64;
     let at = move |u: f64, v: f64| corners[0] + (corners[1] - corners[0]) * u + (corners[2] - corners[0]) * v;
     (0..SAMPLES_PER_EDGE).flat_map(move |i| {

@@ -1,0 +1,202 @@
+//! Scores what came over the link against what the fingers really did, and against f64.
+
+use crate::{
+    metrics::{ImageFigures, image_figures, mean_and_max, position_error},
+    model::Model,
+    simulate::{Press, Script},
+    skin::Skin,
+};
+use dermatome_shared::{
+    contact::Contacts,
+    patch::Difference,
+    units::{AdcCode, RelativeConductivity},
+};
+use faer::Col;
+use nalgebra::Point2;
+use serde::Serialize;
+
+/// Knows the truth of a demo and the exact arithmetic.
+pub struct Scorer<'a> {
+    /// The skin.
+    pub skin: &'a Skin,
+    /// Its model.
+    pub model: &'a Model,
+    /// What the fingers do.
+    pub script: &'a Script,
+    /// The board's reference: mean code of each measurement, summed over its steps.
+    pub reference: Vec<f64>,
+}
+
+/// One frame as it arrived, and what it is worth.
+#[derive(Clone, Debug)]
+pub struct FrameRecord {
+    /// Frames since streaming started.
+    pub index: u32,
+    /// The fingers at that time.
+    pub presses: Vec<Press>,
+    /// Image as received: `[pixel]`.
+    pub image: Vec<f64>,
+    /// Contacts as received.
+    pub contacts: Contacts,
+    /// Resolution and ringing.
+    pub figures: Option<ImageFigures>,
+    /// Largest deviation from the f64 image, per cent of that image's peak.
+    pub fixed_point_error_percent: f64,
+}
+
+impl Scorer<'_> {
+    /// Scores one frame. `codes` is `[step]`.
+    #[must_use]
+    pub fn record(&self, index: u32, image: Vec<f64>, contacts: Contacts, codes: &[AdcCode]) -> FrameRecord {
+        let presses = self.script.presses(f64::from(index) / self.skin.drive.frame_rate);
+        let fixed: Vec<_> = image.iter().map(|&value| RelativeConductivity::from_f64(value)).collect();
+        let exact = self.exact_image(codes);
+        let peak = exact.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
+        let worst = image.iter().zip(exact.iter()).fold(0.0, |max: f64, (a, b)| max.max((a - b).abs()));
+        FrameRecord {
+            index,
+            presses,
+            figures: image_figures(&fixed, RelativeConductivity::from_f64(self.skin.contact_threshold)),
+            image,
+            contacts,
+            fixed_point_error_percent: 100.0 * worst / peak,
+        }
+    }
+
+    /// The image of these codes in f64, straight from the formulas.
+    fn exact_image(&self, codes: &[AdcCode]) -> Col<f64> {
+        let reference = &self.reference;
+        let mut measured = vec![0.0; reference.len()];
+        let mut counts = vec![0.0; reference.len()];
+        for (code, target) in codes.iter().zip(&self.model.combination) {
+            let measurement = usize::from(target.measurement);
+            measured[measurement] += f64::from(code.0) * if target.flipped { -1.0 } else { 1.0 };
+            counts[measurement] += 1.0;
+        }
+        let mean =
+            reference.iter().zip(&counts).map(|(r, n)| r.abs() / n).sum::<f64>() / reference.len() as f64;
+        let difference = Col::from_fn(reference.len(), |m| {
+            let change = measured[m] - reference[m];
+            match self.skin.inverse.difference {
+                Difference::Normalised => change / reference[m],
+                Difference::Plain => change / counts[m] / mean,
+            }
+        });
+        &self.model.conductivity_from_difference * difference
+    }
+
+    /// Sums up a whole demo.
+    #[must_use]
+    pub fn figures(&self, records: &[FrameRecord]) -> Figures {
+        let diameter = self.skin.outline.diameter();
+        let single = || records.iter().filter_map(|record| Some((record, single_error(record)?)));
+        let (mean, max) = mean_and_max(single().map(|(_, error)| error));
+        let per_cent = 100.0 / diameter;
+        let of_figures = |pick: fn(&ImageFigures) -> f64| {
+            mean_and_max(single().filter_map(|(record, _)| record.figures.as_ref()).map(pick)).0
+        };
+        Figures {
+            position_error_mm: MeanMax { mean: mean * 1e3, max: max * 1e3 },
+            position_error_percent: MeanMax { mean: mean * per_cent, max: max * per_cent },
+            position_error_by_radius: self.by_radius(records),
+            single_press_frames: records.iter().filter(|record| record.presses.len() == 1).count(),
+            single_press_frames_with_one_contact: frames_with_right_count(records, 1),
+            two_press_frames: records.iter().filter(|record| record.presses.len() == 2).count(),
+            two_press_frames_with_two_contacts: frames_with_right_count(records, 2),
+            resolution_mean: of_figures(|figures| figures.resolution),
+            ringing_mean: of_figures(|figures| figures.ringing),
+            fixed_point_error_percent: Max {
+                max: records.iter().fold(0.0, |max, record| max.max(record.fixed_point_error_percent)),
+            },
+        }
+    }
+
+    fn by_radius(&self, records: &[FrameRecord]) -> Vec<RadiusBand> {
+        const BANDS: usize = 4;
+        let [half, _] = self.skin.outline.half_size();
+        let share = |record: &FrameRecord| Point2::from(record.presses[0].position).coords.norm() / half;
+        let band = |i: usize| {
+            let (from, to) = (i as f64 * 0.2, (i + 1) as f64 * 0.2);
+            let errors = records
+                .iter()
+                .filter_map(|record| single_error(record).map(|error| (share(record), error)))
+                .filter(|(share, _)| (from..to).contains(share) || i == BANDS - 1 && *share >= to);
+            let (mean, max) =
+                mean_and_max(errors.clone().map(|(_, error)| 100.0 * error / self.skin.outline.diameter()));
+            RadiusBand { from, to, frames: errors.count(), mean_percent: mean, max_percent: max }
+        };
+        (0..BANDS).map(band).collect()
+    }
+}
+
+/// Position error of the strongest contact of a frame with one finger, m. A frame in which the
+/// board saw no contact counts as the worst: the finger reported at the far rim.
+fn single_error(record: &FrameRecord) -> Option<f64> {
+    let [press] = record.presses.as_slice() else { return None };
+    Some(
+        record
+            .contacts
+            .first()
+            .map_or(f64::INFINITY, |contact| position_error(contact.position, press.position)),
+    )
+}
+
+fn frames_with_right_count(records: &[FrameRecord], count: usize) -> usize {
+    records.iter().filter(|record| record.presses.len() == count && record.contacts.len() == count).count()
+}
+
+/// Mean and largest value.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MeanMax {
+    /// Mean.
+    pub mean: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+/// Largest value.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Max {
+    /// Largest.
+    pub max: f64,
+}
+
+/// Position error in a ring of the skin.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RadiusBand {
+    /// Inner radius, share of the skin's radius.
+    pub from: f64,
+    /// Outer radius, share of the skin's radius.
+    pub to: f64,
+    /// Frames with the finger there.
+    pub frames: usize,
+    /// Mean error, per cent of the diameter.
+    pub mean_percent: f64,
+    /// Largest error, per cent of the diameter.
+    pub max_percent: f64,
+}
+
+/// The demo's figures; keys are documented in docs/cli.md.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Figures {
+    /// Centre of pressure against the finger, mm, while one finger travels.
+    pub position_error_mm: MeanMax,
+    /// The same, per cent of the diameter.
+    pub position_error_percent: MeanMax,
+    /// The same, by distance from the centre.
+    pub position_error_by_radius: Vec<RadiusBand>,
+    /// Frames with one finger.
+    pub single_press_frames: usize,
+    /// Those with exactly one contact reported.
+    pub single_press_frames_with_one_contact: usize,
+    /// Frames with two fingers.
+    pub two_press_frames: usize,
+    /// Those with exactly two contacts reported.
+    pub two_press_frames_with_two_contacts: usize,
+    /// Resolution RES (thesis equation 3.3), mean over the single-finger frames.
+    pub resolution_mean: f64,
+    /// Ringing RNG (thesis equation 3.5), the same.
+    pub ringing_mean: f64,
+    /// Fixed-point image against f64, per cent of the image's peak.
+    pub fixed_point_error_percent: Max,
+}

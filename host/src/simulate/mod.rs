@@ -1,0 +1,11 @@
+//! Simulation: a skin that is solved for, not read off the model it will be imaged with.
+//!
+//! Its mesh is finer than the reconstruction's and turned against it, so that the two never share
+//! a node (sharing one would be the inverse crime); every frame is a true forward solution, with
+//! seeded noise and the rounding of the converter.
+
+pub mod script;
+pub mod skin;
+
+pub use script::{Press, Script, ScriptError};
+pub use skin::{Noise, SimulatedSkin};

@@ -1,0 +1,264 @@
+//! Script: where fingers press a simulated skin, and when.
+
+use crate::skin::outline::Outline;
+use nalgebra::Point2;
+use serde::Deserialize;
+use std::{
+    collections::BTreeMap,
+    f64::consts::TAU,
+    path::{Path, PathBuf},
+    str::FromStr,
+};
+
+/// One finger on the skin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Press {
+    /// Centre, m, in the skin's frame.
+    pub position: [f64; 2],
+    /// Radius of the touched disc, m.
+    pub radius: f64,
+    /// Relative conductivity change at the centre; it falls to zero at the radius like the
+    /// pressure of a ball on a plane (Hertz).
+    pub depth: f64,
+}
+
+impl Press {
+    /// Relative conductivity change at a point.
+    #[must_use]
+    pub fn change_at(&self, point: [f64; 2]) -> f64 {
+        let distance = (point[0] - self.position[0]).hypot(point[1] - self.position[1]);
+        self.depth * (1.0 - (distance / self.radius).powi(2)).max(0.0).sqrt()
+    }
+
+    /// Whether the numbers make sense on a skin.
+    pub fn check(&self, outline: &Outline) -> Result<(), ScriptError> {
+        let refuse =
+            |field, value, allowed: &str| Err(ScriptError::Press { field, value, allowed: allowed.into() });
+        let [x, y] = self.position;
+        if !(outline.depth(Point2::new(x, y)) >= 0.0) {
+            let [half_x, half_y] = outline.half_size();
+            let allowed = format!("a point on the skin, which reaches {half_x} m in x and {half_y} m in y");
+            return refuse("x,y", format!("{x},{y} m"), &allowed);
+        }
+        if !(self.radius > 0.0 && self.radius.is_finite()) {
+            return refuse("radius", format!("{} m", self.radius), "a length above zero, in m");
+        }
+        if !(-0.99..=1000.0).contains(&self.depth) {
+            return refuse("depth", self.depth.to_string(), "-0.99 to 1000 (1 doubles the conductivity)");
+        }
+        Ok(())
+    }
+}
+
+impl FromStr for Press {
+    type Err = ScriptError;
+
+    /// `x,y,radius,depth`, lengths in m.
+    fn from_str(text: &str) -> Result<Self, ScriptError> {
+        let parse = |part: &str| part.trim().parse::<f64>().ok();
+        let numbers: Option<Vec<f64>> = text.split(',').map(parse).collect();
+        match numbers.as_deref() {
+            Some(&[x, y, radius, depth]) => Ok(Self { position: [x, y], radius, depth }),
+            _ => Err(ScriptError::Press {
+                field: "press",
+                value: format!("{text:?}"),
+                allowed: "four numbers x,y,radius,depth (m, m, m, relative), as in 0.03,-0.02,0.01,1".into(),
+            }),
+        }
+    }
+}
+
+/// Fingers moving over time; the script starts again when its last moment has passed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Script {
+    /// Moments of each finger, by time.
+    fingers: Vec<Vec<Moment>>,
+    duration: f64,
+}
+
+/// Where one finger is at one time; between moments it moves steadily.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Time, s.
+    pub time: f64,
+    /// The finger.
+    pub press: Press,
+}
+
+impl Script {
+    /// A script of these fingers' moments.
+    pub fn new(fingers: Vec<Vec<Moment>>, outline: &Outline) -> Result<Self, ScriptError> {
+        for moment in fingers.iter().flatten() {
+            moment.press.check(outline)?;
+        }
+        let disorder = |moments: &Vec<Moment>| {
+            moments.windows(2).find(|pair| !(pair[0].time < pair[1].time)).map(|p| p[1].time)
+        };
+        if let Some(time) = fingers.iter().find_map(disorder) {
+            return Err(ScriptError::Time { time });
+        }
+        let duration = fingers.iter().flatten().map(|moment| moment.time).fold(0.0, f64::max);
+        Ok(Self { fingers, duration })
+    }
+
+    /// One finger that stays.
+    pub fn still(presses: &[Press], outline: &Outline) -> Result<Self, ScriptError> {
+        Self::new(presses.iter().map(|&press| vec![Moment { time: 0.0, press }]).collect(), outline)
+    }
+
+    /// A finger that goes round at half way to the rim, once in eight seconds.
+    #[must_use]
+    pub fn round(outline: &Outline) -> Self {
+        let [x, y] = outline.half_size();
+        let at = |i: i32| {
+            let angle = f64::from(i) / 64.0 * TAU;
+            let position = [0.5 * x * angle.cos(), 0.5 * y * angle.sin()];
+            Moment {
+                time: f64::from(i) / 8.0,
+                press: Press { position, radius: 0.12 * x.min(y), depth: 1.0 },
+            }
+        };
+        Self { fingers: vec![(0..=64).map(at).collect()], duration: 8.0 }
+    }
+
+    /// Reads a script from CSV with the columns time_s, finger, x_m, y_m, radius_m, depth.
+    pub fn load(path: &Path, outline: &Outline) -> Result<Self, ScriptError> {
+        let error =
+            |error: csv::Error| ScriptError::File { path: path.to_owned(), message: error.to_string() };
+        let mut reader = csv::ReaderBuilder::new()
+            .comment(Some(b'#'))
+            .trim(csv::Trim::All)
+            .from_path(path)
+            .map_err(error)?;
+        let mut fingers = BTreeMap::<u32, Vec<Moment>>::new();
+        for row in reader.deserialize::<Row>() {
+            let row = row.map_err(error)?;
+            fingers.entry(row.finger).or_default().push(row.moment());
+        }
+        if fingers.is_empty() {
+            return Err(ScriptError::File { path: path.to_owned(), message: "no rows".into() });
+        }
+        let in_file =
+            |error: ScriptError| ScriptError::File { path: path.to_owned(), message: error.to_string() };
+        Self::new(fingers.into_values().collect(), outline).map_err(in_file)
+    }
+
+    /// The fingers that touch the skin `time` seconds into the script.
+    #[must_use]
+    pub fn presses(&self, time: f64) -> Vec<Press> {
+        let time = if self.duration > 0.0 { time % self.duration } else { 0.0 };
+        self.fingers
+            .iter()
+            .filter_map(|moments| finger_at(moments, time))
+            .filter(|press| press.depth != 0.0)
+            .collect()
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Row {
+    time_s: f64,
+    finger: u32,
+    x_m: f64,
+    y_m: f64,
+    radius_m: f64,
+    depth: f64,
+}
+
+impl Row {
+    fn moment(&self) -> Moment {
+        let press = Press { position: [self.x_m, self.y_m], radius: self.radius_m, depth: self.depth };
+        Moment { time: self.time_s, press }
+    }
+}
+
+/// Before its first and after its last moment a finger is lifted, unless that is its only one.
+fn finger_at(moments: &[Moment], time: f64) -> Option<Press> {
+    if let [only] = moments {
+        return Some(only.press);
+    }
+    let pair = moments.windows(2).find(|pair| pair[0].time <= time && time <= pair[1].time)?;
+    let share = (time - pair[0].time) / (pair[1].time - pair[0].time);
+    let (from, to) = (pair[0].press, pair[1].press);
+    let mix = |a: f64, b: f64| a + (b - a) * share;
+    Some(Press {
+        position: [mix(from.position[0], to.position[0]), mix(from.position[1], to.position[1])],
+        radius: mix(from.radius, to.radius),
+        depth: mix(from.depth, to.depth),
+    })
+}
+
+/// Why a script cannot be played.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ScriptError {
+    /// A press makes no sense.
+    #[error("press field `{field}` is {value}; allowed: {allowed}")]
+    Press {
+        /// Which number.
+        field: &'static str,
+        /// Its value.
+        value: String,
+        /// What it may be.
+        allowed: String,
+    },
+    /// Moments of a finger are not in order.
+    #[error("time {time} s is not later than the moment before it; allowed: ascending times for each finger")]
+    Time {
+        /// The time.
+        time: f64,
+    },
+    /// The file cannot be used.
+    #[error("path script `{}`: {message}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        message: String,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DISC: Outline = Outline::Disc { radius: 0.1 };
+
+    fn write(text: &str) -> tempfile::NamedTempFile {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), text).unwrap();
+        file
+    }
+
+    #[test]
+    fn a_finger_moves_steadily_between_its_moments_and_starts_again() {
+        let file = write(
+            "time_s,finger,x_m,y_m,radius_m,depth\n0,1,0,0,0.01,1\n2,1,0.05,0,0.01,1\n# second finger\n1,2,0,0.02,0.01,0.5\n4,2,0,0.02,0.01,0.5\n",
+        );
+        let script = Script::load(file.path(), &DISC).unwrap();
+        assert_eq!(script.presses(1.0).len(), 2);
+        assert!((script.presses(0.5)[0].position[0] - 0.0125).abs() < 1e-12);
+        assert_eq!(script.presses(3.0).len(), 1);
+        assert_eq!(script.presses(4.5), script.presses(0.5));
+    }
+
+    #[test]
+    fn bad_scripts_name_file_field_and_what_is_allowed() {
+        let header = "time_s,finger,x_m,y_m,radius_m,depth\n";
+        for (rows, expected) in [
+            ("0,1,0.2,0,0.01,1\n", "x,y"),
+            ("0,1,0,0,-0.01,1\n", "radius"),
+            ("0,1,0,0,0.01,-3\n", "depth"),
+            ("0,1,NaN,0,0.01,1\n", "x,y"),
+            ("1,1,0,0,0.01,1\n1,1,0,0,0.01,1\n", "time 1 s"),
+            ("0,one,0,0,0.01,1\n", "finger"),
+            ("", "no rows"),
+        ] {
+            let file = write(&format!("{header}{rows}"));
+            let message = Script::load(file.path(), &DISC).unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}");
+            assert!(message.contains(&*file.path().to_string_lossy()), "{message}");
+        }
+        assert!("1,2,3".parse::<Press>().unwrap_err().to_string().contains("x,y,radius,depth"));
+    }
+}
