@@ -118,7 +118,6 @@ impl Selection {
 
 /// From the board: a reply or an event.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
-#[expect(clippy::large_enum_variant, reason = "there is no allocator to box with")]
 pub enum BoardPacket {
     /// The answer to one request.
     Reply {

@@ -89,7 +89,7 @@ impl Scorer<'_> {
     #[must_use]
     pub fn figures(&self, records: &[FrameRecord]) -> Figures {
         let diameter = self.skin.outline.diameter();
-        let single = || records.iter().filter_map(|record| Some((record, single_error(record)?)));
+        let single = || records.iter().filter_map(|record| Some((record, single_error(record, diameter)?)));
         let (mean, max) = mean_and_max(single().map(|(_, error)| error));
         let per_cent = 100.0 / diameter;
         let of_figures = |pick: fn(&ImageFigures) -> f64| {
@@ -114,15 +114,15 @@ impl Scorer<'_> {
     fn by_radius(&self, records: &[FrameRecord]) -> Vec<RadiusBand> {
         const BANDS: usize = 4;
         let [half, _] = self.skin.outline.half_size();
+        let diameter = self.skin.outline.diameter();
         let share = |record: &FrameRecord| Point2::from(record.presses[0].position).coords.norm() / half;
         let band = |i: usize| {
             let (from, to) = (i as f64 * 0.2, (i + 1) as f64 * 0.2);
             let errors = records
                 .iter()
-                .filter_map(|record| single_error(record).map(|error| (share(record), error)))
+                .filter_map(|record| single_error(record, diameter).map(|error| (share(record), error)))
                 .filter(|(share, _)| (from..to).contains(share) || i == BANDS - 1 && *share >= to);
-            let (mean, max) =
-                mean_and_max(errors.clone().map(|(_, error)| 100.0 * error / self.skin.outline.diameter()));
+            let (mean, max) = mean_and_max(errors.clone().map(|(_, error)| 100.0 * error / diameter));
             RadiusBand { from, to, frames: errors.count(), mean_percent: mean, max_percent: max }
         };
         (0..BANDS).map(band).collect()
@@ -130,15 +130,10 @@ impl Scorer<'_> {
 }
 
 /// Position error of the strongest contact of a frame with one finger, m. A frame in which the
-/// board saw no contact counts as the worst: the finger reported at the far rim.
-fn single_error(record: &FrameRecord) -> Option<f64> {
+/// board saw no contact counts as `worst`.
+fn single_error(record: &FrameRecord, worst: f64) -> Option<f64> {
     let [press] = record.presses.as_slice() else { return None };
-    Some(
-        record
-            .contacts
-            .first()
-            .map_or(f64::INFINITY, |contact| position_error(contact.position, press.position)),
-    )
+    Some(record.contacts.first().map_or(worst, |contact| position_error(contact.position, press.position)))
 }
 
 fn frames_with_right_count(records: &[FrameRecord], count: usize) -> usize {

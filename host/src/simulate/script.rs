@@ -4,6 +4,7 @@ use crate::skin::outline::Outline;
 use nalgebra::Point2;
 use serde::Deserialize;
 use std::{
+    cmp::Ordering,
     collections::BTreeMap,
     f64::consts::TAU,
     path::{Path, PathBuf},
@@ -35,7 +36,8 @@ impl Press {
         let refuse =
             |field, value, allowed: &str| Err(ScriptError::Press { field, value, allowed: allowed.into() });
         let [x, y] = self.position;
-        if !(outline.depth(Point2::new(x, y)) >= 0.0) {
+        let on_skin = outline.depth(Point2::new(x, y)) >= 0.0;
+        if !on_skin {
             let [half_x, half_y] = outline.half_size();
             let allowed = format!("a point on the skin, which reaches {half_x} m in x and {half_y} m in y");
             return refuse("x,y", format!("{x},{y} m"), &allowed);
@@ -92,7 +94,10 @@ impl Script {
             moment.press.check(outline)?;
         }
         let disorder = |moments: &Vec<Moment>| {
-            moments.windows(2).find(|pair| !(pair[0].time < pair[1].time)).map(|p| p[1].time)
+            moments
+                .windows(2)
+                .find(|pair| pair[0].time.partial_cmp(&pair[1].time) != Some(Ordering::Less))
+                .map(|p| p[1].time)
         };
         if let Some(time) = fingers.iter().find_map(disorder) {
             return Err(ScriptError::Time { time });

@@ -287,7 +287,7 @@ impl Checker<'_> {
         if corners.is_empty() {
             return self.refuse("electrodes.placement", "\"sides\"".into(), "\"rim\" for a disc");
         }
-        if count % 4 != 0 {
+        if !count.is_multiple_of(4) {
             return self.refuse(
                 "electrodes.count",
                 count.to_string(),
