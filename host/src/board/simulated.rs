@@ -287,7 +287,7 @@ impl Worker {
     fn scan(&mut self, client: &Client, due: Option<Instant>) -> Option<Instant> {
         let period = self.period();
         let streamed = !self.device.pipeline().is_taring();
-        let frame = self.next_frame(streamed, period);
+        let frame = self.next_frame(streamed);
         self.device.process(&frame, |packet| client.send(&packet));
         if streamed {
             self.count_streamed();
@@ -295,13 +295,14 @@ impl Worker {
         due.map(|due| (due + period).max(Instant::now().checked_sub(MAX_BACKLOG).unwrap_or(due)))
     }
 
-    fn next_frame(&mut self, streamed: bool, period: Duration) -> Frame {
+    fn next_frame(&mut self, streamed: bool) -> Frame {
+        let rate = self.frame_rate();
         let steps: Vec<Step> = self.device.patch().map(|patch| patch.steps().collect()).unwrap_or_default();
-        let script_time = streamed.then(|| self.script_frame as f64 * period.as_secs_f64());
+        let script_time = streamed.then_some(self.script_frame as f64 / rate);
         let scan = self.source.scan(&steps, script_time);
         let sequence = self.sequence;
         self.sequence = sequence.wrapping_add(1);
-        self.board_time += period.as_secs_f64();
+        self.board_time += 1.0 / rate;
         let timestamp_us = (self.board_time * 1e6).round() as u64;
         let mut frame = Frame { sequence, timestamp_us, flags: scan.flags, ..Frame::default() };
         // More codes than a frame holds leave it empty, and the device drops it.
@@ -335,7 +336,11 @@ impl Worker {
 
     /// Time between frames, as the patch has it.
     fn period(&self) -> Duration {
-        let rate = self.device.patch().map_or(1.0, |patch| f64::from(patch.header.drive.frame_rate));
-        Duration::try_from_secs_f64(1.0 / rate).unwrap_or(MAX_PERIOD).min(MAX_PERIOD)
+        Duration::try_from_secs_f64(1.0 / self.frame_rate()).unwrap_or(MAX_PERIOD).min(MAX_PERIOD)
+    }
+
+    /// Frames per second, as the patch has it; there are no frames without one.
+    fn frame_rate(&self) -> f64 {
+        self.device.patch().map_or(1.0, |patch| patch.header.drive.frame_rate.into())
     }
 }
