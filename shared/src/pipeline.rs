@@ -61,6 +61,12 @@ impl PipelineState {
         self.tare = Some(Tare::new(frames));
     }
 
+    /// Whether a reference is being averaged.
+    #[must_use]
+    pub fn is_taring(&self) -> bool {
+        self.tare.is_some()
+    }
+
     /// The reference in use.
     #[must_use]
     pub fn reference(&self) -> Option<&Reference> {

@@ -1,1 +1,110 @@
-//! Being written.
+//! Boards: the ones on this machine's serial ports, and the simulated one.
+
+mod client;
+pub mod patch_store;
+pub mod simulated;
+
+use serialport::SerialPortType;
+use std::path::Path;
+
+/// USB vendor number of STMicroelectronics, whose debug adapter is the link of reference boards.
+const ST_VENDOR: u16 = 0x0483;
+
+/// A serial port of this machine.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct SerialPort {
+    /// Name to open it by.
+    pub port: String,
+    /// Whether what is plugged in looks like a Dermatome board.
+    pub likely_board: bool,
+    /// USB vendor number.
+    pub vendor_id: Option<u16>,
+    /// USB product number.
+    pub product_id: Option<u16>,
+    /// Manufacturer, as the device says.
+    pub manufacturer: Option<String>,
+    /// Product, as the device says.
+    pub product: Option<String>,
+    /// Serial number, as the device says.
+    pub serial_number: Option<String>,
+}
+
+/// The system could not list its serial ports.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot list the serial ports: {reason}")]
+pub struct ListError {
+    reason: String,
+}
+
+/// The serial ports of this machine, likely boards first.
+pub fn serial_ports() -> Result<Vec<SerialPort>, ListError> {
+    // There the `serialport` crate would panic.
+    if cfg!(target_os = "linux") && !Path::new("/sys/class/tty").is_dir() {
+        return Err(ListError { reason: "/sys/class/tty is missing".to_owned() });
+    }
+    let found = serialport::available_ports().map_err(|error| ListError { reason: error.to_string() })?;
+    let mut ports: Vec<_> = found.into_iter().map(SerialPort::from).collect();
+    ports.sort_by(|a, b| (!a.likely_board, &a.port).cmp(&(!b.likely_board, &b.port)));
+    Ok(ports)
+}
+
+impl From<serialport::SerialPortInfo> for SerialPort {
+    fn from(info: serialport::SerialPortInfo) -> Self {
+        let usb = match info.port_type {
+            SerialPortType::UsbPort(usb) => Some(usb),
+            _ => None,
+        };
+        let text = |pick: fn(&serialport::UsbPortInfo) -> &Option<String>| {
+            usb.as_ref().and_then(|u| pick(u).clone())
+        };
+        let product = text(|usb| &usb.product);
+        let vendor_id = usb.as_ref().map(|usb| usb.vid);
+        Self {
+            likely_board: is_likely_board(vendor_id, product.as_deref()),
+            port: info.port_name,
+            vendor_id,
+            product_id: usb.as_ref().map(|usb| usb.pid),
+            manufacturer: text(|usb| &usb.manufacturer),
+            serial_number: text(|usb| &usb.serial_number),
+            product,
+        }
+    }
+}
+
+fn is_likely_board(vendor: Option<u16>, product: Option<&str>) -> bool {
+    let product = product.unwrap_or_default().to_lowercase();
+    let named = ["st-link", "stlink", "dermatome"].iter().any(|name| product.contains(name));
+    vendor == Some(ST_VENDOR) || named
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serialport::{SerialPortInfo, UsbPortInfo};
+
+    #[test]
+    fn a_debug_adapter_is_a_likely_board_and_a_modem_is_not() {
+        assert!(is_likely_board(Some(0x0483), None));
+        assert!(is_likely_board(Some(0x1234), Some("Dermatome skin")));
+        assert!(!is_likely_board(Some(0x2341), Some("Arduino Uno")));
+        assert!(!is_likely_board(None, None));
+    }
+
+    #[test]
+    fn what_usb_tells_is_kept() {
+        let usb = UsbPortInfo {
+            vid: 0x0483,
+            pid: 0x374E,
+            serial_number: Some("0042".to_owned()),
+            manufacturer: Some("STMicroelectronics".to_owned()),
+            product: Some("STLINK-V3".to_owned()),
+        };
+        let info =
+            SerialPortInfo { port_name: "/dev/ttyACM0".to_owned(), port_type: SerialPortType::UsbPort(usb) };
+        let port = SerialPort::from(info);
+        assert!(port.likely_board);
+        assert_eq!((port.vendor_id, port.product_id), (Some(0x0483), Some(0x374E)));
+        assert_eq!(port.product.as_deref(), Some("STLINK-V3"));
+        assert_eq!(port.serial_number.as_deref(), Some("0042"));
+    }
+}

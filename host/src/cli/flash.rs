@@ -1,13 +1,78 @@
 //! `dermatome flash`.
 
-/// Arguments of `dermatome flash`.
+use crate::link::{self, Link, Port};
+use anyhow::Context;
+use dermatome_shared::protocol::PatchInfo;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+use std::{
+    path::PathBuf,
+    time::{Duration, Instant},
+};
+
+/// Send a patch to a board, which keeps it.
+///
+/// The patch is checked before, on the way and after; whatever fails, the board keeps the patch it had.
 #[derive(clap::Args)]
+#[command(after_help = "Examples:\n  \
+    dermatome flash hemisphere.patch --port /dev/ttyACM0\n  \
+    dermatome flash hemisphere.patch --port tcp:127.0.0.1:7000 --json flash.json")]
 pub(super) struct Args {
+    /// Patch to send, as `dermatome build` writes it.
+    patch: PathBuf,
+    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT or sim:SKIN.toml.
+    #[arg(long)]
+    port: Port,
     #[command(flatten)]
     json: super::JsonReport,
 }
 
+#[derive(Serialize)]
+struct Report<'a> {
+    port: &'a str,
+    board: &'a str,
+    firmware: &'a str,
+    skin: &'a str,
+    patch_bytes: usize,
+    patch_crc: String,
+    duration_s: f64,
+}
+
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    args.json.write(&())?;
-    anyhow::bail!("not built yet")
+    let path = args.patch.display();
+    let bytes = std::fs::read(&args.patch).with_context(|| format!("cannot read patch `{path}`"))?;
+    let mut link = link::open(&args.port)?;
+    let started = Instant::now();
+    let bar = progress_bar(bytes.len());
+    let result = link::upload(&mut link, &bytes, |sent| bar.inc(sent as u64));
+    bar.finish_and_clear();
+    let used = result.with_context(|| format!("`{path}` was not sent"))?;
+    report(args, &link, &used, bytes.len(), started.elapsed())
+}
+
+/// Hidden where standard error is not a terminal.
+fn progress_bar(length: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("sending {bar:40} {bytes} of {total_bytes}");
+    ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+fn report(
+    args: &Args,
+    link: &Link,
+    used: &PatchInfo,
+    patch_bytes: usize,
+    took: Duration,
+) -> anyhow::Result<()> {
+    let (identity, port) = (link.identity(), link.port());
+    println!("{} at {port} now uses patch `{}` ({patch_bytes} bytes)", identity.board, used.skin);
+    println!("next: dermatome tare --port {port}");
+    args.json.write(&Report {
+        port,
+        board: &identity.board,
+        firmware: &identity.firmware,
+        skin: &used.skin,
+        patch_bytes,
+        patch_crc: format!("{:#010x}", used.crc),
+        duration_s: took.as_secs_f64(),
+    })
 }

@@ -1,13 +1,183 @@
 //! `dermatome stream`.
 
-/// Arguments of `dermatome stream`.
+mod display;
+mod tally;
+
+use super::{interrupt, tare::patch_of};
+use crate::link::{self, Link, Port};
+use dermatome_shared::{
+    protocol::{Event, PatchInfo, Selection},
+    reference::DEFAULT_TARE_FRAMES,
+};
+use display::Display;
+use serde::Serialize;
+use std::{
+    io,
+    time::{Duration, Instant},
+};
+use tally::Tally;
+
+/// How often to look for Ctrl-C while nothing comes.
+const POLL: Duration = Duration::from_millis(100);
+/// Frames that may fail to come before the board is asked whether it still streams.
+const PATIENCE_FRAMES: f64 = 5.0;
+
+/// Show images and contacts live, or print contacts for a pipe.
+///
+/// On a terminal, draws the image and the contacts in place. Otherwise prints one line per contact:
+/// frame sequence, time in s, x in mm, y in mm, area in mm2 and strength, separated by tabs. The
+/// summary goes to standard error.
 #[derive(clap::Args)]
+#[command(after_help = "Examples:\n  \
+    dermatome stream --port /dev/ttyACM0\n  \
+    dermatome stream --port tcp:127.0.0.1:7000 --frames 500 --json stream.json\n  \
+    dermatome stream --port COM5 --no-image | tee contacts.tsv")]
 pub(super) struct Args {
+    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT or sim:SKIN.toml.
+    #[arg(long)]
+    port: Port,
+    /// Stop after this many frames, instead of at Ctrl-C.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
+    frames: Option<u64>,
+    /// Do not fetch and draw images.
+    #[arg(long)]
+    no_image: bool,
     #[command(flatten)]
     json: super::JsonReport,
 }
 
+/// Why streaming ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Ended {
+    /// All frames asked for have come.
+    Frames,
+    /// The user asked for it.
+    Interrupt,
+    /// The board ended its stream.
+    Board,
+    /// Whoever read standard output has gone.
+    Pipe,
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    port: &'a str,
+    board: &'a str,
+    firmware: &'a str,
+    skin: &'a str,
+    tared_first: bool,
+    frames_received: u64,
+    frames_lost: u64,
+    events_lost: u64,
+    packets_damaged: u64,
+    images_per_second: Option<f64>,
+    ended: Ended,
+}
+
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    args.json.write(&())?;
-    anyhow::bail!("not built yet")
+    let mut link = link::open(&args.port)?;
+    let patch = patch_of(&mut link)?;
+    let tared_first = tare_if_needed(&mut link, &patch)?;
+    let mut display = Display::new(&mut link, !args.no_image)?;
+    let mut tally = Tally::default();
+    let ended = follow(args, &mut link, &patch, &mut display, &mut tally)?;
+    if ended != Ended::Pipe {
+        summarise(&tally, &link, ended);
+    }
+    args.json.write(&Report {
+        port: link.port(),
+        board: &link.identity().board,
+        firmware: &link.identity().firmware,
+        skin: &patch.skin,
+        tared_first,
+        frames_received: tally.received(),
+        frames_lost: tally.lost(),
+        events_lost: link.events_lost(),
+        packets_damaged: link.packets_damaged(),
+        images_per_second: tally.per_second(),
+        ended,
+    })
+}
+
+/// Without a reference there are no images: makes one and says so.
+fn tare_if_needed(link: &mut Link, patch: &PatchInfo) -> anyhow::Result<bool> {
+    if link.info()?.tared {
+        return Ok(false);
+    }
+    let frames = DEFAULT_TARE_FRAMES;
+    eprintln!("the board has no reference yet: averaging {frames} frames, do not touch the skin");
+    link::tare(link, frames, link::tare_timeout(patch, frames))?;
+    Ok(true)
+}
+
+/// Starts the stream, shows it until it ends, and stops it.
+fn follow(
+    args: &Args,
+    link: &mut Link,
+    patch: &PatchInfo,
+    display: &mut Display,
+    tally: &mut Tally,
+) -> anyhow::Result<Ended> {
+    let selection = Selection { images: display.wants_images(), contacts: true, measurements: false };
+    tally.start(link::stream(link, selection)?);
+    let patience = patience(patch);
+    let mut last_event = Instant::now();
+    let ended = loop {
+        if let Some(ended) = asked_to_end(args, tally) {
+            break ended;
+        }
+        match link.next_event(POLL)? {
+            Some(event) => {
+                last_event = Instant::now();
+                if !take(&event, display, tally)? {
+                    break Ended::Pipe;
+                }
+            }
+            None if last_event.elapsed() > patience && !link.info()?.streaming.any() => break Ended::Board,
+            None => {}
+        }
+    };
+    link::stream(link, Selection::default())?;
+    Ok(ended)
+}
+
+fn asked_to_end(args: &Args, tally: &Tally) -> Option<Ended> {
+    if interrupt::requested() {
+        return Some(Ended::Interrupt);
+    }
+    args.frames.is_some_and(|frames| tally.received() >= frames).then_some(Ended::Frames)
+}
+
+/// An event of the stream goes to the display and into the tally; contacts end a frame.
+/// Gives false if whoever read standard output has gone.
+fn take(event: &Event, display: &mut Display, tally: &mut Tally) -> io::Result<bool> {
+    match event {
+        Event::Image { image, .. } => display.keep_image(image),
+        Event::Contacts { at, contacts } => {
+            tally.count(at.sequence, Instant::now());
+            match display.show(*at, contacts) {
+                Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(false),
+                other => other?,
+            }
+        }
+        Event::Tared { .. } | Event::Measurements { .. } => {}
+    }
+    Ok(true)
+}
+
+/// Longest silence before the board is asked: five frames, and at least a second.
+fn patience(patch: &PatchInfo) -> Duration {
+    let seconds = (PATIENCE_FRAMES / f64::from(patch.drive.frame_rate)).clamp(1.0, 3600.0);
+    Duration::from_secs_f64(seconds)
+}
+
+fn summarise(tally: &Tally, link: &Link, ended: Ended) {
+    let rate = tally.per_second().map_or(String::new(), |rate| format!(", {rate:.1} images per second"));
+    let (received, lost) = (tally.received(), tally.lost());
+    let damaged = link.packets_damaged();
+    eprintln!("{received} frames received, {lost} lost{rate}, {damaged} packets damaged");
+    if ended == Ended::Board {
+        eprintln!("the board ended its stream");
+    }
 }

@@ -1,13 +1,64 @@
 //! `dermatome tare`.
 
-/// Arguments of `dermatome tare`.
+use crate::link::{self, Link, Port};
+use anyhow::Context;
+use dermatome_shared::{
+    device::MAX_TARE_FRAMES,
+    protocol::{PatchInfo, Refusal},
+    reference::DEFAULT_TARE_FRAMES,
+};
+use serde::Serialize;
+use std::time::Instant;
+
+/// Make the skin, as it is now, the reference: nothing may touch it.
 #[derive(clap::Args)]
+#[command(after_help = "Examples:\n  \
+    dermatome tare --port /dev/ttyACM0\n  \
+    dermatome tare --port COM5 --frames 100")]
 pub(super) struct Args {
+    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT or sim:SKIN.toml.
+    #[arg(long)]
+    port: Port,
+    /// Frames to average.
+    #[arg(
+        long,
+        default_value_t = DEFAULT_TARE_FRAMES,
+        value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_TARE_FRAMES))
+    )]
+    frames: u16,
     #[command(flatten)]
     json: super::JsonReport,
 }
 
+#[derive(Serialize)]
+struct Report<'a> {
+    port: &'a str,
+    board: &'a str,
+    firmware: &'a str,
+    skin: &'a str,
+    frames: u16,
+    duration_s: f64,
+}
+
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    args.json.write(&())?;
-    anyhow::bail!("not built yet")
+    let mut link = link::open(&args.port)?;
+    let patch = patch_of(&mut link)?;
+    let started = Instant::now();
+    link::tare(&mut link, args.frames, link::tare_timeout(&patch, args.frames))?;
+    let duration_s = started.elapsed().as_secs_f64();
+    println!("averaged {} frames of `{}` as its reference", args.frames, patch.skin);
+    args.json.write(&Report {
+        port: link.port(),
+        board: &link.identity().board,
+        firmware: &link.identity().firmware,
+        skin: &patch.skin,
+        frames: args.frames,
+        duration_s,
+    })
+}
+
+/// The patch on the board, which it must hold.
+pub(super) fn patch_of(link: &mut Link) -> anyhow::Result<PatchInfo> {
+    let patch = link.info()?.patch;
+    patch.ok_or(Refusal::NoPatch).with_context(|| format!("nothing to measure with at `{}`", link.port()))
 }

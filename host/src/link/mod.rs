@@ -1,1 +1,242 @@
-//! Being written.
+//! Link: requests to a board, its replies and its events.
+//!
+//! Opening a link sends one zero byte, which ends any line noise, then `Hello`: board and host
+//! compare protocol version and schema hash before anything else is said. One request is under
+//! way at a time. Events that arrive in between are kept, in order, for [`Link::next_event`].
+//! Nothing is lost silently: see [`Link::events_lost`] and [`Link::packets_damaged`].
+
+mod error;
+mod port;
+mod stream;
+mod transport;
+mod upload;
+mod wire;
+
+pub use error::LinkError;
+pub use port::{Port, PortError};
+pub use stream::{stream, tare, tare_timeout};
+pub use transport::Transport;
+pub use upload::{UploadError, upload};
+
+use crate::board::simulated::SimulatedBoard;
+use dermatome_shared::{
+    image::Geometry,
+    protocol::{BoardPacket, Event, Identity, Info, Refusal, Reply, Request, RequestPacket, Version},
+};
+use std::{
+    collections::VecDeque,
+    time::{Duration, Instant},
+};
+use wire::Wire;
+
+/// How long a board has to answer.
+pub const REPLY_TIMEOUT: Duration = Duration::from_secs(2);
+/// Hello is sent again after this time: a board may have been starting when the first one came.
+const HELLO_TIMEOUT: Duration = Duration::from_secs(1);
+const HELLO_ATTEMPTS: u32 = 2;
+/// Only Hello carries this number, so that no late reply to an earlier host passes for another.
+const HELLO_SEQUENCE: u16 = 0;
+/// Most events kept for a host that asks much and listens little; older ones count as lost.
+const MAX_QUEUED_EVENTS: usize = 4096;
+
+/// A link to one board.
+pub struct Link {
+    wire: Wire,
+    identity: Identity,
+    last_sequence: u16,
+    events: VecDeque<Event>,
+    next_number: Option<u32>,
+    events_lost: u64,
+    /// Dropped after the wire, so that the simulated board sees its client leave.
+    _board: Option<SimulatedBoard>,
+}
+
+/// Opens `port`.
+pub fn open(port: &Port) -> Result<Link, LinkError> {
+    let name = port.to_string();
+    match port {
+        Port::Serial(path) => Link::connect(name, transport::open_serial(path)?),
+        Port::Tcp(address) => Link::connect(&name, transport::open_tcp(&name, address.as_str())?),
+        // To be wired to `simulate::board_for_skin` and `Link::to_simulated`.
+        Port::Simulated(path) => Err(LinkError::NoSimulation { path: path.clone() }),
+    }
+}
+
+impl Link {
+    /// Says hello over `transport` and checks that board and host understand each other.
+    /// `port` names the transport in errors.
+    pub fn connect(port: impl Into<String>, transport: impl Transport + 'static) -> Result<Self, LinkError> {
+        let mut wire = Wire::new(port.into(), Box::new(transport));
+        let identity = hello(&mut wire)?;
+        // What came in before was not meant for this link.
+        wire.forget_damage();
+        Ok(Self {
+            wire,
+            identity,
+            last_sequence: HELLO_SEQUENCE,
+            events: VecDeque::new(),
+            next_number: None,
+            events_lost: 0,
+            _board: None,
+        })
+    }
+
+    /// Connects to a simulated board, which then lives as long as the link.
+    pub fn to_simulated(port: impl Into<String>, board: SimulatedBoard) -> Result<Self, LinkError> {
+        let port = port.into();
+        let transport = transport::open_tcp(&port, board.address())?;
+        Ok(Self { _board: Some(board), ..Self::connect(port, transport)? })
+    }
+
+    /// The port as written.
+    #[must_use]
+    pub fn port(&self) -> &str {
+        &self.wire.port
+    }
+
+    /// Who the board is.
+    #[must_use]
+    pub fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    /// Events the board sent and this link did not get, by the gaps in their running number.
+    ///
+    /// Counted from the first event received.
+    #[must_use]
+    pub fn events_lost(&self) -> u64 {
+        self.events_lost
+    }
+
+    /// Packets received that were not readable.
+    #[must_use]
+    pub fn packets_damaged(&self) -> u64 {
+        self.wire.damaged()
+    }
+
+    /// Asks the board and waits for its reply, at most [`REPLY_TIMEOUT`]. A refusal is an error.
+    pub fn request(&mut self, request: &Request) -> Result<Reply, LinkError> {
+        self.request_within(request, REPLY_TIMEOUT)
+    }
+
+    /// As [`Self::request`], for what takes a board longer.
+    pub fn request_within(&mut self, request: &Request, timeout: Duration) -> Result<Reply, LinkError> {
+        self.last_sequence = self.last_sequence.checked_add(1).unwrap_or(HELLO_SEQUENCE + 1);
+        let damaged_before = self.wire.damaged();
+        self.wire.send(&RequestPacket { sequence: self.last_sequence, request: request.clone() })?;
+        let deadline = Instant::now() + timeout;
+        while let Some(packet) = self.wire.receive(deadline)? {
+            match packet {
+                BoardPacket::Reply { sequence, reply } if sequence == self.last_sequence => {
+                    return self.unless_refused(reply);
+                }
+                // A late reply to a request that was given up.
+                BoardPacket::Reply { .. } => {}
+                BoardPacket::Event { number, event } => self.keep(number, event),
+            }
+        }
+        Err(self.wire.silence(timeout, damaged_before))
+    }
+
+    /// What the board holds and does.
+    pub fn info(&mut self) -> Result<Info, LinkError> {
+        match self.request(&Request::Info)? {
+            Reply::Info(info) => Ok(info),
+            _ => Err(self.wrong_reply("Info")),
+        }
+    }
+
+    /// Which pixels the board's images have, and where.
+    pub fn geometry(&mut self) -> Result<Geometry, LinkError> {
+        match self.request(&Request::Geometry)? {
+            Reply::Geometry(geometry) => Ok(geometry),
+            _ => Err(self.wrong_reply("Geometry")),
+        }
+    }
+
+    /// The next event, or `None` if there is none within `timeout` (20 ms at least).
+    pub fn next_event(&mut self, timeout: Duration) -> Result<Option<Event>, LinkError> {
+        if let Some(event) = self.events.pop_front() {
+            return Ok(Some(event));
+        }
+        self.wait_for(timeout, |_| true)
+    }
+
+    /// Waits for a new event that is `wanted`, and keeps the others.
+    fn wait_for(
+        &mut self,
+        timeout: Duration,
+        wanted: impl Fn(&Event) -> bool,
+    ) -> Result<Option<Event>, LinkError> {
+        let deadline = Instant::now() + timeout.max(transport::READ_TIMEOUT);
+        while let Some(packet) = self.wire.receive(deadline)? {
+            if let BoardPacket::Event { number, event } = packet {
+                self.keep(number, event);
+                if self.events.back().is_some_and(&wanted) {
+                    return Ok(self.events.pop_back());
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    fn keep(&mut self, number: u32, event: Event) {
+        let expected = self.next_number.replace(number.wrapping_add(1)).unwrap_or(number);
+        self.events_lost += u64::from(number.wrapping_sub(expected));
+        if self.events.len() == MAX_QUEUED_EVENTS {
+            self.events.pop_front();
+            self.events_lost += 1;
+        }
+        self.events.push_back(event);
+    }
+
+    fn forget_events(&mut self) {
+        self.events.clear();
+    }
+
+    fn unless_refused(&self, reply: Reply) -> Result<Reply, LinkError> {
+        match reply {
+            Reply::Refused(refusal) => Err(LinkError::Refused { port: self.wire.port.clone(), refusal }),
+            reply => Ok(reply),
+        }
+    }
+
+    fn wrong_reply(&self, request: &'static str) -> LinkError {
+        LinkError::WrongReply { port: self.wire.port.clone(), request }
+    }
+}
+
+fn hello(wire: &mut Wire) -> Result<Identity, LinkError> {
+    wire.send_bytes(&[0])?;
+    let request = RequestPacket { sequence: HELLO_SEQUENCE, request: Request::Hello(Version::current()) };
+    for _ in 0..HELLO_ATTEMPTS {
+        wire.send(&request)?;
+        let deadline = Instant::now() + HELLO_TIMEOUT;
+        while let Some(packet) = wire.receive(deadline)? {
+            if let BoardPacket::Reply { sequence: HELLO_SEQUENCE, reply } = packet {
+                return check_hello(wire, reply);
+            }
+        }
+    }
+    Err(wire.silence(HELLO_TIMEOUT * HELLO_ATTEMPTS, 0))
+}
+
+fn check_hello(wire: &Wire, reply: Reply) -> Result<Identity, LinkError> {
+    let port = wire.port.clone();
+    let host = Version::current();
+    match reply {
+        Reply::Hello { version, .. } if version.protocol != host.protocol => {
+            Err(LinkError::ProtocolVersion { port, board: version.protocol })
+        }
+        Reply::Hello { version, identity } if version.schema != host.schema => Err(LinkError::Schema {
+            port,
+            firmware: identity.firmware.to_string(),
+            board: version.schema,
+            host: host.schema,
+        }),
+        Reply::Hello { identity, .. } => Ok(identity),
+        Reply::Refused(Refusal::Version { board }) => Err(LinkError::ProtocolVersion { port, board }),
+        Reply::Refused(refusal) => Err(LinkError::Refused { port, refusal }),
+        _ => Err(LinkError::WrongReply { port, request: "Hello" }),
+    }
+}

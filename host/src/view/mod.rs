@@ -1,1 +1,4 @@
-//! Being written.
+//! Views: images and contacts for people.
+
+pub mod colour;
+pub mod terminal;

@@ -1,0 +1,346 @@
+//! Simulated board: the board's own state machine behind a real byte stream.
+//!
+//! [`SimulatedBoard`] runs [`Device`], the code the firmware runs, on a thread of its own and
+//! serves one host at a time over TCP. Its measurements come from a [`FrameSource`].
+//!
+//! Two clocks: *board time* counts the frames scanned, at the patch's frame rate, and stamps the
+//! frames. *Script time* counts only the frames streamed, and tells the source how far its script
+//! (who presses where) has come. Frames are scanned only while something uses them, a tare or a
+//! stream, so what a host sees follows from script and seed alone and not from wall time.
+
+use super::{
+    client::{Client, Input},
+    patch_store::{FilePatchStore, OpenError},
+};
+use dermatome_shared::{
+    device::Device,
+    frame::{Frame, FrameFlags},
+    protocol::{Identity, Request, RequestPacket, Selection},
+    stimulation::Step,
+    units::AdcCode,
+};
+use std::{
+    io::{self, ErrorKind},
+    net::{Ipv4Addr, SocketAddr, TcpListener},
+    path::PathBuf,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    thread::{self, JoinHandle},
+    time::{Duration, Instant},
+};
+
+/// How often the board looks for a new host.
+const ACCEPT_INTERVAL: Duration = Duration::from_millis(5);
+/// Longest the board waits without looking whether it should stop.
+const STOP_INTERVAL: Duration = Duration::from_millis(100);
+/// How often an unpaced board looks whether its host has made room.
+const ROOM_INTERVAL: Duration = Duration::from_micros(200);
+/// A board that was held up catches up on at most this much.
+const MAX_BACKLOG: Duration = Duration::from_millis(100);
+/// Longest time between frames; slower frame rates count as this.
+const MAX_PERIOD: Duration = Duration::from_secs(3600);
+
+/// What a simulated board measures.
+pub trait FrameSource: Send {
+    /// One scan: a code per step. `script_time` is `None` while nothing is streamed (skin
+    /// untouched), else the time since streaming started, s.
+    ///
+    /// A scan with another number of codes than steps is dropped, as on a real board.
+    fn scan(&mut self, steps: &[Step], script_time: Option<f64>) -> Scan;
+}
+
+/// One scan.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Scan {
+    /// In-phase voltages: `[step]`.
+    pub codes: Vec<AdcCode>,
+    /// What was wrong with the scan.
+    pub flags: FrameFlags,
+}
+
+/// How fast frames come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pace {
+    /// At the patch's frame rate, or as fast as the source can. A host that reads too slowly loses
+    /// events, as with a real board.
+    #[default]
+    FrameRate,
+    /// As fast as the source can and the host reads; nothing is lost. For tests and benchmarks.
+    Unpaced,
+}
+
+/// How a simulated board starts.
+#[derive(Clone, Debug)]
+pub struct BoardOptions {
+    /// Where it listens; port 0 takes any free one.
+    pub listen: SocketAddr,
+    /// Patch in use from the start, unless the store holds one.
+    pub patch: Option<Vec<u8>>,
+    /// File that keeps the uploaded patch.
+    pub store: Option<PathBuf>,
+    /// How fast frames come.
+    pub pace: Pace,
+    /// The board ends its stream after this many streamed frames, and itself when its host leaves.
+    pub max_frames: Option<u64>,
+}
+
+impl Default for BoardOptions {
+    fn default() -> Self {
+        Self {
+            listen: (Ipv4Addr::LOCALHOST, 0).into(),
+            patch: None,
+            store: None,
+            pace: Pace::default(),
+            max_frames: None,
+        }
+    }
+}
+
+/// Why a simulated board does not run.
+#[derive(Debug, thiserror::Error)]
+pub enum BoardError {
+    /// Another program listens there.
+    #[error("cannot listen at {address}: the port is in use by another program, or by another board")]
+    PortInUse {
+        /// Where the board was to listen.
+        address: SocketAddr,
+    },
+    /// The system does not let it listen there, for another reason.
+    #[error("cannot listen at {address}: {reason}")]
+    Listen {
+        /// Where the board was to listen.
+        address: SocketAddr,
+        /// What the system says.
+        reason: io::Error,
+    },
+    /// Its patch, or the file that holds it, is not usable.
+    #[error(transparent)]
+    Patch(#[from] OpenError),
+    /// The system gives it no thread.
+    #[error("cannot start the board's thread: {reason}")]
+    Thread {
+        /// What the system says.
+        reason: io::Error,
+    },
+    /// Its frame source panicked.
+    #[error("the simulated board crashed")]
+    Crashed,
+}
+
+/// A running board. Dropping it stops it.
+#[derive(Debug)]
+pub struct SimulatedBoard {
+    address: SocketAddr,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl SimulatedBoard {
+    /// Starts a board that measures what `source` gives.
+    pub fn start(options: BoardOptions, source: impl FrameSource + 'static) -> Result<Self, BoardError> {
+        let store = FilePatchStore::open(options.store, options.patch)?;
+        let listener = listen(options.listen)?;
+        let address = listener.local_addr().map_err(|reason| listen_error(options.listen, reason))?;
+        let stop = Arc::new(AtomicBool::new(false));
+        let worker = Worker {
+            device: Device::new(identity(), store),
+            source: Box::new(source),
+            pace: options.pace,
+            stop: stop.clone(),
+            sequence: 0,
+            board_time: 0.0,
+            script_frame: 0,
+            frames_left: options.max_frames,
+        };
+        let thread = thread::Builder::new().name("board".to_owned()).spawn(move || worker.run(&listener));
+        let thread = thread.map_err(|reason| BoardError::Thread { reason })?;
+        Ok(Self { address, stop, thread: Some(thread) })
+    }
+
+    /// Where it listens.
+    #[must_use]
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Whether the board has ended: it has streamed its frames, and its host has left.
+    #[must_use]
+    pub fn is_finished(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    /// Stops the board, and with it the link of its host.
+    pub fn stop(mut self) -> Result<(), BoardError> {
+        self.end()
+    }
+
+    fn end(&mut self) -> Result<(), BoardError> {
+        self.stop.store(true, Ordering::Relaxed);
+        let Some(thread) = self.thread.take() else { return Ok(()) };
+        thread.join().map_err(|_| BoardError::Crashed)
+    }
+}
+
+impl Drop for SimulatedBoard {
+    fn drop(&mut self) {
+        // A crash has already been printed by the thread.
+        let _ = self.end();
+    }
+}
+
+fn listen(address: SocketAddr) -> Result<TcpListener, BoardError> {
+    let failed = |reason| listen_error(address, reason);
+    let listener = TcpListener::bind(address).map_err(failed)?;
+    listener.set_nonblocking(true).map_err(failed)?;
+    Ok(listener)
+}
+
+fn listen_error(address: SocketAddr, reason: io::Error) -> BoardError {
+    match reason.kind() {
+        ErrorKind::AddrInUse => BoardError::PortInUse { address },
+        _ => BoardError::Listen { address, reason },
+    }
+}
+
+/// Names too long for their field come out empty; these two are not.
+fn identity() -> Identity {
+    Identity {
+        board: "simulated".try_into().unwrap_or_default(),
+        firmware: env!("CARGO_PKG_VERSION").try_into().unwrap_or_default(),
+    }
+}
+
+/// What runs on the board's thread.
+struct Worker {
+    device: Device<FilePatchStore>,
+    source: Box<dyn FrameSource>,
+    pace: Pace,
+    stop: Arc<AtomicBool>,
+    /// Number of the next frame.
+    sequence: u32,
+    /// Time scanned since the board started, s.
+    board_time: f64,
+    /// Frames of the present stream so far.
+    script_frame: u64,
+    /// Frames that may still be streamed, if there is a limit.
+    frames_left: Option<u64>,
+}
+
+impl Worker {
+    fn run(mut self, listener: &TcpListener) {
+        while !self.should_stop() && self.frames_left != Some(0) {
+            match listener.accept().and_then(|(stream, _)| Client::new(stream)) {
+                Ok(client) => self.serve(&client),
+                // Nobody there, or gone already.
+                Err(_) => thread::sleep(ACCEPT_INTERVAL),
+            }
+        }
+    }
+
+    fn serve(&mut self, client: &Client) {
+        let mut due = None;
+        while !self.should_stop() {
+            match client.receive(self.time_to_wait(client, &mut due)) {
+                Input::Request(packet) => self.answer(client, &packet),
+                Input::Nothing if self.may_scan(client, due) => due = self.scan(client, due),
+                Input::Nothing => {}
+                Input::Gone => break,
+            }
+        }
+        self.device.disconnect();
+    }
+
+    fn should_stop(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Whether anything uses a frame: there is a tare or a stream under way.
+    fn needs_frames(&self) -> bool {
+        self.device.pipeline().is_taring() || self.device.streaming().any()
+    }
+
+    /// How long to wait for a request before the next frame. `due` is when that frame is complete:
+    /// the first one a period after it is needed.
+    fn time_to_wait(&self, client: &Client, due: &mut Option<Instant>) -> Duration {
+        if !self.needs_frames() {
+            *due = None;
+            return STOP_INTERVAL;
+        }
+        if self.pace == Pace::Unpaced {
+            return if client.has_room() { Duration::ZERO } else { ROOM_INTERVAL };
+        }
+        let due = *due.get_or_insert_with(|| Instant::now() + self.period());
+        due.saturating_duration_since(Instant::now()).min(STOP_INTERVAL)
+    }
+
+    fn may_scan(&self, client: &Client, due: Option<Instant>) -> bool {
+        self.needs_frames()
+            && match self.pace {
+                Pace::Unpaced => client.has_room(),
+                Pace::FrameRate => due.is_some_and(|due| due <= Instant::now()),
+            }
+    }
+
+    /// Takes one frame through the device; gives the time when the next one is due.
+    fn scan(&mut self, client: &Client, due: Option<Instant>) -> Option<Instant> {
+        let period = self.period();
+        let streamed = !self.device.pipeline().is_taring();
+        let frame = self.next_frame(streamed);
+        self.device.process(&frame, |packet| client.send(&packet));
+        if streamed {
+            self.count_streamed();
+        }
+        due.map(|due| (due + period).max(Instant::now().checked_sub(MAX_BACKLOG).unwrap_or(due)))
+    }
+
+    fn next_frame(&mut self, streamed: bool) -> Frame {
+        let rate = self.frame_rate();
+        let steps: Vec<Step> = self.device.patch().map(|patch| patch.steps().collect()).unwrap_or_default();
+        let script_time = streamed.then_some(self.script_frame as f64 / rate);
+        let scan = self.source.scan(&steps, script_time);
+        let sequence = self.sequence;
+        self.sequence = sequence.wrapping_add(1);
+        self.board_time += 1.0 / rate;
+        let timestamp_us = (self.board_time * 1e6).round() as u64;
+        let mut frame = Frame { sequence, timestamp_us, flags: scan.flags, ..Frame::default() };
+        // More codes than a frame holds leave it empty, and the device drops it.
+        let _ = frame.codes.extend_from_slice(&scan.codes);
+        frame
+    }
+
+    fn count_streamed(&mut self) {
+        self.script_frame += 1;
+        if let Some(left) = &mut self.frames_left {
+            *left = left.saturating_sub(1);
+        }
+        self.end_stream_if_over();
+    }
+
+    fn answer(&mut self, client: &Client, packet: &RequestPacket) {
+        let was_streaming = self.device.streaming().any();
+        client.send(&self.device.handle(packet));
+        if !was_streaming {
+            self.script_frame = 0;
+        }
+        self.end_stream_if_over();
+    }
+
+    fn end_stream_if_over(&mut self) {
+        if self.frames_left == Some(0) && self.device.streaming().any() {
+            let request = Request::Stream(Selection::default());
+            let _ = self.device.handle(&RequestPacket { sequence: 0, request });
+        }
+    }
+
+    /// Time between frames, as the patch has it.
+    fn period(&self) -> Duration {
+        Duration::try_from_secs_f64(1.0 / self.frame_rate()).unwrap_or(MAX_PERIOD).min(MAX_PERIOD)
+    }
+
+    /// Frames per second, as the patch has it; there are no frames without one.
+    fn frame_rate(&self) -> f64 {
+        self.device.patch().map_or(1.0, |patch| patch.header.drive.frame_rate.into())
+    }
+}

@@ -1,0 +1,69 @@
+//! Tally: frames received, lost, and how fast they came.
+
+use std::time::Instant;
+
+/// Counts the frames of one stream by their sequence numbers.
+#[derive(Debug, Default)]
+pub(super) struct Tally {
+    next: u32,
+    received: u64,
+    lost: u64,
+    first_and_last: Option<[Instant; 2]>,
+}
+
+impl Tally {
+    /// The stream starts with this frame.
+    pub(super) fn start(&mut self, first_sequence: u32) {
+        self.next = first_sequence;
+    }
+
+    /// A frame has come.
+    pub(super) fn count(&mut self, sequence: u32, now: Instant) {
+        self.lost += u64::from(sequence.wrapping_sub(self.next));
+        self.next = sequence.wrapping_add(1);
+        self.received += 1;
+        let [first, _] = self.first_and_last.unwrap_or([now; 2]);
+        self.first_and_last = Some([first, now]);
+    }
+
+    pub(super) fn received(&self) -> u64 {
+        self.received
+    }
+
+    pub(super) fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// Frames per second, from the first to the last; `None` for fewer than two.
+    pub(super) fn per_second(&self) -> Option<f64> {
+        let [first, last] = self.first_and_last?;
+        let seconds = (last - first).as_secs_f64();
+        (seconds > 0.0).then(|| (self.received - 1) as f64 / seconds)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn gaps_count_as_lost_from_the_first_frame_on_and_across_the_wrap() {
+        let mut tally = Tally::default();
+        let start = Instant::now();
+        tally.start(u32::MAX - 3);
+        for (i, sequence) in [u32::MAX - 1, u32::MAX, 2].into_iter().enumerate() {
+            tally.count(sequence, start + Duration::from_millis(500 * i as u64));
+        }
+        assert_eq!((tally.received(), tally.lost()), (3, 2 + 2));
+        assert_eq!(tally.per_second(), Some(2.0));
+    }
+
+    #[test]
+    fn one_frame_has_no_rate() {
+        let mut tally = Tally::default();
+        assert_eq!(tally.per_second(), None);
+        tally.count(0, Instant::now());
+        assert_eq!(tally.per_second(), None);
+    }
+}

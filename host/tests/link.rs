@@ -1,0 +1,499 @@
+//! Links to a real simulated board over TCP, and to boards that misbehave.
+
+mod testbench;
+
+use dermatome::{
+    board::simulated::{BoardError, BoardOptions, Pace, SimulatedBoard},
+    link::{Link, LinkError, Transport, UploadError, stream, tare, upload},
+};
+use dermatome_shared::{
+    MAX_PATCH_BYTES,
+    protocol::{
+        BoardPacket, Event, FrameStamp, MAX_PACKET_BYTES, PROTOCOL_VERSION, Refusal, Reply, Request,
+        Selection, Version, encode,
+    },
+};
+use std::{
+    collections::VecDeque,
+    io::{self, Read, Write},
+    net::TcpListener,
+    thread,
+    time::{Duration, Instant},
+};
+use testbench::{
+    Pressed, board_with, connect, crc, empty_board, fake_board, hello, info, raw, small_patch, square_patch,
+};
+
+const SECOND: Duration = Duration::from_secs(1);
+const CONTACTS: Selection = Selection { images: false, contacts: true, measurements: false };
+const MEASUREMENTS: Selection = Selection { images: false, contacts: false, measurements: true };
+const ALL: Selection = Selection { images: true, contacts: true, measurements: true };
+
+fn next(link: &mut Link) -> Event {
+    link.next_event(2 * SECOND).unwrap().expect("an event within two seconds")
+}
+
+fn stamp(event: &Event) -> FrameStamp {
+    match event {
+        Event::Image { at, .. } | Event::Contacts { at, .. } | Event::Measurements { at, .. } => *at,
+        Event::Tared { .. } => panic!("a tare has no frame"),
+    }
+}
+
+#[test]
+fn upload_tare_and_stream_lose_nothing() {
+    let board = empty_board();
+    let mut link = connect(board.address()).unwrap();
+    assert_eq!(link.identity().board, "simulated");
+    let patch = square_patch("sixteen", 16, 14, 100.0);
+    let mut sent = 0;
+    let used = upload(&mut link, &patch, |bytes| sent += bytes).unwrap();
+    assert_eq!((sent, used.crc, used.skin.as_str()), (patch.len(), crc(&patch), "sixteen"));
+    tare(&mut link, 5, SECOND).unwrap();
+    assert!(link.info().unwrap().tared);
+    let first = stream(&mut link, ALL).unwrap();
+    assert_eq!(first, 5);
+    for sequence in first..first + 200 {
+        let events = [next(&mut link), next(&mut link), next(&mut link)];
+        assert!(events.iter().all(|event| stamp(event).sequence == sequence), "{sequence}");
+        let [Event::Measurements { codes, .. }, Event::Image { image, .. }, Event::Contacts { contacts, .. }] =
+            &events
+        else {
+            panic!("wrong kinds or order")
+        };
+        let expected = 0.1 * f64::from(sequence - first) / 100.0;
+        assert_eq!((codes.len(), image.mantissas.len()), (208, 196));
+        assert!((image.values().nth(1).unwrap() - expected).abs() < 4e-4, "{sequence}");
+        assert_eq!(contacts.len(), usize::from(expected > 0.01 + 4e-4), "{sequence}");
+    }
+    assert_eq!((link.events_lost(), link.packets_damaged()), (0, 0));
+}
+
+/// Streams 50 frames after a tare, with `pause` wherever a host may dawdle.
+fn streamed(seed: u64, pause: Duration) -> Vec<Event> {
+    let patch = Some(small_patch("small", 50.0));
+    let options = BoardOptions { patch, pace: Pace::Unpaced, ..BoardOptions::default() };
+    let board = SimulatedBoard::start(options, Pressed::new(seed)).unwrap();
+    thread::sleep(pause);
+    let mut link = connect(board.address()).unwrap();
+    tare(&mut link, 3, SECOND).unwrap();
+    thread::sleep(pause);
+    stream(&mut link, ALL).unwrap();
+    (0..150).map(|_| next(&mut link)).collect()
+}
+
+#[test]
+fn what_is_streamed_depends_on_the_seed_and_not_on_wall_time() {
+    let quick = streamed(1, Duration::ZERO);
+    assert_eq!(quick, streamed(1, Duration::from_millis(40)));
+    assert_ne!(quick, streamed(2, Duration::ZERO));
+}
+
+#[test]
+fn the_script_runs_only_while_streaming_and_starts_anew_with_each_stream() {
+    let source = Pressed::new(1);
+    let log = source.log.clone();
+    let options = BoardOptions {
+        patch: Some(small_patch("small", 50.0)),
+        pace: Pace::Unpaced,
+        max_frames: Some(6),
+        ..BoardOptions::default()
+    };
+    let board = SimulatedBoard::start(options, source).unwrap();
+    let mut link = connect(board.address()).unwrap();
+    tare(&mut link, 2, SECOND).unwrap();
+    thread::sleep(Duration::from_millis(20));
+    assert_eq!(log.lock().unwrap().as_slice(), [None, None], "nothing to scan for after the tare");
+    stream(&mut link, CONTACTS).unwrap();
+    for _ in 0..6 {
+        next(&mut link);
+    }
+    let script: Vec<_> = [0.0, 0.02, 0.04, 0.06, 0.08, 0.1].into_iter().map(Some).collect();
+    assert_eq!(log.lock().unwrap()[2..], script);
+}
+
+#[test]
+fn a_second_stream_and_a_tare_in_between_see_the_skin_untouched_at_first() {
+    let source = Pressed::new(1);
+    let log = source.log.clone();
+    let options = BoardOptions { patch: Some(small_patch("small", 500.0)), ..BoardOptions::default() };
+    let board = SimulatedBoard::start(options, source).unwrap();
+    let mut link = connect(board.address()).unwrap();
+    for _ in 0..2 {
+        stream(&mut link, MEASUREMENTS).unwrap();
+        next(&mut link);
+        next(&mut link);
+        stream(&mut link, Selection::default()).unwrap();
+    }
+    let starts = log.lock().unwrap().iter().filter(|time| **time == Some(0.0)).count();
+    assert_eq!(starts, 2);
+    stream(&mut link, MEASUREMENTS).unwrap();
+    tare(&mut link, 4, SECOND).unwrap();
+    let log = log.lock().unwrap();
+    assert_eq!(log.iter().filter(|time| time.is_none()).count(), 4);
+}
+
+#[test]
+fn a_paced_board_keeps_its_frame_rate() {
+    let options = BoardOptions { patch: Some(small_patch("small", 200.0)), ..BoardOptions::default() };
+    let board = SimulatedBoard::start(options, Pressed::new(1)).unwrap();
+    let mut link = connect(board.address()).unwrap();
+    stream(&mut link, MEASUREMENTS).unwrap();
+    let first = stamp(&next(&mut link));
+    let start = Instant::now();
+    let mut last = first;
+    for _ in 0..60 {
+        last = stamp(&next(&mut link));
+    }
+    let took = start.elapsed().as_secs_f64();
+    assert!((0.28..2.0).contains(&took), "60 frames at 200 a second took {took} s");
+    assert_eq!(last.timestamp_us - first.timestamp_us, 300_000);
+}
+
+#[test]
+fn a_board_of_another_protocol_version_is_refused_with_both_versions() {
+    let version = Version { protocol: 99, ..Version::current() };
+    let error = connect(fake_board(move |_| Some(hello(version)))).map(drop).unwrap_err();
+    assert!(matches!(error, LinkError::ProtocolVersion { board: 99, .. }), "{error}");
+    let text = error.to_string();
+    assert!(text.contains("version 99") && text.contains(&format!("version {PROTOCOL_VERSION}")), "{text}");
+    assert!(text.contains("update this host program"), "{text}");
+    let refusing = fake_board(|_| Some(Reply::Refused(Refusal::Version { board: 99 })));
+    assert_eq!(
+        connect(refusing).map(drop).unwrap_err().to_string().replace(char::is_numeric, ""),
+        text.replace(char::is_numeric, "")
+    );
+}
+
+#[test]
+fn a_board_with_other_messages_is_refused_with_both_hashes() {
+    let version = Version { schema: *b"\x01\x02\x03\x04\x05\x06\x07\x08", ..Version::current() };
+    let error = connect(fake_board(move |_| Some(hello(version)))).map(drop).unwrap_err().to_string();
+    let own = u64::from_be_bytes(Version::current().schema);
+    assert!(error.contains("0102030405060708") && error.contains(&format!("{own:016x}")), "{error}");
+    assert!(error.contains("update the board's firmware"), "{error}");
+}
+
+#[test]
+fn a_peer_that_says_nothing_is_given_up_after_two_seconds() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap();
+    let start = Instant::now();
+    let error = connect(address).map(drop).unwrap_err();
+    assert!(matches!(error, LinkError::NoAnswer { .. }), "{error}");
+    let text = error.to_string();
+    assert!(text.contains(&format!("tcp:{address}")) && text.contains("another program"), "{text}");
+    assert!((1.9..3.5).contains(&start.elapsed().as_secs_f64()));
+}
+
+#[test]
+fn a_peer_that_only_chatters_is_told_apart_from_a_silent_one() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap();
+    thread::spawn(move || {
+        let (mut stream, _) = listener.accept().unwrap();
+        while stream.write_all(b"login: \r\n\0").is_ok() {
+            thread::sleep(Duration::from_millis(5));
+        }
+    });
+    let error = connect(address).map(drop).unwrap_err();
+    assert!(matches!(error, LinkError::Damaged { packets: 10.., .. }), "{error}");
+}
+
+#[test]
+fn a_board_that_closes_in_the_middle_of_an_upload_cuts_the_link() {
+    let mut pieces = 0;
+    let address = fake_board(move |request| match request {
+        Request::Hello(_) => Some(hello(Version::current())),
+        Request::Info => Some(info(16, MAX_PATCH_BYTES as u32)),
+        Request::UploadChunk { .. } => {
+            pieces += 1;
+            (pieces < 2).then_some(Reply::Done)
+        }
+        _ => Some(Reply::Done),
+    });
+    let mut link = connect(address).unwrap();
+    let mut sent = 0;
+    let error = upload(&mut link, &square_patch("s", 16, 14, 1.0), |bytes| sent += bytes).unwrap_err();
+    assert!(matches!(&error, UploadError::Link(LinkError::Cut { .. })), "{error}");
+    assert!(error.to_string().contains(&address.to_string()), "{error}");
+    assert_eq!(sent, 512);
+}
+
+#[test]
+fn a_patch_that_is_damaged_or_does_not_fit_the_board_is_not_sent() {
+    let small = || {
+        let address = fake_board(|request| match request {
+            Request::Hello(_) => Some(hello(Version::current())),
+            Request::Info => Some(info(6, 1000)),
+            other => panic!("sent {other:?}"),
+        });
+        connect(address).unwrap()
+    };
+    let long = square_patch("s", 8, 5, 1.0);
+    let error = upload(&mut small(), &long, |_| ()).unwrap_err();
+    assert!(matches!(error, UploadError::TooLong { max: 1000, .. }), "{error}");
+    let error = upload(&mut small(), &small_patch("s", 1.0), |_| ()).unwrap_err();
+    assert!(matches!(error, UploadError::Electrodes { patch: 8, board: 6 }), "{error}");
+    let mut damaged = small_patch("s", 1.0);
+    damaged[60] ^= 1;
+    let error = upload(&mut small(), &damaged, |_| ()).unwrap_err();
+    assert!(matches!(error, UploadError::Patch(_)), "{error}");
+}
+
+#[test]
+fn a_host_that_vanishes_in_the_middle_of_an_upload_leaves_the_old_patch() {
+    let (old, new) = (small_patch("old", 50.0), small_patch("new", 50.0));
+    let board = board_with(&old);
+    let mut link = connect(board.address()).unwrap();
+    tare(&mut link, 2, SECOND).unwrap();
+    link.request(&Request::BeginUpload { length: new.len() as u32, crc: crc(&new) }).unwrap();
+    let bytes = new[..100].iter().copied().collect();
+    link.request(&Request::UploadChunk { offset: 0, bytes }).unwrap();
+    drop(link);
+    let mut link = connect(board.address()).unwrap();
+    let info = link.info().unwrap();
+    assert_eq!((info.patch.unwrap().crc, info.tared), (crc(&old), true));
+    let error = link.request(&Request::CommitUpload).unwrap_err();
+    assert!(matches!(error, LinkError::Refused { refusal: Refusal::NoUpload, .. }), "{error}");
+}
+
+#[test]
+fn a_host_that_vanishes_while_streaming_leaves_a_quiet_board() {
+    let board = board_with(&small_patch("small", 50.0));
+    let mut link = connect(board.address()).unwrap();
+    stream(&mut link, MEASUREMENTS).unwrap();
+    next(&mut link);
+    drop(link);
+    let mut link = connect(board.address()).unwrap();
+    assert!(!link.info().unwrap().streaming.any());
+    assert_eq!(link.next_event(Duration::from_millis(50)).unwrap(), None);
+}
+
+#[test]
+fn events_a_host_does_not_read_are_dropped_and_counted_and_replies_still_come() {
+    let options = BoardOptions { patch: Some(square_patch("s", 16, 2, 40_000.0)), ..BoardOptions::default() };
+    let source = Pressed::new(1);
+    let log = source.log.clone();
+    let board = SimulatedBoard::start(options, source).unwrap();
+    let mut link = connect(board.address()).unwrap();
+    let first = stream(&mut link, MEASUREMENTS).unwrap();
+    // Some megabytes fit into the buffers of the system; then the board's own ones are full.
+    let start = Instant::now();
+    while log.lock().unwrap().len() < 20_000 {
+        assert!(start.elapsed() < 20 * SECOND, "the board waits for its host");
+        thread::sleep(Duration::from_millis(5));
+    }
+    assert!(link.info().unwrap().streaming.measurements);
+    stream_until(&mut link, first);
+}
+
+/// Reads until events have been lost, stops the stream, and accounts for every frame.
+fn stream_until(link: &mut Link, first: u32) {
+    let mut received = 0;
+    let mut last = first;
+    while link.events_lost() == 0 || received < 100 {
+        last = stamp(&next(link)).sequence;
+        received += 1;
+    }
+    while let Some(event) = next_kept(link) {
+        last = stamp(&event).sequence;
+        received += 1;
+    }
+    assert!(link.events_lost() > 100, "only {} lost", link.events_lost());
+    assert_eq!(u64::from(last - first) + 1, received + link.events_lost());
+    assert_eq!(link.packets_damaged(), 0);
+}
+
+/// What is still under way after the board has been told to stop.
+fn next_kept(link: &mut Link) -> Option<Event> {
+    // Not `stream`, which forgets the events before it.
+    link.request(&Request::Stream(Selection::default())).unwrap();
+    link.next_event(Duration::from_millis(20)).unwrap()
+}
+
+#[test]
+fn a_port_in_use_is_named() {
+    let board = empty_board();
+    let options = BoardOptions { listen: board.address(), ..BoardOptions::default() };
+    let error = SimulatedBoard::start(options, Pressed::new(1)).unwrap_err();
+    assert!(matches!(error, BoardError::PortInUse { .. }), "{error}");
+    assert!(error.to_string().contains(&board.address().to_string()), "{error}");
+}
+
+#[test]
+fn damaged_bytes_from_the_host_are_ignored_and_the_next_request_is_answered() {
+    let board = board_with(&small_patch("small", 50.0));
+    let mut stream = raw(board.address());
+    let mut link = Link::connect("raw", stream.try_clone().unwrap()).unwrap();
+    stream.write_all(&[0x55; 5000]).unwrap();
+    stream.write_all(b"\0\x03\x01\0").unwrap();
+    let mut buffer = [0; MAX_PACKET_BYTES];
+    let request = dermatome_shared::protocol::RequestPacket { sequence: 9, request: Request::CommitUpload };
+    let mut packet = encode(&request, &mut buffer).unwrap().to_vec();
+    packet[2] ^= 0x10;
+    stream.write_all(&packet).unwrap();
+    assert_eq!(link.info().unwrap().patch.unwrap().skin, "small");
+    assert_eq!(link.packets_damaged(), 0);
+}
+
+#[test]
+fn refusals_are_errors_in_the_boards_words() {
+    let board = empty_board();
+    let mut link = connect(board.address()).unwrap();
+    for error in [stream(&mut link, CONTACTS).unwrap_err(), tare(&mut link, 1, SECOND).unwrap_err()] {
+        assert!(matches!(error, LinkError::Refused { refusal: Refusal::NoPatch, .. }), "{error}");
+        assert!(error.to_string().contains(&Refusal::NoPatch.to_string()), "{error}");
+    }
+    upload(&mut link, &small_patch("small", 50.0), |_| ()).unwrap();
+    let error = stream(&mut link, CONTACTS).unwrap_err();
+    assert!(matches!(error, LinkError::Refused { refusal: Refusal::NotTared, .. }), "{error}");
+    assert!(error.to_string().contains("dermatome tare"), "{error}");
+}
+
+#[test]
+fn a_board_with_a_frame_limit_ends_its_stream_and_then_itself() {
+    let options = BoardOptions {
+        patch: Some(small_patch("small", 50.0)),
+        pace: Pace::Unpaced,
+        max_frames: Some(7),
+        ..BoardOptions::default()
+    };
+    let board = SimulatedBoard::start(options, Pressed::new(1)).unwrap();
+    let mut link = connect(board.address()).unwrap();
+    tare(&mut link, 2, SECOND).unwrap();
+    stream(&mut link, CONTACTS).unwrap();
+    let received = std::iter::from_fn(|| link.next_event(Duration::from_millis(100)).unwrap()).count();
+    assert_eq!(received, 7);
+    assert!(!link.info().unwrap().streaming.any());
+    stream(&mut link, CONTACTS).unwrap();
+    assert!(!link.info().unwrap().streaming.any(), "there are no frames left to stream");
+    assert!(!board.is_finished());
+    drop(link);
+    let start = Instant::now();
+    while !board.is_finished() {
+        assert!(start.elapsed() < SECOND, "the board goes on without frames and without host");
+        thread::sleep(Duration::from_millis(1));
+    }
+    board.stop().unwrap();
+}
+
+#[test]
+fn an_uploaded_patch_survives_a_restart_of_the_board_in_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let start = || {
+        let patch = Some(small_patch("factory", 50.0));
+        let store = Some(folder.path().join("board.patch"));
+        let options = BoardOptions { patch, store, ..BoardOptions::default() };
+        SimulatedBoard::start(options, Pressed::new(1)).unwrap()
+    };
+    let board = start();
+    let mut link = connect(board.address()).unwrap();
+    assert_eq!(link.info().unwrap().patch.unwrap().skin, "factory");
+    let patch = small_patch("mine", 50.0);
+    upload(&mut link, &patch, |_| ()).unwrap();
+    board.stop().unwrap();
+    let board = start();
+    let mut link = connect(board.address()).unwrap();
+    assert_eq!(link.info().unwrap().patch.unwrap().crc, crc(&patch));
+}
+
+#[test]
+fn a_board_stops_promptly_and_cuts_its_host_off() {
+    let board = board_with(&small_patch("small", 50.0));
+    let mut link = connect(board.address()).unwrap();
+    stream(&mut link, MEASUREMENTS).unwrap();
+    let start = Instant::now();
+    board.stop().unwrap();
+    assert!(start.elapsed() < SECOND / 2, "{:?}", start.elapsed());
+    let error = link.info().unwrap_err();
+    assert!(matches!(error, LinkError::Cut { .. }), "{error}");
+}
+
+#[test]
+fn a_second_host_waits_until_the_first_has_left() {
+    let board = board_with(&small_patch("small", 50.0));
+    let address = board.address();
+    let first = connect(address).unwrap();
+    let second = thread::spawn(move || connect(address).map(|link| link.identity().board.to_string()));
+    thread::sleep(Duration::from_millis(50));
+    assert!(!second.is_finished());
+    drop(first);
+    assert_eq!(second.join().unwrap().unwrap(), "simulated");
+}
+
+#[test]
+fn a_link_that_owns_its_board_keeps_it_alive() {
+    let board = board_with(&small_patch("small", 50.0));
+    let mut link = Link::to_simulated("sim:skin.toml", board).unwrap();
+    assert_eq!(link.port(), "sim:skin.toml");
+    assert_eq!(link.info().unwrap().patch.unwrap().skin, "small");
+}
+
+/// Plays bytes to the host as a board would send them after Hello; swallows what the host says.
+struct Played(VecDeque<u8>);
+
+impl Read for Played {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let length = self.0.len().min(buffer.len()).min(7);
+        if length == 0 {
+            return Err(io::ErrorKind::TimedOut.into());
+        }
+        buffer.iter_mut().zip(self.0.drain(..length)).for_each(|(place, byte)| *place = byte);
+        Ok(length)
+    }
+}
+
+impl Write for Played {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        Ok(bytes.len())
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Transport for Played {}
+
+fn packet(message: &BoardPacket) -> Vec<u8> {
+    encode(message, &mut [0; MAX_PACKET_BYTES]).unwrap().to_vec()
+}
+
+fn tared(number: u32) -> Vec<u8> {
+    packet(&BoardPacket::Event { number, event: Event::Tared { frames: number as u16 } })
+}
+
+#[test]
+fn an_event_damaged_on_the_way_counts_as_damaged_and_as_lost() {
+    let mut damaged = tared(1);
+    damaged[3] ^= 0x40;
+    let greeting = BoardPacket::Reply { sequence: 0, reply: hello(Version::current()) };
+    let bytes = [
+        b"half an old packet\0".to_vec(),
+        packet(&greeting),
+        tared(u32::MAX),
+        tared(0),
+        damaged,
+        tared(2),
+        tared(5),
+    ];
+    let mut link = Link::connect("played", Played(bytes.concat().into())).unwrap();
+    let seen: Vec<_> = std::iter::from_fn(|| link.next_event(Duration::ZERO).unwrap()).collect();
+    let frames = [u16::MAX, 0, 2, 5].map(|frames| Event::Tared { frames });
+    assert_eq!(seen, frames);
+    assert_eq!((link.packets_damaged(), link.events_lost()), (1, 1 + 2));
+}
+
+#[test]
+fn a_tare_that_never_ends_is_an_error_and_other_events_are_kept() {
+    let greeting = BoardPacket::Reply { sequence: 0, reply: hello(Version::current()) };
+    let done = BoardPacket::Reply { sequence: 1, reply: Reply::Done };
+    let at = FrameStamp { sequence: 1, timestamp_us: 2, flags: Default::default() };
+    let event = Event::Contacts { at, contacts: Default::default() };
+    let contacts = packet(&BoardPacket::Event { number: 0, event: event.clone() });
+    let bytes = [packet(&greeting), packet(&done), contacts].concat();
+    let mut link = Link::connect("played", Played(bytes.into())).unwrap();
+    let error = tare(&mut link, 20, Duration::from_millis(30)).unwrap_err();
+    assert!(matches!(error, LinkError::NoTare { frames: 20, .. }), "{error}");
+    assert_eq!(link.next_event(Duration::ZERO).unwrap(), Some(event));
+}

@@ -1,0 +1,166 @@
+//! The commands that talk to a board, as processes, against a simulated board.
+
+mod testbench;
+
+use assert_cmd::cargo::cargo_bin;
+use dermatome::board::simulated::{BoardOptions, Pace, SimulatedBoard};
+use serde_json::Value;
+use std::{
+    io::{BufRead, BufReader, Read},
+    path::Path,
+    process::{Child, Command, Output, Stdio},
+};
+use testbench::{Pressed, board_with, crc, empty_board, small_patch};
+
+fn dermatome(arguments: &[&str], board: &SimulatedBoard) -> Command {
+    let mut command = Command::new(cargo_bin("dermatome"));
+    command.args(arguments).arg("--port").arg(format!("tcp:{}", board.address()));
+    command
+}
+
+/// Output of a command that must succeed: standard output, standard error.
+fn succeed(command: &mut Command) -> (String, String) {
+    let (ok, out, err) = words(command.output().unwrap());
+    assert!(ok, "{err}");
+    (out, err)
+}
+
+fn words(output: Output) -> (bool, String, String) {
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (output.status.success(), text(output.stdout), text(output.stderr))
+}
+
+fn report(path: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
+}
+
+fn keys(report: &Value) -> Vec<&str> {
+    report.as_object().unwrap().keys().map(String::as_str).collect()
+}
+
+#[test]
+fn flash_tare_and_stream_lead_from_an_empty_board_to_contacts() {
+    let folder = tempfile::tempdir().unwrap();
+    let (patch, json) = (folder.path().join("small.patch"), folder.path().join("report.json"));
+    let bytes = small_patch("small", 50.0);
+    std::fs::write(&patch, &bytes).unwrap();
+    let board = empty_board();
+    let (patch, json_argument) = (patch.to_str().unwrap(), json.to_str().unwrap());
+
+    let (out, err) = succeed(&mut dermatome(&["flash", patch, "--json", json_argument], &board));
+    assert!(out.contains("simulated") && out.contains("`small`"), "{out}");
+    assert_eq!(err, "", "no progress bar where there is no terminal");
+    let flash = report(&json);
+    let expected = ["board", "duration_s", "firmware", "patch_bytes", "patch_crc", "port", "skin"];
+    assert_eq!(keys(&flash), expected);
+    assert_eq!(flash["patch_crc"], format!("{:#010x}", crc(&bytes)));
+
+    succeed(&mut dermatome(&["tare", "--frames", "4", "--json", json_argument], &board));
+    let tare = report(&json);
+    assert_eq!(keys(&tare), ["board", "duration_s", "firmware", "frames", "port", "skin"]);
+    assert_eq!(tare["frames"], 4);
+
+    let arguments = ["stream", "--frames", "60", "--json", json_argument];
+    let (out, err) = succeed(&mut dermatome(&arguments, &board));
+    let stream = report(&json);
+    let expected = [
+        "board",
+        "ended",
+        "events_lost",
+        "firmware",
+        "frames_lost",
+        "frames_received",
+        "images_per_second",
+        "packets_damaged",
+        "port",
+        "skin",
+        "tared_first",
+    ];
+    assert_eq!(keys(&stream), expected);
+    assert_eq!((&stream["frames_received"], &stream["frames_lost"]), (&60.into(), &0.into()));
+    assert_eq!((&stream["ended"], &stream["tared_first"]), (&"frames".into(), &false.into()));
+    assert!(err.contains("60 frames received, 0 lost") && err.contains("0 packets damaged"), "{err}");
+    assert_contacts(&out);
+}
+
+/// The script raises pixel 1 by 0.1 a second: it is a contact once it is above 0.01.
+fn assert_contacts(lines: &str) {
+    let rows: Vec<Vec<f64>> =
+        lines.lines().map(|line| line.split('\t').map(|field| field.parse().unwrap()).collect()).collect();
+    assert!((50..60).contains(&rows.len()), "{lines}");
+    let last = &rows[rows.len() - 1];
+    assert_eq!(last.len(), 6);
+    assert_eq!((last[0], last[2], last[3], last[4]), (4.0 + 59.0, 5.0, 5.0, 100.0));
+    assert!((last[1] - 64.0 / 50.0).abs() < 1e-6 && (last[5] - 0.118).abs() < 1e-3, "{last:?}");
+}
+
+#[test]
+fn stream_tares_an_untared_board_first_and_says_so() {
+    let board = board_with(&small_patch("small", 50.0));
+    let (_, err) = succeed(&mut dermatome(&["stream", "--frames", "3"], &board));
+    assert!(err.contains("averaging 20 frames"), "{err}");
+    let (_, err) = succeed(&mut dermatome(&["stream", "--frames", "3"], &board));
+    assert!(!err.contains("averaging"), "{err}");
+}
+
+#[test]
+fn stream_ends_when_the_board_ends_it() {
+    let options = BoardOptions {
+        patch: Some(small_patch("small", 50.0)),
+        pace: Pace::Unpaced,
+        max_frames: Some(5),
+        ..BoardOptions::default()
+    };
+    let board = SimulatedBoard::start(options, Pressed::new(1)).unwrap();
+    let (_, err) = succeed(&mut dermatome(&["stream"], &board));
+    assert!(err.contains("5 frames received") && err.contains("the board ended its stream"), "{err}");
+}
+
+/// `stream` without a limit, and its first line of output.
+fn streaming(board: &SimulatedBoard) -> (Child, BufReader<impl Read>) {
+    let mut command = dermatome(&["stream"], board);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap());
+    lines.read_line(&mut String::new()).unwrap();
+    (child, lines)
+}
+
+#[test]
+fn a_reader_that_has_seen_enough_ends_the_stream_quietly() {
+    let board = board_with(&small_patch("small", 50.0));
+    let (child, lines) = streaming(&board);
+    drop(lines);
+    let (ok, _, err) = words(child.wait_with_output().unwrap());
+    assert!(ok && !err.contains("error") && !err.contains("received"), "{err}");
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_stops_the_stream_and_prints_the_summary() {
+    let board = board_with(&small_patch("small", 50.0));
+    let (child, mut lines) = streaming(&board);
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    lines.read_to_end(&mut Vec::new()).unwrap();
+    let (ok, _, err) = words(child.wait_with_output().unwrap());
+    assert!(ok && err.contains("frames received, 0 lost"), "{err}");
+}
+
+#[test]
+fn a_board_without_patch_and_a_patch_that_is_none_are_errors() {
+    let board = empty_board();
+    for command in ["tare", "stream"] {
+        let (ok, _, err) = words(dermatome(&[command], &board).output().unwrap());
+        assert!(!ok && err.contains("dermatome flash"), "{err}");
+    }
+    let file = tempfile::NamedTempFile::new().unwrap();
+    let path = file.path().to_str().unwrap();
+    let (ok, _, err) = words(dermatome(&["flash", path], &board).output().unwrap());
+    assert!(!ok && err.contains(path) && err.contains("patch"), "{err}");
+}
+
+#[test]
+fn a_port_nobody_could_mean_is_refused_with_the_forms_allowed() {
+    let mut command = Command::new(cargo_bin("dermatome"));
+    let (ok, _, err) = words(command.args(["tare", "--port", "ttyACM0"]).output().unwrap());
+    assert!(!ok && err.contains("tcp:HOST:PORT") && err.contains("/dev/ttyACM0"), "{err}");
+}

@@ -1,0 +1,158 @@
+//! A bench for tests: small patches, a seeded frame source, a fake board.
+#![allow(dead_code, reason = "each test binary uses its own part")]
+
+use dermatome::{
+    board::simulated::{BoardOptions, FrameSource, Pace, Scan, SimulatedBoard},
+    link::{Link, LinkError, Port},
+};
+use dermatome_shared::{
+    image::PixelGrid,
+    patch::{CombinedInto, Difference, Drive, PatchContents, PatchHeader},
+    protocol::{
+        BoardPacket, Identity, Info, MAX_PACKET_BYTES, PacketReader, Reply, Request, RequestPacket,
+        Selection, Version, encode,
+    },
+    stimulation::{Step, pattern},
+    units::{AdcCode, RelativeConductivity},
+};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg32;
+use std::{
+    io::{Read, Write},
+    net::{SocketAddr, TcpListener, TcpStream},
+    sync::{Arc, Mutex},
+    thread,
+    time::Duration,
+};
+
+/// Code of every step of an untouched skin, without noise.
+pub(crate) const UNTOUCHED: i32 = 1_000_000;
+
+/// A patch of 8 electrodes and 2 x 2 pixels of 10 mm; pixel p is the relative change of
+/// measurement p.
+pub(crate) fn small_patch(name: &str, frame_rate: f32) -> Vec<u8> {
+    square_patch(name, 8, 2, frame_rate)
+}
+
+/// As [`small_patch`], with `side` x `side` pixels, at most as many as steps.
+pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32) -> Vec<u8> {
+    let steps: Vec<_> = pattern(electrodes, 1, 1).collect();
+    let combination: Vec<_> =
+        (0..steps.len() as u16).map(|measurement| CombinedInto { measurement, flipped: false }).collect();
+    let pixels = usize::from(side) * usize::from(side);
+    let header = PatchHeader {
+        skin: name.try_into().unwrap(),
+        electrodes,
+        steps: steps.len() as u16,
+        measurements: steps.len() as u16,
+        pixels: pixels as u16,
+        difference: Difference::Normalised,
+        grid: PixelGrid { columns: side, rows: side, pitch: 0.01, left: -0.01, top: 0.01 },
+        drive: Drive { frequency: 50e3, amplitude: 1e-3, frame_rate },
+        contact_threshold: RelativeConductivity::from_f64(0.01),
+    };
+    let mut matrix = vec![0; pixels * steps.len()];
+    for pixel in 0..pixels {
+        matrix[pixel * steps.len() + pixel] = 1 << 14;
+    }
+    let contents = PatchContents {
+        header: &header,
+        steps: &steps,
+        combination: &combination,
+        mask: &(0..pixels.div_ceil(8)).map(|i| mask_byte(pixels - 8 * i)).collect::<Vec<_>>(),
+        exponents: &vec![14; pixels],
+        matrix: &matrix,
+    };
+    let mut out = vec![0; 192 * 1024];
+    let length = contents.write(&mut out).unwrap();
+    out.truncate(length);
+    out
+}
+
+fn mask_byte(pixels: usize) -> u8 {
+    if pixels >= 8 { 0xFF } else { (1 << pixels) - 1 }
+}
+
+/// Checksum of a patch: its last four bytes.
+pub(crate) fn crc(patch: &[u8]) -> u32 {
+    u32::from_le_bytes(*patch.last_chunk().unwrap())
+}
+
+/// A skin whose measurement 1 rises with script time, 10 % a second, under a little noise.
+pub(crate) struct Pressed {
+    random: Pcg32,
+    /// Script time of every scan so far.
+    pub(crate) log: Arc<Mutex<Vec<Option<f64>>>>,
+}
+
+impl Pressed {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self { random: Pcg32::seed_from_u64(seed), log: Arc::default() }
+    }
+}
+
+impl FrameSource for Pressed {
+    fn scan(&mut self, steps: &[Step], script_time: Option<f64>) -> Scan {
+        self.log.lock().unwrap().push(script_time);
+        let mut noisy = || AdcCode(UNTOUCHED + self.random.random_range(-100..=100));
+        let mut codes: Vec<_> = steps.iter().map(|_| noisy()).collect();
+        codes[1].0 += (f64::from(UNTOUCHED) * 0.1 * script_time.unwrap_or(0.0)) as i32;
+        Scan { codes, ..Scan::default() }
+    }
+}
+
+/// An unpaced board without a patch.
+pub(crate) fn empty_board() -> SimulatedBoard {
+    let options = BoardOptions { pace: Pace::Unpaced, ..BoardOptions::default() };
+    SimulatedBoard::start(options, Pressed::new(1)).unwrap()
+}
+
+/// An unpaced board that holds `patch`.
+pub(crate) fn board_with(patch: &[u8]) -> SimulatedBoard {
+    let options =
+        BoardOptions { pace: Pace::Unpaced, patch: Some(patch.to_vec()), ..BoardOptions::default() };
+    SimulatedBoard::start(options, Pressed::new(1)).unwrap()
+}
+
+pub(crate) fn connect(address: SocketAddr) -> Result<Link, LinkError> {
+    dermatome::link::open(&Port::Tcp(address.to_string()))
+}
+
+/// A plain connection for mischief, with the read timeout a link needs.
+pub(crate) fn raw(address: SocketAddr) -> TcpStream {
+    let stream = TcpStream::connect(address).unwrap();
+    stream.set_read_timeout(Some(Duration::from_millis(20))).unwrap();
+    stream
+}
+
+/// Something that listens and answers requests by `answer`; `None` closes the connection.
+pub(crate) fn fake_board(mut answer: impl FnMut(Request) -> Option<Reply> + Send + 'static) -> SocketAddr {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap();
+    thread::spawn(move || {
+        let (mut stream, _) = listener.accept().unwrap();
+        let mut reader = PacketReader::default();
+        let mut byte = [0];
+        while stream.read(&mut byte).is_ok_and(|length| length == 1) {
+            let Some(packet) = reader.push::<RequestPacket>(byte[0]) else { continue };
+            let RequestPacket { sequence, request } = packet.unwrap();
+            let Some(reply) = answer(request) else { return };
+            let mut buffer = [0; MAX_PACKET_BYTES];
+            let bytes = encode(&BoardPacket::Reply { sequence, reply }, &mut buffer).unwrap();
+            stream.write_all(bytes).unwrap();
+        }
+    });
+    address
+}
+
+/// What a fake board says to Hello.
+pub(crate) fn hello(version: Version) -> Reply {
+    let identity = Identity { board: "fake".try_into().unwrap(), firmware: "0.0.1".try_into().unwrap() };
+    Reply::Hello { version, identity }
+}
+
+/// What a fake board says to Info.
+pub(crate) fn info(electrodes: u8, max_patch_bytes: u32) -> Reply {
+    let streaming = Selection::default();
+    Reply::Info(Info { electrodes, max_patch_bytes, patch: None, tared: false, streaming })
+}
