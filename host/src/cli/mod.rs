@@ -7,12 +7,14 @@ use serde::Serialize;
 use std::{path::PathBuf, process::ExitCode};
 
 mod build;
+mod demo;
 mod devices;
 mod flash;
 mod inspect;
 pub mod interrupt;
 mod progress;
 mod reconstruct;
+mod simulate;
 mod stream;
 mod tare;
 
@@ -26,11 +28,13 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Demo(demo::Args),
     Build(build::Args),
     Inspect(inspect::Args),
     Flash(flash::Args),
     Tare(tare::Args),
     Stream(stream::Args),
+    Simulate(simulate::Args),
     Devices(devices::Args),
     Reconstruct(reconstruct::Args),
 }
@@ -49,11 +53,13 @@ pub fn main() -> ExitCode {
 fn run(command: Command) -> anyhow::Result<()> {
     interrupt::install()?;
     match command {
+        Command::Demo(args) => demo::run(&args),
         Command::Build(args) => build::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Flash(args) => flash::run(&args),
         Command::Tare(args) => tare::run(&args),
         Command::Stream(args) => stream::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Reconstruct(args) => reconstruct::run(&args),
     }

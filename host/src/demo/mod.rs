@@ -10,3 +10,9 @@ pub use score::{Figures, FrameRecord, RadiusBand, Scorer};
 pub const SKIN: &str = include_str!("../../../models/disc-210mm/skin.toml");
 /// Where that skin file lives, for messages.
 pub const SKIN_PATH: &str = "models/disc-210mm/skin.toml";
+
+/// To be drawn.
+#[must_use]
+pub fn picture(_: &Scorer<'_>, _: &[FrameRecord]) -> Vec<u8> {
+    Vec::new()
+}

@@ -1,8 +1,9 @@
 //! What can go wrong on the way to a board and back.
 
 use super::REPLY_TIMEOUT;
+use crate::simulate::board::SimulationError;
 use dermatome_shared::protocol::{PROTOCOL_VERSION, PacketError, Refusal};
-use std::{io, path::PathBuf, time::Duration};
+use std::{io, time::Duration};
 
 /// Why a board could not be reached or did not do what was asked. `port` is the port as written.
 #[derive(Debug, thiserror::Error)]
@@ -42,12 +43,9 @@ pub enum LinkError {
         /// What the system says.
         reason: io::Error,
     },
-    /// A simulated board cannot be made from a skin file here.
-    #[error("`sim:{}` cannot be opened: this build does not simulate skins", path.display())]
-    NoSimulation {
-        /// The skin file.
-        path: PathBuf,
-    },
+    /// A simulated board cannot be made from the skin file.
+    #[error(transparent)]
+    Simulation(#[from] Box<SimulationError>),
     /// Nothing came back.
     #[error(
         "no answer from `{port}` within {} s: is it a Dermatome board, and is another program connected to it?",

@@ -18,7 +18,7 @@ pub use stream::{stream, tare, tare_timeout};
 pub use transport::Transport;
 pub use upload::{UploadError, upload};
 
-use crate::board::simulated::SimulatedBoard;
+use crate::{board::simulated::SimulatedBoard, simulate::board::board_for_skin};
 use dermatome_shared::{
     image::Geometry,
     protocol::{BoardPacket, Event, Identity, Info, Refusal, Reply, Request, RequestPacket, Version},
@@ -57,8 +57,7 @@ pub fn open(port: &Port) -> Result<Link, LinkError> {
     match port {
         Port::Serial(path) => Link::connect(name, transport::open_serial(path)?),
         Port::Tcp(address) => Link::connect(&name, transport::open_tcp(&name, address.as_str())?),
-        // To be wired to `simulate::board_for_skin` and `Link::to_simulated`.
-        Port::Simulated(path) => Err(LinkError::NoSimulation { path: path.clone() }),
+        Port::Simulated(path) => Link::to_simulated(name, board_for_skin(path).map_err(Box::new)?),
     }
 }
 

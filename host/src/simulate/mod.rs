@@ -4,6 +4,7 @@
 //! a node (sharing one would be the inverse crime); every frame is a true forward solution, with
 //! seeded noise and the rounding of the converter.
 
+pub mod board;
 pub mod script;
 pub mod skin;
 

@@ -1,4 +1,5 @@
 //! Views: images and contacts for people.
 
 pub mod colour;
+pub mod live;
 pub mod terminal;

@@ -2,96 +2,49 @@
 
 use crate::{
     link::Link,
-    view::terminal::{self, Ink, Screen},
+    view::{live::Live, terminal::Screen},
 };
 use dermatome_shared::{
     contact::{Contact, Contacts},
-    image::Geometry,
     protocol::{FrameStamp, PackedImage},
 };
-use std::{
-    io::{self, Write},
-    time::{Duration, Instant},
-};
-
-/// Shortest time between two pictures: terminals are slow, and so are eyes.
-const REDRAW_INTERVAL: Duration = Duration::from_millis(40);
-/// The scale follows the largest value at once and sinks by this factor a frame, so that a
-/// released skin fades instead of turning into noise in full colour.
-const SCALE_DECAY: f64 = 0.98;
-/// Smallest full scale: a change of conductivity by 2 %.
-const SCALE_FLOOR: f64 = 0.02;
+use std::io::{self, Write};
 
 /// Where frames go.
 pub(super) enum Display {
     /// Pictures, drawn in place.
-    Terminal(Box<Picture>),
+    Terminal(Box<Live>),
     /// One line per contact.
     Lines,
-}
-
-/// What the terminal shows.
-pub(super) struct Picture {
-    screen: Screen,
-    ink: Ink,
-    /// `None` if no images are wanted.
-    geometry: Option<Geometry>,
-    values: Vec<f64>,
-    scale: f64,
-    drawn: Option<Instant>,
 }
 
 impl Display {
     /// Pictures if standard output is a terminal, with the board's geometry if `images` are wanted.
     pub(super) fn new(link: &mut Link, images: bool) -> anyhow::Result<Self> {
-        let screen = Screen::default();
-        if !screen.is_visible() {
+        if !Screen::default().is_visible() {
             return Ok(Self::Lines);
         }
         let geometry = images.then(|| link.geometry()).transpose()?;
-        Ok(Self::Terminal(Box::new(Picture::new(screen, geometry))))
+        Ok(Self::Terminal(Box::new(Live::new(geometry))))
     }
 
     pub(super) fn wants_images(&self) -> bool {
-        matches!(self, Self::Terminal(picture) if picture.geometry.is_some())
+        matches!(self, Self::Terminal(live) if live.has_images())
     }
 
     /// Keeps an image for the next picture.
     pub(super) fn keep_image(&mut self, image: &PackedImage) {
-        let Self::Terminal(picture) = self else { return };
-        picture.values = image.values().collect();
-        let largest = picture.values.iter().fold(0.0_f64, |max, value| max.max(value.abs()));
-        picture.scale = largest.max(picture.scale * SCALE_DECAY).max(SCALE_FLOOR);
+        if let Self::Terminal(live) = self {
+            live.keep_image(image.values().collect());
+        }
     }
 
     /// A frame is complete: shows its contacts, on a terminal with the image kept before.
     pub(super) fn show(&mut self, at: FrameStamp, contacts: &Contacts) -> io::Result<()> {
         match self {
-            Self::Terminal(picture) => picture.draw_if_due(at, contacts),
+            Self::Terminal(live) => live.draw_if_due(at, contacts),
             Self::Lines => print_lines(at, contacts),
         }
-    }
-}
-
-impl Picture {
-    fn new(screen: Screen, geometry: Option<Geometry>) -> Self {
-        let ink = Ink::from_environment();
-        Self { screen, ink, geometry, values: Vec::new(), scale: SCALE_FLOOR, drawn: None }
-    }
-
-    fn draw_if_due(&mut self, at: FrameStamp, contacts: &Contacts) -> io::Result<()> {
-        if self.drawn.is_some_and(|drawn| drawn.elapsed() < REDRAW_INTERVAL) {
-            return Ok(());
-        }
-        self.drawn = Some(Instant::now());
-        let mut text = String::new();
-        if let Some(geometry) = &self.geometry {
-            text += &terminal::image(geometry, &self.values, self.scale, self.ink);
-            text += &terminal::legend(self.scale, self.ink);
-        }
-        text += &format!("frame {}  {:.2} s\n", at.sequence, seconds(at));
-        text += &terminal::contacts(contacts);
-        self.screen.draw(&text)
     }
 }
 

@@ -1,0 +1,101 @@
+//! `dermatome simulate`: a board to try everything on, without one.
+
+use super::interrupt;
+use crate::{
+    board::simulated::{BoardOptions, SimulatedBoard},
+    link::Port,
+    simulate::{Noise, Press, Script, SimulatedSkin, board::DEFAULT_NOISE},
+    skin::{Skin, outline::Outline},
+};
+use anyhow::{Context, bail};
+use std::{
+    net::{SocketAddr, ToSocketAddrs},
+    path::PathBuf,
+    thread,
+    time::Duration,
+};
+
+/// Run a simulated board: the board's own code, fed by a simulated skin.
+///
+/// It answers on a TCP port as a board does on its serial port: it takes a patch, tares, and streams
+/// at the patch's frame rate. Its fingers touch the skin only while it streams, and begin their
+/// script anew with every stream, so that a tare always sees the untouched skin.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  dermatome simulate models/disc-210mm/skin.toml --listen tcp:127.0.0.1:7000
+  dermatome simulate models/disc-210mm/skin.toml --press 0.03,-0.02,0.012,1 --noise-db 50 --seed 7
+  dermatome simulate models/square-50mm/skin.toml --path fingers.csv --store board.dermatome
+then, in another terminal:
+  dermatome flash disc-210mm.dermatome --port tcp:127.0.0.1:7000
+  dermatome stream --port tcp:127.0.0.1:7000")]
+pub(super) struct Args {
+    /// Skin file of the simulated skin.
+    #[arg(value_name = "SKIN")]
+    skin: PathBuf,
+    /// Where to listen; port 0 takes a free one.
+    #[arg(long, default_value = "tcp:127.0.0.1:7000", value_name = "PORT")]
+    listen: Port,
+    /// Stop after this many streamed frames.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    frames: Option<u64>,
+    /// Seed of the noise.
+    #[arg(long, default_value_t = DEFAULT_NOISE.seed)]
+    seed: u64,
+    /// Signal-to-noise ratio of the measurements, dB.
+    #[arg(long, default_value_t = DEFAULT_NOISE.snr_db, value_name = "DB")]
+    noise_db: f64,
+    /// A finger that rests: x,y,radius,depth (m, m, m, relative conductivity change); may be repeated.
+    #[arg(long, value_name = "X,Y,RADIUS,DEPTH", conflicts_with = "path", allow_hyphen_values = true)]
+    press: Vec<Press>,
+    /// Moving fingers: CSV with the columns time_s,finger,x_m,y_m,radius_m,depth.
+    #[arg(long, value_name = "FILE")]
+    path: Option<PathBuf>,
+    /// Keep the uploaded patch in this file, as a board keeps it in its flash.
+    #[arg(long, value_name = "FILE")]
+    store: Option<PathBuf>,
+}
+
+/// How often to look for Ctrl-C.
+const POLL: Duration = Duration::from_millis(50);
+
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let skin = Skin::load(&args.skin)?;
+    let script = script(args, &skin.outline)?;
+    if !(0.0..=200.0).contains(&args.noise_db) {
+        bail!("`--noise-db` is {}; allowed: 0 to 200 dB", args.noise_db);
+    }
+    let noise = Noise { snr_db: args.noise_db, seed: args.seed };
+    let in_file = || format!("skin file `{}`", args.skin.display());
+    let source = SimulatedSkin::new(&skin, script, noise).with_context(in_file)?;
+    let elements = source.elements();
+    let options = BoardOptions {
+        listen: address(&args.listen)?,
+        store: args.store.clone(),
+        max_frames: args.frames,
+        ..BoardOptions::default()
+    };
+    let board = SimulatedBoard::start(options, source)?;
+    println!(
+        "simulated board with skin {} ({elements} elements) listens at tcp:{}",
+        skin.name,
+        board.address()
+    );
+    while !interrupt::requested() && !board.is_finished() {
+        thread::sleep(POLL);
+    }
+    Ok(board.stop()?)
+}
+
+fn script(args: &Args, outline: &Outline) -> anyhow::Result<Script> {
+    match &args.path {
+        Some(path) => Ok(Script::load(path, outline)?),
+        None if args.press.is_empty() => Ok(Script::round(outline)),
+        None => Ok(Script::still(&args.press, outline)?),
+    }
+}
+
+fn address(port: &Port) -> anyhow::Result<SocketAddr> {
+    let Port::Tcp(address) = port else { bail!("`--listen` is {port}; allowed: tcp:HOST:PORT") };
+    let mut found = address.to_socket_addrs().with_context(|| format!("cannot find `{port}`"))?;
+    found.next().with_context(|| format!("cannot find `{port}`"))
+}
