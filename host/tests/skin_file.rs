@@ -1,0 +1,153 @@
+//! Skin files that are wrong: each is refused with file, field, value and what is allowed.
+
+use dermatome::skin::Skin;
+use std::path::Path;
+
+const GOOD: &str = include_str!("../../models/disc-210mm/skin.toml");
+const SQUARE: &str = include_str!("../../models/square-50mm/skin.toml");
+
+/// The error of a skin file in which `from` is replaced by `to`.
+fn error_of(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "the test replaces {from:?}, which is not there");
+    let changed = text.replacen(from, to, 1);
+    Skin::parse(Path::new("hand/skin.toml"), &changed).expect_err(to).to_string()
+}
+
+#[test]
+fn wrong_values_name_file_field_value_and_what_is_allowed() {
+    let cases: &[(&str, &str, &str, &[&str])] = &[
+        (
+            GOOD,
+            "diameter = \"210 mm\"",
+            "diameter = \"-210 mm\"",
+            &["`shape.diameter`", "-210 mm", "above zero"],
+        ),
+        (
+            GOOD,
+            "diameter = \"210 mm\"",
+            "diameter = \"210 inch\"",
+            &["`shape.diameter`", "inch", "cm, mm or um"],
+        ),
+        (GOOD, "diameter = \"210 mm\"", "diameter = nan", &["`shape.diameter`", "NaN"]),
+        (GOOD, "diameter = \"210 mm\"", "", &["`shape.diameter`", "missing"]),
+        (GOOD, "kind = \"disc\"", "kind = \"star\"", &["`shape.kind`", "star", "\"disc\" or \"rectangle\""]),
+        (GOOD, "kind = \"disc\"", "kind = \"disc\"\nwidth = 1", &["`shape.width`", "a disc has"]),
+        (
+            GOOD,
+            "edge_length = \"4.5 mm\"",
+            "edge_length = \"0.0001 mm\"",
+            &["`mesh.edge_length`", "0.0001 mm", "mm to"],
+        ),
+        (GOOD, "edge_length = \"4.5 mm\"", "edge_length = \"4 m\"", &["`mesh.edge_length`", "4 m"]),
+        (GOOD, "count = 16", "count = 3", &["`electrodes.count`", "is 3", "4 to 16"]),
+        (GOOD, "count = 16", "count = 17", &["`electrodes.count`", "is 17", "4 to 16"]),
+        (GOOD, "count = 16", "count = -16", &["`electrodes.count`", "is -16"]),
+        (
+            GOOD,
+            "width = \"11 mm\"",
+            "width = \"42 mm\"",
+            &["`electrodes.width`", "42 mm", "overlap", "less than"],
+        ),
+        (GOOD, "placement = \"rim\"", "placement = \"sides\"", &["`electrodes.placement`", "for a disc"]),
+        (
+            GOOD,
+            "placement = \"rim\"",
+            "placement = \"inside\"",
+            &["`electrodes.placement`", "inside", "\"rim\" or \"sides\""],
+        ),
+        (GOOD, "direction = \"clockwise\"", "direction = \"left\"", &["`electrodes.direction`", "left"]),
+        (GOOD, "model = \"complete\"", "model = \"shunt\"", &["`electrodes.model`", "shunt"]),
+        (
+            GOOD,
+            "model = \"complete\"",
+            "model = \"point\"",
+            &["`electrodes.width`", "point electrodes have none"],
+        ),
+        (
+            GOOD,
+            "contact_impedance = \"0.18 ohm m\"",
+            "contact_impedance = [1, 2]",
+            &["`electrodes.contact_impedance`", "list of 2", "list of 16"],
+        ),
+        (
+            GOOD,
+            "contact_impedance = \"0.18 ohm m\"",
+            "contact_impedance = 0",
+            &["`electrodes.contact_impedance`", "is 0"],
+        ),
+        (GOOD, "ground = 1", "ground = 17", &["`electrodes.ground`", "is 17", "1 to 16"]),
+        (
+            GOOD,
+            "pattern = \"adjacent\"",
+            "pattern = \"skip-9\"",
+            &["`drive.pattern`", "skip-9", "\"skip-6\""],
+        ),
+        (GOOD, "reciprocal = \"combined\"", "reciprocal = \"yes\"", &["`drive.reciprocal`", "yes"]),
+        (GOOD, "frame_rate = \"50 Hz\"", "frame_rate = 0", &["`drive.frame_rate`", "is 0"]),
+        (
+            GOOD,
+            "prior = \"laplace\"",
+            "prior = \"total-variation\"",
+            &["`inverse.prior`", "total-variation", "noser"],
+        ),
+        (GOOD, "hyperparameter = 0.03", "hyperparameter = -1.0", &["`inverse.hyperparameter`", "is -1"]),
+        (GOOD, "columns = 32", "columns = 0", &["`image.columns`", "is 0", "4 to 64"]),
+        (GOOD, "threshold = 0.05", "threshold = 0.0", &["`contact.threshold`", "is 0"]),
+        (GOOD, "name = \"disc-210mm\"", "name = \"\"", &["`name`", "1 to 32 bytes"]),
+        (
+            SQUARE,
+            "pitch = \"10 mm\"",
+            "pitch = \"15.1 mm\"",
+            &["`electrodes.pitch`", "at most 15.000 mm", "outside"],
+        ),
+        (SQUARE, "pitch = \"10 mm\"", "pitch = \"4 mm\"", &["`electrodes.width`", "overlap"]),
+        (SQUARE, "pitch = \"10 mm\"", "", &["`electrodes.pitch`", "missing"]),
+        (SQUARE, "count = 16", "count = 14", &["`electrodes.count`", "multiple of 4"]),
+        (SQUARE, "height = \"50 mm\"", "height = \"0 mm\"", &["`shape.height`", "0 mm"]),
+    ];
+    for (text, from, to, expected) in cases {
+        let error = error_of(text, from, to);
+        for part in expected.iter().chain(&["`hand/skin.toml`"]) {
+            assert!(error.contains(part), "{to}: {part:?} is not in {error:?}");
+        }
+    }
+}
+
+#[test]
+fn unknown_and_missing_fields_are_named_with_their_line() {
+    let error = error_of(GOOD, "diameter =", "diametre =");
+    assert!(error.contains("diametre") && error.contains("line 7") && error.contains("diameter"), "{error}");
+    let error = error_of(GOOD, "hyperparameter = 0.03", "");
+    assert!(error.contains("hyperparameter"), "{error}");
+    let error = error_of(GOOD, "[shape]", "[shape");
+    assert!(error.contains("line"), "{error}");
+}
+
+#[test]
+fn too_many_pixels_for_a_board_are_refused_with_the_field() {
+    let text = GOOD.replace("columns = 32", "columns = 64");
+    let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
+    let error = dermatome::model::Model::build(&skin, |_| ()).unwrap_err().to_string();
+    assert!(error.contains("`image.columns`") && error.contains("1024"), "{error}");
+}
+
+#[test]
+fn a_matrix_too_long_for_a_board_is_refused_with_what_to_change() {
+    let text = GOOD.replace("reciprocal = \"combined\"", "reciprocal = \"kept\"");
+    let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
+    let model = dermatome::model::Model::build(&skin, |_| ()).unwrap();
+    let error = dermatome::quantize::patch(&skin, &model).unwrap_err().to_string();
+    assert!(error.contains("196608") && error.contains("image.columns"), "{error}");
+}
+
+#[test]
+fn electrode_one_is_at_the_top_and_numbers_run_clockwise() {
+    let skin = Skin::parse(Path::new("skin.toml"), GOOD).unwrap();
+    let place = |i: usize| skin.outline.rim_point(skin.electrodes.centres[i]);
+    assert!(place(0).x.abs() < 1e-12 && (place(0).y - 0.105).abs() < 1e-12);
+    assert!((place(4).x - 0.105).abs() < 1e-12);
+    let skin = Skin::parse(Path::new("skin.toml"), SQUARE).unwrap();
+    let place = |i: usize| skin.outline.rim_point(skin.electrodes.centres[i]);
+    assert!((place(0).x - 0.005).abs() < 1e-12 && (place(0).y - 0.025).abs() < 1e-12);
+    assert!((place(2).x - 0.025).abs() < 1e-12 && (place(2).y - 0.015).abs() < 1e-12);
+}
