@@ -28,20 +28,25 @@ use crate::{
 /// with endless errors cannot take the whole CPU.
 const REOPEN_PAUSE: Duration = Duration::from_millis(2);
 
-/// What is too big for a stack.
+/// What answers the host. Its parts are too big for the stack.
 struct Session {
-    device: Device<FlashStore>,
-    reader: PacketReader,
-    outgoing: [u8; MAX_PACKET_BYTES],
+    device: &'static mut Device<FlashStore>,
+    reader: &'static mut PacketReader,
+    outgoing: &'static mut [u8; MAX_PACKET_BYTES],
 }
 
 impl Session {
-    fn new() -> Self {
+    /// The one session. Can be called once.
+    fn take() -> Self {
+        static DEVICE: StaticCell<Device<FlashStore>> = StaticCell::new();
+        static READER: StaticCell<PacketReader> = StaticCell::new();
+        static OUTGOING: ConstStaticCell<[u8; MAX_PACKET_BYTES]> =
+            ConstStaticCell::new([0; MAX_PACKET_BYTES]);
         let identity = Identity { board: text(board::NAME), firmware: text(env!("CARGO_PKG_VERSION")) };
         Self {
-            device: Device::new(identity, FlashStore),
-            reader: PacketReader::default(),
-            outgoing: [0; MAX_PACKET_BYTES],
+            device: DEVICE.init_with(|| Device::new(identity, FlashStore)),
+            reader: READER.init_with(PacketReader::default),
+            outgoing: OUTGOING.take(),
         }
     }
 
@@ -50,7 +55,7 @@ impl Session {
         match self.reader.push::<RequestPacket>(byte)? {
             Ok(request) => {
                 let reply = self.device.handle(&request);
-                protocol::encode(&reply, &mut self.outgoing)
+                protocol::encode(&reply, self.outgoing)
                     .inspect_err(|error| warn!("reply not sent: {}", Debug2Format(error)))
                     .ok()
             }
@@ -75,13 +80,12 @@ fn text<const N: usize>(text: &str) -> String<N> {
 /// Serves the host for ever.
 #[embassy_executor::task]
 pub(crate) async fn run(parts: LinkParts) -> ! {
-    static SESSION: StaticCell<Session> = StaticCell::new();
     static RING: ConstStaticCell<[u8; RING_BYTES]> = ConstStaticCell::new([0; RING_BYTES]);
-    let session = SESSION.init_with(Session::new);
+    let mut session = Session::take();
     let mut port = LinkPort::new(parts, RING.take());
     loop {
         let mut link = port.open();
-        let Err(error) = serve(&mut link, session).await;
+        let Err(error) = serve(&mut link, &mut session).await;
         warn!("link: {}; opening it anew", error);
         Timer::after(REOPEN_PAUSE).await;
         session.forget_partial_packet();
