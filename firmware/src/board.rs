@@ -1,0 +1,88 @@
+//! Board: the one table of clocks, pins, DMA channels and interrupts.
+//!
+//! | what          | which                       | why                                            |
+//! |---------------|-----------------------------|------------------------------------------------|
+//! | system clock  | 170 MHz from HSI and PLL    | the fastest the chip does; needs no crystal    |
+//! | time          | TIM5 (feature in Cargo.toml)| no acquisition chain needs it                  |
+//! | link          | LPUART1                     | the debug adapter's virtual COM port           |
+//! | link, pins    | PA2 sends, PA3 receives     | wired to the debug adapter on the NUCLEO board |
+//! | link, DMA     | DMA1 channels 1 and 2       | any channel can serve any request on this chip |
+
+use embassy_stm32::{Config, Peri, bind_interrupts, dma, peripherals, rcc, usart};
+
+/// What the board calls itself to a host.
+pub(crate) const NAME: &str = "nucleo-g474re";
+
+/// Bits per second on the link.
+///
+/// LPUART1 divides 170 MHz by 47222 / 256: 4 parts per million from this rate. Its own limit
+/// is a third of its clock, so the debug adapter is the slower of the two. The HSI adds up to 1 %,
+/// which 8 bits without parity tolerate.
+pub(crate) const LINK_BAUD: u32 = 921_600;
+
+/// UART of the link.
+pub(crate) type LinkUart = peripherals::LPUART1;
+/// Pin the link sends on.
+pub(crate) type LinkTxPin = peripherals::PA2;
+/// Pin the link receives on.
+pub(crate) type LinkRxPin = peripherals::PA3;
+/// DMA channel that sends.
+pub(crate) type LinkTxDma = peripherals::DMA1_CH1;
+/// DMA channel that receives.
+pub(crate) type LinkRxDma = peripherals::DMA1_CH2;
+
+// Which interrupt calls which handler; a pair that does not belong together does not compile.
+bind_interrupts!(pub(crate) struct Interrupts {
+    LPUART1 => usart::InterruptHandler<LinkUart>;
+    DMA1_CHANNEL1 => dma::InterruptHandler<LinkTxDma>;
+    DMA1_CHANNEL2 => dma::InterruptHandler<LinkRxDma>;
+});
+
+/// The board's hardware, for the tasks to take.
+pub(crate) struct Board {
+    /// What the link is made of.
+    pub(crate) link: LinkParts,
+}
+
+/// What the link is made of.
+pub(crate) struct LinkParts {
+    pub(crate) uart: Peri<'static, LinkUart>,
+    pub(crate) tx_pin: Peri<'static, LinkTxPin>,
+    pub(crate) rx_pin: Peri<'static, LinkRxPin>,
+    pub(crate) tx_dma: Peri<'static, LinkTxDma>,
+    pub(crate) rx_dma: Peri<'static, LinkRxDma>,
+}
+
+/// Starts the clocks and hands out the hardware. Can be called once.
+pub(crate) fn start() -> Board {
+    let mut config = Config::default();
+    config.rcc = clocks();
+    let chip = embassy_stm32::init(config);
+    Board {
+        link: LinkParts {
+            uart: chip.LPUART1,
+            tx_pin: chip.PA2,
+            rx_pin: chip.PA3,
+            tx_dma: chip.DMA1_CH1,
+            rx_dma: chip.DMA1_CH2,
+        },
+    }
+}
+
+/// HSI 16 MHz / 4 * 85 / 2 = 170 MHz for core and buses.
+fn clocks() -> rcc::Config {
+    let mut clocks = rcc::Config::default();
+    clocks.hsi = true;
+    clocks.pll = Some(rcc::Pll {
+        source: rcc::PllSource::HSI,
+        prediv: rcc::PllPreDiv::DIV4,
+        mul: rcc::PllMul::MUL85,
+        divp: None,
+        divq: None,
+        divr: Some(rcc::PllRDiv::DIV2),
+    });
+    clocks.sys = rcc::Sysclk::PLL1_R;
+    // The chip allows more than 150 MHz only with its core voltage boosted.
+    clocks.boost = true;
+    clocks
+}

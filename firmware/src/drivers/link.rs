@@ -1,0 +1,79 @@
+//! Link: bytes to and from the host over LPUART1, both ways by DMA.
+//!
+//! Receiving: each byte makes the UART ask its DMA channel, which writes it into a ring that it
+//! fills for ever. The reader wakes when the line falls idle, which is the end of a packet, and
+//! when the ring is half full or full. While the CPU is busy the ring holds 11 ms of bytes.
+//! Sending: one DMA transfer per packet.
+//!
+//! After any error on the line the UART driver stops the ring. Starting it again would resume a
+//! paused DMA channel, which this chip does not support (RM0440, "Suspend and resume a channel"):
+//! the ring could then be out of step with the DMA for ever. So the owner drops the [`Link`] and
+//! opens a new one from its [`LinkPort`], which sets up UART and DMA from reset.
+
+use embassy_stm32::{
+    gpio::Pull,
+    mode::Async,
+    usart::{Config, Error, RingBufferedUartRx, Uart, UartTx},
+};
+
+use crate::board::{Interrupts, LINK_BAUD, LinkParts};
+
+/// Bytes in the receive ring.
+pub(crate) const RING_BYTES: usize = 1024;
+
+/// What links are opened from, one after the other.
+pub(crate) struct LinkPort {
+    parts: LinkParts,
+    ring: &'static mut [u8; RING_BYTES],
+}
+
+/// An open link.
+pub(crate) struct Link<'a> {
+    tx: UartTx<'a, Async>,
+    rx: RingBufferedUartRx<'a>,
+}
+
+impl LinkPort {
+    /// A port on these parts.
+    pub(crate) fn new(parts: LinkParts, ring: &'static mut [u8; RING_BYTES]) -> Self {
+        Self { parts, ring }
+    }
+
+    /// Sets up the hardware from reset.
+    pub(crate) fn open(&mut self) -> Link<'_> {
+        let parts = &mut self.parts;
+        let uart = Uart::new(
+            parts.uart.reborrow(),
+            parts.rx_pin.reborrow(),
+            parts.tx_pin.reborrow(),
+            parts.tx_dma.reborrow(),
+            parts.rx_dma.reborrow(),
+            Interrupts,
+            config(),
+        );
+        let (tx, rx) = defmt::expect!(uart, "LPUART1 can do LINK_BAUD").split();
+        let mut rx = rx.into_ring_buffered(self.ring);
+        rx.start_uart();
+        Link { tx, rx }
+    }
+}
+
+impl Link<'_> {
+    /// Waits for bytes and says how many came. After an error this link receives no more.
+    pub(crate) async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Error> {
+        self.rx.read(bytes).await
+    }
+
+    /// Sends all bytes.
+    pub(crate) async fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        self.tx.write(bytes).await
+    }
+}
+
+fn config() -> Config {
+    let mut config = Config::default();
+    config.baudrate = LINK_BAUD;
+    // A line that nobody drives must not look like an endless break.
+    config.rx_pull = Pull::Up;
+    config
+}
