@@ -12,6 +12,8 @@ use embassy_stm32::{Config, Peri, bind_interrupts, dma, peripherals, rcc, usart}
 
 /// What the board calls itself to a host.
 pub(crate) const NAME: &str = "nucleo-g474re";
+/// Electrodes its four 16:1 multiplexers switch.
+pub(crate) const ELECTRODES: u8 = 16;
 
 /// Bits per second on the link.
 ///

@@ -3,7 +3,7 @@
 //! It knows no executor and no hardware: whoever owns it moves packets and frames.
 
 use crate::{
-    MAX_ELECTRODES, MAX_PATCH_BYTES,
+    MAX_PATCH_BYTES,
     frame::Frame,
     patch::PatchView,
     pipeline::{self, Outcome, PipelineState},
@@ -54,6 +54,7 @@ impl From<StoreError> for Refusal {
 #[derive(Debug)]
 pub struct Device<S> {
     identity: Identity,
+    electrodes: u8,
     store: S,
     /// Whether the patch in use passed all checks, so that every later look at it can be quick.
     patch_is_valid: bool,
@@ -73,11 +74,15 @@ struct Upload {
 }
 
 impl<S: PatchStore> Device<S> {
-    /// A board that has just started. A stored patch that is not valid counts as none.
-    pub fn new(identity: Identity, store: S) -> Self {
-        let patch_is_valid = store.active().is_some_and(|bytes| PatchView::validate(bytes).is_ok());
+    /// A board that has just started and has `electrodes` wired. A stored patch that is not valid,
+    /// or needs more electrodes, counts as none.
+    pub fn new(identity: Identity, electrodes: u8, store: S) -> Self {
+        let is_usable =
+            |bytes| PatchView::validate(bytes).is_ok_and(|patch| patch.header.electrodes <= electrodes);
+        let patch_is_valid = store.active().is_some_and(is_usable);
         Self {
             identity,
+            electrodes,
             store,
             patch_is_valid,
             upload: None,
@@ -165,7 +170,7 @@ impl<S: PatchStore> Device<S> {
 
     fn info(&self) -> Info {
         Info {
-            electrodes: MAX_ELECTRODES as u8,
+            electrodes: self.electrodes,
             max_patch_bytes: MAX_PATCH_BYTES as u32,
             patch: self.patch().map(|patch| PatchInfo {
                 crc: patch.crc(),
@@ -216,6 +221,9 @@ impl<S: PatchStore> Device<S> {
         let staged = PatchView::validate(self.store.staged()).map_err(|_| Refusal::BadPatch)?;
         if staged.crc() != upload.crc {
             return Err(Refusal::BadPatch);
+        }
+        if staged.header.electrodes > self.electrodes {
+            return Err(Refusal::Electrodes { patch: staged.header.electrodes, board: self.electrodes });
         }
         self.store.commit()?;
         self.patch_is_valid = true;
@@ -287,7 +295,7 @@ mod tests {
 
     fn device() -> Device<Memory> {
         let identity = Identity { board: "test".try_into().unwrap(), firmware: "0".try_into().unwrap() };
-        Device::new(identity, Memory::default())
+        Device::new(identity, 16, Memory::default())
     }
 
     fn ask(device: &mut Device<Memory>, request: Request) -> Reply {
@@ -411,7 +419,18 @@ mod tests {
         let middle = bytes.len() / 2;
         bytes[middle] ^= 1;
         let identity = Identity { board: "test".try_into().unwrap(), firmware: "0".try_into().unwrap() };
-        let device = Device::new(identity, Memory { active: Some(bytes), staged: Vec::new() });
+        let device = Device::new(identity, 16, Memory { active: Some(bytes), staged: Vec::new() });
+        assert!(device.patch().is_none());
+    }
+
+    #[test]
+    fn a_patch_for_more_electrodes_than_are_wired_is_refused() {
+        let identity = device().identity;
+        let mut device = Device::new(identity, 4, Memory::default());
+        let bytes = small_patch(Difference::Plain);
+        let crc = PatchView::validate(&bytes).unwrap().crc();
+        let refused = Reply::Refused(Refusal::Electrodes { patch: 8, board: 4 });
+        assert_eq!(upload(&mut device, &bytes, crc), refused);
         assert!(device.patch().is_none());
     }
 

@@ -180,7 +180,7 @@ pub struct Identity {
 /// What a board holds and does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Info {
-    /// Electrodes the board can switch.
+    /// Electrodes wired to the board.
     pub electrodes: u8,
     /// Longest patch it can store, bytes.
     pub max_patch_bytes: u32,
@@ -250,6 +250,14 @@ pub enum Refusal {
         "the board checked the uploaded patch and found it damaged or unusable; it keeps the patch it had"
     )]
     BadPatch,
+    /// The uploaded patch is for another skin; the old one stays.
+    #[error("the patch is for {patch} electrodes, the board has {board}; it keeps the patch it had")]
+    Electrodes {
+        /// Electrodes of the patch.
+        patch: u8,
+        /// Electrodes of the board.
+        board: u8,
+    },
     /// The board could not write its storage; the old patch stays.
     #[error("the board could not write its patch storage; it keeps the patch it had")]
     Storage,

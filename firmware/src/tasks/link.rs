@@ -44,7 +44,7 @@ impl Session {
             ConstStaticCell::new([0; MAX_PACKET_BYTES]);
         let identity = Identity { board: text(board::NAME), firmware: text(env!("CARGO_PKG_VERSION")) };
         Self {
-            device: DEVICE.init_with(|| Device::new(identity, FlashStore)),
+            device: DEVICE.init_with(|| Device::new(identity, board::ELECTRODES, FlashStore)),
             reader: READER.init_with(PacketReader::default),
             outgoing: OUTGOING.take(),
         }

@@ -13,6 +13,7 @@ use super::{
     patch_store::{FilePatchStore, OpenError},
 };
 use dermatome_shared::{
+    MAX_ELECTRODES,
     device::Device,
     frame::{Frame, FrameFlags},
     protocol::{Identity, Request, RequestPacket, Selection},
@@ -76,6 +77,8 @@ pub enum Pace {
 pub struct BoardOptions {
     /// Where it listens; port 0 takes any free one.
     pub listen: SocketAddr,
+    /// Electrodes wired to the board.
+    pub electrodes: u8,
     /// Patch in use from the start, unless the store holds one.
     pub patch: Option<Vec<u8>>,
     /// File that keeps the uploaded patch.
@@ -90,6 +93,7 @@ impl Default for BoardOptions {
     fn default() -> Self {
         Self {
             listen: (Ipv4Addr::LOCALHOST, 0).into(),
+            electrodes: MAX_ELECTRODES as u8,
             patch: None,
             store: None,
             pace: Pace::default(),
@@ -145,7 +149,7 @@ impl SimulatedBoard {
         let address = listener.local_addr().map_err(|reason| listen_error(options.listen, reason))?;
         let stop = Arc::new(AtomicBool::new(false));
         let worker = Worker {
-            device: Device::new(identity(), store),
+            device: Device::new(identity(), options.electrodes, store),
             source: Box::new(source),
             pace: options.pace,
             stop: stop.clone(),

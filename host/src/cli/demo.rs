@@ -88,7 +88,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     );
 
     let simulated_elements = source.elements();
-    let board = SimulatedBoard::start(BoardOptions::default(), source)?;
+    let board = SimulatedBoard::start(
+        BoardOptions { electrodes: skin.electrodes.count(), ..BoardOptions::default() },
+        source,
+    )?;
     println!(
         "started a simulated board: its skin has {simulated_elements} elements, noise at {} dB",
         args.noise_db

@@ -70,6 +70,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let elements = source.elements();
     let options = BoardOptions {
         listen: address(&args.listen)?,
+        electrodes: skin.electrodes.count(),
         store: args.store.clone(),
         max_frames: args.frames,
         ..BoardOptions::default()

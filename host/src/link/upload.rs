@@ -25,8 +25,8 @@ pub enum UploadError {
         /// Most the board stores, bytes.
         max: u32,
     },
-    /// The board cannot switch as many electrodes; nothing was sent.
-    #[error("the patch is for {patch} electrodes, the board switches at most {board}")]
+    /// The board has fewer electrodes; nothing was sent.
+    #[error("the patch is for {patch} electrodes, the board has {board}")]
     Electrodes {
         /// Electrodes of the patch.
         patch: u8,

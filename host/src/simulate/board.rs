@@ -56,5 +56,8 @@ pub fn board_for_skin(path: &Path) -> Result<SimulatedBoard, SimulationError> {
     let patch = quantize::patch(&skin, &model)
         .map_err(|error| SimulationError::Patch { path: path.to_owned(), error })?;
     let source = SimulatedSkin::new(&skin, Script::round(&skin.outline), DEFAULT_NOISE).map_err(in_file)?;
-    Ok(SimulatedBoard::start(BoardOptions { patch: Some(patch), ..BoardOptions::default() }, source)?)
+    Ok(SimulatedBoard::start(
+        BoardOptions { electrodes: skin.electrodes.count(), patch: Some(patch), ..BoardOptions::default() },
+        source,
+    )?)
 }
