@@ -208,7 +208,8 @@ mod tests {
         assert_eq!(outbox.lock().packets.len(), MAX_EVENTS + 1);
         outbox.next().unwrap();
         outbox.push(&event(999)).unwrap();
-        assert_eq!((outbox.lock().events, outbox.lock().packets.len()), (MAX_EVENTS, MAX_EVENTS + 1));
+        let state = outbox.lock();
+        assert_eq!((state.events, state.packets.len()), (MAX_EVENTS, MAX_EVENTS + 1));
     }
 
     #[test]

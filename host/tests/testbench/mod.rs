@@ -121,6 +121,7 @@ pub(crate) fn connect(address: SocketAddr) -> Result<Link, LinkError> {
 /// A plain connection for mischief, with the read timeout a link needs.
 pub(crate) fn raw(address: SocketAddr) -> TcpStream {
     let stream = TcpStream::connect(address).unwrap();
+    stream.set_nodelay(true).unwrap();
     stream.set_read_timeout(Some(Duration::from_millis(20))).unwrap();
     stream
 }
