@@ -1,1 +1,6 @@
-//! Being written.
+//! Frames measured by other people's instruments, reconstructed with this skin's model.
+
+mod npy;
+mod npz;
+pub mod read;
+mod table;
