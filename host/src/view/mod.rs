@@ -1,1 +1,5 @@
-//! Being written.
+//! Views: images and contacts for people.
+
+pub mod colour;
+pub mod picture;
+pub mod sheet;
