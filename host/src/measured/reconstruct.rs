@@ -15,7 +15,7 @@ use dermatome_shared::{
 use serde::Serialize;
 
 /// Whether what is looked for raises or lowers the conductivity.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Polarity {
     /// Whichever the strongest pixel of the frame does.

@@ -41,7 +41,9 @@ const COLUMN: u32 = TILE + 2 * MARGIN;
 const LINE: u32 = 15;
 const TITLE: u32 = 34;
 const BAR: u32 = 58;
-/// Most images in a row, and a sheet's most images.
+/// Between rows.
+const GAP: u32 = 10;
+/// Most images in a row.
 const ROW: usize = 5;
 /// Most images on a sheet.
 pub const MOST_PANELS: usize = 50;
@@ -53,7 +55,7 @@ pub fn reconstruction_sheet(sheet: &Sheet<'_>) -> Picture {
     let panels = &sheet.panels[..sheet.panels.len().min(MOST_PANELS)];
     let columns = panels.len().clamp(2, ROW);
     let caption_lines = panels.iter().map(|panel| panel.caption.len()).max().unwrap_or(0) as u32;
-    let row_height = caption_lines * LINE + TILE + 2 * MARGIN;
+    let row_height = caption_lines * LINE + TILE + 2 * MARGIN + GAP;
     let rows = panels.len().div_ceil(columns) as u32;
     let width = columns as u32 * COLUMN;
     let mut picture = Picture::new(width, TITLE + rows * row_height + BAR);
@@ -85,14 +87,14 @@ fn draw_panel(
     let corner = ((x + MARGIN) as i32, (y + caption_lines * LINE + MARGIN) as i32);
     let tile = picture.image_tile(corner, TILE, sheet.geometry, panel.values, maximum);
     picture.electrode_numbers(&tile, sheet.electrodes);
+    for &position in &panel.found {
+        picture.found(&tile, position);
+    }
     for &(position, radius) in &panel.truth {
         if radius > 0.0 {
             picture.true_outline(&tile, position, radius);
         }
         picture.truth(&tile, position);
-    }
-    for &position in &panel.found {
-        picture.found(&tile, position);
     }
 }
 
@@ -200,7 +202,7 @@ mod tests {
         let panels: Vec<_> = (0..images.len()).map(panel).collect();
         let sheet = Sheet { title: "demo.npz:v", geometry: &geometry, electrodes: &electrodes, panels };
         let picture = reconstruction_sheet(&sheet);
-        assert_eq!(picture.size(), (5 * COLUMN, TITLE + 2 * (2 * LINE + TILE + 2 * MARGIN) + BAR));
+        assert_eq!(picture.size(), (5 * COLUMN, TITLE + 2 * (2 * LINE + TILE + 2 * MARGIN + GAP) + BAR));
         if let Some(path) = std::env::var_os("DERMATOME_SHEET") {
             std::fs::write(path, picture.encode().unwrap()).unwrap();
         }
