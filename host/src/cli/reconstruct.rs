@@ -128,6 +128,9 @@ fn warnings(diagnosis: &Diagnosis, reference: &Frames, frames: &Frames) -> Vec<S
     warnings
 }
 
+/// From difference data `[step]` to relative conductivity `[pixel]`.
+type Matrix = dyn Fn(&[f64]) -> Vec<f64>;
+
 /// A skin's model with what it owns.
 struct LoadedModel {
     steps: Vec<Step>,
@@ -135,7 +138,7 @@ struct LoadedModel {
     voltages: Vec<f64>,
     geometry: Geometry,
     rim: Vec<[f64; 2]>,
-    matrix: Box<dyn Fn(&[f64]) -> Vec<f64>>,
+    matrix: Box<Matrix>,
 }
 
 impl LoadedModel {

@@ -18,7 +18,7 @@ pub enum SenseOrder {
     /// By electrode number, as in EIDORS: the canonical order.
     #[default]
     Absolute,
-    /// From the first pair after the driven electrode `drive_minus` that touches neither driven one,
+    /// From the first pair behind the electrode where current leaves that touches neither driven one,
     /// and round from there.
     Relative,
 }
