@@ -1,13 +1,257 @@
-//! `dermatome reconstruct`.
+//! `dermatome reconstruct`: frames of other people's instruments -> images and what they show.
 
-/// Arguments of `dermatome reconstruct`.
+use super::JsonReport;
+use crate::{
+    measured::{
+        Model,
+        diagnose::{Diagnosis, diagnose},
+        order::{Arrangement, SenseOrder},
+        read::{Frames, Source, read},
+        reconstruct::{FrameResult, Polarity, evenly_spaced, reconstruct},
+    },
+    output::write_whole,
+    view::sheet::{Panel, Sheet, reconstruction_sheet},
+};
+use anyhow::Context;
+use dermatome_shared::{image::Geometry, stimulation::Step};
+use serde::Serialize;
+use std::{
+    ffi::OsString,
+    path::{Path, PathBuf},
+};
+
+/// Frames shown on screen and in the picture.
+const SHOWN: usize = 20;
+
+/// Reconstruct frames measured by another instrument.
 #[derive(clap::Args)]
+#[command(
+    after_help = "FILE is .npy, .npz (as FILE.npz:KEY where it holds several arrays) or .csv, with one \
+frame per row: real or complex voltages of the skin's drive pattern, or the full square of all drives and \
+all sense pairs.
+
+Examples:
+  dermatome reconstruct tank.toml --reference run.npz:empty --frames run.npz:cup --png cup.png
+  dermatome reconstruct skin.toml --reference idle.csv --frames press.csv --order relative --json press.json"
+)]
 pub(super) struct Args {
+    /// Skin file.
+    #[arg(value_name = "SKIN")]
+    skin: PathBuf,
+    /// Frames of the untouched skin; several are averaged.
+    #[arg(long, value_name = "FILE")]
+    reference: OsString,
+    /// Frames to reconstruct.
+    #[arg(long, value_name = "FILE")]
+    frames: OsString,
+    /// Draw the images.
+    #[arg(long, value_name = "FILE")]
+    png: Option<PathBuf>,
+    /// Order of the sense pairs inside each drive: by electrode, or from the driven pair onwards.
+    #[arg(long, value_enum, default_value_t)]
+    order: SenseOrder,
+    /// Electrode of the skin, from 0, that the file calls its first.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    rotation: u8,
+    /// The file numbers its electrodes the other way round.
+    #[arg(long)]
+    mirror: bool,
+    /// Look for a conductivity that rises, that falls, or for whichever change is the strongest.
+    #[arg(long, value_enum, default_value_t)]
+    polarity: Polarity,
     #[command(flatten)]
-    json: super::JsonReport,
+    json: JsonReport,
+}
+
+impl Args {
+    fn arrangement(&self) -> Arrangement {
+        Arrangement { sense: self.order, rotation: self.rotation, mirrored: self.mirror }
+    }
+}
+
+/// What `reconstruct` tells; keys are documented in docs/cli.md.
+#[derive(Serialize)]
+struct Report {
+    skin: PathBuf,
+    reference_file: String,
+    reference_frames: usize,
+    frames_file: String,
+    measurements: usize,
+    complex: bool,
+    diagnosis: Diagnosis,
+    warnings: Vec<String>,
+    picture: Option<PathBuf>,
+    frames: Vec<FrameResult>,
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    args.json.write(&())?;
-    anyhow::bail!("not built yet")
+    let (reference_source, frames_source) = (Source::new(&args.reference), Source::new(&args.frames));
+    let reference = read(&reference_source)?;
+    let frames = read(&frames_source)?;
+    let loaded = load_model(&args.skin)?;
+    let model = loaded.model();
+    let arrangement = args.arrangement();
+    let results = reconstruct(&model, &reference, &frames, &arrangement, args.polarity)
+        .with_context(|| format!("`{reference_source}` and `{frames_source}`"))?;
+    let diagnosis = diagnose(model.steps, model.electrodes, model.voltages, &reference.mean(), arrangement)?;
+    let report = Report {
+        skin: args.skin.clone(),
+        reference_file: reference_source.to_string(),
+        reference_frames: reference.frames,
+        frames_file: frames_source.to_string(),
+        measurements: frames.measurements,
+        complex: frames.complex,
+        warnings: warnings(&diagnosis, &reference, &frames),
+        diagnosis,
+        picture: args.png.clone(),
+        frames: results,
+    };
+    report.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    if let Some(path) = &args.png {
+        write_whole(path, &picture(&model, &report)?)?;
+    }
+    args.json.write(&report)?;
+    print!("{}", table(&report.frames));
+    Ok(())
+}
+
+fn warnings(diagnosis: &Diagnosis, reference: &Frames, frames: &Frames) -> Vec<String> {
+    let mut warnings = diagnosis.warnings();
+    if reference.complex != frames.complex {
+        let kind = |complex| if complex { "complex" } else { "real" };
+        warnings.push(format!(
+            "the reference is {}, the frames are {}: the difference between them means little",
+            kind(reference.complex),
+            kind(frames.complex)
+        ));
+    }
+    warnings
+}
+
+/// From difference data `[step]` to relative conductivity `[pixel]`.
+type Matrix = dyn Fn(&[f64]) -> Vec<f64>;
+
+/// A skin's model with what it owns.
+struct LoadedModel {
+    steps: Vec<Step>,
+    electrodes: u8,
+    voltages: Vec<f64>,
+    geometry: Geometry,
+    rim: Vec<[f64; 2]>,
+    matrix: Box<Matrix>,
+}
+
+impl LoadedModel {
+    fn model(&self) -> Model<'_> {
+        Model {
+            steps: &self.steps,
+            electrodes: self.electrodes,
+            voltages: &self.voltages,
+            geometry: self.geometry.clone(),
+            rim: &self.rim,
+            matrix: &*self.matrix,
+        }
+    }
+}
+
+/// Computes the model of a skin file.
+fn load_model(path: &Path) -> anyhow::Result<LoadedModel> {
+    anyhow::bail!("cannot load `{}`: models of skin files are not built yet", path.display())
+}
+
+/// One line per frame, at most [`SHOWN`] of them.
+fn table(frames: &[FrameResult]) -> String {
+    let mut text = format!(
+        "{:>7} {:>10} {:>8} {:>8} {:>8} {:>8} {:>9}\n",
+        "frame", "peak", "x/mm", "y/mm", "angle", "radius", "area/mm2"
+    );
+    let shown = evenly_spaced(frames.len(), SHOWN);
+    for &index in &shown {
+        text += &row(&frames[index]);
+    }
+    if shown.len() < frames.len() {
+        text +=
+            &format!("{} of {} frames shown, evenly spaced; --json writes all\n", shown.len(), frames.len());
+    }
+    text
+}
+
+fn row(result: &FrameResult) -> String {
+    let FrameResult { frame, peak, objects, .. } = result;
+    match objects.first() {
+        Some(object) => format!(
+            "{frame:>7} {peak:>+10.3e} {:>8.1} {:>8.1} {:>+7.1}° {:>7.1}% {:>9.0}\n",
+            object.x_mm, object.y_mm, object.angle_degrees, object.radius_percent, object.area_mm2
+        ),
+        None => format!("{frame:>7} {peak:>+10.3e}  no change\n"),
+    }
+}
+
+fn picture(model: &Model<'_>, report: &Report) -> anyhow::Result<Vec<u8>> {
+    let shown = evenly_spaced(report.frames.len(), SHOWN);
+    let panels = shown.iter().map(|&index| panel(&report.frames[index])).collect();
+    let sheet =
+        Sheet { title: &report.frames_file, geometry: &model.geometry, electrodes: model.rim, panels };
+    reconstruction_sheet(&sheet).encode().context("cannot encode the picture")
+}
+
+fn panel(result: &FrameResult) -> Panel<'_> {
+    let object = result.objects.first();
+    let position = object.map_or("no change".into(), |object| {
+        format!("peak {:+.2e} at ({:.1}, {:.1}) mm", result.peak, object.x_mm, object.y_mm)
+    });
+    Panel {
+        caption: vec![format!("frame {}", result.frame), position],
+        values: &result.image,
+        found: object.map(|object| [object.x_mm / 1e3, object.y_mm / 1e3]).into_iter().collect(),
+        truth: Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measured::reconstruct::Object;
+
+    fn result(frame: usize) -> FrameResult {
+        let object = Object {
+            x_mm: 12.34,
+            y_mm: -5.0,
+            angle_degrees: -22.06,
+            radius_percent: 26.6,
+            area_mm2: 310.0,
+            peak: 0.125,
+        };
+        let objects = if frame == 1 { vec![] } else { vec![object] };
+        let peak = if frame == 1 { 0.0 } else { 0.125 };
+        FrameResult { frame, peak, polarity: Polarity::Up, objects, image: vec![0.0] }
+    }
+
+    #[test]
+    fn few_frames_are_all_shown() {
+        let frames: Vec<_> = (0..2).map(result).collect();
+        let lines = [
+            "  frame       peak     x/mm     y/mm    angle   radius  area/mm2",
+            "      0  +1.250e-1     12.3     -5.0   -22.1°    26.6%       310",
+            "      1   +0.000e0  no change",
+        ];
+        assert_eq!(table(&frames).lines().collect::<Vec<_>>(), lines);
+    }
+
+    #[test]
+    fn of_many_frames_some_are_shown_and_it_says_so() {
+        let frames: Vec<_> = (0..400).map(result).collect();
+        let text = table(&frames);
+        assert_eq!(text.lines().count(), 1 + SHOWN + 1);
+        assert!(text.ends_with("20 of 400 frames shown, evenly spaced; --json writes all\n"), "{text}");
+    }
+
+    #[test]
+    fn the_json_of_a_frame_leaves_the_image_out() {
+        let json = serde_json::to_value(result(3)).unwrap();
+        let keys: Vec<_> = json.as_object().unwrap().keys().cloned().collect();
+        assert_eq!(keys, ["frame", "objects", "peak", "polarity"]);
+        assert_eq!(json["polarity"], "up");
+        assert_eq!(json["objects"][0]["x_mm"], 12.34);
+    }
 }

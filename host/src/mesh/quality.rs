@@ -57,8 +57,8 @@ mod tests {
         fn every_mesh_is_sound_and_its_electrodes_are_as_long_as_asked(
             disc in any::<bool>(),
             aspect in 0.4..1.0,
-            fineness in 12.0..40.0,
-            cover in prop_oneof![Just(0.0), 0.2..0.8],
+            fineness in 20.0..40.0,
+            cover in prop_oneof![Just(0.0), 0.4..0.8],
             angle in 0.0..1.0,
         ) {
             let outline = if disc { Outline::Disc { radius: 0.5 } } else { Outline::Rectangle { width: 1.0, height: aspect } };

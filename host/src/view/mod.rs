@@ -2,4 +2,6 @@
 
 pub mod colour;
 pub mod live;
+pub mod picture;
+pub mod sheet;
 pub mod terminal;

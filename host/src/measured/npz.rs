@@ -1,0 +1,78 @@
+//! NumPy's archives: a `.zip` of `.npy` files.
+
+use super::{
+    npy::{self, HEADER_WINDOW},
+    read::{MAX_BYTES, Problem},
+};
+use npyz::npz::NpzArchive;
+use std::{
+    fmt,
+    io::{Cursor, Read},
+};
+
+/// Arrays an error message lists.
+const MAX_LISTED: usize = 40;
+
+/// The arrays of an archive, for an error message.
+#[derive(Debug)]
+pub struct Listing(Vec<String>);
+
+impl fmt::Display for Listing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.0[..self.0.len().min(MAX_LISTED)].join(", "))?;
+        match self.0.len().saturating_sub(MAX_LISTED) {
+            0 => Ok(()),
+            more => write!(f, " and {more} more"),
+        }
+    }
+}
+
+type Archive<'a> = NpzArchive<Cursor<&'a [u8]>>;
+
+/// Reads the array `key`, or the only one.
+pub(super) fn parse(bytes: &[u8], key: Option<&str>) -> Result<npy::Array, Problem> {
+    let mut archive = NpzArchive::new(Cursor::new(bytes)).map_err(archive_problem)?;
+    let key = choose(&mut archive, key)?;
+    let member = read_member(&mut archive, &key, MAX_BYTES + 1)?;
+    if member.len() as u64 > MAX_BYTES {
+        return Err(Problem::TooLarge);
+    }
+    Ok(npy::parse(&member)?)
+}
+
+fn choose(archive: &mut Archive<'_>, key: Option<&str>) -> Result<String, Problem> {
+    let mut names: Vec<String> = archive.array_names().map(str::to_owned).collect();
+    names.sort();
+    match (key, names.as_slice()) {
+        (_, []) => Err(Problem::NoArrays),
+        (Some(key), _) if names.iter().any(|name| name == key) => Ok(key.to_owned()),
+        (Some(key), _) => Err(Problem::NoKey { key: key.to_owned(), arrays: list(archive, names) }),
+        (None, [only]) => Ok(only.clone()),
+        (None, _) => Err(Problem::SeveralArrays { arrays: list(archive, names) }),
+    }
+}
+
+fn list(archive: &mut Archive<'_>, names: Vec<String>) -> Listing {
+    let describe = |(place, name): (usize, String)| {
+        if place >= MAX_LISTED {
+            return name;
+        }
+        let start = read_member(archive, &name, HEADER_WINDOW as u64).ok();
+        let shape = start.and_then(|start| npy::describe(&start).ok());
+        format!("`{name}` {}", shape.as_deref().unwrap_or("(unreadable)"))
+    };
+    Listing(names.into_iter().enumerate().map(describe).collect())
+}
+
+/// At most `limit` bytes of an array's file.
+fn read_member(archive: &mut Archive<'_>, name: &str, limit: u64) -> Result<Vec<u8>, Problem> {
+    let file_name = npyz::npz::file_name_from_array_name(name);
+    let member = archive.zip_archive().by_name(&file_name).map_err(archive_problem)?;
+    let mut bytes = Vec::new();
+    member.take(limit).read_to_end(&mut bytes).map_err(archive_problem)?;
+    Ok(bytes)
+}
+
+fn archive_problem(error: impl fmt::Display) -> Problem {
+    Problem::Archive(error.to_string())
+}

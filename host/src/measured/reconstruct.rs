@@ -1,0 +1,194 @@
+//! Images of measured frames, and where in them something touches the skin.
+
+use super::{
+    Model,
+    difference::{difference, signed_reference},
+    order::{Arrangement, OrderError},
+    read::Frames,
+};
+use dermatome_shared::{
+    MAX_PIXELS,
+    contact::{self, Contact},
+    image::{PixelGrid, pixel_cells},
+    units::RelativeConductivity,
+};
+use serde::Serialize;
+
+/// Whether what is looked for raises or lowers the conductivity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Polarity {
+    /// Whichever the strongest pixel of the frame does.
+    #[default]
+    Auto,
+    /// Conductivity up, as a press on piezoresistive fabric.
+    Up,
+    /// Conductivity down, as a plastic rod in a tank.
+    Down,
+}
+
+/// One place that differs from the reference.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Object {
+    /// Centre in the skin's frame, mm.
+    pub x_mm: f64,
+    /// Centre in the skin's frame, mm.
+    pub y_mm: f64,
+    /// Direction from the grid's centre: 0 along x, counter-clockwise, -180 to 180.
+    pub angle_degrees: f64,
+    /// Distance from the grid's centre, in percent of half the grid's width.
+    pub radius_percent: f64,
+    /// Area of the pixels above a quarter of the image's peak, mm^2.
+    pub area_mm2: f64,
+    /// Strongest relative conductivity change in it, with sign.
+    pub peak: f64,
+}
+
+/// What one frame shows.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FrameResult {
+    /// Frame in its file, from 0.
+    pub frame: usize,
+    /// Strongest relative conductivity change of the looked-for polarity, with sign; 0 for none.
+    pub peak: f64,
+    /// Polarity that was looked for: up or down.
+    pub polarity: Polarity,
+    /// Objects, strongest first; none where nothing changes.
+    pub objects: Vec<Object>,
+    /// Relative conductivity change: `[pixel]`.
+    #[serde(skip)]
+    pub image: Vec<f64>,
+}
+
+/// Why frames cannot be reconstructed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ReconstructError {
+    /// The frames do not fit the drive pattern.
+    #[error(transparent)]
+    Order(#[from] OrderError),
+    /// Reference and frames come from different instruments.
+    #[error("the frames hold {frames} measurements each, the reference {reference}; they must be equal")]
+    Lengths {
+        /// Measurements in a frame.
+        frames: usize,
+        /// Measurements in the reference.
+        reference: usize,
+    },
+    /// Nothing to scale by.
+    #[error("every measurement of the reference is zero")]
+    DeadReference,
+    /// The model contradicts itself.
+    #[error("the model's `{field}` has {found} entries, {allowed} are needed")]
+    Model {
+        /// Name of the field.
+        field: &'static str,
+        /// Entries there.
+        found: usize,
+        /// Entries needed.
+        allowed: usize,
+    },
+}
+
+/// Reconstructs every frame against the mean of the reference frames.
+///
+/// Difference data are scaled by mean |v_model| / mean |v_ref|, so that the instrument's gain and
+/// the skin's absolute conductivity cancel.
+pub fn reconstruct(
+    model: &Model<'_>,
+    reference: &Frames,
+    frames: &Frames,
+    arrangement: &Arrangement,
+    polarity: Polarity,
+) -> Result<Vec<FrameResult>, ReconstructError> {
+    let lengths = (frames.measurements, reference.measurements);
+    if lengths.0 != lengths.1 {
+        return Err(ReconstructError::Lengths { frames: lengths.0, reference: lengths.1 });
+    }
+    check_count("voltages", model.voltages.len(), model.steps.len())?;
+    let map = arrangement.index_map(model.steps, model.electrodes, reference.measurements)?;
+    let reference = reference.mean();
+    let scale = model_per_file_unit(model, &signed_reference(&reference, &map, model.voltages))?;
+    let image_of = |values: &[_]| image(model, &difference(&reference, values, &map, model.voltages), scale);
+    frames
+        .iter()
+        .enumerate()
+        .map(|(frame, values)| Ok(describe(model, frame, image_of(values)?, polarity)))
+        .collect()
+}
+
+fn check_count(field: &'static str, found: usize, allowed: usize) -> Result<(), ReconstructError> {
+    if found == allowed { Ok(()) } else { Err(ReconstructError::Model { field, found, allowed }) }
+}
+
+fn model_per_file_unit(model: &Model<'_>, reference: &[f64]) -> Result<f64, ReconstructError> {
+    let sum = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
+    let measured = sum(reference);
+    if measured > 0.0 { Ok(sum(model.voltages) / measured) } else { Err(ReconstructError::DeadReference) }
+}
+
+fn image(model: &Model<'_>, difference: &[f64], scale: f64) -> Result<Vec<f64>, ReconstructError> {
+    let scaled: Vec<_> = difference.iter().map(|dv| dv * scale).collect();
+    let image = (model.matrix)(&scaled);
+    check_count("matrix", image.len(), pixel_cells(&model.geometry.mask).count().min(MAX_PIXELS))?;
+    Ok(image)
+}
+
+fn describe(model: &Model<'_>, frame: usize, image: Vec<f64>, polarity: Polarity) -> FrameResult {
+    let strongest = image.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+    let sign = match polarity {
+        Polarity::Auto => 1_f64.copysign(strongest),
+        Polarity::Up => 1.0,
+        Polarity::Down => -1.0,
+    };
+    let peak = image.iter().map(|value| value * sign).fold(0.0, f64::max);
+    let grid = &model.geometry.grid;
+    let contacts = contacts(grid, &model.geometry.mask, &image, sign, peak);
+    FrameResult {
+        frame,
+        peak: peak * sign,
+        polarity: if sign > 0.0 { Polarity::Up } else { Polarity::Down },
+        objects: contacts.iter().map(|contact| Object::new(grid, contact, peak * sign)).collect(),
+        image,
+    }
+}
+
+/// Contacts in the image over its peak: however weak the image is, the codes use their full range.
+fn contacts(grid: &PixelGrid, mask: &[u8], image: &[f64], sign: f64, peak: f64) -> contact::Contacts {
+    if peak <= 0.0 {
+        return contact::Contacts::new();
+    }
+    let codes: Vec<_> =
+        image.iter().map(|value| RelativeConductivity::from_f64(value * sign / peak)).collect();
+    contact::find(grid, mask, &codes, RelativeConductivity(1))
+}
+
+impl Object {
+    /// `peak` is the image's, to which the contact was scaled.
+    fn new(grid: &PixelGrid, contact: &Contact, peak: f64) -> Self {
+        let [x, y] = contact.position.map(f64::from);
+        let centre = grid.position(f32::from(grid.columns) / 2.0, f32::from(grid.rows) / 2.0).map(f64::from);
+        let half_width = f64::from(grid.columns) * f64::from(grid.pitch) / 2.0;
+        let (right, up) = (x - centre[0], y - centre[1]);
+        Self {
+            x_mm: x * 1e3,
+            y_mm: y * 1e3,
+            angle_degrees: up.atan2(right).to_degrees(),
+            radius_percent: right.hypot(up) / half_width * 100.0,
+            area_mm2: f64::from(contact.area) * 1e6,
+            peak: f64::from(contact.peak) * peak,
+        }
+    }
+}
+
+/// Indices of at most `rows` of `count` frames, evenly spaced, the first and the last among them.
+#[must_use]
+pub fn evenly_spaced(count: usize, rows: usize) -> Vec<usize> {
+    if count <= rows {
+        return (0..count).collect();
+    }
+    let last = rows.saturating_sub(1).max(1);
+    (0..rows).map(|row| (row * (count - 1) + last / 2) / last).collect()
+}
+
+#[cfg(test)]
+mod tests;

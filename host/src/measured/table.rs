@@ -1,0 +1,100 @@
+//! Text tables of measurements: a row is a frame; comments start with `#`, one header line may lead.
+
+use super::{
+    npy::Array,
+    read::{MAX_VALUES, Problem},
+};
+use num_complex::Complex64;
+use std::str::FromStr;
+
+/// Reads a table whose cells are separated by semicolons, tabs, commas or blanks: the first of these
+/// found in its first line.
+pub(super) fn parse(bytes: &[u8]) -> Result<Array, Problem> {
+    let delimiter = delimiter(bytes);
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .delimiter(delimiter)
+        .from_reader(bytes);
+    let mut table = Table::default();
+    for (row, record) in reader.records().enumerate() {
+        let record = record.map_err(|error| Problem::Table(error.to_string()))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let cells: Vec<&str> = cells(&record, delimiter);
+        if row > 0 || !is_header(&cells) {
+            table.add(line, &cells)?;
+        }
+    }
+    Ok(table.into_array())
+}
+
+fn delimiter(bytes: &[u8]) -> u8 {
+    let mut lines = bytes.split(|&byte| byte == b'\n' || byte == b'\r');
+    let is_content = |line: &&[u8]| line.first() != Some(&b'#') && !line.trim_ascii().is_empty();
+    let first = lines.find(is_content).unwrap_or_default();
+    *[b';', b'\t', b','].iter().find(|&delimiter| first.contains(delimiter)).unwrap_or(&b' ')
+}
+
+/// Cells of a row: repeated blanks separate once, and a separator at the end adds nothing.
+fn cells(record: &csv::StringRecord, delimiter: u8) -> Vec<&str> {
+    let mut cells: Vec<_> = record.iter().filter(|cell| delimiter != b' ' || !cell.is_empty()).collect();
+    if cells.last() == Some(&"") {
+        cells.pop();
+    }
+    cells
+}
+
+/// A header line holds no number at all.
+fn is_header(cells: &[&str]) -> bool {
+    !cells.is_empty() && cells.iter().all(|cell| number(cell).is_none())
+}
+
+#[derive(Default)]
+struct Table {
+    values: Vec<Complex64>,
+    rows: usize,
+    columns: usize,
+    complex: bool,
+}
+
+impl Table {
+    fn add(&mut self, line: u64, cells: &[&str]) -> Result<(), Problem> {
+        if cells.is_empty() {
+            return Ok(());
+        }
+        for (column, cell) in cells.iter().enumerate() {
+            let (value, complex) = number(cell).ok_or_else(|| Problem::Cell {
+                line,
+                column: column + 1,
+                text: cell.chars().take(40).collect(),
+            })?;
+            self.values.push(value);
+            self.complex |= complex;
+        }
+        if self.rows > 0 && self.columns != cells.len() {
+            return Err(Problem::Row { line, found: cells.len(), expected: self.columns });
+        }
+        if self.values.len() > MAX_VALUES {
+            return Err(Problem::TooLarge);
+        }
+        self.columns = cells.len();
+        self.rows += 1;
+        Ok(())
+    }
+
+    fn into_array(self) -> Array {
+        Array { shape: vec![self.rows, self.columns], values: self.values, complex: self.complex }
+    }
+}
+
+/// A real number, or a complex one as Python or NumPy writes it, and which of the two.
+fn number(cell: &str) -> Option<(Complex64, bool)> {
+    if let Ok(real) = cell.parse::<f64>() {
+        return Some((real.into(), false));
+    }
+    let bare = cell.strip_prefix('(').and_then(|cell| cell.strip_suffix(')')).unwrap_or(cell);
+    let value = Complex64::from_str(&bare.replace("+-", "-")).ok()?;
+    Some((value, true))
+}
