@@ -15,7 +15,7 @@ use dermatome_shared::{
     patch::{CombinedInto, Difference},
     stimulation::Step,
 };
-use faer::Mat;
+use faer::{Col, Mat};
 use std::time::{Duration, Instant};
 
 /// Everything computed for one skin. Voltages are relative: at unit current and unit
@@ -39,6 +39,8 @@ pub struct Model {
     /// Relative conductivity from difference data of the skin's kind, as the board computes them
     /// (see [`dermatome_shared::reference`]): `[pixel][measurement]`.
     pub conductivity_from_difference: Mat<f64>,
+    /// Kind of difference data the matrix takes.
+    pub difference: Difference,
     /// How long each stage took.
     pub stages: Vec<Stage>,
 }
@@ -117,16 +119,18 @@ impl Model {
         let jacobian = combine_rows(&jacobian(&mesh, &fields, &steps, &raster), &combination);
 
         on_stage(clock.begin("matrix"));
-        let difference =
+        let scale =
             DifferenceScale::new(skin.inverse.difference, &combine_voltages(&voltages, &combination))?;
         let weights = step_counts(&combination);
-        let scaled = difference.scale_rows(&jacobian);
+        let scaled = scale.scale_rows(&jacobian);
         let prior = Prior::new(skin.inverse.prior, &raster, &scaled, &weights);
         let matrix = reconstruction_matrix(&scaled, &prior, &weights, skin.inverse.hyperparameter)?;
-        let conductivity_from_difference = difference.unscale_columns(matrix);
+        let conductivity_from_difference = scale.unscale_columns(matrix);
 
         let stages = clock.finish();
+        let difference = skin.inverse.difference;
         Ok(Self {
+            difference,
             steps,
             combination,
             mesh,
@@ -143,6 +147,23 @@ impl Model {
     #[must_use]
     pub fn measurements(&self) -> Vec<f64> {
         combine_voltages(&self.voltages, &self.combination)
+    }
+
+    /// Image in f64 of a change of voltages against a reference, both `[step]` in any one unit: the
+    /// oracle of the board's fixed-point image. Relative conductivity: `[pixel]`.
+    ///
+    /// Measurements whose reference is zero cannot be normalised and count as unchanged.
+    #[must_use]
+    pub fn image(&self, change: &[f64], reference: &[f64]) -> Vec<f64> {
+        let change = combine_voltages(change, &self.combination);
+        let reference = combine_voltages(reference, &self.combination);
+        let mean = reference.iter().map(|r| r.abs()).sum::<f64>() / reference.len() as f64;
+        let divide = |change: f64, by: f64| if by == 0.0 { 0.0 } else { change / by };
+        let difference = Col::from_fn(reference.len(), |m| match self.difference {
+            Difference::Plain => divide(change[m], mean),
+            Difference::Normalised => divide(change[m], reference[m]),
+        });
+        (&self.conductivity_from_difference * difference).iter().copied().collect()
     }
 }
 

@@ -7,10 +7,10 @@ use std::{
 
 /// A file that could not be written; nothing was left behind.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot write `{}`: {source}", path.display())]
+#[error("cannot write `{}`: {reason}", path.display())]
 pub struct WriteError {
     path: PathBuf,
-    source: io::Error,
+    reason: io::Error,
 }
 
 /// Writes `bytes` to a temporary file beside `path`, then renames it, so that `path` holds either
@@ -23,7 +23,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         file.as_file().sync_all()?;
         file.persist(path).map_err(|error| error.error)
     };
-    write().map(drop).map_err(|source| WriteError { path: path.to_owned(), source })
+    write().map(drop).map_err(|reason| WriteError { path: path.to_owned(), reason })
 }
 
 /// A temporary file with the permissions of an ordinary new file, which the umask narrows.

@@ -69,6 +69,7 @@ const SILENCE: Duration = Duration::from_secs(5);
 const POLL: Duration = Duration::from_millis(100);
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    interrupt::install()?;
     if !(0.0..=200.0).contains(&args.noise_db) {
         bail!("`--noise-db` is {}; allowed: 0 to 200 dB", args.noise_db);
     }
@@ -123,7 +124,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     }
     print(&report);
     if !run.records.is_empty() {
-        write_whole(&args.png, &demo::picture(&scorer, &run.records))?;
+        write_whole(&args.png, &demo::picture(&scorer, &run.records)?)?;
         println!("picture                        {}", args.png.display());
     }
     args.json.write(&report)

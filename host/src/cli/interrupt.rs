@@ -1,4 +1,6 @@
-//! Ctrl-C: the first one asks running work to stop cleanly, the second ends the process at once.
+//! Ctrl-C in commands that run on: the first one asks them to stop cleanly, the second ends the process
+//! at once. Other commands end at the first: files are written whole or not at all, and a board
+//! that is being flashed keeps the patch it had.
 
 use anyhow::Context;
 use std::sync::atomic::{AtomicBool, Ordering};

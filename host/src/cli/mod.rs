@@ -51,7 +51,6 @@ pub fn main() -> ExitCode {
 }
 
 fn run(command: Command) -> anyhow::Result<()> {
-    interrupt::install()?;
     match command {
         Command::Demo(args) => demo::run(&args),
         Command::Build(args) => build::run(&args),

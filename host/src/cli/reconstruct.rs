@@ -3,22 +3,19 @@
 use super::JsonReport;
 use crate::{
     measured::{
-        Model,
         diagnose::{Diagnosis, diagnose},
         order::{Arrangement, SenseOrder},
         read::{Frames, Source, read},
         reconstruct::{FrameResult, Polarity, evenly_spaced, reconstruct},
     },
+    model::Model,
     output::write_whole,
+    skin::Skin,
     view::sheet::{Panel, Sheet, reconstruction_sheet},
 };
 use anyhow::Context;
-use dermatome_shared::{image::Geometry, stimulation::Step};
 use serde::Serialize;
-use std::{
-    ffi::OsString,
-    path::{Path, PathBuf},
-};
+use std::{ffi::OsString, path::PathBuf};
 
 /// Frames shown on screen and in the picture.
 const SHOWN: usize = 20;
@@ -88,12 +85,14 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let (reference_source, frames_source) = (Source::new(&args.reference), Source::new(&args.frames));
     let reference = read(&reference_source)?;
     let frames = read(&frames_source)?;
-    let loaded = load_model(&args.skin)?;
-    let model = loaded.model();
+    let skin = Skin::load(&args.skin)?;
+    let model =
+        Model::build(&skin, |_| ()).with_context(|| format!("skin file `{}`", args.skin.display()))?;
     let arrangement = args.arrangement();
     let results = reconstruct(&model, &reference, &frames, &arrangement, args.polarity)
         .with_context(|| format!("`{reference_source}` and `{frames_source}`"))?;
-    let diagnosis = diagnose(model.steps, model.electrodes, model.voltages, &reference.mean(), arrangement)?;
+    let diagnosis =
+        diagnose(&model.steps, skin.electrodes.count(), &model.voltages, &reference.mean(), arrangement)?;
     let report = Report {
         skin: args.skin.clone(),
         reference_file: reference_source.to_string(),
@@ -108,7 +107,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     };
     report.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     if let Some(path) = &args.png {
-        write_whole(path, &picture(&model, &report)?)?;
+        write_whole(path, &picture(&skin, &model, &report)?)?;
     }
     args.json.write(&report)?;
     print!("{}", table(&report.frames));
@@ -126,37 +125,6 @@ fn warnings(diagnosis: &Diagnosis, reference: &Frames, frames: &Frames) -> Vec<S
         ));
     }
     warnings
-}
-
-/// From difference data `[step]` to relative conductivity `[pixel]`.
-type Matrix = dyn Fn(&[f64]) -> Vec<f64>;
-
-/// A skin's model with what it owns.
-struct LoadedModel {
-    steps: Vec<Step>,
-    electrodes: u8,
-    voltages: Vec<f64>,
-    geometry: Geometry,
-    rim: Vec<[f64; 2]>,
-    matrix: Box<Matrix>,
-}
-
-impl LoadedModel {
-    fn model(&self) -> Model<'_> {
-        Model {
-            steps: &self.steps,
-            electrodes: self.electrodes,
-            voltages: &self.voltages,
-            geometry: self.geometry.clone(),
-            rim: &self.rim,
-            matrix: &*self.matrix,
-        }
-    }
-}
-
-/// Computes the model of a skin file.
-fn load_model(path: &Path) -> anyhow::Result<LoadedModel> {
-    anyhow::bail!("cannot load `{}`: models of skin files are not built yet", path.display())
 }
 
 /// One line per frame, at most [`SHOWN`] of them.
@@ -187,11 +155,12 @@ fn row(result: &FrameResult) -> String {
     }
 }
 
-fn picture(model: &Model<'_>, report: &Report) -> anyhow::Result<Vec<u8>> {
+fn picture(skin: &Skin, model: &Model, report: &Report) -> anyhow::Result<Vec<u8>> {
     let shown = evenly_spaced(report.frames.len(), SHOWN);
     let panels = shown.iter().map(|&index| panel(&report.frames[index])).collect();
+    let rim = skin.rim();
     let sheet =
-        Sheet { title: &report.frames_file, geometry: &model.geometry, electrodes: model.rim, panels };
+        Sheet { title: &report.frames_file, geometry: &model.geometry, electrodes: &rim, columns: 5, panels };
     reconstruction_sheet(&sheet).encode().context("cannot encode the picture")
 }
 
@@ -204,7 +173,7 @@ fn panel(result: &FrameResult) -> Panel<'_> {
         caption: vec![format!("frame {}", result.frame), position],
         values: &result.image,
         found: object.map(|object| [object.x_mm / 1e3, object.y_mm / 1e3]).into_iter().collect(),
-        truth: Vec::new(),
+        ..Panel::default()
     }
 }
 

@@ -59,6 +59,7 @@ pub(super) struct Args {
 const POLL: Duration = Duration::from_millis(50);
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    interrupt::install()?;
     let skin = Skin::load(&args.skin)?;
     let script = script(args, &skin.outline)?;
     if !(0.0..=200.0).contains(&args.noise_db) {

@@ -76,6 +76,7 @@ struct Report<'a> {
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    interrupt::install()?;
     let mut link = link::open(&args.port)?;
     let patch = patch_of(&mut link)?;
     let tared_first = tare_if_needed(&mut link, &patch)?;

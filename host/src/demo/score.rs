@@ -1,6 +1,7 @@
 //! Scores what came over the link against what the fingers really did, and against f64.
 
 use crate::{
+    jacobian::step_counts,
     metrics::{ImageFigures, image_figures, mean_and_max, position_error},
     model::Model,
     simulate::{Press, Script},
@@ -8,10 +9,8 @@ use crate::{
 };
 use dermatome_shared::{
     contact::Contacts,
-    patch::Difference,
     units::{AdcCode, RelativeConductivity},
 };
-use faer::Col;
 use nalgebra::Point2;
 use serde::Serialize;
 
@@ -23,7 +22,7 @@ pub struct Scorer<'a> {
     pub model: &'a Model,
     /// What the fingers do.
     pub script: &'a Script,
-    /// The board's reference: mean code of each measurement, summed over its steps.
+    /// The board's reference: mean code of each measurement, summed over its steps: `[measurement]`.
     pub reference: Vec<f64>,
 }
 
@@ -63,26 +62,22 @@ impl Scorer<'_> {
         }
     }
 
-    /// The image of these codes in f64, straight from the formulas.
-    fn exact_image(&self, codes: &[AdcCode]) -> Col<f64> {
-        let reference = &self.reference;
-        let mut measured = vec![0.0; reference.len()];
-        let mut counts = vec![0.0; reference.len()];
-        for (code, target) in codes.iter().zip(&self.model.combination) {
-            let measurement = usize::from(target.measurement);
-            measured[measurement] += f64::from(code.0) * if target.flipped { -1.0 } else { 1.0 };
-            counts[measurement] += 1.0;
-        }
-        let mean =
-            reference.iter().zip(&counts).map(|(r, n)| r.abs() / n).sum::<f64>() / reference.len() as f64;
-        let difference = Col::from_fn(reference.len(), |m| {
-            let change = measured[m] - reference[m];
-            match self.skin.inverse.difference {
-                Difference::Normalised => change / reference[m],
-                Difference::Plain => change / counts[m] / mean,
-            }
-        });
-        &self.model.conductivity_from_difference * difference
+    /// The image of these codes in f64.
+    fn exact_image(&self, codes: &[AdcCode]) -> Vec<f64> {
+        let counts = step_counts(&self.model.combination);
+        // Every step of a measurement stands for its mean, so that averaging gives it back.
+        let reference: Vec<f64> = self
+            .model
+            .combination
+            .iter()
+            .map(|target| {
+                let measurement = usize::from(target.measurement);
+                let mean = self.reference[measurement] / counts[measurement];
+                if target.flipped { -mean } else { mean }
+            })
+            .collect();
+        let change: Vec<f64> = codes.iter().zip(&reference).map(|(code, r)| f64::from(code.0) - r).collect();
+        self.model.image(&change, &reference)
     }
 
     /// Sums up a whole demo.

@@ -1,15 +1,14 @@
 //! Images of measured frames, and where in them something touches the skin.
 
 use super::{
-    Model,
     difference::{difference, signed_reference},
     order::{Arrangement, OrderError},
     read::Frames,
 };
+use crate::model::Model;
 use dermatome_shared::{
-    MAX_PIXELS,
     contact::{self, Contact},
-    image::{PixelGrid, pixel_cells},
+    image::PixelGrid,
     units::RelativeConductivity,
 };
 use serde::Serialize;
@@ -77,24 +76,14 @@ pub enum ReconstructError {
     /// Nothing to scale by.
     #[error("every measurement of the reference is zero")]
     DeadReference,
-    /// The model contradicts itself.
-    #[error("the model's `{field}` has {found} entries, {allowed} are needed")]
-    Model {
-        /// Name of the field.
-        field: &'static str,
-        /// Entries there.
-        found: usize,
-        /// Entries needed.
-        allowed: usize,
-    },
 }
 
 /// Reconstructs every frame against the mean of the reference frames.
 ///
-/// Difference data are scaled by mean |v_model| / mean |v_ref|, so that the instrument's gain and
-/// the skin's absolute conductivity cancel.
+/// Difference data are ratios to the reference, as on a board, so that the instrument's gain and the
+/// skin's absolute conductivity cancel.
 pub fn reconstruct(
-    model: &Model<'_>,
+    model: &Model,
     reference: &Frames,
     frames: &Frames,
     arrangement: &Arrangement,
@@ -104,36 +93,21 @@ pub fn reconstruct(
     if lengths.0 != lengths.1 {
         return Err(ReconstructError::Lengths { frames: lengths.0, reference: lengths.1 });
     }
-    check_count("voltages", model.voltages.len(), model.steps.len())?;
-    let map = arrangement.index_map(model.steps, model.electrodes, reference.measurements)?;
+    let electrodes = model.mesh.electrodes.len() as u8;
+    let map = arrangement.index_map(&model.steps, electrodes, reference.measurements)?;
     let reference = reference.mean();
-    let scale = model_per_file_unit(model, &signed_reference(&reference, &map, model.voltages))?;
-    let image_of = |values: &[_]| image(model, &difference(&reference, values, &map, model.voltages), scale);
-    frames
-        .iter()
-        .enumerate()
-        .map(|(frame, values)| Ok(describe(model, frame, image_of(values)?, polarity)))
-        .collect()
+    let signed = signed_reference(&reference, &map, &model.voltages);
+    if signed.iter().all(|&value| value == 0.0) {
+        return Err(ReconstructError::DeadReference);
+    }
+    let image_of =
+        |values: &[_]| model.image(&difference(&reference, values, &map, &model.voltages), &signed);
+    let results =
+        frames.iter().enumerate().map(|(frame, values)| describe(model, frame, image_of(values), polarity));
+    Ok(results.collect())
 }
 
-fn check_count(field: &'static str, found: usize, allowed: usize) -> Result<(), ReconstructError> {
-    if found == allowed { Ok(()) } else { Err(ReconstructError::Model { field, found, allowed }) }
-}
-
-fn model_per_file_unit(model: &Model<'_>, reference: &[f64]) -> Result<f64, ReconstructError> {
-    let sum = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
-    let measured = sum(reference);
-    if measured > 0.0 { Ok(sum(model.voltages) / measured) } else { Err(ReconstructError::DeadReference) }
-}
-
-fn image(model: &Model<'_>, difference: &[f64], scale: f64) -> Result<Vec<f64>, ReconstructError> {
-    let scaled: Vec<_> = difference.iter().map(|dv| dv * scale).collect();
-    let image = (model.matrix)(&scaled);
-    check_count("matrix", image.len(), pixel_cells(&model.geometry.mask).count().min(MAX_PIXELS))?;
-    Ok(image)
-}
-
-fn describe(model: &Model<'_>, frame: usize, image: Vec<f64>, polarity: Polarity) -> FrameResult {
+fn describe(model: &Model, frame: usize, image: Vec<f64>, polarity: Polarity) -> FrameResult {
     let strongest = image.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
     let sign = match polarity {
         Polarity::Auto => 1_f64.copysign(strongest),

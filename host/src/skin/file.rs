@@ -18,12 +18,12 @@ use std::{
 #[derive(Debug, thiserror::Error)]
 pub enum SkinError {
     /// The file cannot be read.
-    #[error("cannot read skin file `{}`: {source}", path.display())]
+    #[error("cannot read skin file `{}`: {reason}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: io::Error,
+        reason: io::Error,
     },
     /// The file is not TOML, or lacks a field, or has one too many.
     #[error("skin file `{}`: {message}", path.display())]
@@ -153,7 +153,7 @@ struct ContactTable {
 
 pub(super) fn load(path: &Path) -> Result<Skin, SkinError> {
     let read = std::fs::read_to_string(path);
-    let text = read.map_err(|source| SkinError::Read { path: path.to_owned(), source })?;
+    let text = read.map_err(|reason| SkinError::Read { path: path.to_owned(), reason })?;
     parse(path, &text)
 }
 

@@ -96,6 +96,12 @@ impl Skin {
         stimulation::pattern(electrodes, self.drive.drive_distance, self.drive.sense_distance).collect()
     }
 
+    /// Centre of each electrode in the skin's frame, m: `[electrode]`.
+    #[must_use]
+    pub fn rim(&self) -> Vec<[f64; 2]> {
+        self.electrodes.centres.iter().map(|&s| self.outline.rim_point(s).into()).collect()
+    }
+
     /// Where each step's code goes: `[step]`; reciprocal steps share a measurement if the skin
     /// says so.
     #[must_use]

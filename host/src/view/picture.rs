@@ -127,7 +127,7 @@ impl Picture {
         self.put(&Circle::with_center(tile.place(position), diameter).into_styled(style));
     }
 
-    /// Electrode numbers, from 0, outside the rim: positions in m.
+    /// Electrode numbers, from 1, outside the rim: positions in m.
     pub fn electrode_numbers(&mut self, tile: &Tile, electrodes: &[[f64; 2]]) {
         let centre = tile.centre();
         for (number, electrode) in electrodes.iter().enumerate() {
@@ -136,7 +136,13 @@ impl Picture {
             let outwards = LABEL_DISTANCE / x.hypot(y).max(1.0);
             let label = place + Point::new((x * outwards).round() as i32, (y * outwards).round() as i32);
             self.put(&Circle::with_center(place, 5).into_styled(PrimitiveStyle::with_fill(INK)));
-            self.text(label, &number.to_string(), &ascii::FONT_6X10, Alignment::Center, Baseline::Middle);
+            self.text(
+                label,
+                &(number + 1).to_string(),
+                &ascii::FONT_6X10,
+                Alignment::Center,
+                Baseline::Middle,
+            );
         }
     }
 

@@ -14,6 +14,8 @@ pub struct Panel<'a> {
     pub caption: Vec<String>,
     /// Relative conductivity change: `[pixel]`.
     pub values: &'a [f64],
+    /// Value of full colour, if not the sheet's.
+    pub maximum: Option<f64>,
     /// Centres of found contacts, m.
     pub found: Vec<[f64; 2]>,
     /// Where fingers truly were, m, with their radius, m (0: only a cross).
@@ -29,6 +31,8 @@ pub struct Sheet<'a> {
     pub geometry: &'a Geometry,
     /// Electrodes in the grid's frame, m; may be empty.
     pub electrodes: &'a [[f64; 2]],
+    /// Most images in a row.
+    pub columns: usize,
     /// The images, row by row.
     pub panels: Vec<Panel<'a>>,
 }
@@ -43,8 +47,6 @@ const TITLE: u32 = 34;
 const BAR: u32 = 58;
 /// Between rows.
 const GAP: u32 = 10;
-/// Most images in a row.
-const ROW: usize = 5;
 /// Most images on a sheet.
 pub const MOST_PANELS: usize = 50;
 
@@ -53,7 +55,7 @@ pub const MOST_PANELS: usize = 50;
 #[must_use]
 pub fn reconstruction_sheet(sheet: &Sheet<'_>) -> Picture {
     let panels = &sheet.panels[..sheet.panels.len().min(MOST_PANELS)];
-    let columns = panels.len().clamp(2, ROW);
+    let columns = panels.len().min(sheet.columns).max(2);
     let caption_lines = panels.iter().map(|panel| panel.caption.len()).max().unwrap_or(0) as u32;
     let row_height = caption_lines * LINE + TILE + 2 * MARGIN + GAP;
     let rows = panels.len().div_ceil(columns) as u32;
@@ -85,7 +87,8 @@ fn draw_panel(
         picture.text(at, &cut(text, COLUMN / 7), SMALL, Alignment::Center, Baseline::Top);
     }
     let corner = ((x + MARGIN) as i32, (y + caption_lines * LINE + MARGIN) as i32);
-    let tile = picture.image_tile(corner, TILE, sheet.geometry, panel.values, maximum);
+    let tile =
+        picture.image_tile(corner, TILE, sheet.geometry, panel.values, panel.maximum.unwrap_or(maximum));
     picture.electrode_numbers(&tile, sheet.electrodes);
     for &position in &panel.found {
         picture.found(&tile, position);
@@ -98,9 +101,10 @@ fn draw_panel(
     }
 }
 
-/// Largest magnitude of all panels.
+/// Largest magnitude of all panels without a scale of their own.
 fn largest(panels: &[Panel<'_>]) -> f64 {
-    panels.iter().flat_map(|panel| panel.values).fold(0.0, |largest, value| value.abs().max(largest))
+    let shared = panels.iter().filter(|panel| panel.maximum.is_none());
+    shared.flat_map(|panel| panel.values).fold(0.0, |largest, value| value.abs().max(largest))
 }
 
 /// At most `most` characters of a text.
