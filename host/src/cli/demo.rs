@@ -15,7 +15,7 @@ use crate::{
 use anyhow::bail;
 use dermatome_shared::{
     frame::FrameFlags,
-    protocol::{Event, FrameStamp, Reply, Request, Selection},
+    protocol::{Event, FrameStamp, PatchInfo, Reply, Request, Selection},
     reference::DEFAULT_TARE_FRAMES,
     units::AdcCode,
 };
@@ -130,9 +130,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     args.json.write(&report)
 }
 
-fn flash(link: &mut Link, patch: &[u8]) -> anyhow::Result<dermatome_shared::protocol::PatchInfo> {
-    let bar = progress::bar(patch.len() as u64, "bytes");
-    bar.set_message("flashing");
+fn flash(link: &mut Link, patch: &[u8]) -> anyhow::Result<PatchInfo> {
+    let bar = progress::sending(patch.len());
     let used = link::upload(link, patch, |sent| bar.inc(sent as u64))?;
     bar.finish_and_clear();
     Ok(used)
