@@ -12,6 +12,7 @@ mod devices;
 mod flash;
 mod inspect;
 pub mod interrupt;
+mod noise;
 mod progress;
 mod reconstruct;
 mod simulate;
