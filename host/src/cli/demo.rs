@@ -126,7 +126,7 @@ fn flash(link: &mut Link, patch: &[u8]) -> anyhow::Result<PatchInfo> {
 
 fn print(report: &Report) {
     let figures = &report.figures;
-    say!();
+    say!("");
     say!("simulated board, noise at {} dB, seed {}", report.noise_db, report.seed);
     say!("frames received / lost         {} / {}", report.frames_received, report.frames_lost);
     say!("images per second              {:.1} (paced by the skin's frame rate)", report.images_per_second);
