@@ -87,25 +87,30 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 
 fn print(report: &Report, stages: &[Stage]) {
     let mesh = &report.mesh;
-    println!("skin          {}", report.skin);
-    println!(
+    say!("skin          {}", report.skin);
+    say!(
         "mesh          {} elements, {} nodes, smallest angle {:.1} degrees",
-        mesh.elements, mesh.nodes, mesh.smallest_angle_degrees
+        mesh.elements,
+        mesh.nodes,
+        mesh.smallest_angle_degrees
     );
-    println!(
+    say!(
         "measurements  {} from {} steps, {} electrodes",
-        report.measurements, report.steps, report.electrodes
+        report.measurements,
+        report.steps,
+        report.electrodes
     );
-    println!("pixels        {}", report.pixels);
-    println!(
+    say!("pixels        {}", report.pixels);
+    say!(
         "fixed point   error {:.4} % of the image's peak on {TRIALS} simulated presses (bound {:.3} %)",
-        report.fixed_point_error.measured_percent, report.fixed_point_error.bound_percent
+        report.fixed_point_error.measured_percent,
+        report.fixed_point_error.bound_percent
     );
     for stage in stages {
-        println!("{:<12}  {:>8.1} ms", stage.name, stage.time.as_secs_f64() * 1e3);
+        say!("{:<12}  {:>8.1} ms", stage.name, stage.time.as_secs_f64() * 1e3);
     }
-    println!("{:<12}  {:>8.1} ms", "total", report.total_seconds * 1e3);
-    println!(
+    say!("{:<12}  {:>8.1} ms", "total", report.total_seconds * 1e3);
+    say!(
         "patch         {} ({} bytes, id {:08x})",
         report.patch.display(),
         report.patch_bytes,

@@ -59,28 +59,21 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let model = Model::build(&skin, |stage| spinner.set_message(stage))?;
     let patch = quantize::patch(&skin, &model)?;
     spinner.finish_and_clear();
-    println!(
-        "built the patch of {}: {} elements, {} bytes",
-        skin.name,
-        model.mesh.elements.len(),
-        patch.len()
-    );
+    say!("built the patch of {}: {} elements, {} bytes", skin.name, model.mesh.elements.len(), patch.len());
 
     let script = demo::script(&skin.outline, skin.drive.frame_rate)?;
     let source = SimulatedSkin::new(&skin, script.clone(), noise)?;
     let simulated_elements = source.elements();
     let options = BoardOptions { electrodes: skin.electrodes.count(), ..BoardOptions::default() };
     let mut link = Link::to_simulated("sim:demo", SimulatedBoard::start(options, source)?)?;
-    println!(
+    say!(
         "started a simulated board: its skin has {simulated_elements} elements, noise at {} dB",
         noise.snr_db
     );
 
     let used = flash(&mut link, &patch)?;
     link::tare(&mut link, DEFAULT_TARE_FRAMES, link::tare_timeout(&used, DEFAULT_TARE_FRAMES))?;
-    println!(
-        "flashed it and averaged {DEFAULT_TARE_FRAMES} frames of the untouched skin; now watch the fingers"
-    );
+    say!("flashed it and averaged {DEFAULT_TARE_FRAMES} frames of the untouched skin; now watch the fingers");
 
     let reference = demo::reference(&mut link)?;
     let scorer = Scorer { skin: &skin, model: &model, script: &script, reference };
@@ -101,7 +94,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     print(&report);
     if !watched.records.is_empty() {
         write_whole(&args.png, &demo::picture(&scorer, &watched.records)?)?;
-        println!("picture                        {}", args.png.display());
+        say!("picture                        {}", args.png.display());
     }
     args.json.write(&report)
 }
@@ -119,7 +112,7 @@ fn show(link: &mut Link, scorer: &Scorer<'_>) -> anyhow::Result<Watched> {
     })?;
     let received = watched.records.len();
     if received < demo::FRAMES as usize {
-        println!("stopped after {received} of {} frames", demo::FRAMES);
+        say!("stopped after {received} of {} frames", demo::FRAMES);
     }
     Ok(watched)
 }
@@ -133,14 +126,11 @@ fn flash(link: &mut Link, patch: &[u8]) -> anyhow::Result<PatchInfo> {
 
 fn print(report: &Report) {
     let figures = &report.figures;
-    println!();
-    println!("simulated board, noise at {} dB, seed {}", report.noise_db, report.seed);
-    println!("frames received / lost         {} / {}", report.frames_received, report.frames_lost);
-    println!(
-        "images per second              {:.1} (paced by the skin's frame rate)",
-        report.images_per_second
-    );
-    println!(
+    say!("");
+    say!("simulated board, noise at {} dB, seed {}", report.noise_db, report.seed);
+    say!("frames received / lost         {} / {}", report.frames_received, report.frames_lost);
+    say!("images per second              {:.1} (paced by the skin's frame rate)", report.images_per_second);
+    say!(
         "position error, one finger     mean {:.2} mm = {:.2} % of the diameter, max {:.2} mm = {:.2} %",
         figures.position_error_mm.mean,
         figures.position_error_percent.mean,
@@ -149,27 +139,33 @@ fn print(report: &Report) {
     );
     for band in &figures.position_error_by_radius {
         let (from, to) = (band.from, band.to);
-        println!(
+        say!(
             "  at {from:.1} to {to:.1} of the radius    mean {:.2} %, max {:.2} % ({} frames)",
-            band.mean_percent, band.max_percent, band.frames
+            band.mean_percent,
+            band.max_percent,
+            band.frames
         );
     }
-    println!(
+    say!(
         "one finger seen as one         {} of {} frames",
-        figures.single_press_frames_with_one_contact, figures.single_press_frames
+        figures.single_press_frames_with_one_contact,
+        figures.single_press_frames
     );
-    println!(
+    say!(
         "two fingers seen as two        {} of {} frames",
-        figures.two_press_frames_with_two_contacts, figures.two_press_frames
+        figures.two_press_frames_with_two_contacts,
+        figures.two_press_frames
     );
-    println!("RES, mean                      {:.3}", figures.resolution_mean);
-    println!("RNG, mean                      {:.3}", figures.ringing_mean);
-    println!(
+    say!("RES, mean                      {:.3}", figures.resolution_mean);
+    say!("RNG, mean                      {:.3}", figures.ringing_mean);
+    say!(
         "fixed point against f64        max {:.4} % of the image's peak",
         figures.fixed_point_error_percent.max
     );
-    println!(
+    say!(
         "patch                          {} bytes, {} measurements x {} pixels",
-        report.patch_bytes, report.measurements, report.pixels
+        report.patch_bytes,
+        report.measurements,
+        report.pixels
     );
 }

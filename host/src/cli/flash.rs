@@ -58,8 +58,8 @@ fn report(
     took: Duration,
 ) -> anyhow::Result<()> {
     let (identity, port) = (link.identity(), link.port());
-    println!("{} at {port} now uses patch `{}` ({patch_bytes} bytes)", identity.board, used.skin);
-    println!("next: dermatome tare --port {port}");
+    say!("{} at {port} now uses patch `{}` ({patch_bytes} bytes)", identity.board, used.skin);
+    say!("next: dermatome tare --port {port}");
     args.json.write(&Report {
         port,
         board: &identity.board,

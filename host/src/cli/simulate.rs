@@ -69,11 +69,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         ..BoardOptions::default()
     };
     let board = SimulatedBoard::start(options, source)?;
-    println!(
-        "simulated board with skin {} ({elements} elements) listens at tcp:{}",
-        skin.name,
-        board.address()
-    );
+    say!("simulated board with skin {} ({elements} elements) listens at tcp:{}", skin.name, board.address());
     while !interrupt::requested() && !board.is_finished() {
         thread::sleep(POLL);
     }

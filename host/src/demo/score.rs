@@ -124,7 +124,7 @@ impl Scorer<'_> {
         let diameter = self.skin.outline.diameter();
         let share = |record: &FrameRecord| Point2::from(record.presses[0].position).coords.norm() / half;
         let band = |i: usize| {
-            let (from, to) = (i as f64 * 0.2, (i + 1) as f64 * 0.2);
+            let (from, to) = (i as f64 / 5.0, (i + 1) as f64 / 5.0);
             let errors = records
                 .iter()
                 .filter_map(|record| single_error(record, diameter).map(|error| (share(record), error)))

@@ -128,24 +128,19 @@ impl Script {
 
     /// Reads a script from CSV with the columns time_s, finger, x_m, y_m, radius_m, depth.
     pub fn load(path: &Path, outline: &Outline) -> Result<Self, ScriptError> {
-        let error =
-            |error: csv::Error| ScriptError::File { path: path.to_owned(), message: error.to_string() };
-        let mut reader = csv::ReaderBuilder::new()
-            .comment(Some(b'#'))
-            .trim(csv::Trim::All)
-            .from_path(path)
-            .map_err(error)?;
+        let in_file = |message: String| ScriptError::File { path: path.to_owned(), message };
+        let open = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(path);
+        let mut reader = open.map_err(|error| in_file(error.to_string()))?;
+        let headers = reader.headers().map_err(|error| in_file(error.to_string()))?.clone();
         let mut fingers = BTreeMap::<u32, Vec<Moment>>::new();
         for row in reader.deserialize::<Row>() {
-            let row = row.map_err(error)?;
+            let row = row.map_err(|error| in_file(explain(&error, &headers)))?;
             fingers.entry(row.finger).or_default().push(row.moment());
         }
         if fingers.is_empty() {
-            return Err(ScriptError::File { path: path.to_owned(), message: "no rows".into() });
+            return Err(in_file("no rows".into()));
         }
-        let in_file =
-            |error: ScriptError| ScriptError::File { path: path.to_owned(), message: error.to_string() };
-        Self::new(fingers.into_values().collect(), outline).map_err(in_file)
+        Self::new(fingers.into_values().collect(), outline).map_err(|error| in_file(error.to_string()))
     }
 
     /// The fingers that touch the skin `time` seconds into the script.
@@ -158,6 +153,17 @@ impl Script {
             .filter(|press| press.depth != 0.0)
             .collect()
     }
+}
+
+/// Line, column and what is allowed, where the CSV reader knows them.
+fn explain(error: &csv::Error, headers: &csv::StringRecord) -> String {
+    let csv::ErrorKind::Deserialize { pos: Some(place), err } = error.kind() else {
+        return error.to_string();
+    };
+    let column = err.field().and_then(|index| headers.get(index as usize));
+    let column = column.map_or(String::new(), |column| format!(", column `{column}`"));
+    let allowed = "numbers in the columns time_s, finger (a whole number), x_m, y_m, radius_m and depth";
+    format!("line {}{column}: {}; allowed: {allowed}", place.line(), err.kind())
 }
 
 #[derive(Deserialize)]
