@@ -132,7 +132,8 @@ impl Scorer<'_> {
             let (mean, max) = mean_and_max(errors.clone().map(|(_, error)| 100.0 * error / diameter));
             RadiusBand { from, to, frames: errors.count(), mean_percent: mean, max_percent: max }
         };
-        (0..BANDS).map(band).collect()
+        // A demo that was stopped early has no figures for the rings its finger did not reach.
+        (0..BANDS).map(band).filter(|band| band.frames > 0).collect()
     }
 }
 
