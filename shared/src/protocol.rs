@@ -321,7 +321,7 @@ pub struct FrameStamp {
 /// largest value.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct PackedImage {
-    /// Binary places after the point, 4 to 20.
+    /// Binary places after the point, 3 to 20.
     pub exponent: i8,
     /// Mantissas: `[pixel]`.
     pub mantissas: Vec<i16, MAX_PIXELS>,
@@ -499,6 +499,18 @@ mod tests {
         let reply = BoardPacket::Reply { sequence: 2, reply: Reply::Hello { version, identity } };
         let expected = [0, 2, 0, 1, 1, 2, 3, 4, 5, 6, 7, 8, 1, b'b', 1, b'f'];
         assert_eq!(postcard::to_slice(&reply, &mut buffer).unwrap(), expected);
+    }
+
+    /// Found by the fuzz target `patch`.
+    #[test]
+    fn an_image_at_the_ends_of_its_range_packs_to_half_a_step() {
+        let image: Image =
+            [i32::MIN, i32::MAX, 952_684_032, 0].into_iter().map(RelativeConductivity).collect();
+        let packed = PackedImage::pack(&image);
+        assert_eq!(packed.exponent, 3);
+        for (value, exact) in packed.values().zip(&image) {
+            assert!((value - exact.to_f64()).abs() <= 0.0625, "{value} for {exact:?}");
+        }
     }
 
     proptest! {
