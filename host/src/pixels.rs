@@ -131,7 +131,7 @@ impl Lookup {
     }
 
     fn nearest(&self, point: Point3<f64>) -> usize {
-        let distance = |c: &[f64; 2]| (c[0] - point.x).hypot(c[1] - point.y);
+        let distance = |c: &[f64; 2]| (c[0] - point.x).powi(2) + (c[1] - point.y).powi(2);
         let closest = self.centres.iter().enumerate().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
         closest.map_or(0, |(pixel, _)| pixel)
     }

@@ -11,7 +11,7 @@ use crate::{
 use anyhow::Context;
 use dermatome_shared::patch::PatchView;
 use serde::Serialize;
-use std::{path::PathBuf, time::Instant};
+use std::{collections::BTreeMap, path::PathBuf, time::Instant};
 
 /// Compute a skin's reconstruction matrix and write its patch.
 #[derive(clap::Args)]
@@ -42,7 +42,7 @@ struct Report {
     pixels: usize,
     mesh: Quality,
     fixed_point_error: FixedPointError,
-    stage_seconds: Vec<(&'static str, f64)>,
+    stage_seconds: BTreeMap<&'static str, f64>,
     total_seconds: f64,
 }
 
@@ -81,31 +81,36 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         stage_seconds: model.stages.iter().map(|stage| (stage.name, stage.time.as_secs_f64())).collect(),
         total_seconds: start.elapsed().as_secs_f64(),
     };
-    print(&report);
+    print(&report, &model.stages);
     args.json.write(&report)
 }
 
-fn print(report: &Report) {
+fn print(report: &Report, stages: &[Stage]) {
     let mesh = &report.mesh;
-    println!("skin          {}", report.skin);
-    println!(
+    say!("skin          {}", report.skin);
+    say!(
         "mesh          {} elements, {} nodes, smallest angle {:.1} degrees",
-        mesh.elements, mesh.nodes, mesh.smallest_angle_degrees
+        mesh.elements,
+        mesh.nodes,
+        mesh.smallest_angle_degrees
     );
-    println!(
+    say!(
         "measurements  {} from {} steps, {} electrodes",
-        report.measurements, report.steps, report.electrodes
+        report.measurements,
+        report.steps,
+        report.electrodes
     );
-    println!("pixels        {}", report.pixels);
-    println!(
+    say!("pixels        {}", report.pixels);
+    say!(
         "fixed point   error {:.4} % of the image's peak on {TRIALS} simulated presses (bound {:.3} %)",
-        report.fixed_point_error.measured_percent, report.fixed_point_error.bound_percent
+        report.fixed_point_error.measured_percent,
+        report.fixed_point_error.bound_percent
     );
-    for (name, seconds) in &report.stage_seconds {
-        println!("{name:<12}  {:>8.1} ms", seconds * 1e3);
+    for stage in stages {
+        say!("{:<12}  {:>8.1} ms", stage.name, stage.time.as_secs_f64() * 1e3);
     }
-    println!("{:<12}  {:>8.1} ms", "total", report.total_seconds * 1e3);
-    println!(
+    say!("{:<12}  {:>8.1} ms", "total", report.total_seconds * 1e3);
+    say!(
         "patch         {} ({} bytes, id {:08x})",
         report.patch.display(),
         report.patch_bytes,

@@ -21,10 +21,10 @@ struct Report<'a> {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let ports = serial_ports()?;
     if ports.is_empty() {
-        println!("no serial ports found");
+        say!("no serial ports found");
     }
     for port in &ports {
-        println!("{}", line(port));
+        say!("{}", line(port));
     }
     args.json.write(&Report { ports: &ports })
 }

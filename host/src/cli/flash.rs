@@ -1,9 +1,9 @@
 //! `dermatome flash`.
 
+use super::progress;
 use crate::link::{self, Link, Port};
 use anyhow::Context;
 use dermatome_shared::protocol::PatchInfo;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::{
     path::PathBuf,
@@ -43,17 +43,11 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let bytes = std::fs::read(&args.patch).with_context(|| format!("cannot read patch `{path}`"))?;
     let mut link = link::open(&args.port)?;
     let started = Instant::now();
-    let bar = progress_bar(bytes.len());
+    let bar = progress::sending(bytes.len());
     let result = link::upload(&mut link, &bytes, |sent| bar.inc(sent as u64));
     bar.finish_and_clear();
     let used = result.with_context(|| format!("`{path}` was not sent"))?;
     report(args, &link, &used, bytes.len(), started.elapsed())
-}
-
-/// Hidden where standard error is not a terminal.
-fn progress_bar(length: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("sending {bar:40} {bytes} of {total_bytes}");
-    ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 fn report(
@@ -64,8 +58,8 @@ fn report(
     took: Duration,
 ) -> anyhow::Result<()> {
     let (identity, port) = (link.identity(), link.port());
-    println!("{} at {port} now uses patch `{}` ({patch_bytes} bytes)", identity.board, used.skin);
-    println!("next: dermatome tare --port {port}");
+    say!("{} at {port} now uses patch `{}` ({patch_bytes} bytes)", identity.board, used.skin);
+    say!("next: dermatome tare --port {port}");
     args.json.write(&Report {
         port,
         board: &identity.board,

@@ -50,29 +50,33 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 fn print(report: &Report) {
     let header = &report.header;
     let (grid, drive) = (&header.grid, &header.drive);
-    println!("skin          {}", header.skin);
-    println!(
+    say!("skin          {}", header.skin);
+    say!(
         "patch         {} bytes, format {}, id {:08x}, CRC good",
-        report.bytes, report.format_version, report.crc
+        report.bytes,
+        report.format_version,
+        report.crc
     );
-    println!("electrodes    {}", header.electrodes);
-    println!(
+    say!("electrodes    {}", header.electrodes);
+    say!(
         "measurements  {} from {} steps, {:?} difference",
-        header.measurements, header.steps, header.difference
+        header.measurements,
+        header.steps,
+        header.difference
     );
-    println!(
+    say!(
         "pixels        {} on a grid of {} x {}, {:.3} mm each",
         header.pixels,
         grid.columns,
         grid.rows,
         grid.pitch * 1e3
     );
-    println!(
+    say!(
         "drive         {} kHz, {:.3} mA, {} frames per second",
         drive.frequency / 1e3,
         drive.amplitude * 1e3,
         drive.frame_rate
     );
-    println!("contact from  {:.3} relative conductivity change", header.contact_threshold.to_f64());
-    println!("matrix        i16, row exponents {} to {}", report.smallest_exponent, report.largest_exponent);
+    say!("contact from  {:.3} relative conductivity change", header.contact_threshold.to_f64());
+    say!("matrix        i16, row exponents {} to {}", report.smallest_exponent, report.largest_exponent);
 }

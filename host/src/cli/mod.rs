@@ -4,7 +4,18 @@ use crate::output::write_whole;
 use anyhow::Context;
 use clap::{Parser, Subcommand};
 use serde::Serialize;
-use std::{path::PathBuf, process::ExitCode};
+use std::{
+    io::{self, Write},
+    path::PathBuf,
+    process::ExitCode,
+};
+
+/// Prints a line on standard output; see [`say`].
+macro_rules! say {
+    ($($words:tt)*) => {
+        $crate::cli::say(format_args!($($words)*))
+    };
+}
 
 mod build;
 mod demo;
@@ -12,6 +23,7 @@ mod devices;
 mod flash;
 mod inspect;
 pub mod interrupt;
+mod noise;
 mod progress;
 mod reconstruct;
 mod simulate;
@@ -80,4 +92,15 @@ impl JsonReport {
         text.push('\n');
         Ok(write_whole(path, text.as_bytes())?)
     }
+}
+
+/// Prints a line. Where nobody reads any more (`dermatome ... | head -1`) the command ends quietly;
+/// where the line cannot be written for another reason, it ends with an error.
+fn say(words: std::fmt::Arguments<'_>) {
+    let Err(error) = writeln!(io::stdout(), "{words}") else { return };
+    if error.kind() == io::ErrorKind::BrokenPipe {
+        std::process::exit(0);
+    }
+    eprintln!("error: cannot write to standard output: {error}");
+    std::process::exit(1);
 }

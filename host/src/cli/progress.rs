@@ -10,9 +10,8 @@ pub(super) fn spinner() -> ProgressBar {
     spinner
 }
 
-/// A bar that counts to `length`.
-pub(super) fn bar(length: u64, unit: &str) -> ProgressBar {
-    let template = format!("{{msg}} [{{bar:40}}] {{pos}}/{{len}} {unit} {{eta}}");
-    let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(length).with_style(style.progress_chars("=> "))
+/// A bar for `length` bytes being sent.
+pub(super) fn sending(length: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("sending {bar:40} {bytes} of {total_bytes}");
+    ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

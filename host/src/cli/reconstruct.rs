@@ -110,7 +110,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         write_whole(path, &picture(&skin, &model, &report)?)?;
     }
     args.json.write(&report)?;
-    print!("{}", table(&report.frames));
+    say!("{}", table(&report.frames).trim_end());
     Ok(())
 }
 

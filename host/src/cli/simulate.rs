@@ -1,10 +1,10 @@
 //! `dermatome simulate`: a board to try everything on, without one.
 
-use super::interrupt;
+use super::{interrupt, noise::NoiseOptions};
 use crate::{
     board::simulated::{BoardOptions, SimulatedBoard},
     link::Port,
-    simulate::{Noise, Press, Script, SimulatedSkin, board::DEFAULT_NOISE},
+    simulate::{Press, Script, SimulatedSkin},
     skin::{Skin, outline::Outline},
 };
 use anyhow::{Context, bail};
@@ -38,12 +38,8 @@ pub(super) struct Args {
     /// Stop after this many streamed frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
-    /// Seed of the noise.
-    #[arg(long, default_value_t = DEFAULT_NOISE.seed)]
-    seed: u64,
-    /// Signal-to-noise ratio of the measurements, dB.
-    #[arg(long, default_value_t = DEFAULT_NOISE.snr_db, value_name = "DB")]
-    noise_db: f64,
+    #[command(flatten)]
+    noise: NoiseOptions,
     /// A finger that rests: x,y,radius,depth (m, m, m, relative conductivity change); may be repeated.
     #[arg(long, value_name = "X,Y,RADIUS,DEPTH", conflicts_with = "path", allow_hyphen_values = true)]
     press: Vec<Press>,
@@ -62,12 +58,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let skin = Skin::load(&args.skin)?;
     let script = script(args, &skin.outline)?;
-    if !(0.0..=200.0).contains(&args.noise_db) {
-        bail!("`--noise-db` is {}; allowed: 0 to 200 dB", args.noise_db);
-    }
-    let noise = Noise { snr_db: args.noise_db, seed: args.seed };
     let in_file = || format!("skin file `{}`", args.skin.display());
-    let source = SimulatedSkin::new(&skin, script, noise).with_context(in_file)?;
+    let source = SimulatedSkin::new(&skin, script, args.noise.noise()).with_context(in_file)?;
     let elements = source.elements();
     let options = BoardOptions {
         listen: address(&args.listen)?,
@@ -77,11 +69,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         ..BoardOptions::default()
     };
     let board = SimulatedBoard::start(options, source)?;
-    println!(
-        "simulated board with skin {} ({elements} elements) listens at tcp:{}",
-        skin.name,
-        board.address()
-    );
+    say!("simulated board with skin {} ({elements} elements) listens at tcp:{}", skin.name, board.address());
     while !interrupt::requested() && !board.is_finished() {
         thread::sleep(POLL);
     }

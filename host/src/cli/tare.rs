@@ -46,7 +46,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let started = Instant::now();
     link::tare(&mut link, args.frames, link::tare_timeout(&patch, args.frames))?;
     let duration_s = started.elapsed().as_secs_f64();
-    println!("averaged {} frames of `{}` as its reference", args.frames, patch.skin);
+    say!("averaged {} frames of `{}` as its reference", args.frames, patch.skin);
     args.json.write(&Report {
         port: link.port(),
         board: &link.identity().board,

@@ -9,6 +9,7 @@ use crate::{
 };
 use dermatome_shared::{
     contact::Contacts,
+    protocol::FrameStamp,
     units::{AdcCode, RelativeConductivity},
 };
 use nalgebra::Point2;
@@ -31,6 +32,8 @@ pub struct Scorer<'a> {
 pub struct FrameRecord {
     /// Frames since streaming started.
     pub index: u32,
+    /// The board's number and time of the frame.
+    pub at: FrameStamp,
     /// The fingers at that time.
     pub presses: Vec<Press>,
     /// Image as received: `[pixel]`.
@@ -44,9 +47,17 @@ pub struct FrameRecord {
 }
 
 impl Scorer<'_> {
-    /// Scores one frame. `codes` is `[step]`.
+    /// Scores one frame, the first streamed one being `first_sequence`. `codes` is `[step]`.
     #[must_use]
-    pub fn record(&self, index: u32, image: Vec<f64>, contacts: Contacts, codes: &[AdcCode]) -> FrameRecord {
+    pub fn record(
+        &self,
+        at: FrameStamp,
+        first_sequence: u32,
+        image: Vec<f64>,
+        contacts: Contacts,
+        codes: &[AdcCode],
+    ) -> FrameRecord {
+        let index = at.sequence.wrapping_sub(first_sequence);
         let presses = self.script.presses(f64::from(index) / self.skin.drive.frame_rate);
         let fixed: Vec<_> = image.iter().map(|&value| RelativeConductivity::from_f64(value)).collect();
         let exact = self.exact_image(codes);
@@ -54,6 +65,7 @@ impl Scorer<'_> {
         let worst = image.iter().zip(exact.iter()).fold(0.0, |max: f64, (a, b)| max.max((a - b).abs()));
         FrameRecord {
             index,
+            at,
             presses,
             figures: image_figures(&fixed, RelativeConductivity::from_f64(self.skin.contact_threshold)),
             image,
@@ -112,7 +124,7 @@ impl Scorer<'_> {
         let diameter = self.skin.outline.diameter();
         let share = |record: &FrameRecord| Point2::from(record.presses[0].position).coords.norm() / half;
         let band = |i: usize| {
-            let (from, to) = (i as f64 * 0.2, (i + 1) as f64 * 0.2);
+            let (from, to) = (i as f64 / 5.0, (i + 1) as f64 / 5.0);
             let errors = records
                 .iter()
                 .filter_map(|record| single_error(record, diameter).map(|error| (share(record), error)))

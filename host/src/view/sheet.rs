@@ -184,13 +184,13 @@ mod tests {
     fn a_sheet_has_room_for_all_its_panels() {
         let geometry = disc(32);
         let electrodes = rim();
-        let images: Vec<_> = (0..7)
+        let images: Vec<_> = (0..7_u8)
             .map(|k| {
                 blob(
                     &geometry,
                     0.03 * f64::from(k).cos(),
                     0.03 * f64::from(k).sin(),
-                    [1.0, -0.6][k as usize % 2],
+                    [1.0, -0.6][usize::from(k % 2)],
                 )
             })
             .collect();
@@ -202,21 +202,21 @@ mod tests {
                 [0.027 * (k as f64).cos(), 0.032 * (k as f64).sin()],
                 if k > 2 { 0.006 } else { 0.0 },
             )],
+            maximum: None,
         };
         let panels: Vec<_> = (0..images.len()).map(panel).collect();
-        let sheet = Sheet { title: "demo.npz:v", geometry: &geometry, electrodes: &electrodes, panels };
+        let sheet =
+            Sheet { title: "demo.npz:v", geometry: &geometry, electrodes: &electrodes, columns: 5, panels };
         let picture = reconstruction_sheet(&sheet);
         assert_eq!(picture.size(), (5 * COLUMN, TITLE + 2 * (2 * LINE + TILE + 2 * MARGIN + GAP) + BAR));
-        if let Some(path) = std::env::var_os("DERMATOME_SHEET") {
-            std::fs::write(path, picture.encode().unwrap()).unwrap();
-        }
     }
 
     #[test]
     fn empty_and_crowded_sheets_are_drawn_too() {
         let geometry = disc(8);
         let title = "long ".repeat(100);
-        let sheet = |panels| Sheet { title: &title, geometry: &geometry, electrodes: &[], panels };
+        let sheet =
+            |panels| Sheet { title: &title, geometry: &geometry, electrodes: &[], columns: 5, panels };
         assert_eq!(reconstruction_sheet(&sheet(vec![])).size().0, 2 * COLUMN);
         let crowded = reconstruction_sheet(&sheet(vec![Panel::default(); 500]));
         assert!(crowded.size().1 < 16_384);

@@ -1,0 +1,111 @@
+//! Watches a board's stream and puts the parts of each frame together.
+
+use super::{FRAMES, FrameRecord, Scorer};
+use crate::link::{self, Link, LinkError};
+use dermatome_shared::{
+    protocol::{Event, Reply, Request, Selection},
+    units::AdcCode,
+};
+use std::time::{Duration, Instant};
+
+/// A board that is silent for so long has a fault.
+const SILENCE: Duration = Duration::from_secs(5);
+/// How often to ask whether to go on while nothing comes.
+const POLL: Duration = Duration::from_millis(100);
+
+/// All that came over the link.
+#[derive(Debug, Default)]
+pub struct Watched {
+    /// The frames of which everything arrived.
+    pub records: Vec<FrameRecord>,
+    /// Frames of which something did not arrive.
+    pub lost: u64,
+    first: Option<Instant>,
+    last: Option<Instant>,
+}
+
+impl Watched {
+    /// Frames per second between the first and the last.
+    #[must_use]
+    pub fn images_per_second(&self) -> f64 {
+        match (self.first, self.last) {
+            (Some(first), Some(last)) if last > first => {
+                (self.records.len() - 1) as f64 / (last - first).as_secs_f64()
+            }
+            _ => 0.0,
+        }
+    }
+}
+
+/// Mean codes of the untouched skin as the board has them, summed over the steps of each
+/// measurement: `[measurement]`.
+pub fn reference(link: &mut Link) -> Result<Vec<f64>, LinkError> {
+    match link.request(&Request::Reference)? {
+        Reply::Reference { frames, sums } => {
+            Ok(sums.iter().map(|&sum| sum as f64 / f64::from(frames)).collect())
+        }
+        _ => Err(LinkError::WrongReply { port: link.port().to_owned(), request: "Reference" }),
+    }
+}
+
+/// Streams until the demo's last frame has come, or `go_on` (which sees each new frame, and `None`
+/// while nothing comes) says no.
+pub fn watch(
+    link: &mut Link,
+    scorer: &Scorer<'_>,
+    mut go_on: impl FnMut(Option<&FrameRecord>) -> bool,
+) -> Result<Watched, LinkError> {
+    let selection = Selection { images: true, contacts: true, measurements: true };
+    let first_sequence = link::stream(link, selection)?;
+    let mut watched = Watched::default();
+    let mut arriving = Arriving::default();
+    let mut heard = Instant::now();
+    let mut next = 0;
+    while next < FRAMES {
+        let Some(event) = link.next_event(POLL)? else {
+            if heard.elapsed() > SILENCE {
+                return Err(LinkError::NoAnswer { port: link.port().to_owned(), timeout: SILENCE });
+            }
+            if !go_on(None) {
+                break;
+            }
+            continue;
+        };
+        heard = Instant::now();
+        let Some(record) = arriving.take(event, first_sequence, scorer) else { continue };
+        watched.first.get_or_insert(heard);
+        watched.last = Some(heard);
+        next = record.index + 1;
+        watched.records.push(record);
+        if !go_on(watched.records.last()) {
+            break;
+        }
+    }
+    link::stream(link, Selection::default())?;
+    watched.lost = u64::from(next) - watched.records.len() as u64;
+    Ok(watched)
+}
+
+/// Parts of the frame that is arriving, each with its frame's sequence number.
+#[derive(Default)]
+struct Arriving {
+    codes: Option<(u32, Vec<AdcCode>)>,
+    image: Option<(u32, Vec<f64>)>,
+}
+
+impl Arriving {
+    /// Takes one event; contacts come last and complete a frame of which everything has arrived.
+    fn take(&mut self, event: Event, first_sequence: u32, scorer: &Scorer<'_>) -> Option<FrameRecord> {
+        match event {
+            Event::Measurements { at, codes } => self.codes = Some((at.sequence, codes.to_vec())),
+            Event::Image { at, image } => self.image = Some((at.sequence, image.values().collect())),
+            Event::Contacts { at, contacts } => {
+                let (_, codes) = self.codes.take().filter(|(sequence, _)| *sequence == at.sequence)?;
+                let (_, image) = self.image.take().filter(|(sequence, _)| *sequence == at.sequence)?;
+                return Some(scorer.record(at, first_sequence, image, contacts, &codes));
+            }
+            Event::Tared { .. } => {}
+        }
+        None
+    }
+}
