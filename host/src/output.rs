@@ -1,6 +1,7 @@
 //! Writing files whole or not at all.
 
 use std::{
+    fs::OpenOptions,
     io::{self, Write},
     path::{Path, PathBuf},
 };
@@ -13,17 +14,55 @@ pub struct WriteError {
     reason: io::Error,
 }
 
-/// Writes `bytes` to a temporary file beside `path`, then renames it, so that `path` holds either
-/// all of them or what it held before.
+/// Writes `bytes` to `path`, so that a file there holds either all of them or what it held before.
+///
+/// What is no ordinary file is never replaced: a link is followed, and a device or a pipe is written
+/// in place.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let write = || {
-        let mut file = temporary_file(folder)?;
-        file.write_all(bytes)?;
-        file.as_file().sync_all()?;
-        file.persist(path).map_err(|error| error.error)
+    let written = match Target::of(path) {
+        Target::File(path) => replace(&path, bytes),
+        Target::InPlace => OpenOptions::new().write(true).open(path).and_then(|mut it| it.write_all(bytes)),
+        Target::StandardOutput => print(bytes),
     };
-    write().map(drop).map_err(|reason| WriteError { path: path.to_owned(), reason })
+    written.map_err(|reason| WriteError { path: path.to_owned(), reason })
+}
+
+/// What a path leads to.
+enum Target {
+    /// An ordinary file, or nothing yet.
+    File(PathBuf),
+    /// A device, a pipe, a socket; or a folder, which opening refuses.
+    InPlace,
+    /// The stream itself: where it leads to a file, a second opening would overwrite what was printed.
+    StandardOutput,
+}
+
+impl Target {
+    fn of(path: &Path) -> Self {
+        if cfg!(unix) && path == Path::new("/dev/stdout") {
+            return Self::StandardOutput;
+        }
+        match path.metadata() {
+            Ok(metadata) if !metadata.is_file() => Self::InPlace,
+            Ok(_) => Self::File(path.canonicalize().unwrap_or_else(|_| path.to_owned())),
+            Err(_) => Self::File(path.to_owned()),
+        }
+    }
+}
+
+fn print(bytes: &[u8]) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(bytes)?;
+    out.flush()
+}
+
+/// Writes to a temporary file beside `path`, then renames it.
+fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut file = temporary_file(folder)?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map(drop).map_err(|error| error.error)
 }
 
 /// A temporary file with the permissions of an ordinary new file, which the umask narrows.
@@ -31,7 +70,14 @@ fn temporary_file(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
+    builder.tempfile_in(folder).map_err(|error| without_path(&error))
+}
+
+/// The system's words alone: `tempfile` adds the temporary file's own name, which tells nobody anything.
+fn without_path(error: &io::Error) -> io::Error {
+    let words = error.to_string();
+    let words = words.split_once(" at path ").map_or(&*words, |(words, _)| words);
+    io::Error::new(error.kind(), words)
 }
 
 #[cfg(test)]
@@ -44,9 +90,49 @@ mod tests {
         let path = folder.path().join("missing/out.bin");
         let error = write_whole(&path, b"x").unwrap_err().to_string();
         assert!(error.contains("missing/out.bin"), "{error}");
+        assert!(!error.contains("at path"), "{error}");
         write_whole(&folder.path().join("a"), b"1").unwrap();
         write_whole(&folder.path().join("a"), b"22").unwrap();
         assert_eq!(std::fs::read(folder.path().join("a")).unwrap(), b"22");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_is_written_in_place_and_stays_a_device() {
+        use std::os::unix::fs::{FileTypeExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        // A link, so that a mistake replaces the link and not the machine's /dev/null.
+        let [null, full] = ["null", "full"].map(|name| folder.path().join(name));
+        symlink("/dev/null", &null).unwrap();
+        write_whole(&null, b"gone").unwrap();
+        assert!(std::fs::metadata(&null).unwrap().file_type().is_char_device());
+        if Path::new("/dev/full").exists() {
+            symlink("/dev/full", &full).unwrap();
+            let error = write_whole(&full, b"x").unwrap_err().to_string();
+            assert!(error.contains("full`: No space left"), "{error}");
+            assert!(std::fs::metadata(&full).unwrap().file_type().is_char_device());
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_a_file_stays_a_link() {
+        let folder = tempfile::tempdir().unwrap();
+        let [file, link] = ["file", "link"].map(|name| folder.path().join(name));
+        std::fs::write(&file, b"old").unwrap();
+        std::os::unix::fs::symlink("file", &link).unwrap();
+        write_whole(&link, b"new").unwrap();
+        assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(std::fs::read(&file).unwrap(), b"new");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn a_folder_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = write_whole(folder.path(), b"x").unwrap_err().to_string();
+        assert!(error.contains("directory") || error.contains("denied"), "{error}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }

@@ -3,7 +3,6 @@
 use super::{interrupt, noise::NoiseOptions};
 use crate::{
     board::simulated::{BoardOptions, SimulatedBoard},
-    link::Port,
     simulate::{Press, Script, SimulatedSkin},
     skin::{Skin, outline::Outline},
 };
@@ -34,7 +33,7 @@ pub(super) struct Args {
     skin: PathBuf,
     /// Where to listen; port 0 takes a free one.
     #[arg(long, default_value = "tcp:127.0.0.1:7000", value_name = "PORT")]
-    listen: Port,
+    listen: String,
     /// Stop after this many streamed frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
@@ -84,8 +83,11 @@ fn script(args: &Args, outline: &Outline) -> anyhow::Result<Script> {
     }
 }
 
-fn address(port: &Port) -> anyhow::Result<SocketAddr> {
-    let Port::Tcp(address) = port else { bail!("`--listen` is {port}; allowed: tcp:HOST:PORT") };
-    let mut found = address.to_socket_addrs().with_context(|| format!("cannot find `{port}`"))?;
-    found.next().with_context(|| format!("cannot find `{port}`"))
+/// Unlike the ports of other commands, this one may be 0.
+fn address(listen: &str) -> anyhow::Result<SocketAddr> {
+    let Some(address) = listen.strip_prefix("tcp:") else {
+        bail!("`--listen` is {listen}; allowed: tcp:HOST:PORT");
+    };
+    let mut found = address.to_socket_addrs().with_context(|| format!("cannot find `{listen}`"))?;
+    found.next().with_context(|| format!("cannot find `{listen}`"))
 }

@@ -4,7 +4,6 @@ use crate::skin::outline::Outline;
 use nalgebra::Point2;
 use serde::Deserialize;
 use std::{
-    cmp::Ordering,
     collections::BTreeMap,
     f64::consts::TAU,
     path::{Path, PathBuf},
@@ -93,11 +92,12 @@ impl Script {
         for moment in fingers.iter().flatten() {
             moment.press.check(outline)?;
         }
+        let infinite = |moments: &Vec<Moment>| moments.iter().map(|m| m.time).find(|time| !time.is_finite());
+        if let Some(time) = fingers.iter().find_map(infinite) {
+            return Err(ScriptError::NotFinite { time });
+        }
         let disorder = |moments: &Vec<Moment>| {
-            moments
-                .windows(2)
-                .find(|pair| pair[0].time.partial_cmp(&pair[1].time) != Some(Ordering::Less))
-                .map(|p| p[1].time)
+            moments.windows(2).find(|pair| pair[0].time >= pair[1].time).map(|pair| pair[1].time)
         };
         if let Some(time) = fingers.iter().find_map(disorder) {
             return Err(ScriptError::Time { time });
@@ -213,6 +213,12 @@ pub enum ScriptError {
         /// What it may be.
         allowed: String,
     },
+    /// A moment that never comes.
+    #[error("time {time} s is not a finite number; allowed: ascending times for each finger")]
+    NotFinite {
+        /// The time.
+        time: f64,
+    },
     /// Moments of a finger are not in order.
     #[error("time {time} s is not later than the moment before it; allowed: ascending times for each finger")]
     Time {
@@ -262,6 +268,9 @@ mod tests {
             ("0,1,0,0,0.01,-3\n", "depth"),
             ("0,1,NaN,0,0.01,1\n", "x,y"),
             ("1,1,0,0,0.01,1\n1,1,0,0,0.01,1\n", "time 1 s"),
+            ("NaN,1,0,0,0.01,1\n0,1,0,0,0.01,1\n", "time NaN s"),
+            ("0,1,0,0,0.01,1\ninf,1,0,0,0.01,1\n", "time inf s"),
+            ("inf,1,0,0,0.01,1\n", "time inf s"),
             ("0,one,0,0,0.01,1\n", "finger"),
             ("", "no rows"),
         ] {
