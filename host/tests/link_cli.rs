@@ -1,14 +1,15 @@
 //! The commands that talk to a board, as processes, against a simulated board.
 
+mod program;
 mod testbench;
 
 use assert_cmd::cargo::cargo_bin;
 use dermatome::board::simulated::{BoardOptions, Pace, SimulatedBoard};
+use program::{Done, Running};
 use serde_json::Value;
 use std::{
-    io::{BufRead, BufReader, Read},
     path::Path,
-    process::{Child, Command, Output, Stdio},
+    process::{Command, Stdio},
 };
 use testbench::{Pressed, board_with, crc, empty_board, small_patch};
 
@@ -18,16 +19,19 @@ fn dermatome(arguments: &[&str], board: &SimulatedBoard) -> Command {
     command
 }
 
-/// Output of a command that must succeed: standard output, standard error.
-fn succeed(command: &mut Command) -> (String, String) {
-    let (ok, out, err) = words(command.output().unwrap());
-    assert!(ok, "{err}");
-    (out, err)
+/// Runs a command to its end, or to its time limit.
+fn run(command: &mut Command) -> Done {
+    start(command).finish()
 }
 
-fn words(output: Output) -> (bool, String, String) {
-    let text = |bytes| String::from_utf8(bytes).unwrap();
-    (output.status.success(), text(output.stdout), text(output.stderr))
+fn start(command: &mut Command) -> Running {
+    Running::start(command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()))
+}
+
+/// Output of a command that must succeed: standard output, standard error.
+fn succeed(command: &mut Command) -> (String, String) {
+    let done = run(command).success();
+    (done.out, done.err)
 }
 
 fn report(path: &Path) -> Value {
@@ -116,51 +120,48 @@ fn stream_ends_when_the_board_ends_it() {
     assert!(err.contains("5 frames received") && err.contains("the board ended its stream"), "{err}");
 }
 
-/// `stream` without a limit, and its first line of output.
-fn streaming(board: &SimulatedBoard) -> (Child, BufReader<impl Read>) {
-    let mut command = dermatome(&["stream"], board);
-    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let mut lines = BufReader::new(child.stdout.take().unwrap());
-    lines.read_line(&mut String::new()).unwrap();
-    (child, lines)
+/// `stream` without a limit, after its first line of output.
+fn streaming(board: &SimulatedBoard) -> Running {
+    let mut stream = start(&mut dermatome(&["stream"], board));
+    stream.line();
+    stream
 }
 
 #[test]
 fn a_reader_that_has_seen_enough_ends_the_stream_quietly() {
     let board = board_with(&small_patch("small", 50.0));
-    let (child, lines) = streaming(&board);
-    drop(lines);
-    let (ok, _, err) = words(child.wait_with_output().unwrap());
-    assert!(ok && !err.contains("error") && !err.contains("received"), "{err}");
+    let mut stream = streaming(&board);
+    stream.close_output();
+    let done = stream.finish().success();
+    assert!(!done.err.contains("error") && !done.err.contains("received"), "{}", done.err);
 }
 
 #[cfg(unix)]
 #[test]
 fn ctrl_c_stops_the_stream_and_prints_the_summary() {
     let board = board_with(&small_patch("small", 50.0));
-    let (child, mut lines) = streaming(&board);
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    lines.read_to_end(&mut Vec::new()).unwrap();
-    let (ok, _, err) = words(child.wait_with_output().unwrap());
-    assert!(ok && err.contains("frames received, 0 lost"), "{err}");
+    let stream = streaming(&board);
+    stream.interrupt();
+    let done = stream.finish().success();
+    assert!(done.err.contains("frames received, 0 lost"), "{}", done.err);
 }
 
 #[test]
 fn a_board_without_patch_and_a_patch_that_is_none_are_errors() {
     let board = empty_board();
     for command in ["tare", "stream"] {
-        let (ok, _, err) = words(dermatome(&[command], &board).output().unwrap());
-        assert!(!ok && err.contains("dermatome flash"), "{err}");
+        let err = run(&mut dermatome(&[command], &board)).refused();
+        assert!(err.contains("dermatome flash"), "{err}");
     }
     let file = tempfile::NamedTempFile::new().unwrap();
     let path = file.path().to_str().unwrap();
-    let (ok, _, err) = words(dermatome(&["flash", path], &board).output().unwrap());
-    assert!(!ok && err.contains(path) && err.contains("patch"), "{err}");
+    let err = run(&mut dermatome(&["flash", path], &board)).refused();
+    assert!(err.contains(path) && err.contains("patch"), "{err}");
 }
 
 #[test]
 fn a_port_nobody_could_mean_is_refused_with_the_forms_allowed() {
     let mut command = Command::new(cargo_bin("dermatome"));
-    let (ok, _, err) = words(command.args(["tare", "--port", "ttyACM0"]).output().unwrap());
-    assert!(!ok && err.contains("tcp:HOST:PORT") && err.contains("/dev/ttyACM0"), "{err}");
+    let err = run(command.args(["tare", "--port", "ttyACM0"])).refused();
+    assert!(err.contains("tcp:HOST:PORT") && err.contains("/dev/ttyACM0"), "{err}");
 }

@@ -1,0 +1,68 @@
+//! What the targets share: a small patch that fuzzers damage, and frames.
+
+use dermatome_shared::{
+    frame::Frame,
+    image::PixelGrid,
+    patch::{CRC32, CombinedInto, Difference, Drive, PatchContents, PatchHeader},
+    stimulation::{Step, pattern},
+    units::{AdcCode, RelativeConductivity},
+};
+
+/// A valid patch of 4 electrodes, 4 steps and 2 x 2 pixels: small, so that damage soon hits
+/// something that matters.
+pub fn small_patch() -> Vec<u8> {
+    let steps: Vec<Step> = pattern(4, 1, 1).collect();
+    let combination: Vec<_> = (0..steps.len() as u16)
+        .map(|step| CombinedInto { measurement: step % 2, flipped: step > 2 })
+        .collect();
+    let header = PatchHeader {
+        skin: "fuzz".try_into().unwrap(),
+        electrodes: 4,
+        steps: steps.len() as u16,
+        measurements: 2,
+        pixels: 4,
+        difference: Difference::Normalised,
+        grid: PixelGrid { columns: 2, rows: 2, pitch: 0.01, left: -0.01, top: 0.01 },
+        drive: Drive { frequency: 50e3, amplitude: 1e-3, frame_rate: 50.0 },
+        contact_threshold: RelativeConductivity::from_f64(0.01),
+    };
+    let contents = PatchContents {
+        header: &header,
+        steps: &steps,
+        combination: &combination,
+        mask: &[0x0F],
+        exponents: &[14, 14, 3, -3],
+        matrix: &[1 << 14, 0, 0, 1 << 14, i16::MAX, -i16::MAX, 77, -5],
+    };
+    let mut out = vec![0; 1024];
+    let length = contents.write(&mut out).unwrap();
+    out.truncate(length);
+    out
+}
+
+/// Overwrites bytes, each edit a place (u16, little-endian, taken modulo the length) and a value,
+/// then makes length and checksum right again. The checksum would otherwise stop nearly every input.
+pub fn damage(mut patch: Vec<u8>, edits: &[u8]) -> Vec<u8> {
+    for edit in edits.chunks_exact(3) {
+        let place = usize::from(u16::from_le_bytes([edit[0], edit[1]])) % patch.len();
+        patch[place] = edit[2];
+    }
+    repair(patch)
+}
+
+/// Makes length and checksum of a patch right.
+pub fn repair(mut patch: Vec<u8>) -> Vec<u8> {
+    let length = patch.len();
+    if length >= 16 {
+        patch[8..12].copy_from_slice(&(length as u32).to_le_bytes());
+        let crc = CRC32.checksum(&patch[..length - 4]);
+        patch[length - 4..].copy_from_slice(&crc.to_le_bytes());
+    }
+    patch
+}
+
+/// A frame whose codes are `codes` over and over.
+pub fn frame(sequence: u32, steps: usize, codes: &[i32]) -> Frame {
+    let repeated = codes.iter().cycle().take(steps.min(dermatome_shared::MAX_STEPS));
+    Frame { sequence, codes: repeated.map(|&code| AdcCode(code)).collect(), ..Frame::default() }
+}
