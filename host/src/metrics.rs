@@ -1,6 +1,6 @@
 //! Figures of merit of one image, in the thesis' variants (section 3.6).
 
-use dermatome_shared::{contact::region_level, image::PixelGrid, units::RelativeConductivity};
+use dermatome_shared::{contact::region_level, units::RelativeConductivity};
 
 /// What an image of one press is worth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,17 +34,11 @@ pub fn position_error(reported: [f32; 2], true_position: [f64; 2]) -> f64 {
     (f64::from(reported[0]) - true_position[0]).hypot(f64::from(reported[1]) - true_position[1])
 }
 
-/// Mean and largest of some numbers; both 0 where there are none.
+/// Mean and largest of some numbers that are not negative; `None` where there are none.
 #[must_use]
-pub fn mean_and_max(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
-    let count = values.clone().count().max(1) as f64;
-    (values.clone().sum::<f64>() / count, values.fold(0.0, f64::max))
-}
-
-/// Largest half extent of a grid, m: what radii are compared with.
-#[must_use]
-pub fn half_width(grid: &PixelGrid) -> f64 {
-    f64::from(grid.columns.max(grid.rows)) * f64::from(grid.pitch) / 2.0
+pub fn mean_and_max(values: impl Iterator<Item = f64> + Clone) -> Option<(f64, f64)> {
+    let count = values.clone().count();
+    (count > 0).then(|| (values.clone().sum::<f64>() / count as f64, values.fold(0.0, f64::max)))
 }
 
 #[cfg(test)]

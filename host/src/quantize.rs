@@ -3,7 +3,7 @@
 use crate::{model::Model, skin::Skin};
 use dermatome_shared::{
     MAX_PATCH_BYTES,
-    patch::{Drive, PatchContents, PatchError, PatchHeader, PatchView},
+    patch::{Difference, Drive, PatchContents, PatchError, PatchHeader, PatchView},
     reconstruct::reconstruct,
     reference::DifferenceData,
     units::RelativeConductivity,
@@ -52,7 +52,7 @@ pub enum PatchBuildError {
     /// Longer than a board's slot.
     #[error(
         "the patch would take {bytes} bytes, a board stores at most {MAX_PATCH_BYTES}: use fewer `image.columns`, \
-         or combine reciprocal measurements"
+         or `drive.reciprocal` = \"combined\" if it is not"
     )]
     TooLong {
         /// Length it would have.
@@ -119,19 +119,29 @@ pub struct FixedPointError {
 #[must_use]
 pub fn fixed_point_error(model: &Model, patch: &PatchView<'_>, trials: usize) -> FixedPointError {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(1);
-    let mean = model.measurements().iter().map(|v| v.abs()).sum::<f64>() / model.jacobian.nrows() as f64;
+    let scale = difference_per_volt(model);
     let mut worst = FixedPointError::default();
     for _ in 0..trials {
         let pixel = random.random_range(0..model.jacobian.ncols());
         let strength = model.jacobian.col(pixel).iter().fold(0.0, |max: f64, j| max.max(j.abs()));
-        let press =
-            |m: usize| model.jacobian[(m, pixel)] / mean + random.random_range(-0.01..0.01) * strength / mean;
-        let relative: Vec<f32> = (0..model.jacobian.nrows()).map(press).map(|y| y as f32).collect();
+        let mut press = |m: usize| model.jacobian[(m, pixel)] + random.random_range(-0.01..0.01) * strength;
+        let relative: Vec<f32> = (0..scale.len()).map(|m| (press(m) * scale[m]) as f32).collect();
         let error = error_of_image(model, patch, &relative);
         worst.bound_percent = worst.bound_percent.max(error.bound_percent);
         worst.measured_percent = worst.measured_percent.max(error.measured_percent);
     }
     worst
+}
+
+/// What turns a change of model voltage into difference data of the model's kind: `[measurement]`.
+fn difference_per_volt(model: &Model) -> Vec<f64> {
+    let voltages = model.measurements();
+    let mean = voltages.iter().map(|v| v.abs()).sum::<f64>() / voltages.len() as f64;
+    let scale = |v: f64| match model.difference {
+        Difference::Plain => 1.0 / mean,
+        Difference::Normalised => 1.0 / v,
+    };
+    voltages.into_iter().map(scale).collect()
 }
 
 fn error_of_image(model: &Model, patch: &PatchView<'_>, relative: &[f32]) -> FixedPointError {

@@ -36,7 +36,9 @@ impl Reference {
     }
 
     fn mesh(&mut self, complete: bool) -> Mesh {
-        let nodes = self.floats("nodes").chunks(2).map(|p| Point3::new(p[0], p[1], 0.0)).collect();
+        let shape = self.arrays.by_name("nodes").unwrap().expect("nodes").shape().to_vec();
+        let point = |p: &[f64]| Point3::new(p[0], p[1], p.get(2).copied().unwrap_or(0.0));
+        let nodes = self.floats("nodes").chunks(shape[1] as usize).map(point).collect();
         let elements: Vec<_> = self.indices("elems").chunks(3).map(|e| [e[0], e[1], e[2]]).collect();
         let electrode_nodes = self.indices("elec_nodes");
         let per_electrode = electrode_nodes.len() / 16;
@@ -89,8 +91,13 @@ fn homogeneous(reference: &mut Reference, mesh: &Mesh) -> Fields {
     reference.forward(mesh).solve(&vec![1.0; mesh.elements.len()]).unwrap()
 }
 
-const MODELS: [(&str, bool); 4] =
-    [("a2c_pem.npz", false), ("b2C_cem.npz", true), ("c2c_pem.npz", false), ("c2c_cem.npz", true)];
+const MODELS: [(&str, bool); 5] = [
+    ("a2c_pem.npz", false),
+    ("b2C_cem.npz", true),
+    ("c2c_pem.npz", false),
+    ("c2c_cem.npz", true),
+    ("hemi_256_pem.npz", false),
+];
 
 #[test]
 fn voltages_agree_to_1e_10_for_homogeneous_and_inhomogeneous_conductivity() {

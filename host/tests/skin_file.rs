@@ -93,7 +93,8 @@ fn wrong_values_name_file_field_value_and_what_is_allowed() {
         (GOOD, "hyperparameter = 0.03", "hyperparameter = -1.0", &["`inverse.hyperparameter`", "is -1"]),
         (GOOD, "columns = 32", "columns = 0", &["`image.columns`", "is 0", "4 to 64"]),
         (GOOD, "threshold = 0.05", "threshold = 0.0", &["`contact.threshold`", "is 0"]),
-        (GOOD, "name = \"disc-210mm\"", "name = \"\"", &["`name`", "1 to 32 bytes"]),
+        (GOOD, "name = \"disc-210mm\"", "name = \"../evil\"", &["`name`", "../evil", "letters, digits"]),
+        (GOOD, "name = \"disc-210mm\"", "name = \"\"", &["`name`", "1 to 32 letters"]),
         (
             SQUARE,
             "pitch = \"10 mm\"",

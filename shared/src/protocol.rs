@@ -1,8 +1,9 @@
 //! Protocol: every message on the wire, and its framing.
 //!
 //! A packet is a message in postcard encoding, followed by its CRC-32 (ISO-HDLC, little-endian),
-//! the whole COBS-encoded and ended by a zero byte. The first exchange is `Hello`; its two
-//! messages keep their encoding for ever, so that any two versions can tell each other apart.
+//! the whole COBS-encoded and ended by a zero byte. The first exchange is `Hello`; the request, its
+//! reply and its refusal for the version keep their encoding for ever, so that any two versions can
+//! tell each other apart.
 //! Requests carry a sequence number and get exactly one reply with the same number. Events carry
 //! a running number of their own, so that a lost event shows as a gap.
 
@@ -146,6 +147,8 @@ pub enum Reply {
         /// Who it is.
         identity: Identity,
     },
+    /// Not done, to any request.
+    Refused(Refusal),
     /// To [`Request::Info`].
     Info(Info),
     /// To [`Request::Geometry`].
@@ -164,8 +167,6 @@ pub enum Reply {
     },
     /// Done, and nothing more to say.
     Done,
-    /// Not done.
-    Refused(Refusal),
 }
 
 /// Who a board is.
@@ -499,6 +500,9 @@ mod tests {
         let reply = BoardPacket::Reply { sequence: 2, reply: Reply::Hello { version, identity } };
         let expected = [0, 2, 0, 1, 1, 2, 3, 4, 5, 6, 7, 8, 1, b'b', 1, b'f'];
         assert_eq!(postcard::to_slice(&reply, &mut buffer).unwrap(), expected);
+        let refused = Reply::Refused(Refusal::Version { board: 1 });
+        let reply = BoardPacket::Reply { sequence: 2, reply: refused };
+        assert_eq!(postcard::to_slice(&reply, &mut buffer).unwrap(), [0, 2, 1, 0, 1]);
     }
 
     /// Found by the fuzz target `patch`.

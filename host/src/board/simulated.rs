@@ -14,8 +14,9 @@ use super::{
 };
 use dermatome_shared::{
     MAX_ELECTRODES,
-    device::Device,
+    device::{Device, PatchStore},
     frame::{Frame, FrameFlags},
+    patch::PatchView,
     protocol::{Identity, Request, RequestPacket, Selection},
     stimulation::Step,
     units::AdcCode,
@@ -122,6 +123,14 @@ pub enum BoardError {
     /// Its patch, or the file that holds it, is not usable.
     #[error(transparent)]
     Patch(#[from] OpenError),
+    /// Its patch, given or stored, is for another skin.
+    #[error("the board's patch is for {patch} electrodes, the board has {board}")]
+    Electrodes {
+        /// Electrodes of the patch.
+        patch: u8,
+        /// Electrodes of the board.
+        board: u8,
+    },
     /// The system gives it no thread.
     #[error("cannot start the board's thread: {reason}")]
     Thread {
@@ -145,6 +154,7 @@ impl SimulatedBoard {
     /// Starts a board that measures what `source` gives.
     pub fn start(options: BoardOptions, source: impl FrameSource + 'static) -> Result<Self, BoardError> {
         let store = FilePatchStore::open(options.store, options.patch)?;
+        check_electrodes(&store, options.electrodes)?;
         let listener = listen(options.listen)?;
         let address = listener.local_addr().map_err(|reason| listen_error(options.listen, reason))?;
         let stop = Arc::new(AtomicBool::new(false));
@@ -191,6 +201,16 @@ impl Drop for SimulatedBoard {
     fn drop(&mut self) {
         // A crash has already been printed by the thread.
         let _ = self.end();
+    }
+}
+
+fn check_electrodes(store: &FilePatchStore, board: u8) -> Result<(), BoardError> {
+    // What the store holds has been validated.
+    let patch =
+        store.active().and_then(|bytes| PatchView::open(bytes).ok()).map(|patch| patch.header.electrodes);
+    match patch.filter(|&patch| patch > board) {
+        Some(patch) => Err(BoardError::Electrodes { patch, board }),
+        None => Ok(()),
     }
 }
 

@@ -1,6 +1,6 @@
 //! `dermatome build`: skin file -> patch file.
 
-use super::{JsonReport, progress};
+use super::{JsonReport, patch_id, progress};
 use crate::{
     mesh::quality::{Quality, quality},
     model::{Model, Stage},
@@ -35,7 +35,7 @@ struct Report {
     skin: String,
     patch: PathBuf,
     patch_bytes: usize,
-    patch_crc: u32,
+    patch_crc: String,
     electrodes: u8,
     steps: usize,
     measurements: usize,
@@ -71,7 +71,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         skin: skin.name.clone(),
         patch: path,
         patch_bytes: patch.len(),
-        patch_crc: view.crc(),
+        patch_crc: patch_id(view.crc()),
         electrodes: skin.electrodes.count(),
         steps: model.steps.len(),
         measurements: model.jacobian.nrows(),
@@ -110,10 +110,5 @@ fn print(report: &Report, stages: &[Stage]) {
         say!("{:<12}  {:>8.1} ms", stage.name, stage.time.as_secs_f64() * 1e3);
     }
     say!("{:<12}  {:>8.1} ms", "total", report.total_seconds * 1e3);
-    say!(
-        "patch         {} ({} bytes, id {:08x})",
-        report.patch.display(),
-        report.patch_bytes,
-        report.patch_crc
-    );
+    say!("patch         {} ({} bytes, id {})", report.patch.display(), report.patch_bytes, report.patch_crc);
 }

@@ -42,7 +42,7 @@ struct Report {
     seed: u64,
     frames_received: u32,
     frames_lost: u64,
-    images_per_second: f64,
+    images_per_second: Option<f64>,
     patch_bytes: usize,
     measurements: usize,
     pixels: usize,
@@ -129,14 +129,18 @@ fn print(report: &Report) {
     say!("");
     say!("simulated board, noise at {} dB, seed {}", report.noise_db, report.seed);
     say!("frames received / lost         {} / {}", report.frames_received, report.frames_lost);
-    say!("images per second              {:.1} (paced by the skin's frame rate)", report.images_per_second);
-    say!(
-        "position error, one finger     mean {:.2} mm = {:.2} % of the diameter, max {:.2} mm = {:.2} %",
-        figures.position_error_mm.mean,
-        figures.position_error_percent.mean,
-        figures.position_error_mm.max,
-        figures.position_error_percent.max
-    );
+    if let Some(rate) = report.images_per_second {
+        say!("images per second              {rate:.1} (paced by the skin's frame rate)");
+    }
+    if let (Some(mm), Some(percent)) = (figures.position_error_mm, figures.position_error_percent) {
+        say!(
+            "position error, one finger     mean {:.2} mm = {:.2} % of the diameter, max {:.2} mm = {:.2} %",
+            mm.mean,
+            percent.mean,
+            mm.max,
+            percent.max
+        );
+    }
     for band in &figures.position_error_by_radius {
         let (from, to) = (band.from, band.to);
         say!(
@@ -156,8 +160,10 @@ fn print(report: &Report) {
         figures.two_press_frames_with_two_contacts,
         figures.two_press_frames
     );
-    say!("RES, mean                      {:.3}", figures.resolution_mean);
-    say!("RNG, mean                      {:.3}", figures.ringing_mean);
+    if let (Some(resolution), Some(ringing)) = (figures.resolution_mean, figures.ringing_mean) {
+        say!("RES, mean                      {resolution:.3}");
+        say!("RNG, mean                      {ringing:.3}");
+    }
     say!(
         "fixed point against f64        max {:.4} % of the image's peak",
         figures.fixed_point_error_percent.max

@@ -15,8 +15,8 @@ use std::{
 /// The patch is checked before, on the way and after; whatever fails, the board keeps the patch it had.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
-    dermatome flash hemisphere.patch --port /dev/ttyACM0\n  \
-    dermatome flash hemisphere.patch --port tcp:127.0.0.1:7000 --json flash.json")]
+    dermatome flash disc-210mm.dermatome --port /dev/ttyACM0\n  \
+    dermatome flash disc-210mm.dermatome --port tcp:127.0.0.1:7000 --json flash.json")]
 pub(super) struct Args {
     /// Patch to send, as `dermatome build` writes it.
     patch: PathBuf,
@@ -66,7 +66,7 @@ fn report(
         firmware: &identity.firmware,
         skin: &used.skin,
         patch_bytes,
-        patch_crc: format!("{:#010x}", used.crc),
+        patch_crc: super::patch_id(used.crc),
         duration_s: took.as_secs_f64(),
     })
 }

@@ -1,6 +1,6 @@
 //! `dermatome inspect`: what a patch file holds.
 
-use super::JsonReport;
+use super::{JsonReport, patch_id};
 use anyhow::Context;
 use dermatome_shared::patch::{FORMAT_VERSION, PatchHeader, PatchView};
 use serde::Serialize;
@@ -23,8 +23,8 @@ pub(super) struct Args {
 #[derive(Serialize)]
 struct Report {
     format_version: u16,
-    bytes: usize,
-    crc: u32,
+    patch_bytes: usize,
+    patch_crc: String,
     header: PatchHeader,
     smallest_exponent: i8,
     largest_exponent: i8,
@@ -37,8 +37,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let exponents = || patch.rows().map(|(_, exponent)| exponent);
     let report = Report {
         format_version: FORMAT_VERSION,
-        bytes: bytes.len(),
-        crc: patch.crc(),
+        patch_bytes: bytes.len(),
+        patch_crc: patch_id(patch.crc()),
         header: patch.header.clone(),
         smallest_exponent: exponents().min().unwrap_or(0),
         largest_exponent: exponents().max().unwrap_or(0),
@@ -52,10 +52,10 @@ fn print(report: &Report) {
     let (grid, drive) = (&header.grid, &header.drive);
     say!("skin          {}", header.skin);
     say!(
-        "patch         {} bytes, format {}, id {:08x}, CRC good",
-        report.bytes,
+        "patch         {} bytes, format {}, id {}, CRC good",
+        report.patch_bytes,
         report.format_version,
-        report.crc
+        report.patch_crc
     );
     say!("electrodes    {}", header.electrodes);
     say!(

@@ -94,13 +94,18 @@ impl JsonReport {
     }
 }
 
-/// Prints a line. Where nobody reads any more (`dermatome ... | head -1`) the command ends quietly;
-/// where the line cannot be written for another reason, it ends with an error.
+/// Prints a line. Where nobody reads any more (`dermatome ... | head -1`) the command goes on quietly,
+/// for it may have files to write; where the line cannot be written for another reason, it ends with
+/// an error.
 fn say(words: std::fmt::Arguments<'_>) {
     let Err(error) = writeln!(io::stdout(), "{words}") else { return };
-    if error.kind() == io::ErrorKind::BrokenPipe {
-        std::process::exit(0);
+    if error.kind() != io::ErrorKind::BrokenPipe {
+        eprintln!("error: cannot write to standard output: {error}");
+        std::process::exit(1);
     }
-    eprintln!("error: cannot write to standard output: {error}");
-    std::process::exit(1);
+}
+
+/// A patch's checksum, which identifies it, as reports and screens show it.
+fn patch_id(crc: u32) -> String {
+    format!("{crc:#010x}")
 }

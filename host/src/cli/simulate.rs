@@ -34,7 +34,7 @@ pub(super) struct Args {
     /// Where to listen; port 0 takes a free one.
     #[arg(long, default_value = "tcp:127.0.0.1:7000", value_name = "PORT")]
     listen: String,
-    /// Stop after this many streamed frames.
+    /// End the stream after this many frames, and the board when its host then leaves.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
     #[command(flatten)]

@@ -97,14 +97,17 @@ impl Scorer<'_> {
     pub fn figures(&self, records: &[FrameRecord]) -> Figures {
         let diameter = self.skin.outline.diameter();
         let single = || records.iter().filter_map(|record| Some((record, single_error(record, diameter)?)));
-        let (mean, max) = mean_and_max(single().map(|(_, error)| error));
-        let per_cent = 100.0 / diameter;
+        let error_in = |unit: f64| {
+            let (mean, max) = mean_and_max(single().map(|(_, error)| error / unit))?;
+            Some(MeanMax { mean, max })
+        };
         let of_figures = |pick: fn(&ImageFigures) -> f64| {
-            mean_and_max(single().filter_map(|(record, _)| record.figures.as_ref()).map(pick)).0
+            let figures = single().filter_map(|(record, _)| record.figures.as_ref());
+            mean_and_max(figures.map(pick)).map(|(mean, _)| mean)
         };
         Figures {
-            position_error_mm: MeanMax { mean: mean * 1e3, max: max * 1e3 },
-            position_error_percent: MeanMax { mean: mean * per_cent, max: max * per_cent },
+            position_error_mm: error_in(1e-3),
+            position_error_percent: error_in(diameter / 100.0),
             position_error_by_radius: self.by_radius(records),
             single_press_frames: records.iter().filter(|record| record.presses.len() == 1).count(),
             single_press_frames_with_one_contact: frames_with_right_count(records, 1),
@@ -129,11 +132,11 @@ impl Scorer<'_> {
                 .iter()
                 .filter_map(|record| single_error(record, diameter).map(|error| (share(record), error)))
                 .filter(|(share, _)| (from..to).contains(share) || i == BANDS - 1 && *share >= to);
-            let (mean, max) = mean_and_max(errors.clone().map(|(_, error)| 100.0 * error / diameter));
-            RadiusBand { from, to, frames: errors.count(), mean_percent: mean, max_percent: max }
+            let per_cent = errors.clone().map(|(_, error)| 100.0 * error / diameter);
+            let (mean_percent, max_percent) = mean_and_max(per_cent)?;
+            Some(RadiusBand { from, to, frames: errors.count(), mean_percent, max_percent })
         };
-        // A demo that was stopped early has no figures for the rings its finger did not reach.
-        (0..BANDS).map(band).filter(|band| band.frames > 0).collect()
+        (0..BANDS).filter_map(band).collect()
     }
 }
 
@@ -183,10 +186,10 @@ pub struct RadiusBand {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figures {
     /// Centre of pressure against the finger, mm, while one finger travels.
-    pub position_error_mm: MeanMax,
+    pub position_error_mm: Option<MeanMax>,
     /// The same, per cent of the diameter.
-    pub position_error_percent: MeanMax,
-    /// The same, by distance from the centre.
+    pub position_error_percent: Option<MeanMax>,
+    /// The same, by distance from the centre; rings without a frame are left out.
     pub position_error_by_radius: Vec<RadiusBand>,
     /// Frames with one finger.
     pub single_press_frames: usize,
@@ -197,9 +200,9 @@ pub struct Figures {
     /// Those with exactly two contacts reported.
     pub two_press_frames_with_two_contacts: usize,
     /// Resolution RES (thesis equation 3.3), mean over the single-finger frames.
-    pub resolution_mean: f64,
+    pub resolution_mean: Option<f64>,
     /// Ringing RNG (thesis equation 3.5), the same.
-    pub ringing_mean: f64,
+    pub ringing_mean: Option<f64>,
     /// Fixed-point image against f64, per cent of the image's peak.
     pub fixed_point_error_percent: Max,
 }

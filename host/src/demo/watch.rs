@@ -25,15 +25,11 @@ pub struct Watched {
 }
 
 impl Watched {
-    /// Frames per second between the first and the last.
+    /// Frames per second between the first and the last; `None` for less than two.
     #[must_use]
-    pub fn images_per_second(&self) -> f64 {
-        match (self.first, self.last) {
-            (Some(first), Some(last)) if last > first => {
-                (self.records.len() - 1) as f64 / (last - first).as_secs_f64()
-            }
-            _ => 0.0,
-        }
+    pub fn images_per_second(&self) -> Option<f64> {
+        let (first, last) = (self.first?, self.last?);
+        (last > first).then(|| (self.records.len() - 1) as f64 / (last - first).as_secs_f64())
     }
 }
 

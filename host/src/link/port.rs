@@ -14,7 +14,7 @@ pub enum Port {
     Serial(String),
     /// Host and port number of a board behind TCP: `tcp:127.0.0.1:7000`.
     Tcp(String),
-    /// The skin file of a board to simulate: `sim:models/hemisphere/skin.toml`.
+    /// The skin file of a board to simulate: `sim:models/disc-210mm/skin.toml`.
     Simulated(PathBuf),
 }
 

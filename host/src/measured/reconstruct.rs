@@ -35,7 +35,7 @@ pub struct Object {
     pub y_mm: f64,
     /// Direction from the grid's centre: 0 along x, counter-clockwise, -180 to 180.
     pub angle_degrees: f64,
-    /// Distance from the grid's centre, in percent of half the grid's width.
+    /// Distance from the grid's centre, in percent of half the grid's larger side.
     pub radius_percent: f64,
     /// Area of the pixels above a quarter of the image's peak, mm^2.
     pub area_mm2: f64,
@@ -141,7 +141,7 @@ impl Object {
     fn new(grid: &PixelGrid, contact: &Contact, peak: f64) -> Self {
         let [x, y] = contact.position.map(f64::from);
         let centre = grid.position(f32::from(grid.columns) / 2.0, f32::from(grid.rows) / 2.0).map(f64::from);
-        let half_width = f64::from(grid.columns) * f64::from(grid.pitch) / 2.0;
+        let half_width = f64::from(grid.columns.max(grid.rows)) * f64::from(grid.pitch) / 2.0;
         let (right, up) = (x - centre[0], y - centre[1]);
         Self {
             x_mm: x * 1e3,

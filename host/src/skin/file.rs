@@ -195,11 +195,16 @@ impl Checker<'_> {
     }
 
     fn name(&self, name: &str) -> Result<String, SkinError> {
-        let fits = (1..=32).contains(&name.len()) && !name.chars().any(char::is_control);
+        let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
+        let fits = (1..=32).contains(&name.len()) && name.chars().all(allowed);
         if fits {
             Ok(name.to_owned())
         } else {
-            self.refuse("name", format!("{name:?}"), "1 to 32 bytes of text")
+            self.refuse(
+                "name",
+                format!("{name:?}"),
+                "1 to 32 letters, digits, \"-\" or \"_\" (it names the patch file)",
+            )
         }
     }
 
