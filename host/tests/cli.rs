@@ -23,7 +23,6 @@ fn filtered(check: impl FnOnce()) {
     settings.set_omit_expression(true);
     settings.add_filter(r" +\d+\.\d ms", " [TIME] ms");
     settings.add_filter(r"\d+\.\d+ %", "[PERCENT] %");
-    settings.add_filter(r"\bid [0-9a-f]{8}\b", "id [ID]");
     settings.add_filter(r"127\.0\.0\.1:\d{5}", "127.0.0.1:[PORT]");
     settings.add_filter(r"0x[0-9a-f]{8}", "0x[CRC]");
     settings.bind(check);
@@ -81,7 +80,7 @@ fn what_build_and_inspect_print() {
     let inspected = desk.run(&["inspect", "tiny.dermatome"]).success();
     assert_eq!(inspected.err, "");
     filtered(|| assert_snapshot!("inspect", inspected.out));
-    let id = |text: &str| text.split("id ").nth(1).unwrap()[..8].to_owned();
+    let id = |text: &str| text.split("id ").nth(1).unwrap()[..10].to_owned();
     assert_eq!(id(&built.out), id(&inspected.out));
 }
 
@@ -94,7 +93,7 @@ fn reports_of_build_and_inspect_hold_the_promised_keys() {
     filtered(|| assert_snapshot!("build_json", shape(&build)));
     filtered(|| assert_snapshot!("inspect_json", shape(&inspect)));
     assert_eq!(build["patch_bytes"], desk.read("tiny.dermatome").len());
-    assert_eq!(build["patch_crc"], inspect["crc"]);
+    assert_eq!(build["patch_crc"], inspect["patch_crc"]);
     assert_eq!(build["patch"], "tiny.dermatome");
     assert_eq!(inspect["header"]["skin"], "tiny");
 }
