@@ -94,7 +94,7 @@ fn reports_of_build_and_inspect_hold_the_promised_keys() {
     filtered(|| assert_snapshot!("build_json", shape(&build)));
     filtered(|| assert_snapshot!("inspect_json", shape(&inspect)));
     assert_eq!(build["patch_bytes"], desk.read("tiny.dermatome").len());
-    assert_eq!(build["patch_crc"], inspect["crc"]);
+    assert_eq!(build["patch_crc"], inspect["patch_crc"]);
     assert_eq!(build["patch"], "tiny.dermatome");
     assert_eq!(inspect["header"]["skin"], "tiny");
 }

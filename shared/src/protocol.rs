@@ -322,7 +322,7 @@ pub struct FrameStamp {
 /// largest value.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct PackedImage {
-    /// Binary places after the point, 4 to 20.
+    /// Binary places after the point, 3 to 20.
     pub exponent: i8,
     /// Mantissas: `[pixel]`.
     pub mantissas: Vec<i16, MAX_PIXELS>,
