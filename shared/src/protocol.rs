@@ -505,6 +505,18 @@ mod tests {
         assert_eq!(postcard::to_slice(&reply, &mut buffer).unwrap(), [0, 2, 1, 0, 1]);
     }
 
+    /// Found by the fuzz target `patch`.
+    #[test]
+    fn an_image_at_the_ends_of_its_range_packs_to_half_a_step() {
+        let image: Image =
+            [i32::MIN, i32::MAX, 952_684_032, 0].into_iter().map(RelativeConductivity).collect();
+        let packed = PackedImage::pack(&image);
+        assert_eq!(packed.exponent, 3);
+        for (value, exact) in packed.values().zip(&image) {
+            assert!((value - exact.to_f64()).abs() <= 0.0625, "{value} for {exact:?}");
+        }
+    }
+
     proptest! {
         #[test]
         fn no_bytes_make_the_reader_panic(bytes in prop::collection::vec(any::<u8>(), 0..600)) {
