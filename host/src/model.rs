@@ -72,11 +72,24 @@ pub enum ModelError {
         /// Pixels inside the outline.
         pixels: usize,
     },
-    /// A normalised measurement would be divided by zero.
-    #[error("`inverse.normalised` is true, but measurement {measurement} is zero on the untouched skin")]
-    ZeroVoltage {
+    /// A pixel that no part of the mesh falls into.
+    #[error(
+        "no element of the mesh lies in pixel {pixel}: `mesh.edge_length` is too coarse for `image.columns`"
+    )]
+    EmptyPixel {
+        /// Index of the pixel.
+        pixel: usize,
+    },
+    /// A normalised measurement would be divided by next to nothing.
+    #[error(
+        "measurement {measurement} of the untouched skin is too small to normalise by ({share:.0e} of the mean); \
+         allowed here: `inverse.normalised` = false"
+    )]
+    SmallVoltage {
         /// Index of the measurement.
         measurement: usize,
+        /// Its size over the mean.
+        share: f64,
     },
 }
 
@@ -116,6 +129,7 @@ impl Model {
         let geometry = pixels::grid(&skin.outline, skin.image_columns);
         check_pixels(&geometry)?;
         let raster = pixels::raster(&mesh, &geometry);
+        check_raster(&raster)?;
         let jacobian = combine_rows(&jacobian(&mesh, &fields, &steps, &raster), &combination);
 
         on_stage(clock.begin("matrix"));
@@ -149,6 +163,27 @@ impl Model {
         combine_voltages(&self.voltages, &self.combination)
     }
 
+    /// Noise in the image, standard deviation of the worst pixel, for white noise on every step at this
+    /// signal-to-noise ratio (dB, against the root mean square of the untouched voltages).
+    #[must_use]
+    pub fn image_noise(&self, snr_db: f64) -> f64 {
+        let mean_square = self.voltages.iter().map(|v| v * v).sum::<f64>() / self.voltages.len() as f64;
+        let step_noise = mean_square.sqrt() * 10_f64.powf(-snr_db / 20.0);
+        let voltages = self.measurements();
+        let mean = voltages.iter().map(|v| v.abs()).sum::<f64>() / voltages.len() as f64;
+        let divisors = voltages.iter().map(|v| match self.difference {
+            Difference::Plain => mean,
+            Difference::Normalised => v.abs(),
+        });
+        let noise: Vec<f64> =
+            divisors.zip(step_counts(&self.combination)).map(|(v, n)| step_noise / n.sqrt() / v).collect();
+        let of_pixel = |pixel: usize| {
+            let row = self.conductivity_from_difference.row(pixel);
+            row.iter().zip(&noise).map(|(c, n)| (c * n).powi(2)).sum::<f64>().sqrt()
+        };
+        (0..self.conductivity_from_difference.nrows()).map(of_pixel).fold(0.0, f64::max)
+    }
+
     /// Image in f64 of a change of voltages against a reference, both `[step]` in any one unit: the
     /// oracle of the board's fixed-point image. Relative conductivity: `[pixel]`.
     ///
@@ -164,6 +199,17 @@ impl Model {
             Difference::Normalised => divide(change[m], reference[m]),
         });
         (&self.conductivity_from_difference * difference).iter().copied().collect()
+    }
+}
+
+/// Smallest untouched voltage that may be normalised by, over the mean: below it, noise at 60 dB is as
+/// large as the voltage.
+const SMALLEST_SHARE: f64 = 1e-3;
+
+fn check_raster(raster: &pixels::Pixels) -> Result<(), ModelError> {
+    match raster.elements.iter().position(Vec::is_empty) {
+        Some(pixel) => Err(ModelError::EmptyPixel { pixel }),
+        None => Ok(()),
     }
 }
 
@@ -186,10 +232,17 @@ impl DifferenceScale {
         let mean = voltages.iter().map(|v| v.abs()).sum::<f64>() / voltages.len() as f64;
         match kind {
             Difference::Plain => Ok(Self::Plain { mean }),
-            Difference::Normalised => match voltages.iter().position(|v| v.abs() < 1e-9 * mean) {
-                Some(measurement) => Err(ModelError::ZeroVoltage { measurement }),
-                None => Ok(Self::Normalised { voltages: voltages.to_vec() }),
-            },
+            Difference::Normalised => {
+                let smallest =
+                    (0..voltages.len()).min_by(|&a, &b| voltages[a].abs().total_cmp(&voltages[b].abs()));
+                match smallest
+                    .map(|m| (m, voltages[m].abs() / mean))
+                    .filter(|(_, share)| *share < SMALLEST_SHARE)
+                {
+                    Some((measurement, share)) => Err(ModelError::SmallVoltage { measurement, share }),
+                    None => Ok(Self::Normalised { voltages: voltages.to_vec() }),
+                }
+            }
         }
     }
 

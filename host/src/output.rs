@@ -27,6 +27,14 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     written.map_err(|reason| WriteError { path: path.to_owned(), reason })
 }
 
+/// Checks that a file could be written to `path`, before the work whose result it is to hold.
+pub fn check_folder(path: &Path) -> Result<(), WriteError> {
+    let Target::File(target) = Target::of(path) else { return Ok(()) };
+    temporary_file(folder_of(&target))
+        .map(drop)
+        .map_err(|reason| WriteError { path: path.to_owned(), reason })
+}
+
 /// What a path leads to.
 enum Target {
     /// An ordinary file, or nothing yet.
@@ -58,11 +66,14 @@ fn print(bytes: &[u8]) -> io::Result<()> {
 
 /// Writes to a temporary file beside `path`, then renames it.
 fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = temporary_file(folder)?;
+    let mut file = temporary_file(folder_of(path))?;
     file.write_all(bytes)?;
     file.as_file().sync_all()?;
     file.persist(path).map(drop).map_err(|error| error.error)
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// A temporary file with the permissions of an ordinary new file, which the umask narrows.

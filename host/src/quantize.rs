@@ -23,31 +23,33 @@ pub struct QuantizedMatrix {
 
 impl QuantizedMatrix {
     /// Rounds each row to 16 bits with the finest exponent that fits.
-    #[must_use]
-    pub fn new(matrix: &Mat<f64>) -> Self {
+    pub fn new(matrix: &Mat<f64>) -> Result<Self, PatchBuildError> {
         let mut mantissas = Vec::with_capacity(matrix.nrows() * matrix.ncols());
         let mut exponents = Vec::with_capacity(matrix.nrows());
         for i in 0..matrix.nrows() {
             let largest = matrix.row(i).iter().fold(0.0, |max: f64, value| max.max(value.abs()));
-            let exponent = finest_exponent(largest);
+            let finite = matrix.row(i).iter().all(|value| value.is_finite());
+            let exponent = finest_exponent(largest).filter(|_| finite);
+            let exponent = exponent.ok_or(PatchBuildError::Matrix { largest })?;
             let round = |value: &f64| (value * f64::from(exponent).exp2()).round() as i16;
             mantissas.extend(matrix.row(i).iter().map(round));
             exponents.push(exponent);
         }
-        Self { mantissas, exponents }
+        Ok(Self { mantissas, exponents })
     }
 }
 
-/// Largest exponent whose mantissas stay within 32,767.
-fn finest_exponent(largest: f64) -> i8 {
+/// Largest exponent whose mantissas stay within 32,767; `None` if no i8 will do.
+fn finest_exponent(largest: f64) -> Option<i8> {
     if largest == 0.0 {
-        return 0;
+        return Some(0);
     }
-    (32_767.0 / largest).log2().floor().clamp(-128.0, 127.0) as i8
+    let exponent = (32_767.0 / largest).log2().floor();
+    (-128.0..=127.0).contains(&exponent).then_some(exponent as i8)
 }
 
 /// Why a model does not make a patch.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PatchBuildError {
     /// Longer than a board's slot.
     #[error(
@@ -58,14 +60,32 @@ pub enum PatchBuildError {
         /// Length it would have.
         bytes: usize,
     },
+    /// The matrix does not fit fixed point.
+    #[error(
+        "the reconstruction matrix has entries of {largest:.1e}, which 16 bits with an exponent cannot hold: \
+         change `inverse.hyperparameter`"
+    )]
+    Matrix {
+        /// Largest entry of the row that does not fit.
+        largest: f64,
+    },
+    /// Images leave the range of fixed point.
+    #[error(
+        "images of simulated presses are off by {percent:.1} % of their peak in fixed point, more than rounding \
+         explains: they overflow; raise `inverse.hyperparameter`"
+    )]
+    Overflow {
+        /// Error in per cent of the image's peak.
+        percent: f64,
+    },
     /// The patch does not pass its own checks.
     #[error("the skin does not make a valid patch: {0}")]
-    Invalid(#[from] PatchError),
+    Invalid(PatchError),
 }
 
 /// The patch of a skin's model.
 pub fn patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
-    let quantized = QuantizedMatrix::new(&model.conductivity_from_difference);
+    let quantized = QuantizedMatrix::new(&model.conductivity_from_difference)?;
     let header = header(skin, model);
     let contents = PatchContents {
         header: &header,
@@ -82,7 +102,7 @@ pub fn patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
     if length > MAX_PATCH_BYTES {
         return Err(PatchBuildError::TooLong { bytes: length });
     }
-    PatchView::validate(&bytes)?;
+    PatchView::validate(&bytes).map_err(PatchBuildError::Invalid)?;
     Ok(bytes)
 }
 
@@ -116,8 +136,14 @@ pub struct FixedPointError {
 
 /// Tries the patch on the images of `trials` random presses: the difference data that one random
 /// pixel and some noise would give, from a fixed seed.
-#[must_use]
-pub fn fixed_point_error(model: &Model, patch: &PatchView<'_>, trials: usize) -> FixedPointError {
+///
+/// An error beyond what rounding explains means that images leave the range of
+/// [`RelativeConductivity`].
+pub fn fixed_point_error(
+    model: &Model,
+    patch: &PatchView<'_>,
+    trials: usize,
+) -> Result<FixedPointError, PatchBuildError> {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(1);
     let scale = difference_per_volt(model);
     let mut worst = FixedPointError::default();
@@ -129,8 +155,11 @@ pub fn fixed_point_error(model: &Model, patch: &PatchView<'_>, trials: usize) ->
         let error = error_of_image(model, patch, &relative);
         worst.bound_percent = worst.bound_percent.max(error.bound_percent);
         worst.measured_percent = worst.measured_percent.max(error.measured_percent);
+        if error.measured_percent > error.bound_percent {
+            return Err(PatchBuildError::Overflow { percent: error.measured_percent });
+        }
     }
-    worst
+    Ok(worst)
 }
 
 /// What turns a change of model voltage into difference data of the model's kind: `[measurement]`.
@@ -183,7 +212,7 @@ mod tests {
             scale in prop::array::uniform3(-20..20_i32),
         ) {
             let matrix = Mat::from_fn(3, 4, |i, j| values[4 * i + j] * f64::from(scale[i]).exp2());
-            let quantized = QuantizedMatrix::new(&matrix);
+            let quantized = QuantizedMatrix::new(&matrix).unwrap();
             for i in 0..3 {
                 let step = (-f64::from(quantized.exponents[i])).exp2();
                 let largest = matrix.row(i).iter().fold(0.0, |max: f64, v| max.max(v.abs()));
@@ -197,8 +226,16 @@ mod tests {
     }
 
     #[test]
+    fn a_matrix_that_fixed_point_cannot_hold_is_refused() {
+        for value in [f64::NAN, f64::INFINITY, 1e60, 1e-60] {
+            let matrix = Mat::from_fn(1, 2, |_, j| if j == 0 { value } else { 0.0 });
+            assert!(matches!(QuantizedMatrix::new(&matrix), Err(PatchBuildError::Matrix { .. })), "{value}");
+        }
+    }
+
+    #[test]
     fn a_row_of_zeros_stays_zero() {
-        let quantized = QuantizedMatrix::new(&Mat::zeros(1, 3));
+        let quantized = QuantizedMatrix::new(&Mat::zeros(1, 3)).unwrap();
         assert_eq!(quantized.mantissas, [0, 0, 0]);
     }
 }

@@ -31,7 +31,7 @@ pub struct Contact {
 /// Contacts of one image, strongest peak first.
 pub type Contacts = Vec<Contact, MAX_CONTACTS>;
 
-/// Smallest value that belongs to the region of interest, or `None` on an untouched skin.
+/// Value above which a pixel belongs to the region of interest, or `None` on an untouched skin.
 #[must_use]
 pub fn region_level(image: &[RelativeConductivity], threshold: RelativeConductivity) -> Option<i32> {
     let peak = image.iter().copied().max()?;

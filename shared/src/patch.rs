@@ -341,6 +341,7 @@ impl<'a> PatchView<'a> {
         positive("grid.pitch", header.grid.pitch)?;
         positive("grid.left", header.grid.left.abs() + 1.0)?;
         positive("grid.top", header.grid.top.abs() + 1.0)?;
+        positive("contact_threshold", header.contact_threshold.to_f32())?;
         positive("drive.frequency", header.drive.frequency)?;
         positive("drive.amplitude", header.drive.amplitude)?;
         positive("drive.frame_rate", header.drive.frame_rate)

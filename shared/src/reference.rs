@@ -58,8 +58,8 @@ impl Tare {
         for (sum, value) in sums.iter_mut().zip(&measured) {
             *sum += value;
         }
-        self.reference.frames += 1;
-        self.remaining -= 1;
+        self.reference.frames = self.reference.frames.saturating_add(1);
+        self.remaining = self.remaining.saturating_sub(1);
         if self.remaining > 0 {
             return None;
         }
@@ -99,13 +99,13 @@ impl Reference {
 
 /// Difference data in block floating point: `y[m] = codes[m] * 2^-exponent`.
 ///
-/// The exponent is chosen anew for each frame so that the largest code lies in 16,384 to 32,767;
+/// The exponent is chosen anew for each frame so that the largest code lies in 16,383 to 32,767;
 /// the rounding error is at most half a step, 2^-15 of the largest value.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DifferenceData {
     /// Mantissas: `[measurement]`.
     pub codes: Vec<i16, MAX_MEASUREMENTS>,
-    /// Binary places after the point, -60 to 60.
+    /// Binary places after the point, -61 to 60.
     pub exponent: i32,
 }
 
@@ -116,7 +116,10 @@ impl DifferenceData {
         let largest = relative.iter().fold(0.0_f32, |max, &y| max.max(finite(y).abs()));
         let floor_log2 = (largest.to_bits() >> 23) as i32 - 127;
         self.exponent = if largest == 0.0 { 0 } else { (14 - floor_log2).clamp(-60, 60) };
-        let scale = f32::from_bits(((127 + self.exponent) as u32) << 23);
+        if largest * power_of_two(self.exponent) >= 32_767.5 {
+            self.exponent -= 1;
+        }
+        let scale = power_of_two(self.exponent);
         self.codes.clear();
         for &y in relative.iter().take(MAX_MEASUREMENTS) {
             let scaled = finite(y) * scale;
@@ -124,6 +127,11 @@ impl DifferenceData {
             let _ = self.codes.push(rounded.clamp(-32_767, 32_767) as i16);
         }
     }
+}
+
+/// 2^exponent, exactly; -61 to 60.
+fn power_of_two(exponent: i32) -> f32 {
+    f32::from_bits(((127 + exponent) as u32) << 23)
 }
 
 /// Adds up the steps that measure the same thing (reciprocal pairs), each with its sign.
@@ -162,4 +170,39 @@ fn plain_scales(patch: &PatchView<'_>, reference: &Reference) -> Vec<f32, MAX_ME
 
 fn inverse_or_zero(value: f32) -> f32 {
     if value == 0.0 || !value.is_finite() { 0.0 } else { 1.0 / value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn every_value_is_kept_to_half_a_step(values in prop::collection::vec(-1.0_f32..1.0, 1..50), scale in -40_i32..40) {
+            let relative: std::vec::Vec<f32> = values.iter().map(|v| v * power_of_two(scale)).collect();
+            let mut data = DifferenceData::default();
+            data.quantise(&relative);
+            let step = f64::from(-data.exponent).exp2();
+            for (code, y) in data.codes.iter().zip(&relative) {
+                prop_assert!((f64::from(*code) * step - f64::from(*y)).abs() <= 0.5 * step);
+            }
+            let largest = data.codes.iter().map(|code| code.unsigned_abs()).max().unwrap();
+            prop_assert!((16_383..=32_767).contains(&largest) || relative.iter().all(|&y| y == 0.0));
+        }
+    }
+
+    #[test]
+    fn a_value_just_below_a_power_of_two_is_kept_to_half_a_step() {
+        let mut data = DifferenceData::default();
+        data.quantise(&[0.999_999_94]);
+        assert_eq!((data.codes[0], data.exponent), (16_384, 14));
+    }
+
+    #[test]
+    fn values_that_are_not_finite_read_zero() {
+        let mut data = DifferenceData::default();
+        data.quantise(&[f32::NAN, f32::INFINITY, 0.5]);
+        assert_eq!(data.codes[..], [0, 0, 16_384]);
+    }
 }

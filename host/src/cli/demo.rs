@@ -1,12 +1,12 @@
 //! `dermatome demo`: the whole chain, from a skin file to contacts, with no hardware.
 
-use super::{JsonReport, interrupt, noise::NoiseOptions, progress};
+use super::{JsonReport, interrupt, noise::NoiseOptions, progress, tare::tare_with_spinner};
 use crate::{
     board::simulated::{BoardOptions, SimulatedBoard},
     demo::{self, Figures, Scorer, Watched},
     link::{self, Link},
     model::Model,
-    output::write_whole,
+    output::{check_folder, write_whole},
     quantize,
     simulate::SimulatedSkin,
     skin::Skin,
@@ -53,6 +53,7 @@ struct Report {
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
+    check_folder(&args.png)?;
     let noise = args.noise.noise();
     let skin = Skin::parse(Path::new(demo::SKIN_PATH), demo::SKIN)?;
     let spinner = progress::spinner();
@@ -72,7 +73,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     );
 
     let used = flash(&mut link, &patch)?;
-    link::tare(&mut link, DEFAULT_TARE_FRAMES, link::tare_timeout(&used, DEFAULT_TARE_FRAMES))?;
+    tare_with_spinner(&mut link, &used, DEFAULT_TARE_FRAMES)?;
     say!("flashed it and averaged {DEFAULT_TARE_FRAMES} frames of the untouched skin; now watch the fingers");
 
     let reference = demo::reference(&mut link)?;

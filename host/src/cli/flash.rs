@@ -59,7 +59,13 @@ fn report(
 ) -> anyhow::Result<()> {
     let (identity, port) = (link.identity(), link.port());
     say!("{} at {port} now uses patch `{}` ({patch_bytes} bytes)", identity.board, used.skin);
-    say!("next: dermatome tare --port {port}");
+    let next = match args.port {
+        Port::Simulated(_) => {
+            "this simulated board ends with the command; `dermatome simulate` runs one that stays".into()
+        }
+        _ => format!("next: dermatome tare --port {port}"),
+    };
+    say!("{next}");
     args.json.write(&Report {
         port,
         board: &identity.board,

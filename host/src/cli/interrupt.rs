@@ -3,14 +3,23 @@
 //! that is being flashed keeps the patch it had.
 
 use anyhow::Context;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::{
+    sync::atomic::{AtomicBool, Ordering},
+    time::{Duration, Instant},
+};
+
+/// Signals within this time count as one.
+const ONE_REQUEST: Duration = Duration::from_millis(500);
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 
 /// Starts to watch for Ctrl-C and the termination signal.
 pub fn install() -> anyhow::Result<()> {
-    ctrlc::set_handler(|| {
-        if REQUESTED.swap(true, Ordering::Relaxed) {
+    let mut first: Option<Instant> = None;
+    ctrlc::set_handler(move || {
+        REQUESTED.store(true, Ordering::Relaxed);
+        // Some programs that stop others send the signal twice at once; that is one request.
+        if first.get_or_insert_with(Instant::now).elapsed() > ONE_REQUEST {
             std::process::exit(130);
         }
     })

@@ -106,12 +106,11 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         frames: results,
     };
     report.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    say!("{}", table(&report.frames).trim_end());
     if let Some(path) = &args.png {
         write_whole(path, &picture(&skin, &model, &report)?)?;
     }
-    args.json.write(&report)?;
-    say!("{}", table(&report.frames).trim_end());
-    Ok(())
+    args.json.write(&report)
 }
 
 fn warnings(diagnosis: &Diagnosis, reference: &Frames, frames: &Frames) -> Vec<String> {

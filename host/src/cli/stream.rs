@@ -3,7 +3,10 @@
 mod display;
 mod tally;
 
-use super::{interrupt, tare::patch_of};
+use super::{
+    interrupt,
+    tare::{patch_of, tare_with_spinner},
+};
 use crate::link::{self, Link, Port};
 use dermatome_shared::{
     protocol::{Event, PatchInfo, Selection},
@@ -69,6 +72,7 @@ struct Report<'a> {
     tared_first: bool,
     frames_received: u64,
     frames_lost: u64,
+    frames_saturated: u64,
     events_lost: u64,
     packets_damaged: u64,
     images_per_second: Option<f64>,
@@ -94,6 +98,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         tared_first,
         frames_received: tally.received(),
         frames_lost: tally.lost(),
+        frames_saturated: tally.saturated(),
         events_lost: link.events_lost(),
         packets_damaged: link.packets_damaged(),
         images_per_second: tally.per_second(),
@@ -108,7 +113,7 @@ fn tare_if_needed(link: &mut Link, patch: &PatchInfo) -> anyhow::Result<bool> {
     }
     let frames = DEFAULT_TARE_FRAMES;
     eprintln!("the board has no reference yet: averaging {frames} frames, do not touch the skin");
-    link::tare(link, frames, link::tare_timeout(patch, frames))?;
+    tare_with_spinner(link, patch, frames)?;
     Ok(true)
 }
 
@@ -156,7 +161,7 @@ fn take(event: &Event, display: &mut Display, tally: &mut Tally) -> io::Result<b
     match event {
         Event::Image { image, .. } => display.keep_image(image),
         Event::Contacts { at, contacts } => {
-            tally.count(at.sequence, Instant::now());
+            tally.count(*at, Instant::now());
             match display.show(*at, contacts) {
                 Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(false),
                 other => other?,
@@ -169,15 +174,22 @@ fn take(event: &Event, display: &mut Display, tally: &mut Tally) -> io::Result<b
 
 /// Longest silence before the board is asked: five frames, and at least a second.
 fn patience(patch: &PatchInfo) -> Duration {
-    let seconds = (PATIENCE_FRAMES / f64::from(patch.drive.frame_rate)).clamp(1.0, 3600.0);
-    Duration::from_secs_f64(seconds)
+    let least = Duration::from_secs(1);
+    let frames = Duration::try_from_secs_f64(PATIENCE_FRAMES / f64::from(patch.drive.frame_rate));
+    frames.unwrap_or(least).clamp(least, Duration::from_secs(3600))
 }
 
 fn summarise(tally: &Tally, link: &Link, ended: Ended) {
-    let rate = tally.per_second().map_or(String::new(), |rate| format!(", {rate:.1} images per second"));
+    let rate = tally.per_second().map_or(String::new(), |rate| format!(", {rate:.1} frames per second"));
     let (received, lost) = (tally.received(), tally.lost());
     let damaged = link.packets_damaged();
     eprintln!("{received} frames received, {lost} lost{rate}, {damaged} packets damaged");
+    if tally.saturated() > 0 {
+        eprintln!(
+            "warning: the converter saturated in {} frames: their images are not right",
+            tally.saturated()
+        );
+    }
     if ended == Ended::Board {
         eprintln!("the board ended its stream");
     }

@@ -44,7 +44,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let mut link = link::open(&args.port)?;
     let patch = patch_of(&mut link)?;
     let started = Instant::now();
-    link::tare(&mut link, args.frames, link::tare_timeout(&patch, args.frames))?;
+    tare_with_spinner(&mut link, &patch, args.frames)?;
     let duration_s = started.elapsed().as_secs_f64();
     say!("averaged {} frames of `{}` as its reference", args.frames, patch.skin);
     args.json.write(&Report {
@@ -55,6 +55,15 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         frames: args.frames,
         duration_s,
     })
+}
+
+/// A long tare takes as long as its frames.
+pub(super) fn tare_with_spinner(link: &mut Link, patch: &PatchInfo, frames: u16) -> anyhow::Result<()> {
+    let spinner = super::progress::spinner();
+    spinner.set_message(format!("averaging {frames} frames of the untouched skin"));
+    let tared = link::tare(link, frames, link::tare_timeout(patch, frames));
+    spinner.finish_and_clear();
+    Ok(tared?)
 }
 
 /// The patch on the board, which it must hold.

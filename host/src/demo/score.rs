@@ -123,9 +123,9 @@ impl Scorer<'_> {
 
     fn by_radius(&self, records: &[FrameRecord]) -> Vec<RadiusBand> {
         const BANDS: usize = 4;
-        let [half, _] = self.skin.outline.half_size();
         let diameter = self.skin.outline.diameter();
-        let share = |record: &FrameRecord| Point2::from(record.presses[0].position).coords.norm() / half;
+        let share =
+            |record: &FrameRecord| Point2::from(record.presses[0].position).coords.norm() / (diameter / 2.0);
         let band = |i: usize| {
             let (from, to) = (i as f64 / 5.0, (i + 1) as f64 / 5.0);
             let errors = records

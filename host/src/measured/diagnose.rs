@@ -52,7 +52,7 @@ pub fn diagnose(
     used: Arrangement,
 ) -> Result<Diagnosis, OrderError> {
     let map = used.index_map(steps, electrodes, reference.len())?;
-    let floor = DEAD * median(map.iter().map(|place| reference[place.index].norm()));
+    let floor = dead_below(reference, &map);
     let correlations: Vec<_> = Arrangement::all(electrodes)
         .filter_map(|arrangement| {
             let map = arrangement.index_map(steps, electrodes, reference.len()).ok()?;
@@ -232,6 +232,11 @@ impl Signs {
         let disagreements = if opposite.len() > equal.len() { equal } else { opposite };
         Self { magnitudes_only: false, disagreements, compared }
     }
+}
+
+/// Magnitude up to which a measurement of the reference is dead.
+pub(super) fn dead_below(reference: &[Complex64], map: &[FileIndex]) -> f64 {
+    DEAD * median(map.iter().map(|place| reference[place.index].norm()))
 }
 
 fn median(values: impl Iterator<Item = f64>) -> f64 {

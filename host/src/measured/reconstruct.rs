@@ -1,6 +1,7 @@
 //! Images of measured frames, and where in them something touches the skin.
 
 use super::{
+    diagnose::dead_below,
     difference::{difference, signed_reference},
     order::{Arrangement, OrderError},
     read::Frames,
@@ -11,6 +12,7 @@ use dermatome_shared::{
     image::PixelGrid,
     units::RelativeConductivity,
 };
+use num_complex::Complex64;
 use serde::Serialize;
 
 /// Whether what is looked for raises or lowers the conductivity.
@@ -73,6 +75,14 @@ pub enum ReconstructError {
         /// Measurements in the reference.
         reference: usize,
     },
+    /// Numbers too large to reckon with.
+    #[error(
+        "frame {frame} holds values so large that its image overflows; allowed are voltages, in any unit"
+    )]
+    Overflow {
+        /// The frame, from 0.
+        frame: usize,
+    },
     /// Nothing to scale by.
     #[error("every measurement of the reference is zero")]
     DeadReference,
@@ -95,16 +105,22 @@ pub fn reconstruct(
     }
     let electrodes = model.mesh.electrodes.len() as u8;
     let map = arrangement.index_map(&model.steps, electrodes, reference.measurements)?;
-    let reference = reference.mean();
+    let mut reference = reference.mean();
+    let floor = dead_below(&reference, &map);
+    // A dead measurement is exactly zero, and so is left out of the image.
+    reference.iter_mut().filter(|value| value.norm() <= floor).for_each(|value| *value = Complex64::ZERO);
     let signed = signed_reference(&reference, &map, &model.voltages);
     if signed.iter().all(|&value| value == 0.0) {
         return Err(ReconstructError::DeadReference);
     }
-    let image_of =
-        |values: &[_]| model.image(&difference(&reference, values, &map, &model.voltages), &signed);
-    let results =
-        frames.iter().enumerate().map(|(frame, values)| describe(model, frame, image_of(values), polarity));
-    Ok(results.collect())
+    let of_frame = |(frame, values): (usize, &[Complex64])| {
+        let image = model.image(&difference(&reference, values, &map, &model.voltages), &signed);
+        if image.iter().any(|value| !value.is_finite()) {
+            return Err(ReconstructError::Overflow { frame });
+        }
+        Ok(describe(model, frame, image, polarity))
+    };
+    frames.iter().enumerate().map(of_frame).collect()
 }
 
 fn describe(model: &Model, frame: usize, image: Vec<f64>, polarity: Polarity) -> FrameResult {

@@ -143,13 +143,15 @@ fn inner_points(outline: &Outline, edge_length: f64, lattice: Lattice) -> Vec<Po
     let turn = Rotation2::new(lattice.angle);
     let row_height = edge_length * 3_f64.sqrt() / 2.0;
     let [x, y] = outline.half_size();
-    let reach = (x.hypot(y) / row_height).ceil() as i64 + 1;
+    let (sin, cos) = lattice.angle.sin_cos();
+    let rows = ((x * sin.abs() + y * cos.abs()) / row_height).ceil() as i64 + 2;
+    let columns = ((x * cos.abs() + y * sin.abs()) / edge_length).ceil() as i64 + 2;
     let lattice_point = |row: i64, column: i64| {
         let along = column as f64 + 0.5 * row.rem_euclid(2) as f64 + lattice.shift;
         turn * Point2::new(along * edge_length, (row as f64 + lattice.shift) * row_height)
     };
-    (-reach..=reach)
-        .flat_map(|row| (-reach..=reach).map(move |column| lattice_point(row, column)))
+    (-rows..=rows)
+        .flat_map(|row| (-columns..=columns).map(move |column| lattice_point(row, column)))
         .filter(|&point| outline.depth(point) > RIM_CLEARANCE * edge_length)
         .collect()
 }

@@ -17,7 +17,7 @@ use rand_pcg::Pcg64Mcg;
 const FINENESS: f64 = 0.66;
 /// The lattice is turned and shifted against the reconstruction's.
 const LATTICE: Lattice = Lattice { angle: 0.35, shift: 0.37 };
-/// Signed codes of the lock-in: a 12-bit converter summed over 256 samples.
+/// Signed codes of the lock-in: a 12-bit converter summed over 16 samples.
 const CODE_BITS: i32 = 16;
 /// The largest untouched voltage fills this share of the converter's range.
 const FILL: f64 = 0.8;

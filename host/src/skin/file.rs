@@ -190,7 +190,7 @@ impl Checker<'_> {
             drive: self.drive(&file.drive, file.electrodes.count)?,
             inverse: self.inverse(&file.inverse)?,
             image_columns: self.count("image.columns", file.image.columns, 4, MAX_GRID_SIDE)?,
-            contact_threshold: self.positive_number("contact.threshold", file.contact.threshold)?,
+            contact_threshold: self.threshold(file.contact.threshold)?,
         })
     }
 
@@ -219,10 +219,16 @@ impl Checker<'_> {
             "rectangle" => {
                 let hint = "nothing (a rectangle has `width` and `height`)";
                 self.absent("shape.diameter", shape.diameter.as_ref(), hint)?;
-                Ok(Outline::Rectangle {
-                    width: self.required("shape.width", shape.width.as_ref(), quantity::LENGTH)?,
-                    height: self.required("shape.height", shape.height.as_ref(), quantity::LENGTH)?,
-                })
+                let width = self.required("shape.width", shape.width.as_ref(), quantity::LENGTH)?;
+                let height = self.required("shape.height", shape.height.as_ref(), quantity::LENGTH)?;
+                if !(0.01..=100.0).contains(&(height / width)) {
+                    return self.refuse(
+                        "shape.height",
+                        format!("{height} m"),
+                        "a hundredth to a hundred times `width`",
+                    );
+                }
+                Ok(Outline::Rectangle { width, height })
             }
             other => self.refuse("shape.kind", format!("{other:?}"), "\"disc\" or \"rectangle\""),
         }
@@ -414,12 +420,13 @@ impl Checker<'_> {
         let skipped = pattern.strip_prefix("skip-").and_then(|n| n.parse::<u8>().ok());
         match (pattern, skipped) {
             ("adjacent", _) => Ok((1, 1)),
-            ("opposite", _) if electrodes % 2 == 0 => Ok(((electrodes / 2) as u8, 1)),
+            ("opposite", _) if electrodes % 2 == 0 && electrodes >= 6 => Ok(((electrodes / 2) as u8, 1)),
             (_, Some(n)) if (0..electrodes / 2 - 1).contains(&i64::from(n)) => Ok((n + 1, n + 1)),
             _ => {
                 let most = electrodes / 2 - 2;
-                let allowed =
-                    format!("\"adjacent\", \"opposite\" (even count), or \"skip-0\" to \"skip-{most}\"");
+                let allowed = format!(
+                    "\"adjacent\", \"opposite\" (even count from 6 on), or \"skip-0\" to \"skip-{most}\""
+                );
                 self.refuse("drive.pattern", format!("{pattern:?}"), &allowed)
             }
         }
@@ -476,6 +483,12 @@ impl Checker<'_> {
                 self.refuse(field, written.to_string(), &allowed)
             }
         }
+    }
+
+    /// At least one step of the board's image.
+    fn threshold(&self, value: f64) -> Result<f64, SkinError> {
+        let fits = (1e-6..=1000.0).contains(&value);
+        if fits { Ok(value) } else { self.refuse("contact.threshold", value.to_string(), "0.000001 to 1000") }
     }
 
     fn positive_number(&self, field: &'static str, value: f64) -> Result<f64, SkinError> {

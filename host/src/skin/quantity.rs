@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 /// A number as a person wrote it.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number, or text with a unit such as \"210 mm\"")]
 pub enum Quantity {
     /// A number in the SI unit.
     Number(f64),

@@ -1,5 +1,6 @@
 //! Tally: frames received, lost, and how fast they came.
 
+use dermatome_shared::{frame::FrameFlags, protocol::FrameStamp};
 use std::time::Instant;
 
 /// Counts the frames of one stream by their sequence numbers.
@@ -8,6 +9,7 @@ pub(super) struct Tally {
     next: u32,
     received: u64,
     lost: u64,
+    saturated: u64,
     first_and_last: Option<[Instant; 2]>,
 }
 
@@ -18,7 +20,9 @@ impl Tally {
     }
 
     /// A frame has come.
-    pub(super) fn count(&mut self, sequence: u32, now: Instant) {
+    pub(super) fn count(&mut self, at: FrameStamp, now: Instant) {
+        let sequence = at.sequence;
+        self.saturated += u64::from(at.flags.contains(FrameFlags::SATURATED));
         self.lost += u64::from(sequence.wrapping_sub(self.next));
         self.next = sequence.wrapping_add(1);
         self.received += 1;
@@ -32,6 +36,11 @@ impl Tally {
 
     pub(super) fn lost(&self) -> u64 {
         self.lost
+    }
+
+    /// Frames in which a sample reached the end of the converter's range.
+    pub(super) fn saturated(&self) -> u64 {
+        self.saturated
     }
 
     /// Frames per second, from the first to the last; `None` for fewer than two.
@@ -53,9 +62,11 @@ mod tests {
         let start = Instant::now();
         tally.start(u32::MAX - 3);
         for (i, sequence) in [u32::MAX - 1, u32::MAX, 2].into_iter().enumerate() {
-            tally.count(sequence, start + Duration::from_millis(500 * i as u64));
+            let flags = FrameFlags(u8::from(i == 1));
+            let at = FrameStamp { sequence, timestamp_us: 0, flags };
+            tally.count(at, start + Duration::from_millis(500 * i as u64));
         }
-        assert_eq!((tally.received(), tally.lost()), (3, 2 + 2));
+        assert_eq!((tally.received(), tally.lost(), tally.saturated()), (3, 2 + 2, 1));
         assert_eq!(tally.per_second(), Some(2.0));
     }
 
@@ -63,7 +74,8 @@ mod tests {
     fn one_frame_has_no_rate() {
         let mut tally = Tally::default();
         assert_eq!(tally.per_second(), None);
-        tally.count(0, Instant::now());
+        let at = FrameStamp { sequence: 0, timestamp_us: 0, flags: FrameFlags::default() };
+        tally.count(at, Instant::now());
         assert_eq!(tally.per_second(), None);
     }
 }

@@ -1,0 +1,84 @@
+//! Every shipped skin, as the board would run it at its own settings and 60 dB: silent while nobody
+//! presses, one contact near the finger when somebody does.
+
+use dermatome::{
+    model::Model,
+    quantize,
+    simulate::{Noise, Press, Script, SimulatedSkin},
+    skin::Skin,
+};
+use dermatome_shared::{
+    contact::Contacts,
+    frame::Frame,
+    patch::PatchView,
+    pipeline::{PipelineState, process},
+};
+use std::path::Path;
+
+/// A patch at work on a simulated skin.
+struct Bench {
+    skin: Skin,
+    model: Model,
+    patch: Vec<u8>,
+}
+
+impl Bench {
+    fn new(name: &str) -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name).join("skin.toml");
+        let skin = Skin::load(&path).unwrap();
+        let model = Model::build(&skin, |_| ()).unwrap();
+        let patch = quantize::patch(&skin, &model).unwrap();
+        Self { skin, model, patch }
+    }
+
+    /// Contacts of 10 frames with these presses, after a tare of 20.
+    fn contacts(&self, presses: &[Press], seed: u64) -> Vec<Contacts> {
+        let script = Script::still(presses, &self.skin.outline).unwrap();
+        let noise = Noise { snr_db: 60.0, seed };
+        let mut simulated = SimulatedSkin::new(&self.skin, script, noise).unwrap();
+        let patch = PatchView::validate(&self.patch).unwrap();
+        let mut state = PipelineState::default();
+        state.start_tare(20);
+        let mut frame = |time| {
+            let codes = simulated.measure(&self.model.steps, time).0.into_iter().collect();
+            process(&patch, &mut state, &Frame { codes, ..Frame::default() });
+            state.contacts().clone()
+        };
+        (0..20).for_each(|_| drop(frame(None)));
+        (0..10).map(|_| frame(Some(0.0))).collect()
+    }
+}
+
+const SKINS: [&str; 3] = ["disc-210mm", "square-50mm", "square-210mm"];
+
+#[test]
+fn an_untouched_skin_reports_no_contact() {
+    for name in SKINS {
+        let bench = Bench::new(name);
+        for seed in 0..5 {
+            let found = bench.contacts(&[], seed);
+            assert!(found.iter().flatten().next().is_none(), "{name}, seed {seed}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_finger_is_one_contact_within_four_per_cent_of_the_diameter() {
+    for name in SKINS {
+        let bench = Bench::new(name);
+        let [x, y] = bench.skin.outline.half_size();
+        let places = [[0.0, 0.0], [0.4, 0.1], [-0.3, 0.5], [0.1, -0.6], [-0.55, -0.2]];
+        let mut worst: f64 = 0.0;
+        for (seed, [u, v]) in (0..).zip(places) {
+            let press = Press { position: [u * x, v * y], radius: 0.12 * x, depth: 1.0 };
+            for contacts in bench.contacts(&[press], seed) {
+                let contact = contacts.first().unwrap_or_else(|| panic!("{name}: no contact at {u}, {v}"));
+                let error = dermatome::metrics::position_error(contact.position, press.position);
+                worst = worst.max(error / bench.skin.outline.diameter());
+                assert_eq!(contacts.len(), 1, "{name} at {u}, {v}: {contacts:?}");
+            }
+        }
+        println!("{name}: at most {:.2} % of the diameter off", 100.0 * worst);
+        assert!(worst < 0.04, "{name}: {worst}");
+    }
+}
