@@ -74,6 +74,7 @@ fn flash_tare_and_stream_lead_from_an_empty_board_to_contacts() {
         "firmware",
         "frames_lost",
         "frames_received",
+        "frames_saturated",
         "images_per_second",
         "packets_damaged",
         "port",
