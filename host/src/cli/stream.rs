@@ -180,7 +180,7 @@ fn patience(patch: &PatchInfo) -> Duration {
 }
 
 fn summarise(tally: &Tally, link: &Link, ended: Ended) {
-    let rate = tally.per_second().map_or(String::new(), |rate| format!(", {rate:.1} frames per second"));
+    let rate = tally.per_second().map_or(String::new(), |rate| format!(", {rate:.1} images per second"));
     let (received, lost) = (tally.received(), tally.lost());
     let damaged = link.packets_damaged();
     eprintln!("{received} frames received, {lost} lost{rate}, {damaged} packets damaged");
