@@ -76,11 +76,14 @@ fn steps() -> Vec<Step> {
     pattern(16, 1, 1).collect()
 }
 
-/// Largest difference relative to the largest expected value.
-fn relative_error(got: &[f64], expected: &[f64]) -> f64 {
+/// Largest difference relative to the largest expected value; printed, so that anyone can see it with
+/// `cargo test -p dermatome --test eidors -- --nocapture`.
+fn assert_agrees(model: &str, what: &str, got: &[f64], expected: &[f64], allowed: f64) {
     assert_eq!(got.len(), expected.len());
     let largest = expected.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
-    got.iter().zip(expected).fold(0.0, |max: f64, (a, b)| max.max((a - b).abs())) / largest
+    let error = got.iter().zip(expected).fold(0.0, |max: f64, (a, b)| max.max((a - b).abs())) / largest;
+    println!("{model:<18} {what:<26} relative error {error:.1e} (allowed {allowed:.0e})");
+    assert!(error < allowed, "{model}, {what}: {error:e}");
 }
 
 fn rows(matrix: &Mat<f64>) -> Vec<f64> {
@@ -106,11 +109,9 @@ fn voltages_agree_to_1e_10_for_homogeneous_and_inhomogeneous_conductivity() {
         let mesh = reference.mesh(complete);
         let forward = reference.forward(&mesh);
         let voltages = forward.solve(&vec![1.0; mesh.elements.len()]).unwrap().voltages(&steps());
-        let error = relative_error(&voltages, &reference.floats("vh"));
-        assert!(error < 1e-10, "{name}: homogeneous {error:e}");
+        assert_agrees(name, "voltages", &voltages, &reference.floats("vh"), 1e-10);
         let voltages = forward.solve(&reference.floats("sigma_i")).unwrap().voltages(&steps());
-        let error = relative_error(&voltages, &reference.floats("vi"));
-        assert!(error < 1e-10, "{name}: inhomogeneous {error:e}");
+        assert_agrees(name, "voltages, inhomogeneous", &voltages, &reference.floats("vi"), 1e-10);
     }
 }
 
@@ -123,8 +124,7 @@ fn node_potentials_agree_to_1e_10() {
         // Stimulation k: -1 A into electrode k, +1 A into k + 1.
         let potentials =
             Mat::from_fn(fields.nrows(), 16, |node, k| fields[(node, (k + 1) % 16)] - fields[(node, k)]);
-        let error = relative_error(&rows(&potentials), &reference.floats("nodev_h"));
-        assert!(error < 1e-10, "{name}: {error:e}");
+        assert_agrees(name, "node potentials", &rows(&potentials), &reference.floats("nodev_h"), 1e-10);
     }
 }
 
@@ -140,8 +140,7 @@ fn system_matrix_agrees_to_1e_10() {
         }
         let places: Vec<_> = reference.indices("E_row").into_iter().zip(reference.indices("E_col")).collect();
         let got: Vec<f64> = places.iter().map(|place| matrix.remove(place).unwrap_or(0.0)).collect();
-        let error = relative_error(&got, &reference.floats("E_val"));
-        assert!(error < 1e-10, "{name}: {error:e}");
+        assert_agrees(name, "system matrix", &got, &reference.floats("E_val"), 1e-10);
         assert!(matrix.values().all(|value| value.abs() < 1e-12), "{name}: entries EIDORS does not have");
     }
 }
@@ -153,8 +152,7 @@ fn jacobian_agrees_to_1e_10() {
         let mesh = reference.mesh(complete);
         let fields = homogeneous(&mut reference, &mesh);
         let jacobian = jacobian(&mesh, &fields, &steps(), &pixels::per_element(&mesh));
-        let error = relative_error(&rows(&jacobian), &reference.floats("J"));
-        assert!(error < 1e-10, "{name}: {error:e}");
+        assert_agrees(name, "Jacobian", &rows(&jacobian), &reference.floats("J"), 1e-10);
     }
 }
 
@@ -212,8 +210,13 @@ fn images_agree_to_1e_8() {
         let mut reference = Reference::open(name);
         for (kind, normalised, key) in kinds {
             let image = image(&mut reference, complete, kind, normalised, &format!("hp_{key}"));
-            let error = relative_error(&image, &reference.floats(&format!("x_{key}")));
-            assert!(error < 1e-8, "{name} {key}: {error:e}");
+            assert_agrees(
+                name,
+                &format!("image, {key}"),
+                &image,
+                &reference.floats(&format!("x_{key}")),
+                1e-8,
+            );
         }
     }
 }
