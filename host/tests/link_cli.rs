@@ -148,6 +148,21 @@ fn ctrl_c_stops_the_stream_and_prints_the_summary() {
 }
 
 #[test]
+fn a_board_that_goes_in_mid_stream_is_an_error_with_a_report_of_what_came() {
+    let board = board_with(&small_patch("small", 50.0));
+    let folder = tempfile::tempdir().unwrap();
+    let json = folder.path().join("stream.json");
+    let mut stream = start(&mut dermatome(&["stream", "--json", json.to_str().unwrap()], &board));
+    stream.line();
+    board.stop().unwrap();
+    let err = stream.finish().refused();
+    assert!(err.contains("was cut") && err.contains("frames received, 0 lost"), "{err}");
+    let stream = report(&json);
+    assert_eq!(stream["ended"], "error");
+    assert!(stream["frames_received"].as_u64() > Some(0));
+}
+
+#[test]
 fn a_board_without_patch_and_a_patch_that_is_none_are_errors() {
     let board = empty_board();
     for command in ["tare", "stream"] {

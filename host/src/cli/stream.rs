@@ -61,6 +61,8 @@ enum Ended {
     Board,
     /// Whoever read standard output has gone.
     Pipe,
+    /// The link was cut, or something else failed.
+    Error,
 }
 
 #[derive(Serialize)]
@@ -86,7 +88,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let tared_first = tare_if_needed(&mut link, &patch)?;
     let mut display = Display::new(&mut link, !args.no_image)?;
     let mut tally = Tally::default();
-    let ended = follow(args, &mut link, &patch, &mut display, &mut tally)?;
+    let (ended, error) = match follow(args, &mut link, &patch, &mut display, &mut tally) {
+        Ok(ended) => (ended, None),
+        Err(error) => (Ended::Error, Some(error)),
+    };
     if ended != Ended::Pipe {
         summarise(&tally, &link, ended);
     }
@@ -103,7 +108,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         packets_damaged: link.packets_damaged(),
         images_per_second: tally.per_second(),
         ended,
-    })
+    })?;
+    error.map_or(Ok(()), Err)
 }
 
 /// Without a reference there are no images: makes one and says so.
