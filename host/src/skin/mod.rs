@@ -2,6 +2,7 @@
 //!
 //! Numbers are SI here. docs/skin-file.md describes the file.
 
+mod check;
 pub mod electrodes;
 mod file;
 pub mod outline;

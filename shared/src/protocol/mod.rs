@@ -7,18 +7,21 @@
 //! Requests carry a sequence number and get exactly one reply with the same number. Events carry
 //! a running number of their own, so that a lost event shows as a gap.
 
+mod packet;
+
+pub use packet::{PacketError, PacketReader, decode, encode};
+
 use crate::{
     MAX_MEASUREMENTS, MAX_PIXELS, MAX_STEPS,
     contact::Contacts,
     frame::FrameFlags,
     image::{Geometry, Image},
-    patch::{CRC32, Drive},
+    patch::Drive,
     units::{AdcCode, RelativeConductivity},
 };
 use heapless::{String, Vec};
-use postcard::ser_flavors::{Cobs, Slice, crc::CrcModifier};
 use postcard_schema::{Schema, key::hash::fnv1a64};
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde::{Deserialize, Serialize};
 
 /// Version of the messages below. Grows with every incompatible change.
 pub const PROTOCOL_VERSION: u16 = 1;
@@ -350,127 +353,12 @@ impl PackedImage {
     }
 }
 
-/// Encodes a message as one packet, its final zero byte included, at the start of `out`.
-///
-/// Fails only if `out` is too short; [`MAX_PACKET_BYTES`] are always enough.
-pub fn encode<'a, T: Serialize>(message: &T, out: &'a mut [u8]) -> Result<&'a [u8], PacketError> {
-    let length = {
-        let cobs = Cobs::try_new(Slice::new(out)).map_err(|_| PacketError::TooLong)?;
-        let packet = CrcModifier::new(cobs, CRC32.digest());
-        postcard::serialize_with_flavor(message, packet).map_err(|_| PacketError::TooLong)?.len()
-    };
-    Ok(&out[..length])
-}
-
-/// Decodes one packet, without its final zero byte; `packet` is overwritten.
-pub fn decode<T: DeserializeOwned>(packet: &mut [u8]) -> Result<T, PacketError> {
-    let length = cobs::decode_in_place(packet).map_err(|_| PacketError::Framing)?;
-    let (message, crc) = packet[..length].split_last_chunk::<4>().ok_or(PacketError::Framing)?;
-    if CRC32.checksum(message) != u32::from_le_bytes(*crc) {
-        return Err(PacketError::Crc);
-    }
-    postcard::from_bytes(message).map_err(|_| PacketError::Message)
-}
-
-/// Why bytes are not a packet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum PacketError {
-    /// The message does not fit the buffer.
-    #[error("packet is longer than {MAX_PACKET_BYTES} bytes")]
-    TooLong,
-    /// Not COBS, or too short to hold a checksum.
-    #[error("packet is not framed as COBS")]
-    Framing,
-    /// The checksum does not match.
-    #[error("packet is damaged (CRC-32 mismatch)")]
-    Crc,
-    /// Checksum correct, message unknown: another protocol version.
-    #[error("packet holds no message this protocol version knows")]
-    Message,
-}
-
-/// Collects received bytes into packets.
-#[derive(Clone, Debug)]
-pub struct PacketReader {
-    buffer: [u8; MAX_PACKET_BYTES],
-    length: usize,
-    overflown: bool,
-}
-
-impl Default for PacketReader {
-    fn default() -> Self {
-        Self { buffer: [0; MAX_PACKET_BYTES], length: 0, overflown: false }
-    }
-}
-
-impl PacketReader {
-    /// Takes one byte; gives a result where it ends a packet. Empty packets are skipped, so that
-    /// a sender can end line noise with a zero byte before its first packet.
-    pub fn push<T: DeserializeOwned>(&mut self, byte: u8) -> Option<Result<T, PacketError>> {
-        if byte != 0 {
-            match self.buffer.get_mut(self.length) {
-                Some(place) => *place = byte,
-                None => self.overflown = true,
-            }
-            self.length = (self.length + 1).min(MAX_PACKET_BYTES);
-            return None;
-        }
-        let length = core::mem::take(&mut self.length);
-        if core::mem::take(&mut self.overflown) {
-            return Some(Err(PacketError::TooLong));
-        }
-        (length > 0).then(|| decode(&mut self.buffer[..length]))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::MAX_CONTACTS;
     use crate::contact::Contact;
     use proptest::prelude::*;
-
-    fn feed(bytes: &[u8]) -> std::vec::Vec<Result<RequestPacket, PacketError>> {
-        let mut reader = PacketReader::default();
-        bytes.iter().filter_map(|&byte| reader.push(byte)).collect()
-    }
-
-    fn hello(sequence: u16) -> RequestPacket {
-        RequestPacket { sequence, request: Request::Hello(Version::current()) }
-    }
-
-    #[test]
-    fn packets_survive_the_wire_between_noise() {
-        let mut buffer = [0; 64];
-        let mut stream = std::vec![7, 7, 0];
-        stream.extend(encode(&hello(5), &mut buffer).unwrap());
-        stream.extend(encode(&RequestPacket { sequence: 6, request: Request::Info }, &mut buffer).unwrap());
-        let got = feed(&stream);
-        assert_eq!(got.len(), 3);
-        assert!(got[0].is_err());
-        assert_eq!(got[1], Ok(hello(5)));
-        assert_eq!(got[2], Ok(RequestPacket { sequence: 6, request: Request::Info }));
-    }
-
-    #[test]
-    fn every_single_flipped_bit_is_noticed() {
-        let mut buffer = [0; 64];
-        let packet = encode(&hello(1), &mut buffer).unwrap().to_vec();
-        for bit in 0..packet.len() * 8 {
-            let mut damaged = packet.clone();
-            damaged[bit / 8] ^= 1 << (bit % 8);
-            assert!(!feed(&damaged).contains(&Ok(hello(1))), "bit {bit}");
-        }
-    }
-
-    #[test]
-    fn a_packet_that_overflows_is_an_error_and_the_next_one_is_read() {
-        let mut stream = std::vec![1; MAX_PACKET_BYTES + 1];
-        stream.push(0);
-        let mut buffer = [0; 64];
-        stream.extend(encode(&hello(2), &mut buffer).unwrap());
-        assert_eq!(feed(&stream), [Err(PacketError::TooLong), Ok(hello(2))]);
-    }
 
     #[test]
     fn the_longest_messages_fit_a_packet() {
@@ -518,14 +406,6 @@ mod tests {
     }
 
     proptest! {
-        #[test]
-        fn no_bytes_make_the_reader_panic(bytes in prop::collection::vec(any::<u8>(), 0..600)) {
-            let mut reader = PacketReader::default();
-            for byte in bytes {
-                let _ = reader.push::<RequestPacket>(byte);
-            }
-        }
-
         #[test]
         fn no_message_bytes_make_the_decoder_panic(message in prop::collection::vec(any::<u8>(), 0..200)) {
             let _ = postcard::from_bytes::<RequestPacket>(&message);

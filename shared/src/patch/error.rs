@@ -1,0 +1,72 @@
+//! Why bytes are not a usable patch.
+
+use super::FORMAT_VERSION;
+
+/// Why bytes are not a usable patch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PatchError {
+    /// The first four bytes are wrong.
+    #[error("not a patch: it does not start with \"DSKP\"")]
+    Magic,
+    /// Made for another version of the format.
+    #[error("patch format version {found} is unknown (this build reads version {FORMAT_VERSION})")]
+    Version {
+        /// Version in the file.
+        found: u16,
+    },
+    /// Shorter or longer than it says, or than its tables need.
+    #[error("patch is truncated or too long: it holds {found} bytes where {expected} are expected")]
+    Length {
+        /// Bytes expected.
+        expected: usize,
+        /// Bytes there.
+        found: usize,
+    },
+    /// The checksum does not match.
+    #[error("patch is damaged: CRC-32 is {found:#010x}, its content gives {computed:#010x}")]
+    Crc {
+        /// Checksum in the file.
+        found: u32,
+        /// Checksum of the content.
+        computed: u32,
+    },
+    /// The header cannot be decoded.
+    #[error("patch header cannot be decoded")]
+    Header,
+    /// A count is outside what a board can hold.
+    #[error("patch field `{field}` is {value}, allowed are {min} to {max}")]
+    Range {
+        /// Name of the field.
+        field: &'static str,
+        /// Its value.
+        value: usize,
+        /// Least allowed.
+        min: usize,
+        /// Most allowed.
+        max: usize,
+    },
+    /// A number that must be finite and positive is not.
+    #[error("patch field `{field}` must be a finite number above zero")]
+    NotPositive {
+        /// Name of the field.
+        field: &'static str,
+    },
+    /// A stimulation step names a missing electrode, or one electrode twice in a pair.
+    #[error("patch step {step} does not name pairs of two different electrodes")]
+    Step {
+        /// Index of the step.
+        step: usize,
+    },
+    /// A step adds to a measurement that does not exist, or a measurement gets no step.
+    #[error("patch combines its steps wrongly at measurement {measurement}")]
+    Combination {
+        /// Index of the measurement.
+        measurement: usize,
+    },
+    /// A matrix mantissa is -32,768, which the exact accumulation excludes.
+    #[error("patch matrix holds -32768 in the row of pixel {pixel}")]
+    Mantissa {
+        /// Index of the pixel.
+        pixel: usize,
+    },
+}
