@@ -198,10 +198,13 @@ fn ctrl_c_ends_simulate_without_an_error_even_while_it_streams() {
 #[test]
 fn simulate_ends_after_its_frames() {
     let desk = Desk::with_patch();
-    let (board, port) = desk.board("skin.toml", &["--frames", "12"]);
+    let (board, port) = desk.board("skin.toml", &["--frames", "12", "--json", "board.json"]);
     desk.run(&["flash", "skin.dermatome", "--port", &port]).success();
     let done = desk.run(&["stream", "--port", &port]).success();
     assert!(done.err.contains("12 frames received, 0 lost"), "{}", done.err);
     assert!(done.err.contains("the board ended its stream"), "{}", done.err);
     board.finish_within(Duration::from_secs(10)).success();
+    let report = desk.report("board.json");
+    assert_eq!((&report["port"], &report["skin"]), (&port.into(), &"tiny".into()));
+    assert!(report["simulated_elements"].as_u64() > Some(100));
 }

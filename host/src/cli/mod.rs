@@ -80,14 +80,14 @@ fn run(command: Command) -> anyhow::Result<()> {
 #[derive(clap::Args)]
 struct JsonReport {
     /// Also write the report as JSON (keys: docs/cli.md).
-    #[arg(long = "json", value_name = "FILE")]
-    path: Option<PathBuf>,
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
 }
 
 impl JsonReport {
     /// Writes `report` if it was asked for.
     fn write(&self, report: &impl Serialize) -> anyhow::Result<()> {
-        let Some(path) = &self.path else { return Ok(()) };
+        let Some(path) = &self.json else { return Ok(()) };
         let mut text = serde_json::to_string_pretty(report).context("cannot express the report as JSON")?;
         text.push('\n');
         Ok(write_whole(path, text.as_bytes())?)

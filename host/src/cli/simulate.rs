@@ -1,12 +1,13 @@
 //! `dermatome simulate`: a board to try everything on, without one.
 
-use super::{interrupt, noise::NoiseOptions};
+use super::{JsonReport, interrupt, noise::NoiseOptions};
 use crate::{
     board::simulated::{BoardOptions, SimulatedBoard},
     simulate::{Press, Script, SimulatedSkin},
     skin::{Skin, outline::Outline},
 };
 use anyhow::{Context, bail};
+use serde::Serialize;
 use std::{
     net::{SocketAddr, ToSocketAddrs},
     path::PathBuf,
@@ -48,6 +49,19 @@ pub(super) struct Args {
     /// Keep the uploaded patch in this file, as a board keeps it in its flash.
     #[arg(long, value_name = "FILE")]
     store: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonReport,
+}
+
+/// What `simulate` tells once it listens; keys are documented in docs/cli.md.
+#[derive(Serialize)]
+struct Report<'a> {
+    port: String,
+    skin: &'a str,
+    electrodes: u8,
+    simulated_elements: usize,
+    noise_db: f64,
+    seed: u64,
 }
 
 /// How often to look for Ctrl-C.
@@ -58,8 +72,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let skin = Skin::load(&args.skin)?;
     let script = script(args, &skin.outline)?;
     let in_file = || format!("skin file `{}`", args.skin.display());
-    let source = SimulatedSkin::new(&skin, script, args.noise.noise()).with_context(in_file)?;
-    let elements = source.elements();
+    let noise = args.noise.noise();
+    let source = SimulatedSkin::new(&skin, script, noise).with_context(in_file)?;
+    let simulated_elements = source.elements();
     let options = BoardOptions {
         listen: address(&args.listen)?,
         electrodes: skin.electrodes.count(),
@@ -68,7 +83,20 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         ..BoardOptions::default()
     };
     let board = SimulatedBoard::start(options, source)?;
-    say!("simulated board with skin {} ({elements} elements) listens at tcp:{}", skin.name, board.address());
+    let report = Report {
+        port: format!("tcp:{}", board.address()),
+        skin: &skin.name,
+        electrodes: skin.electrodes.count(),
+        simulated_elements,
+        noise_db: noise.snr_db,
+        seed: noise.seed,
+    };
+    say!(
+        "simulated board with skin {} ({simulated_elements} elements) listens at {}",
+        skin.name,
+        report.port
+    );
+    args.json.write(&report)?;
     while !interrupt::requested() && !board.is_finished() {
         thread::sleep(POLL);
     }
