@@ -163,20 +163,21 @@ impl Model {
         combine_voltages(&self.voltages, &self.combination)
     }
 
+    /// What difference data of this model divide a change of model voltage by: `[measurement]`.
+    #[must_use]
+    pub fn divisors(&self) -> Vec<f64> {
+        divisors(self.difference, &self.measurements())
+    }
+
     /// Noise in the image, standard deviation of the worst pixel, for white noise on every step at this
     /// signal-to-noise ratio (dB, against the root mean square of the untouched voltages).
     #[must_use]
     pub fn image_noise(&self, snr_db: f64) -> f64 {
         let mean_square = self.voltages.iter().map(|v| v * v).sum::<f64>() / self.voltages.len() as f64;
         let step_noise = mean_square.sqrt() * 10_f64.powf(-snr_db / 20.0);
-        let voltages = self.measurements();
-        let mean = voltages.iter().map(|v| v.abs()).sum::<f64>() / voltages.len() as f64;
-        let divisors = voltages.iter().map(|v| match self.difference {
-            Difference::Plain => mean,
-            Difference::Normalised => v.abs(),
-        });
+        let counts = step_counts(&self.combination);
         let noise: Vec<f64> =
-            divisors.zip(step_counts(&self.combination)).map(|(v, n)| step_noise / n.sqrt() / v).collect();
+            self.divisors().iter().zip(counts).map(|(v, n)| step_noise / n.sqrt() / v.abs()).collect();
         let of_pixel = |pixel: usize| {
             let row = self.conductivity_from_difference.row(pixel);
             row.iter().zip(&noise).map(|(c, n)| (c * n).powi(2)).sum::<f64>().sqrt()
@@ -192,14 +193,23 @@ impl Model {
     pub fn image(&self, change: &[f64], reference: &[f64]) -> Vec<f64> {
         let change = combine_voltages(change, &self.combination);
         let reference = combine_voltages(reference, &self.combination);
-        let mean = reference.iter().map(|r| r.abs()).sum::<f64>() / reference.len() as f64;
-        let divide = |change: f64, by: f64| if by == 0.0 { 0.0 } else { change / by };
-        let difference = Col::from_fn(reference.len(), |m| match self.difference {
-            Difference::Plain => divide(change[m], mean),
-            Difference::Normalised => divide(change[m], reference[m]),
-        });
+        let divisors = divisors(self.difference, &reference);
+        let difference =
+            Col::from_fn(reference.len(), |m| if divisors[m] == 0.0 { 0.0 } else { change[m] / divisors[m] });
         (&self.conductivity_from_difference * difference).iter().copied().collect()
     }
+}
+
+/// What a kind of difference data divides by: `[measurement]`; see [`dermatome_shared::reference`].
+fn divisors(kind: Difference, reference: &[f64]) -> Vec<f64> {
+    match kind {
+        Difference::Plain => vec![mean_magnitude(reference); reference.len()],
+        Difference::Normalised => reference.to_vec(),
+    }
+}
+
+fn mean_magnitude(values: &[f64]) -> f64 {
+    values.iter().map(|value| value.abs()).sum::<f64>() / values.len() as f64
 }
 
 /// Smallest untouched voltage that may be normalised by, over the mean: below it, noise at 60 dB is as
@@ -229,7 +239,7 @@ enum DifferenceScale {
 
 impl DifferenceScale {
     fn new(kind: Difference, voltages: &[f64]) -> Result<Self, ModelError> {
-        let mean = voltages.iter().map(|v| v.abs()).sum::<f64>() / voltages.len() as f64;
+        let mean = mean_magnitude(voltages);
         match kind {
             Difference::Plain => Ok(Self::Plain { mean }),
             Difference::Normalised => {

@@ -3,7 +3,7 @@
 use crate::{model::Model, skin::Skin};
 use dermatome_shared::{
     MAX_PATCH_BYTES,
-    patch::{Difference, Drive, PatchContents, PatchError, PatchHeader, PatchView},
+    patch::{Drive, PatchContents, PatchError, PatchHeader, PatchView},
     reconstruct::reconstruct,
     reference::DifferenceData,
     units::RelativeConductivity,
@@ -145,13 +145,13 @@ pub fn fixed_point_error(
     trials: usize,
 ) -> Result<FixedPointError, PatchBuildError> {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(1);
-    let scale = difference_per_volt(model);
+    let divisors = model.divisors();
     let mut worst = FixedPointError::default();
     for _ in 0..trials {
         let pixel = random.random_range(0..model.jacobian.ncols());
         let strength = model.jacobian.col(pixel).iter().fold(0.0, |max: f64, j| max.max(j.abs()));
         let mut press = |m: usize| model.jacobian[(m, pixel)] + random.random_range(-0.01..0.01) * strength;
-        let relative: Vec<f32> = (0..scale.len()).map(|m| (press(m) * scale[m]) as f32).collect();
+        let relative: Vec<f32> = (0..divisors.len()).map(|m| (press(m) / divisors[m]) as f32).collect();
         let error = error_of_image(model, patch, &relative);
         worst.bound_percent = worst.bound_percent.max(error.bound_percent);
         worst.measured_percent = worst.measured_percent.max(error.measured_percent);
@@ -160,17 +160,6 @@ pub fn fixed_point_error(
         }
     }
     Ok(worst)
-}
-
-/// What turns a change of model voltage into difference data of the model's kind: `[measurement]`.
-fn difference_per_volt(model: &Model) -> Vec<f64> {
-    let voltages = model.measurements();
-    let mean = voltages.iter().map(|v| v.abs()).sum::<f64>() / voltages.len() as f64;
-    let scale = |v: f64| match model.difference {
-        Difference::Plain => 1.0 / mean,
-        Difference::Normalised => 1.0 / v,
-    };
-    voltages.into_iter().map(scale).collect()
 }
 
 fn error_of_image(model: &Model, patch: &PatchView<'_>, relative: &[f32]) -> FixedPointError {

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! Nothing here knows a clock, an executor, an allocator or any hardware, and nothing in the
-//! frame path can panic. The firmware, the simulated board and replay of recordings all run this
-//! same code; the f64 solvers of the host are its independent oracle.
+//! frame path can panic. The firmware and the simulated board run this same code; the f64 solvers of
+//! the host are its independent oracle.
 #![no_std]
 
 #[cfg(test)]

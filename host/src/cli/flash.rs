@@ -1,6 +1,6 @@
 //! `dermatome flash`.
 
-use super::progress;
+use super::{BoardReport, progress};
 use crate::link::{self, Link, Port};
 use anyhow::Context;
 use dermatome_shared::protocol::PatchInfo;
@@ -29,10 +29,8 @@ pub(super) struct Args {
 
 #[derive(Serialize)]
 struct Report<'a> {
-    port: &'a str,
-    board: &'a str,
-    firmware: &'a str,
-    skin: &'a str,
+    #[serde(flatten)]
+    board: BoardReport<'a>,
     patch_bytes: usize,
     patch_crc: String,
     duration_s: f64,
@@ -57,8 +55,8 @@ fn report(
     patch_bytes: usize,
     took: Duration,
 ) -> anyhow::Result<()> {
-    let (identity, port) = (link.identity(), link.port());
-    say!("{} at {port} now uses patch `{}` ({patch_bytes} bytes)", identity.board, used.skin);
+    let port = link.port();
+    say!("{} at {port} now uses patch `{}` ({patch_bytes} bytes)", link.identity().board, used.skin);
     let next = match args.port {
         Port::Simulated(_) => {
             "this simulated board ends with the command; `dermatome simulate` runs one that stays".into()
@@ -67,10 +65,7 @@ fn report(
     };
     say!("{next}");
     args.json.write(&Report {
-        port,
-        board: &identity.board,
-        firmware: &identity.firmware,
-        skin: &used.skin,
+        board: BoardReport::new(link, used),
         patch_bytes,
         patch_crc: super::patch_id(used.crc),
         duration_s: took.as_secs_f64(),

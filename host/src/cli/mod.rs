@@ -1,8 +1,9 @@
 //! The command line: arguments in, library calls, words and reports out.
 
-use crate::output::write_whole;
+use crate::{link::Link, output::write_whole};
 use anyhow::Context;
 use clap::{Parser, Subcommand};
+use dermatome_shared::protocol::PatchInfo;
 use serde::Serialize;
 use std::{
     io::{self, Write},
@@ -91,6 +92,22 @@ impl JsonReport {
         let mut text = serde_json::to_string_pretty(report).context("cannot express the report as JSON")?;
         text.push('\n');
         Ok(write_whole(path, text.as_bytes())?)
+    }
+}
+
+/// Which board a report is about, and the skin of the patch it uses.
+#[derive(Serialize)]
+struct BoardReport<'a> {
+    port: &'a str,
+    board: &'a str,
+    firmware: &'a str,
+    skin: &'a str,
+}
+
+impl<'a> BoardReport<'a> {
+    fn new(link: &'a Link, patch: &'a PatchInfo) -> Self {
+        let identity = link.identity();
+        Self { port: link.port(), board: &identity.board, firmware: &identity.firmware, skin: &patch.skin }
     }
 }
 

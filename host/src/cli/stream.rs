@@ -4,7 +4,7 @@ mod display;
 mod tally;
 
 use super::{
-    interrupt,
+    BoardReport, interrupt,
     tare::{patch_of, tare_with_spinner},
 };
 use crate::link::{self, Link, Port};
@@ -67,10 +67,8 @@ enum Ended {
 
 #[derive(Serialize)]
 struct Report<'a> {
-    port: &'a str,
-    board: &'a str,
-    firmware: &'a str,
-    skin: &'a str,
+    #[serde(flatten)]
+    board: BoardReport<'a>,
     tared_first: bool,
     frames_received: u64,
     frames_lost: u64,
@@ -96,10 +94,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         summarise(&tally, &link, ended);
     }
     args.json.write(&Report {
-        port: link.port(),
-        board: &link.identity().board,
-        firmware: &link.identity().firmware,
-        skin: &patch.skin,
+        board: BoardReport::new(&link, &patch),
         tared_first,
         frames_received: tally.received(),
         frames_lost: tally.lost(),

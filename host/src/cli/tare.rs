@@ -1,5 +1,6 @@
 //! `dermatome tare`.
 
+use super::BoardReport;
 use crate::link::{self, Link, Port};
 use anyhow::Context;
 use dermatome_shared::{
@@ -32,10 +33,8 @@ pub(super) struct Args {
 
 #[derive(Serialize)]
 struct Report<'a> {
-    port: &'a str,
-    board: &'a str,
-    firmware: &'a str,
-    skin: &'a str,
+    #[serde(flatten)]
+    board: BoardReport<'a>,
     frames: u16,
     duration_s: f64,
 }
@@ -47,14 +46,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     tare_with_spinner(&mut link, &patch, args.frames)?;
     let duration_s = started.elapsed().as_secs_f64();
     say!("averaged {} frames of `{}` as its reference", args.frames, patch.skin);
-    args.json.write(&Report {
-        port: link.port(),
-        board: &link.identity().board,
-        firmware: &link.identity().firmware,
-        skin: &patch.skin,
-        frames: args.frames,
-        duration_s,
-    })
+    args.json.write(&Report { board: BoardReport::new(&link, &patch), frames: args.frames, duration_s })
 }
 
 /// A long tare takes as long as its frames.
