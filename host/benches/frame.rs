@@ -52,8 +52,8 @@ fn device(selection: Selection) -> (Device<Fixed>, Frame) {
     let model = Model::build(&skin, |_| ()).expect("the shipped skin has a model");
     let patch = quantize::patch(&skin, &model).expect("and a patch");
     let noise = Noise { snr_db: 60.0, seed: 1 };
-    let mut simulated =
-        SimulatedSkin::new(&skin, Script::round(&skin.outline), noise).expect("and a simulation");
+    let mut simulated = SimulatedSkin::new(&skin, Script::round(skin.shape.flat().unwrap()), noise)
+        .expect("and a simulation");
     let mut frame = |time| Frame {
         codes: simulated.measure(&model.steps, time).0.into_iter().collect(),
         ..Frame::default()

@@ -6,7 +6,7 @@
 //! fields' gradients, and pixels add up Gram matrices: nothing is ever stored per element.
 
 use crate::{
-    forward::Fields,
+    forward::{Admittivity, Fields},
     mesh::{Mesh, triangle::Gradients},
     pixels::Pixels,
 };
@@ -16,50 +16,87 @@ use rayon::prelude::*;
 
 /// d voltage / d relative conductivity at unit current: `[step][pixel]`.
 #[must_use]
-pub fn jacobian(mesh: &Mesh, fields: &Fields, steps: &[Step], pixels: &Pixels) -> Mat<f64> {
-    let columns: Vec<Vec<f64>> =
-        pixels.elements.par_iter().map(|parts| pixel_column(mesh, fields, steps, parts)).collect();
-    Mat::from_fn(steps.len(), columns.len(), |step, pixel| columns[pixel][step])
+pub fn jacobian<T: Admittivity>(mesh: &Mesh, fields: &Fields<T>, steps: &[Step], pixels: &Pixels) -> Mat<T> {
+    let mut jacobian = Mat::from_fn(steps.len(), pixels.count(), |_, _| T::default());
+    let share = pixels.count().div_ceil(SHARES).max(1);
+    jacobian.par_col_chunks_mut(share).zip(pixels.elements.par_chunks(share)).for_each(|(columns, parts)| {
+        let mut gram = Gram::new(fields.electrodes());
+        for (parts, column) in parts.iter().zip(columns.col_iter_mut()) {
+            gram.fill(mesh, fields, parts);
+            column.iter_mut().zip(steps).for_each(|(entry, step)| *entry = gram.entry(step));
+        }
+    });
+    jacobian
 }
 
-fn pixel_column(mesh: &Mesh, fields: &Fields, steps: &[Step], parts: &[(usize, f64)]) -> Vec<f64> {
-    let electrodes = fields.potentials.ncols();
-    let mut gram = vec![0.0; electrodes * electrodes];
-    for &(element, weight) in parts {
-        add_gram(&mut gram, mesh, fields, element, weight);
+/// The pixels are worked on in this many parts, so that no core waits long for another.
+const SHARES: usize = 64;
+
+/// Sum over elements of the products of the gradients of all electrode fields, lower half:
+/// `[electrode][electrode]`.
+struct Gram<T> {
+    electrodes: usize,
+    sums: Vec<T>,
+    /// Gradients in one element: `[axis][electrode]`.
+    along: [Vec<T>; 2],
+}
+
+impl<T: Admittivity> Gram<T> {
+    fn new(electrodes: usize) -> Self {
+        let row = || vec![T::default(); electrodes];
+        Self { electrodes, sums: vec![T::default(); electrodes * electrodes], along: [row(), row()] }
     }
-    let at = |a: u8, b: u8| gram[usize::from(a.max(b)) * electrodes + usize::from(a.min(b))];
-    let entry = |step: &Step| {
-        let [dp, dm, sp, sm] = step.to_bytes();
-        (at(sp, dm) - at(sp, dp)) - (at(sm, dm) - at(sm, dp))
-    };
-    steps.iter().map(entry).collect()
-}
 
-/// Adds `weight` times the element's Gram matrix, lower half: `[electrode][electrode]`.
-fn add_gram(gram: &mut [f64], mesh: &Mesh, fields: &Fields, element: usize, weight: f64) {
-    let electrodes = fields.potentials.ncols();
-    let gradients = Gradients::of(mesh.corners(element));
-    let nodes = mesh.elements[element];
-    let of_electrode = |e: usize| gradients.of_field(nodes.map(|node| fields.potentials[(node, e)]));
-    let fields: Vec<[f64; 2]> = (0..electrodes).map(of_electrode).collect();
-    for (a, row) in gram.chunks_exact_mut(electrodes).enumerate() {
-        let [x, y] = fields[a].map(|g| g * weight);
-        for (sum, other) in row[..=a].iter_mut().zip(&fields) {
-            *sum += x * other[0] + y * other[1];
+    fn fill(&mut self, mesh: &Mesh, fields: &Fields<T>, parts: &[(usize, f64)]) {
+        self.sums.fill(T::default());
+        for &(element, weight) in parts {
+            gradients(mesh, fields, element, &mut self.along);
+            self.add(weight);
+        }
+    }
+
+    /// Entry of the Jacobian.
+    fn entry(&self, step: &Step) -> T {
+        let [dp, dm, sp, sm] = step.to_bytes().map(usize::from);
+        (self.at(sp, dm) - self.at(sp, dp)) - (self.at(sm, dm) - self.at(sm, dp))
+    }
+
+    fn at(&self, a: usize, b: usize) -> T {
+        self.sums[a.max(b) * self.electrodes + a.min(b)]
+    }
+
+    fn add(&mut self, weight: f64) {
+        let [x, y] = &self.along;
+        for (a, row) in self.sums.chunks_exact_mut(self.electrodes).enumerate() {
+            let (xa, ya) = (x[a] * weight, y[a] * weight);
+            for ((sum, &xb), &yb) in row[..=a].iter_mut().zip(x).zip(y) {
+                *sum = *sum + (xa * xb + ya * yb);
+            }
         }
     }
 }
 
-/// Averages the rows of steps that share a measurement: `[measurement][pixel]`.
+/// Gradients of all electrode fields in one element, times the root of its area:
+/// `[axis][electrode]`.
+fn gradients<T: Admittivity>(mesh: &Mesh, fields: &Fields<T>, element: usize, along: &mut [Vec<T>; 2]) {
+    let shape = Gradients::of(mesh.corners(element));
+    let [p, q, r] = mesh.elements[element].map(|node| fields.at(node));
+    for (axis, row) in along.iter_mut().zip(shape.0) {
+        for (((g, &p), &q), &r) in axis.iter_mut().zip(p).zip(q).zip(r) {
+            *g = p * row[0] + q * row[1] + r * row[2];
+        }
+    }
+}
+
+/// Averages the in-phase rows of steps that share a measurement: `[measurement][pixel]`.
 #[must_use]
-pub fn combine_rows(jacobian: &Mat<f64>, combination: &[CombinedInto]) -> Mat<f64> {
+pub fn combine_rows<T: Admittivity>(jacobian: &Mat<T>, combination: &[CombinedInto]) -> Mat<f64> {
     let counts = step_counts(combination);
     let mut combined = Mat::zeros(counts.len(), jacobian.ncols());
     for pixel in 0..jacobian.ncols() {
         for (step, target) in combination.iter().enumerate() {
             let row = usize::from(target.measurement);
-            combined[(row, pixel)] += sign(target) * jacobian[(step, pixel)] / counts[row];
+            combined[(row, pixel)] += sign(target) * jacobian[(step, pixel)].in_phase() / counts[row];
         }
     }
     combined

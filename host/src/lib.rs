@@ -6,7 +6,9 @@
 pub mod board;
 pub mod cli;
 pub mod demo;
+pub mod evaluate;
 pub mod forward;
+pub mod interchange;
 pub mod inverse;
 pub mod jacobian;
 pub mod link;
@@ -20,4 +22,5 @@ pub mod prior;
 pub mod quantize;
 pub mod simulate;
 pub mod skin;
+pub mod stimulation;
 pub mod view;

@@ -1,21 +1,27 @@
 //! Model: a skin taken through mesh, forward model, Jacobian and reconstruction matrix.
 
 use crate::{
-    forward::{Fields, ForwardError, ForwardModel, electrode_unknown},
-    inverse::reconstruction_matrix,
+    forward::{Admittivity, ForwardError, ForwardModel, electrode_unknown},
+    inverse::{
+        InverseError,
+        figures::{self, Blur},
+        reconstruction::{Measurements, Reconstruction, reconstruct},
+        selection::Selection,
+        targets::{Answers, Untouched},
+    },
     jacobian::{combine_rows, combine_voltages, jacobian, step_counts},
     mesh::{Lattice, Mesh, MeshError, generate},
-    pixels,
-    prior::{Prior, PriorError},
-    skin::{Skin, electrodes::ElectrodeModel},
+    pixels::{self, Pixels},
+    prior::Prior,
+    skin::{ImageLayout, NotFlat, Shape, Skin, electrodes::ElectrodeModel},
 };
 use dermatome_shared::{
-    MAX_PIXELS,
-    image::{Geometry, pixel_cells},
+    image::Geometry,
     patch::{CombinedInto, Difference},
     stimulation::Step,
 };
 use faer::{Col, Mat};
+use num_complex::Complex64;
 use std::time::{Duration, Instant};
 
 /// Everything computed for one skin. Voltages are relative: at unit current and unit
@@ -28,19 +34,28 @@ pub struct Model {
     pub combination: Vec<CombinedInto>,
     /// The mesh.
     pub mesh: Mesh,
-    /// Fields of the untouched skin.
-    pub fields: Fields,
-    /// Voltages of the untouched skin: `[step]`.
+    /// Voltages of the untouched skin, in phase with the current: `[step]`.
     pub voltages: Vec<f64>,
-    /// Pixel grid.
-    pub geometry: Geometry,
+    /// What images consist of.
+    pub pixels: Pixels,
     /// d voltage / d relative conductivity: `[measurement][pixel]`.
     pub jacobian: Mat<f64>,
+    /// The prior, unless the method has none.
+    pub prior: Option<Prior>,
+    /// W for model volts: `[measurement]`.
+    pub weights: Vec<f64>,
     /// Relative conductivity from difference data of the skin's kind, as the board computes them
     /// (see [`dermatome_shared::reference`]): `[pixel][measurement]`.
     pub conductivity_from_difference: Mat<f64>,
     /// Kind of difference data the matrix takes.
     pub difference: Difference,
+    /// The hyperparameter used.
+    pub hyperparameter: f64,
+    /// The criterion it was chosen by, unless the skin file gives it.
+    pub selection: Option<Selection>,
+    /// d voltage / d relative conductivity of the standard target, see
+    /// [`crate::inverse::targets`]: `[measurement]`.
+    pub target: Vec<f64>,
     /// How long each stage took.
     pub stages: Vec<Stage>,
 }
@@ -63,15 +78,12 @@ pub enum ModelError {
     /// No forward solution.
     #[error(transparent)]
     Forward(#[from] ForwardError),
-    /// No prior.
+    /// No reconstruction matrix.
     #[error(transparent)]
-    Prior(#[from] PriorError),
-    /// Too many pixels for a board, or none.
-    #[error("`image.columns` gives {pixels} pixels; allowed: 1 to {MAX_PIXELS}")]
-    Pixels {
-        /// Pixels inside the outline.
-        pixels: usize,
-    },
+    Inverse(#[from] InverseError),
+    /// A curved skin with a pixel grid.
+    #[error(transparent)]
+    NotFlat(#[from] NotFlat),
     /// A pixel that no part of the mesh falls into.
     #[error(
         "no element of the mesh lies in pixel {pixel}: `mesh.edge_length` is too coarse for `image.columns`"
@@ -80,35 +92,54 @@ pub enum ModelError {
         /// Index of the pixel.
         pixel: usize,
     },
-    /// A normalised measurement would be divided by next to nothing.
-    #[error(
-        "measurement {measurement} of the untouched skin is too small to normalise by ({share:.0e} of the mean); \
-         allowed here: `inverse.normalised` = false"
-    )]
-    SmallVoltage {
-        /// Index of the measurement.
-        measurement: usize,
-        /// Its size over the mean.
-        share: f64,
-    },
 }
 
-/// Mesh of a skin and its forward model.
-pub fn forward_model(
-    skin: &Skin,
-    edge_length: f64,
-    lattice: Lattice,
-) -> Result<(Mesh, ForwardModel), ModelError> {
-    let mesh = generate(&skin.outline, &skin.electrodes, edge_length, lattice)?;
+/// An image that is no grid where only a grid will do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`image.pixels` makes an image without a grid; boards and pictures need `image.columns` so far")]
+pub struct NoGrid;
+
+/// Mesh of a skin whose edges are `fineness` times as long as the skin file says.
+pub fn mesh(skin: &Skin, fineness: f64, lattice: Lattice) -> Result<Mesh, ModelError> {
+    match &skin.shape {
+        Shape::Sheet(sheet) => {
+            Ok(generate(sheet, &skin.electrodes.model, skin.edges.scaled(fineness), lattice)?)
+        }
+        Shape::Mesh { mesh, .. } => Ok((**mesh).clone()),
+    }
+}
+
+/// Forward model of a skin on one of its meshes.
+pub fn forward_model<T: Admittivity>(skin: &Skin, mesh: &Mesh) -> Result<ForwardModel<T>, ModelError> {
     let impedance = match &skin.electrodes.model {
-        ElectrodeModel::Point => vec![0.0; skin.electrodes.centres.len()],
+        ElectrodeModel::Point => vec![T::default(); mesh.electrodes.len()],
         ElectrodeModel::Complete { contact_impedance, .. } => {
-            contact_impedance.iter().map(|z| z * skin.sheet_conductivity).collect()
+            contact_impedance.iter().map(|z| T::from(z * skin.material.sheet_conductivity)).collect()
         }
     };
-    let ground = electrode_unknown(&mesh, skin.electrodes.ground);
-    let forward = ForwardModel::new(&mesh, &impedance, ground)?;
-    Ok((mesh, forward))
+    let ground = electrode_unknown(mesh, skin.electrodes.ground);
+    Ok(ForwardModel::new(mesh, &impedance, ground)?)
+}
+
+/// Pixels of a skin's image on a mesh.
+pub fn pixels_on(skin: &Skin, mesh: &Mesh) -> Result<Pixels, ModelError> {
+    let pixels = match skin.image {
+        ImageLayout::Grid { columns } => pixels::raster(mesh, &pixels::grid(skin.shape.flat()?, columns)),
+        ImageLayout::Elements => pixels::per_element(mesh),
+        ImageLayout::Patches { count } => pixels::patches(mesh, count),
+    };
+    match pixels.elements.iter().position(Vec::is_empty) {
+        Some(pixel) => Err(ModelError::EmptyPixel { pixel }),
+        None => Ok(pixels),
+    }
+}
+
+/// What the untouched skin answers in phase: voltages `[step]`, Jacobian `[measurement][pixel]`, and
+/// simulated targets.
+struct Answer {
+    voltages: Vec<f64>,
+    jacobian: Mat<f64>,
+    targets: Answers,
 }
 
 impl Model {
@@ -119,27 +150,29 @@ impl Model {
         let combination = skin.combination(&steps);
 
         on_stage(clock.begin("mesh"));
-        let (mesh, forward) = forward_model(skin, skin.edge_length, Lattice::default())?;
+        let mesh = mesh(skin, 1.0, Lattice::default())?;
 
-        on_stage(clock.begin("forward"));
-        let fields = forward.solve(&vec![1.0; mesh.elements.len()])?;
-        let voltages = fields.voltages(&steps);
+        on_stage(clock.begin("pixels"));
+        let pixels = pixels_on(skin, &mesh)?;
 
-        on_stage(clock.begin("jacobian"));
-        let geometry = pixels::grid(&skin.outline, skin.image_columns);
-        check_pixels(&geometry)?;
-        let raster = pixels::raster(&mesh, &geometry);
-        check_raster(&raster)?;
-        let jacobian = combine_rows(&jacobian(&mesh, &fields, &steps, &raster), &combination);
+        let admittivity = skin.admittivity();
+        let mut stage = |name| on_stage(clock.begin(name));
+        let Answer { voltages, jacobian, targets } = if admittivity.im == 0.0 {
+            answer::<f64>(skin, &mesh, &pixels, admittivity.re, &mut stage)?
+        } else {
+            answer::<Complex64>(skin, &mesh, &pixels, admittivity, &mut stage)?
+        };
 
         on_stage(clock.begin("matrix"));
-        let scale =
-            DifferenceScale::new(skin.inverse.difference, &combine_voltages(&voltages, &combination))?;
-        let weights = step_counts(&combination);
-        let scaled = scale.scale_rows(&jacobian);
-        let prior = Prior::new(skin.inverse.prior, &raster, &scaled, &weights);
-        let matrix = reconstruction_matrix(&scaled, &prior, &weights, skin.inverse.hyperparameter)?;
-        let conductivity_from_difference = scale.unscale_columns(matrix);
+        let measurements = Measurements {
+            jacobian: &jacobian,
+            voltages: &combine_voltages(&voltages, &combination),
+            step_counts: &step_counts(&combination),
+            step_size: root_mean_square(&voltages),
+            answers: &targets,
+        };
+        let Reconstruction { matrix, prior, weights, hyperparameter, selection } =
+            reconstruct(&skin.inverse, &pixels, &measurements)?;
 
         let stages = clock.finish();
         let difference = skin.inverse.difference;
@@ -148,13 +181,22 @@ impl Model {
             steps,
             combination,
             mesh,
-            fields,
             voltages,
-            geometry,
+            pixels,
             jacobian,
-            conductivity_from_difference,
+            prior,
+            weights,
+            conductivity_from_difference: matrix,
+            hyperparameter,
+            selection,
+            target: targets.target,
             stages,
         })
+    }
+
+    /// Grid of the image, which boards and pictures need.
+    pub fn grid(&self) -> Result<&Geometry, NoGrid> {
+        self.pixels.grid.as_ref().ok_or(NoGrid)
     }
 
     /// Voltages of the untouched skin after reciprocal steps are averaged: `[measurement]`.
@@ -169,12 +211,31 @@ impl Model {
         divisors(self.difference, &self.measurements())
     }
 
+    /// Noise figure of the matrix, for the standard target and white noise on every step; see
+    /// [`crate::inverse::figures`].
+    #[must_use]
+    pub fn noise_figure(&self) -> f64 {
+        let ratios = |values: &[f64]| {
+            self.divisors().iter().zip(values).map(|(v, value)| value / v).collect::<Vec<_>>()
+        };
+        // Only ratios of the noise matter.
+        let noise: Vec<f64> = step_counts(&self.combination).iter().map(|count| 1.0 / count.sqrt()).collect();
+        let (signal, noise) = (ratios(&self.target), ratios(&noise));
+        figures::noise_figure(&self.conductivity_from_difference, &signal, &noise, &self.pixels.areas)
+    }
+
+    /// How widely the matrix spreads a point.
+    #[must_use]
+    pub fn blur(&self) -> Blur {
+        let divisors = self.divisors();
+        figures::blur(&self.conductivity_from_difference, &self.jacobian, &divisors, &self.pixels.areas)
+    }
+
     /// Noise in the image, standard deviation of the worst pixel, for white noise on every step at this
     /// signal-to-noise ratio (dB, against the root mean square of the untouched voltages).
     #[must_use]
     pub fn image_noise(&self, snr_db: f64) -> f64 {
-        let mean_square = self.voltages.iter().map(|v| v * v).sum::<f64>() / self.voltages.len() as f64;
-        let step_noise = mean_square.sqrt() * 10_f64.powf(-snr_db / 20.0);
+        let step_noise = root_mean_square(&self.voltages) * 10_f64.powf(-snr_db / 20.0);
         let counts = step_counts(&self.combination);
         let noise: Vec<f64> =
             self.divisors().iter().zip(counts).map(|(v, n)| step_noise / n.sqrt() / v.abs()).collect();
@@ -201,76 +262,42 @@ impl Model {
 }
 
 /// What a kind of difference data divides by: `[measurement]`; see [`dermatome_shared::reference`].
-fn divisors(kind: Difference, reference: &[f64]) -> Vec<f64> {
+pub(crate) fn divisors(kind: Difference, reference: &[f64]) -> Vec<f64> {
     match kind {
         Difference::Plain => vec![mean_magnitude(reference); reference.len()],
         Difference::Normalised => reference.to_vec(),
     }
 }
 
-fn mean_magnitude(values: &[f64]) -> f64 {
+pub(crate) fn mean_magnitude(values: &[f64]) -> f64 {
     values.iter().map(|value| value.abs()).sum::<f64>() / values.len() as f64
 }
 
-/// Smallest untouched voltage that may be normalised by, over the mean: below it, noise at 60 dB is as
-/// large as the voltage.
-const SMALLEST_SHARE: f64 = 1e-3;
-
-fn check_raster(raster: &pixels::Pixels) -> Result<(), ModelError> {
-    match raster.elements.iter().position(Vec::is_empty) {
-        Some(pixel) => Err(ModelError::EmptyPixel { pixel }),
-        None => Ok(()),
-    }
+fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-fn check_pixels(geometry: &Geometry) -> Result<(), ModelError> {
-    let pixels = pixel_cells(&geometry.mask).count();
-    if (1..=MAX_PIXELS).contains(&pixels) { Ok(()) } else { Err(ModelError::Pixels { pixels }) }
-}
-
-/// Between model voltages and difference data of a kind.
-///
-/// The hyperparameter keeps EIDORS' meaning: plain differences are weighed in model volts (unit
-/// current and conductivity), and only then brought to the board's ratio by the mean voltage.
-enum DifferenceScale {
-    Plain { mean: f64 },
-    Normalised { voltages: Vec<f64> },
-}
-
-impl DifferenceScale {
-    fn new(kind: Difference, voltages: &[f64]) -> Result<Self, ModelError> {
-        let mean = mean_magnitude(voltages);
-        match kind {
-            Difference::Plain => Ok(Self::Plain { mean }),
-            Difference::Normalised => {
-                let smallest =
-                    (0..voltages.len()).min_by(|&a, &b| voltages[a].abs().total_cmp(&voltages[b].abs()));
-                match smallest
-                    .map(|m| (m, voltages[m].abs() / mean))
-                    .filter(|(_, share)| *share < SMALLEST_SHARE)
-                {
-                    Some((measurement, share)) => Err(ModelError::SmallVoltage { measurement, share }),
-                    None => Ok(Self::Normalised { voltages: voltages.to_vec() }),
-                }
-            }
-        }
-    }
-
-    fn scale_rows(&self, jacobian: &Mat<f64>) -> Mat<f64> {
-        match self {
-            Self::Plain { .. } => jacobian.clone(),
-            Self::Normalised { voltages } => {
-                Mat::from_fn(jacobian.nrows(), jacobian.ncols(), |i, j| jacobian[(i, j)] / voltages[i])
-            }
-        }
-    }
-
-    fn unscale_columns(&self, matrix: Mat<f64>) -> Mat<f64> {
-        match self {
-            Self::Plain { mean } => matrix * faer::Scale(*mean),
-            Self::Normalised { .. } => matrix,
-        }
-    }
+/// Solves the untouched skin of one admittivity.
+fn answer<T: Admittivity>(
+    skin: &Skin,
+    mesh: &Mesh,
+    pixels: &Pixels,
+    admittivity: T,
+    stage: &mut dyn FnMut(&'static str),
+) -> Result<Answer, ModelError> {
+    stage("forward");
+    let forward = forward_model::<T>(skin, mesh)?;
+    let fields = forward.solve(&vec![admittivity; mesh.elements.len()])?;
+    let steps = skin.steps();
+    stage("jacobian");
+    let jacobian = jacobian(mesh, &fields, &steps, pixels);
+    let untouched = Untouched { mesh, forward: &forward, admittivity, fields: &fields, steps: &steps };
+    let targets = Answers::simulate(&untouched, &skin.inverse, &skin.combination(&steps))?;
+    Ok(Answer {
+        targets,
+        voltages: fields.voltages(&steps).into_iter().map(T::in_phase).collect(),
+        jacobian: combine_rows(&jacobian, &skin.combination(&steps)),
+    })
 }
 
 /// Times stages that follow each other.

@@ -2,9 +2,12 @@
 
 use std::{
     fs::OpenOptions,
-    io::{self, Write},
+    io::{self, BufWriter, Write},
     path::{Path, PathBuf},
 };
+
+/// Bytes that are written at once.
+const BUFFER_BYTES: usize = 1 << 16;
 
 /// A file that could not be written; nothing was left behind.
 #[derive(Debug, thiserror::Error)]
@@ -19,10 +22,20 @@ pub struct WriteError {
 /// What is no ordinary file is never replaced: a link is followed, and a device or a pipe is written
 /// in place.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    stream_whole(path, |out| out.write_all(bytes))
+}
+
+/// The same for bytes that are made as they are written: `write` gets a buffered stream.
+pub fn stream_whole(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), WriteError> {
     let written = match Target::of(path) {
-        Target::File(path) => replace(&path, bytes),
-        Target::InPlace => OpenOptions::new().write(true).open(path).and_then(|mut it| it.write_all(bytes)),
-        Target::StandardOutput => print(bytes),
+        Target::File(path) => replace(&path, write),
+        Target::InPlace => {
+            OpenOptions::new().write(true).open(path).and_then(|mut file| buffered(&mut file, write))
+        }
+        Target::StandardOutput => buffered(&mut io::stdout().lock(), write),
     };
     written.map_err(|reason| WriteError { path: path.to_owned(), reason })
 }
@@ -58,16 +71,16 @@ impl Target {
     }
 }
 
-fn print(bytes: &[u8]) -> io::Result<()> {
-    let mut out = io::stdout().lock();
-    out.write_all(bytes)?;
+fn buffered(file: &mut impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut out = BufWriter::with_capacity(BUFFER_BYTES, file);
+    write(&mut out)?;
     out.flush()
 }
 
 /// Writes to a temporary file beside `path`, then renames it.
-fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let mut file = temporary_file(folder_of(path))?;
-    file.write_all(bytes)?;
+    buffered(&mut file, write)?;
     file.as_file().sync_all()?;
     file.persist(path).map(drop).map_err(|error| error.error)
 }
@@ -105,6 +118,20 @@ mod tests {
         write_whole(&folder.path().join("a"), b"1").unwrap();
         write_whole(&folder.path().join("a"), b"22").unwrap();
         assert_eq!(std::fs::read(folder.path().join("a")).unwrap(), b"22");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_stream_that_breaks_off_leaves_what_was_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        write_whole(&path, b"old").unwrap();
+        let broken = stream_whole(&path, |out| {
+            out.write_all(&[b'n'; 200_000])?;
+            Err(io::Error::other("no more"))
+        });
+        assert!(broken.unwrap_err().to_string().ends_with("a`: no more"));
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 

@@ -1,8 +1,12 @@
 //! Quantize: the f64 reconstruction matrix -> fixed-point patch, with its error report.
 
-use crate::{model::Model, skin::Skin};
+use crate::{
+    model::{Model, NoGrid},
+    skin::Skin,
+};
 use dermatome_shared::{
-    MAX_PATCH_BYTES,
+    MAX_ELECTRODES, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS,
+    image::Geometry,
     patch::{Drive, PatchContents, PatchError, PatchHeader, PatchView},
     reconstruct::reconstruct,
     reference::DifferenceData,
@@ -51,6 +55,16 @@ fn finest_exponent(largest: f64) -> Option<i8> {
 /// Why a model does not make a patch.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PatchBuildError {
+    /// More of something than a board takes.
+    #[error("`{field}` gives {given}; a board takes 1 to {most}")]
+    TooMany {
+        /// Field of the skin file.
+        field: &'static str,
+        /// What it leads to, with its number.
+        given: String,
+        /// What a board takes.
+        most: usize,
+    },
     /// Longer than a board's slot.
     #[error(
         "the patch would take {bytes} bytes, a board stores at most {MAX_PATCH_BYTES}: use fewer `image.columns`, \
@@ -78,6 +92,9 @@ pub enum PatchBuildError {
         /// Error in per cent of the image's peak.
         percent: f64,
     },
+    /// An image that no board can show.
+    #[error(transparent)]
+    NoGrid(#[from] NoGrid),
     /// The patch does not pass its own checks.
     #[error("the skin does not make a valid patch: {0}")]
     Invalid(PatchError),
@@ -85,13 +102,15 @@ pub enum PatchBuildError {
 
 /// The patch of a skin's model.
 pub fn patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
+    let geometry = model.grid()?;
+    check_limits(model)?;
     let quantized = QuantizedMatrix::new(&model.conductivity_from_difference)?;
-    let header = header(skin, model);
+    let header = header(skin, model, geometry);
     let contents = PatchContents {
         header: &header,
         steps: &model.steps,
         combination: &model.combination,
-        mask: &model.geometry.mask,
+        mask: &geometry.mask,
         exponents: &quantized.exponents,
         matrix: &quantized.mantissas,
     };
@@ -106,16 +125,30 @@ pub fn patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
     Ok(bytes)
 }
 
-fn header(skin: &Skin, model: &Model) -> PatchHeader {
+fn check_limits(model: &Model) -> Result<(), PatchBuildError> {
+    let limits = [
+        ("electrodes.count", "electrodes", model.mesh.electrodes.len(), MAX_ELECTRODES),
+        ("drive.pattern", "steps", model.steps.len(), MAX_STEPS),
+        ("image.columns", "pixels", model.pixels.count(), MAX_PIXELS),
+    ];
+    match limits.into_iter().find(|&(_, _, count, most)| !(1..=most).contains(&count)) {
+        Some((field, what, count, most)) => {
+            Err(PatchBuildError::TooMany { field, given: format!("{count} {what}"), most })
+        }
+        None => Ok(()),
+    }
+}
+
+fn header(skin: &Skin, model: &Model, geometry: &Geometry) -> PatchHeader {
     let matrix = &model.conductivity_from_difference;
     PatchHeader {
         skin: skin.name.as_str().try_into().expect("a checked skin's name fits"),
-        electrodes: skin.electrodes.count(),
+        electrodes: skin.electrodes.count,
         steps: model.steps.len() as u16,
         measurements: matrix.ncols() as u16,
         pixels: matrix.nrows() as u16,
         difference: skin.inverse.difference,
-        grid: model.geometry.grid,
+        grid: geometry.grid,
         drive: Drive {
             frequency: skin.drive.frequency as f32,
             amplitude: skin.drive.amplitude as f32,

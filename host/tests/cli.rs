@@ -6,7 +6,7 @@
 mod program;
 
 use insta::{Settings, assert_snapshot};
-use program::{Desk, Running, TINY, row, shape, tiny_voltages};
+use program::{Desk, Running, TINY, row, shape, tiny_voltages, transcript};
 use std::{
     fs::File,
     net::{SocketAddr, TcpListener},
@@ -14,8 +14,21 @@ use std::{
 };
 
 /// All commands.
-const COMMANDS: [&str; 9] =
-    ["build", "demo", "devices", "flash", "inspect", "reconstruct", "simulate", "stream", "tare"];
+const COMMANDS: [&str; 13] = [
+    "build",
+    "check-data",
+    "demo",
+    "devices",
+    "evaluate",
+    "export",
+    "flash",
+    "forward",
+    "inspect",
+    "reconstruct",
+    "simulate",
+    "stream",
+    "tare",
+];
 
 /// Snapshots with everything that changes from run to run replaced.
 fn filtered(check: impl FnOnce()) {
@@ -31,15 +44,6 @@ fn filtered(check: impl FnOnce()) {
 /// A port that was free a moment ago.
 fn nobody_listens() -> SocketAddr {
     TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap()
-}
-
-/// Runs each command, which must be refused, and gives a transcript.
-fn transcript(desk: &Desk, commands: &[&[&str]]) -> String {
-    let refused = |arguments: &&[&str]| {
-        let words = desk.run(arguments).refused();
-        format!("$ dermatome {}\n{}\n", arguments.join(" "), words.trim_end())
-    };
-    commands.iter().map(refused).collect::<Vec<_>>().join("\n")
 }
 
 #[test]
@@ -149,6 +153,12 @@ fn errors_of_arguments() {
             &["stream", "--port", "/dev/null", "--frames", "0"],
             &["tare", "--port", "/dev/null", "--frames", "1001"],
             &["reconstruct", "skin.toml", "--frames", "press.csv"],
+            &["evaluate", "skin.toml", "--noise", "loud"],
+            &["evaluate", "skin.toml", "--diameter", "12"],
+            &["evaluate", "skin.toml", "--contrast", "0"],
+            &["evaluate", "skin.toml", "--spacing", "-3%"],
+            &["evaluate", "skin.toml", "--electrode-error", "2 volts"],
+            &["evaluate", "skin.toml", "--impedance-error", "-1"],
         ],
     );
     filtered(|| assert_snapshot!("errors_arguments", words));

@@ -6,10 +6,10 @@ use dermatome::{
     jacobian::jacobian,
     mesh::{ElectrodeContact, Mesh},
     pixels,
-    prior::Prior,
+    prior::{HighPass, Prior},
     skin,
 };
-use dermatome_shared::stimulation::{Step, pattern};
+use dermatome_shared::stimulation::{Driven, Step, pattern};
 use faer::{Col, Mat};
 use nalgebra::Point3;
 use std::{collections::HashMap, fs::File, io::BufReader, path::Path};
@@ -73,7 +73,7 @@ fn rim_edges(elements: &[[usize; 3]], nodes: &[usize]) -> Vec<[usize; 2]> {
 }
 
 fn steps() -> Vec<Step> {
-    pattern(16, 1, 1).collect()
+    pattern(16, 1, 1, Driven::Skipped).collect()
 }
 
 /// Largest difference relative to the largest expected value; printed, so that anyone can see it with
@@ -120,10 +120,11 @@ fn node_potentials_agree_to_1e_10() {
     for (name, complete) in MODELS {
         let mut reference = Reference::open(name);
         let mesh = reference.mesh(complete);
-        let fields = homogeneous(&mut reference, &mesh).potentials;
+        let fields = homogeneous(&mut reference, &mesh);
+        let unknowns = mesh.nodes.len() + if complete { 16 } else { 0 };
         // Stimulation k: -1 A into electrode k, +1 A into k + 1.
         let potentials =
-            Mat::from_fn(fields.nrows(), 16, |node, k| fields[(node, (k + 1) % 16)] - fields[(node, k)]);
+            Mat::from_fn(unknowns, 16, |node, k| fields.at(node)[(k + 1) % 16] - fields.at(node)[k]);
         assert_agrees(name, "node potentials", &rows(&potentials), &reference.floats("nodev_h"), 1e-10);
     }
 }
@@ -164,13 +165,26 @@ fn laplace_prior_is_eidors_own() {
         let elements = pixels::per_element(&mesh);
         let prior = Prior::Laplace { pixels: mesh.elements.len(), neighbours: elements.neighbours };
         let mut entries = HashMap::<(usize, usize), f64>::new();
-        for (row, col, value) in prior.entries() {
+        for (row, col, value) in prior.entries().unwrap() {
             *entries.entry((row, col)).or_default() += value;
         }
         let places = reference.indices("L_row").into_iter().zip(reference.indices("L_col"));
         let expected: HashMap<_, _> = places.zip(reference.floats("L_val")).collect();
         assert_eq!(entries, expected, "{name}");
     }
+}
+
+/// The first 4 x 4 entries that EIDORS 3.11's own unit test of `prior_gaussian_HPF` expects on this
+/// mesh. EIDORS integrates over pixels by counting the points of a 128 x 128 grid, we by their area
+/// and second moment, and these pixels are as large as the filter.
+#[test]
+fn gaussian_high_pass_is_near_eidors_own() {
+    const EXPECTED: [f64; 4] =
+        [0.562_239_752_317_943, -0.117_068_756_722_254, -0.025_875_127_622_824, -0.117_068_756_722_254];
+    let mesh = Reference::open("a2c_pem.npz").mesh(false);
+    let filter = HighPass::new(&pixels::per_element(&mesh), 0.1).filter().unwrap();
+    let got: Vec<f64> = (0..4).map(|j| filter[(0, j)]).collect();
+    assert_agrees("a2c_pem.npz", "Gaussian high-pass", &got, &EXPECTED, 0.15);
 }
 
 /// Image of EIDORS' own data with a prior of ours.
@@ -204,7 +218,7 @@ fn images_agree_to_1e_8() {
         (skin::Prior::Laplace, false, "laplace_n0"),
         (skin::Prior::Laplace, true, "laplace_n1I"),
         (skin::Prior::Tikhonov, false, "tikhonov_n0"),
-        (skin::Prior::Noser, false, "noser_n0"),
+        (skin::Prior::Noser { exponent: 0.5 }, false, "noser_n0"),
     ];
     for (name, complete) in MODELS {
         let mut reference = Reference::open(name);

@@ -5,6 +5,11 @@
 
 use dermatome::{
     measured::{
+        check::{
+            Check, Expected, check as check_frames,
+            findings::{About, Level},
+            numbering::{Exchange, Role},
+        },
         diagnose::{Diagnosis, diagnose},
         order::{Arrangement, SenseOrder},
         read::{Frames, Source, read},
@@ -13,7 +18,7 @@ use dermatome::{
     model::Model,
     skin::Skin,
 };
-use dermatome_shared::stimulation::{Step, pattern};
+use dermatome_shared::stimulation::{Driven, Step, pattern};
 use num_complex::Complex64;
 use std::{ffi::OsString, path::Path};
 
@@ -33,7 +38,8 @@ fn frames_in(folder: &str, name_and_key: &str) -> Option<Frames> {
         println!("not run: {name} is absent");
         return None;
     }
-    Some(read(&Source::new(&OsString::from(format!("{folder}/{name_and_key}")))).unwrap())
+    let frames = read(&Source::new(&OsString::from(format!("{folder}/{name_and_key}")))).unwrap();
+    Some(frames.with_square(16, 208))
 }
 
 /// Point electrodes on a homogeneous unit disc: potential -ln(r) / pi round each, with its current.
@@ -44,7 +50,7 @@ fn disc_voltage(step: &Step) -> f64 {
 }
 
 fn check(reference: &[Complex64], drive_distance: u8, used: Arrangement) -> Diagnosis {
-    let steps: Vec<_> = pattern(16, drive_distance, 1).collect();
+    let steps: Vec<_> = pattern(16, drive_distance, 1, Driven::Skipped).collect();
     let voltages: Vec<_> = steps.iter().map(disc_voltage).collect();
     diagnose(&steps, 16, &voltages, reference, used).unwrap()
 }
@@ -192,4 +198,91 @@ fn the_golf_balls_in_ottawas_tank_are_where_eidors_shows_them() {
         two.objects[..2].iter().any(|o| (o.x_mm / 105.0 - x).hypot(o.y_mm / 105.0 - y) < 0.12)
     };
     assert!(near(0.61, -0.02) && near(-0.01, -0.65), "{:?}", two.objects);
+}
+
+/// What the shipped disc should measure with this drive pattern.
+fn expected(pattern: &str) -> Expected {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/disc-210mm/skin.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let text = text.replace("\"adjacent\"", &format!("\"{pattern}\""));
+    Expected::of(&Skin::parse(&path, &text).unwrap()).unwrap()
+}
+
+fn faults(check: &Check) -> Vec<About> {
+    check
+        .findings
+        .iter()
+        .filter(|finding| finding.level == Level::Fault)
+        .map(|finding| finding.about)
+        .collect()
+}
+
+#[test]
+fn tanks_pass_the_check_and_turned_or_miswired_ones_are_told() {
+    let disc = expected("adjacent");
+    for (name, reversed) in [
+        ("iirc_2006.npz:v_ref", true),
+        ("iirc_2006.npz:v_ref_256", true),
+        ("ottawa_2005_planeA.npz:vvRef", false),
+        ("sciospec_tank_adjacent.npz:v", true),
+    ] {
+        let Some(frames) = frames(name) else { continue };
+        let found = check_frames(&disc, &frames, PLAIN).unwrap();
+        assert_eq!(faults(&found), [], "{name}: {:?}", found.findings);
+        assert_eq!(found.polarity.reversed, reversed, "{name}");
+        let reciprocity = found.reciprocity.unwrap();
+        println!("{name}: reciprocity {:.2} %, {:.2} %", reciprocity.median_percent, reciprocity.rms_percent);
+        assert!((2.0..5.2).contains(&reciprocity.median_percent) && reciprocity.rms_percent < 6.5);
+        let mut wrong = found.numbering.used;
+        (wrong.sense, wrong.mirrored) = (SenseOrder::Relative, true);
+        assert_eq!(faults(&check_frames(&disc, &frames, wrong).unwrap()), [About::Order], "{name}");
+    }
+}
+
+#[test]
+fn potentials_of_the_sciospec_tank_are_told_from_differences() {
+    let Some(frames) = frames("sciospec_tank_adjacent.npz:v_single_ended") else { return };
+    let found = check_frames(&expected("adjacent"), &frames, PLAIN).unwrap();
+    assert_eq!(faults(&found), [About::SingleEnded], "{:?}", found.findings);
+    assert!(found.numbering.correlation > 0.99);
+}
+
+#[test]
+fn exchanged_sense_wires_of_the_sciospec_tank_are_found() {
+    let Some(mut frames) = frames("sciospec_tank_adjacent.npz:v_single_ended") else { return };
+    frames.values.chunks_exact_mut(16).for_each(|row| row.swap(2, 3));
+    let found = check_frames(&expected("adjacent"), &frames, PLAIN).unwrap();
+    let exchange = Exchange { electrodes: [2, 3], role: Role::Sense };
+    assert_eq!(found.numbering.exchanged, [exchange], "{:?}", found.findings);
+    let numbering = &found.numbering;
+    assert!(numbering.exchanged_correlation > numbering.best_correlation + 0.05, "{numbering:?}");
+}
+
+#[test]
+fn the_offset_of_the_carbon_black_skins_counts_is_found() {
+    let disc = expected("adjacent");
+    for (run, low, high) in
+        [("expABCX_150mm_8p5wt_6", 6_700.0, 7_400.0), ("expX_150mm_8p5wt_7", 7_300.0, 8_300.0)]
+    {
+        let Some(frames) = frames(&format!("black_sensor_ert_skin.npz:{run}")) else { return };
+        let found = check_frames(&disc, &frames, PLAIN).unwrap();
+        let offset = found.offset.expect("an offset");
+        println!("{run}: offset {:.0}", offset.value);
+        assert!((low..high).contains(&offset.value), "{run}: {offset:?}");
+        assert!(faults(&found).contains(&About::Offset), "{run}");
+        assert!(found.saturation.is_none() && found.repeats.frames == 0, "{run}");
+    }
+}
+
+#[test]
+fn the_hydrogel_skins_reversed_drives_disagree() {
+    let opposite = expected("opposite");
+    for key in ["v_unpressed", "damage"] {
+        let Some(frames) = frames(&format!("hydrogel_skin_wam.npz:{key}")) else { return };
+        let found = check_frames(&opposite, &frames, PLAIN).unwrap();
+        assert!(faults(&found).contains(&About::Reversal), "{:?}", found.findings);
+        let reversal = found.reversal.unwrap();
+        println!("{key}: {:.0} % over {} pairs", reversal.median_percent, reversal.pairs.len());
+        assert!(reversal.median_percent > 70.0 && reversal.pairs.len() == 96);
+    }
 }

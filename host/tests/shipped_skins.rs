@@ -33,7 +33,7 @@ impl Bench {
 
     /// Contacts of 10 frames with these presses, after a tare of 20.
     fn contacts(&self, presses: &[Press], seed: u64) -> Vec<Contacts> {
-        let script = Script::still(presses, &self.skin.outline).unwrap();
+        let script = Script::still(presses, self.skin.shape.flat().unwrap()).unwrap();
         let noise = Noise { snr_db: 60.0, seed };
         let mut simulated = SimulatedSkin::new(&self.skin, script, noise).unwrap();
         let patch = PatchView::validate(&self.patch).unwrap();
@@ -66,7 +66,7 @@ fn an_untouched_skin_reports_no_contact() {
 fn a_finger_is_one_contact_within_four_per_cent_of_the_diameter() {
     for name in SKINS {
         let bench = Bench::new(name);
-        let [x, y] = bench.skin.outline.half_size();
+        let [x, y] = bench.skin.shape.flat().unwrap().half_size();
         let places = [[0.0, 0.0], [0.4, 0.1], [-0.3, 0.5], [0.1, -0.6], [-0.55, -0.2]];
         let mut worst: f64 = 0.0;
         for (seed, [u, v]) in (0..).zip(places) {
@@ -74,7 +74,7 @@ fn a_finger_is_one_contact_within_four_per_cent_of_the_diameter() {
             for contacts in bench.contacts(&[press], seed) {
                 let contact = contacts.first().unwrap_or_else(|| panic!("{name}: no contact at {u}, {v}"));
                 let error = dermatome::metrics::position_error(contact.position, press.position);
-                worst = worst.max(error / bench.skin.outline.diameter());
+                worst = worst.max(error / bench.skin.shape.flat().unwrap().diameter());
                 assert_eq!(contacts.len(), 1, "{name} at {u}, {v}: {contacts:?}");
             }
         }

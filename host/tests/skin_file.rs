@@ -30,7 +30,7 @@ fn wrong_values_name_file_field_value_and_what_is_allowed() {
         ),
         (GOOD, "diameter = \"210 mm\"", "diameter = nan", &["`shape.diameter`", "NaN"]),
         (GOOD, "diameter = \"210 mm\"", "", &["`shape.diameter`", "missing"]),
-        (GOOD, "kind = \"disc\"", "kind = \"star\"", &["`shape.kind`", "star", "\"disc\" or \"rectangle\""]),
+        (GOOD, "kind = \"disc\"", "kind = \"star\"", &["`shape.kind`", "star", "\"disc\", \"rectangle\""]),
         (GOOD, "kind = \"disc\"", "kind = \"disc\"\nwidth = 1", &["`shape.width`", "a disc has"]),
         (
             GOOD,
@@ -39,8 +39,8 @@ fn wrong_values_name_file_field_value_and_what_is_allowed() {
             &["`mesh.edge_length`", "0.0001 mm", "mm to"],
         ),
         (GOOD, "edge_length = \"4.5 mm\"", "edge_length = \"4 m\"", &["`mesh.edge_length`", "4 m"]),
-        (GOOD, "count = 16", "count = 3", &["`electrodes.count`", "is 3", "4 to 16"]),
-        (GOOD, "count = 16", "count = 17", &["`electrodes.count`", "is 17", "4 to 16"]),
+        (GOOD, "count = 16", "count = 3", &["`electrodes.count`", "is 3", "4 to 250"]),
+        (GOOD, "count = 16", "count = 251", &["`electrodes.count`", "is 251", "4 to 250"]),
         (GOOD, "count = 16", "count = -16", &["`electrodes.count`", "is -16"]),
         (
             GOOD,
@@ -53,7 +53,7 @@ fn wrong_values_name_file_field_value_and_what_is_allowed() {
             GOOD,
             "placement = \"rim\"",
             "placement = \"inside\"",
-            &["`electrodes.placement`", "inside", "\"rim\" or \"sides\""],
+            &["`electrodes.placement`", "inside", "\"rim\", \"sides\""],
         ),
         (GOOD, "direction = \"clockwise\"", "direction = \"left\"", &["`electrodes.direction`", "left"]),
         (GOOD, "model = \"complete\"", "model = \"shunt\"", &["`electrodes.model`", "shunt"]),
@@ -91,7 +91,112 @@ fn wrong_values_name_file_field_value_and_what_is_allowed() {
             &["`inverse.prior`", "total-variation", "noser"],
         ),
         (GOOD, "hyperparameter = 0.03", "hyperparameter = -1.0", &["`inverse.hyperparameter`", "is -1"]),
+        (
+            GOOD,
+            "hyperparameter = 0.03",
+            "hyperparameter = \"l-kurve\"",
+            &[
+                "`inverse.hyperparameter`",
+                "l-kurve",
+                "\"l-curve\", \"gcv\", \"noise-figure\" or \"best-resolution\"",
+            ],
+        ),
+        (
+            GOOD,
+            "hyperparameter = 0.03",
+            "hyperparameter = \"gcv\"\nnoise_figure = 0.5",
+            &["`inverse.noise_figure`", "is 0.5", "only the hyperparameter \"noise-figure\""],
+        ),
+        (
+            GOOD,
+            "hyperparameter = 0.03",
+            "hyperparameter = \"noise-figure\"\nnoise_figure = 0",
+            &["`inverse.noise_figure`", "is 0", "above zero"],
+        ),
+        (
+            GOOD,
+            "hyperparameter = 0.03",
+            "hyperparameter = 0.03\nnoise_db = -3",
+            &["`inverse.noise_db`", "is -3", "0 to 200"],
+        ),
+        (GOOD, "prior = \"laplace\"", "", &["`inverse.prior`", "missing", "laplace-squared"]),
+        (
+            GOOD,
+            "prior = \"laplace\"",
+            "prior = \"laplace\"\nmethod = \"greit\"",
+            &["`inverse.prior`", "laplace", "\"greit\" has no prior"],
+        ),
+        (GOOD, "prior = \"laplace\"", "method = \"grit\"", &["`inverse.method`", "grit", "\"greit\""]),
+        (
+            GOOD,
+            "prior = \"laplace\"",
+            "prior = \"laplace\"\nnoser_exponent = 0.5",
+            &["`inverse.noser_exponent`", "is 0.5", "only the prior \"noser\""],
+        ),
+        (
+            GOOD,
+            "prior = \"laplace\"",
+            "prior = \"noser\"\nnoser_exponent = 3",
+            &["`inverse.noser_exponent`", "is 3", "0 to 2"],
+        ),
+        (
+            GOOD,
+            "prior = \"laplace\"",
+            "prior = \"gaussian\"\ngaussian_diameter = 0",
+            &["`inverse.gaussian_diameter`", "is 0", "0.01 to 1"],
+        ),
+        (
+            GOOD,
+            "prior = \"laplace\"",
+            "method = \"greit\"\ngreit_radius = 2",
+            &["`inverse.greit_radius`", "is 2", "0.01 to 1"],
+        ),
+        (
+            GOOD,
+            "prior = \"laplace\"",
+            "method = \"greit\"\nelectrode_movement = 10",
+            &["`inverse.electrode_movement`", "is 10", "one-step"],
+        ),
+        (
+            GOOD,
+            "normalised = true",
+            "normalised = false\nweights = \"reference-squared\"",
+            &["`inverse.weights`", "reference-squared", "for normalised data"],
+        ),
+        (
+            GOOD,
+            "normalised = true",
+            "normalised = true\nweights = \"missing.csv\"",
+            &["`inverse.weights`", "missing.csv", "CSV file with the one column weight"],
+        ),
         (GOOD, "columns = 32", "columns = 0", &["`image.columns`", "is 0", "4 to 64"]),
+        (GOOD, "columns = 32", "pixels = 3", &["`image.pixels`", "is 3", "elements", "4 to 100000"]),
+        (GOOD, "columns = 32", "pixels = \"nodes\"", &["`image.pixels`", "nodes", "elements"]),
+        (GOOD, "columns = 32", "columns = 32\npixels = 9", &["`image.pixels`", "given", "nothing"]),
+        (GOOD, "columns = 32", "", &["`image.columns`", "missing", "`pixels`"]),
+        (GOOD, "\"adjacent\"", "\"table\"", &["`drive.table`", "missing", "CSV"]),
+        (GOOD, "\"adjacent\"", "\"adjacent\"\ntable = [[1, 2, 3, 4]]", &["`drive.table`", "only pattern"]),
+        (
+            GOOD,
+            "\"adjacent\"",
+            "\"table\"\ntable = [[2, 1, 3, 4], [2, 1, 3, 17]]",
+            &["`drive.table`", "[2, 1, 3, 17] in row 2", "electrodes 1 to 16"],
+        ),
+        (
+            GOOD,
+            "\"adjacent\"",
+            "\"table\"\ntable = [[2, 2, 3, 4]]",
+            &["`drive.table`", "row 1", "two different electrodes"],
+        ),
+        (GOOD, "\"adjacent\"", "\"table\"\ntable = []", &["`drive.table`", "0 steps", "1 to 65535"]),
+        (GOOD, "\"adjacent\"", "\"table\"\ntable = \"no.csv\"", &["`drive.table`", "no.csv", "drive_plus"]),
+        (GOOD, "\"adjacent\"", "\"adjacent\"\ndriven = \"no\"", &["`drive.driven`", "skipped"]),
+        (
+            GOOD,
+            "sheet_conductivity = \"5.88 mS\"",
+            "sheet_conductivity = 1.0\nsheet_capacitance = \"1 nS\"",
+            &["`material.sheet_capacitance`", "1 nS", "pF"],
+        ),
         (GOOD, "threshold = 0.05", "threshold = 0.0", &["`contact.threshold`", "is 0"]),
         (GOOD, "name = \"disc-210mm\"", "name = \"../evil\"", &["`name`", "../evil", "letters, digits"]),
         (GOOD, "name = \"disc-210mm\"", "name = \"\"", &["`name`", "1 to 32 letters"]),
@@ -128,7 +233,8 @@ fn unknown_and_missing_fields_are_named_with_their_line() {
 fn too_many_pixels_for_a_board_are_refused_with_the_field() {
     let text = GOOD.replace("columns = 32", "columns = 64");
     let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
-    let error = dermatome::model::Model::build(&skin, |_| ()).unwrap_err().to_string();
+    let model = dermatome::model::Model::build(&skin, |_| ()).unwrap();
+    let error = dermatome::quantize::patch(&skin, &model).unwrap_err().to_string();
     assert!(error.contains("`image.columns`") && error.contains("1024"), "{error}");
 }
 
@@ -144,11 +250,33 @@ fn a_matrix_too_long_for_a_board_is_refused_with_what_to_change() {
 #[test]
 fn electrode_one_is_at_the_top_and_numbers_run_clockwise() {
     let skin = Skin::parse(Path::new("skin.toml"), GOOD).unwrap();
-    let place = |i: usize| skin.outline.rim_point(skin.electrodes.centres[i]);
+    let place = |i: usize| skin.shape.electrode_centres()[i];
     assert!(place(0).x.abs() < 1e-12 && (place(0).y - 0.105).abs() < 1e-12);
     assert!((place(4).x - 0.105).abs() < 1e-12);
     let skin = Skin::parse(Path::new("skin.toml"), SQUARE).unwrap();
-    let place = |i: usize| skin.outline.rim_point(skin.electrodes.centres[i]);
+    let place = |i: usize| skin.shape.electrode_centres()[i];
     assert!((place(0).x - 0.005).abs() < 1e-12 && (place(0).y - 0.025).abs() < 1e-12);
     assert!((place(2).x - 0.025).abs() < 1e-12 && (place(2).y - 0.015).abs() < 1e-12);
+}
+
+#[test]
+fn a_table_of_steps_counts_from_one_in_the_skin_file_and_from_zero_in_csv() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(
+        folder.path().join("steps.csv"),
+        "drive_plus,drive_minus,sense_plus,sense_minus\n1,0,2,3\n",
+    )
+    .unwrap();
+    let steps = |table: &str| {
+        let text = GOOD.replace("\"adjacent\"", &format!("\"table\"\ntable = {table}"));
+        Skin::parse(&folder.path().join("skin.toml"), &text).unwrap().steps()
+    };
+    assert_eq!(steps("[[2, 1, 3, 4]]"), steps("\"steps.csv\""));
+    assert_eq!(steps("\"steps.csv\"")[0].to_bytes(), [1, 0, 2, 3]);
+}
+
+#[test]
+fn driven_electrodes_are_measured_if_asked_for() {
+    let text = GOOD.replace("\"adjacent\"", "\"adjacent\"\ndriven = \"measured\"");
+    assert_eq!(Skin::parse(Path::new("skin.toml"), &text).unwrap().steps().len(), 256);
 }

@@ -45,6 +45,15 @@ impl Step {
             && self.sense_plus != self.sense_minus
     }
 
+    /// Whether the sense pair touches a driven electrode.
+    #[must_use]
+    pub const fn senses_driven(self) -> bool {
+        self.sense_plus == self.drive_plus
+            || self.sense_plus == self.drive_minus
+            || self.sense_minus == self.drive_plus
+            || self.sense_minus == self.drive_minus
+    }
+
     /// What this step measures, regardless of direction: two steps with equal keys give the same
     /// voltage, up to the sign, on any linear reciprocal body.
     #[must_use]
@@ -71,12 +80,27 @@ fn ordered(plus: u8, minus: u8) -> ([u8; 2], bool) {
     if plus < minus { ([plus, minus], false) } else { ([minus, plus], true) }
 }
 
+/// Whether sense pairs that touch a driven electrode are part of a pattern. Their voltages contain
+/// the contact impedance of that electrode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Driven {
+    /// They are left out.
+    Skipped,
+    /// They are measured like any other.
+    Measured,
+}
+
 /// All steps of the pattern that drives pairs `drive_distance` apart and senses pairs
-/// `sense_distance` apart, in canonical order, without sense pairs that touch a driven electrode.
+/// `sense_distance` apart, in canonical order.
 ///
 /// Adjacent is (1, 1), opposite is (electrodes / 2, 1), skip-n is (n + 1, n + 1). Sixteen
-/// electrodes give 208 adjacent steps (thesis section 2.2.4: n (n - 3)).
-pub fn pattern(electrodes: u8, drive_distance: u8, sense_distance: u8) -> impl Iterator<Item = Step> {
+/// electrodes give 208 adjacent steps without driven ones (thesis section 2.2.4: n (n - 3)).
+pub fn pattern(
+    electrodes: u8,
+    drive_distance: u8,
+    sense_distance: u8,
+    driven: Driven,
+) -> impl Iterator<Item = Step> {
     let ahead = move |electrode: u8, distance: u8| {
         ((u16::from(electrode) + u16::from(distance)) % u16::from(electrodes.max(1))) as u8
     };
@@ -88,10 +112,7 @@ pub fn pattern(electrodes: u8, drive_distance: u8, sense_distance: u8) -> impl I
                 sense_plus: m,
                 sense_minus: ahead(m, sense_distance),
             })
-            .filter(|step| {
-                let driven = [step.drive_plus, step.drive_minus];
-                !driven.contains(&step.sense_plus) && !driven.contains(&step.sense_minus)
-            })
+            .filter(move |step| driven == Driven::Measured || !step.senses_driven())
     })
 }
 
@@ -102,7 +123,7 @@ mod tests {
 
     #[test]
     fn adjacent_pattern_of_sixteen_electrodes_has_the_canonical_208_steps() {
-        let steps: Vec<_> = pattern(16, 1, 1).collect();
+        let steps: Vec<_> = pattern(16, 1, 1, Driven::Skipped).collect();
         assert_eq!(steps.len(), 208);
         assert_eq!(steps[0].to_bytes(), [1, 0, 2, 3]);
         assert_eq!(steps[12].to_bytes(), [1, 0, 14, 15]);
@@ -113,12 +134,19 @@ mod tests {
 
     #[test]
     fn opposite_pattern_of_sixteen_electrodes_has_192_steps() {
-        assert_eq!(pattern(16, 8, 1).count(), 192);
+        assert_eq!(pattern(16, 8, 1, Driven::Skipped).count(), 192);
+    }
+
+    #[test]
+    fn measuring_on_driven_electrodes_gives_every_drive_every_sense_pair() {
+        let steps: Vec<_> = pattern(16, 1, 1, Driven::Measured).collect();
+        assert_eq!(steps.len(), 256);
+        assert_eq!(steps.iter().filter(|step| step.senses_driven()).count(), 256 - 208);
     }
 
     #[test]
     fn exchanging_drive_and_sense_keeps_what_is_measured() {
-        for step in pattern(16, 1, 1) {
+        for step in pattern(16, 1, 1, Driven::Skipped) {
             let [a, b, c, d] = step.to_bytes();
             let exchanged = Step::from_bytes([c, d, a, b]);
             assert_eq!(step.reciprocity(), exchanged.reciprocity());
@@ -131,7 +159,7 @@ mod tests {
     #[test]
     fn adjacent_pattern_holds_104_independent_measurements() {
         let mut seen = Vec::new();
-        for step in pattern(16, 1, 1) {
+        for step in pattern(16, 1, 1, Driven::Skipped) {
             let pairs = step.reciprocity().pairs;
             if !seen.contains(&pairs) {
                 seen.push(pairs);

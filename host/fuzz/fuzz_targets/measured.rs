@@ -16,6 +16,9 @@ fn parse(ending: &str, bytes: &[u8], key: Option<&str>) -> Option<Frames> {
     assert_eq!(frames.values.len(), frames.frames * frames.measurements);
     assert!(frames.values.iter().all(|value| value.is_finite()));
     assert!(frames.mean().len() == frames.measurements && frames.iter().len() == frames.frames);
+    let values = frames.values.len();
+    let frames = frames.with_square(4, 8);
+    assert_eq!(frames.frames * frames.measurements, values);
     Some(frames)
 }
 

@@ -2,7 +2,7 @@
 //! error, and its patch must be valid.
 #![no_main]
 
-use dermatome::{model::Model, quantize, skin::Skin};
+use dermatome::{model::Model, quantize, skin::{ImageLayout, Skin}};
 use dermatome_shared::patch::PatchView;
 use libfuzzer_sys::fuzz_target;
 use std::path::Path;
@@ -12,10 +12,11 @@ const MOST_ELEMENTS: f64 = 400.0;
 
 fuzz_target!(|text: &str| {
     let Ok(skin) = Skin::parse(Path::new("skin.toml"), text) else { return };
-    assert!((4..=16).contains(&skin.electrodes.count()) && !skin.name.is_empty());
-    assert!(skin.rim().iter().flatten().all(|x| x.is_finite()));
-    let elements = skin.outline.area() / (0.43 * skin.edge_length * skin.edge_length);
-    if elements > MOST_ELEMENTS || skin.image_columns > 16 {
+    assert!(skin.electrodes.count >= 4 && !skin.name.is_empty());
+    assert!(skin.shape.electrode_centres().iter().all(|centre| centre.coords.iter().all(|x| x.is_finite())));
+    let Ok(outline) = skin.shape.flat() else { return };
+    let elements = outline.area() / (0.43 * skin.edges.electrodes.powi(2));
+    if elements > MOST_ELEMENTS || matches!(skin.image, ImageLayout::Grid { columns } if columns > 16) {
         return;
     }
     let Ok(model) = Model::build(&skin, |_| ()) else { return };

@@ -1,23 +1,31 @@
-//! `dermatome build`: skin file -> patch file.
+//! `dermatome build`: skin file -> reconstruction matrix -> patch file.
 
 use super::{JsonReport, patch_id, progress};
 use crate::{
+    inverse::figures::Blur,
     mesh::quality::{Quality, quality},
     model::{Model, Stage},
     output::write_whole,
     quantize::{self, FixedPointError},
     skin::Skin,
+    stimulation,
+    view::plot::criterion_svg,
 };
-use anyhow::Context;
+use anyhow::{Context, bail};
 use dermatome_shared::patch::PatchView;
 use serde::Serialize;
-use std::{collections::BTreeMap, path::PathBuf, time::Instant};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    time::Instant,
+};
 
 /// Compute a skin's reconstruction matrix and write its patch.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   dermatome build models/disc-210mm/skin.toml
-  dermatome build models/square-50mm/skin.toml -o left-palm.dermatome --json build.json")]
+  dermatome build models/square-50mm/skin.toml -o left-palm.dermatome --json build.json
+  dermatome build models/hemisphere-120mm/skin.toml --no-patch")]
 pub(super) struct Args {
     /// Skin file.
     #[arg(value_name = "SKIN")]
@@ -25,6 +33,12 @@ pub(super) struct Args {
     /// Where to write the patch [default: the skin's name with .dermatome, in this folder].
     #[arg(short, long, value_name = "PATCH")]
     output: Option<PathBuf>,
+    /// Compute and report only; for skins that no board takes.
+    #[arg(long, conflicts_with = "output")]
+    no_patch: bool,
+    /// Draw the criterion by which the hyperparameter was chosen, as SVG.
+    #[arg(long, value_name = "FILE")]
+    hyperparameter_plot: Option<PathBuf>,
     #[command(flatten)]
     json: JsonReport,
 }
@@ -33,20 +47,52 @@ pub(super) struct Args {
 #[derive(Serialize)]
 struct Report {
     skin: String,
-    patch: PathBuf,
-    patch_bytes: usize,
-    patch_crc: String,
+    #[serde(flatten)]
+    patch: Option<PatchReport>,
     electrodes: u8,
     steps: usize,
     measurements: usize,
+    rank: usize,
     pixels: usize,
     mesh: Quality,
-    fixed_point_error: FixedPointError,
+    hyperparameter: f64,
+    hyperparameter_by: &'static str,
+    noise_figure: f64,
+    resolution: Resolution,
     image_noise_at_60_db: f64,
     contact_threshold: f64,
     warnings: Vec<String>,
     stage_seconds: BTreeMap<&'static str, f64>,
     total_seconds: f64,
+}
+
+#[derive(Serialize)]
+struct PatchReport {
+    #[serde(rename = "patch")]
+    path: PathBuf,
+    #[serde(rename = "patch_bytes")]
+    bytes: usize,
+    #[serde(rename = "patch_crc")]
+    crc: String,
+    fixed_point_error: FixedPointError,
+}
+
+/// How widely images spread a point.
+#[derive(Serialize)]
+struct Resolution {
+    mean_res: f64,
+    median_radius_mm: f64,
+    worst_radius_mm: f64,
+}
+
+impl From<Blur> for Resolution {
+    fn from(blur: Blur) -> Self {
+        Self {
+            mean_res: blur.resolution,
+            median_radius_mm: blur.median_radius * 1e3,
+            worst_radius_mm: blur.worst_radius * 1e3,
+        }
+    }
 }
 
 /// Random presses on which the fixed-point error is measured.
@@ -61,34 +107,31 @@ const SHARP_ANGLE_DEGREES: f64 = 10.0;
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let start = Instant::now();
     let skin = Skin::load(&args.skin)?;
-    let path = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.dermatome", skin.name)));
     let in_file = || format!("skin file `{}`", args.skin.display());
     let spinner = progress::spinner();
     let mut model = Model::build(&skin, |stage| spinner.set_message(stage)).with_context(in_file)?;
-    let quantizing = Instant::now();
-    spinner.set_message("quantize");
-    let patch = quantize::patch(&skin, &model).with_context(in_file)?;
-    let view = PatchView::validate(&patch)?;
-    let fixed_point_error = quantize::fixed_point_error(&model, &view, TRIALS).with_context(in_file)?;
-    model.stages.push(Stage { name: "quantize", time: quantizing.elapsed() });
-    let writing = Instant::now();
-    write_whole(&path, &patch)?;
-    model.stages.push(Stage { name: "write", time: writing.elapsed() });
+    let plot = args.hyperparameter_plot.as_deref();
+    plot.map_or(Ok(()), |path| write_plot(&skin, &model, path)).with_context(in_file)?;
+    spinner.set_message("patch");
+    let patch =
+        if args.no_patch { None } else { Some(write_patch(args, &skin, &mut model).with_context(in_file)?) };
     spinner.finish_and_clear();
     let mesh = quality(&model.mesh);
     let noise = model.image_noise(60.0);
     let report = Report {
         skin: skin.name.clone(),
-        patch: path,
-        patch_bytes: patch.len(),
-        patch_crc: patch_id(view.crc()),
-        electrodes: skin.electrodes.count(),
+        electrodes: skin.electrodes.count,
         steps: model.steps.len(),
         measurements: model.jacobian.nrows(),
+        rank: stimulation::report(&model.steps, skin.electrodes.count).rank,
         pixels: model.jacobian.ncols(),
-        warnings: warnings(&skin, &mesh, &fixed_point_error, noise),
+        warnings: warnings(&skin, &mesh, patch.as_ref(), noise),
         mesh,
-        fixed_point_error,
+        patch,
+        hyperparameter: model.hyperparameter,
+        hyperparameter_by: model.selection.as_ref().map_or("fixed", |selection| selection.criterion.name()),
+        noise_figure: model.noise_figure(),
+        resolution: model.blur().into(),
         image_noise_at_60_db: noise,
         contact_threshold: skin.contact_threshold,
         stage_seconds: model.stages.iter().map(|stage| (stage.name, stage.time.as_secs_f64())).collect(),
@@ -99,8 +142,31 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     args.json.write(&report)
 }
 
+fn write_plot(skin: &Skin, model: &Model, path: &Path) -> anyhow::Result<()> {
+    let Some(selection) = &model.selection else {
+        bail!(
+            "--hyperparameter-plot has nothing to draw: `inverse.hyperparameter` is a number; allowed here: \
+             \"l-curve\", \"gcv\", \"noise-figure\" or \"best-resolution\""
+        );
+    };
+    Ok(write_whole(path, criterion_svg(&skin.name, selection).as_bytes())?)
+}
+
+fn write_patch(args: &Args, skin: &Skin, model: &mut Model) -> anyhow::Result<PatchReport> {
+    let path = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.dermatome", skin.name)));
+    let quantizing = Instant::now();
+    let patch = quantize::patch(skin, model)?;
+    let view = PatchView::validate(&patch)?;
+    let fixed_point_error = quantize::fixed_point_error(model, &view, TRIALS)?;
+    model.stages.push(Stage { name: "quantize", time: quantizing.elapsed() });
+    let writing = Instant::now();
+    write_whole(&path, &patch)?;
+    model.stages.push(Stage { name: "write", time: writing.elapsed() });
+    Ok(PatchReport { path, bytes: patch.len(), crc: patch_id(view.crc()), fixed_point_error })
+}
+
 /// What is allowed, but seldom meant.
-fn warnings(skin: &Skin, mesh: &Quality, error: &FixedPointError, noise: f64) -> Vec<String> {
+fn warnings(skin: &Skin, mesh: &Quality, patch: Option<&PatchReport>, noise: f64) -> Vec<String> {
     let mut warnings = Vec::new();
     if noise > skin.contact_threshold / NOISE_MARGIN {
         warnings.push(format!(
@@ -110,8 +176,9 @@ fn warnings(skin: &Skin, mesh: &Quality, error: &FixedPointError, noise: f64) ->
             skin.contact_threshold
         ));
     }
-    if error.measured_percent > WORST_ERROR_PERCENT {
-        warnings.push(format!("fixed point costs {:.2} % of the image's peak", error.measured_percent));
+    let fixed_point = patch.map_or(0.0, |patch| patch.fixed_point_error.measured_percent);
+    if fixed_point > WORST_ERROR_PERCENT {
+        warnings.push(format!("fixed point costs {fixed_point:.2} % of the image's peak"));
     }
     if mesh.smallest_angle_degrees < SHARP_ANGLE_DEGREES {
         warnings.push(format!(
@@ -132,16 +199,25 @@ fn print(report: &Report, stages: &[Stage]) {
         mesh.smallest_angle_degrees
     );
     say!(
-        "measurements  {} from {} steps, {} electrodes",
+        "measurements  {} from {} steps, {} electrodes, rank {}",
         report.measurements,
         report.steps,
-        report.electrodes
+        report.electrodes,
+        report.rank
     );
     say!("pixels        {}", report.pixels);
     say!(
-        "fixed point   error {:.4} % of the image's peak on {TRIALS} simulated presses (bound {:.3} %)",
-        report.fixed_point_error.measured_percent,
-        report.fixed_point_error.bound_percent
+        "lambda        {:.4e} ({}), noise figure {:.2}",
+        report.hyperparameter,
+        report.hyperparameter_by,
+        report.noise_figure
+    );
+    let blur = &report.resolution;
+    say!(
+        "resolution    RES {:.3} of the skin, a point spreads to a radius of {:.1} mm (median), {:.1} mm (worst)",
+        blur.mean_res,
+        blur.median_radius_mm,
+        blur.worst_radius_mm
     );
     say!(
         "image noise   {:.4} at 60 dB, worst pixel (contacts count from {})",
@@ -152,5 +228,14 @@ fn print(report: &Report, stages: &[Stage]) {
         say!("{:<12}  {:>8.1} ms", stage.name, stage.time.as_secs_f64() * 1e3);
     }
     say!("{:<12}  {:>8.1} ms", "total", report.total_seconds * 1e3);
-    say!("patch         {} ({} bytes, id {})", report.patch.display(), report.patch_bytes, report.patch_crc);
+    let Some(patch) = &report.patch else {
+        say!("patch         none, as asked");
+        return;
+    };
+    say!(
+        "fixed point   error {:.4} % of the image's peak on {TRIALS} simulated presses (bound {:.3} %)",
+        patch.fixed_point_error.measured_percent,
+        patch.fixed_point_error.bound_percent
+    );
+    say!("patch         {} ({} bytes, id {})", patch.path.display(), patch.bytes, patch.crc);
 }

@@ -62,10 +62,11 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     spinner.finish_and_clear();
     say!("built the patch of {}: {} elements, {} bytes", skin.name, model.mesh.elements.len(), patch.len());
 
-    let script = demo::script(&skin.outline, skin.drive.frame_rate)?;
+    let outline = skin.shape.flat()?;
+    let script = demo::script(outline, skin.drive.frame_rate)?;
     let source = SimulatedSkin::new(&skin, script.clone(), noise)?;
     let simulated_elements = source.elements();
-    let options = BoardOptions { electrodes: skin.electrodes.count(), ..BoardOptions::default() };
+    let options = BoardOptions { electrodes: skin.electrodes.count, ..BoardOptions::default() };
     let mut link = Link::to_simulated("sim:demo", SimulatedBoard::start(options, source)?)?;
     say!(
         "started a simulated board: its skin has {simulated_elements} elements, noise at {} dB",
@@ -77,7 +78,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     say!("flashed it and averaged {DEFAULT_TARE_FRAMES} frames of the untouched skin; now watch the fingers");
 
     let reference = demo::reference(&mut link)?;
-    let scorer = Scorer { skin: &skin, model: &model, script: &script, reference };
+    let geometry = model.grid()?;
+    let scorer = Scorer { skin: &skin, outline, model: &model, geometry, script: &script, reference };
     let watched = show(&mut link, &scorer)?;
     let report = Report {
         skin: skin.name.clone(),
@@ -102,7 +104,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 
 /// Draws the frames as they come, until the last one or Ctrl-C.
 fn show(link: &mut Link, scorer: &Scorer<'_>) -> anyhow::Result<Watched> {
-    let mut live = Live::new(Some(scorer.model.geometry.clone()));
+    let mut live = Live::new(Some(scorer.geometry.clone()));
     let watched = demo::watch(link, scorer, |record| {
         if let Some(record) = record {
             live.keep_image(record.image.clone());

@@ -19,9 +19,14 @@ macro_rules! say {
 }
 
 mod build;
+mod check_data;
 mod demo;
 mod devices;
+mod evaluate;
+mod export;
 mod flash;
+mod forward;
+mod frame_options;
 mod inspect;
 pub mod interrupt;
 mod noise;
@@ -43,6 +48,7 @@ struct Cli {
 enum Command {
     Demo(demo::Args),
     Build(build::Args),
+    Evaluate(evaluate::Args),
     Inspect(inspect::Args),
     Flash(flash::Args),
     Tare(tare::Args),
@@ -50,6 +56,9 @@ enum Command {
     Simulate(simulate::Args),
     Devices(devices::Args),
     Reconstruct(reconstruct::Args),
+    CheckData(check_data::Args),
+    Export(export::Args),
+    Forward(forward::Args),
 }
 
 /// Runs the command line; errors go to standard error in full, with exit code 1.
@@ -67,6 +76,7 @@ fn run(command: Command) -> anyhow::Result<()> {
     match command {
         Command::Demo(args) => demo::run(&args),
         Command::Build(args) => build::run(&args),
+        Command::Evaluate(args) => evaluate::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Flash(args) => flash::run(&args),
         Command::Tare(args) => tare::run(&args),
@@ -74,6 +84,9 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Simulate(args) => simulate::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Reconstruct(args) => reconstruct::run(&args),
+        Command::CheckData(args) => check_data::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::Forward(args) => forward::run(&args),
     }
 }
 

@@ -1,16 +1,15 @@
 //! `dermatome reconstruct`: frames of other people's instruments -> images and what they show.
 
-use super::JsonReport;
+use super::{JsonReport, frame_options::FrameOptions};
 use crate::{
     measured::{
         diagnose::{Diagnosis, diagnose},
-        order::{Arrangement, SenseOrder},
-        read::{Frames, Source, read},
+        read::{Frames, Source},
         reconstruct::{FrameResult, Polarity, evenly_spaced, reconstruct},
     },
     model::Model,
     output::write_whole,
-    skin::Skin,
+    skin::{Skin, electrodes_in_plane},
     view::sheet::{Panel, Sheet, reconstruction_sheet},
 };
 use anyhow::Context;
@@ -44,26 +43,13 @@ pub(super) struct Args {
     /// Draw the images.
     #[arg(long, value_name = "FILE")]
     png: Option<PathBuf>,
-    /// Order of the sense pairs inside each drive: by electrode, or from the driven pair onwards.
-    #[arg(long, value_enum, default_value_t)]
-    order: SenseOrder,
-    /// Electrode of the skin, from 0, that the file calls its first.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    rotation: u8,
-    /// The file numbers its electrodes the other way round.
-    #[arg(long)]
-    mirror: bool,
+    #[command(flatten)]
+    options: FrameOptions,
     /// Look for a conductivity that rises, that falls, or for whichever change is the strongest.
     #[arg(long, value_enum, default_value_t)]
     polarity: Polarity,
     #[command(flatten)]
     json: JsonReport,
-}
-
-impl Args {
-    fn arrangement(&self) -> Arrangement {
-        Arrangement { sense: self.order, rotation: self.rotation, mirrored: self.mirror }
-    }
 }
 
 /// What `reconstruct` tells; keys are documented in docs/cli.md.
@@ -83,16 +69,16 @@ struct Report {
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let (reference_source, frames_source) = (Source::new(&args.reference), Source::new(&args.frames));
-    let reference = read(&reference_source)?;
-    let frames = read(&frames_source)?;
     let skin = Skin::load(&args.skin)?;
+    let reference = args.options.read(&reference_source, &skin)?;
+    let frames = args.options.read(&frames_source, &skin)?;
     let model =
         Model::build(&skin, |_| ()).with_context(|| format!("skin file `{}`", args.skin.display()))?;
-    let arrangement = args.arrangement();
+    let arrangement = args.options.arrangement();
     let results = reconstruct(&model, &reference, &frames, &arrangement, args.polarity)
         .with_context(|| format!("`{reference_source}` and `{frames_source}`"))?;
     let diagnosis =
-        diagnose(&model.steps, skin.electrodes.count(), &model.voltages, &reference.mean(), arrangement)?;
+        diagnose(&model.steps, skin.electrodes.count, &model.voltages, &reference.mean(), arrangement)?;
     let report = Report {
         skin: args.skin.clone(),
         reference_file: reference_source.to_string(),
@@ -157,9 +143,9 @@ fn row(result: &FrameResult) -> String {
 fn picture(skin: &Skin, model: &Model, report: &Report) -> anyhow::Result<Vec<u8>> {
     let shown = evenly_spaced(report.frames.len(), SHOWN);
     let panels = shown.iter().map(|&index| panel(&report.frames[index])).collect();
-    let rim = skin.rim();
+    let rim = electrodes_in_plane(&skin.shape);
     let sheet =
-        Sheet { title: &report.frames_file, geometry: &model.geometry, electrodes: &rim, columns: 5, panels };
+        Sheet { title: &report.frames_file, geometry: model.grid()?, electrodes: &rim, columns: 5, panels };
     reconstruction_sheet(&sheet).encode().context("cannot encode the picture")
 }
 

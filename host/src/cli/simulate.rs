@@ -70,14 +70,14 @@ const POLL: Duration = Duration::from_millis(50);
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let skin = Skin::load(&args.skin)?;
-    let script = script(args, &skin.outline)?;
+    let script = script(args, skin.shape.flat()?)?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let noise = args.noise.noise();
     let source = SimulatedSkin::new(&skin, script, noise).with_context(in_file)?;
     let simulated_elements = source.elements();
     let options = BoardOptions {
         listen: address(&args.listen)?,
-        electrodes: skin.electrodes.count(),
+        electrodes: skin.electrodes.count,
         store: args.store.clone(),
         max_frames: args.frames,
         ..BoardOptions::default()
@@ -86,7 +86,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let report = Report {
         port: format!("tcp:{}", board.address()),
         skin: &skin.name,
-        electrodes: skin.electrodes.count(),
+        electrodes: skin.electrodes.count,
         simulated_elements,
         noise_db: noise.snr_db,
         seed: noise.seed,

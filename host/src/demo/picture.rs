@@ -3,10 +3,12 @@
 use super::{FrameRecord, Scorer};
 use crate::{
     measured::reconstruct::evenly_spaced,
-    pixels,
     simulate::Press,
+    skin::electrodes_in_plane,
     view::sheet::{Panel, Sheet, reconstruction_sheet},
 };
+
+use nalgebra::Point3;
 
 /// Moments shown.
 const MOMENTS: usize = 8;
@@ -27,10 +29,10 @@ pub fn picture(scorer: &Scorer<'_>, records: &[FrameRecord]) -> Result<Vec<u8>, 
         "{}: true change of conductivity beside the board's image, at eight moments",
         scorer.skin.name
     );
-    let rim = scorer.skin.rim();
+    let rim = electrodes_in_plane(&scorer.skin.shape);
     let sheet = Sheet {
         title: &title,
-        geometry: &scorer.model.geometry,
+        geometry: scorer.geometry,
         electrodes: &rim,
         columns: 2 * PAIRS,
         panels: panels.collect(),
@@ -40,8 +42,9 @@ pub fn picture(scorer: &Scorer<'_>, records: &[FrameRecord]) -> Result<Vec<u8>, 
 
 /// Change under the fingers at the centre of each pixel: `[pixel]`.
 fn true_image(scorer: &Scorer<'_>, presses: &[Press]) -> Vec<f64> {
-    let change = |centre: &[f64; 2]| presses.iter().map(|press| press.change_at(*centre)).sum();
-    pixels::centres(&scorer.model.geometry).iter().map(change).collect()
+    let change =
+        |centre: &Point3<f64>| presses.iter().map(|press| press.change_at([centre.x, centre.y])).sum();
+    scorer.model.pixels.centres.iter().map(change).collect()
 }
 
 fn true_panel<'a>(record: &FrameRecord, truth: &'a [f64]) -> Panel<'a> {

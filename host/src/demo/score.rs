@@ -5,10 +5,11 @@ use crate::{
     metrics::{ImageFigures, image_figures, mean_and_max, position_error},
     model::Model,
     simulate::{Press, Script},
-    skin::Skin,
+    skin::{Skin, outline::Outline},
 };
 use dermatome_shared::{
     contact::Contacts,
+    image::Geometry,
     protocol::FrameStamp,
     units::{AdcCode, RelativeConductivity},
 };
@@ -19,8 +20,12 @@ use serde::Serialize;
 pub struct Scorer<'a> {
     /// The skin.
     pub skin: &'a Skin,
+    /// Its rim.
+    pub outline: &'a Outline,
     /// Its model.
     pub model: &'a Model,
+    /// Grid of its images.
+    pub geometry: &'a Geometry,
     /// What the fingers do.
     pub script: &'a Script,
     /// The board's reference: mean code of each measurement, summed over its steps: `[measurement]`.
@@ -95,7 +100,7 @@ impl Scorer<'_> {
     /// Sums up a whole demo.
     #[must_use]
     pub fn figures(&self, records: &[FrameRecord]) -> Figures {
-        let diameter = self.skin.outline.diameter();
+        let diameter = self.outline.diameter();
         let single = || records.iter().filter_map(|record| Some((record, single_error(record, diameter)?)));
         let error_in = |unit: f64| {
             let (mean, max) = mean_and_max(single().map(|(_, error)| error / unit))?;
@@ -123,7 +128,7 @@ impl Scorer<'_> {
 
     fn by_radius(&self, records: &[FrameRecord]) -> Vec<RadiusBand> {
         const BANDS: usize = 4;
-        let diameter = self.skin.outline.diameter();
+        let diameter = self.outline.diameter();
         let share =
             |record: &FrameRecord| Point2::from(record.presses[0].position).coords.norm() / (diameter / 2.0);
         let band = |i: usize| {

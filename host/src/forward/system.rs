@@ -1,7 +1,8 @@
-//! The system matrix: which entries there are, and their values for a conductivity.
+//! The system matrix: which entries there are, and their values for an admittivity.
 
-use super::ForwardError;
-use crate::mesh::{ElectrodeContact, Mesh, triangle::Gradients};
+use super::{Admittivity, ForwardError};
+use crate::mesh::triangle::Gradients;
+use crate::mesh::{ElectrodeContact, Mesh, triangle};
 use faer::{
     Mat,
     sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat, SymbolicSparseColMatRef},
@@ -12,27 +13,31 @@ const LOWER: [(usize, usize); 6] = [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 
 
 /// The pattern of the matrix without the ground's row and column, and what fills it.
 #[derive(Debug)]
-pub(super) struct System {
+pub(super) struct System<T> {
     unknowns: usize,
     ground: usize,
     electrodes: Vec<usize>,
     gradients: Vec<Gradients>,
     elements: Vec<[usize; 3]>,
     /// Fixed entries of the complete electrode model: row, column, value.
-    contacts: Vec<(usize, usize, f64)>,
+    contacts: Vec<(usize, usize, T)>,
     pattern: SymbolicSparseColMat<usize>,
     order: Argsort<usize>,
 }
 
 pub(super) fn electrode_unknown(mesh: &Mesh, electrode: usize) -> usize {
+    let is_node = |contact: &&ElectrodeContact| matches!(contact, ElectrodeContact::Node(_));
     match mesh.electrodes[electrode] {
         ElectrodeContact::Node(node) => node,
-        ElectrodeContact::Edges(_) => mesh.nodes.len() + electrode,
+        ElectrodeContact::Edges(_) | ElectrodeContact::Faces(_) => {
+            let points_before = mesh.electrodes[..electrode].iter().filter(is_node).count();
+            mesh.nodes.len() + electrode - points_before
+        }
     }
 }
 
-impl System {
-    pub(super) fn new(mesh: &Mesh, contact_impedance: &[f64], ground: usize) -> Result<Self, ForwardError> {
+impl<T: Admittivity> System<T> {
+    pub(super) fn new(mesh: &Mesh, contact_impedance: &[T], ground: usize) -> Result<Self, ForwardError> {
         let electrodes: Vec<_> = (0..mesh.electrodes.len()).map(|e| electrode_unknown(mesh, e)).collect();
         let unknowns = electrodes.iter().map(|&u| u + 1).max().unwrap_or(0).max(mesh.nodes.len());
         let contacts = contact_entries(mesh, contact_impedance);
@@ -40,10 +45,12 @@ impl System {
             element_positions(&mesh.elements).chain(contacts.iter().map(|&(row, col, _)| (row, col)));
         let pairs: Vec<_> = positions
             .filter(|&(row, col)| row != ground && col != ground)
-            .map(|(row, col)| Pair { row: without(ground, row), col: without(ground, col) })
+            .flat_map(|(row, col)| T::entries(without(ground, row), without(ground, col), T::default()))
+            .map(|(row, col, _)| Pair { row, col })
             .collect();
-        let (pattern, order) = SymbolicSparseColMat::try_new_from_indices(unknowns - 1, unknowns - 1, &pairs)
-            .map_err(|error| ForwardError::Solver(format!("{error:?}")))?;
+        let size = T::PARTS * (unknowns - 1);
+        let (pattern, order) =
+            SymbolicSparseColMat::try_new_from_indices(size, size, &pairs).map_err(ForwardError::solver)?;
         Ok(Self {
             unknowns,
             ground,
@@ -64,35 +71,36 @@ impl System {
         &self.electrodes
     }
 
-    /// The matrix for one conductivity, lower half, ground left out.
-    pub(super) fn matrix(&self, conductivity: &[f64]) -> Result<SparseColMat<usize, f64>, ForwardError> {
+    /// The real matrix for one admittivity, lower half, ground left out.
+    pub(super) fn matrix(&self, admittivity: &[T]) -> Result<SparseColMat<usize, f64>, ForwardError> {
         let values: Vec<f64> = self
-            .lower_entries(conductivity)?
+            .lower_entries(admittivity)?
             .filter(|&(row, col, _)| row != self.ground && col != self.ground)
+            .flat_map(|(row, col, value)| T::entries(row, col, value))
             .map(|(_, _, value)| value)
             .collect();
         SparseColMat::new_from_argsort(self.pattern.clone(), &self.order, &values)
-            .map_err(|error| ForwardError::Solver(format!("{error:?}")))
+            .map_err(ForwardError::solver)
     }
 
     /// Both halves, ground included; entries of one place are to be added.
-    pub(super) fn entries(&self, conductivity: &[f64]) -> Result<Vec<(usize, usize, f64)>, ForwardError> {
+    pub(super) fn entries(&self, admittivity: &[T]) -> Result<Vec<(usize, usize, T)>, ForwardError> {
         let mirrored = |(row, col, value)| {
             let other = (row != col).then_some((col, row, value));
             std::iter::once((row, col, value)).chain(other)
         };
-        Ok(self.lower_entries(conductivity)?.flat_map(mirrored).collect())
+        Ok(self.lower_entries(admittivity)?.flat_map(mirrored).collect())
     }
 
     fn lower_entries<'a>(
         &'a self,
-        conductivity: &'a [f64],
-    ) -> Result<impl Iterator<Item = (usize, usize, f64)> + 'a, ForwardError> {
-        if conductivity.len() != self.elements.len() {
-            let (elements, given) = (self.elements.len(), conductivity.len());
+        admittivity: &'a [T],
+    ) -> Result<impl Iterator<Item = (usize, usize, T)> + 'a, ForwardError> {
+        if admittivity.len() != self.elements.len() {
+            let (elements, given) = (self.elements.len(), admittivity.len());
             return Err(ForwardError::Conductivities { elements, given });
         }
-        let local = self.gradients.iter().zip(conductivity).flat_map(|(gradients, sigma)| {
+        let local = self.gradients.iter().zip(admittivity).flat_map(|(gradients, &sigma)| {
             LOWER.iter().map(move |&(i, j)| sigma * gradients.admittance(i, j))
         });
         let elements =
@@ -100,20 +108,27 @@ impl System {
         Ok(elements.chain(self.contacts.iter().copied()))
     }
 
-    /// Unit current into each electrode: `[unknown without ground][electrode]`.
+    /// Unit current into each electrode: `[real unknown without ground][electrode]`.
     pub(super) fn currents(&self) -> Mat<f64> {
-        let mut currents = Mat::zeros(self.unknowns - 1, self.electrodes.len());
+        let mut currents = Mat::zeros(T::PARTS * (self.unknowns - 1), self.electrodes.len());
         for (column, &unknown) in self.electrodes.iter().enumerate().filter(|(_, u)| **u != self.ground) {
-            currents[(without(self.ground, unknown), column)] = 1.0;
+            currents[(T::PARTS * without(self.ground, unknown), column)] = 1.0;
         }
         currents
     }
 
-    /// Puts the ground's row of zeros back.
-    pub(super) fn with_ground(&self, reduced: &Mat<f64>) -> Mat<f64> {
-        Mat::from_fn(self.unknowns, reduced.ncols(), |unknown, column| {
-            if unknown == self.ground { 0.0 } else { reduced[(without(self.ground, unknown), column)] }
-        })
+    /// Puts the ground's zeros back: `[electrode][unknown]`.
+    pub(super) fn with_ground(&self, solution: &Mat<f64>) -> Vec<T> {
+        let electrodes = solution.ncols();
+        let mut potentials = vec![T::default(); electrodes * self.unknowns];
+        for electrode in 0..electrodes {
+            let parts = solution.col_as_slice(electrode).chunks_exact(T::PARTS).map(T::from_parts);
+            let unknowns = (0..self.unknowns).filter(|&unknown| unknown != self.ground);
+            for (unknown, potential) in unknowns.zip(parts) {
+                potentials[unknown * electrodes + electrode] = potential;
+            }
+        }
+        potentials
     }
 }
 
@@ -130,25 +145,63 @@ fn lower(a: usize, b: usize) -> (usize, usize) {
     (a.max(b), a.min(b))
 }
 
-/// Entries of the complete electrode model: on an edge of length l under an electrode with
-/// contact impedance z, the current density is (electrode potential - potential) / z, both linear.
-fn contact_entries(mesh: &Mesh, contact_impedance: &[f64]) -> Vec<(usize, usize, f64)> {
+/// Entries of the complete electrode model.
+fn contact_entries<T: Admittivity>(mesh: &Mesh, contact_impedance: &[T]) -> Vec<(usize, usize, T)> {
     let mut entries = Vec::new();
     for (electrode, contact) in mesh.electrodes.iter().enumerate() {
-        let ElectrodeContact::Edges(edges) = contact else { continue };
         let unknown = electrode_unknown(mesh, electrode);
-        for &[a, b] in edges {
-            let admittance = (mesh.nodes[a] - mesh.nodes[b]).norm() / contact_impedance[electrode];
-            let (row, col) = lower(a, b);
-            entries.extend([
-                (a, a, admittance / 3.0),
-                (b, b, admittance / 3.0),
-                (row, col, admittance / 6.0),
-                (unknown, a, -admittance / 2.0),
-                (unknown, b, -admittance / 2.0),
-                (unknown, unknown, admittance),
-            ]);
+        let per_metre = contact_impedance[electrode].reciprocal();
+        match contact {
+            ElectrodeContact::Node(_) => {}
+            ElectrodeContact::Edges(edges) => {
+                edges.iter().for_each(|edge| edge_entries(&mut entries, mesh, unknown, *edge, per_metre));
+            }
+            ElectrodeContact::Faces(faces) => {
+                let areas: Vec<f64> = faces.iter().map(|&face| triangle::area(mesh.points(face))).collect();
+                let total: f64 = areas.iter().sum();
+                // A disc has the impedance of an edge as long as its diameter.
+                let whole = per_metre * mesh.width(contact);
+                for (face, area) in faces.iter().zip(areas) {
+                    face_entries(&mut entries, unknown, *face, whole * (area / total));
+                }
+            }
         }
     }
     entries
+}
+
+/// On an edge of length l under an electrode with contact impedance z, the current density is
+/// (electrode potential - potential) / z, both linear.
+fn edge_entries<T: Admittivity>(
+    entries: &mut Vec<(usize, usize, T)>,
+    mesh: &Mesh,
+    unknown: usize,
+    [a, b]: [usize; 2],
+    per_metre: T,
+) {
+    let admittance = per_metre * (mesh.nodes[a] - mesh.nodes[b]).norm();
+    let (row, col) = lower(a, b);
+    entries.extend([
+        (a, a, admittance / 3.0),
+        (b, b, admittance / 3.0),
+        (row, col, admittance / 6.0),
+        (unknown, a, -admittance / 2.0),
+        (unknown, b, -admittance / 2.0),
+        (unknown, unknown, admittance),
+    ]);
+}
+
+/// The same on a triangle that an electrode inside the skin covers.
+fn face_entries<T: Admittivity>(
+    entries: &mut Vec<(usize, usize, T)>,
+    unknown: usize,
+    face: [usize; 3],
+    admittance: T,
+) {
+    for (i, j) in LOWER {
+        let (row, col) = lower(face[i], face[j]);
+        entries.push((row, col, admittance / if i == j { 6.0 } else { 12.0 }));
+    }
+    entries.extend(face.map(|node| (unknown, node, -admittance / 3.0)));
+    entries.push((unknown, unknown, admittance));
 }

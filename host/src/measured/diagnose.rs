@@ -3,7 +3,10 @@
 //! Pearson correlation of the logarithms of magnitude: gain and unit do not matter, and the
 //! U-shape of each drive (large beside the driven electrodes, small opposite) counts in full.
 
-use super::order::{Arrangement, FileIndex, OrderError};
+use super::{
+    order::{Arrangement, FileIndex, OrderError, SenseOrder},
+    statistics::{median, pearson},
+};
 use dermatome_shared::stimulation::Step;
 use num_complex::Complex64;
 use serde::Serialize;
@@ -100,15 +103,7 @@ impl Diagnosis {
     }
 
     fn other_order(&self) -> String {
-        let advice = match self.best.to_string() {
-            none if none.is_empty() => format!("leave out {}", self.used),
-            options => format!("use {options}"),
-        };
-        let removed = if self.used.mirrored && !self.best.mirrored && self.best != Arrangement::default() {
-            ", without --mirror"
-        } else {
-            ""
-        };
+        let advice = options_from(self.used, self.best);
         let rotation = if self.rotation_ambiguous {
             "; the rotation cannot be told from the reference, other rotations fit as well"
         } else {
@@ -116,7 +111,7 @@ impl Diagnosis {
         };
         format!(
             "the reference fits the model better in another order (correlation {:.3} instead of {:.3}): \
-             {advice}{removed}{rotation}",
+             {advice}{rotation}",
             self.best_correlation, self.correlation
         )
     }
@@ -149,7 +144,22 @@ impl Diagnosis {
     }
 }
 
-fn first_few(numbers: &[usize]) -> String {
+/// How to get from one arrangement to another, in the command line's options.
+pub(super) fn options_from(used: Arrangement, best: Arrangement) -> String {
+    let dropped = Arrangement {
+        sense: if used.sense == best.sense { SenseOrder::default() } else { used.sense },
+        rotation: if best.rotation == 0 { used.rotation } else { 0 },
+        mirrored: used.mirrored && !best.mirrored,
+    };
+    match (best.to_string(), dropped.to_string()) {
+        (best, dropped) if best.is_empty() => format!("leave out {dropped}"),
+        (best, dropped) if dropped.is_empty() => format!("use {best}"),
+        (best, dropped) => format!("use {best}, without {dropped}"),
+    }
+}
+
+/// The first of many numbers.
+pub(super) fn first_few(numbers: &[usize]) -> String {
     let shown: Vec<_> = numbers.iter().take(8).map(ToString::to_string).collect();
     format!("{}{}", shown.join(", "), if numbers.len() > 8 { ", ..." } else { "" })
 }
@@ -165,19 +175,7 @@ fn correlation(model: &[f64], reference: &[Complex64], map: &[FileIndex], floor:
     pearson(&points)
 }
 
-fn pearson(points: &[(f64, f64)]) -> f64 {
-    let count = points.len().max(1) as f64;
-    let (sum_x, sum_y) = points.iter().fold((0.0, 0.0), |(x, y), point| (x + point.0, y + point.1));
-    let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
-    for point in points {
-        let (x, y) = (point.0 - sum_x / count, point.1 - sum_y / count);
-        (xx, yy, xy) = (xx + x * x, yy + y * y, xy + x * y);
-    }
-    let scale = (xx * yy).sqrt();
-    if scale > 0.0 { (xy / scale).clamp(-1.0, 1.0) } else { 0.0 }
-}
-
-fn best(correlations: &[(Arrangement, f64)], used: Arrangement) -> (Arrangement, f64) {
+pub(super) fn best(correlations: &[(Arrangement, f64)], used: Arrangement) -> (Arrangement, f64) {
     let highest = correlations.iter().map(|&(_, correlation)| correlation).fold(f64::MIN, f64::max);
     let ties = correlations.iter().filter(|(_, correlation)| *correlation > highest - TIE);
     let fewest_changes = ties.min_by(|a, b| {
@@ -194,7 +192,7 @@ fn changes(a: Arrangement, b: Arrangement) -> usize {
         .count()
 }
 
-fn another_rotation_ties(correlations: &[(Arrangement, f64)], best: Arrangement) -> bool {
+pub(super) fn another_rotation_ties(correlations: &[(Arrangement, f64)], best: Arrangement) -> bool {
     let highest = correlations.iter().map(|&(_, correlation)| correlation).fold(f64::MIN, f64::max);
     correlations.iter().any(|&(other, correlation)| {
         other.rotation != best.rotation
@@ -203,17 +201,21 @@ fn another_rotation_ties(correlations: &[(Arrangement, f64)], best: Arrangement)
     })
 }
 
+/// How the signs of a reference compare with the model's.
 #[derive(Default)]
-struct Signs {
-    magnitudes_only: bool,
-    disagreements: Vec<usize>,
-    compared: usize,
+pub(super) struct Signs {
+    pub(super) magnitudes_only: bool,
+    /// Steps of the minority, after one common flip.
+    pub(super) disagreements: Vec<usize>,
+    pub(super) compared: usize,
+    /// Whether the majority has the opposite sign.
+    pub(super) reversed: bool,
 }
 
 impl Signs {
     /// Compares the signs of the reference's part along its common phase (half the angle of the sum
     /// of squares; 0 for real data) with the model's.
-    fn compare(model: &[f64], reference: &[Complex64], map: &[FileIndex]) -> Self {
+    pub(super) fn compare(model: &[f64], reference: &[Complex64], map: &[FileIndex]) -> Self {
         if map.iter().all(|place| reference[place.index].im == 0.0 && reference[place.index].re >= 0.0) {
             return Self { magnitudes_only: true, ..Self::default() };
         }
@@ -229,20 +231,15 @@ impl Signs {
             }
         }
         let compared = equal.len() + opposite.len();
-        let disagreements = if opposite.len() > equal.len() { equal } else { opposite };
-        Self { magnitudes_only: false, disagreements, compared }
+        let reversed = opposite.len() > equal.len();
+        let disagreements = if reversed { equal } else { opposite };
+        Self { magnitudes_only: false, disagreements, compared, reversed }
     }
 }
 
 /// Magnitude up to which a measurement of the reference is dead.
 pub(super) fn dead_below(reference: &[Complex64], map: &[FileIndex]) -> f64 {
     DEAD * median(map.iter().map(|place| reference[place.index].norm()))
-}
-
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<_> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 #[cfg(test)]

@@ -2,12 +2,16 @@
 //!
 //! [`read`] a file of frames -> [`order`]: which measurement belongs to which step of the model,
 //! which [`diagnose`] checks -> [`difference`] data -> [`reconstruct`]: images, and what they show.
+//! [`check`] looks at a file of frames as a whole and says what is wrong with it.
 
+pub mod check;
 pub mod diagnose;
 pub mod difference;
-mod npy;
+pub(crate) mod npy;
 mod npz;
 pub mod order;
 pub mod read;
 pub mod reconstruct;
+mod statistics;
 mod table;
+pub mod weights;

@@ -73,10 +73,10 @@ pub enum NpyError {
 
 /// An array of numbers, C order.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Array {
-    pub(super) shape: Vec<usize>,
-    pub(super) values: Vec<Complex64>,
-    pub(super) complex: bool,
+pub(crate) struct Array {
+    pub(crate) shape: Vec<usize>,
+    pub(crate) values: Vec<Complex64>,
+    pub(crate) complex: bool,
 }
 
 /// Reads a whole `.npy` file.
@@ -96,7 +96,7 @@ pub(super) fn describe(bytes: &[u8]) -> Result<String, NpyError> {
 }
 
 /// A shape as Python writes it.
-pub(super) fn show_shape<T: ToString>(shape: &[T]) -> String {
+pub(crate) fn show_shape<T: ToString>(shape: &[T]) -> String {
     let sides: Vec<_> = shape.iter().map(ToString::to_string).collect();
     format!("({}{})", sides.join(", "), if sides.len() == 1 { "," } else { "" })
 }

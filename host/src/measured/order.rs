@@ -7,7 +7,7 @@
 use dermatome_shared::stimulation::Step;
 use serde::Serialize;
 use std::{
-    collections::{HashMap, VecDeque},
+    collections::{HashMap, HashSet, VecDeque},
     fmt,
 };
 
@@ -18,8 +18,8 @@ pub enum SenseOrder {
     /// By electrode number, as in EIDORS: the canonical order.
     #[default]
     Absolute,
-    /// From the first pair behind the electrode where current leaves that touches neither driven one,
-    /// and round from there.
+    /// From the electrode where current leaves, and round from there: the first pair is the first one
+    /// behind it that the pattern measures.
     Relative,
 }
 
@@ -132,12 +132,6 @@ impl Arrangement {
         electrodes: u8,
         file_measurements: usize,
     ) -> Result<Vec<FileIndex>, OrderError> {
-        if self.rotation >= electrodes {
-            return Err(OrderError::Rotation { rotation: self.rotation, electrodes });
-        }
-        if let Some(step) = steps.iter().position(|step| !step.is_valid(electrodes)) {
-            return Err(OrderError::Step { step, electrodes });
-        }
         let indices = self.file_indices(steps, electrodes, file_measurements)?;
         let mut file = FileSteps::new(self, steps, electrodes, &indices);
         let find = |(step, pairs): (usize, &Step)| {
@@ -147,14 +141,25 @@ impl Arrangement {
     }
 
     /// The model's number of a file's electrode.
-    fn on_model(&self, electrode: u8, electrodes: u8) -> u8 {
+    pub(super) fn on_model(&self, electrode: u8, electrodes: u8) -> u8 {
         let (k, n) = (u16::from(electrode), u16::from(electrodes));
         let k = if self.mirrored { n - k } else { k };
         ((k + u16::from(self.rotation)) % n) as u8
     }
 
     /// Where each of the file's own steps lies: `[step, in the file's electrode numbers]`.
-    fn file_indices(&self, steps: &[Step], electrodes: u8, found: usize) -> Result<Vec<usize>, OrderError> {
+    pub(super) fn file_indices(
+        &self,
+        steps: &[Step],
+        electrodes: u8,
+        found: usize,
+    ) -> Result<Vec<usize>, OrderError> {
+        if self.rotation >= electrodes {
+            return Err(OrderError::Rotation { rotation: self.rotation, electrodes });
+        }
+        if let Some(step) = steps.iter().position(|step| !step.is_valid(electrodes)) {
+            return Err(OrderError::Step { step, electrodes });
+        }
         let square = usize::from(electrodes) * usize::from(electrodes);
         match self.sense {
             _ if found != steps.len() && found != square => {
@@ -197,7 +202,8 @@ impl FileSteps {
 
 /// Electrodes from the one where current leaves to the sense pair's first, going round.
 fn offset(step: &Step, electrodes: u8) -> u8 {
-    (step.sense_plus + electrodes - step.drive_minus) % electrodes
+    let ahead = u16::from(step.sense_plus) + u16::from(electrodes) - u16::from(step.drive_minus);
+    (ahead % u16::from(electrodes)) as u8
 }
 
 fn relative_indices(steps: &[Step], electrodes: u8) -> Vec<usize> {
@@ -216,6 +222,7 @@ fn relative_indices(steps: &[Step], electrodes: u8) -> Vec<usize> {
 
 fn square_indices(steps: &[Step], electrodes: u8, sense: SenseOrder) -> Result<Vec<usize>, OrderError> {
     let mut indices = Vec::with_capacity(steps.len());
+    let mut taken = HashSet::with_capacity(steps.len());
     for drive in drives(steps) {
         let first = drive.iter().map(|step| offset(step, electrodes)).min().unwrap_or(0);
         for step in drive {
@@ -224,7 +231,7 @@ fn square_indices(steps: &[Step], electrodes: u8, sense: SenseOrder) -> Result<V
                 SenseOrder::Relative => offset(step, electrodes) - first,
             };
             let index = usize::from(step.drive_minus) * usize::from(electrodes) + usize::from(column);
-            if indices.contains(&index) {
+            if !taken.insert(index) {
                 return Err(OrderError::SharedPlace { step: indices.len() });
             }
             indices.push(index);
@@ -241,11 +248,11 @@ fn drives(steps: &[Step]) -> impl Iterator<Item = &[Step]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dermatome_shared::stimulation::pattern;
+    use dermatome_shared::stimulation::{Driven, pattern};
     use proptest::prelude::*;
 
     fn adjacent() -> Vec<Step> {
-        pattern(16, 1, 1).collect()
+        pattern(16, 1, 1, Driven::Skipped).collect()
     }
 
     fn arrangement(relative: bool, rotation: u8, mirrored: bool) -> Arrangement {
@@ -294,7 +301,7 @@ mod tests {
 
     #[test]
     fn mirrored_opposite_drives_keep_their_direction_and_flip_the_sense_pairs() {
-        let steps: Vec<_> = pattern(16, 8, 1).collect();
+        let steps: Vec<_> = pattern(16, 8, 1, Driven::Skipped).collect();
         let map = arrangement(false, 0, true).index_map(&steps, 16, 192).unwrap();
         assert!(map.iter().all(|found| found.flipped));
         let adjacent = arrangement(false, 0, true).index_map(&adjacent(), 16, 208).unwrap();
@@ -325,18 +332,45 @@ mod tests {
         );
     }
 
+    #[test]
+    fn with_driven_electrodes_measured_a_frame_is_the_full_square() {
+        let steps: Vec<_> = pattern(16, 1, 1, Driven::Measured).collect();
+        let map = Arrangement::default().index_map(&steps, 16, 256).unwrap();
+        assert!(map.iter().enumerate().all(|(step, found)| found.index == step && !found.flipped));
+        // Relative order begins with the driven pair itself.
+        let map = arrangement(true, 0, false).index_map(&steps, 16, 256).unwrap();
+        let first_of_drive_3 = map.iter().position(|found| found.index == 3 * 16).unwrap();
+        assert_eq!(steps[first_of_drive_3].to_bytes(), [4, 3, 3, 4]);
+    }
+
+    #[test]
+    fn a_table_keeps_its_order_and_has_no_other() {
+        let steps = [[1, 0, 2, 3], [1, 0, 4, 3], [5, 2, 0, 1]].map(Step::from_bytes);
+        let map = Arrangement::default().index_map(&steps, 6, 3).unwrap();
+        assert_eq!(map.iter().map(|found| found.index).collect::<Vec<_>>(), [0, 1, 2]);
+        let square = Arrangement::default().index_map(&steps, 6, 36).unwrap();
+        assert_eq!(square.iter().map(|found| found.index).collect::<Vec<_>>(), [2, 4, 12]);
+        let turned = arrangement(false, 1, false).index_map(&steps, 6, 3);
+        assert!(matches!(turned, Err(OrderError::NotCyclic { step: 0, .. })), "{turned:?}");
+    }
+
     proptest! {
+        #![proptest_config(ProptestConfig::with_cases(100))]
+
         #[test]
         fn the_index_map_is_a_permutation(
-            electrodes in 5_u8..=16,
-            distance in 1_u8..8,
-            rotation in 0_u8..16,
+            electrodes in prop_oneof![8 => 5_u8..=16, 1 => 17_u8..=64, 1 => 240_u8..=250],
+            distance: u8,
+            skip: bool,
+            rotation: u8,
             relative: bool,
             mirrored: bool,
             square: bool,
+            measured: bool,
         ) {
             let distance = 1 + distance % (electrodes / 2);
-            let steps: Vec<_> = pattern(electrodes, distance, 1).collect();
+            let driven = if measured { Driven::Measured } else { Driven::Skipped };
+            let steps: Vec<_> = pattern(electrodes, distance, if skip { distance } else { 1 }, driven).collect();
             let measurements = if square { usize::from(electrodes).pow(2) } else { steps.len() };
             let arrangement = arrangement(relative, rotation % electrodes, mirrored);
             let map = arrangement.index_map(&steps, electrodes, measurements).unwrap();

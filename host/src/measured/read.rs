@@ -10,15 +10,13 @@ use std::{
     path::{Path, PathBuf},
 };
 
+pub(crate) use super::npy::Array;
 pub use super::{npy::NpyError, npz::Listing};
 
 /// Longest file, and longest array inside an archive, bytes.
 pub const MAX_BYTES: u64 = 1 << 30;
 /// Most values in one array; they take 16 bytes each in memory.
 pub const MAX_VALUES: usize = 1 << 26;
-
-/// Side of the square [drive][sense] in which a two-dimensional array is one frame.
-const SQUARE_SIDE: usize = dermatome_shared::MAX_ELECTRODES;
 
 /// Measured frames, and whether they carry a phase.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +35,25 @@ impl Frames {
     /// The frames one by one, each `[measurement]`.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[Complex64]> {
         self.values.chunks_exact(self.measurements)
+    }
+
+    /// Takes an array of n by n values for one frame, the full square `[drive][sense]` of n
+    /// electrodes; but not where a frame of the skin has n steps as well.
+    #[must_use]
+    pub fn with_square(self, electrodes: u8, steps: usize) -> Self {
+        let n = usize::from(electrodes);
+        if self.frames == n && self.measurements == n && steps != n {
+            Self { frames: 1, measurements: n * n, ..self }
+        } else {
+            self
+        }
+    }
+
+    /// Subtracts a constant from every value.
+    #[must_use]
+    pub fn minus(mut self, offset: f64) -> Self {
+        self.values.iter_mut().for_each(|value| *value -= offset);
+        self
     }
 
     /// Mean of all frames: `[measurement]`.
@@ -173,11 +190,16 @@ pub enum Problem {
 /// Reads all frames of a file.
 ///
 /// Arrays may have the shape (measurements,), (frames, measurements) or (frames, n, n), the full
-/// square `[drive][sense]`. A 16 by 16 array is one such square, a single column one frame.
+/// square `[drive][sense]`. A single column is one frame; for a single square see
+/// [`Frames::with_square`].
 pub fn read(source: &Source) -> Result<Frames, ReadError> {
-    let content = Content::of(&source.path);
-    let frames = content.and_then(|content| content.parse(&read_bytes(&source.path)?, source.key.as_deref()));
-    frames.map_err(|problem| ReadError { file: source.to_string(), problem })
+    read_array(source).and_then(frames_of).map_err(|problem| ReadError { file: source.to_string(), problem })
+}
+
+/// Reads the numbers of a file, of any shape.
+pub(crate) fn read_array(source: &Source) -> Result<Array, Problem> {
+    let content = Content::of(&source.path)?;
+    content.parse(&read_bytes(&source.path)?, source.key.as_deref())
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>, Problem> {
@@ -206,18 +228,17 @@ impl Content {
         }
     }
 
-    fn parse(self, bytes: &[u8], key: Option<&str>) -> Result<Frames, Problem> {
-        let array = match self {
-            Self::Npy => npy::parse(bytes)?,
-            Self::Npz => npz::parse(bytes, key)?,
-            Self::Table => table::parse(bytes)?,
-        };
-        frames_of(array)
+    fn parse(self, bytes: &[u8], key: Option<&str>) -> Result<Array, Problem> {
+        match self {
+            Self::Npy => Ok(npy::parse(bytes)?),
+            Self::Npz => npz::parse(bytes, key),
+            Self::Table => table::parse(bytes),
+        }
     }
 }
 
-fn frames_of(array: npy::Array) -> Result<Frames, Problem> {
-    let npy::Array { shape, values, complex } = array;
+fn frames_of(array: Array) -> Result<Frames, Problem> {
+    let Array { shape, values, complex } = array;
     if values.is_empty() {
         return Err(Problem::Empty { shape: npy::show_shape(&shape) });
     }
@@ -236,7 +257,6 @@ fn frames_of(array: npy::Array) -> Result<Frames, Problem> {
 /// Frames and measurements in each.
 fn frame_shape(shape: &[usize]) -> Option<(usize, usize)> {
     match *shape {
-        [SQUARE_SIDE, SQUARE_SIDE] => Some((1, SQUARE_SIDE * SQUARE_SIDE)),
         [measurements] | [measurements, 1] => Some((1, measurements)),
         [frames, measurements] => Some((frames, measurements)),
         [frames, drives, senses] if drives == senses => Some((frames, drives * senses)),

@@ -6,10 +6,10 @@ use super::{
     order::{Arrangement, OrderError},
     read::Frames,
 };
-use crate::model::Model;
+use crate::model::{Model, NoGrid};
 use dermatome_shared::{
     contact::{self, Contact},
-    image::PixelGrid,
+    image::{Geometry, PixelGrid},
     units::RelativeConductivity,
 };
 use num_complex::Complex64;
@@ -83,6 +83,9 @@ pub enum ReconstructError {
         /// The frame, from 0.
         frame: usize,
     },
+    /// An image in which nothing can be looked for.
+    #[error(transparent)]
+    NoGrid(#[from] NoGrid),
     /// Nothing to scale by.
     #[error("every measurement of the reference is zero")]
     DeadReference,
@@ -103,6 +106,7 @@ pub fn reconstruct(
     if lengths.0 != lengths.1 {
         return Err(ReconstructError::Lengths { frames: lengths.0, reference: lengths.1 });
     }
+    let geometry = model.grid()?;
     let electrodes = model.mesh.electrodes.len() as u8;
     let map = arrangement.index_map(&model.steps, electrodes, reference.measurements)?;
     let mut reference = reference.mean();
@@ -118,12 +122,12 @@ pub fn reconstruct(
         if image.iter().any(|value| !value.is_finite()) {
             return Err(ReconstructError::Overflow { frame });
         }
-        Ok(describe(model, frame, image, polarity))
+        Ok(describe(geometry, frame, image, polarity))
     };
     frames.iter().enumerate().map(of_frame).collect()
 }
 
-fn describe(model: &Model, frame: usize, image: Vec<f64>, polarity: Polarity) -> FrameResult {
+fn describe(geometry: &Geometry, frame: usize, image: Vec<f64>, polarity: Polarity) -> FrameResult {
     let strongest = image.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
     let sign = match polarity {
         Polarity::Auto => 1_f64.copysign(strongest),
@@ -131,8 +135,8 @@ fn describe(model: &Model, frame: usize, image: Vec<f64>, polarity: Polarity) ->
         Polarity::Down => -1.0,
     };
     let peak = image.iter().map(|value| value * sign).fold(0.0, f64::max);
-    let grid = &model.geometry.grid;
-    let contacts = contacts(grid, &model.geometry.mask, &image, sign, peak);
+    let grid = &geometry.grid;
+    let contacts = contacts(grid, &geometry.mask, &image, sign, peak);
     FrameResult {
         frame,
         peak: peak * sign,

@@ -1,11 +1,15 @@
-//! Text tables of measurements: a row is a frame; comments start with `#`, one header line may lead.
+//! Text tables of numbers; comments start with `#`, and one header line may lead.
+//!
+//! A header names every column: each cell starts with a letter or an underscore and reads as no
+//! number, and no name comes twice. Any other first line is numbers, and what is none of them in it
+//! is an error: a frame with decimal commas or gaps must not pass for a header.
 
 use super::{
     npy::Array,
     read::{MAX_VALUES, Problem},
 };
 use num_complex::Complex64;
-use std::str::FromStr;
+use std::{collections::HashSet, str::FromStr};
 
 /// Reads a table whose cells are separated by semicolons, tabs, commas or blanks: the first of these
 /// found in its first line.
@@ -46,9 +50,12 @@ fn cells(record: &csv::StringRecord, delimiter: u8) -> Vec<&str> {
     cells
 }
 
-/// A header line holds no number at all.
 fn is_header(cells: &[&str]) -> bool {
-    !cells.is_empty() && cells.iter().all(|cell| number(cell).is_none())
+    let is_name = |cell: &&str| {
+        cell.starts_with(|first: char| first.is_alphabetic() || first == '_') && number(cell).is_none()
+    };
+    let different: HashSet<_> = cells.iter().collect();
+    !cells.is_empty() && cells.iter().all(is_name) && different.len() == cells.len()
 }
 
 #[derive(Default)]

@@ -1,11 +1,20 @@
 //! Mesh: a skin as triangles, with its electrodes on the rim.
 
+mod boundary;
+pub mod export;
 mod generate;
+pub mod import;
+pub mod neighbours;
+pub mod place;
 pub mod quality;
+mod refine;
+pub mod soundness;
 pub mod triangle;
+pub mod weld;
 
 pub use generate::{Lattice, MeshError, generate};
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
+pub use refine::refine;
 
 /// Triangles in space; a flat skin has z = 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,14 +32,56 @@ pub struct Mesh {
 pub enum ElectrodeContact {
     /// Point model: one node.
     Node(usize),
-    /// Complete model: edges of the rim.
+    /// Complete model: edges, of the rim or inside.
     Edges(Vec<[usize; 2]>),
+    /// Complete model of an electrode inside the skin: triangles.
+    Faces(Vec<[usize; 3]>),
+}
+
+impl ElectrodeContact {
+    /// Nodes it touches; some more than once.
+    pub fn nodes(&self) -> impl Iterator<Item = usize> + '_ {
+        let (node, edges, faces) = match self {
+            Self::Node(node) => (Some(*node), [].as_slice(), [].as_slice()),
+            Self::Edges(edges) => (None, edges.as_slice(), [].as_slice()),
+            Self::Faces(faces) => (None, [].as_slice(), faces.as_slice()),
+        };
+        node.into_iter().chain(edges.iter().flatten().copied()).chain(faces.iter().flatten().copied())
+    }
 }
 
 impl Mesh {
     /// Corners of one element.
     #[must_use]
     pub fn corners(&self, element: usize) -> [Point3<f64>; 3] {
-        self.elements[element].map(|node| self.nodes[node])
+        self.points(self.elements[element])
+    }
+
+    /// Where three nodes lie.
+    #[must_use]
+    pub fn points(&self, nodes: [usize; 3]) -> [Point3<f64>; 3] {
+        nodes.map(|node| self.nodes[node])
+    }
+
+    /// Length of the edges under an electrode, or the diameter of a disc as large as its triangles, m.
+    #[must_use]
+    pub fn width(&self, contact: &ElectrodeContact) -> f64 {
+        match contact {
+            ElectrodeContact::Node(_) => 0.0,
+            ElectrodeContact::Edges(edges) => {
+                edges.iter().map(|&[a, b]| (self.nodes[a] - self.nodes[b]).norm()).sum()
+            }
+            ElectrodeContact::Faces(faces) => {
+                let area: f64 = faces.iter().map(|&face| triangle::area(self.points(face))).sum();
+                2.0 * (area / std::f64::consts::PI).sqrt()
+            }
+        }
+    }
+
+    /// Middle of an electrode: the mean of the nodes it touches, m.
+    #[must_use]
+    pub fn centre(&self, contact: &ElectrodeContact) -> Point3<f64> {
+        let sum: Vector3<f64> = contact.nodes().map(|node| self.nodes[node].coords).sum();
+        Point3::from(sum / contact.nodes().count().max(1) as f64)
     }
 }

@@ -12,6 +12,12 @@ pub struct Quality {
     pub elements: usize,
     /// Smallest angle of any triangle, degrees.
     pub smallest_angle_degrees: f64,
+    /// The first triangle with that angle, from 0.
+    pub sharpest_element: usize,
+    /// Shortest edge, m.
+    pub shortest_edge: f64,
+    /// Longest edge, m.
+    pub longest_edge: f64,
     /// Area of all triangles, m^2.
     pub area: f64,
 }
@@ -19,13 +25,19 @@ pub struct Quality {
 /// Looks at every triangle.
 #[must_use]
 pub fn quality(mesh: &Mesh) -> Quality {
-    let corners = (0..mesh.elements.len()).map(|element| mesh.corners(element));
-    let smallest = corners.clone().map(triangle::smallest_angle).fold(f64::INFINITY, f64::min);
+    let corners = || (0..mesh.elements.len()).map(|element| mesh.corners(element));
+    let angles = corners().map(triangle::smallest_angle).zip(0..);
+    let (smallest, sharpest_element) =
+        angles.fold((f64::INFINITY, 0), |least, it| if it < least { it } else { least });
+    let lengths = || corners().flat_map(|[a, b, c]| [a - b, b - c, c - a]).map(|edge| edge.norm());
     Quality {
         nodes: mesh.nodes.len(),
         elements: mesh.elements.len(),
         smallest_angle_degrees: smallest.to_degrees(),
-        area: corners.map(triangle::area).sum(),
+        sharpest_element,
+        shortest_edge: lengths().fold(f64::INFINITY, f64::min),
+        longest_edge: lengths().fold(0.0, f64::max),
+        area: corners().map(triangle::area).sum(),
     }
 }
 
@@ -34,21 +46,37 @@ mod tests {
     use super::*;
     use crate::mesh::{ElectrodeContact, Lattice, generate};
     use crate::skin::{
-        electrodes::{ElectrodeModel, Electrodes},
-        outline::Outline,
+        EdgeLengths, Place, Sheet, electrodes::ElectrodeModel, embedding::Embedding, outline::Outline,
     };
     use proptest::prelude::*;
 
-    fn electrodes(outline: &Outline, count: u8, cover: f64) -> Electrodes {
-        let spacing = outline.perimeter() / f64::from(count);
-        let model = match cover {
+    fn sheet(outline: Outline, electrodes: u8) -> Sheet {
+        let spacing = outline.perimeter() / f64::from(electrodes);
+        let places = (0..electrodes).map(|i| Place::Rim(f64::from(i) * spacing)).collect();
+        Sheet { outline, embedding: Embedding::Flat, places }
+    }
+
+    fn model(sheet: &Sheet, cover: f64) -> ElectrodeModel {
+        let count = sheet.places.len();
+        let width = cover * sheet.outline.perimeter() / count as f64;
+        match cover {
             0.0 => ElectrodeModel::Point,
-            _ => ElectrodeModel::Complete {
-                width: cover * spacing,
-                contact_impedance: vec![0.01; count.into()],
-            },
+            _ => ElectrodeModel::Complete { width: vec![width; count], contact_impedance: vec![0.01; count] },
+        }
+    }
+
+    #[test]
+    fn the_sharpest_triangle_and_the_extreme_edges_are_found() {
+        let nodes = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 3.0, 0.0], [0.0, 3.0, 0.0], [-1.0, 0.0, 0.0]];
+        let mesh = Mesh {
+            nodes: nodes.map(Into::into).to_vec(),
+            elements: vec![[0, 1, 2], [0, 3, 4], [0, 2, 3]],
+            electrodes: Vec::new(),
         };
-        Electrodes { centres: (0..count).map(|i| f64::from(i) * spacing).collect(), model, ground: 0 }
+        let found = quality(&mesh);
+        assert_eq!((found.nodes, found.elements, found.sharpest_element), (5, 3, 1));
+        assert!((found.smallest_angle_degrees.to_radians().tan() - 1.0 / 3.0).abs() < 1e-12);
+        assert_eq!((found.shortest_edge, found.longest_edge, found.area), (1.0, 5.0, 13.5));
     }
 
     proptest! {
@@ -61,19 +89,19 @@ mod tests {
             cover in prop_oneof![Just(0.0), 0.4..0.8],
             angle in 0.0..1.0,
         ) {
-            let outline = if disc { Outline::Disc { radius: 0.5 } } else { Outline::Rectangle { width: 1.0, height: aspect } };
-            let electrodes = electrodes(&outline, 16, cover);
-            let mesh = generate(&outline, &electrodes, 1.0 / fineness, Lattice { angle, shift: 0.3 }).unwrap();
+            let outline = if disc { Outline::disc(0.5) } else { Outline::rectangle(1.0, aspect) };
+            let sheet = sheet(outline, 16);
+            let model = model(&sheet, cover);
+            let edges = EdgeLengths { skin: 1.0 / fineness, electrodes: 1.0 / fineness };
+            let mesh = generate(&sheet, &model, edges, Lattice { angle, shift: 0.3 }).unwrap();
             let quality = quality(&mesh);
             // An electrode's end close to a corner forces a short edge, and a sharp angle beside it.
-            let edges = mesh.elements.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-            let lengths = edges.map(|[a, b]| (mesh.nodes[a] - mesh.nodes[b]).norm());
-            let shortest: f64 = lengths.fold(f64::INFINITY, f64::min) * fineness;
+            let shortest: f64 = quality.shortest_edge * fineness;
             prop_assert!(quality.smallest_angle_degrees > (18.0 * shortest).min(14.0), "{shortest} {quality:?}");
             for contact in &mesh.electrodes {
                 let ElectrodeContact::Edges(edges) = contact else { continue };
                 let length: f64 = edges.iter().map(|&[a, b]| (mesh.nodes[a] - mesh.nodes[b]).norm()).sum();
-                prop_assert!((length / electrodes.width() - 1.0).abs() < 0.15, "{length}");
+                prop_assert!((length / model.width(0) - 1.0).abs() < 0.15, "{length}");
             }
         }
     }

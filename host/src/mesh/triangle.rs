@@ -2,7 +2,7 @@
 //! space are one code path (thesis equations 2.3 and 5.6 to 5.11; the sign of equation 5.10 is
 //! misprinted there: df1/dx = -1/a2).
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 /// Gradients of the three shape functions in the triangle's own plane, times the square root of
 /// its area: `[axis][corner]`.
@@ -48,6 +48,18 @@ pub fn area(corners: [Point3<f64>; 3]) -> f64 {
     (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).norm() / 2.0
 }
 
+/// Centre of gravity of a triangle.
+#[must_use]
+pub fn centroid([a, b, c]: [Point3<f64>; 3]) -> Point3<f64> {
+    Point3::from((a.coords + b.coords + c.coords) / 3.0)
+}
+
+/// Unit normal of a triangle; zero for one without area.
+#[must_use]
+pub fn normal([a, b, c]: [Point3<f64>; 3]) -> Vector3<f64> {
+    (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default()
+}
+
 /// Smallest angle of a triangle, rad.
 #[must_use]
 pub fn smallest_angle(corners: [Point3<f64>; 3]) -> f64 {
@@ -61,7 +73,7 @@ pub fn smallest_angle(corners: [Point3<f64>; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Rotation3, Vector3};
+    use nalgebra::Rotation3;
     use proptest::prelude::*;
 
     fn admittance(corners: [Point3<f64>; 3]) -> [f64; 9] {

@@ -7,6 +7,8 @@
 pub mod board;
 pub mod script;
 pub mod skin;
+pub mod truth;
 
 pub use script::{Press, Script, ScriptError};
 pub use skin::{Noise, SimulatedSkin};
+pub use truth::TrueSkin;

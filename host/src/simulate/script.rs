@@ -1,7 +1,7 @@
 //! Script: where fingers press a simulated skin, and when.
 
 use crate::skin::outline::Outline;
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 use serde::Deserialize;
 use std::{
     collections::BTreeMap,
@@ -37,8 +37,11 @@ impl Press {
         let [x, y] = self.position;
         let on_skin = outline.depth(Point2::new(x, y)) >= 0.0;
         if !on_skin {
-            let [half_x, half_y] = outline.half_size();
-            let allowed = format!("a point on the skin, which reaches {half_x} m in x and {half_y} m in y");
+            let [low, high] = outline.bounds();
+            let allowed = format!(
+                "a point on the skin, which lies between {} and {} m in x, {} and {} m in y",
+                low.x, high.x, low.y, high.y
+            );
             return refuse("x,y", format!("{x},{y} m"), &allowed);
         }
         if !(self.radius > 0.0 && self.radius.is_finite()) {
@@ -111,16 +114,18 @@ impl Script {
         Self::new(presses.iter().map(|&press| vec![Moment { time: 0.0, press }]).collect(), outline)
     }
 
-    /// A finger that goes round at half way to the rim, once in eight seconds.
+    /// A finger that goes round at half way to the rim, once in eight seconds; it lifts where there
+    /// is no skin.
     #[must_use]
     pub fn round(outline: &Outline) -> Self {
-        let [x, y] = outline.half_size();
+        let ([x, y], middle) = (outline.half_size(), outline.middle());
         let at = |i: i32| {
             let angle = f64::from(i) / 64.0 * TAU;
-            let position = [0.5 * x * angle.cos(), 0.5 * y * angle.sin()];
+            let position = middle + Vector2::new(0.5 * x * angle.cos(), 0.5 * y * angle.sin());
+            let depth = if outline.depth(position) > 0.0 { 1.0 } else { 0.0 };
             Moment {
                 time: f64::from(i) / 8.0,
-                press: Press { position, radius: 0.12 * x.min(y), depth: 1.0 },
+                press: Press { position: position.into(), radius: 0.12 * x.min(y), depth },
             }
         };
         Self { fingers: vec![(0..=64).map(at).collect()], duration: 8.0 }
@@ -239,7 +244,9 @@ pub enum ScriptError {
 mod tests {
     use super::*;
 
-    const DISC: Outline = Outline::Disc { radius: 0.1 };
+    fn disc() -> Outline {
+        Outline::disc(0.1)
+    }
 
     fn write(text: &str) -> tempfile::NamedTempFile {
         let file = tempfile::NamedTempFile::new().unwrap();
@@ -252,7 +259,7 @@ mod tests {
         let file = write(
             "time_s,finger,x_m,y_m,radius_m,depth\n0,1,0,0,0.01,1\n2,1,0.05,0,0.01,1\n# second finger\n1,2,0,0.02,0.01,0.5\n4,2,0,0.02,0.01,0.5\n",
         );
-        let script = Script::load(file.path(), &DISC).unwrap();
+        let script = Script::load(file.path(), &disc()).unwrap();
         assert_eq!(script.presses(1.0).len(), 2);
         assert!((script.presses(0.5)[0].position[0] - 0.0125).abs() < 1e-12);
         assert_eq!(script.presses(3.0).len(), 1);
@@ -275,7 +282,7 @@ mod tests {
             ("", "no rows"),
         ] {
             let file = write(&format!("{header}{rows}"));
-            let message = Script::load(file.path(), &DISC).unwrap_err().to_string();
+            let message = Script::load(file.path(), &disc()).unwrap_err().to_string();
             assert!(message.contains(expected), "{message}");
             assert!(message.contains(&*file.path().to_string_lossy()), "{message}");
         }

@@ -1,22 +1,12 @@
 //! The simulated skin: presses -> conductivity -> true voltages -> noisy codes.
 
-use super::{Press, Script};
-use crate::{
-    forward::ForwardModel,
-    mesh::{Lattice, Mesh},
-    model::{ModelError, forward_model},
-    pixels::samples,
-    skin::Skin,
-};
+use super::{Press, Script, TrueSkin};
+use crate::{model::ModelError, pixels::samples, skin::Skin};
 use dermatome_shared::{frame::FrameFlags, stimulation::Step, units::AdcCode};
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64Mcg;
 
-/// Triangles of the simulation are this much smaller than the reconstruction's, along an edge.
-const FINENESS: f64 = 0.66;
-/// The lattice is turned and shifted against the reconstruction's.
-const LATTICE: Lattice = Lattice { angle: 0.35, shift: 0.37 };
 /// Signed codes of the lock-in: a 12-bit converter summed over 16 samples.
 const CODE_BITS: i32 = 16;
 /// The largest untouched voltage fills this share of the converter's range.
@@ -35,9 +25,7 @@ pub struct Noise {
 /// A skin being pressed by a script.
 #[derive(Debug)]
 pub struct SimulatedSkin {
-    mesh: Mesh,
-    forward: ForwardModel,
-    untouched: Vec<f64>,
+    truth: TrueSkin,
     script: Script,
     noise: Noise,
     random: Pcg64Mcg,
@@ -56,22 +44,14 @@ struct Converter {
 impl SimulatedSkin {
     /// Meshes the skin; ready to be scanned.
     pub fn new(skin: &Skin, script: Script, noise: Noise) -> Result<Self, ModelError> {
-        let (mesh, forward) = forward_model(skin, skin.edge_length * FINENESS, LATTICE)?;
-        Ok(Self {
-            untouched: vec![1.0; mesh.elements.len()],
-            mesh,
-            forward,
-            script,
-            noise,
-            random: Pcg64Mcg::seed_from_u64(noise.seed),
-            converter: None,
-        })
+        let truth = TrueSkin::new(skin)?;
+        Ok(Self { truth, script, noise, random: Pcg64Mcg::seed_from_u64(noise.seed), converter: None })
     }
 
     /// Elements of the simulation's own mesh.
     #[must_use]
     pub fn elements(&self) -> usize {
-        self.mesh.elements.len()
+        self.truth.mesh().elements.len()
     }
 
     /// One scan, `script_time` seconds into the script, or of the untouched skin.
@@ -98,19 +78,18 @@ impl SimulatedSkin {
     /// True voltages under these presses: `[step]`, at unit current and conductivity.
     #[must_use]
     pub fn voltages(&self, steps: &[Step], presses: &[Press]) -> Vec<f64> {
-        let mut conductivity = self.untouched.clone();
+        let mut conductivity = vec![1.0; self.truth.mesh().elements.len()];
         for (element, sigma) in conductivity.iter_mut().enumerate() {
             *sigma += presses.iter().map(|press| self.mean_change(element, press)).sum::<f64>();
             // Presses that overlap may not make the sheet vanish.
             *sigma = sigma.max(0.01);
         }
-        let fields = self.forward.solve(&conductivity).expect("a positive conductivity has a solution");
-        fields.voltages(steps)
+        self.truth.voltages(&conductivity, steps)
     }
 
     /// Mean over an element of the change a press makes.
     fn mean_change(&self, element: usize, press: &Press) -> f64 {
-        let corners = self.mesh.corners(element);
+        let corners = self.truth.mesh().corners(element);
         let reach = corners.iter().map(|c| (c.x - press.position[0]).hypot(c.y - press.position[1]));
         let longest_edge = (corners[1] - corners[0]).norm().max((corners[2] - corners[0]).norm());
         if reach.fold(f64::INFINITY, f64::min) > press.radius + longest_edge {

@@ -3,7 +3,6 @@
 use super::{Skin, check::Checker, quantity::Quantity};
 use serde::Deserialize;
 use std::{
-    f64::consts::FRAC_PI_2,
     io,
     path::{Path, PathBuf},
 };
@@ -48,9 +47,9 @@ pub(super) struct File {
     /// For people; not used further.
     #[serde(default, rename = "description")]
     pub(super) _description: String,
-    pub(super) shape: Shape,
-    pub(super) mesh: MeshTable,
-    pub(super) material: Material,
+    pub(super) shape: ShapeTable,
+    pub(super) mesh: Option<MeshTable>,
+    pub(super) material: MaterialTable,
     pub(super) electrodes: ElectrodeTable,
     pub(super) drive: DriveTable,
     pub(super) inverse: InverseTable,
@@ -60,23 +59,38 @@ pub(super) struct File {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Shape {
+pub(super) struct ShapeTable {
     pub(super) kind: String,
     pub(super) diameter: Option<Quantity>,
+    pub(super) radius: Option<Quantity>,
+    pub(super) diameter_bottom: Option<Quantity>,
+    pub(super) diameter_top: Option<Quantity>,
     pub(super) width: Option<Quantity>,
     pub(super) height: Option<Quantity>,
+    pub(super) angle: Option<Quantity>,
+    pub(super) points: Option<Corners>,
+    pub(super) holes: Option<Vec<Corners>>,
+    pub(super) file: Option<PathBuf>,
+    pub(super) unit: Option<String>,
+    pub(super) weld: Option<f64>,
+    pub(super) allow_cracks: Option<bool>,
 }
+
+/// Corners of a polygon, one a row.
+pub(super) type Corners = Vec<[Quantity; 2]>;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MeshTable {
     pub(super) edge_length: Quantity,
+    pub(super) electrode_edge_length: Option<Quantity>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Material {
+pub(super) struct MaterialTable {
     pub(super) sheet_conductivity: Quantity,
+    pub(super) sheet_capacitance: Option<Quantity>,
 }
 
 #[derive(Deserialize)]
@@ -85,58 +99,103 @@ pub(super) struct ElectrodeTable {
     pub(super) count: i64,
     pub(super) placement: String,
     pub(super) pitch: Option<Quantity>,
-    #[serde(default = "top")]
-    pub(super) first: Quantity,
-    #[serde(default = "clockwise")]
-    pub(super) direction: String,
+    pub(super) positions: Option<Vec<Vec<Quantity>>>,
+    pub(super) first: Option<Quantity>,
+    pub(super) direction: Option<String>,
     pub(super) model: String,
-    pub(super) width: Option<Quantity>,
+    pub(super) width: Option<OneOrEach>,
     pub(super) contact_impedance: Option<OneOrEach>,
     #[serde(default = "one")]
     pub(super) ground: i64,
-}
-
-fn top() -> Quantity {
-    Quantity::Number(FRAC_PI_2)
-}
-
-fn clockwise() -> String {
-    "clockwise".to_owned()
 }
 
 fn one() -> i64 {
     1
 }
 
-#[derive(Deserialize)]
+#[derive(Clone, Deserialize)]
 #[serde(untagged)]
 pub(super) enum OneOrEach {
     One(Quantity),
     Each(Vec<Quantity>),
 }
 
+impl OneOrEach {
+    /// What is written for one electrode.
+    pub(super) fn of(&self, electrode: usize) -> Option<&Quantity> {
+        match self {
+            Self::One(quantity) => Some(quantity),
+            Self::Each(each) => each.get(electrode),
+        }
+    }
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DriveTable {
     pub(super) pattern: String,
+    #[serde(default)]
+    pub(super) driven: Option<String>,
+    pub(super) table: Option<StepTable>,
     pub(super) reciprocal: String,
     pub(super) frequency: Quantity,
     pub(super) amplitude: Quantity,
     pub(super) frame_rate: Quantity,
 }
 
+/// Steps in the skin file (electrodes from 1), or the name of a CSV file (electrodes from 0).
+#[derive(Deserialize)]
+#[serde(untagged)]
+pub(super) enum StepTable {
+    Inline(Vec<[i64; 4]>),
+    File(PathBuf),
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct InverseTable {
-    pub(super) prior: String,
-    pub(super) hyperparameter: f64,
+    pub(super) method: Option<String>,
+    pub(super) prior: Option<String>,
+    pub(super) noser_exponent: Option<f64>,
+    pub(super) gaussian_diameter: Option<f64>,
+    pub(super) greit_radius: Option<f64>,
+    pub(super) hyperparameter: NumberOrWord,
+    pub(super) noise_figure: Option<f64>,
+    pub(super) noise_db: Option<f64>,
     pub(super) normalised: bool,
+    pub(super) weights: Option<WeightList>,
+    pub(super) electrode_movement: Option<f64>,
+}
+
+/// A number, or the name of a criterion.
+#[derive(Deserialize)]
+#[serde(untagged)]
+pub(super) enum NumberOrWord {
+    Number(f64),
+    Word(String),
+}
+
+/// Weights in the skin file, or a rule, or the name of a CSV file.
+#[derive(Deserialize)]
+#[serde(untagged)]
+pub(super) enum WeightList {
+    Each(Vec<f64>),
+    Word(String),
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ImageTable {
-    pub(super) columns: i64,
+    pub(super) columns: Option<i64>,
+    pub(super) pixels: Option<PixelCount>,
+}
+
+/// `"elements"`, or a number of patches.
+#[derive(Deserialize)]
+#[serde(untagged)]
+pub(super) enum PixelCount {
+    Count(i64),
+    Word(String),
 }
 
 #[derive(Deserialize)]

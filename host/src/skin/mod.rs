@@ -4,18 +4,21 @@
 
 mod check;
 pub mod electrodes;
+pub mod embedding;
 mod file;
 pub mod outline;
 pub mod quantity;
+mod shape;
 
 use dermatome_shared::{
     patch::{CombinedInto, Difference},
-    stimulation::{self, Step},
+    stimulation::{self, Driven, Step},
 };
 use electrodes::Electrodes;
 pub use file::SkinError;
-use outline::Outline;
-use std::path::Path;
+use num_complex::Complex64;
+pub use shape::{NotFlat, Place, Shape, Sheet, electrodes_in_plane};
+use std::{f64::consts::TAU, path::Path};
 
 /// One sensor: shape, electrodes, drive, and how to image it.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,30 +26,74 @@ pub struct Skin {
     /// Short name, at most 32 bytes; the board shows it.
     pub name: String,
     /// Shape of the sheet.
-    pub outline: Outline,
-    /// Edge length of the mesh's triangles, m.
-    pub edge_length: f64,
-    /// Conductivity of the untouched sheet, S per square.
-    pub sheet_conductivity: f64,
+    pub shape: Shape,
+    /// Edge lengths of a generated mesh.
+    pub edges: EdgeLengths,
+    /// Electrical properties of the untouched sheet.
+    pub material: Material,
     /// Electrodes on the rim.
     pub electrodes: Electrodes,
     /// How current flows and voltage is sensed.
     pub drive: Drive,
     /// How images are computed.
     pub inverse: Inverse,
-    /// Columns of pixels across the larger side of the skin.
-    pub image_columns: u8,
+    /// What the image consists of.
+    pub image: ImageLayout,
     /// Smallest relative conductivity change that counts as a contact.
     pub contact_threshold: f64,
 }
 
-/// How current flows and voltage is sensed.
+/// Edge lengths of a generated mesh, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeLengths {
+    /// Away from electrodes.
+    pub skin: f64,
+    /// At the electrodes; triangles grow from there.
+    pub electrodes: f64,
+}
+
+impl EdgeLengths {
+    /// Both times `factor`.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        Self { skin: self.skin * factor, electrodes: self.electrodes * factor }
+    }
+}
+
+/// Electrical properties of the untouched sheet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Conductivity, S per square.
+    pub sheet_conductivity: f64,
+    /// Capacitance, F per square: the sheet's admittivity is conductivity + j omega capacitance.
+    pub sheet_capacitance: f64,
+}
+
+/// What the image consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImageLayout {
+    /// Square pixels, so many across the larger side of a flat skin.
+    Grid {
+        /// Columns of pixels.
+        columns: u8,
+    },
+    /// One pixel for each element of the mesh.
+    Elements,
+    /// So many patches of elements, each of about the same area; on any surface.
+    Patches {
+        /// Number of pixels.
+        count: usize,
+    },
+}
+
+/// Header of a stimulation table in a CSV file; its electrodes count from 0.
+pub const STEP_COLUMNS: [&str; 4] = ["drive_plus", "drive_minus", "sense_plus", "sense_minus"];
+
+/// How current flows and voltage is sensed.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Drive {
-    /// Electrodes from one end of the driven pair to the other: 1 is adjacent.
-    pub drive_distance: u8,
-    /// The same for the sensing pair.
-    pub sense_distance: u8,
+    /// Which pairs drive and sense.
+    pub pattern: Pattern,
     /// Whether reciprocal steps are averaged into one measurement.
     pub combine_reciprocal: bool,
     /// Carrier frequency, Hz.
@@ -57,26 +104,118 @@ pub struct Drive {
     pub frame_rate: f64,
 }
 
+/// Which pairs drive and sense.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Pattern {
+    /// The same from every electrode.
+    Cyclic {
+        /// Electrodes from one end of the driven pair to the other: 1 is adjacent.
+        drive_distance: u8,
+        /// The same for the sensing pair.
+        sense_distance: u8,
+        /// Whether pairs that touch a driven electrode are measured too.
+        driven: Driven,
+    },
+    /// A table of steps, in the order given.
+    Table(Vec<Step>),
+}
+
 /// How images are computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Inverse {
-    /// What is known of images beforehand.
-    pub prior: Prior,
-    /// Weight of the prior: lambda in x = (J'WJ + lambda^2 R)^-1 J'W y.
-    pub hyperparameter: f64,
+    /// Where the reconstruction matrix comes from.
+    pub method: Method,
+    /// Weight of the prior or of the noise, or how it is chosen.
+    pub hyperparameter: Hyperparameter,
     /// Plain or normalised difference data.
     pub difference: Difference,
+    /// How much each measurement counts.
+    pub weights: Weights,
+    /// Weight of the prior on electrode movement over the prior on the image (EIDORS'
+    /// `prior_movement`), if electrodes are taken to move.
+    pub electrode_movement: Option<f64>,
+    /// Signal-to-noise ratio, dB, of the simulated frames on which a hyperparameter is chosen.
+    pub noise_db: f64,
+}
+
+/// Where the reconstruction matrix comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// One Gauss-Newton step with a prior.
+    OneStep(Prior),
+    /// Trained on small targets (GREIT).
+    Greit {
+        /// Radius of the desired image of a target, as a share of half the skin's larger side.
+        radius: f64,
+    },
 }
 
 /// Regularisation prior R.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Prior {
     /// Neighbouring pixels are alike (EIDORS `prior_laplace`, used as R'R).
     Laplace,
+    /// The same with the graph Laplacian as R, so that its square is R'R (thesis equations 2.11 and
+    /// 3.1).
+    SquaredLaplace,
     /// Pixels are small (identity).
     Tikhonov,
-    /// Pixels are small where the data say much: diag(J'WJ)^0.5 (EIDORS `prior_noser`).
-    Noser,
+    /// Pixels are small where the data say much: diag(J'WJ)^exponent (EIDORS `prior_noser`).
+    Noser {
+        /// 0.5 in EIDORS.
+        exponent: f64,
+    },
+    /// What a Gaussian filter would smooth away is small (EIDORS `prior_gaussian_HPF`).
+    Gaussian {
+        /// Diameter of the filter as a share of the skin's larger side; 0.1 in EIDORS.
+        diameter: f64,
+    },
+}
+
+/// lambda in x = (J'WJ + lambda^2 R)^-1 J'W y, or GREIT's weight of the noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Hyperparameter {
+    /// A number.
+    Fixed(f64),
+    /// Chosen for the skin.
+    Chosen(Criterion),
+}
+
+/// How a hyperparameter is chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Criterion {
+    /// Corner of the L-curve.
+    LCurve,
+    /// Generalised cross-validation.
+    CrossValidation,
+    /// This noise figure.
+    NoiseFigure(f64),
+    /// The sharpest image of a small target.
+    BestResolution,
+}
+
+impl Criterion {
+    /// What the skin file calls it.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::LCurve => "l-curve",
+            Self::CrossValidation => "gcv",
+            Self::NoiseFigure(_) => "noise-figure",
+            Self::BestResolution => "best-resolution",
+        }
+    }
+}
+
+/// Weights W of measurements.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Weights {
+    /// How many steps a measurement averages.
+    Steps,
+    /// The same times the reference squared, as EIDORS weighs normalised data.
+    ReferenceSquared,
+    /// One for each measurement.
+    Each(Vec<f64>),
 }
 
 impl Skin {
@@ -93,14 +232,21 @@ impl Skin {
     /// Stimulation table: `[step]`, in canonical order.
     #[must_use]
     pub fn steps(&self) -> Vec<Step> {
-        let electrodes = self.electrodes.count();
-        stimulation::pattern(electrodes, self.drive.drive_distance, self.drive.sense_distance).collect()
+        match &self.drive.pattern {
+            Pattern::Cyclic { drive_distance, sense_distance, driven } => {
+                let electrodes = self.electrodes.count;
+                stimulation::pattern(electrodes, *drive_distance, *sense_distance, *driven).collect()
+            }
+            Pattern::Table(steps) => steps.clone(),
+        }
     }
 
-    /// Centre of each electrode in the skin's frame, m: `[electrode]`.
+    /// Admittivity of the untouched sheet at the drive frequency, relative to its conductivity:
+    /// 1 + j omega capacitance / conductivity.
     #[must_use]
-    pub fn rim(&self) -> Vec<[f64; 2]> {
-        self.electrodes.centres.iter().map(|&s| self.outline.rim_point(s).into()).collect()
+    pub fn admittivity(&self) -> Complex64 {
+        let Material { sheet_conductivity, sheet_capacitance } = self.material;
+        Complex64::new(1.0, TAU * self.drive.frequency * sheet_capacitance / sheet_conductivity)
     }
 
     /// Where each step's code goes: `[step]`; reciprocal steps share a measurement if the skin
@@ -136,7 +282,7 @@ mod tests {
 
     #[test]
     fn reciprocal_steps_of_the_adjacent_pattern_share_104_measurements_unflipped() {
-        let steps: Vec<_> = stimulation::pattern(16, 1, 1).collect();
+        let steps: Vec<_> = stimulation::pattern(16, 1, 1, Driven::Skipped).collect();
         let combination = combine_reciprocal(&steps);
         let mut counts = [0; 104];
         for target in &combination {
@@ -148,7 +294,7 @@ mod tests {
 
     #[test]
     fn opposite_drives_that_differ_in_direction_only_are_subtracted() {
-        let steps: Vec<_> = stimulation::pattern(16, 8, 1).collect();
+        let steps: Vec<_> = stimulation::pattern(16, 8, 1, Driven::Skipped).collect();
         let combination = combine_reciprocal(&steps);
         assert_eq!(combination.iter().filter(|target| target.flipped).count(), 96);
         assert_eq!(combination.iter().map(|target| target.measurement).max(), Some(95));

@@ -33,6 +33,8 @@ pub const FREQUENCY: Kind = Kind(&[("Hz", 1.0), ("kHz", 1e3), ("MHz", 1e6)]);
 pub const CURRENT: Kind = Kind(&[("A", 1.0), ("mA", 1e-3), ("uA", 1e-6)]);
 /// Siemens per square: the conductance of a square of sheet, whatever its size.
 pub const SHEET_CONDUCTIVITY: Kind = Kind(&[("S", 1.0), ("mS", 1e-3), ("uS", 1e-6)]);
+/// Farads per square.
+pub const CAPACITANCE: Kind = Kind(&[("F", 1.0), ("uF", 1e-6), ("nF", 1e-9), ("pF", 1e-12)]);
 /// Ohm metres: contact impedance of an electrode edge; divided by its length it gives ohms.
 pub const CONTACT_IMPEDANCE: Kind = Kind(&[("ohm m", 1.0), ("ohm mm", 1e-3), ("kohm m", 1e3)]);
 /// Radians.

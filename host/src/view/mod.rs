@@ -2,6 +2,8 @@
 
 pub mod colour;
 pub mod live;
+pub mod map;
 pub mod picture;
+pub mod plot;
 pub mod sheet;
 pub mod terminal;

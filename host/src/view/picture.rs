@@ -159,23 +159,46 @@ impl Picture {
         self.put(&Text::with_text_style(text, at, MonoTextStyle::new(font, INK), style));
     }
 
+    /// Fills the dots of a square of `size` that have a colour: `colours` is `[row][column]`.
+    pub fn dots(&mut self, (x, y): (i32, i32), size: u32, colours: &[Option<[u8; 3]>]) {
+        for (index, colour) in (0..).zip(colours) {
+            if let Some(colour) = colour {
+                let at = Point::new(x + index % size as i32, y + index / size as i32);
+                self.put(&Pixel(at, rgb(*colour)));
+            }
+        }
+    }
+
     /// A horizontal bar of colours from `-maximum` to `maximum`, with its range below and `name` above.
-    pub fn colour_bar(&mut self, (x, y): (i32, i32), width: u32, maximum: f64, name: &str) {
+    pub fn colour_bar(&mut self, at: (i32, i32), width: u32, maximum: f64, name: &str) {
+        let labels = [-maximum, 0.0, maximum].map(short);
+        self.bar(at, width, name, &labels, |share| diverging(2.0 * share - 1.0, 1.0));
+    }
+
+    /// A horizontal bar of the colours of 0 to 1, with `name` above and labels at its ends and middle.
+    pub fn bar(
+        &mut self,
+        (x, y): (i32, i32),
+        width: u32,
+        name: &str,
+        labels: &[String; 3],
+        colour: impl Fn(f64) -> [u8; 3],
+    ) {
         const HEIGHT: u32 = 12;
         let middle = x + width as i32 / 2;
         self.text(Point::new(middle, y), name, SMALL, Alignment::Center, Baseline::Top);
         let top = y + 16;
         for column in 0..width as i32 {
-            let value = f64::from(2 * column) / f64::from(width.max(2) - 1) - 1.0;
+            let share = f64::from(column) / f64::from(width.max(2) - 1);
             let line = Rectangle::new(Point::new(x + column, top), Size::new(1, HEIGHT));
-            self.put(&line.into_styled(PrimitiveStyle::with_fill(rgb(diverging(value, 1.0)))));
+            self.put(&line.into_styled(PrimitiveStyle::with_fill(rgb(colour(share)))));
         }
         let frame = PrimitiveStyleBuilder::new().stroke_color(RIM).stroke_width(1);
         let frame = frame.stroke_alignment(StrokeAlignment::Outside).build();
         self.put(&Rectangle::new(Point::new(x, top), Size::new(width, HEIGHT)).into_styled(frame));
-        for (share, value) in [(0, -maximum), (1, 0.0), (2, maximum)] {
+        for (share, label) in (0..).zip(labels) {
             let at = Point::new(x + share * width as i32 / 2, top + HEIGHT as i32 + 4);
-            self.text(at, &short(value), SMALL, Alignment::Center, Baseline::Top);
+            self.text(at, label, SMALL, Alignment::Center, Baseline::Top);
         }
     }
 
@@ -214,6 +237,13 @@ fn rgb([red, green, blue]: [u8; 3]) -> Rgb888 {
 }
 
 impl Tile {
+    /// A square of `size` that shows the square of `side`, m, whose upper left corner is at left, top, m.
+    #[must_use]
+    pub fn square((x, y): (i32, i32), size: u32, [left, top]: [f64; 2], side: f64) -> Self {
+        let grid = PixelGrid { columns: 1, rows: 1, pitch: side as f32, left: left as f32, top: top as f32 };
+        Self::new(Point::new(x, y), size, grid)
+    }
+
     fn new(corner: Point, size: u32, grid: PixelGrid) -> Self {
         let side = f64::from(grid.columns.max(grid.rows).max(1)) * f64::from(grid.pitch);
         Self { corner, scale: f64::from(size) / side, grid }

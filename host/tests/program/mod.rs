@@ -208,6 +208,15 @@ impl Done {
     }
 }
 
+/// Runs each command, which must be refused, and gives a transcript.
+pub(crate) fn transcript(desk: &Desk, commands: &[&[&str]]) -> String {
+    let refused = |arguments: &&[&str]| {
+        let words = desk.run(arguments).refused();
+        format!("$ dermatome {}\n{}\n", arguments.join(" "), words.trim_end())
+    };
+    commands.iter().map(refused).collect::<Vec<_>>().join("\n")
+}
+
 /// Every key of a report with the type of its value, one line each; entries of a list share a line.
 pub(crate) fn shape(report: &Value) -> String {
     let mut lines = Vec::new();

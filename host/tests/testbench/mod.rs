@@ -12,7 +12,7 @@ use dermatome_shared::{
         BoardPacket, Identity, Info, MAX_PACKET_BYTES, PacketReader, Reply, Request, RequestPacket,
         Selection, Version, encode,
     },
-    stimulation::{Step, pattern},
+    stimulation::{Driven, Step, pattern},
     units::{AdcCode, RelativeConductivity},
 };
 use rand::{Rng, SeedableRng};
@@ -36,7 +36,7 @@ pub(crate) fn small_patch(name: &str, frame_rate: f32) -> Vec<u8> {
 
 /// As [`small_patch`], with `side` x `side` pixels, at most as many as steps.
 pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32) -> Vec<u8> {
-    let steps: Vec<_> = pattern(electrodes, 1, 1).collect();
+    let steps: Vec<_> = pattern(electrodes, 1, 1, Driven::Skipped).collect();
     let combination: Vec<_> =
         (0..steps.len() as u16).map(|measurement| CombinedInto { measurement, flipped: false }).collect();
     let pixels = usize::from(side) * usize::from(side);

@@ -4,14 +4,14 @@ use dermatome_shared::{
     frame::Frame,
     image::PixelGrid,
     patch::{CRC32, CombinedInto, Difference, Drive, PatchContents, PatchHeader},
-    stimulation::{Step, pattern},
+    stimulation::{Driven, Step, pattern},
     units::{AdcCode, RelativeConductivity},
 };
 
 /// A valid patch of 4 electrodes, 4 steps and 2 x 2 pixels: small, so that damage soon hits
 /// something that matters.
 pub fn small_patch() -> Vec<u8> {
-    let steps: Vec<Step> = pattern(4, 1, 1).collect();
+    let steps: Vec<Step> = pattern(4, 1, 1, Driven::Skipped).collect();
     let combination: Vec<_> = (0..steps.len() as u16)
         .map(|step| CombinedInto { measurement: step % 2, flipped: step > 2 })
         .collect();

@@ -315,12 +315,16 @@ fn table_sizes(header: &PatchHeader) -> [usize; 5] {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::{frame::Frame, stimulation::pattern, units::AdcCode};
+    use crate::{
+        frame::Frame,
+        stimulation::{Driven, pattern},
+        units::AdcCode,
+    };
     use proptest::prelude::*;
 
     /// A patch of 8 electrodes, 2 x 2 pixels, whose pixel p reads measurement p.
     pub(crate) fn small_patch(difference: Difference) -> std::vec::Vec<u8> {
-        let steps: std::vec::Vec<_> = pattern(8, 1, 1).collect();
+        let steps: std::vec::Vec<_> = pattern(8, 1, 1, Driven::Skipped).collect();
         let combination: std::vec::Vec<_> =
             (0..steps.len() as u16).map(|measurement| CombinedInto { measurement, flipped: false }).collect();
         let header = PatchHeader {
@@ -372,7 +376,7 @@ pub(crate) mod tests {
         assert_eq!(patch.header.skin, "small");
         assert_eq!(
             patch.steps().collect::<std::vec::Vec<_>>(),
-            pattern(8, 1, 1).collect::<std::vec::Vec<_>>()
+            pattern(8, 1, 1, Driven::Skipped).collect::<std::vec::Vec<_>>()
         );
         assert_eq!(patch.rows().count(), 4);
         let (row, exponent) = patch.rows().nth(2).unwrap();

@@ -1,6 +1,6 @@
 use super::*;
 use crate::measured::{difference::difference, order::SenseOrder};
-use dermatome_shared::stimulation::pattern;
+use dermatome_shared::stimulation::{Driven, pattern};
 use proptest::prelude::*;
 use rand::{Rng, SeedableRng};
 
@@ -15,7 +15,7 @@ impl Body {
     fn new(seed: u64, drive_distance: u8, spread: f64) -> Self {
         let mut random = rand_pcg::Pcg64::seed_from_u64(seed);
         let factors: Vec<f64> = (0..16).map(|_| 1.0 + spread * random.random_range(-0.6..1.0)).collect();
-        let steps: Vec<_> = pattern(16, drive_distance, 1).collect();
+        let steps: Vec<_> = pattern(16, drive_distance, 1, Driven::Skipped).collect();
         let voltages = steps.iter().map(|step| disc_voltage(step) * touched(step, &factors)).collect();
         Self { steps, voltages }
     }

@@ -36,8 +36,12 @@ fn forged(header: &str, data: &[u8]) -> Vec<u8> {
     bytes
 }
 
+fn parse(content: Content, bytes: &[u8]) -> Result<Frames, Problem> {
+    content.parse(bytes, None).and_then(frames_of)
+}
+
 fn problem(content: Content, bytes: &[u8]) -> String {
-    content.parse(bytes, None).unwrap_err().to_string()
+    parse(content, bytes).unwrap_err().to_string()
 }
 
 fn real(frames: &Frames) -> Vec<f64> {
@@ -47,7 +51,7 @@ fn real(frames: &Frames) -> Vec<f64> {
 #[test]
 fn every_kind_of_number_is_read() {
     let expect = |bytes: &[u8], complex: bool, values: [Complex64; 2]| {
-        let frames = Content::Npy.parse(bytes, None).unwrap();
+        let frames = parse(Content::Npy, bytes).unwrap();
         assert_eq!(frames, Frames { values: values.to_vec(), frames: 1, measurements: 2, complex });
     };
     let real = [Complex64::new(-3.0, 0.0), Complex64::new(100.0, 0.0)];
@@ -71,7 +75,7 @@ fn every_kind_of_number_is_read() {
 #[test]
 fn big_endian_numbers_are_read() {
     let header = "{'descr': '>i2', 'fortran_order': False, 'shape': (2,)}";
-    let frames = Content::Npy.parse(&forged(header, &[0xFF, 0xFE, 0x01, 0x00]), None).unwrap();
+    let frames = parse(Content::Npy, &forged(header, &[0xFF, 0xFE, 0x01, 0x00])).unwrap();
     assert_eq!(real(&frames), [-2.0, 256.0]);
 }
 
@@ -79,12 +83,12 @@ fn big_endian_numbers_are_read() {
 fn allowed_shapes_become_frames_of_measurements() {
     let shape = |shape: &[u64]| {
         let values = vec![1.0; shape.iter().product::<u64>() as usize];
-        Content::Npy.parse(&c_npy(shape, &values), None).map(|frames| (frames.frames, frames.measurements))
+        parse(Content::Npy, &c_npy(shape, &values)).map(|frames| (frames.frames, frames.measurements))
     };
     assert_eq!(shape(&[208]).unwrap(), (1, 208));
     assert_eq!(shape(&[5, 208]).unwrap(), (5, 208));
     assert_eq!(shape(&[5, 16, 16]).unwrap(), (5, 256));
-    assert_eq!(shape(&[16, 16]).unwrap(), (1, 256), "one square frame");
+    assert_eq!(shape(&[16, 16]).unwrap(), (16, 16));
     assert_eq!(shape(&[208, 1]).unwrap(), (1, 208), "one column");
     for bad in [&[5, 16, 13][..], &[1, 2, 3, 4], &[]] {
         assert!(matches!(shape(bad), Err(Problem::Shape { .. })), "{bad:?}");
@@ -93,9 +97,47 @@ fn allowed_shapes_become_frames_of_measurements() {
 }
 
 #[test]
+fn an_array_as_large_as_the_electrodes_squared_is_one_frame() {
+    let shape = |rows: u64, columns: u64, electrodes, steps| {
+        let values = vec![1.0; (rows * columns) as usize];
+        let frames = parse(Content::Npy, &c_npy(&[rows, columns], &values)).unwrap();
+        let frames = frames.with_square(electrodes, steps);
+        (frames.frames, frames.measurements)
+    };
+    assert_eq!(shape(16, 16, 16, 208), (1, 256));
+    assert_eq!(shape(8, 8, 8, 40), (1, 64));
+    assert_eq!(shape(16, 16, 8, 40), (16, 16), "not of 8 electrodes");
+    assert_eq!(shape(5, 208, 16, 208), (5, 208));
+    assert_eq!(shape(16, 16, 16, 16), (16, 16), "frames of 16 steps");
+}
+
+#[test]
+fn a_first_line_is_a_header_only_if_it_names_every_column() {
+    let read = |text: &str| parse(Content::Table, text.as_bytes()).map(|frames| real(&frames));
+    assert_eq!(read("v_0,_x,Kanal 3\n1,2,3\n").unwrap(), [1.0, 2.0, 3.0]);
+    assert_eq!(read("\"v0\",\"v1\"\n1,2\n").unwrap(), [1.0, 2.0]);
+    for (text, cell) in [
+        ("1,5;2,5\n1;2\n", "line 1, column 1: `1,5`"),
+        ("-;-\n1;2\n", "line 1, column 1: `-`"),
+        (",\n1,2\n", "line 1, column 1: ``"),
+        ("a,2\n1,2\n", "line 1, column 1: `a`"),
+        ("3V,4V\n1,2\n", "line 1, column 1: `3V`"),
+        ("n/a,n/a\n1,2\n", "line 1, column 1: `n/a`"),
+        ("a,b\nc,d\n1,2\n", "line 2, column 1: `c`"),
+    ] {
+        let problem = read(text).unwrap_err().to_string();
+        assert!(problem.contains(cell), "{text:?}: {problem}");
+    }
+    assert!(
+        read("nan,inf\n1,2\n").unwrap_err().to_string().contains("frame 0"),
+        "numbers, though not finite"
+    );
+}
+
+#[test]
 fn fortran_order_is_turned_into_c_order() {
     let stored: Vec<f64> = (0..18).map(f64::from).collect();
-    let frames = Content::Npy.parse(&npy_bytes(&[2, 3, 3], npyz::Order::Fortran, &stored), None).unwrap();
+    let frames = parse(Content::Npy, &npy_bytes(&[2, 3, 3], npyz::Order::Fortran, &stored)).unwrap();
     // Element (i, j, k) lies at i + 2 j + 6 k.
     assert_eq!(real(&frames)[..4], [0.0, 6.0, 12.0, 2.0]);
     assert_eq!(real(&frames)[9..12], [1.0, 7.0, 13.0]);
@@ -146,17 +188,17 @@ fn an_archive_with_several_arrays_asks_which() {
     let bytes = npz_bytes(&[("v", c_npy(&[3, 208], &[1_f32; 624])), ("t", c_npy(&[3], &[1.0; 3]))]);
     let asked = problem(Content::Npz, &bytes);
     assert!(asked.contains("`t` (3,) <f8, `v` (3, 208) <f4"), "{asked}");
-    assert_eq!(Content::Npz.parse(&bytes, Some("v")).unwrap().frames, 3);
+    assert_eq!(Content::Npz.parse(&bytes, Some("v")).unwrap().shape, [3, 208]);
     let missing = Content::Npz.parse(&bytes, Some("w")).unwrap_err().to_string();
     assert!(missing.contains("no array `w`; there are: `t` (3,)"), "{missing}");
     let single = npz_bytes(&[("only", c_npy(&[3], &[1.0; 3]))]);
-    assert_eq!(Content::Npz.parse(&single, None).unwrap().measurements, 3);
+    assert_eq!(parse(Content::Npz, &single).unwrap().measurements, 3);
 }
 
 #[test]
 fn tables_are_read_whatever_separates_their_cells() {
     let read = |text: &str| {
-        let frames = Content::Table.parse(text.as_bytes(), None).unwrap();
+        let frames = parse(Content::Table, text.as_bytes()).unwrap();
         ((frames.frames, frames.measurements), real(&frames))
     };
     let two_frames = ((2, 3), vec![1.0, 2.5, -3.0, 4.0, 5e-1, 6.0]);
@@ -165,7 +207,7 @@ fn tables_are_read_whatever_separates_their_cells() {
     assert_eq!(read("\u{feff}a\tb\tc\n1\t2.5\t-3\n\n# pause\n4\t5e-1\t6"), two_frames);
     assert_eq!(read("  1 2.5   -3\n4 5e-1 6 \n"), two_frames);
     assert_eq!(read("v\n1\n2\n3\n"), ((1, 3), vec![1.0, 2.0, 3.0]), "a column is one frame");
-    let complex = Content::Table.parse(b"1+2j,(3.5e+00+-1e-1j)\n", None).unwrap();
+    let complex = parse(Content::Table, b"1+2j,(3.5e+00+-1e-1j)\n").unwrap();
     assert!(complex.complex);
     assert_eq!(complex.values, [Complex64::new(1.0, 2.0), Complex64::new(3.5, -0.1)]);
 }
@@ -203,15 +245,15 @@ fn errors_name_the_file() {
 
 #[test]
 fn the_mean_of_frames_is_taken_per_measurement() {
-    let frames = Content::Table.parse(b"1,2\n3,6\n", None).unwrap();
+    let frames = parse(Content::Table, b"1,2\n3,6\n").unwrap();
     assert_eq!(frames.mean(), [Complex64::new(2.0, 0.0), Complex64::new(4.0, 0.0)]);
 }
 
 fn parse_as_everything(bytes: &[u8]) {
-    let _ = Content::Npy.parse(bytes, None);
-    let _ = Content::Table.parse(bytes, None);
-    let _ = Content::Npz.parse(bytes, None);
-    let _ = Content::Npz.parse(bytes, Some("v"));
+    let _ = parse(Content::Npy, bytes);
+    let _ = parse(Content::Table, bytes);
+    let _ = parse(Content::Npz, bytes);
+    let _ = Content::Npz.parse(bytes, Some("v")).and_then(frames_of);
 }
 
 fn valid_files() -> Vec<Vec<u8>> {

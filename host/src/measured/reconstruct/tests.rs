@@ -18,9 +18,9 @@ impl Toy {
     fn new() -> Self {
         let text = include_str!("../../../../models/square-50mm/skin.toml");
         let mut skin = Skin::parse(Path::new("skin.toml"), text).unwrap();
-        skin.edge_length *= 2.0;
+        skin.edges = skin.edges.scaled(2.0);
         let model = Model::build(&skin, |_| ()).unwrap();
-        let (script, noise) = (Script::round(&skin.outline), Noise { snr_db: 200.0, seed: 1 });
+        let (script, noise) = (Script::round(skin.shape.flat().unwrap()), Noise { snr_db: 200.0, seed: 1 });
         let simulated = SimulatedSkin::new(&skin, script, noise).unwrap();
         let voltages = simulated.voltages(&model.steps, &[]);
         Self { model, simulated, voltages }

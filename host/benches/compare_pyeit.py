@@ -1,0 +1,181 @@
+#!/usr/bin/env python3
+"""Times Dermatome and pyEIT side by side on this machine, from skin to reconstruction matrix.
+
+    python3 host/benches/compare_pyeit.py [--all] [--runs N]
+
+Builds Dermatome, installs pyEIT from PyPI into target/pyeit, and runs both in turn at each size, each
+run in a process of its own. Prints a table in Markdown: medians of the stages, and the largest memory
+of any run. The task is the same for both: a disc with 16 point electrodes, adjacent stimulation
+pattern, one pixel for each element, one-step matrix given the Jacobian. (Priors differ: ours is
+Laplace in data space, pyEIT's `kotre` in image space.) At 20,500 elements pyEIT takes minutes and
+about 20 GB: only with --all.
+"""
+
+import argparse
+import json
+import math
+import os
+import pathlib
+import statistics
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+VENV = ROOT / "target" / "pyeit"
+VERSION = "pyeit==1.2.4"
+SIZES = [600, 2_400, 4_080, 20_500]
+STAGES = ["mesh", "forward", "jacobian", "matrix"]
+
+SKIN = """
+name = "compare"
+[shape]
+kind = "disc"
+diameter = 2
+[mesh]
+edge_length = {edge}
+[material]
+sheet_conductivity = 1
+[electrodes]
+count = 16
+placement = "rim"
+model = "point"
+[drive]
+pattern = "adjacent"
+reciprocal = "combined"
+frequency = "50 kHz"
+amplitude = "1 mA"
+frame_rate = 50
+[inverse]
+prior = "laplace"
+hyperparameter = 0.03
+normalised = false
+[image]
+pixels = "elements"
+[contact]
+threshold = 0.05
+"""
+
+
+def main():
+    arguments = parse()
+    if arguments.worker:
+        return pyeit_worker(arguments.worker)
+    program = build_dermatome()
+    python = install_pyeit()
+    print(machine())
+    print()
+    print("| elements | program | " + " | ".join(f"{stage} / ms" for stage in STAGES) + " | whole / ms | largest memory / MB |")
+    print("|---|---|" + "---|" * (len(STAGES) + 2))
+    for size in SIZES:
+        runs = [[], []]
+        with_pyeit = arguments.all or size < 20_000
+        for _ in range(arguments.runs):
+            runs[0].append(dermatome_run(program, size))
+            if with_pyeit and (size < 20_000 or not runs[1]):
+                runs[1].append(child([python, __file__, "--worker", str(size)]))
+        rows = [row("Dermatome", runs[0])] + ([row("pyEIT", runs[1])] if with_pyeit else [])
+        print("\n".join(rows), flush=True)
+        if with_pyeit:
+            print(f"pyEIT over Dermatome at {size}: {whole(runs[1]) / whole(runs[0]):.0f} times", file=sys.stderr)
+
+
+def parse():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--all", action="store_true", help="run pyEIT at 20,500 elements too (20 GB)")
+    parser.add_argument("--runs", type=int, default=5, help="runs at each size (default 5)")
+    parser.add_argument("--worker", type=int, help=argparse.SUPPRESS)
+    return parser.parse_args()
+
+
+def build_dermatome():
+    subprocess.run(["cargo", "build", "--release", "--locked"], cwd=ROOT, check=True)
+    return ROOT / "target" / "release" / "dermatome"
+
+
+def install_pyeit():
+    python = VENV / "bin" / "python"
+    if not python.exists():
+        subprocess.run([sys.executable, "-m", "venv", VENV], check=True)
+    subprocess.run([python, "-m", "pip", "install", "--quiet", VERSION], check=True)
+    return python
+
+
+def dermatome_run(program, size):
+    folder = ROOT / "target"
+    skin, report = folder / "compare.toml", folder / "compare.json"
+    skin.write_text(SKIN.format(edge=math.sqrt(math.pi / (0.433 * size))))
+    memory = run([program, "build", skin, "--no-patch", "--json", report])
+    told = json.loads(report.read_text())
+    seconds = told["stage_seconds"]
+    times = {stage: seconds[stage] for stage in STAGES}
+    # pyEIT needs no pixels of its own: what they cost counts as part of the Jacobian.
+    times["jacobian"] += seconds["pixels"]
+    return {"elements": told["mesh"]["elements"], "memory": memory, "times": times}
+
+
+def child(command):
+    """Runs a worker that prints its report; adds the largest memory it had."""
+    path = ROOT / "target" / "compare-pyeit.json"
+    with open(path, "w") as output:
+        memory = run(command, output)
+    return json.loads(path.read_text()) | {"memory": memory}
+
+
+def run(command, output=subprocess.DEVNULL):
+    """Runs a command; returns its largest resident memory in MB."""
+    process = subprocess.Popen([str(word) for word in command], stdout=output)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        sys.exit(f"{command[0]} ended with code {process.returncode}")
+    return usage.ru_maxrss / 1024
+
+
+def pyeit_worker(size):
+    import pyeit.eit.jac as jac
+    import pyeit.eit.protocol as protocol
+    import pyeit.mesh as mesh
+    from pyeit.eit.fem import EITForward
+
+    times, since = {}, time.perf_counter()
+
+    def stage(name):
+        nonlocal since
+        times[name] = time.perf_counter() - since
+        since = time.perf_counter()
+
+    disc = mesh.create(16, h0=math.sqrt(7.0 / size))
+    stage("mesh")
+    pattern = protocol.create(16, dist_exc=1, step_meas=1, parser_meas="std")
+    forward = EITForward(disc, pattern)
+    forward.solve_eit()
+    stage("forward")
+    jacobian, _ = forward.compute_jac()
+    stage("jacobian")
+    solver = jac.JAC(disc, pattern)
+    since = time.perf_counter()
+    solver.params = {"p": 0.5, "lamb": 0.01, "method": "kotre"}
+    solver.H = solver._compute_h(jacobian, 0.5, 0.01, "kotre")
+    stage("matrix")
+    json.dump({"elements": len(disc.element), "times": times}, sys.stdout)
+
+
+def row(program, runs):
+    medians = [statistics.median(run["times"][stage] for run in runs) * 1e3 for stage in STAGES]
+    memory = max(run["memory"] for run in runs)
+    cells = [f"{median:,.1f}" for median in medians] + [f"{whole(runs) * 1e3:,.1f}", f"{memory:,.0f}"]
+    return f"| {runs[0]['elements']:,} | {program} | " + " | ".join(cells) + " |"
+
+
+def whole(runs):
+    return statistics.median(sum(run["times"].values()) for run in runs)
+
+
+def machine():
+    names = [line.split(":")[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name")]
+    return f"{len(names)} cores of {names[0]}; medians of the runs" if names else "an unknown machine"
+
+
+if __name__ == "__main__":
+    main()

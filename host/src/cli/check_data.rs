@@ -1,0 +1,119 @@
+//! `dermatome check-data`: what is wrong with a file of measured frames.
+
+use super::{JsonReport, frame_options::FrameOptions};
+use crate::{
+    measured::{
+        check::{Check, Expected, check, findings::Level},
+        read::{Frames, Source},
+    },
+    skin::Skin,
+    stimulation::patterns_of_length,
+};
+use anyhow::{Context, bail};
+use serde::Serialize;
+use std::{ffi::OsString, path::PathBuf};
+
+/// Find out what is wrong with measured frames, and what to change.
+///
+/// Compares a file of frames with what the skin should measure: order of the measurements, polarity,
+/// rotation and mirroring of the electrodes, exchanged, dead or noisy electrodes, reciprocity, noise,
+/// clipped values, offset and repeated frames. Best with frames of the untouched skin.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  dermatome check-data tank.toml run.npz:empty
+  dermatome check-data skin.toml idle.csv --order relative --json check.json --strict")]
+pub(super) struct Args {
+    /// Skin file.
+    #[arg(value_name = "SKIN")]
+    skin: PathBuf,
+    /// Frames, as `reconstruct` reads them.
+    #[arg(value_name = "FILE")]
+    file: OsString,
+    #[command(flatten)]
+    options: FrameOptions,
+    /// Exit with code 1 if there is a fault.
+    #[arg(long)]
+    strict: bool,
+    #[command(flatten)]
+    json: JsonReport,
+}
+
+/// What `check-data` tells; keys are documented in docs/cli.md.
+#[derive(Serialize)]
+struct Report {
+    skin: PathBuf,
+    file: String,
+    faults: usize,
+    #[serde(flatten)]
+    check: Check,
+}
+
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let skin = Skin::load(&args.skin)?;
+    let source = Source::new(&args.file);
+    let frames = args.options.read(&source, &skin)?;
+    let expected = Expected::of(&skin).with_context(|| format!("skin file `{}`", args.skin.display()))?;
+    let check = check(&expected, &frames, args.options.arrangement())
+        .with_context(|| format!("`{source}`{}", hint(&skin, &frames)))?;
+    let report = Report {
+        skin: args.skin.clone(),
+        file: source.to_string(),
+        faults: check.findings.iter().filter(|finding| finding.level == Level::Fault).count(),
+        check,
+    };
+    print(&report.check);
+    args.json.write(&report)?;
+    if args.strict && report.faults > 0 {
+        bail!("`{source}` has faults: {}", report.faults);
+    }
+    Ok(())
+}
+
+/// What frames of an unexpected length may be.
+fn hint(skin: &Skin, frames: &Frames) -> String {
+    let (electrodes, steps) = (skin.electrodes.count, skin.steps().len());
+    let fits = |length: usize| length == steps || length == usize::from(electrodes).pow(2);
+    if fits(frames.measurements) {
+        return String::new();
+    }
+    if fits(frames.frames) {
+        return format!(" ({} columns of {}: transpose it)", frames.measurements, frames.frames);
+    }
+    match &patterns_of_length(electrodes, frames.measurements)[..] {
+        [] => String::new(),
+        patterns => format!(" (as many as with {})", patterns.join(" or ")),
+    }
+}
+
+fn print(check: &Check) {
+    let kind = if check.complex { "complex" } else { "real" };
+    let square = if check.square { ", full square" } else { "" };
+    say!("frames        {} of {} measurements, {kind}{square}", check.frames, check.measurements);
+    let numbering = &check.numbering;
+    let options = match numbering.used.to_string() {
+        none if none.is_empty() => "as the skin file says".to_owned(),
+        options => options,
+    };
+    say!("order         {options}: correlation with the model {:.3}", numbering.correlation);
+    for (name, agreement) in [("reciprocity", &check.reciprocity), ("reversal", &check.reversal)] {
+        if let Some(agreement) = agreement {
+            say!(
+                "{name:<12}  {:.2} % middle error, {:.2} % root mean square, {} pairs of steps",
+                agreement.median_percent,
+                agreement.rms_percent,
+                agreement.pairs.len()
+            );
+        }
+    }
+    if let Some(steadiness) = &check.steadiness {
+        let noise = steadiness.snr_db.map_or("no noise".to_owned(), |snr| format!("{snr:.1} dB"));
+        say!(
+            "signal        {noise} over noise, {:.2} % change from first to last",
+            steadiness.change_percent
+        );
+    }
+    match check.findings.len() {
+        0 => say!("nothing looks wrong"),
+        _ => check.findings.iter().for_each(|finding| say!("{finding}")),
+    }
+}

@@ -1,0 +1,305 @@
+//! `dermatome evaluate`: how good a skin's images are, everywhere on it.
+
+use super::{JsonReport, interrupt, progress};
+use crate::{
+    evaluate::{
+        Evaluation, Length, Options, Watch, evaluate, picture,
+        report::{PairFigures, PairRing, Report, Ring, Spread},
+    },
+    model::Model,
+    output::{check_folder, write_whole},
+    skin::Skin,
+};
+use anyhow::Context;
+use indicatif::ProgressBar;
+use serde::Serialize;
+use std::{path::PathBuf, time::Instant};
+
+/// Map a skin's figures of merit: single targets everywhere, and pairs.
+///
+/// Each target is a true forward solution on a mesh of its own, with noise and, if wanted, with errors of
+/// the electrodes.
+#[derive(clap::Args)]
+#[command(after_help = "LENGTH is per cent, as in 5%, or has a unit, as in 12mm.
+
+Examples:
+  dermatome evaluate models/disc-210mm/skin.toml --png disc.png
+  dermatome evaluate skin.toml --noise none --diameter 5% --contrast 0.1 --threshold 0
+  dermatome evaluate skin.toml --noise 50 --electrode-error 3% --impedance-error 20 --json evaluate.json")]
+pub(super) struct Args {
+    /// Skin file.
+    #[arg(value_name = "SKIN")]
+    skin: PathBuf,
+    /// Signal-to-noise ratio of the measurements, dB: 0 to 200, or none.
+    #[arg(long, value_name = "DB", default_value = "60", value_parser = noise, allow_hyphen_values = true)]
+    noise: Noise,
+    /// Seed of noise and errors.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Diameter of a target; per cent of the skin's diameter.
+    #[arg(long, value_name = "LENGTH", default_value = "10%", allow_hyphen_values = true)]
+    diameter: Length,
+    /// Relative conductivity change of a target: -0.99 to 1000, not 0.
+    #[arg(long, value_name = "CHANGE", default_value_t = 1.0, value_parser = contrast, allow_hyphen_values = true)]
+    contrast: f64,
+    /// Distance of neighbouring targets; per cent of the skin's diameter [default: about 250 targets].
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    spacing: Option<Length>,
+    /// Shift the true electrodes along the rim by errors of this standard deviation; per cent of their spacing.
+    #[arg(long, value_name = "LENGTH", default_value = "0%", allow_hyphen_values = true)]
+    electrode_error: Length,
+    /// Change the true contact impedances by errors of this standard deviation, per cent: 0 to 200.
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = impedance_error, allow_hyphen_values = true)]
+    impedance_error: f64,
+    /// Smallest relative conductivity change that counts as a contact [default: the skin file's].
+    #[arg(long, value_name = "CHANGE", value_parser = threshold, allow_hyphen_values = true)]
+    threshold: Option<f64>,
+    /// Draw a map of each figure.
+    #[arg(long, value_name = "FILE")]
+    png: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonReport,
+}
+
+/// Noise in dB, or none.
+#[derive(Clone, Copy, Debug)]
+struct Noise(Option<f64>);
+
+fn noise(text: &str) -> Result<Noise, String> {
+    if text == "none" {
+        return Ok(Noise(None));
+    }
+    let db = text.parse().ok().filter(|db| (0.0..=200.0).contains(db));
+    db.map(|db| Noise(Some(db))).ok_or_else(|| "allowed are 0 to 200 dB, and none".to_owned())
+}
+
+fn contrast(text: &str) -> Result<f64, String> {
+    let change = text.parse().ok().filter(|change| (-0.99..=1000.0).contains(change) && *change != 0.0);
+    change.ok_or_else(|| "allowed are -0.99 to 1000, but not 0 (1 doubles the conductivity)".to_owned())
+}
+
+fn threshold(text: &str) -> Result<f64, String> {
+    let change = text.parse().ok().filter(|change| (0.0..=1000.0).contains(change));
+    change.ok_or_else(|| "allowed are 0 to 1000".to_owned())
+}
+
+fn impedance_error(text: &str) -> Result<f64, String> {
+    let error = text.parse().ok().filter(|error| (0.0..=200.0).contains(error));
+    error.ok_or_else(|| "allowed are 0 to 200 per cent".to_owned())
+}
+
+impl Args {
+    fn options(&self) -> Options {
+        Options {
+            spacing: self.spacing,
+            diameter: self.diameter,
+            contrast: self.contrast,
+            snr_db: self.noise.0,
+            seed: self.seed,
+            electrode_error: self.electrode_error,
+            impedance_error: self.impedance_error / 100.0,
+            threshold: self.threshold,
+        }
+    }
+}
+
+/// What `evaluate` tells; keys are documented in docs/cli.md.
+#[derive(Serialize)]
+struct Told<'a> {
+    skin: &'a str,
+    noise_db: Option<f64>,
+    seed: u64,
+    contrast: f64,
+    impedance_error_percent: f64,
+    seconds: f64,
+    #[serde(flatten)]
+    report: &'a Report,
+}
+
+/// Shows progress, and ends with Ctrl-C.
+struct Bar(ProgressBar);
+
+impl Watch for Bar {
+    fn begin(&self, what: &'static str, count: usize) {
+        self.0.reset();
+        self.0.set_length(count as u64);
+        self.0.set_message(what);
+    }
+
+    fn step(&self) {
+        self.0.inc(1);
+    }
+
+    fn go_on(&self) -> bool {
+        !interrupt::requested()
+    }
+}
+
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    interrupt::install()?;
+    let start = Instant::now();
+    if let Some(path) = &args.png {
+        check_folder(path)?;
+    }
+    let skin = Skin::load(&args.skin)?;
+    let in_file = || format!("skin file `{}`", args.skin.display());
+    let spinner = progress::spinner();
+    let model = Model::build(&skin, |stage| spinner.set_message(stage)).with_context(in_file)?;
+    spinner.finish_and_clear();
+    let bar = Bar(progress::counting());
+    let evaluation = evaluate(&skin, &model, &args.options(), &bar).with_context(in_file)?;
+    bar.0.finish_and_clear();
+    anyhow::ensure!(!evaluation.singles.is_empty(), "stopped before the first target was done");
+    let report = Report::new(&evaluation);
+    let told = Told {
+        skin: &skin.name,
+        noise_db: args.noise.0,
+        seed: args.seed,
+        contrast: args.contrast,
+        impedance_error_percent: args.impedance_error,
+        seconds: start.elapsed().as_secs_f64(),
+        report: &report,
+    };
+    print(&told);
+    if let Some(path) = &args.png {
+        draw(path, &told, &evaluation)?;
+    }
+    args.json.write(&told)
+}
+
+fn draw(path: &std::path::Path, told: &Told<'_>, evaluation: &Evaluation) -> anyhow::Result<()> {
+    let title = format!("{}: {}", told.skin, conditions(told));
+    write_whole(path, &picture(evaluation, title).context("cannot encode the picture")?)?;
+    say!("picture: {}", path.display());
+    Ok(())
+}
+
+/// What was tried, in a line.
+fn conditions(told: &Told<'_>) -> String {
+    let report = told.report;
+    let noise = told.noise_db.map_or("no noise".to_owned(), |db| format!("noise at {db} dB"));
+    let mut words = format!(
+        "targets of {:.1} mm ({:.0} % of the diameter), contrast {:+}, {noise}",
+        report.target_diameter_mm,
+        100.0 * report.target_diameter_mm / report.skin_diameter_mm,
+        told.contrast
+    );
+    if report.electrode_error_mm > 0.0 {
+        words += &format!(", electrodes off by {:.2} mm", report.electrode_error_mm);
+    }
+    if told.impedance_error_percent > 0.0 {
+        words += &format!(", contact impedances off by {} %", told.impedance_error_percent);
+    }
+    words
+}
+
+fn print(told: &Told<'_>) {
+    let report = told.report;
+    if !report.complete {
+        say!("stopped early: the figures cover what was done");
+    }
+    say!("{}: {}", told.skin, conditions(told));
+    say!(
+        "{} targets {:.1} mm apart on a true skin of {} elements, seed {}; contacts found in the {}",
+        report.total.targets,
+        report.spacing_mm,
+        report.true_elements,
+        told.seed,
+        if report.contacts_found_by == "board" { "board's image, by its code" } else { "f64 image" }
+    );
+    let rings = || report.rings.iter().chain([&report.total]);
+    say!("");
+    say!("{:35}{:^28}  {:-^43}", "", "contact from target", " thesis ");
+    let header = ["mm", "% of diam.", "PE, % of diam", "RES", "RNG"];
+    say!("{:>12} {:>7} {:>6} {:>5}{}", "way to rim", "targets", "missed", "false", headings(&header));
+    rings().for_each(|ring| say!("{}", contact_row(ring)));
+    say!("");
+    say!("{:14}{:-^88}", "", " GREIT ");
+    let header = ["PE, % of diam", "RES", "SD", "RNG", "AR", "AR/centre's"];
+    say!("{:>12}{}", "way to rim", headings(&header));
+    rings().for_each(|ring| say!("{}", greit_row(ring)));
+    say!("");
+    say!(
+        "smallest distance at which two contacts are told apart, mm, in steps of {:.1} mm",
+        report.pair_step_mm
+    );
+    say!("{:>12}  {:^24}  {:^24}", "way to rim", "one behind the other", "side by side");
+    let pairs = report.pair_rings.iter().chain([&report.pairs_total]);
+    pairs.for_each(|ring| say!("{}", pair_row(ring)));
+    say!("");
+    say!("columns: mean, and the value farthest from 0; PE is positive towards the centre;");
+    say!("never: not told apart even at the largest distance for which there is room");
+    say!("{}", summary(report));
+}
+
+/// Width of a mean and a largest value.
+const CELLS: usize = 13;
+
+fn headings(names: &[&str]) -> String {
+    names.iter().map(|name| format!("  {name:^CELLS$}")).collect()
+}
+
+fn way([from, to]: [f64; 2]) -> String {
+    if (from, to) == (0.0, 100.0) { "all".to_owned() } else { format!("{from:.0} - {to:.0} %") }
+}
+
+fn cells(spread: Option<Spread>, decimals: usize) -> String {
+    match spread {
+        Some(Spread { mean, max }) => format!("  {mean:>6.decimals$} {max:>6.decimals$}"),
+        None => format!("  {:>6} {:>6}", "-", "-"),
+    }
+}
+
+fn contact_row(ring: &Ring) -> String {
+    let Ring { targets, missed, false_contacts, thesis, .. } = ring;
+    let figures = [
+        cells(ring.position_error_mm, 2),
+        cells(ring.position_error_percent, 2),
+        cells(thesis.position_error_percent, 2),
+        cells(thesis.resolution, 3),
+        cells(thesis.ringing, 3),
+    ];
+    let way = way([ring.from_percent, ring.to_percent]);
+    format!("{way:>12} {targets:>7} {missed:>6} {false_contacts:>5}{}", figures.concat())
+}
+
+fn greit_row(ring: &Ring) -> String {
+    let greit = &ring.greit;
+    let figures = [
+        cells(greit.position_error_percent, 2),
+        cells(greit.resolution, 3),
+        cells(greit.shape_deformation, 3),
+        cells(greit.ringing, 3),
+        cells(greit.amplitude_response, 3),
+        cells(greit.amplitude_over_centre, 3),
+    ];
+    format!("{:>12}{}", way([ring.from_percent, ring.to_percent]), figures.concat())
+}
+
+fn pair_row(ring: &PairRing) -> String {
+    let figures = |figures: &PairFigures| {
+        let never = if figures.never > 0 { format!("{} never", figures.never) } else { String::new() };
+        format!("{} {never:>10}", cells(figures.distance_mm, 1))
+    };
+    let (radial, across) = (figures(&ring.radial), figures(&ring.across));
+    format!("{:>12}{radial}{across}", way([ring.from_percent, ring.to_percent])).trim_end().to_owned()
+}
+
+/// The most important figures, in a line.
+fn summary(report: &Report) -> String {
+    let total = &report.total;
+    let counts = format!(
+        "summary: {} of {} targets missed, {} false contacts",
+        total.missed, total.targets, total.false_contacts
+    );
+    let inner = report.rings.iter().filter(|ring| ring.to_percent <= 80.0);
+    let worst = inner.filter_map(|ring| Some(ring.position_error_percent?.max)).fold(0.0, f64::max);
+    match total.position_error_percent {
+        Some(error) => format!(
+            "{counts}; position error {:.2} % of the diameter on average, at most {worst:.2} % within 80 % of the \
+             way to the rim",
+            error.mean
+        ),
+        None => counts,
+    }
+}

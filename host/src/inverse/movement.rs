@@ -1,0 +1,290 @@
+//! Electrode movement: how measurements answer when an electrode slides along the rim, and what that
+//! ignorance adds to the data space (Soleimani, Gomez-Laberge and Adler 2006; EIDORS
+//! `jacobian_movement` and `prior_movement`).
+//!
+//! Movements m join the image as further unknowns with the prior mu^2 R_m, and are then dropped from
+//! it. In data space that is one more term, J G J' + J_m (mu^2 R_m)^-1 J_m': measurements that
+//! change as if an electrode had moved count less.
+
+use super::{InverseError, Whitening};
+use crate::{
+    forward::{Admittivity, Fields},
+    mesh::{ElectrodeContact, Mesh, neighbours::orientation},
+};
+use dermatome_shared::stimulation::Step;
+use faer::{
+    Mat, Side,
+    linalg::solvers::{Llt, SolveCore},
+};
+use nalgebra::Vector3;
+use std::collections::HashMap;
+
+/// d voltage / d movement of each electrode along the rim, per metre: `[step][electrode]`.
+///
+/// The electrode's nodes move together along its chord while all others stay, so only the elements
+/// that touch it change (Gomez-Laberge and Adler 2008). All electrodes move the same way round.
+pub fn jacobian<T: Admittivity>(
+    mesh: &Mesh,
+    admittivity: T,
+    fields: &Fields<T>,
+    steps: &[Step],
+) -> Result<Mat<T>, InverseError> {
+    let moves = moves(mesh)?;
+    let columns: Vec<Vec<T>> =
+        moves.iter().map(|moved| column(mesh, admittivity, fields, steps, moved)).collect();
+    Ok(Mat::from_fn(steps.len(), columns.len(), |step, electrode| columns[electrode][step]))
+}
+
+/// Nodes of an electrode, and the unit direction in which it moves.
+#[derive(Clone, Debug)]
+pub struct Move {
+    /// Nodes that move together.
+    pub nodes: Vec<usize>,
+    /// Unit vector along the rim.
+    pub direction: Vector3<f64>,
+}
+
+/// How each electrode moves along the rim: `[electrode]`.
+pub fn moves(mesh: &Mesh) -> Result<Vec<Move>, InverseError> {
+    let rim = rim_directions(mesh);
+    let of = |(electrode, contact): (usize, &ElectrodeContact)| {
+        let mut nodes: Vec<usize> = contact.nodes().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let along: Vector3<f64> = nodes.iter().filter_map(|node| rim.get(node)).sum();
+        let on_rim = nodes.iter().all(|node| rim.contains_key(node));
+        match along.try_normalize(0.0).filter(|_| on_rim) {
+            Some(direction) => Ok(Move { nodes, direction }),
+            None => Err(InverseError::NotOnRim { electrode }),
+        }
+    };
+    mesh.electrodes.iter().enumerate().map(of).collect()
+}
+
+/// Sum of the rim edges at each node of the rim, all passed the same way round.
+fn rim_directions(mesh: &Mesh) -> HashMap<usize, Vector3<f64>> {
+    let mut edges: HashMap<[usize; 2], (usize, [usize; 2])> = HashMap::new();
+    for (&[a, b, c], sign) in mesh.elements.iter().zip(orientation(&mesh.elements)) {
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            let passed = if sign > 0.0 { [from, to] } else { [to, from] };
+            edges.entry([from.min(to), from.max(to)]).or_insert((0, passed)).0 += 1;
+        }
+    }
+    let mut directions = HashMap::new();
+    for (_, [from, to]) in edges.into_values().filter(|(uses, _)| *uses == 1) {
+        let edge = mesh.nodes[to] - mesh.nodes[from];
+        for node in [from, to] {
+            *directions.entry(node).or_insert_with(Vector3::zeros) += edge;
+        }
+    }
+    directions
+}
+
+fn column<T: Admittivity>(
+    mesh: &Mesh,
+    admittivity: T,
+    fields: &Fields<T>,
+    steps: &[Step],
+    moved: &Move,
+) -> Vec<T> {
+    let electrodes = fields.electrodes();
+    let mut gram = vec![T::default(); electrodes * electrodes];
+    for element in
+        mesh.elements.iter().filter(|element| element.iter().any(|node| moved.nodes.contains(node)))
+    {
+        let shifts =
+            element.map(|node| if moved.nodes.contains(&node) { moved.direction } else { Vector3::zeros() });
+        let change = admittance_change(mesh, *element, shifts);
+        add_products(&mut gram, element.map(|node| fields.at(node)), &change);
+    }
+    let at = |a: usize, b: usize| admittivity * gram[a * electrodes + b];
+    let entry = |step: &Step| {
+        let [dp, dm, sp, sm] = step.to_bytes().map(usize::from);
+        (at(sp, dm) - at(sp, dp)) - (at(sm, dm) - at(sm, dp))
+    };
+    steps.iter().map(entry).collect()
+}
+
+/// Adds u_a' `change` u_b for the fields of all pairs of electrodes: `[electrode][electrode]`.
+fn add_products<T: Admittivity>(gram: &mut [T], corners: [&[T]; 3], change: &[[f64; 3]; 3]) {
+    let electrodes = corners[0].len();
+    for (a, row) in gram.chunks_exact_mut(electrodes).enumerate() {
+        let left: [T; 3] = std::array::from_fn(|j| (0..3).map(|i| corners[i][a] * change[i][j]).sum());
+        for (b, sum) in row.iter_mut().enumerate() {
+            *sum = *sum + (0..3).map(|j| left[j] * corners[j][b]).sum();
+        }
+    }
+}
+
+/// Change of an element's local admittance when its corners shift.
+///
+/// With e_i the edge opposite corner i and A the area, K_ij = e_i . e_j / (4 A).
+fn admittance_change(mesh: &Mesh, element: [usize; 3], shifts: [Vector3<f64>; 3]) -> [[f64; 3]; 3] {
+    let corners = mesh.points(element);
+    let edge = |i: usize| corners[(i + 2) % 3] - corners[(i + 1) % 3];
+    let shift = |i: usize| shifts[(i + 2) % 3] - shifts[(i + 1) % 3];
+    let doubled = edge(1).cross(&edge(2));
+    let doubled_shift = shift(1).cross(&edge(2)) + edge(1).cross(&shift(2));
+    let double_area = doubled.norm();
+    let growth = doubled.dot(&doubled_shift) / double_area.powi(2);
+    let entry = |i: usize, j: usize| {
+        let products = shift(i).dot(&edge(j)) + edge(i).dot(&shift(j)) - edge(i).dot(&edge(j)) * growth;
+        products / (2.0 * double_area)
+    };
+    std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
+}
+
+/// What unknown movement adds to the data space: J_m (mu^2 R_m)^-1 J_m', `[measurement][measurement]`.
+///
+/// `jacobian` is J_m, `[measurement][electrode]`, in units of half the skin's larger side; `weight`
+/// is mu. R_m is 2.1 on the diagonal and -1 between electrodes that follow each other: shifts of the
+/// whole rim are nearly free (EIDORS `prior_movement`).
+#[must_use]
+pub fn ignorance(jacobian: &Mat<f64>, weight: f64, whitening: &Whitening) -> Mat<f64> {
+    let whitened = whitening.transposed(jacobian);
+    let mut solution = whitened.clone();
+    let factor = Llt::new(prior(whitened.nrows(), weight).as_ref(), Side::Lower);
+    factor
+        .expect("2.1 exceeds the sum of its neighbours")
+        .solve_in_place_with_conj(faer::Conj::No, solution.as_mut());
+    whitened.transpose() * solution
+}
+
+/// mu^2 R_m: `[electrode][electrode]`.
+#[must_use]
+pub fn prior(electrodes: usize, weight: f64) -> Mat<f64> {
+    let mut prior = Mat::zeros(electrodes, electrodes);
+    for electrode in 0..electrodes {
+        prior[(electrode, electrode)] += 2.1 * weight * weight;
+        let next = (electrode + 1) % electrodes;
+        prior[(electrode, next)] -= weight * weight;
+        prior[(next, electrode)] -= weight * weight;
+    }
+    prior
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        forward::ForwardModel,
+        inverse::targets::half_side,
+        mesh::Lattice,
+        model::{forward_model, mesh},
+        skin::Skin,
+    };
+    use num_complex::Complex64;
+    use std::path::Path;
+
+    fn skin(model: &str) -> Skin {
+        let text = include_str!("../../../models/disc-210mm/skin.toml");
+        let text = match model {
+            "point" => text
+                .replace("model = \"complete\"", "model = \"point\"")
+                .replace("width = \"11 mm\"", "")
+                .replace("contact_impedance = \"0.18 ohm m\"", ""),
+            _ => text.to_owned(),
+        };
+        let mut skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
+        skin.edges = skin.edges.scaled(2.5);
+        skin
+    }
+
+    fn shifted(mesh: &Mesh, moved: &Move, distance: f64) -> Mesh {
+        let mut mesh = mesh.clone();
+        moved.nodes.iter().for_each(|&node| mesh.nodes[node] += moved.direction * distance);
+        mesh
+    }
+
+    #[test]
+    fn movement_jacobian_agrees_with_differences_on_shifted_nodes() {
+        for model in ["complete", "point"] {
+            let skin = skin(model);
+            let mesh = mesh(&skin, 1.0, Lattice::default()).unwrap();
+            let voltages = |mesh: &Mesh| {
+                let forward: ForwardModel = forward_model(&skin, mesh).unwrap();
+                forward.solve(&vec![1.0; mesh.elements.len()]).unwrap().voltages(&skin.steps())
+            };
+            let forward: ForwardModel = forward_model(&skin, &mesh).unwrap();
+            let fields = forward.solve(&vec![1.0; mesh.elements.len()]).unwrap();
+            let jacobian = jacobian(&mesh, 1.0, &fields, &skin.steps()).unwrap();
+            let step = 1e-5 * half_side(&mesh);
+            for (electrode, moved) in moves(&mesh).unwrap().iter().enumerate().step_by(5) {
+                let (ahead, behind) =
+                    (voltages(&shifted(&mesh, moved, step)), voltages(&shifted(&mesh, moved, -step)));
+                let largest = jacobian.col(electrode).norm_max();
+                for (i, (a, b)) in ahead.iter().zip(&behind).enumerate() {
+                    let difference = (a - b) / (2.0 * step);
+                    assert!(
+                        (jacobian[(i, electrode)] - difference).abs() < 1e-6 * largest,
+                        "{model} {electrode} {i}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_sheet_with_capacitance_moves_its_complex_voltages() {
+        let skin = skin("complete");
+        let mesh = mesh(&skin, 1.0, Lattice::default()).unwrap();
+        let admittivity = Complex64::new(1.0, 0.4);
+        let solved = |mesh: &Mesh| {
+            let forward: ForwardModel<Complex64> = forward_model(&skin, mesh).unwrap();
+            forward.solve(&vec![admittivity; mesh.elements.len()]).unwrap()
+        };
+        let jacobian = jacobian(&mesh, admittivity, &solved(&mesh), &skin.steps()).unwrap();
+        let moved = &moves(&mesh).unwrap()[3];
+        let step = 1e-5 * half_side(&mesh);
+        let [ahead, behind] =
+            [step, -step].map(|step| solved(&shifted(&mesh, moved, step)).voltages(&skin.steps()));
+        let largest = jacobian.col(3).iter().map(|value| value.norm()).fold(0.0, f64::max);
+        for (i, (a, b)) in ahead.iter().zip(&behind).enumerate() {
+            assert!((jacobian[(i, 3)] - (a - b) / (2.0 * step)).norm() < 1e-6 * largest);
+        }
+    }
+
+    /// An electrode placed a little further along the rim, on a mesh of its own. Both meshes err, and
+    /// the nodes move along the chord, so this only shows that direction and scale are right.
+    #[test]
+    fn moving_nodes_stands_for_placing_the_electrode_elsewhere() {
+        let mut skin = skin("complete");
+        skin.edges = skin.edges.scaled(0.3);
+        let answer = |skin: &Skin| {
+            let mesh = mesh(skin, 1.0, Lattice::default()).unwrap();
+            let forward: ForwardModel = forward_model(skin, &mesh).unwrap();
+            let fields = forward.solve(&vec![1.0; mesh.elements.len()]).unwrap();
+            (jacobian(&mesh, 1.0, &fields, &skin.steps()).unwrap(), fields.voltages(&skin.steps()))
+        };
+        let (jacobian, _) = answer(&skin);
+        let shift = 2e-3;
+        let placed = |by: f64| {
+            let mut skin = skin.clone();
+            let crate::skin::Shape::Sheet(sheet) = &mut skin.shape else { panic!("a sheet") };
+            let crate::skin::Place::Rim(s) = &mut sheet.places[4] else { panic!("on the rim") };
+            *s += by;
+            answer(&skin).1
+        };
+        let (ahead, behind) = (placed(shift), placed(-shift));
+        let differences: Vec<f64> = ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * shift)).collect();
+        let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
+        let error = norm(&mut differences.iter().enumerate().map(|(i, d)| d - jacobian[(i, 4)]));
+        let relative = error / norm(&mut differences.iter().copied());
+        println!("moved nodes against a moved electrode: {:.1} %", 100.0 * relative);
+        assert!(relative < 0.1, "{relative}");
+    }
+
+    #[test]
+    fn an_electrode_inside_the_skin_is_named() {
+        let skin = skin("point");
+        let mut mesh = mesh(&skin, 1.0, Lattice::default()).unwrap();
+        let rim: Vec<usize> = moves(&mesh).unwrap().into_iter().flat_map(|moved| moved.nodes).collect();
+        let inner = (0..mesh.nodes.len())
+            .find(|&node| mesh.nodes[node].coords.norm() < 0.05 && !rim.contains(&node))
+            .unwrap();
+        mesh.electrodes[6] = ElectrodeContact::Node(inner);
+        let error = moves(&mesh).unwrap_err();
+        assert_eq!(error, InverseError::NotOnRim { electrode: 6 });
+        assert!(error.to_string().contains("electrode 7"));
+    }
+}

@@ -1,0 +1,366 @@
+//! What a check found, in words: what is wrong, and what to change.
+
+use super::{
+    super::diagnose::{CLEARLY_BETTER, RESEMBLING, first_few, options_from},
+    Check, Expected,
+    numbering::{Exchange, Role},
+    reciprocity::Agreement,
+};
+use serde::Serialize;
+use std::fmt;
+
+/// Middle error between steps that must agree which is a fault, %; saline tanks reach 5.
+const DISAGREEMENT_PERCENT: f64 = 10.0;
+/// A single pair is worth a word from so many times the middle error on.
+const OUTSTANDING: f64 = 5.0;
+/// Signal-to-noise ratio below which single presses drown, dB.
+const LOW_SNR_DB: f64 = 40.0;
+/// Change over the file that is worth a word, %.
+const CHANGE_PERCENT: f64 = 2.0;
+
+/// One thing that is worth knowing.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Finding {
+    /// Whether something must be changed.
+    pub level: Level,
+    /// What it is about.
+    pub about: About,
+    /// What was found.
+    pub found: String,
+    /// What to change.
+    pub advice: String,
+}
+
+/// How serious a finding is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Level {
+    /// Images will be wrong or poor.
+    Fault,
+    /// Good to know.
+    Note,
+}
+
+/// What a finding is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum About {
+    /// Order of the measurements, rotation, mirror.
+    Order,
+    /// Nothing fits the model.
+    Resemblance,
+    /// Potentials instead of differences.
+    SingleEnded,
+    /// Exchanged electrodes.
+    Exchange,
+    /// Signs.
+    Polarity,
+    /// A constant in every value.
+    Offset,
+    /// An electrode that is off or noisy.
+    Electrode,
+    /// Measurements that are zero.
+    Dead,
+    /// Drive and sense exchanged.
+    Reciprocity,
+    /// Pairs the other way round.
+    Reversal,
+    /// Noise.
+    Noise,
+    /// From the first frames to the last.
+    Change,
+    /// Clipped values.
+    Saturation,
+    /// Repeated frames.
+    Repeats,
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let level = match self.level {
+            Level::Fault => "fault",
+            Level::Note => "note",
+        };
+        write!(f, "{level:<13} {}\n{:13} -> {}", self.found, "", self.advice)
+    }
+}
+
+/// Everything that is worth a word, faults first.
+pub(super) fn all(expected: &Expected, check: &Check) -> Vec<Finding> {
+    let mut findings: Vec<Finding> =
+        [single_ended(check), order(expected, check), offset(check)].into_iter().flatten().collect();
+    findings.extend(exchanged(check));
+    findings.extend(polarity(check));
+    findings.extend(electrodes(check));
+    findings.extend(dead(check));
+    findings.extend(agreement(check));
+    findings.extend(signal(check));
+    findings.sort_by_key(|finding| finding.level == Level::Note);
+    findings
+}
+
+fn fault(about: About, found: String, advice: impl Into<String>) -> Finding {
+    Finding { level: Level::Fault, about, found, advice: advice.into() }
+}
+
+fn note(about: About, found: String, advice: impl Into<String>) -> Finding {
+    Finding { level: Level::Note, about, found, advice: advice.into() }
+}
+
+fn order(expected: &Expected, check: &Check) -> Option<Finding> {
+    let numbering = &check.numbering;
+    let before = numbering.correlation;
+    if numbering.best != numbering.used && numbering.best_correlation > before + CLEARLY_BETTER {
+        let can_be_read =
+            numbering.best.index_map(&expected.steps, expected.electrodes(), check.measurements).is_ok();
+        let advice = if can_be_read {
+            options_from(numbering.used, numbering.best)
+        } else {
+            "the table has no such order; number the skin file's electrodes anew \
+             (`electrodes.first`, `electrodes.direction`)"
+                .to_owned()
+        };
+        let rotation = if numbering.rotation_ambiguous {
+            "; the rotation cannot be told from these frames, others fit as well"
+        } else {
+            ""
+        };
+        let best = numbering.best_correlation;
+        let found =
+            format!("another order fits the model better (correlation {best:.3} instead of {before:.3})");
+        return Some(fault(About::Order, found, advice + rotation));
+    }
+    (check.sound_correlation < RESEMBLING).then(|| {
+        let correlation = numbering.exchanged_correlation;
+        fault(
+            About::Resemblance,
+            format!("the frames resemble the model only weakly (correlation {correlation:.3}), in any order"),
+            "check that the skin file's shape, electrodes and stimulation pattern are those of the measurement",
+        )
+    })
+}
+
+fn single_ended(check: &Check) -> Option<Finding> {
+    let found = "the square holds the potential of each electrode, not the difference of a pair (the rest is \
+                 about their differences)";
+    let advice = "subtract from each column the one of the pair's other electrode before reconstructing";
+    check.single_ended.then(|| fault(About::SingleEnded, found.to_owned(), advice))
+}
+
+fn offset(check: &Check) -> Option<Finding> {
+    let offset = check.offset.as_ref()?;
+    let found = format!(
+        "every value seems to hold an offset of {:.4}, {:.0} % of the middle value (correlation {:.3} \
+         without it instead of {:.3})",
+        offset.value, offset.share_percent, offset.correlation, offset.correlation_before
+    );
+    let advice = format!("use --offset {:.4}, or normalised differences come out too small", offset.value);
+    Some(fault(About::Offset, found, advice))
+}
+
+fn exchanged(check: &Check) -> impl Iterator<Item = Finding> + '_ {
+    check.numbering.exchanged.iter().map(|&Exchange { electrodes: [a, b], role }| {
+        let (what, wires) = match role {
+            Role::Both => ("electrodes", "wires"),
+            Role::Drive => ("the drive side of electrodes", "drive wires"),
+            Role::Sense => ("the sense side of electrodes", "sense wires"),
+        };
+        let [a, b] = [a, b].map(person);
+        let numbering = &check.numbering;
+        fault(
+            About::Exchange,
+            format!(
+                "{what} {a} and {b} seem exchanged (correlation {:.3} instead of {:.3})",
+                numbering.exchanged_correlation, numbering.best_correlation
+            ),
+            format!("exchange the {wires} of electrodes {a} and {b}"),
+        )
+    })
+}
+
+/// Electrodes as people count them.
+fn person(electrode: u8) -> u16 {
+    u16::from(electrode) + 1
+}
+
+fn polarity(check: &Check) -> Vec<Finding> {
+    let polarity = &check.polarity;
+    let mut findings = Vec::new();
+    if polarity.magnitudes_only {
+        let found = "the values have no signs, the model's do".to_owned();
+        findings.push(note(
+            About::Polarity,
+            found,
+            "nothing to change, `reconstruct` takes the model's signs",
+        ));
+    }
+    if polarity.reversed {
+        let found = "all signs are the opposite of the model's: drive or sense pairs are the other way round";
+        findings.push(note(
+            About::Polarity,
+            found.to_owned(),
+            "nothing to change, images do not depend on it",
+        ));
+    }
+    let pairs = |pairs: &[[u8; 2]]| {
+        let pairs: Vec<_> = pairs.iter().map(|&[a, b]| format!("{}-{}", person(a), person(b))).collect();
+        pairs.join(", ")
+    };
+    let (drives, senses) = (pairs(&polarity.reversed_drives), pairs(&polarity.reversed_senses));
+    let advice = "check their direction; `reconstruct` takes the model's signs";
+    if !senses.is_empty() {
+        findings.push(fault(
+            About::Polarity,
+            format!("the signs of sense pairs {senses} are reversed"),
+            advice,
+        ));
+    } else if !drives.is_empty() {
+        findings.push(fault(
+            About::Polarity,
+            format!("the signs of drive pairs {drives} are reversed"),
+            advice,
+        ));
+    } else if !polarity.disagreements.is_empty() && check.numbering.exchanged_correlation > RESEMBLING {
+        let found = format!(
+            "{} of {} signs disagree with the model's (steps {})",
+            polarity.disagreements.len(),
+            polarity.compared,
+            first_few(&polarity.disagreements)
+        );
+        findings.push(fault(About::Polarity, found, "check the direction of the sense pairs"));
+    }
+    findings
+}
+
+fn electrodes(check: &Check) -> Vec<Finding> {
+    let numbers = |chosen: &dyn Fn(&super::ElectrodeCheck) -> bool| -> Vec<u16> {
+        check.electrodes.iter().filter(|e| chosen(e)).map(|e| person(e.electrode)).collect()
+    };
+    let both = numbers(&|e| e.drive_is_off() && e.sense_is_off());
+    let drive = numbers(&|e| e.drive_is_off() && !e.sense_is_off());
+    let sense = numbers(&|e| !e.drive_is_off() && e.sense_is_off());
+    let noisy = numbers(&|e| e.is_noisy() && !e.drive_is_off() && !e.sense_is_off());
+    let list = |numbers: &[u16]| numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+    let finding = |electrodes: &[u16], found: &str, advice: &str| {
+        let found = format!("electrode {}: {found}", list(electrodes));
+        (!electrodes.is_empty()).then(|| fault(About::Electrode, found, advice))
+    };
+    [
+        finding(
+            &both,
+            "nearly all measurements that use it are zero or far from the model",
+            "check its wire and contact; it may be open or shorted",
+        ),
+        finding(
+            &drive,
+            "nearly all measurements that drive it are zero or far from the model",
+            "check its drive wire and switch; of a pair that only drives together either may be at fault",
+        ),
+        finding(
+            &sense,
+            "nearly all measurements that sense it are zero or far from the model",
+            "check its sense wire and switch",
+        ),
+        finding(
+            &noisy,
+            "nearly all measurements that use it are far noisier than others",
+            "check its contact",
+        ),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// Dead measurements that no dead electrode explains.
+fn dead(check: &Check) -> Option<Finding> {
+    let explained = check.electrodes.iter().any(|e| e.drive_is_off() || e.sense_is_off());
+    let found =
+        format!("{} measurements are zero (steps {})", check.dead_steps.len(), first_few(&check.dead_steps));
+    (!check.dead_steps.is_empty() && !explained)
+        .then(|| fault(About::Dead, found, "`reconstruct` leaves them out; check what they have in common"))
+}
+
+fn agreement(check: &Check) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    if let Some(reversal) = check.reversal.as_ref().filter(|it| it.median_percent > DISAGREEMENT_PERCENT) {
+        let found = format!(
+            "the same pairs the other way round differ by {:.0} % (middle of {} pairs of steps): the values are \
+             not differences between two electrodes of a linear body alone",
+            reversal.median_percent,
+            reversal.pairs.len()
+        );
+        let advice =
+            "check common-mode rejection, leakage, and that the sense pair is what the skin file says";
+        findings.push(fault(About::Reversal, found, advice));
+    }
+    let Some(reciprocity) = &check.reciprocity else { return findings };
+    if reciprocity.median_percent > DISAGREEMENT_PERCENT {
+        let found = format!(
+            "drive and sense exchanged give voltages that differ by {:.0} % (middle of {} pairs of steps)",
+            reciprocity.median_percent,
+            reciprocity.pairs.len()
+        );
+        let advice = "check the order of the steps, gain and settling of each channel, and contacts";
+        findings.push(fault(About::Reciprocity, found, advice));
+    }
+    findings.extend(outstanding(reciprocity));
+    findings
+}
+
+fn outstanding(reciprocity: &Agreement) -> Option<Finding> {
+    let limit = DISAGREEMENT_PERCENT.max(OUTSTANDING * reciprocity.median_percent);
+    let worst = reciprocity.worst(limit);
+    let first = worst.first()?;
+    let found = format!(
+        "{} of {} reciprocal pairs disagree by more than {limit:.0} %, steps {} and {} the most ({:.0} %)",
+        worst.len(),
+        reciprocity.pairs.len(),
+        first.step,
+        first.other,
+        first.error_percent
+    );
+    Some(note(
+        About::Reciprocity,
+        found,
+        "check the electrodes of these steps, see `reciprocity` in the report",
+    ))
+}
+
+fn signal(check: &Check) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    if let Some(saturation) = &check.saturation {
+        let found = format!(
+            "{} values in {} frames stand at the same limit, {}: they are clipped (steps {})",
+            saturation.values,
+            saturation.frames,
+            saturation.limit,
+            first_few(&saturation.steps)
+        );
+        findings.push(fault(About::Saturation, found, "lower the gain or the drive current"));
+    }
+    if check.repeats.frames > 0 {
+        let found = format!(
+            "{} of {} frames repeat an earlier one, {} of them the one just before",
+            check.repeats.frames,
+            check.frames,
+            check.repeats.in_a_row.len()
+        );
+        findings.push(note(
+            About::Repeats,
+            found,
+            "store a frame only when the instrument has measured a new one",
+        ));
+    }
+    let Some(steadiness) = &check.steadiness else { return findings };
+    if let Some(snr) = steadiness.snr_db.filter(|&snr| snr < LOW_SNR_DB) {
+        let found = format!("the signal-to-noise ratio is only {snr:.0} dB");
+        findings.push(note(About::Noise, found, "average frames, or raise `inverse.hyperparameter`"));
+    }
+    if steadiness.change_percent > CHANGE_PERCENT {
+        let found = format!("the frames change by {:.1} % from first to last", steadiness.change_percent);
+        let advice = "if nothing touched the skin it drifts: take the reference just before the press";
+        findings.push(note(About::Change, found, advice));
+    }
+    findings
+}

@@ -1,0 +1,158 @@
+//! Nodes and edges that a mesh must have: its rims, and electrodes inside.
+
+use super::{
+    MOST_NODES, MeshError, asked,
+    paths::{Disc, Path, paths},
+    sizes::{Sizes, Source, flattened},
+};
+use crate::skin::{
+    EdgeLengths, Place, Sheet,
+    electrodes::ElectrodeModel,
+    outline::{Curve, Outline},
+};
+use nalgebra::Point2;
+use std::{f64::consts::PI, ops::Range};
+
+/// Nodes and edges that a mesh must have.
+pub(super) struct Skeleton<'a> {
+    pub(super) outline: &'a Outline,
+    /// Electrodes inside, of the complete model.
+    discs: Vec<Disc>,
+    /// Electrodes inside, of the point model.
+    lone: Range<usize>,
+    /// Where the nodes lie in the flat sheet: `[node]`. Those of the outer rim come first.
+    pub(super) points: Vec<Point2<f64>>,
+    /// Mean length of the edges at each node: `[node]`.
+    spacings: Vec<f64>,
+    /// Edges of the rims: each belongs to one element.
+    pub(super) rim_edges: Vec<[usize; 2]>,
+    /// Edges round electrodes inside: each belongs to two elements.
+    pub(super) inner_edges: Vec<[usize; 2]>,
+    /// Where each electrode touches: `[electrode]`.
+    pub(super) touches: Vec<Touch>,
+    /// Area within the rims, m^2.
+    pub(super) area: f64,
+}
+
+/// Where an electrode touches the nodes of a skeleton.
+#[derive(Clone, Debug)]
+pub(super) enum Touch {
+    Node(usize),
+    Edges(Vec<[usize; 2]>),
+    /// All that these nodes lie round.
+    Disc(Range<usize>),
+}
+
+impl<'a> Skeleton<'a> {
+    pub(super) fn new(
+        sheet: &'a Sheet,
+        model: &ElectrodeModel,
+        edges: EdgeLengths,
+    ) -> Result<Self, MeshError> {
+        let (edge, paths) = (flattened(edges.skin, sheet), paths(sheet, model, edges.electrodes));
+        let mut sources = asked::by_electrodes(sheet, edges.electrodes);
+        paths.iter().for_each(|path| sources.extend(asked::by_path(sheet, path, &paths, edge)));
+        let sizes = Sizes::new(edge, sources.into_iter());
+        let mut skeleton = Self {
+            outline: &sheet.outline,
+            discs: Vec::new(),
+            lone: 0..0,
+            points: Vec::new(),
+            spacings: Vec::new(),
+            rim_edges: Vec::new(),
+            inner_edges: Vec::new(),
+            touches: vec![Touch::Edges(Vec::new()); sheet.places.len()],
+            area: 0.0,
+        };
+        paths.iter().try_for_each(|path| skeleton.follow(path, &sizes))?;
+        if matches!(model, ElectrodeModel::Point) {
+            skeleton.place_points(sheet, &sizes);
+        }
+        Ok(skeleton)
+    }
+
+    /// Puts nodes and edges on a closed curve.
+    fn follow(&mut self, path: &Path<'_>, sizes: &Sizes) -> Result<(), MeshError> {
+        let start = self.points.len();
+        let mut covered = Vec::new();
+        for stretch in &path.stretches {
+            let nodes = stretch.nodes(&path.curve, sizes)?;
+            covered.extend(nodes.iter().map(|_| stretch.electrode));
+            self.points.extend(nodes.into_iter().map(|s| path.curve.point(s)));
+        }
+        if self.points.len() > MOST_NODES {
+            return Err(MeshError::TooManyNodes);
+        }
+        let count = covered.len();
+        let edges = (0..count).map(|i| [start + i, start + (i + 1) % count]);
+        match path.disc {
+            Some(disc) => self.go_round(disc, start..start + count),
+            None => self.enclose(start..start + count),
+        }
+        for (edge, electrode) in edges.clone().zip(covered) {
+            if let Some(Touch::Edges(of_electrode)) = electrode.map(|electrode| &mut self.touches[electrode])
+            {
+                of_electrode.push(edge);
+            }
+        }
+        let length = |i: usize| (self.points[start + (i + 1) % count] - self.points[start + i]).norm();
+        let spacing = |i: usize| (length(i) + length((i + count - 1) % count)) / 2.0;
+        self.spacings.extend((0..count).map(spacing));
+        if path.disc.is_some() {
+            self.inner_edges.extend(edges);
+        } else {
+            self.rim_edges.extend(edges);
+        }
+        Ok(())
+    }
+
+    /// The first nodes go round the sheet, others round holes.
+    fn enclose(&mut self, nodes: Range<usize>) {
+        let area = Curve::polygon(&self.points[nodes.clone()]).area();
+        self.area += if nodes.start == 0 { area } else { -area };
+    }
+
+    /// Moves the nodes round an electrode out a little, so that they enclose the circle's area.
+    fn go_round(&mut self, disc: Disc, nodes: Range<usize>) {
+        let points = &mut self.points[nodes.clone()];
+        let stretch = (PI * disc.radius.powi(2) / Curve::polygon(points).area()).sqrt();
+        points.iter_mut().for_each(|point| *point = disc.centre + (*point - disc.centre) * stretch);
+        self.discs.push(disc);
+        self.touches[disc.electrode] = Touch::Disc(nodes);
+    }
+
+    /// Point electrodes: the node that is there on the rim, or one more inside.
+    fn place_points(&mut self, sheet: &Sheet, sizes: &Sizes) {
+        let first = self.points.len();
+        for (electrode, place) in sheet.places.iter().enumerate() {
+            let node = match *place {
+                Place::Rim(s) => self.nearest(sheet.outline.rim_point(s), first),
+                Place::Inside(point) => {
+                    self.points.push(point);
+                    self.spacings.push(sizes.at(point));
+                    self.points.len() - 1
+                }
+            };
+            self.touches[electrode] = Touch::Node(node);
+        }
+        self.lone = first..self.points.len();
+    }
+
+    fn nearest(&self, point: Point2<f64>, of_first: usize) -> usize {
+        let distance = |node: usize| (self.points[node] - point).norm_squared();
+        let nearest = (0..of_first).min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+        nearest.expect("every rim has nodes")
+    }
+
+    /// What its nodes ask of the edges around them.
+    pub(super) fn sources(&self) -> impl Iterator<Item = Source> + '_ {
+        self.points.iter().zip(&self.spacings).map(|(&at, &size)| Source { at, size })
+    }
+
+    /// Distance to the nearest rim, electrode's rim or point electrode; negative off the sheet.
+    pub(super) fn clearance(&self, point: Point2<f64>) -> f64 {
+        let discs = self.discs.iter().map(|disc| ((point - disc.centre).norm() - disc.radius).abs());
+        let lone = self.points[self.lone.clone()].iter().map(|node| (point - node).norm());
+        discs.chain(lone).fold(self.outline.depth(point), f64::min)
+    }
+}

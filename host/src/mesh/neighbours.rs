@@ -1,0 +1,132 @@
+//! Which elements share an edge, and which way round they lie.
+
+use rayon::prelude::*;
+
+/// Pairs of elements that share an edge, ascending; of an edge with more than two elements, each
+/// pair that follows another.
+#[must_use]
+pub fn neighbours(elements: &[[usize; 3]]) -> Vec<[usize; 2]> {
+    let mut pairs: Vec<[usize; 2]> = edges(elements)
+        .par_windows(2)
+        .filter(|pair| pair[0].nodes == pair[1].nodes)
+        .map(|pair| [pair[0].element, pair[1].element])
+        .collect();
+    pairs.par_sort_unstable();
+    pairs
+}
+
+/// One edge of an element: its nodes ascending, and whether the element passes it that way round.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Edge {
+    pub(super) nodes: [usize; 2],
+    pub(super) element: usize,
+    pub(super) ascending: bool,
+}
+
+/// Every edge of every element, those of the same nodes together.
+pub(super) fn edges(elements: &[[usize; 3]]) -> Vec<Edge> {
+    let of_element = |(element, &[a, b, c]): (usize, &[usize; 3])| {
+        [(a, b), (b, c), (c, a)].map(|(a, b)| Edge { nodes: [a.min(b), a.max(b)], element, ascending: a < b })
+    };
+    let mut edges: Vec<Edge> = elements.par_iter().enumerate().flat_map_iter(of_element).collect();
+    edges.par_sort_unstable();
+    edges
+}
+
+/// For each element 1, or -1 if it lies the other way round than most of its part of the mesh:
+/// `[element]`. On a surface with one side only there is no such sign, and some neighbours differ.
+#[must_use]
+pub fn orientation(elements: &[[usize; 3]]) -> Vec<f64> {
+    let adjacent = Adjacency::with_turns(elements);
+    let mut signs = vec![0.0; elements.len()];
+    for start in 0..elements.len() {
+        if signs[start] == 0.0 {
+            orient_part(start, &adjacent, &mut signs);
+        }
+    }
+    signs
+}
+
+fn orient_part(start: usize, adjacent: &Adjacency<f64>, signs: &mut [f64]) {
+    signs[start] = 1.0;
+    let mut part = vec![start];
+    let mut next = 0;
+    while let Some(&element) = part.get(next) {
+        next += 1;
+        for &(other, turn) in adjacent.of(element) {
+            if signs[other] == 0.0 {
+                signs[other] = signs[element] * turn;
+                part.push(other);
+            }
+        }
+    }
+    if part.iter().map(|&element| signs[element]).sum::<f64>() < 0.0 {
+        part.iter().for_each(|&element| signs[element] = -signs[element]);
+    }
+}
+
+/// Neighbours of each element, each with a value of its own.
+#[derive(Clone, Debug)]
+pub struct Adjacency<V> {
+    starts: Vec<usize>,
+    entries: Vec<(usize, V)>,
+}
+
+impl<V: Copy> Adjacency<V> {
+    /// From pairs of `count` things.
+    pub fn new(count: usize, pairs: impl Iterator<Item = ([usize; 2], V)> + Clone, nothing: V) -> Self {
+        let mut starts = vec![0; count + 1];
+        pairs.clone().for_each(|([a, b], _)| {
+            starts[a + 1] += 1;
+            starts[b + 1] += 1;
+        });
+        (0..count).for_each(|i| starts[i + 1] += starts[i]);
+        let mut free = starts.clone();
+        let mut entries = vec![(0, nothing); starts[count]];
+        for ([a, b], value) in pairs {
+            entries[free[a]] = (b, value);
+            entries[free[b]] = (a, value);
+            free[a] += 1;
+            free[b] += 1;
+        }
+        Self { starts, entries }
+    }
+
+    /// Neighbours of one.
+    #[must_use]
+    pub fn of(&self, index: usize) -> &[(usize, V)] {
+        &self.entries[self.starts[index]..self.starts[index + 1]]
+    }
+}
+
+impl Adjacency<f64> {
+    /// Elements with 1 for a neighbour that lies the same way round, else -1.
+    fn with_turns(elements: &[[usize; 3]]) -> Self {
+        let edges = edges(elements);
+        let pairs = edges.windows(2).filter(|pair| pair[0].nodes == pair[1].nodes).map(|pair| {
+            let turn = if pair[0].ascending == pair[1].ascending { -1.0 } else { 1.0 };
+            ([pair[0].element, pair[1].element], turn)
+        });
+        Self::new(elements.len(), pairs, 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Four triangles round node 4 of a square.
+    const FAN: [[usize; 3]; 4] = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+
+    #[test]
+    fn neighbours_share_an_edge_and_not_only_a_node() {
+        assert_eq!(neighbours(&FAN), [[0, 1], [0, 3], [1, 2], [2, 3]]);
+    }
+
+    #[test]
+    fn an_element_that_lies_the_other_way_round_is_found() {
+        let mut elements = FAN;
+        elements[2].swap(0, 1);
+        assert_eq!(orientation(&elements), [1.0, 1.0, -1.0, 1.0]);
+    }
+}

@@ -1,0 +1,131 @@
+//! Table `[drive]`.
+
+use super::Checker;
+use crate::skin::{
+    Drive, Pattern, STEP_COLUMNS, SkinError,
+    file::{DriveTable, StepTable},
+    quantity,
+};
+use dermatome_shared::stimulation::{Driven, Step};
+use std::path::Path;
+
+/// Steps that a table may hold.
+const MOST_STEPS: usize = u16::MAX as usize;
+
+impl Checker<'_> {
+    pub(super) fn drive(&self, table: &DriveTable, electrodes: u8) -> Result<Drive, SkinError> {
+        let combine_reciprocal = match table.reciprocal.as_str() {
+            "combined" => true,
+            "kept" => false,
+            other => {
+                return self.refuse("drive.reciprocal", format!("{other:?}"), "\"combined\" or \"kept\"");
+            }
+        };
+        Ok(Drive {
+            pattern: self.pattern(table, electrodes)?,
+            combine_reciprocal,
+            frequency: self.positive("drive.frequency", &table.frequency, quantity::FREQUENCY)?,
+            amplitude: self.positive("drive.amplitude", &table.amplitude, quantity::CURRENT)?,
+            frame_rate: self.positive("drive.frame_rate", &table.frame_rate, quantity::FREQUENCY)?,
+        })
+    }
+
+    fn pattern(&self, table: &DriveTable, electrodes: u8) -> Result<Pattern, SkinError> {
+        match (&table.table, table.pattern.as_str()) {
+            (Some(steps), "table") => Ok(Pattern::Table(self.step_table(table, steps, electrodes)?)),
+            (None, "table") => self.refuse("drive.table", "missing".into(), "a list of steps, or a CSV file"),
+            (Some(_), _) => {
+                self.refuse("drive.table", "given".into(), "nothing (only pattern \"table\" has it)")
+            }
+            (None, word) => {
+                let (drive_distance, sense_distance) = self.distances(word, electrodes)?;
+                Ok(Pattern::Cyclic { drive_distance, sense_distance, driven: self.driven(table)? })
+            }
+        }
+    }
+
+    fn distances(&self, pattern: &str, electrodes: u8) -> Result<(u8, u8), SkinError> {
+        let skipped = pattern.strip_prefix("skip-").and_then(|n| n.parse::<u8>().ok());
+        match (pattern, skipped) {
+            ("adjacent", _) => Ok((1, 1)),
+            ("opposite", _) if electrodes.is_multiple_of(2) && electrodes >= 6 => Ok((electrodes / 2, 1)),
+            (_, Some(n)) if (0..electrodes / 2 - 1).contains(&n) => Ok((n + 1, n + 1)),
+            _ => {
+                let most = electrodes / 2 - 2;
+                let allowed = format!(
+                    "\"adjacent\", \"opposite\" (even count from 6 on), \"skip-0\" to \"skip-{most}\", or \"table\""
+                );
+                self.refuse("drive.pattern", format!("{pattern:?}"), &allowed)
+            }
+        }
+    }
+
+    fn driven(&self, table: &DriveTable) -> Result<Driven, SkinError> {
+        match table.driven.as_deref() {
+            None | Some("skipped") => Ok(Driven::Skipped),
+            Some("measured") => Ok(Driven::Measured),
+            Some(other) => self.refuse("drive.driven", format!("{other:?}"), "\"skipped\" or \"measured\""),
+        }
+    }
+
+    fn step_table(
+        &self,
+        table: &DriveTable,
+        steps: &StepTable,
+        electrodes: u8,
+    ) -> Result<Vec<Step>, SkinError> {
+        if table.driven.is_some() {
+            return self.refuse("drive.driven", "given".into(), "nothing (a table lists every step)");
+        }
+        let (rows, first) = match steps {
+            StepTable::Inline(rows) => (rows.clone(), 1),
+            StepTable::File(file) => (self.step_file(file)?, 0),
+        };
+        if !(1..=MOST_STEPS).contains(&rows.len()) {
+            return self.refuse(
+                "drive.table",
+                format!("{} steps", rows.len()),
+                &format!("1 to {MOST_STEPS}"),
+            );
+        }
+        rows.iter().enumerate().map(|(row, cells)| self.step(row, cells, first, electrodes)).collect()
+    }
+
+    /// One row of a table, whose electrodes count from `first`.
+    fn step(&self, row: usize, cells: &[i64; 4], first: i64, electrodes: u8) -> Result<Step, SkinError> {
+        let last = i64::from(electrodes) - 1 + first;
+        let refuse = |what: &str| self.refuse("drive.table", format!("{cells:?} in row {}", row + 1), what);
+        if cells.iter().any(|electrode| !(first..=last).contains(electrode)) {
+            return refuse(&format!("electrodes {first} to {last}"));
+        }
+        let step = Step::from_bytes(cells.map(|electrode| (electrode - first) as u8));
+        if step.is_valid(electrodes) { Ok(step) } else { refuse("two different electrodes in each pair") }
+    }
+
+    /// Rows of a CSV file with the columns [`STEP_COLUMNS`], as `export` writes it.
+    fn step_file(&self, file: &Path) -> Result<Vec<[i64; 4]>, SkinError> {
+        let path = self.beside(file);
+        let refuse = |why: String| {
+            let allowed = format!("a CSV file with the columns {}", STEP_COLUMNS.join(","));
+            self.refuse("drive.table", format!("{:?}: {why}", file.display().to_string()), &allowed)
+        };
+        let mut reader = match csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(&path) {
+            Ok(reader) => reader,
+            Err(error) => return refuse(error.to_string()),
+        };
+        match reader.headers() {
+            Ok(header) if header.iter().eq(STEP_COLUMNS) => {}
+            Ok(header) => {
+                return refuse(format!(
+                    "its first line is {:?}",
+                    header.iter().collect::<Vec<_>>().join(",")
+                ));
+            }
+            Err(error) => return refuse(error.to_string()),
+        }
+        match reader.deserialize().take(MOST_STEPS + 1).collect() {
+            Ok(rows) => Ok(rows),
+            Err(error) => refuse(error.to_string()),
+        }
+    }
+}

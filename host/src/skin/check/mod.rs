@@ -1,0 +1,128 @@
+//! Checks a skin file table by table: what a person wrote -> [`Skin`].
+
+mod drive;
+mod electrodes;
+mod image;
+mod imported;
+mod inverse;
+mod shape;
+
+use super::{
+    EdgeLengths, Skin, SkinError,
+    electrodes::Electrodes,
+    file::File,
+    quantity::{Kind, Quantity},
+    shape::{Shape, Sheet},
+};
+use std::path::{Path, PathBuf};
+
+/// Turns each table into its checked form; knows the file for error messages.
+pub(super) struct Checker<'a> {
+    pub(super) path: &'a Path,
+}
+
+impl Checker<'_> {
+    pub(super) fn skin(&self, file: &File) -> Result<Skin, SkinError> {
+        self.only_fields_of_kind(&file.shape)?;
+        let mut electrodes = self.electrodes(&file.electrodes)?;
+        let (shape, edges) = match file.shape.kind.as_str() {
+            "mesh" => self.imported(file, &mut electrodes)?,
+            _ => self.sheet(file, &electrodes)?,
+        };
+        Ok(Skin {
+            name: self.name(&file.name)?,
+            shape,
+            edges,
+            material: self.material(&file.material)?,
+            drive: self.drive(&file.drive, electrodes.count)?,
+            electrodes,
+            inverse: self.inverse(&file.inverse)?,
+            image: self.image(&file.image)?,
+            contact_threshold: self.threshold(file.contact.threshold)?,
+        })
+    }
+
+    fn sheet(&self, file: &File, electrodes: &Electrodes) -> Result<(Shape, EdgeLengths), SkinError> {
+        let (outline, embedding) = self.surface(&file.shape)?;
+        let edges = self.edges(file.mesh.as_ref(), &outline, &embedding)?;
+        let places = self.places(&file.electrodes, &outline, &embedding, electrodes)?;
+        Ok((Shape::Sheet(Sheet { outline, embedding, places }), edges))
+    }
+
+    fn name(&self, name: &str) -> Result<String, SkinError> {
+        let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
+        let fits = (1..=32).contains(&name.len()) && name.chars().all(allowed);
+        if fits {
+            Ok(name.to_owned())
+        } else {
+            self.refuse(
+                "name",
+                format!("{name:?}"),
+                "1 to 32 letters, digits, \"-\" or \"_\" (it names the patch file)",
+            )
+        }
+    }
+
+    fn required(
+        &self,
+        field: &'static str,
+        written: Option<&Quantity>,
+        kind: Kind,
+    ) -> Result<f64, SkinError> {
+        match written {
+            Some(quantity) => self.positive(field, quantity, kind),
+            None => self.refuse(field, "missing".into(), &format!("a value above zero in {}", kind.units())),
+        }
+    }
+
+    fn absent(&self, field: &'static str, written: Option<&Quantity>, hint: &str) -> Result<(), SkinError> {
+        written.map_or(Ok(()), |quantity| self.refuse(field, quantity.to_string(), hint))
+    }
+
+    fn positive(&self, field: &'static str, written: &Quantity, kind: Kind) -> Result<f64, SkinError> {
+        match kind.read(written) {
+            Some(value) if value > 0.0 && value.is_finite() => Ok(value),
+            _ => {
+                let allowed = format!("a number above zero ({}), or text in {}", kind.si(), kind.units());
+                self.refuse(field, written.to_string(), &allowed)
+            }
+        }
+    }
+
+    fn finite(&self, field: &'static str, written: &Quantity, kind: Kind) -> Result<f64, SkinError> {
+        match kind.read(written) {
+            Some(value) if value.is_finite() => Ok(value),
+            _ => {
+                let allowed = format!("a number ({}), or text in {}", kind.si(), kind.units());
+                self.refuse(field, written.to_string(), &allowed)
+            }
+        }
+    }
+
+    /// At least one step of the board's image.
+    fn threshold(&self, value: f64) -> Result<f64, SkinError> {
+        let fits = (1e-6..=1000.0).contains(&value);
+        if fits { Ok(value) } else { self.refuse("contact.threshold", value.to_string(), "0.000001 to 1000") }
+    }
+
+    fn positive_number(&self, field: &'static str, value: f64) -> Result<f64, SkinError> {
+        let fits = value > 0.0 && value.is_finite();
+        if fits { Ok(value) } else { self.refuse(field, value.to_string(), "a number above zero") }
+    }
+
+    fn count(&self, field: &'static str, value: i64, min: usize, max: usize) -> Result<u8, SkinError> {
+        match u8::try_from(value) {
+            Ok(count) if (min..=max).contains(&usize::from(count)) => Ok(count),
+            _ => self.refuse(field, value.to_string(), &format!("{min} to {max}")),
+        }
+    }
+
+    /// A file named in the skin file: its path is relative to the skin file's folder.
+    fn beside(&self, file: &Path) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(file)
+    }
+
+    fn refuse<T>(&self, field: &'static str, value: String, allowed: &str) -> Result<T, SkinError> {
+        Err(SkinError::Value { path: self.path.to_owned(), field, value, allowed: allowed.to_owned() })
+    }
+}
