@@ -1,3 +1,8 @@
 //! Runs the firmware against a rig, which is an emulated board or a real one.
 //!
-//! **Nothing runs yet**: this crate is a place with a purpose, which its README describes.
+//! [`chip`] is an STM32G474 without its CPU, one file for each peripheral; [`machine`] adds the CPU and
+//! virtual time. The firmware's ELF ([`elf`]) runs on it byte for byte.
+
+pub mod chip;
+pub mod elf;
+pub mod machine;

@@ -1,0 +1,84 @@
+//! Bank: the values of one peripheral's registers, by the names and fields of the map.
+
+use super::map::{Map, PeripheralMap, Register};
+use std::collections::BTreeMap;
+
+/// Values of a peripheral's registers.
+#[derive(Clone, Debug)]
+pub struct Bank {
+    /// Where the registers are.
+    pub map: &'static PeripheralMap,
+    values: BTreeMap<u32, u32>,
+    resets: Vec<(u32, u32)>,
+}
+
+impl Bank {
+    /// The registers of a peripheral of the chip, all zero but for these values after reset.
+    #[must_use]
+    pub fn new(peripheral: &str, resets: &[(&str, u32)]) -> Self {
+        let map = Map::of_chip().peripheral(peripheral);
+        let resets = resets.iter().map(|&(name, value)| (map.register(name).offset, value)).collect();
+        let mut bank = Self { map, values: BTreeMap::new(), resets };
+        bank.reset();
+        bank
+    }
+
+    /// Back to the values after reset.
+    pub fn reset(&mut self) {
+        self.values = self.resets.iter().copied().collect();
+    }
+
+    /// Value of a register.
+    #[must_use]
+    pub fn value(&self, register: &Register) -> u32 {
+        self.values.get(&register.offset).copied().unwrap_or(0)
+    }
+
+    /// Replaces the value of a register.
+    pub fn store(&mut self, register: &Register, value: u32) {
+        self.values.insert(register.offset, value);
+    }
+
+    /// Value of a field.
+    #[must_use]
+    pub fn get(&self, register: &str, field: &str) -> u32 {
+        self.get_at(register, 0, field)
+    }
+
+    /// Whether a field is not zero.
+    #[must_use]
+    pub fn is_set(&self, register: &str, field: &str) -> bool {
+        self.get(register, field) != 0
+    }
+
+    /// Value of a field in one of an array of registers.
+    #[must_use]
+    pub fn get_at(&self, register: &str, index: usize, field: &str) -> u32 {
+        let register = self.map.element(register, index);
+        register.get(self.value(register), field)
+    }
+
+    /// Replaces a field.
+    pub fn set(&mut self, register: &str, field: &str, value: u32) {
+        self.set_at(register, 0, field, value);
+    }
+
+    /// Replaces a field in one of an array of registers.
+    pub fn set_at(&mut self, register: &str, index: usize, field: &str, value: u32) {
+        let map = self.map;
+        let register = map.element(register, index);
+        self.store(register, register.with(self.value(register), field, value));
+    }
+
+    /// Value of a whole register.
+    #[must_use]
+    pub fn word(&self, register: &str, index: usize) -> u32 {
+        self.value(self.map.element(register, index))
+    }
+
+    /// Replaces a whole register.
+    pub fn set_word(&mut self, register: &str, index: usize, value: u32) {
+        let map = self.map;
+        self.store(map.element(register, index), value);
+    }
+}

@@ -1,0 +1,220 @@
+//! DMA and DMAMUX (RM0440 chapters 12 and 13): sixteen channels, any request to any of them.
+//!
+//! A transfer is one beat: read there, write here, count down. Beats take no time of their own.
+
+use super::{
+    bank::Bank,
+    map::{Map, Register},
+    misuse::Misuse,
+    peripheral::{Moment, Peripheral, has_bank},
+};
+
+/// Channels of one controller.
+pub const CHANNELS: usize = 8;
+
+/// Model of one controller.
+#[derive(Clone, Debug)]
+pub struct Dma {
+    bank: Bank,
+    channels: [Progress; CHANNELS],
+}
+
+/// Where a channel is: beats left of `total`.
+#[derive(Clone, Copy, Debug, Default)]
+struct Progress {
+    total: u32,
+    left: u32,
+}
+
+/// One beat: what to read and what to write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Beat {
+    /// Address to read.
+    pub from: u32,
+    /// Bytes to read.
+    pub from_bytes: u32,
+    /// Address to write.
+    pub to: u32,
+    /// Bytes to write.
+    pub to_bytes: u32,
+}
+
+impl Dma {
+    /// The controller of that name.
+    #[must_use]
+    pub fn new(name: &str) -> Self {
+        Self { bank: Bank::new(name, &[]), channels: [Progress::default(); CHANNELS] }
+    }
+
+    /// Whether a channel waits for a request.
+    #[must_use]
+    pub fn is_on(&self, channel: usize) -> bool {
+        self.bank.get_at("CH.CR", channel, "EN") == 1 && self.channels[channel].left > 0
+    }
+
+    /// Whether a channel copies memory without any request.
+    #[must_use]
+    pub fn copies_memory(&self, channel: usize) -> bool {
+        self.bank.get_at("CH.CR", channel, "MEM2MEM") == 1
+    }
+
+    /// The next beat of a channel.
+    #[must_use]
+    pub fn beat(&self, channel: usize) -> Beat {
+        let get = |field| self.bank.get_at("CH.CR", channel, field);
+        let Progress { total, left } = self.channels[channel];
+        let place = |register, increments, size: u32| {
+            let start = self.bank.word(register, channel);
+            (start + if get(increments) == 1 { (total - left) << size } else { 0 }, 1 << size)
+        };
+        let (there, there_bytes) = place("CH.PAR", "PINC", get("PSIZE"));
+        let (here, here_bytes) = place("CH.MAR", "MINC", get("MSIZE"));
+        if get("DIR") == 1 {
+            Beat { from: here, from_bytes: here_bytes, to: there, to_bytes: there_bytes }
+        } else {
+            Beat { from: there, from_bytes: there_bytes, to: here, to_bytes: here_bytes }
+        }
+    }
+
+    /// Counts one beat (12.4.5): flags at half and at the end, then stop or start again. Says
+    /// whether that was the last beat of the buffer.
+    pub fn count(&mut self, channel: usize) -> bool {
+        let circular = self.bank.get_at("CH.CR", channel, "CIRC") == 1;
+        let progress = &mut self.channels[channel];
+        progress.left -= 1;
+        let (left, total) = (progress.left, progress.total);
+        if left == 0 && circular {
+            progress.left = total;
+        }
+        if left == total / 2 {
+            self.flag("HTIF", channel);
+        }
+        if left == 0 {
+            self.flag("TCIF", channel);
+        }
+        left == 0
+    }
+
+    /// A beat met an address where nothing is (12.4.6): the channel stops.
+    pub fn fail(&mut self, channel: usize) {
+        self.bank.set_at("CH.CR", channel, "EN", 0);
+        self.flag("TEIF", channel);
+    }
+
+    fn flag(&mut self, flag: &str, channel: usize) {
+        self.bank.set("ISR", &format!("{flag}[{channel}]"), 1);
+    }
+
+    fn has(&self, flag: &str, channel: usize) -> bool {
+        self.bank.is_set("ISR", &format!("{flag}[{channel}]"))
+    }
+}
+
+impl Peripheral for Dma {
+    has_bank!();
+
+    fn models(&self, _: &Register) -> bool {
+        true
+    }
+
+    fn read(&mut self, register: &Register, _: Moment) -> u32 {
+        match register.name.as_str() {
+            "CH.NDTR" => self.channels[register.index].left,
+            "ISR" => (0..CHANNELS).fold(self.bank.value(register), |value, channel| {
+                let any = value >> (4 * channel) & 0xE != 0;
+                value | u32::from(any) << (4 * channel)
+            }),
+            _ => self.bank.value(register),
+        }
+    }
+
+    fn write(&mut self, register: &Register, value: u32, _: Moment) -> Result<(), Misuse> {
+        let old = self.bank.value(register);
+        match register.name.as_str() {
+            // GIF clears all four flags of its channel (12.6.2).
+            "IFCR" => {
+                let all = (0..CHANNELS).filter(|channel| value >> (4 * channel) & 1 == 1);
+                let clear = all.fold(value, |bits, channel| bits | 0xF << (4 * channel));
+                let flags = self.bank.word("ISR", 0);
+                self.bank.set_word("ISR", 0, flags & !clear);
+            }
+            "CH.NDTR" | "CH.PAR" | "CH.MAR" if self.bank.get_at("CH.CR", register.index, "EN") == 1 => {
+                return Err(Misuse::rule("DMA", format!("{} changes while its channel is on (12.6.4)", register.name)));
+            }
+            "CH.NDTR" => {
+                self.bank.store(register, value);
+                self.channels[register.index] = Progress { total: value, left: value };
+            }
+            "CH.CR" => {
+                self.bank.store(register, value);
+                if register.get(old, "EN") == 0 && register.get(value, "EN") == 1 {
+                    let channel = &mut self.channels[register.index];
+                    // After the end, NDTR has to be written again (12.4.3).
+                    channel.total = channel.left;
+                }
+            }
+            _ => self.bank.store(register, value),
+        }
+        Ok(())
+    }
+
+    fn interrupts(&self, signal: &str) -> bool {
+        let Some(channel) = signal.strip_prefix("CH").and_then(|number| number.parse::<usize>().ok()) else {
+            return false;
+        };
+        let channel = channel - 1;
+        let enabled = |field| self.bank.get_at("CH.CR", channel, field) == 1;
+        enabled("TCIE") && self.has("TCIF", channel)
+            || enabled("HTIE") && self.has("HTIF", channel)
+            || enabled("TEIE") && self.has("TEIF", channel)
+    }
+
+    fn reset(&mut self) {
+        *self = Self::new(self.bank.map.name);
+    }
+}
+
+/// Model of the request multiplexer.
+#[derive(Clone, Debug)]
+pub struct Dmamux {
+    bank: Bank,
+}
+
+impl Default for Dmamux {
+    fn default() -> Self {
+        Self { bank: Bank::new("DMAMUX1", &[]) }
+    }
+}
+
+impl Dmamux {
+    /// Peripheral and signal whose requests a channel (0 to 15) gets.
+    #[must_use]
+    pub fn source(&self, channel: usize, modelled: &[&'static str]) -> Option<(&'static str, &'static str)> {
+        let wanted = self.bank.get_at("CCR", channel, "DMAREQ_ID");
+        let map = Map::of_chip();
+        let of = |name: &&'static str| {
+            let found = map.peripheral(name).dma_requests().find(|&(_, number)| number == wanted)?;
+            Some((*name, found.0))
+        };
+        if wanted == 0 { None } else { modelled.iter().find_map(of) }
+    }
+}
+
+impl Peripheral for Dmamux {
+    has_bank!();
+
+    fn models(&self, register: &Register) -> bool {
+        matches!(register.name.as_str(), "CCR" | "CSR" | "CFR")
+    }
+
+    fn write(&mut self, register: &Register, value: u32, _: Moment) -> Result<(), Misuse> {
+        // Events that nothing listens to may be generated (EGE).
+        if register.name == "CCR" && ["SE", "SOIE"].iter().any(|field| register.get(value, field) != 0) {
+            return Err(Misuse::rule("DMAMUX1", "synchronisation of requests is not modelled"));
+        }
+        if register.name == "CCR" {
+            self.bank.store(register, value);
+        }
+        Ok(())
+    }
+}

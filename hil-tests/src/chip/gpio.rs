@@ -1,0 +1,94 @@
+//! GPIO: pins of one port (RM0440 chapter 9).
+
+use super::{
+    bank::Bank,
+    map::Register,
+    misuse::Misuse,
+    peripheral::{Moment, Peripheral, has_bank},
+};
+
+/// Model of one port.
+#[derive(Clone, Debug)]
+pub struct Gpio {
+    bank: Bank,
+    /// Levels that the world puts on the pins, where it drives them.
+    pub driven: [Option<bool>; 16],
+}
+
+/// What a pin does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PinMode {
+    /// Reads its level.
+    Input,
+    /// Gives the level of ODR.
+    Output,
+    /// Belongs to a peripheral: its alternate function.
+    Alternate(u8),
+    /// Belongs to a converter, or to nothing.
+    Analogue,
+}
+
+impl Gpio {
+    /// A port after reset: all analogue, but for the debug pins of ports A and B.
+    #[must_use]
+    pub fn new(port: char) -> Self {
+        let name = format!("GPIO{port}");
+        let (mode, pull) = match port {
+            'A' => (0xABFF_FFFF, 0x6400_0000),
+            'B' => (0xFFFF_FEBF, 0x0000_0100),
+            _ => (0xFFFF_FFFF, 0),
+        };
+        Self { bank: Bank::new(&name, &[("MODER", mode), ("PUPDR", pull)]), driven: [None; 16] }
+    }
+
+    /// What a pin does.
+    #[must_use]
+    pub fn mode(&self, pin: usize) -> PinMode {
+        match self.bank.word("MODER", 0) >> (2 * pin) & 3 {
+            0 => PinMode::Input,
+            1 => PinMode::Output,
+            2 => PinMode::Alternate((self.bank.word("AFR", pin / 8) >> (4 * (pin % 8)) & 15) as u8),
+            _ => PinMode::Analogue,
+        }
+    }
+
+    /// Levels of the output register.
+    #[must_use]
+    pub fn outputs(&self) -> u16 {
+        self.bank.word("ODR", 0) as u16
+    }
+
+    fn level(&self, pin: usize) -> bool {
+        match self.mode(pin) {
+            PinMode::Output => self.outputs() >> pin & 1 == 1,
+            PinMode::Analogue => false,
+            _ => self.driven[pin].unwrap_or(self.bank.word("PUPDR", 0) >> (2 * pin) & 3 == 1),
+        }
+    }
+}
+
+impl Peripheral for Gpio {
+    has_bank!();
+
+    fn models(&self, register: &Register) -> bool {
+        register.name != "LCKR"
+    }
+
+    fn read(&mut self, register: &Register, _: Moment) -> u32 {
+        match register.name.as_str() {
+            "IDR" => (0..16).map(|pin| u32::from(self.level(pin)) << pin).sum(),
+            _ => self.bank.value(register),
+        }
+    }
+
+    fn write(&mut self, register: &Register, value: u32, _: Moment) -> Result<(), Misuse> {
+        let outputs = self.bank.word("ODR", 0);
+        match register.name.as_str() {
+            // Setting wins over resetting (9.4.7).
+            "BSRR" => self.bank.set_word("ODR", 0, (outputs & !(value >> 16)) | (value & 0xFFFF)),
+            "BRR" => self.bank.set_word("ODR", 0, outputs & !value),
+            _ => self.bank.store(register, value),
+        }
+        Ok(())
+    }
+}

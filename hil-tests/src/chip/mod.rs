@@ -1,0 +1,500 @@
+//! Chip: an STM32G474RE, one file for each peripheral, joined here.
+//!
+//! The story of one access: the CPU (or a DMA channel) touches an address; the map says which
+//! register that is; the checks every access has to pass are made here (clock on, register known,
+//! no reserved bit set); the peripheral's model does what the reference manual says. Then the chip
+//! *settles*: DMA channels with a request move their beats, and interrupt lines go to the NVIC.
+//!
+//! Time passes in [`Chip::advance`], from one event of a peripheral to the next.
+
+pub mod bank;
+pub mod core;
+pub mod dma;
+pub mod flash;
+pub mod gpio;
+pub mod iwdg;
+pub mod map;
+pub mod misuse;
+pub mod nvic;
+pub mod peripheral;
+pub mod plain;
+pub mod pwr;
+pub mod rcc;
+#[cfg(test)]
+mod tests;
+pub mod time;
+pub mod timer;
+pub mod trace;
+pub mod usart;
+
+use self::{
+    core::{Core, CoreMoment},
+    dma::{CHANNELS, Dma, Dmamux},
+    flash::{Flash, Operation},
+    gpio::{Gpio, PinMode},
+    iwdg::Iwdg,
+    map::{Map, PeripheralMap, Register},
+    misuse::Misuse,
+    nvic::{NMI, Nvic},
+    peripheral::{Moment, Peripheral},
+    plain::Plain,
+    pwr::Pwr,
+    rcc::{Clocks, Rcc, ResetCause},
+    time::Time,
+    timer::Timer,
+    trace::{Event, Trace},
+    usart::Usart,
+};
+
+/// Where the RAM lies: SRAM1, SRAM2 and the second address of CCM SRAM, side by side (2.4).
+pub const RAM_START: u32 = 0x2000_0000;
+/// Bytes of RAM.
+pub const RAM_BYTES: u32 = 128 * 1024;
+/// Most beats in a row before the chip is taken to hang.
+const MAX_BEATS: usize = 1 << 20;
+
+/// RAM, for whoever copies without the CPU.
+pub trait Memory {
+    /// Reads bytes of RAM.
+    fn read(&self, address: u32, bytes: &mut [u8]);
+    /// Writes bytes of RAM.
+    fn write(&mut self, address: u32, bytes: &[u8]);
+}
+
+/// The chip without its CPU.
+#[derive(Debug)]
+pub struct Chip {
+    /// Virtual time.
+    pub now: Time,
+    /// Instructions executed so far; the machine keeps it current.
+    pub instructions: u64,
+    /// The core's private peripherals.
+    pub core: Core,
+    /// The flash.
+    pub flash: Flash,
+    /// The UART of the link.
+    pub uart: Usart,
+    /// What happened.
+    pub trace: Trace,
+    rcc: Rcc,
+    pwr: Pwr,
+    ports: Vec<(char, Gpio)>,
+    timers: Vec<(&'static str, Timer)>,
+    dma: [Dma; 2],
+    dmamux: Dmamux,
+    iwdg: Iwdg,
+    syscfg: Plain,
+    dbgmcu: Plain,
+    clocks: Clocks,
+    lines: Vec<Line>,
+    shown_pins: Vec<u16>,
+    shown_operations: u64,
+}
+
+/// One way to the NVIC: a peripheral's signal and its exception.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    peripheral: &'static str,
+    signal: &'static str,
+    exception: usize,
+}
+
+/// Peripherals whose DMA requests and interrupts are modelled.
+const WITH_SIGNALS: [&str; 12] =
+    ["LPUART1", "TIM2", "TIM3", "TIM4", "TIM5", "TIM6", "TIM7", "TIM15", "DMA1", "DMA2", "FLASH", "DMAMUX1"];
+
+impl Chip {
+    /// A chip without power, whose link runs at `wire_baud` at its other end.
+    #[must_use]
+    pub fn new(wire_baud: u64, keep_trace: bool) -> Self {
+        let map = Map::of_chip();
+        let signals = |name: &&'static str| {
+            let of = map.peripheral(name).interrupts();
+            of.map(|(signal, number)| Line { peripheral: name, signal, exception: Nvic::exception_of(number) })
+        };
+        let timers = [
+            ("TIM2", 4, 32), ("TIM3", 4, 16), ("TIM4", 4, 16), ("TIM5", 4, 32), ("TIM6", 0, 16), ("TIM7", 0, 16),
+            ("TIM15", 2, 16),
+        ];
+        Self {
+            now: Time::ZERO,
+            instructions: 0,
+            core: Core::default(),
+            flash: Flash::default(),
+            uart: Usart::new("LPUART1", wire_baud),
+            trace: Trace::new(keep_trace),
+            rcc: Rcc::default(),
+            pwr: Pwr::default(),
+            ports: ('A'..='G').map(|port| (port, Gpio::new(port))).collect(),
+            timers: timers.map(|(name, channels, bits)| (name, Timer::new(name, channels, bits))).into(),
+            dma: [Dma::new("DMA1"), Dma::new("DMA2")],
+            dmamux: Dmamux::default(),
+            iwdg: Iwdg::default(),
+            syscfg: Plain::syscfg(),
+            dbgmcu: Plain::dbgmcu(),
+            clocks: Clocks::RESET,
+            lines: WITH_SIGNALS.iter().flat_map(signals).collect(),
+            shown_pins: vec![0; 7],
+            shown_operations: 0,
+        }
+    }
+
+    /// How fast everything runs.
+    #[must_use]
+    pub fn clocks(&self) -> Clocks {
+        self.clocks
+    }
+
+    /// Starts again: everything but RAM, flash, time and the world's end of the link.
+    pub fn reset(&mut self, cause: ResetCause) {
+        let name = match cause {
+            ResetCause::Power => "power",
+            ResetCause::Software => "software",
+            ResetCause::Watchdog => "watchdog",
+            ResetCause::Pin => "reset pin",
+        };
+        self.trace.add(self.now, Event::Reset(name));
+        self.core = Core::default();
+        self.each(|_, peripheral| peripheral.reset());
+        self.rcc.restart(cause);
+        self.follow_clocks();
+    }
+
+    /// The watchdog or the firmware wants the chip to start again.
+    pub fn take_reset(&mut self) -> Option<ResetCause> {
+        if self.iwdg.take_bite() {
+            return Some(ResetCause::Watchdog);
+        }
+        self.core.take_reset().then_some(ResetCause::Software)
+    }
+
+    /// Reads `size` bytes of a peripheral.
+    pub fn read(&mut self, address: u32, size: u32) -> Result<u32, Misuse> {
+        let (value, shift) = match self.place(address)? {
+            None => (self.core.read(address & !3, self.core_moment())?, address & 3),
+            Some((map, register)) => {
+                self.check_access(map, register)?;
+                let at = self.moment();
+                (self.peripheral(map.name, register)?.read(register, at), address & 3)
+            }
+        };
+        let mask = (u64::from(u32::MAX) >> (32 - 8 * size.min(4))) as u32;
+        Ok(value >> (8 * shift) & mask)
+    }
+
+    /// Writes `size` bytes of a peripheral.
+    pub fn write(&mut self, address: u32, size: u32, value: u32) -> Result<(), Misuse> {
+        match self.place(address)? {
+            None => self.core.write(address, size, value, self.core_moment())?,
+            Some((map, register)) => {
+                self.check_access(map, register)?;
+                let at = self.moment();
+                let model = self.peripheral(map.name, register)?;
+                let old = model.bank().value(register);
+                let value = merge_bytes(old, address & 3, size, value);
+                check_bits(map, register, old, value)?;
+                model.write(register, value, at)?;
+                self.follow_clocks();
+                self.check_clocks()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// After an access: the DMA serves its requests, and lines go to the NVIC.
+    pub fn settle(&mut self, memory: &mut dyn Memory) -> Result<(), Misuse> {
+        self.serve_requests(memory)?;
+        for index in 0..self.lines.len() {
+            let line = self.lines[index];
+            let level = self.model(line.peripheral).is_some_and(|model| model.interrupts(line.signal));
+            if level || !self.shares_exception(index) {
+                self.core.nvic.set_line(line.exception, level);
+            }
+        }
+        if self.flash.raises_nmi() && !self.core.nvic.is_pending(NMI) && self.core.nvic.active() != Some(NMI) {
+            self.core.nvic.pend(NMI);
+        }
+        self.show();
+        Ok(())
+    }
+
+    /// When anything happens by itself next.
+    pub fn next_event(&mut self) -> Time {
+        let mut next = self.core.next_event(self.clocks.cycle());
+        self.each(|_, peripheral| next = next.min(peripheral.next_event()));
+        next
+    }
+
+    /// Lets time pass, from one event to the next.
+    pub fn advance(&mut self, to: Time, memory: &mut dyn Memory) -> Result<(), Misuse> {
+        loop {
+            let next = self.next_event();
+            if next > to {
+                break;
+            }
+            self.now = self.now.max(next);
+            self.core.advance(self.now, self.clocks.cycle());
+            let at = Moment { now: next, clocks: self.clocks };
+            let mut result = Ok(());
+            self.each(|_, peripheral| {
+                if peripheral.next_event() <= next && result.is_ok() {
+                    result = peripheral.advance(at);
+                }
+            });
+            result?;
+            self.settle(memory)?;
+        }
+        self.now = self.now.max(to);
+        Ok(())
+    }
+
+    /// Levels of a port's output register.
+    #[must_use]
+    pub fn outputs(&self, port: char) -> Option<u16> {
+        self.ports.iter().find(|(name, _)| *name == port).map(|(_, port)| port.outputs())
+    }
+
+    fn moment(&self) -> Moment {
+        Moment { now: self.now, clocks: self.clocks }
+    }
+
+    fn core_moment(&self) -> CoreMoment {
+        CoreMoment { now: self.now, cycle: self.clocks.cycle(), instructions: self.instructions }
+    }
+
+    /// Peripheral and register at an address; none for the core's own.
+    fn place(&self, address: u32) -> Result<Option<(&'static PeripheralMap, &'static Register)>, Misuse> {
+        let map = Map::of_chip();
+        match map.at(address) {
+            Some(peripheral) => {
+                let offset = address - peripheral.base;
+                let none = || Misuse::NoRegister { peripheral: peripheral.name.to_owned(), offset };
+                Ok(Some((peripheral, peripheral.register_at(offset).ok_or_else(none)?)))
+            }
+            None if address >= core::START => Ok(None),
+            None => Err(Misuse::NoRegister { peripheral: "address".to_owned(), offset: address }),
+        }
+    }
+
+    fn check_access(&self, map: &PeripheralMap, register: &Register) -> Result<(), Misuse> {
+        self.rcc
+            .clock_of(map)
+            .map_err(|enable| Misuse::NoClock { peripheral: format!("{}.{}", map.name, register.name), enable })
+    }
+
+    fn peripheral(&mut self, name: &str, register: &Register) -> Result<&mut dyn Peripheral, Misuse> {
+        match self.model_mut(name) {
+            Some(model) if model.models(register) => Ok(model),
+            _ => Err(Misuse::unmodelled(name, register)),
+        }
+    }
+
+    fn model_mut(&mut self, name: &str) -> Option<&mut dyn Peripheral> {
+        Some(match name {
+            "RCC" => &mut self.rcc,
+            "PWR" => &mut self.pwr,
+            "FLASH" => &mut self.flash,
+            "LPUART1" => &mut self.uart,
+            "DMA1" => &mut self.dma[0],
+            "DMA2" => &mut self.dma[1],
+            "DMAMUX1" => &mut self.dmamux,
+            "IWDG" => &mut self.iwdg,
+            "SYSCFG" => &mut self.syscfg,
+            "DBGMCU" => &mut self.dbgmcu,
+            _ => {
+                let port = name.strip_prefix("GPIO").and_then(|rest| rest.chars().next());
+                let port = self.ports.iter_mut().find(|(letter, _)| Some(*letter) == port);
+                let timer = self.timers.iter_mut().find(|(timer, _)| *timer == name);
+                return match (port, timer) {
+                    (Some((_, port)), _) => Some(port),
+                    (_, Some((_, timer))) => Some(timer),
+                    _ => None,
+                };
+            }
+        })
+    }
+
+    fn model(&self, name: &str) -> Option<&dyn Peripheral> {
+        Some(match name {
+            "FLASH" => &self.flash,
+            "LPUART1" => &self.uart,
+            "DMA1" => &self.dma[0],
+            "DMA2" => &self.dma[1],
+            _ => return self.timers.iter().find(|(timer, _)| *timer == name).map(|(_, timer)| timer as _),
+        })
+    }
+
+    fn each(&mut self, mut visit: impl FnMut(&str, &mut dyn Peripheral)) {
+        visit("RCC", &mut self.rcc);
+        visit("PWR", &mut self.pwr);
+        visit("FLASH", &mut self.flash);
+        visit("LPUART1", &mut self.uart);
+        self.ports.iter_mut().for_each(|(_, port)| visit("GPIO", port));
+        self.timers.iter_mut().for_each(|(name, timer)| visit(name, timer));
+        self.dma.iter_mut().for_each(|dma| visit("DMA", dma));
+        visit("DMAMUX1", &mut self.dmamux);
+        visit("IWDG", &mut self.iwdg);
+        visit("SYSCFG", &mut self.syscfg);
+        visit("DBGMCU", &mut self.dbgmcu);
+    }
+
+    /// Whether an earlier signal drives the same exception and is up: lines of one exception are or-ed.
+    fn shares_exception(&self, index: usize) -> bool {
+        let exception = self.lines[index].exception;
+        let others = self.lines.iter().enumerate().filter(|&(other, line)| other != index && line.exception == exception);
+        others.into_iter().any(|(_, line)| self.model(line.peripheral).is_some_and(|model| model.interrupts(line.signal)))
+    }
+
+    fn follow_clocks(&mut self) {
+        self.clocks = self.rcc.clocks();
+        let clocks = self.clocks;
+        for (name, timer) in &mut self.timers {
+            timer.clock = clocks.timer(if *name == "TIM15" { clocks.apb2 } else { clocks.apb1 });
+        }
+        self.uart.clock = self.rcc.uart_clock("LPUART1SEL");
+        let wired = ["TX", "RX"].map(|signal| self.is_wired("LPUART1", signal));
+        self.uart.wired = wired;
+    }
+
+    /// Whether some pin carries a signal: it is set to the alternate function that the chip has.
+    fn is_wired(&self, peripheral: &str, signal: &str) -> bool {
+        let mut pins = Map::of_chip().peripheral(peripheral).pins(signal);
+        pins.any(|(pin, function)| {
+            let port = self.ports.iter().find(|(port, _)| pin[1..].starts_with(*port));
+            let number = pin[2..].parse::<usize>();
+            matches!((port, number), (Some((_, port)), Ok(number)) if port.mode(number) == PinMode::Alternate(function))
+        })
+    }
+
+    /// Rules that join clocks, voltage and flash (RM0440 5.3.3, 6.1.5).
+    fn check_clocks(&self) -> Result<(), Misuse> {
+        let core = self.clocks.core;
+        if core > self.pwr.fastest_core() {
+            return Err(Misuse::rule("PWR", format!("the core runs at {core} Hz, too fast for its voltage (6.1.5)")));
+        }
+        let needed = Flash::needed_latency(core);
+        if core > rcc::HSI && self.flash.latency() < needed {
+            let found = self.flash.latency();
+            let rule = format!("the core runs at {core} Hz with {found} wait states, {needed} are needed (5.3.3)");
+            return Err(Misuse::rule("FLASH", rule));
+        }
+        Ok(())
+    }
+
+    fn serve_requests(&mut self, memory: &mut dyn Memory) -> Result<(), Misuse> {
+        for _ in 0..MAX_BEATS {
+            let Some((controller, channel)) = self.channel_to_serve() else { return Ok(()) };
+            self.move_beat(controller, channel, memory)?;
+        }
+        Err(Misuse::rule("DMA", "a channel is asked without end"))
+    }
+
+    fn channel_to_serve(&self) -> Option<(usize, usize)> {
+        let all = (0..2 * CHANNELS).map(|place| (place / CHANNELS, place % CHANNELS));
+        let mut wanting = all.filter(|&(controller, channel)| {
+            let dma = &self.dma[controller];
+            dma.is_on(channel) && (dma.copies_memory(channel) || self.is_requested(controller, channel))
+        });
+        wanting.next()
+    }
+
+    fn source(&self, controller: usize, channel: usize) -> Option<(&'static str, &'static str)> {
+        self.dmamux.source(controller * CHANNELS + channel, &WITH_SIGNALS)
+    }
+
+    fn is_requested(&self, controller: usize, channel: usize) -> bool {
+        let source = self.source(controller, channel);
+        source.is_some_and(|(name, signal)| self.model(name).is_some_and(|model| model.requests(signal)))
+    }
+
+    fn move_beat(&mut self, controller: usize, channel: usize, memory: &mut dyn Memory) -> Result<(), Misuse> {
+        let beat = self.dma[controller].beat(channel);
+        if let Some((name, signal)) = self.source(controller, channel)
+            && let Some(model) = self.model_mut(name)
+        {
+            model.acknowledge(signal);
+        }
+        let moved = match self.bus_read(beat.from, beat.from_bytes, memory)? {
+            Some(value) => self.bus_write(beat.to, beat.to_bytes, value, memory)?,
+            None => false,
+        };
+        if !moved {
+            self.dma[controller].fail(channel);
+            return Ok(());
+        }
+        if self.dma[controller].count(channel) {
+            let event = Event::DmaComplete { controller: controller as u8 + 1, channel: channel as u8 + 1 };
+            self.trace.add(self.now, event);
+        }
+        Ok(())
+    }
+
+    fn bus_read(&mut self, address: u32, size: u32, memory: &dyn Memory) -> Result<Option<u32>, Misuse> {
+        let mut bytes = [0; 4];
+        let place = &mut bytes[..size as usize];
+        if lies_in(address, size, RAM_START, RAM_BYTES) {
+            memory.read(address, place);
+        } else if lies_in(address, size, flash::START, flash::BYTES) {
+            let start = (address - flash::START) as usize;
+            place.copy_from_slice(&self.flash.content()[start..start + size as usize]);
+            self.flash.check_read(address, size);
+        } else if address >= 0x4000_0000 && address < core::START {
+            return self.read(address, size).map(Some);
+        } else {
+            return Ok(None);
+        }
+        Ok(Some(u32::from_le_bytes(bytes)))
+    }
+
+    fn bus_write(&mut self, address: u32, size: u32, value: u32, memory: &mut dyn Memory) -> Result<bool, Misuse> {
+        if lies_in(address, size, RAM_START, RAM_BYTES) {
+            memory.write(address, &value.to_le_bytes()[..size as usize]);
+        } else if address >= 0x4000_0000 && address < core::START {
+            self.write(address, size, value)?;
+        } else {
+            return Ok(false);
+        }
+        Ok(true)
+    }
+
+    /// Tells the trace what changed outside.
+    fn show(&mut self) {
+        for (place, (port, model)) in self.ports.iter().enumerate() {
+            let levels = model.outputs();
+            if std::mem::replace(&mut self.shown_pins[place], levels) != levels {
+                self.trace.add(self.now, Event::Pins { port: *port, levels });
+            }
+        }
+        if std::mem::replace(&mut self.shown_operations, self.flash.operations()) != self.flash.operations() {
+            match self.flash.operation() {
+                Some(Operation::Erase(page)) => self.trace.add(self.now, Event::Erase(page)),
+                Some(Operation::Program(address, _)) => self.trace.add(self.now, Event::Program(address)),
+                None => {}
+            }
+        }
+    }
+}
+
+fn lies_in(address: u32, size: u32, start: u32, bytes: u32) -> bool {
+    address >= start && address + size <= start + bytes
+}
+
+/// A store of fewer than four bytes changes only its own.
+fn merge_bytes(old: u32, place: u32, size: u32, value: u32) -> u32 {
+    let mask = (u64::from(u32::MAX) >> (32 - 8 * size.min(4))) as u32;
+    (old & !(mask << (8 * place))) | (value & mask) << (8 * place)
+}
+
+/// Bits that mean nothing keep the value they have. Registers that cannot be read are exempt: drivers
+/// write a whole status word back to clear flags, and silicon ignores the rest of it.
+fn check_bits(map: &PeripheralMap, register: &Register, old: u32, value: u32) -> Result<(), Misuse> {
+    let (peripheral, name) = (map.name.to_owned(), register.name.clone());
+    if !register.writable {
+        return Err(Misuse::ReadOnly { peripheral, register: name });
+    }
+    match value & !register.known_bits & !old {
+        0 => Ok(()),
+        _ if !register.readable => Ok(()),
+        reserved => Err(Misuse::ReservedBits { peripheral, register: name, value, reserved }),
+    }
+}

@@ -1,0 +1,270 @@
+//! NVIC: which exception is taken when (ARMv7-M Architecture Reference Manual, B1.5 and B3.4).
+//!
+//! Interrupt lines are levels: a line that is still up when its handler returns makes the interrupt
+//! pending again.
+
+use super::map::priority_bits;
+
+/// Exceptions that the core itself has.
+pub const SYSTEM_EXCEPTIONS: usize = 16;
+/// Number of NMI.
+pub const NMI: usize = 2;
+/// Number of HardFault.
+pub const HARD_FAULT: usize = 3;
+/// Number of SVCall.
+pub const SV_CALL: usize = 11;
+/// Number of PendSV.
+pub const PEND_SV: usize = 14;
+/// Number of SysTick.
+pub const SYS_TICK: usize = 15;
+const EXCEPTIONS: usize = SYSTEM_EXCEPTIONS + 102;
+/// Priority of code outside all handlers.
+const THREAD: i16 = 256;
+
+/// What masks exceptions, from the core's special registers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Masks {
+    /// PRIMASK: all but NMI and HardFault.
+    pub primask: bool,
+    /// FAULTMASK: all but NMI.
+    pub faultmask: bool,
+    /// BASEPRI: this priority and below; 0 masks none.
+    pub basepri: u8,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Exception {
+    line: bool,
+    pending: bool,
+    enabled: bool,
+    active: bool,
+    priority: u8,
+}
+
+/// Model of the NVIC.
+#[derive(Clone, Debug)]
+pub struct Nvic {
+    exceptions: Vec<Exception>,
+}
+
+impl Default for Nvic {
+    fn default() -> Self {
+        let mut exceptions = vec![Exception::default(); EXCEPTIONS];
+        for exception in &mut exceptions[..SYSTEM_EXCEPTIONS] {
+            exception.enabled = true;
+        }
+        Self { exceptions }
+    }
+}
+
+impl Nvic {
+    /// Number of the exception of an interrupt.
+    #[must_use]
+    pub fn exception_of(interrupt: u32) -> usize {
+        SYSTEM_EXCEPTIONS + interrupt as usize
+    }
+
+    /// Sets the level of an interrupt line.
+    pub fn set_line(&mut self, exception: usize, level: bool) {
+        let state = &mut self.exceptions[exception];
+        state.pending |= level && !state.line;
+        state.line = level;
+    }
+
+    /// Makes an exception pending.
+    pub fn pend(&mut self, exception: usize) {
+        self.exceptions[exception].pending = true;
+    }
+
+    /// Makes an exception not pending, unless its line is up.
+    pub fn unpend(&mut self, exception: usize) {
+        let state = &mut self.exceptions[exception];
+        state.pending = state.line;
+    }
+
+    /// Whether an exception is pending.
+    #[must_use]
+    pub fn is_pending(&self, exception: usize) -> bool {
+        self.exceptions[exception].pending
+    }
+
+    /// The exception being handled, the most urgent first.
+    #[must_use]
+    pub fn active(&self) -> Option<usize> {
+        (0..EXCEPTIONS).filter(|&n| self.exceptions[n].active).min_by_key(|&n| (self.priority(n), n))
+    }
+
+    /// Whether the core can be woken: something enabled is pending, masked or not.
+    #[must_use]
+    pub fn any_pending(&self) -> bool {
+        self.exceptions.iter().any(|state| state.pending && state.enabled)
+    }
+
+    /// The exception to take now, if any.
+    #[must_use]
+    pub fn next(&self, masks: Masks) -> Option<usize> {
+        let candidates = (1..EXCEPTIONS).filter(|&n| {
+            let state = &self.exceptions[n];
+            state.pending && state.enabled
+        });
+        let next = candidates.min_by_key(|&n| (self.priority(n), n))?;
+        (self.priority(next) < self.execution_priority(masks)).then_some(next)
+    }
+
+    /// An exception is entered.
+    pub fn enter(&mut self, exception: usize) {
+        let state = &mut self.exceptions[exception];
+        state.pending = false;
+        state.active = true;
+    }
+
+    /// The handler being run returns.
+    pub fn leave(&mut self) -> Option<usize> {
+        let exception = self.active()?;
+        let state = &mut self.exceptions[exception];
+        state.active = false;
+        state.pending |= state.line;
+        Some(exception)
+    }
+
+    fn execution_priority(&self, masks: Masks) -> i16 {
+        let active = self.active().map_or(THREAD, |n| self.priority(n));
+        let masked = match masks {
+            Masks { faultmask: true, .. } => -1,
+            Masks { primask: true, .. } => 0,
+            Masks { basepri: 0, .. } => THREAD,
+            Masks { basepri, .. } => i16::from(basepri),
+        };
+        active.min(masked)
+    }
+
+    fn priority(&self, exception: usize) -> i16 {
+        match exception {
+            1 => -3,
+            NMI => -2,
+            HARD_FAULT => -1,
+            _ => i16::from(self.exceptions[exception].priority),
+        }
+    }
+
+
+    /// Bits of 32 interrupts, from the first on.
+    pub(super) fn bits(&self, first: usize, of: Bits) -> u32 {
+        let get = |state: &Exception| match of {
+            Bits::Enabled => state.enabled,
+            Bits::Pending => state.pending,
+            Bits::Active => state.active,
+        };
+        self.word(first).enumerate().map(|(bit, state)| u32::from(get(state)) << bit).sum()
+    }
+
+    fn word(&self, first: usize) -> impl Iterator<Item = &Exception> {
+        self.exceptions[SYSTEM_EXCEPTIONS..].iter().skip(first).take(32)
+    }
+
+    /// Sets or clears what the bits name.
+    pub(super) fn change(&mut self, first: usize, bits: u32, of: Bits, on: bool) {
+        for bit in (0..32).filter(|bit| bits >> bit & 1 == 1) {
+            let exception = SYSTEM_EXCEPTIONS + first + bit;
+            if exception >= EXCEPTIONS {
+                continue;
+            }
+            match (of, on) {
+                (Bits::Enabled, _) => self.exceptions[exception].enabled = on,
+                (_, true) => self.pend(exception),
+                (_, false) => self.unpend(exception),
+            }
+        }
+    }
+
+    /// Four priorities, a byte each.
+    pub(super) fn priorities(&self, first: usize) -> u32 {
+        let bytes = self.exceptions.iter().skip(first).take(4);
+        bytes.enumerate().map(|(place, state)| u32::from(state.priority) << (8 * place)).sum()
+    }
+
+    /// Sets priorities; bits that the chip does not have read zero.
+    pub(super) fn set_priorities(&mut self, first: usize, bytes: &[u8]) {
+        let implemented = !(0xFF_u16 >> priority_bits()) as u8;
+        for (state, byte) in self.exceptions.iter_mut().skip(first).zip(bytes) {
+            state.priority = byte & implemented;
+        }
+    }
+}
+
+/// Which bits of the interrupts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Bits {
+    Enabled,
+    Pending,
+    Active,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(pending: &[(usize, u8)]) -> Nvic {
+        let mut nvic = Nvic::default();
+        for &(interrupt, priority) in pending {
+            let exception = SYSTEM_EXCEPTIONS + interrupt;
+            nvic.change(interrupt, 1, Bits::Enabled, true);
+            nvic.set_priorities(exception, &[priority]);
+            nvic.set_line(exception, true);
+        }
+        nvic
+    }
+
+    #[test]
+    fn the_most_urgent_pending_interrupt_is_taken_and_equal_ones_in_order_of_number() {
+        let mut nvic = with(&[(5, 0x40), (9, 0x20), (3, 0x40)]);
+        assert_eq!(nvic.next(Masks::default()), Some(16 + 9));
+        nvic.enter(16 + 9);
+        assert_eq!(nvic.next(Masks::default()), None, "less urgent ones wait");
+        nvic.set_line(16 + 9, false);
+        assert_eq!(nvic.leave(), Some(16 + 9));
+        assert_eq!(nvic.next(Masks::default()), Some(16 + 3));
+    }
+
+    #[test]
+    fn a_more_urgent_interrupt_preempts_a_handler() {
+        let mut nvic = with(&[(5, 0x40)]);
+        nvic.enter(16 + 5);
+        nvic.change(6, 1, Bits::Enabled, true);
+        nvic.set_line(16 + 6, true);
+        assert_eq!(nvic.next(Masks::default()), Some(16 + 6));
+    }
+
+    #[test]
+    fn primask_basepri_and_faultmask_hold_back_what_they_name() {
+        let nvic = with(&[(5, 0x40)]);
+        assert_eq!(nvic.next(Masks { primask: true, ..Masks::default() }), None);
+        assert_eq!(nvic.next(Masks { basepri: 0x40, ..Masks::default() }), None);
+        assert_eq!(nvic.next(Masks { basepri: 0x50, ..Masks::default() }), Some(16 + 5));
+        let mut nvic = nvic;
+        nvic.pend(HARD_FAULT);
+        assert_eq!(nvic.next(Masks { primask: true, ..Masks::default() }), Some(HARD_FAULT));
+        assert_eq!(nvic.next(Masks { faultmask: true, ..Masks::default() }), None);
+        nvic.pend(NMI);
+        assert_eq!(nvic.next(Masks { faultmask: true, ..Masks::default() }), Some(NMI));
+    }
+
+    #[test]
+    fn a_line_that_stays_up_makes_its_interrupt_pending_again_on_return() {
+        let mut nvic = with(&[(5, 0)]);
+        nvic.enter(16 + 5);
+        nvic.leave();
+        assert_eq!(nvic.next(Masks::default()), Some(16 + 5));
+        nvic.enter(16 + 5);
+        nvic.set_line(16 + 5, false);
+        nvic.leave();
+        assert_eq!(nvic.next(Masks::default()), None);
+    }
+
+    #[test]
+    fn priorities_have_the_four_bits_that_the_chip_has() {
+        let mut nvic = Nvic::default();
+        nvic.set_priorities(20, &[0xFF, 0x12]);
+        assert_eq!(nvic.priorities(20), 0x10F0);
+    }
+}

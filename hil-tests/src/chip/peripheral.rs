@@ -1,0 +1,80 @@
+//! Peripheral: what every block of the chip can be asked.
+
+use super::{
+    bank::Bank,
+    map::Register,
+    misuse::Misuse,
+    rcc::Clocks,
+    time::Time,
+};
+
+/// When something happens, and how the clocks run then.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment {
+    /// Virtual time.
+    pub now: Time,
+    /// The clocks.
+    pub clocks: Clocks,
+}
+
+/// One block of the chip.
+pub trait Peripheral {
+    /// Its registers.
+    fn bank(&self) -> &Bank;
+    /// Its registers, to change.
+    fn bank_mut(&mut self) -> &mut Bank;
+    /// Whether the model knows what this register does.
+    fn models(&self, register: &Register) -> bool;
+
+    /// The CPU or the DMA reads a register.
+    fn read(&mut self, register: &Register, _at: Moment) -> u32 {
+        self.bank().value(register)
+    }
+
+    /// The CPU or the DMA writes a register.
+    fn write(&mut self, register: &Register, value: u32, _at: Moment) -> Result<(), Misuse> {
+        self.bank_mut().store(register, value);
+        Ok(())
+    }
+
+    /// When it does something by itself next.
+    fn next_event(&self) -> Time {
+        Time::NEVER
+    }
+
+    /// Does what is due by now.
+    fn advance(&mut self, _at: Moment) -> Result<(), Misuse> {
+        Ok(())
+    }
+
+    /// Whether one of its interrupt signals is raised.
+    fn interrupts(&self, _signal: &str) -> bool {
+        false
+    }
+
+    /// Whether one of its DMA signals asks for a transfer.
+    fn requests(&self, _signal: &str) -> bool {
+        false
+    }
+
+    /// The DMA has served a request.
+    fn acknowledge(&mut self, _signal: &str) {}
+
+    /// Back to the state after reset.
+    fn reset(&mut self) {
+        self.bank_mut().reset();
+    }
+}
+
+/// Implements the two accessors for a model with a field `bank`.
+macro_rules! has_bank {
+    () => {
+        fn bank(&self) -> &Bank {
+            &self.bank
+        }
+        fn bank_mut(&mut self) -> &mut Bank {
+            &mut self.bank
+        }
+    };
+}
+pub(super) use has_bank;
