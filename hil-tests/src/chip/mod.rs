@@ -192,7 +192,13 @@ impl Chip {
                 let model = self.peripheral(map.name, register)?;
                 let old = model.bank().value(register);
                 let value = merge_bytes(old, address & 3, size, value);
-                check_bits(map, register, old, value)?;
+                if !register.writable {
+                    let (peripheral, register) = (map.name.to_owned(), register.name.clone());
+                    return Err(Misuse::ReadOnly { peripheral, register });
+                }
+                if !model.clears_flags(register) {
+                    check_bits(map, register, old, value)?;
+                }
                 model.write(register, value, at)?;
                 self.follow_clocks();
                 self.check_clocks()?;
@@ -485,16 +491,11 @@ fn merge_bytes(old: u32, place: u32, size: u32, value: u32) -> u32 {
     (old & !(mask << (8 * place))) | (value & mask) << (8 * place)
 }
 
-/// Bits that mean nothing keep the value they have. Registers that cannot be read are exempt: drivers
-/// write a whole status word back to clear flags, and silicon ignores the rest of it.
+/// Bits that mean nothing keep the value they have.
 fn check_bits(map: &PeripheralMap, register: &Register, old: u32, value: u32) -> Result<(), Misuse> {
     let (peripheral, name) = (map.name.to_owned(), register.name.clone());
-    if !register.writable {
-        return Err(Misuse::ReadOnly { peripheral, register: name });
-    }
     match value & !register.known_bits & !old {
         0 => Ok(()),
-        _ if !register.readable => Ok(()),
         reserved => Err(Misuse::ReservedBits { peripheral, register: name, value, reserved }),
     }
 }

@@ -26,6 +26,12 @@ pub trait Peripheral {
     /// Whether the model knows what this register does.
     fn models(&self, register: &Register) -> bool;
 
+    /// Whether a write only clears flags: drivers write whole words there, and silicon ignores the
+    /// bits that mean nothing. (Registers that cannot be read are taken for such.)
+    fn clears_flags(&self, register: &Register) -> bool {
+        !register.readable
+    }
+
     /// The CPU or the DMA reads a register.
     fn read(&mut self, register: &Register, _at: Moment) -> u32 {
         self.bank().value(register)

@@ -140,6 +140,10 @@ impl Peripheral for Timer {
             || register.name.starts_with("CCMR")
     }
 
+    fn clears_flags(&self, register: &Register) -> bool {
+        matches!(register.name.as_str(), "SR" | "EGR")
+    }
+
     fn read(&mut self, register: &Register, at: Moment) -> u32 {
         self.catch_up(at.now);
         match register.name.as_str() {
