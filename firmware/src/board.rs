@@ -7,8 +7,11 @@
 //! | link          | LPUART1                     | the debug adapter's virtual COM port           |
 //! | link, pins    | PA2 sends, PA3 receives     | wired to the debug adapter on the NUCLEO board |
 //! | link, DMA     | DMA1 channels 1 and 2       | any channel can serve any request on this chip |
+//! | patch slots   | flash from 128 KiB on       | the firmware has the part before, see memory.x |
+//! | watchdog      | IWDG                        | its clock is its own                           |
 
-use embassy_stm32::{Config, Peri, bind_interrupts, dma, peripherals, rcc, usart};
+use dermatome_shared::restart::ResetCauses;
+use embassy_stm32::{Config, Peri, bind_interrupts, dma, pac, peripherals, rcc, usart};
 
 /// What the board calls itself to a host.
 pub(crate) const NAME: &str = "nucleo-g474re";
@@ -17,10 +20,13 @@ pub(crate) const ELECTRODES: u8 = 16;
 
 /// Bits per second on the link.
 ///
-/// LPUART1 divides 170 MHz by 47222 / 256: 4 parts per million from this rate. Its own limit
-/// is a third of its clock, so the debug adapter is the slower of the two. The HSI adds up to 1 %,
-/// which 8 bits without parity tolerate.
-pub(crate) const LINK_BAUD: u32 = 921_600;
+/// LPUART1 divides 170 MHz by 21760 / 256: exactly this rate. Its own limit is a third of its clock,
+/// so the debug adapter is the slower of the two. The HSI adds up to 1 %, which 8 bits without
+/// parity tolerate.
+pub(crate) const LINK_BAUD: u32 = 2_000_000;
+
+/// Where the first patch slot starts, bytes from the start of the flash; the second one follows.
+pub(crate) const SLOTS_OFFSET: usize = 128 * 1024;
 
 /// UART of the link.
 pub(crate) type LinkUart = peripherals::LPUART1;
@@ -44,6 +50,12 @@ bind_interrupts!(pub(crate) struct Interrupts {
 pub(crate) struct Board {
     /// What the link is made of.
     pub(crate) link: LinkParts,
+    /// The chip's flash.
+    pub(crate) flash: Peri<'static, peripherals::FLASH>,
+    /// The watchdog.
+    pub(crate) watchdog: Peri<'static, peripherals::IWDG>,
+    /// Why the chip started.
+    pub(crate) reset_causes: ResetCauses,
 }
 
 /// What the link is made of.
@@ -60,6 +72,8 @@ pub(crate) fn start() -> Board {
     let mut config = Config::default();
     config.rcc = clocks();
     let chip = embassy_stm32::init(config);
+    // While a debug probe holds the core, nobody can feed the watchdog.
+    pac::DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
     Board {
         link: LinkParts {
             uart: chip.LPUART1,
@@ -68,6 +82,21 @@ pub(crate) fn start() -> Board {
             tx_dma: chip.DMA1_CH1,
             rx_dma: chip.DMA1_CH2,
         },
+        flash: chip.FLASH,
+        watchdog: chip.IWDG,
+        reset_causes: take_reset_causes(),
+    }
+}
+
+/// Reads why the chip started, and clears it for the next time.
+fn take_reset_causes() -> ResetCauses {
+    let flags = pac::RCC.csr().read();
+    pac::RCC.csr().modify(|w| w.set_rmvf(true));
+    ResetCauses {
+        power: flags.borrstf(),
+        watchdog: flags.iwdgrstf(),
+        software: flags.sftrstf(),
+        pin: flags.pinrstf(),
     }
 }
 

@@ -1,4 +1,5 @@
 //! Drivers: one device each.
 
-pub(crate) mod flash_store;
+pub(crate) mod crash;
+pub(crate) mod flash;
 pub(crate) mod link;
