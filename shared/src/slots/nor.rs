@@ -57,7 +57,8 @@ impl Nor {
     fn scramble(&mut self, slot: usize, offset: usize, length: usize) {
         for place in offset..offset + length {
             // Knuth's MMIX generator.
-            self.noise = self.noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            self.noise =
+                self.noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             self.slots[slot][place] = (self.noise >> 56) as u8;
         }
         self.erased[slot][offset / WORD_BYTES..(offset + length) / WORD_BYTES].fill(false);
@@ -100,7 +101,10 @@ impl Flash for Nor {
 
     fn program(&mut self, slot: usize, offset: usize, word: [u8; WORD_BYTES]) -> Result<(), FlashError> {
         assert_eq!(offset % WORD_BYTES, 0, "only double words can be programmed");
-        assert!(!self.powered || self.erased[slot][offset / WORD_BYTES], "PROGERR at {offset} of slot {slot}");
+        assert!(
+            !self.powered || self.erased[slot][offset / WORD_BYTES],
+            "PROGERR at {offset} of slot {slot}"
+        );
         if self.operate(slot, offset, WORD_BYTES)? == Cut::After {
             self.slots[slot][offset..offset + WORD_BYTES].copy_from_slice(&word);
             self.erased[slot][offset / WORD_BYTES] = false;

@@ -10,7 +10,7 @@ const TEST_SLOT: usize = 3 * PAGE_BYTES;
 
 /// The small patch, made longer than a page by its matrix, and told from others by `seed`.
 fn patch(pixels_across: u8, seed: i16) -> Vec<u8> {
-    crate::patch::tests::patch_of_pixels(pixels_across, seed)
+    patch::tests::patch_of_pixels(pixels_across, seed)
 }
 
 fn open(nor: Nor) -> SlotStore<Nor> {
