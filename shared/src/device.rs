@@ -8,8 +8,8 @@ use crate::{
     patch::PatchView,
     pipeline::{self, Outcome, PipelineState},
     protocol::{
-        BoardPacket, Event, FrameSource, FrameStamp, Identity, Info, PROTOCOL_VERSION, PackedImage, PatchInfo,
-        Refusal, Reply, Request, RequestPacket, Selection, Version,
+        BoardPacket, Event, FrameSource, FrameStamp, Identity, Info, PROTOCOL_VERSION, PackedImage,
+        PatchInfo, Refusal, Reply, Request, RequestPacket, Selection, Version,
     },
     restart::Restart,
 };

@@ -61,11 +61,13 @@ fn panic(info: &PanicInfo<'_>) -> ! {
 }
 
 #[exception]
+#[allow(unsafe_code, reason = "an exception handler is declared unsafe")]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     end(format_args!("hard fault at {:#010x}, called from {:#010x}", frame.pc(), frame.lr()))
 }
 
 #[exception]
+#[allow(unsafe_code, reason = "an exception handler is declared unsafe")]
 unsafe fn DefaultHandler(interrupt: i16) {
     end(format_args!("interrupt {interrupt} has no handler"))
 }

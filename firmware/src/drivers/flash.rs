@@ -78,6 +78,7 @@ fn done(result: Result<(), embassy_stm32::flash::Error>) -> Result<(), FlashErro
 }
 
 #[exception]
+#[allow(unsafe_code, reason = "an exception handler is declared unsafe")]
 unsafe fn NonMaskableInt() {
     let errors = pac::FLASH.eccr();
     let found = errors.read();

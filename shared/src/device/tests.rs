@@ -35,7 +35,12 @@ impl PatchStore for Memory {
 
 fn facts(electrodes: u8) -> BoardFacts {
     let identity = Identity { board: "test".try_into().unwrap(), firmware: "0".try_into().unwrap() };
-    BoardFacts { identity, electrodes, frame_source: FrameSource::Synthetic, started_after: Restart::Watchdog }
+    BoardFacts {
+        identity,
+        electrodes,
+        frame_source: FrameSource::Synthetic,
+        started_after: Restart::Watchdog,
+    }
 }
 
 fn device() -> Device<Memory> {

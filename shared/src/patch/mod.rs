@@ -157,7 +157,8 @@ impl PatchContents<'_> {
 
     /// The header's length with the zeros that align the matrix.
     fn align_matrix(&self, header_bytes: usize) -> usize {
-        let tables = 4 * self.steps.len() + 2 * self.combination.len() + self.mask.len() + self.exponents.len();
+        let tables =
+            4 * self.steps.len() + 2 * self.combination.len() + self.mask.len() + self.exponents.len();
         let before = PREFIX_BYTES + tables;
         (before + header_bytes).next_multiple_of(MATRIX_ALIGNMENT) - before
     }
@@ -256,6 +257,18 @@ impl<'a> PatchView<'a> {
     #[must_use]
     pub fn mask(&self) -> &'a [u8] {
         self.mask
+    }
+
+    /// Exponents of the matrix' rows, `i8`: `[pixel]`.
+    #[must_use]
+    pub fn exponents(&self) -> &'a [u8] {
+        self.exponents
+    }
+
+    /// The matrix, little-endian `i16`: `[pixel][measurement]`.
+    #[must_use]
+    pub fn matrix(&self) -> &'a [u8] {
+        self.matrix
     }
 
     /// Rows of the matrix with their exponents: `[pixel]` of little-endian i16 `[measurement]`.
