@@ -14,61 +14,68 @@ use dermatome_shared::restart::ResetCauses;
 use embassy_stm32::{Config, Peri, bind_interrupts, dma, pac, peripherals, rcc, usart};
 
 /// What the board calls itself to a host.
-pub(crate) const NAME: &str = "nucleo-g474re";
+pub const NAME: &str = "nucleo-g474re";
 /// Electrodes its four 16:1 multiplexers switch.
-pub(crate) const ELECTRODES: u8 = 16;
+pub const ELECTRODES: u8 = 16;
 
 /// Bits per second on the link.
 ///
 /// LPUART1 divides 170 MHz by 21760 / 256: exactly this rate. Its own limit is a third of its clock,
 /// so the debug adapter is the slower of the two. The HSI adds up to 1 %, which 8 bits without
 /// parity tolerate.
-pub(crate) const LINK_BAUD: u32 = 2_000_000;
+pub const LINK_BAUD: u32 = 2_000_000;
 
 /// Where the first patch slot starts, bytes from the start of the flash; the second one follows.
-pub(crate) const SLOTS_OFFSET: usize = 128 * 1024;
+pub const SLOTS_OFFSET: usize = 128 * 1024;
 
 /// UART of the link.
-pub(crate) type LinkUart = peripherals::LPUART1;
+pub type LinkUart = peripherals::LPUART1;
 /// Pin the link sends on.
-pub(crate) type LinkTxPin = peripherals::PA2;
+pub type LinkTxPin = peripherals::PA2;
 /// Pin the link receives on.
-pub(crate) type LinkRxPin = peripherals::PA3;
+pub type LinkRxPin = peripherals::PA3;
 /// DMA channel that sends.
-pub(crate) type LinkTxDma = peripherals::DMA1_CH1;
+pub type LinkTxDma = peripherals::DMA1_CH1;
 /// DMA channel that receives.
-pub(crate) type LinkRxDma = peripherals::DMA1_CH2;
+pub type LinkRxDma = peripherals::DMA1_CH2;
 
 // Which interrupt calls which handler; a pair that does not belong together does not compile.
-bind_interrupts!(pub(crate) struct Interrupts {
+bind_interrupts!(
+    /// The board's interrupts, bound to their handlers.
+    pub struct Interrupts {
     LPUART1 => usart::InterruptHandler<LinkUart>;
     DMA1_CHANNEL1 => dma::InterruptHandler<LinkTxDma>;
     DMA1_CHANNEL2 => dma::InterruptHandler<LinkRxDma>;
 });
 
 /// The board's hardware, for the tasks to take.
-pub(crate) struct Board {
+pub struct Board {
     /// What the link is made of.
-    pub(crate) link: LinkParts,
+    pub link: LinkParts,
     /// The chip's flash.
-    pub(crate) flash: Peri<'static, peripherals::FLASH>,
+    pub flash: Peri<'static, peripherals::FLASH>,
     /// The watchdog.
-    pub(crate) watchdog: Peri<'static, peripherals::IWDG>,
+    pub watchdog: Peri<'static, peripherals::IWDG>,
     /// Why the chip started.
-    pub(crate) reset_causes: ResetCauses,
+    pub reset_causes: ResetCauses,
 }
 
 /// What the link is made of.
-pub(crate) struct LinkParts {
-    pub(crate) uart: Peri<'static, LinkUart>,
-    pub(crate) tx_pin: Peri<'static, LinkTxPin>,
-    pub(crate) rx_pin: Peri<'static, LinkRxPin>,
-    pub(crate) tx_dma: Peri<'static, LinkTxDma>,
-    pub(crate) rx_dma: Peri<'static, LinkRxDma>,
+pub struct LinkParts {
+    /// UART.
+    pub uart: Peri<'static, LinkUart>,
+    /// Pin that sends.
+    pub tx_pin: Peri<'static, LinkTxPin>,
+    /// Pin that receives.
+    pub rx_pin: Peri<'static, LinkRxPin>,
+    /// DMA channel that sends.
+    pub tx_dma: Peri<'static, LinkTxDma>,
+    /// DMA channel that receives.
+    pub rx_dma: Peri<'static, LinkRxDma>,
 }
 
 /// Starts the clocks and hands out the hardware. Can be called once.
-pub(crate) fn start() -> Board {
+pub fn start() -> Board {
     let mut config = Config::default();
     config.rcc = clocks();
     let chip = embassy_stm32::init(config);

@@ -1,17 +1,16 @@
 //! Firmware of Dermatome's sensor board: wiring, and nothing that `dermatome-shared` could hold.
 //!
-//! `board` names the hardware, `drivers` hold one device each, `tasks` join them to the shared
+//! The library of this package names the hardware and drives it; `tasks` join it to the shared
 //! `Device`. Three tasks share one executor: the link answers requests and sends events, the frames
 //! come from a task of their own, and the health task feeds the watchdog as long as all of them yield.
 #![no_std]
 #![no_main]
 
-mod board;
-mod drivers;
 mod tasks;
 
 use defmt::{Debug2Format, info};
 use defmt_rtt as _;
+use dermatome_firmware::{board, drivers};
 use dermatome_shared::restart::Restart;
 use embassy_executor::Spawner;
 

@@ -23,7 +23,7 @@ use heapless::String;
 static mut NOTE: MaybeUninit<CrashNote> = MaybeUninit::uninit();
 
 /// Takes the note of the crash that ended the last run, if that is how it ended.
-pub(crate) fn take_message() -> Option<String<MAX_CRASH_BYTES>> {
+pub fn take_message() -> Option<String<MAX_CRASH_BYTES>> {
     #[expect(unsafe_code, reason = "the note lies in uninitialised memory")]
     // SAFETY: a CrashNote is made of integers, and memory always holds some; volatile, so that the
     // compiler assumes nothing about it. Nobody else looks before the first crash.

@@ -28,13 +28,13 @@ use crate::board::SLOTS_OFFSET;
 const _: () = assert!(SLOTS_OFFSET + 2 * SLOT_BYTES <= FLASH_SIZE, "the slots fit the flash");
 
 /// The two slots in the chip's flash.
-pub(crate) struct SlotFlash {
+pub struct SlotFlash {
     flash: Flash<'static, Blocking>,
 }
 
 impl SlotFlash {
     /// The slots in `flash`.
-    pub(crate) fn new(flash: Peri<'static, peripherals::FLASH>) -> Self {
+    pub fn new(flash: Peri<'static, peripherals::FLASH>) -> Self {
         Self { flash: Flash::new_blocking(flash) }
     }
 }

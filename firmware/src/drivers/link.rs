@@ -20,28 +20,28 @@ use embassy_stm32::{
 use crate::board::{Interrupts, LINK_BAUD, LinkParts};
 
 /// Bytes in the receive ring.
-pub(crate) const RING_BYTES: usize = 8192;
+pub const RING_BYTES: usize = 8192;
 
 /// What links are opened from, one after the other.
-pub(crate) struct LinkPort {
+pub struct LinkPort {
     parts: LinkParts,
     ring: &'static mut [u8; RING_BYTES],
 }
 
 /// The sending half of an open link.
-pub(crate) struct LinkTx<'a>(UartTx<'a, Async>);
+pub struct LinkTx<'a>(UartTx<'a, Async>);
 
 /// The receiving half of an open link.
-pub(crate) struct LinkRx<'a>(RingBufferedUartRx<'a>);
+pub struct LinkRx<'a>(RingBufferedUartRx<'a>);
 
 impl LinkPort {
     /// A port on these parts.
-    pub(crate) fn new(parts: LinkParts, ring: &'static mut [u8; RING_BYTES]) -> Self {
+    pub fn new(parts: LinkParts, ring: &'static mut [u8; RING_BYTES]) -> Self {
         Self { parts, ring }
     }
 
     /// Sets up the hardware from reset.
-    pub(crate) fn open(&mut self) -> (LinkTx<'_>, LinkRx<'_>) {
+    pub fn open(&mut self) -> (LinkTx<'_>, LinkRx<'_>) {
         let parts = &mut self.parts;
         let uart = Uart::new(
             parts.uart.reborrow(),
@@ -61,14 +61,14 @@ impl LinkPort {
 
 impl LinkTx<'_> {
     /// Sends all bytes; the last few may still be on their way when it returns.
-    pub(crate) async fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {
+    pub async fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {
         self.0.write(bytes).await
     }
 }
 
 impl LinkRx<'_> {
     /// Waits for bytes and says how many came. After an error this link receives no more.
-    pub(crate) async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Error> {
+    pub async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Error> {
         self.0.read(bytes).await
     }
 }

@@ -1,5 +1,5 @@
 //! Drivers: one device each.
 
-pub(crate) mod crash;
-pub(crate) mod flash;
-pub(crate) mod link;
+pub mod crash;
+pub mod flash;
+pub mod link;

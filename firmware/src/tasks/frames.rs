@@ -4,12 +4,14 @@
 //! the patch's frame rate, only while a tare or a stream needs them. A frame that is late is not made
 //! up for. Events that do not fit the queue are dropped whole, and their numbers show the gap.
 
-use dermatome_shared::{device::Device, protocol::MAX_PACKET_BYTES, slots::SlotStore, synthetic};
+use dermatome_firmware::drivers::flash::SlotFlash;
+use dermatome_shared::{
+    device::Device, frame::Frame, protocol::MAX_PACKET_BYTES, slots::SlotStore, synthetic,
+};
 use embassy_time::{Duration, Instant, Timer};
 use static_cell::ConstStaticCell;
 
 use super::State;
-use crate::drivers::flash::SlotFlash;
 
 /// Which synthetic frames.
 const SEED: u32 = 1;
@@ -53,12 +55,7 @@ fn make_frame(state: &State, sequence: u32, scratch: &mut [u8]) -> bool {
     true
 }
 
-fn process(
-    device: &mut Device<SlotStore<SlotFlash>>,
-    frame: &dermatome_shared::frame::Frame,
-    state: &State,
-    scratch: &mut [u8],
-) {
+fn process(device: &mut Device<SlotStore<SlotFlash>>, frame: &Frame, state: &State, scratch: &mut [u8]) {
     let mut events = state.events.borrow_mut();
     device.process(frame, |packet| {
         if events.push(&packet, scratch).is_err() {

@@ -10,6 +10,10 @@
 use core::convert::Infallible;
 
 use defmt::{Debug2Format, warn};
+use dermatome_firmware::{
+    board::LinkParts,
+    drivers::link::{LinkPort, LinkRx, LinkTx, RING_BYTES},
+};
 use dermatome_shared::protocol::{self, MAX_PACKET_BYTES, PacketError, PacketReader, RequestPacket};
 use embassy_futures::{
     select::{Either, select},
@@ -21,10 +25,6 @@ use embassy_time::{Duration, Instant, Timer};
 use static_cell::{ConstStaticCell, StaticCell};
 
 use super::State;
-use crate::{
-    board::LinkParts,
-    drivers::link::{LinkPort, LinkRx, LinkTx, RING_BYTES},
-};
 
 /// How long a failed link rests: the last bytes leave the UART, and a line with endless errors
 /// cannot take the whole CPU.

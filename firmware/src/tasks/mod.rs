@@ -6,6 +6,7 @@ pub(crate) mod link;
 
 use core::cell::RefCell;
 
+use dermatome_firmware::{board, drivers::flash::SlotFlash};
 use dermatome_shared::{
     device::{BoardFacts, Device},
     protocol::{FrameSource, Identity, PacketQueue},
@@ -16,8 +17,6 @@ use embassy_stm32::{Peri, peripherals};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, signal::Signal};
 use heapless::String;
 use static_cell::{ConstStaticCell, StaticCell};
-
-use crate::{board, drivers::flash::SlotFlash};
 
 /// Bytes of events that wait for the link: some five full images.
 const EVENT_BYTES: usize = 12 * 1024;
