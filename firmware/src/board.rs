@@ -7,59 +7,80 @@
 //! | link          | LPUART1                     | the debug adapter's virtual COM port           |
 //! | link, pins    | PA2 sends, PA3 receives     | wired to the debug adapter on the NUCLEO board |
 //! | link, DMA     | DMA1 channels 1 and 2       | any channel can serve any request on this chip |
+//! | patch slots   | flash from 128 KiB on       | the firmware has the part before, see memory.x |
+//! | watchdog      | IWDG                        | its clock is its own                           |
 
-use embassy_stm32::{Config, Peri, bind_interrupts, dma, peripherals, rcc, usart};
+use dermatome_shared::restart::ResetCauses;
+use embassy_stm32::{Config, Peri, bind_interrupts, dma, pac, peripherals, rcc, usart};
 
 /// What the board calls itself to a host.
-pub(crate) const NAME: &str = "nucleo-g474re";
+pub const NAME: &str = "nucleo-g474re";
 /// Electrodes its four 16:1 multiplexers switch.
-pub(crate) const ELECTRODES: u8 = 16;
+pub const ELECTRODES: u8 = 16;
 
 /// Bits per second on the link.
 ///
-/// LPUART1 divides 170 MHz by 47222 / 256: 4 parts per million from this rate. Its own limit
-/// is a third of its clock, so the debug adapter is the slower of the two. The HSI adds up to 1 %,
-/// which 8 bits without parity tolerate.
-pub(crate) const LINK_BAUD: u32 = 921_600;
+/// LPUART1 divides 170 MHz by 21760 / 256: exactly this rate. Its own limit is a third of its clock,
+/// so the debug adapter is the slower of the two. The HSI adds up to 1 %, which 8 bits without
+/// parity tolerate.
+pub const LINK_BAUD: u32 = 2_000_000;
+
+/// Where the first patch slot starts, bytes from the start of the flash; the second one follows.
+pub const SLOTS_OFFSET: usize = 128 * 1024;
 
 /// UART of the link.
-pub(crate) type LinkUart = peripherals::LPUART1;
+pub type LinkUart = peripherals::LPUART1;
 /// Pin the link sends on.
-pub(crate) type LinkTxPin = peripherals::PA2;
+pub type LinkTxPin = peripherals::PA2;
 /// Pin the link receives on.
-pub(crate) type LinkRxPin = peripherals::PA3;
+pub type LinkRxPin = peripherals::PA3;
 /// DMA channel that sends.
-pub(crate) type LinkTxDma = peripherals::DMA1_CH1;
+pub type LinkTxDma = peripherals::DMA1_CH1;
 /// DMA channel that receives.
-pub(crate) type LinkRxDma = peripherals::DMA1_CH2;
+pub type LinkRxDma = peripherals::DMA1_CH2;
 
 // Which interrupt calls which handler; a pair that does not belong together does not compile.
-bind_interrupts!(pub(crate) struct Interrupts {
+bind_interrupts!(
+    /// The board's interrupts, bound to their handlers.
+    pub struct Interrupts {
     LPUART1 => usart::InterruptHandler<LinkUart>;
     DMA1_CHANNEL1 => dma::InterruptHandler<LinkTxDma>;
     DMA1_CHANNEL2 => dma::InterruptHandler<LinkRxDma>;
 });
 
 /// The board's hardware, for the tasks to take.
-pub(crate) struct Board {
+pub struct Board {
     /// What the link is made of.
-    pub(crate) link: LinkParts,
+    pub link: LinkParts,
+    /// The chip's flash.
+    pub flash: Peri<'static, peripherals::FLASH>,
+    /// The watchdog.
+    pub watchdog: Peri<'static, peripherals::IWDG>,
+    /// Why the chip started.
+    pub reset_causes: ResetCauses,
 }
 
 /// What the link is made of.
-pub(crate) struct LinkParts {
-    pub(crate) uart: Peri<'static, LinkUart>,
-    pub(crate) tx_pin: Peri<'static, LinkTxPin>,
-    pub(crate) rx_pin: Peri<'static, LinkRxPin>,
-    pub(crate) tx_dma: Peri<'static, LinkTxDma>,
-    pub(crate) rx_dma: Peri<'static, LinkRxDma>,
+pub struct LinkParts {
+    /// UART.
+    pub uart: Peri<'static, LinkUart>,
+    /// Pin that sends.
+    pub tx_pin: Peri<'static, LinkTxPin>,
+    /// Pin that receives.
+    pub rx_pin: Peri<'static, LinkRxPin>,
+    /// DMA channel that sends.
+    pub tx_dma: Peri<'static, LinkTxDma>,
+    /// DMA channel that receives.
+    pub rx_dma: Peri<'static, LinkRxDma>,
 }
 
 /// Starts the clocks and hands out the hardware. Can be called once.
-pub(crate) fn start() -> Board {
+pub fn start() -> Board {
     let mut config = Config::default();
     config.rcc = clocks();
     let chip = embassy_stm32::init(config);
+    // While a debug probe holds the core, nobody can feed the watchdog.
+    pac::DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
     Board {
         link: LinkParts {
             uart: chip.LPUART1,
@@ -68,6 +89,21 @@ pub(crate) fn start() -> Board {
             tx_dma: chip.DMA1_CH1,
             rx_dma: chip.DMA1_CH2,
         },
+        flash: chip.FLASH,
+        watchdog: chip.IWDG,
+        reset_causes: take_reset_causes(),
+    }
+}
+
+/// Reads why the chip started, and clears it for the next time.
+fn take_reset_causes() -> ResetCauses {
+    let flags = pac::RCC.csr().read();
+    pac::RCC.csr().modify(|w| w.set_rmvf(true));
+    ResetCauses {
+        power: flags.borrstf(),
+        watchdog: flags.iwdgrstf(),
+        software: flags.sftrstf(),
+        pin: flags.pinrstf(),
     }
 }
 

@@ -9,9 +9,12 @@ use dermatome::{
     skin::Skin,
 };
 use dermatome_shared::{
-    device::{Device, PatchStore, StoreError},
+    device::{BoardFacts, Device, PatchStore, StoreError},
     frame::Frame,
-    protocol::{BoardPacket, Identity, MAX_PACKET_BYTES, Request, RequestPacket, Selection, encode},
+    protocol::{
+        BoardPacket, FrameSource, Identity, MAX_PACKET_BYTES, Request, RequestPacket, Selection, encode,
+    },
+    restart::Restart,
 };
 use divan::{Bencher, black_box, counter::ItemsCount};
 use std::path::Path;
@@ -59,10 +62,12 @@ fn device(selection: Selection) -> (Device<Fixed>, Frame) {
         ..Frame::default()
     };
     let identity = Identity { board: Default::default(), firmware: Default::default() };
-    let mut device = Device::new(identity, 16, Fixed(patch));
-    device.handle(&RequestPacket { sequence: 1, request: Request::Tare { frames: 1 } });
+    let (frame_source, started_after) = (FrameSource::Simulated, Restart::PowerOn);
+    let facts = BoardFacts { identity, electrodes: 16, frame_source, started_after };
+    let mut device = Device::new(facts, Fixed(patch));
+    device.handle(&RequestPacket { sequence: 1, request: Request::Tare { frames: 1 } }, 0);
     device.process(&frame(None), |_| ());
-    device.handle(&RequestPacket { sequence: 2, request: Request::Stream(selection) });
+    device.handle(&RequestPacket { sequence: 2, request: Request::Stream(selection) }, 0);
     (device, frame(Some(1.0)))
 }
 

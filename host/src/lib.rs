@@ -2,6 +2,7 @@
 //!
 //! Data flows one way: [`skin`] file -> [`mesh`] -> [`forward`] model -> [`jacobian`] -> [`inverse`]
 //! (reconstruction matrix) -> [`quantize`] (patch) -> [`link`] -> [`board`] -> image -> contacts.
+#![forbid(unsafe_code)]
 
 pub mod board;
 pub mod cli;

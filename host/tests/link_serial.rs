@@ -60,7 +60,7 @@ fn upload_tare_and_stream_work_over_a_serial_port() {
 #[test]
 fn a_serial_port_that_another_program_holds_is_in_use() {
     let (_near, _far, port) = cable();
-    let _held = serialport::new(port.to_string(), 921_600).open().unwrap();
+    let _held = serialport::new(port.to_string(), 2_000_000).open().unwrap();
     let error = link::open(&port).map(drop).unwrap_err();
     assert!(matches!(error, LinkError::InUse { .. }), "{error}");
     assert!(error.to_string().contains(&port.to_string()), "{error}");

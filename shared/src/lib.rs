@@ -25,7 +25,10 @@ pub mod pipeline;
 pub mod protocol;
 pub mod reconstruct;
 pub mod reference;
+pub mod restart;
+pub mod slots;
 pub mod stimulation;
+pub mod synthetic;
 pub mod units;
 
 /// Most electrodes a board can switch: one nibble of the multiplexer word each.
@@ -40,5 +43,5 @@ pub const MAX_PIXELS: usize = 1024;
 pub const MAX_GRID_SIDE: usize = 64;
 /// Most contacts reported for one image.
 pub const MAX_CONTACTS: usize = 8;
-/// Longest patch a board can hold, bytes: one of its two flash slots.
-pub const MAX_PATCH_BYTES: usize = 192 * 1024;
+/// Longest patch a board can hold, bytes: one of its two flash slots, without the record of its commit.
+pub const MAX_PATCH_BYTES: usize = slots::SLOT_BYTES - slots::RECORD_BYTES;

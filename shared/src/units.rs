@@ -14,6 +14,7 @@ pub struct AdcCode(pub i32);
 /// Range +-2048 (a skin that conducts 2048 times better), step 9.5e-7. A press that raises the
 /// conductivity by 10 % over the whole skin reads 104,858.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, Schema)]
+#[repr(transparent)]
 pub struct RelativeConductivity(pub i32);
 
 impl RelativeConductivity {

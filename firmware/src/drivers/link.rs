@@ -2,13 +2,14 @@
 //!
 //! Receiving: each byte makes the UART ask its DMA channel, which writes it into a ring that it
 //! fills for ever. The reader wakes when the line falls idle, which is the end of a packet, and
-//! when the ring is half full or full. While the CPU is busy the ring holds 11 ms of bytes.
+//! when the ring is half full or full. The ring holds 40 ms of bytes, more than the CPU is ever busy
+//! with the flash.
 //! Sending: one DMA transfer per packet.
 //!
 //! After any error on the line the UART driver stops the ring. Starting it again would resume a
 //! paused DMA channel, which this chip does not support (RM0440, "Suspend and resume a channel"):
-//! the ring could then be out of step with the DMA for ever. So the owner drops the [`Link`] and
-//! opens a new one from its [`LinkPort`], which sets up UART and DMA from reset.
+//! the ring could then be out of step with the DMA for ever. So the owner drops both halves
+//! and opens the link anew from its [`LinkPort`], which sets up UART and DMA from reset.
 
 use embassy_stm32::{
     gpio::Pull,
@@ -19,28 +20,28 @@ use embassy_stm32::{
 use crate::board::{Interrupts, LINK_BAUD, LinkParts};
 
 /// Bytes in the receive ring.
-pub(crate) const RING_BYTES: usize = 1024;
+pub const RING_BYTES: usize = 8192;
 
 /// What links are opened from, one after the other.
-pub(crate) struct LinkPort {
+pub struct LinkPort {
     parts: LinkParts,
     ring: &'static mut [u8; RING_BYTES],
 }
 
-/// An open link.
-pub(crate) struct Link<'a> {
-    tx: UartTx<'a, Async>,
-    rx: RingBufferedUartRx<'a>,
-}
+/// The sending half of an open link.
+pub struct LinkTx<'a>(UartTx<'a, Async>);
+
+/// The receiving half of an open link.
+pub struct LinkRx<'a>(RingBufferedUartRx<'a>);
 
 impl LinkPort {
     /// A port on these parts.
-    pub(crate) fn new(parts: LinkParts, ring: &'static mut [u8; RING_BYTES]) -> Self {
+    pub fn new(parts: LinkParts, ring: &'static mut [u8; RING_BYTES]) -> Self {
         Self { parts, ring }
     }
 
     /// Sets up the hardware from reset.
-    pub(crate) fn open(&mut self) -> Link<'_> {
+    pub fn open(&mut self) -> (LinkTx<'_>, LinkRx<'_>) {
         let parts = &mut self.parts;
         let uart = Uart::new(
             parts.uart.reborrow(),
@@ -51,22 +52,24 @@ impl LinkPort {
             Interrupts,
             config(),
         );
-        let (tx, rx) = defmt::expect!(uart, "LPUART1 can do LINK_BAUD").split();
+        let (tx, rx) = uart.expect("LPUART1 can do LINK_BAUD").split();
         let mut rx = rx.into_ring_buffered(self.ring);
         rx.start_uart();
-        Link { tx, rx }
+        (LinkTx(tx), LinkRx(rx))
     }
 }
 
-impl Link<'_> {
-    /// Waits for bytes and says how many came. After an error this link receives no more.
-    pub(crate) async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Error> {
-        self.rx.read(bytes).await
+impl LinkTx<'_> {
+    /// Sends all bytes; the last few may still be on their way when it returns.
+    pub async fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        self.0.write(bytes).await
     }
+}
 
-    /// Sends all bytes.
-    pub(crate) async fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {
-        self.tx.write(bytes).await
+impl LinkRx<'_> {
+    /// Waits for bytes and says how many came. After an error this link receives no more.
+    pub async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Error> {
+        self.0.read(bytes).await
     }
 }
 

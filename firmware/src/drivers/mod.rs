@@ -1,4 +1,5 @@
 //! Drivers: one device each.
 
-pub(crate) mod flash_store;
-pub(crate) mod link;
+pub mod crash;
+pub mod flash;
+pub mod link;

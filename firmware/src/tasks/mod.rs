@@ -1,3 +1,66 @@
 //! Tasks: each joins drivers to the shared code, and runs for ever.
 
+pub(crate) mod frames;
+pub(crate) mod health;
 pub(crate) mod link;
+
+use core::cell::RefCell;
+
+use dermatome_firmware::{board, drivers::flash::SlotFlash};
+use dermatome_shared::{
+    device::{BoardFacts, Device},
+    protocol::{FrameSource, Identity, PacketQueue},
+    restart::Restart,
+    slots::SlotStore,
+};
+use embassy_stm32::{Peri, peripherals};
+use embassy_sync::{blocking_mutex::raw::NoopRawMutex, signal::Signal};
+use heapless::String;
+use static_cell::{ConstStaticCell, StaticCell};
+
+/// Bytes of events that wait for the link: some five full images.
+const EVENT_BYTES: usize = 12 * 1024;
+
+/// Events that wait for the link.
+pub(crate) type Events = PacketQueue<EVENT_BYTES>;
+
+/// What the tasks share. All run on one executor, and none holds a borrow while it waits.
+pub(crate) struct State {
+    /// The board's state machine.
+    device: RefCell<Device<SlotStore<SlotFlash>>>,
+    /// Its events.
+    events: &'static RefCell<Events>,
+    /// A request was answered: frames may be needed now.
+    answered: Signal<NoopRawMutex, ()>,
+    /// An event was queued.
+    queued: Signal<NoopRawMutex, ()>,
+}
+
+impl State {
+    /// The one state, with the patch that the flash holds. Can be called once.
+    pub(crate) fn take(flash: Peri<'static, peripherals::FLASH>, started_after: Restart) -> &'static Self {
+        static STATE: StaticCell<State> = StaticCell::new();
+        static EVENTS: ConstStaticCell<RefCell<Events>> = ConstStaticCell::new(RefCell::new(Events::new()));
+        STATE.init_with(|| Self {
+            device: RefCell::new(Device::new(facts(started_after), SlotStore::open(SlotFlash::new(flash)))),
+            events: EVENTS.take(),
+            answered: Signal::new(),
+            queued: Signal::new(),
+        })
+    }
+}
+
+fn facts(started_after: Restart) -> BoardFacts {
+    let identity = Identity { board: text(board::NAME), firmware: text(env!("CARGO_PKG_VERSION")) };
+    BoardFacts {
+        identity,
+        electrodes: board::ELECTRODES,
+        frame_source: FrameSource::Synthetic,
+        started_after,
+    }
+}
+
+/// A text known at build time, in the protocol's form.
+fn text<const N: usize>(text: &str) -> String<N> {
+    text.try_into().expect("names and versions fit their fields")
+}

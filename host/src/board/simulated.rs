@@ -14,10 +14,11 @@ use super::{
 };
 use dermatome_shared::{
     MAX_ELECTRODES,
-    device::{Device, PatchStore},
+    device::{BoardFacts, Device, PatchStore},
     frame::{Frame, FrameFlags},
     patch::PatchView,
-    protocol::{Identity, Request, RequestPacket, Selection},
+    protocol::{self, Identity, Request, RequestPacket, Selection},
+    restart::Restart,
     stimulation::Step,
     units::AdcCode,
 };
@@ -159,10 +160,11 @@ impl SimulatedBoard {
         let address = listener.local_addr().map_err(|reason| listen_error(options.listen, reason))?;
         let stop = Arc::new(AtomicBool::new(false));
         let worker = Worker {
-            device: Device::new(identity(), options.electrodes, store),
+            device: Device::new(facts(options.electrodes), store),
             source: Box::new(source),
             pace: options.pace,
             stop: stop.clone(),
+            started: Instant::now(),
             sequence: 0,
             board_time: 0.0,
             script_frame: 0,
@@ -229,10 +231,16 @@ fn listen_error(address: SocketAddr, reason: io::Error) -> BoardError {
 }
 
 /// Names too long for their field come out empty; these two are not.
-fn identity() -> Identity {
-    Identity {
+fn facts(electrodes: u8) -> BoardFacts {
+    let identity = Identity {
         board: "simulated".try_into().unwrap_or_default(),
         firmware: env!("CARGO_PKG_VERSION").try_into().unwrap_or_default(),
+    };
+    BoardFacts {
+        identity,
+        electrodes,
+        frame_source: protocol::FrameSource::Simulated,
+        started_after: Restart::PowerOn,
     }
 }
 
@@ -242,6 +250,7 @@ struct Worker {
     source: Box<dyn FrameSource>,
     pace: Pace,
     stop: Arc<AtomicBool>,
+    started: Instant,
     /// Number of the next frame.
     sequence: u32,
     /// Time scanned since the board started, s.
@@ -280,15 +289,10 @@ impl Worker {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// Whether anything uses a frame: there is a tare or a stream under way.
-    fn needs_frames(&self) -> bool {
-        self.device.pipeline().is_taring() || self.device.streaming().any()
-    }
-
     /// How long to wait for a request before the next frame. `due` is when that frame is complete:
     /// the first one a period after it is needed.
     fn time_to_wait(&self, client: &Client, due: &mut Option<Instant>) -> Duration {
-        if !self.needs_frames() {
+        if !self.device.needs_frames() {
             *due = None;
             return STOP_INTERVAL;
         }
@@ -300,7 +304,7 @@ impl Worker {
     }
 
     fn may_scan(&self, client: &Client, due: Option<Instant>) -> bool {
-        self.needs_frames()
+        self.device.needs_frames()
             && match self.pace {
                 Pace::Unpaced => client.has_room(),
                 Pace::FrameRate => due.is_some_and(|due| due <= Instant::now()),
@@ -344,7 +348,8 @@ impl Worker {
 
     fn answer(&mut self, client: &Client, packet: &RequestPacket) {
         let was_streaming = self.device.streaming().any();
-        client.send(&self.device.handle(packet));
+        client.send(&self.device.handle(packet, self.uptime_ms()));
+        self.device.settle();
         if !was_streaming {
             self.script_frame = 0;
         }
@@ -354,8 +359,12 @@ impl Worker {
     fn end_stream_if_over(&mut self) {
         if self.frames_left == Some(0) && self.device.streaming().any() {
             let request = Request::Stream(Selection::default());
-            let _ = self.device.handle(&RequestPacket { sequence: 0, request });
+            let _ = self.device.handle(&RequestPacket { sequence: 0, request }, self.uptime_ms());
         }
+    }
+
+    fn uptime_ms(&self) -> u64 {
+        self.started.elapsed().as_millis().try_into().unwrap_or(u64::MAX)
     }
 
     /// Time between frames, as the patch has it.

@@ -1,14 +1,23 @@
 //! `dermatome devices`.
 
-use crate::board::{SerialPort, serial_ports};
+use crate::{
+    board::{SerialPort, serial_ports},
+    link::{self, Link, Port},
+};
+use dermatome_shared::protocol::{FrameSource, Info};
 use serde::Serialize;
+use std::time::Duration;
 
-/// List the serial ports of this machine, likely boards first.
+/// List the serial ports of this machine, likely boards first, or ask one board what it is and holds.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     dermatome devices\n  \
-    dermatome devices --json devices.json")]
+    dermatome devices --json devices.json\n  \
+    dermatome devices --port /dev/ttyACM0")]
 pub(super) struct Args {
+    /// Board to ask, instead of a list: /dev/ttyACM0, COM5, tcp:HOST:PORT or sim:SKIN.toml.
+    #[arg(long)]
+    port: Option<Port>,
     #[command(flatten)]
     json: super::JsonReport,
 }
@@ -18,7 +27,30 @@ struct Report<'a> {
     ports: &'a [SerialPort],
 }
 
+/// What a board is, holds and does.
+#[derive(Serialize)]
+struct BoardAnswer<'a> {
+    port: &'a str,
+    board: &'a str,
+    firmware: &'a str,
+    electrodes: u8,
+    frame_source: &'static str,
+    started_after: String,
+    uptime_s: f64,
+    patch_crc: Option<String>,
+    skin: Option<&'a str>,
+    tared: bool,
+    streaming: bool,
+}
+
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    match &args.port {
+        Some(port) => ask(args, port),
+        None => list(args),
+    }
+}
+
+fn list(args: &Args) -> anyhow::Result<()> {
     let ports = serial_ports()?;
     if ports.is_empty() {
         say!("no serial ports found");
@@ -27,6 +59,60 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         say!("{}", line(port));
     }
     args.json.write(&Report { ports: &ports })
+}
+
+fn ask(args: &Args, port: &Port) -> anyhow::Result<()> {
+    let mut link = link::open(port)?;
+    let info = link.info()?;
+    let answer = BoardAnswer::new(&link, &info);
+    for line in answer.lines() {
+        say!("{line}");
+    }
+    args.json.write(&answer)
+}
+
+impl<'a> BoardAnswer<'a> {
+    fn new(link: &'a Link, info: &'a Info) -> Self {
+        let (identity, patch) = (link.identity(), info.patch.as_ref());
+        Self {
+            port: link.port(),
+            board: &identity.board,
+            firmware: &identity.firmware,
+            electrodes: info.electrodes,
+            frame_source: source(info.frame_source),
+            started_after: info.started_after.to_string(),
+            uptime_s: Duration::from_millis(info.uptime_ms).as_secs_f64(),
+            patch_crc: patch.map(|patch| super::patch_id(patch.crc)),
+            skin: patch.map(|patch| patch.skin.as_str()),
+            tared: info.tared,
+            streaming: info.streaming.any(),
+        }
+    }
+
+    fn lines(&self) -> Vec<String> {
+        let patch = match (self.skin, &self.patch_crc) {
+            (Some(skin), Some(crc)) => {
+                format!("`{skin}` (id {crc}), {}tared", if self.tared { "" } else { "not " })
+            }
+            _ => "none (send one with `dermatome flash`)".to_owned(),
+        };
+        vec![
+            format!("{} at {}, firmware {}", self.board, self.port, self.firmware),
+            format!("electrodes  {}", self.electrodes),
+            format!("frames      {}", self.frame_source),
+            format!("started     {:.1} s ago, after {}", self.uptime_s, self.started_after),
+            format!("patch       {patch}"),
+        ]
+    }
+}
+
+/// Where frames come from, in words.
+fn source(source: FrameSource) -> &'static str {
+    match source {
+        FrameSource::Skin => "measured on its skin",
+        FrameSource::Simulated => "computed from a simulated skin",
+        FrameSource::Synthetic => "synthetic: numbers without meaning, for this board cannot measure yet",
+    }
 }
 
 fn line(port: &SerialPort) -> String {

@@ -12,7 +12,7 @@ use std::{
 /// Longest that one read waits for bytes.
 pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(20);
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
-const BAUD: u32 = 921_600;
+const BAUD: u32 = 2_000_000;
 
 /// A stream of bytes both ways.
 ///
@@ -23,7 +23,7 @@ pub trait Transport: Read + Write + Send {}
 impl Transport for TcpStream {}
 impl Transport for Box<dyn SerialPort> {}
 
-/// Opens a serial port at 921,600 baud, 8N1, for this program alone.
+/// Opens a serial port at 2,000,000 baud, 8N1, for this program alone.
 pub(super) fn open_serial(name: &str) -> Result<Box<dyn SerialPort>, LinkError> {
     let port = serialport::new(name, BAUD).timeout(READ_TIMEOUT).open();
     let port = port.map_err(|error| LinkError::on_open(name, reason(name, error)))?;

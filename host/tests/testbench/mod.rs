@@ -9,9 +9,10 @@ use dermatome_shared::{
     image::PixelGrid,
     patch::{CombinedInto, Difference, Drive, PatchContents, PatchHeader},
     protocol::{
-        BoardPacket, Identity, Info, MAX_PACKET_BYTES, PacketReader, Reply, Request, RequestPacket,
+        self, BoardPacket, Identity, Info, MAX_PACKET_BYTES, PacketReader, Reply, Request, RequestPacket,
         Selection, Version, encode,
     },
+    restart::Restart,
     stimulation::{Driven, Step, pattern},
     units::{AdcCode, RelativeConductivity},
 };
@@ -154,6 +155,14 @@ pub(crate) fn hello(version: Version) -> Reply {
 
 /// What a fake board says to Info.
 pub(crate) fn info(electrodes: u8, max_patch_bytes: u32) -> Reply {
-    let streaming = Selection::default();
-    Reply::Info(Info { electrodes, max_patch_bytes, patch: None, tared: false, streaming })
+    Reply::Info(Info {
+        electrodes,
+        max_patch_bytes,
+        frame_source: protocol::FrameSource::Skin,
+        started_after: Restart::PowerOn,
+        uptime_ms: 1,
+        patch: None,
+        tared: false,
+        streaming: Selection::default(),
+    })
 }

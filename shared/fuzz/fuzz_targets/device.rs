@@ -4,9 +4,12 @@
 
 use arbitrary::Arbitrary;
 use dermatome_shared::{
-    device::{Device, PatchStore, StoreError},
+    device::{BoardFacts, Device, PatchStore, StoreError},
     patch::PatchView,
-    protocol::{BoardPacket, Identity, MAX_CHUNK_BYTES, Reply, Request, RequestPacket, Selection, Version},
+    protocol::{
+        BoardPacket, FrameSource, Identity, MAX_CHUNK_BYTES, Reply, Request, RequestPacket, Selection, Version,
+    },
+    restart::Restart,
 };
 use dermatome_shared_fuzz::{damage, frame, small_patch};
 use libfuzzer_sys::fuzz_target;
@@ -106,12 +109,14 @@ impl Bench {
     fn new(electrodes: u8, stored: Option<Vec<u8>>, writes_left: u16) -> Self {
         let identity = Identity { board: "fuzz".try_into().unwrap(), firmware: "0".try_into().unwrap() };
         let store = Memory { active: stored, staged: Vec::new(), writes_left };
-        Self { device: Device::new(identity, electrodes, store), requests: 0, frames: 0, events: 0 }
+        let (frame_source, started_after) = (FrameSource::Synthetic, Restart::PowerOn);
+        let facts = BoardFacts { identity, electrodes, frame_source, started_after };
+        Self { device: Device::new(facts, store), requests: 0, frames: 0, events: 0 }
     }
 
     fn ask(&mut self, request: Request) -> Reply {
         self.requests = self.requests.wrapping_add(1);
-        match self.device.handle(&RequestPacket { sequence: self.requests, request }) {
+        match self.device.handle(&RequestPacket { sequence: self.requests, request }, 0) {
             BoardPacket::Reply { sequence, reply } if sequence == self.requests => reply,
             other => panic!("no answer to request {}: {other:?}", self.requests),
         }

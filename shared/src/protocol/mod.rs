@@ -8,8 +8,10 @@
 //! a running number of their own, so that a lost event shows as a gap.
 
 mod packet;
+mod queue;
 
 pub use packet::{PacketError, PacketReader, decode, encode};
+pub use queue::PacketQueue;
 
 use crate::{
     MAX_MEASUREMENTS, MAX_PIXELS, MAX_STEPS,
@@ -17,6 +19,7 @@ use crate::{
     frame::FrameFlags,
     image::{Geometry, Image},
     patch::Drive,
+    restart::Restart,
     units::{AdcCode, RelativeConductivity},
 };
 use heapless::{String, Vec};
@@ -24,7 +27,7 @@ use postcard_schema::{Schema, key::hash::fnv1a64};
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages below. Grows with every incompatible change.
-pub const PROTOCOL_VERSION: u16 = 1;
+pub const PROTOCOL_VERSION: u16 = 2;
 /// Longest packet on the wire, with its framing, bytes.
 pub const MAX_PACKET_BYTES: usize = 4096;
 /// Longest piece of a patch in one request, bytes.
@@ -188,12 +191,29 @@ pub struct Info {
     pub electrodes: u8,
     /// Longest patch it can store, bytes.
     pub max_patch_bytes: u32,
+    /// Where its frames come from.
+    pub frame_source: FrameSource,
+    /// Why it started last.
+    pub started_after: Restart,
+    /// How long ago it started, milliseconds.
+    pub uptime_ms: u64,
     /// The patch in use.
     pub patch: Option<PatchInfo>,
     /// Whether there is a reference, so that images can be made.
     pub tared: bool,
     /// Events being streamed.
     pub streaming: Selection,
+}
+
+/// Where a board's frames come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub enum FrameSource {
+    /// Measured on a skin.
+    Skin,
+    /// Computed from a simulated skin.
+    Simulated,
+    /// Numbers without meaning: the board cannot measure yet. See [`crate::synthetic`].
+    Synthetic,
 }
 
 /// The patch a board uses.

@@ -11,17 +11,39 @@
 //! ```
 //!
 //! from rounding the coefficients, the data, and the result.
+//!
+//! [`portable`] runs everywhere. With the feature `dsp`, a Cortex-M that has the DSP instructions runs the
+//! kernel in `kernel.rs` instead, which gives the same bits.
+
+#[cfg(all(target_arch = "arm", feature = "dsp"))]
+mod kernel;
 
 use crate::{image::Image, patch::PatchView, reference::DifferenceData, units::RelativeConductivity};
 
 /// Applies the patch's matrix: `image[pixel] = sum over measurements of matrix * difference`.
+// Never inlined, so that a test can find it in the firmware's ELF and count its instructions.
+#[inline(never)]
 pub fn reconstruct(patch: &PatchView<'_>, difference: &DifferenceData, image: &mut Image) {
+    #[cfg(all(target_arch = "arm", feature = "dsp"))]
+    if kernel::apply(patch, difference, image).is_some() {
+        return;
+    }
+    portable(patch, difference, image);
+}
+
+/// As [`reconstruct`], in plain Rust.
+pub fn portable(patch: &PatchView<'_>, difference: &DifferenceData, image: &mut Image) {
     image.clear();
     for (row, exponent) in patch.rows() {
-        let shift = i32::from(exponent) + difference.exponent - RelativeConductivity::FRACTION_BITS;
+        let shift = i32::from(exponent) + frame_shift(difference);
         let value = shift_right_rounded(dot(row, &difference.codes), shift);
         let _ = image.push(RelativeConductivity(value));
     }
+}
+
+/// What the data's exponent and the image's steps add to the shift of every row.
+fn frame_shift(difference: &DifferenceData) -> i32 {
+    difference.exponent - RelativeConductivity::FRACTION_BITS
 }
 
 /// Exact product of one matrix row (little-endian i16) and the data.

@@ -1,0 +1,93 @@
+//! Measures the reconstruction on a real board: cycles of the core for one image, wait states of the
+//! flash included. **It awaits its first board**; an emulator counts instructions, not cycles.
+//!
+//! It uses the patch that the board holds, so send one first (`dermatome flash`). Then, in `firmware`:
+//!
+//!     cargo run --release --bin kernel_cycles
+//!
+//! It prints the fewest and the most cycles of 20 images, for the kernel and for the portable code, and
+//! whether both gave the same bits. It changes nothing in the patch slots; afterwards program the
+//! firmware again.
+#![no_std]
+#![no_main]
+
+use cortex_m::{Peripherals, asm, peripheral::DWT};
+use cortex_m_rt::entry;
+use defmt::info;
+use defmt_rtt as _;
+use dermatome_firmware::{board, drivers::flash::SlotFlash};
+use dermatome_shared::{
+    device::PatchStore, image::Image, patch::PatchView, reconstruct, reference::DifferenceData,
+    slots::SlotStore, synthetic,
+};
+
+const IMAGES: u32 = 20;
+
+#[entry]
+fn main() -> ! {
+    let board = board::start();
+    let store = SlotStore::open(SlotFlash::new(board.flash));
+    let mut core = Peripherals::take().expect("taken once");
+    core.DCB.enable_trace();
+    core.DWT.enable_cycle_counter();
+    match store.active().map(PatchView::open) {
+        Some(Ok(patch)) => measure(&patch),
+        _ => info!("the board holds no patch: send one with `dermatome flash`, then run this again"),
+    }
+    loop {
+        asm::bkpt();
+    }
+}
+
+fn measure(patch: &PatchView<'_>) {
+    let products = u32::from(patch.header.pixels) * u32::from(patch.header.measurements);
+    info!("{} pixels x {} measurements", patch.header.pixels, patch.header.measurements);
+    let (mut image, mut portable_image) = (Image::new(), Image::new());
+    let (mut kernel, mut portable) = (Span::new(), Span::new());
+    let mut same = true;
+    for sequence in 0..IMAGES {
+        let data = difference(patch, sequence);
+        kernel.time(|| reconstruct::reconstruct(patch, &data, &mut image));
+        portable.time(|| reconstruct::portable(patch, &data, &mut portable_image));
+        same &= image == portable_image;
+    }
+    kernel.print("kernel", products);
+    portable.print("portable", products);
+    info!("same bits: {}", same);
+}
+
+/// Data of any values, as many as the patch has measurements.
+fn difference(patch: &PatchView<'_>, sequence: u32) -> DifferenceData {
+    let frame = synthetic::frame(1, sequence, 0, patch.steps());
+    let codes = frame.codes.iter().take(patch.header.measurements.into());
+    let relative: heapless::Vec<f32, { dermatome_shared::MAX_MEASUREMENTS }> =
+        codes.map(|code| code.0 as f32 / 65_536.0).collect();
+    let mut data = DifferenceData::default();
+    data.quantise(&relative);
+    data
+}
+
+/// Fewest and most cycles of a piece of work.
+struct Span {
+    least: u32,
+    most: u32,
+}
+
+impl Span {
+    fn new() -> Self {
+        Self { least: u32::MAX, most: 0 }
+    }
+
+    fn time(&mut self, work: impl FnOnce()) {
+        let start = DWT::cycle_count();
+        work();
+        let cycles = DWT::cycle_count().wrapping_sub(start);
+        self.least = self.least.min(cycles);
+        self.most = self.most.max(cycles);
+    }
+
+    fn print(&self, what: &str, products: u32) {
+        let each = self.least as f32 / products as f32;
+        info!("{}: {} to {} cycles, {} for each product", what, self.least, self.most, each);
+    }
+}

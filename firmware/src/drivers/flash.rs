@@ -1,0 +1,89 @@
+//! Flash: the two patch slots behind the firmware, and what to do about flash that reads badly.
+//!
+//! The flash has two banks of 256 KiB, with pages of 2 KiB. The first slot has its first half in the
+//! bank that the firmware runs from: while that half is erased or programmed, the core waits with its
+//! next instruction that is not cached. Interrupts stay on all the time; the DMA of the link needs
+//! none of it.
+//!
+//! A double word that lost its power while it was programmed can hold more wrong bits than its ECC can
+//! correct. The chip then raises the NMI at every read of it, and the read goes on with whatever the
+//! cells hold (RM0440, "Error code correction"). [`SlotStore`](dermatome_shared::slots::SlotStore)
+//! checks all it reads, so the handler only clears the flag.
+
+use core::{
+    slice,
+    sync::atomic::{Ordering, compiler_fence},
+};
+
+use cortex_m_rt::exception;
+use dermatome_shared::slots::{self, FlashError, PAGE_BYTES, SLOT_BYTES, WORD_BYTES};
+use embassy_stm32::{
+    Peri,
+    flash::{Blocking, FLASH_BASE, FLASH_SIZE, Flash},
+    pac, peripherals,
+};
+
+use crate::board::SLOTS_OFFSET;
+
+const _: () = assert!(SLOTS_OFFSET + 2 * SLOT_BYTES <= FLASH_SIZE, "the slots fit the flash");
+
+/// The two slots in the chip's flash.
+pub struct SlotFlash {
+    flash: Flash<'static, Blocking>,
+}
+
+impl SlotFlash {
+    /// The slots in `flash`.
+    pub fn new(flash: Peri<'static, peripherals::FLASH>) -> Self {
+        Self { flash: Flash::new_blocking(flash) }
+    }
+}
+
+impl slots::Flash for SlotFlash {
+    fn slot(&self, slot: usize) -> &[u8] {
+        let address = FLASH_BASE + offset_of(slot);
+        #[expect(unsafe_code, reason = "a slot is read in place")]
+        // SAFETY: these bytes are flash, always readable, and hold nothing but slots (checked above and by
+        // the linker, which has only the flash before them). They change through `&mut self` alone.
+        unsafe {
+            slice::from_raw_parts(address as *const u8, SLOT_BYTES)
+        }
+    }
+
+    fn erase(&mut self, slot: usize, page: usize) -> Result<(), FlashError> {
+        let start = (offset_of(slot) + page * PAGE_BYTES) as u32;
+        let result = self.flash.blocking_erase(start, start + PAGE_BYTES as u32);
+        done(result)
+    }
+
+    fn program(&mut self, slot: usize, offset: usize, word: [u8; WORD_BYTES]) -> Result<(), FlashError> {
+        let result = self.flash.blocking_write((offset_of(slot) + offset) as u32, &word);
+        done(result)
+    }
+}
+
+/// Bytes from the start of the flash to slot 0 or 1.
+fn offset_of(slot: usize) -> usize {
+    assert!(slot < 2, "there are two slots");
+    SLOTS_OFFSET + slot * SLOT_BYTES
+}
+
+/// Ends an operation: what was read of the flash before it counts no more.
+fn done(result: Result<(), embassy_stm32::flash::Error>) -> Result<(), FlashError> {
+    compiler_fence(Ordering::SeqCst);
+    result.map_err(|error| {
+        defmt::warn!("flash: {}", error);
+        FlashError
+    })
+}
+
+#[exception]
+#[allow(unsafe_code, reason = "an exception handler is declared unsafe")]
+unsafe fn NonMaskableInt() {
+    let errors = pac::FLASH.eccr();
+    let found = errors.read();
+    // Only flash errors raise it: the other sources are not switched on.
+    assert!(found.eccd() || found.eccd2(), "NMI without a flash error");
+    // Writing a flag that is set clears it.
+    errors.write_value(found);
+}

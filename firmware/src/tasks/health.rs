@@ -1,0 +1,23 @@
+//! Health task: feeds the watchdog.
+//!
+//! It runs on the executor that all tasks share, so a task that does not yield starves it, and the
+//! watchdog resets the chip. The longest that a task rightly keeps the executor is the check of a
+//! whole patch and the erasure of a page, some tens of milliseconds each.
+
+use embassy_stm32::{Peri, peripherals, wdg::IndependentWatchdog};
+use embassy_time::{Duration, Timer};
+
+/// How long the board may hang. The watchdog's own clock is off by up to a tenth.
+const TIMEOUT_US: u32 = 1_000_000;
+const FEEDING_INTERVAL: Duration = Duration::from_millis(200);
+
+/// Feeds the watchdog for ever.
+#[embassy_executor::task]
+pub(crate) async fn run(watchdog: Peri<'static, peripherals::IWDG>) -> ! {
+    let mut watchdog = IndependentWatchdog::new(watchdog, TIMEOUT_US);
+    watchdog.unleash();
+    loop {
+        watchdog.pet();
+        Timer::after(FEEDING_INTERVAL).await;
+    }
+}

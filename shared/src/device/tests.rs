@@ -1,0 +1,210 @@
+use super::*;
+use crate::patch::{
+    Difference,
+    tests::{flat_frame, small_patch},
+};
+use crate::protocol::MAX_CHUNK_BYTES;
+use std::vec::Vec;
+
+#[derive(Default)]
+struct Memory {
+    active: Option<Vec<u8>>,
+    staged: Vec<u8>,
+}
+
+impl PatchStore for Memory {
+    fn active(&self) -> Option<&[u8]> {
+        self.active.as_deref()
+    }
+    fn begin(&mut self, _: usize) -> Result<(), StoreError> {
+        self.staged.clear();
+        Ok(())
+    }
+    fn append(&mut self, bytes: &[u8]) -> Result<(), StoreError> {
+        self.staged.extend(bytes);
+        Ok(())
+    }
+    fn staged(&self) -> &[u8] {
+        &self.staged
+    }
+    fn commit(&mut self) -> Result<(), StoreError> {
+        self.active = Some(core::mem::take(&mut self.staged));
+        Ok(())
+    }
+}
+
+fn facts(electrodes: u8) -> BoardFacts {
+    let identity = Identity { board: "test".try_into().unwrap(), firmware: "0".try_into().unwrap() };
+    BoardFacts {
+        identity,
+        electrodes,
+        frame_source: FrameSource::Synthetic,
+        started_after: Restart::Watchdog,
+    }
+}
+
+fn device() -> Device<Memory> {
+    Device::new(facts(16), Memory::default())
+}
+
+fn ask(device: &mut Device<Memory>, request: Request) -> Reply {
+    match device.handle(&RequestPacket { sequence: 77, request }, 5000) {
+        BoardPacket::Reply { sequence: 77, reply } => reply,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn upload(device: &mut Device<Memory>, bytes: &[u8], crc: u32) -> Reply {
+    let begin = Request::BeginUpload { length: bytes.len() as u32, crc };
+    assert_eq!(ask(device, begin), Reply::Done);
+    for (i, chunk) in bytes.chunks(MAX_CHUNK_BYTES).enumerate() {
+        let bytes = heapless::Vec::from_slice(chunk).unwrap();
+        let offset = (i * MAX_CHUNK_BYTES) as u32;
+        assert_eq!(ask(device, Request::UploadChunk { offset, bytes }), Reply::Done);
+    }
+    ask(device, Request::CommitUpload)
+}
+
+fn upload_good(device: &mut Device<Memory>, difference: Difference) -> u32 {
+    let bytes = small_patch(difference);
+    let crc = PatchView::validate(&bytes).unwrap().crc();
+    assert_eq!(upload(device, &bytes, crc), Reply::Done);
+    crc
+}
+
+fn events(device: &mut Device<Memory>, frame: &Frame) -> Vec<(u32, Event)> {
+    let mut seen = Vec::new();
+    device.process(frame, |packet| match packet {
+        BoardPacket::Event { number, event } => seen.push((number, event)),
+        BoardPacket::Reply { .. } => panic!("a reply nobody asked for"),
+    });
+    seen
+}
+
+fn frame(sequence: u32, value: i32) -> Frame {
+    Frame { sequence, ..flat_frame(value) }
+}
+
+#[test]
+fn a_host_of_another_protocol_version_is_refused() {
+    let version = Version { protocol: 99, schema: [0; 8] };
+    let reply = ask(&mut device(), Request::Hello(version));
+    assert_eq!(reply, Reply::Refused(Refusal::Version { board: PROTOCOL_VERSION }));
+    assert!(matches!(ask(&mut device(), Request::Hello(Version::current())), Reply::Hello { .. }));
+}
+
+#[test]
+fn a_board_without_a_patch_says_so() {
+    let mut device = device();
+    assert_eq!(ask(&mut device, Request::Tare { frames: 1 }), Reply::Refused(Refusal::NoPatch));
+    assert_eq!(ask(&mut device, Request::Geometry), Reply::Refused(Refusal::NoPatch));
+    let all = Selection { images: true, contacts: true, measurements: true };
+    assert_eq!(ask(&mut device, Request::Stream(all)), Reply::Refused(Refusal::NoPatch));
+    assert!(events(&mut device, &frame(0, 5)).is_empty());
+}
+
+#[test]
+fn upload_tare_and_stream_number_their_events_without_gaps() {
+    let mut device = device();
+    upload_good(&mut device, Difference::Plain);
+    let wanted = Selection { images: true, contacts: true, measurements: false };
+    assert_eq!(ask(&mut device, Request::Stream(wanted)), Reply::Refused(Refusal::NotTared));
+    assert_eq!(ask(&mut device, Request::Tare { frames: 2 }), Reply::Done);
+    assert!(events(&mut device, &frame(0, 100)).is_empty());
+    assert_eq!(events(&mut device, &frame(1, 100)), [(0, Event::Tared { frames: 2 })]);
+    let sums = (0..40).map(|_| 200).collect();
+    assert_eq!(ask(&mut device, Request::Reference), Reply::Reference { frames: 2, sums });
+    assert_eq!(ask(&mut device, Request::Stream(wanted)), Reply::Streaming { first_sequence: 2 });
+    let seen = events(&mut device, &frame(2, 150));
+    assert!(matches!(seen[0], (1, Event::Image { .. })));
+    let (2, Event::Contacts { at, contacts }) = &seen[1] else { panic!("{seen:?}") };
+    assert_eq!((at.sequence, contacts.len()), (2, 1));
+    assert!((contacts[0].strength - 0.5).abs() < 1e-4);
+}
+
+#[test]
+fn a_damaged_upload_leaves_the_old_patch_in_use() {
+    let mut device = device();
+    let old = upload_good(&mut device, Difference::Plain);
+    let mut bytes = small_patch(Difference::Normalised);
+    let crc = PatchView::validate(&bytes).unwrap().crc();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 4;
+    assert_eq!(upload(&mut device, &bytes, crc), Reply::Refused(Refusal::BadPatch));
+    assert_eq!(device.patch().unwrap().crc(), old);
+}
+
+#[test]
+fn a_link_cut_in_the_middle_of_an_upload_leaves_the_old_patch_in_use() {
+    let mut device = device();
+    let old = upload_good(&mut device, Difference::Plain);
+    let bytes = small_patch(Difference::Normalised);
+    ask(&mut device, Request::BeginUpload { length: bytes.len() as u32, crc: 1 });
+    let piece = heapless::Vec::from_slice(&bytes[..100]).unwrap();
+    assert_eq!(ask(&mut device, Request::UploadChunk { offset: 0, bytes: piece.clone() }), Reply::Done);
+    device.disconnect();
+    let next = Request::UploadChunk { offset: 100, bytes: piece };
+    assert_eq!(ask(&mut device, next), Reply::Refused(Refusal::NoUpload));
+    assert_eq!(device.patch().unwrap().crc(), old);
+}
+
+#[test]
+fn pieces_out_of_turn_and_patches_too_long_are_refused() {
+    let mut device = device();
+    let long = Request::BeginUpload { length: MAX_PATCH_BYTES as u32 + 1, crc: 0 };
+    assert!(matches!(ask(&mut device, long), Reply::Refused(Refusal::TooLong { .. })));
+    assert_eq!(ask(&mut device, Request::CommitUpload), Reply::Refused(Refusal::NoUpload));
+    ask(&mut device, Request::BeginUpload { length: 10, crc: 0 });
+    let bytes = heapless::Vec::from_slice(&[0; 11]).unwrap();
+    let refused = Reply::Refused(Refusal::OutOfOrder { expected: 0 });
+    assert_eq!(ask(&mut device, Request::UploadChunk { offset: 0, bytes: bytes.clone() }), refused);
+    assert_eq!(ask(&mut device, Request::UploadChunk { offset: 4, bytes }), refused);
+    assert_eq!(ask(&mut device, Request::CommitUpload), refused);
+}
+
+#[test]
+fn a_stored_patch_that_rotted_counts_as_none() {
+    let mut bytes = small_patch(Difference::Plain);
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    let device = Device::new(facts(16), Memory { active: Some(bytes), staged: Vec::new() });
+    assert!(device.patch().is_none());
+}
+
+#[test]
+fn a_patch_for_more_electrodes_than_are_wired_is_refused() {
+    let mut device = Device::new(facts(4), Memory::default());
+    let bytes = small_patch(Difference::Plain);
+    let crc = PatchView::validate(&bytes).unwrap().crc();
+    let refused = Reply::Refused(Refusal::Electrodes { patch: 8, board: 4 });
+    assert_eq!(upload(&mut device, &bytes, crc), refused);
+    assert!(device.patch().is_none());
+}
+
+#[test]
+fn a_tare_of_no_frames_is_refused() {
+    let mut device = device();
+    upload_good(&mut device, Difference::Plain);
+    let refused = Reply::Refused(Refusal::TareFrames { max: MAX_TARE_FRAMES });
+    assert_eq!(ask(&mut device, Request::Tare { frames: 0 }), refused);
+}
+
+#[test]
+fn a_board_says_where_its_frames_come_from_and_why_and_when_it_started() {
+    let Reply::Info(info) = ask(&mut device(), Request::Info) else { panic!("no info") };
+    assert_eq!((info.electrodes, info.frame_source), (16, FrameSource::Synthetic));
+    assert_eq!((info.started_after, info.uptime_ms), (Restart::Watchdog, 5000));
+}
+
+#[test]
+fn frames_are_needed_while_a_tare_or_a_stream_is_under_way() {
+    let mut device = device();
+    upload_good(&mut device, Difference::Plain);
+    assert!(!device.needs_frames());
+    ask(&mut device, Request::Tare { frames: 1 });
+    assert!(device.needs_frames());
+    events(&mut device, &frame(0, 100));
+    assert!(!device.needs_frames());
+    ask(&mut device, Request::Stream(Selection { contacts: true, ..Selection::default() }));
+    assert!(device.needs_frames());
+}

@@ -1,0 +1,86 @@
+//! Queue of encoded packets: bounded, and whole packets or none.
+
+use super::{PacketError, encode};
+use heapless::Deque;
+use serde::Serialize;
+
+/// Packets that wait for a link, in order, `BYTES` of them at most.
+///
+/// A packet ends with the only zero byte it holds, so the queue is just their bytes.
+#[derive(Clone, Debug, Default)]
+pub struct PacketQueue<const BYTES: usize> {
+    bytes: Deque<u8, BYTES>,
+}
+
+impl<const BYTES: usize> PacketQueue<BYTES> {
+    /// An empty queue.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { bytes: Deque::new() }
+    }
+
+    /// Adds a message, if there is room for all of its packet; `scratch` is overwritten.
+    pub fn push<T: Serialize>(&mut self, message: &T, scratch: &mut [u8]) -> Result<(), PacketError> {
+        let packet = encode(message, scratch)?;
+        if packet.len() > BYTES - self.bytes.len() {
+            return Err(PacketError::TooLong);
+        }
+        // There is room for all of them.
+        self.bytes.extend(packet.iter().copied());
+        Ok(())
+    }
+
+    /// Moves the oldest packet to the start of `out`, which is as long as the longest one pushed; gives
+    /// its length, or `None` if there is none.
+    pub fn pop(&mut self, out: &mut [u8]) -> Option<usize> {
+        let mut length = 0;
+        while let Some(byte) = self.bytes.pop_front() {
+            *out.get_mut(length)? = byte;
+            length += 1;
+            if byte == 0 {
+                return Some(length);
+            }
+        }
+        None
+    }
+
+    /// Whether no packet waits.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.bytes.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::protocol::{BoardPacket, Event, MAX_PACKET_BYTES};
+    use std::vec::Vec;
+
+    fn event(number: u32) -> BoardPacket {
+        BoardPacket::Event { number, event: Event::Tared { frames: 0 } }
+    }
+
+    #[test]
+    fn packets_come_out_whole_and_in_order_and_a_full_queue_drops_whole_ones() {
+        let (mut scratch, mut out) = ([0; MAX_PACKET_BYTES], [0; MAX_PACKET_BYTES]);
+        let mut queue = PacketQueue::<100>::new();
+        let mut accepted = Vec::new();
+        let mut received = Vec::new();
+        for number in 0..1000 {
+            if queue.push(&event(number * 1000), &mut scratch).is_ok() {
+                accepted.push(number * 1000);
+            }
+            if number % 3 == 0 {
+                let length = queue.pop(&mut out).unwrap();
+                received.push(super::super::decode::<BoardPacket>(&mut out[..length - 1]).unwrap());
+            }
+        }
+        while let Some(length) = queue.pop(&mut out) {
+            received.push(super::super::decode::<BoardPacket>(&mut out[..length - 1]).unwrap());
+        }
+        assert!(queue.is_empty());
+        assert!((300..400).contains(&accepted.len()), "{}", accepted.len());
+        assert_eq!(received, accepted.iter().map(|&number| event(number)).collect::<Vec<_>>());
+    }
+}
