@@ -1,5 +1,6 @@
 //! ELF: the firmware as a debug probe would program it.
 
+use crate::chip::flash::Flash;
 use object::{
     Architecture, LittleEndian, Object, ObjectSegment, ObjectSymbol,
     read::elf::{ElfFile32, ProgramHeader},
@@ -95,6 +96,16 @@ impl Image {
         }
         let symbols = elf.symbols().filter_map(|symbol| Some((symbol.name().ok()?.to_owned(), symbol.address() as u32)));
         Ok(Self { symbols: symbols.collect(), segments })
+    }
+
+    /// A flash with this in it and nothing else.
+    #[must_use]
+    pub fn flash(&self) -> Flash {
+        let mut flash = Flash::default();
+        for segment in &self.segments {
+            flash.load(segment.address, &segment.bytes);
+        }
+        flash
     }
 
     /// Address of the first symbol whose name holds these letters.

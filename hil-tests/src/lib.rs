@@ -1,8 +1,12 @@
 //! Runs the firmware against a rig, which is an emulated board or a real one.
 //!
 //! [`chip`] is an STM32G474 without its CPU, one file for each peripheral; [`machine`] adds the CPU and
-//! virtual time. The firmware's ELF ([`elf`]) runs on it byte for byte.
+//! virtual time. The firmware's ELF ([`elf`]) runs on it byte for byte. [`board`] is such a machine with
+//! a link; [`rig`] puts it, or a real board, behind one interface; [`cases`] are what runs against that.
 
+pub mod board;
+pub mod cases;
 pub mod chip;
 pub mod elf;
 pub mod machine;
+pub mod rig;

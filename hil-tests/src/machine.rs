@@ -13,13 +13,12 @@ mod cpu;
 use crate::{
     chip::{
         Chip, Memory, RAM_BYTES, RAM_START, core::FaultCause,
-        flash,
+        flash::{self, Flash},
         misuse::Misuse,
         rcc::ResetCause,
         time::Time,
         trace::Event,
     },
-    elf::Image,
 };
 use rand::{RngCore, SeedableRng};
 use rand_pcg::Pcg64;
@@ -30,8 +29,8 @@ use std::{
 };
 use unicorn_engine::{HookType, RegisterARM, Unicorn, uc_error};
 
-/// Equal reads of one register at one place after which the CPU is taken to wait in a loop.
-const SPINS: u32 = 8;
+/// Equal reads of one register, and no other, after which the CPU is taken to wait in a loop.
+const SPINS: u32 = 16;
 
 /// How a machine runs.
 #[derive(Clone, Debug)]
@@ -110,7 +109,7 @@ struct State {
     why: Cell<Why>,
     misuse: RefCell<Option<Misuse>>,
     blocks: RefCell<HashMap<u64, Block>>,
-    last_poll: Cell<(u32, u32, u64)>,
+    last_poll: Cell<(u32, u32)>,
     spins: Cell<u32>,
 }
 
@@ -141,16 +140,10 @@ impl Memory for Ram<'_, '_> {
 }
 
 impl Machine {
-    /// A machine with this firmware in its flash, switched on.
-    pub fn new(image: &Image, options: Options) -> Result<Self, Halt> {
+    /// A machine with this in its flash, switched on.
+    pub fn new(flash: Flash, options: Options) -> Result<Self, Halt> {
         let mut chip = Chip::new(options.wire_baud, options.keep_trace);
-        for segment in &image.segments {
-            chip.flash.load(segment.address, &segment.bytes);
-        }
-        Self::with_chip(chip, options)
-    }
-
-    fn with_chip(chip: Chip, options: Options) -> Result<Self, Halt> {
+        chip.flash = flash;
         let state = Rc::new(State::new(chip));
         let unicorn = cpu::build(&state).map_err(|error| Halt::Unicorn {
             time: Time::ZERO,
@@ -421,7 +414,7 @@ impl State {
             why: Cell::new(Why::Nothing),
             misuse: RefCell::new(None),
             blocks: RefCell::new(HashMap::new()),
-            last_poll: Cell::new((0, 0, 0)),
+            last_poll: Cell::new((0, 0)),
             spins: Cell::new(0),
         }
     }

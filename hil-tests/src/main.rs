@@ -1,10 +1,41 @@
-//! Tries.
-use dermatome_hil::{elf::Image, machine::{Machine, Options}, chip::time::Time};
-fn main() {
-    let image = Image::read(std::path::Path::new(&std::env::args().nth(1).unwrap())).unwrap();
-    let mut machine = Machine::new(&image, Options { keep_trace: true, ..Options::default() }).unwrap();
-    let start = std::time::Instant::now();
-    let result = machine.run_until(Time::from_millis(100));
-    println!("{result:?} now {} instructions {} wall {:?}", machine.now(), machine.instructions(), start.elapsed());
-    for (t, e) in machine.chip(|c| c.trace.take()).iter().take(40) { println!("{t} {e}"); }
+//! `dermatome-hil`: runs the firmware on an emulated board, for people and for tests.
+
+mod serve;
+mod suite;
+mod timeline;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Runs the firmware on an emulated board, or cases against any board.
+#[derive(Parser)]
+#[command(version, about)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Runs the cases against the board of a rig.
+    Cases(suite::Cases),
+    /// Boots the firmware on an emulated board and exposes its link.
+    Run(serve::Run),
+    /// Boots the firmware and prints what happens when.
+    Trace(timeline::Trace),
+}
+
+fn main() -> ExitCode {
+    let result = match Arguments::parse().command {
+        Command::Cases(cases) => cases.run(),
+        Command::Run(run) => run.run(),
+        Command::Trace(trace) => trace.run(),
+    };
+    match result {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
 }

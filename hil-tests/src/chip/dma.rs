@@ -12,6 +12,11 @@ use super::{
 /// Channels of one controller.
 pub const CHANNELS: usize = 8;
 
+// Fields of ISR, by channel.
+const HALF: [&str; 8] = ["HTIF[0]", "HTIF[1]", "HTIF[2]", "HTIF[3]", "HTIF[4]", "HTIF[5]", "HTIF[6]", "HTIF[7]"];
+const COMPLETE: [&str; 8] = ["TCIF[0]", "TCIF[1]", "TCIF[2]", "TCIF[3]", "TCIF[4]", "TCIF[5]", "TCIF[6]", "TCIF[7]"];
+const ERROR: [&str; 8] = ["TEIF[0]", "TEIF[1]", "TEIF[2]", "TEIF[3]", "TEIF[4]", "TEIF[5]", "TEIF[6]", "TEIF[7]"];
+
 /// Model of one controller.
 #[derive(Clone, Debug)]
 pub struct Dma {
@@ -24,6 +29,7 @@ pub struct Dma {
 struct Progress {
     total: u32,
     left: u32,
+    on: bool,
 }
 
 /// One beat: what to read and what to write.
@@ -49,7 +55,7 @@ impl Dma {
     /// Whether a channel waits for a request.
     #[must_use]
     pub fn is_on(&self, channel: usize) -> bool {
-        self.bank.get_at("CH.CR", channel, "EN") == 1 && self.channels[channel].left > 0
+        self.channels[channel].on && self.channels[channel].left > 0
     }
 
     /// Whether a channel copies memory without any request.
@@ -62,7 +68,7 @@ impl Dma {
     #[must_use]
     pub fn beat(&self, channel: usize) -> Beat {
         let get = |field| self.bank.get_at("CH.CR", channel, field);
-        let Progress { total, left } = self.channels[channel];
+        let Progress { total, left, .. } = self.channels[channel];
         let place = |register, increments, size: u32| {
             let start = self.bank.word(register, channel);
             (start + if get(increments) == 1 { (total - left) << size } else { 0 }, 1 << size)
@@ -87,10 +93,10 @@ impl Dma {
             progress.left = total;
         }
         if left == total / 2 {
-            self.flag("HTIF", channel);
+            self.flag(&HALF, channel);
         }
         if left == 0 {
-            self.flag("TCIF", channel);
+            self.flag(&COMPLETE, channel);
         }
         left == 0
     }
@@ -98,15 +104,16 @@ impl Dma {
     /// A beat met an address where nothing is (12.4.6): the channel stops.
     pub fn fail(&mut self, channel: usize) {
         self.bank.set_at("CH.CR", channel, "EN", 0);
-        self.flag("TEIF", channel);
+        self.channels[channel].on = false;
+        self.flag(&ERROR, channel);
     }
 
-    fn flag(&mut self, flag: &str, channel: usize) {
-        self.bank.set("ISR", &format!("{flag}[{channel}]"), 1);
+    fn flag(&mut self, flags: &[&str; CHANNELS], channel: usize) {
+        self.bank.set("ISR", flags[channel], 1);
     }
 
-    fn has(&self, flag: &str, channel: usize) -> bool {
-        self.bank.is_set("ISR", &format!("{flag}[{channel}]"))
+    fn has(&self, flags: &[&str; CHANNELS], channel: usize) -> bool {
+        self.bank.is_set("ISR", flags[channel])
     }
 }
 
@@ -138,17 +145,18 @@ impl Peripheral for Dma {
                 let flags = self.bank.word("ISR", 0);
                 self.bank.set_word("ISR", 0, flags & !clear);
             }
-            "CH.NDTR" | "CH.PAR" | "CH.MAR" if self.bank.get_at("CH.CR", register.index, "EN") == 1 => {
+            "CH.NDTR" | "CH.PAR" | "CH.MAR" if self.channels[register.index].on => {
                 return Err(Misuse::rule("DMA", format!("{} changes while its channel is on (12.6.4)", register.name)));
             }
             "CH.NDTR" => {
                 self.bank.store(register, value);
-                self.channels[register.index] = Progress { total: value, left: value };
+                self.channels[register.index] = Progress { total: value, left: value, on: false };
             }
             "CH.CR" => {
                 self.bank.store(register, value);
-                if register.get(old, "EN") == 0 && register.get(value, "EN") == 1 {
-                    let channel = &mut self.channels[register.index];
+                let channel = &mut self.channels[register.index];
+                channel.on = register.get(value, "EN") == 1;
+                if register.get(old, "EN") == 0 && channel.on {
                     // After the end, NDTR has to be written again (12.4.3).
                     channel.total = channel.left;
                 }
@@ -164,9 +172,9 @@ impl Peripheral for Dma {
         };
         let channel = channel - 1;
         let enabled = |field| self.bank.get_at("CH.CR", channel, field) == 1;
-        enabled("TCIE") && self.has("TCIF", channel)
-            || enabled("HTIE") && self.has("HTIF", channel)
-            || enabled("TEIE") && self.has("TEIF", channel)
+        enabled("TCIE") && self.has(&COMPLETE, channel)
+            || enabled("HTIE") && self.has(&HALF, channel)
+            || enabled("TEIE") && self.has(&ERROR, channel)
     }
 
     fn reset(&mut self) {
@@ -189,14 +197,8 @@ impl Default for Dmamux {
 impl Dmamux {
     /// Peripheral and signal whose requests a channel (0 to 15) gets.
     #[must_use]
-    pub fn source(&self, channel: usize, modelled: &[&'static str]) -> Option<(&'static str, &'static str)> {
-        let wanted = self.bank.get_at("CCR", channel, "DMAREQ_ID");
-        let map = Map::of_chip();
-        let of = |name: &&'static str| {
-            let found = map.peripheral(name).dma_requests().find(|&(_, number)| number == wanted)?;
-            Some((*name, found.0))
-        };
-        if wanted == 0 { None } else { modelled.iter().find_map(of) }
+    pub fn source(&self, channel: usize) -> Option<(&'static str, &'static str)> {
+        Map::of_chip().dma_request(self.bank.get_at("CCR", channel, "DMAREQ_ID"))
     }
 }
 

@@ -3,7 +3,10 @@
 //! The models take addresses, interrupt numbers, DMA requests and bit positions from here and from
 //! nowhere else, so that they follow the chip and not our firmware.
 
-use std::{collections::BTreeMap, sync::OnceLock};
+use std::{
+    collections::{BTreeMap, HashMap},
+    sync::OnceLock,
+};
 use stm32_metapac::metadata::{
     METADATA, Peripheral,
     ir::{Access, Array, BitOffset, BlockItemInner, IR},
@@ -13,6 +16,8 @@ use stm32_metapac::metadata::{
 #[derive(Debug)]
 pub struct Map {
     peripherals: Vec<PeripheralMap>,
+    by_name: HashMap<&'static str, usize>,
+    requests: HashMap<u32, (&'static str, &'static str)>,
 }
 
 /// One peripheral: its place and its registers.
@@ -26,7 +31,9 @@ pub struct PeripheralMap {
     pub clock: Option<(String, String)>,
     /// Register and field of the RCC that reset it, if any.
     pub reset: Option<(String, String)>,
-    registers: BTreeMap<u32, Register>,
+    /// By a quarter of their offset.
+    registers: Vec<Option<Register>>,
+    by_name: HashMap<String, Vec<usize>>,
     source: &'static Peripheral,
 }
 
@@ -45,12 +52,11 @@ pub struct Register {
     pub readable: bool,
     /// Bits that mean something.
     pub known_bits: u32,
-    fields: Vec<Field>,
+    fields: HashMap<String, Field>,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Field {
-    name: String,
     offset: u32,
     bits: u32,
 }
@@ -60,16 +66,29 @@ impl Map {
     #[must_use]
     pub fn of_chip() -> &'static Self {
         static MAP: OnceLock<Map> = OnceLock::new();
-        MAP.get_or_init(|| Self {
-            peripherals: METADATA.peripherals.iter().filter_map(PeripheralMap::new).collect(),
-        })
+        MAP.get_or_init(|| Self::new(METADATA.peripherals.iter().filter_map(PeripheralMap::new).collect()))
+    }
+
+    fn new(peripherals: Vec<PeripheralMap>) -> Self {
+        let by_name = peripherals.iter().enumerate().map(|(place, one)| (one.name, place)).collect();
+        let numbered = peripherals.iter().flat_map(|one| {
+            one.dma_requests().map(|(signal, number)| (number, (one.name, signal)))
+        });
+        let requests = numbered.collect();
+        Self { by_name, requests, peripherals }
     }
 
     /// The peripheral of that name. Panics if the chip has none: names in models are fixed.
     #[must_use]
     pub fn peripheral(&self, name: &str) -> &PeripheralMap {
-        let found = self.peripherals.iter().find(|peripheral| peripheral.name == name);
+        let found = self.by_name.get(name).map(|&place| &self.peripherals[place]);
         found.unwrap_or_else(|| panic!("the chip has no peripheral {name}"))
+    }
+
+    /// Peripheral and signal of a number at the DMA request multiplexer.
+    #[must_use]
+    pub fn dma_request(&self, number: u32) -> Option<(&'static str, &'static str)> {
+        self.requests.get(&number).copied()
     }
 
     /// The peripheral that an address belongs to: the last that starts at or before it.
@@ -107,17 +126,25 @@ impl PeripheralMap {
             (clocks.enable.as_ref().map(rcc), clocks.reset.as_ref().map(rcc))
         });
         let base = u32::try_from(source.address).ok()?;
-        Some(Self { name: source.name, base, clock, reset, registers: all, source })
+        let places = all.last_key_value().map_or(0, |(offset, _)| *offset as usize / 4 + 1);
+        let mut registers = vec![None; places];
+        let mut by_name: HashMap<String, Vec<usize>> = HashMap::new();
+        for (offset, register) in all {
+            let place = offset as usize / 4;
+            by_name.entry(register.name.clone()).or_default().push(place);
+            registers[place] = Some(register);
+        }
+        Some(Self { name: source.name, base, clock, reset, registers, by_name, source })
     }
 
     fn length(&self) -> u32 {
-        self.registers.last_key_value().map_or(0, |(offset, _)| offset + 4)
+        4 * self.registers.len() as u32
     }
 
     /// The register at an offset, which may lie inside it.
     #[must_use]
     pub fn register_at(&self, offset: u32) -> Option<&Register> {
-        self.registers.get(&(offset & !3))
+        self.registers.get(offset as usize / 4)?.as_ref()
     }
 
     /// The first register of that name. Panics if there is none: names in models are fixed.
@@ -129,13 +156,14 @@ impl PeripheralMap {
     /// One of an array of registers of that name. Panics if there is none.
     #[must_use]
     pub fn element(&self, name: &str, index: usize) -> &Register {
-        let found = self.registers.values().find(|register| register.name == name && register.index == index);
+        let place = self.by_name.get(name).and_then(|places| places.get(index));
+        let found = place.and_then(|&place| self.registers[place].as_ref());
         found.unwrap_or_else(|| panic!("{} has no register {name}[{index}]", self.name))
     }
 
     /// Every register.
     pub fn registers(&self) -> impl Iterator<Item = &Register> {
-        self.registers.values()
+        self.registers.iter().flatten()
     }
 
     /// Numbers of its interrupts, each with the signals that raise it.
@@ -173,7 +201,7 @@ impl Register {
     /// Whether there is a field of that name.
     #[must_use]
     pub fn has_field(&self, field: &str) -> bool {
-        self.fields.iter().any(|candidate| candidate.name == field)
+        self.fields.contains_key(field)
     }
 
     /// Bits of a field.
@@ -184,8 +212,7 @@ impl Register {
     }
 
     fn field(&self, name: &str) -> &Field {
-        let found = self.fields.iter().find(|field| field.name == name);
-        found.unwrap_or_else(|| panic!("register {} has no field {name}", self.name))
+        self.fields.get(name).unwrap_or_else(|| panic!("register {} has no field {name}", self.name))
     }
 }
 
@@ -210,7 +237,7 @@ fn collect(ir: &IR, block: &str, prefix: &str, base: u32, index: usize, out: &mu
                 BlockItemInner::Register(register) => {
                     let fields = register.fieldset.map(|set| fields(ir, set)).unwrap_or_default();
                     let whole = bit_mask(0, register.bit_size);
-                    let known = fields.iter().fold(0, |bits, field| bits | bit_mask(field.offset, field.bits));
+                    let known = fields.values().fold(0, |bits, field| bits | bit_mask(field.offset, field.bits));
                     let known_bits = if fields.is_empty() { whole } else { known };
                     let writable = register.access != Access::Read;
                     let readable = register.access != Access::Write;
@@ -228,13 +255,15 @@ fn merge(old: &mut Register, new: &Register) {
     old.known_bits |= new.known_bits;
     old.writable |= new.writable;
     old.readable |= new.readable;
-    let unknown = |field: &&Field| !old.fields.iter().any(|known| known.name == field.name);
-    let added: Vec<Field> = new.fields.iter().filter(unknown).cloned().collect();
-    old.fields.extend(added);
+    for (name, field) in &new.fields {
+        old.fields.entry(name.clone()).or_insert(*field);
+    }
 }
 
-fn fields(ir: &IR, set: &str) -> Vec<Field> {
-    let Some(set) = ir.fieldsets.iter().find(|candidate| same(candidate.name, set)) else { return Vec::new() };
+fn fields(ir: &IR, set: &str) -> HashMap<String, Field> {
+    let Some(set) = ir.fieldsets.iter().find(|candidate| same(candidate.name, set)) else {
+        return HashMap::new();
+    };
     let mut all = set.extends.map(|parent| fields(ir, parent)).unwrap_or_default();
     for field in set.fields {
         let places = places(field.array.as_ref());
@@ -248,11 +277,10 @@ fn fields(ir: &IR, set: &str) -> Vec<Field> {
                     cursed.ranges.iter().map(|range| (*range.start(), range.end() - range.start() + 1)).collect()
                 }
             };
-            all.extend(ranges.iter().enumerate().map(|(part, &(offset, bits))| Field {
-                name: if part == 0 { name.clone() } else { format!("{name}.{part}") },
-                offset: offset + place,
-                bits,
-            }));
+            for (part, (offset, bits)) in ranges.into_iter().enumerate() {
+                let name = if part == 0 { name.clone() } else { format!("{name}.{part}") };
+                all.insert(name, Field { offset: offset + place, bits });
+            }
         }
     }
     all

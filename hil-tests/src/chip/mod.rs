@@ -46,6 +46,8 @@ use self::{
     usart::Usart,
 };
 
+use std::fmt;
+
 /// Where the RAM lies: SRAM1, SRAM2 and the second address of CCM SRAM, side by side (2.4).
 pub const RAM_START: u32 = 0x2000_0000;
 /// Bytes of RAM.
@@ -59,6 +61,15 @@ pub trait Memory {
     fn read(&self, address: u32, bytes: &mut [u8]);
     /// Writes bytes of RAM.
     fn write(&mut self, address: u32, bytes: &[u8]);
+}
+
+/// Who looks at the flash.
+pub struct Watcher(pub Box<dyn FnMut(&Flash) + Send>);
+
+impl fmt::Debug for Watcher {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("Watcher")
+    }
 }
 
 /// The chip without its CPU.
@@ -76,6 +87,8 @@ pub struct Chip {
     pub uart: Usart,
     /// What happened.
     pub trace: Trace,
+    /// Looks at the flash whenever it begins to erase or program.
+    pub watcher: Option<Watcher>,
     rcc: Rcc,
     pwr: Pwr,
     ports: Vec<(char, Gpio)>,
@@ -89,6 +102,8 @@ pub struct Chip {
     lines: Vec<Line>,
     shown_pins: Vec<u16>,
     shown_operations: u64,
+    /// Peripherals that were touched, or did something, since their lines were looked at.
+    touched: Vec<&'static str>,
 }
 
 /// One way to the NVIC: a peripheral's signal and its exception.
@@ -123,6 +138,7 @@ impl Chip {
             flash: Flash::default(),
             uart: Usart::new("LPUART1", wire_baud),
             trace: Trace::new(keep_trace),
+            watcher: None,
             rcc: Rcc::default(),
             pwr: Pwr::default(),
             ports: ('A'..='G').map(|port| (port, Gpio::new(port))).collect(),
@@ -136,6 +152,7 @@ impl Chip {
             lines: WITH_SIGNALS.iter().flat_map(signals).collect(),
             shown_pins: vec![0; 7],
             shown_operations: 0,
+            touched: Vec::new(),
         }
     }
 
@@ -155,6 +172,7 @@ impl Chip {
         };
         self.trace.add(self.now, Event::Reset(name));
         self.core = Core::default();
+        self.touched = WITH_SIGNALS.to_vec();
         self.each(|_, peripheral| peripheral.reset());
         self.rcc.restart(cause);
         self.follow_clocks();
@@ -189,6 +207,7 @@ impl Chip {
             Some((map, register)) => {
                 self.check_access(map, register)?;
                 let at = self.moment();
+                let is_clock = matches!(map.name, "RCC" | "PWR" | "FLASH") || map.name.starts_with("GPIO");
                 let model = self.peripheral(map.name, register)?;
                 let old = model.bank().value(register);
                 let value = merge_bytes(old, address & 3, size, value);
@@ -200,8 +219,10 @@ impl Chip {
                     check_bits(map, register, old, value)?;
                 }
                 model.write(register, value, at)?;
-                self.follow_clocks();
-                self.check_clocks()?;
+                if is_clock {
+                    self.follow_clocks();
+                    self.check_clocks()?;
+                }
             }
         }
         Ok(())
@@ -210,8 +231,12 @@ impl Chip {
     /// After an access: the DMA serves its requests, and lines go to the NVIC.
     pub fn settle(&mut self, memory: &mut dyn Memory) -> Result<(), Misuse> {
         self.serve_requests(memory)?;
+        let touched = std::mem::take(&mut self.touched);
         for index in 0..self.lines.len() {
             let line = self.lines[index];
+            if !touched.contains(&line.peripheral) {
+                continue;
+            }
             let level = self.model(line.peripheral).is_some_and(|model| model.interrupts(line.signal));
             if level || !self.shares_exception(index) {
                 self.core.nvic.set_line(line.exception, level);
@@ -242,11 +267,14 @@ impl Chip {
             self.core.advance(self.now, self.clocks.cycle());
             let at = Moment { now: next, clocks: self.clocks };
             let mut result = Ok(());
-            self.each(|_, peripheral| {
+            let mut touched = std::mem::take(&mut self.touched);
+            self.each(|name, peripheral| {
                 if peripheral.next_event() <= next && result.is_ok() {
                     result = peripheral.advance(at);
+                    touched.push(name);
                 }
             });
+            self.touched = touched;
             result?;
             self.settle(memory)?;
         }
@@ -288,10 +316,17 @@ impl Chip {
             .map_err(|enable| Misuse::NoClock { peripheral: format!("{}.{}", map.name, register.name), enable })
     }
 
-    fn peripheral(&mut self, name: &str, register: &Register) -> Result<&mut dyn Peripheral, Misuse> {
+    fn peripheral(&mut self, name: &'static str, register: &Register) -> Result<&mut dyn Peripheral, Misuse> {
+        self.touch(name);
         match self.model_mut(name) {
             Some(model) if model.models(register) => Ok(model),
             _ => Err(Misuse::unmodelled(name, register)),
+        }
+    }
+
+    fn touch(&mut self, name: &'static str) {
+        if !self.touched.contains(&name) {
+            self.touched.push(name);
         }
     }
 
@@ -330,14 +365,16 @@ impl Chip {
         })
     }
 
-    fn each(&mut self, mut visit: impl FnMut(&str, &mut dyn Peripheral)) {
+    fn each(&mut self, mut visit: impl FnMut(&'static str, &mut dyn Peripheral)) {
         visit("RCC", &mut self.rcc);
         visit("PWR", &mut self.pwr);
         visit("FLASH", &mut self.flash);
         visit("LPUART1", &mut self.uart);
         self.ports.iter_mut().for_each(|(_, port)| visit("GPIO", port));
         self.timers.iter_mut().for_each(|(name, timer)| visit(name, timer));
-        self.dma.iter_mut().for_each(|dma| visit("DMA", dma));
+        for (name, dma) in ["DMA1", "DMA2"].into_iter().zip(&mut self.dma) {
+            visit(name, dma);
+        }
         visit("DMAMUX1", &mut self.dmamux);
         visit("IWDG", &mut self.iwdg);
         visit("SYSCFG", &mut self.syscfg);
@@ -405,7 +442,7 @@ impl Chip {
     }
 
     fn source(&self, controller: usize, channel: usize) -> Option<(&'static str, &'static str)> {
-        self.dmamux.source(controller * CHANNELS + channel, &WITH_SIGNALS)
+        self.dmamux.source(controller * CHANNELS + channel)
     }
 
     fn is_requested(&self, controller: usize, channel: usize) -> bool {
@@ -414,11 +451,13 @@ impl Chip {
     }
 
     fn move_beat(&mut self, controller: usize, channel: usize, memory: &mut dyn Memory) -> Result<(), Misuse> {
+        self.touch(if controller == 0 { "DMA1" } else { "DMA2" });
         let beat = self.dma[controller].beat(channel);
-        if let Some((name, signal)) = self.source(controller, channel)
-            && let Some(model) = self.model_mut(name)
-        {
-            model.acknowledge(signal);
+        if let Some((name, signal)) = self.source(controller, channel) {
+            self.touch(name);
+            if let Some(model) = self.model_mut(name) {
+                model.acknowledge(signal);
+            }
         }
         let moved = match self.bus_read(beat.from, beat.from_bytes, memory)? {
             Some(value) => self.bus_write(beat.to, beat.to_bytes, value, memory)?,
@@ -476,6 +515,9 @@ impl Chip {
                 Some(Operation::Erase(page)) => self.trace.add(self.now, Event::Erase(page)),
                 Some(Operation::Program(address, _)) => self.trace.add(self.now, Event::Program(address)),
                 None => {}
+            }
+            if let Some(Watcher(look)) = &mut self.watcher {
+                look(&self.flash);
             }
         }
     }

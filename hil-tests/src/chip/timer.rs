@@ -11,6 +11,11 @@ use super::{
     time::Time,
 };
 
+// Fields of SR and DIER, by channel.
+const MATCHED: [&str; 4] = ["CCIF[0]", "CCIF[1]", "CCIF[2]", "CCIF[3]"];
+const INTERRUPTS: [&str; 4] = ["CCIE[0]", "CCIE[1]", "CCIE[2]", "CCIE[3]"];
+const REQUESTS: [&str; 4] = ["CCDE[0]", "CCDE[1]", "CCDE[2]", "CCDE[3]"];
+
 /// Model of one timer.
 #[derive(Clone, Debug)]
 pub struct Timer {
@@ -94,12 +99,8 @@ impl Timer {
     }
 
     fn raise(&mut self, channel: usize) {
-        self.bank.set("SR", &self.field("CCIF", channel), 1);
-        self.pending[channel + 1] |= self.bank.is_set("DIER", &self.field("CCDE", channel));
-    }
-
-    fn field(&self, name: &str, channel: usize) -> String {
-        format!("{name}[{channel}]")
+        self.bank.set("SR", MATCHED[channel], 1);
+        self.pending[channel + 1] |= self.bank.is_set("DIER", REQUESTS[channel]);
     }
 
     fn update(&mut self) {
@@ -196,7 +197,7 @@ impl Peripheral for Timer {
         let update = self.wants("UIE") || self.wants("UDE") || self.bank.is_set("CR1", "OPM");
         let mut next = if update { self.reaches(self.top() + 1) } else { Time::NEVER };
         for channel in 0..self.channels {
-            if self.wants(&self.field("CCIE", channel)) || self.wants(&self.field("CCDE", channel)) {
+            if self.wants(INTERRUPTS[channel]) || self.wants(REQUESTS[channel]) {
                 next = next.min(self.reaches(self.compare(channel)));
             }
         }

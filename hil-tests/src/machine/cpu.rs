@@ -140,15 +140,14 @@ impl State {
 
     fn read_register(&self, unicorn: &mut Unicorn<'_, ()>, address: u32, size: u32) -> u32 {
         let value = self.access(unicorn, |chip| chip.read(address, size)).unwrap_or(0);
-        self.skip_polling(unicorn, address, value);
+        self.skip_polling(address, value);
         value
     }
 
-    /// Code that reads the same register at the same place and finds the same value waits in a
-    /// loop: time goes on to the next event. The loop's instructions are not counted.
-    fn skip_polling(&self, unicorn: &Unicorn<'_, ()>, address: u32, value: u32) {
-        let pc = unicorn.reg_read(RegisterARM::PC).unwrap_or(0) as u32;
-        let poll = (pc, address, u64::from(value));
+    /// Code that reads one register again and again, no other, and finds the same value, waits in a
+    /// loop: time goes on to the next event. The instructions of that time are not counted.
+    fn skip_polling(&self, address: u32, value: u32) {
+        let poll = (address, value);
         if self.last_poll.replace(poll) == poll {
             self.spins.set(self.spins.get() + 1);
         } else {

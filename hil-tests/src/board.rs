@@ -1,0 +1,136 @@
+//! Board: an emulated board that runs in a thread of its own, and a line to it for the host's link.
+//!
+//! The thread owns the machine, and virtual time only passes while somebody reads from the line or
+//! asks the board to run: what happens depends on what was asked and on nothing else.
+
+use crate::{
+    chip::{flash::Flash, time::Time, usart::Symbol},
+    machine::{Halt, Machine, Options},
+};
+use dermatome::link::Transport;
+use std::{
+    io::{self, ErrorKind, Read, Write},
+    sync::{
+        Arc, Mutex, PoisonError,
+        mpsc::{Receiver, Sender, channel},
+    },
+    thread,
+};
+
+/// Longest that one read of the line waits, in virtual time.
+const READ_TIME: Time = Time::from_millis(20);
+/// A line hands over what came in this time together, as a USB adapter does.
+const BATCH_TIME: Time = Time::from_micros(125);
+
+type Job = Box<dyn FnOnce(&mut Machine) + Send>;
+
+/// An emulated board. It ends when the last of its handles and lines is dropped.
+#[derive(Clone, Debug)]
+pub struct VirtualBoard {
+    jobs: Sender<Job>,
+    halt: Arc<Mutex<Option<Halt>>>,
+}
+
+impl VirtualBoard {
+    /// Switches a board with this in its flash on.
+    pub fn start(flash: Flash, options: Options) -> Result<Self, Halt> {
+        let (jobs, queue): (Sender<Job>, Receiver<Job>) = channel();
+        let (started, start) = channel();
+        thread::spawn(move || match Machine::new(flash, options) {
+            Err(halt) => drop(started.send(Err(halt))),
+            Ok(mut machine) => {
+                let _ = started.send(Ok(()));
+                queue.into_iter().for_each(|job| job(&mut machine));
+            }
+        });
+        match start.recv() {
+            Ok(Ok(())) => Ok(Self { jobs, halt: Arc::default() }),
+            Ok(Err(halt)) => Err(halt),
+            Err(_) => unreachable!("the thread says how it started"),
+        }
+    }
+
+    /// Lets the board's thread do something with the machine, and waits for the result.
+    pub fn with<T: Send + 'static>(&self, work: impl FnOnce(&mut Machine) -> T + Send + 'static) -> T {
+        let (done, result) = channel();
+        let job: Job = Box::new(move |machine| {
+            let _ = done.send(work(machine));
+        });
+        let _ = self.jobs.send(job);
+        result.recv().expect("the board's thread panicked, and has said why")
+    }
+
+    /// Lets virtual time pass.
+    pub fn run(&self, time: Time) -> Result<(), Halt> {
+        self.keep(self.with(move |machine| machine.run_until(machine.now() + time)))
+    }
+
+    /// A new end of its link.
+    #[must_use]
+    pub fn line(&self) -> Line {
+        Line { board: self.clone() }
+    }
+
+    /// Why the board stopped, if it has.
+    #[must_use]
+    pub fn halt(&self) -> Option<Halt> {
+        self.halt.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn keep<T>(&self, result: Result<T, Halt>) -> Result<T, Halt> {
+        result.inspect_err(|halt| {
+            let mut kept = self.halt.lock().unwrap_or_else(PoisonError::into_inner);
+            kept.get_or_insert_with(|| halt.clone());
+        })
+    }
+
+    /// Sends bytes over the line, some of them damaged.
+    pub fn send(&self, symbols: Vec<Symbol>) {
+        self.with(move |machine| {
+            let now = machine.now();
+            machine.chip(|chip| chip.uart.receive(symbols, now));
+        });
+    }
+
+    /// What the board sends within `time`, or as soon as it has sent something.
+    pub fn receive(&self, time: Time) -> Result<Vec<u8>, Halt> {
+        self.keep(self.with(move |machine| {
+            machine.run_while(machine.now() + time, |chip| !chip.uart.has_sent())?;
+            if machine.chip(|chip| chip.uart.has_sent()) {
+                machine.run_until(machine.now() + BATCH_TIME)?;
+            }
+            Ok(machine.chip(|chip| chip.uart.take_sent()).into_iter().map(|(_, byte)| byte).collect())
+        }))
+    }
+}
+
+/// The host's end of an emulated board's link.
+#[derive(Debug)]
+pub struct Line {
+    board: VirtualBoard,
+}
+
+impl Read for Line {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let bytes = self.board.receive(READ_TIME).map_err(io::Error::other)?;
+        if bytes.is_empty() {
+            return Err(ErrorKind::TimedOut.into());
+        }
+        // 125 us at any rate a UART has are fewer bytes than any buffer of the host.
+        buffer[..bytes.len()].copy_from_slice(&bytes);
+        Ok(bytes.len())
+    }
+}
+
+impl Write for Line {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.board.send(bytes.iter().map(|&byte| Symbol { byte, damaged: false }).collect());
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Transport for Line {}

@@ -1,0 +1,76 @@
+//! Cases of a firmware that cannot go on: it starts again and says why.
+
+use super::{Case, Failure, check};
+use crate::rig::{Capability, Rig};
+use dermatome_shared::restart::Restart;
+use std::time::Duration;
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "a hung CPU is bitten by the watchdog, and the board says so",
+        needs: &[Capability::BreakCpu],
+        run: hangs,
+    },
+    Case {
+        name: "a flash that stays busy for ever is ended by the watchdog",
+        needs: &[Capability::BreakCpu, Capability::FlashSteps],
+        run: busy_for_ever,
+    },
+    Case {
+        name: "a fault of the core restarts the board, which tells where it was",
+        needs: &[Capability::BreakCpu],
+        run: faults,
+    },
+    Case {
+        name: "power and the reset button are told apart",
+        needs: &[Capability::PowerCut, Capability::ResetButton],
+        run: tells_causes,
+    },
+];
+
+fn restart(rig: &Rig) -> Result<Restart, Failure> {
+    Ok(rig.link()?.info()?.started_after)
+}
+
+fn hangs(rig: &Rig) -> Result<String, Failure> {
+    rig.link()?;
+    rig.emulated().with(|machine| machine.hang());
+    rig.wait(Duration::from_secs(3))?;
+    let found = restart(rig)?;
+    check(found == Restart::Watchdog, || format!("it says {found}"))?;
+    Ok(String::new())
+}
+
+fn busy_for_ever(rig: &Rig) -> Result<String, Failure> {
+    let patch = super::patches::patch(6, true, 9);
+    let mut link = rig.link()?;
+    rig.emulated().with(|machine| machine.chip(|chip| chip.flash.stick()));
+    check(dermatome::link::upload(&mut link, &patch, |_| ()).is_err(), || "the upload went through".to_owned())?;
+    rig.wait(Duration::from_secs(3))?;
+    let found = restart(rig)?;
+    check(found == Restart::Watchdog, || format!("it says {found}"))?;
+    Ok(String::new())
+}
+
+fn faults(rig: &Rig) -> Result<String, Failure> {
+    rig.link()?;
+    rig.emulated().with(|machine| machine.inject_fault());
+    rig.wait(Duration::from_millis(200))?;
+    let found = restart(rig)?;
+    match &found {
+        Restart::Crash { message } if message.contains("hard fault at 0x08") => Ok(message.to_string()),
+        _ => Err(Failure::Wrong(format!("it says {found}"))),
+    }
+}
+
+fn tells_causes(rig: &Rig) -> Result<String, Failure> {
+    let found = restart(rig)?;
+    check(found == Restart::PowerOn, || format!("after switching on it says {found}"))?;
+    rig.emulated().with(|machine| machine.press_reset())?;
+    let found = restart(rig)?;
+    check(found == Restart::ResetPin, || format!("after the button it says {found}"))?;
+    rig.emulated().with(|machine| machine.cut_power())?;
+    let found = restart(rig)?;
+    check(found == Restart::PowerOn, || format!("after a power cut it says {found}"))?;
+    Ok(String::new())
+}

@@ -1,0 +1,102 @@
+//! Cases of the pipeline on the board: images as the host computes them, and how fast.
+
+use super::{Case, Failure, check, patches};
+use crate::rig::{Capability, Rig};
+use dermatome::link;
+use dermatome_shared::{
+    frame::Frame,
+    patch::PatchView,
+    pipeline::{self, Outcome, PipelineState},
+    protocol::{Event, FrameStamp, PackedImage, Reply, Request, Selection},
+};
+use std::time::Duration;
+
+/// Images compared.
+const FRAMES: usize = 1000;
+const TARE_FRAMES: u16 = 20;
+
+pub(super) const CASES: &[Case] = &[Case {
+    name: "a thousand images and contacts are the host's, bit for bit",
+    needs: &[Capability::VirtualTime],
+    run: images,
+}];
+
+fn images(rig: &Rig) -> Result<String, Failure> {
+    let mut compared = 0;
+    // Odd and even lengths of rows, combined and not: both ways through the kernel.
+    for (side, combined, seed, frames) in [(8, true, 11, FRAMES / 2), (5, false, 12, FRAMES / 2)] {
+        let patch = patches::patch(side, combined, seed);
+        compared += compare(rig, &patch, frames)?;
+    }
+    check(compared == FRAMES, || format!("{compared} of {FRAMES} images came"))?;
+    Ok(format!("{compared} images"))
+}
+
+fn compare(rig: &Rig, patch: &[u8], frames: usize) -> Result<usize, Failure> {
+    let mut link = rig.link()?;
+    link::upload(&mut link, patch, |_| ())?;
+    let view = PatchView::validate(patch).map_err(|error| Failure::Wrong(error.to_string()))?;
+    let mut state = PipelineState::default();
+    tare(&mut link, &view, &mut state)?;
+    let all = Selection { images: true, contacts: true, measurements: true };
+    link::stream(&mut link, all)?;
+    let mut images = 0;
+    let mut codes = None;
+    while images < frames {
+        match link.next_event(Duration::from_secs(5))? {
+            Some(Event::Measurements { at, codes: measured }) => codes = Some((at, measured)),
+            Some(Event::Image { at, image }) => {
+                let (stamp, measured) = codes.take().ok_or_else(|| Failure::Wrong("an image without its codes".into()))?;
+                check(stamp == at, || "an image of another frame".to_owned())?;
+                let frame = frame(stamp, measured);
+                check(pipeline::process(&view, &mut state, &frame) == Outcome::Image, || "no image here".to_owned())?;
+                check(PackedImage::pack(state.image()) == image, || format!("image {} differs", at.sequence))?;
+                images += 1;
+            }
+            Some(Event::Contacts { at, contacts }) => {
+                check(&contacts == state.contacts(), || format!("contacts of frame {} differ", at.sequence))?;
+            }
+            Some(_) => {}
+            None => return Err(Failure::Wrong(format!("nothing comes after {images} images"))),
+        }
+    }
+    check(link.events_lost() == 0, || format!("{} events are lost", link.events_lost()))?;
+    link::stream(&mut link, Selection::default())?;
+    Ok(images)
+}
+
+/// Board and host average the same frames: the last that came when the board says that it is done.
+fn tare(link: &mut link::Link, view: &PatchView<'_>, state: &mut PipelineState) -> Result<(), Failure> {
+    link::stream(link, Selection { measurements: true, ..Selection::default() })?;
+    link.request(&Request::Tare { frames: TARE_FRAMES })?;
+    let mut frames = Vec::new();
+    let mut is_done = false;
+    while !is_done || frames.is_empty() {
+        match link.next_event(Duration::from_secs(5))? {
+            // The codes of the frame that completes it follow.
+            Some(Event::Tared { .. }) => is_done = true,
+            Some(Event::Measurements { at, codes }) => {
+                frames.push(frame(at, codes));
+                if is_done {
+                    break;
+                }
+            }
+            Some(_) => {}
+            None => return Err(Failure::Wrong("the tare does not end".to_owned())),
+        }
+    }
+    state.start_tare(TARE_FRAMES);
+    for frame in &frames[frames.len().saturating_sub(TARE_FRAMES.into())..] {
+        pipeline::process(view, state, frame);
+    }
+    let reply = link.request(&Request::Reference)?;
+    let Reply::Reference { sums, .. } = reply else {
+        return Err(Failure::Wrong("it gives no reference".to_owned()));
+    };
+    let here = state.reference().map(|reference| reference.sums().to_vec());
+    check(here.as_deref() == Some(&sums[..]), || "the references differ".to_owned())
+}
+
+fn frame(at: FrameStamp, codes: heapless::Vec<dermatome_shared::units::AdcCode, { dermatome_shared::MAX_STEPS }>) -> Frame {
+    Frame { sequence: at.sequence, timestamp_us: at.timestamp_us, flags: at.flags, codes }
+}

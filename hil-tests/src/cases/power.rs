@@ -1,0 +1,159 @@
+//! Cases of power cuts: whatever the flash is doing, the board comes back with a whole patch.
+//!
+//! A power cut forgets all but the flash. So each cut is made on a copy of the flash, at the moment
+//! the operation is under way, and a board of its own is booted from that copy; the upload goes on
+//! meanwhile, to the next operation.
+
+use super::{Case, Failure, check, patches};
+use crate::{
+    board::VirtualBoard,
+    chip::{Watcher, flash::Flash},
+    machine::Options,
+    rig::{Capability, Rig, START_TIME},
+};
+use dermatome::link::{self, Link};
+use dermatome_shared::patch::PatchView;
+use rand::{SeedableRng, seq::index};
+use rand_pcg::Pcg64;
+use std::sync::{
+    Arc, Mutex, PoisonError,
+    mpsc::{Receiver, Sender, channel},
+};
+
+/// Cuts in a full-size upload.
+const SEEDED_CUTS: usize = 500;
+/// Boards that boot at the same time.
+const WORKERS: usize = 2;
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "power is cut at every flash operation of an upload, one after the other",
+        needs: &[Capability::PowerCut, Capability::FlashSteps],
+        run: every_operation,
+    },
+    Case {
+        name: "power is cut at 500 operations of a full-size upload",
+        needs: &[Capability::PowerCut, Capability::FlashSteps],
+        run: seeded_operations,
+    },
+];
+
+fn every_operation(rig: &Rig) -> Result<String, Failure> {
+    let patches = [patches::patch(6, true, 21), patches::patch(6, true, 22)];
+    check(patches[1].len() >= 8192, || format!("the patch has only {} bytes", patches[1].len()))?;
+    let found = cut_upload(rig, &patches, |_| true)?;
+    let operations = patches[1].len().div_ceil(8) as u64;
+    check(found.cuts > operations, || format!("only {} cuts", found.cuts))?;
+    Ok(format!("{found} of {} bytes", patches[1].len()))
+}
+
+fn seeded_operations(rig: &Rig) -> Result<String, Failure> {
+    let patches = [patches::patch(29, true, 23), patches::patch(29, true, 24)];
+    // Each double word, and the pages; the last operation, the commit record, is one more.
+    let operations = patches[1].len().div_ceil(8) + patches[1].len().div_ceil(2048);
+    let mut chosen: Vec<bool> = vec![false; operations + 2];
+    let mut random = Pcg64::seed_from_u64(25);
+    for place in index::sample(&mut random, operations, SEEDED_CUTS - 2) {
+        chosen[place] = true;
+    }
+    chosen[operations] = true;
+    chosen[operations + 1] = true;
+    let found = cut_upload(rig, &patches, move |operation| chosen.get(operation as usize) == Some(&true))?;
+    Ok(format!("{found} of {} bytes", patches[1].len()))
+}
+
+/// What the boards that lost their power offered.
+#[derive(Clone, Debug, Default)]
+struct Found {
+    cuts: u64,
+    old: u64,
+    new: u64,
+}
+
+impl std::fmt::Display for Found {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            formatter,
+            "{} cuts: {} boards have the old patch, {} the new one, whole; upload",
+            self.cuts, self.old, self.new
+        )
+    }
+}
+
+/// Uploads the second patch over the first, and boots a board from each chosen moment.
+fn cut_upload(
+    rig: &Rig,
+    patches: &[Vec<u8>; 2],
+    chosen: impl Fn(u64) -> bool + Send + 'static,
+) -> Result<Found, Failure> {
+    let board = rig.emulated();
+    let Rig::Virtual { options, .. } = rig else { unreachable!("the case needs an emulated board") };
+    link::upload(&mut rig.link()?, &patches[0], |_| ())?;
+    let (send, receive) = channel::<(u64, Flash)>();
+    let first = board.with(|machine| machine.chip(|chip| chip.flash.operations()));
+    watch(board, first, chosen, send);
+    let crcs = [0, 1].map(|place| PatchView::validate(&patches[place]).map_or(0, |view| view.crc()));
+    let receive = Arc::new(Mutex::new(receive));
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..WORKERS)
+            .map(|_| {
+                let receive = receive.clone();
+                scope.spawn(move || boot_all(&receive, options, crcs))
+            })
+            .collect();
+        let uploaded = rig.link().map_err(Failure::from).and_then(|mut link| {
+            link::upload(&mut link, &patches[1], |_| ()).map_err(Failure::from)
+        });
+        // Ends the workers once they have emptied the channel.
+        board.with(|machine| machine.chip(|chip| chip.watcher = None));
+        let mut found = Found::default();
+        for worker in workers {
+            let part = worker.join().unwrap_or_else(|_| Err(Failure::Wrong("a board crashed".to_owned())))?;
+            found.cuts += part.cuts;
+            found.old += part.old;
+            found.new += part.new;
+        }
+        uploaded.map(|_| found)
+    })
+}
+
+fn watch(
+    board: &VirtualBoard,
+    first: u64,
+    chosen: impl Fn(u64) -> bool + Send + 'static,
+    send: Sender<(u64, Flash)>,
+) {
+    let watcher = Watcher(Box::new(move |flash: &Flash| {
+        let operation = flash.operations() - first - 1;
+        if chosen(operation) {
+            let _ = send.send((operation, flash.clone()));
+        }
+    }));
+    board.with(move |machine| machine.chip(|chip| chip.watcher = Some(watcher)));
+}
+
+fn boot_all(
+    receive: &Mutex<Receiver<(u64, Flash)>>,
+    options: &Options,
+    [old, new]: [u32; 2],
+) -> Result<Found, Failure> {
+    let mut found = Found::default();
+    loop {
+        let next = receive.lock().unwrap_or_else(PoisonError::into_inner).recv();
+        let Ok((operation, mut flash)) = next else { return Ok(found) };
+        let doing = flash.operation();
+        flash.cut(options.seed ^ operation);
+        let board = VirtualBoard::start(flash, options.clone())?;
+        board.run(START_TIME)?;
+        let offered = Link::connect("virtual", board.line())?.info()?.patch.map(|patch| patch.crc);
+        match offered {
+            Some(crc) if crc == old => found.old += 1,
+            Some(crc) if crc == new => found.new += 1,
+            _ => {
+                let what = format!("after a cut at operation {operation} ({doing:x?}) it offers {offered:x?}");
+                return Err(Failure::Wrong(what));
+            }
+        }
+        found.cuts += 1;
+    }
+}

@@ -1,0 +1,218 @@
+//! Rig: which board the cases run against, and what can be done to it.
+//!
+//! A rig file names an emulated board or a real one. A case sees a link to the board and the list of
+//! what the rig can do, and cannot tell the two apart.
+
+use crate::{
+    board::VirtualBoard,
+    chip::{time::Time, usart::Symbol},
+    elf::{ElfError, Image},
+    machine::{Halt, Options},
+};
+use dermatome::link::{self, Link, LinkError, Port};
+use serde::Deserialize;
+use std::{
+    fmt,
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+/// How long a board may take to start.
+pub const START_TIME: Time = Time::from_millis(20);
+
+/// What a rig can do to its board, beyond talking to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Capability {
+    /// Switch its power off and on, at any moment.
+    PowerCut,
+    /// Tell what its flash is doing, and cut the power at any step of that.
+    FlashSteps,
+    /// Send any bytes over its line, damaged ones too.
+    RawLine,
+    /// Press its reset button.
+    ResetButton,
+    /// Make its CPU hang, or fault.
+    BreakCpu,
+    /// Measure time on the board's own clock, and say what happened when.
+    VirtualTime,
+}
+
+impl fmt::Display for Capability {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::PowerCut => "cut the power",
+            Self::FlashSteps => "stop at steps of the flash",
+            Self::RawLine => "send damaged bytes",
+            Self::ResetButton => "press reset",
+            Self::BreakCpu => "make the CPU hang or fault",
+            Self::VirtualTime => "tell virtual time",
+        })
+    }
+}
+
+/// A rig file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
+pub enum RigFile {
+    /// The firmware's ELF on an emulated STM32G474.
+    Virtual {
+        /// The ELF, seen from the rig file's folder.
+        elf: PathBuf,
+        /// Cycles that every instruction takes.
+        cycles_per_instruction: f64,
+        /// Bits per second of the host's end of the link.
+        baud: u64,
+        /// What is random.
+        seed: u64,
+    },
+    /// A real board.
+    Board {
+        /// Its serial port.
+        port: String,
+    },
+}
+
+/// Why there is no rig.
+#[derive(Debug, thiserror::Error)]
+pub enum RigError {
+    /// The rig file cannot be read.
+    #[error("cannot read the rig file `{}`: {reason}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        reason: std::io::Error,
+    },
+    /// The rig file does not describe a rig.
+    #[error("rig file `{}`: {reason}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The firmware is no firmware.
+    #[error(transparent)]
+    Elf(#[from] ElfError),
+    /// The emulated board does not start.
+    #[error("the emulated board does not start: {0}")]
+    Halt(#[from] Halt),
+    /// The real board does not answer.
+    #[error("the rig has no board: {0}")]
+    Link(#[from] LinkError),
+}
+
+/// A board and what can be done to it.
+#[derive(Debug)]
+pub enum Rig {
+    /// An emulated board.
+    Virtual {
+        /// The board.
+        board: VirtualBoard,
+        /// Its firmware.
+        image: Image,
+        /// How it runs.
+        options: Options,
+    },
+    /// A real one.
+    Board {
+        /// Where it is.
+        port: Port,
+    },
+}
+
+impl Rig {
+    /// The rig of a file, its board switched on. `elf` takes the place of the file's firmware.
+    pub fn open(path: &Path, elf: Option<&Path>) -> Result<Self, RigError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|reason| RigError::Read { path: path.to_owned(), reason })?;
+        let wrong = |reason: String| RigError::File { path: path.to_owned(), reason };
+        match toml::from_str(&text).map_err(|error| wrong(error.to_string()))? {
+            RigFile::Virtual { elf: own, cycles_per_instruction, baud, seed } => {
+                if !(0.5..=10.0).contains(&cycles_per_instruction) {
+                    return Err(wrong(format!(
+                        "`cycles_per_instruction` is {cycles_per_instruction}, allowed are 0.5 to 10"
+                    )));
+                }
+                if !(1200..=10_000_000).contains(&baud) {
+                    return Err(wrong(format!("`baud` is {baud}, allowed are 1200 to 10000000")));
+                }
+                let own = path.parent().unwrap_or(Path::new(".")).join(own);
+                let image = Image::read(elf.unwrap_or(&own))?;
+                let options = Options {
+                    cycles_per_instruction: ((cycles_per_instruction * 1000.0).round() as u64, 1000),
+                    wire_baud: baud,
+                    seed,
+                    keep_trace: false,
+                };
+                Ok(Self::start(image, options)?)
+            }
+            RigFile::Board { port } => {
+                let port: Port = port.parse().map_err(|error| wrong(format!("`port`: {error}")))?;
+                link::open(&port)?;
+                Ok(Self::Board { port })
+            }
+        }
+    }
+
+    /// An emulated board with this firmware, switched on for the first time.
+    pub fn start(image: Image, options: Options) -> Result<Self, Halt> {
+        let board = VirtualBoard::start(image.flash(), options.clone())?;
+        Ok(Self::Virtual { board, image, options })
+    }
+
+    /// A board that nothing has happened to: a new emulated one, or the real one as it is.
+    pub fn fresh(&self) -> Result<Self, RigError> {
+        match self {
+            Self::Virtual { image, options, .. } => Ok(Self::start(image.clone(), options.clone())?),
+            Self::Board { port } => Ok(Self::Board { port: port.clone() }),
+        }
+    }
+
+    /// What the rig can do.
+    #[must_use]
+    pub fn can(&self, capability: Capability) -> bool {
+        let _: Capability = capability;
+        matches!(self, Self::Virtual { .. })
+    }
+
+    /// A link to the board.
+    pub fn link(&self) -> Result<Link, LinkError> {
+        match self {
+            Self::Virtual { board, .. } => {
+                // A person is not faster than a board that starts.
+                let _ = board.run(START_TIME);
+                Link::connect("virtual", board.line())
+            }
+            Self::Board { port } => link::open(port),
+        }
+    }
+
+    /// Lets time pass.
+    pub fn wait(&self, time: Duration) -> Result<(), Halt> {
+        match self {
+            Self::Virtual { board, .. } => board.run(Time::from(time)),
+            Self::Board { .. } => {
+                std::thread::sleep(time);
+                Ok(())
+            }
+        }
+    }
+
+    /// The emulated board, for what only that can do.
+    ///
+    /// # Panics
+    /// If the board is real: a case says which capabilities it needs.
+    #[must_use]
+    pub fn emulated(&self) -> &VirtualBoard {
+        match self {
+            Self::Virtual { board, .. } => board,
+            Self::Board { .. } => panic!("a case does what it did not say that it needs"),
+        }
+    }
+
+    /// Sends bytes as they are.
+    pub fn send_raw(&self, bytes: &[u8]) {
+        self.emulated().send(bytes.iter().map(|&byte| Symbol { byte, damaged: false }).collect());
+    }
+}
