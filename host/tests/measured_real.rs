@@ -80,7 +80,7 @@ fn the_hydrogel_skins_magnitudes_are_nothing_like_a_disc_and_the_user_is_told() 
     assert_eq!((frames.frames, frames.measurements), (400, 192));
     let diagnosis = check(&frames.mean(), 8, PLAIN);
     assert!(diagnosis.magnitudes_only);
-    assert!(diagnosis.warnings()[0].contains("only weakly"), "{:?}", diagnosis.warnings());
+    assert!(diagnosis.warnings()[0].contains("nothing fits"), "{:?}", diagnosis.warnings());
 }
 
 #[test]

@@ -1,6 +1,11 @@
 //! Skin files that are wrong: each is refused with file, field, value and what is allowed.
 
-use dermatome::skin::Skin;
+use dermatome::{
+    mesh::Lattice,
+    model::{Model, mesh},
+    skin::Skin,
+};
+use proptest::prelude::*;
 use std::path::Path;
 
 const GOOD: &str = include_str!("../../models/disc-210mm/skin.toml");
@@ -233,7 +238,7 @@ fn unknown_and_missing_fields_are_named_with_their_line() {
 fn too_many_pixels_for_a_board_are_refused_with_the_field() {
     let text = GOOD.replace("columns = 32", "columns = 64");
     let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
-    let model = dermatome::model::Model::build(&skin, |_| ()).unwrap();
+    let model = Model::build(&skin, |_| ()).unwrap();
     let error = dermatome::quantize::patch(&skin, &model).unwrap_err().to_string();
     assert!(error.contains("`image.columns`") && error.contains("1024"), "{error}");
 }
@@ -242,7 +247,7 @@ fn too_many_pixels_for_a_board_are_refused_with_the_field() {
 fn a_matrix_too_long_for_a_board_is_refused_with_what_to_change() {
     let text = GOOD.replace("reciprocal = \"combined\"", "reciprocal = \"kept\"");
     let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
-    let model = dermatome::model::Model::build(&skin, |_| ()).unwrap();
+    let model = Model::build(&skin, |_| ()).unwrap();
     let error = dermatome::quantize::patch(&skin, &model).unwrap_err().to_string();
     assert!(error.contains("196608") && error.contains("image.columns"), "{error}");
 }
@@ -279,4 +284,77 @@ fn a_table_of_steps_counts_from_one_in_the_skin_file_and_from_zero_in_csv() {
 fn driven_electrodes_are_measured_if_asked_for() {
     let text = GOOD.replace("\"adjacent\"", "\"adjacent\"\ndriven = \"measured\"");
     assert_eq!(Skin::parse(Path::new("skin.toml"), &text).unwrap().steps().len(), 256);
+}
+
+const DISC: &str = "kind = \"disc\"\ndiameter = 0.21";
+const RECTANGLE: &str = "kind = \"rectangle\"\nwidth = 0.21\nheight = 0.15";
+const HOLED: &str = "kind = \"polygon\"\npoints = [[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]]\n\
+                     holes = [[[-0.02, -0.02], [0.02, -0.02], [0.02, 0.02], [-0.02, 0.02]]]";
+
+/// The disc's skin file with another shape and electrodes at these places.
+fn with_points(shape: &str, width: f64, positions: &[[f64; 2]]) -> String {
+    let (head, rest) = GOOD.split_once("kind = \"disc\"\ndiameter = \"210 mm\"").unwrap();
+    let (middle, rest) = rest.split_once("[electrodes]").unwrap();
+    let drive = rest.split_once("[drive]").unwrap().1;
+    format!(
+        "{head}{shape}{middle}[electrodes]\ncount = {}\nplacement = \"points\"\npositions = {positions:?}\n\
+         model = \"complete\"\nwidth = {width}\ncontact_impedance = 0.18\n[drive]{drive}",
+        positions.len()
+    )
+}
+
+#[test]
+fn an_electrode_so_close_to_a_rim_that_no_mesh_fits_between_is_refused_by_number() {
+    let others = [[0.0, 0.05], [0.05, 0.0], [0.0, -0.05]];
+    let at = |y: f64| {
+        let positions = [&others[..], &[[0.0, -y]]].concat();
+        Skin::parse(Path::new("hand/skin.toml"), &with_points(RECTANGLE, 0.01, &positions))
+    };
+    // Its rim is 0.1 mm from that of the skin, of 0.2 mm needed.
+    let error = at(0.0699).unwrap_err().to_string();
+    for part in
+        ["`electrodes.positions`", "electrode 4 5.100 mm from a rim", "more than 5.200 mm, or at most 5.000"]
+    {
+        assert!(error.contains(part), "{part:?} is not in {error:?}");
+    }
+    assert!(at(0.0697).is_ok() && at(0.0701).is_ok(), "inside, and on the rim");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    /// Electrodes at all distances from a rim and from each other, most of them tiny.
+    #[test]
+    fn wherever_electrodes_are_put_they_are_refused_by_number_or_meshed(
+        shape in 0..3_usize,
+        width in 0.004..0.03,
+        from_rim in -10..1_i32,
+        apart in -10..1_i32,
+        along in -0.4..0.4_f64,
+        turn in 0.0..6.0_f64,
+        lattice in (0.0..1.0, 0.0..1.0),
+    ) {
+        let depth = width / 2.0 * (1.0 + 2_f64.powi(from_rim));
+        let first = match shape {
+            0 => [(0.105 - depth) * turn.cos(), (0.105 - depth) * turn.sin()],
+            1 => [along * 0.2, -0.075 + depth],
+            _ => [along * 0.04, 0.02 + depth],
+        };
+        let away = width * (1.0 + 2_f64.powi(apart));
+        let second = [first[0] + away * turn.sin(), first[1] + away * turn.cos()];
+        let shape = [DISC, RECTANGLE, HOLED][shape];
+        let text = with_points(shape, width, &[first, second, [-0.06, -0.03], [0.06, -0.03]]);
+        match Skin::parse(Path::new("skin.toml"), &text) {
+            Err(error) => {
+                let words = error.to_string();
+                prop_assert!(words.contains("electrode 1") || words.contains("electrode 2") || words.contains("electrodes "), "{words}");
+            }
+            Ok(skin) => {
+                let turned = Lattice { angle: lattice.0, shift: lattice.1 };
+                for (fineness, lattice) in [(1.0, Lattice::default()), (0.66, turned)] {
+                    prop_assert!(mesh(&skin, fineness, lattice).is_ok(), "{text}");
+                }
+            }
+        }
+    }
 }
