@@ -155,8 +155,8 @@ pub(crate) struct Solved<T: Admittivity> {
 
 /// Real or, for a sheet with capacitance, complex.
 pub(crate) enum Solution {
-    Real(Solved<f64>),
-    Complex(Solved<Complex64>),
+    Real(Box<Solved<f64>>),
+    Complex(Box<Solved<Complex64>>),
 }
 
 impl Model {
@@ -185,11 +185,11 @@ impl Model {
         let mut stage = |name| on_stage(clock.begin(name));
         let Answer { voltages, jacobian, targets } = if admittivity.im == 0.0 {
             let (answer, solved) = answer(skin, &mesh, &pixels, admittivity.re, &mut stage)?;
-            keep(Solution::Real(solved));
+            keep(Solution::Real(Box::new(solved)));
             answer
         } else {
             let (answer, solved) = answer(skin, &mesh, &pixels, admittivity, &mut stage)?;
-            keep(Solution::Complex(solved));
+            keep(Solution::Complex(Box::new(solved)));
             answer
         };
 

@@ -123,8 +123,8 @@ impl<'a> Export<'a> {
         on_stage("arrays");
         let elements = mesh.elements.len();
         let solution = match kept.expect("a model that is built was solved") {
-            model::Solution::Real(solved) => Solution::Real(Untouched::new(solved, elements)?),
-            model::Solution::Complex(solved) => Solution::Complex(Untouched::new(solved, elements)?),
+            model::Solution::Real(solved) => Solution::Real(Untouched::new(*solved, elements)?),
+            model::Solution::Complex(solved) => Solution::Complex(Untouched::new(*solved, elements)?),
         };
         let contact_impedance = match &skin.electrodes.model {
             ElectrodeModel::Point => Vec::new(),
