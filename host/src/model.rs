@@ -142,9 +142,35 @@ struct Answer {
     targets: Answers,
 }
 
+/// The untouched skin solved, before reciprocal steps are averaged and quadrature is dropped.
+pub(crate) struct Solved<T: Admittivity> {
+    /// Admittivity of every element.
+    pub(crate) admittivity: T,
+    pub(crate) forward: ForwardModel<T>,
+    /// `[step]`.
+    pub(crate) voltages: Vec<T>,
+    /// `[step][pixel]`.
+    pub(crate) jacobian: Mat<T>,
+}
+
+/// Real or, for a sheet with capacitance, complex.
+pub(crate) enum Solution {
+    Real(Box<Solved<f64>>),
+    Complex(Box<Solved<Complex64>>),
+}
+
 impl Model {
     /// Computes the model of a skin; `on_stage` hears the name of each stage as it begins.
-    pub fn build(skin: &Skin, mut on_stage: impl FnMut(&'static str)) -> Result<Self, ModelError> {
+    pub fn build(skin: &Skin, on_stage: impl FnMut(&'static str)) -> Result<Self, ModelError> {
+        Self::build_with(skin, on_stage, drop)
+    }
+
+    /// The same; `keep` gets the solution, which is large, as soon as the model is through with it.
+    pub(crate) fn build_with(
+        skin: &Skin,
+        mut on_stage: impl FnMut(&'static str),
+        keep: impl FnOnce(Solution),
+    ) -> Result<Self, ModelError> {
         let mut clock = StageClock::default();
         let steps = skin.steps();
         let combination = skin.combination(&steps);
@@ -158,9 +184,13 @@ impl Model {
         let admittivity = skin.admittivity();
         let mut stage = |name| on_stage(clock.begin(name));
         let Answer { voltages, jacobian, targets } = if admittivity.im == 0.0 {
-            answer::<f64>(skin, &mesh, &pixels, admittivity.re, &mut stage)?
+            let (answer, solved) = answer(skin, &mesh, &pixels, admittivity.re, &mut stage)?;
+            keep(Solution::Real(Box::new(solved)));
+            answer
         } else {
-            answer::<Complex64>(skin, &mesh, &pixels, admittivity, &mut stage)?
+            let (answer, solved) = answer(skin, &mesh, &pixels, admittivity, &mut stage)?;
+            keep(Solution::Complex(Box::new(solved)));
+            answer
         };
 
         on_stage(clock.begin("matrix"));
@@ -284,7 +314,7 @@ fn answer<T: Admittivity>(
     pixels: &Pixels,
     admittivity: T,
     stage: &mut dyn FnMut(&'static str),
-) -> Result<Answer, ModelError> {
+) -> Result<(Answer, Solved<T>), ModelError> {
     stage("forward");
     let forward = forward_model::<T>(skin, mesh)?;
     let fields = forward.solve(&vec![admittivity; mesh.elements.len()])?;
@@ -293,11 +323,13 @@ fn answer<T: Admittivity>(
     let jacobian = jacobian(mesh, &fields, &steps, pixels);
     let untouched = Untouched { mesh, forward: &forward, admittivity, fields: &fields, steps: &steps };
     let targets = Answers::simulate(&untouched, &skin.inverse, &skin.combination(&steps))?;
-    Ok(Answer {
+    let voltages = fields.voltages(&steps);
+    let answer = Answer {
         targets,
-        voltages: fields.voltages(&steps).into_iter().map(T::in_phase).collect(),
+        voltages: voltages.iter().map(|voltage| voltage.in_phase()).collect(),
         jacobian: combine_rows(&jacobian, &skin.combination(&steps)),
-    })
+    };
+    Ok((answer, Solved { admittivity, forward, voltages, jacobian }))
 }
 
 /// Times stages that follow each other.

@@ -228,7 +228,8 @@ fn linear_targets_stand_for_solved_ones() {
         let error: f64 = small.iter().zip(&linear).map(|(s, l)| (s / 1e-4 - l).powi(2)).sum();
         assert!(error.sqrt() < 1e-3 * linear.iter().map(|l| l * l).sum::<f64>().sqrt());
         let likeness = cosine(&solved(1.0), &linear);
-        assert!(likeness > 0.98, "{likeness}");
+        // The least of all is 0.988.
+        assert!(likeness > 0.985, "{likeness}");
     }
 }
 

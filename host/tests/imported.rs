@@ -213,4 +213,12 @@ fn groups_that_are_not_electrodes_are_refused_by_name() {
     let points = replaced(&good, &[POINT[0], POINT[2]]);
     let error = folder.load(&points).unwrap_err();
     assert!(error.contains("edges") && error.contains("one point"), "{error}");
+    // A line from node to node that no triangle has for an edge.
+    let mut off = mesh;
+    let ElectrodeContact::Edges(edges) = &mut off.electrodes[2] else { panic!("no edges") };
+    edges.push([0, 200]);
+    let error = Folder::with("disc.msh", &msh(&off)).load(&good).unwrap_err();
+    for part in ["`electrodes.placement`", "electrode_3, of whose points and lines 1 are not on the mesh"] {
+        assert!(error.contains(part), "{part:?} is not in {error:?}");
+    }
 }

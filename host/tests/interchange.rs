@@ -8,7 +8,7 @@ use dermatome::{
     },
     jacobian::jacobian,
     measured::read::Source,
-    mesh::{ElectrodeContact, Lattice},
+    mesh::{ElectrodeContact, Lattice, import, triangle},
     model::{self, Model, forward_model},
     pixels::Pixels,
     skin::Skin,
@@ -138,6 +138,73 @@ fn electrodes_of_both_models_are_listed_with_their_nodes() {
     assert_eq!(indices(&folder, "electrode_points"), points);
     assert_eq!(npy::<i64>(&folder, "electrode_edges").0, [0, 3]);
     assert_eq!(npy::<f64>(&folder, "contact_impedance").0, [0]);
+}
+
+const POINT: &str = "model = \"point\"";
+const COMPLETE: &str = "model = \"complete\"\nwidth = \"8 mm\"\ncontact_impedance = \"0.18 ohm m\"";
+
+/// The tiny skin with electrodes of another model, the eighth of them inside the skin.
+fn one_inside(model: &str) -> Skin {
+    let rest = TINY.split_once("[drive]").unwrap();
+    let head = rest.0.split_once("[electrodes]").unwrap().0;
+    let rim = (0..7).map(|e| f64::from(e) * std::f64::consts::TAU / 8.0);
+    let rim = rim.map(|angle| format!("[{}, {}], ", 0.05 * angle.cos(), 0.05 * angle.sin()));
+    let positions: String = rim.collect();
+    let electrodes = format!(
+        "[electrodes]\ncount = 8\nplacement = \"points\"\npositions = [{positions}[0.01, -0.01]]\n{model}\n"
+    );
+    skin(&format!("{head}{electrodes}[drive]{}", rest.1))
+}
+
+#[test]
+fn triangles_under_an_electrode_inside_the_skin_are_listed_as_its_faces() {
+    let skin = one_inside(COMPLETE);
+    let folder = exported(&skin);
+    let mesh = model::mesh(&skin, 1.0, Lattice::default()).unwrap();
+    let ElectrodeContact::Faces(inside) = &mesh.electrodes[7] else { panic!("electrode 8 is on the rim") };
+    let rows: Vec<usize> = inside.iter().flat_map(|&[a, b, c]| [7, a, b, c]).collect();
+    assert_eq!(npy::<i64>(&folder, "electrode_faces").0, [inside.len() as u64, 4]);
+    assert_eq!(indices(&folder, "electrode_faces"), rows);
+    let area: f64 = inside.iter().map(|&face| triangle::area(mesh.points(face))).sum();
+    let disc = std::f64::consts::PI * 0.004_f64.powi(2);
+    assert!((area / disc - 1.0).abs() < 0.15, "{area} of {disc}: all of a disc 8 mm wide, as a polygon");
+    let edges = indices(&folder, "electrode_edges");
+    assert!(edges.chunks(3).all(|row| row[0] < 7), "electrode 8 has none");
+}
+
+#[test]
+fn the_gmsh_file_is_a_skin_with_the_same_electrodes_and_voltages() {
+    for (model, electrodes) in [(COMPLETE, "complete\"\ncontact_impedance = \"0.18 ohm m"), (POINT, "point")]
+    {
+        let original = one_inside(model);
+        let folder = exported(&original);
+        let shape = "[shape]\nkind = \"mesh\"\nfile = \"skin.msh\"\nunit = \"m\"\n";
+        let (head, rest) = TINY.split_once("[shape]").unwrap();
+        let material = rest.split_once("[material]").unwrap().1.split_once("[electrodes]").unwrap().0;
+        let drive = rest.split_once("[drive]").unwrap().1;
+        let text = format!(
+            "{head}{shape}[material]{material}[electrodes]\ncount = 8\nplacement = \"groups\"\n\
+             model = \"{electrodes}\"\n[drive]{drive}"
+        );
+        let again = Skin::parse(&folder.path().join("skin.toml"), &text).unwrap();
+        let [before, after] = [&original, &again].map(|s| model::mesh(s, 1.0, Lattice::default()).unwrap());
+        assert_eq!(after.nodes, before.nodes);
+        assert_eq!(after.electrodes, before.electrodes);
+        let [before, after] = [original, again].map(|skin| Model::build(&skin, |_| ()).unwrap().voltages);
+        let largest = before.iter().fold(0.0, |largest: f64, v| largest.max(v.abs()));
+        for (before, after) in before.iter().zip(after) {
+            assert!((before - after).abs() < 1e-11 * largest, "{before} {after}");
+        }
+    }
+}
+
+#[test]
+fn the_ply_file_holds_the_same_mesh() {
+    let skin = skin(TINY);
+    let folder = exported(&skin);
+    let mesh = model::mesh(&skin, 1.0, Lattice::default()).unwrap();
+    let read = import::read(&folder.path().join("skin.ply"), None).unwrap();
+    assert_eq!((read.nodes, read.triangles), (mesh.nodes, mesh.elements));
 }
 
 #[test]

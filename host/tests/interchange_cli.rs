@@ -3,8 +3,14 @@
 
 mod program;
 
+use dermatome::{
+    measured::{order::Arrangement, weights::by_magnitude},
+    skin::Skin,
+};
 use insta::{Settings, assert_snapshot};
+use num_complex::Complex64;
 use program::{Desk, TINY, row, shape, tiny_voltages, transcript};
+use std::path::Path;
 
 /// Snapshots without the test's own code.
 fn filtered(check: impl FnOnce()) {
@@ -141,4 +147,82 @@ fn errors_of_export_forward_and_check_data() {
     );
     filtered(|| assert_snapshot!("errors_interchange", words));
     assert_eq!(desk.files(), before, "nothing is left behind");
+}
+
+#[test]
+fn check_data_fits_contact_impedances_if_asked_to() {
+    let desk = Desk::empty();
+    let measured = TINY.replace("\"adjacent\"", "\"adjacent\"\ndriven = \"measured\"");
+    let better = measured.replace("contact_impedance = \"0.18 ohm m\"", "contact_impedance = \"0.27 ohm m\"");
+    desk.write("skin.toml", &measured);
+    desk.write("better.toml", better);
+    desk.run(&["forward", "better.toml", "--out", "idle.csv"]).success();
+    let done = desk.run(&["check-data", "skin.toml", "idle.csv", "--fit", "--json", "fit.json"]).success();
+    assert_eq!(done.err, "");
+    filtered(|| assert_snapshot!("check_data_fit", done.out));
+    let report = desk.report("fit.json");
+    filtered(|| assert_snapshot!("check_data_fit_json", shape(&report["fit"])));
+    for contact in report["fit"]["contacts"].as_array().unwrap() {
+        assert!((contact["contact_impedance"].as_f64().unwrap() - 0.27).abs() < 1e-6, "{contact}");
+    }
+    // Frames of something else are fitted as well as they can be, and it says so.
+    desk.write("noise.csv", row(&(0..64).map(|i| f64::from(i * 37 % 64) - 31.5).collect::<Vec<_>>()));
+    let noise = desk.run(&["check-data", "skin.toml", "noise.csv", "--fit"]).success();
+    assert!(noise.err.contains("these impedances mean little"), "{}", noise.err);
+    let point = measured.replace("\"complete\"", "\"point\"").replace("width = \"8 mm\"\n", "");
+    desk.write("point.toml", point.replace("contact_impedance = \"0.18 ohm m\"\n", ""));
+    let words = desk.run(&["check-data", "point.toml", "idle.csv", "--fit"]).refused();
+    assert!(words.contains("--fit of `idle.csv`") && words.contains("allowed: \"complete\""), "{words}");
+}
+
+#[test]
+fn weights_by_magnitude_are_those_of_the_measured_reference() {
+    let desk = Desk::empty();
+    let (reference, frame) = {
+        let untouched = tiny_voltages();
+        // An instrument that reads some pairs weaker than others.
+        let gain = |step: usize| 1.0 / (1.0 + (step % 4) as f64);
+        let read = |change: f64| -> Vec<f64> {
+            let value = |(step, v): (usize, &f64)| v * gain(step) * (1.0 + change * (step % 7) as f64);
+            untouched.iter().enumerate().map(value).collect()
+        };
+        (read(0.0), read(0.01))
+    };
+    desk.write("idle.csv", row(&reference));
+    desk.write("press.csv", row(&frame));
+    let skin = Skin::parse(Path::new("skin.toml"), TINY).unwrap();
+    let steps = skin.steps();
+    let map = Arrangement::default().index_map(&steps, 8, 40).unwrap();
+    let values: Vec<_> = reference.iter().copied().map(Complex64::from).collect();
+    let weights = by_magnitude(&values, &map, &skin.combination(&steps));
+    desk.write("skin.toml", TINY);
+    desk.write(
+        "listed.toml",
+        TINY.replace("normalised = true", &format!("normalised = true\nweights = {weights:?}")),
+    );
+    let images = |skin: &str, more: &[&str]| {
+        let files =
+            ["reconstruct", skin, "--reference", "idle.csv", "--frames", "press.csv", "--json", "r.json"];
+        desk.run(&[&files[..], more].concat()).success();
+        desk.report("r.json")["frames"].clone()
+    };
+    let weighed = images("skin.toml", &["--weights", "magnitude"]);
+    // The reference went through text of ten digits.
+    let peak = |frames: &serde_json::Value| frames[0]["peak"].as_f64().unwrap();
+    assert!((peak(&weighed) / peak(&images("listed.toml", &[])) - 1.0).abs() < 1e-6, "{weighed}");
+    assert!((peak(&weighed) / peak(&images("skin.toml", &[])) - 1.0).abs() > 1e-3, "{weighed}");
+    desk.write("plain.toml", TINY.replace("normalised = true", "normalised = false"));
+    let words = desk
+        .run(&[
+            "reconstruct",
+            "plain.toml",
+            "--reference",
+            "idle.csv",
+            "--frames",
+            "press.csv",
+            "--weights",
+            "magnitude",
+        ])
+        .refused();
+    assert!(words.contains("`magnitude`") && words.contains("`inverse.normalised` is false"), "{words}");
 }

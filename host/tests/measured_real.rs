@@ -80,7 +80,7 @@ fn the_hydrogel_skins_magnitudes_are_nothing_like_a_disc_and_the_user_is_told() 
     assert_eq!((frames.frames, frames.measurements), (400, 192));
     let diagnosis = check(&frames.mean(), 8, PLAIN);
     assert!(diagnosis.magnitudes_only);
-    assert!(diagnosis.warnings()[0].contains("only weakly"), "{:?}", diagnosis.warnings());
+    assert!(diagnosis.warnings()[0].contains("nothing fits"), "{:?}", diagnosis.warnings());
 }
 
 #[test]
@@ -255,7 +255,8 @@ fn exchanged_sense_wires_of_the_sciospec_tank_are_found() {
     let exchange = Exchange { electrodes: [2, 3], role: Role::Sense };
     assert_eq!(found.numbering.exchanged, [exchange], "{:?}", found.findings);
     let numbering = &found.numbering;
-    assert!(numbering.exchanged_correlation > numbering.best_correlation + 0.05, "{numbering:?}");
+    // 0.997 instead of 0.932.
+    assert!(numbering.exchanged_correlation > 0.995 && numbering.best_correlation < 0.94, "{numbering:?}");
 }
 
 #[test]

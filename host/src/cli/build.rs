@@ -3,7 +3,11 @@
 use super::{JsonReport, patch_id, progress};
 use crate::{
     inverse::figures::Blur,
-    mesh::quality::{Quality, quality},
+    mesh::{
+        Mesh,
+        quality::{Quality, quality},
+        soundness::{Boundary, inspect},
+    },
     model::{Model, Stage},
     output::write_whole,
     quantize::{self, FixedPointError},
@@ -54,7 +58,7 @@ struct Report {
     measurements: usize,
     rank: usize,
     pixels: usize,
-    mesh: Quality,
+    mesh: MeshReport,
     hyperparameter: f64,
     hyperparameter_by: &'static str,
     noise_figure: f64,
@@ -75,6 +79,38 @@ struct PatchReport {
     #[serde(rename = "patch_crc")]
     crc: String,
     fixed_point_error: FixedPointError,
+}
+
+/// How good the mesh is, and what is strange about it.
+#[derive(Serialize)]
+struct MeshReport {
+    #[serde(flatten)]
+    quality: Quality,
+    holes: Vec<Boundary>,
+    closed: bool,
+    non_manifold_edges: usize,
+    degenerate: usize,
+    flipped: usize,
+    one_sided: bool,
+    open_seams: usize,
+    notes: Vec<String>,
+}
+
+impl MeshReport {
+    fn of(mesh: &Mesh) -> Self {
+        let found = inspect(&mesh.nodes, &mesh.elements);
+        Self {
+            quality: quality(mesh),
+            holes: found.holes().to_vec(),
+            closed: found.boundaries.is_empty(),
+            non_manifold_edges: found.non_manifold.len(),
+            degenerate: found.degenerate.len(),
+            flipped: found.flipped,
+            one_sided: found.one_sided,
+            open_seams: found.seams.len(),
+            notes: found.notes(),
+        }
+    }
 }
 
 /// How widely images spread a point.
@@ -116,7 +152,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let patch =
         if args.no_patch { None } else { Some(write_patch(args, &skin, &mut model).with_context(in_file)?) };
     spinner.finish_and_clear();
-    let mesh = quality(&model.mesh);
+    let mesh = MeshReport::of(&model.mesh);
     let noise = model.image_noise(60.0);
     let report = Report {
         skin: skin.name.clone(),
@@ -125,7 +161,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         measurements: model.jacobian.nrows(),
         rank: stimulation::report(&model.steps, skin.electrodes.count).rank,
         pixels: model.jacobian.ncols(),
-        warnings: warnings(&skin, &mesh, patch.as_ref(), noise),
+        warnings: warnings(&skin, &mesh.quality, patch.as_ref(), noise),
         mesh,
         patch,
         hyperparameter: model.hyperparameter,
@@ -190,14 +226,8 @@ fn warnings(skin: &Skin, mesh: &Quality, patch: Option<&PatchReport>, noise: f64
 }
 
 fn print(report: &Report, stages: &[Stage]) {
-    let mesh = &report.mesh;
     say!("skin          {}", report.skin);
-    say!(
-        "mesh          {} elements, {} nodes, smallest angle {:.1} degrees",
-        mesh.elements,
-        mesh.nodes,
-        mesh.smallest_angle_degrees
-    );
+    print_mesh(&report.mesh);
     say!(
         "measurements  {} from {} steps, {} electrodes, rank {}",
         report.measurements,
@@ -238,4 +268,15 @@ fn print(report: &Report, stages: &[Stage]) {
         patch.fixed_point_error.bound_percent
     );
     say!("patch         {} ({} bytes, id {})", patch.path.display(), patch.bytes, patch.crc);
+}
+
+/// One line, and one more for each thing that is strange.
+fn print_mesh(MeshReport { quality, notes, .. }: &MeshReport) {
+    say!(
+        "mesh          {} elements, {} nodes, smallest angle {:.1} degrees",
+        quality.elements,
+        quality.nodes,
+        quality.smallest_angle_degrees
+    );
+    notes.iter().for_each(|note| say!("{:14}{note}", ""));
 }

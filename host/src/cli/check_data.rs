@@ -4,6 +4,7 @@ use super::{JsonReport, frame_options::FrameOptions};
 use crate::{
     measured::{
         check::{Check, Expected, check, findings::Level},
+        fit::{Fit, fit},
         read::{Frames, Source},
     },
     skin::Skin,
@@ -21,7 +22,8 @@ use std::{ffi::OsString, path::PathBuf};
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   dermatome check-data tank.toml run.npz:empty
-  dermatome check-data skin.toml idle.csv --order relative --json check.json --strict")]
+  dermatome check-data skin.toml idle.csv --order relative --json check.json --strict
+  dermatome check-data skin.toml idle.csv --fit")]
 pub(super) struct Args {
     /// Skin file.
     #[arg(value_name = "SKIN")]
@@ -31,6 +33,10 @@ pub(super) struct Args {
     file: OsString,
     #[command(flatten)]
     options: FrameOptions,
+    /// Fit contact impedances and conductivity to the mean of the frames, which must be of the untouched
+    /// skin.
+    #[arg(long)]
+    fit: bool,
     /// Exit with code 1 if there is a fault.
     #[arg(long)]
     strict: bool,
@@ -46,7 +52,11 @@ struct Report {
     faults: usize,
     #[serde(flatten)]
     check: Check,
+    fit: Option<Fit>,
 }
+
+/// What a fit leaves over that is worth a warning, %.
+const MUCH_LEFT_PERCENT: f64 = 10.0;
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let skin = Skin::load(&args.skin)?;
@@ -55,13 +65,17 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let expected = Expected::of(&skin).with_context(|| format!("skin file `{}`", args.skin.display()))?;
     let check = check(&expected, &frames, args.options.arrangement())
         .with_context(|| format!("`{source}`{}", hint(&skin, &frames)))?;
+    let fitted = args.fit.then(|| fit(&skin, &frames.mean(), &args.options.arrangement()));
+    let fit = fitted.transpose().with_context(|| format!("--fit of `{source}`"))?;
     let report = Report {
         skin: args.skin.clone(),
         file: source.to_string(),
         faults: check.findings.iter().filter(|finding| finding.level == Level::Fault).count(),
         check,
+        fit,
     };
     print(&report.check);
+    report.fit.iter().for_each(print_fit);
     args.json.write(&report)?;
     if args.strict && report.faults > 0 {
         bail!("`{source}` has faults: {}", report.faults);
@@ -115,5 +129,33 @@ fn print(check: &Check) {
     match check.findings.len() {
         0 => say!("nothing looks wrong"),
         _ => check.findings.iter().for_each(|finding| say!("{finding}")),
+    }
+}
+
+/// Electrodes from 1, as people count them.
+fn print_fit(fit: &Fit) {
+    say!(
+        "fit           {:.3} % of the frame left over with the skin file's contact impedances, {:.3} % with these",
+        fit.residual_before_percent,
+        fit.residual_percent
+    );
+    say!(
+        "scale         {:.6e} for each volt at 1 A and 1 S: {:.4e} S per square, if the file is in volts",
+        fit.scale,
+        fit.sheet_conductivity_s
+    );
+    say!("{:>9} {:>12} {:>12} {:>10}", "electrode", "skin file", "fitted/ohm m", "deviation");
+    for contact in &fit.contacts {
+        let deviation =
+            contact.deviation_percent.map_or("unknown".into(), |percent| format!("{percent:.1} %"));
+        let (before, fitted) = (contact.before, contact.contact_impedance);
+        say!("{:>9} {before:>12.4e} {fitted:>12.4e} {deviation:>10}", contact.electrode + 1);
+    }
+    if fit.residual_percent > MUCH_LEFT_PERCENT {
+        eprintln!(
+            "warning: the fit leaves over {:.0} % of the frame: the model does not explain it, and these \
+             impedances mean little",
+            fit.residual_percent
+        );
     }
 }

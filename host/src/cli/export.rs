@@ -1,21 +1,22 @@
-//! `dermatome export`: a skin's model as files for NumPy, MATLAB and EIDORS.
+//! `dermatome export`: a skin's model as files for NumPy, MATLAB, EIDORS and Gmsh.
 
 use super::{JsonReport, progress};
 use crate::{
     interchange::{
         contents::Contents,
-        export::{CONTENTS, Export, MATLAB, STIMULATION, prepare_folder},
+        export::{CONTENTS, Export, GMSH, MATLAB, PLY, STIMULATION, prepare_folder},
     },
     skin::Skin,
 };
 use anyhow::Context;
 use std::path::PathBuf;
 
-/// Write a skin's whole model as NumPy and MATLAB files.
+/// Write a skin's whole model as NumPy and MATLAB files, and its mesh for Gmsh.
 ///
 /// Nodes, elements, electrodes, system matrix, voltages, Jacobian, prior, reconstruction matrix and
-/// more, each as NAME.npy and all of them in skin.mat; the stimulation table as stimulation.csv; and
-/// export.json, which lists the arrays with shapes and units. Everything counts from 0.
+/// more, each as NAME.npy and all of them in skin.mat; the mesh as skin.msh, with its electrodes as
+/// physical groups, and as skin.ply; the stimulation table as stimulation.csv; and export.json, which
+/// lists the arrays with shapes and units. Everything counts from 0.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   dermatome export models/disc-210mm/skin.toml --out disc
@@ -58,7 +59,7 @@ fn print(args: &Args, contents: &Contents) {
         eprintln!("warning: {name} takes more than 2 GiB and is not in {MATLAB}; it is in {name}.npy");
     }
     say!(
-        "written       {} arrays as .npy, {MATLAB}, {STIMULATION} and {CONTENTS} to {}",
+        "written       {} arrays as .npy, {MATLAB}, {GMSH}, {PLY}, {STIMULATION} and {CONTENTS} to {}",
         contents.arrays.len(),
         args.out.display()
     );

@@ -6,13 +6,15 @@ use crate::{
         diagnose::{Diagnosis, diagnose},
         read::{Frames, Source},
         reconstruct::{FrameResult, Polarity, evenly_spaced, reconstruct},
+        weights::by_magnitude,
     },
     model::Model,
     output::write_whole,
-    skin::{Skin, electrodes_in_plane},
+    skin::{Skin, Weights, electrodes_in_plane},
     view::sheet::{Panel, Sheet, reconstruction_sheet},
 };
-use anyhow::Context;
+use anyhow::{Context, bail};
+use dermatome_shared::patch::Difference;
 use serde::Serialize;
 use std::{ffi::OsString, path::PathBuf};
 
@@ -45,11 +47,25 @@ pub(super) struct Args {
     png: Option<PathBuf>,
     #[command(flatten)]
     options: FrameOptions,
+    /// How much each measurement counts: as the skin file says, or in proportion to the square of the
+    /// measured reference, for instruments whose errors are of one size (normalised data only).
+    #[arg(long, value_enum, default_value_t)]
+    weights: WeightChoice,
     /// Look for a conductivity that rises, that falls, or for whichever change is the strongest.
     #[arg(long, value_enum, default_value_t)]
     polarity: Polarity,
     #[command(flatten)]
     json: JsonReport,
+}
+
+/// Where the weights of measurements come from.
+#[derive(Clone, Copy, Default, clap::ValueEnum)]
+enum WeightChoice {
+    /// From the skin file.
+    #[default]
+    Skin,
+    /// From the magnitude of the measured reference.
+    Magnitude,
 }
 
 /// What `reconstruct` tells; keys are documented in docs/cli.md.
@@ -69,8 +85,12 @@ struct Report {
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let (reference_source, frames_source) = (Source::new(&args.reference), Source::new(&args.frames));
-    let skin = Skin::load(&args.skin)?;
+    let mut skin = Skin::load(&args.skin)?;
     let reference = args.options.read(&reference_source, &skin)?;
+    if let WeightChoice::Magnitude = args.weights {
+        weigh_by_magnitude(&mut skin, &reference, &args.options)
+            .with_context(|| format!("`{reference_source}`"))?;
+    }
     let frames = args.options.read(&frames_source, &skin)?;
     let model =
         Model::build(&skin, |_| ()).with_context(|| format!("skin file `{}`", args.skin.display()))?;
@@ -97,6 +117,19 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         write_whole(path, &picture(&skin, &model, &report)?)?;
     }
     args.json.write(&report)
+}
+
+fn weigh_by_magnitude(skin: &mut Skin, reference: &Frames, options: &FrameOptions) -> anyhow::Result<()> {
+    if skin.inverse.difference != Difference::Normalised {
+        bail!(
+            "--weights is `magnitude`, which is for normalised data; `inverse.normalised` is false, allowed here: \
+             --weights skin"
+        );
+    }
+    let steps = skin.steps();
+    let map = options.arrangement().index_map(&steps, skin.electrodes.count, reference.measurements)?;
+    skin.inverse.weights = Weights::Each(by_magnitude(&reference.mean(), &map, &skin.combination(&steps)));
+    Ok(())
 }
 
 fn warnings(diagnosis: &Diagnosis, reference: &Frames, frames: &Frames) -> Vec<String> {

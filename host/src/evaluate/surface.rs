@@ -1,12 +1,11 @@
 //! Surface: where on a skin something lies, flat or curved, seen through the true skin's mesh.
 
 use crate::{
-    mesh::{Mesh, triangle},
+    mesh::{Mesh, neighbours::rim_edges, triangle},
     pixels::patches,
     skin::{Shape, outline::Outline},
 };
 use nalgebra::{Point2, Point3, Unit, Vector3};
-use std::collections::BTreeMap;
 
 /// A skin's surface.
 #[derive(Clone, Debug)]
@@ -163,14 +162,7 @@ pub(super) fn extent(mesh: &Mesh, axis: usize) -> (f64, f64) {
 }
 
 fn rim(mesh: &Mesh) -> Vec<[Point3<f64>; 2]> {
-    let mut counts = BTreeMap::new();
-    for &[a, b, c] in &mesh.elements {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            *counts.entry([from.min(to), from.max(to)]).or_insert(0) += 1;
-        }
-    }
-    let single = counts.into_iter().filter(|(_, count)| *count == 1);
-    single.map(|(edge, _)| edge.map(|node| mesh.nodes[node])).collect()
+    rim_edges(&mesh.elements).into_iter().map(|edge| edge.map(|node| mesh.nodes[node])).collect()
 }
 
 /// From a point to an edge.

@@ -124,9 +124,11 @@ fn errors_of_the_electrodes_misplace_targets() {
     let mean_of =
         |options: Options| (1..=4).map(|seed| error(Options { seed, ..options })).sum::<f64>() / 4.0;
     let moved = mean_of(Options { electrode_error: Length::Share(0.2), ..PLAIN });
-    assert!(moved > 1.03 * exact, "{exact} {moved}");
+    // 2.7 times over these seeds, 1.9 to 4.0 each.
+    assert!((2.2..3.2).contains(&(moved / exact)), "{exact} {moved}");
     let worn = mean_of(Options { impedance_error: 1.0, ..PLAIN });
-    assert!(worn > 1.03 * exact, "{exact} {worn}");
+    // 1.07 over these seeds, 1.02 to 1.15 each.
+    assert!((1.05..1.1).contains(&(worn / exact)), "{exact} {worn}");
 }
 
 #[test]
@@ -223,7 +225,9 @@ fn a_curved_skin_is_evaluated_on_its_surface() {
     let evaluation = of(&skin, Options { spacing: Some(Length::Share(0.12)), ..PLAIN });
     let report = Report::new(&evaluation);
     assert_eq!(report.contacts_found_by, "image");
-    assert!(report.total.missed <= 3, "{}", report.total.missed);
+    // On the top, farthest from the electrodes, one of 108 stays below the threshold.
+    let missed: Vec<_> = report.rings.iter().map(|ring| ring.missed).collect();
+    assert!(missed[0] <= 1 && missed[1..].iter().all(|&missed| missed == 0), "{missed:?}");
     assert!((70..130).contains(&report.total.targets), "{}", report.total.targets);
     for single in &evaluation.singles {
         assert!((single.position.coords.norm() / 0.05 - 1.0).abs() < 0.06, "{single:?}");

@@ -1,6 +1,10 @@
 //! The list of what an export holds: `export.json`.
 
-use super::{array::Array, mat};
+use super::{
+    array::Array,
+    export::{GMSH, PLY},
+    mat,
+};
 use crate::{
     forward::electrode_unknown,
     mesh::Mesh,
@@ -56,6 +60,8 @@ pub struct Contents {
     pub normalised: bool,
     /// lambda in x = (J'WJ + lambda^2 R)^-1 J'W y.
     pub hyperparameter: f64,
+    /// Files of the mesh, in metres.
+    pub meshes: [&'static str; 2],
     /// By name.
     pub arrays: BTreeMap<&'static str, ArrayEntry>,
 }
@@ -109,6 +115,7 @@ impl Contents {
             sheet_capacitance_f: skin.material.sheet_capacitance,
             normalised: skin.inverse.difference == Difference::Normalised,
             hyperparameter,
+            meshes: [GMSH, PLY],
             arrays: arrays.iter().map(|array| (array.name, ArrayEntry::of(array))).collect(),
         }
     }

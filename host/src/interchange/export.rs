@@ -1,4 +1,4 @@
-//! Export: a skin's whole model as files for NumPy and MATLAB.
+//! Export: a skin's whole model as files for NumPy and MATLAB, and its mesh for Gmsh and others.
 //!
 //! Everything counts from 0. Steps are those of the skin's own stimulation table, before reciprocal
 //! ones are averaged; `step_measurement` and `step_sign` lead from there to the columns of the
@@ -10,11 +10,13 @@ use super::{
     mat, npy,
 };
 use crate::{
-    forward::Admittivity,
+    forward::{Admittivity, ForwardError},
     inverse::InverseError,
-    jacobian::jacobian,
-    mesh::{ElectrodeContact, Mesh},
-    model::{Model, ModelError, forward_model},
+    mesh::{
+        ElectrodeContact, Mesh,
+        export::{PlyError, msh, ply},
+    },
+    model::{self, Model, ModelError, Solved},
     output::{WriteError, check_folder, stream_whole, write_whole},
     pixels::Pixels,
     prior::Prior,
@@ -34,6 +36,10 @@ use std::{
 pub const CONTENTS: &str = "export.json";
 /// The MATLAB file.
 pub const MATLAB: &str = "skin.mat";
+/// The mesh for Gmsh, with its electrodes.
+pub const GMSH: &str = "skin.msh";
+/// The mesh alone.
+pub const PLY: &str = "skin.ply";
 /// The stimulation table.
 pub const STIMULATION: &str = "stimulation.csv";
 
@@ -86,6 +92,9 @@ pub enum ExportError {
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// The mesh does not fit into a PLY file.
+    #[error(transparent)]
+    Ply(#[from] PlyError),
     /// The contents of an earlier export cannot be taken away.
     #[error("cannot remove `{}`, which lists the files of an earlier export: {reason}", path.display())]
     Remove {
@@ -106,16 +115,16 @@ pub fn prepare_folder(folder: &Path) -> Result<(), ExportError> {
 impl<'a> Export<'a> {
     /// Computes everything; `on_stage` hears the name of each stage as it begins.
     pub fn new(skin: &'a Skin, mut on_stage: impl FnMut(&'static str)) -> Result<Self, ModelError> {
+        let mut kept = None;
         // The model's own Jacobian, of combined measurements, is dropped here.
-        let model = Model::build(skin, &mut on_stage)?;
+        let model = Model::build_with(skin, &mut on_stage, |solution| kept = Some(solution))?;
         let prior = model.prior.as_ref().map(Prior::entries).transpose().map_err(InverseError::from)?;
         let Model { steps, combination, mesh, pixels, weights, hyperparameter, .. } = model;
         on_stage("arrays");
-        let admittivity = skin.admittivity();
-        let solution = if admittivity.im == 0.0 {
-            Solution::Real(Untouched::new(skin, &mesh, &pixels, &steps, admittivity.re)?)
-        } else {
-            Solution::Complex(Untouched::new(skin, &mesh, &pixels, &steps, admittivity)?)
+        let elements = mesh.elements.len();
+        let solution = match kept.expect("a model that is built was solved") {
+            model::Solution::Real(solved) => Solution::Real(Untouched::new(*solved, elements)?),
+            model::Solution::Complex(solved) => Solution::Complex(Untouched::new(*solved, elements)?),
         };
         let contact_impedance = match &skin.electrodes.model {
             ElectrodeModel::Point => Vec::new(),
@@ -158,6 +167,8 @@ impl<'a> Export<'a> {
             stream_whole(&path, |out| npy::write(out, array))?;
         }
         stream_whole(&folder.join(MATLAB), |out| write_mat(out, &contents, &arrays))?;
+        write_whole(&folder.join(GMSH), &msh(&self.mesh))?;
+        write_whole(&folder.join(PLY), &ply(&self.mesh, &[])?)?;
         write_whole(&folder.join(STIMULATION), table_csv(&self.steps).as_bytes())?;
         Ok(write_whole(&folder.join(CONTENTS), contents.json().as_bytes())?)
     }
@@ -237,22 +248,10 @@ impl<'a> Export<'a> {
 }
 
 impl<T: Admittivity + Number> Untouched<T> {
-    fn new(
-        skin: &Skin,
-        mesh: &Mesh,
-        pixels: &Pixels,
-        steps: &[Step],
-        admittivity: T,
-    ) -> Result<Self, ModelError> {
-        let forward = forward_model::<T>(skin, mesh)?;
-        let each = vec![admittivity; mesh.elements.len()];
-        let fields = forward.solve(&each)?;
-        Ok(Self {
-            admittivity,
-            voltages: fields.voltages(steps),
-            jacobian: jacobian(mesh, &fields, steps, pixels),
-            system_matrix: summed(forward.system_matrix(&each)?),
-        })
+    fn new(solved: Solved<T>, elements: usize) -> Result<Self, ForwardError> {
+        let Solved { admittivity, forward, voltages, jacobian } = solved;
+        let system_matrix = summed(forward.system_matrix(&vec![admittivity; elements])?);
+        Ok(Self { admittivity, system_matrix, voltages, jacobian })
     }
 
     fn arrays(&self, elements: usize) -> impl Iterator<Item = Array<'_>> {

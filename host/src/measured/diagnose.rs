@@ -15,6 +15,9 @@ use serde::Serialize;
 pub const TIE: f64 = 0.005;
 /// Another arrangement must correlate better by more than this to be recommended.
 pub const CLEARLY_BETTER: f64 = 0.02;
+/// An arrangement that correlates less is as good as none: it is never recommended. Of all the orders
+/// of a frame of pure noise some reach 0.3.
+pub const LEAST_FIT: f64 = 0.5;
 /// Below this correlation something is wrong.
 pub const RESEMBLING: f64 = 0.9;
 /// References smaller than this share of the median magnitude are dead.
@@ -90,7 +93,7 @@ impl Diagnosis {
     /// What looks wrong, and which option mends it; empty where all is well.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let better = self.best_correlation > self.correlation + CLEARLY_BETTER;
+        let better = is_clearly_better(self.best_correlation, self.correlation);
         let order = if better {
             Some(self.other_order())
         } else {
@@ -117,6 +120,14 @@ impl Diagnosis {
     }
 
     fn no_resemblance(&self) -> String {
+        if self.best_correlation < LEAST_FIT {
+            return format!(
+                "nothing fits: no order of the measurements correlates with the model by {LEAST_FIT} or more \
+                 (best {:.3}); check that the skin file's electrodes, drive pattern and shape are those of the \
+                 measurement",
+                self.best_correlation
+            );
+        }
         format!(
             "the reference resembles the model only weakly (correlation {:.3}), and no other order fits \
              better: check that the skin file's electrodes, drive pattern and shape are those of the \
@@ -142,6 +153,11 @@ impl Diagnosis {
             first_few(&self.dead)
         )
     }
+}
+
+/// Whether an arrangement is worth recommending over the one in use, by their correlations.
+pub(super) fn is_clearly_better(best: f64, used: f64) -> bool {
+    best >= LEAST_FIT && best > used + CLEARLY_BETTER
 }
 
 /// How to get from one arrangement to another, in the command line's options.

@@ -7,6 +7,7 @@
 pub mod check;
 pub mod diagnose;
 pub mod difference;
+pub mod fit;
 pub(crate) mod npy;
 mod npz;
 pub mod order;

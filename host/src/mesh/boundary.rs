@@ -1,6 +1,6 @@
 //! Where a surface ends: fans of triangles around nodes, and loops of edges with one triangle.
 
-use super::neighbours::Edge;
+use super::neighbours::{self, Edge};
 use std::collections::HashMap;
 
 /// Corners that hang together around one node, from triangle to triangle over their shared edges:
@@ -29,12 +29,11 @@ pub(super) fn boundary_loops(
     elements: &[[usize; 3]],
     fans: &mut DisjointSets,
 ) -> Vec<Vec<usize>> {
-    let alone = edges.chunk_by(|a, b| a.nodes == b.nodes).filter(|edges| edges.len() == 1);
     let rim_edge = |edge: &Edge| RimEdge {
         nodes: edge.nodes,
         fans: edge.nodes.map(|node| fans.find(corner(edge.element, node, elements))),
     };
-    let boundary: Vec<_> = alone.map(|edges| &edges[0]).map(rim_edge).collect();
+    let boundary: Vec<_> = neighbours::alone(edges).map(rim_edge).collect();
     // Each fan that is open has an edge of the boundary at either end.
     let mut ends: HashMap<usize, Vec<usize>> = HashMap::new();
     for (place, rim) in boundary.iter().enumerate() {

@@ -33,6 +33,17 @@ pub(super) fn edges(elements: &[[usize; 3]]) -> Vec<Edge> {
     edges
 }
 
+/// Edges of one element only.
+pub(super) fn alone(edges: &[Edge]) -> impl Iterator<Item = &Edge> {
+    edges.chunk_by(|a, b| a.nodes == b.nodes).filter(|edges| edges.len() == 1).map(|edges| &edges[0])
+}
+
+/// Nodes of each edge of the rims: those of one element only, ascending.
+#[must_use]
+pub fn rim_edges(elements: &[[usize; 3]]) -> Vec<[usize; 2]> {
+    alone(&edges(elements)).map(|edge| edge.nodes).collect()
+}
+
 /// For each element 1, or -1 if it lies the other way round than most of its part of the mesh:
 /// `[element]`. On a surface with one side only there is no such sign, and some neighbours differ.
 #[must_use]
@@ -121,6 +132,12 @@ mod tests {
     #[test]
     fn neighbours_share_an_edge_and_not_only_a_node() {
         assert_eq!(neighbours(&FAN), [[0, 1], [0, 3], [1, 2], [2, 3]]);
+    }
+
+    #[test]
+    fn edges_of_one_element_are_the_rim() {
+        assert_eq!(rim_edges(&FAN), [[0, 1], [0, 3], [1, 2], [2, 3]]);
+        assert_eq!(rim_edges(&FAN[..1]), [[0, 1], [0, 4], [1, 4]]);
     }
 
     #[test]

@@ -126,15 +126,25 @@ impl Soundness {
         self.boundaries.get(1..).unwrap_or_default()
     }
 
-    /// The notes in words, one line each.
+    /// What is strange in words, one line each; lengths are in the mesh's unit, which is metres but
+    /// for meshes straight from a file. Of the faults it holds those that do not keep a mesh from
+    /// being generated: degenerate triangles and edges with more than two.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
+        for (count, what) in [
+            (self.degenerate.len(), "degenerate triangles"),
+            (self.non_manifold.len(), "edges with more than two triangles"),
+        ] {
+            if count > 0 {
+                notes.push(format!("number of {what}: {count}"));
+            }
+        }
         if self.boundaries.is_empty() {
             notes.push("the surface is closed: it has no rim".to_owned());
         }
         for Boundary { edges, length } in self.holes() {
-            notes.push(format!("a hole of {edges} edges, {} around", fault::six_digits(*length)));
+            notes.push(format!("a hole of {edges} edges, {} m around", fault::six_digits(*length)));
         }
         if self.one_sided {
             notes.push("the surface has only one side, like a Moebius strip".to_owned());

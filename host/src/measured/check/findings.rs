@@ -1,9 +1,9 @@
 //! What a check found, in words: what is wrong, and what to change.
 
 use super::{
-    super::diagnose::{CLEARLY_BETTER, RESEMBLING, first_few, options_from},
+    super::diagnose::{LEAST_FIT, RESEMBLING, first_few, is_clearly_better, options_from},
     Check, Expected,
-    numbering::{Exchange, Role},
+    numbering::{Exchange, Numbering, Role},
     reciprocity::Agreement,
 };
 use serde::Serialize;
@@ -110,7 +110,7 @@ fn note(about: About, found: String, advice: impl Into<String>) -> Finding {
 fn order(expected: &Expected, check: &Check) -> Option<Finding> {
     let numbering = &check.numbering;
     let before = numbering.correlation;
-    if numbering.best != numbering.used && numbering.best_correlation > before + CLEARLY_BETTER {
+    if numbering.best != numbering.used && is_clearly_better(numbering.best_correlation, before) {
         let can_be_read =
             numbering.best.index_map(&expected.steps, expected.electrodes(), check.measurements).is_ok();
         let advice = if can_be_read {
@@ -130,14 +130,23 @@ fn order(expected: &Expected, check: &Check) -> Option<Finding> {
             format!("another order fits the model better (correlation {best:.3} instead of {before:.3})");
         return Some(fault(About::Order, found, advice + rotation));
     }
-    (check.sound_correlation < RESEMBLING).then(|| {
-        let correlation = numbering.exchanged_correlation;
-        fault(
-            About::Resemblance,
-            format!("the frames resemble the model only weakly (correlation {correlation:.3}), in any order"),
-            "check that the skin file's shape, electrodes and stimulation pattern are those of the measurement",
+    (check.sound_correlation < RESEMBLING).then(|| resemblance(numbering))
+}
+
+/// Says how little the frames resemble the model.
+fn resemblance(numbering: &Numbering) -> Finding {
+    let Numbering { best_correlation: best, exchanged_correlation: correlation, .. } = numbering;
+    let found = if *best < LEAST_FIT && *correlation < LEAST_FIT {
+        format!(
+            "nothing fits: no order of the measurements correlates with the model by {LEAST_FIT} or more (best \
+             {best:.3})"
         )
-    })
+    } else {
+        format!("the frames resemble the model only weakly (correlation {correlation:.3}), in any order")
+    };
+    let advice =
+        "check that the skin file's shape, electrodes and stimulation pattern are those of the measurement";
+    fault(About::Resemblance, found, advice)
 }
 
 fn single_ended(check: &Check) -> Option<Finding> {

@@ -2,7 +2,7 @@
 
 use super::{
     super::{
-        diagnose::{CLEARLY_BETTER, RESEMBLING, TIE, another_rotation_ties, best},
+        diagnose::{RESEMBLING, TIE, another_rotation_ties, best, is_clearly_better},
         order::{Arrangement, OrderError},
     },
     Expected, Readings,
@@ -115,7 +115,7 @@ pub(super) fn find(
     let of = |wanted: Arrangement| correlations.iter().find(|(a, _)| *a == wanted).map_or(0.0, |(_, c)| *c);
     let (best, best_correlation) = best(&correlations, used);
     let correlation = of(used);
-    let taken = if best_correlation > correlation + CLEARLY_BETTER { best } else { used };
+    let taken = if is_clearly_better(best_correlation, correlation) { best } else { used };
     let explain = |arrangement| explain(expected, reference, arrangement, of(arrangement));
     let mut explanation = explain(taken)?;
     if taken != used {

@@ -121,6 +121,22 @@ fn exchanged_electrodes_are_named_with_the_side_they_are_exchanged_on() {
 }
 
 #[test]
+fn frames_of_noise_fit_nothing_and_no_order_is_advised() {
+    let body = adjacent(21);
+    for seed in 0..10 {
+        let mut random = Pcg64::seed_from_u64(seed);
+        let values: Vec<_> = (0..208).map(|_| Complex64::from(random.random_range(-1.0..1.0))).collect();
+        let frames = Frames { values, frames: 1, measurements: 208, complex: false };
+        let check = check(&body, &frames, PLAIN).unwrap();
+        assert!(check.numbering.best_correlation < 0.5, "{}", check.numbering.best_correlation);
+        let about = about(&check);
+        assert!(about.contains(&About::Resemblance) && !about.contains(&About::Order), "{about:?}");
+        let words = &check.findings.iter().find(|f| f.about == About::Resemblance).unwrap().found;
+        assert!(words.starts_with("nothing fits: no order of the measurements"), "{words}");
+    }
+}
+
+#[test]
 fn two_exchanges_are_both_found() {
     let body = adjacent(3);
     let mut instrument = Instrument::new(&body, PLAIN);

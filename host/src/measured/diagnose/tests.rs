@@ -141,7 +141,17 @@ fn a_reference_of_something_else_resembles_nothing() {
     let diagnosis = body.diagnose(&noise, PLAIN);
     assert!(diagnosis.best_correlation < 0.5);
     let flat = body.diagnose(&vec![Complex64::from(1.0); 208], PLAIN);
-    assert!(flat.warnings()[0].contains("only weakly (correlation 0.000)"), "{:?}", flat.warnings());
+    assert!(flat.warnings()[0].contains("nothing fits") && flat.warnings()[0].contains("(best 0.000)"));
+    // Whichever order fits noise best is not recommended, however badly the one in use fits.
+    let advised = |random: &mut rand_pcg::Pcg64| {
+        let noise: Vec<_> = (0..208).map(|_| Complex64::from(random.random_range(0.1..1.0))).collect();
+        body.diagnose(&noise, PLAIN)
+    };
+    for diagnosis in (0..50).map(|_| advised(&mut random)) {
+        assert!(diagnosis.best_correlation < 0.35, "{}", diagnosis.best_correlation);
+        let [warning] = &diagnosis.warnings()[..] else { panic!("{:?}", diagnosis.warnings()) };
+        assert!(warning.contains("nothing fits: no order of the measurements"), "{warning}");
+    }
 }
 
 proptest! {

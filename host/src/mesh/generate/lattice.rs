@@ -40,7 +40,9 @@ pub(super) fn inner_points(
         placed: AtomicUsize::new(skeleton.points.len()),
     };
     let half = (high - middle).norm() + sizes.longest;
-    let all = Square { middle: Point2::origin(), half };
+    // A power of two: borders of squares are exact however often these are halved, so that a point on
+    // one is in one square and not in both or neither.
+    let all = Square { middle: Point2::origin(), half: 2_f64.powi(half.log2().ceil() as i32) };
     let points = filler.fill(all, &sizes.sources, 0);
     if filler.full() { Err(MeshError::TooManyNodes) } else { Ok(points) }
 }

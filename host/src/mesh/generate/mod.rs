@@ -97,3 +97,6 @@ fn middle(points: &[Point2<f64>], element: &[usize; 3]) -> Point2<f64> {
     let [a, b, c] = element.map(|node| points[node].coords);
     Point2::from((a + b + c) / 3.0)
 }
+
+#[cfg(test)]
+mod tests;

@@ -79,7 +79,7 @@ fn notes_name_holes_flipped_triangles_seams_and_the_lack_of_a_rim() {
     assert_eq!(
         inspect(&nodes, &elements).notes(),
         [
-            "a hole of 4 edges, 4 around",
+            "a hole of 4 edges, 4 m around",
             "number of triangles flipped against the others: 1; it does not matter"
         ]
     );

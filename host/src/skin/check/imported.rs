@@ -146,6 +146,14 @@ impl Checker<'_> {
                 &allowed,
             );
         };
+        if group.off_mesh > 0 {
+            let value = format!(
+                "\"groups\" with electrode_{number}, of whose points and lines {} are not on the mesh",
+                group.off_mesh
+            );
+            let allowed = "points and lines that are corners and edges of the mesh's triangles";
+            return self.refuse("electrodes.placement", value, allowed);
+        }
         match contact_of_group(group, bare) {
             Some(contact) => Ok(contact),
             None => {

@@ -13,6 +13,10 @@ use crate::skin::{
 use nalgebra::{Point2, Point3};
 use std::f64::consts::FRAC_PI_2;
 
+/// Free sheet between an electrode inside and a rim or another electrode inside, in its widths: the
+/// polygon round it reaches out of its circle, and the mesh generator fails below 0.004.
+const LEAST_GAP: f64 = 0.02;
+
 /// The sheet on which electrodes are placed.
 struct Ground<'a> {
     table: &'a ElectrodeTable,
@@ -210,9 +214,28 @@ impl Checker<'_> {
             refuse(-depth, "outside the skin")
         } else if depth <= reach {
             refuse(depth, "from the rim of a hole")
+        } else if depth <= reach + ground.least_gap(electrode, point) {
+            self.refuse_near_rim(ground, electrode, point)
         } else {
             Ok(Place::Inside(point))
         }
+    }
+
+    fn refuse_near_rim<T>(
+        &self,
+        ground: &Ground<'_>,
+        electrode: usize,
+        point: Point2<f64>,
+    ) -> Result<T, SkinError> {
+        let [depth, reach, gap] =
+            [ground.outline.depth(point), ground.reach(electrode, point), ground.least_gap(electrode, point)]
+                .map(|length| length * 1e3);
+        let value = format!("electrode {} {depth:.3} mm from a rim", electrode + 1);
+        let allowed = format!(
+            "more than {:.3} mm, or at most {reach:.3} mm from the outer rim, which puts it there",
+            reach + gap
+        );
+        self.refuse("electrodes.positions", value, &allowed)
     }
 
     /// The point with so many coordinates, z = 0 where it has two.
@@ -279,6 +302,11 @@ impl Ground<'_> {
         }
     }
 
+    /// Free sheet that an electrode inside needs round it, m; none for a point.
+    fn least_gap(&self, electrode: usize, point: Point2<f64>) -> f64 {
+        LEAST_GAP * self.electrodes.model.width(electrode) / self.embedding.scale(point)
+    }
+
     /// Electrodes on the rim keep apart along it; those inside keep apart as the crow flies, and
     /// clear of the rim.
     fn tightest_gap(&self, places: &[Place]) -> Gap {
@@ -293,6 +321,7 @@ impl Ground<'_> {
                 }
                 (Place::Inside(p), Place::Inside(q)) => {
                     (p - q).norm()
+                        - self.least_gap(a, p).max(self.least_gap(b, q))
                         - width(a) / 2.0 / self.embedding.scale(p)
                         - width(b) / 2.0 / self.embedding.scale(q)
                 }

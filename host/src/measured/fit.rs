@@ -1,0 +1,318 @@
+//! Contact impedances and conductivity of the untouched skin, from frames measured on it.
+//!
+//! Minimises the squared difference between the mean frame f and s v(z): v are the model's voltages,
+//! z the contact impedance of each electrode, and the scale s holds the sheet's conductivity and the
+//! instrument's gain. Levenberg-Marquardt over the logarithms of s and z, which keeps both above zero;
+//! derivatives by z are finite differences of the forward model.
+//!
+//! What the model's mesh gets wrong goes into the impedances: at edges of 4.5 mm on electrodes of 11 mm
+//! they come out 0.03 ohm m too large, at 0.5 mm a tenth of that (disc of 210 mm, 5.88 mS).
+//! `mesh.electrode_edge_length` helps.
+//!
+//! Measurements that skip driven electrodes feel a contact only by the current that takes the short
+//! cut through its metal. They say little about it, and the standard deviations tell how little.
+
+use super::{
+    diagnose::dead_below,
+    difference::signed_reference,
+    order::{Arrangement, OrderError},
+};
+use crate::{
+    forward::{Admittivity, ForwardError, ForwardModel, electrode_unknown},
+    mesh::{Lattice, Mesh},
+    model::{ModelError, mesh},
+    skin::{Skin, electrodes::ElectrodeModel},
+};
+use dermatome_shared::stimulation::Step;
+use faer::{
+    Conj, Mat, Side,
+    linalg::solvers::{Llt, SolveCore},
+};
+use num_complex::Complex64;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Accepted steps, at most.
+const MOST_STEPS: usize = 30;
+/// The fit is done once a step lowers the sum of squares by less than this share of it.
+const DONE: f64 = 1e-6;
+/// Change of a logarithm for a finite difference.
+const DIFFERENCE: f64 = 1e-4;
+/// Damping of the first step, as a share of the diagonal.
+const DAMPING: f64 = 1e-3;
+/// Damping from which on no step helps.
+const MOST_DAMPING: f64 = 1e8;
+/// A contact impedance stays within this factor of the skin file's.
+const FARTHEST: f64 = 1e3;
+/// A standard deviation above this share says nothing.
+const UNDETERMINED: f64 = 1.0;
+
+/// What was fitted, and how well.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Fit {
+    /// Root of the sum of squares left over, % of the frame's, with the skin file's impedances and the
+    /// scale that suits them best.
+    pub residual_before_percent: f64,
+    /// The same with what was fitted.
+    pub residual_percent: f64,
+    /// Steps taken.
+    pub steps: usize,
+    /// The file's unit for each volt at 1 A and 1 S.
+    pub scale: f64,
+    /// Sheet conductivity if the file is in volts, S per square.
+    pub sheet_conductivity_s: f64,
+    /// Each electrode: `[electrode]`.
+    pub contacts: Vec<Contact>,
+}
+
+/// Contact impedance of one electrode, ohm m, at the skin file's sheet conductivity: only the product
+/// of the two shows in voltages that have no scale.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Contact {
+    /// Electrode, from 0.
+    pub electrode: usize,
+    /// As the skin file says.
+    pub before: f64,
+    /// As fitted.
+    pub contact_impedance: f64,
+    /// Standard deviation, %, from what is left over; none if the frames do not say.
+    pub deviation_percent: Option<f64>,
+}
+
+/// Why nothing could be fitted.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FitError {
+    /// Nothing to fit.
+    #[error(
+        "`electrodes.model` is \"point\", and point electrodes have no contact impedance to fit; allowed: \
+         \"complete\""
+    )]
+    PointModel,
+    /// The frames do not fit the drive pattern.
+    #[error(transparent)]
+    Order(#[from] OrderError),
+    /// The skin has no model.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// More to fit than measured.
+    #[error(
+        "{measurements} measurements are not zero, and {parameters} numbers are to be fitted; allowed: more"
+    )]
+    TooFew {
+        /// Measurements that are not zero.
+        measurements: usize,
+        /// One for each electrode, and the scale.
+        parameters: usize,
+    },
+}
+
+impl From<ForwardError> for FitError {
+    fn from(error: ForwardError) -> Self {
+        Self::Model(error.into())
+    }
+}
+
+/// Fits a frame of the untouched skin, in the file's order.
+pub fn fit(skin: &Skin, frame: &[Complex64], arrangement: &Arrangement) -> Result<Fit, FitError> {
+    let ElectrodeModel::Complete { contact_impedance, .. } = &skin.electrodes.model else {
+        return Err(FitError::PointModel);
+    };
+    let relative: Vec<f64> = contact_impedance.iter().map(|z| z * skin.material.sheet_conductivity).collect();
+    let problem = Problem::new(skin, frame, arrangement, relative)?;
+    let start = problem.start()?;
+    let before = problem.share_left(&start);
+    let (state, steps) = problem.minimise(start)?;
+    let deviations = problem.deviations(&state)?;
+    let scale = state.logarithms[0].exp();
+    let contact = |electrode: usize| Contact {
+        electrode,
+        before: contact_impedance[electrode],
+        contact_impedance: state.impedance(electrode) / skin.material.sheet_conductivity,
+        deviation_percent: deviations[electrode].map(|deviation| deviation * 100.0),
+    };
+    Ok(Fit {
+        residual_before_percent: before * 100.0,
+        residual_percent: problem.share_left(&state) * 100.0,
+        steps,
+        scale,
+        sheet_conductivity_s: skin.drive.amplitude / scale,
+        contacts: (0..contact_impedance.len()).map(contact).collect(),
+    })
+}
+
+struct Problem<'a> {
+    skin: &'a Skin,
+    mesh: Mesh,
+    /// Steps whose measurement is not zero.
+    steps: Vec<Step>,
+    /// What they measured, with the model's sign.
+    measured: Vec<f64>,
+    /// The skin file's contact impedances times its conductivity, m.
+    relative: Vec<f64>,
+}
+
+/// A point of the search and its voltages times the scale: `[step]`.
+struct State {
+    /// Of the scale, then of each relative contact impedance.
+    logarithms: Vec<f64>,
+    scaled: Vec<f64>,
+}
+
+impl State {
+    fn impedance(&self, electrode: usize) -> f64 {
+        self.logarithms[1 + electrode].exp()
+    }
+}
+
+impl<'a> Problem<'a> {
+    fn new(
+        skin: &'a Skin,
+        frame: &[Complex64],
+        arrangement: &Arrangement,
+        relative: Vec<f64>,
+    ) -> Result<Self, FitError> {
+        let all = skin.steps();
+        let map = arrangement.index_map(&all, skin.electrodes.count, frame.len())?;
+        let mesh = mesh(skin, 1.0, Lattice::default())?;
+        let mut problem = Self { skin, mesh, steps: all, measured: Vec::new(), relative };
+        let model = problem.voltages(&problem.relative)?;
+        let signed = signed_reference(frame, &map, &model);
+        let floor = dead_below(frame, &map);
+        let alive = problem.steps.iter().zip(signed).filter(|(_, value)| value.abs() > floor);
+        (problem.steps, problem.measured) = alive.map(|(step, value)| (*step, value)).unzip();
+        let (measurements, parameters) = (problem.steps.len(), problem.relative.len() + 1);
+        if measurements <= parameters {
+            return Err(FitError::TooFew { measurements, parameters });
+        }
+        Ok(problem)
+    }
+
+    /// In-phase voltages at unit current: `[step]`.
+    fn voltages(&self, relative: &[f64]) -> Result<Vec<f64>, ForwardError> {
+        let admittivity = self.skin.admittivity();
+        if admittivity.im == 0.0 {
+            self.solve(relative, admittivity.re)
+        } else {
+            self.solve(relative, admittivity)
+        }
+    }
+
+    fn solve<T: Admittivity>(&self, relative: &[f64], admittivity: T) -> Result<Vec<f64>, ForwardError> {
+        let impedance: Vec<T> = relative.iter().map(|&z| T::from(z)).collect();
+        let ground = electrode_unknown(&self.mesh, self.skin.electrodes.ground);
+        let forward = ForwardModel::new(&self.mesh, &impedance, ground)?;
+        let fields = forward.solve(&vec![admittivity; self.mesh.elements.len()])?;
+        Ok(fields.voltages(&self.steps).into_iter().map(T::in_phase).collect())
+    }
+
+    /// The skin file's impedances, and the scale that suits them best.
+    fn start(&self) -> Result<State, ForwardError> {
+        let voltages = self.voltages(&self.relative)?;
+        let product: f64 = voltages.iter().zip(&self.measured).map(|(v, f)| v * f).sum();
+        let scale = product / voltages.iter().map(|v| v * v).sum::<f64>();
+        let impedances = self.relative.iter().map(|z| z.ln());
+        Ok(State {
+            logarithms: std::iter::once(scale.ln()).chain(impedances).collect(),
+            scaled: voltages.iter().map(|v| v * scale).collect(),
+        })
+    }
+
+    fn at(&self, logarithms: Vec<f64>) -> Result<State, ForwardError> {
+        let values: Vec<f64> = logarithms.iter().map(|logarithm| logarithm.exp()).collect();
+        let scaled = self.voltages(&values[1..])?.into_iter().map(|v| v * values[0]).collect();
+        Ok(State { logarithms, scaled })
+    }
+
+    fn left(&self, state: &State) -> Vec<f64> {
+        self.measured.iter().zip(&state.scaled).map(|(f, v)| f - v).collect()
+    }
+
+    /// Sum of squares left over.
+    fn cost(&self, state: &State) -> f64 {
+        self.left(state).iter().map(|r| r * r).sum()
+    }
+
+    fn share_left(&self, state: &State) -> f64 {
+        (self.cost(state) / self.measured.iter().map(|f| f * f).sum::<f64>()).sqrt()
+    }
+
+    /// Steps until none helps, and how many they were.
+    fn minimise(&self, mut state: State) -> Result<(State, usize), ForwardError> {
+        let mut damping = DAMPING;
+        for step in 0..MOST_STEPS {
+            let jacobian = self.jacobian(&state)?;
+            let cost = self.cost(&state);
+            let next = loop {
+                let next = self.at(self.step(&state, &jacobian, damping))?;
+                if self.cost(&next) < cost {
+                    break next;
+                }
+                damping *= 10.0;
+                if damping > MOST_DAMPING {
+                    return Ok((state, step));
+                }
+            };
+            damping = (damping / 10.0).max(f64::EPSILON);
+            state = next;
+            if self.cost(&state) > (1.0 - DONE) * cost {
+                return Ok((state, step + 1));
+            }
+        }
+        Ok((state, MOST_STEPS))
+    }
+
+    /// d scaled voltage / d logarithm: `[step][logarithm]`.
+    fn jacobian(&self, state: &State) -> Result<Mat<f64>, ForwardError> {
+        let column = |parameter: usize| {
+            let mut logarithms = state.logarithms.clone();
+            logarithms[parameter] += DIFFERENCE;
+            let moved = self.at(logarithms)?.scaled;
+            Ok(moved.iter().zip(&state.scaled).map(|(a, b)| (a - b) / DIFFERENCE).collect())
+        };
+        let columns: Vec<Vec<f64>> =
+            (1..state.logarithms.len()).into_par_iter().map(column).collect::<Result<_, ForwardError>>()?;
+        Ok(Mat::from_fn(self.steps.len(), state.logarithms.len(), |step, parameter| match parameter {
+            0 => state.scaled[step],
+            _ => columns[parameter - 1][step],
+        }))
+    }
+
+    /// The logarithms after one damped Gauss-Newton step.
+    fn step(&self, state: &State, jacobian: &Mat<f64>, damping: f64) -> Vec<f64> {
+        let left = self.left(state);
+        let mut change = jacobian.transpose() * Mat::from_fn(left.len(), 1, |i, _| left[i]);
+        if let Some(factor) = factor(jacobian, damping) {
+            factor.solve_in_place_with_conj(Conj::No, change.as_mut());
+        }
+        let mut logarithms = state.logarithms.clone();
+        for (parameter, logarithm) in logarithms.iter_mut().enumerate() {
+            *logarithm += change[(parameter, 0)].clamp(-1.0, 1.0);
+        }
+        for (logarithm, z) in logarithms[1..].iter_mut().zip(&self.relative) {
+            *logarithm = logarithm.clamp((z / FARTHEST).ln(), (z * FARTHEST).ln());
+        }
+        logarithms
+    }
+
+    /// Standard deviation of each logarithm of a contact impedance: `[electrode]`.
+    fn deviations(&self, state: &State) -> Result<Vec<Option<f64>>, ForwardError> {
+        let parameters = state.logarithms.len();
+        let Some(factor) = factor(&self.jacobian(state)?, 0.0) else {
+            return Ok(vec![None; parameters - 1]);
+        };
+        let mut inverse = Mat::identity(parameters, parameters);
+        factor.solve_in_place_with_conj(Conj::No, inverse.as_mut());
+        let variance = self.cost(state) / (self.steps.len() - parameters) as f64;
+        let deviation = |parameter: usize| (variance * inverse[(parameter, parameter)]).sqrt();
+        Ok((1..parameters).map(|p| Some(deviation(p)).filter(|&it| it < UNDETERMINED)).collect())
+    }
+}
+
+/// J'J with its diagonal raised, factored; none if it is singular.
+fn factor(jacobian: &Mat<f64>, damping: f64) -> Option<Llt<f64>> {
+    let mut normal = jacobian.transpose() * jacobian;
+    for i in 0..normal.nrows() {
+        normal[(i, i)] *= 1.0 + damping;
+    }
+    Llt::new(normal.as_ref(), Side::Lower).ok()
+}
