@@ -71,7 +71,7 @@ fn tare(link: &mut link::Link, view: &PatchView<'_>, state: &mut PipelineState) 
     link.request(&Request::Tare { frames: TARE_FRAMES })?;
     let mut frames = Vec::new();
     let mut is_done = false;
-    while !is_done || frames.is_empty() {
+    loop {
         match link.next_event(Duration::from_secs(5))? {
             // The codes of the frame that completes it follow.
             Some(Event::Tared { .. }) => is_done = true,
