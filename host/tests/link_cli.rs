@@ -181,3 +181,27 @@ fn a_port_nobody_could_mean_is_refused_with_the_forms_allowed() {
     let err = run(command.args(["tare", "--port", "ttyACM0"])).refused();
     assert!(err.contains("tcp:HOST:PORT") && err.contains("/dev/ttyACM0"), "{err}");
 }
+
+#[test]
+fn devices_asks_one_board_what_it_is_and_what_it_holds() {
+    let folder = tempfile::tempdir().unwrap();
+    let (patch, json) = (folder.path().join("small.patch"), folder.path().join("board.json"));
+    std::fs::write(&patch, small_patch("small", 50.0)).unwrap();
+    let board = empty_board();
+    let ask = ["devices", "--json", json.to_str().unwrap()];
+
+    let (out, _) = succeed(&mut dermatome(&ask, &board));
+    for words in
+        ["simulated at tcp:", "computed from a simulated skin", "ago, after power on", "patch       none"]
+    {
+        assert!(out.contains(words), "{words} in {out}");
+    }
+    assert_eq!(report(&json)["skin"], Value::Null);
+
+    succeed(&mut dermatome(&["flash", patch.to_str().unwrap()], &board));
+    let (out, _) = succeed(&mut dermatome(&ask, &board));
+    assert!(out.contains("`small`") && out.contains("not tared"), "{out}");
+    let answer = report(&json);
+    assert_eq!((&answer["skin"], &answer["tared"]), (&Value::from("small"), &Value::from(false)));
+    assert!(answer["uptime_s"].as_f64().unwrap() < 600.0);
+}

@@ -249,7 +249,7 @@ fn a_matrix_too_long_for_a_board_is_refused_with_what_to_change() {
     let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     let error = dermatome::quantize::patch(&skin, &model).unwrap_err().to_string();
-    assert!(error.contains("196608") && error.contains("image.columns"), "{error}");
+    assert!(error.contains("196600") && error.contains("image.columns"), "{error}");
 }
 
 #[test]

@@ -92,6 +92,8 @@ impl Requests {
                     self.answer(&request, sender).await?;
                 }
             }
+            // Bytes that come as fast as they are read must not keep the other tasks waiting.
+            yield_now().await;
         }
     }
 

@@ -8,7 +8,7 @@ use dermatome_shared::protocol::{FrameSource, Info};
 use serde::Serialize;
 use std::time::Duration;
 
-/// List the serial ports of this machine, likely boards first, or ask one board what it is and holds.
+/// List the serial ports of this machine, or ask one board what it is and holds.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     dermatome devices\n  \

@@ -5,7 +5,7 @@ use crate::link::{self, Link, Port};
 use anyhow::Context;
 use dermatome_shared::{
     device::MAX_TARE_FRAMES,
-    protocol::{PatchInfo, Refusal},
+    protocol::{FrameSource, PatchInfo, Refusal},
     reference::DEFAULT_TARE_FRAMES,
 };
 use serde::Serialize;
@@ -58,8 +58,13 @@ pub(super) fn tare_with_spinner(link: &mut Link, patch: &PatchInfo, frames: u16)
     Ok(tared?)
 }
 
-/// The patch on the board, which it must hold.
+/// The patch on the board, which it must hold. Says so if the board's frames mean nothing.
 pub(super) fn patch_of(link: &mut Link) -> anyhow::Result<PatchInfo> {
-    let patch = link.info()?.patch;
-    patch.ok_or(Refusal::NoPatch).with_context(|| format!("nothing to measure with at `{}`", link.port()))
+    let info = link.info()?;
+    if info.frame_source == FrameSource::Synthetic {
+        eprintln!("this board cannot measure yet: its frames are synthetic, numbers without meaning");
+    }
+    info.patch
+        .ok_or(Refusal::NoPatch)
+        .with_context(|| format!("nothing to measure with at `{}`", link.port()))
 }

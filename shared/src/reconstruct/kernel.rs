@@ -51,7 +51,7 @@ struct Rows {
 pub(super) fn apply(patch: &PatchView<'_>, difference: &DifferenceData, image: &mut Image) -> Option<()> {
     let (matrix, exponents) = (patch.matrix(), patch.exponents());
     let columns = difference.codes.len();
-    let is_aligned = matrix.as_ptr().addr() % 4 == 0 && columns % 2 == 0;
+    let is_aligned = matrix.as_ptr().addr().is_multiple_of(4) && columns.is_multiple_of(2);
     if !is_aligned || exponents.is_empty() || matrix.len() != exponents.len() * columns * 2 {
         return None;
     }

@@ -90,6 +90,19 @@ mod tests {
             prop_assert_eq!(i128::from(dot(&row, &data)), exact);
         }
 
+        /// The argument of `kernel.rs`, which this machine cannot run.
+        #[test]
+        fn bits_from_8_upwards_are_enough_for_a_shift_by_9_or_more(
+            value in -256 * 32_767_i64.pow(2)..=256 * 32_767_i64.pow(2),
+            shift in 9_i32..200,
+        ) {
+            let high = i32::try_from(value >> 8).unwrap();
+            // ASRS by 32 and more leaves the sign in the result and in the carry.
+            let places = (shift - 8).min(32);
+            let (shifted, carry) = (i64::from(high) >> places, i64::from(high) >> (places - 1) & 1);
+            prop_assert_eq!(shifted + carry, i64::from(shift_right_rounded(value, shift)));
+        }
+
         #[test]
         fn shift_rounds_to_nearest(value in -(1_i64 << 40)..(1_i64 << 40), shift in -20_i32..70) {
             let exact = value as f64 * 2_f64.powi(-shift);

@@ -181,7 +181,7 @@ impl Staging {
                 break;
             }
             let page = self.programmed / PAGE_BYTES;
-            if self.programmed % PAGE_BYTES == 0 && page != record_page {
+            if self.programmed.is_multiple_of(PAGE_BYTES) && page != record_page {
                 flash.erase(self.slot, page)?;
             }
             let mut word = [ERASED; WORD_BYTES];

@@ -1,0 +1,157 @@
+use super::*;
+use crate::{
+    frame::Frame,
+    stimulation::{Driven, pattern},
+    units::AdcCode,
+};
+use proptest::prelude::*;
+
+/// A patch of 8 electrodes, 2 x 2 pixels, whose pixel p reads measurement p.
+pub(crate) fn small_patch(difference: Difference) -> std::vec::Vec<u8> {
+    written(difference, 2, 1 << 14)
+}
+
+/// As the small patch, with a square of pixels and `mantissa` on the matrix' diagonal.
+pub(crate) fn patch_of_pixels(across: u8, mantissa: i16) -> std::vec::Vec<u8> {
+    written(Difference::Plain, across, mantissa)
+}
+
+fn written(difference: Difference, across: u8, mantissa: i16) -> std::vec::Vec<u8> {
+    let steps: std::vec::Vec<_> = pattern(8, 1, 1, Driven::Skipped).collect();
+    let combination: std::vec::Vec<_> =
+        (0..steps.len() as u16).map(|measurement| CombinedInto { measurement, flipped: false }).collect();
+    let pixels = usize::from(across) * usize::from(across);
+    let header = PatchHeader {
+        skin: String::try_from("small").unwrap(),
+        electrodes: 8,
+        steps: steps.len() as u16,
+        measurements: steps.len() as u16,
+        pixels: pixels as u16,
+        difference,
+        grid: PixelGrid { columns: across, rows: across, pitch: 0.01, left: -0.01, top: 0.01 },
+        drive: Drive { frequency: 50e3, amplitude: 1e-3, frame_rate: 50.0 },
+        contact_threshold: RelativeConductivity::from_f64(0.01),
+    };
+    let mut matrix = std::vec![0; pixels * steps.len()];
+    for pixel in 0..pixels {
+        matrix[pixel * steps.len() + pixel % steps.len()] = mantissa;
+    }
+    let mut mask = std::vec![0; pixels.div_ceil(8)];
+    (0..pixels).for_each(|pixel| mask[pixel / 8] |= 1 << (pixel % 8));
+    let contents = PatchContents {
+        header: &header,
+        steps: &steps,
+        combination: &combination,
+        mask: &mask,
+        exponents: &std::vec![14; pixels],
+        matrix: &matrix,
+    };
+    let mut out = std::vec![0; 8192];
+    let length = contents.write(&mut out).unwrap();
+    out.truncate(length);
+    out
+}
+
+/// A frame of the small patch in which every code is `value`.
+pub(crate) fn flat_frame(value: i32) -> Frame {
+    let codes = (0..40).map(|_| AdcCode(value)).collect();
+    Frame { codes, ..Frame::default() }
+}
+
+fn with_valid_crc(mut bytes: std::vec::Vec<u8>) -> std::vec::Vec<u8> {
+    let end = bytes.len() - CRC_BYTES;
+    let crc = CRC32.checksum(&bytes[..end]);
+    bytes[end..].copy_from_slice(&crc.to_le_bytes());
+    bytes
+}
+
+#[test]
+fn a_written_patch_reads_back() {
+    let bytes = small_patch(Difference::Plain);
+    let patch = PatchView::validate(&bytes).unwrap();
+    assert_eq!(patch.header.skin, "small");
+    assert_eq!(
+        patch.steps().collect::<std::vec::Vec<_>>(),
+        pattern(8, 1, 1, Driven::Skipped).collect::<std::vec::Vec<_>>()
+    );
+    assert_eq!(patch.rows().count(), 4);
+    let (row, exponent) = patch.rows().nth(2).unwrap();
+    assert_eq!((exponent, i16::from_le_bytes([row[4], row[5]])), (14, 1 << 14));
+}
+
+#[test]
+fn the_matrix_starts_at_a_multiple_of_four() {
+    for across in 1..9 {
+        let bytes = patch_of_pixels(across, 1);
+        let patch = PatchView::validate(&bytes).unwrap();
+        let before = patch.matrix.as_ptr().addr() - bytes.as_ptr().addr();
+        assert_eq!(before % MATRIX_ALIGNMENT, 0, "{across}");
+        assert_eq!(at_start(&[&bytes[..], &[7; 9]].concat()), Some(&bytes[..]));
+    }
+    assert_eq!(at_start(b"DSKQ56789012"), None);
+}
+
+#[test]
+fn wrong_magic_version_length_and_crc_are_told_apart() {
+    let good = small_patch(Difference::Plain);
+    let mut bytes = good.clone();
+    bytes[0] = b'X';
+    assert_eq!(PatchView::validate(&bytes).unwrap_err(), PatchError::Magic);
+    let mut bytes = good.clone();
+    bytes[4] = 9;
+    assert_eq!(PatchView::validate(&bytes).unwrap_err(), PatchError::Version { found: 9 });
+    let length = good.len();
+    assert_eq!(
+        PatchView::validate(&good[..length - 1]).unwrap_err(),
+        PatchError::Length { expected: length, found: length - 1 }
+    );
+    let mut bytes = good.clone();
+    bytes[length - 10] ^= 1;
+    assert!(matches!(PatchView::validate(&bytes), Err(PatchError::Crc { .. })));
+    assert!(matches!(PatchView::validate(&[]), Err(PatchError::Length { .. })));
+}
+
+#[test]
+fn a_patch_for_more_electrodes_than_the_board_has_is_refused() {
+    let mut bytes = small_patch(Difference::Plain);
+    let electrodes = PREFIX_BYTES + 1 + "small".len();
+    assert_eq!(bytes[electrodes], 8);
+    bytes[electrodes] = 32;
+    let error = PatchView::validate(&with_valid_crc(bytes)).unwrap_err();
+    assert_eq!(error, PatchError::Range { field: "electrodes", value: 32, min: 4, max: 16 });
+}
+
+#[test]
+fn a_step_on_a_missing_electrode_is_refused() {
+    let mut bytes = small_patch(Difference::Plain);
+    let electrodes = PREFIX_BYTES + 1 + "small".len();
+    bytes[electrodes] = 7;
+    let error = PatchView::validate(&with_valid_crc(bytes)).unwrap_err();
+    assert!(matches!(error, PatchError::Step { .. }));
+}
+
+proptest! {
+    #[test]
+    fn no_bytes_make_the_parser_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        let _ = PatchView::validate(&bytes);
+    }
+
+    #[test]
+    fn no_damage_behind_a_valid_crc_makes_parser_or_pipeline_panic(
+        place in 4_usize..130,
+        value in any::<u8>(),
+        cut in 0_usize..3,
+    ) {
+        let mut bytes = small_patch(Difference::Normalised);
+        bytes.truncate(bytes.len() - cut);
+        bytes[place] = value;
+        let bytes = with_valid_crc(bytes);
+        if let Ok(patch) = PatchView::validate(&bytes) {
+            let mut state = crate::pipeline::PipelineState::default();
+            state.start_tare(1);
+            for value in [1000, 1200] {
+                crate::pipeline::process(&patch, &mut state, &flat_frame(value));
+            }
+        }
+    }
+}
