@@ -24,6 +24,7 @@ pub struct Dma {
 struct Progress {
     total: u32,
     left: u32,
+    is_on: bool,
 }
 
 /// One beat: what to read and what to write.
@@ -49,7 +50,7 @@ impl Dma {
     /// Whether a channel waits for a request.
     #[must_use]
     pub fn is_on(&self, channel: usize) -> bool {
-        self.bank.get_at("CH.CR", channel, "EN") == 1 && self.channels[channel].left > 0
+        self.channels[channel].is_on && self.channels[channel].left > 0
     }
 
     /// Whether a channel copies memory without any request.
@@ -62,7 +63,7 @@ impl Dma {
     #[must_use]
     pub fn beat(&self, channel: usize) -> Beat {
         let get = |field| self.bank.get_at("CH.CR", channel, field);
-        let Progress { total, left } = self.channels[channel];
+        let Progress { total, left, .. } = self.channels[channel];
         let place = |register, increments, size: u32| {
             let start = self.bank.word(register, channel);
             (start + if get(increments) == 1 { (total - left) << size } else { 0 }, 1 << size)
@@ -98,6 +99,7 @@ impl Dma {
     /// A beat met an address where nothing is (12.4.6): the channel stops.
     pub fn fail(&mut self, channel: usize) {
         self.bank.set_at("CH.CR", channel, "EN", 0);
+        self.channels[channel].is_on = false;
         self.flag("TEIF", channel);
     }
 
@@ -139,16 +141,20 @@ impl Peripheral for Dma {
                 self.bank.set_word("ISR", 0, flags & !clear);
             }
             "CH.NDTR" | "CH.PAR" | "CH.MAR" if self.bank.get_at("CH.CR", register.index, "EN") == 1 => {
-                return Err(Misuse::rule("DMA", format!("{} changes while its channel is on (12.6.4)", register.name)));
+                return Err(Misuse::rule(
+                    "DMA",
+                    format!("{} changes while its channel is on (12.6.4)", register.name),
+                ));
             }
             "CH.NDTR" => {
                 self.bank.store(register, value);
-                self.channels[register.index] = Progress { total: value, left: value };
+                self.channels[register.index] = Progress { total: value, left: value, is_on: false };
             }
             "CH.CR" => {
                 self.bank.store(register, value);
-                if register.get(old, "EN") == 0 && register.get(value, "EN") == 1 {
-                    let channel = &mut self.channels[register.index];
+                let channel = &mut self.channels[register.index];
+                channel.is_on = register.get(value, "EN") == 1;
+                if register.get(old, "EN") == 0 && channel.is_on {
                     // After the end, NDTR has to be written again (12.4.3).
                     channel.total = channel.left;
                 }
@@ -178,26 +184,32 @@ impl Peripheral for Dma {
 #[derive(Clone, Debug)]
 pub struct Dmamux {
     bank: Bank,
+    sources: [Option<Source>; 2 * CHANNELS],
 }
+
+/// Peripheral and signal that ask for transfers.
+pub type Source = (&'static str, &'static str);
 
 impl Default for Dmamux {
     fn default() -> Self {
-        Self { bank: Bank::new("DMAMUX1", &[]) }
+        Self { bank: Bank::new("DMAMUX1", &[]), sources: [None; 2 * CHANNELS] }
     }
 }
 
 impl Dmamux {
     /// Peripheral and signal whose requests a channel (0 to 15) gets.
     #[must_use]
-    pub fn source(&self, channel: usize, modelled: &[&'static str]) -> Option<(&'static str, &'static str)> {
-        let wanted = self.bank.get_at("CCR", channel, "DMAREQ_ID");
-        let map = Map::of_chip();
-        let of = |name: &&'static str| {
-            let found = map.peripheral(name).dma_requests().find(|&(_, number)| number == wanted)?;
-            Some((*name, found.0))
-        };
-        if wanted == 0 { None } else { modelled.iter().find_map(of) }
+    pub fn source(&self, channel: usize) -> Option<Source> {
+        self.sources[channel]
     }
+}
+
+/// Who has this request number (13.3.2, "DMAMUX mapping"); none has 0.
+fn source_of(request: u32) -> Option<Source> {
+    Map::of_chip().peripherals().find_map(|peripheral| {
+        let (signal, _) = peripheral.dma_requests().find(|&(_, number)| number == request && request != 0)?;
+        Some((peripheral.name, signal))
+    })
 }
 
 impl Peripheral for Dmamux {
@@ -214,7 +226,15 @@ impl Peripheral for Dmamux {
         }
         if register.name == "CCR" {
             self.bank.store(register, value);
+            self.sources[register.index] = source_of(register.get(value, "DMAREQ_ID"));
         }
         Ok(())
     }
+
+    fn reset(&mut self) {
+        *self = Self::default();
+    }
 }
+
+#[cfg(test)]
+mod tests;

@@ -86,9 +86,11 @@ impl Peripheral for Gpio {
         match register.name.as_str() {
             // Setting wins over resetting (9.4.7).
             "BSRR" => self.bank.set_word("ODR", 0, (outputs & !(value >> 16)) | (value & 0xFFFF)),
-            "BRR" => self.bank.set_word("ODR", 0, outputs & !value),
             _ => self.bank.store(register, value),
         }
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,7 +3,10 @@
 //! The models take addresses, interrupt numbers, DMA requests and bit positions from here and from
 //! nowhere else, so that they follow the chip and not our firmware.
 
-use std::{collections::BTreeMap, sync::OnceLock};
+use std::{
+    collections::{BTreeMap, HashMap},
+    sync::OnceLock,
+};
 use stm32_metapac::metadata::{
     METADATA, Peripheral,
     ir::{Access, Array, BitOffset, BlockItemInner, IR},
@@ -27,6 +30,8 @@ pub struct PeripheralMap {
     /// Register and field of the RCC that reset it, if any.
     pub reset: Option<(String, String)>,
     registers: BTreeMap<u32, Register>,
+    /// Offsets of the registers of each name, by index.
+    offsets: HashMap<String, BTreeMap<usize, u32>>,
     source: &'static Peripheral,
 }
 
@@ -60,8 +65,11 @@ impl Map {
     #[must_use]
     pub fn of_chip() -> &'static Self {
         static MAP: OnceLock<Map> = OnceLock::new();
-        MAP.get_or_init(|| Self {
-            peripherals: METADATA.peripherals.iter().filter_map(PeripheralMap::new).collect(),
+        MAP.get_or_init(|| {
+            let mut peripherals: Vec<_> =
+                METADATA.peripherals.iter().filter_map(PeripheralMap::new).collect();
+            peripherals.sort_by_key(|peripheral| peripheral.base);
+            Self { peripherals }
         })
     }
 
@@ -72,13 +80,17 @@ impl Map {
         found.unwrap_or_else(|| panic!("the chip has no peripheral {name}"))
     }
 
+    /// Every peripheral that has registers.
+    pub fn peripherals(&self) -> impl Iterator<Item = &PeripheralMap> {
+        self.peripherals.iter()
+    }
+
     /// The peripheral that an address belongs to: the last that starts at or before it.
     #[must_use]
     pub fn at(&self, address: u32) -> Option<&PeripheralMap> {
-        let here = self.peripherals.iter().filter(|peripheral| {
-            peripheral.base <= address && address < peripheral.base + peripheral.length()
-        });
-        here.max_by_key(|peripheral| peripheral.base)
+        let before = self.peripherals.partition_point(|peripheral| peripheral.base <= address);
+        let mut nearest_first = self.peripherals[..before].iter().rev();
+        nearest_first.find(|peripheral| address - peripheral.base < peripheral.length())
     }
 }
 
@@ -103,11 +115,17 @@ impl PeripheralMap {
         let rcc = |register: &stm32_metapac::metadata::PeripheralRccRegister| {
             (register.register.to_owned(), register.field.to_owned())
         };
-        let (clock, reset) = source.rcc.as_ref().map_or((None, None), |clocks| {
-            (clocks.enable.as_ref().map(rcc), clocks.reset.as_ref().map(rcc))
-        });
+        let (clock, reset) = source
+            .rcc
+            .as_ref()
+            .map_or((None, None), |clocks| (clocks.enable.as_ref().map(rcc), clocks.reset.as_ref().map(rcc)));
         let base = u32::try_from(source.address).ok()?;
-        Some(Self { name: source.name, base, clock, reset, registers: all, source })
+        let mut offsets: HashMap<String, BTreeMap<usize, u32>> = HashMap::new();
+        for register in all.values() {
+            let of_name = offsets.entry(register.name.clone()).or_default();
+            of_name.entry(register.index).or_insert(register.offset);
+        }
+        Some(Self { name: source.name, base, clock, reset, registers: all, offsets, source })
     }
 
     fn length(&self) -> u32 {
@@ -129,7 +147,8 @@ impl PeripheralMap {
     /// One of an array of registers of that name. Panics if there is none.
     #[must_use]
     pub fn element(&self, name: &str, index: usize) -> &Register {
-        let found = self.registers.values().find(|register| register.name == name && register.index == index);
+        let offset = self.offsets.get(name).and_then(|of_name| of_name.get(&index));
+        let found = offset.and_then(|offset| self.registers.get(offset));
         found.unwrap_or_else(|| panic!("{} has no register {name}[{index}]", self.name))
     }
 
@@ -210,7 +229,8 @@ fn collect(ir: &IR, block: &str, prefix: &str, base: u32, index: usize, out: &mu
                 BlockItemInner::Register(register) => {
                     let fields = register.fieldset.map(|set| fields(ir, set)).unwrap_or_default();
                     let whole = bit_mask(0, register.bit_size);
-                    let known = fields.iter().fold(0, |bits, field| bits | bit_mask(field.offset, field.bits));
+                    let known =
+                        fields.iter().fold(0, |bits, field| bits | bit_mask(field.offset, field.bits));
                     let known_bits = if fields.is_empty() { whole } else { known };
                     let writable = register.access != Access::Read;
                     let readable = register.access != Access::Write;
@@ -234,7 +254,9 @@ fn merge(old: &mut Register, new: &Register) {
 }
 
 fn fields(ir: &IR, set: &str) -> Vec<Field> {
-    let Some(set) = ir.fieldsets.iter().find(|candidate| same(candidate.name, set)) else { return Vec::new() };
+    let Some(set) = ir.fieldsets.iter().find(|candidate| same(candidate.name, set)) else {
+        return Vec::new();
+    };
     let mut all = set.extends.map(|parent| fields(ir, parent)).unwrap_or_default();
     for field in set.fields {
         let places = places(field.array.as_ref());
@@ -244,9 +266,11 @@ fn fields(ir: &IR, set: &str) -> Vec<Field> {
             let name = if many { format!("{name}[{position}]") } else { name };
             let ranges: Vec<(u32, u32)> = match &field.bit_offset {
                 BitOffset::Regular(regular) => vec![(regular.offset, field.bit_size)],
-                BitOffset::Cursed(cursed) => {
-                    cursed.ranges.iter().map(|range| (*range.start(), range.end() - range.start() + 1)).collect()
-                }
+                BitOffset::Cursed(cursed) => cursed
+                    .ranges
+                    .iter()
+                    .map(|range| (*range.start(), range.end() - range.start() + 1))
+                    .collect(),
             };
             all.extend(ranges.iter().enumerate().map(|(part, &(offset, bits))| Field {
                 name: if part == 0 { name.clone() } else { format!("{name}.{part}") },
@@ -271,7 +295,6 @@ fn places(array: Option<&Array>) -> Vec<u32> {
         Some(Array::Cursed(cursed)) => cursed.offsets.to_vec(),
     }
 }
-
 
 #[cfg(test)]
 mod tests {

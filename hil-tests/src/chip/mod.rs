@@ -25,11 +25,12 @@ mod tests;
 pub mod time;
 pub mod timer;
 pub mod trace;
+mod transfers;
 pub mod usart;
 
 use self::{
     core::{Core, CoreMoment},
-    dma::{CHANNELS, Dma, Dmamux},
+    dma::{Dma, Dmamux},
     flash::{Flash, Operation},
     gpio::{Gpio, PinMode},
     iwdg::Iwdg,
@@ -50,8 +51,6 @@ use self::{
 pub const RAM_START: u32 = 0x2000_0000;
 /// Bytes of RAM.
 pub const RAM_BYTES: u32 = 128 * 1024;
-/// Most beats in a row before the chip is taken to hang.
-const MAX_BEATS: usize = 1 << 20;
 
 /// RAM, for whoever copies without the CPU.
 pub trait Memory {
@@ -89,6 +88,10 @@ pub struct Chip {
     lines: Vec<Line>,
     shown_pins: Vec<u16>,
     shown_operations: u64,
+    /// Something was touched since lines and requests were looked at.
+    touched: bool,
+    /// The next event of all but link and flash, which the world may touch at any time.
+    next: Option<Time>,
 }
 
 /// One way to the NVIC: a peripheral's signal and its exception.
@@ -110,10 +113,21 @@ impl Chip {
         let map = Map::of_chip();
         let signals = |name: &&'static str| {
             let of = map.peripheral(name).interrupts();
-            of.map(|(signal, number)| Line { peripheral: name, signal, exception: Nvic::exception_of(number) })
+            of.map(|(signal, number)| Line {
+                peripheral: name,
+                signal,
+                exception: Nvic::exception_of(number),
+            })
         };
+        let mut lines: Vec<Line> = WITH_SIGNALS.iter().flat_map(signals).collect();
+        lines.sort_by_key(|line| line.exception);
         let timers = [
-            ("TIM2", 4, 32), ("TIM3", 4, 16), ("TIM4", 4, 16), ("TIM5", 4, 32), ("TIM6", 0, 16), ("TIM7", 0, 16),
+            ("TIM2", 4, 32),
+            ("TIM3", 4, 16),
+            ("TIM4", 4, 16),
+            ("TIM5", 4, 32),
+            ("TIM6", 0, 16),
+            ("TIM7", 0, 16),
             ("TIM15", 2, 16),
         ];
         Self {
@@ -133,9 +147,11 @@ impl Chip {
             syscfg: Plain::syscfg(),
             dbgmcu: Plain::dbgmcu(),
             clocks: Clocks::RESET,
-            lines: WITH_SIGNALS.iter().flat_map(signals).collect(),
+            lines,
             shown_pins: vec![0; 7],
             shown_operations: 0,
+            touched: true,
+            next: None,
         }
     }
 
@@ -157,6 +173,7 @@ impl Chip {
         self.core = Core::default();
         self.each(|_, peripheral| peripheral.reset());
         self.rcc.restart(cause);
+        self.touch();
         self.follow_clocks();
     }
 
@@ -175,7 +192,12 @@ impl Chip {
             Some((map, register)) => {
                 self.check_access(map, register)?;
                 let at = self.moment();
-                (self.peripheral(map.name, register)?.read(register, at), address & 3)
+                let model = self.peripheral(map.name, register)?;
+                let value = model.read(register, at);
+                if model.read_changes(register) {
+                    self.touch();
+                }
+                (value, address & 3)
             }
         };
         let mask = (u64::from(u32::MAX) >> (32 - 8 * size.min(4))) as u32;
@@ -200,6 +222,7 @@ impl Chip {
                     check_bits(map, register, old, value)?;
                 }
                 model.write(register, value, at)?;
+                self.touch();
                 self.follow_clocks();
                 self.check_clocks()?;
             }
@@ -209,25 +232,53 @@ impl Chip {
 
     /// After an access: the DMA serves its requests, and lines go to the NVIC.
     pub fn settle(&mut self, memory: &mut dyn Memory) -> Result<(), Misuse> {
-        self.serve_requests(memory)?;
-        for index in 0..self.lines.len() {
-            let line = self.lines[index];
-            let level = self.model(line.peripheral).is_some_and(|model| model.interrupts(line.signal));
-            if level || !self.shares_exception(index) {
-                self.core.nvic.set_line(line.exception, level);
-            }
+        if std::mem::take(&mut self.touched) {
+            self.serve_requests(memory)?;
+            self.raise_lines();
+            self.show_pins();
         }
-        if self.flash.raises_nmi() && !self.core.nvic.is_pending(NMI) && self.core.nvic.active() != Some(NMI) {
+        self.touched = false;
+        self.show_flash();
+        if self.flash.raises_nmi() && !self.core.nvic.is_pending(NMI) && self.core.nvic.active() != Some(NMI)
+        {
             self.core.nvic.pend(NMI);
         }
-        self.show();
         Ok(())
+    }
+
+    /// Signals of one exception are or-ed.
+    fn raise_lines(&mut self) {
+        let lines = std::mem::take(&mut self.lines);
+        for signals in lines.chunk_by(|one, other| one.exception == other.exception) {
+            let is_up =
+                |line: &Line| self.model(line.peripheral).is_some_and(|model| model.interrupts(line.signal));
+            let level = signals.iter().any(is_up);
+            self.core.nvic.set_line(signals[0].exception, level);
+        }
+        self.lines = lines;
+    }
+
+    /// Lines, requests and events have to be looked at again.
+    fn touch(&mut self) {
+        self.touched = true;
+        self.next = None;
     }
 
     /// When anything happens by itself next.
     pub fn next_event(&mut self) -> Time {
-        let mut next = self.core.next_event(self.clocks.cycle());
-        self.each(|_, peripheral| next = next.min(peripheral.next_event()));
+        let next = self.next.unwrap_or_else(|| self.find_next());
+        self.next = Some(next);
+        let world = self.uart.next_event().min(self.flash.next_event());
+        next.min(world).min(self.core.next_event(self.clocks.cycle()))
+    }
+
+    fn find_next(&mut self) -> Time {
+        let mut next = Time::NEVER;
+        self.each(|name, peripheral| {
+            if !matches!(name, "FLASH" | "LPUART1") {
+                next = next.min(peripheral.next_event());
+            }
+        });
         next
     }
 
@@ -248,6 +299,7 @@ impl Chip {
                 }
             });
             result?;
+            self.touch();
             self.settle(memory)?;
         }
         self.now = self.now.max(to);
@@ -283,9 +335,10 @@ impl Chip {
     }
 
     fn check_access(&self, map: &PeripheralMap, register: &Register) -> Result<(), Misuse> {
-        self.rcc
-            .clock_of(map)
-            .map_err(|enable| Misuse::NoClock { peripheral: format!("{}.{}", map.name, register.name), enable })
+        self.rcc.clock_of(map).map_err(|enable| Misuse::NoClock {
+            peripheral: format!("{}.{}", map.name, register.name),
+            enable,
+        })
     }
 
     fn peripheral(&mut self, name: &str, register: &Register) -> Result<&mut dyn Peripheral, Misuse> {
@@ -344,13 +397,6 @@ impl Chip {
         visit("DBGMCU", &mut self.dbgmcu);
     }
 
-    /// Whether an earlier signal drives the same exception and is up: lines of one exception are or-ed.
-    fn shares_exception(&self, index: usize) -> bool {
-        let exception = self.lines[index].exception;
-        let others = self.lines.iter().enumerate().filter(|&(other, line)| other != index && line.exception == exception);
-        others.into_iter().any(|(_, line)| self.model(line.peripheral).is_some_and(|model| model.interrupts(line.signal)))
-    }
-
     fn follow_clocks(&mut self) {
         self.clocks = self.rcc.clocks();
         let clocks = self.clocks;
@@ -372,105 +418,37 @@ impl Chip {
         })
     }
 
-    /// Rules that join clocks, voltage and flash (RM0440 5.3.3, 6.1.5).
+    /// Rules that join clocks, voltage and flash (RM0440 FLASH chapter, ACR.LATENCY, 6.1.5).
     fn check_clocks(&self) -> Result<(), Misuse> {
         let core = self.clocks.core;
         if core > self.pwr.fastest_core() {
-            return Err(Misuse::rule("PWR", format!("the core runs at {core} Hz, too fast for its voltage (6.1.5)")));
+            return Err(Misuse::rule(
+                "PWR",
+                format!("the core runs at {core} Hz, too fast for its voltage (6.1.5)"),
+            ));
         }
         let needed = Flash::needed_latency(core);
         if core > rcc::HSI && self.flash.latency() < needed {
             let found = self.flash.latency();
-            let rule = format!("the core runs at {core} Hz with {found} wait states, {needed} are needed (5.3.3)");
+            let rule = format!(
+                "the core runs at {core} Hz with {found} wait states, {needed} are needed (FLASH chapter, ACR.LATENCY)"
+            );
             return Err(Misuse::rule("FLASH", rule));
         }
         Ok(())
     }
 
-    fn serve_requests(&mut self, memory: &mut dyn Memory) -> Result<(), Misuse> {
-        for _ in 0..MAX_BEATS {
-            let Some((controller, channel)) = self.channel_to_serve() else { return Ok(()) };
-            self.move_beat(controller, channel, memory)?;
-        }
-        Err(Misuse::rule("DMA", "a channel is asked without end"))
-    }
-
-    fn channel_to_serve(&self) -> Option<(usize, usize)> {
-        let all = (0..2 * CHANNELS).map(|place| (place / CHANNELS, place % CHANNELS));
-        let mut wanting = all.filter(|&(controller, channel)| {
-            let dma = &self.dma[controller];
-            dma.is_on(channel) && (dma.copies_memory(channel) || self.is_requested(controller, channel))
-        });
-        wanting.next()
-    }
-
-    fn source(&self, controller: usize, channel: usize) -> Option<(&'static str, &'static str)> {
-        self.dmamux.source(controller * CHANNELS + channel, &WITH_SIGNALS)
-    }
-
-    fn is_requested(&self, controller: usize, channel: usize) -> bool {
-        let source = self.source(controller, channel);
-        source.is_some_and(|(name, signal)| self.model(name).is_some_and(|model| model.requests(signal)))
-    }
-
-    fn move_beat(&mut self, controller: usize, channel: usize, memory: &mut dyn Memory) -> Result<(), Misuse> {
-        let beat = self.dma[controller].beat(channel);
-        if let Some((name, signal)) = self.source(controller, channel)
-            && let Some(model) = self.model_mut(name)
-        {
-            model.acknowledge(signal);
-        }
-        let moved = match self.bus_read(beat.from, beat.from_bytes, memory)? {
-            Some(value) => self.bus_write(beat.to, beat.to_bytes, value, memory)?,
-            None => false,
-        };
-        if !moved {
-            self.dma[controller].fail(channel);
-            return Ok(());
-        }
-        if self.dma[controller].count(channel) {
-            let event = Event::DmaComplete { controller: controller as u8 + 1, channel: channel as u8 + 1 };
-            self.trace.add(self.now, event);
-        }
-        Ok(())
-    }
-
-    fn bus_read(&mut self, address: u32, size: u32, memory: &dyn Memory) -> Result<Option<u32>, Misuse> {
-        let mut bytes = [0; 4];
-        let place = &mut bytes[..size as usize];
-        if lies_in(address, size, RAM_START, RAM_BYTES) {
-            memory.read(address, place);
-        } else if lies_in(address, size, flash::START, flash::BYTES) {
-            let start = (address - flash::START) as usize;
-            place.copy_from_slice(&self.flash.content()[start..start + size as usize]);
-            self.flash.check_read(address, size);
-        } else if address >= 0x4000_0000 && address < core::START {
-            return self.read(address, size).map(Some);
-        } else {
-            return Ok(None);
-        }
-        Ok(Some(u32::from_le_bytes(bytes)))
-    }
-
-    fn bus_write(&mut self, address: u32, size: u32, value: u32, memory: &mut dyn Memory) -> Result<bool, Misuse> {
-        if lies_in(address, size, RAM_START, RAM_BYTES) {
-            memory.write(address, &value.to_le_bytes()[..size as usize]);
-        } else if address >= 0x4000_0000 && address < core::START {
-            self.write(address, size, value)?;
-        } else {
-            return Ok(false);
-        }
-        Ok(true)
-    }
-
     /// Tells the trace what changed outside.
-    fn show(&mut self) {
+    fn show_pins(&mut self) {
         for (place, (port, model)) in self.ports.iter().enumerate() {
             let levels = model.outputs();
             if std::mem::replace(&mut self.shown_pins[place], levels) != levels {
                 self.trace.add(self.now, Event::Pins { port: *port, levels });
             }
         }
+    }
+
+    fn show_flash(&mut self) {
         if std::mem::replace(&mut self.shown_operations, self.flash.operations()) != self.flash.operations() {
             match self.flash.operation() {
                 Some(Operation::Erase(page)) => self.trace.add(self.now, Event::Erase(page)),
@@ -479,10 +457,6 @@ impl Chip {
             }
         }
     }
-}
-
-fn lies_in(address: u32, size: u32, start: u32, bytes: u32) -> bool {
-    address >= start && address + size <= start + bytes
 }
 
 /// A store of fewer than four bytes changes only its own.

@@ -78,8 +78,18 @@ impl Timer {
             }
             self.count = 0;
             self.update();
+            self.skip_rounds(now);
         }
         self.since = now;
+    }
+
+    /// Flags do not count: of many rounds that are due, all but the last two go by at once.
+    fn skip_rounds(&mut self, now: Time) {
+        let round = self.tick() * (self.top() + 1);
+        let rounds = now.since(self.since).periods(round).saturating_sub(1);
+        if self.is_counting() {
+            self.since += round * rounds;
+        }
     }
 
     fn match_channels(&mut self, from: u64, to: u64) {
@@ -242,3 +252,6 @@ fn has(register: &Register, value: u32, field: &str) -> bool {
 fn channel(signal: &str) -> Option<usize> {
     signal.strip_prefix("CH")?.parse().ok().filter(|channel| (1..=4).contains(channel))
 }
+
+#[cfg(test)]
+mod tests;
