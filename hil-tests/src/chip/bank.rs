@@ -1,15 +1,14 @@
 //! Bank: the values of one peripheral's registers, by the names and fields of the map.
 
 use super::map::{Map, PeripheralMap, Register};
-use std::collections::BTreeMap;
 
 /// Values of a peripheral's registers.
 #[derive(Clone, Debug)]
 pub struct Bank {
     /// Where the registers are.
     pub map: &'static PeripheralMap,
-    values: BTreeMap<u32, u32>,
-    resets: Vec<(u32, u32)>,
+    values: Vec<u32>,
+    resets: Vec<(usize, u32)>,
 }
 
 impl Bank {
@@ -17,26 +16,29 @@ impl Bank {
     #[must_use]
     pub fn new(peripheral: &str, resets: &[(&str, u32)]) -> Self {
         let map = Map::of_chip().peripheral(peripheral);
-        let resets = resets.iter().map(|&(name, value)| (map.register(name).offset, value)).collect();
-        let mut bank = Self { map, values: BTreeMap::new(), resets };
+        let resets = resets.iter().map(|&(name, value)| (map.register(name).place, value)).collect();
+        let mut bank = Self { map, values: Vec::new(), resets };
         bank.reset();
         bank
     }
 
     /// Back to the values after reset.
     pub fn reset(&mut self) {
-        self.values = self.resets.iter().copied().collect();
+        self.values = vec![0; self.map.registers().count()];
+        for &(place, value) in &self.resets {
+            self.values[place] = value;
+        }
     }
 
     /// Value of a register.
     #[must_use]
     pub fn value(&self, register: &Register) -> u32 {
-        self.values.get(&register.offset).copied().unwrap_or(0)
+        self.values[register.place]
     }
 
     /// Replaces the value of a register.
     pub fn store(&mut self, register: &Register, value: u32) {
-        self.values.insert(register.offset, value);
+        self.values[register.place] = value;
     }
 
     /// Value of a field.

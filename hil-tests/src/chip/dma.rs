@@ -106,10 +106,6 @@ impl Dma {
     fn flag(&mut self, flag: &str, channel: usize) {
         self.bank.set("ISR", &format!("{flag}[{channel}]"), 1);
     }
-
-    fn has(&self, flag: &str, channel: usize) -> bool {
-        self.bank.is_set("ISR", &format!("{flag}[{channel}]"))
-    }
 }
 
 impl Peripheral for Dma {
@@ -165,14 +161,11 @@ impl Peripheral for Dma {
     }
 
     fn interrupts(&self, signal: &str) -> bool {
-        let Some(channel) = signal.strip_prefix("CH").and_then(|number| number.parse::<usize>().ok()) else {
-            return false;
-        };
-        let channel = channel - 1;
-        let enabled = |field| self.bank.get_at("CH.CR", channel, field) == 1;
-        enabled("TCIE") && self.has("TCIF", channel)
-            || enabled("HTIE") && self.has("HTIF", channel)
-            || enabled("TEIE") && self.has("TEIF", channel)
+        let number = signal.strip_prefix("CH").and_then(|number| number.parse::<usize>().ok());
+        let Some(channel) = number.map(|number| number - 1) else { return false };
+        // The enable bits lie where the flags lie (12.6.1, 12.6.3).
+        let flags = self.bank.word("ISR", 0) >> (4 * channel) & 0xE;
+        flags != 0 && flags & self.bank.word("CH.CR", channel) != 0
     }
 
     fn reset(&mut self) {

@@ -29,9 +29,10 @@ pub struct PeripheralMap {
     pub clock: Option<(String, String)>,
     /// Register and field of the RCC that reset it, if any.
     pub reset: Option<(String, String)>,
-    registers: BTreeMap<u32, Register>,
-    /// Offsets of the registers of each name, by index.
-    offsets: HashMap<String, BTreeMap<usize, u32>>,
+    /// In order of their offsets.
+    registers: Vec<Register>,
+    /// Places in `registers` of each name, by index.
+    places: HashMap<String, Vec<Option<usize>>>,
     source: &'static Peripheral,
 }
 
@@ -42,6 +43,8 @@ pub struct Register {
     pub name: String,
     /// Which of an array of equal registers or blocks.
     pub index: usize,
+    /// Place among the peripheral's registers.
+    pub place: usize,
     /// Bytes from the peripheral's first address.
     pub offset: u32,
     /// Whether it can be written.
@@ -120,22 +123,26 @@ impl PeripheralMap {
             .as_ref()
             .map_or((None, None), |clocks| (clocks.enable.as_ref().map(rcc), clocks.reset.as_ref().map(rcc)));
         let base = u32::try_from(source.address).ok()?;
-        let mut offsets: HashMap<String, BTreeMap<usize, u32>> = HashMap::new();
-        for register in all.values() {
-            let of_name = offsets.entry(register.name.clone()).or_default();
-            of_name.entry(register.index).or_insert(register.offset);
+        let mut places: HashMap<String, Vec<Option<usize>>> = HashMap::new();
+        let mut registers: Vec<Register> = all.into_values().collect();
+        for (place, register) in registers.iter_mut().enumerate() {
+            register.place = place;
+            let of_name = places.entry(register.name.clone()).or_default();
+            of_name.resize(of_name.len().max(register.index + 1), None);
+            of_name[register.index].get_or_insert(place);
         }
-        Some(Self { name: source.name, base, clock, reset, registers: all, offsets, source })
+        Some(Self { name: source.name, base, clock, reset, registers, places, source })
     }
 
     fn length(&self) -> u32 {
-        self.registers.last_key_value().map_or(0, |(offset, _)| offset + 4)
+        self.registers.last().map_or(0, |register| register.offset + 4)
     }
 
     /// The register at an offset, which may lie inside it.
     #[must_use]
     pub fn register_at(&self, offset: u32) -> Option<&Register> {
-        self.registers.get(&(offset & !3))
+        let place = self.registers.binary_search_by_key(&(offset & !3), |register| register.offset);
+        place.ok().map(|place| &self.registers[place])
     }
 
     /// The first register of that name. Panics if there is none: names in models are fixed.
@@ -147,14 +154,14 @@ impl PeripheralMap {
     /// One of an array of registers of that name. Panics if there is none.
     #[must_use]
     pub fn element(&self, name: &str, index: usize) -> &Register {
-        let offset = self.offsets.get(name).and_then(|of_name| of_name.get(&index));
-        let found = offset.and_then(|offset| self.registers.get(offset));
+        let place = self.places.get(name).and_then(|of_name| of_name.get(index).copied().flatten());
+        let found = place.map(|place| &self.registers[place]);
         found.unwrap_or_else(|| panic!("{} has no register {name}[{index}]", self.name))
     }
 
     /// Every register.
     pub fn registers(&self) -> impl Iterator<Item = &Register> {
-        self.registers.values()
+        self.registers.iter()
     }
 
     /// Numbers of its interrupts, each with the signals that raise it.
@@ -235,7 +242,8 @@ fn collect(ir: &IR, block: &str, prefix: &str, base: u32, index: usize, out: &mu
                     let writable = register.access != Access::Read;
                     let readable = register.access != Access::Write;
                     let name = name.clone();
-                    let new = Register { name, index, offset, writable, readable, known_bits, fields };
+                    let new =
+                        Register { name, index, place: 0, offset, writable, readable, known_bits, fields };
                     out.entry(offset).and_modify(|old| merge(old, &new)).or_insert(new);
                 }
             }

@@ -90,6 +90,8 @@ pub struct Chip {
     shown_operations: u64,
     /// Something was touched since lines and requests were looked at.
     touched: bool,
+    /// A port was written since its pins were shown.
+    pins_touched: bool,
     /// The next event of all but link and flash, which the world may touch at any time.
     next: Option<Time>,
 }
@@ -120,6 +122,8 @@ impl Chip {
             })
         };
         let mut lines: Vec<Line> = WITH_SIGNALS.iter().flat_map(signals).collect();
+        // All signals of a timer are one (its model raises all of them).
+        lines.retain(|line| !line.peripheral.starts_with("TIM") || line.signal == "UP");
         lines.sort_by_key(|line| line.exception);
         let timers = [
             ("TIM2", 4, 32),
@@ -151,6 +155,7 @@ impl Chip {
             shown_pins: vec![0; 7],
             shown_operations: 0,
             touched: true,
+            pins_touched: true,
             next: None,
         }
     }
@@ -173,6 +178,7 @@ impl Chip {
         self.core = Core::default();
         self.each(|_, peripheral| peripheral.reset());
         self.rcc.restart(cause);
+        self.pins_touched = true;
         self.touch();
         self.follow_clocks();
     }
@@ -222,6 +228,7 @@ impl Chip {
                     check_bits(map, register, old, value)?;
                 }
                 model.write(register, value, at)?;
+                self.pins_touched |= map.name.starts_with("GPIO");
                 self.touch();
                 self.follow_clocks();
                 self.check_clocks()?;
@@ -235,6 +242,8 @@ impl Chip {
         if std::mem::take(&mut self.touched) {
             self.serve_requests(memory)?;
             self.raise_lines();
+        }
+        if std::mem::take(&mut self.pins_touched) {
             self.show_pins();
         }
         self.touched = false;
