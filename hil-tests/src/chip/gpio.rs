@@ -58,7 +58,9 @@ impl Gpio {
         self.bank.word("ODR", 0) as u16
     }
 
-    fn level(&self, pin: usize) -> bool {
+    /// Level that a pin reads.
+    #[must_use]
+    pub fn level(&self, pin: usize) -> bool {
         match self.mode(pin) {
             PinMode::Output => self.outputs() >> pin & 1 == 1,
             PinMode::Analogue => false,

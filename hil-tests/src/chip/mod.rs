@@ -9,7 +9,9 @@
 
 pub mod bank;
 pub mod core;
+pub mod dac;
 pub mod dma;
+pub mod exti;
 pub mod flash;
 pub mod gpio;
 pub mod iwdg;
@@ -27,12 +29,15 @@ pub mod timer;
 pub mod trace;
 mod transfers;
 pub mod usart;
+mod wiring;
 
 use self::{
     core::{Core, CoreMoment},
+    dac::Dac,
     dma::{Dma, Dmamux},
+    exti::Exti,
     flash::{Flash, Operation},
-    gpio::{Gpio, PinMode},
+    gpio::Gpio,
     iwdg::Iwdg,
     map::{Map, PeripheralMap, Register},
     misuse::Misuse,
@@ -81,6 +86,8 @@ pub struct Chip {
     timers: Vec<(&'static str, Timer)>,
     dma: [Dma; 2],
     dmamux: Dmamux,
+    dacs: Vec<(&'static str, Dac)>,
+    exti: Exti,
     iwdg: Iwdg,
     syscfg: Plain,
     dbgmcu: Plain,
@@ -105,8 +112,10 @@ struct Line {
 }
 
 /// Peripherals whose DMA requests and interrupts are modelled.
-const WITH_SIGNALS: [&str; 12] =
-    ["LPUART1", "TIM2", "TIM3", "TIM4", "TIM5", "TIM6", "TIM7", "TIM15", "DMA1", "DMA2", "FLASH", "DMAMUX1"];
+const WITH_SIGNALS: [&str; 17] = [
+    "LPUART1", "TIM2", "TIM3", "TIM4", "TIM5", "TIM6", "TIM7", "TIM15", "DMA1", "DMA2", "FLASH", "DMAMUX1",
+    "EXTI", "DAC1", "DAC2", "DAC3", "DAC4",
+];
 
 impl Chip {
     /// A chip without power, whose link runs at `wire_baud` at its other end.
@@ -147,6 +156,8 @@ impl Chip {
             timers: timers.map(|(name, channels, bits)| (name, Timer::new(name, channels, bits))).into(),
             dma: [Dma::new("DMA1"), Dma::new("DMA2")],
             dmamux: Dmamux::default(),
+            dacs: ["DAC1", "DAC2", "DAC3", "DAC4"].map(|name| (name, Dac::new(name))).into(),
+            exti: Exti::default(),
             iwdg: Iwdg::default(),
             syscfg: Plain::syscfg(),
             dbgmcu: Plain::dbgmcu(),
@@ -218,6 +229,11 @@ impl Chip {
                 self.check_access(map, register)?;
                 let at = self.moment();
                 let model = self.peripheral(map.name, register)?;
+                if size != 4 && model.words_only() {
+                    let rule =
+                        format!("{} is written by {size} bytes: its registers want words", register.name);
+                    return Err(Misuse::rule(map.name, rule));
+                }
                 let old = model.bank().value(register);
                 let value = merge_bytes(old, address & 3, size, value);
                 if !register.writable {
@@ -228,7 +244,10 @@ impl Chip {
                     check_bits(map, register, old, value)?;
                 }
                 model.write(register, value, at)?;
-                self.pins_touched |= map.name.starts_with("GPIO");
+                if map.name.starts_with("GPIO") || map.name == "SYSCFG" {
+                    self.pins_touched = true;
+                    self.follow_pins();
+                }
                 self.touch();
                 self.follow_clocks();
                 self.check_clocks()?;
@@ -240,6 +259,7 @@ impl Chip {
     /// After an access: the DMA serves its requests, and lines go to the NVIC.
     pub fn settle(&mut self, memory: &mut dyn Memory) -> Result<(), Misuse> {
         if std::mem::take(&mut self.touched) {
+            self.deliver_triggers();
             self.serve_requests(memory)?;
             self.raise_lines();
         }
@@ -367,15 +387,18 @@ impl Chip {
             "DMA2" => &mut self.dma[1],
             "DMAMUX1" => &mut self.dmamux,
             "IWDG" => &mut self.iwdg,
+            "EXTI" => &mut self.exti,
             "SYSCFG" => &mut self.syscfg,
             "DBGMCU" => &mut self.dbgmcu,
             _ => {
                 let port = name.strip_prefix("GPIO").and_then(|rest| rest.chars().next());
                 let port = self.ports.iter_mut().find(|(letter, _)| Some(*letter) == port);
                 let timer = self.timers.iter_mut().find(|(timer, _)| *timer == name);
-                return match (port, timer) {
-                    (Some((_, port)), _) => Some(port),
-                    (_, Some((_, timer))) => Some(timer),
+                let dac = self.dacs.iter_mut().find(|(dac, _)| *dac == name);
+                return match (port, timer, dac) {
+                    (Some((_, port)), ..) => Some(port),
+                    (_, Some((_, timer)), _) => Some(timer),
+                    (.., Some((_, dac))) => Some(dac),
                     _ => None,
                 };
             }
@@ -388,7 +411,9 @@ impl Chip {
             "LPUART1" => &self.uart,
             "DMA1" => &self.dma[0],
             "DMA2" => &self.dma[1],
-            _ => return self.timers.iter().find(|(timer, _)| *timer == name).map(|(_, timer)| timer as _),
+            "EXTI" => &self.exti,
+            _ if name.starts_with("DAC") => &self.dacs.iter().find(|(dac, _)| *dac == name)?.1,
+            _ => &self.timers.iter().find(|(timer, _)| *timer == name)?.1,
         })
     }
 
@@ -400,51 +425,12 @@ impl Chip {
         self.ports.iter_mut().for_each(|(_, port)| visit("GPIO", port));
         self.timers.iter_mut().for_each(|(name, timer)| visit(name, timer));
         self.dma.iter_mut().for_each(|dma| visit("DMA", dma));
+        self.dacs.iter_mut().for_each(|(name, dac)| visit(name, dac));
+        visit("EXTI", &mut self.exti);
         visit("DMAMUX1", &mut self.dmamux);
         visit("IWDG", &mut self.iwdg);
         visit("SYSCFG", &mut self.syscfg);
         visit("DBGMCU", &mut self.dbgmcu);
-    }
-
-    fn follow_clocks(&mut self) {
-        self.clocks = self.rcc.clocks();
-        let clocks = self.clocks;
-        for (name, timer) in &mut self.timers {
-            timer.clock = clocks.timer(if *name == "TIM15" { clocks.apb2 } else { clocks.apb1 });
-        }
-        self.uart.clock = self.rcc.uart_clock("LPUART1SEL");
-        let wired = ["TX", "RX"].map(|signal| self.is_wired("LPUART1", signal));
-        self.uart.wired = wired;
-    }
-
-    /// Whether some pin carries a signal: it is set to the alternate function that the chip has.
-    fn is_wired(&self, peripheral: &str, signal: &str) -> bool {
-        let mut pins = Map::of_chip().peripheral(peripheral).pins(signal);
-        pins.any(|(pin, function)| {
-            let port = self.ports.iter().find(|(port, _)| pin[1..].starts_with(*port));
-            let number = pin[2..].parse::<usize>();
-            matches!((port, number), (Some((_, port)), Ok(number)) if port.mode(number) == PinMode::Alternate(function))
-        })
-    }
-
-    /// Rules that join clocks, voltage and flash (RM0440 FLASH chapter, ACR.LATENCY, 6.1.5).
-    fn check_clocks(&self) -> Result<(), Misuse> {
-        let core = self.clocks.core;
-        if core > self.pwr.fastest_core() {
-            return Err(Misuse::rule(
-                "PWR",
-                format!("the core runs at {core} Hz, too fast for its voltage (6.1.5)"),
-            ));
-        }
-        let needed = Flash::needed_latency(core);
-        if core > rcc::HSI && self.flash.latency() < needed {
-            let found = self.flash.latency();
-            let rule = format!(
-                "the core runs at {core} Hz with {found} wait states, {needed} are needed (FLASH chapter, ACR.LATENCY)"
-            );
-            return Err(Misuse::rule("FLASH", rule));
-        }
-        Ok(())
     }
 
     /// Tells the trace what changed outside.

@@ -26,6 +26,11 @@ pub trait Peripheral {
         !register.readable
     }
 
+    /// Whether its registers can only be written by words.
+    fn words_only(&self) -> bool {
+        false
+    }
+
     /// The CPU or the DMA reads a register.
     fn read(&mut self, register: &Register, _at: Moment) -> u32 {
         self.bank().value(register)

@@ -26,6 +26,17 @@ pub struct Timer {
     since: Time,
     /// Requests to the DMA that are not served: update, then one for each channel.
     pending: [bool; 5],
+    /// The trigger output has fired.
+    fired: bool,
+}
+
+/// What fires the trigger output (CR2.MMS).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum TriggerMode {
+    Reset,
+    Enable,
+    Update,
+    Compare,
 }
 
 impl Timer {
@@ -42,7 +53,18 @@ impl Timer {
             count: 0,
             since: Time::ZERO,
             pending: [false; 5],
+            fired: false,
         }
+    }
+
+    /// Whether the trigger output (TRGO) has fired since it was asked last.
+    pub fn take_trigger(&mut self) -> bool {
+        std::mem::take(&mut self.fired)
+    }
+
+    /// Something happens that TRGO shows if CR2.MMS says so.
+    fn fire(&mut self, mode: TriggerMode) {
+        self.fired |= self.bank.get("CR2", "MMS") == mode as u32;
     }
 
     fn is_counting(&self) -> bool {
@@ -104,6 +126,9 @@ impl Timer {
     }
 
     fn raise(&mut self, channel: usize) {
+        if channel == 0 {
+            self.fire(TriggerMode::Compare);
+        }
         self.bank.set("SR", &self.field("CCIF", channel), 1);
         self.pending[channel + 1] |= self.bank.is_set("DIER", &self.field("CCDE", channel));
     }
@@ -117,6 +142,7 @@ impl Timer {
         if self.bank.is_set("CR1", "UDIS") {
             return;
         }
+        self.fire(TriggerMode::Update);
         self.bank.set("SR", "UIF", 1);
         self.pending[0] |= self.bank.is_set("DIER", "UDE");
         if self.bank.is_set("CR1", "OPM") {
@@ -174,6 +200,7 @@ impl Peripheral for Timer {
             "EGR" => {
                 if register.get(value, "UG") == 1 {
                     (self.count, self.since) = (0, at.now);
+                    self.fire(TriggerMode::Reset);
                     let quiet = self.bank.is_set("CR1", "URS");
                     let before = self.bank.get("SR", "UIF");
                     self.update();
@@ -190,6 +217,15 @@ impl Peripheral for Timer {
             "CR1" if ["DIR", "CMS", "DITHEN"].iter().any(|field| has(register, value, field)) => {
                 return Err(Misuse::rule("TIM", "only counting up without dithering is modelled"));
             }
+            "CR1" => {
+                if !self.bank.is_set("CR1", "CEN") && register.get(value, "CEN") == 1 {
+                    self.fire(TriggerMode::Enable);
+                }
+                self.bank.store(register, value);
+            }
+            "CR2" if register.get(value, "MMS") > 3 || register.get(value, "MMS.1") != 0 => {
+                return Err(Misuse::rule("TIM", "of CR2.MMS reset, enable, update and compare are modelled"));
+            }
             "SMCR" if value != 0 => return Err(Misuse::rule("TIM", "slave modes are not modelled")),
             "CCER" if value != 0 => {
                 return Err(Misuse::rule("TIM", "outputs and captures of channels are not modelled"));
@@ -204,9 +240,14 @@ impl Peripheral for Timer {
             return Time::NEVER;
         }
         let update = self.wants("UIE") || self.wants("UDE") || self.bank.is_set("CR1", "OPM");
+        let fires = self.bank.get("CR2", "MMS");
+        let update = update || fires == TriggerMode::Update as u32;
         let mut next = if update { self.reaches(self.top() + 1) } else { Time::NEVER };
         for channel in 0..self.channels {
-            if self.wants(&self.field("CCIE", channel)) || self.wants(&self.field("CCDE", channel)) {
+            if (channel == 0 && fires == TriggerMode::Compare as u32)
+                || self.wants(&self.field("CCIE", channel))
+                || self.wants(&self.field("CCDE", channel))
+            {
                 next = next.min(self.reaches(self.compare(channel)));
             }
         }

@@ -281,3 +281,70 @@ fn a_read_of_a_broken_double_word_by_the_dma_raises_nmi() {
     chip.settle(&mut ram).unwrap();
     assert!(chip.core.nvic.is_pending(NMI));
 }
+
+#[test]
+fn a_halfword_store_to_a_dac_is_refused_from_cpu_and_dma() {
+    let (mut chip, mut ram) = (chip(), Ram::new());
+    link(&mut chip);
+    chip.modify("RCC", "AHB2ENR", &[("DAC1EN", 1)]);
+    let holding = address("DAC1", "DHR12R", 0);
+    let message = chip.write(holding, 2, 7).unwrap_err().to_string();
+    assert_eq!(message, "DAC1: DHR12R is written by 2 bytes: its registers want words");
+    chip.put("DMA1", "CH.PAR", 3, holding);
+    chip.put("DMA1", "CH.MAR", 3, RAM_START);
+    chip.put("DMA1", "CH.NDTR", 3, 1);
+    // Memory to memory, from memory, 16 bits wide.
+    chip.put("DMA1", "CH.CR", 3, 0x4511);
+    assert_eq!(chip.settle(&mut ram).unwrap_err().to_string(), message);
+}
+
+/// TIM6 triggers DAC1 every ten microseconds; DMA1 channel 4 brings the next sample of a ring.
+#[test]
+fn a_timer_a_dac_and_the_dma_make_a_wave() {
+    let (mut chip, mut ram) = (chip(), Ram::new());
+    link(&mut chip);
+    chip.modify("RCC", "AHB2ENR", &[("DAC1EN", 1)]);
+    chip.modify("RCC", "APB1ENR1", &[("TIM6EN", 1)]);
+    for (place, sample) in [100_u32, 200, 300].into_iter().enumerate() {
+        ram.write(RAM_START + 4 * place as u32, &sample.to_le_bytes());
+    }
+    chip.put("DMAMUX1", "CCR", 3, 6);
+    chip.put("DMA1", "CH.PAR", 3, address("DAC1", "DHR12R", 0));
+    chip.put("DMA1", "CH.MAR", 3, RAM_START);
+    chip.put("DMA1", "CH.NDTR", 3, 3);
+    // Circular, from memory, 32 bits wide.
+    chip.put("DMA1", "CH.CR", 3, 0x0AB1);
+    chip.modify("DAC1", "CR", &[("TEN[0]", 1), ("TSEL[0]", 7), ("DMAEN[0]", 1), ("EN[0]", 1)]);
+    chip.put("TIM6", "ARR", 0, 1699);
+    chip.modify("TIM6", "CR2", &[("MMS", 2)]);
+    chip.modify("TIM6", "CR1", &[("CEN", 1)]);
+    let mut wave = Vec::new();
+    for _ in 0..6 {
+        chip.pass(Time::from_micros(10) + Time::from_micros(1) * u64::from(wave.is_empty()), &mut ram);
+        wave.push(chip.dac_output("DAC1", 0).unwrap());
+    }
+    assert_eq!(wave, [0, 100, 200, 300, 100, 200]);
+}
+
+#[test]
+fn an_edge_of_the_chosen_port_raises_the_shared_interrupt() {
+    let (mut chip, mut ram) = (chip(), Ram::new());
+    chip.modify("RCC", "AHB2ENR", &[("GPIOCEN", 1), ("GPIOBEN", 1)]);
+    chip.modify("RCC", "APB2ENR", &[("SYSCFGEN", 1)]);
+    for port in ["GPIOB", "GPIOC"] {
+        chip.modify(port, "MODER", &[("MODER[13]", 0), ("MODER[5]", 0)]);
+    }
+    chip.put("SYSCFG", "EXTICR", 3, 2 << 4);
+    chip.modify("EXTI", "RTSR", &[("LINE[13]", 1)]);
+    chip.modify("EXTI", "IMR", &[("LINE[13]", 1)]);
+    let exception = Nvic::exception_of(40);
+    for (port, pin, raised) in [('B', 13, false), ('C', 5, false), ('C', 13, true)] {
+        chip.drive(port, pin, Some(true));
+        chip.settle(&mut ram).unwrap();
+        assert_eq!(chip.core.nvic.is_pending(exception), raised, "{port}{pin}");
+    }
+    chip.put("EXTI", "PR", 0, 1 << 13);
+    chip.settle(&mut ram).unwrap();
+    chip.core.nvic.unpend(exception);
+    assert!(!chip.core.nvic.is_pending(exception));
+}

@@ -128,3 +128,27 @@ fn what_is_not_modelled_is_refused() {
         assert!(bus.refused(register, value).contains("modelled"), "{register}");
     }
 }
+
+/// CR2.MMS: 0 reset, 1 enable, 2 update, 3 compare of channel 1.
+#[test]
+fn the_trigger_output_fires_for_what_mms_says() {
+    for (mode, at) in [(0, None), (1, Some(0)), (2, Some(100)), (3, Some(40))] {
+        let mut bus = timer("TIM2", 32, &[]);
+        bus.fields("CR2", &[("MMS", mode)]);
+        bus.write_at("CCR", 0, 40).unwrap();
+        start(&mut bus);
+        let mut fired = None;
+        for micros in 0..140 {
+            if bus.model.take_trigger() {
+                assert_eq!(fired.replace(micros), None, "mode {mode} fires twice");
+            }
+            bus.pass(Time::from_micros(1));
+        }
+        assert_eq!(fired, at, "mode {mode}");
+        bus.model.take_trigger();
+        bus.fields("EGR", &[("UG", 1)]);
+        assert_eq!(bus.model.take_trigger(), matches!(mode, 0 | 2), "mode {mode}");
+    }
+    let mut bus = timer("TIM2", 32, &[]);
+    assert!(bus.refused("CR2", 4 << 4).contains("MMS"));
+}
