@@ -7,9 +7,8 @@ use super::map::{Map, PeripheralMap, Register};
 pub struct Bank {
     /// Where the registers are.
     pub map: &'static PeripheralMap,
-    /// By a quarter of their offset.
     values: Vec<u32>,
-    resets: Vec<(u32, u32)>,
+    resets: Vec<(usize, u32)>,
 }
 
 impl Bank {
@@ -17,7 +16,7 @@ impl Bank {
     #[must_use]
     pub fn new(peripheral: &str, resets: &[(&str, u32)]) -> Self {
         let map = Map::of_chip().peripheral(peripheral);
-        let resets = resets.iter().map(|&(name, value)| (map.register(name).offset, value)).collect();
+        let resets = resets.iter().map(|&(name, value)| (map.register(name).place, value)).collect();
         let mut bank = Self { map, values: Vec::new(), resets };
         bank.reset();
         bank
@@ -25,22 +24,21 @@ impl Bank {
 
     /// Back to the values after reset.
     pub fn reset(&mut self) {
-        let places = self.map.registers().last().map_or(0, |register| register.offset as usize / 4 + 1);
-        self.values = vec![0; places];
-        for &(offset, value) in &self.resets {
-            self.values[offset as usize / 4] = value;
+        self.values = vec![0; self.map.registers().count()];
+        for &(place, value) in &self.resets {
+            self.values[place] = value;
         }
     }
 
     /// Value of a register.
     #[must_use]
     pub fn value(&self, register: &Register) -> u32 {
-        self.values[register.offset as usize / 4]
+        self.values[register.place]
     }
 
     /// Replaces the value of a register.
     pub fn store(&mut self, register: &Register, value: u32) {
-        self.values[register.offset as usize / 4] = value;
+        self.values[register.place] = value;
     }
 
     /// Value of a field.

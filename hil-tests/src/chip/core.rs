@@ -75,10 +75,16 @@ impl Core {
             0xE000_E014 => self.tick.reload,
             0xE000_E018 => self.tick.count(at),
             0xE000_E01C => 0,
-            0xE000_E100..=0xE000_E10C | 0xE000_E180..=0xE000_E18C => self.nvic.bits(word(address), Bits::Enabled),
-            0xE000_E200..=0xE000_E20C | 0xE000_E280..=0xE000_E28C => self.nvic.bits(word(address), Bits::Pending),
+            0xE000_E100..=0xE000_E10C | 0xE000_E180..=0xE000_E18C => {
+                self.nvic.bits(word(address), Bits::Enabled)
+            }
+            0xE000_E200..=0xE000_E20C | 0xE000_E280..=0xE000_E28C => {
+                self.nvic.bits(word(address), Bits::Pending)
+            }
             0xE000_E300..=0xE000_E30C => self.nvic.bits(word(address), Bits::Active),
-            0xE000_E400..=0xE000_E464 => self.nvic.priorities(SYSTEM_EXCEPTIONS + (address - 0xE000_E400) as usize),
+            0xE000_E400..=0xE000_E464 => {
+                self.nvic.priorities(SYSTEM_EXCEPTIONS + (address - 0xE000_E400) as usize)
+            }
             0xE000_ED00 => CPUID_OF_R0P1,
             0xE000_ED04 => self.interrupt_state(),
             0xE000_ED0C => 0xFA05_0000,
@@ -118,7 +124,11 @@ impl Core {
             // Fault status bits are cleared by writing 1 (B3.2.15).
             0xE000_ED28 | 0xE000_ED2C => *self.plain.entry(address).or_insert(0) &= !value,
             0xE000_EF00 => self.nvic.pend(SYSTEM_EXCEPTIONS + (value & 0x1FF) as usize),
-            _ if is_plain(address) || address == 0xE000_1000 || address == 0xE000_ED14 || address == 0xE000_EF34 => {
+            _ if is_plain(address)
+                || address == 0xE000_1000
+                || address == 0xE000_ED14
+                || address == 0xE000_EF34 =>
+            {
                 self.plain.insert(address, value);
             }
             _ => return Err(no_register(address)),
@@ -129,7 +139,11 @@ impl Core {
     /// When SysTick wraps next, where that raises its exception.
     #[must_use]
     pub fn next_event(&self, cycle: Time) -> Time {
-        if self.tick.control & 3 == 3 && self.tick.reload > 0 { self.tick.since + self.tick.round(cycle) } else { Time::NEVER }
+        if self.tick.control & 3 == 3 && self.tick.reload > 0 {
+            self.tick.since + self.tick.round(cycle)
+        } else {
+            Time::NEVER
+        }
     }
 
     /// Does what is due by now.
@@ -149,9 +163,13 @@ impl Core {
     }
 
     fn set_interrupt_state(&mut self, value: u32) {
-        for (place, exception, on) in
-            [(31, NMI, true), (28, PEND_SV, true), (27, PEND_SV, false), (26, SYS_TICK, true), (25, SYS_TICK, false)]
-        {
+        for (place, exception, on) in [
+            (31, NMI, true),
+            (28, PEND_SV, true),
+            (27, PEND_SV, false),
+            (26, SYS_TICK, true),
+            (25, SYS_TICK, false),
+        ] {
             match (value >> place & 1, on) {
                 (1, true) => self.nvic.pend(exception),
                 (1, false) => self.nvic.unpend(exception),
@@ -211,8 +229,8 @@ impl SysTick {
 fn is_plain(address: u32) -> bool {
     matches!(
         address,
-        0xE000_E008 | 0xE000_ED08 | 0xE000_ED10 | 0xE000_ED24..=0xE000_ED3C | 0xE000_ED88 | 0xE000_EDF0
-            | 0xE000_EDFC | 0xE000_EF38 | 0xE000_EF3C
+        0xE000_E008 | 0xE000_ED08 | 0xE000_ED10 | 0xE000_ED24
+            ..=0xE000_ED3C | 0xE000_ED88 | 0xE000_EDF0 | 0xE000_EDFC | 0xE000_EF38 | 0xE000_EF3C
     )
 }
 

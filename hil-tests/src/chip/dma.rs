@@ -12,11 +12,6 @@ use super::{
 /// Channels of one controller.
 pub const CHANNELS: usize = 8;
 
-// Fields of ISR, by channel.
-const HALF: [&str; 8] = ["HTIF[0]", "HTIF[1]", "HTIF[2]", "HTIF[3]", "HTIF[4]", "HTIF[5]", "HTIF[6]", "HTIF[7]"];
-const COMPLETE: [&str; 8] = ["TCIF[0]", "TCIF[1]", "TCIF[2]", "TCIF[3]", "TCIF[4]", "TCIF[5]", "TCIF[6]", "TCIF[7]"];
-const ERROR: [&str; 8] = ["TEIF[0]", "TEIF[1]", "TEIF[2]", "TEIF[3]", "TEIF[4]", "TEIF[5]", "TEIF[6]", "TEIF[7]"];
-
 /// Model of one controller.
 #[derive(Clone, Debug)]
 pub struct Dma {
@@ -29,7 +24,7 @@ pub struct Dma {
 struct Progress {
     total: u32,
     left: u32,
-    on: bool,
+    is_on: bool,
 }
 
 /// One beat: what to read and what to write.
@@ -55,7 +50,7 @@ impl Dma {
     /// Whether a channel waits for a request.
     #[must_use]
     pub fn is_on(&self, channel: usize) -> bool {
-        self.channels[channel].on && self.channels[channel].left > 0
+        self.channels[channel].is_on && self.channels[channel].left > 0
     }
 
     /// Whether a channel copies memory without any request.
@@ -93,10 +88,10 @@ impl Dma {
             progress.left = total;
         }
         if left == total / 2 {
-            self.flag(&HALF, channel);
+            self.flag("HTIF", channel);
         }
         if left == 0 {
-            self.flag(&COMPLETE, channel);
+            self.flag("TCIF", channel);
         }
         left == 0
     }
@@ -104,16 +99,12 @@ impl Dma {
     /// A beat met an address where nothing is (12.4.6): the channel stops.
     pub fn fail(&mut self, channel: usize) {
         self.bank.set_at("CH.CR", channel, "EN", 0);
-        self.channels[channel].on = false;
-        self.flag(&ERROR, channel);
+        self.channels[channel].is_on = false;
+        self.flag("TEIF", channel);
     }
 
-    fn flag(&mut self, flags: &[&str; CHANNELS], channel: usize) {
-        self.bank.set("ISR", flags[channel], 1);
-    }
-
-    fn has(&self, flags: &[&str; CHANNELS], channel: usize) -> bool {
-        self.bank.is_set("ISR", flags[channel])
+    fn flag(&mut self, flag: &str, channel: usize) {
+        self.bank.set("ISR", &format!("{flag}[{channel}]"), 1);
     }
 }
 
@@ -145,18 +136,21 @@ impl Peripheral for Dma {
                 let flags = self.bank.word("ISR", 0);
                 self.bank.set_word("ISR", 0, flags & !clear);
             }
-            "CH.NDTR" | "CH.PAR" | "CH.MAR" if self.channels[register.index].on => {
-                return Err(Misuse::rule("DMA", format!("{} changes while its channel is on (12.6.4)", register.name)));
+            "CH.NDTR" | "CH.PAR" | "CH.MAR" if self.bank.get_at("CH.CR", register.index, "EN") == 1 => {
+                return Err(Misuse::rule(
+                    "DMA",
+                    format!("{} changes while its channel is on (12.6.4)", register.name),
+                ));
             }
             "CH.NDTR" => {
                 self.bank.store(register, value);
-                self.channels[register.index] = Progress { total: value, left: value, on: false };
+                self.channels[register.index] = Progress { total: value, left: value, is_on: false };
             }
             "CH.CR" => {
                 self.bank.store(register, value);
                 let channel = &mut self.channels[register.index];
-                channel.on = register.get(value, "EN") == 1;
-                if register.get(old, "EN") == 0 && channel.on {
+                channel.is_on = register.get(value, "EN") == 1;
+                if register.get(old, "EN") == 0 && channel.is_on {
                     // After the end, NDTR has to be written again (12.4.3).
                     channel.total = channel.left;
                 }
@@ -167,14 +161,11 @@ impl Peripheral for Dma {
     }
 
     fn interrupts(&self, signal: &str) -> bool {
-        let Some(channel) = signal.strip_prefix("CH").and_then(|number| number.parse::<usize>().ok()) else {
-            return false;
-        };
-        let channel = channel - 1;
-        let enabled = |field| self.bank.get_at("CH.CR", channel, field) == 1;
-        enabled("TCIE") && self.has(&COMPLETE, channel)
-            || enabled("HTIE") && self.has(&HALF, channel)
-            || enabled("TEIE") && self.has(&ERROR, channel)
+        let number = signal.strip_prefix("CH").and_then(|number| number.parse::<usize>().ok());
+        let Some(channel) = number.map(|number| number - 1) else { return false };
+        // The enable bits lie where the flags lie (12.6.1, 12.6.3).
+        let flags = self.bank.word("ISR", 0) >> (4 * channel) & 0xE;
+        flags != 0 && flags & self.bank.word("CH.CR", channel) != 0
     }
 
     fn reset(&mut self) {
@@ -186,20 +177,32 @@ impl Peripheral for Dma {
 #[derive(Clone, Debug)]
 pub struct Dmamux {
     bank: Bank,
+    sources: [Option<Source>; 2 * CHANNELS],
 }
+
+/// Peripheral and signal that ask for transfers.
+pub type Source = (&'static str, &'static str);
 
 impl Default for Dmamux {
     fn default() -> Self {
-        Self { bank: Bank::new("DMAMUX1", &[]) }
+        Self { bank: Bank::new("DMAMUX1", &[]), sources: [None; 2 * CHANNELS] }
     }
 }
 
 impl Dmamux {
     /// Peripheral and signal whose requests a channel (0 to 15) gets.
     #[must_use]
-    pub fn source(&self, channel: usize) -> Option<(&'static str, &'static str)> {
-        Map::of_chip().dma_request(self.bank.get_at("CCR", channel, "DMAREQ_ID"))
+    pub fn source(&self, channel: usize) -> Option<Source> {
+        self.sources[channel]
     }
+}
+
+/// Who has this request number (13.3.2, "DMAMUX mapping"); none has 0.
+fn source_of(request: u32) -> Option<Source> {
+    Map::of_chip().peripherals().find_map(|peripheral| {
+        let (signal, _) = peripheral.dma_requests().find(|&(_, number)| number == request && request != 0)?;
+        Some((peripheral.name, signal))
+    })
 }
 
 impl Peripheral for Dmamux {
@@ -216,7 +219,15 @@ impl Peripheral for Dmamux {
         }
         if register.name == "CCR" {
             self.bank.store(register, value);
+            self.sources[register.index] = source_of(register.get(value, "DMAREQ_ID"));
         }
         Ok(())
     }
+
+    fn reset(&mut self) {
+        *self = Self::default();
+    }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,7 +1,7 @@
-//! FLASH: 512 KiB in two banks of 128 pages of 2 KiB (RM0440 chapter 5, DBANK = 1).
+//! FLASH: 512 KiB in two banks of 128 pages of 2 KiB (RM0440 chapter 3, category 3 devices; DBANK = 1).
 //!
-//! What is modelled: the key sequence (5.3.5), page erase (5.3.6) and double-word programming
-//! (5.3.7) with their error flags and their times, ECC (5.3.4): a double word left half programmed by
+//! What is modelled: the key sequence, page erase ("Flash main memory erase
+//! sequences") and double-word programming ("standard programming") with their error flags and their times, ECC ("Error code correction"): a double word left half programmed by
 //! a power cut reads as a double error, which sets ECCD and raises NMI. While a bank is busy, code
 //! that runs from it stands still; data reads from a busy bank are not held up.
 
@@ -71,7 +71,10 @@ pub struct Flash {
 impl Default for Flash {
     fn default() -> Self {
         Self {
-            bank: Bank::new("FLASH", &[("ACR", 0x0004_0600), ("CR", 0xC000_0000), ("OPTR", 0xFFEF_F8AA & 0x7FDF_77FF | 1 << 22)]),
+            bank: Bank::new(
+                "FLASH",
+                &[("ACR", 0x0004_0600), ("CR", 0xC000_0000), ("OPTR", 0xFFEF_F8AA & 0x7FDF_77FF | 1 << 22)],
+            ),
             content: vec![0xFF; BYTES as usize],
             damaged: BTreeSet::new(),
             changed: None,
@@ -116,7 +119,8 @@ impl Flash {
         self.operation.map(|(operation, _)| operation)
     }
 
-    /// Wait states that the core clock needs at the voltage of range 1 boost: table 9 of 5.3.3.
+    /// Wait states that the core clock needs at the voltage of range 1 boost: ACR.LATENCY, "read access
+    /// latency".
     #[must_use]
     pub fn needed_latency(core: u64) -> u32 {
         (core.saturating_sub(1) / 34_000_000) as u32
@@ -128,7 +132,7 @@ impl Flash {
         self.bank.get("ACR", "LATENCY")
     }
 
-    /// Code from the first to the last of these addresses stands still until then (5.3.6).
+    /// Code from the first to the last of these addresses stands still until then ("erase sequences").
     #[must_use]
     pub fn stalled_code(&self) -> Option<(u32, u32, Time)> {
         let (operation, end) = self.operation?;
@@ -198,13 +202,17 @@ impl Flash {
             }
         };
         self.put(address, new);
-        if is_damaged { self.damaged.insert(address) } else { self.damaged.remove(&address) };
+        if is_damaged {
+            self.damaged.insert(address)
+        } else {
+            self.damaged.remove(&address)
+        };
     }
 
-    /// The CPU or the DMA stores to the flash (5.3.7): two words make a double word.
+    /// The CPU or the DMA stores to the flash (SR.PGSERR and CR.PG): two words make a double word.
     pub fn write_word(&mut self, address: u32, size: u32, value: u32, at: Moment) -> Result<(), Misuse> {
         if self.operation.is_some() {
-            return Err(Misuse::rule("FLASH", "the flash is written while BSY is 1 (5.3.7)"));
+            return Err(Misuse::rule("FLASH", "the flash is written while BSY is 1 (SR.PGSERR and CR.PG)"));
         }
         if !self.bank.is_set("CR", "PG") || self.has_errors() {
             self.flag("PGSERR");
@@ -228,7 +236,7 @@ impl Flash {
 
     fn program(&mut self, address: u32, value: u64, now: Time) {
         let erased = self.double_word(address) == u64::MAX && !self.damaged.contains(&address);
-        // Zeros may be written over anything (5.3.7).
+        // Zeros may be written over anything (SR.PGSERR and CR.PG).
         if !erased && value != 0 {
             self.flag("PROGERR");
             return;
@@ -301,7 +309,7 @@ impl Flash {
                 self.keys = 0;
                 self.bank.set("CR", "LOCK", 0);
             }
-            _ => return Err(Misuse::rule("FLASH", "a wrong key locks the flash until reset (5.3.5)")),
+            _ => return Err(Misuse::rule("FLASH", "a wrong key locks the flash until reset (KEYR)")),
         }
         Ok(())
     }
@@ -327,16 +335,17 @@ impl Peripheral for Flash {
         match register.name.as_str() {
             "KEYR" => return self.key(value),
             "SR" => self.bank.store(register, old & !value),
-            // ECCC and ECCD are cleared by writing 1 (5.7.6).
+            // ECCC and ECCD are cleared by writing 1 (ECCR).
             "ECCR" => {
-                self.bank.store(register, (old & !(value & 0xF000_0000) & !0x0100_0000) | (value & 0x0100_0000));
+                self.bank
+                    .store(register, (old & !(value & 0xF000_0000) & !0x0100_0000) | (value & 0x0100_0000));
                 self.nmi = false;
             }
             "CR" if register.get(old, "LOCK") == 1 => {
-                return Err(Misuse::rule("FLASH", "CR is written while locked (5.3.5)"));
+                return Err(Misuse::rule("FLASH", "CR is written while locked (KEYR)"));
             }
             "CR" if self.operation.is_some() => {
-                return Err(Misuse::rule("FLASH", "CR is written while BSY is 1 (5.7.5)"));
+                return Err(Misuse::rule("FLASH", "CR is written while BSY is 1 (SR.BSY)"));
             }
             "CR" => {
                 self.bank.store(register, value);
@@ -371,3 +380,6 @@ impl Peripheral for Flash {
         *self = Self { content, damaged, changed, operations, ..Self::default() };
     }
 }
+
+#[cfg(test)]
+mod tests;

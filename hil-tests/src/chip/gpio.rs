@@ -58,7 +58,9 @@ impl Gpio {
         self.bank.word("ODR", 0) as u16
     }
 
-    fn level(&self, pin: usize) -> bool {
+    /// Level that a pin reads.
+    #[must_use]
+    pub fn level(&self, pin: usize) -> bool {
         match self.mode(pin) {
             PinMode::Output => self.outputs() >> pin & 1 == 1,
             PinMode::Analogue => false,
@@ -86,9 +88,11 @@ impl Peripheral for Gpio {
         match register.name.as_str() {
             // Setting wins over resetting (9.4.7).
             "BSRR" => self.bank.set_word("ODR", 0, (outputs & !(value >> 16)) | (value & 0xFFFF)),
-            "BRR" => self.bank.set_word("ODR", 0, outputs & !value),
             _ => self.bank.store(register, value),
         }
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

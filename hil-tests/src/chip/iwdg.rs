@@ -50,12 +50,14 @@ impl Peripheral for Iwdg {
     }
 
     fn write(&mut self, register: &Register, value: u32, at: Moment) -> Result<(), Misuse> {
+        if register.name == "KR" {
+            // Any other key locks PR, RLR and WINR again (42.3.5).
+            self.unlocked = value == 0x5555;
+        }
         match (register.name.as_str(), value) {
             ("KR", 0xAAAA) if self.is_running() => self.bites_at = at.now + self.time_out(),
-            ("KR", 0xAAAA) => {}
             ("KR", 0xCCCC) => self.bites_at = at.now + self.time_out(),
-            ("KR", 0x5555) => self.unlocked = true,
-            ("KR", _) => self.unlocked = false,
+            ("KR", _) => {}
             (name, _) if !self.unlocked => {
                 return Err(Misuse::rule("IWDG", format!("{name} is written while locked (42.3.5)")));
             }
@@ -80,3 +82,6 @@ impl Peripheral for Iwdg {
         *self = Self::default();
     }
 }
+
+#[cfg(test)]
+mod tests;

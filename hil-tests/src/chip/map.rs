@@ -16,8 +16,6 @@ use stm32_metapac::metadata::{
 #[derive(Debug)]
 pub struct Map {
     peripherals: Vec<PeripheralMap>,
-    by_name: HashMap<&'static str, usize>,
-    requests: HashMap<u32, (&'static str, &'static str)>,
 }
 
 /// One peripheral: its place and its registers.
@@ -31,9 +29,10 @@ pub struct PeripheralMap {
     pub clock: Option<(String, String)>,
     /// Register and field of the RCC that reset it, if any.
     pub reset: Option<(String, String)>,
-    /// By a quarter of their offset.
-    registers: Vec<Option<Register>>,
-    by_name: HashMap<String, Vec<usize>>,
+    /// In order of their offsets.
+    registers: Vec<Register>,
+    /// Places in `registers` of each name, by index.
+    places: HashMap<String, Vec<Option<usize>>>,
     source: &'static Peripheral,
 }
 
@@ -44,6 +43,8 @@ pub struct Register {
     pub name: String,
     /// Which of an array of equal registers or blocks.
     pub index: usize,
+    /// Place among the peripheral's registers.
+    pub place: usize,
     /// Bytes from the peripheral's first address.
     pub offset: u32,
     /// Whether it can be written.
@@ -52,11 +53,12 @@ pub struct Register {
     pub readable: bool,
     /// Bits that mean something.
     pub known_bits: u32,
-    fields: HashMap<String, Field>,
+    fields: Vec<Field>,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Field {
+    name: String,
     offset: u32,
     bits: u32,
 }
@@ -66,38 +68,32 @@ impl Map {
     #[must_use]
     pub fn of_chip() -> &'static Self {
         static MAP: OnceLock<Map> = OnceLock::new();
-        MAP.get_or_init(|| Self::new(METADATA.peripherals.iter().filter_map(PeripheralMap::new).collect()))
-    }
-
-    fn new(peripherals: Vec<PeripheralMap>) -> Self {
-        let by_name = peripherals.iter().enumerate().map(|(place, one)| (one.name, place)).collect();
-        let numbered = peripherals.iter().flat_map(|one| {
-            one.dma_requests().map(|(signal, number)| (number, (one.name, signal)))
-        });
-        let requests = numbered.collect();
-        Self { by_name, requests, peripherals }
+        MAP.get_or_init(|| {
+            let mut peripherals: Vec<_> =
+                METADATA.peripherals.iter().filter_map(PeripheralMap::new).collect();
+            peripherals.sort_by_key(|peripheral| peripheral.base);
+            Self { peripherals }
+        })
     }
 
     /// The peripheral of that name. Panics if the chip has none: names in models are fixed.
     #[must_use]
     pub fn peripheral(&self, name: &str) -> &PeripheralMap {
-        let found = self.by_name.get(name).map(|&place| &self.peripherals[place]);
+        let found = self.peripherals.iter().find(|peripheral| peripheral.name == name);
         found.unwrap_or_else(|| panic!("the chip has no peripheral {name}"))
     }
 
-    /// Peripheral and signal of a number at the DMA request multiplexer.
-    #[must_use]
-    pub fn dma_request(&self, number: u32) -> Option<(&'static str, &'static str)> {
-        self.requests.get(&number).copied()
+    /// Every peripheral that has registers.
+    pub fn peripherals(&self) -> impl Iterator<Item = &PeripheralMap> {
+        self.peripherals.iter()
     }
 
     /// The peripheral that an address belongs to: the last that starts at or before it.
     #[must_use]
     pub fn at(&self, address: u32) -> Option<&PeripheralMap> {
-        let here = self.peripherals.iter().filter(|peripheral| {
-            peripheral.base <= address && address < peripheral.base + peripheral.length()
-        });
-        here.max_by_key(|peripheral| peripheral.base)
+        let before = self.peripherals.partition_point(|peripheral| peripheral.base <= address);
+        let mut nearest_first = self.peripherals[..before].iter().rev();
+        nearest_first.find(|peripheral| address - peripheral.base < peripheral.length())
     }
 }
 
@@ -122,29 +118,31 @@ impl PeripheralMap {
         let rcc = |register: &stm32_metapac::metadata::PeripheralRccRegister| {
             (register.register.to_owned(), register.field.to_owned())
         };
-        let (clock, reset) = source.rcc.as_ref().map_or((None, None), |clocks| {
-            (clocks.enable.as_ref().map(rcc), clocks.reset.as_ref().map(rcc))
-        });
+        let (clock, reset) = source
+            .rcc
+            .as_ref()
+            .map_or((None, None), |clocks| (clocks.enable.as_ref().map(rcc), clocks.reset.as_ref().map(rcc)));
         let base = u32::try_from(source.address).ok()?;
-        let places = all.last_key_value().map_or(0, |(offset, _)| *offset as usize / 4 + 1);
-        let mut registers = vec![None; places];
-        let mut by_name: HashMap<String, Vec<usize>> = HashMap::new();
-        for (offset, register) in all {
-            let place = offset as usize / 4;
-            by_name.entry(register.name.clone()).or_default().push(place);
-            registers[place] = Some(register);
+        let mut places: HashMap<String, Vec<Option<usize>>> = HashMap::new();
+        let mut registers: Vec<Register> = all.into_values().collect();
+        for (place, register) in registers.iter_mut().enumerate() {
+            register.place = place;
+            let of_name = places.entry(register.name.clone()).or_default();
+            of_name.resize(of_name.len().max(register.index + 1), None);
+            of_name[register.index].get_or_insert(place);
         }
-        Some(Self { name: source.name, base, clock, reset, registers, by_name, source })
+        Some(Self { name: source.name, base, clock, reset, registers, places, source })
     }
 
     fn length(&self) -> u32 {
-        4 * self.registers.len() as u32
+        self.registers.last().map_or(0, |register| register.offset + 4)
     }
 
     /// The register at an offset, which may lie inside it.
     #[must_use]
     pub fn register_at(&self, offset: u32) -> Option<&Register> {
-        self.registers.get(offset as usize / 4)?.as_ref()
+        let place = self.registers.binary_search_by_key(&(offset & !3), |register| register.offset);
+        place.ok().map(|place| &self.registers[place])
     }
 
     /// The first register of that name. Panics if there is none: names in models are fixed.
@@ -156,14 +154,14 @@ impl PeripheralMap {
     /// One of an array of registers of that name. Panics if there is none.
     #[must_use]
     pub fn element(&self, name: &str, index: usize) -> &Register {
-        let place = self.by_name.get(name).and_then(|places| places.get(index));
-        let found = place.and_then(|&place| self.registers[place].as_ref());
+        let place = self.places.get(name).and_then(|of_name| of_name.get(index).copied().flatten());
+        let found = place.map(|place| &self.registers[place]);
         found.unwrap_or_else(|| panic!("{} has no register {name}[{index}]", self.name))
     }
 
     /// Every register.
     pub fn registers(&self) -> impl Iterator<Item = &Register> {
-        self.registers.iter().flatten()
+        self.registers.iter()
     }
 
     /// Numbers of its interrupts, each with the signals that raise it.
@@ -201,7 +199,7 @@ impl Register {
     /// Whether there is a field of that name.
     #[must_use]
     pub fn has_field(&self, field: &str) -> bool {
-        self.fields.contains_key(field)
+        self.fields.iter().any(|candidate| candidate.name == field)
     }
 
     /// Bits of a field.
@@ -212,7 +210,8 @@ impl Register {
     }
 
     fn field(&self, name: &str) -> &Field {
-        self.fields.get(name).unwrap_or_else(|| panic!("register {} has no field {name}", self.name))
+        let found = self.fields.iter().find(|field| field.name == name);
+        found.unwrap_or_else(|| panic!("register {} has no field {name}", self.name))
     }
 }
 
@@ -237,12 +236,14 @@ fn collect(ir: &IR, block: &str, prefix: &str, base: u32, index: usize, out: &mu
                 BlockItemInner::Register(register) => {
                     let fields = register.fieldset.map(|set| fields(ir, set)).unwrap_or_default();
                     let whole = bit_mask(0, register.bit_size);
-                    let known = fields.values().fold(0, |bits, field| bits | bit_mask(field.offset, field.bits));
+                    let known =
+                        fields.iter().fold(0, |bits, field| bits | bit_mask(field.offset, field.bits));
                     let known_bits = if fields.is_empty() { whole } else { known };
                     let writable = register.access != Access::Read;
                     let readable = register.access != Access::Write;
                     let name = name.clone();
-                    let new = Register { name, index, offset, writable, readable, known_bits, fields };
+                    let new =
+                        Register { name, index, place: 0, offset, writable, readable, known_bits, fields };
                     out.entry(offset).and_modify(|old| merge(old, &new)).or_insert(new);
                 }
             }
@@ -255,14 +256,14 @@ fn merge(old: &mut Register, new: &Register) {
     old.known_bits |= new.known_bits;
     old.writable |= new.writable;
     old.readable |= new.readable;
-    for (name, field) in &new.fields {
-        old.fields.entry(name.clone()).or_insert(*field);
-    }
+    let unknown = |field: &&Field| !old.fields.iter().any(|known| known.name == field.name);
+    let added: Vec<Field> = new.fields.iter().filter(unknown).cloned().collect();
+    old.fields.extend(added);
 }
 
-fn fields(ir: &IR, set: &str) -> HashMap<String, Field> {
+fn fields(ir: &IR, set: &str) -> Vec<Field> {
     let Some(set) = ir.fieldsets.iter().find(|candidate| same(candidate.name, set)) else {
-        return HashMap::new();
+        return Vec::new();
     };
     let mut all = set.extends.map(|parent| fields(ir, parent)).unwrap_or_default();
     for field in set.fields {
@@ -273,14 +274,17 @@ fn fields(ir: &IR, set: &str) -> HashMap<String, Field> {
             let name = if many { format!("{name}[{position}]") } else { name };
             let ranges: Vec<(u32, u32)> = match &field.bit_offset {
                 BitOffset::Regular(regular) => vec![(regular.offset, field.bit_size)],
-                BitOffset::Cursed(cursed) => {
-                    cursed.ranges.iter().map(|range| (*range.start(), range.end() - range.start() + 1)).collect()
-                }
+                BitOffset::Cursed(cursed) => cursed
+                    .ranges
+                    .iter()
+                    .map(|range| (*range.start(), range.end() - range.start() + 1))
+                    .collect(),
             };
-            for (part, (offset, bits)) in ranges.into_iter().enumerate() {
-                let name = if part == 0 { name.clone() } else { format!("{name}.{part}") };
-                all.insert(name, Field { offset: offset + place, bits });
-            }
+            all.extend(ranges.iter().enumerate().map(|(part, &(offset, bits))| Field {
+                name: if part == 0 { name.clone() } else { format!("{name}.{part}") },
+                offset: offset + place,
+                bits,
+            }));
         }
     }
     all
@@ -299,7 +303,6 @@ fn places(array: Option<&Array>) -> Vec<u32> {
         Some(Array::Cursed(cursed)) => cursed.offsets.to_vec(),
     }
 }
-
 
 #[cfg(test)]
 mod tests {

@@ -9,7 +9,9 @@
 
 pub mod bank;
 pub mod core;
+pub mod dac;
 pub mod dma;
+pub mod exti;
 pub mod flash;
 pub mod gpio;
 pub mod iwdg;
@@ -25,13 +27,17 @@ mod tests;
 pub mod time;
 pub mod timer;
 pub mod trace;
+mod transfers;
 pub mod usart;
+mod wiring;
 
 use self::{
     core::{Core, CoreMoment},
-    dma::{CHANNELS, Dma, Dmamux},
+    dac::Dac,
+    dma::{Dma, Dmamux},
+    exti::Exti,
     flash::{Flash, Operation},
-    gpio::{Gpio, PinMode},
+    gpio::Gpio,
     iwdg::Iwdg,
     map::{Map, PeripheralMap, Register},
     misuse::Misuse,
@@ -52,8 +58,6 @@ use std::fmt;
 pub const RAM_START: u32 = 0x2000_0000;
 /// Bytes of RAM.
 pub const RAM_BYTES: u32 = 128 * 1024;
-/// Most beats in a row before the chip is taken to hang.
-const MAX_BEATS: usize = 1 << 20;
 
 /// RAM, for whoever copies without the CPU.
 pub trait Memory {
@@ -95,6 +99,8 @@ pub struct Chip {
     timers: Vec<(&'static str, Timer)>,
     dma: [Dma; 2],
     dmamux: Dmamux,
+    dacs: Vec<(&'static str, Dac)>,
+    exti: Exti,
     iwdg: Iwdg,
     syscfg: Plain,
     dbgmcu: Plain,
@@ -102,8 +108,12 @@ pub struct Chip {
     lines: Vec<Line>,
     shown_pins: Vec<u16>,
     shown_operations: u64,
-    /// Peripherals that were touched, or did something, since their lines were looked at.
-    touched: Vec<&'static str>,
+    /// Something was touched since lines and requests were looked at.
+    touched: bool,
+    /// A port was written since its pins were shown.
+    pins_touched: bool,
+    /// The next event of all but link and flash, which the world may touch at any time.
+    next: Option<Time>,
 }
 
 /// One way to the NVIC: a peripheral's signal and its exception.
@@ -115,8 +125,10 @@ struct Line {
 }
 
 /// Peripherals whose DMA requests and interrupts are modelled.
-const WITH_SIGNALS: [&str; 12] =
-    ["LPUART1", "TIM2", "TIM3", "TIM4", "TIM5", "TIM6", "TIM7", "TIM15", "DMA1", "DMA2", "FLASH", "DMAMUX1"];
+const WITH_SIGNALS: [&str; 17] = [
+    "LPUART1", "TIM2", "TIM3", "TIM4", "TIM5", "TIM6", "TIM7", "TIM15", "DMA1", "DMA2", "FLASH", "DMAMUX1",
+    "EXTI", "DAC1", "DAC2", "DAC3", "DAC4",
+];
 
 impl Chip {
     /// A chip without power, whose link runs at `wire_baud` at its other end.
@@ -125,10 +137,23 @@ impl Chip {
         let map = Map::of_chip();
         let signals = |name: &&'static str| {
             let of = map.peripheral(name).interrupts();
-            of.map(|(signal, number)| Line { peripheral: name, signal, exception: Nvic::exception_of(number) })
+            of.map(|(signal, number)| Line {
+                peripheral: name,
+                signal,
+                exception: Nvic::exception_of(number),
+            })
         };
+        let mut lines: Vec<Line> = WITH_SIGNALS.iter().flat_map(signals).collect();
+        // All signals of a timer are one (its model raises all of them).
+        lines.retain(|line| !line.peripheral.starts_with("TIM") || line.signal == "UP");
+        lines.sort_by_key(|line| line.exception);
         let timers = [
-            ("TIM2", 4, 32), ("TIM3", 4, 16), ("TIM4", 4, 16), ("TIM5", 4, 32), ("TIM6", 0, 16), ("TIM7", 0, 16),
+            ("TIM2", 4, 32),
+            ("TIM3", 4, 16),
+            ("TIM4", 4, 16),
+            ("TIM5", 4, 32),
+            ("TIM6", 0, 16),
+            ("TIM7", 0, 16),
             ("TIM15", 2, 16),
         ];
         Self {
@@ -145,14 +170,18 @@ impl Chip {
             timers: timers.map(|(name, channels, bits)| (name, Timer::new(name, channels, bits))).into(),
             dma: [Dma::new("DMA1"), Dma::new("DMA2")],
             dmamux: Dmamux::default(),
+            dacs: ["DAC1", "DAC2", "DAC3", "DAC4"].map(|name| (name, Dac::new(name))).into(),
+            exti: Exti::default(),
             iwdg: Iwdg::default(),
             syscfg: Plain::syscfg(),
             dbgmcu: Plain::dbgmcu(),
             clocks: Clocks::RESET,
-            lines: WITH_SIGNALS.iter().flat_map(signals).collect(),
+            lines,
             shown_pins: vec![0; 7],
             shown_operations: 0,
-            touched: Vec::new(),
+            touched: true,
+            pins_touched: true,
+            next: None,
         }
     }
 
@@ -172,9 +201,10 @@ impl Chip {
         };
         self.trace.add(self.now, Event::Reset(name));
         self.core = Core::default();
-        self.touched = WITH_SIGNALS.to_vec();
         self.each(|_, peripheral| peripheral.reset());
         self.rcc.restart(cause);
+        self.pins_touched = true;
+        self.touch();
         self.follow_clocks();
     }
 
@@ -193,7 +223,12 @@ impl Chip {
             Some((map, register)) => {
                 self.check_access(map, register)?;
                 let at = self.moment();
-                (self.peripheral(map.name, register)?.read(register, at), address & 3)
+                let model = self.peripheral(map.name, register)?;
+                let value = model.read(register, at);
+                if model.read_changes(register) {
+                    self.touch();
+                }
+                (value, address & 3)
             }
         };
         let mask = (u64::from(u32::MAX) >> (32 - 8 * size.min(4))) as u32;
@@ -207,8 +242,12 @@ impl Chip {
             Some((map, register)) => {
                 self.check_access(map, register)?;
                 let at = self.moment();
-                let is_clock = matches!(map.name, "RCC" | "PWR" | "FLASH") || map.name.starts_with("GPIO");
                 let model = self.peripheral(map.name, register)?;
+                if size != 4 && model.words_only() {
+                    let rule =
+                        format!("{} is written by {size} bytes: its registers want words", register.name);
+                    return Err(Misuse::rule(map.name, rule));
+                }
                 let old = model.bank().value(register);
                 let value = merge_bytes(old, address & 3, size, value);
                 if !register.writable {
@@ -219,10 +258,13 @@ impl Chip {
                     check_bits(map, register, old, value)?;
                 }
                 model.write(register, value, at)?;
-                if is_clock {
-                    self.follow_clocks();
-                    self.check_clocks()?;
+                if map.name.starts_with("GPIO") || map.name == "SYSCFG" {
+                    self.pins_touched = true;
+                    self.follow_pins();
                 }
+                self.touch();
+                self.follow_clocks();
+                self.check_clocks()?;
             }
         }
         Ok(())
@@ -230,29 +272,56 @@ impl Chip {
 
     /// After an access: the DMA serves its requests, and lines go to the NVIC.
     pub fn settle(&mut self, memory: &mut dyn Memory) -> Result<(), Misuse> {
-        self.serve_requests(memory)?;
-        let touched = std::mem::take(&mut self.touched);
-        for index in 0..self.lines.len() {
-            let line = self.lines[index];
-            if !touched.contains(&line.peripheral) {
-                continue;
-            }
-            let level = self.model(line.peripheral).is_some_and(|model| model.interrupts(line.signal));
-            if level || !self.shares_exception(index) {
-                self.core.nvic.set_line(line.exception, level);
-            }
+        if std::mem::take(&mut self.touched) {
+            self.deliver_triggers();
+            self.serve_requests(memory)?;
+            self.raise_lines();
         }
-        if self.flash.raises_nmi() && !self.core.nvic.is_pending(NMI) && self.core.nvic.active() != Some(NMI) {
+        if std::mem::take(&mut self.pins_touched) {
+            self.show_pins();
+        }
+        self.touched = false;
+        self.show_flash();
+        if self.flash.raises_nmi() && !self.core.nvic.is_pending(NMI) && self.core.nvic.active() != Some(NMI)
+        {
             self.core.nvic.pend(NMI);
         }
-        self.show();
         Ok(())
+    }
+
+    /// Signals of one exception are or-ed.
+    fn raise_lines(&mut self) {
+        let lines = std::mem::take(&mut self.lines);
+        for signals in lines.chunk_by(|one, other| one.exception == other.exception) {
+            let is_up =
+                |line: &Line| self.model(line.peripheral).is_some_and(|model| model.interrupts(line.signal));
+            let level = signals.iter().any(is_up);
+            self.core.nvic.set_line(signals[0].exception, level);
+        }
+        self.lines = lines;
+    }
+
+    /// Lines, requests and events have to be looked at again.
+    fn touch(&mut self) {
+        self.touched = true;
+        self.next = None;
     }
 
     /// When anything happens by itself next.
     pub fn next_event(&mut self) -> Time {
-        let mut next = self.core.next_event(self.clocks.cycle());
-        self.each(|_, peripheral| next = next.min(peripheral.next_event()));
+        let next = self.next.unwrap_or_else(|| self.find_next());
+        self.next = Some(next);
+        let world = self.uart.next_event().min(self.flash.next_event());
+        next.min(world).min(self.core.next_event(self.clocks.cycle()))
+    }
+
+    fn find_next(&mut self) -> Time {
+        let mut next = Time::NEVER;
+        self.each(|name, peripheral| {
+            if !matches!(name, "FLASH" | "LPUART1") {
+                next = next.min(peripheral.next_event());
+            }
+        });
         next
     }
 
@@ -267,15 +336,13 @@ impl Chip {
             self.core.advance(self.now, self.clocks.cycle());
             let at = Moment { now: next, clocks: self.clocks };
             let mut result = Ok(());
-            let mut touched = std::mem::take(&mut self.touched);
-            self.each(|name, peripheral| {
+            self.each(|_, peripheral| {
                 if peripheral.next_event() <= next && result.is_ok() {
                     result = peripheral.advance(at);
-                    touched.push(name);
                 }
             });
-            self.touched = touched;
             result?;
+            self.touch();
             self.settle(memory)?;
         }
         self.now = self.now.max(to);
@@ -311,22 +378,16 @@ impl Chip {
     }
 
     fn check_access(&self, map: &PeripheralMap, register: &Register) -> Result<(), Misuse> {
-        self.rcc
-            .clock_of(map)
-            .map_err(|enable| Misuse::NoClock { peripheral: format!("{}.{}", map.name, register.name), enable })
+        self.rcc.clock_of(map).map_err(|enable| Misuse::NoClock {
+            peripheral: format!("{}.{}", map.name, register.name),
+            enable,
+        })
     }
 
-    fn peripheral(&mut self, name: &'static str, register: &Register) -> Result<&mut dyn Peripheral, Misuse> {
-        self.touch(name);
+    fn peripheral(&mut self, name: &str, register: &Register) -> Result<&mut dyn Peripheral, Misuse> {
         match self.model_mut(name) {
             Some(model) if model.models(register) => Ok(model),
             _ => Err(Misuse::unmodelled(name, register)),
-        }
-    }
-
-    fn touch(&mut self, name: &'static str) {
-        if !self.touched.contains(&name) {
-            self.touched.push(name);
         }
     }
 
@@ -340,15 +401,18 @@ impl Chip {
             "DMA2" => &mut self.dma[1],
             "DMAMUX1" => &mut self.dmamux,
             "IWDG" => &mut self.iwdg,
+            "EXTI" => &mut self.exti,
             "SYSCFG" => &mut self.syscfg,
             "DBGMCU" => &mut self.dbgmcu,
             _ => {
                 let port = name.strip_prefix("GPIO").and_then(|rest| rest.chars().next());
                 let port = self.ports.iter_mut().find(|(letter, _)| Some(*letter) == port);
                 let timer = self.timers.iter_mut().find(|(timer, _)| *timer == name);
-                return match (port, timer) {
-                    (Some((_, port)), _) => Some(port),
-                    (_, Some((_, timer))) => Some(timer),
+                let dac = self.dacs.iter_mut().find(|(dac, _)| *dac == name);
+                return match (port, timer, dac) {
+                    (Some((_, port)), ..) => Some(port),
+                    (_, Some((_, timer)), _) => Some(timer),
+                    (.., Some((_, dac))) => Some(dac),
                     _ => None,
                 };
             }
@@ -361,155 +425,39 @@ impl Chip {
             "LPUART1" => &self.uart,
             "DMA1" => &self.dma[0],
             "DMA2" => &self.dma[1],
-            _ => return self.timers.iter().find(|(timer, _)| *timer == name).map(|(_, timer)| timer as _),
+            "EXTI" => &self.exti,
+            _ if name.starts_with("DAC") => &self.dacs.iter().find(|(dac, _)| *dac == name)?.1,
+            _ => &self.timers.iter().find(|(timer, _)| *timer == name)?.1,
         })
     }
 
-    fn each(&mut self, mut visit: impl FnMut(&'static str, &mut dyn Peripheral)) {
+    fn each(&mut self, mut visit: impl FnMut(&str, &mut dyn Peripheral)) {
         visit("RCC", &mut self.rcc);
         visit("PWR", &mut self.pwr);
         visit("FLASH", &mut self.flash);
         visit("LPUART1", &mut self.uart);
         self.ports.iter_mut().for_each(|(_, port)| visit("GPIO", port));
         self.timers.iter_mut().for_each(|(name, timer)| visit(name, timer));
-        for (name, dma) in ["DMA1", "DMA2"].into_iter().zip(&mut self.dma) {
-            visit(name, dma);
-        }
+        self.dma.iter_mut().for_each(|dma| visit("DMA", dma));
+        self.dacs.iter_mut().for_each(|(name, dac)| visit(name, dac));
+        visit("EXTI", &mut self.exti);
         visit("DMAMUX1", &mut self.dmamux);
         visit("IWDG", &mut self.iwdg);
         visit("SYSCFG", &mut self.syscfg);
         visit("DBGMCU", &mut self.dbgmcu);
     }
 
-    /// Whether an earlier signal drives the same exception and is up: lines of one exception are or-ed.
-    fn shares_exception(&self, index: usize) -> bool {
-        let exception = self.lines[index].exception;
-        let others = self.lines.iter().enumerate().filter(|&(other, line)| other != index && line.exception == exception);
-        others.into_iter().any(|(_, line)| self.model(line.peripheral).is_some_and(|model| model.interrupts(line.signal)))
-    }
-
-    fn follow_clocks(&mut self) {
-        self.clocks = self.rcc.clocks();
-        let clocks = self.clocks;
-        for (name, timer) in &mut self.timers {
-            timer.clock = clocks.timer(if *name == "TIM15" { clocks.apb2 } else { clocks.apb1 });
-        }
-        self.uart.clock = self.rcc.uart_clock("LPUART1SEL");
-        let wired = ["TX", "RX"].map(|signal| self.is_wired("LPUART1", signal));
-        self.uart.wired = wired;
-    }
-
-    /// Whether some pin carries a signal: it is set to the alternate function that the chip has.
-    fn is_wired(&self, peripheral: &str, signal: &str) -> bool {
-        let mut pins = Map::of_chip().peripheral(peripheral).pins(signal);
-        pins.any(|(pin, function)| {
-            let port = self.ports.iter().find(|(port, _)| pin[1..].starts_with(*port));
-            let number = pin[2..].parse::<usize>();
-            matches!((port, number), (Some((_, port)), Ok(number)) if port.mode(number) == PinMode::Alternate(function))
-        })
-    }
-
-    /// Rules that join clocks, voltage and flash (RM0440 5.3.3, 6.1.5).
-    fn check_clocks(&self) -> Result<(), Misuse> {
-        let core = self.clocks.core;
-        if core > self.pwr.fastest_core() {
-            return Err(Misuse::rule("PWR", format!("the core runs at {core} Hz, too fast for its voltage (6.1.5)")));
-        }
-        let needed = Flash::needed_latency(core);
-        if core > rcc::HSI && self.flash.latency() < needed {
-            let found = self.flash.latency();
-            let rule = format!("the core runs at {core} Hz with {found} wait states, {needed} are needed (5.3.3)");
-            return Err(Misuse::rule("FLASH", rule));
-        }
-        Ok(())
-    }
-
-    fn serve_requests(&mut self, memory: &mut dyn Memory) -> Result<(), Misuse> {
-        for _ in 0..MAX_BEATS {
-            let Some((controller, channel)) = self.channel_to_serve() else { return Ok(()) };
-            self.move_beat(controller, channel, memory)?;
-        }
-        Err(Misuse::rule("DMA", "a channel is asked without end"))
-    }
-
-    fn channel_to_serve(&self) -> Option<(usize, usize)> {
-        let all = (0..2 * CHANNELS).map(|place| (place / CHANNELS, place % CHANNELS));
-        let mut wanting = all.filter(|&(controller, channel)| {
-            let dma = &self.dma[controller];
-            dma.is_on(channel) && (dma.copies_memory(channel) || self.is_requested(controller, channel))
-        });
-        wanting.next()
-    }
-
-    fn source(&self, controller: usize, channel: usize) -> Option<(&'static str, &'static str)> {
-        self.dmamux.source(controller * CHANNELS + channel)
-    }
-
-    fn is_requested(&self, controller: usize, channel: usize) -> bool {
-        let source = self.source(controller, channel);
-        source.is_some_and(|(name, signal)| self.model(name).is_some_and(|model| model.requests(signal)))
-    }
-
-    fn move_beat(&mut self, controller: usize, channel: usize, memory: &mut dyn Memory) -> Result<(), Misuse> {
-        self.touch(if controller == 0 { "DMA1" } else { "DMA2" });
-        let beat = self.dma[controller].beat(channel);
-        if let Some((name, signal)) = self.source(controller, channel) {
-            self.touch(name);
-            if let Some(model) = self.model_mut(name) {
-                model.acknowledge(signal);
-            }
-        }
-        let moved = match self.bus_read(beat.from, beat.from_bytes, memory)? {
-            Some(value) => self.bus_write(beat.to, beat.to_bytes, value, memory)?,
-            None => false,
-        };
-        if !moved {
-            self.dma[controller].fail(channel);
-            return Ok(());
-        }
-        if self.dma[controller].count(channel) {
-            let event = Event::DmaComplete { controller: controller as u8 + 1, channel: channel as u8 + 1 };
-            self.trace.add(self.now, event);
-        }
-        Ok(())
-    }
-
-    fn bus_read(&mut self, address: u32, size: u32, memory: &dyn Memory) -> Result<Option<u32>, Misuse> {
-        let mut bytes = [0; 4];
-        let place = &mut bytes[..size as usize];
-        if lies_in(address, size, RAM_START, RAM_BYTES) {
-            memory.read(address, place);
-        } else if lies_in(address, size, flash::START, flash::BYTES) {
-            let start = (address - flash::START) as usize;
-            place.copy_from_slice(&self.flash.content()[start..start + size as usize]);
-            self.flash.check_read(address, size);
-        } else if address >= 0x4000_0000 && address < core::START {
-            return self.read(address, size).map(Some);
-        } else {
-            return Ok(None);
-        }
-        Ok(Some(u32::from_le_bytes(bytes)))
-    }
-
-    fn bus_write(&mut self, address: u32, size: u32, value: u32, memory: &mut dyn Memory) -> Result<bool, Misuse> {
-        if lies_in(address, size, RAM_START, RAM_BYTES) {
-            memory.write(address, &value.to_le_bytes()[..size as usize]);
-        } else if address >= 0x4000_0000 && address < core::START {
-            self.write(address, size, value)?;
-        } else {
-            return Ok(false);
-        }
-        Ok(true)
-    }
-
     /// Tells the trace what changed outside.
-    fn show(&mut self) {
+    fn show_pins(&mut self) {
         for (place, (port, model)) in self.ports.iter().enumerate() {
             let levels = model.outputs();
             if std::mem::replace(&mut self.shown_pins[place], levels) != levels {
                 self.trace.add(self.now, Event::Pins { port: *port, levels });
             }
         }
+    }
+
+    fn show_flash(&mut self) {
         if std::mem::replace(&mut self.shown_operations, self.flash.operations()) != self.flash.operations() {
             match self.flash.operation() {
                 Some(Operation::Erase(page)) => self.trace.add(self.now, Event::Erase(page)),
@@ -521,10 +469,6 @@ impl Chip {
             }
         }
     }
-}
-
-fn lies_in(address: u32, size: u32, start: u32, bytes: u32) -> bool {
-    address >= start && address + size <= start + bytes
 }
 
 /// A store of fewer than four bytes changes only its own.

@@ -147,7 +147,6 @@ impl Nvic {
         }
     }
 
-
     /// Bits of 32 interrupts, from the first on.
     pub(super) fn bits(&self, first: usize, of: Bits) -> u32 {
         let get = |state: &Exception| match of {

@@ -1,12 +1,6 @@
 //! Peripheral: what every block of the chip can be asked.
 
-use super::{
-    bank::Bank,
-    map::Register,
-    misuse::Misuse,
-    rcc::Clocks,
-    time::Time,
-};
+use super::{bank::Bank, map::Register, misuse::Misuse, rcc::Clocks, time::Time};
 
 /// When something happens, and how the clocks run then.
 #[derive(Clone, Copy, Debug)]
@@ -32,9 +26,19 @@ pub trait Peripheral {
         !register.readable
     }
 
+    /// Whether its registers can only be written by words.
+    fn words_only(&self) -> bool {
+        false
+    }
+
     /// The CPU or the DMA reads a register.
     fn read(&mut self, register: &Register, _at: Moment) -> u32 {
         self.bank().value(register)
+    }
+
+    /// Whether reading a register changes anything that others see.
+    fn read_changes(&self, _register: &Register) -> bool {
+        false
     }
 
     /// The CPU or the DMA writes a register.

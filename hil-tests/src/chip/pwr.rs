@@ -50,3 +50,6 @@ impl Peripheral for Pwr {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

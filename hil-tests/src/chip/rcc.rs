@@ -71,7 +71,19 @@ impl Default for Rcc {
     fn default() -> Self {
         let bank = Bank::new(
             "RCC",
-            &[("CR", 0x500), ("CFGR", 1), ("PLLCFGR", 0x1000), ("ICSCR", 0x4000_0000), ("AHB1ENR", 0x100), ("AHB1SMENR", 0x130F), ("AHB2SMENR", 0x050F_667F), ("AHB3SMENR", 0x101), ("APB1SMENR1", 0xD2FE_CD3F), ("APB1SMENR2", 0x103), ("APB2SMENR", 0x0437_F801)],
+            &[
+                ("CR", 0x500),
+                ("CFGR", 1),
+                ("PLLCFGR", 0x1000),
+                ("ICSCR", 0x4000_0000),
+                ("AHB1ENR", 0x100),
+                ("AHB1SMENR", 0x130F),
+                ("AHB2SMENR", 0x050F_667F),
+                ("AHB3SMENR", 0x101),
+                ("APB1SMENR1", 0xD2FE_CD3F),
+                ("APB1SMENR2", 0x103),
+                ("APB2SMENR", 0x0437_F801),
+            ],
         );
         Self { bank }
     }
@@ -81,7 +93,9 @@ impl Rcc {
     /// Whether a peripheral's clock is on; the name of its switch otherwise.
     pub fn clock_of(&self, peripheral: &PeripheralMap) -> Result<(), String> {
         match &peripheral.clock {
-            Some((register, field)) if !self.bank.is_set(register, field) => Err(format!("{register}.{field}")),
+            Some((register, field)) if !self.bank.is_set(register, field) => {
+                Err(format!("{register}.{field}"))
+            }
             _ => Ok(()),
         }
     }
@@ -163,7 +177,11 @@ impl Rcc {
             3 => self.bank.is_set("CR", "PLLRDY") && self.bank.is_set("PLLCFGR", "PLLREN"),
             _ => return Err(Misuse::rule("RCC", "CFGR.SW = 0 selects no clock (7.4.3)")),
         };
-        if ready { Ok(()) } else { Err(Misuse::rule("RCC", "CFGR.SW selects a clock that is not ready (7.4.3)")) }
+        if ready {
+            Ok(())
+        } else {
+            Err(Misuse::rule("RCC", "CFGR.SW selects a clock that is not ready (7.4.3)"))
+        }
     }
 }
 
@@ -185,7 +203,8 @@ impl Peripheral for Rcc {
     fn write(&mut self, register: &Register, value: u32, _: Moment) -> Result<(), Misuse> {
         let old = self.bank.value(register);
         if register.name == "PLLCFGR" && self.bank.is_set("CR", "PLLON") {
-            let running = ["PLLSRC", "PLLM", "PLLN"].iter().any(|field| register.get(old ^ value, field) != 0);
+            let running =
+                ["PLLSRC", "PLLM", "PLLN"].iter().any(|field| register.get(old ^ value, field) != 0);
             if running {
                 return Err(Misuse::rule("RCC", "PLLCFGR changes while the PLL runs (7.4.4)"));
             }
@@ -205,3 +224,6 @@ impl Peripheral for Rcc {
         self.restart(ResetCause::Pin);
     }
 }
+
+#[cfg(test)]
+mod tests;

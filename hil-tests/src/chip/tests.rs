@@ -1,1 +1,4 @@
-//! Tests.
+//! Tests of the joined chip: accesses as the CPU makes them, by address.
+
+pub(crate) mod bus;
+mod joined;

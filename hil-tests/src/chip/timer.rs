@@ -11,11 +11,6 @@ use super::{
     time::Time,
 };
 
-// Fields of SR and DIER, by channel.
-const MATCHED: [&str; 4] = ["CCIF[0]", "CCIF[1]", "CCIF[2]", "CCIF[3]"];
-const INTERRUPTS: [&str; 4] = ["CCIE[0]", "CCIE[1]", "CCIE[2]", "CCIE[3]"];
-const REQUESTS: [&str; 4] = ["CCDE[0]", "CCDE[1]", "CCDE[2]", "CCDE[3]"];
-
 /// Model of one timer.
 #[derive(Clone, Debug)]
 pub struct Timer {
@@ -31,6 +26,17 @@ pub struct Timer {
     since: Time,
     /// Requests to the DMA that are not served: update, then one for each channel.
     pending: [bool; 5],
+    /// The trigger output has fired.
+    fired: bool,
+}
+
+/// What fires the trigger output (CR2.MMS).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum TriggerMode {
+    Reset,
+    Enable,
+    Update,
+    Compare,
 }
 
 impl Timer {
@@ -47,7 +53,18 @@ impl Timer {
             count: 0,
             since: Time::ZERO,
             pending: [false; 5],
+            fired: false,
         }
+    }
+
+    /// Whether the trigger output (TRGO) has fired since it was asked last.
+    pub fn take_trigger(&mut self) -> bool {
+        std::mem::take(&mut self.fired)
+    }
+
+    /// Something happens that TRGO shows if CR2.MMS says so.
+    fn fire(&mut self, mode: TriggerMode) {
+        self.fired |= self.bank.get("CR2", "MMS") == mode as u32;
     }
 
     fn is_counting(&self) -> bool {
@@ -83,8 +100,18 @@ impl Timer {
             }
             self.count = 0;
             self.update();
+            self.skip_rounds(now);
         }
         self.since = now;
+    }
+
+    /// Flags do not count: of many rounds that are due, all but the last two go by at once.
+    fn skip_rounds(&mut self, now: Time) {
+        let round = self.tick() * (self.top() + 1);
+        let rounds = now.since(self.since).periods(round).saturating_sub(1);
+        if self.is_counting() {
+            self.since += round * rounds;
+        }
     }
 
     fn match_channels(&mut self, from: u64, to: u64) {
@@ -99,8 +126,15 @@ impl Timer {
     }
 
     fn raise(&mut self, channel: usize) {
-        self.bank.set("SR", MATCHED[channel], 1);
-        self.pending[channel + 1] |= self.bank.is_set("DIER", REQUESTS[channel]);
+        if channel == 0 {
+            self.fire(TriggerMode::Compare);
+        }
+        self.bank.set("SR", &self.field("CCIF", channel), 1);
+        self.pending[channel + 1] |= self.bank.is_set("DIER", &self.field("CCDE", channel));
+    }
+
+    fn field(&self, name: &str, channel: usize) -> String {
+        format!("{name}[{channel}]")
     }
 
     fn update(&mut self) {
@@ -108,6 +142,7 @@ impl Timer {
         if self.bank.is_set("CR1", "UDIS") {
             return;
         }
+        self.fire(TriggerMode::Update);
         self.bank.set("SR", "UIF", 1);
         self.pending[0] |= self.bank.is_set("DIER", "UDE");
         if self.bank.is_set("CR1", "OPM") {
@@ -165,6 +200,7 @@ impl Peripheral for Timer {
             "EGR" => {
                 if register.get(value, "UG") == 1 {
                     (self.count, self.since) = (0, at.now);
+                    self.fire(TriggerMode::Reset);
                     let quiet = self.bank.is_set("CR1", "URS");
                     let before = self.bank.get("SR", "UIF");
                     self.update();
@@ -181,6 +217,15 @@ impl Peripheral for Timer {
             "CR1" if ["DIR", "CMS", "DITHEN"].iter().any(|field| has(register, value, field)) => {
                 return Err(Misuse::rule("TIM", "only counting up without dithering is modelled"));
             }
+            "CR1" => {
+                if !self.bank.is_set("CR1", "CEN") && register.get(value, "CEN") == 1 {
+                    self.fire(TriggerMode::Enable);
+                }
+                self.bank.store(register, value);
+            }
+            "CR2" if register.get(value, "MMS") > 3 || register.get(value, "MMS.1") != 0 => {
+                return Err(Misuse::rule("TIM", "of CR2.MMS reset, enable, update and compare are modelled"));
+            }
             "SMCR" if value != 0 => return Err(Misuse::rule("TIM", "slave modes are not modelled")),
             "CCER" if value != 0 => {
                 return Err(Misuse::rule("TIM", "outputs and captures of channels are not modelled"));
@@ -195,9 +240,14 @@ impl Peripheral for Timer {
             return Time::NEVER;
         }
         let update = self.wants("UIE") || self.wants("UDE") || self.bank.is_set("CR1", "OPM");
+        let fires = self.bank.get("CR2", "MMS");
+        let update = update || fires == TriggerMode::Update as u32;
         let mut next = if update { self.reaches(self.top() + 1) } else { Time::NEVER };
         for channel in 0..self.channels {
-            if self.wants(INTERRUPTS[channel]) || self.wants(REQUESTS[channel]) {
+            if (channel == 0 && fires == TriggerMode::Compare as u32)
+                || self.wants(&self.field("CCIE", channel))
+                || self.wants(&self.field("CCDE", channel))
+            {
                 next = next.min(self.reaches(self.compare(channel)));
             }
         }
@@ -243,3 +293,6 @@ fn has(register: &Register, value: u32, field: &str) -> bool {
 fn channel(signal: &str) -> Option<usize> {
     signal.strip_prefix("CH")?.parse().ok().filter(|channel| (1..=4).contains(channel))
 }
+
+#[cfg(test)]
+mod tests;

@@ -72,6 +72,8 @@ impl Usart {
         let was_idle = self.incoming.is_empty();
         self.incoming.extend(symbols);
         if was_idle && !self.incoming.is_empty() {
+            // A start bit ends the silence.
+            self.idle_at = Time::NEVER;
             self.arrives_at = now + self.wire_byte();
         }
     }
@@ -135,7 +137,7 @@ impl Usart {
         if !self.is_on("RE") || !self.wired[1] {
             return;
         }
-        self.idle_at = now + self.byte_time();
+        self.idle_at = if self.incoming.is_empty() { now + self.byte_time() } else { Time::NEVER };
         // Ten bits drift apart by half a bit at 5 %.
         let off = self.baud().abs_diff(self.wire_baud) * 20 > self.wire_baud;
         if symbol.damaged || off {
@@ -164,7 +166,10 @@ impl Usart {
             return Err(Misuse::rule("LPUART1", "TDR is written while UE or TE is 0"));
         }
         if !self.wired[0] {
-            return Err(Misuse::rule("LPUART1", "TDR is written and no pin has TX as its alternate function"));
+            return Err(Misuse::rule(
+                "LPUART1",
+                "TDR is written and no pin has TX as its alternate function",
+            ));
         }
         if self.to_send.len() < self.depth() {
             self.to_send.push_back(byte);
@@ -211,6 +216,10 @@ impl Peripheral for Usart {
         }
     }
 
+    fn read_changes(&self, register: &Register) -> bool {
+        register.name == "RDR"
+    }
+
     fn write(&mut self, register: &Register, value: u32, at: Moment) -> Result<(), Misuse> {
         match register.name.as_str() {
             "TDR" => self.load(value as u8, at.now)?,
@@ -227,7 +236,10 @@ impl Peripheral for Usart {
                 }
             }
             "BRR" if self.low_power && !(0x300..=0xF_FFFF).contains(&value) => {
-                return Err(Misuse::rule("LPUART1", format!("BRR = {value:#x} is not 0x300 to 0xFFFFF (38.7.5)")));
+                return Err(Misuse::rule(
+                    "LPUART1",
+                    format!("BRR = {value:#x} is not 0x300 to 0xFFFFF (38.7.5)"),
+                ));
             }
             "BRR" | "PRESC" if self.bank.is_set("CR1", "UE") => {
                 return Err(Misuse::rule("LPUART1", format!("{} changes while UE is 1", register.name)));
@@ -291,6 +303,16 @@ impl Peripheral for Usart {
         let (incoming, arrives_at) = (std::mem::take(&mut self.incoming), self.arrives_at);
         let sent = std::mem::take(&mut self.sent);
         let (clock, wired) = (self.clock, self.wired);
-        *self = Self { incoming, arrives_at, sent, clock, wired, ..Self::new(self.bank.map.name, self.wire_baud) };
+        *self = Self {
+            incoming,
+            arrives_at,
+            sent,
+            clock,
+            wired,
+            ..Self::new(self.bank.map.name, self.wire_baud)
+        };
     }
 }
+
+#[cfg(test)]
+mod tests;

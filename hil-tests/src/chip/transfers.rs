@@ -1,0 +1,96 @@
+//! Transfers: the DMA serves requests, beat by beat, over the bus that the CPU uses as well
+//! (RM0440 chapter 12). The lowest channel of DMA1 goes first, whatever its priority.
+
+use super::{Chip, Memory, RAM_BYTES, RAM_START, core, dma::CHANNELS, flash, misuse::Misuse, trace::Event};
+
+/// Most beats in a row before the chip is taken to hang.
+const MAX_BEATS: usize = 1 << 20;
+
+impl Chip {
+    pub(super) fn serve_requests(&mut self, memory: &mut dyn Memory) -> Result<(), Misuse> {
+        for _ in 0..MAX_BEATS {
+            let Some((controller, channel)) = self.channel_to_serve() else { return Ok(()) };
+            self.move_beat(controller, channel, memory)?;
+        }
+        Err(Misuse::rule("DMA", "a channel is asked without end"))
+    }
+
+    fn channel_to_serve(&self) -> Option<(usize, usize)> {
+        let all = (0..2 * CHANNELS).map(|place| (place / CHANNELS, place % CHANNELS));
+        let mut wanting = all.filter(|&(controller, channel)| {
+            let dma = &self.dma[controller];
+            dma.is_on(channel) && (dma.copies_memory(channel) || self.is_requested(controller, channel))
+        });
+        wanting.next()
+    }
+
+    fn is_requested(&self, controller: usize, channel: usize) -> bool {
+        let source = self.dmamux.source(controller * CHANNELS + channel);
+        source.is_some_and(|(name, signal)| self.model(name).is_some_and(|model| model.requests(signal)))
+    }
+
+    fn move_beat(
+        &mut self,
+        controller: usize,
+        channel: usize,
+        memory: &mut dyn Memory,
+    ) -> Result<(), Misuse> {
+        let beat = self.dma[controller].beat(channel);
+        if let Some((name, signal)) = self.dmamux.source(controller * CHANNELS + channel)
+            && let Some(model) = self.model_mut(name)
+        {
+            model.acknowledge(signal);
+        }
+        let moved = match self.bus_read(beat.from, beat.from_bytes, memory)? {
+            Some(value) => self.bus_write(beat.to, beat.to_bytes, value, memory)?,
+            None => false,
+        };
+        if !moved {
+            self.dma[controller].fail(channel);
+            return Ok(());
+        }
+        if self.dma[controller].count(channel) {
+            let event = Event::DmaComplete { controller: controller as u8 + 1, channel: channel as u8 + 1 };
+            self.trace.add(self.now, event);
+        }
+        Ok(())
+    }
+
+    fn bus_read(&mut self, address: u32, size: u32, memory: &dyn Memory) -> Result<Option<u32>, Misuse> {
+        let mut bytes = [0; 4];
+        let place = &mut bytes[..size as usize];
+        if lies_in(address, size, RAM_START, RAM_BYTES) {
+            memory.read(address, place);
+        } else if lies_in(address, size, flash::START, flash::BYTES) {
+            let start = (address - flash::START) as usize;
+            place.copy_from_slice(&self.flash.content()[start..start + size as usize]);
+            self.flash.check_read(address, size);
+        } else if address >= 0x4000_0000 && address < core::START {
+            return self.read(address, size).map(Some);
+        } else {
+            return Ok(None);
+        }
+        Ok(Some(u32::from_le_bytes(bytes)))
+    }
+
+    fn bus_write(
+        &mut self,
+        address: u32,
+        size: u32,
+        value: u32,
+        memory: &mut dyn Memory,
+    ) -> Result<bool, Misuse> {
+        if lies_in(address, size, RAM_START, RAM_BYTES) {
+            memory.write(address, &value.to_le_bytes()[..size as usize]);
+        } else if address >= 0x4000_0000 && address < core::START {
+            self.write(address, size, value)?;
+        } else {
+            return Ok(false);
+        }
+        Ok(true)
+    }
+}
+
+fn lies_in(address: u32, size: u32, start: u32, bytes: u32) -> bool {
+    address >= start && address + size <= start + bytes
+}
