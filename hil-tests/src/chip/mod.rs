@@ -7,6 +7,7 @@
 //!
 //! Time passes in [`Chip::advance`], from one event of a peripheral to the next.
 
+pub mod adc;
 pub mod bank;
 pub mod core;
 pub mod dac;
@@ -32,6 +33,7 @@ pub mod usart;
 mod wiring;
 
 use self::{
+    adc::{Adc, World, common::AdcCommon},
     core::{Core, CoreMoment},
     dac::Dac,
     dma::{Dma, Dmamux},
@@ -86,6 +88,9 @@ pub struct Chip {
     timers: Vec<(&'static str, Timer)>,
     dma: [Dma; 2],
     dmamux: Dmamux,
+    adcs: Vec<(&'static str, Adc)>,
+    adc_commons: Vec<(&'static str, AdcCommon)>,
+    world: Option<Box<dyn World>>,
     dacs: Vec<(&'static str, Dac)>,
     exti: Exti,
     iwdg: Iwdg,
@@ -111,6 +116,10 @@ struct Line {
     exception: usize,
 }
 
+/// Converters, and the common registers of the first two and of the others.
+const ADCS: [&str; 5] = ["ADC1", "ADC2", "ADC3", "ADC4", "ADC5"];
+const ADC_COMMONS: [&str; 2] = ["ADC12_COMMON", "ADC345_COMMON"];
+
 /// Peripherals whose DMA requests and interrupts are modelled.
 const WITH_SIGNALS: [&str; 17] = [
     "LPUART1", "TIM2", "TIM3", "TIM4", "TIM5", "TIM6", "TIM7", "TIM15", "DMA1", "DMA2", "FLASH", "DMAMUX1",
@@ -130,7 +139,7 @@ impl Chip {
                 exception: Nvic::exception_of(number),
             })
         };
-        let mut lines: Vec<Line> = WITH_SIGNALS.iter().flat_map(signals).collect();
+        let mut lines: Vec<Line> = WITH_SIGNALS.iter().chain(&ADCS).flat_map(signals).collect();
         // All signals of a timer are one (its model raises all of them).
         lines.retain(|line| !line.peripheral.starts_with("TIM") || line.signal == "UP");
         lines.sort_by_key(|line| line.exception);
@@ -156,6 +165,9 @@ impl Chip {
             timers: timers.map(|(name, channels, bits)| (name, Timer::new(name, channels, bits))).into(),
             dma: [Dma::new("DMA1"), Dma::new("DMA2")],
             dmamux: Dmamux::default(),
+            adcs: (1..).zip(ADCS).map(|(number, name)| (name, Adc::new(number))).collect(),
+            adc_commons: ADC_COMMONS.map(|name| (name, AdcCommon::new(name))).into(),
+            world: None,
             dacs: ["DAC1", "DAC2", "DAC3", "DAC4"].map(|name| (name, Dac::new(name))).into(),
             exti: Exti::default(),
             iwdg: Iwdg::default(),
@@ -321,6 +333,7 @@ impl Chip {
             self.now = self.now.max(next);
             self.core.advance(self.now, self.clocks.cycle());
             let at = Moment { now: next, clocks: self.clocks };
+            self.ask_world(next);
             let mut result = Ok(());
             self.each(|_, peripheral| {
                 if peripheral.next_event() <= next && result.is_ok() {
@@ -392,15 +405,13 @@ impl Chip {
             "DBGMCU" => &mut self.dbgmcu,
             _ => {
                 let port = name.strip_prefix("GPIO").and_then(|rest| rest.chars().next());
-                let port = self.ports.iter_mut().find(|(letter, _)| Some(*letter) == port);
-                let timer = self.timers.iter_mut().find(|(timer, _)| *timer == name);
-                let dac = self.dacs.iter_mut().find(|(dac, _)| *dac == name);
-                return match (port, timer, dac) {
-                    (Some((_, port)), ..) => Some(port),
-                    (_, Some((_, timer)), _) => Some(timer),
-                    (.., Some((_, dac))) => Some(dac),
-                    _ => None,
-                };
+                if let Some((_, port)) = self.ports.iter_mut().find(|(letter, _)| Some(*letter) == port) {
+                    return Some(port);
+                }
+                return by_name(&mut self.timers, name)
+                    .or_else(|| by_name(&mut self.dacs, name))
+                    .or_else(|| by_name(&mut self.adcs, name))
+                    .or_else(|| by_name(&mut self.adc_commons, name));
             }
         })
     }
@@ -412,6 +423,7 @@ impl Chip {
             "DMA1" => &self.dma[0],
             "DMA2" => &self.dma[1],
             "EXTI" => &self.exti,
+            _ if name.starts_with("ADC") => &self.adcs.iter().find(|(adc, _)| *adc == name)?.1,
             _ if name.starts_with("DAC") => &self.dacs.iter().find(|(dac, _)| *dac == name)?.1,
             _ => &self.timers.iter().find(|(timer, _)| *timer == name)?.1,
         })
@@ -426,6 +438,8 @@ impl Chip {
         self.timers.iter_mut().for_each(|(name, timer)| visit(name, timer));
         self.dma.iter_mut().for_each(|dma| visit("DMA", dma));
         self.dacs.iter_mut().for_each(|(name, dac)| visit(name, dac));
+        self.adcs.iter_mut().for_each(|(name, adc)| visit(name, adc));
+        self.adc_commons.iter_mut().for_each(|(name, common)| visit(name, common));
         visit("EXTI", &mut self.exti);
         visit("DMAMUX1", &mut self.dmamux);
         visit("IWDG", &mut self.iwdg);
@@ -452,6 +466,13 @@ impl Chip {
             }
         }
     }
+}
+
+fn by_name<'a, P: Peripheral>(
+    all: &'a mut [(&'static str, P)],
+    name: &str,
+) -> Option<&'a mut dyn Peripheral> {
+    all.iter_mut().find(|(known, _)| *known == name).map(|(_, model)| model as _)
 }
 
 /// A store of fewer than four bytes changes only its own.
