@@ -255,6 +255,7 @@ impl Chip {
                 if !model.clears_flags(register) {
                     check_bits(map, register, old, value)?;
                 }
+                model.bank_mut().is_in_use = true;
                 model.write(register, value, at)?;
                 if map.name.starts_with("GPIO") || map.name == "SYSCFG" {
                     self.pins_touched = true;
@@ -291,8 +292,10 @@ impl Chip {
     fn raise_lines(&mut self) {
         let lines = std::mem::take(&mut self.lines);
         for signals in lines.chunk_by(|one, other| one.exception == other.exception) {
-            let is_up =
-                |line: &Line| self.model(line.peripheral).is_some_and(|model| model.interrupts(line.signal));
+            let is_up = |line: &Line| {
+                self.model(line.peripheral)
+                    .is_some_and(|model| model.bank().is_in_use && model.interrupts(line.signal))
+            };
             let level = signals.iter().any(is_up);
             self.core.nvic.set_line(signals[0].exception, level);
         }
@@ -316,7 +319,7 @@ impl Chip {
     fn find_next(&mut self) -> Time {
         let mut next = Time::NEVER;
         self.each(|name, peripheral| {
-            if !matches!(name, "FLASH" | "LPUART1") {
+            if peripheral.bank().is_in_use && !matches!(name, "FLASH" | "LPUART1") {
                 next = next.min(peripheral.next_event());
             }
         });
