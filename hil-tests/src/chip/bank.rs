@@ -7,6 +7,8 @@ use super::map::{Map, PeripheralMap, Register};
 pub struct Bank {
     /// Where the registers are.
     pub map: &'static PeripheralMap,
+    /// Whether the bus has written here since reset: until then the peripheral sleeps.
+    pub is_in_use: bool,
     values: Vec<u32>,
     resets: Vec<(usize, u32)>,
 }
@@ -17,13 +19,14 @@ impl Bank {
     pub fn new(peripheral: &str, resets: &[(&str, u32)]) -> Self {
         let map = Map::of_chip().peripheral(peripheral);
         let resets = resets.iter().map(|&(name, value)| (map.register(name).place, value)).collect();
-        let mut bank = Self { map, values: Vec::new(), resets };
+        let mut bank = Self { map, is_in_use: false, values: Vec::new(), resets };
         bank.reset();
         bank
     }
 
     /// Back to the values after reset.
     pub fn reset(&mut self) {
+        self.is_in_use = false;
         self.values = vec![0; self.map.registers().count()];
         for &(place, value) in &self.resets {
             self.values[place] = value;

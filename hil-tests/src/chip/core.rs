@@ -289,4 +289,45 @@ mod tests {
         assert!(core.take_reset());
         assert!(core.read(0xE000_EEEC, at(0)).unwrap_err().to_string().contains("0xe000eeec"));
     }
+
+    #[test]
+    fn system_handlers_have_priorities_and_pendsv_yields_to_more_urgent_interrupts() {
+        let mut core = Core::default();
+        // SHPR3 (B3.2.12): PendSV in byte 2, SysTick in byte 3; then byte by byte.
+        core.write(0xE000_ED20, 4, 0x40F0_0000, at(0)).unwrap();
+        assert_eq!(core.read(0xE000_ED20, at(0)).unwrap(), 0x40F0_0000);
+        core.write(0xE000_ED23, 1, 0xE0, at(0)).unwrap();
+        assert_eq!(core.read(0xE000_ED20, at(0)).unwrap(), 0xE0F0_0000);
+        core.write(0xE000_ED04, 4, 1 << 28 | 1 << 26, at(0)).unwrap();
+        assert_eq!(core.nvic.next(Default::default()), Some(SYS_TICK));
+        core.write(0xE000_ED04, 4, 1 << 25, at(0)).unwrap();
+        assert_eq!(core.nvic.next(Default::default()), Some(PEND_SV));
+        assert_eq!(core.read(0xE000_ED04, at(0)).unwrap() >> 28 & 1, 1);
+    }
+
+    #[test]
+    fn stir_and_ispr_pend_an_interrupt_by_software_and_icpr_takes_it_back() {
+        let mut core = Core::default();
+        core.write(0xE000_EF00, 4, 91, at(0)).unwrap();
+        assert_eq!(core.read(0xE000_E208, at(0)).unwrap(), 1 << 27);
+        assert_eq!(core.nvic.next(Default::default()), None, "it is not enabled");
+        core.write(0xE000_E108, 4, 1 << 27, at(0)).unwrap();
+        assert_eq!(core.nvic.next(Default::default()), Some(16 + 91));
+        core.write(0xE000_E288, 4, 1 << 27, at(0)).unwrap();
+        assert_eq!(core.nvic.next(Default::default()), None);
+        core.write(0xE000_E208, 4, 1 << 27, at(0)).unwrap();
+        assert_eq!(core.nvic.next(Default::default()), Some(16 + 91));
+    }
+
+    #[test]
+    fn an_interrupts_priority_is_a_byte_of_four_bits() {
+        let mut core = Core::default();
+        core.write(0xE000_E45B, 1, 0x7F, at(0)).unwrap();
+        assert_eq!(core.read(0xE000_E458, at(0)).unwrap(), 0x7000_0000);
+        core.write(0xE000_E108, 4, 1 << 27, at(0)).unwrap();
+        core.write(0xE000_EF00, 4, 91, at(0)).unwrap();
+        let masks = |basepri| super::super::nvic::Masks { basepri, ..Default::default() };
+        assert_eq!(core.nvic.next(masks(0x70)), None, "BASEPRI masks its own priority");
+        assert_eq!(core.nvic.next(masks(0x80)), Some(16 + 91));
+    }
 }

@@ -224,7 +224,7 @@ impl Flash {
             } else {
                 self.flag("PGAERR");
             }
-        } else if address % 8 == 0 {
+        } else if address.is_multiple_of(8) {
             self.first_word = Some((address, value));
         } else {
             self.flag("PGAERR");

@@ -7,6 +7,7 @@
 //!
 //! Time passes in [`Chip::advance`], from one event of a peripheral to the next.
 
+pub mod adc;
 pub mod bank;
 pub mod core;
 pub mod dac;
@@ -32,6 +33,7 @@ pub mod usart;
 mod wiring;
 
 use self::{
+    adc::{Adc, World, common::AdcCommon},
     core::{Core, CoreMoment},
     dac::Dac,
     dma::{Dma, Dmamux},
@@ -99,6 +101,9 @@ pub struct Chip {
     timers: Vec<(&'static str, Timer)>,
     dma: [Dma; 2],
     dmamux: Dmamux,
+    adcs: Vec<(&'static str, Adc)>,
+    adc_commons: Vec<(&'static str, AdcCommon)>,
+    world: Option<Box<dyn World>>,
     dacs: Vec<(&'static str, Dac)>,
     exti: Exti,
     iwdg: Iwdg,
@@ -124,6 +129,10 @@ struct Line {
     exception: usize,
 }
 
+/// Converters, and the common registers of the first two and of the others.
+const ADCS: [&str; 5] = ["ADC1", "ADC2", "ADC3", "ADC4", "ADC5"];
+const ADC_COMMONS: [&str; 2] = ["ADC12_COMMON", "ADC345_COMMON"];
+
 /// Peripherals whose DMA requests and interrupts are modelled.
 const WITH_SIGNALS: [&str; 17] = [
     "LPUART1", "TIM2", "TIM3", "TIM4", "TIM5", "TIM6", "TIM7", "TIM15", "DMA1", "DMA2", "FLASH", "DMAMUX1",
@@ -143,7 +152,7 @@ impl Chip {
                 exception: Nvic::exception_of(number),
             })
         };
-        let mut lines: Vec<Line> = WITH_SIGNALS.iter().flat_map(signals).collect();
+        let mut lines: Vec<Line> = WITH_SIGNALS.iter().chain(&ADCS).flat_map(signals).collect();
         // All signals of a timer are one (its model raises all of them).
         lines.retain(|line| !line.peripheral.starts_with("TIM") || line.signal == "UP");
         lines.sort_by_key(|line| line.exception);
@@ -170,6 +179,9 @@ impl Chip {
             timers: timers.map(|(name, channels, bits)| (name, Timer::new(name, channels, bits))).into(),
             dma: [Dma::new("DMA1"), Dma::new("DMA2")],
             dmamux: Dmamux::default(),
+            adcs: (1..).zip(ADCS).map(|(number, name)| (name, Adc::new(number))).collect(),
+            adc_commons: ADC_COMMONS.map(|name| (name, AdcCommon::new(name))).into(),
+            world: None,
             dacs: ["DAC1", "DAC2", "DAC3", "DAC4"].map(|name| (name, Dac::new(name))).into(),
             exti: Exti::default(),
             iwdg: Iwdg::default(),
@@ -257,6 +269,7 @@ impl Chip {
                 if !model.clears_flags(register) {
                     check_bits(map, register, old, value)?;
                 }
+                model.bank_mut().is_in_use = true;
                 model.write(register, value, at)?;
                 if map.name.starts_with("GPIO") || map.name == "SYSCFG" {
                     self.pins_touched = true;
@@ -293,8 +306,10 @@ impl Chip {
     fn raise_lines(&mut self) {
         let lines = std::mem::take(&mut self.lines);
         for signals in lines.chunk_by(|one, other| one.exception == other.exception) {
-            let is_up =
-                |line: &Line| self.model(line.peripheral).is_some_and(|model| model.interrupts(line.signal));
+            let is_up = |line: &Line| {
+                self.model(line.peripheral)
+                    .is_some_and(|model| model.bank().is_in_use && model.interrupts(line.signal))
+            };
             let level = signals.iter().any(is_up);
             self.core.nvic.set_line(signals[0].exception, level);
         }
@@ -318,7 +333,7 @@ impl Chip {
     fn find_next(&mut self) -> Time {
         let mut next = Time::NEVER;
         self.each(|name, peripheral| {
-            if !matches!(name, "FLASH" | "LPUART1") {
+            if peripheral.bank().is_in_use && !matches!(name, "FLASH" | "LPUART1") {
                 next = next.min(peripheral.next_event());
             }
         });
@@ -335,6 +350,7 @@ impl Chip {
             self.now = self.now.max(next);
             self.core.advance(self.now, self.clocks.cycle());
             let at = Moment { now: next, clocks: self.clocks };
+            self.ask_world(next);
             let mut result = Ok(());
             self.each(|_, peripheral| {
                 if peripheral.next_event() <= next && result.is_ok() {
@@ -406,15 +422,13 @@ impl Chip {
             "DBGMCU" => &mut self.dbgmcu,
             _ => {
                 let port = name.strip_prefix("GPIO").and_then(|rest| rest.chars().next());
-                let port = self.ports.iter_mut().find(|(letter, _)| Some(*letter) == port);
-                let timer = self.timers.iter_mut().find(|(timer, _)| *timer == name);
-                let dac = self.dacs.iter_mut().find(|(dac, _)| *dac == name);
-                return match (port, timer, dac) {
-                    (Some((_, port)), ..) => Some(port),
-                    (_, Some((_, timer)), _) => Some(timer),
-                    (.., Some((_, dac))) => Some(dac),
-                    _ => None,
-                };
+                if let Some((_, port)) = self.ports.iter_mut().find(|(letter, _)| Some(*letter) == port) {
+                    return Some(port);
+                }
+                return by_name(&mut self.timers, name)
+                    .or_else(|| by_name(&mut self.dacs, name))
+                    .or_else(|| by_name(&mut self.adcs, name))
+                    .or_else(|| by_name(&mut self.adc_commons, name));
             }
         })
     }
@@ -426,6 +440,7 @@ impl Chip {
             "DMA1" => &self.dma[0],
             "DMA2" => &self.dma[1],
             "EXTI" => &self.exti,
+            _ if name.starts_with("ADC") => &self.adcs.iter().find(|(adc, _)| *adc == name)?.1,
             _ if name.starts_with("DAC") => &self.dacs.iter().find(|(dac, _)| *dac == name)?.1,
             _ => &self.timers.iter().find(|(timer, _)| *timer == name)?.1,
         })
@@ -440,6 +455,8 @@ impl Chip {
         self.timers.iter_mut().for_each(|(name, timer)| visit(name, timer));
         self.dma.iter_mut().for_each(|dma| visit("DMA", dma));
         self.dacs.iter_mut().for_each(|(name, dac)| visit(name, dac));
+        self.adcs.iter_mut().for_each(|(name, adc)| visit(name, adc));
+        self.adc_commons.iter_mut().for_each(|(name, common)| visit(name, common));
         visit("EXTI", &mut self.exti);
         visit("DMAMUX1", &mut self.dmamux);
         visit("IWDG", &mut self.iwdg);
@@ -469,6 +486,13 @@ impl Chip {
             }
         }
     }
+}
+
+fn by_name<'a, P: Peripheral>(
+    all: &'a mut [(&'static str, P)],
+    name: &str,
+) -> Option<&'a mut dyn Peripheral> {
+    all.iter_mut().find(|(known, _)| *known == name).map(|(_, model)| model as _)
 }
 
 /// A store of fewer than four bytes changes only its own.

@@ -132,6 +132,26 @@ impl Rcc {
         }
     }
 
+    /// Kernel clock of a group of converters, Hz: none, PLL "P" or the system clock.
+    #[must_use]
+    pub fn adc_clock(&self, field: &str) -> u64 {
+        match self.bank.get("CCIPR", field) {
+            1 if self.bank.is_set("PLLCFGR", "PLLPEN") => self.pll_p(),
+            2 => self.clocks().system,
+            _ => 0,
+        }
+    }
+
+    /// PLLPDIV divides, or at 0 the older PLLP: by 7 or 17.
+    fn pll_p(&self) -> u64 {
+        let divisor = match (self.bank.get("PLLCFGR", "PLLPDIV"), self.bank.get("PLLCFGR", "PLLP")) {
+            (0, 0) => 7,
+            (0, _) => 17,
+            (divisor, _) => divisor.into(),
+        };
+        self.pll_vco() / divisor
+    }
+
     /// Notes why the chip started: flags of CSR add up until the firmware removes them (7.4.24).
     pub fn restart(&mut self, cause: ResetCause) {
         let (csr, map) = (self.bank.word("CSR", 0), self.bank.map);
@@ -149,9 +169,13 @@ impl Rcc {
     }
 
     fn pll_r(&self) -> u64 {
+        self.pll_vco() / (2 * (u64::from(self.bank.get("PLLCFGR", "PLLR")) + 1))
+    }
+
+    fn pll_vco(&self) -> u64 {
         let get = |field| u64::from(self.bank.get("PLLCFGR", field));
         let source = if get("PLLSRC") == 3 { HSE } else { HSI };
-        source * get("PLLN") / (get("PLLM") + 1) / (2 * (get("PLLR") + 1))
+        source * get("PLLN") / (get("PLLM") + 1)
     }
 
     fn follow_switches(&mut self) {

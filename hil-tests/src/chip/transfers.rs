@@ -65,7 +65,7 @@ impl Chip {
             let start = (address - flash::START) as usize;
             place.copy_from_slice(&self.flash.content()[start..start + size as usize]);
             self.flash.check_read(address, size);
-        } else if address >= 0x4000_0000 && address < core::START {
+        } else if (0x4000_0000..core::START).contains(&address) {
             return self.read(address, size).map(Some);
         } else {
             return Ok(None);
@@ -82,7 +82,7 @@ impl Chip {
     ) -> Result<bool, Misuse> {
         if lies_in(address, size, RAM_START, RAM_BYTES) {
             memory.write(address, &value.to_le_bytes()[..size as usize]);
-        } else if address >= 0x4000_0000 && address < core::START {
+        } else if (0x4000_0000..core::START).contains(&address) {
             self.write(address, size, value)?;
         } else {
             return Ok(false);

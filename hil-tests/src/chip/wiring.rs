@@ -1,6 +1,9 @@
 //! Wiring: what peripherals tell each other beside the bus: clocks, pins, edges and triggers.
 
-use super::{Chip, flash::Flash, gpio::PinMode, map::Map, misuse::Misuse, peripheral::Peripheral, rcc};
+use super::{
+    Chip, adc::World, flash::Flash, gpio::PinMode, map::Map, misuse::Misuse, peripheral::Peripheral, rcc,
+    time::Time,
+};
 
 impl Chip {
     /// The world puts a level on a pin, or lets it go.
@@ -18,6 +21,26 @@ impl Chip {
         self.dacs.iter().find(|(dac, _)| *dac == name).and_then(|(_, dac)| dac.output(channel))
     }
 
+    /// Converters measure this world from now on.
+    pub fn connect(&mut self, world: Box<dyn World>) {
+        self.world = Some(world);
+    }
+
+    pub(super) fn ask_world(&mut self, now: Time) {
+        if let Some(world) = &mut self.world {
+            self.adcs.iter_mut().for_each(|(_, adc)| adc.sample(now, world.as_mut()));
+        }
+    }
+
+    fn follow_adc_clocks(&mut self) {
+        for (place, (_, common)) in self.adc_commons.iter().enumerate() {
+            let kernel = self.rcc.adc_clock(["ADC12SEL", "ADC345SEL"][place]);
+            let clock = common.clock(self.clocks.core, kernel);
+            let converters = if place == 0 { 0..2 } else { 2..5 };
+            self.adcs[converters].iter_mut().for_each(|(_, adc)| adc.clock = clock);
+        }
+    }
+
     /// Each line of the EXTI sees the pin of the port that SYSCFG.EXTICR selects for it.
     pub(super) fn follow_pins(&mut self) {
         let level = |line: usize| {
@@ -32,6 +55,7 @@ impl Chip {
     pub(super) fn deliver_triggers(&mut self) {
         for (name, timer) in &mut self.timers {
             if timer.take_trigger() {
+                self.adcs.iter_mut().for_each(|(_, adc)| adc.trigger(name, self.now));
                 self.dacs.iter_mut().for_each(|(_, dac)| dac.trigger(name));
             }
         }
@@ -43,6 +67,7 @@ impl Chip {
         for (name, timer) in &mut self.timers {
             timer.clock = clocks.timer(if *name == "TIM15" { clocks.apb2 } else { clocks.apb1 });
         }
+        self.follow_adc_clocks();
         self.uart.clock = self.rcc.uart_clock("LPUART1SEL");
         let wired = ["TX", "RX"].map(|signal| self.is_wired("LPUART1", signal));
         self.uart.wired = wired;

@@ -1,5 +1,6 @@
 use crate::chip::{
     Chip, Memory, RAM_BYTES, RAM_START,
+    adc::{REFERENCE, World},
     map::Map,
     misuse::Misuse,
     nvic::{NMI, Nvic},
@@ -347,4 +348,61 @@ fn an_edge_of_the_chosen_port_raises_the_shared_interrupt() {
     chip.settle(&mut ram).unwrap();
     chip.core.nvic.unpend(exception);
     assert!(!chip.core.nvic.is_pending(exception));
+}
+
+/// Volts that say which converter, channel and sample they are.
+#[derive(Debug, Default)]
+struct Counter(u32);
+
+impl World for Counter {
+    fn voltage(&mut self, adc: usize, channel: usize, _: Time) -> f64 {
+        self.0 += 1;
+        REFERENCE * f64::from(100 * adc as u32 + 10 * channel as u32 + self.0) / 4096.0 + 1e-6
+    }
+}
+
+/// TIM6 triggers ADC1 every ten microseconds, and DMA1 channel 5 fills a ring of two.
+#[test]
+fn a_timer_an_adc_and_the_dma_record_the_world() {
+    let (mut chip, mut ram) = (chip(), Ram::new());
+    link(&mut chip);
+    chip.connect(Box::new(Counter::default()));
+    chip.modify("RCC", "AHB2ENR", &[("ADC12EN", 1)]);
+    chip.modify("RCC", "APB1ENR1", &[("TIM6EN", 1)]);
+    chip.modify("ADC12_COMMON", "CCR", &[("CKMODE", 3)]);
+    chip.modify("ADC1", "CR", &[("DEEPPWD", 0)]);
+    chip.modify("ADC1", "CR", &[("ADVREGEN", 1)]);
+    chip.pass(Time::from_micros(20), &mut ram);
+    chip.modify("ADC1", "SQR1", &[("SQ[0]", 7)]);
+    chip.modify("ADC1", "CFGR", &[("EXTEN", 1), ("EXTSEL", 13), ("DMAEN", 1), ("DMACFG", 1)]);
+    chip.modify("ADC1", "CR", &[("ADEN", 1)]);
+    chip.modify("ADC1", "CR", &[("ADSTART", 1)]);
+    chip.put("DMAMUX1", "CCR", 4, 5);
+    chip.put("DMA1", "CH.PAR", 4, address("ADC1", "DR", 0));
+    chip.put("DMA1", "CH.MAR", 4, RAM_START);
+    chip.put("DMA1", "CH.NDTR", 4, 2);
+    // Circular, to memory, 16 bits wide.
+    chip.put("DMA1", "CH.CR", 4, 0x05A1);
+    chip.put("TIM6", "ARR", 0, 1699);
+    chip.modify("TIM6", "CR2", &[("MMS", 2)]);
+    chip.modify("TIM6", "CR1", &[("CEN", 1)]);
+    chip.pass(Time::from_micros(31), &mut ram);
+    let recorded: Vec<u16> =
+        ram.0[..4].chunks(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]])).collect();
+    assert_eq!(recorded, [173, 172], "three samples, the third over the first");
+}
+
+#[test]
+fn a_conversion_without_a_world_is_refused() {
+    let (mut chip, mut ram) = (chip(), Ram::new());
+    link(&mut chip);
+    chip.modify("RCC", "AHB2ENR", &[("ADC12EN", 1)]);
+    chip.modify("ADC12_COMMON", "CCR", &[("CKMODE", 3)]);
+    chip.modify("ADC1", "CR", &[("DEEPPWD", 0)]);
+    chip.modify("ADC1", "CR", &[("ADVREGEN", 1)]);
+    chip.pass(Time::from_micros(20), &mut ram);
+    chip.modify("ADC1", "CR", &[("ADEN", 1)]);
+    chip.modify("ADC1", "CR", &[("ADSTART", 1)]);
+    let result = chip.advance(chip.now + Time::from_micros(1), &mut ram);
+    assert!(result.unwrap_err().to_string().contains("no world"));
 }
