@@ -17,8 +17,8 @@ use std::{
     time::Duration,
 };
 
-/// How long a board may take to start.
-pub const START_TIME: Time = Time::from_millis(20);
+/// How long a board may take to start: it checks both of its patches first.
+pub const START_TIME: Time = Time::from_millis(200);
 
 /// What a rig can do to its board, beyond talking to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
