@@ -6,9 +6,9 @@ mod pipeline;
 mod power;
 mod upload;
 
+use crate::machine::Halt;
 use crate::rig::{Capability, Rig, RigError};
 use dermatome::link::{LinkError, UploadError};
-use crate::machine::Halt;
 
 /// One case.
 #[derive(Clone, Copy)]
@@ -64,14 +64,16 @@ mod patches {
     use rand::{Rng, SeedableRng};
     use rand_pcg::Pcg64;
 
-    /// A valid patch of 16 electrodes with `side` x `side` pixels and 208 measurements (104 if
-    /// `combined`), all else random.
-    pub(super) fn patch(side: u8, combined: bool, seed: u64) -> Vec<u8> {
+    /// Cells on each side of the grid.
+    const SIDE: u8 = 32;
+
+    /// A valid patch of 16 electrodes with the first `pixels` of 32 x 32 pixels and 208 measurements
+    /// (104 if `combined`), all else random.
+    pub(super) fn patch(pixels: usize, combined: bool, seed: u64) -> Vec<u8> {
         let mut random = Pcg64::seed_from_u64(seed);
         let steps: Vec<Step> = pattern(16, 1, 1, Driven::Skipped).collect();
         let combination = if combined { reciprocal(&steps) } else { each(steps.len()) };
         let measurements = if combined { steps.len() / 2 } else { steps.len() };
-        let pixels = usize::from(side) * usize::from(side);
         let header = PatchHeader {
             skin: "random".try_into().unwrap_or_default(),
             electrodes: 16,
@@ -79,14 +81,14 @@ mod patches {
             measurements: measurements as u16,
             pixels: pixels as u16,
             difference: if random.random() { Difference::Plain } else { Difference::Normalised },
-            grid: PixelGrid { columns: side, rows: side, pitch: 0.005, left: -0.1, top: 0.1 },
+            grid: PixelGrid { columns: SIDE, rows: SIDE, pitch: 0.005, left: -0.1, top: 0.1 },
             drive: Drive { frequency: 50e3, amplitude: 1e-3, frame_rate: 100.0 },
             contact_threshold: RelativeConductivity(1 << 14),
         };
-        let cells = usize::from(side) * usize::from(side);
-        let mask: Vec<u8> = (0..cells.div_ceil(8)).map(|byte| mask_byte(cells, byte)).collect();
+        let mask: Vec<u8> = (0..header.grid.mask_bytes()).map(|byte| mask_byte(pixels, byte)).collect();
         let exponents: Vec<i8> = (0..pixels).map(|_| random.random_range(14..18)).collect();
-        let matrix: Vec<i16> = (0..pixels * measurements).map(|_| random.random_range(-32_767..=32_767)).collect();
+        let matrix: Vec<i16> =
+            (0..pixels * measurements).map(|_| random.random_range(-32_767..=32_767)).collect();
         let contents = PatchContents {
             header: &header,
             steps: &steps,
@@ -102,8 +104,9 @@ mod patches {
         bytes
     }
 
-    fn mask_byte(cells: usize, byte: usize) -> u8 {
-        let bits = (cells - 8 * byte).min(8);
+    /// One bit for each cell, from the lowest on.
+    fn mask_byte(pixels: usize, byte: usize) -> u8 {
+        let bits = pixels.saturating_sub(8 * byte).min(8);
         (0xFF_u16 >> (8 - bits)) as u8
     }
 
@@ -122,7 +125,8 @@ mod patches {
                 let minus = [[d, c, a, b], [c, d, b, a]].contains(&step.to_bytes());
                 (plus || minus).then_some(minus)
             };
-            let first = steps[..place].iter().enumerate().find_map(|(first, other)| Some((first, exchanged(other)?)));
+            let first =
+                steps[..place].iter().enumerate().find_map(|(first, other)| Some((first, exchanged(other)?)));
             let target = match first {
                 Some((first, flipped)) => CombinedInto { flipped, ..targets[first] },
                 None => {

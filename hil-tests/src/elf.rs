@@ -94,7 +94,9 @@ impl Image {
         if segments.is_empty() {
             return Err(format("it has nothing to program".to_owned()));
         }
-        let symbols = elf.symbols().filter_map(|symbol| Some((symbol.name().ok()?.to_owned(), symbol.address() as u32)));
+        let symbols = elf
+            .symbols()
+            .filter_map(|symbol| Some((symbol.name().ok()?.to_owned(), symbol.address() as u32)));
         Ok(Self { symbols: symbols.collect(), segments })
     }
 

@@ -10,15 +10,14 @@
 
 mod cpu;
 
-use crate::{
-    chip::{
-        Chip, Memory, RAM_BYTES, RAM_START, core::FaultCause,
-        flash::{self, Flash},
-        misuse::Misuse,
-        rcc::ResetCause,
-        time::Time,
-        trace::Event,
-    },
+use crate::chip::{
+    Chip, Memory, RAM_BYTES, RAM_START,
+    core::FaultCause,
+    flash::{self, Flash},
+    misuse::Misuse,
+    rcc::ResetCause,
+    time::Time,
+    trace::Event,
 };
 use rand::{RngCore, SeedableRng};
 use rand_pcg::Pcg64;
@@ -111,6 +110,16 @@ struct State {
     blocks: RefCell<HashMap<u64, Block>>,
     last_poll: Cell<(u32, u32)>,
     spins: Cell<u32>,
+    calls: RefCell<Option<Calls>>,
+}
+
+/// Calls of one function.
+struct Calls {
+    function: u32,
+    /// Where the call under way returns to.
+    returns_to: u32,
+    since: u64,
+    done: Vec<u64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -220,6 +229,18 @@ impl Machine {
         self.sleeps = false;
     }
 
+    /// From now on, counts the instructions of each call of the function at this address.
+    pub fn count_calls(&mut self, function: u32) {
+        *self.state.calls.borrow_mut() =
+            Some(Calls { function: function & !1, returns_to: 0, since: 0, done: Vec::new() });
+    }
+
+    /// Instructions of each call that has returned.
+    #[must_use]
+    pub fn calls(&self) -> Vec<u64> {
+        self.state.calls.borrow().as_ref().map(|calls| calls.done.clone()).unwrap_or_default()
+    }
+
     /// Runs until `deadline`, in virtual time.
     pub fn run_until(&mut self, deadline: Time) -> Result<(), Halt> {
         self.run_while(deadline, |_| true)
@@ -227,7 +248,11 @@ impl Machine {
 
     /// Runs until `deadline`, or until `go_on` says no: it is asked between blocks, whenever
     /// something happens.
-    pub fn run_while(&mut self, deadline: Time, mut go_on: impl FnMut(&mut Chip) -> bool) -> Result<(), Halt> {
+    pub fn run_while(
+        &mut self,
+        deadline: Time,
+        mut go_on: impl FnMut(&mut Chip) -> bool,
+    ) -> Result<(), Halt> {
         while self.now() < deadline {
             self.step(deadline)?;
             if !go_on(&mut self.state.chip.borrow_mut()) {
@@ -275,7 +300,9 @@ impl Machine {
         let mut chip = state.chip.borrow_mut();
         chip.instructions = state.instructions.get();
         let result = chip.advance(state.now.get(), &mut Ram(&mut self.unicorn));
-        result.and_then(|()| chip.settle(&mut Ram(&mut self.unicorn))).map_err(|misuse| self.misused(misuse))?;
+        result
+            .and_then(|()| chip.settle(&mut Ram(&mut self.unicorn)))
+            .map_err(|misuse| self.misused(misuse))?;
         state.follow(&chip, &self.options);
         Ok(())
     }
@@ -319,7 +346,8 @@ impl Machine {
     fn is_after(&self, instruction: u16) -> bool {
         let pc = self.get(RegisterARM::PC);
         let mut bytes = [0; 2];
-        self.unicorn.mem_read(pc.wrapping_sub(2), &mut bytes).is_ok() && u16::from_le_bytes(bytes) == instruction
+        self.unicorn.mem_read(pc.wrapping_sub(2), &mut bytes).is_ok()
+            && u16::from_le_bytes(bytes) == instruction
     }
 
     /// The core meets something that it cannot execute.
@@ -333,7 +361,8 @@ impl Machine {
             _ => return Err(self.gave_up(format!("{error:?}"))),
         };
         let handles_fault = self.chip(|chip| {
-            let handles = chip.core.nvic.active().is_some_and(|active| active <= crate::chip::nvic::HARD_FAULT);
+            let handles =
+                chip.core.nvic.active().is_some_and(|active| active <= crate::chip::nvic::HARD_FAULT);
             chip.core.escalate(cause);
             handles
         });
@@ -416,6 +445,7 @@ impl State {
             blocks: RefCell::new(HashMap::new()),
             last_poll: Cell::new((0, 0)),
             spins: Cell::new(0),
+            calls: RefCell::new(None),
         }
     }
 
@@ -426,4 +456,3 @@ impl State {
         self.stall.set(chip.flash.stalled_code());
     }
 }
-

@@ -1,5 +1,6 @@
 //! `dermatome-hil`: runs the firmware on an emulated board, for people and for tests.
 
+mod common;
 mod serve;
 mod suite;
 mod timeline;

@@ -1,5 +1,138 @@
-//! `run`.
-use std::{error::Error, process::ExitCode};
+//! `run`: an emulated board that any program can talk to over TCP.
+//!
+//! Virtual time follows the clock on the wall, as far as the machine is fast enough: a board that
+//! idles takes next to nothing.
+
+use crate::common::{Firmware, boot};
+use dermatome::{
+    link::{self, Link, Port},
+    model::Model,
+    quantize,
+    skin::Skin,
+};
+use dermatome_hil::{
+    board::VirtualBoard,
+    chip::{time::Time, usart::Symbol},
+    fault::{Fault, Schedule},
+};
+use std::{
+    error::Error,
+    io::{ErrorKind, Read, Write},
+    net::{TcpListener, TcpStream},
+    path::{Path, PathBuf},
+    process::ExitCode,
+    sync::{Arc, Mutex, PoisonError},
+    time::{Duration, Instant},
+};
+
+/// Virtual time between two looks at the connection.
+const SLICE: Time = Time::from_millis(1);
+
+/// Options of `run`.
 #[derive(clap::Args)]
-pub(crate) struct Run {}
-impl Run { pub(crate) fn run(self) -> Result<ExitCode, Box<dyn Error>> { Ok(ExitCode::SUCCESS) } }
+pub(crate) struct Run {
+    #[command(flatten)]
+    firmware: Firmware,
+    /// Skin whose patch the board holds from the start, as if it had been flashed before.
+    #[arg(long)]
+    skin: Option<PathBuf>,
+    /// Where programs reach the board.
+    #[arg(long, default_value = "tcp:127.0.0.1:7000")]
+    listen: Port,
+    /// What goes wrong, and when (in virtual time from here on), e.g. power@2s. Can be repeated.
+    #[arg(long = "fault")]
+    faults: Vec<Fault>,
+}
+
+impl Run {
+    pub(crate) fn run(self) -> Result<ExitCode, Box<dyn Error>> {
+        let Port::Tcp(address) = &self.listen else {
+            return Err(format!("cannot listen at `{}`: allowed is tcp:HOST:PORT", self.listen).into());
+        };
+        let listener = TcpListener::bind(address)
+            .map_err(|error| format!("cannot listen at `{}`: {error}", self.listen))?;
+        let board = boot(&self.firmware, false)?;
+        if let Some(skin) = &self.skin {
+            flash(&board, skin)?;
+        }
+        println!("board         {} (emulated STM32G474RE)", self.firmware.name());
+        println!("listening at  tcp:{}   (Ctrl-C stops it)", listener.local_addr()?);
+        let faults =
+            Arc::new(Mutex::new(Schedule::new(&shifted(&self.faults, board.with(|machine| machine.now())))));
+        for stream in listener.incoming() {
+            serve(stream?, &board, &faults)?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// Times of faults count from when the board is handed over.
+fn shifted(faults: &[Fault], start: Time) -> Vec<Fault> {
+    use dermatome_hil::fault::When;
+    let shift = |when| match when {
+        When::Time(time) => When::Time(time + start),
+        operation => operation,
+    };
+    faults.iter().map(|fault| Fault { when: shift(fault.when), ..*fault }).collect()
+}
+
+fn flash(board: &VirtualBoard, skin: &Path) -> Result<(), Box<dyn Error>> {
+    let skin = Skin::load(skin)?;
+    let model = Model::build(&skin, |_| ())?;
+    let patch = quantize::patch(&skin, &model)?;
+    link::upload(&mut Link::connect("virtual", board.line())?, &patch, |_| ())?;
+    Ok(())
+}
+
+/// Carries bytes between one program and the board until the program goes.
+fn serve(
+    mut stream: TcpStream,
+    board: &VirtualBoard,
+    faults: &Arc<Mutex<Schedule>>,
+) -> Result<(), Box<dyn Error>> {
+    stream.set_nonblocking(true)?;
+    stream.set_nodelay(true)?;
+    let (wall, start) = (Instant::now(), board.with(|machine| machine.now()));
+    let mut buffer = [0; 4096];
+    loop {
+        match stream.read(&mut buffer) {
+            Ok(0) => return Ok(()),
+            Ok(length) => {
+                board.send(buffer[..length].iter().map(|&byte| Symbol { byte, damaged: false }).collect())
+            }
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+            Err(_) => return Ok(()),
+        }
+        let schedule = faults.clone();
+        let (now, sent, happened) = board.with(move |machine| {
+            let deadline = machine.now() + SLICE;
+            let happened = schedule.lock().unwrap_or_else(PoisonError::into_inner).run(machine, deadline);
+            let sent: Vec<u8> =
+                machine.chip(|chip| chip.uart.take_sent()).into_iter().map(|(_, byte)| byte).collect();
+            (machine.now(), sent, happened)
+        });
+        for (time, what) in happened? {
+            println!("{:>12.3} s  {what}", time.seconds());
+        }
+        if write_all(&mut stream, &sent).is_err() {
+            return Ok(());
+        }
+        let ahead = Duration::from_secs_f64(now.since(start).seconds()).saturating_sub(wall.elapsed());
+        std::thread::sleep(ahead);
+    }
+}
+
+/// Waits for a program that reads slowly, as a line with flow control does.
+fn write_all(stream: &mut TcpStream, mut bytes: &[u8]) -> std::io::Result<()> {
+    while !bytes.is_empty() {
+        match stream.write(bytes) {
+            Ok(0) => return Err(ErrorKind::BrokenPipe.into()),
+            Ok(written) => bytes = &bytes[written..],
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {
+                std::thread::sleep(Duration::from_millis(1))
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
+}

@@ -4,12 +4,7 @@ use dermatome_hil::{
     cases::{self, Case},
     rig::{Capability, Rig},
 };
-use std::{
-    error::Error,
-    path::PathBuf,
-    process::ExitCode,
-    time::Instant,
-};
+use std::{error::Error, path::PathBuf, process::ExitCode, time::Instant};
 
 /// Options of `cases`.
 #[derive(clap::Args)]
@@ -27,14 +22,16 @@ pub(crate) struct Cases {
 impl Cases {
     pub(crate) fn run(self) -> Result<ExitCode, Box<dyn Error>> {
         let rig = Rig::open(&self.rig, self.elf.as_deref())?;
-        let wanted = |case: &Case| self.names.is_empty() || self.names.iter().any(|name| case.name.contains(name));
+        let wanted =
+            |case: &Case| self.names.is_empty() || self.names.iter().any(|name| case.name.contains(name));
         let chosen: Vec<Case> = cases::all().into_iter().filter(wanted).collect();
         if chosen.is_empty() {
             return Err(format!("no case is called like that: {}", self.names.join(", ")).into());
         }
         let (mut passed, mut failed, mut not_run) = (0, 0, 0);
         for case in chosen {
-            let missing: Vec<Capability> = case.needs.iter().copied().filter(|&need| !rig.can(need)).collect();
+            let missing: Vec<Capability> =
+                case.needs.iter().copied().filter(|&need| !rig.can(need)).collect();
             if !missing.is_empty() {
                 let missing: Vec<String> = missing.iter().map(ToString::to_string).collect();
                 println!("not run  {}: this rig cannot {}", case.name, missing.join(", "));

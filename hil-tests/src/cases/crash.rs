@@ -42,10 +42,12 @@ fn hangs(rig: &Rig) -> Result<String, Failure> {
 }
 
 fn busy_for_ever(rig: &Rig) -> Result<String, Failure> {
-    let patch = super::patches::patch(6, true, 9);
+    let patch = super::patches::patch(36, true, 9);
     let mut link = rig.link()?;
     rig.emulated().with(|machine| machine.chip(|chip| chip.flash.stick()));
-    check(dermatome::link::upload(&mut link, &patch, |_| ()).is_err(), || "the upload went through".to_owned())?;
+    check(dermatome::link::upload(&mut link, &patch, |_| ()).is_err(), || {
+        "the upload went through".to_owned()
+    })?;
     rig.wait(Duration::from_secs(3))?;
     let found = restart(rig)?;
     check(found == Restart::Watchdog, || format!("it says {found}"))?;

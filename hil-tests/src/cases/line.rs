@@ -34,7 +34,9 @@ pub(super) const CASES: &[Case] = &[
 fn hello(rig: &Rig) -> Result<String, Failure> {
     let mut link = rig.link()?;
     let info = link.info()?;
-    check(info.frame_source == FrameSource::Synthetic, || format!("frames come from {:?}", info.frame_source))?;
+    check(info.frame_source == FrameSource::Synthetic, || {
+        format!("frames come from {:?}", info.frame_source)
+    })?;
     let identity = link.identity();
     Ok(format!("{} {}, {} electrodes", identity.board, identity.firmware, info.electrodes))
 }
@@ -66,7 +68,8 @@ fn noise(rig: &Rig) -> Result<String, Failure> {
     let before = rig.link()?.info()?;
     let mut sent = 0;
     while sent < NOISE_BYTES {
-        let piece: Vec<Symbol> = (0..NOISE_PIECE / 20).flat_map(|_| burst(&mut random)).take(NOISE_PIECE).collect();
+        let piece: Vec<Symbol> =
+            (0..NOISE_PIECE / 20).flat_map(|_| burst(&mut random)).take(NOISE_PIECE).collect();
         sent += piece.len();
         rig.emulated().send(piece);
         while rig.emulated().with(|machine| machine.chip(|chip| chip.uart.coming())) > 0 {
@@ -76,7 +79,9 @@ fn noise(rig: &Rig) -> Result<String, Failure> {
         let after = rig.link()?.info()?;
         let same = after.started_after == before.started_after && after.uptime_ms > before.uptime_ms;
         check(same, || format!("after {sent} bytes it has started again: {:?}", after.started_after))?;
-        check(after.patch == before.patch && !after.tared, || format!("after {sent} bytes it holds {after:?}"))?;
+        check(after.patch == before.patch && !after.tared, || {
+            format!("after {sent} bytes it holds {after:?}")
+        })?;
     }
     Ok(format!("{sent} bytes"))
 }
@@ -107,7 +112,10 @@ fn request(random: &mut Pcg64) -> Vec<u8> {
         1 => Request::Geometry,
         2 => Request::CommitUpload,
         3 => Request::Hello(Version::current()),
-        _ => Request::UploadChunk { offset: 0, bytes: heapless::Vec::from_slice(&[0x55; 300]).unwrap_or_default() },
+        _ => Request::UploadChunk {
+            offset: 0,
+            bytes: heapless::Vec::from_slice(&[0x55; 300]).unwrap_or_default(),
+        },
     };
     let mut buffer = [0; MAX_PACKET_BYTES];
     let packet = RequestPacket { sequence: random.random(), request };

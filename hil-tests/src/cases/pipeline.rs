@@ -15,17 +15,62 @@ use std::time::Duration;
 const FRAMES: usize = 1000;
 const TARE_FRAMES: u16 = 20;
 
-pub(super) const CASES: &[Case] = &[Case {
-    name: "a thousand images and contacts are the host's, bit for bit",
-    needs: &[Capability::VirtualTime],
-    run: images,
-}];
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "a thousand images and contacts are the host's, bit for bit",
+        needs: &[Capability::VirtualTime],
+        run: images,
+    },
+    Case {
+        name: "the reconstruction takes at most one instruction for each product",
+        needs: &[Capability::VirtualTime],
+        run: kernel,
+    },
+    Case {
+        name: "two runs of the same session leave the same trace",
+        needs: &[Capability::VirtualTime],
+        run: repeats,
+    },
+];
+
+/// Counts every instruction of `reconstruct`, 812 pixels from 104 measurements.
+fn kernel(rig: &Rig) -> Result<String, Failure> {
+    let Rig::Virtual { image, board, .. } = rig else { unreachable!("the case needs an emulated board") };
+    let missing = || Failure::Wrong("the firmware has no function `reconstruct`".to_owned());
+    let function = image.symbol("11reconstruct11reconstruct").ok_or_else(missing)?;
+    let mut link = rig.link()?;
+    link::upload(&mut link, &patches::patch(812, true, 13), |_| ())?;
+    link::tare(&mut link, 2, Duration::from_secs(20))?;
+    board.with(move |machine| machine.count_calls(function));
+    link::stream(&mut link, Selection { contacts: true, ..Selection::default() })?;
+    rig.wait(Duration::from_secs(1))?;
+    let calls = board.with(|machine| machine.calls());
+    // Interrupts come in between: the shortest call had none.
+    let least = calls.iter().min().copied().unwrap_or(u64::MAX);
+    let per_product = least as f64 / (812.0 * 104.0);
+    check(calls.len() >= 10, || format!("only {} calls", calls.len()))?;
+    check(per_product <= 1.0, || format!("{per_product:.3} instructions for each product"))?;
+    Ok(format!("{per_product:.3} instructions for each product, everything counted"))
+}
+
+/// Upload, tare, stream and reset on two boards.
+fn repeats(rig: &Rig) -> Result<String, Failure> {
+    let session = || -> Result<u64, Failure> {
+        let rig = rig.fresh()?;
+        compare(&rig, &patches::patch(64, true, 14), 10)?;
+        rig.emulated().with(|machine| machine.press_reset())?;
+        rig.link()?.info()?;
+        Ok(rig.emulated().with(|machine| machine.chip(|chip| chip.trace.hash())))
+    };
+    let (first, second) = (session()?, session()?);
+    check(first == second, || format!("{first:016x} and {second:016x}"))?;
+    Ok(format!("hash {first:016x}"))
+}
 
 fn images(rig: &Rig) -> Result<String, Failure> {
     let mut compared = 0;
-    // Odd and even lengths of rows, combined and not: both ways through the kernel.
-    for (side, combined, seed, frames) in [(8, true, 11, FRAMES / 2), (5, false, 12, FRAMES / 2)] {
-        let patch = patches::patch(side, combined, seed);
+    for (pixels, combined, seed, frames) in [(64, true, 11, FRAMES / 2), (25, false, 12, FRAMES / 2)] {
+        let patch = patches::patch(pixels, combined, seed);
         compared += compare(rig, &patch, frames)?;
     }
     check(compared == FRAMES, || format!("{compared} of {FRAMES} images came"))?;
@@ -46,11 +91,16 @@ fn compare(rig: &Rig, patch: &[u8], frames: usize) -> Result<usize, Failure> {
         match link.next_event(Duration::from_secs(5))? {
             Some(Event::Measurements { at, codes: measured }) => codes = Some((at, measured)),
             Some(Event::Image { at, image }) => {
-                let (stamp, measured) = codes.take().ok_or_else(|| Failure::Wrong("an image without its codes".into()))?;
+                let (stamp, measured) =
+                    codes.take().ok_or_else(|| Failure::Wrong("an image without its codes".into()))?;
                 check(stamp == at, || "an image of another frame".to_owned())?;
                 let frame = frame(stamp, measured);
-                check(pipeline::process(&view, &mut state, &frame) == Outcome::Image, || "no image here".to_owned())?;
-                check(PackedImage::pack(state.image()) == image, || format!("image {} differs", at.sequence))?;
+                check(pipeline::process(&view, &mut state, &frame) == Outcome::Image, || {
+                    "no image here".to_owned()
+                })?;
+                check(PackedImage::pack(state.image()) == image, || {
+                    format!("image {} differs", at.sequence)
+                })?;
                 images += 1;
             }
             Some(Event::Contacts { at, contacts }) => {
@@ -97,6 +147,9 @@ fn tare(link: &mut link::Link, view: &PatchView<'_>, state: &mut PipelineState) 
     check(here.as_deref() == Some(&sums[..]), || "the references differ".to_owned())
 }
 
-fn frame(at: FrameStamp, codes: heapless::Vec<dermatome_shared::units::AdcCode, { dermatome_shared::MAX_STEPS }>) -> Frame {
+fn frame(
+    at: FrameStamp,
+    codes: heapless::Vec<dermatome_shared::units::AdcCode, { dermatome_shared::MAX_STEPS }>,
+) -> Frame {
     Frame { sequence: at.sequence, timestamp_us: at.timestamp_us, flags: at.flags, codes }
 }

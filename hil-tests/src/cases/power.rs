@@ -22,6 +22,8 @@ use std::sync::{
 
 /// Cuts in a full-size upload.
 const SEEDED_CUTS: usize = 500;
+/// Ways in which the commit record is left undone.
+const COMMIT_CUTS: u64 = 40;
 /// Boards that boot at the same time.
 const WORKERS: usize = 2;
 
@@ -39,27 +41,38 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 fn every_operation(rig: &Rig) -> Result<String, Failure> {
-    let patches = [patches::patch(6, true, 21), patches::patch(6, true, 22)];
+    let patches = [patches::patch(36, true, 21), patches::patch(36, true, 22)];
     check(patches[1].len() >= 8192, || format!("the patch has only {} bytes", patches[1].len()))?;
     let found = cut_upload(rig, &patches, |_| true)?;
-    let operations = patches[1].len().div_ceil(8) as u64;
-    check(found.cuts > operations, || format!("only {} cuts", found.cuts))?;
+    let operations = last_operation(&patches[1]);
+    check(found.cuts == operations + COMMIT_CUTS, || format!("{} cuts of {operations}", found.cuts))?;
+    check(found.new > 0, || "no cut came after the commit".to_owned())?;
     Ok(format!("{found} of {} bytes", patches[1].len()))
 }
 
 fn seeded_operations(rig: &Rig) -> Result<String, Failure> {
-    let patches = [patches::patch(29, true, 23), patches::patch(29, true, 24)];
-    // Each double word, and the pages; the last operation, the commit record, is one more.
-    let operations = patches[1].len().div_ceil(8) + patches[1].len().div_ceil(2048);
-    let mut chosen: Vec<bool> = vec![false; operations + 2];
+    let patches = [patches::patch(812, true, 23), patches::patch(812, true, 24)];
+    let operations = last_operation(&patches[1]) as usize;
+    let mut chosen: Vec<bool> = vec![false; operations];
     let mut random = Pcg64::seed_from_u64(25);
-    for place in index::sample(&mut random, operations, SEEDED_CUTS - 2) {
+    for place in index::sample(&mut random, operations, SEEDED_CUTS - COMMIT_CUTS as usize) {
         chosen[place] = true;
     }
-    chosen[operations] = true;
-    chosen[operations + 1] = true;
     let found = cut_upload(rig, &patches, move |operation| chosen.get(operation as usize) == Some(&true))?;
     Ok(format!("{found} of {} bytes", patches[1].len()))
+}
+
+/// A flash at the moment of a cut.
+struct Cut {
+    operation: u64,
+    seed: u64,
+    flash: Flash,
+}
+
+/// Operations before the commit record's: the page of the record, each page and each double word of
+/// the patch.
+fn last_operation(patch: &[u8]) -> u64 {
+    1 + patch.len().div_ceil(2048) as u64 + patch.len().div_ceil(8) as u64
 }
 
 /// What the boards that lost their power offered.
@@ -89,9 +102,9 @@ fn cut_upload(
     let board = rig.emulated();
     let Rig::Virtual { options, .. } = rig else { unreachable!("the case needs an emulated board") };
     link::upload(&mut rig.link()?, &patches[0], |_| ())?;
-    let (send, receive) = channel::<(u64, Flash)>();
+    let (send, receive) = channel::<Cut>();
     let first = board.with(|machine| machine.chip(|chip| chip.flash.operations()));
-    watch(board, first, chosen, send);
+    watch(board, first, last_operation(&patches[1]), chosen, send);
     let crcs = [0, 1].map(|place| PatchView::validate(&patches[place]).map_or(0, |view| view.crc()));
     let receive = Arc::new(Mutex::new(receive));
     std::thread::scope(|scope| {
@@ -101,9 +114,10 @@ fn cut_upload(
                 scope.spawn(move || boot_all(&receive, options, crcs))
             })
             .collect();
-        let uploaded = rig.link().map_err(Failure::from).and_then(|mut link| {
-            link::upload(&mut link, &patches[1], |_| ()).map_err(Failure::from)
-        });
+        let uploaded = rig
+            .link()
+            .map_err(Failure::from)
+            .and_then(|mut link| link::upload(&mut link, &patches[1], |_| ()).map_err(Failure::from));
         // Ends the workers once they have emptied the channel.
         board.with(|machine| machine.chip(|chip| chip.watcher = None));
         let mut found = Found::default();
@@ -120,29 +134,33 @@ fn cut_upload(
 fn watch(
     board: &VirtualBoard,
     first: u64,
+    last: u64,
     chosen: impl Fn(u64) -> bool + Send + 'static,
-    send: Sender<(u64, Flash)>,
+    send: Sender<Cut>,
 ) {
     let watcher = Watcher(Box::new(move |flash: &Flash| {
         let operation = flash.operations() - first - 1;
-        if chosen(operation) {
-            let _ = send.send((operation, flash.clone()));
+        // The commit record decides: its operation, the last, is cut in many ways.
+        let ways = if operation == last { COMMIT_CUTS } else { u64::from(chosen(operation)) };
+        for way in 0..ways {
+            let seed = operation << 8 | way;
+            let _ = send.send(Cut { operation, seed, flash: flash.clone() });
         }
     }));
     board.with(move |machine| machine.chip(|chip| chip.watcher = Some(watcher)));
 }
 
 fn boot_all(
-    receive: &Mutex<Receiver<(u64, Flash)>>,
+    receive: &Mutex<Receiver<Cut>>,
     options: &Options,
     [old, new]: [u32; 2],
 ) -> Result<Found, Failure> {
     let mut found = Found::default();
     loop {
         let next = receive.lock().unwrap_or_else(PoisonError::into_inner).recv();
-        let Ok((operation, mut flash)) = next else { return Ok(found) };
+        let Ok(Cut { operation, seed, mut flash }) = next else { return Ok(found) };
         let doing = flash.operation();
-        flash.cut(options.seed ^ operation);
+        flash.cut(options.seed << 32 ^ seed);
         let board = VirtualBoard::start(flash, options.clone())?;
         board.run(START_TIME)?;
         let offered = Link::connect("virtual", board.line())?.info()?.patch.map(|patch| patch.crc);
@@ -150,7 +168,8 @@ fn boot_all(
             Some(crc) if crc == old => found.old += 1,
             Some(crc) if crc == new => found.new += 1,
             _ => {
-                let what = format!("after a cut at operation {operation} ({doing:x?}) it offers {offered:x?}");
+                let what =
+                    format!("after a cut at operation {operation} ({doing:x?}) it offers {offered:x?}");
                 return Err(Failure::Wrong(what));
             }
         }

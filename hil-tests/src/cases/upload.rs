@@ -16,7 +16,11 @@ pub(super) const CASES: &[Case] = &[
         run: survives_reset,
     },
     Case { name: "two uploads in a row: the second one counts", needs: &[], run: twice },
-    Case { name: "a host that vanishes in the middle of an upload leaves the old patch", needs: &[], run: vanishes },
+    Case {
+        name: "a host that vanishes in the middle of an upload leaves the old patch",
+        needs: &[],
+        run: vanishes,
+    },
     Case {
         name: "a full-size patch is uploaded within 4.5 s at 2 Mbaud",
         needs: &[Capability::VirtualTime],
@@ -35,7 +39,7 @@ fn holds(rig: &Rig, patch: &[u8]) -> Result<(), Failure> {
 }
 
 fn survives_reset(rig: &Rig) -> Result<String, Failure> {
-    let patch = patches::patch(6, true, 1);
+    let patch = patches::patch(36, true, 1);
     link::upload(&mut rig.link()?, &patch, |_| ())?;
     rig.emulated().with(|machine| machine.press_reset())?;
     holds(rig, &patch)?;
@@ -43,7 +47,7 @@ fn survives_reset(rig: &Rig) -> Result<String, Failure> {
 }
 
 fn twice(rig: &Rig) -> Result<String, Failure> {
-    let patches = [patches::patch(6, true, 2), patches::patch(7, true, 3)];
+    let patches = [patches::patch(36, true, 2), patches::patch(49, true, 3)];
     for patch in &patches {
         link::upload(&mut rig.link()?, patch, |_| ())?;
         holds(rig, patch)?;
@@ -52,7 +56,7 @@ fn twice(rig: &Rig) -> Result<String, Failure> {
 }
 
 fn vanishes(rig: &Rig) -> Result<String, Failure> {
-    let (old, new) = (patches::patch(6, true, 4), patches::patch(6, true, 5));
+    let (old, new) = (patches::patch(36, true, 4), patches::patch(36, true, 5));
     link::upload(&mut rig.link()?, &old, |_| ())?;
     {
         let mut link = rig.link()?;
@@ -68,8 +72,7 @@ fn vanishes(rig: &Rig) -> Result<String, Failure> {
 }
 
 fn full_size(rig: &Rig) -> Result<String, Failure> {
-    // 812 pixels x 104 measurements make 170 KB; the square next to it is 28 x 28 with 104, or this.
-    let patch = patches::patch(29, true, 6);
+    let patch = patches::patch(812, true, 6);
     let mut link = rig.link()?;
     let start = rig.emulated().with(|machine| machine.now());
     link::upload(&mut link, &patch, |_| ())?;

@@ -295,6 +295,9 @@ impl Chip {
         }
         self.touched = false;
         self.show_flash();
+        for (time, event) in self.uart.take_passed() {
+            self.trace.add(time, event);
+        }
         if self.flash.raises_nmi() && !self.core.nvic.is_pending(NMI) && self.core.nvic.active() != Some(NMI)
         {
             self.core.nvic.pend(NMI);

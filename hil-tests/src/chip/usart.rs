@@ -9,6 +9,7 @@ use super::{
     misuse::Misuse,
     peripheral::{Moment, Peripheral, has_bank},
     time::Time,
+    trace::Event,
 };
 use std::collections::VecDeque;
 
@@ -44,6 +45,10 @@ pub struct Usart {
     shifting: Option<u8>,
     sent_at: Time,
     sent: Vec<(Time, u8)>,
+    /// Bytes that came or went since somebody asked.
+    passed: Vec<(Time, Event)>,
+    /// Bytes to come of which a bit flips on the way.
+    disturbed: u32,
 }
 
 impl Usart {
@@ -64,6 +69,8 @@ impl Usart {
             shifting: None,
             sent_at: Time::NEVER,
             sent: Vec::new(),
+            passed: Vec::new(),
+            disturbed: 0,
         }
     }
 
@@ -76,6 +83,16 @@ impl Usart {
             self.idle_at = Time::NEVER;
             self.arrives_at = now + self.wire_byte();
         }
+    }
+
+    /// One bit flips in each of the next so many bytes on the way to the board.
+    pub fn disturb(&mut self, bytes: u32) {
+        self.disturbed = bytes;
+    }
+
+    /// Bytes that came or went since this was asked last.
+    pub fn take_passed(&mut self) -> Vec<(Time, Event)> {
+        std::mem::take(&mut self.passed)
     }
 
     /// Symbols that are still to come.
@@ -132,7 +149,12 @@ impl Usart {
     }
 
     fn take_symbol(&mut self, now: Time) {
-        let Some(symbol) = self.incoming.pop_front() else { return };
+        let Some(mut symbol) = self.incoming.pop_front() else { return };
+        if self.disturbed > 0 {
+            self.disturbed -= 1;
+            symbol.byte ^= 1 << (self.disturbed % 8);
+        }
+        self.passed.push((now, Event::Received(symbol.byte)));
         self.arrives_at = if self.incoming.is_empty() { Time::NEVER } else { now + self.wire_byte() };
         if !self.is_on("RE") || !self.wired[1] {
             return;
@@ -153,6 +175,7 @@ impl Usart {
     fn shift_out(&mut self, now: Time) {
         if let Some(byte) = self.shifting.take() {
             self.sent.push((now, byte));
+            self.passed.push((now, Event::Sent(byte)));
         }
         self.shifting = self.to_send.pop_front();
         self.sent_at = if self.shifting.is_some() { now + self.byte_time() } else { Time::NEVER };

@@ -1,14 +1,8 @@
 //! CPU: unicorn's Cortex-M4, its hooks, and the exceptions that it does not have (ARMv7-M, B1.5).
 
-use super::{Block, Halt, Machine, Ram, SPINS, State, Why};
+use super::{Block, Calls, Halt, Machine, Ram, SPINS, State, Why};
 use crate::chip::{
-    RAM_BYTES, RAM_START,
-    core,
-    flash,
-    misuse::Misuse,
-    nvic::Masks,
-    peripheral::Moment,
-    time::Time,
+    RAM_BYTES, RAM_START, core, flash, misuse::Misuse, nvic::Masks, peripheral::Moment, time::Time,
     trace::Event,
 };
 use std::rc::Rc;
@@ -27,13 +21,24 @@ const PERIPHERAL_BYTES: u32 = 0x1010_0000;
 
 /// Registers that an exception saves, in order (B1.5.6).
 const SAVED: [RegisterARM; 7] = [
-    RegisterARM::R0, RegisterARM::R1, RegisterARM::R2, RegisterARM::R3, RegisterARM::R12, RegisterARM::LR,
+    RegisterARM::R0,
+    RegisterARM::R1,
+    RegisterARM::R2,
+    RegisterARM::R3,
+    RegisterARM::R12,
+    RegisterARM::LR,
     RegisterARM::PC,
 ];
 /// S0 to S15, two in each.
 const FLOATS: [RegisterARM; 8] = [
-    RegisterARM::D0, RegisterARM::D1, RegisterARM::D2, RegisterARM::D3, RegisterARM::D4, RegisterARM::D5,
-    RegisterARM::D6, RegisterARM::D7,
+    RegisterARM::D0,
+    RegisterARM::D1,
+    RegisterARM::D2,
+    RegisterARM::D3,
+    RegisterARM::D4,
+    RegisterARM::D5,
+    RegisterARM::D6,
+    RegisterARM::D7,
 ];
 const BASIC_FRAME: u32 = 0x20;
 const EXTENDED_FRAME: u32 = 0x68;
@@ -57,10 +62,15 @@ pub(super) fn build(state: &Rc<State>) -> Result<Unicorn<'static, ()>, uc_error>
     })?;
     let shared = state.clone();
     let (first, last) = (flash::START, flash::START + flash::BYTES - 1);
-    unicorn.add_mem_hook(HookType::MEM_WRITE, first.into(), last.into(), move |unicorn, _, address, size, value| {
-        shared.write_flash(unicorn, address as u32, size as u32, value as u32);
-        true
-    })?;
+    unicorn.add_mem_hook(
+        HookType::MEM_WRITE,
+        first.into(),
+        last.into(),
+        move |unicorn, _, address, size, value| {
+            shared.write_flash(unicorn, address as u32, size as u32, value as u32);
+            true
+        },
+    )?;
     Ok(unicorn)
 }
 
@@ -104,6 +114,9 @@ impl State {
         let unmasked = self.masks.get().is_some_and(|masks| masks != raw_masks(unicorn));
         if unmasked || self.now.get() >= self.stop_at.get() {
             return self.stop(unicorn, Why::Due);
+        }
+        if let Some(calls) = self.calls.borrow_mut().as_mut() {
+            calls.pass(address as u32, self.instructions.get(), unicorn);
         }
         let block = self.look_at(unicorn, address, size);
         self.instructions.set(self.instructions.get() + block.instructions);
@@ -187,11 +200,24 @@ impl State {
             .advance(self.now.get(), &mut Ram(unicorn))
             .and_then(|()| touch(&mut chip))
             .and_then(|value| chip.settle(&mut Ram(unicorn)).map(|()| value));
-        result.map_err(|misuse| {
-            self.misuse.borrow_mut().get_or_insert(misuse);
-            self.stop(unicorn, Why::Misuse);
-        })
-        .ok()
+        result
+            .map_err(|misuse| {
+                self.misuse.borrow_mut().get_or_insert(misuse);
+                self.stop(unicorn, Why::Misuse);
+            })
+            .ok()
+    }
+}
+
+impl Calls {
+    fn pass(&mut self, address: u32, instructions: u64, unicorn: &Unicorn<'_, ()>) {
+        if address == self.function && self.returns_to == 0 {
+            self.since = instructions;
+            self.returns_to = unicorn.reg_read(RegisterARM::LR).unwrap_or(0) as u32 & !1;
+        } else if self.returns_to != 0 && address == self.returns_to {
+            self.done.push(instructions - self.since);
+            self.returns_to = 0;
+        }
     }
 }
 
@@ -212,9 +238,9 @@ impl Machine {
 
     /// Stack and program counter come from the vector table (B1.5.5).
     pub(super) fn reset_registers(&mut self) {
-        for register in [
-            RegisterARM::PRIMASK, RegisterARM::FAULTMASK, RegisterARM::BASEPRI, RegisterARM::CONTROL,
-        ] {
+        for register in
+            [RegisterARM::PRIMASK, RegisterARM::FAULTMASK, RegisterARM::BASEPRI, RegisterARM::CONTROL]
+        {
             self.set(register, 0);
         }
         let vectors = self.chip(|chip| chip.core.vectors());
@@ -271,8 +297,10 @@ impl Machine {
         let frame = self.get(RegisterARM::SP) as u32;
         let size = if uses_floats { EXTENDED_FRAME } else { BASIC_FRAME };
         let bytes = self.peek(frame, size as usize);
-        let words: Vec<u32> =
-            bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect();
+        let words: Vec<u32> = bytes
+            .chunks_exact(4)
+            .map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
+            .collect();
         let left = self.chip(|chip| {
             let left = chip.core.nvic.leave();
             if let Some(exception) = left {

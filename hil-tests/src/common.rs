@@ -1,0 +1,35 @@
+//! What `run` and `trace` have in common: which firmware, and a board with it.
+
+use dermatome_hil::{
+    board::VirtualBoard,
+    rig::{Rig, START_TIME},
+};
+use std::{error::Error, path::PathBuf};
+
+/// Which firmware on which emulated board.
+#[derive(clap::Args)]
+pub(crate) struct Firmware {
+    /// Rig file of an emulated board.
+    #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/rigs/virtual.toml"))]
+    rig: PathBuf,
+    /// Firmware to run instead of the rig's.
+    #[arg(long)]
+    elf: Option<PathBuf>,
+}
+
+impl Firmware {
+    pub(crate) fn name(&self) -> String {
+        self.elf.as_ref().unwrap_or(&self.rig).display().to_string()
+    }
+}
+
+/// A board that has started.
+pub(crate) fn boot(firmware: &Firmware, keep_trace: bool) -> Result<VirtualBoard, Box<dyn Error>> {
+    let Rig::Virtual { image, mut options, .. } = Rig::open(&firmware.rig, firmware.elf.as_deref())? else {
+        return Err(format!("rig `{}` is a real board; it needs no emulator", firmware.rig.display()).into());
+    };
+    options.keep_trace = keep_trace;
+    let board = VirtualBoard::start(image.flash(), options)?;
+    board.run(START_TIME)?;
+    Ok(board)
+}
