@@ -98,7 +98,7 @@ fn serve(
         match stream.read(&mut buffer) {
             Ok(0) => return Ok(()),
             Ok(length) => {
-                board.send(buffer[..length].iter().map(|&byte| Symbol { byte, damaged: false }).collect())
+                board.send(buffer[..length].iter().map(|&byte| Symbol { byte, damaged: false }).collect());
             }
             Err(error) if error.kind() == ErrorKind::WouldBlock => {}
             Err(_) => return Ok(()),
@@ -129,7 +129,7 @@ fn write_all(stream: &mut TcpStream, mut bytes: &[u8]) -> std::io::Result<()> {
             Ok(0) => return Err(ErrorKind::BrokenPipe.into()),
             Ok(written) => bytes = &bytes[written..],
             Err(error) if error.kind() == ErrorKind::WouldBlock => {
-                std::thread::sleep(Duration::from_millis(1))
+                std::thread::sleep(Duration::from_millis(1));
             }
             Err(error) => return Err(error),
         }

@@ -1,6 +1,7 @@
 //! Cases of a firmware that cannot go on: it starts again and says why.
 
 use super::{Case, Failure, check};
+use crate::machine::Machine;
 use crate::rig::{Capability, Rig};
 use dermatome_shared::restart::Restart;
 use std::time::Duration;
@@ -34,7 +35,7 @@ fn restart(rig: &Rig) -> Result<Restart, Failure> {
 
 fn hangs(rig: &Rig) -> Result<String, Failure> {
     rig.link()?;
-    rig.emulated().with(|machine| machine.hang());
+    rig.emulated().with(Machine::hang);
     rig.wait(Duration::from_secs(3))?;
     let found = restart(rig)?;
     check(found == Restart::Watchdog, || format!("it says {found}"))?;
@@ -56,7 +57,7 @@ fn busy_for_ever(rig: &Rig) -> Result<String, Failure> {
 
 fn faults(rig: &Rig) -> Result<String, Failure> {
     rig.link()?;
-    rig.emulated().with(|machine| machine.inject_fault());
+    rig.emulated().with(Machine::inject_fault);
     rig.wait(Duration::from_millis(200))?;
     let found = restart(rig)?;
     match &found {
@@ -68,10 +69,10 @@ fn faults(rig: &Rig) -> Result<String, Failure> {
 fn tells_causes(rig: &Rig) -> Result<String, Failure> {
     let found = restart(rig)?;
     check(found == Restart::PowerOn, || format!("after switching on it says {found}"))?;
-    rig.emulated().with(|machine| machine.press_reset())?;
+    rig.emulated().with(Machine::press_reset)?;
     let found = restart(rig)?;
     check(found == Restart::ResetPin, || format!("after the button it says {found}"))?;
-    rig.emulated().with(|machine| machine.cut_power())?;
+    rig.emulated().with(Machine::cut_power)?;
     let found = restart(rig)?;
     check(found == Restart::PowerOn, || format!("after a power cut it says {found}"))?;
     Ok(String::new())

@@ -1,6 +1,7 @@
 //! Cases of the pipeline on the board: images as the host computes them, and how fast.
 
 use super::{Case, Failure, check, patches};
+use crate::machine::Machine;
 use crate::rig::{Capability, Rig};
 use dermatome::link;
 use dermatome_shared::{
@@ -58,7 +59,7 @@ fn repeats(rig: &Rig) -> Result<String, Failure> {
     let session = || -> Result<u64, Failure> {
         let rig = rig.fresh()?;
         compare(&rig, &patches::patch(64, true, 14), 10)?;
-        rig.emulated().with(|machine| machine.press_reset())?;
+        rig.emulated().with(Machine::press_reset)?;
         rig.link()?.info()?;
         Ok(rig.emulated().with(|machine| machine.chip(|chip| chip.trace.hash())))
     };

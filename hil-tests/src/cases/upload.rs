@@ -1,6 +1,7 @@
 //! Cases of uploads: what arrives is kept, what does not leaves the old patch.
 
 use super::{Case, Failure, check, patches};
+use crate::machine::Machine;
 use crate::rig::{Capability, Rig};
 use dermatome::link;
 use dermatome_shared::{
@@ -41,7 +42,7 @@ fn holds(rig: &Rig, patch: &[u8]) -> Result<(), Failure> {
 fn survives_reset(rig: &Rig) -> Result<String, Failure> {
     let patch = patches::patch(36, true, 1);
     link::upload(&mut rig.link()?, &patch, |_| ())?;
-    rig.emulated().with(|machine| machine.press_reset())?;
+    rig.emulated().with(Machine::press_reset)?;
     holds(rig, &patch)?;
     Ok(format!("{} bytes", patch.len()))
 }
