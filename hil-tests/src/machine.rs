@@ -134,6 +134,7 @@ enum Why {
 struct Block {
     instructions: u64,
     sends_event: bool,
+    is_circle: bool,
 }
 
 /// RAM as unicorn has it.

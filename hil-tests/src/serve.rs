@@ -17,7 +17,7 @@ use dermatome_hil::{
 };
 use std::{
     error::Error,
-    io::{ErrorKind, Read, Write},
+    io::{self, ErrorKind, Read, Write},
     net::{TcpListener, TcpStream},
     path::{Path, PathBuf},
     process::ExitCode,
@@ -57,12 +57,25 @@ impl Run {
         }
         println!("board         {} (emulated STM32G474RE)", self.firmware.name());
         println!("listening at  tcp:{}   (Ctrl-C stops it)", listener.local_addr()?);
-        let faults =
-            Arc::new(Mutex::new(Schedule::new(&shifted(&self.faults, board.with(|machine| machine.now())))));
-        for stream in listener.incoming() {
-            serve(stream?, &board, &faults)?;
+        listener.set_nonblocking(true)?;
+        let start = board.with(|machine| machine.now());
+        let faults = Arc::new(Mutex::new(Schedule::new(&shifted(&self.faults, start))));
+        let wall = Instant::now();
+        let mut client: Option<TcpStream> = None;
+        loop {
+            if client.is_none() {
+                client = accept(&listener)?;
+            }
+            let (now, sent) = run_slice(&board, &faults)?;
+            if let Some(stream) = &mut client
+                && !exchange(stream, &board, &sent)
+            {
+                client = None;
+                board.with(|machine| machine.chip(|chip| chip.uart.unplug()));
+            }
+            let ahead = Duration::from_secs_f64(now.since(start).seconds()).saturating_sub(wall.elapsed());
+            std::thread::sleep(ahead);
         }
-        Ok(ExitCode::SUCCESS)
     }
 }
 
@@ -84,46 +97,51 @@ fn flash(board: &VirtualBoard, skin: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Carries bytes between one program and the board until the program goes.
-fn serve(
-    mut stream: TcpStream,
-    board: &VirtualBoard,
-    faults: &Arc<Mutex<Schedule>>,
-) -> Result<(), Box<dyn Error>> {
-    stream.set_nonblocking(true)?;
-    stream.set_nodelay(true)?;
-    let (wall, start) = (Instant::now(), board.with(|machine| machine.now()));
-    let mut buffer = [0; 4096];
-    loop {
-        match stream.read(&mut buffer) {
-            Ok(0) => return Ok(()),
-            Ok(length) => {
-                board.send(buffer[..length].iter().map(|&byte| Symbol { byte, damaged: false }).collect());
-            }
-            Err(error) if error.kind() == ErrorKind::WouldBlock => {}
-            Err(_) => return Ok(()),
+/// The next program that connects, if one does. Others wait until it has gone.
+fn accept(listener: &TcpListener) -> io::Result<Option<TcpStream>> {
+    match listener.accept() {
+        Ok((stream, _)) => {
+            stream.set_nonblocking(true)?;
+            stream.set_nodelay(true)?;
+            Ok(Some(stream))
         }
-        let schedule = faults.clone();
-        let (now, sent, happened) = board.with(move |machine| {
-            let deadline = machine.now() + SLICE;
-            let happened = schedule.lock().unwrap_or_else(PoisonError::into_inner).run(machine, deadline);
-            let sent: Vec<u8> =
-                machine.chip(|chip| chip.uart.take_sent()).into_iter().map(|(_, byte)| byte).collect();
-            (machine.now(), sent, happened)
-        });
-        for (time, what) in happened? {
-            println!("{:>12.3} s  {what}", time.seconds());
-        }
-        if write_all(&mut stream, &sent).is_err() {
-            return Ok(());
-        }
-        let ahead = Duration::from_secs_f64(now.since(start).seconds()).saturating_sub(wall.elapsed());
-        std::thread::sleep(ahead);
+        Err(error) if error.kind() == ErrorKind::WouldBlock => Ok(None),
+        Err(error) => Err(error),
     }
 }
 
+/// Lets the board run for a while; gives its time and what it has sent, and prints what went wrong.
+fn run_slice(board: &VirtualBoard, faults: &Arc<Mutex<Schedule>>) -> Result<(Time, Vec<u8>), Box<dyn Error>> {
+    let schedule = faults.clone();
+    let (now, sent, happened) = board.with(move |machine| {
+        let deadline = machine.now() + SLICE;
+        let happened = schedule.lock().unwrap_or_else(PoisonError::into_inner).run(machine, deadline);
+        let sent: Vec<u8> =
+            machine.chip(|chip| chip.uart.take_sent()).into_iter().map(|(_, byte)| byte).collect();
+        (machine.now(), sent, happened)
+    });
+    for (time, what) in happened? {
+        println!("{:>12.3} s  {what}", time.seconds());
+    }
+    Ok((now, sent))
+}
+
+/// Carries bytes between a program and the board; says whether the program is still there.
+fn exchange(stream: &mut TcpStream, board: &VirtualBoard, sent: &[u8]) -> bool {
+    let mut buffer = [0; 4096];
+    match stream.read(&mut buffer) {
+        Ok(0) => return false,
+        Ok(length) => {
+            board.send(buffer[..length].iter().map(|&byte| Symbol { byte, damaged: false }).collect());
+        }
+        Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+        Err(_) => return false,
+    }
+    write_all(stream, sent).is_ok()
+}
+
 /// Waits for a program that reads slowly, as a line with flow control does.
-fn write_all(stream: &mut TcpStream, mut bytes: &[u8]) -> std::io::Result<()> {
+fn write_all(stream: &mut TcpStream, mut bytes: &[u8]) -> io::Result<()> {
     while !bytes.is_empty() {
         match stream.write(bytes) {
             Ok(0) => return Err(ErrorKind::BrokenPipe.into()),

@@ -11,6 +11,8 @@ use unicorn_engine::{Arch, ArmCpuModel, HookType, Mode, Prot, RegisterARM, Unico
 pub(super) const WFE: u16 = 0xBF20;
 pub(super) const WFI: u16 = 0xBF30;
 const SEV: u16 = 0xBF40;
+/// A branch to itself: nothing changes until an event.
+const CIRCLE: u16 = 0xE7FE;
 /// What unicorn's interrupt hook is told for SVC, and for a branch to an EXC_RETURN value.
 pub(super) const SUPERVISOR_CALL: u32 = 2;
 pub(super) const EXCEPTION_EXIT: u32 = 8;
@@ -124,6 +126,9 @@ impl State {
         if block.sends_event {
             self.event.set(true);
         }
+        if block.is_circle {
+            self.now.set(self.now.get().max(self.stop_at.get()));
+        }
     }
 
     fn stop(&self, unicorn: &mut Unicorn<'_, ()>, why: Why) {
@@ -138,11 +143,12 @@ impl State {
             return *block;
         }
         let bytes = unicorn.mem_read_as_vec(address, size as usize).unwrap_or_default();
-        let mut block = Block { instructions: 0, sends_event: false };
+        let mut block = Block { instructions: 0, sends_event: false, is_circle: false };
         let mut halfwords = bytes.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]]));
         while let Some(halfword) = halfwords.next() {
             block.instructions += 1;
             block.sends_event |= halfword == SEV;
+            block.is_circle = halfword == CIRCLE && block.instructions == 1;
             if halfword >> 11 >= 0b11101 {
                 halfwords.next();
             }
