@@ -15,8 +15,21 @@ pub(crate) struct Cases {
     /// Firmware to run instead of the rig's.
     #[arg(long)]
     elf: Option<PathBuf>,
+    /// Runs every case twice and compares what happened on the board, by the hash of its trace.
+    #[arg(long)]
+    twice: bool,
     /// Only cases whose name holds one of these.
     names: Vec<String>,
+}
+
+/// What became of the cases.
+#[derive(Default)]
+struct Count {
+    passed: usize,
+    failed: usize,
+    not_run: usize,
+    /// Hash of what happened on each emulated board.
+    hashes: Vec<(&'static str, u64)>,
 }
 
 impl Cases {
@@ -28,27 +41,56 @@ impl Cases {
         if chosen.is_empty() {
             return Err(format!("no case is called like that: {}", self.names.join(", ")).into());
         }
-        let (mut passed, mut failed, mut not_run) = (0, 0, 0);
-        for case in chosen {
-            let missing: Vec<Capability> =
-                case.needs.iter().copied().filter(|&need| !rig.can(need)).collect();
-            if !missing.is_empty() {
-                let missing: Vec<String> = missing.iter().map(ToString::to_string).collect();
-                println!("not run  {}: this rig cannot {}", case.name, missing.join(", "));
-                not_run += 1;
-                continue;
+        let count = run_all(&rig, &chosen);
+        let mut repeats = true;
+        if self.twice {
+            let again = run_all(&rig, &chosen);
+            for ((name, first), (_, second)) in count.hashes.iter().zip(&again.hashes) {
+                if first != second {
+                    println!("DIFFERS  {name}: {first:016x} and {second:016x}");
+                    repeats = false;
+                }
             }
-            let start = Instant::now();
-            let result = rig.fresh().map_err(cases::Failure::from).and_then(|board| (case.run)(&board));
-            let seconds = start.elapsed().as_secs_f64();
-            match &result {
-                Ok(measured) if measured.is_empty() => println!("ok       {} ({seconds:.1} s)", case.name),
-                Ok(measured) => println!("ok       {}: {measured} ({seconds:.1} s)", case.name),
-                Err(error) => println!("FAILED   {}: {error} ({seconds:.1} s)", case.name),
-            }
-            if result.is_ok() { passed += 1 } else { failed += 1 }
+            println!("{} traces compared with those of a second run", again.hashes.len());
         }
-        println!("{passed} passed, {failed} failed, {not_run} not run");
-        Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+        println!("{} passed, {} failed, {} not run", count.passed, count.failed, count.not_run);
+        Ok(if count.failed == 0 && repeats { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    }
+}
+
+fn run_all(rig: &Rig, cases: &[Case]) -> Count {
+    let mut count = Count::default();
+    for case in cases {
+        let missing: Vec<Capability> = case.needs.iter().copied().filter(|&need| !rig.can(need)).collect();
+        if missing.is_empty() {
+            run_one(rig, case, &mut count);
+        } else {
+            let missing: Vec<String> = missing.iter().map(ToString::to_string).collect();
+            println!("not run  {}: this rig cannot {}", case.name, missing.join(", "));
+            count.not_run += 1;
+        }
+    }
+    count
+}
+
+fn run_one(rig: &Rig, case: &Case, count: &mut Count) {
+    let start = Instant::now();
+    let result = rig.fresh().map_err(cases::Failure::from).and_then(|board| {
+        let measured = (case.run)(&board)?;
+        if let Rig::Virtual { board, .. } = &board {
+            count.hashes.push((case.name, board.with(|machine| machine.chip(|chip| chip.trace.hash()))));
+        }
+        Ok(measured)
+    });
+    let seconds = start.elapsed().as_secs_f64();
+    match &result {
+        Ok(measured) if measured.is_empty() => println!("ok       {} ({seconds:.1} s)", case.name),
+        Ok(measured) => println!("ok       {}: {measured} ({seconds:.1} s)", case.name),
+        Err(error) => println!("FAILED   {}: {error} ({seconds:.1} s)", case.name),
+    }
+    if result.is_ok() {
+        count.passed += 1;
+    } else {
+        count.failed += 1;
     }
 }

@@ -3,7 +3,10 @@
 use super::{Case, Failure, check};
 use crate::machine::Machine;
 use crate::rig::{Capability, Rig};
-use dermatome_shared::restart::Restart;
+use dermatome_shared::{
+    protocol::{MAX_PACKET_BYTES, Request, RequestPacket, encode},
+    restart::Restart,
+};
 use std::time::Duration;
 
 pub(super) const CASES: &[Case] = &[
@@ -43,12 +46,15 @@ fn hangs(rig: &Rig) -> Result<String, Failure> {
 }
 
 fn busy_for_ever(rig: &Rig) -> Result<String, Failure> {
-    let patch = super::patches::patch(36, true, 9);
-    let mut link = rig.link()?;
+    rig.link()?;
     rig.emulated().with(|machine| machine.chip(|chip| chip.flash.stick()));
-    check(dermatome::link::upload(&mut link, &patch, |_| ()).is_err(), || {
-        "the upload went through".to_owned()
-    })?;
+    // Erases the page of the commit record, and waits for that. Nobody waits here for the reply.
+    let request = RequestPacket { sequence: 9, request: Request::BeginUpload { length: 9000, crc: 9 } };
+    let mut buffer = [0; MAX_PACKET_BYTES];
+    rig.send_raw(encode(&request, &mut buffer).map_err(|error| Failure::Wrong(error.to_string()))?);
+    rig.wait(Duration::from_millis(500))?;
+    let busy = rig.emulated().with(|machine| machine.chip(|chip| chip.flash.operation().is_some()));
+    check(busy, || "the flash was not asked to erase".to_owned())?;
     rig.wait(Duration::from_secs(3))?;
     let found = restart(rig)?;
     check(found == Restart::Watchdog, || format!("it says {found}"))?;
