@@ -73,10 +73,11 @@ def main():
         for _ in range(arguments.runs):
             runs[0].append(dermatome_run(program, size))
             if with_pyeit and (size < 20_000 or not runs[1]):
-                runs[1].append(child([python, __file__, "--worker", str(size)]))
-        rows = [row("Dermatome", runs[0])] + ([row("pyEIT", runs[1])] if with_pyeit else [])
-        print("\n".join(rows), flush=True)
+                runs[1].append(pyeit_run(python, size))
+        print(row("Dermatome", size, runs[0]))
         if with_pyeit:
+            print(row("pyEIT", size, runs[1]), flush=True)
+        if runs[1] and not failure(runs[1]):
             print(f"pyEIT over Dermatome at {size}: {whole(runs[1]) / whole(runs[0]):.0f} times", file=sys.stderr)
 
 
@@ -105,7 +106,9 @@ def dermatome_run(program, size):
     folder = ROOT / "target"
     skin, report = folder / "compare.toml", folder / "compare.json"
     skin.write_text(SKIN.format(edge=math.sqrt(math.pi / (0.433 * size))))
-    memory = run([program, "build", skin, "--no-patch", "--json", report])
+    code, memory = run([program, "build", skin, "--no-patch", "--json", report])
+    if code:
+        sys.exit(f"{program} ended with code {code}")
     told = json.loads(report.read_text())
     seconds = told["stage_seconds"]
     times = {stage: seconds[stage] for stage in STAGES}
@@ -114,22 +117,20 @@ def dermatome_run(program, size):
     return {"elements": told["mesh"]["elements"], "memory": memory, "times": times}
 
 
-def child(command):
-    """Runs a worker that prints its report; adds the largest memory it had."""
+def pyeit_run(python, size):
+    """What a worker reports, with the largest memory it had; or the code it ended with."""
     path = ROOT / "target" / "compare-pyeit.json"
     with open(path, "w") as output:
-        memory = run(command, output)
-    return json.loads(path.read_text()) | {"memory": memory}
+        code, memory = run([python, __file__, "--worker", size], output)
+    return {"code": code} if code else json.loads(path.read_text()) | {"memory": memory}
 
 
 def run(command, output=subprocess.DEVNULL):
-    """Runs a command; returns its largest resident memory in MB."""
+    """Runs a command; returns the code it ended with (a signal is negative) and its largest resident memory in MB."""
     process = subprocess.Popen([str(word) for word in command], stdout=output)
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode:
-        sys.exit(f"{command[0]} ended with code {process.returncode}")
-    return usage.ru_maxrss / 1024
+    return process.returncode, usage.ru_maxrss / 1024
 
 
 def pyeit_worker(size):
@@ -161,7 +162,15 @@ def pyeit_worker(size):
     json.dump({"elements": len(disc.element), "times": times}, sys.stdout)
 
 
-def row(program, runs):
+def failure(runs):
+    """The code of the first run that did not finish, or None."""
+    return next((run["code"] for run in runs if "code" in run), None)
+
+
+def row(program, size, runs):
+    code = failure(runs)
+    if code is not None:
+        return f"| {size:,} | {program} | did not finish (code {code})" + " |" * (len(STAGES) + 2)
     medians = [statistics.median(run["times"][stage] for run in runs) * 1e3 for stage in STAGES]
     memory = max(run["memory"] for run in runs)
     cells = [f"{median:,.1f}" for median in medians] + [f"{whole(runs) * 1e3:,.1f}", f"{memory:,.0f}"]

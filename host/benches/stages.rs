@@ -4,11 +4,13 @@
 
 use dermatome::{
     forward::{Fields, ForwardModel},
+    inverse::reconstruction_matrix,
     jacobian::jacobian,
     mesh::{Lattice, Mesh},
     model::{Model, forward_model, mesh, pixels_on},
     pixels::Pixels,
-    skin::{EdgeLengths, ImageLayout, Skin},
+    prior::Prior,
+    skin::{EdgeLengths, ImageLayout, Method, Skin},
 };
 use divan::{AllocProfiler, Bencher, black_box};
 use std::path::Path;
@@ -95,6 +97,18 @@ fn stage_4_jacobian(bencher: Bencher<'_, '_>, size: Size) {
     let (skin, mesh, fields) = size.fields();
     let (pixels, steps) = (pixels(&skin, &mesh), skin.steps());
     bencher.bench_local(|| jacobian(&mesh, black_box(&fields), &steps, &pixels));
+}
+
+#[divan::bench(args = SIZES, max_time = 10)]
+fn stage_5_matrix(bencher: Bencher<'_, '_>, size: Size) {
+    let skin = size.skin();
+    let model = Model::build(&skin, |_| ()).expect("the shipped skin has a model");
+    let Method::OneStep(kind) = skin.inverse.method else { panic!("the shipped skin has a prior") };
+    let (jacobian, weights) = (&model.jacobian, &model.weights);
+    bencher.bench_local(|| {
+        let prior = Prior::new(kind, &model.pixels, black_box(jacobian), weights);
+        reconstruction_matrix(jacobian, &prior, weights, model.hyperparameter)
+    });
 }
 
 #[divan::bench(args = SIZES, max_time = 20)]
