@@ -14,13 +14,14 @@ use std::{
 };
 
 /// All commands.
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 14] = [
     "build",
     "check-data",
     "demo",
     "devices",
     "evaluate",
     "export",
+    "firmware",
     "flash",
     "forward",
     "inspect",

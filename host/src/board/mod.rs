@@ -1,7 +1,9 @@
-//! Boards: the ones on this machine's serial ports, and the simulated one.
+//! Boards: the ones on this machine's serial ports and debug probes, and the simulated one.
 
 mod client;
+pub mod firmware;
 pub mod patch_store;
+pub mod probe;
 pub mod simulated;
 
 use serialport::SerialPortType;

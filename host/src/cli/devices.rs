@@ -1,19 +1,20 @@
 //! `dermatome devices`.
 
 use crate::{
-    board::{SerialPort, serial_ports},
+    board::{SerialPort, probe::DebugProbe, serial_ports},
     link::{self, Link, Port},
 };
 use dermatome_shared::protocol::{FrameSource, Info};
 use serde::Serialize;
 use std::time::Duration;
 
-/// List the serial ports of this machine, or ask one board what it is and holds.
+/// List serial ports and debug probes, or ask one board what it is and holds.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     dermatome devices\n  \
     dermatome devices --json devices.json\n  \
-    dermatome devices --port /dev/ttyACM0")]
+    dermatome devices --port /dev/ttyACM0\n\n\
+    Debug probes are listed by a program built with `--features probe`.")]
 pub(super) struct Args {
     /// Board to ask, instead of a list: /dev/ttyACM0, COM5, tcp:HOST:PORT or sim:SKIN.toml.
     #[arg(long)]
@@ -25,6 +26,7 @@ pub(super) struct Args {
 #[derive(Serialize)]
 struct Report<'a> {
     ports: &'a [SerialPort],
+    probes: Option<&'a [DebugProbe]>,
 }
 
 /// What a board is, holds and does.
@@ -58,7 +60,31 @@ fn list(args: &Args) -> anyhow::Result<()> {
     for port in &ports {
         say!("{}", line(port));
     }
-    args.json.write(&Report { ports: &ports })
+    let probes = probes();
+    if probes.as_ref().is_some_and(Vec::is_empty) {
+        say!("no debug probes found");
+    }
+    for probe in probes.iter().flatten() {
+        say!("{}", probe_line(probe));
+    }
+    args.json.write(&Report { ports: &ports, probes: probes.as_deref() })
+}
+
+/// The debug probes, if this program can tell.
+#[cfg(feature = "probe")]
+fn probes() -> Option<Vec<DebugProbe>> {
+    Some(crate::board::probe::attached::probes())
+}
+
+/// The debug probes, if this program can tell.
+#[cfg(not(feature = "probe"))]
+fn probes() -> Option<Vec<DebugProbe>> {
+    None
+}
+
+fn probe_line(probe: &DebugProbe) -> String {
+    let denied = if probe.accessible { "" } else { "  (no permission)" };
+    format!("probe {}  {:04x}:{:04x}  {}{denied}", probe.id(), probe.vendor_id, probe.product_id, probe.name)
 }
 
 fn ask(args: &Args, port: &Port) -> anyhow::Result<()> {
@@ -144,5 +170,17 @@ mod tests {
         assert_eq!(line(&port), "COM5  0483:374e  STLINK-V3  <- likely a board");
         port = SerialPort { likely_board: false, vendor_id: None, product: None, ..port };
         assert_eq!(line(&port), "COM5");
+    }
+
+    #[test]
+    fn a_probe_shows_the_id_that_chooses_it() {
+        let probe = DebugProbe {
+            name: "STLink V3".to_owned(),
+            vendor_id: 0x0483,
+            product_id: 0x374e,
+            serial_number: Some("0042".to_owned()),
+            accessible: false,
+        };
+        assert_eq!(probe_line(&probe), "probe 0042  0483:374e  STLink V3  (no permission)");
     }
 }

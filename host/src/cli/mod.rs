@@ -24,6 +24,7 @@ mod demo;
 mod devices;
 mod evaluate;
 mod export;
+mod firmware;
 mod flash;
 mod forward;
 mod frame_options;
@@ -55,6 +56,7 @@ enum Command {
     Stream(stream::Args),
     Simulate(simulate::Args),
     Devices(devices::Args),
+    Firmware(firmware::Args),
     Reconstruct(reconstruct::Args),
     CheckData(check_data::Args),
     Export(export::Args),
@@ -83,6 +85,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Stream(args) => stream::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Devices(args) => devices::run(&args),
+        Command::Firmware(args) => firmware::run(&args),
         Command::Reconstruct(args) => reconstruct::run(&args),
         Command::CheckData(args) => check_data::run(&args),
         Command::Export(args) => export::run(&args),
