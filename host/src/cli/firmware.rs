@@ -16,7 +16,6 @@ const BUILT: &str = "firmware/target/thumbv7em-none-eabihf/release/dermatome-fir
     dermatome firmware --probe 004200123456 --logs\n  \
     dermatome firmware --elf dermatome-firmware --json firmware.json\n\n\
     Needs a program built with `--features probe`; without, it only checks the ELF.")]
-#[cfg_attr(not(feature = "probe"), expect(dead_code, reason = "only a probe needs the other options"))]
 pub(super) struct Args {
     /// Firmware to program, an ELF file as `firmware/build` makes it.
     #[arg(long, value_name = "FILE", default_value = BUILT)]
