@@ -1,6 +1,6 @@
 //! Debug probes: which one to use, and whether the chip behind it is the board's.
 //!
-//! What talks to a probe is in [`attached`], and only there with the feature `probe`.
+//! What talks to a probe is in `attached`, and only there with the feature `probe`.
 
 #[cfg(feature = "probe")]
 pub mod attached;
