@@ -7,6 +7,7 @@
 //!
 //! Time passes in [`Chip::advance`], from one event of a peripheral to the next.
 
+mod access;
 pub mod adc;
 pub mod bank;
 pub mod core;
@@ -41,7 +42,7 @@ use self::{
     flash::{Flash, Operation},
     gpio::Gpio,
     iwdg::Iwdg,
-    map::{Map, PeripheralMap, Register},
+    map::Map,
     misuse::Misuse,
     nvic::{NMI, Nvic},
     peripheral::{Moment, Peripheral},
@@ -228,61 +229,6 @@ impl Chip {
         self.core.take_reset().then_some(ResetCause::Software)
     }
 
-    /// Reads `size` bytes of a peripheral.
-    pub fn read(&mut self, address: u32, size: u32) -> Result<u32, Misuse> {
-        let (value, shift) = match self.place(address)? {
-            None => (self.core.read(address & !3, self.core_moment())?, address & 3),
-            Some((map, register)) => {
-                self.check_access(map, register)?;
-                let at = self.moment();
-                let model = self.peripheral(map.name, register)?;
-                let value = model.read(register, at);
-                if model.read_changes(register) {
-                    self.touch();
-                }
-                (value, address & 3)
-            }
-        };
-        let mask = (u64::from(u32::MAX) >> (32 - 8 * size.min(4))) as u32;
-        Ok(value >> (8 * shift) & mask)
-    }
-
-    /// Writes `size` bytes of a peripheral.
-    pub fn write(&mut self, address: u32, size: u32, value: u32) -> Result<(), Misuse> {
-        match self.place(address)? {
-            None => self.core.write(address, size, value, self.core_moment())?,
-            Some((map, register)) => {
-                self.check_access(map, register)?;
-                let at = self.moment();
-                let model = self.peripheral(map.name, register)?;
-                if size != 4 && model.words_only() {
-                    let rule =
-                        format!("{} is written by {size} bytes: its registers want words", register.name);
-                    return Err(Misuse::rule(map.name, rule));
-                }
-                let old = model.bank().value(register);
-                let value = merge_bytes(old, address & 3, size, value);
-                if !register.writable {
-                    let (peripheral, register) = (map.name.to_owned(), register.name.clone());
-                    return Err(Misuse::ReadOnly { peripheral, register });
-                }
-                if !model.clears_flags(register) {
-                    check_bits(map, register, old, value)?;
-                }
-                model.bank_mut().is_in_use = true;
-                model.write(register, value, at)?;
-                if map.name.starts_with("GPIO") || map.name == "SYSCFG" {
-                    self.pins_touched = true;
-                    self.follow_pins();
-                }
-                self.touch();
-                self.follow_clocks();
-                self.check_clocks()?;
-            }
-        }
-        Ok(())
-    }
-
     /// After an access: the DMA serves its requests, and lines go to the NVIC.
     pub fn settle(&mut self, memory: &mut dyn Memory) -> Result<(), Misuse> {
         if std::mem::take(&mut self.touched) {
@@ -293,6 +239,7 @@ impl Chip {
         if std::mem::take(&mut self.pins_touched) {
             self.show_pins();
         }
+        // Beats of the DMA touch as well; requests and lines have been looked at after the last one.
         self.touched = false;
         self.show_flash();
         for (time, event) in self.uart.take_passed() {
@@ -382,34 +329,6 @@ impl Chip {
         CoreMoment { now: self.now, cycle: self.clocks.cycle(), instructions: self.instructions }
     }
 
-    /// Peripheral and register at an address; none for the core's own.
-    fn place(&self, address: u32) -> Result<Option<(&'static PeripheralMap, &'static Register)>, Misuse> {
-        let map = Map::of_chip();
-        match map.at(address) {
-            Some(peripheral) => {
-                let offset = address - peripheral.base;
-                let none = || Misuse::NoRegister { peripheral: peripheral.name.to_owned(), offset };
-                Ok(Some((peripheral, peripheral.register_at(offset).ok_or_else(none)?)))
-            }
-            None if address >= core::START => Ok(None),
-            None => Err(Misuse::NoRegister { peripheral: "address".to_owned(), offset: address }),
-        }
-    }
-
-    fn check_access(&self, map: &PeripheralMap, register: &Register) -> Result<(), Misuse> {
-        self.rcc.clock_of(map).map_err(|enable| Misuse::NoClock {
-            peripheral: format!("{}.{}", map.name, register.name),
-            enable,
-        })
-    }
-
-    fn peripheral(&mut self, name: &str, register: &Register) -> Result<&mut dyn Peripheral, Misuse> {
-        match self.model_mut(name) {
-            Some(model) if model.models(register) => Ok(model),
-            _ => Err(Misuse::unmodelled(name, register)),
-        }
-    }
-
     fn model_mut(&mut self, name: &str) -> Option<&mut dyn Peripheral> {
         Some(match name {
             "RCC" => &mut self.rcc,
@@ -496,19 +415,4 @@ fn by_name<'a, P: Peripheral>(
     name: &str,
 ) -> Option<&'a mut dyn Peripheral> {
     all.iter_mut().find(|(known, _)| *known == name).map(|(_, model)| model as _)
-}
-
-/// A store of fewer than four bytes changes only its own.
-fn merge_bytes(old: u32, place: u32, size: u32, value: u32) -> u32 {
-    let mask = (u64::from(u32::MAX) >> (32 - 8 * size.min(4))) as u32;
-    (old & !(mask << (8 * place))) | (value & mask) << (8 * place)
-}
-
-/// Bits that mean nothing keep the value they have.
-fn check_bits(map: &PeripheralMap, register: &Register, old: u32, value: u32) -> Result<(), Misuse> {
-    let (peripheral, name) = (map.name.to_owned(), register.name.clone());
-    match value & !register.known_bits & !old {
-        0 => Ok(()),
-        reserved => Err(Misuse::ReservedBits { peripheral, register: name, value, reserved }),
-    }
 }
