@@ -40,14 +40,18 @@ impl Chip {
                 check_write(model, map, register, size, value)?;
                 model.bank_mut().is_in_use = true;
                 model.write(register, value, at)?;
-                self.follow_write(map)
+                self.follow_write(map, register)
             }
         }
     }
 
     /// What a written register changes in other peripherals.
-    fn follow_write(&mut self, map: &PeripheralMap) -> Result<(), Misuse> {
-        if map.name.starts_with("GPIO") || map.name == "SYSCFG" {
+    fn follow_write(&mut self, map: &PeripheralMap, register: &Register) -> Result<(), Misuse> {
+        let resets = map.name == "RCC" && register.name.contains("RSTR");
+        if resets {
+            self.reset_held();
+        }
+        if resets || map.name.starts_with("GPIO") || map.name == "SYSCFG" {
             self.pins_touched = true;
             self.follow_pins();
         }
@@ -70,11 +74,24 @@ impl Chip {
         }
     }
 
+    /// Peripherals that the RCC holds in reset start again (RM0440, RCC chapter, RCC_AHB1RSTR and on).
+    fn reset_held(&mut self) {
+        for map in Map::of_chip().peripherals() {
+            if self.rcc.reset_of(map).is_some()
+                && let Some(model) = self.model_mut(map.name)
+            {
+                model.reset();
+            }
+        }
+    }
+
     fn check_access(&self, map: &PeripheralMap, register: &Register) -> Result<(), Misuse> {
-        self.rcc.clock_of(map).map_err(|enable| Misuse::NoClock {
-            peripheral: format!("{}.{}", map.name, register.name),
-            enable,
-        })
+        let peripheral = || format!("{}.{}", map.name, register.name);
+        self.rcc.clock_of(map).map_err(|enable| Misuse::NoClock { peripheral: peripheral(), enable })?;
+        match self.rcc.reset_of(map) {
+            Some(reset) => Err(Misuse::InReset { peripheral: peripheral(), reset }),
+            None => Ok(()),
+        }
     }
 
     fn peripheral(&mut self, name: &str, register: &Register) -> Result<&mut dyn Peripheral, Misuse> {

@@ -6,6 +6,7 @@ use crate::chip::{
     nvic::{NMI, Nvic},
     rcc::ResetCause,
     time::Time,
+    trace::Event,
     usart::Symbol,
 };
 
@@ -405,4 +406,35 @@ fn a_conversion_without_a_world_is_refused() {
     chip.modify("ADC1", "CR", &[("ADSTART", 1)]);
     let result = chip.advance(chip.now + Time::from_micros(1), &mut ram);
     assert!(result.unwrap_err().to_string().contains("no world"));
+}
+
+#[test]
+fn a_peripheral_held_in_reset_forgets_what_was_written_and_cannot_be_used() {
+    let mut chip = chip();
+    let rate = address("LPUART1", "BRR", 0);
+    chip.modify("RCC", "APB1ENR2", &[("LPUART1EN", 1)]);
+    chip.modify("LPUART1", "BRR", &[("BRR", 21_760)]);
+    assert_eq!(chip.read(rate, 4), Ok(21_760));
+    chip.modify("RCC", "APB1RSTR2", &[("LPUART1RST", 1)]);
+    let refusal = chip.refused("LPUART1", "BRR", &[("BRR", 21_760)]);
+    assert!(refusal.contains("LPUART1.BRR is used while RCC.APB1RSTR2.LPUART1RST is 1"), "{refusal}");
+    chip.modify("RCC", "APB1RSTR2", &[("LPUART1RST", 0)]);
+    assert_eq!(chip.read(rate, 4), Ok(0));
+}
+
+#[test]
+fn a_port_that_is_reset_lets_its_pins_go() {
+    let mut chip = chip();
+    let mut ram = Ram::new();
+    chip.modify("RCC", "AHB2ENR", &[("GPIOBEN", 1)]);
+    chip.trace.take();
+    chip.put("GPIOB", "ODR", 0, 1 << 3);
+    chip.settle(&mut ram).unwrap();
+    chip.modify("RCC", "AHB2RSTR", &[("GPIOBRST", 1)]);
+    chip.settle(&mut ram).unwrap();
+    let pins = chip.trace.take().into_iter().filter_map(|(_, event)| match event {
+        Event::Pins { port: 'B', levels } => Some(levels),
+        _ => None,
+    });
+    assert_eq!(pins.collect::<Vec<_>>(), [1 << 3, 0]);
 }
