@@ -1,0 +1,207 @@
+//! Boards and lines that misbehave: what the host says and counts.
+
+mod testbench;
+
+use dermatome::link::{Link, LinkError, Transport, UploadError, stream, tare, upload};
+use dermatome_shared::{
+    MAX_PATCH_BYTES,
+    protocol::{
+        BoardPacket, Event, FrameStamp, MAX_PACKET_BYTES, PROTOCOL_VERSION, Refusal, Reply, Request,
+        Selection, Version, encode,
+    },
+};
+use std::{
+    collections::VecDeque,
+    io::{self, Read, Write},
+    net::TcpListener,
+    thread,
+    time::{Duration, Instant},
+};
+use testbench::{connect, fake_board, hello, info, small_patch, square_patch};
+
+#[test]
+fn a_board_of_another_protocol_version_is_refused_with_both_versions() {
+    let version = Version { protocol: 99, ..Version::current() };
+    let error = connect(fake_board(move |_| Some(hello(version)))).map(drop).unwrap_err();
+    assert!(matches!(error, LinkError::ProtocolVersion { board: 99, .. }), "{error}");
+    let text = error.to_string();
+    assert!(text.contains("version 99") && text.contains(&format!("version {PROTOCOL_VERSION}")), "{text}");
+    assert!(text.contains("update this host program"), "{text}");
+    let refusing = fake_board(|_| Some(Reply::Refused(Refusal::Version { board: 99 })));
+    assert_eq!(
+        connect(refusing).map(drop).unwrap_err().to_string().replace(char::is_numeric, ""),
+        text.replace(char::is_numeric, "")
+    );
+}
+
+#[test]
+fn a_board_with_other_messages_is_refused_with_both_hashes() {
+    let version = Version { schema: *b"\x01\x02\x03\x04\x05\x06\x07\x08", ..Version::current() };
+    let error = connect(fake_board(move |_| Some(hello(version)))).map(drop).unwrap_err().to_string();
+    let own = u64::from_be_bytes(Version::current().schema);
+    assert!(error.contains("0102030405060708") && error.contains(&format!("{own:016x}")), "{error}");
+    assert!(error.contains("update the board's firmware"), "{error}");
+}
+
+#[test]
+fn a_peer_that_says_nothing_is_given_up_after_two_seconds() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap();
+    let start = Instant::now();
+    let error = connect(address).map(drop).unwrap_err();
+    assert!(matches!(error, LinkError::NoAnswer { .. }), "{error}");
+    let text = error.to_string();
+    assert!(text.contains(&format!("tcp:{address}")) && text.contains("another program"), "{text}");
+    assert!((1.9..10.0).contains(&start.elapsed().as_secs_f64()));
+}
+
+#[test]
+fn a_peer_that_only_chatters_is_told_apart_from_a_silent_one() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap();
+    thread::spawn(move || {
+        let (mut stream, _) = listener.accept().unwrap();
+        while stream.write_all(b"login: \r\n\0").is_ok() {
+            thread::sleep(Duration::from_millis(5));
+        }
+    });
+    let error = connect(address).map(drop).unwrap_err();
+    assert!(matches!(error, LinkError::Damaged { packets: 10.., .. }), "{error}");
+}
+
+#[test]
+fn a_board_that_closes_in_the_middle_of_an_upload_cuts_the_link() {
+    let mut pieces = 0;
+    let address = fake_board(move |request| match request {
+        Request::Hello(_) => Some(hello(Version::current())),
+        Request::Info => Some(info(16, MAX_PATCH_BYTES as u32)),
+        Request::UploadChunk { .. } => {
+            pieces += 1;
+            (pieces < 2).then_some(Reply::Done)
+        }
+        _ => Some(Reply::Done),
+    });
+    let mut link = connect(address).unwrap();
+    let mut sent = 0;
+    let error = upload(&mut link, &square_patch("s", 16, 14, 1.0), |bytes| sent += bytes).unwrap_err();
+    assert!(matches!(&error, UploadError::Link(LinkError::Cut { .. })), "{error}");
+    assert!(error.to_string().contains(&address.to_string()), "{error}");
+    assert_eq!(sent, 512);
+}
+
+#[test]
+fn a_patch_that_is_damaged_or_does_not_fit_the_board_is_not_sent() {
+    let small = || {
+        let address = fake_board(|request| match request {
+            Request::Hello(_) => Some(hello(Version::current())),
+            Request::Info => Some(info(6, 1000)),
+            other => panic!("sent {other:?}"),
+        });
+        connect(address).unwrap()
+    };
+    let long = square_patch("s", 8, 5, 1.0);
+    let error = upload(&mut small(), &long, |_| ()).unwrap_err();
+    assert!(matches!(error, UploadError::TooLong { max: 1000, .. }), "{error}");
+    let error = upload(&mut small(), &small_patch("s", 1.0), |_| ()).unwrap_err();
+    assert!(matches!(error, UploadError::Electrodes { patch: 8, board: 6 }), "{error}");
+    let mut damaged = small_patch("s", 1.0);
+    damaged[60] ^= 1;
+    let error = upload(&mut small(), &damaged, |_| ()).unwrap_err();
+    assert!(matches!(error, UploadError::Patch(_)), "{error}");
+}
+
+/// Plays bytes to the host as a board would send them after Hello; swallows what the host says.
+struct Played(VecDeque<u8>);
+
+impl Read for Played {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let length = self.0.len().min(buffer.len()).min(7);
+        if length == 0 {
+            return Err(io::ErrorKind::TimedOut.into());
+        }
+        buffer.iter_mut().zip(self.0.drain(..length)).for_each(|(place, byte)| *place = byte);
+        Ok(length)
+    }
+}
+
+impl Write for Played {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        Ok(bytes.len())
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Transport for Played {}
+
+fn packet(message: &BoardPacket) -> Vec<u8> {
+    encode(message, &mut [0; MAX_PACKET_BYTES]).unwrap().to_vec()
+}
+
+fn tared(number: u32) -> Vec<u8> {
+    packet(&BoardPacket::Event { number, event: Event::Tared { frames: number as u16 } })
+}
+
+#[test]
+fn an_event_damaged_on_the_way_counts_as_damaged_and_as_lost() {
+    let mut damaged = tared(1);
+    damaged[3] ^= 0x40;
+    let greeting = BoardPacket::Reply { sequence: 0, reply: hello(Version::current()) };
+    let bytes = [
+        b"half an old packet\0".to_vec(),
+        packet(&greeting),
+        tared(u32::MAX),
+        tared(0),
+        damaged,
+        tared(2),
+        tared(5),
+    ];
+    let mut link = Link::connect("played", Played(bytes.concat().into())).unwrap();
+    let seen: Vec<_> = std::iter::from_fn(|| link.next_event(Duration::ZERO).unwrap()).collect();
+    let frames = [u16::MAX, 0, 2, 5].map(|frames| Event::Tared { frames });
+    assert_eq!(seen, frames);
+    assert_eq!((link.packets_damaged(), link.events_lost()), (1, 1 + 2));
+}
+
+#[test]
+fn a_late_reply_does_not_pass_for_the_next_one() {
+    let reply = |sequence, reply| packet(&BoardPacket::Reply { sequence, reply });
+    let bytes = [
+        reply(0, hello(Version::current())),
+        reply(7, Reply::Refused(Refusal::NoPatch)),
+        reply(0, hello(Version::current())),
+        reply(1, info(8, 100)),
+    ];
+    let mut link = Link::connect("played", Played(bytes.concat().into())).unwrap();
+    assert_eq!(link.info().unwrap().electrodes, 8);
+}
+
+#[test]
+fn events_of_an_earlier_stream_are_forgotten_when_a_new_one_starts() {
+    let reply = |sequence, reply| packet(&BoardPacket::Reply { sequence, reply });
+    let bytes = [
+        reply(0, hello(Version::current())),
+        tared(7),
+        reply(1, Reply::Streaming { first_sequence: 12 }),
+        tared(8),
+    ];
+    let mut link = Link::connect("played", Played(bytes.concat().into())).unwrap();
+    assert_eq!(stream(&mut link, Selection { contacts: true, ..Selection::default() }).unwrap(), 12);
+    assert_eq!(link.next_event(Duration::ZERO).unwrap(), Some(Event::Tared { frames: 8 }));
+    assert_eq!(link.events_lost(), 0);
+}
+
+#[test]
+fn a_tare_that_never_ends_is_an_error_and_other_events_are_kept() {
+    let greeting = BoardPacket::Reply { sequence: 0, reply: hello(Version::current()) };
+    let done = BoardPacket::Reply { sequence: 1, reply: Reply::Done };
+    let at = FrameStamp { sequence: 1, timestamp_us: 2, flags: Default::default() };
+    let event = Event::Contacts { at, contacts: Default::default() };
+    let contacts = packet(&BoardPacket::Event { number: 0, event: event.clone() });
+    let bytes = [packet(&greeting), packet(&done), contacts].concat();
+    let mut link = Link::connect("played", Played(bytes.into())).unwrap();
+    let error = tare(&mut link, 20, Duration::from_millis(30)).unwrap_err();
+    assert!(matches!(error, LinkError::NoTare { frames: 20, .. }), "{error}");
+    assert_eq!(link.next_event(Duration::ZERO).unwrap(), Some(event));
+}
