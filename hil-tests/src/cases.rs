@@ -56,8 +56,10 @@ fn check(holds: bool, otherwise: impl FnOnce() -> String) -> Result<(), Failure>
 mod patches {
     use dermatome_shared::{
         MAX_PATCH_BYTES,
+        calibration::Calibration,
+        drive::Drive,
         image::PixelGrid,
-        patch::{CombinedInto, Difference, Drive, PatchContents, PatchHeader, PatchView},
+        patch::{CombinedInto, Difference, PatchContents, PatchHeader, PatchView},
         stimulation::{Driven, Step, pattern},
         units::RelativeConductivity,
     };
@@ -82,8 +84,11 @@ mod patches {
             pixels: pixels as u16,
             difference: if random.random() { Difference::Plain } else { Difference::Normalised },
             grid: PixelGrid { columns: SIDE, rows: SIDE, pitch: 0.005, left: -0.1, top: 0.1 },
-            drive: Drive { frequency: 50e3, amplitude: 1e-3, frame_rate: 100.0 },
+            drive: Drive::new(50e3, 1e-3, 100.0),
             contact_threshold: RelativeConductivity(1 << 14),
+            drift_time: 0.0,
+            calibration: Calibration::default(),
+            test_resistances: Default::default(),
         };
         let mask: Vec<u8> = (0..header.grid.mask_bytes()).map(|byte| mask_byte(pixels, byte)).collect();
         let exponents: Vec<i8> = (0..pixels).map(|_| random.random_range(14..18)).collect();

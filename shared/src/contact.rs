@@ -26,6 +26,16 @@ pub struct Contact {
     pub strength: f32,
     /// Largest relative conductivity change in the region.
     pub peak: f32,
+    /// Pressure, Pa, by the patch's calibration; none without one.
+    pub pressure: Option<f32>,
+}
+
+impl Contact {
+    /// Force, N: pressure times area; none without a calibration.
+    #[must_use]
+    pub fn force(&self) -> Option<f32> {
+        self.pressure.map(|pressure| pressure * self.area)
+    }
 }
 
 /// Contacts of one image, strongest peak first.
@@ -172,6 +182,7 @@ impl Region {
             area: self.pixels as f32 * grid.pitch * grid.pitch,
             strength: weight / self.pixels as f32 / RelativeConductivity::ONE as f32,
             peak: self.peak.to_f32(),
+            pressure: None,
         }
     }
 }

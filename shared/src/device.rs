@@ -4,14 +4,19 @@
 
 use crate::{
     MAX_PATCH_BYTES,
-    frame::Frame,
+    acquire::FrontEnd,
+    drive::Drive,
+    frame::{Frame, FrameFlags},
+    health::{HOT, Health, Vitals},
     patch::PatchView,
     pipeline::{self, Outcome, PipelineState},
     protocol::{
         BoardPacket, Event, FrameSource, FrameStamp, Identity, Info, PROTOCOL_VERSION, PackedImage,
         PatchInfo, Refusal, Reply, Request, RequestPacket, Selection, Version,
     },
+    reference::Reference,
     restart::Restart,
+    scan::{self, Timing},
 };
 
 /// Most frames averaged in one tare.
@@ -55,7 +60,7 @@ impl From<StoreError> for Refusal {
 }
 
 /// What is fixed about a board from the moment it starts.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BoardFacts {
     /// Who it is.
     pub identity: Identity,
@@ -63,6 +68,8 @@ pub struct BoardFacts {
     pub electrodes: u8,
     /// Where its frames come from.
     pub frame_source: FrameSource,
+    /// Its analogue front end, if it has one.
+    pub front_end: Option<FrontEnd>,
     /// Why it started.
     pub started_after: Restart,
 }
@@ -76,8 +83,11 @@ pub struct Device<S> {
     patch_is_valid: bool,
     upload: Option<Upload>,
     pipeline: PipelineState,
-    tare_frames: u16,
     streaming: Selection,
+    drive: Option<Drive>,
+    scan: u32,
+    health: Health,
+    vitals: Vitals,
     next_frame: u32,
     next_event: u32,
 }
@@ -102,8 +112,11 @@ impl<S: PatchStore> Device<S> {
             patch_is_valid,
             upload: None,
             pipeline: PipelineState::default(),
-            tare_frames: 0,
             streaming: Selection::default(),
+            drive: None,
+            scan: 0,
+            health: Health::default(),
+            vitals: Vitals::default(),
             next_frame: 0,
             next_event: 0,
         }
@@ -129,6 +142,27 @@ impl<S: PatchStore> Device<S> {
         self.pipeline.is_taring() || self.streaming.any()
     }
 
+    /// How the skin is driven: as the patch says, or as a host asked since.
+    pub fn drive(&self) -> Option<Drive> {
+        let patch = self.patch()?;
+        Some(self.drive.unwrap_or(patch.header.drive))
+    }
+
+    /// Number of the scan: whenever it changes, scanning begins anew, with gains found again.
+    pub fn scan(&self) -> u32 {
+        self.scan
+    }
+
+    /// What the latest frame says about electrodes and current.
+    pub fn health(&self) -> &Health {
+        &self.health
+    }
+
+    /// What the board knows of itself, to tell with the next health event.
+    pub fn set_vitals(&mut self, vitals: Vitals) {
+        self.vitals = vitals;
+    }
+
     /// Does what the last request left undone. It may block for as long as the storage does, so call it
     /// once the reply is under way.
     pub fn settle(&mut self) {
@@ -147,29 +181,62 @@ impl<S: PatchStore> Device<S> {
         BoardPacket::Reply { sequence: packet.sequence, reply }
     }
 
-    /// Takes one frame through the pipeline and hands each event that follows to `emit`.
-    pub fn process(&mut self, frame: &Frame, mut emit: impl FnMut(BoardPacket)) {
+    /// Takes one frame through health and pipeline, adds the flags that follow to it, and hands each event
+    /// to `emit`, what is urgent first.
+    pub fn process(&mut self, frame: &mut Frame, mut emit: impl FnMut(BoardPacket)) {
         self.next_frame = frame.sequence.wrapping_add(1);
+        self.examine(frame);
         let Some(patch) = valid_patch(&self.store, self.patch_is_valid) else { return };
         let outcome = pipeline::process(&patch, &mut self.pipeline, frame);
-        let next_event = &mut self.next_event;
-        let mut send = |event| {
-            emit(BoardPacket::Event { number: *next_event, event });
-            *next_event = next_event.wrapping_add(1);
-        };
+        frame.flags.insert(self.pipeline.flags());
+        self.tell(frame, outcome, &mut emit);
+    }
+
+    /// Hands a scope event to `emit`.
+    pub fn show_scope(&mut self, scope: Event, mut emit: impl FnMut(BoardPacket)) {
+        self.send(scope, &mut emit);
+    }
+
+    fn send(&mut self, event: Event, emit: &mut impl FnMut(BoardPacket)) {
+        emit(BoardPacket::Event { number: self.next_event, event });
+        self.next_event = self.next_event.wrapping_add(1);
+    }
+
+    fn examine(&mut self, frame: &mut Frame) {
+        let is_hot = self.vitals.temperature.is_some_and(|celsius| celsius > HOT);
+        frame.flags.insert_if(FrameFlags::HOT, is_hot);
+        let (Some(front_end), Some(drive)) = (self.facts.front_end, self.drive()) else { return };
+        let Some(patch) = valid_patch(&self.store, self.patch_is_valid) else { return };
+        let (health, found) = Health::examine(&patch, &front_end, drive.amplitude, frame);
+        self.pipeline.mask(health.bad_electrodes());
+        self.health = health;
+        frame.flags.insert(found);
+    }
+
+    fn tell(&mut self, frame: &Frame, outcome: Outcome, emit: &mut impl FnMut(BoardPacket)) {
         let at =
             FrameStamp { sequence: frame.sequence, timestamp_us: frame.timestamp_us, flags: frame.flags };
+        let wanted = |every: u16| every > 0 && frame.sequence.is_multiple_of(every.into());
+        let (streaming, is_image) = (self.streaming, outcome == Outcome::Image);
         if outcome == Outcome::Tared {
-            send(Event::Tared { frames: self.tare_frames });
+            let frames = self.pipeline.reference().map_or(0, Reference::frames);
+            self.send(Event::Tared { frames }, emit);
         }
-        if self.streaming.measurements && outcome != Outcome::WrongLength {
-            send(Event::Measurements { at, codes: frame.codes.clone() });
+        if wanted(streaming.contacts) && is_image {
+            let contacts = self.pipeline.contacts().clone();
+            self.send(Event::Contacts { at, contacts }, emit);
         }
-        if self.streaming.images && outcome == Outcome::Image {
-            send(Event::Image { at, image: PackedImage::pack(self.pipeline.image()) });
+        if wanted(streaming.health) {
+            let (health, drift) = (self.health.clone(), self.pipeline.common_drift());
+            self.send(Event::Health { at, health, vitals: self.vitals, drift }, emit);
         }
-        if self.streaming.contacts && outcome == Outcome::Image {
-            send(Event::Contacts { at, contacts: self.pipeline.contacts().clone() });
+        if wanted(streaming.measurements) && outcome != Outcome::WrongLength {
+            let (codes, quadrature) = (frame.codes.clone(), frame.quadrature.clone());
+            self.send(Event::Measurements { at, codes, quadrature }, emit);
+        }
+        if wanted(streaming.images) && is_image {
+            let image = PackedImage::pack(self.pipeline.image());
+            self.send(Event::Image { at, image }, emit);
         }
     }
 
@@ -184,6 +251,7 @@ impl<S: PatchStore> Device<S> {
             Request::CommitUpload => self.commit_upload(),
             Request::Tare { frames } => self.tare(*frames),
             Request::Stream(selection) => self.stream(*selection),
+            Request::Drive(drive) => self.set_drive(*drive),
         }
     }
 
@@ -199,6 +267,8 @@ impl<S: PatchStore> Device<S> {
             electrodes: self.facts.electrodes,
             max_patch_bytes: MAX_PATCH_BYTES as u32,
             frame_source: self.facts.frame_source,
+            front_end: self.facts.front_end,
+            drive: self.drive(),
             started_after: self.facts.started_after.clone(),
             uptime_ms,
             patch: self.patch().map(|patch| PatchInfo {
@@ -256,11 +326,37 @@ impl<S: PatchStore> Device<S> {
         if patch > board {
             return Err(Refusal::Electrodes { patch, board });
         }
+        self.check_drive(&staged.header.drive)?;
         self.store.commit()?;
         self.patch_is_valid = true;
-        self.pipeline = PipelineState::default();
         self.streaming = Selection::default();
+        self.drive = None;
+        self.begin_scan();
         Ok(Reply::Done)
+    }
+
+    /// Everything measured so far counts no more.
+    fn begin_scan(&mut self) {
+        self.pipeline = PipelineState::default();
+        self.scan = self.scan.wrapping_add(1);
+    }
+
+    fn set_drive(&mut self, drive: Option<Drive>) -> Result<Reply, Refusal> {
+        self.patch().ok_or(Refusal::NoPatch)?;
+        drive.map_or(Ok(()), |drive| self.check_drive(&drive))?;
+        self.drive = drive;
+        self.begin_scan();
+        Ok(Reply::Done)
+    }
+
+    /// Whether the front end, if there is one, can drive a skin like that.
+    fn check_drive(&self, drive: &Drive) -> Result<(), Refusal> {
+        let Some(front_end) = self.facts.front_end else { return Ok(()) };
+        let fits = drive.check().is_ok()
+            && drive.amplitude <= front_end.full_scale_current * 1.0001
+            && Timing::new(drive, front_end.sample_rate).is_some();
+        let max_microamperes = (front_end.full_scale_current * 1e6) as u32;
+        if fits { Ok(()) } else { Err(Refusal::Drive { max_microamperes }) }
     }
 
     fn tare(&mut self, frames: u16) -> Result<Reply, Refusal> {
@@ -268,15 +364,16 @@ impl<S: PatchStore> Device<S> {
         if !(1..=MAX_TARE_FRAMES).contains(&frames) {
             return Err(Refusal::TareFrames { max: MAX_TARE_FRAMES });
         }
-        self.tare_frames = frames;
+        // Gains may be better now.
+        self.begin_scan();
         self.pipeline.start_tare(frames);
         Ok(Reply::Done)
     }
 
     fn stream(&mut self, selection: Selection) -> Result<Reply, Refusal> {
-        self.patch().ok_or(Refusal::NoPatch)?;
-        if (selection.images || selection.contacts) && self.pipeline.reference().is_none() {
-            return Err(Refusal::NotTared);
+        let last = scan::slots(&self.patch().ok_or(Refusal::NoPatch)?).len().saturating_sub(1) as u16;
+        if selection.scope > 0 && selection.scope_slot > last {
+            return Err(Refusal::Slot { last });
         }
         self.streaming = selection;
         Ok(Reply::Streaming { first_sequence: self.next_frame })

@@ -1,6 +1,6 @@
 //! Frame: one full scan of the stimulation pattern.
 
-use crate::{MAX_STEPS, units::AdcCode};
+use crate::{MAX_ELECTRODES, MAX_STEPS, units::AdcCode};
 use heapless::Vec;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -14,17 +14,62 @@ pub struct Frame {
     pub timestamp_us: u64,
     /// What was wrong with the scan.
     pub flags: FrameFlags,
-    /// In-phase voltages: `[step]`.
+    /// The part of each voltage that goes into the image: `[step]`.
     pub codes: Vec<AdcCode, MAX_STEPS>,
+    /// The part a quarter period later: `[step]`; empty where it is not measured.
+    pub quadrature: Vec<AdcCode, MAX_STEPS>,
+    /// Voltages of the electrodes' tests ([`crate::scan::test_step`]): `[electrode]`; empty where they
+    /// are not measured.
+    pub tests: Vec<ElectrodeTest, MAX_ELECTRODES>,
 }
 
-/// What was wrong with a frame; a set of bits, so that more can follow.
+/// Voltage of one electrode's test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
-pub struct FrameFlags(pub u8);
+pub struct ElectrodeTest {
+    /// In phase with the current.
+    pub in_phase: AdcCode,
+    /// A quarter period later.
+    pub quadrature: AdcCode,
+    /// Whether the converter or its amplifier was at the end of its range.
+    pub is_clipped: bool,
+}
+
+/// What was wrong with a frame: a set of bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct FrameFlags(pub u16);
 
 impl FrameFlags {
     /// At least one sample reached the end of the converter's range.
     pub const SATURATED: Self = Self(1);
+    /// An electrode has no contact.
+    pub const OPEN_ELECTRODE: Self = Self(1 << 1);
+    /// An electrode is connected to its neighbour.
+    pub const SHORTED_ELECTRODE: Self = Self(1 << 2);
+    /// No current flows: the source, its converter, or all of the wiring.
+    pub const NO_CURRENT: Self = Self(1 << 3);
+    /// Voltages with drive and sense exchanged differ: a multiplexer, or something not linear.
+    pub const NOT_RECIPROCAL: Self = Self(1 << 4);
+    /// Voltages differ from the reference by more than any press could explain.
+    pub const IMPLAUSIBLE: Self = Self(1 << 5);
+    /// The board lost samples between the frame before and this one.
+    pub const MISSED: Self = Self(1 << 6);
+    /// Measurements with bad electrodes count as unchanged in the image.
+    pub const MASKED: Self = Self(1 << 7);
+    /// The board's chip is hotter than it may be.
+    pub const HOT: Self = Self(1 << 8);
+
+    /// Each flag with what it says, in few words.
+    pub const ALL: [(Self, &str); 9] = [
+        (Self::SATURATED, "saturated"),
+        (Self::OPEN_ELECTRODE, "open electrode"),
+        (Self::SHORTED_ELECTRODE, "shorted electrode"),
+        (Self::NO_CURRENT, "no current"),
+        (Self::NOT_RECIPROCAL, "not reciprocal"),
+        (Self::IMPLAUSIBLE, "implausible"),
+        (Self::MISSED, "samples missed"),
+        (Self::MASKED, "bad electrodes masked"),
+        (Self::HOT, "chip too hot"),
+    ];
 
     /// Whether all bits of `other` are set.
     #[must_use]
@@ -32,8 +77,21 @@ impl FrameFlags {
         self.0 & other.0 == other.0
     }
 
+    /// Whether any bit of `other` is set.
+    #[must_use]
+    pub const fn intersects(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
     /// Sets the bits of `other`.
     pub const fn insert(&mut self, other: Self) {
         self.0 |= other.0;
+    }
+
+    /// Sets the bits of `other` if something is so.
+    pub const fn insert_if(&mut self, other: Self, is_so: bool) {
+        if is_so {
+            self.insert(other);
+        }
     }
 }

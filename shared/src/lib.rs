@@ -3,7 +3,8 @@
 //! One frame travels like this, one call per step:
 //!
 //! ```text
-//! frame -> reference -> reconstruct -> contact        (all inside pipeline)
+//! samples -> demodulate -> acquire -> frame
+//! frame -> health -> reference -> drift -> reconstruct -> contact -> calibration    (inside pipeline)
 //! request packet -> protocol -> device -> protocol -> reply packet
 //! frame -> device -> pipeline -> events -> protocol -> event packets
 //! ```
@@ -16,9 +17,15 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod acquire;
+pub mod calibration;
 pub mod contact;
+pub mod demodulate;
 pub mod device;
+pub mod drift;
+pub mod drive;
 pub mod frame;
+pub mod health;
 pub mod image;
 pub mod patch;
 pub mod pipeline;
@@ -26,6 +33,7 @@ pub mod protocol;
 pub mod reconstruct;
 pub mod reference;
 pub mod restart;
+pub mod scan;
 pub mod slots;
 pub mod stimulation;
 pub mod synthetic;

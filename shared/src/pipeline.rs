@@ -3,19 +3,34 @@
 //! The fixed configuration is the patch; [`PipelineState`] is all that changes.
 
 use crate::{
+    MAX_MEASUREMENTS,
     contact::{self, Contacts},
-    frame::Frame,
+    drift::{Drift, Follow},
+    frame::{Frame, FrameFlags},
+    health::ElectrodeSet,
     image::Image,
     patch::PatchView,
     reconstruct::reconstruct,
-    reference::{DifferenceData, Reference, Tare},
+    reference::{DEFAULT_TARE_FRAMES, DifferenceData, Reference, Tare},
+    stimulation::Step,
 };
+use heapless::Vec;
+
+/// A measurement that changes by more than this is more than a press does.
+const IMPLAUSIBLE: f32 = 0.8;
+/// A press near an electrode may do that to some measurements: to one in this many.
+const IMPLAUSIBLE_SHARE: usize = 8;
+/// Frames that say nothing about the skin: no reference is made of them.
+const WORTHLESS: FrameFlags = FrameFlags(FrameFlags::NO_CURRENT.0 | FrameFlags::MISSED.0);
 
 /// What the pipeline remembers from frame to frame, and its latest results.
 #[derive(Clone, Debug, Default)]
 pub struct PipelineState {
     tare: Option<Tare>,
     reference: Option<Reference>,
+    drift: Drift,
+    bad_electrodes: ElectrodeSet,
+    flags: FrameFlags,
     difference: DifferenceData,
     image: Image,
     contacts: Contacts,
@@ -26,8 +41,6 @@ pub struct PipelineState {
 pub enum Outcome {
     /// The frame does not hold one code per step of the patch, and was dropped.
     WrongLength,
-    /// There is no reference yet; ask for a tare.
-    NoReference,
     /// The frame went into the reference being averaged.
     Taring,
     /// The frame completed the reference.
@@ -37,21 +50,27 @@ pub enum Outcome {
 }
 
 /// Takes one frame through reference, reconstruction and contact finding.
+///
+/// Without a reference, a tare of [`DEFAULT_TARE_FRAMES`] steady frames begins by itself.
 pub fn process(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) -> Outcome {
     if frame.codes.len() != usize::from(patch.header.steps) {
         return Outcome::WrongLength;
     }
+    state.flags = FrameFlags::default();
+    if state.reference.is_none() && state.tare.is_none() {
+        state.tare = Some(Tare::of_steady_frames(DEFAULT_TARE_FRAMES));
+    }
     if let Some(tare) = &mut state.tare {
-        let Some(reference) = tare.add(patch, frame) else { return Outcome::Taring };
-        state.tare = None;
-        state.reference = Some(reference);
+        let usable = !frame.flags.intersects(WORTHLESS);
+        let Some(reference) = usable.then(|| tare.add(patch, frame)).flatten() else {
+            return Outcome::Taring;
+        };
+        (state.tare, state.reference, state.drift) = (None, Some(reference), Drift::default());
         return Outcome::Tared;
     }
-    let Some(reference) = &state.reference else { return Outcome::NoReference };
-    reference.difference(patch, frame, &mut state.difference);
+    state.compare(patch, frame);
     reconstruct(patch, &state.difference, &mut state.image);
-    let header = &patch.header;
-    state.contacts = contact::find(&header.grid, patch.mask(), &state.image, header.contact_threshold);
+    state.find_contacts(patch, frame.timestamp_us);
     Outcome::Image
 }
 
@@ -59,6 +78,52 @@ impl PipelineState {
     /// Averages the next `frames` frames into a new reference.
     pub fn start_tare(&mut self, frames: u16) {
         self.tare = Some(Tare::new(frames));
+    }
+
+    /// Measurements that need these electrodes count as unchanged from now on.
+    pub fn mask(&mut self, bad_electrodes: ElectrodeSet) {
+        self.bad_electrodes = bad_electrodes;
+    }
+
+    /// What the latest frame showed to be wrong, beside its own flags.
+    #[must_use]
+    pub fn flags(&self) -> FrameFlags {
+        self.flags
+    }
+
+    /// Drift of all voltages that is taken out of the images, relative.
+    #[must_use]
+    pub fn common_drift(&self) -> f32 {
+        self.drift.common()
+    }
+
+    /// Frame -> difference data, without drift and bad electrodes.
+    fn compare(&mut self, patch: &PatchView<'_>, frame: &Frame) {
+        let Some(reference) = &mut self.reference else { return };
+        let mut relative = reference.relative_change(patch, frame);
+        let masked = mask_measurements(patch, self.bad_electrodes, &mut relative);
+        self.flags.insert_if(FrameFlags::MASKED, masked);
+        self.flags.insert_if(FrameFlags::IMPLAUSIBLE, is_implausible(&relative));
+        let drift_time = patch.header.drift_time;
+        let weights = reference.weights();
+        let follow = self.drift.correct(&mut relative, &weights, frame.timestamp_us, drift_time);
+        if let Follow::Part(part) = follow
+            && (frame.flags.0 | self.flags.0) == 0
+        {
+            reference.follow(patch, frame, part);
+        }
+        self.difference.quantise(&relative);
+    }
+
+    fn find_contacts(&mut self, patch: &PatchView<'_>, now_us: u64) {
+        let header = &patch.header;
+        self.contacts = contact::find(&header.grid, patch.mask(), &self.image, header.contact_threshold);
+        for contact in &mut self.contacts {
+            contact.pressure = header.calibration.pressure(contact.strength);
+        }
+        if !self.contacts.is_empty() {
+            self.drift.touch(now_us);
+        }
     }
 
     /// Whether a reference is being averaged.
@@ -92,6 +157,29 @@ impl PipelineState {
     }
 }
 
+/// Sets the change of every measurement that needs a bad electrode to nothing; says whether any did.
+fn mask_measurements(
+    patch: &PatchView<'_>,
+    bad: ElectrodeSet,
+    relative: &mut Vec<f32, MAX_MEASUREMENTS>,
+) -> bool {
+    if bad.is_empty() {
+        return false;
+    }
+    let needs_bad = |step: Step| step.to_bytes().into_iter().any(|electrode| bad.contains(electrode));
+    for (_, target) in patch.steps().zip(patch.combination()).filter(|&(step, _)| needs_bad(step)) {
+        if let Some(change) = relative.get_mut(usize::from(target.measurement)) {
+            *change = 0.0;
+        }
+    }
+    true
+}
+
+fn is_implausible(relative: &[f32]) -> bool {
+    let far = relative.iter().filter(|&&change| libm::fabsf(change) > IMPLAUSIBLE).count();
+    far * IMPLAUSIBLE_SHARE > relative.len()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,7 +191,6 @@ mod tests {
 
     fn tared(patch: &PatchView<'_>, value: i32, frames: u16) -> PipelineState {
         let mut state = PipelineState::default();
-        assert_eq!(process(patch, &mut state, &flat_frame(value)), Outcome::NoReference);
         state.start_tare(frames);
         for _ in 1..frames {
             assert_eq!(process(patch, &mut state, &flat_frame(value)), Outcome::Taring);
@@ -152,6 +239,93 @@ mod tests {
         let mut frame = flat_frame(700);
         frame.codes.pop();
         assert_eq!(process(&patch, &mut state, &frame), Outcome::WrongLength);
+    }
+
+    #[test]
+    fn without_a_reference_twenty_steady_frames_make_one() {
+        let bytes = small_patch(Difference::Plain);
+        let patch = PatchView::validate(&bytes).unwrap();
+        let mut state = PipelineState::default();
+        let mut steps = (0..25).map(|n| if n < 5 { 1000 + 100 * n } else { 2000 });
+        let outcomes: std::vec::Vec<_> =
+            steps.by_ref().map(|value| process(&patch, &mut state, &flat_frame(value))).collect();
+        assert!(outcomes[..24].iter().all(|outcome| *outcome == Outcome::Taring));
+        assert_eq!(outcomes[24], Outcome::Tared);
+        assert_eq!(state.reference().unwrap().sums()[7], 20 * 2000);
+    }
+
+    #[test]
+    fn frames_without_current_make_no_reference() {
+        let bytes = small_patch(Difference::Plain);
+        let patch = PatchView::validate(&bytes).unwrap();
+        let mut state = PipelineState::default();
+        state.start_tare(1);
+        let dead = Frame { flags: FrameFlags::NO_CURRENT, ..flat_frame(3) };
+        assert_eq!(process(&patch, &mut state, &dead), Outcome::Taring);
+        assert_eq!(process(&patch, &mut state, &flat_frame(700)), Outcome::Tared);
+    }
+
+    #[test]
+    fn voltages_that_no_press_explains_are_flagged() {
+        let bytes = small_patch(Difference::Normalised);
+        let patch = PatchView::validate(&bytes).unwrap();
+        let mut state = tared(&patch, 1000, 2);
+        let mut frame = flat_frame(1000);
+        frame.codes.iter_mut().step_by(6).for_each(|code| code.0 = 0);
+        process(&patch, &mut state, &frame);
+        assert_eq!(state.flags(), FrameFlags::IMPLAUSIBLE);
+        frame = flat_frame(1000);
+        frame.codes.iter_mut().step_by(10).for_each(|code| code.0 = 0);
+        process(&patch, &mut state, &frame);
+        assert_eq!(state.flags(), FrameFlags::default());
+    }
+
+    /// Frames for `seconds` at 10 a second: all voltages drift by 1 % a minute, and measurement 1 is
+    /// pressed by `press`.
+    fn drifting(
+        patch: &PatchView<'_>,
+        state: &mut PipelineState,
+        start: f64,
+        seconds: f64,
+        press: f64,
+    ) -> std::vec::Vec<f64> {
+        let frames = (seconds * 10.0) as usize;
+        let mut values = std::vec::Vec::new();
+        for n in 0..frames {
+            let time = start + n as f64 * 0.1;
+            let drift = 1.0 - time / 6000.0;
+            let mut frame = flat_frame((1e6 * drift) as i32);
+            frame.codes[1] = AdcCode((1e6 * drift * (1.0 + press)) as i32);
+            frame.timestamp_us = (time * 1e6) as u64;
+            process(patch, state, &frame);
+            values.push(state.image()[1].to_f64());
+        }
+        values
+    }
+
+    #[test]
+    fn drift_is_followed_and_a_held_press_is_not() {
+        let bytes = crate::patch::tests::drifting_patch(30.0);
+        let patch = PatchView::validate(&bytes).unwrap();
+        let mut state = tared(&patch, 1_000_000, 2);
+        let untouched = drifting(&patch, &mut state, 0.0, 300.0, 0.0);
+        assert!(untouched.iter().all(|value| value.abs() < 0.008), "{:?}", untouched.last());
+        assert!(state.contacts().is_empty());
+        let pressed = drifting(&patch, &mut state, 300.0, 600.0, 0.2);
+        let (first, last) = (pressed[2], pressed[pressed.len() - 1]);
+        assert!((first - 0.2).abs() < 0.01 && (last - first).abs() < 0.02 * first, "{first} {last}");
+        assert_eq!(state.contacts().len(), 1);
+        let released = drifting(&patch, &mut state, 900.0, 100.0, 0.0);
+        assert!(released[5..].iter().all(|value| value.abs() < 0.01), "{:?}", released.last());
+    }
+
+    #[test]
+    fn without_a_drift_time_nothing_is_followed() {
+        let bytes = small_patch(Difference::Normalised);
+        let patch = PatchView::validate(&bytes).unwrap();
+        let mut state = tared(&patch, 1_000_000, 2);
+        let last = drifting(&patch, &mut state, 0.0, 300.0, 0.0).pop().unwrap();
+        assert!((last + 0.05).abs() < 1e-3, "{last}");
     }
 
     #[test]

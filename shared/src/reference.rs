@@ -36,19 +36,33 @@ pub struct Reference {
 pub struct Tare {
     remaining: u16,
     reference: Reference,
+    /// Frames it starts with anew when one differs from those before; none if it takes any.
+    steady_frames: Option<u16>,
 }
+
+/// Sum of changes over sum of voltages above which a frame is not steady: far more than noise.
+const UNSTEADY: f32 = 0.02;
 
 impl Tare {
     /// Starts to average `frames` frames (at least one).
     #[must_use]
     pub fn new(frames: u16) -> Self {
-        Self { remaining: frames.max(1), reference: Reference::default() }
+        Self { remaining: frames.max(1), ..Self::default() }
+    }
+
+    /// Starts to average `frames` frames that resemble each other.
+    #[must_use]
+    pub fn of_steady_frames(frames: u16) -> Self {
+        Self { steady_frames: Some(frames), ..Self::new(frames) }
     }
 
     /// Adds one frame; gives the finished reference with the last one.
     pub fn add(&mut self, patch: &PatchView<'_>, frame: &Frame) -> Option<Reference> {
         let mut measured = Vec::new();
         combine_steps(patch, frame, &mut measured);
+        if let Some(frames) = self.steady_frames.filter(|_| self.reference.is_unlike(&measured)) {
+            *self = Self::of_steady_frames(frames);
+        }
         let sums = &mut self.reference.sums;
         if sums.len() != measured.len() {
             sums.clear();
@@ -82,20 +96,49 @@ impl Reference {
         self.frames
     }
 
-    /// Difference data of one frame with respect to this reference.
+    /// Change of one frame relative to this reference: `[measurement]`.
     ///
     /// A measurement whose reference is zero cannot be normalised and reads zero.
-    pub fn difference(&self, patch: &PatchView<'_>, frame: &Frame, out: &mut DifferenceData) {
+    #[must_use]
+    pub fn relative_change(&self, patch: &PatchView<'_>, frame: &Frame) -> Vec<f32, MAX_MEASUREMENTS> {
         let mut measured = Vec::new();
         combine_steps(patch, frame, &mut measured);
-        let mut relative: Vec<f32, MAX_MEASUREMENTS> = Vec::new();
-        for ((value, sum), scale) in measured.iter().zip(&self.sums).zip(&self.scales) {
-            let change = value * i64::from(self.frames) - sum;
-            let _ = relative.push(change as f32 * scale);
+        let changes = measured.iter().zip(&self.sums).zip(&self.scales);
+        changes.map(|((value, sum), scale)| (value * i64::from(self.frames) - sum) as f32 * scale).collect()
+    }
+
+    /// Whether a frame's measurements differ from the mean by more than noise does.
+    fn is_unlike(&self, measured: &[i64]) -> bool {
+        let (mut change, mut size) = (0.0, 0.0);
+        for (&sum, &value) in self.sums.iter().zip(measured) {
+            change += (value * i64::from(self.frames) - sum).unsigned_abs() as f32;
+            size += sum.unsigned_abs() as f32;
         }
-        out.quantise(&relative);
+        change > UNSTEADY * size
+    }
+
+    /// What [`Self::relative_change`] reads if all voltages change by their own size: `[measurement]`.
+    #[must_use]
+    pub fn weights(&self) -> Vec<f32, MAX_MEASUREMENTS> {
+        self.sums.iter().zip(&self.scales).map(|(&sum, scale)| sum as f32 * scale).collect()
+    }
+
+    /// Moves the reference `part` of the way to a frame, 0 to 1.
+    pub fn follow(&mut self, patch: &PatchView<'_>, frame: &Frame, part: f32) {
+        let mut measured = Vec::new();
+        combine_steps(patch, frame, &mut measured);
+        let part = (part.clamp(0.0, 1.0) * FOLLOW_ONE as f32) as i64;
+        for (sum, value) in self.sums.iter_mut().zip(&measured) {
+            let way = value * i64::from(self.frames) - *sum;
+            // A code has 25 bits, two of them add up, and a tare has 10 bits of frames: 60 bits.
+            *sum += (way * part + FOLLOW_ONE / 2).div_euclid(FOLLOW_ONE);
+        }
+        self.scales = scales(patch, self);
     }
 }
+
+/// The whole way of [`Reference::follow`].
+const FOLLOW_ONE: i64 = 1 << 24;
 
 /// Difference data in block floating point: `y[m] = codes[m] * 2^-exponent`.
 ///

@@ -6,8 +6,10 @@ use dermatome::{
     link::{Link, LinkError, Port},
 };
 use dermatome_shared::{
+    calibration::Calibration,
+    drive::Drive,
     image::PixelGrid,
-    patch::{CombinedInto, Difference, Drive, PatchContents, PatchHeader},
+    patch::{CombinedInto, Difference, PatchContents, PatchHeader},
     protocol::{
         self, BoardPacket, Identity, Info, MAX_PACKET_BYTES, PacketReader, Reply, Request, RequestPacket,
         Selection, Version, encode,
@@ -49,8 +51,11 @@ pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32
         pixels: pixels as u16,
         difference: Difference::Normalised,
         grid: PixelGrid { columns: side, rows: side, pitch: 0.01, left: -0.01, top: 0.01 },
-        drive: Drive { frequency: 50e3, amplitude: 1e-3, frame_rate },
+        drive: Drive::new(50e3, 1e-3, frame_rate),
         contact_threshold: RelativeConductivity::from_f64(0.01),
+        drift_time: 0.0,
+        calibration: Calibration::default(),
+        test_resistances: Default::default(),
     };
     let mut matrix = vec![0; pixels * steps.len()];
     for pixel in 0..pixels {

@@ -2,8 +2,10 @@
 
 use dermatome_shared::{
     frame::Frame,
+    calibration::Calibration,
+    drive::Drive,
     image::PixelGrid,
-    patch::{CRC32, CombinedInto, Difference, Drive, PatchContents, PatchHeader},
+    patch::{CRC32, CombinedInto, Difference, PatchContents, PatchHeader},
     stimulation::{Driven, Step, pattern},
     units::{AdcCode, RelativeConductivity},
 };
@@ -23,8 +25,11 @@ pub fn small_patch() -> Vec<u8> {
         pixels: 4,
         difference: Difference::Normalised,
         grid: PixelGrid { columns: 2, rows: 2, pitch: 0.01, left: -0.01, top: 0.01 },
-        drive: Drive { frequency: 50e3, amplitude: 1e-3, frame_rate: 50.0 },
+        drive: Drive::new(50e3, 1e-3, 50.0),
         contact_threshold: RelativeConductivity::from_f64(0.01),
+        drift_time: 0.0,
+        calibration: Calibration::default(),
+        test_resistances: Default::default(),
     };
     let contents = PatchContents {
         header: &header,

@@ -39,6 +39,7 @@ fn facts(electrodes: u8) -> BoardFacts {
         identity,
         electrodes,
         frame_source: FrameSource::Synthetic,
+        front_end: None,
         started_after: Restart::Watchdog,
     }
 }
@@ -74,7 +75,7 @@ fn upload_good(device: &mut Device<Memory>, difference: Difference) -> u32 {
 
 fn events(device: &mut Device<Memory>, frame: &Frame) -> Vec<(u32, Event)> {
     let mut seen = Vec::new();
-    device.process(frame, |packet| match packet {
+    device.process(&mut frame.clone(), |packet| match packet {
         BoardPacket::Event { number, event } => seen.push((number, event)),
         BoardPacket::Reply { .. } => panic!("a reply nobody asked for"),
     });
@@ -98,7 +99,7 @@ fn a_board_without_a_patch_says_so() {
     let mut device = device();
     assert_eq!(ask(&mut device, Request::Tare { frames: 1 }), Reply::Refused(Refusal::NoPatch));
     assert_eq!(ask(&mut device, Request::Geometry), Reply::Refused(Refusal::NoPatch));
-    let all = Selection { images: true, contacts: true, measurements: true };
+    let all = Selection { images: 1, contacts: 1, measurements: 1, ..Selection::default() };
     assert_eq!(ask(&mut device, Request::Stream(all)), Reply::Refused(Refusal::NoPatch));
     assert!(events(&mut device, &frame(0, 5)).is_empty());
 }
@@ -107,8 +108,8 @@ fn a_board_without_a_patch_says_so() {
 fn upload_tare_and_stream_number_their_events_without_gaps() {
     let mut device = device();
     upload_good(&mut device, Difference::Plain);
-    let wanted = Selection { images: true, contacts: true, measurements: false };
-    assert_eq!(ask(&mut device, Request::Stream(wanted)), Reply::Refused(Refusal::NotTared));
+    let wanted = Selection { images: 1, contacts: 1, ..Selection::default() };
+    assert_eq!(ask(&mut device, Request::Reference), Reply::Refused(Refusal::NotTared));
     assert_eq!(ask(&mut device, Request::Tare { frames: 2 }), Reply::Done);
     assert!(events(&mut device, &frame(0, 100)).is_empty());
     assert_eq!(events(&mut device, &frame(1, 100)), [(0, Event::Tared { frames: 2 })]);
@@ -116,8 +117,8 @@ fn upload_tare_and_stream_number_their_events_without_gaps() {
     assert_eq!(ask(&mut device, Request::Reference), Reply::Reference { frames: 2, sums });
     assert_eq!(ask(&mut device, Request::Stream(wanted)), Reply::Streaming { first_sequence: 2 });
     let seen = events(&mut device, &frame(2, 150));
-    assert!(matches!(seen[0], (1, Event::Image { .. })));
-    let (2, Event::Contacts { at, contacts }) = &seen[1] else { panic!("{seen:?}") };
+    assert!(matches!(seen[1], (2, Event::Image { .. })));
+    let (1, Event::Contacts { at, contacts }) = &seen[0] else { panic!("{seen:?}") };
     assert_eq!((at.sequence, contacts.len()), (2, 1));
     assert!((contacts[0].strength - 0.5).abs() < 1e-4);
 }
@@ -205,6 +206,103 @@ fn frames_are_needed_while_a_tare_or_a_stream_is_under_way() {
     assert!(device.needs_frames());
     events(&mut device, &frame(0, 100));
     assert!(!device.needs_frames());
-    ask(&mut device, Request::Stream(Selection { contacts: true, ..Selection::default() }));
+    ask(&mut device, Request::Stream(Selection { contacts: 1, ..Selection::default() }));
     assert!(device.needs_frames());
+}
+
+#[test]
+fn each_event_comes_every_so_many_frames() {
+    let mut device = device();
+    upload_good(&mut device, Difference::Plain);
+    ask(&mut device, Request::Tare { frames: 1 });
+    events(&mut device, &frame(0, 100));
+    let wanted = Selection { images: 4, contacts: 1, measurements: 2, health: 3, ..Selection::default() };
+    ask(&mut device, Request::Stream(wanted));
+    let mut seen = [0; 4];
+    for sequence in 1..=12 {
+        for (_, event) in events(&mut device, &frame(sequence, 100)) {
+            seen[match event {
+                Event::Image { .. } => 0,
+                Event::Contacts { .. } => 1,
+                Event::Measurements { .. } => 2,
+                Event::Health { .. } => 3,
+                other => panic!("{other:?}"),
+            }] += 1;
+        }
+    }
+    assert_eq!(seen, [3, 12, 6, 4]);
+}
+
+fn board_with_a_front_end() -> Device<Memory> {
+    let front_end = FrontEnd {
+        sample_rate: 2_000_000,
+        volts_per_code: 2e-8,
+        full_scale_current: 1e-3,
+        gain_bandwidth: 13e6,
+        lead: 0.0,
+    };
+    let mut device = Device::new(BoardFacts { front_end: Some(front_end), ..facts(16) }, Memory::default());
+    upload_good(&mut device, Difference::Normalised);
+    device
+}
+
+#[test]
+fn a_drive_that_the_front_end_cannot_make_is_refused() {
+    let mut device = board_with_a_front_end();
+    let usual = Drive::new(100e3, 1e-3, 50.0);
+    let wrong = [
+        Drive { frequency: 90e3, ..usual },
+        Drive { amplitude: 2e-3, ..usual },
+        Drive { gain: crate::drive::Gain::Fixed(7), ..usual },
+    ];
+    for drive in wrong {
+        let reply = ask(&mut device, Request::Drive(Some(drive)));
+        assert_eq!(reply, Reply::Refused(Refusal::Drive { max_microamperes: 1000 }));
+    }
+    assert_eq!(device.drive().unwrap().frequency, 50e3);
+}
+
+#[test]
+fn a_new_drive_begins_a_new_scan_and_the_old_reference_counts_no_more() {
+    let mut device = board_with_a_front_end();
+    ask(&mut device, Request::Tare { frames: 1 });
+    events(&mut device, &frame(0, 100));
+    assert!(device.pipeline().reference().is_some());
+    let scan = device.scan();
+    let drive = Drive::new(100e3, 0.5e-3, 50.0);
+    assert_eq!(ask(&mut device, Request::Drive(Some(drive))), Reply::Done);
+    assert_ne!(device.scan(), scan);
+    assert!(device.pipeline().reference().is_none());
+    assert_eq!(device.drive(), Some(drive));
+    ask(&mut device, Request::Drive(None));
+    assert_eq!(device.drive().unwrap().frequency, 50e3);
+}
+
+#[test]
+fn a_scope_beyond_the_scan_is_refused() {
+    let mut device = board_with_a_front_end();
+    let beyond = Selection { scope: 1, scope_slot: 48, ..Selection::default() };
+    assert_eq!(ask(&mut device, Request::Stream(beyond)), Reply::Refused(Refusal::Slot { last: 47 }));
+    let last = Selection { scope_slot: 47, ..beyond };
+    assert!(matches!(ask(&mut device, Request::Stream(last)), Reply::Streaming { .. }));
+}
+
+#[test]
+fn a_frame_with_an_open_electrode_is_flagged_and_its_image_masked() {
+    use crate::{frame::ElectrodeTest, units::AdcCode};
+    let mut device = board_with_a_front_end();
+    ask(&mut device, Request::Tare { frames: 1 });
+    events(&mut device, &frame(0, 1000));
+    let test = ElectrodeTest { in_phase: AdcCode(1_500_000), ..ElectrodeTest::default() };
+    let mut broken = frame(1, 1500);
+    broken.tests = (0..8).map(|_| test).collect();
+    broken.tests[3].is_clipped = true;
+    device.process(&mut broken, |_| ());
+    assert!(broken.flags.contains(FrameFlags::OPEN_ELECTRODE));
+    assert!(broken.flags.contains(FrameFlags::MASKED));
+    assert_eq!(device.health().open.iter().collect::<Vec<_>>(), [3]);
+    // Steps 0, 1 and 2 sense electrode 3 under drive 0, the one that pixel 3 reads does not.
+    let image = device.pipeline().image();
+    assert_eq!(image[0].0, 0);
+    assert!((image[3].to_f64() - 0.5).abs() < 1e-4, "{image:?}");
 }

@@ -51,6 +51,15 @@ pub enum PatchError {
         /// Name of the field.
         field: &'static str,
     },
+    /// The drive is not one that any board could follow.
+    #[error("patch field `{field}` is out of range")]
+    Drive {
+        /// Name of the field, with what is allowed.
+        field: &'static str,
+    },
+    /// The calibration curve does not rise, or is not finite.
+    #[error("patch field `calibration` must rise from point to point")]
+    Calibration,
     /// A stimulation step names a missing electrode, or one electrode twice in a pair.
     #[error("patch step {step} does not name pairs of two different electrodes")]
     Step {

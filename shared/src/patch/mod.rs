@@ -23,6 +23,8 @@ mod error;
 
 use crate::{
     MAX_ELECTRODES, MAX_GRID_SIDE, MAX_MEASUREMENTS, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS,
+    calibration::Calibration,
+    drive::Drive,
     image::{Geometry, PixelGrid, pixel_cells},
     stimulation::Step,
     units::RelativeConductivity,
@@ -36,7 +38,7 @@ use serde::{Deserialize, Serialize};
 /// First bytes of every patch.
 pub const MAGIC: [u8; 4] = *b"DSKP";
 /// Version of the layout above.
-pub const FORMAT_VERSION: u16 = 1;
+pub const FORMAT_VERSION: u16 = 2;
 /// Checksum of patches and packets.
 pub const CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
@@ -53,17 +55,6 @@ pub enum Difference {
     Plain,
     /// (v - v_ref) / v_ref
     Normalised,
-}
-
-/// How the skin is driven.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
-pub struct Drive {
-    /// Carrier frequency, Hz.
-    pub frequency: f32,
-    /// Current amplitude, A.
-    pub amplitude: f32,
-    /// Frames per second.
-    pub frame_rate: f32,
 }
 
 /// Fixed facts of a patch.
@@ -87,6 +78,13 @@ pub struct PatchHeader {
     pub drive: Drive,
     /// Smallest peak that counts as a contact.
     pub contact_threshold: RelativeConductivity,
+    /// Time in which the reference follows an untouched skin, s; 0 leaves it as it was averaged.
+    pub drift_time: f32,
+    /// Pressure by strength of a contact; empty if the skin is not calibrated.
+    pub calibration: Calibration,
+    /// What the model expects of each electrode's test ([`crate::scan::test_step`]) without contact
+    /// impedance, ohm: `[electrode]`; empty if unknown.
+    pub test_resistances: Vec<f32, MAX_ELECTRODES>,
 }
 
 /// Where one step's code goes: the measurement it adds to, or subtracts from.
@@ -309,9 +307,15 @@ impl<'a> PatchView<'a> {
         positive("grid.left", header.grid.left.abs() + 1.0)?;
         positive("grid.top", header.grid.top.abs() + 1.0)?;
         positive("contact_threshold", header.contact_threshold.to_f32())?;
-        positive("drive.frequency", header.drive.frequency)?;
-        positive("drive.amplitude", header.drive.amplitude)?;
-        positive("drive.frame_rate", header.drive.frame_rate)
+        positive("drift_time", header.drift_time + 1.0)?;
+        header.drive.check().map_err(|field| PatchError::Drive { field })?;
+        if !header.calibration.is_valid() {
+            return Err(PatchError::Calibration);
+        }
+        let tests = header.test_resistances.len();
+        let wanted = if tests == 0 { 0 } else { usize::from(header.electrodes) };
+        range("test_resistances", tests, wanted, wanted)?;
+        header.test_resistances.iter().try_for_each(|&ohms| positive("test_resistances", ohms.abs() + 1.0))
     }
 
     fn check_tables(&self) -> Result<(), PatchError> {

@@ -11,6 +11,28 @@ pub(crate) fn small_patch(difference: Difference) -> std::vec::Vec<u8> {
     written(difference, 2, 1 << 14)
 }
 
+/// As the small patch of normalised data, with a reference that follows drift.
+pub(crate) fn drifting_patch(drift_time: f32) -> std::vec::Vec<u8> {
+    let bytes = small_patch(Difference::Normalised);
+    let patch = PatchView::validate(&bytes).unwrap();
+    let header = PatchHeader { drift_time, ..patch.header.clone() };
+    let (steps, combination): (std::vec::Vec<_>, std::vec::Vec<_>) =
+        patch.steps().zip(patch.combination()).unzip();
+    let halves = patch.matrix().chunks_exact(2).map(|b| i16::from_le_bytes([b[0], b[1]]));
+    let contents = PatchContents {
+        header: &header,
+        steps: &steps,
+        combination: &combination,
+        mask: patch.mask(),
+        exponents: &patch.exponents().iter().map(|&byte| byte as i8).collect::<std::vec::Vec<_>>(),
+        matrix: &halves.collect::<std::vec::Vec<_>>(),
+    };
+    let mut out = std::vec![0; 8192];
+    let length = contents.write(&mut out).unwrap();
+    out.truncate(length);
+    out
+}
+
 /// As the small patch, with a square of pixels and `mantissa` on the matrix' diagonal.
 pub(crate) fn patch_of_pixels(across: u8, mantissa: i16) -> std::vec::Vec<u8> {
     written(Difference::Plain, across, mantissa)
@@ -29,8 +51,11 @@ fn written(difference: Difference, across: u8, mantissa: i16) -> std::vec::Vec<u
         pixels: pixels as u16,
         difference,
         grid: PixelGrid { columns: across, rows: across, pitch: 0.01, left: -0.01, top: 0.01 },
-        drive: Drive { frequency: 50e3, amplitude: 1e-3, frame_rate: 50.0 },
+        drive: Drive::new(50e3, 1e-3, 50.0),
         contact_threshold: RelativeConductivity::from_f64(0.01),
+        drift_time: 0.0,
+        calibration: Calibration::default(),
+        test_resistances: Default::default(),
     };
     let mut matrix = std::vec![0; pixels * steps.len()];
     for pixel in 0..pixels {

@@ -15,10 +15,12 @@ pub use queue::PacketQueue;
 
 use crate::{
     MAX_MEASUREMENTS, MAX_PIXELS, MAX_STEPS,
+    acquire::FrontEnd,
     contact::Contacts,
+    drive::Drive,
     frame::FrameFlags,
+    health::{Health, Vitals},
     image::{Geometry, Image},
-    patch::Drive,
     restart::Restart,
     units::{AdcCode, RelativeConductivity},
 };
@@ -27,11 +29,13 @@ use postcard_schema::{Schema, key::hash::fnv1a64};
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages below. Grows with every incompatible change.
-pub const PROTOCOL_VERSION: u16 = 2;
+pub const PROTOCOL_VERSION: u16 = 3;
 /// Longest packet on the wire, with its framing, bytes.
 pub const MAX_PACKET_BYTES: usize = 4096;
 /// Longest piece of a patch in one request, bytes.
 pub const MAX_CHUNK_BYTES: usize = 512;
+/// Most samples in one scope event.
+pub const MAX_SCOPE_SAMPLES: usize = 512;
 
 /// Hash of all message types: two builds with the same hash understand each other.
 #[must_use]
@@ -83,8 +87,10 @@ pub enum Request {
     Geometry,
     /// Which reference are frames compared with?
     Reference,
-    /// Send these events with every frame from now on, and no others.
+    /// Send these events from now on, and no others.
     Stream(Selection),
+    /// Drive the skin like this from now on, until the next patch or reset; none: as the patch says.
+    Drive(Option<Drive>),
 }
 
 /// A protocol version and schema hash; see [`PROTOCOL_VERSION`] and [`schema_hash`].
@@ -104,22 +110,30 @@ impl Version {
     }
 }
 
-/// Which events a host wants with every frame.
+/// Which events a host wants: each number is every how many frames, 0 for never.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Selection {
     /// [`Event::Image`].
-    pub images: bool,
+    pub images: u16,
     /// [`Event::Contacts`].
-    pub contacts: bool,
+    pub contacts: u16,
     /// [`Event::Measurements`].
-    pub measurements: bool,
+    pub measurements: u16,
+    /// [`Event::Health`].
+    pub health: u16,
+    /// [`Event::Scope`].
+    pub scope: u16,
+    /// Slot of the scan that the scope shows: the patch's steps, then a test of each electrode.
+    pub scope_slot: u16,
 }
 
 impl Selection {
     /// Whether anything is wanted.
     #[must_use]
     pub fn any(self) -> bool {
-        self.images || self.contacts || self.measurements
+        [self.images, self.contacts, self.measurements, self.health, self.scope]
+            .iter()
+            .any(|&every| every > 0)
     }
 }
 
@@ -193,6 +207,10 @@ pub struct Info {
     pub max_patch_bytes: u32,
     /// Where its frames come from.
     pub frame_source: FrameSource,
+    /// Its analogue front end, if it has one.
+    pub front_end: Option<FrontEnd>,
+    /// How the skin is driven, with a patch.
+    pub drive: Option<Drive>,
     /// Why it started last.
     pub started_after: Restart,
     /// How long ago it started, milliseconds.
@@ -294,6 +312,21 @@ pub enum Refusal {
     /// This board cannot do that.
     #[error("this board does not support that yet")]
     Unsupported,
+    /// The board cannot drive a skin like that.
+    #[error(
+        "the board cannot drive a skin like that: it does 12.5, 20, 50, 100 and 200 kHz with up to \
+         {max_microamperes} uA and a gain of 1, 2, 4, 8, 16, 32 or 64"
+    )]
+    Drive {
+        /// Largest amplitude, uA.
+        max_microamperes: u32,
+    },
+    /// A slot of the scan that does not exist.
+    #[error("the scan has slots 0 to {last}")]
+    Slot {
+        /// The last one.
+        last: u16,
+    },
 }
 
 /// What a board tells unasked.
@@ -323,8 +356,32 @@ pub enum Event {
     Measurements {
         /// Which frame.
         at: FrameStamp,
-        /// In-phase voltages: `[step]`.
+        /// The part of each voltage that goes into the image: `[step]`.
         codes: Vec<AdcCode, MAX_STEPS>,
+        /// The part a quarter period later: `[step]`; empty where it is not measured.
+        quadrature: Vec<AdcCode, MAX_STEPS>,
+    },
+    /// What one frame says about the board and its skin.
+    Health {
+        /// Which frame.
+        at: FrameStamp,
+        /// Electrodes and current.
+        health: Health,
+        /// The board itself.
+        vitals: Vitals,
+        /// Drift of all voltages that is taken out of the images, relative.
+        drift: f32,
+    },
+    /// Samples of one slot, from its start.
+    Scope {
+        /// Slot of the scan.
+        slot: u16,
+        /// Gain of the programmable amplifier in it.
+        gain: u8,
+        /// Samples of it that are left out while the voltage settles.
+        settling: u16,
+        /// Codes of the converter, 0 to 4095.
+        samples: Vec<u16, MAX_SCOPE_SAMPLES>,
     },
 }
 
@@ -382,13 +439,21 @@ mod tests {
 
     #[test]
     fn the_longest_messages_fit_a_packet() {
-        let at = FrameStamp { sequence: u32::MAX, timestamp_us: u64::MAX, flags: FrameFlags(255) };
-        let contact = Contact { position: [0.1; 2], area: 0.1, strength: 0.1, peak: 0.1 };
+        let at = FrameStamp { sequence: u32::MAX, timestamp_us: u64::MAX, flags: FrameFlags(u16::MAX) };
+        let contact =
+            Contact { position: [0.1; 2], area: 0.1, strength: 0.1, peak: 0.1, pressure: Some(0.1) };
         let image = PackedImage { exponent: -1, mantissas: (0..MAX_PIXELS).map(|_| i16::MIN).collect() };
+        let codes: Vec<AdcCode, MAX_STEPS> = (0..MAX_STEPS).map(|_| AdcCode(i32::MIN)).collect();
         let events = [
             Event::Image { at, image },
             Event::Contacts { at, contacts: (0..MAX_CONTACTS).map(|_| contact).collect() },
-            Event::Measurements { at, codes: (0..MAX_STEPS).map(|_| AdcCode(i32::MIN)).collect() },
+            Event::Measurements { at, codes: codes.clone(), quadrature: codes },
+            Event::Scope {
+                slot: u16::MAX,
+                gain: 64,
+                settling: 9999,
+                samples: (0..MAX_SCOPE_SAMPLES).map(|_| 4095).collect(),
+            },
         ];
         for event in events {
             let mut buffer = [0; MAX_PACKET_BYTES];

@@ -1,0 +1,209 @@
+//! Acquisition: samples of a scan in, frames out, and the gain of each slot.
+//!
+//! ```text
+//! samples -> demodulate -> reading of a slot -> code -> frame
+//!                             peak of a slot -> gain of that slot
+//! ```
+//!
+//! Gains are found before the first frame and whenever a tare asks for it, and stay as they are
+//! otherwise: the programmable amplifier's gains are right to a per cent, so a new one would look like a press.
+
+use crate::{
+    demodulate::{Demodulator, Reading, Reference},
+    drive::{Component, Drive, GAINS, Gain},
+    frame::{ElectrodeTest, Frame, FrameFlags},
+    patch::PatchView,
+    scan::{self, MAX_SLOTS, Timing},
+    stimulation::Step,
+    units::AdcCode,
+};
+use heapless::Vec;
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
+/// Codes of a frame have so many steps in one step of the converter at gain 1.
+const FINENESS: f32 = 4096.0;
+/// A reference of 1 in the lock-in's table.
+const LOCK_IN_ONE: f32 = 16_384.0;
+/// An automatic gain brings a slot's peak up to this many steps of the converter, of 2047: room for a
+/// press that doubles the voltage.
+const PEAK_GOAL: u32 = 900;
+/// Largest gain after the first look, which sees small voltages badly.
+const FIRST_GAIN_LIMIT: u8 = 8;
+
+/// What a board's analogue front end does to a voltage.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub struct FrontEnd {
+    /// Samples per second.
+    pub sample_rate: u32,
+    /// Volts between two electrodes for one step of a code.
+    pub volts_per_code: f32,
+    /// Current amplitude at 100 %, A.
+    pub full_scale_current: f32,
+    /// Gain-bandwidth product of the programmable amplifier, Hz.
+    pub gain_bandwidth: f32,
+    /// Time from a crest of the current to the first sample of a scan, s.
+    pub lead: f32,
+}
+
+/// Turns the samples of a scan into frames.
+#[derive(Clone, Debug)]
+pub struct Acquisition {
+    slots: Vec<Step, MAX_SLOTS>,
+    demodulator: Demodulator,
+    assembly: Assembly,
+}
+
+/// The frame being put together, and the gains it is measured with.
+#[derive(Clone, Debug)]
+struct Assembly {
+    steps: usize,
+    component: Component,
+    /// Place of each slot's gain in [`GAINS`].
+    gains: Vec<u8, MAX_SLOTS>,
+    /// What turns a reading into a code, by gain: real and imaginary part.
+    factors: [[f32; 2]; GAINS.len()],
+    peaks: Vec<u16, MAX_SLOTS>,
+    frame: Frame,
+    slots: usize,
+    /// Passes of ranging that are left.
+    passes: u8,
+    /// Frames to leave out: their slots had different gains.
+    skip: u8,
+    gains_changed: bool,
+}
+
+impl Acquisition {
+    /// Ready for the first sample of a scan of this patch under this drive; none if the board cannot
+    /// make the drive's carrier.
+    #[must_use]
+    pub fn new(patch: &PatchView<'_>, drive: &Drive, front_end: &FrontEnd) -> Option<Self> {
+        let timing = Timing::new(drive, front_end.sample_rate)?;
+        let slots = scan::slots(patch);
+        let lead = front_end.lead * front_end.sample_rate as f32;
+        let demodulator = Demodulator::new(Reference::new(timing.period, drive.phase, lead), timing);
+        let first_gain = match drive.gain {
+            Gain::Automatic => 0,
+            Gain::Fixed(gain) => GAINS.iter().position(|&known| known == gain)? as u8,
+        };
+        let assembly = Assembly {
+            steps: patch.steps().count(),
+            component: drive.component,
+            gains: slots.iter().map(|_| first_gain).collect(),
+            factors: factors(drive.frequency, timing.integration, front_end.gain_bandwidth),
+            peaks: Vec::new(),
+            frame: Frame::default(),
+            slots: slots.len(),
+            passes: if drive.gain == Gain::Automatic { 2 } else { 0 },
+            skip: 0,
+            gains_changed: false,
+        };
+        Some(Self { slots, demodulator, assembly })
+    }
+
+    /// The slots, in order.
+    #[must_use]
+    pub fn slots(&self) -> &[Step] {
+        &self.slots
+    }
+
+    /// Place of each slot's gain in [`GAINS`].
+    #[must_use]
+    pub fn gains(&self) -> &[u8] {
+        &self.assembly.gains
+    }
+
+    /// Whether gains have changed since this was asked last: the board has to use the new ones.
+    pub fn take_gains_changed(&mut self) -> bool {
+        core::mem::take(&mut self.assembly.gains_changed)
+    }
+
+    /// Takes the next samples; `done` gets each frame that they complete, without number and time.
+    pub fn push(&mut self, samples: &[u16], mut done: impl FnMut(Frame)) {
+        let assembly = &mut self.assembly;
+        self.demodulator.push(samples, |reading| {
+            if let Some(frame) = assembly.add(reading) {
+                done(frame);
+            }
+        });
+    }
+}
+
+impl Assembly {
+    fn add(&mut self, reading: Reading) -> Option<Frame> {
+        let slot = self.peaks.len();
+        let _ = self.peaks.push(reading.peak);
+        let [real, imaginary] = self.convert(slot, reading);
+        if slot < self.steps {
+            let part = self.component_of(real, imaginary);
+            let _ = self.frame.codes.push(part);
+            let _ = self.frame.quadrature.push(imaginary);
+        } else {
+            let test =
+                ElectrodeTest { in_phase: real, quadrature: imaginary, is_clipped: reading.is_clipped() };
+            let _ = self.frame.tests.push(test);
+        }
+        // A test that is clipped says so itself: its electrode is open.
+        self.frame.flags.insert_if(FrameFlags::SATURATED, slot < self.steps && reading.is_clipped());
+        if self.peaks.len() < self.slots { None } else { self.finish() }
+    }
+
+    fn finish(&mut self) -> Option<Frame> {
+        let frame = core::mem::take(&mut self.frame);
+        let peaks = core::mem::take(&mut self.peaks);
+        if self.skip > 0 {
+            self.skip -= 1;
+            return None;
+        }
+        if self.passes > 0 {
+            self.passes -= 1;
+            self.range(&peaks);
+            // The next frame has begun already.
+            self.skip = 1;
+            return None;
+        }
+        Some(frame)
+    }
+
+    fn range(&mut self, peaks: &[u16]) {
+        let limit = if self.passes > 0 { FIRST_GAIN_LIMIT } else { u8::MAX };
+        for (place, &peak) in self.gains.iter_mut().zip(peaks) {
+            let gain = GAINS.get(usize::from(*place)).copied().unwrap_or(1);
+            let fits = |candidate: u8| {
+                u32::from(peak) * u32::from(candidate) <= PEAK_GOAL * u32::from(gain) && candidate <= limit
+            };
+            *place = GAINS.iter().rposition(|&candidate| fits(candidate)).unwrap_or(0) as u8;
+        }
+        self.gains_changed = true;
+    }
+
+    fn convert(&self, slot: usize, reading: Reading) -> [AdcCode; 2] {
+        let gain = self.gains.get(slot).map_or(0, |&place| usize::from(place));
+        let [c, s] = self.factors.get(gain).copied().unwrap_or_default();
+        let (i, q) = (reading.in_phase as f32, reading.quadrature as f32);
+        [i * c - q * s, i * s + q * c].map(|value| AdcCode(libm::roundf(value) as i32))
+    }
+
+    fn component_of(&self, real: AdcCode, imaginary: AdcCode) -> AdcCode {
+        match self.component {
+            Component::Real => real,
+            Component::Imaginary => imaginary,
+            Component::Magnitude => {
+                AdcCode(libm::roundf(libm::hypotf(real.0 as f32, imaginary.0 as f32)) as i32)
+            }
+        }
+    }
+}
+
+/// From sums of the lock-in to codes at gain 1: undoes the gain of an amplifier with one pole,
+/// `g / (1 + j f g / gain_bandwidth)`.
+fn factors(frequency: f32, integration: u16, gain_bandwidth: f32) -> [[f32; 2]; GAINS.len()] {
+    let amplitude = 2.0 / f32::from(integration.max(1)) / LOCK_IN_ONE * FINENESS;
+    GAINS.map(|gain| {
+        let gain = f32::from(gain);
+        [amplitude / gain, amplitude * frequency / gain_bandwidth]
+    })
+}
+
+#[cfg(test)]
+mod tests;

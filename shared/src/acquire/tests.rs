@@ -1,0 +1,115 @@
+use super::*;
+use crate::patch::{Difference, tests::small_patch};
+use std::vec::Vec;
+
+const FRONT_END: FrontEnd = FrontEnd {
+    sample_rate: 2_000_000,
+    volts_per_code: 2e-8,
+    full_scale_current: 1e-3,
+    gain_bandwidth: 13e6,
+    lead: 0.0,
+};
+const DRIVE: Drive = Drive::new(50e3, 1e-3, 50.0);
+
+fn acquisition(drive: &Drive) -> Acquisition {
+    let bytes = small_patch(Difference::Plain);
+    let patch = PatchView::validate(&bytes).unwrap();
+    Acquisition::new(&patch, drive, &FRONT_END).unwrap()
+}
+
+/// Samples of one frame: each slot a wave of that amplitude (steps at gain 1) and phase, through the
+/// amplifier with the gains in use.
+fn samples(acquisition: &Acquisition, wave: impl Fn(usize) -> (f64, f64)) -> Vec<u16> {
+    let mut samples = Vec::new();
+    let slot_samples = Timing::new(&DRIVE, 2_000_000).unwrap().slot_samples();
+    for (slot, &place) in acquisition.gains().iter().enumerate() {
+        let gain = f64::from(GAINS[usize::from(place)]);
+        let (amplitude, phase) = wave(slot);
+        let lag = 50e3 * gain / 13e6;
+        let (amplitude, phase) = (amplitude * gain / lag.hypot(1.0), phase - lag.atan());
+        for _ in 0..slot_samples {
+            let turns = samples.len() as f64 / 40.0;
+            let value = 2048.0 + amplitude * (turns * core::f64::consts::TAU + phase).cos();
+            samples.push(value.round().clamp(0.0, 4095.0) as u16);
+        }
+    }
+    samples
+}
+
+/// Amplitudes over the range that a skin has.
+fn wave(slot: usize) -> (f64, f64) {
+    (700.0 / (1.0 + (slot % 13) as f64), 0.3)
+}
+
+fn frames(acquisition: &mut Acquisition, count: usize, wave: impl Fn(usize) -> (f64, f64)) -> Vec<Frame> {
+    let mut found = Vec::new();
+    // The carrier goes on from frame to frame: 48 slots of 50 samples are 60 periods.
+    for _ in 0..count {
+        let samples = samples(acquisition, &wave);
+        acquisition.push(&samples, |frame| found.push(frame));
+    }
+    found
+}
+
+#[test]
+fn codes_are_voltages_whatever_the_gain() {
+    let mut acquisition = acquisition(&DRIVE);
+    let found = frames(&mut acquisition, 6, wave);
+    // Two passes of ranging, each with the frame that was under way.
+    assert_eq!(found.len(), 2);
+    assert!(acquisition.take_gains_changed() && !acquisition.take_gains_changed());
+    for frame in &found {
+        assert_eq!((frame.codes.len(), frame.tests.len()), (40, 8));
+        assert_eq!(frame.flags, FrameFlags::default());
+        for (slot, (real, imaginary)) in frame.codes.iter().zip(&frame.quadrature).enumerate() {
+            let (amplitude, phase) = wave(slot);
+            let error = [
+                f64::from(real.0) - 4096.0 * amplitude * phase.cos(),
+                f64::from(imaginary.0) - 4096.0 * amplitude * phase.sin(),
+            ];
+            // A quarter step of the converter at the slot's gain.
+            let gain = f64::from(GAINS[usize::from(acquisition.gains()[slot])]);
+            assert!(error.iter().all(|error| error.abs() < 1024.0 / gain), "{slot} {error:?}");
+        }
+    }
+}
+
+#[test]
+fn automatic_gains_leave_room_for_a_voltage_twice_as_large() {
+    let mut acquisition = acquisition(&DRIVE);
+    frames(&mut acquisition, 6, wave);
+    for (slot, &place) in acquisition.gains().iter().enumerate() {
+        let peak = wave(slot).0 * f64::from(GAINS[usize::from(place)]);
+        assert!((380.0..=910.0).contains(&peak), "{slot}: {peak}");
+    }
+}
+
+#[test]
+fn a_fixed_gain_gives_frames_at_once_and_flags_what_it_clips() {
+    let mut acquisition = acquisition(&Drive { gain: Gain::Fixed(4), ..DRIVE });
+    let found = frames(&mut acquisition, 2, wave);
+    assert_eq!(found.len(), 2);
+    assert_eq!(found[0].flags, FrameFlags::SATURATED);
+    let quiet = frames(&mut acquisition, 1, |slot| (if slot < 40 { 100.0 } else { 800.0 }, 0.0));
+    assert_eq!(quiet[0].flags, FrameFlags::default(), "a clipped test is no saturated measurement");
+    assert!(quiet[0].tests.iter().all(|test| test.is_clipped));
+}
+
+#[test]
+fn imaginary_part_and_magnitude_can_be_the_code() {
+    for (component, expected) in [(Component::Imaginary, 0.3_f64.sin()), (Component::Magnitude, 1.0)] {
+        let drive = Drive { gain: Gain::Fixed(1), component, ..DRIVE };
+        let frame = &frames(&mut acquisition(&drive), 1, |_| (800.0, 0.3))[0];
+        for code in &frame.codes {
+            assert!((f64::from(code.0) / 4096.0 - 800.0 * expected).abs() < 0.3);
+        }
+    }
+}
+
+#[test]
+fn a_carrier_that_the_board_cannot_make_gives_no_acquisition() {
+    let bytes = small_patch(Difference::Plain);
+    let patch = PatchView::validate(&bytes).unwrap();
+    let drive = Drive { frequency: 47e3, ..DRIVE };
+    assert!(Acquisition::new(&patch, &drive, &FRONT_END).is_none());
+}

@@ -1,0 +1,197 @@
+//! Demodulation: samples over whole carrier periods -> in-phase and quadrature, a lock-in.
+//!
+//! The converter takes an even number of samples in each carrier period, from the same clock that
+//! makes the current, so the reference is a table and the product sums are exact integers. Over
+//! whole periods a constant and every harmonic below the sampling rate sum to zero.
+
+use crate::scan::Timing;
+
+/// Most samples in a carrier period.
+pub const MAX_PERIOD: usize = 160;
+/// What a reference of 1 reads in the table.
+const ONE: f64 = 16_384.0;
+/// Code of the converter at rest, half of its range.
+pub const MIDDLE: u16 = 2048;
+/// A sample this far from the middle is taken for clipped; the range ends at 2047.
+const CLIPPED: u16 = 2040;
+
+/// One period of the lock-in's reference.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// Cosine and negative sine, in steps of 2^-14.
+    table: [[i16; 2]; MAX_PERIOD],
+    period: usize,
+}
+
+impl Reference {
+    /// A reference of `period` samples that lags the current by `phase` degrees; sample 0 of the scan
+    /// lies `lead` samples after the current's crest.
+    #[must_use]
+    pub fn new(period: u16, phase: f32, lead: f32) -> Self {
+        let period = usize::from(period).clamp(2, MAX_PERIOD);
+        let mut table = [[0; 2]; MAX_PERIOD];
+        for (n, entry) in table.iter_mut().enumerate().take(period) {
+            let turns = (n as f64 + f64::from(lead)) / period as f64 - f64::from(phase) / 360.0;
+            let (sin, cos) = libm::sincos(turns * core::f64::consts::TAU);
+            *entry = [libm::round(cos * ONE) as i16, libm::round(-sin * ONE) as i16];
+        }
+        Self { table, period }
+    }
+}
+
+/// What the lock-in found in one slot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Reading {
+    /// Sum of sample * cosine, in steps of 2^-14.
+    pub in_phase: i64,
+    /// Sum of sample * negative sine, in steps of 2^-14.
+    pub quadrature: i64,
+    /// Largest way of a sample from the middle.
+    pub peak: u16,
+}
+
+impl Reading {
+    /// Whether the converter or the amplifier was at its end.
+    #[must_use]
+    pub fn is_clipped(&self) -> bool {
+        self.peak >= CLIPPED
+    }
+
+    fn add(&mut self, sample: u16, [cos, sin]: [i16; 2]) {
+        let value = i32::from(sample) - i32::from(MIDDLE);
+        self.in_phase += i64::from(value * i32::from(cos));
+        self.quadrature += i64::from(value * i32::from(sin));
+        self.peak = self.peak.max(value.unsigned_abs() as u16);
+    }
+}
+
+/// Takes the samples of a scan as they come, in pieces of any length, and gives a reading per slot.
+#[derive(Clone, Debug)]
+pub struct Demodulator {
+    reference: Reference,
+    timing: Timing,
+    /// Samples of the slot so far.
+    position: usize,
+    /// Place of the next sample in the carrier's period.
+    phase: usize,
+    reading: Reading,
+}
+
+impl Demodulator {
+    /// Ready for the first sample of a scan.
+    #[must_use]
+    pub fn new(reference: Reference, timing: Timing) -> Self {
+        Self { reference, timing, position: 0, phase: 0, reading: Reading::default() }
+    }
+
+    /// Takes the next samples; `done` gets the reading of each slot that they complete.
+    pub fn push(&mut self, mut samples: &[u16], mut done: impl FnMut(Reading)) {
+        let (settling, slot) = (usize::from(self.timing.settling), self.timing.slot_samples());
+        while !samples.is_empty() {
+            let settles = self.position < settling;
+            let end = if settles { settling } else { slot };
+            let (piece, rest) = samples.split_at((end - self.position).min(samples.len()));
+            if !settles {
+                self.accumulate(piece);
+            }
+            self.phase = (self.phase + piece.len()) % self.reference.period;
+            self.position += piece.len();
+            samples = rest;
+            if self.position == slot {
+                self.position = 0;
+                done(core::mem::take(&mut self.reading));
+            }
+        }
+    }
+
+    /// Samples of one slot, from `self.phase` on.
+    fn accumulate(&mut self, mut samples: &[u16]) {
+        let mut phase = self.phase;
+        let table = self.reference.table.get(..self.reference.period).unwrap_or_default();
+        while let Some(references) = table.get(phase..).filter(|_| !samples.is_empty()) {
+            let (piece, rest) = samples.split_at(references.len().min(samples.len()));
+            piece
+                .iter()
+                .zip(references)
+                .for_each(|(&sample, &reference)| self.reading.add(sample, reference));
+            samples = rest;
+            phase = 0;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::vec::Vec;
+
+    const TIMING: Timing = Timing { period: 20, settling: 7, integration: 40 };
+
+    fn wave(amplitude: f64, degrees: f64, offset: f64, samples: usize) -> Vec<u16> {
+        let at = |n: usize| (n as f64 / 20.0 + degrees / 360.0) * core::f64::consts::TAU;
+        (0..samples).map(|n| (2048.0 + offset + amplitude * at(n).cos()).round() as u16).collect()
+    }
+
+    fn readings(samples: &[u16], pieces: usize) -> Vec<Reading> {
+        let mut demodulator = Demodulator::new(Reference::new(20, 0.0, 0.0), TIMING);
+        let mut found = Vec::new();
+        samples.chunks(pieces).for_each(|piece| demodulator.push(piece, |reading| found.push(reading)));
+        found
+    }
+
+    /// Amplitude in codes.
+    fn amplitude(sum: i64) -> f64 {
+        sum as f64 * 2.0 / 40.0 / ONE
+    }
+
+    #[test]
+    fn a_wave_reads_its_amplitude_and_phase_in_every_slot_whatever_its_offset() {
+        // Slots of 47 samples start at another phase each.
+        for reading in readings(&wave(900.0, 30.0, 150.0, 470), 470) {
+            assert!((amplitude(reading.in_phase) - 900.0 * 0.75_f64.sqrt()).abs() < 0.2, "{reading:?}");
+            assert!((amplitude(reading.quadrature) - 450.0).abs() < 0.2, "{reading:?}");
+            assert!((1035..=1051).contains(&reading.peak));
+            assert!(!reading.is_clipped());
+        }
+    }
+
+    #[test]
+    fn phase_and_lead_turn_the_reference() {
+        let samples = wave(900.0, 0.0, 0.0, 470);
+        for (phase, lead) in [(90.0, 0.0), (0.0, -5.0)] {
+            let mut demodulator = Demodulator::new(Reference::new(20, phase, lead), TIMING);
+            demodulator.push(&samples, |reading| {
+                assert!(amplitude(reading.in_phase).abs() < 0.2, "{reading:?}");
+                assert!((amplitude(reading.quadrature) - 900.0).abs() < 0.2, "{reading:?}");
+            });
+        }
+    }
+
+    #[test]
+    fn harmonics_sum_to_nothing() {
+        for harmonic in 2..10 {
+            let at = |n: usize| (n * harmonic) as f64 / 20.0 * core::f64::consts::TAU;
+            let samples: Vec<u16> = (0..47).map(|n| (2048.0 + 1500.0 * at(n).cos()).round() as u16).collect();
+            let reading = readings(&samples, 47)[0];
+            assert!(amplitude(reading.in_phase).hypot(amplitude(reading.quadrature)) < 0.3, "{harmonic}");
+        }
+    }
+
+    #[test]
+    fn the_end_of_the_range_reads_clipped() {
+        assert!(readings(&wave(2046.0, 0.0, 0.0, 47), 47)[0].is_clipped());
+        assert!(readings(&[0; 47], 47)[0].is_clipped());
+    }
+
+    proptest! {
+        #[test]
+        fn pieces_of_any_length_give_the_same_readings(
+            samples in prop::collection::vec(0_u16..4096, 0..500),
+            pieces in 1_usize..100,
+        ) {
+            prop_assert_eq!(readings(&samples, pieces), readings(&samples, 1000));
+            prop_assert_eq!(readings(&samples, pieces).len(), samples.len() / 47);
+        }
+    }
+}

@@ -1,0 +1,266 @@
+//! Health: what each frame says about electrodes, multiplexers and the current source.
+//!
+//! The test of an electrode ([`crate::scan::test_step`]) reads its contact impedance and what the sheet
+//! adds. Compared with the middle one of all electrodes:
+//!
+//! | test reads              | means                                                        |
+//! |-------------------------|--------------------------------------------------------------|
+//! | clipped, or far more    | the electrode is open                                        |
+//! | next to nothing         | it is shorted to a neighbour, or that neighbour is open      |
+//! | all next to nothing     | no current flows                                             |
+//!
+//! A multiplexer that connects the wrong electrode shows in voltages that are no longer equal when
+//! drive and sense are exchanged, or that differ from the reference more than any press could explain.
+
+use crate::{
+    MAX_ELECTRODES, MAX_MEASUREMENTS,
+    acquire::FrontEnd,
+    frame::{ElectrodeTest, Frame, FrameFlags},
+    patch::PatchView,
+};
+use heapless::Vec;
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
+/// A test this many times the middle one reads open.
+const OPEN_RATIO: f32 = 5.0;
+/// A test this part of the middle one reads shorted.
+const SHORTED_RATIO: f32 = 0.2;
+/// A middle test below this reads no current: two steps of the converter at gain 1.
+const NO_CURRENT: f32 = 8192.0;
+/// Voltages that differ by more than this part of them are not reciprocal.
+const RECIPROCITY: f32 = 0.3;
+/// Share of pairs that may, since a voltage near zero says nothing: one in this many.
+const RECIPROCITY_SHARE: usize = 12;
+
+/// Electrodes, one bit each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct ElectrodeSet(pub u16);
+
+impl ElectrodeSet {
+    /// Whether it holds an electrode, from 0.
+    #[must_use]
+    pub const fn contains(self, electrode: u8) -> bool {
+        self.0 >> (electrode & 15) & 1 == 1
+    }
+
+    /// Adds an electrode, from 0.
+    pub const fn insert(&mut self, electrode: u8) {
+        self.0 |= 1 << (electrode & 15);
+    }
+
+    /// Electrodes in either set.
+    #[must_use]
+    pub const fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Whether it holds none.
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// The electrodes, from 0.
+    pub fn iter(self) -> impl Iterator<Item = u8> {
+        (0..MAX_ELECTRODES as u8).filter(move |&electrode| self.contains(electrode))
+    }
+}
+
+/// What one frame says.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
+pub struct Health {
+    /// Contact impedance, ohm: `[electrode]`; the whole test's impedance where the patch does not know
+    /// what the sheet adds. Empty if electrodes are not tested.
+    pub contact_impedance: Vec<f32, MAX_ELECTRODES>,
+    /// Electrodes without contact.
+    pub open: ElectrodeSet,
+    /// Electrodes connected to a neighbour.
+    pub shorted: ElectrodeSet,
+    /// Sum of |v - v exchanged| over sum of |v|, for patches that measure both.
+    pub reciprocity_error: Option<f32>,
+}
+
+/// What a board knows of itself beside its frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
+pub struct Vitals {
+    /// Temperature of the chip, degrees Celsius; none if it cannot tell.
+    pub temperature: Option<f32>,
+    /// Share of time in which its CPU works, 0 to 1.
+    pub load: f32,
+    /// Times since the start at which samples were lost.
+    pub missed: u32,
+    /// Bytes of stack that were never used.
+    pub free_stack: u32,
+}
+
+/// Hottest a chip may be, degrees Celsius (the STM32G474's ambient limit is 85).
+pub const HOT: f32 = 85.0;
+
+impl Health {
+    /// Looks at one frame, measured with an amplitude in A; gives the flags that follow.
+    #[must_use]
+    pub fn examine(
+        patch: &PatchView<'_>,
+        front_end: &FrontEnd,
+        amplitude: f32,
+        frame: &Frame,
+    ) -> (Self, FrameFlags) {
+        let mut flags = FrameFlags::default();
+        let mut health = Self::default();
+        health.judge_electrodes(&frame.tests, &mut flags);
+        health.measure_contacts(patch, front_end.volts_per_code / amplitude, &frame.tests);
+        health.judge_reciprocity(patch, frame, &mut flags);
+        (health, flags)
+    }
+
+    /// Electrodes whose measurements mean nothing.
+    #[must_use]
+    pub fn bad_electrodes(&self) -> ElectrodeSet {
+        self.open.union(self.shorted)
+    }
+
+    fn judge_electrodes(&mut self, tests: &[ElectrodeTest], flags: &mut FrameFlags) {
+        let count = tests.len();
+        let sizes: Vec<f32, MAX_ELECTRODES> = tests.iter().map(magnitude).collect();
+        let Some(middle) = median(&sizes) else { return };
+        if middle < NO_CURRENT {
+            flags.insert(FrameFlags::NO_CURRENT);
+            return;
+        }
+        let is_open = |e: usize| {
+            tests
+                .get(e % count)
+                .zip(sizes.get(e % count))
+                .is_some_and(|(test, &size)| test.is_clipped || size > OPEN_RATIO * middle)
+        };
+        let is_low = |e: usize| sizes.get(e % count).is_some_and(|&size| size < SHORTED_RATIO * middle);
+        for electrode in 0..count {
+            if is_open(electrode) {
+                self.open.insert(electrode as u8);
+            } else if is_low(electrode) && !is_open(electrode + 1) {
+                self.shorted.insert(electrode as u8);
+            }
+        }
+        flags.insert_if(FrameFlags::OPEN_ELECTRODE, !self.open.is_empty());
+        flags.insert_if(FrameFlags::SHORTED_ELECTRODE, !self.shorted.is_empty());
+    }
+
+    fn measure_contacts(&mut self, patch: &PatchView<'_>, ohms_per_code: f32, tests: &[ElectrodeTest]) {
+        let of_sheet = &patch.header.test_resistances;
+        for (electrode, test) in tests.iter().enumerate() {
+            let real = test.in_phase.0 as f32 * ohms_per_code - of_sheet.get(electrode).unwrap_or(&0.0);
+            let imaginary = test.quadrature.0 as f32 * ohms_per_code;
+            let _ = self.contact_impedance.push(libm::hypotf(real, imaginary));
+        }
+    }
+
+    /// Compares each measurement's two steps, where it has two.
+    fn judge_reciprocity(&mut self, patch: &PatchView<'_>, frame: &Frame, flags: &mut FrameFlags) {
+        let mut first: Vec<Option<i32>, MAX_MEASUREMENTS> = Vec::new();
+        let _ = first.resize(usize::from(patch.header.measurements).min(MAX_MEASUREMENTS), None);
+        let (mut pairs, mut off) = (0, 0);
+        let (mut difference, mut size) = (0.0_f32, 0.0_f32);
+        for (code, target) in frame.codes.iter().zip(patch.combination()) {
+            let Some(entry) = first.get_mut(usize::from(target.measurement)) else { continue };
+            let value = if target.flipped { -code.0 } else { code.0 };
+            let Some(other) = entry.replace(value) else { continue };
+            let (apart, both) =
+                (value.abs_diff(other) as f32, (value.unsigned_abs() as f32) + other.unsigned_abs() as f32);
+            pairs += 1;
+            off += usize::from(apart > RECIPROCITY * both / 2.0);
+            difference += apart;
+            size += both / 2.0;
+        }
+        if pairs > 0 {
+            self.reciprocity_error = Some(if size > 0.0 { difference / size } else { 0.0 });
+            flags.insert_if(FrameFlags::NOT_RECIPROCAL, off * RECIPROCITY_SHARE > pairs);
+        }
+    }
+}
+
+fn magnitude(test: &ElectrodeTest) -> f32 {
+    libm::hypotf(test.in_phase.0 as f32, test.quadrature.0 as f32)
+}
+
+/// The middle value; none of none.
+#[must_use]
+pub(crate) fn median<const N: usize>(values: &Vec<f32, N>) -> Option<f32> {
+    let mut values = values.clone();
+    let middle = values.len() / 2;
+    if values.is_empty() {
+        return None;
+    }
+    Some(*values.select_nth_unstable_by(middle, f32::total_cmp).1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        patch::{
+            Difference,
+            tests::{flat_frame, small_patch},
+        },
+        units::AdcCode,
+    };
+
+    const FRONT_END: FrontEnd = FrontEnd {
+        sample_rate: 2_000_000,
+        volts_per_code: 2e-8,
+        full_scale_current: 1e-3,
+        gain_bandwidth: 13e6,
+        lead: 0.0,
+    };
+    /// 30 ohm at 1 mA.
+    const GOOD: ElectrodeTest =
+        ElectrodeTest { in_phase: AdcCode(1_500_000), quadrature: AdcCode(0), is_clipped: false };
+    const DEAD: ElectrodeTest =
+        ElectrodeTest { in_phase: AdcCode(900), quadrature: AdcCode(-900), is_clipped: false };
+    const CLIPPED: ElectrodeTest = ElectrodeTest { is_clipped: true, ..GOOD };
+
+    fn examine(tests: [ElectrodeTest; 8]) -> (Health, FrameFlags) {
+        let bytes = small_patch(Difference::Plain);
+        let patch = PatchView::validate(&bytes).unwrap();
+        let frame = Frame { tests: tests.into_iter().collect(), ..flat_frame(5) };
+        Health::examine(&patch, &FRONT_END, 1e-3, &frame)
+    }
+
+    #[test]
+    fn a_healthy_skin_raises_no_flag_and_shows_its_contact_impedances() {
+        let (health, flags) = examine([GOOD; 8]);
+        assert_eq!(flags, FrameFlags::default());
+        assert!(health.contact_impedance.iter().all(|ohms| (ohms - 30.0).abs() < 1e-3));
+        assert_eq!(health.reciprocity_error, None, "each step is a measurement of its own");
+    }
+
+    #[test]
+    fn an_open_electrode_is_found_and_its_neighbour_is_not_blamed() {
+        let mut tests = [GOOD; 8];
+        (tests[3], tests[2]) = (CLIPPED, DEAD);
+        let (health, flags) = examine(tests);
+        assert_eq!((health.open, health.shorted), (ElectrodeSet(1 << 3), ElectrodeSet(0)));
+        assert_eq!(flags, FrameFlags::OPEN_ELECTRODE);
+        let far = ElectrodeTest { in_phase: AdcCode(8_000_000), ..GOOD };
+        tests = [GOOD; 8];
+        (tests[0], tests[7]) = (far, DEAD);
+        assert_eq!(examine(tests).0.open.iter().collect::<std::vec::Vec<_>>(), [0]);
+    }
+
+    #[test]
+    fn a_short_of_two_neighbours_is_found() {
+        let mut tests = [GOOD; 8];
+        (tests[7], tests[0]) = (DEAD, DEAD);
+        let (health, flags) = examine(tests);
+        assert_eq!(health.shorted, ElectrodeSet(1 | 1 << 7));
+        assert_eq!(health.bad_electrodes(), health.shorted);
+        assert_eq!(flags, FrameFlags::SHORTED_ELECTRODE);
+    }
+
+    #[test]
+    fn no_current_is_told_from_bad_electrodes() {
+        let (health, flags) = examine([DEAD; 8]);
+        assert_eq!(flags, FrameFlags::NO_CURRENT);
+        assert!(health.bad_electrodes().is_empty());
+    }
+}
