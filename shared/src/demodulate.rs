@@ -149,8 +149,8 @@ mod tests {
     fn a_wave_reads_its_amplitude_and_phase_in_every_slot_whatever_its_offset() {
         // Slots of 47 samples start at another phase each.
         for reading in readings(&wave(900.0, 30.0, 150.0, 470), 470) {
-            assert!((amplitude(reading.in_phase) - 900.0 * 0.75_f64.sqrt()).abs() < 0.2, "{reading:?}");
-            assert!((amplitude(reading.quadrature) - 450.0).abs() < 0.2, "{reading:?}");
+            assert!((amplitude(reading.in_phase) - 900.0 * 0.75_f64.sqrt()).abs() < 0.5, "{reading:?}");
+            assert!((amplitude(reading.quadrature) - 450.0).abs() < 0.5, "{reading:?}");
             assert!((1035..=1051).contains(&reading.peak));
             assert!(!reading.is_clipped());
         }
@@ -162,8 +162,8 @@ mod tests {
         for (phase, lead) in [(90.0, 0.0), (0.0, -5.0)] {
             let mut demodulator = Demodulator::new(Reference::new(20, phase, lead), TIMING);
             demodulator.push(&samples, |reading| {
-                assert!(amplitude(reading.in_phase).abs() < 0.2, "{reading:?}");
-                assert!((amplitude(reading.quadrature) - 900.0).abs() < 0.2, "{reading:?}");
+                assert!(amplitude(reading.in_phase).abs() < 0.5, "{reading:?}");
+                assert!((amplitude(reading.quadrature) - 900.0).abs() < 0.5, "{reading:?}");
             });
         }
     }

@@ -331,7 +331,6 @@ pub enum Refusal {
 
 /// What a board tells unasked.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
-#[expect(clippy::large_enum_variant, reason = "there is no allocator to box with")]
 pub enum Event {
     /// A tare is complete.
     Tared {
