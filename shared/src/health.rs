@@ -210,6 +210,9 @@ mod tests {
         volts_per_code: 2e-8,
         full_scale_current: 1e-3,
         gain_bandwidth: 13e6,
+        largest_gain: 64,
+        bandwidths: [1e6; 2],
+        waveform_rate: 1_000_000,
         lead: 0.0,
     };
     /// 30 ohm at 1 mA.
