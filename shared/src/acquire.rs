@@ -16,6 +16,7 @@ use crate::{
     protocol::{Event, MAX_SCOPE_SAMPLES},
     scan::{self, MAX_SLOTS, Timing},
     stimulation::Step,
+    trigonometry::{length, sine},
     units::AdcCode,
 };
 use heapless::Vec;
@@ -70,6 +71,12 @@ pub struct Acquisition {
 struct Scope {
     slot: u16,
     samples: Vec<u16, MAX_SCOPE_SAMPLES>,
+}
+
+impl Scope {
+    fn event(&self, gain: u8, settling: u16) -> Event {
+        Event::Scope { slot: self.slot, gain, settling, samples: self.samples.clone() }
+    }
 }
 
 /// The frame being put together, and the gains it is measured with.
@@ -160,13 +167,14 @@ impl Acquisition {
         self.scope = slot.map(|slot| Scope { slot, samples: Vec::new() });
     }
 
-    /// What the watched slot showed in the latest frame.
-    #[must_use]
-    pub fn scope_event(&self) -> Option<Event> {
-        let scope = self.scope.as_ref()?;
-        let place = usize::from(*self.assembly.gains.get(usize::from(scope.slot))?);
-        let (gain, settling) = (*GAINS.get(place)?, self.timing.settling);
-        Some(Event::Scope { slot: scope.slot, gain, settling, samples: scope.samples.clone() })
+    /// Begins anew, with the gains found so far: the next sample is the first of a scan.
+    pub fn restart(&mut self) {
+        self.demodulator.restart();
+        self.position = 0;
+        let assembly = &mut self.assembly;
+        (assembly.frame, assembly.peaks) = (Frame::default(), Vec::new());
+        // The current rises during the first frame.
+        assembly.skip = 1;
     }
 
     /// Keeps those of `samples`, which begin at `self.position` of a frame, that the scope watches.
@@ -186,8 +194,9 @@ impl Acquisition {
         }
     }
 
-    /// Takes the next samples; `done` gets each frame that they complete, without number and time.
-    pub fn push(&mut self, mut samples: &[u16], mut done: impl FnMut(Frame)) {
+    /// Takes the next samples; `done` gets each frame that they complete, without number and time, and
+    /// what the watched slot showed in it.
+    pub fn push(&mut self, mut samples: &[u16], mut done: impl FnMut(Frame, Option<Event>)) {
         // The scope sees one frame at a time.
         while let Some((piece, rest)) = samples.split_at_checked(self.missing_samples()) {
             self.take(piece, &mut done);
@@ -197,19 +206,25 @@ impl Acquisition {
     }
 
     /// Samples of one frame.
-    fn take(&mut self, samples: &[u16], done: &mut impl FnMut(Frame)) {
+    fn take(&mut self, samples: &[u16], done: &mut impl FnMut(Frame, Option<Event>)) {
         self.keep_for_scope(samples);
         self.position = (self.position + samples.len()) % self.frame_samples();
-        let assembly = &mut self.assembly;
+        let (assembly, scope, settling) = (&mut self.assembly, &self.scope, self.timing.settling);
         self.demodulator.push(samples, |reading| {
             if let Some(frame) = assembly.add(reading) {
-                done(frame);
+                let shown = scope.as_ref();
+                done(frame, shown.map(|scope| scope.event(assembly.gain(scope.slot.into()), settling)));
             }
         });
     }
 }
 
 impl Assembly {
+    fn gain(&self, slot: usize) -> u8 {
+        let place = self.gains.get(slot).map_or(0, |&place| usize::from(place));
+        GAINS.get(place).copied().unwrap_or(1)
+    }
+
     fn add(&mut self, reading: Reading) -> Option<Frame> {
         let slot = self.peaks.len();
         let _ = self.peaks.push(reading.peak);
@@ -268,9 +283,7 @@ impl Assembly {
         match self.component {
             Component::Real => real,
             Component::Imaginary => imaginary,
-            Component::Magnitude => {
-                AdcCode(libm::roundf(libm::hypotf(real.0 as f32, imaginary.0 as f32)) as i32)
-            }
+            Component::Magnitude => AdcCode(libm::roundf(length(real.0 as f32, imaginary.0 as f32)) as i32),
         }
     }
 }
@@ -278,8 +291,8 @@ impl Assembly {
 /// From sums of the lock-in to codes at gain 1: undoes the gain of an amplifier with one pole,
 /// `g / (1 + j f g / gain_bandwidth)`, the poles before it, and what holding the waveform's values takes.
 fn factors(frequency: f32, integration: u16, front_end: &FrontEnd) -> [[f32; 2]; GAINS.len()] {
-    let turn = core::f32::consts::PI * frequency / front_end.waveform_rate as f32;
-    let held = libm::sinf(turn) / turn;
+    let half_turns = frequency / front_end.waveform_rate as f32;
+    let held = sine(half_turns / 2.0) / (core::f32::consts::PI * half_turns);
     let amplitude = 2.0 / f32::from(integration.max(1)) / LOCK_IN_ONE * FINENESS / held;
     let [source, filter] = front_end.bandwidths.map(|bandwidth| [1.0, frequency / bandwidth]);
     let before = product(product([amplitude, 0.0], source), filter);

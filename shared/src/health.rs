@@ -17,6 +17,7 @@ use crate::{
     acquire::FrontEnd,
     frame::{ElectrodeTest, Frame, FrameFlags},
     patch::PatchView,
+    trigonometry::length,
 };
 use heapless::Vec;
 use postcard_schema::Schema;
@@ -151,7 +152,7 @@ impl Health {
         for (electrode, test) in tests.iter().enumerate() {
             let real = test.in_phase.0 as f32 * ohms_per_code - of_sheet.get(electrode).unwrap_or(&0.0);
             let imaginary = test.quadrature.0 as f32 * ohms_per_code;
-            let _ = self.contact_impedance.push(libm::hypotf(real, imaginary));
+            let _ = self.contact_impedance.push(length(real, imaginary));
         }
     }
 
@@ -180,7 +181,7 @@ impl Health {
 }
 
 fn magnitude(test: &ElectrodeTest) -> f32 {
-    libm::hypotf(test.in_phase.0 as f32, test.quadrature.0 as f32)
+    length(test.in_phase.0 as f32, test.quadrature.0 as f32)
 }
 
 /// The middle value; none of none.

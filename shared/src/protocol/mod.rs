@@ -11,7 +11,7 @@ mod packet;
 mod queue;
 
 pub use packet::{PacketError, PacketReader, decode, encode};
-pub use queue::PacketQueue;
+pub use queue::{EventQueue, PacketQueue};
 
 use crate::{
     MAX_MEASUREMENTS, MAX_PIXELS, MAX_STEPS,
