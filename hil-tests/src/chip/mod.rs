@@ -20,6 +20,7 @@ pub mod iwdg;
 pub mod map;
 pub mod misuse;
 pub mod nvic;
+pub mod opamp;
 pub mod peripheral;
 pub mod plain;
 pub mod pwr;
@@ -32,9 +33,10 @@ pub mod trace;
 mod transfers;
 pub mod usart;
 mod wiring;
+pub mod world;
 
 use self::{
-    adc::{Adc, World, common::AdcCommon},
+    adc::{Adc, common::AdcCommon},
     core::{Core, CoreMoment},
     dac::Dac,
     dma::{Dma, Dmamux},
@@ -45,6 +47,7 @@ use self::{
     map::Map,
     misuse::Misuse,
     nvic::{NMI, Nvic},
+    opamp::Opamp,
     peripheral::{Moment, Peripheral},
     plain::Plain,
     pwr::Pwr,
@@ -53,6 +56,7 @@ use self::{
     timer::Timer,
     trace::{Event, Trace},
     usart::Usart,
+    world::Outside,
 };
 
 use std::fmt;
@@ -104,15 +108,15 @@ pub struct Chip {
     dmamux: Dmamux,
     adcs: Vec<(&'static str, Adc)>,
     adc_commons: Vec<(&'static str, AdcCommon)>,
-    world: Option<Box<dyn World>>,
+    outside: Outside,
     dacs: Vec<(&'static str, Dac)>,
+    opamps: Vec<(&'static str, Opamp)>,
     exti: Exti,
     iwdg: Iwdg,
     syscfg: Plain,
     dbgmcu: Plain,
     clocks: Clocks,
     lines: Vec<Line>,
-    shown_pins: Vec<u16>,
     shown_operations: u64,
     /// Something was touched since lines and requests were looked at.
     touched: bool,
@@ -133,6 +137,8 @@ struct Line {
 /// Converters, and the common registers of the first two and of the others.
 const ADCS: [&str; 5] = ["ADC1", "ADC2", "ADC3", "ADC4", "ADC5"];
 const ADC_COMMONS: [&str; 2] = ["ADC12_COMMON", "ADC345_COMMON"];
+const DACS: [&str; 4] = ["DAC1", "DAC2", "DAC3", "DAC4"];
+const OPAMPS: [&str; 6] = ["OPAMP1", "OPAMP2", "OPAMP3", "OPAMP4", "OPAMP5", "OPAMP6"];
 
 /// Peripherals whose DMA requests and interrupts are modelled.
 const WITH_SIGNALS: [&str; 17] = [
@@ -182,15 +188,15 @@ impl Chip {
             dmamux: Dmamux::default(),
             adcs: (1..).zip(ADCS).map(|(number, name)| (name, Adc::new(number))).collect(),
             adc_commons: ADC_COMMONS.map(|name| (name, AdcCommon::new(name))).into(),
-            world: None,
-            dacs: ["DAC1", "DAC2", "DAC3", "DAC4"].map(|name| (name, Dac::new(name))).into(),
+            outside: Outside::default(),
+            dacs: DACS.map(|name| (name, Dac::new(name))).into(),
+            opamps: OPAMPS.map(|name| (name, Opamp::new(name))).into(),
             exti: Exti::default(),
             iwdg: Iwdg::default(),
             syscfg: Plain::syscfg(),
             dbgmcu: Plain::dbgmcu(),
             clocks: Clocks::RESET,
             lines,
-            shown_pins: vec![0; 7],
             shown_operations: 0,
             touched: true,
             pins_touched: true,
@@ -235,6 +241,7 @@ impl Chip {
             self.deliver_triggers();
             self.serve_requests(memory)?;
             self.raise_lines();
+            self.show_analogue();
         }
         if std::mem::take(&mut self.pins_touched) {
             self.show_pins();
@@ -349,6 +356,7 @@ impl Chip {
                 }
                 return by_name(&mut self.timers, name)
                     .or_else(|| by_name(&mut self.dacs, name))
+                    .or_else(|| by_name(&mut self.opamps, name))
                     .or_else(|| by_name(&mut self.adcs, name))
                     .or_else(|| by_name(&mut self.adc_commons, name));
             }
@@ -377,6 +385,7 @@ impl Chip {
         self.timers.iter_mut().for_each(|(name, timer)| visit(name, timer));
         self.dma.iter_mut().for_each(|dma| visit("DMA", dma));
         self.dacs.iter_mut().for_each(|(name, dac)| visit(name, dac));
+        self.opamps.iter_mut().for_each(|(name, opamp)| visit(name, opamp));
         self.adcs.iter_mut().for_each(|(name, adc)| visit(name, adc));
         self.adc_commons.iter_mut().for_each(|(name, common)| visit(name, common));
         visit("EXTI", &mut self.exti);
@@ -386,13 +395,25 @@ impl Chip {
         visit("DBGMCU", &mut self.dbgmcu);
     }
 
-    /// Tells the trace what changed outside.
+    /// Tells trace and world what changed outside.
     fn show_pins(&mut self) {
         for (place, (port, model)) in self.ports.iter().enumerate() {
-            let levels = model.outputs();
-            if std::mem::replace(&mut self.shown_pins[place], levels) != levels {
+            let levels = model.driven_levels();
+            if self.outside.show_pins(place, levels, self.now) {
                 self.trace.add(self.now, Event::Pins { port: *port, levels });
             }
+        }
+    }
+
+    /// Tells the world what converters and amplifiers do now.
+    fn show_analogue(&mut self) {
+        for (place, (_, dac)) in self.dacs.iter().enumerate() {
+            for channel in 0..2 {
+                self.outside.show_dac(place, channel, dac.output(channel), self.now);
+            }
+        }
+        for (place, (_, opamp)) in self.opamps.iter().enumerate() {
+            self.outside.show_opamp(place, opamp.setting(), self.now);
         }
     }
 
