@@ -4,7 +4,7 @@ use crate::chip::tests::bus::{Bus, nanos};
 /// A timer at 1 MHz that starts again after 100 ticks.
 fn timer(name: &str, bits: u32, enabled: &[(&str, u32)]) -> Bus<Timer> {
     let mut bus = Bus::new(Timer::new(name, if name == "TIM6" { 0 } else { 4 }, bits));
-    bus.model.clock = 1_000_000;
+    bus.model.run_at(1_000_000);
     bus.write("ARR", 99);
     bus.fields("DIER", enabled);
     bus
@@ -124,7 +124,7 @@ fn hours_are_caught_up_at_once() {
 #[test]
 fn what_is_not_modelled_is_refused() {
     let mut bus = timer("TIM2", 32, &[]);
-    for (register, value) in [("CR1", 1 << 4), ("SMCR", 1), ("CCER", 1)] {
+    for (register, value) in [("CR1", 1 << 4), ("SMCR", 4), ("CCER", 1)] {
         assert!(bus.refused(register, value).contains("modelled"), "{register}");
     }
 }
