@@ -23,6 +23,7 @@ pub mod peripheral;
 pub mod plain;
 pub mod pwr;
 pub mod rcc;
+mod shown;
 #[cfg(test)]
 mod tests;
 pub mod time;
@@ -38,7 +39,7 @@ use self::{
     dac::Dac,
     dma::{Dma, Dmamux},
     exti::Exti,
-    flash::{Flash, Operation},
+    flash::Flash,
     gpio::Gpio,
     iwdg::Iwdg,
     map::{Map, PeripheralMap, Register},
@@ -54,7 +55,7 @@ use self::{
     usart::Usart,
 };
 
-use std::fmt;
+pub use self::shown::Watcher;
 
 /// Where the RAM lies: SRAM1, SRAM2 and the second address of CCM SRAM, side by side (2.4).
 pub const RAM_START: u32 = 0x2000_0000;
@@ -67,15 +68,6 @@ pub trait Memory {
     fn read(&self, address: u32, bytes: &mut [u8]);
     /// Writes bytes of RAM.
     fn write(&mut self, address: u32, bytes: &[u8]);
-}
-
-/// Who looks at the flash.
-pub struct Watcher(pub Box<dyn FnMut(&Flash) + Send>);
-
-impl fmt::Debug for Watcher {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("Watcher")
-    }
 }
 
 /// The chip without its CPU.
@@ -465,29 +457,6 @@ impl Chip {
         visit("IWDG", &mut self.iwdg);
         visit("SYSCFG", &mut self.syscfg);
         visit("DBGMCU", &mut self.dbgmcu);
-    }
-
-    /// Tells the trace what changed outside.
-    fn show_pins(&mut self) {
-        for (place, (port, model)) in self.ports.iter().enumerate() {
-            let levels = model.outputs();
-            if std::mem::replace(&mut self.shown_pins[place], levels) != levels {
-                self.trace.add(self.now, Event::Pins { port: *port, levels });
-            }
-        }
-    }
-
-    fn show_flash(&mut self) {
-        if std::mem::replace(&mut self.shown_operations, self.flash.operations()) != self.flash.operations() {
-            match self.flash.operation() {
-                Some(Operation::Erase(page)) => self.trace.add(self.now, Event::Erase(page)),
-                Some(Operation::Program(address, _)) => self.trace.add(self.now, Event::Program(address)),
-                None => {}
-            }
-            if let Some(Watcher(look)) = &mut self.watcher {
-                look(&self.flash);
-            }
-        }
     }
 }
 
