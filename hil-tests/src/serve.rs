@@ -5,6 +5,7 @@
 
 use crate::common::{Firmware, boot};
 use dermatome::{
+    board::log::Log,
     link::{self, Link, Port},
     model::Model,
     quantize,
@@ -14,10 +15,11 @@ use dermatome_hil::{
     board::VirtualBoard,
     chip::{time::Time, usart::Symbol},
     fault::{Fault, Schedule},
+    probe::emulated::LogReader,
 };
 use std::{
     error::Error,
-    io::{self, ErrorKind, Read, Write},
+    io::{self, ErrorKind, IsTerminal, Read, Write},
     net::{TcpListener, TcpStream},
     path::{Path, PathBuf},
     process::ExitCode,
@@ -42,6 +44,9 @@ pub(crate) struct Run {
     /// What goes wrong, and when (in virtual time from here on), e.g. power@2s. Can be repeated.
     #[arg(long = "fault")]
     faults: Vec<Fault>,
+    /// Also print the firmware's log, on standard error.
+    #[arg(long)]
+    logs: bool,
 }
 
 impl Run {
@@ -51,7 +56,9 @@ impl Run {
         };
         let listener = TcpListener::bind(address)
             .map_err(|error| format!("cannot listen at `{}`: {error}", self.listen))?;
-        let board = boot(&self.firmware, false)?;
+        let (board, firmware) = boot(&self.firmware, false)?;
+        let log = self.logs.then(|| Log::new(&firmware)).transpose()?;
+        let mut log = log.as_ref().map(|log| LogReader::new(log, io::stderr().is_terminal()));
         if let Some(skin) = &self.skin {
             flash(&board, skin)?;
         }
@@ -67,6 +74,9 @@ impl Run {
                 client = accept(&listener)?;
             }
             let (now, sent) = run_slice(&board, &faults)?;
+            for line in log.as_mut().map_or(Ok(Vec::new()), |log| log.lines(&board))? {
+                eprintln!("{line}");
+            }
             if let Some(stream) = &mut client
                 && !exchange(stream, &board, &sent)
             {

@@ -36,13 +36,13 @@ pub(super) const CASES: &[Case] = &[
 
 /// Counts every instruction of `reconstruct`, 812 pixels from 104 measurements.
 fn kernel(rig: &Rig) -> Result<String, Failure> {
-    let Rig::Virtual { image, board, .. } = rig else { unreachable!("the case needs an emulated board") };
+    let Rig::Virtual { firmware, board, .. } = rig else { unreachable!("the case needs an emulated board") };
     let missing = || Failure::Wrong("the firmware has no function `reconstruct`".to_owned());
-    let function = image.symbol("11reconstruct11reconstruct").ok_or_else(missing)?;
+    let function = firmware.symbol("11reconstruct11reconstruct").ok_or_else(missing)?;
     let mut link = rig.link()?;
     link::upload(&mut link, &patches::patch(812, true, 13), |_| ())?;
     link::tare(&mut link, 2, Duration::from_secs(20))?;
-    board.with(move |machine| machine.count_calls(function));
+    board.with(move |machine| machine.count_calls(function as u32));
     link::stream(&mut link, Selection { contacts: true, ..Selection::default() })?;
     rig.wait(Duration::from_secs(1))?;
     let calls = board.with(|machine| machine.calls());

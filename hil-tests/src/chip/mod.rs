@@ -28,6 +28,7 @@ pub mod plain;
 pub mod pwr;
 pub mod rcc;
 mod schedule;
+mod shown;
 #[cfg(test)]
 mod tests;
 pub mod time;
@@ -45,7 +46,7 @@ use self::{
     dac::Dac,
     dma::{Dma, Dmamux},
     exti::Exti,
-    flash::{Flash, Operation},
+    flash::Flash,
     gpio::Gpio,
     iwdg::Iwdg,
     lines::Lines,
@@ -65,7 +66,7 @@ use self::{
     world::Outside,
 };
 
-use std::fmt;
+pub use self::shown::Watcher;
 
 /// Where the RAM lies: SRAM1, SRAM2 and the second address of CCM SRAM, side by side (2.4).
 pub const RAM_START: u32 = 0x2000_0000;
@@ -78,15 +79,6 @@ pub trait Memory {
     fn read(&self, address: u32, bytes: &mut [u8]);
     /// Writes bytes of RAM.
     fn write(&mut self, address: u32, bytes: &[u8]);
-}
-
-/// Who looks at the flash.
-pub struct Watcher(pub Box<dyn FnMut(&Flash) + Send>);
-
-impl fmt::Debug for Watcher {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("Watcher")
-    }
 }
 
 /// The chip without its CPU.
@@ -253,27 +245,6 @@ impl Chip {
                     self.outside.show_opamp(place.into(), setting, self.now);
                 }
                 _ => {}
-            }
-        }
-    }
-
-    fn show_pins(&mut self, place: usize) {
-        let levels = self.ports[place].driven_levels();
-        if self.outside.show_pins(place, levels, self.now) {
-            let port = (b'A' + place as u8).into();
-            self.trace.add(self.now, Event::Pins { port, levels });
-        }
-    }
-
-    fn show_flash(&mut self) {
-        if std::mem::replace(&mut self.shown_operations, self.flash.operations()) != self.flash.operations() {
-            match self.flash.operation() {
-                Some(Operation::Erase(page)) => self.trace.add(self.now, Event::Erase(page)),
-                Some(Operation::Program(address, _)) => self.trace.add(self.now, Event::Program(address)),
-                None => {}
-            }
-            if let Some(Watcher(look)) = &mut self.watcher {
-                look(&self.flash);
             }
         }
     }
