@@ -110,6 +110,8 @@ struct State {
     blocks: RefCell<HashMap<u64, Block>>,
     last_poll: Cell<(u32, u32)>,
     spins: Cell<u32>,
+    /// Where the last access went that nothing answers.
+    bad_address: Cell<u32>,
     calls: RefCell<Option<Calls>>,
 }
 
@@ -175,12 +177,6 @@ impl Machine {
     #[must_use]
     pub fn instructions(&self) -> u64 {
         self.state.instructions.get()
-    }
-
-    /// Whether the core sleeps.
-    #[must_use]
-    pub fn sleeps(&self) -> bool {
-        self.sleeps
     }
 
     /// Looks at the chip, or changes it.
@@ -355,8 +351,9 @@ impl Machine {
     fn fault(&mut self, error: uc_error) -> Result<(), Halt> {
         let pc = self.get(RegisterARM::PC) as u32;
         let cause = match error {
-            uc_error::READ_UNMAPPED | uc_error::WRITE_UNMAPPED => FaultCause::Bus(pc),
-            uc_error::READ_PROT | uc_error::WRITE_PROT => FaultCause::Bus(pc),
+            uc_error::READ_UNMAPPED | uc_error::WRITE_UNMAPPED => {
+                FaultCause::Bus(self.state.bad_address.get())
+            }
             uc_error::FETCH_UNMAPPED | uc_error::FETCH_PROT => FaultCause::Fetch(pc),
             uc_error::INSN_INVALID | uc_error::EXCEPTION => FaultCause::Undefined,
             _ => return Err(self.gave_up(format!("{error:?}"))),
@@ -446,6 +443,7 @@ impl State {
             blocks: RefCell::new(HashMap::new()),
             last_poll: Cell::new((0, 0)),
             spins: Cell::new(0),
+            bad_address: Cell::new(0),
             calls: RefCell::new(None),
         }
     }
@@ -457,3 +455,6 @@ impl State {
         self.stall.set(chip.flash.stalled_code());
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -15,6 +15,7 @@ use super::{
     misuse::Misuse,
     peripheral::{Moment, Peripheral, has_bank},
     time::Time,
+    world::World,
 };
 
 /// Volts at which a conversion gives its highest code (VREF+).
@@ -30,12 +31,6 @@ const TRIGGERS: [(u32, &str); 6] =
     [(4, "TIM3"), (11, "TIM2"), (12, "TIM4"), (13, "TIM6"), (14, "TIM15"), (30, "TIM7")];
 /// Registers that may only keep their value after reset.
 const UNUSED: [&str; 9] = ["TR1", "TR2", "TR3", "JSQR", "OFR", "AWD2CR", "AWD3CR", "DIFSEL", "GCOMP"];
-
-/// What is outside the chip.
-pub trait World: std::fmt::Debug {
-    /// Volts at a channel of a converter (1 to 5) at an instant.
-    fn voltage(&mut self, adc: usize, channel: usize, at: Time) -> f64;
-}
 
 /// Model of one converter.
 #[derive(Clone, Debug)]

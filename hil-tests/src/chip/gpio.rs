@@ -58,6 +58,14 @@ impl Gpio {
         self.bank.word("ODR", 0) as u16
     }
 
+    /// Levels of the pins that the chip drives by the output register; the others' are 0.
+    #[must_use]
+    pub fn driven_levels(&self) -> u16 {
+        let is_output = |pin: &usize| self.mode(*pin) == PinMode::Output;
+        let outputs: u16 = (0..16).filter(is_output).map(|pin| 1 << pin).sum();
+        self.outputs() & outputs
+    }
+
     /// Level that a pin reads.
     #[must_use]
     pub fn level(&self, pin: usize) -> bool {

@@ -122,6 +122,7 @@ impl PeripheralMap {
             .rcc
             .as_ref()
             .map_or((None, None), |clocks| (clocks.enable.as_ref().map(rcc), clocks.reset.as_ref().map(rcc)));
+        let clock = clock.or_else(|| shared_clock(source.name));
         let base = u32::try_from(source.address).ok()?;
         let mut places: HashMap<String, Vec<Option<usize>>> = HashMap::new();
         let mut registers: Vec<Register> = all.into_values().collect();
@@ -213,6 +214,12 @@ impl Register {
         let found = self.fields.iter().find(|field| field.name == name);
         found.unwrap_or_else(|| panic!("register {} has no field {name}", self.name))
     }
+}
+
+/// Amplifiers belong to the system configuration's clock, which stm32-metapac does not say (RM0440,
+/// RCC_APB2ENR, SYSCFGEN: "SYSCFG + COMP + VREFBUF + OPAMP clock enable").
+fn shared_clock(peripheral: &str) -> Option<(String, String)> {
+    peripheral.starts_with("OPAMP").then(|| ("APB2ENR".to_owned(), "SYSCFGEN".to_owned()))
 }
 
 fn bit_mask(offset: u32, bits: u32) -> u32 {

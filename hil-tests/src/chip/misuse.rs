@@ -51,6 +51,14 @@ pub enum Misuse {
         /// Register and field of the RCC.
         enable: String,
     },
+    /// The peripheral is held in reset: silicon would lose writes.
+    #[error("{peripheral} is used while RCC.{reset} is 1: it is held in reset")]
+    InReset {
+        /// The peripheral.
+        peripheral: String,
+        /// Register and field of the RCC.
+        reset: String,
+    },
     /// A rule of the reference manual is broken.
     #[error("{peripheral}: {rule}")]
     Rule {

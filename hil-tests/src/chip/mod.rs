@@ -7,6 +7,7 @@
 //!
 //! Time passes in [`Chip::advance`], from one event of a peripheral to the next.
 
+mod access;
 pub mod adc;
 pub mod bank;
 pub mod core;
@@ -19,6 +20,7 @@ pub mod iwdg;
 pub mod map;
 pub mod misuse;
 pub mod nvic;
+pub mod opamp;
 pub mod peripheral;
 pub mod plain;
 pub mod pwr;
@@ -31,9 +33,10 @@ pub mod trace;
 mod transfers;
 pub mod usart;
 mod wiring;
+pub mod world;
 
 use self::{
-    adc::{Adc, World, common::AdcCommon},
+    adc::{Adc, common::AdcCommon},
     core::{Core, CoreMoment},
     dac::Dac,
     dma::{Dma, Dmamux},
@@ -41,9 +44,10 @@ use self::{
     flash::{Flash, Operation},
     gpio::Gpio,
     iwdg::Iwdg,
-    map::{Map, PeripheralMap, Register},
+    map::Map,
     misuse::Misuse,
     nvic::{NMI, Nvic},
+    opamp::Opamp,
     peripheral::{Moment, Peripheral},
     plain::Plain,
     pwr::Pwr,
@@ -52,6 +56,7 @@ use self::{
     timer::Timer,
     trace::{Event, Trace},
     usart::Usart,
+    world::Outside,
 };
 
 use std::fmt;
@@ -103,15 +108,15 @@ pub struct Chip {
     dmamux: Dmamux,
     adcs: Vec<(&'static str, Adc)>,
     adc_commons: Vec<(&'static str, AdcCommon)>,
-    world: Option<Box<dyn World>>,
+    outside: Outside,
     dacs: Vec<(&'static str, Dac)>,
+    opamps: Vec<(&'static str, Opamp)>,
     exti: Exti,
     iwdg: Iwdg,
     syscfg: Plain,
     dbgmcu: Plain,
     clocks: Clocks,
     lines: Vec<Line>,
-    shown_pins: Vec<u16>,
     shown_operations: u64,
     /// Something was touched since lines and requests were looked at.
     touched: bool,
@@ -132,6 +137,8 @@ struct Line {
 /// Converters, and the common registers of the first two and of the others.
 const ADCS: [&str; 5] = ["ADC1", "ADC2", "ADC3", "ADC4", "ADC5"];
 const ADC_COMMONS: [&str; 2] = ["ADC12_COMMON", "ADC345_COMMON"];
+const DACS: [&str; 4] = ["DAC1", "DAC2", "DAC3", "DAC4"];
+const OPAMPS: [&str; 6] = ["OPAMP1", "OPAMP2", "OPAMP3", "OPAMP4", "OPAMP5", "OPAMP6"];
 
 /// Peripherals whose DMA requests and interrupts are modelled.
 const WITH_SIGNALS: [&str; 17] = [
@@ -181,15 +188,15 @@ impl Chip {
             dmamux: Dmamux::default(),
             adcs: (1..).zip(ADCS).map(|(number, name)| (name, Adc::new(number))).collect(),
             adc_commons: ADC_COMMONS.map(|name| (name, AdcCommon::new(name))).into(),
-            world: None,
-            dacs: ["DAC1", "DAC2", "DAC3", "DAC4"].map(|name| (name, Dac::new(name))).into(),
+            outside: Outside::default(),
+            dacs: DACS.map(|name| (name, Dac::new(name))).into(),
+            opamps: OPAMPS.map(|name| (name, Opamp::new(name))).into(),
             exti: Exti::default(),
             iwdg: Iwdg::default(),
             syscfg: Plain::syscfg(),
             dbgmcu: Plain::dbgmcu(),
             clocks: Clocks::RESET,
             lines,
-            shown_pins: vec![0; 7],
             shown_operations: 0,
             touched: true,
             pins_touched: true,
@@ -228,71 +235,18 @@ impl Chip {
         self.core.take_reset().then_some(ResetCause::Software)
     }
 
-    /// Reads `size` bytes of a peripheral.
-    pub fn read(&mut self, address: u32, size: u32) -> Result<u32, Misuse> {
-        let (value, shift) = match self.place(address)? {
-            None => (self.core.read(address & !3, self.core_moment())?, address & 3),
-            Some((map, register)) => {
-                self.check_access(map, register)?;
-                let at = self.moment();
-                let model = self.peripheral(map.name, register)?;
-                let value = model.read(register, at);
-                if model.read_changes(register) {
-                    self.touch();
-                }
-                (value, address & 3)
-            }
-        };
-        let mask = (u64::from(u32::MAX) >> (32 - 8 * size.min(4))) as u32;
-        Ok(value >> (8 * shift) & mask)
-    }
-
-    /// Writes `size` bytes of a peripheral.
-    pub fn write(&mut self, address: u32, size: u32, value: u32) -> Result<(), Misuse> {
-        match self.place(address)? {
-            None => self.core.write(address, size, value, self.core_moment())?,
-            Some((map, register)) => {
-                self.check_access(map, register)?;
-                let at = self.moment();
-                let model = self.peripheral(map.name, register)?;
-                if size != 4 && model.words_only() {
-                    let rule =
-                        format!("{} is written by {size} bytes: its registers want words", register.name);
-                    return Err(Misuse::rule(map.name, rule));
-                }
-                let old = model.bank().value(register);
-                let value = merge_bytes(old, address & 3, size, value);
-                if !register.writable {
-                    let (peripheral, register) = (map.name.to_owned(), register.name.clone());
-                    return Err(Misuse::ReadOnly { peripheral, register });
-                }
-                if !model.clears_flags(register) {
-                    check_bits(map, register, old, value)?;
-                }
-                model.bank_mut().is_in_use = true;
-                model.write(register, value, at)?;
-                if map.name.starts_with("GPIO") || map.name == "SYSCFG" {
-                    self.pins_touched = true;
-                    self.follow_pins();
-                }
-                self.touch();
-                self.follow_clocks();
-                self.check_clocks()?;
-            }
-        }
-        Ok(())
-    }
-
     /// After an access: the DMA serves its requests, and lines go to the NVIC.
     pub fn settle(&mut self, memory: &mut dyn Memory) -> Result<(), Misuse> {
         if std::mem::take(&mut self.touched) {
             self.deliver_triggers();
             self.serve_requests(memory)?;
             self.raise_lines();
+            self.show_analogue();
         }
         if std::mem::take(&mut self.pins_touched) {
             self.show_pins();
         }
+        // Beats of the DMA touch as well; requests and lines have been looked at after the last one.
         self.touched = false;
         self.show_flash();
         for (time, event) in self.uart.take_passed() {
@@ -382,34 +336,6 @@ impl Chip {
         CoreMoment { now: self.now, cycle: self.clocks.cycle(), instructions: self.instructions }
     }
 
-    /// Peripheral and register at an address; none for the core's own.
-    fn place(&self, address: u32) -> Result<Option<(&'static PeripheralMap, &'static Register)>, Misuse> {
-        let map = Map::of_chip();
-        match map.at(address) {
-            Some(peripheral) => {
-                let offset = address - peripheral.base;
-                let none = || Misuse::NoRegister { peripheral: peripheral.name.to_owned(), offset };
-                Ok(Some((peripheral, peripheral.register_at(offset).ok_or_else(none)?)))
-            }
-            None if address >= core::START => Ok(None),
-            None => Err(Misuse::NoRegister { peripheral: "address".to_owned(), offset: address }),
-        }
-    }
-
-    fn check_access(&self, map: &PeripheralMap, register: &Register) -> Result<(), Misuse> {
-        self.rcc.clock_of(map).map_err(|enable| Misuse::NoClock {
-            peripheral: format!("{}.{}", map.name, register.name),
-            enable,
-        })
-    }
-
-    fn peripheral(&mut self, name: &str, register: &Register) -> Result<&mut dyn Peripheral, Misuse> {
-        match self.model_mut(name) {
-            Some(model) if model.models(register) => Ok(model),
-            _ => Err(Misuse::unmodelled(name, register)),
-        }
-    }
-
     fn model_mut(&mut self, name: &str) -> Option<&mut dyn Peripheral> {
         Some(match name {
             "RCC" => &mut self.rcc,
@@ -430,6 +356,7 @@ impl Chip {
                 }
                 return by_name(&mut self.timers, name)
                     .or_else(|| by_name(&mut self.dacs, name))
+                    .or_else(|| by_name(&mut self.opamps, name))
                     .or_else(|| by_name(&mut self.adcs, name))
                     .or_else(|| by_name(&mut self.adc_commons, name));
             }
@@ -458,6 +385,7 @@ impl Chip {
         self.timers.iter_mut().for_each(|(name, timer)| visit(name, timer));
         self.dma.iter_mut().for_each(|dma| visit("DMA", dma));
         self.dacs.iter_mut().for_each(|(name, dac)| visit(name, dac));
+        self.opamps.iter_mut().for_each(|(name, opamp)| visit(name, opamp));
         self.adcs.iter_mut().for_each(|(name, adc)| visit(name, adc));
         self.adc_commons.iter_mut().for_each(|(name, common)| visit(name, common));
         visit("EXTI", &mut self.exti);
@@ -467,13 +395,25 @@ impl Chip {
         visit("DBGMCU", &mut self.dbgmcu);
     }
 
-    /// Tells the trace what changed outside.
+    /// Tells trace and world what changed outside.
     fn show_pins(&mut self) {
         for (place, (port, model)) in self.ports.iter().enumerate() {
-            let levels = model.outputs();
-            if std::mem::replace(&mut self.shown_pins[place], levels) != levels {
+            let levels = model.driven_levels();
+            if self.outside.show_pins(place, levels, self.now) {
                 self.trace.add(self.now, Event::Pins { port: *port, levels });
             }
+        }
+    }
+
+    /// Tells the world what converters and amplifiers do now.
+    fn show_analogue(&mut self) {
+        for (place, (_, dac)) in self.dacs.iter().enumerate() {
+            for channel in 0..2 {
+                self.outside.show_dac(place, channel, dac.output(channel), self.now);
+            }
+        }
+        for (place, (_, opamp)) in self.opamps.iter().enumerate() {
+            self.outside.show_opamp(place, opamp.setting(), self.now);
         }
     }
 
@@ -496,19 +436,4 @@ fn by_name<'a, P: Peripheral>(
     name: &str,
 ) -> Option<&'a mut dyn Peripheral> {
     all.iter_mut().find(|(known, _)| *known == name).map(|(_, model)| model as _)
-}
-
-/// A store of fewer than four bytes changes only its own.
-fn merge_bytes(old: u32, place: u32, size: u32, value: u32) -> u32 {
-    let mask = (u64::from(u32::MAX) >> (32 - 8 * size.min(4))) as u32;
-    (old & !(mask << (8 * place))) | (value & mask) << (8 * place)
-}
-
-/// Bits that mean nothing keep the value they have.
-fn check_bits(map: &PeripheralMap, register: &Register, old: u32, value: u32) -> Result<(), Misuse> {
-    let (peripheral, name) = (map.name.to_owned(), register.name.clone());
-    match value & !register.known_bits & !old {
-        0 => Ok(()),
-        reserved => Err(Misuse::ReservedBits { peripheral, register: name, value, reserved }),
-    }
 }

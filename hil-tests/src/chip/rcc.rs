@@ -100,10 +100,10 @@ impl Rcc {
         }
     }
 
-    /// Whether a peripheral is held in reset.
-    #[must_use]
-    pub fn holds_in_reset(&self, peripheral: &PeripheralMap) -> bool {
-        peripheral.reset.as_ref().is_some_and(|(register, field)| self.bank.is_set(register, field))
+    /// What holds a peripheral in reset, if anything does.
+    pub fn reset_of(&self, peripheral: &PeripheralMap) -> Option<String> {
+        let (register, field) = peripheral.reset.as_ref()?;
+        self.bank.is_set(register, field).then(|| format!("{register}.{field}"))
     }
 
     /// How fast everything runs.

@@ -2,3 +2,5 @@
 
 pub(crate) mod bus;
 mod joined;
+mod outside;
+mod probe;

@@ -1,8 +1,8 @@
 //! Wiring: what peripherals tell each other beside the bus: clocks, pins, edges and triggers.
 
 use super::{
-    Chip, adc::World, flash::Flash, gpio::PinMode, map::Map, misuse::Misuse, peripheral::Peripheral, rcc,
-    time::Time,
+    Chip, flash::Flash, gpio::PinMode, map::Map, misuse::Misuse, peripheral::Peripheral, rcc, time::Time,
+    world::World,
 };
 
 impl Chip {
@@ -21,14 +21,14 @@ impl Chip {
         self.dacs.iter().find(|(dac, _)| *dac == name).and_then(|(_, dac)| dac.output(channel))
     }
 
-    /// Converters measure this world from now on.
+    /// Converters measure this world from now on, and it is told what the chip puts out.
     pub fn connect(&mut self, world: Box<dyn World>) {
-        self.world = Some(world);
+        self.outside.connect(world, self.now);
     }
 
     pub(super) fn ask_world(&mut self, now: Time) {
-        if let Some(world) = &mut self.world {
-            self.adcs.iter_mut().for_each(|(_, adc)| adc.sample(now, world.as_mut()));
+        if let Some(world) = self.outside.world() {
+            self.adcs.iter_mut().for_each(|(_, adc)| adc.sample(now, world));
         }
     }
 

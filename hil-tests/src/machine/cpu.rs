@@ -63,6 +63,11 @@ pub(super) fn build(state: &Rc<State>) -> Result<Unicorn<'static, ()>, uc_error>
         let _ = unicorn.emu_stop();
     })?;
     let shared = state.clone();
+    unicorn.add_mem_hook(HookType::MEM_INVALID, 1, 0, move |_, _, address, _, _| {
+        shared.bad_address.set(address as u32);
+        false
+    })?;
+    let shared = state.clone();
     let (first, last) = (flash::START, flash::START + flash::BYTES - 1);
     unicorn.add_mem_hook(
         HookType::MEM_WRITE,

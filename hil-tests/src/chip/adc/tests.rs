@@ -1,11 +1,17 @@
 use super::*;
-use crate::chip::tests::bus::{Bus, nanos};
+use crate::chip::{
+    tests::bus::{Bus, nanos},
+    world::OpampSetting,
+};
 
 /// Volts that grow with the channel; notes when it was asked.
 #[derive(Debug, Default)]
 struct Ladder(Vec<(usize, usize, Time)>);
 
 impl World for Ladder {
+    fn dac(&mut self, _: usize, _: usize, _: Option<u16>, _: Time) {}
+    fn pins(&mut self, _: char, _: u16, _: Time) {}
+    fn opamp(&mut self, _: usize, _: OpampSetting, _: Time) {}
     fn voltage(&mut self, adc: usize, channel: usize, at: Time) -> f64 {
         self.0.push((adc, channel, at));
         REFERENCE * (channel as f64 / 16.0 + 1e-6)

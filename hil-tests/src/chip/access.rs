@@ -1,0 +1,140 @@
+//! Access: what every read and write of a register has to pass before its model sees it.
+
+use super::{
+    Chip, core,
+    map::{Map, PeripheralMap, Register},
+    misuse::Misuse,
+    peripheral::Peripheral,
+};
+
+impl Chip {
+    /// Reads `size` bytes of a peripheral.
+    pub fn read(&mut self, address: u32, size: u32) -> Result<u32, Misuse> {
+        let (value, shift) = match self.place(address)? {
+            None => (self.core.read(address & !3, self.core_moment())?, address & 3),
+            Some((map, register)) => {
+                self.check_access(map, register)?;
+                let at = self.moment();
+                let model = self.peripheral(map.name, register)?;
+                let value = model.read(register, at);
+                if model.read_changes(register) {
+                    self.touch();
+                }
+                (value, address & 3)
+            }
+        };
+        let mask = (u64::from(u32::MAX) >> (32 - 8 * size.min(4))) as u32;
+        Ok(value >> (8 * shift) & mask)
+    }
+
+    /// Writes `size` bytes of a peripheral.
+    pub fn write(&mut self, address: u32, size: u32, value: u32) -> Result<(), Misuse> {
+        match self.place(address)? {
+            None => self.core.write(address, size, value, self.core_moment()),
+            Some((map, register)) => {
+                self.check_access(map, register)?;
+                let at = self.moment();
+                let model = self.peripheral(map.name, register)?;
+                let old = model.bank().value(register);
+                let value = merge_bytes(old, address & 3, size, value);
+                check_write(model, map, register, size, value)?;
+                model.bank_mut().is_in_use = true;
+                model.write(register, value, at)?;
+                self.follow_write(map, register)
+            }
+        }
+    }
+
+    /// What a written register changes in other peripherals.
+    fn follow_write(&mut self, map: &PeripheralMap, register: &Register) -> Result<(), Misuse> {
+        let resets = map.name == "RCC" && register.name.contains("RSTR");
+        if resets {
+            self.reset_held();
+        }
+        if resets || map.name.starts_with("GPIO") || map.name == "SYSCFG" {
+            self.pins_touched = true;
+            self.follow_pins();
+        }
+        self.touch();
+        self.follow_clocks();
+        self.check_clocks()
+    }
+
+    /// Peripheral and register at an address; none for the core's own.
+    fn place(&self, address: u32) -> Result<Option<(&'static PeripheralMap, &'static Register)>, Misuse> {
+        let map = Map::of_chip();
+        match map.at(address) {
+            Some(peripheral) => {
+                let offset = address - peripheral.base;
+                let none = || Misuse::NoRegister { peripheral: peripheral.name.to_owned(), offset };
+                Ok(Some((peripheral, peripheral.register_at(offset).ok_or_else(none)?)))
+            }
+            None if address >= core::START => Ok(None),
+            None => Err(Misuse::NoRegister { peripheral: "address".to_owned(), offset: address }),
+        }
+    }
+
+    /// Peripherals that the RCC holds in reset start again (RM0440, RCC chapter, RCC_AHB1RSTR and on).
+    fn reset_held(&mut self) {
+        for map in Map::of_chip().peripherals() {
+            if self.rcc.reset_of(map).is_some()
+                && let Some(model) = self.model_mut(map.name)
+            {
+                model.reset();
+            }
+        }
+    }
+
+    fn check_access(&self, map: &PeripheralMap, register: &Register) -> Result<(), Misuse> {
+        let peripheral = || format!("{}.{}", map.name, register.name);
+        self.rcc.clock_of(map).map_err(|enable| Misuse::NoClock { peripheral: peripheral(), enable })?;
+        match self.rcc.reset_of(map) {
+            Some(reset) => Err(Misuse::InReset { peripheral: peripheral(), reset }),
+            None => Ok(()),
+        }
+    }
+
+    fn peripheral(&mut self, name: &str, register: &Register) -> Result<&mut dyn Peripheral, Misuse> {
+        match self.model_mut(name) {
+            Some(model) if model.models(register) => Ok(model),
+            _ => Err(Misuse::unmodelled(name, register)),
+        }
+    }
+}
+
+/// A store of fewer than four bytes changes only its own.
+fn merge_bytes(old: u32, place: u32, size: u32, value: u32) -> u32 {
+    let mask = (u64::from(u32::MAX) >> (32 - 8 * size.min(4))) as u32;
+    (old & !(mask << (8 * place))) | (value & mask) << (8 * place)
+}
+
+/// Whether a register takes this value, in a store of `size` bytes.
+fn check_write(
+    model: &dyn Peripheral,
+    map: &PeripheralMap,
+    register: &Register,
+    size: u32,
+    value: u32,
+) -> Result<(), Misuse> {
+    if size != 4 && model.words_only() {
+        let rule = format!("{} is written by {size} bytes: its registers want words", register.name);
+        return Err(Misuse::rule(map.name, rule));
+    }
+    if !register.writable {
+        let (peripheral, register) = (map.name.to_owned(), register.name.clone());
+        return Err(Misuse::ReadOnly { peripheral, register });
+    }
+    if model.clears_flags(register) {
+        return Ok(());
+    }
+    check_bits(map, register, model.bank().value(register), value)
+}
+
+/// Bits that mean nothing keep the value they have.
+fn check_bits(map: &PeripheralMap, register: &Register, old: u32, value: u32) -> Result<(), Misuse> {
+    let (peripheral, name) = (map.name.to_owned(), register.name.clone());
+    match value & !register.known_bits & !old {
+        0 => Ok(()),
+        reserved => Err(Misuse::ReservedBits { peripheral, register: name, value, reserved }),
+    }
+}

@@ -1,0 +1,26 @@
+use super::{Machine, Options};
+use crate::chip::{
+    flash::{self, Flash},
+    time::Time,
+};
+
+/// The bus fault's address (ARMv7-M, B3.2.18).
+const BFAR: u32 = 0xE000_ED38;
+
+#[test]
+fn a_load_from_where_nothing_answers_leaves_its_address_for_the_fault_handler() {
+    // Stack and handlers: reset, NMI, hard fault.
+    let vectors: [u32; 4] = [0x2002_0000, 0x0800_0011, 0, 0x0800_0015];
+    // ldr r0, [pc, #4]; ldr r1, [r0]; then the handler, which runs in circles; and the address.
+    let code: [u16; 6] = [0x4801, 0x6801, 0xE7FE, 0, 0x5678, 0x9000];
+    let bytes: Vec<u8> = vectors.iter().flat_map(|word| word.to_le_bytes()).collect();
+    let mut flash = Flash::default();
+    flash.load(flash::START, &bytes);
+    flash.load(
+        flash::START + 16,
+        &code.iter().flat_map(|halfword| halfword.to_le_bytes()).collect::<Vec<u8>>(),
+    );
+    let mut machine = Machine::new(flash, Options::default()).unwrap();
+    machine.run_until(Time::from_micros(100)).unwrap();
+    assert_eq!(machine.chip(|chip| chip.read(BFAR, 4)), Ok(0x9000_5678));
+}
