@@ -1,5 +1,6 @@
 //! What `run` and `trace` have in common: which firmware, and a board with it.
 
+use dermatome::skin::Skin;
 use dermatome_hil::{
     board::VirtualBoard,
     rig::{Rig, START_TIME},
@@ -23,12 +24,19 @@ impl Firmware {
     }
 }
 
-/// A board that has started.
-pub(crate) fn boot(firmware: &Firmware, keep_trace: bool) -> Result<VirtualBoard, Box<dyn Error>> {
+/// A board that has started; `skin` takes the place of the one that the rig's board measures.
+pub(crate) fn boot(
+    firmware: &Firmware,
+    keep_trace: bool,
+    skin: Option<Skin>,
+) -> Result<VirtualBoard, Box<dyn Error>> {
     let Rig::Virtual { image, mut options, .. } = Rig::open(&firmware.rig, firmware.elf.as_deref())? else {
         return Err(format!("rig `{}` is a real board; it needs no emulator", firmware.rig.display()).into());
     };
     options.keep_trace = keep_trace;
+    if let (Some(world), Some(skin)) = (&mut options.world, skin) {
+        *world = world.with_skin(skin)?;
+    }
     let board = VirtualBoard::start(image.flash(), options)?;
     board.run(START_TIME)?;
     Ok(board)

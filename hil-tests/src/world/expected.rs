@@ -5,6 +5,7 @@
 
 use super::{
     modes::{COUPLING, stages},
+    multiplexers::selected,
     network::Network,
     parameters::Analogue,
 };
@@ -80,7 +81,7 @@ fn response(network: &Network, analogue: &Analogue, word: u16, gain: f64, freque
     let coupling = 1.0 - pole(COUPLING);
     let current = coupling * analogue.source.transconductance * pole(analogue.source.bandwidth);
     let weights = network.sensed();
-    let voltages = network.phasors(Some(word), frequency);
+    let voltages = network.phasors(selected(word), frequency);
     let sensed: Complex64 = voltages.iter().zip(weights.iter()).map(|(v, weight)| v * weight).sum();
     let poles: Complex64 = stages(analogue, gain).into_iter().map(pole).product();
     current * sensed * analogue.amplifier.gain * gain * poles

@@ -13,6 +13,7 @@
 //! triangular with ones on its diagonal. A step of any length is one product for each part, and exact.
 
 use super::{
+    multiplexers::Closed,
     network::{NODES, Network, Nodal, SOURCE},
     parameters::Analogue,
 };
@@ -62,10 +63,10 @@ pub struct Modes {
 }
 
 impl Modes {
-    /// Modes of a network with a word's switches closed; `limit` as in [`Modes`].
+    /// Modes of a network with these switches closed; `limit` as in [`Modes`].
     #[must_use]
-    pub fn new(network: &Network, word: Option<u16>, limit: Option<(f64, f64)>) -> Self {
-        let mut conductance = network.conductance(word);
+    pub fn new(network: &Network, closed: Closed, limit: Option<(f64, f64)>) -> Self {
+        let mut conductance = network.conductance(closed);
         if let Some((siemens, _)) = limit {
             conductance[(SOURCE, SOURCE)] += siemens;
         }

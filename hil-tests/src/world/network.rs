@@ -6,6 +6,7 @@
 
 use super::{
     fault::Fault,
+    multiplexers::Closed,
     parameters::{Amplifier, Analogue, Source},
     skin::{Admittance, LEADS, with_resistance},
 };
@@ -26,9 +27,9 @@ pub const PLUS: usize = LEADS + 1;
 pub const MINUS: usize = LEADS + 2;
 
 /// Every node leaks a little, so that none floats for ever, S.
-const LEAK: f64 = 1e-9;
+const LEAK: f64 = 1e-12;
 /// Every node has at least this capacitance, F.
-const LEAST_CAPACITANCE: f64 = 1e-15;
+const LEAST_CAPACITANCE: f64 = 1e-18;
 /// Resistance of a short between two leads, ohm.
 const SHORT: f64 = 1.0;
 
@@ -80,23 +81,26 @@ impl Network {
         &self.capacitance
     }
 
-    /// Conductances, S, with the switches that a word closes; `None` closes none.
+    /// Conductances, S, with these switches closed.
     #[must_use]
-    pub fn conductance(&self, word: Option<u16>) -> Nodal {
+    pub fn conductance(&self, closed: Closed) -> Nodal {
         let mut conductance = self.conductance;
-        let Some(word) = word else { return conductance };
-        let [drive, sink, plus, minus] = channels(word);
-        for (multiplexer, channel, common) in [(0, drive, SOURCE), (2, plus, PLUS), (3, minus, MINUS)] {
-            connect(&mut conductance, channel, common, self.switches[multiplexer][channel]);
+        for (place, common) in [Some(SOURCE), None, Some(PLUS), Some(MINUS)].into_iter().enumerate() {
+            let Some(channel) = closed[place].map(usize::from) else { continue };
+            let siemens = self.switches[place][channel];
+            match common {
+                Some(common) => connect(&mut conductance, channel, common, siemens),
+                // The common of I- is ground.
+                None => conductance[(channel, channel)] += siemens,
+            }
         }
-        conductance[(sink, sink)] += self.switches[1][sink];
         conductance
     }
 
     /// Voltage of each node per ampere of the current source, at a frequency, Hz.
     #[must_use]
-    pub fn phasors(&self, word: Option<u16>, frequency: f64) -> SVector<Complex64, NODES> {
-        let conductance = self.conductance(word);
+    pub fn phasors(&self, closed: Closed, frequency: f64) -> SVector<Complex64, NODES> {
+        let conductance = self.conductance(closed);
         let admittance = SMatrix::<Complex64, NODES, NODES>::from_fn(|row, col| {
             Complex64::new(conductance[(row, col)], TAU * frequency * self.capacitance[(row, col)])
         });
@@ -117,22 +121,10 @@ impl Network {
 
     /// Whether full current would take the source beyond its compliance.
     #[must_use]
-    pub fn may_clamp(&self, word: Option<u16>, frequency: f64) -> bool {
-        let volts = self.phasors(word, frequency)[SOURCE].norm() * self.source.full_current();
+    pub fn may_clamp(&self, closed: Closed, frequency: f64) -> bool {
+        let volts = self.phasors(closed, frequency)[SOURCE].norm() * self.source.full_current();
         volts > 0.9 * self.source.compliance
     }
-}
-
-/// Electrodes that a word selects: I+, I-, V+, V-.
-#[must_use]
-pub fn channels(word: u16) -> [usize; 4] {
-    [0, 4, 8, 12].map(|shift| usize::from(word >> shift & 15))
-}
-
-/// The word that selects these electrodes: I+, I-, V+, V-.
-#[must_use]
-pub fn word(channels: [usize; 4]) -> u16 {
-    channels.iter().rev().fold(0, |word, &channel| word << 4 | channel as u16 & 15)
 }
 
 fn broken_skin(skin: &Admittance, faults: &[Fault]) -> Admittance {

@@ -47,7 +47,8 @@ impl Noise {
         self.step = (Time::NEVER, 0.0);
     }
 
-    pub(super) fn sample(&mut self, at: Time) -> f64 {
+    /// Of the amplifiers, and of the converter, V.
+    pub(super) fn sample(&mut self, at: Time) -> (f64, f64) {
         let step = at.since(self.last);
         self.last = at;
         if self.step.0 != step {
@@ -57,7 +58,7 @@ impl Noise {
         let fresh: f64 = StandardNormal.sample(&mut self.random);
         let white: f64 = StandardNormal.sample(&mut self.random);
         self.now = correlation * self.now + (1.0 - correlation * correlation).sqrt() * fresh;
-        self.amplifiers * self.now + self.converter * white
+        (self.amplifiers * self.now, self.converter * white)
     }
 }
 

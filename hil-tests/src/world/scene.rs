@@ -4,7 +4,8 @@
 use super::{
     expected::{Carrier, demodulated},
     fault::{Fault, LINES, stuck},
-    network::Network,
+    multiplexers::selected,
+    network::{MINUS, Network, PLUS},
     parameters::Analogue,
     skin::{LEADS, SkinNetwork},
 };
@@ -27,7 +28,7 @@ const SCRIPT_STEP: Time = Time::from_millis(50);
 /// A sheet does not drift beyond these shares of its conductivity.
 const DRIFT_RANGE: [f64; 2] = [0.05, 20.0];
 
-/// What an analogue world is made of.
+/// What an analogue world is made of. Clones share the skin's mesh, so that many boards are cheap.
 #[derive(Clone, Debug)]
 pub struct Setup {
     /// The skin.
@@ -38,6 +39,32 @@ pub struct Setup {
     pub contact_capacitance: f64,
     /// Seed of noise and of differences between switches.
     pub seed: u64,
+    /// Whether there is noise from the start.
+    pub noise: bool,
+    network: Arc<SkinNetwork>,
+}
+
+impl Setup {
+    /// A skin, which is meshed now, behind a front end, with noise.
+    pub fn new(
+        skin: Skin,
+        analogue: Analogue,
+        contact_capacitance: f64,
+        seed: u64,
+    ) -> Result<Self, WorldError> {
+        let electrodes = skin.electrodes.count;
+        if usize::from(electrodes) > LEADS {
+            return Err(WorldError::Electrodes { name: skin.name, electrodes });
+        }
+        let network = skin_at(&skin, contact_capacitance, skin.drive.frequency)?;
+        Ok(Self { skin: Arc::new(skin), analogue, contact_capacitance, seed, noise: true, network })
+    }
+
+    /// The same front end before another skin.
+    pub fn with_skin(&self, skin: Skin) -> Result<Self, WorldError> {
+        let other = Self::new(skin, self.analogue.clone(), self.contact_capacitance, self.seed)?;
+        Ok(Self { noise: self.noise, ..other })
+    }
 }
 
 /// Why there is no world.
@@ -117,29 +144,26 @@ struct Drift {
 }
 
 impl Scene {
-    /// A scene without fingers, noise on.
-    pub fn new(setup: Setup) -> Result<Self, WorldError> {
-        let electrodes = setup.skin.electrodes.count;
-        if usize::from(electrodes) > LEADS {
-            return Err(WorldError::Electrodes { name: setup.skin.name.clone(), electrodes });
-        }
-        let frequency = setup.skin.drive.frequency;
-        let skin = skin_at(&setup, frequency)?;
+    /// A scene without fingers or faults.
+    #[must_use]
+    pub fn new(setup: Setup) -> Self {
         let conditions = Conditions {
             presses: Vec::new(),
             scale: 1.0,
-            noise: true,
+            noise: setup.noise,
             temperature: 30.0,
             faults: Vec::new(),
         };
-        let drift = Drift { per_minute: 0.0, since: Time::ZERO, from: 1.0 };
-        let state = State { conditions, skin, frequency, drift, script: None, now: Time::ZERO };
-        Ok(Self(Arc::new(Shared {
-            setup,
-            version: AtomicU64::new(1),
-            state: Mutex::new(state),
-            network: Mutex::default(),
-        })))
+        let state = State {
+            conditions,
+            skin: setup.network.clone(),
+            frequency: setup.skin.drive.frequency,
+            drift: Drift { per_minute: 0.0, since: Time::ZERO, from: 1.0 },
+            script: None,
+            now: Time::ZERO,
+        };
+        let (version, state) = (AtomicU64::new(1), Mutex::new(state));
+        Self(Arc::new(Shared { setup, version, state, network: Mutex::default() }))
     }
 
     /// What it is made of.
@@ -206,7 +230,8 @@ impl Scene {
             let (value, allowed) = (format!("{frequency} Hz"), "1e3 to 1e6 Hz".to_owned());
             return Err(WorldError::Value { field: "frequency", value, allowed });
         }
-        let skin = skin_at(&self.0.setup, frequency)?;
+        let setup = &self.0.setup;
+        let skin = skin_at(&setup.skin, setup.contact_capacitance, frequency)?;
         self.change(|state| (state.skin, state.frequency) = (skin, frequency));
         Ok(())
     }
@@ -221,9 +246,8 @@ impl Scene {
     /// with this word at the multiplexers: skin, contacts, switches, strays, faults; ohm.
     #[must_use]
     pub fn truth(&self, word: u16) -> Complex64 {
-        use super::network::{MINUS, PLUS};
         let word = stuck(word, &self.conditions().faults);
-        let voltages = self.network().phasors(Some(word), self.frequency());
+        let voltages = self.network().phasors(selected(word), self.frequency());
         voltages[PLUS] - voltages[MINUS]
     }
 
@@ -234,7 +258,7 @@ impl Scene {
             let state = self.state();
             (state.skin.clone(), state.conditions.clone())
         };
-        skin.transfer(&conditions.presses, conditions.scale, super::network::channels(word))
+        skin.transfer(&conditions.presses, conditions.scale, selected(word))
     }
 
     /// What a lock-in finds at the converter, V: twice the mean of samples times e^(-j omega t), t counted
@@ -316,9 +340,9 @@ impl State {
     }
 }
 
-fn skin_at(setup: &Setup, frequency: f64) -> Result<Arc<SkinNetwork>, WorldError> {
-    let skin = SkinNetwork::new(&setup.skin, setup.contact_capacitance, frequency);
-    skin.map(Arc::new).map_err(|error| WorldError::Skin { name: setup.skin.name.clone(), error })
+fn skin_at(skin: &Skin, capacitance: f64, frequency: f64) -> Result<Arc<SkinNetwork>, WorldError> {
+    let network = SkinNetwork::new(skin, capacitance, frequency);
+    network.map(Arc::new).map_err(|error| WorldError::Skin { name: skin.name.clone(), error })
 }
 
 fn check(fault: Fault) -> Result<(), WorldError> {

@@ -1,6 +1,7 @@
 //! The skin as a network between its electrodes: the true skin, solved on a mesh of its own and reduced to
 //! the admittance that the electrodes' leads see.
 
+use super::multiplexers::Closed;
 use dermatome::{
     model::ModelError,
     simulate::{Press, TrueSkin},
@@ -70,10 +71,11 @@ impl SkinNetwork {
     /// Voltage between the last two of four electrodes per ampere from the first to the second, ohm: the
     /// forward model itself, nothing inverted or interpolated; electrodes that the skin lacks give zero.
     #[must_use]
-    pub fn transfer(&self, presses: &[Press], scale: f64, channels: [usize; 4]) -> Complex64 {
+    pub fn transfer(&self, presses: &[Press], scale: f64, closed: Closed) -> Complex64 {
         let mut conductivity = self.truth.conductivity(presses);
         conductivity.iter_mut().for_each(|sigma| *sigma *= scale);
         let transfer = self.truth.transfer(&conductivity);
+        let channels = closed.map(|channel| channel.map_or(LEADS, usize::from));
         let [drive, sink, plus, minus] = channels;
         if channels.iter().any(|&channel| channel >= transfer.len()) {
             return Complex64::default();
