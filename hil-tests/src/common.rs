@@ -35,7 +35,7 @@ pub(crate) fn boot(
     };
     options.keep_trace = keep_trace;
     if let (Some(world), Some(skin)) = (&mut options.world, skin) {
-        *world = world.with_skin(skin)?;
+        *world = world.with_skin(skin)?.into();
     }
     let board = VirtualBoard::start(image.flash(), options)?;
     board.run(START_TIME)?;

@@ -110,7 +110,8 @@ fn before_the_chip(text: &str) -> Result<Option<Fault>, String> {
             world::Fault::PairShorted(a, b)
         }
         "contact" => {
-            let (which, ohms) = place.split_once('+').ok_or_else(|| format!("`{place}` is not like 3+500"))?;
+            let (which, ohms) =
+                place.split_once('+').ok_or_else(|| format!("`{place}` is not like 3+500"))?;
             let ohms = ohms.parse().map_err(|_| format!("`{ohms}` is no whole number of ohms"))?;
             world::Fault::BadContact { electrode: electrode(which)?, ohms }
         }

@@ -28,6 +28,7 @@ use std::{
     cell::{Cell, RefCell},
     collections::HashMap,
     rc::Rc,
+    sync::Arc,
 };
 use unicorn_engine::{HookType, RegisterARM, Unicorn, uc_error};
 
@@ -46,7 +47,7 @@ pub struct Options {
     /// Whether events are kept, and not only hashed.
     pub keep_trace: bool,
     /// What the chip measures, if anything.
-    pub world: Option<Setup>,
+    pub world: Option<Arc<Setup>>,
 }
 
 impl Default for Options {

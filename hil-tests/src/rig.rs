@@ -18,6 +18,7 @@ use serde::Deserialize;
 use std::{
     fmt,
     path::{Path, PathBuf},
+    sync::Arc,
     time::Duration,
 };
 
@@ -205,9 +206,8 @@ impl Rig {
                 }
                 let folder = path.parent().unwrap_or(Path::new("."));
                 let own = folder.join(own);
-                let world = world.map(|world| world.setup(folder, seed)).transpose();
-                let world =
-                    world.map_err(|reason| RigError::World { path: path.to_owned(), reason })?;
+                let world = world.map(|world| world.setup(folder, seed).map(Arc::new)).transpose();
+                let world = world.map_err(|reason| RigError::World { path: path.to_owned(), reason })?;
                 let image = Image::read(elf.unwrap_or(&own))?;
                 let options = Options {
                     cycles_per_instruction: ((cycles_per_instruction * 1000.0).round() as u64, 1000),

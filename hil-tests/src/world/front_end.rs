@@ -193,8 +193,7 @@ impl AnalogueWorld {
             return;
         }
         let charge = charges(old, new, self.analogue.multiplexer.charge_injection);
-        let capacitance = self.network.capacitance();
-        let volts = capacitance.cholesky().map(|root| root.solve(&charge)).unwrap_or_default();
+        let volts = self.network.charged(&charge);
         self.enter(|world, values| {
             world.closed = new;
             values[MODES..MODES + NODES].iter_mut().zip(&volts).for_each(|(value, volts)| *value += volts);

@@ -70,12 +70,10 @@ impl Modes {
         if let Some((siemens, _)) = limit {
             conductance[(SOURCE, SOURCE)] += siemens;
         }
-        let capacitance = network.capacitance();
-        let root = capacitance.cholesky().expect("capacitances of a passive network").l();
-        let inverse = root.try_inverse().expect("a triangle with a positive diagonal");
-        let whitened = inverse * conductance * inverse.transpose();
+        let (capacitance, whitening) = (network.capacitance(), network.whitening());
+        let whitened = whitening * conductance * whitening.transpose();
         let eigen = SymmetricEigen::new((whitened + whitened.transpose()) / 2.0);
-        let voltages = inverse.transpose() * eigen.eigenvectors;
+        let voltages = whitening.transpose() * eigen.eigenvectors;
         let sensed = voltages.transpose() * network.sensed();
         Self {
             rates: eigen.eigenvalues.map(|rate| rate.max(0.0)).into(),

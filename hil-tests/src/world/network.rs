@@ -41,6 +41,8 @@ pub type Nodal = SMatrix<f64, NODES, NODES>;
 pub struct Network {
     conductance: Nodal,
     capacitance: Nodal,
+    /// Inverse of the lower triangle L with L L' = capacitance.
+    whitening: Nodal,
     /// Conductance of each switch, S: `[I+, I-, V+, V-][channel]`.
     switches: [[f64; LEADS]; 4],
     source: Source,
@@ -50,13 +52,7 @@ pub struct Network {
 impl Network {
     /// The network of a skin at a frequency, Hz; `seed` says how the switches differ.
     #[must_use]
-    pub fn new(
-        analogue: &Analogue,
-        skin: &Admittance,
-        faults: &[Fault],
-        frequency: f64,
-        seed: u64,
-    ) -> Self {
+    pub fn new(analogue: &Analogue, skin: &Admittance, faults: &[Fault], frequency: f64, seed: u64) -> Self {
         let skin = broken_skin(skin, faults);
         let mut conductance = Nodal::identity() * LEAK;
         let mut capacitance = stray(analogue);
@@ -72,13 +68,28 @@ impl Network {
         }
         short_leads(&mut conductance, faults);
         let (source, amplifier) = (analogue.source, analogue.amplifier);
-        Self { conductance, capacitance, switches: switches(analogue, seed), source, amplifier }
+        let root = capacitance.cholesky().expect("capacitances of a passive network").l();
+        let whitening = root.solve_lower_triangular(&Nodal::identity()).expect("its diagonal is above zero");
+        let switches = switches(analogue, seed);
+        Self { conductance, capacitance, whitening, switches, source, amplifier }
     }
 
     /// Capacitances, F.
     #[must_use]
     pub fn capacitance(&self) -> &Nodal {
         &self.capacitance
+    }
+
+    /// A matrix W with W C W' = 1, C being the capacitances.
+    #[must_use]
+    pub fn whitening(&self) -> &Nodal {
+        &self.whitening
+    }
+
+    /// By how much charges, C, change the voltages of the nodes.
+    #[must_use]
+    pub fn charged(&self, charges: &SVector<f64, NODES>) -> SVector<f64, NODES> {
+        self.whitening.tr_mul(&(self.whitening * charges))
     }
 
     /// Conductances, S, with these switches closed.

@@ -71,7 +71,9 @@ impl Setup {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WorldError {
     /// More electrodes than channels.
-    #[error("skin `{name}` has {electrodes} electrodes; allowed: up to {LEADS}, the channels of a multiplexer")]
+    #[error(
+        "skin `{name}` has {electrodes} electrodes; allowed: up to {LEADS}, the channels of a multiplexer"
+    )]
     Electrodes {
         /// Name of the skin.
         name: String,
@@ -104,7 +106,7 @@ pub struct Scene(Arc<Shared>);
 
 #[derive(Debug)]
 struct Shared {
-    setup: Setup,
+    setup: Arc<Setup>,
     /// Counts changes.
     version: AtomicU64,
     state: Mutex<State>,
@@ -146,7 +148,8 @@ struct Drift {
 impl Scene {
     /// A scene without fingers or faults.
     #[must_use]
-    pub fn new(setup: Setup) -> Self {
+    pub fn new(setup: impl Into<Arc<Setup>>) -> Self {
+        let setup = setup.into();
         let conditions = Conditions {
             presses: Vec::new(),
             scale: 1.0,

@@ -137,7 +137,7 @@ impl Chip {
 
     fn sample(&mut self) -> f64 {
         let now = self.now();
-        if self.tick % 2 == 0 {
+        if self.tick.is_multiple_of(2) {
             let place = (self.tick / 2) as usize % self.carrier.codes.len();
             self.world.dac(1, 0, Some(self.carrier.codes[place]), now);
         }

@@ -54,7 +54,9 @@ fn demodulated_voltages_are_in_proportion_to_the_truth() {
         parts.amplifier.common_mode = 0.0;
         let balanced = distance_from_truth(parts, words_per_period);
         let ideal = distance_from_truth(ideal(), words_per_period);
-        println!("{words_per_period} words: {real:.2e}, without common mode {balanced:.2e}, ideal {ideal:.2e}");
+        println!(
+            "{words_per_period} words: {real:.2e}, without common mode {balanced:.2e}, ideal {ideal:.2e}"
+        );
         // Images of the carrier see the strays at other frequencies than the carrier does.
         assert!(ideal < 1e-7 && balanced < 3e-2 && real < 3e-2);
     }
@@ -126,7 +128,11 @@ fn noise_has_the_spread_that_its_parts_add_up_to() {
         let density = (parts.amplifier.gain * parts.amplifier.noise).hypot(parts.pga.noise) * gain;
         let expected = (density * bandwidth.sqrt()).hypot(parts.adc.noise);
         assert!((mean - 1.65).abs() < 0.02 * expected, "gain {gain}: mean {mean}");
-        assert!((variance.sqrt() / expected - 1.0).abs() < 0.02, "gain {gain}: {} {expected}", variance.sqrt());
+        assert!(
+            (variance.sqrt() / expected - 1.0).abs() < 0.02,
+            "gain {gain}: {} {expected}",
+            variance.sqrt()
+        );
     }
 }
 
@@ -150,7 +156,8 @@ fn too_much_gain_is_cut_off_at_the_rails() {
     chip.select(word([0, 1, 2, 3]));
     chip.run(SETTLED);
     let samples: Vec<f64> = (0..400).map(|_| chip.sample()).collect();
-    let (low, high) = samples.iter().fold((9.0, 0.0), |(low, high): (f64, f64), &v| (low.min(v), high.max(v)));
+    let (low, high) =
+        samples.iter().fold((9.0, 0.0), |(low, high): (f64, f64), &v| (low.min(v), high.max(v)));
     let adc = scene.setup().analogue.adc.offset;
     assert!((low - adc - 0.1).abs() < 1e-9 && (high - adc - 3.2).abs() < 1e-9, "{low} to {high}");
 }
@@ -184,7 +191,10 @@ fn speed() {
                 samples += 60;
             }
         }
-        println!("round {round}: {:.0} ns for each sample", start.elapsed().as_nanos() as f64 / f64::from(samples));
+        println!(
+            "round {round}: {:.0} ns for each sample",
+            start.elapsed().as_nanos() as f64 / f64::from(samples)
+        );
     }
     let start = std::time::Instant::now();
     scene.press(&[Press { position: [0.02, 0.05], radius: 0.02, depth: 0.8 }]);

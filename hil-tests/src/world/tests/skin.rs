@@ -82,7 +82,8 @@ fn a_script_moves_fingers_in_virtual_time() {
 
 #[test]
 fn more_electrodes_than_channels_are_refused() {
-    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../models/disc-210mm/skin.toml"));
+    let text =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../models/disc-210mm/skin.toml"));
     let text = text.unwrap().replace("count = 16", "count = 20");
     let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
     let error = Setup::new(skin, ideal(), 0.0, 1).unwrap_err();
