@@ -41,7 +41,7 @@ pub const COUPLING: f64 = 5.7;
 /// Poles as close as this are moved apart, as a share of their rate.
 const CLOSE: f64 = 1e-6;
 /// Steps whose decays are kept.
-const KEPT_STEPS: usize = 8;
+const KEPT_STEPS: usize = 16;
 
 /// Physical values: `[part]`, and with node voltages in place of modes where they pass from one network to
 /// another.
@@ -267,6 +267,14 @@ fn apart(pole: f64, rate: f64) -> f64 {
     if difference.abs() < least { least } else { difference }
 }
 
+/// Four sums side by side, which a processor does at once.
 fn dot(a: &Parts, b: &Parts) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let (a, a_rest) = a.as_chunks::<4>();
+    let (b, b_rest) = b.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for (a, b) in a.iter().zip(b) {
+        (0..4).for_each(|lane| sums[lane] += a[lane] * b[lane]);
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }

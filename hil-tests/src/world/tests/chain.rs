@@ -187,7 +187,7 @@ fn speed() {
     println!("mesh: {:.1} ms", since(start, 1) * 1e-6);
     let mut chip = Chip::new(&scene, 20, 1500.0);
     let words = words();
-    let mut frames = |chip: &mut Chip, samples: usize| {
+    let frames = |chip: &mut Chip, samples: usize| {
         words.iter().for_each(|&word| {
             chip.select(word);
             chip.run(samples - 2);
