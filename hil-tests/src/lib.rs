@@ -2,8 +2,9 @@
 //!
 //! [`chip`] is an STM32G474 without its CPU, one file for each peripheral; [`machine`] adds the CPU and
 //! virtual time. The firmware's ELF runs on it byte for byte. [`board`] is such a machine with
-//! a link; [`rig`] puts it, or a real board with its debug [`probe`], behind one interface; [`cases`] are what runs
-//! against that. [`fault`] is what can go wrong on purpose, [`waves`] shows what happened.
+//! a link; [`rig`] puts it, or a real board with its debug [`probe`], behind one interface; [`cases`] are what
+//! runs against that. [`world`] is the analogue circuit and the skin that an emulated board measures.
+//! [`fault`] is what can go wrong on purpose, [`waves`] shows what happened.
 
 pub mod board;
 pub mod cases;
@@ -13,3 +14,4 @@ pub mod machine;
 pub mod probe;
 pub mod rig;
 pub mod waves;
+pub mod world;

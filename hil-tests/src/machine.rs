@@ -10,14 +10,17 @@
 
 mod cpu;
 
-use crate::chip::{
-    Chip, Memory, RAM_BYTES, RAM_START,
-    core::FaultCause,
-    flash::{self, Flash},
-    misuse::Misuse,
-    rcc::ResetCause,
-    time::Time,
-    trace::Event,
+use crate::{
+    chip::{
+        Chip, Memory, RAM_BYTES, RAM_START,
+        core::FaultCause,
+        flash::{self, Flash},
+        misuse::Misuse,
+        rcc::ResetCause,
+        time::Time,
+        trace::Event,
+    },
+    world::{AnalogueWorld, Scene, Setup},
 };
 use rand::{RngCore, SeedableRng};
 use rand_pcg::Pcg64;
@@ -25,6 +28,7 @@ use std::{
     cell::{Cell, RefCell},
     collections::HashMap,
     rc::Rc,
+    sync::Arc,
 };
 use unicorn_engine::{HookType, RegisterARM, Unicorn, uc_error};
 
@@ -42,11 +46,13 @@ pub struct Options {
     pub seed: u64,
     /// Whether events are kept, and not only hashed.
     pub keep_trace: bool,
+    /// What the chip measures, if anything.
+    pub world: Option<Arc<Setup>>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { cycles_per_instruction: (3, 2), wire_baud: 2_000_000, seed: 1, keep_trace: false }
+        Self { cycles_per_instruction: (3, 2), wire_baud: 2_000_000, seed: 1, keep_trace: false, world: None }
     }
 }
 
@@ -90,6 +96,7 @@ pub struct Machine {
     options: Options,
     sleeps: bool,
     powered_up: u64,
+    scene: Option<Scene>,
 }
 
 /// What the hooks share with the machine.
@@ -156,13 +163,17 @@ impl Machine {
     pub fn new(flash: Flash, options: Options) -> Result<Self, Halt> {
         let mut chip = Chip::new(options.wire_baud, options.keep_trace);
         chip.flash = flash;
+        let scene = options.world.clone().map(Scene::new);
+        if let Some(scene) = &scene {
+            chip.connect(Box::new(AnalogueWorld::new(scene.clone())));
+        }
         let state = Rc::new(State::new(chip));
         let unicorn = cpu::build(&state).map_err(|error| Halt::Unicorn {
             time: Time::ZERO,
             pc: 0,
             reason: format!("{error:?}"),
         })?;
-        let mut machine = Self { unicorn, state, options, sleeps: false, powered_up: 0 };
+        let mut machine = Self { unicorn, state, options, sleeps: false, powered_up: 0, scene };
         machine.power_up()?;
         Ok(machine)
     }
@@ -177,6 +188,12 @@ impl Machine {
     #[must_use]
     pub fn instructions(&self) -> u64 {
         self.state.instructions.get()
+    }
+
+    /// The skin and the front end before the chip, if there are any.
+    #[must_use]
+    pub fn scene(&self) -> Option<&Scene> {
+        self.scene.as_ref()
     }
 
     /// Looks at the chip, or changes it.

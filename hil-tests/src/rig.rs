@@ -8,10 +8,12 @@ use crate::{
     chip::{flash::Flash, time::Time, usart::Symbol},
     machine::{Halt, Machine, Options},
     probe::{Programmer, ProgrammerError, emulated},
+    world::{Analogue, Setup, WorldError, parameters::ParameterError},
 };
 use dermatome::{
     board::firmware::{Firmware, FirmwareError},
     link::{self, Link, LinkError, Port},
+    skin::{Skin, SkinError},
 };
 use serde::Deserialize;
 use std::{
@@ -77,6 +79,8 @@ pub enum RigFile {
         baud: u64,
         /// What is random.
         seed: u64,
+        /// What it measures; without it, nothing is connected.
+        world: Option<WorldTable>,
     },
     /// A real board.
     Board {
@@ -87,6 +91,58 @@ pub enum RigFile {
         /// The firmware that the probe programs first, seen from the rig file's folder.
         elf: Option<PathBuf>,
     },
+}
+
+/// `[world]` of a rig file: what an emulated board measures. Files are seen from the rig file's folder.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WorldTable {
+    /// The skin's file.
+    pub skin: PathBuf,
+    /// The analogue front end's file.
+    pub analogue: PathBuf,
+    /// Capacitance beside the resistance of each contact, F per metre of electrode.
+    #[serde(default)]
+    pub contact_capacitance: f64,
+    /// Whether there is noise.
+    #[serde(default = "yes")]
+    pub noise: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl WorldTable {
+    fn setup(&self, folder: &Path, seed: u64) -> Result<Setup, WorldProblem> {
+        if !(0.0..=1.0).contains(&self.contact_capacitance) {
+            return Err(WorldError::Value {
+                field: "world.contact_capacitance",
+                value: format!("{} F/m", self.contact_capacitance),
+                allowed: "0 to 1 F/m".to_owned(),
+            }
+            .into());
+        }
+        let skin = Skin::load(&folder.join(&self.skin))?;
+        let analogue = Analogue::load(&folder.join(&self.analogue))?;
+        let mut setup = Setup::new(skin, analogue, self.contact_capacitance, seed)?;
+        setup.noise = self.noise;
+        Ok(setup)
+    }
+}
+
+/// Why a rig has no world.
+#[derive(Debug, thiserror::Error)]
+pub enum WorldProblem {
+    /// The skin's file is not usable.
+    #[error(transparent)]
+    Skin(#[from] SkinError),
+    /// The front end's file is not usable.
+    #[error(transparent)]
+    Analogue(#[from] ParameterError),
+    /// The two make no world.
+    #[error(transparent)]
+    World(#[from] WorldError),
 }
 
 /// Why there is no rig.
@@ -107,6 +163,14 @@ pub enum RigError {
         path: PathBuf,
         /// What is wrong with it.
         reason: String,
+    },
+    /// The rig file's world cannot be.
+    #[error("rig file `{}`, `[world]`: {reason}", path.display())]
+    World {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: WorldProblem,
     },
     /// The firmware is no firmware.
     #[error(transparent)]
@@ -150,10 +214,13 @@ impl Rig {
             .map_err(|reason| RigError::Read { path: path.to_owned(), reason })?;
         let wrong = |reason: String| RigError::File { path: path.to_owned(), reason };
         match toml::from_str(&text).map_err(|error| wrong(error.to_string()))? {
-            RigFile::Virtual { elf: own, cycles_per_instruction, baud, seed } => {
+            RigFile::Virtual { elf: own, cycles_per_instruction, baud, seed, world } => {
+                let folder = path.parent().unwrap_or(Path::new("."));
+                let world = world.map(|world| world.setup(folder, seed).map(Arc::new)).transpose();
+                let world = world.map_err(|reason| RigError::World { path: path.to_owned(), reason })?;
                 let options = options(cycles_per_instruction, baud, seed).map_err(wrong)?;
                 let firmware = Firmware::load(elf.unwrap_or(&beside(path, &own)))?;
-                Ok(Self::start(Arc::new(firmware), options)?)
+                Ok(Self::start(Arc::new(firmware), Options { world, ..options })?)
             }
             RigFile::Board { port, probe, elf: own } => {
                 let port: Port = port.parse().map_err(|error| wrong(format!("`port`: {error}")))?;
@@ -298,7 +365,7 @@ fn options(cycles_per_instruction: f64, baud: u64, seed: u64) -> Result<Options,
         return Err(format!("`baud` is {baud}, allowed are 1200 to 10000000"));
     }
     let cycles = (cycles_per_instruction * 1000.0).round() as u64;
-    Ok(Options { cycles_per_instruction: (cycles, 1000), wire_baud: baud, seed, keep_trace: false })
+    Ok(Options { cycles_per_instruction: (cycles, 1000), wire_baud: baud, seed, keep_trace: false, world: None })
 }
 
 /// A path in a rig file counts from the file's folder.

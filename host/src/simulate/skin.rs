@@ -1,7 +1,7 @@
 //! The simulated skin: presses -> conductivity -> true voltages -> noisy codes.
 
 use super::{Press, Script, TrueSkin};
-use crate::{model::ModelError, pixels::samples, skin::Skin};
+use crate::{model::ModelError, skin::Skin};
 use dermatome_shared::{frame::FrameFlags, stimulation::Step, units::AdcCode};
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
@@ -78,26 +78,7 @@ impl SimulatedSkin {
     /// True voltages under these presses: `[step]`, at unit current and conductivity.
     #[must_use]
     pub fn voltages(&self, steps: &[Step], presses: &[Press]) -> Vec<f64> {
-        let mut conductivity = vec![1.0; self.truth.mesh().elements.len()];
-        for (element, sigma) in conductivity.iter_mut().enumerate() {
-            *sigma += presses.iter().map(|press| self.mean_change(element, press)).sum::<f64>();
-            // Presses that overlap may not make the sheet vanish.
-            *sigma = sigma.max(0.01);
-        }
-        self.truth.voltages(&conductivity, steps)
-    }
-
-    /// Mean over an element of the change a press makes.
-    fn mean_change(&self, element: usize, press: &Press) -> f64 {
-        let corners = self.truth.mesh().corners(element);
-        let reach = corners.iter().map(|c| (c.x - press.position[0]).hypot(c.y - press.position[1]));
-        let longest_edge = (corners[1] - corners[0]).norm().max((corners[2] - corners[0]).norm());
-        if reach.fold(f64::INFINITY, f64::min) > press.radius + longest_edge {
-            return 0.0;
-        }
-        let (sum, count) = samples(corners)
-            .fold((0.0, 0.0), |(sum, count), point| (sum + press.change_at([point.x, point.y]), count + 1.0));
-        sum / count
+        self.truth.voltages(&self.truth.conductivity(presses), steps)
     }
 
     /// Gain and noise for a stimulation table, set once, as a board sets its gain.
