@@ -19,13 +19,15 @@ const LATTICE: Lattice = Lattice { angle: 0.35, shift: 0.37 };
 pub struct TrueSkin {
     mesh: Mesh,
     forward: Forward,
+    /// Carrier frequency of the skin file, Hz.
+    frequency: f64,
 }
 
 /// Forward model of a sheet without or with capacitance.
 #[derive(Debug)]
 enum Forward {
     Real(Box<ForwardModel<f64>>),
-    /// With the relative susceptance of the sheet, which presses leave as it is.
+    /// With the relative susceptance of the sheet for each hertz, which presses leave as it is.
     Complex(Box<ForwardModel<Complex64>>, f64),
 }
 
@@ -38,9 +40,12 @@ impl TrueSkin {
         };
         let forward = match skin.admittivity() {
             admittivity if admittivity.im == 0.0 => Forward::Real(Box::new(forward_model(skin, &mesh)?)),
-            admittivity => Forward::Complex(Box::new(forward_model(skin, &mesh)?), admittivity.im),
+            admittivity => {
+                let per_hertz = admittivity.im / skin.drive.frequency;
+                Forward::Complex(Box::new(forward_model(skin, &mesh)?), per_hertz)
+            }
         };
-        Ok(Self { mesh, forward })
+        Ok(Self { mesh, forward, frequency: skin.drive.frequency })
     }
 
     /// Its mesh.
@@ -53,18 +58,24 @@ impl TrueSkin {
     /// be above zero.
     #[must_use]
     pub fn voltages(&self, conductivity: &[f64], steps: &[Step]) -> Vec<f64> {
+        self.phasors(conductivity, steps, self.frequency).into_iter().map(|voltage| voltage.re).collect()
+    }
+
+    /// Voltages at unit current of this frequency, Hz: `[step]`.
+    #[must_use]
+    pub fn phasors(&self, conductivity: &[f64], steps: &[Step], frequency: f64) -> Vec<Complex64> {
         match &self.forward {
-            Forward::Real(model) => in_phase(model, conductivity, steps),
-            Forward::Complex(model, susceptance) => {
-                let admittivity: Vec<_> =
-                    conductivity.iter().map(|&sigma| Complex64::new(sigma, *susceptance)).collect();
-                in_phase(model, &admittivity, steps)
+            Forward::Real(model) => {
+                solve(model, conductivity, steps).into_iter().map(Complex64::from).collect()
+            }
+            Forward::Complex(model, per_hertz) => {
+                let with_capacitance = |&sigma| Complex64::new(sigma, per_hertz * frequency);
+                solve(model, &conductivity.iter().map(with_capacitance).collect::<Vec<_>>(), steps)
             }
         }
     }
 }
 
-fn in_phase<T: Admittivity>(model: &ForwardModel<T>, admittivity: &[T], steps: &[Step]) -> Vec<f64> {
-    let fields = model.solve(admittivity).expect("a positive conductivity has a solution");
-    fields.voltages(steps).into_iter().map(T::in_phase).collect()
+fn solve<T: Admittivity>(model: &ForwardModel<T>, admittivity: &[T], steps: &[Step]) -> Vec<T> {
+    model.solve(admittivity).expect("a positive conductivity has a solution").voltages(steps)
 }
