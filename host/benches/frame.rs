@@ -3,6 +3,7 @@
 //! `cargo bench -p dermatome`
 
 use dermatome::{
+    board::simulated::ScanTable,
     model::Model,
     quantize,
     simulate::{Noise, Script, SimulatedSkin},
@@ -11,6 +12,7 @@ use dermatome::{
 use dermatome_shared::{
     device::{BoardFacts, Device, PatchStore, StoreError},
     frame::Frame,
+    patch::PatchView,
     protocol::{
         BoardPacket, FrameSource, Identity, MAX_PACKET_BYTES, Request, RequestPacket, Selection, encode,
     },
@@ -57,16 +59,19 @@ fn device(selection: Selection) -> (Device<Fixed>, Frame) {
     let noise = Noise { snr_db: 60.0, seed: 1 };
     let mut simulated = SimulatedSkin::new(&skin, Script::round(skin.shape.flat().unwrap()), noise)
         .expect("and a simulation");
+    let view = PatchView::validate(&patch).expect("which is valid");
+    let table = ScanTable::new(&view, view.header.drive);
+    let front_end = Some(simulated.front_end());
     let mut frame = |time| Frame {
-        codes: simulated.measure(&model.steps, time).0.into_iter().collect(),
+        codes: simulated.measure(&table, time).codes.into_iter().collect(),
         ..Frame::default()
     };
     let identity = Identity { board: Default::default(), firmware: Default::default() };
     let (frame_source, started_after) = (FrameSource::Simulated, Restart::PowerOn);
-    let facts = BoardFacts { identity, electrodes: 16, frame_source, started_after };
-    let mut device = Device::new(facts, Fixed(patch));
+    let facts = BoardFacts { identity, electrodes: 16, frame_source, front_end, started_after };
+    let mut device = Device::new(facts, Fixed(patch.clone()));
     device.handle(&RequestPacket { sequence: 1, request: Request::Tare { frames: 1 } }, 0);
-    device.process(&frame(None), |_| ());
+    device.process(&mut frame(None), |_| ());
     device.handle(&RequestPacket { sequence: 2, request: Request::Stream(selection) }, 0);
     (device, frame(Some(1.0)))
 }
@@ -74,21 +79,21 @@ fn device(selection: Selection) -> (Device<Fixed>, Frame) {
 /// 104 measurements x 812 pixels: reference, matrix and contacts, events made but not encoded.
 #[divan::bench]
 fn device_image_and_contacts(bencher: Bencher) {
-    let (mut device, frame) = device(Selection { images: true, contacts: true, measurements: false });
+    let (mut device, mut frame) = device(Selection { images: 1, contacts: 1, ..Selection::default() });
     bencher
         .counter(ItemsCount::new(1_u32))
-        .bench_local(|| device.process(black_box(&frame), |event| drop(black_box(event))));
+        .bench_local(|| device.process(black_box(&mut frame), |event| drop(black_box(event))));
 }
 
 /// The same, with every event encoded into packets as it would be for the link.
 #[divan::bench]
 fn device_image_and_contacts_encoded(bencher: Bencher) {
-    let (mut device, frame) = device(Selection { images: true, contacts: true, measurements: false });
+    let (mut device, mut frame) = device(Selection { images: 1, contacts: 1, ..Selection::default() });
     let mut buffer = [0; MAX_PACKET_BYTES];
     let mut send = |event: BoardPacket| {
         let _ = black_box(encode(&event, &mut buffer));
     };
-    bencher.counter(ItemsCount::new(1_u32)).bench_local(|| device.process(black_box(&frame), &mut send));
+    bencher.counter(ItemsCount::new(1_u32)).bench_local(|| device.process(black_box(&mut frame), &mut send));
 }
 
 /// Skin to reconstruction matrix, 3,940 elements.

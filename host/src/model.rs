@@ -18,6 +18,7 @@ use crate::{
 use dermatome_shared::{
     image::Geometry,
     patch::{CombinedInto, Difference},
+    scan::test_step,
     stimulation::Step,
 };
 use faer::{Col, Mat};
@@ -36,6 +37,8 @@ pub struct Model {
     pub mesh: Mesh,
     /// Voltages of the untouched skin, in phase with the current: `[step]`.
     pub voltages: Vec<f64>,
+    /// The same of the test of each electrode ([`test_step`]): `[electrode]`.
+    pub test_voltages: Vec<f64>,
     /// What images consist of.
     pub pixels: Pixels,
     /// d voltage / d relative conductivity: `[measurement][pixel]`.
@@ -138,6 +141,7 @@ pub fn pixels_on(skin: &Skin, mesh: &Mesh) -> Result<Pixels, ModelError> {
 /// simulated targets.
 struct Answer {
     voltages: Vec<f64>,
+    test_voltages: Vec<f64>,
     jacobian: Mat<f64>,
     targets: Answers,
 }
@@ -183,7 +187,7 @@ impl Model {
 
         let admittivity = skin.admittivity();
         let mut stage = |name| on_stage(clock.begin(name));
-        let Answer { voltages, jacobian, targets } = if admittivity.im == 0.0 {
+        let Answer { voltages, test_voltages, jacobian, targets } = if admittivity.im == 0.0 {
             let (answer, solved) = answer(skin, &mesh, &pixels, admittivity.re, &mut stage)?;
             keep(Solution::Real(Box::new(solved)));
             answer
@@ -212,6 +216,7 @@ impl Model {
             combination,
             mesh,
             voltages,
+            test_voltages,
             pixels,
             jacobian,
             prior,
@@ -324,9 +329,12 @@ fn answer<T: Admittivity>(
     let untouched = Untouched { mesh, forward: &forward, admittivity, fields: &fields, steps: &steps };
     let targets = Answers::simulate(&untouched, &skin.inverse, &skin.combination(&steps))?;
     let voltages = fields.voltages(&steps);
+    let electrodes = skin.electrodes.count;
+    let tests = (0..electrodes).map(|electrode| test_step(electrode, electrodes));
     let answer = Answer {
         targets,
         voltages: voltages.iter().map(|voltage| voltage.in_phase()).collect(),
+        test_voltages: tests.map(|test| fields.voltage(test).in_phase()).collect(),
         jacobian: combine_rows(&jacobian, &skin.combination(&steps)),
     };
     Ok((answer, Solved { admittivity, forward, voltages, jacobian }))

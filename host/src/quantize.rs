@@ -1,13 +1,14 @@
 //! Quantize: the f64 reconstruction matrix -> fixed-point patch, with its error report.
 
 use crate::{
+    mesh::ElectrodeContact,
     model::{Model, NoGrid},
-    skin::Skin,
+    skin::{Skin, electrodes::ElectrodeModel},
 };
 use dermatome_shared::{
     MAX_ELECTRODES, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS,
     image::Geometry,
-    patch::{Drive, PatchContents, PatchError, PatchHeader, PatchView},
+    patch::{PatchContents, PatchError, PatchHeader, PatchView},
     reconstruct::reconstruct,
     reference::DifferenceData,
     units::RelativeConductivity,
@@ -149,13 +150,26 @@ fn header(skin: &Skin, model: &Model, geometry: &Geometry) -> PatchHeader {
         pixels: matrix.nrows() as u16,
         difference: skin.inverse.difference,
         grid: geometry.grid,
-        drive: Drive {
-            frequency: skin.drive.frequency as f32,
-            amplitude: skin.drive.amplitude as f32,
-            frame_rate: skin.drive.frame_rate as f32,
-        },
+        drive: skin.drive.for_board(),
         contact_threshold: RelativeConductivity::from_f64(skin.contact_threshold),
+        drift_time: skin.drift_time as f32,
+        calibration: skin.calibration.clone(),
+        test_resistances: test_resistances(skin, model).map(|ohms| ohms as f32).collect(),
     }
+}
+
+/// What the sheet adds to the test of each electrode, ohm: all of the test's voltage at 1 A but the
+/// drop over the electrode's own contact impedance, which in the complete model is that impedance
+/// over its width, whatever the current's distribution.
+fn test_resistances(skin: &Skin, model: &Model) -> impl Iterator<Item = f64> {
+    let of_contact = |electrode: usize| match (&skin.electrodes.model, &model.mesh.electrodes[electrode]) {
+        (ElectrodeModel::Point, _) | (_, ElectrodeContact::Node(_)) => 0.0,
+        (ElectrodeModel::Complete { contact_impedance, .. }, contact) => {
+            contact_impedance[electrode] / model.mesh.width(contact)
+        }
+    };
+    let tests = model.test_voltages.iter().enumerate();
+    tests.map(move |(electrode, v)| v / skin.material.sheet_conductivity - of_contact(electrode))
 }
 
 /// Error of the fixed-point image against f64, relative to the image's peak, in per cent.

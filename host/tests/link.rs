@@ -3,12 +3,11 @@
 mod testbench;
 
 use dermatome::{
-    board::simulated::{BoardError, BoardOptions, FrameSource, Pace, Scan, SimulatedBoard},
+    board::simulated::{BoardError, BoardOptions, FrameSource, Pace, Scan, ScanTable, SimulatedBoard},
     link::{Link, LinkError, stream, tare, upload},
 };
-use dermatome_shared::{
-    protocol::{Event, FrameStamp, MAX_PACKET_BYTES, Refusal, Request, RequestPacket, Selection, encode},
-    stimulation::Step,
+use dermatome_shared::protocol::{
+    Event, FrameStamp, MAX_PACKET_BYTES, Refusal, Request, RequestPacket, Selection, encode,
 };
 use std::{
     io::Write,
@@ -18,9 +17,11 @@ use std::{
 use testbench::{Pressed, board_with, connect, crc, empty_board, raw, small_patch, square_patch};
 
 const SECOND: Duration = Duration::from_secs(1);
-const CONTACTS: Selection = Selection { images: false, contacts: true, measurements: false };
-const MEASUREMENTS: Selection = Selection { images: false, contacts: false, measurements: true };
-const ALL: Selection = Selection { images: true, contacts: true, measurements: true };
+const NOTHING: Selection =
+    Selection { images: 0, contacts: 0, measurements: 0, health: 0, scope: 0, scope_slot: 0 };
+const CONTACTS: Selection = Selection { contacts: 1, ..NOTHING };
+const MEASUREMENTS: Selection = Selection { measurements: 1, ..NOTHING };
+const ALL: Selection = Selection { images: 1, contacts: 1, measurements: 1, health: 1, ..NOTHING };
 
 fn next(link: &mut Link) -> Event {
     link.next_event(2 * SECOND).unwrap().expect("an event within two seconds")
@@ -28,8 +29,11 @@ fn next(link: &mut Link) -> Event {
 
 fn stamp(event: &Event) -> FrameStamp {
     match event {
-        Event::Image { at, .. } | Event::Contacts { at, .. } | Event::Measurements { at, .. } => *at,
-        Event::Tared { .. } => panic!("a tare has no frame"),
+        Event::Image { at, .. }
+        | Event::Contacts { at, .. }
+        | Event::Measurements { at, .. }
+        | Event::Health { at, .. } => *at,
+        Event::Tared { .. } | Event::Scope { .. } => panic!("{event:?} has no frame"),
     }
 }
 
@@ -47,10 +51,14 @@ fn upload_tare_and_stream_lose_nothing() {
     let first = stream(&mut link, ALL).unwrap();
     assert_eq!(first, 5);
     for sequence in first..first + 200 {
-        let events = [next(&mut link), next(&mut link), next(&mut link)];
+        let events = [next(&mut link), next(&mut link), next(&mut link), next(&mut link)];
         assert!(events.iter().all(|event| stamp(event).sequence == sequence), "{sequence}");
-        let [Event::Measurements { codes, .. }, Event::Image { image, .. }, Event::Contacts { contacts, .. }] =
-            &events
+        let [
+            Event::Contacts { contacts, .. },
+            Event::Health { .. },
+            Event::Measurements { codes, .. },
+            Event::Image { image, .. },
+        ] = &events
         else {
             panic!("wrong kinds or order")
         };
@@ -72,7 +80,7 @@ fn streamed(seed: u64, pause: Duration) -> Vec<Event> {
     tare(&mut link, 3, SECOND).unwrap();
     thread::sleep(pause);
     stream(&mut link, ALL).unwrap();
-    (0..150).map(|_| next(&mut link)).collect()
+    (0..200).map(|_| next(&mut link)).collect()
 }
 
 #[test]
@@ -112,6 +120,7 @@ fn a_second_stream_and_a_tare_in_between_see_the_skin_untouched_at_first() {
     let options = BoardOptions { patch: Some(small_patch("small", 500.0)), ..BoardOptions::default() };
     let board = SimulatedBoard::start(options, source).unwrap();
     let mut link = connect(board.address()).unwrap();
+    tare(&mut link, 1, SECOND).unwrap();
     for _ in 0..2 {
         stream(&mut link, MEASUREMENTS).unwrap();
         next(&mut link);
@@ -123,16 +132,35 @@ fn a_second_stream_and_a_tare_in_between_see_the_skin_untouched_at_first() {
     stream(&mut link, MEASUREMENTS).unwrap();
     tare(&mut link, 4, SECOND).unwrap();
     let log = log.lock().unwrap();
-    assert_eq!(log.iter().filter(|time| time.is_none()).count(), 4);
+    assert_eq!(log.iter().filter(|time| time.is_none()).count(), 1 + 4);
+}
+
+#[test]
+fn a_stream_without_a_tare_makes_its_reference_of_the_untouched_skin() {
+    let source = Pressed::new(1);
+    let log = source.log.clone();
+    let options = BoardOptions {
+        patch: Some(small_patch("small", 50.0)),
+        pace: Pace::Unpaced,
+        ..BoardOptions::default()
+    };
+    let board = SimulatedBoard::start(options, source).unwrap();
+    let mut link = connect(board.address()).unwrap();
+    let first = stream(&mut link, Selection { contacts: 1, ..NOTHING }).unwrap();
+    assert_eq!(next(&mut link), Event::Tared { frames: 20 });
+    assert_eq!(stamp(&next(&mut link)).sequence, first + 20);
+    let log = log.lock().unwrap();
+    assert!(log[..20].iter().all(Option::is_none));
+    assert_eq!(log[20], Some(0.0));
 }
 
 /// A source that takes most of a frame's time.
 struct Slow(Pressed);
 
 impl FrameSource for Slow {
-    fn scan(&mut self, steps: &[Step], script_time: Option<f64>) -> Scan {
+    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Scan {
         thread::sleep(Duration::from_millis(80));
-        self.0.scan(steps, script_time)
+        self.0.scan(table, script_time)
     }
 }
 
@@ -141,6 +169,7 @@ fn a_paced_board_keeps_its_frame_rate_however_long_a_scan_takes() {
     let options = BoardOptions { patch: Some(small_patch("small", 10.0)), ..BoardOptions::default() };
     let board = SimulatedBoard::start(options, Slow(Pressed::new(1))).unwrap();
     let mut link = connect(board.address()).unwrap();
+    tare(&mut link, 1, SECOND).unwrap();
     stream(&mut link, MEASUREMENTS).unwrap();
     let first = stamp(&next(&mut link));
     let start = Instant::now();
@@ -190,6 +219,7 @@ fn events_a_host_does_not_read_are_dropped_and_counted_and_replies_still_come() 
     let log = source.log.clone();
     let board = SimulatedBoard::start(options, source).unwrap();
     let mut link = connect(board.address()).unwrap();
+    tare(&mut link, 1, SECOND).unwrap();
     let first = stream(&mut link, MEASUREMENTS).unwrap();
     // Some megabytes fit into the buffers of the system; then the board's own ones are full.
     let start = Instant::now();
@@ -197,7 +227,7 @@ fn events_a_host_does_not_read_are_dropped_and_counted_and_replies_still_come() 
         assert!(start.elapsed() < 20 * SECOND, "the board waits for its host");
         thread::sleep(Duration::from_millis(5));
     }
-    assert!(link.info().unwrap().streaming.measurements);
+    assert_eq!(link.info().unwrap().streaming.measurements, 1);
     stream_until(&mut link, first);
 }
 
@@ -284,7 +314,7 @@ fn refusals_are_errors_in_the_boards_words() {
         assert!(error.to_string().contains(&Refusal::NoPatch.to_string()), "{error}");
     }
     upload(&mut link, &small_patch("small", 50.0), |_| ()).unwrap();
-    let error = stream(&mut link, CONTACTS).unwrap_err();
+    let error = link.request(&Request::Reference).unwrap_err();
     assert!(matches!(error, LinkError::Refused { refusal: Refusal::NotTared, .. }), "{error}");
     assert!(error.to_string().contains("dermatome tare"), "{error}");
 }

@@ -187,7 +187,7 @@ fn events_of_an_earlier_stream_are_forgotten_when_a_new_one_starts() {
         tared(8),
     ];
     let mut link = Link::connect("played", Played(bytes.concat().into())).unwrap();
-    assert_eq!(stream(&mut link, Selection { contacts: true, ..Selection::default() }).unwrap(), 12);
+    assert_eq!(stream(&mut link, Selection { contacts: 1, ..Selection::default() }).unwrap(), 12);
     assert_eq!(link.next_event(Duration::ZERO).unwrap(), Some(Event::Tared { frames: 8 }));
     assert_eq!(link.events_lost(), 0);
 }

@@ -50,7 +50,7 @@ fn upload_tare_and_stream_work_over_a_serial_port() {
     assert_eq!(link.port(), port.to_string());
     upload(&mut link, &square_patch("serial", 16, 10, 50.0), |_| ()).unwrap();
     tare(&mut link, 5, Duration::from_secs(2)).unwrap();
-    stream(&mut link, Selection { images: true, contacts: false, measurements: true }).unwrap();
+    stream(&mut link, Selection { images: 1, measurements: 1, ..Selection::default() }).unwrap();
     for _ in 0..200 {
         link.next_event(Duration::from_secs(2)).unwrap().expect("an event");
     }

@@ -5,7 +5,7 @@ use dermatome::{
     jacobian::{combine_rows, combine_voltages},
     mesh::{Lattice, Mesh},
     model::{Model, forward_model, mesh},
-    skin::{ImageLayout, Skin},
+    skin::{ImageLayout, Reciprocal, Skin},
 };
 use dermatome_shared::patch::Difference;
 use faer::{Col, Mat as Matrix};
@@ -90,7 +90,7 @@ fn averaging_reciprocal_pairs_loses_nothing() {
         let mut skin = coarse("disc-210mm");
         skin.inverse.difference = difference;
         let combined = Model::build(&skin, |_| ()).unwrap();
-        skin.drive.combine_reciprocal = false;
+        skin.drive.reciprocal = Reciprocal::Kept;
         let kept = Model::build(&skin, |_| ()).unwrap();
         let noisy: Vec<f64> = (0..208).map(|m| (m as f64 * 1.7).sin()).collect();
         let full = &kept.conductivity_from_difference * Col::from_fn(208, |m| noisy[m]);

@@ -2,6 +2,7 @@
 //! presses, one contact near the finger when somebody does.
 
 use dermatome::{
+    board::simulated::ScanTable,
     model::Model,
     quantize,
     simulate::{Noise, Press, Script, SimulatedSkin},
@@ -18,7 +19,6 @@ use std::path::Path;
 /// A patch at work on a simulated skin.
 struct Bench {
     skin: Skin,
-    model: Model,
     patch: Vec<u8>,
 }
 
@@ -28,7 +28,7 @@ impl Bench {
         let skin = Skin::load(&path).unwrap();
         let model = Model::build(&skin, |_| ()).unwrap();
         let patch = quantize::patch(&skin, &model).unwrap();
-        Self { skin, model, patch }
+        Self { skin, patch }
     }
 
     /// Contacts of 10 frames with these presses, after a tare of 20.
@@ -39,8 +39,9 @@ impl Bench {
         let patch = PatchView::validate(&self.patch).unwrap();
         let mut state = PipelineState::default();
         state.start_tare(20);
+        let table = ScanTable::new(&patch, patch.header.drive);
         let mut frame = |time| {
-            let codes = simulated.measure(&self.model.steps, time).0.into_iter().collect();
+            let codes = simulated.measure(&table, time).codes.into_iter().collect();
             process(&patch, &mut state, &Frame { codes, ..Frame::default() });
             state.contacts().clone()
         };

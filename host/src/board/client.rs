@@ -20,8 +20,8 @@ use std::{
 
 /// Most events that wait for the host.
 const MAX_EVENTS: usize = 64;
-/// Room that one frame needs: tared, measurements, image, contacts.
-const EVENTS_OF_A_FRAME: usize = 4;
+/// Room that one frame needs: tared, contacts, health, measurements, image, scope.
+const EVENTS_OF_A_FRAME: usize = 6;
 /// Most replies that wait: a host that asks this much without listening is cut off.
 const MAX_REPLIES: usize = 1024;
 /// Requests read ahead; further ones wait in the host.

@@ -14,11 +14,14 @@ use super::{
 };
 use dermatome_shared::{
     MAX_ELECTRODES,
+    acquire::FrontEnd,
     device::{BoardFacts, Device, PatchStore},
-    frame::{Frame, FrameFlags},
+    drive::Drive,
+    frame::{ElectrodeTest, Frame, FrameFlags},
     patch::PatchView,
-    protocol::{self, Identity, Request, RequestPacket, Selection},
+    protocol::{self, Event, Identity, MAX_SCOPE_SAMPLES, Request, RequestPacket, Selection},
     restart::Restart,
+    scan::{Timing, slots},
     stimulation::Step,
     units::AdcCode,
 };
@@ -47,20 +50,70 @@ const MAX_PERIOD: Duration = Duration::from_secs(3600);
 
 /// What a simulated board measures.
 pub trait FrameSource: Send {
-    /// One scan: a code per step. `script_time` is `None` while nothing is streamed (skin
-    /// untouched), else the time since streaming started, s.
+    /// One scan: a code per step. `script_time` is `None` while nothing is streamed or the board has
+    /// no reference yet (skin untouched), else the time since streaming started, s.
     ///
     /// A scan with another number of codes than steps is dropped, as on a real board.
-    fn scan(&mut self, steps: &[Step], script_time: Option<f64>) -> Scan;
+    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Scan;
+
+    /// What it does to a voltage, if it measures electrodes and can show samples.
+    fn front_end(&self) -> Option<FrontEnd> {
+        None
+    }
+
+    /// Samples of one slot of the table, from its start; none if it has none to show.
+    fn samples(&mut self, _: &ScanTable, _slot: usize, _: Timing, _: Option<f64>) -> Option<SlotSamples> {
+        None
+    }
+}
+
+/// What a scan measures, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScanTable {
+    /// The patch's steps.
+    pub steps: Vec<Step>,
+    /// A test of each electrode.
+    pub tests: Vec<Step>,
+    /// How the skin is driven.
+    pub drive: Drive,
+}
+
+impl ScanTable {
+    /// The scan of a patch under a drive.
+    #[must_use]
+    pub fn new(patch: &PatchView<'_>, drive: Drive) -> Self {
+        let mut steps = slots(patch).to_vec();
+        let tests = steps.split_off(usize::from(patch.header.steps).min(steps.len()));
+        Self { steps, tests, drive }
+    }
+
+    /// A slot: the steps come first, then the tests.
+    #[must_use]
+    pub fn slot(&self, slot: usize) -> Option<Step> {
+        self.steps.iter().chain(&self.tests).nth(slot).copied()
+    }
 }
 
 /// One scan.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Scan {
-    /// In-phase voltages: `[step]`.
+    /// The part of each voltage that goes into the image: `[step]`.
     pub codes: Vec<AdcCode>,
+    /// The part a quarter period later: `[step]`; may be empty.
+    pub quadrature: Vec<AdcCode>,
+    /// Voltages of the electrodes' tests: `[electrode]`; may be empty.
+    pub tests: Vec<ElectrodeTest>,
     /// What was wrong with the scan.
     pub flags: FrameFlags,
+}
+
+/// Samples of one slot.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SlotSamples {
+    /// Gain of the programmable amplifier.
+    pub gain: u8,
+    /// Codes of the converter, 0 to 4095.
+    pub samples: Vec<u16>,
 }
 
 /// How fast frames come.
@@ -160,7 +213,9 @@ impl SimulatedBoard {
         let address = listener.local_addr().map_err(|reason| listen_error(options.listen, reason))?;
         let stop = Arc::new(AtomicBool::new(false));
         let worker = Worker {
-            device: Device::new(facts(options.electrodes), store),
+            device: Device::new(facts(options.electrodes, source.front_end()), store),
+            table: None,
+            front_end: source.front_end(),
             source: Box::new(source),
             pace: options.pace,
             stop: stop.clone(),
@@ -231,7 +286,7 @@ fn listen_error(address: SocketAddr, reason: io::Error) -> BoardError {
 }
 
 /// Names too long for their field come out empty; these two are not.
-fn facts(electrodes: u8) -> BoardFacts {
+fn facts(electrodes: u8, front_end: Option<FrontEnd>) -> BoardFacts {
     let identity = Identity {
         board: "simulated".try_into().unwrap_or_default(),
         firmware: env!("CARGO_PKG_VERSION").try_into().unwrap_or_default(),
@@ -240,6 +295,7 @@ fn facts(electrodes: u8) -> BoardFacts {
         identity,
         electrodes,
         frame_source: protocol::FrameSource::Simulated,
+        front_end,
         started_after: Restart::PowerOn,
     }
 }
@@ -248,6 +304,9 @@ fn facts(electrodes: u8) -> BoardFacts {
 struct Worker {
     device: Device<FilePatchStore>,
     source: Box<dyn FrameSource>,
+    front_end: Option<FrontEnd>,
+    /// What is scanned, with the number of the device's scan it was made for.
+    table: Option<(u32, ScanTable)>,
     pace: Pace,
     stop: Arc<AtomicBool>,
     started: Instant,
@@ -314,28 +373,67 @@ impl Worker {
     /// Takes one frame through the device; gives the time when the next one is due.
     fn scan(&mut self, client: &Client, due: Option<Instant>) -> Option<Instant> {
         let period = self.period();
-        let streamed = !self.device.pipeline().is_taring();
-        let frame = self.next_frame(streamed);
-        self.device.process(&frame, |packet| client.send(&packet));
+        // Without a reference the device begins a tare by itself.
+        let pipeline = self.device.pipeline();
+        let streamed = !pipeline.is_taring() && pipeline.reference().is_some();
+        let Some(table) = self.scan_table() else { return due };
+        let script_time = streamed.then_some(self.script_frame as f64 / self.frame_rate());
+        let mut frame = self.next_frame(&table, script_time);
+        self.device.process(&mut frame, |packet| client.send(&packet));
+        self.show_scope(client, &frame, &table, script_time);
         if streamed {
             self.count_streamed();
         }
         due.map(|due| (due + period).max(Instant::now().checked_sub(MAX_BACKLOG).unwrap_or(due)))
     }
 
-    fn next_frame(&mut self, streamed: bool) -> Frame {
-        let rate = self.frame_rate();
-        let steps: Vec<Step> = self.device.patch().map(|patch| patch.steps().collect()).unwrap_or_default();
-        let script_time = streamed.then_some(self.script_frame as f64 / rate);
-        let scan = self.source.scan(&steps, script_time);
+    /// What is scanned: the patch's slots under the drive in effect, which change with the scan's number.
+    fn scan_table(&mut self) -> Option<ScanTable> {
+        let number = self.device.scan();
+        if self.table.as_ref().is_none_or(|(of, _)| *of != number) {
+            let table = ScanTable::new(&self.device.patch()?, self.device.drive()?);
+            self.table = Some((number, table));
+        }
+        self.table.as_ref().map(|(_, table)| table.clone())
+    }
+
+    fn next_frame(&mut self, table: &ScanTable, script_time: Option<f64>) -> Frame {
+        let scan = self.source.scan(table, script_time);
         let sequence = self.sequence;
         self.sequence = sequence.wrapping_add(1);
-        self.board_time += 1.0 / rate;
+        self.board_time += 1.0 / self.frame_rate();
         let timestamp_us = (self.board_time * 1e6).round() as u64;
-        let mut frame = Frame { sequence, timestamp_us, flags: scan.flags, ..Frame::default() };
-        // More codes than a frame holds leave it empty, and the device drops it.
-        let _ = frame.codes.extend_from_slice(&scan.codes);
-        frame
+        Frame {
+            sequence,
+            timestamp_us,
+            flags: scan.flags,
+            // More codes than a frame holds leave it empty, and the device drops it.
+            codes: scan.codes.as_slice().try_into().unwrap_or_default(),
+            quadrature: scan.quadrature.as_slice().try_into().unwrap_or_default(),
+            tests: scan.tests.as_slice().try_into().unwrap_or_default(),
+        }
+    }
+
+    /// Sends the samples of the slot that the host watches, if this frame is one it wants.
+    fn show_scope(
+        &mut self,
+        client: &Client,
+        frame: &Frame,
+        table: &ScanTable,
+        script_time: Option<f64>,
+    ) -> Option<()> {
+        let Selection { scope: every, scope_slot: slot, .. } = self.device.streaming();
+        if every == 0 || !frame.sequence.is_multiple_of(every.into()) {
+            return None;
+        }
+        let timing = Timing::new(&table.drive, self.front_end?.sample_rate)?;
+        let SlotSamples { gain, mut samples } =
+            self.source.samples(table, usize::from(slot), timing, script_time)?;
+        samples.truncate(MAX_SCOPE_SAMPLES);
+        let samples = samples.as_slice().try_into().ok()?;
+        let event = Event::Scope { slot, gain, settling: timing.settling, samples };
+        self.device.show_scope(event, |packet| client.send(&packet));
+        Some(())
     }
 
     fn count_streamed(&mut self) {
@@ -367,13 +465,13 @@ impl Worker {
         self.started.elapsed().as_millis().try_into().unwrap_or(u64::MAX)
     }
 
-    /// Time between frames, as the patch has it.
+    /// Time between frames, as the drive in effect has it.
     fn period(&self) -> Duration {
         Duration::try_from_secs_f64(1.0 / self.frame_rate()).unwrap_or(MAX_PERIOD).min(MAX_PERIOD)
     }
 
-    /// Frames per second, as the patch has it; there are no frames without one.
+    /// Frames per second, as the drive in effect has it; there are no frames without one.
     fn frame_rate(&self) -> f64 {
-        self.device.patch().map_or(1.0, |patch| patch.header.drive.frame_rate.into())
+        self.device.drive().map_or(1.0, |drive| drive.frame_rate.into())
     }
 }

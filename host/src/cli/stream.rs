@@ -15,6 +15,7 @@ use dermatome_shared::{
 use display::Display;
 use serde::Serialize;
 use std::{
+    collections::BTreeMap,
     io,
     time::{Duration, Instant},
 };
@@ -72,7 +73,7 @@ struct Report<'a> {
     tared_first: bool,
     frames_received: u64,
     frames_lost: u64,
-    frames_saturated: u64,
+    frames_flagged: BTreeMap<&'static str, u64>,
     events_lost: u64,
     packets_damaged: u64,
     images_per_second: Option<f64>,
@@ -98,7 +99,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         tared_first,
         frames_received: tally.received(),
         frames_lost: tally.lost(),
-        frames_saturated: tally.saturated(),
+        frames_flagged: tally.flagged().collect(),
         events_lost: link.events_lost(),
         packets_damaged: link.packets_damaged(),
         images_per_second: tally.per_second(),
@@ -126,7 +127,8 @@ fn follow(
     display: &mut Display,
     tally: &mut Tally,
 ) -> anyhow::Result<Ended> {
-    let selection = Selection { images: display.wants_images(), contacts: true, measurements: false };
+    let images = u16::from(display.wants_images());
+    let selection = Selection { images, contacts: 1, ..Selection::default() };
     tally.start(link::stream(link, selection)?);
     let patience = patience(patch);
     let mut last_event = Instant::now();
@@ -156,19 +158,19 @@ fn asked_to_end(args: &Args, tally: &Tally) -> Option<Ended> {
     args.frames.is_some_and(|frames| tally.received() >= frames).then_some(Ended::Frames)
 }
 
-/// An event of the stream goes to the display and into the tally; contacts end a frame.
+/// An event of the stream goes to the display and into the tally; each frame has its contacts.
 /// Gives false if whoever read standard output has gone.
 fn take(event: &Event, display: &mut Display, tally: &mut Tally) -> io::Result<bool> {
     match event {
-        Event::Image { image, .. } => display.keep_image(image),
         Event::Contacts { at, contacts } => {
             tally.count(*at, Instant::now());
-            match display.show(*at, contacts) {
+            match display.take_contacts(*at, contacts) {
                 Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(false),
                 other => other?,
             }
         }
-        Event::Tared { .. } | Event::Measurements { .. } => {}
+        Event::Image { image, .. } => display.take_image(image)?,
+        Event::Tared { .. } | Event::Measurements { .. } | Event::Health { .. } | Event::Scope { .. } => {}
     }
     Ok(true)
 }
@@ -185,10 +187,9 @@ fn summarise(tally: &Tally, link: &Link, ended: Ended) {
     let (received, lost) = (tally.received(), tally.lost());
     let damaged = link.packets_damaged();
     eprintln!("{received} frames received, {lost} lost{rate}, {damaged} packets damaged");
-    if tally.saturated() > 0 {
+    for (words, frames) in tally.flagged() {
         eprintln!(
-            "warning: the converter saturated in {} frames: their images are not right",
-            tally.saturated()
+            "warning: {words} in {frames} frames: their images may not be right (see `dermatome check`)"
         );
     }
     if ended == Ended::Board {

@@ -58,13 +58,16 @@ pub(super) fn tare_with_spinner(link: &mut Link, patch: &PatchInfo, frames: u16)
     Ok(tared?)
 }
 
-/// The patch on the board, which it must hold. Says so if the board's frames mean nothing.
+/// The patch on the board, which it must hold, with the drive in effect. Says so if the board's frames
+/// mean nothing.
 pub(super) fn patch_of(link: &mut Link) -> anyhow::Result<PatchInfo> {
     let info = link.info()?;
     if info.frame_source == FrameSource::Synthetic {
         eprintln!("this board cannot measure yet: its frames are synthetic, numbers without meaning");
     }
+    let in_effect = |patch: PatchInfo| PatchInfo { drive: info.drive.unwrap_or(patch.drive), ..patch };
     info.patch
+        .map(in_effect)
         .ok_or(Refusal::NoPatch)
         .with_context(|| format!("nothing to measure with at `{}`", link.port()))
 }

@@ -3,6 +3,7 @@
 use super::{FRAMES, FrameRecord, Scorer};
 use crate::link::{self, Link, LinkError};
 use dermatome_shared::{
+    contact::Contacts,
     protocol::{Event, Reply, Request, Selection},
     units::AdcCode,
 };
@@ -51,7 +52,7 @@ pub fn watch(
     scorer: &Scorer<'_>,
     mut go_on: impl FnMut(Option<&FrameRecord>) -> bool,
 ) -> Result<Watched, LinkError> {
-    let selection = Selection { images: true, contacts: true, measurements: true };
+    let selection = Selection { images: 1, contacts: 1, measurements: 1, ..Selection::default() };
     let first_sequence = link::stream(link, selection)?;
     let mut watched = Watched::default();
     let mut arriving = Arriving::default();
@@ -85,22 +86,22 @@ pub fn watch(
 /// Parts of the frame that is arriving, each with its frame's sequence number.
 #[derive(Default)]
 struct Arriving {
+    contacts: Option<(u32, Contacts)>,
     codes: Option<(u32, Vec<AdcCode>)>,
-    image: Option<(u32, Vec<f64>)>,
 }
 
 impl Arriving {
-    /// Takes one event; contacts come last and complete a frame of which everything has arrived.
+    /// Takes one event; the image comes last and completes a frame of which everything has arrived.
     fn take(&mut self, event: Event, first_sequence: u32, scorer: &Scorer<'_>) -> Option<FrameRecord> {
         match event {
-            Event::Measurements { at, codes } => self.codes = Some((at.sequence, codes.to_vec())),
-            Event::Image { at, image } => self.image = Some((at.sequence, image.values().collect())),
-            Event::Contacts { at, contacts } => {
+            Event::Contacts { at, contacts } => self.contacts = Some((at.sequence, contacts)),
+            Event::Measurements { at, codes, .. } => self.codes = Some((at.sequence, codes.to_vec())),
+            Event::Image { at, image } => {
+                let (_, contacts) = self.contacts.take().filter(|(sequence, _)| *sequence == at.sequence)?;
                 let (_, codes) = self.codes.take().filter(|(sequence, _)| *sequence == at.sequence)?;
-                let (_, image) = self.image.take().filter(|(sequence, _)| *sequence == at.sequence)?;
-                return Some(scorer.record(at, first_sequence, image, contacts, &codes));
+                return Some(scorer.record(at, first_sequence, image.values().collect(), contacts, &codes));
             }
-            Event::Tared { .. } => {}
+            Event::Tared { .. } | Event::Health { .. } | Event::Scope { .. } => {}
         }
         None
     }

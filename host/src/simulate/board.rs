@@ -2,21 +2,34 @@
 
 use super::{Noise, Script, SimulatedSkin};
 use crate::{
-    board::simulated::{BoardError, BoardOptions, FrameSource, Scan, SimulatedBoard},
+    board::simulated::{BoardError, BoardOptions, FrameSource, Scan, ScanTable, SimulatedBoard, SlotSamples},
     model::{Model, ModelError},
     quantize::{self, PatchBuildError},
     skin::{Skin, SkinError},
 };
-use dermatome_shared::stimulation::Step;
+use dermatome_shared::{acquire::FrontEnd, scan::Timing};
 use std::path::{Path, PathBuf};
 
 /// Noise of a simulated board unless the user wants another.
 pub const DEFAULT_NOISE: Noise = Noise { snr_db: 60.0, seed: 1 };
 
 impl FrameSource for SimulatedSkin {
-    fn scan(&mut self, steps: &[Step], script_time: Option<f64>) -> Scan {
-        let (codes, flags) = self.measure(steps, script_time);
-        Scan { codes, flags }
+    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Scan {
+        self.measure(table, script_time)
+    }
+
+    fn front_end(&self) -> Option<FrontEnd> {
+        Some(SimulatedSkin::front_end(self))
+    }
+
+    fn samples(
+        &mut self,
+        table: &ScanTable,
+        slot: usize,
+        timing: Timing,
+        script_time: Option<f64>,
+    ) -> Option<SlotSamples> {
+        self.show(table, slot, timing, script_time)
     }
 }
 

@@ -5,6 +5,7 @@
 //! seeded noise and the rounding of the converter.
 
 pub mod board;
+mod converter;
 pub mod script;
 pub mod skin;
 pub mod truth;

@@ -1,22 +1,32 @@
 //! The simulated skin: presses -> conductivity -> true voltages -> noisy codes.
+//!
+//! Its front end is a board's in outline: a code is a 4096th of a step of a 12-bit converter at gain
+//! 1, whose range leaves room for the largest voltage at full current. Each scan has one gain, and
+//! the lock-in's 16 bits at that gain; tests of electrodes have gain 1.
 
-use super::{Press, Script, TrueSkin};
-use crate::{model::ModelError, skin::Skin};
-use dermatome_shared::{frame::FrameFlags, stimulation::Step, units::AdcCode};
+use super::{Press, Script, TrueSkin, converter::Converter};
+use crate::{
+    board::simulated::{Scan, ScanTable, SlotSamples},
+    model::ModelError,
+    skin::Skin,
+};
+use dermatome_shared::{
+    acquire::FrontEnd,
+    drive::Drive,
+    frame::{ElectrodeTest, FrameFlags},
+    scan::{Timing, test_step},
+    stimulation::Step,
+};
+use num_complex::Complex64;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64Mcg;
-
-/// Signed codes of the lock-in: a 12-bit converter summed over 16 samples.
-const CODE_BITS: i32 = 16;
-/// The largest untouched voltage fills this share of the converter's range.
-const FILL: f64 = 0.8;
 
 /// Measurement noise: white, Gaussian, the same on every step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
     /// Signal-to-noise ratio, dB: root mean square of the untouched voltages over all steps,
-    /// against the noise's standard deviation.
+    /// against the noise's standard deviation, under the drive of the skin file.
     pub snr_db: f64,
     /// Seed of the random numbers.
     pub seed: u64,
@@ -28,24 +38,47 @@ pub struct SimulatedSkin {
     truth: TrueSkin,
     script: Script,
     noise: Noise,
-    random: Pcg64Mcg,
-    /// Scale of the running patch, found from its steps on first use.
-    converter: Option<Converter>,
+    /// Noise of what goes into images, and of all else: so that the first does not depend on the second.
+    random: [Pcg64Mcg; 2],
+    /// S per square.
+    sheet_conductivity: f64,
+    /// The skin file's.
+    drive: Drive,
+    front_end: FrontEnd,
+    /// Voltages and noise of the running scan, found on its first frame.
+    untouched: Option<Untouched>,
 }
 
 #[derive(Clone, Debug)]
-struct Converter {
-    steps: Vec<Step>,
-    untouched: Vec<f64>,
+struct Untouched {
+    table: ScanTable,
+    /// At unit current and conductivity: `[slot]`.
+    phasors: Vec<Complex64>,
+    converter: Converter,
+    /// Noise of a voltage, V.
     noise: f64,
-    codes_per_unit: f64,
 }
 
 impl SimulatedSkin {
     /// Meshes the skin; ready to be scanned.
     pub fn new(skin: &Skin, script: Script, noise: Noise) -> Result<Self, ModelError> {
         let truth = TrueSkin::new(skin)?;
-        Ok(Self { truth, script, noise, random: Pcg64Mcg::seed_from_u64(noise.seed), converter: None })
+        let drive = skin.drive.for_board();
+        let electrodes = skin.electrodes.count;
+        let tests = (0..electrodes).map(|electrode| test_step(electrode, electrodes));
+        let slots: Vec<Step> = skin.steps().into_iter().chain(tests).collect();
+        let largest = largest(&truth.phasors(&truth.conductivity(&[]), &slots, skin.drive.frequency));
+        let largest_ohms = largest / skin.material.sheet_conductivity;
+        Ok(Self {
+            truth,
+            script,
+            noise,
+            random: [noise.seed, !noise.seed].map(Pcg64Mcg::seed_from_u64),
+            sheet_conductivity: skin.material.sheet_conductivity,
+            front_end: Converter::front_end(&drive, largest_ohms),
+            drive,
+            untouched: None,
+        })
     }
 
     /// Elements of the simulation's own mesh.
@@ -54,47 +87,100 @@ impl SimulatedSkin {
         self.truth.mesh().elements.len()
     }
 
-    /// One scan, `script_time` seconds into the script, or of the untouched skin.
-    pub fn measure(&mut self, steps: &[Step], script_time: Option<f64>) -> (Vec<AdcCode>, FrameFlags) {
-        let converter = self.converter_for(steps);
-        let presses = script_time.map(|time| self.script.presses(time)).unwrap_or_default();
-        let voltages =
-            if presses.is_empty() { converter.untouched.clone() } else { self.voltages(steps, &presses) };
-        let noise =
-            Normal::new(0.0, converter.noise).expect("a standard deviation is finite and not negative");
-        let mut flags = FrameFlags::default();
-        let limit = 2_f64.powi(CODE_BITS - 1) - 1.0;
-        let mut convert = |voltage: f64| {
-            let code = ((voltage + noise.sample(&mut self.random)) * converter.codes_per_unit).round();
-            if code.abs() > limit {
-                flags.insert(FrameFlags::SATURATED);
-            }
-            AdcCode(code.clamp(-limit, limit) as i32)
-        };
-        let codes = voltages.iter().map(|&voltage| convert(voltage)).collect();
-        (codes, flags)
+    /// What the simulated front end does to a voltage.
+    #[must_use]
+    pub fn front_end(&self) -> FrontEnd {
+        self.front_end
     }
 
-    /// True voltages under these presses: `[step]`, at unit current and conductivity.
+    /// One scan, `script_time` seconds into the script, or of the untouched skin.
+    pub fn measure(&mut self, table: &ScanTable, script_time: Option<f64>) -> Scan {
+        let untouched = self.untouched_under(table);
+        let volts = self.volts(table, script_time, &untouched);
+        let normal =
+            Normal::new(0.0, untouched.noise).expect("a standard deviation is finite and not negative");
+        let [of_images, of_others] = &mut self.random;
+        let mut scan = Scan::default();
+        let (steps, tests) = volts.split_at(table.steps.len());
+        for &voltage in steps {
+            let noise = Complex64::new(normal.sample(of_images), normal.sample(of_others));
+            let reading = untouched.converter.read(voltage + noise);
+            scan.codes.push(reading.part(table.drive.component));
+            scan.quadrature.push(reading.imaginary);
+            scan.flags.insert_if(FrameFlags::SATURATED, reading.is_clipped);
+        }
+        let at_gain_one = untouched.converter.with_gain(1.0);
+        for &voltage in tests {
+            let noise = Complex64::new(normal.sample(of_others), normal.sample(of_others));
+            let reading = at_gain_one.read(voltage + noise);
+            scan.tests.push(ElectrodeTest {
+                in_phase: reading.real,
+                quadrature: reading.imaginary,
+                is_clipped: reading.is_clipped,
+            });
+        }
+        scan
+    }
+
+    /// What the converter sees during one slot.
+    pub fn show(
+        &mut self,
+        table: &ScanTable,
+        slot: usize,
+        timing: Timing,
+        script_time: Option<f64>,
+    ) -> Option<SlotSamples> {
+        let untouched = self.untouched_under(table);
+        let volts = self.volts(table, script_time, &untouched);
+        let before = volts[(slot + volts.len().checked_sub(1)?) % volts.len()];
+        // The lock-in averages the noise of its samples.
+        let noise = untouched.noise * (f64::from(timing.integration) / 2.0).sqrt();
+        let normal = Normal::new(0.0, noise).ok()?;
+        let mut noise = || normal.sample(&mut self.random[1]);
+        Some(untouched.converter.samples([before, *volts.get(slot)?], timing, table.drive.gain, &mut noise))
+    }
+
+    /// In-phase voltages under these presses: `[step]`, at unit current and conductivity.
     #[must_use]
     pub fn voltages(&self, steps: &[Step], presses: &[Press]) -> Vec<f64> {
         self.truth.voltages(&self.truth.conductivity(presses), steps)
     }
 
-    /// Gain and noise for a stimulation table, set once, as a board sets its gain.
-    fn converter_for(&mut self, steps: &[Step]) -> Converter {
-        if let Some(converter) = self.converter.as_ref().filter(|converter| converter.steps == steps) {
-            return converter.clone();
-        }
-        let untouched = self.voltages(steps, &[]);
-        let largest = untouched.iter().fold(0.0, |max: f64, v| max.max(v.abs()));
-        let mean_square = untouched.iter().map(|v| v * v).sum::<f64>() / untouched.len() as f64;
-        let converter = Converter {
-            steps: steps.to_vec(),
-            untouched,
-            noise: mean_square.sqrt() * 10_f64.powf(-self.noise.snr_db / 20.0),
-            codes_per_unit: FILL * 2_f64.powi(CODE_BITS - 1) / largest,
-        };
-        self.converter.insert(converter).clone()
+    /// Volts at the drive's current, turned by its phase: `[slot]`.
+    fn volts(&self, table: &ScanTable, script_time: Option<f64>, untouched: &Untouched) -> Vec<Complex64> {
+        let presses = script_time.map(|time| self.script.presses(time)).unwrap_or_default();
+        let pressed = (!presses.is_empty()).then(|| self.phasors(table, &presses));
+        let phasors = pressed.as_ref().unwrap_or(&untouched.phasors);
+        let amplitude = f64::from(table.drive.amplitude) / self.sheet_conductivity;
+        let scale = Complex64::from_polar(amplitude, f64::from(table.drive.phase).to_radians());
+        phasors.iter().map(|phasor| phasor * scale).collect()
     }
+
+    fn phasors(&self, table: &ScanTable, presses: &[Press]) -> Vec<Complex64> {
+        let slots: Vec<Step> = table.steps.iter().chain(&table.tests).copied().collect();
+        self.truth.phasors(&self.truth.conductivity(presses), &slots, table.drive.frequency.into())
+    }
+
+    /// Voltages, gain and noise of a scan, found once, as a board finds its gains.
+    fn untouched_under(&mut self, table: &ScanTable) -> Untouched {
+        if let Some(untouched) = self.untouched.as_ref().filter(|untouched| untouched.table == *table) {
+            return untouched.clone();
+        }
+        let phasors = self.phasors(table, &[]);
+        let steps = &phasors[..table.steps.len()];
+        let mean_square = steps.iter().map(|v| v.re * v.re).sum::<f64>() / steps.len() as f64;
+        let ohms = |relative: f64| relative / self.sheet_conductivity;
+        let integration = f64::from(self.drive.integration) / f64::from(table.drive.integration);
+        let noise = ohms(mean_square.sqrt())
+            * f64::from(self.drive.amplitude)
+            * 10_f64.powf(-self.noise.snr_db / 20.0)
+            * integration.sqrt();
+        let largest_volts = ohms(largest(steps)) * f64::from(table.drive.amplitude);
+        let converter = Converter::new(&self.front_end, table.drive.gain, largest_volts);
+        self.untouched.insert(Untouched { table: table.clone(), phasors, converter, noise }).clone()
+    }
+}
+
+fn largest(phasors: &[Complex64]) -> f64 {
+    phasors.iter().fold(0.0, |max, phasor| max.max(phasor.norm()))
 }

@@ -22,13 +22,15 @@ const LATTICE: Lattice = Lattice { angle: 0.35, shift: 0.37 };
 pub struct TrueSkin {
     mesh: Mesh,
     forward: Forward,
+    /// Carrier frequency of the skin file, Hz.
+    frequency: f64,
 }
 
 /// Forward model of a sheet without or with capacitance.
 #[derive(Debug)]
 enum Forward {
     Real(Box<ForwardModel<f64>>),
-    /// With the relative susceptance of the sheet, which presses leave as it is.
+    /// With the relative susceptance of the sheet for each hertz, which presses leave as it is.
     Complex(Box<ForwardModel<Complex64>>, f64),
 }
 
@@ -38,9 +40,12 @@ impl TrueSkin {
         let mesh = true_mesh(skin)?;
         let forward = match skin.admittivity() {
             admittivity if admittivity.im == 0.0 => Forward::Real(Box::new(forward_model(skin, &mesh)?)),
-            admittivity => Forward::Complex(Box::new(forward_model(skin, &mesh)?), admittivity.im),
+            admittivity => {
+                let per_hertz = admittivity.im / skin.drive.frequency;
+                Forward::Complex(Box::new(forward_model(skin, &mesh)?), per_hertz)
+            }
         };
-        Ok(Self { mesh, forward })
+        Ok(Self { mesh, forward, frequency: skin.drive.frequency })
     }
 
     /// The same with other contacts, and at a frequency, Hz, that need not be the skin file's.
@@ -59,9 +64,10 @@ impl TrueSkin {
             let real: Vec<f64> = relative.iter().map(|z| z.re).collect();
             Forward::Real(Box::new(ForwardModel::new(&mesh, &real, ground)?))
         } else {
-            Forward::Complex(Box::new(ForwardModel::new(&mesh, &relative, ground)?), susceptance)
+            let model = ForwardModel::new(&mesh, &relative, ground)?;
+            Forward::Complex(Box::new(model), susceptance / frequency)
         };
-        Ok(Self { mesh, forward })
+        Ok(Self { mesh, forward, frequency })
     }
 
     /// Its mesh.
@@ -74,10 +80,19 @@ impl TrueSkin {
     /// be above zero.
     #[must_use]
     pub fn voltages(&self, conductivity: &[f64], steps: &[Step]) -> Vec<f64> {
+        self.phasors(conductivity, steps, self.frequency).into_iter().map(|voltage| voltage.re).collect()
+    }
+
+    /// Voltages at unit current of this frequency, Hz: `[step]`.
+    #[must_use]
+    pub fn phasors(&self, conductivity: &[f64], steps: &[Step], frequency: f64) -> Vec<Complex64> {
         match &self.forward {
-            Forward::Real(model) => in_phase(&solve(model, conductivity), steps),
-            Forward::Complex(model, susceptance) => {
-                in_phase(&solve(model, &admittivity(conductivity, *susceptance)), steps)
+            Forward::Real(model) => {
+                let fields = solve(model, conductivity);
+                fields.voltages(steps).into_iter().map(Complex64::from).collect()
+            }
+            Forward::Complex(model, per_hertz) => {
+                solve(model, &admittivity(conductivity, per_hertz * frequency)).voltages(steps)
             }
         }
     }
@@ -88,8 +103,9 @@ impl TrueSkin {
     pub fn transfer(&self, conductivity: &[f64]) -> Vec<Vec<Complex64>> {
         match &self.forward {
             Forward::Real(model) => transfer(&solve(model, conductivity), Complex64::from),
-            Forward::Complex(model, susceptance) => {
-                transfer(&solve(model, &admittivity(conductivity, *susceptance)), |value| value)
+            Forward::Complex(model, per_hertz) => {
+                let susceptance = per_hertz * self.frequency;
+                transfer(&solve(model, &admittivity(conductivity, susceptance)), |value| value)
             }
         }
     }
@@ -129,10 +145,6 @@ fn admittivity(conductivity: &[f64], susceptance: f64) -> Vec<Complex64> {
 
 fn solve<T: Admittivity>(model: &ForwardModel<T>, admittivity: &[T]) -> Fields<T> {
     model.solve(admittivity).expect("a positive conductivity has a solution")
-}
-
-fn in_phase<T: Admittivity>(fields: &Fields<T>, steps: &[Step]) -> Vec<f64> {
-    fields.voltages(steps).into_iter().map(T::in_phase).collect()
 }
 
 fn transfer<T: Admittivity>(fields: &Fields<T>, complex: impl Fn(T) -> Complex64) -> Vec<Vec<Complex64>> {

@@ -55,6 +55,8 @@ pub(super) struct File {
     pub(super) inverse: InverseTable,
     pub(super) image: ImageTable,
     pub(super) contact: ContactTable,
+    #[serde(default)]
+    pub(super) calibration: CalibrationTable,
 }
 
 #[derive(Deserialize)]
@@ -141,6 +143,11 @@ pub(super) struct DriveTable {
     pub(super) frequency: Quantity,
     pub(super) amplitude: Quantity,
     pub(super) frame_rate: Quantity,
+    pub(super) phase: Option<Quantity>,
+    pub(super) settling: Option<f64>,
+    pub(super) integration: Option<i64>,
+    pub(super) gain: Option<NumberOrWord>,
+    pub(super) component: Option<String>,
 }
 
 /// Steps in the skin file (electrodes from 1), or the name of a CSV file (electrodes from 0).
@@ -202,6 +209,14 @@ pub(super) enum PixelCount {
 #[serde(deny_unknown_fields)]
 pub(super) struct ContactTable {
     pub(super) threshold: f64,
+    pub(super) drift_time: Option<Quantity>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CalibrationTable {
+    pub(super) strength: Vec<f64>,
+    pub(super) pressure: Vec<Quantity>,
 }
 
 pub(super) fn load(path: &Path) -> Result<Skin, SkinError> {

@@ -11,6 +11,8 @@ pub mod quantity;
 mod shape;
 
 use dermatome_shared::{
+    calibration::Calibration,
+    drive::{self, Component, Gain},
     patch::{CombinedInto, Difference},
     stimulation::{self, Driven, Step},
 };
@@ -18,7 +20,7 @@ use electrodes::Electrodes;
 pub use file::SkinError;
 use num_complex::Complex64;
 pub use shape::{NotFlat, Place, Shape, Sheet, electrodes_in_plane};
-use std::{f64::consts::TAU, path::Path};
+use std::{collections::HashSet, f64::consts::TAU, path::Path};
 
 /// One sensor: shape, electrodes, drive, and how to image it.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +43,10 @@ pub struct Skin {
     pub image: ImageLayout,
     /// Smallest relative conductivity change that counts as a contact.
     pub contact_threshold: f64,
+    /// Time in which the reference follows the untouched skin, s; 0 for never.
+    pub drift_time: f64,
+    /// Pressure by strength of a contact; empty if the skin is not calibrated.
+    pub calibration: Calibration,
 }
 
 /// Edge lengths of a generated mesh, m.
@@ -94,14 +100,52 @@ pub const STEP_COLUMNS: [&str; 4] = ["drive_plus", "drive_minus", "sense_plus", 
 pub struct Drive {
     /// Which pairs drive and sense.
     pub pattern: Pattern,
-    /// Whether reciprocal steps are averaged into one measurement.
-    pub combine_reciprocal: bool,
+    /// What becomes of reciprocal steps.
+    pub reciprocal: Reciprocal,
     /// Carrier frequency, Hz.
     pub frequency: f64,
     /// Current amplitude, A.
     pub amplitude: f64,
     /// Frames per second.
     pub frame_rate: f64,
+    /// By how much the in-phase reference lags the current, degrees.
+    pub phase: f64,
+    /// Carrier periods between switching and measuring.
+    pub settling: f64,
+    /// Carrier periods over which a voltage is measured.
+    pub integration: u8,
+    /// Gain of the programmable amplifier.
+    pub gain: Gain,
+    /// Which part of a voltage goes into the image.
+    pub component: Component,
+}
+
+impl Drive {
+    /// As boards know it.
+    #[must_use]
+    pub fn for_board(&self) -> drive::Drive {
+        drive::Drive {
+            frequency: self.frequency as f32,
+            amplitude: self.amplitude as f32,
+            frame_rate: self.frame_rate as f32,
+            phase: self.phase as f32,
+            settling: self.settling as f32,
+            integration: self.integration,
+            gain: self.gain,
+            component: self.component,
+        }
+    }
+}
+
+/// What becomes of reciprocal steps: those with drive and sense pairs exchanged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reciprocal {
+    /// Both are measured and averaged into one measurement.
+    Combined,
+    /// Both are measured, each a measurement of its own.
+    Kept,
+    /// Only the first of them is measured.
+    Once,
 }
 
 /// Which pairs drive and sense.
@@ -232,13 +276,14 @@ impl Skin {
     /// Stimulation table: `[step]`, in canonical order.
     #[must_use]
     pub fn steps(&self) -> Vec<Step> {
-        match &self.drive.pattern {
+        let steps = match &self.drive.pattern {
             Pattern::Cyclic { drive_distance, sense_distance, driven } => {
                 let electrodes = self.electrodes.count;
                 stimulation::pattern(electrodes, *drive_distance, *sense_distance, *driven).collect()
             }
             Pattern::Table(steps) => steps.clone(),
-        }
+        };
+        if self.drive.reciprocal == Reciprocal::Once { first_of_pairs(&steps) } else { steps }
     }
 
     /// Admittivity of the untouched sheet at the drive frequency, relative to its conductivity:
@@ -253,8 +298,17 @@ impl Skin {
     /// says so.
     #[must_use]
     pub fn combination(&self, steps: &[Step]) -> Vec<CombinedInto> {
-        if self.drive.combine_reciprocal { combine_reciprocal(steps) } else { keep_all(steps) }
+        match self.drive.reciprocal {
+            Reciprocal::Combined => combine_reciprocal(steps),
+            Reciprocal::Kept | Reciprocal::Once => keep_all(steps),
+        }
     }
+}
+
+/// The steps without those that measure again what one before them does.
+fn first_of_pairs(steps: &[Step]) -> Vec<Step> {
+    let mut known = HashSet::new();
+    steps.iter().copied().filter(|step| known.insert(step.reciprocity().pairs)).collect()
 }
 
 fn keep_all(steps: &[Step]) -> Vec<CombinedInto> {
@@ -290,6 +344,16 @@ mod tests {
             assert!(!target.flipped);
         }
         assert!(counts.iter().all(|&count| count == 2));
+    }
+
+    #[test]
+    fn each_pair_of_reciprocal_steps_is_measured_once_if_asked() {
+        let steps: Vec<_> = stimulation::pattern(16, 1, 1, Driven::Skipped).collect();
+        let once = first_of_pairs(&steps);
+        assert_eq!(once.len(), 104);
+        let pairs =
+            |steps: &[Step]| steps.iter().map(|step| step.reciprocity().pairs).collect::<HashSet<_>>();
+        assert_eq!(pairs(&once), pairs(&steps));
     }
 
     #[test]

@@ -37,6 +37,10 @@ pub const SHEET_CONDUCTIVITY: Kind = Kind(&[("S", 1.0), ("mS", 1e-3), ("uS", 1e-
 pub const CAPACITANCE: Kind = Kind(&[("F", 1.0), ("uF", 1e-6), ("nF", 1e-9), ("pF", 1e-12)]);
 /// Ohm metres: contact impedance of an electrode edge; divided by its length it gives ohms.
 pub const CONTACT_IMPEDANCE: Kind = Kind(&[("ohm m", 1.0), ("ohm mm", 1e-3), ("kohm m", 1e3)]);
+/// Seconds.
+pub const TIME: Kind = Kind(&[("s", 1.0), ("ms", 1e-3), ("min", 60.0)]);
+/// Pascals.
+pub const PRESSURE: Kind = Kind(&[("Pa", 1.0), ("kPa", 1e3), ("MPa", 1e6)]);
 /// Radians.
 pub const ANGLE: Kind = Kind(&[("rad", 1.0), ("deg", std::f64::consts::PI / 180.0)]);
 

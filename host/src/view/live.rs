@@ -1,7 +1,7 @@
 //! Live: images and contacts drawn in place on the terminal, as fast as eyes follow.
 
 use super::terminal::{self, Ink, Screen};
-use dermatome_shared::{contact::Contacts, frame::FrameFlags, image::Geometry, protocol::FrameStamp};
+use dermatome_shared::{contact::Contacts, image::Geometry, protocol::FrameStamp};
 use std::{
     io,
     time::{Duration, Instant},
@@ -59,8 +59,8 @@ impl Live {
             text += &terminal::image(geometry, &self.values, self.scale, self.ink);
             text += &terminal::legend(self.scale, self.ink);
         }
-        let warning = if at.flags.contains(FrameFlags::SATURATED) { "  converter saturated" } else { "" };
-        text += &format!("frame {}  {:.2} s{warning}\n", at.sequence, at.timestamp_us as f64 * 1e-6);
+        let warning = terminal::flags(at.flags);
+        text += &format!("frame {}  {:.2} s  {warning}\n", at.sequence, at.timestamp_us as f64 * 1e-6);
         text += &terminal::contacts(contacts);
         self.screen.draw(&text)
     }

@@ -9,6 +9,7 @@ use super::colour::{diverging, share};
 use console::{Term, truncate_str};
 use dermatome_shared::{
     contact::Contact,
+    frame::FrameFlags,
     image::{Geometry, is_pixel},
 };
 use std::{fmt::Write, io};
@@ -62,7 +63,14 @@ pub fn legend(maximum: f64, ink: Ink) -> String {
     }
 }
 
-/// A line for each contact.
+/// What was wrong with a frame, in words; empty if nothing was.
+#[must_use]
+pub fn flags(flags: FrameFlags) -> String {
+    let set = FrameFlags::ALL.into_iter().filter(|&(flag, _)| flags.contains(flag));
+    set.map(|(_, words)| words).collect::<Vec<_>>().join(", ")
+}
+
+/// A line for each contact, with pressure and force where the skin is calibrated.
 #[must_use]
 pub fn contacts(contacts: &[Contact]) -> String {
     let mut text = String::new();
@@ -70,7 +78,11 @@ pub fn contacts(contacts: &[Contact]) -> String {
         let [x, y] = contact.position.map(|metres| metres * 1e3);
         let (area, strength) = (contact.area * 1e6, contact.strength);
         // Writing to a string never fails.
-        let _ = writeln!(text, "x {x:7.1} mm  y {y:7.1} mm  area {area:7.1} mm2  strength {strength:7.4}");
+        let _ = write!(text, "x {x:7.1} mm  y {y:7.1} mm  area {area:7.1} mm2  strength {strength:7.4}");
+        if let Some((pressure, force)) = contact.pressure.zip(contact.force()) {
+            let _ = write!(text, "  {:7.2} kPa  {force:7.3} N", pressure * 1e-3);
+        }
+        text.push('\n');
     }
     if text.is_empty() { "no contact\n".to_owned() } else { text }
 }
@@ -188,10 +200,21 @@ mod tests {
 
     #[test]
     fn contacts_are_given_in_millimetres() {
-        let contact = Contact { position: [0.0125, -0.03], area: 2.5e-5, strength: 0.25, peak: 0.5 };
+        let contact =
+            Contact { position: [0.0125, -0.03], area: 2.5e-5, strength: 0.25, peak: 0.5, pressure: None };
         let text = contacts(&[contact]);
         assert_eq!(text, "x    12.5 mm  y   -30.0 mm  area    25.0 mm2  strength  0.2500\n");
         assert_eq!(contacts(&[]), "no contact\n");
+        let calibrated = Contact { pressure: Some(20e3), ..contact };
+        assert!(contacts(&[calibrated]).ends_with("  strength  0.2500    20.00 kPa    0.500 N\n"));
+    }
+
+    #[test]
+    fn flags_are_given_in_words() {
+        let mut set = FrameFlags::SATURATED;
+        set.insert(FrameFlags::MASKED);
+        assert_eq!(flags(set), "saturated, bad electrodes masked");
+        assert_eq!(flags(FrameFlags::default()), "");
     }
 
     #[test]

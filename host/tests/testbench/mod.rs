@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 use dermatome::{
-    board::simulated::{BoardOptions, FrameSource, Pace, Scan, SimulatedBoard},
+    board::simulated::{BoardOptions, FrameSource, Pace, Scan, ScanTable, SimulatedBoard},
     link::{Link, LinkError, Port},
 };
 use dermatome_shared::{
@@ -15,7 +15,7 @@ use dermatome_shared::{
         Selection, Version, encode,
     },
     restart::Restart,
-    stimulation::{Driven, Step, pattern},
+    stimulation::{Driven, pattern},
     units::{AdcCode, RelativeConductivity},
 };
 use rand::{Rng, SeedableRng};
@@ -98,10 +98,10 @@ impl Pressed {
 }
 
 impl FrameSource for Pressed {
-    fn scan(&mut self, steps: &[Step], script_time: Option<f64>) -> Scan {
+    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Scan {
         self.log.lock().unwrap().push(script_time);
         let mut noisy = || AdcCode(UNTOUCHED + self.random.random_range(-100..=100));
-        let mut codes: Vec<_> = steps.iter().map(|_| noisy()).collect();
+        let mut codes: Vec<_> = table.steps.iter().map(|_| noisy()).collect();
         codes[1].0 += (f64::from(UNTOUCHED) * 0.1 * script_time.unwrap_or(0.0)) as i32;
         Scan { codes, ..Scan::default() }
     }
@@ -164,6 +164,8 @@ pub(crate) fn info(electrodes: u8, max_patch_bytes: u32) -> Reply {
         electrodes,
         max_patch_bytes,
         frame_source: protocol::FrameSource::Skin,
+        front_end: None,
+        drive: None,
         started_after: Restart::PowerOn,
         uptime_ms: 1,
         patch: None,

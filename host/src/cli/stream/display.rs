@@ -12,8 +12,8 @@ use std::io::{self, Write};
 
 /// Where frames go.
 pub(super) enum Display {
-    /// Pictures, drawn in place.
-    Terminal(Box<Live>),
+    /// Pictures, drawn in place, and the contacts whose image is still to come.
+    Terminal(Box<Live>, Option<(FrameStamp, Contacts)>),
     /// One line per contact.
     Lines,
 }
@@ -25,26 +25,30 @@ impl Display {
             return Ok(Self::Lines);
         }
         let geometry = images.then(|| link.geometry()).transpose()?;
-        Ok(Self::Terminal(Box::new(Live::new(geometry))))
+        Ok(Self::Terminal(Box::new(Live::new(geometry)), None))
     }
 
     pub(super) fn wants_images(&self) -> bool {
-        matches!(self, Self::Terminal(live) if live.has_images())
+        matches!(self, Self::Terminal(live, _) if live.has_images())
     }
 
-    /// Keeps an image for the next picture.
-    pub(super) fn keep_image(&mut self, image: &PackedImage) {
-        if let Self::Terminal(live) = self {
-            live.keep_image(image.values().collect());
-        }
-    }
-
-    /// A frame is complete: shows its contacts, on a terminal with the image kept before.
-    pub(super) fn show(&mut self, at: FrameStamp, contacts: &Contacts) -> io::Result<()> {
+    /// Shows the contacts of a frame; keeps them where its image is still to come.
+    pub(super) fn take_contacts(&mut self, at: FrameStamp, contacts: &Contacts) -> io::Result<()> {
         match self {
-            Self::Terminal(live) => live.draw_if_due(at, contacts),
+            Self::Terminal(live, waiting) if live.has_images() => {
+                *waiting = Some((at, contacts.clone()));
+                Ok(())
+            }
+            Self::Terminal(live, _) => live.draw_if_due(at, contacts),
             Self::Lines => print_lines(at, contacts),
         }
+    }
+
+    /// Draws an image with the contacts that came before it.
+    pub(super) fn take_image(&mut self, image: &PackedImage) -> io::Result<()> {
+        let Self::Terminal(live, waiting) = self else { return Ok(()) };
+        live.keep_image(image.values().collect());
+        waiting.take().map_or(Ok(()), |(at, contacts)| live.draw_if_due(at, &contacts))
     }
 }
 
@@ -75,7 +79,8 @@ mod tests {
     #[test]
     fn a_line_has_six_fields_in_seconds_and_millimetres() {
         let at = FrameStamp { sequence: 7, timestamp_us: 1_250_000, flags: FrameFlags::default() };
-        let contact = Contact { position: [0.01, -0.002], area: 4e-6, strength: 0.5, peak: 1.0 };
+        let contact =
+            Contact { position: [0.01, -0.002], area: 4e-6, strength: 0.5, peak: 1.0, pressure: None };
         assert_eq!(line(at, &contact), "7\t1.250000\t10.000\t-2.000\t4.00\t0.500000");
     }
 }

@@ -9,7 +9,8 @@ pub(super) struct Tally {
     next: u32,
     received: u64,
     lost: u64,
-    saturated: u64,
+    /// Frames with each flag, in the order of [`FrameFlags::ALL`].
+    flagged: [u64; FrameFlags::ALL.len()],
     first_and_last: Option<[Instant; 2]>,
 }
 
@@ -22,7 +23,9 @@ impl Tally {
     /// A frame has come.
     pub(super) fn count(&mut self, at: FrameStamp, now: Instant) {
         let sequence = at.sequence;
-        self.saturated += u64::from(at.flags.contains(FrameFlags::SATURATED));
+        for (count, (flag, _)) in self.flagged.iter_mut().zip(FrameFlags::ALL) {
+            *count += u64::from(at.flags.contains(flag));
+        }
         self.lost += u64::from(sequence.wrapping_sub(self.next));
         self.next = sequence.wrapping_add(1);
         self.received += 1;
@@ -38,9 +41,10 @@ impl Tally {
         self.lost
     }
 
-    /// Frames in which a sample reached the end of the converter's range.
-    pub(super) fn saturated(&self) -> u64 {
-        self.saturated
+    /// What was wrong with frames, in words, each with the number of frames.
+    pub(super) fn flagged(&self) -> impl Iterator<Item = (&'static str, u64)> {
+        let words = FrameFlags::ALL.map(|(_, words)| words);
+        words.into_iter().zip(self.flagged).filter(|&(_, frames)| frames > 0)
     }
 
     /// Frames per second, from the first to the last; `None` for fewer than two.
@@ -62,11 +66,12 @@ mod tests {
         let start = Instant::now();
         tally.start(u32::MAX - 3);
         for (i, sequence) in [u32::MAX - 1, u32::MAX, 2].into_iter().enumerate() {
-            let flags = FrameFlags(u8::from(i == 1));
+            let flags = if i == 1 { FrameFlags::HOT } else { FrameFlags::default() };
             let at = FrameStamp { sequence, timestamp_us: 0, flags };
             tally.count(at, start + Duration::from_millis(500 * i as u64));
         }
-        assert_eq!((tally.received(), tally.lost(), tally.saturated()), (3, 2 + 2, 1));
+        assert_eq!((tally.received(), tally.lost()), (3, 2 + 2));
+        assert_eq!(tally.flagged().collect::<Vec<_>>(), [("chip too hot", 1)]);
         assert_eq!(tally.per_second(), Some(2.0));
     }
 

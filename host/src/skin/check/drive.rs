@@ -2,11 +2,14 @@
 
 use super::Checker;
 use crate::skin::{
-    Drive, Pattern, STEP_COLUMNS, SkinError,
-    file::{DriveTable, StepTable},
-    quantity,
+    Drive, Pattern, Reciprocal, STEP_COLUMNS, SkinError,
+    file::{DriveTable, NumberOrWord, StepTable},
+    quantity::{self, Quantity},
 };
-use dermatome_shared::stimulation::{Driven, Step};
+use dermatome_shared::{
+    drive::{Component, GAINS, Gain, MAX_INTEGRATION, MAX_SETTLING},
+    stimulation::{Driven, Step},
+};
 use std::path::Path;
 
 /// Steps that a table may hold.
@@ -14,20 +17,77 @@ const MOST_STEPS: usize = u16::MAX as usize;
 
 impl Checker<'_> {
     pub(super) fn drive(&self, table: &DriveTable, electrodes: u8) -> Result<Drive, SkinError> {
-        let combine_reciprocal = match table.reciprocal.as_str() {
-            "combined" => true,
-            "kept" => false,
-            other => {
-                return self.refuse("drive.reciprocal", format!("{other:?}"), "\"combined\" or \"kept\"");
-            }
-        };
         Ok(Drive {
             pattern: self.pattern(table, electrodes)?,
-            combine_reciprocal,
+            reciprocal: self.reciprocal(&table.reciprocal)?,
             frequency: self.positive("drive.frequency", &table.frequency, quantity::FREQUENCY)?,
             amplitude: self.positive("drive.amplitude", &table.amplitude, quantity::CURRENT)?,
             frame_rate: self.positive("drive.frame_rate", &table.frame_rate, quantity::FREQUENCY)?,
+            phase: self.phase(table.phase.as_ref())?,
+            settling: self.settling(table.settling)?,
+            integration: self.count(
+                "drive.integration",
+                table.integration.unwrap_or(1),
+                1,
+                MAX_INTEGRATION.into(),
+            )?,
+            gain: self.gain(table.gain.as_ref())?,
+            component: self.component(table.component.as_deref())?,
         })
+    }
+
+    fn reciprocal(&self, word: &str) -> Result<Reciprocal, SkinError> {
+        match word {
+            "combined" => Ok(Reciprocal::Combined),
+            "kept" => Ok(Reciprocal::Kept),
+            "once" => Ok(Reciprocal::Once),
+            _ => self.refuse("drive.reciprocal", format!("{word:?}"), "\"combined\", \"kept\" or \"once\""),
+        }
+    }
+
+    /// In degrees.
+    fn phase(&self, written: Option<&Quantity>) -> Result<f64, SkinError> {
+        let Some(written) = written else { return Ok(0.0) };
+        let degrees = quantity::ANGLE.read(written).map(f64::to_degrees);
+        // In the single precision of the board, where 360 deg by way of radians is 360 again.
+        match degrees.filter(|&degrees| (0.0..=360.0).contains(&(degrees as f32))) {
+            Some(degrees) => Ok(degrees),
+            None => self.refuse("drive.phase", written.to_string(), "0 deg to 360 deg"),
+        }
+    }
+
+    fn settling(&self, written: Option<f64>) -> Result<f64, SkinError> {
+        let periods = written.unwrap_or(0.25);
+        let fits = (0.0..=f64::from(MAX_SETTLING)).contains(&periods);
+        let allowed = || format!("0 to {MAX_SETTLING} carrier periods");
+        if fits { Ok(periods) } else { self.refuse("drive.settling", periods.to_string(), &allowed()) }
+    }
+
+    fn gain(&self, written: Option<&NumberOrWord>) -> Result<Gain, SkinError> {
+        let allowed = "\"automatic\", 1, 2, 4, 8, 16, 32 or 64";
+        match written {
+            None => Ok(Gain::Automatic),
+            Some(NumberOrWord::Word(word)) if word == "automatic" => Ok(Gain::Automatic),
+            Some(NumberOrWord::Word(word)) => self.refuse("drive.gain", format!("{word:?}"), allowed),
+            Some(NumberOrWord::Number(number)) => {
+                match GAINS.into_iter().find(|&gain| f64::from(gain) == *number) {
+                    Some(gain) => Ok(Gain::Fixed(gain)),
+                    None => self.refuse("drive.gain", number.to_string(), allowed),
+                }
+            }
+        }
+    }
+
+    fn component(&self, word: Option<&str>) -> Result<Component, SkinError> {
+        match word {
+            None | Some("real") => Ok(Component::Real),
+            Some("imaginary") => Ok(Component::Imaginary),
+            Some("magnitude") => Ok(Component::Magnitude),
+            Some(other) => {
+                let allowed = "\"real\", \"imaginary\" or \"magnitude\"";
+                self.refuse("drive.component", format!("{other:?}"), allowed)
+            }
+        }
     }
 
     fn pattern(&self, table: &DriveTable, electrodes: u8) -> Result<Pattern, SkinError> {

@@ -1,5 +1,6 @@
 //! Checks a skin file table by table: what a person wrote -> [`Skin`].
 
+mod contact;
 mod drive;
 mod electrodes;
 mod image;
@@ -39,6 +40,8 @@ impl Checker<'_> {
             inverse: self.inverse(&file.inverse)?,
             image: self.image(&file.image)?,
             contact_threshold: self.threshold(file.contact.threshold)?,
+            drift_time: self.drift_time(file.contact.drift_time.as_ref())?,
+            calibration: self.calibration(&file.calibration)?,
         })
     }
 
@@ -97,12 +100,6 @@ impl Checker<'_> {
                 self.refuse(field, written.to_string(), &allowed)
             }
         }
-    }
-
-    /// At least one step of the board's image.
-    fn threshold(&self, value: f64) -> Result<f64, SkinError> {
-        let fits = (1e-6..=1000.0).contains(&value);
-        if fits { Ok(value) } else { self.refuse("contact.threshold", value.to_string(), "0.000001 to 1000") }
     }
 
     fn positive_number(&self, field: &'static str, value: f64) -> Result<f64, SkinError> {
