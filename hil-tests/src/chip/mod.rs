@@ -28,6 +28,7 @@ pub mod plain;
 pub mod pwr;
 pub mod rcc;
 mod schedule;
+pub mod system_memory;
 #[cfg(test)]
 mod tests;
 pub mod time;

@@ -79,21 +79,23 @@ impl Chip {
     }
 
     /// Lets time pass while nothing happens that the CPU or the world has to see at once: no exception
-    /// becomes pending, and link, flash and SysTick do nothing. Says whether `to` was reached.
+    /// becomes pending, and link, flash and SysTick do nothing. Says whether `to` was reached; otherwise it
+    /// is now when that is due or has happened.
     pub fn advance_quietly(&mut self, to: Time, memory: &mut dyn Memory) -> Result<bool, Misuse> {
         self.settle_touched(memory)?;
         let loud = self.next_loud_event();
-        while self.schedule.first <= to {
-            if self.schedule.first >= loud || self.core.nvic.has_news() || self.iwdg.has_bitten() {
-                return Ok(false);
-            }
+        while !self.is_news() && self.schedule.first <= to && self.schedule.first < loud {
             self.pass_event(self.schedule.first, memory)?;
         }
-        if loud <= to || self.core.nvic.has_news() || self.iwdg.has_bitten() {
+        if self.is_news() {
             return Ok(false);
         }
-        self.now = self.now.max(to);
-        Ok(true)
+        self.now = self.now.max(to.min(loud));
+        Ok(loud > to)
+    }
+
+    fn is_news(&self) -> bool {
+        self.core.nvic.has_news() || self.iwdg.has_bitten()
     }
 
     fn settle_touched(&mut self, memory: &mut dyn Memory) -> Result<(), Misuse> {
