@@ -164,6 +164,7 @@ fn clocks() -> rcc::Config {
         divr: Some(rcc::PllRDiv::DIV2),
     });
     clocks.sys = rcc::Sysclk::PLL1_R;
+    clocks.mux.adc12sel = rcc::mux::Adcsel::SYS;
     // The chip allows more than 150 MHz only with its core voltage boosted.
     clocks.boost = true;
     clocks

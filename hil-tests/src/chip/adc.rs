@@ -32,7 +32,7 @@ const SAMPLING: [u64; 8] = [5, 13, 25, 49, 95, 185, 495, 1281];
 /// Timers, by number, whose trigger outputs EXTSEL selects; the same for all five converters.
 const TRIGGERS: [(u32, u8); 6] = [(4, 3), (11, 2), (12, 4), (13, 6), (14, 15), (30, 7)];
 /// Registers that may only keep their value after reset.
-const UNUSED: [&str; 9] = ["TR1", "TR2", "TR3", "JSQR", "OFR", "AWD2CR", "AWD3CR", "DIFSEL", "GCOMP"];
+const UNUSED: [&str; 8] = ["TR1", "TR2", "TR3", "JSQR", "OFR", "AWD2CR", "AWD3CR", "GCOMP"];
 
 /// Model of one converter.
 #[derive(Clone, Debug)]
@@ -205,14 +205,14 @@ impl Adc {
     /// CR: each bit is a command, and bits at 0 change nothing but the regulator's.
     fn command(&mut self, register: &Register, value: u32, now: Time) -> Result<(), Misuse> {
         let asks = |field: &str| register.get(value, field) == 1;
-        if asks("JADSTART") || asks("ADCALDIF") {
-            return Err(Misuse::rule("ADC", "injected and differential conversions are not modelled"));
+        if asks("JADSTART") {
+            return Err(Misuse::rule("ADC", "injected conversions are not modelled"));
         }
         if asks("ADVREGEN") && asks("DEEPPWD") {
             return Err(Misuse::rule("ADC", "ADVREGEN is set while DEEPPWD is 1"));
         }
         let was_on = self.bank.is_set("CR", "ADVREGEN");
-        for field in ["ADVREGEN", "DEEPPWD"] {
+        for field in ["ADVREGEN", "DEEPPWD", "ADCALDIF"] {
             self.bank.set("CR", field, register.get(value, field));
         }
         if asks("ADVREGEN") && !was_on {
@@ -286,6 +286,9 @@ impl Adc {
     fn check_configuration(&self, register: &Register, value: u32) -> Result<(), Misuse> {
         if self.bank.is_set("CR", "ADSTART") {
             return Err(Misuse::rule("ADC", format!("{} changes while ADSTART is 1", register.name)));
+        }
+        if register.name == "DIFSEL" && value != 0 {
+            return Err(Misuse::rule("ADC", "differential inputs are not modelled"));
         }
         let refused: &[&str] = match register.name.as_str() {
             "CFGR" => &["AUTDLY", "ALIGN", "DISCEN", "JDISCEN", "AWD1EN", "JAWD1EN", "JAUTO"],

@@ -126,6 +126,8 @@ pub(super) struct Blocks(u64);
 
 impl Blocks {
     pub(super) const ALL: Self = Self((1 << NAMED.len()) - 1);
+    /// Both DMA controllers.
+    pub(super) const DMA: Self = Self(3 << 9);
     /// All timers.
     pub(super) const TIMERS: Self = Self(0x7F << 18);
 
@@ -216,5 +218,6 @@ mod tests {
         assert!(Blocks::ALL.iter().eq(Block::all()));
         assert!(Blocks::TIMERS.iter().all(|block| matches!(block, Block::Timer(_))));
         assert_eq!(Blocks::TIMERS.iter().count(), TIMERS.len());
+        assert!(Blocks::DMA.iter().eq([Block::Dma(0), Block::Dma(1)]));
     }
 }

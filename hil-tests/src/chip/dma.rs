@@ -5,7 +5,7 @@
 
 use super::{
     bank::Bank,
-    blocks::Block,
+    blocks::{Block, Blocks},
     map::{Map, Register},
     misuse::Misuse,
     peripheral::{Moment, Peripheral, has_bank},
@@ -225,6 +225,8 @@ impl Side {
 pub struct Dmamux {
     bank: Bank,
     sources: [Option<Source>; 2 * CHANNELS],
+    /// All blocks that some channel gets requests of.
+    listened: Blocks,
 }
 
 /// Block and signal that ask for transfers.
@@ -236,11 +238,16 @@ pub(super) struct Source {
 
 impl Default for Dmamux {
     fn default() -> Self {
-        Self { bank: Bank::new("DMAMUX1", &[]), sources: [None; 2 * CHANNELS] }
+        Self { bank: Bank::new("DMAMUX1", &[]), sources: [None; 2 * CHANNELS], listened: Blocks::default() }
     }
 }
 
 impl Dmamux {
+    /// Whether one of these blocks may ask for transfers.
+    pub(super) fn listens_to(&self, blocks: Blocks) -> bool {
+        self.listened.meets(blocks)
+    }
+
     /// Block and signal whose requests a channel (0 to 15) gets.
     pub(super) fn source(&self, channel: usize) -> Option<Source> {
         self.sources[channel]
@@ -270,6 +277,8 @@ impl Peripheral for Dmamux {
         if register.name == "CCR" {
             self.bank.store(register, value);
             self.sources[register.index] = source_of(register.get(value, "DMAREQ_ID"));
+            self.listened = Blocks::default();
+            self.sources.iter().flatten().for_each(|source| self.listened.insert(source.block));
         }
         Ok(())
     }

@@ -70,10 +70,12 @@ impl Gpio {
     }
 
     /// A peripheral that has a pin as its alternate function gives it this level; none: it lets it go.
-    pub fn carry(&mut self, pin: usize, level: Option<bool>) {
-        let bit = 1 << pin;
+    /// Says whether that changes the pin.
+    pub fn carry(&mut self, pin: usize, level: Option<bool>) -> bool {
+        let (bit, before) = (1 << pin, (self.carrying, self.carried));
         self.carrying = if level.is_some() { self.carrying | bit } else { self.carrying & !bit };
         self.carried = if level == Some(true) { self.carried | bit } else { self.carried & !bit };
+        before != (self.carrying, self.carried)
     }
 
     /// Levels of the output register.

@@ -29,6 +29,7 @@ pub mod pwr;
 pub mod rcc;
 mod schedule;
 mod shown;
+pub mod system_memory;
 #[cfg(test)]
 mod tests;
 pub mod time;

@@ -26,6 +26,16 @@ const EVENTFUL: [Block; 13] = [
     Block::Iwdg,
 ];
 
+/// Place of a block in [`EVENTFUL`].
+fn place_of(block: Block) -> Option<usize> {
+    match block {
+        Block::Timer(place) => Some(place.into()),
+        Block::Adc(place) => Some(7 + usize::from(place)),
+        Block::Iwdg => Some(12),
+        _ => None,
+    }
+}
+
 /// When each of [`EVENTFUL`] is due, and the first of them.
 #[derive(Clone, Debug)]
 pub(super) struct Schedule {
@@ -54,8 +64,8 @@ impl Chip {
 
     /// Asks blocks that were touched when they are due.
     pub(super) fn reschedule(&mut self) {
-        for (place, block) in EVENTFUL.into_iter().enumerate() {
-            if self.touched.contains(block) {
+        for block in self.touched.iter() {
+            if let Some(place) = place_of(block) {
                 let model = self.model(block);
                 let due = if model.bank().is_in_use { model.next_event() } else { Time::NEVER };
                 self.schedule.due[place] = due;
@@ -79,21 +89,23 @@ impl Chip {
     }
 
     /// Lets time pass while nothing happens that the CPU or the world has to see at once: no exception
-    /// becomes pending, and link, flash and SysTick do nothing. Says whether `to` was reached.
+    /// becomes pending, and link, flash and SysTick do nothing. Says whether `to` was reached; otherwise it
+    /// is now when that is due or has happened.
     pub fn advance_quietly(&mut self, to: Time, memory: &mut dyn Memory) -> Result<bool, Misuse> {
         self.settle_touched(memory)?;
         let loud = self.next_loud_event();
-        while self.schedule.first <= to {
-            if self.schedule.first >= loud || self.core.nvic.has_news() || self.iwdg.has_bitten() {
-                return Ok(false);
-            }
+        while !self.is_news() && self.schedule.first <= to && self.schedule.first < loud {
             self.pass_event(self.schedule.first, memory)?;
         }
-        if loud <= to || self.core.nvic.has_news() || self.iwdg.has_bitten() {
+        if self.is_news() {
             return Ok(false);
         }
-        self.now = self.now.max(to);
-        Ok(true)
+        self.now = self.now.max(to.min(loud));
+        Ok(loud > to)
+    }
+
+    fn is_news(&self) -> bool {
+        self.core.nvic.has_news() || self.iwdg.has_bitten()
     }
 
     fn settle_touched(&mut self, memory: &mut dyn Memory) -> Result<(), Misuse> {
@@ -126,5 +138,19 @@ impl Chip {
             self.touched.insert(block);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_eventful_block_has_its_place() {
+        for (place, block) in EVENTFUL.into_iter().enumerate() {
+            assert_eq!(place_of(block), Some(place));
+        }
+        let known = Block::all().filter(|&block| place_of(block).is_some());
+        assert_eq!(known.count(), EVENTFUL.len());
     }
 }

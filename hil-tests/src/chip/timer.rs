@@ -33,10 +33,9 @@ pub struct Timer {
     clock: u64,
     /// Time of one count.
     tick: Time,
-    /// Prescaler, top and compare values in use: where they are preloaded, those of the last update.
-    prescaler: u64,
-    top: u64,
-    compare: [u64; CHANNELS],
+    /// What PSC, ARR and CCR hold, and what of it is in use: where it is preloaded, that of the last update.
+    written: Values,
+    used: Values,
     /// The counter had this value at that time.
     count: u64,
     since: Time,
@@ -46,6 +45,22 @@ pub struct Timer {
     pending: [bool; CHANNELS + 1],
     /// The trigger output has fired.
     fired: bool,
+}
+
+/// Prescaler, top and compare values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Values {
+    prescaler: u64,
+    top: u64,
+    compare: [u64; CHANNELS],
+}
+
+impl Values {
+    fn read(bank: &Bank, channels: usize, widest: u64) -> Self {
+        let word = |register, index| u64::from(bank.word(register, index)) & widest;
+        let compare = |channel| if channel < channels { word("CCR", channel) } else { 0 };
+        Self { prescaler: word("PSC", 0) + 1, top: word("ARR", 0), compare: std::array::from_fn(compare) }
+    }
 }
 
 /// Flags of SR and the counter's switch, found once.
@@ -89,9 +104,8 @@ impl Timer {
             settings: Settings::read(&bank, channels),
             clock: 0,
             tick: Time::NEVER,
-            prescaler: 1,
-            top: widest,
-            compare: [0; CHANNELS],
+            written: Values::read(&bank, channels, widest),
+            used: Values::read(&bank, channels, widest),
             count: 0,
             since: Time::ZERO,
             edges: 0,
@@ -111,7 +125,7 @@ impl Timer {
     pub fn run_at(&mut self, clock: u64) {
         if clock != self.clock {
             self.clock = clock;
-            self.tick = Time::period(clock) * self.prescaler;
+            self.tick = Time::period(clock) * self.used.prescaler;
         }
     }
 
@@ -142,7 +156,7 @@ impl Timer {
     #[must_use]
     pub fn output(&self, channel: usize) -> Option<bool> {
         let output = self.settings.outputs[channel]?;
-        Some(output.level(self.count, self.compare[channel]))
+        Some(output.level(self.count, self.used.compare[channel]))
     }
 
     fn flag_trigger(&mut self) {
@@ -159,16 +173,16 @@ impl Timer {
     /// Whether time makes it count. While ARR is 0 the counter is blocked ("Auto-reload register").
     fn is_counting(&self) -> bool {
         let by_time = !matches!(self.settings.slave, Slave::Counts(_));
-        self.settings.is_on && self.clock > 0 && self.top > 0 && by_time
+        self.settings.is_on && self.clock > 0 && self.used.top > 0 && by_time
     }
 
     fn count_edge(&mut self) -> bool {
         self.flag_trigger();
-        if !self.settings.is_on || self.top == 0 {
+        if !self.settings.is_on || self.used.top == 0 {
             return false;
         }
         self.edges += 1;
-        if self.edges < self.prescaler {
+        if self.edges < self.used.prescaler {
             return false;
         }
         self.edges = 0;
@@ -195,7 +209,7 @@ impl Timer {
 
     /// Ticks until the counter starts again.
     fn to_update(&self) -> u64 {
-        (self.top + 1).saturating_sub(self.count).max(1)
+        (self.used.top + 1).saturating_sub(self.count).max(1)
     }
 
     /// Counts no further than to the next update. Says whether anything but the count changed.
@@ -212,7 +226,7 @@ impl Timer {
 
     /// Flags do not count: of many rounds that are due, all but the last two go by at once.
     fn skip_rounds(&mut self, now: Time) {
-        let round = self.tick * (self.top + 1);
+        let round = self.tick * (self.used.top + 1);
         let late = now.since(self.since);
         if self.is_counting() && late > round {
             self.since += round * late.periods(round).saturating_sub(1);
@@ -222,9 +236,9 @@ impl Timer {
     fn match_channels(&mut self, from: u64, to: u64) -> bool {
         let mut any = false;
         for channel in 0..self.channels {
-            let value = self.compare[channel];
+            let value = self.used.compare[channel];
             // Zero is met when the counter starts again.
-            if (from..=to).contains(&value) || (value == 0 && to > self.top) {
+            if (from..=to).contains(&value) || (value == 0 && to > self.used.top) {
                 self.raise(channel);
                 any = true;
             }
@@ -258,20 +272,17 @@ impl Timer {
 
     /// Registers come into use: those that are preloaded, and PSC, only at an update.
     fn take_over(&mut self, updates: bool) {
-        if updates {
-            let prescaler = u64::from(self.bank.word("PSC", 0)) + 1;
-            if prescaler != self.prescaler {
-                self.prescaler = prescaler;
-                self.tick = Time::period(self.clock) * prescaler;
-            }
-        }
         if updates || !self.settings.preloads_top {
-            self.top = u64::from(self.bank.word("ARR", 0)) & self.widest;
+            self.used.top = self.written.top;
         }
         for channel in 0..self.channels {
             if updates || !self.settings.preloads[channel] {
-                self.compare[channel] = u64::from(self.bank.word("CCR", channel)) & self.widest;
+                self.used.compare[channel] = self.written.compare[channel];
             }
+        }
+        if updates && self.used.prescaler != self.written.prescaler {
+            self.used.prescaler = self.written.prescaler;
+            self.tick = Time::period(self.clock) * self.used.prescaler;
         }
     }
 
@@ -288,8 +299,8 @@ impl Timer {
 
     /// When the counter gets to `value` next.
     fn reaches(&self, value: u64) -> Time {
-        let period = self.top + 1;
-        if value > self.top && value != period {
+        let period = self.used.top + 1;
+        if value > self.used.top && value != period {
             return Time::NEVER;
         }
         let steps = if value > self.count { value - self.count } else { period - self.count + value };
@@ -360,6 +371,7 @@ impl Peripheral for Timer {
                 let was_on = self.settings.is_on;
                 self.bank.store(register, value);
                 self.settings = Settings::read(&self.bank, self.channels);
+                self.written = Values::read(&self.bank, self.channels, self.widest);
                 self.take_over(false);
                 if self.settings.is_on && !was_on {
                     self.since = at.now;
@@ -374,10 +386,10 @@ impl Peripheral for Timer {
         if !self.is_counting() {
             return Time::NEVER;
         }
-        let mut next = if self.update_matters() { self.reaches(self.top + 1) } else { Time::NEVER };
+        let mut next = if self.update_matters() { self.reaches(self.used.top + 1) } else { Time::NEVER };
         for channel in 0..self.channels {
             if self.compare_matters(channel) {
-                next = next.min(self.reaches(self.compare[channel]));
+                next = next.min(self.reaches(self.used.compare[channel]));
             }
         }
         next

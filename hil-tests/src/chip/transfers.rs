@@ -3,7 +3,7 @@
 
 use super::{
     Chip, Memory, RAM_BYTES, RAM_START,
-    blocks::Block,
+    blocks::{Block, Blocks},
     core,
     dma::{CHANNELS, Mark, Source},
     flash,
@@ -26,6 +26,10 @@ impl Chip {
     }
 
     fn channel_to_serve(&self) -> Option<(usize, usize)> {
+        // Channels that copy memory go on as soon as their controller is touched.
+        if !self.dmamux.listens_to(self.touched) && !self.touched.meets(Blocks::DMA) {
+            return None;
+        }
         let all = (0..2 * CHANNELS).map(|place| (place / CHANNELS, place % CHANNELS));
         let mut wanting = all.filter(|&(controller, channel)| {
             let dma = &self.dma[controller];

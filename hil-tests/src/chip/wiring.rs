@@ -168,8 +168,9 @@ impl Chip {
         }
         for &Wire { port, pin, timer, channel } in &self.wires {
             let level = self.timers[usize::from(timer)].output(channel);
-            self.ports[port].carry(pin, level);
-            self.touched.insert(Block::Port(port as u8));
+            if self.ports[port].carry(pin, level) {
+                self.touched.insert(Block::Port(port as u8));
+            }
         }
     }
 

@@ -163,3 +163,27 @@ fn what_is_not_modelled_and_changes_while_it_converts_are_refused() {
     let at = Moment { now: bus.now + nanos(100), ..bus.moment() };
     assert!(bus.model.advance(at).unwrap_err().to_string().contains("no world"));
 }
+
+#[test]
+fn in_one_shot_mode_the_end_of_the_dmas_buffer_ends_the_conversions() {
+    for (circular, goes_on) in [(0, false), (1, true)] {
+        let (mut bus, mut world) = (ready(), Ladder::default());
+        bus.fields("CFGR", &[("CONT", 1), ("DMAEN", 1), ("DMACFG", circular)]);
+        start(&mut bus);
+        pass(&mut bus, nanos(301), &mut world);
+        assert!(bus.model.requests("ADC2"));
+        bus.read("DR");
+        bus.model.transfers_ended("ADC2");
+        world.0.clear();
+        pass(&mut bus, nanos(301), &mut world);
+        assert_eq!((bus.model.requests("ADC2"), world.0.is_empty()), (goes_on, !goes_on));
+    }
+}
+
+/// RM0440, "ADC connectivity".
+#[test]
+fn some_channels_are_inside_the_chip() {
+    let at = Internal::at;
+    assert_eq!((at(1, 16), at(2, 16)), (Some(Internal::Temperature), Some(Internal::Opamp(2))));
+    assert_eq!((at(1, 18), at(2, 17), at(1, 1)), (Some(Internal::Reference), None, None));
+}
