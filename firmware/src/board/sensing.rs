@@ -252,12 +252,13 @@ fn start_dac(
     let mut channel = DacChannel::new_blocking(dac, pin);
     channel.set(dac::Value::Bit12Right(MIDDLE));
     let trigger = ChannelTrigger::<peripherals::DAC1>::signal(&triggers::TIM2_TRGO);
-    channel.disable();
+    // Not the driver's own way to switch it off, which takes the clock away as well.
+    pac::DAC1.cr().modify(|w| w.set_en(0, false));
     pac::DAC1.cr().modify(|w| {
         w.set_tsel(0, trigger);
         w.set_ten(0, true);
+        w.set_en(0, true);
     });
-    channel.enable();
     channel
 }
 
