@@ -9,6 +9,9 @@ use super::{
     peripheral::Peripheral,
 };
 
+/// A register and its peripheral.
+pub(super) type Place = (&'static PeripheralMap, &'static Register);
+
 impl Chip {
     /// Reads `size` bytes of a peripheral.
     pub fn read(&mut self, address: u32, size: u32) -> Result<u32, Misuse> {
@@ -84,17 +87,19 @@ impl Chip {
     }
 
     /// Peripheral and register at an address; none for the core's own.
-    fn place(&self, address: u32) -> Result<Option<(&'static PeripheralMap, &'static Register)>, Misuse> {
-        let map = Map::of_chip();
-        match map.at(address) {
-            Some(peripheral) => {
-                let offset = address - peripheral.base;
-                let none = || Misuse::NoRegister { peripheral: peripheral.name.to_owned(), offset };
-                Ok(Some((peripheral, peripheral.register_at(offset).ok_or_else(none)?)))
-            }
-            None if address >= core::START => Ok(None),
-            None => Err(Misuse::NoRegister { peripheral: "address".to_owned(), offset: address }),
+    fn place(&mut self, address: u32) -> Result<Option<Place>, Misuse> {
+        // The DMA comes back to the same few registers.
+        let seen = (address >> 2 ^ address >> 10) as usize % self.places.len();
+        if let Some((known, place)) = self.places[seen]
+            && known == address
+        {
+            return Ok(Some(place));
         }
+        let place = find(address)?;
+        if let Some(place) = place {
+            self.places[seen] = Some((address, place));
+        }
+        Ok(place)
     }
 
     /// Peripherals that the RCC holds in reset start again (RM0440, RCC chapter, RCC_AHB1RSTR and on).
@@ -126,6 +131,18 @@ impl Chip {
             Some(block) if self.model(block).models(register) => Ok(block),
             _ => Err(Misuse::unmodelled(map.name, register)),
         }
+    }
+}
+
+fn find(address: u32) -> Result<Option<Place>, Misuse> {
+    match Map::of_chip().at(address) {
+        Some(peripheral) => {
+            let offset = address - peripheral.base;
+            let none = || Misuse::NoRegister { peripheral: peripheral.name.to_owned(), offset };
+            Ok(Some((peripheral, peripheral.register_at(offset).ok_or_else(none)?)))
+        }
+        None if address >= core::START => Ok(None),
+        None => Err(Misuse::NoRegister { peripheral: "address".to_owned(), offset: address }),
     }
 }
 

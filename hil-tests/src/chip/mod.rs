@@ -41,6 +41,7 @@ mod wiring;
 pub mod world;
 
 use self::{
+    access::Place,
     adc::{Adc, common::AdcCommon},
     blocks::{ADC_COMMONS, ADCS, Block, Blocks, DACS, OPAMPS, TIMERS},
     core::{Core, CoreMoment},
@@ -118,6 +119,8 @@ pub struct Chip {
     cycle: Time,
     /// Blocks of the map's peripherals, in its order.
     blocks: Vec<Option<Block>>,
+    /// Registers that were accessed, with their addresses.
+    places: [Option<(u32, Place)>; 64],
     lines: Lines,
     /// Pins that carry outputs of timers.
     wires: Vec<Wire>,
@@ -157,6 +160,7 @@ impl Chip {
             clocks: Clocks::RESET,
             cycle: Clocks::RESET.cycle(),
             blocks: blocks::by_place(),
+            places: [None; 64],
             lines: Lines::of_chip(),
             wires: Vec::new(),
             shown_operations: 0,

@@ -374,3 +374,13 @@ fn a_port_that_is_reset_lets_its_pins_go() {
     });
     assert_eq!(pins.collect::<Vec<_>>(), [1 << 3, 0]);
 }
+
+/// DBGMCU lies among the core's own addresses and is the chip's.
+#[test]
+fn debug_support_is_found_among_the_cores_peripherals() {
+    let mut chip = chip();
+    for _ in 0..2 {
+        assert_eq!(chip.read(0xE004_2000, 4), Ok(0x2003_6469), "IDCODE");
+        assert_eq!(chip.read(0xE000_ED00, 4), Ok(0x410F_C241), "CPUID");
+    }
+}
