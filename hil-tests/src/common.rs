@@ -3,6 +3,7 @@
 use dermatome::skin::Skin;
 use dermatome_hil::{
     board::VirtualBoard,
+    fault::{Fault, What},
     rig::{Rig, START_TIME},
 };
 use std::{error::Error, path::PathBuf};
@@ -40,4 +41,15 @@ pub(crate) fn boot(
     let board = VirtualBoard::start(image.flash(), options)?;
     board.run(START_TIME)?;
     Ok(board)
+}
+
+/// Faults of skin and front end need both.
+pub(crate) fn check(faults: &[Fault], board: &VirtualBoard) -> Result<(), Box<dyn Error>> {
+    let outside = faults.iter().find(|fault| matches!(fault.what, What::World(_)));
+    match outside {
+        Some(fault) if board.scene().is_none() => {
+            Err(format!("`--fault`: {}, but the rig has no `[world]`", fault.what).into())
+        }
+        _ => Ok(()),
+    }
 }
