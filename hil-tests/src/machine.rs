@@ -105,7 +105,10 @@ struct State {
     now: Cell<Time>,
     instructions: Cell<u64>,
     instruction_time: Cell<Time>,
+    /// An event is due then; zero where the core is to stop whatever happens.
     stop_at: Cell<Time>,
+    /// The core is to stop then.
+    deadline: Cell<Time>,
     /// Stop as soon as PRIMASK or BASEPRI are no longer these.
     masks: Cell<Option<(u64, u64)>>,
     /// Code in this range stands still until then.
@@ -286,26 +289,36 @@ impl Machine {
         self.sync_flash();
         let masks = self.masks();
         let (next, wakes) = {
-            let chip = self.state.chip.borrow();
-            (chip.core.nvic.next(masks), chip.core.nvic.any_pending())
+            let nvic = &mut self.state.chip.borrow_mut().core.nvic;
+            nvic.forget_news();
+            (nvic.next(masks), nvic.any_pending())
         };
         if let Some(exception) = next {
             return self.enter(exception);
         }
-        let until = self.state.chip.borrow_mut().next_event().min(deadline);
         if self.sleeps {
             // An interrupt that is only masked wakes WFI, and here WFE as well (SEVONPEND or not:
             // code that waits is made to look again).
             if wakes && masks.primask {
                 self.sleeps = false;
             } else {
-                self.state.now.set(self.now().max(until));
-                return Ok(());
+                return self.sleep(deadline);
             }
         }
+        let until = self.state.chip.borrow().next_event().min(deadline);
         self.state.stop_at.set(until);
+        self.state.deadline.set(deadline);
         self.state.masks.set(wakes.then(|| cpu::raw_masks(&self.unicorn)));
         self.execute()
+    }
+
+    /// Time passes without the CPU until something may wake it, or the world may see something.
+    fn sleep(&mut self, deadline: Time) -> Result<(), Halt> {
+        let state = self.state.clone();
+        let mut chip = state.chip.borrow_mut();
+        let result = chip.advance_quietly(deadline, &mut Ram(&mut self.unicorn));
+        state.now.set(chip.now.max(state.now.get()));
+        result.map(drop).map_err(|misuse| self.misused(misuse))
     }
 
     /// Events up to now happen.
@@ -452,6 +465,7 @@ impl State {
             instructions: Cell::new(0),
             instruction_time: Cell::new(Time::ZERO),
             stop_at: Cell::new(Time::ZERO),
+            deadline: Cell::new(Time::ZERO),
             masks: Cell::new(None),
             stall: Cell::new(None),
             event: Cell::new(false),

@@ -10,6 +10,7 @@
 mod access;
 pub mod adc;
 pub mod bank;
+mod blocks;
 pub mod core;
 pub mod dac;
 pub mod dma;
@@ -17,6 +18,7 @@ pub mod exti;
 pub mod flash;
 pub mod gpio;
 pub mod iwdg;
+mod lines;
 pub mod map;
 pub mod misuse;
 pub mod nvic;
@@ -25,6 +27,8 @@ pub mod peripheral;
 pub mod plain;
 pub mod pwr;
 pub mod rcc;
+mod schedule;
+pub mod system_memory;
 #[cfg(test)]
 mod tests;
 pub mod time;
@@ -37,6 +41,7 @@ pub mod world;
 
 use self::{
     adc::{Adc, common::AdcCommon},
+    blocks::{ADC_COMMONS, ADCS, Block, Blocks, DACS, OPAMPS, TIMERS},
     core::{Core, CoreMoment},
     dac::Dac,
     dma::{Dma, Dmamux},
@@ -44,18 +49,20 @@ use self::{
     flash::{Flash, Operation},
     gpio::Gpio,
     iwdg::Iwdg,
-    map::Map,
+    lines::Lines,
     misuse::Misuse,
-    nvic::{NMI, Nvic},
+    nvic::NMI,
     opamp::Opamp,
-    peripheral::{Moment, Peripheral},
+    peripheral::Moment,
     plain::Plain,
     pwr::Pwr,
     rcc::{Clocks, Rcc, ResetCause},
+    schedule::Schedule,
     time::Time,
     timer::Timer,
     trace::{Event, Trace},
     usart::Usart,
+    wiring::Wire,
     world::Outside,
 };
 
@@ -102,76 +109,36 @@ pub struct Chip {
     pub watcher: Option<Watcher>,
     rcc: Rcc,
     pwr: Pwr,
-    ports: Vec<(char, Gpio)>,
-    timers: Vec<(&'static str, Timer)>,
+    ports: Vec<Gpio>,
+    timers: Vec<Timer>,
     dma: [Dma; 2],
     dmamux: Dmamux,
-    adcs: Vec<(&'static str, Adc)>,
-    adc_commons: Vec<(&'static str, AdcCommon)>,
+    adcs: Vec<Adc>,
+    adc_commons: Vec<AdcCommon>,
+    dacs: Vec<Dac>,
+    opamps: Vec<Opamp>,
     outside: Outside,
-    dacs: Vec<(&'static str, Dac)>,
-    opamps: Vec<(&'static str, Opamp)>,
     exti: Exti,
     iwdg: Iwdg,
     syscfg: Plain,
     dbgmcu: Plain,
     clocks: Clocks,
-    lines: Vec<Line>,
+    cycle: Time,
+    /// Blocks of the map's peripherals, in its order.
+    blocks: Vec<Option<Block>>,
+    lines: Lines,
+    /// Pins that carry outputs of timers.
+    wires: Vec<Wire>,
     shown_operations: u64,
-    /// Something was touched since lines and requests were looked at.
-    touched: bool,
-    /// A port was written since its pins were shown.
-    pins_touched: bool,
-    /// The next event of all but link and flash, which the world may touch at any time.
-    next: Option<Time>,
+    /// What was touched since requests, lines, times and outputs were looked at.
+    touched: Blocks,
+    schedule: Schedule,
 }
-
-/// One way to the NVIC: a peripheral's signal and its exception.
-#[derive(Clone, Copy, Debug)]
-struct Line {
-    peripheral: &'static str,
-    signal: &'static str,
-    exception: usize,
-}
-
-/// Converters, and the common registers of the first two and of the others.
-const ADCS: [&str; 5] = ["ADC1", "ADC2", "ADC3", "ADC4", "ADC5"];
-const ADC_COMMONS: [&str; 2] = ["ADC12_COMMON", "ADC345_COMMON"];
-const DACS: [&str; 4] = ["DAC1", "DAC2", "DAC3", "DAC4"];
-const OPAMPS: [&str; 6] = ["OPAMP1", "OPAMP2", "OPAMP3", "OPAMP4", "OPAMP5", "OPAMP6"];
-
-/// Peripherals whose DMA requests and interrupts are modelled.
-const WITH_SIGNALS: [&str; 17] = [
-    "LPUART1", "TIM2", "TIM3", "TIM4", "TIM5", "TIM6", "TIM7", "TIM15", "DMA1", "DMA2", "FLASH", "DMAMUX1",
-    "EXTI", "DAC1", "DAC2", "DAC3", "DAC4",
-];
 
 impl Chip {
     /// A chip without power, whose link runs at `wire_baud` at its other end.
     #[must_use]
     pub fn new(wire_baud: u64, keep_trace: bool) -> Self {
-        let map = Map::of_chip();
-        let signals = |name: &&'static str| {
-            let of = map.peripheral(name).interrupts();
-            of.map(|(signal, number)| Line {
-                peripheral: name,
-                signal,
-                exception: Nvic::exception_of(number),
-            })
-        };
-        let mut lines: Vec<Line> = WITH_SIGNALS.iter().chain(&ADCS).flat_map(signals).collect();
-        // All signals of a timer are one (its model raises all of them).
-        lines.retain(|line| !line.peripheral.starts_with("TIM") || line.signal == "UP");
-        lines.sort_by_key(|line| line.exception);
-        let timers = [
-            ("TIM2", 4, 32),
-            ("TIM3", 4, 16),
-            ("TIM4", 4, 16),
-            ("TIM5", 4, 32),
-            ("TIM6", 0, 16),
-            ("TIM7", 0, 16),
-            ("TIM15", 2, 16),
-        ];
         Self {
             now: Time::ZERO,
             instructions: 0,
@@ -182,25 +149,27 @@ impl Chip {
             watcher: None,
             rcc: Rcc::default(),
             pwr: Pwr::default(),
-            ports: ('A'..='G').map(|port| (port, Gpio::new(port))).collect(),
-            timers: timers.map(|(name, channels, bits)| (name, Timer::new(name, channels, bits))).into(),
+            ports: ('A'..='G').map(Gpio::new).collect(),
+            timers: TIMERS.map(|(name, channels, bits)| Timer::new(name, channels, bits)).into(),
             dma: [Dma::new("DMA1"), Dma::new("DMA2")],
             dmamux: Dmamux::default(),
-            adcs: (1..).zip(ADCS).map(|(number, name)| (name, Adc::new(number))).collect(),
-            adc_commons: ADC_COMMONS.map(|name| (name, AdcCommon::new(name))).into(),
+            adcs: (1..=ADCS.len()).map(Adc::new).collect(),
+            adc_commons: ADC_COMMONS.map(AdcCommon::new).into(),
+            dacs: DACS.map(Dac::new).into(),
+            opamps: OPAMPS.map(Opamp::new).into(),
             outside: Outside::default(),
-            dacs: DACS.map(|name| (name, Dac::new(name))).into(),
-            opamps: OPAMPS.map(|name| (name, Opamp::new(name))).into(),
             exti: Exti::default(),
             iwdg: Iwdg::default(),
             syscfg: Plain::syscfg(),
             dbgmcu: Plain::dbgmcu(),
             clocks: Clocks::RESET,
-            lines,
+            cycle: Clocks::RESET.cycle(),
+            blocks: blocks::by_place(),
+            lines: Lines::of_chip(),
+            wires: Vec::new(),
             shown_operations: 0,
-            touched: true,
-            pins_touched: true,
-            next: None,
+            touched: Blocks::ALL,
+            schedule: Schedule::default(),
         }
     }
 
@@ -220,11 +189,10 @@ impl Chip {
         };
         self.trace.add(self.now, Event::Reset(name));
         self.core = Core::default();
-        self.each(|_, peripheral| peripheral.reset());
+        Block::all().for_each(|block| self.model_mut(block).reset());
         self.rcc.restart(cause);
-        self.pins_touched = true;
-        self.touch();
         self.follow_clocks();
+        self.follow_wires();
     }
 
     /// The watchdog or the firmware wants the chip to start again.
@@ -237,17 +205,14 @@ impl Chip {
 
     /// After an access: the DMA serves its requests, and lines go to the NVIC.
     pub fn settle(&mut self, memory: &mut dyn Memory) -> Result<(), Misuse> {
-        if std::mem::take(&mut self.touched) {
-            self.deliver_triggers();
+        if !self.touched.is_empty() {
             self.serve_requests(memory)?;
             self.raise_lines();
-            self.show_analogue();
+            self.carry_outputs();
+            self.show_outside();
+            self.reschedule();
+            self.touched = Blocks::default();
         }
-        if std::mem::take(&mut self.pins_touched) {
-            self.show_pins();
-        }
-        // Beats of the DMA touch as well; requests and lines have been looked at after the last one.
-        self.touched = false;
         self.show_flash();
         for (time, event) in self.uart.take_passed() {
             self.trace.add(time, event);
@@ -259,73 +224,10 @@ impl Chip {
         Ok(())
     }
 
-    /// Signals of one exception are or-ed.
-    fn raise_lines(&mut self) {
-        let lines = std::mem::take(&mut self.lines);
-        for signals in lines.chunk_by(|one, other| one.exception == other.exception) {
-            let is_up = |line: &Line| {
-                self.model(line.peripheral)
-                    .is_some_and(|model| model.bank().is_in_use && model.interrupts(line.signal))
-            };
-            let level = signals.iter().any(is_up);
-            self.core.nvic.set_line(signals[0].exception, level);
-        }
-        self.lines = lines;
-    }
-
-    /// Lines, requests and events have to be looked at again.
-    fn touch(&mut self) {
-        self.touched = true;
-        self.next = None;
-    }
-
-    /// When anything happens by itself next.
-    pub fn next_event(&mut self) -> Time {
-        let next = self.next.unwrap_or_else(|| self.find_next());
-        self.next = Some(next);
-        let world = self.uart.next_event().min(self.flash.next_event());
-        next.min(world).min(self.core.next_event(self.clocks.cycle()))
-    }
-
-    fn find_next(&mut self) -> Time {
-        let mut next = Time::NEVER;
-        self.each(|name, peripheral| {
-            if peripheral.bank().is_in_use && !matches!(name, "FLASH" | "LPUART1") {
-                next = next.min(peripheral.next_event());
-            }
-        });
-        next
-    }
-
-    /// Lets time pass, from one event to the next.
-    pub fn advance(&mut self, to: Time, memory: &mut dyn Memory) -> Result<(), Misuse> {
-        loop {
-            let next = self.next_event();
-            if next > to {
-                break;
-            }
-            self.now = self.now.max(next);
-            self.core.advance(self.now, self.clocks.cycle());
-            let at = Moment { now: next, clocks: self.clocks };
-            self.ask_world(next);
-            let mut result = Ok(());
-            self.each(|_, peripheral| {
-                if peripheral.next_event() <= next && result.is_ok() {
-                    result = peripheral.advance(at);
-                }
-            });
-            result?;
-            self.touch();
-            self.settle(memory)?;
-        }
-        self.now = self.now.max(to);
-        Ok(())
-    }
-
     /// Levels of a port's output register.
     #[must_use]
     pub fn outputs(&self, port: char) -> Option<u16> {
-        self.ports.iter().find(|(name, _)| *name == port).map(|(_, port)| port.outputs())
+        ('A'..).zip(&self.ports).find(|(name, _)| *name == port).map(|(_, port)| port.outputs())
     }
 
     fn moment(&self) -> Moment {
@@ -333,87 +235,34 @@ impl Chip {
     }
 
     fn core_moment(&self) -> CoreMoment {
-        CoreMoment { now: self.now, cycle: self.clocks.cycle(), instructions: self.instructions }
-    }
-
-    fn model_mut(&mut self, name: &str) -> Option<&mut dyn Peripheral> {
-        Some(match name {
-            "RCC" => &mut self.rcc,
-            "PWR" => &mut self.pwr,
-            "FLASH" => &mut self.flash,
-            "LPUART1" => &mut self.uart,
-            "DMA1" => &mut self.dma[0],
-            "DMA2" => &mut self.dma[1],
-            "DMAMUX1" => &mut self.dmamux,
-            "IWDG" => &mut self.iwdg,
-            "EXTI" => &mut self.exti,
-            "SYSCFG" => &mut self.syscfg,
-            "DBGMCU" => &mut self.dbgmcu,
-            _ => {
-                let port = name.strip_prefix("GPIO").and_then(|rest| rest.chars().next());
-                if let Some((_, port)) = self.ports.iter_mut().find(|(letter, _)| Some(*letter) == port) {
-                    return Some(port);
-                }
-                return by_name(&mut self.timers, name)
-                    .or_else(|| by_name(&mut self.dacs, name))
-                    .or_else(|| by_name(&mut self.opamps, name))
-                    .or_else(|| by_name(&mut self.adcs, name))
-                    .or_else(|| by_name(&mut self.adc_commons, name));
-            }
-        })
-    }
-
-    fn model(&self, name: &str) -> Option<&dyn Peripheral> {
-        Some(match name {
-            "FLASH" => &self.flash,
-            "LPUART1" => &self.uart,
-            "DMA1" => &self.dma[0],
-            "DMA2" => &self.dma[1],
-            "EXTI" => &self.exti,
-            _ if name.starts_with("ADC") => &self.adcs.iter().find(|(adc, _)| *adc == name)?.1,
-            _ if name.starts_with("DAC") => &self.dacs.iter().find(|(dac, _)| *dac == name)?.1,
-            _ => &self.timers.iter().find(|(timer, _)| *timer == name)?.1,
-        })
-    }
-
-    fn each(&mut self, mut visit: impl FnMut(&str, &mut dyn Peripheral)) {
-        visit("RCC", &mut self.rcc);
-        visit("PWR", &mut self.pwr);
-        visit("FLASH", &mut self.flash);
-        visit("LPUART1", &mut self.uart);
-        self.ports.iter_mut().for_each(|(_, port)| visit("GPIO", port));
-        self.timers.iter_mut().for_each(|(name, timer)| visit(name, timer));
-        self.dma.iter_mut().for_each(|dma| visit("DMA", dma));
-        self.dacs.iter_mut().for_each(|(name, dac)| visit(name, dac));
-        self.opamps.iter_mut().for_each(|(name, opamp)| visit(name, opamp));
-        self.adcs.iter_mut().for_each(|(name, adc)| visit(name, adc));
-        self.adc_commons.iter_mut().for_each(|(name, common)| visit(name, common));
-        visit("EXTI", &mut self.exti);
-        visit("DMAMUX1", &mut self.dmamux);
-        visit("IWDG", &mut self.iwdg);
-        visit("SYSCFG", &mut self.syscfg);
-        visit("DBGMCU", &mut self.dbgmcu);
+        CoreMoment { now: self.now, cycle: self.cycle, instructions: self.instructions }
     }
 
     /// Tells trace and world what changed outside.
-    fn show_pins(&mut self) {
-        for (place, (port, model)) in self.ports.iter().enumerate() {
-            let levels = model.driven_levels();
-            if self.outside.show_pins(place, levels, self.now) {
-                self.trace.add(self.now, Event::Pins { port: *port, levels });
+    fn show_outside(&mut self) {
+        for block in self.touched.iter() {
+            match block {
+                Block::Port(place) => self.show_pins(place.into()),
+                Block::Dac(place) => {
+                    let (place, dac) = (usize::from(place), &self.dacs[usize::from(place)]);
+                    for channel in 0..2 {
+                        self.outside.show_dac(place, channel, dac.output(channel), self.now);
+                    }
+                }
+                Block::Opamp(place) => {
+                    let setting = self.opamps[usize::from(place)].setting();
+                    self.outside.show_opamp(place.into(), setting, self.now);
+                }
+                _ => {}
             }
         }
     }
 
-    /// Tells the world what converters and amplifiers do now.
-    fn show_analogue(&mut self) {
-        for (place, (_, dac)) in self.dacs.iter().enumerate() {
-            for channel in 0..2 {
-                self.outside.show_dac(place, channel, dac.output(channel), self.now);
-            }
-        }
-        for (place, (_, opamp)) in self.opamps.iter().enumerate() {
-            self.outside.show_opamp(place, opamp.setting(), self.now);
+    fn show_pins(&mut self, place: usize) {
+        let levels = self.ports[place].driven_levels();
+        if self.outside.show_pins(place, levels, self.now) {
+            let port = (b'A' + place as u8).into();
+            self.trace.add(self.now, Event::Pins { port, levels });
         }
     }
 
@@ -429,11 +278,4 @@ impl Chip {
             }
         }
     }
-}
-
-fn by_name<'a, P: Peripheral>(
-    all: &'a mut [(&'static str, P)],
-    name: &str,
-) -> Option<&'a mut dyn Peripheral> {
-    all.iter_mut().find(|(known, _)| *known == name).map(|(_, model)| model as _)
 }

@@ -4,3 +4,4 @@ pub(crate) mod bus;
 mod joined;
 mod outside;
 mod probe;
+mod scan;
