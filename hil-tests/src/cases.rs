@@ -5,6 +5,7 @@ mod line;
 mod log;
 mod pipeline;
 mod power;
+mod sensing;
 mod upload;
 
 use crate::machine::Halt;
@@ -45,7 +46,7 @@ pub enum Failure {
 /// All cases, in the order in which they run.
 #[must_use]
 pub fn all() -> Vec<Case> {
-    [line::CASES, upload::CASES, power::CASES, crash::CASES, log::CASES, pipeline::CASES].concat()
+    [line::CASES, upload::CASES, power::CASES, crash::CASES, log::CASES, pipeline::CASES, sensing::CASES].concat()
 }
 
 /// The case fails unless this holds.

@@ -3,6 +3,7 @@
 use dermatome::{board::firmware, skin::Skin};
 use dermatome_hil::{
     board::VirtualBoard,
+    fault::{Fault, What},
     rig::{Rig, START_TIME},
 };
 use std::{error::Error, path::PathBuf, sync::Arc};
@@ -44,4 +45,15 @@ pub(crate) fn boot(
     };
     board.run(START_TIME)?;
     Ok((board, firmware))
+}
+
+/// Faults of skin and front end need both.
+pub(crate) fn check(faults: &[Fault], board: &VirtualBoard) -> Result<(), Box<dyn Error>> {
+    let outside = faults.iter().find(|fault| matches!(fault.what, What::World(_)));
+    match outside {
+        Some(fault) if board.scene().is_none() => {
+            Err(format!("`--fault`: {}, but the rig has no `[world]`", fault.what).into())
+        }
+        _ => Ok(()),
+    }
 }

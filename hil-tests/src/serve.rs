@@ -3,7 +3,7 @@
 //! Virtual time follows the clock on the wall, as far as the machine is fast enough: a board that
 //! idles takes next to nothing.
 
-use crate::common::{Firmware, boot};
+use crate::common::{Firmware, boot, check};
 use dermatome::{
     board::log::Log,
     link::{self, Link, Port},
@@ -69,6 +69,7 @@ impl Run {
             flash(&board, skin)?;
         }
         press(&board, &self.presses)?;
+        check(&self.faults, &board)?;
         println!("board         {} (emulated STM32G474RE)", self.firmware.name());
         println!("listening at  tcp:{}   (Ctrl-C stops it)", listener.local_addr()?);
         listener.set_nonblocking(true)?;

@@ -1,6 +1,6 @@
 //! `trace`: what happens on the chip, and when.
 
-use crate::common::{Firmware, boot};
+use crate::common::{Firmware, boot, check};
 use dermatome::link::{self, Link};
 use dermatome_hil::{
     chip::{time::Time, trace::Event},
@@ -37,6 +37,7 @@ impl Trace {
             }
         };
         let (board, _) = boot(&self.firmware, true, None)?;
+        check(&self.faults, &board)?;
         if let Some(patch) = patch {
             link::upload(&mut Link::connect("virtual", board.line())?, &patch, |_| ())?;
         }

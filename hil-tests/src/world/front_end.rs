@@ -15,6 +15,7 @@ use super::{
     scene::{Conditions, Scene},
 };
 use crate::chip::{
+    system_memory::{REFERENCE_VOLTS, sensor_volts},
     time::Time,
     world::{OpampSetting, World},
 };
@@ -25,10 +26,6 @@ use std::{collections::HashMap, sync::Arc};
 const SMALL_STEP: Time = Time::from_nanos(59);
 /// Drift and scripts are looked at this often.
 const LOOK: Time = Time::from_millis(1);
-/// Temperature sensor: volts at 30 degrees and per degree (DS12288, typical).
-const SENSOR: (f64, f64) = (0.76, 2.5e-3);
-/// The chip's internal reference, V (DS12288, typical).
-const INTERNAL_REFERENCE: f64 = 1.212;
 
 /// The analogue world of an emulated board.
 #[derive(Debug)]
@@ -281,8 +278,8 @@ impl World for AnalogueWorld {
         self.advance(at);
         match (adc, channel) {
             (2, 16) => self.amplified(at),
-            (1, 16) => SENSOR.0 + SENSOR.1 * (self.conditions.temperature - 30.0),
-            (1, 18) => INTERNAL_REFERENCE,
+            (1, 16) => sensor_volts(self.conditions.temperature),
+            (1, 18) => REFERENCE_VOLTS,
             _ => 0.0,
         }
     }

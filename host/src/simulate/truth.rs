@@ -152,3 +152,41 @@ fn transfer<T: Admittivity>(fields: &Fields<T>, complex: impl Fn(T) -> Complex64
     let row = |at| electrodes.clone().map(|driven| complex(fields.transfer(at, driven))).collect();
     electrodes.clone().map(row).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn square() -> Skin {
+        Skin::load(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../models/square-50mm/skin.toml")))
+            .unwrap()
+    }
+
+    #[test]
+    fn transfer_impedances_hold_the_voltages_of_every_step() {
+        let (skin, press) = (square(), Press { position: [0.005, 0.002], radius: 0.008, depth: 1.0 });
+        let truth = TrueSkin::new(&skin).unwrap();
+        let conductivity = truth.conductivity(&[press]);
+        let transfer = truth.transfer(&conductivity);
+        let steps = skin.steps();
+        for (step, voltage) in steps.iter().zip(truth.voltages(&conductivity, &steps)) {
+            let [plus, minus, high, low] = step.to_bytes().map(usize::from);
+            let driven = |at: usize| transfer[at][plus] - transfer[at][minus];
+            assert!((driven(high) - driven(low) - voltage).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn contacts_with_capacitance_turn_the_phase_of_their_own_electrode_only() {
+        let skin = square();
+        let contacts = vec![Complex64::new(25.0, -12.5); 16];
+        let truth = TrueSkin::with_contacts(&skin, &contacts, 50e3).unwrap();
+        let transfer = truth.transfer(&truth.conductivity(&[]));
+        let voltage = |at: usize, from: usize| {
+            (transfer[at][4] - transfer[at][5]) - (transfer[from][4] - transfer[from][5])
+        };
+        assert!(voltage(4, 5).im < -0.03 * voltage(4, 5).re, "{}", voltage(4, 5));
+        assert!(voltage(12, 13).im.abs() < 0.01 * voltage(12, 13).re.abs(), "{}", voltage(12, 13));
+    }
+}
