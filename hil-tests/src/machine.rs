@@ -95,6 +95,7 @@ pub struct Machine {
     state: Rc<State>,
     options: Options,
     sleeps: bool,
+    slept: Time,
     powered_up: u64,
     scene: Option<Scene>,
 }
@@ -176,7 +177,8 @@ impl Machine {
             pc: 0,
             reason: format!("{error:?}"),
         })?;
-        let mut machine = Self { unicorn, state, options, sleeps: false, powered_up: 0, scene };
+        let mut machine = Self { unicorn, state, options, sleeps: false,
+            slept: Time::ZERO, powered_up: 0, scene };
         machine.power_up()?;
         Ok(machine)
     }
@@ -185,6 +187,12 @@ impl Machine {
     #[must_use]
     pub fn now(&self) -> Time {
         self.state.now.get()
+    }
+
+    /// Time that the core has slept.
+    #[must_use]
+    pub fn slept(&self) -> Time {
+        self.slept
     }
 
     /// Instructions executed since the machine was made.
@@ -316,8 +324,10 @@ impl Machine {
     fn sleep(&mut self, deadline: Time) -> Result<(), Halt> {
         let state = self.state.clone();
         let mut chip = state.chip.borrow_mut();
+        let from = state.now.get();
         let result = chip.advance_quietly(deadline, &mut Ram(&mut self.unicorn));
-        state.now.set(chip.now.max(state.now.get()));
+        state.now.set(chip.now.max(from));
+        self.slept += state.now.get().since(from);
         result.map(drop).map_err(|misuse| self.misused(misuse))
     }
 

@@ -268,14 +268,14 @@ impl Rig {
         }
     }
 
-    /// A fresh emulated board before another skin.
+    /// A fresh emulated board before another skin, whose events are kept.
     pub fn before(&self, skin: Skin) -> Result<Self, RigError> {
         let Self::Virtual { firmware, options, .. } = self else {
             unreachable!("a case does what it did not say that it needs")
         };
         let world = options.world.as_ref().map(|world| world.with_skin(skin)).transpose();
         let world = world.map_err(|error| RigError::File { path: PathBuf::new(), reason: error.to_string() })?;
-        Ok(Self::start(firmware.clone(), Options { world: world.map(Arc::new), ..options.clone() })?)
+        Ok(Self::start(firmware.clone(), Options { world: world.map(Arc::new), keep_trace: true, ..options.clone() })?)
     }
 
     /// What the rig can do. To an emulated board anything can be done; a real one has its link, and what its

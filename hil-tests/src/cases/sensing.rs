@@ -1,35 +1,107 @@
-//! Cases of sensing: what the board measures of the skin in its world.
+//! Cases of sensing: what the board measures of the skin in its world, how fast, and what it says when
+//! something breaks.
 
+mod faults;
+mod presses;
 mod session;
+mod speed;
 
 use super::{Case, Failure, check};
 use crate::rig::{Capability, Rig};
-use dermatome_shared::{protocol::{Event, Selection}, scan::multiplexer_word};
+use dermatome_shared::{
+    drive::Drive,
+    protocol::{Event, Request, Selection},
+    scan::multiplexer_word,
+};
+use num_complex::Complex64;
 use session::Session;
 
+/// What every case of sensing needs.
+const NEEDS: &[Capability] = &[Capability::VirtualTime];
+
 pub(super) const CASES: &[Case] = &[
-    Case { name: "demodulated voltages are those of the circuit", needs: &[Capability::VirtualTime], run: voltages },
+    Case { name: "demodulated voltages are those of the circuit", needs: NEEDS, run: voltages },
+    Case { name: "signal to noise of the board's own chain", needs: NEEDS, run: signal_to_noise },
+    Case { name: "the current starts, changes and stops without a jump and without DC", needs: NEEDS, run: current },
+    Case { name: "208 measurements at 50 kHz make 150 images a second", needs: NEEDS, run: speed::measured_twice },
+    Case { name: "104 measurements at 100 kHz make 400 images a second", needs: NEEDS, run: speed::measured_once },
+    Case { name: "flash, static memory and stack stay within their limits", needs: NEEDS, run: speed::memory },
+    Case { name: "every broken electrode, line, converter and source is flagged within two frames", needs: NEEDS, run: faults::all },
+    Case { name: "a press is found where it is", needs: NEEDS, run: presses::positions },
+    Case { name: "a press held for ten minutes of drift is still reported, with its force", needs: NEEDS, run: presses::held },
 ];
 
+/// Compares what the board makes of a quiet skin with the circuit solved at the carrier's frequency.
 fn voltages(rig: &Rig) -> Result<String, Failure> {
-    let mut session = Session::open(rig, |_| ())?;
-    session.scene.noise(false);
-    session.tare(2)?;
-    let (_, drive) = session.front_end()?;
-    let current = f64::from(drive.amplitude);
-    let measured = session.voltages(3)?;
-    let steps: Vec<_> = session.patch().steps().collect();
-    let truth: Vec<_> = steps.iter().map(|step| session.scene.truth(multiplexer_word(*step)) * current).collect();
-    let full = truth.iter().map(|v| v.norm()).fold(0.0, f64::max);
-    let (mut sxy, mut sxx) = (0.0, 0.0);
-    for (m, t) in measured[0].iter().zip(&truth) { sxy += m[0] * t.re; sxx += t.re * t.re; }
-    eprintln!("scale {} full {}", sxy / sxx, full);
-    for (i, (m, t)) in measured[0].iter().zip(&truth).enumerate().take(30) {
-        eprintln!("{i} {:?} truth {:.6e} {:.6e} err {:.4} %FS imag {:.4}", m, t.re, t.im, 100.0*(m[0]-t.re)/full, 100.0*(m[1]-t.im)/full);
+    /// Largest voltage that the converter takes at gain 1, V between electrodes.
+    const FULL_SCALE: f64 = 1.65 / 19.93;
+    let mut lines = Vec::new();
+    for frequency in [12.5e3, 20e3, 50e3, 100e3, 200e3] {
+        let mut session = Session::open(rig, |skin| skin.drive.frequency = frequency)?;
+        session.scene.noise(false);
+        session.tare(2)?;
+        let current = f64::from(session.front_end()?.1.amplitude);
+        let measured = session.voltages(1)?.remove(0);
+        let truth = |word| session.scene.truth(word) * current;
+        let words = session.patch().steps().map(multiplexer_word);
+        let errors: Vec<Complex64> =
+            words.zip(&measured).map(|(word, [re, im])| Complex64::new(*re, *im) - truth(word)).collect();
+        let worst = |part: fn(&Complex64) -> f64| errors.iter().map(part).fold(0.0, f64::max) / FULL_SCALE;
+        let [real, imaginary] = [worst(|error| error.re.abs()), worst(|error| error.im.abs())];
+        lines.push(format!("{} kHz {:.3} % ({:.3} %)", frequency / 1e3, 100.0 * real, 100.0 * imaginary));
+        check(frequency > 60e3 || real <= 1e-3, || format!("off by {:.3} % of full scale", 100.0 * real))?;
     }
-    let worst = measured[0].iter().zip(&truth).map(|(m, t)| ((m[0] - t.re) / full).abs()).fold(0.0, f64::max);
+    Ok(format!("worst channel in phase (a quarter period later), of the converter's range: {}", lines.join(", ")))
+}
+
+/// Mean over standard deviation of each step, dB.
+fn signal_to_noise(rig: &Rig) -> Result<String, Failure> {
+    let mut session = Session::open(rig, |skin| skin.drive.frame_rate = 1000.0)?;
+    session.tare(2)?;
+    let frames = session.voltages(200)?;
+    let mut ratios: Vec<f64> = (0..frames[0].len())
+        .map(|step| {
+            let values = || frames.iter().map(|frame| frame[step][0]);
+            let mean = values().sum::<f64>() / frames.len() as f64;
+            let variance = values().map(|v| (v - mean).powi(2)).sum::<f64>() / (frames.len() - 1) as f64;
+            20.0 * (mean.abs() / variance.sqrt()).log10()
+        })
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    let (worst, median) = (ratios[0], ratios[ratios.len() / 2]);
+    check(median >= 64.0, || format!("median {median:.1} dB, worst channel {worst:.1} dB"))?;
+    Ok(format!("median {median:.1} dB, worst channel {worst:.1} dB of {} (50 kHz, one period)", ratios.len()))
+}
+
+/// Watches every code of the DAC through starts, changes and a stop.
+fn current(rig: &Rig) -> Result<String, Failure> {
+    let mut session = Session::open(rig, |_| ())?;
     session.stream(Selection { health: 1, ..Selection::default() })?;
-    let health = session.find(|event| match event { Event::Health { at, health, vitals, .. } => Some((at, health, vitals)), _ => None })?;
-    eprintln!("{health:?}");
-    Ok(format!("worst {:.4} %", 100.0 * worst))
+    let usual = session.front_end()?.1;
+    session.scene.take_drive_record();
+    let mut worst = (0.0_f64, 0.0_f64);
+    for (frequency, amplitude) in [(12.5e3, 1e-3), (200e3, 0.5e-3), (20e3, 1e-4), (50e3, 1e-3), (100e3, 0.9e-3)] {
+        let drive = Drive { frequency, amplitude, ..usual };
+        session.link.request(&Request::Drive(Some(drive)))?;
+        session.find(|event| matches!(event, Event::Health { .. }).then_some(()))?;
+        session.find(|event| matches!(event, Event::Health { .. }).then_some(()))?;
+        let record = session.scene.take_drive_record();
+        let crest = 1738.0 * f64::from(amplitude) / 1e-3;
+        let words = 1e6 / f64::from(frequency);
+        // Both this drive and the one before have put out codes: what a cosine does from word to word, and
+        // one step of a rise.
+        let cosine = 2.0 * 1738.0 * (std::f64::consts::PI / words.min(5.0)).sin();
+        let jump = f64::from(record.largest_step) / (cosine + 1738.0 / 8.0);
+        let dc = record.sum as f64 / record.codes as f64 / crest;
+        worst = (worst.0.max(jump), worst.1.max(dc.abs()));
+    }
+    check(worst.0 <= 1.0, || format!("a step is {:.2} times what a cosine and a rise do", worst.0))?;
+    check(worst.1 <= 2e-3, || format!("{:.3} % of the crest is DC", 100.0 * worst.1))?;
+    session.stream(Selection::default())?;
+    session.run(crate::chip::time::Time::from_millis(20))?;
+    session.scene.take_drive_record();
+    session.run(crate::chip::time::Time::from_millis(100))?;
+    let idle = session.scene.take_drive_record();
+    check(idle.codes == 0, || format!("{} codes while nothing is asked for", idle.codes))?;
+    Ok(format!("largest step {:.2} of a cosine's, DC {:.3} % of the crest, off when idle", worst.0, 100.0 * worst.1))
 }

@@ -111,6 +111,31 @@ struct Shared {
     version: AtomicU64,
     state: Mutex<State>,
     network: Mutex<Option<(u64, Arc<Network>)>>,
+    drive: Mutex<DriveRecord>,
+}
+
+/// What the DAC has put out since this was asked last.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DriveRecord {
+    /// Codes.
+    pub codes: u64,
+    /// Sum of codes less 2048, half the range.
+    pub sum: i64,
+    /// Largest way from one code to the next.
+    pub largest_step: u16,
+    /// Farthest from half the range.
+    pub largest: u16,
+    last: Option<u16>,
+}
+
+impl DriveRecord {
+    fn add(&mut self, code: u16) {
+        let step = code.abs_diff(self.last.replace(code).unwrap_or(code));
+        self.codes += 1;
+        self.sum += i64::from(code) - 2048;
+        self.largest_step = self.largest_step.max(step);
+        self.largest = self.largest.max(code.abs_diff(2048));
+    }
 }
 
 #[derive(Debug)]
@@ -166,7 +191,7 @@ impl Scene {
             now: Time::ZERO,
         };
         let (version, state) = (AtomicU64::new(1), Mutex::new(state));
-        Self(Arc::new(Shared { setup, version, state, network: Mutex::default() }))
+        Self(Arc::new(Shared { setup, version, state, network: Mutex::default(), drive: Mutex::default() }))
     }
 
     /// What it is made of.
@@ -270,6 +295,19 @@ impl Scene {
     pub fn expected(&self, word: u16, gain: f64, carrier: &Carrier) -> Complex64 {
         let word = stuck(word, &self.conditions().faults);
         demodulated(&self.network(), &self.0.setup.analogue, word, gain, carrier)
+    }
+
+    /// What the DAC has put out since this was asked last.
+    #[must_use]
+    pub fn take_drive_record(&self) -> DriveRecord {
+        let mut record = self.0.drive.lock().unwrap_or_else(PoisonError::into_inner);
+        let last = record.last;
+        std::mem::replace(&mut *record, DriveRecord { last, ..DriveRecord::default() })
+    }
+
+    /// The DAC puts out a code.
+    pub(super) fn record(&self, code: u16) {
+        self.0.drive.lock().unwrap_or_else(PoisonError::into_inner).add(code);
     }
 
     /// Counts changes; a world that has seen this number is up to date.

@@ -127,6 +127,12 @@ impl Session {
             .collect()
     }
 
+    /// When the board's own clock began, s of virtual time; right to a millisecond.
+    pub(super) fn started(&mut self) -> Result<f64, Failure> {
+        let uptime = self.link.info()?.uptime_ms as f64 * 1e-3;
+        Ok(self.board.with(|machine| machine.now()).seconds() - uptime - 1e-3)
+    }
+
     /// No event is lost.
     pub(super) fn check_complete(&self) -> Result<(), Failure> {
         check(self.link.events_lost() == 0, || format!("{} events are lost", self.link.events_lost()))

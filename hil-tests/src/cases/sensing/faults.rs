@@ -1,0 +1,96 @@
+//! Faults of electrodes, multiplexers, current and converter: what the board says of them, and how soon.
+
+use super::{super::Failure, check, session::Session};
+use crate::{chip::time::Time, rig::Rig, world::Fault};
+use dermatome_shared::{
+    frame::FrameFlags,
+    health::Health,
+    protocol::{Event, FrameStamp, Selection},
+};
+
+/// Frames within which a fault has to be flagged.
+const FRAMES: f64 = 2.0;
+/// Flags that say that something is broken.
+const BROKEN: FrameFlags = FrameFlags(
+    FrameFlags::SATURATED.0
+        | FrameFlags::OPEN_ELECTRODE.0
+        | FrameFlags::SHORTED_ELECTRODE.0
+        | FrameFlags::NO_CURRENT.0
+        | FrameFlags::NOT_RECIPROCAL.0
+        | FrameFlags::IMPLAUSIBLE.0,
+);
+
+pub(super) fn all(rig: &Rig) -> Result<String, Failure> {
+    let mut session = Session::open(rig, |skin| skin.drive.frame_rate = 10_000.0)?;
+    session.tare(20)?;
+    session.stream(Selection { health: 1, ..Selection::default() })?;
+    let [first, second] = [report(&mut session)?.0, report(&mut session)?.0];
+    let period = (second.timestamp_us - first.timestamp_us) as f64 * 1e-6;
+    let (mut slowest, mut missed) = (0.0_f64, Vec::new());
+    let faults = every();
+    for &fault in &faults {
+        match flagged(&mut session, fault, period)? {
+            Some(frames) => slowest = slowest.max(frames),
+            None => missed.push(fault.to_string()),
+        }
+    }
+    let count = faults.len();
+    check(missed.is_empty(), || format!("{} of {count} are missed: {}", missed.len(), missed.join(", ")))?;
+    Ok(format!(
+        "{count} faults: 16 open, 16 shorted, 32 stuck lines, no current, saturated; the slowest flagged after \
+         {slowest:.2} frames"
+    ))
+}
+
+fn every() -> Vec<Fault> {
+    let open = (0..16).map(Fault::ElectrodeOpen);
+    let shorted = (0..16).map(|electrode| Fault::PairShorted(electrode, (electrode + 1) % 16));
+    let stuck = (0..16).flat_map(|line| [false, true].map(|high| Fault::LineStuck { line, high }));
+    open.chain(shorted).chain(stuck).chain([Fault::DacDead, Fault::AdcSaturated]).collect()
+}
+
+/// Frames that it takes until the fault is flagged, and rightly named; none if it is not in time. Mends it.
+fn flagged(session: &mut Session, fault: Fault, period: f64) -> Result<Option<f64>, Failure> {
+    // Anywhere in a frame.
+    session.run(Time::from_micros(fault_phase(fault)))?;
+    session.scene.inject(fault).map_err(|error| Failure::Wrong(error.to_string()))?;
+    let broken = session.board.with(|machine| machine.now()).seconds() - session.started()?;
+    let mut found = None;
+    for _ in 0..6 {
+        let (at, health) = report(session)?;
+        let frames = (at.timestamp_us as f64 * 1e-6 - broken) / period;
+        if found.is_none() && frames > 0.0 && frames <= FRAMES + 0.3 && says(&health, at.flags, fault) {
+            found = Some(frames);
+        }
+    }
+    session.scene.mend();
+    for _ in 0..12 {
+        if !report(session)?.0.flags.intersects(BROKEN) {
+            return Ok(found);
+        }
+    }
+    Err(Failure::Wrong(format!("after `{fault}` is mended, frames stay flagged")))
+}
+
+/// Some time within a frame, another for each fault.
+fn fault_phase(fault: Fault) -> u64 {
+    let number = every().iter().position(|&known| known == fault).unwrap_or(0);
+    (number as u64 * 997) % 5600
+}
+
+fn says(health: &Health, flags: FrameFlags, fault: Fault) -> bool {
+    match fault {
+        Fault::ElectrodeOpen(electrode) => health.open.contains(electrode as u8),
+        Fault::PairShorted(a, b) => health.shorted.contains(a as u8) && health.shorted.contains(b as u8),
+        Fault::DacDead => flags.contains(FrameFlags::NO_CURRENT),
+        Fault::AdcSaturated => flags.contains(FrameFlags::SATURATED),
+        Fault::LineStuck { .. } | Fault::BadContact { .. } => flags.intersects(BROKEN),
+    }
+}
+
+fn report(session: &mut Session) -> Result<(FrameStamp, Health), Failure> {
+    session.find(|event| match event {
+        Event::Health { at, health, .. } => Some((at, health)),
+        _ => None,
+    })
+}

@@ -1,0 +1,138 @@
+//! How fast the board is, and what it takes of the chip. All in virtual time: instructions are counted, and
+//! each takes the rig's cycles.
+
+use super::{super::Failure, check, session::Session};
+use crate::{
+    chip::{time::Time, trace::Event as TraceEvent},
+    rig::Rig,
+};
+use dermatome::{simulate::Press, skin::Reciprocal};
+use dermatome_shared::protocol::{BoardPacket, Event, Selection, decode};
+
+/// Contacts alone, as robots take them.
+const CONTACTS: Selection = Selection { images: 0, contacts: 1, measurements: 0, health: 0, scope: 0, scope_slot: 0 };
+/// A press, so that there is a contact to find.
+const PRESS: Press = Press { position: [0.03, 0.02], radius: 0.025, depth: 0.6 };
+/// Settling of both patterns, s.
+const SETTLING: f64 = 10e-6;
+/// Flash, and static memory with the stack, that the firmware may take.
+const LIMIT: usize = 96 * 1024;
+const RAM: usize = 128 * 1024;
+
+pub(super) fn measured_twice(rig: &Rig) -> Result<String, Failure> {
+    // 10 us would be half a period; a quarter is enough for what the carrier settles to.
+    measure(rig, Reciprocal::Combined, 50e3, SETTLING / 2.0, 150.0)
+}
+
+pub(super) fn measured_once(rig: &Rig) -> Result<String, Failure> {
+    measure(rig, Reciprocal::Once, 100e3, SETTLING, 400.0)
+}
+
+fn measure(
+    rig: &Rig,
+    reciprocal: Reciprocal,
+    frequency: f64,
+    settling: f64,
+    least: f64,
+) -> Result<String, Failure> {
+    let mut session = Session::open(rig, |skin| {
+        skin.drive.reciprocal = reciprocal;
+        skin.drive.frequency = frequency;
+        skin.drive.settling = settling * frequency;
+        skin.drive.frame_rate = 10_000.0;
+    })?;
+    session.tare(20)?;
+    session.scene.press(&[PRESS]);
+    session.stream(CONTACTS)?;
+    let first = session.stamps(40)?;
+    let before = session.board.with(|machine| (machine.now(), machine.slept()));
+    session.board.with(|machine| machine.chip(|chip| drop(chip.trace.take())));
+    let stamps = session.stamps(200)?;
+    let after = session.board.with(|machine| (machine.now(), machine.slept()));
+    session.check_complete()?;
+    let (start, end) = (first[first.len() - 1], stamps[stamps.len() - 1]);
+    let frames = end.sequence - start.sequence;
+    let rate = f64::from(frames) / ((end.timestamp_us - start.timestamp_us) as f64 * 1e-6);
+    check(rate >= least, || format!("{rate:.1} frames a second"))?;
+    let load = 1.0 - after.1.since(before.1).seconds() / after.0.since(before.0).seconds();
+    check(load <= 0.6 || least < 400.0, || format!("the CPU works {:.0} % of the time", 100.0 * load))?;
+    let latency = latency(&mut session)?;
+    check(latency <= 1.5e-3, || format!("{:.2} ms from the last sample to the contacts", 1e3 * latency))?;
+    let pixels = session.patch().header.pixels;
+    Ok(format!(
+        "{rate:.1} frames a second with {pixels} pixels and contacts, CPU load {:.1} %, last sample to contacts at \
+         most {:.2} ms",
+        100.0 * load,
+        1e3 * latency
+    ))
+}
+
+/// Longest time from the last sample of a frame to the first byte of its contacts on the line.
+fn latency(session: &mut Session) -> Result<f64, Failure> {
+    let events = session.board.with(|machine| machine.chip(|chip| chip.trace.take()));
+    let drive = &session.skin.drive;
+    let slot = (drive.settling + f64::from(drive.integration)) / drive.frequency;
+    // The word of the last slot goes to the multiplexers when that slot begins.
+    let ends: Vec<f64> = events
+        .iter()
+        .filter(|(_, event)| *event == TraceEvent::DmaComplete { controller: 1, channel: 4 })
+        .map(|(time, _)| time.seconds() + slot)
+        .collect();
+    let started = session.started()?;
+    let mut longest: f64 = 0.0;
+    for (sent, timestamp_us) in contact_packets(&events) {
+        let taken = timestamp_us as f64 * 1e-6 + started;
+        let near = |end: &&f64| (**end - taken).abs();
+        let Some(end) = ends.iter().min_by(|a, b| near(a).total_cmp(&near(b))) else { continue };
+        longest = longest.max(sent.seconds() - end);
+    }
+    check(longest > 0.0, || "no contacts were sent".to_owned())?;
+    Ok(longest)
+}
+
+/// When the first byte of each contacts packet left, and the time stamp in it.
+fn contact_packets(events: &[(Time, TraceEvent)]) -> Vec<(Time, u64)> {
+    let mut packets = Vec::new();
+    let mut bytes: Vec<(Time, u8)> = Vec::new();
+    for &(time, event) in events {
+        let TraceEvent::Sent(byte) = event else { continue };
+        if byte != 0 {
+            bytes.push((time, byte));
+            continue;
+        }
+        let mut packet: Vec<u8> = bytes.iter().map(|&(_, byte)| byte).collect();
+        let contacts = match decode::<BoardPacket>(&mut packet) {
+            Ok(BoardPacket::Event { event: Event::Contacts { at, .. }, .. }) => Some(at.timestamp_us),
+            _ => None,
+        };
+        packets.extend(bytes.first().zip(contacts).map(|(&(time, _), timestamp)| (time, timestamp)));
+        bytes.clear();
+    }
+    packets
+}
+
+/// Uses everything once, and looks at what is left.
+pub(super) fn memory(rig: &Rig) -> Result<String, Failure> {
+    let Rig::Virtual { firmware, .. } = rig else { unreachable!("the case needs an emulated board") };
+    let mut session = Session::open(rig, |_| ())?;
+    session.tare(20)?;
+    session.scene.press(&[PRESS]);
+    let all = Selection { images: 1, contacts: 1, measurements: 1, health: 1, scope: 1, scope_slot: 3 };
+    session.stream(all)?;
+    session.stamps(50)?;
+    let free = session.find(|event| match event {
+        Event::Health { vitals, .. } => Some(vitals.free_stack as usize),
+        _ => None,
+    })?;
+    let start = firmware.symbol("_stack_end").unwrap_or_default() as usize - 0x2000_0000;
+    let (flash, stack) = (firmware.size(), RAM - start);
+    let used = RAM - free;
+    check(flash <= LIMIT, || format!("{flash} bytes of flash"))?;
+    check(used <= LIMIT, || format!("{used} bytes of memory, {start} of them static"))?;
+    check(free * 4 >= stack, || format!("{free} of {stack} bytes of stack are free"))?;
+    Ok(format!(
+        "flash {flash} bytes; static {start} and stack {} of {stack} bytes, {:.0} % of it free; limit {LIMIT} each",
+        stack - free,
+        100.0 * free as f64 / stack as f64
+    ))
+}
