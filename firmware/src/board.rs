@@ -7,8 +7,22 @@
 //! | link          | LPUART1                     | the debug adapter's virtual COM port           |
 //! | link, pins    | PA2 sends, PA3 receives     | wired to the debug adapter on the NUCLEO board |
 //! | link, DMA     | DMA1 channels 1 and 2       | any channel can serve any request on this chip |
+//! | base of time  | TIM4                        | its trigger output reaches ADC2 and the timers |
+//! | waveform      | TIM2, DAC1 channel 1 on PA4 | TIM2 counts TIM4, and triggers DAC1            |
+//! | slots         | TIM3                        | counts TIM4, and asks the DMA twice in a slot  |
+//! | multiplexers  | PB0 to PB15                 | one port: I+, I-, V+, V-, four bits each       |
+//! | their enable  | PC6, TIM3 channel 1         | off around a switch, for parts that need it    |
+//! | amplifier     | OPAMP2, PA7 in, PA5 bias    | its output goes to ADC2 inside the chip        |
+//! | converter     | ADC2, channel 16            | 2 megasamples of 12 bits                       |
+//! | temperature   | ADC1                        | has the chip's sensor                          |
+//! | sensing, DMA  | DMA1 channels 3 to 6        | waveform, multiplexers, amplifier, converter   |
+//! | acquisition   | interrupt of the FMAC       | nothing else uses it; see `tasks::acquire`     |
 //! | patch slots   | flash from 128 KiB on       | the firmware has the part before, see memory.x |
 //! | watchdog      | IWDG                        | its clock is its own                           |
+
+mod sensing;
+
+pub use sensing::*;
 
 use dermatome_shared::restart::ResetCauses;
 use embassy_stm32::{Config, Peri, bind_interrupts, dma, pac, peripherals, rcc, usart};
@@ -24,6 +38,9 @@ pub const ELECTRODES: u8 = 16;
 /// so the debug adapter is the slower of the two. The HSI adds up to 1 %, which 8 bits without
 /// parity tolerate.
 pub const LINK_BAUD: u32 = 2_000_000;
+
+/// Clock of the core, in cycles per microsecond.
+pub const CYCLES_PER_MICROSECOND: f32 = 170.0;
 
 /// Where the first patch slot starts, bytes from the start of the flash; the second one follows.
 pub const SLOTS_OFFSET: usize = 128 * 1024;
@@ -46,16 +63,26 @@ bind_interrupts!(
     LPUART1 => usart::InterruptHandler<LinkUart>;
     DMA1_CHANNEL1 => dma::InterruptHandler<LinkTxDma>;
     DMA1_CHANNEL2 => dma::InterruptHandler<LinkRxDma>;
+    DMA1_CHANNEL3 => dma::InterruptHandler<peripherals::DMA1_CH3>;
+    DMA1_CHANNEL4 => dma::InterruptHandler<peripherals::DMA1_CH4>;
+    DMA1_CHANNEL5 => dma::InterruptHandler<peripherals::DMA1_CH5>;
+    DMA1_CHANNEL6 => dma::InterruptHandler<peripherals::DMA1_CH6>;
 });
 
 /// The board's hardware, for the tasks to take.
 pub struct Board {
     /// What the link is made of.
     pub link: LinkParts,
+    /// What the front end is made of.
+    pub sensing: SensingParts,
+    /// Converter that has the chip's temperature sensor.
+    pub thermometer: Peri<'static, peripherals::ADC1>,
     /// The chip's flash.
     pub flash: Peri<'static, peripherals::FLASH>,
     /// The watchdog.
     pub watchdog: Peri<'static, peripherals::IWDG>,
+    /// The core's own peripherals.
+    pub core: cortex_m::Peripherals,
     /// Why the chip started.
     pub reset_causes: ResetCauses,
 }
@@ -89,8 +116,25 @@ pub fn start() -> Board {
             tx_dma: chip.DMA1_CH1,
             rx_dma: chip.DMA1_CH2,
         },
+        sensing: SensingParts {
+            dac: chip.DAC1,
+            dac_pin: chip.PA4,
+            dac_dma: chip.DMA1_CH3,
+            sample_timer: chip.TIM4,
+            wave_timer: chip.TIM2,
+            slot_timer: chip.TIM3,
+            word_dma: chip.DMA1_CH4,
+            enable_pin: chip.PC6,
+            gain_dma: chip.DMA1_CH5,
+            amplifier_pin: chip.PA7,
+            bias_pin: chip.PA5,
+            converter: chip.ADC2,
+            converter_dma: chip.DMA1_CH6,
+        },
+        thermometer: chip.ADC1,
         flash: chip.FLASH,
         watchdog: chip.IWDG,
+        core: cortex_m::Peripherals::take().expect("the board starts once"),
         reset_causes: take_reset_causes(),
     }
 }
@@ -120,6 +164,7 @@ fn clocks() -> rcc::Config {
         divr: Some(rcc::PllRDiv::DIV2),
     });
     clocks.sys = rcc::Sysclk::PLL1_R;
+    clocks.mux.adc12sel = rcc::mux::Adcsel::SYS;
     // The chip allows more than 150 MHz only with its core voltage boosted.
     clocks.boost = true;
     clocks

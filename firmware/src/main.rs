@@ -1,8 +1,9 @@
 //! Firmware of Dermatome's sensor board: wiring, and nothing that `dermatome-shared` could hold.
 //!
 //! The library of this package names the hardware and drives it; `tasks` join it to the shared
-//! `Device`. Three tasks share one executor: the link answers requests and sends events, the frames
-//! come from a task of their own, and the health task feeds the watchdog as long as all of them yield.
+//! `Device`. Acquisition has an executor of its own, in an interrupt: it turns samples into frames
+//! whatever else goes on. The other three share one: the frames task computes images and contacts, the
+//! link answers requests and sends events, and the health task feeds the watchdog as long as both yield.
 #![no_std]
 #![no_main]
 
@@ -10,7 +11,10 @@ mod tasks;
 
 use defmt::{Debug2Format, info};
 use defmt_rtt as _;
-use dermatome_firmware::{board, drivers};
+use dermatome_firmware::{
+    board,
+    drivers::{self, vitals::VitalSigns},
+};
 use dermatome_shared::restart::Restart;
 use embassy_executor::Spawner;
 
@@ -20,8 +24,10 @@ async fn main(spawner: Spawner) {
     let started_after = Restart::new(board.reset_causes, drivers::crash::take_message());
     info!("{} firmware {}", board::NAME, env!("CARGO_PKG_VERSION"));
     info!("started after {}", Debug2Format(&started_after));
-    spawner.spawn(tasks::health::run(board.watchdog).expect("spawned once"));
     let state = tasks::State::take(board.flash, started_after);
-    spawner.spawn(tasks::frames::run(state).expect("spawned once"));
+    let signs = VitalSigns::new(board.thermometer, board.core.DCB, board.core.DWT);
+    spawner.spawn(tasks::health::run(board.watchdog, signs, state).expect("spawned once"));
+    let (orders, frames) = tasks::acquire::start(board.sensing);
+    spawner.spawn(tasks::frames::run(state, orders, frames).expect("spawned once"));
     spawner.spawn(tasks::link::run(board.link, state).expect("spawned once"));
 }

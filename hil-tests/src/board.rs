@@ -6,6 +6,7 @@
 use crate::{
     chip::{flash::Flash, time::Time, usart::Symbol},
     machine::{Halt, Machine, Options},
+    world::Scene,
 };
 use dermatome::link::Transport;
 use std::{
@@ -69,6 +70,12 @@ impl VirtualBoard {
     #[must_use]
     pub fn line(&self) -> Line {
         Line { board: self.clone() }
+    }
+
+    /// The skin and the front end before it, if its rig has them.
+    #[must_use]
+    pub fn scene(&self) -> Option<Scene> {
+        self.with(|machine| machine.scene().cloned())
     }
 
     /// Why the board stopped, if it has.

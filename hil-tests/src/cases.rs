@@ -2,6 +2,7 @@
 
 mod crash;
 mod line;
+mod log;
 mod pipeline;
 mod power;
 mod upload;
@@ -44,7 +45,7 @@ pub enum Failure {
 /// All cases, in the order in which they run.
 #[must_use]
 pub fn all() -> Vec<Case> {
-    [line::CASES, upload::CASES, power::CASES, crash::CASES, pipeline::CASES].concat()
+    [line::CASES, upload::CASES, power::CASES, crash::CASES, log::CASES, pipeline::CASES].concat()
 }
 
 /// The case fails unless this holds.

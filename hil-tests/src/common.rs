@@ -1,10 +1,11 @@
 //! What `run` and `trace` have in common: which firmware, and a board with it.
 
+use dermatome::{board::firmware, skin::Skin};
 use dermatome_hil::{
     board::VirtualBoard,
     rig::{Rig, START_TIME},
 };
-use std::{error::Error, path::PathBuf};
+use std::{error::Error, path::PathBuf, sync::Arc};
 
 /// Which firmware on which emulated board.
 #[derive(clap::Args)]
@@ -23,13 +24,24 @@ impl Firmware {
     }
 }
 
-/// A board that has started.
-pub(crate) fn boot(firmware: &Firmware, keep_trace: bool) -> Result<VirtualBoard, Box<dyn Error>> {
-    let Rig::Virtual { image, mut options, .. } = Rig::open(&firmware.rig, firmware.elf.as_deref())? else {
+/// A board that has started, and its firmware; `skin` takes the place of the one that the rig's board
+/// measures.
+pub(crate) fn boot(
+    firmware: &Firmware,
+    keep_trace: bool,
+    skin: Option<Skin>,
+) -> Result<(VirtualBoard, Arc<firmware::Firmware>), Box<dyn Error>> {
+    let Rig::Virtual { firmware: elf, mut options, .. } = Rig::open(&firmware.rig, firmware.elf.as_deref())?
+    else {
         return Err(format!("rig `{}` is a real board; it needs no emulator", firmware.rig.display()).into());
     };
     options.keep_trace = keep_trace;
-    let board = VirtualBoard::start(image.flash(), options)?;
+    if let (Some(world), Some(skin)) = (&mut options.world, skin) {
+        *world = world.with_skin(skin)?.into();
+    }
+    let Rig::Virtual { board, firmware, .. } = Rig::start(elf, options)? else {
+        unreachable!("it was emulated")
+    };
     board.run(START_TIME)?;
-    Ok(board)
+    Ok((board, firmware))
 }

@@ -5,6 +5,7 @@
 use crate::{
     chip::time::Time,
     machine::{Halt, Machine},
+    world,
 };
 use std::{fmt, str::FromStr};
 
@@ -41,13 +42,17 @@ pub enum What {
     Hang,
     /// The CPU meets a bus error.
     BusError,
+    /// Something breaks before the chip.
+    World(world::Fault),
 }
 
 /// Why a text is no fault.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{text}` is no fault: {reason} (allowed are power@TIME, power@op:N, flip@TIME:0xADDRESS.BIT, \
-     noise@TIME:BYTES, stuck@TIME, hang@TIME, crash@TIME; TIME is like 20ms or 1.5s)"
+     noise@TIME:BYTES, stuck@TIME, hang@TIME, crash@TIME; and, from the start or with @TIME behind them, \
+     open:ELECTRODE, short:ELECTRODE-ELECTRODE, contact:ELECTRODE+OHMS, mux:LINE=LEVEL, dac, saturate; TIME is \
+     like 20ms or 1.5s, electrodes are 1 to 16, lines 0 to 15)"
 )]
 pub struct FaultError {
     text: String,
@@ -63,6 +68,9 @@ impl FromStr for Fault {
 }
 
 fn parse(text: &str) -> Result<Fault, String> {
+    if let Some(fault) = before_the_chip(text)? {
+        return Ok(fault);
+    }
     let (what, rest) = text.split_once('@').ok_or("it has no `@`")?;
     if let Some(number) = rest.strip_prefix("op:") {
         let number = number.parse().map_err(|_| format!("`{number}` is no number"))?;
@@ -82,10 +90,56 @@ fn parse(text: &str) -> Result<Fault, String> {
             What::Noise(bytes.parse().map_err(|_| format!("`{bytes}` is no number of bytes"))?)
         }
         ("flip", Some(place)) => flip(place)?,
-        ("open", _) => return Err("an electrode can come off once the firmware measures".to_owned()),
         _ => return Err(format!("`{what}` is unknown, or lacks or has too much behind its time")),
     };
     Ok(Fault { when: When::Time(parse_time(time)?), what })
+}
+
+/// A fault of skin or front end; `None` if the text begins like none.
+fn before_the_chip(text: &str) -> Result<Option<Fault>, String> {
+    let (what, time) = text.split_once('@').map_or((text, None), |(what, time)| (what, Some(time)));
+    let (kind, place) = what.split_once(':').map_or((what, ""), |(kind, place)| (kind, place));
+    let fault = match kind {
+        "open" => world::Fault::ElectrodeOpen(electrode(place)?),
+        "short" => {
+            let (a, b) = place.split_once('-').ok_or_else(|| format!("`{place}` is no pair like 3-4"))?;
+            let (a, b) = (electrode(a)?, electrode(b)?);
+            if a == b {
+                return Err("a pair is two different electrodes".to_owned());
+            }
+            world::Fault::PairShorted(a, b)
+        }
+        "contact" => {
+            let (which, ohms) =
+                place.split_once('+').ok_or_else(|| format!("`{place}` is not like 3+500"))?;
+            let ohms = ohms.parse().map_err(|_| format!("`{ohms}` is no whole number of ohms"))?;
+            world::Fault::BadContact { electrode: electrode(which)?, ohms }
+        }
+        "mux" => line(place)?,
+        "dac" if place.is_empty() => world::Fault::DacDead,
+        "saturate" if place.is_empty() => world::Fault::AdcSaturated,
+        _ => return Ok(None),
+    };
+    let time = time.map_or(Ok(Time::ZERO), parse_time)?;
+    Ok(Some(Fault { when: When::Time(time), what: What::World(fault) }))
+}
+
+/// An electrode as people count them, from 1.
+fn electrode(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|number| (1..=16).contains(number));
+    number.map(|number: usize| number - 1).ok_or_else(|| format!("`{text}` is no electrode from 1 to 16"))
+}
+
+fn line(text: &str) -> Result<world::Fault, String> {
+    let (number, level) = text.split_once('=').unwrap_or((text, "0"));
+    let line = number.parse().ok().filter(|&line| line < world::fault::LINES);
+    let line = line.ok_or_else(|| format!("`{number}` is no address line from 0 to 15"))?;
+    let high = match level {
+        "0" => false,
+        "1" => true,
+        _ => return Err(format!("`{level}` is no level, 0 or 1")),
+    };
+    Ok(world::Fault::LineStuck { line, high })
 }
 
 fn flip(place: &str) -> Result<What, String> {
@@ -130,6 +184,7 @@ impl fmt::Display for What {
             Self::Stuck => formatter.write_str("the flash stays busy for ever"),
             Self::Hang => formatter.write_str("the CPU runs in circles"),
             Self::BusError => formatter.write_str("the CPU meets a bus error"),
+            Self::World(fault) => fault.fmt(formatter),
         }
     }
 }
@@ -191,6 +246,11 @@ impl What {
             Self::Stuck => machine.chip(|chip| chip.flash.stick()),
             Self::Hang => machine.hang(),
             Self::BusError => machine.inject_fault(),
+            Self::World(fault) => {
+                if let Some(scene) = machine.scene() {
+                    scene.inject(fault).expect("only faults that can be are read");
+                }
+            }
         }
         Ok(())
     }
@@ -208,6 +268,18 @@ mod tests {
         assert_eq!(read("power@op:37"), Fault { when: When::FlashOperation(37), what: What::Power });
         assert_eq!(read("flip@20ms:0x20000100.3"), Fault { when: at(20), what: What::Flip(0x2000_0100, 3) });
         assert_eq!(read("noise@2ms:40"), Fault { when: at(2), what: What::Noise(40) });
+        for (text, millis, fault) in [
+            ("open:3@2ms", 2, world::Fault::ElectrodeOpen(2)),
+            ("open:16", 0, world::Fault::ElectrodeOpen(15)),
+            ("short:3-4@1s", 1000, world::Fault::PairShorted(2, 3)),
+            ("contact:1+500", 0, world::Fault::BadContact { electrode: 0, ohms: 500 }),
+            ("mux:11=1@5ms", 5, world::Fault::LineStuck { line: 11, high: true }),
+            ("mux:0", 0, world::Fault::LineStuck { line: 0, high: false }),
+            ("dac@1ms", 1, world::Fault::DacDead),
+            ("saturate", 0, world::Fault::AdcSaturated),
+        ] {
+            assert_eq!(read(text), Fault { when: at(millis), what: What::World(fault) }, "{text}");
+        }
     }
 
     #[test]
@@ -219,7 +291,16 @@ mod tests {
             ("flip@1s:0x08000000.1", "not in RAM"),
             ("flip@1s:0x20000000.9", "not like"),
             ("boom@1s", "unknown"),
-            ("open@1s:3", "once the firmware measures"),
+            ("open@1s:3", "no electrode"),
+            ("open:0", "from 1 to 16"),
+            ("open:17", "from 1 to 16"),
+            ("open:3@5", "lacks its unit"),
+            ("short:3", "no pair"),
+            ("short:3-3", "different"),
+            ("contact:3+x", "whole number"),
+            ("mux:16", "from 0 to 15"),
+            ("mux:3=2", "no level"),
+            ("dac:1", "no `@`"),
             ("power@-1s", "not between"),
         ] {
             let error = text.parse::<Fault>().unwrap_err().to_string();

@@ -1,15 +1,17 @@
 //! Runs the firmware against a rig, which is an emulated board or a real one.
 //!
 //! [`chip`] is an STM32G474 without its CPU, one file for each peripheral; [`machine`] adds the CPU and
-//! virtual time. The firmware's ELF ([`elf`]) runs on it byte for byte. [`board`] is such a machine with
-//! a link; [`rig`] puts it, or a real board, behind one interface; [`cases`] are what runs
-//! against that. [`fault`] is what can go wrong on purpose, [`waves`] shows what happened.
+//! virtual time. The firmware's ELF runs on it byte for byte. [`board`] is such a machine with
+//! a link; [`rig`] puts it, or a real board with its debug [`probe`], behind one interface; [`cases`] are what
+//! runs against that. [`world`] is the analogue circuit and the skin that an emulated board measures.
+//! [`fault`] is what can go wrong on purpose, [`waves`] shows what happened.
 
 pub mod board;
 pub mod cases;
 pub mod chip;
-pub mod elf;
 pub mod fault;
 pub mod machine;
+pub mod probe;
 pub mod rig;
 pub mod waves;
+pub mod world;

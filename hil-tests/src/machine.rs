@@ -10,14 +10,17 @@
 
 mod cpu;
 
-use crate::chip::{
-    Chip, Memory, RAM_BYTES, RAM_START,
-    core::FaultCause,
-    flash::{self, Flash},
-    misuse::Misuse,
-    rcc::ResetCause,
-    time::Time,
-    trace::Event,
+use crate::{
+    chip::{
+        Chip, Memory, RAM_BYTES, RAM_START,
+        core::FaultCause,
+        flash::{self, Flash},
+        misuse::Misuse,
+        rcc::ResetCause,
+        time::Time,
+        trace::Event,
+    },
+    world::{AnalogueWorld, Scene, Setup},
 };
 use rand::{RngCore, SeedableRng};
 use rand_pcg::Pcg64;
@@ -25,6 +28,7 @@ use std::{
     cell::{Cell, RefCell},
     collections::HashMap,
     rc::Rc,
+    sync::Arc,
 };
 use unicorn_engine::{HookType, RegisterARM, Unicorn, uc_error};
 
@@ -42,11 +46,13 @@ pub struct Options {
     pub seed: u64,
     /// Whether events are kept, and not only hashed.
     pub keep_trace: bool,
+    /// What the chip measures, if anything.
+    pub world: Option<Arc<Setup>>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { cycles_per_instruction: (3, 2), wire_baud: 2_000_000, seed: 1, keep_trace: false }
+        Self { cycles_per_instruction: (3, 2), wire_baud: 2_000_000, seed: 1, keep_trace: false, world: None }
     }
 }
 
@@ -90,6 +96,7 @@ pub struct Machine {
     options: Options,
     sleeps: bool,
     powered_up: u64,
+    scene: Option<Scene>,
 }
 
 /// What the hooks share with the machine.
@@ -98,7 +105,10 @@ struct State {
     now: Cell<Time>,
     instructions: Cell<u64>,
     instruction_time: Cell<Time>,
+    /// An event is due then; zero where the core is to stop whatever happens.
     stop_at: Cell<Time>,
+    /// The core is to stop then.
+    deadline: Cell<Time>,
     /// Stop as soon as PRIMASK or BASEPRI are no longer these.
     masks: Cell<Option<(u64, u64)>>,
     /// Code in this range stands still until then.
@@ -156,13 +166,17 @@ impl Machine {
     pub fn new(flash: Flash, options: Options) -> Result<Self, Halt> {
         let mut chip = Chip::new(options.wire_baud, options.keep_trace);
         chip.flash = flash;
+        let scene = options.world.clone().map(Scene::new);
+        if let Some(scene) = &scene {
+            chip.connect(Box::new(AnalogueWorld::new(scene.clone())));
+        }
         let state = Rc::new(State::new(chip));
         let unicorn = cpu::build(&state).map_err(|error| Halt::Unicorn {
             time: Time::ZERO,
             pc: 0,
             reason: format!("{error:?}"),
         })?;
-        let mut machine = Self { unicorn, state, options, sleeps: false, powered_up: 0 };
+        let mut machine = Self { unicorn, state, options, sleeps: false, powered_up: 0, scene };
         machine.power_up()?;
         Ok(machine)
     }
@@ -177,6 +191,12 @@ impl Machine {
     #[must_use]
     pub fn instructions(&self) -> u64 {
         self.state.instructions.get()
+    }
+
+    /// The skin and the front end before the chip, if there are any.
+    #[must_use]
+    pub fn scene(&self) -> Option<&Scene> {
+        self.scene.as_ref()
     }
 
     /// Looks at the chip, or changes it.
@@ -269,26 +289,36 @@ impl Machine {
         self.sync_flash();
         let masks = self.masks();
         let (next, wakes) = {
-            let chip = self.state.chip.borrow();
-            (chip.core.nvic.next(masks), chip.core.nvic.any_pending())
+            let nvic = &mut self.state.chip.borrow_mut().core.nvic;
+            nvic.forget_news();
+            (nvic.next(masks), nvic.any_pending())
         };
         if let Some(exception) = next {
             return self.enter(exception);
         }
-        let until = self.state.chip.borrow_mut().next_event().min(deadline);
         if self.sleeps {
             // An interrupt that is only masked wakes WFI, and here WFE as well (SEVONPEND or not:
             // code that waits is made to look again).
             if wakes && masks.primask {
                 self.sleeps = false;
             } else {
-                self.state.now.set(self.now().max(until));
-                return Ok(());
+                return self.sleep(deadline);
             }
         }
+        let until = self.state.chip.borrow().next_event().min(deadline);
         self.state.stop_at.set(until);
+        self.state.deadline.set(deadline);
         self.state.masks.set(wakes.then(|| cpu::raw_masks(&self.unicorn)));
         self.execute()
+    }
+
+    /// Time passes without the CPU until something may wake it, or the world may see something.
+    fn sleep(&mut self, deadline: Time) -> Result<(), Halt> {
+        let state = self.state.clone();
+        let mut chip = state.chip.borrow_mut();
+        let result = chip.advance_quietly(deadline, &mut Ram(&mut self.unicorn));
+        state.now.set(chip.now.max(state.now.get()));
+        result.map(drop).map_err(|misuse| self.misused(misuse))
     }
 
     /// Events up to now happen.
@@ -435,6 +465,7 @@ impl State {
             instructions: Cell::new(0),
             instruction_time: Cell::new(Time::ZERO),
             stop_at: Cell::new(Time::ZERO),
+            deadline: Cell::new(Time::ZERO),
             masks: Cell::new(None),
             stall: Cell::new(None),
             event: Cell::new(false),

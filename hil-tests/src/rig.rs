@@ -5,15 +5,21 @@
 
 use crate::{
     board::VirtualBoard,
-    chip::{time::Time, usart::Symbol},
-    elf::{ElfError, Image},
-    machine::{Halt, Options},
+    chip::{flash::Flash, time::Time, usart::Symbol},
+    machine::{Halt, Machine, Options},
+    probe::{Programmer, ProgrammerError, emulated},
+    world::{Analogue, Setup, WorldError, parameters::ParameterError},
 };
-use dermatome::link::{self, Link, LinkError, Port};
+use dermatome::{
+    board::firmware::{Firmware, FirmwareError},
+    link::{self, Link, LinkError, Port},
+    skin::{Skin, SkinError},
+};
 use serde::Deserialize;
 use std::{
     fmt,
     path::{Path, PathBuf},
+    sync::Arc,
     time::Duration,
 };
 
@@ -31,6 +37,12 @@ pub enum Capability {
     RawLine,
     /// Press its reset button.
     ResetButton,
+    /// Start it anew, in whatever way.
+    Reset,
+    /// Program its firmware.
+    Program,
+    /// Read its log.
+    Log,
     /// Make its CPU hang, or fault.
     BreakCpu,
     /// Measure time on the board's own clock, and say what happened when.
@@ -44,6 +56,9 @@ impl fmt::Display for Capability {
             Self::FlashSteps => "stop at steps of the flash",
             Self::RawLine => "send damaged bytes",
             Self::ResetButton => "press reset",
+            Self::Reset => "start it anew",
+            Self::Program => "program it",
+            Self::Log => "read its log",
             Self::BreakCpu => "make the CPU hang or fault",
             Self::VirtualTime => "tell virtual time",
         })
@@ -64,12 +79,70 @@ pub enum RigFile {
         baud: u64,
         /// What is random.
         seed: u64,
+        /// What it measures; without it, nothing is connected.
+        world: Option<WorldTable>,
     },
     /// A real board.
     Board {
         /// Its serial port.
         port: String,
+        /// Its debug probe: a serial number, or vendor and product as in `0483:374e`.
+        probe: Option<String>,
+        /// The firmware that the probe programs first, seen from the rig file's folder.
+        elf: Option<PathBuf>,
     },
+}
+
+/// `[world]` of a rig file: what an emulated board measures. Files are seen from the rig file's folder.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WorldTable {
+    /// The skin's file.
+    pub skin: PathBuf,
+    /// The analogue front end's file.
+    pub analogue: PathBuf,
+    /// Capacitance beside the resistance of each contact, F per metre of electrode.
+    #[serde(default)]
+    pub contact_capacitance: f64,
+    /// Whether there is noise.
+    #[serde(default = "yes")]
+    pub noise: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl WorldTable {
+    fn setup(&self, folder: &Path, seed: u64) -> Result<Setup, WorldProblem> {
+        if !(0.0..=1.0).contains(&self.contact_capacitance) {
+            return Err(WorldError::Value {
+                field: "world.contact_capacitance",
+                value: format!("{} F/m", self.contact_capacitance),
+                allowed: "0 to 1 F/m".to_owned(),
+            }
+            .into());
+        }
+        let skin = Skin::load(&folder.join(&self.skin))?;
+        let analogue = Analogue::load(&folder.join(&self.analogue))?;
+        let mut setup = Setup::new(skin, analogue, self.contact_capacitance, seed)?;
+        setup.noise = self.noise;
+        Ok(setup)
+    }
+}
+
+/// Why a rig has no world.
+#[derive(Debug, thiserror::Error)]
+pub enum WorldProblem {
+    /// The skin's file is not usable.
+    #[error(transparent)]
+    Skin(#[from] SkinError),
+    /// The front end's file is not usable.
+    #[error(transparent)]
+    Analogue(#[from] ParameterError),
+    /// The two make no world.
+    #[error(transparent)]
+    World(#[from] WorldError),
 }
 
 /// Why there is no rig.
@@ -91,9 +164,20 @@ pub enum RigError {
         /// What is wrong with it.
         reason: String,
     },
+    /// The rig file's world cannot be.
+    #[error("rig file `{}`, `[world]`: {reason}", path.display())]
+    World {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: WorldProblem,
+    },
     /// The firmware is no firmware.
     #[error(transparent)]
-    Elf(#[from] ElfError),
+    Firmware(#[from] FirmwareError),
+    /// The real board cannot be programmed or reset.
+    #[error(transparent)]
+    Programmer(#[from] ProgrammerError),
     /// The emulated board does not start.
     #[error("the emulated board does not start: {0}")]
     Halt(#[from] Halt),
@@ -110,7 +194,7 @@ pub enum Rig {
         /// The board.
         board: VirtualBoard,
         /// Its firmware.
-        image: Image,
+        firmware: Arc<Firmware>,
         /// How it runs.
         options: Options,
     },
@@ -118,6 +202,8 @@ pub enum Rig {
     Board {
         /// Where it is.
         port: Port,
+        /// Its debug probe, if the rig has one.
+        programmer: Option<Programmer>,
     },
 }
 
@@ -128,52 +214,98 @@ impl Rig {
             .map_err(|reason| RigError::Read { path: path.to_owned(), reason })?;
         let wrong = |reason: String| RigError::File { path: path.to_owned(), reason };
         match toml::from_str(&text).map_err(|error| wrong(error.to_string()))? {
-            RigFile::Virtual { elf: own, cycles_per_instruction, baud, seed } => {
-                if !(0.5..=10.0).contains(&cycles_per_instruction) {
-                    return Err(wrong(format!(
-                        "`cycles_per_instruction` is {cycles_per_instruction}, allowed are 0.5 to 10"
-                    )));
-                }
-                if !(1200..=10_000_000).contains(&baud) {
-                    return Err(wrong(format!("`baud` is {baud}, allowed are 1200 to 10000000")));
-                }
-                let own = path.parent().unwrap_or(Path::new(".")).join(own);
-                let image = Image::read(elf.unwrap_or(&own))?;
-                let options = Options {
-                    cycles_per_instruction: ((cycles_per_instruction * 1000.0).round() as u64, 1000),
-                    wire_baud: baud,
-                    seed,
-                    keep_trace: false,
-                };
-                Ok(Self::start(image, options)?)
+            RigFile::Virtual { elf: own, cycles_per_instruction, baud, seed, world } => {
+                let folder = path.parent().unwrap_or(Path::new("."));
+                let world = world.map(|world| world.setup(folder, seed).map(Arc::new)).transpose();
+                let world = world.map_err(|reason| RigError::World { path: path.to_owned(), reason })?;
+                let options = options(cycles_per_instruction, baud, seed).map_err(wrong)?;
+                let firmware = Firmware::load(elf.unwrap_or(&beside(path, &own)))?;
+                Ok(Self::start(Arc::new(firmware), Options { world, ..options })?)
             }
-            RigFile::Board { port } => {
+            RigFile::Board { port, probe, elf: own } => {
                 let port: Port = port.parse().map_err(|error| wrong(format!("`port`: {error}")))?;
-                link::open(&port)?;
-                Ok(Self::Board { port })
+                let own = own.map(|own| beside(path, &own));
+                let programmer = match (probe, elf.or(own.as_deref())) {
+                    (Some(id), elf) => Some(Programmer::open(&id, elf)?),
+                    (None, None) => None,
+                    (None, Some(elf)) => return Err(wrong(without_probe(elf))),
+                };
+                Self::Board { port, programmer }.take_over()
             }
         }
+    }
+
+    /// Programs a real board, if the rig can, and asks whether it answers.
+    fn take_over(self) -> Result<Self, RigError> {
+        if self.can(Capability::Program) {
+            self.program()?;
+        } else if self.can(Capability::Reset) {
+            self.reset()?;
+        }
+        self.link()?;
+        Ok(self)
     }
 
     /// An emulated board with this firmware, switched on for the first time.
-    pub fn start(image: Image, options: Options) -> Result<Self, Halt> {
-        let board = VirtualBoard::start(image.flash(), options.clone())?;
-        Ok(Self::Virtual { board, image, options })
+    pub fn start(firmware: Arc<Firmware>, options: Options) -> Result<Self, Halt> {
+        let mut flash = Flash::default();
+        emulated::program(&mut flash, &firmware);
+        let board = VirtualBoard::start(flash, options.clone())?;
+        Ok(Self::Virtual { board, firmware, options })
     }
 
-    /// A board that nothing has happened to: a new emulated one, or the real one as it is.
+    /// A board that nothing has happened to: a new emulated one, or the real one, reset if the rig can.
     pub fn fresh(&self) -> Result<Self, RigError> {
         match self {
-            Self::Virtual { image, options, .. } => Ok(Self::start(image.clone(), options.clone())?),
-            Self::Board { port } => Ok(Self::Board { port: port.clone() }),
+            Self::Virtual { firmware, options, .. } => Ok(Self::start(firmware.clone(), options.clone())?),
+            Self::Board { port, programmer } => {
+                let board = Self::Board { port: port.clone(), programmer: programmer.clone() };
+                if board.can(Capability::Reset) {
+                    board.reset()?;
+                }
+                Ok(board)
+            }
         }
     }
 
-    /// What the rig can do.
+    /// What the rig can do. To an emulated board anything can be done; a real one has its link, and what its
+    /// debug probe can do.
     #[must_use]
-    pub fn can(&self, _: Capability) -> bool {
-        // An emulated board can be done anything to; nothing reaches a real one but its link.
-        matches!(self, Self::Virtual { .. })
+    pub fn can(&self, capability: Capability) -> bool {
+        match self {
+            Self::Virtual { .. } => true,
+            Self::Board { programmer, .. } => {
+                programmer.as_ref().is_some_and(|programmer| match capability {
+                    Capability::Reset => true,
+                    Capability::Program => programmer.can_program(),
+                    _ => false,
+                })
+            }
+        }
+    }
+
+    /// Starts the board anew, and waits until it has. Needs [`Capability::Reset`].
+    pub fn reset(&self) -> Result<(), RigError> {
+        match self {
+            Self::Virtual { board, .. } => board.with(Machine::press_reset)?,
+            Self::Board { programmer, .. } => needed(programmer).reset()?,
+        }
+        Ok(self.wait(Duration::from_nanos(START_TIME.nanoseconds()))?)
+    }
+
+    /// Programs the firmware again, and starts the board anew. Needs [`Capability::Program`].
+    pub fn program(&self) -> Result<(), RigError> {
+        match self {
+            Self::Virtual { board, firmware, .. } => {
+                let firmware = firmware.clone();
+                board.with(move |machine| {
+                    machine.chip(|chip| emulated::program(&mut chip.flash, &firmware));
+                    machine.press_reset()
+                })?;
+            }
+            Self::Board { programmer, .. } => needed(programmer).program()?,
+        }
+        Ok(self.wait(Duration::from_nanos(START_TIME.nanoseconds()))?)
     }
 
     /// A link to the board.
@@ -184,7 +316,7 @@ impl Rig {
                 let _ = board.run(START_TIME);
                 Link::connect("virtual", board.line())
             }
-            Self::Board { port } => link::open(port),
+            Self::Board { port, .. } => link::open(port),
         }
     }
 
@@ -207,12 +339,62 @@ impl Rig {
     pub fn emulated(&self) -> &VirtualBoard {
         match self {
             Self::Virtual { board, .. } => board,
-            Self::Board { .. } => panic!("a case does what it did not say that it needs"),
+            Self::Board { .. } => panic!("{UNDECLARED}"),
         }
     }
 
     /// Sends bytes as they are.
     pub fn send_raw(&self, bytes: &[u8]) {
         self.emulated().send(bytes.iter().map(|&byte| Symbol { byte, damaged: false }).collect());
+    }
+}
+
+const UNDECLARED: &str = "a case does what it did not say that it needs";
+
+/// The probe of a rig of which a case said that it needs one.
+fn needed(programmer: &Option<Programmer>) -> &Programmer {
+    programmer.as_ref().expect(UNDECLARED)
+}
+
+/// How an emulated board runs, as its rig file says.
+fn options(cycles_per_instruction: f64, baud: u64, seed: u64) -> Result<Options, String> {
+    if !(0.5..=10.0).contains(&cycles_per_instruction) {
+        return Err(format!("`cycles_per_instruction` is {cycles_per_instruction}, allowed are 0.5 to 10"));
+    }
+    if !(1200..=10_000_000).contains(&baud) {
+        return Err(format!("`baud` is {baud}, allowed are 1200 to 10000000"));
+    }
+    let cycles = (cycles_per_instruction * 1000.0).round() as u64;
+    Ok(Options { cycles_per_instruction: (cycles, 1000), wire_baud: baud, seed, keep_trace: false, world: None })
+}
+
+/// A path in a rig file counts from the file's folder.
+fn beside(rig: &Path, path: &Path) -> PathBuf {
+    rig.parent().unwrap_or(Path::new(".")).join(path)
+}
+
+fn without_probe(elf: &Path) -> String {
+    format!(
+        "there is firmware to program (`{}`) but no `probe` to do it: add `probe`, the ID that `dermatome devices` \
+         shows, or leave the firmware away",
+        elf.display()
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::probe::tests::{firmware, programmer};
+
+    #[test]
+    fn a_real_board_can_do_what_its_probe_can() {
+        let can = |programmer| {
+            let rig = Rig::Board { port: "/dev/ttyACM0".parse().unwrap(), programmer };
+            [Capability::Reset, Capability::Program, Capability::PowerCut, Capability::Log]
+                .map(|capability| rig.can(capability))
+        };
+        assert_eq!(can(None), [false; 4]);
+        assert_eq!(can(Some(programmer(None))), [true, false, false, false]);
+        assert_eq!(can(Some(programmer(Some(firmware())))), [true, true, false, false]);
     }
 }

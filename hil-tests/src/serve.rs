@@ -5,21 +5,24 @@
 
 use crate::common::{Firmware, boot};
 use dermatome::{
+    board::log::Log,
     link::{self, Link, Port},
     model::Model,
     quantize,
+    simulate::Press,
     skin::Skin,
 };
 use dermatome_hil::{
     board::VirtualBoard,
     chip::{time::Time, usart::Symbol},
     fault::{Fault, Schedule},
+    probe::emulated::LogReader,
 };
 use std::{
     error::Error,
-    io::{self, ErrorKind, Read, Write},
+    io::{self, ErrorKind, IsTerminal, Read, Write},
     net::{TcpListener, TcpStream},
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::ExitCode,
     sync::{Arc, Mutex, PoisonError},
     time::{Duration, Instant},
@@ -33,15 +36,22 @@ const SLICE: Time = Time::from_millis(1);
 pub(crate) struct Run {
     #[command(flatten)]
     firmware: Firmware,
-    /// Skin whose patch the board holds from the start, as if it had been flashed before.
+    /// Skin that the board measures, instead of the rig's; the board holds its patch from the start, as if
+    /// it had been flashed before.
     #[arg(long)]
     skin: Option<PathBuf>,
+    /// A finger that rests on the skin: x,y,radius,depth (m, m, m, relative). Can be repeated.
+    #[arg(long = "press", allow_hyphen_values = true)]
+    presses: Vec<Press>,
     /// Where programs reach the board.
     #[arg(long, default_value = "tcp:127.0.0.1:7000")]
     listen: Port,
     /// What goes wrong, and when (in virtual time from here on), e.g. power@2s. Can be repeated.
     #[arg(long = "fault")]
     faults: Vec<Fault>,
+    /// Also print the firmware's log, on standard error.
+    #[arg(long)]
+    logs: bool,
 }
 
 impl Run {
@@ -51,10 +61,14 @@ impl Run {
         };
         let listener = TcpListener::bind(address)
             .map_err(|error| format!("cannot listen at `{}`: {error}", self.listen))?;
-        let board = boot(&self.firmware, false)?;
-        if let Some(skin) = &self.skin {
+        let skin = self.skin.as_deref().map(Skin::load).transpose()?;
+        let (board, firmware) = boot(&self.firmware, false, skin.clone())?;
+        let log = self.logs.then(|| Log::new(&firmware)).transpose()?;
+        let mut log = log.as_ref().map(|log| LogReader::new(log, io::stderr().is_terminal()));
+        if let Some(skin) = &skin {
             flash(&board, skin)?;
         }
+        press(&board, &self.presses)?;
         println!("board         {} (emulated STM32G474RE)", self.firmware.name());
         println!("listening at  tcp:{}   (Ctrl-C stops it)", listener.local_addr()?);
         listener.set_nonblocking(true)?;
@@ -67,6 +81,9 @@ impl Run {
                 client = accept(&listener)?;
             }
             let (now, sent) = run_slice(&board, &faults)?;
+            for line in log.as_mut().map_or(Ok(Vec::new()), |log| log.lines(&board))? {
+                eprintln!("{line}");
+            }
             if let Some(stream) = &mut client
                 && !exchange(stream, &board, &sent)
             {
@@ -89,10 +106,20 @@ fn shifted(faults: &[Fault], start: Time) -> Vec<Fault> {
     faults.iter().map(|fault| Fault { when: shift(fault.when), ..*fault }).collect()
 }
 
-fn flash(board: &VirtualBoard, skin: &Path) -> Result<(), Box<dyn Error>> {
-    let skin = Skin::load(skin)?;
-    let model = Model::build(&skin, |_| ())?;
-    let patch = quantize::patch(&skin, &model)?;
+fn press(board: &VirtualBoard, presses: &[Press]) -> Result<(), Box<dyn Error>> {
+    if presses.is_empty() {
+        return Ok(());
+    }
+    let scene = board.scene().ok_or("the rig has no `[world]`, so that there is no skin to press")?;
+    let outline = scene.setup().skin.shape.flat()?;
+    presses.iter().try_for_each(|press| press.check(outline))?;
+    scene.press(presses);
+    Ok(())
+}
+
+fn flash(board: &VirtualBoard, skin: &Skin) -> Result<(), Box<dyn Error>> {
+    let model = Model::build(skin, |_| ())?;
+    let patch = quantize::patch(skin, &model)?;
     link::upload(&mut Link::connect("virtual", board.line())?, &patch, |_| ())?;
     Ok(())
 }

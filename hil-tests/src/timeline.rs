@@ -36,7 +36,7 @@ impl Trace {
                 Some(fs::read(path).map_err(|error| format!("cannot read `{}`: {error}", path.display()))?)
             }
         };
-        let board = boot(&self.firmware, true)?;
+        let (board, _) = boot(&self.firmware, true, None)?;
         if let Some(patch) = patch {
             link::upload(&mut Link::connect("virtual", board.line())?, &patch, |_| ())?;
         }

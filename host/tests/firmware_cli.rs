@@ -23,12 +23,20 @@ struct Elf {
     machine: u16,
     load_address: u32,
     content: Vec<u8>,
+    /// How often the program headers name the segment.
+    segments: u16,
 }
 
 impl Elf {
     /// The smallest firmware: a vector table, and one instruction that jumps to itself.
     fn sound() -> Self {
-        Self { kind: EXECUTABLE, machine: ARM, load_address: FLASH, content: start(0x2002_0000, FLASH + 9) }
+        Self {
+            kind: EXECUTABLE,
+            machine: ARM,
+            load_address: FLASH,
+            content: start(0x2002_0000, FLASH + 9),
+            segments: 1,
+        }
     }
 
     /// One with `length` bytes to program.
@@ -46,13 +54,15 @@ impl Elf {
         let identification = b"\x7fELF\x01\x01\x01\0\0\0\0\0\0\0\0\0".to_vec();
         let (header, program_header) = (52, 32);
         let (load, read_and_execute) = (1, 5);
+        let content_at = u32::from(header + self.segments * program_header);
+        let segment =
+            [load, content_at, self.load_address, self.load_address, length, length, read_and_execute, 4];
         [
             identification,
             halves(&[self.kind, self.machine]),
             words(&[1, FLASH + 9, u32::from(header), 0, 0x0500_0400]),
-            halves(&[header, program_header, 1, 40, 0, 0]),
-            words(&[load, u32::from(header + program_header), self.load_address, self.load_address]),
-            words(&[length, length, read_and_execute, 4]),
+            halves(&[header, program_header, self.segments, 40, 0, 0]),
+            words(&segment.repeat(self.segments.into())),
             self.content.clone(),
         ]
         .concat()
@@ -98,6 +108,12 @@ fn the_flash_ends_after_512_kib() {
 }
 
 #[test]
+fn segments_lie_apart() {
+    let range = u64::from(FLASH)..u64::from(FLASH) + 10;
+    assert_eq!(refused(&Elf { segments: 2, ..Elf::sound() }), Fault::Overlap { range });
+}
+
+#[test]
 fn the_vector_table_must_start_the_core() {
     let with = |stack, reset| refused(&Elf { content: start(stack, reset), ..Elf::sound() });
     assert_eq!(with(0x2002_0004, FLASH + 9), Fault::Stack { stack: 0x2002_0004 });
@@ -137,6 +153,7 @@ fn errors_of_firmware_files() {
         ("object-file", Elf { kind: OBJECT, ..sound.clone() }.bytes()),
         ("other-chip", Elf { load_address: 0x0001_0000, ..sound.clone() }.bytes()),
         ("large", Elf::of_length(200_000).bytes()),
+        ("twice", Elf { segments: 2, ..sound.clone() }.bytes()),
         ("no-table", Elf { load_address: FLASH + 0x100, ..sound.clone() }.bytes()),
         ("stack", Elf { content: start(0, FLASH + 9), ..sound.clone() }.bytes()),
         ("reset", Elf { content: start(0x2002_0000, 0), ..sound.clone() }.bytes()),

@@ -13,8 +13,10 @@ use crate::{
     drive::{Component, Drive, GAINS, Gain},
     frame::{ElectrodeTest, Frame, FrameFlags},
     patch::PatchView,
+    protocol::{Event, MAX_SCOPE_SAMPLES},
     scan::{self, MAX_SLOTS, Timing},
     stimulation::Step,
+    trigonometry::{length, sine},
     units::AdcCode,
 };
 use heapless::Vec;
@@ -42,7 +44,13 @@ pub struct FrontEnd {
     pub full_scale_current: f32,
     /// Gain-bandwidth product of the programmable amplifier, Hz.
     pub gain_bandwidth: f32,
-    /// Time from a crest of the current to the first sample of a scan, s.
+    /// Largest gain of the programmable amplifier.
+    pub largest_gain: u8,
+    /// Bandwidths of current source and filter, one pole each, Hz.
+    pub bandwidths: [f32; 2],
+    /// Values per second of the current's waveform, each held until the next.
+    pub waveform_rate: u32,
+    /// Time from a crest of the current, as it is asked for, to the first sample of a scan, s.
     pub lead: f32,
 }
 
@@ -50,8 +58,25 @@ pub struct FrontEnd {
 #[derive(Clone, Debug)]
 pub struct Acquisition {
     slots: Vec<Step, MAX_SLOTS>,
+    timing: Timing,
     demodulator: Demodulator,
     assembly: Assembly,
+    scope: Option<Scope>,
+    /// Samples of the frame under way so far.
+    position: usize,
+}
+
+/// Samples of one slot, as they came.
+#[derive(Clone, Debug, Default)]
+struct Scope {
+    slot: u16,
+    samples: Vec<u16, MAX_SCOPE_SAMPLES>,
+}
+
+impl Scope {
+    fn event(&self, gain: u8, settling: u16) -> Event {
+        Event::Scope { slot: self.slot, gain, settling, samples: self.samples.clone() }
+    }
 }
 
 /// The frame being put together, and the gains it is measured with.
@@ -63,6 +88,7 @@ struct Assembly {
     gains: Vec<u8, MAX_SLOTS>,
     /// What turns a reading into a code, by gain: real and imaginary part.
     factors: [[f32; 2]; GAINS.len()],
+    largest_gain: u8,
     peaks: Vec<u16, MAX_SLOTS>,
     frame: Frame,
     slots: usize,
@@ -90,15 +116,17 @@ impl Acquisition {
             steps: patch.steps().count(),
             component: drive.component,
             gains: slots.iter().map(|_| first_gain).collect(),
-            factors: factors(drive.frequency, timing.integration, front_end.gain_bandwidth),
+            factors: factors(drive.frequency, timing.integration, front_end),
+            largest_gain: front_end.largest_gain,
             peaks: Vec::new(),
             frame: Frame::default(),
             slots: slots.len(),
             passes: if drive.gain == Gain::Automatic { 2 } else { 0 },
-            skip: 0,
+            // The current rises during the first frame.
+            skip: 1,
             gains_changed: false,
         };
-        Some(Self { slots, demodulator, assembly })
+        Some(Self { slots, timing, demodulator, assembly, scope: None, position: 0 })
     }
 
     /// The slots, in order.
@@ -118,18 +146,85 @@ impl Acquisition {
         core::mem::take(&mut self.assembly.gains_changed)
     }
 
-    /// Takes the next samples; `done` gets each frame that they complete, without number and time.
-    pub fn push(&mut self, samples: &[u16], mut done: impl FnMut(Frame)) {
+    /// Samples of each slot.
+    #[must_use]
+    pub fn timing(&self) -> Timing {
+        self.timing
+    }
+
+    /// Samples that are missing until the frame under way is complete.
+    #[must_use]
+    pub fn missing_samples(&self) -> usize {
+        self.frame_samples() - self.position
+    }
+
+    fn frame_samples(&self) -> usize {
+        self.slots.len() * self.timing.slot_samples()
+    }
+
+    /// Keeps the samples of that slot of each frame from now on, or of none.
+    pub fn watch(&mut self, slot: Option<u16>) {
+        self.scope = slot.map(|slot| Scope { slot, samples: Vec::new() });
+    }
+
+    /// Begins anew, with the gains found so far: the next sample is the first of a scan.
+    pub fn restart(&mut self) {
+        self.demodulator.restart();
+        self.position = 0;
         let assembly = &mut self.assembly;
+        (assembly.frame, assembly.peaks) = (Frame::default(), Vec::new());
+        // The current rises during the first frame.
+        assembly.skip = 1;
+    }
+
+    /// Keeps those of `samples`, which begin at `self.position` of a frame, that the scope watches.
+    fn keep_for_scope(&mut self, samples: &[u16]) {
+        let Some(scope) = &mut self.scope else { return };
+        let slot = self.timing.slot_samples();
+        let start = usize::from(scope.slot) * slot;
+        if (self.position..self.position + samples.len()).contains(&start) {
+            scope.samples.clear();
+        }
+        let from = start.saturating_sub(self.position).min(samples.len());
+        let to = (start + slot).saturating_sub(self.position).min(samples.len());
+        // Where the slot lies before or behind the samples, `from` is not before `to`.
+        let room = MAX_SCOPE_SAMPLES - scope.samples.len();
+        for &sample in samples.get(from..to).unwrap_or_default().iter().take(room) {
+            let _ = scope.samples.push(sample);
+        }
+    }
+
+    /// Takes the next samples; `done` gets each frame that they complete, without number and time, and
+    /// what the watched slot showed in it.
+    pub fn push(&mut self, mut samples: &[u16], mut done: impl FnMut(Frame, Option<Event>)) {
+        // The scope sees one frame at a time.
+        while let Some((piece, rest)) = samples.split_at_checked(self.missing_samples()) {
+            self.take(piece, &mut done);
+            samples = rest;
+        }
+        self.take(samples, &mut done);
+    }
+
+    /// Samples of one frame.
+    fn take(&mut self, samples: &[u16], done: &mut impl FnMut(Frame, Option<Event>)) {
+        self.keep_for_scope(samples);
+        self.position = (self.position + samples.len()) % self.frame_samples();
+        let (assembly, scope, settling) = (&mut self.assembly, &self.scope, self.timing.settling);
         self.demodulator.push(samples, |reading| {
             if let Some(frame) = assembly.add(reading) {
-                done(frame);
+                let shown = scope.as_ref();
+                done(frame, shown.map(|scope| scope.event(assembly.gain(scope.slot.into()), settling)));
             }
         });
     }
 }
 
 impl Assembly {
+    fn gain(&self, slot: usize) -> u8 {
+        let place = self.gains.get(slot).map_or(0, |&place| usize::from(place));
+        GAINS.get(place).copied().unwrap_or(1)
+    }
+
     fn add(&mut self, reading: Reading) -> Option<Frame> {
         let slot = self.peaks.len();
         let _ = self.peaks.push(reading.peak);
@@ -166,7 +261,7 @@ impl Assembly {
     }
 
     fn range(&mut self, peaks: &[u16]) {
-        let limit = if self.passes > 0 { FIRST_GAIN_LIMIT } else { u8::MAX };
+        let limit = if self.passes > 0 { FIRST_GAIN_LIMIT } else { self.largest_gain };
         for (place, &peak) in self.gains.iter_mut().zip(peaks) {
             let gain = GAINS.get(usize::from(*place)).copied().unwrap_or(1);
             let fits = |candidate: u8| {
@@ -179,30 +274,34 @@ impl Assembly {
 
     fn convert(&self, slot: usize, reading: Reading) -> [AdcCode; 2] {
         let gain = self.gains.get(slot).map_or(0, |&place| usize::from(place));
-        let [c, s] = self.factors.get(gain).copied().unwrap_or_default();
-        let (i, q) = (reading.in_phase as f32, reading.quadrature as f32);
-        [i * c - q * s, i * s + q * c].map(|value| AdcCode(libm::roundf(value) as i32))
+        let factor = self.factors.get(gain).copied().unwrap_or_default();
+        let sums = [reading.in_phase as f32, reading.quadrature as f32];
+        product(sums, factor).map(|value| AdcCode(libm::roundf(value) as i32))
     }
 
     fn component_of(&self, real: AdcCode, imaginary: AdcCode) -> AdcCode {
         match self.component {
             Component::Real => real,
             Component::Imaginary => imaginary,
-            Component::Magnitude => {
-                AdcCode(libm::roundf(libm::hypotf(real.0 as f32, imaginary.0 as f32)) as i32)
-            }
+            Component::Magnitude => AdcCode(libm::roundf(length(real.0 as f32, imaginary.0 as f32)) as i32),
         }
     }
 }
 
 /// From sums of the lock-in to codes at gain 1: undoes the gain of an amplifier with one pole,
-/// `g / (1 + j f g / gain_bandwidth)`.
-fn factors(frequency: f32, integration: u16, gain_bandwidth: f32) -> [[f32; 2]; GAINS.len()] {
-    let amplitude = 2.0 / f32::from(integration.max(1)) / LOCK_IN_ONE * FINENESS;
-    GAINS.map(|gain| {
-        let gain = f32::from(gain);
-        [amplitude / gain, amplitude * frequency / gain_bandwidth]
-    })
+/// `g / (1 + j f g / gain_bandwidth)`, the poles before it, and what holding the waveform's values takes.
+fn factors(frequency: f32, integration: u16, front_end: &FrontEnd) -> [[f32; 2]; GAINS.len()] {
+    let half_turns = frequency / front_end.waveform_rate as f32;
+    let held = sine(half_turns / 2.0) / (core::f32::consts::PI * half_turns);
+    let amplitude = 2.0 / f32::from(integration.max(1)) / LOCK_IN_ONE * FINENESS / held;
+    let [source, filter] = front_end.bandwidths.map(|bandwidth| [1.0, frequency / bandwidth]);
+    let before = product(product([amplitude, 0.0], source), filter);
+    GAINS.map(|gain| product(before, [1.0 / f32::from(gain), frequency / front_end.gain_bandwidth]))
+}
+
+/// Product of two complex numbers.
+fn product([a, b]: [f32; 2], [c, d]: [f32; 2]) -> [f32; 2] {
+    [a * c - b * d, a * d + b * c]
 }
 
 #[cfg(test)]

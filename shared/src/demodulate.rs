@@ -4,12 +4,15 @@
 //! makes the current, so the reference is a table and the product sums are exact integers. Over
 //! whole periods a constant and every harmonic below the sampling rate sum to zero.
 
-use crate::scan::Timing;
+use crate::{
+    scan::Timing,
+    trigonometry::{cosine, sine},
+};
 
 /// Most samples in a carrier period.
 pub const MAX_PERIOD: usize = 160;
 /// What a reference of 1 reads in the table.
-const ONE: f64 = 16_384.0;
+const ONE: f32 = 16_384.0;
 /// Code of the converter at rest, half of its range.
 pub const MIDDLE: u16 = 2048;
 /// A sample this far from the middle is taken for clipped; the range ends at 2047.
@@ -31,9 +34,8 @@ impl Reference {
         let period = usize::from(period).clamp(2, MAX_PERIOD);
         let mut table = [[0; 2]; MAX_PERIOD];
         for (n, entry) in table.iter_mut().enumerate().take(period) {
-            let turns = (n as f64 + f64::from(lead)) / period as f64 - f64::from(phase) / 360.0;
-            let (sin, cos) = libm::sincos(turns * core::f64::consts::TAU);
-            *entry = [libm::round(cos * ONE) as i16, libm::round(-sin * ONE) as i16];
+            let turns = (n as f32 + lead) / period as f32 - phase / 360.0;
+            *entry = [cosine(turns), -sine(turns)].map(|value| libm::roundf(value * ONE) as i16);
         }
         Self { table, period }
     }
@@ -82,6 +84,11 @@ impl Demodulator {
     #[must_use]
     pub fn new(reference: Reference, timing: Timing) -> Self {
         Self { reference, timing, position: 0, phase: 0, reading: Reading::default() }
+    }
+
+    /// Ready for the first sample of a scan again.
+    pub fn restart(&mut self) {
+        (self.position, self.phase, self.reading) = (0, 0, Reading::default());
     }
 
     /// Takes the next samples; `done` gets the reading of each slot that they complete.
@@ -142,15 +149,15 @@ mod tests {
 
     /// Amplitude in codes.
     fn amplitude(sum: i64) -> f64 {
-        sum as f64 * 2.0 / 40.0 / ONE
+        sum as f64 * 2.0 / 40.0 / f64::from(ONE)
     }
 
     #[test]
     fn a_wave_reads_its_amplitude_and_phase_in_every_slot_whatever_its_offset() {
         // Slots of 47 samples start at another phase each.
         for reading in readings(&wave(900.0, 30.0, 150.0, 470), 470) {
-            assert!((amplitude(reading.in_phase) - 900.0 * 0.75_f64.sqrt()).abs() < 0.2, "{reading:?}");
-            assert!((amplitude(reading.quadrature) - 450.0).abs() < 0.2, "{reading:?}");
+            assert!((amplitude(reading.in_phase) - 900.0 * 0.75_f64.sqrt()).abs() < 0.5, "{reading:?}");
+            assert!((amplitude(reading.quadrature) - 450.0).abs() < 0.5, "{reading:?}");
             assert!((1035..=1051).contains(&reading.peak));
             assert!(!reading.is_clipped());
         }
@@ -162,8 +169,8 @@ mod tests {
         for (phase, lead) in [(90.0, 0.0), (0.0, -5.0)] {
             let mut demodulator = Demodulator::new(Reference::new(20, phase, lead), TIMING);
             demodulator.push(&samples, |reading| {
-                assert!(amplitude(reading.in_phase).abs() < 0.2, "{reading:?}");
-                assert!((amplitude(reading.quadrature) - 900.0).abs() < 0.2, "{reading:?}");
+                assert!(amplitude(reading.in_phase).abs() < 0.5, "{reading:?}");
+                assert!((amplitude(reading.quadrature) - 900.0).abs() < 0.5, "{reading:?}");
             });
         }
     }

@@ -111,7 +111,8 @@ impl Drift {
             // Untouched, the reference follows by itself; a jump is a press, or the end of one.
             self.press += rest;
         } else {
-            self.common += rest.clamp(-FASTEST * seconds, FASTEST * seconds);
+            // Not `clamp`, whose panic would bring the formatting of floats to the board.
+            self.common += rest.max(-FASTEST * seconds).min(FASTEST * seconds);
         }
     }
 }

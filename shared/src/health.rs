@@ -17,6 +17,7 @@ use crate::{
     acquire::FrontEnd,
     frame::{ElectrodeTest, Frame, FrameFlags},
     patch::PatchView,
+    trigonometry::length,
 };
 use heapless::Vec;
 use postcard_schema::Schema;
@@ -151,7 +152,7 @@ impl Health {
         for (electrode, test) in tests.iter().enumerate() {
             let real = test.in_phase.0 as f32 * ohms_per_code - of_sheet.get(electrode).unwrap_or(&0.0);
             let imaginary = test.quadrature.0 as f32 * ohms_per_code;
-            let _ = self.contact_impedance.push(libm::hypotf(real, imaginary));
+            let _ = self.contact_impedance.push(length(real, imaginary));
         }
     }
 
@@ -180,7 +181,7 @@ impl Health {
 }
 
 fn magnitude(test: &ElectrodeTest) -> f32 {
-    libm::hypotf(test.in_phase.0 as f32, test.quadrature.0 as f32)
+    length(test.in_phase.0 as f32, test.quadrature.0 as f32)
 }
 
 /// The middle value; none of none.
@@ -210,6 +211,9 @@ mod tests {
         volts_per_code: 2e-8,
         full_scale_current: 1e-3,
         gain_bandwidth: 13e6,
+        largest_gain: 64,
+        bandwidths: [1e6; 2],
+        waveform_rate: 1_000_000,
         lead: 0.0,
     };
     /// 30 ohm at 1 mA.

@@ -37,6 +37,7 @@ pub mod scan;
 pub mod slots;
 pub mod stimulation;
 pub mod synthetic;
+pub mod trigonometry;
 pub mod units;
 
 /// Most electrodes a board can switch: one nibble of the multiplexer word each.

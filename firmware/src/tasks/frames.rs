@@ -1,66 +1,113 @@
-//! Frames task: makes a frame whenever one is due, and queues the events that follow from it.
+//! Frames task: orders scans while something needs frames, takes each frame through the device, and
+//! queues the events that follow.
 //!
-//! Frames are synthetic until the board can measure, and the board says so in its info. They come at
-//! the patch's frame rate, only while a tare or a stream needs them. A frame that is late is not made
-//! up for. Events that do not fit the queue are dropped whole, and their numbers show the gap.
+//! A frame that comes while the one before is still computed waits; events that do not fit their queue
+//! are dropped whole, and their numbers show the gap. Contacts go ahead of all that is long.
 
-use dermatome_firmware::drivers::flash::SlotFlash;
+use dermatome_firmware::board;
 use dermatome_shared::{
-    device::Device, frame::Frame, protocol::MAX_PACKET_BYTES, slots::SlotStore, synthetic,
+    acquire::Acquisition,
+    protocol::{BoardPacket, MAX_PACKET_BYTES},
 };
-use embassy_time::{Duration, Instant, Timer};
+use embassy_futures::select::{Either, select};
+use embassy_time::Duration;
 use static_cell::ConstStaticCell;
 
-use super::State;
+use super::{
+    State,
+    acquire::{Captured, FramesEnd, Order, Orders},
+};
 
-/// Which synthetic frames.
-const SEED: u32 = 1;
 /// Longest time between frames; slower frame rates count as this.
-const MAX_PERIOD: Duration = Duration::from_secs(3600);
+const MAX_INTERVAL: Duration = Duration::from_secs(3600);
 
-/// Makes frames for ever.
+/// Takes frames for ever.
 #[embassy_executor::task]
-pub(crate) async fn run(state: &'static State) -> ! {
+pub(crate) async fn run(state: &'static State, orders: &'static Orders, frames: FramesEnd) -> ! {
     static SCRATCH: ConstStaticCell<[u8; MAX_PACKET_BYTES]> = ConstStaticCell::new([0; MAX_PACKET_BYTES]);
-    let scratch = SCRATCH.take();
-    let mut sequence = 0_u32;
+    let mut task = Task { state, orders, frames, scratch: SCRATCH.take(), sequence: 0 };
     loop {
-        state.answered.wait().await;
-        let mut due = Instant::now();
-        while let Some(period) = period(state) {
-            due = (due + period).max(Instant::now());
-            // Yields even where the frame is due already.
-            Timer::at(due).await;
-            if make_frame(state, sequence, scratch) {
-                sequence = sequence.wrapping_add(1);
-            }
+        match task.prepare().await {
+            Some(order) => task.scan(order).await,
+            None => state.answered.wait().await,
         }
     }
 }
 
-/// Time between frames, if frames are needed.
-fn period(state: &State) -> Option<Duration> {
-    let device = state.device.borrow();
-    let patch = device.patch().filter(|_| device.needs_frames())?;
-    let micros = (1e6 / patch.header.drive.frame_rate) as u64;
-    Some(Duration::from_micros(micros.max(1)).min(MAX_PERIOD))
+struct Task {
+    state: &'static State,
+    orders: &'static Orders,
+    frames: FramesEnd,
+    scratch: &'static mut [u8],
+    sequence: u32,
 }
 
-/// Takes one frame through the device, if it still needs one.
-fn make_frame(state: &State, sequence: u32, scratch: &mut [u8]) -> bool {
+/// What a scan was ordered for: any change of this ends it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Purpose {
+    scan: u32,
+    scope_slot: Option<u16>,
+}
+
+impl Task {
+    /// Puts the scan that is needed into its place; none if no frames are.
+    async fn prepare(&mut self) -> Option<Order> {
+        let purpose = self.purpose()?;
+        let mut place = self.orders.acquisition.lock().await;
+        let device = self.state.device.borrow();
+        let (patch, drive) = (device.patch()?, device.drive()?);
+        let mut acquisition = Acquisition::new(&patch, &drive, &board::FRONT_END)?;
+        acquisition.watch(purpose.scope_slot);
+        *place = Some(acquisition);
+        let interval = Duration::from_micros((1e6 / drive.frame_rate) as u64).min(MAX_INTERVAL);
+        Some(Order { amplitude: drive.amplitude / board::FRONT_END.full_scale_current, interval })
+    }
+
+    /// What frames are needed for, if they are.
+    fn purpose(&self) -> Option<Purpose> {
+        let device = self.state.device.borrow();
+        let streaming = device.streaming();
+        let scope_slot = (streaming.scope > 0).then_some(streaming.scope_slot);
+        device.needs_frames().then_some(Purpose { scan: device.scan(), scope_slot })
+    }
+
+    /// Runs one scan as long as it is what is needed.
+    async fn scan(&mut self, order: Order) {
+        let purpose = self.purpose();
+        self.orders.start(order);
+        while self.purpose() == purpose {
+            match select(self.frames.receive(), self.state.answered.wait()).await {
+                Either::First(captured) => {
+                    process(self.state, captured, &mut self.sequence, self.scratch);
+                    self.frames.receive_done();
+                }
+                Either::Second(()) => {}
+            }
+        }
+        self.orders.stop();
+        // Frames of the old scan mean nothing any more.
+        while let Either::First(_) = select(self.frames.receive(), self.orders.stopped()).await {
+            self.frames.receive_done();
+        }
+        self.frames.clear();
+    }
+}
+
+/// Takes one frame through the device.
+fn process(state: &State, captured: &mut Captured, sequence: &mut u32, scratch: &mut [u8]) {
     let device = &mut *state.device.borrow_mut();
-    let Some(patch) = device.patch().filter(|_| device.needs_frames()) else { return false };
-    let frame = synthetic::frame(SEED, sequence, Instant::now().as_micros(), patch.steps());
-    process(device, &frame, state, scratch);
-    true
-}
-
-fn process(device: &mut Device<SlotStore<SlotFlash>>, frame: &Frame, state: &State, scratch: &mut [u8]) {
-    let mut events = state.events.borrow_mut();
-    device.process(frame, |packet| {
-        if events.push(&packet, scratch).is_err() {
+    let mut queues = state.events.borrow_mut();
+    let mut queue = |packet: BoardPacket| {
+        if queues.push(&packet, scratch).is_err() {
             defmt::debug!("event dropped: the link is too slow");
         }
-    });
+    };
+    captured.frame.sequence = *sequence;
+    *sequence = sequence.wrapping_add(1);
+    device.process(&mut captured.frame, &mut queue);
+    let every = device.streaming().scope.max(1);
+    if let Some(scope) = captured.scope.take().filter(|_| sequence.is_multiple_of(every.into())) {
+        device.show_scope(scope, &mut queue);
+    }
     state.queued.signal(());
 }

@@ -1,11 +1,14 @@
-//! Health task: feeds the watchdog.
+//! Health task: feeds the watchdog, and says how the board itself is.
 //!
-//! It runs on the executor that all tasks share, so a task that does not yield starves it, and the
-//! watchdog resets the chip. The longest that a task rightly keeps the executor is the check of a
-//! whole patch and the erasure of a page, some tens of milliseconds each.
+//! It runs on the executor that all but the acquisition share, so a task that does not yield starves it,
+//! and the watchdog resets the chip. The longest that a task rightly keeps the executor is the check of
+//! a whole patch and the erasure of a page, some tens of milliseconds each.
 
+use dermatome_firmware::drivers::vitals::VitalSigns;
 use embassy_stm32::{Peri, peripherals, wdg::IndependentWatchdog};
 use embassy_time::{Duration, Timer};
+
+use super::State;
 
 /// How long the board may hang. The watchdog's own clock is off by up to a tenth.
 const TIMEOUT_US: u32 = 1_000_000;
@@ -13,11 +16,16 @@ const FEEDING_INTERVAL: Duration = Duration::from_millis(200);
 
 /// Feeds the watchdog for ever.
 #[embassy_executor::task]
-pub(crate) async fn run(watchdog: Peri<'static, peripherals::IWDG>) -> ! {
+pub(crate) async fn run(
+    watchdog: Peri<'static, peripherals::IWDG>,
+    mut signs: VitalSigns,
+    state: &'static State,
+) -> ! {
     let mut watchdog = IndependentWatchdog::new(watchdog, TIMEOUT_US);
     watchdog.unleash();
     loop {
         watchdog.pet();
+        state.device.borrow_mut().set_vitals(signs.take());
         Timer::after(FEEDING_INTERVAL).await;
     }
 }

@@ -1,5 +1,6 @@
 //! Tasks: each joins drivers to the shared code, and runs for ever.
 
+pub(crate) mod acquire;
 pub(crate) mod frames;
 pub(crate) mod health;
 pub(crate) mod link;
@@ -9,7 +10,7 @@ use core::cell::RefCell;
 use dermatome_firmware::{board, drivers::flash::SlotFlash};
 use dermatome_shared::{
     device::{BoardFacts, Device},
-    protocol::{FrameSource, Identity, PacketQueue},
+    protocol::{EventQueue, FrameSource, Identity},
     restart::Restart,
     slots::SlotStore,
 };
@@ -18,11 +19,13 @@ use embassy_sync::{blocking_mutex::raw::NoopRawMutex, signal::Signal};
 use heapless::String;
 use static_cell::{ConstStaticCell, StaticCell};
 
-/// Bytes of events that wait for the link: some five full images.
-const EVENT_BYTES: usize = 12 * 1024;
+/// Bytes of short events that wait for the link: some ten contact lists.
+const SHORT_EVENT_BYTES: usize = 2 * 1024;
+/// Bytes of long ones: some five full images.
+const LONG_EVENT_BYTES: usize = 10 * 1024;
 
 /// Events that wait for the link.
-pub(crate) type Events = PacketQueue<EVENT_BYTES>;
+pub(crate) type Events = EventQueue<SHORT_EVENT_BYTES, LONG_EVENT_BYTES>;
 
 /// What the tasks share. All run on one executor, and none holds a borrow while it waits.
 pub(crate) struct State {
@@ -55,7 +58,8 @@ fn facts(started_after: Restart) -> BoardFacts {
     BoardFacts {
         identity,
         electrodes: board::ELECTRODES,
-        frame_source: FrameSource::Synthetic,
+        frame_source: FrameSource::Skin,
+        front_end: Some(board::FRONT_END),
         started_after,
     }
 }

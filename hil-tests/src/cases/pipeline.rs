@@ -36,14 +36,14 @@ pub(super) const CASES: &[Case] = &[
 
 /// Counts every instruction of `reconstruct`, 812 pixels from 104 measurements.
 fn kernel(rig: &Rig) -> Result<String, Failure> {
-    let Rig::Virtual { image, board, .. } = rig else { unreachable!("the case needs an emulated board") };
+    let Rig::Virtual { firmware, board, .. } = rig else { unreachable!("the case needs an emulated board") };
     let missing = || Failure::Wrong("the firmware has no function `reconstruct`".to_owned());
-    let function = image.symbol("11reconstruct11reconstruct").ok_or_else(missing)?;
+    let function = firmware.symbol("11reconstruct11reconstruct").ok_or_else(missing)?;
     let mut link = rig.link()?;
     link::upload(&mut link, &patches::patch(812, true, 13), |_| ())?;
     link::tare(&mut link, 2, Duration::from_secs(20))?;
-    board.with(move |machine| machine.count_calls(function));
-    link::stream(&mut link, Selection { contacts: true, ..Selection::default() })?;
+    board.with(move |machine| machine.count_calls(function as u32));
+    link::stream(&mut link, Selection { contacts: 1, ..Selection::default() })?;
     rig.wait(Duration::from_secs(1))?;
     let calls = board.with(|machine| machine.calls());
     // Interrupts come in between: the shortest call had none.
@@ -84,13 +84,13 @@ fn compare(rig: &Rig, patch: &[u8], frames: usize) -> Result<usize, Failure> {
     let view = PatchView::validate(patch).map_err(|error| Failure::Wrong(error.to_string()))?;
     let mut state = PipelineState::default();
     tare(&mut link, &view, &mut state)?;
-    let all = Selection { images: true, contacts: true, measurements: true };
+    let all = Selection { images: 1, contacts: 1, measurements: 1, ..Selection::default() };
     link::stream(&mut link, all)?;
     let mut images = 0;
-    let mut codes = None;
+    let (mut codes, mut contacts) = (None, None);
     while images < frames {
         match link.next_event(Duration::from_secs(5))? {
-            Some(Event::Measurements { at, codes: measured }) => codes = Some((at, measured)),
+            Some(Event::Measurements { at, codes: measured, .. }) => codes = Some((at, measured)),
             Some(Event::Image { at, image }) => {
                 let (stamp, measured) =
                     codes.take().ok_or_else(|| Failure::Wrong("an image without its codes".into()))?;
@@ -102,11 +102,14 @@ fn compare(rig: &Rig, patch: &[u8], frames: usize) -> Result<usize, Failure> {
                 check(PackedImage::pack(state.image()) == image, || {
                     format!("image {} differs", at.sequence)
                 })?;
+                let theirs = contacts.take().filter(|&(contacts_at, _)| contacts_at == at);
+                check(theirs.is_some_and(|(_, contacts)| &contacts == state.contacts()), || {
+                    format!("contacts of frame {} differ", at.sequence)
+                })?;
                 images += 1;
             }
-            Some(Event::Contacts { at, contacts }) => {
-                check(&contacts == state.contacts(), || format!("contacts of frame {} differ", at.sequence))?;
-            }
+            // They go ahead of the image.
+            Some(Event::Contacts { at, contacts: found }) => contacts = Some((at, found)),
             Some(_) => {}
             None => return Err(Failure::Wrong(format!("nothing comes after {images} images"))),
         }
@@ -118,7 +121,7 @@ fn compare(rig: &Rig, patch: &[u8], frames: usize) -> Result<usize, Failure> {
 
 /// Board and host average the same frames: the last that came when the board says that it is done.
 fn tare(link: &mut link::Link, view: &PatchView<'_>, state: &mut PipelineState) -> Result<(), Failure> {
-    link::stream(link, Selection { measurements: true, ..Selection::default() })?;
+    link::stream(link, Selection { measurements: 1, ..Selection::default() })?;
     link.request(&Request::Tare { frames: TARE_FRAMES })?;
     let mut frames = Vec::new();
     let mut is_done = false;
@@ -126,7 +129,7 @@ fn tare(link: &mut link::Link, view: &PatchView<'_>, state: &mut PipelineState) 
         match link.next_event(Duration::from_secs(5))? {
             // The codes of the frame that completes it follow.
             Some(Event::Tared { .. }) => is_done = true,
-            Some(Event::Measurements { at, codes }) => {
+            Some(Event::Measurements { at, codes, .. }) => {
                 frames.push(frame(at, codes));
                 if is_done {
                     break;
@@ -152,5 +155,5 @@ fn frame(
     at: FrameStamp,
     codes: heapless::Vec<dermatome_shared::units::AdcCode, { dermatome_shared::MAX_STEPS }>,
 ) -> Frame {
-    Frame { sequence: at.sequence, timestamp_us: at.timestamp_us, flags: at.flags, codes }
+    Frame { sequence: at.sequence, timestamp_us: at.timestamp_us, flags: at.flags, codes, ..Frame::default() }
 }

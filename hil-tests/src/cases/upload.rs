@@ -1,7 +1,6 @@
 //! Cases of uploads: what arrives is kept, what does not leaves the old patch.
 
 use super::{Case, Failure, check, patches};
-use crate::machine::Machine;
 use crate::rig::{Capability, Rig};
 use dermatome::link;
 use dermatome_shared::{
@@ -13,8 +12,13 @@ use std::time::Duration;
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "a patch is flashed and read back by its identity after a reset",
-        needs: &[Capability::ResetButton],
+        needs: &[Capability::Reset],
         run: survives_reset,
+    },
+    Case {
+        name: "a patch stays when the firmware is programmed again",
+        needs: &[Capability::Program],
+        run: survives_programming,
     },
     Case { name: "two uploads in a row: the second one counts", needs: &[], run: twice },
     Case {
@@ -42,9 +46,17 @@ fn holds(rig: &Rig, patch: &[u8]) -> Result<(), Failure> {
 fn survives_reset(rig: &Rig) -> Result<String, Failure> {
     let patch = patches::patch(36, true, 1);
     link::upload(&mut rig.link()?, &patch, |_| ())?;
-    rig.emulated().with(Machine::press_reset)?;
+    rig.reset()?;
     holds(rig, &patch)?;
     Ok(format!("{} bytes", patch.len()))
+}
+
+fn survives_programming(rig: &Rig) -> Result<String, Failure> {
+    let patch = patches::patch(36, true, 7);
+    link::upload(&mut rig.link()?, &patch, |_| ())?;
+    rig.program()?;
+    holds(rig, &patch)?;
+    Ok(String::new())
 }
 
 fn twice(rig: &Rig) -> Result<String, Failure> {

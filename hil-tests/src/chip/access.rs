@@ -1,11 +1,16 @@
 //! Access: what every read and write of a register has to pass before its model sees it.
 
 use super::{
-    Chip, core,
+    Chip,
+    blocks::{Block, Blocks},
+    core,
     map::{Map, PeripheralMap, Register},
     misuse::Misuse,
     peripheral::Peripheral,
 };
+
+/// A register and its peripheral.
+pub(super) type Place = (&'static PeripheralMap, &'static Register);
 
 impl Chip {
     /// Reads `size` bytes of a peripheral.
@@ -15,10 +20,11 @@ impl Chip {
             Some((map, register)) => {
                 self.check_access(map, register)?;
                 let at = self.moment();
-                let model = self.peripheral(map.name, register)?;
+                let block = self.block_with(map, register)?;
+                let model = self.model_mut(block);
                 let value = model.read(register, at);
                 if model.read_changes(register) {
-                    self.touch();
+                    self.touched.insert(block);
                 }
                 (value, address & 3)
             }
@@ -34,58 +40,84 @@ impl Chip {
             Some((map, register)) => {
                 self.check_access(map, register)?;
                 let at = self.moment();
-                let model = self.peripheral(map.name, register)?;
+                let block = self.block_with(map, register)?;
+                let model = self.model_mut(block);
                 let old = model.bank().value(register);
                 let value = merge_bytes(old, address & 3, size, value);
                 check_write(model, map, register, size, value)?;
                 model.bank_mut().is_in_use = true;
                 model.write(register, value, at)?;
-                self.follow_write(map, register)
+                self.follow_write(block, register)
             }
         }
     }
 
     /// What a written register changes in other peripherals.
-    fn follow_write(&mut self, map: &PeripheralMap, register: &Register) -> Result<(), Misuse> {
-        let resets = map.name == "RCC" && register.name.contains("RSTR");
-        if resets {
-            self.reset_held();
+    fn follow_write(&mut self, block: Block, register: &Register) -> Result<(), Misuse> {
+        self.touched.insert(block);
+        match block {
+            Block::Rcc => {
+                if register.name.contains("RSTR") {
+                    self.reset_held();
+                }
+                self.follow_clocks();
+                self.follow_wires();
+                self.check_clocks()
+            }
+            Block::Pwr | Block::Flash => self.check_clocks(),
+            Block::AdcCommon(_) => {
+                self.follow_clocks();
+                Ok(())
+            }
+            Block::Port(_) if matches!(register.name.as_str(), "MODER" | "AFR") => {
+                self.follow_wires();
+                Ok(())
+            }
+            Block::Port(_) | Block::Syscfg => {
+                self.follow_pins();
+                Ok(())
+            }
+            // A channel that is new may find its request waiting.
+            Block::Dma(_) | Block::Dmamux => {
+                self.touched = Blocks::ALL;
+                Ok(())
+            }
+            _ => Ok(()),
         }
-        if resets || map.name.starts_with("GPIO") || map.name == "SYSCFG" {
-            self.pins_touched = true;
-            self.follow_pins();
-        }
-        self.touch();
-        self.follow_clocks();
-        self.check_clocks()
     }
 
     /// Peripheral and register at an address; none for the core's own.
-    fn place(&self, address: u32) -> Result<Option<(&'static PeripheralMap, &'static Register)>, Misuse> {
-        let map = Map::of_chip();
-        match map.at(address) {
-            Some(peripheral) => {
-                let offset = address - peripheral.base;
-                let none = || Misuse::NoRegister { peripheral: peripheral.name.to_owned(), offset };
-                Ok(Some((peripheral, peripheral.register_at(offset).ok_or_else(none)?)))
-            }
-            None if address >= core::START => Ok(None),
-            None => Err(Misuse::NoRegister { peripheral: "address".to_owned(), offset: address }),
+    fn place(&mut self, address: u32) -> Result<Option<Place>, Misuse> {
+        // The DMA comes back to the same few registers.
+        let seen = (address >> 2 ^ address >> 10) as usize % self.places.len();
+        if let Some((known, place)) = self.places[seen]
+            && known == address
+        {
+            return Ok(Some(place));
         }
+        let place = find(address)?;
+        if let Some(place) = place {
+            self.places[seen] = Some((address, place));
+        }
+        Ok(place)
     }
 
     /// Peripherals that the RCC holds in reset start again (RM0440, RCC chapter, RCC_AHB1RSTR and on).
     fn reset_held(&mut self) {
         for map in Map::of_chip().peripherals() {
             if self.rcc.reset_of(map).is_some()
-                && let Some(model) = self.model_mut(map.name)
+                && let Some(block) = Block::named(map.name)
             {
-                model.reset();
+                self.model_mut(block).reset();
             }
         }
+        self.touched = Blocks::ALL;
     }
 
     fn check_access(&self, map: &PeripheralMap, register: &Register) -> Result<(), Misuse> {
+        if self.rcc.lets_run(map) {
+            return Ok(());
+        }
         let peripheral = || format!("{}.{}", map.name, register.name);
         self.rcc.clock_of(map).map_err(|enable| Misuse::NoClock { peripheral: peripheral(), enable })?;
         match self.rcc.reset_of(map) {
@@ -94,11 +126,23 @@ impl Chip {
         }
     }
 
-    fn peripheral(&mut self, name: &str, register: &Register) -> Result<&mut dyn Peripheral, Misuse> {
-        match self.model_mut(name) {
-            Some(model) if model.models(register) => Ok(model),
-            _ => Err(Misuse::unmodelled(name, register)),
+    fn block_with(&self, map: &PeripheralMap, register: &Register) -> Result<Block, Misuse> {
+        match self.blocks[map.place] {
+            Some(block) if self.model(block).models(register) => Ok(block),
+            _ => Err(Misuse::unmodelled(map.name, register)),
         }
+    }
+}
+
+fn find(address: u32) -> Result<Option<Place>, Misuse> {
+    match Map::of_chip().at(address) {
+        Some(peripheral) => {
+            let offset = address - peripheral.base;
+            let none = || Misuse::NoRegister { peripheral: peripheral.name.to_owned(), offset };
+            Ok(Some((peripheral, peripheral.register_at(offset).ok_or_else(none)?)))
+        }
+        None if address >= core::START => Ok(None),
+        None => Err(Misuse::NoRegister { peripheral: "address".to_owned(), offset: address }),
     }
 }
 
@@ -132,9 +176,11 @@ fn check_write(
 
 /// Bits that mean nothing keep the value they have.
 fn check_bits(map: &PeripheralMap, register: &Register, old: u32, value: u32) -> Result<(), Misuse> {
-    let (peripheral, name) = (map.name.to_owned(), register.name.clone());
     match value & !register.known_bits & !old {
         0 => Ok(()),
-        reserved => Err(Misuse::ReservedBits { peripheral, register: name, value, reserved }),
+        reserved => {
+            let (peripheral, register) = (map.name.to_owned(), register.name.clone());
+            Err(Misuse::ReservedBits { peripheral, register, value, reserved })
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! ADC: regular conversions of one converter (RM0440 chapter 21).
+//! ADC: regular conversions of one converter (RM0440, "Analog-to-digital converters (ADC)").
 //!
 //! The life of a converter: leave deep power-down, regulator on (20 us to start), calibrate, enable,
 //! and then sequences of channels, started by software or by a timer's trigger output. A conversion
@@ -8,13 +8,17 @@
 //! dual mode, differential inputs, offsets, delayed conversions.
 
 pub mod common;
+pub mod internal;
+mod plan;
 
+use self::{internal::Internal, plan::Plan};
 use super::{
     bank::Bank,
-    map::Register,
+    map::{Field, Register},
     misuse::Misuse,
     peripheral::{Moment, Peripheral, has_bank},
     time::Time,
+    world::World,
 };
 
 /// Volts at which a conversion gives its highest code (VREF+).
@@ -25,25 +29,20 @@ const REGULATOR_START: Time = Time::from_micros(20);
 const CALIBRATION_CLOCKS: u64 = 112;
 /// Half clocks for which a channel is sampled, by SMPR.
 const SAMPLING: [u64; 8] = [5, 13, 25, 49, 95, 185, 495, 1281];
-/// Timers whose trigger outputs EXTSEL selects; the same for all five converters.
-const TRIGGERS: [(u32, &str); 6] =
-    [(4, "TIM3"), (11, "TIM2"), (12, "TIM4"), (13, "TIM6"), (14, "TIM15"), (30, "TIM7")];
+/// Timers, by number, whose trigger outputs EXTSEL selects; the same for all five converters.
+const TRIGGERS: [(u32, u8); 6] = [(4, 3), (11, 2), (12, 4), (13, 6), (14, 15), (30, 7)];
 /// Registers that may only keep their value after reset.
-const UNUSED: [&str; 9] = ["TR1", "TR2", "TR3", "JSQR", "OFR", "AWD2CR", "AWD3CR", "DIFSEL", "GCOMP"];
-
-/// What is outside the chip.
-pub trait World: std::fmt::Debug {
-    /// Volts at a channel of a converter (1 to 5) at an instant.
-    fn voltage(&mut self, adc: usize, channel: usize, at: Time) -> f64;
-}
+const UNUSED: [&str; 8] = ["TR1", "TR2", "TR3", "JSQR", "OFR", "AWD2CR", "AWD3CR", "GCOMP"];
 
 /// Model of one converter.
 #[derive(Clone, Debug)]
 pub struct Adc {
     bank: Bank,
+    flags: Flags,
+    plan: Plan,
     number: usize,
-    /// Its clock, Hz, common prescaler applied; the chip keeps it current.
-    pub clock: u64,
+    /// Its clock, Hz, common prescaler applied.
+    clock: u64,
     regulator_on: Time,
     calibrated_at: Time,
     /// Rank under way, samples taken for it, and their sum.
@@ -54,14 +53,37 @@ pub struct Adc {
     converted_at: Time,
     data: u32,
     waits_for_trigger: bool,
+    /// The DMA has come to its end and CFGR.DMACFG asks for no more.
+    is_done: bool,
+}
+
+/// Flags of ISR, found once.
+#[derive(Clone, Copy, Debug)]
+struct Flags {
+    sampled: Field,
+    converted: Field,
+    sequence: Field,
+    overrun: Field,
+    enables: usize,
+}
+
+impl Flags {
+    fn of(bank: &Bank) -> Self {
+        let [sampled, converted, sequence, overrun] =
+            ["EOSMP", "EOC", "EOS", "OVR"].map(|flag| bank.find("ISR", flag));
+        Self { sampled, converted, sequence, overrun, enables: bank.map.register("IER").place }
+    }
 }
 
 impl Adc {
     /// The converter of that number, 1 to 5.
     #[must_use]
     pub fn new(number: usize) -> Self {
+        let bank = Bank::new(&format!("ADC{number}"), &[("CR", 0x2000_0000), ("CFGR", 0x8000_0000)]);
         Self {
-            bank: Bank::new(&format!("ADC{number}"), &[("CR", 0x2000_0000), ("CFGR", 0x8000_0000)]),
+            flags: Flags::of(&bank),
+            plan: Plan::read(&bank, 0),
+            bank,
             number,
             clock: 0,
             regulator_on: Time::NEVER,
@@ -73,15 +95,35 @@ impl Adc {
             converted_at: Time::NEVER,
             data: 0,
             waits_for_trigger: false,
+            is_done: false,
         }
     }
 
-    /// The trigger output of that timer fires.
-    pub fn trigger(&mut self, timer: &str, now: Time) {
-        let code = self.bank.get("CFGR", "EXTSEL");
-        if self.waits_for_trigger && TRIGGERS.contains(&(code, timer)) {
+    /// Its clock, common prescaler applied, has so many hertz now.
+    pub fn run_at(&mut self, clock: u64) {
+        if clock != self.clock {
+            self.clock = clock;
+            self.plan = Plan::read(&self.bank, clock);
+        }
+    }
+
+    /// The trigger output of the timer of that number fires. Says whether a conversion starts.
+    pub fn trigger(&mut self, timer: u8, now: Time) -> bool {
+        let starts = self.waits_for_trigger && self.plan.trigger == Some(timer);
+        if starts {
             self.waits_for_trigger = false;
             self.start_sampling(now);
+        }
+        starts
+    }
+
+    /// What is inside the chip at the channel whose sampling has ended; none if nothing has ended.
+    #[must_use]
+    pub fn measures(&self, now: Time) -> Option<Internal> {
+        if now < self.sampled_at {
+            None
+        } else {
+            Internal::at(self.number, self.plan.rank(self.rank).channel)
         }
     }
 
@@ -90,23 +132,10 @@ impl Adc {
         if now < self.sampled_at {
             return;
         }
-        let volts = world.voltage(self.number, self.channel(), self.sampled_at);
-        let bits = self.bits();
-        let full = f64::from(1_u32 << bits);
-        let code = (volts / REFERENCE * full).floor().clamp(0.0, full - 1.0);
-        self.sum += code as u32;
+        let channel = self.plan.rank(self.rank).channel;
+        let volts = world.voltage(self.number, channel, self.sampled_at);
+        self.sum += self.plan.code(volts);
         self.sampled_at = Time::NEVER;
-    }
-
-    /// Channel of the rank under way.
-    fn channel(&self) -> usize {
-        let (register, place) =
-            if self.rank < 4 { (1, self.rank) } else { (2 + (self.rank - 4) / 5, (self.rank - 4) % 5) };
-        self.bank.get(&format!("SQR{register}"), &format!("SQ[{place}]")) as usize
-    }
-
-    fn bits(&self) -> u32 {
-        12 - 2 * self.bank.get("CFGR", "RES")
     }
 
     fn half_clock(&self, count: u64) -> Time {
@@ -114,28 +143,18 @@ impl Adc {
     }
 
     fn start_sampling(&mut self, now: Time) {
-        let channel = self.channel();
-        let name = if channel < 10 { "SMPR" } else { "SMPR2" };
-        let setting = self.bank.get(name, &format!("SMP[{}]", channel % 10)) as usize;
-        let plus = u64::from(setting == 0 && self.bank.is_set("SMPR", "SMPPLUS"));
-        let sampling = SAMPLING[setting] + 2 * plus;
-        self.sampled_at = now + self.half_clock(sampling);
-        self.converted_at = now + self.half_clock(sampling + 2 * u64::from(self.bits()) + 1);
-    }
-
-    /// Samples that make one result.
-    fn ratio(&self) -> u32 {
-        if self.bank.is_set("CFGR2", "ROVSE") { 2 << self.bank.get("CFGR2", "OVSR") } else { 1 }
+        let rank = self.plan.rank(self.rank);
+        self.sampled_at = now + rank.sampling;
+        self.converted_at = now + rank.whole;
     }
 
     fn finish_sample(&mut self) {
         let now = std::mem::replace(&mut self.converted_at, Time::NEVER);
         self.samples += 1;
-        if self.samples < self.ratio() {
+        if self.samples < self.plan.ratio {
             return self.start_sampling(now);
         }
-        let shift = if self.ratio() > 1 { self.bank.get("CFGR2", "OVSS") } else { 0 };
-        let result = self.sum >> shift & 0xFFFF;
+        let result = self.sum >> self.plan.shift & 0xFFFF;
         (self.samples, self.sum) = (0, 0);
         self.deliver(result);
         self.next_rank(now);
@@ -143,36 +162,41 @@ impl Adc {
 
     /// A result that nobody has read is kept, or replaced where OVRMOD says so; OVR is set.
     fn deliver(&mut self, result: u32) {
-        if self.bank.is_set("ISR", "EOC") {
-            self.bank.set("ISR", "OVR", 1);
-            if !self.bank.is_set("CFGR", "OVRMOD") {
+        if self.bank.at(self.flags.converted) == 1 {
+            self.bank.put(self.flags.overrun, 1);
+            if !self.plan.overwrites {
                 return;
             }
         }
         self.data = result;
-        self.bank.set("ISR", "EOSMP", 1);
-        self.bank.set("ISR", "EOC", 1);
+        self.bank.put(self.flags.sampled, 1);
+        self.bank.put(self.flags.converted, 1);
     }
 
     fn next_rank(&mut self, now: Time) {
         self.rank += 1;
-        if self.rank <= self.bank.get("SQR1", "L") as usize {
+        if self.rank <= self.plan.last {
             return self.start_sampling(now);
         }
         self.rank = 0;
-        self.bank.set("ISR", "EOS", 1);
-        if self.bank.is_set("CFGR", "CONT") {
+        self.bank.put(self.flags.sequence, 1);
+        if self.plan.is_continuous {
             self.start_sampling(now);
-        } else if self.bank.get("CFGR", "EXTEN") == 0 {
-            self.bank.set("CR", "ADSTART", 0);
-        } else {
+        } else if self.plan.is_triggered {
             self.waits_for_trigger = true;
+        } else {
+            self.bank.set("CR", "ADSTART", 0);
         }
     }
 
-    fn stop(&mut self) {
+    /// Leaves the sequence under way.
+    fn abort(&mut self) {
         (self.rank, self.samples, self.sum, self.waits_for_trigger) = (0, 0, 0, false);
         (self.sampled_at, self.converted_at) = (Time::NEVER, Time::NEVER);
+    }
+
+    fn stop(&mut self) {
+        self.abort();
         for field in ["ADSTART", "ADSTP"] {
             self.bank.set("CR", field, 0);
         }
@@ -181,14 +205,14 @@ impl Adc {
     /// CR: each bit is a command, and bits at 0 change nothing but the regulator's.
     fn command(&mut self, register: &Register, value: u32, now: Time) -> Result<(), Misuse> {
         let asks = |field: &str| register.get(value, field) == 1;
-        if asks("JADSTART") || asks("ADCALDIF") {
-            return Err(Misuse::rule("ADC", "injected and differential conversions are not modelled"));
+        if asks("JADSTART") {
+            return Err(Misuse::rule("ADC", "injected conversions are not modelled"));
         }
         if asks("ADVREGEN") && asks("DEEPPWD") {
             return Err(Misuse::rule("ADC", "ADVREGEN is set while DEEPPWD is 1"));
         }
         let was_on = self.bank.is_set("CR", "ADVREGEN");
-        for field in ["ADVREGEN", "DEEPPWD"] {
+        for field in ["ADVREGEN", "DEEPPWD", "ADCALDIF"] {
             self.bank.set("CR", field, register.get(value, field));
         }
         if asks("ADVREGEN") && !was_on {
@@ -251,10 +275,10 @@ impl Adc {
             return Err(Misuse::rule("ADC", "ADSTART is set while ADEN is 0"));
         }
         self.bank.set("CR", "ADSTART", 1);
-        if self.bank.get("CFGR", "EXTEN") == 0 {
-            self.start_sampling(now);
-        } else {
+        if self.plan.is_triggered {
             self.waits_for_trigger = true;
+        } else {
+            self.start_sampling(now);
         }
         Ok(())
     }
@@ -262,6 +286,9 @@ impl Adc {
     fn check_configuration(&self, register: &Register, value: u32) -> Result<(), Misuse> {
         if self.bank.is_set("CR", "ADSTART") {
             return Err(Misuse::rule("ADC", format!("{} changes while ADSTART is 1", register.name)));
+        }
+        if register.name == "DIFSEL" && value != 0 {
+            return Err(Misuse::rule("ADC", "differential inputs are not modelled"));
         }
         let refused: &[&str] = match register.name.as_str() {
             "CFGR" => &["AUTDLY", "ALIGN", "DISCEN", "JDISCEN", "AWD1EN", "JAWD1EN", "JAUTO"],
@@ -300,7 +327,7 @@ impl Peripheral for Adc {
             return self.bank.value(register);
         }
         // Reading the result clears EOC.
-        self.bank.set("ISR", "EOC", 0);
+        self.bank.put(self.flags.converted, 0);
         self.data
     }
 
@@ -319,6 +346,8 @@ impl Peripheral for Adc {
             _ => {
                 self.check_configuration(register, value)?;
                 self.bank.store(register, value);
+                self.plan = Plan::read(&self.bank, self.clock);
+                self.is_done &= register.name != "CFGR";
             }
         }
         Ok(())
@@ -344,18 +373,30 @@ impl Peripheral for Adc {
 
     fn interrupts(&self, _: &str) -> bool {
         // The enable bits lie where the flags lie (ADC_ISR, ADC_IER).
-        self.bank.word("ISR", 0) & self.bank.word("IER", 0) & 0x1F != 0
+        self.bank.at_place(self.flags.overrun.place) & self.bank.at_place(self.flags.enables) & 0x1F != 0
     }
 
     fn requests(&self, signal: &str) -> bool {
-        signal == self.bank.map.name
-            && self.bank.is_set("CFGR", "DMAEN")
-            && self.bank.is_set("ISR", "EOC")
-            && !self.bank.is_set("ISR", "OVR")
+        self.plan.uses_dma
+            && !self.is_done
+            && self.bank.at(self.flags.converted) == 1
+            && self.bank.at(self.flags.overrun) == 0
+            && signal == self.bank.map.name
+    }
+
+    /// In one-shot mode (DMACFG = 0) the end of the DMA's buffer ends the conversions as well ("DMA
+    /// one shot mode").
+    fn transfers_ended(&mut self, _: &str) {
+        if !self.plan.is_circular {
+            self.is_done = true;
+            self.abort();
+        }
     }
 
     fn reset(&mut self) {
-        *self = Self { clock: self.clock, ..Self::new(self.number) };
+        let clock = self.clock;
+        *self = Self::new(self.number);
+        self.run_at(clock);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Bank: the values of one peripheral's registers, by the names and fields of the map.
 
-use super::map::{Map, PeripheralMap, Register};
+use super::map::{Field, Map, PeripheralMap, Register};
 
 /// Values of a peripheral's registers.
 #[derive(Clone, Debug)]
@@ -42,6 +42,30 @@ impl Bank {
     /// Replaces the value of a register.
     pub fn store(&mut self, register: &Register, value: u32) {
         self.values[register.place] = value;
+    }
+
+    /// Where a field is, to look at it often.
+    #[must_use]
+    pub fn find(&self, register: &str, field: &str) -> Field {
+        self.map.register(register).find(field)
+    }
+
+    /// Value of a field that was found before.
+    #[must_use]
+    pub fn at(&self, field: Field) -> u32 {
+        (self.values[field.place] & field.mask) >> field.shift
+    }
+
+    /// Replaces a field that was found before.
+    pub fn put(&mut self, field: Field, value: u32) {
+        let old = self.values[field.place];
+        self.values[field.place] = (old & !field.mask) | (value << field.shift & field.mask);
+    }
+
+    /// Value of the register at a place among the peripheral's.
+    #[must_use]
+    pub fn at_place(&self, place: usize) -> u32 {
+        self.values[place]
     }
 
     /// Value of a field.

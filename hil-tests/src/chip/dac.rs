@@ -13,69 +13,81 @@ use super::{
 
 /// Channels of one converter.
 const CHANNELS: usize = 2;
-/// Triggers of TSEL ("DAC interconnection" tables); code 1 is TIM8 or, for DAC3, TIM1.
-const TRIGGERS: [(u32, &str); 7] =
-    [(2, "TIM7"), (3, "TIM15"), (4, "TIM2"), (5, "TIM4"), (7, "TIM6"), (8, "TIM3"), (0, "software")];
+/// Triggers of TSEL ("DAC interconnection" tables): timers by number; 0 is software. Code 1 is TIM8 or, for
+/// DAC3, TIM1.
+const TRIGGERS: [(u32, Trigger); 7] = [
+    (0, Trigger::Software),
+    (2, Trigger::Timer(7)),
+    (3, Trigger::Timer(15)),
+    (4, Trigger::Timer(2)),
+    (5, Trigger::Timer(4)),
+    (7, Trigger::Timer(6)),
+    (8, Trigger::Timer(3)),
+];
+
+/// What makes a channel take its holding register over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trigger {
+    /// SWTRIGR.
+    Software,
+    /// The trigger output of the timer of that number.
+    Timer(u8),
+}
 
 /// Model of one DAC.
 #[derive(Clone, Debug)]
 pub struct Dac {
     bank: Bank,
-    holding: [u16; CHANNELS],
-    output: [u16; CHANNELS],
-    asks: [bool; CHANNELS],
+    channels: [Channel; CHANNELS],
+}
+
+/// One channel: what CR asks of it, and where it is.
+#[derive(Clone, Copy, Debug, Default)]
+struct Channel {
+    is_on: bool,
+    trigger: Option<Trigger>,
+    uses_dma: bool,
+    holding: u16,
+    output: u16,
+    asks: bool,
+    /// SR.DMAUDR.
+    underran: bool,
 }
 
 impl Dac {
     /// The converter of that name.
     #[must_use]
     pub fn new(name: &str) -> Self {
-        Self { bank: Bank::new(name, &[]), holding: [0; 2], output: [0; 2], asks: [false; 2] }
+        Self { bank: Bank::new(name, &[]), channels: [Channel::default(); CHANNELS] }
     }
 
     /// Code that a channel (0 or 1) puts out; none while it is off.
     #[must_use]
     pub fn output(&self, channel: usize) -> Option<u16> {
-        self.is_set("EN", channel).then_some(self.output[channel])
+        let channel = &self.channels[channel];
+        channel.is_on.then_some(channel.output)
     }
 
-    /// A trigger output of that timer, or "software", fires.
-    pub fn trigger(&mut self, source: &str) {
-        for channel in 0..CHANNELS {
-            if self.trigger_of(channel) == Some(source) {
-                self.convert(channel);
+    /// A trigger fires. Says whether a channel listens to it.
+    pub fn trigger(&mut self, source: Trigger) -> bool {
+        let mut heard = false;
+        for channel in &mut self.channels {
+            if channel.is_on && channel.trigger == Some(source) {
+                channel.convert();
+                heard = true;
             }
         }
+        heard
     }
 
-    fn trigger_of(&self, channel: usize) -> Option<&'static str> {
-        let code = self.bank.get("CR", &field("TSEL", channel));
-        let triggered = self.is_set("EN", channel) && self.is_set("TEN", channel);
-        let found = TRIGGERS.iter().find(|&&(known, _)| known == code && triggered);
-        found.map(|&(_, source)| source)
-    }
-
-    /// Takes the held value over; a request that nobody has served by then is an underrun (SR.DMAUDR).
-    fn convert(&mut self, channel: usize) {
-        self.output[channel] = self.holding[channel];
-        if !self.is_set("DMAEN", channel) || self.bank.is_set("SR", &field("DMAUDR", channel)) {
-            return;
+    fn follow_control(&mut self) {
+        for (place, channel) in self.channels.iter_mut().enumerate() {
+            let get = |name| self.bank.get("CR", &field(name, place));
+            let code = (get("TEN") == 1).then(|| get("TSEL"));
+            let found = TRIGGERS.iter().find(|&&(known, _)| Some(known) == code);
+            channel.trigger = found.map(|&(_, trigger)| trigger);
+            (channel.is_on, channel.uses_dma) = (get("EN") == 1, get("DMAEN") == 1);
         }
-        if std::mem::replace(&mut self.asks[channel], true) {
-            self.bank.set("SR", &field("DMAUDR", channel), 1);
-            self.asks[channel] = false;
-        }
-    }
-
-    fn hold(&mut self, channel: usize, code: u32) {
-        self.holding[channel] = code as u16;
-        if !self.is_set("TEN", channel) {
-            self.output[channel] = code as u16;
-        }
-    }
-
-    fn is_set(&self, name: &str, channel: usize) -> bool {
-        self.bank.is_set("CR", &field(name, channel))
     }
 
     fn check_control(&self, register: &Register, value: u32) -> Result<(), Misuse> {
@@ -116,9 +128,11 @@ impl Peripheral for Dac {
     fn read(&mut self, register: &Register, _: Moment) -> u32 {
         let value = self.bank.value(register);
         match register.name.as_str() {
-            "DOR" => self.output[register.index].into(),
-            "SR" => (0..CHANNELS).fold(value, |value, channel| {
-                register.with(value, &field("DACRDY", channel), u32::from(self.is_set("EN", channel)))
+            "DOR" => self.channels[register.index].output.into(),
+            "SR" => (0..CHANNELS).fold(value, |value, place| {
+                let channel = &self.channels[place];
+                let value = register.with(value, &field("DACRDY", place), channel.is_on.into());
+                register.with(value, &field("DMAUDR", place), channel.underran.into())
             }),
             _ => value,
         }
@@ -126,28 +140,33 @@ impl Peripheral for Dac {
 
     fn write(&mut self, register: &Register, value: u32, _: Moment) -> Result<(), Misuse> {
         match register.name.as_str() {
-            "DHR12R" => self.hold(register.index, value & 0xFFF),
-            "DHR12L" => self.hold(register.index, value >> 4 & 0xFFF),
-            "DHR8R" => self.hold(register.index, (value & 0xFF) << 4),
+            "DHR12R" => self.channels[register.index].hold(value & 0xFFF),
+            "DHR12L" => self.channels[register.index].hold(value >> 4 & 0xFFF),
+            "DHR8R" => self.channels[register.index].hold((value & 0xFF) << 4),
             "SWTRIGR" => {
-                let chosen = |channel: &usize| value >> channel & 1 == 1;
-                for channel in (0..CHANNELS).filter(chosen) {
-                    if self.trigger_of(channel) == Some("software") {
-                        self.convert(channel);
+                for (place, channel) in self.channels.iter_mut().enumerate() {
+                    let listens = channel.is_on && channel.trigger == Some(Trigger::Software);
+                    if listens && value >> place & 1 == 1 {
+                        channel.convert();
                     }
                 }
                 return Ok(());
             }
             // DMAUDR is cleared by writing 1.
             "SR" => {
-                let old = self.bank.value(register);
-                self.bank.store(register, old & !value);
+                for (place, channel) in self.channels.iter_mut().enumerate() {
+                    channel.underran &= register.get(value, &field("DMAUDR", place)) == 0;
+                }
                 return Ok(());
             }
             "MCR" if value & !0x0000_C000 & !0x0007_0007 != 0 => {
                 return Err(Misuse::rule("DAC", "double and signed data (MCR) are not modelled"));
             }
-            "CR" => self.check_control(register, value)?,
+            "CR" => {
+                self.check_control(register, value)?;
+                self.bank.store(register, value);
+                self.follow_control();
+            }
             _ => {}
         }
         self.bank.store(register, value);
@@ -155,23 +174,42 @@ impl Peripheral for Dac {
     }
 
     fn interrupts(&self, _: &str) -> bool {
-        let underrun =
-            |channel| self.is_set("DMAUDRIE", channel) && self.bank.is_set("SR", &field("DMAUDR", channel));
-        (0..CHANNELS).any(underrun)
+        let enabled = |place| self.bank.is_set("CR", &field("DMAUDRIE", place));
+        (0..CHANNELS).any(|place| self.channels[place].underran && enabled(place))
     }
 
     fn requests(&self, signal: &str) -> bool {
-        channel(signal).is_some_and(|channel| self.asks[channel] && self.is_set("DMAEN", channel))
+        channel(signal).is_some_and(|place| self.channels[place].asks && self.channels[place].uses_dma)
     }
 
     fn acknowledge(&mut self, signal: &str) {
-        if let Some(channel) = channel(signal) {
-            self.asks[channel] = false;
+        if let Some(place) = channel(signal) {
+            self.channels[place].asks = false;
         }
     }
 
     fn reset(&mut self) {
         *self = Self::new(self.bank.map.name);
+    }
+}
+
+impl Channel {
+    /// Takes the held value over; a request that nobody has served by then is an underrun (SR.DMAUDR).
+    fn convert(&mut self) {
+        self.output = self.holding;
+        if !self.uses_dma || self.underran {
+            return;
+        }
+        if std::mem::replace(&mut self.asks, true) {
+            (self.underran, self.asks) = (true, false);
+        }
+    }
+
+    fn hold(&mut self, code: u32) {
+        self.holding = code as u16;
+        if self.trigger.is_none() {
+            self.output = code as u16;
+        }
     }
 }
 

@@ -1,9 +1,11 @@
-//! DMA and DMAMUX (RM0440 chapters 12 and 13): sixteen channels, any request to any of them.
+//! DMA and DMAMUX (RM0440, "Direct memory access controller (DMA)", "DMA request multiplexer (DMAMUX)"):
+//! sixteen channels, any request to any of them.
 //!
 //! A transfer is one beat: read there, write here, count down. Beats take no time of their own.
 
 use super::{
     bank::Bank,
+    blocks::{Block, Blocks},
     map::{Map, Register},
     misuse::Misuse,
     peripheral::{Moment, Peripheral, has_bank},
@@ -16,15 +18,39 @@ pub const CHANNELS: usize = 8;
 #[derive(Clone, Debug)]
 pub struct Dma {
     bank: Bank,
-    channels: [Progress; CHANNELS],
+    channels: [Channel; CHANNELS],
 }
 
-/// Where a channel is: beats left of `total`.
+/// One channel: what its registers ask for, and where it is: beats left of `total`.
 #[derive(Clone, Copy, Debug, Default)]
-struct Progress {
+struct Channel {
+    there: Side,
+    here: Side,
+    /// CR.DIR: from memory to the peripheral.
+    from_memory: bool,
+    copies_memory: bool,
+    is_circular: bool,
     total: u32,
     left: u32,
     is_on: bool,
+}
+
+/// One end of a transfer: PAR or MAR, with its width and whether it goes on after each beat.
+#[derive(Clone, Copy, Debug, Default)]
+struct Side {
+    start: u32,
+    /// Bytes, as a power of two.
+    size: u32,
+    increments: bool,
+}
+
+/// What a beat reaches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// Half of the buffer.
+    Half,
+    /// The end of the buffer.
+    End,
 }
 
 /// One beat: what to read and what to write.
@@ -44,7 +70,7 @@ impl Dma {
     /// The controller of that name.
     #[must_use]
     pub fn new(name: &str) -> Self {
-        Self { bank: Bank::new(name, &[]), channels: [Progress::default(); CHANNELS] }
+        Self { bank: Bank::new(name, &[]), channels: [Channel::default(); CHANNELS] }
     }
 
     /// Whether a channel waits for a request.
@@ -56,35 +82,28 @@ impl Dma {
     /// Whether a channel copies memory without any request.
     #[must_use]
     pub fn copies_memory(&self, channel: usize) -> bool {
-        self.bank.get_at("CH.CR", channel, "MEM2MEM") == 1
+        self.channels[channel].copies_memory
     }
 
     /// The next beat of a channel.
     #[must_use]
     pub fn beat(&self, channel: usize) -> Beat {
-        let get = |field| self.bank.get_at("CH.CR", channel, field);
-        let Progress { total, left, .. } = self.channels[channel];
-        let place = |register, increments, size: u32| {
-            let start = self.bank.word(register, channel);
-            (start + if get(increments) == 1 { (total - left) << size } else { 0 }, 1 << size)
-        };
-        let (there, there_bytes) = place("CH.PAR", "PINC", get("PSIZE"));
-        let (here, here_bytes) = place("CH.MAR", "MINC", get("MSIZE"));
-        if get("DIR") == 1 {
+        let channel = &self.channels[channel];
+        let done = channel.total - channel.left;
+        let ((there, there_bytes), (here, here_bytes)) = (channel.there.at(done), channel.here.at(done));
+        if channel.from_memory {
             Beat { from: here, from_bytes: here_bytes, to: there, to_bytes: there_bytes }
         } else {
             Beat { from: there, from_bytes: there_bytes, to: here, to_bytes: here_bytes }
         }
     }
 
-    /// Counts one beat (12.4.5): flags at half and at the end, then stop or start again. Says
-    /// whether that was the last beat of the buffer.
-    pub fn count(&mut self, channel: usize) -> bool {
-        let circular = self.bank.get_at("CH.CR", channel, "CIRC") == 1;
+    /// Counts one beat ("DMA transfers"): flags at half and at the end, then stop or start again.
+    pub fn count(&mut self, channel: usize) -> Option<Mark> {
         let progress = &mut self.channels[channel];
         progress.left -= 1;
         let (left, total) = (progress.left, progress.total);
-        if left == 0 && circular {
+        if left == 0 && progress.is_circular {
             progress.left = total;
         }
         if left == total / 2 {
@@ -92,8 +111,23 @@ impl Dma {
         }
         if left == 0 {
             self.flag("TCIF", channel);
+            return Some(Mark::End);
         }
-        left == 0
+        (left == total / 2).then_some(Mark::Half)
+    }
+
+    fn follow(&mut self, channel: usize) {
+        let get = |field| self.bank.get_at("CH.CR", channel, field);
+        let side = |register, increments, size| Side {
+            start: self.bank.word(register, channel),
+            size: get(size),
+            increments: get(increments) == 1,
+        };
+        let (there, here) = (side("CH.PAR", "PINC", "PSIZE"), side("CH.MAR", "MINC", "MSIZE"));
+        let (from_memory, copies_memory) = (get("DIR") == 1, get("MEM2MEM") == 1);
+        let is_circular = get("CIRC") == 1;
+        let old = self.channels[channel];
+        self.channels[channel] = Channel { there, here, from_memory, copies_memory, is_circular, ..old };
     }
 
     /// A beat met an address where nothing is (12.4.6): the channel stops.
@@ -144,7 +178,8 @@ impl Peripheral for Dma {
             }
             "CH.NDTR" => {
                 self.bank.store(register, value);
-                self.channels[register.index] = Progress { total: value, left: value, is_on: false };
+                let channel = &mut self.channels[register.index];
+                (channel.total, channel.left, channel.is_on) = (value, value, false);
             }
             "CH.CR" => {
                 self.bank.store(register, value);
@@ -154,6 +189,11 @@ impl Peripheral for Dma {
                     // After the end, NDTR has to be written again (12.4.3).
                     channel.total = channel.left;
                 }
+                self.follow(register.index);
+            }
+            "CH.PAR" | "CH.MAR" => {
+                self.bank.store(register, value);
+                self.follow(register.index);
             }
             _ => self.bank.store(register, value),
         }
@@ -173,26 +213,43 @@ impl Peripheral for Dma {
     }
 }
 
+impl Side {
+    fn at(self, done: u32) -> (u32, u32) {
+        let offset = if self.increments { done << self.size } else { 0 };
+        (self.start + offset, 1 << self.size)
+    }
+}
+
 /// Model of the request multiplexer.
 #[derive(Clone, Debug)]
 pub struct Dmamux {
     bank: Bank,
     sources: [Option<Source>; 2 * CHANNELS],
+    /// All blocks that some channel gets requests of.
+    listened: Blocks,
 }
 
-/// Peripheral and signal that ask for transfers.
-pub type Source = (&'static str, &'static str);
+/// Block and signal that ask for transfers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Source {
+    pub(super) block: Block,
+    pub(super) signal: &'static str,
+}
 
 impl Default for Dmamux {
     fn default() -> Self {
-        Self { bank: Bank::new("DMAMUX1", &[]), sources: [None; 2 * CHANNELS] }
+        Self { bank: Bank::new("DMAMUX1", &[]), sources: [None; 2 * CHANNELS], listened: Blocks::default() }
     }
 }
 
 impl Dmamux {
-    /// Peripheral and signal whose requests a channel (0 to 15) gets.
-    #[must_use]
-    pub fn source(&self, channel: usize) -> Option<Source> {
+    /// Whether one of these blocks may ask for transfers.
+    pub(super) fn listens_to(&self, blocks: Blocks) -> bool {
+        self.listened.meets(blocks)
+    }
+
+    /// Block and signal whose requests a channel (0 to 15) gets.
+    pub(super) fn source(&self, channel: usize) -> Option<Source> {
         self.sources[channel]
     }
 }
@@ -201,7 +258,7 @@ impl Dmamux {
 fn source_of(request: u32) -> Option<Source> {
     Map::of_chip().peripherals().find_map(|peripheral| {
         let (signal, _) = peripheral.dma_requests().find(|&(_, number)| number == request && request != 0)?;
-        Some((peripheral.name, signal))
+        Some(Source { block: Block::named(peripheral.name)?, signal })
     })
 }
 
@@ -220,6 +277,8 @@ impl Peripheral for Dmamux {
         if register.name == "CCR" {
             self.bank.store(register, value);
             self.sources[register.index] = source_of(register.get(value, "DMAREQ_ID"));
+            self.listened = Blocks::default();
+            self.sources.iter().flatten().for_each(|source| self.listened.insert(source.block));
         }
         Ok(())
     }

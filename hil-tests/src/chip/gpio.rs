@@ -13,6 +13,12 @@ pub struct Gpio {
     bank: Bank,
     /// Levels that the world puts on the pins, where it drives them.
     pub driven: [Option<bool>; 16],
+    /// What each pin does, by MODER and AFR.
+    modes: [PinMode; 16],
+    /// Pins that are outputs, and pins that belong to a peripheral's output with its level.
+    outputs: u16,
+    carrying: u16,
+    carried: u16,
 }
 
 /// What a pin does.
@@ -38,18 +44,38 @@ impl Gpio {
             'B' => (0xFFFF_FEBF, 0x0000_0100),
             _ => (0xFFFF_FFFF, 0),
         };
-        Self { bank: Bank::new(&name, &[("MODER", mode), ("PUPDR", pull)]), driven: [None; 16] }
+        let bank = Bank::new(&name, &[("MODER", mode), ("PUPDR", pull)]);
+        let modes = [PinMode::Analogue; 16];
+        let mut port = Self { bank, driven: [None; 16], modes, outputs: 0, carrying: 0, carried: 0 };
+        port.follow_modes();
+        port
     }
 
     /// What a pin does.
     #[must_use]
     pub fn mode(&self, pin: usize) -> PinMode {
-        match self.bank.word("MODER", 0) >> (2 * pin) & 3 {
+        self.modes[pin]
+    }
+
+    fn follow_modes(&mut self) {
+        let (modes, functions) = (self.bank.word("MODER", 0), [0, 1].map(|half| self.bank.word("AFR", half)));
+        self.modes = std::array::from_fn(|pin| match modes >> (2 * pin) & 3 {
             0 => PinMode::Input,
             1 => PinMode::Output,
-            2 => PinMode::Alternate((self.bank.word("AFR", pin / 8) >> (4 * (pin % 8)) & 15) as u8),
+            2 => PinMode::Alternate((functions[pin / 8] >> (4 * (pin % 8)) & 15) as u8),
             _ => PinMode::Analogue,
-        }
+        });
+        self.outputs = (0..16).map(|pin| u16::from(self.modes[pin] == PinMode::Output) << pin).sum();
+        self.carrying = 0;
+    }
+
+    /// A peripheral that has a pin as its alternate function gives it this level; none: it lets it go.
+    /// Says whether that changes the pin.
+    pub fn carry(&mut self, pin: usize, level: Option<bool>) -> bool {
+        let (bit, before) = (1 << pin, (self.carrying, self.carried));
+        self.carrying = if level.is_some() { self.carrying | bit } else { self.carrying & !bit };
+        self.carried = if level == Some(true) { self.carried | bit } else { self.carried & !bit };
+        before != (self.carrying, self.carried)
     }
 
     /// Levels of the output register.
@@ -58,12 +84,19 @@ impl Gpio {
         self.bank.word("ODR", 0) as u16
     }
 
+    /// Levels of the pins that the chip drives, by the output register or a peripheral; the others' are 0.
+    #[must_use]
+    pub fn driven_levels(&self) -> u16 {
+        self.outputs() & self.outputs | self.carried & self.carrying
+    }
+
     /// Level that a pin reads.
     #[must_use]
     pub fn level(&self, pin: usize) -> bool {
         match self.mode(pin) {
             PinMode::Output => self.outputs() >> pin & 1 == 1,
             PinMode::Analogue => false,
+            _ if self.carrying >> pin & 1 == 1 => self.carried >> pin & 1 == 1,
             _ => self.driven[pin].unwrap_or(self.bank.word("PUPDR", 0) >> (2 * pin) & 3 == 1),
         }
     }
@@ -88,9 +121,18 @@ impl Peripheral for Gpio {
         match register.name.as_str() {
             // Setting wins over resetting (9.4.7).
             "BSRR" => self.bank.set_word("ODR", 0, (outputs & !(value >> 16)) | (value & 0xFFFF)),
+            "MODER" | "AFR" => {
+                self.bank.store(register, value);
+                self.follow_modes();
+            }
             _ => self.bank.store(register, value),
         }
         Ok(())
+    }
+
+    fn reset(&mut self) {
+        self.bank.reset();
+        self.follow_modes();
     }
 }
 

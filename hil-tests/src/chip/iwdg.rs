@@ -31,6 +31,12 @@ impl Iwdg {
         std::mem::take(&mut self.bitten)
     }
 
+    /// Whether it has bitten and nobody has taken it.
+    #[must_use]
+    pub fn has_bitten(&self) -> bool {
+        self.bitten
+    }
+
     /// Counts down from RLR at LSI / (4 << PR): 42.3.
     fn time_out(&self) -> Time {
         let prescaler = 4_u64 << self.bank.get("PR", "PR").min(6);

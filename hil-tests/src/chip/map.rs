@@ -23,12 +23,14 @@ pub struct Map {
 pub struct PeripheralMap {
     /// Its name in the reference manual.
     pub name: &'static str,
+    /// Place among the chip's peripherals.
+    pub place: usize,
     /// Its first address.
     pub base: u32,
     /// Register and field of the RCC that switch its clock, if any.
-    pub clock: Option<(String, String)>,
+    pub clock: Switch,
     /// Register and field of the RCC that reset it, if any.
-    pub reset: Option<(String, String)>,
+    pub reset: Switch,
     /// In order of their offsets.
     registers: Vec<Register>,
     /// Places in `registers` of each name, by index.
@@ -53,11 +55,22 @@ pub struct Register {
     pub readable: bool,
     /// Bits that mean something.
     pub known_bits: u32,
-    fields: Vec<Field>,
+    fields: Vec<NamedField>,
+}
+
+/// Where a field is, for models that look at it often.
+#[derive(Clone, Copy, Debug)]
+pub struct Field {
+    /// Place of its register among the peripheral's.
+    pub place: usize,
+    /// Its lowest bit.
+    pub shift: u32,
+    /// Its bits.
+    pub mask: u32,
 }
 
 #[derive(Clone, Debug)]
-struct Field {
+struct NamedField {
     name: String,
     offset: u32,
     bits: u32,
@@ -72,6 +85,7 @@ impl Map {
             let mut peripherals: Vec<_> =
                 METADATA.peripherals.iter().filter_map(PeripheralMap::new).collect();
             peripherals.sort_by_key(|peripheral| peripheral.base);
+            (0..).zip(&mut peripherals).for_each(|(place, peripheral)| peripheral.place = place);
             Self { peripherals }
         })
     }
@@ -122,6 +136,8 @@ impl PeripheralMap {
             .rcc
             .as_ref()
             .map_or((None, None), |clocks| (clocks.enable.as_ref().map(rcc), clocks.reset.as_ref().map(rcc)));
+        let shared = source.name.starts_with("OPAMP");
+        let (clock, reset) = if shared { with_syscfg() } else { (clock, reset) };
         let base = u32::try_from(source.address).ok()?;
         let mut places: HashMap<String, Vec<Option<usize>>> = HashMap::new();
         let mut registers: Vec<Register> = all.into_values().collect();
@@ -131,7 +147,7 @@ impl PeripheralMap {
             of_name.resize(of_name.len().max(register.index + 1), None);
             of_name[register.index].get_or_insert(place);
         }
-        Some(Self { name: source.name, base, clock, reset, registers, places, source })
+        Some(Self { name: source.name, place: 0, base, clock, reset, registers, places, source })
     }
 
     fn length(&self) -> u32 {
@@ -205,15 +221,31 @@ impl Register {
     /// Bits of a field.
     #[must_use]
     pub fn mask(&self, field: &str) -> u32 {
-        let Field { offset, bits, .. } = *self.field(field);
+        let NamedField { offset, bits, .. } = *self.field(field);
         bit_mask(offset, bits)
     }
 
-    fn field(&self, name: &str) -> &Field {
+    /// Where a field is. Panics if there is none of that name: names in models are fixed.
+    #[must_use]
+    pub fn find(&self, field: &str) -> Field {
+        Field { place: self.place, shift: self.field(field).offset, mask: self.mask(field) }
+    }
+
+    fn field(&self, name: &str) -> &NamedField {
         let found = self.fields.iter().find(|field| field.name == name);
         found.unwrap_or_else(|| panic!("register {} has no field {name}", self.name))
     }
 }
+
+/// Clock and reset of what belongs to the system configuration, which stm32-metapac does not say: RM0440,
+/// RCC_APB2ENR, "SYSCFG + COMP + VREFBUF + OPAMP clock enable".
+fn with_syscfg() -> (Switch, Switch) {
+    let of_syscfg = |register: &str, field: &str| Some((register.to_owned(), field.to_owned()));
+    (of_syscfg("APB2ENR", "SYSCFGEN"), of_syscfg("APB2RSTR", "SYSCFGRST"))
+}
+
+/// Register and field of the RCC.
+pub type Switch = Option<(String, String)>;
 
 fn bit_mask(offset: u32, bits: u32) -> u32 {
     (u64::from(u32::MAX) >> (32 - bits.min(32)) << offset) as u32
@@ -256,12 +288,12 @@ fn merge(old: &mut Register, new: &Register) {
     old.known_bits |= new.known_bits;
     old.writable |= new.writable;
     old.readable |= new.readable;
-    let unknown = |field: &&Field| !old.fields.iter().any(|known| known.name == field.name);
-    let added: Vec<Field> = new.fields.iter().filter(unknown).cloned().collect();
+    let unknown = |field: &&NamedField| !old.fields.iter().any(|known| known.name == field.name);
+    let added: Vec<NamedField> = new.fields.iter().filter(unknown).cloned().collect();
     old.fields.extend(added);
 }
 
-fn fields(ir: &IR, set: &str) -> Vec<Field> {
+fn fields(ir: &IR, set: &str) -> Vec<NamedField> {
     let Some(set) = ir.fieldsets.iter().find(|candidate| same(candidate.name, set)) else {
         return Vec::new();
     };
@@ -280,7 +312,7 @@ fn fields(ir: &IR, set: &str) -> Vec<Field> {
                     .map(|range| (*range.start(), range.end() - range.start() + 1))
                     .collect(),
             };
-            all.extend(ranges.iter().enumerate().map(|(part, &(offset, bits))| Field {
+            all.extend(ranges.iter().enumerate().map(|(part, &(offset, bits))| NamedField {
                 name: if part == 0 { name.clone() } else { format!("{name}.{part}") },
                 offset: offset + place,
                 bits,

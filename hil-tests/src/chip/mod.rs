@@ -10,6 +10,7 @@
 mod access;
 pub mod adc;
 pub mod bank;
+mod blocks;
 pub mod core;
 pub mod dac;
 pub mod dma;
@@ -17,13 +18,18 @@ pub mod exti;
 pub mod flash;
 pub mod gpio;
 pub mod iwdg;
+mod lines;
 pub mod map;
 pub mod misuse;
 pub mod nvic;
+pub mod opamp;
 pub mod peripheral;
 pub mod plain;
 pub mod pwr;
 pub mod rcc;
+mod schedule;
+mod shown;
+pub mod system_memory;
 #[cfg(test)]
 mod tests;
 pub mod time;
@@ -32,30 +38,37 @@ pub mod trace;
 mod transfers;
 pub mod usart;
 mod wiring;
+pub mod world;
 
 use self::{
-    adc::{Adc, World, common::AdcCommon},
+    access::Place,
+    adc::{Adc, common::AdcCommon},
+    blocks::{ADC_COMMONS, ADCS, Block, Blocks, DACS, OPAMPS, TIMERS},
     core::{Core, CoreMoment},
     dac::Dac,
     dma::{Dma, Dmamux},
     exti::Exti,
-    flash::{Flash, Operation},
+    flash::Flash,
     gpio::Gpio,
     iwdg::Iwdg,
-    map::Map,
+    lines::Lines,
     misuse::Misuse,
-    nvic::{NMI, Nvic},
-    peripheral::{Moment, Peripheral},
+    nvic::NMI,
+    opamp::Opamp,
+    peripheral::Moment,
     plain::Plain,
     pwr::Pwr,
     rcc::{Clocks, Rcc, ResetCause},
+    schedule::Schedule,
     time::Time,
     timer::Timer,
     trace::{Event, Trace},
     usart::Usart,
+    wiring::Wire,
+    world::Outside,
 };
 
-use std::fmt;
+pub use self::shown::Watcher;
 
 /// Where the RAM lies: SRAM1, SRAM2 and the second address of CCM SRAM, side by side (2.4).
 pub const RAM_START: u32 = 0x2000_0000;
@@ -68,15 +81,6 @@ pub trait Memory {
     fn read(&self, address: u32, bytes: &mut [u8]);
     /// Writes bytes of RAM.
     fn write(&mut self, address: u32, bytes: &[u8]);
-}
-
-/// Who looks at the flash.
-pub struct Watcher(pub Box<dyn FnMut(&Flash) + Send>);
-
-impl fmt::Debug for Watcher {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("Watcher")
-    }
 }
 
 /// The chip without its CPU.
@@ -98,74 +102,38 @@ pub struct Chip {
     pub watcher: Option<Watcher>,
     rcc: Rcc,
     pwr: Pwr,
-    ports: Vec<(char, Gpio)>,
-    timers: Vec<(&'static str, Timer)>,
+    ports: Vec<Gpio>,
+    timers: Vec<Timer>,
     dma: [Dma; 2],
     dmamux: Dmamux,
-    adcs: Vec<(&'static str, Adc)>,
-    adc_commons: Vec<(&'static str, AdcCommon)>,
-    world: Option<Box<dyn World>>,
-    dacs: Vec<(&'static str, Dac)>,
+    adcs: Vec<Adc>,
+    adc_commons: Vec<AdcCommon>,
+    dacs: Vec<Dac>,
+    opamps: Vec<Opamp>,
+    outside: Outside,
     exti: Exti,
     iwdg: Iwdg,
     syscfg: Plain,
     dbgmcu: Plain,
     clocks: Clocks,
-    lines: Vec<Line>,
-    shown_pins: Vec<u16>,
+    cycle: Time,
+    /// Blocks of the map's peripherals, in its order.
+    blocks: Vec<Option<Block>>,
+    /// Registers that were accessed, with their addresses.
+    places: [Option<(u32, Place)>; 64],
+    lines: Lines,
+    /// Pins that carry outputs of timers.
+    wires: Vec<Wire>,
     shown_operations: u64,
-    /// Something was touched since lines and requests were looked at.
-    touched: bool,
-    /// A port was written since its pins were shown.
-    pins_touched: bool,
-    /// The next event of all but link and flash, which the world may touch at any time.
-    next: Option<Time>,
+    /// What was touched since requests, lines, times and outputs were looked at.
+    touched: Blocks,
+    schedule: Schedule,
 }
-
-/// One way to the NVIC: a peripheral's signal and its exception.
-#[derive(Clone, Copy, Debug)]
-struct Line {
-    peripheral: &'static str,
-    signal: &'static str,
-    exception: usize,
-}
-
-/// Converters, and the common registers of the first two and of the others.
-const ADCS: [&str; 5] = ["ADC1", "ADC2", "ADC3", "ADC4", "ADC5"];
-const ADC_COMMONS: [&str; 2] = ["ADC12_COMMON", "ADC345_COMMON"];
-
-/// Peripherals whose DMA requests and interrupts are modelled.
-const WITH_SIGNALS: [&str; 17] = [
-    "LPUART1", "TIM2", "TIM3", "TIM4", "TIM5", "TIM6", "TIM7", "TIM15", "DMA1", "DMA2", "FLASH", "DMAMUX1",
-    "EXTI", "DAC1", "DAC2", "DAC3", "DAC4",
-];
 
 impl Chip {
     /// A chip without power, whose link runs at `wire_baud` at its other end.
     #[must_use]
     pub fn new(wire_baud: u64, keep_trace: bool) -> Self {
-        let map = Map::of_chip();
-        let signals = |name: &&'static str| {
-            let of = map.peripheral(name).interrupts();
-            of.map(|(signal, number)| Line {
-                peripheral: name,
-                signal,
-                exception: Nvic::exception_of(number),
-            })
-        };
-        let mut lines: Vec<Line> = WITH_SIGNALS.iter().chain(&ADCS).flat_map(signals).collect();
-        // All signals of a timer are one (its model raises all of them).
-        lines.retain(|line| !line.peripheral.starts_with("TIM") || line.signal == "UP");
-        lines.sort_by_key(|line| line.exception);
-        let timers = [
-            ("TIM2", 4, 32),
-            ("TIM3", 4, 16),
-            ("TIM4", 4, 16),
-            ("TIM5", 4, 32),
-            ("TIM6", 0, 16),
-            ("TIM7", 0, 16),
-            ("TIM15", 2, 16),
-        ];
         Self {
             now: Time::ZERO,
             instructions: 0,
@@ -176,25 +144,28 @@ impl Chip {
             watcher: None,
             rcc: Rcc::default(),
             pwr: Pwr::default(),
-            ports: ('A'..='G').map(|port| (port, Gpio::new(port))).collect(),
-            timers: timers.map(|(name, channels, bits)| (name, Timer::new(name, channels, bits))).into(),
+            ports: ('A'..='G').map(Gpio::new).collect(),
+            timers: TIMERS.map(|(name, channels, bits)| Timer::new(name, channels, bits)).into(),
             dma: [Dma::new("DMA1"), Dma::new("DMA2")],
             dmamux: Dmamux::default(),
-            adcs: (1..).zip(ADCS).map(|(number, name)| (name, Adc::new(number))).collect(),
-            adc_commons: ADC_COMMONS.map(|name| (name, AdcCommon::new(name))).into(),
-            world: None,
-            dacs: ["DAC1", "DAC2", "DAC3", "DAC4"].map(|name| (name, Dac::new(name))).into(),
+            adcs: (1..=ADCS.len()).map(Adc::new).collect(),
+            adc_commons: ADC_COMMONS.map(AdcCommon::new).into(),
+            dacs: DACS.map(Dac::new).into(),
+            opamps: OPAMPS.map(Opamp::new).into(),
+            outside: Outside::default(),
             exti: Exti::default(),
             iwdg: Iwdg::default(),
             syscfg: Plain::syscfg(),
             dbgmcu: Plain::dbgmcu(),
             clocks: Clocks::RESET,
-            lines,
-            shown_pins: vec![0; 7],
+            cycle: Clocks::RESET.cycle(),
+            blocks: blocks::by_place(),
+            places: [None; 64],
+            lines: Lines::of_chip(),
+            wires: Vec::new(),
             shown_operations: 0,
-            touched: true,
-            pins_touched: true,
-            next: None,
+            touched: Blocks::ALL,
+            schedule: Schedule::default(),
         }
     }
 
@@ -214,11 +185,10 @@ impl Chip {
         };
         self.trace.add(self.now, Event::Reset(name));
         self.core = Core::default();
-        self.each(|_, peripheral| peripheral.reset());
+        Block::all().for_each(|block| self.model_mut(block).reset());
         self.rcc.restart(cause);
-        self.pins_touched = true;
-        self.touch();
         self.follow_clocks();
+        self.follow_wires();
     }
 
     /// The watchdog or the firmware wants the chip to start again.
@@ -231,16 +201,14 @@ impl Chip {
 
     /// After an access: the DMA serves its requests, and lines go to the NVIC.
     pub fn settle(&mut self, memory: &mut dyn Memory) -> Result<(), Misuse> {
-        if std::mem::take(&mut self.touched) {
-            self.deliver_triggers();
+        if !self.touched.is_empty() {
             self.serve_requests(memory)?;
             self.raise_lines();
+            self.carry_outputs();
+            self.show_outside();
+            self.reschedule();
+            self.touched = Blocks::default();
         }
-        if std::mem::take(&mut self.pins_touched) {
-            self.show_pins();
-        }
-        // Beats of the DMA touch as well; requests and lines have been looked at after the last one.
-        self.touched = false;
         self.show_flash();
         for (time, event) in self.uart.take_passed() {
             self.trace.add(time, event);
@@ -252,73 +220,10 @@ impl Chip {
         Ok(())
     }
 
-    /// Signals of one exception are or-ed.
-    fn raise_lines(&mut self) {
-        let lines = std::mem::take(&mut self.lines);
-        for signals in lines.chunk_by(|one, other| one.exception == other.exception) {
-            let is_up = |line: &Line| {
-                self.model(line.peripheral)
-                    .is_some_and(|model| model.bank().is_in_use && model.interrupts(line.signal))
-            };
-            let level = signals.iter().any(is_up);
-            self.core.nvic.set_line(signals[0].exception, level);
-        }
-        self.lines = lines;
-    }
-
-    /// Lines, requests and events have to be looked at again.
-    fn touch(&mut self) {
-        self.touched = true;
-        self.next = None;
-    }
-
-    /// When anything happens by itself next.
-    pub fn next_event(&mut self) -> Time {
-        let next = self.next.unwrap_or_else(|| self.find_next());
-        self.next = Some(next);
-        let world = self.uart.next_event().min(self.flash.next_event());
-        next.min(world).min(self.core.next_event(self.clocks.cycle()))
-    }
-
-    fn find_next(&mut self) -> Time {
-        let mut next = Time::NEVER;
-        self.each(|name, peripheral| {
-            if peripheral.bank().is_in_use && !matches!(name, "FLASH" | "LPUART1") {
-                next = next.min(peripheral.next_event());
-            }
-        });
-        next
-    }
-
-    /// Lets time pass, from one event to the next.
-    pub fn advance(&mut self, to: Time, memory: &mut dyn Memory) -> Result<(), Misuse> {
-        loop {
-            let next = self.next_event();
-            if next > to {
-                break;
-            }
-            self.now = self.now.max(next);
-            self.core.advance(self.now, self.clocks.cycle());
-            let at = Moment { now: next, clocks: self.clocks };
-            self.ask_world(next);
-            let mut result = Ok(());
-            self.each(|_, peripheral| {
-                if peripheral.next_event() <= next && result.is_ok() {
-                    result = peripheral.advance(at);
-                }
-            });
-            result?;
-            self.touch();
-            self.settle(memory)?;
-        }
-        self.now = self.now.max(to);
-        Ok(())
-    }
-
     /// Levels of a port's output register.
     #[must_use]
     pub fn outputs(&self, port: char) -> Option<u16> {
-        self.ports.iter().find(|(name, _)| *name == port).map(|(_, port)| port.outputs())
+        ('A'..).zip(&self.ports).find(|(name, _)| *name == port).map(|(_, port)| port.outputs())
     }
 
     fn moment(&self) -> Moment {
@@ -326,93 +231,26 @@ impl Chip {
     }
 
     fn core_moment(&self) -> CoreMoment {
-        CoreMoment { now: self.now, cycle: self.clocks.cycle(), instructions: self.instructions }
+        CoreMoment { now: self.now, cycle: self.cycle, instructions: self.instructions }
     }
 
-    fn model_mut(&mut self, name: &str) -> Option<&mut dyn Peripheral> {
-        Some(match name {
-            "RCC" => &mut self.rcc,
-            "PWR" => &mut self.pwr,
-            "FLASH" => &mut self.flash,
-            "LPUART1" => &mut self.uart,
-            "DMA1" => &mut self.dma[0],
-            "DMA2" => &mut self.dma[1],
-            "DMAMUX1" => &mut self.dmamux,
-            "IWDG" => &mut self.iwdg,
-            "EXTI" => &mut self.exti,
-            "SYSCFG" => &mut self.syscfg,
-            "DBGMCU" => &mut self.dbgmcu,
-            _ => {
-                let port = name.strip_prefix("GPIO").and_then(|rest| rest.chars().next());
-                if let Some((_, port)) = self.ports.iter_mut().find(|(letter, _)| Some(*letter) == port) {
-                    return Some(port);
+    /// Tells trace and world what changed outside.
+    fn show_outside(&mut self) {
+        for block in self.touched.iter() {
+            match block {
+                Block::Port(place) => self.show_pins(place.into()),
+                Block::Dac(place) => {
+                    let (place, dac) = (usize::from(place), &self.dacs[usize::from(place)]);
+                    for channel in 0..2 {
+                        self.outside.show_dac(place, channel, dac.output(channel), self.now);
+                    }
                 }
-                return by_name(&mut self.timers, name)
-                    .or_else(|| by_name(&mut self.dacs, name))
-                    .or_else(|| by_name(&mut self.adcs, name))
-                    .or_else(|| by_name(&mut self.adc_commons, name));
-            }
-        })
-    }
-
-    fn model(&self, name: &str) -> Option<&dyn Peripheral> {
-        Some(match name {
-            "FLASH" => &self.flash,
-            "LPUART1" => &self.uart,
-            "DMA1" => &self.dma[0],
-            "DMA2" => &self.dma[1],
-            "EXTI" => &self.exti,
-            _ if name.starts_with("ADC") => &self.adcs.iter().find(|(adc, _)| *adc == name)?.1,
-            _ if name.starts_with("DAC") => &self.dacs.iter().find(|(dac, _)| *dac == name)?.1,
-            _ => &self.timers.iter().find(|(timer, _)| *timer == name)?.1,
-        })
-    }
-
-    fn each(&mut self, mut visit: impl FnMut(&str, &mut dyn Peripheral)) {
-        visit("RCC", &mut self.rcc);
-        visit("PWR", &mut self.pwr);
-        visit("FLASH", &mut self.flash);
-        visit("LPUART1", &mut self.uart);
-        self.ports.iter_mut().for_each(|(_, port)| visit("GPIO", port));
-        self.timers.iter_mut().for_each(|(name, timer)| visit(name, timer));
-        self.dma.iter_mut().for_each(|dma| visit("DMA", dma));
-        self.dacs.iter_mut().for_each(|(name, dac)| visit(name, dac));
-        self.adcs.iter_mut().for_each(|(name, adc)| visit(name, adc));
-        self.adc_commons.iter_mut().for_each(|(name, common)| visit(name, common));
-        visit("EXTI", &mut self.exti);
-        visit("DMAMUX1", &mut self.dmamux);
-        visit("IWDG", &mut self.iwdg);
-        visit("SYSCFG", &mut self.syscfg);
-        visit("DBGMCU", &mut self.dbgmcu);
-    }
-
-    /// Tells the trace what changed outside.
-    fn show_pins(&mut self) {
-        for (place, (port, model)) in self.ports.iter().enumerate() {
-            let levels = model.outputs();
-            if std::mem::replace(&mut self.shown_pins[place], levels) != levels {
-                self.trace.add(self.now, Event::Pins { port: *port, levels });
+                Block::Opamp(place) => {
+                    let setting = self.opamps[usize::from(place)].setting();
+                    self.outside.show_opamp(place.into(), setting, self.now);
+                }
+                _ => {}
             }
         }
     }
-
-    fn show_flash(&mut self) {
-        if std::mem::replace(&mut self.shown_operations, self.flash.operations()) != self.flash.operations() {
-            match self.flash.operation() {
-                Some(Operation::Erase(page)) => self.trace.add(self.now, Event::Erase(page)),
-                Some(Operation::Program(address, _)) => self.trace.add(self.now, Event::Program(address)),
-                None => {}
-            }
-            if let Some(Watcher(look)) = &mut self.watcher {
-                look(&self.flash);
-            }
-        }
-    }
-}
-
-fn by_name<'a, P: Peripheral>(
-    all: &'a mut [(&'static str, P)],
-    name: &str,
-) -> Option<&'a mut dyn Peripheral> {
-    all.iter_mut().find(|(known, _)| *known == name).map(|(_, model)| model as _)
 }

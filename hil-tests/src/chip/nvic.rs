@@ -32,29 +32,32 @@ pub struct Masks {
     pub basepri: u8,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
-struct Exception {
-    line: bool,
-    pending: bool,
-    enabled: bool,
-    active: bool,
-    priority: u8,
-}
-
-/// Model of the NVIC.
+/// Model of the NVIC: a bit of each word, and a priority, for each exception.
 #[derive(Clone, Debug)]
 pub struct Nvic {
-    exceptions: Vec<Exception>,
+    lines: u128,
+    pending: u128,
+    enabled: u128,
+    active: u128,
+    priorities: [u8; EXCEPTIONS],
+    /// Something changed that may decide which exception is taken.
+    has_news: bool,
 }
 
 impl Default for Nvic {
     fn default() -> Self {
-        let mut exceptions = vec![Exception::default(); EXCEPTIONS];
-        for exception in &mut exceptions[..SYSTEM_EXCEPTIONS] {
-            exception.enabled = true;
-        }
-        Self { exceptions }
+        let enabled = (1 << SYSTEM_EXCEPTIONS) - 1;
+        Self { lines: 0, pending: 0, enabled, active: 0, priorities: [0; EXCEPTIONS], has_news: true }
     }
+}
+
+/// Numbers of the exceptions whose bits are set, in order.
+fn numbers(mut bits: u128) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let number = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (number < EXCEPTIONS).then_some(number)
+    })
 }
 
 impl Nvic {
@@ -66,64 +69,76 @@ impl Nvic {
 
     /// Sets the level of an interrupt line.
     pub fn set_line(&mut self, exception: usize, level: bool) {
-        let state = &mut self.exceptions[exception];
-        state.pending |= level && !state.line;
-        state.line = level;
+        let bit = 1 << exception;
+        if !level {
+            self.lines &= !bit;
+        } else if self.lines & bit == 0 {
+            self.lines |= bit;
+            self.pend(exception);
+        }
     }
 
     /// Makes an exception pending.
     pub fn pend(&mut self, exception: usize) {
-        self.exceptions[exception].pending = true;
+        self.pending |= 1 << exception;
+        self.has_news |= self.enabled >> exception & 1 == 1;
     }
 
     /// Makes an exception not pending, unless its line is up.
     pub fn unpend(&mut self, exception: usize) {
-        let state = &mut self.exceptions[exception];
-        state.pending = state.line;
+        let bit = 1 << exception;
+        self.pending = self.pending & !bit | self.lines & bit;
     }
 
     /// Whether an exception is pending.
     #[must_use]
     pub fn is_pending(&self, exception: usize) -> bool {
-        self.exceptions[exception].pending
+        self.pending >> exception & 1 == 1
     }
 
     /// The exception being handled, the most urgent first.
     #[must_use]
     pub fn active(&self) -> Option<usize> {
-        (0..EXCEPTIONS).filter(|&n| self.exceptions[n].active).min_by_key(|&n| (self.priority(n), n))
+        numbers(self.active).min_by_key(|&n| (self.priority(n), n))
     }
 
     /// Whether the core can be woken: something enabled is pending, masked or not.
     #[must_use]
     pub fn any_pending(&self) -> bool {
-        self.exceptions.iter().any(|state| state.pending && state.enabled)
+        self.pending & self.enabled != 0
+    }
+
+    /// Whether anything changed since [`Nvic::forget_news`] that may take an exception or wake the core.
+    #[must_use]
+    pub fn has_news(&self) -> bool {
+        self.has_news
+    }
+
+    /// The core has looked.
+    pub fn forget_news(&mut self) {
+        self.has_news = false;
     }
 
     /// The exception to take now, if any.
     #[must_use]
     pub fn next(&self, masks: Masks) -> Option<usize> {
-        let candidates = (1..EXCEPTIONS).filter(|&n| {
-            let state = &self.exceptions[n];
-            state.pending && state.enabled
-        });
+        let candidates = numbers(self.pending & self.enabled & !1);
         let next = candidates.min_by_key(|&n| (self.priority(n), n))?;
         (self.priority(next) < self.execution_priority(masks)).then_some(next)
     }
 
     /// An exception is entered.
     pub fn enter(&mut self, exception: usize) {
-        let state = &mut self.exceptions[exception];
-        state.pending = false;
-        state.active = true;
+        self.pending &= !(1 << exception);
+        self.active |= 1 << exception;
     }
 
     /// The handler being run returns.
     pub fn leave(&mut self) -> Option<usize> {
         let exception = self.active()?;
-        let state = &mut self.exceptions[exception];
-        state.active = false;
-        state.pending |= state.line;
+        self.active &= !(1 << exception);
+        self.pending |= self.lines & 1 << exception;
+        self.has_news = true;
         Some(exception)
     }
 
@@ -143,51 +158,48 @@ impl Nvic {
             1 => -3,
             NMI => -2,
             HARD_FAULT => -1,
-            _ => i16::from(self.exceptions[exception].priority),
+            _ => i16::from(self.priorities[exception]),
         }
     }
 
     /// Bits of 32 interrupts, from the first on.
     pub(super) fn bits(&self, first: usize, of: Bits) -> u32 {
-        let get = |state: &Exception| match of {
-            Bits::Enabled => state.enabled,
-            Bits::Pending => state.pending,
-            Bits::Active => state.active,
+        let bits = match of {
+            Bits::Enabled => self.enabled,
+            Bits::Pending => self.pending,
+            Bits::Active => self.active,
         };
-        self.word(first).enumerate().map(|(bit, state)| u32::from(get(state)) << bit).sum()
-    }
-
-    fn word(&self, first: usize) -> impl Iterator<Item = &Exception> {
-        self.exceptions[SYSTEM_EXCEPTIONS..].iter().skip(first).take(32)
+        bits.checked_shr((SYSTEM_EXCEPTIONS + first) as u32).unwrap_or(0) as u32
     }
 
     /// Sets or clears what the bits name.
     pub(super) fn change(&mut self, first: usize, bits: u32, of: Bits, on: bool) {
-        for bit in (0..32).filter(|bit| bits >> bit & 1 == 1) {
-            let exception = SYSTEM_EXCEPTIONS + first + bit;
-            if exception >= EXCEPTIONS {
-                continue;
-            }
+        for exception in
+            numbers(u128::from(bits).checked_shl((SYSTEM_EXCEPTIONS + first) as u32).unwrap_or(0))
+        {
             match (of, on) {
-                (Bits::Enabled, _) => self.exceptions[exception].enabled = on,
+                (Bits::Enabled, true) => self.enabled |= 1 << exception,
+                (Bits::Enabled, false) => self.enabled &= !(1 << exception),
                 (_, true) => self.pend(exception),
                 (_, false) => self.unpend(exception),
             }
         }
+        self.has_news = true;
     }
 
     /// Four priorities, a byte each.
     pub(super) fn priorities(&self, first: usize) -> u32 {
-        let bytes = self.exceptions.iter().skip(first).take(4);
-        bytes.enumerate().map(|(place, state)| u32::from(state.priority) << (8 * place)).sum()
+        let bytes = self.priorities.iter().skip(first).take(4);
+        bytes.enumerate().map(|(place, &priority)| u32::from(priority) << (8 * place)).sum()
     }
 
     /// Sets priorities; bits that the chip does not have read zero.
     pub(super) fn set_priorities(&mut self, first: usize, bytes: &[u8]) {
         let implemented = !(0xFF_u16 >> priority_bits()) as u8;
-        for (state, byte) in self.exceptions.iter_mut().skip(first).zip(bytes) {
-            state.priority = byte & implemented;
+        for (priority, byte) in self.priorities.iter_mut().skip(first).zip(bytes) {
+            *priority = byte & implemented;
         }
+        self.has_news = true;
     }
 }
 

@@ -70,6 +70,9 @@ pub trait Peripheral {
     /// The DMA has served a request.
     fn acknowledge(&mut self, _signal: &str) {}
 
+    /// The DMA has come to the end of the buffer that one of its signals asks for.
+    fn transfers_ended(&mut self, _signal: &str) {}
+
     /// Back to the state after reset.
     fn reset(&mut self) {
         self.bank_mut().reset();

@@ -5,7 +5,7 @@
 
 use super::{
     bank::Bank,
-    map::{PeripheralMap, Register},
+    map::{Field, Map, PeripheralMap, Register, Switch},
     misuse::Misuse,
     peripheral::{Moment, Peripheral, has_bank},
     time::Time,
@@ -65,6 +65,8 @@ pub enum ResetCause {
 #[derive(Clone, Debug)]
 pub struct Rcc {
     bank: Bank,
+    /// Where the clock's and the reset's switch of each peripheral are, in the map's order.
+    switches: Vec<[Option<Field>; 2]>,
 }
 
 impl Default for Rcc {
@@ -85,11 +87,21 @@ impl Default for Rcc {
                 ("APB2SMENR", 0x0437_F801),
             ],
         );
-        Self { bank }
+        let find = |switch: &Switch| switch.as_ref().map(|(register, field)| bank.find(register, field));
+        let switches = Map::of_chip().peripherals().map(|map| [find(&map.clock), find(&map.reset)]).collect();
+        Self { bank, switches }
     }
 }
 
 impl Rcc {
+    /// Whether a peripheral has its clock and is not held in reset.
+    #[must_use]
+    pub fn lets_run(&self, peripheral: &PeripheralMap) -> bool {
+        let [clock, reset] = self.switches[peripheral.place];
+        clock.is_none_or(|field| self.bank.at(field) == 1)
+            && reset.is_none_or(|field| self.bank.at(field) == 0)
+    }
+
     /// Whether a peripheral's clock is on; the name of its switch otherwise.
     pub fn clock_of(&self, peripheral: &PeripheralMap) -> Result<(), String> {
         match &peripheral.clock {

@@ -2,3 +2,6 @@
 
 pub(crate) mod bus;
 mod joined;
+mod outside;
+mod probe;
+mod scan;

@@ -31,6 +31,12 @@ impl Time {
         Self(micros * 1_000_000_000)
     }
 
+    /// So many nanoseconds.
+    #[must_use]
+    pub const fn from_nanos(nanos: u64) -> Self {
+        Self(nanos * 1_000_000)
+    }
+
     /// So many milliseconds.
     #[must_use]
     pub const fn from_millis(millis: u64) -> Self {

@@ -1,14 +1,24 @@
 //! Transfers: the DMA serves requests, beat by beat, over the bus that the CPU uses as well
-//! (RM0440 chapter 12). The lowest channel of DMA1 goes first, whatever its priority.
+//! (RM0440, "Direct memory access controller (DMA)"). The lowest channel of DMA1 goes first, whatever its priority.
 
-use super::{Chip, Memory, RAM_BYTES, RAM_START, core, dma::CHANNELS, flash, misuse::Misuse, trace::Event};
+use super::{
+    Chip, Memory, RAM_BYTES, RAM_START,
+    blocks::{Block, Blocks},
+    core,
+    dma::{CHANNELS, Mark, Source},
+    flash,
+    misuse::Misuse,
+    trace::Event,
+};
 
 /// Most beats in a row before the chip is taken to hang.
 const MAX_BEATS: usize = 1 << 20;
 
 impl Chip {
+    /// Serves every request of the blocks that were touched.
     pub(super) fn serve_requests(&mut self, memory: &mut dyn Memory) -> Result<(), Misuse> {
         for _ in 0..MAX_BEATS {
+            self.deliver_triggers();
             let Some((controller, channel)) = self.channel_to_serve() else { return Ok(()) };
             self.move_beat(controller, channel, memory)?;
         }
@@ -16,6 +26,10 @@ impl Chip {
     }
 
     fn channel_to_serve(&self) -> Option<(usize, usize)> {
+        // Channels that copy memory go on as soon as their controller is touched.
+        if !self.dmamux.listens_to(self.touched) && !self.touched.meets(Blocks::DMA) {
+            return None;
+        }
         let all = (0..2 * CHANNELS).map(|place| (place / CHANNELS, place % CHANNELS));
         let mut wanting = all.filter(|&(controller, channel)| {
             let dma = &self.dma[controller];
@@ -26,7 +40,9 @@ impl Chip {
 
     fn is_requested(&self, controller: usize, channel: usize) -> bool {
         let source = self.dmamux.source(controller * CHANNELS + channel);
-        source.is_some_and(|(name, signal)| self.model(name).is_some_and(|model| model.requests(signal)))
+        source.is_some_and(|Source { block, signal }| {
+            self.touched.contains(block) && self.model(block).requests(signal)
+        })
     }
 
     fn move_beat(
@@ -36,10 +52,9 @@ impl Chip {
         memory: &mut dyn Memory,
     ) -> Result<(), Misuse> {
         let beat = self.dma[controller].beat(channel);
-        if let Some((name, signal)) = self.dmamux.source(controller * CHANNELS + channel)
-            && let Some(model) = self.model_mut(name)
-        {
-            model.acknowledge(signal);
+        let source = self.dmamux.source(controller * CHANNELS + channel);
+        if let Some(Source { block, signal }) = source {
+            self.model_mut(block).acknowledge(signal);
         }
         let moved = match self.bus_read(beat.from, beat.from_bytes, memory)? {
             Some(value) => self.bus_write(beat.to, beat.to_bytes, value, memory)?,
@@ -47,9 +62,15 @@ impl Chip {
         };
         if !moved {
             self.dma[controller].fail(channel);
+            self.touched.insert(Block::Dma(controller as u8));
             return Ok(());
         }
-        if self.dma[controller].count(channel) {
+        let Some(mark) = self.dma[controller].count(channel) else { return Ok(()) };
+        self.touched.insert(Block::Dma(controller as u8));
+        if mark == Mark::End {
+            if let Some(Source { block, signal }) = source {
+                self.model_mut(block).transfers_ended(signal);
+            }
             let event = Event::DmaComplete { controller: controller as u8 + 1, channel: channel as u8 + 1 };
             self.trace.add(self.now, event);
         }

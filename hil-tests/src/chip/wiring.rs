@@ -1,86 +1,177 @@
 //! Wiring: what peripherals tell each other beside the bus: clocks, pins, edges and triggers.
 
 use super::{
-    Chip, adc::World, flash::Flash, gpio::PinMode, map::Map, misuse::Misuse, peripheral::Peripheral, rcc,
+    Chip,
+    adc::internal::Internal,
+    blocks::{Block, Blocks, DACS, TIMERS},
+    dac::Trigger,
+    flash::Flash,
+    gpio::PinMode,
+    map::Map,
+    misuse::Misuse,
+    peripheral::Peripheral,
+    rcc,
     time::Time,
+    world::World,
 };
+
+/// A pin that carries the output of a timer's channel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wire {
+    port: usize,
+    pin: usize,
+    timer: u8,
+    channel: usize,
+}
 
 impl Chip {
     /// The world puts a level on a pin, or lets it go.
     pub fn drive(&mut self, port: char, pin: usize, level: Option<bool>) {
-        if let Some((_, port)) = self.ports.iter_mut().find(|(name, _)| *name == port) {
+        if let Some(port) = port_of(port).and_then(|port| self.ports.get_mut(port)) {
             port.driven[pin] = level;
         }
         self.follow_pins();
-        self.touch();
+        self.touched = Blocks::ALL;
     }
 
     /// Code that a DAC's channel (0 or 1) puts out; none while it is off.
     #[must_use]
     pub fn dac_output(&self, name: &str, channel: usize) -> Option<u16> {
-        self.dacs.iter().find(|(dac, _)| *dac == name).and_then(|(_, dac)| dac.output(channel))
+        DACS.iter().position(|&dac| dac == name).and_then(|place| self.dacs[place].output(channel))
     }
 
-    /// Converters measure this world from now on.
+    /// Converters measure this world from now on, and it is told what the chip puts out.
     pub fn connect(&mut self, world: Box<dyn World>) {
-        self.world = Some(world);
+        self.outside.connect(world, self.now);
     }
 
-    pub(super) fn ask_world(&mut self, now: Time) {
-        if let Some(world) = &mut self.world {
-            self.adcs.iter_mut().for_each(|(_, adc)| adc.sample(now, world.as_mut()));
+    /// Converters whose sampling ends ask the world.
+    pub(super) fn ask_world(&mut self, now: Time) -> Result<(), Misuse> {
+        for place in 0..self.adcs.len() {
+            if let Some(internal) = self.adcs[place].measures(now) {
+                self.check_internal(place, internal)?;
+            }
+            if let Some(world) = self.outside.world() {
+                self.adcs[place].sample(now, world);
+            }
+        }
+        Ok(())
+    }
+
+    /// A converter (from 0 on) measures inside the chip only what is on.
+    fn check_internal(&self, adc: usize, internal: Internal) -> Result<(), Misuse> {
+        let common = usize::from(adc >= 2);
+        match (internal, internal.switch()) {
+            (_, Some(field)) if !self.adc_commons[common].switches_on(field) => {
+                let rule = format!("ADC{} measures {internal:?} while CCR.{field} is 0", adc + 1);
+                Err(Misuse::rule("ADC", rule))
+            }
+            (Internal::Opamp(number), _) if !self.opamps[number - 1].reaches_converter() => {
+                let rule =
+                    format!("ADC{} measures OPAMP{number} while its OPAMPEN or OPAINTOEN is 0", adc + 1);
+                Err(Misuse::rule("ADC", rule))
+            }
+            _ => Ok(()),
         }
     }
 
     fn follow_adc_clocks(&mut self) {
-        for (place, (_, common)) in self.adc_commons.iter().enumerate() {
+        for (place, common) in self.adc_commons.iter().enumerate() {
             let kernel = self.rcc.adc_clock(["ADC12SEL", "ADC345SEL"][place]);
             let clock = common.clock(self.clocks.core, kernel);
             let converters = if place == 0 { 0..2 } else { 2..5 };
-            self.adcs[converters].iter_mut().for_each(|(_, adc)| adc.clock = clock);
+            self.adcs[converters].iter_mut().for_each(|adc| adc.run_at(clock));
         }
     }
 
     /// Each line of the EXTI sees the pin of the port that SYSCFG.EXTICR selects for it.
     pub(super) fn follow_pins(&mut self) {
+        let bank = self.syscfg.bank();
         let level = |line: usize| {
-            let port = self.syscfg.bank().get_at("EXTICR", line / 4, &format!("EXTI[{}]", line % 4));
-            self.ports.get(port as usize).is_some_and(|(_, port)| port.level(line))
+            let port = bank.word("EXTICR", line / 4) >> (4 * (line % 4)) & 0xF;
+            self.ports.get(port as usize).is_some_and(|port| port.level(line))
         };
         let levels = (0..16).map(|line| u16::from(level(line)) << line).sum();
         self.exti.see(levels);
+        self.touched.insert(Block::Exti);
     }
 
-    /// Timers' trigger outputs reach the converters.
+    /// Timers' trigger outputs reach their slaves and the converters.
     pub(super) fn deliver_triggers(&mut self) {
-        for (name, timer) in &mut self.timers {
-            if timer.take_trigger() {
-                self.adcs.iter_mut().for_each(|(_, adc)| adc.trigger(name, self.now));
-                self.dacs.iter_mut().for_each(|(_, dac)| dac.trigger(name));
+        while let Some(master) = self.firing_timer() {
+            for (place, timer) in (0..).zip(&mut self.timers) {
+                if timer.trigger(master, self.now) {
+                    self.touched.insert(Block::Timer(place));
+                }
+            }
+            for (place, adc) in (0..).zip(&mut self.adcs) {
+                if adc.trigger(master, self.now) {
+                    self.touched.insert(Block::Adc(place));
+                }
+            }
+            for (place, dac) in (0..).zip(&mut self.dacs) {
+                if dac.trigger(Trigger::Timer(master)) {
+                    self.touched.insert(Block::Dac(place));
+                }
             }
         }
     }
 
+    fn firing_timer(&mut self) -> Option<u8> {
+        if !self.touched.meets(Blocks::TIMERS) {
+            return None;
+        }
+        self.timers.iter_mut().find_map(|timer| timer.take_trigger().then(|| timer.number()))
+    }
+
     pub(super) fn follow_clocks(&mut self) {
         self.clocks = self.rcc.clocks();
+        self.cycle = self.clocks.cycle();
         let clocks = self.clocks;
-        for (name, timer) in &mut self.timers {
-            timer.clock = clocks.timer(if *name == "TIM15" { clocks.apb2 } else { clocks.apb1 });
+        for timer in &mut self.timers {
+            timer.run_at(clocks.timer(if timer.number() == 15 { clocks.apb2 } else { clocks.apb1 }));
         }
         self.follow_adc_clocks();
         self.uart.clock = self.rcc.uart_clock("LPUART1SEL");
-        let wired = ["TX", "RX"].map(|signal| self.is_wired("LPUART1", signal));
-        self.uart.wired = wired;
+        self.touched = Blocks::ALL;
     }
 
-    /// Whether some pin carries a signal: it is set to the alternate function that the chip has.
-    fn is_wired(&self, peripheral: &str, signal: &str) -> bool {
-        let mut pins = Map::of_chip().peripheral(peripheral).pins(signal);
-        pins.any(|(pin, function)| {
-            let port = self.ports.iter().find(|(port, _)| pin[1..].starts_with(*port));
-            let number = pin[2..].parse::<usize>();
-            matches!((port, number), (Some((_, port)), Ok(number)) if port.mode(number) == PinMode::Alternate(function))
+    /// Looks again at what pins carry.
+    pub(super) fn follow_wires(&mut self) {
+        self.uart.wired = ["TX", "RX"].map(|signal| self.pins_with("LPUART1", signal).next().is_some());
+        let mut wires = Vec::new();
+        for (timer, (name, channels, _)) in (0..).zip(TIMERS) {
+            for channel in 0..channels {
+                let signal = format!("CH{}", channel + 1);
+                let pins = self.pins_with(name, &signal);
+                wires.extend(pins.map(|(port, pin)| Wire { port, pin, timer, channel }));
+            }
+        }
+        self.wires = wires;
+        self.follow_pins();
+        self.touched = Blocks::ALL;
+    }
+
+    /// Pins (port and number) that carry a signal: they are set to the alternate function that the chip has.
+    fn pins_with(&self, peripheral: &str, signal: &str) -> impl Iterator<Item = (usize, usize)> {
+        let pins = Map::of_chip().peripheral(peripheral).pins(signal);
+        pins.filter_map(|(name, function)| {
+            let (port, pin) = (port_of(name.chars().nth(1)?)?, name[2..].parse().ok()?);
+            (self.ports.get(port)?.mode(pin) == PinMode::Alternate(function)).then_some((port, pin))
         })
+    }
+
+    /// Outputs of timers that were touched reach their pins.
+    pub(super) fn carry_outputs(&mut self) {
+        if !self.touched.meets(Blocks::TIMERS) {
+            return;
+        }
+        for &Wire { port, pin, timer, channel } in &self.wires {
+            let level = self.timers[usize::from(timer)].output(channel);
+            if self.ports[port].carry(pin, level) {
+                self.touched.insert(Block::Port(port as u8));
+            }
+        }
     }
 
     /// Rules that join clocks, voltage and flash (RM0440 FLASH chapter, ACR.LATENCY, 6.1.5).
@@ -102,4 +193,9 @@ impl Chip {
         }
         Ok(())
     }
+}
+
+/// Place of a port among the ports.
+fn port_of(letter: char) -> Option<usize> {
+    ('A'..='G').position(|known| known == letter)
 }

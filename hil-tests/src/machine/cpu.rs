@@ -2,8 +2,8 @@
 
 use super::{Block, Calls, Halt, Machine, Ram, SPINS, State, Why};
 use crate::chip::{
-    RAM_BYTES, RAM_START, core, flash, misuse::Misuse, nvic::Masks, peripheral::Moment, time::Time,
-    trace::Event,
+    RAM_BYTES, RAM_START, core, flash, misuse::Misuse, nvic::Masks, peripheral::Moment, system_memory,
+    time::Time, trace::Event,
 };
 use std::rc::Rc;
 use unicorn_engine::{Arch, ArmCpuModel, HookType, Mode, Prot, RegisterARM, Unicorn, uc_error};
@@ -52,6 +52,8 @@ pub(super) fn build(state: &Rc<State>) -> Result<Unicorn<'static, ()>, uc_error>
     unicorn.ctl_set_cpu_model(ArmCpuModel::CORTEX_M4 as i32)?;
     unicorn.mem_map(flash::START.into(), flash::BYTES.into(), Prot::ALL)?;
     unicorn.mem_map(RAM_START.into(), RAM_BYTES.into(), Prot::ALL)?;
+    unicorn.mem_map(system_memory::START.into(), system_memory::BYTES.into(), Prot::READ)?;
+    unicorn.mem_write(system_memory::START.into(), &system_memory::content())?;
     for (start, bytes) in [(PERIPHERALS, PERIPHERAL_BYTES), (core::START, core::BYTES)] {
         map_registers(&mut unicorn, start, bytes, state)?;
     }
@@ -119,7 +121,8 @@ impl State {
             }
         }
         let unmasked = self.masks.get().is_some_and(|masks| masks != raw_masks(unicorn));
-        if unmasked || self.now.get() >= self.stop_at.get() {
+        let is_due = self.now.get() >= self.stop_at.get();
+        if unmasked || (is_due && !self.pass_quietly(unicorn)) {
             return self.stop(unicorn, Why::Due);
         }
         if let Some(calls) = self.calls.borrow_mut().as_mut() {
@@ -133,6 +136,25 @@ impl State {
         }
         if block.is_circle {
             self.now.set(self.now.get().max(self.stop_at.get()));
+        }
+    }
+
+    /// What is due happens while the core runs on, if it does not concern the core.
+    fn pass_quietly(&self, unicorn: &mut Unicorn<'_, ()>) -> bool {
+        if self.stop_at.get() == Time::ZERO || self.now.get() >= self.deadline.get() {
+            return false;
+        }
+        let mut chip = self.chip.borrow_mut();
+        match chip.advance_quietly(self.now.get(), &mut Ram(unicorn)) {
+            Ok(true) => {
+                self.stop_at.set(chip.next_event().min(self.deadline.get()));
+                true
+            }
+            Ok(false) => false,
+            Err(misuse) => {
+                self.misuse.borrow_mut().get_or_insert(misuse);
+                false
+            }
         }
     }
 

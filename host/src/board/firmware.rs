@@ -22,7 +22,7 @@ const PATCH_SLOTS: u64 = 0x0802_0000;
 const STACK_TOPS: Range<u64> = 0x2000_0008..0x2002_0001;
 
 /// A firmware that a board can run.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Firmware {
     elf: Vec<u8>,
     segments: Vec<Segment>,
@@ -105,6 +105,12 @@ pub enum Fault {
         /// First address, and the one behind the last.
         range: Range<u64>,
     },
+    /// Two segments want the same bytes.
+    #[error("would program {:#010x}..{:#010x} twice: its segments overlap", range.start, range.end)]
+    Overlap {
+        /// First address that both have, and the one behind the last.
+        range: Range<u64>,
+    },
     /// Nothing where the core looks for its first two words.
     #[error("has no vector table at {:#010x}, where the chip starts", FLASH.start)]
     NoVectorTable,
@@ -138,6 +144,7 @@ impl Firmware {
         let program = program(&elf)?;
         let segments = segments(&program)?;
         segments.iter().try_for_each(check_place)?;
+        check_apart(&segments)?;
         check_start(&segments)?;
         let control_block = program.symbols().find(|symbol| symbol.name() == Ok("_SEGGER_RTT"));
         let rtt_control_block = control_block.map(|symbol| symbol.address());
@@ -160,6 +167,16 @@ impl Firmware {
     #[must_use]
     pub fn elf(&self) -> &[u8] {
         &self.elf
+    }
+
+    /// Address of the first symbol whose name holds `part`; compilers lengthen names.
+    #[must_use]
+    pub fn symbol(&self, part: &str) -> Option<u64> {
+        let program = program(&self.elf).ok()?;
+        let mut symbols = program.symbols();
+        symbols
+            .find(|symbol| symbol.name().is_ok_and(|name| name.contains(part)))
+            .map(|found| found.address())
     }
 
     /// Where in RAM the firmware announces its log, if it does.
@@ -214,6 +231,18 @@ fn check_place(segment: &Segment) -> Result<(), Fault> {
     }
     if range.end > PATCH_SLOTS {
         return Err(Fault::PatchSlots { range });
+    }
+    Ok(())
+}
+
+fn check_apart(segments: &[Segment]) -> Result<(), Fault> {
+    let mut ranges: Vec<_> = segments.iter().map(Segment::range).collect();
+    ranges.sort_by_key(|range| range.start);
+    for pair in ranges.windows(2) {
+        let range = pair[1].start..pair[0].end.min(pair[1].end);
+        if !range.is_empty() {
+            return Err(Fault::Overlap { range });
+        }
     }
     Ok(())
 }

@@ -2,6 +2,8 @@
 
 mod client;
 pub mod firmware;
+#[cfg(feature = "logs")]
+pub mod log;
 pub mod patch_store;
 pub mod probe;
 pub mod simulated;

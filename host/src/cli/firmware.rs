@@ -57,9 +57,10 @@ mod with_probe {
     };
     use crate::board::{
         firmware::Firmware,
+        log::Log,
         probe::{
             DebugProbe,
-            attached::{self, Board, Log, Progress},
+            attached::{self, Board, ProbeError, Progress},
             choose,
         },
     };
@@ -75,7 +76,7 @@ mod with_probe {
     }
 
     pub(super) fn program(args: &Args, firmware: &Firmware) -> anyhow::Result<()> {
-        let log = args.logs.then(|| Log::new(firmware)).transpose()?;
+        let log = args.logs.then(|| Log::new(firmware)).transpose().map_err(ProbeError::NoLog)?;
         let probes = attached::probes();
         let probe = choose(&probes, args.probe.as_deref())?;
         let mut board = Board::attach(probe)?;

@@ -8,7 +8,6 @@ use super::{Press, Script, TrueSkin, converter::Converter};
 use crate::{
     board::simulated::{Scan, ScanTable, SlotSamples},
     model::ModelError,
-    pixels::samples,
     skin::Skin,
 };
 use dermatome_shared::{
@@ -68,7 +67,7 @@ impl SimulatedSkin {
         let electrodes = skin.electrodes.count;
         let tests = (0..electrodes).map(|electrode| test_step(electrode, electrodes));
         let slots: Vec<Step> = skin.steps().into_iter().chain(tests).collect();
-        let largest = largest(&truth.phasors(&untouched(&truth), &slots, skin.drive.frequency));
+        let largest = largest(&truth.phasors(&truth.conductivity(&[]), &slots, skin.drive.frequency));
         let largest_ohms = largest / skin.material.sheet_conductivity;
         Ok(Self {
             truth,
@@ -144,7 +143,7 @@ impl SimulatedSkin {
     /// In-phase voltages under these presses: `[step]`, at unit current and conductivity.
     #[must_use]
     pub fn voltages(&self, steps: &[Step], presses: &[Press]) -> Vec<f64> {
-        self.truth.voltages(&self.conductivity(presses), steps)
+        self.truth.voltages(&self.truth.conductivity(presses), steps)
     }
 
     /// Volts at the drive's current, turned by its phase: `[slot]`.
@@ -159,30 +158,7 @@ impl SimulatedSkin {
 
     fn phasors(&self, table: &ScanTable, presses: &[Press]) -> Vec<Complex64> {
         let slots: Vec<Step> = table.steps.iter().chain(&table.tests).copied().collect();
-        self.truth.phasors(&self.conductivity(presses), &slots, table.drive.frequency.into())
-    }
-
-    fn conductivity(&self, presses: &[Press]) -> Vec<f64> {
-        let mut conductivity = untouched(&self.truth);
-        for (element, sigma) in conductivity.iter_mut().enumerate() {
-            *sigma += presses.iter().map(|press| self.mean_change(element, press)).sum::<f64>();
-            // Presses that overlap may not make the sheet vanish.
-            *sigma = sigma.max(0.01);
-        }
-        conductivity
-    }
-
-    /// Mean over an element of the change a press makes.
-    fn mean_change(&self, element: usize, press: &Press) -> f64 {
-        let corners = self.truth.mesh().corners(element);
-        let reach = corners.iter().map(|c| (c.x - press.position[0]).hypot(c.y - press.position[1]));
-        let longest_edge = (corners[1] - corners[0]).norm().max((corners[2] - corners[0]).norm());
-        if reach.fold(f64::INFINITY, f64::min) > press.radius + longest_edge {
-            return 0.0;
-        }
-        let (sum, count) = samples(corners)
-            .fold((0.0, 0.0), |(sum, count), point| (sum + press.change_at([point.x, point.y]), count + 1.0));
-        sum / count
+        self.truth.phasors(&self.truth.conductivity(presses), &slots, table.drive.frequency.into())
     }
 
     /// Voltages, gain and noise of a scan, found once, as a board finds its gains.
@@ -203,11 +179,6 @@ impl SimulatedSkin {
         let converter = Converter::new(&self.front_end, table.drive.gain, largest_volts);
         self.untouched.insert(Untouched { table: table.clone(), phasors, converter, noise }).clone()
     }
-}
-
-/// Relative conductivity of the untouched skin: `[element]`.
-fn untouched(truth: &TrueSkin) -> Vec<f64> {
-    vec![1.0; truth.mesh().elements.len()]
 }
 
 fn largest(phasors: &[Complex64]) -> f64 {

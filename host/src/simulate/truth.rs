@@ -1,13 +1,16 @@
 //! The true skin: solved on a mesh of its own, never on the one its images are reconstructed with.
 
+use super::Press;
 use crate::{
-    forward::{Admittivity, ForwardModel},
+    forward::{Admittivity, Fields, ForwardModel, electrode_unknown},
     mesh::{Lattice, Mesh, refine},
     model::{ModelError, forward_model, mesh},
+    pixels::samples,
     skin::{Shape, Skin},
 };
 use dermatome_shared::stimulation::Step;
 use num_complex::Complex64;
+use std::f64::consts::TAU;
 
 /// Triangles of the true skin are this much smaller than the reconstruction's, along an edge.
 const FINENESS: f64 = 0.66;
@@ -34,10 +37,7 @@ enum Forward {
 impl TrueSkin {
     /// Meshes a skin; an imported mesh is refined instead, which keeps its nodes.
     pub fn new(skin: &Skin) -> Result<Self, ModelError> {
-        let mesh = match &skin.shape {
-            Shape::Sheet(_) => mesh(skin, FINENESS, LATTICE)?,
-            Shape::Mesh { mesh, .. } => refine(mesh),
-        };
+        let mesh = true_mesh(skin)?;
         let forward = match skin.admittivity() {
             admittivity if admittivity.im == 0.0 => Forward::Real(Box::new(forward_model(skin, &mesh)?)),
             admittivity => {
@@ -46,6 +46,28 @@ impl TrueSkin {
             }
         };
         Ok(Self { mesh, forward, frequency: skin.drive.frequency })
+    }
+
+    /// The same with other contacts, and at a frequency, Hz, that need not be the skin file's.
+    /// `contact_impedance`, ohm m, `[electrode]`, is not used by point electrodes.
+    pub fn with_contacts(
+        skin: &Skin,
+        contact_impedance: &[Complex64],
+        frequency: f64,
+    ) -> Result<Self, ModelError> {
+        let mesh = true_mesh(skin)?;
+        let sheet = skin.material.sheet_conductivity;
+        let susceptance = TAU * frequency * skin.material.sheet_capacitance / sheet;
+        let relative: Vec<Complex64> = contact_impedance.iter().map(|z| z * sheet).collect();
+        let ground = electrode_unknown(&mesh, skin.electrodes.ground);
+        let forward = if susceptance == 0.0 && relative.iter().all(|z| z.im == 0.0) {
+            let real: Vec<f64> = relative.iter().map(|z| z.re).collect();
+            Forward::Real(Box::new(ForwardModel::new(&mesh, &real, ground)?))
+        } else {
+            let model = ForwardModel::new(&mesh, &relative, ground)?;
+            Forward::Complex(Box::new(model), susceptance / frequency)
+        };
+        Ok(Self { mesh, forward, frequency })
     }
 
     /// Its mesh.
@@ -66,16 +88,67 @@ impl TrueSkin {
     pub fn phasors(&self, conductivity: &[f64], steps: &[Step], frequency: f64) -> Vec<Complex64> {
         match &self.forward {
             Forward::Real(model) => {
-                solve(model, conductivity, steps).into_iter().map(Complex64::from).collect()
+                let fields = solve(model, conductivity);
+                fields.voltages(steps).into_iter().map(Complex64::from).collect()
             }
             Forward::Complex(model, per_hertz) => {
-                let with_capacitance = |&sigma| Complex64::new(sigma, per_hertz * frequency);
-                solve(model, &conductivity.iter().map(with_capacitance).collect::<Vec<_>>(), steps)
+                solve(model, &admittivity(conductivity, per_hertz * frequency)).voltages(steps)
             }
         }
     }
+
+    /// Potential of each electrode for unit current into each and out of the ground, relative:
+    /// `[electrode][electrode driven]`. `conductivity` as in [`Self::voltages`].
+    #[must_use]
+    pub fn transfer(&self, conductivity: &[f64]) -> Vec<Vec<Complex64>> {
+        match &self.forward {
+            Forward::Real(model) => transfer(&solve(model, conductivity), Complex64::from),
+            Forward::Complex(model, per_hertz) => {
+                let susceptance = per_hertz * self.frequency;
+                transfer(&solve(model, &admittivity(conductivity, susceptance)), |value| value)
+            }
+        }
+    }
+
+    /// Relative conductivity of each element under these presses: `[element]`.
+    #[must_use]
+    pub fn conductivity(&self, presses: &[Press]) -> Vec<f64> {
+        let change = |element| presses.iter().map(|press| self.mean_change(element, press)).sum::<f64>();
+        // Presses that overlap may not make the sheet vanish.
+        (0..self.mesh.elements.len()).map(|element| (1.0 + change(element)).max(0.01)).collect()
+    }
+
+    /// Mean over an element of the change a press makes.
+    fn mean_change(&self, element: usize, press: &Press) -> f64 {
+        let corners = self.mesh.corners(element);
+        let reach = corners.iter().map(|c| (c.x - press.position[0]).hypot(c.y - press.position[1]));
+        let longest_edge = (corners[1] - corners[0]).norm().max((corners[2] - corners[0]).norm());
+        if reach.fold(f64::INFINITY, f64::min) > press.radius + longest_edge {
+            return 0.0;
+        }
+        let (sum, count) = samples(corners)
+            .fold((0.0, 0.0), |(sum, count), point| (sum + press.change_at([point.x, point.y]), count + 1.0));
+        sum / count
+    }
 }
 
-fn solve<T: Admittivity>(model: &ForwardModel<T>, admittivity: &[T], steps: &[Step]) -> Vec<T> {
-    model.solve(admittivity).expect("a positive conductivity has a solution").voltages(steps)
+fn true_mesh(skin: &Skin) -> Result<Mesh, ModelError> {
+    match &skin.shape {
+        Shape::Sheet(_) => mesh(skin, FINENESS, LATTICE),
+        Shape::Mesh { mesh, .. } => Ok(refine(mesh)),
+    }
+}
+
+fn admittivity(conductivity: &[f64], susceptance: f64) -> Vec<Complex64> {
+    conductivity.iter().map(|&sigma| Complex64::new(sigma, susceptance)).collect()
+}
+
+fn solve<T: Admittivity>(model: &ForwardModel<T>, admittivity: &[T]) -> Fields<T> {
+    model.solve(admittivity).expect("a positive conductivity has a solution")
+}
+
+fn transfer<T: Admittivity>(fields: &Fields<T>, complex: impl Fn(T) -> Complex64) -> Vec<Vec<Complex64>> {
+    let electrodes = 0..fields.electrodes();
+    let row = |at| electrodes.clone().map(|driven| complex(fields.transfer(at, driven))).collect();
+    electrodes.clone().map(row).collect()
 }

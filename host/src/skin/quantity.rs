@@ -45,6 +45,12 @@ pub const PRESSURE: Kind = Kind(&[("Pa", 1.0), ("kPa", 1e3), ("MPa", 1e6)]);
 pub const ANGLE: Kind = Kind(&[("rad", 1.0), ("deg", std::f64::consts::PI / 180.0)]);
 
 impl Kind {
+    /// A kind with these units, each with its size in the first.
+    #[must_use]
+    pub const fn new(units: &'static [(&'static str, f64)]) -> Self {
+        Self(units)
+    }
+
     /// Value in the SI unit, or `None` if the text is no number with one of the units.
     #[must_use]
     pub fn read(self, quantity: &Quantity) -> Option<f64> {

@@ -119,10 +119,18 @@ impl Axis {
         let steps: &[f64] = if decades < 2.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
         (self.low.floor() as i32..=self.high.ceil() as i32)
             .filter(|exponent| exponent.rem_euclid(every) == 0)
-            .flat_map(|exponent| steps.iter().map(move |step| step * 10_f64.powi(exponent)))
-            .filter(|value| (self.low..=self.high).contains(&value.log10()))
-            .map(|value| (self.place(value), format!("{value:.0e}")))
+            .flat_map(|exponent| steps.iter().map(move |step| (exponent, step * 10_f64.powi(exponent))))
+            .filter(|(_, value)| (self.low..=self.high).contains(&value.log10()))
+            .map(|(exponent, value)| (self.place(value), number(value, exponent)))
             .collect()
+    }
+}
+
+/// A number of one digit: in full near 1, otherwise with its power of ten.
+fn number(value: f64, exponent: i32) -> String {
+    match exponent {
+        -2..=3 => format!("{value:.*}", usize::try_from(-exponent).unwrap_or(0)),
+        _ => format!("{value:.0e}"),
     }
 }
 
@@ -147,5 +155,14 @@ mod tests {
         let chosen = format!("{},{}", place("cx=\""), place("cy=\""));
         assert_eq!(place("points=\"").split(' ').nth(4), Some(chosen.as_str()));
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+    }
+    #[test]
+    fn numbers_at_an_axis_are_written_in_full_near_one() {
+        let names = |low: f64, high: f64| {
+            let ticks = Axis::new([low, high].into_iter(), 0.0, 1.0).ticks();
+            ticks.into_iter().map(|(_, name)| name).collect::<Vec<_>>()
+        };
+        assert_eq!(names(0.02, 1.0), ["0.02", "0.05", "0.1", "0.2", "0.5", "1"]);
+        assert_eq!(names(1e-3, 1e4), ["1e-3", "0.01", "0.1", "1", "10", "100", "1000", "1e4"]);
     }
 }

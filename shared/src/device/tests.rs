@@ -239,6 +239,9 @@ fn board_with_a_front_end() -> Device<Memory> {
         volts_per_code: 2e-8,
         full_scale_current: 1e-3,
         gain_bandwidth: 13e6,
+        largest_gain: 64,
+        bandwidths: [1e6; 2],
+        waveform_rate: 1_000_000,
         lead: 0.0,
     };
     let mut device = Device::new(BoardFacts { front_end: Some(front_end), ..facts(16) }, Memory::default());

@@ -11,7 +11,7 @@ mod packet;
 mod queue;
 
 pub use packet::{PacketError, PacketReader, decode, encode};
-pub use queue::PacketQueue;
+pub use queue::{EventQueue, PacketQueue};
 
 use crate::{
     MAX_MEASUREMENTS, MAX_PIXELS, MAX_STEPS,
@@ -331,7 +331,6 @@ pub enum Refusal {
 
 /// What a board tells unasked.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
-#[expect(clippy::large_enum_variant, reason = "there is no allocator to box with")]
 pub enum Event {
     /// A tare is complete.
     Tared {

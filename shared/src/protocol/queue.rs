@@ -1,6 +1,6 @@
 //! Queue of encoded packets: bounded, and whole packets or none.
 
-use super::{PacketError, encode};
+use super::{BoardPacket, Event, PacketError, encode};
 use heapless::Deque;
 use serde::Serialize;
 
@@ -51,10 +51,42 @@ impl<const BYTES: usize> PacketQueue<BYTES> {
     }
 }
 
+/// Events that wait for a link: those that are short and urgent go ahead of those that are long.
+#[derive(Clone, Debug, Default)]
+pub struct EventQueue<const URGENT: usize, const LONG: usize> {
+    urgent: PacketQueue<URGENT>,
+    long: PacketQueue<LONG>,
+}
+
+impl<const URGENT: usize, const LONG: usize> EventQueue<URGENT, LONG> {
+    /// An empty queue.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { urgent: PacketQueue::new(), long: PacketQueue::new() }
+    }
+
+    /// Adds a packet, if there is room for all of it; `scratch` is overwritten.
+    pub fn push(&mut self, packet: &BoardPacket, scratch: &mut [u8]) -> Result<(), PacketError> {
+        let is_long = matches!(
+            packet,
+            BoardPacket::Event {
+                event: Event::Image { .. } | Event::Measurements { .. } | Event::Scope { .. },
+                ..
+            }
+        );
+        if is_long { self.long.push(packet, scratch) } else { self.urgent.push(packet, scratch) }
+    }
+
+    /// As [`PacketQueue::pop`].
+    pub fn pop(&mut self, out: &mut [u8]) -> Option<usize> {
+        self.urgent.pop(out).or_else(|| self.long.pop(out))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocol::{BoardPacket, Event, MAX_PACKET_BYTES};
+    use crate::protocol::MAX_PACKET_BYTES;
     use std::vec::Vec;
 
     fn event(number: u32) -> BoardPacket {
@@ -82,5 +114,21 @@ mod tests {
         assert!(queue.is_empty());
         assert!((300..400).contains(&accepted.len()), "{}", accepted.len());
         assert_eq!(received, accepted.iter().map(|&number| event(number)).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn what_is_short_goes_ahead_of_what_is_long() {
+        let (mut scratch, mut out) = ([0; MAX_PACKET_BYTES], [0; MAX_PACKET_BYTES]);
+        let mut queue = EventQueue::<100, 200>::new();
+        let scope = Event::Scope { slot: 0, gain: 1, settling: 0, samples: heapless::Vec::new() };
+        queue.push(&BoardPacket::Event { number: 0, event: scope.clone() }, &mut scratch).unwrap();
+        queue.push(&event(1), &mut scratch).unwrap();
+        let mut numbers = Vec::new();
+        while let Some(length) = queue.pop(&mut out) {
+            let packet = super::super::decode::<BoardPacket>(&mut out[..length - 1]).unwrap();
+            let BoardPacket::Event { number, .. } = packet else { panic!("{packet:?}") };
+            numbers.push(number);
+        }
+        assert_eq!(numbers, [1, 0]);
     }
 }

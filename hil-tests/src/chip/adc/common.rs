@@ -1,4 +1,4 @@
-//! Common registers of a group of converters: the clock (ADC_CCR).
+//! Common registers of a group of converters: the clock, and what is measured inside the chip (ADC_CCR).
 
 use crate::chip::{
     bank::Bank,
@@ -21,6 +21,12 @@ impl AdcCommon {
     #[must_use]
     pub fn new(name: &str) -> Self {
         Self { bank: Bank::new(name, &[]) }
+    }
+
+    /// Whether a field of CCR switches something on.
+    #[must_use]
+    pub fn switches_on(&self, field: &str) -> bool {
+        self.bank.is_set("CCR", field)
     }
 
     /// Clock of the converters, Hz, from the AHB's (CKMODE 1 to 3) or the kernel clock (0).

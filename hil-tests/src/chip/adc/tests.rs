@@ -1,11 +1,17 @@
 use super::*;
-use crate::chip::tests::bus::{Bus, nanos};
+use crate::chip::{
+    tests::bus::{Bus, nanos},
+    world::OpampSetting,
+};
 
 /// Volts that grow with the channel; notes when it was asked.
 #[derive(Debug, Default)]
 struct Ladder(Vec<(usize, usize, Time)>);
 
 impl World for Ladder {
+    fn dac(&mut self, _: usize, _: usize, _: Option<u16>, _: Time) {}
+    fn pins(&mut self, _: char, _: u16, _: Time) {}
+    fn opamp(&mut self, _: usize, _: OpampSetting, _: Time) {}
     fn voltage(&mut self, adc: usize, channel: usize, at: Time) -> f64 {
         self.0.push((adc, channel, at));
         REFERENCE * (channel as f64 / 16.0 + 1e-6)
@@ -15,7 +21,7 @@ impl World for Ladder {
 /// A converter at 50 MHz, on and calibrated: 20 ns a clock.
 fn ready() -> Bus<Adc> {
     let mut bus = Bus::new(Adc::new(2));
-    bus.model.clock = 50_000_000;
+    bus.model.run_at(50_000_000);
     bus.fields("CR", &[("ADVREGEN", 1)]);
     bus.pass(Time::from_micros(20));
     bus.fields("CR", &[("ADVREGEN", 1), ("ADEN", 1)]);
@@ -40,7 +46,7 @@ fn pass(bus: &mut Bus<Adc>, span: Time, world: &mut Ladder) {
 #[test]
 fn it_needs_its_regulator_and_a_clock_that_it_can_follow() {
     let mut bus = Bus::new(Adc::new(1));
-    bus.model.clock = 50_000_000;
+    bus.model.run_at(50_000_000);
     let register = bus.model.bank().map.register("CR");
     let on = register.mask("ADVREGEN");
     assert!(bus.refused("CR", on | register.mask("DEEPPWD")).contains("DEEPPWD"));
@@ -48,9 +54,9 @@ fn it_needs_its_regulator_and_a_clock_that_it_can_follow() {
     bus.pass(nanos(19_999));
     assert!(bus.refused("CR", on | register.mask("ADEN")).contains("20 us"));
     bus.pass(nanos(1));
-    bus.model.clock = 85_000_000;
+    bus.model.run_at(85_000_000);
     assert!(bus.refused("CR", on | register.mask("ADEN")).contains("85000000 Hz"));
-    bus.model.clock = 50_000_000;
+    bus.model.run_at(50_000_000);
     assert!(bus.refused("CR", on | register.mask("ADSTART")).contains("ADEN is 0"));
     bus.write("CR", on | register.mask("ADEN"));
     assert_eq!(bus.get("ISR", "ADRDY"), 1);
@@ -59,7 +65,7 @@ fn it_needs_its_regulator_and_a_clock_that_it_can_follow() {
 #[test]
 fn a_calibration_takes_112_clocks() {
     let mut bus = Bus::new(Adc::new(1));
-    bus.model.clock = 50_000_000;
+    bus.model.run_at(50_000_000);
     bus.fields("CR", &[("ADVREGEN", 1)]);
     bus.pass(Time::from_micros(20));
     bus.fields("CR", &[("ADVREGEN", 1), ("ADCAL", 1)]);
@@ -120,7 +126,7 @@ fn only_the_chosen_timer_starts_a_sequence_each_time_and_the_dma_is_asked() {
     bus.fields("CFGR", &[("EXTEN", 1), ("EXTSEL", 13), ("DMAEN", 1), ("DMACFG", 1)]);
     bus.fields("SQR1", &[("SQ[0]", 2)]);
     start(&mut bus);
-    for (timer, converts) in [("TIM2", false), ("TIM6", true), ("TIM6", true)] {
+    for (timer, converts) in [(2, false), (6, true), (6, true)] {
         let now = bus.now;
         bus.model.trigger(timer, now);
         pass(&mut bus, nanos(300), &mut world);
@@ -156,4 +162,28 @@ fn what_is_not_modelled_and_changes_while_it_converts_are_refused() {
     bus.pass(nanos(10));
     let at = Moment { now: bus.now + nanos(100), ..bus.moment() };
     assert!(bus.model.advance(at).unwrap_err().to_string().contains("no world"));
+}
+
+#[test]
+fn in_one_shot_mode_the_end_of_the_dmas_buffer_ends_the_conversions() {
+    for (circular, goes_on) in [(0, false), (1, true)] {
+        let (mut bus, mut world) = (ready(), Ladder::default());
+        bus.fields("CFGR", &[("CONT", 1), ("DMAEN", 1), ("DMACFG", circular)]);
+        start(&mut bus);
+        pass(&mut bus, nanos(301), &mut world);
+        assert!(bus.model.requests("ADC2"));
+        bus.read("DR");
+        bus.model.transfers_ended("ADC2");
+        world.0.clear();
+        pass(&mut bus, nanos(301), &mut world);
+        assert_eq!((bus.model.requests("ADC2"), world.0.is_empty()), (goes_on, !goes_on));
+    }
+}
+
+/// RM0440, "ADC connectivity".
+#[test]
+fn some_channels_are_inside_the_chip() {
+    let at = Internal::at;
+    assert_eq!((at(1, 16), at(2, 16)), (Some(Internal::Temperature), Some(Internal::Opamp(2))));
+    assert_eq!((at(1, 18), at(2, 17), at(1, 1)), (Some(Internal::Reference), None, None));
 }

@@ -25,10 +25,10 @@ fn a_trigger_takes_the_held_value_over_if_it_is_the_one_that_was_chosen() {
     let mut bus = dac(&[("EN[1]", 1), ("TEN[1]", 1), ("TSEL[1]", 7)]);
     bus.write_at("DHR12R", 1, 0x800).unwrap();
     assert_eq!(bus.model.output(1), Some(0));
-    bus.model.trigger("TIM2");
+    bus.model.trigger(Trigger::Timer(2));
     bus.write("SWTRIGR", 2);
     assert_eq!(bus.model.output(1), Some(0));
-    bus.model.trigger("TIM6");
+    bus.model.trigger(Trigger::Timer(6));
     assert_eq!(bus.model.output(1), Some(0x800));
 }
 
@@ -46,16 +46,16 @@ fn software_triggers_the_channels_that_it_names() {
 fn each_trigger_asks_the_dma_and_one_unserved_is_an_underrun() {
     let mut bus = dac(&[("EN[0]", 1), ("TEN[0]", 1), ("TSEL[0]", 4), ("DMAEN[0]", 1), ("DMAUDRIE[0]", 1)]);
     assert!(!bus.model.requests("CH1"));
-    bus.model.trigger("TIM2");
+    bus.model.trigger(Trigger::Timer(2));
     assert!(bus.model.requests("CH1") && !bus.model.requests("CH2"));
     bus.model.acknowledge("CH1");
-    bus.model.trigger("TIM2");
+    bus.model.trigger(Trigger::Timer(2));
     assert!(!bus.model.interrupts("GLOBAL"));
-    bus.model.trigger("TIM2");
+    bus.model.trigger(Trigger::Timer(2));
     assert_eq!((bus.get("SR", "DMAUDR[0]"), bus.model.requests("CH1")), (1, false));
     assert!(bus.model.interrupts("GLOBAL"));
     bus.fields("SR", &[("DMAUDR[0]", 1)]);
-    bus.model.trigger("TIM2");
+    bus.model.trigger(Trigger::Timer(2));
     assert!(bus.model.requests("CH1") && !bus.model.interrupts("GLOBAL"));
 }
 

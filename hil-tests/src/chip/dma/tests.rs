@@ -49,7 +49,7 @@ fn half_and_end_raise_their_flags_and_the_channel_stops() {
         seen.push((flags(&mut bus), bus.read_at("CH.NDTR", 2), last));
     }
     // GIF 1, TCIF 2, HTIF 4.
-    assert_eq!(seen, [(0, 3, false), (5, 2, false), (5, 1, false), (7, 0, true)]);
+    assert_eq!(seen, [(0, 3, None), (5, 2, Some(Mark::Half)), (5, 1, None), (7, 0, Some(Mark::End))]);
     assert!(!bus.model.is_on(2));
     assert!(bus.model.interrupts("CH3") && !bus.model.interrupts("CH2"));
     bus.write("IFCR", 4 << 8);
@@ -91,8 +91,9 @@ fn a_transfer_error_stops_its_channel() {
 #[test]
 fn the_multiplexer_knows_who_has_a_request_number() {
     let mut bus = Bus::new(Dmamux::default());
+    let receiver = Source { block: Block::Link, signal: "RX" };
     bus.write_at("CCR", 9, 34).unwrap();
-    assert_eq!((bus.model.source(9), bus.model.source(0)), (Some(("LPUART1", "RX")), None));
+    assert_eq!((bus.model.source(9), bus.model.source(0)), (Some(receiver), None));
     bus.write_at("CCR", 9, 0).unwrap();
     assert_eq!(bus.model.source(9), None);
     assert!(bus.refused("CCR", 1 << 16).contains("synchronisation"));

@@ -1,6 +1,7 @@
+use super::probe::{Ram, address, chip, run_at_170_mhz};
 use crate::chip::{
-    Chip, Memory, RAM_BYTES, RAM_START,
-    adc::{REFERENCE, World},
+    Chip, Memory, RAM_START,
+    adc::REFERENCE,
     map::Map,
     misuse::Misuse,
     nvic::{NMI, Nvic},
@@ -8,77 +9,8 @@ use crate::chip::{
     time::Time,
     trace::Event,
     usart::Symbol,
+    world::{OpampSetting, World},
 };
-
-struct Ram(Vec<u8>);
-
-impl Ram {
-    fn new() -> Self {
-        Self(vec![0; RAM_BYTES as usize])
-    }
-}
-
-impl Memory for Ram {
-    fn read(&self, address: u32, bytes: &mut [u8]) {
-        let start = (address - RAM_START) as usize;
-        bytes.copy_from_slice(&self.0[start..start + bytes.len()]);
-    }
-    fn write(&mut self, address: u32, bytes: &[u8]) {
-        let start = (address - RAM_START) as usize;
-        self.0[start..start + bytes.len()].copy_from_slice(bytes);
-    }
-}
-
-fn chip() -> Chip {
-    let mut chip = Chip::new(2_000_000, true);
-    chip.reset(ResetCause::Power);
-    chip
-}
-
-fn address(peripheral: &str, register: &str, index: usize) -> u32 {
-    let map = Map::of_chip().peripheral(peripheral);
-    map.base + map.element(register, index).offset
-}
-
-impl Chip {
-    /// Changes fields of a register, as a driver's read-modify-write does.
-    fn try_modify(&mut self, peripheral: &str, register: &str, fields: &[(&str, u32)]) -> Result<(), Misuse> {
-        let address = address(peripheral, register, 0);
-        let map = Map::of_chip().peripheral(peripheral).register(register);
-        let old = if map.readable { self.read(address, 4)? } else { 0 };
-        let value = fields.iter().fold(old, |value, &(field, content)| map.with(value, field, content));
-        self.write(address, 4, value)
-    }
-
-    fn modify(&mut self, peripheral: &str, register: &str, fields: &[(&str, u32)]) {
-        self.try_modify(peripheral, register, fields).unwrap();
-    }
-
-    fn refused(&mut self, peripheral: &str, register: &str, fields: &[(&str, u32)]) -> String {
-        self.try_modify(peripheral, register, fields).unwrap_err().to_string()
-    }
-
-    fn put(&mut self, peripheral: &str, register: &str, index: usize, value: u32) {
-        self.write(address(peripheral, register, index), 4, value).unwrap();
-    }
-
-    fn pass(&mut self, span: Time, ram: &mut Ram) {
-        self.settle(ram).unwrap();
-        self.advance(self.now + span, ram).unwrap();
-    }
-}
-
-/// RM0440 6.1.5 and the PLL settings of the G4's drivers: boost, wait states, PLL, then the switch.
-fn run_at_170_mhz(chip: &mut Chip, boost: bool, wait_states: u32) -> Result<(), Misuse> {
-    chip.modify("RCC", "APB1ENR1", &[("PWREN", 1)]);
-    if boost {
-        chip.modify("PWR", "CR5", &[("R1MODE", 0)]);
-    }
-    chip.modify("FLASH", "ACR", &[("LATENCY", wait_states)]);
-    chip.modify("RCC", "PLLCFGR", &[("PLLSRC", 2), ("PLLM", 3), ("PLLN", 85), ("PLLREN", 1)]);
-    chip.modify("RCC", "CR", &[("PLLON", 1)]);
-    chip.try_modify("RCC", "CFGR", &[("SW", 3)])
-}
 
 #[test]
 fn the_pll_brings_the_core_to_170_mhz_where_boost_and_wait_states_allow() {
@@ -356,6 +288,9 @@ fn an_edge_of_the_chosen_port_raises_the_shared_interrupt() {
 struct Counter(u32);
 
 impl World for Counter {
+    fn dac(&mut self, _: usize, _: usize, _: Option<u16>, _: Time) {}
+    fn pins(&mut self, _: char, _: u16, _: Time) {}
+    fn opamp(&mut self, _: usize, _: OpampSetting, _: Time) {}
     fn voltage(&mut self, adc: usize, channel: usize, _: Time) -> f64 {
         self.0 += 1;
         REFERENCE * f64::from(100 * adc as u32 + 10 * channel as u32 + self.0) / 4096.0 + 1e-6
@@ -427,6 +362,7 @@ fn a_port_that_is_reset_lets_its_pins_go() {
     let mut chip = chip();
     let mut ram = Ram::new();
     chip.modify("RCC", "AHB2ENR", &[("GPIOBEN", 1)]);
+    chip.modify("GPIOB", "MODER", &[("MODER[3]", 1)]);
     chip.trace.take();
     chip.put("GPIOB", "ODR", 0, 1 << 3);
     chip.settle(&mut ram).unwrap();
@@ -437,4 +373,14 @@ fn a_port_that_is_reset_lets_its_pins_go() {
         _ => None,
     });
     assert_eq!(pins.collect::<Vec<_>>(), [1 << 3, 0]);
+}
+
+/// DBGMCU lies among the core's own addresses and is the chip's.
+#[test]
+fn debug_support_is_found_among_the_cores_peripherals() {
+    let mut chip = chip();
+    for _ in 0..2 {
+        assert_eq!(chip.read(0xE004_2000, 4), Ok(0x2003_6469), "IDCODE");
+        assert_eq!(chip.read(0xE000_ED00, 4), Ok(0x410F_C241), "CPUID");
+    }
 }

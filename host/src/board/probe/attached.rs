@@ -1,8 +1,10 @@
 //! A board at a debug probe, through the library probe-rs: identify, program, verify, reset, read its log.
 
 use super::{ChipError, ChipIdentity, DebugProbe};
-use crate::board::firmware::Firmware;
-use defmt_decoder::{DecodeError, StreamDecoder, Table};
+use crate::board::{
+    firmware::Firmware,
+    log::{DamagedLog, Log, NoLog},
+};
 use probe_rs::{
     Core, MemoryInterface, Permissions, Session,
     flashing::{DownloadOptions, FlashProgress, ProgressEvent, ProgressOperation},
@@ -34,12 +36,6 @@ const LOG_PAUSE: Duration = Duration::from_millis(10);
 /// A board attached to a probe.
 pub struct Board {
     session: Session,
-}
-
-/// How the log is read: where it is, and its texts, which only the ELF has.
-pub struct Log {
-    control_block: u64,
-    table: Table,
 }
 
 /// How far programming is.
@@ -100,17 +96,14 @@ pub enum ProbeError {
     #[error("the firmware is programmed and verified, but the board did not restart: press its reset button")]
     Reset(#[source] Cause),
     /// The firmware has no log.
-    #[error("this firmware has no log ({reason}): leave `--logs` away. Nothing was erased")]
-    NoLog {
-        /// What is missing.
-        reason: String,
-    },
+    #[error("{0}. Nothing was erased")]
+    NoLog(NoLog),
     /// The log did not come, or stopped coming.
     #[error("the board's log cannot be read")]
     Log(#[source] Cause),
     /// The log is not this firmware's.
-    #[error("the board's log is damaged")]
-    DamagedLog,
+    #[error(transparent)]
+    DamagedLog(#[from] DamagedLog),
 }
 
 /// The debug probes of this machine.
@@ -183,7 +176,7 @@ impl Board {
     pub fn reset(&mut self, log: Option<&Log>) -> Result<(), ProbeError> {
         let mut core = self.session.core(0).map_err(|error| ProbeError::Reset(error.into()))?;
         if let Some(log) = log {
-            Rtt::clear_control_block(&mut core, &ScanRegion::Exact(log.control_block))
+            Rtt::clear_control_block(&mut core, &ScanRegion::Exact(log.control_block()))
                 .map_err(|error| ProbeError::Log(error.into()))?;
         }
         core.reset().map_err(|error| ProbeError::Reset(error.into()))
@@ -197,17 +190,17 @@ impl Board {
         mut line: impl FnMut(&str),
     ) -> Result<(), ProbeError> {
         let mut core = self.session.core(0).map_err(|error| ProbeError::Log(error.into()))?;
-        let Some(mut channels) = log.find(&mut core, &stop)? else { return Ok(()) };
-        let mut decoder = log.table.new_stream_decoder();
+        let Some(mut channels) = find(log, &mut core, &stop)? else { return Ok(()) };
+        let mut decoder = log.decoder(true);
         let mut bytes = [0; 1024];
         while !stop() {
             match read(&mut channels, &mut core, &mut bytes) {
                 Ok(0) => thread::sleep(LOG_PAUSE),
-                Ok(count) => log.decode(&mut *decoder, &bytes[..count], &mut line)?,
+                Ok(count) => decoder.push(&bytes[..count], &mut line)?,
                 Err(error) if means_restart(&error) => {
                     line("(the board has restarted)");
-                    let Some(anew) = log.find(&mut core, &stop)? else { return Ok(()) };
-                    (channels, decoder) = (anew, log.table.new_stream_decoder());
+                    let Some(anew) = find(log, &mut core, &stop)? else { return Ok(()) };
+                    (channels, decoder) = (anew, log.decoder(true));
                 }
                 Err(error) => return Err(ProbeError::Log(error.into())),
             }
@@ -216,52 +209,20 @@ impl Board {
     }
 }
 
-impl Log {
-    /// The log of `firmware`.
-    pub fn new(firmware: &Firmware) -> Result<Self, ProbeError> {
-        let missing = |reason: &str| ProbeError::NoLog { reason: reason.to_owned() };
-        let control_block = firmware.rtt_control_block().ok_or_else(|| missing("no symbol `_SEGGER_RTT`"))?;
-        let table = Table::parse(firmware.elf()).map_err(|error| missing(&format!("{error:#}")))?;
-        let table = table.ok_or_else(|| missing("no section `.defmt`"))?;
-        Ok(Self { control_block, table })
-    }
-
-    /// Waits until the firmware announces its log; `None` if it is to stop.
-    fn find(&self, core: &mut Core<'_>, stop: impl Fn() -> bool) -> Result<Option<Rtt>, ProbeError> {
-        let started = Instant::now();
-        while !stop() {
-            match Rtt::attach_at(core, self.control_block) {
-                Ok(rtt) if !rtt.up_channels.is_empty() => return Ok(Some(rtt)),
-                Err(error) if started.elapsed() > LOG_APPEARS => return Err(ProbeError::Log(error.into())),
-                Ok(_) if started.elapsed() > LOG_APPEARS => {
-                    return Err(ProbeError::Log(rtt::Error::ControlBlockNotFound.into()));
-                }
-                _ => thread::sleep(LOG_PAUSE),
+/// Waits until the firmware announces its log; `None` if it is to stop.
+fn find(log: &Log, core: &mut Core<'_>, stop: impl Fn() -> bool) -> Result<Option<Rtt>, ProbeError> {
+    let started = Instant::now();
+    while !stop() {
+        match Rtt::attach_at(core, log.control_block()) {
+            Ok(rtt) if !rtt.up_channels.is_empty() => return Ok(Some(rtt)),
+            Err(error) if started.elapsed() > LOG_APPEARS => return Err(ProbeError::Log(error.into())),
+            Ok(_) if started.elapsed() > LOG_APPEARS => {
+                return Err(ProbeError::Log(rtt::Error::ControlBlockNotFound.into()));
             }
-        }
-        Ok(None)
-    }
-
-    /// Decodes what has come, and hands on the lines that are complete.
-    fn decode(
-        &self,
-        decoder: &mut dyn StreamDecoder,
-        bytes: &[u8],
-        line: &mut impl FnMut(&str),
-    ) -> Result<(), ProbeError> {
-        decoder.received(bytes);
-        loop {
-            match decoder.decode() {
-                Ok(frame) => line(&frame.display(true).to_string()),
-                Err(DecodeError::UnexpectedEof) => return Ok(()),
-                // The next frame starts behind a mark; only this one is lost.
-                Err(DecodeError::Malformed) if self.table.encoding().can_recover() => {
-                    line("(a damaged line)");
-                }
-                Err(DecodeError::Malformed) => return Err(ProbeError::DamagedLog),
-            }
+            _ => thread::sleep(LOG_PAUSE),
         }
     }
+    Ok(None)
 }
 
 fn read(channels: &mut Rtt, core: &mut Core<'_>, bytes: &mut [u8]) -> Result<usize, rtt::Error> {

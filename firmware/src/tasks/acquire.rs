@@ -1,0 +1,214 @@
+//! Acquire task: turns the samples of a scan into frames.
+//!
+//! It has an executor of its own in an interrupt, so that neither a reconstruction nor the link can
+//! keep it from the samples. What it finds goes to the frames task through a queue.
+//!
+//! A scan is ordered once and then goes on: without a pause where frames are wanted as fast as they
+//! come, else with the front end off between frames.
+
+use dermatome_firmware::{
+    board::{self, SensingParts},
+    drivers::front_end::{FrontEnd, Missed, Scan, Tables},
+};
+use dermatome_shared::{
+    acquire::Acquisition,
+    frame::{Frame, FrameFlags},
+    protocol::Event,
+};
+use embassy_futures::select::{Either, select};
+use embassy_stm32::{interrupt, interrupt::InterruptExt};
+use embassy_sync::{
+    blocking_mutex::raw::CriticalSectionRawMutex,
+    mutex::Mutex,
+    signal::Signal,
+    zerocopy_channel::{Channel, Receiver, Sender},
+};
+use embassy_time::{Duration, Instant, Timer};
+use static_cell::StaticCell;
+
+/// How often the ring of samples is looked at, at the longest.
+const LOOK_INTERVAL: Duration = Duration::from_micros(250);
+/// A pause shorter than this between frames is not worth stopping for.
+const SHORTEST_PAUSE: Duration = Duration::from_millis(2);
+
+/// What the frames task and this one share.
+pub(crate) struct Orders {
+    /// The scan to run; it is changed only while none runs.
+    pub(crate) acquisition: Mutex<CriticalSectionRawMutex, Option<Acquisition>>,
+    start: Signal<CriticalSectionRawMutex, Order>,
+    stop: Signal<CriticalSectionRawMutex, ()>,
+    stopped: Signal<CriticalSectionRawMutex, ()>,
+}
+
+/// How to run a scan.
+#[derive(Clone, Copy)]
+pub(crate) struct Order {
+    /// Amplitude of the current, 0 to 1.
+    pub(crate) amplitude: f32,
+    /// Time from frame to frame.
+    pub(crate) interval: Duration,
+}
+
+/// A frame, and what the scope saw in it.
+#[derive(Default)]
+pub(crate) struct Captured {
+    pub(crate) frame: Frame,
+    pub(crate) scope: Option<Event>,
+}
+
+/// Frames on their way to the frames task.
+pub(crate) type Frames = Sender<'static, CriticalSectionRawMutex, Captured>;
+/// Where the frames task takes them.
+pub(crate) type FramesEnd = Receiver<'static, CriticalSectionRawMutex, Captured>;
+
+impl Orders {
+    pub(crate) const fn new() -> Self {
+        Self {
+            acquisition: Mutex::new(None),
+            start: Signal::new(),
+            stop: Signal::new(),
+            stopped: Signal::new(),
+        }
+    }
+
+    /// Starts the scan that lies in `acquisition`.
+    pub(crate) fn start(&self, order: Order) {
+        self.stop.reset();
+        self.stopped.reset();
+        self.start.signal(order);
+    }
+
+    /// Asks the scan to stop.
+    pub(crate) fn stop(&self) {
+        self.stop.signal(());
+    }
+
+    /// Waits until it has.
+    pub(crate) async fn stopped(&self) {
+        self.stopped.wait().await;
+    }
+}
+
+static EXECUTOR: embassy_executor::InterruptExecutor = embassy_executor::InterruptExecutor::new();
+
+#[interrupt]
+#[allow(unsafe_code, reason = "an interrupt handler of an executor")]
+unsafe fn FMAC() {
+    // SAFETY: this is the interrupt that the executor was started with.
+    unsafe { EXECUTOR.on_interrupt() }
+}
+
+/// Starts the task on an executor of its own; gives the way to order scans, and where frames come out.
+/// Can be called once.
+pub(crate) fn start(sensing: SensingParts) -> (&'static Orders, FramesEnd) {
+    static TABLES: Tables = Tables::new();
+    static ORDERS: StaticCell<Orders> = StaticCell::new();
+    static QUEUE: StaticCell<[Captured; 2]> = StaticCell::new();
+    static CHANNEL: StaticCell<Channel<'static, CriticalSectionRawMutex, Captured>> = StaticCell::new();
+    let orders: &'static Orders = ORDERS.init_with(Orders::new);
+    let queue = QUEUE.init_with(Default::default);
+    let (frames, end) = CHANNEL.init_with(|| Channel::new(queue)).split();
+    // Below the timer and the DMA, above everything that computes.
+    interrupt::FMAC.set_priority(interrupt::Priority::P6);
+    let spawner = EXECUTOR.start(interrupt::FMAC);
+    let front_end = FrontEnd::new(sensing, &TABLES);
+    spawner.spawn(run(front_end, orders, frames).expect("spawned once"));
+    (orders, end)
+}
+
+/// Runs one scan after the other.
+#[embassy_executor::task]
+async fn run(mut front_end: FrontEnd, orders: &'static Orders, mut frames: Frames) -> ! {
+    loop {
+        let order = orders.start.wait().await;
+        let mut acquisition = orders.acquisition.lock().await;
+        if let Some(acquisition) = acquisition.as_mut() {
+            let flags = FrameFlags::default();
+            let mut run = Run { acquisition, frames: &mut frames, orders, is_stopping: false, flags };
+            run.scan(&mut front_end, order).await;
+        }
+        orders.stopped.signal(());
+    }
+}
+
+/// One ordered scan.
+struct Run<'a> {
+    acquisition: &'a mut Acquisition,
+    frames: &'a mut Frames,
+    orders: &'static Orders,
+    is_stopping: bool,
+    /// What to tell with the next frame.
+    flags: FrameFlags,
+}
+
+impl Run<'_> {
+    async fn scan(&mut self, front_end: &mut FrontEnd, order: Order) {
+        let frame_time = board::duration_of_samples(self.acquisition.missing_samples());
+        let pauses = order.interval > frame_time + SHORTEST_PAUSE;
+        while !self.is_stopping() {
+            let due = Instant::now() + order.interval;
+            self.acquisition.restart();
+            let scan = front_end.start(self.acquisition, order.amplitude);
+            self.follow(scan, pauses).await;
+            if pauses {
+                self.wait_until(due).await;
+            }
+        }
+    }
+
+    /// Takes samples until the scan has to stop: for a pause, an order, or samples lost.
+    async fn follow(&mut self, mut scan: Scan<'_>, pauses: bool) {
+        while !self.is_stopping() {
+            let missing = board::duration_of_samples(self.acquisition.missing_samples());
+            // A little more, so that the last sample is there.
+            Timer::after(LOOK_INTERVAL.min(missing + Duration::from_micros(2))).await;
+            match self.look(&mut scan) {
+                Ok(found) if pauses && found > 0 => break,
+                Ok(_) => {}
+                Err(Missed) => {
+                    self.flags.insert(FrameFlags::MISSED);
+                    return;
+                }
+            }
+        }
+        scan.stop().await;
+    }
+
+    /// Takes the samples that are there; says how many frames they completed.
+    fn look(&mut self, scan: &mut Scan<'_>) -> Result<usize, Missed> {
+        let mut found = 0;
+        scan.take(|samples| {
+            self.acquisition.push(samples, |frame, scope| {
+                found += 1;
+                send(self.frames, Captured { frame, scope }, &mut self.flags);
+            });
+        })?;
+        if self.acquisition.take_gains_changed() {
+            scan.set_gains(self.acquisition.gains());
+        }
+        Ok(found)
+    }
+
+    async fn wait_until(&mut self, due: Instant) {
+        let stop = self.orders.stop.wait();
+        self.is_stopping |= matches!(select(stop, Timer::at(due)).await, Either::First(()));
+    }
+
+    fn is_stopping(&mut self) -> bool {
+        self.is_stopping |= self.orders.stop.try_take().is_some();
+        self.is_stopping
+    }
+}
+
+/// Sends a frame on; one that nobody has time for is lost, and the next one says so.
+fn send(frames: &mut Frames, captured: Captured, flags: &mut FrameFlags) {
+    match frames.try_send() {
+        Some(place) => {
+            *place = captured;
+            place.frame.timestamp_us = Instant::now().as_micros();
+            place.frame.flags.insert(core::mem::take(flags));
+            frames.send_done();
+        }
+        None => flags.insert(FrameFlags::MISSED),
+    }
+}

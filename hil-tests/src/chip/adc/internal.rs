@@ -1,0 +1,54 @@
+//! Internal channels: what converters measure inside the chip (RM0440, "ADC connectivity").
+
+/// Something inside the chip that a converter can measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Internal {
+    /// The temperature sensor.
+    Temperature,
+    /// A third of the battery's voltage.
+    Battery,
+    /// The internal reference, VREFINT.
+    Reference,
+    /// The output of the operational amplifier of that number.
+    Opamp(usize),
+}
+
+/// Converter, channel, and what is there.
+const CHANNELS: [(usize, usize, Internal); 16] = [
+    (1, 13, Internal::Opamp(1)),
+    (1, 16, Internal::Temperature),
+    (1, 17, Internal::Battery),
+    (1, 18, Internal::Reference),
+    (2, 16, Internal::Opamp(2)),
+    (2, 18, Internal::Opamp(3)),
+    (3, 13, Internal::Opamp(3)),
+    (3, 17, Internal::Battery),
+    (3, 18, Internal::Reference),
+    (4, 17, Internal::Opamp(6)),
+    (4, 18, Internal::Reference),
+    (5, 3, Internal::Opamp(5)),
+    (5, 4, Internal::Temperature),
+    (5, 5, Internal::Opamp(4)),
+    (5, 17, Internal::Battery),
+    (5, 18, Internal::Reference),
+];
+
+impl Internal {
+    /// What is inside the chip at a channel of a converter.
+    #[must_use]
+    pub fn at(adc: usize, channel: usize) -> Option<Self> {
+        let found = CHANNELS.iter().find(|&&(known, place, _)| (known, place) == (adc, channel));
+        found.map(|&(.., internal)| internal)
+    }
+
+    /// Field of the common CCR that switches it on; an amplifier has its own.
+    #[must_use]
+    pub fn switch(self) -> Option<&'static str> {
+        match self {
+            Self::Temperature => Some("VSENSEEN"),
+            Self::Battery => Some("VBATEN"),
+            Self::Reference => Some("VREFEN"),
+            Self::Opamp(_) => None,
+        }
+    }
+}

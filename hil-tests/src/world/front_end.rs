@@ -1,0 +1,289 @@
+//! The front end in time: what the chip does goes in, volts at its converter come out.
+//!
+//! Between changes the whole chain only decays (see [`super::modes`]). A change of switches, gain or skin
+//! takes it to another chain with the same node voltages; a switch also pushes its charge into the nodes
+//! at its sides. Where the source can reach its limit, time passes in small steps, each of which looks
+//! whether it has.
+
+use super::{
+    fault::{Fault, stuck},
+    modes::{Chain, LIMIT, MODES, Modes, PARTS, Parts},
+    multiplexers::{Closed, Multiplexers},
+    network::{MINUS, NODES, Network, PLUS, SOURCE},
+    noise::Noise,
+    parameters::Analogue,
+    scene::{Conditions, Scene},
+};
+use crate::chip::{
+    time::Time,
+    world::{OpampSetting, World},
+};
+use nalgebra::SVector;
+use std::{collections::HashMap, sync::Arc};
+
+/// Step of time where the source may reach its limit: 10 cycles of the chip's clock.
+const SMALL_STEP: Time = Time::from_nanos(59);
+/// Drift and scripts are looked at this often.
+const LOOK: Time = Time::from_millis(1);
+/// Temperature sensor: volts at 30 degrees and per degree (DS12288, typical).
+const SENSOR: (f64, f64) = (0.76, 2.5e-3);
+/// The chip's internal reference, V (DS12288, typical).
+const INTERNAL_REFERENCE: f64 = 1.212;
+
+/// The analogue world of an emulated board.
+#[derive(Debug)]
+pub struct AnalogueWorld {
+    scene: Scene,
+    analogue: Analogue,
+    seen: u64,
+    conditions: Conditions,
+    network: Arc<Network>,
+    chains: Chains,
+    current: usize,
+    parts: Parts,
+    now: Time,
+    next_look: Time,
+    /// Voltage of the DAC's pin.
+    dac: f64,
+    multiplexers: Multiplexers,
+    closed: Closed,
+    /// Whether the source is at its limit.
+    limited: bool,
+    opamp: OpampSetting,
+    gain: f64,
+    noise: Noise,
+}
+
+/// Chains that have been needed with the present network.
+#[derive(Debug, Default)]
+struct Chains {
+    places: HashMap<(Closed, bool, u64), usize>,
+    chains: Vec<Chain>,
+}
+
+impl AnalogueWorld {
+    /// A world in this scene, at rest.
+    #[must_use]
+    pub fn new(scene: Scene) -> Self {
+        let setup = scene.setup().clone();
+        let network = scene.network();
+        let mut world = Self {
+            seen: scene.version(),
+            conditions: scene.conditions(),
+            scene,
+            network,
+            chains: Chains::default(),
+            current: 0,
+            parts: [0.0; PARTS],
+            now: Time::ZERO,
+            next_look: Time::ZERO,
+            dac: 0.0,
+            multiplexers: Multiplexers::new(&setup.analogue.multiplexer),
+            closed: [None; 4],
+            limited: false,
+            opamp: OpampSetting::Off,
+            gain: 1.0,
+            noise: Noise::new(&setup.analogue, setup.seed),
+            analogue: setup.analogue,
+        };
+        world.current = world.chain();
+        world
+    }
+
+    /// Voltage at the output of the current source.
+    #[must_use]
+    pub fn source_voltage(&self) -> f64 {
+        self.chains.chains[self.current].source_voltage(&self.parts)
+    }
+
+    /// Lets time pass up to `at`, with what happens on the way.
+    fn advance(&mut self, at: Time) {
+        if at >= self.next_look {
+            self.scene.pass(at);
+            self.next_look = at + LOOK;
+        }
+        if self.scene.version() != self.seen {
+            self.renew();
+        }
+        while self.multiplexers.next_change() <= at {
+            self.pass(self.multiplexers.next_change());
+            self.multiplexers.close();
+            self.switch();
+        }
+        self.pass(at);
+    }
+
+    fn pass(&mut self, until: Time) {
+        while self.now < until {
+            let left = until.since(self.now);
+            let may_clamp = self.chains.chains[self.current].may_clamp;
+            let step = if may_clamp { left.min(SMALL_STEP) } else { left };
+            self.chains.chains[self.current].decay(&mut self.parts, step);
+            self.now += step;
+            if may_clamp {
+                self.limit();
+            }
+        }
+    }
+
+    /// The source reaches its limit, or leaves it.
+    fn limit(&mut self) {
+        let volts = self.chains.chains[self.current].source_voltage(&self.parts);
+        let compliance = self.analogue.source.compliance;
+        if self.limited && volts * self.parts[LIMIT] < compliance {
+            self.enter(|world, values| (world.limited, values[LIMIT]) = (false, 0.0));
+        } else if !self.limited && volts.abs() > compliance {
+            self.enter(|world, values| (world.limited, values[LIMIT]) = (true, volts.signum()));
+        }
+    }
+
+    /// Changes what chain it is, or physical values; all others stay.
+    fn enter(&mut self, change: impl FnOnce(&mut Self, &mut Parts)) {
+        let mut values = self.chains.chains[self.current].values(&self.parts);
+        change(self, &mut values);
+        self.current = self.chain();
+        self.parts = self.chains.chains[self.current].parts(&values);
+    }
+
+    /// The chain of how things are.
+    fn chain(&mut self) -> usize {
+        let key = (self.closed, self.limited, self.gain.to_bits());
+        if let Some(&place) = self.chains.places.get(&key) {
+            return place;
+        }
+        let source = &self.analogue.source;
+        let limit = (source.full_current() / (source.open_voltage - source.compliance), source.compliance);
+        let modes = Modes::new(&self.network, self.closed, self.limited.then_some(limit));
+        let may_clamp = self.limited || self.network.may_clamp(self.closed, self.scene.frequency());
+        self.chains.chains.push(Chain::new(modes, &self.analogue, self.gain, may_clamp));
+        let place = self.chains.chains.len() - 1;
+        self.chains.places.insert(key, place);
+        place
+    }
+
+    /// The scene has changed.
+    fn renew(&mut self) {
+        self.enter(|world, _| {
+            world.seen = world.scene.version();
+            world.conditions = world.scene.conditions();
+            world.network = world.scene.network();
+            world.chains = Chains::default();
+        });
+        self.follow();
+        if self.is_broken(Fault::DacDead) {
+            self.drive(self.analogue.adc.full_scale / 2.0);
+        }
+    }
+
+    fn is_broken(&self, fault: Fault) -> bool {
+        self.conditions.faults.contains(&fault)
+    }
+
+    /// Address, enable or a broken line have changed.
+    fn follow(&mut self) {
+        let faults = &self.conditions.faults;
+        self.multiplexers.follow(|word| stuck(word, faults), self.now);
+        self.switch();
+    }
+
+    /// Switches that are not as they were open and close, with their charge.
+    fn switch(&mut self) {
+        let (old, new) = (self.closed, self.multiplexers.closed());
+        if old == new {
+            return;
+        }
+        let charge = charges(old, new, self.analogue.multiplexer.charge_injection);
+        let volts = self.network.charged(&charge);
+        self.enter(|world, values| {
+            world.closed = new;
+            values[MODES..MODES + NODES].iter_mut().zip(&volts).for_each(|(value, volts)| *value += volts);
+        });
+    }
+
+    fn drive(&mut self, volts: f64) {
+        let change = (volts - self.dac) * self.analogue.source.transconductance;
+        self.chains.chains[self.current].drive(&mut self.parts, change);
+        self.dac = volts;
+    }
+
+    /// Voltage at the output of OPAMP2.
+    fn amplified(&mut self, at: Time) -> f64 {
+        let supply = self.analogue.adc.full_scale;
+        if self.is_broken(Fault::AdcSaturated) {
+            return supply;
+        }
+        let OpampSetting::Amplifier { input: 0, gain } = self.opamp else { return 0.0 };
+        let chain = &self.chains.chains[self.current];
+        // The clamp before the chip's pin keeps the filter's output between ground and supply.
+        let reach = gain * supply / 2.0;
+        let pga = self.analogue.pga;
+        let signal = chain.output(&self.parts).clamp(-reach, reach) + gain * pga.offset;
+        let (amplifiers, converter) = self.noise.sample(at);
+        let on = f64::from(u8::from(self.conditions.noise));
+        let output = (supply / 2.0 + signal + on * amplifiers).clamp(pga.headroom, supply - pga.headroom);
+        output + on * converter + self.analogue.adc.offset
+    }
+}
+
+/// Charge into each node as switches go from `old` to `new`, C: a switch pushes it out as it opens and
+/// takes it back as it closes.
+fn charges(old: Closed, new: Closed, charge: f64) -> SVector<f64, NODES> {
+    let mut charges = SVector::zeros();
+    for (place, common) in [Some(SOURCE), None, Some(PLUS), Some(MINUS)].into_iter().enumerate() {
+        let (opens, closes) = (old[place], new[place]);
+        if opens == closes {
+            continue;
+        }
+        for (channel, sign) in [(opens, 1.0), (closes, -1.0)] {
+            let Some(channel) = channel else { continue };
+            charges[usize::from(channel)] += sign * charge;
+            if let Some(common) = common {
+                charges[common] += sign * charge;
+            }
+        }
+    }
+    charges
+}
+
+impl World for AnalogueWorld {
+    /// A DAC that is off leaves its pin to the capacitor behind it.
+    fn dac(&mut self, dac: usize, channel: usize, code: Option<u16>, at: Time) {
+        let (1, 0, Some(code)) = (dac, channel, code) else { return };
+        self.advance(at);
+        if !self.is_broken(Fault::DacDead) {
+            let [lowest, highest] = self.analogue.dac.range;
+            self.drive((f64::from(code) * self.analogue.dac.step).clamp(lowest, highest));
+        }
+    }
+
+    fn pins(&mut self, port: char, levels: u16, at: Time) {
+        self.advance(at);
+        if self.multiplexers.pins(port, levels) {
+            self.follow();
+        }
+    }
+
+    fn opamp(&mut self, number: usize, setting: OpampSetting, at: Time) {
+        if number != 2 {
+            return;
+        }
+        self.advance(at);
+        self.opamp = setting;
+        if let OpampSetting::Amplifier { gain, .. } = setting
+            && gain != self.gain
+        {
+            self.enter(|world, _| world.gain = gain);
+            self.noise.set_gain(&self.analogue, gain);
+        }
+    }
+
+    fn voltage(&mut self, adc: usize, channel: usize, at: Time) -> f64 {
+        self.advance(at);
+        match (adc, channel) {
+            (2, 16) => self.amplified(at),
+            (1, 16) => SENSOR.0 + SENSOR.1 * (self.conditions.temperature - 30.0),
+            (1, 18) => INTERNAL_REFERENCE,
+            _ => 0.0,
+        }
+    }
+}

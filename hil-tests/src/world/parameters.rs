@@ -1,0 +1,453 @@
+//! Parameters: the analogue front end as a file such as `rigs/analogue.toml` describes it, checked and in
+//! SI units.
+//!
+//! Where each value is from stands beside it in the file.
+
+use dermatome::skin::quantity::{CAPACITANCE, FREQUENCY, Kind, Quantity};
+use serde::Deserialize;
+use std::{
+    ops::RangeInclusive,
+    path::{Path, PathBuf},
+};
+
+const VOLTAGE: Kind = Kind::new(&[("V", 1.0), ("mV", 1e-3), ("uV", 1e-6)]);
+const RESISTANCE: Kind = Kind::new(&[("ohm", 1.0), ("kohm", 1e3), ("Mohm", 1e6), ("Gohm", 1e9)]);
+const TRANSCONDUCTANCE: Kind = Kind::new(&[("S", 1.0), ("mS", 1e-3), ("uS", 1e-6)]);
+const CHARGE: Kind = Kind::new(&[("C", 1.0), ("nC", 1e-9), ("pC", 1e-12)]);
+const DURATION: Kind = Kind::new(&[("s", 1.0), ("us", 1e-6), ("ns", 1e-9)]);
+const DECIBELS: Kind = Kind::new(&[("dB", 1.0)]);
+const NOISE_DENSITY: Kind = Kind::new(&[("V/sqrt(Hz)", 1.0), ("uV/sqrt(Hz)", 1e-6), ("nV/sqrt(Hz)", 1e-9)]);
+const STEPS: Kind = Kind::new(&[("LSB", 1.0)]);
+
+/// Why a file describes no analogue front end.
+#[derive(Debug, thiserror::Error)]
+pub enum ParameterError {
+    /// The file cannot be read.
+    #[error("cannot read the analogue file `{}`: {reason}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        reason: std::io::Error,
+    },
+    /// The file is no TOML, or lacks a field, or has one too many.
+    #[error("analogue file `{}`: {reason}", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// What the reader says.
+        reason: String,
+    },
+    /// A field has a value that is not allowed.
+    #[error("analogue file `{}`: `{field}` is {value}; allowed: {allowed}", path.display())]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// Table and field.
+        field: &'static str,
+        /// What it holds.
+        value: String,
+        /// What it may hold.
+        allowed: String,
+    },
+}
+
+/// The front end between the chip's DAC and its ADC.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Analogue {
+    /// The chip's DAC.
+    pub dac: Dac,
+    /// The current source.
+    pub source: Source,
+    /// The four multiplexers, all alike.
+    pub multiplexer: Multiplexer,
+    /// The instrumentation amplifier.
+    pub amplifier: Amplifier,
+    /// The chip's amplifier with programmable gain.
+    pub pga: Pga,
+    /// The chip's converter.
+    pub adc: Adc,
+    /// Capacitance of the leads to the electrodes.
+    pub stray: Stray,
+}
+
+/// The chip's DAC with its output buffer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dac {
+    /// Volts of one code.
+    pub step: f64,
+    /// Lowest and highest voltage of its buffer, V.
+    pub range: [f64; 2],
+}
+
+/// The current source, a Norton equivalent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Source {
+    /// A/V.
+    pub transconductance: f64,
+    /// Amplitude at the DAC that is 100 %, V.
+    pub full_drive: f64,
+    /// Frequency of its pole, Hz.
+    pub bandwidth: f64,
+    /// Output resistance, ohm.
+    pub output_resistance: f64,
+    /// Output capacitance, F.
+    pub output_capacitance: f64,
+    /// Voltage up to which it is linear, V.
+    pub compliance: f64,
+    /// Peak voltage with nothing connected, V.
+    pub open_voltage: f64,
+}
+
+impl Source {
+    /// Amplitude of the current at 100 %, A.
+    #[must_use]
+    pub fn full_current(&self) -> f64 {
+        self.transconductance * self.full_drive
+    }
+}
+
+/// A 16:1 multiplexer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Multiplexer {
+    /// Resistance of a channel that is on, ohm.
+    pub on_resistance: f64,
+    /// Greatest difference of that between channels, ohm.
+    pub on_resistance_match: f64,
+    /// Capacitance of the common pin to ground, F.
+    pub common_capacitance: f64,
+    /// Capacitance of a channel's pin to ground, F.
+    pub channel_capacitance: f64,
+    /// Charge that a switch pushes into either side as it opens, C.
+    pub charge_injection: f64,
+    /// Time from a change of the address or the enable pin to the new channel, s.
+    pub transition_time: f64,
+    /// Whether the old channel opens before the new one closes.
+    pub break_before_make: bool,
+}
+
+/// The instrumentation amplifier and the filter behind it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Amplifier {
+    /// Gain.
+    pub gain: f64,
+    /// Frequency of its pole, Hz.
+    pub bandwidth: f64,
+    /// Frequency of the filter's pole, Hz.
+    pub filter: f64,
+    /// Capacitance of each input to ground, F.
+    pub input_capacitance: f64,
+    /// Resistance of each input to ground, ohm.
+    pub input_resistance: f64,
+    /// Share of the voltage common to both inputs that adds to the difference.
+    pub common_mode: f64,
+    /// Noise at the input, V/sqrt(Hz).
+    pub noise: f64,
+}
+
+/// The chip's amplifier with programmable gain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pga {
+    /// Gain-bandwidth product, Hz.
+    pub gain_bandwidth: f64,
+    /// Offset at the input, V.
+    pub offset: f64,
+    /// Noise at the input, V/sqrt(Hz).
+    pub noise: f64,
+    /// How near the output comes to ground and supply, V.
+    pub headroom: f64,
+}
+
+/// The chip's converter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Adc {
+    /// Voltage of the highest code, V.
+    pub full_scale: f64,
+    /// Standard deviation of its noise, V.
+    pub noise: f64,
+    /// Offset, V.
+    pub offset: f64,
+}
+
+/// Capacitance of the leads to the electrodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stray {
+    /// Each lead to ground, F.
+    pub to_ground: f64,
+    /// Between neighbours, F.
+    pub between: f64,
+}
+
+impl Analogue {
+    /// Reads and checks a file.
+    pub fn load(path: &Path) -> Result<Self, ParameterError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|reason| ParameterError::Read { path: path.to_owned(), reason })?;
+        Self::parse(path, &text)
+    }
+
+    /// Checks the text of a file; `path` is for error messages.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, ParameterError> {
+        let syntax = |error: toml::de::Error| ParameterError::Syntax {
+            path: path.to_owned(),
+            reason: error.to_string().trim_end().to_owned(),
+        };
+        let file: File = toml::from_str(text).map_err(syntax)?;
+        Checker { path }.analogue(&file)
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    dac: DacTable,
+    current_source: SourceTable,
+    multiplexer: MultiplexerTable,
+    amplifier: AmplifierTable,
+    pga: PgaTable,
+    adc: AdcTable,
+    stray: StrayTable,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DacTable {
+    bits: u32,
+    full_scale: Quantity,
+    lowest: Quantity,
+    highest: Quantity,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SourceTable {
+    full_drive: Quantity,
+    transconductance: Quantity,
+    bandwidth: Quantity,
+    output_resistance: Quantity,
+    output_capacitance: Quantity,
+    compliance: Quantity,
+    open_voltage: Quantity,
+    /// So large that every carrier passes; without it a fault could send direct current into a person.
+    series_capacitance: Quantity,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MultiplexerTable {
+    on_resistance: Quantity,
+    on_resistance_match: Quantity,
+    on_capacitance: Quantity,
+    common_off_capacitance: Quantity,
+    channel_off_capacitance: Quantity,
+    charge_injection: Quantity,
+    transition_time: Quantity,
+    break_before_make: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AmplifierTable {
+    gain: f64,
+    bandwidth: Quantity,
+    filter: Quantity,
+    input_capacitance: Quantity,
+    input_resistance: Quantity,
+    cmrr_50khz: Quantity,
+    noise: Quantity,
+    /// Read and checked; the model's inputs take any voltage, see the README.
+    input_range: Quantity,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PgaTable {
+    gain_bandwidth: Quantity,
+    offset: Quantity,
+    noise: Quantity,
+    headroom: Quantity,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AdcTable {
+    bits: u32,
+    full_scale: Quantity,
+    noise: Quantity,
+    offset: Quantity,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StrayTable {
+    lead_to_ground: Quantity,
+    lead_to_lead: Quantity,
+}
+
+/// Turns each table into SI units; knows the file for error messages.
+struct Checker<'a> {
+    path: &'a Path,
+}
+
+impl Checker<'_> {
+    fn analogue(&self, file: &File) -> Result<Analogue, ParameterError> {
+        Ok(Analogue {
+            dac: self.dac(&file.dac)?,
+            source: self.source(&file.current_source)?,
+            multiplexer: self.multiplexer(&file.multiplexer)?,
+            amplifier: self.amplifier(&file.amplifier)?,
+            pga: self.pga(&file.pga)?,
+            adc: self.adc(&file.adc)?,
+            stray: self.stray(&file.stray)?,
+        })
+    }
+
+    fn dac(&self, table: &DacTable) -> Result<Dac, ParameterError> {
+        let full = self.read("dac.full_scale", &table.full_scale, VOLTAGE, 1.62..=3.6)?;
+        let lowest = self.read("dac.lowest", &table.lowest, VOLTAGE, 0.0..=full)?;
+        let highest = self.read("dac.highest", &table.highest, VOLTAGE, lowest..=full)?;
+        Ok(Dac { step: full / self.codes("dac.bits", table.bits)?, range: [lowest, highest] })
+    }
+
+    fn source(&self, table: &SourceTable) -> Result<Source, ParameterError> {
+        let read = |field, quantity, kind, range| self.read(field, quantity, kind, range);
+        let transconductance =
+            read("current_source.transconductance", &table.transconductance, TRANSCONDUCTANCE, 1e-7..=0.1)?;
+        let compliance = read("current_source.compliance", &table.compliance, VOLTAGE, 0.1..=60.0)?;
+        read("current_source.series_capacitance", &table.series_capacitance, CAPACITANCE, 1e-7..=1e-3)?;
+        let beyond = compliance * 1.001..=200.0;
+        Ok(Source {
+            transconductance,
+            full_drive: read("current_source.full_drive", &table.full_drive, VOLTAGE, 0.01..=1.65)?,
+            bandwidth: read("current_source.bandwidth", &table.bandwidth, FREQUENCY, 1e4..=1e9)?,
+            output_resistance: read(
+                "current_source.output_resistance",
+                &table.output_resistance,
+                RESISTANCE,
+                1e3..=1e12,
+            )?,
+            output_capacitance: read(
+                "current_source.output_capacitance",
+                &table.output_capacitance,
+                CAPACITANCE,
+                0.0..=1e-8,
+            )?,
+            compliance,
+            open_voltage: read("current_source.open_voltage", &table.open_voltage, VOLTAGE, beyond)?,
+        })
+    }
+
+    fn multiplexer(&self, table: &MultiplexerTable) -> Result<Multiplexer, ParameterError> {
+        let small = 0.0..=1e-8;
+        let farads = |field, quantity: &_| self.read(field, quantity, CAPACITANCE, small.clone());
+        let channel_capacitance =
+            farads("multiplexer.channel_off_capacitance", &table.channel_off_capacitance)?;
+        farads("multiplexer.common_off_capacitance", &table.common_off_capacitance)?;
+        let both = channel_capacitance..=1e-8;
+        let on = self.read("multiplexer.on_capacitance", &table.on_capacitance, CAPACITANCE, both)?;
+        let on_resistance =
+            self.read("multiplexer.on_resistance", &table.on_resistance, RESISTANCE, 0.1..=1e4)?;
+        let (spread, charge) = (&table.on_resistance_match, &table.charge_injection);
+        Ok(Multiplexer {
+            on_resistance,
+            on_resistance_match: self.read(
+                "multiplexer.on_resistance_match",
+                spread,
+                RESISTANCE,
+                0.0..=on_resistance,
+            )?,
+            common_capacitance: on - channel_capacitance,
+            channel_capacitance,
+            charge_injection: self.read("multiplexer.charge_injection", charge, CHARGE, -1e-9..=1e-9)?,
+            transition_time: self.read(
+                "multiplexer.transition_time",
+                &table.transition_time,
+                DURATION,
+                0.0..=1e-5,
+            )?,
+            break_before_make: table.break_before_make,
+        })
+    }
+
+    fn amplifier(&self, table: &AmplifierTable) -> Result<Amplifier, ParameterError> {
+        let read = |field, quantity, kind, range| self.read(field, quantity, kind, range);
+        self.between("amplifier.gain", table.gain, 0.1..=1000.0, "")?;
+        read("amplifier.input_range", &table.input_range, VOLTAGE, 0.01..=60.0)?;
+        let rejection = read("amplifier.cmrr_50khz", &table.cmrr_50khz, DECIBELS, 20.0..=200.0)?;
+        let (capacitance, resistance) = (&table.input_capacitance, &table.input_resistance);
+        Ok(Amplifier {
+            gain: table.gain,
+            bandwidth: read("amplifier.bandwidth", &table.bandwidth, FREQUENCY, 1e4..=1e9)?,
+            filter: read("amplifier.filter", &table.filter, FREQUENCY, 1e4..=1e9)?,
+            input_capacitance: read("amplifier.input_capacitance", capacitance, CAPACITANCE, 0.0..=1e-8)?,
+            input_resistance: read("amplifier.input_resistance", resistance, RESISTANCE, 1e3..=1e13)?,
+            common_mode: 10_f64.powf(-rejection / 20.0),
+            noise: read("amplifier.noise", &table.noise, NOISE_DENSITY, 0.0..=1e-5)?,
+        })
+    }
+
+    fn pga(&self, table: &PgaTable) -> Result<Pga, ParameterError> {
+        Ok(Pga {
+            gain_bandwidth: self.read("pga.gain_bandwidth", &table.gain_bandwidth, FREQUENCY, 1e5..=1e9)?,
+            offset: self.read("pga.offset", &table.offset, VOLTAGE, -0.1..=0.1)?,
+            noise: self.read("pga.noise", &table.noise, NOISE_DENSITY, 0.0..=1e-5)?,
+            headroom: self.read("pga.headroom", &table.headroom, VOLTAGE, 0.0..=1.0)?,
+        })
+    }
+
+    fn adc(&self, table: &AdcTable) -> Result<Adc, ParameterError> {
+        let full_scale = self.read("adc.full_scale", &table.full_scale, VOLTAGE, 1.62..=3.6)?;
+        let step = full_scale / self.codes("adc.bits", table.bits)?;
+        Ok(Adc {
+            full_scale,
+            noise: self.read("adc.noise", &table.noise, STEPS, 0.0..=100.0)? * step,
+            offset: self.read("adc.offset", &table.offset, STEPS, -100.0..=100.0)? * step,
+        })
+    }
+
+    fn stray(&self, table: &StrayTable) -> Result<Stray, ParameterError> {
+        Ok(Stray {
+            to_ground: self.read("stray.lead_to_ground", &table.lead_to_ground, CAPACITANCE, 0.0..=1e-8)?,
+            between: self.read("stray.lead_to_lead", &table.lead_to_lead, CAPACITANCE, 0.0..=1e-8)?,
+        })
+    }
+
+    /// Both converters of the chip have 12 bits, and the model of the chip says so too.
+    fn codes(&self, field: &'static str, bits: u32) -> Result<f64, ParameterError> {
+        self.between(field, f64::from(bits), 12.0..=12.0, "")?;
+        Ok(f64::from(1_u32 << bits))
+    }
+
+    fn read(
+        &self,
+        field: &'static str,
+        quantity: &Quantity,
+        kind: Kind,
+        range: RangeInclusive<f64>,
+    ) -> Result<f64, ParameterError> {
+        let Some(value) = kind.read(quantity) else {
+            let allowed = format!("a number in {}, or text with its unit: {}", kind.si(), kind.units());
+            return Err(self.refuse(field, quantity.to_string(), allowed));
+        };
+        self.between(field, value, range, kind.si())?;
+        Ok(value)
+    }
+
+    fn between(
+        &self,
+        field: &'static str,
+        value: f64,
+        range: RangeInclusive<f64>,
+        unit: &str,
+    ) -> Result<(), ParameterError> {
+        if range.contains(&value) {
+            return Ok(());
+        }
+        let allowed = format!("{} to {} {unit}", range.start(), range.end()).trim_end().to_owned();
+        Err(self.refuse(field, format!("{value} {unit}").trim_end().to_owned(), allowed))
+    }
+
+    fn refuse(&self, field: &'static str, value: String, allowed: String) -> ParameterError {
+        ParameterError::Value { path: self.path.to_owned(), field, value, allowed }
+    }
+}

@@ -1,0 +1,209 @@
+use super::{super::multiplexers::word, Chip, analogue, ideal, scene, words};
+use crate::{
+    chip::{
+        time::Time,
+        world::{OpampSetting, World},
+    },
+    world::{Analogue, AnalogueWorld, Scene, Setup},
+};
+use dermatome::simulate::Press;
+use num_complex::Complex64;
+
+/// Samples until the start of the DAC has left the coupling capacitor.
+const SETTLED: usize = 1_000_000;
+
+#[test]
+fn a_lock_in_finds_what_the_frequencies_say() {
+    let scene = scene(analogue());
+    scene.press(&[Press { position: [0.02, 0.05], radius: 0.02, depth: 0.8 }]);
+    for (words_per_period, amplitude, gain) in [(5, 1500.0, 1.0), (20, 200.0, 16.0), (80, 1500.0, 2.0)] {
+        let mut chip = Chip::new(&scene, words_per_period, amplitude);
+        chip.gain(gain);
+        chip.run(SETTLED);
+        for channels in [[0, 1, 3, 4], [0, 1, 8, 9], [6, 7, 14, 15]] {
+            let word = word(channels);
+            chip.select(word);
+            chip.run(400 - 2 + 320);
+            let (found, expected) = (chip.demodulate(4), scene.expected(word, gain, &chip.carrier));
+            let error = (found - expected).norm() / expected.norm();
+            assert!(error < 1e-5, "{words_per_period} words, {channels:?}: {found} for {expected}");
+        }
+    }
+}
+
+/// Largest distance of demodulated voltages from the truth times one complex factor, over the largest
+/// voltage.
+fn distance_from_truth(analogue: Analogue, words_per_period: usize) -> f64 {
+    let scene = scene(analogue);
+    let carrier = Chip::new(&scene, words_per_period, 1500.0).carrier;
+    scene.set_frequency(carrier.frequency()).unwrap();
+    let pairs: Vec<_> =
+        words().iter().map(|&word| (scene.truth(word), scene.expected(word, 1.0, &carrier))).collect();
+    let energy: f64 = pairs.iter().map(|(truth, _)| truth.norm_sqr()).sum();
+    let factor = pairs.iter().map(|(truth, volts)| volts * truth.conj()).sum::<Complex64>() / energy;
+    let full = pairs.iter().map(|(_, volts)| volts.norm()).fold(0.0, f64::max);
+    let worst = pairs.iter().map(|(truth, volts)| (volts - factor * truth).norm()).fold(0.0, f64::max);
+    worst / full
+}
+
+#[test]
+fn demodulated_voltages_are_in_proportion_to_the_truth() {
+    for words_per_period in [5, 10, 20, 50, 80] {
+        let mut parts = analogue();
+        let real = distance_from_truth(parts.clone(), words_per_period);
+        parts.amplifier.common_mode = 0.0;
+        let balanced = distance_from_truth(parts, words_per_period);
+        let ideal = distance_from_truth(ideal(), words_per_period);
+        println!(
+            "{words_per_period} words: {real:.2e}, without common mode {balanced:.2e}, ideal {ideal:.2e}"
+        );
+        // Images of the carrier see the strays at other frequencies than the carrier does.
+        assert!(ideal < 1e-7 && balanced < 3e-2 && real < 3e-2);
+    }
+}
+
+#[test]
+fn what_a_switch_leaves_behind_decays() {
+    let scene = scene(analogue());
+    let mut chip = Chip::new(&scene, 20, 1500.0);
+    chip.run(SETTLED);
+    let (first, second) = (word([0, 1, 3, 4]), word([8, 9, 0, 15]));
+    chip.select(first);
+    chip.run(398);
+    // The same samples once the word has been there for long, and right after the switch.
+    let settled: Vec<f64> = {
+        chip.select(second);
+        chip.run(398);
+        (0..40).map(|_| chip.sample()).collect()
+    };
+    chip.select(first);
+    chip.run(398 - 40);
+    chip.select(second);
+    chip.run(38);
+    let early: Vec<f64> = (0..40).map(|_| chip.sample()).collect();
+    let error = |sample: usize| (early[sample] - settled[sample]).abs();
+    assert!(error(39) < 1e-4, "{} V after 40 us", error(39));
+    chip.select(first);
+    chip.run(398);
+    chip.select(second);
+    let at_once: Vec<f64> = (0..38).map(|_| chip.sample()).collect();
+    assert!((at_once[0] - settled[2]).abs() > 1e-3, "{} {}", at_once[0], settled[2]);
+}
+
+#[test]
+fn the_source_rises_no_further_than_its_limit_while_all_switches_are_open() {
+    let scene = scene(analogue());
+    let source = scene.setup().analogue.source;
+    let mut chip = Chip::new(&scene, 20, 1500.0);
+    chip.run(SETTLED / 4);
+    let now = chip.now();
+    chip.world.pins('C', 0, now);
+    let highest = (0..400).map(|_| {
+        chip.sample();
+        chip.world.source_voltage().abs()
+    });
+    let highest = highest.fold(0.0, f64::max);
+    assert!(highest > source.compliance, "{highest} V");
+    // A step of 59 ns may go a little too far.
+    assert!(highest < source.open_voltage + 1.0, "{highest} V");
+}
+
+#[test]
+fn noise_has_the_spread_that_its_parts_add_up_to() {
+    let scene = scene(ideal());
+    scene.noise(true);
+    let mut world = AnalogueWorld::new(scene.clone());
+    let parts = scene.setup().analogue.clone();
+    for gain in [1.0, 16.0] {
+        world.opamp(2, OpampSetting::Amplifier { input: 0, gain }, Time::ZERO);
+        let samples: Vec<f64> =
+            (1..200_000).map(|tick| world.voltage(2, 16, Time::from_nanos(500 * tick))).collect();
+        let mean = samples.iter().sum::<f64>() / samples.len() as f64;
+        let variance =
+            samples.iter().map(|sample| (sample - mean).powi(2)).sum::<f64>() / samples.len() as f64;
+        // Three poles, integrated the slow way.
+        let poles = crate::world::modes::stages(&parts, gain);
+        let power = |f: f64| poles.iter().map(|pole| 1.0 / (1.0 + (f / pole).powi(2))).product::<f64>();
+        let bandwidth: f64 = (0..200_000).map(|k| power(500.0 * (f64::from(k) + 0.5)) * 500.0).sum();
+        let density = (parts.amplifier.gain * parts.amplifier.noise).hypot(parts.pga.noise) * gain;
+        let expected = (density * bandwidth.sqrt()).hypot(parts.adc.noise);
+        assert!((mean - 1.65).abs() < 0.02 * expected, "gain {gain}: mean {mean}");
+        assert!(
+            (variance.sqrt() / expected - 1.0).abs() < 0.02,
+            "gain {gain}: {} {expected}",
+            variance.sqrt()
+        );
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_samples_and_another_seed_others() {
+    let record = |seed| {
+        let scene = Scene::new(Setup::new(super::skin(), analogue(), 0.0, seed).unwrap());
+        let mut chip = Chip::new(&scene, 20, 1500.0);
+        chip.select(word([0, 1, 3, 4]));
+        (0..2000).map(|_| chip.sample().to_bits()).collect::<Vec<_>>()
+    };
+    assert_eq!(record(1), record(1));
+    assert_ne!(record(1), record(2));
+}
+
+#[test]
+fn too_much_gain_is_cut_off_at_the_rails() {
+    let scene = scene(analogue());
+    let mut chip = Chip::new(&scene, 20, 1700.0);
+    chip.gain(64.0);
+    chip.select(word([0, 1, 2, 3]));
+    chip.run(SETTLED);
+    let samples: Vec<f64> = (0..400).map(|_| chip.sample()).collect();
+    let (low, high) =
+        samples.iter().fold((9.0, 0.0), |(low, high): (f64, f64), &v| (low.min(v), high.max(v)));
+    let adc = scene.setup().analogue.adc.offset;
+    assert!((low - adc - 0.1).abs() < 1e-9 && (high - adc - 3.2).abs() < 1e-9, "{low} to {high}");
+}
+
+#[test]
+fn the_temperature_sensor_follows_the_datasheet_and_what_is_not_wired_reads_nothing() {
+    let scene = scene(analogue());
+    let mut world = AnalogueWorld::new(scene.clone());
+    scene.temperature(30.0);
+    assert!((world.voltage(1, 16, Time::from_millis(1)) - 0.76).abs() < 1e-12);
+    scene.temperature(70.0);
+    assert!((world.voltage(1, 16, Time::from_millis(2)) - 0.86).abs() < 1e-12);
+    // OPAMP2 is off.
+    assert_eq!(world.voltage(2, 16, Time::from_millis(3)), 0.0);
+}
+
+/// Not a test of right or wrong: run it with `--release -- --ignored --nocapture speed`.
+#[test]
+#[ignore = "prints how fast samples are"]
+fn speed() {
+    let disc = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/disc-210mm/skin.toml");
+    let disc = dermatome::skin::Skin::load(std::path::Path::new(disc)).unwrap();
+    let since = |start: std::time::Instant, count: usize| start.elapsed().as_nanos() as f64 / count as f64;
+    let now = std::time::Instant::now;
+    let start = now();
+    let scene = Scene::new(Setup::new(disc, analogue(), 0.0, 7).unwrap());
+    println!("mesh: {:.1} ms", since(start, 1) * 1e-6);
+    let mut chip = Chip::new(&scene, 20, 1500.0);
+    let words = words();
+    let frames = |chip: &mut Chip, samples: usize| {
+        words.iter().for_each(|&word| {
+            chip.select(word);
+            chip.run(samples - 2);
+        });
+        words.len() * samples
+    };
+    let start = now();
+    frames(&mut chip, 60);
+    println!("first frame: {:.1} ms", since(start, 1) * 1e-6);
+    for samples in [20, 60, 400] {
+        let (start, mut count) = (now(), 0);
+        (0..20).for_each(|_| count += frames(&mut chip, samples));
+        println!("{samples} samples in each slot: {:.0} ns for each", since(start, count));
+    }
+    scene.press(&[Press { position: [0.02, 0.05], radius: 0.02, depth: 0.8 }]);
+    let start = now();
+    chip.sample();
+    println!("new presses: {:.1} ms", since(start, 1) * 1e-6);
+}
