@@ -271,7 +271,7 @@ fn advice(flag: FrameFlags) -> Option<&'static str> {
 mod tests {
     use super::*;
 
-    fn watch(flags: FrameFlags, health: Health, vitals: Vitals) -> Watch {
+    fn watch(flags: FrameFlags, health: &Health, vitals: Vitals) -> Watch {
         let at = |sequence: u32| FrameStamp { sequence, timestamp_us: u64::from(sequence) * 20_000, flags };
         let seen = |sequence| Seen { at: at(sequence), health: health.clone(), vitals, drift: 0.01 };
         Watch { frames: (0..5).map(seen).collect(), events_lost: 0 }
@@ -289,7 +289,7 @@ mod tests {
     #[test]
     fn a_healthy_board_has_no_findings() {
         let (health, vitals) = healthy();
-        let diagnosis = watch(FrameFlags::default(), health, vitals).diagnosis(false).unwrap();
+        let diagnosis = watch(FrameFlags::default(), &health, vitals).diagnosis(false).unwrap();
         assert_eq!(diagnosis.findings, []);
         assert!((diagnosis.frames_per_second.unwrap() - 50.0).abs() < 1e-9);
         assert!(diagnosis.electrodes.iter().all(|electrode| electrode.state == State::Ok));
@@ -305,7 +305,7 @@ mod tests {
         health.contact_impedance[7] = 200.0;
         let vitals = Vitals { load: 0.99, missed: 3, free_stack: 100, ..vitals };
         let all = FrameFlags::ALL.iter().fold(0, |bits, (flag, _)| bits | flag.0);
-        let diagnosis = watch(FrameFlags(all), health, vitals).diagnosis(false).unwrap();
+        let diagnosis = watch(FrameFlags(all), &health, vitals).diagnosis(false).unwrap();
         let whats: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.what.as_str()).collect();
         for words in [
             "electrode 3 has no contact",
@@ -329,7 +329,7 @@ mod tests {
     #[test]
     fn a_simulated_board_has_no_vitals_to_judge() {
         let (health, _) = healthy();
-        let diagnosis = watch(FrameFlags::default(), health, Vitals::default()).diagnosis(true).unwrap();
+        let diagnosis = watch(FrameFlags::default(), &health, Vitals::default()).diagnosis(true).unwrap();
         assert_eq!((diagnosis.findings.len(), diagnosis.free_stack_bytes), (0, None));
     }
 }

@@ -130,9 +130,10 @@ fn limits() -> [u16; 2] {
 mod tests {
     use super::*;
     use embedded_graphics::pixelcolor::RgbColor;
+    use std::f64::consts::TAU;
 
     fn trace() -> Trace {
-        let samples = (0..50).map(|n| (2048.0 + 900.0 * (f64::from(n - 10) / 40.0 * 6.283_185).cos()) as u16);
+        let samples = (0..50).map(|n| (2048.0 + 900.0 * (f64::from(n - 10) / 40.0 * TAU).cos()) as u16);
         Trace {
             slot: 3,
             gain: 2,

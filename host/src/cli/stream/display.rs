@@ -13,7 +13,7 @@ use std::io::{self, Write};
 /// Where frames go.
 pub(super) enum Display {
     /// Pictures, drawn in place, and the contacts whose image is still to come.
-    Terminal(Box<Live>, Option<(FrameStamp, Contacts)>),
+    Terminal(Box<Live>, Box<Option<(FrameStamp, Contacts)>>),
     /// One line per contact.
     Lines,
 }
@@ -25,7 +25,7 @@ impl Display {
             return Ok(Self::Lines);
         }
         let geometry = images.then(|| link.geometry()).transpose()?;
-        Ok(Self::Terminal(Box::new(Live::new(geometry)), None))
+        Ok(Self::Terminal(Box::new(Live::new(geometry)), Box::default()))
     }
 
     pub(super) fn wants_images(&self) -> bool {
@@ -36,7 +36,7 @@ impl Display {
     pub(super) fn take_contacts(&mut self, at: FrameStamp, contacts: &Contacts) -> io::Result<()> {
         match self {
             Self::Terminal(live, waiting) if live.has_images() => {
-                *waiting = Some((at, contacts.clone()));
+                **waiting = Some((at, contacts.clone()));
                 Ok(())
             }
             Self::Terminal(live, _) => live.draw_if_due(at, contacts),
