@@ -107,6 +107,7 @@ fn a_board_without_current_is_told() {
     let dead = |scan: &mut Scan| scan.tests.iter_mut().for_each(|test| test.in_phase.0 = 40);
     let (_board, port) = board(TINY, dead);
     let done = desk.run(&["check", "--port", &port, "--frames", "3"]);
+    assert_eq!(done.out.matches("  unknown\n").count(), 8, "{}", done.out);
     assert!(
         done.out.contains("wrong: no current in 3 of 3 frames: check the current source"),
         "{}",
