@@ -375,7 +375,13 @@ fn options(cycles_per_instruction: f64, baud: u64, seed: u64) -> Result<Options,
         return Err(format!("`baud` is {baud}, allowed are 1200 to 10000000"));
     }
     let cycles = (cycles_per_instruction * 1000.0).round() as u64;
-    Ok(Options { cycles_per_instruction: (cycles, 1000), wire_baud: baud, seed, keep_trace: false, world: None })
+    Ok(Options {
+        cycles_per_instruction: (cycles, 1000),
+        wire_baud: baud,
+        seed,
+        keep_trace: false,
+        world: None,
+    })
 }
 
 /// A path in a rig file counts from the file's folder.

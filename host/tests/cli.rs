@@ -14,11 +14,13 @@ use std::{
 };
 
 /// All commands.
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 17] = [
     "build",
+    "check",
     "check-data",
     "demo",
     "devices",
+    "drive",
     "evaluate",
     "export",
     "firmware",
@@ -26,6 +28,7 @@ const COMMANDS: [&str; 14] = [
     "forward",
     "inspect",
     "reconstruct",
+    "scope",
     "simulate",
     "stream",
     "tare",
@@ -297,6 +300,42 @@ fn errors_of_simulate() {
     let commands: Vec<&[&str]> = commands.iter().map(|arguments| &arguments[..]).collect();
     let words = transcript(&desk, &commands);
     filtered(|| assert_snapshot!("errors_simulate", words));
+}
+
+#[test]
+fn errors_of_check_scope_and_drive() {
+    let desk = Desk::with_patch();
+    let (_board, port) = desk.board("skin.toml", &[]);
+    let at = ["--port", port.as_str()];
+    let empty = ["check", "scope", "drive"].map(|command| [&[command][..], &at].concat());
+    let mut words = transcript(&desk, &empty.each_ref().map(|command| &command[..]));
+    desk.run(&["flash", "skin.dermatome", "--port", &port]).success();
+    let cases: [&[&str]; 18] = [
+        &["check", "--frames", "0"],
+        &["scope", "--slot", "48"],
+        &["scope", "--slot", "-1"],
+        &["scope", "--png", "missing/slot.png"],
+        &["drive", "--frequency", "51 kHz"],
+        &["drive", "--frequency", "50 kg"],
+        &["drive", "--frequency", "0"],
+        &["drive", "--amplitude", "2 mA"],
+        &["drive", "--amplitude", "-5%"],
+        &["drive", "--amplitude", "1"],
+        &["drive", "--gain", "3"],
+        &["drive", "--gain", "loud"],
+        &["drive", "--phase", "361"],
+        &["drive", "--settling", "-1"],
+        &["drive", "--settling", "200"],
+        &["drive", "--integration", "300"],
+        &["drive", "--component", "both"],
+        &["drive", "--patch", "--gain", "2"],
+    ];
+    let cases = cases.map(|case| [case, &at].concat());
+    words += "\n";
+    words += &transcript(&desk, &cases.each_ref().map(|command| &command[..]));
+    filtered(|| assert_snapshot!("errors_sensing", words));
+    let drive = desk.run(&["drive", "--port", &port]).success().out;
+    assert!(drive.contains("as the patch says"), "nothing must have changed: {drive}");
 }
 
 #[test]

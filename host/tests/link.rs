@@ -204,6 +204,7 @@ fn a_host_that_vanishes_in_the_middle_of_an_upload_leaves_the_old_patch() {
 fn a_host_that_vanishes_while_streaming_leaves_a_quiet_board() {
     let board = board_with(&small_patch("small", 50.0));
     let mut link = connect(board.address()).unwrap();
+    tare(&mut link, 1, SECOND).unwrap();
     stream(&mut link, MEASUREMENTS).unwrap();
     next(&mut link);
     drop(link);

@@ -6,11 +6,12 @@ use dermatome::{
     model::Model,
     quantize,
     simulate::{Noise, Press, Script, SimulatedSkin},
-    skin::Skin,
+    skin::{Skin, electrodes::ElectrodeModel},
 };
 use dermatome_shared::{
     contact::Contacts,
-    frame::Frame,
+    frame::{Frame, FrameFlags},
+    health::Health,
     patch::PatchView,
     pipeline::{PipelineState, process},
 };
@@ -47,6 +48,38 @@ impl Bench {
         };
         (0..20).for_each(|_| drop(frame(None)));
         (0..10).map(|_| frame(Some(0.0))).collect()
+    }
+}
+
+/// What the sheet adds to a test is known from a coarser mesh than the one that is measured.
+#[test]
+fn tests_of_electrodes_read_the_contact_impedances_of_the_skin_file() {
+    for name in SKINS {
+        let bench = Bench::new(name);
+        let ElectrodeModel::Complete { width, contact_impedance } = &bench.skin.electrodes.model else {
+            panic!("{name} has point electrodes")
+        };
+        let expected = contact_impedance[0] / width[0];
+        let script = Script::still(&[], bench.skin.shape.flat().unwrap()).unwrap();
+        let mut simulated = SimulatedSkin::new(&bench.skin, script, Noise { snr_db: 80.0, seed: 1 }).unwrap();
+        let patch = PatchView::validate(&bench.patch).unwrap();
+        let scan = simulated.measure(&ScanTable::new(&patch, patch.header.drive), None);
+        let frame = Frame {
+            codes: scan.codes.into_iter().collect(),
+            tests: scan.tests.into_iter().collect(),
+            ..Frame::default()
+        };
+        let amplitude = patch.header.drive.amplitude;
+        let (health, flags) = Health::examine(&patch, &simulated.front_end(), amplitude, &frame);
+        let worst = health
+            .contact_impedance
+            .iter()
+            .fold(0.0, |max: f64, &z| max.max((f64::from(z) - expected).abs()));
+        let sheet = 1.0 / bench.skin.material.sheet_conductivity;
+        println!("{name}: {expected:.1} ohm to {worst:.2} ohm, sheet of {sheet:.0} ohm per square");
+        assert_eq!(flags, FrameFlags::default(), "{name}");
+        assert!(worst < 0.03 * sheet, "{name}: {:?}", health.contact_impedance);
+        assert!(health.reciprocity_error.unwrap() < 0.01, "{name}");
     }
 }
 

@@ -1,6 +1,10 @@
 //! Skin files that are wrong: each is refused with file, field, value and what is allowed.
 
 use dermatome::{model::Model, skin::Skin};
+use dermatome_shared::{
+    drive::{Component, Gain},
+    patch::PatchView,
+};
 use std::path::Path;
 
 const GOOD: &str = include_str!("../../models/disc-210mm/skin.toml");
@@ -217,6 +221,68 @@ fn wrong_values_name_file_field_value_and_what_is_allowed() {
             assert!(error.contains(part), "{to}: {part:?} is not in {error:?}");
         }
     }
+}
+
+#[test]
+fn wrong_drives_drift_times_and_calibrations_are_refused() {
+    let rate = "frame_rate = \"50 Hz\"";
+    let cases: &[(&str, &str, &[&str])] = &[
+        (rate, "phase = \"361 deg\"", &["`drive.phase`", "361 deg", "0 deg to 360 deg"]),
+        (rate, "phase = \"30 mm\"", &["`drive.phase`", "30 mm"]),
+        (rate, "settling = -0.1", &["`drive.settling`", "-0.1", "0 to 100 carrier periods"]),
+        (rate, "settling = nan", &["`drive.settling`", "NaN"]),
+        (rate, "integration = 0", &["`drive.integration`", "is 0", "1 to 64"]),
+        (rate, "integration = 65", &["`drive.integration`", "is 65"]),
+        (rate, "gain = 3", &["`drive.gain`", "is 3", "\"automatic\", 1, 2, 4, 8, 16, 32 or 64"]),
+        (rate, "gain = \"loud\"", &["`drive.gain`", "loud"]),
+        (rate, "component = \"both\"", &["`drive.component`", "both", "\"magnitude\""]),
+        ("[contact]", "drift_time = \"0.5 s\"", &["`contact.drift_time`", "0.5 s", "1 s to 86400 s"]),
+        ("[contact]", "drift_time = -1", &["`contact.drift_time`", "is -1"]),
+        ("[contact]", "drift_time = \"2 days\"", &["`contact.drift_time`", "2 days"]),
+    ];
+    for (after, line, words) in cases {
+        let message = error_of(GOOD, after, &format!("{after}\n{line}"));
+        assert!(words.iter().all(|word| message.contains(word)), "{line}: {message}");
+    }
+    let calibrations: &[(&str, &str, &[&str])] = &[
+        ("[0.1, 0.2]", "[\"1 kPa\"]", &["`calibration.pressure`", "1 points", "as many"]),
+        ("[0.2, 0.1]", "[1, 2]", &["`calibration.strength`", "is 0.1", "rise", "more than 0.2"]),
+        ("[0.1, 0.2]", "[2, 2]", &["`calibration.pressure`", "is 2", "rise"]),
+        ("[0.0, 0.2]", "[1, 2]", &["`calibration.strength`", "is 0", "rise"]),
+        ("[0.1, inf]", "[1, 2]", &["`calibration.strength`", "inf"]),
+        ("[0.1]", "[\"5 bar\"]", &["`calibration.pressure`", "5 bar", "kPa"]),
+    ];
+    let refused = |strength: &str, pressure: &str| {
+        let table = format!("[calibration]\nstrength = {strength}\npressure = {pressure}\n");
+        Skin::parse(Path::new("skin.toml"), &format!("{GOOD}\n{table}")).unwrap_err().to_string()
+    };
+    for (strength, pressure, words) in calibrations {
+        let message = refused(strength, pressure);
+        assert!(words.iter().all(|word| message.contains(word)), "{strength} {pressure}: {message}");
+    }
+    let many = format!("{:?}", (1..=17).collect::<Vec<_>>());
+    assert!(refused(&many.replace(',', ".0,"), &many).contains("17 points; allowed: at most 16"));
+}
+
+#[test]
+fn drive_drift_time_and_calibration_reach_the_patch() {
+    let rate = "frame_rate = \"50 Hz\"";
+    let drive = "phase = \"30 deg\"\nsettling = 0.5\nintegration = 2\ngain = 8\ncomponent = \"magnitude\"";
+    let text = GOOD.replace(rate, &format!("{rate}\n{drive}")).replace("\"combined\"", "\"once\"");
+    let text = text.replace("[contact]", "[contact]\ndrift_time = \"2 min\"");
+    let text = format!("{text}\n[calibration]\nstrength = [0.1, 0.3]\npressure = [\"5 kPa\", 20e3]\n");
+    let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
+    let model = Model::build(&skin, |_| ()).unwrap();
+    let bytes = dermatome::quantize::patch(&skin, &model).unwrap();
+    let header = PatchView::validate(&bytes).unwrap().header;
+    assert_eq!((header.steps, header.measurements), (104, 104));
+    assert_eq!((header.drive.phase, header.drive.settling, header.drive.integration), (30.0, 0.5, 2));
+    assert_eq!((header.drive.gain, header.drive.component), (Gain::Fixed(8), Component::Magnitude));
+    assert_eq!(header.drift_time, 120.0);
+    assert_eq!(header.calibration.pressure(0.2), Some(12.5e3));
+    assert_eq!(header.test_resistances.len(), 16);
+    let plain = Skin::parse(Path::new("skin.toml"), GOOD).unwrap();
+    assert_eq!((plain.drift_time, plain.drive.gain, plain.calibration.0.len()), (30.0, Gain::Automatic, 0));
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! `dermatome devices`.
 
+use super::drive::{self, DriveReport};
 use crate::{
     board::{SerialPort, probe::DebugProbe, serial_ports},
     link::{self, Link, Port},
@@ -41,6 +42,9 @@ struct BoardAnswer<'a> {
     uptime_s: f64,
     patch_crc: Option<String>,
     skin: Option<&'a str>,
+    drive: Option<DriveReport>,
+    #[serde(skip)]
+    drive_line: Option<String>,
     tared: bool,
     streaming: bool,
 }
@@ -110,6 +114,8 @@ impl<'a> BoardAnswer<'a> {
             uptime_s: Duration::from_millis(info.uptime_ms).as_secs_f64(),
             patch_crc: patch.map(|patch| super::patch_id(patch.crc)),
             skin: patch.map(|patch| patch.skin.as_str()),
+            drive: info.drive.map(|drive| DriveReport::new(&drive, info.front_end.as_ref())),
+            drive_line: info.drive.map(|drive| drive::line(&drive, info.front_end.as_ref())),
             tared: info.tared,
             streaming: info.streaming.any(),
         }
@@ -122,13 +128,15 @@ impl<'a> BoardAnswer<'a> {
             }
             _ => "none (send one with `dermatome flash`)".to_owned(),
         };
-        vec![
+        let mut lines = vec![
             format!("{} at {}, firmware {}", self.board, self.port, self.firmware),
             format!("electrodes  {}", self.electrodes),
             format!("frames      {}", self.frame_source),
             format!("started     {:.1} s ago, after {}", self.uptime_s, self.started_after),
             format!("patch       {patch}"),
-        ]
+        ];
+        lines.extend(self.drive_line.iter().map(|line| format!("drive       {line}")));
+        lines
     }
 }
 

@@ -19,9 +19,11 @@ macro_rules! say {
 }
 
 mod build;
+mod check;
 mod check_data;
 mod demo;
 mod devices;
+mod drive;
 mod evaluate;
 mod export;
 mod firmware;
@@ -33,6 +35,7 @@ pub mod interrupt;
 mod noise;
 mod progress;
 mod reconstruct;
+mod scope;
 mod simulate;
 mod stream;
 mod tare;
@@ -54,6 +57,9 @@ enum Command {
     Flash(flash::Args),
     Tare(tare::Args),
     Stream(stream::Args),
+    Check(check::Args),
+    Scope(scope::Args),
+    Drive(drive::Args),
     Simulate(simulate::Args),
     Devices(devices::Args),
     Firmware(firmware::Args),
@@ -83,6 +89,9 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Flash(args) => flash::run(&args),
         Command::Tare(args) => tare::run(&args),
         Command::Stream(args) => stream::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Scope(args) => scope::run(&args),
+        Command::Drive(args) => drive::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Firmware(args) => firmware::run(&args),

@@ -29,8 +29,8 @@ const PATIENCE_FRAMES: f64 = 5.0;
 /// Show images and contacts live, or print contacts for a pipe.
 ///
 /// On a terminal, draws the image and the contacts in place. Otherwise prints one line per contact:
-/// frame sequence, time in s, x in mm, y in mm, area in mm2 and strength, separated by tabs. The
-/// summary goes to standard error.
+/// frame sequence, time in s, x in mm, y in mm, area in mm2, strength, and on a calibrated skin
+/// pressure in kPa and force in N, separated by tabs. The summary goes to standard error.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     dermatome stream --port /dev/ttyACM0\n  \
@@ -180,6 +180,11 @@ fn patience(patch: &PatchInfo) -> Duration {
     let least = Duration::from_secs(1);
     let frames = Duration::try_from_secs_f64(PATIENCE_FRAMES / f64::from(patch.drive.frame_rate));
     frames.unwrap_or(least).clamp(least, Duration::from_secs(3600))
+}
+
+/// Longest silence where a board must send something: five frames, and at least five seconds.
+pub(super) fn long_patience(patch: &PatchInfo) -> Duration {
+    patience(patch).max(Duration::from_secs(5))
 }
 
 fn summarise(tally: &Tally, link: &Link, ended: Ended) {

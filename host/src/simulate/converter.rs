@@ -128,3 +128,45 @@ impl Reading {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OHMS: f64 = 20.0;
+
+    fn drive(amplitude: f32) -> Drive {
+        Drive::new(50e3, amplitude, 50.0)
+    }
+
+    fn code(amplitude: f32, gain: Gain, share: f64) -> Reading {
+        let front_end = Converter::front_end(&drive(1e-3), OHMS);
+        let largest = OHMS * f64::from(amplitude);
+        Converter::new(&front_end, gain, largest).read(Complex64::new(0.0, largest * share))
+    }
+
+    #[test]
+    fn codes_are_the_same_at_every_gain_to_a_step_of_the_lock_in() {
+        for (amplitude, full) in [(1e-3, 0.8 * FULL), (0.5e-3, 0.4 * FULL)] {
+            for gain in [Gain::Automatic, Gain::Fixed(1)] {
+                let reading = code(amplitude, gain, 1.0);
+                let off = (f64::from(reading.imaginary.0) - full).abs();
+                assert!(off <= 129.0 && reading.real.0 == 0 && !reading.is_clipped, "{gain:?}: {reading:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_voltage_beyond_the_range_is_clipped_and_says_so() {
+        assert!(code(1e-3, Gain::Automatic, 1.3).is_clipped);
+        assert!(code(1e-3, Gain::Fixed(64), 0.1).is_clipped);
+        assert!(!code(1e-3, Gain::Fixed(64), 0.01).is_clipped);
+    }
+
+    #[test]
+    fn a_carrier_of_no_board_gets_samples_of_its_own() {
+        let front_end = Converter::front_end(&Drive::new(7e3, 5e-3, 50.0), OHMS);
+        assert_eq!((front_end.sample_rate, front_end.full_scale_current), (280_000, 5e-3));
+        assert!(Timing::new(&Drive::new(7e3, 5e-3, 50.0), front_end.sample_rate).is_some());
+    }
+}

@@ -7,3 +7,4 @@ pub mod picture;
 pub mod plot;
 pub mod sheet;
 pub mod terminal;
+pub mod trace;

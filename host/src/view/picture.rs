@@ -8,7 +8,7 @@ use embedded_graphics::{
     mono_font::{MonoFont, MonoTextStyle, ascii},
     pixelcolor::{Rgb888, RgbColor},
     prelude::{Dimensions, DrawTarget, Drawable, Primitive},
-    primitives::{Circle, Line, PrimitiveStyle, PrimitiveStyleBuilder, Rectangle, StrokeAlignment},
+    primitives::{Circle, Line, Polyline, PrimitiveStyle, PrimitiveStyleBuilder, Rectangle, StrokeAlignment},
     text::{Alignment, Baseline, Text, TextStyleBuilder},
 };
 use std::convert::Infallible;
@@ -144,6 +144,16 @@ impl Picture {
                 Baseline::Middle,
             );
         }
+    }
+
+    /// A line through points.
+    pub fn polyline(&mut self, points: &[Point], colour: Rgb888, width: u32) {
+        self.put(&Polyline::new(points).into_styled(PrimitiveStyle::with_stroke(colour, width)));
+    }
+
+    /// A filled rectangle between two corners, both included.
+    pub fn rectangle(&mut self, one: Point, other: Point, colour: Rgb888) {
+        self.put(&Rectangle::with_corners(one, other).into_styled(PrimitiveStyle::with_fill(colour)));
     }
 
     /// A label; `at` is where its alignment and baseline say.

@@ -13,7 +13,7 @@ use std::io::{self, Write};
 /// Where frames go.
 pub(super) enum Display {
     /// Pictures, drawn in place, and the contacts whose image is still to come.
-    Terminal(Box<Live>, Option<(FrameStamp, Contacts)>),
+    Terminal(Box<Live>, Box<Option<(FrameStamp, Contacts)>>),
     /// One line per contact.
     Lines,
 }
@@ -25,7 +25,7 @@ impl Display {
             return Ok(Self::Lines);
         }
         let geometry = images.then(|| link.geometry()).transpose()?;
-        Ok(Self::Terminal(Box::new(Live::new(geometry)), None))
+        Ok(Self::Terminal(Box::new(Live::new(geometry)), Box::default()))
     }
 
     pub(super) fn wants_images(&self) -> bool {
@@ -36,7 +36,7 @@ impl Display {
     pub(super) fn take_contacts(&mut self, at: FrameStamp, contacts: &Contacts) -> io::Result<()> {
         match self {
             Self::Terminal(live, waiting) if live.has_images() => {
-                *waiting = Some((at, contacts.clone()));
+                **waiting = Some((at, contacts.clone()));
                 Ok(())
             }
             Self::Terminal(live, _) => live.draw_if_due(at, contacts),
@@ -60,11 +60,15 @@ fn print_lines(at: FrameStamp, contacts: &Contacts) -> io::Result<()> {
     out.flush()
 }
 
-/// Sequence, time, x, y, area, strength.
+/// Sequence, time, x, y, area, strength; with a calibration also pressure and force.
 fn line(at: FrameStamp, contact: &Contact) -> String {
     let [x, y] = contact.position.map(|metres| metres * 1e3);
     let (sequence, time, area) = (at.sequence, seconds(at), contact.area * 1e6);
-    format!("{sequence}\t{time:.6}\t{x:.3}\t{y:.3}\t{area:.2}\t{:.6}", contact.strength)
+    let line = format!("{sequence}\t{time:.6}\t{x:.3}\t{y:.3}\t{area:.2}\t{:.6}", contact.strength);
+    match contact.pressure.zip(contact.force()) {
+        Some((pressure, force)) => format!("{line}\t{:.4}\t{force:.5}", pressure * 1e-3),
+        None => line,
+    }
 }
 
 fn seconds(at: FrameStamp) -> f64 {
@@ -77,10 +81,12 @@ mod tests {
     use dermatome_shared::frame::FrameFlags;
 
     #[test]
-    fn a_line_has_six_fields_in_seconds_and_millimetres() {
+    fn a_line_has_six_fields_and_two_more_with_a_calibration() {
         let at = FrameStamp { sequence: 7, timestamp_us: 1_250_000, flags: FrameFlags::default() };
         let contact =
             Contact { position: [0.01, -0.002], area: 4e-6, strength: 0.5, peak: 1.0, pressure: None };
         assert_eq!(line(at, &contact), "7\t1.250000\t10.000\t-2.000\t4.00\t0.500000");
+        let calibrated = Contact { pressure: Some(12.5e3), ..contact };
+        assert!(line(at, &calibrated).ends_with("\t0.500000\t12.5000\t0.05000"));
     }
 }

@@ -1,0 +1,113 @@
+//! `dermatome check`.
+
+use super::{BoardReport, JsonReport, interrupt, stream::long_patience, tare::patch_of};
+use crate::{
+    health::{self, Diagnosis, State},
+    link::{self, Port},
+};
+use anyhow::bail;
+use dermatome_shared::protocol::FrameSource;
+use serde::Serialize;
+
+/// Look for what is wrong with a board and its skin, and say what to do.
+///
+/// Watches some frames: contact impedance and state of every electrode, reciprocity, what was wrong
+/// with frames, and how the board itself does. Exits with code 1 if something is wrong.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:\n  \
+    dermatome check --port /dev/ttyACM0\n  \
+    dermatome check --port tcp:127.0.0.1:7000 --json check.json")]
+pub(super) struct Args {
+    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT or sim:SKIN.toml.
+    #[arg(long)]
+    port: Port,
+    /// Frames to look at.
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..))]
+    frames: u16,
+    #[command(flatten)]
+    json: JsonReport,
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    board: BoardReport<'a>,
+    frame_rate_asked: f32,
+    #[serde(flatten)]
+    diagnosis: Diagnosis,
+}
+
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    interrupt::install()?;
+    let mut link = link::open(&args.port)?;
+    let patch = patch_of(&mut link)?;
+    let is_simulated = link.info()?.frame_source == FrameSource::Simulated;
+    let go_on = || !interrupt::requested();
+    let watch = health::watch(&mut link, args.frames.into(), long_patience(&patch), go_on)?;
+    let Some(diagnosis) = watch.diagnosis(is_simulated) else { bail!("stopped before the first frame came") };
+    let board = BoardReport::new(&link, &patch);
+    let report = Report { board, frame_rate_asked: patch.drive.frame_rate, diagnosis };
+    print(&report);
+    args.json.write(&report)?;
+    match report.diagnosis.findings.len() {
+        0 => Ok(()),
+        1 => bail!("one thing is wrong with the board or its skin: see above"),
+        many => bail!("{many} things are wrong with the board or its skin: see above"),
+    }
+}
+
+/// Electrodes from 1, as people count them.
+fn print(report: &Report<'_>) {
+    let Diagnosis { electrodes, findings, .. } = &report.diagnosis;
+    if electrodes.is_empty() {
+        say!("this board does not test its electrodes");
+    } else {
+        say!("{:>9} {:>21}  state", "electrode", "contact impedance/ohm");
+    }
+    for electrode in electrodes {
+        let ohms = match electrode.state {
+            State::Open | State::Unknown => "-".to_owned(),
+            _ => format!("{:.1}", electrode.contact_impedance_ohm),
+        };
+        say!("{:>9} {ohms:>21}  {}", electrode.electrode + 1, word(electrode.state));
+    }
+    rows(report).iter().for_each(|(name, value)| say!("{name:<18} {value}"));
+    if findings.is_empty() {
+        say!("nothing looks wrong");
+    }
+    for finding in findings {
+        say!("wrong: {}: {}", finding.what, finding.advice);
+    }
+}
+
+fn word(state: State) -> &'static str {
+    match state {
+        State::Ok => "ok",
+        State::High => "high",
+        State::Unknown => "unknown",
+        State::Open => "open",
+        State::Shorted => "shorted",
+    }
+}
+
+fn rows(report: &Report<'_>) -> Vec<(&'static str, String)> {
+    let diagnosis = &report.diagnosis;
+    let percent = |value: f32| format!("{value:.2} %");
+    let or = |value: Option<String>, none: &str| value.unwrap_or_else(|| none.to_owned());
+    let flags = diagnosis.flags.iter().map(|(words, frames)| format!("{words} ({frames})"));
+    let flags = flags.collect::<Vec<_>>().join(", ");
+    let rate = diagnosis.frames_per_second.map(|rate| format!("{rate:.1} a second"));
+    let asked = report.frame_rate_asked;
+    vec![
+        ("frames", format!("{}, {} (asked for {asked})", diagnosis.frames, or(rate, "one only"))),
+        (
+            "reciprocity error",
+            or(diagnosis.reciprocity_error_percent.map(percent), "not measured by this patch"),
+        ),
+        ("drift taken out", percent(diagnosis.drift_percent)),
+        ("temperature", or(diagnosis.temperature_c.map(|celsius| format!("{celsius:.1} C")), "not measured")),
+        ("CPU load", or(diagnosis.load_percent.map(percent), "not measured")),
+        ("free stack", or(diagnosis.free_stack_bytes.map(|bytes| format!("{bytes} bytes")), "not measured")),
+        ("flags", if flags.is_empty() { "none".to_owned() } else { flags }),
+    ]
+}

@@ -1,0 +1,56 @@
+//! `dermatome scope`.
+
+use super::{interrupt, stream::long_patience, tare::patch_of};
+use crate::{
+    link::{self, Port},
+    output::{check_folder, write_whole},
+    scope::capture,
+    view::trace,
+};
+use std::path::PathBuf;
+
+/// Show the samples behind one voltage, as the converter took them.
+///
+/// The scan measures the patch's steps, then a test of each electrode; each of them is a slot. The plot
+/// shows the slot's samples with the part that settles, the limits of the converter, and the sine that
+/// the lock-in finds.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:\n  \
+    dermatome scope --port /dev/ttyACM0\n  \
+    dermatome scope --port tcp:127.0.0.1:7000 --slot 12 --png slot12.png")]
+pub(super) struct Args {
+    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT or sim:SKIN.toml.
+    #[arg(long)]
+    port: Port,
+    /// Slot of the scan, from 0.
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
+    slot: u16,
+    /// Draw the plot into this file instead of on the terminal.
+    #[arg(long, value_name = "FILE")]
+    png: Option<PathBuf>,
+}
+
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    interrupt::install()?;
+    args.png.as_deref().map_or(Ok(()), check_folder)?;
+    let mut link = link::open(&args.port)?;
+    let patch = patch_of(&mut link)?;
+    let info = link.info()?;
+    let trace = capture(&mut link, &info, args.slot, long_patience(&patch), || !interrupt::requested())?;
+    let Some(trace) = trace else { return Ok(()) };
+    let what = match args.slot.checked_sub(patch.steps) {
+        None => format!("step {}", args.slot),
+        Some(electrode) => format!("test of electrode {}", electrode + 1),
+    };
+    let title = format!("slot {} of `{}`: {what}", args.slot, patch.skin);
+    say!("{title}");
+    trace::summary(&trace).iter().for_each(|line| say!("{line}"));
+    match &args.png {
+        Some(path) => {
+            write_whole(path, &trace::png(&trace, &title)?)?;
+            say!("picture   {}", path.display());
+        }
+        None => say!("{}", trace::text(&trace).trim_end()),
+    }
+    Ok(())
+}

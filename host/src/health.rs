@@ -1,0 +1,346 @@
+//! Health: what a board's frames say about electrodes, wiring and the board itself, and what to do.
+
+use crate::link::{self, Link, LinkError};
+use dermatome_shared::{
+    frame::FrameFlags,
+    health::{ElectrodeSet, Health, Vitals},
+    protocol::{Event, FrameStamp, Selection},
+};
+use serde::Serialize;
+use std::time::{Duration, Instant};
+
+/// How often to ask whether to go on while nothing comes.
+const POLL: Duration = Duration::from_millis(100);
+/// A contact impedance this many times the middle one is worth a look.
+const HIGH_RATIO: f32 = 3.0;
+/// Largest share of time in which the CPU may work.
+const BUSY: f32 = 0.95;
+/// Bytes of stack that must never have been used.
+const LITTLE_STACK: u32 = 512;
+
+/// Health events of some frames.
+#[derive(Clone, Debug, Default)]
+pub struct Watch {
+    frames: Vec<Seen>,
+    /// Events that were lost on the way.
+    pub events_lost: u64,
+}
+
+#[derive(Clone, Debug)]
+struct Seen {
+    at: FrameStamp,
+    health: Health,
+    vitals: Vitals,
+    drift: f32,
+}
+
+/// How an electrode is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum State {
+    /// Nothing is wrong.
+    Ok,
+    /// It touches worse than most.
+    High,
+    /// Its test says nothing: no current flows, or the next electrode, which it needs, is open.
+    Unknown,
+    /// It has no contact.
+    Open,
+    /// It is connected to a neighbour.
+    Shorted,
+}
+
+/// One electrode.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Electrode {
+    /// Number, from 0.
+    pub electrode: usize,
+    /// Mean contact impedance, ohm.
+    pub contact_impedance_ohm: f32,
+    /// How it is.
+    pub state: State,
+}
+
+/// Something that is wrong.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Finding {
+    /// What.
+    pub what: String,
+    /// What to do about it.
+    pub advice: &'static str,
+}
+
+/// What some frames say.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Diagnosis {
+    /// Frames looked at.
+    pub frames: usize,
+    /// Frames per second, by the board's clock; none for one frame.
+    pub frames_per_second: Option<f64>,
+    /// Electrodes; empty if the board does not test them.
+    pub electrodes: Vec<Electrode>,
+    /// Mean reciprocity error, per cent; none if the patch does not measure both ways.
+    pub reciprocity_error_percent: Option<f32>,
+    /// Drift of all voltages that is taken out of the images, per cent.
+    pub drift_percent: f32,
+    /// Frames with each flag that was set.
+    pub flags: Vec<(&'static str, usize)>,
+    /// Temperature of the chip, degrees Celsius, if it can tell.
+    pub temperature_c: Option<f32>,
+    /// Share of time in which the CPU works, per cent; none on a simulated board.
+    pub load_percent: Option<f32>,
+    /// Bytes of stack never used; none on a simulated board.
+    pub free_stack_bytes: Option<u32>,
+    /// What is wrong.
+    pub findings: Vec<Finding>,
+}
+
+/// Streams health for so many frames; fewer if `go_on` says no. A frame may take `patience`.
+pub fn watch(
+    link: &mut Link,
+    frames: usize,
+    patience: Duration,
+    go_on: impl Fn() -> bool,
+) -> Result<Watch, LinkError> {
+    link::stream(link, Selection { health: 1, ..Selection::default() })?;
+    let mut watch = Watch::default();
+    let mut heard = Instant::now();
+    while watch.frames.len() < frames && go_on() {
+        match link.next_event(POLL)? {
+            Some(Event::Health { at, health, vitals, drift }) => {
+                heard = Instant::now();
+                watch.frames.push(Seen { at, health, vitals, drift });
+            }
+            _ if heard.elapsed() > patience => {
+                return Err(LinkError::NoAnswer { port: link.port().to_owned(), timeout: patience });
+            }
+            _ => {}
+        }
+    }
+    link::stream(link, Selection::default())?;
+    watch.events_lost = link.events_lost();
+    Ok(watch)
+}
+
+impl Watch {
+    /// What the frames say; none if there are none. Vitals mean nothing on a simulated board.
+    #[must_use]
+    pub fn diagnosis(&self, is_simulated: bool) -> Option<Diagnosis> {
+        let last = self.frames.last()?;
+        let electrodes = self.electrodes();
+        let mut findings: Vec<Finding> = electrodes.iter().filter_map(finding_of_electrode).collect();
+        findings.extend(self.flags().filter_map(|(flag, words, frames)| self.finding(flag, words, frames)));
+        let vitals = (!is_simulated).then_some(last.vitals);
+        findings.extend(vitals.iter().flat_map(findings_of_vitals));
+        if self.events_lost > 0 {
+            let what = format!("{} events were lost on the way", self.events_lost);
+            findings.push(Finding { what, advice: "close other programs, or lower `drive.frame_rate`" });
+        }
+        Some(Diagnosis {
+            frames: self.frames.len(),
+            frames_per_second: self.rate(),
+            reciprocity_error_percent: self.reciprocity().map(|error| 100.0 * error),
+            drift_percent: 100.0 * last.drift,
+            flags: self.flags().map(|(_, words, frames)| (words, frames)).collect(),
+            temperature_c: last.vitals.temperature,
+            load_percent: vitals.map(|vitals| 100.0 * vitals.load),
+            free_stack_bytes: vitals.map(|vitals| vitals.free_stack),
+            electrodes,
+            findings,
+        })
+    }
+
+    fn rate(&self) -> Option<f64> {
+        let (first, last) = (self.frames.first()?.at, self.frames.last()?.at);
+        let frames = last.sequence.wrapping_sub(first.sequence);
+        let us = last.timestamp_us.saturating_sub(first.timestamp_us);
+        (frames > 0 && us > 0).then(|| f64::from(frames) / (us as f64 * 1e-6))
+    }
+
+    fn electrodes(&self) -> Vec<Electrode> {
+        let count = self.frames.iter().map(|seen| seen.health.contact_impedance.len()).max().unwrap_or(0);
+        let mean = |electrode: usize| {
+            let each = || self.frames.iter().filter_map(|seen| seen.health.contact_impedance.get(electrode));
+            each().sum::<f32>() / each().count().max(1) as f32
+        };
+        let means: Vec<f32> = (0..count).map(mean).collect();
+        let mut sorted = means.clone();
+        sorted.sort_by(f32::total_cmp);
+        let middle = sorted.get(count / 2).copied().unwrap_or(0.0);
+        let ever = |pick: fn(&Health) -> ElectrodeSet| {
+            self.frames.iter().fold(ElectrodeSet::default(), |set, seen| set.union(pick(&seen.health)))
+        };
+        let (open, shorted) = (ever(|health| health.open), ever(|health| health.shorted));
+        let is_dead = self.flags().any(|(flag, ..)| flag == FrameFlags::NO_CURRENT);
+        let state = |electrode: u8, ohms: f32| match electrode {
+            _ if is_dead => State::Unknown,
+            e if open.contains(e) => State::Open,
+            e if shorted.contains(e) => State::Shorted,
+            e if open.contains((e + 1) % count.max(1) as u8) => State::Unknown,
+            _ if ohms > HIGH_RATIO * middle => State::High,
+            _ => State::Ok,
+        };
+        let electrode = |(electrode, &ohms): (usize, &f32)| Electrode {
+            electrode,
+            contact_impedance_ohm: ohms,
+            state: state(electrode as u8, ohms),
+        };
+        means.iter().enumerate().map(electrode).collect()
+    }
+
+    fn reciprocity(&self) -> Option<f32> {
+        let errors: Vec<f32> = self.frames.iter().filter_map(|seen| seen.health.reciprocity_error).collect();
+        (!errors.is_empty()).then(|| errors.iter().sum::<f32>() / errors.len() as f32)
+    }
+
+    /// Flags that were set, each with its words and the number of frames.
+    fn flags(&self) -> impl Iterator<Item = (FrameFlags, &'static str, usize)> {
+        let count = |flag| self.frames.iter().filter(|seen| seen.at.flags.contains(flag)).count();
+        let counted = FrameFlags::ALL.into_iter().map(move |(flag, words)| (flag, words, count(flag)));
+        counted.filter(|&(.., frames)| frames > 0)
+    }
+
+    /// What follows from a flag, unless the electrodes' table says it.
+    fn finding(&self, flag: FrameFlags, words: &str, frames: usize) -> Option<Finding> {
+        let what = format!("{words} in {frames} of {} frames", self.frames.len());
+        Some(Finding { what, advice: advice(flag)? })
+    }
+}
+
+fn finding_of_electrode(electrode: &Electrode) -> Option<Finding> {
+    let number = electrode.electrode + 1;
+    let (what, advice) = match electrode.state {
+        State::Ok | State::Unknown => return None,
+        State::High => (
+            format!("electrode {number} touches worse than most"),
+            "clean its contact, or press it on harder",
+        ),
+        State::Open => (format!("electrode {number} has no contact"), "check its wire, plug and contact"),
+        State::Shorted => (
+            format!("electrode {number} is connected to a neighbour"),
+            "look for a bridge between its wire or contact and the next",
+        ),
+    };
+    Some(Finding { what, advice })
+}
+
+fn findings_of_vitals(vitals: &Vitals) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let mut add = |is_so: bool, what: String, advice| {
+        if is_so {
+            findings.push(Finding { what, advice });
+        }
+    };
+    add(
+        vitals.missed > 0,
+        format!("the board has lost samples {} times since its start", vitals.missed),
+        "lower `drive.frame_rate`, or use fewer `image.columns`",
+    );
+    add(
+        vitals.load > BUSY,
+        format!("the CPU works {:.0} % of the time", 100.0 * vitals.load),
+        "lower `drive.frame_rate`, or use fewer `image.columns`",
+    );
+    add(
+        vitals.free_stack < LITTLE_STACK,
+        format!("only {} bytes of stack were never used", vitals.free_stack),
+        "please report this: the firmware needs a larger stack",
+    );
+    findings
+}
+
+/// What to do where a flag is set; none where another finding says it.
+fn advice(flag: FrameFlags) -> Option<&'static str> {
+    match flag {
+        FrameFlags::SATURATED => {
+            Some("lower gain or amplitude (`dermatome drive`); `dermatome scope` shows the samples")
+        }
+        FrameFlags::NO_CURRENT => Some("check the current source, its supply and its wire from the board"),
+        FrameFlags::NOT_RECIPROCAL => {
+            Some("check the multiplexers' address lines; try a longer `dermatome drive --settling`")
+        }
+        FrameFlags::IMPLAUSIBLE => {
+            Some("tare with nothing on the skin (`dermatome tare`); if it stays, check the wiring")
+        }
+        FrameFlags::MISSED => Some("lower `drive.frame_rate`, or use fewer `image.columns`"),
+        FrameFlags::HOT => Some("let the board cool, and give it air"),
+        // Open and shorted electrodes have findings of their own, and masking follows from them.
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn watch(flags: FrameFlags, health: &Health, vitals: Vitals) -> Watch {
+        let at = |sequence: u32| FrameStamp { sequence, timestamp_us: u64::from(sequence) * 20_000, flags };
+        let seen = |sequence| Seen { at: at(sequence), health: health.clone(), vitals, drift: 0.01 };
+        Watch { frames: (0..5).map(seen).collect(), events_lost: 0 }
+    }
+
+    fn healthy() -> (Health, Vitals) {
+        let health = Health {
+            contact_impedance: (0..8).map(|_| 30.0).collect(),
+            reciprocity_error: Some(0.001),
+            ..Health::default()
+        };
+        (health, Vitals { temperature: Some(35.0), load: 0.5, missed: 0, free_stack: 4096 })
+    }
+
+    #[test]
+    fn a_healthy_board_has_no_findings() {
+        let (health, vitals) = healthy();
+        let diagnosis = watch(FrameFlags::default(), &health, vitals).diagnosis(false).unwrap();
+        assert_eq!(diagnosis.findings, []);
+        assert!((diagnosis.frames_per_second.unwrap() - 50.0).abs() < 1e-9);
+        assert!(diagnosis.electrodes.iter().all(|electrode| electrode.state == State::Ok));
+        assert_eq!(Watch::default().diagnosis(false), None);
+    }
+
+    #[test]
+    fn every_fault_has_a_finding() {
+        let (mut health, vitals) = healthy();
+        health.open.insert(2);
+        health.shorted.insert(5);
+        health.contact_impedance[1] = 80.0;
+        health.contact_impedance[7] = 200.0;
+        let vitals = Vitals { load: 0.99, missed: 3, free_stack: 100, ..vitals };
+        let all = FrameFlags::ALL.iter().fold(0, |bits, (flag, _)| bits | flag.0) & !FrameFlags::NO_CURRENT.0;
+        let diagnosis = watch(FrameFlags(all), &health, vitals).diagnosis(false).unwrap();
+        let whats: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.what.as_str()).collect();
+        for words in [
+            "electrode 3 has no contact",
+            "electrode 6 is connected to a neighbour",
+            "electrode 8 touches worse than most",
+            "saturated in 5 of 5 frames",
+            "not reciprocal in 5 of 5 frames",
+            "implausible in 5 of 5 frames",
+            "samples missed in 5 of 5 frames",
+            "chip too hot in 5 of 5 frames",
+            "the board has lost samples 3 times since its start",
+            "the CPU works 99 % of the time",
+            "only 100 bytes of stack were never used",
+        ] {
+            assert!(whats.contains(&words), "{words} not in {whats:?}");
+        }
+        assert_eq!(whats.len(), 11);
+    }
+
+    #[test]
+    fn without_current_no_electrode_is_blamed() {
+        let (mut health, vitals) = healthy();
+        health.contact_impedance[7] = 200.0;
+        let diagnosis = watch(FrameFlags::NO_CURRENT, &health, vitals).diagnosis(false).unwrap();
+        assert!(diagnosis.electrodes.iter().all(|electrode| electrode.state == State::Unknown));
+        assert_eq!(diagnosis.findings.len(), 1);
+        assert_eq!(diagnosis.findings[0].what, "no current in 5 of 5 frames");
+    }
+
+    #[test]
+    fn a_simulated_board_has_no_vitals_to_judge() {
+        let (health, _) = healthy();
+        let diagnosis = watch(FrameFlags::default(), &health, Vitals::default()).diagnosis(true).unwrap();
+        assert_eq!((diagnosis.findings.len(), diagnosis.free_stack_bytes), (0, None));
+    }
+}

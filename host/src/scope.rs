@@ -1,0 +1,209 @@
+//! Scope: the samples behind one voltage, as the board's converter took them.
+
+use crate::link::{self, Link, LinkError};
+use dermatome_shared::{
+    demodulate::MIDDLE,
+    protocol::{Event, Info, Selection},
+    scan::Timing,
+};
+use std::{
+    f64::consts::TAU,
+    time::{Duration, Instant},
+};
+
+/// Steps of the converter from its middle to where the board takes a sample for clipped.
+pub const CLIPPED: u16 = 2040;
+/// How often to ask whether to go on while nothing comes.
+const POLL: Duration = Duration::from_millis(100);
+
+/// Samples of one slot.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Trace {
+    /// Slot of the scan.
+    pub slot: u16,
+    /// Gain of the programmable amplifier.
+    pub gain: u8,
+    /// Samples at the start that are left out while the voltage settles.
+    pub settling: usize,
+    /// Samples of a carrier period.
+    pub period: usize,
+    /// Samples per second.
+    pub sample_rate: u32,
+    /// Codes of the converter, 0 to 4095.
+    pub samples: Vec<u16>,
+}
+
+/// The sine that the lock-in finds in the samples behind the settling ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// Mean code.
+    pub offset: f64,
+    /// Amplitude, steps of the converter.
+    pub amplitude: f64,
+    /// Phase at the first measured sample, degrees; 0 is a crest.
+    pub phase: f64,
+    /// Root mean square of what the sine does not explain, steps of the converter.
+    pub residual: f64,
+}
+
+/// Why there are no samples to show.
+#[derive(Debug, thiserror::Error)]
+pub enum ScopeError {
+    /// The link failed, or the board refused.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The board takes no samples.
+    #[error("the board at `{port}` has no analogue front end: it has no samples to show")]
+    NoFrontEnd {
+        /// Which port.
+        port: String,
+    },
+    /// The carrier is not whole samples long.
+    #[error(
+        "the board at `{port}` drives at {frequency} Hz, which is not whole samples of {sample_rate} a second"
+    )]
+    NoCarrier {
+        /// Which port.
+        port: String,
+        /// Carrier frequency, Hz.
+        frequency: f32,
+        /// Samples per second.
+        sample_rate: u32,
+    },
+}
+
+/// Fetches the next samples of a slot, which must come within `patience`; none if `go_on`, asked while
+/// nothing comes, says no.
+pub fn capture(
+    link: &mut Link,
+    info: &Info,
+    slot: u16,
+    patience: Duration,
+    go_on: impl Fn() -> bool,
+) -> Result<Option<Trace>, ScopeError> {
+    let (sample_rate, timing) = timing(link, info)?;
+    link::stream(link, Selection { scope: 1, scope_slot: slot, ..Selection::default() })?;
+    let started = Instant::now();
+    let mut trace = None;
+    while trace.is_none() && go_on() {
+        match link.next_event(POLL)? {
+            Some(Event::Scope { slot, gain, settling, samples }) => {
+                trace = Some(Trace {
+                    slot,
+                    gain,
+                    settling: settling.into(),
+                    period: timing.period.into(),
+                    sample_rate,
+                    samples: samples.to_vec(),
+                });
+            }
+            _ if started.elapsed() > patience => {
+                return Err(LinkError::NoAnswer { port: link.port().to_owned(), timeout: patience }.into());
+            }
+            _ => {}
+        }
+    }
+    link::stream(link, Selection::default())?;
+    Ok(trace)
+}
+
+/// Sampling rate and timing of the drive in effect.
+fn timing(link: &Link, info: &Info) -> Result<(u32, Timing), ScopeError> {
+    let port = || link.port().to_owned();
+    let (Some(front_end), Some(drive)) = (info.front_end, info.drive) else {
+        return Err(ScopeError::NoFrontEnd { port: port() });
+    };
+    let sample_rate = front_end.sample_rate;
+    match Timing::new(&drive, sample_rate) {
+        Some(timing) => Ok((sample_rate, timing)),
+        None => Err(ScopeError::NoCarrier { port: port(), frequency: drive.frequency, sample_rate }),
+    }
+}
+
+impl Trace {
+    /// Samples at the ends of the converter's range, settling ones left out.
+    #[must_use]
+    pub fn clipped(&self) -> usize {
+        self.measured().iter().filter(|&&sample| sample.abs_diff(MIDDLE) >= CLIPPED).count()
+    }
+
+    /// The sine in the measured samples; none if they are less than a period.
+    #[must_use]
+    pub fn fit(&self) -> Option<Fit> {
+        // Over whole periods cosine, sine and a constant are at right angles.
+        let whole = self.measured().len() / self.period.max(1) * self.period;
+        let measured: Vec<f64> = self.measured().get(..whole)?.iter().map(|&sample| sample.into()).collect();
+        if measured.is_empty() {
+            return None;
+        }
+        let count = whole as f64;
+        let offset = measured.iter().sum::<f64>() / count;
+        let sum = |of: fn(f64) -> f64| {
+            measured.iter().enumerate().map(|(n, sample)| sample * of(self.turns(n))).sum::<f64>()
+        };
+        let (cosine, sine) = (2.0 / count * sum(f64::cos), 2.0 / count * sum(f64::sin));
+        let fit = Fit {
+            offset,
+            amplitude: cosine.hypot(sine),
+            phase: (-sine).atan2(cosine).to_degrees(),
+            residual: 0.0,
+        };
+        let at = |n: usize| fit.at(self, (self.settling + n) as f64);
+        let squares = measured.iter().enumerate().map(|(n, sample)| (sample - at(n)).powi(2)).sum::<f64>();
+        Some(Fit { residual: (squares / count).sqrt(), ..fit })
+    }
+
+    fn measured(&self) -> &[u16] {
+        self.samples.get(self.settling..).unwrap_or_default()
+    }
+
+    fn turns(&self, n: usize) -> f64 {
+        TAU * n as f64 / self.period as f64
+    }
+}
+
+impl Fit {
+    /// The sine at a sample of the trace.
+    #[must_use]
+    pub fn at(&self, trace: &Trace, sample: f64) -> f64 {
+        let turns = (sample - trace.settling as f64) / trace.period as f64;
+        self.offset + self.amplitude * (TAU * turns + self.phase.to_radians()).cos()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trace(amplitude: f64) -> Trace {
+        let sample = |n: i32| {
+            let angle = TAU * f64::from(n - 10) / 40.0 + 0.5;
+            (2050.0 + amplitude * angle.cos()).round().clamp(0.0, 4095.0) as u16
+        };
+        let samples = (0..90).map(sample).collect();
+        Trace { slot: 0, gain: 4, settling: 10, period: 40, sample_rate: 2_000_000, samples }
+    }
+
+    #[test]
+    fn the_fit_finds_the_sine_behind_the_settling_samples() {
+        let mut trace = trace(900.0);
+        trace.samples[..10].fill(4095);
+        let fit = trace.fit().unwrap();
+        assert!((fit.offset - 2050.0).abs() < 0.1 && (fit.amplitude - 900.0).abs() < 0.2, "{fit:?}");
+        assert!((fit.phase - 0.5_f64.to_degrees()).abs() < 0.05 && fit.residual < 0.5, "{fit:?}");
+        assert_eq!(trace.clipped(), 0);
+    }
+
+    #[test]
+    fn a_clipped_sine_is_counted_and_leaves_a_residual() {
+        let trace = trace(2500.0);
+        assert!(trace.clipped() > 10 && trace.fit().unwrap().residual > 50.0);
+    }
+
+    #[test]
+    fn less_than_a_period_has_no_fit() {
+        let short = Trace { samples: vec![2048; 30], ..trace(1.0) };
+        assert_eq!((short.fit(), short.clipped()), (None, 0));
+        assert_eq!(Trace { samples: Vec::new(), period: 0, ..short }.fit(), None);
+    }
+}
