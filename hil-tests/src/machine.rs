@@ -207,10 +207,11 @@ impl Machine {
         self.scene.as_ref()
     }
 
-    /// Looks at the chip, or changes it.
+    /// Looks at the chip, or changes it. Its time is never past an event that is still to happen.
     pub fn chip<T>(&mut self, look: impl FnOnce(&mut Chip) -> T) -> T {
         let mut chip = self.state.chip.borrow_mut();
-        chip.now = self.state.now.get();
+        let now = self.state.now.get().min(chip.next_event());
+        chip.now = chip.now.max(now);
         look(&mut chip)
     }
 
@@ -499,3 +500,6 @@ impl State {
 
 #[cfg(test)]
 mod tests;
+
+/// PROFHACK
+pub static PROF: std::sync::Mutex<Option<std::collections::BTreeMap<u32, u64>>> = std::sync::Mutex::new(None);

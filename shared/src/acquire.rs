@@ -27,6 +27,9 @@ use serde::{Deserialize, Serialize};
 const FINENESS: f32 = 4096.0;
 /// A reference of 1 in the lock-in's table.
 const LOCK_IN_ONE: f32 = 16_384.0;
+/// Lowest bits of the lock-in's sums that are left out, so that the rest fits 32 bits: they are worth less
+/// than a thousandth of a step of the converter.
+const SPARE_BITS: u32 = 8;
 /// An automatic gain brings a slot's peak up to this many steps of the converter, of 2047: room for a
 /// press that doubles the voltage.
 const PEAK_GOAL: u32 = 900;
@@ -172,7 +175,7 @@ impl Acquisition {
         self.demodulator.restart();
         self.position = 0;
         let assembly = &mut self.assembly;
-        (assembly.frame, assembly.peaks) = (Frame::default(), Vec::new());
+        assembly.begin();
         // The current rises during the first frame.
         assembly.skip = 1;
     }
@@ -196,7 +199,7 @@ impl Acquisition {
 
     /// Takes the next samples; `done` gets each frame that they complete, without number and time, and
     /// what the watched slot showed in it.
-    pub fn push(&mut self, mut samples: &[u16], mut done: impl FnMut(Frame, Option<Event>)) {
+    pub fn push(&mut self, mut samples: &[u16], mut done: impl FnMut(&Frame, Option<Event>)) {
         // The scope sees one frame at a time.
         while let Some((piece, rest)) = samples.split_at_checked(self.missing_samples()) {
             self.take(piece, &mut done);
@@ -206,17 +209,32 @@ impl Acquisition {
     }
 
     /// Samples of one frame.
-    fn take(&mut self, samples: &[u16], done: &mut impl FnMut(Frame, Option<Event>)) {
+    fn take(&mut self, samples: &[u16], done: &mut impl FnMut(&Frame, Option<Event>)) {
         self.keep_for_scope(samples);
         self.position = (self.position + samples.len()) % self.frame_samples();
         let (assembly, scope, settling) = (&mut self.assembly, &self.scope, self.timing.settling);
         self.demodulator.push(samples, |reading| {
-            if let Some(frame) = assembly.add(reading) {
-                let shown = scope.as_ref();
-                done(frame, shown.map(|scope| scope.event(assembly.gain(scope.slot.into()), settling)));
+            match assembly.add(reading) {
+                Slot::OfFrame => return,
+                Slot::LastOfNoFrame => {}
+                Slot::LastOfFrame => {
+                    let event = |scope: &Scope| scope.event(assembly.gain(scope.slot.into()), settling);
+                    done(&assembly.frame, scope.as_ref().map(event));
+                }
             }
+            assembly.begin();
         });
     }
+}
+
+/// What a slot was.
+enum Slot {
+    /// One with others to come.
+    OfFrame,
+    /// The last of a frame.
+    LastOfFrame,
+    /// The last of one that is left out.
+    LastOfNoFrame,
 }
 
 impl Assembly {
@@ -225,7 +243,7 @@ impl Assembly {
         GAINS.get(place).copied().unwrap_or(1)
     }
 
-    fn add(&mut self, reading: Reading) -> Option<Frame> {
+    fn add(&mut self, reading: Reading) -> Slot {
         let slot = self.peaks.len();
         let _ = self.peaks.push(reading.peak);
         let [real, imaginary] = self.convert(slot, reading);
@@ -240,29 +258,33 @@ impl Assembly {
         }
         // A test that is clipped says so itself: its electrode is open.
         self.frame.flags.insert_if(FrameFlags::SATURATED, slot < self.steps && reading.is_clipped());
-        if self.peaks.len() < self.slots { None } else { self.finish() }
+        if self.peaks.len() < self.slots { Slot::OfFrame } else { self.finish() }
     }
 
-    fn finish(&mut self) -> Option<Frame> {
-        let frame = core::mem::take(&mut self.frame);
-        let peaks = core::mem::take(&mut self.peaks);
+    fn finish(&mut self) -> Slot {
         if self.skip > 0 {
             self.skip -= 1;
-            return None;
+            return Slot::LastOfNoFrame;
         }
         if self.passes > 0 {
             self.passes -= 1;
-            self.range(&peaks);
+            self.range();
             // The next frame has begun already.
             self.skip = 1;
-            return None;
+            return Slot::LastOfNoFrame;
         }
-        Some(frame)
+        Slot::LastOfFrame
     }
 
-    fn range(&mut self, peaks: &[u16]) {
+    fn begin(&mut self) {
+        self.frame.clear();
+        self.frame.flags = FrameFlags::default();
+        self.peaks.clear();
+    }
+
+    fn range(&mut self) {
         let limit = if self.passes > 0 { FIRST_GAIN_LIMIT } else { self.largest_gain };
-        for (place, &peak) in self.gains.iter_mut().zip(peaks) {
+        for (place, &peak) in self.gains.iter_mut().zip(&self.peaks) {
             let gain = GAINS.get(usize::from(*place)).copied().unwrap_or(1);
             let fits = |candidate: u8| {
                 u32::from(peak) * u32::from(candidate) <= PEAK_GOAL * u32::from(gain) && candidate <= limit
@@ -275,8 +297,8 @@ impl Assembly {
     fn convert(&self, slot: usize, reading: Reading) -> [AdcCode; 2] {
         let gain = self.gains.get(slot).map_or(0, |&place| usize::from(place));
         let factor = self.factors.get(gain).copied().unwrap_or_default();
-        let sums = [reading.in_phase as f32, reading.quadrature as f32];
-        product(sums, factor).map(|value| AdcCode(libm::roundf(value) as i32))
+        let sums = [reading.in_phase, reading.quadrature].map(|sum| (sum >> SPARE_BITS) as i32 as f32);
+        product(sums, factor).map(|value| AdcCode(nearest(value)))
     }
 
     fn component_of(&self, real: AdcCode, imaginary: AdcCode) -> AdcCode {
@@ -293,10 +315,16 @@ impl Assembly {
 fn factors(frequency: f32, integration: u16, front_end: &FrontEnd) -> [[f32; 2]; GAINS.len()] {
     let half_turns = frequency / front_end.waveform_rate as f32;
     let held = sine(half_turns / 2.0) / (core::f32::consts::PI * half_turns);
-    let amplitude = 2.0 / f32::from(integration.max(1)) / LOCK_IN_ONE * FINENESS / held;
+    let spare = (1 << SPARE_BITS) as f32;
+    let amplitude = spare * 2.0 / f32::from(integration.max(1)) / LOCK_IN_ONE * FINENESS / held;
     let [source, filter] = front_end.bandwidths.map(|bandwidth| [1.0, frequency / bandwidth]);
     let before = product(product([amplitude, 0.0], source), filter);
     GAINS.map(|gain| product(before, [1.0 / f32::from(gain), frequency / front_end.gain_bandwidth]))
+}
+
+/// Nearest integer, halves away from zero; beyond the ends the end.
+fn nearest(value: f32) -> i32 {
+    (value + 0.5_f32.copysign(value)) as i32
 }
 
 /// Product of two complex numbers.

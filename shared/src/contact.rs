@@ -7,7 +7,7 @@
 
 use crate::{
     MAX_CONTACTS, MAX_GRID_SIDE, MAX_PIXELS,
-    image::{PixelGrid, is_pixel},
+    image::{PixelCells, PixelGrid},
     units::RelativeConductivity,
 };
 use heapless::Vec;
@@ -51,6 +51,8 @@ pub fn region_level(image: &[RelativeConductivity], threshold: RelativeConductiv
 /// Finds the contacts in `image`, `[pixel]`, on the masked `grid`.
 ///
 /// More than [`MAX_CONTACTS`] regions keep the strongest.
+// Not inlined, so that what it needs of the stack is free again for all else.
+#[inline(never)]
 #[must_use]
 pub fn find(
     grid: &PixelGrid,
@@ -62,95 +64,100 @@ pub fn find(
         return Contacts::new();
     };
     let mut labels = Labels::of_regions(grid, mask, image, level);
-    let mut regions = labels.strongest(image, threshold);
-    for (cell, pixel) in cells_with_pixels(grid, mask) {
-        let Some((p, root)) = pixel.and_then(|p| Some((p, labels.root_of(p)?))) else { continue };
+    let mut regions = labels.strongest(threshold);
+    let columns = usize::from(grid.columns);
+    for place in 0..labels.members.len() {
+        let root = labels.root(place as u16);
+        let Some(member) = labels.members.get(place) else { continue };
         if let Some(region) = regions.iter_mut().find(|region| region.root == root) {
-            region.add(cell % usize::from(grid.columns), cell / usize::from(grid.columns), image[p]);
+            let cell = usize::from(member.cell);
+            region.add(cell % columns, cell / columns, member.value);
         }
     }
     regions.iter().map(|region| region.contact(grid)).collect()
 }
 
-/// Union-find forest over pixels: each pixel of the region of interest points towards its root,
-/// the first pixel of its connected part.
+/// Union-find forest over the region of interest: each of its pixels points towards its root, the first
+/// pixel of its connected part.
 struct Labels {
-    parent: [u16; MAX_PIXELS],
+    /// In the order of the cells.
+    members: Vec<Member, MAX_PIXELS>,
 }
 
-const OUTSIDE: u16 = u16::MAX;
+/// A pixel of the region of interest.
+#[derive(Clone, Copy)]
+struct Member {
+    value: RelativeConductivity,
+    cell: u16,
+    /// Place of another member, or its own.
+    parent: u16,
+}
 
 impl Labels {
     fn of_regions(grid: &PixelGrid, mask: &[u8], image: &[RelativeConductivity], level: i32) -> Self {
-        let mut labels = Self { parent: [OUTSIDE; MAX_PIXELS] };
-        // Pixel above each column, as the rows are walked from the top.
-        let mut above = [OUTSIDE; MAX_GRID_SIDE];
-        for (cell, pixel) in cells_with_pixels(grid, mask) {
-            let column = cell % usize::from(grid.columns);
-            let inside = pixel.filter(|&p| image.get(p).is_some_and(|value| value.0 > level));
-            let left = if column > 0 { above[column - 1] } else { OUTSIDE };
-            let up = core::mem::replace(&mut above[column], inside.map_or(OUTSIDE, |p| p as u16));
-            if let Some(p) = inside {
-                labels.parent[p] = p as u16;
-                labels.join(p as u16, left);
-                labels.join(p as u16, up);
+        let mut labels = Self { members: Vec::new() };
+        let columns = usize::from(grid.columns);
+        let mut cells = PixelCells::new(mask);
+        // The latest member in each column, as the rows are walked from the top.
+        let mut above = [0_u16; MAX_GRID_SIDE];
+        for (pixel, &value) in image.iter().enumerate().filter(|(_, value)| value.0 > level) {
+            let Some(cell) = cells.cell(pixel) else { break };
+            let (place, column) = (labels.members.len() as u16, cell % columns);
+            let _ = labels.members.push(Member { value, cell: cell as u16, parent: place });
+            if column > 0 && place > 0 {
+                labels.join_neighbour(place, place - 1, cell.wrapping_sub(1));
             }
+            let up = core::mem::replace(&mut above[column], place);
+            labels.join_neighbour(place, up, cell.wrapping_sub(columns));
         }
         labels
     }
 
-    fn join(&mut self, a: u16, b: u16) {
-        if b != OUTSIDE {
-            let (a, b) = (self.root(a), self.root(b));
-            self.parent[usize::from(a.max(b))] = a.min(b);
+    /// Joins two members, if the other one is the pixel at that cell.
+    fn join_neighbour(&mut self, place: u16, other: u16, cell: usize) {
+        if self.members.get(usize::from(other)).is_some_and(|member| usize::from(member.cell) == cell) {
+            let (a, b) = (self.root(place), self.root(other));
+            self.set_parent(a.max(b), a.min(b));
         }
     }
 
-    fn root(&mut self, mut pixel: u16) -> u16 {
-        while self.parent[usize::from(pixel)] != pixel {
-            let parent = self.parent[usize::from(pixel)];
-            let grandparent = self.parent[usize::from(parent)];
-            self.parent[usize::from(pixel)] = grandparent;
-            pixel = grandparent;
-        }
-        pixel
+    fn parent(&self, place: u16) -> u16 {
+        self.members.get(usize::from(place)).map_or(place, |member| member.parent)
     }
 
-    /// Root of a pixel's region; `None` outside the region of interest.
-    fn root_of(&mut self, pixel: usize) -> Option<u16> {
-        let parent = *self.parent.get(pixel)?;
-        (parent != OUTSIDE).then(|| self.root(parent))
+    fn set_parent(&mut self, place: u16, parent: u16) {
+        if let Some(member) = self.members.get_mut(usize::from(place)) {
+            member.parent = parent;
+        }
+    }
+
+    fn root(&mut self, mut place: u16) -> u16 {
+        while self.parent(place) != place {
+            let grandparent = self.parent(self.parent(place));
+            self.set_parent(place, grandparent);
+            place = grandparent;
+        }
+        place
     }
 
     /// The regions with the largest peaks, strongest first, not yet summed up.
-    fn strongest(
-        &mut self,
-        image: &[RelativeConductivity],
-        threshold: RelativeConductivity,
-    ) -> Vec<Region, MAX_CONTACTS> {
-        let mut peaks = [RelativeConductivity(i32::MIN); MAX_PIXELS];
-        for (pixel, &value) in image.iter().enumerate() {
-            if let Some(root) = self.root_of(pixel) {
-                let peak = &mut peaks[usize::from(root)];
-                *peak = value.max(*peak);
-            }
+    fn strongest(&mut self, threshold: RelativeConductivity) -> Vec<Region, MAX_CONTACTS> {
+        let mut peaks: Vec<RelativeConductivity, MAX_PIXELS> = Vec::new();
+        for place in 0..self.members.len() {
+            let value = self.members[place].value;
+            let _ = peaks.push(value);
+            // A root comes before all that point to it.
+            let root = usize::from(self.root(place as u16));
+            peaks[root] = peaks[root].max(value);
         }
         let mut strongest = Vec::new();
-        for (root, &peak) in peaks.iter().enumerate().filter(|(_, peak)| **peak >= threshold) {
-            insert_by_peak(&mut strongest, Region { root: root as u16, peak, ..Region::default() });
+        for (place, &peak) in peaks.iter().enumerate().filter(|(_, peak)| **peak >= threshold) {
+            if usize::from(self.parent(place as u16)) == place {
+                insert_by_peak(&mut strongest, Region { root: place as u16, peak, ..Region::default() });
+            }
         }
         strongest
     }
-}
-
-/// Every cell of the grid with the number of its pixel, if it is one.
-fn cells_with_pixels(grid: &PixelGrid, mask: &[u8]) -> impl Iterator<Item = (usize, Option<usize>)> {
-    let mut next = 0;
-    (0..grid.cells()).map(move |cell| {
-        let pixel = is_pixel(mask, cell).then_some(next);
-        next += usize::from(pixel.is_some());
-        (cell, pixel)
-    })
 }
 
 /// Sums over one region, exact.

@@ -4,6 +4,9 @@
 //! makes the current, so the reference is a table and the product sums are exact integers. Over
 //! whole periods a constant and every harmonic below the sampling rate sum to zero.
 
+#[cfg(all(target_arch = "arm", feature = "dsp"))]
+mod kernel;
+
 use crate::{
     scan::Timing,
     trigonometry::{cosine, sine},
@@ -21,9 +24,16 @@ const CLIPPED: u16 = 2040;
 /// One period of the lock-in's reference.
 #[derive(Clone, Debug)]
 pub struct Reference {
-    /// Cosine and negative sine, in steps of 2^-14.
-    table: [[i16; 2]; MAX_PERIOD],
+    waves: Waves,
     period: usize,
+}
+
+/// Cosine and negative sine of one period, in steps of 2^-14.
+#[derive(Clone, Debug)]
+#[repr(C)]
+struct Waves {
+    cosine: [i16; MAX_PERIOD],
+    sine: [i16; MAX_PERIOD],
 }
 
 impl Reference {
@@ -32,12 +42,15 @@ impl Reference {
     #[must_use]
     pub fn new(period: u16, phase: f32, lead: f32) -> Self {
         let period = usize::from(period).clamp(2, MAX_PERIOD);
-        let mut table = [[0; 2]; MAX_PERIOD];
-        for (n, entry) in table.iter_mut().enumerate().take(period) {
-            let turns = (n as f32 + lead) / period as f32 - phase / 360.0;
-            *entry = [cosine(turns), -sine(turns)].map(|value| libm::roundf(value * ONE) as i16);
+        let mut waves = Waves { cosine: [0; MAX_PERIOD], sine: [0; MAX_PERIOD] };
+        for n in 0..period {
+            // The second half is the first one's opposite, so that a constant sums to exactly nothing.
+            let (place, sign) = if n < period / 2 { (n, 1.0) } else { (n - period / 2, -1.0) };
+            let turns = (place as f32 + lead) / period as f32 - phase / 360.0;
+            waves.cosine[n] = libm::roundf(sign * cosine(turns) * ONE) as i16;
+            waves.sine[n] = libm::roundf(-sign * sine(turns) * ONE) as i16;
         }
-        Self { table, period }
+        Self { waves, period }
     }
 }
 
@@ -59,11 +72,18 @@ impl Reading {
         self.peak >= CLIPPED
     }
 
-    fn add(&mut self, sample: u16, [cos, sin]: [i16; 2]) {
-        let value = i32::from(sample) - i32::from(MIDDLE);
-        self.in_phase += i64::from(value * i32::from(cos));
-        self.quadrature += i64::from(value * i32::from(sin));
-        self.peak = self.peak.max(value.unsigned_abs() as u16);
+    /// Adds the products of samples and a reference from a place of its period on, which ends no earlier.
+    fn add(&mut self, samples: &[u16], waves: &Waves, phase: usize) {
+        #[cfg(all(target_arch = "arm", feature = "dsp"))]
+        let done = kernel::add_pairs(self, samples, waves, phase);
+        #[cfg(not(all(target_arch = "arm", feature = "dsp")))]
+        let done = 0;
+        let references = waves.cosine.iter().zip(&waves.sine).skip(phase + done);
+        for (&sample, (&cosine, &sine)) in samples.iter().skip(done).zip(references) {
+            self.in_phase += i64::from(i32::from(sample) * i32::from(cosine));
+            self.quadrature += i64::from(i32::from(sample) * i32::from(sine));
+            self.peak = self.peak.max(sample.abs_diff(MIDDLE));
+        }
     }
 }
 
@@ -114,13 +134,10 @@ impl Demodulator {
     /// Samples of one slot, from `self.phase` on.
     fn accumulate(&mut self, mut samples: &[u16]) {
         let mut phase = self.phase;
-        let table = self.reference.table.get(..self.reference.period).unwrap_or_default();
-        while let Some(references) = table.get(phase..).filter(|_| !samples.is_empty()) {
-            let (piece, rest) = samples.split_at(references.len().min(samples.len()));
-            piece
-                .iter()
-                .zip(references)
-                .for_each(|(&sample, &reference)| self.reading.add(sample, reference));
+        while !samples.is_empty() {
+            let left = self.reference.period.saturating_sub(phase).max(1);
+            let (piece, rest) = samples.split_at(left.min(samples.len()));
+            self.reading.add(piece, &self.reference.waves, phase);
             samples = rest;
             phase = 0;
         }

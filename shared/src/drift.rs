@@ -56,8 +56,9 @@ impl Drift {
         if time_constant <= 0.0 {
             return Follow::Stay;
         }
-        let seconds = self.seconds_since(now_us);
-        let touched = self.is_touched(now_us);
+        let last_us = self.frame_us.replace(now_us).unwrap_or(now_us);
+        let seconds = now_us.saturating_sub(last_us).min(LONGEST_US) as f32 * 1e-6;
+        let touched = self.is_touched(last_us, now_us);
         self.follow_common(relative, weights, seconds, touched);
         for (change, weight) in relative.iter_mut().zip(weights) {
             *change = (*change - self.common * weight) / (1.0 + self.common);
@@ -70,10 +71,12 @@ impl Drift {
         if self.pending < FOLLOW_EVERY {
             return Follow::Stay;
         }
-        let part = (core::mem::take(&mut self.pending) / time_constant).min(1.0);
-        // What was common becomes part of the reference by this much.
+        Follow::Part((core::mem::take(&mut self.pending) / time_constant).min(1.0))
+    }
+
+    /// The reference has moved this part of the way: by as much less is common.
+    pub fn followed(&mut self, part: f32) {
         self.common *= 1.0 - part;
-        Follow::Part(part)
     }
 
     /// The skin was touched in the frame at this time.
@@ -87,13 +90,9 @@ impl Drift {
         self.common
     }
 
-    fn seconds_since(&mut self, now_us: u64) -> f32 {
-        let last = self.frame_us.replace(now_us).unwrap_or(now_us);
-        now_us.saturating_sub(last).min(LONGEST_US) as f32 * 1e-6
-    }
-
-    fn is_touched(&self, now_us: u64) -> bool {
-        self.touched_us.is_some_and(|touched| now_us.saturating_sub(touched) < REST_US)
+    /// Whether the skin was touched in the frame before, or not long ago.
+    fn is_touched(&self, last_us: u64, now_us: u64) -> bool {
+        self.touched_us.is_some_and(|touched| touched >= last_us || now_us.saturating_sub(touched) < REST_US)
     }
 
     fn follow_common(

@@ -23,6 +23,25 @@ pub struct Frame {
     pub tests: Vec<ElectrodeTest, MAX_ELECTRODES>,
 }
 
+impl Frame {
+    /// Becomes another frame, copying no more than that one holds.
+    pub fn copy_from(&mut self, other: &Self) {
+        (self.sequence, self.timestamp_us, self.flags) = (other.sequence, other.timestamp_us, other.flags);
+        self.clear();
+        // Each list has the capacity of the other's.
+        let _ = self.codes.extend_from_slice(&other.codes);
+        let _ = self.quadrature.extend_from_slice(&other.quadrature);
+        let _ = self.tests.extend_from_slice(&other.tests);
+    }
+
+    /// Forgets all voltages.
+    pub fn clear(&mut self) {
+        self.codes.clear();
+        self.quadrature.clear();
+        self.tests.clear();
+    }
+}
+
 /// Voltage of one electrode's test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct ElectrodeTest {

@@ -68,3 +68,54 @@ pub fn is_pixel(mask: &[u8], cell: usize) -> bool {
 pub fn pixel_cells(mask: &[u8]) -> impl Iterator<Item = usize> {
     (0..mask.len() * 8).filter(move |&cell| is_pixel(mask, cell))
 }
+
+/// Finds the cells of pixels that are asked for in ascending order, without a look at all of them.
+#[derive(Clone, Debug)]
+pub struct PixelCells<'a> {
+    mask: &'a [u8],
+    byte: usize,
+    /// Pixels before that byte.
+    before: usize,
+}
+
+impl<'a> PixelCells<'a> {
+    /// The pixels of a mask.
+    #[must_use]
+    pub fn new(mask: &'a [u8]) -> Self {
+        Self { mask, byte: 0, before: 0 }
+    }
+
+    /// Cell of a pixel, no earlier one than the last that was asked for; none if there is none.
+    pub fn cell(&mut self, pixel: usize) -> Option<usize> {
+        let mut bits = *self.mask.get(self.byte)?;
+        while self.before + bits.count_ones() as usize <= pixel {
+            self.before += bits.count_ones() as usize;
+            self.byte += 1;
+            bits = *self.mask.get(self.byte)?;
+        }
+        for _ in self.before..pixel {
+            // Clears the lowest bit that is set.
+            bits &= bits - 1;
+        }
+        Some(8 * self.byte + bits.trailing_zeros() as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::vec::Vec;
+
+    proptest! {
+        #[test]
+        fn cells_of_some_pixels_are_those_of_all(mask in prop::collection::vec(any::<u8>(), 0..40), every in 1_usize..9) {
+            let all: Vec<_> = pixel_cells(&mask).collect();
+            let mut cells = PixelCells::new(&mask);
+            for (pixel, &cell) in all.iter().enumerate().step_by(every) {
+                prop_assert_eq!(cells.cell(pixel), Some(cell));
+            }
+            prop_assert_eq!(cells.cell(all.len()), None);
+        }
+    }
+}

@@ -21,7 +21,7 @@ const IMPLAUSIBLE: f32 = 0.8;
 /// A press near an electrode may do that to some measurements: to one in this many.
 const IMPLAUSIBLE_SHARE: usize = 8;
 /// Frames that say nothing about the skin: no reference is made of them.
-const WORTHLESS: FrameFlags = FrameFlags(FrameFlags::NO_CURRENT.0 | FrameFlags::MISSED.0);
+const WORTHLESS: FrameFlags = FrameFlags::NO_CURRENT;
 
 /// What the pipeline remembers from frame to frame, and its latest results.
 #[derive(Clone, Debug, Default)]
@@ -68,9 +68,10 @@ pub fn process(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) 
         (state.tare, state.reference, state.drift) = (None, Some(reference), Drift::default());
         return Outcome::Tared;
     }
-    state.compare(patch, frame);
+    let follow = state.compare(patch, frame);
     reconstruct(patch, &state.difference, &mut state.image);
     state.find_contacts(patch, frame.timestamp_us);
+    state.follow(patch, frame, follow);
     Outcome::Image
 }
 
@@ -97,9 +98,9 @@ impl PipelineState {
         self.drift.common()
     }
 
-    /// Frame -> difference data, without drift and bad electrodes.
-    fn compare(&mut self, patch: &PatchView<'_>, frame: &Frame) {
-        let Some(reference) = &mut self.reference else { return };
+    /// Frame -> difference data, without drift and bad electrodes; says how the reference may follow.
+    fn compare(&mut self, patch: &PatchView<'_>, frame: &Frame) -> Follow {
+        let Some(reference) = &self.reference else { return Follow::Stay };
         let mut relative = reference.relative_change(patch, frame);
         let masked = mask_measurements(patch, self.bad_electrodes, &mut relative);
         self.flags.insert_if(FrameFlags::MASKED, masked);
@@ -107,12 +108,19 @@ impl PipelineState {
         let drift_time = patch.header.drift_time;
         let weights = reference.weights();
         let follow = self.drift.correct(&mut relative, &weights, frame.timestamp_us, drift_time);
-        if let Follow::Part(part) = follow
-            && (frame.flags.0 | self.flags.0) == 0
+        self.difference.quantise(&relative);
+        follow
+    }
+
+    /// The reference follows a frame without contacts and without fault.
+    fn follow(&mut self, patch: &PatchView<'_>, frame: &Frame, follow: Follow) {
+        let is_clean = self.contacts.is_empty() && frame.flags.0 | self.flags.0 == 0;
+        if let (Follow::Part(part), Some(reference)) = (follow, &mut self.reference)
+            && is_clean
         {
             reference.follow(patch, frame, part);
+            self.drift.followed(part);
         }
-        self.difference.quantise(&relative);
     }
 
     fn find_contacts(&mut self, patch: &PatchView<'_>, now_us: u64) {
@@ -280,19 +288,18 @@ mod tests {
         assert_eq!(state.flags(), FrameFlags::default());
     }
 
-    /// Frames for `seconds` at 10 a second: all voltages drift by 1 % a minute, and measurement 1 is
+    /// Frames for `seconds`, so many a second: all voltages drift by 1 % a minute, and measurement 1 is
     /// pressed by `press`.
     fn drifting(
         patch: &PatchView<'_>,
         state: &mut PipelineState,
-        start: f64,
-        seconds: f64,
+        rate: f64,
+        [start, seconds]: [f64; 2],
         press: f64,
     ) -> std::vec::Vec<f64> {
-        let frames = (seconds * 10.0) as usize;
         let mut values = std::vec::Vec::new();
-        for n in 0..frames {
-            let time = start + n as f64 * 0.1;
+        for n in 0..(seconds * rate) as usize {
+            let time = start + n as f64 / rate;
             let drift = 1.0 - time / 6000.0;
             let mut frame = flat_frame((1e6 * drift) as i32);
             frame.codes[1] = AdcCode((1e6 * drift * (1.0 + press)) as i32);
@@ -307,16 +314,18 @@ mod tests {
     fn drift_is_followed_and_a_held_press_is_not() {
         let bytes = crate::patch::tests::drifting_patch(30.0);
         let patch = PatchView::validate(&bytes).unwrap();
-        let mut state = tared(&patch, 1_000_000, 2);
-        let untouched = drifting(&patch, &mut state, 0.0, 300.0, 0.0);
-        assert!(untouched.iter().all(|value| value.abs() < 0.008), "{:?}", untouched.last());
-        assert!(state.contacts().is_empty());
-        let pressed = drifting(&patch, &mut state, 300.0, 600.0, 0.2);
-        let (first, last) = (pressed[2], pressed[pressed.len() - 1]);
-        assert!((first - 0.2).abs() < 0.01 && (last - first).abs() < 0.02 * first, "{first} {last}");
-        assert_eq!(state.contacts().len(), 1);
-        let released = drifting(&patch, &mut state, 900.0, 100.0, 0.0);
-        assert!(released[5..].iter().all(|value| value.abs() < 0.01), "{:?}", released.last());
+        for rate in [10.0, 1.0, 0.5] {
+            let mut state = tared(&patch, 1_000_000, 2);
+            let untouched = drifting(&patch, &mut state, rate, [0.0, 300.0], 0.0);
+            assert!(untouched.iter().all(|value| value.abs() < 0.008), "{:?}", untouched.last());
+            assert!(state.contacts().is_empty());
+            let pressed = drifting(&patch, &mut state, rate, [300.0, 600.0], 0.2);
+            let (first, last) = (pressed[2], pressed[pressed.len() - 1]);
+            assert!((first - 0.2).abs() < 0.01 && (last - first).abs() < 0.02 * first, "{first} {last}");
+            assert_eq!(state.contacts().len(), 1);
+            let released = drifting(&patch, &mut state, rate, [900.0, 100.0], 0.0);
+            assert!(released[5..].iter().all(|value| value.abs() < 0.01), "{:?}", released.last());
+        }
     }
 
     #[test]
@@ -324,7 +333,7 @@ mod tests {
         let bytes = small_patch(Difference::Normalised);
         let patch = PatchView::validate(&bytes).unwrap();
         let mut state = tared(&patch, 1_000_000, 2);
-        let last = drifting(&patch, &mut state, 0.0, 300.0, 0.0).pop().unwrap();
+        let last = drifting(&patch, &mut state, 10.0, [0.0, 300.0], 0.0).pop().unwrap();
         assert!((last + 0.05).abs() < 1e-3, "{last}");
     }
 

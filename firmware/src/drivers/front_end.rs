@@ -33,8 +33,8 @@ use embassy_time::{Duration, Instant, Timer};
 
 use crate::board::{self, SensingParts};
 
-/// Samples in the ring: 2 ms at 2 megasamples.
-const RING_SAMPLES: usize = 4096;
+/// Samples in the ring: 1 ms at 2 megasamples.
+const RING_SAMPLES: usize = 2048;
 /// Steps in which the current rises and falls.
 const RAMP_STEPS: u32 = 8;
 /// How long a step of the fall lasts: a period of the slowest carrier.

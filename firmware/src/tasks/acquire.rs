@@ -180,7 +180,7 @@ impl Run<'_> {
         scan.take(|samples| {
             self.acquisition.push(samples, |frame, scope| {
                 found += 1;
-                send(self.frames, Captured { frame, scope }, &mut self.flags);
+                send(self.frames, frame, scope, &mut self.flags);
             });
         })?;
         if self.acquisition.take_gains_changed() {
@@ -201,10 +201,11 @@ impl Run<'_> {
 }
 
 /// Sends a frame on; one that nobody has time for is lost, and the next one says so.
-fn send(frames: &mut Frames, captured: Captured, flags: &mut FrameFlags) {
+fn send(frames: &mut Frames, frame: &Frame, scope: Option<Event>, flags: &mut FrameFlags) {
     match frames.try_send() {
         Some(place) => {
-            *place = captured;
+            place.frame.copy_from(frame);
+            place.scope = scope;
             place.frame.timestamp_us = Instant::now().as_micros();
             place.frame.flags.insert(core::mem::take(flags));
             frames.send_done();

@@ -33,11 +33,16 @@ pub(super) const CASES: &[Case] = &[
 
 /// Compares what the board makes of a quiet skin with the circuit solved at the carrier's frequency.
 fn voltages(rig: &Rig) -> Result<String, Failure> {
+    /// s.
+    const SETTLING: f64 = 10e-6;
     /// Largest voltage that the converter takes at gain 1, V between electrodes.
     const FULL_SCALE: f64 = 1.65 / 19.93;
     let mut lines = Vec::new();
     for frequency in [12.5e3, 20e3, 50e3, 100e3, 200e3] {
-        let mut session = Session::open(rig, |skin| skin.drive.frequency = frequency)?;
+        let mut session = Session::open(rig, |skin| {
+            skin.drive.frequency = frequency;
+            skin.drive.settling = SETTLING * frequency;
+        })?;
         session.scene.noise(false);
         session.tare(2)?;
         let current = f64::from(session.front_end()?.1.amplitude);
@@ -75,6 +80,8 @@ fn signal_to_noise(rig: &Rig) -> Result<String, Failure> {
 
 /// Watches every code of the DAC through starts, changes and a stop.
 fn current(rig: &Rig) -> Result<String, Failure> {
+    /// Crest of the DAC's codes at 100 %.
+    const CREST: f64 = 1738.0;
     let mut session = Session::open(rig, |_| ())?;
     session.stream(Selection { health: 1, ..Selection::default() })?;
     let usual = session.front_end()?.1;
@@ -86,13 +93,12 @@ fn current(rig: &Rig) -> Result<String, Failure> {
         session.find(|event| matches!(event, Event::Health { .. }).then_some(()))?;
         session.find(|event| matches!(event, Event::Health { .. }).then_some(()))?;
         let record = session.scene.take_drive_record();
-        let crest = 1738.0 * f64::from(amplitude) / 1e-3;
         let words = 1e6 / f64::from(frequency);
         // Both this drive and the one before have put out codes: what a cosine does from word to word, and
         // one step of a rise.
-        let cosine = 2.0 * 1738.0 * (std::f64::consts::PI / words.min(5.0)).sin();
-        let jump = f64::from(record.largest_step) / (cosine + 1738.0 / 8.0);
-        let dc = record.sum as f64 / record.codes as f64 / crest;
+        let cosine = 2.0 * CREST * (std::f64::consts::PI / words.min(5.0)).sin();
+        let jump = f64::from(record.largest_step) / (cosine + CREST / 8.0);
+        let dc = record.area / record.time / CREST;
         worst = (worst.0.max(jump), worst.1.max(dc.abs()));
     }
     check(worst.0 <= 1.0, || format!("a step is {:.2} times what a cosine and a rise do", worst.0))?;
@@ -102,6 +108,6 @@ fn current(rig: &Rig) -> Result<String, Failure> {
     session.scene.take_drive_record();
     session.run(crate::chip::time::Time::from_millis(100))?;
     let idle = session.scene.take_drive_record();
-    check(idle.codes == 0, || format!("{} codes while nothing is asked for", idle.codes))?;
+    check(idle.changes == 0, || format!("{} codes while nothing is asked for", idle.changes))?;
     Ok(format!("largest step {:.2} of a cosine's, DC {:.3} % of the crest, off when idle", worst.0, 100.0 * worst.1))
 }

@@ -246,7 +246,7 @@ impl World for AnalogueWorld {
     /// A DAC that is off leaves its pin to the capacitor behind it.
     fn dac(&mut self, dac: usize, channel: usize, code: Option<u16>, at: Time) {
         let (1, 0, Some(code)) = (dac, channel, code) else { return };
-        self.scene.record(code);
+        self.scene.record(code, at);
         self.advance(at);
         if !self.is_broken(Fault::DacDead) {
             let [lowest, highest] = self.analogue.dac.range;

@@ -115,26 +115,27 @@ struct Shared {
 }
 
 /// What the DAC has put out since this was asked last.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveRecord {
-    /// Codes.
-    pub codes: u64,
-    /// Sum of codes less 2048, half the range.
-    pub sum: i64,
+    /// Times at which its code changed.
+    pub changes: u64,
+    /// Code less 2048, half the range, over time: s.
+    pub area: f64,
+    /// Time covered, s.
+    pub time: f64,
     /// Largest way from one code to the next.
     pub largest_step: u16,
-    /// Farthest from half the range.
-    pub largest: u16,
-    last: Option<u16>,
+    last: Option<(u16, Time)>,
 }
 
 impl DriveRecord {
-    fn add(&mut self, code: u16) {
-        let step = code.abs_diff(self.last.replace(code).unwrap_or(code));
-        self.codes += 1;
-        self.sum += i64::from(code) - 2048;
-        self.largest_step = self.largest_step.max(step);
-        self.largest = self.largest.max(code.abs_diff(2048));
+    fn add(&mut self, code: u16, at: Time) {
+        let (before, since) = self.last.replace((code, at)).unwrap_or((code, at));
+        let time = at.since(since).seconds();
+        self.changes += 1;
+        self.area += (f64::from(before) - 2048.0) * time;
+        self.time += time;
+        self.largest_step = self.largest_step.max(code.abs_diff(before));
     }
 }
 
@@ -298,7 +299,6 @@ impl Scene {
     }
 
     /// What the DAC has put out since this was asked last.
-    #[must_use]
     pub fn take_drive_record(&self) -> DriveRecord {
         let mut record = self.0.drive.lock().unwrap_or_else(PoisonError::into_inner);
         let last = record.last;
@@ -306,8 +306,8 @@ impl Scene {
     }
 
     /// The DAC puts out a code.
-    pub(super) fn record(&self, code: u16) {
-        self.0.drive.lock().unwrap_or_else(PoisonError::into_inner).add(code);
+    pub(super) fn record(&self, code: u16, at: Time) {
+        self.0.drive.lock().unwrap_or_else(PoisonError::into_inner).add(code, at);
     }
 
     /// Counts changes; a world that has seen this number is up to date.

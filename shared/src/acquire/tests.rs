@@ -49,7 +49,7 @@ fn frames(acquisition: &mut Acquisition, count: usize, wave: impl Fn(usize) -> (
     // The carrier goes on from frame to frame: 48 slots of 50 samples are 60 periods.
     for _ in 0..count {
         let samples = samples(acquisition, &wave);
-        acquisition.push(&samples, |frame, _| found.push(frame));
+        acquisition.push(&samples, |frame, _| found.push(frame.clone()));
     }
     found
 }

@@ -44,6 +44,13 @@ fn measure(
     session.tare(20)?;
     session.scene.press(&[PRESS]);
     session.stream(CONTACTS)?;
+    session.stamps(4)?;
+    *crate::machine::PROF.lock().unwrap() = Some(Default::default());
+    let a = session.stamps(20)?;
+    let p = crate::machine::PROF.lock().unwrap().take().unwrap();
+    let mut out = format!("frames {}\n", a[19].sequence - a[0].sequence);
+    for (k, v) in p { out += &format!("{k:#x} {v}\n"); }
+    std::fs::write("/tmp/prof.txt", out).unwrap();
     let first = session.stamps(40)?;
     let before = session.board.with(|machine| (machine.now(), machine.slept()));
     session.board.with(|machine| machine.chip(|chip| drop(chip.trace.take())));
@@ -53,6 +60,7 @@ fn measure(
     let (start, end) = (first[first.len() - 1], stamps[stamps.len() - 1]);
     let frames = end.sequence - start.sequence;
     let rate = f64::from(frames) / ((end.timestamp_us - start.timestamp_us) as f64 * 1e-6);
+    eprintln!("rate {rate} load {}", 1.0 - after.1.since(before.1).seconds() / after.0.since(before.0).seconds());
     check(rate >= least, || format!("{rate:.1} frames a second"))?;
     let load = 1.0 - after.1.since(before.1).seconds() / after.0.since(before.0).seconds();
     check(load <= 0.6 || least < 400.0, || format!("the CPU works {:.0} % of the time", 100.0 * load))?;
@@ -84,6 +92,7 @@ fn latency(session: &mut Session) -> Result<f64, Failure> {
         let taken = timestamp_us as f64 * 1e-6 + started;
         let near = |end: &&f64| (**end - taken).abs();
         let Some(end) = ends.iter().min_by(|a, b| near(a).total_cmp(&near(b))) else { continue };
+        eprintln!("sent {:.6} taken {:.6} end {:.6}", sent.seconds(), taken, end);
         longest = longest.max(sent.seconds() - end);
     }
     check(longest > 0.0, || "no contacts were sent".to_owned())?;
