@@ -500,6 +500,3 @@ impl State {
 
 #[cfg(test)]
 mod tests;
-
-/// PROFHACK
-pub static PROF: std::sync::Mutex<Option<std::collections::BTreeMap<u32, u64>>> = std::sync::Mutex::new(None);

@@ -5,7 +5,7 @@
 //!
 //! | test reads              | means                                                        |
 //! |-------------------------|--------------------------------------------------------------|
-//! | clipped, or far more    | the electrode is open                                        |
+//! | clipped, or far more, or both neighbours' tests read next to nothing | the electrode is open           |
 //! | next to nothing         | it is shorted to a neighbour, or that neighbour is open      |
 //! | all next to nothing     | no current flows                                             |
 //!
@@ -129,17 +129,17 @@ impl Health {
             flags.insert(FrameFlags::NO_CURRENT);
             return;
         }
-        let is_open = |e: usize| {
-            tests
-                .get(e % count)
-                .zip(sizes.get(e % count))
-                .is_some_and(|(test, &size)| test.is_clipped || size > OPEN_RATIO * middle)
-        };
         let is_low = |e: usize| sizes.get(e % count).is_some_and(|&size| size < SHORTED_RATIO * middle);
+        let is_open = |e: usize| {
+            let (before, after) = (e + count - 1, e + 1);
+            let test = tests.get(e % count).zip(sizes.get(e % count));
+            let is_far = test.is_some_and(|(test, &size)| test.is_clipped || size > OPEN_RATIO * middle);
+            is_far || (!is_low(e) && is_low(before) && is_low(after))
+        };
         for electrode in 0..count {
             if is_open(electrode) {
                 self.open.insert(electrode as u8);
-            } else if is_low(electrode) && !is_open(electrode + 1) {
+            } else if is_low(electrode) && !is_open(electrode + 1) && !is_open(electrode + count - 1) {
                 self.shorted.insert(electrode as u8);
             }
         }
@@ -249,6 +249,15 @@ mod tests {
         tests = [GOOD; 8];
         (tests[0], tests[7]) = (far, DEAD);
         assert_eq!(examine(tests).0.open.iter().collect::<std::vec::Vec<_>>(), [0]);
+    }
+
+    #[test]
+    fn an_electrode_between_two_that_read_nothing_is_open() {
+        let mut tests = [GOOD; 8];
+        (tests[2], tests[4]) = (DEAD, DEAD);
+        let (health, flags) = examine(tests);
+        assert_eq!((health.open, health.shorted), (ElectrodeSet(1 << 3), ElectrodeSet(0)));
+        assert_eq!(flags, FrameFlags::OPEN_ELECTRODE);
     }
 
     #[test]

@@ -93,7 +93,8 @@ impl Task {
     }
 }
 
-/// Takes one frame through the device.
+/// Takes one frame through the device. Not inlined, so that its stack is free again while the task waits.
+#[inline(never)]
 fn process(state: &State, captured: &mut Captured, sequence: &mut u32, scratch: &mut [u8]) {
     let device = &mut *state.device.borrow_mut();
     let mut queues = state.events.borrow_mut();

@@ -7,7 +7,10 @@ mod session;
 mod speed;
 
 use super::{Case, Failure, check};
-use crate::rig::{Capability, Rig};
+use crate::{
+    chip::time::Time,
+    rig::{Capability, Rig},
+};
 use dermatome_shared::{
     drive::Drive,
     protocol::{Event, Request, Selection},
@@ -104,9 +107,10 @@ fn current(rig: &Rig) -> Result<String, Failure> {
     check(worst.0 <= 1.0, || format!("a step is {:.2} times what a cosine and a rise do", worst.0))?;
     check(worst.1 <= 2e-3, || format!("{:.3} % of the crest is DC", 100.0 * worst.1))?;
     session.stream(Selection::default())?;
-    session.run(crate::chip::time::Time::from_millis(20))?;
+    // A tare that the last drive began ends by itself.
+    session.run(Time::from_millis(2000))?;
     session.scene.take_drive_record();
-    session.run(crate::chip::time::Time::from_millis(100))?;
+    session.run(Time::from_millis(100))?;
     let idle = session.scene.take_drive_record();
     check(idle.changes == 0, || format!("{} codes while nothing is asked for", idle.changes))?;
     Ok(format!("largest step {:.2} of a cosine's, DC {:.3} % of the crest, off when idle", worst.0, 100.0 * worst.1))

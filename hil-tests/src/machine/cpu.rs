@@ -131,7 +131,6 @@ impl State {
         let block = self.look_at(unicorn, address, size);
         self.instructions.set(self.instructions.get() + block.instructions);
         self.now.set(self.now.get() + self.instruction_time.get() * block.instructions);
-        if let Some(p) = crate::machine::PROF.lock().unwrap().as_mut() { *p.entry(address as u32).or_insert(0u64) += block.instructions; }
         if block.sends_event {
             self.event.set(true);
         }
