@@ -51,8 +51,7 @@ pub type SampleTimer = peripherals::TIM4;
 pub type WaveTimer = peripherals::TIM2;
 /// Timer of the slots.
 pub type SlotTimer = peripherals::TIM3;
-/// Where the slave timers find the trigger output of TIM4 (RM0440, "TIM2/TIM3/TIM4/TIM5 internal trigger
-/// connection").
+/// Where TIM2 and TIM3 find the trigger output of TIM4.
 pub(in crate::board) const SAMPLE_TRIGGER: TriggerSource = TriggerSource::ITR3;
 /// DAC of the current source.
 pub type WaveDac = peripherals::DAC1;

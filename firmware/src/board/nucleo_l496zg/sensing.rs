@@ -51,7 +51,7 @@ pub type SampleTimer = peripherals::TIM4;
 pub type WaveTimer = peripherals::TIM2;
 /// Timer of the slots.
 pub type SlotTimer = peripherals::TIM3;
-/// Where the slave timers find the trigger output of TIM4 (RM0351, "TIMx internal trigger connection").
+/// Where TIM2 and TIM3 find the trigger output of TIM4: from memory, look it up in RM0351 before you trust it.
 pub(in crate::board) const SAMPLE_TRIGGER: TriggerSource = TriggerSource::ITR3;
 /// DAC of the current source.
 pub type WaveDac = peripherals::DAC1;
@@ -65,7 +65,7 @@ pub(in crate::board) const WAVE_TRIGGER: triggers::TIM2_TRGO = triggers::TIM2_TR
 pub(in crate::board) const MULTIPLEXERS: pac::gpio::Gpio = pac::GPIOF;
 /// Converter of the voltages.
 pub type Converter = peripherals::ADC2;
-/// Its trigger: TIM4's output (RM0351, "ADC1 and ADC2 - External triggers for regular channels"). The chip's
+/// Its trigger: TIM4's output (EXTSEL of `LL_ADC_REG_TRIG_EXT_TIM4_TRGO` in ST's stm32l4xx_ll_adc.h). The chip's
 /// description lacks these triggers, so nothing else checks it.
 const CONVERTER_TRIGGER: u8 = 12;
 /// EXTEN: at rising edges.
