@@ -46,7 +46,8 @@ pub enum Failure {
 /// All cases, in the order in which they run.
 #[must_use]
 pub fn all() -> Vec<Case> {
-    [line::CASES, upload::CASES, power::CASES, crash::CASES, log::CASES, pipeline::CASES, sensing::CASES].concat()
+    [line::CASES, upload::CASES, power::CASES, crash::CASES, log::CASES, pipeline::CASES, sensing::CASES]
+        .concat()
 }
 
 /// The case fails unless this holds.

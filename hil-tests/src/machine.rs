@@ -177,8 +177,8 @@ impl Machine {
             pc: 0,
             reason: format!("{error:?}"),
         })?;
-        let mut machine = Self { unicorn, state, options, sleeps: false,
-            slept: Time::ZERO, powered_up: 0, scene };
+        let mut machine =
+            Self { unicorn, state, options, sleeps: false, slept: Time::ZERO, powered_up: 0, scene };
         machine.power_up()?;
         Ok(machine)
     }

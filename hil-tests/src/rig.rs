@@ -274,8 +274,12 @@ impl Rig {
             unreachable!("a case does what it did not say that it needs")
         };
         let world = options.world.as_ref().map(|world| world.with_skin(skin)).transpose();
-        let world = world.map_err(|error| RigError::File { path: PathBuf::new(), reason: error.to_string() })?;
-        Ok(Self::start(firmware.clone(), Options { world: world.map(Arc::new), keep_trace: true, ..options.clone() })?)
+        let world =
+            world.map_err(|error| RigError::File { path: PathBuf::new(), reason: error.to_string() })?;
+        Ok(Self::start(
+            firmware.clone(),
+            Options { world: world.map(Arc::new), keep_trace: true, ..options.clone() },
+        )?)
     }
 
     /// What the rig can do. To an emulated board anything can be done; a real one has its link, and what its

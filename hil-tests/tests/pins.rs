@@ -1,12 +1,41 @@
-//! The pin table of docs/hardware.md against the chip's own description.
+//! The pin table of docs/hardware.md against the chip's own description, and against the firmware's board.
 
 use std::{collections::BTreeSet, path::Path};
 use stm32_metapac::metadata::METADATA;
 
+fn read(path: &str) -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    std::fs::read_to_string(root.join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// Pins that a board of the firmware uses: those that its source names as types, which alone can be handed to
+/// a driver, and all of the one port that it names.
+fn pins_of(board: &str) -> BTreeSet<String> {
+    let files = [format!("{board}.rs"), format!("{board}/sensing.rs")];
+    let source: String = files.iter().map(|file| read(&format!("firmware/src/board/{file}"))).collect();
+    let named = after(&source, "peripherals::").filter(|name| is_pin(name)).map(str::to_owned);
+    let ports: BTreeSet<_> = after(&source, "pac::GPIO").collect();
+    assert_eq!(ports.len(), 1, "{board}: the multiplexers have one port: {ports:?}");
+    let whole = ports.iter().flat_map(|port| (0..16).map(move |bit| format!("P{port}{bit}")));
+    named.chain(whole).collect()
+}
+
+/// The names that follow a prefix.
+fn after<'a>(source: &'a str, prefix: &'a str) -> impl Iterator<Item = &'a str> {
+    let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    source.split(prefix).skip(1).map(move |rest| rest.split(|c| !is_name(c)).next().unwrap_or(rest))
+}
+
+/// `PA0` to `PK15`.
+fn is_pin(name: &str) -> bool {
+    let Some(place) = name.strip_prefix('P') else { return false };
+    place.starts_with(|c: char| ('A'..='K').contains(&c))
+        && place.get(1..).is_some_and(|bit| bit.parse::<u8>().is_ok_and(|bit| bit < 16))
+}
+
 /// Pin and peripheral of each row of the table.
 fn rows() -> Vec<(String, String)> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/hardware.md");
-    let text = std::fs::read_to_string(path).unwrap();
+    let text = read("docs/hardware.md");
     let (_, after) = text.split_once("<!-- pins: begin -->\n").expect("the table's begin");
     let (table, _) = after.split_once("<!-- pins: end -->").expect("the table's end");
     let cells = |row: &str| row.split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
@@ -47,4 +76,18 @@ fn no_pin_is_used_twice_and_port_b_is_all_addresses() {
     let port: BTreeSet<_> = rows.iter().filter(|(pin, _)| pin.starts_with("PB")).cloned().collect();
     let whole = (0..16).map(|bit| (format!("PB{bit}"), "GPIO output".to_owned())).collect();
     assert_eq!(port, whole);
+}
+
+#[test]
+fn the_firmware_uses_the_pins_of_the_table_and_no_others() {
+    let table: BTreeSet<_> = rows().into_iter().map(|(pin, _)| pin).collect();
+    assert_eq!(pins_of("nucleo_g474re"), table);
+}
+
+#[test]
+fn the_second_board_uses_another_port_and_its_own_link() {
+    let pins = pins_of("nucleo_l496zg");
+    let others: Vec<_> = pins.iter().filter(|pin| !pin.starts_with("PF")).map(String::as_str).collect();
+    assert_eq!(others, ["PA4", "PA7", "PC6", "PG7", "PG8"]);
+    assert_eq!(pins.len() - others.len(), 16);
 }

@@ -89,7 +89,7 @@ fn a_sound_firmware_goes_where_it_says() {
 
 #[test]
 fn the_patch_slots_begin_where_the_firmwares_memory_ends() {
-    let memory = include_str!("../../firmware/memory.x");
+    let memory = include_str!("../../firmware/memory/nucleo-g474re.x");
     assert!(memory.contains("FLASH : ORIGIN = 0x08000000, LENGTH = 128K"), "{memory}");
     assert!(memory.contains("RAM   : ORIGIN = 0x20000000, LENGTH = 128K"), "{memory}");
     assert!(Firmware::new(Elf::of_length(128 * 1024).bytes()).is_ok());

@@ -283,7 +283,7 @@ impl Assembly {
     }
 
     fn range(&mut self) {
-        let limit = if self.passes > 0 { FIRST_GAIN_LIMIT } else { self.largest_gain };
+        let limit = if self.passes > 0 { FIRST_GAIN_LIMIT } else { u8::MAX }.min(self.largest_gain);
         for (place, &peak) in self.gains.iter_mut().zip(&self.peaks) {
             let gain = GAINS.get(usize::from(*place)).copied().unwrap_or(1);
             let fits = |candidate: u8| {

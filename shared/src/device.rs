@@ -354,9 +354,11 @@ impl<S: PatchStore> Device<S> {
         let Some(front_end) = self.facts.front_end else { return Ok(()) };
         let fits = drive.check().is_ok()
             && drive.amplitude <= front_end.full_scale_current * 1.0001
+            && drive.gain.is_within(front_end.largest_gain)
             && Timing::new(drive, front_end.sample_rate).is_some();
         let max_microamperes = (front_end.full_scale_current * 1e6) as u32;
-        if fits { Ok(()) } else { Err(Refusal::Drive { max_microamperes }) }
+        let max_gain = front_end.largest_gain;
+        if fits { Ok(()) } else { Err(Refusal::Drive { max_microamperes, max_gain }) }
     }
 
     fn tare(&mut self, frames: u16) -> Result<Reply, Refusal> {

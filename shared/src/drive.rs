@@ -88,6 +88,15 @@ impl Drive {
 }
 
 impl Gain {
+    /// Whether an amplifier with gains up to `largest` can have it.
+    #[must_use]
+    pub fn is_within(self, largest: u8) -> bool {
+        match self {
+            Self::Automatic => true,
+            Self::Fixed(gain) => gain <= largest,
+        }
+    }
+
     fn is_known(self) -> bool {
         match self {
             Self::Automatic => true,

@@ -1,13 +1,13 @@
 //! Flash: the two patch slots behind the firmware, and what to do about flash that reads badly.
 //!
-//! The flash has two banks of 256 KiB, with pages of 2 KiB. The first slot has its first half in the
-//! bank that the firmware runs from: while that half is erased or programmed, the core waits with its
-//! next instruction that is not cached. Interrupts stay on all the time; the DMA of the link needs
-//! none of it.
+//! The flash has pages of 2 KiB in two banks, as on all our boards. On the NUCLEO-G474RE the first slot has its
+//! first half in the bank that the firmware runs from: while that half is erased or programmed, the core waits with
+//! its next instruction that is not cached. On the NUCLEO-L496ZG both slots lie in the other bank. Interrupts
+//! stay on all the time; the DMA of the link needs none of it.
 //!
 //! A double word that lost its power while it was programmed can hold more wrong bits than its ECC can
 //! correct. The chip then raises the NMI at every read of it, and the read goes on with whatever the
-//! cells hold (RM0440, "Error code correction"). [`SlotStore`](dermatome_shared::slots::SlotStore)
+//! cells hold (RM0440 and RM0351, "Error code correction"). [`SlotStore`](dermatome_shared::slots::SlotStore)
 //! checks all it reads, so the handler only clears the flag.
 
 use core::{
@@ -20,10 +20,10 @@ use dermatome_shared::slots::{self, FlashError, PAGE_BYTES, SLOT_BYTES, WORD_BYT
 use embassy_stm32::{
     Peri,
     flash::{Blocking, FLASH_BASE, FLASH_SIZE, Flash},
-    pac, peripherals,
+    peripherals,
 };
 
-use crate::board::SLOTS_OFFSET;
+use crate::board::{self, SLOTS_OFFSET};
 
 const _: () = assert!(SLOTS_OFFSET + 2 * SLOT_BYTES <= FLASH_SIZE, "the slots fit the flash");
 
@@ -80,10 +80,6 @@ fn done(result: Result<(), embassy_stm32::flash::Error>) -> Result<(), FlashErro
 #[exception]
 #[allow(unsafe_code, reason = "an exception handler is declared unsafe")]
 unsafe fn NonMaskableInt() {
-    let errors = pac::FLASH.eccr();
-    let found = errors.read();
-    // Only flash errors raise it: the other sources are not switched on.
-    assert!(found.eccd() || found.eccd2(), "NMI without a flash error");
-    // Writing a flag that is set clears it.
-    errors.write_value(found);
+    // The other sources are not switched on.
+    assert!(board::clear_flash_error(), "NMI without a flash error");
 }

@@ -9,6 +9,8 @@
 //!                               +--- DMA -> programmable amplifier    <- gain of the next slot
 //! ```
 //!
+//! A board without a programmable amplifier leaves out the last line.
+//!
 //! Nothing can get out of step: a slot is a number of samples, and a carrier period is one too. The
 //! CPU only looks at the ring now and then.
 
@@ -24,11 +26,7 @@ use dermatome_shared::{
     scan::{MAX_SLOTS, multiplexer_word},
     trigonometry::cosine,
 };
-use embassy_stm32::{
-    dac::DacChannel,
-    dma::{Channel, Transfer, TransferOptions},
-    mode::Blocking,
-};
+use embassy_stm32::dma::{Channel, Transfer, TransferOptions};
 use embassy_time::{Duration, Instant, Timer};
 
 use crate::board::{self, SensingParts};
@@ -70,11 +68,10 @@ impl Default for Tables {
 pub struct FrontEnd {
     tables: &'static Tables,
     timers: board::SensingTimers,
-    // Dropping it would switch the DAC off.
-    _dac: DacChannel<'static, Blocking>,
+    _held: board::Held,
     wave: (Channel<'static>, u8),
     words: (Channel<'static>, u8),
-    gains: (Channel<'static>, u8),
+    gains: Option<(Channel<'static>, u8)>,
     ring: (Channel<'static>, u8),
 }
 
@@ -85,8 +82,8 @@ pub struct Missed;
 impl FrontEnd {
     /// Sets up what stays as it is.
     pub fn new(parts: SensingParts, tables: &'static Tables) -> Self {
-        let board::Sensing { timers, dac, wave, words, gains, ring } = board::start_sensing(parts);
-        Self { tables, timers, _dac: dac, wave, words, gains, ring }
+        let board::Sensing { timers, held, wave, words, gains, ring } = board::start_sensing(parts);
+        Self { tables, timers, _held: held, wave, words, gains, ring }
     }
 
     /// Starts to scan, with a current of `amplitude` (0 to 1) that rises slowly.
@@ -104,8 +101,10 @@ impl FrontEnd {
         let transfers = [
             play(wave, &tables.wave[..period], board::dac_register()),
             play(words, &tables.words[..slots.len()], board::multiplexer_register()),
-            play(gains, &tables.gains[..slots.len()], board::amplifier_register()),
         ];
+        let amplifier = gains.as_mut().zip(board::AMPLIFIER);
+        let gains =
+            amplifier.map(|(dma, amplifier)| play(dma, &tables.gains[..slots.len()], (amplifier.register)()));
         let ring = record(ring, &tables.ring);
         timers.start(timing);
         Scan {
@@ -113,6 +112,7 @@ impl FrontEnd {
             tables,
             ring,
             _transfers: transfers,
+            _gains: gains,
             next: 0,
             last: Instant::now(),
             period,
@@ -127,7 +127,8 @@ pub struct Scan<'a> {
     timers: &'a mut board::SensingTimers,
     tables: &'static Tables,
     ring: Transfer<'a>,
-    _transfers: [Transfer<'a>; 3],
+    _transfers: [Transfer<'a>; 2],
+    _gains: Option<Transfer<'a>>,
     /// Place in the ring of the next sample to take.
     next: usize,
     /// When the ring was looked at last.
@@ -203,9 +204,10 @@ impl Drop for Scan<'_> {
 }
 
 fn set_gains(tables: &Tables, gains: &[u8]) {
+    let Some(amplifier) = board::AMPLIFIER else { return };
     for (word, &place) in tables.gains.iter().zip(gains) {
         let gain = GAINS.get(usize::from(place)).copied().unwrap_or(1);
-        word.store(board::amplifier_word(gain), Ordering::Relaxed);
+        word.store((amplifier.word)(gain), Ordering::Relaxed);
     }
 }
 

@@ -1,4 +1,4 @@
-//! Link: bytes to and from the host over LPUART1, both ways by DMA.
+//! Link: bytes to and from the host over a UART, both ways by DMA.
 //!
 //! Receiving: each byte makes the UART ask its DMA channel, which writes it into a ring that it
 //! fills for ever. The reader wakes when the line falls idle, which is the end of a packet, and
@@ -7,7 +7,7 @@
 //! Sending: one DMA transfer per packet.
 //!
 //! After any error on the line the UART driver stops the ring. Starting it again would resume a
-//! paused DMA channel, which this chip does not support (RM0440, "Suspend and resume a channel"):
+//! paused DMA channel, which the G474 does not support (RM0440, "Suspend and resume a channel"):
 //! the ring could then be out of step with the DMA for ever. So the owner drops both halves
 //! and opens the link anew from its [`LinkPort`], which sets up UART and DMA from reset.
 
@@ -52,7 +52,7 @@ impl LinkPort {
             Interrupts,
             config(),
         );
-        let (tx, rx) = uart.expect("LPUART1 can do LINK_BAUD").split();
+        let (tx, rx) = uart.expect("the UART can do LINK_BAUD").split();
         let mut rx = rx.into_ring_buffered(self.ring);
         rx.start_uart();
         (LinkTx(tx), LinkRx(rx))

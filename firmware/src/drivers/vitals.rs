@@ -2,41 +2,32 @@
 
 use cortex_m::peripheral::{DCB, DWT};
 use dermatome_shared::health::Vitals;
-use embassy_stm32::{
-    Peri,
-    adc::{Adc, AdcConfig, SampleTime, Temperature},
-    peripherals,
-};
 use embassy_time::Instant;
 
-use crate::board;
+use crate::board::{self, Thermometer};
 
 /// What start-up code fills the stack with (cortex-m-rt, feature `paint-stack`).
 const PAINT: u32 = 0xCCCC_CCCC;
 
 /// Watches the chip.
 pub struct VitalSigns {
-    converter: Adc<'static, peripherals::ADC1>,
-    sensor: Temperature,
+    thermometer: Thermometer,
     looked: Instant,
     cycles: u32,
 }
 
 impl VitalSigns {
-    /// Starts the counter of cycles and the sensor.
-    pub fn new(converter: Peri<'static, peripherals::ADC1>, mut dcb: DCB, mut dwt: DWT) -> Self {
+    /// Starts the counter of cycles.
+    pub fn new(thermometer: Thermometer, mut dcb: DCB, mut dwt: DWT) -> Self {
         dcb.enable_trace();
         dwt.enable_cycle_counter();
-        let converter = Adc::new(converter, AdcConfig::default());
-        let sensor = converter.enable_temperature();
-        Self { converter, sensor, looked: Instant::now(), cycles: DWT::cycle_count() }
+        Self { thermometer, looked: Instant::now(), cycles: DWT::cycle_count() }
     }
 
     /// How the board is, its load counted from the last time this was asked.
     pub fn take(&mut self) -> Vitals {
-        let code = self.converter.blocking_read(&mut self.sensor, SampleTime::CYCLES640_5);
         Vitals {
-            temperature: Some(board::temperature(code)),
+            temperature: Some(self.thermometer.celsius()),
             load: self.load(),
             missed: 0,
             free_stack: free_stack(),

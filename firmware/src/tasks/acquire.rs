@@ -8,7 +8,10 @@
 
 use dermatome_firmware::{
     board::{self, SensingParts},
-    drivers::front_end::{FrontEnd, Missed, Scan, Tables},
+    drivers::{
+        executor,
+        front_end::{FrontEnd, Missed, Scan, Tables},
+    },
 };
 use dermatome_shared::{
     acquire::Acquisition,
@@ -16,7 +19,6 @@ use dermatome_shared::{
     protocol::Event,
 };
 use embassy_futures::select::{Either, select};
-use embassy_stm32::{interrupt, interrupt::InterruptExt};
 use embassy_sync::{
     blocking_mutex::raw::CriticalSectionRawMutex,
     mutex::Mutex,
@@ -89,15 +91,6 @@ impl Orders {
     }
 }
 
-static EXECUTOR: embassy_executor::InterruptExecutor = embassy_executor::InterruptExecutor::new();
-
-#[interrupt]
-#[allow(unsafe_code, reason = "an interrupt handler of an executor")]
-unsafe fn FMAC() {
-    // SAFETY: this is the interrupt that the executor was started with.
-    unsafe { EXECUTOR.on_interrupt() }
-}
-
 /// Starts the task on an executor of its own; gives the way to order scans, and where frames come out.
 /// Can be called once.
 pub(crate) fn start(sensing: SensingParts) -> (&'static Orders, FramesEnd) {
@@ -108,9 +101,7 @@ pub(crate) fn start(sensing: SensingParts) -> (&'static Orders, FramesEnd) {
     let orders: &'static Orders = ORDERS.init_with(Orders::new);
     let queue = QUEUE.init_with(Default::default);
     let (frames, end) = CHANNEL.init_with(|| Channel::new(queue)).split();
-    // Below the timer and the DMA, above everything that computes.
-    interrupt::FMAC.set_priority(interrupt::Priority::P6);
-    let spawner = EXECUTOR.start(interrupt::FMAC);
+    let spawner = executor::start();
     let front_end = FrontEnd::new(sensing, &TABLES);
     spawner.spawn(run(front_end, orders, frames).expect("spawned once"));
     (orders, end)

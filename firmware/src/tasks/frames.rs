@@ -54,13 +54,7 @@ impl Task {
     async fn prepare(&mut self) -> Option<Order> {
         let purpose = self.purpose()?;
         let mut place = self.orders.acquisition.lock().await;
-        let device = self.state.device.borrow();
-        let (patch, drive) = (device.patch()?, device.drive()?);
-        let mut acquisition = Acquisition::new(&patch, &drive, &board::FRONT_END)?;
-        acquisition.watch(purpose.scope_slot);
-        *place = Some(acquisition);
-        let interval = Duration::from_micros((1e6 / drive.frame_rate) as u64).min(MAX_INTERVAL);
-        Some(Order { amplitude: drive.amplitude / board::FRONT_END.full_scale_current, interval })
+        put_scan(self.state, purpose, &mut place)
     }
 
     /// What frames are needed for, if they are.
@@ -91,6 +85,19 @@ impl Task {
         }
         self.frames.clear();
     }
+}
+
+/// Puts a scan of the patch in use into its place, and gives the order that runs it. Not inlined, so that
+/// its stack is free again while the task waits.
+#[inline(never)]
+fn put_scan(state: &State, purpose: Purpose, place: &mut Option<Acquisition>) -> Option<Order> {
+    let device = state.device.borrow();
+    let (patch, drive) = (device.patch()?, device.drive()?);
+    let mut acquisition = Acquisition::new(&patch, &drive, &board::FRONT_END)?;
+    acquisition.watch(purpose.scope_slot);
+    *place = Some(acquisition);
+    let interval = Duration::from_micros((1e6 / drive.frame_rate) as u64).min(MAX_INTERVAL);
+    Some(Order { amplitude: drive.amplitude / board::FRONT_END.full_scale_current, interval })
 }
 
 /// Takes one frame through the device. Not inlined, so that its stack is free again while the task waits.

@@ -25,13 +25,37 @@ const NEEDS: &[Capability] = &[Capability::VirtualTime];
 pub(super) const CASES: &[Case] = &[
     Case { name: "demodulated voltages are those of the circuit", needs: NEEDS, run: voltages },
     Case { name: "signal to noise of the board's own chain", needs: NEEDS, run: signal_to_noise },
-    Case { name: "the current starts, changes and stops without a jump and without DC", needs: NEEDS, run: current },
-    Case { name: "208 measurements at 50 kHz make 150 images a second", needs: NEEDS, run: speed::measured_twice },
-    Case { name: "104 measurements at 100 kHz make 400 images a second", needs: NEEDS, run: speed::measured_once },
-    Case { name: "flash, static memory and stack stay within their limits", needs: NEEDS, run: speed::memory },
-    Case { name: "every broken electrode, line, converter and source is flagged within two frames", needs: NEEDS, run: faults::all },
+    Case {
+        name: "the current starts, changes and stops without a jump and without DC",
+        needs: NEEDS,
+        run: current,
+    },
+    Case {
+        name: "208 measurements at 50 kHz make 150 images a second",
+        needs: NEEDS,
+        run: speed::measured_twice,
+    },
+    Case {
+        name: "104 measurements at 100 kHz make 400 images a second",
+        needs: NEEDS,
+        run: speed::measured_once,
+    },
+    Case {
+        name: "flash, static memory and stack stay within their limits",
+        needs: NEEDS,
+        run: speed::memory,
+    },
+    Case {
+        name: "every broken electrode, line, converter and source is flagged within two frames",
+        needs: NEEDS,
+        run: faults::all,
+    },
     Case { name: "a press is found where it is", needs: NEEDS, run: presses::positions },
-    Case { name: "a press held for ten minutes of drift is still reported, with its force", needs: NEEDS, run: presses::held },
+    Case {
+        name: "a press held for ten minutes of drift is still reported, with its force",
+        needs: NEEDS,
+        run: presses::held,
+    },
 ];
 
 /// Compares what the board makes of a quiet skin with the circuit solved at the carrier's frequency.
@@ -59,7 +83,10 @@ fn voltages(rig: &Rig) -> Result<String, Failure> {
         lines.push(format!("{} kHz {:.3} % ({:.3} %)", frequency / 1e3, 100.0 * real, 100.0 * imaginary));
         check(frequency > 60e3 || real <= 1e-3, || format!("off by {:.3} % of full scale", 100.0 * real))?;
     }
-    Ok(format!("worst channel in phase (a quarter period later), of the converter's range: {}", lines.join(", ")))
+    Ok(format!(
+        "worst channel in phase (a quarter period later), of the converter's range: {}",
+        lines.join(", ")
+    ))
 }
 
 /// Mean over standard deviation of each step, dB.
@@ -90,7 +117,9 @@ fn current(rig: &Rig) -> Result<String, Failure> {
     let usual = session.front_end()?.1;
     session.scene.take_drive_record();
     let mut worst = (0.0_f64, 0.0_f64);
-    for (frequency, amplitude) in [(12.5e3, 1e-3), (200e3, 0.5e-3), (20e3, 1e-4), (50e3, 1e-3), (100e3, 0.9e-3)] {
+    for (frequency, amplitude) in
+        [(12.5e3, 1e-3), (200e3, 0.5e-3), (20e3, 1e-4), (50e3, 1e-3), (100e3, 0.9e-3)]
+    {
         let drive = Drive { frequency, amplitude, ..usual };
         session.link.request(&Request::Drive(Some(drive)))?;
         session.find(|event| matches!(event, Event::Health { .. }).then_some(()))?;
@@ -113,5 +142,9 @@ fn current(rig: &Rig) -> Result<String, Failure> {
     session.run(Time::from_millis(100))?;
     let idle = session.scene.take_drive_record();
     check(idle.changes == 0, || format!("{} codes while nothing is asked for", idle.changes))?;
-    Ok(format!("largest step {:.2} of a cosine's, DC {:.3} % of the crest, off when idle", worst.0, 100.0 * worst.1))
+    Ok(format!(
+        "largest step {:.2} of a cosine's, DC {:.3} % of the crest, off when idle",
+        worst.0,
+        100.0 * worst.1
+    ))
 }

@@ -15,7 +15,7 @@ use std::{
 /// The chip's flash: 512 KiB.
 const FLASH: Range<u64> = 0x0800_0000..0x0808_0000;
 
-/// Where the patch slots begin; the firmware lies before (`firmware/memory.x`).
+/// Where the patch slots begin; the firmware lies before (`firmware/memory/nucleo-g474re.x`).
 const PATCH_SLOTS: u64 = 0x0802_0000;
 
 /// Addresses that the initial stack pointer may have: just beyond a word of the 128 KiB of RAM.
@@ -99,7 +99,7 @@ pub enum Fault {
     /// Would overwrite what the board keeps.
     #[error(
         "would be programmed to {:#010x}..{:#010x}, into the patch slots, which start at {PATCH_SLOTS:#010x}: \
-         link it with `firmware/memory.x`", range.start, range.end
+         link it with `firmware/memory/nucleo-g474re.x`", range.start, range.end
     )]
     PatchSlots {
         /// First address, and the one behind the last.

@@ -15,9 +15,13 @@ const FRONT_END: FrontEnd = FrontEnd {
 const DRIVE: Drive = Drive::new(50e3, 1e-3, 50.0);
 
 fn acquisition(drive: &Drive) -> Acquisition {
+    acquisition_on(drive, &FRONT_END)
+}
+
+fn acquisition_on(drive: &Drive, front_end: &FrontEnd) -> Acquisition {
     let bytes = small_patch(Difference::Plain);
     let patch = PatchView::validate(&bytes).unwrap();
-    Acquisition::new(&patch, drive, &FRONT_END).unwrap()
+    Acquisition::new(&patch, drive, front_end).unwrap()
 }
 
 /// Samples of one frame: each slot a wave of that amplitude (steps at gain 1) and phase, through the
@@ -84,6 +88,16 @@ fn automatic_gains_leave_room_for_a_voltage_twice_as_large() {
     for (slot, &place) in acquisition.gains().iter().enumerate() {
         let peak = wave(slot).0 * f64::from(GAINS[usize::from(place)]);
         assert!((380.0..=910.0).contains(&peak), "{slot}: {peak}");
+    }
+}
+
+#[test]
+fn a_board_without_an_amplifier_never_counts_on_a_gain() {
+    let bare = FrontEnd { largest_gain: 1, gain_bandwidth: f32::INFINITY, ..FRONT_END };
+    let mut acquisition = acquisition_on(&DRIVE, &bare);
+    for _ in 0..7 {
+        frames(&mut acquisition, 1, |_| (20.0, 0.3));
+        assert!(acquisition.gains().iter().all(|&place| place == 0), "{:?}", acquisition.gains());
     }
 }
 

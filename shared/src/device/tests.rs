@@ -260,9 +260,20 @@ fn a_drive_that_the_front_end_cannot_make_is_refused() {
     ];
     for drive in wrong {
         let reply = ask(&mut device, Request::Drive(Some(drive)));
-        assert_eq!(reply, Reply::Refused(Refusal::Drive { max_microamperes: 1000 }));
+        assert_eq!(reply, Reply::Refused(Refusal::Drive { max_microamperes: 1000, max_gain: 64 }));
     }
     assert_eq!(device.drive().unwrap().frequency, 50e3);
+}
+
+#[test]
+fn a_gain_beyond_the_boards_amplifier_is_refused() {
+    let mut device = board_with_a_front_end();
+    device.facts.front_end = device.facts.front_end.map(|known| FrontEnd { largest_gain: 1, ..known });
+    let with = |gain| Request::Drive(Some(Drive { gain, ..Drive::new(100e3, 1e-3, 50.0) }));
+    let refused = Reply::Refused(Refusal::Drive { max_microamperes: 1000, max_gain: 1 });
+    assert_eq!(ask(&mut device, with(crate::drive::Gain::Fixed(2))), refused);
+    assert_eq!(ask(&mut device, with(crate::drive::Gain::Fixed(1))), Reply::Done);
+    assert_eq!(ask(&mut device, with(crate::drive::Gain::Automatic)), Reply::Done);
 }
 
 #[test]

@@ -315,11 +315,13 @@ pub enum Refusal {
     /// The board cannot drive a skin like that.
     #[error(
         "the board cannot drive a skin like that: it does 12.5, 20, 50, 100 and 200 kHz with up to \
-         {max_microamperes} uA and a gain of 1, 2, 4, 8, 16, 32 or 64"
+         {max_microamperes} uA and a gain that is automatic or a power of two up to {max_gain}"
     )]
     Drive {
         /// Largest amplitude, uA.
         max_microamperes: u32,
+        /// Largest gain.
+        max_gain: u8,
     },
     /// A slot of the scan that does not exist.
     #[error("the scan has slots 0 to {last}")]

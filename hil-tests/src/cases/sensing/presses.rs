@@ -31,7 +31,8 @@ pub(super) fn positions(rig: &Rig) -> Result<String, Failure> {
         // The frame under way, and those that wait.
         session.stamps(4)?;
         let (_, contacts) = contacts(&mut session)?;
-        let contact = contacts.first().ok_or_else(|| Failure::Wrong(format!("no contact at {position:?}")))?;
+        let contact =
+            contacts.first().ok_or_else(|| Failure::Wrong(format!("no contact at {position:?}")))?;
         let [x, y] = contact.position.map(f64::from);
         errors.push((x - position[0]).hypot(y - position[1]) / (2.0 * radius));
         session.scene.press(&[]);
@@ -52,7 +53,8 @@ pub(super) fn positions(rig: &Rig) -> Result<String, Failure> {
 pub(super) fn held(rig: &Rig) -> Result<String, Failure> {
     let mut session = Session::open(rig, |skin| {
         skin.drive.frame_rate = 1.0;
-        let points = [(0.2, 20e3), (0.4, 60e3)].map(|(strength, pressure)| CalibrationPoint { strength, pressure });
+        let points =
+            [(0.2, 20e3), (0.4, 60e3)].map(|(strength, pressure)| CalibrationPoint { strength, pressure });
         skin.calibration = Calibration(points.into_iter().collect());
     })?;
     session.tare(5)?;

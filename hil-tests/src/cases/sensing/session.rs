@@ -1,12 +1,7 @@
 //! Session: a skin's patch on a board that measures that skin.
 
 use super::super::{Failure, check};
-use crate::{
-    board::VirtualBoard,
-    chip::time::Time,
-    rig::Rig,
-    world::Scene,
-};
+use crate::{board::VirtualBoard, chip::time::Time, rig::Rig, world::Scene};
 use dermatome::{
     link::{self, Link},
     model::Model,

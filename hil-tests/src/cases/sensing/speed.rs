@@ -10,7 +10,8 @@ use dermatome::{simulate::Press, skin::Reciprocal};
 use dermatome_shared::protocol::{BoardPacket, Event, Selection, decode};
 
 /// Contacts alone, as robots take them.
-const CONTACTS: Selection = Selection { images: 0, contacts: 1, measurements: 0, health: 0, scope: 0, scope_slot: 0 };
+const CONTACTS: Selection =
+    Selection { images: 0, contacts: 1, measurements: 0, health: 0, scope: 0, scope_slot: 0 };
 /// A press, so that there is a contact to find.
 const PRESS: Press = Press { position: [0.03, 0.02], radius: 0.025, depth: 0.6 };
 /// Settling of both patterns, s.
@@ -60,7 +61,9 @@ fn measure(
     let load = 1.0 - after.1.since(before.1).seconds() / after.0.since(before.0).seconds();
     check(load <= MOST_LOAD, || format!("the CPU works {:.0} % of the time", 100.0 * load))?;
     let latency = latency(&mut session)?;
-    check(latency <= LONGEST_LATENCY, || format!("{:.2} ms from the last sample to the contacts", 1e3 * latency))?;
+    check(latency <= LONGEST_LATENCY, || {
+        format!("{:.2} ms from the last sample to the contacts", 1e3 * latency)
+    })?;
     let pixels = session.patch().header.pixels;
     Ok(format!(
         "{rate:.1} frames a second with {pixels} pixels and contacts, CPU load {:.1} %, last sample to contacts at \
