@@ -132,6 +132,8 @@ struct Calls {
     /// Where the call under way returns to.
     returns_to: u32,
     since: u64,
+    /// Instructions when the core left thread mode.
+    interrupted: u64,
     done: Vec<u64>,
 }
 
@@ -257,8 +259,13 @@ impl Machine {
 
     /// From now on, counts the instructions of each call of the function at this address.
     pub fn count_calls(&mut self, function: u32) {
-        *self.state.calls.borrow_mut() =
-            Some(Calls { function: function & !1, returns_to: 0, since: 0, done: Vec::new() });
+        *self.state.calls.borrow_mut() = Some(Calls {
+            function: function & !1,
+            returns_to: 0,
+            since: 0,
+            interrupted: self.instructions(),
+            done: Vec::new(),
+        });
     }
 
     /// Instructions of each call that has returned.

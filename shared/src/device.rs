@@ -213,6 +213,8 @@ impl<S: PatchStore> Device<S> {
         frame.flags.insert(found);
     }
 
+    /// Not inlined, so that the stack its events need is free while the frame is computed.
+    #[inline(never)]
     fn tell(&mut self, frame: &Frame, outcome: Outcome, emit: &mut impl FnMut(BoardPacket)) {
         let at =
             FrameStamp { sequence: frame.sequence, timestamp_us: frame.timestamp_us, flags: frame.flags };

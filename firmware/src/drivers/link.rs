@@ -2,7 +2,7 @@
 //!
 //! Receiving: each byte makes the UART ask its DMA channel, which writes it into a ring that it
 //! fills for ever. The reader wakes when the line falls idle, which is the end of a packet, and
-//! when the ring is half full or full. The ring holds 30 ms of bytes, more than the CPU is ever busy
+//! when the ring is half full or full. The ring holds 25 ms of bytes, more than the CPU is ever busy
 //! with the flash.
 //! Sending: one DMA transfer per packet.
 //!
@@ -20,7 +20,7 @@ use embassy_stm32::{
 use crate::board::{Interrupts, LINK_BAUD, LinkParts};
 
 /// Bytes in the receive ring.
-pub const RING_BYTES: usize = 6144;
+pub const RING_BYTES: usize = 5120;
 
 /// What links are opened from, one after the other.
 pub struct LinkPort {

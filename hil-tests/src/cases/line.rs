@@ -34,9 +34,7 @@ pub(super) const CASES: &[Case] = &[
 fn hello(rig: &Rig) -> Result<String, Failure> {
     let mut link = rig.link()?;
     let info = link.info()?;
-    check(info.frame_source == FrameSource::Synthetic, || {
-        format!("frames come from {:?}", info.frame_source)
-    })?;
+    check(info.frame_source == FrameSource::Skin, || format!("frames come from {:?}", info.frame_source))?;
     let identity = link.identity();
     Ok(format!("{} {}, {} electrodes", identity.board, identity.firmware, info.electrodes))
 }

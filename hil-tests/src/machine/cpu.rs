@@ -252,6 +252,15 @@ impl Calls {
             self.returns_to = 0;
         }
     }
+
+    /// An exception is taken, or its handler returns: what handlers execute belongs to no call.
+    fn interrupt(&mut self, begins: bool, instructions: u64) {
+        if begins {
+            self.interrupted = instructions;
+        } else {
+            self.since += instructions - self.interrupted;
+        }
+    }
 }
 
 impl Machine {
@@ -306,6 +315,9 @@ impl Machine {
             return Err(Halt::LockUp { time: self.now(), pc: self.get(RegisterARM::PC) as u32 });
         }
         let nested = self.active_number() != 0;
+        if !nested {
+            self.tell_calls(true);
+        }
         let link = 0xFFFF_FFE1 | u32::from(!uses_floats) << 4 | u32::from(!nested) << 3;
         let vectors = self.chip(|chip| {
             chip.core.nvic.enter(exception);
@@ -319,6 +331,12 @@ impl Machine {
         self.set(RegisterARM::XPSR, 1 << 24);
         self.set(RegisterARM::PC, u64::from(handler | 1));
         Ok(())
+    }
+
+    fn tell_calls(&self, begins: bool) {
+        if let Some(calls) = self.state.calls.borrow_mut().as_mut() {
+            calls.interrupt(begins, self.state.instructions.get());
+        }
     }
 
     /// A handler returns (B1.5.8): gives the saved registers back.
@@ -341,6 +359,9 @@ impl Machine {
             }
             left
         });
+        if self.active_number() == 0 {
+            self.tell_calls(false);
+        }
         if words.len() * 4 != size as usize || left.is_none() {
             return Err(self.gave_up("a handler returns with a broken stack".to_owned()));
         }
