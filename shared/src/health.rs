@@ -5,7 +5,8 @@
 //!
 //! | test reads              | means                                                        |
 //! |-------------------------|--------------------------------------------------------------|
-//! | clipped, or far more, or both neighbours' tests read next to nothing | the electrode is open           |
+//! | clipped, or far more    | the electrode is open                                        |
+//! | more, and the one before next to nothing | the same                                    |
 //! | next to nothing         | it is shorted to a neighbour, or that neighbour is open      |
 //! | all next to nothing     | no current flows                                             |
 //!
@@ -25,6 +26,8 @@ use serde::{Deserialize, Serialize};
 
 /// A test this many times the middle one reads open.
 const OPEN_RATIO: f32 = 5.0;
+/// So does one this many times the middle one, if the test before reads next to nothing.
+const RAISED_RATIO: f32 = 1.5;
 /// A test this part of the middle one reads shorted.
 const SHORTED_RATIO: f32 = 0.2;
 /// A middle test below this reads no current: two steps of the converter at gain 1.
@@ -131,10 +134,10 @@ impl Health {
         }
         let is_low = |e: usize| sizes.get(e % count).is_some_and(|&size| size < SHORTED_RATIO * middle);
         let is_open = |e: usize| {
-            let (before, after) = (e + count - 1, e + 1);
             let test = tests.get(e % count).zip(sizes.get(e % count));
-            let is_far = test.is_some_and(|(test, &size)| test.is_clipped || size > OPEN_RATIO * middle);
-            is_far || (!is_low(e) && is_low(before) && is_low(after))
+            // Without this electrode no current flows in the test before.
+            let ratio = if is_low(e + count - 1) { RAISED_RATIO } else { OPEN_RATIO };
+            test.is_some_and(|(test, &size)| test.is_clipped || size > ratio * middle)
         };
         for electrode in 0..count {
             if is_open(electrode) {
@@ -252,9 +255,10 @@ mod tests {
     }
 
     #[test]
-    fn an_electrode_between_two_that_read_nothing_is_open() {
+    fn an_electrode_that_reads_more_behind_one_that_reads_nothing_is_open() {
         let mut tests = [GOOD; 8];
-        (tests[2], tests[4]) = (DEAD, DEAD);
+        let more = ElectrodeTest { in_phase: AdcCode(3_000_000), ..GOOD };
+        (tests[2], tests[3], tests[4]) = (DEAD, more, DEAD);
         let (health, flags) = examine(tests);
         assert_eq!((health.open, health.shorted), (ElectrodeSet(1 << 3), ElectrodeSet(0)));
         assert_eq!(flags, FrameFlags::OPEN_ELECTRODE);

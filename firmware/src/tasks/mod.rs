@@ -21,8 +21,8 @@ use static_cell::{ConstStaticCell, StaticCell};
 
 /// Bytes of short events that wait for the link: some ten contact lists.
 const SHORT_EVENT_BYTES: usize = 2 * 1024;
-/// Bytes of long ones: some four full images.
-const LONG_EVENT_BYTES: usize = 8 * 1024;
+/// Bytes of long ones: some three full images.
+const LONG_EVENT_BYTES: usize = 6 * 1024;
 
 /// Events that wait for the link.
 pub(crate) type Events = EventQueue<SHORT_EVENT_BYTES, LONG_EVENT_BYTES>;
