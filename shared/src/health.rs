@@ -6,7 +6,7 @@
 //! | test reads              | means                                                        |
 //! |-------------------------|--------------------------------------------------------------|
 //! | clipped, or far more    | the electrode is open                                        |
-//! | more, and the one before next to nothing | the same                                    |
+//! | something, but the one before next to nothing | the same                                |
 //! | next to nothing         | it is shorted to a neighbour, or that neighbour is open      |
 //! | all next to nothing     | no current flows                                             |
 //!
@@ -26,8 +26,6 @@ use serde::{Deserialize, Serialize};
 
 /// A test this many times the middle one reads open.
 const OPEN_RATIO: f32 = 5.0;
-/// So does one this many times the middle one, if the test before reads next to nothing.
-const RAISED_RATIO: f32 = 1.5;
 /// A test this part of the middle one reads shorted.
 const SHORTED_RATIO: f32 = 0.2;
 /// A middle test below this reads no current: two steps of the converter at gain 1.
@@ -133,11 +131,12 @@ impl Health {
             return;
         }
         let is_low = |e: usize| sizes.get(e % count).is_some_and(|&size| size < SHORTED_RATIO * middle);
+        // Without an electrode no current flows in the test before its own, and often none in the one after.
+        let is_behind_low = |e: usize| is_low(e + count - 1) && !is_low(e) && !is_low(e + count - 2);
         let is_open = |e: usize| {
             let test = tests.get(e % count).zip(sizes.get(e % count));
-            // Without this electrode no current flows in the test before.
-            let ratio = if is_low(e + count - 1) { RAISED_RATIO } else { OPEN_RATIO };
-            test.is_some_and(|(test, &size)| test.is_clipped || size > ratio * middle)
+            let is_far = test.is_some_and(|(test, &size)| test.is_clipped || size > OPEN_RATIO * middle);
+            is_far || (is_behind_low(e) && !is_behind_low(e + count - 2))
         };
         for electrode in 0..count {
             if is_open(electrode) {
@@ -255,13 +254,14 @@ mod tests {
     }
 
     #[test]
-    fn an_electrode_that_reads_more_behind_one_that_reads_nothing_is_open() {
+    fn an_electrode_that_reads_something_behind_one_that_reads_nothing_is_open() {
         let mut tests = [GOOD; 8];
-        let more = ElectrodeTest { in_phase: AdcCode(3_000_000), ..GOOD };
-        (tests[2], tests[3], tests[4]) = (DEAD, more, DEAD);
+        (tests[2], tests[4]) = (DEAD, DEAD);
         let (health, flags) = examine(tests);
         assert_eq!((health.open, health.shorted), (ElectrodeSet(1 << 3), ElectrodeSet(0)));
         assert_eq!(flags, FrameFlags::OPEN_ELECTRODE);
+        tests[4] = GOOD;
+        assert_eq!(examine(tests).0.open, ElectrodeSet(1 << 3));
     }
 
     #[test]
