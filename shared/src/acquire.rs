@@ -215,9 +215,9 @@ impl Acquisition {
         let (assembly, scope, settling) = (&mut self.assembly, &self.scope, self.timing.settling);
         self.demodulator.push(samples, |reading| {
             match assembly.add(reading) {
-                Slot::OfFrame => return,
-                Slot::LastOfNoFrame => {}
-                Slot::LastOfFrame => {
+                Slot::Inner => return,
+                Slot::LastLeftOut => {}
+                Slot::Last => {
                     let event = |scope: &Scope| scope.event(assembly.gain(scope.slot.into()), settling);
                     done(&assembly.frame, scope.as_ref().map(event));
                 }
@@ -230,11 +230,11 @@ impl Acquisition {
 /// What a slot was.
 enum Slot {
     /// One with others to come.
-    OfFrame,
+    Inner,
     /// The last of a frame.
-    LastOfFrame,
+    Last,
     /// The last of one that is left out.
-    LastOfNoFrame,
+    LastLeftOut,
 }
 
 impl Assembly {
@@ -258,22 +258,22 @@ impl Assembly {
         }
         // A test that is clipped says so itself: its electrode is open.
         self.frame.flags.insert_if(FrameFlags::SATURATED, slot < self.steps && reading.is_clipped());
-        if self.peaks.len() < self.slots { Slot::OfFrame } else { self.finish() }
+        if self.peaks.len() < self.slots { Slot::Inner } else { self.finish() }
     }
 
     fn finish(&mut self) -> Slot {
         if self.skip > 0 {
             self.skip -= 1;
-            return Slot::LastOfNoFrame;
+            return Slot::LastLeftOut;
         }
         if self.passes > 0 {
             self.passes -= 1;
             self.range();
             // The next frame has begun already.
             self.skip = 1;
-            return Slot::LastOfNoFrame;
+            return Slot::LastLeftOut;
         }
-        Slot::LastOfFrame
+        Slot::Last
     }
 
     fn begin(&mut self) {
