@@ -9,7 +9,7 @@
 //! is a sum of exponentials. The network's own come from the eigenvectors of C^-1 G: v = M x with
 //! M'CM = 1 and M'GM = diag(rates). A cascade of poles driven by exponentials is again one of
 //! exponentials: a stage with pole p answers e^(-rt) with p/(p - r) e^(-rt), and adds its own e^(-pt). So
-//! the physical values are w = T z, where every part z[k] decays at rates[k] alone, and T is lower
+//! the physical values are w = T z, where every part `z[k]` decays at `rates[k]` alone, and T is lower
 //! triangular with ones on its diagonal. A step of any length is one product for each part, and exact.
 
 use super::{
