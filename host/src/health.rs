@@ -31,6 +31,7 @@ struct Seen {
     at: FrameStamp,
     health: Health,
     vitals: Vitals,
+    missed: u32,
     drift: f32,
 }
 
@@ -107,9 +108,9 @@ pub fn watch(
     let mut heard = Instant::now();
     while watch.frames.len() < frames && go_on() {
         match link.next_event(POLL)? {
-            Some(Event::Health { at, health, vitals, drift }) => {
+            Some(Event::Health { at, health, vitals, drift, missed }) => {
                 heard = Instant::now();
-                watch.frames.push(Seen { at, health, vitals, drift });
+                watch.frames.push(Seen { at, health, vitals, missed, drift });
             }
             _ if heard.elapsed() > patience => {
                 return Err(LinkError::NoAnswer { port: link.port().to_owned(), timeout: patience });
@@ -131,7 +132,7 @@ impl Watch {
         let mut findings: Vec<Finding> = electrodes.iter().filter_map(finding_of_electrode).collect();
         findings.extend(self.flags().filter_map(|(flag, words, frames)| self.finding(flag, words, frames)));
         let vitals = (!is_simulated).then_some(last.vitals);
-        findings.extend(vitals.iter().flat_map(findings_of_vitals));
+        findings.extend(vitals.iter().flat_map(|vitals| findings_of_vitals(vitals, last.missed)));
         if self.events_lost > 0 {
             let what = format!("{} events were lost on the way", self.events_lost);
             findings.push(Finding { what, advice: "close other programs, or lower `drive.frame_rate`" });
@@ -224,7 +225,7 @@ fn finding_of_electrode(electrode: &Electrode) -> Option<Finding> {
     Some(Finding { what, advice })
 }
 
-fn findings_of_vitals(vitals: &Vitals) -> Vec<Finding> {
+fn findings_of_vitals(vitals: &Vitals, missed: u32) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut add = |is_so: bool, what: String, advice| {
         if is_so {
@@ -232,8 +233,8 @@ fn findings_of_vitals(vitals: &Vitals) -> Vec<Finding> {
         }
     };
     add(
-        vitals.missed > 0,
-        format!("the board has lost samples {} times since its start", vitals.missed),
+        missed > 0,
+        format!("the board has lost samples {missed} times since its start"),
         "lower `drive.frame_rate`, or use fewer `image.columns`",
     );
     add(
@@ -273,9 +274,9 @@ fn advice(flag: FrameFlags) -> Option<&'static str> {
 mod tests {
     use super::*;
 
-    fn watch(flags: FrameFlags, health: &Health, vitals: Vitals) -> Watch {
+    fn watch(flags: FrameFlags, health: &Health, vitals: Vitals, missed: u32) -> Watch {
         let at = |sequence: u32| FrameStamp { sequence, timestamp_us: u64::from(sequence) * 20_000, flags };
-        let seen = |sequence| Seen { at: at(sequence), health: health.clone(), vitals, drift: 0.01 };
+        let seen = |sequence| Seen { at: at(sequence), health: health.clone(), vitals, missed, drift: 0.01 };
         Watch { frames: (0..5).map(seen).collect(), events_lost: 0 }
     }
 
@@ -285,13 +286,13 @@ mod tests {
             reciprocity_error: Some(0.001),
             ..Health::default()
         };
-        (health, Vitals { temperature: Some(35.0), load: 0.5, missed: 0, free_stack: 4096 })
+        (health, Vitals { temperature: Some(35.0), load: 0.5, free_stack: 4096 })
     }
 
     #[test]
     fn a_healthy_board_has_no_findings() {
         let (health, vitals) = healthy();
-        let diagnosis = watch(FrameFlags::default(), &health, vitals).diagnosis(false).unwrap();
+        let diagnosis = watch(FrameFlags::default(), &health, vitals, 0).diagnosis(false).unwrap();
         assert_eq!(diagnosis.findings, []);
         assert!((diagnosis.frames_per_second.unwrap() - 50.0).abs() < 1e-9);
         assert!(diagnosis.electrodes.iter().all(|electrode| electrode.state == State::Ok));
@@ -305,9 +306,9 @@ mod tests {
         health.shorted.insert(5);
         health.contact_impedance[1] = 80.0;
         health.contact_impedance[7] = 200.0;
-        let vitals = Vitals { load: 0.99, missed: 3, free_stack: 100, ..vitals };
+        let vitals = Vitals { load: 0.99, free_stack: 100, ..vitals };
         let all = FrameFlags::ALL.iter().fold(0, |bits, (flag, _)| bits | flag.0) & !FrameFlags::NO_CURRENT.0;
-        let diagnosis = watch(FrameFlags(all), &health, vitals).diagnosis(false).unwrap();
+        let diagnosis = watch(FrameFlags(all), &health, vitals, 3).diagnosis(false).unwrap();
         let whats: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.what.as_str()).collect();
         for words in [
             "electrode 3 has no contact",
@@ -331,7 +332,7 @@ mod tests {
     fn without_current_no_electrode_is_blamed() {
         let (mut health, vitals) = healthy();
         health.contact_impedance[7] = 200.0;
-        let diagnosis = watch(FrameFlags::NO_CURRENT, &health, vitals).diagnosis(false).unwrap();
+        let diagnosis = watch(FrameFlags::NO_CURRENT, &health, vitals, 0).diagnosis(false).unwrap();
         assert!(diagnosis.electrodes.iter().all(|electrode| electrode.state == State::Unknown));
         assert_eq!(diagnosis.findings.len(), 1);
         assert_eq!(diagnosis.findings[0].what, "no current in 5 of 5 frames");

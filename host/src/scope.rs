@@ -2,8 +2,8 @@
 
 use crate::link::{self, Link, LinkError};
 use dermatome_shared::{
-    demodulate::MIDDLE,
-    protocol::{Event, Info, Selection},
+    demodulate::{CLIPPED, MIDDLE},
+    protocol::{Event, Info, Selection, SlotSamples},
     scan::Timing,
 };
 use std::{
@@ -11,8 +11,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Steps of the converter from its middle to where the board takes a sample for clipped.
-pub const CLIPPED: u16 = 2040;
 /// How often to ask whether to go on while nothing comes.
 const POLL: Duration = Duration::from_millis(100);
 
@@ -87,7 +85,7 @@ pub fn capture(
     let mut trace = None;
     while trace.is_none() && go_on() {
         match link.next_event(POLL)? {
-            Some(Event::Scope { slot, gain, settling, samples }) => {
+            Some(Event::Scope(SlotSamples { slot, gain, settling, samples })) => {
                 trace = Some(Trace {
                     slot,
                     gain,

@@ -33,7 +33,7 @@ fn stamp(event: &Event) -> FrameStamp {
         | Event::Contacts { at, .. }
         | Event::Measurements { at, .. }
         | Event::Health { at, .. } => *at,
-        Event::Tared { .. } | Event::Scope { .. } => panic!("{event:?} has no frame"),
+        Event::Tared { .. } | Event::Scope(_) => panic!("{event:?} has no frame"),
     }
 }
 

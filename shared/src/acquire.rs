@@ -9,14 +9,14 @@
 //! otherwise: the programmable amplifier's gains are right to a per cent, so a new one would look like a press.
 
 use crate::{
-    demodulate::{Demodulator, Reading, Reference},
+    demodulate::{CLIPPED, Demodulator, Reading, Reference},
     drive::{Component, Drive, GAINS, Gain},
     frame::{ElectrodeTest, Frame, FrameFlags},
     patch::PatchView,
-    protocol::{Event, MAX_SCOPE_SAMPLES},
+    protocol::SlotSamples,
     scan::{self, MAX_SLOTS, Timing},
     stimulation::Step,
-    trigonometry::{length, sine},
+    trigonometry::{cosine, length, sine},
     units::AdcCode,
 };
 use heapless::Vec;
@@ -24,7 +24,7 @@ use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 /// Codes of a frame have so many steps in one step of the converter at gain 1.
-const FINENESS: f32 = 4096.0;
+pub const FINENESS: f32 = 4096.0;
 /// A reference of 1 in the lock-in's table.
 const LOCK_IN_ONE: f32 = 16_384.0;
 /// Lowest bits of the lock-in's sums that are left out, so that the rest fits 32 bits: they are worth less
@@ -32,7 +32,7 @@ const LOCK_IN_ONE: f32 = 16_384.0;
 const SPARE_BITS: u32 = 8;
 /// An automatic gain brings a slot's peak up to this many steps of the converter, of 2047: room for a
 /// press that doubles the voltage.
-const PEAK_GOAL: u32 = 900;
+pub const PEAK_GOAL: u32 = 900;
 /// Largest gain after the first look, which sees small voltages badly.
 const FIRST_GAIN_LIMIT: u8 = 8;
 
@@ -49,8 +49,8 @@ pub struct FrontEnd {
     pub gain_bandwidth: f32,
     /// Largest gain of the programmable amplifier.
     pub largest_gain: u8,
-    /// Bandwidths of current source and filter, one pole each, Hz.
-    pub bandwidths: [f32; 2],
+    /// Bandwidths of current source, amplifier and filter, one pole each, Hz.
+    pub bandwidths: [f32; 3],
     /// Values per second of the current's waveform, each held until the next.
     pub waveform_rate: u32,
     /// Time from a crest of the current, as it is asked for, to the first sample of a scan, s.
@@ -64,22 +64,9 @@ pub struct Acquisition {
     timing: Timing,
     demodulator: Demodulator,
     assembly: Assembly,
-    scope: Option<Scope>,
+    scope: Option<SlotSamples>,
     /// Samples of the frame under way so far.
     position: usize,
-}
-
-/// Samples of one slot, as they came.
-#[derive(Clone, Debug, Default)]
-struct Scope {
-    slot: u16,
-    samples: Vec<u16, MAX_SCOPE_SAMPLES>,
-}
-
-impl Scope {
-    fn event(&self, gain: u8, settling: u16) -> Event {
-        Event::Scope { slot: self.slot, gain, settling, samples: self.samples.clone() }
-    }
 }
 
 /// The frame being put together, and the gains it is measured with.
@@ -167,7 +154,8 @@ impl Acquisition {
 
     /// Keeps the samples of that slot of each frame from now on, or of none.
     pub fn watch(&mut self, slot: Option<u16>) {
-        self.scope = slot.map(|slot| Scope { slot, samples: Vec::new() });
+        let settling = self.timing.settling;
+        self.scope = slot.map(|slot| SlotSamples { slot, settling, ..SlotSamples::default() });
     }
 
     /// Begins anew, with the gains found so far: the next sample is the first of a scan.
@@ -191,7 +179,7 @@ impl Acquisition {
         let from = start.saturating_sub(self.position).min(samples.len());
         let to = (start + slot).saturating_sub(self.position).min(samples.len());
         // Where the slot lies before or behind the samples, `from` is not before `to`.
-        let room = MAX_SCOPE_SAMPLES - scope.samples.len();
+        let room = scope.samples.capacity() - scope.samples.len();
         for &sample in samples.get(from..to).unwrap_or_default().iter().take(room) {
             let _ = scope.samples.push(sample);
         }
@@ -199,7 +187,7 @@ impl Acquisition {
 
     /// Takes the next samples; `done` gets each frame that they complete, without number and time, and
     /// what the watched slot showed in it.
-    pub fn push(&mut self, mut samples: &[u16], mut done: impl FnMut(&Frame, Option<Event>)) {
+    pub fn push(&mut self, mut samples: &[u16], mut done: impl FnMut(&Frame, Option<&SlotSamples>)) {
         // The scope sees one frame at a time.
         while let Some((piece, rest)) = samples.split_at_checked(self.missing_samples()) {
             self.take(piece, &mut done);
@@ -209,17 +197,19 @@ impl Acquisition {
     }
 
     /// Samples of one frame.
-    fn take(&mut self, samples: &[u16], done: &mut impl FnMut(&Frame, Option<Event>)) {
+    fn take(&mut self, samples: &[u16], done: &mut impl FnMut(&Frame, Option<&SlotSamples>)) {
         self.keep_for_scope(samples);
         self.position = (self.position + samples.len()) % self.frame_samples();
-        let (assembly, scope, settling) = (&mut self.assembly, &self.scope, self.timing.settling);
+        let (assembly, scope) = (&mut self.assembly, &mut self.scope);
         self.demodulator.push(samples, |reading| {
             match assembly.add(reading) {
                 Slot::Inner => return,
                 Slot::LastLeftOut => {}
                 Slot::Last => {
-                    let event = |scope: &Scope| scope.event(assembly.gain(scope.slot.into()), settling);
-                    done(&assembly.frame, scope.as_ref().map(event));
+                    if let Some(scope) = scope {
+                        scope.gain = assembly.gain(scope.slot.into());
+                    }
+                    done(&assembly.frame, scope.as_ref());
                 }
             }
             assembly.begin();
@@ -243,21 +233,20 @@ impl Assembly {
         GAINS.get(place).copied().unwrap_or(1)
     }
 
-    fn add(&mut self, reading: Reading) -> Slot {
-        let slot = self.peaks.len();
-        let _ = self.peaks.push(reading.peak);
+    fn add(&mut self, reading: &Reading) -> Slot {
+        let (slot, peak) = (self.peaks.len(), reading.peak());
+        let _ = self.peaks.push(peak);
         let [real, imaginary] = self.convert(slot, reading);
         if slot < self.steps {
             let part = self.component_of(real, imaginary);
             let _ = self.frame.codes.push(part);
             let _ = self.frame.quadrature.push(imaginary);
         } else {
-            let test =
-                ElectrodeTest { in_phase: real, quadrature: imaginary, is_clipped: reading.is_clipped() };
+            let test = ElectrodeTest { in_phase: real, quadrature: imaginary, is_clipped: peak >= CLIPPED };
             let _ = self.frame.tests.push(test);
         }
         // A test that is clipped says so itself: its electrode is open.
-        self.frame.flags.insert_if(FrameFlags::SATURATED, slot < self.steps && reading.is_clipped());
+        self.frame.flags.insert_if(FrameFlags::SATURATED, slot < self.steps && peak >= CLIPPED);
         if self.peaks.len() < self.slots { Slot::Inner } else { self.finish() }
     }
 
@@ -294,7 +283,7 @@ impl Assembly {
         self.gains_changed = true;
     }
 
-    fn convert(&self, slot: usize, reading: Reading) -> [AdcCode; 2] {
+    fn convert(&self, slot: usize, reading: &Reading) -> [AdcCode; 2] {
         let gain = self.gains.get(slot).map_or(0, |&place| usize::from(place));
         let factor = self.factors.get(gain).copied().unwrap_or_default();
         let sums = [reading.in_phase, reading.quadrature].map(|sum| (sum >> SPARE_BITS) as i32 as f32);
@@ -305,21 +294,50 @@ impl Assembly {
         match self.component {
             Component::Real => real,
             Component::Imaginary => imaginary,
-            Component::Magnitude => AdcCode(libm::roundf(length(real.0 as f32, imaginary.0 as f32)) as i32),
+            Component::Magnitude => AdcCode(nearest(length(real.0 as f32, imaginary.0 as f32))),
         }
     }
 }
 
-/// From sums of the lock-in to codes at gain 1: undoes the gain of an amplifier with one pole,
-/// `g / (1 + j f g / gain_bandwidth)`, the poles before it, and what holding the waveform's values takes.
+/// Images of the carrier on each side that [`factors`] counts: those further off are too small to matter.
+const IMAGES: i8 = 3;
+
+/// From sums of the lock-in to codes at gain 1: undoes what amplifier, poles and waveform do to the carrier.
+///
+/// The waveform's values are held, so it has images of the carrier beside it; those that lie a multiple of
+/// the sampling rate away read as the carrier itself.
 fn factors(frequency: f32, integration: u16, front_end: &FrontEnd) -> [[f32; 2]; GAINS.len()] {
-    let half_turns = frequency / front_end.waveform_rate as f32;
-    let held = sine(half_turns / 2.0) / (core::f32::consts::PI * half_turns);
     let spare = (1 << SPARE_BITS) as f32;
-    let amplitude = spare * 2.0 / f32::from(integration.max(1)) / LOCK_IN_ONE * FINENESS / held;
-    let [source, filter] = front_end.bandwidths.map(|bandwidth| [1.0, frequency / bandwidth]);
-    let before = product(product([amplitude, 0.0], source), filter);
-    GAINS.map(|gain| product(before, [1.0 / f32::from(gain), frequency / front_end.gain_bandwidth]))
+    let amplitude = spare * 2.0 / f32::from(integration.max(1)) / LOCK_IN_ONE * FINENESS;
+    // One rate is a multiple of the other.
+    let apart = front_end.waveform_rate.max(front_end.sample_rate) as f32;
+    GAINS.map(|gain| {
+        let mut read = [0.0; 2];
+        for image in -IMAGES..=IMAGES {
+            let away = f32::from(image) * apart;
+            let turns = away * front_end.lead;
+            let [real, imaginary] =
+                product(front_end.response(frequency + away, gain), [cosine(turns), sine(turns)]);
+            read = [read[0] + real, read[1] + imaginary];
+        }
+        let [real, imaginary] = read;
+        let scale = amplitude / (real * real + imaginary * imaginary);
+        [real * scale, -imaginary * scale]
+    })
+}
+
+impl FrontEnd {
+    /// What becomes of a wave of the current, from its values to the converter; frequency in Hz, and negative
+    /// for one that turns the other way. The amplifier has one pole, `g / (1 + j f g / gain_bandwidth)`.
+    fn response(&self, frequency: f32, gain: u8) -> [f32; 2] {
+        let half_turns = frequency / self.waveform_rate as f32;
+        let held = sine(half_turns / 2.0) / (core::f32::consts::PI * half_turns);
+        let amplifier = [1.0 / f32::from(gain), frequency / self.gain_bandwidth];
+        let poles = self.bandwidths.map(|bandwidth| [1.0, frequency / bandwidth]);
+        let [real, imaginary] = poles.into_iter().fold(amplifier, product);
+        let scale = held / (real * real + imaginary * imaginary);
+        [real * scale, -imaginary * scale]
+    }
 }
 
 /// Nearest integer, halves away from zero; beyond the ends the end.
@@ -333,4 +351,4 @@ fn product([a, b]: [f32; 2], [c, d]: [f32; 2]) -> [f32; 2] {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -19,16 +19,19 @@ const ONE: f32 = 16_384.0;
 /// Code of the converter at rest, half of its range.
 pub const MIDDLE: u16 = 2048;
 /// A sample this far from the middle is taken for clipped; the range ends at 2047.
-const CLIPPED: u16 = 2040;
+pub const CLIPPED: u16 = 2040;
 
-/// One period of the lock-in's reference.
+/// The lock-in's reference: as many whole periods as there is room for.
 #[derive(Clone, Debug)]
 pub struct Reference {
     waves: Waves,
+    /// Samples in a period.
     period: usize,
+    /// Samples in all periods.
+    length: usize,
 }
 
-/// Cosine and negative sine of one period, in steps of 2^-14.
+/// Cosine and negative sine, in steps of 2^-14.
 #[derive(Clone, Debug)]
 #[repr(C)]
 struct Waves {
@@ -42,34 +45,51 @@ impl Reference {
     #[must_use]
     pub fn new(period: u16, phase: f32, lead: f32) -> Self {
         let period = usize::from(period).clamp(2, MAX_PERIOD);
+        let length = MAX_PERIOD - MAX_PERIOD % period;
         let mut waves = Waves { cosine: [0; MAX_PERIOD], sine: [0; MAX_PERIOD] };
-        for n in 0..period {
+        for sample in 0..length {
+            let n = sample % period;
             // The second half is the first one's opposite, so that a constant sums to exactly nothing.
             let (place, sign) = if n < period / 2 { (n, 1.0) } else { (n - period / 2, -1.0) };
             let turns = (place as f32 + lead) / period as f32 - phase / 360.0;
-            waves.cosine[n] = libm::roundf(sign * cosine(turns) * ONE) as i16;
-            waves.sine[n] = libm::roundf(-sign * sine(turns) * ONE) as i16;
+            waves.cosine[sample] = libm::roundf(sign * cosine(turns) * ONE) as i16;
+            waves.sine[sample] = libm::roundf(-sign * sine(turns) * ONE) as i16;
         }
-        Self { waves, period }
+        Self { waves, period, length }
+    }
+
+    /// Place of a sample in its period.
+    fn within(&self, sample: usize) -> usize {
+        if sample < self.period { sample } else { sample % self.period }
     }
 }
 
 /// What the lock-in found in one slot.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
 pub struct Reading {
     /// Sum of sample * cosine, in steps of 2^-14.
     pub in_phase: i64,
     /// Sum of sample * negative sine, in steps of 2^-14.
     pub quadrature: i64,
-    /// Largest way of a sample from the middle.
-    pub peak: u16,
+    /// Largest sample of each lane, even and odd, or the middle.
+    highest: [u16; 2],
+    /// Smallest sample of each lane, or the middle.
+    lowest: [u16; 2],
+}
+
+impl Default for Reading {
+    fn default() -> Self {
+        Self { in_phase: 0, quadrature: 0, highest: [MIDDLE; 2], lowest: [MIDDLE; 2] }
+    }
 }
 
 impl Reading {
-    /// Whether the converter or the amplifier was at its end.
+    /// Largest way of a sample from the middle.
     #[must_use]
-    pub fn is_clipped(&self) -> bool {
-        self.peak >= CLIPPED
+    pub fn peak(&self) -> u16 {
+        let ([a, b], [c, d]) = (self.highest, self.lowest);
+        (a.max(b) - MIDDLE).max(MIDDLE - c.min(d))
     }
 
     /// Adds the products of samples and a reference from a place of its period on, which ends no earlier.
@@ -82,7 +102,8 @@ impl Reading {
         for (&sample, (&cosine, &sine)) in samples.iter().skip(done).zip(references) {
             self.in_phase += i64::from(i32::from(sample) * i32::from(cosine));
             self.quadrature += i64::from(i32::from(sample) * i32::from(sine));
-            self.peak = self.peak.max(sample.abs_diff(MIDDLE));
+            self.highest[0] = self.highest[0].max(sample);
+            self.lowest[0] = self.lowest[0].min(sample);
         }
     }
 }
@@ -112,32 +133,31 @@ impl Demodulator {
     }
 
     /// Takes the next samples; `done` gets the reading of each slot that they complete.
-    pub fn push(&mut self, mut samples: &[u16], mut done: impl FnMut(Reading)) {
+    pub fn push(&mut self, mut samples: &[u16], mut done: impl FnMut(&Reading)) {
         let (settling, slot) = (usize::from(self.timing.settling), self.timing.slot_samples());
         while !samples.is_empty() {
-            let settles = self.position < settling;
-            let end = if settles { settling } else { slot };
-            let (piece, rest) = samples.split_at((end - self.position).min(samples.len()));
-            if !settles {
-                self.accumulate(piece);
-            }
-            self.phase = (self.phase + piece.len()) % self.reference.period;
-            self.position += piece.len();
+            let (of_slot, rest) = samples.split_at(samples.len().min(slot - self.position));
+            let (settles, measured) =
+                of_slot.split_at(of_slot.len().min(settling.saturating_sub(self.position)));
+            self.phase = self.reference.within(self.phase + settles.len());
+            self.accumulate(measured);
+            self.phase = self.reference.within(self.phase + measured.len());
+            self.position += of_slot.len();
             samples = rest;
             if self.position == slot {
                 self.position = 0;
-                done(core::mem::take(&mut self.reading));
+                done(&self.reading);
+                self.reading = Reading::default();
             }
         }
     }
 
-    /// Samples of one slot, from `self.phase` on.
+    /// Samples of one slot, as many at a time as the reference goes on.
     fn accumulate(&mut self, mut samples: &[u16]) {
         let mut phase = self.phase;
         while !samples.is_empty() {
-            let left = self.reference.period.saturating_sub(phase).max(1);
-            let (piece, rest) = samples.split_at(left.min(samples.len()));
-            self.reading.add(piece, &self.reference.waves, phase);
+            let (run, rest) = samples.split_at(samples.len().min(self.reference.length - phase));
+            self.reading.add(run, &self.reference.waves, phase);
             samples = rest;
             phase = 0;
         }
@@ -160,7 +180,7 @@ mod tests {
     fn readings(samples: &[u16], pieces: usize) -> Vec<Reading> {
         let mut demodulator = Demodulator::new(Reference::new(20, 0.0, 0.0), TIMING);
         let mut found = Vec::new();
-        samples.chunks(pieces).for_each(|piece| demodulator.push(piece, |reading| found.push(reading)));
+        samples.chunks(pieces).for_each(|piece| demodulator.push(piece, |reading| found.push(*reading)));
         found
     }
 
@@ -175,8 +195,8 @@ mod tests {
         for reading in readings(&wave(900.0, 30.0, 150.0, 470), 470) {
             assert!((amplitude(reading.in_phase) - 900.0 * 0.75_f64.sqrt()).abs() < 0.5, "{reading:?}");
             assert!((amplitude(reading.quadrature) - 450.0).abs() < 0.5, "{reading:?}");
-            assert!((1035..=1051).contains(&reading.peak));
-            assert!(!reading.is_clipped());
+            assert!((1035..=1051).contains(&reading.peak()));
+            assert!(reading.peak() < CLIPPED);
         }
     }
 
@@ -204,8 +224,8 @@ mod tests {
 
     #[test]
     fn the_end_of_the_range_reads_clipped() {
-        assert!(readings(&wave(2046.0, 0.0, 0.0, 47), 47)[0].is_clipped());
-        assert!(readings(&[0; 47], 47)[0].is_clipped());
+        assert!(readings(&wave(2046.0, 0.0, 0.0, 47), 47)[0].peak() >= CLIPPED);
+        assert_eq!(readings(&[0; 47], 47)[0].peak(), MIDDLE);
     }
 
     proptest! {

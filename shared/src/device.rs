@@ -12,7 +12,7 @@ use crate::{
     pipeline::{self, Outcome, PipelineState},
     protocol::{
         BoardPacket, Event, FrameSource, FrameStamp, Identity, Info, PROTOCOL_VERSION, PackedImage,
-        PatchInfo, Refusal, Reply, Request, RequestPacket, Selection, Version,
+        PatchInfo, Refusal, Reply, Request, RequestPacket, Selection, SlotSamples, Version,
     },
     reference::Reference,
     restart::Restart,
@@ -88,6 +88,7 @@ pub struct Device<S> {
     scan: u32,
     health: Health,
     vitals: Vitals,
+    missed: u32,
     next_frame: u32,
     next_event: u32,
 }
@@ -117,6 +118,7 @@ impl<S: PatchStore> Device<S> {
             scan: 0,
             health: Health::default(),
             vitals: Vitals::default(),
+            missed: 0,
             next_frame: 0,
             next_event: 0,
         }
@@ -153,7 +155,7 @@ impl<S: PatchStore> Device<S> {
         self.scan
     }
 
-    /// What the latest frame says about electrodes and current.
+    /// What the latest frame says about electrodes and current, without their contact impedances.
     pub fn health(&self) -> &Health {
         &self.health
     }
@@ -183,62 +185,82 @@ impl<S: PatchStore> Device<S> {
 
     /// Takes one frame through health and pipeline, adds the flags that follow to it, and hands each event
     /// to `emit`, what is urgent first.
-    pub fn process(&mut self, frame: &mut Frame, mut emit: impl FnMut(BoardPacket)) {
+    pub fn process(&mut self, frame: &mut Frame, mut emit: impl FnMut(&BoardPacket)) {
         self.next_frame = frame.sequence.wrapping_add(1);
-        self.examine(frame);
+        self.missed += u32::from(frame.flags.contains(FrameFlags::MISSED));
+        let is_hot = self.vitals.temperature.is_some_and(|celsius| celsius > HOT);
+        frame.flags.insert_if(FrameFlags::HOT, is_hot);
         let Some(patch) = valid_patch(&self.store, self.patch_is_valid) else { return };
+        if self.facts.front_end.is_some() {
+            let (health, found) = Health::examine(&patch, frame);
+            self.pipeline.mask(health.bad_electrodes());
+            self.health = health;
+            frame.flags.insert(found);
+        }
         let outcome = pipeline::process(&patch, &mut self.pipeline, frame);
         frame.flags.insert(self.pipeline.flags());
         self.tell(frame, outcome, &mut emit);
     }
 
+    /// Whether the frame of this number is one whose scope a host wants.
+    pub fn wants_scope(&self, sequence: u32) -> bool {
+        is_every(self.streaming.scope, sequence)
+    }
+
     /// Hands a scope event to `emit`.
-    pub fn show_scope(&mut self, scope: Event, mut emit: impl FnMut(BoardPacket)) {
-        self.send(scope, &mut emit);
+    pub fn show_scope(&mut self, samples: &SlotSamples, mut emit: impl FnMut(&BoardPacket)) {
+        emit(&BoardPacket::Event { number: self.take_number(), event: Event::Scope(samples.clone()) });
     }
 
-    fn send(&mut self, event: Event, emit: &mut impl FnMut(BoardPacket)) {
-        emit(BoardPacket::Event { number: self.next_event, event });
-        self.next_event = self.next_event.wrapping_add(1);
+    /// Number of the next event.
+    fn take_number(&mut self) -> u32 {
+        let number = self.next_event;
+        self.next_event = number.wrapping_add(1);
+        number
     }
 
-    fn examine(&mut self, frame: &mut Frame) {
-        let is_hot = self.vitals.temperature.is_some_and(|celsius| celsius > HOT);
-        frame.flags.insert_if(FrameFlags::HOT, is_hot);
-        let (Some(front_end), Some(drive)) = (self.facts.front_end, self.drive()) else { return };
-        let Some(patch) = valid_patch(&self.store, self.patch_is_valid) else { return };
-        let (health, found) = Health::examine(&patch, &front_end, drive.amplitude, frame);
-        self.pipeline.mask(health.bad_electrodes());
-        self.health = health;
-        frame.flags.insert(found);
+    /// What the latest frame says, with contact impedances.
+    fn whole_health(&self, frame: &Frame) -> Health {
+        let mut health = self.health.clone();
+        if let (Some(patch), Some(front_end), Some(drive)) =
+            (self.patch(), self.facts.front_end, self.drive())
+        {
+            health.measure_contacts(&patch, front_end.volts_per_code / drive.amplitude, &frame.tests);
+        }
+        health
     }
 
     /// Not inlined, so that the stack its events need is free while the frame is computed.
     #[inline(never)]
-    fn tell(&mut self, frame: &Frame, outcome: Outcome, emit: &mut impl FnMut(BoardPacket)) {
+    fn tell(&mut self, frame: &Frame, outcome: Outcome, emit: &mut impl FnMut(&BoardPacket)) {
         let at =
             FrameStamp { sequence: frame.sequence, timestamp_us: frame.timestamp_us, flags: frame.flags };
-        let wanted = |every: u16| every > 0 && frame.sequence.is_multiple_of(every.into());
+        let wanted = |every| is_every(every, frame.sequence);
         let (streaming, is_image) = (self.streaming, outcome == Outcome::Image);
         if outcome == Outcome::Tared {
             let frames = self.pipeline.reference().map_or(0, Reference::frames);
-            self.send(Event::Tared { frames }, emit);
+            emit(&BoardPacket::Event { number: self.take_number(), event: Event::Tared { frames } });
         }
         if wanted(streaming.contacts) && is_image {
             let contacts = self.pipeline.contacts().clone();
-            self.send(Event::Contacts { at, contacts }, emit);
+            let event = Event::Contacts { at, contacts };
+            emit(&BoardPacket::Event { number: self.take_number(), event });
         }
         if wanted(streaming.health) {
-            let (health, drift) = (self.health.clone(), self.pipeline.common_drift());
-            self.send(Event::Health { at, health, vitals: self.vitals, drift }, emit);
+            let (health, drift) = (self.whole_health(frame), self.pipeline.common_drift());
+            let (vitals, missed) = (self.vitals, self.missed);
+            let event = Event::Health { at, health, vitals, drift, missed };
+            emit(&BoardPacket::Event { number: self.take_number(), event });
         }
         if wanted(streaming.measurements) && outcome != Outcome::WrongLength {
             let (codes, quadrature) = (frame.codes.clone(), frame.quadrature.clone());
-            self.send(Event::Measurements { at, codes, quadrature }, emit);
+            let event = Event::Measurements { at, codes, quadrature };
+            emit(&BoardPacket::Event { number: self.take_number(), event });
         }
         if wanted(streaming.images) && is_image {
             let image = PackedImage::pack(self.pipeline.image());
-            self.send(Event::Image { at, image }, emit);
+            let event = Event::Image { at, image };
+            emit(&BoardPacket::Event { number: self.take_number(), event });
         }
     }
 
@@ -382,6 +404,11 @@ impl<S: PatchStore> Device<S> {
         self.streaming = selection;
         Ok(Reply::Streaming { first_sequence: self.next_frame })
     }
+}
+
+/// Whether a frame is one of those that a stream of every so many takes; 0 takes none.
+fn is_every(every: u16, sequence: u32) -> bool {
+    every > 0 && sequence.is_multiple_of(every.into())
 }
 
 fn valid_patch<S: PatchStore>(store: &S, is_valid: bool) -> Option<PatchView<'_>> {

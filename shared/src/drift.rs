@@ -7,8 +7,7 @@
 //!
 //! The common factor is the median over the measurements of v / v_ref, which no press moves far.
 
-use crate::{MAX_MEASUREMENTS, health::median};
-use heapless::Vec;
+use crate::{health::median, reference::Changes};
 
 /// Fastest common change that passes for drift, 1/s: 3 % a minute.
 const FASTEST: f32 = 5e-4;
@@ -16,6 +15,8 @@ const FASTEST: f32 = 5e-4;
 const JUMP: f32 = 0.005;
 /// After the last contact the skin counts as touched for this long, us.
 const REST_US: u64 = 1_000_000;
+/// The common change is looked at no more often than this, s: a median costs as much as a hundred pixels.
+const LOOK_EVERY: f32 = 0.02;
 /// The reference follows in steps of at least this long, s.
 const FOLLOW_EVERY: f32 = 0.1;
 /// Longest time between frames that counts, us.
@@ -30,6 +31,8 @@ pub struct Drift {
     press: f32,
     frame_us: Option<u64>,
     touched_us: Option<u64>,
+    /// Time since the common change was looked at, s.
+    unseen: f32,
     /// Time untouched that the reference has not followed yet, s.
     pending: f32,
 }
@@ -48,7 +51,7 @@ impl Drift {
     /// voltages by 1 would read; says how the reference follows.
     pub fn correct(
         &mut self,
-        relative: &mut Vec<f32, MAX_MEASUREMENTS>,
+        relative: &mut Changes,
         weights: &[f32],
         now_us: u64,
         time_constant: f32,
@@ -59,9 +62,14 @@ impl Drift {
         let last_us = self.frame_us.replace(now_us).unwrap_or(now_us);
         let seconds = now_us.saturating_sub(last_us).min(LONGEST_US) as f32 * 1e-6;
         let touched = self.is_touched(last_us, now_us);
-        self.follow_common(relative, weights, seconds, touched);
+        self.unseen += seconds;
+        if self.unseen >= LOOK_EVERY {
+            let unseen = core::mem::take(&mut self.unseen);
+            self.follow_common(relative, weights, unseen, touched);
+        }
+        let scale = 1.0 / (1.0 + self.common);
         for (change, weight) in relative.iter_mut().zip(weights) {
-            *change = (*change - self.common * weight) / (1.0 + self.common);
+            *change = (*change - self.common * weight) * scale;
         }
         self.follow(seconds, touched, time_constant)
     }
@@ -95,18 +103,14 @@ impl Drift {
         self.touched_us.is_some_and(|touched| touched >= last_us || now_us.saturating_sub(touched) < REST_US)
     }
 
-    fn follow_common(
-        &mut self,
-        relative: &Vec<f32, MAX_MEASUREMENTS>,
-        weights: &[f32],
-        seconds: f32,
-        touched: bool,
-    ) {
-        let changes: Vec<f32, MAX_MEASUREMENTS> =
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    fn follow_common(&mut self, relative: &Changes, weights: &[f32], seconds: f32, touched: bool) {
+        let mut changes: Changes =
             relative.iter().zip(weights).filter(|&(_, &weight)| weight != 0.0).map(|(y, w)| y / w).collect();
-        let Some(now) = median(&changes).filter(|change| change.is_finite()) else { return };
+        let Some(now) = median(&mut changes).filter(|change| change.is_finite()) else { return };
         let rest = now - self.common - self.press;
-        if !touched || libm::fabsf(rest) > JUMP.max(2.0 * FASTEST * seconds) {
+        if !touched || rest.abs() > JUMP.max(2.0 * FASTEST * seconds) {
             // Untouched, the reference follows by itself; a jump is a press, or the end of one.
             self.press += rest;
         } else {

@@ -15,7 +15,6 @@
 
 use crate::{
     MAX_ELECTRODES, MAX_MEASUREMENTS,
-    acquire::FrontEnd,
     frame::{ElectrodeTest, Frame, FrameFlags},
     patch::PatchView,
     trigonometry::length,
@@ -73,7 +72,7 @@ impl ElectrodeSet {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Health {
     /// Contact impedance, ohm: `[electrode]`; the whole test's impedance where the patch does not know
-    /// what the sheet adds. Empty if electrodes are not tested.
+    /// what the sheet adds. Empty if electrodes are not tested, and until [`Self::measure_contacts`].
     pub contact_impedance: Vec<f32, MAX_ELECTRODES>,
     /// Electrodes without contact.
     pub open: ElectrodeSet,
@@ -90,8 +89,6 @@ pub struct Vitals {
     pub temperature: Option<f32>,
     /// Share of time in which its CPU works, 0 to 1.
     pub load: f32,
-    /// Times since the start at which samples were lost.
-    pub missed: u32,
     /// Bytes of stack that were never used.
     pub free_stack: u32,
 }
@@ -100,18 +97,12 @@ pub struct Vitals {
 pub const HOT: f32 = 85.0;
 
 impl Health {
-    /// Looks at one frame, measured with an amplitude in A; gives the flags that follow.
+    /// Looks at one frame; gives the flags that follow.
     #[must_use]
-    pub fn examine(
-        patch: &PatchView<'_>,
-        front_end: &FrontEnd,
-        amplitude: f32,
-        frame: &Frame,
-    ) -> (Self, FrameFlags) {
+    pub fn examine(patch: &PatchView<'_>, frame: &Frame) -> (Self, FrameFlags) {
         let mut flags = FrameFlags::default();
         let mut health = Self::default();
         health.judge_electrodes(&frame.tests, &mut flags);
-        health.measure_contacts(patch, front_end.volts_per_code / amplitude, &frame.tests);
         health.judge_reciprocity(patch, frame, &mut flags);
         (health, flags)
     }
@@ -124,18 +115,22 @@ impl Health {
 
     fn judge_electrodes(&mut self, tests: &[ElectrodeTest], flags: &mut FrameFlags) {
         let count = tests.len();
-        let sizes: Vec<f32, MAX_ELECTRODES> = tests.iter().map(magnitude).collect();
-        let Some(middle) = median(&sizes) else { return };
-        if middle < NO_CURRENT {
+        // Squares are in the same order, and cost no root.
+        let sizes: Vec<f32, MAX_ELECTRODES> = tests.iter().map(square).collect();
+        let Some(middle) = median(&mut sizes.clone()) else { return };
+        if middle < NO_CURRENT * NO_CURRENT {
             flags.insert(FrameFlags::NO_CURRENT);
             return;
         }
-        let is_low = |e: usize| sizes.get(e % count).is_some_and(|&size| size < SHORTED_RATIO * middle);
+        let is_low = |e: usize| {
+            sizes.get(e % count).is_some_and(|&size| size < SHORTED_RATIO * SHORTED_RATIO * middle)
+        };
         // Without an electrode no current flows in the test before its own, and often none in the one after.
         let is_behind_low = |e: usize| is_low(e + count - 1) && !is_low(e) && !is_low(e + count - 2);
         let is_open = |e: usize| {
             let test = tests.get(e % count).zip(sizes.get(e % count));
-            let is_far = test.is_some_and(|(test, &size)| test.is_clipped || size > OPEN_RATIO * middle);
+            let is_far =
+                test.is_some_and(|(test, &size)| test.is_clipped || size > OPEN_RATIO * OPEN_RATIO * middle);
             is_far || (is_behind_low(e) && !is_behind_low(e + count - 2))
         };
         for electrode in 0..count {
@@ -149,7 +144,9 @@ impl Health {
         flags.insert_if(FrameFlags::SHORTED_ELECTRODE, !self.shorted.is_empty());
     }
 
-    fn measure_contacts(&mut self, patch: &PatchView<'_>, ohms_per_code: f32, tests: &[ElectrodeTest]) {
+    /// Contact impedances from the electrodes' tests, for those who want to see them.
+    pub fn measure_contacts(&mut self, patch: &PatchView<'_>, ohms_per_code: f32, tests: &[ElectrodeTest]) {
+        self.contact_impedance.clear();
         let of_sheet = &patch.header.test_resistances;
         for (electrode, test) in tests.iter().enumerate() {
             let real = test.in_phase.0 as f32 * ohms_per_code - of_sheet.get(electrode).unwrap_or(&0.0);
@@ -160,6 +157,9 @@ impl Health {
 
     /// Compares each measurement's two steps, where it has two.
     fn judge_reciprocity(&mut self, patch: &PatchView<'_>, frame: &Frame, flags: &mut FrameFlags) {
+        if patch.header.steps <= patch.header.measurements {
+            return;
+        }
         let mut first: Vec<Option<i32>, MAX_MEASUREMENTS> = Vec::new();
         let _ = first.resize(usize::from(patch.header.measurements).min(MAX_MEASUREMENTS), None);
         let (mut pairs, mut off) = (0, 0);
@@ -182,14 +182,14 @@ impl Health {
     }
 }
 
-fn magnitude(test: &ElectrodeTest) -> f32 {
-    length(test.in_phase.0 as f32, test.quadrature.0 as f32)
+/// Square of a test's magnitude.
+fn square(test: &ElectrodeTest) -> f32 {
+    let (real, imaginary) = (test.in_phase.0 as f32, test.quadrature.0 as f32);
+    real * real + imaginary * imaginary
 }
 
-/// The middle value; none of none.
-#[must_use]
-pub(crate) fn median<const N: usize>(values: &Vec<f32, N>) -> Option<f32> {
-    let mut values = values.clone();
+/// The middle value, which sorts the others; none of none.
+pub(crate) fn median(values: &mut [f32]) -> Option<f32> {
     let middle = values.len() / 2;
     if values.is_empty() {
         return None;
@@ -201,6 +201,7 @@ pub(crate) fn median<const N: usize>(values: &Vec<f32, N>) -> Option<f32> {
 mod tests {
     use super::*;
     use crate::{
+        acquire::tests::FRONT_END,
         patch::{
             Difference,
             tests::{flat_frame, small_patch},
@@ -208,16 +209,6 @@ mod tests {
         units::AdcCode,
     };
 
-    const FRONT_END: FrontEnd = FrontEnd {
-        sample_rate: 2_000_000,
-        volts_per_code: 2e-8,
-        full_scale_current: 1e-3,
-        gain_bandwidth: 13e6,
-        largest_gain: 64,
-        bandwidths: [1e6; 2],
-        waveform_rate: 1_000_000,
-        lead: 0.0,
-    };
     /// 30 ohm at 1 mA.
     const GOOD: ElectrodeTest =
         ElectrodeTest { in_phase: AdcCode(1_500_000), quadrature: AdcCode(0), is_clipped: false };
@@ -229,7 +220,9 @@ mod tests {
         let bytes = small_patch(Difference::Plain);
         let patch = PatchView::validate(&bytes).unwrap();
         let frame = Frame { tests: tests.into_iter().collect(), ..flat_frame(5) };
-        Health::examine(&patch, &FRONT_END, 1e-3, &frame)
+        let (mut health, flags) = Health::examine(&patch, &frame);
+        health.measure_contacts(&patch, FRONT_END.volts_per_code / 1e-3, &frame.tests);
+        (health, flags)
     }
 
     #[test]

@@ -3,7 +3,6 @@
 //! The fixed configuration is the patch; [`PipelineState`] is all that changes.
 
 use crate::{
-    MAX_MEASUREMENTS,
     contact::{self, Contacts},
     drift::{Drift, Follow},
     frame::{Frame, FrameFlags},
@@ -11,10 +10,9 @@ use crate::{
     image::Image,
     patch::PatchView,
     reconstruct::reconstruct,
-    reference::{DEFAULT_TARE_FRAMES, DifferenceData, Reference, Tare},
+    reference::{Changes, DEFAULT_TARE_FRAMES, DifferenceData, Reference, Tare},
     stimulation::Step,
 };
-use heapless::Vec;
 
 /// A measurement that changes by more than this is more than a press does.
 const IMPLAUSIBLE: f32 = 0.8;
@@ -101,13 +99,13 @@ impl PipelineState {
     /// Frame -> difference data, without drift and bad electrodes; says how the reference may follow.
     fn compare(&mut self, patch: &PatchView<'_>, frame: &Frame) -> Follow {
         let Some(reference) = &self.reference else { return Follow::Stay };
-        let mut relative = reference.relative_change(patch, frame);
+        let mut relative = Changes::new();
+        reference.relative_change(patch, frame, &mut relative);
         let masked = mask_measurements(patch, self.bad_electrodes, &mut relative);
         self.flags.insert_if(FrameFlags::MASKED, masked);
         self.flags.insert_if(FrameFlags::IMPLAUSIBLE, is_implausible(&relative));
         let drift_time = patch.header.drift_time;
-        let weights = reference.weights();
-        let follow = self.drift.correct(&mut relative, &weights, frame.timestamp_us, drift_time);
+        let follow = self.drift.correct(&mut relative, reference.weights(), frame.timestamp_us, drift_time);
         self.difference.quantise(&relative);
         follow
     }
@@ -166,11 +164,7 @@ impl PipelineState {
 }
 
 /// Sets the change of every measurement that needs a bad electrode to nothing; says whether any did.
-fn mask_measurements(
-    patch: &PatchView<'_>,
-    bad: ElectrodeSet,
-    relative: &mut Vec<f32, MAX_MEASUREMENTS>,
-) -> bool {
+fn mask_measurements(patch: &PatchView<'_>, bad: ElectrodeSet, relative: &mut Changes) -> bool {
     if bad.is_empty() {
         return false;
     }
@@ -184,7 +178,7 @@ fn mask_measurements(
 }
 
 fn is_implausible(relative: &[f32]) -> bool {
-    let far = relative.iter().filter(|&&change| libm::fabsf(change) > IMPLAUSIBLE).count();
+    let far = relative.iter().filter(|&&change| change.abs() > IMPLAUSIBLE).count();
     far * IMPLAUSIBLE_SHARE > relative.len()
 }
 

@@ -28,8 +28,13 @@ pub struct Reference {
     /// Sum of codes over the frames: `[measurement]`.
     sums: Vec<i64, MAX_MEASUREMENTS>,
     /// What turns `frames * v - sum` into difference data: `[measurement]`.
-    scales: Vec<f32, MAX_MEASUREMENTS>,
+    scales: Changes,
+    /// What all voltages changing by their own size would read: `[measurement]`.
+    weights: Changes,
 }
+
+/// Relative changes: `[measurement]`.
+pub type Changes = Vec<f32, MAX_MEASUREMENTS>;
 
 /// A reference that is still being averaged.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -78,7 +83,7 @@ impl Tare {
             return None;
         }
         let mut reference = core::mem::take(&mut self.reference);
-        reference.scales = scales(patch, &reference);
+        reference.set_scales(patch);
         Some(reference)
     }
 }
@@ -99,12 +104,14 @@ impl Reference {
     /// Change of one frame relative to this reference: `[measurement]`.
     ///
     /// A measurement whose reference is zero cannot be normalised and reads zero.
-    #[must_use]
-    pub fn relative_change(&self, patch: &PatchView<'_>, frame: &Frame) -> Vec<f32, MAX_MEASUREMENTS> {
+    pub fn relative_change(&self, patch: &PatchView<'_>, frame: &Frame, out: &mut Changes) {
         let mut measured = Vec::new();
         combine_steps(patch, frame, &mut measured);
-        let changes = measured.iter().zip(&self.sums).zip(&self.scales);
-        changes.map(|((value, sum), scale)| (value * i64::from(self.frames) - sum) as f32 * scale).collect()
+        out.clear();
+        for ((value, sum), scale) in measured.iter().zip(&self.sums).zip(&self.scales) {
+            // All lists have the same capacity.
+            let _ = out.push(to_f32(value * i64::from(self.frames) - sum) * scale);
+        }
     }
 
     /// Whether a frame's measurements differ from the mean by more than noise does.
@@ -119,8 +126,13 @@ impl Reference {
 
     /// What [`Self::relative_change`] reads if all voltages change by their own size: `[measurement]`.
     #[must_use]
-    pub fn weights(&self) -> Vec<f32, MAX_MEASUREMENTS> {
-        self.sums.iter().zip(&self.scales).map(|(&sum, scale)| sum as f32 * scale).collect()
+    pub fn weights(&self) -> &[f32] {
+        &self.weights
+    }
+
+    fn set_scales(&mut self, patch: &PatchView<'_>) {
+        self.scales = scales(patch, self);
+        self.weights = self.sums.iter().zip(&self.scales).map(|(&sum, scale)| sum as f32 * scale).collect();
     }
 
     /// Moves the reference `part` of the way to a frame, 0 to 1.
@@ -133,7 +145,7 @@ impl Reference {
             // A code has 25 bits, two of them add up, and a tare has 10 bits of frames: 60 bits.
             *sum += (way * part + FOLLOW_ONE / 2).div_euclid(FOLLOW_ONE);
         }
-        self.scales = scales(patch, self);
+        self.set_scales(patch);
     }
 }
 
@@ -156,7 +168,9 @@ impl DifferenceData {
     /// Quantises relative changes, `[measurement]`; values that are not finite read zero.
     pub fn quantise(&mut self, relative: &[f32]) {
         let finite = |y: f32| if y.is_finite() { y } else { 0.0 };
-        let largest = relative.iter().fold(0.0_f32, |max, &y| max.max(finite(y).abs()));
+        // Sizes that are not negative are in the order of their bits.
+        let size = |y: f32| finite(y).abs().to_bits();
+        let largest = f32::from_bits(relative.iter().fold(0, |max, &y| max.max(size(y))));
         let floor_log2 = (largest.to_bits() >> 23) as i32 - 127;
         self.exponent = if largest == 0.0 { 0 } else { (14 - floor_log2).clamp(-60, 60) };
         if largest * power_of_two(self.exponent) >= 32_767.5 {
@@ -177,6 +191,12 @@ fn power_of_two(exponent: i32) -> f32 {
     f32::from_bits(((127 + exponent) as u32) << 23)
 }
 
+/// As `value as f32`; most values fit the one instruction that a small chip has for it.
+fn to_f32(value: i64) -> f32 {
+    // The compiler knows that both ways give the same, and would take the long one for all.
+    i32::try_from(value).map_or_else(|_| value as f32, |value| core::hint::black_box(value) as f32)
+}
+
 /// Adds up the steps that measure the same thing (reciprocal pairs), each with its sign.
 fn combine_steps(patch: &PatchView<'_>, frame: &Frame, out: &mut Vec<i64, MAX_MEASUREMENTS>) {
     out.clear();
@@ -189,7 +209,7 @@ fn combine_steps(patch: &PatchView<'_>, frame: &Frame, out: &mut Vec<i64, MAX_ME
     }
 }
 
-fn scales(patch: &PatchView<'_>, reference: &Reference) -> Vec<f32, MAX_MEASUREMENTS> {
+fn scales(patch: &PatchView<'_>, reference: &Reference) -> Changes {
     match patch.header.difference {
         Difference::Normalised => reference.sums.iter().map(|&sum| inverse_or_zero(sum as f32)).collect(),
         Difference::Plain => plain_scales(patch, reference),
@@ -197,8 +217,8 @@ fn scales(patch: &PatchView<'_>, reference: &Reference) -> Vec<f32, MAX_MEASUREM
 }
 
 /// 1 / (steps of this measurement * frames * mean |v_ref|): see the module's formula.
-fn plain_scales(patch: &PatchView<'_>, reference: &Reference) -> Vec<f32, MAX_MEASUREMENTS> {
-    let mut steps: Vec<f32, MAX_MEASUREMENTS> = Vec::new();
+fn plain_scales(patch: &PatchView<'_>, reference: &Reference) -> Changes {
+    let mut steps = Changes::new();
     let _ = steps.resize(reference.sums.len(), 0.0);
     for target in patch.combination() {
         if let Some(count) = steps.get_mut(usize::from(target.measurement)) {
@@ -221,6 +241,12 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
+        #[test]
+        fn an_integer_becomes_a_float_by_one_rounding(value in any::<i64>(), shift in 0_u32..63) {
+            let value = value >> shift;
+            prop_assert_eq!(to_f32(value).to_bits(), (value as f32).to_bits());
+        }
+
         #[test]
         fn every_value_is_kept_to_half_a_step(values in prop::collection::vec(-1.0_f32..1.0, 1..50), scale in -40_i32..40) {
             let relative: std::vec::Vec<f32> = values.iter().map(|v| v * power_of_two(scale)).collect();

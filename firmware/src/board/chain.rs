@@ -24,10 +24,6 @@ use super::{
     arm_converter, disarm_converter,
 };
 
-/// Cycles from the converter's start to that of the timers. Without a pause here the emulated chip's samples were
-/// one off against the current with some layouts of this code, and right with others. Why is not known yet.
-const STARTING_CYCLES: u32 = 400;
-
 /// The front end, set up: DMA channels come with the requests they serve.
 pub struct Sensing {
     /// The three timers and what they trigger.
@@ -80,7 +76,6 @@ impl SensingTimers {
         DAC.dhr12r(0).write(|w| w.set_dhr(MIDDLE));
         DAC.cr().modify(|w| w.set_dmaen(0, true));
         arm_converter();
-        cortex_m::asm::delay(STARTING_CYCLES);
         self.slot.start();
         self.wave.start();
         self.sample.regs_gp16().cnt().write(|w| w.set_cnt(0));

@@ -26,12 +26,7 @@ impl VitalSigns {
 
     /// How the board is, its load counted from the last time this was asked.
     pub fn take(&mut self) -> Vitals {
-        Vitals {
-            temperature: Some(self.thermometer.celsius()),
-            load: self.load(),
-            missed: 0,
-            free_stack: free_stack(),
-        }
+        Vitals { temperature: Some(self.thermometer.celsius()), load: self.load(), free_stack: free_stack() }
     }
 
     /// The counter stands still while the core sleeps.

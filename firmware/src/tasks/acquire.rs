@@ -16,7 +16,7 @@ use dermatome_firmware::{
 use dermatome_shared::{
     acquire::Acquisition,
     frame::{Frame, FrameFlags},
-    protocol::Event,
+    protocol::SlotSamples,
 };
 use embassy_futures::select::{Either, select};
 use embassy_sync::{
@@ -55,7 +55,7 @@ pub(crate) struct Order {
 #[derive(Default)]
 pub(crate) struct Captured {
     pub(crate) frame: Frame,
-    pub(crate) scope: Option<Event>,
+    pub(crate) scope: Option<SlotSamples>,
 }
 
 /// Frames on their way to the frames task.
@@ -192,11 +192,15 @@ impl Run<'_> {
 }
 
 /// Sends a frame on; one that nobody has time for is lost, and the next one says so.
-fn send(frames: &mut Frames, frame: &Frame, scope: Option<Event>, flags: &mut FrameFlags) {
+fn send(frames: &mut Frames, frame: &Frame, scope: Option<&SlotSamples>, flags: &mut FrameFlags) {
     match frames.try_send() {
         Some(place) => {
             place.frame.copy_from(frame);
-            place.scope = scope;
+            match scope {
+                Some(samples) => place.scope = Some(samples.clone()),
+                // Not one assignment for both, which would copy a kilobyte of nothing.
+                None => place.scope = None,
+            }
             place.frame.timestamp_us = Instant::now().as_micros();
             place.frame.flags.insert(core::mem::take(flags));
             frames.send_done();

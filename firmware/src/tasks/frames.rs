@@ -105,17 +105,16 @@ fn put_scan(state: &State, purpose: Purpose, place: &mut Option<Acquisition>) ->
 fn process(state: &State, captured: &mut Captured, sequence: &mut u32, scratch: &mut [u8]) {
     let device = &mut *state.device.borrow_mut();
     let mut queues = state.events.borrow_mut();
-    let mut queue = |packet: BoardPacket| {
-        if queues.push(&packet, scratch).is_err() {
+    let mut queue = |packet: &BoardPacket| {
+        if queues.push(packet, scratch).is_err() {
             defmt::debug!("event dropped: the link is too slow");
         }
     };
     captured.frame.sequence = *sequence;
     *sequence = sequence.wrapping_add(1);
     device.process(&mut captured.frame, &mut queue);
-    let every = device.streaming().scope.max(1);
-    if let Some(scope) = captured.scope.take().filter(|_| sequence.is_multiple_of(every.into())) {
-        device.show_scope(scope, &mut queue);
+    if let Some(samples) = captured.scope.as_ref().filter(|_| device.wants_scope(captured.frame.sequence)) {
+        device.show_scope(samples, &mut queue);
     }
     state.queued.signal(());
 }

@@ -9,6 +9,7 @@ mod speed;
 use super::{Case, Failure, check};
 use crate::{
     chip::time::Time,
+    machine::Machine,
     rig::{Capability, Rig},
 };
 use dermatome_shared::{
@@ -81,7 +82,11 @@ fn voltages(rig: &Rig) -> Result<String, Failure> {
         let worst = |part: fn(&Complex64) -> f64| errors.iter().map(part).fold(0.0, f64::max) / FULL_SCALE;
         let [real, imaginary] = [worst(|error| error.re.abs()), worst(|error| error.im.abs())];
         lines.push(format!("{} kHz {:.3} % ({:.3} %)", frequency / 1e3, 100.0 * real, 100.0 * imaginary));
-        check(frequency > 60e3 || real <= 1e-3, || format!("off by {:.3} % of full scale", 100.0 * real))?;
+        // At 200 kHz the waveform has five values a period. Images of the carrier reach the converter through leads
+        // that carry them less well than the carrier, which the board cannot know: 0.16 %.
+        check(real <= if frequency < 150e3 { 1e-3 } else { 2e-3 }, || {
+            format!("off by {:.3} % of full scale", 100.0 * real)
+        })?;
     }
     Ok(format!(
         "worst channel in phase (a quarter period later), of the converter's range: {}",
@@ -142,8 +147,22 @@ fn current(rig: &Rig) -> Result<String, Failure> {
     session.run(Time::from_millis(100))?;
     let idle = session.scene.take_drive_record();
     check(idle.changes == 0, || format!("{} codes while nothing is asked for", idle.changes))?;
+    for (accident, happen) in
+        [("a fault", Machine::inject_fault as fn(&mut Machine)), ("a hang", Machine::hang)]
+    {
+        session.stream(Selection { health: 1, ..Selection::default() })?;
+        session.find(|event| matches!(event, Event::Health { .. }).then_some(()))?;
+        session.board.with(happen);
+        // The watchdog takes two seconds at most.
+        session.run(Time::from_millis(2500))?;
+        session.scene.take_drive_record();
+        session.run(Time::from_millis(100))?;
+        let after = session.scene.take_drive_record();
+        check(after.changes == 0, || format!("{} codes after {accident}", after.changes))?;
+        session.reconnect()?;
+    }
     Ok(format!(
-        "largest step {:.2} of a cosine's, DC {:.3} % of the crest, off when idle",
+        "largest step {:.2} of a cosine's, DC {:.3} % of the crest, off when idle, after a fault and after a hang",
         worst.0,
         100.0 * worst.1
     ))

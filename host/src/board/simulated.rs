@@ -19,7 +19,7 @@ use dermatome_shared::{
     drive::Drive,
     frame::{ElectrodeTest, Frame, FrameFlags},
     patch::PatchView,
-    protocol::{self, Event, Identity, MAX_SCOPE_SAMPLES, Request, RequestPacket, Selection},
+    protocol::{self, Identity, MAX_SCOPE_SAMPLES, Request, RequestPacket},
     restart::Restart,
     scan::{Timing, slots},
     stimulation::Step,
@@ -379,7 +379,7 @@ impl Worker {
         let Some(table) = self.scan_table() else { return due };
         let script_time = streamed.then_some(self.script_frame as f64 / self.frame_rate());
         let mut frame = self.next_frame(&table, script_time);
-        self.device.process(&mut frame, |packet| client.send(&packet));
+        self.device.process(&mut frame, |packet| client.send(packet));
         self.show_scope(client, &frame, &table, script_time);
         if streamed {
             self.count_streamed();
@@ -422,17 +422,17 @@ impl Worker {
         table: &ScanTable,
         script_time: Option<f64>,
     ) -> Option<()> {
-        let Selection { scope: every, scope_slot: slot, .. } = self.device.streaming();
-        if every == 0 || !frame.sequence.is_multiple_of(every.into()) {
+        if !self.device.wants_scope(frame.sequence) {
             return None;
         }
+        let slot = self.device.streaming().scope_slot;
         let timing = Timing::new(&table.drive, self.front_end?.sample_rate)?;
         let SlotSamples { gain, mut samples } =
             self.source.samples(table, usize::from(slot), timing, script_time)?;
         samples.truncate(MAX_SCOPE_SAMPLES);
         let samples = samples.as_slice().try_into().ok()?;
-        let event = Event::Scope { slot, gain, settling: timing.settling, samples };
-        self.device.show_scope(event, |packet| client.send(&packet));
+        let seen = protocol::SlotSamples { slot, gain, settling: timing.settling, samples };
+        self.device.show_scope(&seen, |packet| client.send(packet));
         Some(())
     }
 
@@ -456,7 +456,7 @@ impl Worker {
 
     fn end_stream_if_over(&mut self) {
         if self.frames_left == Some(0) && self.device.streaming().any() {
-            let request = Request::Stream(Selection::default());
+            let request = Request::Stream(protocol::Selection::default());
             let _ = self.device.handle(&RequestPacket { sequence: 0, request }, self.uptime_ms());
         }
     }

@@ -170,7 +170,7 @@ fn take(event: &Event, display: &mut Display, tally: &mut Tally) -> io::Result<b
             }
         }
         Event::Image { image, .. } => display.take_image(image)?,
-        Event::Tared { .. } | Event::Measurements { .. } | Event::Health { .. } | Event::Scope { .. } => {}
+        Event::Tared { .. } | Event::Measurements { .. } | Event::Health { .. } | Event::Scope(_) => {}
     }
     Ok(true)
 }

@@ -101,7 +101,7 @@ impl Arriving {
                 let (_, codes) = self.codes.take().filter(|(sequence, _)| *sequence == at.sequence)?;
                 return Some(scorer.record(at, first_sequence, image.values().collect(), contacts, &codes));
             }
-            Event::Tared { .. } | Event::Health { .. } | Event::Scope { .. } => {}
+            Event::Tared { .. } | Event::Health { .. } | Event::Scope(_) => {}
         }
         None
     }

@@ -2,7 +2,7 @@
 
 use crate::board::simulated::SlotSamples;
 use dermatome_shared::{
-    acquire::FrontEnd,
+    acquire::{FINENESS, FrontEnd, PEAK_GOAL},
     demodulate::MIDDLE,
     drive::{Component, Drive, GAINS, Gain},
     scan::Timing,
@@ -11,8 +11,8 @@ use dermatome_shared::{
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Codes from zero to the end of the range at gain 1: half a 12-bit converter, in 4096ths of a step.
-const FULL: f64 = 8_388_608.0;
+/// Codes from zero to the end of the range at gain 1: half a 12-bit converter.
+const FULL: f64 = 2048.0 * FINENESS as f64;
 /// The lock-in tells so many steps from zero to the end of the range: 12 bits summed over 16 samples.
 const LOCK_IN_STEPS: f64 = 32_768.0;
 /// The largest untouched voltage fills this share of the range.
@@ -25,8 +25,6 @@ const OTHER_PERIOD: f32 = 40.0;
 const FULL_SCALE_CURRENT: f32 = 1e-3;
 /// Time constant with which a switched voltage settles, s.
 const SETTLING_TIME: f64 = 1e-6;
-/// An automatic gain brings a slot's peak up to this many steps of the converter, of 2047.
-const PEAK_GOAL: f64 = 900.0;
 
 /// A front end at one gain.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +54,7 @@ impl Converter {
             full_scale_current,
             gain_bandwidth: f32::INFINITY,
             largest_gain: 64,
-            bandwidths: [f32::INFINITY; 2],
+            bandwidths: [f32::INFINITY; 3],
             waveform_rate: 1_000_000_000,
             lead: 0.0,
         }
@@ -114,7 +112,7 @@ impl Converter {
 }
 
 fn largest_gain(peak: f64) -> u8 {
-    GAINS.into_iter().rev().find(|&gain| peak * f64::from(gain) <= PEAK_GOAL).unwrap_or(1)
+    GAINS.into_iter().rev().find(|&gain| peak * f64::from(gain) <= f64::from(PEAK_GOAL)).unwrap_or(1)
 }
 
 impl Reading {

@@ -2,13 +2,13 @@ use super::*;
 use crate::patch::{Difference, tests::small_patch};
 use std::vec::Vec;
 
-const FRONT_END: FrontEnd = FrontEnd {
+pub(crate) const FRONT_END: FrontEnd = FrontEnd {
     sample_rate: 2_000_000,
     volts_per_code: 2e-8,
     full_scale_current: 1e-3,
     gain_bandwidth: 13e6,
     largest_gain: 64,
-    bandwidths: [f32::INFINITY; 2],
+    bandwidths: [f32::INFINITY; 3],
     waveform_rate: 1_000_000_000,
     lead: 0.0,
 };
@@ -131,20 +131,50 @@ fn a_carrier_that_the_board_cannot_make_gives_no_acquisition() {
     assert!(Acquisition::new(&patch, &drive, &FRONT_END).is_none());
 }
 
+/// What a pole makes of a staircase, `[sample]`: its values, each held `steps` long, after time enough.
+fn through_pole(staircase: &[f64], bandwidth: f64, step: f64) -> Vec<f64> {
+    let part = 1.0 - (-core::f64::consts::TAU * bandwidth * step).exp();
+    let mut value = 0.0;
+    let mut follow = |target: &f64| {
+        value += part * (target - value);
+        value
+    };
+    staircase.iter().map(&mut follow).collect()
+}
+
 #[test]
-fn poles_and_held_values_before_the_converter_are_undone() {
-    let front_end = FrontEnd { bandwidths: [400e3, 1e6], waveform_rate: 1_000_000, ..FRONT_END };
-    let bytes = small_patch(Difference::Plain);
-    let patch = PatchView::validate(&bytes).unwrap();
-    let drive = Drive { gain: Gain::Fixed(1), ..DRIVE };
-    let mut acquisition = Acquisition::new(&patch, &drive, &front_end).unwrap();
-    let turn = core::f64::consts::PI * 0.05;
-    let amplitude = 800.0 * turn.sin() / turn / 0.125_f64.hypot(1.0) / 0.05_f64.hypot(1.0);
-    let phase = -0.125_f64.atan() - 0.05_f64.atan();
-    let frame = &frames(&mut acquisition, 2, |_| (amplitude, phase))[0];
-    for (real, imaginary) in frame.codes.iter().zip(&frame.quadrature) {
-        assert!((f64::from(real.0) / 4096.0 - 800.0).abs() < 0.3, "{real:?}");
-        assert!((f64::from(imaginary.0) / 4096.0).abs() < 0.3, "{imaginary:?}");
+fn poles_and_held_values_before_the_converter_are_undone_with_the_images_that_read_as_the_carrier() {
+    // Steps of a nanosecond are fine enough for poles in turn.
+    const STEP: f64 = 1e-9;
+    for (frequency, delay) in [(50e3_f32, 153e-9_f64), (100e3, 153e-9), (200e3, 153e-9), (200e3, 410e-9)] {
+        let front_end = FrontEnd {
+            bandwidths: [400e3, 1e6, 8e6],
+            waveform_rate: 1_000_000,
+            // The middle of the first value is half a microsecond after it begins.
+            lead: (delay - 0.5e-6) as f32,
+            ..FRONT_END
+        };
+        let drive = Drive { gain: Gain::Fixed(1), ..Drive::new(frequency, 1e-3, 50.0) };
+        let mut acquisition = acquisition_on(&drive, &front_end);
+        let turns = |micros: usize| micros as f64 * 1e-6 * f64::from(frequency) * core::f64::consts::TAU;
+        let staircase: Vec<f64> = (0..200_000).map(|n| 800.0 * turns(n / 1000).cos()).collect();
+        let mut wave = staircase;
+        for bandwidth in [400e3, 1e6, 8e6, 13e6] {
+            wave = through_pole(&wave, bandwidth, STEP);
+        }
+        // 40 us are whole periods of all carriers, and the second 40 us are settled. Each pole's values are
+        // those at the end of a step, less the half by which the one before is early.
+        let first = 40_000 + (delay / STEP).round() as usize - 2;
+        let period: Vec<u16> = (0..80).map(|n| (2048.0 + wave[first + 500 * n]).round() as u16).collect();
+        let mut found = None;
+        for _ in 0..200 {
+            acquisition.push(&period, |frame, _| found = Some(frame.clone()));
+        }
+        let found = found.unwrap();
+        for (real, imaginary) in found.codes.iter().zip(&found.quadrature) {
+            let error = [f64::from(real.0) / 4096.0 - 800.0, f64::from(imaginary.0) / 4096.0];
+            assert!(error.iter().all(|error| error.abs() < 0.6), "{frequency} {delay} {error:?}");
+        }
     }
 }
 
@@ -155,8 +185,8 @@ fn the_scope_keeps_the_samples_of_its_slot_whatever_the_pieces() {
         acquisition.watch(Some(3));
         let samples: Vec<u16> = (0..2 * 48 * 50 + 250).map(|n| (n % 4000) as u16).collect();
         let mut shown = None;
-        samples.chunks(pieces).for_each(|piece| acquisition.push(piece, |_, scope| shown = scope));
-        let Some(Event::Scope { slot: 3, gain: 2, settling: 10, samples: kept }) = shown else {
+        samples.chunks(pieces).for_each(|piece| acquisition.push(piece, |_, scope| shown = scope.cloned()));
+        let Some(SlotSamples { slot: 3, gain: 2, settling: 10, samples: kept }) = shown else {
             panic!("no scope: {shown:?}")
         };
         let start = 48 * 50 + 3 * 50;

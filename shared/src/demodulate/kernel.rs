@@ -3,63 +3,60 @@
 //! SMLALD adds two products to an exact 64-bit sum; USUB16 and SEL keep the largest and the smallest sample
 //! of two lanes. That is 11 instructions for two samples, where plain Rust takes 40. Samples have 12 bits,
 //! so they are halfwords with or without a sign.
+//!
+//! A slot is one or two runs, so what a run costs beside its samples counts as much: the reading is loaded
+//! and stored as a whole.
 #![expect(unsafe_code, reason = "the kernel is written in assembly")]
 
-use super::{MAX_PERIOD, MIDDLE, Reading, Waves};
-use core::{arch::asm, mem::offset_of};
+use super::{MAX_PERIOD, Reading, Waves};
+use core::{arch::naked_asm, mem::offset_of};
 
 /// From a value of the cosine to the sine's, less the word that the cosine's address has moved on.
 const TO_SINE: usize = 2 * MAX_PERIOD - 4;
-/// The middle in both lanes.
-const MIDDLES: u32 = MIDDLE as u32 | (MIDDLE as u32) << 16;
 
 const _: () = assert!(offset_of!(Waves, sine) - offset_of!(Waves, cosine) == TO_SINE + 4);
+const _: () = assert!(
+    offset_of!(Reading, quadrature) == 8
+        && offset_of!(Reading, highest) == 16
+        && offset_of!(Reading, lowest) == 20
+);
 
 /// Adds all pairs of samples to the reading; says how many samples those are.
 pub(super) fn add_pairs(reading: &mut Reading, samples: &[u16], waves: &Waves, phase: usize) -> usize {
     let pairs = samples.len() / 2;
     let Some(references) = waves.cosine.get(phase..phase + 2 * pairs).filter(|_| pairs > 0) else { return 0 };
-    let halves = |sum: i64| [sum as u32, (sum >> 32) as u32];
-    let [mut i_low, mut i_high] = halves(reading.in_phase);
-    let [mut q_low, mut q_high] = halves(reading.quadrature);
-    let (mut highest, mut lowest) = (MIDDLES, MIDDLES);
     // SAFETY: it reads `pairs` words of the samples, of the cosine, and of the sine, which lies
     // TO_SINE + 4 behind the cosine and is as long; a word need not lie aligned for LDR.
     unsafe {
-        asm!(
-            "2:",
-            "ldr {s}, [{samples}], #4",
-            "ldr {w}, [{waves}], #4",
-            "smlald {i_low}, {i_high}, {s}, {w}",
-            "ldr {w}, [{waves}, #{to_sine}]",
-            "smlald {q_low}, {q_high}, {s}, {w}",
-            "usub16 {w}, {s}, {highest}",
-            "sel {highest}, {s}, {highest}",
-            "usub16 {w}, {lowest}, {s}",
-            "sel {lowest}, {s}, {lowest}",
-            "subs {pairs}, {pairs}, #1",
-            "bne 2b",
-            s = out(reg) _,
-            w = out(reg) _,
-            samples = inout(reg) samples.as_ptr() => _,
-            waves = inout(reg) references.as_ptr() => _,
-            pairs = inout(reg) pairs => _,
-            i_low = inout(reg) i_low,
-            i_high = inout(reg) i_high,
-            q_low = inout(reg) q_low,
-            q_high = inout(reg) q_high,
-            highest = inout(reg) highest,
-            lowest = inout(reg) lowest,
-            to_sine = const TO_SINE,
-            options(nostack, readonly),
-        );
-    }
-    let whole = |low: u32, high: u32| (u64::from(high) << 32 | u64::from(low)) as i64;
-    reading.in_phase = whole(i_low, i_high);
-    reading.quadrature = whole(q_low, q_high);
-    for lanes in [highest, lowest] {
-        let [one, other] = [lanes as u16, (lanes >> 16) as u16].map(|sample| sample.abs_diff(MIDDLE));
-        reading.peak = reading.peak.max(one).max(other);
+        add_words(reading, samples.as_ptr(), references.as_ptr(), pairs);
     }
     2 * pairs
+}
+
+/// Registers: r0 reading, r1 samples, r2 cosine, r3 pairs, r4-r7 sums, r8 highest, r9 lowest, r10 and r12
+/// samples and references.
+///
+/// # Safety
+/// `pairs` words, at least one, can be read from `samples`, from `cosine`, and TO_SINE + 4 behind that.
+#[unsafe(naked)]
+unsafe extern "C" fn add_words(reading: &mut Reading, samples: *const u16, cosine: *const i16, pairs: usize) {
+    naked_asm!(
+        "push {{r4-r10, lr}}",
+        "ldm.w r0, {{r4-r9}}",
+        "2:",
+        "ldr r10, [r1], #4",
+        "ldr r12, [r2], #4",
+        "smlald r4, r5, r10, r12",
+        "ldr r12, [r2, #{to_sine}]",
+        "smlald r6, r7, r10, r12",
+        "usub16 r12, r10, r8",
+        "sel r8, r10, r8",
+        "usub16 r12, r9, r10",
+        "sel r9, r10, r9",
+        "subs r3, r3, #1",
+        "bne 2b",
+        "stm.w r0, {{r4-r9}}",
+        "pop {{r4-r10, pc}}",
+        to_sine = const TO_SINE,
+    )
 }

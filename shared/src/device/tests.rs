@@ -1,4 +1,5 @@
 use super::*;
+use crate::acquire::tests::FRONT_END;
 use crate::patch::{
     Difference,
     tests::{flat_frame, small_patch},
@@ -76,7 +77,7 @@ fn upload_good(device: &mut Device<Memory>, difference: Difference) -> u32 {
 fn events(device: &mut Device<Memory>, frame: &Frame) -> Vec<(u32, Event)> {
     let mut seen = Vec::new();
     device.process(&mut frame.clone(), |packet| match packet {
-        BoardPacket::Event { number, event } => seen.push((number, event)),
+        BoardPacket::Event { number, event } => seen.push((*number, event.clone())),
         BoardPacket::Reply { .. } => panic!("a reply nobody asked for"),
     });
     seen
@@ -234,17 +235,7 @@ fn each_event_comes_every_so_many_frames() {
 }
 
 fn board_with_a_front_end() -> Device<Memory> {
-    let front_end = FrontEnd {
-        sample_rate: 2_000_000,
-        volts_per_code: 2e-8,
-        full_scale_current: 1e-3,
-        gain_bandwidth: 13e6,
-        largest_gain: 64,
-        bandwidths: [1e6; 2],
-        waveform_rate: 1_000_000,
-        lead: 0.0,
-    };
-    let mut device = Device::new(BoardFacts { front_end: Some(front_end), ..facts(16) }, Memory::default());
+    let mut device = Device::new(BoardFacts { front_end: Some(FRONT_END), ..facts(16) }, Memory::default());
     upload_good(&mut device, Difference::Normalised);
     device
 }

@@ -372,18 +372,24 @@ pub enum Event {
         vitals: Vitals,
         /// Drift of all voltages that is taken out of the images, relative.
         drift: f32,
+        /// Times since the start at which samples were lost.
+        missed: u32,
     },
-    /// Samples of one slot, from its start.
-    Scope {
-        /// Slot of the scan.
-        slot: u16,
-        /// Gain of the programmable amplifier in it.
-        gain: u8,
-        /// Samples of it that are left out while the voltage settles.
-        settling: u16,
-        /// Codes of the converter, 0 to 4095.
-        samples: Vec<u16, MAX_SCOPE_SAMPLES>,
-    },
+    /// What the scope saw.
+    Scope(SlotSamples),
+}
+
+/// Samples of one slot, from its start.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct SlotSamples {
+    /// Slot of the scan.
+    pub slot: u16,
+    /// Gain of the programmable amplifier in it.
+    pub gain: u8,
+    /// Samples of it that are left out while the voltage settles.
+    pub settling: u16,
+    /// Codes of the converter, 0 to 4095.
+    pub samples: Vec<u16, MAX_SCOPE_SAMPLES>,
 }
 
 /// Which frame an event belongs to.
@@ -449,12 +455,12 @@ mod tests {
             Event::Image { at, image },
             Event::Contacts { at, contacts: (0..MAX_CONTACTS).map(|_| contact).collect() },
             Event::Measurements { at, codes: codes.clone(), quadrature: codes },
-            Event::Scope {
+            Event::Scope(SlotSamples {
                 slot: u16::MAX,
                 gain: 64,
                 settling: 9999,
                 samples: (0..MAX_SCOPE_SAMPLES).map(|_| 4095).collect(),
-            },
+            }),
         ];
         for event in events {
             let mut buffer = [0; MAX_PACKET_BYTES];

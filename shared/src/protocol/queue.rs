@@ -70,7 +70,7 @@ impl<const URGENT: usize, const LONG: usize> EventQueue<URGENT, LONG> {
         let is_long = matches!(
             packet,
             BoardPacket::Event {
-                event: Event::Image { .. } | Event::Measurements { .. } | Event::Scope { .. },
+                event: Event::Image { .. } | Event::Measurements { .. } | Event::Scope(_),
                 ..
             }
         );
@@ -86,7 +86,7 @@ impl<const URGENT: usize, const LONG: usize> EventQueue<URGENT, LONG> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocol::MAX_PACKET_BYTES;
+    use crate::protocol::{MAX_PACKET_BYTES, SlotSamples};
     use std::vec::Vec;
 
     fn event(number: u32) -> BoardPacket {
@@ -120,7 +120,7 @@ mod tests {
     fn what_is_short_goes_ahead_of_what_is_long() {
         let (mut scratch, mut out) = ([0; MAX_PACKET_BYTES], [0; MAX_PACKET_BYTES]);
         let mut queue = EventQueue::<100, 200>::new();
-        let scope = Event::Scope { slot: 0, gain: 1, settling: 0, samples: heapless::Vec::new() };
+        let scope = Event::Scope(SlotSamples::default());
         queue.push(&BoardPacket::Event { number: 0, event: scope.clone() }, &mut scratch).unwrap();
         queue.push(&event(1), &mut scratch).unwrap();
         let mut numbers = Vec::new();

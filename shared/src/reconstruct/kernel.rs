@@ -46,12 +46,14 @@ struct Rows {
     words: usize,
 }
 
-/// Applies the patch's matrix, if its rows consist of whole words that lie aligned, and as many as there
-/// are data.
+/// Applies the patch's matrix, if its rows and the data consist of whole words that lie aligned, and are as
+/// many.
 pub(super) fn apply(patch: &PatchView<'_>, difference: &DifferenceData, image: &mut Image) -> Option<()> {
     let (matrix, exponents) = (patch.matrix(), patch.exponents());
     let columns = difference.codes.len();
-    let is_aligned = matrix.as_ptr().addr().is_multiple_of(4) && columns.is_multiple_of(2);
+    // The data always do: their list begins with its length, or is followed by it.
+    let addresses = [matrix.as_ptr().addr(), difference.codes.as_ptr().addr()];
+    let is_aligned = addresses.iter().all(|address| address.is_multiple_of(4)) && columns.is_multiple_of(2);
     if !is_aligned || exponents.is_empty() || matrix.len() != exponents.len() * columns * 2 {
         return None;
     }
@@ -59,10 +61,9 @@ pub(super) fn apply(patch: &PatchView<'_>, difference: &DifferenceData, image: &
         image.clear();
         image.resize(exponents.len(), RelativeConductivity(0)).ok()?;
     }
-    let data = in_words(&difference.codes);
     let exponents = exponents.as_ptr_range();
     let rows = Rows {
-        data: data.as_ptr(),
+        data: difference.codes.as_ptr().cast(),
         shift: frame_shift(difference) - LOW_BITS,
         image: image.as_mut_ptr().expose_provenance().wrapping_sub(4 * (exponents.start.addr() + 1)),
         exponents_end: exponents.end.cast(),
@@ -72,21 +73,12 @@ pub(super) fn apply(patch: &PatchView<'_>, difference: &DifferenceData, image: &
         words: columns % BLOCK_COLUMNS / 2,
     };
     // SAFETY: the matrix holds as many aligned rows as there are exponents, each of `blocks` times 8
-    // columns and `words` times 2 more; as many data follow from `data`, aligned, being words; and the
+    // columns and `words` times 2 more; as many data follow from `data`, aligned; and the
     // image has a pixel for each exponent. So the kernel reads and writes inside of them only.
     unsafe {
         apply_rows(&rows);
     }
     Some(())
-}
-
-/// The data, two to a word, the first one low.
-fn in_words(codes: &[i16]) -> [u32; MAX_MEASUREMENTS / 2] {
-    let mut words = [0; MAX_MEASUREMENTS / 2];
-    for (word, pair) in words.iter_mut().zip(codes.chunks_exact(2)) {
-        *word = u32::from(pair[0] as u16) | u32::from(pair[1] as u16) << 16;
-    }
-    words
 }
 
 /// For shifts that may saturate.

@@ -46,6 +46,13 @@ impl Session {
         Ok(Self { board, scene, skin, link, patch, waiting: VecDeque::new() })
     }
 
+    /// Greets the board again, after it has started anew.
+    pub(super) fn reconnect(&mut self) -> Result<(), Failure> {
+        self.waiting.clear();
+        self.link = Link::connect("virtual", self.board.line())?;
+        Ok(())
+    }
+
     /// The patch.
     pub(super) fn patch(&self) -> PatchView<'_> {
         PatchView::open(&self.patch).expect("the patch was written by the host")

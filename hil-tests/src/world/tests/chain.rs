@@ -173,37 +173,3 @@ fn the_temperature_sensor_follows_the_datasheet_and_what_is_not_wired_reads_noth
     // OPAMP2 is off.
     assert_eq!(world.voltage(2, 16, Time::from_millis(3)), 0.0);
 }
-
-/// Not a test of right or wrong: run it with `--release -- --ignored --nocapture speed`.
-#[test]
-#[ignore = "prints how fast samples are"]
-fn speed() {
-    let disc = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/disc-210mm/skin.toml");
-    let disc = dermatome::skin::Skin::load(std::path::Path::new(disc)).unwrap();
-    let since = |start: std::time::Instant, count: usize| start.elapsed().as_nanos() as f64 / count as f64;
-    let now = std::time::Instant::now;
-    let start = now();
-    let scene = Scene::new(Setup::new(disc, analogue(), 0.0, 7).unwrap());
-    println!("mesh: {:.1} ms", since(start, 1) * 1e-6);
-    let mut chip = Chip::new(&scene, 20, 1500.0);
-    let words = words();
-    let frames = |chip: &mut Chip, samples: usize| {
-        words.iter().for_each(|&word| {
-            chip.select(word);
-            chip.run(samples - 2);
-        });
-        words.len() * samples
-    };
-    let start = now();
-    frames(&mut chip, 60);
-    println!("first frame: {:.1} ms", since(start, 1) * 1e-6);
-    for samples in [20, 60, 400] {
-        let (start, mut count) = (now(), 0);
-        (0..20).for_each(|_| count += frames(&mut chip, samples));
-        println!("{samples} samples in each slot: {:.0} ns for each", since(start, count));
-    }
-    scene.press(&[Press { position: [0.02, 0.05], radius: 0.02, depth: 0.8 }]);
-    let start = now();
-    chip.sample();
-    println!("new presses: {:.1} ms", since(start, 1) * 1e-6);
-}
