@@ -6,6 +6,7 @@
 
 pub mod board;
 pub mod cli;
+pub mod cut;
 pub mod demo;
 pub mod evaluate;
 pub mod forward;

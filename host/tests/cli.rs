@@ -14,10 +14,11 @@ use std::{
 };
 
 /// All commands.
-const COMMANDS: [&str; 17] = [
+const COMMANDS: [&str; 18] = [
     "build",
     "check",
     "check-data",
+    "cut",
     "demo",
     "devices",
     "drive",

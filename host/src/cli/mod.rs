@@ -21,6 +21,7 @@ macro_rules! say {
 mod build;
 mod check;
 mod check_data;
+mod cut;
 mod demo;
 mod devices;
 mod drive;
@@ -65,6 +66,7 @@ enum Command {
     Firmware(firmware::Args),
     Reconstruct(reconstruct::Args),
     CheckData(check_data::Args),
+    Cut(cut::Args),
     Export(export::Args),
     Forward(forward::Args),
 }
@@ -97,6 +99,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Firmware(args) => firmware::run(&args),
         Command::Reconstruct(args) => reconstruct::run(&args),
         Command::CheckData(args) => check_data::run(&args),
+        Command::Cut(args) => cut::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Forward(args) => forward::run(&args),
     }

@@ -78,19 +78,19 @@ fn walk(
 
 /// Numbers 0..n in sets that only ever join.
 #[derive(Clone, Debug)]
-pub(super) struct DisjointSets {
+pub(crate) struct DisjointSets {
     /// Towards the set's lowest member, which is its own parent.
     parents: Vec<usize>,
 }
 
 impl DisjointSets {
     /// Each number in a set of its own.
-    pub(super) fn new(count: usize) -> Self {
+    pub(crate) fn new(count: usize) -> Self {
         Self { parents: (0..count).collect() }
     }
 
     /// The lowest member of the set that holds `member`.
-    pub(super) fn find(&mut self, mut member: usize) -> usize {
+    pub(crate) fn find(&mut self, mut member: usize) -> usize {
         while self.parents[member] != member {
             self.parents[member] = self.parents[self.parents[member]];
             member = self.parents[member];
@@ -98,7 +98,7 @@ impl DisjointSets {
         member
     }
 
-    pub(super) fn join(&mut self, one: usize, other: usize) {
+    pub(crate) fn join(&mut self, one: usize, other: usize) {
         let (one, other) = (self.find(one), self.find(other));
         self.parents[one.max(other)] = one.min(other);
     }

@@ -1,6 +1,6 @@
 //! Mesh: a skin as triangles, with its electrodes on the rim.
 
-mod boundary;
+pub(crate) mod boundary;
 pub mod export;
 mod generate;
 pub mod import;

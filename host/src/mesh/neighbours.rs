@@ -17,14 +17,14 @@ pub fn neighbours(elements: &[[usize; 3]]) -> Vec<[usize; 2]> {
 
 /// One edge of an element: its nodes ascending, and whether the element passes it that way round.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Edge {
-    pub(super) nodes: [usize; 2],
-    pub(super) element: usize,
-    pub(super) ascending: bool,
+pub(crate) struct Edge {
+    pub(crate) nodes: [usize; 2],
+    pub(crate) element: usize,
+    pub(crate) ascending: bool,
 }
 
 /// Every edge of every element, those of the same nodes together.
-pub(super) fn edges(elements: &[[usize; 3]]) -> Vec<Edge> {
+pub(crate) fn edges(elements: &[[usize; 3]]) -> Vec<Edge> {
     let of_element = |(element, &[a, b, c]): (usize, &[usize; 3])| {
         [(a, b), (b, c), (c, a)].map(|(a, b)| Edge { nodes: [a.min(b), a.max(b)], element, ascending: a < b })
     };

@@ -57,6 +57,7 @@ pub(super) struct File {
     pub(super) contact: ContactTable,
     #[serde(default)]
     pub(super) calibration: CalibrationTable,
+    pub(super) pose: Option<PoseTable>,
 }
 
 #[derive(Deserialize)]
@@ -217,6 +218,14 @@ pub(super) struct ContactTable {
 pub(super) struct CalibrationTable {
     pub(super) strength: Vec<f64>,
     pub(super) pressure: Vec<Quantity>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PoseTable {
+    pub(super) link: String,
+    pub(super) position: [Quantity; 3],
+    pub(super) orientation: [f64; 4],
 }
 
 pub(super) fn load(path: &Path) -> Result<Skin, SkinError> {

@@ -2,11 +2,12 @@
 //!
 //! Numbers are SI here. docs/skin-file.md describes the file.
 
-mod check;
+pub(crate) mod check;
 pub mod electrodes;
 pub mod embedding;
 mod file;
 pub mod outline;
+mod pose;
 pub mod quantity;
 mod shape;
 
@@ -19,6 +20,7 @@ use dermatome_shared::{
 use electrodes::Electrodes;
 pub use file::SkinError;
 use num_complex::Complex64;
+pub use pose::Pose;
 pub use shape::{NotFlat, Place, Shape, Sheet, electrodes_in_plane};
 use std::{collections::HashSet, f64::consts::TAU, path::Path};
 
@@ -47,6 +49,8 @@ pub struct Skin {
     pub drift_time: f64,
     /// Pressure by strength of a contact; empty if the skin is not calibrated.
     pub calibration: Calibration,
+    /// Where it lies on a robot, if that is known.
+    pub pose: Option<Pose>,
 }
 
 /// Edge lengths of a generated mesh, m.

@@ -20,7 +20,8 @@ use crate::{
 use nalgebra::{Point2, Point3, Vector3};
 
 /// Units of a mesh file, with their length in metres.
-const UNITS: [(&str, f64); 5] = [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("inch", 0.0254)];
+pub(crate) const UNITS: [(&str, f64); 5] =
+    [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("inch", 0.0254)];
 /// Points further away from the mesh than this share of its bounding box's diagonal miss it.
 const FARTHEST: f64 = 0.05;
 /// Coordinates that differ by less than this share of the diagonal are the same.

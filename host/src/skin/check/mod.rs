@@ -4,8 +4,9 @@ mod contact;
 mod drive;
 mod electrodes;
 mod image;
-mod imported;
+pub(crate) mod imported;
 mod inverse;
+pub(crate) mod pose;
 mod shape;
 
 use super::{
@@ -42,6 +43,7 @@ impl Checker<'_> {
             contact_threshold: self.threshold(file.contact.threshold)?,
             drift_time: self.drift_time(file.contact.drift_time.as_ref())?,
             calibration: self.calibration(&file.calibration)?,
+            pose: self.pose(file.pose.as_ref())?,
         })
     }
 
@@ -53,9 +55,7 @@ impl Checker<'_> {
     }
 
     fn name(&self, name: &str) -> Result<String, SkinError> {
-        let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
-        let fits = (1..=32).contains(&name.len()) && name.chars().all(allowed);
-        if fits {
+        if is_name(name) {
             Ok(name.to_owned())
         } else {
             self.refuse(
@@ -122,4 +122,10 @@ impl Checker<'_> {
     fn refuse<T>(&self, field: &'static str, value: String, allowed: &str) -> Result<T, SkinError> {
         Err(SkinError::Value { path: self.path.to_owned(), field, value, allowed: allowed.to_owned() })
     }
+}
+
+/// Whether a text may name a skin.
+pub(crate) fn is_name(name: &str) -> bool {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
+    (1..=32).contains(&name.len()) && name.chars().all(allowed)
 }

@@ -1,0 +1,156 @@
+//! The point of a surface that is closest to another point: triangles in the cells of a grid.
+
+use nalgebra::{Point3, Vector3};
+
+/// Most cells along an axis.
+const MOST_CELLS: f64 = 160.0;
+
+/// Triangles by the cells that they touch.
+#[derive(Clone, Debug)]
+pub(super) struct Closest {
+    corner: Point3<f64>,
+    cell: f64,
+    counts: [usize; 3],
+    /// Where each cell's triangles begin in `entries`, and the end: `[cell]`, one more.
+    starts: Vec<u32>,
+    entries: Vec<u32>,
+    triangles: Vec<[Point3<f64>; 3]>,
+}
+
+impl Closest {
+    /// Cells are about `cell` long, which should be the length of an edge.
+    pub(super) fn new(triangles: impl Iterator<Item = [Point3<f64>; 3]>, cell: f64) -> Self {
+        let has_area = |[a, b, c]: &[Point3<f64>; 3]| (b - a).cross(&(c - a)).norm() > 0.0;
+        let triangles: Vec<_> = triangles.filter(has_area).collect();
+        let start = triangles.first().map_or(Point3::origin(), |corners| corners[0]);
+        let corner = triangles.iter().flatten().fold(start, |low, point| low.inf(point));
+        let size = triangles.iter().flatten().fold(start, |high, point| high.sup(point)) - corner;
+        let cell = cell.max(size.max() / MOST_CELLS).max(f64::MIN_POSITIVE);
+        let counts = std::array::from_fn(|axis| (size[axis] / cell) as usize + 1);
+        let cells = counts.iter().product::<usize>();
+        let mut closest =
+            Self { corner, cell, counts, starts: vec![0; cells + 1], entries: Vec::new(), triangles };
+        closest.sort_in();
+        closest
+    }
+
+    fn sort_in(&mut self) {
+        let mut pairs = Vec::new();
+        for (triangle, &[a, b, c]) in self.triangles.iter().enumerate() {
+            let cells = self.cells(a.inf(&b).inf(&c), a.sup(&b).sup(&c));
+            pairs.extend(cells.map(|cell| (cell as u32, triangle as u32)));
+        }
+        pairs.iter().for_each(|&(cell, _)| self.starts[cell as usize + 1] += 1);
+        (1..self.starts.len()).for_each(|cell| self.starts[cell] += self.starts[cell - 1]);
+        let mut free = self.starts.clone();
+        self.entries = vec![0; pairs.len()];
+        for (cell, triangle) in pairs {
+            self.entries[free[cell as usize] as usize] = triangle;
+            free[cell as usize] += 1;
+        }
+    }
+
+    /// Numbers of the cells that a box touches.
+    fn cells(&self, low: Point3<f64>, high: Point3<f64>) -> impl Iterator<Item = usize> + use<> {
+        let index = |point: Point3<f64>, axis: usize| {
+            (((point[axis] - self.corner[axis]) / self.cell).max(0.0) as usize).min(self.counts[axis] - 1)
+        };
+        let [from, to] = [low, high].map(|point| [0, 1, 2].map(|axis| index(point, axis)));
+        let counts = self.counts;
+        let rows = (from[2]..=to[2]).flat_map(move |z| (from[1]..=to[1]).map(move |y| (y, z)));
+        rows.flat_map(move |(y, z)| (from[0]..=to[0]).map(move |x| x + counts[0] * (y + counts[1] * z)))
+    }
+
+    /// The closest point; the same point if there are no triangles.
+    pub(super) fn point(&self, to: Point3<f64>) -> Point3<f64> {
+        self.hit(to).map_or(to, |(_, point)| point)
+    }
+
+    /// The triangle, among those with area, that is closest, and its closest point.
+    pub(super) fn hit(&self, to: Point3<f64>) -> Option<(usize, Point3<f64>)> {
+        let far = 4.0 * MOST_CELLS * self.cell + (to - self.corner).norm();
+        let mut reach = self.cell / 2.0;
+        loop {
+            let best = self.within(to, reach);
+            if best.is_some() || reach > far {
+                return best;
+            }
+            reach *= 2.0;
+        }
+    }
+
+    fn within(&self, to: Point3<f64>, reach: f64) -> Option<(usize, Point3<f64>)> {
+        let around = Vector3::repeat(reach);
+        let mut best = (reach * reach, None);
+        for cell in self.cells(to - around, to + around) {
+            let entries = &self.entries[self.starts[cell] as usize..self.starts[cell + 1] as usize];
+            for &triangle in entries {
+                let point = on_triangle(to, self.triangles[triangle as usize]);
+                let distance = (point - to).norm_squared();
+                if distance <= best.0 {
+                    best = (distance, Some((triangle as usize, point)));
+                }
+            }
+        }
+        best.1
+    }
+}
+
+/// The point of a triangle that is closest to a point (Ericson, Real-Time Collision Detection, 5.1.5).
+pub(super) fn on_triangle(p: Point3<f64>, [a, b, c]: [Point3<f64>; 3]) -> Point3<f64> {
+    let (ab, ac, bc) = (b - a, c - a, c - b);
+    let (d1, d2) = (ab.dot(&(p - a)), ac.dot(&(p - a)));
+    let (d3, d4) = (ab.dot(&(p - b)), ac.dot(&(p - b)));
+    let (d5, d6) = (ab.dot(&(p - c)), ac.dot(&(p - c)));
+    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
+    if d1 <= 0.0 && d2 <= 0.0 {
+        a
+    } else if d3 >= 0.0 && d4 <= d3 {
+        b
+    } else if d6 >= 0.0 && d5 <= d6 {
+        c
+    } else if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        a + ab * (d1 / (d1 - d3))
+    } else if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        a + ac * (d2 / (d2 - d6))
+    } else if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        b + bc * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))
+    } else {
+        a + ab * (vb / (va + vb + vc)) + ac * (vc / (va + vb + vc))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn point(size: f64) -> impl Strategy<Value = Point3<f64>> {
+        prop::array::uniform3(-size..size).prop_map(Point3::from)
+    }
+
+    proptest! {
+        #[test]
+        fn the_grid_finds_what_looking_at_every_triangle_finds(
+            corners in prop::collection::vec(prop::array::uniform3(point(1.0)), 1..40),
+            to in point(3.0),
+            cell in 0.01..2.0_f64,
+        ) {
+            let closest = Closest::new(corners.iter().copied(), cell);
+            let found = (closest.point(to) - to).norm();
+            let distance = |&corners: &[Point3<f64>; 3]| (on_triangle(to, corners) - to).norm();
+            let least = corners.iter().map(distance).fold(f64::INFINITY, f64::min);
+            prop_assert!((found - least).abs() < 1e-9, "{found} {least}");
+        }
+
+        #[test]
+        fn no_point_of_a_triangle_is_closer(
+            corners in prop::array::uniform3(point(1.0)), to in point(2.0), u in 0.0..1.0_f64, v in 0.0..1.0_f64,
+        ) {
+            let [a, b, c] = corners;
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            let other = a + (b - a) * u + (c - a) * v;
+            prop_assert!((on_triangle(to, corners) - to).norm() <= (other - to).norm() + 1e-9);
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! The skin file of a patch that was cut out of a link.
+
+use super::Patch;
+use crate::mesh::quality::quality;
+
+/// What the skin file names.
+#[derive(Clone, Copy, Debug)]
+pub struct Names<'a> {
+    /// The skin.
+    pub skin: &'a str,
+    /// The link: the frame that the pose is in.
+    pub link: &'a str,
+    /// The mesh file beside the skin file.
+    pub mesh: &'a str,
+}
+
+/// Text of the skin file. What the mesh does not say is as in the shipped skins.
+#[must_use]
+pub fn skin_file(patch: &Patch, names: Names<'_>) -> String {
+    let place = patch.link_from_patch.translation.vector;
+    let turn = patch.link_from_patch.rotation.coords;
+    let found = quality(&patch.mesh);
+    let image = if patch.flat {
+        "columns = 24                      # flat, so that boards take it"
+    } else {
+        "pixels = 800                      # patches of elements of about equal area"
+    };
+    format!(
+        r#"# Cut out of {link} by `dermatome cut`. Change material, drive, inverse and contact to suit the fabric.
+name = "{skin}"
+description = "{electrodes} electrodes of {width:.2} mm on a rim of {rim:.1} mm, {area:.1} cm2 of {link}"
+
+[shape]
+kind = "mesh"
+file = "{mesh}"
+unit = "m"
+
+[pose]                            # of this file's frame on the link
+link = "{link}"
+position = [{x:?}, {y:?}, {z:?}] # m
+orientation = [{qx:?}, {qy:?}, {qz:?}, {qw:?}] # quaternion x, y, z, w
+
+[material]
+sheet_conductivity = "5.88 mS"    # assumed: 0.17 kohm per square, as models/disc-210mm
+
+[electrodes]
+count = {electrodes}
+placement = "groups"              # the mesh holds them, from the top on clockwise as seen from outside
+model = "complete"
+contact_impedance = "0.1 ohm m"   # assumed
+ground = 1
+
+[drive]
+pattern = "adjacent"
+reciprocal = "combined"
+frequency = "50 kHz"
+amplitude = "1 mA"
+frame_rate = "50 Hz"
+
+[inverse]
+prior = "laplace"
+hyperparameter = 0.03
+normalised = true
+
+[image]
+{image}
+
+[contact]
+threshold = 0.05                  # relative conductivity change; `build` prints the noise
+"#,
+        link = names.link,
+        skin = names.skin,
+        mesh = names.mesh,
+        electrodes = patch.mesh.electrodes.len(),
+        width = patch.width * 1e3,
+        rim = patch.rim * 1e3,
+        area = found.area * 1e4,
+        x = place.x,
+        y = place.y,
+        z = place.z,
+        qx = turn.x,
+        qy = turn.y,
+        qz = turn.z,
+        qw = turn.w,
+    )
+}
