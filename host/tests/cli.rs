@@ -14,7 +14,7 @@ use std::{
 };
 
 /// All commands.
-const COMMANDS: [&str; 17] = [
+const COMMANDS: [&str; 18] = [
     "build",
     "check",
     "check-data",
@@ -27,6 +27,7 @@ const COMMANDS: [&str; 17] = [
     "flash",
     "forward",
     "inspect",
+    "learn",
     "reconstruct",
     "scope",
     "simulate",

@@ -32,6 +32,7 @@ mod forward;
 mod frame_options;
 mod inspect;
 pub mod interrupt;
+mod learn;
 mod noise;
 mod progress;
 mod reconstruct;
@@ -65,6 +66,7 @@ enum Command {
     Firmware(firmware::Args),
     Reconstruct(reconstruct::Args),
     CheckData(check_data::Args),
+    Learn(learn::Args),
     Export(export::Args),
     Forward(forward::Args),
 }
@@ -97,6 +99,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Firmware(args) => firmware::run(&args),
         Command::Reconstruct(args) => reconstruct::run(&args),
         Command::CheckData(args) => check_data::run(&args),
+        Command::Learn(args) => learn::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Forward(args) => forward::run(&args),
     }
