@@ -14,6 +14,7 @@ pub mod health;
 pub mod interchange;
 pub mod inverse;
 pub mod jacobian;
+pub mod learn;
 pub mod link;
 pub mod measured;
 pub mod mesh;

@@ -287,12 +287,18 @@ impl Model {
     /// Measurements whose reference is zero cannot be normalised and count as unchanged.
     #[must_use]
     pub fn image(&self, change: &[f64], reference: &[f64]) -> Vec<f64> {
-        let change = combine_voltages(change, &self.combination);
-        let reference = combine_voltages(reference, &self.combination);
-        let divisors = divisors(self.difference, &reference);
-        let difference =
-            Col::from_fn(reference.len(), |m| if divisors[m] == 0.0 { 0.0 } else { change[m] / divisors[m] });
+        let difference = self.difference_data(change, reference);
+        let difference = Col::from_fn(difference.len(), |m| difference[m]);
         (&self.conductivity_from_difference * difference).iter().copied().collect()
+    }
+
+    /// The difference data that [`Self::image`] takes for the same voltages: `[measurement]`.
+    #[must_use]
+    pub fn difference_data(&self, change: &[f64], reference: &[f64]) -> Vec<f64> {
+        let change = combine_voltages(change, &self.combination);
+        let divisors = divisors(self.difference, &combine_voltages(reference, &self.combination));
+        let ratio = |(change, divisor): (&f64, &f64)| if *divisor == 0.0 { 0.0 } else { change / divisor };
+        change.iter().zip(&divisors).map(ratio).collect()
     }
 }
 

@@ -28,6 +28,7 @@ const COMMANDS: [&str; 18] = [
     "flash",
     "forward",
     "inspect",
+    "learn",
     "reconstruct",
     "scope",
     "simulate",

@@ -30,6 +30,10 @@ impl FrameOptions {
         Arrangement { sense: self.order, rotation: self.rotation, mirrored: self.mirror }
     }
 
+    pub(super) fn offset(&self) -> f64 {
+        self.offset
+    }
+
     /// Reads frames of a skin.
     pub(super) fn read(&self, source: &Source, skin: &Skin) -> Result<Frames, ReadError> {
         let frames = read(source)?.with_square(skin.electrodes.count, skin.steps().len());

@@ -33,6 +33,7 @@ mod forward;
 mod frame_options;
 mod inspect;
 pub mod interrupt;
+mod learn;
 mod noise;
 mod progress;
 mod reconstruct;
@@ -67,6 +68,7 @@ enum Command {
     Reconstruct(reconstruct::Args),
     CheckData(check_data::Args),
     Cut(cut::Args),
+    Learn(learn::Args),
     Export(export::Args),
     Forward(forward::Args),
 }
@@ -100,6 +102,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Reconstruct(args) => reconstruct::run(&args),
         Command::CheckData(args) => check_data::run(&args),
         Command::Cut(args) => cut::run(&args),
+        Command::Learn(args) => learn::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Forward(args) => forward::run(&args),
     }

@@ -60,7 +60,7 @@ pub(super) struct Args {
 
 /// Where the weights of measurements come from.
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
-enum WeightChoice {
+pub(super) enum WeightChoice {
     /// From the skin file.
     #[default]
     Skin,
@@ -119,7 +119,11 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     args.json.write(&report)
 }
 
-fn weigh_by_magnitude(skin: &mut Skin, reference: &Frames, options: &FrameOptions) -> anyhow::Result<()> {
+pub(super) fn weigh_by_magnitude(
+    skin: &mut Skin,
+    reference: &Frames,
+    options: &FrameOptions,
+) -> anyhow::Result<()> {
     if skin.inverse.difference != Difference::Normalised {
         bail!(
             "--weights is `magnitude`, which is for normalised data; `inverse.normalised` is false, allowed here: \

@@ -39,6 +39,12 @@ pub fn data_space(training: &Training, whitening: &Whitening, pixels: &Pixels, r
     DataSpace::trained(images, answers.transpose() * &answers, unit)
 }
 
+/// Desired image of a target so far from its centre, both m: 1 in the middle, a half at the radius.
+#[must_use]
+pub fn desired(distance: f64, radius: f64) -> f64 {
+    1.0 / (1.0 + (STEEPNESS * (distance / radius - 1.0)).exp())
+}
+
 /// Desired images of all training targets at some pixel centres: `[pixel][target]`.
 #[must_use]
 pub fn desired_images(training: &Training, centres: &[Point3<f64>], radius: f64) -> Mat<f64> {
@@ -46,8 +52,7 @@ pub fn desired_images(training: &Training, centres: &[Point3<f64>], radius: f64)
     let disc = PI * radius * radius * (1.0 + (PI / STEEPNESS).powi(2) / 3.0);
     let value = |pixel: usize, target: usize| {
         let distance = (centres[pixel] - training.centres[target]).norm();
-        let share = 1.0 / (1.0 + (STEEPNESS * (distance / radius - 1.0)).exp());
-        share * training.areas[target] / disc
+        desired(distance, radius) * training.areas[target] / disc
     };
     Mat::from_fn(centres.len(), training.areas.len(), value)
 }

@@ -254,7 +254,7 @@ impl Signs {
 }
 
 /// Magnitude up to which a measurement of the reference is dead.
-pub(super) fn dead_below(reference: &[Complex64], map: &[FileIndex]) -> f64 {
+pub(crate) fn dead_below(reference: &[Complex64], map: &[FileIndex]) -> f64 {
     DEAD * median(map.iter().map(|place| reference[place.index].norm()))
 }
 

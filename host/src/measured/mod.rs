@@ -13,6 +13,6 @@ mod npz;
 pub mod order;
 pub mod read;
 pub mod reconstruct;
-mod statistics;
+pub(crate) mod statistics;
 mod table;
 pub mod weights;

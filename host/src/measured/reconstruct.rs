@@ -146,8 +146,14 @@ fn describe(geometry: &Geometry, frame: usize, image: Vec<f64>, polarity: Polari
     }
 }
 
-/// Contacts in the image over its peak: however weak the image is, the codes use their full range.
-fn contacts(grid: &PixelGrid, mask: &[u8], image: &[f64], sign: f64, peak: f64) -> contact::Contacts {
+/// Contacts in the image over its peak, which has this sign: however weak the image is, the codes use their full range.
+pub(crate) fn contacts(
+    grid: &PixelGrid,
+    mask: &[u8],
+    image: &[f64],
+    sign: f64,
+    peak: f64,
+) -> contact::Contacts {
     if peak <= 0.0 {
         return contact::Contacts::new();
     }

@@ -1,0 +1,224 @@
+//! `dermatome learn`: recorded presses and a skin's model -> a calibrated patch.
+
+use super::{
+    JsonReport,
+    frame_options::FrameOptions,
+    patch_id, progress,
+    reconstruct::{WeightChoice, weigh_by_magnitude},
+};
+use crate::{
+    learn::{LearnReport, MOST_TEST, Request, Strength, judge::Errors, learn, presses::Recording},
+    measured::{
+        diagnose::diagnose,
+        read::{Frames, Source},
+    },
+    model::Model,
+    output::write_whole,
+    quantize::{self, FixedPointError},
+    skin::Skin,
+};
+use anyhow::Context;
+use dermatome_shared::patch::PatchView;
+use serde::Serialize;
+use std::{ffi::OsString, path::PathBuf};
+
+/// Calibrate a skin's matrix from presses at known places, and write its patch.
+///
+/// The model's matrix is corrected by as much as the presses ask for; cross-validation chooses how far
+/// they are trusted. Some presses are kept aside and judge the patch in a board's fixed point.
+#[derive(clap::Args)]
+#[command(
+    after_help = "FILE is an .npz archive with the arrays v_pressed [press][measurement], positions_m [press][x, y], \
+v_unpressed (one frame, or one for each press) and perhaps force_n [press]; or a .csv table with one press per \
+row: x and y in metres, perhaps the force in newtons, then the measurements.
+
+Examples:
+  dermatome learn skin.toml --presses presses.npz
+  dermatome learn skin.toml --presses presses.csv --reference idle.csv -o calibrated.dermatome --json learn.json"
+)]
+pub(super) struct Args {
+    /// Skin file.
+    #[arg(value_name = "SKIN")]
+    skin: PathBuf,
+    /// Recorded presses.
+    #[arg(long, value_name = "FILE")]
+    presses: PathBuf,
+    /// Frames of the untouched skin, averaged; without it, v_unpressed of the archive.
+    #[arg(long, value_name = "FILE")]
+    reference: Option<OsString>,
+    /// Where to write the patch [default: the skin's name with .dermatome, in this folder].
+    #[arg(short, long, value_name = "PATCH")]
+    output: Option<PathBuf>,
+    /// Share of the presses kept aside to judge the result, 0 to 0.5.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.2, value_parser = share)]
+    test: f64,
+    /// Seed of the split.
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// What a press's strength in the image follows: the size of its answer, or its force.
+    #[arg(long, value_enum, default_value_t)]
+    strength: Strength,
+    /// How much each measurement counts in the model's matrix: as the skin file says, or in proportion to
+    /// the square of the measured reference (normalised data only).
+    #[arg(long, value_enum, default_value_t)]
+    weights: WeightChoice,
+    #[command(flatten)]
+    options: FrameOptions,
+    #[command(flatten)]
+    json: JsonReport,
+}
+
+/// What `learn` tells; keys are documented in docs/cli.md.
+#[derive(Serialize)]
+struct Report {
+    skin: String,
+    presses_file: PathBuf,
+    #[serde(flatten)]
+    learnt: LearnReport,
+    patch: PathBuf,
+    patch_bytes: usize,
+    patch_crc: String,
+    fixed_point_error: FixedPointError,
+    warnings: Vec<String>,
+}
+
+/// Random presses on which the fixed-point error is measured.
+const TRIALS: usize = 32;
+/// A turn of the model's places that is worth a warning, degrees.
+const TURNED: f64 = 8.0;
+
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let mut skin = Skin::load(&args.skin)?;
+    let in_presses = || format!("presses `{}`", args.presses.display());
+    let in_both = || format!("presses `{}` on skin file `{}`", args.presses.display(), args.skin.display());
+    let recording = read(args, &skin).with_context(in_presses)?;
+    if let WeightChoice::Magnitude = args.weights {
+        weigh_by_magnitude(&mut skin, &recording.unpressed, &args.options).with_context(in_presses)?;
+    }
+    let spinner = progress::spinner();
+    let in_skin = || format!("skin file `{}`", args.skin.display());
+    let model = Model::build(&skin, |stage| spinner.set_message(stage)).with_context(in_skin)?;
+    spinner.set_message("learning");
+    let arrangement = args.options.arrangement();
+    let presses = recording.on(&model, &arrangement).with_context(in_presses)?;
+    let request = Request { test_share: args.test, seed: args.seed, strength: args.strength };
+    let learnt = learn(&skin, &model, &presses, &request).with_context(in_both)?;
+    let view = PatchView::validate(&learnt.patch)?;
+    let fixed_point_error =
+        quantize::fixed_point_error(&learnt.model, &view, TRIALS).with_context(in_both)?;
+    let electrodes = skin.electrodes.count;
+    let diagnosis =
+        diagnose(&model.steps, electrodes, &model.voltages, &presses.mean_reference, arrangement)?;
+    let path = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.dermatome", skin.name)));
+    write_whole(&path, &learnt.patch)?;
+    spinner.finish_and_clear();
+    let mut warnings = diagnosis.warnings();
+    warnings.extend(doubts(&skin, &learnt.report));
+    let report = Report {
+        skin: skin.name.clone(),
+        presses_file: args.presses.clone(),
+        patch: path,
+        patch_bytes: learnt.patch.len(),
+        patch_crc: patch_id(view.crc()),
+        fixed_point_error,
+        learnt: learnt.report,
+        warnings,
+    };
+    print(&report);
+    report.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    args.json.write(&report)
+}
+
+fn read(args: &Args, skin: &Skin) -> anyhow::Result<Recording> {
+    let of_reference = |name: &OsString| args.options.read(&Source::new(name), skin);
+    let reference: Option<Frames> = args.reference.as_ref().map(of_reference).transpose()?;
+    let (electrodes, steps) = (skin.electrodes.count, skin.steps().len());
+    Ok(Recording::read(&args.presses, reference, args.options.offset(), electrodes, steps)?)
+}
+
+/// What the figures say against the result.
+fn doubts(skin: &Skin, report: &LearnReport) -> Vec<String> {
+    let mut doubts = Vec::new();
+    let turn = report.turn;
+    if turn.mirrored {
+        doubts.push(
+            "the presses fit the model better mirrored: check --mirror and `electrodes.direction`, and which way x \
+             and y of the presses run"
+                .to_owned(),
+        );
+    } else if turn.degrees.abs() > TURNED {
+        doubts.push(format!(
+            "the presses fit the model best if its places are turned by {:+.1} degrees: the prior is better with \
+             electrodes (`electrodes.first`, --rotation) turned by as much",
+            turn.degrees
+        ));
+    }
+    if report.validation.mean_mm >= report.model_training.mean_mm {
+        doubts.push(format!(
+            "in cross-validation the learnt matrix is no better than the model's (mean error {:.1} and {:.1} mm): \
+             record more presses, or keep the patch of `build`",
+            report.validation.mean_mm, report.model_training.mean_mm
+        ));
+    }
+    if report.contact_threshold < skin.contact_threshold {
+        doubts.push(format!(
+            "the patch has a contact threshold of {:.3e} instead of `contact.threshold` {}, which would hide weak \
+             presses",
+            report.contact_threshold, skin.contact_threshold
+        ));
+    }
+    if report.test.is_none() {
+        doubts.push("no presses were kept for a test: --test is 0".to_owned());
+    }
+    doubts
+}
+
+fn print(report: &Report) {
+    let learnt = &report.learnt;
+    say!("skin          {}", report.skin);
+    say!(
+        "presses       {}: {} to learn from, {} for the test (seed {})",
+        learnt.presses,
+        learnt.training_presses,
+        learnt.test_presses,
+        learnt.seed
+    );
+    let direction = if learnt.conductivity_falls { "falls" } else { "rises" };
+    say!("polarity      conductivity {direction} where pressed, by the model; it rises in the learnt images");
+    say!(
+        "chosen        trust in the model {}, radius of a spot {} of half the skin",
+        learnt.settings.trust,
+        learnt.settings.radius
+    );
+    say!("error, mm                       median    mean    90 %   worst  missed");
+    let optional =
+        |name, errors: &Option<Errors>| errors.iter().for_each(|errors| print_errors(name, errors));
+    print_errors("training, model", &learnt.model_training);
+    print_errors("training, learnt", &learnt.training);
+    print_errors("cross-validation", &learnt.validation);
+    optional("test, model, fixed point", &learnt.model_test);
+    optional("test, learnt, fixed point", &learnt.test);
+    say!("fixed point   moves a contact by {:.3} mm at most", learnt.fixed_point_mm);
+    say!("noise         {:.2} times the model's in the image", learnt.noise_amplification);
+    say!("departure     {:.2} of the model's matrix", learnt.departure);
+    if let Some(correlation) = learnt.force_correlation {
+        say!("force         correlates with strength by {correlation:.3}");
+    }
+    say!("patch         {} ({} bytes, id {})", report.patch.display(), report.patch_bytes, report.patch_crc);
+}
+
+fn print_errors(name: &str, errors: &Errors) {
+    say!(
+        "  {name:<28} {:>7.1} {:>7.1} {:>7.1} {:>7.1} {:>7}",
+        errors.median_mm,
+        errors.mean_mm,
+        errors.ninth_decile_mm,
+        errors.worst_mm,
+        errors.missed
+    );
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok().filter(|share| (0.0..=MOST_TEST).contains(share));
+    share.ok_or_else(|| format!("allowed are 0 to {MOST_TEST}"))
+}

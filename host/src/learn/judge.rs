@@ -1,0 +1,278 @@
+//! Judge: how far from the presses a matrix's strongest contacts lie.
+
+use super::{LearnError, presses::Presses};
+use crate::{measured::reconstruct::contacts, model::Model};
+use dermatome_shared::{
+    contact::{self, Contact},
+    image::{Geometry, Image},
+    patch::PatchView,
+    reconstruct::reconstruct,
+    reference::DifferenceData,
+};
+use faer::{Col, Mat};
+use serde::Serialize;
+
+/// Position errors of some presses, mm. A press without a contact counts as the grid's larger side.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Errors {
+    /// Presses judged.
+    pub presses: usize,
+    /// Presses that showed no contact.
+    pub missed: usize,
+    /// Middle one.
+    pub median_mm: f64,
+    /// Mean.
+    pub mean_mm: f64,
+    /// Standard error of the mean.
+    pub standard_error_mm: f64,
+    /// Nine in ten are smaller.
+    pub ninth_decile_mm: f64,
+    /// Largest.
+    pub worst_mm: f64,
+}
+
+/// How places have to be turned about the image's centre to fit the presses.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Turn {
+    /// Counter-clockwise, degrees; of the better of both ways round.
+    pub degrees: f64,
+    /// Whether places mirrored (x to -x) and then turned fit better.
+    pub mirrored: bool,
+}
+
+/// The strongest contact of a press.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// Centre, m.
+    pub place: [f64; 2],
+    /// Mean relative conductivity change.
+    pub strength: f64,
+    /// Largest relative conductivity change.
+    pub peak: f64,
+}
+
+/// One press and what was seen of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judgement {
+    /// Index of the press.
+    pub press: usize,
+    /// Where it was, m.
+    pub place: [f64; 2],
+    /// Its strongest contact.
+    pub found: Option<Found>,
+}
+
+/// All presses judged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Each press.
+    pub presses: Vec<Judgement>,
+    /// Centre of the image, m.
+    centre: [f64; 2],
+    /// Larger side of the grid, m.
+    side: f64,
+}
+
+/// A matrix to be judged in f64: `[pixel][measurement]`.
+#[derive(Clone, Copy, Debug)]
+pub struct Judged<'a> {
+    /// Relative conductivity, up where pressed.
+    pub matrix: &'a Mat<f64>,
+    /// Its image.
+    pub geometry: &'a Geometry,
+}
+
+impl Judged<'_> {
+    /// Finds the strongest contact of each press, however weak.
+    #[must_use]
+    pub fn judge(&self, presses: &Presses, which: &[usize]) -> Outcome {
+        let Geometry { grid, mask } = self.geometry;
+        outcome(self.geometry, presses, which, |data| {
+            let image = self.matrix * Col::from_fn(data.len(), |m| data[m]);
+            let image: Vec<f64> = image.iter().copied().collect();
+            let peak = image.iter().copied().fold(0.0, f64::max);
+            let contacts = contacts(grid, mask, &image, 1.0, peak);
+            contacts.first().map(|contact| Found::new(contact, peak))
+        })
+    }
+}
+
+/// Judges a model's matrix in f64.
+pub fn judge_matrix(model: &Model, presses: &Presses, which: &[usize]) -> Result<Outcome, LearnError> {
+    let judged = Judged { matrix: &model.conductivity_from_difference, geometry: model.grid()? };
+    Ok(judged.judge(presses, which))
+}
+
+/// Judges a model's patch with a board's arithmetic and contact threshold.
+pub fn judge_board(
+    model: &Model,
+    patch: &PatchView<'_>,
+    presses: &Presses,
+    which: &[usize],
+) -> Result<Outcome, LearnError> {
+    let geometry = model.grid()?;
+    Ok(outcome(geometry, presses, which, |data| {
+        board_contacts(patch, data).first().map(|c| Found::new(c, 1.0))
+    }))
+}
+
+/// Contacts as a board finds them, from difference data `[measurement]`.
+#[must_use]
+pub fn board_contacts(patch: &PatchView<'_>, data: &[f64]) -> contact::Contacts {
+    let relative: Vec<f32> = data.iter().map(|&value| value as f32).collect();
+    let mut difference = DifferenceData::default();
+    difference.quantise(&relative);
+    let mut image = Image::new();
+    reconstruct(patch, &difference, &mut image);
+    contact::find(&patch.header.grid, patch.mask(), &image, patch.header.contact_threshold)
+}
+
+fn outcome(
+    geometry: &Geometry,
+    presses: &Presses,
+    which: &[usize],
+    find: impl Fn(&[f64]) -> Option<Found>,
+) -> Outcome {
+    let grid = &geometry.grid;
+    let judge = |&press: &usize| Judgement {
+        press,
+        place: [presses.places[press].x, presses.places[press].y],
+        found: find(&presses.data[press]),
+    };
+    Outcome {
+        presses: which.iter().map(judge).collect(),
+        centre: grid.position(f32::from(grid.columns) / 2.0, f32::from(grid.rows) / 2.0).map(f64::from),
+        side: f64::from(grid.columns.max(grid.rows)) * f64::from(grid.pitch),
+    }
+}
+
+impl Found {
+    /// `scale` is what the contact's image was divided by.
+    fn new(contact: &Contact, scale: f64) -> Self {
+        Self {
+            place: contact.position.map(f64::from),
+            strength: f64::from(contact.strength) * scale,
+            peak: f64::from(contact.peak) * scale,
+        }
+    }
+}
+
+impl Outcome {
+    /// The presses of several outcomes of one image.
+    pub(super) fn together<'a>(mut parts: impl Iterator<Item = &'a Self>) -> Self {
+        let mut all =
+            parts.next().cloned().unwrap_or(Self { presses: Vec::new(), centre: [0.0; 2], side: 0.0 });
+        parts.for_each(|part| all.presses.extend(&part.presses));
+        all
+    }
+
+    /// Position errors.
+    #[must_use]
+    pub fn errors(&self) -> Errors {
+        let error = |press: &Judgement| {
+            press.found.map_or(self.side, |found| distance(found.place, press.place)) * 1e3
+        };
+        let mut errors: Vec<f64> = self.presses.iter().map(error).collect();
+        errors.sort_by(f64::total_cmp);
+        let Some(last) = errors.len().checked_sub(1) else { return Errors::default() };
+        let at = |share: f64| errors[(share * last as f64).round() as usize];
+        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        let squares: f64 = errors.iter().map(|error| (error - mean).powi(2)).sum();
+        Errors {
+            presses: errors.len(),
+            missed: self.presses.iter().filter(|press| press.found.is_none()).count(),
+            median_mm: at(0.5),
+            mean_mm: mean,
+            standard_error_mm: (squares / last.max(1) as f64 / errors.len() as f64).sqrt(),
+            ninth_decile_mm: at(0.9),
+            worst_mm: errors[last],
+        }
+    }
+
+    /// The turn that brings what was found closest to the presses, in the least-squares sense.
+    #[must_use]
+    pub fn turn(&self) -> Turn {
+        let (mut plain, mut mirrored) = ([0.0; 2], [0.0; 2]);
+        for (found, place) in self.presses.iter().filter_map(|press| Some((press.found?.place, press.place)))
+        {
+            let ([x, y], [tx, ty]) = (self.about_centre(found), self.about_centre(place));
+            plain = [plain[0] + x * tx + y * ty, plain[1] + x * ty - y * tx];
+            mirrored = [mirrored[0] - x * tx + y * ty, mirrored[1] - x * ty - y * tx];
+        }
+        let size = |[along, across]: [f64; 2]| along.hypot(across);
+        let is_mirrored = size(mirrored) > size(plain);
+        let [along, across] = if is_mirrored { mirrored } else { plain };
+        Turn { degrees: across.atan2(along).to_degrees(), mirrored: is_mirrored }
+    }
+
+    /// Farthest that a contact lies from the same one of another outcome, mm; the larger side where one of them
+    /// has none.
+    #[must_use]
+    pub fn farthest_from(&self, other: &Self) -> f64 {
+        let apart = |(a, b): (&Judgement, &Judgement)| match (a.found, b.found) {
+            (Some(a), Some(b)) => distance(a.place, b.place),
+            (None, None) => 0.0,
+            _ => self.side,
+        };
+        self.presses.iter().zip(&other.presses).map(apart).fold(0.0, f64::max) * 1e3
+    }
+
+    fn about_centre(&self, place: [f64; 2]) -> [f64; 2] {
+        [place[0] - self.centre[0], place[1] - self.centre[1]]
+    }
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn seen(pairs: &[([f64; 2], Option<[f64; 2]>)]) -> Outcome {
+        let judgement = |(press, &(place, found)): (usize, &([f64; 2], Option<[f64; 2]>))| Judgement {
+            press,
+            place,
+            found: found.map(|place| Found { place, strength: 1.0, peak: 1.0 }),
+        };
+        Outcome { presses: pairs.iter().enumerate().map(judgement).collect(), centre: [0.0; 2], side: 0.2 }
+    }
+
+    #[test]
+    fn a_missed_press_counts_as_the_whole_skin() {
+        let errors = seen(&[([0.0, 0.0], Some([0.003, 0.004])), ([0.0, 0.0], None)]).errors();
+        assert_eq!((errors.presses, errors.missed), (2, 1));
+        assert!((errors.mean_mm - 102.5).abs() < 1e-9 && (errors.worst_mm - 200.0).abs() < 1e-9);
+        assert!((errors.standard_error_mm - 97.5).abs() < 1e-9, "{errors:?}");
+    }
+
+    #[test]
+    fn nothing_judged_has_no_error() {
+        assert_eq!(seen(&[]).errors(), Errors::default());
+    }
+
+    #[test]
+    fn a_contact_that_fixed_point_loses_is_the_whole_skin_away() {
+        let (a, b) = ([0.01, 0.0], [0.01, 0.002]);
+        let (exact, near) = (seen(&[(a, Some(a)), (a, Some(a))]), seen(&[(a, Some(b)), (a, Some(a))]));
+        assert!((exact.farthest_from(&near) - 2.0).abs() < 1e-9);
+        assert!((exact.farthest_from(&seen(&[(a, None), (a, Some(a))])) - 200.0).abs() < 1e-9);
+    }
+
+    proptest! {
+        #[test]
+        fn the_turn_of_turned_places_is_found(degrees in -179.0..179.0_f64, mirrored: bool) {
+            let (sin, cos) = (-degrees).to_radians().sin_cos();
+            let turned_back = |[x, y]: [f64; 2]| {
+                let (x, y) = (x * cos - y * sin, x * sin + y * cos);
+                if mirrored { [-x, y] } else { [x, y] }
+            };
+            let places = [[0.03, 0.01], [-0.02, 0.05], [0.01, -0.04], [0.06, 0.02]];
+            let turn = seen(&places.map(|place| (place, Some(turned_back(place))))).turn();
+            prop_assert_eq!(turn.mirrored, mirrored);
+            prop_assert!((turn.degrees - degrees).abs() < 1e-6, "{:?}", turn);
+        }
+    }
+}

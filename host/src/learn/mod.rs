@@ -1,0 +1,295 @@
+//! Learn: a matrix calibrated from presses at known places.
+//!
+//! The model's matrix is the prior. What recorded presses add to it is the smallest correction that
+//! brings their images closer to round spots where the skin was pressed ([`correction`]). The outcome is a
+//! matrix like any other, which a board runs with the same arithmetic and contact finder.
+//!
+//! ```text
+//! presses -> split: test | the rest
+//! the rest -> cross-validation: how far to trust the presses, how large a spot
+//!          -> correction with all the rest -> patch
+//! test     -> errors of that patch, in fixed point
+//! ```
+//!
+//! The test part chooses nothing.
+
+pub mod correction;
+pub mod judge;
+pub mod presses;
+pub mod split;
+
+use crate::{
+    measured::statistics::pearson,
+    model::{Model, NoGrid},
+    quantize::{self, PatchBuildError},
+    skin::Skin,
+};
+use correction::{Correction, Settings, Training};
+use dermatome_shared::patch::{PatchError, PatchView};
+use faer::Mat;
+use judge::{Errors, Outcome, Turn, judge_board, judge_matrix};
+use presses::Presses;
+use rayon::prelude::*;
+use serde::Serialize;
+use split::{Folds, split};
+
+/// Parts of the cross-validation.
+pub const FOLDS: usize = 5;
+/// Fewest presses to learn from.
+pub const FEWEST: usize = 10;
+/// Largest share of the presses kept for the test.
+pub const MOST_TEST: f64 = 0.5;
+/// How far the model is trusted, see [`Settings::trust`].
+const TRUSTS: [f64; 9] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0];
+/// Radii of the desired spots, as shares of half the skin's larger side.
+const RADII: [f64; 4] = [0.15, 0.2, 0.25, 0.3];
+
+/// What is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Request {
+    /// Share of the presses that is kept for the test, 0 to [`MOST_TEST`].
+    pub test_share: f64,
+    /// Seed of the split.
+    pub seed: u64,
+    /// What a spot's height follows.
+    pub strength: Strength,
+}
+
+/// What the strength of a press in the image follows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Strength {
+    /// The size of the measurements' answer, as in the model's images: places come out best.
+    #[default]
+    Answer,
+    /// The force: equal forces look alike all over the skin, and places come out less well.
+    Force,
+}
+
+/// A learnt matrix and how good it is.
+#[derive(Clone, Debug)]
+pub struct Learnt {
+    /// The model with the learnt matrix.
+    pub model: Model,
+    /// Its patch.
+    pub patch: Vec<u8>,
+    /// What is known of it.
+    pub report: LearnReport,
+}
+
+/// How a matrix was learnt, and how good it is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LearnReport {
+    /// Presses in the file.
+    pub presses: usize,
+    /// Presses learnt from, by cross-validation and at the end.
+    pub training_presses: usize,
+    /// Presses kept for the test.
+    pub test_presses: usize,
+    /// As asked for.
+    pub seed: u64,
+    /// As asked for.
+    pub strength: Strength,
+    /// What cross-validation chose.
+    pub settings: Settings,
+    /// Whether presses lower the conductivity in the model's images.
+    pub conductivity_falls: bool,
+    /// How the model's places have to be turned to fit the training presses best.
+    pub turn: Turn,
+    /// The model's matrix on the training presses, f64.
+    pub model_training: Errors,
+    /// The learnt matrix on the presses it has learnt from, f64.
+    pub training: Errors,
+    /// Matrices learnt from four fifths of the training presses, each on the other fifth, f64.
+    pub validation: Errors,
+    /// The model's matrix on the test presses, in a board's fixed point.
+    pub model_test: Option<Errors>,
+    /// The learnt matrix on the test presses, in a board's fixed point.
+    pub test: Option<Errors>,
+    /// Farthest that fixed point moves a contact of the test presses (without a test, of all), mm.
+    pub fixed_point_mm: f64,
+    /// Threshold in the patch: the skin file's, or less where that would hide weak presses.
+    pub contact_threshold: f64,
+    /// Noise in the images of equal noise in every voltage, learnt over the model's, for presses that
+    /// look equally strong.
+    pub noise_amplification: f64,
+    /// How far the learnt matrix is from the model's, over the model's size, in units of the
+    /// measurements' usual answers.
+    pub departure: f64,
+    /// Correlation of contact strength with force over the test presses (without a test, the training
+    /// presses); none without forces.
+    pub force_correlation: Option<f64>,
+}
+
+/// Why nothing could be learnt.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LearnError {
+    /// Too few presses.
+    #[error(
+        "{found} presses are left to learn from; allowed: {FEWEST} or more (the file holds {presses}, {test} of \
+         them are kept for the test)"
+    )]
+    TooFew {
+        /// Presses to learn from.
+        found: usize,
+        /// All presses.
+        presses: usize,
+        /// Presses of the test.
+        test: usize,
+    },
+    /// A share that is none.
+    #[error("the share of presses kept for the test is {0}; allowed: 0 to {MOST_TEST}")]
+    TestShare(f64),
+    /// No forces to follow.
+    #[error("the strength is to follow the force, and the file holds no forces; allowed here: `answer`")]
+    NoForces,
+    /// A press that changes nothing.
+    #[error("press {0} (counted from 0) does not differ from its reference in any measurement")]
+    NoChange(usize),
+    /// A training set in which nothing happens.
+    #[error("fewer than half of the presses change any one measurement: nothing can be learnt from them")]
+    Silent,
+    /// Data on which the arithmetic fails.
+    #[error("the presses' measurements are too large or too much alike to be solved for")]
+    Singular,
+    /// An image in which nothing can be looked for.
+    #[error(transparent)]
+    NoGrid(#[from] NoGrid),
+    /// A matrix that no board takes.
+    #[error(transparent)]
+    Patch(#[from] PatchBuildError),
+    /// A patch that no board takes.
+    #[error("the learnt matrix does not make a valid patch: {0}")]
+    Invalid(#[from] PatchError),
+}
+
+/// Learns a matrix for `skin`, whose model is `model`, from presses.
+pub fn learn(skin: &Skin, model: &Model, presses: &Presses, request: &Request) -> Result<Learnt, LearnError> {
+    if !(0.0..=MOST_TEST).contains(&request.test_share) {
+        return Err(LearnError::TestShare(request.test_share));
+    }
+    if request.strength == Strength::Force && presses.forces.is_none() {
+        return Err(LearnError::NoForces);
+    }
+    model.grid()?;
+    let parts = split(presses.count(), request.test_share, request.seed);
+    let (found, test) = (parts.training.len(), parts.test.len());
+    if found < FEWEST {
+        return Err(LearnError::TooFew { found, presses: presses.count(), test });
+    }
+    let folds = Folds::new(&parts.training, FOLDS);
+    // Whether a board takes the patch at all does not depend on the numbers in it.
+    quantize::patch(skin, model)?;
+    let chosen = choose(model, presses, &folds, request.strength)?;
+    let training = Training::new(model, presses, &parts.training, request.strength)?;
+    let correction = training.correct(chosen.settings)?;
+    let learnt = with_matrix(model, correction.matrix.clone());
+    let plain = with_matrix(model, correction.prior.clone());
+    let learns_from = judge_matrix(&learnt, presses, &parts.training)?;
+    let placed = judge_matrix(&plain, presses, &parts.training)?;
+    let heard = hearing(skin, &learns_from);
+    let patch = quantize::patch(&heard, &learnt)?;
+    let view = PatchView::validate(&patch)?;
+    let judged = if test > 0 { &parts.test } else { &parts.training };
+    let on_board = judge_board(&learnt, &view, presses, judged)?;
+    let test_of = |outcome: &Outcome| (test > 0).then(|| outcome.errors());
+    let of_model = board_outcome(&hearing(skin, &placed), &plain, presses, judged)?;
+    let report = LearnReport {
+        presses: presses.count(),
+        training_presses: found,
+        test_presses: test,
+        seed: request.seed,
+        strength: request.strength,
+        settings: chosen.settings,
+        conductivity_falls: correction.falls,
+        turn: placed.turn(),
+        model_training: placed.errors(),
+        training: learns_from.errors(),
+        validation: chosen.errors,
+        model_test: test_of(&of_model),
+        test: test_of(&on_board),
+        fixed_point_mm: judge_matrix(&learnt, presses, judged)?.farthest_from(&on_board),
+        contact_threshold: heard.contact_threshold,
+        noise_amplification: noise_amplification(&training, &correction),
+        departure: training.departure(&correction),
+        force_correlation: presses.forces.as_ref().map(|forces| correlation(forces, &on_board)),
+    };
+    Ok(Learnt { model: learnt, patch, report })
+}
+
+/// The model with another matrix.
+fn with_matrix(model: &Model, matrix: Mat<f64>) -> Model {
+    Model { conductivity_from_difference: matrix, ..model.clone() }
+}
+
+/// The skin with a contact threshold that lets nearly all presses through, if its own does not: half the
+/// peak that all but the weakest fiftieth of `outcome` reach.
+fn hearing(skin: &Skin, outcome: &Outcome) -> Skin {
+    let mut peaks: Vec<f64> =
+        outcome.presses.iter().map(|press| press.found.map_or(0.0, |f| f.peak)).collect();
+    peaks.sort_by(f64::total_cmp);
+    let weak = peaks.get(peaks.len() / 50).copied().unwrap_or(0.0) / 2.0;
+    let threshold = if weak > 0.0 { skin.contact_threshold.min(weak) } else { skin.contact_threshold };
+    Skin { contact_threshold: threshold, ..skin.clone() }
+}
+
+fn board_outcome(
+    skin: &Skin,
+    model: &Model,
+    presses: &Presses,
+    which: &[usize],
+) -> Result<Outcome, LearnError> {
+    let patch = quantize::patch(skin, model)?;
+    judge_board(model, &PatchView::validate(&patch)?, presses, which)
+}
+
+/// Correlation of strength with force over the presses that were found.
+fn correlation(forces: &[f64], outcome: &Outcome) -> f64 {
+    let found = outcome.presses.iter().filter_map(|press| {
+        let contact = press.found?;
+        Some((forces[press.press], contact.strength))
+    });
+    pearson(&found.collect::<Vec<_>>())
+}
+
+/// Root of the sum of squares, each column times the size of one unit of voltage noise in it.
+fn noise_amplification(training: &Training<'_>, correction: &Correction) -> f64 {
+    let size = |matrix: &Mat<f64>| {
+        let of_column = |m: usize| matrix.col(m).squared_norm_l2() * training.noise[m].powi(2);
+        (0..matrix.ncols()).map(of_column).sum::<f64>().sqrt()
+    };
+    size(&correction.matrix) / size(&correction.prior)
+}
+
+/// Settings, and how well they did in cross-validation.
+struct Chosen {
+    settings: Settings,
+    errors: Errors,
+}
+
+/// The smallest radius, and with it the strongest trust in the model, whose mean error is within one
+/// standard error of the best (Breiman et al. 1984): small spots keep contacts apart, trust keeps noise low.
+fn choose(model: &Model, presses: &Presses, folds: &Folds, strength: Strength) -> Result<Chosen, LearnError> {
+    let tables = folds.iter().collect::<Vec<_>>().into_par_iter().map(|(training, validation)| {
+        let training = Training::new(model, presses, training, strength)?;
+        let mut outcomes = Vec::with_capacity(TRUSTS.len() * RADII.len());
+        for radius in RADII {
+            for trust in TRUSTS {
+                let correction = training.correct(Settings { trust, radius })?;
+                let model = judge::Judged { matrix: &correction.matrix, geometry: model.grid()? };
+                outcomes.push(model.judge(presses, validation));
+            }
+        }
+        Ok(outcomes)
+    });
+    let tables: Vec<Vec<Outcome>> = tables.collect::<Result<_, LearnError>>()?;
+    let together = |place: usize| Outcome::together(tables.iter().map(|table| &table[place]));
+    let errors: Vec<Errors> = (0..TRUSTS.len() * RADII.len()).map(|place| together(place).errors()).collect();
+    let best = errors.iter().copied().min_by(|a, b| a.mean_mm.total_cmp(&b.mean_mm)).unwrap_or_default();
+    let good_enough = |place: &usize| errors[*place].mean_mm <= best.mean_mm + best.standard_error_mm;
+    let row_of = |place: usize| place / TRUSTS.len();
+    let row = (0..errors.len()).find(good_enough).map_or(0, row_of);
+    let place = (0..errors.len()).rev().filter(|&place| row_of(place) == row).find(good_enough).unwrap_or(0);
+    let settings = Settings { trust: TRUSTS[place % TRUSTS.len()], radius: RADII[place / TRUSTS.len()] };
+    Ok(Chosen { settings, errors: errors[place] })
+}
