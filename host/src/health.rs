@@ -341,7 +341,7 @@ mod tests {
     #[test]
     fn a_simulated_board_has_no_vitals_to_judge() {
         let (health, _) = healthy();
-        let diagnosis = watch(FrameFlags::default(), &health, Vitals::default()).diagnosis(true).unwrap();
+        let diagnosis = watch(FrameFlags::default(), &health, Vitals::default(), 0).diagnosis(true).unwrap();
         assert_eq!((diagnosis.findings.len(), diagnosis.free_stack_bytes), (0, None));
     }
 }
