@@ -61,13 +61,14 @@ mod patches {
         MAX_PATCH_BYTES,
         calibration::Calibration,
         drive::Drive,
-        image::PixelGrid,
+        image::{Geometry, PixelGrid},
         patch::{CombinedInto, Difference, PatchContents, PatchHeader, PatchView},
         stimulation::{Driven, Step, pattern},
         units::RelativeConductivity,
     };
     use rand::{Rng, SeedableRng};
     use rand_pcg::Pcg64;
+    use std::ops::Range;
 
     /// Cells on each side of the grid.
     const SIDE: u8 = 32;
@@ -75,10 +76,34 @@ mod patches {
     /// A valid patch of 16 electrodes with the first `pixels` of 32 x 32 pixels and 208 measurements
     /// (104 if `combined`), all else random.
     pub(super) fn patch(pixels: usize, combined: bool, seed: u64) -> Vec<u8> {
+        written(pixels, combined, seed, 14..18, |random, _| random.random_range(-32_767..=32_767))
+    }
+
+    /// The same with an image that is always so many hills, up or down, each above a quarter of its height
+    /// on about 50 pixels.
+    pub(super) fn hills(tops: &[[f64; 2]]) -> Vec<u8> {
+        let height = |pixel: usize| {
+            let (column, row) = ((pixel % usize::from(SIDE)) as f64, (pixel / usize::from(SIDE)) as f64);
+            let hill = |[x, y]: &[f64; 2]| (-((x - column).powi(2) + (y - row).powi(2)) / 11.5).exp();
+            (32_000.0 * tops.iter().map(hill).sum::<f64>()) as i16
+        };
+        written(812, true, 13, 16..17, |_, pixel| height(pixel))
+    }
+
+    fn written(
+        pixels: usize,
+        combined: bool,
+        seed: u64,
+        exponents: Range<i8>,
+        mut entry: impl FnMut(&mut Pcg64, usize) -> i16,
+    ) -> Vec<u8> {
         let mut random = Pcg64::seed_from_u64(seed);
         let steps: Vec<Step> = pattern(16, 1, 1, Driven::Skipped).collect();
         let combination = if combined { reciprocal(&steps) } else { each(steps.len()) };
         let measurements = if combined { steps.len() / 2 } else { steps.len() };
+        let grid = PixelGrid { columns: SIDE, rows: SIDE, pitch: 0.005, left: -0.1, top: 0.1 };
+        let geometry = Geometry::first_cells(grid, pixels);
+        let (places, neighbours) = geometry.tables();
         let header = PatchHeader {
             skin: "random".try_into().unwrap_or_default(),
             electrodes: 16,
@@ -86,22 +111,24 @@ mod patches {
             measurements: measurements as u16,
             pixels: pixels as u16,
             difference: if random.random() { Difference::Plain } else { Difference::Normalised },
-            grid: PixelGrid { columns: SIDE, rows: SIDE, pitch: 0.005, left: -0.1, top: 0.1 },
+            neighbours: neighbours.len() as u16,
+            surface: geometry.scale(),
+            grid: Some(grid),
             drive: Drive::new(50e3, 1e-3, 100.0),
             contact_threshold: RelativeConductivity(1 << 14),
             drift_time: 0.0,
             calibration: Calibration::default(),
             test_resistances: Default::default(),
         };
-        let mask: Vec<u8> = (0..header.grid.mask_bytes()).map(|byte| mask_byte(pixels, byte)).collect();
-        let exponents: Vec<i8> = (0..pixels).map(|_| random.random_range(14..18)).collect();
+        let exponents: Vec<i8> = (0..pixels).map(|_| random.random_range(exponents.clone())).collect();
         let matrix: Vec<i16> =
-            (0..pixels * measurements).map(|_| random.random_range(-32_767..=32_767)).collect();
+            (0..pixels * measurements).map(|place| entry(&mut random, place / measurements)).collect();
         let contents = PatchContents {
             header: &header,
             steps: &steps,
             combination: &combination,
-            mask: &mask,
+            pixels: &places,
+            neighbours: &neighbours,
             exponents: &exponents,
             matrix: &matrix,
         };
@@ -110,12 +137,6 @@ mod patches {
         bytes.truncate(length);
         PatchView::validate(&bytes).expect("the patch is valid");
         bytes
-    }
-
-    /// One bit for each cell, from the lowest on.
-    fn mask_byte(pixels: usize, byte: usize) -> u8 {
-        let bits = pixels.saturating_sub(8 * byte).min(8);
-        (0xFF_u16 >> (8 - bits)) as u8
     }
 
     fn each(steps: usize) -> Vec<CombinedInto> {
