@@ -68,7 +68,6 @@ mod patches {
     };
     use rand::{Rng, SeedableRng};
     use rand_pcg::Pcg64;
-    use std::ops::Range;
 
     /// Cells on each side of the grid.
     const SIDE: u8 = 32;
@@ -76,27 +75,6 @@ mod patches {
     /// A valid patch of 16 electrodes with the first `pixels` of 32 x 32 pixels and 208 measurements
     /// (104 if `combined`), all else random.
     pub(super) fn patch(pixels: usize, combined: bool, seed: u64) -> Vec<u8> {
-        written(pixels, combined, seed, 14..18, |random, _| random.random_range(-32_767..=32_767))
-    }
-
-    /// The same with an image that is always so many hills, up or down, each above a quarter of its height
-    /// on about 50 pixels.
-    pub(super) fn hills(tops: &[[f64; 2]]) -> Vec<u8> {
-        let height = |pixel: usize| {
-            let (column, row) = ((pixel % usize::from(SIDE)) as f64, (pixel / usize::from(SIDE)) as f64);
-            let hill = |[x, y]: &[f64; 2]| (-((x - column).powi(2) + (y - row).powi(2)) / 11.5).exp();
-            (32_000.0 * tops.iter().map(hill).sum::<f64>()) as i16
-        };
-        written(812, true, 13, 16..17, |_, pixel| height(pixel))
-    }
-
-    fn written(
-        pixels: usize,
-        combined: bool,
-        seed: u64,
-        exponents: Range<i8>,
-        mut entry: impl FnMut(&mut Pcg64, usize) -> i16,
-    ) -> Vec<u8> {
         let mut random = Pcg64::seed_from_u64(seed);
         let steps: Vec<Step> = pattern(16, 1, 1, Driven::Skipped).collect();
         let combination = if combined { reciprocal(&steps) } else { each(steps.len()) };
@@ -120,9 +98,9 @@ mod patches {
             calibration: Calibration::default(),
             test_resistances: Default::default(),
         };
-        let exponents: Vec<i8> = (0..pixels).map(|_| random.random_range(exponents.clone())).collect();
+        let exponents: Vec<i8> = (0..pixels).map(|_| random.random_range(14..18)).collect();
         let matrix: Vec<i16> =
-            (0..pixels * measurements).map(|place| entry(&mut random, place / measurements)).collect();
+            (0..pixels * measurements).map(|_| random.random_range(-32_767..=32_767)).collect();
         let contents = PatchContents {
             header: &header,
             steps: &steps,

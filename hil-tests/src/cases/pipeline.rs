@@ -28,52 +28,30 @@ pub(super) const CASES: &[Case] = &[
         run: kernel,
     },
     Case {
-        name: "one or two contacts among 812 pixels are found in 12,000 instructions",
-        needs: &[Capability::VirtualTime],
-        run: contacts,
-    },
-    Case {
         name: "two runs of the same session leave the same trace",
         needs: &[Capability::VirtualTime],
         run: repeats,
     },
 ];
 
-/// Counts every instruction of the search for contacts.
-fn contacts(rig: &Rig) -> Result<String, Failure> {
-    let mut most = [0; 2];
-    for (tops, most) in [&[[9.0, 9.0]][..], &[[9.0, 9.0], [22.0, 14.0]]].into_iter().zip(&mut most) {
-        let calls = calls(&rig.fresh()?, "7contact4find", &patches::hills(tops))?;
-        // The hills go up and down; where they go down there is nothing to find.
-        *most = calls.iter().max().copied().unwrap_or(u64::MAX);
-    }
-    check(most.iter().all(|&most| (3_000..=12_000).contains(&most)), || format!("{most:?} instructions"))?;
-    Ok(format!("{} and {} instructions", most[0], most[1]))
-}
-
 /// Counts every instruction of `reconstruct`, 812 pixels from 104 measurements.
 fn kernel(rig: &Rig) -> Result<String, Failure> {
-    let calls = calls(rig, "11reconstruct11reconstruct", &patches::patch(812, true, 13))?;
+    let Rig::Virtual { firmware, board, .. } = rig else { unreachable!("the case needs an emulated board") };
+    let missing = || Failure::Wrong("the firmware has no function `reconstruct`".to_owned());
+    let function = firmware.symbol("11reconstruct11reconstruct").ok_or_else(missing)?;
+    let mut link = rig.link()?;
+    link::upload(&mut link, &patches::patch(812, true, 13), |_| ())?;
+    link::tare(&mut link, 2, Duration::from_secs(20))?;
+    board.with(move |machine| machine.count_calls(function as u32));
+    link::stream(&mut link, Selection { contacts: 1, ..Selection::default() })?;
+    rig.wait(Duration::from_secs(1))?;
+    let calls = board.with(|machine| machine.calls());
     // Interrupts come in between: the shortest call had none.
     let least = calls.iter().min().copied().unwrap_or(u64::MAX);
     let per_product = least as f64 / (812.0 * 104.0);
     check(calls.len() >= 10, || format!("only {} calls", calls.len()))?;
     check(per_product <= 1.0, || format!("{per_product:.3} instructions for each product"))?;
     Ok(format!("{per_product:.3} instructions for each product, everything counted"))
-}
-
-/// Instructions of each call of a function while a patch is streamed.
-fn calls(rig: &Rig, name: &str, patch: &[u8]) -> Result<Vec<u64>, Failure> {
-    let Rig::Virtual { firmware, board, .. } = rig else { unreachable!("the case needs an emulated board") };
-    let missing = || Failure::Wrong(format!("the firmware has no function `{name}`"));
-    let function = firmware.symbol(name).ok_or_else(missing)?;
-    let mut link = rig.link()?;
-    link::upload(&mut link, patch, |_| ())?;
-    link::tare(&mut link, 2, Duration::from_secs(20))?;
-    board.with(move |machine| machine.count_calls(function as u32));
-    link::stream(&mut link, Selection { contacts: 1, ..Selection::default() })?;
-    rig.wait(Duration::from_secs(1))?;
-    Ok(board.with(|machine| machine.calls()))
 }
 
 /// Upload, tare, stream and reset on two boards.
