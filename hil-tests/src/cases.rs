@@ -61,7 +61,7 @@ mod patches {
         MAX_PATCH_BYTES,
         calibration::Calibration,
         drive::Drive,
-        image::PixelGrid,
+        image::{Geometry, PixelGrid},
         patch::{CombinedInto, Difference, PatchContents, PatchHeader, PatchView},
         stimulation::{Driven, Step, pattern},
         units::RelativeConductivity,
@@ -79,6 +79,9 @@ mod patches {
         let steps: Vec<Step> = pattern(16, 1, 1, Driven::Skipped).collect();
         let combination = if combined { reciprocal(&steps) } else { each(steps.len()) };
         let measurements = if combined { steps.len() / 2 } else { steps.len() };
+        let grid = PixelGrid { columns: SIDE, rows: SIDE, pitch: 0.005, left: -0.1, top: 0.1 };
+        let geometry = Geometry::first_cells(grid, pixels);
+        let (places, neighbours) = geometry.tables();
         let header = PatchHeader {
             skin: "random".try_into().unwrap_or_default(),
             electrodes: 16,
@@ -86,14 +89,15 @@ mod patches {
             measurements: measurements as u16,
             pixels: pixels as u16,
             difference: if random.random() { Difference::Plain } else { Difference::Normalised },
-            grid: PixelGrid { columns: SIDE, rows: SIDE, pitch: 0.005, left: -0.1, top: 0.1 },
+            neighbours: neighbours.len() as u16,
+            surface: geometry.scale(),
+            grid: Some(grid),
             drive: Drive::new(50e3, 1e-3, 100.0),
             contact_threshold: RelativeConductivity(1 << 14),
             drift_time: 0.0,
             calibration: Calibration::default(),
             test_resistances: Default::default(),
         };
-        let mask: Vec<u8> = (0..header.grid.mask_bytes()).map(|byte| mask_byte(pixels, byte)).collect();
         let exponents: Vec<i8> = (0..pixels).map(|_| random.random_range(14..18)).collect();
         let matrix: Vec<i16> =
             (0..pixels * measurements).map(|_| random.random_range(-32_767..=32_767)).collect();
@@ -101,7 +105,8 @@ mod patches {
             header: &header,
             steps: &steps,
             combination: &combination,
-            mask: &mask,
+            pixels: &places,
+            neighbours: &neighbours,
             exponents: &exponents,
             matrix: &matrix,
         };
@@ -110,12 +115,6 @@ mod patches {
         bytes.truncate(length);
         PatchView::validate(&bytes).expect("the patch is valid");
         bytes
-    }
-
-    /// One bit for each cell, from the lowest on.
-    fn mask_byte(pixels: usize, byte: usize) -> u8 {
-        let bits = pixels.saturating_sub(8 * byte).min(8);
-        (0xFF_u16 >> (8 - bits)) as u8
     }
 
     fn each(steps: usize) -> Vec<CombinedInto> {

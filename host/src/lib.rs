@@ -24,6 +24,7 @@ pub mod output;
 pub mod pixels;
 pub mod prior;
 pub mod quantize;
+pub mod scenes;
 pub mod scope;
 pub mod simulate;
 pub mod skin;

@@ -11,12 +11,12 @@ use crate::{
     },
     jacobian::{combine_rows, combine_voltages, jacobian, step_counts},
     mesh::{Lattice, Mesh, MeshError, generate},
-    pixels::{self, Pixels},
+    pixels::{self, Pixels, SurfaceTables},
     prior::Prior,
     skin::{ImageLayout, NotFlat, Shape, Skin, electrodes::ElectrodeModel},
 };
 use dermatome_shared::{
-    image::Geometry,
+    MAX_PIXELS,
     patch::{CombinedInto, Difference},
     scan::test_step,
     stimulation::Step,
@@ -97,10 +97,12 @@ pub enum ModelError {
     },
 }
 
-/// An image that is no grid where only a grid will do.
+/// More pixels, or neighbours of pixels, than boards and pictures take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`image.pixels` makes an image without a grid; boards and pictures need `image.columns` so far")]
-pub struct NoGrid;
+#[error("`image.pixels` makes {count} pixels; boards and pictures take at most {MAX_PIXELS}")]
+pub struct TooManyPixels {
+    count: usize,
+}
 
 /// Mesh of a skin whose edges are `fineness` times as long as the skin file says.
 pub fn mesh(skin: &Skin, fineness: f64, lattice: Lattice) -> Result<Mesh, ModelError> {
@@ -229,9 +231,9 @@ impl Model {
         })
     }
 
-    /// Grid of the image, which boards and pictures need.
-    pub fn grid(&self) -> Result<&Geometry, NoGrid> {
-        self.pixels.grid.as_ref().ok_or(NoGrid)
+    /// The pixels as boards and pictures know them.
+    pub fn surface(&self) -> Result<SurfaceTables, TooManyPixels> {
+        SurfaceTables::new(&self.pixels).ok_or(TooManyPixels { count: self.pixels.count() })
     }
 
     /// Voltages of the untouched skin after reciprocal steps are averaged: `[measurement]`.

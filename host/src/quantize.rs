@@ -2,15 +2,16 @@
 
 use crate::{
     mesh::ElectrodeContact,
-    model::{Model, NoGrid},
+    model::Model,
+    pixels::SurfaceTables,
     skin::{Skin, electrodes::ElectrodeModel},
 };
 use dermatome_shared::{
     MAX_ELECTRODES, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS,
-    image::Geometry,
     patch::{PatchContents, PatchError, PatchHeader, PatchView},
     reconstruct::reconstruct,
     reference::DifferenceData,
+    surface::MAX_NEIGHBOURS,
     units::RelativeConductivity,
 };
 use faer::{Col, Mat};
@@ -68,7 +69,7 @@ pub enum PatchBuildError {
     },
     /// Longer than a board's slot.
     #[error(
-        "the patch would take {bytes} bytes, a board stores at most {MAX_PATCH_BYTES}: use fewer `image.columns`, \
+        "the patch would take {bytes} bytes, a board stores at most {MAX_PATCH_BYTES}: use fewer `image.columns` or `image.pixels`, \
          or `drive.reciprocal` = \"combined\" if it is not"
     )]
     TooLong {
@@ -93,9 +94,6 @@ pub enum PatchBuildError {
         /// Error in per cent of the image's peak.
         percent: f64,
     },
-    /// An image that no board can show.
-    #[error(transparent)]
-    NoGrid(#[from] NoGrid),
     /// The patch does not pass its own checks.
     #[error("the skin does not make a valid patch: {0}")]
     Invalid(PatchError),
@@ -103,20 +101,20 @@ pub enum PatchBuildError {
 
 /// The patch of a skin's model.
 pub fn patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
-    let geometry = model.grid()?;
-    check_limits(model)?;
+    let tables = check_limits(model)?;
     let quantized = QuantizedMatrix::new(&model.conductivity_from_difference)?;
-    let header = header(skin, model, geometry);
+    let header = header(skin, model, &tables);
     let contents = PatchContents {
         header: &header,
         steps: &model.steps,
         combination: &model.combination,
-        mask: &geometry.mask,
+        pixels: &tables.pixels,
+        neighbours: &tables.neighbours,
         exponents: &quantized.exponents,
         matrix: &quantized.mantissas,
     };
-    // Header and tables stay below 16 KiB; the rest is the matrix.
-    let mut bytes = vec![0; 16 * 1024 + 2 * quantized.mantissas.len()];
+    // Header and tables stay below 48 KiB; the rest is the matrix.
+    let mut bytes = vec![0; 48 * 1024 + 2 * quantized.mantissas.len()];
     let length = contents.write(&mut bytes).expect("the buffer holds the tables");
     bytes.truncate(length);
     if length > MAX_PATCH_BYTES {
@@ -126,21 +124,24 @@ pub fn patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
     Ok(bytes)
 }
 
-fn check_limits(model: &Model) -> Result<(), PatchBuildError> {
+/// The pixels' tables, if a board can hold all that the model has.
+fn check_limits(model: &Model) -> Result<SurfaceTables, PatchBuildError> {
+    let image = if model.pixels.grid.is_some() { "image.columns" } else { "image.pixels" };
     let limits = [
         ("electrodes.count", "electrodes", model.mesh.electrodes.len(), MAX_ELECTRODES),
         ("drive.pattern", "steps", model.steps.len(), MAX_STEPS),
-        ("image.columns", "pixels", model.pixels.count(), MAX_PIXELS),
+        (image, "pixels", model.pixels.count(), MAX_PIXELS),
+        (image, "entries in lists of neighbours", 2 * model.pixels.neighbours.len(), MAX_NEIGHBOURS),
     ];
     match limits.into_iter().find(|&(_, _, count, most)| !(1..=most).contains(&count)) {
         Some((field, what, count, most)) => {
             Err(PatchBuildError::TooMany { field, given: format!("{count} {what}"), most })
         }
-        None => Ok(()),
+        None => Ok(SurfaceTables::new(&model.pixels).expect("the limits hold")),
     }
 }
 
-fn header(skin: &Skin, model: &Model, geometry: &Geometry) -> PatchHeader {
+fn header(skin: &Skin, model: &Model, tables: &SurfaceTables) -> PatchHeader {
     let matrix = &model.conductivity_from_difference;
     PatchHeader {
         skin: skin.name.as_str().try_into().expect("a checked skin's name fits"),
@@ -149,7 +150,9 @@ fn header(skin: &Skin, model: &Model, geometry: &Geometry) -> PatchHeader {
         measurements: matrix.ncols() as u16,
         pixels: matrix.nrows() as u16,
         difference: skin.inverse.difference,
-        grid: geometry.grid,
+        neighbours: tables.neighbours.len() as u16,
+        surface: tables.scale,
+        grid: tables.grid,
         drive: skin.drive.for_board(),
         contact_threshold: RelativeConductivity::from_f64(skin.contact_threshold),
         drift_time: skin.drift_time as f32,

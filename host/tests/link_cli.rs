@@ -94,9 +94,9 @@ fn assert_contacts(lines: &str) {
         lines.lines().map(|line| line.split('\t').map(|field| field.parse().unwrap()).collect()).collect();
     assert!((50..60).contains(&rows.len()), "{lines}");
     let last = &rows[rows.len() - 1];
-    assert_eq!(last.len(), 6);
-    assert_eq!((last[0], last[2], last[3], last[4]), (4.0 + 59.0, 5.0, 5.0, 100.0));
-    assert!((last[1] - 64.0 / 50.0).abs() < 1e-6 && (last[5] - 0.118).abs() < 1e-3, "{last:?}");
+    assert_eq!(last.len(), 7);
+    assert_eq!((last[0], last[2], last[3], last[4], last[5]), (4.0 + 59.0, 5.0, 5.0, 0.0, 100.0));
+    assert!((last[1] - 64.0 / 50.0).abs() < 1e-6 && (last[6] - 0.118).abs() < 1e-3, "{last:?}");
 }
 
 #[test]

@@ -11,13 +11,14 @@ use crate::{
     patch::PatchView,
     pipeline::{self, Outcome, PipelineState},
     protocol::{
-        BoardPacket, Event, FrameSource, FrameStamp, Identity, Info, PROTOCOL_VERSION, PackedImage,
-        PatchInfo, Refusal, Reply, Request, RequestPacket, Selection, SlotSamples, Version,
+        BoardPacket, Event, FrameSource, FrameStamp, Identity, Info, MAX_CHUNK_BYTES, PROTOCOL_VERSION,
+        PackedImage, PatchInfo, Refusal, Reply, Request, RequestPacket, Selection, SlotSamples, Version,
     },
     reference::Reference,
     restart::Restart,
     scan::{self, Timing},
 };
+use heapless::Vec;
 
 /// Most frames averaged in one tare.
 pub const MAX_TARE_FRAMES: u16 = 1000;
@@ -268,7 +269,7 @@ impl<S: PatchStore> Device<S> {
         match request {
             Request::Hello(version) => self.hello(*version),
             Request::Info => Ok(Reply::Info(self.info(uptime_ms))),
-            Request::Geometry => Ok(Reply::Geometry(self.patch().ok_or(Refusal::NoPatch)?.geometry())),
+            Request::ReadPatch { offset } => self.read_patch(*offset),
             Request::Reference => self.reference(),
             Request::BeginUpload { length, crc } => self.begin_upload(*length, *crc),
             Request::UploadChunk { offset, bytes } => self.upload_chunk(*offset, bytes),
@@ -307,6 +308,13 @@ impl<S: PatchStore> Device<S> {
             tared: self.pipeline.reference().is_some(),
             streaming: self.streaming,
         }
+    }
+
+    fn read_patch(&self, offset: u32) -> Result<Reply, Refusal> {
+        let patch = self.patch().ok_or(Refusal::NoPatch)?;
+        let rest = patch.bytes().get(offset as usize..).unwrap_or_default();
+        let piece = &rest[..rest.len().min(MAX_CHUNK_BYTES)];
+        Ok(Reply::Patch { bytes: Vec::from_slice(piece).unwrap_or_default() })
     }
 
     fn reference(&self) -> Result<Reply, Refusal> {

@@ -1,6 +1,10 @@
 //! Image: relative conductivity per pixel of a square grid, and the grid itself.
 
-use crate::{MAX_GRID_SIDE, MAX_PIXELS, units::RelativeConductivity};
+use crate::{
+    MAX_GRID_SIDE, MAX_PIXELS,
+    surface::{Pixel, SurfaceScale},
+    units::RelativeConductivity,
+};
 use heapless::Vec;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -49,13 +53,57 @@ impl PixelGrid {
     }
 }
 
-/// A grid with the cells that are pixels: everything a viewer needs to draw an image.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
+/// A grid with the cells that are pixels, which every cell may be but need not.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {
     /// The grid.
     pub grid: PixelGrid,
     /// One bit per cell, lowest bit first; a set bit is a pixel.
     pub mask: Vec<u8, MAX_MASK_BYTES>,
+}
+
+/// A grid's pixels and the lists of their neighbours, as a patch holds them.
+pub type GridTables = (Vec<Pixel, MAX_PIXELS>, Vec<u16, { 4 * MAX_PIXELS }>);
+
+impl Geometry {
+    /// The grid with all its cells as pixels, row by row, up to `pixels`.
+    #[must_use]
+    pub fn first_cells(grid: PixelGrid, pixels: usize) -> Self {
+        let byte = |byte: usize| (0xFF_u16 >> (8 - pixels.saturating_sub(8 * byte).min(8))) as u8;
+        Self { grid, mask: (0..grid.mask_bytes()).map(byte).collect() }
+    }
+
+    /// What the numbers of [`Self::tables`] stand for: a step is half the pitch, a unit of area a cell.
+    #[must_use]
+    pub fn scale(&self) -> SurfaceScale {
+        let PixelGrid { pitch, left, top, .. } = self.grid;
+        SurfaceScale { origin: [left, top, 0.0], step: pitch / 2.0, area: pitch * pitch }
+    }
+
+    /// The pixels, as many as a patch may have; neighbours share an edge.
+    #[must_use]
+    pub fn tables(&self) -> GridTables {
+        let columns = usize::from(self.grid.columns);
+        let pixel_of = |cell: usize| pixel_cells(&self.mask).take_while(|&before| before < cell).count();
+        let (mut pixels, mut neighbours) = (Vec::new(), Vec::new());
+        for cell in pixel_cells(&self.mask).take(MAX_PIXELS) {
+            let (column, row) = (cell % columns, cell / columns);
+            let round = [
+                cell.checked_sub(columns),
+                cell.checked_sub(1).filter(|_| column > 0),
+                Some(cell + 1).filter(|_| column + 1 < columns),
+                Some(cell + columns),
+            ];
+            let pixel_at = |&other: &usize| is_pixel(&self.mask, other) && pixel_of(other) < MAX_PIXELS;
+            neighbours
+                .extend(round.into_iter().flatten().filter(pixel_at).map(|other| pixel_of(other) as u16));
+            let centre = [2 * column as i16 + 1, -2 * row as i16 - 1, 0];
+            let neighbours_end = neighbours.len() as u16;
+            // Not full: there are at most so many.
+            let _ = pixels.push(Pixel { centre, neighbours_end, normal: [0, 0, 127], area: 1 });
+        }
+        (pixels, neighbours)
+    }
 }
 
 /// Whether `cell` is a pixel.
@@ -69,53 +117,26 @@ pub fn pixel_cells(mask: &[u8]) -> impl Iterator<Item = usize> {
     (0..mask.len() * 8).filter(move |&cell| is_pixel(mask, cell))
 }
 
-/// Finds the cells of pixels that are asked for in ascending order, without a look at all of them.
-#[derive(Clone, Debug)]
-pub struct PixelCells<'a> {
-    mask: &'a [u8],
-    byte: usize,
-    /// Pixels before that byte.
-    before: usize,
-}
-
-impl<'a> PixelCells<'a> {
-    /// The pixels of a mask.
-    #[must_use]
-    pub fn new(mask: &'a [u8]) -> Self {
-        Self { mask, byte: 0, before: 0 }
-    }
-
-    /// Cell of a pixel, no earlier one than the last that was asked for; none if there is none.
-    pub fn cell(&mut self, pixel: usize) -> Option<usize> {
-        let mut bits = *self.mask.get(self.byte)?;
-        while self.before + bits.count_ones() as usize <= pixel {
-            self.before += bits.count_ones() as usize;
-            self.byte += 1;
-            bits = *self.mask.get(self.byte)?;
-        }
-        for _ in self.before..pixel {
-            // Clears the lowest bit that is set.
-            bits &= bits - 1;
-        }
-        Some(8 * self.byte + bits.trailing_zeros() as usize)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
-    use std::vec::Vec;
 
-    proptest! {
-        #[test]
-        fn cells_of_some_pixels_are_those_of_all(mask in prop::collection::vec(any::<u8>(), 0..40), every in 1_usize..9) {
-            let all: Vec<_> = pixel_cells(&mask).collect();
-            let mut cells = PixelCells::new(&mask);
-            for (pixel, &cell) in all.iter().enumerate().step_by(every) {
-                prop_assert_eq!(cells.cell(pixel), Some(cell));
-            }
-            prop_assert_eq!(cells.cell(all.len()), None);
-        }
+    #[test]
+    fn neighbours_on_a_grid_share_an_edge_and_a_masked_cell_is_none() {
+        // Two rows of three cells, without the middle one of the upper row.
+        let grid = PixelGrid { columns: 3, rows: 2, pitch: 0.01, left: -0.015, top: 0.01 };
+        let geometry = Geometry { grid, mask: [0b11_1101].into_iter().collect() };
+        let (pixels, neighbours) = geometry.tables();
+        let mut start = 0;
+        let lists: std::vec::Vec<&[u16]> = pixels
+            .iter()
+            .map(|pixel| {
+                let end = usize::from(pixel.neighbours_end);
+                &neighbours[core::mem::replace(&mut start, end)..end]
+            })
+            .collect();
+        assert_eq!(lists, [&[2][..], &[4], &[0, 3], &[2, 4], &[1, 3]]);
+        assert_eq!(pixels[1].centre, [5, -1, 0]);
+        assert_eq!(pixels[3].centre, [3, -3, 0]);
     }
 }

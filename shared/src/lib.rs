@@ -36,6 +36,7 @@ pub mod restart;
 pub mod scan;
 pub mod slots;
 pub mod stimulation;
+pub mod surface;
 pub mod synthetic;
 pub mod trigonometry;
 pub mod units;

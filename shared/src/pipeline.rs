@@ -123,7 +123,7 @@ impl PipelineState {
 
     fn find_contacts(&mut self, patch: &PatchView<'_>, now_us: u64) {
         let header = &patch.header;
-        self.contacts = contact::find(&header.grid, patch.mask(), &self.image, header.contact_threshold);
+        self.contacts = contact::find(&patch.surface(), &self.image, header.contact_threshold);
         for contact in &mut self.contacts {
             contact.pressure = header.calibration.pressure(contact.strength);
         }

@@ -107,7 +107,7 @@ fn burst(random: &mut Pcg64) -> Vec<Symbol> {
 fn request(random: &mut Pcg64) -> Vec<u8> {
     let request = match random.random_range(0..5) {
         0 => Request::Info,
-        1 => Request::Geometry,
+        1 => Request::ReadPatch { offset: random.random_range(0..300_000) },
         2 => Request::CommitUpload,
         3 => Request::Hello(Version::current()),
         _ => Request::UploadChunk {

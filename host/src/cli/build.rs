@@ -29,7 +29,8 @@ use std::{
 #[command(after_help = "Examples:
   dermatome build models/disc-210mm/skin.toml
   dermatome build models/square-50mm/skin.toml -o left-palm.dermatome --json build.json
-  dermatome build models/hemisphere-120mm/skin.toml --no-patch")]
+  dermatome build models/hemisphere-210mm/skin.toml
+  dermatome build models/hemisphere-210mm/skin.toml --flatten -o flattened.dermatome")]
 pub(super) struct Args {
     /// Skin file.
     #[arg(value_name = "SKIN")]
@@ -40,6 +41,10 @@ pub(super) struct Args {
     /// Compute and report only; for skins that no board takes.
     #[arg(long, conflicts_with = "output")]
     no_patch: bool,
+    /// Drop z: build the patch of the flat skin with the same rim and electrodes as seen from above, as the
+    /// thesis compares surface and planar models.
+    #[arg(long)]
+    flatten: bool,
     /// Draw the criterion by which the hyperparameter was chosen, as SVG.
     #[arg(long, value_name = "FILE")]
     hyperparameter_plot: Option<PathBuf>,
@@ -140,9 +145,17 @@ const WORST_ERROR_PERCENT: f64 = 0.5;
 /// Angle of a triangle that is worth a warning.
 const SHARP_ANGLE_DEGREES: f64 = 10.0;
 
+fn load(args: &Args) -> anyhow::Result<Skin> {
+    let skin = Skin::load(&args.skin)?;
+    if !args.flatten {
+        return Ok(skin);
+    }
+    skin.flattened().with_context(|| format!("skin file `{}`", args.skin.display()))
+}
+
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let start = Instant::now();
-    let skin = Skin::load(&args.skin)?;
+    let skin = load(args)?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let spinner = progress::spinner();
     let mut model = Model::build(&skin, |stage| spinner.set_message(stage)).with_context(in_file)?;

@@ -10,7 +10,7 @@ use crate::{
     quantize,
     simulate::SimulatedSkin,
     skin::Skin,
-    view::live::Live,
+    view::{layout::Layout, live::Live},
 };
 use dermatome_shared::{protocol::PatchInfo, reference::DEFAULT_TARE_FRAMES};
 use serde::Serialize;
@@ -64,7 +64,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     spinner.finish_and_clear();
     say!("built the patch of {}: {} elements, {} bytes", skin.name, model.mesh.elements.len(), patch.len());
 
-    let outline = skin.shape.flat()?;
+    let outline = &*skin.shape.from_above()?;
     let script = demo::script(outline, skin.drive.frame_rate)?;
     let source = SimulatedSkin::new(&skin, script.clone(), noise)?;
     let simulated_elements = source.elements();
@@ -80,8 +80,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     say!("flashed it and averaged {DEFAULT_TARE_FRAMES} frames of the untouched skin; now watch the fingers");
 
     let reference = demo::reference(&mut link)?;
-    let geometry = model.grid()?;
-    let scorer = Scorer { skin: &skin, outline, model: &model, geometry, script: &script, reference };
+    let layout = &Layout::from(&model.surface()?);
+    let scorer = Scorer { skin: &skin, outline, model: &model, layout, script: &script, reference };
     let watched = show(&mut link, &scorer)?;
     let report = Report {
         skin: skin.name.clone(),
@@ -106,7 +106,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 
 /// Draws the frames as they come, until the last one or Ctrl-C.
 fn show(link: &mut Link, scorer: &Scorer<'_>) -> anyhow::Result<Watched> {
-    let mut live = Live::new(Some(scorer.geometry.clone()));
+    let mut live = Live::new(Some(scorer.layout.clone()));
     let watched = demo::watch(link, scorer, |record| {
         if let Some(record) = record {
             live.keep_image(record.image.clone());

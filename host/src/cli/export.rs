@@ -15,7 +15,7 @@ use std::path::PathBuf;
 ///
 /// Nodes, elements, electrodes, system matrix, voltages, Jacobian, prior, reconstruction matrix and
 /// more, each as NAME.npy and all of them in skin.mat; the mesh as skin.msh, with its electrodes as
-/// physical groups, and as skin.ply; the stimulation table as stimulation.csv; and export.json, which
+/// physical groups, as skin.ply and as skin.stl (mm); the stimulation table as stimulation.csv; and export.json, which
 /// lists the arrays with shapes and units. Everything counts from 0.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:

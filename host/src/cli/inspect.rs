@@ -2,7 +2,10 @@
 
 use super::{JsonReport, patch_id};
 use anyhow::Context;
-use dermatome_shared::patch::{FORMAT_VERSION, PatchHeader, PatchView};
+use dermatome_shared::{
+    image::PixelGrid,
+    patch::{FORMAT_VERSION, PatchHeader, PatchView},
+};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -64,13 +67,14 @@ fn print(report: &Report) {
         header.steps,
         header.difference
     );
-    say!(
-        "pixels        {} on a grid of {} x {}, {:.3} mm each",
-        header.pixels,
-        grid.columns,
-        grid.rows,
-        grid.pitch * 1e3
-    );
+    match grid {
+        Some(PixelGrid { columns, rows, pitch, .. }) => say!(
+            "pixels        {} on a grid of {columns} x {rows}, {:.3} mm each",
+            header.pixels,
+            pitch * 1e3
+        ),
+        None => say!("pixels        {} on a surface, each with its place and normal", header.pixels),
+    }
     say!(
         "drive         {} kHz, {:.3} mA, {} frames per second",
         drive.frequency / 1e3,

@@ -11,7 +11,10 @@ use crate::{
     model::Model,
     output::write_whole,
     skin::{Skin, Weights, electrodes_in_plane},
-    view::sheet::{Panel, Sheet, reconstruction_sheet},
+    view::{
+        layout::Layout,
+        sheet::{Panel, Sheet, reconstruction_sheet},
+    },
 };
 use anyhow::{Context, bail};
 use dermatome_shared::patch::Difference;
@@ -181,8 +184,8 @@ fn picture(skin: &Skin, model: &Model, report: &Report) -> anyhow::Result<Vec<u8
     let shown = evenly_spaced(report.frames.len(), SHOWN);
     let panels = shown.iter().map(|&index| panel(&report.frames[index])).collect();
     let rim = electrodes_in_plane(&skin.shape);
-    let sheet =
-        Sheet { title: &report.frames_file, geometry: model.grid()?, electrodes: &rim, columns: 5, panels };
+    let layout = Layout::from(&model.surface()?);
+    let sheet = Sheet { title: &report.frames_file, layout: &layout, electrodes: &rim, columns: 5, panels };
     reconstruction_sheet(&sheet).encode().context("cannot encode the picture")
 }
 

@@ -70,7 +70,7 @@ const POLL: Duration = Duration::from_millis(50);
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let skin = Skin::load(&args.skin)?;
-    let script = script(args, skin.shape.flat()?)?;
+    let script = script(args, &*skin.shape.from_above()?)?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let noise = args.noise.noise();
     let source = SimulatedSkin::new(&skin, script, noise).with_context(in_file)?;

@@ -29,7 +29,7 @@ const PATIENCE_FRAMES: f64 = 5.0;
 /// Show images and contacts live, or print contacts for a pipe.
 ///
 /// On a terminal, draws the image and the contacts in place. Otherwise prints one line per contact:
-/// frame sequence, time in s, x in mm, y in mm, area in mm2, strength, and on a calibrated skin
+/// frame sequence, time in s, x, y and z in mm, area in mm2, strength, and on a calibrated skin
 /// pressure in kPa and force in N, separated by tabs. The summary goes to standard error.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \

@@ -32,7 +32,7 @@ pub fn picture(scorer: &Scorer<'_>, records: &[FrameRecord]) -> Result<Vec<u8>, 
     let rim = electrodes_in_plane(&scorer.skin.shape);
     let sheet = Sheet {
         title: &title,
-        geometry: scorer.geometry,
+        layout: scorer.layout,
         electrodes: &rim,
         columns: 2 * PAIRS,
         panels: panels.collect(),
@@ -59,8 +59,11 @@ fn true_panel<'a>(record: &FrameRecord, truth: &'a [f64]) -> Panel<'a> {
 }
 
 fn image_panel(record: &FrameRecord) -> Panel<'_> {
-    let found: Vec<[f64; 2]> =
-        record.contacts.iter().map(|contact| contact.position.map(f64::from)).collect();
+    let found: Vec<[f64; 2]> = record
+        .contacts
+        .iter()
+        .map(|contact| [contact.position[0], contact.position[1]].map(f64::from))
+        .collect();
     let places = found.iter().map(|&position| place(position));
     Panel {
         caption: vec!["image".into(), places.collect::<Vec<_>>().join(" ")],

@@ -6,10 +6,10 @@ use crate::{
     model::Model,
     simulate::{Press, Script},
     skin::{Skin, outline::Outline},
+    view::layout::Layout,
 };
 use dermatome_shared::{
     contact::Contacts,
-    image::Geometry,
     protocol::FrameStamp,
     units::{AdcCode, RelativeConductivity},
 };
@@ -24,8 +24,8 @@ pub struct Scorer<'a> {
     pub outline: &'a Outline,
     /// Its model.
     pub model: &'a Model,
-    /// Grid of its images.
-    pub geometry: &'a Geometry,
+    /// How its images are shown.
+    pub layout: &'a Layout,
     /// What the fingers do.
     pub script: &'a Script,
     /// The board's reference: mean code of each measurement, summed over its steps: `[measurement]`.

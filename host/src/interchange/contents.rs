@@ -2,7 +2,7 @@
 
 use super::{
     array::Array,
-    export::{GMSH, PLY},
+    export::{GMSH, PLY, STL},
     mat,
 };
 use crate::{
@@ -61,7 +61,7 @@ pub struct Contents {
     /// lambda in x = (J'WJ + lambda^2 R)^-1 J'W y.
     pub hyperparameter: f64,
     /// Files of the mesh, in metres.
-    pub meshes: [&'static str; 2],
+    pub meshes: [&'static str; 3],
     /// By name.
     pub arrays: BTreeMap<&'static str, ArrayEntry>,
 }
@@ -115,7 +115,7 @@ impl Contents {
             sheet_capacitance_f: skin.material.sheet_capacitance,
             normalised: skin.inverse.difference == Difference::Normalised,
             hyperparameter,
-            meshes: [GMSH, PLY],
+            meshes: [GMSH, PLY, STL],
             arrays: arrays.iter().map(|array| (array.name, ArrayEntry::of(array))).collect(),
         }
     }

@@ -14,7 +14,7 @@ use crate::{
     inverse::InverseError,
     mesh::{
         ElectrodeContact, Mesh,
-        export::{PlyError, msh, ply},
+        export::{PlyError, msh, ply, stl},
     },
     model::{self, Model, ModelError, Solved},
     output::{WriteError, check_folder, stream_whole, write_whole},
@@ -40,6 +40,8 @@ pub const MATLAB: &str = "skin.mat";
 pub const GMSH: &str = "skin.msh";
 /// The mesh alone.
 pub const PLY: &str = "skin.ply";
+/// The mesh for CAD programs.
+pub const STL: &str = "skin.stl";
 /// The stimulation table.
 pub const STIMULATION: &str = "stimulation.csv";
 
@@ -169,6 +171,7 @@ impl<'a> Export<'a> {
         stream_whole(&folder.join(MATLAB), |out| write_mat(out, &contents, &arrays))?;
         write_whole(&folder.join(GMSH), &msh(&self.mesh))?;
         write_whole(&folder.join(PLY), &ply(&self.mesh, &[])?)?;
+        write_whole(&folder.join(STL), &stl(&self.mesh))?;
         write_whole(&folder.join(STIMULATION), table_csv(&self.steps).as_bytes())?;
         Ok(write_whole(&folder.join(CONTENTS), contents.json().as_bytes())?)
     }

@@ -18,9 +18,9 @@ pub use stream::{stream, tare, tare_timeout};
 pub use transport::Transport;
 pub use upload::{UploadError, upload};
 
-use crate::{board::simulated::SimulatedBoard, simulate::board::board_for_skin};
+use crate::{board::simulated::SimulatedBoard, pixels::SurfaceTables, simulate::board::board_for_skin};
 use dermatome_shared::{
-    image::Geometry,
+    patch::{PatchError, PatchView},
     protocol::{BoardPacket, Event, Identity, Info, Refusal, Reply, Request, RequestPacket, Version},
 };
 use std::{
@@ -145,11 +145,29 @@ impl Link {
         }
     }
 
-    /// Which pixels the board's images have, and where.
-    pub fn geometry(&mut self) -> Result<Geometry, LinkError> {
-        match self.request(&Request::Geometry)? {
-            Reply::Geometry(geometry) => Ok(geometry),
-            _ => Err(self.wrong_reply("Geometry")),
+    /// Which pixels the board's images have, and where: read back from the start of its patch.
+    pub fn surface(&mut self) -> Result<SurfaceTables, LinkError> {
+        let mut start = Vec::new();
+        loop {
+            match PatchView::open_start(&start) {
+                Ok((patch, _)) => return Ok(SurfaceTables::read(&patch)),
+                Err(PatchError::Length { expected, found }) if found < expected => {
+                    let piece = self.read_patch(start.len() as u32)?;
+                    start.extend_from_slice(&piece);
+                    if piece.is_empty() {
+                        return Err(self.wrong_reply("ReadPatch"));
+                    }
+                }
+                Err(_) => return Err(self.wrong_reply("ReadPatch")),
+            }
+        }
+    }
+
+    /// Bytes of the patch in use from `offset` on, as many as one reply holds.
+    fn read_patch(&mut self, offset: u32) -> Result<Vec<u8>, LinkError> {
+        match self.request(&Request::ReadPatch { offset })? {
+            Reply::Patch { bytes } => Ok(bytes.to_vec()),
+            _ => Err(self.wrong_reply("ReadPatch")),
         }
     }
 

@@ -6,10 +6,13 @@ use super::{
     order::{Arrangement, OrderError},
     read::Frames,
 };
-use crate::model::{Model, NoGrid};
+use crate::{
+    model::{Model, TooManyPixels},
+    pixels::SurfaceTables,
+    view::layout::Layout,
+};
 use dermatome_shared::{
     contact::{self, Contact},
-    image::{Geometry, PixelGrid},
     units::RelativeConductivity,
 };
 use num_complex::Complex64;
@@ -85,7 +88,7 @@ pub enum ReconstructError {
     },
     /// An image in which nothing can be looked for.
     #[error(transparent)]
-    NoGrid(#[from] NoGrid),
+    Pixels(#[from] TooManyPixels),
     /// Nothing to scale by.
     #[error("every measurement of the reference is zero")]
     DeadReference,
@@ -106,7 +109,7 @@ pub fn reconstruct(
     if lengths.0 != lengths.1 {
         return Err(ReconstructError::Lengths { frames: lengths.0, reference: lengths.1 });
     }
-    let geometry = model.grid()?;
+    let place = Place::of(model)?;
     let electrodes = model.mesh.electrodes.len() as u8;
     let map = arrangement.index_map(&model.steps, electrodes, reference.measurements)?;
     let mut reference = reference.mean();
@@ -122,12 +125,12 @@ pub fn reconstruct(
         if image.iter().any(|value| !value.is_finite()) {
             return Err(ReconstructError::Overflow { frame });
         }
-        Ok(describe(geometry, frame, image, polarity))
+        Ok(describe(&place, frame, image, polarity))
     };
     frames.iter().enumerate().map(of_frame).collect()
 }
 
-fn describe(geometry: &Geometry, frame: usize, image: Vec<f64>, polarity: Polarity) -> FrameResult {
+fn describe(place: &Place, frame: usize, image: Vec<f64>, polarity: Polarity) -> FrameResult {
     let strongest = image.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
     let sign = match polarity {
         Polarity::Auto => 1_f64.copysign(strongest),
@@ -135,45 +138,56 @@ fn describe(geometry: &Geometry, frame: usize, image: Vec<f64>, polarity: Polari
         Polarity::Down => -1.0,
     };
     let peak = image.iter().map(|value| value * sign).fold(0.0, f64::max);
-    let grid = &geometry.grid;
-    let contacts = contacts(grid, &geometry.mask, &image, sign, peak);
+    let contacts = contacts(&place.surface, &image, sign, peak);
     FrameResult {
         frame,
         peak: peak * sign,
         polarity: if sign > 0.0 { Polarity::Up } else { Polarity::Down },
-        objects: contacts.iter().map(|contact| Object::new(grid, contact, peak * sign)).collect(),
+        objects: contacts.iter().map(|contact| Object::new(place, contact, peak * sign)).collect(),
         image,
     }
 }
 
-/// Contacts in the image over its peak, which has this sign: however weak the image is, the codes use their full range.
-pub(crate) fn contacts(
-    grid: &PixelGrid,
-    mask: &[u8],
-    image: &[f64],
-    sign: f64,
-    peak: f64,
-) -> contact::Contacts {
+/// Where the skin lies.
+struct Place {
+    surface: SurfaceTables,
+    /// Middle of its picture, m.
+    centre: [f64; 2],
+    /// Half the larger side of its picture, m.
+    half_width: f64,
+}
+
+impl Place {
+    fn of(model: &Model) -> Result<Self, TooManyPixels> {
+        let surface = model.surface()?;
+        let grid = Layout::from(&surface).grid;
+        let centre = grid.position(f32::from(grid.columns) / 2.0, f32::from(grid.rows) / 2.0).map(f64::from);
+        let half_width = f64::from(grid.columns.max(grid.rows)) * f64::from(grid.pitch) / 2.0;
+        Ok(Self { surface, centre, half_width })
+    }
+}
+
+/// Contacts in the image over its peak, which has this sign: however weak the image is, the codes use their full
+/// range.
+pub(crate) fn contacts(surface: &SurfaceTables, image: &[f64], sign: f64, peak: f64) -> contact::Contacts {
     if peak <= 0.0 {
         return contact::Contacts::new();
     }
     let codes: Vec<_> =
         image.iter().map(|value| RelativeConductivity::from_f64(value * sign / peak)).collect();
-    contact::find(grid, mask, &codes, RelativeConductivity(1))
+    contact::find(&surface.view(), &codes, RelativeConductivity(1))
 }
 
 impl Object {
     /// `peak` is the image's, to which the contact was scaled.
-    fn new(grid: &PixelGrid, contact: &Contact, peak: f64) -> Self {
-        let [x, y] = contact.position.map(f64::from);
-        let centre = grid.position(f32::from(grid.columns) / 2.0, f32::from(grid.rows) / 2.0).map(f64::from);
-        let half_width = f64::from(grid.columns.max(grid.rows)) * f64::from(grid.pitch) / 2.0;
-        let (right, up) = (x - centre[0], y - centre[1]);
+    fn new(place: &Place, contact: &Contact, peak: f64) -> Self {
+        let [x, y, _] = contact.position.map(f64::from);
+        let (right, up) = (x - place.centre[0], y - place.centre[1]);
         Self {
             x_mm: x * 1e3,
             y_mm: y * 1e3,
             angle_degrees: up.atan2(right).to_degrees(),
-            radius_percent: right.hypot(up) / half_width * 100.0,
+            radius_percent: right.hypot(up) / place.half_width * 100.0,
             area_mm2: f64::from(contact.area) * 1e6,
             peak: f64::from(contact.peak) * peak,
         }

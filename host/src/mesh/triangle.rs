@@ -2,7 +2,7 @@
 //! space are one code path (thesis equations 2.3 and 5.6 to 5.11; the sign of equation 5.10 is
 //! misprinted there: df1/dx = -1/a2).
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Vector2, Vector3};
 
 /// Gradients of the three shape functions in the triangle's own plane, times the square root of
 /// its area: `[axis][corner]`.
@@ -68,6 +68,17 @@ pub fn smallest_angle(corners: [Point3<f64>; 3]) -> f64 {
         u.cross(&v).norm().atan2(u.dot(&v))
     };
     (0..3).map(angle_at).fold(f64::INFINITY, f64::min)
+}
+
+/// The point of a triangle at x, y, if it has one.
+#[must_use]
+pub fn point_above([a, b, c]: [Point3<f64>; 3], [x, y]: [f64; 2]) -> Option<Point3<f64>> {
+    let (u, v) = ((b - a).xy(), (c - a).xy());
+    let to = Vector2::new(x - a.x, y - a.y);
+    let area = u.perp(&v);
+    let (s, t) = (to.perp(&v) / area, u.perp(&to) / area);
+    let inside = s >= -1e-9 && t >= -1e-9 && s + t <= 1.0 + 1e-9;
+    inside.then(|| a + (b - a) * s + (c - a) * t)
 }
 
 #[cfg(test)]

@@ -56,9 +56,9 @@ pub fn image_figures(
     Some(ImageFigures { resolution: resolution(&region, &areas), ringing: ringing(&image, &region, &areas)? })
 }
 
-/// Distance between where a contact is reported and where the press is, m.
+/// Distance between where a contact is reported and where the press is, seen from above, m.
 #[must_use]
-pub fn position_error(reported: [f32; 2], true_position: [f64; 2]) -> f64 {
+pub fn position_error(reported: [f32; 3], true_position: [f64; 2]) -> f64 {
     (f64::from(reported[0]) - true_position[0]).hypot(f64::from(reported[1]) - true_position[1])
 }
 

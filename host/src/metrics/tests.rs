@@ -1,5 +1,5 @@
 use super::{parts::parts, *};
-use crate::pixels::grid;
+use crate::pixels::{SurfaceTables, grid};
 use dermatome_shared::{
     contact,
     image::{Geometry, pixel_cells},
@@ -286,21 +286,23 @@ proptest! {
     #[test]
     fn parts_are_the_contacts_that_a_board_finds(values in prop::collection::vec(-50_i32..100, 64)) {
         let pixels = board_disc(0.1, 8);
-        let geometry = pixels.grid.as_ref().unwrap();
+        let tables = SurfaceTables::new(&pixels).unwrap();
         let codes: Vec<_> =
             values[..pixels.count()].iter().map(|&v| RelativeConductivity(v * 10_000)).collect();
         let image: Vec<f64> = codes.iter().map(|code| code.to_f64()).collect();
         let threshold = RelativeConductivity(500_000);
-        let contacts = contact::find(&geometry.grid, &geometry.mask, &codes, threshold);
+        let contacts = contact::find(&tables.view(), &codes, threshold);
         let parts = parts(&image, &pixels, threshold.to_f64());
-        prop_assert_eq!(contacts.len(), parts.len().min(dermatome_shared::MAX_CONTACTS));
-        for (contact, part) in contacts.iter().zip(&parts) {
-            prop_assert!((f64::from(contact.peak) - part.peak).abs() < 1e-6);
+        // A board may find several contacts in a part.
+        prop_assert!(contacts.len() >= parts.len().min(dermatome_shared::MAX_CONTACTS));
+        let peaks = (contacts.first().map(|contact| f64::from(contact.peak)), parts.first().map(|part| part.peak));
+        if let (Some(contact), Some(part)) = peaks {
+            prop_assert!((contact - part).abs() < 1e-6);
         }
         // Of equal peaks either may come first.
-        if parts.windows(2).all(|pair| pair[0].peak > pair[1].peak) {
+        if contacts.len() == parts.len() && parts.windows(2).all(|pair| pair[0].peak > pair[1].peak) {
             for (contact, part) in contacts.iter().zip(&parts) {
-                let [x, y] = contact.position.map(f64::from);
+                let [x, y, _] = contact.position.map(f64::from);
                 prop_assert!((part.centre - Point3::new(x, y, 0.0)).norm() < 1e-6);
                 prop_assert!((f64::from(contact.area) / part.area - 1.0).abs() < 1e-5);
             }

@@ -68,8 +68,8 @@ pub fn board_for_skin(path: &Path) -> Result<SimulatedBoard, SimulationError> {
     let model = Model::build(&skin, |_| ()).map_err(in_file)?;
     let patch = quantize::patch(&skin, &model)
         .map_err(|error| SimulationError::Patch { path: path.to_owned(), error })?;
-    let outline = skin.shape.flat().map_err(|error| in_file(error.into()))?;
-    let source = SimulatedSkin::new(&skin, Script::round(outline), DEFAULT_NOISE).map_err(in_file)?;
+    let outline = skin.shape.from_above().map_err(|error| in_file(error.into()))?;
+    let source = SimulatedSkin::new(&skin, Script::round(&outline), DEFAULT_NOISE).map_err(in_file)?;
     Ok(SimulatedBoard::start(
         BoardOptions { electrodes: skin.electrodes.count, patch: Some(patch), ..BoardOptions::default() },
         source,

@@ -13,7 +13,7 @@ use std::{
 /// One finger on the skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Press {
-    /// Centre, m, in the skin's frame.
+    /// Centre, m, in the skin's frame, as seen from above: the finger comes down along z.
     pub position: [f64; 2],
     /// Radius of the touched disc, m.
     pub radius: f64,
@@ -23,10 +23,15 @@ pub struct Press {
 }
 
 impl Press {
-    /// Relative conductivity change at a point.
+    /// Relative conductivity change at a point of a flat skin.
     #[must_use]
     pub fn change_at(&self, point: [f64; 2]) -> f64 {
-        let distance = (point[0] - self.position[0]).hypot(point[1] - self.position[1]);
+        self.change_over((point[0] - self.position[0]).hypot(point[1] - self.position[1]))
+    }
+
+    /// Relative conductivity change so far from the centre, m.
+    #[must_use]
+    pub fn change_over(&self, distance: f64) -> f64 {
         self.depth * (1.0 - (distance / self.radius).powi(2)).max(0.0).sqrt()
     }
 

@@ -3,12 +3,13 @@
 use super::Press;
 use crate::{
     forward::{Admittivity, Fields, ForwardModel, electrode_unknown},
-    mesh::{Lattice, Mesh, refine},
+    mesh::{Lattice, Mesh, refine, triangle},
     model::{ModelError, forward_model, mesh},
     pixels::samples,
     skin::{Shape, Skin},
 };
 use dermatome_shared::stimulation::Step;
+use nalgebra::Point3;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -113,21 +114,37 @@ impl TrueSkin {
     /// Relative conductivity of each element under these presses: `[element]`.
     #[must_use]
     pub fn conductivity(&self, presses: &[Press]) -> Vec<f64> {
-        let change = |element| presses.iter().map(|press| self.mean_change(element, press)).sum::<f64>();
+        let laid: Vec<_> = presses.iter().map(|press| (press, self.lay(press.position))).collect();
+        let change = |element| {
+            laid.iter().map(|(press, centre)| self.mean_change(element, press, *centre)).sum::<f64>()
+        };
         // Presses that overlap may not make the sheet vanish.
         (0..self.mesh.elements.len()).map(|element| (1.0 + change(element)).max(0.01)).collect()
     }
 
-    /// Mean over an element of the change a press makes.
-    fn mean_change(&self, element: usize, press: &Press) -> f64 {
+    /// The highest point of the skin at x, y, m; beside the skin the nearest node's.
+    #[must_use]
+    pub fn lay(&self, [x, y]: [f64; 2]) -> Point3<f64> {
+        let elements = 0..self.mesh.elements.len();
+        let points = elements.filter_map(|element| triangle::point_above(self.mesh.corners(element), [x, y]));
+        points.max_by(|a, b| a.z.total_cmp(&b.z)).unwrap_or_else(|| {
+            let away = |node: &Point3<f64>| (node.x - x).hypot(node.y - y);
+            let nearest = self.mesh.nodes.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+            Point3::new(x, y, nearest.map_or(0.0, |node| node.z))
+        })
+    }
+
+    /// Mean over an element of the change a press round this point makes.
+    fn mean_change(&self, element: usize, press: &Press, centre: Point3<f64>) -> f64 {
         let corners = self.mesh.corners(element);
-        let reach = corners.iter().map(|c| (c.x - press.position[0]).hypot(c.y - press.position[1]));
+        let reach = corners.iter().map(|corner| (corner - centre).norm());
         let longest_edge = (corners[1] - corners[0]).norm().max((corners[2] - corners[0]).norm());
         if reach.fold(f64::INFINITY, f64::min) > press.radius + longest_edge {
             return 0.0;
         }
-        let (sum, count) = samples(corners)
-            .fold((0.0, 0.0), |(sum, count), point| (sum + press.change_at([point.x, point.y]), count + 1.0));
+        let (sum, count) = samples(corners).fold((0.0, 0.0), |(sum, count), point| {
+            (sum + press.change_over((point - centre).norm()), count + 1.0)
+        });
         sum / count
     }
 }

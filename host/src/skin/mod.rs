@@ -2,6 +2,7 @@
 //!
 //! Numbers are SI here. docs/skin-file.md describes the file.
 
+mod above;
 pub(crate) mod check;
 pub mod electrodes;
 pub mod embedding;

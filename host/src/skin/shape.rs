@@ -40,7 +40,10 @@ pub enum Place {
 
 /// A skin that is not flat where only a flat one will do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`shape` is curved; boards, simulated fingers and pixel grids need a flat skin so far")]
+#[error(
+    "`shape` is curved, or its rim as seen from above crosses itself: pixel grids (`image.columns`) need a flat \
+     skin, simulated fingers and `--flatten` one that lies open from above"
+)]
 pub struct NotFlat;
 
 impl Shape {

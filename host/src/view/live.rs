@@ -1,7 +1,8 @@
 //! Live: images and contacts drawn in place on the terminal, as fast as eyes follow.
 
+use super::layout::Layout;
 use super::terminal::{self, Ink, Screen};
-use dermatome_shared::{contact::Contacts, image::Geometry, protocol::FrameStamp};
+use dermatome_shared::{contact::Contacts, protocol::FrameStamp};
 use std::{
     io,
     time::{Duration, Instant},
@@ -21,24 +22,24 @@ pub struct Live {
     screen: Screen,
     ink: Ink,
     /// `None` if no images are wanted.
-    geometry: Option<Geometry>,
+    layout: Option<Layout>,
     values: Vec<f64>,
     scale: f64,
     drawn: Option<Instant>,
 }
 
 impl Live {
-    /// A view that draws images of this geometry, or contacts only.
+    /// A view that draws images of this layout, or contacts only.
     #[must_use]
-    pub fn new(geometry: Option<Geometry>) -> Self {
+    pub fn new(layout: Option<Layout>) -> Self {
         let (screen, ink) = (Screen::default(), Ink::from_environment());
-        Self { screen, ink, geometry, values: Vec::new(), scale: SCALE_FLOOR, drawn: None }
+        Self { screen, ink, layout, values: Vec::new(), scale: SCALE_FLOOR, drawn: None }
     }
 
     /// Whether images are drawn.
     #[must_use]
     pub fn has_images(&self) -> bool {
-        self.geometry.is_some()
+        self.layout.is_some()
     }
 
     /// Keeps an image, `[pixel]`, for the next picture.
@@ -55,8 +56,8 @@ impl Live {
         }
         self.drawn = Some(Instant::now());
         let mut text = String::new();
-        if let Some(geometry) = &self.geometry {
-            text += &terminal::image(geometry, &self.values, self.scale, self.ink);
+        if let Some(layout) = &self.layout {
+            text += &terminal::image(layout, &self.values, self.scale, self.ink);
             text += &terminal::legend(self.scale, self.ink);
         }
         let warning = terminal::flags(at.flags);

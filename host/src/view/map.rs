@@ -4,7 +4,7 @@ use super::{
     colour::sequential,
     picture::{LARGE, Picture, SMALL, Tile, short},
 };
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, triangle};
 use embedded_graphics::{
     geometry::Point,
     text::{Alignment, Baseline},
@@ -206,7 +206,9 @@ impl View {
         let range = |of: [usize; 3]| of[0].min(of[1]).min(of[2])..=of[0].max(of[1]).max(of[2]).min(last);
         for row in range(rows) {
             for column in range(columns) {
-                let Some(point) = point_above(corners, self.position(row, column)) else { continue };
+                let Some(point) = triangle::point_above(corners, self.position(row, column)) else {
+                    continue;
+                };
                 let shown = &mut self.points[row * TILE as usize + column];
                 if shown.is_none_or(|shown| shown.z < point.z) {
                     *shown = Some(point);
@@ -226,16 +228,6 @@ impl View {
         };
         self.points.iter().map(|point| point.as_ref().map_or(Dot::Beside, of_point)).collect()
     }
-}
-
-/// The point of a triangle at x, y, if it has one.
-fn point_above([a, b, c]: [Point3<f64>; 3], [x, y]: [f64; 2]) -> Option<Point3<f64>> {
-    let (u, v) = ((b - a).xy(), (c - a).xy());
-    let to = nalgebra::Vector2::new(x - a.x, y - a.y);
-    let area = u.perp(&v);
-    let (s, t) = (to.perp(&v) / area, u.perp(&to) / area);
-    let inside = s >= -1e-9 && t >= -1e-9 && s + t <= 1.0 + 1e-9;
-    inside.then(|| a + (b - a) * s + (c - a) * t)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Views: images and contacts for people.
 
 pub mod colour;
+pub mod layout;
 pub mod live;
 pub mod map;
 pub mod picture;

@@ -1,7 +1,7 @@
 //! Pictures: images of the skin as PNG files.
 
-use super::colour::diverging;
-use dermatome_shared::image::{Geometry, PixelGrid, is_pixel};
+use super::{colour::diverging, layout::Layout};
+use dermatome_shared::image::PixelGrid;
 use embedded_graphics::{
     Pixel,
     geometry::{OriginDimensions, Point, Size},
@@ -64,35 +64,34 @@ impl Picture {
         &mut self,
         (x, y): (i32, i32),
         size: u32,
-        geometry: &Geometry,
+        layout: &Layout,
         values: &[f64],
         maximum: f64,
     ) -> Tile {
-        let tile = Tile::new(Point::new(x, y), size, geometry.grid);
-        let mut values = values.iter();
-        for cell in 0..geometry.grid.cells() {
-            let inside = is_pixel(&geometry.mask, cell);
-            let value = inside.then(|| values.next().copied().unwrap_or(f64::NAN));
+        let tile = Tile::new(Point::new(x, y), size, layout.grid);
+        for cell in 0..layout.grid.cells() {
+            let value = layout.pixel(cell).map(|pixel| values.get(pixel).copied().unwrap_or(f64::NAN));
             let colour = value.map_or(OUTSIDE, |value| rgb(diverging(value, maximum)));
             self.put(&tile.cell(cell).into_styled(PrimitiveStyle::with_fill(colour)));
         }
-        self.outline(&tile, &geometry.mask);
+        self.outline(&tile, layout);
         tile
     }
 
     /// A grey line between pixels and the cells that are none.
-    fn outline(&mut self, tile: &Tile, mask: &[u8]) {
+    fn outline(&mut self, tile: &Tile, layout: &Layout) {
+        let is_pixel = |cell: usize| layout.pixel(cell).is_some();
         let (columns, rows) = (usize::from(tile.grid.columns), usize::from(tile.grid.rows));
         let style = PrimitiveStyle::with_stroke(RIM, 1);
-        for cell in (0..tile.grid.cells()).filter(|&cell| is_pixel(mask, cell)) {
+        for cell in (0..tile.grid.cells()).filter(|&cell| is_pixel(cell)) {
             let (column, row) = (cell % columns, cell / columns);
             let area = tile.cell(cell);
             let (near, far) = (area.top_left, area.top_left + area.size);
             let edges = [
-                (row == 0 || !is_pixel(mask, cell - columns), near, Point::new(far.x, near.y)),
-                (row + 1 == rows || !is_pixel(mask, cell + columns), Point::new(near.x, far.y), far),
-                (column == 0 || !is_pixel(mask, cell - 1), near, Point::new(near.x, far.y)),
-                (column + 1 == columns || !is_pixel(mask, cell + 1), Point::new(far.x, near.y), far),
+                (row == 0 || !is_pixel(cell - columns), near, Point::new(far.x, near.y)),
+                (row + 1 == rows || !is_pixel(cell + columns), Point::new(near.x, far.y), far),
+                (column == 0 || !is_pixel(cell - 1), near, Point::new(near.x, far.y)),
+                (column + 1 == columns || !is_pixel(cell + 1), Point::new(far.x, near.y), far),
             ];
             for (_, from, to) in edges.into_iter().filter(|(outside, ..)| *outside) {
                 self.put(&Line::new(from, to).into_styled(style));

@@ -1,7 +1,7 @@
 //! Sheets: several images side by side in one picture.
 
+use super::layout::Layout;
 use super::picture::{LARGE, Picture, SMALL};
-use dermatome_shared::image::Geometry;
 use embedded_graphics::{
     geometry::Point,
     text::{Alignment, Baseline},
@@ -28,7 +28,7 @@ pub struct Sheet<'a> {
     /// Line at the top; what does not fit is cut.
     pub title: &'a str,
     /// Where the pixels lie.
-    pub geometry: &'a Geometry,
+    pub layout: &'a Layout,
     /// Electrodes in the grid's frame, m; may be empty.
     pub electrodes: &'a [[f64; 2]],
     /// Most images in a row.
@@ -87,8 +87,7 @@ fn draw_panel(
         picture.text(at, &cut(text, COLUMN / 7), SMALL, Alignment::Center, Baseline::Top);
     }
     let corner = ((x + MARGIN) as i32, (y + caption_lines * LINE + MARGIN) as i32);
-    let tile =
-        picture.image_tile(corner, TILE, sheet.geometry, panel.values, panel.maximum.unwrap_or(maximum));
+    let tile = picture.image_tile(corner, TILE, sheet.layout, panel.values, panel.maximum.unwrap_or(maximum));
     picture.electrode_numbers(&tile, sheet.electrodes);
     for &position in &panel.found {
         picture.found(&tile, position);
@@ -119,7 +118,7 @@ fn cut(text: &str, most: u32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dermatome_shared::image::{PixelGrid, pixel_cells};
+    use dermatome_shared::image::{Geometry, PixelGrid, pixel_cells};
 
     fn disc(side: u8) -> Geometry {
         let pitch = 0.1 / f32::from(side);
@@ -167,13 +166,13 @@ mod tests {
         let geometry = disc(32);
         let values = blob(&geometry, 0.02, 0.02, 1.0);
         let mut picture = Picture::new(300, 300);
-        let tile = picture.image_tile((50, 50), 200, &geometry, &values, 1.0);
+        let tile = picture.image_tile((50, 50), 200, &Layout::from(&geometry), &values, 1.0);
         let place = tile.place([0.02, 0.02]);
         assert_eq!((place.x, place.y), (190, 110), "y is upwards");
         let [red, _, blue] = pixel(&picture, 190, 110);
         assert!(red > blue + 50);
         let down: Vec<_> = values.iter().map(|value| -value).collect();
-        picture.image_tile((50, 50), 200, &geometry, &down, 1.0);
+        picture.image_tile((50, 50), 200, &Layout::from(&geometry), &down, 1.0);
         let [red, _, blue] = pixel(&picture, 190, 110);
         assert!(blue > red + 50);
         assert_eq!(pixel(&picture, 52, 52), [255; 3], "outside the disc");
@@ -183,6 +182,7 @@ mod tests {
     #[test]
     fn a_sheet_has_room_for_all_its_panels() {
         let geometry = disc(32);
+        let layout = Layout::from(&geometry);
         let electrodes = rim();
         let images: Vec<_> = (0..7_u8)
             .map(|k| {
@@ -206,17 +206,16 @@ mod tests {
         };
         let panels: Vec<_> = (0..images.len()).map(panel).collect();
         let sheet =
-            Sheet { title: "demo.npz:v", geometry: &geometry, electrodes: &electrodes, columns: 5, panels };
+            Sheet { title: "demo.npz:v", layout: &layout, electrodes: &electrodes, columns: 5, panels };
         let picture = reconstruction_sheet(&sheet);
         assert_eq!(picture.size(), (5 * COLUMN, TITLE + 2 * (2 * LINE + TILE + 2 * MARGIN + GAP) + BAR));
     }
 
     #[test]
     fn empty_and_crowded_sheets_are_drawn_too() {
-        let geometry = disc(8);
+        let layout = Layout::from(&disc(8));
         let title = "long ".repeat(100);
-        let sheet =
-            |panels| Sheet { title: &title, geometry: &geometry, electrodes: &[], columns: 5, panels };
+        let sheet = |panels| Sheet { title: &title, layout: &layout, electrodes: &[], columns: 5, panels };
         assert_eq!(reconstruction_sheet(&sheet(vec![])).size().0, 2 * COLUMN);
         let crowded = reconstruction_sheet(&sheet(vec![Panel::default(); 500]));
         assert!(crowded.size().1 < 16_384);

@@ -5,13 +5,12 @@
 //! Without colours, one letter stands for the larger of the two: `.` is zero, `:+*#@` go up and
 //! `abcde` go down.
 
-use super::colour::{diverging, share};
-use console::{Term, truncate_str};
-use dermatome_shared::{
-    contact::Contact,
-    frame::FrameFlags,
-    image::{Geometry, is_pixel},
+use super::{
+    colour::{diverging, share},
+    layout::Layout,
 };
+use console::{Term, truncate_str};
+use dermatome_shared::{contact::Contact, frame::FrameFlags};
 use std::{fmt::Write, io};
 
 /// How pixels become characters.
@@ -35,9 +34,9 @@ impl Ink {
 /// Draws an image: `values` are `[pixel]`, relative conductivity; `maximum` is the value of full
 /// colour. Cells outside the mask stay blank. Each line ends with a newline.
 #[must_use]
-pub fn image(geometry: &Geometry, values: &[f64], maximum: f64, ink: Ink) -> String {
-    let cells = cell_values(geometry, values);
-    let columns = usize::from(geometry.grid.columns).max(1);
+pub fn image(layout: &Layout, values: &[f64], maximum: f64, ink: Ink) -> String {
+    let cells = cell_values(layout, values);
+    let columns = usize::from(layout.grid.columns).max(1);
     let rows: Vec<&[Option<f64>]> = cells.chunks(columns).collect();
     let mut text = String::new();
     for pair in rows.chunks(2) {
@@ -70,15 +69,19 @@ pub fn flags(flags: FrameFlags) -> String {
     set.map(|(_, words)| words).collect::<Vec<_>>().join(", ")
 }
 
-/// A line for each contact, with pressure and force where the skin is calibrated.
+/// A line for each contact, with its height where the skin is curved there, and pressure and force where the skin is calibrated.
 #[must_use]
 pub fn contacts(contacts: &[Contact]) -> String {
     let mut text = String::new();
     for contact in contacts {
-        let [x, y] = contact.position.map(|metres| metres * 1e3);
+        let [x, y, z] = contact.position.map(|metres| metres * 1e3);
         let (area, strength) = (contact.area * 1e6, contact.strength);
         // Writing to a string never fails.
-        let _ = write!(text, "x {x:7.1} mm  y {y:7.1} mm  area {area:7.1} mm2  strength {strength:7.4}");
+        let _ = write!(text, "x {x:7.1} mm  y {y:7.1} mm  ");
+        if contact.normal != [0.0, 0.0, 1.0] {
+            let _ = write!(text, "z {z:7.1} mm  ");
+        }
+        let _ = write!(text, "area {area:7.1} mm2  strength {strength:7.4}");
         if let Some((pressure, force)) = contact.pressure.zip(contact.force()) {
             let _ = write!(text, "  {:7.2} kPa  {force:7.3} N", pressure * 1e-3);
         }
@@ -88,10 +91,9 @@ pub fn contacts(contacts: &[Contact]) -> String {
 }
 
 /// Value of each cell of the grid, `[row][column]`; `None` outside the mask.
-fn cell_values(geometry: &Geometry, values: &[f64]) -> Vec<Option<f64>> {
-    let mut values = values.iter();
-    let cells = 0..geometry.grid.cells();
-    cells.map(|cell| if is_pixel(&geometry.mask, cell) { values.next().copied() } else { None }).collect()
+fn cell_values(layout: &Layout, values: &[f64]) -> Vec<Option<f64>> {
+    let value = |cell: usize| values.get(layout.pixel(cell)?).copied();
+    (0..layout.grid.cells()).map(value).collect()
 }
 
 fn push_half_blocks(text: &mut String, pair: [Option<f64>; 2], maximum: f64) {
@@ -168,12 +170,12 @@ fn fitted(text: &str, rows: usize, columns: usize) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dermatome_shared::image::PixelGrid;
+    use dermatome_shared::image::{Geometry, PixelGrid};
 
     /// Three rows of two cells; the last row lacks its left cell.
-    fn geometry() -> Geometry {
+    fn geometry() -> Layout {
         let grid = PixelGrid { columns: 2, rows: 3, pitch: 0.01, left: 0.0, top: 0.03 };
-        Geometry { grid, mask: [0b10_1111].into_iter().collect() }
+        Layout::from(&Geometry { grid, mask: [0b10_1111].into_iter().collect() })
     }
 
     const VALUES: [f64; 5] = [1.0, 0.0, 0.0, -1.0, 0.5];
@@ -200,8 +202,14 @@ mod tests {
 
     #[test]
     fn contacts_are_given_in_millimetres() {
-        let contact =
-            Contact { position: [0.0125, -0.03], area: 2.5e-5, strength: 0.25, peak: 0.5, pressure: None };
+        let contact = Contact {
+            position: [0.0125, -0.03, 0.0],
+            normal: [0.0, 0.0, 1.0],
+            area: 2.5e-5,
+            strength: 0.25,
+            peak: 0.5,
+            pressure: None,
+        };
         let text = contacts(&[contact]);
         assert_eq!(text, "x    12.5 mm  y   -30.0 mm  area    25.0 mm2  strength  0.2500\n");
         assert_eq!(contacts(&[]), "no contact\n");

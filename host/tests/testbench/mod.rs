@@ -8,7 +8,7 @@ use dermatome::{
 use dermatome_shared::{
     calibration::Calibration,
     drive::Drive,
-    image::PixelGrid,
+    image::{Geometry, PixelGrid},
     patch::{CombinedInto, Difference, PatchContents, PatchHeader},
     protocol::{
         self, BoardPacket, Identity, Info, MAX_PACKET_BYTES, PacketReader, Reply, Request, RequestPacket,
@@ -43,6 +43,9 @@ pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32
     let combination: Vec<_> =
         (0..steps.len() as u16).map(|measurement| CombinedInto { measurement, flipped: false }).collect();
     let pixels = usize::from(side) * usize::from(side);
+    let grid = PixelGrid { columns: side, rows: side, pitch: 0.01, left: -0.01, top: 0.01 };
+    let geometry = Geometry::first_cells(grid, pixels);
+    let (places, neighbours) = geometry.tables();
     let header = PatchHeader {
         skin: name.try_into().unwrap(),
         electrodes,
@@ -50,7 +53,9 @@ pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32
         measurements: steps.len() as u16,
         pixels: pixels as u16,
         difference: Difference::Normalised,
-        grid: PixelGrid { columns: side, rows: side, pitch: 0.01, left: -0.01, top: 0.01 },
+        neighbours: neighbours.len() as u16,
+        surface: geometry.scale(),
+        grid: Some(grid),
         drive: Drive::new(50e3, 1e-3, frame_rate),
         contact_threshold: RelativeConductivity::from_f64(0.01),
         drift_time: 0.0,
@@ -65,7 +70,8 @@ pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32
         header: &header,
         steps: &steps,
         combination: &combination,
-        mask: &(0..pixels.div_ceil(8)).map(|i| mask_byte(pixels - 8 * i)).collect::<Vec<_>>(),
+        pixels: &places,
+        neighbours: &neighbours,
         exponents: &vec![14; pixels],
         matrix: &matrix,
     };
@@ -73,10 +79,6 @@ pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32
     let length = contents.write(&mut out).unwrap();
     out.truncate(length);
     out
-}
-
-fn mask_byte(pixels: usize) -> u8 {
-    if pixels >= 8 { 0xFF } else { (1 << pixels) - 1 }
 }
 
 /// Checksum of a patch: its last four bytes.

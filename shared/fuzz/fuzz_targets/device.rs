@@ -21,7 +21,7 @@ enum Deed {
         right_version: bool,
     },
     Info,
-    Geometry,
+    ReadPatch(u32),
     Reference,
     Begin {
         length: u32,
@@ -182,7 +182,7 @@ fuzz_target!(|input: Input| {
                 drop(bench.ask(Request::Hello(Version { protocol: 999, schema: [1; 8] })));
             }
             Deed::Info => drop(bench.ask(Request::Info)),
-            Deed::Geometry => drop(bench.ask(Request::Geometry)),
+            Deed::ReadPatch(offset) => drop(bench.ask(Request::ReadPatch { offset })),
             Deed::Reference => drop(bench.ask(Request::Reference)),
             Deed::Begin { length, crc } => drop(bench.ask(Request::BeginUpload { length, crc })),
             Deed::Chunk { offset, bytes } => drop(bench.ask(chunk_at(offset.into(), &bytes))),

@@ -4,7 +4,7 @@ use dermatome_shared::{
     frame::Frame,
     calibration::Calibration,
     drive::Drive,
-    image::PixelGrid,
+    image::{Geometry, PixelGrid},
     patch::{CRC32, CombinedInto, Difference, PatchContents, PatchHeader},
     stimulation::{Driven, Step, pattern},
     units::{AdcCode, RelativeConductivity},
@@ -17,6 +17,9 @@ pub fn small_patch() -> Vec<u8> {
     let combination: Vec<_> = (0..steps.len() as u16)
         .map(|step| CombinedInto { measurement: step % 2, flipped: step > 2 })
         .collect();
+    let grid = PixelGrid { columns: 2, rows: 2, pitch: 0.01, left: -0.01, top: 0.01 };
+    let geometry = Geometry::first_cells(grid, 4);
+    let (pixels, neighbours) = geometry.tables();
     let header = PatchHeader {
         skin: "fuzz".try_into().unwrap(),
         electrodes: 4,
@@ -24,7 +27,9 @@ pub fn small_patch() -> Vec<u8> {
         measurements: 2,
         pixels: 4,
         difference: Difference::Normalised,
-        grid: PixelGrid { columns: 2, rows: 2, pitch: 0.01, left: -0.01, top: 0.01 },
+        neighbours: neighbours.len() as u16,
+        surface: geometry.scale(),
+        grid: Some(grid),
         drive: Drive::new(50e3, 1e-3, 50.0),
         contact_threshold: RelativeConductivity::from_f64(0.01),
         drift_time: 0.0,
@@ -35,7 +40,8 @@ pub fn small_patch() -> Vec<u8> {
         header: &header,
         steps: &steps,
         combination: &combination,
-        mask: &[0x0F],
+        pixels: &pixels,
+        neighbours: &neighbours,
         exponents: &[14, 14, 3, -3],
         matrix: &[1 << 14, 0, 0, 1 << 14, i16::MAX, -i16::MAX, 77, -5],
     };

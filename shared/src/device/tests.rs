@@ -99,7 +99,7 @@ fn a_host_of_another_protocol_version_is_refused() {
 fn a_board_without_a_patch_says_so() {
     let mut device = device();
     assert_eq!(ask(&mut device, Request::Tare { frames: 1 }), Reply::Refused(Refusal::NoPatch));
-    assert_eq!(ask(&mut device, Request::Geometry), Reply::Refused(Refusal::NoPatch));
+    assert_eq!(ask(&mut device, Request::ReadPatch { offset: 0 }), Reply::Refused(Refusal::NoPatch));
     let all = Selection { images: 1, contacts: 1, measurements: 1, ..Selection::default() };
     assert_eq!(ask(&mut device, Request::Stream(all)), Reply::Refused(Refusal::NoPatch));
     assert!(events(&mut device, &frame(0, 5)).is_empty());

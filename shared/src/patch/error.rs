@@ -78,4 +78,11 @@ pub enum PatchError {
         /// Index of the pixel.
         pixel: usize,
     },
+    /// A pixel without area or normal, or with a neighbour that does not exist; the number of pixels if
+    /// entries are left over behind the last list.
+    #[error("patch holds a wrong normal, area or list of neighbours at pixel {pixel}")]
+    Pixel {
+        /// Index of the pixel.
+        pixel: usize,
+    },
 }

@@ -9,7 +9,8 @@
 //! 12      h                   header: PatchHeader in postcard encoding, then zeros (see below)
 //! ..      4 * steps           stimulation table: drive plus, drive minus, sense plus, sense minus
 //! ..      2 * steps           combination: measurement each step adds to, bit 15 = subtract
-//! ..      mask bytes          pixel mask of the grid, one bit per cell
+//! ..      12 * pixels         where the pixels lie, see [`crate::surface`]
+//! ..      2 * neighbours      lists of neighbouring pixels
 //! ..      pixels              exponents of the matrix rows, i8
 //! ..      2 * pixels * meas.  reconstruction matrix, i16, [pixel][measurement]
 //! ..      4                   CRC-32 (ISO-HDLC) of all bytes before it
@@ -25,8 +26,9 @@ use crate::{
     MAX_ELECTRODES, MAX_GRID_SIDE, MAX_MEASUREMENTS, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS,
     calibration::Calibration,
     drive::Drive,
-    image::{Geometry, PixelGrid, pixel_cells},
+    image::PixelGrid,
     stimulation::Step,
+    surface::{MAX_NEIGHBOURS, NEIGHBOUR_BYTES, PIXEL_BYTES, Pixel, Surface, SurfaceScale},
     units::RelativeConductivity,
 };
 use crc::{CRC_32_ISO_HDLC, Crc};
@@ -38,7 +40,7 @@ use serde::{Deserialize, Serialize};
 /// First bytes of every patch.
 pub const MAGIC: [u8; 4] = *b"DSKP";
 /// Version of the layout above.
-pub const FORMAT_VERSION: u16 = 2;
+pub const FORMAT_VERSION: u16 = 3;
 /// Checksum of patches and packets.
 pub const CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
@@ -72,8 +74,12 @@ pub struct PatchHeader {
     pub pixels: u16,
     /// Kind of difference data the matrix was computed for.
     pub difference: Difference,
-    /// Where the pixels lie.
-    pub grid: PixelGrid,
+    /// Entries of all lists of neighbours.
+    pub neighbours: u16,
+    /// What the numbers of the pixels' table stand for.
+    pub surface: SurfaceScale,
+    /// The grid whose cells the pixels are, on a flat skin with one: for viewers.
+    pub grid: Option<PixelGrid>,
     /// How the skin is driven.
     pub drive: Drive,
     /// Smallest peak that counts as a contact.
@@ -116,8 +122,10 @@ pub struct PatchContents<'a> {
     pub steps: &'a [Step],
     /// Where each step's code goes: `[step]`.
     pub combination: &'a [CombinedInto],
-    /// Pixel mask, one bit per cell.
-    pub mask: &'a [u8],
+    /// Where the pixels lie: `[pixel]`.
+    pub pixels: &'a [Pixel],
+    /// Neighbours of all pixels, list after list.
+    pub neighbours: &'a [u16],
     /// Exponents of the matrix rows: `[pixel]`.
     pub exponents: &'a [i8],
     /// Mantissas, -32,767 to 32,767: `[pixel][measurement]`.
@@ -140,7 +148,8 @@ impl PatchContents<'_> {
         };
         self.steps.iter().try_for_each(|step| put(&step.to_bytes()))?;
         self.combination.iter().try_for_each(|target| put(&target.to_bytes()))?;
-        put(self.mask)?;
+        self.pixels.iter().try_for_each(|pixel| put(&pixel.to_bytes()))?;
+        self.neighbours.iter().try_for_each(|pixel| put(&pixel.to_le_bytes()))?;
         self.exponents.iter().try_for_each(|exponent| put(&exponent.to_le_bytes()))?;
         self.matrix.iter().try_for_each(|mantissa| put(&mantissa.to_le_bytes()))?;
         let total = end + CRC_BYTES;
@@ -155,8 +164,8 @@ impl PatchContents<'_> {
 
     /// The header's length with the zeros that align the matrix.
     fn align_matrix(&self, header_bytes: usize) -> usize {
-        let tables =
-            4 * self.steps.len() + 2 * self.combination.len() + self.mask.len() + self.exponents.len();
+        let surface = PIXEL_BYTES * self.pixels.len() + NEIGHBOUR_BYTES * self.neighbours.len();
+        let tables = 4 * self.steps.len() + 2 * self.combination.len() + surface + self.exponents.len();
         let before = PREFIX_BYTES + tables;
         (before + header_bytes).next_multiple_of(MATRIX_ALIGNMENT) - before
     }
@@ -178,7 +187,8 @@ pub struct PatchView<'a> {
     bytes: &'a [u8],
     steps: &'a [u8],
     combination: &'a [u8],
-    mask: &'a [u8],
+    pixels: &'a [u8],
+    neighbours: &'a [u8],
     exponents: &'a [u8],
     matrix: &'a [u8],
 }
@@ -198,6 +208,17 @@ impl<'a> PatchView<'a> {
 
     /// Finds the tables without checking their content: quick, for bytes validated before.
     pub fn open(bytes: &'a [u8]) -> Result<Self, PatchError> {
+        let (view, total) = Self::open_start(bytes)?;
+        let found = bytes.len();
+        if total == found { Ok(view) } else { Err(PatchError::Length { expected: total, found }) }
+    }
+
+    /// The start of a patch, as far as a host has read it back from a board, up to the matrix, which
+    /// may be cut off; with the length of the whole.
+    ///
+    /// Too few bytes are a [`PatchError::Length`] that says how many would do at least. Nothing is
+    /// checked but what finding the tables needs.
+    pub fn open_start(bytes: &'a [u8]) -> Result<(Self, usize), PatchError> {
         let length_error = |expected| PatchError::Length { expected, found: bytes.len() };
         let (prefix, rest) = bytes.split_first_chunk::<PREFIX_BYTES>().ok_or(length_error(PREFIX_BYTES))?;
         let [m0, m1, m2, m3, v0, v1, h0, h1, t0, t1, t2, t3] = *prefix;
@@ -209,23 +230,22 @@ impl<'a> PatchView<'a> {
             return Err(PatchError::Version { found: version });
         }
         let total = u32::from_le_bytes([t0, t1, t2, t3]) as usize;
-        if total != bytes.len() {
-            return Err(length_error(total));
-        }
         let header_bytes = usize::from(u16::from_le_bytes([h0, h1]));
-        let (header, tables) = rest.split_at_checked(header_bytes).ok_or(PatchError::Header)?;
+        let header = rest.get(..header_bytes).ok_or(length_error(PREFIX_BYTES + header_bytes))?;
         let header: PatchHeader = postcard::from_bytes(header).map_err(|_| PatchError::Header)?;
         let sizes = table_sizes(&header);
-        let expected = PREFIX_BYTES + header_bytes + sizes.iter().sum::<usize>() + CRC_BYTES;
-        if expected != bytes.len() {
-            return Err(length_error(expected));
+        let start = PREFIX_BYTES + header_bytes + sizes[..TABLES].iter().sum::<usize>();
+        let expected = start + sizes[TABLES] + CRC_BYTES;
+        if expected != total {
+            return Err(PatchError::Length { expected, found: total });
         }
+        let tables = bytes.get(PREFIX_BYTES + header_bytes..start).ok_or(length_error(start))?;
         let (steps, tables) = tables.split_at(sizes[0]);
         let (combination, tables) = tables.split_at(sizes[1]);
-        let (mask, tables) = tables.split_at(sizes[2]);
-        let (exponents, tables) = tables.split_at(sizes[3]);
-        let matrix = &tables[..sizes[4]];
-        Ok(Self { header, bytes, steps, combination, mask, exponents, matrix })
+        let (pixels, tables) = tables.split_at(sizes[2]);
+        let (neighbours, exponents) = tables.split_at(sizes[3]);
+        let matrix = bytes.get(start..start + sizes[TABLES]).unwrap_or_default();
+        Ok((Self { header, bytes, steps, combination, pixels, neighbours, exponents, matrix }, total))
     }
 
     /// All bytes of the patch.
@@ -251,10 +271,10 @@ impl<'a> PatchView<'a> {
         self.combination.chunks_exact(2).map(|b| CombinedInto::from_bytes([b[0], b[1]]))
     }
 
-    /// Pixel mask, one bit per cell.
+    /// Where the pixels lie.
     #[must_use]
-    pub fn mask(&self) -> &'a [u8] {
-        self.mask
+    pub fn surface(&self) -> Surface<'a> {
+        Surface::new(self.header.surface, self.pixels, self.neighbours)
     }
 
     /// Exponents of the matrix' rows, `i8`: `[pixel]`.
@@ -276,12 +296,6 @@ impl<'a> PatchView<'a> {
         self.matrix.chunks_exact(row_bytes).zip(exponents)
     }
 
-    /// Grid and mask together, as viewers want them.
-    #[must_use]
-    pub fn geometry(&self) -> Geometry {
-        Geometry { grid: self.header.grid, mask: Vec::from_slice(self.mask).unwrap_or_default() }
-    }
-
     fn check_counts(&self) -> Result<(), PatchError> {
         let header = &self.header;
         let range = |field, value: usize, min, max| {
@@ -296,16 +310,17 @@ impl<'a> PatchView<'a> {
         range("steps", header.steps.into(), 1, MAX_STEPS)?;
         range("measurements", header.measurements.into(), 1, MAX_MEASUREMENTS)?;
         range("pixels", header.pixels.into(), 1, MAX_PIXELS)?;
-        range("grid.columns", header.grid.columns.into(), 1, MAX_GRID_SIDE)?;
-        range("grid.rows", header.grid.rows.into(), 1, MAX_GRID_SIDE)?;
-        let pixels = usize::from(header.pixels);
-        range("mask pixels", pixel_cells(self.mask).count(), pixels, pixels)?;
+        range("neighbours", header.neighbours.into(), 0, MAX_NEIGHBOURS)?;
         let positive = |field, value: f32| {
             if value.is_finite() && value > 0.0 { Ok(()) } else { Err(PatchError::NotPositive { field }) }
         };
-        positive("grid.pitch", header.grid.pitch)?;
-        positive("grid.left", header.grid.left.abs() + 1.0)?;
-        positive("grid.top", header.grid.top.abs() + 1.0)?;
+        if let Some(grid) = &header.grid {
+            range("grid.columns", grid.columns.into(), 1, MAX_GRID_SIDE)?;
+            range("grid.rows", grid.rows.into(), 1, MAX_GRID_SIDE)?;
+            positive("grid.pitch", grid.pitch)?;
+            positive("grid.left", grid.left.abs() + 1.0)?;
+            positive("grid.top", grid.top.abs() + 1.0)?;
+        }
         positive("contact_threshold", header.contact_threshold.to_f32())?;
         positive("drift_time", header.drift_time + 1.0)?;
         header.drive.check().map_err(|field| PatchError::Drive { field })?;
@@ -334,6 +349,7 @@ impl<'a> PatchView<'a> {
         if let Some(measurement) = covered[..measurements].iter().position(|&covered| !covered) {
             return Err(PatchError::Combination { measurement });
         }
+        self.surface().check()?;
         let holds_min = |row: &[u8]| row.chunks_exact(2).any(|b| b == i16::MIN.to_le_bytes());
         match self.rows().position(|(row, _)| holds_min(row)) {
             Some(pixel) => Err(PatchError::Mantissa { pixel }),
@@ -342,11 +358,16 @@ impl<'a> PatchView<'a> {
     }
 }
 
-fn table_sizes(header: &PatchHeader) -> [usize; 5] {
-    let [steps, measurements, pixels] = [header.steps, header.measurements, header.pixels].map(usize::from);
+/// Tables before the matrix.
+const TABLES: usize = 5;
+
+/// Bytes of the tables, the matrix last.
+fn table_sizes(header: &PatchHeader) -> [usize; TABLES + 1] {
+    let [steps, measurements, pixels, neighbours] =
+        [header.steps, header.measurements, header.pixels, header.neighbours].map(usize::from);
     // Products of two u16, doubled: at most 2^33, so they are computed saturating for 32-bit boards.
-    let matrix = pixels.saturating_mul(measurements).saturating_mul(2);
-    [4 * steps, 2 * steps, header.grid.mask_bytes(), pixels, matrix.min(u32::MAX as usize / 2)]
+    let matrix = pixels.saturating_mul(measurements).saturating_mul(2).min(u32::MAX as usize / 2);
+    [4 * steps, 2 * steps, PIXEL_BYTES * pixels, NEIGHBOUR_BYTES * neighbours, pixels, matrix]
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 use super::*;
 use crate::{
     frame::Frame,
+    image::Geometry,
     stimulation::{Driven, pattern},
     units::AdcCode,
 };
@@ -19,11 +20,13 @@ pub(crate) fn drifting_patch(drift_time: f32) -> std::vec::Vec<u8> {
     let (steps, combination): (std::vec::Vec<_>, std::vec::Vec<_>) =
         patch.steps().zip(patch.combination()).unzip();
     let halves = patch.matrix().chunks_exact(2).map(|b| i16::from_le_bytes([b[0], b[1]]));
+    let (pixels, neighbours) = square(2).tables();
     let contents = PatchContents {
         header: &header,
         steps: &steps,
         combination: &combination,
-        mask: patch.mask(),
+        pixels: &pixels,
+        neighbours: &neighbours,
         exponents: &patch.exponents().iter().map(|&byte| byte as i8).collect::<std::vec::Vec<_>>(),
         matrix: &halves.collect::<std::vec::Vec<_>>(),
     };
@@ -38,11 +41,18 @@ pub(crate) fn patch_of_pixels(across: u8, mantissa: i16) -> std::vec::Vec<u8> {
     written(Difference::Plain, across, mantissa)
 }
 
+fn square(across: u8) -> Geometry {
+    let grid = PixelGrid { columns: across, rows: across, pitch: 0.01, left: -0.01, top: 0.01 };
+    Geometry::first_cells(grid, grid.cells())
+}
+
 fn written(difference: Difference, across: u8, mantissa: i16) -> std::vec::Vec<u8> {
     let steps: std::vec::Vec<_> = pattern(8, 1, 1, Driven::Skipped).collect();
     let combination: std::vec::Vec<_> =
         (0..steps.len() as u16).map(|measurement| CombinedInto { measurement, flipped: false }).collect();
     let pixels = usize::from(across) * usize::from(across);
+    let geometry = square(across);
+    let (places, neighbours) = geometry.tables();
     let header = PatchHeader {
         skin: String::try_from("small").unwrap(),
         electrodes: 8,
@@ -50,7 +60,9 @@ fn written(difference: Difference, across: u8, mantissa: i16) -> std::vec::Vec<u
         measurements: steps.len() as u16,
         pixels: pixels as u16,
         difference,
-        grid: PixelGrid { columns: across, rows: across, pitch: 0.01, left: -0.01, top: 0.01 },
+        neighbours: neighbours.len() as u16,
+        surface: geometry.scale(),
+        grid: Some(geometry.grid),
         drive: Drive::new(50e3, 1e-3, 50.0),
         contact_threshold: RelativeConductivity::from_f64(0.01),
         drift_time: 0.0,
@@ -61,13 +73,12 @@ fn written(difference: Difference, across: u8, mantissa: i16) -> std::vec::Vec<u
     for pixel in 0..pixels {
         matrix[pixel * steps.len() + pixel % steps.len()] = mantissa;
     }
-    let mut mask = std::vec![0; pixels.div_ceil(8)];
-    (0..pixels).for_each(|pixel| mask[pixel / 8] |= 1 << (pixel % 8));
     let contents = PatchContents {
         header: &header,
         steps: &steps,
         combination: &combination,
-        mask: &mask,
+        pixels: &places,
+        neighbours: &neighbours,
         exponents: &std::vec![14; pixels],
         matrix: &matrix,
     };
@@ -144,6 +155,37 @@ fn a_patch_for_more_electrodes_than_the_board_has_is_refused() {
     bytes[electrodes] = 32;
     let error = PatchView::validate(&with_valid_crc(bytes)).unwrap_err();
     assert_eq!(error, PatchError::Range { field: "electrodes", value: 32, min: 4, max: 16 });
+}
+
+#[test]
+fn a_neighbour_that_does_not_exist_is_refused() {
+    let bytes = small_patch(Difference::Plain);
+    let tables = PatchView::validate(&bytes).unwrap();
+    let first = tables.neighbours.as_ptr().addr() - bytes.as_ptr().addr();
+    let end = tables.pixels.as_ptr().addr() - bytes.as_ptr().addr() + 3 * PIXEL_BYTES + 6;
+    let area = end + 5;
+    for (place, value, pixel) in [(first, 4, 0), (first + 7, 1, 1), (end, 7, 4), (end, 9, 3), (area, 0, 3)] {
+        let mut bytes = bytes.clone();
+        bytes[place] = value;
+        let error = PatchView::validate(&with_valid_crc(bytes)).unwrap_err();
+        assert_eq!(error, PatchError::Pixel { pixel }, "{value} at {place}");
+    }
+}
+
+#[test]
+fn the_start_of_a_patch_is_enough_to_know_where_its_pixels_lie() {
+    let bytes = small_patch(Difference::Plain);
+    let whole = PatchView::validate(&bytes).unwrap();
+    let needed = whole.matrix.as_ptr().addr() - bytes.as_ptr().addr();
+    let (start, total) = PatchView::open_start(&bytes[..needed]).unwrap();
+    assert_eq!(total, bytes.len());
+    let pixels = start.surface().pixels().collect::<std::vec::Vec<_>>();
+    assert_eq!(pixels, whole.surface().pixels().collect::<std::vec::Vec<_>>());
+    for short in 0..needed {
+        let error = PatchView::open_start(&bytes[..short]).unwrap_err();
+        let PatchError::Length { expected, found } = error else { panic!("{error}") };
+        assert!(found == short && expected > short && expected <= needed, "{expected} for {short}");
+    }
 }
 
 #[test]

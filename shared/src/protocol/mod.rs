@@ -20,7 +20,7 @@ use crate::{
     drive::Drive,
     frame::FrameFlags,
     health::{Health, Vitals},
-    image::{Geometry, Image},
+    image::Image,
     restart::Restart,
     units::{AdcCode, RelativeConductivity},
 };
@@ -29,7 +29,7 @@ use postcard_schema::{Schema, key::hash::fnv1a64};
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages below. Grows with every incompatible change.
-pub const PROTOCOL_VERSION: u16 = 3;
+pub const PROTOCOL_VERSION: u16 = 4;
 /// Longest packet on the wire, with its framing, bytes.
 pub const MAX_PACKET_BYTES: usize = 4096;
 /// Longest piece of a patch in one request, bytes.
@@ -83,8 +83,11 @@ pub enum Request {
         /// Frames to average.
         frames: u16,
     },
-    /// Which pixels does the image have, and where?
-    Geometry,
+    /// What does the patch in use hold from here on? Its start says where the pixels lie.
+    ReadPatch {
+        /// First byte wanted.
+        offset: u32,
+    },
     /// Which reference are frames compared with?
     Reference,
     /// Send these events from now on, and no others.
@@ -171,8 +174,11 @@ pub enum Reply {
     Refused(Refusal),
     /// To [`Request::Info`].
     Info(Info),
-    /// To [`Request::Geometry`].
-    Geometry(Geometry),
+    /// To [`Request::ReadPatch`]: as many bytes as fit, fewer only at the patch's end.
+    Patch {
+        /// The bytes.
+        bytes: Vec<u8, MAX_CHUNK_BYTES>,
+    },
     /// To [`Request::Reference`].
     Reference {
         /// Frames averaged.
@@ -447,8 +453,14 @@ mod tests {
     #[test]
     fn the_longest_messages_fit_a_packet() {
         let at = FrameStamp { sequence: u32::MAX, timestamp_us: u64::MAX, flags: FrameFlags(u16::MAX) };
-        let contact =
-            Contact { position: [0.1; 2], area: 0.1, strength: 0.1, peak: 0.1, pressure: Some(0.1) };
+        let contact = Contact {
+            position: [0.1; 3],
+            normal: [0.1; 3],
+            area: 0.1,
+            strength: 0.1,
+            peak: 0.1,
+            pressure: Some(0.1),
+        };
         let image = PackedImage { exponent: -1, mantissas: (0..MAX_PIXELS).map(|_| i16::MIN).collect() };
         let codes: Vec<AdcCode, MAX_STEPS> = (0..MAX_STEPS).map(|_| AdcCode(i32::MIN)).collect();
         let events = [

@@ -33,7 +33,7 @@ pub(super) fn positions(rig: &Rig) -> Result<String, Failure> {
         let (_, contacts) = contacts(&mut session)?;
         let contact =
             contacts.first().ok_or_else(|| Failure::Wrong(format!("no contact at {position:?}")))?;
-        let [x, y] = contact.position.map(f64::from);
+        let [x, y, _] = contact.position.map(f64::from);
         errors.push((x - position[0]).hypot(y - position[1]) / (2.0 * radius));
         session.scene.press(&[]);
         session.stamps(4)?;

@@ -2,7 +2,7 @@
 
 use crate::{
     link::Link,
-    view::{live::Live, terminal::Screen},
+    view::{layout::Layout, live::Live, terminal::Screen},
 };
 use dermatome_shared::{
     contact::{Contact, Contacts},
@@ -24,8 +24,8 @@ impl Display {
         if !Screen::default().is_visible() {
             return Ok(Self::Lines);
         }
-        let geometry = images.then(|| link.geometry()).transpose()?;
-        Ok(Self::Terminal(Box::new(Live::new(geometry)), Box::default()))
+        let surface = images.then(|| link.surface()).transpose()?;
+        Ok(Self::Terminal(Box::new(Live::new(surface.as_ref().map(Layout::from))), Box::default()))
     }
 
     pub(super) fn wants_images(&self) -> bool {
@@ -60,11 +60,11 @@ fn print_lines(at: FrameStamp, contacts: &Contacts) -> io::Result<()> {
     out.flush()
 }
 
-/// Sequence, time, x, y, area, strength; with a calibration also pressure and force.
+/// Sequence, time, x, y, z, area, strength; with a calibration also pressure and force.
 fn line(at: FrameStamp, contact: &Contact) -> String {
-    let [x, y] = contact.position.map(|metres| metres * 1e3);
+    let [x, y, z] = contact.position.map(|metres| metres * 1e3);
     let (sequence, time, area) = (at.sequence, seconds(at), contact.area * 1e6);
-    let line = format!("{sequence}\t{time:.6}\t{x:.3}\t{y:.3}\t{area:.2}\t{:.6}", contact.strength);
+    let line = format!("{sequence}\t{time:.6}\t{x:.3}\t{y:.3}\t{z:.3}\t{area:.2}\t{:.6}", contact.strength);
     match contact.pressure.zip(contact.force()) {
         Some((pressure, force)) => format!("{line}\t{:.4}\t{force:.5}", pressure * 1e-3),
         None => line,
@@ -81,11 +81,17 @@ mod tests {
     use dermatome_shared::frame::FrameFlags;
 
     #[test]
-    fn a_line_has_six_fields_and_two_more_with_a_calibration() {
+    fn a_line_has_seven_fields_and_two_more_with_a_calibration() {
         let at = FrameStamp { sequence: 7, timestamp_us: 1_250_000, flags: FrameFlags::default() };
-        let contact =
-            Contact { position: [0.01, -0.002], area: 4e-6, strength: 0.5, peak: 1.0, pressure: None };
-        assert_eq!(line(at, &contact), "7\t1.250000\t10.000\t-2.000\t4.00\t0.500000");
+        let contact = Contact {
+            position: [0.01, -0.002, 0.0],
+            normal: [0.0, 0.0, 1.0],
+            area: 4e-6,
+            strength: 0.5,
+            peak: 1.0,
+            pressure: None,
+        };
+        assert_eq!(line(at, &contact), "7\t1.250000\t10.000\t-2.000\t0.000\t4.00\t0.500000");
         let calibrated = Contact { pressure: Some(12.5e3), ..contact };
         assert!(line(at, &calibrated).ends_with("\t0.500000\t12.5000\t0.05000"));
     }

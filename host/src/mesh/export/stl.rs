@@ -1,0 +1,26 @@
+//! Binary STL, in millimetres as CAD programs expect: each triangle with its normal and its three corners.
+
+use crate::mesh::{Mesh, neighbours::orientation, triangle};
+
+const HEADER_BYTES: usize = 80;
+
+/// A mesh without its electrodes, as a binary STL file in mm. Coordinates keep single precision.
+#[must_use]
+pub fn stl(mesh: &Mesh) -> Vec<u8> {
+    let mut bytes = b"Dermatome: a skin's mesh, millimetres".to_vec();
+    bytes.resize(HEADER_BYTES, 0);
+    bytes.extend((mesh.elements.len() as u32).to_le_bytes());
+    for (element, sign) in orientation(&mesh.elements).into_iter().enumerate() {
+        let [a, mut b, mut c] = mesh.corners(element);
+        if sign < 0.0 {
+            std::mem::swap(&mut b, &mut c);
+        }
+        let normal = triangle::normal([a, b, c]);
+        let millimetres = [a, b, c].map(|corner| corner.coords * 1e3);
+        for vector in [normal].into_iter().chain(millimetres) {
+            vector.iter().for_each(|part| bytes.extend((*part as f32).to_le_bytes()));
+        }
+        bytes.extend([0; 2]);
+    }
+    bytes
+}

@@ -1,0 +1,220 @@
+//! Scenes: random contacts on a true skin, counted and placed through two models of it, the surface's own
+//! and the flattened one of the thesis (section 5.3.3.2).
+//!
+//! Each scene is one forward solution on the true skin's mesh with noise; its frame goes through the patch's
+//! fixed point and the board's own contact finder. What the flattened model finds lies in its plane, and is
+//! laid back onto the true skin from above.
+
+use crate::{
+    jacobian::combine_voltages,
+    model::{Model, ModelError, divisors},
+    quantize::{self, PatchBuildError},
+    simulate::{Press, TrueSkin},
+    skin::{NotFlat, Skin},
+};
+use dermatome_shared::{
+    contact, image::Image, patch::PatchView, reconstruct::reconstruct, reference::DEFAULT_TARE_FRAMES,
+    reference::DifferenceData,
+};
+use nalgebra::Point3;
+use rand::{Rng, SeedableRng};
+use rand_distr::{Distribution, Normal};
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// What is put on the skin, and how well it is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Scenes: one, two, three contacts in turn.
+    pub scenes: usize,
+    /// Signal-to-noise ratio, dB, as in [`crate::simulate::Noise`].
+    pub snr_db: f64,
+    /// Radius of a contact, a share of the skin's diameter.
+    pub radius: f64,
+    /// Relative conductivity change at a contact's centre.
+    pub depth: f64,
+    /// Least distance of two centres, a share of the skin's diameter.
+    pub apart: f64,
+    /// Seed of places and noise.
+    pub seed: u64,
+}
+
+impl Default for Options {
+    /// Fingers as in the demo.
+    fn default() -> Self {
+        Self { scenes: 500, snr_db: 60.0, radius: 0.06, depth: 1.0, apart: 0.25, seed: 1 }
+    }
+}
+
+/// One scene and what became of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Centres of the contacts, m.
+    pub truth: Vec<Point3<f64>>,
+    /// Contacts that the surface's model shows, m, strongest first.
+    pub surface: Vec<Point3<f64>>,
+    /// Contacts that the flattened model shows, m, laid onto the skin.
+    pub flattened: Vec<Point3<f64>>,
+}
+
+/// Why there are no scenes of a skin.
+#[derive(Debug, thiserror::Error)]
+pub enum ScenesError {
+    /// No model.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// No patch.
+    #[error(transparent)]
+    Patch(#[from] PatchBuildError),
+    /// Not seen from above.
+    #[error(transparent)]
+    NotFlat(#[from] NotFlat),
+    /// Centres cannot lie so far apart.
+    #[error("`apart` is {apart} of the diameter: no place is left for contact {contact}; allowed is less")]
+    Crowded {
+        /// What was asked for.
+        apart: f64,
+        /// The contact without a place.
+        contact: usize,
+    },
+}
+
+/// Plays random scenes on `true_skin`, and shows them through the model of `skin`, which has the same
+/// electrodes and drive on a mesh of its own, and through that of `skin` flattened.
+pub fn play(skin: &Skin, true_skin: &Skin, options: &Options) -> Result<Vec<Scene>, ScenesError> {
+    let truth = TrueSkin::new(true_skin)?;
+    let diameter = true_skin.shape.from_above()?.diameter();
+    let eyes = [skin.clone(), skin.flattened()?].map(|skin| Eye::new(&skin));
+    let [surface, flattened] = eyes;
+    let (surface, flattened) = (surface?, flattened?);
+    let untouched = truth.voltages(&truth.conductivity(&[]), &surface.model.steps);
+    let mean_square = untouched.iter().map(|v| v * v).sum::<f64>() / untouched.len() as f64;
+    let deviation = mean_square.sqrt() * 10_f64.powf(-options.snr_db / 20.0);
+    let mut random = Pcg64Mcg::seed_from_u64(options.seed);
+    let tare = noisy(&untouched, deviation / f64::from(DEFAULT_TARE_FRAMES).sqrt(), &mut random);
+    let places = (0..options.scenes).map(|scene| {
+        let centres = centres(&truth, diameter, options, 1 + scene % 3, &mut random)?;
+        Ok((centres, random.random::<u64>()))
+    });
+    let places = places.collect::<Result<Vec<_>, ScenesError>>()?;
+    let show = |(centres, seed): (Vec<Point3<f64>>, u64)| {
+        let press = |centre: &Point3<f64>| Press {
+            position: [centre.x, centre.y],
+            radius: options.radius * diameter,
+            depth: options.depth,
+        };
+        let presses: Vec<_> = centres.iter().map(press).collect();
+        let pressed = truth.voltages(&truth.conductivity(&presses), &surface.model.steps);
+        let frame = noisy(&pressed, deviation, &mut Pcg64Mcg::seed_from_u64(seed));
+        let laid = flattened.look(&frame, &tare).into_iter().map(|found| truth.lay([found.x, found.y]));
+        Scene { surface: surface.look(&frame, &tare), flattened: laid.collect(), truth: centres }
+    };
+    Ok(places.into_par_iter().map(show).collect())
+}
+
+/// Random centres, evenly over the surface, a contact's radius from the rim.
+fn centres(
+    truth: &TrueSkin,
+    diameter: f64,
+    options: &Options,
+    count: usize,
+    random: &mut Pcg64Mcg,
+) -> Result<Vec<Point3<f64>>, ScenesError> {
+    const TRIES: usize = 10_000;
+    let mesh = truth.mesh();
+    let rim: Vec<_> = crate::mesh::neighbours::rim_edges(&mesh.elements).into_iter().flatten().collect();
+    let corners = |element: usize| mesh.corners(element);
+    let largest =
+        (0..mesh.elements.len()).map(|e| crate::mesh::triangle::area(corners(e))).fold(0.0, f64::max);
+    let mut centres: Vec<Point3<f64>> = Vec::new();
+    for _ in 0..TRIES {
+        if centres.len() == count {
+            break;
+        }
+        let element = random.random_range(0..mesh.elements.len());
+        let centre = crate::mesh::triangle::centroid(corners(element));
+        let keep = random.random::<f64>() * largest < crate::mesh::triangle::area(corners(element));
+        let is_inside =
+            rim.iter().all(|&node| (mesh.nodes[node] - centre).norm() > options.radius * diameter);
+        let is_apart = centres.iter().all(|other| (other - centre).norm() >= options.apart * diameter);
+        if keep && is_inside && is_apart {
+            centres.push(centre);
+        }
+    }
+    match centres.len() {
+        found if found == count => Ok(centres),
+        found => Err(ScenesError::Crowded { apart: options.apart, contact: found + 1 }),
+    }
+}
+
+fn noisy(voltages: &[f64], deviation: f64, random: &mut Pcg64Mcg) -> Vec<f64> {
+    let noise = Normal::new(0.0, deviation).expect("a deviation is finite and not negative");
+    voltages.iter().map(|voltage| voltage + noise.sample(random)).collect()
+}
+
+/// A model with its patch.
+struct Eye {
+    model: Model,
+    patch: Vec<u8>,
+}
+
+impl Eye {
+    fn new(skin: &Skin) -> Result<Self, ScenesError> {
+        let model = Model::build(skin, |_| ())?;
+        let patch = quantize::patch(skin, &model)?;
+        Ok(Self { model, patch })
+    }
+
+    /// Contacts in one frame as a board finds them, m.
+    fn look(&self, frame: &[f64], tare: &[f64]) -> Vec<Point3<f64>> {
+        let patch = PatchView::open(&self.patch).expect("the patch was checked when it was built");
+        let combination = &self.model.combination;
+        let reference = combine_voltages(tare, combination);
+        let divisors = divisors(self.model.difference, &reference);
+        let pressed = combine_voltages(frame, combination);
+        let change = pressed.iter().zip(&reference).zip(&divisors).map(|((v, r), d)| ((v - r) / d) as f32);
+        let mut data = DifferenceData::default();
+        data.quantise(&change.collect::<Vec<_>>());
+        let mut image = Image::new();
+        reconstruct(&patch, &data, &mut image);
+        let found = contact::find(&patch.surface(), &image, patch.header.contact_threshold);
+        found.iter().map(|contact| Point3::from(contact.position.map(f64::from))).collect()
+    }
+}
+
+/// What scenes show, all in all.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Figures {
+    /// Share of the scenes with the right number of contacts: `[contacts - 1]`.
+    pub count_right: [f64; 3],
+    /// The same of all scenes.
+    pub count_right_of_all: f64,
+    /// Mean distance of a single contact from its true centre by the surface's model, mm, away from the pole.
+    pub surface_error_mm: f64,
+    /// The same by the flattened model.
+    pub flattened_error_mm: f64,
+}
+
+/// Sums up scenes. `is_counted` says which single contacts, by their true centre, go into the errors;
+/// a contact that a model misses counts as `miss`, m.
+#[must_use]
+pub fn figures(scenes: &[Scene], miss: f64, is_counted: impl Fn(&Point3<f64>) -> bool) -> Figures {
+    let share = |of: &dyn Fn(&Scene) -> bool| {
+        let chosen: Vec<_> = scenes.iter().filter(|scene| of(scene)).collect();
+        let right = chosen.iter().filter(|scene| scene.surface.len() == scene.truth.len()).count();
+        right as f64 / chosen.len().max(1) as f64
+    };
+    let error = |found: &dyn Fn(&Scene) -> Option<Point3<f64>>| {
+        let single = scenes.iter().filter(|scene| scene.truth.len() == 1 && is_counted(&scene.truth[0]));
+        let errors: Vec<f64> =
+            single.map(|scene| found(scene).map_or(miss, |at| (at - scene.truth[0]).norm())).collect();
+        1e3 * errors.iter().sum::<f64>() / errors.len().max(1) as f64
+    };
+    Figures {
+        count_right: [1, 2, 3].map(|count| share(&move |scene| scene.truth.len() == count)),
+        count_right_of_all: share(&|_| true),
+        surface_error_mm: error(&|scene| scene.surface.first().copied()),
+        flattened_error_mm: error(&|scene| scene.flattened.first().copied()),
+    }
+}

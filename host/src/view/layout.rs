@@ -1,0 +1,137 @@
+//! Layout: which pixel each cell of a picture shows.
+//!
+//! A flat skin's picture is its grid. All else is seen from above, along z: each cell shows the nearest
+//! pixel that faces upwards, so what faces down is not seen.
+
+use crate::pixels::SurfaceTables;
+use dermatome_shared::{
+    image::{Geometry, PixelGrid, pixel_cells},
+    surface::{Pixel, Surface},
+};
+
+/// Cells across the larger side of a skin that has no grid.
+const CELLS: f32 = 36.0;
+/// A cell shows a pixel whose centre is no farther than this many pixel widths.
+const REACH: f32 = 0.8;
+
+/// Which pixel each cell shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layout {
+    /// Where the cells lie, seen from above.
+    pub grid: PixelGrid,
+    /// `[cell]`.
+    pixels: Vec<Option<usize>>,
+}
+
+impl From<&Geometry> for Layout {
+    fn from(geometry: &Geometry) -> Self {
+        let mut pixels = vec![None; geometry.grid.cells()];
+        pixel_cells(&geometry.mask).enumerate().for_each(|(pixel, cell)| pixels[cell] = Some(pixel));
+        Self { grid: geometry.grid, pixels }
+    }
+}
+
+impl From<&SurfaceTables> for Layout {
+    fn from(tables: &SurfaceTables) -> Self {
+        match tables.grid {
+            Some(grid) => Self::on_grid(grid, &tables.pixels),
+            None => Self::from_above(&tables.view()),
+        }
+    }
+}
+
+impl Layout {
+    /// The pixel that a cell shows.
+    #[must_use]
+    pub fn pixel(&self, cell: usize) -> Option<usize> {
+        self.pixels.get(cell).copied().flatten()
+    }
+
+    /// Pixels whose centres lie at whole cells of the grid: two steps a cell.
+    fn on_grid(grid: PixelGrid, places: &[Pixel]) -> Self {
+        let mut pixels = vec![None; grid.cells()];
+        for (pixel, place) in places.iter().enumerate() {
+            let [column, row] = [place.centre[0], -place.centre[1]].map(|steps| i32::from(steps - 1) / 2);
+            let cell = row * i32::from(grid.columns) + column;
+            if let Some(shown) = usize::try_from(cell).ok().and_then(|cell| pixels.get_mut(cell)) {
+                *shown = Some(pixel);
+            }
+        }
+        Self { grid, pixels }
+    }
+
+    fn from_above(surface: &Surface<'_>) -> Self {
+        let places: Vec<[f32; 4]> = surface.pixels().map(|pixel| seen(surface, &pixel)).collect();
+        let grid = grid_over(&places);
+        let nearest = |cell: usize| {
+            let [x, y] = grid.position(
+                (cell % usize::from(grid.columns)) as f32 + 0.5,
+                (cell / usize::from(grid.columns)) as f32 + 0.5,
+            );
+            let distances = places.iter().map(|place| (place[0] - x).hypot(place[1] - y));
+            let facing = distances.zip(&places).enumerate().filter(|(_, (_, place))| place[3] >= 0.0);
+            let within = facing.filter(|(_, (distance, place))| *distance < REACH * place[2]);
+            within.min_by(|a, b| a.1.0.total_cmp(&b.1.0)).map(|(pixel, _)| pixel)
+        };
+        Self { grid, pixels: (0..grid.cells()).map(nearest).collect() }
+    }
+}
+
+/// x, y, width, and how far upwards the normal points.
+fn seen(surface: &Surface<'_>, pixel: &Pixel) -> [f32; 4] {
+    let [x, y, _] = surface.centre(pixel);
+    [x, y, surface.area(pixel).sqrt(), surface.normal(pixel)[2]]
+}
+
+fn grid_over(places: &[[f32; 4]]) -> PixelGrid {
+    let width = places.iter().map(|place| place[2]).sum::<f32>() / places.len().max(1) as f32;
+    let range = |axis: usize| {
+        let along = places.iter().map(|place| place[axis]);
+        let (low, high) =
+            along.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+        (low - width / 2.0, high + width / 2.0)
+    };
+    let ((left, right), (bottom, top)) = (range(0), range(1));
+    let pitch = (right - left).max(top - bottom) / CELLS;
+    let cells = |length: f32| (length / pitch).ceil().clamp(1.0, CELLS) as u8;
+    PixelGrid { columns: cells(right - left), rows: cells(top - bottom), pitch, left, top }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{model::Model, skin::Skin};
+    use std::path::Path;
+
+    fn tables(model: &str) -> (Model, SurfaceTables) {
+        let file = format!("{}/../models/{model}/skin.toml", env!("CARGO_MANIFEST_DIR"));
+        let model = Model::build(&Skin::load(Path::new(&file)).unwrap(), |_| ()).unwrap();
+        let tables = SurfaceTables::new(&model.pixels).unwrap();
+        (model, tables)
+    }
+
+    #[test]
+    fn a_flat_skin_is_shown_cell_by_cell() {
+        let (model, tables) = tables("disc-210mm");
+        assert_eq!(Layout::from(&tables), Layout::from(model.pixels.grid.as_ref().unwrap()));
+    }
+
+    #[test]
+    fn a_hemisphere_is_shown_as_a_disc_of_its_nearest_pixels() {
+        let (_, tables) = tables("hemisphere-120mm");
+        let layout = Layout::from(&tables);
+        let shown = (0..layout.grid.cells()).filter_map(|cell| layout.pixel(cell)).collect::<Vec<_>>();
+        let disc = std::f64::consts::PI / 4.0 * layout.grid.cells() as f64;
+        assert!((shown.len() as f64 / disc - 1.0).abs() < 0.08, "{} of {disc}", shown.len());
+        let centres: Vec<_> = tables.centres().collect();
+        for cell in 0..layout.grid.cells() {
+            let at = layout.grid.position((cell % 36) as f32 + 0.5, (cell / 36) as f32 + 0.5);
+            if let Some(pixel) = layout.pixel(cell) {
+                let away = (centres[pixel].x - f64::from(at[0])).hypot(centres[pixel].y - f64::from(at[1]));
+                assert!(away < 0.005, "{away}");
+            }
+        }
+        let different: std::collections::HashSet<_> = shown.iter().collect();
+        assert!(different.len() > 450, "{}", different.len());
+    }
+}

@@ -1,0 +1,64 @@
+//! Random contacts on the hemisphere, through the surface's model and the flattened one.
+
+use dermatome::{
+    board::simulated::{BoardOptions, Pace, SimulatedBoard},
+    link::{self, Link},
+    model::Model,
+    quantize,
+    scenes::{Options, figures, play},
+    simulate::{Noise, Press, Script, SimulatedSkin},
+    skin::Skin,
+};
+use dermatome_shared::protocol::{Event, Selection};
+use nalgebra::{Point3, Vector3};
+use std::{path::Path, time::Duration};
+
+fn shipped(file: &str) -> Skin {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/hemisphere-210mm/");
+    Skin::load(&Path::new(folder).join(file)).unwrap()
+}
+
+/// Also prints the figures of as many scenes as `DERMATOME_SCENES` says.
+#[test]
+fn away_from_the_pole_the_surface_places_contacts_twice_as_well_as_its_flattened_model() {
+    let scenes = std::env::var("DERMATOME_SCENES").ok().and_then(|text| text.parse().ok()).unwrap_or(60);
+    let options = Options { scenes, ..Options::default() };
+    let played = play(&shipped("skin.toml"), &shipped("formula.toml"), &options).unwrap();
+    // More than 20 degrees of the sphere away from it.
+    let away = |centre: &Point3<f64>| centre.z < centre.coords.norm() * 0.94;
+    let figures = figures(&played, 0.105, away);
+    eprintln!("{scenes} scenes: {figures:?}");
+    assert!(2.0 * figures.surface_error_mm <= figures.flattened_error_mm, "{figures:?}");
+    assert!(figures.surface_error_mm < 10.0, "{figures:?}");
+}
+
+#[test]
+fn a_board_with_a_curved_patch_tells_where_its_pixels_and_contacts_lie_in_space() {
+    let skin = shipped("skin.toml");
+    let model = Model::build(&skin, |_| ()).unwrap();
+    let patch = quantize::patch(&skin, &model).unwrap();
+    let press = Press { position: [0.06, 0.045], radius: 0.0126, depth: 1.0 };
+    let outline = skin.shape.from_above().unwrap();
+    let script = Script::still(&[press], &outline).unwrap();
+    let source = SimulatedSkin::new(&skin, script, Noise { snr_db: 60.0, seed: 1 }).unwrap();
+    let options = BoardOptions { electrodes: 16, pace: Pace::Unpaced, ..BoardOptions::default() };
+    let board = SimulatedBoard::start(options, source).unwrap();
+    let mut link = Link::to_simulated("sim:hemisphere", board).unwrap();
+    link::upload(&mut link, &patch, |_| ()).unwrap();
+    assert_eq!(link.surface().unwrap(), model.surface().unwrap());
+    link::tare(&mut link, 20, Duration::from_secs(60)).unwrap();
+    link::stream(&mut link, Selection { contacts: 1, ..Selection::default() }).unwrap();
+    let contacts = loop {
+        match link.next_event(Duration::from_secs(20)).unwrap().expect("the board streams") {
+            Event::Contacts { contacts, .. } => break contacts,
+            _ => continue,
+        }
+    };
+    let [contact] = contacts.as_slice() else { panic!("{contacts:?}") };
+    let found = Point3::from(contact.position.map(f64::from));
+    let truth = Point3::new(0.06, 0.045, (0.105_f64.powi(2) - 0.075_f64.powi(2)).sqrt());
+    assert!((found.coords.norm() / 0.105 - 1.0).abs() < 0.01, "{found}");
+    assert!((found - truth).norm() < 0.012, "{found}");
+    let normal = Vector3::from(contact.normal.map(f64::from));
+    assert!(normal.dot(&truth.coords) / truth.coords.norm() > 0.98, "{normal}");
+}
