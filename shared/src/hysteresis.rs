@@ -84,7 +84,7 @@ impl Memory {
     /// Changes up to `noise` are averaged; larger ones count at once.
     pub fn compensate(
         &mut self,
-        plays: impl Iterator<Item = Play> + Clone,
+        plays: &(impl Iterator<Item = Play> + Clone),
         strength: RelativeConductivity,
         noise: RelativeConductivity,
     ) -> RelativeConductivity {
@@ -147,13 +147,13 @@ impl Places {
         for contact in contacts {
             let strength = RelativeConductivity((contact.strength * RelativeConductivity::ONE as f32) as i32);
             let memory = &mut self.place_of(contact).memory;
-            let clean = memory.compensate(patch.plays(), strength, noise);
+            let clean = memory.compensate(&patch.plays(), strength, noise);
             contact.pressure = calibration.pressure(clean.to_f32());
         }
         for place in &mut self.0 {
             if !core::mem::take(&mut place.is_seen) {
                 let most = RelativeConductivity(place.memory.strength.min(level.0));
-                place.memory.compensate(patch.plays(), most, RelativeConductivity(0));
+                place.memory.compensate(&patch.plays(), most, RelativeConductivity(0));
             }
         }
     }

@@ -27,7 +27,7 @@ fn exact(strengths: &[f64], plays: &[Play]) -> std::vec::Vec<f64> {
 fn fixed(strengths: &[f64], plays: &[Play]) -> std::vec::Vec<f64> {
     let mut memory = Memory::default();
     let step = |&x: &f64| {
-        memory.compensate(plays.iter().copied(), RelativeConductivity::from_f64(x), QUIET).to_f64()
+        memory.compensate(&plays.iter().copied(), RelativeConductivity::from_f64(x), QUIET).to_f64()
     };
     strengths.iter().map(step).collect()
 }
@@ -49,8 +49,8 @@ fn what_the_last_press_left_reads_as_nothing_and_a_new_press_starts_from_there()
     let read = fixed(&[1.0, 0.3, 0.3, 0.1, 0.0, 0.2, 1.0], &plays);
     assert!(read[1..5].iter().all(|value| *value < 2e-6), "{read:?}");
     assert!((read[5] - 0.2).abs() < 1e-5, "nothing is left to remember: {read:?}");
-    let at_rest = fixed(&[1.0, 0.3, 0.5], &plays);
-    assert!((0.2..0.5).contains(&at_rest[2]), "the skin still holds the old press: {at_rest:?}");
+    let at_rest = fixed(&[1.0, 0.3, 0.4], &plays);
+    assert!((0.2..0.3).contains(&at_rest[2]), "the skin still holds the old press: {at_rest:?}");
 }
 
 #[test]
@@ -58,7 +58,7 @@ fn noise_is_averaged_and_a_press_counts_at_once() {
     let mut memory = Memory::default();
     let mut step = |value: f64, noise: f64| {
         let [value, noise] = [value, noise].map(RelativeConductivity::from_f64);
-        memory.compensate(plays().into_iter(), value, noise).to_f64()
+        memory.compensate(&plays().into_iter(), value, noise).to_f64()
     };
     assert!(step(0.5, 0.02) > 0.48);
     let mut read = std::vec::Vec::new();
@@ -128,7 +128,7 @@ proptest! {
         let plays = bytes.iter().map(|&b| Play::from_bytes(b));
         let mut memory = Memory::default();
         for strength in strengths {
-            let read = memory.compensate(plays.clone(), RelativeConductivity(strength), RelativeConductivity(noise));
+            let read = memory.compensate(&plays, RelativeConductivity(strength), RelativeConductivity(noise));
             prop_assert!(read.0 >= 0);
         }
     }
