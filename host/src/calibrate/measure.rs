@@ -5,8 +5,8 @@ use crate::link::{self, Link, LinkError};
 use dermatome_shared::protocol::{Event, Selection};
 use std::time::{Duration, Instant};
 
-/// The first part of each hold is left to the skin to settle.
-const SETTLING_SHARE: f64 = 0.5;
+/// The part of each hold that counts: behind the skin's settling, and before a machine that is a little early.
+const COUNTED: [f64; 2] = [0.5, 0.9];
 
 /// Streams contacts while the loads are applied, the first frame at time 0, and averages the strongest
 /// contact over the later half of each hold. The last load is held as long as the one before it.
@@ -38,8 +38,8 @@ pub fn measure(
             readings.push(reading);
         }
         let Some(load) = loads.get(readings.len()) else { break };
-        let settled = load.time_s + SETTLING_SHARE * (end_of(loads, readings.len()) - load.time_s);
-        if time >= settled {
+        let share = (time - load.time_s) / (end_of(loads, readings.len()) - load.time_s);
+        if (COUNTED[0]..COUNTED[1]).contains(&share) {
             hold.add(contacts.first().map_or(0.0, |contact| f64::from(contact.strength)));
         }
     }
