@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 pub mod board;
+pub mod calibrate;
 pub mod cli;
 pub mod cut;
 pub mod demo;
@@ -16,6 +17,7 @@ pub mod inverse;
 pub mod jacobian;
 pub mod learn;
 pub mod link;
+pub mod material;
 pub mod measured;
 pub mod mesh;
 pub mod metrics;

@@ -11,6 +11,7 @@
 //! ..      2 * steps           combination: measurement each step adds to, bit 15 = subtract
 //! ..      12 * pixels         where the pixels lie, see [`crate::surface`]
 //! ..      2 * neighbours      lists of neighbouring pixels
+//! ..      4 * plays           plays of the hysteresis operator: reach and weight, u16 each
 //! ..      pixels              exponents of the matrix rows, i8
 //! ..      2 * pixels * meas.  reconstruction matrix, i16, [pixel][measurement]
 //! ..      4                   CRC-32 (ISO-HDLC) of all bytes before it
@@ -21,11 +22,13 @@
 //! from a file; [`PatchContents::write`] is its inverse.
 
 mod error;
+mod plays;
 
 use crate::{
     MAX_ELECTRODES, MAX_GRID_SIDE, MAX_MEASUREMENTS, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS,
     calibration::Calibration,
     drive::Drive,
+    hysteresis::{PLAY_BYTES, Play},
     image::PixelGrid,
     stimulation::Step,
     surface::{MAX_NEIGHBOURS, NEIGHBOUR_BYTES, PIXEL_BYTES, Pixel, Surface, SurfaceScale},
@@ -91,6 +94,8 @@ pub struct PatchHeader {
     /// What the model expects of each electrode's test ([`crate::scan::test_step`]) without contact
     /// impedance, ohm: `[electrode]`; empty if unknown.
     pub test_resistances: Vec<f32, MAX_ELECTRODES>,
+    /// Plays of the hysteresis operator ([`crate::hysteresis`]); 0 takes strengths as they are.
+    pub plays: u8,
 }
 
 /// Where one step's code goes: the measurement it adds to, or subtracts from.
@@ -130,6 +135,8 @@ pub struct PatchContents<'a> {
     pub exponents: &'a [i8],
     /// Mantissas, -32,767 to 32,767: `[pixel][measurement]`.
     pub matrix: &'a [i16],
+    /// Plays of the hysteresis operator.
+    pub plays: &'a [Play],
 }
 
 impl PatchContents<'_> {
@@ -150,6 +157,7 @@ impl PatchContents<'_> {
         self.combination.iter().try_for_each(|target| put(&target.to_bytes()))?;
         self.pixels.iter().try_for_each(|pixel| put(&pixel.to_bytes()))?;
         self.neighbours.iter().try_for_each(|pixel| put(&pixel.to_le_bytes()))?;
+        self.plays.iter().try_for_each(|play| put(&play.to_bytes()))?;
         self.exponents.iter().try_for_each(|exponent| put(&exponent.to_le_bytes()))?;
         self.matrix.iter().try_for_each(|mantissa| put(&mantissa.to_le_bytes()))?;
         let total = end + CRC_BYTES;
@@ -191,6 +199,7 @@ pub struct PatchView<'a> {
     neighbours: &'a [u8],
     exponents: &'a [u8],
     matrix: &'a [u8],
+    plays: &'a [u8],
 }
 
 impl<'a> PatchView<'a> {
@@ -203,6 +212,7 @@ impl<'a> PatchView<'a> {
         }
         view.check_counts()?;
         view.check_tables()?;
+        view.check_plays()?;
         Ok(view)
     }
 
@@ -243,9 +253,10 @@ impl<'a> PatchView<'a> {
         let (steps, tables) = tables.split_at(sizes[0]);
         let (combination, tables) = tables.split_at(sizes[1]);
         let (pixels, tables) = tables.split_at(sizes[2]);
-        let (neighbours, exponents) = tables.split_at(sizes[3]);
+        let (neighbours, tables) = tables.split_at(sizes[3]);
+        let (plays, exponents) = tables.split_at(sizes[4]);
         let matrix = bytes.get(start..start + sizes[TABLES]).unwrap_or_default();
-        Ok((Self { header, bytes, steps, combination, pixels, neighbours, exponents, matrix }, total))
+        Ok((Self { header, bytes, steps, combination, pixels, neighbours, plays, exponents, matrix }, total))
     }
 
     /// All bytes of the patch.
@@ -359,7 +370,7 @@ impl<'a> PatchView<'a> {
 }
 
 /// Tables before the matrix.
-const TABLES: usize = 5;
+const TABLES: usize = 6;
 
 /// Bytes of the tables, the matrix last.
 fn table_sizes(header: &PatchHeader) -> [usize; TABLES + 1] {
@@ -367,7 +378,8 @@ fn table_sizes(header: &PatchHeader) -> [usize; TABLES + 1] {
         [header.steps, header.measurements, header.pixels, header.neighbours].map(usize::from);
     // Products of two u16, doubled: at most 2^33, so they are computed saturating for 32-bit boards.
     let matrix = pixels.saturating_mul(measurements).saturating_mul(2).min(u32::MAX as usize / 2);
-    [4 * steps, 2 * steps, PIXEL_BYTES * pixels, NEIGHBOUR_BYTES * neighbours, pixels, matrix]
+    let plays = PLAY_BYTES * usize::from(header.plays);
+    [4 * steps, 2 * steps, PIXEL_BYTES * pixels, NEIGHBOUR_BYTES * neighbours, plays, pixels, matrix]
 }
 
 #[cfg(test)]
