@@ -8,6 +8,7 @@ pub mod board;
 pub mod cli;
 pub mod demo;
 pub mod evaluate;
+pub mod experiment;
 pub mod forward;
 pub mod health;
 pub mod interchange;

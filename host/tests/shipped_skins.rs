@@ -104,8 +104,8 @@ fn a_finger_is_one_contact_within_four_per_cent_of_the_diameter() {
         let places = [[0.0, 0.0], [0.4, 0.1], [-0.3, 0.5], [0.1, -0.6], [-0.55, -0.2]];
         let mut worst: f64 = 0.0;
         for (seed, [u, v]) in (0..).zip(places) {
-            let press = Press { position: [u * x, v * y], radius: 0.12 * x, depth: 1.0 };
-            for contacts in bench.contacts(&[press], seed) {
+            let press = Press::finger([u * x, v * y], 0.12 * x, 1.0);
+            for contacts in bench.contacts(std::slice::from_ref(&press), seed) {
                 let contact = contacts.first().unwrap_or_else(|| panic!("{name}: no contact at {u}, {v}"));
                 let error = dermatome::metrics::position_error(contact.position, press.position);
                 worst = worst.max(error / bench.skin.shape.flat().unwrap().diameter());

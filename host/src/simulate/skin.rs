@@ -95,8 +95,22 @@ impl SimulatedSkin {
 
     /// One scan, `script_time` seconds into the script, or of the untouched skin.
     pub fn measure(&mut self, table: &ScanTable, script_time: Option<f64>) -> Scan {
+        let phasors = self.phasors_at(table, script_time);
+        self.read(table, &phasors)
+    }
+
+    /// What a scan sees of a sheet of this relative conductivity, `[element]` of [`Self::truth`]: phasors at
+    /// unit current and conductivity, `[slot]`.
+    #[must_use]
+    pub fn solve(&self, table: &ScanTable, conductivity: &[f64]) -> Vec<Complex64> {
+        let slots: Vec<Step> = table.steps.iter().chain(&table.tests).copied().collect();
+        self.truth.phasors(conductivity, &slots, table.drive.frequency.into())
+    }
+
+    /// One scan of these phasors, with noise and converter.
+    pub fn read(&mut self, table: &ScanTable, phasors: &[Complex64]) -> Scan {
         let untouched = self.untouched_under(table);
-        let volts = self.volts(table, script_time, &untouched);
+        let volts = self.volts(table, phasors);
         let normal =
             Normal::new(0.0, untouched.noise).expect("a standard deviation is finite and not negative");
         let [of_images, of_others] = &mut self.random;
@@ -130,8 +144,9 @@ impl SimulatedSkin {
         timing: Timing,
         script_time: Option<f64>,
     ) -> Option<SlotSamples> {
+        let phasors = self.phasors_at(table, script_time);
         let untouched = self.untouched_under(table);
-        let volts = self.volts(table, script_time, &untouched);
+        let volts = self.volts(table, &phasors);
         let before = volts[(slot + volts.len().checked_sub(1)?) % volts.len()];
         // The lock-in averages the noise of its samples.
         let noise = untouched.noise * (f64::from(timing.integration) / 2.0).sqrt();
@@ -146,19 +161,39 @@ impl SimulatedSkin {
         self.truth.voltages(&self.truth.conductivity(presses), steps)
     }
 
+    /// The true skin.
+    #[must_use]
+    pub fn truth(&self) -> &TrueSkin {
+        &self.truth
+    }
+
+    /// Gives the electrodes other contacts, ohm m: `[electrode]`; noise and gain stay as they were found.
+    pub fn change_contacts(
+        &mut self,
+        skin: &Skin,
+        contact_impedance: &[Complex64],
+    ) -> Result<(), ModelError> {
+        self.truth.change_contacts(skin, contact_impedance)
+    }
+
     /// Volts at the drive's current, turned by its phase: `[slot]`.
-    fn volts(&self, table: &ScanTable, script_time: Option<f64>, untouched: &Untouched) -> Vec<Complex64> {
-        let presses = script_time.map(|time| self.script.presses(time)).unwrap_or_default();
-        let pressed = (!presses.is_empty()).then(|| self.phasors(table, &presses));
-        let phasors = pressed.as_ref().unwrap_or(&untouched.phasors);
+    fn volts(&self, table: &ScanTable, phasors: &[Complex64]) -> Vec<Complex64> {
         let amplitude = f64::from(table.drive.amplitude) / self.sheet_conductivity;
         let scale = Complex64::from_polar(amplitude, f64::from(table.drive.phase).to_radians());
         phasors.iter().map(|phasor| phasor * scale).collect()
     }
 
-    fn phasors(&self, table: &ScanTable, presses: &[Press]) -> Vec<Complex64> {
-        let slots: Vec<Step> = table.steps.iter().chain(&table.tests).copied().collect();
-        self.truth.phasors(&self.truth.conductivity(presses), &slots, table.drive.frequency.into())
+    fn phasors_at(&mut self, table: &ScanTable, script_time: Option<f64>) -> Vec<Complex64> {
+        match self.conductivity(script_time) {
+            Some(conductivity) => self.solve(table, &conductivity),
+            None => self.untouched_under(table).phasors,
+        }
+    }
+
+    /// Relative conductivity of each element at a time of the script; `None` where it is all 1.
+    fn conductivity(&mut self, script_time: Option<f64>) -> Option<Vec<f64>> {
+        let presses = script_time.map(|time| self.script.presses(time)).unwrap_or_default();
+        (!presses.is_empty()).then(|| self.truth.conductivity(&presses))
     }
 
     /// Voltages, gain and noise of a scan, found once, as a board finds its gains.
@@ -166,7 +201,7 @@ impl SimulatedSkin {
         if let Some(untouched) = self.untouched.as_ref().filter(|untouched| untouched.table == *table) {
             return untouched.clone();
         }
-        let phasors = self.phasors(table, &[]);
+        let phasors = self.solve(table, &self.truth.conductivity(&[]));
         let steps = &phasors[..table.steps.len()];
         let mean_square = steps.iter().map(|v| v.re * v.re).sum::<f64>() / steps.len() as f64;
         let ohms = |relative: f64| relative / self.sheet_conductivity;
