@@ -15,6 +15,7 @@ pub mod interchange;
 pub mod inverse;
 pub mod jacobian;
 pub mod link;
+pub mod material;
 pub mod measured;
 pub mod mesh;
 pub mod metrics;
