@@ -37,6 +37,7 @@ pub mod scan;
 pub mod slots;
 pub mod stimulation;
 pub mod synthetic;
+pub mod track;
 pub mod trigonometry;
 pub mod units;
 

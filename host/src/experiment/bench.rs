@@ -6,7 +6,7 @@
 
 use super::ExperimentError;
 use crate::{
-    board::simulated::ScanTable,
+    board::simulated::{Scan, ScanTable},
     evaluate::electrodes::{spacing, with_errors},
     metrics::{Target, thesis},
     model::Model,
@@ -20,7 +20,7 @@ use dermatome_shared::{
     patch::PatchView,
     pipeline::{self, PipelineState},
     reference::DEFAULT_TARE_FRAMES,
-    units::{AdcCode, RelativeConductivity},
+    units::RelativeConductivity,
 };
 use nalgebra::Point3;
 use num_complex::Complex64;
@@ -85,6 +85,8 @@ pub(super) struct Bench {
     artefacts: Artefacts,
     random: Pcg64Mcg,
     frames: u32,
+    /// Codes of all frames of the tare, added up: `[step]`.
+    reference: Vec<f64>,
     /// -1 where a fall of conductivity is looked for.
     sign: f64,
 }
@@ -126,6 +128,7 @@ impl Bench {
             artefacts,
             random: Pcg64Mcg::seed_from_u64(!seed),
             frames: 0,
+            reference: Vec::new(),
             sign: 1.0,
         })
     }
@@ -150,13 +153,12 @@ impl Bench {
         self.model.pixels.larger_side()
     }
 
-    /// Averages the reference over this sheet, the contacts as they are without disturbance.
-    pub(super) fn tare(&mut self, conductivity: &[f64]) -> Result<(), ExperimentError> {
+    /// Averages the reference over a sheet of this relative conductivity, `[element]` of the true skin.
+    pub(super) fn tare(&mut self, conductivity: &[f64]) {
         self.state = PipelineState::default();
         self.state.start_tare(FRAMES);
         let phasors = self.simulated.solve(&self.table, conductivity);
-        (0..FRAMES).for_each(|_| self.frame(&phasors));
-        Ok(())
+        self.reference = self.frames(&phasors, |_| ());
     }
 
     /// Shows a sheet of this relative conductivity, `[element]` of the true skin.
@@ -164,25 +166,49 @@ impl Bench {
         self.disturb()?;
         let phasors = self.simulated.solve(&self.table, conductivity);
         let mut image = vec![0.0; self.model.pixels.count()];
-        for _ in 0..FRAMES {
-            self.frame(&phasors);
-            for (sum, value) in image.iter_mut().zip(self.state.image()) {
-                *sum += self.sign * value.to_f64() / f64::from(FRAMES);
+        let sign = self.sign / f64::from(FRAMES);
+        let codes = self.frames(&phasors, |state| {
+            for (sum, value) in image.iter_mut().zip(state.image()) {
+                *sum += sign * value.to_f64();
             }
+        });
+        let voltage_change = voltage_change(&codes, &self.reference);
+        Ok(Shown { contacts: self.contacts(&image), voltage_change, image })
+    }
+
+    /// What a scan sees of a sheet of this relative conductivity, for [`Self::glance`].
+    pub(super) fn solve(&self, conductivity: &[f64]) -> Vec<Complex64> {
+        self.simulated.solve(&self.table, conductivity)
+    }
+
+    /// Contacts that the board reports of one single frame.
+    pub(super) fn glance(&mut self, phasors: &[Complex64]) -> Vec<Contact> {
+        let scan = self.simulated.read(&self.table, phasors);
+        self.process(scan);
+        self.state.contacts().to_vec()
+    }
+
+    /// As many scans as are averaged go through the board's code; gives their codes, added up: `[step]`.
+    fn frames(&mut self, phasors: &[Complex64], mut see: impl FnMut(&PipelineState)) -> Vec<f64> {
+        let mut sums = vec![0.0; self.table.steps.len()];
+        for _ in 0..FRAMES {
+            let scan = self.simulated.read(&self.table, phasors);
+            sums.iter_mut().zip(&scan.codes).for_each(|(sum, code)| *sum += f64::from(code.0));
+            self.process(scan);
+            see(&self.state);
         }
-        Ok(Shown { contacts: self.contacts(&image), voltage_change: self.voltage_change(), image })
+        sums
     }
 
     /// One scan through the board's code.
-    fn frame(&mut self, phasors: &[Complex64]) {
-        let scan = self.simulated.read(&self.table, phasors);
+    fn process(&mut self, scan: Scan) {
         self.frames += 1;
         let period_us = 1e6 / f64::from(self.table.drive.frame_rate);
         let frame = Frame {
             sequence: self.frames,
             timestamp_us: (f64::from(self.frames) * period_us) as u64,
             flags: scan.flags,
-            codes: scan.codes.iter().copied().collect(),
+            codes: scan.codes.into_iter().collect(),
             ..Frame::default()
         };
         let view = PatchView::open(&self.patch).expect("the patch was valid when it was made");
@@ -194,14 +220,6 @@ impl Bench {
         let codes: Vec<_> = image.iter().map(|&value| RelativeConductivity::from_f64(value)).collect();
         let header = &view.header;
         contact::find(&header.grid, view.mask(), &codes, header.contact_threshold).to_vec()
-    }
-
-    /// Mean of the last frame's difference data where they are normalised; else of the model's kind.
-    fn voltage_change(&self) -> f64 {
-        let difference = self.state.difference();
-        let step = (-f64::from(difference.exponent)).exp2();
-        let sum: f64 = difference.codes.iter().map(|&code| f64::from(code) * step).sum();
-        sum / difference.codes.len().max(1) as f64
     }
 
     /// Every contact impedance changes a little.
@@ -239,4 +257,12 @@ impl Shown {
         let contact = self.contacts.first()?;
         Some([0, 1].map(|axis| f64::from(contact.position[axis]) - at[axis]))
     }
+}
+
+/// dV/V of the steps that read at least a hundredth of what the largest reads: across a corner there is
+/// next to nothing to divide by.
+fn voltage_change(codes: &[f64], reference: &[f64]) -> f64 {
+    let largest = reference.iter().fold(0.0, |largest: f64, code| largest.max(code.abs()));
+    let worth = |code: &f64| if code.abs() < 0.01 * largest { 0.0 } else { *code };
+    thesis::relative_voltage_change(codes, &reference.iter().map(worth).collect::<Vec<_>>())
 }

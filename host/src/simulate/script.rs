@@ -73,6 +73,12 @@ impl Script {
         Self { fingers: vec![(0..=64).map(at).collect()], duration: 8.0 }
     }
 
+    /// One indenter at a time; `None` before its first and after its last moment.
+    #[must_use]
+    pub fn at(moments: &[Moment], time: f64) -> Option<Press> {
+        finger_at(moments, time)
+    }
+
     /// Whether any load is a pressure or a force, which says nothing without a material.
     #[must_use]
     pub fn needs_material(&self) -> bool {

@@ -4,9 +4,10 @@
 //! 1, whose range leaves room for the largest voltage at full current. Each scan has one gain, and
 //! the lock-in's 16 bits at that gain; tests of electrodes have gain 1.
 
-use super::{Press, Script, TrueSkin, converter::Converter};
+use super::{Press, Script, Sheet, TrueSkin, converter::Converter, truth::LEAST};
 use crate::{
     board::simulated::{Scan, ScanTable, SlotSamples},
+    material::Material,
     model::ModelError,
     skin::Skin,
 };
@@ -37,6 +38,7 @@ pub struct Noise {
 pub struct SimulatedSkin {
     truth: TrueSkin,
     script: Script,
+    worn: Option<Worn>,
     noise: Noise,
     /// Noise of what goes into images, and of all else: so that the first does not depend on the second.
     random: [Pcg64Mcg; 2],
@@ -47,6 +49,16 @@ pub struct SimulatedSkin {
     front_end: FrontEnd,
     /// Voltages and noise of the running scan, found on its first frame.
     untouched: Option<Untouched>,
+}
+
+/// A sheet whose changes follow from pressure over time.
+#[derive(Debug)]
+struct Worn {
+    material: Material,
+    seed: u64,
+    sheet: Sheet,
+    /// How far the script has come, s.
+    time: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -72,6 +84,7 @@ impl SimulatedSkin {
         Ok(Self {
             truth,
             script,
+            worn: None,
             noise,
             random: [noise.seed, !noise.seed].map(Pcg64Mcg::seed_from_u64),
             sheet_conductivity: skin.material.sheet_conductivity,
@@ -79,6 +92,13 @@ impl SimulatedSkin {
             drive,
             untouched: None,
         })
+    }
+
+    /// Makes the sheet of a material, so that pressures and forces change it.
+    #[must_use]
+    pub fn of_material(self, material: Material) -> Self {
+        let (seed, sheet) = (self.noise.seed, Sheet::new(&material, self.noise.seed));
+        Self { worn: Some(Worn { material, seed, sheet, time: 0.0 }), ..self }
     }
 
     /// Elements of the simulation's own mesh.
@@ -193,7 +213,14 @@ impl SimulatedSkin {
     /// Relative conductivity of each element at a time of the script; `None` where it is all 1.
     fn conductivity(&mut self, script_time: Option<f64>) -> Option<Vec<f64>> {
         let presses = script_time.map(|time| self.script.presses(time)).unwrap_or_default();
-        (!presses.is_empty()).then(|| self.truth.conductivity(&presses))
+        match &mut self.worn {
+            None => (!presses.is_empty()).then(|| self.truth.conductivity(&presses)),
+            Some(worn) => {
+                let pressed = worn.respond(&self.truth.pressure(&presses), script_time?);
+                let changed = self.truth.conductivity(&presses);
+                Some(pressed.iter().zip(changed).map(|(a, b)| (a + b - 1.0).max(LEAST)).collect())
+            }
+        }
     }
 
     /// Voltages, gain and noise of a scan, found once, as a board finds its gains.
@@ -213,6 +240,18 @@ impl SimulatedSkin {
         let largest_volts = ohms(largest(steps)) * f64::from(table.drive.amplitude);
         let converter = Converter::new(&self.front_end, table.drive.gain, largest_volts);
         self.untouched.insert(Untouched { table: table.clone(), phasors, converter, noise }).clone()
+    }
+}
+
+impl Worn {
+    /// Conductivity at a time of the script; a script that begins anew finds a fresh sheet.
+    fn respond(&mut self, pressure: &[f64], time: f64) -> Vec<f64> {
+        if time < self.time {
+            (self.sheet, self.time) = (Sheet::new(&self.material, self.seed), 0.0);
+        }
+        let seconds = time - self.time;
+        self.time = time;
+        self.sheet.respond(pressure, seconds)
     }
 }
 
