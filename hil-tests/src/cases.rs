@@ -92,12 +92,14 @@ mod patches {
             drift_time: 0.0,
             calibration: Calibration::default(),
             test_resistances: Default::default(),
+            plays: 0,
         };
         let mask: Vec<u8> = (0..header.grid.mask_bytes()).map(|byte| mask_byte(pixels, byte)).collect();
         let exponents: Vec<i8> = (0..pixels).map(|_| random.random_range(14..18)).collect();
         let matrix: Vec<i16> =
             (0..pixels * measurements).map(|_| random.random_range(-32_767..=32_767)).collect();
         let contents = PatchContents {
+            plays: &[],
             header: &header,
             steps: &steps,
             combination: &combination,

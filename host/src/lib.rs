@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 pub mod board;
+pub mod calibrate;
 pub mod cli;
 pub mod demo;
 pub mod evaluate;

@@ -14,7 +14,7 @@ use std::{
 };
 
 /// All commands.
-const COMMANDS: [&str; 17] = [
+const COMMANDS: [&str; 18] = [
     "build",
     "check",
     "check-data",
@@ -22,6 +22,7 @@ const COMMANDS: [&str; 17] = [
     "devices",
     "drive",
     "evaluate",
+    "experiment",
     "export",
     "firmware",
     "flash",

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! samples -> demodulate -> acquire -> frame
-//! frame -> health -> reference -> drift -> reconstruct -> contact -> calibration    (inside pipeline)
+//! frame -> health -> reference -> drift -> reconstruct -> contact -> hysteresis -> calibration    (inside pipeline)
 //! request packet -> protocol -> device -> protocol -> reply packet
 //! frame -> device -> pipeline -> events -> protocol -> event packets
 //! ```
@@ -26,6 +26,7 @@ pub mod drift;
 pub mod drive;
 pub mod frame;
 pub mod health;
+pub mod hysteresis;
 pub mod image;
 pub mod patch;
 pub mod pipeline;

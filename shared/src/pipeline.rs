@@ -8,11 +8,13 @@ use crate::{
     drift::{Drift, Follow},
     frame::{Frame, FrameFlags},
     health::ElectrodeSet,
+    hysteresis::Places,
     image::Image,
     patch::PatchView,
     reconstruct::reconstruct,
     reference::{DEFAULT_TARE_FRAMES, DifferenceData, Reference, Tare},
     stimulation::Step,
+    units::RelativeConductivity,
 };
 use heapless::Vec;
 
@@ -34,6 +36,7 @@ pub struct PipelineState {
     difference: DifferenceData,
     image: Image,
     contacts: Contacts,
+    places: Places,
 }
 
 /// What became of a frame.
@@ -66,6 +69,7 @@ pub fn process(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) 
             return Outcome::Taring;
         };
         (state.tare, state.reference, state.drift) = (None, Some(reference), Drift::default());
+        state.places = Places::default();
         return Outcome::Tared;
     }
     let follow = state.compare(patch, frame);
@@ -126,9 +130,9 @@ impl PipelineState {
     fn find_contacts(&mut self, patch: &PatchView<'_>, now_us: u64) {
         let header = &patch.header;
         self.contacts = contact::find(&header.grid, patch.mask(), &self.image, header.contact_threshold);
-        for contact in &mut self.contacts {
-            contact.pressure = header.calibration.pressure(contact.strength);
-        }
+        let seen = contact::region_level(&self.image, header.contact_threshold);
+        let level = seen.map_or(header.contact_threshold, RelativeConductivity);
+        self.places.press(patch, &mut self.contacts, level);
         if !self.contacts.is_empty() {
             self.drift.touch(now_us);
         }

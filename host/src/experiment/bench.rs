@@ -30,6 +30,8 @@ use rand_pcg::Pcg64Mcg;
 
 /// Frames averaged for each load (thesis section 4.1.1).
 pub(super) const FRAMES: u16 = DEFAULT_TARE_FRAMES;
+/// A contact's peak is at least so many standard deviations of the noise in the noisiest pixel.
+const CLEAR_OF_NOISE: f64 = 6.0;
 
 /// What is wrong with the simulated measurements.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,14 +86,16 @@ pub(super) struct Bench {
     state: PipelineState,
     artefacts: Artefacts,
     random: Pcg64Mcg,
-    frames: u32,
-    /// Codes of all frames of the tare, added up: `[step]`.
+    /// Frames averaged in [`Self::show`].
+    averaged: u16,
+    sequence: u32,
+    /// Mean codes of the tare: `[step]`.
     reference: Vec<f64>,
     /// -1 where a fall of conductivity is looked for.
     sign: f64,
 }
 
-/// What the board shows of one load: the mean over [`FRAMES`] frames.
+/// What the board shows of one load: the mean over the frames averaged.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Shown {
     /// Relative conductivity change, upright: `[pixel]`.
@@ -103,11 +107,20 @@ pub(super) struct Shown {
 }
 
 impl Bench {
-    /// Puts a skin on the bench; it is not tared yet.
-    pub(super) fn new(mut skin: Skin, artefacts: Artefacts, seed: u64) -> Result<Self, ExperimentError> {
+    /// Puts a skin on the bench, to be shown by the mean of so many frames; it is not tared yet.
+    ///
+    /// The threshold of contacts is set clear of the noise of that mean.
+    pub(super) fn new(
+        mut skin: Skin,
+        artefacts: Artefacts,
+        averaged: u16,
+        seed: u64,
+    ) -> Result<Self, ExperimentError> {
         // The thesis sets its reference once; a board's would follow slow drift.
         skin.drift_time = 0.0;
         let model = Model::build(&skin, |_| ())?;
+        let noise = model.image_noise(artefacts.snr_db) / f64::from(averaged).sqrt();
+        skin.contact_threshold = CLEAR_OF_NOISE * noise;
         let patch = quantize::patch(&skin, &model)?;
         let shift = artefacts.electrode_shift * spacing(&skin).unwrap_or(0.0);
         let true_skin = with_errors(&skin, shift, artefacts.impedance, seed)?;
@@ -127,7 +140,8 @@ impl Bench {
             state: PipelineState::default(),
             artefacts,
             random: Pcg64Mcg::seed_from_u64(!seed),
-            frames: 0,
+            averaged,
+            sequence: 0,
             reference: Vec::new(),
             sign: 1.0,
         })
@@ -158,7 +172,7 @@ impl Bench {
         self.state = PipelineState::default();
         self.state.start_tare(FRAMES);
         let phasors = self.simulated.solve(&self.table, conductivity);
-        self.reference = self.frames(&phasors, |_| ());
+        self.reference = self.frames(&phasors, FRAMES, |_| ());
     }
 
     /// Shows a sheet of this relative conductivity, `[element]` of the true skin.
@@ -166,8 +180,8 @@ impl Bench {
         self.disturb()?;
         let phasors = self.simulated.solve(&self.table, conductivity);
         let mut image = vec![0.0; self.model.pixels.count()];
-        let sign = self.sign / f64::from(FRAMES);
-        let codes = self.frames(&phasors, |state| {
+        let sign = self.sign / f64::from(self.averaged);
+        let codes = self.frames(&phasors, self.averaged, |state| {
             for (sum, value) in image.iter_mut().zip(state.image()) {
                 *sum += sign * value.to_f64();
             }
@@ -188,12 +202,17 @@ impl Bench {
         self.state.contacts().to_vec()
     }
 
-    /// As many scans as are averaged go through the board's code; gives their codes, added up: `[step]`.
-    fn frames(&mut self, phasors: &[Complex64], mut see: impl FnMut(&PipelineState)) -> Vec<f64> {
+    /// Scans go through the board's code; gives their mean codes: `[step]`.
+    fn frames(
+        &mut self,
+        phasors: &[Complex64],
+        count: u16,
+        mut see: impl FnMut(&PipelineState),
+    ) -> Vec<f64> {
         let mut sums = vec![0.0; self.table.steps.len()];
-        for _ in 0..FRAMES {
+        for _ in 0..count {
             let scan = self.simulated.read(&self.table, phasors);
-            sums.iter_mut().zip(&scan.codes).for_each(|(sum, code)| *sum += f64::from(code.0));
+            sums.iter_mut().zip(&scan.codes).for_each(|(sum, code)| *sum += f64::from(code.0) / f64::from(count));
             self.process(scan);
             see(&self.state);
         }
@@ -202,11 +221,11 @@ impl Bench {
 
     /// One scan through the board's code.
     fn process(&mut self, scan: Scan) {
-        self.frames += 1;
+        self.sequence += 1;
         let period_us = 1e6 / f64::from(self.table.drive.frame_rate);
         let frame = Frame {
-            sequence: self.frames,
-            timestamp_us: (f64::from(self.frames) * period_us) as u64,
+            sequence: self.sequence,
+            timestamp_us: (f64::from(self.sequence) * period_us) as u64,
             flags: scan.flags,
             codes: scan.codes.into_iter().collect(),
             ..Frame::default()

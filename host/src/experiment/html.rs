@@ -44,7 +44,7 @@ fn summary(reports: &[Report]) -> String {
     let rows = reports.iter().flat_map(|report| report.comparisons.iter().map(move |c| (report, c)));
     let rows: String = rows.map(|(report, comparison)| summary_row(report, comparison)).collect();
     format!(
-        "<table>\n<tr><th>experiment</th><th>figure</th><th>thesis</th><th>here, simulated</th><th>wanted</th>\
+        "<table>\n<tr><th>experiment</th><th style=\"text-align:left\">figure</th><th>thesis</th><th>here, simulated</th><th>wanted</th>\
          <th></th></tr>\n{rows}</table>\n"
     )
 }

@@ -73,6 +73,8 @@ impl Chart<'_> {
             .y_desc(self.y)
             .x_labels(7)
             .y_labels(7)
+            .x_label_formatter(&label)
+            .y_label_formatter(&label)
             .light_line_style(WHITE)
             .bold_line_style(RGBColor(225, 225, 225))
             .label_style(("sans-serif", 12))
@@ -143,6 +145,14 @@ impl Chart<'_> {
         ];
         corners.into_iter().min_by_key(|(crowd, _)| *crowd).map_or(SeriesLabelPosition::UpperLeft, |(_, at)| at)
     }
+}
+
+/// A number on an axis, without digits that say nothing.
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "plotters hands out references")]
+fn label(value: &f64) -> String {
+    let text = format!("{value:.4}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
 #[cfg(test)]

@@ -6,9 +6,9 @@
 
 use super::{
     ExperimentError,
-    bench::{Artefacts, Bench, Shown},
+    bench::{Artefacts, Bench, FRAMES, Shown},
     plot::{Chart, Series, Style},
-    report::{Report, Wanted, largest, number},
+    report::{Report, largest, number},
 };
 use crate::{
     simulate::{Footprint, Load, Press},
@@ -27,7 +27,7 @@ const THESIS_HYSTERESIS: f64 = 1.06;
 pub(super) fn bath(seed: u64) -> Result<Bench, ExperimentError> {
     let path = Path::new("models/saline-215mm/skin.toml");
     let skin = Skin::parse(path, include_str!("../../../models/saline-215mm/skin.toml"))?;
-    let mut bench = Bench::new(skin, Artefacts::SALINE, seed)?.upside_down();
+    let mut bench = Bench::new(skin, Artefacts::SALINE, FRAMES, seed)?.upside_down();
     bench.tare(&vec![1.0; bench.elements()]);
     Ok(bench)
 }
@@ -97,9 +97,10 @@ fn cycle(mut report: Report, dips: &[Dip]) -> Result<Report, ExperimentError> {
         "%",
         Some(THESIS_HYSTERESIS),
         image,
-        Some(Wanted::AtMost(THESIS_HYSTERESIS)),
+        None,
     );
     report.compare("hysteresis of the method, voltages", "%", None, raw, None);
+    report.words("Nothing in the simulation remembers, so what hysteresis there is, is noise.");
     let rows = dips.iter().zip(&strengths).zip(&voltages);
     let rows = rows.map(|((dip, strength), voltage)| {
         vec![number(dip.volume), number(-strength), number(100.0 * voltage)]

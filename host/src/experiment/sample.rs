@@ -146,7 +146,7 @@ impl Sample {
     pub(super) fn specimen(&self, artefacts: Artefacts, seed: u64) -> Result<Specimen, ExperimentError> {
         let material = Material::named(self.material)?;
         let mut specimen = Specimen {
-            bench: Bench::new(self.skin()?, artefacts, seed)?,
+            bench: Bench::new(self.skin()?, artefacts, FRAMES, seed)?,
             sheet: Sheet::new(&material, seed),
         };
         specimen.tare();

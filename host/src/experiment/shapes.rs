@@ -103,16 +103,17 @@ fn show(report: &mut Report, sample: &Sample, pressed: &Pressed) -> Result<Value
         let press = Press::new(footprint, [0.0; 2], Load::Change(1.0));
         places.iter().map(|&place| press.change_at(place)).collect::<Vec<_>>()
     });
-    let panels = [("'O' pressed", &truths[0]), ("image", &o.image), ("'L' pressed", &truths[1]), ("image", &l.image)];
+    let images = [&o.image, &l.image].map(|image| over_its_largest(image));
+    let panels =
+        [("'O' pressed", &truths[0]), ("image", &images[0]), ("'L' pressed", &truths[1]), ("image", &images[1])];
     let panels = panels.into_iter().enumerate().map(|(index, (caption, values))| Panel {
         caption: vec![caption.to_owned()],
         values,
         found: if index == 3 { vec![corner.at] } else { Vec::new() },
-        truth: Vec::new(),
-        maximum: Some(values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()))),
+        ..Panel::default()
     });
     let picture = draw(bench, name, 4, panels.collect())?;
-    report.picture(picture, &format!("{name}: each image in its own scale; the circle is the corner found"));
+    report.picture(picture, &format!("{name}: each image over its largest value; the circle is the corner found"));
     Ok(json!({
         "ring": ring,
         "hole": hole,
@@ -128,14 +129,18 @@ fn mean_where(places: &[[f64; 2]], image: &[f64], is_there: impl Fn([f64; 2]) ->
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
+fn over_its_largest(image: &[f64]) -> Vec<f64> {
+    let largest = image.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    image.iter().map(|value| value / largest).collect()
+}
+
 /// The image of the 'O' along y = 0.
 fn profile(sample: &Sample, pressed: &Pressed) -> Series {
-    let image = &pressed.shown[0].image;
-    let largest = image.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let image = over_its_largest(&pressed.shown[0].image);
     let centres = &pressed.specimen.bench.model.pixels.centres;
     let pitch = pressed.specimen.bench.model.pixels.areas.iter().copied().fold(0.0, f64::max).sqrt();
-    let row = centres.iter().zip(image).filter(|(centre, _)| (0.0..pitch).contains(&centre.y));
-    let points = row.map(|(centre, value)| [centre.x * 1e3, value / largest]).collect();
+    let row = centres.iter().zip(&image).filter(|(centre, _)| (0.0..pitch).contains(&centre.y));
+    let points = row.map(|(centre, value)| [centre.x * 1e3, *value]).collect();
     Series::new(sample.name, points, Style::MarkedLine)
 }
 

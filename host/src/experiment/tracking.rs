@@ -16,6 +16,7 @@ use crate::simulate::{
 use dermatome_shared::track::Tracker;
 use rayon::prelude::*;
 use serde_json::json;
+use std::f64::consts::PI;
 
 /// Frames, and frames in a second.
 const FRAMES: u32 = 300;
@@ -42,14 +43,14 @@ struct Finger {
 pub(super) fn run() -> Result<Report, ExperimentError> {
     let mut report = Report::new("tracking", "Contacts that move keep their identities");
     report.words(format!(
-        "Three fingers on the disc of 210 mm at {RATE} frames per second, {FRAMES} single frames without averaging: the first \
-         two pass each other at 90 mm; the third is lifted for 0.1 s in between and keeps its number, then for 1 s and gets \
-         a new one. Each finger doubles the conductivity beneath it. Tracks wait 0.2 s and reach 35 mm. Artefacts: {}.",
+        "Three fingers on the disc of 210 mm at {RATE} frames per second, {FRAMES} single frames without averaging: two go \
+         round at 80 mm from the middle; the third moves in the middle, is lifted for 0.1 s and keeps its number, then for 1 s and \
+         gets a new one. Contacts closer than the experiment two-point says become one, and no tracker tells them apart. Each finger doubles the conductivity beneath it. Tracks wait 0.2 s and reach 35 mm. Artefacts: {}.",
         Artefacts::SHEET.words()
     ));
     let mut skin = THREE_SINGLE.skin()?;
     skin.drive.frame_rate = RATE;
-    let mut bench = Bench::new(skin, Artefacts::SHEET, 1)?;
+    let mut bench = Bench::new(skin, Artefacts::SHEET, 1, 1)?;
     bench.tare(&vec![1.0; bench.elements()]);
     let fingers = scene();
     let presses: Vec<Vec<Option<Press>>> = (0..FRAMES).map(|frame| fingers_at(&fingers, frame)).collect();
@@ -140,18 +141,20 @@ impl Finger {
     }
 }
 
-/// Scripts of the three fingers: when and where each is.
+/// Scripts of the three fingers, touch by touch.
 fn scene() -> Vec<Vec<Vec<Moment>>> {
-    let moment = |time: f64, position: [f64; 2]| Moment { time, press: Press::finger(position, 0.012, 1.0) };
-    vec![
-        vec![vec![moment(0.0, [-0.06, 0.05]), moment(5.98, [0.06, 0.04])]],
-        vec![vec![moment(0.2, [0.06, -0.05]), moment(5.98, [-0.06, -0.05])]],
-        vec![
-            vec![moment(0.5, [0.075, 0.0]), moment(1.5, [0.07, 0.0])],
-            vec![moment(1.6, [0.07, 0.0]), moment(3.0, [-0.075, 0.0])],
-            vec![moment(4.0, [-0.075, 0.0]), moment(5.98, [-0.07, 0.0])],
-        ],
-    ]
+    let moment = |time: f64, position: [f64; 2]| Moment { time, press: Press::finger(position, 0.015, 1.0) };
+    // An arc of 160 degrees from this angle on.
+    let round = |from: f64| {
+        let at = |i: u32| {
+            let turn = from + 160_f64.to_radians() * f64::from(i) / 40.0;
+            moment(0.1 + 5.8 * f64::from(i) / 40.0, [0.08 * turn.cos(), 0.08 * turn.sin()])
+        };
+        vec![(0..=40).map(at).collect()]
+    };
+    let touches = [(0.5, 1.5, -0.012), (1.6, 3.0, -0.004), (4.0, 5.9, 0.008)];
+    let touch = |(from, to, y): (f64, f64, f64)| vec![moment(from, [0.0, y]), moment(to, [0.0, y + 0.008])];
+    vec![round(0.2), round(0.2 + PI), touches.map(touch).into()]
 }
 
 /// Each finger in a frame, where it touches.

@@ -51,7 +51,7 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
         STEP * 1e3,
         Artefacts::SHEET.words()
     ));
-    let mut bench = Bench::new(THREE_SINGLE.skin()?, Artefacts::SHEET, 1)?;
+    let mut bench = Bench::new(THREE_SINGLE.skin()?, Artefacts::SHEET, 1, 1)?;
     bench.tare(&vec![1.0; bench.elements()]);
     let radius = bench.side() / 2.0;
     let pairs: Vec<Pairs> = places(radius)

@@ -1,7 +1,7 @@
 //! Curves of a material: which contacts have closed at a pressure, and which of those open again.
 
 /// How sharply the contacts run out at the end of the range.
-const SHARPNESS: f64 = 12.0;
+const SHARPNESS: f64 = 60.0;
 
 /// Share of the contacts that a first press has closed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +26,7 @@ pub(super) struct Release {
 /// Pressure as the contacts feel it, 0 to 1: nothing is left to close beyond the range.
 pub(super) fn felt(pressure_over_range: f64) -> f64 {
     let x = pressure_over_range.max(0.0);
-    if x > 4.0 { 1.0 } else { x / (1.0 + x.powf(SHARPNESS)).powf(1.0 / SHARPNESS) }
+    if x > 1.5 { 1.0 } else { x / (1.0 + x.powf(SHARPNESS)).powf(1.0 / SHARPNESS) }
 }
 
 impl Loading {

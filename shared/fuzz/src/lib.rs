@@ -30,8 +30,10 @@ pub fn small_patch() -> Vec<u8> {
         drift_time: 0.0,
         calibration: Calibration::default(),
         test_resistances: Default::default(),
+        plays: 0,
     };
     let contents = PatchContents {
+        plays: &[],
         header: &header,
         steps: &steps,
         combination: &combination,

@@ -60,6 +60,12 @@ pub enum PatchError {
     /// The calibration curve does not rise, or is not finite.
     #[error("patch field `calibration` must rise from point to point")]
     Calibration,
+    /// A play of the hysteresis operator holds less than the strength.
+    #[error("patch play {play} has a `reach` below 1, allowed are 1 to 15.99")]
+    Play {
+        /// Index of the play.
+        play: usize,
+    },
     /// A stimulation step names a missing electrode, or one electrode twice in a pair.
     #[error("patch step {step} does not name pairs of two different electrodes")]
     Step {

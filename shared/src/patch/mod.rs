@@ -12,6 +12,7 @@
 //! ..      mask bytes          pixel mask of the grid, one bit per cell
 //! ..      pixels              exponents of the matrix rows, i8
 //! ..      2 * pixels * meas.  reconstruction matrix, i16, [pixel][measurement]
+//! ..      4 * plays           plays of the hysteresis operator: reach and weight, u16 each
 //! ..      4                   CRC-32 (ISO-HDLC) of all bytes before it
 //! ```
 //!
@@ -20,11 +21,13 @@
 //! from a file; [`PatchContents::write`] is its inverse.
 
 mod error;
+mod plays;
 
 use crate::{
     MAX_ELECTRODES, MAX_GRID_SIDE, MAX_MEASUREMENTS, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS,
     calibration::Calibration,
     drive::Drive,
+    hysteresis::{PLAY_BYTES, Play},
     image::{Geometry, PixelGrid, pixel_cells},
     stimulation::Step,
     units::RelativeConductivity,
@@ -38,7 +41,7 @@ use serde::{Deserialize, Serialize};
 /// First bytes of every patch.
 pub const MAGIC: [u8; 4] = *b"DSKP";
 /// Version of the layout above.
-pub const FORMAT_VERSION: u16 = 2;
+pub const FORMAT_VERSION: u16 = 3;
 /// Checksum of patches and packets.
 pub const CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
@@ -85,6 +88,8 @@ pub struct PatchHeader {
     /// What the model expects of each electrode's test ([`crate::scan::test_step`]) without contact
     /// impedance, ohm: `[electrode]`; empty if unknown.
     pub test_resistances: Vec<f32, MAX_ELECTRODES>,
+    /// Plays of the hysteresis operator ([`crate::hysteresis`]); 0 takes strengths as they are.
+    pub plays: u8,
 }
 
 /// Where one step's code goes: the measurement it adds to, or subtracts from.
@@ -122,6 +127,8 @@ pub struct PatchContents<'a> {
     pub exponents: &'a [i8],
     /// Mantissas, -32,767 to 32,767: `[pixel][measurement]`.
     pub matrix: &'a [i16],
+    /// Plays of the hysteresis operator.
+    pub plays: &'a [Play],
 }
 
 impl PatchContents<'_> {
@@ -143,6 +150,7 @@ impl PatchContents<'_> {
         put(self.mask)?;
         self.exponents.iter().try_for_each(|exponent| put(&exponent.to_le_bytes()))?;
         self.matrix.iter().try_for_each(|mantissa| put(&mantissa.to_le_bytes()))?;
+        self.plays.iter().try_for_each(|play| put(&play.to_bytes()))?;
         let total = end + CRC_BYTES;
         out.get_mut(..4)?.copy_from_slice(&MAGIC);
         out.get_mut(4..6)?.copy_from_slice(&FORMAT_VERSION.to_le_bytes());
@@ -181,6 +189,7 @@ pub struct PatchView<'a> {
     mask: &'a [u8],
     exponents: &'a [u8],
     matrix: &'a [u8],
+    plays: &'a [u8],
 }
 
 impl<'a> PatchView<'a> {
@@ -193,6 +202,7 @@ impl<'a> PatchView<'a> {
         }
         view.check_counts()?;
         view.check_tables()?;
+        view.check_plays()?;
         Ok(view)
     }
 
@@ -224,8 +234,9 @@ impl<'a> PatchView<'a> {
         let (combination, tables) = tables.split_at(sizes[1]);
         let (mask, tables) = tables.split_at(sizes[2]);
         let (exponents, tables) = tables.split_at(sizes[3]);
-        let matrix = &tables[..sizes[4]];
-        Ok(Self { header, bytes, steps, combination, mask, exponents, matrix })
+        let (matrix, tables) = tables.split_at(sizes[4]);
+        let plays = &tables[..sizes[5]];
+        Ok(Self { header, bytes, steps, combination, mask, exponents, matrix, plays })
     }
 
     /// All bytes of the patch.
@@ -342,11 +353,13 @@ impl<'a> PatchView<'a> {
     }
 }
 
-fn table_sizes(header: &PatchHeader) -> [usize; 5] {
+fn table_sizes(header: &PatchHeader) -> [usize; 6] {
     let [steps, measurements, pixels] = [header.steps, header.measurements, header.pixels].map(usize::from);
     // Products of two u16, doubled: at most 2^33, so they are computed saturating for 32-bit boards.
     let matrix = pixels.saturating_mul(measurements).saturating_mul(2);
-    [4 * steps, 2 * steps, header.grid.mask_bytes(), pixels, matrix.min(u32::MAX as usize / 2)]
+    let matrix = matrix.min(u32::MAX as usize / 2);
+    let plays = PLAY_BYTES * usize::from(header.plays);
+    [4 * steps, 2 * steps, header.grid.mask_bytes(), pixels, matrix, plays]
 }
 
 #[cfg(test)]

@@ -14,13 +14,20 @@ pub(crate) fn small_patch(difference: Difference) -> std::vec::Vec<u8> {
 /// As the small patch of normalised data, with a reference that follows drift.
 pub(crate) fn drifting_patch(drift_time: f32) -> std::vec::Vec<u8> {
     let bytes = small_patch(Difference::Normalised);
+    let header = PatchView::validate(&bytes).unwrap().header;
+    rewritten(&PatchHeader { drift_time, ..header }, &[])
+}
+
+/// The small patch of normalised data with another header.
+fn rewritten(header: &PatchHeader, plays: &[Play]) -> std::vec::Vec<u8> {
+    let bytes = small_patch(Difference::Normalised);
     let patch = PatchView::validate(&bytes).unwrap();
-    let header = PatchHeader { drift_time, ..patch.header.clone() };
     let (steps, combination): (std::vec::Vec<_>, std::vec::Vec<_>) =
         patch.steps().zip(patch.combination()).unzip();
     let halves = patch.matrix().chunks_exact(2).map(|b| i16::from_le_bytes([b[0], b[1]]));
     let contents = PatchContents {
-        header: &header,
+        plays,
+        header,
         steps: &steps,
         combination: &combination,
         mask: patch.mask(),
@@ -31,6 +38,16 @@ pub(crate) fn drifting_patch(drift_time: f32) -> std::vec::Vec<u8> {
     let length = contents.write(&mut out).unwrap();
     out.truncate(length);
     out
+}
+
+/// As the small patch, with plays against hysteresis and a straight calibration: 100 kPa for each 1.
+pub(crate) fn patch_with_plays(plays: &[Play]) -> std::vec::Vec<u8> {
+    let point = crate::calibration::CalibrationPoint { strength: 1.0, pressure: 100e3 };
+    let calibration = Calibration([point].into_iter().collect());
+    let plays_in_header = plays.len() as u8;
+    let bytes = small_patch(Difference::Normalised);
+    let header = PatchView::validate(&bytes).unwrap().header;
+    rewritten(&PatchHeader { calibration, plays: plays_in_header, ..header }, plays)
 }
 
 /// As the small patch, with a square of pixels and `mantissa` on the matrix' diagonal.
@@ -56,6 +73,7 @@ fn written(difference: Difference, across: u8, mantissa: i16) -> std::vec::Vec<u
         drift_time: 0.0,
         calibration: Calibration::default(),
         test_resistances: Default::default(),
+        plays: 0,
     };
     let mut matrix = std::vec![0; pixels * steps.len()];
     for pixel in 0..pixels {
@@ -64,6 +82,7 @@ fn written(difference: Difference, across: u8, mantissa: i16) -> std::vec::Vec<u
     let mut mask = std::vec![0; pixels.div_ceil(8)];
     (0..pixels).for_each(|pixel| mask[pixel / 8] |= 1 << (pixel % 8));
     let contents = PatchContents {
+        plays: &[],
         header: &header,
         steps: &steps,
         combination: &combination,

@@ -1,0 +1,138 @@
+//! Identification: the plays that close the loop of one loading cycle.
+//!
+//! Reaches are fixed; weights follow by damped least squares on the pressure that the board's own operator
+//! would give, from several starts. First loading passes the operator unchanged, so the curve does not depend
+//! on the weights.
+
+use super::Trial;
+use dermatome_shared::{
+    calibration::Calibration,
+    hysteresis::{MAX_PLAYS, Memory, Play},
+    units::RelativeConductivity,
+};
+use nalgebra::{DMatrix, DVector};
+
+/// Shares of the highest strength below which the plays give way, one over their reach.
+const GIVE_WAY: [f64; MAX_PLAYS] = [0.1, 0.4, 0.7, 0.85, 0.94, 0.985];
+/// Weights beyond this amplify noise more than they close loops.
+const MOST_WEIGHT: f64 = 31.0;
+/// Price of a weight of 1, in shares of the largest pressure.
+const PRICE: f64 = 5e-4;
+/// What stays without load differs from press to press: up to so many times it must read as nothing.
+const REST_MARGIN: f64 = 1.7;
+/// ... but not beyond this share of the way to the lowest load.
+const REST_SHARE: f64 = 0.7;
+const STARTS: [[f64; 2]; 6] = [[0.3, 0.01], [0.3, 6.0], [2.0, 0.01], [2.0, 3.0], [5.0, 0.01], [0.05, 2.0]];
+const ROUNDS: usize = 60;
+const STEP: f64 = 1e-3;
+
+/// Plays that take the hysteresis out of one loading cycle under its calibration curve. Empty if the cycle has
+/// no way back.
+#[must_use]
+pub fn identify(trial: &Trial, calibration: &Calibration) -> Vec<Play> {
+    let cycle = Cycle::new(trial, calibration);
+    if cycle.wanted.is_empty() {
+        return Vec::new();
+    }
+    let start = |[slow, quick]: [f64; 2]| {
+        let mut weights = DVector::from_element(MAX_PLAYS, 0.05);
+        (weights[0], weights[MAX_PLAYS - 1]) = (slow, quick);
+        cycle.descend(weights)
+    };
+    let fits = STARTS.into_iter().map(start);
+    let best = fits.min_by(|a, b| a.1.total_cmp(&b.1)).expect("there are starts");
+    plays(&best.0)
+}
+
+/// Pressures, kPa, that a board gives for these strengths, in their order.
+#[must_use]
+pub fn compensated(strengths: &[f64], plays: &[Play], calibration: &Calibration, noise: f64) -> Vec<f64> {
+    let mut memory = Memory::default();
+    let noise = RelativeConductivity::from_f64(noise);
+    let step = |&strength: &f64| {
+        let strength = RelativeConductivity::from_f64(strength);
+        let clean = match plays {
+            [] => strength,
+            plays => memory.compensate(&plays.iter().copied(), strength, noise),
+        };
+        f64::from(calibration.pressure(clean.to_f32()).unwrap_or_default()) / 1e3
+    };
+    strengths.iter().map(step).collect()
+}
+
+fn plays(weights: &DVector<f64>) -> Vec<Play> {
+    let pairs = GIVE_WAY.into_iter().zip(weights.iter());
+    pairs.map(|(share, &weight)| Play::from_f64(1.0 / share, weight)).collect()
+}
+
+/// One loading cycle, and what pressures it should give.
+struct Cycle<'a> {
+    calibration: &'a Calibration,
+    strengths: Vec<f64>,
+    /// kPa, of the last strengths: those behind the top.
+    wanted: Vec<f64>,
+    largest: f64,
+}
+
+impl<'a> Cycle<'a> {
+    fn new(trial: &Trial, calibration: &'a Calibration) -> Self {
+        let mut pairs: Vec<[f64; 2]> =
+            trial.readings.iter().map(|reading| [reading.strength, reading.pressure_kpa]).collect();
+        let top =
+            pairs.iter().enumerate().fold(0, |top, (i, pair)| if pair[1] > pairs[top][1] { i } else { top });
+        if let [.., low, rest] = pairs[top..]
+            && rest[1] == 0.0
+        {
+            let most = rest[0] + REST_SHARE * (low[0] - rest[0]);
+            pairs.insert(pairs.len() - 1, [(REST_MARGIN * rest[0]).min(most), 0.0]);
+        }
+        let (strengths, pressures): (Vec<f64>, Vec<f64>) =
+            pairs.iter().map(|pair| (pair[0], pair[1])).unzip();
+        Self { calibration, strengths, wanted: pressures[top + 1..].to_vec(), largest: pressures[top] }
+    }
+
+    /// Errors of the pressures, shares of the largest one, and the price of the weights.
+    fn errors(&self, weights: &DVector<f64>) -> DVector<f64> {
+        let given = compensated(&self.strengths, &plays(weights), self.calibration, 0.0);
+        let behind = &given[given.len() - self.wanted.len()..];
+        let of_pressures = behind.iter().zip(&self.wanted).map(|(p, wanted)| (p - wanted) / self.largest);
+        let price = PRICE * (self.wanted.len() as f64).sqrt();
+        let all: Vec<f64> = of_pressures.chain(weights.iter().map(|weight| price * weight)).collect();
+        DVector::from_vec(all)
+    }
+
+    fn slopes(&self, weights: &DVector<f64>, errors: &DVector<f64>) -> DMatrix<f64> {
+        let column = |play: usize| {
+            let mut moved = weights.clone();
+            // Weights are rounded to 2^-11: the step is taken as it was rounded.
+            moved[play] += STEP + 0.01 * weights[play];
+            (self.errors(&moved) - errors) / (moved[play] - weights[play])
+        };
+        DMatrix::from_columns(&(0..MAX_PLAYS).map(column).collect::<Vec<_>>())
+    }
+
+    /// Levenberg and Marquardt's method, with weights kept from 0 to their limit.
+    fn descend(&self, mut weights: DVector<f64>) -> (DVector<f64>, f64) {
+        let mut damping = 1e-3;
+        let mut errors = self.errors(&weights);
+        for _ in 0..ROUNDS {
+            let slopes = self.slopes(&weights, &errors);
+            let mut normal = slopes.transpose() * &slopes;
+            for i in 0..MAX_PLAYS {
+                normal[(i, i)] = normal[(i, i)] * (1.0 + damping) + 1e-12;
+            }
+            let Some(factor) = normal.cholesky() else { break };
+            let moved = &weights - factor.solve(&(slopes.transpose() * &errors));
+            let moved = moved.map(|weight| weight.clamp(0.0, MOST_WEIGHT));
+            let new = self.errors(&moved);
+            if new.norm_squared() < errors.norm_squared() {
+                (weights, errors, damping) = (moved, new, (damping * 0.3).max(1e-9));
+            } else if damping > 1e6 {
+                break;
+            } else {
+                damping *= 4.0;
+            }
+        }
+        (weights, errors.norm_squared())
+    }
+}
