@@ -65,7 +65,10 @@ impl OutputFolder {
         if is_new {
             std::fs::create_dir(path).map_err(failed)?;
         } else if !path.is_dir() {
-            return Err(failed(io::Error::new(io::ErrorKind::NotADirectory, "it is there, and is not a folder")));
+            return Err(failed(io::Error::new(
+                io::ErrorKind::NotADirectory,
+                "it is there, and is not a folder",
+            )));
         }
         let folder = Self { path: path.to_owned(), is_new };
         temporary_file(path).map_err(failed)?;

@@ -203,16 +203,13 @@ impl Bench {
     }
 
     /// Scans go through the board's code; gives their mean codes: `[step]`.
-    fn frames(
-        &mut self,
-        phasors: &[Complex64],
-        count: u16,
-        mut see: impl FnMut(&PipelineState),
-    ) -> Vec<f64> {
+    fn frames(&mut self, phasors: &[Complex64], count: u16, mut see: impl FnMut(&PipelineState)) -> Vec<f64> {
         let mut sums = vec![0.0; self.table.steps.len()];
         for _ in 0..count {
             let scan = self.simulated.read(&self.table, phasors);
-            sums.iter_mut().zip(&scan.codes).for_each(|(sum, code)| *sum += f64::from(code.0) / f64::from(count));
+            sums.iter_mut()
+                .zip(&scan.codes)
+                .for_each(|(sum, code)| *sum += f64::from(code.0) / f64::from(count));
             self.process(scan);
             see(&self.state);
         }
@@ -261,11 +258,8 @@ impl Bench {
 
     /// The thesis' figures of what was shown, the load's centre being at `at`.
     pub(super) fn figures(&self, shown: &Shown, at: [f64; 2]) -> Option<thesis::Figures> {
-        let target = Target {
-            position: Point3::new(at[0], at[1], 0.0),
-            amount: 1.0,
-            skin_centre: Point3::origin(),
-        };
+        let target =
+            Target { position: Point3::new(at[0], at[1], 0.0), amount: 1.0, skin_centre: Point3::origin() };
         thesis::figures(&shown.image, &self.model.pixels, &target)
     }
 }

@@ -192,20 +192,28 @@ fn measured(resistance: f64, resistor: f64, noise: f64) -> f64 {
 impl Piece {
     fn show(&self, trials: &[Trial], report: &mut Report, rows: &mut Vec<Vec<String>>) -> Value {
         let of = |trial: &Trial| trial.iter().map(|[_, resistance]| *resistance).collect::<Vec<_>>();
-        let mean = |value: &dyn Fn(&Trial) -> f64| trials.iter().map(value).sum::<f64>() / trials.len() as f64;
+        let mean =
+            |value: &dyn Fn(&Trial) -> f64| trials.iter().map(value).sum::<f64>() / trials.len() as f64;
         let start = mean(&|trial| trial[0][1]);
         let change = mean(&|trial| trial[0][1] - of(trial).into_iter().fold(f64::INFINITY, f64::min));
         let range = mean(&range);
         let hysteresis = mean(&|trial| hysteresis(&of(trial)));
         let found = [start, change, range, hysteresis];
-        for (who, [start, change, range, hysteresis]) in [("thesis", self.found), ("here, simulated", found)] {
+        for (who, [start, change, range, hysteresis]) in [("thesis", self.found), ("here, simulated", found)]
+        {
             let share = 100.0 * change / start;
             let cells = [start, change, share, range, hysteresis].map(number);
             rows.push(std::iter::once(format!("{}, {who}", self.name)).chain(cells).collect());
         }
         let what = [("hysteresis", "%", 3), ("range", "kPa", 2)];
         for (what, unit, index) in what {
-            report.compare(format!("{}: {what}", self.name), unit, Some(self.found[index]), found[index], None);
+            report.compare(
+                format!("{}: {what}", self.name),
+                unit,
+                Some(self.found[index]),
+                found[index],
+                None,
+            );
         }
         json!({
             "resistance_ohm": start, "change_ohm": change, "range_kpa": range, "hysteresis_percent": hysteresis,

@@ -7,7 +7,7 @@ const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;color:#222;max-widt
 padding:0 1em}h1{font-size:1.7em}h2{margin-top:2.2em;border-bottom:1px solid #ccc}\
 table{border-collapse:collapse;margin:1em 0;font-variant-numeric:tabular-nums}\
 caption{text-align:left;font-weight:600;padding-bottom:.3em}th,td{padding:.2em .7em;border-bottom:1px solid #ddd;\
-text-align:right}th:first-child,td:first-child{text-align:left}th{background:#f4f4f4}\
+text-align:right;white-space:nowrap}p,figcaption{max-width:75em}th:first-child,td:first-child{text-align:left}th{background:#f4f4f4}\
 .yes{color:#06703c}.no{color:#b2182b;font-weight:600}.plots{display:flex;flex-wrap:wrap;gap:10px}\
 .plots svg,img{max-width:100%;height:auto}figure{margin:1em 0}figcaption{color:#555}\
 .note{background:#fff7e0;border-left:4px solid #e69f00;padding:.6em 1em}";
@@ -116,8 +116,14 @@ mod tests {
         report.picture(vec![1, 2, 3], "a picture");
         report.compare("error", "%", Some(4.0), 1.5, Some(Wanted::AtMost(1.0)));
         let page = page(&[report]);
-        for part in ["An experiment &amp; more", "a &lt; b", "<td>1.5</td>", "base64,AQID", "not met", "at most 1.00 %"]
-        {
+        for part in [
+            "An experiment &amp; more",
+            "a &lt; b",
+            "<td>1.5</td>",
+            "base64,AQID",
+            "not met",
+            "at most 1.00 %",
+        ] {
             assert!(page.contains(part), "{part}: {page}");
         }
         assert!(!page.contains("http") && !page.contains("<script") && !page.contains("<link"));

@@ -53,7 +53,10 @@ pub(super) fn run(sample: &Sample) -> Result<Report, ExperimentError> {
         loops(&trials, "Readings from the voltages", "|dV/V|, %", Trial::voltages),
         scatter(&trials),
     ])?;
-    report.picture(pictures(&benches[0], &trials[0])?, "What the board showed in the first trial: up, then down");
+    report.picture(
+        pictures(&benches[0], &trials[0])?,
+        "What the board showed in the first trial: up, then down",
+    );
     report.figures = summary.json(&trials);
     Ok(report)
 }
@@ -265,9 +268,18 @@ fn pictures(bench: &Bench, trial: &Trial) -> Result<Vec<u8>, ExperimentError> {
     let panels = shown.into_iter().map(|index| {
         let shown = &trial.shown[index];
         Panel {
-            caption: vec![format!("{:.1} kPa, {}", trial.pressures[index], if index <= count / 2 { "up" } else { "down" })],
+            caption: vec![format!(
+                "{:.1} kPa, {}",
+                trial.pressures[index],
+                if index <= count / 2 { "up" } else { "down" }
+            )],
             values: &shown.image,
-            found: shown.contacts.first().map(|contact| contact.position.map(f64::from)).into_iter().collect(),
+            found: shown
+                .contacts
+                .first()
+                .map(|contact| contact.position.map(f64::from))
+                .into_iter()
+                .collect(),
             truth: vec![([0.0; 2], 0.0)],
             maximum: None,
         }

@@ -39,12 +39,24 @@ pub struct Experiment {
 
 /// All experiments, in the order of the thesis.
 pub const EXPERIMENTS: [Experiment; 13] = [
-    Experiment { name: "divider", about: "resistance of Samples 1 and 2 under load (3.2)", run: divider::run },
+    Experiment {
+        name: "divider",
+        about: "resistance of Samples 1 and 2 under load (3.2)",
+        run: divider::run,
+    },
     Experiment { name: "saline-depth", about: "a cube let down into salt water (4.1)", run: saline::depth },
     Experiment { name: "saline-volume", about: "three cubes in salt water (4.1)", run: saline::volume },
     Experiment { name: "saline-map", about: "a cube at 15 places in salt water (4.1)", run: saline_map::run },
-    Experiment { name: "loading-1", about: "Sample 1 loaded and unloaded (4.2)", run: || loading::run(&sample::ONE) },
-    Experiment { name: "loading-2", about: "Sample 2 loaded and unloaded (4.2)", run: || loading::run(&sample::TWO) },
+    Experiment {
+        name: "loading-1",
+        about: "Sample 1 loaded and unloaded (4.2)",
+        run: || loading::run(&sample::ONE),
+    },
+    Experiment {
+        name: "loading-2",
+        about: "Sample 2 loaded and unloaded (4.2)",
+        run: || loading::run(&sample::TWO),
+    },
     Experiment {
         name: "loading-3-single",
         about: "Sample 3, one layer, loaded and unloaded (5.4.1)",
@@ -55,10 +67,18 @@ pub const EXPERIMENTS: [Experiment; 13] = [
         about: "Sample 3, two layers, loaded and unloaded (5.4.1)",
         run: || loading::run(&sample::THREE_DUAL),
     },
-    Experiment { name: "pressure-map", about: "1 kg at 15 places on Samples 1 and 2 (4.2)", run: pressure_map::run },
+    Experiment {
+        name: "pressure-map",
+        about: "1 kg at 15 places on Samples 1 and 2 (4.2)",
+        run: pressure_map::run,
+    },
     Experiment { name: "shapes", about: "an 'L' and an 'O' on Sample 3 (5.4.2)", run: shapes::run },
     Experiment { name: "points", about: "one point at five places on Sample 3 (5.4.3)", run: points::run },
-    Experiment { name: "tracking", about: "three contacts that move, cross close by, leave and come back", run: tracking::run },
+    Experiment {
+        name: "tracking",
+        about: "three contacts that move, cross close by, leave and come back",
+        run: tracking::run,
+    },
     Experiment { name: "two-point", about: "from what distance two contacts are two", run: two_point::run },
 ];
 

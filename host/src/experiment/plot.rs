@@ -119,7 +119,8 @@ impl Chart<'_> {
             return -reach..reach;
         }
         let values = || self.values(axis).filter(|value| value.is_finite());
-        let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+        let (low, high) =
+            (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
         if low > high {
             return 0.0..1.0;
         }
@@ -132,9 +133,8 @@ impl Chart<'_> {
         let [x, y] = [0, 1].map(|axis| self.range(axis));
         let share = |range: &Range<f64>, value: f64| (value - range.start) / (range.end - range.start);
         let crowd = |right: bool, top: bool| {
-            let is_there = |&&[px, py]: &&[f64; 2]| {
-                (share(&x, px) > 0.5) == right && (share(&y, py) > 0.6) == top
-            };
+            let is_there =
+                |&&[px, py]: &&[f64; 2]| (share(&x, px) > 0.5) == right && (share(&y, py) > 0.6) == top;
             self.series.iter().flat_map(|series| &series.points).filter(is_there).count()
         };
         let corners = [
@@ -143,7 +143,10 @@ impl Chart<'_> {
             (crowd(true, false), SeriesLabelPosition::LowerRight),
             (crowd(false, false), SeriesLabelPosition::LowerLeft),
         ];
-        corners.into_iter().min_by_key(|(crowd, _)| *crowd).map_or(SeriesLabelPosition::UpperLeft, |(_, at)| at)
+        corners
+            .into_iter()
+            .min_by_key(|(crowd, _)| *crowd)
+            .map_or(SeriesLabelPosition::UpperLeft, |(_, at)| at)
     }
 }
 

@@ -26,7 +26,8 @@ struct Map {
 }
 
 pub(super) fn run() -> Result<Report, ExperimentError> {
-    let mut report = Report::new("pressure-map", "Pressure map of 15 places (thesis 4.2.2.2, Figs 4.11 to 4.15)");
+    let mut report =
+        Report::new("pressure-map", "Pressure map of 15 places (thesis 4.2.2.2, Figs 4.11 to 4.15)");
     report.words(format!(
         "A square of 4 cm² under 1 kg (24.5 kPa) for {INTERVAL} s at each of 15 places, {INTERVAL} s of rest between, on one \
          specimen, so that the material's memory of earlier places stays. On Sample 1 the places are those of Sample 2 times \
@@ -66,7 +67,13 @@ fn show(report: &mut Report, sample: &Sample, map: &Map) -> Result<Value, Experi
     let thesis_ringing = (sample.material == "sample-2").then_some(7.98);
     report.compare(format!("{}: position error, mean of 15 places", sample.name), "%", None, mean, None);
     report.compare(format!("{}: position error, largest", sample.name), "%", None, largest(errors()), None);
-    report.compare(format!("{}: ringing, largest", sample.name), "", thesis_ringing, largest(ringing()), None);
+    report.compare(
+        format!("{}: ringing, largest", sample.name),
+        "",
+        thesis_ringing,
+        largest(ringing()),
+        None,
+    );
     report.words(sample.acquisition());
     show_spots(report, &format!("{}: figures at each place", sample.name), &map.spots, bench.side())?;
     let panels = map.spots.iter().map(|spot| panel(spot, &spot.shown.image)).collect();

@@ -174,13 +174,7 @@ mod tests {
 
     #[test]
     fn a_figure_is_met_or_not_or_not_asked_for() {
-        let figure = |found, wanted| Comparison {
-            what: "x".into(),
-            unit: "%",
-            thesis: None,
-            found,
-            wanted,
-        };
+        let figure = |found, wanted| Comparison { what: "x".into(), unit: "%", thesis: None, found, wanted };
         assert_eq!(figure(1.0, Some(Wanted::AtMost(1.0))).met(), Some(true));
         assert_eq!(figure(1.1, Some(Wanted::AtMost(1.0))).met(), Some(false));
         assert_eq!(figure(1.1, Some(Wanted::AtLeast(1.0))).met(), Some(true));

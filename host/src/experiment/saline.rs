@@ -92,23 +92,22 @@ fn cycle(mut report: Report, dips: &[Dip]) -> Result<Report, ExperimentError> {
     let strengths: Vec<f64> = shown.iter().map(strength).collect();
     let voltages: Vec<f64> = shown.iter().map(|shown| shown.voltage_change).collect();
     let [image, raw] = [&strengths, &voltages].map(|readings| hysteresis(readings));
-    report.compare(
-        "hysteresis of the method, image",
-        "%",
-        Some(THESIS_HYSTERESIS),
-        image,
-        None,
-    );
+    report.compare("hysteresis of the method, image", "%", Some(THESIS_HYSTERESIS), image, None);
     report.compare("hysteresis of the method, voltages", "%", None, raw, None);
     report.words("Nothing in the simulation remembers, so what hysteresis there is, is noise.");
     let rows = dips.iter().zip(&strengths).zip(&voltages);
     let rows = rows.map(|((dip, strength), voltage)| {
         vec![number(dip.volume), number(-strength), number(100.0 * voltage)]
     });
-    report.table("Readings in order", &["displaced water, cm³", "change, mean over ROI", "dV/V, %"], rows.collect());
-    report.plots(&[chart("Image", "change of conductivity", dips, &strengths, -1.0), chart(
-        "Voltages", "dV/V, %", dips, &voltages, 100.0,
-    )])?;
+    report.table(
+        "Readings in order",
+        &["displaced water, cm³", "change, mean over ROI", "dV/V, %"],
+        rows.collect(),
+    );
+    report.plots(&[
+        chart("Image", "change of conductivity", dips, &strengths, -1.0),
+        chart("Voltages", "dV/V, %", dips, &voltages, 100.0),
+    ])?;
     report.picture(pictures(&bench, dips, &shown)?, "What the board showed, in order");
     report.figures = json!({
         "volumes_cm3": dips.iter().map(|dip| dip.volume).collect::<Vec<_>>(),

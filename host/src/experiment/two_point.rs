@@ -83,9 +83,8 @@ impl Pairs {
             let half = along * (DIAMETER + f64::from(step) * STEP) / 2.0;
             [place - half, place + half].map(|middle| [middle.x, middle.y])
         };
-        let has_room = |middles: &[[f64; 2]; 2]| {
-            middles.iter().all(|[x, y]| x.hypot(*y) <= radius - DIAMETER / 2.0)
-        };
+        let has_room =
+            |middles: &[[f64; 2]; 2]| middles.iter().all(|[x, y]| x.hypot(*y) <= radius - DIAMETER / 2.0);
         let middles: Vec<_> = (0..steps).rev().map(pair).filter(has_room).collect();
         let phasors = middles.iter().map(|pair| {
             let press = |&at: &[f64; 2]| {
@@ -171,7 +170,8 @@ fn summarise(report: &mut Report, limits: &[Limit], radius: f64) {
         100.0 * median / (2.0 * radius),
         None,
     );
-    let columns = ["", "places", "median, mm", "median, % of the diameter", "largest, mm", "never told apart"];
+    let columns =
+        ["", "places", "median, mm", "median, % of the diameter", "largest, mm", "never told apart"];
     report.table("Smallest distance of the middles at which two contacts are told apart", &columns, rows);
     report.words(
         "Never: not even at the largest distance for which there is room about the place, which near the rim is small for pairs \

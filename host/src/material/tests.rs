@@ -148,5 +148,7 @@ fn wrong_files_name_file_field_value_and_what_is_allowed() {
     }
     let unknown = Material::named("rubber").unwrap_err().to_string();
     assert!(unknown.contains("`rubber`") && unknown.contains("sample-3-dual"), "{unknown}");
-    assert!(Material::load(Path::new("/nowhere/x.toml")).unwrap_err().to_string().contains("/nowhere/x.toml"));
+    assert!(
+        Material::load(Path::new("/nowhere/x.toml")).unwrap_err().to_string().contains("/nowhere/x.toml")
+    );
 }

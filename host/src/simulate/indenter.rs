@@ -123,7 +123,14 @@ impl Footprint {
             Self::Corner { length, width } => {
                 let half = length / 2.0;
                 let inner = width - half;
-                vec![[-half, -half], [half, -half], [half, inner], [inner, inner], [inner, half], [-half, half]]
+                vec![
+                    [-half, -half],
+                    [half, -half],
+                    [half, inner],
+                    [inner, inner],
+                    [inner, half],
+                    [-half, half],
+                ]
             }
             Self::Polygon(corners) => corners.clone(),
             Self::Finger { .. } | Self::Disc { .. } | Self::Ring { .. } => Vec::new(),
@@ -400,9 +407,8 @@ mod tests {
     #[test]
     fn numbers_that_make_no_sense_are_named() {
         let outline = Outline::disc(0.1);
-        let refused = |footprint, load| {
-            Press::new(footprint, [0.0; 2], load).check(&outline).unwrap_err().to_string()
-        };
+        let refused =
+            |footprint, load| Press::new(footprint, [0.0; 2], load).check(&outline).unwrap_err().to_string();
         let change = Load::Change(1.0);
         for (footprint, expected) in [
             (Footprint::Square { side: -0.1 }, "`radius` is -0.05 m"),

@@ -101,7 +101,8 @@ impl Row {
             _ => self.corners_m.is_some() && shape != "polygon",
         };
         let alien = ["radius_m", "inner_m", "corners_m"].into_iter().find(|&column| is_alien(column));
-        alien.map_or(Ok(()), |column| Err(format!("column `{column}`: given; allowed: nothing for a {shape}")))
+        alien
+            .map_or(Ok(()), |column| Err(format!("column `{column}`: given; allowed: nothing for a {shape}")))
     }
 
     fn load(&self) -> Result<Load, String> {
@@ -109,7 +110,10 @@ impl Row {
             (Some(depth), None, None) => Ok(Load::Change(depth)),
             (None, Some(pressure), None) => Ok(Load::Pressure(pressure * 1e3)),
             (None, None, Some(force)) => Ok(Load::Force(force)),
-            _ => Err("columns `depth`, `pressure_kpa` and `force_n`: a number in exactly one is allowed".into()),
+            _ => {
+                Err("columns `depth`, `pressure_kpa` and `force_n`: a number in exactly one is allowed"
+                    .into())
+            }
         }
     }
 }

@@ -65,10 +65,7 @@ impl Script {
             let angle = f64::from(i) / 64.0 * TAU;
             let position = middle + Vector2::new(0.5 * x * angle.cos(), 0.5 * y * angle.sin());
             let depth = if outline.depth(position) > 0.0 { 1.0 } else { 0.0 };
-            Moment {
-                time: f64::from(i) / 8.0,
-                press: Press::finger(position.into(), 0.12 * x.min(y), depth),
-            }
+            Moment { time: f64::from(i) / 8.0, press: Press::finger(position.into(), 0.12 * x.min(y), depth) }
         };
         Self { fingers: vec![(0..=64).map(at).collect()], duration: 8.0 }
     }
@@ -215,18 +212,14 @@ mod tests {
     #[test]
     fn shapes_move_turn_and_grow_and_never_become_others() {
         let square = |side, load| Press::new(Footprint::Square { side }, [0.0; 2], Load::Force(load));
-        let moments = |from, to| {
-            vec![Moment { time: 0.0, press: from }, Moment { time: 2.0, press: to }]
-        };
+        let moments = |from, to| vec![Moment { time: 0.0, press: from }, Moment { time: 2.0, press: to }];
         let outline = Outline::disc(0.1);
         let end = Press { angle: 1.0, position: [0.02, 0.0], ..square(0.75, 3.0) };
         let script = Script::new(vec![moments(square(0.25, 1.0), end)], &outline).unwrap();
         let middle = Press { angle: 0.5, position: [0.01, 0.0], ..square(0.5, 2.0) };
         assert_eq!(script.presses(1.0), [middle]);
-        let refused = Script::new(
-            vec![moments(square(0.01, 1.0), Press::finger([0.0; 2], 0.01, 1.0))],
-            &outline,
-        );
+        let refused =
+            Script::new(vec![moments(square(0.01, 1.0), Press::finger([0.0; 2], 0.01, 1.0))], &outline);
         assert_eq!(refused, Err(ScriptError::Kind { time: 2.0 }));
     }
 }
