@@ -8,7 +8,7 @@ use crate::{
 use anyhow::{Context, bail};
 use std::{path::PathBuf, time::Instant};
 
-/// Do the experiments of the thesis on simulated samples, and write a page beside its figures.
+/// Do the thesis' experiments on simulated samples, as a page beside its figures.
 ///
 /// The page, report.html, needs no other file; report.json holds the same figures for scripts. Every run gives
 /// the same.
