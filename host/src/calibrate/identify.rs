@@ -80,11 +80,11 @@ impl<'a> Cycle<'a> {
             trial.readings.iter().map(|reading| [reading.strength, reading.pressure_kpa]).collect();
         let top =
             pairs.iter().enumerate().fold(0, |top, (i, pair)| if pair[1] > pairs[top][1] { i } else { top });
-        if let [.., low, rest] = pairs[top..]
-            && rest[1] == 0.0
-        {
-            let most = rest[0] + REST_SHARE * (low[0] - rest[0]);
-            pairs.insert(pairs.len() - 1, [(REST_MARGIN * rest[0]).min(most), 0.0]);
+        let unloaded = pairs[top..].iter().position(|pair| pair[1] == 0.0).map(|behind| top + behind);
+        if let Some(unloaded) = unloaded.filter(|&unloaded| unloaded > top) {
+            let [low, rest] = [pairs[unloaded - 1][0], pairs[unloaded][0]];
+            let most = rest + REST_SHARE * (low - rest);
+            pairs.insert(unloaded, [(REST_MARGIN * rest).min(most), 0.0]);
         }
         let (strengths, pressures): (Vec<f64>, Vec<f64>) =
             pairs.iter().map(|pair| (pair[0], pair[1])).unzip();

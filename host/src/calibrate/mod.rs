@@ -8,12 +8,18 @@ mod curve;
 mod file;
 mod identify;
 mod loading;
+mod measure;
+mod network;
 pub mod patch;
+mod plot;
 
 pub use curve::{Curve, CurvePoint, isotonic};
 pub use file::{FileError, Hold, read_loads, read_readings};
 pub use identify::{compensated, identify};
 pub use loading::{Reading, Trial, hysteresis, repeatability, trials};
+pub use measure::{MeasureError, measure};
+pub use network::Network;
+pub use plot::svg;
 
 #[cfg(test)]
 mod tests;

@@ -113,3 +113,104 @@ fn hysteresis_of_loops_not_used_to_fit_it_is_at_most_8_percent() {
         }
     }
 }
+
+/// Mean hysteresis of loops on other places, from their readings: plays, and networks that learnt from the
+/// plays' cycle or from that and two smaller ones, per cent.
+fn compared(name: &str, shares: &[f64]) -> [f64; 3] {
+    let up = [0.0, 0.02].into_iter().chain((1..=10).map(|n| 0.1 * f64::from(n)));
+    let full = Bench::new(name, 500).trial(&stairs(up), 10.0).0;
+    let smaller = [0.75, 0.5].map(|top| Bench::new(name, 500).trial(&even(top, 10), 10.0).0);
+    let calibration = Curve::of_loading(std::slice::from_ref(&full)).calibration().unwrap();
+    let plays = identify(&full, &calibration);
+    let one = Network::train(&[&full.readings], 1);
+    let three = Network::train(&[&full.readings, &smaller[0].readings, &smaller[1].readings], 1);
+    let mut sums = [0.0; 3];
+    for seed in 0..8 {
+        let (trial, _) = Bench::new(name, seed).trial(shares, 10.0);
+        let strengths: Vec<f64> = trial.readings.iter().map(|reading| reading.strength).collect();
+        let ways = [
+            compensated(&strengths, &plays, &calibration, 0.0),
+            one.pressures(&strengths),
+            three.pressures(&strengths),
+        ];
+        for (sum, pressures) in sums.iter_mut().zip(ways) {
+            *sum += hysteresis(&trial.with_strengths(&pressures)) / 8.0;
+        }
+    }
+    sums
+}
+
+#[test]
+fn the_preisach_network_closes_loops_and_the_plays_close_them_better() {
+    let mut wins = 0;
+    for name in ["sample-1", "sample-2", "sample-3-single", "sample-3-dual"] {
+        for (what, shares) in [("full", even(1.0, 12)), ("six tenths", even(0.6, 12))] {
+            let [plays, one, three] = compared(name, &shares);
+            println!(
+                "{name}, {what}: plays {plays:.1} %, network of one cycle {one:.1} %, of three {three:.1} %"
+            );
+            wins += usize::from(plays < three);
+        }
+    }
+    println!("the plays are better on {wins} of 8");
+    assert!(wins >= 4);
+}
+
+fn reading(pressure_kpa: f64, strength: f64) -> Reading {
+    Reading { pressure_kpa, strength, deviation: 0.0 }
+}
+
+#[test]
+fn figures_follow_the_definitions_of_the_thesis() {
+    let one = [(0.0, 0.0), (1.0, 0.2), (2.0, 0.5), (1.0, 0.4), (0.0, 0.1)];
+    let two = [(1.0, 0.25), (2.0, 0.5), (1.0, 0.35), (0.0, 0.1)];
+    let readings: Vec<_> = one.into_iter().chain(two).map(|(p, s)| reading(p, s)).collect();
+    let trials = trials(&readings);
+    assert_eq!(trials.iter().map(|trial| trial.readings.len()).collect::<Vec<_>>(), [5, 5]);
+    assert!((hysteresis(&trials[0]) - 100.0 * 0.2 / 0.5).abs() < 1e-9);
+    // The second trial starts where the first one ended: 0.1 against 0, over the mean span.
+    assert!((repeatability(&trials).unwrap() - 100.0 * 0.1 / 0.45).abs() < 1e-9);
+    assert_eq!(repeatability(&trials[..1]), None);
+}
+
+#[test]
+fn isotonic_regression_pools_what_falls() {
+    assert_eq!(isotonic(&[1.0, 3.0, 2.0, 4.0], &[1.0; 4]), [1.0, 2.5, 2.5, 4.0]);
+    assert_eq!(isotonic(&[4.0, 1.0], &[1.0, 2.0]), [2.0, 2.0]);
+}
+
+#[test]
+fn a_curve_of_many_loads_keeps_the_16_points_that_shape_it() {
+    let up: Vec<_> = (0..=40).map(|n| f64::from(n) / 40.0).map(|x| reading(60.0 * x, x.sqrt())).collect();
+    let curve = Curve::of_loading(&trials(&up));
+    let calibration = curve.calibration().unwrap();
+    assert_eq!(calibration.0.len(), 16);
+    for x in [0.05_f64, 0.3, 0.5, 0.77, 1.0] {
+        let pressure = f64::from(calibration.pressure(x.sqrt() as f32).unwrap()) / 1e3;
+        assert!((pressure - 60.0 * x).abs() < 0.6, "{x}: {pressure}");
+    }
+    let falling: Vec<_> = up.iter().map(|r| reading(r.pressure_kpa, -r.strength)).collect();
+    assert_eq!(Curve::of_loading(&trials(&falling)).calibration(), None);
+}
+
+#[test]
+fn bad_files_name_file_line_column_and_what_is_allowed() {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    for (text, words) in [
+        ("time_s,pressure_kpa\n0,0\n1,5\n1,0\n", "line 4, column `time_s` is 1"),
+        ("time_s,pressure_kpa\n0,0\n1,-5\n2,0\n", "line 3, column `pressure_kpa` is -5"),
+        ("time_s,pressure_kpa\n0,0\n1,x\n2,0\n", "line 3"),
+        ("time_s,pressure_kpa\n0,0\n", "1 rows"),
+        ("time,pressure_kpa\n0,0\n1,5\n2,0\n", "time_s"),
+    ] {
+        std::fs::write(file.path(), text).unwrap();
+        let message = read_loads(file.path()).unwrap_err().to_string();
+        assert!(message.contains(words), "{message}");
+        assert!(
+            message.contains(&*file.path().to_string_lossy()) && message.contains("allowed"),
+            "{message}"
+        );
+    }
+    std::fs::write(file.path(), "pressure_kpa,strength\n0,0\n5,nan\n0,0\n").unwrap();
+    assert!(read_readings(file.path()).unwrap_err().to_string().contains("`strength` is NaN"));
+}

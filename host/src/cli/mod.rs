@@ -19,6 +19,7 @@ macro_rules! say {
 }
 
 mod build;
+mod calibrate;
 mod check;
 mod check_data;
 mod demo;
@@ -59,6 +60,7 @@ enum Command {
     Flash(flash::Args),
     Tare(tare::Args),
     Stream(stream::Args),
+    Calibrate(calibrate::Args),
     Check(check::Args),
     Scope(scope::Args),
     Drive(drive::Args),
@@ -92,6 +94,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Flash(args) => flash::run(&args),
         Command::Tare(args) => tare::run(&args),
         Command::Stream(args) => stream::run(&args),
+        Command::Calibrate(args) => calibrate::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Scope(args) => scope::run(&args),
         Command::Drive(args) => drive::run(&args),

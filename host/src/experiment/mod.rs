@@ -76,7 +76,7 @@ pub const EXPERIMENTS: [Experiment; 13] = [
     Experiment { name: "points", about: "one point at five places on Sample 3 (5.4.3)", run: points::run },
     Experiment {
         name: "tracking",
-        about: "three contacts that move, cross close by, leave and come back",
+        about: "three contacts that move, leave and come back",
         run: tracking::run,
     },
     Experiment { name: "two-point", about: "from what distance two contacts are two", run: two_point::run },
