@@ -217,7 +217,7 @@ impl Corner {
 
     /// One of ten small changes.
     fn moved(mut self, way: usize, step: f64) -> Self {
-        let by = if way % 2 == 0 { step } else { -step };
+        let by = if way.is_multiple_of(2) { step } else { -step };
         match way / 2 {
             axis @ (0 | 1) => self.at[axis] += by * self.length,
             arm @ (2 | 3) => self.arms[arm - 2] += by,
