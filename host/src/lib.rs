@@ -10,6 +10,7 @@ pub mod cli;
 pub mod cut;
 pub mod demo;
 pub mod evaluate;
+pub mod experiment;
 pub mod forward;
 pub mod health;
 pub mod interchange;

@@ -48,6 +48,66 @@ pub fn check_folder(path: &Path) -> Result<(), WriteError> {
         .map_err(|reason| WriteError { path: path.to_owned(), reason })
 }
 
+/// A folder for files that belong together: either all of them are written or none is.
+#[derive(Debug)]
+pub struct OutputFolder {
+    path: PathBuf,
+    /// Whether it was made here, and so goes away again if nothing is written to it.
+    is_new: bool,
+}
+
+impl OutputFolder {
+    /// Makes the folder, or checks that one is there that can be written to, before the work whose
+    /// results it is to hold.
+    pub fn prepare(path: &Path) -> Result<Self, WriteError> {
+        let failed = |reason| WriteError { path: path.to_owned(), reason };
+        let is_new = !path.exists();
+        if is_new {
+            std::fs::create_dir(path).map_err(failed)?;
+        } else if !path.is_dir() {
+            return Err(failed(io::Error::new(
+                io::ErrorKind::NotADirectory,
+                "it is there, and is not a folder",
+            )));
+        }
+        let folder = Self { path: path.to_owned(), is_new };
+        temporary_file(path).map_err(failed)?;
+        Ok(folder)
+    }
+
+    /// Writes files by name; what is there under these names is replaced once all are safe on the disk.
+    pub fn write_all(mut self, files: &[(&str, &[u8])]) -> Result<(), WriteError> {
+        let mut safe = Vec::new();
+        for (name, bytes) in files {
+            let path = self.path.join(name);
+            let written = temporary_file(&self.path).and_then(|mut file| {
+                buffered(&mut file, |out| out.write_all(bytes))?;
+                file.as_file().sync_all()?;
+                Ok(file)
+            });
+            safe.push((written.map_err(|reason| WriteError { path: path.clone(), reason })?, path));
+        }
+        if let Some((_, path)) = safe.iter().find(|(_, path)| path.is_dir()) {
+            let reason = io::Error::new(io::ErrorKind::IsADirectory, "it is a folder");
+            return Err(WriteError { path: path.clone(), reason });
+        }
+        self.is_new = false;
+        for (file, path) in safe {
+            file.persist(&path).map_err(|error| WriteError { path, reason: error.error })?;
+        }
+        Ok(())
+    }
+}
+
+impl Drop for OutputFolder {
+    fn drop(&mut self) {
+        if self.is_new {
+            // Fails only if somebody put something into it meanwhile.
+            let _ = std::fs::remove_dir(&self.path);
+        }
+    }
+}
+
 /// What a path leads to.
 enum Target {
     /// An ordinary file, or nothing yet.
@@ -164,6 +224,26 @@ mod tests {
         assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(std::fs::read(&file).unwrap(), b"new");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn files_that_belong_together_are_written_all_or_none() {
+        let desk = tempfile::tempdir().unwrap();
+        let path = desk.path().join("out");
+        let write = |files: &[(&str, &[u8])]| OutputFolder::prepare(&path).unwrap().write_all(files);
+        drop(OutputFolder::prepare(&path).unwrap());
+        assert!(!path.exists(), "nothing was written");
+        write(&[("a", b"1"), ("b", b"2")]).unwrap();
+        std::fs::create_dir(path.join("c")).unwrap();
+        let error = write(&[("a", b"3"), ("c", b"4")]).unwrap_err().to_string();
+        assert!(error.contains("it is a folder"), "{error}");
+        assert_eq!(std::fs::read(path.join("a")).unwrap(), b"1");
+        assert_eq!(std::fs::read_dir(&path).unwrap().count(), 3);
+        write(&[("a", b"5")]).unwrap();
+        assert_eq!(std::fs::read(path.join("a")).unwrap(), b"5");
+        let error = OutputFolder::prepare(&path.join("a")).unwrap_err().to_string();
+        assert!(error.contains("not a folder"), "{error}");
+        assert!(OutputFolder::prepare(&path.join("x/y")).is_err());
     }
 
     #[test]

@@ -183,10 +183,10 @@ fn a_skin_solved_by_finite_elements_is_calibrated_under_a_machine() {
     let hold = 20.0 / rate;
     write_loads(Path::new(&file("loads.csv")), &loads, hold);
     let mut place = Transducer::new(&material, 3);
-    let press = |depth: f64| Press { position: [0.004, -0.003], radius: 0.01, depth };
+    let press = |depth: f64| Press::finger([0.004, -0.003], 0.01, depth);
     let moments = loads.iter().enumerate().flat_map(|(index, &load)| {
         let (press, start) = (press(place.respond(load, 10.0)), index as f64 * hold);
-        [start, start + 0.999 * hold].map(|time| Moment { time, press })
+        [start, start + 0.999 * hold].map(|time| Moment { time, press: press.clone() })
     });
     let script = Script::new(vec![moments.collect()], skin.shape.flat().unwrap()).unwrap();
     let source = SimulatedSkin::new(&skin, script, Noise { snr_db: 60.0, seed: 2 }).unwrap();

@@ -23,6 +23,7 @@ const COMMANDS: [&str; 18] = [
     "devices",
     "drive",
     "evaluate",
+    "experiment",
     "export",
     "firmware",
     "flash",

@@ -86,7 +86,7 @@ fn pressed(skin: &Skin) -> (Vec<Vec<Pressed>>, Vec<f64>) {
     let mut press = |ring: f64, angle: usize| {
         let angle = (angle as f64 + ring) / ANGLES as f64 * TAU;
         let position = [ring * radius * angle.cos(), ring * radius * angle.sin()];
-        let voltages = simulated.voltages(&steps, &[Press { position, radius: 0.1 * radius, depth: 1.0 }]);
+        let voltages = simulated.voltages(&steps, &[Press::finger(position, 0.1 * radius, 1.0)]);
         let change =
             voltages.iter().zip(&reference).map(|(v, r)| v - r + noise.sample(&mut random)).collect();
         (position, change)

@@ -74,7 +74,7 @@ fn recording(skin: &Skin, count: usize, seed: u64) -> Recording {
             (0.042 * random.random::<f64>().sqrt(), random.random_range(0.0..std::f64::consts::TAU));
         let position = [radius * angle.cos(), radius * angle.sin()];
         let depth = random.random_range(0.3..1.5);
-        let press = Press { position, radius: 0.008, depth };
+        let press = Press::finger(position, 0.008, depth);
         values.extend(noisy(truth.voltages(&truth.conductivity(&[press]), &steps), &mut random));
         positions.push(position);
         forces.push(depth);
@@ -143,8 +143,8 @@ fn a_model_trusted_without_end_stays_as_it_is_and_one_not_trusted_fits_its_press
     assert!(departures[0] < 1e-6 && departures.is_sorted(), "{departures:?}");
     let error = |trust| {
         let correction = training.correct(LearnSettings { trust, radius: 0.25 }).unwrap();
-        let geometry = model.grid().unwrap();
-        Judged { matrix: &correction.matrix, geometry }.judge(&presses, &all).errors().mean_mm
+        let surface = &model.surface().unwrap();
+        Judged { matrix: &correction.matrix, surface }.judge(&presses, &all).errors().mean_mm
     };
     let errors = [1e9, 0.01].map(error);
     assert!(errors[1] < 0.6 * errors[0], "{errors:?}");

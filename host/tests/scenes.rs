@@ -37,7 +37,7 @@ fn a_board_with_a_curved_patch_tells_where_its_pixels_and_contacts_lie_in_space(
     let skin = shipped("skin.toml");
     let model = Model::build(&skin, |_| ()).unwrap();
     let patch = quantize::patch(&skin, &model).unwrap();
-    let press = Press { position: [0.06, 0.045], radius: 0.0126, depth: 1.0 };
+    let press = Press::finger([0.06, 0.045], 0.0126, 1.0);
     let outline = skin.shape.from_above().unwrap();
     let script = Script::still(&[press], &outline).unwrap();
     let source = SimulatedSkin::new(&skin, script, Noise { snr_db: 60.0, seed: 1 }).unwrap();

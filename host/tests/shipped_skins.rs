@@ -70,7 +70,8 @@ fn tests_of_electrodes_read_the_contact_impedances_of_the_skin_file() {
             ..Frame::default()
         };
         let amplitude = patch.header.drive.amplitude;
-        let (health, flags) = Health::examine(&patch, &simulated.front_end(), amplitude, &frame);
+        let (mut health, flags) = Health::examine(&patch, &frame);
+        health.measure_contacts(&patch, simulated.front_end().volts_per_code / amplitude, &frame.tests);
         let worst = health
             .contact_impedance
             .iter()
@@ -104,8 +105,8 @@ fn a_finger_is_one_contact_within_four_per_cent_of_the_diameter() {
         let places = [[0.0, 0.0], [0.4, 0.1], [-0.3, 0.5], [0.1, -0.6], [-0.55, -0.2]];
         let mut worst: f64 = 0.0;
         for (seed, [u, v]) in (0..).zip(places) {
-            let press = Press { position: [u * x, v * y], radius: 0.12 * x, depth: 1.0 };
-            for contacts in bench.contacts(&[press], seed) {
+            let press = Press::finger([u * x, v * y], 0.12 * x, 1.0);
+            for contacts in bench.contacts(std::slice::from_ref(&press), seed) {
                 let contact = contacts.first().unwrap_or_else(|| panic!("{name}: no contact at {u}, {v}"));
                 let error = dermatome::metrics::position_error(contact.position, press.position);
                 worst = worst.max(error / bench.skin.shape.flat().unwrap().diameter());

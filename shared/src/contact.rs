@@ -38,6 +38,12 @@ pub struct Contact {
 }
 
 impl Contact {
+    /// Where it lies as seen from above, x and y, m.
+    #[must_use]
+    pub fn from_above(&self) -> [f64; 2] {
+        [self.position[0], self.position[1]].map(f64::from)
+    }
+
     /// Force, N: pressure times area; none without a calibration.
     #[must_use]
     pub fn force(&self) -> Option<f32> {

@@ -126,7 +126,7 @@ pub struct Places([Place; MAX_CONTACTS]);
 #[derive(Clone, Copy, Debug, Default)]
 struct Place {
     /// Where it was first pressed, m.
-    position: [f32; 2],
+    position: [f32; 3],
     memory: Memory,
     /// Whether a contact of this frame is on it.
     is_seen: bool,
@@ -161,8 +161,8 @@ impl Places {
     /// The nearest place within a contact, or a new one instead of the place with the least memory.
     fn place_of(&mut self, contact: &Contact) -> &mut Place {
         let distance = |place: &Place| {
-            let [x, y] = [0, 1].map(|axis| place.position[axis] - contact.position[axis]);
-            x * x + y * y
+            let [x, y, z] = [0, 1, 2].map(|axis| place.position[axis] - contact.position[axis]);
+            x * x + y * y + z * z
         };
         // The radius of a disc of the contact's area, squared.
         let reach = contact.area * core::f32::consts::FRAC_1_PI;

@@ -39,6 +39,7 @@ pub mod slots;
 pub mod stimulation;
 pub mod surface;
 pub mod synthetic;
+pub mod track;
 pub mod trigonometry;
 pub mod units;
 

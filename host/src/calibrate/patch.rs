@@ -1,5 +1,6 @@
 //! A patch with another calibration.
 
+use crate::pixels::SurfaceTables;
 use dermatome_shared::{
     calibration::Calibration,
     hysteresis::Play,
@@ -16,6 +17,7 @@ pub fn with_calibration(
     let header =
         PatchHeader { calibration: calibration.clone(), plays: plays.len() as u8, ..patch.header.clone() };
     let (steps, combination): (Vec<_>, Vec<_>) = patch.steps().zip(patch.combination()).unzip();
+    let tables = SurfaceTables::read(&patch);
     let exponents: Vec<i8> = patch.exponents().iter().map(|&byte| i8::from_le_bytes([byte])).collect();
     let matrix: Vec<i16> =
         patch.matrix().chunks_exact(2).map(|pair| i16::from_le_bytes([pair[0], pair[1]])).collect();
@@ -24,7 +26,8 @@ pub fn with_calibration(
         header: &header,
         steps: &steps,
         combination: &combination,
-        mask: patch.mask(),
+        pixels: &tables.pixels,
+        neighbours: &tables.neighbours,
         exponents: &exponents,
         matrix: &matrix,
     };

@@ -27,6 +27,7 @@ mod demo;
 mod devices;
 mod drive;
 mod evaluate;
+mod experiment;
 mod export;
 mod firmware;
 mod flash;
@@ -56,6 +57,7 @@ enum Command {
     Demo(demo::Args),
     Build(build::Args),
     Evaluate(evaluate::Args),
+    Experiment(experiment::Args),
     Inspect(inspect::Args),
     Flash(flash::Args),
     Tare(tare::Args),
@@ -91,6 +93,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Demo(args) => demo::run(&args),
         Command::Build(args) => build::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
+        Command::Experiment(args) => experiment::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Flash(args) => flash::run(&args),
         Command::Tare(args) => tare::run(&args),

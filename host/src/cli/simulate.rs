@@ -3,6 +3,7 @@
 use super::{JsonReport, interrupt, noise::NoiseOptions};
 use crate::{
     board::simulated::{BoardOptions, SimulatedBoard},
+    material::Material,
     simulate::{Press, Script, SimulatedSkin},
     skin::{Skin, outline::Outline},
 };
@@ -43,9 +44,12 @@ pub(super) struct Args {
     /// A finger that rests: x,y,radius,depth (m, m, m, relative conductivity change); may be repeated.
     #[arg(long, value_name = "X,Y,RADIUS,DEPTH", conflicts_with = "path", allow_hyphen_values = true)]
     press: Vec<Press>,
-    /// Moving fingers: CSV with the columns time_s,finger,x_m,y_m,radius_m,depth.
+    /// Moving indenters: CSV with the columns time_s,finger,x_m,y_m, a shape and a load (docs/cli.md).
     #[arg(long, value_name = "FILE")]
     path: Option<PathBuf>,
+    /// Material file of the sheet, for loads in kPa and N (models/materials).
+    #[arg(long, value_name = "FILE")]
+    material: Option<PathBuf>,
     /// Keep the uploaded patch in this file, as a board keeps it in its flash.
     #[arg(long, value_name = "FILE")]
     store: Option<PathBuf>,
@@ -73,7 +77,14 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let script = script(args, &*skin.shape.from_above()?)?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let noise = args.noise.noise();
-    let source = SimulatedSkin::new(&skin, script, noise).with_context(in_file)?;
+    anyhow::ensure!(
+        args.material.is_some() || !script.needs_material(),
+        "the path presses with pressures or forces, which say nothing without a material: give `--material`"
+    );
+    let mut source = SimulatedSkin::new(&skin, script, noise).with_context(in_file)?;
+    if let Some(path) = &args.material {
+        source = source.of_material(Material::load(path)?);
+    }
     let simulated_elements = source.elements();
     let options = BoardOptions {
         listen: address(&args.listen)?,

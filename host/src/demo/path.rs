@@ -24,7 +24,7 @@ pub fn script(outline: &Outline, frame_rate: f64) -> Result<Script, ScriptError>
     let [x, y] = outline.half_size();
     let at = |frame: u32, angle: f64, reach: f64| {
         let position = [x * reach * angle.cos(), y * reach * angle.sin()];
-        let press = Press { position, radius: FINGER * x.min(y), depth: DEPTH };
+        let press = Press::finger(position, FINGER * x.min(y), DEPTH);
         Moment { time: f64::from(frame) / frame_rate, press }
     };
     let spiral = (0..TRAVEL_FRAMES).map(|frame| {

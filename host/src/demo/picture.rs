@@ -48,7 +48,7 @@ fn true_image(scorer: &Scorer<'_>, presses: &[Press]) -> Vec<f64> {
 }
 
 fn true_panel<'a>(record: &FrameRecord, truth: &'a [f64]) -> Panel<'a> {
-    let depth = record.presses.iter().fold(0.0, |max: f64, press| max.max(press.depth.abs()));
+    let depth = record.presses.iter().fold(0.0, |max: f64, press| max.max(press.load.value().abs()));
     let places = record.presses.iter().map(|press| place(press.position));
     Panel {
         caption: vec![format!("frame {}: truth", record.index), places.collect::<Vec<_>>().join(" ")],
@@ -69,7 +69,7 @@ fn image_panel(record: &FrameRecord) -> Panel<'_> {
         caption: vec!["image".into(), places.collect::<Vec<_>>().join(" ")],
         values: &record.image,
         found: found.clone(),
-        truth: record.presses.iter().map(|press| (press.position, press.radius)).collect(),
+        truth: record.presses.iter().map(|press| (press.position, press.footprint.reach())).collect(),
         ..Panel::default()
     }
 }

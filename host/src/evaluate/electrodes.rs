@@ -9,7 +9,7 @@ use rand_pcg::Pcg64Mcg;
 
 /// Mean distance of neighbouring electrodes along the rim, m; `None` where none lie there.
 #[must_use]
-pub(super) fn spacing(skin: &Skin) -> Option<f64> {
+pub(crate) fn spacing(skin: &Skin) -> Option<f64> {
     let Shape::Sheet(sheet) = &skin.shape else { return None };
     let count = sheet.on_rim().count();
     (count > 0).then(|| sheet.outline.perimeter() / count as f64)
@@ -20,7 +20,7 @@ pub(super) fn spacing(skin: &Skin) -> Option<f64> {
 ///
 /// Electrodes on the rim move along it, others in both directions. An impedance is multiplied by
 /// exp(error), so that none becomes negative.
-pub(super) fn with_errors(skin: &Skin, shift: f64, impedance: f64, seed: u64) -> Result<Skin, EvaluateError> {
+pub(crate) fn with_errors(skin: &Skin, shift: f64, impedance: f64, seed: u64) -> Result<Skin, EvaluateError> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let mut skin = skin.clone();
     if shift > 0.0 {

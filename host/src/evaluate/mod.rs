@@ -6,7 +6,7 @@
 //! images are worth is put together by rings ([`report`]) and drawn ([`picture`]).
 
 mod bench;
-mod electrodes;
+pub(crate) mod electrodes;
 mod find;
 mod length;
 pub mod pairs;

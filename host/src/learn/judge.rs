@@ -1,10 +1,10 @@
 //! Judge: how far from the presses a matrix's strongest contacts lie.
 
 use super::{LearnError, presses::Presses};
-use crate::{measured::reconstruct::contacts, model::Model};
+use crate::{measured::reconstruct::contacts, model::Model, pixels::SurfaceTables, view::layout::Layout};
 use dermatome_shared::{
     contact::{self, Contact},
-    image::{Geometry, Image},
+    image::Image,
     patch::PatchView,
     reconstruct::reconstruct,
     reference::DifferenceData,
@@ -78,20 +78,19 @@ pub struct Outcome {
 pub struct Judged<'a> {
     /// Relative conductivity, up where pressed.
     pub matrix: &'a Mat<f64>,
-    /// Its image.
-    pub geometry: &'a Geometry,
+    /// Its pixels.
+    pub surface: &'a SurfaceTables,
 }
 
 impl Judged<'_> {
     /// Finds the strongest contact of each press, however weak.
     #[must_use]
     pub fn judge(&self, presses: &Presses, which: &[usize]) -> Outcome {
-        let Geometry { grid, mask } = self.geometry;
-        outcome(self.geometry, presses, which, |data| {
+        outcome(self.surface, presses, which, |data| {
             let image = self.matrix * Col::from_fn(data.len(), |m| data[m]);
             let image: Vec<f64> = image.iter().copied().collect();
             let peak = image.iter().copied().fold(0.0, f64::max);
-            let contacts = contacts(grid, mask, &image, 1.0, peak);
+            let contacts = contacts(self.surface, &image, 1.0, peak);
             contacts.first().map(|contact| Found::new(contact, peak))
         })
     }
@@ -99,7 +98,7 @@ impl Judged<'_> {
 
 /// Judges a model's matrix in f64.
 pub fn judge_matrix(model: &Model, presses: &Presses, which: &[usize]) -> Result<Outcome, LearnError> {
-    let judged = Judged { matrix: &model.conductivity_from_difference, geometry: model.grid()? };
+    let judged = Judged { matrix: &model.conductivity_from_difference, surface: &model.surface()? };
     Ok(judged.judge(presses, which))
 }
 
@@ -110,8 +109,7 @@ pub fn judge_board(
     presses: &Presses,
     which: &[usize],
 ) -> Result<Outcome, LearnError> {
-    let geometry = model.grid()?;
-    Ok(outcome(geometry, presses, which, |data| {
+    Ok(outcome(&model.surface()?, presses, which, |data| {
         board_contacts(patch, data).first().map(|c| Found::new(c, 1.0))
     }))
 }
@@ -124,16 +122,16 @@ pub fn board_contacts(patch: &PatchView<'_>, data: &[f64]) -> contact::Contacts 
     difference.quantise(&relative);
     let mut image = Image::new();
     reconstruct(patch, &difference, &mut image);
-    contact::find(&patch.header.grid, patch.mask(), &image, patch.header.contact_threshold)
+    contact::find(&patch.surface(), &image, patch.header.contact_threshold)
 }
 
 fn outcome(
-    geometry: &Geometry,
+    surface: &SurfaceTables,
     presses: &Presses,
     which: &[usize],
     find: impl Fn(&[f64]) -> Option<Found>,
 ) -> Outcome {
-    let grid = &geometry.grid;
+    let grid = Layout::from(surface).grid;
     let judge = |&press: &usize| Judgement {
         press,
         place: [presses.places[press].x, presses.places[press].y],
@@ -150,7 +148,7 @@ impl Found {
     /// `scale` is what the contact's image was divided by.
     fn new(contact: &Contact, scale: f64) -> Self {
         Self {
-            place: contact.position.map(f64::from),
+            place: contact.from_above(),
             strength: f64::from(contact.strength) * scale,
             peak: f64::from(contact.peak) * scale,
         }

@@ -20,7 +20,7 @@ pub mod split;
 
 use crate::{
     measured::statistics::pearson,
-    model::{Model, NoGrid},
+    model::{Model, TooManyPixels},
     quantize::{self, PatchBuildError},
     skin::Skin,
 };
@@ -154,7 +154,7 @@ pub enum LearnError {
     Singular,
     /// An image in which nothing can be looked for.
     #[error(transparent)]
-    NoGrid(#[from] NoGrid),
+    Pixels(#[from] TooManyPixels),
     /// A matrix that no board takes.
     #[error(transparent)]
     Patch(#[from] PatchBuildError),
@@ -171,7 +171,6 @@ pub fn learn(skin: &Skin, model: &Model, presses: &Presses, request: &Request) -
     if request.strength == Strength::Force && presses.forces.is_none() {
         return Err(LearnError::NoForces);
     }
-    model.grid()?;
     let parts = split(presses.count(), request.test_share, request.seed);
     let (found, test) = (parts.training.len(), parts.test.len());
     if found < FEWEST {
@@ -270,13 +269,14 @@ struct Chosen {
 /// The smallest radius, and with it the strongest trust in the model, whose mean error is within one
 /// standard error of the best (Breiman et al. 1984): small spots keep contacts apart, trust keeps noise low.
 fn choose(model: &Model, presses: &Presses, folds: &Folds, strength: Strength) -> Result<Chosen, LearnError> {
+    let surface = &model.surface()?;
     let tables = folds.iter().collect::<Vec<_>>().into_par_iter().map(|(training, validation)| {
         let training = Training::new(model, presses, training, strength)?;
         let mut outcomes = Vec::with_capacity(TRUSTS.len() * RADII.len());
         for radius in RADII {
             for trust in TRUSTS {
                 let correction = training.correct(Settings { trust, radius })?;
-                let model = judge::Judged { matrix: &correction.matrix, geometry: model.grid()? };
+                let model = judge::Judged { matrix: &correction.matrix, surface };
                 outcomes.push(model.judge(presses, validation));
             }
         }

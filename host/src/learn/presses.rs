@@ -12,7 +12,8 @@ use crate::{
         order::{Arrangement, OrderError},
         read::{Frames, Problem, ReadError, Source, read, read_array},
     },
-    model::{Model, NoGrid, divisors},
+    model::{Model, TooManyPixels, divisors},
+    view::layout::Layout,
 };
 use nalgebra::Point3;
 use num_complex::Complex64;
@@ -146,9 +147,9 @@ pub enum PressError {
     /// Frames that do not fit the skin.
     #[error(transparent)]
     Order(#[from] OrderError),
-    /// A skin whose image is no grid.
+    /// A skin with more pixels than a board takes.
     #[error(transparent)]
-    NoGrid(#[from] NoGrid),
+    Pixels(#[from] TooManyPixels),
 }
 
 fn also(archive: &bool) -> String {
@@ -286,7 +287,7 @@ impl Recording {
             return Err(PressError::Force { press, force });
         }
         let reach = half_side(&model.mesh);
-        let pitch = f64::from(model.grid()?.grid.pitch);
+        let pitch = f64::from(Layout::from(&model.surface()?).grid.pitch);
         for (press, &[x, y]) in self.positions.iter().enumerate() {
             let distance = |centre: &Point3<f64>| (centre.x - x).hypot(centre.y - y);
             let nearest = model.pixels.centres.iter().map(distance).fold(f64::INFINITY, f64::min);

@@ -6,10 +6,15 @@
 
 pub mod board;
 mod converter;
+pub mod indenter;
+mod path_file;
 pub mod script;
+pub mod sheet;
 pub mod skin;
 pub mod truth;
 
-pub use script::{Press, Script, ScriptError};
+pub use indenter::{Footprint, Load, Press};
+pub use script::{Script, ScriptError};
+pub use sheet::Sheet;
 pub use skin::{Noise, SimulatedSkin};
 pub use truth::TrueSkin;

@@ -4,9 +4,10 @@
 //! 1, whose range leaves room for the largest voltage at full current. Each scan has one gain, and
 //! the lock-in's 16 bits at that gain; tests of electrodes have gain 1.
 
-use super::{Press, Script, TrueSkin, converter::Converter};
+use super::{Press, Script, Sheet, TrueSkin, converter::Converter, truth::LEAST};
 use crate::{
     board::simulated::{Scan, ScanTable, SlotSamples},
+    material::Material,
     model::ModelError,
     skin::Skin,
 };
@@ -37,6 +38,7 @@ pub struct Noise {
 pub struct SimulatedSkin {
     truth: TrueSkin,
     script: Script,
+    worn: Option<Worn>,
     noise: Noise,
     /// Noise of what goes into images, and of all else: so that the first does not depend on the second.
     random: [Pcg64Mcg; 2],
@@ -47,6 +49,16 @@ pub struct SimulatedSkin {
     front_end: FrontEnd,
     /// Voltages and noise of the running scan, found on its first frame.
     untouched: Option<Untouched>,
+}
+
+/// A sheet whose changes follow from pressure over time.
+#[derive(Debug)]
+struct Worn {
+    material: Material,
+    seed: u64,
+    sheet: Sheet,
+    /// How far the script has come, s.
+    time: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -72,6 +84,7 @@ impl SimulatedSkin {
         Ok(Self {
             truth,
             script,
+            worn: None,
             noise,
             random: [noise.seed, !noise.seed].map(Pcg64Mcg::seed_from_u64),
             sheet_conductivity: skin.material.sheet_conductivity,
@@ -79,6 +92,13 @@ impl SimulatedSkin {
             drive,
             untouched: None,
         })
+    }
+
+    /// Makes the sheet of a material, so that pressures and forces change it.
+    #[must_use]
+    pub fn of_material(self, material: Material) -> Self {
+        let (seed, sheet) = (self.noise.seed, Sheet::new(&material, self.noise.seed));
+        Self { worn: Some(Worn { material, seed, sheet, time: 0.0 }), ..self }
     }
 
     /// Elements of the simulation's own mesh.
@@ -95,8 +115,22 @@ impl SimulatedSkin {
 
     /// One scan, `script_time` seconds into the script, or of the untouched skin.
     pub fn measure(&mut self, table: &ScanTable, script_time: Option<f64>) -> Scan {
+        let phasors = self.phasors_at(table, script_time);
+        self.read(table, &phasors)
+    }
+
+    /// What a scan sees of a sheet of this relative conductivity, `[element]` of [`Self::truth`]: phasors at
+    /// unit current and conductivity, `[slot]`.
+    #[must_use]
+    pub fn solve(&self, table: &ScanTable, conductivity: &[f64]) -> Vec<Complex64> {
+        let slots: Vec<Step> = table.steps.iter().chain(&table.tests).copied().collect();
+        self.truth.phasors(conductivity, &slots, table.drive.frequency.into())
+    }
+
+    /// One scan of these phasors, with noise and converter.
+    pub fn read(&mut self, table: &ScanTable, phasors: &[Complex64]) -> Scan {
         let untouched = self.untouched_under(table);
-        let volts = self.volts(table, script_time, &untouched);
+        let volts = self.volts(table, phasors);
         let normal =
             Normal::new(0.0, untouched.noise).expect("a standard deviation is finite and not negative");
         let [of_images, of_others] = &mut self.random;
@@ -130,8 +164,9 @@ impl SimulatedSkin {
         timing: Timing,
         script_time: Option<f64>,
     ) -> Option<SlotSamples> {
+        let phasors = self.phasors_at(table, script_time);
         let untouched = self.untouched_under(table);
-        let volts = self.volts(table, script_time, &untouched);
+        let volts = self.volts(table, &phasors);
         let before = volts[(slot + volts.len().checked_sub(1)?) % volts.len()];
         // The lock-in averages the noise of its samples.
         let noise = untouched.noise * (f64::from(timing.integration) / 2.0).sqrt();
@@ -146,19 +181,46 @@ impl SimulatedSkin {
         self.truth.voltages(&self.truth.conductivity(presses), steps)
     }
 
+    /// The true skin.
+    #[must_use]
+    pub fn truth(&self) -> &TrueSkin {
+        &self.truth
+    }
+
+    /// Gives the electrodes other contacts, ohm m: `[electrode]`; noise and gain stay as they were found.
+    pub fn change_contacts(
+        &mut self,
+        skin: &Skin,
+        contact_impedance: &[Complex64],
+    ) -> Result<(), ModelError> {
+        self.truth.change_contacts(skin, contact_impedance)
+    }
+
     /// Volts at the drive's current, turned by its phase: `[slot]`.
-    fn volts(&self, table: &ScanTable, script_time: Option<f64>, untouched: &Untouched) -> Vec<Complex64> {
-        let presses = script_time.map(|time| self.script.presses(time)).unwrap_or_default();
-        let pressed = (!presses.is_empty()).then(|| self.phasors(table, &presses));
-        let phasors = pressed.as_ref().unwrap_or(&untouched.phasors);
+    fn volts(&self, table: &ScanTable, phasors: &[Complex64]) -> Vec<Complex64> {
         let amplitude = f64::from(table.drive.amplitude) / self.sheet_conductivity;
         let scale = Complex64::from_polar(amplitude, f64::from(table.drive.phase).to_radians());
         phasors.iter().map(|phasor| phasor * scale).collect()
     }
 
-    fn phasors(&self, table: &ScanTable, presses: &[Press]) -> Vec<Complex64> {
-        let slots: Vec<Step> = table.steps.iter().chain(&table.tests).copied().collect();
-        self.truth.phasors(&self.truth.conductivity(presses), &slots, table.drive.frequency.into())
+    fn phasors_at(&mut self, table: &ScanTable, script_time: Option<f64>) -> Vec<Complex64> {
+        match self.conductivity(script_time) {
+            Some(conductivity) => self.solve(table, &conductivity),
+            None => self.untouched_under(table).phasors,
+        }
+    }
+
+    /// Relative conductivity of each element at a time of the script; `None` where it is all 1.
+    fn conductivity(&mut self, script_time: Option<f64>) -> Option<Vec<f64>> {
+        let presses = script_time.map(|time| self.script.presses(time)).unwrap_or_default();
+        match &mut self.worn {
+            None => (!presses.is_empty()).then(|| self.truth.conductivity(&presses)),
+            Some(worn) => {
+                let pressed = worn.respond(&self.truth.pressure(&presses), script_time?);
+                let changed = self.truth.conductivity(&presses);
+                Some(pressed.iter().zip(changed).map(|(a, b)| (a + b - 1.0).max(LEAST)).collect())
+            }
+        }
     }
 
     /// Voltages, gain and noise of a scan, found once, as a board finds its gains.
@@ -166,7 +228,7 @@ impl SimulatedSkin {
         if let Some(untouched) = self.untouched.as_ref().filter(|untouched| untouched.table == *table) {
             return untouched.clone();
         }
-        let phasors = self.phasors(table, &[]);
+        let phasors = self.solve(table, &self.truth.conductivity(&[]));
         let steps = &phasors[..table.steps.len()];
         let mean_square = steps.iter().map(|v| v.re * v.re).sum::<f64>() / steps.len() as f64;
         let ohms = |relative: f64| relative / self.sheet_conductivity;
@@ -178,6 +240,18 @@ impl SimulatedSkin {
         let largest_volts = ohms(largest(steps)) * f64::from(table.drive.amplitude);
         let converter = Converter::new(&self.front_end, table.drive.gain, largest_volts);
         self.untouched.insert(Untouched { table: table.clone(), phasors, converter, noise }).clone()
+    }
+}
+
+impl Worn {
+    /// Conductivity at a time of the script; a script that begins anew finds a fresh sheet.
+    fn respond(&mut self, pressure: &[f64], time: f64) -> Vec<f64> {
+        if time < self.time {
+            (self.sheet, self.time) = (Sheet::new(&self.material, self.seed), 0.0);
+        }
+        let seconds = time - self.time;
+        self.time = time;
+        self.sheet.respond(pressure, seconds)
     }
 }
 

@@ -15,6 +15,8 @@ use std::f64::consts::TAU;
 
 /// Triangles of the true skin are this much smaller than the reconstruction's, along an edge.
 const FINENESS: f64 = 0.66;
+/// Least relative conductivity of an element.
+pub(super) const LEAST: f64 = 0.01;
 /// The lattice is turned and shifted against the reconstruction's.
 const LATTICE: Lattice = Lattice { angle: 0.35, shift: 0.37 };
 
@@ -57,18 +59,18 @@ impl TrueSkin {
         frequency: f64,
     ) -> Result<Self, ModelError> {
         let mesh = true_mesh(skin)?;
-        let sheet = skin.material.sheet_conductivity;
-        let susceptance = TAU * frequency * skin.material.sheet_capacitance / sheet;
-        let relative: Vec<Complex64> = contact_impedance.iter().map(|z| z * sheet).collect();
-        let ground = electrode_unknown(&mesh, skin.electrodes.ground);
-        let forward = if susceptance == 0.0 && relative.iter().all(|z| z.im == 0.0) {
-            let real: Vec<f64> = relative.iter().map(|z| z.re).collect();
-            Forward::Real(Box::new(ForwardModel::new(&mesh, &real, ground)?))
-        } else {
-            let model = ForwardModel::new(&mesh, &relative, ground)?;
-            Forward::Complex(Box::new(model), susceptance / frequency)
-        };
+        let forward = forward_with(skin, &mesh, contact_impedance, frequency)?;
         Ok(Self { mesh, forward, frequency })
+    }
+
+    /// Gives its electrodes other contacts, as a knock does; `skin` is the one it was made of.
+    pub fn change_contacts(
+        &mut self,
+        skin: &Skin,
+        contact_impedance: &[Complex64],
+    ) -> Result<(), ModelError> {
+        self.forward = forward_with(skin, &self.mesh, contact_impedance, self.frequency)?;
+        Ok(())
     }
 
     /// Its mesh.
@@ -114,12 +116,8 @@ impl TrueSkin {
     /// Relative conductivity of each element under these presses: `[element]`.
     #[must_use]
     pub fn conductivity(&self, presses: &[Press]) -> Vec<f64> {
-        let laid: Vec<_> = presses.iter().map(|press| (press, self.lay(press.position))).collect();
-        let change = |element| {
-            laid.iter().map(|(press, centre)| self.mean_change(element, press, *centre)).sum::<f64>()
-        };
         // Presses that overlap may not make the sheet vanish.
-        (0..self.mesh.elements.len()).map(|element| (1.0 + change(element)).max(0.01)).collect()
+        self.sums(presses, Press::change_at).map(|change| (1.0 + change).max(LEAST)).collect()
     }
 
     /// The highest point of the skin at x, y, m; beside the skin the nearest node's.
@@ -134,19 +132,65 @@ impl TrueSkin {
         })
     }
 
-    /// Mean over an element of the change a press round this point makes.
-    fn mean_change(&self, element: usize, press: &Press, centre: Point3<f64>) -> f64 {
+    /// Mean pressure on each element, Pa: `[element]`.
+    #[must_use]
+    pub fn pressure(&self, presses: &[Press]) -> Vec<f64> {
+        self.sums(presses, Press::pressure_at).collect()
+    }
+
+    /// What presses add up to: `[element]`.
+    fn sums(&self, presses: &[Press], of: fn(&Press, [f64; 2]) -> f64) -> impl Iterator<Item = f64> {
+        let laid: Vec<_> = presses.iter().map(|press| (press, self.lay(press.position))).collect();
+        (0..self.mesh.elements.len())
+            .map(move |element| laid.iter().map(|&(press, at)| self.mean_over(element, press, at, of)).sum())
+    }
+
+    /// Mean over an element of what a press round this point does.
+    fn mean_over(
+        &self,
+        element: usize,
+        press: &Press,
+        centre: Point3<f64>,
+        of: fn(&Press, [f64; 2]) -> f64,
+    ) -> f64 {
         let corners = self.mesh.corners(element);
         let reach = corners.iter().map(|corner| (corner - centre).norm());
         let longest_edge = (corners[1] - corners[0]).norm().max((corners[2] - corners[0]).norm());
-        if reach.fold(f64::INFINITY, f64::min) > press.radius + longest_edge {
+        if reach.fold(f64::INFINITY, f64::min) > press.footprint.reach() + longest_edge {
             return 0.0;
         }
         let (sum, count) = samples(corners).fold((0.0, 0.0), |(sum, count), point| {
-            (sum + press.change_over((point - centre).norm()), count + 1.0)
+            (sum + of(press, beside(press, centre, point)), count + 1.0)
         });
         sum / count
     }
+}
+
+/// Where a point of the skin lies for a press round `centre`: in its direction as seen from above, and as far
+/// away as it is in space. On a flat skin that is where it is.
+fn beside(press: &Press, centre: Point3<f64>, point: Point3<f64>) -> [f64; 2] {
+    let away = point - centre;
+    let seen = away.xy().norm();
+    let stretch = if seen > 0.0 { away.norm() / seen } else { 1.0 };
+    [press.position[0] + away.x * stretch, press.position[1] + away.y * stretch]
+}
+
+fn forward_with(
+    skin: &Skin,
+    mesh: &Mesh,
+    contact_impedance: &[Complex64],
+    frequency: f64,
+) -> Result<Forward, ModelError> {
+    let sheet = skin.material.sheet_conductivity;
+    let susceptance = TAU * frequency * skin.material.sheet_capacitance / sheet;
+    let relative: Vec<Complex64> = contact_impedance.iter().map(|z| z * sheet).collect();
+    let ground = electrode_unknown(mesh, skin.electrodes.ground);
+    if susceptance == 0.0 && relative.iter().all(|z| z.im == 0.0) {
+        let real: Vec<f64> = relative.iter().map(|z| z.re).collect();
+        return Ok(Forward::Real(Box::new(ForwardModel::new(mesh, &real, ground)?)));
+    }
+    let model = ForwardModel::new(mesh, &relative, ground)?;
+    Ok(Forward::Complex(Box::new(model), susceptance / frequency))
 }
 
 fn true_mesh(skin: &Skin) -> Result<Mesh, ModelError> {
@@ -182,7 +226,7 @@ mod tests {
 
     #[test]
     fn transfer_impedances_hold_the_voltages_of_every_step() {
-        let (skin, press) = (square(), Press { position: [0.005, 0.002], radius: 0.008, depth: 1.0 });
+        let (skin, press) = (square(), Press::finger([0.005, 0.002], 0.008, 1.0));
         let truth = TrueSkin::new(&skin).unwrap();
         let conductivity = truth.conductivity(&[press]);
         let transfer = truth.transfer(&conductivity);

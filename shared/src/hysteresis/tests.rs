@@ -76,7 +76,8 @@ fn contacts_use_the_memory_of_their_place() {
     let mut places = Places::default();
     let mut pressure = |presses: &[(f32, f32)]| {
         let contact = |&(x, strength)| Contact {
-            position: [x, 0.0],
+            position: [x, 0.0, 0.0],
+            normal: [0.0, 0.0, 1.0],
             area: 1e-4,
             strength,
             peak: strength,

@@ -27,7 +27,7 @@ pub(super) fn positions(rig: &Rig) -> Result<String, Failure> {
         let (angle, distance) =
             (random.random_range(0.0..std::f64::consts::TAU), radius * REACH * random.random::<f64>().sqrt());
         let position = [distance * angle.cos(), distance * angle.sin()];
-        session.scene.press(&[Press { position, radius: 0.02, depth: 0.5 }]);
+        session.scene.press(&[Press::finger(position, 0.02, 0.5)]);
         // The frame under way, and those that wait.
         session.stamps(4)?;
         let (_, contacts) = contacts(&mut session)?;
@@ -61,7 +61,7 @@ pub(super) fn held(rig: &Rig) -> Result<String, Failure> {
     session.stream(Selection { contacts: 1, ..Selection::default() })?;
     session.scene.drift(0.01);
     session.stamps(20)?;
-    session.scene.press(&[Press { position: [0.03, 0.02], radius: 0.025, depth: 0.5 }]);
+    session.scene.press(&[Press::finger([0.03, 0.02], 0.025, 0.5)]);
     session.stamps(3)?;
     let first = force(&mut session)?;
     let (mut last, mut largest) = (first, 0.0_f64);

@@ -13,7 +13,7 @@ use dermatome_shared::protocol::{BoardPacket, Event, Selection, decode};
 const CONTACTS: Selection =
     Selection { images: 0, contacts: 1, measurements: 0, health: 0, scope: 0, scope_slot: 0 };
 /// A press, so that there is a contact to find.
-const PRESS: Press = Press { position: [0.03, 0.02], radius: 0.025, depth: 0.6 };
+const PRESS: Press = Press::finger([0.03, 0.02], 0.025, 0.6);
 /// Settling of both patterns, s.
 const SETTLING: f64 = 10e-6;
 /// Load and latency that are reached today; what is wanted are 0.6 at 400 frames a second, and 1.5 ms.

@@ -15,7 +15,7 @@ const SETTLED: usize = 1_000_000;
 #[test]
 fn a_lock_in_finds_what_the_frequencies_say() {
     let scene = scene(analogue());
-    scene.press(&[Press { position: [0.02, 0.05], radius: 0.02, depth: 0.8 }]);
+    scene.press(&[Press::finger([0.02, 0.05], 0.02, 0.8)]);
     for (words_per_period, amplitude, gain) in [(5, 1500.0, 1.0), (20, 200.0, 16.0), (80, 1500.0, 2.0)] {
         let mut chip = Chip::new(&scene, words_per_period, amplitude);
         chip.gain(gain);

@@ -6,7 +6,7 @@ use crate::{
 use dermatome::{simulate::Press, skin::Skin};
 use std::path::Path;
 
-const PRESS: Press = Press { position: [0.03, -0.02], radius: 0.02, depth: 1.0 };
+const PRESS: Press = Press::finger([0.03, -0.02], 0.02, 1.0);
 
 /// Largest difference of `truth` from the forward model's own voltages, over the largest of those.
 fn error_of(scene: &Scene) -> f64 {

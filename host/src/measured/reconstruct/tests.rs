@@ -38,7 +38,7 @@ impl Toy {
 
     /// Voltages with an object of this conductivity change at x, y.
     fn touched(&self, x: f64, y: f64, change: f64) -> Vec<f64> {
-        let press = Press { position: [x, y], radius: 0.004, depth: change };
+        let press = Press::finger([x, y], 0.004, change);
         self.simulated.voltages(&self.model.steps, &[press])
     }
 }

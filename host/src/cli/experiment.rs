@@ -1,0 +1,73 @@
+//! `dermatome experiment`: the thesis' experiments on simulated samples, as a page.
+
+use super::progress;
+use crate::{
+    experiment::{EXPERIMENTS, Report, json, named, page, run as run_all},
+    output::{OutputFolder, WriteError},
+};
+use anyhow::{Context, bail};
+use std::{path::PathBuf, time::Instant};
+
+/// Do the thesis' experiments on simulated samples, as a page beside its figures.
+///
+/// The page, report.html, needs no other file; report.json holds the same figures for scripts. Every run gives
+/// the same.
+#[derive(clap::Args)]
+#[command(after_help = help())]
+pub(super) struct Args {
+    /// Name of an experiment, or all.
+    #[arg(value_name = "NAME")]
+    name: String,
+    /// Folder for report.html and report.json; made if it is not there.
+    #[arg(long, default_value = "experiments", value_name = "DIR")]
+    out: PathBuf,
+}
+
+/// Names with what they show.
+fn help() -> String {
+    let width = EXPERIMENTS.iter().map(|experiment| experiment.name.len()).max().unwrap_or(0);
+    let lines = EXPERIMENTS.iter().map(|e| format!("  {:width$}  {}\n", e.name, e.about));
+    format!(
+        "Experiments:\n{}\nExamples:\n  dermatome experiment saline-map\n  dermatome experiment all --out report",
+        lines.collect::<String>()
+    )
+}
+
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let start = Instant::now();
+    let Some(experiments) = named(&args.name) else {
+        let names: Vec<_> = EXPERIMENTS.iter().map(|experiment| experiment.name).collect();
+        bail!("there is no experiment `{}`; allowed: all, {}", args.name, names.join(", "));
+    };
+    let folder = OutputFolder::prepare(&args.out)?;
+    let bar = progress::counting();
+    bar.set_message("experiments");
+    bar.set_length(experiments.len() as u64);
+    let reports = run_all(&experiments, |_| bar.inc(1))?;
+    bar.finish_and_clear();
+    reports.iter().for_each(print);
+    write(folder, &reports).with_context(|| format!("cannot write to `{}`", args.out.display()))?;
+    say!("page: {}", args.out.join("report.html").display());
+    say!("{} experiments in {:.1} s", reports.len(), start.elapsed().as_secs_f64());
+    Ok(())
+}
+
+fn write(folder: OutputFolder, reports: &[Report]) -> Result<(), WriteError> {
+    let mut figures = format!("{:#}", json(reports));
+    figures.push('\n');
+    folder.write_all(&[("report.html", page(reports).as_bytes()), ("report.json", figures.as_bytes())])
+}
+
+fn print(report: &Report) {
+    say!("{}", report.title);
+    for comparison in &report.comparisons {
+        let unit = comparison.unit;
+        let thesis = comparison.thesis.map_or(String::new(), |thesis| format!(", thesis {thesis:.4} {unit}"));
+        let verdict = match comparison.met() {
+            Some(true) => ", as wanted",
+            Some(false) => ", NOT as wanted",
+            None => "",
+        };
+        say!("  {}: {:.4} {unit}{thesis}{verdict}", comparison.what, comparison.found);
+    }
+}

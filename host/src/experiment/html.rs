@@ -1,0 +1,131 @@
+//! The page: one file that needs no other.
+
+use super::report::{Block, Comparison, Report, Table, Wanted, number};
+use base64::{Engine, engine::general_purpose::STANDARD};
+
+const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:1060px;margin:2em auto;\
+padding:0 1em}h1{font-size:1.7em}h2{margin-top:2.2em;border-bottom:1px solid #ccc}\
+table{border-collapse:collapse;margin:1em 0;font-variant-numeric:tabular-nums}\
+caption{text-align:left;font-weight:600;padding-bottom:.3em}th,td{padding:.2em .7em;border-bottom:1px solid #ddd;\
+text-align:right;white-space:nowrap}p,figcaption{max-width:75em}th:first-child,td:first-child{text-align:left}th{background:#f4f4f4}\
+.yes{color:#06703c}.no{color:#b2182b;font-weight:600}.plots{display:flex;flex-wrap:wrap;gap:10px}\
+.plots svg,img{max-width:100%;height:auto}figure{margin:1em 0}figcaption{color:#555}\
+.note{background:#fff7e0;border-left:4px solid #e69f00;padding:.6em 1em}";
+
+/// What every page says first.
+const NOTE: &str = "All of this is simulation with stated models; nothing here was measured on a real skin. The \
+true skin is solved on a mesh of its own, finer than the model's and turned against it; the material is a model fitted \
+to the thesis' figures; noise and artefacts are stated with each experiment. The images were computed by the board's \
+own fixed-point code from simulated converter codes. Positions in per cent refer to the larger side of the skin, as in \
+the thesis. Red is a rise of conductivity, blue a fall.";
+
+/// The page of some reports.
+#[must_use]
+pub fn page(reports: &[Report]) -> String {
+    let title = match reports {
+        [only] => only.title,
+        _ => "The experiments of the thesis, simulated",
+    };
+    let mut page = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{0}</title>\n\
+         <style>{STYLE}</style>\n</head>\n<body>\n<h1>{0}</h1>\n<p class=\"note\">{NOTE}</p>\n",
+        escape(title)
+    );
+    page += "<h2 id=\"summary\">Summary</h2>\n";
+    page += &summary(reports);
+    for report in reports {
+        page += &section(report);
+    }
+    page += "</body>\n</html>\n";
+    page
+}
+
+fn summary(reports: &[Report]) -> String {
+    let rows = reports.iter().flat_map(|report| report.comparisons.iter().map(move |c| (report, c)));
+    let rows: String = rows.map(|(report, comparison)| summary_row(report, comparison)).collect();
+    format!(
+        "<table>\n<tr><th>experiment</th><th style=\"text-align:left\">figure</th><th>thesis</th><th>here, simulated</th><th>wanted</th>\
+         <th></th></tr>\n{rows}</table>\n"
+    )
+}
+
+fn summary_row(report: &Report, comparison: &Comparison) -> String {
+    let with_unit = |value: f64| format!("{} {}", number(value), comparison.unit).trim_end().to_owned();
+    let wanted = match comparison.wanted {
+        Some(Wanted::AtMost(limit)) => format!("at most {}", with_unit(limit)),
+        Some(Wanted::AtLeast(limit)) => format!("at least {}", with_unit(limit)),
+        None => String::new(),
+    };
+    let verdict = match comparison.met() {
+        Some(true) => "<span class=\"yes\">met</span>",
+        Some(false) => "<span class=\"no\">not met</span>",
+        None => "",
+    };
+    format!(
+        "<tr><td><a href=\"#{0}\">{0}</a></td><td style=\"text-align:left\">{1}</td><td>{2}</td><td>{3}</td><td>{4}\
+         </td><td>{verdict}</td></tr>\n",
+        report.name,
+        escape(&comparison.what),
+        comparison.thesis.map_or("-".to_owned(), with_unit),
+        with_unit(comparison.found),
+        wanted
+    )
+}
+
+fn section(report: &Report) -> String {
+    let blocks: String = report.blocks.iter().map(block).collect();
+    format!("<h2 id=\"{}\">{}</h2>\n{blocks}", report.name, escape(report.title))
+}
+
+fn block(block: &Block) -> String {
+    match block {
+        Block::Words(words) => format!("<p>{}</p>\n", escape(words)),
+        Block::Table(content) => table(content),
+        Block::Plots(plots) => format!("<div class=\"plots\">\n{}</div>\n", plots.concat()),
+        Block::Picture(png, words) => format!(
+            "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
+            escape(words),
+            STANDARD.encode(png)
+        ),
+    }
+}
+
+fn table(table: &Table) -> String {
+    let row = |cells: &[String], tag: &str| {
+        let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect();
+        format!("<tr>{cells}</tr>\n")
+    };
+    let rows: String = table.rows.iter().map(|cells| row(cells, "td")).collect();
+    let head = row(&table.columns, "th");
+    format!("<table>\n<caption>{}</caption>\n{head}{rows}</table>\n", escape(&table.caption))
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_holds_everything_and_refers_to_nothing_outside() {
+        let mut report = Report::new("x", "An experiment & more");
+        report.words("a < b");
+        report.table("figures", &["place", "error"], vec![vec!["centre".into(), "1.5".into()]]);
+        report.picture(vec![1, 2, 3], "a picture");
+        report.compare("error", "%", Some(4.0), 1.5, Some(Wanted::AtMost(1.0)));
+        let page = page(&[report]);
+        for part in [
+            "An experiment &amp; more",
+            "a &lt; b",
+            "<td>1.5</td>",
+            "base64,AQID",
+            "not met",
+            "at most 1.00 %",
+        ] {
+            assert!(page.contains(part), "{part}: {page}");
+        }
+        assert!(!page.contains("http") && !page.contains("<script") && !page.contains("<link"));
+    }
+}

@@ -1,0 +1,127 @@
+//! Experiments: those of the thesis, on simulated samples, beside its figures.
+//!
+//! Everything here is simulation with stated models: the skin is solved for on a mesh of its own, the
+//! material is a model ([`crate::material`]), the instrument has noise and artefacts, and what a board would show
+//! is computed by the board's own code ([`bench`]). Each experiment is a file; [`EXPERIMENTS`] lists them.
+
+mod bench;
+mod divider;
+mod html;
+mod loading;
+mod plot;
+mod points;
+mod pressure_map;
+mod report;
+mod saline;
+mod saline_map;
+mod sample;
+mod shapes;
+mod tracking;
+mod two_point;
+
+use crate::{
+    evaluate::EvaluateError, material::MaterialError, model::ModelError, quantize::PatchBuildError,
+    skin::SkinError,
+};
+pub use html::page;
+use rayon::prelude::*;
+pub use report::{Comparison, Report, Wanted, json};
+
+/// One experiment.
+#[derive(Clone, Copy, Debug)]
+pub struct Experiment {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// What it shows, in a line.
+    pub about: &'static str,
+    run: fn() -> Result<Report, ExperimentError>,
+}
+
+/// All experiments, in the order of the thesis.
+pub const EXPERIMENTS: [Experiment; 13] = [
+    Experiment {
+        name: "divider",
+        about: "resistance of Samples 1 and 2 under load (3.2)",
+        run: divider::run,
+    },
+    Experiment { name: "saline-depth", about: "a cube let down into salt water (4.1)", run: saline::depth },
+    Experiment { name: "saline-volume", about: "three cubes in salt water (4.1)", run: saline::volume },
+    Experiment { name: "saline-map", about: "a cube at 15 places in salt water (4.1)", run: saline_map::run },
+    Experiment {
+        name: "loading-1",
+        about: "Sample 1 loaded and unloaded (4.2)",
+        run: || loading::run(&sample::ONE),
+    },
+    Experiment {
+        name: "loading-2",
+        about: "Sample 2 loaded and unloaded (4.2)",
+        run: || loading::run(&sample::TWO),
+    },
+    Experiment {
+        name: "loading-3-single",
+        about: "Sample 3, one layer, loaded and unloaded (5.4.1)",
+        run: || loading::run(&sample::THREE_SINGLE),
+    },
+    Experiment {
+        name: "loading-3-dual",
+        about: "Sample 3, two layers, loaded and unloaded (5.4.1)",
+        run: || loading::run(&sample::THREE_DUAL),
+    },
+    Experiment {
+        name: "pressure-map",
+        about: "1 kg at 15 places on Samples 1 and 2 (4.2)",
+        run: pressure_map::run,
+    },
+    Experiment { name: "shapes", about: "an 'L' and an 'O' on Sample 3 (5.4.2)", run: shapes::run },
+    Experiment { name: "points", about: "one point at five places on Sample 3 (5.4.3)", run: points::run },
+    Experiment {
+        name: "tracking",
+        about: "three contacts that move, leave and come back",
+        run: tracking::run,
+    },
+    Experiment { name: "two-point", about: "from what distance two contacts are two", run: two_point::run },
+];
+
+/// The experiments of a name, or `all` of them; `None` if there is none.
+#[must_use]
+pub fn named(name: &str) -> Option<Vec<Experiment>> {
+    let found: Vec<_> =
+        EXPERIMENTS.into_iter().filter(|experiment| name == "all" || experiment.name == name).collect();
+    (!found.is_empty()).then_some(found)
+}
+
+/// Runs experiments, as many at once as there are processors; `on_done` hears of each that is done.
+pub fn run(
+    experiments: &[Experiment],
+    on_done: impl Fn(&Report) + Sync,
+) -> Result<Vec<Report>, ExperimentError> {
+    let run = |experiment: &Experiment| {
+        let report = (experiment.run)()?;
+        on_done(&report);
+        Ok(report)
+    };
+    experiments.par_iter().map(run).collect()
+}
+
+/// Why an experiment cannot be done.
+#[derive(Debug, thiserror::Error)]
+pub enum ExperimentError {
+    /// A skin file that comes with the program is not usable.
+    #[error(transparent)]
+    Skin(#[from] SkinError),
+    /// A skin has no model.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A skin has no patch.
+    #[error(transparent)]
+    Patch(#[from] PatchBuildError),
+    /// The artefacts do not suit the skin.
+    #[error(transparent)]
+    Artefacts(#[from] EvaluateError),
+    /// A material cannot be used.
+    #[error(transparent)]
+    Material(#[from] MaterialError),
+    /// A picture cannot be drawn.
+    #[error("cannot draw: {0}")]
+    Draw(String),
+}
