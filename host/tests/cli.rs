@@ -14,7 +14,7 @@ use std::{
 };
 
 /// All commands.
-const COMMANDS: [&str; 18] = [
+const COMMANDS: [&str; 20] = [
     "build",
     "check",
     "check-data",

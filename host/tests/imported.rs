@@ -109,7 +109,7 @@ fn electrodes_along_the_rim_of_an_stl_file_lie_where_those_of_a_sheet_do() {
         assert!((a - b).norm() < 3e-3, "{a} {b}");
     }
     let model = Model::build(&imported, |_| ()).unwrap();
-    assert!(model.grid().is_ok());
+    assert!(model.surface().is_ok());
     assert_eq!(model.mesh.elements.len(), mesh.elements.len());
 }
 
