@@ -14,8 +14,9 @@ use std::{
 };
 
 /// All commands.
-const COMMANDS: [&str; 18] = [
+const COMMANDS: [&str; 19] = [
     "build",
+    "calibrate",
     "check",
     "check-data",
     "demo",
