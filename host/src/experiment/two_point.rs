@@ -49,9 +49,9 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
         DIAMETER * 1e3,
         SPACING * 1e3,
         STEP * 1e3,
-        Artefacts::SHEET.words()
+        Artefacts::MOVING.words()
     ));
-    let mut bench = Bench::new(THREE_SINGLE.skin()?, Artefacts::SHEET, 1, 1)?;
+    let mut bench = Bench::new(THREE_SINGLE.skin()?, Artefacts::MOVING, 1, 1)?;
     bench.tare(&vec![1.0; bench.elements()]);
     let radius = bench.side() / 2.0;
     let pairs: Vec<Pairs> = places(radius)
@@ -200,5 +200,5 @@ fn map(limits: &[Limit], direction: usize) -> Chart<'static> {
         Series::new(*name, points, Style::Marks)
     });
     let title = ["One behind the other", "Side by side"][direction];
-    Chart { title, x: "x, mm", y: "y, mm", series: series.collect(), square: Some(110.0) }
+    Chart { title, x: "x, mm", y: "y, mm", series: series.collect(), square: Some(145.0) }
 }
