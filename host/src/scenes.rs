@@ -99,7 +99,9 @@ pub fn play(skin: &Skin, true_skin: &Skin, options: &Options) -> Result<Vec<Scen
     });
     let places = places.collect::<Result<Vec<_>, ScenesError>>()?;
     let show = |(centres, seed): (Vec<Point3<f64>>, u64)| {
-        let press = |centre: &Point3<f64>| Press::finger([centre.x, centre.y], options.radius * diameter, options.depth);
+        let press = |centre: &Point3<f64>| {
+            Press::finger([centre.x, centre.y], options.radius * diameter, options.depth)
+        };
         let presses: Vec<_> = centres.iter().map(press).collect();
         let pressed = truth.voltages(&truth.conductivity(&presses), &surface.model.steps);
         let frame = noisy(&pressed, deviation, &mut Pcg64Mcg::seed_from_u64(seed));

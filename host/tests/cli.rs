@@ -14,8 +14,9 @@ use std::{
 };
 
 /// All commands.
-const COMMANDS: [&str; 20] = [
+const COMMANDS: [&str; 21] = [
     "build",
+    "calibrate",
     "check",
     "check-data",
     "cut",

@@ -55,6 +55,9 @@ impl Artefacts {
     pub(super) const SHEET: Self =
         Self { snr_db: 60.0, electrode_shift: 0.02, impedance: 0.2, disturbance: 0.05 };
 
+    /// The same in frames that follow each other at once, in which nothing is knocked.
+    pub(super) const MOVING: Self = Self { disturbance: 0.0, ..Self::SHEET };
+
     /// In words.
     pub(super) fn words(&self) -> String {
         let mut words = format!(

@@ -9,6 +9,7 @@ use super::{
     sample::{Sample, cube},
 };
 use crate::{simulate::script::LoadingMachine, view::sheet::Panel};
+use dermatome_shared::contact::Contact;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -274,12 +275,7 @@ fn pictures(bench: &Bench, trial: &Trial) -> Result<Vec<u8>, ExperimentError> {
                 if index <= count / 2 { "up" } else { "down" }
             )],
             values: &shown.image,
-            found: shown
-                .contacts
-                .first()
-                .map(|contact| contact.from_above())
-                .into_iter()
-                .collect(),
+            found: shown.contacts.first().map(Contact::from_above).into_iter().collect(),
             truth: vec![([0.0; 2], 0.0)],
             maximum: None,
         }

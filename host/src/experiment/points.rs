@@ -11,6 +11,7 @@ use crate::{
     simulate::{Footprint, Load, Press},
     view::sheet::Panel,
 };
+use dermatome_shared::contact::Contact;
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -67,7 +68,7 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
     let panels = PLACES.iter().zip(&first.shown).map(|((name, at, _), shown)| Panel {
         caption: vec![(*name).to_owned()],
         values: &shown.image,
-        found: shown.contacts.iter().take(1).map(|contact| contact.from_above()).collect(),
+        found: shown.contacts.iter().take(1).map(Contact::from_above).collect(),
         truth: vec![(*at, 0.0)],
         maximum: None,
     });

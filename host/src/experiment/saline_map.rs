@@ -12,6 +12,7 @@ use crate::{
     metrics::thesis::Figures,
     view::sheet::Panel,
 };
+use dermatome_shared::contact::Contact;
 use serde_json::{Value, json};
 
 /// Side of the cube, m.
@@ -180,13 +181,7 @@ pub(super) fn panel<'a>(spot: &Spot, image: &'a [f64]) -> Panel<'a> {
     Panel {
         caption: vec![format!("({:.1}, {:.1}) cm", spot.at[0] * 100.0, spot.at[1] * 100.0)],
         values: image,
-        found: spot
-            .shown
-            .contacts
-            .first()
-            .map(|contact| contact.from_above())
-            .into_iter()
-            .collect(),
+        found: spot.shown.contacts.first().map(Contact::from_above).into_iter().collect(),
         truth: vec![(spot.at, 0.0)],
         maximum: None,
     }

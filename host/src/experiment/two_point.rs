@@ -49,9 +49,9 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
         DIAMETER * 1e3,
         SPACING * 1e3,
         STEP * 1e3,
-        Artefacts::SHEET.words()
+        Artefacts::MOVING.words()
     ));
-    let mut bench = Bench::new(THREE_SINGLE.skin()?, Artefacts::SHEET, 1, 1)?;
+    let mut bench = Bench::new(THREE_SINGLE.skin()?, Artefacts::MOVING, 1, 1)?;
     bench.tare(&vec![1.0; bench.elements()]);
     let radius = bench.side() / 2.0;
     let pairs: Vec<Pairs> = places(radius)
@@ -116,9 +116,8 @@ fn distance([a, b]: &[[f64; 2]; 2]) -> f64 {
 /// Whether the two strongest contacts are one for each.
 fn are_told_apart(contacts: &[Contact], pair: &[[f64; 2]; 2]) -> bool {
     let [first, second, ..] = contacts else { return false };
-    let is_of = |contact: &Contact, at: [f64; 2]| {
-        distance(&[contact.from_above(), at]) < distance(pair) / 2.0
-    };
+    let is_of =
+        |contact: &Contact, at: [f64; 2]| distance(&[contact.from_above(), at]) < distance(pair) / 2.0;
     let [a, b] = *pair;
     is_of(first, a) && is_of(second, b) || is_of(first, b) && is_of(second, a)
 }
@@ -200,5 +199,5 @@ fn map(limits: &[Limit], direction: usize) -> Chart<'static> {
         Series::new(*name, points, Style::Marks)
     });
     let title = ["One behind the other", "Side by side"][direction];
-    Chart { title, x: "x, mm", y: "y, mm", series: series.collect(), square: Some(110.0) }
+    Chart { title, x: "x, mm", y: "y, mm", series: series.collect(), square: Some(145.0) }
 }

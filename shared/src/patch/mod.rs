@@ -174,7 +174,8 @@ impl PatchContents<'_> {
     fn align_matrix(&self, header_bytes: usize) -> usize {
         let surface = PIXEL_BYTES * self.pixels.len() + NEIGHBOUR_BYTES * self.neighbours.len();
         let plays = PLAY_BYTES * self.plays.len();
-        let tables = 4 * self.steps.len() + 2 * self.combination.len() + surface + plays + self.exponents.len();
+        let tables =
+            4 * self.steps.len() + 2 * self.combination.len() + surface + plays + self.exponents.len();
         let before = PREFIX_BYTES + tables;
         (before + header_bytes).next_multiple_of(MATRIX_ALIGNMENT) - before
     }
