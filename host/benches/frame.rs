@@ -80,11 +80,9 @@ fn device(selection: Selection) -> (Device<Fixed>, Frame) {
 #[divan::bench]
 fn device_image_and_contacts(bencher: Bencher) {
     let (mut device, mut frame) = device(Selection { images: 1, contacts: 1, ..Selection::default() });
-    bencher.counter(ItemsCount::new(1_u32)).bench_local(|| {
-        device.process(black_box(&mut frame), |event| {
-            black_box(event);
-        })
-    });
+    bencher
+        .counter(ItemsCount::new(1_u32))
+        .bench_local(|| device.process(black_box(&mut frame), |event| _ = black_box(event)));
 }
 
 /// The same, with every event encoded into packets as it would be for the link.

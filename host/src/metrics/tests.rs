@@ -303,8 +303,10 @@ proptest! {
         if contacts.len() == parts.len() && parts.windows(2).all(|pair| pair[0].peak > pair[1].peak) {
             for (contact, part) in contacts.iter().zip(&parts) {
                 let [x, y, _] = contact.position.map(f64::from);
-                prop_assert!((part.centre - Point3::new(x, y, 0.0)).norm() < 1e-6);
-                prop_assert!((f64::from(contact.area) / part.area - 1.0).abs() < 1e-5);
+                let is_whole = (f64::from(contact.area) / part.area - 1.0).abs() < 1e-5;
+                // A part of which a piece is too weak for a contact is smaller on a board.
+                prop_assert!(is_whole || f64::from(contact.area) < part.area);
+                prop_assert!(!is_whole || (part.centre - Point3::new(x, y, 0.0)).norm() < 1e-6);
             }
         }
     }
