@@ -2,7 +2,7 @@
 //!
 //! The region of interest holds the pixels above a quarter of the image's largest value (thesis
 //! section 3.5.1); each connected part of it (pixels that touch) is one contact, or several where it has
-//! peaks that stand apart ([`regions`]). Where the largest value stays below the patch's threshold there
+//! peaks that stand apart (`regions`). Where the largest value stays below the patch's threshold there
 //! is no contact, so that noise on an untouched skin stays silent.
 //!
 //! Most pixels cost one comparison, for the largest value of each block of 16; only blocks that reach
@@ -76,7 +76,7 @@ pub fn find(
     threshold: RelativeConductivity,
 ) -> Contacts {
     let image = &image[..image.len().min(MAX_PIXELS)];
-    let blocks: Vec<i32, { MAX_PIXELS / BLOCK }> = image.chunks(BLOCK).map(largest).collect();
+    let blocks = largest_of_blocks(image);
     let peak = blocks.iter().copied().max().unwrap_or(0);
     let Some(level) = level_below(peak, threshold) else { return Contacts::new() };
     let mut regions = Vec::new();
@@ -90,9 +90,15 @@ pub fn find(
     regions.iter().map(|region| search.contact(region)).collect()
 }
 
-/// Largest value of a block.
-fn largest(block: &[RelativeConductivity]) -> i32 {
-    block.iter().fold(i32::MIN, |largest, value| largest.max(value.0))
+/// Largest value of each block of pixels.
+fn largest_of_blocks(image: &[RelativeConductivity]) -> Vec<i32, { MAX_PIXELS / BLOCK }> {
+    // Blocks of a known length are looked at without a loop.
+    let (whole, rest) = image.as_chunks::<BLOCK>();
+    let largest =
+        |block: &[RelativeConductivity]| block.iter().fold(i32::MIN, |most, value| most.max(value.0));
+    let whole = whole.iter().map(|block| block.iter().fold(i32::MIN, |most, value| most.max(value.0)));
+    let rest = (!rest.is_empty()).then(|| largest(rest));
+    whole.chain(rest).collect()
 }
 
 fn insert_by_peak(regions: &mut Vec<Region, MAX_CONTACTS>, region: Region, threshold: RelativeConductivity) {
