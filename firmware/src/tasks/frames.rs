@@ -9,7 +9,10 @@ use dermatome_shared::{
     acquire::Acquisition,
     protocol::{BoardPacket, MAX_PACKET_BYTES},
 };
-use embassy_futures::select::{Either, select};
+use embassy_futures::{
+    select::{Either, select},
+    yield_now,
+};
 use embassy_time::Duration;
 use static_cell::ConstStaticCell;
 
@@ -74,6 +77,9 @@ impl Task {
                 Either::First(captured) => {
                     process(self.state, captured, &mut self.sequence, self.scratch);
                     self.frames.receive_done();
+                    // Where frames come faster than they are computed, others have a turn all the same: the
+                    // link, and the watchdog.
+                    yield_now().await;
                 }
                 Either::Second(()) => {}
             }

@@ -16,14 +16,6 @@ const MAX_PEAKS: usize = 16;
 /// Bits of a value in a sum: larger ones are rounded, so that no sum ever overflows.
 const VALUE_BITS: u32 = 22;
 
-/// A pixel of the region of interest.
-#[derive(Clone, Copy)]
-struct Member {
-    pixel: u16,
-    /// Its highest neighbour, or itself where none is higher.
-    uphill: u16,
-}
-
 /// Follows the connected parts of what lies above a level.
 pub(super) struct Search<'a> {
     surface: &'a Surface<'a>,
@@ -33,7 +25,10 @@ pub(super) struct Search<'a> {
     shift: u32,
     /// One bit for each pixel.
     seen: [u32; MAX_PIXELS / 32],
-    members: Vec<Member, MAX_PIXELS>,
+    /// Pixels of the part that is looked at.
+    members: Vec<u16, MAX_PIXELS>,
+    /// The highest neighbour of each member, or itself where none is higher: `[pixel]`.
+    uphill: [u16; MAX_PIXELS],
 }
 
 impl<'a> Search<'a> {
@@ -45,7 +40,15 @@ impl<'a> Search<'a> {
         peak: i32,
     ) -> Self {
         let shift = (32 - peak.leading_zeros()).saturating_sub(VALUE_BITS);
-        Self { surface, image, level, shift, seen: [0; MAX_PIXELS / 32], members: Vec::new() }
+        Self {
+            surface,
+            image,
+            level,
+            shift,
+            seen: [0; MAX_PIXELS / 32],
+            members: Vec::new(),
+            uphill: [0; MAX_PIXELS],
+        }
     }
 
     /// Hands the regions of the part round a pixel to `take`, unless that part is known.
@@ -54,7 +57,7 @@ impl<'a> Search<'a> {
             return;
         }
         self.grow(seed as u16);
-        let peaks = self.members.iter().filter(|member| member.pixel == member.uphill).count();
+        let peaks = self.peaks().count();
         if (2..=MAX_PEAKS).contains(&peaks) {
             self.divide(&mut take);
         } else {
@@ -75,15 +78,21 @@ impl<'a> Search<'a> {
     fn grow(&mut self, seed: u16) {
         self.members.clear();
         // Never full: each pixel comes in once.
-        let _ = self.members.push(Member { pixel: seed, uphill: seed });
+        let _ = self.members.push(seed);
         let mut next = 0;
-        while let Some(&Member { pixel, .. }) = self.members.get(next) {
-            let uphill = self.look_round(usize::from(pixel));
-            if let Some(member) = self.members.get_mut(next) {
-                member.uphill = uphill;
-            }
+        while let Some(&pixel) = self.members.get(next) {
+            self.uphill[usize::from(pixel) % MAX_PIXELS] = self.look_round(usize::from(pixel));
             next += 1;
         }
+    }
+
+    /// Members without a higher neighbour.
+    fn peaks(&self) -> impl Iterator<Item = usize> {
+        self.members.iter().map(|&pixel| usize::from(pixel)).filter(|&pixel| self.uphill_of(pixel) == pixel)
+    }
+
+    fn uphill_of(&self, pixel: usize) -> usize {
+        usize::from(self.uphill[pixel % MAX_PIXELS])
     }
 
     /// Adds the new members round a pixel, and gives the highest of them all.
@@ -99,7 +108,7 @@ impl<'a> Search<'a> {
                 (uphill, highest) = (other, value);
             }
             if self.see(other) {
-                let _ = self.members.push(Member { pixel: other as u16, uphill: other as u16 });
+                let _ = self.members.push(other as u16);
             }
         }
         uphill as u16
@@ -126,34 +135,39 @@ impl<'a> Search<'a> {
     /// A basin for each peak, which alone belongs to it so far.
     fn basins(&self) -> Basins {
         let mut basins = Basins { labels: [0; MAX_PIXELS], peaks: Vec::new(), into: [0; MAX_PEAKS] };
-        for member in self.members.iter().filter(|member| member.pixel == member.uphill) {
+        for pixel in self.peaks() {
             let basin = basins.peaks.len();
             // Not full: the peaks have been counted.
-            if basins.peaks.push(self.value(usize::from(member.pixel))).is_ok() {
+            if basins.peaks.push(self.value(pixel)).is_ok() {
                 basins.into[basin] = basin as u8;
-                basins.labels[usize::from(member.pixel) % MAX_PIXELS] = basin as u8 + 1;
+                basins.labels[pixel % MAX_PIXELS] = basin as u8 + 1;
             }
         }
         basins
     }
 
-    /// Every member takes the label of its highest neighbour, until all have one.
+    /// Every member takes the label of the peak above it. Each ascent goes on only to the first pixel that has
+    /// one, and gives it to all on the way: however long the ascents of a plateau are, no step is made thrice.
     fn spread(&self, labels: &mut [u8; MAX_PIXELS]) {
-        let mut is_complete = false;
-        while !is_complete {
-            is_complete = true;
-            for member in &self.members {
-                let label = labels[usize::from(member.uphill) % MAX_PIXELS];
-                labels[usize::from(member.pixel) % MAX_PIXELS] = label;
-                is_complete &= label > 0;
+        for &member in &self.members {
+            let start = usize::from(member);
+            let mut top = start;
+            while labels[top % MAX_PIXELS] == 0 {
+                top = self.uphill_of(top);
+            }
+            let label = labels[top % MAX_PIXELS];
+            let mut pixel = start;
+            while labels[pixel % MAX_PIXELS] == 0 {
+                labels[pixel % MAX_PIXELS] = label;
+                pixel = self.uphill_of(pixel);
             }
         }
     }
 
     /// Joins each two basins that touch above 7/8 of the lower one of their peaks.
     fn join_shallow(&self, basins: &mut Basins) {
-        for member in &self.members {
-            let pixel = usize::from(member.pixel);
+        for &member in &self.members {
+            let pixel = usize::from(member);
             for other in self.surface.neighbours(pixel) {
                 let saddle = self.value(pixel).min(self.value(other));
                 let lower = basins.peak(pixel).min(basins.peak(other));
@@ -168,8 +182,8 @@ impl<'a> Search<'a> {
     #[inline(never)]
     fn sum(&self, only: Option<(&Basins, u8)>) -> Region {
         let mut region = Region::default();
-        for member in &self.members {
-            let pixel = usize::from(member.pixel);
+        for &member in &self.members {
+            let pixel = usize::from(member);
             let is_inside = only.is_none_or(|(basins, basin)| basins.of(pixel) == basin);
             if is_inside && let Some(at) = self.surface.pixel(pixel) {
                 region.add(pixel, self.value(pixel), at, self.shift);

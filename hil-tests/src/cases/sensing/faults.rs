@@ -29,7 +29,7 @@ pub(super) fn all(rig: &Rig) -> Result<String, Failure> {
     let (mut slowest, mut missed) = (0.0_f64, Vec::new());
     let faults = every();
     for &fault in &faults {
-        match flagged(&mut session, fault, period)? {
+        match flagged(&mut session, fault, period).map_err(|failure| told(&mut session, fault, &failure))? {
             Some(frames) => slowest = slowest.max(frames),
             None => missed.push(fault.to_string()),
         }
@@ -40,6 +40,13 @@ pub(super) fn all(rig: &Rig) -> Result<String, Failure> {
         "{count} faults: 16 open, 16 shorted, 32 stuck lines, no current, saturated; the slowest flagged after \
          {slowest:.2} frames"
     ))
+}
+
+/// A failure with the fault that it came with, and why the board started last.
+fn told(session: &mut Session, fault: Fault, failure: &Failure) -> Failure {
+    let started = session.link.info().map(|info| info.started_after.to_string());
+    let started = started.unwrap_or_else(|error| error.to_string());
+    Failure::Wrong(format!("with `{fault}`: {failure}; the board started after: {started}"))
 }
 
 fn every() -> Vec<Fault> {
