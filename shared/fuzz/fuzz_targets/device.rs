@@ -39,11 +39,7 @@ enum Deed {
     ShortTare {
         frames: u8,
     },
-    Stream {
-        images: bool,
-        contacts: bool,
-        measurements: bool,
-    },
+    Stream { images: u16, contacts: u16, measurements: u16, health: u16 },
     /// A whole patch, damaged by these edits, checksum right.
     Upload {
         edits: Vec<u8>,
@@ -110,7 +106,7 @@ impl Bench {
         let identity = Identity { board: "fuzz".try_into().unwrap(), firmware: "0".try_into().unwrap() };
         let store = Memory { active: stored, staged: Vec::new(), writes_left };
         let (frame_source, started_after) = (FrameSource::Synthetic, Restart::PowerOn);
-        let facts = BoardFacts { identity, electrodes, frame_source, started_after };
+        let facts = BoardFacts { identity, electrodes, frame_source, front_end: None, started_after };
         Self { device: Device::new(facts, store), requests: 0, frames: 0, events: 0 }
     }
 
@@ -137,7 +133,7 @@ impl Bench {
     fn process(&mut self, codes: &[i32], steps: usize) {
         let streaming = self.device.streaming();
         let mut seen = Vec::new();
-        self.device.process(&frame(self.frames, steps, codes), |packet| seen.push(packet));
+        self.device.process(&mut frame(self.frames, steps, codes), |packet| seen.push(packet.clone()));
         self.frames += 1;
         for packet in seen {
             let BoardPacket::Event { number, .. } = packet else { panic!("{packet:?} was not asked for") };
@@ -189,8 +185,10 @@ fuzz_target!(|input: Input| {
             Deed::Commit => drop(bench.ask(Request::CommitUpload)),
             Deed::Tare { frames } => drop(bench.ask(Request::Tare { frames })),
             Deed::ShortTare { frames } => drop(bench.ask(Request::Tare { frames: u16::from(frames % 4) })),
-            Deed::Stream { images, contacts, measurements } => {
-                drop(bench.ask(Request::Stream(Selection { images, contacts, measurements })));
+            Deed::Stream { images, contacts, measurements, health } => {
+                let selection =
+                    Selection { images, contacts, measurements, health, ..Selection::default() };
+                drop(bench.ask(Request::Stream(selection)));
             }
             Deed::Upload { edits } => bench.upload(&damage(small_patch(), &edits)),
             Deed::Disconnect => bench.device.disconnect(),
