@@ -8,6 +8,7 @@
 //! What is not modelled: the cycles of each instruction, flash wait states, the process stack
 //! pointer, unaligned-access faults of LDM and LDRD.
 
+mod calls;
 mod cpu;
 
 use crate::{
@@ -22,6 +23,7 @@ use crate::{
     },
     world::{AnalogueWorld, Scene, Setup},
 };
+use calls::Calls;
 use rand::{RngCore, SeedableRng};
 use rand_pcg::Pcg64;
 use std::{
@@ -124,17 +126,6 @@ struct State {
     /// Where the last access went that nothing answers.
     bad_address: Cell<u32>,
     calls: RefCell<Option<Calls>>,
-}
-
-/// Calls of one function.
-struct Calls {
-    function: u32,
-    /// Where the call under way returns to.
-    returns_to: u32,
-    since: u64,
-    /// Instructions when the core left thread mode.
-    interrupted: u64,
-    done: Vec<u64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -259,19 +250,13 @@ impl Machine {
 
     /// From now on, counts the instructions of each call of the function at this address.
     pub fn count_calls(&mut self, function: u32) {
-        *self.state.calls.borrow_mut() = Some(Calls {
-            function: function & !1,
-            returns_to: 0,
-            since: 0,
-            interrupted: self.instructions(),
-            done: Vec::new(),
-        });
+        *self.state.calls.borrow_mut() = Some(Calls::of(function, self.instructions()));
     }
 
     /// Instructions of each call that has returned.
     #[must_use]
     pub fn calls(&self) -> Vec<u64> {
-        self.state.calls.borrow().as_ref().map(|calls| calls.done.clone()).unwrap_or_default()
+        self.state.calls.borrow().as_ref().map(Calls::done).unwrap_or_default()
     }
 
     /// Runs until `deadline`, in virtual time.

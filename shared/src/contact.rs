@@ -94,11 +94,13 @@ pub fn find(
 fn largest_of_blocks(image: &[RelativeConductivity]) -> Vec<i32, { MAX_PIXELS / BLOCK }> {
     // Blocks of a known length are looked at without a loop.
     let (whole, rest) = image.as_chunks::<BLOCK>();
-    let largest =
-        |block: &[RelativeConductivity]| block.iter().fold(i32::MIN, |most, value| most.max(value.0));
-    let whole = whole.iter().map(|block| block.iter().fold(i32::MIN, |most, value| most.max(value.0)));
     let rest = (!rest.is_empty()).then(|| largest(rest));
-    whole.chain(rest).collect()
+    whole.iter().map(|block| largest(block)).chain(rest).collect()
+}
+
+#[inline(always)]
+fn largest(block: &[RelativeConductivity]) -> i32 {
+    block.iter().fold(i32::MIN, |most, value| most.max(value.0))
 }
 
 fn insert_by_peak(regions: &mut Vec<Region, MAX_CONTACTS>, region: Region, threshold: RelativeConductivity) {

@@ -135,10 +135,15 @@ struct Place {
 impl Places {
     /// Pressure of all contacts of a frame, by the patch's plays and calibration curve.
     ///
-    /// `level`: strength that a place without contact has at most.
+    /// `level`: strength that a place without contact has at most; asked for only where there are plays.
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
-    pub fn press(&mut self, patch: &PatchView<'_>, contacts: &mut Contacts, level: RelativeConductivity) {
+    pub fn press(
+        &mut self,
+        patch: &PatchView<'_>,
+        contacts: &mut Contacts,
+        level: impl FnOnce() -> RelativeConductivity,
+    ) {
         let calibration = &patch.header.calibration;
         if patch.header.plays == 0 {
             return contacts.iter_mut().for_each(|c| c.pressure = calibration.pressure(c.strength));
@@ -150,6 +155,7 @@ impl Places {
             let clean = memory.compensate(&patch.plays(), strength, noise);
             contact.pressure = calibration.pressure(clean.to_f32());
         }
+        let level = level();
         for place in &mut self.0 {
             if !core::mem::take(&mut place.is_seen) {
                 let most = RelativeConductivity(place.memory.strength.min(level.0));

@@ -128,8 +128,10 @@ impl PipelineState {
     fn find_contacts(&mut self, patch: &PatchView<'_>, now_us: u64) {
         let header = &patch.header;
         self.contacts = contact::find(&patch.surface(), &self.image, header.contact_threshold);
-        let seen = contact::region_level(&self.image, header.contact_threshold);
-        let level = seen.map_or(header.contact_threshold, RelativeConductivity);
+        let level = || {
+            let seen = contact::region_level(&self.image, header.contact_threshold);
+            seen.map_or(header.contact_threshold, RelativeConductivity)
+        };
         self.places.press(patch, &mut self.contacts, level);
         if !self.contacts.is_empty() {
             self.drift.touch(now_us);

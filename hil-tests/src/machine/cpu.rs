@@ -1,6 +1,6 @@
 //! CPU: unicorn's Cortex-M4, its hooks, and the exceptions that it does not have (ARMv7-M, B1.5).
 
-use super::{Block, Calls, Halt, Machine, Ram, SPINS, State, Why};
+use super::{Block, Halt, Machine, Ram, SPINS, State, Why};
 use crate::chip::{
     RAM_BYTES, RAM_START, core, flash, misuse::Misuse, nvic::Masks, peripheral::Moment, system_memory,
     time::Time, trace::Event,
@@ -239,27 +239,6 @@ impl State {
                 self.stop(unicorn, Why::Misuse);
             })
             .ok()
-    }
-}
-
-impl Calls {
-    fn pass(&mut self, address: u32, instructions: u64, unicorn: &Unicorn<'_, ()>) {
-        if address == self.function && self.returns_to == 0 {
-            self.since = instructions;
-            self.returns_to = unicorn.reg_read(RegisterARM::LR).unwrap_or(0) as u32 & !1;
-        } else if self.returns_to != 0 && address == self.returns_to {
-            self.done.push(instructions - self.since);
-            self.returns_to = 0;
-        }
-    }
-
-    /// An exception is taken, or its handler returns: what handlers execute belongs to no call.
-    fn interrupt(&mut self, begins: bool, instructions: u64) {
-        if begins {
-            self.interrupted = instructions;
-        } else {
-            self.since += instructions - self.interrupted;
-        }
     }
 }
 

@@ -84,7 +84,7 @@ fn contacts_use_the_memory_of_their_place() {
             pressure: None,
         };
         let mut contacts: Contacts = presses.iter().map(contact).collect();
-        places.press(&patch, &mut contacts, RelativeConductivity::from_f64(0.02));
+        places.press(&patch, &mut contacts, || RelativeConductivity::from_f64(0.02));
         contacts.iter().map(|contact| contact.pressure.unwrap()).collect::<std::vec::Vec<_>>()
     };
     for _ in 0..100 {
