@@ -7,18 +7,17 @@
 
 use crate::{
     jacobian::combine_voltages,
+    learn::judge::board_contacts,
+    mesh::{neighbours::rim_edges, triangle},
     model::{Model, ModelError, divisors},
     quantize::{self, PatchBuildError},
     simulate::{Press, TrueSkin},
     skin::{NotFlat, Skin},
 };
-use dermatome_shared::{
-    contact, image::Image, patch::PatchView, reconstruct::reconstruct, reference::DEFAULT_TARE_FRAMES,
-    reference::DifferenceData,
-};
+use dermatome_shared::{patch::PatchView, reference::DEFAULT_TARE_FRAMES};
 use nalgebra::Point3;
 use rand::{Rng, SeedableRng};
-use rand_distr::{Distribution, Normal};
+use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -121,18 +120,17 @@ fn centres(
 ) -> Result<Vec<Point3<f64>>, ScenesError> {
     const TRIES: usize = 10_000;
     let mesh = truth.mesh();
-    let rim: Vec<_> = crate::mesh::neighbours::rim_edges(&mesh.elements).into_iter().flatten().collect();
-    let corners = |element: usize| mesh.corners(element);
-    let largest =
-        (0..mesh.elements.len()).map(|e| crate::mesh::triangle::area(corners(e))).fold(0.0, f64::max);
+    let rim: Vec<_> = rim_edges(&mesh.elements).into_iter().flatten().collect();
+    let area = |element: usize| triangle::area(mesh.corners(element));
+    let largest = (0..mesh.elements.len()).map(area).fold(0.0, f64::max);
     let mut centres: Vec<Point3<f64>> = Vec::new();
     for _ in 0..TRIES {
         if centres.len() == count {
             break;
         }
         let element = random.random_range(0..mesh.elements.len());
-        let centre = crate::mesh::triangle::centroid(corners(element));
-        let keep = random.random::<f64>() * largest < crate::mesh::triangle::area(corners(element));
+        let centre = triangle::centroid(mesh.corners(element));
+        let keep = random.random::<f64>() * largest < area(element);
         let is_inside =
             rim.iter().all(|&node| (mesh.nodes[node] - centre).norm() > options.radius * diameter);
         let is_apart = centres.iter().all(|other| (other - centre).norm() >= options.apart * diameter);
@@ -147,8 +145,8 @@ fn centres(
 }
 
 fn noisy(voltages: &[f64], deviation: f64, random: &mut Pcg64Mcg) -> Vec<f64> {
-    let noise = Normal::new(0.0, deviation).expect("a deviation is finite and not negative");
-    voltages.iter().map(|voltage| voltage + noise.sample(random)).collect()
+    let mut noise = || -> f64 { StandardNormal.sample(&mut *random) };
+    voltages.iter().map(|voltage| voltage + deviation * noise()).collect()
 }
 
 /// A model with its patch.
@@ -171,12 +169,8 @@ impl Eye {
         let reference = combine_voltages(tare, combination);
         let divisors = divisors(self.model.difference, &reference);
         let pressed = combine_voltages(frame, combination);
-        let change = pressed.iter().zip(&reference).zip(&divisors).map(|((v, r), d)| ((v - r) / d) as f32);
-        let mut data = DifferenceData::default();
-        data.quantise(&change.collect::<Vec<_>>());
-        let mut image = Image::new();
-        reconstruct(&patch, &data, &mut image);
-        let found = contact::find(&patch.surface(), &image, patch.header.contact_threshold);
+        let change = pressed.iter().zip(&reference).zip(&divisors).map(|((v, r), d)| (v - r) / d);
+        let found = board_contacts(&patch, &change.collect::<Vec<_>>());
         found.iter().map(|contact| Point3::from(contact.position.map(f64::from))).collect()
     }
 }

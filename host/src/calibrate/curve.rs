@@ -2,6 +2,7 @@
 
 use super::{Reading, Trial};
 use dermatome_shared::calibration::{Calibration, CalibrationPoint, MAX_POINTS};
+use serde::Serialize;
 
 /// Loads that differ by less than this share of the largest one are the same.
 const SAME_LOAD: f64 = 0.01;
@@ -9,7 +10,7 @@ const SAME_LOAD: f64 = 0.01;
 const LEAST_RISE: f64 = 1e-4;
 
 /// Strength at one load.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CurvePoint {
     /// Pressure, kPa.
     pub pressure_kpa: f64,

@@ -78,8 +78,7 @@ impl<'a> Cycle<'a> {
     fn new(trial: &Trial, calibration: &'a Calibration) -> Self {
         let mut pairs: Vec<[f64; 2]> =
             trial.readings.iter().map(|reading| [reading.strength, reading.pressure_kpa]).collect();
-        let top =
-            pairs.iter().enumerate().fold(0, |top, (i, pair)| if pair[1] > pairs[top][1] { i } else { top });
+        let top = trial.top;
         let unloaded = pairs[top..].iter().position(|pair| pair[1] == 0.0).map(|behind| top + behind);
         if let Some(unloaded) = unloaded.filter(|&unloaded| unloaded > top) {
             let [low, rest] = [pairs[unloaded - 1][0], pairs[unloaded][0]];

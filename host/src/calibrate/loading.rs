@@ -19,7 +19,8 @@ pub struct Reading {
 pub struct Trial {
     /// All readings.
     pub readings: Vec<Reading>,
-    top: usize,
+    /// Index of the first reading under the highest load.
+    pub(super) top: usize,
 }
 
 /// Splits readings where an unloaded skin is loaded again.

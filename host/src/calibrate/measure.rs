@@ -31,7 +31,8 @@ pub fn measure(
         };
         let Event::Contacts { at, contacts } = event else { continue };
         last_event = Instant::now();
-        let time = (at.timestamp_us - *start.get_or_insert(at.timestamp_us)) as f64 * 1e-6;
+        let since_start = at.timestamp_us.checked_sub(*start.get_or_insert(at.timestamp_us));
+        let time = since_start.ok_or(MeasureError::Restarted)? as f64 * 1e-6;
         while readings.len() < loads.len() && time >= end_of(loads, readings.len()) {
             let reading = hold.finish(loads[readings.len()])?;
             progress(&reading);
@@ -92,6 +93,9 @@ pub enum MeasureError {
         /// When the load was applied, s.
         time_s: f64,
     },
+    /// The board's clock went back, and with it its tare is gone.
+    #[error("the board started again while the machine loaded the skin; tare and load it again")]
+    Restarted,
     /// The board sends nothing any more.
     #[error("the board sent no frame for {seconds} s")]
     Silence {

@@ -1,6 +1,6 @@
 use super::*;
 use crate::material::{Material, Transducer};
-use dermatome_shared::hysteresis::Play;
+use dermatome_shared::{calibration::Calibration, hysteresis::Play};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
@@ -61,18 +61,18 @@ impl Bench {
     }
 }
 
-/// Curve and plays from one loading cycle of one place.
-fn identified(name: &str) -> (dermatome_shared::calibration::Calibration, Vec<Play>) {
+/// One loading cycle of one place, and the curve and plays from it.
+fn identified(name: &str) -> (Trial, Calibration, Vec<Play>) {
     let up = [0.0, 0.02].into_iter().chain((1..=10).map(|n| 0.1 * f64::from(n)));
     let (trial, _) = Bench::new(name, 500).trial(&stairs(up), 10.0);
     let calibration = Curve::of_loading(std::slice::from_ref(&trial)).calibration().unwrap();
     let plays = identify(&trial, &calibration);
-    (calibration, plays)
+    (trial, calibration, plays)
 }
 
 /// Mean over places and trials of the hysteresis, raw and compensated, per cent of the loop's own span.
 fn judged(name: &str, shares: &[f64], seconds: f64) -> [f64; 3] {
-    let (calibration, plays) = identified(name);
+    let (_, calibration, plays) = identified(name);
     let mut figures = Vec::new();
     for seed in 0..8 {
         let mut bench = Bench::new(name, seed);
@@ -98,7 +98,7 @@ fn judged(name: &str, shares: &[f64], seconds: f64) -> [f64; 3] {
 #[test]
 fn hysteresis_of_loops_not_used_to_fit_it_is_at_most_8_percent() {
     for name in ["sample-1", "sample-2", "sample-3-single", "sample-3-dual"] {
-        println!("{name}: plays {:?}", identified(name).1);
+        println!("{name}: plays {:?}", identified(name).2);
         for (what, shares, seconds, most) in [
             ("full, 10 s a load", even(1.0, 12), 10.0, 8.0),
             ("full, 3 s a load", even(1.0, 12), 3.0, 8.0),
@@ -117,11 +117,8 @@ fn hysteresis_of_loops_not_used_to_fit_it_is_at_most_8_percent() {
 /// Mean hysteresis of loops on other places, from their readings: plays, and networks that learnt from the
 /// plays' cycle or from that and two smaller ones, per cent.
 fn compared(name: &str, shares: &[f64]) -> [f64; 3] {
-    let up = [0.0, 0.02].into_iter().chain((1..=10).map(|n| 0.1 * f64::from(n)));
-    let full = Bench::new(name, 500).trial(&stairs(up), 10.0).0;
+    let (full, calibration, plays) = identified(name);
     let smaller = [0.75, 0.5].map(|top| Bench::new(name, 500).trial(&even(top, 10), 10.0).0);
-    let calibration = Curve::of_loading(std::slice::from_ref(&full)).calibration().unwrap();
-    let plays = identify(&full, &calibration);
     let one = Network::train(&[&full.readings], 1);
     let three = Network::train(&[&full.readings, &smaller[0].readings, &smaller[1].readings], 1);
     let mut sums = [0.0; 3];

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     calibrate::{
-        self, Curve, Reading, Trial, compensated, hysteresis, identify, patch::with_calibration,
+        self, Curve, CurvePoint, Reading, Trial, compensated, hysteresis, identify, patch::with_calibration,
         repeatability,
     },
     link::{self, Link, Port},
@@ -71,16 +71,9 @@ struct Report {
     hysteresis_percent: f64,
     repeatability_percent: Option<f64>,
     compensated_percent: Vec<f64>,
-    curve: Vec<Point>,
+    curve: Vec<CurvePoint>,
     plays: Vec<[f64; 2]>,
     patch_crc: String,
-}
-
-#[derive(Serialize)]
-struct Point {
-    pressure_kpa: f64,
-    strength: f64,
-    deviation: f64,
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
@@ -205,17 +198,13 @@ fn report(
         hysteresis_percent,
         repeatability_percent,
         compensated_percent: fit.loops.iter().map(|pair| pair[1]).collect(),
-        curve: fit.curve.points.iter().map(point).collect(),
-        plays: fit.plays.iter().map(|play| [play.reach.into(), play.weight.into()]).map(scaled).collect(),
+        curve: fit.curve.points.clone(),
+        plays: fit.plays.iter().map(plain).collect(),
         patch_crc: super::patch_id(crc),
     })
 }
 
 /// Reach and weight as plain numbers.
-fn scaled([reach, weight]: [f64; 2]) -> [f64; 2] {
-    [reach / 4096.0, weight / 2048.0]
-}
-
-fn point(point: &calibrate::CurvePoint) -> Point {
-    Point { pressure_kpa: point.pressure_kpa, strength: point.strength, deviation: point.deviation }
+fn plain(play: &Play) -> [f64; 2] {
+    [f64::from(play.reach) / 4096.0, f64::from(play.weight) / 2048.0]
 }

@@ -3,6 +3,7 @@
 use super::JsonReport;
 use crate::{
     cut::{self, Cutter, Names, Patch, Region, Request, Slab},
+    measured::statistics::median,
     mesh::{
         export,
         import::{self, Imported},
@@ -327,9 +328,7 @@ impl Report {
 
 fn median_smallest_angle(patch: &Patch) -> f64 {
     let corners = (0..patch.mesh.elements.len()).map(|element| patch.mesh.corners(element));
-    let mut angles: Vec<f64> = corners.map(triangle::smallest_angle).collect();
-    angles.sort_by(f64::total_cmp);
-    angles[angles.len() / 2].to_degrees()
+    median(corners.map(triangle::smallest_angle)).to_degrees()
 }
 
 fn print(report: &Report) {

@@ -61,25 +61,20 @@ impl Closest {
         rows.flat_map(move |(y, z)| (from[0]..=to[0]).map(move |x| x + counts[0] * (y + counts[1] * z)))
     }
 
-    /// The closest point; the same point if there are no triangles.
+    /// The closest point of triangles with area; the same point if there are none.
     pub(super) fn point(&self, to: Point3<f64>) -> Point3<f64> {
-        self.hit(to).map_or(to, |(_, point)| point)
-    }
-
-    /// The triangle, among those with area, that is closest, and its closest point.
-    pub(super) fn hit(&self, to: Point3<f64>) -> Option<(usize, Point3<f64>)> {
         let far = 4.0 * MOST_CELLS * self.cell + (to - self.corner).norm();
         let mut reach = self.cell / 2.0;
         loop {
             let best = self.within(to, reach);
             if best.is_some() || reach > far {
-                return best;
+                return best.unwrap_or(to);
             }
             reach *= 2.0;
         }
     }
 
-    fn within(&self, to: Point3<f64>, reach: f64) -> Option<(usize, Point3<f64>)> {
+    fn within(&self, to: Point3<f64>, reach: f64) -> Option<Point3<f64>> {
         let around = Vector3::repeat(reach);
         let mut best = (reach * reach, None);
         for cell in self.cells(to - around, to + around) {
@@ -88,7 +83,7 @@ impl Closest {
                 let point = on_triangle(to, self.triangles[triangle as usize]);
                 let distance = (point - to).norm_squared();
                 if distance <= best.0 {
-                    best = (distance, Some((triangle as usize, point)));
+                    best = (distance, Some(point));
                 }
             }
         }

@@ -85,7 +85,8 @@ pub struct Patch {
 /// Cuts a patch out of a link, whose nodes are in metres.
 pub fn cut(link: &Imported, request: &Request) -> Result<Patch, CutError> {
     if !ELECTRODES.contains(&request.electrodes) {
-        let (value, allowed) = (request.electrodes.to_string(), "4 to 250".to_owned());
+        let allowed = format!("{} to {}", ELECTRODES.start(), ELECTRODES.end());
+        let value = request.electrodes.to_string();
         return Err(CutError::Value { option: "--electrodes", value, allowed });
     }
     request.region.check(&link.nodes)?;

@@ -21,7 +21,7 @@ pub fn skin_file(patch: &Patch, names: Names<'_>) -> String {
     let turn = patch.link_from_patch.rotation.coords;
     let found = quality(&patch.mesh);
     let image = if patch.flat {
-        "columns = 24                      # flat, so that boards take it"
+        "columns = 24                      # square pixels, for the patch is flat"
     } else {
         "pixels = 800                      # patches of elements of about equal area"
     };

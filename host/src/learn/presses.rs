@@ -188,10 +188,7 @@ impl Recording {
             return Err(PressError::Coordinates(positions.measurements));
         }
         check_rows(POSITIONS, positions.frames, pressed.frames)?;
-        let column = |name: &'static str, frames: &Frames, column: usize| -> Result<Vec<f64>, PressError> {
-            frames.iter().enumerate().map(|(press, row)| real(name, press, row[column])).collect()
-        };
-        let (x, y) = (column(POSITIONS, &positions, 0)?, column(POSITIONS, &positions, 1)?);
+        let positions = places(&positions, [POSITIONS; 2])?;
         let unpressed = match reference {
             Some(reference) => reference,
             None if holds(&source(UNPRESSED)) => read(&source(UNPRESSED))?.minus(offset),
@@ -202,7 +199,6 @@ impl Recording {
         } else {
             None
         };
-        let positions = x.into_iter().zip(y).map(|(x, y)| [x, y]).collect();
         Ok(Self { pressed, unpressed, positions, forces })
     }
 
@@ -222,19 +218,11 @@ impl Recording {
         let Some(unpressed) = reference else {
             return Err(PressError::NoReference { file: path.display().to_string(), archive: false });
         };
-        let column = |name: &'static str, column: usize| -> Result<Vec<f64>, PressError> {
-            rows.iter().enumerate().map(|(press, row)| real(name, press, row[column])).collect()
-        };
-        let (x, y) = (column("x", 0)?, column("y", 1)?);
-        let forces = if leading == 3 { Some(column("the force", 2)?) } else { None };
+        let positions = places(&rows, ["x", "y"])?;
+        let forces = if leading == 3 { Some(column(&rows, 2, "the force")?) } else { None };
         let values = rows.iter().flat_map(|row| &row[leading..]).copied().collect();
         let pressed = Frames { values, measurements: columns - leading, ..rows.clone() }.minus(offset);
-        Ok(Self {
-            pressed,
-            unpressed,
-            positions: x.into_iter().zip(y).map(|(x, y)| [x, y]).collect(),
-            forces,
-        })
+        Ok(Self { pressed, unpressed, positions, forces })
     }
 
     /// The presses as `model` sees them, once all of them are checked.
@@ -326,6 +314,15 @@ fn averaged(frames: &Frames) -> Frames {
 /// Whether an archive holds an array of this name.
 fn holds(source: &Source) -> bool {
     !matches!(read_array(source), Err(Problem::NoKey { .. }))
+}
+
+/// The first two columns, by what errors call them.
+fn places(rows: &Frames, [x, y]: [&'static str; 2]) -> Result<Vec<[f64; 2]>, PressError> {
+    Ok(column(rows, 0, x)?.into_iter().zip(column(rows, 1, y)?).map(|(x, y)| [x, y]).collect())
+}
+
+fn column(rows: &Frames, column: usize, what: &'static str) -> Result<Vec<f64>, PressError> {
+    rows.iter().enumerate().map(|(press, row)| real(what, press, row[column])).collect()
 }
 
 /// One number for each press, as a row or a column.

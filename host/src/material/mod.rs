@@ -1,7 +1,7 @@
 //! Material: how the sheet of a skin answers pressure, as a model.
 //!
 //! A stacked contact-resistance sheet conducts better the more of its contacts are closed. Each contact
-//! closes at one pressure and opens at a lower one, so the sheet is a Preisach operator ([`Preisach`]); some
+//! closes at one pressure and opens at a lower one, so the sheet is a Preisach operator (`preisach`); some
 //! contacts stay closed without load and open with time (the memory of earlier presses); what the
 //! operator says arrives partly at once and partly late (creep). [`Transducer`] is one place of the sheet.
 //!
@@ -13,10 +13,9 @@ mod file;
 mod preisach;
 mod transducer;
 
-pub use preisach::Preisach;
 pub use transducer::Transducer;
 
-use preisach::Everett;
+use preisach::{Everett, Preisach};
 use std::{
     path::{Path, PathBuf},
     sync::Arc,

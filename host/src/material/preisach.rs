@@ -66,7 +66,7 @@ fn integral(loading: &Loading, release: &Release, a: f64, ratio: f64) -> f64 {
 
 /// State of one place.
 #[derive(Clone, Debug, Default)]
-pub struct Preisach {
+pub(super) struct Preisach {
     /// Highest and then lowest pressure of each loop that still counts, largest loop first.
     pairs: Vec<[f64; 2]>,
 }
