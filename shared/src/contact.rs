@@ -81,10 +81,14 @@ pub fn find(
     let Some(level) = level_below(peak, threshold) else { return Contacts::new() };
     let mut regions = Vec::new();
     let mut search = Search::new(surface, image, level, peak);
-    for (block, _) in blocks.iter().enumerate().filter(|(_, largest)| **largest > level) {
-        let pixels = image.iter().enumerate().skip(block * BLOCK).take(BLOCK);
-        for (pixel, _) in pixels.filter(|(_, value)| value.0 > level) {
-            search.explore(pixel, |region| insert_by_peak(&mut regions, region, threshold));
+    for (number, (block, &largest)) in image.chunks(BLOCK).zip(&blocks).enumerate() {
+        if largest > level {
+            for (pixel, value) in block.iter().enumerate() {
+                if value.0 > level {
+                    let take = |region| insert_by_peak(&mut regions, region, threshold);
+                    search.explore(number * BLOCK + pixel, take);
+                }
+            }
         }
     }
     regions.iter().map(|region| search.contact(region)).collect()

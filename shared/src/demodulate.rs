@@ -57,11 +57,6 @@ impl Reference {
         }
         Self { waves, period, length }
     }
-
-    /// Place of a sample in its period.
-    fn within(&self, sample: usize) -> usize {
-        if sample < self.period { sample } else { sample % self.period }
-    }
 }
 
 /// What the lock-in found in one slot.
@@ -72,9 +67,9 @@ pub struct Reading {
     pub in_phase: i64,
     /// Sum of sample * negative sine, in steps of 2^-14.
     pub quadrature: i64,
-    /// Largest sample of each lane, even and odd, or the middle.
+    /// Largest sample, or the middle; the second place is the kernel's.
     highest: [u16; 2],
-    /// Smallest sample of each lane, or the middle.
+    /// Smallest sample, or the middle; the second place is the kernel's.
     lowest: [u16; 2],
 }
 
@@ -88,18 +83,32 @@ impl Reading {
     /// Largest way of a sample from the middle.
     #[must_use]
     pub fn peak(&self) -> u16 {
-        let ([a, b], [c, d]) = (self.highest, self.lowest);
-        (a.max(b) - MIDDLE).max(MIDDLE - c.min(d))
+        (self.highest[0] - MIDDLE).max(MIDDLE - self.lowest[0])
     }
 
-    /// Adds the products of samples and a reference from a place of its period on, which ends no earlier.
-    fn add(&mut self, samples: &[u16], waves: &Waves, phase: usize) {
+    /// Adds the products of samples and a reference from a place on, which ends no earlier.
+    #[inline(always)]
+    fn add(&mut self, samples: &[u16], waves: &Waves, place: usize) {
         #[cfg(all(target_arch = "arm", feature = "dsp"))]
-        let done = kernel::add_pairs(self, samples, waves, phase);
+        let done = kernel::add_pairs(self, samples, waves, place);
         #[cfg(not(all(target_arch = "arm", feature = "dsp")))]
         let done = 0;
-        let references = waves.cosine.iter().zip(&waves.sine).skip(phase + done);
-        for (&sample, (&cosine, &sine)) in samples.iter().skip(done).zip(references) {
+        if done < samples.len() {
+            self.add_each(&samples[done..], waves, place + done);
+        }
+    }
+
+    /// As [`Self::add`], not in line: most slots do without.
+    #[inline(never)]
+    fn add_run(&mut self, samples: &[u16], waves: &Waves, place: usize) {
+        self.add(samples, waves, place);
+    }
+
+    /// As [`Self::add`], in plain Rust.
+    #[inline(never)]
+    fn add_each(&mut self, samples: &[u16], waves: &Waves, place: usize) {
+        let references = waves.cosine.iter().zip(&waves.sine).skip(place);
+        for (&sample, (&cosine, &sine)) in samples.iter().zip(references) {
             self.in_phase += i64::from(i32::from(sample) * i32::from(cosine));
             self.quadrature += i64::from(i32::from(sample) * i32::from(sine));
             self.highest[0] = self.highest[0].max(sample);
@@ -115,8 +124,8 @@ pub struct Demodulator {
     timing: Timing,
     /// Samples of the slot so far.
     position: usize,
-    /// Place of the next sample in the carrier's period.
-    phase: usize,
+    /// Place of the slot's first measured sample in the carrier's period.
+    first: usize,
     reading: Reading,
 }
 
@@ -124,43 +133,53 @@ impl Demodulator {
     /// Ready for the first sample of a scan.
     #[must_use]
     pub fn new(reference: Reference, timing: Timing) -> Self {
-        Self { reference, timing, position: 0, phase: 0, reading: Reading::default() }
+        let mut demodulator = Self { reference, timing, position: 0, first: 0, reading: Reading::default() };
+        demodulator.restart();
+        demodulator
     }
 
     /// Ready for the first sample of a scan again.
     pub fn restart(&mut self) {
-        (self.position, self.phase, self.reading) = (0, 0, Reading::default());
+        let first = usize::from(self.timing.settling) % self.reference.period;
+        (self.position, self.first, self.reading) = (0, first, Reading::default());
     }
 
     /// Takes the next samples; `done` gets the reading of each slot that they complete.
     pub fn push(&mut self, mut samples: &[u16], mut done: impl FnMut(&Reading)) {
         let (settling, slot) = (usize::from(self.timing.settling), self.timing.slot_samples());
+        let turn = slot % self.reference.period;
         while !samples.is_empty() {
             let (of_slot, rest) = samples.split_at(samples.len().min(slot - self.position));
-            let (settles, measured) =
-                of_slot.split_at(of_slot.len().min(settling.saturating_sub(self.position)));
-            self.phase = self.reference.within(self.phase + settles.len());
-            self.accumulate(measured);
-            self.phase = self.reference.within(self.phase + measured.len());
+            let settles = settling.saturating_sub(self.position);
+            if let Some(measured) = of_slot.get(settles..) {
+                self.accumulate(measured, self.first + self.position + settles - settling);
+            }
             self.position += of_slot.len();
             samples = rest;
             if self.position == slot {
-                self.position = 0;
                 done(&self.reading);
-                self.reading = Reading::default();
+                (self.position, self.reading) = (0, Reading::default());
+                self.first += turn;
+                if self.first >= self.reference.period {
+                    self.first -= self.reference.period;
+                }
             }
         }
     }
 
-    /// Samples of one slot, as many at a time as the reference goes on.
-    fn accumulate(&mut self, mut samples: &[u16]) {
-        let mut phase = self.phase;
-        while !samples.is_empty() {
-            let (run, rest) = samples.split_at(samples.len().min(self.reference.length - phase));
-            self.reading.add(run, &self.reference.waves, phase);
-            samples = rest;
-            phase = 0;
+    /// Samples of one slot, as many at a time as the reference goes on; `place` counts from its start, and
+    /// may lie behind its end.
+    #[inline(always)]
+    fn accumulate(&mut self, mut samples: &[u16], mut place: usize) {
+        let length = self.reference.length;
+        // Most often the reference holds all of them.
+        while place + samples.len() > length {
+            place = if place < length { place } else { place % self.reference.period };
+            let (run, rest) = samples.split_at(samples.len().min(length - place));
+            self.reading.add_run(run, &self.reference.waves, place);
+            (samples, place) = (rest, place + run.len());
         }
+        self.reading.add(samples, &self.reference.waves, place);
     }
 }
 

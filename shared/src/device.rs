@@ -8,7 +8,7 @@ use crate::{
     drive::Drive,
     frame::{Frame, FrameFlags},
     health::{HOT, Health, Vitals},
-    patch::PatchView,
+    patch::{PatchHeader, PatchView},
     pipeline::{self, Outcome, PipelineState},
     protocol::{
         BoardPacket, Event, FrameSource, FrameStamp, Identity, Info, MAX_CHUNK_BYTES, PROTOCOL_VERSION,
@@ -80,8 +80,8 @@ pub struct BoardFacts {
 pub struct Device<S> {
     facts: BoardFacts,
     store: S,
-    /// Whether the patch in use passed all checks, so that every later look at it can be quick.
-    patch_is_valid: bool,
+    /// Header of the patch in use, which has passed all checks: so every later look at it can be quick.
+    header: Option<PatchHeader>,
     upload: Option<Upload>,
     pipeline: PipelineState,
     streaming: Selection,
@@ -105,13 +105,12 @@ impl<S: PatchStore> Device<S> {
     /// A board that has just started. A stored patch that is not valid, or needs more electrodes than
     /// the board has, counts as none.
     pub fn new(facts: BoardFacts, store: S) -> Self {
-        let is_usable =
-            |bytes| PatchView::validate(bytes).is_ok_and(|patch| patch.header.electrodes <= facts.electrodes);
-        let patch_is_valid = store.active().is_some_and(is_usable);
+        let patch = store.active().and_then(|bytes| PatchView::validate(bytes).ok());
+        let header = patch.map(|patch| patch.header).filter(|header| header.electrodes <= facts.electrodes);
         Self {
             facts,
             store,
-            patch_is_valid,
+            header,
             upload: None,
             pipeline: PipelineState::default(),
             streaming: Selection::default(),
@@ -127,7 +126,7 @@ impl<S: PatchStore> Device<S> {
 
     /// The patch in use.
     pub fn patch(&self) -> Option<PatchView<'_>> {
-        valid_patch(&self.store, self.patch_is_valid)
+        patch_in_use(&self.store, &self.header)
     }
 
     /// State of the pipeline, with the latest image and contacts.
@@ -191,7 +190,7 @@ impl<S: PatchStore> Device<S> {
         self.missed += u32::from(frame.flags.contains(FrameFlags::MISSED));
         let is_hot = self.vitals.temperature.is_some_and(|celsius| celsius > HOT);
         frame.flags.insert_if(FrameFlags::HOT, is_hot);
-        let Some(patch) = valid_patch(&self.store, self.patch_is_valid) else { return };
+        let Some(patch) = patch_in_use(&self.store, &self.header) else { return };
         if self.facts.front_end.is_some() {
             let (health, found) = Health::examine(&patch, frame);
             self.pipeline.mask(health.bad_electrodes());
@@ -359,8 +358,9 @@ impl<S: PatchStore> Device<S> {
             return Err(Refusal::Electrodes { patch, board });
         }
         self.check_drive(&staged.header.drive)?;
+        let header = staged.header;
         self.store.commit()?;
-        self.patch_is_valid = true;
+        self.header = Some(header);
         self.streaming = Selection::default();
         self.drive = None;
         self.begin_scan();
@@ -419,8 +419,8 @@ fn is_every(every: u16, sequence: u32) -> bool {
     every > 0 && sequence.is_multiple_of(every.into())
 }
 
-fn valid_patch<S: PatchStore>(store: &S, is_valid: bool) -> Option<PatchView<'_>> {
-    PatchView::open(store.active().filter(|_| is_valid)?).ok()
+fn patch_in_use<'a, S: PatchStore>(store: &'a S, header: &Option<PatchHeader>) -> Option<PatchView<'a>> {
+    PatchView::reopen(header.clone()?, store.active()?).ok()
 }
 
 #[cfg(test)]

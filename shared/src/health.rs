@@ -114,6 +114,9 @@ impl Health {
     }
 
     fn judge_electrodes(&mut self, tests: &[ElectrodeTest], flags: &mut FrameFlags) {
+        if are_alike(tests) {
+            return;
+        }
         let count = tests.len();
         // Squares are in the same order, and cost no root.
         let sizes: Vec<f32, MAX_ELECTRODES> = tests.iter().map(square).collect();
@@ -182,6 +185,20 @@ impl Health {
     }
 }
 
+/// Whether tests lie so close together that, whichever is the middle one, no electrode is open or shorted: as
+/// they do on most frames.
+fn are_alike(tests: &[ElectrodeTest]) -> bool {
+    let (mut least, mut most) = (f32::INFINITY, 0.0);
+    for size in tests.iter().map(square) {
+        // Not `min` and `max`, which are calls on the board.
+        least = if size < least { size } else { least };
+        most = if size > most { size } else { most };
+    }
+    let is_clipped = tests.iter().any(|test| test.is_clipped);
+    let is_low = least < SHORTED_RATIO * SHORTED_RATIO * most || least < NO_CURRENT * NO_CURRENT;
+    !(is_clipped || is_low || most > OPEN_RATIO * OPEN_RATIO * least)
+}
+
 /// Square of a test's magnitude.
 fn square(test: &ElectrodeTest) -> f32 {
     let (real, imaginary) = (test.in_phase.0 as f32, test.quadrature.0 as f32);
@@ -199,11 +216,13 @@ fn sort(values: &mut [f32]) {
     // Gaps of M. Ciura (2001).
     for gap in [57, 23, 10, 4, 1] {
         for end in gap..values.len() {
+            let value = values[end];
             let mut place = end;
-            while place >= gap && values[place - gap].total_cmp(&values[place]).is_gt() {
-                values.swap(place - gap, place);
+            while place >= gap && values[place - gap].total_cmp(&value).is_gt() {
+                values[place] = values[place - gap];
                 place -= gap;
             }
+            values[place] = value;
         }
     }
 }

@@ -71,8 +71,7 @@ impl Tare {
         let sums = &mut self.reference.sums;
         if sums.len() != measured.len() {
             sums.clear();
-            // Both have the same capacity, so this cannot fail.
-            let _ = sums.resize(measured.len(), 0);
+            resize(sums, measured.len());
         }
         for (sum, value) in sums.iter_mut().zip(&measured) {
             *sum += value;
@@ -107,10 +106,10 @@ impl Reference {
     pub fn relative_change(&self, patch: &PatchView<'_>, frame: &Frame, out: &mut Changes) {
         let mut measured = Vec::new();
         combine_steps(patch, frame, &mut measured);
-        out.clear();
-        for ((value, sum), scale) in measured.iter().zip(&self.sums).zip(&self.scales) {
-            // All lists have the same capacity.
-            let _ = out.push(to_f32(value * i64::from(self.frames) - sum) * scale);
+        resize(out, measured.len());
+        for (((change, value), sum), scale) in out.iter_mut().zip(&measured).zip(&self.sums).zip(&self.scales)
+        {
+            *change = to_f32(value * i64::from(self.frames) - sum) * scale;
         }
     }
 
@@ -177,13 +176,18 @@ impl DifferenceData {
             self.exponent -= 1;
         }
         let scale = power_of_two(self.exponent);
-        self.codes.clear();
-        for &y in relative.iter().take(MAX_MEASUREMENTS) {
+        resize(&mut self.codes, relative.len());
+        for (code, &y) in self.codes.iter_mut().zip(relative) {
             let scaled = finite(y) * scale;
             let rounded = (scaled + 0.5_f32.copysign(scaled)) as i32;
-            let _ = self.codes.push(rounded.clamp(-32_767, 32_767) as i16);
+            *code = rounded.clamp(-32_767, 32_767) as i16;
         }
     }
+}
+
+/// Makes a list as long as that, as far as it can be; values it had stay.
+fn resize<T: Copy + Default>(list: &mut Vec<T, MAX_MEASUREMENTS>, length: usize) {
+    let _ = list.resize(length.min(MAX_MEASUREMENTS), T::default());
 }
 
 /// 2^exponent, exactly; -61 to 60.
@@ -200,7 +204,7 @@ fn to_f32(value: i64) -> f32 {
 /// Adds up the steps that measure the same thing (reciprocal pairs), each with its sign.
 fn combine_steps(patch: &PatchView<'_>, frame: &Frame, out: &mut Vec<i64, MAX_MEASUREMENTS>) {
     out.clear();
-    let _ = out.resize(usize::from(patch.header.measurements).min(MAX_MEASUREMENTS), 0);
+    resize(out, patch.header.measurements.into());
     for (code, target) in frame.codes.iter().zip(patch.combination()) {
         if let Some(sum) = out.get_mut(usize::from(target.measurement)) {
             let value = i64::from(code.0);

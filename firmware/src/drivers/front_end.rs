@@ -31,8 +31,8 @@ use embassy_time::{Duration, Instant, Timer};
 
 use crate::board::{self, SensingParts};
 
-/// Samples in the ring: 1 ms at 2 megasamples.
-const RING_SAMPLES: usize = 2048;
+/// Samples in the ring: 2 ms at 2 megasamples.
+const RING_SAMPLES: usize = 4096;
 /// Steps in which the current rises and falls.
 const RAMP_STEPS: u32 = 8;
 /// How long a step of the fall lasts: a period of the slowest carrier.
@@ -158,6 +158,11 @@ impl Scan<'_> {
         take(self.samples(self.next, end));
         self.next = end;
         Ok(())
+    }
+
+    /// When [`Self::take`] was called last, or the scan began.
+    pub fn looked_at(&self) -> Instant {
+        self.last
     }
 
     /// Uses these gains from now on.

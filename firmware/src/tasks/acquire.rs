@@ -28,8 +28,9 @@ use embassy_sync::{
 use embassy_time::{Duration, Instant, Timer};
 use static_cell::StaticCell;
 
-/// How often the ring of samples is looked at, at the longest.
-const LOOK_INTERVAL: Duration = Duration::from_micros(250);
+/// How often the ring of samples is looked at, at the longest. Looks cost time while a frame is computed, so
+/// they are as rare as the ring allows: it takes 2 ms to fill.
+const LOOK_INTERVAL: Duration = Duration::from_micros(1600);
 /// A pause shorter than this between frames is not worth stopping for.
 const SHORTEST_PAUSE: Duration = Duration::from_millis(2);
 
@@ -152,7 +153,7 @@ impl Run<'_> {
         while !self.is_stopping() {
             let missing = board::duration_of_samples(self.acquisition.missing_samples());
             // A little more, so that the last sample is there.
-            Timer::after(LOOK_INTERVAL.min(missing + Duration::from_micros(2))).await;
+            Timer::at(scan.looked_at() + LOOK_INTERVAL.min(missing + Duration::from_micros(2))).await;
             match self.look(&mut scan) {
                 Ok(found) if pauses && found > 0 => break,
                 Ok(_) => {}

@@ -15,6 +15,8 @@ use heapless::Vec;
 const MAX_PEAKS: usize = 16;
 /// Bits of a value in a sum: larger ones are rounded, so that no sum ever overflows.
 const VALUE_BITS: u32 = 22;
+/// No pixel.
+const UNSEEN: u16 = u16::MAX;
 
 /// Follows the connected parts of what lies above a level.
 pub(super) struct Search<'a> {
@@ -23,11 +25,10 @@ pub(super) struct Search<'a> {
     level: i32,
     /// Bits that the values of this image lose in sums.
     shift: u32,
-    /// One bit for each pixel.
-    seen: [u32; MAX_PIXELS / 32],
     /// Pixels of the part that is looked at.
     members: Vec<u16, MAX_PIXELS>,
-    /// The highest neighbour of each member, or itself where none is higher: `[pixel]`.
+    /// The highest neighbour of each member, or itself where none is higher: `[pixel]`; [`UNSEEN`] of those
+    /// that no part has met.
     uphill: [u16; MAX_PIXELS],
 }
 
@@ -40,24 +41,15 @@ impl<'a> Search<'a> {
         peak: i32,
     ) -> Self {
         let shift = (32 - peak.leading_zeros()).saturating_sub(VALUE_BITS);
-        Self {
-            surface,
-            image,
-            level,
-            shift,
-            seen: [0; MAX_PIXELS / 32],
-            members: Vec::new(),
-            uphill: [0; MAX_PIXELS],
-        }
+        Self { surface, image, level, shift, members: Vec::new(), uphill: [UNSEEN; MAX_PIXELS] }
     }
 
     /// Hands the regions of the part round a pixel to `take`, unless that part is known.
     pub(super) fn explore(&mut self, seed: usize, mut take: impl FnMut(Region)) {
-        if !self.see(seed) {
+        if self.uphill_of(seed) != usize::from(UNSEEN) {
             return;
         }
-        self.grow(seed as u16);
-        let peaks = self.peaks().count();
+        let peaks = self.grow(seed as u16);
         if (2..=MAX_PEAKS).contains(&peaks) {
             self.divide(&mut take);
         } else {
@@ -65,24 +57,28 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Marks a pixel; says whether it is new.
-    fn see(&mut self, pixel: usize) -> bool {
-        let Some(word) = self.seen.get_mut(pixel / 32) else { return false };
-        let bit = 1 << (pixel % 32);
-        let is_new = *word & bit == 0;
-        *word |= bit;
-        is_new
+    /// Collects all members that are connected with the first one; says how many of them are peaks.
+    fn grow(&mut self, seed: u16) -> usize {
+        self.members.clear();
+        self.meet(seed);
+        let (mut next, mut peaks) = (0, 0);
+        while let Some(&pixel) = self.members.get(next) {
+            let uphill = self.look_round(usize::from(pixel));
+            self.uphill[usize::from(pixel) % MAX_PIXELS] = uphill;
+            peaks += usize::from(uphill == pixel);
+            next += 1;
+        }
+        peaks
     }
 
-    /// Collects all members that are connected with the first one.
-    fn grow(&mut self, seed: u16) {
-        self.members.clear();
-        // Never full: each pixel comes in once.
-        let _ = self.members.push(seed);
-        let mut next = 0;
-        while let Some(&pixel) = self.members.get(next) {
-            self.uphill[usize::from(pixel) % MAX_PIXELS] = self.look_round(usize::from(pixel));
-            next += 1;
+    /// Takes a pixel in, unless it is a member.
+    #[inline(always)]
+    fn meet(&mut self, pixel: u16) {
+        let uphill = &mut self.uphill[usize::from(pixel) % MAX_PIXELS];
+        if *uphill == UNSEEN {
+            *uphill = pixel;
+            // Never full: each pixel comes in once.
+            let _ = self.members.push(pixel);
         }
     }
 
@@ -107,9 +103,7 @@ impl<'a> Search<'a> {
             if value > highest || value == highest && other < uphill {
                 (uphill, highest) = (other, value);
             }
-            if self.see(other) {
-                let _ = self.members.push(other as u16);
-            }
+            self.meet(other as u16);
         }
         uphill as u16
     }
