@@ -56,8 +56,8 @@ pub enum State {
 pub struct Electrode {
     /// Number, from 0.
     pub electrode: usize,
-    /// Mean contact impedance, ohm.
-    pub contact_impedance_ohm: f32,
+    /// Mean contact impedance, ohm; none where its test was clipped.
+    pub contact_impedance_ohm: Option<f32>,
     /// How it is.
     pub state: State,
 }
@@ -124,6 +124,20 @@ pub fn watch(
 }
 
 impl Watch {
+    /// Whether the current was too large for an electrode's test.
+    #[must_use]
+    pub fn has_clipped_tests(&self) -> bool {
+        let mut tests = self.frames.iter().flat_map(|seen| &seen.health.contact_impedance);
+        tests.any(|ohms| ohms.is_infinite())
+    }
+
+    /// Takes contact impedances from another watch, whose current was smaller.
+    pub fn take_contacts(&mut self, smaller: &Self) {
+        for (seen, other) in self.frames.iter_mut().zip(smaller.frames.iter().cycle()) {
+            seen.health.contact_impedance.clone_from(&other.health.contact_impedance);
+        }
+    }
+
     /// What the frames say; none if there are none. Vitals mean nothing on a simulated board.
     #[must_use]
     pub fn diagnosis(&self, is_simulated: bool) -> Option<Diagnosis> {
@@ -162,26 +176,27 @@ impl Watch {
         let count = self.frames.iter().map(|seen| seen.health.contact_impedance.len()).max().unwrap_or(0);
         let mean = |electrode: usize| {
             let each = || self.frames.iter().filter_map(|seen| seen.health.contact_impedance.get(electrode));
-            each().sum::<f32>() / each().count().max(1) as f32
+            let mean = each().sum::<f32>() / each().count().max(1) as f32;
+            mean.is_finite().then_some(mean)
         };
-        let means: Vec<f32> = (0..count).map(mean).collect();
-        let mut sorted = means.clone();
+        let means: Vec<Option<f32>> = (0..count).map(mean).collect();
+        let mut sorted: Vec<f32> = means.iter().flatten().copied().collect();
         sorted.sort_by(f32::total_cmp);
-        let middle = sorted.get(count / 2).copied().unwrap_or(0.0);
+        let middle = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
         let ever = |pick: fn(&Health) -> ElectrodeSet| {
             self.frames.iter().fold(ElectrodeSet::default(), |set, seen| set.union(pick(&seen.health)))
         };
         let (open, shorted) = (ever(|health| health.open), ever(|health| health.shorted));
         let is_dead = self.flags().any(|(flag, ..)| flag == FrameFlags::NO_CURRENT);
-        let state = |electrode: u8, ohms: f32| match electrode {
+        let state = |electrode: u8, ohms: Option<f32>| match electrode {
             _ if is_dead => State::Unknown,
             e if open.contains(e) => State::Open,
             e if shorted.contains(e) => State::Shorted,
             e if open.contains((e + 1) % count.max(1) as u8) => State::Unknown,
-            _ if ohms > HIGH_RATIO * middle => State::High,
+            _ if ohms.is_some_and(|ohms| ohms > HIGH_RATIO * middle) => State::High,
             _ => State::Ok,
         };
-        let electrode = |(electrode, &ohms): (usize, &f32)| Electrode {
+        let electrode = |(electrode, &ohms): (usize, &Option<f32>)| Electrode {
             electrode,
             contact_impedance_ohm: ohms,
             state: state(electrode as u8, ohms),
@@ -297,6 +312,20 @@ mod tests {
         assert!((diagnosis.frames_per_second.unwrap() - 50.0).abs() < 1e-9);
         assert!(diagnosis.electrodes.iter().all(|electrode| electrode.state == State::Ok));
         assert_eq!(Watch::default().diagnosis(false), None);
+    }
+
+    #[test]
+    fn contacts_whose_tests_were_clipped_come_from_a_watch_with_a_smaller_current() {
+        let (mut health, vitals) = healthy();
+        let smaller = watch(FrameFlags::default(), &health, vitals, 0);
+        health.contact_impedance[2] = f32::INFINITY;
+        let mut clipped = watch(FrameFlags::default(), &health, vitals, 0);
+        let diagnosis = clipped.diagnosis(false).unwrap();
+        assert!(clipped.has_clipped_tests() && diagnosis.findings.is_empty());
+        assert_eq!(diagnosis.electrodes[2].contact_impedance_ohm, None);
+        clipped.take_contacts(&smaller);
+        assert!(!clipped.has_clipped_tests());
+        assert_eq!(clipped.diagnosis(false).unwrap().electrodes[2].contact_impedance_ohm, Some(30.0));
     }
 
     #[test]

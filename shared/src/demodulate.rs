@@ -18,8 +18,9 @@ pub const MAX_PERIOD: usize = 160;
 const ONE: f32 = 16_384.0;
 /// Code of the converter at rest, half of its range.
 pub const MIDDLE: u16 = 2048;
-/// A sample this far from the middle is taken for clipped; the range ends at 2047.
-pub const CLIPPED: u16 = 2040;
+/// A sample this far from the middle is taken for clipped. The range ends at 2047, but an amplifier stays 0.1 V
+/// away from both rails, which leaves 1923.
+pub const CLIPPED: u16 = 1900;
 
 /// The lock-in's reference: as many whole periods as there is room for.
 #[derive(Clone, Debug)]

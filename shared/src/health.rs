@@ -5,7 +5,7 @@
 //!
 //! | test reads              | means                                                        |
 //! |-------------------------|--------------------------------------------------------------|
-//! | clipped, or far more    | the electrode is open                                        |
+//! | far more; clipped, and more or next to nothing | the electrode is open                 |
 //! | something, but the one before next to nothing | the same                                |
 //! | next to nothing         | it is shorted to a neighbour, or that neighbour is open      |
 //! | all next to nothing     | no current flows                                             |
@@ -17,7 +17,6 @@ use crate::{
     MAX_ELECTRODES, MAX_MEASUREMENTS,
     frame::{ElectrodeTest, Frame, FrameFlags},
     patch::PatchView,
-    trigonometry::length,
 };
 use heapless::Vec;
 use postcard_schema::Schema;
@@ -25,6 +24,8 @@ use serde::{Deserialize, Serialize};
 
 /// A test this many times the middle one reads open.
 const OPEN_RATIO: f32 = 5.0;
+/// One that is clipped reads open at this many times: it is larger than it reads.
+const CLIPPED_RATIO: f32 = 2.0;
 /// A test this part of the middle one reads shorted.
 const SHORTED_RATIO: f32 = 0.2;
 /// A middle test below this reads no current: two steps of the converter at gain 1.
@@ -72,7 +73,8 @@ impl ElectrodeSet {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Health {
     /// Contact impedance, ohm: `[electrode]`; the whole test's impedance where the patch does not know
-    /// what the sheet adds. Empty if electrodes are not tested, and until [`Self::measure_contacts`].
+    /// what the sheet adds; infinite where the test is clipped, so that a smaller current is needed to measure
+    /// it, and without current. Empty if electrodes are not tested, and until [`Self::measure_contacts`].
     pub contact_impedance: Vec<f32, MAX_ELECTRODES>,
     /// Electrodes without contact.
     pub open: ElectrodeSet,
@@ -132,8 +134,10 @@ impl Health {
         let is_behind_low = |e: usize| is_low(e + count - 1) && !is_low(e) && !is_low(e + count - 2);
         let is_open = |e: usize| {
             let test = tests.get(e % count).zip(sizes.get(e % count));
-            let is_far =
-                test.is_some_and(|(test, &size)| test.is_clipped || size > OPEN_RATIO * OPEN_RATIO * middle);
+            let is_far = test.is_some_and(|(test, &size)| {
+                let ratio = open_ratio(test.is_clipped);
+                size > ratio * ratio * middle || test.is_clipped && is_low(e)
+            });
             is_far || (is_behind_low(e) && !is_behind_low(e + count - 2))
         };
         for electrode in 0..count {
@@ -147,14 +151,17 @@ impl Health {
         flags.insert_if(FrameFlags::SHORTED_ELECTRODE, !self.shorted.is_empty());
     }
 
-    /// Contact impedances from the electrodes' tests, for those who want to see them.
+    /// Contact impedances from the electrodes' tests, for those who want to see them: what the tests' impedances
+    /// Z are as a resistance with a capacitance beside it, |Z|^2 / Re Z, less what the sheet adds. The capacitance
+    /// is mostly that of all leads, through which current leaves the skin.
     pub fn measure_contacts(&mut self, patch: &PatchView<'_>, ohms_per_code: f32, tests: &[ElectrodeTest]) {
         self.contact_impedance.clear();
         let of_sheet = &patch.header.test_resistances;
         for (electrode, test) in tests.iter().enumerate() {
-            let real = test.in_phase.0 as f32 * ohms_per_code - of_sheet.get(electrode).unwrap_or(&0.0);
-            let imaginary = test.quadrature.0 as f32 * ohms_per_code;
-            let _ = self.contact_impedance.push(length(real, imaginary));
+            let beside = square(test) / test.in_phase.0 as f32 * ohms_per_code;
+            let is_measured = !test.is_clipped && beside.is_finite();
+            let ohms = beside - of_sheet.get(electrode).unwrap_or(&0.0);
+            let _ = self.contact_impedance.push(if is_measured { ohms } else { f32::INFINITY });
         }
     }
 
@@ -194,9 +201,13 @@ fn are_alike(tests: &[ElectrodeTest]) -> bool {
         least = if size < least { size } else { least };
         most = if size > most { size } else { most };
     }
-    let is_clipped = tests.iter().any(|test| test.is_clipped);
+    let ratio = open_ratio(tests.iter().any(|test| test.is_clipped));
     let is_low = least < SHORTED_RATIO * SHORTED_RATIO * most || least < NO_CURRENT * NO_CURRENT;
-    !(is_clipped || is_low || most > OPEN_RATIO * OPEN_RATIO * least)
+    !is_low && most <= ratio * ratio * least
+}
+
+fn open_ratio(is_clipped: bool) -> f32 {
+    if is_clipped { CLIPPED_RATIO } else { OPEN_RATIO }
 }
 
 /// Square of a test's magnitude.
@@ -244,7 +255,8 @@ mod tests {
         ElectrodeTest { in_phase: AdcCode(1_500_000), quadrature: AdcCode(0), is_clipped: false };
     const DEAD: ElectrodeTest =
         ElectrodeTest { in_phase: AdcCode(900), quadrature: AdcCode(-900), is_clipped: false };
-    const CLIPPED: ElectrodeTest = ElectrodeTest { is_clipped: true, ..GOOD };
+    const CLIPPED: ElectrodeTest =
+        ElectrodeTest { in_phase: AdcCode(4_000_000), is_clipped: true, quadrature: AdcCode(0) };
 
     fn examine(tests: [ElectrodeTest; 8]) -> (Health, FrameFlags) {
         let bytes = small_patch(Difference::Plain);
@@ -285,6 +297,17 @@ mod tests {
         assert_eq!(flags, FrameFlags::OPEN_ELECTRODE);
         tests[4] = GOOD;
         assert_eq!(examine(tests).0.open, ElectrodeSet(1 << 3));
+    }
+
+    #[test]
+    fn tests_that_the_amplifier_clips_on_a_good_skin_say_so_and_nothing_else() {
+        let clipped = ElectrodeTest { is_clipped: true, ..GOOD };
+        let mut tests = [clipped; 8];
+        tests[3] = GOOD;
+        let (health, flags) = examine(tests);
+        assert_eq!((flags, health.bad_electrodes()), (FrameFlags::default(), ElectrodeSet(0)));
+        let measured = health.contact_impedance.iter().map(|ohms| ohms.is_finite());
+        assert!(measured.eq((0..8).map(|electrode| electrode == 3)));
     }
 
     #[test]

@@ -15,16 +15,20 @@ use crate::{
 use dermatome_shared::{
     drive::Drive,
     protocol::{Event, Request, Selection},
-    scan::multiplexer_word,
+    scan::{multiplexer_word, test_step},
 };
 use num_complex::Complex64;
 use session::Session;
+
+/// Resistance of a contact of the rig's skin, ohm: 0.18 ohm m over 11 mm.
+const CONTACT: f64 = 16.4;
 
 /// What every case of sensing needs.
 const NEEDS: &[Capability] = &[Capability::VirtualTime];
 
 pub(super) const CASES: &[Case] = &[
     Case { name: "demodulated voltages are those of the circuit", needs: NEEDS, run: voltages },
+    Case { name: "contact impedances are those of the circuit", needs: NEEDS, run: contact_impedances },
     Case { name: "signal to noise of the board's own chain", needs: NEEDS, run: signal_to_noise },
     Case {
         name: "the current starts, changes and stops without a jump and without DC",
@@ -92,6 +96,41 @@ fn voltages(rig: &Rig) -> Result<String, Failure> {
         "worst channel in phase (a quarter period later), of the converter's range: {}",
         lines.join(", ")
     ))
+}
+
+/// Compares contact impedances with those of the circuit, and with the contacts' own, which leads and the sheet's
+/// model keep apart.
+fn contact_impedances(rig: &Rig) -> Result<String, Failure> {
+    let mut lines = Vec::new();
+    for frequency in [12.5e3, 50e3, 100e3] {
+        let mut session = Session::open(rig, |skin| {
+            skin.drive.frequency = frequency;
+            // At 1 mA the amplifier clips the tests.
+            skin.drive.amplitude = 0.25e-3;
+        })?;
+        session.scene.noise(false);
+        session.tare(2)?;
+        session.stream(Selection { health: 1, ..Selection::default() })?;
+        let health = session.find(|event| match event {
+            Event::Health { health, .. } => Some(health),
+            _ => None,
+        })?;
+        let header = session.patch().header;
+        let (mut of_circuit, mut of_contact) = (0.0_f64, 0.0_f64);
+        for (electrode, (&ohms, &sheet)) in
+            health.contact_impedance.iter().zip(&header.test_resistances).enumerate()
+        {
+            let word = multiplexer_word(test_step(electrode as u8, header.electrodes));
+            let truth = session.scene.truth(word);
+            let expected = truth.norm_sqr() / truth.re - f64::from(sheet);
+            of_circuit = of_circuit.max((f64::from(ohms) - expected).abs());
+            of_contact = of_contact.max((f64::from(ohms) - CONTACT).abs());
+        }
+        check(of_circuit < 0.5, || format!("off by {of_circuit:.2} ohm at {frequency} Hz"))?;
+        check(of_contact < 6.0, || format!("{of_contact:.2} ohm from {CONTACT} at {frequency} Hz"))?;
+        lines.push(format!("{} kHz {of_circuit:.2} ({of_contact:.1}) ohm", frequency / 1e3));
+    }
+    Ok(format!("off by at most (from the contacts' own {CONTACT}): {}", lines.join(", ")))
 }
 
 /// Mean over standard deviation of each step, dB.

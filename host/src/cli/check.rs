@@ -1,18 +1,30 @@
 //! `dermatome check`.
 
-use super::{BoardReport, JsonReport, interrupt, stream::long_patience, tare::patch_of};
+use super::{BoardReport, JsonReport, drive::rounded, interrupt, stream::long_patience, tare::patch_of};
 use crate::{
-    health::{self, Diagnosis, State},
-    link::{self, Port},
+    health::{self, Diagnosis, State, Watch},
+    link::{self, Link, LinkError, Port},
 };
 use anyhow::bail;
-use dermatome_shared::protocol::FrameSource;
+use dermatome_shared::{
+    drive::Drive,
+    protocol::{FrameSource, Request},
+};
 use serde::Serialize;
+use std::time::Duration;
+
+/// Frames from which contact impedances are measured with a smaller current.
+const CONTACT_FRAMES: usize = 10;
+/// Each smaller current is this part of the one before.
+const SMALLER: f32 = 0.25;
+/// Smaller currents that are tried.
+const SMALLER_CURRENTS: usize = 3;
 
 /// Look for what is wrong with a board and its skin, and say what to do.
 ///
 /// Watches some frames: contact impedance and state of every electrode, reciprocity, what was wrong
-/// with frames, and how the board itself does. Exits with code 1 if something is wrong.
+/// with frames, and how the board itself does. Where the current is too large for the electrodes' tests, they
+/// are repeated with a smaller one, and the board tares anew. Exits with code 1 if something is wrong.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     dermatome check --port /dev/ttyACM0\n  \
@@ -33,6 +45,8 @@ struct Report<'a> {
     #[serde(flatten)]
     board: BoardReport<'a>,
     frame_rate_asked: f32,
+    /// Current with which contact impedances were measured.
+    contact_amplitude_a: f32,
     #[serde(flatten)]
     diagnosis: Diagnosis,
 }
@@ -41,12 +55,21 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let mut link = link::open(&args.port)?;
     let patch = patch_of(&mut link)?;
-    let is_simulated = link.info()?.frame_source == FrameSource::Simulated;
-    let go_on = || !interrupt::requested();
-    let watch = health::watch(&mut link, args.frames.into(), long_patience(&patch), go_on)?;
+    let info = link.info()?;
+    let is_simulated = info.frame_source == FrameSource::Simulated;
+    let drive = info.drive.unwrap_or(patch.drive);
+    let patience = long_patience(&patch);
+    let mut watch = health::watch(&mut link, args.frames.into(), patience, || !interrupt::requested())?;
+    let mut contact_amplitude_a = drive.amplitude;
+    if watch.has_clipped_tests() && !interrupt::requested() {
+        let measured = measure_contacts(&mut link, &mut watch, drive, patience);
+        // Whatever happened, the current is what it was.
+        link.request(&Request::Drive(Some(drive)))?;
+        contact_amplitude_a = measured?;
+    }
     let Some(diagnosis) = watch.diagnosis(is_simulated) else { bail!("stopped before the first frame came") };
     let board = BoardReport::new(&link, &patch);
-    let report = Report { board, frame_rate_asked: patch.drive.frame_rate, diagnosis };
+    let report = Report { board, frame_rate_asked: patch.drive.frame_rate, contact_amplitude_a, diagnosis };
     print(&report);
     args.json.write(&report)?;
     match report.diagnosis.findings.len() {
@@ -54,6 +77,25 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         1 => bail!("one thing is wrong with the board or its skin: see above"),
         many => bail!("{many} things are wrong with the board or its skin: see above"),
     }
+}
+
+/// Repeats the electrodes' tests with ever smaller currents until they fit; says with which.
+fn measure_contacts(
+    link: &mut Link,
+    watch: &mut Watch,
+    mut drive: Drive,
+    patience: Duration,
+) -> Result<f32, LinkError> {
+    for _ in 0..SMALLER_CURRENTS {
+        drive.amplitude *= SMALLER;
+        link.request(&Request::Drive(Some(drive)))?;
+        let smaller = health::watch(link, CONTACT_FRAMES, patience, || !interrupt::requested())?;
+        watch.take_contacts(&smaller);
+        if !watch.has_clipped_tests() || interrupt::requested() {
+            break;
+        }
+    }
+    Ok(drive.amplitude)
 }
 
 /// Electrodes from 1, as people count them.
@@ -67,7 +109,7 @@ fn print(report: &Report<'_>) {
     for electrode in electrodes {
         let ohms = match electrode.state {
             State::Open | State::Unknown => "-".to_owned(),
-            _ => format!("{:.1}", electrode.contact_impedance_ohm),
+            _ => electrode.contact_impedance_ohm.map_or("too large".to_owned(), |ohms| format!("{ohms:.1}")),
         };
         say!("{:>9} {ohms:>21}  {}", electrode.electrode + 1, word(electrode.state));
     }
@@ -100,6 +142,7 @@ fn rows(report: &Report<'_>) -> Vec<(&'static str, String)> {
     let asked = report.frame_rate_asked;
     vec![
         ("frames", format!("{}, {} (asked for {asked})", diagnosis.frames, or(rate, "one only"))),
+        ("contacts tested at", format!("{} mA", rounded(1e3 * report.contact_amplitude_a))),
         (
             "reciprocity error",
             or(diagnosis.reciprocity_error_percent.map(percent), "not measured by this patch"),

@@ -243,7 +243,7 @@ fn name(component: Component) -> &'static str {
 }
 
 /// Six digits, for numbers that single precision made crooked.
-fn rounded(value: f32) -> f64 {
+pub(super) fn rounded(value: f32) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(f64::NAN)
 }
 

@@ -301,7 +301,7 @@ fn a_frame_with_an_open_electrode_is_flagged_and_its_image_masked() {
     let test = ElectrodeTest { in_phase: AdcCode(1_500_000), ..ElectrodeTest::default() };
     let mut broken = frame(1, 1500);
     broken.tests = (0..8).map(|_| test).collect();
-    broken.tests[3].is_clipped = true;
+    broken.tests[3] = ElectrodeTest { in_phase: AdcCode(7_000_000), is_clipped: true, ..test };
     device.process(&mut broken, |_| ());
     assert!(broken.flags.contains(FrameFlags::OPEN_ELECTRODE));
     assert!(broken.flags.contains(FrameFlags::MASKED));
