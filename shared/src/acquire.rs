@@ -51,6 +51,8 @@ pub struct FrontEnd {
     pub largest_gain: u8,
     /// Bandwidths of current source, amplifier and filter, one pole each, Hz.
     pub bandwidths: [f32; 3],
+    /// Corner of the high-pass that the capacitance of all leads makes of a channel, Hz; infinite without leads.
+    pub lead_corner: f32,
     /// Values per second of the current's waveform, each held until the next.
     pub waveform_rate: u32,
     /// Time from a crest of the current, as it is asked for, to the first sample of a scan, s.
@@ -76,8 +78,8 @@ struct Assembly {
     component: Component,
     /// Place of each slot's gain in [`GAINS`].
     gains: Vec<u8, MAX_SLOTS>,
-    /// What turns a reading into a code, by gain: real and imaginary part.
-    factors: [[f32; 2]; GAINS.len()],
+    /// What turns a reading into codes, by gain.
+    factors: [Factors; GAINS.len()],
     largest_gain: u8,
     peaks: Vec<u16, MAX_SLOTS>,
     frame: Frame,
@@ -285,9 +287,9 @@ impl Assembly {
 
     fn convert(&self, slot: usize, reading: &Reading) -> [AdcCode; 2] {
         let gain = self.gains.get(slot).map_or(0, |&place| usize::from(place));
-        let factor = self.factors.get(gain).copied().unwrap_or_default();
-        let sums = [reading.in_phase, reading.quadrature].map(|sum| (sum >> SPARE_BITS) as i32 as f32);
-        product(sums, factor).map(|value| AdcCode(nearest(value)))
+        let [real, imaginary] = self.factors.get(gain).copied().unwrap_or_default();
+        let [x, y] = [reading.in_phase, reading.quadrature].map(|sum| (sum >> SPARE_BITS) as i32 as f32);
+        [real, imaginary].map(|[of_x, of_y]| AdcCode(nearest(of_x * x + of_y * y)))
     }
 
     fn component_of(&self, real: AdcCode, imaginary: AdcCode) -> AdcCode {
@@ -299,30 +301,39 @@ impl Assembly {
     }
 }
 
+/// What multiplies in-phase and quadrature sum to give the real code, and the imaginary one.
+type Factors = [[f32; 2]; 2];
+
 /// Images of the carrier on each side that [`factors`] counts: those further off are too small to matter.
 const IMAGES: i8 = 3;
 
 /// From sums of the lock-in to codes at gain 1: undoes what amplifier, poles and waveform do to the carrier.
 ///
 /// The waveform's values are held, so it has images of the carrier beside it; those that lie a multiple of
-/// the sampling rate away read as the carrier itself.
-fn factors(frequency: f32, integration: u16, front_end: &FrontEnd) -> [[f32; 2]; GAINS.len()] {
+/// the sampling rate away read as the carrier itself. The leads, which take current from the skin, pass
+/// images otherwise than the carrier: at frequency f a channel passes `v + w g(f)`, where g is a high-pass of
+/// one pole, [`FrontEnd::lead_corner`], and v and w are real. So the lock-in's sums are those of `response (v +
+/// w g)` over the images: two equations for v and w, and so for what the channel passes at the carrier.
+fn factors(frequency: f32, integration: u16, front_end: &FrontEnd) -> [Factors; GAINS.len()] {
     let spare = (1 << SPARE_BITS) as f32;
     let amplitude = spare * 2.0 / f32::from(integration.max(1)) / LOCK_IN_ONE * FINENESS;
     // One rate is a multiple of the other.
     let apart = front_end.waveform_rate.max(front_end.sample_rate) as f32;
     GAINS.map(|gain| {
-        let mut read = [0.0; 2];
+        let (mut of_v, mut of_w) = ([0.0; 2], [0.0; 2]);
         for image in -IMAGES..=IMAGES {
             let away = f32::from(image) * apart;
             let turns = away * front_end.lead;
-            let [real, imaginary] =
-                product(front_end.response(frequency + away, gain), [cosine(turns), sine(turns)]);
-            read = [read[0] + real, read[1] + imaginary];
+            let response = product(front_end.response(frequency + away, gain), [cosine(turns), sine(turns)]);
+            let high = product(response, front_end.through_leads(frequency + away));
+            of_v = [of_v[0] + response[0], of_v[1] + response[1]];
+            of_w = [of_w[0] + high[0], of_w[1] + high[1]];
         }
-        let [real, imaginary] = read;
-        let scale = amplitude / (real * real + imaginary * imaginary);
-        [real * scale, -imaginary * scale]
+        let scale = amplitude / (of_v[0] * of_w[1] - of_w[0] * of_v[1]);
+        let [v, w] = [[of_w[1], -of_w[0]], [-of_v[1], of_v[0]]];
+        let [real, imaginary] = front_end.through_leads(frequency);
+        [[v[0] + real * w[0], v[1] + real * w[1]], [imaginary * w[0], imaginary * w[1]]]
+            .map(|row| row.map(|part| part * scale))
     })
 }
 
@@ -337,6 +348,13 @@ impl FrontEnd {
         let [real, imaginary] = poles.into_iter().fold(amplifier, product);
         let scale = held / (real * real + imaginary * imaginary);
         [real * scale, -imaginary * scale]
+    }
+
+    /// The high-pass of the leads, j f / (f_c + j f), times f_c so that its corner may be infinite.
+    fn through_leads(&self, frequency: f32) -> [f32; 2] {
+        let ratio = frequency / self.lead_corner;
+        let scale = frequency / (1.0 + ratio * ratio);
+        [ratio * scale, scale]
     }
 }
 

@@ -86,11 +86,7 @@ fn voltages(rig: &Rig) -> Result<String, Failure> {
         let worst = |part: fn(&Complex64) -> f64| errors.iter().map(part).fold(0.0, f64::max) / FULL_SCALE;
         let [real, imaginary] = [worst(|error| error.re.abs()), worst(|error| error.im.abs())];
         lines.push(format!("{} kHz {:.3} % ({:.3} %)", frequency / 1e3, 100.0 * real, 100.0 * imaginary));
-        // At 200 kHz the waveform has five values a period. Images of the carrier reach the converter through leads
-        // that carry them less well than the carrier, which the board cannot know: 0.16 %.
-        check(real <= if frequency < 150e3 { 1e-3 } else { 2e-3 }, || {
-            format!("off by {:.3} % of full scale", 100.0 * real)
-        })?;
+        check(real <= 1e-3, || format!("off by {:.3} % of full scale at {frequency} Hz", 100.0 * real))?;
     }
     Ok(format!(
         "worst channel in phase (a quarter period later), of the converter's range: {}",

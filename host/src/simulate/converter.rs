@@ -55,6 +55,7 @@ impl Converter {
             gain_bandwidth: f32::INFINITY,
             largest_gain: 64,
             bandwidths: [f32::INFINITY; 3],
+            lead_corner: f32::INFINITY,
             waveform_rate: 1_000_000_000,
             lead: 0.0,
         }

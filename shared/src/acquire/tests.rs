@@ -9,6 +9,7 @@ pub(crate) const FRONT_END: FrontEnd = FrontEnd {
     gain_bandwidth: 13e6,
     largest_gain: 64,
     bandwidths: [f32::INFINITY; 3],
+    lead_corner: f32::INFINITY,
     waveform_rate: 1_000_000_000,
     lead: 0.0,
 };

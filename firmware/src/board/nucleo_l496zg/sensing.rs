@@ -38,7 +38,9 @@ pub const FRONT_END: FrontEnd = FrontEnd {
     full_scale_current: 1e-3,
     gain_bandwidth: f32::INFINITY,
     largest_gain: 1,
-    bandwidths: [466.5e3, 10e6, 965e3],
+    bandwidths: [157.4e3, 10e6, 965e3],
+    // Fitted to the emulated board's voltages at 100 and 200 kHz.
+    lead_corner: 575e3,
     waveform_rate: SAMPLE_RATE / SAMPLES_PER_WAVE_VALUE as u32,
     // The first value is at the DAC with the third sample, and is held for two: its middle lies three
     // samples after the first. A sample is taken 24.5 clocks of the converter after its trigger.
