@@ -1,7 +1,7 @@
 //! Regions: connected parts of the region of interest, divided where two contacts have grown together.
 //!
 //! Every pixel belongs to the peak that the steepest ascent from it leads to. Peaks whose pixels touch no
-//! deeper than a sixteenth below the lower one of the two are one region; others are regions of their own.
+//! deeper than an eighth below the lower one of the two are one region; others are regions of their own.
 
 use super::Contact;
 use crate::{
@@ -164,14 +164,14 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Joins each two basins that touch above 15/16 of the lower one of their peaks.
+    /// Joins each two basins that touch above 7/8 of the lower one of their peaks.
     fn join_shallow(&self, basins: &mut Basins) {
         for &member in &self.members {
             let pixel = usize::from(member);
             for other in self.surface.neighbours(pixel) {
                 let saddle = self.value(pixel).min(self.value(other));
                 let lower = basins.peak(pixel).min(basins.peak(other));
-                if saddle > self.level && saddle > lower - lower / 16 {
+                if saddle > self.level && saddle > lower - lower / 8 {
                     basins.join(basins.of(pixel), basins.of(other));
                 }
             }

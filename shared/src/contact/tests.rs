@@ -147,12 +147,6 @@ fn a_hill_with_a_shallow_saddle_is_one_contact() {
     assert_eq!(found(32, 32, &[0xFF; 128], &image).len(), 1);
 }
 
-#[test]
-fn equal_hills_whose_saddle_is_a_twelfth_deep_are_two_contacts() {
-    let image = hills(&[[10.0, 16.0, 0.5], [18.0, 16.0, 0.5]], 4.7);
-    assert_eq!(found(32, 32, &[0xFF; 128], &image).len(), 2);
-}
-
 /// Contacts of a hill of 0.5 and one pixel of this height so many columns beside its top. The hill's region
 /// has a radius of 4.7 pixels, and is as large as a square of 8.3.
 fn beside_a_hill(columns: usize, height: f64) -> usize {
