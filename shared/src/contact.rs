@@ -6,7 +6,7 @@
 //! is no contact, so that noise on an untouched skin stays silent.
 //!
 //! An image rings beside a strong contact, most near the rim: a lower peak so close to a contact that no second
-//! finger would show as a peak of its own there is not one ([`Contact::shadows`]).
+//! finger would show as a peak of its own there is not one (`Contact::shadows`).
 //!
 //! Most pixels cost one comparison, for the largest value of each block of 16; only blocks that reach
 //! above the level are looked at again.

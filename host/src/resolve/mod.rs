@@ -1,13 +1,13 @@
 //! Resolve: how many fingers press, and where, from the voltages themselves.
 //!
 //! An image of few voltages is blurred, and far from all electrodes two fingers become one hill in it. The
-//! voltages still tell them apart: what they answer to one finger is known everywhere ([`atlas`]), and the
+//! voltages still tell them apart: what they answer to one finger is known everywhere (`atlas`), and the
 //! fingers are few. So fingers are added one after the other where what is still unexplained asks for one most,
-//! all places and strengths are fitted anew by least squares ([`fit`]), and it ends when another finger explains
+//! all places and strengths are fitted anew by least squares (`fit`), and it ends when another finger explains
 //! no more than noise would.
 //!
-//! It takes difference data as boards send them (event `Measurements`), and runs on the host: a board has neither
-//! the flash for the answers nor the time.
+//! It takes difference data as boards send them (event `Measurements`), and runs on the host: a patch has no
+//! room for the answers.
 
 mod atlas;
 mod fit;
