@@ -27,6 +27,7 @@ pub mod output;
 pub mod pixels;
 pub mod prior;
 pub mod quantize;
+pub mod resolve;
 pub mod scenes;
 pub mod scope;
 pub mod simulate;

@@ -3,7 +3,8 @@
 //!
 //! Each scene is one forward solution on the true skin's mesh with noise; its frame goes through the patch's
 //! fixed point and the board's own contact finder. What the flattened model finds lies in its plane, and is
-//! laid back onto the true skin from above.
+//! laid back onto the true skin from above. The same difference data are also resolved on the host
+//! ([`crate::resolve`]), which sees no image.
 
 use crate::{
     jacobian::combine_voltages,
@@ -11,6 +12,7 @@ use crate::{
     mesh::{neighbours::rim_edges, triangle},
     model::{Model, ModelError, divisors},
     quantize::{self, PatchBuildError},
+    resolve::{ResolveError, Resolver, Settings},
     simulate::{Press, TrueSkin},
     skin::{NotFlat, Skin},
 };
@@ -55,6 +57,8 @@ pub struct Scene {
     pub surface: Vec<Point3<f64>>,
     /// Contacts that the flattened model shows, m, laid onto the skin.
     pub flattened: Vec<Point3<f64>>,
+    /// Fingers that the host resolves with the surface's model, m, strongest first.
+    pub resolved: Vec<Point3<f64>>,
 }
 
 /// Why there are no scenes of a skin.
@@ -66,6 +70,9 @@ pub enum ScenesError {
     /// No patch.
     #[error(transparent)]
     Patch(#[from] PatchBuildError),
+    /// Not to be resolved.
+    #[error(transparent)]
+    Resolve(#[from] ResolveError),
     /// Not seen from above.
     #[error(transparent)]
     NotFlat(#[from] NotFlat),
@@ -88,6 +95,8 @@ pub fn play(skin: &Skin, true_skin: &Skin, options: &Options) -> Result<Vec<Scen
     let [surface, flattened] = eyes;
     let (surface, flattened) = (surface?, flattened?);
     let untouched = truth.voltages(&truth.conductivity(&[]), &surface.model.steps);
+    let settings = Settings { radius: options.radius * diameter, snr_db: options.snr_db };
+    let resolver = Resolver::new(skin, &surface.model, settings)?;
     let mean_square = untouched.iter().map(|v| v * v).sum::<f64>() / untouched.len() as f64;
     let deviation = mean_square.sqrt() * 10_f64.powf(-options.snr_db / 20.0);
     let mut random = Pcg64Mcg::seed_from_u64(options.seed);
@@ -105,7 +114,13 @@ pub fn play(skin: &Skin, true_skin: &Skin, options: &Options) -> Result<Vec<Scen
         let pressed = truth.voltages(&truth.conductivity(&presses), &surface.model.steps);
         let frame = noisy(&pressed, deviation, &mut Pcg64Mcg::seed_from_u64(seed));
         let laid = flattened.look(&frame, &tare).into_iter().map(|found| truth.lay([found.x, found.y]));
-        Scene { surface: surface.look(&frame, &tare), flattened: laid.collect(), truth: centres }
+        let fingers = resolver.resolve(&surface.difference(&frame, &tare));
+        Scene {
+            surface: surface.look(&frame, &tare),
+            flattened: laid.collect(),
+            resolved: fingers.iter().map(|finger| finger.position).collect(),
+            truth: centres,
+        }
     };
     Ok(places.into_par_iter().map(show).collect())
 }
@@ -165,38 +180,60 @@ impl Eye {
     /// Contacts in one frame as a board finds them, m.
     fn look(&self, frame: &[f64], tare: &[f64]) -> Vec<Point3<f64>> {
         let patch = PatchView::open(&self.patch).expect("the patch was checked when it was built");
+        let found = board_contacts(&patch, &self.difference(frame, tare));
+        found.iter().map(|contact| Point3::from(contact.position.map(f64::from))).collect()
+    }
+
+    /// Difference data as a board makes them: `[measurement]`.
+    fn difference(&self, frame: &[f64], tare: &[f64]) -> Vec<f64> {
         let combination = &self.model.combination;
         let reference = combine_voltages(tare, combination);
         let divisors = divisors(self.model.difference, &reference);
         let pressed = combine_voltages(frame, combination);
-        let change = pressed.iter().zip(&reference).zip(&divisors).map(|((v, r), d)| (v - r) / d);
-        let found = board_contacts(&patch, &change.collect::<Vec<_>>());
-        found.iter().map(|contact| Point3::from(contact.position.map(f64::from))).collect()
+        pressed.iter().zip(&reference).zip(&divisors).map(|((v, r), d)| (v - r) / d).collect()
     }
 }
 
 /// What scenes show, all in all.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figures {
-    /// Share of the scenes with the right number of contacts: `[contacts - 1]`.
-    pub count_right: [f64; 3],
-    /// The same of all scenes.
-    pub count_right_of_all: f64,
+    /// Contacts counted by the board's finder in the image of the surface's model.
+    pub board: Counts,
+    /// Fingers counted by the host ([`crate::resolve`]).
+    pub resolved: Counts,
     /// Mean distance of a single contact from its true centre by the surface's model, mm, away from the pole.
     pub surface_error_mm: f64,
     /// The same by the flattened model.
     pub flattened_error_mm: f64,
+    /// The same as the host resolves it.
+    pub resolved_error_mm: f64,
+}
+
+/// Shares of scenes with the right number of contacts.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Counts {
+    /// By the true number: `[contacts - 1]`.
+    pub right: [f64; 3],
+    /// Of all scenes.
+    pub right_of_all: f64,
+}
+
+impl Counts {
+    fn new(scenes: &[Scene], found: impl Fn(&Scene) -> usize) -> Self {
+        let share = |of: &dyn Fn(&Scene) -> bool| {
+            let chosen: Vec<_> = scenes.iter().filter(|scene| of(scene)).collect();
+            let right = chosen.iter().filter(|scene| found(scene) == scene.truth.len()).count();
+            right as f64 / chosen.len().max(1) as f64
+        };
+        let right = [1, 2, 3].map(|count| share(&move |scene| scene.truth.len() == count));
+        Self { right, right_of_all: share(&|_| true) }
+    }
 }
 
 /// Sums up scenes. `is_counted` says which single contacts, by their true centre, go into the errors;
 /// a contact that a model misses counts as `miss`, m.
 #[must_use]
 pub fn figures(scenes: &[Scene], miss: f64, is_counted: impl Fn(&Point3<f64>) -> bool) -> Figures {
-    let share = |of: &dyn Fn(&Scene) -> bool| {
-        let chosen: Vec<_> = scenes.iter().filter(|scene| of(scene)).collect();
-        let right = chosen.iter().filter(|scene| scene.surface.len() == scene.truth.len()).count();
-        right as f64 / chosen.len().max(1) as f64
-    };
     let error = |found: &dyn Fn(&Scene) -> Option<Point3<f64>>| {
         let single = scenes.iter().filter(|scene| scene.truth.len() == 1 && is_counted(&scene.truth[0]));
         let errors: Vec<f64> =
@@ -204,9 +241,10 @@ pub fn figures(scenes: &[Scene], miss: f64, is_counted: impl Fn(&Point3<f64>) ->
         1e3 * errors.iter().sum::<f64>() / errors.len().max(1) as f64
     };
     Figures {
-        count_right: [1, 2, 3].map(|count| share(&move |scene| scene.truth.len() == count)),
-        count_right_of_all: share(&|_| true),
+        board: Counts::new(scenes, |scene| scene.surface.len()),
+        resolved: Counts::new(scenes, |scene| scene.resolved.len()),
         surface_error_mm: error(&|scene| scene.surface.first().copied()),
         flattened_error_mm: error(&|scene| scene.flattened.first().copied()),
+        resolved_error_mm: error(&|scene| scene.resolved.first().copied()),
     }
 }
