@@ -34,7 +34,7 @@ use crate::board::{self, SensingParts};
 /// Samples in the ring: 2 ms at 2 megasamples.
 const RING_SAMPLES: usize = 4096;
 /// Steps in which the current rises and falls.
-const RAMP_STEPS: u32 = 8;
+pub const RAMP_STEPS: u32 = 8;
 /// How long a step of the fall lasts: a period of the slowest carrier.
 const FALL_TIME: Duration = Duration::from_micros(80);
 
@@ -160,6 +160,11 @@ impl Scan<'_> {
         Ok(())
     }
 
+    /// Whether the current has not reached its amplitude yet: it rises with each [`Self::take`].
+    pub fn is_rising(&self) -> bool {
+        self.risen < RAMP_STEPS
+    }
+
     /// When [`Self::take`] was called last, or the scan began.
     pub fn looked_at(&self) -> Instant {
         self.last
@@ -180,7 +185,7 @@ impl Scan<'_> {
     }
 
     fn rise(&mut self) {
-        if self.risen < RAMP_STEPS {
+        if self.is_rising() {
             self.risen += 1;
             self.set_current();
         }

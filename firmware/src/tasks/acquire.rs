@@ -10,7 +10,7 @@ use dermatome_firmware::{
     board::{self, SensingParts},
     drivers::{
         executor,
-        front_end::{FrontEnd, Missed, Scan, Tables},
+        front_end::{FrontEnd, Missed, RAMP_STEPS, Scan, Tables},
     },
 };
 use dermatome_shared::{
@@ -141,7 +141,7 @@ impl Run<'_> {
             let due = Instant::now() + order.interval;
             self.acquisition.restart();
             let scan = front_end.start(self.acquisition, order.amplitude);
-            self.follow(scan, pauses).await;
+            self.follow(scan, frame_time, pauses).await;
             if pauses {
                 self.wait_until(due).await;
             }
@@ -149,11 +149,14 @@ impl Run<'_> {
     }
 
     /// Takes samples until the scan has to stop: for a pause, an order, or samples lost.
-    async fn follow(&mut self, mut scan: Scan<'_>, pauses: bool) {
+    async fn follow(&mut self, mut scan: Scan<'_>, frame_time: Duration, pauses: bool) {
         while !self.is_stopping() {
             let missing = board::duration_of_samples(self.acquisition.missing_samples());
+            // The current rises with each look, and has risen before the first frame ends, which does not count.
+            let longest = if scan.is_rising() { frame_time / (RAMP_STEPS + 1) } else { LOOK_INTERVAL };
             // A little more, so that the last sample is there.
-            Timer::at(scan.looked_at() + LOOK_INTERVAL.min(missing + Duration::from_micros(2))).await;
+            let wait = (missing + Duration::from_micros(2)).min(longest).min(LOOK_INTERVAL);
+            Timer::at(scan.looked_at() + wait).await;
             match self.look(&mut scan) {
                 Ok(found) if pauses && found > 0 => break,
                 Ok(_) => {}

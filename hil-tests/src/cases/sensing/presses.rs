@@ -84,7 +84,7 @@ pub(super) fn held(rig: &Rig) -> Result<String, Failure> {
 /// Force of the one contact in the next frame.
 fn force(session: &mut Session) -> Result<f64, Failure> {
     let (at, contacts) = contacts(session)?;
-    check(contacts.len() == 1, || format!("{} contacts in frame {}", contacts.len(), at.sequence))?;
+    check(contacts.len() == 1, || format!("in frame {}: {contacts:.4?}", at.sequence))?;
     let force = contacts[0].force().ok_or_else(|| Failure::Wrong("a contact without a force".to_owned()))?;
     Ok(force.into())
 }
