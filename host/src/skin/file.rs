@@ -80,7 +80,21 @@ pub(super) struct ShapeTable {
 }
 
 /// Corners of a polygon, one a row.
-pub(super) type Corners = Vec<[Quantity; 2]>;
+pub(super) type Corners = Vec<Exactly<Quantity, 2>>;
+
+/// A list of exactly `N` values. Reading TOML into an array alone would leave out what is too many.
+#[derive(Deserialize)]
+#[serde(try_from = "Vec<T>")]
+pub(super) struct Exactly<T, const N: usize>(pub(super) [T; N]);
+
+impl<T, const N: usize> TryFrom<Vec<T>> for Exactly<T, N> {
+    type Error = String;
+
+    fn try_from(list: Vec<T>) -> Result<Self, String> {
+        let count = list.len();
+        list.try_into().map(Self).map_err(|_| format!("{count} values; allowed: {N}"))
+    }
+}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -224,8 +238,8 @@ pub(super) struct CalibrationTable {
 #[serde(deny_unknown_fields)]
 pub(super) struct PoseTable {
     pub(super) link: String,
-    pub(super) position: [Quantity; 3],
-    pub(super) orientation: [f64; 4],
+    pub(super) position: Exactly<Quantity, 3>,
+    pub(super) orientation: Exactly<f64, 4>,
 }
 
 pub(super) fn load(path: &Path) -> Result<Skin, SkinError> {
