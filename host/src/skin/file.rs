@@ -18,6 +18,12 @@ pub enum SkinError {
         /// Why.
         reason: io::Error,
     },
+    /// A folder.
+    #[error("`{}` is a folder; allowed: a skin file{}", path.display(), of_folder(path))]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+    },
     /// The file is not TOML, or lacks a field, or has one too many.
     #[error("skin file `{}`: {message}", path.display())]
     Syntax {
@@ -242,7 +248,16 @@ pub(super) struct PoseTable {
     pub(super) orientation: Exactly<f64, 4>,
 }
 
+/// The skin file of a folder, if it has one where the shipped skins have theirs.
+fn of_folder(folder: &Path) -> String {
+    let file = folder.join("skin.toml");
+    if file.is_file() { format!(", as `{}`", file.display()) } else { String::new() }
+}
+
 pub(super) fn load(path: &Path) -> Result<Skin, SkinError> {
+    if path.is_dir() {
+        return Err(SkinError::Folder { path: path.to_owned() });
+    }
     let read = std::fs::read_to_string(path);
     let text = read.map_err(|reason| SkinError::Read { path: path.to_owned(), reason })?;
     parse(path, &text)

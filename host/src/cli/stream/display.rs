@@ -127,7 +127,7 @@ fn print_json(at: FrameStamp, link: &str, contacts: &Contacts) -> io::Result<()>
 }
 
 fn seconds(at: FrameStamp) -> f64 {
-    at.timestamp_us as f64 * 1e-6
+    at.timestamp_us as f64 / 1e6
 }
 
 #[cfg(test)]
