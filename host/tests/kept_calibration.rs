@@ -39,6 +39,8 @@ fn a_calibrated_patch_is_not_overwritten_by_one_that_is_not() {
     let before = desk.read("skin.dermatome");
     let (points, plays) = stored(&before);
     assert!(points > 3 && plays > 0, "{points} {plays}");
+    let shown = desk.run(&["inspect", "skin.dermatome"]).success().out;
+    assert!(shown.contains(&format!("calibration   {points} points up to 8 kPa, {plays} plays")), "{shown}");
     let words = desk.run(&["build", "skin.toml", "-o", "skin.dermatome"]).refused();
     let counts = format!("({points} points, {plays} plays)");
     assert!(words.contains("`skin.dermatome` was calibrated") && words.contains(&counts), "{words}");
