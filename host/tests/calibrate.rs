@@ -208,9 +208,9 @@ fn a_skin_solved_by_finite_elements_is_calibrated_under_a_machine() {
     let raw = report["hysteresis_percent"].as_f64().unwrap();
     assert!(raw > 12.0, "{report}");
     let after = report["compensated_percent"].as_array().unwrap();
-    // Through images at 60 dB the trials differ: 5.5 and 14.7 % here. Their mean is what is asked for.
+    // Through images at 60 dB the trials differ: 7.4 and 2.7 % here. Their mean is what is asked for.
     let mean = after[1..].iter().map(|percent| percent.as_f64().unwrap()).sum::<f64>() / 2.0;
-    assert!(mean < 0.75 * raw, "{report}");
+    assert!(mean < 0.5 * raw, "{report}");
     board.stop().unwrap();
 }
 

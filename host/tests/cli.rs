@@ -193,7 +193,10 @@ fn errors_of_skin_files() {
     }
     desk.write("bytes.toml", [0xFF, 0xFE, 0x00]);
     std::fs::create_dir(desk.path("folder.toml")).unwrap();
-    let mut commands = vec![["build", "missing.toml"], ["build", "bytes.toml"], ["build", "folder.toml"]];
+    std::fs::create_dir(desk.path("skin")).unwrap();
+    desk.write("skin/skin.toml", TINY);
+    let mut commands =
+        vec![["build", "missing.toml"], ["build", "bytes.toml"], ["build", "folder.toml"], ["build", "skin"]];
     commands.extend(broken.iter().map(|(name, _)| ["build", name]));
     commands.push(["simulate", "missing.toml"]);
     let commands: Vec<&[&str]> = commands.iter().map(|arguments| &arguments[..]).collect();

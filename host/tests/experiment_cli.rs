@@ -49,6 +49,28 @@ fn the_saline_map_is_within_its_bounds_and_the_same_each_time() {
 }
 
 #[test]
+fn the_hemispheres_surface_is_better_than_its_planar_image_and_the_page_shows_both() {
+    let desk = Desk::empty();
+    desk.run(&["experiment", "hemisphere-flat", "--out", "out"]).success();
+    let report = desk.report("out/report.json");
+    let ratio = comparison(&report, "single contacts away from the pole: planar over surface");
+    assert_eq!((&ratio["at_least"], &ratio["met"]), (&2.0.into(), &true.into()), "{report:#}");
+    let errors = &report["experiments"][0]["figures"]["errors"];
+    let mean = |model: &str| errors[0]["mean_error_mm"][model].as_f64().unwrap();
+    assert!(mean("surface") < 10.0 && mean("planar") > 20.0, "{errors:#}");
+    let away = errors[0]["away_from_pole"].as_u64().unwrap();
+    assert!(
+        away > 30 && away < errors[0]["contacts"].as_u64().unwrap() && errors[0]["contacts"] == 50,
+        "{errors:#}"
+    );
+    let page = String::from_utf8(desk.read("out/report.html")).unwrap();
+    assert_eq!(page.matches("data:image/png;base64,").count(), 2);
+    for words in ["2 contacts, surface", "3 contacts, planar", "Fig. 5.11"] {
+        assert!(page.contains(words), "{words}");
+    }
+}
+
+#[test]
 fn names_and_folders_that_will_not_do_are_refused_and_leave_nothing() {
     let desk = Desk::empty();
     desk.write("file", "mine");

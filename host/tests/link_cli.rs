@@ -76,6 +76,7 @@ fn flash_tare_and_stream_lead_from_an_empty_board_to_contacts() {
         "frames_lost",
         "frames_received",
         "images_per_second",
+        "link",
         "packets_damaged",
         "port",
         "skin",

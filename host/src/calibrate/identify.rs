@@ -12,12 +12,14 @@ use dermatome_shared::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// Shares of the highest strength below which the plays give way, one over their reach.
-const GIVE_WAY: [f64; MAX_PLAYS] = [0.1, 0.4, 0.7, 0.85, 0.94, 0.985];
+/// Shares of the highest strength below which the plays give way, one over their reach. The last lies clear of
+/// the noise of a loop half as high: a play that gave way within it would need a weight that amplifies it.
+const GIVE_WAY: [f64; MAX_PLAYS] = [0.1, 0.4, 0.7, 0.85, 0.93, 0.975];
 /// Weights beyond this amplify noise more than they close loops.
 const MOST_WEIGHT: f64 = 31.0;
-/// Price of a weight of 1, in shares of the largest pressure.
-const PRICE: f64 = 5e-4;
+/// Price of a weight of 1, in shares of the largest pressure: what is left of 0.5 % of noise in a frame after
+/// the operator's averaging over eight.
+const PRICE: f64 = 1.3e-3;
 /// What stays without load differs from press to press: up to so many times it must read as nothing.
 const REST_MARGIN: f64 = 1.7;
 /// ... but not beyond this share of the way to the lowest load.
@@ -27,11 +29,11 @@ const ROUNDS: usize = 60;
 const STEP: f64 = 1e-3;
 
 /// Plays that take the hysteresis out of one loading cycle under its calibration curve. Empty if the cycle has
-/// no way back.
+/// no way back, or nothing at its top.
 #[must_use]
 pub fn identify(trial: &Trial, calibration: &Calibration) -> Vec<Play> {
     let cycle = Cycle::new(trial, calibration);
-    if cycle.wanted.is_empty() {
+    if cycle.wanted.is_empty() || cycle.largest <= 0.0 {
         return Vec::new();
     }
     let start = |[slow, quick]: [f64; 2]| {
@@ -65,7 +67,19 @@ fn plays(weights: &DVector<f64>) -> Vec<Play> {
     pairs.map(|(share, &weight)| Play::from_f64(1.0 / share, weight)).collect()
 }
 
-/// One loading cycle, and what pressures it should give.
+/// Strength at a load on the loading branch, `[strength, load]`: straight lines between readings.
+fn strength_at(branch: &[[f64; 2]], load: f64) -> f64 {
+    if load <= 0.0 {
+        return 0.0;
+    }
+    let above = branch.iter().position(|reading| reading[1] >= load).unwrap_or(branch.len() - 1);
+    let [before, behind] = [branch[above.saturating_sub(1)], branch[above]];
+    let share = ((load - before[1]) / (behind[1] - before[1]).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    before[0] + (behind[0] - before[0]) * share
+}
+
+/// One loading cycle, and what pressures its way back should give: those that its own way up reads at the same loads.
+/// The curve may be of other cycles too, which differ from this one by the gain of a press; plays are no cure for that.
 struct Cycle<'a> {
     calibration: &'a Calibration,
     strengths: Vec<f64>,
@@ -85,9 +99,13 @@ impl<'a> Cycle<'a> {
             let most = rest + REST_SHARE * (low - rest);
             pairs.insert(unloaded, [(REST_MARGIN * rest).min(most), 0.0]);
         }
-        let (strengths, pressures): (Vec<f64>, Vec<f64>) =
-            pairs.iter().map(|pair| (pair[0], pair[1])).unzip();
-        Self { calibration, strengths, wanted: pressures[top + 1..].to_vec(), largest: pressures[top] }
+        let read = |load: f64| {
+            let strength = strength_at(&pairs[..=top], load);
+            calibration.pressure(strength as f32).map_or(0.0, |pressure| f64::from(pressure) / 1e3)
+        };
+        let wanted = pairs[top + 1..].iter().map(|pair| read(pair[1])).collect();
+        let strengths = pairs.iter().map(|pair| pair[0]).collect();
+        Self { calibration, strengths, wanted, largest: read(pairs[top][1]) }
     }
 
     /// Errors of the pressures, shares of the largest one, and the price of the weights.

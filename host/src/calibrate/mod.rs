@@ -12,6 +12,7 @@ mod measure;
 mod network;
 pub mod patch;
 mod plot;
+pub mod stored;
 
 pub use curve::{Curve, CurvePoint, isotonic};
 pub use file::{FileError, Hold, read_loads, read_readings};

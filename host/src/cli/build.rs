@@ -1,7 +1,12 @@
 //! `dermatome build`: skin file -> reconstruction matrix -> patch file.
 
-use super::{JsonReport, patch_id, progress};
+use super::{
+    JsonReport,
+    kept::{Kept, refuse_to_lose},
+    patch_id, progress,
+};
 use crate::{
+    calibrate::stored::Stored,
     inverse::figures::Blur,
     mesh::{
         Mesh,
@@ -30,6 +35,7 @@ use std::{
   dermatome build models/disc-210mm/skin.toml
   dermatome build models/square-50mm/skin.toml -o left-palm.dermatome --json build.json
   dermatome build models/hemisphere-210mm/skin.toml
+  dermatome build skin.toml -o palm.dermatome --keep-calibration palm.dermatome
   dermatome build models/hemisphere-210mm/skin.toml --flatten -o flattened.dermatome")]
 pub(super) struct Args {
     /// Skin file.
@@ -45,6 +51,9 @@ pub(super) struct Args {
     /// thesis compares surface and planar models.
     #[arg(long)]
     flatten: bool,
+    /// Give the new patch curve and plays of this one, as `calibrate` wrote them; they replace the skin file's curve.
+    #[arg(long, value_name = "PATCH", conflicts_with = "no_patch")]
+    keep_calibration: Option<PathBuf>,
     /// Draw the criterion by which the hyperparameter was chosen, as SVG.
     #[arg(long, value_name = "FILE")]
     hyperparameter_plot: Option<PathBuf>,
@@ -84,6 +93,18 @@ struct PatchReport {
     #[serde(rename = "patch_crc")]
     crc: String,
     fixed_point_error: FixedPointError,
+    calibration: CalibrationReport,
+}
+
+/// What the patch knows of pressure.
+#[derive(Serialize)]
+struct CalibrationReport {
+    points: usize,
+    plays: usize,
+    kept_from: Option<PathBuf>,
+    /// Whether it may not suit the new patch.
+    #[serde(skip)]
+    is_doubtful: bool,
 }
 
 /// How good the mesh is, and what is strange about it.
@@ -156,14 +177,18 @@ fn load(args: &Args) -> anyhow::Result<Skin> {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let start = Instant::now();
     let skin = load(args)?;
+    let kept = kept(args, &skin)?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let spinner = progress::spinner();
     let mut model = Model::build(&skin, |stage| spinner.set_message(stage)).with_context(in_file)?;
     let plot = args.hyperparameter_plot.as_deref();
     plot.map_or(Ok(()), |path| write_plot(&skin, &model, path)).with_context(in_file)?;
     spinner.set_message("patch");
-    let patch =
-        if args.no_patch { None } else { Some(write_patch(args, &skin, &mut model).with_context(in_file)?) };
+    let patch = if args.no_patch {
+        None
+    } else {
+        Some(write_patch(args, &skin, &mut model, kept.as_ref()).with_context(in_file)?)
+    };
     spinner.finish_and_clear();
     let mesh = MeshReport::of(&model.mesh);
     let noise = model.image_noise(60.0);
@@ -201,17 +226,51 @@ fn write_plot(skin: &Skin, model: &Model, path: &Path) -> anyhow::Result<()> {
     Ok(write_whole(path, criterion_svg(&skin.name, selection).as_bytes())?)
 }
 
-fn write_patch(args: &Args, skin: &Skin, model: &mut Model) -> anyhow::Result<PatchReport> {
-    let path = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.dermatome", skin.name)));
+fn output(args: &Args, skin: &Skin) -> PathBuf {
+    args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.dermatome", skin.name)))
+}
+
+/// The calibration to keep, if one is asked for. None may get lost.
+fn kept(args: &Args, skin: &Skin) -> anyhow::Result<Option<Kept>> {
+    if args.no_patch {
+        return Ok(None);
+    }
+    let from = args.keep_calibration.as_deref();
+    let kept = from.map(|path| Kept::read(path, &skin.name)).transpose()?;
+    let of_file = || Stored { curve: skin.calibration.clone(), plays: Vec::new() };
+    let of_new = kept.as_ref().map_or_else(of_file, |kept| kept.stored.clone());
+    let path = output(args, skin);
+    let file = path.display();
+    let allowed = format!("`--keep-calibration {file}`, another `--output`, or remove the file");
+    refuse_to_lose(&path, &of_new, &allowed)?;
+    Ok(kept)
+}
+
+fn write_patch(
+    args: &Args,
+    skin: &Skin,
+    model: &mut Model,
+    kept: Option<&Kept>,
+) -> anyhow::Result<PatchReport> {
+    let path = output(args, skin);
     let quantizing = Instant::now();
-    let patch = quantize::patch(skin, model)?;
+    let mut patch = quantize::patch(skin, model)?;
+    if let Some(kept) = kept {
+        patch = kept.stored.put_into(&patch)?;
+    }
     let view = PatchView::validate(&patch)?;
     let fixed_point_error = quantize::fixed_point_error(model, &view, TRIALS)?;
     model.stages.push(Stage { name: "quantize", time: quantizing.elapsed() });
     let writing = Instant::now();
     write_whole(&path, &patch)?;
     model.stages.push(Stage { name: "write", time: writing.elapsed() });
-    Ok(PatchReport { path, bytes: patch.len(), crc: patch_id(view.crc()), fixed_point_error })
+    let calibration = CalibrationReport {
+        points: view.header.calibration.0.len(),
+        plays: usize::from(view.header.plays),
+        kept_from: args.keep_calibration.clone(),
+        is_doubtful: kept.is_some_and(|kept| kept.is_doubtful(&view)),
+    };
+    Ok(PatchReport { path, bytes: patch.len(), crc: patch_id(view.crc()), fixed_point_error, calibration })
 }
 
 /// What is allowed, but seldom meant.
@@ -228,6 +287,13 @@ fn warnings(skin: &Skin, mesh: &Quality, patch: Option<&PatchReport>, noise: f64
     let fixed_point = patch.map_or(0.0, |patch| patch.fixed_point_error.measured_percent);
     if fixed_point > WORST_ERROR_PERCENT {
         warnings.push(format!("fixed point costs {fixed_point:.2} % of the image's peak"));
+    }
+    if patch.is_some_and(|patch| patch.calibration.is_doubtful) {
+        warnings.push(
+            "the calibration was made with another reconstruction matrix, whose contacts may be stronger or weaker: \
+             check it with a known load, or calibrate anew"
+                .to_owned(),
+        );
     }
     if mesh.smallest_angle_degrees < SHARP_ANGLE_DEGREES {
         warnings.push(format!(
@@ -280,6 +346,10 @@ fn print(report: &Report, stages: &[Stage]) {
         patch.fixed_point_error.measured_percent,
         patch.fixed_point_error.bound_percent
     );
+    let CalibrationReport { points, plays, kept_from, .. } = &patch.calibration;
+    if let Some(from) = kept_from {
+        say!("calibration   {points} points and {plays} plays, kept from {}", from.display());
+    }
     say!("patch         {} ({} bytes, id {})", patch.path.display(), patch.bytes, patch.crc);
 }
 

@@ -138,7 +138,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let frame = named(args.frame.as_deref(), &args.link);
     anyhow::ensure!(
         is_frame_name(&frame),
-        "`--frame` is {frame:?}; allowed: 1 to 64 letters, digits, \"-\", \"_\", \".\" or \"/\""
+        "`--frame` is {frame:?}; allowed: 1 to 64 letters, digits, \"-\", \"_\", \".\" or \"/\" (by default it is the name of the link's file)"
     );
     let name = named(args.name.as_deref(), &args.out);
     anyhow::ensure!(

@@ -3,7 +3,7 @@
 use super::{JsonReport, interrupt, progress};
 use crate::{
     evaluate::{
-        Evaluation, Length, Options, Watch, evaluate, picture,
+        Evaluation, Length, Options, Watch, evaluate, evaluate_flattened, picture,
         report::{PairFigures, PairRing, Report, Ring, Spread},
     },
     model::Model,
@@ -24,6 +24,7 @@ use std::{path::PathBuf, time::Instant};
 
 Examples:
   dermatome evaluate models/disc-210mm/skin.toml --png disc.png
+  dermatome evaluate models/hemisphere-210mm/skin.toml --flatten
   dermatome evaluate skin.toml --noise none --diameter 5% --contrast 0.1 --threshold 0
   dermatome evaluate skin.toml --noise 50 --electrode-error 3% --impedance-error 20 --json evaluate.json")]
 pub(super) struct Args {
@@ -54,6 +55,10 @@ pub(super) struct Args {
     /// Smallest relative conductivity change that counts as a contact [default: the skin file's].
     #[arg(long, value_name = "CHANGE", value_parser = threshold, allow_hyphen_values = true)]
     threshold: Option<f64>,
+    /// Also image the same frames with the model of the skin without z, as `build --flatten` makes it, and show how
+    /// position and size of contacts differ.
+    #[arg(long)]
+    flatten: bool,
     /// Draw a map of each figure.
     #[arg(long, value_name = "FILE")]
     png: Option<PathBuf>,
@@ -114,6 +119,7 @@ struct Told<'a> {
     seconds: f64,
     #[serde(flatten)]
     report: &'a Report,
+    flattened: Option<&'a Report>,
 }
 
 /// Shows progress, and ends with Ctrl-C.
@@ -148,9 +154,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     spinner.finish_and_clear();
     let bar = Bar(progress::counting());
     let evaluation = evaluate(&skin, &model, &args.options(), &bar).with_context(in_file)?;
-    bar.0.finish_and_clear();
     anyhow::ensure!(!evaluation.singles.is_empty(), "stopped before the first target was done");
     let report = Report::new(&evaluation);
+    let flattened = args.flatten.then(|| flattened(&skin, args, &bar)).transpose().with_context(in_file)?;
+    bar.0.finish_and_clear();
     let told = Told {
         skin: &skin.name,
         noise_db: args.noise.0,
@@ -159,12 +166,19 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         impedance_error_percent: args.impedance_error,
         seconds: start.elapsed().as_secs_f64(),
         report: &report,
+        flattened: flattened.as_ref(),
     };
     print(&told);
     if let Some(path) = &args.png {
         draw(path, &told, &evaluation)?;
     }
     args.json.write(&told)
+}
+
+/// What the model of the flattened skin makes of the same frames.
+fn flattened(skin: &Skin, args: &Args, bar: &Bar) -> anyhow::Result<Report> {
+    let model = Model::build(&skin.flattened()?, |_| ())?;
+    Ok(Report::new(&evaluate_flattened(skin, &model, &args.options(), bar)?))
 }
 
 fn draw(path: &std::path::Path, told: &Told<'_>, evaluation: &Evaluation) -> anyhow::Result<()> {
@@ -227,9 +241,34 @@ fn print(told: &Told<'_>) {
     let pairs = report.pair_rings.iter().chain([&report.pairs_total]);
     pairs.for_each(|ring| say!("{}", pair_row(ring)));
     say!("");
+    if let Some(flattened) = told.flattened {
+        print_flattened(report, flattened);
+    }
     say!("columns: mean, and the value farthest from 0; PE is positive towards the centre;");
     say!("never: not told apart even at the largest distance for which there is room");
     say!("{}", summary(report));
+}
+
+/// The surface's model beside that of the flattened skin.
+fn print_flattened(report: &Report, flattened: &Report) {
+    say!(
+        "the same frames through the model of the flattened skin, its contacts laid onto the skin from above"
+    );
+    say!("{:12}  {:-^50}  {:-^50}", "", " surface ", " flattened ");
+    let header = ["from target, mm", "area, % of its"];
+    let half = format!(" {:>6} {:>5}  {:^17}  {:^17}", "missed", "false", header[0], header[1]);
+    say!("{:>12} {half} {half}", "way to rim");
+    let rings = |report: &Report| report.rings.iter().chain([&report.total]).cloned().collect::<Vec<_>>();
+    for (surface, flat) in rings(report).iter().zip(&rings(flattened)) {
+        let way = way([surface.from_percent, surface.to_percent]);
+        say!("{way:>12} {} {}", size_row(surface), size_row(flat));
+    }
+    say!("");
+}
+
+fn size_row(ring: &Ring) -> String {
+    let (error, area) = (cells(ring.position_error_mm, 2), cells(ring.contact_area_percent, 0));
+    format!(" {:>6} {:>5}{error:^19}{area:^19}", ring.missed, ring.false_contacts)
 }
 
 /// Width of a mean and a largest value.

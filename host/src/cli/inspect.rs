@@ -82,5 +82,14 @@ fn print(report: &Report) {
         drive.frame_rate
     );
     say!("contact from  {:.3} relative conductivity change", header.contact_threshold.to_f64());
+    match header.calibration.0.last() {
+        Some(last) => say!(
+            "calibration   {} points up to {} kPa, {} plays against hysteresis",
+            header.calibration.0.len(),
+            last.pressure / 1e3,
+            header.plays
+        ),
+        None => say!("calibration   none"),
+    }
     say!("matrix        i16, row exponents {} to {}", report.smallest_exponent, report.largest_exponent);
 }

@@ -3,10 +3,12 @@
 use super::{
     JsonReport,
     frame_options::FrameOptions,
+    kept::refuse_to_lose,
     patch_id, progress,
     reconstruct::{WeightChoice, weigh_by_magnitude},
 };
 use crate::{
+    calibrate::stored::Stored,
     learn::{LearnReport, MOST_TEST, Request, Strength, judge::Errors, learn, presses::Recording},
     measured::{
         diagnose::diagnose,
@@ -92,6 +94,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let in_presses = || format!("presses `{}`", args.presses.display());
     let in_both = || format!("presses `{}` on skin file `{}`", args.presses.display(), args.skin.display());
     let recording = read(args, &skin).with_context(in_presses)?;
+    let path = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.dermatome", skin.name)));
+    let of_new = Stored { curve: skin.calibration.clone(), plays: Vec::new() };
+    refuse_to_lose(&path, &of_new, "another `--output`, or remove the file and calibrate after learning")?;
     if let WeightChoice::Magnitude = args.weights {
         weigh_by_magnitude(&mut skin, &recording.unpressed, &args.options).with_context(in_presses)?;
     }
@@ -109,7 +114,6 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let electrodes = skin.electrodes.count;
     let diagnosis =
         diagnose(&model.steps, electrodes, &model.voltages, &presses.mean_reference, arrangement)?;
-    let path = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.dermatome", skin.name)));
     write_whole(&path, &learnt.patch)?;
     spinner.finish_and_clear();
     let mut warnings = diagnosis.warnings();

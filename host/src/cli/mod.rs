@@ -35,6 +35,7 @@ mod forward;
 mod frame_options;
 mod inspect;
 pub mod interrupt;
+mod kept;
 mod learn;
 mod noise;
 mod progress;

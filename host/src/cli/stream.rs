@@ -1,6 +1,7 @@
 //! `dermatome stream`.
 
 mod display;
+mod link_frame;
 mod tally;
 
 use super::{
@@ -17,6 +18,7 @@ use serde::Serialize;
 use std::{
     collections::BTreeMap,
     io,
+    path::PathBuf,
     time::{Duration, Instant},
 };
 use tally::Tally;
@@ -31,11 +33,15 @@ const PATIENCE_FRAMES: f64 = 5.0;
 /// On a terminal, draws the image and the contacts in place. Otherwise prints one line per contact:
 /// frame sequence, time in s, x, y and z in mm, area in mm2, strength, and on a calibrated skin
 /// pressure in kPa and force in N, separated by tabs. The summary goes to standard error.
+///
+/// With --skin, contacts are in the frame of the robot's link that the skin lies on, and instead of such
+/// lines each frame is one line of JSON with position in m and normal of its contacts (docs/cli.md).
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     dermatome stream --port /dev/ttyACM0\n  \
     dermatome stream --port tcp:127.0.0.1:7000 --frames 500 --json stream.json\n  \
-    dermatome stream --port COM5 --no-image | tee contacts.tsv")]
+    dermatome stream --port COM5 --no-image | tee contacts.tsv\n  \
+    dermatome stream --port /dev/ttyACM0 --skin forearm/skin.toml | my-robot")]
 pub(super) struct Args {
     /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT or sim:SKIN.toml.
     #[arg(long)]
@@ -46,6 +52,9 @@ pub(super) struct Args {
     /// Do not fetch and draw images.
     #[arg(long)]
     no_image: bool,
+    /// Skin file of the board's patch: give contacts in the link's frame, by its [pose].
+    #[arg(long, value_name = "FILE")]
+    skin: Option<PathBuf>,
     #[command(flatten)]
     json: super::JsonReport,
 }
@@ -70,6 +79,7 @@ enum Ended {
 struct Report<'a> {
     #[serde(flatten)]
     board: BoardReport<'a>,
+    link: Option<&'a str>,
     tared_first: bool,
     frames_received: u64,
     frames_lost: u64,
@@ -84,8 +94,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let mut link = link::open(&args.port)?;
     let patch = patch_of(&mut link)?;
+    let skin = args.skin.as_deref();
+    let pose = skin.map(|skin| link_frame::pose_of(skin, &mut link, &patch)).transpose()?;
     let tared_first = tare_if_needed(&mut link, &patch)?;
-    let mut display = Display::new(&mut link, !args.no_image)?;
+    let mut display = Display::new(&mut link, !args.no_image, pose.as_ref())?;
     let mut tally = Tally::default();
     let (ended, error) = match follow(args, &mut link, &patch, &mut display, &mut tally) {
         Ok(ended) => (ended, None),
@@ -96,6 +108,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     }
     args.json.write(&Report {
         board: BoardReport::new(&link, &patch),
+        link: pose.as_ref().map(|pose| pose.link.as_str()),
         tared_first,
         frames_received: tally.received(),
         frames_lost: tally.lost(),

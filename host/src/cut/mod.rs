@@ -31,10 +31,6 @@ pub use skin_file::{Names, skin_file};
 use std::collections::HashMap;
 use surface::Surface;
 
-/// Width of an electrode where none is asked for, as a share of the distance between centres.
-const WIDTH: f64 = 0.25;
-/// Edges under an electrode where no edge length is asked for.
-const EDGES: f64 = 3.0;
 /// The crop's own triangles become at most this many cut edges long, so that none reaches far out of it.
 const COARSE: f64 = 4.0;
 /// Triangles on which the cut may be made.
@@ -131,27 +127,23 @@ fn cut_out(even: &Surface, region: &Region, seed: Point3<f64>) -> Result<Surface
     }
 }
 
-/// Refuses a patch that the mesh's own edge runs through.
+/// Refuses a patch that the mesh's own edge runs through; of several openings the nearest is named, for a radius that
+/// leaves it out leaves out all.
 fn refuse_openings(even: &Surface, field: &[f64], region: &Region) -> Result<(), CutError> {
-    let inside = |node: &usize| field[*node] < 0.0;
-    for around in even.loops() {
-        let Some(node) = around.iter().copied().min_by(|&a, &b| field[a].total_cmp(&field[b])).filter(inside)
-        else {
-            continue;
-        };
-        let allowed = match region {
-            Region::Disc { radius } => {
-                format!("a radius below {:.3} mm, or a point further away", (radius + field[node]) * 1e3)
-            }
-            Region::Slabs(_) | Region::Polygon(_) => "a patch beside it".to_owned(),
-        };
-        return Err(CutError::Opening {
-            at: even.points[node],
-            around: clip::length(even, &around),
-            allowed,
-        });
-    }
-    Ok(())
+    let nearer = |a: &usize, b: &usize| field[*a].total_cmp(&field[*b]);
+    let openings = even.loops().into_iter();
+    let openings = openings.filter_map(|around| Some((around.iter().copied().min_by(nearer)?, around)));
+    let Some((node, around)) = openings.min_by(|a, b| nearer(&a.0, &b.0)).filter(|it| field[it.0] < 0.0)
+    else {
+        return Ok(());
+    };
+    let allowed = match region {
+        Region::Disc { radius } => {
+            format!("a radius below {:.3} mm, or a point further away", (radius + field[node]) * 1e3)
+        }
+        Region::Slabs(_) | Region::Polygon(_) => "a patch beside it".to_owned(),
+    };
+    Err(CutError::Opening { at: even.points[node], around: clip::length(even, &around), allowed })
 }
 
 /// The largest radius that gives a disc, nearly.
@@ -179,8 +171,8 @@ fn finish(
 ) -> Result<Patch, CutError> {
     let around = piece.loops().swap_remove(0);
     let rough = clip::length(&piece, &around);
-    let asked = |rim: f64| request.width.unwrap_or(WIDTH * rim / request.electrodes as f64);
-    let edge = request.edge_length.unwrap_or(asked(rough) / EDGES);
+    let asked = |rim: f64| request.width.unwrap_or_else(|| rim::usual_width(rim, request.electrodes));
+    let edge = request.edge_length.unwrap_or_else(|| rim::usual_edge(rough, asked(rough)));
     rim::check(rough, request.electrodes, asked(rough), edge)?;
     let curve = Curve::smoothed(&piece, &around, edge, onto);
     let width = asked(curve.length());

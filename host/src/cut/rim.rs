@@ -9,6 +9,10 @@ const SAMPLES_PER_EDGE: f64 = 4.0;
 const SMOOTHING: usize = 8;
 /// A node of the old rim closer to a target than this share of an edge takes its place.
 const SNAP: f64 = 0.02;
+/// Width of an electrode where none is asked for, as a share of the distance between centres.
+const WIDTH: f64 = 0.25;
+/// Edges under an electrode where no edge length is asked for.
+const EDGES: f64 = 3.0;
 /// Least number of edges under an electrode.
 pub(super) const EDGES_OF_ELECTRODE: f64 = 2.0;
 
@@ -163,13 +167,14 @@ pub(super) fn check(length: f64, electrodes: usize, width: f64, edge: f64) -> Re
         Err(CutError::Value { option, value: format!("{:.3} mm", value * 1e3), allowed })
     };
     let pitch = length / electrodes as f64;
-    let widest = 0.9 * pitch;
-    if !(width > 0.0 && width <= widest) {
+    let finest = length / MOST_RIM_EDGES;
+    let (narrowest, widest) = (EDGES_OF_ELECTRODE * finest, 0.9 * pitch);
+    if !(narrowest..=widest).contains(&width) {
         let rim = format!("on a rim of {:.1} mm with {electrodes} electrodes", length * 1e3);
-        return refuse("--width", width, format!("above zero, at most {:.3} mm {rim}", widest * 1e3));
+        let range = format!("{:.3} mm to {:.3} mm", narrowest * 1e3, widest * 1e3);
+        return refuse("--width", width, format!("{range} {rim}"));
     }
     let coarsest = width / EDGES_OF_ELECTRODE;
-    let finest = length / MOST_RIM_EDGES;
     if !(finest..=coarsest * (1.0 + 1e-9)).contains(&edge) {
         let why = "so that two edges lie under each electrode";
         return refuse(
@@ -179,6 +184,21 @@ pub(super) fn check(length: f64, electrodes: usize, width: f64, edge: f64) -> Re
         );
     }
     Ok(())
+}
+
+/// Width of electrodes that nobody gave: a share of their pitch, but no less than the mesh can show.
+pub(super) fn usual_width(length: f64, electrodes: usize) -> f64 {
+    (WIDTH * length / electrodes as f64).max(EDGES_OF_ELECTRODE * finest_usual(length))
+}
+
+/// Edge length that nobody gave, for electrodes of this width.
+pub(super) fn usual_edge(length: f64, width: f64) -> f64 {
+    (width / EDGES).max(finest_usual(length))
+}
+
+/// A little above the finest, for smoothing makes a rim shorter or longer.
+fn finest_usual(length: f64) -> f64 {
+    1.05 * length / MOST_RIM_EDGES
 }
 
 /// So many edges round a disc make about 200,000 triangles.
@@ -207,4 +227,27 @@ fn resampled(points: &[Point3<f64>], count: usize) -> Vec<Point3<f64>> {
         from + (to - from) * share
     };
     (0..count).map(sample).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_number_of_electrodes_has_a_width_and_an_edge_length_that_fit_even_as_the_rim_is_smoothed() {
+        for electrodes in 4..=250 {
+            let edge = usual_edge(0.25, usual_width(0.25, electrodes));
+            for length in [0.24, 0.25, 0.26] {
+                let width = usual_width(length, electrodes);
+                let fitting = edge.min(width / EDGES_OF_ELECTRODE);
+                assert_eq!(check(length, electrodes, width, fitting), Ok(()), "{electrodes} on {length}");
+            }
+        }
+    }
+
+    #[test]
+    fn electrodes_narrower_than_the_mesh_can_show_are_refused_with_what_fits() {
+        let error = check(0.25, 16, 1e-4, 3e-5).unwrap_err().to_string();
+        assert!(error.contains("`--width` is 0.100 mm; allowed: 0.476 mm to 14.06"), "{error}");
+    }
 }

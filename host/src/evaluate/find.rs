@@ -4,8 +4,20 @@ use crate::{
     metrics::parts::parts,
     pixels::{Pixels, SurfaceTables},
 };
-use dermatome_shared::{contact, units::RelativeConductivity};
+use dermatome_shared::{
+    contact::{self, Contact},
+    units::RelativeConductivity,
+};
 use nalgebra::Point3;
+
+/// A contact in an image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Found {
+    /// Centre, m.
+    pub(super) centre: Point3<f64>,
+    /// Area of its region of interest, m^2.
+    pub(super) area: f64,
+}
 
 /// Finds the contacts in images of one skin.
 #[derive(Clone, Debug)]
@@ -28,20 +40,25 @@ impl<'a> Finder<'a> {
         self.board.is_some()
     }
 
-    /// Centres of the contacts, m, strongest first; the image's press is positive.
+    /// The contacts, strongest first; the image's press is positive.
     #[must_use]
-    pub(super) fn contacts(&self, image: &[f64]) -> Vec<Point3<f64>> {
+    pub(super) fn contacts(&self, image: &[f64]) -> Vec<Found> {
+        let parts = || parts(image, self.pixels, self.threshold);
         match &self.board {
             Some(tables) => as_board(tables, image, self.threshold),
-            None => parts(image, self.pixels, self.threshold).iter().map(|part| part.centre).collect(),
+            None => parts().iter().map(|part| Found { centre: part.centre, area: part.area }).collect(),
         }
     }
 }
 
 /// The board's own code, on the image rounded to its fixed point.
-fn as_board(tables: &SurfaceTables, image: &[f64], threshold: f64) -> Vec<Point3<f64>> {
+fn as_board(tables: &SurfaceTables, image: &[f64], threshold: f64) -> Vec<Found> {
     let codes: Vec<_> = image.iter().map(|&value| RelativeConductivity::from_f64(value)).collect();
     let threshold = RelativeConductivity::from_f64(threshold);
     let contacts = contact::find(&tables.view(), &codes, threshold);
-    contacts.iter().map(|contact| Point3::from(contact.position.map(f64::from))).collect()
+    let found = |contact: &Contact| Found {
+        centre: Point3::from(contact.position.map(f64::from)),
+        area: f64::from(contact.area),
+    };
+    contacts.iter().map(found).collect()
 }

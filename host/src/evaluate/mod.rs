@@ -145,6 +145,8 @@ struct Scene<'a> {
     bench: Bench<'a>,
     finder: Finder<'a>,
     model: &'a Model,
+    /// The true skin, if the model is of its flattened one: what is found is laid onto it from above.
+    flattened: Option<&'a TrueSkin>,
     discs: Discs,
     spacing: f64,
 }
@@ -153,6 +155,26 @@ struct Scene<'a> {
 pub fn evaluate(
     skin: &Skin,
     model: &Model,
+    options: &Options,
+    watch: &dyn Watch,
+) -> Result<Evaluation, EvaluateError> {
+    evaluate_through(skin, model, false, options, watch)
+}
+
+/// The same with the model of `skin` flattened ([`Skin::flattened`]), on the same true skin and the same frames.
+pub fn evaluate_flattened(
+    skin: &Skin,
+    flattened: &Model,
+    options: &Options,
+    watch: &dyn Watch,
+) -> Result<Evaluation, EvaluateError> {
+    evaluate_through(skin, flattened, true, options, watch)
+}
+
+fn evaluate_through(
+    skin: &Skin,
+    model: &Model,
+    is_flattened: bool,
     options: &Options,
     watch: &dyn Watch,
 ) -> Result<Evaluation, EvaluateError> {
@@ -167,6 +189,7 @@ pub fn evaluate(
         bench: Bench::new(&truth, model, options.snr_db, options.seed),
         finder: Finder::new(&model.pixels, threshold),
         model,
+        flattened: is_flattened.then_some(&truth),
         discs: Discs { radius: target_diameter / 2.0, contrast: options.contrast },
         spacing: spacing(&surface, options)?,
     };

@@ -1,6 +1,6 @@
 //! Pairs of equal targets at decreasing distance: from where on are two contacts still two?
 
-use super::{Scene, Watch};
+use super::{Scene, Watch, find::Found};
 use nalgebra::{Point3, Unit, Vector3};
 use rayon::prelude::*;
 
@@ -109,10 +109,10 @@ impl Tries<'_> {
     fn is_told_apart(&self, middles: &[Point3<f64>; 2], frame: u64) -> bool {
         let change = self.scene.discs.at(self.scene.surface, middles);
         let image = self.scene.upright(self.scene.bench.measure(&change, frame).image);
-        let contacts = self.scene.finder.contacts(&image);
+        let contacts = self.scene.contacts(&image);
         let [first, second, ..] = contacts.as_slice() else { return false };
         let is_of =
-            |contact: &Point3<f64>, middle: Point3<f64>| (contact - middle).norm() < distance(middles) / 2.0;
+            |contact: &Found, middle: Point3<f64>| (contact.centre - middle).norm() < distance(middles) / 2.0;
         let [a, b] = *middles;
         is_of(first, a) && is_of(second, b) || is_of(first, b) && is_of(second, a)
     }

@@ -74,6 +74,8 @@ pub struct Ring {
     pub position_error_mm: Option<Spread>,
     /// The same, per cent of the skin's diameter.
     pub position_error_percent: Option<Spread>,
+    /// Area of the strongest contact, per cent of the target's.
+    pub contact_area_percent: Option<Spread>,
     /// dV/V.
     pub relative_voltage_change_percent: Option<Spread>,
     /// Figures of [`crate::metrics::thesis`].
@@ -156,6 +158,8 @@ pub struct TargetRow {
     pub contacts: usize,
     /// Strongest contact to target.
     pub position_error_mm: Option<f64>,
+    /// Area of the strongest contact, per cent of the target's.
+    pub contact_area_percent: Option<f64>,
     /// dV/V.
     pub relative_voltage_change_percent: f64,
     /// The thesis' figures.
@@ -268,6 +272,7 @@ impl Ring {
     fn new(ends: [f64; 2], singles: &[Single], diameter: f64, central_amplitude: Option<f64>) -> Self {
         let inside: Vec<_> = singles.iter().filter(|single| is_in(ends, single.way_to_rim)).collect();
         let errors = || inside.iter().filter_map(|single| single.position_error());
+        let areas = inside.iter().filter_map(|single| Some(100.0 * single.contact_area?));
         let changes = inside.iter().map(|single| 100.0 * single.relative_voltage_change);
         Self {
             from_percent: ends[0],
@@ -277,6 +282,7 @@ impl Ring {
             false_contacts: inside.iter().map(|single| single.contacts.len().saturating_sub(1)).sum(),
             position_error_mm: spread(errors().map(|error| error * 1e3)),
             position_error_percent: spread(errors().map(|error| 100.0 * error / diameter)),
+            contact_area_percent: spread(areas),
             relative_voltage_change_percent: spread(changes),
             thesis: ThesisRing::new(&inside, diameter),
             greit: GreitRing::new(&inside, diameter, central_amplitude),
@@ -348,6 +354,7 @@ impl TargetRow {
             way_to_rim_percent: 100.0 * single.way_to_rim,
             contacts: single.contacts.len(),
             position_error_mm: single.position_error().map(|error| error * 1e3),
+            contact_area_percent: single.contact_area.map(|area| area * 100.0),
             relative_voltage_change_percent: 100.0 * single.relative_voltage_change,
             thesis: single.thesis.map(|figures| ThesisRow {
                 position_error_mm: figures.position_error * 1e3,

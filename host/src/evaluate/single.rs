@@ -1,6 +1,6 @@
 //! Single targets, one at a time, all over the skin.
 
-use super::{Scene, Watch};
+use super::{Scene, Watch, find::Found};
 use crate::metrics::{Target, greit, thesis};
 use nalgebra::Point3;
 use rayon::prelude::*;
@@ -14,6 +14,8 @@ pub struct Single {
     pub way_to_rim: f64,
     /// Contacts found, m, strongest first.
     pub contacts: Vec<Point3<f64>>,
+    /// Area of the strongest contact's region of interest over the target's.
+    pub contact_area: Option<f64>,
     /// dV/V, thesis equation 3.2.
     pub relative_voltage_change: f64,
     /// The thesis' figures; none where the image shows nothing of the target's sign.
@@ -47,11 +49,18 @@ fn try_one(scene: &Scene<'_>, place: Point3<f64>, frame: u64) -> Single {
     let change = scene.discs.at(scene.surface, &[place]);
     let measured = scene.bench.measure(&change, frame);
     let image = scene.upright(measured.image);
-    let target = Target { position: change.centre, amount: change.amount, skin_centre: scene.surface.centre };
+    let target = Target {
+        position: scene.seen(change.centre),
+        amount: change.amount,
+        skin_centre: scene.seen(scene.surface.centre),
+    };
+    let contacts = scene.contacts(&image);
+    let area = change.amount / scene.discs.contrast.abs();
     Single {
         position: change.centre,
         way_to_rim: scene.surface.way_to_rim(change.centre),
-        contacts: scene.finder.contacts(&image),
+        contact_area: contacts.first().map(|contact| contact.area / area),
+        contacts: contacts.iter().map(|contact| contact.centre).collect(),
         relative_voltage_change: measured.relative_voltage_change,
         thesis: thesis::figures(&image, &scene.model.pixels, &target),
         greit: greit::figures(&image, &scene.model.pixels, &target),
@@ -59,6 +68,22 @@ fn try_one(scene: &Scene<'_>, place: Point3<f64>, frame: u64) -> Single {
 }
 
 impl Scene<'_> {
+    /// Contacts in an image, on the true skin.
+    pub(super) fn contacts(&self, image: &[f64]) -> Vec<Found> {
+        let mut found = self.finder.contacts(image);
+        if let Some(truth) = self.flattened {
+            found
+                .iter_mut()
+                .for_each(|contact| contact.centre = truth.lay([contact.centre.x, contact.centre.y]));
+        }
+        found
+    }
+
+    /// Where the model has a point of the true skin.
+    fn seen(&self, point: Point3<f64>) -> Point3<f64> {
+        if self.flattened.is_some() { Point3::new(point.x, point.y, 0.0) } else { point }
+    }
+
     /// An image in which the targets are positive.
     pub(super) fn upright(&self, mut image: Vec<f64>) -> Vec<f64> {
         if self.discs.contrast < 0.0 {

@@ -1,6 +1,6 @@
 use super::*;
 use crate::{
-    evaluate::report::{Report, Spread},
+    evaluate::report::{Report, Ring, Spread},
     skin::{Drive, ImageLayout, Pattern, Shape},
 };
 use dermatome_shared::stimulation::Driven;
@@ -240,6 +240,45 @@ fn a_curved_skin_is_evaluated_on_its_surface() {
     assert!(evaluation.pairs.iter().any(|pair| pair.told_apart.is_some()));
     let png = picture(&evaluation, "half a sphere".into()).unwrap();
     assert!(png.starts_with(b"\x89PNG"));
+}
+
+fn of_flattened(skin: &Skin, options: Options) -> Report {
+    let model = Model::build(&skin.flattened().unwrap(), |_| ()).unwrap();
+    Report::new(&evaluate_flattened(skin, &model, &options, &endless()).unwrap())
+}
+
+#[test]
+fn the_model_of_a_flattened_hemisphere_misplaces_contacts_and_shows_other_sizes() {
+    let options = Options { spacing: Some(Length::Share(0.12)), ..PLAIN };
+    let (surface, flat) = (report(&hemisphere(), options), of_flattened(&hemisphere(), options));
+    // The same targets on the same true skin.
+    assert_eq!((surface.total.targets, surface.true_elements), (flat.total.targets, flat.true_elements));
+    let places = |report: &Report| report.targets.iter().map(|row| row.position_mm).collect::<Vec<_>>();
+    assert_eq!(places(&surface), places(&flat));
+    let error = |report: &Report| mean(report.total.position_error_mm);
+    assert!(error(&flat) > 2.0 * error(&surface), "{} {}", error(&flat), error(&surface));
+    let area = |report: &Report| mean(report.total.contact_area_percent);
+    assert!(
+        area(&surface) > 100.0 && area(&flat) < 0.8 * area(&surface),
+        "{} {}",
+        area(&flat),
+        area(&surface)
+    );
+    let strongest =
+        |report: &Report| report.targets.iter().filter_map(|row| row.contact_area_percent).count();
+    assert_eq!(strongest(&flat), flat.total.targets - flat.total.missed);
+}
+
+#[test]
+fn a_flat_skin_flattened_is_the_same_skin() {
+    let skin = coarse_disc();
+    let (flat, surface) = (of_flattened(&skin, PLAIN).total, report(&skin, PLAIN).total);
+    let figures = |ring: &Ring| [mean(ring.position_error_mm), mean(ring.contact_area_percent)];
+    for (flat, surface) in figures(&flat).into_iter().zip(figures(&surface)) {
+        assert!((flat / surface - 1.0).abs() < 1e-9, "{flat} {surface}");
+    }
+    assert_eq!((flat.missed, flat.false_contacts), (surface.missed, surface.false_contacts));
+    assert_eq!(flat.greit, surface.greit);
 }
 
 #[test]

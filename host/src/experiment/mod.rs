@@ -6,6 +6,8 @@
 
 mod bench;
 mod divider;
+mod hemisphere;
+mod hemisphere_flat;
 mod html;
 mod loading;
 mod plot;
@@ -21,7 +23,7 @@ mod two_point;
 
 use crate::{
     evaluate::EvaluateError, material::MaterialError, model::ModelError, quantize::PatchBuildError,
-    skin::SkinError,
+    scenes::ScenesError, skin::SkinError,
 };
 pub use html::page;
 use rayon::prelude::*;
@@ -38,7 +40,7 @@ pub struct Experiment {
 }
 
 /// All experiments, in the order of the thesis.
-pub const EXPERIMENTS: [Experiment; 13] = [
+pub const EXPERIMENTS: [Experiment; 15] = [
     Experiment {
         name: "divider",
         about: "resistance of Samples 1 and 2 under load (3.2)",
@@ -74,6 +76,16 @@ pub const EXPERIMENTS: [Experiment; 13] = [
     },
     Experiment { name: "shapes", about: "an 'L' and an 'O' on Sample 3 (5.4.2)", run: shapes::run },
     Experiment { name: "points", about: "one point at five places on Sample 3 (5.4.3)", run: points::run },
+    Experiment {
+        name: "hemisphere",
+        about: "one, two and three contacts on a hemisphere (5.4.4)",
+        run: hemisphere::run,
+    },
+    Experiment {
+        name: "hemisphere-flat",
+        about: "surface against planar image (5.4.4)",
+        run: hemisphere_flat::run,
+    },
     Experiment {
         name: "tracking",
         about: "three contacts that move, leave and come back",
@@ -121,6 +133,12 @@ pub enum ExperimentError {
     /// A material cannot be used.
     #[error(transparent)]
     Material(#[from] MaterialError),
+    /// Scenes cannot be played.
+    #[error(transparent)]
+    Scenes(#[from] ScenesError),
+    /// Skin files that come with the program cannot be laid out.
+    #[error("cannot lay out the hemisphere's files in a temporary folder: {0}")]
+    Files(#[from] std::io::Error),
     /// A picture cannot be drawn.
     #[error("cannot draw: {0}")]
     Draw(String),

@@ -117,12 +117,18 @@ pub fn judge_board(
 /// Contacts as a board finds them, from difference data `[measurement]`.
 #[must_use]
 pub fn board_contacts(patch: &PatchView<'_>, data: &[f64]) -> contact::Contacts {
+    contact::find(&patch.surface(), &board_image(patch, data), patch.header.contact_threshold)
+}
+
+/// Image as a board computes it, from difference data `[measurement]`.
+#[must_use]
+pub fn board_image(patch: &PatchView<'_>, data: &[f64]) -> Image {
     let relative: Vec<f32> = data.iter().map(|&value| value as f32).collect();
     let mut difference = DifferenceData::default();
     difference.quantise(&relative);
     let mut image = Image::new();
     reconstruct(patch, &difference, &mut image);
-    contact::find(&patch.surface(), &image, patch.header.contact_threshold)
+    image
 }
 
 fn outcome(

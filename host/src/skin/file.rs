@@ -18,6 +18,12 @@ pub enum SkinError {
         /// Why.
         reason: io::Error,
     },
+    /// A folder.
+    #[error("`{}` is a folder; allowed: a skin file{}", path.display(), of_folder(path))]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+    },
     /// The file is not TOML, or lacks a field, or has one too many.
     #[error("skin file `{}`: {message}", path.display())]
     Syntax {
@@ -80,7 +86,21 @@ pub(super) struct ShapeTable {
 }
 
 /// Corners of a polygon, one a row.
-pub(super) type Corners = Vec<[Quantity; 2]>;
+pub(super) type Corners = Vec<Exactly<Quantity, 2>>;
+
+/// A list of exactly `N` values. Reading TOML into an array alone would leave out what is too many.
+#[derive(Deserialize)]
+#[serde(try_from = "Vec<T>")]
+pub(super) struct Exactly<T, const N: usize>(pub(super) [T; N]);
+
+impl<T, const N: usize> TryFrom<Vec<T>> for Exactly<T, N> {
+    type Error = String;
+
+    fn try_from(list: Vec<T>) -> Result<Self, String> {
+        let count = list.len();
+        list.try_into().map(Self).map_err(|_| format!("{count} values; allowed: {N}"))
+    }
+}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -224,11 +244,20 @@ pub(super) struct CalibrationTable {
 #[serde(deny_unknown_fields)]
 pub(super) struct PoseTable {
     pub(super) link: String,
-    pub(super) position: [Quantity; 3],
-    pub(super) orientation: [f64; 4],
+    pub(super) position: Exactly<Quantity, 3>,
+    pub(super) orientation: Exactly<f64, 4>,
+}
+
+/// The skin file of a folder, if it has one where the shipped skins have theirs.
+fn of_folder(folder: &Path) -> String {
+    let file = folder.join("skin.toml");
+    if file.is_file() { format!(", as `{}`", file.display()) } else { String::new() }
 }
 
 pub(super) fn load(path: &Path) -> Result<Skin, SkinError> {
+    if path.is_dir() {
+        return Err(SkinError::Folder { path: path.to_owned() });
+    }
     let read = std::fs::read_to_string(path);
     let text = read.map_err(|reason| SkinError::Read { path: path.to_owned(), reason })?;
     parse(path, &text)

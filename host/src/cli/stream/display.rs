@@ -2,51 +2,66 @@
 
 use crate::{
     link::Link,
+    skin::Pose,
     view::{layout::Layout, live::Live, terminal::Screen},
 };
 use dermatome_shared::{
     contact::{Contact, Contacts},
     protocol::{FrameStamp, PackedImage},
 };
+use serde::Serialize;
 use std::io::{self, Write};
 
-/// Where frames go.
-pub(super) enum Display {
+/// Where frames go, and in whose frame their contacts lie.
+pub(super) struct Display<'a> {
+    medium: Medium,
+    /// The skin's frame, if none.
+    pose: Option<&'a Pose>,
+}
+
+enum Medium {
     /// Pictures, drawn in place, and the contacts whose image is still to come.
     Terminal(Box<Live>, Box<Option<(FrameStamp, Contacts)>>),
     /// One line per contact.
     Lines,
 }
 
-impl Display {
-    /// Pictures if standard output is a terminal, with the board's geometry if `images` are wanted.
-    pub(super) fn new(link: &mut Link, images: bool) -> anyhow::Result<Self> {
+impl<'a> Display<'a> {
+    /// Pictures if standard output is a terminal, with the board's geometry if `images` are wanted. Contacts
+    /// are given in the frame of the link, if a skin's pose on one is known.
+    pub(super) fn new(link: &mut Link, images: bool, pose: Option<&'a Pose>) -> anyhow::Result<Self> {
         if !Screen::default().is_visible() {
-            return Ok(Self::Lines);
+            return Ok(Self { medium: Medium::Lines, pose });
         }
         let surface = images.then(|| link.surface()).transpose()?;
-        Ok(Self::Terminal(Box::new(Live::new(surface.as_ref().map(Layout::from))), Box::default()))
+        let live = Box::new(Live::new(surface.as_ref().map(Layout::from)));
+        Ok(Self { medium: Medium::Terminal(live, Box::default()), pose })
     }
 
     pub(super) fn wants_images(&self) -> bool {
-        matches!(self, Self::Terminal(live, _) if live.has_images())
+        matches!(&self.medium, Medium::Terminal(live, _) if live.has_images())
     }
 
     /// Shows the contacts of a frame; keeps them where its image is still to come.
     pub(super) fn take_contacts(&mut self, at: FrameStamp, contacts: &Contacts) -> io::Result<()> {
-        match self {
-            Self::Terminal(live, waiting) if live.has_images() => {
-                **waiting = Some((at, contacts.clone()));
+        let contacts = self.pose.map_or_else(
+            || contacts.clone(),
+            |pose| contacts.iter().map(|contact| pose.contact(contact)).collect(),
+        );
+        match (&mut self.medium, self.pose) {
+            (Medium::Terminal(live, waiting), _) if live.has_images() => {
+                **waiting = Some((at, contacts));
                 Ok(())
             }
-            Self::Terminal(live, _) => live.draw_if_due(at, contacts),
-            Self::Lines => print_lines(at, contacts),
+            (Medium::Terminal(live, _), _) => live.draw_if_due(at, &contacts),
+            (Medium::Lines, Some(pose)) => print_json(at, &pose.link, &contacts),
+            (Medium::Lines, None) => print_lines(at, &contacts),
         }
     }
 
     /// Draws an image with the contacts that came before it.
     pub(super) fn take_image(&mut self, image: &PackedImage) -> io::Result<()> {
-        let Self::Terminal(live, waiting) = self else { return Ok(()) };
+        let Medium::Terminal(live, waiting) = &mut self.medium else { return Ok(()) };
         live.keep_image(image.values().collect());
         waiting.take().map_or(Ok(()), |(at, contacts)| live.draw_if_due(at, &contacts))
     }
@@ -71,8 +86,48 @@ fn line(at: FrameStamp, contact: &Contact) -> String {
     }
 }
 
+/// One frame in the link's frame, as robot software reads it.
+#[derive(Serialize)]
+struct LinkFrame<'a> {
+    sequence: u32,
+    time_s: f64,
+    link: &'a str,
+    contacts: Vec<LinkContact>,
+}
+
+#[derive(Serialize)]
+struct LinkContact {
+    position_m: [f32; 3],
+    normal: [f32; 3],
+    area_mm2: f32,
+    strength: f32,
+    pressure_kpa: Option<f32>,
+    force_n: Option<f32>,
+}
+
+impl From<&Contact> for LinkContact {
+    fn from(contact: &Contact) -> Self {
+        Self {
+            position_m: contact.position,
+            normal: contact.normal,
+            area_mm2: contact.area * 1e6,
+            strength: contact.strength,
+            pressure_kpa: contact.pressure.map(|pressure| pressure * 1e-3),
+            force_n: contact.force(),
+        }
+    }
+}
+
+fn print_json(at: FrameStamp, link: &str, contacts: &Contacts) -> io::Result<()> {
+    let contacts = contacts.iter().map(LinkContact::from).collect();
+    let frame = LinkFrame { sequence: at.sequence, time_s: seconds(at), link, contacts };
+    let mut out = io::stdout().lock();
+    writeln!(out, "{}", serde_json::to_string(&frame)?)?;
+    out.flush()
+}
+
 fn seconds(at: FrameStamp) -> f64 {
-    at.timestamp_us as f64 * 1e-6
+    at.timestamp_us as f64 / 1e6
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::Checker;
 use crate::skin::{
     EdgeLengths, Material, SkinError,
     embedding::Embedding,
-    file::{Corners, MaterialTable, MeshTable, ShapeTable},
+    file::{Corners, Exactly, MaterialTable, MeshTable, ShapeTable},
     outline::{Loop, Outline, PolygonError},
     quantity::{self, Quantity},
 };
@@ -107,7 +107,7 @@ impl Checker<'_> {
 
     fn corners(&self, field: &'static str, written: &Corners) -> Result<Vec<Point2<f64>>, SkinError> {
         let read = |value| self.finite(field, value, quantity::LENGTH);
-        written.iter().map(|[x, y]| Ok(Point2::new(read(x)?, read(y)?))).collect()
+        written.iter().map(|Exactly([x, y])| Ok(Point2::new(read(x)?, read(y)?))).collect()
     }
 
     fn refuse_polygon<T>(&self, error: PolygonError) -> Result<T, SkinError> {

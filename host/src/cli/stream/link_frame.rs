@@ -1,0 +1,50 @@
+//! The link's frame: which pose contacts of the board's skin have on a robot.
+
+use crate::{
+    link::Link,
+    mesh::Lattice,
+    model::{mesh, pixels_on},
+    pixels::SurfaceTables,
+    skin::{Pose, Skin},
+};
+use anyhow::{Context, bail, ensure};
+use dermatome_shared::protocol::PatchInfo;
+use std::path::Path;
+
+/// How far a pixel of the board's patch may lie from where the skin file has it, m.
+const SAME_PLACE: f64 = 1e-4;
+
+/// Pose of the skin in `path`, which must be the skin of the board's patch.
+pub(super) fn pose_of(path: &Path, link: &mut Link, patch: &PatchInfo) -> anyhow::Result<Pose> {
+    let file = path.display();
+    let skin = Skin::load(path)?;
+    let Some(pose) = &skin.pose else {
+        bail!(
+            "skin file `{file}`: `pose` is missing; allowed: a table `[pose]` as `dermatome cut` writes it"
+        );
+    };
+    let (name, of_board) = (&skin.name, &patch.skin);
+    ensure!(
+        skin.name == patch.skin.as_str(),
+        "skin file `{file}`: `name` is {name:?}; allowed: {of_board:?}, the skin of the board's patch"
+    );
+    let on_board = link.surface()?;
+    let in_file = surface(&skin).with_context(|| format!("skin file `{file}`"))?;
+    ensure!(
+        in_file.is_some_and(|in_file| is_same(&in_file, &on_board)),
+        "skin file `{file}`: its pixels do not lie where those of the board's patch do, so neither would contacts: \
+         give the skin file that the patch was built from, or build and flash it anew"
+    );
+    Ok(pose.clone())
+}
+
+/// Where the pixels of a skin lie; nothing where they are more than a board takes.
+fn surface(skin: &Skin) -> anyhow::Result<Option<SurfaceTables>> {
+    let mesh = mesh(skin, 1.0, Lattice::default())?;
+    Ok(SurfaceTables::new(&pixels_on(skin, &mesh)?))
+}
+
+fn is_same(a: &SurfaceTables, b: &SurfaceTables) -> bool {
+    let is_near = a.centres().zip(b.centres()).all(|(a, b)| (a - b).norm() < SAME_PLACE);
+    a.pixels.len() == b.pixels.len() && is_near
+}
