@@ -9,6 +9,8 @@ use std::collections::HashMap;
 const GONE: [usize; 3] = [usize::MAX; 3];
 /// Faces that turn by more than this (cosine) fold over.
 const FOLDED: f64 = 0.2;
+/// A triangle with less than this share of the area of the one beside it is too flat to have a side.
+const FLAT: f64 = 0.1;
 /// Area over the sum of squared edges below which a triangle must not fall; 0.144 is equilateral.
 const LEAST_SHAPE: f64 = 0.02;
 
@@ -230,9 +232,9 @@ impl Surface {
         }
         let normal = |face: [usize; 3]| vector_area(self.corners(face));
         let (left, right) = (normal([a, b, c]), normal([b, a, d]));
-        // A sharp bend along the edge stays where it is, unless a triangle has no area.
+        // A sharp bend along the edge stays where it is, unless a triangle is too flat to have a side.
         let bent = left.dot(&right) < 0.5 * left.norm() * right.norm();
-        let degenerate = left.norm().min(right.norm()) < 1e-4 * left.norm().max(right.norm());
+        let degenerate = left.norm().min(right.norm()) < FLAT * left.norm().max(right.norm());
         let side = left + right;
         let fits = |new: Vector3<f64>| new.dot(&side) > FOLDED * new.norm() * side.norm();
         (!bent || degenerate) && fits(normal([a, d, c])) && fits(normal([d, b, c]))

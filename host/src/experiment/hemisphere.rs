@@ -81,7 +81,8 @@ fn summarise(report: &mut Report, scenes: &[Scene]) {
 /// What one of them sees.
 fn summary(report: &mut Report, scenes: &[Scene], (who, found): (&str, Found)) -> serde_json::Value {
     let right = |scene: &&Scene| found(scene).len() == scene.truth.len();
-    let errors = |scene: &Scene| matched(&scene.truth, found(scene)).into_iter().flatten().collect::<Vec<f64>>();
+    let errors =
+        |scene: &Scene| matched(&scene.truth, found(scene)).into_iter().flatten().collect::<Vec<f64>>();
     let (mut counts, mut rows, mut figures) = (Vec::new(), Vec::new(), Vec::new());
     for (contacts, name) in (1..).zip(["one contact", "two contacts", "three contacts"]) {
         let here: Vec<&Scene> = scenes.iter().filter(|scene| scene.truth.len() == contacts).collect();
