@@ -58,11 +58,9 @@ fn the_hemispheres_surface_is_better_than_its_planar_image_and_the_page_shows_bo
     let errors = &report["experiments"][0]["figures"]["errors"];
     let mean = |model: &str| errors[0]["mean_error_mm"][model].as_f64().unwrap();
     assert!(mean("surface") < 10.0 && mean("planar") > 20.0, "{errors:#}");
-    let away = errors[0]["away_from_pole"].as_u64().unwrap();
-    assert!(
-        away > 30 && away < errors[0]["contacts"].as_u64().unwrap() && errors[0]["contacts"] == 50,
-        "{errors:#}"
-    );
+    let [away, found] = ["away_from_pole", "contacts"].map(|key| errors[0][key].as_u64().unwrap());
+    // Of 50, those that both models show.
+    assert!(away > 30 && away < found && found >= 48, "{errors:#}");
     let page = String::from_utf8(desk.read("out/report.html")).unwrap();
     assert_eq!(page.matches("data:image/png;base64,").count(), 2);
     for words in ["2 contacts, surface", "3 contacts, planar", "Fig. 5.11"] {

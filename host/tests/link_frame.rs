@@ -53,6 +53,44 @@ fn a_press_on_a_turned_and_shifted_skin_is_given_in_the_links_frame() {
 }
 
 #[test]
+fn two_fingers_are_resolved_from_the_voltages_in_the_links_frame() {
+    let desk = Desk::empty();
+    desk.write("skin.toml", format!("{TINY}{POSE}"));
+    let presses = ["--press", "0.014,0,0.008,1", "--press", "-0.014,0,0.008,1"];
+    let (_board, port) = desk.board("skin.toml", &presses);
+    desk.run(&["build", "skin.toml", "-o", "skin.dermatome"]).success();
+    desk.run(&["flash", "skin.dermatome", "--port", &port]).success();
+    let stream = ["stream", "--port", &port, "--frames", "3", "--skin", "skin.toml", "--resolve"];
+    let out = desk.run(&[&stream[..], &["8 mm"]].concat()).success().out;
+    let frames: Vec<Value> = out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(frames.len(), 3);
+    for frame in &frames {
+        let [a, b] = frame["fingers"].as_array().unwrap().as_slice() else { panic!("{frame:#}") };
+        for finger in [a, b] {
+            let found = link_from_skin().inverse() * Point3::from(numbers(&finger["position_m"]));
+            let truth = Point3::new(0.014_f64.copysign(found.x), 0.0, 0.0);
+            assert!((found - truth).norm() < 4e-3, "{found}");
+            assert!(finger["strength"].as_f64().unwrap() > 0.1, "{finger}");
+        }
+        let x = |finger: &Value| numbers(&finger["position_m"])[1];
+        assert!((x(a) - x(b)).abs() > 0.02, "{frame:#}");
+    }
+}
+
+#[test]
+fn a_radius_that_is_none_is_refused() {
+    let desk = Desk::with_patch();
+    for wrong in ["0", "-3 mm", "8 kg", "nan"] {
+        let option = format!("--resolve={wrong}");
+        let error =
+            desk.run(&["stream", "--port", "tcp:127.0.0.1:1", "--skin", "skin.toml", &option]).refused();
+        assert!(error.contains("--resolve") && error.contains("above zero"), "{error}");
+    }
+    let alone = desk.run(&["stream", "--port", "tcp:127.0.0.1:1", "--resolve", "8 mm"]).refused();
+    assert!(alone.contains("--skin"), "{alone}");
+}
+
+#[test]
 fn a_frame_without_contact_is_a_line_too_and_a_calibrated_one_has_its_force() {
     let desk = Desk::empty();
     let calibration = "[calibration]\nstrength = [0.5]\npressure = [\"10 kPa\"]\n";

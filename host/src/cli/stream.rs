@@ -1,6 +1,7 @@
 //! `dermatome stream`.
 
 mod display;
+mod fingers;
 mod link_frame;
 mod tally;
 
@@ -14,10 +15,11 @@ use dermatome_shared::{
     reference::DEFAULT_TARE_FRAMES,
 };
 use display::Display;
+use fingers::Fingers;
 use serde::Serialize;
 use std::{
     collections::BTreeMap,
-    io,
+    io::{self, ErrorKind},
     path::PathBuf,
     time::{Duration, Instant},
 };
@@ -35,13 +37,16 @@ const PATIENCE_FRAMES: f64 = 5.0;
 /// pressure in kPa and force in N, separated by tabs. The summary goes to standard error.
 ///
 /// With --skin, contacts are in the frame of the robot's link that the skin lies on, and instead of such
-/// lines each frame is one line of JSON with position in m and normal of its contacts (docs/cli.md).
+/// lines each frame is one line of JSON with position in m and normal of its contacts (docs/cli.md). With
+/// --resolve as well, it also holds fingers that this computer fits to the frame's voltages, which tells apart what
+/// lies close together or far from all electrodes.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     dermatome stream --port /dev/ttyACM0\n  \
     dermatome stream --port tcp:127.0.0.1:7000 --frames 500 --json stream.json\n  \
     dermatome stream --port COM5 --no-image | tee contacts.tsv\n  \
-    dermatome stream --port /dev/ttyACM0 --skin forearm/skin.toml | my-robot")]
+    dermatome stream --port /dev/ttyACM0 --skin forearm/skin.toml | my-robot\n  \
+    dermatome stream --port /dev/ttyACM0 --skin head/skin.toml --resolve '12 mm' | my-robot")]
 pub(super) struct Args {
     /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT or sim:SKIN.toml.
     #[arg(long)]
@@ -55,6 +60,9 @@ pub(super) struct Args {
     /// Skin file of the board's patch: give contacts in the link's frame, by its [pose].
     #[arg(long, value_name = "FILE")]
     skin: Option<PathBuf>,
+    /// Resolve fingers of about this radius from the voltages, and print them as JSON with the contacts.
+    #[arg(long, value_name = "RADIUS", requires = "skin")]
+    resolve: Option<String>,
     #[command(flatten)]
     json: super::JsonReport,
 }
@@ -91,15 +99,19 @@ struct Report<'a> {
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let radius = args.resolve.as_deref().map(fingers::radius).transpose()?;
     interrupt::install()?;
     let mut link = link::open(&args.port)?;
     let patch = patch_of(&mut link)?;
-    let skin = args.skin.as_deref();
-    let pose = skin.map(|skin| link_frame::pose_of(skin, &mut link, &patch)).transpose()?;
+    let path = args.skin.as_deref();
+    let on_link = path.map(|path| link_frame::skin_of(path, &mut link, &patch)).transpose()?;
+    let pose = on_link.as_ref().map(|(_, pose)| pose);
     let tared_first = tare_if_needed(&mut link, &patch)?;
-    let mut display = Display::new(&mut link, !args.no_image, pose.as_ref())?;
+    let fingers = radius.zip(on_link.as_ref());
+    let mut fingers = fingers.map(|(radius, (skin, _))| Fingers::new(skin, radius, &mut link)).transpose()?;
+    let mut display = Display::new(&mut link, !args.no_image, pose, fingers.is_some())?;
     let mut tally = Tally::default();
-    let (ended, error) = match follow(args, &mut link, &patch, &mut display, &mut tally) {
+    let (ended, error) = match follow(args, &mut link, &patch, &mut display, &mut fingers, &mut tally) {
         Ok(ended) => (ended, None),
         Err(error) => (Ended::Error, Some(error)),
     };
@@ -108,7 +120,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     }
     args.json.write(&Report {
         board: BoardReport::new(&link, &patch),
-        link: pose.as_ref().map(|pose| pose.link.as_str()),
+        link: pose.map(|pose| pose.link.as_str()),
         tared_first,
         frames_received: tally.received(),
         frames_lost: tally.lost(),
@@ -138,20 +150,25 @@ fn follow(
     link: &mut Link,
     patch: &PatchInfo,
     display: &mut Display,
+    fingers: &mut Option<Fingers>,
     tally: &mut Tally,
 ) -> anyhow::Result<Ended> {
     let images = u16::from(display.wants_images());
-    let selection = Selection { images, contacts: 1, ..Selection::default() };
+    let measurements = u16::from(fingers.is_some());
+    let selection = Selection { images, contacts: 1, measurements, ..Selection::default() };
     tally.start(link::stream(link, selection)?);
     let patience = patience(patch);
     let mut last_event = Instant::now();
     let ended = loop {
-        if let Some(ended) = asked_to_end(args, tally) {
+        if let Some(ended) = asked_to_end(args, tally, display) {
             break ended;
         }
         match link.next_event(POLL)? {
             Some(event) => {
                 last_event = Instant::now();
+                if let (Some(fingers), Event::Measurements { at, codes, .. }) = (fingers.as_mut(), &event) {
+                    display.keep_fingers(*at, fingers.of_frame(codes, link)?.as_deref());
+                }
                 if !take(&event, display, tally)? {
                     break Ended::Pipe;
                 }
@@ -164,11 +181,12 @@ fn follow(
     Ok(ended)
 }
 
-fn asked_to_end(args: &Args, tally: &Tally) -> Option<Ended> {
+fn asked_to_end(args: &Args, tally: &Tally, display: &Display) -> Option<Ended> {
     if interrupt::requested() {
         return Some(Ended::Interrupt);
     }
-    args.frames.is_some_and(|frames| tally.received() >= frames).then_some(Ended::Frames)
+    let has_all = args.frames.is_some_and(|frames| tally.received() >= frames);
+    (has_all && !display.is_waiting()).then_some(Ended::Frames)
 }
 
 /// An event of the stream goes to the display and into the tally; each frame has its contacts.
@@ -177,15 +195,20 @@ fn take(event: &Event, display: &mut Display, tally: &mut Tally) -> io::Result<b
     match event {
         Event::Contacts { at, contacts } => {
             tally.count(*at, Instant::now());
-            match display.take_contacts(*at, contacts) {
-                Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(false),
-                other => other?,
-            }
+            is_read(display.take_contacts(*at, contacts))
         }
-        Event::Image { image, .. } => display.take_image(image)?,
-        Event::Tared { .. } | Event::Measurements { .. } | Event::Health { .. } | Event::Scope(_) => {}
+        Event::Image { image, .. } => display.take_image(image).map(|()| true),
+        Event::Measurements { .. } => is_read(display.print_resolved()),
+        Event::Tared { .. } | Event::Health { .. } | Event::Scope(_) => Ok(true),
     }
-    Ok(true)
+}
+
+/// Whether somebody still reads standard output.
+fn is_read(written: io::Result<()>) -> io::Result<bool> {
+    match written {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
+        other => other.map(|()| true),
+    }
 }
 
 /// Longest silence before the board is asked: five frames, and at least a second.

@@ -170,7 +170,7 @@ fn bumpy_link(bump: f64, fineness: usize, reversed: bool) -> Imported {
     let mut triangles = ball(0.05, bump, Vector3::zeros(), fineness);
     triangles.extend(ball(0.04, 0.0, Vector3::zeros(), 12).into_iter().map(|[a, b, c]| [a, c, b]));
     triangles.extend(ball(0.004, 0.0, Vector3::new(0.1, 0.1, 0.0), 8));
-    let turned = |i: usize| i % 3 == 0 && reversed;
+    let turned = |i: usize| i.is_multiple_of(3) && reversed;
     let mixed = triangles.iter().enumerate();
     let mut mixed: Vec<_> =
         mixed.map(|(i, &[a, b, c])| if turned(i) { [a, c, b] } else { [a, b, c] }).collect();

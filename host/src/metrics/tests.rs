@@ -296,15 +296,17 @@ proptest! {
         let threshold = RelativeConductivity(500_000);
         let contacts = contact::find(&tables.view(), &codes, threshold);
         let parts = parts(&image, &pixels, threshold.to_f64());
-        // A board may find several contacts in a part.
-        prop_assert!(contacts.len() >= parts.len().min(dermatome_shared::MAX_CONTACTS));
+        // A board may find several contacts in a part, and leaves none out that is nearly as strong as the strongest.
+        let strong = parts.iter().filter(|part| part.peak > 0.75 * parts[0].peak).count();
+        prop_assert!(contacts.len() >= strong.min(dermatome_shared::MAX_CONTACTS));
         let peaks = (contacts.first().map(|contact| f64::from(contact.peak)), parts.first().map(|part| part.peak));
         if let (Some(contact), Some(part)) = peaks {
             prop_assert!((contact - part).abs() < 1e-6);
         }
-        // Of equal peaks either may come first, and a board may divide a part.
+        // Of equal peaks either may come first, and a board may divide a part, or leave a weak one out.
         let is_whole = |(contact, part): (&contact::Contact, &Part)| {
             (f64::from(contact.area) / part.area - 1.0).abs() < 1e-5
+                && (f64::from(contact.peak) - part.peak).abs() < 1e-6
         };
         if parts.windows(2).all(|pair| pair[0].peak > pair[1].peak)
             && contacts.iter().zip(&parts).all(is_whole)

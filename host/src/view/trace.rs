@@ -149,7 +149,8 @@ mod tests {
         let plot = text(&trace());
         let lines: Vec<&str> = plot.lines().collect();
         assert_eq!(lines.len(), ROWS);
-        assert_eq!(lines[0], format!("4095 |{}", "-".repeat(50)));
+        assert_eq!(lines[0], "4095 |");
+        assert_eq!(lines[1], format!("     |{}", "-".repeat(50)));
         assert_eq!(plot.matches('o').count(), 10);
         assert!(plot.matches('*').count() >= 30, "{plot}");
     }

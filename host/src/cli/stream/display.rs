@@ -2,6 +2,7 @@
 
 use crate::{
     link::Link,
+    resolve::Resolved,
     skin::Pose,
     view::{layout::Layout, live::Live, terminal::Screen},
 };
@@ -17,6 +18,15 @@ pub(super) struct Display<'a> {
     medium: Medium,
     /// The skin's frame, if none.
     pose: Option<&'a Pose>,
+    /// What waits for its fingers, if fingers are resolved.
+    resolved: Option<Waiting>,
+}
+
+/// A frame whose fingers are still to come.
+#[derive(Default)]
+struct Waiting {
+    contacts: Option<(FrameStamp, Contacts)>,
+    fingers: Option<Vec<LinkFinger>>,
 }
 
 enum Medium {
@@ -28,14 +38,20 @@ enum Medium {
 
 impl<'a> Display<'a> {
     /// Pictures if standard output is a terminal, with the board's geometry if `images` are wanted. Contacts
-    /// are given in the frame of the link, if a skin's pose on one is known.
-    pub(super) fn new(link: &mut Link, images: bool, pose: Option<&'a Pose>) -> anyhow::Result<Self> {
-        if !Screen::default().is_visible() {
-            return Ok(Self { medium: Medium::Lines, pose });
+    /// are given in the frame of the link, if a skin's pose on one is known. Resolved fingers are lines always.
+    pub(super) fn new(
+        link: &mut Link,
+        images: bool,
+        pose: Option<&'a Pose>,
+        is_resolved: bool,
+    ) -> anyhow::Result<Self> {
+        let resolved = is_resolved.then(Waiting::default);
+        if is_resolved || !Screen::default().is_visible() {
+            return Ok(Self { medium: Medium::Lines, pose, resolved });
         }
         let surface = images.then(|| link.surface()).transpose()?;
         let live = Box::new(Live::new(surface.as_ref().map(Layout::from)));
-        Ok(Self { medium: Medium::Terminal(live, Box::default()), pose })
+        Ok(Self { medium: Medium::Terminal(live, Box::default()), pose, resolved })
     }
 
     pub(super) fn wants_images(&self) -> bool {
@@ -48,15 +64,40 @@ impl<'a> Display<'a> {
             || contacts.clone(),
             |pose| contacts.iter().map(|contact| pose.contact(contact)).collect(),
         );
+        if let Some(waiting) = &mut self.resolved {
+            // The fingers of the frame before never came.
+            let late = std::mem::take(waiting);
+            waiting.contacts = Some((at, contacts));
+            return late.print(self.pose);
+        }
         match (&mut self.medium, self.pose) {
             (Medium::Terminal(live, waiting), _) if live.has_images() => {
                 **waiting = Some((at, contacts));
                 Ok(())
             }
             (Medium::Terminal(live, _), _) => live.draw_if_due(at, &contacts),
-            (Medium::Lines, Some(pose)) => print_json(at, &pose.link, &contacts),
+            (Medium::Lines, Some(pose)) => print_json(at, &pose.link, &contacts, None),
             (Medium::Lines, None) => print_lines(at, &contacts),
         }
+    }
+
+    /// Whether a frame's fingers are still to come.
+    pub(super) fn is_waiting(&self) -> bool {
+        self.resolved.as_ref().is_some_and(|waiting| waiting.contacts.is_some())
+    }
+
+    /// Keeps the fingers of the frame whose contacts came before; `None` if they were not looked for.
+    pub(super) fn keep_fingers(&mut self, at: FrameStamp, fingers: Option<&[Resolved]>) {
+        let (Some(waiting), Some(pose)) = (&mut self.resolved, self.pose) else { return };
+        if waiting.contacts.as_ref().is_some_and(|(of, _)| of.sequence == at.sequence) {
+            waiting.fingers =
+                fingers.map(|all| all.iter().map(|finger| LinkFinger::new(finger, pose)).collect());
+        }
+    }
+
+    /// Prints the frame whose fingers have come.
+    pub(super) fn print_resolved(&mut self) -> io::Result<()> {
+        self.resolved.as_mut().map_or(Ok(()), |waiting| std::mem::take(waiting).print(self.pose))
     }
 
     /// Draws an image with the contacts that came before it.
@@ -64,6 +105,13 @@ impl<'a> Display<'a> {
         let Medium::Terminal(live, waiting) = &mut self.medium else { return Ok(()) };
         live.keep_image(image.values().collect());
         waiting.take().map_or(Ok(()), |(at, contacts)| live.draw_if_due(at, &contacts))
+    }
+}
+
+impl Waiting {
+    fn print(self, pose: Option<&Pose>) -> io::Result<()> {
+        let Some(((at, contacts), pose)) = self.contacts.zip(pose) else { return Ok(()) };
+        print_json(at, &pose.link, &contacts, self.fingers)
     }
 }
 
@@ -93,6 +141,22 @@ struct LinkFrame<'a> {
     time_s: f64,
     link: &'a str,
     contacts: Vec<LinkContact>,
+    /// Only where fingers are resolved.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fingers: Option<Vec<LinkFinger>>,
+}
+
+#[derive(Serialize)]
+struct LinkFinger {
+    position_m: [f64; 3],
+    strength: f64,
+}
+
+impl LinkFinger {
+    fn new(finger: &Resolved, pose: &Pose) -> Self {
+        let position = pose.link_from_skin * finger.position;
+        Self { position_m: position.coords.into(), strength: finger.strength }
+    }
 }
 
 #[derive(Serialize)]
@@ -118,9 +182,14 @@ impl From<&Contact> for LinkContact {
     }
 }
 
-fn print_json(at: FrameStamp, link: &str, contacts: &Contacts) -> io::Result<()> {
+fn print_json(
+    at: FrameStamp,
+    link: &str,
+    contacts: &Contacts,
+    fingers: Option<Vec<LinkFinger>>,
+) -> io::Result<()> {
     let contacts = contacts.iter().map(LinkContact::from).collect();
-    let frame = LinkFrame { sequence: at.sequence, time_s: seconds(at), link, contacts };
+    let frame = LinkFrame { sequence: at.sequence, time_s: seconds(at), link, contacts, fingers };
     let mut out = io::stdout().lock();
     writeln!(out, "{}", serde_json::to_string(&frame)?)?;
     out.flush()

@@ -14,11 +14,11 @@ use std::path::Path;
 /// How far a pixel of the board's patch may lie from where the skin file has it, m.
 const SAME_PLACE: f64 = 1e-4;
 
-/// Pose of the skin in `path`, which must be the skin of the board's patch.
-pub(super) fn pose_of(path: &Path, link: &mut Link, patch: &PatchInfo) -> anyhow::Result<Pose> {
+/// The skin in `path`, which must be that of the board's patch, and its pose.
+pub(super) fn skin_of(path: &Path, link: &mut Link, patch: &PatchInfo) -> anyhow::Result<(Skin, Pose)> {
     let file = path.display();
     let skin = Skin::load(path)?;
-    let Some(pose) = &skin.pose else {
+    let Some(pose) = skin.pose.clone() else {
         bail!(
             "skin file `{file}`: `pose` is missing; allowed: a table `[pose]` as `dermatome cut` writes it"
         );
@@ -35,7 +35,7 @@ pub(super) fn pose_of(path: &Path, link: &mut Link, patch: &PatchInfo) -> anyhow
         "skin file `{file}`: its pixels do not lie where those of the board's patch do, so neither would contacts: \
          give the skin file that the patch was built from, or build and flash it anew"
     );
-    Ok(pose.clone())
+    Ok((skin, pose))
 }
 
 /// Where the pixels of a skin lie; nothing where they are more than a board takes.
