@@ -216,9 +216,9 @@ impl AnalogueWorld {
         let pga = self.analogue.pga;
         let signal = chain.output(&self.parts).clamp(-reach, reach) + gain * pga.offset;
         let (amplifiers, converter) = self.noise.sample(at);
-        let on = f64::from(u8::from(self.conditions.noise));
-        let output = (supply / 2.0 + signal + on * amplifiers).clamp(pga.headroom, supply - pga.headroom);
-        output + on * converter + self.analogue.adc.offset
+        let times = self.conditions.noise;
+        let output = (supply / 2.0 + signal + times * amplifiers).clamp(pga.headroom, supply - pga.headroom);
+        output + times * converter + self.analogue.adc.offset
     }
 }
 
@@ -257,6 +257,7 @@ impl World for AnalogueWorld {
     fn pins(&mut self, port: char, levels: u16, at: Time) {
         self.advance(at);
         if self.multiplexers.pins(port, levels) {
+            self.scene.record_enable(self.multiplexers.is_enabled());
             self.follow();
         }
     }

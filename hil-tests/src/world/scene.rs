@@ -125,6 +125,8 @@ pub struct DriveRecord {
     pub time: f64,
     /// Largest way from one code to the next.
     pub largest_step: u16,
+    /// Whether the multiplexers are enabled now.
+    pub enabled: bool,
     last: Option<(u16, Time)>,
 }
 
@@ -156,8 +158,8 @@ pub struct Conditions {
     pub presses: Vec<Press>,
     /// Conductivity of the sheet over the skin file's.
     pub scale: f64,
-    /// Whether there is noise.
-    pub noise: bool,
+    /// Noise, over that of the parts.
+    pub noise: f64,
     /// Temperature of the chip, degrees Celsius.
     pub temperature: f64,
     /// What is broken.
@@ -179,7 +181,7 @@ impl Scene {
         let conditions = Conditions {
             presses: Vec::new(),
             scale: 1.0,
-            noise: setup.noise,
+            noise: f64::from(u8::from(setup.noise)),
             temperature: 30.0,
             faults: Vec::new(),
         };
@@ -230,9 +232,9 @@ impl Scene {
         });
     }
 
-    /// Switches the noise.
-    pub fn noise(&self, on: bool) {
-        self.change(|state| state.conditions.noise = on);
+    /// Makes the noise so many times that of the parts; 0 for none.
+    pub fn noise(&self, times: f64) {
+        self.change(|state| state.conditions.noise = times);
     }
 
     /// The chip's temperature, degrees Celsius.
@@ -301,8 +303,13 @@ impl Scene {
     /// What the DAC has put out since this was asked last.
     pub fn take_drive_record(&self) -> DriveRecord {
         let mut record = self.0.drive.lock().unwrap_or_else(PoisonError::into_inner);
-        let last = record.last;
-        std::mem::replace(&mut *record, DriveRecord { last, ..DriveRecord::default() })
+        let (last, enabled) = (record.last, record.enabled);
+        std::mem::replace(&mut *record, DriveRecord { last, enabled, ..DriveRecord::default() })
+    }
+
+    /// The multiplexers are enabled, or not.
+    pub(super) fn record_enable(&self, enabled: bool) {
+        self.0.drive.lock().unwrap_or_else(PoisonError::into_inner).enabled = enabled;
     }
 
     /// The DAC puts out a code.
