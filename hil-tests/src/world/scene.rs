@@ -125,8 +125,9 @@ pub struct DriveRecord {
     pub time: f64,
     /// Largest way from one code to the next.
     pub largest_step: u16,
-    /// Whether the multiplexers are enabled now.
+    /// Whether the multiplexers were enabled at any time.
     pub enabled: bool,
+    enabled_now: bool,
     last: Option<(u16, Time)>,
 }
 
@@ -303,13 +304,16 @@ impl Scene {
     /// What the DAC has put out since this was asked last.
     pub fn take_drive_record(&self) -> DriveRecord {
         let mut record = self.0.drive.lock().unwrap_or_else(PoisonError::into_inner);
-        let (last, enabled) = (record.last, record.enabled);
-        std::mem::replace(&mut *record, DriveRecord { last, enabled, ..DriveRecord::default() })
+        let (last, enabled_now) = (record.last, record.enabled_now);
+        let next = DriveRecord { last, enabled_now, enabled: enabled_now, ..DriveRecord::default() };
+        std::mem::replace(&mut *record, next)
     }
 
     /// The multiplexers are enabled, or not.
     pub(super) fn record_enable(&self, enabled: bool) {
-        self.0.drive.lock().unwrap_or_else(PoisonError::into_inner).enabled = enabled;
+        let mut record = self.0.drive.lock().unwrap_or_else(PoisonError::into_inner);
+        record.enabled_now = enabled;
+        record.enabled |= enabled;
     }
 
     /// The DAC puts out a code.
