@@ -123,13 +123,14 @@ fn print_lines(at: FrameStamp, contacts: &Contacts) -> io::Result<()> {
     out.flush()
 }
 
-/// Sequence, time, x, y, z, area, strength; with a calibration also pressure and force.
+/// Sequence, time, x, y, z, area, strength; with a calibration also pressure, and force or an empty field.
 fn line(at: FrameStamp, contact: &Contact) -> String {
     let [x, y, z] = contact.position.map(|metres| metres * 1e3);
     let (sequence, time, area) = (at.sequence, seconds(at), contact.area * 1e6);
     let line = format!("{sequence}\t{time:.6}\t{x:.3}\t{y:.3}\t{z:.3}\t{area:.2}\t{:.6}", contact.strength);
-    match contact.pressure.zip(contact.force()) {
-        Some((pressure, force)) => format!("{line}\t{:.4}\t{force:.5}", pressure * 1e-3),
+    let force = contact.force().map_or(String::new(), |force| format!("{force:.5}"));
+    match contact.pressure {
+        Some(pressure) => format!("{line}\t{:.4}\t{force}", pressure * 1e-3),
         None => line,
     }
 }
@@ -214,9 +215,12 @@ mod tests {
             strength: 0.5,
             peak: 1.0,
             pressure: None,
+            load_area: None,
         };
         assert_eq!(line(at, &contact), "7\t1.250000\t10.000\t-2.000\t0.000\t4.00\t0.500000");
         let calibrated = Contact { pressure: Some(12.5e3), ..contact };
+        assert!(line(at, &calibrated).ends_with("\t0.500000\t12.5000\t"));
+        let calibrated = Contact { load_area: Some(4e-6), ..calibrated };
         assert!(line(at, &calibrated).ends_with("\t0.500000\t12.5000\t0.05000"));
     }
 }
