@@ -282,7 +282,10 @@ fn drive_drift_time_and_calibration_reach_the_patch() {
     assert_eq!(header.calibration.pressure(0.2), Some(12.5e3));
     assert_eq!(header.test_resistances.len(), 16);
     let plain = Skin::parse(Path::new("skin.toml"), GOOD).unwrap();
-    assert_eq!((plain.drift_time, plain.drive.gain, plain.calibration.0.len()), (30.0, Gain::Automatic, 0));
+    assert_eq!(
+        (plain.drift_time, plain.drive.gain, plain.calibration.points.len()),
+        (30.0, Gain::Automatic, 0)
+    );
 }
 
 #[test]

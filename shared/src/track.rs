@@ -135,6 +135,7 @@ mod tests {
             strength: 0.5,
             peak: 1.0,
             pressure: None,
+            load_area: None,
         }
     }
 

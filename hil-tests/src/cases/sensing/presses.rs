@@ -58,7 +58,7 @@ pub(super) fn held(rig: &Rig) -> Result<String, Failure> {
         skin.drive.frame_rate = 1.0;
         let points =
             [(0.2, 20e3), (0.4, 60e3)].map(|(strength, pressure)| CalibrationPoint { strength, pressure });
-        skin.calibration = Calibration(points.into_iter().collect());
+        skin.calibration = Calibration { points: points.into_iter().collect(), load_share: Some(0.5) };
     })?;
     session.tare(5)?;
     session.stream(Selection { contacts: 1, ..Selection::default() })?;

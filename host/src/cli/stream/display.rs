@@ -134,7 +134,7 @@ fn print_lines(at: FrameStamp, contacts: &Contacts) -> io::Result<()> {
     out.flush()
 }
 
-/// Sequence, time, x, y, z, area, strength, pressure and force (empty without a calibration), flags.
+/// Sequence, time, x, y, z, area, strength, pressure and force (empty where no calibration tells them), flags.
 fn line(at: FrameStamp, contact: &Contact) -> String {
     let [x, y, z] = contact.position.map(|metres| metres * 1e3);
     let (sequence, time, area) = (at.sequence, seconds(at), contact.area * 1e6);
@@ -239,12 +239,15 @@ mod tests {
             strength: 0.5,
             peak: 1.0,
             pressure: None,
+            load_area: None,
         };
         assert_eq!(line(at, &contact), "7\t1.250000\t10.000\t-2.000\t0.000\t4.00\t0.500000\t\t\t");
         let calibrated = Contact { pressure: Some(12.5e3), ..contact };
         let mut flags = FrameFlags::SATURATED;
         flags.insert(FrameFlags::MASKED);
-        let ends = "\t0.500000\t12.5000\t0.05000\tsaturated, bad electrodes masked";
-        assert!(line(FrameStamp { flags, ..at }, &calibrated).ends_with(ends));
+        let at = FrameStamp { flags, ..at };
+        assert!(line(at, &calibrated).ends_with("\t0.500000\t12.5000\t\tsaturated, bad electrodes masked"));
+        let calibrated = Contact { load_area: Some(4e-6), ..calibrated };
+        assert!(line(at, &calibrated).ends_with("\t12.5000\t0.05000\tsaturated, bad electrodes masked"));
     }
 }
