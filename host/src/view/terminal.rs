@@ -65,8 +65,7 @@ pub fn legend(maximum: f64, ink: Ink) -> String {
 /// What was wrong with a frame, in words; empty if nothing was.
 #[must_use]
 pub fn flags(flags: FrameFlags) -> String {
-    let set = FrameFlags::ALL.into_iter().filter(|&(flag, _)| flags.contains(flag));
-    set.map(|(_, words)| words).collect::<Vec<_>>().join(", ")
+    flags.words().collect::<Vec<_>>().join(", ")
 }
 
 /// A line for each contact, with its height where the skin is curved there, and pressure and force where the skin is calibrated.
