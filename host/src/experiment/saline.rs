@@ -23,7 +23,8 @@ use std::path::Path;
 
 /// Depth of the water, m.
 pub(super) const WATER: f64 = 0.06;
-/// Largest hysteresis of the method, % of the range (thesis section 4.1.2.2).
+/// Hysteresis of the method in experiment 2, % of the range (thesis section 4.1.2.2). Of experiment 1 the thesis says that
+/// the difference is minor.
 const THESIS_HYSTERESIS: f64 = 1.06;
 
 /// The bath, looked at for falls of conductivity, tared without a cube.
@@ -67,7 +68,8 @@ pub(super) fn depth() -> Result<Report, ExperimentError> {
         let cube = (third > 0).then(|| cube([0.0; 2], SIDE, depth));
         Dip { volume: SIDE * SIDE * depth * 1e6, cube }
     };
-    cycle(report, &[0, 1, 2, 3, 2, 1, 0].map(dip))
+    report.words("The thesis gives no figure of this experiment's hysteresis: \"a minor difference\".");
+    cycle(report, None, &[0, 1, 2, 3, 2, 1, 0].map(dip))
 }
 
 /// Experiment 2: cubes of three sizes under water, up and down.
@@ -79,11 +81,11 @@ pub(super) fn volume() -> Result<Report, ExperimentError> {
         let side = volume.cbrt() * 1e-2;
         Dip { volume, cube: (volume > 0.0).then(|| cube([0.0; 2], side, side)) }
     };
-    cycle(report, &[0.0, 5.0, 13.0, 21.0, 13.0, 5.0, 0.0].map(dip))
+    cycle(report, Some(THESIS_HYSTERESIS), &[0.0, 5.0, 13.0, 21.0, 13.0, 5.0, 0.0].map(dip))
 }
 
 /// Shows a cycle of loads and looks for hysteresis.
-fn cycle(mut report: Report, dips: &[Dip]) -> Result<Report, ExperimentError> {
+fn cycle(mut report: Report, thesis: Option<f64>, dips: &[Dip]) -> Result<Report, ExperimentError> {
     let mut bench = bath(1)?;
     report.words(format!("Artefacts: {}.", Artefacts::SALINE.words()));
     let shown = dips
@@ -95,7 +97,7 @@ fn cycle(mut report: Report, dips: &[Dip]) -> Result<Report, ExperimentError> {
     let strengths: Vec<f64> = shown.iter().map(strength).collect();
     let voltages: Vec<f64> = shown.iter().map(|shown| shown.voltage_change).collect();
     let [image, raw] = [&strengths, &voltages].map(|readings| hysteresis(readings));
-    report.compare("hysteresis of the method, image", "%", Some(THESIS_HYSTERESIS), image, None);
+    report.compare("hysteresis of the method, image", "%", thesis, image, None);
     report.compare("hysteresis of the method, voltages", "%", None, raw, None);
     report.words("Nothing in the simulation remembers, so what hysteresis there is, is noise.");
     let rows = dips.iter().zip(&strengths).zip(&voltages);
