@@ -74,7 +74,8 @@ pub(super) fn played_words(options: &Options) -> [String; 2] {
 }
 
 pub(super) fn run() -> Result<Report, ExperimentError> {
-    let mut report = Report::new("hemisphere", "One, two and three contacts on a hemisphere (thesis 5.4.4, Fig. 5.10)");
+    let mut report =
+        Report::new("hemisphere", "One, two and three contacts on a hemisphere (thesis 5.4.4, Fig. 5.10)");
     let options = Options { scenes: SCENES, ..Options::default() };
     played_words(&options).into_iter().for_each(|words| report.words(words));
     let [skin, truth] = skins()?;
@@ -94,13 +95,19 @@ fn touch(report: &mut Report, skin: &Skin, truth: &Skin) -> Result<(), Experimen
          the pole, and the pole. Crosses and their circles: the finger; rings: what the board found.",
     );
     tabulate(report, &touches, &["surface"]);
-    let found = touches.iter().map(|touch| touch.found(0));
-    let (counts, errors): (Vec<usize>, Vec<_>) = found.unzip();
-    let errors: Vec<f64> = errors.into_iter().flatten().map(|error| 100.0 * error.unwrap_or(DIAMETER) / DIAMETER).collect();
+    let (counts, errors): (Vec<usize>, Vec<_>) = touches.iter().map(|touch| touch.found(0)).unzip();
     let right = counts.iter().filter(|&&count| count == 1).count();
-    report.compare("single touches with one contact on the board", "%", None, percent(right, counts.len()), None);
-    let mean = mean_and_deviation(&errors)[0];
-    report.compare("single touches: position error of the board, mean", "%", None, mean, None);
+    report.compare(
+        "single touches pictured: those with one contact on the board",
+        "%",
+        None,
+        percent(right, counts.len()),
+        None,
+    );
+    let errors: Vec<Option<f64>> =
+        errors.concat().into_iter().map(|e| e.map(|e| 100.0 * e / DIAMETER)).collect();
+    let mean = mean_and_deviation(&errors.iter().copied().flatten().collect::<Vec<_>>())[0];
+    report.compare("single touches pictured: position error of those found, mean", "%", None, mean, None);
     let places = TOUCHES.iter().zip(counts.iter().zip(&errors));
     report.figures["touches"] = places
         .map(|((name, _), (found, error))| json!({ "place": name, "found": found, "error_percent": error }))

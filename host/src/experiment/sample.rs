@@ -183,7 +183,8 @@ impl Sample {
 
     /// How it was driven and imaged, in words.
     pub(super) fn acquisition(&self) -> String {
-        let part = if self.component == Component::Magnitude { "absolute values" } else { "the part in phase" };
+        let part =
+            if self.component == Component::Magnitude { "absolute values" } else { "the part in phase" };
         format!(
             "{}: {} Mean of {FRAMES} frames for each load, reference set once, {part}, Laplace prior. The table: {}. {}The gain is \
              not that of the table: the simulated board finds its own, and any cancels in difference data. Nor is the \

@@ -170,3 +170,29 @@ pub(super) fn tabulate(report: &mut Report, touches: &[Touch], viewers: &[&str])
         rows,
     );
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::hemisphere::skins;
+
+    #[test]
+    fn a_touch_is_one_contact_where_it_is_and_the_flat_model_puts_it_too_close_to_the_pole() {
+        let [skin, truth] = skins().unwrap();
+        let flat = skin.flattened().unwrap();
+        let mut booth = Booth::new(&truth, vec![skin, flat]).unwrap();
+        for direction in [90.0, 250.0] {
+            let touch = booth.touch("touch", &[[direction, 50.0]]);
+            let [surface, flat] = [0, 1].map(|viewer| touch.found(viewer));
+            let [Some(near)] = surface.1[..] else { panic!("{:?}", surface.1) };
+            assert_eq!(surface.0, 1);
+            assert!(near < 0.015, "{direction}: {near}");
+            if let [Some(far)] = flat.1[..] {
+                assert!(far > 2.0 * near, "{direction}: {near} {far}");
+            }
+        }
+        let pole = booth.touch("pole", &[[0.0, 0.0]]);
+        assert!((pole.truth[0].z - 0.105).abs() < 1e-3, "{}", pole.truth[0]);
+        assert!(pole.found(0).0 <= 1);
+    }
+}

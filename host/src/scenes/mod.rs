@@ -98,9 +98,8 @@ pub fn play(skin: &Skin, true_skin: &Skin, options: &Options) -> Result<Vec<Scen
     let places = (0..options.scenes)
         .map(|scene| centres(stage.truth(), diameter, options, 1 + scene % 3, &mut random))
         .collect::<Result<Vec<_>, ScenesError>>()?;
-    let press = |centre: &Point3<f64>| {
-        Press::finger([centre.x, centre.y], options.radius * diameter, options.depth)
-    };
+    let press =
+        |centre: &Point3<f64>| Press::finger([centre.x, centre.y], options.radius * diameter, options.depth);
     let phasors: Vec<_> = places
         .par_iter()
         .map(|centres| {

@@ -92,7 +92,9 @@ impl Eye {
             pipeline::process(&self.patch(), &mut state, frame);
         }
         self.state = state;
-        let mean = |step: usize| frames.iter().map(|f| f64::from(f.codes[step].0)).sum::<f64>() / frames.len() as f64;
+        let mean = |step: usize| {
+            frames.iter().map(|f| f64::from(f.codes[step].0)).sum::<f64>() / frames.len() as f64
+        };
         self.reference = (0..self.model.steps.len()).map(mean).collect();
     }
 
