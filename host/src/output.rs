@@ -66,31 +66,21 @@ pub fn check_folder(path: &Path) -> Result<(), WriteError> {
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
-    /// Whether it was made here, and so goes away again if nothing is written to it.
-    is_new: bool,
 }
 
 impl OutputFolder {
-    /// Makes the folder, or checks that one is there that can be written to, before the work whose
-    /// results it is to hold.
+    /// Checks that the folder can be made and written to, before the work whose results it is to hold. One that is
+    /// not there is made only when there is something to write, so that an interrupt leaves none.
     pub fn prepare(path: &Path) -> Result<Self, WriteError> {
-        let failed = |reason| WriteError { path: path.to_owned(), reason };
-        let is_new = !path.exists();
-        if is_new {
-            std::fs::create_dir(path).map_err(failed)?;
-        } else if !path.is_dir() {
-            return Err(failed(io::Error::new(
-                io::ErrorKind::NotADirectory,
-                "it is there, and is not a folder",
-            )));
-        }
-        let folder = Self { path: path.to_owned(), is_new };
-        temporary_file(path).map_err(failed)?;
-        Ok(folder)
+        let open = Made::at(path).and_then(|_made| temporary_file(path).map(drop));
+        open.map_err(|reason| WriteError { path: path.to_owned(), reason })?;
+        Ok(Self { path: path.to_owned() })
     }
 
     /// Writes files by name; what is there under these names is replaced once all are safe on the disk.
-    pub fn write_all(mut self, files: &[(&str, &[u8])]) -> Result<(), WriteError> {
+    pub fn write_all(self, files: &[(&str, &[u8])]) -> Result<(), WriteError> {
+        let mut made =
+            Made::at(&self.path).map_err(|reason| WriteError { path: self.path.clone(), reason })?;
         let mut safe = Vec::new();
         for (name, bytes) in files {
             let path = self.path.join(name);
@@ -101,16 +91,34 @@ impl OutputFolder {
             let reason = io::Error::new(io::ErrorKind::IsADirectory, "it is a folder");
             return Err(WriteError { path: path.clone(), reason });
         }
-        self.is_new = false;
+        made.is_new = false;
         persist(safe)
     }
 }
 
-impl Drop for OutputFolder {
+/// A folder that goes away again if it was made here and nothing stays in it.
+struct Made<'a> {
+    path: &'a Path,
+    is_new: bool,
+}
+
+impl<'a> Made<'a> {
+    fn at(path: &'a Path) -> io::Result<Self> {
+        let is_new = !path.exists();
+        if is_new {
+            std::fs::create_dir(path)?;
+        } else if !path.is_dir() {
+            return Err(io::Error::new(io::ErrorKind::NotADirectory, "it is there, and is not a folder"));
+        }
+        Ok(Self { path, is_new })
+    }
+}
+
+impl Drop for Made<'_> {
     fn drop(&mut self) {
         if self.is_new {
             // Fails only if somebody put something into it meanwhile.
-            let _ = std::fs::remove_dir(&self.path);
+            let _ = std::fs::remove_dir(self.path);
         }
     }
 }
