@@ -204,8 +204,7 @@ fn presses_at_few_places_are_refused_and_those_at_one_place_are_not_on_both_side
     let mut recording = recording(&true_tiny(), 60, 11);
     let all = recording.positions.clone();
     for places in [1, 9] {
-        let few = || all.iter().take(places).cycle().take(60).copied().collect();
-        recording.positions = few();
+        recording.positions = all.iter().take(places).cycle().take(60).copied().collect();
         let LearnError::TooFewPlaces { found, places: of_all } = learnt(&recording, &REQUEST).unwrap_err()
         else {
             panic!("{places}")
