@@ -219,11 +219,11 @@ fn holds() -> Vec<Hold> {
     loads.iter().enumerate().map(|(n, &pressure_kpa)| Hold { time_s: n as f64, pressure_kpa }).collect()
 }
 
-/// Frames under [`holds`] at 50 a second, from the loads' time 0: time, and the contact from 5 kPa on.
+/// Frames under [`holds`] at 50 a second, clear of the holds' limits: time, and the contact from 5 kPa on.
 fn frames() -> Vec<(f64, Option<Strongest>)> {
     let loads = holds();
     let frame = |n: usize| {
-        let time = 0.02 * n as f64;
+        let time = 0.02 * n as f64 + 0.01;
         let kpa = loads[n / 50].pressure_kpa;
         let ripple = 1e-3 * f64::from(n as u32 % 7);
         let contact = Strongest { strength: 0.02 * kpa + ripple, area_mm2: 2000.0 + 10.0 * kpa };
@@ -276,7 +276,10 @@ fn a_recording_gives_the_readings_that_the_board_would_have_given() {
             assert!((a.deviation - b.deviation).abs() < 1e-6 && a.area_mm2 == b.area_mm2, "{a:?} {b:?}");
         }
         let bold: Vec<Hold> = loads.iter().copied().filter(|load| load.pressure_kpa != 2.0).collect();
-        assert_eq!(recording.readings(&bold, None).unwrap()[1..4], live[2..5]);
+        for (a, b) in recording.readings(&bold, None).unwrap()[1..4].iter().zip(&live[2..5]) {
+            // The first contact comes up to a frame after its load.
+            assert!((a.strength - b.strength).abs() < 5e-4 && a.area_mm2 == b.area_mm2, "{a:?} {b:?}");
+        }
     }
 }
 
@@ -294,8 +297,8 @@ fn recordings_that_are_cut_off_or_no_recordings_are_refused() {
     let cut: String = good.lines().take(300).map(|line| format!("{line}\n")).collect();
     for (text, words) in [
         (cut.as_str(), ["last contact", "before the load of 10 kPa"]),
-        (&format!("{good}{first}\n"), ["line 502", "column `sequence` is 800"]),
-        (&good.replace("\t1002.020000\t", "\t1001.5\t"), ["line 3", "column `time_s` is 1001.5"]),
+        (&format!("{good}{first}\n"), ["line 501", "column `sequence` is 800"]),
+        (&good.replace("\t1002.030000\t", "\t1001.5\t"), ["line 3", "column `time_s` is 1001.5"]),
         (&good.replacen("\t2050.00\t", "\twide\t", 1), ["line 1", "column `area_mm2` is \"wide\""]),
         ("800\t1002.0\n801\t1002.1\n", ["line 1", "column `area_mm2` is \"\""]),
         ("frame\ttime_s\n1\t2\n", ["line 1", "column `sequence`"]),
