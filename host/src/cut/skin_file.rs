@@ -59,8 +59,9 @@ frame_rate = "50 Hz"
 
 [inverse]
 prior = "laplace"
-hyperparameter = 0.03
-normalised = true
+hyperparameter = 0.003            # larger is smoother
+normalised = false                # true with 0.03 may do better on a nearly round patch; elsewhere some untouched
+                                  # voltages are too small to divide by
 
 [image]
 {image}
