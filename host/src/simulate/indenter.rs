@@ -176,7 +176,7 @@ impl Footprint {
             Self::Polygon(corners) => {
                 let is_wrong = !(signed_area(corners).abs() > 0.0 && self.reach().is_finite());
                 let allowed = "three or more corners x:y round an area, in m, as in 0:0 0.01:0 0:0.01";
-                let points: Vec<_> = corners.iter().copied().map(Point2::from).collect();
+                let points: Vec<Point2<f64>> = corners.iter().copied().map(Point2::from).collect();
                 let meets = || Outline::polygon(&points, &[]).err();
                 let empty = is_wrong.then(|| ("corners", format!("{corners:?}"), allowed));
                 empty.or_else(|| {
@@ -423,7 +423,7 @@ mod tests {
             (Footprint::Polygon(vec![[0.0; 2], [0.01, 0.0]]), "`corners`"),
             (
                 Footprint::Polygon(vec![[0.0, 0.0], [0.02, 0.01], [0.02, 0.0], [0.0, 0.015]]),
-                "that start at rows 3 and 1 cross",
+                "sides that do not meet or cross",
             ),
             (Footprint::Polygon(vec![[0.0; 2], [0.01, f64::NAN], [1.0, 0.0]]), "`corners`"),
             (Footprint::Disc { radius: f64::NAN }, "`radius`"),
