@@ -114,7 +114,7 @@ fn slivers_hundreds_of_times_as_long_as_wide_do_not_become_slivers_of_their_own_
         let request = disc(around.coords.into(), 0.03);
         let crop = shell::crop(&tube(rows, sides, &turn), around, |_, _| true).unwrap();
         let (even, _) = even_triangles(crop.surface, &request.region, crop.seed);
-        // Nodes that have gone keep their number: each split has made one.
+        // Nodes that have gone since the last level keep their number, so this counts the last splits, too.
         let made = even.points.len();
         assert!(made < most, "{rows} x {sides}: {made}");
         let (area, rim) = checked(&cut(&tube(rows, sides, &turn), &request).unwrap());
