@@ -9,7 +9,7 @@
 
 mod tasks;
 
-use defmt::{Debug2Format, info};
+use defmt::{Display2Format, info};
 use defmt_rtt as _;
 use dermatome_firmware::{
     board,
@@ -23,7 +23,7 @@ async fn main(spawner: Spawner) {
     let board = board::start();
     let started_after = Restart::new(board.reset_causes, drivers::crash::take_message());
     info!("{} firmware {}", board::NAME, env!("CARGO_PKG_VERSION"));
-    info!("started after {}", Debug2Format(&started_after));
+    info!("started after {}", Display2Format(&started_after));
     let state = tasks::State::take(board.flash, started_after);
     let signs = VitalSigns::new(board.thermometer, board.core.DCB, board.core.DWT);
     spawner.spawn(tasks::health::run(board.watchdog, signs, state).expect("spawned once"));

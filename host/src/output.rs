@@ -40,6 +40,20 @@ pub fn stream_whole(
     written.map_err(|reason| WriteError { path: path.to_owned(), reason })
 }
 
+/// Writes files that belong together, so that all of them are written or none is: ordinary files are replaced once
+/// their bytes are safe on the disk and what is none has been written in place.
+pub fn write_together(files: &[(&Path, &[u8])]) -> Result<(), WriteError> {
+    let mut safe = Vec::new();
+    for (path, bytes) in files {
+        let failed = |reason| WriteError { path: path.to_path_buf(), reason };
+        match Target::of(path) {
+            Target::File(target) => safe.push((safe_file(&target, bytes).map_err(failed)?, target)),
+            Target::InPlace | Target::StandardOutput => write_whole(path, bytes)?,
+        }
+    }
+    persist(safe)
+}
+
 /// Checks that a file could be written to `path`, before the work whose result it is to hold.
 pub fn check_folder(path: &Path) -> Result<(), WriteError> {
     let Target::File(target) = Target::of(path) else { return Ok(()) };
@@ -52,58 +66,59 @@ pub fn check_folder(path: &Path) -> Result<(), WriteError> {
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
-    /// Whether it was made here, and so goes away again if nothing is written to it.
-    is_new: bool,
 }
 
 impl OutputFolder {
-    /// Makes the folder, or checks that one is there that can be written to, before the work whose
-    /// results it is to hold.
+    /// Checks that the folder can be made and written to, before the work whose results it is to hold. One that is
+    /// not there is made only when there is something to write, so that an interrupt leaves none.
     pub fn prepare(path: &Path) -> Result<Self, WriteError> {
-        let failed = |reason| WriteError { path: path.to_owned(), reason };
-        let is_new = !path.exists();
-        if is_new {
-            std::fs::create_dir(path).map_err(failed)?;
-        } else if !path.is_dir() {
-            return Err(failed(io::Error::new(
-                io::ErrorKind::NotADirectory,
-                "it is there, and is not a folder",
-            )));
-        }
-        let folder = Self { path: path.to_owned(), is_new };
-        temporary_file(path).map_err(failed)?;
-        Ok(folder)
+        let open = Made::at(path).and_then(|_made| temporary_file(path).map(drop));
+        open.map_err(|reason| WriteError { path: path.to_owned(), reason })?;
+        Ok(Self { path: path.to_owned() })
     }
 
     /// Writes files by name; what is there under these names is replaced once all are safe on the disk.
-    pub fn write_all(mut self, files: &[(&str, &[u8])]) -> Result<(), WriteError> {
+    pub fn write_all(self, files: &[(&str, &[u8])]) -> Result<(), WriteError> {
+        let mut made =
+            Made::at(&self.path).map_err(|reason| WriteError { path: self.path.clone(), reason })?;
         let mut safe = Vec::new();
         for (name, bytes) in files {
             let path = self.path.join(name);
-            let written = temporary_file(&self.path).and_then(|mut file| {
-                buffered(&mut file, |out| out.write_all(bytes))?;
-                file.as_file().sync_all()?;
-                Ok(file)
-            });
+            let written = safe_file(&path, bytes);
             safe.push((written.map_err(|reason| WriteError { path: path.clone(), reason })?, path));
         }
         if let Some((_, path)) = safe.iter().find(|(_, path)| path.is_dir()) {
             let reason = io::Error::new(io::ErrorKind::IsADirectory, "it is a folder");
             return Err(WriteError { path: path.clone(), reason });
         }
-        self.is_new = false;
-        for (file, path) in safe {
-            file.persist(&path).map_err(|error| WriteError { path, reason: error.error })?;
-        }
-        Ok(())
+        made.is_new = false;
+        persist(safe)
     }
 }
 
-impl Drop for OutputFolder {
+/// A folder that goes away again if it was made here and nothing stays in it.
+struct Made<'a> {
+    path: &'a Path,
+    is_new: bool,
+}
+
+impl<'a> Made<'a> {
+    fn at(path: &'a Path) -> io::Result<Self> {
+        let is_new = !path.exists();
+        if is_new {
+            std::fs::create_dir(path)?;
+        } else if !path.is_dir() {
+            return Err(io::Error::new(io::ErrorKind::NotADirectory, "it is there, and is not a folder"));
+        }
+        Ok(Self { path, is_new })
+    }
+}
+
+impl Drop for Made<'_> {
     fn drop(&mut self) {
         if self.is_new {
             // Fails only if somebody put something into it meanwhile.
-            let _ = std::fs::remove_dir(&self.path);
+            let _ = std::fs::remove_dir(self.path);
         }
     }
 }
@@ -135,6 +150,22 @@ fn buffered(file: &mut impl Write, write: impl FnOnce(&mut dyn Write) -> io::Res
     let mut out = BufWriter::with_capacity(BUFFER_BYTES, file);
     write(&mut out)?;
     out.flush()
+}
+
+/// A temporary file beside `path` with these bytes, which are on the disk.
+fn safe_file(path: &Path, bytes: &[u8]) -> io::Result<tempfile::NamedTempFile> {
+    let mut file = temporary_file(folder_of(path))?;
+    buffered(&mut file, |out| out.write_all(bytes))?;
+    file.as_file().sync_all()?;
+    Ok(file)
+}
+
+/// Puts files where they belong.
+fn persist(safe: Vec<(tempfile::NamedTempFile, PathBuf)>) -> Result<(), WriteError> {
+    for (file, path) in safe {
+        file.persist(&path).map_err(|error| WriteError { path, reason: error.error })?;
+    }
+    Ok(())
 }
 
 /// Writes to a temporary file beside `path`, then renames it.
@@ -211,6 +242,23 @@ mod tests {
             assert!(error.contains("full`: No space left"), "{error}");
             assert!(std::fs::metadata(&full).unwrap().file_type().is_char_device());
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn where_one_of_several_files_cannot_be_written_the_others_keep_what_they_held() {
+        let folder = tempfile::tempdir().unwrap();
+        let [a, b] = ["a", "b"].map(|name| folder.path().join(name));
+        std::fs::write(&a, b"old").unwrap();
+        let missing = folder.path().join("missing/c");
+        for bad in [Path::new("/dev/full"), &missing] {
+            let error = write_together(&[(&a, b"new"), (&b, b"new"), (bad, b"x")]).unwrap_err();
+            assert!(error.to_string().contains(&*bad.to_string_lossy()), "{error}");
+            assert_eq!(std::fs::read(&a).unwrap(), b"old");
+            assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        }
+        write_together(&[(&a, b"new"), (&b, b"x")]).unwrap();
+        assert_eq!([&a, &b].map(|path| std::fs::read(path).unwrap()), [b"new".to_vec(), b"x".to_vec()]);
     }
 
     #[cfg(unix)]

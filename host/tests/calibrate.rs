@@ -18,7 +18,7 @@ use dermatome_shared::{
     protocol::{Event, Selection},
     units::AdcCode,
 };
-use program::Running;
+use program::{Desk, Running};
 use serde_json::Value;
 use std::{
     fmt::Write,
@@ -134,6 +134,8 @@ fn a_board_under_a_loading_machine_gets_kilopascals_without_hysteresis() {
         &file("plot.svg"),
         "--save",
         &file("readings.csv"),
+        "--indenter-area",
+        "10 mm2",
         "--json",
         &file("report.json"),
     ]);
@@ -160,8 +162,14 @@ fn a_board_under_a_loading_machine_gets_kilopascals_without_hysteresis() {
 
     // The saved readings give the same patch again.
     std::fs::write(file("again.dermatome"), small_patch("bench", 50.0)).unwrap();
-    let (out, err, success) =
-        dermatome(&["calibrate", &file("again.dermatome"), "--readings", &file("readings.csv")]);
+    let (out, err, success) = dermatome(&[
+        "calibrate",
+        &file("again.dermatome"),
+        "--readings",
+        &file("readings.csv"),
+        "--indenter-area",
+        "10 mm2",
+    ]);
     assert!(success, "{out}{err}");
     let [first, again] = ["bench", "again"].map(|n| std::fs::read(file(&format!("{n}.dermatome"))).unwrap());
     assert_eq!(first, again);
@@ -225,11 +233,145 @@ fn a_patch_that_is_not_the_boards_and_loads_that_are_no_numbers_are_refused() {
     let (_, err, success) =
         dermatome(&["calibrate", &file("a.dermatome"), "--port", &port, "--loads", &file("loads.csv")]);
     assert!(!success && err.contains("allowed: the patch that the board uses"), "{err}");
-    std::fs::write(file("readings.csv"), "pressure_kpa,strength\n0,0\n5,-1\n10,-2\n").unwrap();
+    std::fs::write(file("readings.csv"), "pressure_kpa,strength\n0,0\n5,-1\n10,-2\n15,-3\n").unwrap();
     let (_, err, success) =
         dermatome(&["calibrate", &file("a.dermatome"), "--readings", &file("readings.csv")]);
     assert!(!success && err.contains("strength does not rise"), "{err}");
     let (_, err, success) = dermatome(&["calibrate", &file("a.dermatome")]);
     assert!(!success && err.contains("--readings"), "{err}");
     board.stop().unwrap();
+}
+
+/// Readings up and down again with some hysteresis, with areas.
+fn readings(back: bool) -> String {
+    let mut text = String::from("pressure_kpa,strength,deviation,area_mm2\n");
+    let loads = (0..=8).chain((0..8).rev().filter(|_| back)).map(f64::from);
+    for (index, load) in loads.enumerate() {
+        let late = if index > 8 { 0.25 * (load / 8.0) * (1.0 - load / 8.0) } else { 0.0 };
+        let area = if load > 0.0 { "2000" } else { "" };
+        writeln!(text, "{load},{:.6},0.001,{area}", 0.06 * load + late).unwrap();
+    }
+    text
+}
+
+#[test]
+fn newtons_come_only_with_the_area_of_the_indenter() {
+    let desk = Desk::with_patch();
+    desk.write("readings.csv", readings(true));
+    let calibrate = ["calibrate", "skin.dermatome", "--readings", "readings.csv", "--json", "report.json"];
+    let share = |desk: &Desk| {
+        let bytes = desk.read("skin.dermatome");
+        PatchView::validate(&bytes).unwrap().header.calibration.load_share
+    };
+    let done = desk.run(&calibrate).success();
+    assert!(done.out.contains("no force: the indenter's area is not known (--indenter-area)"), "{done:?}");
+    assert!(done.out.contains(": 1 trial, 17 readings"), "{done:?}");
+    assert!(share(&desk).is_none() && desk.report("report.json")["load_share"].is_null());
+    assert!(desk.run(&["inspect", "skin.dermatome"]).success().out.contains(", no force"));
+
+    let done = desk.run(&[&calibrate[..], &["--indenter-area", "4 cm2"]].concat()).success();
+    assert!(done.out.contains("force: pressure times 0.200 of a contact's area"), "{done:?}");
+    assert!((share(&desk).unwrap() - 0.2).abs() < 1e-6);
+    assert!((desk.report("report.json")["load_share"].as_f64().unwrap() - 0.2).abs() < 1e-6);
+    let shown = desk.run(&["inspect", "skin.dermatome"]).success().out;
+    assert!(shown.contains("the load acts on 0.200 of a contact's area"), "{shown}");
+
+    let before = desk.read("skin.dermatome");
+    for (area, words) in [
+        ("4 inch", "`--indenter-area` is \"4 inch\"; allowed: a number above zero (m2)"),
+        ("0 cm2", "with m2, cm2 or mm2, up to the skin's"),
+        ("4", "`--indenter-area` is \"4\""),
+    ] {
+        let refused = desk.run(&[&calibrate[..], &["--indenter-area", area]].concat()).refused();
+        assert!(refused.contains(words), "{refused}");
+    }
+    desk.write("readings.csv", "pressure_kpa,strength\n0,0\n2,0.1\n4,0.2\n6,0.3\n");
+    let refused = desk.run(&[&calibrate[..], &["--indenter-area", "4 cm2"]].concat()).refused();
+    assert!(refused.contains("`readings.csv`") && refused.contains("a column `area_mm2`"), "{refused}");
+    assert_eq!(desk.read("skin.dermatome"), before);
+}
+
+#[test]
+fn what_is_no_calibration_is_refused_and_nothing_is_written() {
+    let desk = Desk::with_patch();
+    let before = (desk.read("skin.dermatome"), desk.files());
+    for (text, words) in [
+        ("5,0.1\n5,0.1\n5,0.1\n", "1 different loads above none on the way up; allowed: 3 or more"),
+        ("0,0.1\n5,0.1\n10,0.1\n15,0.1\n", "strength does not rise with the load"),
+        ("10,0.3\n5,0.2\n2,0.1\n0,0\n", "1 different loads"),
+    ] {
+        desk.write("readings.csv", format!("pressure_kpa,strength\n{text}"));
+        let outputs = ["--plot", "plot.svg", "--json", "report.json"];
+        let refused = desk
+            .run(&[&["calibrate", "skin.dermatome", "--readings", "readings.csv"][..], &outputs].concat());
+        let refused = refused.refused();
+        assert!(refused.contains("readings `readings.csv`") && refused.contains(words), "{refused}");
+        assert_eq!(desk.read("skin.dermatome"), before.0);
+        std::fs::remove_file(desk.path("readings.csv")).unwrap();
+        assert_eq!(desk.files(), before.1);
+    }
+}
+
+#[test]
+fn without_a_way_back_the_hysteresis_is_unknown() {
+    let desk = Desk::with_patch();
+    desk.write("readings.csv", readings(false));
+    let calibrate = ["calibrate", "skin.dermatome", "--readings", "readings.csv", "--json", "report.json"];
+    let done = desk.run(&calibrate).success();
+    assert!(done.out.contains("hysteresis unknown"), "{done:?}");
+    let report = desk.report("report.json");
+    assert!(report["hysteresis_percent"].is_null(), "{report}");
+    assert!(report["compensated_percent"][0].is_null() && report["plays"].as_array().unwrap().is_empty());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_report_that_cannot_be_written_leaves_the_patch_as_it_was() {
+    let desk = Desk::with_patch();
+    let before = desk.read("skin.dermatome");
+    desk.write("readings.csv", readings(true));
+    let calibrate = ["calibrate", "skin.dermatome", "--readings", "readings.csv", "--plot", "plot.svg"];
+    let refused = desk.run(&[&calibrate[..], &["--json", "/dev/full"]].concat()).refused();
+    assert!(refused.contains("cannot write `/dev/full`"), "{refused}");
+    assert_eq!(desk.read("skin.dermatome"), before);
+    assert!(!desk.files().contains(&"plot.svg".to_owned()));
+    desk.run(&[&calibrate[..], &["--json", "report.json"]].concat()).success();
+    assert!(desk.read("skin.dermatome") != before);
+}
+
+#[test]
+fn a_recording_of_stream_calibrates_like_its_readings() {
+    let desk = Desk::with_patch();
+    let loads: Vec<f64> = (0..=8).chain((0..8).rev()).map(f64::from).collect();
+    write_loads(&desk.path("loads.csv"), &loads, 1.0);
+    let mut lines = String::new();
+    for frame in 0..17 * 50 {
+        let load = loads[frame / 50];
+        if load > 0.0 {
+            let late = if frame / 50 > 8 { 0.25 * (load / 8.0) * (1.0 - load / 8.0) } else { 0.0 };
+            let (time, strength) = (12.0 + 0.02 * frame as f64, 0.06 * load + late);
+            writeln!(lines, "{frame}\t{time:.6}\t0.0\t0.0\t0.0\t2000.00\t{strength:.6}").unwrap();
+        }
+    }
+    desk.write("contacts.tsv", &lines);
+    desk.write("readings.csv", readings(true));
+    let area = ["--indenter-area", "4 cm2", "--json", "report.json"];
+    let of =
+        ["calibrate", "skin.dermatome", "--recording", "contacts.tsv", "--loads", "loads.csv", "--out", "a"];
+    desk.run(&[&of[..], &area].concat()).success();
+    let recorded = desk.report("report.json");
+    let of = ["calibrate", "skin.dermatome", "--readings", "readings.csv", "--out", "b"];
+    desk.run(&[&of[..], &area].concat()).success();
+    let read = desk.report("report.json");
+    assert_eq!(recorded["load_share"], read["load_share"]);
+    for (a, b) in recorded["curve"].as_array().unwrap().iter().zip(read["curve"].as_array().unwrap()) {
+        let apart = a["strength"].as_f64().unwrap() - b["strength"].as_f64().unwrap();
+        assert!(apart.abs() < 1e-5 && a["pressure_kpa"] == b["pressure_kpa"], "{a} {b}");
+    }
+    desk.write("contacts.tsv", lines.replacen("\t2000.00\t", "\t-3\t", 1));
+    let of = ["calibrate", "skin.dermatome", "--recording", "contacts.tsv", "--loads", "loads.csv"];
+    let refused = desk.run(&of).refused();
+    assert!(refused.contains("contacts.tsv") && refused.contains("column `area_mm2` is \"-3\""), "{refused}");
+    let alone = desk.run(&["calibrate", "skin.dermatome", "--recording", "contacts.tsv"]);
+    assert!(alone.status.code() == Some(2) && alone.err.contains("--loads"), "{alone:?}");
 }

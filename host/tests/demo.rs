@@ -117,9 +117,9 @@ fn stream_starts_a_simulated_board_of_its_own() {
     }
 }
 
-/// Lines of `stream`: sequence, time in s, x in mm, y in mm, area in mm2, strength.
+/// Lines of `stream`: sequence, time in s, x, y and z in mm, area in mm2, strength.
 fn contacts(done: &Done) -> Vec<Vec<f64>> {
-    let row = |line: &str| line.split('\t').map(|field| field.parse().unwrap()).collect();
+    let row = |line: &str| line.split('\t').take(7).map(|field| field.parse().unwrap()).collect();
     done.out.lines().map(row).collect()
 }
 

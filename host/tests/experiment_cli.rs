@@ -15,6 +15,107 @@ fn comparison<'a>(report: &'a Value, what: &str) -> &'a Value {
         .unwrap_or_else(|| panic!("{what}"))
 }
 
+/// The report of one experiment.
+fn report_of(name: &str) -> Value {
+    let desk = Desk::empty();
+    desk.run(&["experiment", name, "--out", "out"]).success();
+    desk.report("out/report.json")
+}
+
+/// Says at least, or at most, this much, and is met.
+#[track_caller]
+fn assert_met(report: &Value, what: &str, limit: &str, value: f64) {
+    let comparison = comparison(report, what);
+    let wanted = comparison[limit].as_f64().unwrap_or_else(|| panic!("{comparison:#}"));
+    assert!((wanted - value).abs() < 1e-9 && comparison["met"] == true, "{comparison:#}");
+}
+
+/// The sample's centre of pressure lies closer to the load than the thesis' did, in per cent, and is found.
+fn assert_loading(name: &str, sample: &str, thesis: f64) {
+    let report = report_of(name);
+    for what in ["CoP error, larger mean of x and y", "CoP error, mean distance"] {
+        assert_met(&report, &format!("{sample}: {what}"), "at_most", thesis);
+    }
+    let figures = &report["experiments"][0]["figures"];
+    let [all, without] =
+        ["readings_under_load", "readings_without_contact"].map(|key| figures[key].as_u64().unwrap());
+    assert!(all >= 69 && without * 20 <= all, "{without} of {all} readings are without a contact");
+}
+
+#[test]
+fn sample_1_is_loaded_and_its_centre_of_pressure_found_better_than_in_the_thesis() {
+    assert_loading("loading-1", "Sample 1", 4.6);
+}
+
+#[test]
+fn sample_2_is_loaded_and_its_centre_of_pressure_found_better_than_in_the_thesis() {
+    assert_loading("loading-2", "Sample 2", 3.2);
+}
+
+#[test]
+fn sample_3_of_one_layer_is_loaded_and_its_centre_of_pressure_found_better_than_in_the_thesis() {
+    assert_loading("loading-3-single", "Sample 3, single", 15.7);
+}
+
+#[test]
+fn sample_3_of_two_layers_is_loaded_and_its_centre_of_pressure_found_better_than_in_the_thesis() {
+    assert_loading("loading-3-dual", "Sample 3, dual", 14.1);
+}
+
+#[test]
+fn the_o_shows_its_hole_and_the_l_its_corner() {
+    let report = report_of("shapes");
+    for sample in ["Sample 3, single", "Sample 3, dual"] {
+        assert_met(&report, &format!("{sample}: hole of the 'O' against its ring"), "at_least", 20.0);
+        assert_met(&report, &format!("{sample}: error of that angle"), "at_most", 20.0);
+        let found = |what: &str| comparison(&report, &format!("{sample}: {what}"))["found"].as_f64().unwrap();
+        assert!((found("angle of the 'L'") - 90.0).abs() < 20.0);
+        assert!(found("distance of the corner found") < 4.0, "{report:#}");
+    }
+}
+
+#[test]
+fn five_points_are_found_better_than_in_the_thesis() {
+    let report = report_of("points");
+    assert_met(&report, "position error, mean", "at_most", 9.3);
+    assert_met(&report, "position error, largest", "at_most", 19.0);
+}
+
+#[test]
+fn moving_fingers_keep_their_numbers_and_one_that_was_long_away_gets_a_new_one() {
+    let report = report_of("tracking");
+    assert_met(&report, "identities wrong", "at_most", 0.0);
+    assert_met(&report, "finger frames with a track", "at_least", 98.0);
+    let numbers = report["experiments"][0]["figures"]["numbers"].as_array().unwrap();
+    let of_fingers: Vec<_> = numbers.iter().map(|ids| ids.as_array().unwrap().len()).collect();
+    assert_eq!(of_fingers, [1, 1, 2], "{numbers:?}");
+    let all: std::collections::BTreeSet<u64> =
+        numbers.iter().flat_map(|ids| ids.as_array().unwrap()).map(|id| id.as_u64().unwrap()).collect();
+    assert_eq!(all.len(), 4, "{numbers:?}");
+}
+
+#[test]
+fn figures_of_the_thesis_stand_beside_what_they_were_found_for() {
+    let thesis = |report: &Value, what: &str| comparison(report, what)["thesis"].clone();
+    assert_eq!(thesis(&report_of("saline-depth"), "hysteresis of the method, image"), Value::Null);
+    assert_eq!(thesis(&report_of("saline-volume"), "hysteresis of the method, image"), 1.06);
+    let map = report_of("pressure-map");
+    assert_eq!(thesis(&map, "Sample 1: ringing, smallest"), Value::Null);
+    assert_eq!(thesis(&map, "Sample 2: ringing, smallest"), 1.5);
+    assert_eq!(thesis(&map, "Sample 2: ringing, largest"), 7.98);
+}
+
+#[test]
+fn an_interrupt_leaves_no_folder() {
+    let desk = Desk::empty();
+    let running = desk.start(&["experiment", "all", "--out", "out"]);
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    running.interrupt();
+    let done = running.finish();
+    assert_eq!(done.status.code(), None, "{done:?}");
+    assert_eq!(desk.files(), Vec::<String>::new());
+}
+
 #[test]
 fn the_saline_map_is_within_its_bounds_and_the_same_each_time() {
     let desk = Desk::empty();
@@ -35,6 +136,7 @@ fn the_saline_map_is_within_its_bounds_and_the_same_each_time() {
     assert!(
         page.contains("simulation with stated models") && page.contains("<svg") && page.contains("base64,")
     );
+    assert!(done.out.contains("\n1 experiment in "), "{}", done.out);
     // An existing folder is used, and another file in it is left alone.
     std::fs::create_dir(desk.path("second")).unwrap();
     desk.write("second/mine.txt", "kept");
@@ -72,8 +174,13 @@ fn the_hemispheres_surface_is_better_than_its_planar_image_and_the_page_shows_bo
 fn names_and_folders_that_will_not_do_are_refused_and_leave_nothing() {
     let desk = Desk::empty();
     desk.write("file", "mine");
-    let unknown = desk.run(&["experiment", "saline"]).refused();
-    assert!(unknown.contains("no experiment `saline`; allowed: all, divider, saline-depth"), "{unknown}");
+    let unknown = desk.run(&["experiment", "saline"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    let unknown = unknown.refused();
+    assert!(
+        unknown.contains("'saline'") && unknown.contains("allowed: all, divider, saline-depth"),
+        "{unknown}"
+    );
     let file = desk.run(&["experiment", "saline-depth", "--out", "file"]).refused();
     assert!(file.contains("`file`") && file.contains("not a folder"), "{file}");
     let deep = desk.run(&["experiment", "saline-depth", "--out", "missing/out"]).refused();

@@ -113,7 +113,7 @@ fn presses_teach_where_electrodes_and_contacts_really_are() {
 fn what_the_test_presses_say_changes_nothing_that_is_learnt() {
     let mut recording = recording(&true_tiny(), 50, 4);
     let before = learnt(&recording, &REQUEST).unwrap();
-    let held_out = dermatome::learn::split::split(50, 0.2, 1).test;
+    let held_out = dermatome::learn::split::split(&(0..50).collect::<Vec<_>>(), 0.2, 1).test;
     recording.positions[held_out[0]] = [0.0, 0.0];
     let steps = recording.pressed.measurements;
     recording.pressed.values[held_out[1] * steps] *= 2.0;
@@ -197,6 +197,37 @@ fn impossible_requests_are_refused() {
         learnt(&recording, &Request { test_share: 0.0, ..REQUEST }).unwrap_err(),
         LearnError::NoChange(3)
     );
+}
+
+#[test]
+fn presses_at_few_places_are_refused_and_those_at_one_place_are_not_on_both_sides() {
+    let mut recording = recording(&true_tiny(), 60, 11);
+    let all = recording.positions.clone();
+    for places in [1, 9] {
+        recording.positions = all.iter().take(places).cycle().take(60).copied().collect();
+        let LearnError::TooFewPlaces { found, places: of_all } = learnt(&recording, &REQUEST).unwrap_err()
+        else {
+            panic!("{places}")
+        };
+        assert!(found < places && of_all == places, "{found} of {of_all}");
+    }
+    // 15 places: 12 are learnt from, and the presses of three are the test.
+    recording.positions = all.iter().take(15).cycle().take(60).copied().collect();
+    let report = learnt(&recording, &REQUEST).unwrap().report;
+    assert_eq!((report.training_presses, report.test_presses), (48, 12));
+}
+
+#[test]
+fn curved_skins_are_refused_by_name() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/hemisphere-120mm/skin.toml");
+    let skin = Skin::load(&file).unwrap();
+    let model = Model::build(&skin, |_| ()).unwrap();
+    let values = vec![Complex64::from(1.0); skin.steps().len()];
+    let frames = Frames { measurements: values.len(), values, frames: 1, complex: false };
+    let positions = vec![[0.01, 0.02]];
+    let recording = Recording { pressed: frames.clone(), unpressed: frames, positions, forces: None };
+    let words = recording.on(&model, &Arrangement::default()).unwrap_err().to_string();
+    assert!(words.contains("the skin is curved") && words.contains("allowed: flat skins"), "{words}");
 }
 
 /// A table of presses and one of the untouched skin.

@@ -28,8 +28,8 @@ fn given<T: std::str::FromStr>(name: &str, otherwise: T) -> T {
     std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(otherwise)
 }
 
-/// Also prints the figures of as many scenes as `DERMATOME_SCENES` says, of the seed `DERMATOME_SEED` and at
-/// `DERMATOME_SNR` dB.
+/// Also prints the figures of as many scenes as `DERMATOME_SCENES` says, of the seed `DERMATOME_SEED`, at
+/// `DERMATOME_SNR` dB and with fingers that change the conductivity by `DERMATOME_DEPTH`.
 #[test]
 fn contacts_are_counted_and_the_surface_places_them_twice_as_well_as_its_flattened_model() {
     let usual = Options { scenes: 60, ..Options::default() };
@@ -37,12 +37,13 @@ fn contacts_are_counted_and_the_surface_places_them_twice_as_well_as_its_flatten
         scenes: given("DERMATOME_SCENES", usual.scenes),
         seed: given("DERMATOME_SEED", usual.seed),
         snr_db: given("DERMATOME_SNR", usual.snr_db),
+        depth: given("DERMATOME_DEPTH", usual.depth),
         ..usual
     };
     let played = play(&shipped("skin.toml"), &shipped("formula.toml"), &options).unwrap();
     let figures = figures(&played, 0.105, away);
     eprintln!("{options:?}: {figures:#?}");
-    if options.snr_db >= usual.snr_db {
+    if options.snr_db >= usual.snr_db && options.depth >= usual.depth {
         assert!(2.0 * figures.surface_error_mm <= figures.flattened_error_mm, "{figures:?}");
         assert!(figures.surface_error_mm < 10.0, "{figures:?}");
         assert!(figures.resolved_error_mm < 2.0, "{figures:?}");

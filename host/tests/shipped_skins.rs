@@ -70,7 +70,7 @@ fn tests_of_electrodes_read_the_contact_impedances_of_the_skin_file() {
             ..Frame::default()
         };
         let amplitude = patch.header.drive.amplitude;
-        let (mut health, flags) = Health::examine(&patch, &frame);
+        let (mut health, flags) = Health::examine(&patch, patch.header.drive.frequency, &frame);
         health.measure_contacts(&patch, simulated.front_end().volts_per_code / amplitude, &frame.tests);
         let worst = health
             .contact_impedance

@@ -260,6 +260,8 @@ fn wrong_drives_drift_times_and_calibrations_are_refused() {
         let message = refused(strength, pressure);
         assert!(words.iter().all(|word| message.contains(word)), "{strength} {pressure}: {message}");
     }
+    let share = refused("[0.1]", "[1]\nload_share = 0");
+    assert!(share.contains("`calibration.load_share` is 0; allowed: 0.000001 to 1000000"), "{share}");
     let many = format!("{:?}", (1..=17).collect::<Vec<_>>());
     assert!(refused(&many.replace(',', ".0,"), &many).contains("17 points; allowed: at most 16"));
 }
@@ -270,7 +272,9 @@ fn drive_drift_time_and_calibration_reach_the_patch() {
     let drive = "phase = \"30 deg\"\nsettling = 0.5\nintegration = 2\ngain = 8\ncomponent = \"magnitude\"";
     let text = GOOD.replace(rate, &format!("{rate}\n{drive}")).replace("\"combined\"", "\"once\"");
     let text = text.replace("[contact]", "[contact]\ndrift_time = \"2 min\"");
-    let text = format!("{text}\n[calibration]\nstrength = [0.1, 0.3]\npressure = [\"5 kPa\", 20e3]\n");
+    let text = format!(
+        "{text}\n[calibration]\nstrength = [0.1, 0.3]\npressure = [\"5 kPa\", 20e3]\nload_share = 0.2\n"
+    );
     let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     let bytes = dermatome::quantize::patch(&skin, &model).unwrap();
@@ -280,9 +284,13 @@ fn drive_drift_time_and_calibration_reach_the_patch() {
     assert_eq!((header.drive.gain, header.drive.component), (Gain::Fixed(8), Component::Magnitude));
     assert_eq!(header.drift_time, 120.0);
     assert_eq!(header.calibration.pressure(0.2), Some(12.5e3));
+    assert_eq!(header.calibration.load_share, Some(0.2));
     assert_eq!(header.test_resistances.len(), 16);
     let plain = Skin::parse(Path::new("skin.toml"), GOOD).unwrap();
-    assert_eq!((plain.drift_time, plain.drive.gain, plain.calibration.0.len()), (30.0, Gain::Automatic, 0));
+    assert_eq!(
+        (plain.drift_time, plain.drive.gain, plain.calibration.points.len()),
+        (30.0, Gain::Automatic, 0)
+    );
 }
 
 #[test]

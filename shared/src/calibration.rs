@@ -1,4 +1,4 @@
-//! Calibration: strength of a contact -> pressure.
+//! Calibration: strength of a contact -> pressure, and area of its region -> area that the pressure acts on.
 
 use heapless::Vec;
 use postcard_schema::Schema;
@@ -19,27 +19,35 @@ pub struct CalibrationPoint {
 /// Pressure by strength: straight lines between points that rise in both, the last two of them
 /// carried on beyond the end. Before the first point the line starts at no pressure.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
-pub struct Calibration(pub Vec<CalibrationPoint, MAX_POINTS>);
+pub struct Calibration {
+    /// Points of the curve; empty if the skin is not calibrated.
+    pub points: Vec<CalibrationPoint, MAX_POINTS>,
+    /// Area of the indenter that the curve was measured with, over that of its region of interest, which
+    /// the image's blur makes larger; none if nobody knows it.
+    pub load_share: Option<f32>,
+}
 
 impl Calibration {
-    /// Whether the curve rises from nothing, point by point, to finite values.
+    /// Whether the curve rises from nothing, point by point, to finite values, and the share is one.
     #[must_use]
     pub fn is_valid(&self) -> bool {
         let mut last = ORIGIN;
-        self.0.iter().all(|point| {
-            let before = core::mem::replace(&mut last, *point);
-            let rises = point.strength > before.strength && point.pressure > before.pressure;
-            rises && point.strength.is_finite() && point.pressure.is_finite()
-        })
+        let is_share = self.load_share.is_none_or(|share| share > 0.0 && share.is_finite());
+        is_share
+            && self.points.iter().all(|point| {
+                let before = core::mem::replace(&mut last, *point);
+                let rises = point.strength > before.strength && point.pressure > before.pressure;
+                rises && point.strength.is_finite() && point.pressure.is_finite()
+            })
     }
 
     /// Pressure at a strength, Pa; none without a curve.
     #[must_use]
     pub fn pressure(&self, strength: f32) -> Option<f32> {
-        let end = self.0.iter().position(|point| point.strength >= strength);
-        let end = end.unwrap_or(self.0.len().checked_sub(1)?);
-        let to = self.0.get(end)?;
-        let from = end.checked_sub(1).and_then(|start| self.0.get(start)).unwrap_or(&ORIGIN);
+        let end = self.points.iter().position(|point| point.strength >= strength);
+        let end = end.unwrap_or(self.points.len().checked_sub(1)?);
+        let to = self.points.get(end)?;
+        let from = end.checked_sub(1).and_then(|start| self.points.get(start)).unwrap_or(&ORIGIN);
         let slope = (to.pressure - from.pressure) / (to.strength - from.strength);
         Some((from.pressure + (strength - from.strength) * slope).max(0.0))
     }
@@ -53,9 +61,8 @@ mod tests {
     use super::*;
 
     fn curve(points: &[(f32, f32)]) -> Calibration {
-        Calibration(
-            points.iter().map(|&(strength, pressure)| CalibrationPoint { strength, pressure }).collect(),
-        )
+        let point = |&(strength, pressure): &(f32, f32)| CalibrationPoint { strength, pressure };
+        Calibration { points: points.iter().map(point).collect(), load_share: None }
     }
 
     #[test]
@@ -77,6 +84,9 @@ mod tests {
             [&[(0.0, 1.0)][..], &[(0.2, 1.0), (0.1, 2.0)], &[(0.1, 2.0), (0.2, 2.0)], &[(f32::NAN, 1.0)]]
         {
             assert!(!curve(points).is_valid(), "{points:?}");
+        }
+        for share in [0.0, -0.1, f32::NAN, f32::INFINITY] {
+            assert!(!Calibration { load_share: Some(share), ..curve(&[]) }.is_valid(), "{share}");
         }
     }
 }

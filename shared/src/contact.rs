@@ -38,6 +38,9 @@ pub struct Contact {
     pub peak: f32,
     /// Pressure, Pa, by the patch's calibration; none without one.
     pub pressure: Option<f32>,
+    /// Area that the pressure acts on, m^2: that of the region of interest without what the image's blur adds,
+    /// by the patch's calibration; none where it does not know the area of its indenter.
+    pub load_area: Option<f32>,
 }
 
 impl Contact {
@@ -47,10 +50,13 @@ impl Contact {
         [self.position[0], self.position[1]].map(f64::from)
     }
 
-    /// Force, N: pressure times area; none without a calibration.
+    /// Force, N: pressure times the area that it acts on; none where either is unknown.
+    ///
+    /// Blur leaves the sum of change times area as it is, so that a contact smaller than the calibration's
+    /// indenter reads as a lower pressure on as much area, and its force is right.
     #[must_use]
     pub fn force(&self) -> Option<f32> {
-        self.pressure.map(|pressure| pressure * self.area)
+        Some(self.pressure? * self.load_area?)
     }
 
     /// Whether a weaker contact is only the ringing beside this one: it lies closer than the side of a square as

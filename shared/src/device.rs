@@ -139,9 +139,10 @@ impl<S: PatchStore> Device<S> {
         self.streaming
     }
 
-    /// Whether anything uses a frame: a tare or a stream is under way.
+    /// Whether anybody uses a frame: a tare or a stream is under way. A tare that begins by itself in a stream ends with
+    /// it, so that no current flows for nobody.
     pub fn needs_frames(&self) -> bool {
-        self.pipeline.is_taring() || self.streaming.any()
+        self.pipeline.is_asked_to_tare() || self.streaming.any()
     }
 
     /// How the skin is driven: as the patch says, or as a host asked since.
@@ -192,7 +193,8 @@ impl<S: PatchStore> Device<S> {
         frame.flags.insert_if(FrameFlags::HOT, is_hot);
         let Some(patch) = patch_in_use(&self.store, &self.header) else { return };
         if self.facts.front_end.is_some() {
-            let (health, found) = Health::examine(&patch, frame);
+            let frequency = self.drive.unwrap_or(patch.header.drive).frequency;
+            let (health, found) = Health::examine(&patch, frequency, frame);
             self.pipeline.mask(health.bad_electrodes());
             self.health = health;
             frame.flags.insert(found);

@@ -48,7 +48,7 @@ pub enum Follow {
 
 impl Drift {
     /// Takes drift out of relative changes, `[measurement]`, `weights` being what a change of all
-    /// voltages by 1 would read; says how the reference follows.
+    /// voltages by 1 would read; says how the reference follows. Changes that are not finite stay so.
     pub fn correct(
         &mut self,
         relative: &mut Changes,
@@ -106,9 +106,9 @@ impl Drift {
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
     fn follow_common(&mut self, relative: &Changes, weights: &[f32], seconds: f32, touched: bool) {
-        let mut changes: Changes =
-            relative.iter().zip(weights).filter(|&(_, &weight)| weight != 0.0).map(|(y, w)| y / w).collect();
-        let Some(now) = median(&mut changes).filter(|change| change.is_finite()) else { return };
+        let of_its_own = relative.iter().zip(weights).map(|(y, w)| y / w);
+        let mut changes: Changes = of_its_own.filter(|change| change.is_finite()).collect();
+        let Some(now) = median(&mut changes) else { return };
         let rest = now - self.common - self.press;
         if !touched || rest.abs() > JUMP.max(2.0 * FASTEST * seconds) {
             // Untouched, the reference follows by itself; a jump is a press, or the end of one.

@@ -90,6 +90,17 @@ impl FrameFlags {
         (Self::HOT, "chip too hot"),
     ];
 
+    /// What the flags that are set say, in few words.
+    pub fn words(self) -> impl Iterator<Item = &'static str> {
+        Self::ALL.into_iter().filter(move |&(flag, _)| self.contains(flag)).map(|(_, words)| words)
+    }
+
+    /// The bits of both.
+    #[must_use]
+    pub const fn and(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
     /// Whether all bits of `other` are set.
     #[must_use]
     pub const fn contains(self, other: Self) -> bool {

@@ -34,6 +34,9 @@ const NO_CURRENT: f32 = 8192.0;
 const RECIPROCITY: f32 = 0.3;
 /// Share of pairs that may, since a voltage near zero says nothing: one in this many.
 const RECIPROCITY_SHARE: usize = 12;
+/// Fastest carrier, Hz, at which they say that something is wrong: above it the capacitance of all leads makes those of
+/// a good skin differ (docs/hardware.md).
+const RECIPROCAL_UP_TO: f32 = 60e3;
 
 /// Electrodes, one bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
@@ -99,13 +102,14 @@ pub struct Vitals {
 pub const HOT: f32 = 85.0;
 
 impl Health {
-    /// Looks at one frame; gives the flags that follow.
+    /// Looks at one frame with a carrier of this `frequency` (Hz); gives the flags that follow.
     #[must_use]
-    pub fn examine(patch: &PatchView<'_>, frame: &Frame) -> (Self, FrameFlags) {
+    pub fn examine(patch: &PatchView<'_>, frequency: f32, frame: &Frame) -> (Self, FrameFlags) {
         let mut flags = FrameFlags::default();
         let mut health = Self::default();
         health.judge_electrodes(&frame.tests, &mut flags);
-        health.judge_reciprocity(patch, frame, &mut flags);
+        let is_off = health.compare_reciprocal(patch, frame);
+        flags.insert_if(FrameFlags::NOT_RECIPROCAL, is_off && frequency <= RECIPROCAL_UP_TO);
         (health, flags)
     }
 
@@ -165,10 +169,10 @@ impl Health {
         }
     }
 
-    /// Compares each measurement's two steps, where it has two.
-    fn judge_reciprocity(&mut self, patch: &PatchView<'_>, frame: &Frame, flags: &mut FrameFlags) {
+    /// Compares each measurement's two steps, where it has two; says whether too many are apart.
+    fn compare_reciprocal(&mut self, patch: &PatchView<'_>, frame: &Frame) -> bool {
         if patch.header.steps <= patch.header.measurements {
-            return;
+            return false;
         }
         let mut first: Vec<Option<i32>, MAX_MEASUREMENTS> = Vec::new();
         let _ = first.resize(usize::from(patch.header.measurements).min(MAX_MEASUREMENTS), None);
@@ -187,8 +191,8 @@ impl Health {
         }
         if pairs > 0 {
             self.reciprocity_error = Some(if size > 0.0 { difference / size } else { 0.0 });
-            flags.insert_if(FrameFlags::NOT_RECIPROCAL, off * RECIPROCITY_SHARE > pairs);
         }
+        off * RECIPROCITY_SHARE > pairs
     }
 }
 
@@ -262,7 +266,7 @@ mod tests {
         let bytes = small_patch(Difference::Plain);
         let patch = PatchView::validate(&bytes).unwrap();
         let frame = Frame { tests: tests.into_iter().collect(), ..flat_frame(5) };
-        let (mut health, flags) = Health::examine(&patch, &frame);
+        let (mut health, flags) = Health::examine(&patch, 50e3, &frame);
         health.measure_contacts(&patch, FRONT_END.volts_per_code / 1e-3, &frame.tests);
         (health, flags)
     }
@@ -328,6 +332,19 @@ mod tests {
             proptest::prop_assert_eq!(median(&mut values), sorted.get(sorted.len() / 2).copied());
             proptest::prop_assert_eq!(values, sorted);
         }
+    }
+
+    #[test]
+    fn voltages_that_are_not_reciprocal_say_something_where_leads_do_not() {
+        let bytes = crate::patch::tests::reciprocal_patch();
+        let patch = PatchView::validate(&bytes).unwrap();
+        let mut frame = flat_frame(1000);
+        frame.codes.truncate(patch.header.steps.into());
+        assert_eq!(Health::examine(&patch, 50e3, &frame).1, FrameFlags::default());
+        frame.codes.iter_mut().step_by(3).for_each(|code| code.0 *= 2);
+        let (health, flags) = Health::examine(&patch, 50e3, &frame);
+        assert_eq!(flags, FrameFlags::NOT_RECIPROCAL);
+        assert_eq!(Health::examine(&patch, 100e3, &frame), (health, FrameFlags::default()));
     }
 
     #[test]

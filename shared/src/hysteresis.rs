@@ -133,7 +133,7 @@ struct Place {
 }
 
 impl Places {
-    /// Pressure of all contacts of a frame, by the patch's plays and calibration curve.
+    /// Pressure of all contacts of a frame, by the patch's plays and calibration curve, and the area it acts on.
     ///
     /// `level`: strength that a place without contact has at most; asked for only where there are plays.
     // Not inlined, so that what it needs of the stack is free again for all else.
@@ -145,6 +145,9 @@ impl Places {
         level: impl FnOnce() -> RelativeConductivity,
     ) {
         let calibration = &patch.header.calibration;
+        if let Some(share) = calibration.load_share {
+            contacts.iter_mut().for_each(|contact| contact.load_area = Some(share * contact.area));
+        }
         if patch.header.plays == 0 {
             return contacts.iter_mut().for_each(|c| c.pressure = calibration.pressure(c.strength));
         }

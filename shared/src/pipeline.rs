@@ -20,8 +20,10 @@ use crate::{
 const IMPLAUSIBLE: f32 = 0.8;
 /// A press near an electrode may do that to some measurements: to one in this many.
 const IMPLAUSIBLE_SHARE: usize = 8;
-/// Frames that say nothing about the skin: no reference is made of them.
-const WORTHLESS: FrameFlags = FrameFlags::NO_CURRENT;
+/// No reference is made of such frames.
+const UNFIT: FrameFlags = FrameFlags::NO_CURRENT.and(FrameFlags::SATURATED);
+/// Nor does it follow such frames. Bad electrodes count for none of their measurements, and may be there.
+const DOUBTFUL: FrameFlags = UNFIT.and(FrameFlags::IMPLAUSIBLE);
 
 /// What the pipeline remembers from frame to frame, and its latest results.
 #[derive(Clone, Debug, Default)]
@@ -62,8 +64,11 @@ pub fn process(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) 
         state.tare = Some(Tare::of_steady_frames(DEFAULT_TARE_FRAMES));
     }
     if let Some(tare) = &mut state.tare {
-        let usable = !frame.flags.intersects(WORTHLESS);
-        let Some(reference) = usable.then(|| tare.add(patch, frame)).flatten() else {
+        let is_fit = !frame.flags.intersects(UNFIT);
+        let Some(reference) = is_fit.then(|| tare.add(patch, frame)).flatten() else {
+            if !is_fit && tare.gives_up() {
+                state.tare = None;
+            }
             return Outcome::Taring;
         };
         (state.tare, state.reference, state.drift) = (None, Some(reference), Drift::default());
@@ -107,6 +112,9 @@ impl PipelineState {
         reference.relative_change(patch, frame, &mut relative);
         let masked = mask_measurements(patch, self.bad_electrodes, &mut relative);
         self.flags.insert_if(FrameFlags::MASKED, masked);
+        if frame.flags.contains(FrameFlags::NO_CURRENT) {
+            relative.fill(UNKNOWN);
+        }
         self.flags.insert_if(FrameFlags::IMPLAUSIBLE, is_implausible(&relative));
         let drift_time = patch.header.drift_time;
         let follow = self.drift.correct(&mut relative, reference.weights(), frame.timestamp_us, drift_time);
@@ -114,13 +122,17 @@ impl PipelineState {
         follow
     }
 
-    /// The reference follows a frame without contacts and without fault.
+    /// The reference follows a frame without contacts, where its measurements are known.
     fn follow(&mut self, patch: &PatchView<'_>, frame: &Frame, follow: Follow) {
-        let is_clean = self.contacts.is_empty() && frame.flags.0 | self.flags.0 == 0;
+        let is_doubtful = frame.flags.intersects(DOUBTFUL) || self.flags.intersects(DOUBTFUL);
         if let (Follow::Part(part), Some(reference)) = (follow, &mut self.reference)
-            && is_clean
+            && !is_doubtful
+            && self.contacts.is_empty()
         {
-            reference.follow(patch, frame, part);
+            let mut parts = Changes::new();
+            let _ = parts.resize(reference.sums().len(), part);
+            mask_measurements(patch, self.bad_electrodes, &mut parts);
+            reference.follow(patch, frame, &parts);
             self.drift.followed(part);
         }
     }
@@ -142,6 +154,12 @@ impl PipelineState {
     #[must_use]
     pub fn is_taring(&self) -> bool {
         self.tare.is_some()
+    }
+
+    /// Whether somebody asked for the reference that is being averaged.
+    #[must_use]
+    pub fn is_asked_to_tare(&self) -> bool {
+        self.tare.as_ref().is_some_and(|tare| !tare.is_automatic())
     }
 
     /// The reference in use.
@@ -169,7 +187,10 @@ impl PipelineState {
     }
 }
 
-/// Sets the change of every measurement that needs a bad electrode to nothing; says whether any did.
+/// What stands for the value of a measurement that means nothing.
+const UNKNOWN: f32 = f32::NAN;
+
+/// Makes the value of every measurement that needs a bad electrode unknown; says whether there are bad ones.
 fn mask_measurements(patch: &PatchView<'_>, bad: ElectrodeSet, relative: &mut Changes) -> bool {
     if bad.is_empty() {
         return false;
@@ -177,7 +198,7 @@ fn mask_measurements(patch: &PatchView<'_>, bad: ElectrodeSet, relative: &mut Ch
     let needs_bad = |step: Step| step.to_bytes().into_iter().any(|electrode| bad.contains(electrode));
     for (_, target) in patch.steps().zip(patch.combination()).filter(|&(step, _)| needs_bad(step)) {
         if let Some(change) = relative.get_mut(usize::from(target.measurement)) {
-            *change = 0.0;
+            *change = UNKNOWN;
         }
     }
     true
@@ -271,6 +292,42 @@ mod tests {
         let dead = Frame { flags: FrameFlags::NO_CURRENT, ..flat_frame(3) };
         assert_eq!(process(&patch, &mut state, &dead), Outcome::Taring);
         assert_eq!(process(&patch, &mut state, &flat_frame(700)), Outcome::Tared);
+    }
+
+    #[test]
+    fn saturated_frames_make_no_reference_and_frames_without_current_no_contact() {
+        let bytes = small_patch(Difference::Normalised);
+        let patch = PatchView::validate(&bytes).unwrap();
+        let mut state = PipelineState::default();
+        state.start_tare(1);
+        let saturated = Frame { flags: FrameFlags::SATURATED, ..flat_frame(900) };
+        assert_eq!(process(&patch, &mut state, &saturated), Outcome::Taring);
+        assert_eq!(process(&patch, &mut state, &flat_frame(-700)), Outcome::Tared);
+        let pressed = flat_frame(-1400);
+        assert_eq!(process(&patch, &mut state, &pressed), Outcome::Image);
+        assert_eq!(state.contacts().len(), 1);
+        let dead = Frame { flags: FrameFlags::NO_CURRENT, ..pressed };
+        assert_eq!(process(&patch, &mut state, &dead), Outcome::Image);
+        assert!(state.contacts().is_empty() && state.image().iter().all(|value| value.0 == 0));
+    }
+
+    #[test]
+    fn drift_is_followed_beside_a_bad_electrode_whose_measurements_stay() {
+        let bytes = crate::patch::tests::drifting_patch(30.0);
+        let patch = PatchView::validate(&bytes).unwrap();
+        let mut state = tared(&patch, 1_000_000, 2);
+        state.mask(ElectrodeSet(1 << 3));
+        let mut kept = Changes::new();
+        kept.resize(patch.header.measurements.into(), 0.0).unwrap();
+        mask_measurements(&patch, ElectrodeSet(1 << 3), &mut kept);
+        let values = drifting(&patch, &mut state, 10.0, [0.0, 300.0], 0.0);
+        assert!(values.iter().all(|value| value.abs() < 0.008), "{:?}", values.last());
+        assert!(state.contacts().is_empty());
+        assert_eq!(state.flags(), FrameFlags::MASKED);
+        assert!(kept.iter().any(|part| part.is_nan()) && !kept.iter().all(|part| part.is_nan()));
+        for (sum, part) in state.reference().unwrap().sums().iter().zip(&kept) {
+            assert_eq!(*sum == 2_000_000, part.is_nan(), "{sum}");
+        }
     }
 
     #[test]

@@ -43,6 +43,8 @@ pub struct Tare {
     reference: Reference,
     /// Frames it starts with anew when one differs from those before; none if it takes any.
     steady_frames: Option<u16>,
+    /// Frames that were not fit for it.
+    unfit: u16,
 }
 
 /// Sum of changes over sum of voltages above which a frame is not steady: far more than noise.
@@ -59,6 +61,20 @@ impl Tare {
     #[must_use]
     pub fn of_steady_frames(frames: u16) -> Self {
         Self { steady_frames: Some(frames), ..Self::new(frames) }
+    }
+
+    /// Whether it takes steady frames only, and began by itself.
+    #[must_use]
+    pub fn is_automatic(&self) -> bool {
+        self.steady_frames.is_some()
+    }
+
+    /// A frame is not fit for it; says whether there were four times as many as it needs, so that it gives up. One that
+    /// began by itself never does.
+    pub fn gives_up(&mut self) -> bool {
+        self.unfit = self.unfit.saturating_add(1);
+        let frames = self.remaining.saturating_add(self.reference.frames);
+        !self.is_automatic() && self.unfit / 4 >= frames
     }
 
     /// Adds one frame; gives the finished reference with the last one.
@@ -134,12 +150,12 @@ impl Reference {
         self.weights = self.sums.iter().zip(&self.scales).map(|(&sum, scale)| sum as f32 * scale).collect();
     }
 
-    /// Moves the reference `part` of the way to a frame, 0 to 1.
-    pub fn follow(&mut self, patch: &PatchView<'_>, frame: &Frame, part: f32) {
+    /// Moves the reference these parts of the way to a frame, 0 to 1: `[measurement]`; not a number moves nothing.
+    pub fn follow(&mut self, patch: &PatchView<'_>, frame: &Frame, parts: &[f32]) {
         let mut measured = Vec::new();
         combine_steps(patch, frame, &mut measured);
-        let part = (part.clamp(0.0, 1.0) * FOLLOW_ONE as f32) as i64;
-        for (sum, value) in self.sums.iter_mut().zip(&measured) {
+        for ((sum, value), part) in self.sums.iter_mut().zip(&measured).zip(parts) {
+            let part = (part.clamp(0.0, 1.0) * FOLLOW_ONE as f32) as i64;
             let way = value * i64::from(self.frames) - *sum;
             // A code has 25 bits, two of them add up, and a tare has 10 bits of frames: 60 bits.
             *sum += (way * part + FOLLOW_ONE / 2).div_euclid(FOLLOW_ONE);

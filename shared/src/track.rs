@@ -21,7 +21,7 @@ pub struct Track {
     /// The latest contact.
     pub contact: Contact,
     /// Velocity, m/s.
-    pub velocity: [f32; 2],
+    pub velocity: [f32; 3],
     /// When it began, us.
     pub since_us: u64,
     /// When it was last seen, us.
@@ -76,9 +76,10 @@ impl Tracker {
         for (place, &track) in waiting.iter().enumerate() {
             let Some(expected) = self.tracks.get(track).map(|track| track.expected(now_us)) else { continue };
             for (index, contact) in free.iter().enumerate() {
-                let [x, y] = [0, 1].map(|axis| contact.position[axis] - expected[axis]);
-                if x * x + y * y <= least {
-                    (least, closest) = (x * x + y * y, Some((place, index)));
+                let apart = contact.position.iter().zip(expected).map(|(there, here)| there - here);
+                let square = apart.map(|way| way * way).sum::<f32>();
+                if square <= least {
+                    (least, closest) = (square, Some((place, index)));
                 }
             }
         }
@@ -87,7 +88,7 @@ impl Tracker {
 
     fn begin(&mut self, now_us: u64, contact: Contact) {
         let track =
-            Track { id: self.next_id, contact, velocity: [0.0; 2], since_us: now_us, seen_us: now_us };
+            Track { id: self.next_id, contact, velocity: [0.0; 3], since_us: now_us, seen_us: now_us };
         if self.tracks.is_full() {
             // Of those that wait, the one that has done so longest.
             let Some(longest) = (0..self.tracks.len()).min_by_key(|&index| self.tracks[index].seen_us) else {
@@ -102,9 +103,9 @@ impl Tracker {
 
 impl Track {
     /// Where the contact should be by now, m.
-    fn expected(&self, now_us: u64) -> [f32; 2] {
+    fn expected(&self, now_us: u64) -> [f32; 3] {
         let seconds = now_us.saturating_sub(self.seen_us) as f32 * 1e-6;
-        [0, 1].map(|axis| self.contact.position[axis] + self.velocity[axis] * seconds)
+        [0, 1, 2].map(|axis| self.contact.position[axis] + self.velocity[axis] * seconds)
     }
 
     fn follow(&mut self, now_us: u64, contact: Contact) {
@@ -134,6 +135,7 @@ mod tests {
             strength: 0.5,
             peak: 1.0,
             pressure: None,
+            load_area: None,
         }
     }
 
@@ -203,8 +205,8 @@ mod tests {
         for frame in 0..30_u16 {
             tracker.update(u64::from(frame) * FRAME_US, &[at(0.002 * f32::from(frame), 0.0)]);
         }
-        let [x, y] = tracker.tracks[0].velocity;
-        assert!((x - 0.1).abs() < 1e-3 && y.abs() < 1e-6, "{x} {y}");
+        let [x, y, z] = tracker.tracks[0].velocity;
+        assert!((x - 0.1).abs() < 1e-3 && y.abs() < 1e-6 && z == 0.0, "{x} {y} {z}");
     }
 
     #[test]

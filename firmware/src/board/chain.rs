@@ -71,6 +71,7 @@ impl SensingTimers {
         self.slot.regs_gp16().cnt().write(|w| w.set_cnt(slot - 1));
         self.slot.enable_update_dma(true);
         self.slot.set_cc_dma_enable_state(Compare::Ch2, AMPLIFIER.is_some());
+        self.slot.set_output_compare_mode(Compare::Ch1, OutputCompareMode::PwmMode2);
         // The first sample triggers the DAC, then every other.
         self.wave.regs_gp32().cnt().write_value(SAMPLES_PER_WAVE_VALUE as u32 - 1);
         DAC.dhr12r(0).write(|w| w.set_dhr(MIDDLE));
@@ -82,8 +83,9 @@ impl SensingTimers {
         self.sample.start();
     }
 
-    /// Stops the scan; the DAC stays where it is.
+    /// Stops the scan; the DAC stays where it is, and all switches open.
     pub fn stop(&mut self) {
+        self.slot.set_output_compare_mode(Compare::Ch1, OutputCompareMode::ForceInactive);
         self.sample.stop();
         self.slot.stop();
         self.wave.stop();
@@ -126,7 +128,8 @@ fn wave_timer(timer: Peri<'static, WaveTimer>) -> Timer<'static, WaveTimer> {
 fn slot_timer(timer: Peri<'static, SlotTimer>) -> Timer<'static, SlotTimer> {
     let timer = Timer::new(timer);
     timer.set_compare_value(Compare::Ch2, 0);
-    timer.set_output_compare_mode(Compare::Ch1, OutputCompareMode::PwmMode2);
+    // Until a scan begins, all switches are open.
+    timer.set_output_compare_mode(Compare::Ch1, OutputCompareMode::ForceInactive);
     timer.set_compare_value(Compare::Ch1, BLANK_SAMPLES);
     timer.enable_channel(Compare::Ch1, true);
     timer.set_trigger_source(SAMPLE_TRIGGER);

@@ -33,6 +33,8 @@ use crate::board::{self, SensingParts};
 
 /// Samples in the ring: 2 ms at 2 megasamples.
 const RING_SAMPLES: usize = 4096;
+/// As many not coming at all is no accident of timing.
+const STILL_SAMPLES: usize = 200;
 /// Steps in which the current rises and falls.
 pub const RAMP_STEPS: u32 = 8;
 /// How long a step of the fall lasts: a period of the slowest carrier.
@@ -75,7 +77,7 @@ pub struct FrontEnd {
     ring: (Channel<'static>, u8),
 }
 
-/// Samples were lost.
+/// Samples were lost, or do not come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Missed;
 
@@ -144,11 +146,13 @@ impl Scan<'_> {
     pub fn take(&mut self, mut take: impl FnMut(&[u16])) -> Result<(), Missed> {
         self.rise();
         let now = Instant::now();
-        if now - self.last >= board::duration_of_samples(RING_SAMPLES) {
+        let end = (RING_SAMPLES - self.ring.get_remaining_transfers() as usize) % RING_SAMPLES;
+        let since = now - self.last;
+        let is_still = end == self.next && since >= board::duration_of_samples(STILL_SAMPLES);
+        if is_still || since >= board::duration_of_samples(RING_SAMPLES) {
             return Err(Missed);
         }
         self.last = now;
-        let end = (RING_SAMPLES - self.ring.get_remaining_transfers() as usize) % RING_SAMPLES;
         // What the DMA has counted is in memory.
         fence(Ordering::SeqCst);
         if end < self.next {

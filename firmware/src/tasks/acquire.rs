@@ -162,7 +162,7 @@ impl Run<'_> {
                 Ok(_) => {}
                 Err(Missed) => {
                     self.flags.insert(FrameFlags::MISSED);
-                    return;
+                    break;
                 }
             }
         }

@@ -52,30 +52,35 @@ struct Purpose {
     scope_slot: Option<u16>,
 }
 
+impl Purpose {
+    /// What frames are needed for now, if they are.
+    fn now(state: &State) -> Option<Self> {
+        let device = state.device.borrow();
+        let streaming = device.streaming();
+        let scope_slot = (streaming.scope > 0).then_some(streaming.scope_slot);
+        device.needs_frames().then_some(Self { scan: device.scan(), scope_slot })
+    }
+}
+
 impl Task {
     /// Puts the scan that is needed into its place; none if no frames are.
     async fn prepare(&mut self) -> Option<Order> {
-        let purpose = self.purpose()?;
+        let purpose = Purpose::now(self.state)?;
         let mut place = self.orders.acquisition.lock().await;
         put_scan(self.state, purpose, &mut place)
     }
 
-    /// What frames are needed for, if they are.
-    fn purpose(&self) -> Option<Purpose> {
-        let device = self.state.device.borrow();
-        let streaming = device.streaming();
-        let scope_slot = (streaming.scope > 0).then_some(streaming.scope_slot);
-        device.needs_frames().then_some(Purpose { scan: device.scan(), scope_slot })
-    }
-
     /// Runs one scan as long as it is what is needed.
     async fn scan(&mut self, order: Order) {
-        let purpose = self.purpose();
+        let purpose = Purpose::now(self.state);
         self.orders.start(order);
-        while self.purpose() == purpose {
+        while Purpose::now(self.state) == purpose {
             match select(self.frames.receive(), self.state.answered.wait()).await {
                 Either::First(captured) => {
-                    process(self.state, captured, &mut self.sequence, self.scratch);
+                    // An answer may have come first, and a frame of the old scan means nothing to a new one.
+                    if Purpose::now(self.state) == purpose {
+                        process(self.state, captured, &mut self.sequence, self.scratch);
+                    }
                     self.frames.receive_done();
                     // Where frames come faster than they are computed, others have a turn all the same: the
                     // link, and the watchdog.

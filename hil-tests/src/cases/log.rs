@@ -32,9 +32,9 @@ fn says_who_starts(rig: &Rig) -> Result<String, Failure> {
     let link = rig.link()?;
     let who = format!("{} firmware {}", link.identity().board, link.identity().firmware);
     let first = lines()?;
-    contains(&first, &[&who, "started after PowerOn"])?;
+    contains(&first, &[&who, "started after power on"])?;
     rig.reset()?;
-    contains(&lines()?, &["(the board has restarted)", &who, "started after ResetPin"])?;
+    contains(&lines()?, &["(the board has restarted)", &who, "started after its reset pin"])?;
     Ok(first.join(" | "))
 }
 

@@ -22,8 +22,10 @@ use crate::chip::{
 use nalgebra::SVector;
 use std::{collections::HashMap, sync::Arc};
 
-/// Step of time where the source may reach its limit: 10 cycles of the chip's clock.
+/// Step of time where the source may reach its limit: 10 cycles of the chip's clock, and more the longer nothing changes.
 const SMALL_STEP: Time = Time::from_nanos(59);
+/// What was left alone for so many steps changes little in one.
+const CALM: u64 = 17;
 /// Drift and scripts are looked at this often.
 const LOOK: Time = Time::from_millis(1);
 
@@ -39,6 +41,8 @@ pub struct AnalogueWorld {
     current: usize,
     parts: Parts,
     now: Time,
+    /// When something happened last that voltages follow.
+    changed: Time,
     next_look: Time,
     /// Voltage of the DAC's pin.
     dac: f64,
@@ -73,6 +77,7 @@ impl AnalogueWorld {
             current: 0,
             parts: [0.0; PARTS],
             now: Time::ZERO,
+            changed: Time::ZERO,
             next_look: Time::ZERO,
             dac: 0.0,
             multiplexers: Multiplexers::new(&setup.analogue.multiplexer),
@@ -114,7 +119,8 @@ impl AnalogueWorld {
         while self.now < until {
             let left = until.since(self.now);
             let may_clamp = self.chains.chains[self.current].may_clamp;
-            let step = if may_clamp { left.min(SMALL_STEP) } else { left };
+            let calm = Time::from_nanos(self.now.since(self.changed).nanoseconds() / CALM);
+            let step = if may_clamp { left.min(SMALL_STEP.max(calm)) } else { left };
             self.chains.chains[self.current].decay(&mut self.parts, step);
             self.now += step;
             if may_clamp {
@@ -136,6 +142,7 @@ impl AnalogueWorld {
 
     /// Changes what chain it is, or physical values; all others stay.
     fn enter(&mut self, change: impl FnOnce(&mut Self, &mut Parts)) {
+        self.changed = self.now;
         let mut values = self.chains.chains[self.current].values(&self.parts);
         change(self, &mut values);
         self.current = self.chain();
@@ -198,6 +205,7 @@ impl AnalogueWorld {
     }
 
     fn drive(&mut self, volts: f64) {
+        self.changed = self.now;
         let change = (volts - self.dac) * self.analogue.source.transconductance;
         self.chains.chains[self.current].drive(&mut self.parts, change);
         self.dac = volts;
@@ -216,9 +224,9 @@ impl AnalogueWorld {
         let pga = self.analogue.pga;
         let signal = chain.output(&self.parts).clamp(-reach, reach) + gain * pga.offset;
         let (amplifiers, converter) = self.noise.sample(at);
-        let on = f64::from(u8::from(self.conditions.noise));
-        let output = (supply / 2.0 + signal + on * amplifiers).clamp(pga.headroom, supply - pga.headroom);
-        output + on * converter + self.analogue.adc.offset
+        let times = self.conditions.noise;
+        let output = (supply / 2.0 + signal + times * amplifiers).clamp(pga.headroom, supply - pga.headroom);
+        output + times * converter + self.analogue.adc.offset
     }
 }
 
@@ -257,6 +265,7 @@ impl World for AnalogueWorld {
     fn pins(&mut self, port: char, levels: u16, at: Time) {
         self.advance(at);
         if self.multiplexers.pins(port, levels) {
+            self.scene.record_enable(self.multiplexers.is_enabled());
             self.follow();
         }
     }

@@ -59,6 +59,11 @@ impl Multiplexers {
         changes
     }
 
+    /// Whether they are enabled.
+    pub(super) fn is_enabled(&self) -> bool {
+        self.enabled
+    }
+
     /// Goes for the switches that address and enable ask for; `stuck` says what reaches the parts.
     pub(super) fn follow(&mut self, stuck: impl Fn(u16) -> u16, now: Time) {
         let wanted = if self.enabled { selected(stuck(self.address)) } else { [None; 4] };

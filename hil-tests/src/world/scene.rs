@@ -125,6 +125,9 @@ pub struct DriveRecord {
     pub time: f64,
     /// Largest way from one code to the next.
     pub largest_step: u16,
+    /// Whether the multiplexers were enabled at any time.
+    pub enabled: bool,
+    enabled_now: bool,
     last: Option<(u16, Time)>,
 }
 
@@ -156,8 +159,8 @@ pub struct Conditions {
     pub presses: Vec<Press>,
     /// Conductivity of the sheet over the skin file's.
     pub scale: f64,
-    /// Whether there is noise.
-    pub noise: bool,
+    /// Noise, over that of the parts.
+    pub noise: f64,
     /// Temperature of the chip, degrees Celsius.
     pub temperature: f64,
     /// What is broken.
@@ -179,7 +182,7 @@ impl Scene {
         let conditions = Conditions {
             presses: Vec::new(),
             scale: 1.0,
-            noise: setup.noise,
+            noise: f64::from(u8::from(setup.noise)),
             temperature: 30.0,
             faults: Vec::new(),
         };
@@ -230,9 +233,9 @@ impl Scene {
         });
     }
 
-    /// Switches the noise.
-    pub fn noise(&self, on: bool) {
-        self.change(|state| state.conditions.noise = on);
+    /// Makes the noise so many times that of the parts; 0 for none.
+    pub fn noise(&self, times: f64) {
+        self.change(|state| state.conditions.noise = times);
     }
 
     /// The chip's temperature, degrees Celsius.
@@ -301,8 +304,16 @@ impl Scene {
     /// What the DAC has put out since this was asked last.
     pub fn take_drive_record(&self) -> DriveRecord {
         let mut record = self.0.drive.lock().unwrap_or_else(PoisonError::into_inner);
-        let last = record.last;
-        std::mem::replace(&mut *record, DriveRecord { last, ..DriveRecord::default() })
+        let (last, enabled_now) = (record.last, record.enabled_now);
+        let next = DriveRecord { last, enabled_now, enabled: enabled_now, ..DriveRecord::default() };
+        std::mem::replace(&mut *record, next)
+    }
+
+    /// The multiplexers are enabled, or not.
+    pub(super) fn record_enable(&self, enabled: bool) {
+        let mut record = self.0.drive.lock().unwrap_or_else(PoisonError::into_inner);
+        record.enabled_now = enabled;
+        record.enabled |= enabled;
     }
 
     /// The DAC puts out a code.

@@ -89,7 +89,7 @@ fn ideal() -> Analogue {
 
 fn scene(analogue: Analogue) -> Scene {
     let scene = Scene::new(Setup::new(skin(), analogue, 0.0, 7).unwrap());
-    scene.noise(false);
+    scene.noise(0.0);
     scene
 }
 

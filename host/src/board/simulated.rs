@@ -107,6 +107,21 @@ pub struct Scan {
     pub flags: FrameFlags,
 }
 
+impl Scan {
+    /// The frame that it makes. More codes than a frame holds leave it empty, and a board drops it.
+    #[must_use]
+    pub fn frame(&self, sequence: u32, timestamp_us: u64) -> Frame {
+        Frame {
+            sequence,
+            timestamp_us,
+            flags: self.flags,
+            codes: self.codes.as_slice().try_into().unwrap_or_default(),
+            quadrature: self.quadrature.as_slice().try_into().unwrap_or_default(),
+            tests: self.tests.as_slice().try_into().unwrap_or_default(),
+        }
+    }
+}
+
 /// Samples of one slot.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SlotSamples {
@@ -403,15 +418,7 @@ impl Worker {
         self.sequence = sequence.wrapping_add(1);
         self.board_time += 1.0 / self.frame_rate();
         let timestamp_us = (self.board_time * 1e6).round() as u64;
-        Frame {
-            sequence,
-            timestamp_us,
-            flags: scan.flags,
-            // More codes than a frame holds leave it empty, and the device drops it.
-            codes: scan.codes.as_slice().try_into().unwrap_or_default(),
-            quadrature: scan.quadrature.as_slice().try_into().unwrap_or_default(),
-            tests: scan.tests.as_slice().try_into().unwrap_or_default(),
-        }
+        scan.frame(sequence, timestamp_us)
     }
 
     /// Sends the samples of the slot that the host watches, if this frame is one it wants.

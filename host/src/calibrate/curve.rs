@@ -5,7 +5,7 @@ use dermatome_shared::calibration::{Calibration, CalibrationPoint, MAX_POINTS};
 use serde::Serialize;
 
 /// Loads that differ by less than this share of the largest one are the same.
-const SAME_LOAD: f64 = 0.01;
+pub(super) const SAME_LOAD: f64 = 0.01;
 /// A point must lie this share of the span above the one before it.
 const LEAST_RISE: f64 = 1e-4;
 
@@ -44,6 +44,25 @@ impl Curve {
         Self { points }
     }
 
+    /// Share of the variance of the loading readings that the curve explains, at most 1; 0 where all are equal.
+    #[must_use]
+    pub fn explained(&self, trials: &[Trial]) -> f64 {
+        let readings: Vec<Reading> = trials.iter().flat_map(Trial::loading).collect();
+        let mean = readings.iter().map(|reading| reading.strength).sum::<f64>() / readings.len() as f64;
+        let square = |value: f64| value * value;
+        let all: f64 = readings.iter().map(|reading| square(reading.strength - mean)).sum();
+        let left =
+            readings.iter().map(|reading| square(reading.strength - self.nearest(reading))).sum::<f64>();
+        if all > 0.0 { 1.0 - left / all } else { 0.0 }
+    }
+
+    /// Strength of the curve at the load nearest to a reading's.
+    fn nearest(&self, reading: &Reading) -> f64 {
+        let far = |point: &&CurvePoint| (point.pressure_kpa - reading.pressure_kpa).abs();
+        let nearest = self.points.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+        nearest.map_or(0.0, |point| point.strength)
+    }
+
     /// As the patch holds it, or `None` if the strength does not rise with the load.
     ///
     /// Where it has more points than a patch holds, those go that change it least.
@@ -61,8 +80,9 @@ impl Curve {
             points.remove(least_needed(&points));
         }
         let to_point = |p: &[f64; 2]| CalibrationPoint { strength: p[0] as f32, pressure: p[1] as f32 };
-        let calibration = Calibration(points[1..].iter().map(to_point).collect());
-        (!calibration.0.is_empty() && calibration.is_valid()).then_some(calibration)
+        let points = points[1..].iter().map(to_point).collect();
+        let calibration = Calibration { points, load_share: None };
+        (!calibration.points.is_empty() && calibration.is_valid()).then_some(calibration)
     }
 }
 

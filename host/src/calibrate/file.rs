@@ -21,6 +21,8 @@ struct Row {
     strength: f64,
     #[serde(default)]
     deviation: f64,
+    #[serde(default)]
+    area_mm2: Option<f64>,
 }
 
 /// Reads loads: CSV with the columns time_s and pressure_kpa, at least three rows, times ascending.
@@ -37,9 +39,10 @@ pub fn read_loads(path: &Path) -> Result<Vec<Hold>, FileError> {
     Ok(rows.into_iter().map(|(_, hold)| hold).collect())
 }
 
-/// Reads readings: CSV with the columns pressure_kpa, strength and, if known, deviation, in the order taken.
+/// Reads readings: CSV with the columns pressure_kpa, strength and, if known, deviation and area_mm2, in the
+/// order taken.
 pub fn read_readings(path: &Path) -> Result<Vec<Reading>, FileError> {
-    let allowed = "numbers in the columns pressure_kpa, strength and, if known, deviation";
+    let allowed = "numbers in the columns pressure_kpa, strength and, if known, deviation and area_mm2";
     let check = |(line, row): (u64, Row)| {
         check_pressure(path, line, row.pressure_kpa)?;
         if !row.strength.is_finite() {
@@ -48,7 +51,11 @@ pub fn read_readings(path: &Path) -> Result<Vec<Reading>, FileError> {
         if !(row.deviation.is_finite() && row.deviation >= 0.0) {
             return refuse(path, line, "deviation", row.deviation, "a number, 0 or above");
         }
-        Ok(Reading { pressure_kpa: row.pressure_kpa, strength: row.strength, deviation: row.deviation })
+        if let Some(area) = row.area_mm2.filter(|area| !(area.is_finite() && *area > 0.0)) {
+            return refuse(path, line, "area_mm2", area, "a number above 0, or nothing");
+        }
+        let Row { pressure_kpa, strength, deviation, area_mm2 } = row;
+        Ok(Reading { pressure_kpa, strength, deviation, area_mm2 })
     };
     rows(path, allowed)?.into_iter().map(check).collect()
 }
@@ -62,7 +69,7 @@ fn check_pressure(path: &Path, line: u64, pressure_kpa: f64) -> Result<(), FileE
 
 /// Rows with their lines.
 fn rows<T: for<'de> Deserialize<'de>>(path: &Path, allowed: &str) -> Result<Vec<(u64, T)>, FileError> {
-    let in_file = |message: String| FileError { path: path.to_owned(), message };
+    let in_file = |message: String| FileError::new(path, message);
     let open = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(path);
     let mut reader = open.map_err(|error| in_file(error.to_string()))?;
     let headers = reader.headers().map_err(|error| in_file(error.to_string()))?.clone();
@@ -80,15 +87,30 @@ fn rows<T: for<'de> Deserialize<'de>>(path: &Path, allowed: &str) -> Result<Vec<
     Ok(rows)
 }
 
-fn refuse<T>(path: &Path, line: u64, column: &str, value: f64, allowed: &str) -> Result<T, FileError> {
-    let message = format!("line {line}, column `{column}` is {value}; allowed: {allowed}");
-    Err(FileError { path: path.to_owned(), message })
+pub(super) fn refuse<T>(
+    path: &Path,
+    line: u64,
+    column: &str,
+    value: f64,
+    allowed: &str,
+) -> Result<T, FileError> {
+    Err(refuse_text(path, line, column, &value.to_string(), allowed))
 }
 
-/// Why a file of loads or readings cannot be used.
+pub(super) fn refuse_text(path: &Path, line: u64, column: &str, value: &str, allowed: &str) -> FileError {
+    FileError::new(path, format!("line {line}, column `{column}` is {value}; allowed: {allowed}"))
+}
+
+/// Why a file of loads, readings or contacts cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("file `{}`: {message}", path.display())]
 pub struct FileError {
     path: PathBuf,
     message: String,
+}
+
+impl FileError {
+    pub(super) fn new(path: &Path, message: String) -> Self {
+        Self { path: path.to_owned(), message }
+    }
 }

@@ -12,6 +12,8 @@ pub struct Reading {
     pub strength: f64,
     /// Standard deviation of the mean; 0 if unknown.
     pub deviation: f64,
+    /// Mean area of the region of interest, mm^2; none without contact, or if unknown.
+    pub area_mm2: Option<f64>,
 }
 
 /// Loading to the maximum and back, readings in their order.
@@ -65,6 +67,12 @@ impl Trial {
         let mut down = records(self.readings[self.top..].iter(), |next, last| next < last);
         down.reverse();
         down
+    }
+
+    /// Whether it comes back over a load or more to a lower one, so that its hysteresis is known.
+    #[must_use]
+    pub fn has_way_back(&self) -> bool {
+        self.unloading().len() > 2
     }
 
     /// Rated output: the span of all strengths.

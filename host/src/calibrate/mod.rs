@@ -2,25 +2,34 @@
 //!
 //! Readings of a loading machine become [`Trial`]s (up and down again); their loading branches make the
 //! curve with its uncertainty ([`Curve`]); the first trial identifies the plays ([`identify`]) that the board
-//! takes hysteresis out with ([`dermatome_shared::hysteresis`]); the other trials judge them.
+//! takes hysteresis out with ([`dermatome_shared::hysteresis`]); the other trials judge them. The indenter's known
+//! area says how much of a contact's area its pressure acts on ([`load_share`]). [`Fit`] is all of it.
 
 mod curve;
 mod file;
+mod fit;
 mod identify;
+mod indenter;
 mod loading;
 mod measure;
 mod network;
+mod pairing;
 pub mod patch;
 mod plot;
+mod recording;
 pub mod stored;
 
 pub use curve::{Curve, CurvePoint, isotonic};
 pub use file::{FileError, Hold, read_loads, read_readings};
+pub use fit::{Compensation, Fit, FitError, Loop};
 pub use identify::{compensated, identify};
+pub use indenter::load_share;
 pub use loading::{Reading, Trial, hysteresis, repeatability, trials};
 pub use measure::{MeasureError, measure};
 pub use network::Network;
+pub use pairing::{NoFrames, Pairing, Strongest};
 pub use plot::svg;
+pub use recording::{Recording, RecordingError};
 
 #[cfg(test)]
 mod tests;

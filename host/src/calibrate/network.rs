@@ -101,11 +101,12 @@ impl Network {
 }
 
 fn largest<'a>(readings: impl Iterator<Item = &'a Reading>) -> Reading {
-    let least = Reading { pressure_kpa: f64::MIN_POSITIVE, strength: f64::MIN_POSITIVE, deviation: 0.0 };
+    let tiny = f64::MIN_POSITIVE;
+    let least = Reading { pressure_kpa: tiny, strength: tiny, deviation: 0.0, area_mm2: None };
     readings.fold(least, |max, reading| Reading {
         pressure_kpa: max.pressure_kpa.max(reading.pressure_kpa),
         strength: max.strength.max(reading.strength),
-        deviation: 0.0,
+        ..max
     })
 }
 

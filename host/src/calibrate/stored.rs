@@ -10,7 +10,7 @@ use dermatome_shared::{
 /// Curve and plays of a patch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stored {
-    /// Pressure by strength.
+    /// Pressure and load area.
     pub curve: Calibration,
     /// Against hysteresis.
     pub plays: Vec<Play>,
@@ -26,7 +26,7 @@ impl Stored {
     /// Whether there is neither curve nor play.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.curve.0.is_empty() && self.plays.is_empty()
+        self.curve.points.is_empty() && self.plays.is_empty()
     }
 
     /// The patch `bytes` with these instead of its own.

@@ -56,6 +56,7 @@ impl Bench {
             pressure_kpa: share * self.material.range_kpa,
             strength: mean(&frames[FRAMES / 2..]),
             deviation: 0.0,
+            area_mm2: None,
         };
         trials(&shares.iter().zip(frames.chunks(FRAMES)).map(one).collect::<Vec<_>>()).remove(0)
     }
@@ -154,7 +155,7 @@ fn the_preisach_network_closes_loops_and_the_plays_close_them_better() {
 }
 
 fn reading(pressure_kpa: f64, strength: f64) -> Reading {
-    Reading { pressure_kpa, strength, deviation: 0.0 }
+    Reading { pressure_kpa, strength, deviation: 0.0, area_mm2: None }
 }
 
 #[test]
@@ -181,7 +182,7 @@ fn a_curve_of_many_loads_keeps_the_16_points_that_shape_it() {
     let up: Vec<_> = (0..=40).map(|n| f64::from(n) / 40.0).map(|x| reading(60.0 * x, x.sqrt())).collect();
     let curve = Curve::of_loading(&trials(&up));
     let calibration = curve.calibration().unwrap();
-    assert_eq!(calibration.0.len(), 16);
+    assert_eq!(calibration.points.len(), 16);
     for x in [0.05_f64, 0.3, 0.5, 0.77, 1.0] {
         let pressure = f64::from(calibration.pressure(x.sqrt() as f32).unwrap()) / 1e3;
         assert!((pressure - 60.0 * x).abs() < 0.6, "{x}: {pressure}");
@@ -210,4 +211,166 @@ fn bad_files_name_file_line_column_and_what_is_allowed() {
     }
     std::fs::write(file.path(), "pressure_kpa,strength\n0,0\n5,nan\n0,0\n").unwrap();
     assert!(read_readings(file.path()).unwrap_err().to_string().contains("`strength` is NaN"));
+}
+
+/// Loads up and down again, each held for a second.
+fn holds() -> Vec<Hold> {
+    let loads = [0.0, 2.0, 5.0, 10.0, 20.0, 10.0, 5.0, 2.0, 0.0];
+    loads.iter().enumerate().map(|(n, &pressure_kpa)| Hold { time_s: n as f64, pressure_kpa }).collect()
+}
+
+/// Frames under [`holds`] at 50 a second, from the loads' time 0: time, and the contact from 5 kPa on.
+fn frames() -> Vec<(f64, Option<Strongest>)> {
+    let loads = holds();
+    let frame = |n: usize| {
+        let time = 0.02 * n as f64;
+        let kpa = loads[n / 50].pressure_kpa;
+        let ripple = 1e-3 * f64::from(n as u32 % 7);
+        let contact = Strongest { strength: 0.02 * kpa + ripple, area_mm2: 2000.0 + 10.0 * kpa };
+        (time, (kpa >= 5.0).then_some(contact))
+    };
+    (0..450).map(frame).collect()
+}
+
+/// The lines of `stream` for these frames, on a board that has run for a while; weaker contacts follow the strongest.
+fn lines(frames: &[(f64, Option<Strongest>)], header: bool) -> String {
+    let mut text = String::new();
+    if header {
+        text += "sequence\ttime_s\tx_mm\ty_mm\tz_mm\tarea_mm2\tstrength\tpressure_kpa\tforce_n\n";
+    }
+    for (n, (time, contact)) in frames.iter().enumerate() {
+        for (strongest, share) in contact.iter().flat_map(|contact| [(contact, 1.0), (contact, 0.4)]) {
+            let (at, area, strength) = (1000.0 + time, strongest.area_mm2, share * strongest.strength);
+            text += &format!("{}\t{at:.6}\t1.0\t2.0\t0.0\t{area:.2}\t{strength:.6}\t\t\n", 700 + n);
+        }
+    }
+    text
+}
+
+fn paired(frames: &[(f64, Option<Strongest>)], loads: &[Hold]) -> Vec<Reading> {
+    let mut pairing = Pairing::new(loads);
+    for &(time, contact) in frames.iter().chain([&(1e3, None)]) {
+        pairing.add(time, contact).unwrap();
+    }
+    pairing.into_readings()
+}
+
+#[test]
+fn a_recording_gives_the_readings_that_the_board_would_have_given() {
+    let (loads, frames) = (holds(), frames());
+    let live = paired(&frames, &loads);
+    assert_eq!(live.iter().filter(|reading| reading.area_mm2.is_some()).count(), 5);
+    assert!((live[4].strength - 0.403).abs() < 1e-3 && (live[4].area_mm2.unwrap() - 2200.0).abs() < 1e-9);
+    let file = tempfile::NamedTempFile::new().unwrap();
+    for header in [false, true] {
+        std::fs::write(file.path(), lines(&frames, header)).unwrap();
+        let recording = Recording::read(file.path()).unwrap();
+        // 2 kPa do not show, so that the first contact is not the first load: the start has to be told.
+        let recorded = recording.readings(&loads, Some(1000.0)).unwrap();
+        assert_eq!(recorded.len(), live.len());
+        for (a, b) in recorded.iter().zip(&live) {
+            assert!(
+                (a.strength - b.strength).abs() < 1e-6 && a.pressure_kpa == b.pressure_kpa,
+                "{a:?} {b:?}"
+            );
+            assert!((a.deviation - b.deviation).abs() < 1e-6 && a.area_mm2 == b.area_mm2, "{a:?} {b:?}");
+        }
+        let bold: Vec<Hold> = loads.iter().copied().filter(|load| load.pressure_kpa != 2.0).collect();
+        assert_eq!(recording.readings(&bold, None).unwrap()[1..4], live[2..5]);
+    }
+}
+
+#[test]
+fn recordings_that_are_cut_off_or_no_recordings_are_refused() {
+    let (loads, frames) = (holds(), frames());
+    let file = tempfile::NamedTempFile::new().unwrap();
+    let read = |text: &str| {
+        std::fs::write(file.path(), text).unwrap();
+        let readings = Recording::read(file.path()).map_err(RecordingError::from);
+        readings.and_then(|recording| recording.readings(&loads, Some(1000.0))).unwrap_err().to_string()
+    };
+    let good = lines(&frames, false);
+    let first = good.lines().next().unwrap();
+    let cut: String = good.lines().take(300).map(|line| format!("{line}\n")).collect();
+    for (text, words) in [
+        (cut.as_str(), ["last contact", "before the load of 10 kPa"]),
+        (&format!("{good}{first}\n"), ["line 502", "column `sequence` is 800"]),
+        (&good.replace("\t1002.020000\t", "\t1001.5\t"), ["line 3", "column `time_s` is 1001.5"]),
+        (&good.replacen("\t2050.00\t", "\twide\t", 1), ["line 1", "column `area_mm2` is \"wide\""]),
+        ("800\t1002.0\n801\t1002.1\n", ["line 1", "column `area_mm2` is \"\""]),
+        ("frame\ttime_s\n1\t2\n", ["line 1", "column `sequence`"]),
+        ("", ["0 frames", "two or more"]),
+    ] {
+        let message = read(text);
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
+        assert!(
+            message.contains(&*file.path().to_string_lossy()) && message.contains("allowed"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn the_load_share_is_the_indenters_area_over_the_regions_that_count_by_their_pressure() {
+    let reading = |pressure_kpa, area_mm2| Reading { area_mm2, ..reading(pressure_kpa, 0.1) };
+    let readings = [
+        reading(0.0, Some(900.0)),
+        reading(10.0, Some(2600.0)),
+        reading(30.0, Some(1800.0)),
+        reading(5.0, None),
+    ];
+    assert!((load_share(&readings, 400.0).unwrap() - 0.2).abs() < 1e-12);
+    assert_eq!(load_share(&[reading(0.0, Some(900.0)), reading(5.0, None)], 400.0), None);
+}
+
+/// Way up and way back of loads from 2 to 10 kPa, by strength; `back` of it on the way back.
+fn loop_of(back: fn(f64) -> f64) -> Vec<Reading> {
+    let up = (0..=5).map(|n| reading(2.0 * f64::from(n), 0.05 * f64::from(n)));
+    up.chain((0..5).rev().map(|n| reading(2.0 * f64::from(n), back(0.05 * f64::from(n))))).collect()
+}
+
+#[test]
+fn a_trial_without_a_way_back_has_no_hysteresis_and_no_plays() {
+    let loading = &loop_of(|x| x)[..6];
+    for readings in [loading, &[loading, &[reading(0.0, 0.01)]].concat()] {
+        let fit = Fit::new(readings, None, true).unwrap();
+        assert_eq!((fit.hysteresis(), fit.compensation), (None, Compensation::NoWayBack));
+        assert!(fit.plays.is_empty() && fit.loops == [Loop::default()]);
+        assert_eq!((fit.calibration.points.len(), fit.calibration.load_share), (5, None));
+    }
+}
+
+#[test]
+fn plays_that_make_their_own_trial_no_better_are_not_stored() {
+    // Strengths that are lower on the way back are no hysteresis that a memory of higher ones explains.
+    let fit = Fit::new(&loop_of(|x| 0.6 * x), None, true).unwrap();
+    assert!(matches!(fit.compensation, Compensation::Useless { trial: 0, .. }), "{:?}", fit.compensation);
+    assert!(fit.plays.is_empty() && fit.loops[0].raw.unwrap() > 20.0);
+    let fit = Fit::new(&loop_of(|x| 0.25 - 4.0 * (0.25 - x) * (0.25 - x)), None, true).unwrap();
+    let [raw, after] = [fit.loops[0].raw, fit.loops[0].compensated].map(Option::unwrap);
+    assert!(fit.compensation == Compensation::On { trial: 0 } && after < 0.5 * raw, "{raw} {after}");
+    assert_eq!(Fit::new(&loop_of(|x| x), None, false).unwrap().compensation, Compensation::Off);
+}
+
+#[test]
+fn readings_that_are_no_calibration_are_refused() {
+    let of = |pairs: &[(f64, f64)]| pairs.iter().map(|&(p, s)| reading(p, s)).collect::<Vec<_>>();
+    let equal = of(&[(5.0, 0.1); 3]);
+    let two = of(&[(0.0, 0.0), (5.0, 0.1), (10.0, 0.2), (5.0, 0.12), (0.0, 0.0)]);
+    let unloading = of(&[(10.0, 0.3), (8.0, 0.25), (5.0, 0.2), (2.0, 0.1), (0.0, 0.0)]);
+    for (readings, found) in [(equal, 1), (two, 2), (unloading, 1), (of(&[(0.0, 0.1); 3]), 0)] {
+        assert_eq!(Fit::new(&readings, None, true).unwrap_err(), FitError::Loads { found });
+    }
+    let level = of(&[(0.0, 0.1), (5.0, 0.1), (10.0, 0.1), (15.0, 0.1), (20.0, 0.1)]);
+    let falling = of(&[(0.0, 0.3), (5.0, 0.2), (10.0, 0.1), (15.0, 0.05)]);
+    // Whatever happens to press while the machine does not.
+    let unrelated =
+        of(&[(0.0, 0.2), (5.0, 0.4), (10.0, 0.1), (15.0, 0.5), (20.0, 0.15), (25.0, 0.45), (30.0, 0.2)]);
+    for readings in [level, falling, unrelated] {
+        let error = Fit::new(&readings, None, true).unwrap_err();
+        assert!(matches!(error, FitError::NoRise { .. }), "{error}");
+        assert!(error.to_string().contains("allowed: 3 points or more and 75 %"), "{error}");
+    }
+    let no_area = Fit::new(&loop_of(|x| x), Some(400.0), true).unwrap_err();
+    assert_eq!(no_area, FitError::NoArea);
 }

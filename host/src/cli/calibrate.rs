@@ -7,33 +7,33 @@ use super::{
 };
 use crate::{
     calibrate::{
-        self, Curve, CurvePoint, Reading, Trial, compensated, hysteresis, identify, patch::with_calibration,
-        repeatability,
+        self, Compensation, CurvePoint, Fit, Reading, Recording, patch::with_calibration, repeatability,
     },
     link::{self, Link, Port},
-    output::{check_folder, write_whole},
+    output::{check_folder, write_together, write_whole},
+    skin::quantity::{AREA, Quantity},
 };
 use anyhow::{Context, bail, ensure};
-use dermatome_shared::{
-    calibration::Calibration, hysteresis::Play, patch::PatchView, reference::DEFAULT_TARE_FRAMES,
-};
+use dermatome_shared::{hysteresis::Play, patch::PatchView, reference::DEFAULT_TARE_FRAMES};
 use serde::Serialize;
 use std::{
     fmt::Write,
     path::{Path, PathBuf},
 };
 
-/// Calibrate a skin against known loads: contacts have kPa and newtons from then on.
+/// Calibrate a skin against known loads: contacts have kPa from then on, and newtons.
 ///
 /// A machine presses the skin up to its largest load and back, once or more. The mean of the region of interest
 /// against pressure becomes a monotone curve; the first trial also gives what takes hysteresis out on
-/// the board. Both go into the patch file, and with a port onto the board.
+/// the board. Force needs the area of the indenter, because a region of interest is larger than what
+/// presses. All goes into the patch file, and with a port onto the board.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  dermatome calibrate disc-210mm.dermatome --port /dev/ttyACM0 --loads loads.csv
+  dermatome calibrate disc-210mm.dermatome --port /dev/ttyACM0 --loads loads.csv --indenter-area 4cm2
   dermatome calibrate disc-210mm.dermatome --readings readings.csv --plot calibration.svg
+  dermatome calibrate disc-210mm.dermatome --recording contacts.tsv --loads loads.csv
   dermatome calibrate disc-210mm.dermatome --port COM5 --loads loads.csv --out left-palm.dermatome")]
-#[command(group(clap::ArgGroup::new("source").required(true).args(["port", "readings"])))]
+#[command(group(clap::ArgGroup::new("source").required(true).args(["port", "readings", "recording"])))]
 pub(super) struct Args {
     /// Patch to calibrate, as `dermatome build` writes it; with --port, the one that the board uses.
     patch: PathBuf,
@@ -41,11 +41,20 @@ pub(super) struct Args {
     #[arg(long, requires = "loads")]
     port: Option<Port>,
     /// What the machine does from the first streamed frame on: CSV with the columns time_s,pressure_kpa.
-    #[arg(long, value_name = "FILE", requires = "port")]
+    #[arg(long, value_name = "FILE", conflicts_with = "readings")]
     loads: Option<PathBuf>,
-    /// Readings taken before: CSV with the columns pressure_kpa,strength and, if known, deviation.
+    /// What `dermatome stream --no-image` printed while the machine pressed; with --loads.
+    #[arg(long, value_name = "FILE", requires = "loads")]
+    recording: Option<PathBuf>,
+    /// The loads' time 0 by the recording's time_s [default: so that its first contact is the first load above zero].
+    #[arg(long, value_name = "SECONDS", requires = "recording", value_parser = seconds, allow_negative_numbers = true)]
+    start: Option<f64>,
+    /// Readings taken before: CSV with the columns pressure_kpa,strength and, if known, deviation,area_mm2.
     #[arg(long, value_name = "FILE")]
     readings: Option<PathBuf>,
+    /// Area of the flat indenter that pressed, such as '4 cm2'; without it contacts get no newtons.
+    #[arg(long, value_name = "AREA")]
+    indenter_area: Option<String>,
     /// Write the calibrated patch here instead of over the old one.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -68,11 +77,12 @@ struct Report {
     skin: String,
     trials: usize,
     readings: usize,
-    hysteresis_percent: f64,
+    hysteresis_percent: Option<f64>,
     repeatability_percent: Option<f64>,
-    compensated_percent: Vec<f64>,
+    compensated_percent: Vec<Option<f64>>,
     curve: Vec<CurvePoint>,
     plays: Vec<[f64; 2]>,
+    load_share: Option<f32>,
     patch_crc: String,
 }
 
@@ -80,29 +90,71 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let path = args.patch.display();
     let bytes = std::fs::read(&args.patch).with_context(|| format!("cannot read patch `{path}`"))?;
     let patch = PatchView::validate(&bytes).with_context(|| format!("`{path}`"))?;
+    let indenter_mm2 = args.indenter_area.as_deref().map(|text| indenter_mm2(text, &patch)).transpose()?;
     let out = args.out.as_ref().unwrap_or(&args.patch);
-    for file in [Some(out), args.plot.as_ref(), args.save.as_ref()].into_iter().flatten() {
+    let others = [args.plot.as_ref(), args.save.as_ref(), args.json.json.as_ref()];
+    for file in others.into_iter().flatten().chain([out]) {
         check_folder(file)?;
     }
     let mut link = args.port.as_ref().map(link::open).transpose()?;
-    let readings = match (&mut link, &args.loads, &args.readings) {
-        (Some(link), Some(loads), _) => from_board(link, &patch, loads)?,
-        (_, _, Some(file)) => calibrate::read_readings(file)?,
-        _ => bail!("neither `--port` with `--loads` nor `--readings` is given; allowed: one of them"),
-    };
+    let readings = readings(args, link.as_mut(), &patch)?;
     if let Some(file) = &args.save {
+        // Even if they make no calibration: the machine has done its work.
         write_whole(file, csv(&readings).as_bytes())?;
     }
-    let fit = Fit::new(&readings, args.no_compensation)?;
+    let fit = Fit::new(&readings, indenter_mm2, !args.no_compensation).with_context(|| args.source())?;
     let calibrated = with_calibration(&bytes, &fit.calibration, &fit.plays)?;
-    if let Some(file) = &args.plot {
-        write_whole(file, calibrate::svg(&patch.header.skin, &fit.trials, &fit.curve).as_bytes())?;
-    }
-    write_whole(out, &calibrated)?;
+    let report = Report::new(&patch, &fit, &calibrated)?;
+    write_all(args, out, &calibrated, &fit, &report)?;
     if let Some(link) = &mut link {
         link::upload(link, &calibrated, |_| ()).context("the calibrated patch was written, but not sent")?;
     }
-    report(args, &patch, out, &fit, &calibrated)
+    print(args, out, &fit, &report);
+    Ok(())
+}
+
+/// The patch, and with it picture and report: all of them, or none.
+fn write_all(args: &Args, out: &Path, calibrated: &[u8], fit: &Fit, report: &Report) -> anyhow::Result<()> {
+    let plot = args.plot.as_ref().map(|file| (file, calibrate::svg(&report.skin, &fit.trials, &fit.curve)));
+    let json = args.json.text(report)?;
+    let texts = plot.iter().chain(&json).map(|(file, text)| (file.as_path(), text.as_bytes()));
+    let files: Vec<_> = texts.chain([(out, calibrated)]).collect();
+    Ok(write_together(&files)?)
+}
+
+/// The area as somebody states it, mm^2.
+fn indenter_mm2(text: &str, patch: &PatchView<'_>) -> anyhow::Result<f64> {
+    let surface = patch.surface();
+    let units: f64 = surface.pixels().map(|pixel| f64::from(pixel.area)).sum();
+    let skin_mm2 = units * f64::from(surface.scale.area) * 1e6;
+    let quantity = text.trim().parse().map_or_else(|_| Quantity::Text(text.to_owned()), Quantity::Number);
+    let read = AREA.read(&quantity).map(|area| area * 1e6);
+    read.filter(|area| *area > 0.0 && *area <= skin_mm2).with_context(|| {
+        format!(
+            "`--indenter-area` is {text:?}; allowed: a number above zero (m2), or a number with {}, up to the skin's {:.1} cm2",
+            AREA.units(),
+            skin_mm2 / 100.0
+        )
+    })
+}
+
+fn readings(args: &Args, link: Option<&mut Link>, patch: &PatchView<'_>) -> anyhow::Result<Vec<Reading>> {
+    match (link, &args.loads, &args.recording, &args.readings) {
+        (Some(link), Some(loads), ..) => from_board(link, patch, loads),
+        (_, Some(loads), Some(recording), _) => {
+            let (loads, recording) = (calibrate::read_loads(loads)?, Recording::read(recording)?);
+            Ok(recording.readings(&loads, args.start)?)
+        }
+        (.., Some(file)) => Ok(calibrate::read_readings(file)?),
+        _ => bail!(
+            "neither `--port` with `--loads`, `--recording` with `--loads`, nor `--readings` is given; allowed: one of them"
+        ),
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds: &f64| seconds.is_finite());
+    seconds.ok_or_else(|| "allowed: seconds".to_owned())
 }
 
 /// Tares, then reads while the machine loads the skin.
@@ -124,84 +176,85 @@ fn from_board(link: &mut Link, patch: &PatchView<'_>, loads: &Path) -> anyhow::R
     Ok(calibrate::measure(link, &loads, long_patience(&used), show)?)
 }
 
-/// What the readings say.
-struct Fit {
-    trials: Vec<Trial>,
-    curve: Curve,
-    calibration: Calibration,
-    plays: Vec<Play>,
-    /// Hysteresis of each trial without and with compensation, per cent.
-    loops: Vec<[f64; 2]>,
-}
-
-impl Fit {
-    fn new(readings: &[Reading], no_compensation: bool) -> anyhow::Result<Self> {
-        let trials = calibrate::trials(readings);
-        ensure!(!trials.is_empty(), "no reading has a pressure above zero; allowed: loads up and down again");
-        let curve = Curve::of_loading(&trials);
-        let calibration = curve.calibration().with_context(|| {
-            "strength does not rise with the load; allowed: readings of a skin that conducts better under load"
-        })?;
-        let plays = if no_compensation { Vec::new() } else { identify(&trials[0], &calibration) };
-        let loops = trials.iter().map(|trial| loops(trial, &plays, &calibration)).collect();
-        Ok(Self { trials, curve, calibration, plays, loops })
-    }
-}
-
-fn loops(trial: &Trial, plays: &[Play], calibration: &Calibration) -> [f64; 2] {
-    let strengths: Vec<f64> = trial.readings.iter().map(|reading| reading.strength).collect();
-    let pressures = compensated(&strengths, plays, calibration, 0.0);
-    [hysteresis(trial), hysteresis(&trial.with_strengths(&pressures))]
-}
-
 fn csv(readings: &[Reading]) -> String {
-    let mut text = String::from("pressure_kpa,strength,deviation\n");
-    for Reading { pressure_kpa, strength, deviation } in readings {
-        let _ = writeln!(text, "{pressure_kpa},{strength},{deviation}");
+    let mut text = String::from("pressure_kpa,strength,deviation,area_mm2\n");
+    for Reading { pressure_kpa, strength, deviation, area_mm2 } in readings {
+        let area = area_mm2.map_or(String::new(), |area| area.to_string());
+        let _ = writeln!(text, "{pressure_kpa},{strength},{deviation},{area}");
     }
     text
 }
 
-fn report(
-    args: &Args,
-    patch: &PatchView<'_>,
-    out: &Path,
-    fit: &Fit,
-    calibrated: &[u8],
-) -> anyhow::Result<()> {
-    let readings = fit.trials.iter().map(|trial| trial.readings.len()).sum();
-    let count = fit.loops.len() as f64;
-    let hysteresis_percent = fit.loops.iter().map(|pair| pair[0]).sum::<f64>() / count;
-    let repeatability_percent = repeatability(&fit.trials);
-    say!(
-        "{}: {} trials, {readings} readings, {} points of the curve",
-        patch.header.skin,
-        fit.trials.len(),
-        fit.calibration.0.len()
-    );
-    say!("hysteresis {hysteresis_percent:.1} % of rated output");
-    if let Some(percent) = repeatability_percent {
+impl Args {
+    /// Where the readings come from, for errors.
+    fn source(&self) -> String {
+        let file = |name: &str, path: &Path| format!("{name} `{}`", path.display());
+        match (&self.readings, &self.recording, &self.loads) {
+            (Some(readings), ..) => file("readings", readings),
+            (_, Some(recording), Some(loads)) => {
+                format!("{} under {}", file("recording", recording), file("loads", loads))
+            }
+            (.., Some(loads)) => file("loads", loads),
+            _ => "readings".to_owned(),
+        }
+    }
+}
+
+impl Report {
+    fn new(patch: &PatchView<'_>, fit: &Fit, calibrated: &[u8]) -> anyhow::Result<Self> {
+        Ok(Self {
+            skin: patch.header.skin.as_str().to_owned(),
+            trials: fit.trials.len(),
+            readings: fit.trials.iter().map(|trial| trial.readings.len()).sum(),
+            hysteresis_percent: fit.hysteresis(),
+            repeatability_percent: repeatability(&fit.trials),
+            compensated_percent: fit.loops.iter().map(|one| one.compensated).collect(),
+            curve: fit.curve.points.clone(),
+            plays: fit.plays.iter().map(plain).collect(),
+            load_share: fit.calibration.load_share,
+            patch_crc: super::patch_id(PatchView::validate(calibrated)?.crc()),
+        })
+    }
+}
+
+fn print(args: &Args, out: &Path, fit: &Fit, report: &Report) {
+    let trials = if report.trials == 1 { "trial" } else { "trials" };
+    let points = fit.calibration.points.len();
+    let (count, readings) = (report.trials, report.readings);
+    say!("{}: {count} {trials}, {readings} readings, {points} points of the curve", report.skin);
+    match report.hysteresis_percent {
+        Some(percent) => say!("hysteresis {percent:.1} % of rated output"),
+        None => say!("hysteresis unknown: no trial comes back from its largest load"),
+    }
+    if let Some(percent) = report.repeatability_percent {
         say!("repeatability {percent:.1} % of rated output");
     }
-    for (trial, [_, after]) in fit.loops.iter().enumerate().filter(|_| !fit.plays.is_empty()) {
-        let used = if trial == 0 { "used to fit it" } else { "not used to fit it" };
-        say!("hysteresis after compensation, trial {} ({used}): {after:.1} %", trial + 1);
+    print_compensation(fit);
+    match report.load_share {
+        Some(share) => say!("force: pressure times {share:.3} of a contact's area"),
+        None => say!("no force: the indenter's area is not known (--indenter-area)"),
     }
     let on_board =
         args.port.as_ref().map_or(String::new(), |port| format!(", and is on the board at {port}"));
     say!("wrote {}{on_board}", out.display());
-    let crc = PatchView::validate(calibrated)?.crc();
-    args.json.write(&Report {
-        skin: patch.header.skin.as_str().to_owned(),
-        trials: fit.trials.len(),
-        readings,
-        hysteresis_percent,
-        repeatability_percent,
-        compensated_percent: fit.loops.iter().map(|pair| pair[1]).collect(),
-        curve: fit.curve.points.clone(),
-        plays: fit.plays.iter().map(plain).collect(),
-        patch_crc: super::patch_id(crc),
-    })
+}
+
+fn print_compensation(fit: &Fit) {
+    match fit.compensation {
+        Compensation::Off => {}
+        Compensation::NoWayBack => say!("no compensation: nothing is known of the way back"),
+        Compensation::Useless { trial, percent } => say!(
+            "no compensation: it makes trial {}, which it was fitted to, no better ({percent:.1} %)",
+            trial + 1
+        ),
+        Compensation::On { trial } => {
+            for (index, one) in fit.loops.iter().enumerate() {
+                let used = if index == trial { "used to fit it" } else { "not used to fit it" };
+                let after = one.compensated.map_or("unknown".to_owned(), |after| format!("{after:.1} %"));
+                say!("hysteresis after compensation, trial {} ({used}): {after}", index + 1);
+            }
+        }
+    }
 }
 
 /// Reach and weight as plain numbers.

@@ -2,10 +2,10 @@
 
 use super::progress;
 use crate::{
-    experiment::{EXPERIMENTS, Report, json, named, page, run as run_all},
+    experiment::{EXPERIMENTS, Experiment, Report, json, named, page, run as run_all},
     output::{OutputFolder, WriteError},
 };
-use anyhow::{Context, bail};
+use anyhow::Context;
 use std::{path::PathBuf, time::Instant};
 
 /// Do the thesis' experiments on simulated samples, as a page beside its figures.
@@ -16,11 +16,20 @@ use std::{path::PathBuf, time::Instant};
 #[command(after_help = help())]
 pub(super) struct Args {
     /// Name of an experiment, or all.
-    #[arg(value_name = "NAME")]
-    name: String,
+    #[arg(value_name = "NAME", value_parser = chosen)]
+    name: Chosen,
     /// Folder for report.html and report.json; made if it is not there.
     #[arg(long, default_value = "experiments", value_name = "DIR")]
     out: PathBuf,
+}
+
+/// The experiments of a name.
+#[derive(Clone)]
+struct Chosen(Vec<Experiment>);
+
+fn chosen(name: &str) -> Result<Chosen, String> {
+    let names = || EXPERIMENTS.map(|experiment| experiment.name).join(", ");
+    named(name).map(Chosen).ok_or_else(|| format!("there is no such experiment; allowed: all, {}", names()))
 }
 
 /// Names with what they show.
@@ -35,20 +44,18 @@ fn help() -> String {
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let start = Instant::now();
-    let Some(experiments) = named(&args.name) else {
-        let names: Vec<_> = EXPERIMENTS.iter().map(|experiment| experiment.name).collect();
-        bail!("there is no experiment `{}`; allowed: all, {}", args.name, names.join(", "));
-    };
+    let Chosen(experiments) = &args.name;
     let folder = OutputFolder::prepare(&args.out)?;
     let bar = progress::counting();
     bar.set_message("experiments");
     bar.set_length(experiments.len() as u64);
-    let reports = run_all(&experiments, |_| bar.inc(1))?;
+    let reports = run_all(experiments, |_| bar.inc(1))?;
     bar.finish_and_clear();
     reports.iter().for_each(print);
     write(folder, &reports).with_context(|| format!("cannot write to `{}`", args.out.display()))?;
     say!("page: {}", args.out.join("report.html").display());
-    say!("{} experiments in {:.1} s", reports.len(), start.elapsed().as_secs_f64());
+    let plural = if reports.len() == 1 { "" } else { "s" };
+    say!("{} experiment{plural} in {:.1} s", reports.len(), start.elapsed().as_secs_f64());
     Ok(())
 }
 

@@ -82,12 +82,16 @@ fn print(report: &Report) {
         drive.frame_rate
     );
     say!("contact from  {:.3} relative conductivity change", header.contact_threshold.to_f64());
-    match header.calibration.0.last() {
+    match header.calibration.points.last() {
         Some(last) => say!(
-            "calibration   {} points up to {} kPa, {} plays against hysteresis",
-            header.calibration.0.len(),
+            "calibration   {} points up to {} kPa, {} plays against hysteresis, {}",
+            header.calibration.points.len(),
             last.pressure / 1e3,
-            header.plays
+            header.plays,
+            match header.calibration.load_share {
+                Some(share) => format!("the load acts on {share:.3} of a contact's area"),
+                None => "no force".to_owned(),
+            }
         ),
         None => say!("calibration   none"),
     }

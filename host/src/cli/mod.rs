@@ -126,10 +126,18 @@ struct JsonReport {
 impl JsonReport {
     /// Writes `report` if it was asked for.
     fn write(&self, report: &impl Serialize) -> anyhow::Result<()> {
-        let Some(path) = &self.json else { return Ok(()) };
+        match self.text(report)? {
+            Some((path, text)) => Ok(write_whole(path, text.as_bytes())?),
+            None => Ok(()),
+        }
+    }
+
+    /// The file and its text, if it was asked for: to be written with others.
+    fn text(&self, report: &impl Serialize) -> anyhow::Result<Option<(&PathBuf, String)>> {
+        let Some(path) = &self.json else { return Ok(None) };
         let mut text = serde_json::to_string_pretty(report).context("cannot express the report as JSON")?;
         text.push('\n');
-        Ok(write_whole(path, text.as_bytes())?)
+        Ok(Some((path, text)))
     }
 }
 

@@ -33,13 +33,14 @@ const PATIENCE_FRAMES: f64 = 5.0;
 /// Show images and contacts live, or print contacts for a pipe.
 ///
 /// On a terminal, draws the image and the contacts in place. Otherwise prints one line per contact:
-/// frame sequence, time in s, x, y and z in mm, area in mm2, strength, and on a calibrated skin
-/// pressure in kPa and force in N, separated by tabs. The summary goes to standard error.
+/// frame sequence, time in s, x, y and z in mm, area in mm2, strength, on a calibrated skin
+/// pressure in kPa and force in N, and what was wrong with the frame, separated by tabs. The summary goes to
+/// standard error.
 ///
 /// With --skin, contacts are in the frame of the robot's link that the skin lies on, and instead of such
-/// lines each frame is one line of JSON with position in m and normal of its contacts (docs/cli.md). With
-/// --resolve as well, it also holds fingers that this computer fits to the frame's voltages, which tells apart what
-/// lies close together or far from all electrodes.
+/// lines each frame is one line of JSON with number, position in m and normal of its contacts, and what was
+/// wrong with the frame (docs/cli.md). With --resolve as well, it also holds fingers that this computer fits to the
+/// frame's voltages, which tells apart what lies close together or far from all electrodes.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     dermatome stream --port /dev/ttyACM0\n  \
@@ -194,7 +195,10 @@ fn asked_to_end(args: &Args, tally: &Tally, display: &Display) -> Option<Ended> 
 fn take(event: &Event, display: &mut Display, tally: &mut Tally) -> io::Result<bool> {
     match event {
         Event::Contacts { at, contacts } => {
-            tally.count(*at, Instant::now());
+            let new = tally.count(*at, Instant::now());
+            if !new.is_empty() {
+                display.warn(*at, &new);
+            }
             is_read(display.take_contacts(*at, contacts))
         }
         Event::Image { image, .. } => display.take_image(image).map(|()| true),

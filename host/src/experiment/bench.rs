@@ -16,7 +16,6 @@ use crate::{
 };
 use dermatome_shared::{
     contact::{self, Contact},
-    frame::Frame,
     patch::PatchView,
     pipeline::{self, PipelineState},
     reference::DEFAULT_TARE_FRAMES,
@@ -201,7 +200,7 @@ impl Bench {
     /// Contacts that the board reports of one single frame.
     pub(super) fn glance(&mut self, phasors: &[Complex64]) -> Vec<Contact> {
         let scan = self.simulated.read(&self.table, phasors);
-        self.process(scan);
+        self.process(&scan);
         self.state.contacts().to_vec()
     }
 
@@ -213,23 +212,17 @@ impl Bench {
             sums.iter_mut()
                 .zip(&scan.codes)
                 .for_each(|(sum, code)| *sum += f64::from(code.0) / f64::from(count));
-            self.process(scan);
+            self.process(&scan);
             see(&self.state);
         }
         sums
     }
 
     /// One scan through the board's code.
-    fn process(&mut self, scan: Scan) {
+    fn process(&mut self, scan: &Scan) {
         self.sequence += 1;
         let period_us = 1e6 / f64::from(self.table.drive.frame_rate);
-        let frame = Frame {
-            sequence: self.sequence,
-            timestamp_us: (f64::from(self.sequence) * period_us) as u64,
-            flags: scan.flags,
-            codes: scan.codes.into_iter().collect(),
-            ..Frame::default()
-        };
+        let frame = scan.frame(self.sequence, (f64::from(self.sequence) * period_us) as u64);
         let view = PatchView::open(&self.patch).expect("the patch was valid when it was made");
         pipeline::process(&view, &mut self.state, &frame);
     }

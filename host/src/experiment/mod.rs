@@ -18,6 +18,7 @@ mod saline;
 mod saline_map;
 mod sample;
 mod shapes;
+mod touches;
 mod tracking;
 mod two_point;
 

@@ -21,9 +21,12 @@ use crate::{
 use serde_json::json;
 use std::path::Path;
 
+/// How the bath is driven, in words.
+pub(super) const DRIVEN: &str = "Driven as in section 4.1.1: 50 kHz, 4.73 frames per second, mean of 20 frames; the current of 1 mA is \
+    assumed. The gain of 3 is not applied: the simulated board finds its own, and any cancels in difference data.";
 /// Depth of the water, m.
 pub(super) const WATER: f64 = 0.06;
-/// Largest hysteresis of the method, % of the range (thesis section 4.1.2.2).
+/// Hysteresis of the method, % of the range: stated under experiment 2 (thesis section 4.1.2.2).
 const THESIS_HYSTERESIS: f64 = 1.06;
 
 /// The bath, looked at for falls of conductivity, tared without a cube.
@@ -67,7 +70,9 @@ pub(super) fn depth() -> Result<Report, ExperimentError> {
         let cube = (third > 0).then(|| cube([0.0; 2], SIDE, depth));
         Dip { volume: SIDE * SIDE * depth * 1e6, cube }
     };
-    cycle(report, &[0, 1, 2, 3, 2, 1, 0].map(dip))
+    report.words("The thesis has no figure of hysteresis under experiment 1, only \"a minor difference\". Its 1.06 % stands under \
+                  experiment 2, whose text there speaks of a cube that is lowered, as is done here.");
+    cycle(report, None, &[0, 1, 2, 3, 2, 1, 0].map(dip))
 }
 
 /// Experiment 2: cubes of three sizes under water, up and down.
@@ -79,13 +84,13 @@ pub(super) fn volume() -> Result<Report, ExperimentError> {
         let side = volume.cbrt() * 1e-2;
         Dip { volume, cube: (volume > 0.0).then(|| cube([0.0; 2], side, side)) }
     };
-    cycle(report, &[0.0, 5.0, 13.0, 21.0, 13.0, 5.0, 0.0].map(dip))
+    cycle(report, Some(THESIS_HYSTERESIS), &[0.0, 5.0, 13.0, 21.0, 13.0, 5.0, 0.0].map(dip))
 }
 
 /// Shows a cycle of loads and looks for hysteresis.
-fn cycle(mut report: Report, dips: &[Dip]) -> Result<Report, ExperimentError> {
+fn cycle(mut report: Report, thesis: Option<f64>, dips: &[Dip]) -> Result<Report, ExperimentError> {
     let mut bench = bath(1)?;
-    report.words(format!("Artefacts: {}.", Artefacts::SALINE.words()));
+    report.words(format!("{DRIVEN} Artefacts: {}.", Artefacts::SALINE.words()));
     let shown = dips
         .iter()
         .map(|step| dip(&mut bench, step.cube.as_slice()))
@@ -95,7 +100,7 @@ fn cycle(mut report: Report, dips: &[Dip]) -> Result<Report, ExperimentError> {
     let strengths: Vec<f64> = shown.iter().map(strength).collect();
     let voltages: Vec<f64> = shown.iter().map(|shown| shown.voltage_change).collect();
     let [image, raw] = [&strengths, &voltages].map(|readings| hysteresis(readings));
-    report.compare("hysteresis of the method, image", "%", Some(THESIS_HYSTERESIS), image, None);
+    report.compare("hysteresis of the method, image", "%", thesis, image, None);
     report.compare("hysteresis of the method, voltages", "%", None, raw, None);
     report.words("Nothing in the simulation remembers, so what hysteresis there is, is noise.");
     let rows = dips.iter().zip(&strengths).zip(&voltages);

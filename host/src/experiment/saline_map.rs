@@ -5,7 +5,7 @@ use super::{
     bench::{Artefacts, Shown},
     plot::{Chart, Series, Style},
     report::{Report, Wanted, largest, number},
-    saline::{bath, cube, dip, draw},
+    saline::{DRIVEN, bath, cube, dip, draw},
 };
 use crate::{
     material::{Material, Transducer},
@@ -37,7 +37,7 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
     let mut report = Report::new("saline-map", "Saline experiment 3: a cube at 15 places (thesis 4.1.2.3)");
     let mut bench = bath(1)?;
     report.words(format!(
-        "A cube of 20 mm stands under water at 15 places, 30 mm apart, on half of the bath. Artefacts: {}.",
+        "A cube of 20 mm stands under water at 15 places, 30 mm apart, on half of the bath. {DRIVEN} Artefacts: {}.",
         Artefacts::SALINE.words()
     ));
     let mut spots = Vec::new();

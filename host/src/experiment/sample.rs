@@ -9,6 +9,7 @@ use crate::{
     simulate::{Load, Press, Sheet},
     skin::Skin,
 };
+use dermatome_shared::drive::Component;
 use std::path::Path;
 
 /// Full amplitude of the thesis' instrument, A: 4 mA from peak to peak (section 3.4).
@@ -26,8 +27,12 @@ pub(super) struct Sample {
     pub(super) material: &'static str,
     /// Frequency, Hz; share of the full amplitude, with attenuators.
     drive: (f64, f64),
-    /// Gain and hyperparameter, which mean something else here.
+    /// What of the voltages is measured.
+    component: Component,
+    /// The thesis' table, as it stands there.
     as_written: &'static str,
+    /// What of it is done otherwise here, and why.
+    otherwise: &'static str,
     pub(super) found: Found,
 }
 
@@ -62,7 +67,9 @@ pub(super) const ONE: Sample = Sample {
     skin: SQUARE_50,
     material: "sample-1",
     drive: (12.5e3, 0.1),
+    component: Component::Real,
     as_written: "gain 5, amplitude 100 % behind 20 dB, real part, hyperparameter 0.032",
+    otherwise: "",
     found: Found {
         range: 35.0,
         hysteresis: 34.5,
@@ -80,7 +87,10 @@ pub(super) const TWO: Sample = Sample {
     skin: SQUARE_210,
     material: "sample-2",
     drive: (50e3, 0.0782),
+    component: Component::Real,
     as_written: "gain 3, amplitude 7.82 %, absolute value, hyperparameter 0.150",
+    otherwise: "The part in phase is measured instead of the absolute value, which would take the sign from this skin's plain \
+                differences; the sheet is a resistor and has no other part. ",
     found: Found {
         range: 65.0,
         hysteresis: 20.03,
@@ -98,7 +108,9 @@ pub(super) const THREE_SINGLE: Sample = Sample {
     skin: DISC_210,
     material: "sample-3-single",
     drive: (50e3, 0.475),
+    component: Component::Magnitude,
     as_written: "gain 4, amplitude 45 to 50 %, absolute value, hyperparameter 0.15",
+    otherwise: "",
     found: Found {
         range: 20.0,
         hysteresis: 41.0,
@@ -137,9 +149,15 @@ impl Sample {
     pub(super) fn skin(&self) -> Result<Skin, ExperimentError> {
         let (path, text) = self.skin;
         let mut skin = Skin::parse(Path::new(path), text)?;
+        self.drive(&mut skin);
+        skin.drive.component = self.component;
+        Ok(skin)
+    }
+
+    /// Drives a skin as this sample was driven.
+    pub(super) fn drive(&self, skin: &mut Skin) {
         (skin.drive.frequency, skin.drive.amplitude) = (self.drive.0, self.drive.1 * FULL_AMPLITUDE);
         skin.drive.frame_rate = FRAME_RATE;
-        Ok(skin)
     }
 
     /// A fresh specimen, tared.
@@ -153,17 +171,28 @@ impl Sample {
         Ok(specimen)
     }
 
-    /// How it was driven, in words.
-    pub(super) fn acquisition(&self) -> String {
+    /// Current and frames, in words.
+    pub(super) fn drive_words(&self) -> String {
+        let (frequency, share) = self.drive;
         format!(
-            "{}: {} kHz, {:.3} mA, {FRAME_RATE} frames per second, mean of {FRAMES} frames for each load, reference \
-             set once. The thesis: {}. Gain and scale cancel in difference data and the simulated board finds its gain \
-             itself; the sheet is a resistor, so the part in phase is measured. Hyperparameter and prior are those of \
-             {}, because the thesis' numbers belong to another scaling.",
+            "{} kHz, {:.3} mA, {FRAME_RATE} frames per second, as in the thesis' table.",
+            frequency / 1e3,
+            share * FULL_AMPLITUDE * 1e3
+        )
+    }
+
+    /// How it was driven and imaged, in words.
+    pub(super) fn acquisition(&self) -> String {
+        let part =
+            if self.component == Component::Magnitude { "absolute values" } else { "the part in phase" };
+        format!(
+            "{}: {} Mean of {FRAMES} frames for each load, reference set once, {part}, Laplace prior. The table: {}. {}The gain is \
+             not that of the table: the simulated board finds its own, and any cancels in difference data. Nor is the \
+             hyperparameter, which belongs to the scaling of EIDORS: that of {} is used.",
             self.name,
-            self.drive.0 / 1e3,
-            self.drive.1 * FULL_AMPLITUDE * 1e3,
+            self.drive_words(),
             self.as_written,
+            self.otherwise,
             self.skin.0
         )
     }

@@ -19,6 +19,7 @@ pub mod presses;
 pub mod split;
 
 use crate::{
+    inverse::targets::half_side,
     measured::statistics::pearson,
     model::{Model, TooManyPixels},
     quantize::{self, PatchBuildError},
@@ -32,11 +33,14 @@ use presses::Presses;
 use rayon::prelude::*;
 use serde::Serialize;
 use split::{Folds, split};
+use std::collections::BTreeSet;
 
 /// Parts of the cross-validation.
 pub const FOLDS: usize = 5;
 /// Fewest presses to learn from.
 pub const FEWEST: usize = 10;
+/// Presses closer than this share of the skin's larger side are at one place.
+const SAME_PLACE: f64 = 2e-3;
 /// Largest share of the presses kept for the test.
 pub const MOST_TEST: f64 = 0.5;
 /// How far the model is trusted, see [`Settings::trust`].
@@ -137,6 +141,17 @@ pub enum LearnError {
         /// Presses of the test.
         test: usize,
     },
+    /// Too few places.
+    #[error(
+        "the presses to learn from are at {found} different places; allowed: {FEWEST} or more, all over the skin (the \
+         file's are at {places})"
+    )]
+    TooFewPlaces {
+        /// Places to learn from.
+        found: usize,
+        /// Places in the file.
+        places: usize,
+    },
     /// A share that is none.
     #[error("the share of presses kept for the test is {0}; allowed: 0 to {MOST_TEST}")]
     TestShare(f64),
@@ -171,12 +186,18 @@ pub fn learn(skin: &Skin, model: &Model, presses: &Presses, request: &Request) -
     if request.strength == Strength::Force && presses.forces.is_none() {
         return Err(LearnError::NoForces);
     }
-    let parts = split(presses.count(), request.test_share, request.seed);
+    let places = presses.place_numbers(SAME_PLACE * 2.0 * half_side(&model.mesh));
+    let parts = split(&places, request.test_share, request.seed);
     let (found, test) = (parts.training.len(), parts.test.len());
-    if found < FEWEST {
+    let taught = distinct(parts.training.iter().map(|&press| places[press]));
+    let pressed = distinct(places.iter().copied());
+    if found < FEWEST && pressed >= FEWEST.min(presses.count()) {
         return Err(LearnError::TooFew { found, presses: presses.count(), test });
     }
-    let folds = Folds::new(&parts.training, FOLDS);
+    if taught < FEWEST {
+        return Err(LearnError::TooFewPlaces { found: taught, places: pressed });
+    }
+    let folds = Folds::new(&parts.training, &places, FOLDS);
     // Whether a board takes the patch at all does not depend on the numbers in it.
     quantize::patch(skin, model)?;
     let chosen = choose(model, presses, &folds, request.strength)?;
@@ -214,6 +235,10 @@ pub fn learn(skin: &Skin, model: &Model, presses: &Presses, request: &Request) -
         force_correlation: presses.forces.as_ref().map(|forces| correlation(forces, &on_board)),
     };
     Ok(Learnt { model: learnt, patch, report })
+}
+
+fn distinct(places: impl Iterator<Item = usize>) -> usize {
+    places.collect::<BTreeSet<_>>().len()
 }
 
 /// The model with another matrix.

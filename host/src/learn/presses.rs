@@ -13,6 +13,7 @@ use crate::{
         read::{Frames, Problem, ReadError, Source, read, read_array},
     },
     model::{Model, TooManyPixels, divisors},
+    pixels::Pixels,
     view::layout::Layout,
 };
 use nalgebra::Point3;
@@ -27,6 +28,9 @@ pub const UNPRESSED: &str = "v_unpressed";
 pub const POSITIONS: &str = "positions_m";
 /// Array of an archive: force of each press, N.
 pub const FORCES: &str = "force_n";
+
+/// Heights and slopes up to this share are none.
+const FLAT: f64 = 1e-6;
 
 /// Presses as recorded.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,6 +140,12 @@ pub enum PressError {
         /// Half the skin's larger side.
         reach_mm: f64,
     },
+    /// A skin on which x and y are no place.
+    #[error(
+        "the skin is curved, or does not lie in the plane z = 0; allowed: flat skins there, on which x and y of a press say \
+         where it is"
+    )]
+    NotFlat,
     /// A press without force.
     #[error("the force of press {press} (counted from 0) is {force} N; allowed: above zero")]
     Force {
@@ -257,6 +267,9 @@ impl Recording {
     }
 
     fn check(&self, model: &Model) -> Result<(), PressError> {
+        if !is_flat(model) {
+            return Err(PressError::NotFlat);
+        }
         let lengths = (self.pressed.measurements, self.unpressed.measurements);
         if lengths.0 != lengths.1 {
             return Err(PressError::Lengths { pressed: lengths.0, unpressed: lengths.1 });
@@ -293,7 +306,29 @@ impl Recording {
     }
 }
 
+/// Whether the pixels lie in the plane z = 0.
+fn is_flat(model: &Model) -> bool {
+    let Pixels { centres, normals, .. } = &model.pixels;
+    let height = centres.iter().map(|centre| centre.z.abs()).fold(0.0, f64::max);
+    height < FLAT * half_side(&model.mesh) && normals.iter().all(|normal| normal.z > 1.0 - FLAT)
+}
+
 impl Presses {
+    /// Number of each press's place, from 0 in the order of their first presses: presses closer than `same`, m, to the
+    /// first press of a place are at it.
+    #[must_use]
+    pub fn place_numbers(&self, same: f64) -> Vec<usize> {
+        let mut firsts: Vec<Point3<f64>> = Vec::new();
+        let number = |place: &Point3<f64>| {
+            let near = firsts.iter().position(|first| (first - place).norm() < same);
+            near.unwrap_or_else(|| {
+                firsts.push(*place);
+                firsts.len() - 1
+            })
+        };
+        self.places.iter().map(number).collect()
+    }
+
     /// How many there are.
     #[must_use]
     pub fn count(&self) -> usize {

@@ -130,7 +130,7 @@ pub enum LinkError {
     },
     /// The tare did not end.
     #[error(
-        "the board at `{port}` did not average {frames} frames within {:.1} s: is it measuring?",
+        "the board at `{port}` did not average {frames} frames within {:.1} s: `dermatome check` says what is wrong",
         timeout.as_secs_f64()
     )]
     NoTare {

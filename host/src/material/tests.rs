@@ -12,7 +12,12 @@ fn three_trials(material: &Material, steps: usize, seed: u64) -> Vec<Trial> {
     let trial = |_| {
         let mut read = |share: f64| {
             let pressure_kpa = share * material.range_kpa;
-            Reading { pressure_kpa, strength: place.respond(pressure_kpa, 10.0), deviation: 0.0 }
+            Reading {
+                pressure_kpa,
+                strength: place.respond(pressure_kpa, 10.0),
+                deviation: 0.0,
+                area_mm2: None,
+            }
         };
         let readings: Vec<_> = up_and_down(steps).map(&mut read).collect();
         place.respond(0.0, 1200.0);

@@ -238,6 +238,7 @@ pub(super) struct ContactTable {
 pub(super) struct CalibrationTable {
     pub(super) strength: Vec<f64>,
     pub(super) pressure: Vec<Quantity>,
+    pub(super) load_share: Option<f64>,
 }
 
 #[derive(Deserialize)]

@@ -41,6 +41,7 @@ mod tests {
             strength: 0.5,
             peak: 1.0,
             pressure: Some(2e3),
+            load_area: Some(1e-6),
         };
         // A quarter turn about x takes y to z, and z to -y.
         let found = pose.contact(&contact);

@@ -27,6 +27,8 @@ pub struct Kind(&'static [(&'static str, f64)]);
 
 /// Metres.
 pub const LENGTH: Kind = Kind(&[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6)]);
+/// Square metres.
+pub const AREA: Kind = Kind(&[("m2", 1.0), ("cm2", 1e-4), ("mm2", 1e-6)]);
 /// Hertz.
 pub const FREQUENCY: Kind = Kind(&[("Hz", 1.0), ("kHz", 1e3), ("MHz", 1e6)]);
 /// Amperes.

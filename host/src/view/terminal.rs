@@ -65,8 +65,7 @@ pub fn legend(maximum: f64, ink: Ink) -> String {
 /// What was wrong with a frame, in words; empty if nothing was.
 #[must_use]
 pub fn flags(flags: FrameFlags) -> String {
-    let set = FrameFlags::ALL.into_iter().filter(|&(flag, _)| flags.contains(flag));
-    set.map(|(_, words)| words).collect::<Vec<_>>().join(", ")
+    flags.words().collect::<Vec<_>>().join(", ")
 }
 
 /// A line for each contact, with its height where the skin is curved there, and pressure and force where the skin is calibrated.
@@ -82,8 +81,11 @@ pub fn contacts(contacts: &[Contact]) -> String {
             let _ = write!(text, "z {z:7.1} mm  ");
         }
         let _ = write!(text, "area {area:7.1} mm2  strength {strength:7.4}");
-        if let Some((pressure, force)) = contact.pressure.zip(contact.force()) {
-            let _ = write!(text, "  {:7.2} kPa  {force:7.3} N", pressure * 1e-3);
+        if let Some(pressure) = contact.pressure {
+            let _ = write!(text, "  {:7.2} kPa", pressure * 1e-3);
+        }
+        if let Some(force) = contact.force() {
+            let _ = write!(text, "  {force:7.3} N");
         }
         text.push('\n');
     }
@@ -209,12 +211,13 @@ mod tests {
             strength: 0.25,
             peak: 0.5,
             pressure: None,
+            load_area: None,
         };
         let text = contacts(&[contact]);
         assert_eq!(text, "x    12.5 mm  y   -30.0 mm  area    25.0 mm2  strength  0.2500\n");
         assert_eq!(contacts(&[]), "no contact\n");
-        let calibrated = Contact { pressure: Some(20e3), ..contact };
-        assert!(contacts(&[calibrated]).ends_with("  strength  0.2500    20.00 kPa    0.500 N\n"));
+        let calibrated = Contact { pressure: Some(20e3), load_area: Some(2e-5), ..contact };
+        assert!(contacts(&[calibrated]).ends_with("  strength  0.2500    20.00 kPa    0.400 N\n"));
     }
 
     #[test]

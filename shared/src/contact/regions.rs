@@ -258,6 +258,7 @@ impl Region {
             strength: weight / self.area as f32 * unit,
             peak: self.peak.to_f32(),
             pressure: None,
+            load_area: None,
         }
     }
 }

@@ -212,6 +212,24 @@ fn frames_are_needed_while_a_tare_or_a_stream_is_under_way() {
 }
 
 #[test]
+fn a_tare_that_began_by_itself_ends_with_the_stream_and_one_that_finds_no_current_gives_up() {
+    let mut device = device();
+    upload_good(&mut device, Difference::Plain);
+    ask(&mut device, Request::Stream(Selection { contacts: 1, ..Selection::default() }));
+    events(&mut device, &frame(0, 100));
+    assert!(device.pipeline().is_taring());
+    ask(&mut device, Request::Stream(Selection::default()));
+    assert!(!device.needs_frames());
+    ask(&mut device, Request::Tare { frames: 5 });
+    let dead = Frame { flags: FrameFlags::NO_CURRENT, ..frame(1, 0) };
+    let frames = (0..1000).take_while(|_| {
+        events(&mut device, &dead);
+        device.needs_frames()
+    });
+    assert_eq!(frames.count(), 19);
+}
+
+#[test]
 fn each_event_comes_every_so_many_frames() {
     let mut device = device();
     upload_good(&mut device, Difference::Plain);

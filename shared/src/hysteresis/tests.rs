@@ -82,6 +82,7 @@ fn contacts_use_the_memory_of_their_place() {
             strength,
             peak: strength,
             pressure: None,
+            load_area: None,
         };
         let mut contacts: Contacts = presses.iter().map(contact).collect();
         places.press(&patch, &mut contacts, || RelativeConductivity::from_f64(0.02));

@@ -57,8 +57,10 @@ pub enum PatchError {
         /// Name of the field, with what is allowed.
         field: &'static str,
     },
-    /// The calibration curve does not rise, or is not finite.
-    #[error("patch field `calibration` must rise from point to point")]
+    /// The calibration curve does not rise, or is not finite, or its share is none.
+    #[error(
+        "patch field `calibration` must rise from point to point, and have a `load_share` above zero or none"
+    )]
     Calibration,
     /// A play of the hysteresis operator holds less than the strength.
     #[error("patch play {play} has a `reach` below 1, allowed are 1 to 15.99")]

@@ -43,7 +43,7 @@ use serde::{Deserialize, Serialize};
 /// First bytes of every patch.
 pub const MAGIC: [u8; 4] = *b"DSKP";
 /// Version of the layout above.
-pub const FORMAT_VERSION: u16 = 3;
+pub const FORMAT_VERSION: u16 = 4;
 /// Checksum of patches and packets.
 pub const CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
@@ -89,7 +89,7 @@ pub struct PatchHeader {
     pub contact_threshold: RelativeConductivity,
     /// Time in which the reference follows an untouched skin, s; 0 leaves it as it was averaged.
     pub drift_time: f32,
-    /// Pressure by strength of a contact; empty if the skin is not calibrated.
+    /// Pressure and load area of a contact; empty if the skin is not calibrated.
     pub calibration: Calibration,
     /// What the model expects of each electrode's test ([`crate::scan::test_step`]) without contact
     /// impedance, ohm: `[electrode]`; empty if unknown.

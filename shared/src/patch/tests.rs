@@ -19,6 +19,30 @@ pub(crate) fn drifting_patch(drift_time: f32) -> std::vec::Vec<u8> {
     rewritten(&PatchHeader { drift_time, ..header }, &[])
 }
 
+/// As the small patch, but each two steps measure the same thing; its image stays zero.
+pub(crate) fn reciprocal_patch() -> std::vec::Vec<u8> {
+    let bytes = small_patch(Difference::Plain);
+    let patch = PatchView::validate(&bytes).unwrap();
+    let steps: std::vec::Vec<_> = patch.steps().collect();
+    let measurements = steps.len() as u16 / 2;
+    let target = |measurement| CombinedInto { measurement, flipped: false };
+    let (pixels, neighbours) = square(2).tables();
+    let contents = PatchContents {
+        plays: &[],
+        header: &PatchHeader { measurements, ..patch.header },
+        steps: &steps,
+        combination: &(0..2 * measurements).map(|step| target(step / 2)).collect::<std::vec::Vec<_>>(),
+        pixels: &pixels,
+        neighbours: &neighbours,
+        exponents: &[14; 4],
+        matrix: &std::vec![0; 4 * usize::from(measurements)],
+    };
+    let mut out = std::vec![0; 8192];
+    let length = contents.write(&mut out).unwrap();
+    out.truncate(length);
+    out
+}
+
 /// The small patch of normalised data with another header.
 fn rewritten(header: &PatchHeader, plays: &[Play]) -> std::vec::Vec<u8> {
     let bytes = small_patch(Difference::Normalised);
@@ -46,7 +70,7 @@ fn rewritten(header: &PatchHeader, plays: &[Play]) -> std::vec::Vec<u8> {
 /// As the small patch, with plays against hysteresis and a straight calibration: 100 kPa for each 1.
 pub(crate) fn patch_with_plays(plays: &[Play]) -> std::vec::Vec<u8> {
     let point = crate::calibration::CalibrationPoint { strength: 1.0, pressure: 100e3 };
-    let calibration = Calibration([point].into_iter().collect());
+    let calibration = Calibration { points: [point].into_iter().collect(), load_share: Some(0.25) };
     let plays_in_header = plays.len() as u8;
     let bytes = small_patch(Difference::Normalised);
     let header = PatchView::validate(&bytes).unwrap().header;

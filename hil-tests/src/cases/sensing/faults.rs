@@ -23,7 +23,7 @@ const BROKEN: FrameFlags = FrameFlags(
 pub(super) fn all(rig: &Rig) -> Result<String, Failure> {
     let mut session = Session::open(rig, |skin| skin.drive.frame_rate = 10_000.0)?;
     session.tare(20)?;
-    session.stream(Selection { health: 1, ..Selection::default() })?;
+    session.stream(Selection { health: 1, contacts: 1, ..Selection::default() })?;
     let [first, second] = [report(&mut session)?.0, report(&mut session)?.0];
     let period = (second.timestamp_us - first.timestamp_us) as f64 * 1e-6;
     let (mut slowest, mut missed) = (0.0_f64, Vec::new());
@@ -96,8 +96,15 @@ fn says(health: &Health, flags: FrameFlags, fault: Fault) -> bool {
 }
 
 fn report(session: &mut Session) -> Result<(FrameStamp, Health), Failure> {
-    session.find(|event| match event {
+    let mut phantoms = 0;
+    let found = session.find(|event| match event {
         Event::Health { at, health, .. } => Some((at, health)),
+        Event::Contacts { at, contacts } if at.flags.contains(FrameFlags::NO_CURRENT) => {
+            phantoms += contacts.len();
+            None
+        }
         _ => None,
-    })
+    })?;
+    check(phantoms == 0, || format!("{phantoms} contacts without current"))?;
+    Ok(found)
 }

@@ -111,7 +111,7 @@ fn the_source_rises_no_further_than_its_limit_while_all_switches_are_open() {
 #[test]
 fn noise_has_the_spread_that_its_parts_add_up_to() {
     let scene = scene(ideal());
-    scene.noise(true);
+    scene.noise(1.0);
     let mut world = AnalogueWorld::new(scene.clone());
     let parts = scene.setup().analogue.clone();
     for gain in [1.0, 16.0] {

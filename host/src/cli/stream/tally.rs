@@ -20,17 +20,23 @@ impl Tally {
         self.next = first_sequence;
     }
 
-    /// A frame has come.
-    pub(super) fn count(&mut self, at: FrameStamp, now: Instant) {
+    /// A frame has come; gives what is wrong with it and was not with any before, in words.
+    pub(super) fn count(&mut self, at: FrameStamp, now: Instant) -> Vec<&'static str> {
         let sequence = at.sequence;
-        for (count, (flag, _)) in self.flagged.iter_mut().zip(FrameFlags::ALL) {
-            *count += u64::from(at.flags.contains(flag));
+        let mut new = Vec::new();
+        for (count, (flag, words)) in self.flagged.iter_mut().zip(FrameFlags::ALL) {
+            let is_set = at.flags.contains(flag);
+            if is_set && *count == 0 {
+                new.push(words);
+            }
+            *count += u64::from(is_set);
         }
         self.lost += u64::from(sequence.wrapping_sub(self.next));
         self.next = sequence.wrapping_add(1);
         self.received += 1;
         let [first, _] = self.first_and_last.unwrap_or([now; 2]);
         self.first_and_last = Some([first, now]);
+        new
     }
 
     pub(super) fn received(&self) -> u64 {
@@ -68,7 +74,8 @@ mod tests {
         for (i, sequence) in [u32::MAX - 1, u32::MAX, 2].into_iter().enumerate() {
             let flags = if i == 1 { FrameFlags::HOT } else { FrameFlags::default() };
             let at = FrameStamp { sequence, timestamp_us: 0, flags };
-            tally.count(at, start + Duration::from_millis(500 * i as u64));
+            let new = tally.count(at, start + Duration::from_millis(500 * i as u64));
+            assert_eq!(new.is_empty(), i != 1);
         }
         assert_eq!((tally.received(), tally.lost()), (3, 2 + 2));
         assert_eq!(tally.flagged().collect::<Vec<_>>(), [("chip too hot", 1)]);

@@ -47,7 +47,18 @@ impl Checker<'_> {
             last = [strength, pressure];
             Ok(CalibrationPoint { strength: strength as f32, pressure: pressure as f32 })
         };
-        strengths.iter().zip(pressures).map(&mut point).collect::<Result<_, _>>().map(Calibration)
+        let points = strengths.iter().zip(pressures).map(&mut point).collect::<Result<_, _>>()?;
+        Ok(Calibration { points, load_share: self.load_share(table.load_share)? })
+    }
+
+    /// Also in the single precision of the board.
+    fn load_share(&self, written: Option<f64>) -> Result<Option<f32>, SkinError> {
+        match written {
+            Some(share) if !(1e-6..=1e6).contains(&share) => {
+                self.refuse("calibration.load_share", share.to_string(), "0.000001 to 1000000")
+            }
+            share => Ok(share.map(|share| share as f32)),
+        }
     }
 
     /// Also in the single precision of the board.

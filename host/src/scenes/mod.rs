@@ -1,28 +1,27 @@
 //! Scenes: random contacts on a true skin, counted and placed through two models of it, the surface's own
 //! and the flattened one of the thesis (section 5.3.3.2).
 //!
-//! Each scene is one forward solution on the true skin's mesh with noise; its frame goes through the patch's
-//! fixed point and the board's own contact finder. What the flattened model finds lies in its plane, and is
-//! laid back onto the true skin from above. The same difference data are also resolved on the host
-//! ([`crate::resolve`]), which sees no image.
+//! Each scene is one forward solution on the true skin's mesh, scanned with noise into codes ([`stage`]), which go through
+//! the board's own code with either patch. What the flattened model finds lies in its plane, and is laid back onto
+//! the true skin from above. The same codes are also resolved on the host ([`crate::resolve`]), which sees no image.
+
+pub(crate) mod stage;
 
 use crate::{
-    jacobian::combine_voltages,
-    learn::judge::board_contacts,
     mesh::{neighbours::rim_edges, triangle},
-    model::{Model, ModelError, divisors},
-    quantize::{self, PatchBuildError},
+    model::ModelError,
+    quantize::PatchBuildError,
     resolve::{ResolveError, Resolver, Settings},
-    simulate::{Press, TrueSkin},
+    simulate::{Noise, Press, TrueSkin},
     skin::{NotFlat, Skin},
 };
-use dermatome_shared::{patch::PatchView, reference::DEFAULT_TARE_FRAMES};
+use dermatome_shared::{contact::Contact, frame::Frame};
 use nalgebra::Point3;
 use rand::{Rng, SeedableRng};
-use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use serde::Serialize;
+use stage::{Eye, Stage};
 
 /// What is put on the skin, and how well it is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,40 +88,64 @@ pub enum ScenesError {
 /// Plays random scenes on `true_skin`, and shows them through the model of `skin`, which has the same
 /// electrodes and drive on a mesh of its own, and through that of `skin` flattened.
 pub fn play(skin: &Skin, true_skin: &Skin, options: &Options) -> Result<Vec<Scene>, ScenesError> {
-    let truth = TrueSkin::new(true_skin)?;
-    let diameter = true_skin.shape.from_above()?.diameter();
-    let eyes = [skin.clone(), skin.flattened()?].map(|skin| Eye::new(&skin));
-    let [surface, flattened] = eyes;
-    let (surface, flattened) = (surface?, flattened?);
-    let untouched = truth.voltages(&truth.conductivity(&[]), &surface.model.steps);
-    let settings = Settings { radius: options.radius * diameter, snr_db: options.snr_db };
-    let resolver = Resolver::new(skin, &surface.model, settings)?;
-    let mean_square = untouched.iter().map(|v| v * v).sum::<f64>() / untouched.len() as f64;
-    let deviation = mean_square.sqrt() * 10_f64.powf(-options.snr_db / 20.0);
     let mut random = Pcg64Mcg::seed_from_u64(options.seed);
-    let tare = noisy(&untouched, deviation / f64::from(DEFAULT_TARE_FRAMES).sqrt(), &mut random);
-    let places = (0..options.scenes).map(|scene| {
-        let centres = centres(&truth, diameter, options, 1 + scene % 3, &mut random)?;
-        Ok((centres, random.random::<u64>()))
-    });
-    let places = places.collect::<Result<Vec<_>, ScenesError>>()?;
-    let show = |(centres, seed): (Vec<Point3<f64>>, u64)| {
-        let press = |centre: &Point3<f64>| {
-            Press::finger([centre.x, centre.y], options.radius * diameter, options.depth)
-        };
-        let presses: Vec<_> = centres.iter().map(press).collect();
-        let pressed = truth.voltages(&truth.conductivity(&presses), &surface.model.steps);
-        let frame = noisy(&pressed, deviation, &mut Pcg64Mcg::seed_from_u64(seed));
-        let laid = flattened.look(&frame, &tare).into_iter().map(|found| truth.lay([found.x, found.y]));
-        let fingers = resolver.resolve(&surface.difference(&frame, &tare));
+    let diameter = true_skin.shape.from_above()?.diameter();
+    let mut eyes = Eyes::new(skin, options.radius * diameter, options.snr_db)?;
+    let noise = Noise { snr_db: options.snr_db, seed: random.random() };
+    let mut stage = Stage::new(true_skin, &eyes.surface, noise)?;
+    let untouched = stage.truth().conductivity(&[]);
+    eyes.tare(&stage.tare(&untouched));
+    let places = (0..options.scenes)
+        .map(|scene| centres(stage.truth(), diameter, options, 1 + scene % 3, &mut random))
+        .collect::<Result<Vec<_>, ScenesError>>()?;
+    let press =
+        |centre: &Point3<f64>| Press::finger([centre.x, centre.y], options.radius * diameter, options.depth);
+    let phasors: Vec<_> = places
+        .par_iter()
+        .map(|centres| {
+            let presses: Vec<_> = centres.iter().map(press).collect();
+            stage.solve(&stage.truth().conductivity(&presses))
+        })
+        .collect();
+    let frames: Vec<Frame> = phasors.iter().map(|phasors| stage.scan(phasors)).collect();
+    let scenes = places.into_par_iter().zip(&frames);
+    Ok(scenes.map(|(truth, frame)| eyes.see(truth, frame, stage.truth())).collect())
+}
+
+/// Both boards, and the host.
+struct Eyes {
+    surface: Eye,
+    flattened: Eye,
+    resolver: Resolver,
+}
+
+impl Eyes {
+    fn new(skin: &Skin, radius: f64, snr_db: f64) -> Result<Self, ScenesError> {
+        let [surface, flattened] = [Eye::new(skin)?, Eye::new(&skin.flattened()?)?];
+        let resolver = Resolver::new(skin, &surface.model, Settings { radius, snr_db })?;
+        Ok(Self { surface, flattened, resolver })
+    }
+
+    fn tare(&mut self, frames: &[Frame]) {
+        self.surface.tare(frames);
+        self.flattened.tare(frames);
+    }
+
+    fn see(&self, truth: Vec<Point3<f64>>, frame: &Frame, true_skin: &TrueSkin) -> Scene {
+        let flattened = self.flattened.look(frame);
+        let fingers = self.resolver.resolve(&self.surface.difference(frame));
         Scene {
-            surface: surface.look(&frame, &tare),
-            flattened: laid.collect(),
+            truth,
+            surface: self.surface.look(frame).contacts().iter().map(place).collect(),
+            flattened: flattened.contacts().iter().map(|c| true_skin.lay(c.from_above())).collect(),
             resolved: fingers.iter().map(|finger| finger.position).collect(),
-            truth: centres,
         }
-    };
-    Ok(places.into_par_iter().map(show).collect())
+    }
+}
+
+/// Where a contact lies, m.
+pub(crate) fn place(contact: &Contact) -> Point3<f64> {
+    Point3::from(contact.position.map(f64::from))
 }
 
 /// Random centres, evenly over the surface, a contact's radius from the rim.
@@ -156,41 +179,6 @@ fn centres(
     match centres.len() {
         found if found == count => Ok(centres),
         found => Err(ScenesError::Crowded { apart: options.apart, contact: found + 1 }),
-    }
-}
-
-fn noisy(voltages: &[f64], deviation: f64, random: &mut Pcg64Mcg) -> Vec<f64> {
-    let mut noise = || -> f64 { StandardNormal.sample(&mut *random) };
-    voltages.iter().map(|voltage| voltage + deviation * noise()).collect()
-}
-
-/// A model with its patch.
-struct Eye {
-    model: Model,
-    patch: Vec<u8>,
-}
-
-impl Eye {
-    fn new(skin: &Skin) -> Result<Self, ScenesError> {
-        let model = Model::build(skin, |_| ())?;
-        let patch = quantize::patch(skin, &model)?;
-        Ok(Self { model, patch })
-    }
-
-    /// Contacts in one frame as a board finds them, m.
-    fn look(&self, frame: &[f64], tare: &[f64]) -> Vec<Point3<f64>> {
-        let patch = PatchView::open(&self.patch).expect("the patch was checked when it was built");
-        let found = board_contacts(&patch, &self.difference(frame, tare));
-        found.iter().map(|contact| Point3::from(contact.position.map(f64::from))).collect()
-    }
-
-    /// Difference data as a board makes them: `[measurement]`.
-    fn difference(&self, frame: &[f64], tare: &[f64]) -> Vec<f64> {
-        let combination = &self.model.combination;
-        let reference = combine_voltages(tare, combination);
-        let divisors = divisors(self.model.difference, &reference);
-        let pressed = combine_voltages(frame, combination);
-        pressed.iter().zip(&reference).zip(&divisors).map(|((v, r), d)| (v - r) / d).collect()
     }
 }
 
