@@ -5,6 +5,13 @@ use nalgebra::{Point3, Vector3};
 /// Most cells along an axis.
 const MOST_CELLS: f64 = 160.0;
 
+/// Longest edge of the pieces that are sorted into cells, in cells.
+const LONGEST_PIECE: f64 = 2.0;
+
+/// Looked through first, in cells: most points lie so close to the surface that one cell is enough, and cells of a link
+/// with slivers are full.
+const FIRST_REACH: f64 = 1.0 / 32.0;
+
 /// Triangles by the cells that they touch.
 #[derive(Clone, Debug)]
 pub(super) struct Closest {
@@ -37,8 +44,11 @@ impl Closest {
     fn sort_in(&mut self) {
         let mut pairs = Vec::new();
         for (triangle, &[a, b, c]) in self.triangles.iter().enumerate() {
-            let cells = self.cells(a.inf(&b).inf(&c), a.sup(&b).sup(&c));
-            pairs.extend(cells.map(|cell| (cell as u32, triangle as u32)));
+            let mut cells = Vec::new();
+            self.enter([a, b, c], &mut cells);
+            cells.sort_unstable();
+            cells.dedup();
+            pairs.extend(cells.into_iter().map(|cell| (cell, triangle as u32)));
         }
         pairs.iter().for_each(|&(cell, _)| self.starts[cell as usize + 1] += 1);
         (1..self.starts.len()).for_each(|cell| self.starts[cell] += self.starts[cell - 1]);
@@ -48,6 +58,27 @@ impl Closest {
             self.entries[free[cell as usize] as usize] = triangle;
             free[cell as usize] += 1;
         }
+    }
+
+    /// Cells near a triangle: those of the boxes round its pieces, which are a few cells long, for the box round a long
+    /// sliver that lies askew is nearly all of the grid.
+    fn enter(&self, [a, b, c]: [Point3<f64>; 3], cells: &mut Vec<u32>) {
+        let [ab, bc, ca] = [(b - a).norm(), (c - b).norm(), (a - c).norm()];
+        if ab.max(bc).max(ca) <= LONGEST_PIECE * self.cell {
+            cells.extend(self.cells(a.inf(&b).inf(&c), a.sup(&b).sup(&c)).map(|cell| cell as u32));
+            return;
+        }
+        // The longest edge is halved.
+        let [a, b, c] = if ab >= bc && ab >= ca {
+            [a, b, c]
+        } else if bc >= ca {
+            [b, c, a]
+        } else {
+            [c, a, b]
+        };
+        let middle = nalgebra::center(&a, &b);
+        self.enter([a, middle, c], cells);
+        self.enter([middle, b, c], cells);
     }
 
     /// Numbers of the cells that a box touches.
@@ -64,13 +95,13 @@ impl Closest {
     /// The closest point of triangles with area; the same point if there are none.
     pub(super) fn point(&self, to: Point3<f64>) -> Point3<f64> {
         let far = 4.0 * MOST_CELLS * self.cell + (to - self.corner).norm();
-        let mut reach = self.cell / 2.0;
+        let mut reach = self.cell * FIRST_REACH;
         loop {
             let best = self.within(to, reach);
             if best.is_some() || reach > far {
                 return best.unwrap_or(to);
             }
-            reach *= 2.0;
+            reach *= 4.0;
         }
     }
 

@@ -81,7 +81,7 @@ pub enum CutError {
         allowed: String,
     },
     /// The patch is not a disc.
-    #[error("the patch is no disc: {found}; allowed: a patch with one rim{}", largest_radius(*.largest))]
+    #[error("the patch is no disc: {found}; allowed: a patch with one rim{}", remedy(.found, *.largest))]
     NotADisc {
         /// What it is.
         found: Wrapped,
@@ -119,8 +119,17 @@ impl std::fmt::Display for Wrapped {
     }
 }
 
-fn largest_radius(largest: Option<f64>) -> String {
-    largest.map_or(String::new(), |radius| format!(", here `--radius` up to about {:.1} mm", radius * 1e3))
+/// What to do about it.
+fn remedy(found: &Wrapped, largest: Option<f64>) -> String {
+    match (found, largest) {
+        (_, Some(radius)) => format!(", here `--radius` up to about {:.1} mm", radius * 1e3),
+        (Wrapped::Rims(_), None) => {
+            ". A ring round a limb becomes one if a second `--between-planes` along the limb leaves \
+             a gap in it, with planes beside the limb's axis, or if `--polygon` is smaller"
+                .to_owned()
+        }
+        (_, None) => String::new(),
+    }
 }
 
 /// A point in mm.

@@ -31,8 +31,6 @@ pub use skin_file::{Names, skin_file};
 use std::collections::HashMap;
 use surface::Surface;
 
-/// The crop's own triangles become at most this many cut edges long, so that none reaches far out of it.
-const COARSE: f64 = 4.0;
 /// Triangles on which the cut may be made.
 const MOST_TRIANGLES: f64 = 1e6;
 /// A patch whose nodes are closer to a plane than this share of its size is flat.
@@ -95,20 +93,26 @@ pub fn cut(link: &Imported, request: &Request) -> Result<Patch, CutError> {
 }
 
 /// The crop in even triangles fine enough to cut them, and the crop itself to project onto.
-fn even_triangles(mut crop: Surface, region: &Region, seed: Point3<f64>) -> (Surface, Closest) {
+fn even_triangles(crop: Surface, region: &Region, seed: Point3<f64>) -> (Surface, Closest) {
     let edge = region.cut_edge(&crop).max((crop.area() / (0.433 * MOST_TRIANGLES)).sqrt());
-    let near = |surface: &Surface, [a, b]: [usize; 2]| {
-        let mut faces = surface.faces_at(a).filter(|face| face.contains(&b));
-        faces.any(|face| region.touches(seed, &surface.corners(face)))
-    };
-    remesh::split_long(&mut crop, COARSE * edge, near, |point| point);
-    let kept = crop.faces().filter(|&face| region.touches(seed, &crop.corners(face))).collect();
-    let (points, faces, _) = Surface::new(crop.points.clone(), kept).compact();
-    let mut even = Surface::new(points, faces);
-    let onto = Closest::new(even.faces().map(|face| even.corners(face)), edge);
+    let onto = Closest::new(crop.faces().map(|face| crop.corners(face)), edge);
+    let mut even = crop;
+    let mut longest = even.longest_edge();
+    while longest > edge {
+        longest = (longest / 2.0).max(edge);
+        remesh::shorten(&mut even, longest, edge, &onto);
+        even = touched(&even, region, seed);
+    }
     even.fixed.clone_from(&even.rim);
     remesh::remesh(&mut even, edge, &onto, Effort::EVEN);
     (even, onto)
+}
+
+/// The faces that the region may reach.
+fn touched(surface: &Surface, region: &Region, seed: Point3<f64>) -> Surface {
+    let kept = surface.faces().filter(|&face| region.touches(seed, &surface.corners(face))).collect();
+    let (points, faces, _) = Surface::new(surface.points.clone(), kept).compact();
+    Surface::new(points, faces)
 }
 
 /// The patch, a disc.

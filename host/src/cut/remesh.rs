@@ -60,12 +60,21 @@ pub(super) fn remesh(surface: &mut Surface, edge: f64, onto: &Closest, effort: E
     for round in 0..effort.rounds {
         let project = |point| onto.point(point);
         let longest = TOO_LONG * edge * (FIRST_SPLIT * 0.5_f64.powi(round)).max(1.0);
-        split_long(surface, longest, |_, _| true, project);
-        collapse_short(surface, edge);
+        split_long(surface, longest, project);
+        collapse_short(surface, edge, TOO_LONG * edge);
         flip(surface);
         relax(surface, onto);
     }
     polish(surface, onto, effort);
+}
+
+/// Splits edges above `longest` where the surface has slivers. Halved alone, a sliver becomes ever more slivers of its
+/// own shape, with the square of its length; so nodes closer than `edge` are joined before it is halved again.
+pub(super) fn shorten(surface: &mut Surface, longest: f64, edge: f64, onto: &Closest) {
+    split_long(surface, TOO_LONG * longest, |point| onto.point(point));
+    surface.fixed.clone_from(&surface.rim);
+    collapse_short(surface, edge, TOO_LONG * longest);
+    flip(surface);
 }
 
 /// Flips and relaxes.
@@ -77,12 +86,10 @@ pub(super) fn polish(surface: &mut Surface, onto: &Closest, effort: Effort) {
     flip(surface);
 }
 
-/// Halves edges above `longest`, the longest first, of those that are `wanted`; the new nodes lie
-/// where `place` puts the middles.
-pub(super) fn split_long(
+/// Halves edges above `longest`, the longest first; the new nodes lie where `place` puts the middles.
+fn split_long(
     surface: &mut Surface,
     longest: f64,
-    wanted: impl Fn(&Surface, [usize; 2]) -> bool,
     place: impl Fn(nalgebra::Point3<f64>) -> nalgebra::Point3<f64>,
 ) {
     let measured = |surface: &Surface, edge: [usize; 2]| ByLength(surface.length(edge[0], edge[1]), edge);
@@ -90,9 +97,6 @@ pub(super) fn split_long(
     let mut long: BinaryHeap<ByLength> =
         edges.into_iter().map(|edge| measured(surface, edge)).filter(|it| it.0 > longest).collect();
     while let Some(ByLength(length, [a, b])) = long.pop() {
-        if !wanted(surface, [a, b]) {
-            continue;
-        }
         let middle = center(&surface.points[a], &surface.points[b]);
         let at = if surface.is_rim_edge(a, b) { middle } else { place(middle) };
         let new = surface.split(a, b, at);
@@ -106,8 +110,9 @@ pub(super) fn split_long(
     }
 }
 
-/// Collapses short edges, the shortest first, and all nodes of the rim that are not fixed.
-fn collapse_short(surface: &mut Surface, edge: f64) {
+/// Collapses short edges, the shortest first, and all nodes of the rim that are not fixed. Inside no edge becomes longer
+/// than `longest`.
+fn collapse_short(surface: &mut Surface, edge: f64, longest: f64) {
     let mut short: Vec<ByLength> = Vec::new();
     for [a, b] in surface.edges() {
         let length = surface.length(a, b);
@@ -119,17 +124,17 @@ fn collapse_short(surface: &mut Surface, edge: f64) {
     short.sort_unstable();
     for ByLength(_, [a, b]) in short {
         if surface.is_edge(a, b) {
-            collapse_either(surface, [a, b], edge);
+            collapse_either(surface, [a, b], edge, longest);
         }
     }
 }
 
-fn collapse_either(surface: &mut Surface, [a, b]: [usize; 2], edge: f64) {
+fn collapse_either(surface: &mut Surface, [a, b]: [usize; 2], edge: f64, longest: f64) {
     let along_rim = surface.is_rim_edge(a, b);
     if !along_rim && surface.length(a, b) >= TOO_SHORT * edge {
         return;
     }
-    let longest = if along_rim { f64::INFINITY } else { TOO_LONG * edge };
+    let longest = if along_rim { f64::INFINITY } else { longest };
     let _ = surface.collapse(a, b, longest) || surface.collapse(b, a, longest);
 }
 

@@ -2,6 +2,7 @@
 
 use super::Patch;
 use crate::mesh::quality::quality;
+use std::f64::consts::PI;
 
 /// What the skin file names.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +15,9 @@ pub struct Names<'a> {
     pub mesh: &'a str,
 }
 
+/// A patch whose area is this share of a flat disc's with the same rim is round: a square's is 0.79.
+const ROUND: f64 = 0.9;
+
 /// Text of the skin file. What the mesh does not say is as in the shipped skins.
 #[must_use]
 pub fn skin_file(patch: &Patch, names: Names<'_>) -> String {
@@ -24,6 +28,14 @@ pub fn skin_file(patch: &Patch, names: Names<'_>) -> String {
         "columns = 24                      # square pixels, for the patch is flat"
     } else {
         "pixels = 800                      # patches of elements of about equal area"
+    };
+    let is_round = 4.0 * PI * found.area / patch.rim.powi(2) > ROUND;
+    let inverse = if is_round {
+        "hyperparameter = 0.03             # larger is smoother
+normalised = true"
+    } else {
+        "hyperparameter = 0.003            # larger is smoother
+normalised = false                # the patch is not round: some untouched voltages may be too small to divide by"
     };
     format!(
         r#"# Cut out of {link} by `dermatome cut`. Change material, drive, inverse and contact to suit the fabric.
@@ -59,8 +71,7 @@ frame_rate = "50 Hz"
 
 [inverse]
 prior = "laplace"
-hyperparameter = 0.03
-normalised = true
+{inverse}
 
 [image]
 {image}

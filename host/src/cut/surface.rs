@@ -68,10 +68,16 @@ impl Surface {
         self.faces().map(|face| triangle::area(self.corners(face))).sum()
     }
 
+    /// Length of the longest edge.
+    pub(super) fn longest_edge(&self) -> f64 {
+        self.edges().into_iter().map(|[a, b]| self.length(a, b)).fold(0.0, f64::max)
+    }
+
     /// Every edge once, the lower node first.
     pub(super) fn edges(&self) -> Vec<[usize; 2]> {
         let of_face = |[a, b, c]: [usize; 3]| [[a, b], [b, c], [c, a]];
-        let once = |&[a, b]: &[usize; 2]| a < b || self.sides(a, b).1.is_none();
+        let on_rim = |a: usize, b: usize| self.rim[a] && self.rim[b] && self.sides(a, b).1.is_none();
+        let once = |&[a, b]: &[usize; 2]| a < b || on_rim(a, b);
         let sorted = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
         self.faces().flat_map(of_face).filter(once).map(sorted).collect()
     }

@@ -98,6 +98,31 @@ fn a_disc_on_strips_a_hundred_times_as_long_as_wide_is_a_disc() {
     assert!((rim / (TAU * 0.05) - 1.0).abs() < 0.005, "{rim}");
 }
 
+/// A tube as CAD writes it: triangles as long as its rows.
+fn tube(rows: usize, around: usize, turn: &Rotation3<f64>) -> Imported {
+    let at =
+        |angle: f64, share: f64| Point3::new(0.04 * angle.cos(), 0.04 * angle.sin(), 0.3 * (share - 0.5));
+    let turned = rings(rows, around, at).into_iter().map(|corners| corners.map(|it| turn * it));
+    link(&turned.collect::<Vec<_>>())
+}
+
+#[test]
+fn slivers_hundreds_of_times_as_long_as_wide_do_not_become_slivers_of_their_own_shape() {
+    let turn = Rotation3::from_euler_angles(0.4, -0.7, 1.1);
+    let around = turn * Point3::new(0.04, 0.0, 0.01);
+    for (rows, sides, most) in [(1, 400, 40_000), (1, 2500, 100_000), (3, 1000, 60_000)] {
+        let request = disc(around.coords.into(), 0.03);
+        let crop = shell::crop(&tube(rows, sides, &turn), around, |_, _| true).unwrap();
+        let (even, _) = even_triangles(crop.surface, &request.region, crop.seed);
+        // Nodes that have gone since the last level keep their number, so this counts the last splits, too.
+        let made = even.points.len();
+        assert!(made < most, "{rows} x {sides}: {made}");
+        let (area, rim) = checked(&cut(&tube(rows, sides, &turn), &request).unwrap());
+        assert!((area / (PI * 0.03 * 0.03) - 1.0).abs() < 0.005, "{area}");
+        assert!((rim / (TAU * 0.03) - 1.0).abs() < 0.005, "{rim}");
+    }
+}
+
 #[test]
 fn planes_and_polygons_cut_where_they_are() {
     let tube =
@@ -151,7 +176,11 @@ fn what_cannot_be_a_patch_is_refused_with_what_is_allowed() {
         (&closed, disc([0.05, 0.0, 0.0], 0.3), &["all of the link"]),
         (&tube, Request { region: slab(0.7, 0.8), ..disc(middle, 0.0) }, &["misses the link", "600.000 mm"]),
         (&tube, Request { region: slab(0.4, 0.5), ..disc(middle, 0.0) }, &["outside `--between-planes`"]),
-        (&tube, Request { region: slab(0.2, 0.4), ..disc(middle, 0.0) }, &["wraps round", "one rim"]),
+        (
+            &tube,
+            Request { region: slab(0.2, 0.4), ..disc(middle, 0.0) },
+            &["wraps round", "one rim", "a second `--between-planes`"],
+        ),
         (&tube, wanted(|it| it.edge_length = Some(0.004)), &["`--edge-length`", "two edges"]),
         (&tube, wanted(|it| it.width = Some(0.02)), &["`--width`", "mm to 17."]),
         (&tube, wanted(|it| it.electrodes = 3), &["`--electrodes`", "4 to 250"]),

@@ -38,7 +38,7 @@ pub enum Footprint {
         /// Width of an arm.
         width: f64,
     },
-    /// Any flat polygon, its corners either way round; sides must not cross.
+    /// Any flat polygon, its corners either way round; sides must not meet.
     Polygon(Vec<[f64; 2]>),
 }
 
@@ -176,7 +176,13 @@ impl Footprint {
             Self::Polygon(corners) => {
                 let is_wrong = !(signed_area(corners).abs() > 0.0 && self.reach().is_finite());
                 let allowed = "three or more corners x:y round an area, in m, as in 0:0 0.01:0 0:0.01";
-                is_wrong.then(|| ("corners", format!("{corners:?}"), allowed))
+                let points: Vec<Point2<f64>> = corners.iter().copied().map(Point2::from).collect();
+                let meets = || Outline::polygon(&points, &[]).err();
+                let empty = is_wrong.then(|| ("corners", format!("{corners:?}"), allowed));
+                empty.or_else(|| {
+                    let fault = meets()?;
+                    Some(("corners", format!("{corners:?} ({fault})"), "sides that do not meet or cross"))
+                })
             }
         }
     }
@@ -415,6 +421,10 @@ mod tests {
             (Footprint::Ring { outer: 0.01, inner: 0.02 }, "`inner` is 0.02 m"),
             (Footprint::Corner { length: 0.01, width: 0.01 }, "`inner` is 0.01 m"),
             (Footprint::Polygon(vec![[0.0; 2], [0.01, 0.0]]), "`corners`"),
+            (
+                Footprint::Polygon(vec![[0.0, 0.0], [0.02, 0.01], [0.02, 0.0], [0.0, 0.015]]),
+                "sides that do not meet or cross",
+            ),
             (Footprint::Polygon(vec![[0.0; 2], [0.01, f64::NAN], [1.0, 0.0]]), "`corners`"),
             (Footprint::Disc { radius: f64::NAN }, "`radius`"),
         ] {
