@@ -94,7 +94,7 @@ fn a_radius_that_is_none_is_refused() {
 #[test]
 fn a_frame_without_contact_is_a_line_too_and_a_calibrated_one_has_its_force() {
     let desk = Desk::empty();
-    let calibration = "[calibration]\nstrength = [0.5]\npressure = [\"10 kPa\"]\n";
+    let calibration = "[calibration]\nstrength = [0.5]\npressure = [\"10 kPa\"]\nload_share = 0.25\n";
     desk.write("skin.toml", format!("{TINY}{calibration}{POSE}"));
     // The finger comes after half a second.
     let path =
@@ -111,7 +111,7 @@ fn a_frame_without_contact_is_a_line_too_and_a_calibrated_one_has_its_force() {
     let number = |key: &str| last[key].as_f64().unwrap();
     assert!((number("pressure_kpa") - 20.0 * number("strength")).abs() < 1e-3, "{last:#}");
     assert!(
-        (number("force_n") - number("pressure_kpa") * number("area_mm2") * 1e-3).abs() < 1e-5,
+        (number("force_n") - 0.25 * number("pressure_kpa") * number("area_mm2") * 1e-3).abs() < 1e-5,
         "{last:#}"
     );
 }
