@@ -29,7 +29,7 @@ use std::{
 /// presses. All goes into the patch file, and with a port onto the board.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  dermatome calibrate disc-210mm.dermatome --port /dev/ttyACM0 --loads loads.csv --indenter-area 4cm2
+  dermatome calibrate palm.dermatome --port /dev/ttyACM0 --loads loads.csv --indenter-area 4cm2
   dermatome calibrate disc-210mm.dermatome --readings readings.csv --plot calibration.svg
   dermatome calibrate disc-210mm.dermatome --recording contacts.tsv --loads loads.csv
   dermatome calibrate disc-210mm.dermatome --port COM5 --loads loads.csv --out left-palm.dermatome")]
