@@ -1,7 +1,7 @@
 //! Scenes: random contacts on a true skin, counted and placed through two models of it, the surface's own
 //! and the flattened one of the thesis (section 5.3.3.2).
 //!
-//! Each scene is one forward solution on the true skin's mesh, scanned with noise into codes ([`stage`]), which go through
+//! Each scene is one forward solution on the true skin's mesh, scanned with noise into codes (`stage`), which go through
 //! the board's own code with either patch. What the flattened model finds lies in its plane, and is laid back onto
 //! the true skin from above. The same codes are also resolved on the host ([`crate::resolve`]), which sees no image.
 
