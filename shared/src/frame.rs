@@ -97,7 +97,7 @@ impl FrameFlags {
 
     /// The bits of both.
     #[must_use]
-    pub const fn and(self, other: Self) -> Self {
+    pub const fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 

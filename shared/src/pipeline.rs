@@ -21,9 +21,9 @@ const IMPLAUSIBLE: f32 = 0.8;
 /// A press near an electrode may do that to some measurements: to one in this many.
 const IMPLAUSIBLE_SHARE: usize = 8;
 /// No reference is made of such frames.
-const UNFIT: FrameFlags = FrameFlags::NO_CURRENT.and(FrameFlags::SATURATED);
+const UNFIT: FrameFlags = FrameFlags::NO_CURRENT.union(FrameFlags::SATURATED);
 /// Nor does it follow such frames. Bad electrodes count for none of their measurements, and may be there.
-const DOUBTFUL: FrameFlags = UNFIT.and(FrameFlags::IMPLAUSIBLE);
+const DOUBTFUL: FrameFlags = UNFIT.union(FrameFlags::IMPLAUSIBLE);
 
 /// What the pipeline remembers from frame to frame, and its latest results.
 #[derive(Clone, Debug, Default)]
