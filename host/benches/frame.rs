@@ -3,10 +3,9 @@
 //! `cargo bench -p dermatome`
 
 use dermatome::{
-    board::simulated::ScanTable,
     model::Model,
     quantize,
-    simulate::{Noise, Script, SimulatedSkin},
+    simulate::{Noise, Script, SimulatedSkin, board::ScanTable},
     skin::Skin,
 };
 use dermatome_shared::{

@@ -10,7 +10,8 @@ use dermatome::{
     model::{Model, forward_model, mesh, pixels_on},
     pixels::Pixels,
     prior::Prior,
-    skin::{EdgeLengths, ImageLayout, Method, Skin},
+    sheet::EdgeLengths,
+    skin::{ImageLayout, Method, Skin},
 };
 use divan::{AllocProfiler, Bencher, black_box};
 use std::path::Path;

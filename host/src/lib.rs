@@ -1,36 +1,21 @@
-//! Dermatome's host side: models of skins, reconstruction matrices, patches, and the link to the board.
+//! Dermatome's host side in one: every module of the crates under `host/`, by name.
 //!
 //! Data flows one way: [`skin`] file -> [`mesh`] -> [`forward`] model -> [`jacobian`] -> [`inverse`]
-//! (reconstruction matrix) -> [`quantize`] (patch) -> [`link`] -> [`board`] -> image -> contacts.
+//! (reconstruction matrix) -> [`quantize`] (patch) -> [`link`] -> board -> image -> contacts. A program that needs
+//! only a part of it depends on that crate instead: `dermatome-link` talks to a board without a finite-element model.
 #![forbid(unsafe_code)]
 
-pub mod board;
-pub mod calibrate;
-pub mod cli;
-pub mod cut;
-pub mod demo;
-pub mod evaluate;
-pub mod experiment;
-pub mod forward;
-pub mod health;
-pub mod interchange;
-pub mod inverse;
-pub mod jacobian;
-pub mod learn;
-pub mod link;
-pub mod material;
-pub mod measured;
-pub mod mesh;
-pub mod metrics;
-pub mod model;
-pub mod output;
-pub mod pixels;
-pub mod prior;
-pub mod quantize;
-pub mod resolve;
-pub mod scenes;
-pub mod scope;
-pub mod simulate;
-pub mod skin;
-pub mod stimulation;
-pub mod view;
+pub use dermatome_experiments::{evaluate, experiment, scenes};
+pub use dermatome_frames::{calibrate, interchange, learn, recorded};
+pub use dermatome_geometry::{cut, embedding, mesh, outline, sheet};
+pub use dermatome_link as link;
+pub use dermatome_link::{health, scope};
+pub use dermatome_model::{
+    forward, inverse, jacobian, metrics, model, multi_contact, pixels, prior, quantize, skin, stimulation,
+};
+pub use dermatome_patch as patch;
+pub use dermatome_patch::output;
+pub use dermatome_shared as shared;
+pub use dermatome_simulate as simulate;
+pub use dermatome_simulate::material;
+pub use dermatome_view as view;

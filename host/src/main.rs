@@ -1,6 +1,6 @@
-//! The `dermatome` command; all of it lives in the library, see [`dermatome::cli`].
+//! The `dermatome` command; all of it lives in the crate `dermatome-command`.
 #![forbid(unsafe_code)]
 
 fn main() -> std::process::ExitCode {
-    dermatome::cli::main()
+    dermatome_command::main()
 }

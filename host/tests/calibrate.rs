@@ -5,12 +5,15 @@ mod testbench;
 
 use assert_cmd::cargo::cargo_bin;
 use dermatome::{
-    board::simulated::{BoardOptions, FrameSource, Pace, Scan, ScanTable, SimulatedBoard},
     link::{self, Link},
     material::{Material, Transducer},
     model::Model,
     quantize,
-    simulate::{Noise, Press, Script, SimulatedSkin, script::Moment},
+    simulate::{
+        Noise, Press, Script, SimulatedSkin,
+        board::{BoardOptions, FrameSource, Pace, Scan, ScanTable, SimulatedBoard},
+        script::Moment,
+    },
     skin::Skin,
 };
 use dermatome_shared::{

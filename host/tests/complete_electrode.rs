@@ -11,9 +11,11 @@
 //! `cargo test -p dermatome --test complete_electrode -- --nocapture` prints the errors.
 
 use dermatome::{
+    embedding::Embedding,
     forward::{ForwardModel, electrode_unknown},
     mesh::{Lattice, generate},
-    skin::{EdgeLengths, Place, Sheet, electrodes::ElectrodeModel, embedding::Embedding, outline::Outline},
+    outline::Outline,
+    sheet::{EdgeLengths, ElectrodeModel, Place, Sheet},
 };
 use dermatome_shared::stimulation::{Driven, Step, pattern};
 use faer::{Mat, linalg::solvers::Solve};

@@ -6,9 +6,11 @@
 //! `cargo test -p dermatome --test convergence -- --nocapture` prints the errors.
 
 use dermatome::{
+    embedding::Embedding,
     forward::{ForwardModel, electrode_unknown},
     mesh::{Lattice, Mesh, generate},
-    skin::{EdgeLengths, Place, Sheet, electrodes::ElectrodeModel, embedding::Embedding, outline::Outline},
+    outline::Outline,
+    sheet::{EdgeLengths, ElectrodeModel, Place, Sheet},
 };
 use dermatome_shared::stimulation::{Driven, Step, pattern};
 use std::f64::consts::PI;

@@ -3,7 +3,7 @@
 
 mod program;
 
-use dermatome::board::firmware::{Fault, Firmware};
+use dermatome::link::program::firmware::{Fault, Firmware};
 use insta::{Settings, assert_snapshot};
 use program::{Desk, transcript};
 

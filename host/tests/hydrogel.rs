@@ -12,13 +12,13 @@
 //! | one rotation | the places of the even presses; used on all |
 
 use dermatome::{
-    measured::{
+    model::Model,
+    recorded::{
         order::{Arrangement, SenseOrder},
         read::{Frames, Source, read},
         reconstruct::{Polarity, reconstruct},
         weights::by_magnitude,
     },
-    model::Model,
     skin::{Skin, Weights},
 };
 use num_complex::Complex64;

@@ -7,10 +7,10 @@ use dermatome::{
         export::{CONTENTS, Export, prepare_folder},
     },
     jacobian::jacobian,
-    measured::read::Source,
     mesh::{ElectrodeContact, Lattice, import, triangle},
     model::{self, Model, forward_model},
     pixels::Pixels,
+    recorded::read::Source,
     skin::Skin,
 };
 use faer::Mat;

@@ -4,7 +4,7 @@
 mod program;
 
 use dermatome::{
-    measured::{order::Arrangement, weights::by_magnitude},
+    recorded::{order::Arrangement, weights::by_magnitude},
     skin::Skin,
 };
 use insta::{Settings, assert_snapshot};

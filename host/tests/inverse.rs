@@ -2,7 +2,8 @@
 
 use dermatome::{
     model::Model,
-    skin::{Criterion, Hyperparameter, ImageLayout, Method, Place, Prior, Shape, Skin, Weights},
+    sheet::Place,
+    skin::{Criterion, Hyperparameter, ImageLayout, Method, Prior, Shape, Skin, Weights},
 };
 use dermatome_shared::patch::Difference;
 use std::{fs, path::Path};

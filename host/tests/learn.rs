@@ -12,12 +12,12 @@ use dermatome::{
         learn,
         presses::Recording,
     },
-    measured::{
+    model::Model,
+    recorded::{
         order::Arrangement,
         read::{Frames, Source, read},
         weights::by_magnitude,
     },
-    model::Model,
     simulate::{Press, TrueSkin},
     skin::{Skin, Weights},
 };

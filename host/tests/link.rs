@@ -3,8 +3,8 @@
 mod testbench;
 
 use dermatome::{
-    board::simulated::{BoardError, BoardOptions, FrameSource, Pace, Scan, ScanTable, SimulatedBoard},
     link::{Link, LinkError, stream, tare, upload},
+    simulate::board::{BoardError, BoardOptions, FrameSource, Pace, Scan, ScanTable, SimulatedBoard},
 };
 use dermatome_shared::protocol::{
     Event, FrameStamp, MAX_PACKET_BYTES, Refusal, Request, RequestPacket, Selection, encode,

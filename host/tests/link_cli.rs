@@ -4,7 +4,7 @@ mod program;
 mod testbench;
 
 use assert_cmd::cargo::cargo_bin;
-use dermatome::board::simulated::{BoardOptions, Pace, SimulatedBoard};
+use dermatome::simulate::board::{BoardOptions, Pace, SimulatedBoard};
 use program::{Done, Running};
 use serde_json::Value;
 use std::{

@@ -1,13 +1,14 @@
 //! Contact impedances fitted to frames simulated on a skin whose impedances are known.
 
 use dermatome::{
-    measured::{
+    model::Model,
+    recorded::{
         fit::{Contact, Fit, fit},
         order::Arrangement,
     },
-    model::Model,
+    sheet::ElectrodeModel,
     simulate::TrueSkin,
-    skin::{Skin, electrodes::ElectrodeModel},
+    skin::Skin,
 };
 use num_complex::Complex64;
 use rand::SeedableRng;

@@ -4,7 +4,8 @@
 //! made with the shipped disc.
 
 use dermatome::{
-    measured::{
+    model::Model,
+    recorded::{
         check::{
             Check, Expected, check as check_frames,
             findings::{About, Level},
@@ -15,7 +16,6 @@ use dermatome::{
         read::{Frames, Source, read},
         reconstruct::{FrameResult, Polarity, reconstruct},
     },
-    model::Model,
     skin::Skin,
 };
 use dermatome_shared::stimulation::{Driven, Step, pattern};

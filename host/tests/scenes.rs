@@ -1,12 +1,14 @@
 //! Random contacts on the hemisphere, through the surface's model and the flattened one.
 
 use dermatome::{
-    board::simulated::{BoardOptions, Pace, SimulatedBoard},
     link::{self, Link},
     model::Model,
     quantize,
     scenes::{Options, figures, play},
-    simulate::{Noise, Press, Script, SimulatedSkin},
+    simulate::{
+        Noise, Press, Script, SimulatedSkin,
+        board::{BoardOptions, Pace, SimulatedBoard},
+    },
     skin::Skin,
 };
 use dermatome_shared::protocol::{Event, Selection};

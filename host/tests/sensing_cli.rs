@@ -4,10 +4,12 @@
 mod program;
 
 use dermatome::{
-    board::simulated::{BoardOptions, FrameSource, Scan, ScanTable, SimulatedBoard},
     model::Model,
     quantize,
-    simulate::{Noise, Press, Script, SimulatedSkin},
+    simulate::{
+        Noise, Press, Script, SimulatedSkin,
+        board::{BoardOptions, FrameSource, Scan, ScanTable, SimulatedBoard},
+    },
     skin::Skin,
 };
 use dermatome_shared::acquire::FrontEnd;

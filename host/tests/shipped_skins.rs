@@ -2,11 +2,11 @@
 //! presses, one contact near the finger when somebody does.
 
 use dermatome::{
-    board::simulated::ScanTable,
     model::Model,
     quantize,
-    simulate::{Noise, Press, Script, SimulatedSkin},
-    skin::{Skin, electrodes::ElectrodeModel},
+    sheet::ElectrodeModel,
+    simulate::{Noise, Press, Script, SimulatedSkin, board::ScanTable},
+    skin::Skin,
 };
 use dermatome_shared::{
     contact::Contacts,

@@ -2,11 +2,7 @@
 //! and its shares and correlations stay in range.
 #![no_main]
 
-use dermatome::measured::{
-    check::{Expected, check},
-    order::{Arrangement, SenseOrder},
-    read::Frames,
-};
+use dermatome::recorded::{check::{Expected, check}, order::{Arrangement, SenseOrder}, read::Frames};
 use dermatome_shared::stimulation::{Driven, pattern};
 use libfuzzer_sys::fuzz_target;
 use num_complex::Complex64;

@@ -3,12 +3,7 @@
 //! and a table that is written again is the same.
 #![no_main]
 
-use dermatome::{
-    interchange::conductivity,
-    measured::read::Source,
-    skin::Skin,
-    stimulation::{report, table_csv},
-};
+use dermatome::{interchange::conductivity, recorded::read::Source, skin::Skin, stimulation::{report, table_csv}};
 use libfuzzer_sys::fuzz_target;
 use std::{fs, path::Path};
 

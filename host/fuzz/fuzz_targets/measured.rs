@@ -2,7 +2,7 @@
 //! no value is NaN or infinite.
 #![no_main]
 
-use dermatome::measured::read::{Frames, Source, read};
+use dermatome::recorded::read::{Frames, Source, read};
 use libfuzzer_sys::fuzz_target;
 use std::io::Write;
 

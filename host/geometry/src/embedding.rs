@@ -5,7 +5,7 @@
 //! above, so that what `first` and pictures mean does not depend on the embedding. The axis of a
 //! cylinder or cone is the y axis, the middle of a hemisphere is the origin.
 
-use super::outline::Outline;
+use crate::outline::Outline;
 use nalgebra::{Point2, Point3, Vector2};
 
 /// A surface onto which a flat sheet is laid.

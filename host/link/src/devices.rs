@@ -1,12 +1,4 @@
-//! Boards: the ones on this machine's serial ports and debug probes, and the simulated one.
-
-mod client;
-pub mod firmware;
-#[cfg(feature = "logs")]
-pub mod log;
-pub mod patch_store;
-pub mod probe;
-pub mod simulated;
+//! Devices: the serial ports of this machine, and which of them look like boards.
 
 use serialport::SerialPortType;
 use std::path::Path;

@@ -1,7 +1,6 @@
 //! What can go wrong on the way to a board and back.
 
 use super::REPLY_TIMEOUT;
-use crate::simulate::board::SimulationError;
 use dermatome_shared::protocol::{PROTOCOL_VERSION, PacketError, Refusal};
 use std::{io, time::Duration};
 
@@ -43,9 +42,6 @@ pub enum LinkError {
         /// What the system says.
         reason: io::Error,
     },
-    /// A simulated board cannot be made from the skin file.
-    #[error(transparent)]
-    Simulation(#[from] Box<SimulationError>),
     /// Nothing came back.
     #[error(
         "no answer from `{port}` within {} s: is it a Dermatome board, and is another program connected to it?",

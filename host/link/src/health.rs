@@ -1,6 +1,6 @@
 //! Health: what a board's frames say about electrodes, wiring and the board itself, and what to do.
 
-use crate::link::{self, Link, LinkError};
+use crate::{Link, LinkError, stream};
 use dermatome_shared::{
     frame::FrameFlags,
     health::{ElectrodeSet, Health, Vitals},
@@ -103,7 +103,7 @@ pub fn watch(
     patience: Duration,
     go_on: impl Fn() -> bool,
 ) -> Result<Watch, LinkError> {
-    link::stream(link, Selection { health: 1, ..Selection::default() })?;
+    stream(link, Selection { health: 1, ..Selection::default() })?;
     let mut watch = Watch::default();
     let mut heard = Instant::now();
     while watch.frames.len() < frames && go_on() {
@@ -118,7 +118,7 @@ pub fn watch(
             _ => {}
         }
     }
-    link::stream(link, Selection::default())?;
+    stream(link, Selection::default())?;
     watch.events_lost = link.events_lost();
     Ok(watch)
 }

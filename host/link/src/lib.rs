@@ -4,9 +4,14 @@
 //! compare protocol version and schema hash before anything else is said. One request is under
 //! way at a time. Events that arrive in between are kept, in order, for [`Link::next_event`].
 //! Nothing is lost silently: see [`Link::events_lost`] and [`Link::packets_damaged`].
+#![forbid(unsafe_code)]
 
+pub mod devices;
 mod error;
+pub mod health;
 mod port;
+pub mod program;
+pub mod scope;
 mod stream;
 mod transport;
 mod upload;
@@ -18,13 +23,14 @@ pub use stream::{stream, tare, tare_timeout};
 pub use transport::Transport;
 pub use upload::{UploadError, upload};
 
-use crate::{board::simulated::SimulatedBoard, pixels::SurfaceTables, simulate::board::board_for_skin};
+use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::{
     patch::{PatchError, PatchView},
     protocol::{BoardPacket, Event, Identity, Info, Refusal, Reply, Request, RequestPacket, Version},
 };
 use std::{
     collections::VecDeque,
+    net::ToSocketAddrs,
     time::{Duration, Instant},
 };
 use wire::Wire;
@@ -47,17 +53,16 @@ pub struct Link {
     events: VecDeque<Event>,
     next_number: Option<u32>,
     events_lost: u64,
-    /// Dropped after the wire, so that the simulated board sees its client leave.
-    _board: Option<SimulatedBoard>,
+    /// Dropped after the wire, so that a simulated board sees its client leave.
+    _companion: Option<Box<dyn Send>>,
 }
 
-/// Opens `port`.
+/// Opens a board's `port`.
 pub fn open(port: &Port) -> Result<Link, LinkError> {
     let name = port.to_string();
     match port {
         Port::Serial(path) => Link::connect(name, transport::open_serial(path)?),
-        Port::Tcp(address) => Link::connect(&name, transport::open_tcp(&name, address.as_str())?),
-        Port::Simulated(path) => Link::to_simulated(name, board_for_skin(path).map_err(Box::new)?),
+        Port::Tcp(address) => Link::over_tcp(name, address.as_str()),
     }
 }
 
@@ -76,15 +81,21 @@ impl Link {
             events: VecDeque::new(),
             next_number: None,
             events_lost: 0,
-            _board: None,
+            _companion: None,
         })
     }
 
-    /// Connects to a simulated board, which then lives as long as the link.
-    pub fn to_simulated(port: impl Into<String>, board: SimulatedBoard) -> Result<Self, LinkError> {
+    /// Connects to a board that listens at a TCP address; `port` names it in errors.
+    pub fn over_tcp(port: impl Into<String>, address: impl ToSocketAddrs) -> Result<Self, LinkError> {
         let port = port.into();
-        let transport = transport::open_tcp(&port, board.address())?;
-        Ok(Self { _board: Some(board), ..Self::connect(port, transport)? })
+        let transport = transport::open_tcp(&port, address)?;
+        Self::connect(port, transport)
+    }
+
+    /// The link with something that lives as long as it does and is dropped after it: a simulated board.
+    #[must_use]
+    pub fn with_companion(self, companion: impl Send + 'static) -> Self {
+        Self { _companion: Some(Box::new(companion)), ..self }
     }
 
     /// The port as written.

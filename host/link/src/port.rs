@@ -1,11 +1,11 @@
 //! Port: where a board is, as people write it.
 
-use std::{fmt, path::PathBuf, str::FromStr};
+use std::{fmt, str::FromStr};
 
 /// Where a board is.
 ///
 /// ```
-/// use dermatome::link::Port;
+/// use dermatome_link::Port;
 /// assert_eq!("tcp:127.0.0.1:7000".parse(), Ok(Port::Tcp("127.0.0.1:7000".to_owned())));
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -14,18 +14,13 @@ pub enum Port {
     Serial(String),
     /// Host and port number of a board behind TCP: `tcp:127.0.0.1:7000`.
     Tcp(String),
-    /// The skin file of a board to simulate: `sim:models/disc-210mm/skin.toml`.
-    Simulated(PathBuf),
 }
 
 /// Text that names no port.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PortError {
     /// None of the known forms.
-    #[error(
-        "`{text}` names no port; allowed are a serial port (`/dev/ttyACM0`, `COM5`), `tcp:HOST:PORT` \
-         and `sim:SKIN.toml`"
-    )]
+    #[error("`{text}` names no port; allowed are a serial port (`/dev/ttyACM0`, `COM5`) and `tcp:HOST:PORT`")]
     Unknown {
         /// What was written.
         text: String,
@@ -33,12 +28,6 @@ pub enum PortError {
     /// A TCP port without host or number.
     #[error("`{text}` is no TCP port; allowed is `tcp:HOST:PORT` with PORT from 1 to 65535")]
     Tcp {
-        /// What was written.
-        text: String,
-    },
-    /// A simulated board without a skin file.
-    #[error("`{text}` names no skin to simulate; allowed is `sim:SKIN.toml`")]
-    Simulated {
         /// What was written.
         text: String,
     },
@@ -56,11 +45,10 @@ impl FromStr for Port {
                 Err(PortError::Tcp { text: owned() })
             };
         }
-        match text.strip_prefix("sim:") {
-            Some("") => Err(PortError::Simulated { text: owned() }),
-            Some(path) => Ok(Self::Simulated(path.into())),
-            None if is_serial_port(text) => Ok(Self::Serial(owned())),
-            None => Err(PortError::Unknown { text: owned() }),
+        if is_serial_port(text) {
+            Ok(Self::Serial(owned()))
+        } else {
+            Err(PortError::Unknown { text: owned() })
         }
     }
 }
@@ -70,7 +58,6 @@ impl fmt::Display for Port {
         match self {
             Self::Serial(name) => f.write_str(name),
             Self::Tcp(address) => write!(f, "tcp:{address}"),
-            Self::Simulated(path) => write!(f, "sim:{}", path.display()),
         }
     }
 }
@@ -102,7 +89,6 @@ mod tests {
             ("tcp:127.0.0.1:7000", Port::Tcp("127.0.0.1:7000".to_owned())),
             ("tcp:[::1]:7000", Port::Tcp("[::1]:7000".to_owned())),
             ("tcp:robot.local:1", Port::Tcp("robot.local:1".to_owned())),
-            ("sim:models/disc/skin.toml", Port::Simulated("models/disc/skin.toml".into())),
         ];
         for (text, port) in cases {
             assert_eq!(text.parse(), Ok(port.clone()), "{text}");
@@ -124,6 +110,5 @@ mod tests {
             assert_eq!(error, PortError::Tcp { text: text.to_owned() });
             assert!(error.to_string().contains("tcp:HOST:PORT"), "{error}");
         }
-        assert_eq!("sim:".parse::<Port>(), Err(PortError::Simulated { text: "sim:".to_owned() }));
     }
 }

@@ -1,6 +1,6 @@
 //! Scope: the samples behind one voltage, as the board's converter took them.
 
-use crate::link::{self, Link, LinkError};
+use crate::{Link, LinkError, stream};
 use dermatome_shared::{
     demodulate::{CLIPPED, MIDDLE},
     protocol::{Event, Info, Selection, SlotSamples},
@@ -80,7 +80,7 @@ pub fn capture(
     go_on: impl Fn() -> bool,
 ) -> Result<Option<Trace>, ScopeError> {
     let (sample_rate, timing) = timing(link, info)?;
-    link::stream(link, Selection { scope: 1, scope_slot: slot, ..Selection::default() })?;
+    stream(link, Selection { scope: 1, scope_slot: slot, ..Selection::default() })?;
     let started = Instant::now();
     let mut trace = None;
     while trace.is_none() && go_on() {
@@ -101,7 +101,7 @@ pub fn capture(
             _ => {}
         }
     }
-    link::stream(link, Selection::default())?;
+    stream(link, Selection::default())?;
     Ok(trace)
 }
 

@@ -7,9 +7,9 @@
 
 use crate::{
     forward::{Admittivity, Fields},
-    mesh::{Mesh, triangle::Gradients},
     pixels::Pixels,
 };
+use dermatome_geometry::mesh::{Mesh, triangle::Gradients};
 use dermatome_shared::{patch::CombinedInto, stimulation::Step};
 use faer::Mat;
 use rayon::prelude::*;

@@ -10,11 +10,15 @@ use crate::{
         targets::{Answers, Untouched},
     },
     jacobian::{combine_rows, combine_voltages, jacobian, step_counts},
-    mesh::{Lattice, Mesh, MeshError, generate},
-    pixels::{self, Pixels, SurfaceTables},
+    pixels::{self, Pixels},
     prior::Prior,
-    skin::{ImageLayout, NotFlat, Shape, Skin, electrodes::ElectrodeModel},
+    skin::{ImageLayout, NotFlat, Shape, Skin},
 };
+use dermatome_geometry::{
+    mesh::{Lattice, Mesh, MeshError, generate},
+    sheet::ElectrodeModel,
+};
+use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::{
     MAX_PIXELS,
     patch::{CombinedInto, Difference},
@@ -149,19 +153,22 @@ struct Answer {
 }
 
 /// The untouched skin solved, before reciprocal steps are averaged and quadrature is dropped.
-pub(crate) struct Solved<T: Admittivity> {
+pub struct Solved<T: Admittivity> {
     /// Admittivity of every element.
-    pub(crate) admittivity: T,
-    pub(crate) forward: ForwardModel<T>,
+    pub admittivity: T,
+    /// The forward model.
+    pub forward: ForwardModel<T>,
     /// `[step]`.
-    pub(crate) voltages: Vec<T>,
+    pub voltages: Vec<T>,
     /// `[step][pixel]`.
-    pub(crate) jacobian: Mat<T>,
+    pub jacobian: Mat<T>,
 }
 
 /// Real or, for a sheet with capacitance, complex.
-pub(crate) enum Solution {
+pub enum Solution {
+    /// Of a sheet that only conducts.
     Real(Box<Solved<f64>>),
+    /// Of a sheet with capacitance.
     Complex(Box<Solved<Complex64>>),
 }
 
@@ -172,7 +179,7 @@ impl Model {
     }
 
     /// The same; `keep` gets the solution, which is large, as soon as the model is through with it.
-    pub(crate) fn build_with(
+    pub fn build_with(
         skin: &Skin,
         mut on_stage: impl FnMut(&'static str),
         keep: impl FnOnce(Solution),
@@ -233,7 +240,7 @@ impl Model {
 
     /// The pixels as boards and pictures know them.
     pub fn surface(&self) -> Result<SurfaceTables, TooManyPixels> {
-        SurfaceTables::new(&self.pixels).ok_or(TooManyPixels { count: self.pixels.count() })
+        self.pixels.surface_tables().ok_or(TooManyPixels { count: self.pixels.count() })
     }
 
     /// Voltages of the untouched skin after reciprocal steps are averaged: `[measurement]`.
@@ -305,14 +312,16 @@ impl Model {
 }
 
 /// What a kind of difference data divides by: `[measurement]`; see [`dermatome_shared::reference`].
-pub(crate) fn divisors(kind: Difference, reference: &[f64]) -> Vec<f64> {
+pub fn divisors(kind: Difference, reference: &[f64]) -> Vec<f64> {
     match kind {
         Difference::Plain => vec![mean_magnitude(reference); reference.len()],
         Difference::Normalised => reference.to_vec(),
     }
 }
 
-pub(crate) fn mean_magnitude(values: &[f64]) -> f64 {
+/// Mean of the magnitudes.
+#[must_use]
+pub fn mean_magnitude(values: &[f64]) -> f64 {
     values.iter().map(|value| value.abs()).sum::<f64>() / values.len() as f64
 }
 

@@ -1,11 +1,8 @@
 //! Quantize: the f64 reconstruction matrix -> fixed-point patch, with its error report.
 
-use crate::{
-    mesh::ElectrodeContact,
-    model::Model,
-    pixels::SurfaceTables,
-    skin::{Skin, electrodes::ElectrodeModel},
-};
+use crate::{model::Model, skin::Skin};
+use dermatome_geometry::{mesh::ElectrodeContact, sheet::ElectrodeModel};
+use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::{
     MAX_ELECTRODES, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS,
     patch::{PatchContents, PatchError, PatchHeader, PatchView},
@@ -138,7 +135,7 @@ fn check_limits(model: &Model) -> Result<SurfaceTables, PatchBuildError> {
         Some((field, what, count, most)) => {
             Err(PatchBuildError::TooMany { field, given: format!("{count} {what}"), most })
         }
-        None => Ok(SurfaceTables::new(&model.pixels).expect("the limits hold")),
+        None => Ok(model.pixels.surface_tables().expect("the limits hold")),
     }
 }
 

@@ -3,7 +3,7 @@
 //! A flat skin's picture is its grid. All else is seen from above, along z: each cell shows the nearest
 //! pixel that faces upwards, so what faces down is not seen.
 
-use crate::pixels::SurfaceTables;
+use crate::tables::SurfaceTables;
 use dermatome_shared::{
     image::{Geometry, PixelGrid, pixel_cells},
     surface::{Pixel, Surface},
@@ -95,43 +95,4 @@ fn grid_over(places: &[[f32; 4]]) -> PixelGrid {
     let pitch = (right - left).max(top - bottom) / CELLS;
     let cells = |length: f32| (length / pitch).ceil().clamp(1.0, CELLS) as u8;
     PixelGrid { columns: cells(right - left), rows: cells(top - bottom), pitch, left, top }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{model::Model, skin::Skin};
-    use std::path::Path;
-
-    fn tables(model: &str) -> (Model, SurfaceTables) {
-        let file = format!("{}/../models/{model}/skin.toml", env!("CARGO_MANIFEST_DIR"));
-        let model = Model::build(&Skin::load(Path::new(&file)).unwrap(), |_| ()).unwrap();
-        let tables = SurfaceTables::new(&model.pixels).unwrap();
-        (model, tables)
-    }
-
-    #[test]
-    fn a_flat_skin_is_shown_cell_by_cell() {
-        let (model, tables) = tables("disc-210mm");
-        assert_eq!(Layout::from(&tables), Layout::from(model.pixels.grid.as_ref().unwrap()));
-    }
-
-    #[test]
-    fn a_hemisphere_is_shown_as_a_disc_of_its_nearest_pixels() {
-        let (_, tables) = tables("hemisphere-120mm");
-        let layout = Layout::from(&tables);
-        let shown = (0..layout.grid.cells()).filter_map(|cell| layout.pixel(cell)).collect::<Vec<_>>();
-        let disc = std::f64::consts::PI / 4.0 * layout.grid.cells() as f64;
-        assert!((shown.len() as f64 / disc - 1.0).abs() < 0.08, "{} of {disc}", shown.len());
-        let centres: Vec<_> = tables.centres().collect();
-        for cell in 0..layout.grid.cells() {
-            let at = layout.grid.position((cell % 36) as f32 + 0.5, (cell / 36) as f32 + 0.5);
-            if let Some(pixel) = layout.pixel(cell) {
-                let away = (centres[pixel].x - f64::from(at[0])).hypot(centres[pixel].y - f64::from(at[1]));
-                assert!(away < 0.007, "{away}");
-            }
-        }
-        let different: std::collections::HashSet<_> = shown.iter().collect();
-        assert!(different.len() > 450, "{}", different.len());
-    }
 }

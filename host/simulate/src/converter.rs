@@ -1,6 +1,6 @@
 //! Converter: volts -> codes, and -> the samples behind them, as a board's front end makes them.
 
-use crate::board::simulated::SlotSamples;
+use crate::board::SlotSamples;
 use dermatome_shared::{
     acquire::{FINENESS, FrontEnd, PEAK_GOAL},
     demodulate::MIDDLE,

@@ -3,17 +3,19 @@
 //! Its mesh is finer than the reconstruction's and turned against it, so that the two never share
 //! a node (sharing one would be the inverse crime); every frame is a true forward solution, with
 //! seeded noise and the rounding of the converter.
+#![forbid(unsafe_code)]
 
 pub mod board;
 mod converter;
-pub mod indenter;
+pub mod material;
 mod path_file;
+pub mod port;
 pub mod script;
 pub mod sheet;
 pub mod skin;
 pub mod truth;
 
-pub use indenter::{Footprint, Load, Press};
+pub use dermatome_model::indenter::{self, Footprint, Load, Press};
 pub use script::{Script, ScriptError};
 pub use sheet::Sheet;
 pub use skin::{Noise, SimulatedSkin};

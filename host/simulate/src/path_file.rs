@@ -1,10 +1,8 @@
 //! Path files: scripts as people write them, CSV with one row for each moment of an indenter.
 
-use super::{
-    indenter::{Footprint, Load, Press},
-    script::{Moment, Script, ScriptError},
-};
-use crate::skin::outline::Outline;
+use super::script::{Moment, Script, ScriptError};
+use dermatome_geometry::outline::Outline;
+use dermatome_model::indenter::{Footprint, Load, Press};
 use serde::Deserialize;
 use std::{collections::BTreeMap, path::Path};
 

@@ -1,7 +1,7 @@
 //! Script: where indenters press a simulated skin, and when.
 
-use super::indenter::{Load, Press};
-use crate::skin::outline::Outline;
+use dermatome_geometry::outline::Outline;
+use dermatome_model::indenter::{Load, Press, PressError};
 use nalgebra::Vector2;
 use std::{f64::consts::TAU, path::PathBuf};
 
@@ -149,15 +149,8 @@ impl LoadingMachine {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ScriptError {
     /// A press makes no sense.
-    #[error("press field `{field}` is {value}; allowed: {allowed}")]
-    Press {
-        /// Which number.
-        field: &'static str,
-        /// Its value.
-        value: String,
-        /// What it may be.
-        allowed: String,
-    },
+    #[error(transparent)]
+    Press(#[from] PressError),
     /// A moment that never comes.
     #[error("time {time} s is not a finite number; allowed: ascending times for each finger")]
     NotFinite {
@@ -192,7 +185,7 @@ pub enum ScriptError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::indenter::Footprint;
+    use dermatome_model::indenter::Footprint;
 
     #[test]
     fn a_loading_machine_steps_up_and_down_and_holds() {

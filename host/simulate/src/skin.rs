@@ -6,11 +6,10 @@
 
 use super::{Press, Script, Sheet, TrueSkin, converter::Converter, truth::LEAST};
 use crate::{
-    board::simulated::{Scan, ScanTable, SlotSamples},
+    board::{Scan, ScanTable, SlotSamples},
     material::Material,
-    model::ModelError,
-    skin::Skin,
 };
+use dermatome_model::{model::ModelError, skin::Skin};
 use dermatome_shared::{
     acquire::FrontEnd,
     drive::Drive,

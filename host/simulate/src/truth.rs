@@ -1,9 +1,9 @@
 //! The true skin: solved on a mesh of its own, never on the one its images are reconstructed with.
 
 use super::Press;
-use crate::{
+use dermatome_geometry::mesh::{Lattice, Mesh, refine, triangle};
+use dermatome_model::{
     forward::{Admittivity, Fields, ForwardModel, electrode_unknown},
-    mesh::{Lattice, Mesh, refine, triangle},
     model::{ModelError, forward_model, mesh},
     pixels::samples,
     skin::{Shape, Skin},
@@ -220,7 +220,7 @@ mod tests {
     use std::path::Path;
 
     fn square() -> Skin {
-        Skin::load(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../models/square-50mm/skin.toml")))
+        Skin::load(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/square-50mm/skin.toml")))
             .unwrap()
     }
 

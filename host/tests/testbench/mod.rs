@@ -2,8 +2,8 @@
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 use dermatome::{
-    board::simulated::{BoardOptions, FrameSource, Pace, Scan, ScanTable, SimulatedBoard},
     link::{Link, LinkError, Port},
+    simulate::board::{BoardOptions, FrameSource, Pace, Scan, ScanTable, SimulatedBoard},
 };
 use dermatome_shared::{
     calibration::Calibration,

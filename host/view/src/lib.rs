@@ -1,7 +1,7 @@
 //! Views: images and contacts for people.
+#![forbid(unsafe_code)]
 
 pub mod colour;
-pub mod layout;
 pub mod live;
 pub mod map;
 pub mod picture;

@@ -1,7 +1,7 @@
 //! Live: images and contacts drawn in place on the terminal, as fast as eyes follow.
 
-use super::layout::Layout;
 use super::terminal::{self, Ink, Screen};
+use dermatome_patch::layout::Layout;
 use dermatome_shared::{contact::Contacts, protocol::FrameStamp};
 use std::{
     io,

@@ -4,7 +4,7 @@ use super::{
     colour::sequential,
     picture::{LARGE, Picture, SMALL, Tile, short},
 };
-use crate::mesh::{Mesh, triangle};
+use dermatome_geometry::mesh::{Mesh, triangle};
 use embedded_graphics::{
     geometry::Point,
     text::{Alignment, Baseline},

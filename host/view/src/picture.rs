@@ -1,6 +1,7 @@
 //! Pictures: images of the skin as PNG files.
 
-use super::{colour::diverging, layout::Layout};
+use super::colour::diverging;
+use dermatome_patch::layout::Layout;
 use dermatome_shared::image::PixelGrid;
 use embedded_graphics::{
     Pixel,

@@ -1,6 +1,6 @@
 //! Plot of the criterion by which a hyperparameter was chosen, as SVG.
 
-use crate::{
+use dermatome_model::{
     inverse::selection::{CurvePoint, Selection},
     skin::Criterion,
 };

@@ -1,7 +1,7 @@
 //! Sheets: several images side by side in one picture.
 
-use super::layout::Layout;
 use super::picture::{LARGE, Picture, SMALL};
+use dermatome_patch::layout::Layout;
 use embedded_graphics::{
     geometry::Point,
     text::{Alignment, Baseline},

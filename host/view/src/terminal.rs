@@ -5,11 +5,9 @@
 //! Without colours, one letter stands for the larger of the two: `.` is zero, `:+*#@` go up and
 //! `abcde` go down.
 
-use super::{
-    colour::{diverging, share},
-    layout::Layout,
-};
+use super::colour::{diverging, share};
 use console::{Term, truncate_str};
+use dermatome_patch::layout::Layout;
 use dermatome_shared::{contact::Contact, frame::FrameFlags};
 use std::{fmt::Write, io};
 

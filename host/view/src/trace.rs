@@ -1,7 +1,7 @@
 //! Trace: the samples of one slot on the terminal or as PNG, with settling part, limits and fit.
 
 use super::picture::{INK, LARGE, Picture, SMALL};
-use crate::scope::{Fit, Trace};
+use dermatome_link::scope::{Fit, Trace};
 use dermatome_shared::demodulate::{CLIPPED, MIDDLE};
 use embedded_graphics::{
     geometry::Point,

@@ -5,23 +5,23 @@ use super::{
     kept::{Kept, refuse_to_lose},
     patch_id, progress,
 };
-use crate::{
-    calibrate::stored::Stored,
+use anyhow::{Context, bail};
+use dermatome_frames::calibrate::stored::Stored;
+use dermatome_geometry::mesh::{
+    Mesh,
+    quality::{Quality, quality},
+    soundness::{Boundary, inspect},
+};
+use dermatome_model::{
     inverse::figures::Blur,
-    mesh::{
-        Mesh,
-        quality::{Quality, quality},
-        soundness::{Boundary, inspect},
-    },
     model::{Model, Stage},
-    output::write_whole,
     quantize::{self, FixedPointError},
     skin::Skin,
     stimulation,
-    view::plot::criterion_svg,
 };
-use anyhow::{Context, bail};
+use dermatome_patch::output::write_whole;
 use dermatome_shared::patch::PatchView;
+use dermatome_view::plot::criterion_svg;
 use serde::Serialize;
 use std::{
     collections::BTreeMap,

@@ -5,16 +5,15 @@ use super::{
     stream::long_patience,
     tare::{patch_of, tare_with_spinner},
 };
-use crate::{
-    calibrate::{
-        self, Compensation, CurvePoint, Fit, Reading, Recording, patch::with_calibration, repeatability,
-    },
-    link::{self, Link, Port},
-    output::{check_folder, write_together, write_whole},
-    skin::quantity::{AREA, Quantity},
-};
 use anyhow::{Context, bail, ensure};
+use dermatome_frames::calibrate::{
+    self, Compensation, CurvePoint, Fit, Reading, Recording, patch::with_calibration, repeatability,
+};
+use dermatome_link::{self as link, Link};
+use dermatome_model::skin::quantity::{AREA, Quantity};
+use dermatome_patch::output::{check_folder, write_together, write_whole};
 use dermatome_shared::{hysteresis::Play, patch::PatchView, reference::DEFAULT_TARE_FRAMES};
+use dermatome_simulate::port::{self, Port};
 use serde::Serialize;
 use std::{
     fmt::Write,
@@ -96,7 +95,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     for file in others.into_iter().flatten().chain([out]) {
         check_folder(file)?;
     }
-    let mut link = args.port.as_ref().map(link::open).transpose()?;
+    let mut link = args.port.as_ref().map(port::open).transpose()?;
     let readings = readings(args, link.as_mut(), &patch)?;
     if let Some(file) = &args.save {
         // Even if they make no calibration: the machine has done its work.

@@ -1,15 +1,16 @@
 //! `dermatome check`.
 
 use super::{BoardReport, JsonReport, drive::rounded, interrupt, stream::long_patience, tare::patch_of};
-use crate::{
-    health::{self, Diagnosis, State, Watch},
-    link::{self, Link, LinkError, Port},
-};
 use anyhow::bail;
+use dermatome_link::{
+    Link, LinkError,
+    health::{self, Diagnosis, State, Watch},
+};
 use dermatome_shared::{
     drive::Drive,
     protocol::{FrameSource, Request},
 };
+use dermatome_simulate::port::{self, Port};
 use serde::Serialize;
 use std::time::Duration;
 
@@ -53,7 +54,7 @@ struct Report<'a> {
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
-    let mut link = link::open(&args.port)?;
+    let mut link = port::open(&args.port)?;
     let patch = patch_of(&mut link)?;
     let info = link.info()?;
     let is_simulated = info.frame_source == FrameSource::Simulated;

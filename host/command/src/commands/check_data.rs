@@ -1,16 +1,13 @@
 //! `dermatome check-data`: what is wrong with a file of measured frames.
 
 use super::{JsonReport, frame_options::FrameOptions};
-use crate::{
-    measured::{
-        check::{Check, Expected, check, findings::Level},
-        fit::{Fit, fit},
-        read::{Frames, Source},
-    },
-    skin::Skin,
-    stimulation::patterns_of_length,
-};
 use anyhow::{Context, bail};
+use dermatome_frames::recorded::{
+    check::{Check, Expected, check, findings::Level},
+    fit::{Fit, fit},
+    read::{Frames, Source},
+};
+use dermatome_model::{skin::Skin, stimulation::patterns_of_length};
 use serde::Serialize;
 use std::{ffi::OsString, path::PathBuf};
 

@@ -1,23 +1,24 @@
 //! `dermatome cut`: a skin for a robot's link, cut out of the link's mesh.
 
 use super::JsonReport;
-use crate::{
-    cut::{self, Cutter, Names, Patch, Region, Request, Slab},
-    measured::statistics::median,
+use anyhow::{Context, bail};
+use dermatome_frames::recorded::statistics::median;
+use dermatome_geometry::{
+    cut::{self, Cutter, Patch, Region, Request, Slab},
     mesh::{
         export,
         import::{self, Imported},
         quality::{Quality, quality},
         triangle,
     },
-    output::{check_folder, write_whole},
-    skin::{
-        Skin,
-        check::{imported::UNITS, is_name, pose::is_frame_name},
-        quantity::{LENGTH, Quantity},
-    },
 };
-use anyhow::{Context, bail};
+use dermatome_model::skin::{
+    Skin, UNITS,
+    cut_out::{Names, skin_file},
+    is_frame_name, is_name,
+    quantity::{LENGTH, Quantity},
+};
+use dermatome_patch::output::{check_folder, write_whole};
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 use std::{
@@ -152,7 +153,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let cutting = Instant::now();
     let patch = cut::cut(&link, &request).with_context(|| format!("link `{}`", args.link.display()))?;
     let cut_seconds = cutting.elapsed().as_secs_f64();
-    let text = cut::skin_file(&patch, Names { skin: &name, link: &frame, mesh: MESH });
+    let text = skin_file(&patch, Names { skin: &name, link: &frame, mesh: MESH });
     write(&[&skin, &mesh], &text, &patch)?;
     let seconds = [read_seconds, cut_seconds, start.elapsed().as_secs_f64()];
     let report = Report::new(name, &link, frame, &patch, seconds, [skin, mesh]);

@@ -1,18 +1,19 @@
 //! `dermatome demo`: the whole chain, from a skin file to contacts, with no hardware.
 
 use super::{JsonReport, interrupt, noise::NoiseOptions, progress, tare::tare_with_spinner};
-use crate::{
-    board::simulated::{BoardOptions, SimulatedBoard},
-    demo::{self, Figures, Scorer, Watched},
-    link::{self, Link},
-    model::Model,
+use crate::demo::{self, Figures, Scorer, Watched};
+use dermatome_link::{self as link, Link};
+use dermatome_model::{model::Model, quantize, skin::Skin};
+use dermatome_patch::{
+    layout::Layout,
     output::{check_folder, write_whole},
-    quantize,
-    simulate::SimulatedSkin,
-    skin::Skin,
-    view::{layout::Layout, live::Live},
 };
 use dermatome_shared::{protocol::PatchInfo, reference::DEFAULT_TARE_FRAMES};
+use dermatome_simulate::{
+    SimulatedSkin,
+    board::{BoardOptions, SimulatedBoard},
+};
+use dermatome_view::live::Live;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -69,7 +70,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let source = SimulatedSkin::new(&skin, script.clone(), noise)?;
     let simulated_elements = source.elements();
     let options = BoardOptions { electrodes: skin.electrodes.count, ..BoardOptions::default() };
-    let mut link = Link::to_simulated("sim:demo", SimulatedBoard::start(options, source)?)?;
+    let mut link = SimulatedBoard::start(options, source)?.connect("sim:demo")?;
     say!(
         "started a simulated board: its skin has {simulated_elements} elements, noise at {} dB",
         noise.snr_db

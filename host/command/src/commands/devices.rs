@@ -1,11 +1,13 @@
 //! `dermatome devices`.
 
 use super::drive::{self, DriveReport};
-use crate::{
-    board::{SerialPort, probe::DebugProbe, serial_ports},
-    link::{self, Link, Port},
+use dermatome_link::{
+    Link,
+    devices::{SerialPort, serial_ports},
+    program::probe::DebugProbe,
 };
 use dermatome_shared::protocol::{FrameSource, Info};
+use dermatome_simulate::port::{self, Port};
 use serde::Serialize;
 use std::time::Duration;
 
@@ -77,7 +79,7 @@ fn list(args: &Args) -> anyhow::Result<()> {
 /// The debug probes, if this program can tell.
 #[cfg(feature = "probe")]
 fn probes() -> Option<Vec<DebugProbe>> {
-    Some(crate::board::probe::attached::probes())
+    Some(dermatome_link::program::probe::attached::probes())
 }
 
 /// The debug probes, if this program can tell.
@@ -92,7 +94,7 @@ fn probe_line(probe: &DebugProbe) -> String {
 }
 
 fn ask(args: &Args, port: &Port) -> anyhow::Result<()> {
-    let mut link = link::open(port)?;
+    let mut link = port::open(port)?;
     let info = link.info()?;
     let answer = BoardAnswer::new(&link, &info);
     for line in answer.lines() {

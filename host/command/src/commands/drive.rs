@@ -1,16 +1,14 @@
 //! `dermatome drive`.
 
-use crate::{
-    link::{self, Port},
-    skin::quantity::{self, Kind, Quantity},
-};
 use anyhow::{Context, bail};
+use dermatome_model::skin::quantity::{self, Kind, Quantity};
 use dermatome_shared::{
     acquire::FrontEnd,
     drive::{Component, Drive, Gain},
     protocol::{Info, Refusal, Request},
     scan::Timing,
 };
+use dermatome_simulate::port::{self, Port};
 use serde::Serialize;
 
 /// Show how a board drives its skin, or change it until the next patch or restart.
@@ -84,7 +82,7 @@ struct Report<'a> {
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let mut link = link::open(&args.port)?;
+    let mut link = port::open(&args.port)?;
     let info = link.info()?;
     let patch = info.patch.as_ref().ok_or(Refusal::NoPatch);
     let patch = patch.with_context(|| format!("nothing to drive at `{}`", link.port()))?.clone();

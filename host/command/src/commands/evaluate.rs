@@ -1,16 +1,13 @@
 //! `dermatome evaluate`: how good a skin's images are, everywhere on it.
 
 use super::{JsonReport, interrupt, progress};
-use crate::{
-    evaluate::{
-        Evaluation, Length, Options, Watch, evaluate, evaluate_flattened, picture,
-        report::{PairFigures, PairRing, Report, Ring, Spread},
-    },
-    model::Model,
-    output::{check_folder, write_whole},
-    skin::Skin,
-};
 use anyhow::Context;
+use dermatome_experiments::evaluate::{
+    Evaluation, Length, Options, Watch, evaluate, evaluate_flattened, picture,
+    report::{PairFigures, PairRing, Report, Ring, Spread},
+};
+use dermatome_model::{model::Model, skin::Skin};
+use dermatome_patch::output::{check_folder, write_whole};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use std::{path::PathBuf, time::Instant};

@@ -1,11 +1,9 @@
 //! `dermatome experiment`: the thesis' experiments on simulated samples, as a page.
 
 use super::progress;
-use crate::{
-    experiment::{EXPERIMENTS, Experiment, Report, json, named, page, run as run_all},
-    output::{OutputFolder, WriteError},
-};
 use anyhow::Context;
+use dermatome_experiments::experiment::{EXPERIMENTS, Experiment, Report, json, named, page, run as run_all};
+use dermatome_patch::output::{OutputFolder, WriteError};
 use std::{path::PathBuf, time::Instant};
 
 /// Do the thesis' experiments on simulated samples, as a page beside its figures.

@@ -1,14 +1,12 @@
 //! `dermatome export`: a skin's model as files for NumPy, MATLAB, EIDORS and Gmsh.
 
 use super::{JsonReport, progress};
-use crate::{
-    interchange::{
-        contents::Contents,
-        export::{CONTENTS, Export, GMSH, MATLAB, PLY, STIMULATION, prepare_folder},
-    },
-    skin::Skin,
-};
 use anyhow::Context;
+use dermatome_frames::interchange::{
+    contents::Contents,
+    export::{CONTENTS, Export, GMSH, MATLAB, PLY, STIMULATION, prepare_folder},
+};
+use dermatome_model::skin::Skin;
 use std::path::PathBuf;
 
 /// Write a skin's whole model as NumPy and MATLAB files, and its mesh for Gmsh.

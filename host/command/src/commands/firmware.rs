@@ -1,6 +1,6 @@
 //! `dermatome firmware`.
 
-use crate::board::firmware::Firmware;
+use dermatome_link::program::firmware::Firmware;
 use std::path::PathBuf;
 
 /// Where `firmware/build` leaves the firmware, seen from a checkout.
@@ -55,7 +55,7 @@ mod with_probe {
         super::{interrupt, progress},
         Args,
     };
-    use crate::board::{
+    use dermatome_link::program::{
         firmware::Firmware,
         log::Log,
         probe::{

@@ -1,20 +1,22 @@
 //! `dermatome forward`: voltages of a skin's stimulation table.
 
 use super::JsonReport;
-use crate::{
+use anyhow::{Context, bail};
+use dermatome_frames::{
     interchange::{
         array::Array,
         conductivity::{self, Voltages},
         npy,
     },
-    measured::read::Source,
-    mesh::{Lattice, Mesh},
+    recorded::read::Source,
+};
+use dermatome_geometry::mesh::{Lattice, Mesh};
+use dermatome_model::{
     model::mesh,
-    output::{check_folder, stream_whole, write_whole},
     skin::Skin,
     stimulation::{self, PatternReport},
 };
-use anyhow::{Context, bail};
+use dermatome_patch::output::{check_folder, stream_whole, write_whole};
 use dermatome_shared::stimulation::Step;
 use num_complex::Complex64;
 use serde::Serialize;

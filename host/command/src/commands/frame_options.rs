@@ -1,12 +1,11 @@
 //! Options that say how a file of measured frames is to be read.
 
-use crate::{
-    measured::{
-        order::{Arrangement, SenseOrder},
-        read::{Frames, ReadError, Source, read},
-    },
-    skin::Skin,
+use super::choices::SenseOrder;
+use dermatome_frames::recorded::{
+    order::Arrangement,
+    read::{Frames, ReadError, Source, read},
 };
+use dermatome_model::skin::Skin;
 
 /// How the file orders its measurements and numbers its electrodes.
 #[derive(clap::Args)]
@@ -27,7 +26,7 @@ pub(super) struct FrameOptions {
 
 impl FrameOptions {
     pub(super) fn arrangement(&self) -> Arrangement {
-        Arrangement { sense: self.order, rotation: self.rotation, mirrored: self.mirror }
+        Arrangement { sense: self.order.into(), rotation: self.rotation, mirrored: self.mirror }
     }
 
     pub(super) fn offset(&self) -> f64 {

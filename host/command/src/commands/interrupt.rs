@@ -14,7 +14,7 @@ const ONE_REQUEST: Duration = Duration::from_millis(500);
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 
 /// Starts to watch for Ctrl-C and the termination signal.
-pub fn install() -> anyhow::Result<()> {
+pub(crate) fn install() -> anyhow::Result<()> {
     let mut first: Option<Instant> = None;
     ctrlc::set_handler(move || {
         REQUESTED.store(true, Ordering::Relaxed);
@@ -28,6 +28,6 @@ pub fn install() -> anyhow::Result<()> {
 
 /// Whether the user has asked to stop. Long loops look at this once per step.
 #[must_use]
-pub fn requested() -> bool {
+pub(crate) fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }

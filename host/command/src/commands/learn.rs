@@ -2,24 +2,27 @@
 
 use super::{
     JsonReport,
+    choices::Strength,
     frame_options::FrameOptions,
     kept::refuse_to_lose,
     patch_id, progress,
     reconstruct::{WeightChoice, weigh_by_magnitude},
 };
-use crate::{
+use anyhow::Context;
+use dermatome_frames::{
     calibrate::stored::Stored,
-    learn::{LearnReport, MOST_TEST, Request, Strength, judge::Errors, learn, presses::Recording},
-    measured::{
+    learn::{LearnReport, MOST_TEST, Request, judge::Errors, learn, presses::Recording},
+    recorded::{
         diagnose::diagnose,
         read::{Frames, Source},
     },
+};
+use dermatome_model::{
     model::Model,
-    output::write_whole,
     quantize::{self, FixedPointError},
     skin::Skin,
 };
-use anyhow::Context;
+use dermatome_patch::output::write_whole;
 use dermatome_shared::patch::PatchView;
 use serde::Serialize;
 use std::{ffi::OsString, path::PathBuf};
@@ -106,7 +109,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     spinner.set_message("learning");
     let arrangement = args.options.arrangement();
     let presses = recording.on(&model, &arrangement).with_context(in_presses)?;
-    let request = Request { test_share: args.test, seed: args.seed, strength: args.strength };
+    let request = Request { test_share: args.test, seed: args.seed, strength: args.strength.into() };
     let learnt = learn(&skin, &model, &presses, &request).with_context(in_both)?;
     let view = PatchView::validate(&learnt.patch)?;
     let fixed_point_error =

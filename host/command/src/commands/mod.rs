@@ -1,8 +1,9 @@
 //! The command line: arguments in, library calls, words and reports out.
 
-use crate::{link::Link, output::write_whole};
 use anyhow::Context;
 use clap::{Parser, Subcommand};
+use dermatome_link::Link;
+use dermatome_patch::output::write_whole;
 use dermatome_shared::protocol::PatchInfo;
 use serde::Serialize;
 use std::{
@@ -14,7 +15,7 @@ use std::{
 /// Prints a line on standard output; see [`say`].
 macro_rules! say {
     ($($words:tt)*) => {
-        $crate::cli::say(format_args!($($words)*))
+        $crate::commands::say(format_args!($($words)*))
     };
 }
 
@@ -22,6 +23,7 @@ mod build;
 mod calibrate;
 mod check;
 mod check_data;
+mod choices;
 mod cut;
 mod demo;
 mod devices;
@@ -34,7 +36,7 @@ mod flash;
 mod forward;
 mod frame_options;
 mod inspect;
-pub mod interrupt;
+pub(crate) mod interrupt;
 mod kept;
 mod learn;
 mod noise;

@@ -1,6 +1,6 @@
 //! Options for the noise of a simulated board.
 
-use crate::simulate::{Noise, board::DEFAULT_NOISE};
+use dermatome_simulate::{Noise, board::DEFAULT_NOISE};
 
 /// Noise of the simulated measurements.
 #[derive(clap::Args)]

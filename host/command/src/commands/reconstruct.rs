@@ -1,23 +1,20 @@
 //! `dermatome reconstruct`: frames of other people's instruments -> images and what they show.
 
-use super::{JsonReport, frame_options::FrameOptions};
-use crate::{
-    measured::{
-        diagnose::{Diagnosis, diagnose},
-        read::{Frames, Source},
-        reconstruct::{FrameResult, Polarity, evenly_spaced, reconstruct},
-        weights::by_magnitude,
-    },
-    model::Model,
-    output::write_whole,
-    skin::{Skin, Weights, electrodes_in_plane},
-    view::{
-        layout::Layout,
-        sheet::{Panel, Sheet, reconstruction_sheet},
-    },
-};
+use super::{JsonReport, choices::Polarity, frame_options::FrameOptions};
 use anyhow::{Context, bail};
+use dermatome_frames::recorded::{
+    diagnose::{Diagnosis, diagnose},
+    read::{Frames, Source},
+    reconstruct::{FrameResult, evenly_spaced, reconstruct},
+    weights::by_magnitude,
+};
+use dermatome_model::{
+    model::Model,
+    skin::{Skin, Weights, electrodes_in_plane},
+};
+use dermatome_patch::{layout::Layout, output::write_whole};
 use dermatome_shared::patch::Difference;
+use dermatome_view::sheet::{Panel, Sheet, reconstruction_sheet};
 use serde::Serialize;
 use std::{ffi::OsString, path::PathBuf};
 
@@ -98,7 +95,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let model =
         Model::build(&skin, |_| ()).with_context(|| format!("skin file `{}`", args.skin.display()))?;
     let arrangement = args.options.arrangement();
-    let results = reconstruct(&model, &reference, &frames, &arrangement, args.polarity)
+    let results = reconstruct(&model, &reference, &frames, &arrangement, args.polarity.into())
         .with_context(|| format!("`{reference_source}` and `{frames_source}`"))?;
     let diagnosis =
         diagnose(&model.steps, skin.electrodes.count, &model.voltages, &reference.mean(), arrangement)?;
@@ -205,7 +202,7 @@ fn panel(result: &FrameResult) -> Panel<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measured::reconstruct::Object;
+    use dermatome_frames::recorded::reconstruct::Object;
 
     fn result(frame: usize) -> FrameResult {
         let object = Object {
@@ -218,7 +215,7 @@ mod tests {
         };
         let objects = if frame == 1 { vec![] } else { vec![object] };
         let peak = if frame == 1 { 0.0 } else { 0.125 };
-        FrameResult { frame, peak, polarity: Polarity::Up, objects, image: vec![0.0] }
+        FrameResult { frame, peak, polarity: Polarity::Up.into(), objects, image: vec![0.0] }
     }
 
     #[test]

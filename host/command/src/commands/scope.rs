@@ -1,12 +1,10 @@
 //! `dermatome scope`.
 
 use super::{interrupt, stream::long_patience, tare::patch_of};
-use crate::{
-    link::{self, Port},
-    output::{check_folder, write_whole},
-    scope::capture,
-    view::trace,
-};
+use dermatome_link::scope::capture;
+use dermatome_patch::output::{check_folder, write_whole};
+use dermatome_simulate::port::{self, Port};
+use dermatome_view::trace;
 use std::path::PathBuf;
 
 /// Show the samples behind one voltage, as the converter took them.
@@ -33,7 +31,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     args.png.as_deref().map_or(Ok(()), check_folder)?;
-    let mut link = link::open(&args.port)?;
+    let mut link = port::open(&args.port)?;
     let patch = patch_of(&mut link)?;
     let info = link.info()?;
     let trace = capture(&mut link, &info, args.slot, long_patience(&patch), || !interrupt::requested())?;

@@ -1,13 +1,14 @@
 //! `dermatome simulate`: a board to try everything on, without one.
 
 use super::{JsonReport, interrupt, noise::NoiseOptions};
-use crate::{
-    board::simulated::{BoardOptions, SimulatedBoard},
-    material::Material,
-    simulate::{Press, Script, SimulatedSkin},
-    skin::{Skin, outline::Outline},
-};
 use anyhow::{Context, bail};
+use dermatome_geometry::outline::Outline;
+use dermatome_model::skin::Skin;
+use dermatome_simulate::{
+    Press, Script, SimulatedSkin,
+    board::{BoardOptions, SimulatedBoard},
+    material::Material,
+};
 use serde::Serialize;
 use std::{
     net::{SocketAddr, ToSocketAddrs},

@@ -1,13 +1,14 @@
 //! `dermatome tare`.
 
 use super::BoardReport;
-use crate::link::{self, Link, Port};
 use anyhow::Context;
+use dermatome_link::{self as link, Link};
 use dermatome_shared::{
     device::MAX_TARE_FRAMES,
     protocol::{FrameSource, PatchInfo, Refusal},
     reference::DEFAULT_TARE_FRAMES,
 };
+use dermatome_simulate::port::{self, Port};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -40,7 +41,7 @@ struct Report<'a> {
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let mut link = link::open(&args.port)?;
+    let mut link = port::open(&args.port)?;
     let patch = patch_of(&mut link)?;
     let started = Instant::now();
     tare_with_spinner(&mut link, &patch, args.frames)?;

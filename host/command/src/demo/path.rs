@@ -1,13 +1,11 @@
 //! What the fingers do in the demo.
 
-use crate::{
-    simulate::{Press, Script, ScriptError, script::Moment},
-    skin::outline::Outline,
-};
+use dermatome_geometry::outline::Outline;
+use dermatome_simulate::{Press, Script, ScriptError, script::Moment};
 use std::f64::consts::TAU;
 
 /// Frames of the demo.
-pub const FRAMES: u32 = 300;
+pub(crate) const FRAMES: u32 = 300;
 /// Frames in which one finger travels.
 const TRAVEL_FRAMES: u32 = 220;
 /// Turns of the spiral.
@@ -20,7 +18,7 @@ const FINGER: f64 = 0.12;
 const DEPTH: f64 = 1.0;
 
 /// One finger travels outwards on a spiral, then two fingers press.
-pub fn script(outline: &Outline, frame_rate: f64) -> Result<Script, ScriptError> {
+pub(crate) fn script(outline: &Outline, frame_rate: f64) -> Result<Script, ScriptError> {
     let [x, y] = outline.half_size();
     let at = |frame: u32, angle: f64, reach: f64| {
         let position = [x * reach * angle.cos(), y * reach * angle.sin()];

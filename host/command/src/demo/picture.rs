@@ -1,12 +1,10 @@
 //! The demo's picture: truth beside image at eight moments.
 
 use super::{FrameRecord, Scorer};
-use crate::{
-    measured::reconstruct::evenly_spaced,
-    simulate::Press,
-    skin::electrodes_in_plane,
-    view::sheet::{Panel, Sheet, reconstruction_sheet},
-};
+use dermatome_frames::recorded::reconstruct::evenly_spaced;
+use dermatome_model::skin::electrodes_in_plane;
+use dermatome_simulate::Press;
+use dermatome_view::sheet::{Panel, Sheet, reconstruction_sheet};
 
 use nalgebra::Point3;
 
@@ -16,7 +14,7 @@ const MOMENTS: usize = 8;
 const PAIRS: usize = 4;
 
 /// Draws the picture as a PNG file.
-pub fn picture(scorer: &Scorer<'_>, records: &[FrameRecord]) -> Result<Vec<u8>, png::EncodingError> {
+pub(crate) fn picture(scorer: &Scorer<'_>, records: &[FrameRecord]) -> Result<Vec<u8>, png::EncodingError> {
     let pressed: Vec<_> = records.iter().filter(|record| !record.presses.is_empty()).collect();
     let shown: Vec<_> =
         evenly_spaced(pressed.len(), MOMENTS).into_iter().map(|index| pressed[index]).collect();

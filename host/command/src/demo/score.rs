@@ -1,23 +1,24 @@
 //! Scores what came over the link against what the fingers really did, and against f64.
 
-use crate::{
+use dermatome_geometry::outline::Outline;
+use dermatome_model::{
     jacobian::step_counts,
     metrics::{ImageFigures, image_figures, mean_and_max, position_error},
     model::Model,
-    simulate::{Press, Script},
-    skin::{Skin, outline::Outline},
-    view::layout::Layout,
+    skin::Skin,
 };
+use dermatome_patch::layout::Layout;
 use dermatome_shared::{
     contact::Contacts,
     protocol::FrameStamp,
     units::{AdcCode, RelativeConductivity},
 };
+use dermatome_simulate::{Press, Script};
 use nalgebra::Point2;
 use serde::Serialize;
 
 /// Knows the truth of a demo and the exact arithmetic.
-pub struct Scorer<'a> {
+pub(crate) struct Scorer<'a> {
     /// The skin.
     pub skin: &'a Skin,
     /// Its rim.
@@ -34,7 +35,7 @@ pub struct Scorer<'a> {
 
 /// One frame as it arrived, and what it is worth.
 #[derive(Clone, Debug)]
-pub struct FrameRecord {
+pub(crate) struct FrameRecord {
     /// Frames since streaming started.
     pub index: u32,
     /// The board's number and time of the frame.
@@ -54,7 +55,7 @@ pub struct FrameRecord {
 impl Scorer<'_> {
     /// Scores one frame, the first streamed one being `first_sequence`. `codes` is `[step]`.
     #[must_use]
-    pub fn record(
+    pub(crate) fn record(
         &self,
         at: FrameStamp,
         first_sequence: u32,
@@ -99,7 +100,7 @@ impl Scorer<'_> {
 
     /// Sums up a whole demo.
     #[must_use]
-    pub fn figures(&self, records: &[FrameRecord]) -> Figures {
+    pub(crate) fn figures(&self, records: &[FrameRecord]) -> Figures {
         let diameter = self.outline.diameter();
         let single = || records.iter().filter_map(|record| Some((record, single_error(record, diameter)?)));
         let error_in = |unit: f64| {
@@ -158,7 +159,7 @@ fn frames_with_right_count(records: &[FrameRecord], count: usize) -> usize {
 
 /// Mean and largest value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct MeanMax {
+pub(crate) struct MeanMax {
     /// Mean.
     pub mean: f64,
     /// Largest.
@@ -167,14 +168,14 @@ pub struct MeanMax {
 
 /// Largest value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Max {
+pub(crate) struct Max {
     /// Largest.
     pub max: f64,
 }
 
 /// Position error in a ring of the skin.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct RadiusBand {
+pub(crate) struct RadiusBand {
     /// Inner radius, share of the skin's radius.
     pub from: f64,
     /// Outer radius, share of the skin's radius.
@@ -189,7 +190,7 @@ pub struct RadiusBand {
 
 /// The demo's figures; keys are documented in docs/cli.md.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Figures {
+pub(crate) struct Figures {
     /// Centre of pressure against the finger, mm, while one finger travels.
     pub position_error_mm: Option<MeanMax>,
     /// The same, per cent of the diameter.

@@ -1,7 +1,7 @@
 //! Watches a board's stream and puts the parts of each frame together.
 
 use super::{FRAMES, FrameRecord, Scorer};
-use crate::link::{self, Link, LinkError};
+use dermatome_link::{self as link, Link, LinkError};
 use dermatome_shared::{
     contact::Contacts,
     protocol::{Event, Reply, Request, Selection},
@@ -16,7 +16,7 @@ const POLL: Duration = Duration::from_millis(100);
 
 /// All that came over the link.
 #[derive(Debug, Default)]
-pub struct Watched {
+pub(crate) struct Watched {
     /// The frames of which everything arrived.
     pub records: Vec<FrameRecord>,
     /// Frames of which something did not arrive.
@@ -28,7 +28,7 @@ pub struct Watched {
 impl Watched {
     /// Frames per second between the first and the last; `None` for less than two.
     #[must_use]
-    pub fn images_per_second(&self) -> Option<f64> {
+    pub(crate) fn images_per_second(&self) -> Option<f64> {
         let (first, last) = (self.first?, self.last?);
         (last > first).then(|| (self.records.len() - 1) as f64 / (last - first).as_secs_f64())
     }
@@ -36,7 +36,7 @@ impl Watched {
 
 /// Mean codes of the untouched skin as the board has them, summed over the steps of each
 /// measurement: `[measurement]`.
-pub fn reference(link: &mut Link) -> Result<Vec<f64>, LinkError> {
+pub(crate) fn reference(link: &mut Link) -> Result<Vec<f64>, LinkError> {
     match link.request(&Request::Reference)? {
         Reply::Reference { frames, sums } => {
             Ok(sums.iter().map(|&sum| sum as f64 / f64::from(frames)).collect())
@@ -47,7 +47,7 @@ pub fn reference(link: &mut Link) -> Result<Vec<f64>, LinkError> {
 
 /// Streams until the demo's last frame has come, or `go_on` (which sees each new frame, and `None`
 /// while nothing comes) says no.
-pub fn watch(
+pub(crate) fn watch(
     link: &mut Link,
     scorer: &Scorer<'_>,
     mut go_on: impl FnMut(Option<&FrameRecord>) -> bool,

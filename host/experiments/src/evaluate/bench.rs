@@ -1,8 +1,9 @@
 //! Bench: measures targets on the true skin and makes images of the frames.
 
 use super::target::Change;
-use crate::{metrics::thesis::relative_voltage_change, model::Model, simulate::TrueSkin};
+use dermatome_model::{metrics::thesis::relative_voltage_change, model::Model};
 use dermatome_shared::reference::DEFAULT_TARE_FRAMES;
+use dermatome_simulate::TrueSkin;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64Mcg;
@@ -36,7 +37,7 @@ pub(super) struct Measured {
 impl<'a> Bench<'a> {
     /// Measures the untouched skin as often as a board's tare does.
     ///
-    /// `snr_db` is defined as in [`crate::simulate::Noise`]; `None` is without noise.
+    /// `snr_db` is defined as in [`dermatome_simulate::Noise`]; `None` is without noise.
     #[must_use]
     pub(super) fn new(truth: &'a TrueSkin, model: &'a Model, snr_db: Option<f64>, seed: u64) -> Self {
         let mut reference = truth.voltages(&vec![1.0; truth.mesh().elements.len()], &model.steps);

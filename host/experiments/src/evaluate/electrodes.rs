@@ -1,7 +1,8 @@
 //! Errors of the electrodes: the true skin's are not quite what the skin file says.
 
 use super::EvaluateError;
-use crate::skin::{Place, Shape, Sheet, Skin, electrodes::ElectrodeModel};
+use dermatome_geometry::sheet::{ElectrodeModel, Place, Sheet};
+use dermatome_model::skin::{Shape, Skin};
 use nalgebra::Vector2;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
@@ -154,7 +155,8 @@ mod tests {
         skin.electrodes.model = ElectrodeModel::Point;
         let refused = with_errors(&skin, 0.0, 0.1, 1).unwrap_err();
         assert!(refused.to_string().contains("--impedance-error"), "{refused}");
-        let mesh = crate::model::mesh(&skin, 1.0, crate::mesh::Lattice::default()).unwrap();
+        let mesh =
+            dermatome_model::model::mesh(&skin, 1.0, dermatome_geometry::mesh::Lattice::default()).unwrap();
         skin.shape = Shape::Mesh { mesh: Box::new(mesh), outline: None };
         assert_eq!(spacing(&skin), None);
         let refused = with_errors(&skin, 1e-3, 0.0, 1).unwrap_err();

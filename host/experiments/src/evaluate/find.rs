@@ -1,9 +1,7 @@
 //! Finding contacts in an image: as the board does where its pixels fit a board, else in f64.
 
-use crate::{
-    metrics::parts::parts,
-    pixels::{Pixels, SurfaceTables},
-};
+use dermatome_model::{metrics::parts::parts, pixels::Pixels};
+use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::{
     contact::{self, Contact},
     units::RelativeConductivity,
@@ -31,7 +29,7 @@ impl<'a> Finder<'a> {
     /// `threshold` is the smallest relative conductivity change that counts.
     #[must_use]
     pub(super) fn new(pixels: &'a Pixels, threshold: f64) -> Self {
-        Self { pixels, board: SurfaceTables::new(pixels), threshold }
+        Self { pixels, board: pixels.surface_tables(), threshold }
     }
 
     /// Whether contacts are found the board's way.

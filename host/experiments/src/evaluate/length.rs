@@ -1,6 +1,6 @@
 //! Lengths in arguments: absolute, or relative to something of the skin's.
 
-use crate::skin::quantity::{LENGTH, Quantity};
+use dermatome_model::skin::quantity::{LENGTH, Quantity};
 use std::str::FromStr;
 
 /// A length.

@@ -16,13 +16,13 @@ pub mod single;
 mod surface;
 mod target;
 
-use crate::{
-    mesh::Mesh,
+use bench::Bench;
+use dermatome_geometry::mesh::Mesh;
+use dermatome_model::{
     model::{Model, ModelError},
-    simulate::TrueSkin,
     skin::Skin,
 };
-use bench::Bench;
+use dermatome_simulate::TrueSkin;
 use find::Finder;
 pub use length::Length;
 use nalgebra::Point3;
@@ -42,7 +42,7 @@ pub struct Options {
     pub diameter: Length,
     /// Relative conductivity change inside a target.
     pub contrast: f64,
-    /// Signal-to-noise ratio, dB, as in [`crate::simulate::Noise`]; `None` is without noise.
+    /// Signal-to-noise ratio, dB, as in [`dermatome_simulate::Noise`]; `None` is without noise.
     pub snr_db: Option<f64>,
     /// Seed of noise and errors.
     pub seed: u64,

@@ -1,7 +1,7 @@
 //! The picture of an evaluation: a map of each figure.
 
 use super::{Evaluation, pairs::Direction, single::Single};
-use crate::view::map::{Panel, Places, Sheet, map_sheet};
+use dermatome_view::map::{Panel, Places, Sheet, map_sheet};
 
 /// Maps in a row.
 const COLUMNS: u32 = 4;

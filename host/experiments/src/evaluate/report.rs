@@ -78,9 +78,9 @@ pub struct Ring {
     pub contact_area_percent: Option<Spread>,
     /// dV/V.
     pub relative_voltage_change_percent: Option<Spread>,
-    /// Figures of [`crate::metrics::thesis`].
+    /// Figures of [`dermatome_model::metrics::thesis`].
     pub thesis: ThesisRing,
-    /// Figures of [`crate::metrics::greit`].
+    /// Figures of [`dermatome_model::metrics::greit`].
     pub greit: GreitRing,
 }
 

@@ -1,7 +1,7 @@
 //! Single targets, one at a time, all over the skin.
 
 use super::{Scene, Watch, find::Found};
-use crate::metrics::{Target, greit, thesis};
+use dermatome_model::metrics::{Target, greit, thesis};
 use nalgebra::Point3;
 use rayon::prelude::*;
 

@@ -1,10 +1,10 @@
 //! Surface: where on a skin something lies, flat or curved, seen through the true skin's mesh.
 
-use crate::{
+use dermatome_geometry::{
     mesh::{Mesh, neighbours::rim_edges, triangle},
-    pixels::patches,
-    skin::{Shape, outline::Outline},
+    outline::Outline,
 };
+use dermatome_model::{pixels::patches, skin::Shape};
 use nalgebra::{Point2, Point3, Unit, Vector3};
 
 /// A skin's surface.
@@ -175,9 +175,10 @@ fn distance(point: Point3<f64>, [from, to]: &[Point3<f64>; 2]) -> f64 {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::{
+    use dermatome_geometry::{
+        embedding::Embedding,
         mesh::{ElectrodeContact, Lattice, generate},
-        skin::{EdgeLengths, Place, Sheet, electrodes::ElectrodeModel, embedding::Embedding},
+        sheet::{EdgeLengths, ElectrodeModel, Place, Sheet},
     };
 
     const RADIUS: f64 = 0.1;

@@ -1,7 +1,7 @@
 //! Targets: discs of changed conductivity on the true skin's mesh.
 
 use super::surface::Surface;
-use crate::pixels::samples;
+use dermatome_model::pixels::samples;
 use nalgebra::{Point3, Vector3};
 
 /// Discs of one size and contrast.
@@ -79,7 +79,7 @@ impl Discs {
 mod tests {
     use super::super::surface::tests::{disc_surface, hemisphere};
     use super::*;
-    use crate::skin::Shape;
+    use dermatome_model::skin::Shape;
     use std::f64::consts::PI;
 
     #[test]

@@ -1,8 +1,6 @@
 use super::*;
-use crate::{
-    evaluate::report::{Report, Ring, Spread},
-    skin::{Drive, ImageLayout, Pattern, Shape},
-};
+use crate::evaluate::report::{Report, Ring, Spread};
+use dermatome_model::skin::{Drive, ImageLayout, Pattern, Shape};
 use dermatome_shared::stimulation::Driven;
 use std::{
     path::Path,
@@ -11,7 +9,7 @@ use std::{
 
 /// A skin of 8 electrodes and a few hundred elements.
 pub(crate) fn coarse_disc() -> Skin {
-    Skin::parse(Path::new("tiny.toml"), include_str!("../../tests/data/tiny.toml")).unwrap()
+    Skin::parse(Path::new("tiny.toml"), include_str!("../../../tests/data/tiny.toml")).unwrap()
 }
 
 /// Stops after so many steps.
@@ -208,7 +206,8 @@ fn a_sheet_with_capacitance_is_evaluated_too() {
 /// Half a sphere, electrodes on its equator, imaged on patches.
 fn hemisphere() -> Skin {
     let mut skin = coarse_disc();
-    let mut mesh = crate::model::mesh(&skin, 1.0, crate::mesh::Lattice::default()).unwrap();
+    let mut mesh =
+        dermatome_model::model::mesh(&skin, 1.0, dermatome_geometry::mesh::Lattice::default()).unwrap();
     for node in &mut mesh.nodes {
         let (share, turn) = (node.coords.norm() / 0.05, node.y.atan2(node.x));
         let tilt = share.min(1.0) * std::f64::consts::FRAC_PI_2;
@@ -285,7 +284,8 @@ fn a_flat_skin_flattened_is_the_same_skin() {
 fn an_imported_flat_mesh_is_evaluated_on_a_finer_one() {
     let mut skin = coarse_disc();
     let outline = skin.shape.flat().unwrap().clone();
-    let mesh = crate::model::mesh(&skin, 1.0, crate::mesh::Lattice::default()).unwrap();
+    let mesh =
+        dermatome_model::model::mesh(&skin, 1.0, dermatome_geometry::mesh::Lattice::default()).unwrap();
     let elements = mesh.elements.len();
     skin.shape = Shape::Mesh { mesh: Box::new(mesh), outline: Some(outline) };
     let report = report(&skin, PLAIN);

@@ -5,14 +5,13 @@
 //! ([`pipeline::process`]). Nothing here reconstructs in floating point.
 
 use super::ExperimentError;
-use crate::{
-    board::simulated::{Scan, ScanTable},
-    evaluate::electrodes::{spacing, with_errors},
+use crate::evaluate::electrodes::{spacing, with_errors};
+use dermatome_geometry::sheet::ElectrodeModel;
+use dermatome_model::{
     metrics::{Target, thesis},
     model::Model,
     quantize,
-    simulate::{Noise, Script, SimulatedSkin},
-    skin::{Skin, electrodes::ElectrodeModel},
+    skin::Skin,
 };
 use dermatome_shared::{
     contact::{self, Contact},
@@ -20,6 +19,10 @@ use dermatome_shared::{
     pipeline::{self, PipelineState},
     reference::DEFAULT_TARE_FRAMES,
     units::RelativeConductivity,
+};
+use dermatome_simulate::{
+    Noise, Script, SimulatedSkin,
+    board::{Scan, ScanTable},
 };
 use nalgebra::Point3;
 use num_complex::Complex64;
@@ -126,7 +129,7 @@ impl Bench {
         let patch = quantize::patch(&skin, &model)?;
         let shift = artefacts.electrode_shift * spacing(&skin).unwrap_or(0.0);
         let true_skin = with_errors(&skin, shift, artefacts.impedance, seed)?;
-        let still = Script::still(&[], skin.shape.flat().map_err(crate::model::ModelError::from)?)
+        let still = Script::still(&[], skin.shape.flat().map_err(dermatome_model::model::ModelError::from)?)
             .expect("nothing to refuse");
         let noise = Noise { snr_db: artefacts.snr_db, seed };
         let simulated = SimulatedSkin::new(&true_skin, still, noise)?;
@@ -155,7 +158,7 @@ impl Bench {
     }
 
     /// The true skin.
-    pub(super) fn truth(&self) -> &crate::simulate::TrueSkin {
+    pub(super) fn truth(&self) -> &dermatome_simulate::TrueSkin {
         self.simulated.truth()
     }
 

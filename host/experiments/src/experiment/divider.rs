@@ -9,10 +9,9 @@ use super::{
     report::{Report, number},
     saline::hysteresis,
 };
-use crate::{
-    material::Material,
-    simulate::{Footprint, Load, Press, Sheet, TrueSkin, script::LoadingMachine},
-    skin::Skin,
+use dermatome_model::skin::Skin;
+use dermatome_simulate::{
+    Footprint, Load, Press, Sheet, TrueSkin, material::Material, script::LoadingMachine,
 };
 use num_complex::Complex64;
 use rand::SeedableRng;

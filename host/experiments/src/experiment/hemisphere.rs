@@ -7,10 +7,8 @@ use super::{
     sample::THREE_SINGLE,
     touches::{Booth, Touch, tabulate},
 };
-use crate::{
-    scenes::{Options, Scene, play},
-    skin::Skin,
-};
+use crate::scenes::{Options, Scene, play};
+use dermatome_model::skin::Skin;
 use nalgebra::Point3;
 use serde_json::json;
 use std::path::Path;
@@ -24,9 +22,9 @@ pub(super) const DIAMETER: f64 = 0.21;
 /// Numbers of contacts that have a column of their own; the last one holds all above.
 const COLUMNS: usize = 5;
 
-const SKIN: &str = include_str!("../../../models/hemisphere-210mm/skin.toml");
-const FORMULA: &str = include_str!("../../../models/hemisphere-210mm/formula.toml");
-const MESH: &[u8] = include_bytes!("../../../models/hemisphere-210mm/hemisphere.stl");
+const SKIN: &str = include_str!("../../../../models/hemisphere-210mm/skin.toml");
+const FORMULA: &str = include_str!("../../../../models/hemisphere-210mm/formula.toml");
+const MESH: &[u8] = include_bytes!("../../../../models/hemisphere-210mm/hemisphere.stl");
 
 /// Places of the single touches, as in the thesis' figure four that are opposite to one another, and the pole: direction
 /// as seen from above and way down from the pole, degrees.

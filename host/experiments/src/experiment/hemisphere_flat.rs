@@ -36,7 +36,7 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
     );
     let [skin, truth] = skins()?;
     compare(&mut report, &play(&skin, &truth, &options)?)?;
-    let flat = skin.flattened().map_err(crate::model::ModelError::from)?;
+    let flat = skin.flattened().map_err(dermatome_model::model::ModelError::from)?;
     let mut booth = Booth::new(&truth, vec![skin, flat])?;
     report.words(booth.words());
     let touches = PICTURES.map(|directions| {

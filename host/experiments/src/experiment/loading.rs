@@ -8,8 +8,9 @@ use super::{
     saline::{draw, hysteresis},
     sample::{Sample, cube},
 };
-use crate::{simulate::script::LoadingMachine, view::sheet::Panel};
 use dermatome_shared::contact::Contact;
+use dermatome_simulate::script::LoadingMachine;
+use dermatome_view::sheet::Panel;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -265,7 +266,7 @@ fn scatter(trials: &[Trial]) -> Chart<'static> {
 
 fn pictures(bench: &Bench, trial: &Trial) -> Result<Vec<u8>, ExperimentError> {
     let count = trial.shown.len();
-    let shown = crate::measured::reconstruct::evenly_spaced(count, 10);
+    let shown = dermatome_frames::recorded::reconstruct::evenly_spaced(count, 10);
     let panels = shown.into_iter().map(|index| {
         let shown = &trial.shown[index];
         Panel {

@@ -1,7 +1,7 @@
 //! Experiments: those of the thesis, on simulated samples, beside its figures.
 //!
 //! Everything here is simulation with stated models: the skin is solved for on a mesh of its own, the
-//! material is a model ([`crate::material`]), the instrument has noise and artefacts, and what a board would show
+//! material is a model ([`dermatome_simulate::material`]), the instrument has noise and artefacts, and what a board would show
 //! is computed by the board's own code ([`bench`]). Each experiment is a file; [`EXPERIMENTS`] lists them.
 
 mod bench;
@@ -22,10 +22,9 @@ mod touches;
 mod tracking;
 mod two_point;
 
-use crate::{
-    evaluate::EvaluateError, material::MaterialError, model::ModelError, quantize::PatchBuildError,
-    scenes::ScenesError, skin::SkinError,
-};
+use crate::{evaluate::EvaluateError, scenes::ScenesError};
+use dermatome_model::{model::ModelError, quantize::PatchBuildError, skin::SkinError};
+use dermatome_simulate::material::MaterialError;
 pub use html::page;
 use rayon::prelude::*;
 pub use report::{Comparison, Report, Wanted, json};

@@ -7,11 +7,9 @@ use super::{
     saline::draw,
     sample::THREE_SINGLE,
 };
-use crate::{
-    simulate::{Footprint, Load, Press},
-    view::sheet::Panel,
-};
 use dermatome_shared::contact::Contact;
+use dermatome_simulate::{Footprint, Load, Press};
+use dermatome_view::sheet::Panel;
 use rayon::prelude::*;
 use serde_json::json;
 

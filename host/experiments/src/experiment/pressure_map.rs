@@ -8,7 +8,7 @@ use super::{
     saline_map::{LINES, PLACES, Spot, panel, show_spots},
     sample::{ONE, Sample, Specimen, TWO},
 };
-use crate::simulate::{Footprint, Load, Press};
+use dermatome_simulate::{Footprint, Load, Press};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 

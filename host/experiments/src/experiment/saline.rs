@@ -10,14 +10,10 @@ use super::{
     plot::{Chart, Series, Style},
     report::{Report, largest, number},
 };
-use crate::{
-    simulate::{Footprint, Load, Press},
-    skin::{Skin, electrodes_in_plane},
-    view::{
-        layout::Layout,
-        sheet::{Panel, Sheet, reconstruction_sheet},
-    },
-};
+use dermatome_model::skin::{Skin, electrodes_in_plane};
+use dermatome_patch::layout::Layout;
+use dermatome_simulate::{Footprint, Load, Press};
+use dermatome_view::sheet::{Panel, Sheet, reconstruction_sheet};
 use serde_json::json;
 use std::path::Path;
 
@@ -32,7 +28,7 @@ const THESIS_HYSTERESIS: f64 = 1.06;
 /// The bath, looked at for falls of conductivity, tared without a cube.
 pub(super) fn bath(seed: u64) -> Result<Bench, ExperimentError> {
     let path = Path::new("models/saline-215mm/skin.toml");
-    let skin = Skin::parse(path, include_str!("../../../models/saline-215mm/skin.toml"))?;
+    let skin = Skin::parse(path, include_str!("../../../../models/saline-215mm/skin.toml"))?;
     let mut bench = Bench::new(skin, Artefacts::SALINE, FRAMES, seed)?.upside_down();
     bench.tare(&vec![1.0; bench.elements()]);
     Ok(bench)

@@ -7,12 +7,10 @@ use super::{
     report::{Report, Wanted, largest, number},
     saline::{DRIVEN, bath, cube, dip, draw},
 };
-use crate::{
-    material::{Material, Transducer},
-    metrics::thesis::Figures,
-    view::sheet::Panel,
-};
+use dermatome_model::metrics::thesis::Figures;
 use dermatome_shared::contact::Contact;
+use dermatome_simulate::material::{Material, Transducer};
+use dermatome_view::sheet::Panel;
 use serde_json::{Value, json};
 
 /// Side of the cube, m.

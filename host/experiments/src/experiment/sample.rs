@@ -4,12 +4,9 @@ use super::{
     ExperimentError,
     bench::{Artefacts, Bench, FRAMES},
 };
-use crate::{
-    material::Material,
-    simulate::{Load, Press, Sheet},
-    skin::Skin,
-};
+use dermatome_model::skin::Skin;
 use dermatome_shared::drive::Component;
+use dermatome_simulate::{Load, Press, Sheet, material::Material};
 use std::path::Path;
 
 /// Full amplitude of the thesis' instrument, A: 4 mA from peak to peak (section 3.4).
@@ -54,11 +51,11 @@ pub(super) struct Found {
 }
 
 const SQUARE_50: (&str, &str) =
-    ("models/square-50mm/skin.toml", include_str!("../../../models/square-50mm/skin.toml"));
+    ("models/square-50mm/skin.toml", include_str!("../../../../models/square-50mm/skin.toml"));
 const SQUARE_210: (&str, &str) =
-    ("models/square-210mm/skin.toml", include_str!("../../../models/square-210mm/skin.toml"));
+    ("models/square-210mm/skin.toml", include_str!("../../../../models/square-210mm/skin.toml"));
 const DISC_210: (&str, &str) =
-    ("models/disc-210mm/skin.toml", include_str!("../../../models/disc-210mm/skin.toml"));
+    ("models/disc-210mm/skin.toml", include_str!("../../../../models/disc-210mm/skin.toml"));
 
 /// Sample 1: conductive rubber on copper.
 pub(super) const ONE: Sample = Sample {
@@ -229,6 +226,6 @@ impl Specimen {
 
 /// The thesis' insulated contact of 4 cm^2 under a mean pressure, kPa.
 pub(super) fn cube(position: [f64; 2], pressure_kpa: f64) -> Press {
-    let footprint = crate::simulate::Footprint::Square { side: 0.02 };
+    let footprint = dermatome_simulate::Footprint::Square { side: 0.02 };
     Press::new(footprint, position, Load::Pressure(pressure_kpa * 1e3))
 }

@@ -8,10 +8,8 @@ use super::{
     saline::draw,
     sample::{Sample, Specimen, THREE_DUAL, THREE_SINGLE},
 };
-use crate::{
-    simulate::{Footprint, Load, Press},
-    view::sheet::Panel,
-};
+use dermatome_simulate::{Footprint, Load, Press};
+use dermatome_view::sheet::Panel;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::f64::consts::{PI, TAU};

@@ -6,20 +6,15 @@ use super::{
     report::{Report, mean_and_deviation, number},
     sample::THREE_SINGLE,
 };
-use crate::{
-    material::Material,
-    scenes::{
-        place,
-        stage::{Eye, Stage},
-    },
-    simulate::{Footprint, Load, Noise, Press, Sheet},
-    skin::{Skin, electrodes_in_plane},
-    view::{
-        layout::Layout,
-        sheet::{Panel, Sheet as Images, reconstruction_sheet},
-    },
+use crate::scenes::{
+    place,
+    stage::{Eye, Stage},
 };
+use dermatome_model::skin::{Skin, electrodes_in_plane};
+use dermatome_patch::layout::Layout;
 use dermatome_shared::contact::Contact;
+use dermatome_simulate::{Footprint, Load, Noise, Press, Sheet, material::Material};
+use dermatome_view::sheet::{Panel, Sheet as Images, reconstruction_sheet};
 use nalgebra::Point3;
 
 /// Force of a finger, N, and its radius, m: 20 kPa, at which the fabric saturates.

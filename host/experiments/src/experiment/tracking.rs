@@ -9,11 +9,11 @@ use super::{
     report::{Report, Wanted, largest},
     sample::THREE_SINGLE,
 };
-use crate::simulate::{
+use dermatome_shared::track::Tracker;
+use dermatome_simulate::{
     Press,
     script::{Moment, Script},
 };
-use dermatome_shared::track::Tracker;
 use rayon::prelude::*;
 use serde_json::json;
 use std::{collections::BTreeSet, f64::consts::PI};

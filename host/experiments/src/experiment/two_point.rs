@@ -7,8 +7,8 @@ use super::{
     report::{Report, largest, number},
     sample::THREE_SINGLE,
 };
-use crate::simulate::{Footprint, Load, Press};
 use dermatome_shared::contact::Contact;
+use dermatome_simulate::{Footprint, Load, Press};
 use nalgebra::{Point2, Vector2};
 use num_complex::Complex64;
 use rayon::prelude::*;

@@ -3,19 +3,19 @@
 //!
 //! Each scene is one forward solution on the true skin's mesh, scanned with noise into codes (`stage`), which go through
 //! the board's own code with either patch. What the flattened model finds lies in its plane, and is laid back onto
-//! the true skin from above. The same codes are also resolved on the host ([`crate::resolve`]), which sees no image.
+//! the true skin from above. The same codes are also resolved on the host ([`dermatome_model::multi_contact`]), which sees no image.
 
 pub(crate) mod stage;
 
-use crate::{
-    mesh::{neighbours::rim_edges, triangle},
+use dermatome_geometry::mesh::{neighbours::rim_edges, triangle};
+use dermatome_model::{
     model::ModelError,
+    multi_contact::{ResolveError, Resolver, Settings},
     quantize::PatchBuildError,
-    resolve::{ResolveError, Resolver, Settings},
-    simulate::{Noise, Press, TrueSkin},
     skin::{NotFlat, Skin},
 };
 use dermatome_shared::{contact::Contact, frame::Frame};
+use dermatome_simulate::{Noise, Press, TrueSkin};
 use nalgebra::Point3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -28,7 +28,7 @@ use stage::{Eye, Stage};
 pub struct Options {
     /// Scenes: one, two, three contacts in turn.
     pub scenes: usize,
-    /// Signal-to-noise ratio, dB, as in [`crate::simulate::Noise`].
+    /// Signal-to-noise ratio, dB, as in [`dermatome_simulate::Noise`].
     pub snr_db: f64,
     /// Radius of a contact, a share of the skin's diameter.
     pub radius: f64,
@@ -187,7 +187,7 @@ fn centres(
 pub struct Figures {
     /// Contacts counted by the board's finder in the image of the surface's model.
     pub board: Counts,
-    /// Fingers counted by the host ([`crate::resolve`]).
+    /// Fingers counted by the host ([`dermatome_model::multi_contact`]).
     pub resolved: Counts,
     /// Mean distance of a single contact from its true centre by the surface's model, mm, away from the pole.
     pub surface_error_mm: f64,

@@ -4,11 +4,9 @@
 //! difference, reconstruction and contacts.
 
 use super::ScenesError;
-use crate::{
-    board::simulated::ScanTable,
+use dermatome_model::{
     model::Model,
     quantize::{self, PatchBuildError},
-    simulate::{Noise, Script, SimulatedSkin, TrueSkin},
     skin::Skin,
 };
 use dermatome_shared::{
@@ -17,6 +15,7 @@ use dermatome_shared::{
     pipeline::{self, PipelineState},
     reference::DEFAULT_TARE_FRAMES,
 };
+use dermatome_simulate::{Noise, Script, SimulatedSkin, TrueSkin, board::ScanTable};
 use num_complex::Complex64;
 
 /// A true skin and the instrument that scans it.

@@ -4,7 +4,7 @@ use super::{
     Hold, Reading,
     pairing::{NoFrames, Pairing, Strongest},
 };
-use crate::link::{self, Link, LinkError};
+use dermatome_link::{self as link, Link, LinkError};
 use dermatome_shared::{
     contact::Contact,
     protocol::{Event, Selection},

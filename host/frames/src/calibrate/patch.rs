@@ -1,6 +1,6 @@
 //! A patch with another calibration.
 
-use crate::pixels::SurfaceTables;
+use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::{
     calibration::Calibration,
     hysteresis::Play,

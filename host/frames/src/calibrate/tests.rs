@@ -1,6 +1,6 @@
 use super::*;
-use crate::material::{Material, Transducer};
 use dermatome_shared::{calibration::Calibration, hysteresis::Play};
+use dermatome_simulate::material::{Material, Transducer};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;

@@ -1,6 +1,6 @@
 //! Arrays on their way to a file: values are made one by one as they are written, in either order.
 
-use crate::forward::Admittivity;
+use dermatome_model::forward::Admittivity;
 use faer::Mat;
 use num_complex::Complex64;
 

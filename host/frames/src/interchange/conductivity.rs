@@ -1,12 +1,12 @@
 //! Conductivities of all elements from a file, and the voltages they give.
 
-use crate::{
+use crate::recorded::{
+    npy::show_shape,
+    read::{Array, Problem, Source, read_array},
+};
+use dermatome_geometry::mesh::Mesh;
+use dermatome_model::{
     forward::{Admittivity, Fields},
-    measured::{
-        npy::show_shape,
-        read::{Array, Problem, Source, read_array},
-    },
-    mesh::Mesh,
     model::{ModelError, forward_model},
     skin::Skin,
 };
@@ -15,7 +15,7 @@ use num_complex::Complex64;
 /// Voltages of a stimulation table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Voltages {
-    /// Relative, see [`crate::forward`]: `[step]`.
+    /// Relative, see [`dermatome_model::forward`]: `[step]`.
     pub values: Vec<Complex64>,
     /// Whether they have a quadrature part.
     pub complex: bool,

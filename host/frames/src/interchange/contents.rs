@@ -5,11 +5,8 @@ use super::{
     export::{GMSH, PLY, STL},
     mat,
 };
-use crate::{
-    forward::electrode_unknown,
-    mesh::Mesh,
-    skin::{Skin, electrodes::ElectrodeModel},
-};
+use dermatome_geometry::{mesh::Mesh, sheet::ElectrodeModel};
+use dermatome_model::{forward::electrode_unknown, skin::Skin};
 use dermatome_shared::patch::Difference;
 use serde::Serialize;
 use std::collections::BTreeMap;

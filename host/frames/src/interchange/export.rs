@@ -9,20 +9,23 @@ use super::{
     contents::{Contents, file_name},
     mat, npy,
 };
-use crate::{
-    forward::{Admittivity, ForwardError},
-    inverse::InverseError,
+use dermatome_geometry::{
     mesh::{
         ElectrodeContact, Mesh,
         export::{PlyError, msh, ply, stl},
     },
+    sheet::ElectrodeModel,
+};
+use dermatome_model::{
+    forward::{Admittivity, ForwardError},
+    inverse::InverseError,
     model::{self, Model, ModelError, Solved},
-    output::{WriteError, check_folder, stream_whole, write_whole},
     pixels::Pixels,
     prior::Prior,
-    skin::{Skin, electrodes::ElectrodeModel},
+    skin::Skin,
     stimulation::table_csv,
 };
+use dermatome_patch::output::{WriteError, check_folder, stream_whole, write_whole};
 use dermatome_shared::{patch::CombinedInto, stimulation::Step};
 use faer::Mat;
 use num_complex::Complex64;

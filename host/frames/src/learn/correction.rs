@@ -17,10 +17,10 @@
 //! where the skin is pressed.
 
 use super::{LearnError, Strength, presses::Presses};
-use crate::{
+use crate::recorded::statistics::median;
+use dermatome_model::{
     inverse::{greit, targets::half_side},
     jacobian::step_counts,
-    measured::statistics::median,
     model::Model,
 };
 use faer::{

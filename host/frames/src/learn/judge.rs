@@ -1,7 +1,9 @@
 //! Judge: how far from the presses a matrix's strongest contacts lie.
 
 use super::{LearnError, presses::Presses};
-use crate::{measured::reconstruct::contacts, model::Model, pixels::SurfaceTables, view::layout::Layout};
+use crate::recorded::reconstruct::contacts;
+use dermatome_model::model::Model;
+use dermatome_patch::{layout::Layout, tables::SurfaceTables};
 use dermatome_shared::{
     contact::{self, Contact},
     image::Image,

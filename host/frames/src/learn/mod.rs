@@ -18,14 +18,14 @@ pub mod judge;
 pub mod presses;
 pub mod split;
 
-use crate::{
+use crate::recorded::statistics::pearson;
+use correction::{Correction, Settings, Training};
+use dermatome_model::{
     inverse::targets::half_side,
-    measured::statistics::pearson,
     model::{Model, TooManyPixels},
     quantize::{self, PatchBuildError},
     skin::Skin,
 };
-use correction::{Correction, Settings, Training};
 use dermatome_shared::patch::{PatchError, PatchView};
 use faer::Mat;
 use judge::{Errors, Outcome, Turn, judge_board, judge_matrix};
@@ -60,7 +60,7 @@ pub struct Request {
 }
 
 /// What the strength of a press in the image follows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Strength {
     /// The size of the measurements' answer, as in the model's images: places come out best.

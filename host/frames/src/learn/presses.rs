@@ -3,19 +3,19 @@
 //! An archive (`.npz`) holds `v_pressed`, `positions_m`, usually `v_unpressed`, and `force_n` if forces are known; a
 //! table (`.csv`, `.txt`) one press a row: x and y in metres, the force in newtons if known, then the frame.
 
-use crate::{
+use crate::recorded::{
+    diagnose::dead_below,
+    difference::{difference, signed_reference},
+    order::{Arrangement, OrderError},
+    read::{Frames, Problem, ReadError, Source, read, read_array},
+};
+use dermatome_model::{
     inverse::targets::half_side,
     jacobian::combine_voltages,
-    measured::{
-        diagnose::dead_below,
-        difference::{difference, signed_reference},
-        order::{Arrangement, OrderError},
-        read::{Frames, Problem, ReadError, Source, read, read_array},
-    },
     model::{Model, TooManyPixels, divisors},
     pixels::Pixels,
-    view::layout::Layout,
 };
+use dermatome_patch::layout::Layout;
 use nalgebra::Point3;
 use num_complex::Complex64;
 use std::path::Path;

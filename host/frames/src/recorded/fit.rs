@@ -17,11 +17,14 @@ use super::{
     difference::signed_reference,
     order::{Arrangement, OrderError},
 };
-use crate::{
-    forward::{Admittivity, ForwardError, ForwardModel, electrode_unknown},
+use dermatome_geometry::{
     mesh::{Lattice, Mesh},
+    sheet::ElectrodeModel,
+};
+use dermatome_model::{
+    forward::{Admittivity, ForwardError, ForwardModel, electrode_unknown},
     model::{ModelError, mesh},
-    skin::{Skin, electrodes::ElectrodeModel},
+    skin::Skin,
 };
 use dermatome_shared::stimulation::Step;
 use faer::{

@@ -13,6 +13,6 @@ mod npz;
 pub mod order;
 pub mod read;
 pub mod reconstruct;
-pub(crate) mod statistics;
+pub mod statistics;
 mod table;
 pub mod weights;

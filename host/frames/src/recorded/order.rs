@@ -12,7 +12,7 @@ use std::{
 };
 
 /// Order of the sense pairs inside each drive.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SenseOrder {
     /// By electrode number, as in EIDORS: the canonical order.

@@ -1,7 +1,8 @@
 //! A few statistics of measurements.
 
 /// Middle value, the upper one of two; 0 for nothing.
-pub(crate) fn median(values: impl Iterator<Item = f64>) -> f64 {
+#[must_use]
+pub fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<_> = values.collect();
     let middle = values.len() / 2;
     if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
@@ -14,7 +15,8 @@ pub(super) fn root_mean_square(values: impl ExactSizeIterator<Item = f64>) -> f6
 }
 
 /// Correlation of pairs; 0 where one of the two does not vary.
-pub(crate) fn pearson(points: &[(f64, f64)]) -> f64 {
+#[must_use]
+pub fn pearson(points: &[(f64, f64)]) -> f64 {
     let count = points.len().max(1) as f64;
     let (sum_x, sum_y) = points.iter().fold((0.0, 0.0), |(x, y), point| (x + point.0, y + point.1));
     let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);

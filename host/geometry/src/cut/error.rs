@@ -1,6 +1,6 @@
 //! Why no patch can be cut, in the words of the command's options. Lengths are in metres and shown in mm.
 
-use crate::skin::outline::PolygonError;
+use crate::outline::PolygonError;
 use nalgebra::Point3;
 
 /// Why no patch can be cut out of a link.

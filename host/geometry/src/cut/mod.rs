@@ -15,7 +15,6 @@ mod region;
 mod remesh;
 mod rim;
 mod shell;
-mod skin_file;
 mod surface;
 
 use crate::mesh::{ElectrodeContact, Mesh, import::Imported, triangle};
@@ -27,7 +26,6 @@ pub use region::{Cutter, Region, Slab};
 use remesh::Effort;
 use rim::{Curve, Layout, Target};
 pub use shell::bounds;
-pub use skin_file::{Names, skin_file};
 use std::collections::HashMap;
 use surface::Surface;
 

@@ -1,7 +1,7 @@
 //! What is cut out of a link, and how far each of its points lies from the cut.
 
 use super::{error::CutError, geodesic, shell::bounds, surface::Surface};
-use crate::skin::outline::Outline;
+use crate::outline::Outline;
 use nalgebra::{Isometry3, Point2, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 /// What is cut out of a link.

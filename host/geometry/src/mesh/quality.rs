@@ -45,8 +45,10 @@ pub fn quality(mesh: &Mesh) -> Quality {
 mod tests {
     use super::*;
     use crate::mesh::{ElectrodeContact, Lattice, generate};
-    use crate::skin::{
-        EdgeLengths, Place, Sheet, electrodes::ElectrodeModel, embedding::Embedding, outline::Outline,
+    use crate::{
+        embedding::Embedding,
+        outline::Outline,
+        sheet::{EdgeLengths, ElectrodeModel, Place, Sheet},
     };
     use proptest::prelude::*;
 

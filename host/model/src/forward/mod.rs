@@ -9,9 +9,9 @@
 mod admittivity;
 mod system;
 
-use crate::mesh::Mesh;
 pub use admittivity::Admittivity;
 pub(crate) use admittivity::solve_columns;
+use dermatome_geometry::mesh::Mesh;
 use dermatome_shared::stimulation::Step;
 use system::System;
 

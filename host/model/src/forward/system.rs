@@ -1,8 +1,8 @@
 //! The system matrix: which entries there are, and their values for an admittivity.
 
 use super::{Admittivity, ForwardError};
-use crate::mesh::triangle::Gradients;
-use crate::mesh::{ElectrodeContact, Mesh, triangle};
+use dermatome_geometry::mesh::triangle::Gradients;
+use dermatome_geometry::mesh::{ElectrodeContact, Mesh, triangle};
 use faer::{
     Mat,
     sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat, SymbolicSparseColMatRef},

@@ -7,10 +7,8 @@
 //! change as if an electrode had moved count less.
 
 use super::{InverseError, Whitening};
-use crate::{
-    forward::{Admittivity, Fields},
-    mesh::{ElectrodeContact, Mesh, neighbours::orientation},
-};
+use crate::forward::{Admittivity, Fields};
+use dermatome_geometry::mesh::{ElectrodeContact, Mesh, neighbours::orientation};
 use dermatome_shared::stimulation::Step;
 use faer::{
     Mat, Side,
@@ -169,15 +167,15 @@ mod tests {
     use crate::{
         forward::ForwardModel,
         inverse::targets::half_side,
-        mesh::Lattice,
         model::{forward_model, mesh},
         skin::Skin,
     };
+    use dermatome_geometry::mesh::Lattice;
     use num_complex::Complex64;
     use std::path::Path;
 
     fn skin(model: &str) -> Skin {
-        let text = include_str!("../../../models/disc-210mm/skin.toml");
+        let text = include_str!("../../../../models/disc-210mm/skin.toml");
         let text = match model {
             "point" => text
                 .replace("model = \"complete\"", "model = \"point\"")
@@ -261,7 +259,7 @@ mod tests {
         let placed = |by: f64| {
             let mut skin = skin.clone();
             let crate::skin::Shape::Sheet(sheet) = &mut skin.shape else { panic!("a sheet") };
-            let crate::skin::Place::Rim(s) = &mut sheet.places[4] else { panic!("on the rim") };
+            let dermatome_geometry::sheet::Place::Rim(s) = &mut sheet.places[4] else { panic!("on the rim") };
             *s += by;
             answer(&skin).1
         };

@@ -7,11 +7,11 @@ use crate::{
     forward::{Admittivity, Fields, ForwardModel},
     inverse::InverseError,
     jacobian::{combine_rows, combine_voltages, jacobian},
-    mesh::{Mesh, triangle},
     model::ModelError,
     pixels::{Pixels, patches, samples},
     skin::{Criterion, Hyperparameter, Inverse, Method},
 };
+use dermatome_geometry::mesh::{Mesh, triangle};
 use dermatome_shared::{patch::CombinedInto, stimulation::Step};
 use faer::Mat;
 use nalgebra::{Point3, Vector3};

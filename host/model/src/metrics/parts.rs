@@ -3,7 +3,8 @@
 //! What [`dermatome_shared::contact`] does on a board's grid, for images without one.
 
 use super::{on_surface, thesis::region};
-use crate::{mesh::neighbours::Adjacency, pixels::Pixels};
+use crate::pixels::Pixels;
+use dermatome_geometry::mesh::neighbours::Adjacency;
 use nalgebra::{Point3, Vector3};
 
 /// A connected part of the region of interest.

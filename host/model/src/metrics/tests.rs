@@ -2,7 +2,8 @@ use super::{
     parts::{Part, parts},
     *,
 };
-use crate::pixels::{SurfaceTables, grid};
+use crate::pixels::grid;
+use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::{
     contact,
     image::{Geometry, pixel_cells},
@@ -24,7 +25,7 @@ fn pixels_at(places: &[[f64; 3]], area: f64) -> Pixels {
 
 /// Pixels of a board's grid on a disc, with their neighbours.
 fn board_disc(radius: f64, columns: u8) -> Pixels {
-    let geometry = grid(&crate::skin::outline::Outline::disc(radius), columns);
+    let geometry = grid(&dermatome_geometry::outline::Outline::disc(radius), columns);
     let places = cells(&geometry);
     let pitch = f64::from(geometry.grid.pitch);
     let close =
@@ -289,7 +290,7 @@ proptest! {
     #[test]
     fn parts_are_the_contacts_that_a_board_finds(values in prop::collection::vec(-50_i32..100, 64)) {
         let pixels = board_disc(0.1, 8);
-        let tables = SurfaceTables::new(&pixels).unwrap();
+        let tables = pixels.surface_tables().unwrap();
         let codes: Vec<_> =
             values[..pixels.count()].iter().map(|&v| RelativeConductivity(v * 10_000)).collect();
         let image: Vec<f64> = codes.iter().map(|code| code.to_f64()).collect();

@@ -3,11 +3,9 @@
 //! At the nodes of the mesh the answer is summed over the elements under the finger. Between them it is a
 //! polynomial of second degree in the tangent plane of the nearest node, fitted to the answers at the nodes round it.
 
-use crate::{
-    mesh::{Mesh, neighbours::orientation, triangle},
-    pixels::{Pixels, samples},
-    simulate::Press,
-};
+use crate::indenter::Press;
+use crate::pixels::{Pixels, samples};
+use dermatome_geometry::mesh::{Mesh, neighbours::orientation, triangle};
 use nalgebra::{DVector, Matrix5, Point3, Vector3, Vector5};
 use rayon::prelude::*;
 

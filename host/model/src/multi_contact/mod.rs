@@ -41,7 +41,7 @@ const MOST_NODES: usize = 20_000;
 pub struct Settings {
     /// Radius of a finger, m. Answers hardly depend on it; no two fingers are closer than twice of it.
     pub radius: f64,
-    /// Signal-to-noise ratio of the voltages, dB, as in [`crate::simulate::Noise`].
+    /// Signal-to-noise ratio of the voltages, dB, as in [`dermatome_simulate::Noise`].
     pub snr_db: f64,
 }
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::simulate::{Press, TrueSkin};
+use dermatome_simulate::{Press, TrueSkin};
 use std::{path::Path, sync::LazyLock};
 
 const RADIUS: f64 = 0.0126;
@@ -13,7 +13,7 @@ struct Disc {
 }
 
 static DISC: LazyLock<Disc> = LazyLock::new(|| {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/disc-210mm/skin.toml");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/disc-210mm/skin.toml");
     let skin = Skin::load(Path::new(file)).unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     let resolver = Resolver::new(&skin, &model, Settings { radius: RADIUS, snr_db: 60.0 }).unwrap();
@@ -77,7 +77,7 @@ fn answers_between_nodes_are_those_of_a_finger_there() {
     };
     let atlas = Atlas::new(&model.mesh, summed(&atlas::fingers(&model.mesh, RADIUS)));
     let centre = (0..model.mesh.elements.len())
-        .map(|element| crate::mesh::triangle::centroid(model.mesh.corners(element)))
+        .map(|element| dermatome_geometry::mesh::triangle::centroid(model.mesh.corners(element)))
         .find(|centre| (centre.coords.norm() - 0.08).abs() < 1e-3)
         .unwrap();
     let truth = summed(&atlas::fingers_at(&model.mesh, &[centre], RADIUS))(0);

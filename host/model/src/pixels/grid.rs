@@ -1,7 +1,7 @@
 //! A grid of square pixels over a flat skin.
 
 use super::Pixels;
-use crate::{mesh::Mesh, skin::outline::Outline};
+use dermatome_geometry::{mesh::Mesh, outline::Outline};
 use dermatome_shared::image::{Geometry, PixelGrid, is_pixel, pixel_cells};
 use nalgebra::Point3;
 use std::collections::HashMap;

@@ -4,7 +4,7 @@ mod grid;
 mod patches;
 mod tables;
 
-use crate::mesh::{
+use dermatome_geometry::mesh::{
     Mesh,
     neighbours::{neighbours, orientation},
     triangle,
@@ -13,7 +13,6 @@ use dermatome_shared::image::Geometry;
 pub use grid::{grid, raster, samples};
 use nalgebra::{Point3, Vector3};
 pub use patches::patches;
-pub use tables::SurfaceTables;
 
 /// Which elements make up each pixel, where it lies, and which pixels are neighbours.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,7 @@
 //! to, along the surface (Lloyd's method on the graph of neighbouring elements).
 
 use super::Pixels;
-use crate::mesh::{
+use dermatome_geometry::mesh::{
     Mesh,
     neighbours::{Adjacency, neighbours},
     triangle,
@@ -154,12 +154,13 @@ impl Surface {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{mesh::Lattice, model, skin::Skin};
+    use crate::{model, skin::Skin};
+    use dermatome_geometry::mesh::Lattice;
     use proptest::prelude::*;
     use std::path::Path;
 
     fn disc(fineness: f64) -> Mesh {
-        let text = include_str!("../../../models/disc-210mm/skin.toml");
+        let text = include_str!("../../../../models/disc-210mm/skin.toml");
         let skin = Skin::parse(Path::new("disc.toml"), text).unwrap();
         model::mesh(&skin, fineness, Lattice::default()).unwrap()
     }

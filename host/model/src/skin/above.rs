@@ -2,11 +2,14 @@
 
 use super::{
     Skin,
-    embedding::Embedding,
-    outline::Outline,
-    shape::{NotFlat, Place, Shape, Sheet},
+    shape::{NotFlat, Shape},
 };
-use crate::mesh::{Mesh, soundness::inspect};
+use dermatome_geometry::{
+    embedding::Embedding,
+    mesh::{Mesh, soundness::inspect},
+    outline::Outline,
+    sheet::{Place, Sheet},
+};
 use nalgebra::Point2;
 use std::borrow::Cow;
 
@@ -87,7 +90,7 @@ mod tests {
     use std::path::Path;
 
     fn shipped(name: &str) -> Skin {
-        let file = format!("{}/../models/{name}/skin.toml", env!("CARGO_MANIFEST_DIR"));
+        let file = format!("{}/../../models/{name}/skin.toml", env!("CARGO_MANIFEST_DIR"));
         Skin::load(Path::new(&file)).unwrap()
     }
 

@@ -1,7 +1,7 @@
 //! The skin file of a patch that was cut out of a link.
 
-use super::Patch;
-use crate::mesh::quality::quality;
+use dermatome_geometry::cut::Patch;
+use dermatome_geometry::mesh::quality::quality;
 use std::f64::consts::PI;
 
 /// What the skin file names.

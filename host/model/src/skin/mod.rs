@@ -3,15 +3,16 @@
 //! Numbers are SI here. docs/skin-file.md describes the file.
 
 mod above;
-pub(crate) mod check;
+mod check;
+pub use check::{UNITS, is_frame_name, is_name};
+pub mod cut_out;
 pub mod electrodes;
-pub mod embedding;
 mod file;
-pub mod outline;
 mod pose;
 pub mod quantity;
 mod shape;
 
+use dermatome_geometry::sheet::EdgeLengths;
 use dermatome_shared::{
     calibration::Calibration,
     drive::{self, Component, Gain},
@@ -22,7 +23,7 @@ use electrodes::Electrodes;
 pub use file::SkinError;
 use num_complex::Complex64;
 pub use pose::Pose;
-pub use shape::{NotFlat, Place, Shape, Sheet, electrodes_in_plane};
+pub use shape::{NotFlat, Shape, electrodes_in_plane};
 use std::{collections::HashSet, f64::consts::TAU, path::Path};
 
 /// One sensor: shape, electrodes, drive, and how to image it.
@@ -52,23 +53,6 @@ pub struct Skin {
     pub calibration: Calibration,
     /// Where it lies on a robot, if that is known.
     pub pose: Option<Pose>,
-}
-
-/// Edge lengths of a generated mesh, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EdgeLengths {
-    /// Away from electrodes.
-    pub skin: f64,
-    /// At the electrodes; triangles grow from there.
-    pub electrodes: f64,
-}
-
-impl EdgeLengths {
-    /// Both times `factor`.
-    #[must_use]
-    pub fn scaled(self, factor: f64) -> Self {
-        Self { skin: self.skin * factor, electrodes: self.electrodes * factor }
-    }
 }
 
 /// Electrical properties of the untouched sheet.

@@ -1,8 +1,7 @@
 //! Shape: where a skin lies in space, and where its electrodes lie on it.
 
-use super::{embedding::Embedding, outline::Outline};
-use crate::mesh::Mesh;
-use nalgebra::{Point2, Point3};
+use dermatome_geometry::{embedding::Embedding, mesh::Mesh, outline::Outline, sheet::Sheet};
+use nalgebra::Point3;
 
 /// Shape of a skin.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,26 +15,6 @@ pub enum Shape {
         /// Rim of the mesh if all of it lies in the plane z = 0.
         outline: Option<Outline>,
     },
-}
-
-/// A sheet that is cut out flat and laid onto a surface.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sheet {
-    /// Rim of the flat sheet.
-    pub outline: Outline,
-    /// How the flat sheet lies in space.
-    pub embedding: Embedding,
-    /// Where each electrode lies: `[electrode]`.
-    pub places: Vec<Place>,
-}
-
-/// Where an electrode lies on a sheet.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
-    /// Centred at an arc length of the outer rim, m: see [`Outline::rim_point`].
-    Rim(f64),
-    /// Centred at a point inside the flat sheet, m.
-    Inside(Point2<f64>),
 }
 
 /// A skin that is not flat where only a flat one will do.
@@ -70,21 +49,4 @@ impl Shape {
 #[must_use]
 pub fn electrodes_in_plane(shape: &Shape) -> Vec<[f64; 2]> {
     shape.electrode_centres().iter().map(|centre| [centre.x, centre.y]).collect()
-}
-
-impl Sheet {
-    fn centre(&self, place: &Place) -> Point3<f64> {
-        match *place {
-            Place::Rim(s) => self.embedding.lay(self.outline.rim_point(s)),
-            Place::Inside(point) => self.embedding.lay(point),
-        }
-    }
-
-    /// Arc lengths of the electrodes on the rim, with their numbers.
-    pub fn on_rim(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
-        self.places.iter().enumerate().filter_map(|(electrode, place)| match place {
-            Place::Rim(s) => Some((electrode, *s)),
-            Place::Inside(_) => None,
-        })
-    }
 }

@@ -1,8 +1,8 @@
 //! A simulated board with a simulated skin on it.
 
-use super::{Noise, Script, SimulatedSkin};
-use crate::{
-    board::simulated::{BoardError, BoardOptions, FrameSource, Scan, ScanTable, SimulatedBoard, SlotSamples},
+use super::{BoardError, BoardOptions, FrameSource, Scan, ScanTable, SimulatedBoard, SlotSamples};
+use crate::{Noise, Script, SimulatedSkin};
+use dermatome_model::{
     model::{Model, ModelError},
     quantize::{self, PatchBuildError},
     skin::{Skin, SkinError},

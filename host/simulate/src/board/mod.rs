@@ -8,10 +8,15 @@
 //! (who presses where) has come. Frames are scanned only while something uses them, a tare or a
 //! stream, so what a host sees follows from script and seed alone and not from wall time.
 
-use super::{
+mod client;
+mod for_skin;
+pub mod patch_store;
+
+use self::{
     client::{Client, Input},
     patch_store::{FilePatchStore, OpenError},
 };
+use dermatome_link::{Link, LinkError};
 use dermatome_shared::{
     MAX_ELECTRODES,
     acquire::FrontEnd,
@@ -25,6 +30,7 @@ use dermatome_shared::{
     stimulation::Step,
     units::AdcCode,
 };
+pub use for_skin::{DEFAULT_NOISE, SimulationError, board_for_skin};
 use std::{
     io::{self, ErrorKind},
     net::{Ipv4Addr, SocketAddr, TcpListener},
@@ -243,6 +249,11 @@ impl SimulatedBoard {
         let thread = thread::Builder::new().name("board".to_owned()).spawn(move || worker.run(&listener));
         let thread = thread.map_err(|reason| BoardError::Thread { reason })?;
         Ok(Self { address, stop, thread: Some(thread) })
+    }
+
+    /// A link to the board, which lives as long as the link. `port` names it in errors.
+    pub fn connect(self, port: impl Into<String>) -> Result<Link, LinkError> {
+        Ok(Link::over_tcp(port, self.address)?.with_companion(self))
     }
 
     /// Where it listens.

@@ -1,6 +1,6 @@
 //! Patch store of a simulated board: memory, and a file if the patch is to outlive the process.
 
-use crate::output::write_whole;
+use dermatome_patch::output::write_whole;
 use dermatome_shared::{
     device::{PatchStore, StoreError},
     patch::{PatchError, PatchView},

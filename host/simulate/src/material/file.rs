@@ -5,7 +5,7 @@ use super::{
     curve::{Loading, Release},
     preisach::Everett,
 };
-use crate::skin::quantity::{self, Kind, Quantity};
+use dermatome_model::skin::quantity::{self, Kind, Quantity};
 use serde::Deserialize;
 use std::{path::Path, sync::Arc};
 

@@ -23,11 +23,11 @@ use std::{
 
 /// The materials that come with the program: name and file.
 const SHIPPED: [(&str, &str); 5] = [
-    ("sample-1", include_str!("../../../models/materials/sample-1.toml")),
-    ("sample-2", include_str!("../../../models/materials/sample-2.toml")),
-    ("sample-3-single", include_str!("../../../models/materials/sample-3-single.toml")),
-    ("sample-3-dual", include_str!("../../../models/materials/sample-3-dual.toml")),
-    ("saline", include_str!("../../../models/materials/saline.toml")),
+    ("sample-1", include_str!("../../../../models/materials/sample-1.toml")),
+    ("sample-2", include_str!("../../../../models/materials/sample-2.toml")),
+    ("sample-3-single", include_str!("../../../../models/materials/sample-3-single.toml")),
+    ("sample-3-dual", include_str!("../../../../models/materials/sample-3-dual.toml")),
+    ("saline", include_str!("../../../../models/materials/saline.toml")),
 ];
 
 /// A checked material. Shares are of the full change unless they say otherwise; copies are cheap.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::calibrate::{Reading, Trial, hysteresis, repeatability, trials};
+use dermatome_frames::calibrate::{Reading, Trial, hysteresis, repeatability, trials};
 
 /// Loads of one trial, shares of the range: up in so many steps and down again.
 fn up_and_down(steps: usize) -> impl Iterator<Item = f64> {
@@ -135,7 +135,7 @@ fn equal_seeds_give_equal_changes_and_others_do_not() {
 
 #[test]
 fn wrong_files_name_file_field_value_and_what_is_allowed() {
-    let good = include_str!("../../../models/materials/sample-1.toml");
+    let good = include_str!("../../../../models/materials/sample-1.toml");
     for (from, to, words) in [
         ("\"35 kPa\"", "\"35 mm\"", ["`loading.range`", "35 mm", "kPa"]),
         ("change = 1.5", "change = 0", ["`loading.change`", "0", "not 0"]),

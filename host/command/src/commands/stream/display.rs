@@ -1,19 +1,16 @@
 //! Display: frames on the terminal, or contacts as lines for a pipe.
 
-use crate::{
-    link::Link,
-    resolve::Resolved,
-    skin::Pose,
-    view::{
-        layout::Layout,
-        live::Live,
-        terminal::{Screen, flags},
-    },
-};
+use dermatome_link::Link;
+use dermatome_model::{multi_contact::Resolved, skin::Pose};
+use dermatome_patch::layout::Layout;
 use dermatome_shared::{
     contact::{Contact, Contacts},
     protocol::{FrameStamp, PackedImage},
     track::Tracker,
+};
+use dermatome_view::{
+    live::Live,
+    terminal::{Screen, flags},
 };
 use serde::Serialize;
 use std::io::{self, Write};

@@ -1,16 +1,16 @@
 //! Fingers: resolved from the voltages that a board streams.
 
-use crate::{
+use anyhow::{Context, bail};
+use dermatome_link::Link;
+use dermatome_model::{
     jacobian::{combine_voltages, step_counts},
-    link::Link,
     model::{Model, divisors},
-    resolve::{Resolved, Resolver, Settings},
+    multi_contact::{Resolved, Resolver, Settings},
     skin::{
         Skin,
         quantity::{LENGTH, Quantity},
     },
 };
-use anyhow::{Context, bail};
 use dermatome_shared::{
     protocol::{Reply, Request},
     units::AdcCode,

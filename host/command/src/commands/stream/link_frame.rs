@@ -1,13 +1,13 @@
 //! The link's frame: which pose contacts of the board's skin have on a robot.
 
-use crate::{
-    link::Link,
-    mesh::Lattice,
+use anyhow::{Context, bail, ensure};
+use dermatome_geometry::mesh::Lattice;
+use dermatome_link::Link;
+use dermatome_model::{
     model::{mesh, pixels_on},
-    pixels::SurfaceTables,
     skin::{Pose, Skin},
 };
-use anyhow::{Context, bail, ensure};
+use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::protocol::PatchInfo;
 use std::path::Path;
 
@@ -41,7 +41,7 @@ pub(super) fn skin_of(path: &Path, link: &mut Link, patch: &PatchInfo) -> anyhow
 /// Where the pixels of a skin lie; nothing where they are more than a board takes.
 fn surface(skin: &Skin) -> anyhow::Result<Option<SurfaceTables>> {
     let mesh = mesh(skin, 1.0, Lattice::default())?;
-    Ok(SurfaceTables::new(&pixels_on(skin, &mesh)?))
+    Ok(pixels_on(skin, &mesh)?.surface_tables())
 }
 
 fn is_same(a: &SurfaceTables, b: &SurfaceTables) -> bool {

@@ -9,11 +9,12 @@ use super::{
     BoardReport, interrupt,
     tare::{patch_of, tare_with_spinner},
 };
-use crate::link::{self, Link, Port};
+use dermatome_link::{self as link, Link};
 use dermatome_shared::{
     protocol::{Event, PatchInfo, Selection},
     reference::DEFAULT_TARE_FRAMES,
 };
+use dermatome_simulate::port::{self, Port};
 use display::Display;
 use fingers::Fingers;
 use serde::Serialize;
@@ -102,7 +103,7 @@ struct Report<'a> {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let radius = args.resolve.as_deref().map(fingers::radius).transpose()?;
     interrupt::install()?;
-    let mut link = link::open(&args.port)?;
+    let mut link = port::open(&args.port)?;
     let patch = patch_of(&mut link)?;
     let path = args.skin.as_deref();
     let on_link = path.map(|path| link_frame::skin_of(path, &mut link, &patch)).transpose()?;

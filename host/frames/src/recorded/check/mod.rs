@@ -21,9 +21,9 @@ use super::{
     read::Frames,
     statistics::{median, pearson},
 };
-use crate::{
+use dermatome_geometry::mesh::Lattice;
+use dermatome_model::{
     forward::{Admittivity, Fields},
-    mesh::Lattice,
     model::{ModelError, forward_model, mesh},
     skin::Skin,
     stimulation::Repetition,

@@ -4,7 +4,7 @@ use super::{
     super::statistics::{median, root_mean_square},
     Readings,
 };
-use crate::stimulation::{Repetition, pairs_alike, repetition};
+use dermatome_model::stimulation::{Repetition, pairs_alike, repetition};
 use dermatome_shared::stimulation::Step;
 use serde::Serialize;
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::measured::{
+use crate::recorded::{
     check::{
         findings::{About, Level},
         numbering::{Exchange, Role},
@@ -335,9 +335,9 @@ fn frames_of_another_length_are_refused() {
 
 #[test]
 fn the_model_of_a_skin_expects_its_own_voltages() {
-    let text = include_str!("../../../tests/data/tiny.toml");
+    let text = include_str!("../../../../tests/data/tiny.toml");
     let skin = Skin::parse(std::path::Path::new("skin.toml"), text).unwrap();
-    let model = crate::model::Model::build(&skin, |_| ()).unwrap();
+    let model = dermatome_model::model::Model::build(&skin, |_| ()).unwrap();
     let expected = Expected::of(&skin).unwrap();
     for (step, voltage) in model.steps.iter().zip(&model.voltages) {
         assert!((expected.voltage(*step) - voltage).abs() < 1e-12);

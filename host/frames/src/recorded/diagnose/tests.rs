@@ -1,5 +1,5 @@
 use super::*;
-use crate::measured::{difference::difference, order::SenseOrder};
+use crate::recorded::{difference::difference, order::SenseOrder};
 use dermatome_shared::stimulation::{Driven, pattern};
 use proptest::prelude::*;
 use rand::{Rng, SeedableRng};

@@ -6,11 +6,8 @@ use super::{
     order::{Arrangement, OrderError},
     read::Frames,
 };
-use crate::{
-    model::{Model, TooManyPixels},
-    pixels::SurfaceTables,
-    view::layout::Layout,
-};
+use dermatome_model::model::{Model, TooManyPixels};
+use dermatome_patch::{layout::Layout, tables::SurfaceTables};
 use dermatome_shared::{
     contact::{self, Contact},
     units::RelativeConductivity,
@@ -19,7 +16,7 @@ use num_complex::Complex64;
 use serde::Serialize;
 
 /// Whether what is looked for raises or lowers the conductivity.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Polarity {
     /// Whichever the strongest pixel of the frame does.

@@ -1,9 +1,7 @@
 use super::*;
-use crate::{
-    measured::order::SenseOrder,
-    simulate::{Noise, Press, Script, SimulatedSkin},
-    skin::Skin,
-};
+use crate::recorded::order::SenseOrder;
+use dermatome_model::skin::Skin;
+use dermatome_simulate::{Noise, Press, Script, SimulatedSkin};
 use num_complex::Complex64;
 use std::path::Path;
 
@@ -16,7 +14,7 @@ struct Toy {
 
 impl Toy {
     fn new() -> Self {
-        let text = include_str!("../../../../models/square-50mm/skin.toml");
+        let text = include_str!("../../../../../models/square-50mm/skin.toml");
         let mut skin = Skin::parse(Path::new("skin.toml"), text).unwrap();
         skin.edges = skin.edges.scaled(2.0);
         let model = Model::build(&skin, |_| ()).unwrap();

@@ -2,7 +2,10 @@
 //! and narrow parts of the sheet.
 
 use super::{paths::Path, sizes::Source};
-use crate::skin::{Place, Sheet, outline::Curve};
+use crate::{
+    outline::Curve,
+    sheet::{Place, Sheet},
+};
 
 /// Edges as short as wanted at electrodes, which also must be short where electrodes are close to
 /// each other or to a rim.

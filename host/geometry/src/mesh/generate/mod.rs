@@ -16,7 +16,10 @@ mod skeleton;
 mod triangulate;
 
 use super::{ElectrodeContact, Mesh};
-use crate::skin::{EdgeLengths, Sheet, electrodes::ElectrodeModel, outline::Curve};
+use crate::{
+    outline::Curve,
+    sheet::{EdgeLengths, ElectrodeModel, Sheet},
+};
 use nalgebra::Point2;
 use sizes::{Sizes, flattened};
 use skeleton::{Skeleton, Touch};

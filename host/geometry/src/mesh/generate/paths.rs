@@ -1,7 +1,10 @@
 //! Closed curves that edges must follow, and the nodes on them.
 
 use super::{MOST_NODES, MeshError, sizes::Sizes};
-use crate::skin::{Place, Sheet, electrodes::ElectrodeModel, outline::Curve};
+use crate::{
+    outline::Curve,
+    sheet::{ElectrodeModel, Place, Sheet},
+};
 use nalgebra::Point2;
 use std::borrow::Cow;
 

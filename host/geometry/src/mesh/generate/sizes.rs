@@ -6,7 +6,7 @@
 //! hemisphere, edges have the wanted length on average: 0.71 of it at the rim, where electrodes are
 //! and fields vary most, and 1.41 on top.
 
-use crate::skin::Sheet;
+use crate::sheet::Sheet;
 use nalgebra::Point2;
 
 /// Edges may grow by this much per distance from where they must be short.

@@ -5,10 +5,9 @@ use super::{
     paths::{Disc, Path, paths},
     sizes::{Sizes, Source, flattened},
 };
-use crate::skin::{
-    EdgeLengths, Place, Sheet,
-    electrodes::ElectrodeModel,
+use crate::{
     outline::{Curve, Outline},
+    sheet::{EdgeLengths, ElectrodeModel, Place, Sheet},
 };
 use nalgebra::Point2;
 use std::{f64::consts::PI, ops::Range};

@@ -1,8 +1,5 @@
 use super::*;
-use crate::{
-    mesh::soundness::require_sound,
-    skin::{Place, embedding::Embedding, outline::Outline},
-};
+use crate::{embedding::Embedding, mesh::soundness::require_sound, outline::Outline, sheet::Place};
 use proptest::prelude::*;
 
 /// A shape about 1 m large, with the largest curvature of its rim, 1/m.

@@ -1,7 +1,7 @@
 //! A board at a debug probe, through the library probe-rs: identify, program, verify, reset, read its log.
 
 use super::{ChipError, ChipIdentity, DebugProbe};
-use crate::board::{
+use crate::program::{
     firmware::Firmware,
     log::{DamagedLog, Log, NoLog},
 };

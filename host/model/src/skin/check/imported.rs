@@ -1,7 +1,13 @@
 //! A mesh that was made elsewhere, and the electrodes on it: `shape.kind` = "mesh".
 
 use super::Checker;
-use crate::{
+use crate::skin::{
+    SkinError,
+    electrodes::Electrodes,
+    file::{ElectrodeTable, File, ShapeTable},
+    shape::Shape,
+};
+use dermatome_geometry::{
     mesh::{
         ElectrodeContact, Mesh,
         import::{self, Group, Imported},
@@ -9,19 +15,13 @@ use crate::{
         quality::quality,
         soundness::{Soundness, require_sound},
     },
-    skin::{
-        EdgeLengths, SkinError,
-        electrodes::{ElectrodeModel, Electrodes},
-        file::{ElectrodeTable, File, ShapeTable},
-        outline::Outline,
-        shape::Shape,
-    },
+    outline::Outline,
+    sheet::{EdgeLengths, ElectrodeModel},
 };
 use nalgebra::{Point2, Point3, Vector3};
 
 /// Units of a mesh file, with their length in metres.
-pub(crate) const UNITS: [(&str, f64); 5] =
-    [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("inch", 0.0254)];
+pub const UNITS: [(&str, f64); 5] = [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("inch", 0.0254)];
 /// Points further away from the mesh than this share of its bounding box's diagonal miss it.
 const FARTHEST: f64 = 0.05;
 /// Coordinates that differ by less than this share of the diagonal are the same.

@@ -4,18 +4,21 @@ mod contact;
 mod drive;
 mod electrodes;
 mod image;
-pub(crate) mod imported;
+mod imported;
 mod inverse;
-pub(crate) mod pose;
+mod pose;
+pub use imported::UNITS;
+pub use pose::is_frame_name;
 mod shape;
 
 use super::{
-    EdgeLengths, Skin, SkinError,
+    Skin, SkinError,
     electrodes::Electrodes,
     file::File,
     quantity::{Kind, Quantity},
-    shape::{Shape, Sheet},
+    shape::Shape,
 };
+use dermatome_geometry::sheet::{EdgeLengths, Sheet};
 use std::path::{Path, PathBuf};
 
 /// Turns each table into its checked form; knows the file for error messages.
@@ -125,7 +128,8 @@ impl Checker<'_> {
 }
 
 /// Whether a text may name a skin.
-pub(crate) fn is_name(name: &str) -> bool {
+#[must_use]
+pub fn is_name(name: &str) -> bool {
     let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
     (1..=32).contains(&name.len()) && name.chars().all(allowed)
 }

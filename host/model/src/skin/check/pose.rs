@@ -46,7 +46,8 @@ fn list(values: &[impl Display]) -> String {
 }
 
 /// Whether a text may name a link's frame.
-pub(crate) fn is_frame_name(name: &str) -> bool {
+#[must_use]
+pub fn is_frame_name(name: &str) -> bool {
     let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.' | '/');
     (1..=64).contains(&name.len()) && name.chars().all(allowed)
 }

@@ -2,11 +2,14 @@
 
 use super::Checker;
 use crate::skin::{
-    EdgeLengths, Material, SkinError,
-    embedding::Embedding,
+    Material, SkinError,
     file::{Corners, Exactly, MaterialTable, MeshTable, ShapeTable},
-    outline::{Loop, Outline, PolygonError},
     quantity::{self, Quantity},
+};
+use dermatome_geometry::{
+    embedding::Embedding,
+    outline::{Loop, Outline, PolygonError},
+    sheet::EdgeLengths,
 };
 use nalgebra::Point2;
 use std::f64::consts::TAU;

@@ -5,10 +5,11 @@ mod places;
 use super::Checker;
 use crate::skin::{
     SkinError,
-    electrodes::{ElectrodeModel, Electrodes},
+    electrodes::Electrodes,
     file::{ElectrodeTable, OneOrEach},
     quantity::{self, Kind},
 };
+use dermatome_geometry::sheet::ElectrodeModel;
 
 /// Electrodes that a model may have; a board may take fewer.
 const MOST_ELECTRODES: usize = 250;

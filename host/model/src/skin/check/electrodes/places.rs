@@ -1,15 +1,9 @@
 //! Where electrodes lie on a sheet: equally spaced, on sides, or at given points.
 
 use super::Checker;
-use crate::skin::{
-    SkinError,
-    electrodes::{ElectrodeModel, Electrodes},
-    embedding::Embedding,
-    file::ElectrodeTable,
-    outline::Outline,
-    quantity,
-    shape::Place,
-};
+use crate::skin::{SkinError, electrodes::Electrodes, file::ElectrodeTable, quantity};
+use dermatome_geometry::sheet::Place;
+use dermatome_geometry::{embedding::Embedding, outline::Outline, sheet::ElectrodeModel};
 use nalgebra::{Point2, Point3};
 use std::f64::consts::FRAC_PI_2;
 

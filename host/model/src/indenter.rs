@@ -1,7 +1,6 @@
 //! Indenter: what touches a skin, where, and how hard.
 
-use super::script::ScriptError;
-use crate::skin::outline::Outline;
+use dermatome_geometry::outline::Outline;
 use nalgebra::Point2;
 use std::{f64::consts::PI, str::FromStr};
 
@@ -64,6 +63,18 @@ pub struct Press {
     pub footprint: Footprint,
     /// How hard it presses.
     pub load: Load,
+}
+
+/// A press makes no sense.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("press field `{field}` is {value}; allowed: {allowed}")]
+pub struct PressError {
+    /// Which number.
+    pub field: &'static str,
+    /// Its value.
+    pub value: String,
+    /// What it may be.
+    pub allowed: String,
 }
 
 impl Footprint {
@@ -138,7 +149,8 @@ impl Footprint {
     }
 
     /// What lies `share` of the way to another of the same kind; `None` if it is of another kind.
-    pub(super) fn towards(&self, to: &Self, share: f64) -> Option<Self> {
+    #[must_use]
+    pub fn towards(&self, to: &Self, share: f64) -> Option<Self> {
         let mix = |a: &f64, b: &f64| a + (b - a) * share;
         Some(match (self, to) {
             (Self::Finger { radius: a }, Self::Finger { radius: b }) => Self::Finger { radius: mix(a, b) },
@@ -208,7 +220,8 @@ impl Load {
     }
 
     /// What lies `share` of the way to another of the same kind.
-    pub(super) fn towards(self, to: Self, share: f64) -> Option<Self> {
+    #[must_use]
+    pub fn towards(self, to: Self, share: f64) -> Option<Self> {
         let is_alike = std::mem::discriminant(&self) == std::mem::discriminant(&to);
         is_alike.then(|| self.with(self.value() + (to.value() - self.value()) * share))
     }
@@ -272,9 +285,9 @@ impl Press {
     }
 
     /// Whether the numbers make sense on a skin.
-    pub fn check(&self, outline: &Outline) -> Result<(), ScriptError> {
+    pub fn check(&self, outline: &Outline) -> Result<(), PressError> {
         let refuse = |(field, value, allowed): (&'static str, String, &str)| {
-            Err(ScriptError::Press { field, value, allowed: allowed.into() })
+            Err(PressError { field, value, allowed: allowed.into() })
         };
         let [x, y] = self.position;
         let on_skin = outline.depth(Point2::new(x, y)) >= 0.0;
@@ -301,15 +314,15 @@ impl Press {
 }
 
 impl FromStr for Press {
-    type Err = ScriptError;
+    type Err = PressError;
 
     /// A finger: `x,y,radius,depth`, lengths in m.
-    fn from_str(text: &str) -> Result<Self, ScriptError> {
+    fn from_str(text: &str) -> Result<Self, PressError> {
         let parse = |part: &str| part.trim().parse::<f64>().ok();
         let numbers: Option<Vec<f64>> = text.split(',').map(parse).collect();
         match numbers.as_deref() {
             Some(&[x, y, radius, depth]) => Ok(Self::finger([x, y], radius, depth)),
-            _ => Err(ScriptError::Press {
+            _ => Err(PressError {
                 field: "press",
                 value: format!("{text:?}"),
                 allowed: "four numbers x,y,radius,depth (m, m, m, relative), as in 0.03,-0.02,0.01,1".into(),

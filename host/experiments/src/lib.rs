@@ -1,0 +1,6 @@
+//! Experiments on simulated skins.
+#![forbid(unsafe_code)]
+
+pub mod evaluate;
+pub mod experiment;
+pub mod scenes;

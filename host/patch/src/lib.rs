@@ -1,0 +1,6 @@
+//! The patch of a board as programs own it: its surface tables, and files written whole or not at all.
+#![forbid(unsafe_code)]
+
+pub mod layout;
+pub mod output;
+pub mod tables;
