@@ -394,7 +394,7 @@ fn a_second_host_waits_until_the_first_has_left() {
 #[test]
 fn a_link_that_owns_its_board_keeps_it_alive() {
     let board = board_with(&small_patch("small", 50.0));
-    let mut link = Link::to_simulated("sim:skin.toml", board).unwrap();
+    let mut link = board.connect("sim:skin.toml").unwrap();
     assert_eq!(link.port(), "sim:skin.toml");
     assert_eq!(link.info().unwrap().patch.unwrap().skin, "small");
 }

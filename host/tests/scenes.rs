@@ -65,7 +65,7 @@ fn a_board_with_a_curved_patch_tells_where_its_pixels_and_contacts_lie_in_space(
     let source = SimulatedSkin::new(&skin, script, Noise { snr_db: 60.0, seed: 1 }).unwrap();
     let options = BoardOptions { electrodes: 16, pace: Pace::Unpaced, ..BoardOptions::default() };
     let board = SimulatedBoard::start(options, source).unwrap();
-    let mut link = Link::to_simulated("sim:hemisphere", board).unwrap();
+    let mut link = board.connect("sim:hemisphere").unwrap();
     link::upload(&mut link, &patch, |_| ()).unwrap();
     assert_eq!(link.surface().unwrap(), model.surface().unwrap());
     link::tare(&mut link, 20, Duration::from_secs(60)).unwrap();
