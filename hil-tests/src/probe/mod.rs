@@ -5,7 +5,7 @@
 #[cfg(feature = "probe")]
 mod attached;
 #[cfg(not(feature = "probe"))]
-#[path = "probe/absent.rs"]
+#[path = "absent.rs"]
 mod attached;
 pub mod emulated;
 
