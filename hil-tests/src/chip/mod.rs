@@ -11,6 +11,7 @@ mod access;
 pub mod adc;
 pub mod bank;
 mod blocks;
+pub mod clocks;
 pub mod core;
 pub mod dac;
 pub mod dma;
@@ -44,6 +45,7 @@ use self::{
     access::Place,
     adc::{Adc, common::AdcCommon},
     blocks::{ADC_COMMONS, ADCS, Block, Blocks, DACS, OPAMPS, TIMERS},
+    clocks::Clocks,
     core::{Core, CoreMoment},
     dac::Dac,
     dma::{Dma, Dmamux},
@@ -58,7 +60,7 @@ use self::{
     peripheral::Moment,
     plain::Plain,
     pwr::Pwr,
-    rcc::{Clocks, Rcc, ResetCause},
+    rcc::{Rcc, ResetCause},
     schedule::Schedule,
     time::Time,
     timer::Timer,

@@ -4,13 +4,13 @@ use super::{
     Chip,
     adc::internal::Internal,
     blocks::{Block, Blocks, DACS, TIMERS},
+    clocks::HSI,
     dac::Trigger,
     flash::Flash,
     gpio::PinMode,
     map::Map,
     misuse::Misuse,
     peripheral::Peripheral,
-    rcc,
     time::Time,
     world::World,
 };
@@ -184,7 +184,7 @@ impl Chip {
             ));
         }
         let needed = Flash::needed_latency(core);
-        if core > rcc::HSI && self.flash.latency() < needed {
+        if core > HSI && self.flash.latency() < needed {
             let found = self.flash.latency();
             let rule = format!(
                 "the core runs at {core} Hz with {found} wait states, {needed} are needed (FLASH chapter, ACR.LATENCY)"

@@ -2,10 +2,10 @@
 
 use super::{
     bank::Bank,
+    clocks::LSI,
     map::Register,
     misuse::Misuse,
     peripheral::{Moment, Peripheral, has_bank},
-    rcc::LSI,
     time::Time,
 };
 
