@@ -1,6 +1,6 @@
 //! `trace`: what happens on the chip, and when.
 
-use crate::common::{Firmware, boot, check};
+use super::boot::{Firmware, boot, check_faults};
 use dermatome::link::{self, Link};
 use dermatome_hil::{
     chip::{time::Time, trace::Event},
@@ -11,7 +11,7 @@ use std::{error::Error, fs, path::PathBuf, process::ExitCode};
 
 /// Options of `trace`.
 #[derive(clap::Args)]
-pub(crate) struct Trace {
+pub(super) struct Trace {
     #[command(flatten)]
     firmware: Firmware,
     /// How long, in virtual time, after the start and the upload.
@@ -29,7 +29,7 @@ pub(crate) struct Trace {
 }
 
 impl Trace {
-    pub(crate) fn run(self) -> Result<ExitCode, Box<dyn Error>> {
+    pub(super) fn run(self) -> Result<ExitCode, Box<dyn Error>> {
         let patch = match &self.upload {
             None => None,
             Some(path) => {
@@ -37,7 +37,7 @@ impl Trace {
             }
         };
         let (board, _) = boot(&self.firmware, true, None)?;
-        check(&self.faults, &board)?;
+        check_faults(&self.faults, &board)?;
         if let Some(patch) = patch {
             link::upload(&mut Link::connect("virtual", board.line())?, &patch, |_| ())?;
         }

@@ -8,7 +8,7 @@ use std::{error::Error, path::PathBuf, process::ExitCode, time::Instant};
 
 /// Options of `cases`.
 #[derive(clap::Args)]
-pub(crate) struct Cases {
+pub(super) struct Cases {
     /// Rig file: which board.
     #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/rigs/virtual.toml"))]
     rig: PathBuf,
@@ -33,7 +33,7 @@ struct Count {
 }
 
 impl Cases {
-    pub(crate) fn run(self) -> Result<ExitCode, Box<dyn Error>> {
+    pub(super) fn run(self) -> Result<ExitCode, Box<dyn Error>> {
         let rig = Rig::open(&self.rig, self.elf.as_deref())?;
         let wanted =
             |case: &Case| self.names.is_empty() || self.names.iter().any(|name| case.name.contains(name));

@@ -10,7 +10,7 @@ use std::{error::Error, path::PathBuf, sync::Arc};
 
 /// Which firmware on which emulated board.
 #[derive(clap::Args)]
-pub(crate) struct Firmware {
+pub(super) struct Firmware {
     /// Rig file of an emulated board.
     #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/rigs/virtual.toml"))]
     rig: PathBuf,
@@ -20,14 +20,14 @@ pub(crate) struct Firmware {
 }
 
 impl Firmware {
-    pub(crate) fn name(&self) -> String {
+    pub(super) fn name(&self) -> String {
         self.elf.as_ref().unwrap_or(&self.rig).display().to_string()
     }
 }
 
 /// A board that has started, and its firmware; `skin` takes the place of the one that the rig's board
 /// measures.
-pub(crate) fn boot(
+pub(super) fn boot(
     firmware: &Firmware,
     keep_trace: bool,
     skin: Option<Skin>,
@@ -48,7 +48,7 @@ pub(crate) fn boot(
 }
 
 /// Faults of skin and front end need both.
-pub(crate) fn check(faults: &[Fault], board: &VirtualBoard) -> Result<(), Box<dyn Error>> {
+pub(super) fn check_faults(faults: &[Fault], board: &VirtualBoard) -> Result<(), Box<dyn Error>> {
     let outside = faults.iter().find(|fault| matches!(fault.what, What::World(_)));
     match outside {
         Some(fault) if board.scene().is_none() => {

@@ -3,7 +3,7 @@
 //! Virtual time follows the clock on the wall, as far as the machine is fast enough: a board that
 //! idles takes next to nothing.
 
-use crate::common::{Firmware, boot, check};
+use super::boot::{Firmware, boot, check_faults};
 use dermatome::{
     board::log::Log,
     link::{self, Link, Port},
@@ -33,7 +33,7 @@ const SLICE: Time = Time::from_millis(1);
 
 /// Options of `run`.
 #[derive(clap::Args)]
-pub(crate) struct Run {
+pub(super) struct Run {
     #[command(flatten)]
     firmware: Firmware,
     /// Skin that the board measures, instead of the rig's; the board holds its patch from the start, as if
@@ -55,7 +55,7 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    pub(crate) fn run(self) -> Result<ExitCode, Box<dyn Error>> {
+    pub(super) fn run(self) -> Result<ExitCode, Box<dyn Error>> {
         let Port::Tcp(address) = &self.listen else {
             return Err(format!("cannot listen at `{}`: allowed is tcp:HOST:PORT", self.listen).into());
         };
@@ -69,7 +69,7 @@ impl Run {
             flash(&board, skin)?;
         }
         press(&board, &self.presses)?;
-        check(&self.faults, &board)?;
+        check_faults(&self.faults, &board)?;
         println!("board         {} (emulated STM32G474RE)", self.firmware.name());
         println!("listening at  tcp:{}   (Ctrl-C stops it)", listener.local_addr()?);
         listener.set_nonblocking(true)?;
