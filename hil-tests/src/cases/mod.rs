@@ -43,6 +43,13 @@ pub enum Failure {
     Rig(#[from] RigError),
 }
 
+impl Failure {
+    /// Something that has no variant of its own went wrong.
+    fn wrong(what: impl Into<Box<dyn std::error::Error>>) -> Self {
+        Self::Wrong(what.into().to_string())
+    }
+}
+
 /// All cases, in the order in which they run.
 #[must_use]
 pub fn all() -> Vec<Case> {
@@ -50,9 +57,9 @@ pub fn all() -> Vec<Case> {
         .concat()
 }
 
-/// The case fails unless this holds.
-fn check(holds: bool, otherwise: impl FnOnce() -> String) -> Result<(), Failure> {
-    if holds { Ok(()) } else { Err(Failure::Wrong(otherwise())) }
+/// The case fails unless this is so.
+fn ensure(is_so: bool, otherwise: impl FnOnce() -> String) -> Result<(), Failure> {
+    if is_so { Ok(()) } else { Err(Failure::Wrong(otherwise())) }
 }
 
 /// Patches for cases.

@@ -70,7 +70,7 @@ use self::{
     world::Outside,
 };
 
-pub use self::shown::Watcher;
+pub use self::shown::FlashObserver;
 
 /// Where the RAM lies: SRAM1, SRAM2 and the second address of CCM SRAM, side by side (2.4).
 pub const RAM_START: u32 = 0x2000_0000;
@@ -101,7 +101,7 @@ pub struct Chip {
     /// What happened.
     pub trace: Trace,
     /// Looks at the flash whenever it begins to erase or program.
-    pub watcher: Option<Watcher>,
+    pub flash_observer: Option<FlashObserver>,
     rcc: Rcc,
     pwr: Pwr,
     ports: Vec<Gpio>,
@@ -143,7 +143,7 @@ impl Chip {
             flash: Flash::default(),
             uart: Usart::new("LPUART1", wire_baud),
             trace: Trace::new(keep_trace),
-            watcher: None,
+            flash_observer: None,
             rcc: Rcc::default(),
             pwr: Pwr::default(),
             ports: ('A'..='G').map(Gpio::new).collect(),

@@ -4,7 +4,7 @@ use dermatome::{board::firmware, skin::Skin};
 use dermatome_hil::{
     board::VirtualBoard,
     fault::{Fault, What},
-    rig::{Rig, START_TIME},
+    rig::{Rig, START_TIME, VirtualRig},
 };
 use std::{error::Error, path::PathBuf, sync::Arc};
 
@@ -32,7 +32,8 @@ pub(super) fn boot(
     keep_trace: bool,
     skin: Option<Skin>,
 ) -> Result<(VirtualBoard, Arc<firmware::Firmware>), Box<dyn Error>> {
-    let Rig::Virtual { firmware: elf, mut options, .. } = Rig::open(&firmware.rig, firmware.elf.as_deref())?
+    let Rig::Virtual(VirtualRig { firmware: elf, mut options, .. }) =
+        Rig::open(&firmware.rig, firmware.elf.as_deref())?
     else {
         return Err(format!("rig `{}` is a real board; it needs no emulator", firmware.rig.display()).into());
     };
@@ -40,9 +41,7 @@ pub(super) fn boot(
     if let (Some(world), Some(skin)) = (&mut options.world, skin) {
         *world = world.with_skin(skin)?.into();
     }
-    let Rig::Virtual { board, firmware, .. } = Rig::start(elf, options)? else {
-        unreachable!("it was emulated")
-    };
+    let VirtualRig { board, firmware, .. } = VirtualRig::start(elf, options)?;
     board.run(START_TIME)?;
     Ok((board, firmware))
 }
@@ -51,7 +50,7 @@ pub(super) fn boot(
 pub(super) fn check_faults(faults: &[Fault], board: &VirtualBoard) -> Result<(), Box<dyn Error>> {
     let outside = faults.iter().find(|fault| matches!(fault.what, What::World(_)));
     match outside {
-        Some(fault) if board.scene().is_none() => {
+        Some(fault) if board.world().is_none() => {
             Err(format!("`--fault`: {}, but the rig has no `[world]`", fault.what).into())
         }
         _ => Ok(()),

@@ -1,4 +1,4 @@
-//! `cases`: runs the cases against a rig and says of each whether it holds.
+//! `cases`: runs the cases against a rig and says of each whether it passes.
 
 use dermatome_hil::{
     cases::{self, Case},
@@ -18,7 +18,7 @@ pub(super) struct Cases {
     /// Runs every case twice and compares what happened on the board, by the hash of its trace.
     #[arg(long)]
     twice: bool,
-    /// Only cases whose name holds one of these.
+    /// Only cases whose name contains one of these.
     names: Vec<String>,
 }
 
@@ -77,8 +77,8 @@ fn run_one(rig: &Rig, case: &Case, count: &mut Count) {
     let start = Instant::now();
     let result = rig.fresh().map_err(cases::Failure::from).and_then(|board| {
         let measured = (case.run)(&board)?;
-        if let Rig::Virtual { board, .. } = &board {
-            count.hashes.push((case.name, board.with(|machine| machine.chip(|chip| chip.trace.hash()))));
+        if let Rig::Virtual(rig) = &board {
+            count.hashes.push((case.name, rig.board.with(|machine| machine.chip(|chip| chip.trace.hash()))));
         }
         Ok(measured)
     });

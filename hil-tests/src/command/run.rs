@@ -28,7 +28,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Virtual time between two looks at the connection.
+/// Virtual time between two polls of the connection.
 const SLICE: Time = Time::from_millis(1);
 
 /// Options of `run`.
@@ -111,10 +111,10 @@ fn press(board: &VirtualBoard, presses: &[Press]) -> Result<(), Box<dyn Error>> 
     if presses.is_empty() {
         return Ok(());
     }
-    let scene = board.scene().ok_or("the rig has no `[world]`, so that there is no skin to press")?;
-    let outline = scene.setup().skin.shape.flat()?;
+    let world = board.world().ok_or("the rig has no `[world]`, so that there is no skin to press")?;
+    let outline = world.setup().skin.shape.flat()?;
     presses.iter().try_for_each(|press| press.check(outline))?;
-    scene.press(presses);
+    world.press(presses);
     Ok(())
 }
 
@@ -160,7 +160,7 @@ fn exchange(stream: &mut TcpStream, board: &VirtualBoard, sent: &[u8]) -> bool {
     match stream.read(&mut buffer) {
         Ok(0) => return false,
         Ok(length) => {
-            board.send(buffer[..length].iter().map(|&byte| Symbol { byte, damaged: false }).collect());
+            board.send(Symbol::undamaged(&buffer[..length]));
         }
         Err(error) if error.kind() == ErrorKind::WouldBlock => {}
         Err(_) => return false,

@@ -21,7 +21,7 @@ use crate::{
         time::Time,
         trace::Event,
     },
-    world::{AnalogueWorld, Scene, Setup},
+    world::{AnalogueWorld, Setup, WorldHandle},
 };
 use calls::Calls;
 use rand::{RngCore, SeedableRng};
@@ -99,7 +99,7 @@ pub struct Machine {
     sleeps: bool,
     slept: Time,
     powered_up: u64,
-    scene: Option<Scene>,
+    world: Option<WorldHandle>,
 }
 
 /// What the hooks share with the machine.
@@ -123,7 +123,7 @@ struct State {
     blocks: RefCell<HashMap<u64, Block>>,
     last_poll: Cell<(u32, u32)>,
     spins: Cell<u32>,
-    /// Where the last access went that nothing answers.
+    /// Where the last access went that nothing responds to.
     bad_address: Cell<u32>,
     calls: RefCell<Option<Calls>>,
 }
@@ -160,9 +160,9 @@ impl Machine {
     pub fn new(flash: Flash, options: Options) -> Result<Self, Halt> {
         let mut chip = Chip::new(options.wire_baud, options.keep_trace);
         chip.flash = flash;
-        let scene = options.world.clone().map(Scene::new);
-        if let Some(scene) = &scene {
-            chip.connect(Box::new(AnalogueWorld::new(scene.clone())));
+        let world = options.world.clone().map(WorldHandle::new);
+        if let Some(world) = &world {
+            chip.connect(Box::new(AnalogueWorld::new(world.clone())));
         }
         let state = Rc::new(State::new(chip));
         let unicorn = cpu::build(&state).map_err(|error| Halt::Unicorn {
@@ -171,7 +171,7 @@ impl Machine {
             reason: format!("{error:?}"),
         })?;
         let mut machine =
-            Self { unicorn, state, options, sleeps: false, slept: Time::ZERO, powered_up: 0, scene };
+            Self { unicorn, state, options, sleeps: false, slept: Time::ZERO, powered_up: 0, world };
         machine.power_up()?;
         Ok(machine)
     }
@@ -196,8 +196,8 @@ impl Machine {
 
     /// The skin and the front end before the chip, if there are any.
     #[must_use]
-    pub fn scene(&self) -> Option<&Scene> {
-        self.scene.as_ref()
+    pub fn world(&self) -> Option<&WorldHandle> {
+        self.world.as_ref()
     }
 
     /// Looks at the chip, or changes it. Its time is never past an event that is still to happen.

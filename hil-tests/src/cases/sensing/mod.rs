@@ -6,7 +6,7 @@ mod presses;
 mod session;
 mod speed;
 
-use super::{Case, Failure, check};
+use super::{Case, Failure, ensure};
 use crate::{
     chip::time::Time,
     machine::Machine,
@@ -59,7 +59,7 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "a press held for ten minutes of drift is still reported, with its force",
         needs: NEEDS,
-        run: presses::held,
+        run: presses::long,
     },
 ];
 
@@ -75,23 +75,20 @@ fn voltages(rig: &Rig) -> Result<String, Failure> {
             skin.drive.frequency = frequency;
             skin.drive.settling = SETTLING * frequency;
         })?;
-        session.scene.noise(0.0);
+        session.world.noise(0.0);
         session.tare(2)?;
         let current = f64::from(session.front_end()?.1.amplitude);
         let measured = session.voltages(1)?.remove(0);
-        let truth = |word| session.scene.truth(word) * current;
+        let truth = |word| session.world.truth(word) * current;
         let words = session.patch().steps().map(multiplexer_word);
         let errors: Vec<Complex64> =
             words.zip(&measured).map(|(word, [re, im])| Complex64::new(*re, *im) - truth(word)).collect();
         let worst = |part: fn(&Complex64) -> f64| errors.iter().map(part).fold(0.0, f64::max) / FULL_SCALE;
         let [real, imaginary] = [worst(|error| error.re.abs()), worst(|error| error.im.abs())];
         lines.push(format!("{} kHz {:.3} % ({:.3} %)", frequency / 1e3, 100.0 * real, 100.0 * imaginary));
-        check(real <= 1e-3, || format!("off by {:.3} % of full scale at {frequency} Hz", 100.0 * real))?;
+        ensure(real <= 1e-3, || format!("off by {:.3} % of full scale at {frequency} Hz", 100.0 * real))?;
     }
-    Ok(format!(
-        "worst channel in phase (a quarter period later), of the converter's range: {}",
-        lines.join(", ")
-    ))
+    Ok(format!("worst channel in phase (in quadrature), of the converter's range: {}", lines.join(", ")))
 }
 
 /// Compares contact impedances with those of the circuit, and with the contacts' own, which leads and the sheet's
@@ -104,7 +101,7 @@ fn contact_impedances(rig: &Rig) -> Result<String, Failure> {
             // At 1 mA the amplifier clips the tests.
             skin.drive.amplitude = 0.25e-3;
         })?;
-        session.scene.noise(0.0);
+        session.world.noise(0.0);
         session.tare(2)?;
         session.stream(Selection { health: 1, ..Selection::default() })?;
         let health = session.find(|event| match event {
@@ -117,13 +114,13 @@ fn contact_impedances(rig: &Rig) -> Result<String, Failure> {
             health.contact_impedance.iter().zip(&header.test_resistances).enumerate()
         {
             let word = multiplexer_word(test_step(electrode as u8, header.electrodes));
-            let truth = session.scene.truth(word);
+            let truth = session.world.truth(word);
             let expected = truth.norm_sqr() / truth.re - f64::from(sheet);
             of_circuit = of_circuit.max((f64::from(ohms) - expected).abs());
             of_contact = of_contact.max((f64::from(ohms) - CONTACT).abs());
         }
-        check(of_circuit < 0.5, || format!("off by {of_circuit:.2} ohm at {frequency} Hz"))?;
-        check(of_contact < 6.0, || format!("{of_contact:.2} ohm from {CONTACT} at {frequency} Hz"))?;
+        ensure(of_circuit < 0.5, || format!("off by {of_circuit:.2} ohm at {frequency} Hz"))?;
+        ensure(of_contact < 6.0, || format!("{of_contact:.2} ohm from {CONTACT} at {frequency} Hz"))?;
         lines.push(format!("{} kHz {of_circuit:.2} ({of_contact:.1}) ohm", frequency / 1e3));
     }
     Ok(format!("off by at most (from the contacts' own {CONTACT}): {}", lines.join(", ")))
@@ -144,7 +141,7 @@ fn signal_to_noise(rig: &Rig) -> Result<String, Failure> {
         .collect();
     ratios.sort_by(f64::total_cmp);
     let (worst, median) = (ratios[0], ratios[ratios.len() / 2]);
-    check(median >= 64.0, || format!("median {median:.1} dB, worst channel {worst:.1} dB"))?;
+    ensure(median >= 64.0, || format!("median {median:.1} dB, worst channel {worst:.1} dB"))?;
     Ok(format!("median {median:.1} dB, worst channel {worst:.1} dB of {} (50 kHz, one period)", ratios.len()))
 }
 
@@ -155,7 +152,7 @@ fn current(rig: &Rig) -> Result<String, Failure> {
     let mut session = Session::open(rig, |_| ())?;
     session.stream(Selection { health: 1, ..Selection::default() })?;
     let usual = session.front_end()?.1;
-    session.scene.take_drive_record();
+    session.world.take_drive_record();
     let mut worst = (0.0_f64, 0.0_f64);
     let mut before = f64::INFINITY;
     for (frequency, amplitude) in
@@ -165,8 +162,8 @@ fn current(rig: &Rig) -> Result<String, Failure> {
         session.link.request(&Request::Drive(Some(drive)))?;
         session.find(|event| matches!(event, Event::Health { .. }).then_some(()))?;
         session.find(|event| matches!(event, Event::Health { .. }).then_some(()))?;
-        let record = session.scene.take_drive_record();
-        check(record.enabled, || "the multiplexers are not enabled in a scan".to_owned())?;
+        let record = session.world.take_drive_record();
+        ensure(record.enabled, || "the multiplexers are not enabled in a scan".to_owned())?;
         let words = 1e6 / f64::from(frequency);
         // Both this drive and the one before have put out codes: what the faster cosine does from word to word,
         // and one step of a rise.
@@ -176,15 +173,15 @@ fn current(rig: &Rig) -> Result<String, Failure> {
         let dc = record.area / record.time / CREST;
         worst = (worst.0.max(jump), worst.1.max(dc.abs()));
     }
-    check(worst.0 <= 1.0, || format!("a step is {:.2} times what a cosine and a rise do", worst.0))?;
-    check(worst.1 <= 2e-3, || format!("{:.3} % of the crest is DC", 100.0 * worst.1))?;
+    ensure(worst.0 <= 1.0, || format!("a step is {:.2} times what a cosine and a rise do", worst.0))?;
+    ensure(worst.1 <= 2e-3, || format!("{:.3} % of the crest is DC", 100.0 * worst.1))?;
     session.stream(Selection::default())?;
     // A tare that the last drive began ends by itself.
     session.run(Time::from_millis(2000))?;
-    session.scene.take_drive_record();
+    session.world.take_drive_record();
     session.run(Time::from_millis(100))?;
-    let idle = session.scene.take_drive_record();
-    check(idle.changes == 0 && !idle.enabled, || format!("{idle:?} while nothing is asked for"))?;
+    let idle = session.world.take_drive_record();
+    ensure(idle.changes == 0 && !idle.enabled, || format!("{idle:?} while nothing is asked for"))?;
     for (accident, happen) in
         [("a fault", Machine::inject_fault as fn(&mut Machine)), ("a hang", Machine::hang)]
     {
@@ -193,10 +190,10 @@ fn current(rig: &Rig) -> Result<String, Failure> {
         session.board.with(happen);
         // The watchdog takes two seconds at most.
         session.run(Time::from_millis(2500))?;
-        session.scene.take_drive_record();
+        session.world.take_drive_record();
         session.run(Time::from_millis(100))?;
-        let after = session.scene.take_drive_record();
-        check(after.changes == 0 && !after.enabled, || format!("{after:?} after {accident}"))?;
+        let after = session.world.take_drive_record();
+        ensure(after.changes == 0 && !after.enabled, || format!("{after:?} after {accident}"))?;
         session.reconnect()?;
     }
     Ok(format!(

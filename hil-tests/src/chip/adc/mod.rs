@@ -22,7 +22,7 @@ use super::{
 };
 
 /// Volts at which a conversion gives its highest code (VREF+).
-pub const REFERENCE: f64 = 3.3;
+pub const VREF_VOLTS: f64 = 3.3;
 /// Time that the regulator takes to start (DS12288, tADCVREG_STUP).
 const REGULATOR_START: Time = Time::from_micros(20);
 /// Clocks of a calibration (DS12288, tCAL).

@@ -140,7 +140,7 @@ impl Flash {
         Some((first, first + BANK - 1, end))
     }
 
-    /// Whether a read of these bytes meets an ECC error, which the chip answers with NMI.
+    /// Whether a read of these bytes meets an ECC error, for which the chip raises NMI.
     pub fn check_read(&mut self, address: u32, bytes: u32) -> bool {
         let first = address & !7;
         let hit = self.damaged.range(first..address + bytes).next().copied();

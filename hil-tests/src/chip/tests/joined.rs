@@ -1,7 +1,7 @@
 use super::probe::{Ram, address, chip, run_at_170_mhz};
 use crate::chip::{
     Chip, Memory, RAM_START,
-    adc::REFERENCE,
+    adc::VREF_VOLTS,
     map::Map,
     misuse::Misuse,
     nvic::{NMI, Nvic},
@@ -293,7 +293,7 @@ impl World for Counter {
     fn opamp(&mut self, _: usize, _: OpampSetting, _: Time) {}
     fn voltage(&mut self, adc: usize, channel: usize, _: Time) -> f64 {
         self.0 += 1;
-        REFERENCE * f64::from(100 * adc as u32 + 10 * channel as u32 + self.0) / 4096.0 + 1e-6
+        VREF_VOLTS * f64::from(100 * adc as u32 + 10 * channel as u32 + self.0) / 4096.0 + 1e-6
     }
 }
 

@@ -27,6 +27,14 @@ pub struct Symbol {
     pub damaged: bool,
 }
 
+impl Symbol {
+    /// These bytes, as a line without noise carries them.
+    #[must_use]
+    pub fn undamaged(bytes: &[u8]) -> Vec<Self> {
+        bytes.iter().map(|&byte| Self { byte, damaged: false }).collect()
+    }
+}
+
 /// Model of one UART.
 #[derive(Clone, Debug)]
 pub struct Usart {

@@ -7,7 +7,7 @@ mod parameters;
 mod skin;
 
 use super::{
-    Analogue, AnalogueWorld, Carrier, Scene, Setup,
+    Analogue, AnalogueWorld, Carrier, Setup, WorldHandle,
     multiplexers::word,
     parameters::{Adc, Multiplexer, Pga, Source, Stray},
 };
@@ -87,10 +87,10 @@ fn ideal() -> Analogue {
     }
 }
 
-fn scene(analogue: Analogue) -> Scene {
-    let scene = Scene::new(Setup::new(skin(), analogue, 0.0, 7).unwrap());
-    scene.noise(0.0);
-    scene
+fn handle(analogue: Analogue) -> WorldHandle {
+    let handle = WorldHandle::new(Setup::new(skin(), analogue, 0.0, 7).unwrap());
+    handle.noise(0.0);
+    handle
 }
 
 /// The 208 words of the adjacent pattern.
@@ -98,7 +98,7 @@ fn words() -> Vec<u16> {
     pattern(16, 1, 1, Driven::Skipped).map(|step| word(step.to_bytes())).collect()
 }
 
-/// A chip that plays a carrier and samples: 1 MS/s out, 2 MS/s in, on one time base.
+/// A chip that puts out a carrier and samples: 1 MS/s out, 2 MS/s in, on one time base.
 struct Chip {
     world: AnalogueWorld,
     carrier: Carrier,
@@ -106,10 +106,10 @@ struct Chip {
 }
 
 impl Chip {
-    fn new(scene: &Scene, words_per_period: usize, amplitude: f64) -> Self {
+    fn new(handle: &WorldHandle, words_per_period: usize, amplitude: f64) -> Self {
         // Sampling ends 6.5 clocks of 42.5 MHz after its trigger.
         let carrier = Carrier::sine(words_per_period, amplitude, 26.0 / CORE as f64);
-        let mut chip = Self { world: AnalogueWorld::new(scene.clone()), carrier, tick: 0 };
+        let mut chip = Self { world: AnalogueWorld::new(handle.clone()), carrier, tick: 0 };
         chip.gain(1.0);
         chip.world.pins('C', 1 << 6, Time::ZERO);
         chip

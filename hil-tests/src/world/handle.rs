@@ -1,5 +1,4 @@
-//! Scene: what is done to the skin and to the front end, and what is true there. Cases hold a handle to it
-//! while the emulated board measures.
+//! Handle: what is done to the skin and to the front end while the emulated board measures, and what is true there.
 
 use super::{
     expected::{Carrier, demodulated},
@@ -100,9 +99,9 @@ pub enum WorldError {
     },
 }
 
-/// A handle; all its clones mean the same scene.
+/// A handle; all its clones mean the same world.
 #[derive(Clone, Debug)]
-pub struct Scene(Arc<Shared>);
+pub struct WorldHandle(Arc<Shared>);
 
 #[derive(Debug)]
 struct Shared {
@@ -114,7 +113,7 @@ struct Shared {
     drive: Mutex<DriveRecord>,
 }
 
-/// What the DAC has put out since this was asked last.
+/// What the DAC has put out since this was taken last.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveRecord {
     /// Times at which its code changed.
@@ -123,7 +122,7 @@ pub struct DriveRecord {
     pub area: f64,
     /// Time covered, s.
     pub time: f64,
-    /// Largest way from one code to the next.
+    /// Largest difference from one code to the next.
     pub largest_step: u16,
     /// Whether the multiplexers were enabled at any time.
     pub enabled: bool,
@@ -174,8 +173,8 @@ struct Drift {
     from: f64,
 }
 
-impl Scene {
-    /// A scene without fingers or faults.
+impl WorldHandle {
+    /// A world without fingers or faults.
     #[must_use]
     pub fn new(setup: impl Into<Arc<Setup>>) -> Self {
         let setup = setup.into();
@@ -219,7 +218,7 @@ impl Scene {
     }
 
     /// Fingers follow a script from now on.
-    pub fn play(&self, script: Script) {
+    pub fn run_script(&self, script: Script) {
         self.change(|state| {
             state.conditions.presses = script.presses(0.0);
             state.script = Some((script, state.now));
@@ -245,7 +244,7 @@ impl Scene {
 
     /// Something breaks, as well as what is broken already.
     pub fn inject(&self, fault: Fault) -> Result<(), WorldError> {
-        check(fault)?;
+        validate(fault)?;
         self.change(|state| state.conditions.faults.push(fault));
         Ok(())
     }
@@ -301,7 +300,7 @@ impl Scene {
         demodulated(&self.network(), &self.0.setup.analogue, word, gain, carrier)
     }
 
-    /// What the DAC has put out since this was asked last.
+    /// What the DAC has put out since this was taken last.
     pub fn take_drive_record(&self) -> DriveRecord {
         let mut record = self.0.drive.lock().unwrap_or_else(PoisonError::into_inner);
         let (last, enabled_now) = (record.last, record.enabled_now);
@@ -329,8 +328,8 @@ impl Scene {
     /// The network of how things are.
     pub(super) fn network(&self) -> Arc<Network> {
         let version = self.version();
-        let mut kept = self.0.network.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((known, network)) = kept.as_ref()
+        let mut latest = self.0.network.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((known, network)) = latest.as_ref()
             && *known == version
         {
             return network.clone();
@@ -343,7 +342,7 @@ impl Scene {
         let setup = &self.0.setup;
         let network =
             Arc::new(Network::new(&setup.analogue, &admittance, &conditions.faults, frequency, setup.seed));
-        *kept = Some((version, network.clone()));
+        *latest = Some((version, network.clone()));
         network
     }
 
@@ -351,7 +350,7 @@ impl Scene {
     pub(super) fn pass(&self, now: Time) {
         let mut state = self.state();
         state.now = now;
-        let (scale, presses) = (state.drifted(), state.played());
+        let (scale, presses) = (state.drifted(), state.scripted());
         let conditions = &mut state.conditions;
         let changed = scale != conditions.scale || presses.as_ref().is_some_and(|p| *p != conditions.presses);
         conditions.scale = scale;
@@ -385,7 +384,7 @@ impl State {
         ((scale / DRIFT_STEP).round() * DRIFT_STEP).clamp(low, high)
     }
 
-    fn played(&self) -> Option<Vec<Press>> {
+    fn scripted(&self) -> Option<Vec<Press>> {
         let (script, since) = self.script.as_ref()?;
         let moment = SCRIPT_STEP * self.now.since(*since).periods(SCRIPT_STEP);
         Some(script.presses(moment.seconds()))
@@ -397,7 +396,7 @@ fn skin_at(skin: &Skin, capacitance: f64, frequency: f64) -> Result<Arc<SkinNetw
     network.map(Arc::new).map_err(|error| WorldError::Skin { name: skin.name.clone(), error })
 }
 
-fn check(fault: Fault) -> Result<(), WorldError> {
+fn validate(fault: Fault) -> Result<(), WorldError> {
     let electrode = |electrode: usize| {
         let (value, allowed) = (electrode.to_string(), format!("0 to {}", LEADS - 1));
         let wrong = WorldError::Value { field: "electrode", value, allowed };
