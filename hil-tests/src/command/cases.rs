@@ -35,26 +35,35 @@ struct Count {
 impl Cases {
     pub(super) fn run(self) -> Result<ExitCode, Box<dyn Error>> {
         let rig = Rig::open(&self.rig, self.elf.as_deref())?;
-        let wanted =
-            |case: &Case| self.names.is_empty() || self.names.iter().any(|name| case.name.contains(name));
-        let chosen: Vec<Case> = cases::all().into_iter().filter(wanted).collect();
+        let chosen = self.chosen();
         if chosen.is_empty() {
             return Err(format!("no case is called like that: {}", self.names.join(", ")).into());
         }
         let count = run_all(&rig, &chosen);
-        let mut repeats = true;
-        if self.twice {
-            let again = run_all(&rig, &chosen);
-            for ((name, first), (_, second)) in count.hashes.iter().zip(&again.hashes) {
-                if first != second {
-                    println!("DIFFERS  {name}: {first:016x} and {second:016x}");
-                    repeats = false;
-                }
-            }
-            println!("{} traces compared with those of a second run", again.hashes.len());
-        }
+        let repeats = !self.twice || count.repeats_in(&run_all(&rig, &chosen));
         println!("{} passed, {} failed, {} not run", count.passed, count.failed, count.not_run);
         Ok(if count.failed == 0 && repeats { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    }
+
+    fn chosen(&self) -> Vec<Case> {
+        let wanted =
+            |case: &Case| self.names.is_empty() || self.names.iter().any(|name| case.name.contains(name));
+        cases::all().into_iter().filter(wanted).collect()
+    }
+}
+
+impl Count {
+    /// Whether the same happened on the boards of a second run; prints what differs.
+    fn repeats_in(&self, again: &Self) -> bool {
+        let mut repeats = true;
+        for ((name, first), (_, second)) in self.hashes.iter().zip(&again.hashes) {
+            if first != second {
+                println!("DIFFERS  {name}: {first:016x} and {second:016x}");
+                repeats = false;
+            }
+        }
+        println!("{} traces compared with those of a second run", again.hashes.len());
+        repeats
     }
 }
 

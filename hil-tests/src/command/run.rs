@@ -72,28 +72,38 @@ impl Run {
         check_faults(&self.faults, &board)?;
         println!("board         {} (emulated STM32G474RE)", self.firmware.name());
         println!("listening at  tcp:{}   (Ctrl-C stops it)", listener.local_addr()?);
-        listener.set_nonblocking(true)?;
-        let start = board.with(|machine| machine.now());
-        let faults = Arc::new(Mutex::new(Schedule::new(&shifted(&self.faults, start))));
-        let wall = Instant::now();
-        let mut client: Option<TcpStream> = None;
-        loop {
-            if client.is_none() {
-                client = accept(&listener)?;
-            }
-            let (now, sent) = run_slice(&board, &faults)?;
-            for line in log.as_mut().map_or(Ok(Vec::new()), |log| log.lines(&board))? {
-                eprintln!("{line}");
-            }
-            if let Some(stream) = &mut client
-                && !exchange(stream, &board, &sent)
-            {
-                client = None;
-                board.with(|machine| machine.chip(|chip| chip.uart.unplug()));
-            }
-            let ahead = Duration::from_secs_f64(now.since(start).seconds()).saturating_sub(wall.elapsed());
-            std::thread::sleep(ahead);
+        serve(&listener, &board, &self.faults, log.as_mut())
+    }
+}
+
+/// Runs the board for ever, at the pace of the clock on the wall, and carries its bytes to and from a program.
+fn serve(
+    listener: &TcpListener,
+    board: &VirtualBoard,
+    faults: &[Fault],
+    mut log: Option<&mut LogReader<'_>>,
+) -> Result<ExitCode, Box<dyn Error>> {
+    listener.set_nonblocking(true)?;
+    let start = board.with(|machine| machine.now());
+    let faults = Arc::new(Mutex::new(Schedule::new(&shifted(faults, start))));
+    let wall = Instant::now();
+    let mut client: Option<TcpStream> = None;
+    loop {
+        if client.is_none() {
+            client = accept(listener)?;
         }
+        let (now, sent) = run_slice(board, &faults)?;
+        for line in log.as_mut().map_or(Ok(Vec::new()), |log| log.lines(board))? {
+            eprintln!("{line}");
+        }
+        if let Some(stream) = &mut client
+            && !exchange(stream, board, &sent)
+        {
+            client = None;
+            board.with(|machine| machine.chip(|chip| chip.uart.unplug()));
+        }
+        let ahead = Duration::from_secs_f64(now.since(start).seconds()).saturating_sub(wall.elapsed());
+        std::thread::sleep(ahead);
     }
 }
 

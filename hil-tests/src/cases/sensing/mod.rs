@@ -145,14 +145,40 @@ fn signal_to_noise(rig: &Rig) -> Result<String, Failure> {
     Ok(format!("median {median:.1} dB, worst channel {worst:.1} dB of {} (50 kHz, one period)", ratios.len()))
 }
 
+/// Crest of the DAC's codes at 100 %.
+const CREST: f64 = 1738.0;
+
 /// Watches every code of the DAC through starts, changes and a stop.
 fn current(rig: &Rig) -> Result<String, Failure> {
-    /// Crest of the DAC's codes at 100 %.
-    const CREST: f64 = 1738.0;
     let mut session = Session::open(rig, |_| ())?;
     session.stream(Selection { health: 1, ..Selection::default() })?;
     let usual = session.front_end()?.1;
     session.world.take_drive_record();
+    let (jump, dc) = worst_of_changes(&mut session, usual)?;
+    ensure(jump <= 1.0, || format!("a step is {jump:.2} times what a cosine and a rise do"))?;
+    ensure(dc <= 2e-3, || format!("{:.3} % of the crest is DC", 100.0 * dc))?;
+    session.stream(Selection::default())?;
+    // A tare that the last drive began ends by itself.
+    ensure_off(&session, 2000, "while nothing is asked for")?;
+    for (accident, happen) in
+        [("a fault", Machine::inject_fault as fn(&mut Machine)), ("a hang", Machine::hang)]
+    {
+        session.stream(Selection { health: 1, ..Selection::default() })?;
+        next_health(&mut session)?;
+        session.board.with(happen);
+        // The watchdog takes two seconds at most.
+        ensure_off(&session, 2500, &format!("after {accident}"))?;
+        session.reconnect()?;
+    }
+    Ok(format!(
+        "largest step {jump:.2} of a cosine's, DC {:.3} % of the crest, off when idle, after a fault and after a hang",
+        100.0 * dc
+    ))
+}
+
+/// Drives the skin in other ways one after the other. The largest change of the code from word to word, over
+/// what a cosine and a rise do, and the largest mean over the crest.
+fn worst_of_changes(session: &mut Session, usual: Drive) -> Result<(f64, f64), Failure> {
     let mut worst = (0.0_f64, 0.0_f64);
     let mut before = f64::INFINITY;
     for (frequency, amplitude) in
@@ -160,8 +186,8 @@ fn current(rig: &Rig) -> Result<String, Failure> {
     {
         let drive = Drive { frequency, amplitude, ..usual };
         session.link.request(&Request::Drive(Some(drive)))?;
-        session.find(|event| matches!(event, Event::Health { .. }).then_some(()))?;
-        session.find(|event| matches!(event, Event::Health { .. }).then_some(()))?;
+        next_health(session)?;
+        next_health(session)?;
         let record = session.world.take_drive_record();
         ensure(record.enabled, || "the multiplexers are not enabled in a scan".to_owned())?;
         let words = 1e6 / f64::from(frequency);
@@ -173,32 +199,18 @@ fn current(rig: &Rig) -> Result<String, Failure> {
         let dc = record.area / record.time / CREST;
         worst = (worst.0.max(jump), worst.1.max(dc.abs()));
     }
-    ensure(worst.0 <= 1.0, || format!("a step is {:.2} times what a cosine and a rise do", worst.0))?;
-    ensure(worst.1 <= 2e-3, || format!("{:.3} % of the crest is DC", 100.0 * worst.1))?;
-    session.stream(Selection::default())?;
-    // A tare that the last drive began ends by itself.
-    session.run(Time::from_millis(2000))?;
+    Ok(worst)
+}
+
+/// After so many milliseconds, the DAC's code stays and the multiplexers are disabled.
+fn ensure_off(session: &Session, millis: u64, when: &str) -> Result<(), Failure> {
+    session.run(Time::from_millis(millis))?;
     session.world.take_drive_record();
     session.run(Time::from_millis(100))?;
-    let idle = session.world.take_drive_record();
-    ensure(idle.changes == 0 && !idle.enabled, || format!("{idle:?} while nothing is asked for"))?;
-    for (accident, happen) in
-        [("a fault", Machine::inject_fault as fn(&mut Machine)), ("a hang", Machine::hang)]
-    {
-        session.stream(Selection { health: 1, ..Selection::default() })?;
-        session.find(|event| matches!(event, Event::Health { .. }).then_some(()))?;
-        session.board.with(happen);
-        // The watchdog takes two seconds at most.
-        session.run(Time::from_millis(2500))?;
-        session.world.take_drive_record();
-        session.run(Time::from_millis(100))?;
-        let after = session.world.take_drive_record();
-        ensure(after.changes == 0 && !after.enabled, || format!("{after:?} after {accident}"))?;
-        session.reconnect()?;
-    }
-    Ok(format!(
-        "largest step {:.2} of a cosine's, DC {:.3} % of the crest, off when idle, after a fault and after a hang",
-        worst.0,
-        100.0 * worst.1
-    ))
+    let record = session.world.take_drive_record();
+    ensure(record.changes == 0 && !record.enabled, || format!("{record:?} {when}"))
+}
+
+fn next_health(session: &mut Session) -> Result<(), Failure> {
+    session.find(|event| matches!(event, Event::Health { .. }).then_some(()))
 }
