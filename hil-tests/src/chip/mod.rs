@@ -27,6 +27,7 @@ pub mod opamp;
 pub mod peripheral;
 pub mod plain;
 pub mod pwr;
+mod ram;
 pub mod rcc;
 mod schedule;
 mod shown;
@@ -70,20 +71,10 @@ use self::{
     world::Outside,
 };
 
-pub use self::shown::FlashObserver;
-
-/// Where the RAM lies: SRAM1, SRAM2 and the second address of CCM SRAM, side by side (2.4).
-pub const RAM_START: u32 = 0x2000_0000;
-/// Bytes of RAM.
-pub const RAM_BYTES: u32 = 128 * 1024;
-
-/// RAM, for whoever copies without the CPU.
-pub trait Memory {
-    /// Reads bytes of RAM.
-    fn read(&self, address: u32, bytes: &mut [u8]);
-    /// Writes bytes of RAM.
-    fn write(&mut self, address: u32, bytes: &[u8]);
-}
+pub use self::{
+    ram::{Memory, RAM_BYTES, RAM_START, Ram},
+    shown::FlashObserver,
+};
 
 /// The chip without its CPU.
 #[derive(Debug)]
@@ -100,7 +91,7 @@ pub struct Chip {
     pub uart: Usart,
     /// What happened.
     pub trace: Trace,
-    /// Looks at the flash whenever it begins to erase or program.
+    /// Is shown the flash whenever it begins to erase or program.
     pub flash_observer: Option<FlashObserver>,
     rcc: Rcc,
     pwr: Pwr,
@@ -127,7 +118,7 @@ pub struct Chip {
     /// Pins that carry outputs of timers.
     wires: Vec<Wire>,
     shown_operations: u64,
-    /// What was touched since requests, lines, times and outputs were looked at.
+    /// What was touched since requests, lines, times and outputs were brought up to date.
     touched: Blocks,
     schedule: Schedule,
 }

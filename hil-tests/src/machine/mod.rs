@@ -10,6 +10,7 @@
 
 mod calls;
 mod cpu;
+mod halt;
 
 use crate::{
     chip::{
@@ -24,6 +25,7 @@ use crate::{
     world::{AnalogueWorld, Setup, WorldHandle},
 };
 use calls::Calls;
+pub use halt::Halt;
 use rand::{RngCore, SeedableRng};
 use rand_pcg::Pcg64;
 use std::{
@@ -56,39 +58,6 @@ impl Default for Options {
     fn default() -> Self {
         Self { cycles_per_instruction: (3, 2), wire_baud: 2_000_000, seed: 1, keep_trace: false, world: None }
     }
-}
-
-/// Why a machine cannot go on.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Halt {
-    /// The firmware does what the chip does not do.
-    #[error("at {time}, pc {pc:#010x}: {misuse}")]
-    Misuse {
-        /// When.
-        time: Time,
-        /// Where.
-        pc: u32,
-        /// What.
-        misuse: Misuse,
-    },
-    /// A fault in the handler of a fault.
-    #[error("at {time}, pc {pc:#010x}: the core locks up (a fault in the handler of a fault)")]
-    LockUp {
-        /// When.
-        time: Time,
-        /// Where.
-        pc: u32,
-    },
-    /// Unicorn does not do this.
-    #[error("at {time}, pc {pc:#010x}: unicorn gives up: {reason}")]
-    Unicorn {
-        /// When.
-        time: Time,
-        /// Where.
-        pc: u32,
-        /// What it says.
-        reason: String,
-    },
 }
 
 /// A chip with a CPU.

@@ -145,12 +145,6 @@ impl Chain {
         dot(&self.physical[OUTPUT], parts)
     }
 
-    /// Output of the instrumentation amplifier behind its filter, against half the supply, V.
-    #[must_use]
-    pub fn filtered(&self, parts: &Parts) -> f64 {
-        dot(&self.physical[AMPLIFIER + 1], parts)
-    }
-
     /// Voltage at the output of the current source.
     #[must_use]
     pub fn source_voltage(&self, parts: &Parts) -> f64 {
