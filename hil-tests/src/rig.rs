@@ -11,8 +11,11 @@ use crate::{
     world::{Analogue, Setup, WorldError, parameters::ParameterError},
 };
 use dermatome::{
-    board::firmware::{Firmware, FirmwareError},
-    link::{self, Link, LinkError, Port},
+    link::{
+        Link,
+        program::firmware::{Firmware, FirmwareError},
+    },
+    simulate::port::{self, OpenError, Port},
     skin::{Skin, SkinError},
 };
 use serde::Deserialize;
@@ -186,7 +189,7 @@ pub enum RigError {
     Halt(#[from] Halt),
     /// The real board does not respond.
     #[error("the rig has no board: {0}")]
-    Link(#[from] LinkError),
+    Open(#[from] OpenError),
 }
 
 /// A board and what can be done to it.
@@ -330,14 +333,14 @@ impl Rig {
     }
 
     /// A link to the board.
-    pub fn link(&self) -> Result<Link, LinkError> {
+    pub fn link(&self) -> Result<Link, OpenError> {
         match self {
             Self::Virtual(rig) => {
                 // A person is not faster than a board that starts.
                 let _ = rig.board.run(START_TIME);
-                Link::connect("virtual", rig.board.line())
+                Ok(Link::connect("virtual", rig.board.line())?)
             }
-            Self::Board { port, .. } => link::open(port),
+            Self::Board { port, .. } => port::open(port),
         }
     }
 

@@ -6,7 +6,7 @@ use crate::{
     probe::emulated::{LogReader, READ},
     rig::{Capability, Rig, VirtualRig},
 };
-use dermatome::board::log::Log;
+use dermatome::link::program::log::Log;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 

@@ -10,7 +10,10 @@ mod upload;
 
 use crate::machine::Halt;
 use crate::rig::{Capability, Rig, RigError};
-use dermatome::link::{LinkError, UploadError};
+use dermatome::{
+    link::{LinkError, UploadError},
+    simulate::port::OpenError,
+};
 
 /// One case.
 #[derive(Clone, Copy)]
@@ -32,6 +35,9 @@ pub enum Failure {
     /// The link failed.
     #[error(transparent)]
     Link(#[from] LinkError),
+    /// The board cannot be reached.
+    #[error(transparent)]
+    Open(#[from] OpenError),
     /// An upload failed.
     #[error(transparent)]
     Upload(#[from] UploadError),

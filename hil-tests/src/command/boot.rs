@@ -1,6 +1,6 @@
 //! What `run` and `trace` have in common: which firmware, and a board with it.
 
-use dermatome::{board::firmware, skin::Skin};
+use dermatome::{link::program::firmware, skin::Skin};
 use dermatome_hil::{
     board::VirtualBoard,
     fault::{Fault, What},

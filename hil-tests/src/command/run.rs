@@ -5,8 +5,7 @@
 
 use super::boot::{Firmware, boot, check_faults};
 use dermatome::{
-    board::log::Log,
-    link::{self, Link, Port},
+    link::{self, Link, Port, program::log::Log},
     model::Model,
     quantize,
     simulate::Press,

@@ -8,7 +8,7 @@ use crate::{
     },
     machine::Machine,
 };
-use dermatome::board::{
+use dermatome::link::program::{
     firmware::Firmware,
     log::{DamagedLog, Decoder, Log},
 };

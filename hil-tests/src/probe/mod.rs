@@ -9,7 +9,7 @@ mod attached;
 mod attached;
 pub mod emulated;
 
-use dermatome::board::{
+use dermatome::link::program::{
     firmware::{Firmware, FirmwareError},
     probe::{ChoiceError, DebugProbe, choose},
 };

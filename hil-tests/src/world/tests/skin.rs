@@ -68,7 +68,7 @@ fn drift_is_interpolated_without_a_step() {
 #[test]
 fn a_script_moves_fingers_in_virtual_time() {
     let handle = handle(ideal());
-    let outline = dermatome::skin::outline::Outline::disc(0.105);
+    let outline = dermatome::outline::Outline::disc(0.105);
     handle.run_script(dermatome::simulate::Script::round(&outline));
     let mut world = AnalogueWorld::new(handle.clone());
     world.voltage(2, 16, Time::from_millis(10));
