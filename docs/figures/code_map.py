@@ -163,16 +163,35 @@ def one_skin():
     read = Box(middle, row[0], "model", "Skin", "skin::Skin::load", "a checked description, SI units")
     steps = Box(left, row[1], "model", "Steps", "skin::Skin::steps, combination", "[step], and each step's measurement")
     mesh = Box(middle, row[1], "geometry", "Mesh", "mesh::generate or mesh::import", "nodes, triangles, electrodes")
-    forward = Box(middle, row[2], "model", "Forward model", "forward::ForwardModel::new, solve", "fields [unknown][electrode]")
-    pixels = Box(right, row[2], "model", "Pixels", "pixels::raster, per_element, patches", "share of each element [pixel]")
-    jacobian = Box(middle, row[3], "model", "Jacobian", "jacobian::jacobian, combine_rows", "sensitivity [measurement][pixel]")
+    forward = Box(
+        middle, row[2], "model", "Forward model", "forward::ForwardModel::new, solve", "fields [unknown][electrode]"
+    )
+    pixels = Box(
+        right, row[2], "model", "Pixels", "pixels::raster, per_element, patches", "share of each element [pixel]"
+    )
+    jacobian = Box(
+        middle, row[3], "model", "Jacobian", "jacobian::jacobian, combine_rows", "sensitivity [measurement][pixel]"
+    )
     prior = Box(right, row[3], "model", "Prior", "prior::Prior::new", "R [pixel][pixel]")
     matrix = Box(middle, row[4], "model", "Matrix", "inverse::reconstruction::reconstruct", "f64 [pixel][measurement]")
-    fixed = Box(middle, row[5] + 26, "model", "Fixed point", "quantize::QuantizedMatrix::new", "i16 mantissas, an exponent a row")
-    tables = Box(right, row[5] + 26, "patch", "Surface tables", "tables::SurfaceTables::new", "place, normal, neighbours [pixel]")
-    patch = Box(middle, row[6] + 26, "shared", "Patch", "patch::PatchContents::write", "NAME.dermatome, checked by validate")
+    fixed = Box(
+        middle,
+        row[5] + 26,
+        "model",
+        "Fixed point",
+        "quantize::QuantizedMatrix::new",
+        "i16 mantissas, an exponent a row",
+    )
+    tables = Box(
+        right, row[5] + 26, "patch", "Surface tables", "tables::SurfaceTables::new", "place, normal, neighbours [pixel]"
+    )
+    patch = Box(
+        middle, row[6] + 26, "shared", "Patch", "patch::PatchContents::write", "NAME.dermatome, checked by validate"
+    )
     upload = Box(middle, row[7] + 54, "link", "Upload", "upload", "pieces of 512 bytes, in order")
-    board = Box(right, row[7] + 54, "shared", "On the board", "device::Device::handle", "an idle flash slot, then its record")
+    board = Box(
+        right, row[7] + 54, "shared", "On the board", "device::Device::handle", "an idle flash slot, then its record"
+    )
     boxes = [read, steps, mesh, forward, pixels, jacobian, prior, matrix, fixed, tables, patch, upload, board]
     build_top, build_end = row[1] - 28, row[4] + BOX_HEIGHT + 14
     patch_top, patch_end = row[5] - 2, row[6] + 26 + BOX_HEIGHT + 14
@@ -196,7 +215,12 @@ def one_skin():
         arrow(mesh.right, (column[2], mesh.right[1]), pixels.top),
         arrow(steps.bottom, (column[0], jacobian.left[1]), jacobian.left),
         arrow(forward.bottom, jacobian.top),
-        arrow(pixels.at_bottom(0.12), (pixels.at_bottom(0.12)[0], turn), (jacobian.at_top(0.8)[0], turn), jacobian.at_top(0.8)),
+        arrow(
+            pixels.at_bottom(0.12),
+            (pixels.at_bottom(0.12)[0], turn),
+            (jacobian.at_top(0.8)[0], turn),
+            jacobian.at_top(0.8),
+        ),
         arrow(pixels.bottom, prior.top),
         arrow(jacobian.bottom, matrix.top),
         arrow(prior.bottom, (column[2], matrix.right[1]), matrix.right),
@@ -208,7 +232,13 @@ def one_skin():
         note(left + 52, patch.left[1] - 10, "stimulation table"),
         arrow(patch.bottom, upload.top),
         arrow(upload.right, board.left),
-        note(left, upload.y + 14, "Before it is written, quantize::", "fixed_point_error tries 32 random presses", "and compares with Model::image in f64."),
+        note(
+            left,
+            upload.y + 14,
+            "Before it is written, quantize::",
+            "fixed_point_error tries 32 random presses",
+            "and compares with Model::image in f64.",
+        ),
     )
 
 
@@ -236,12 +266,30 @@ def one_frame():
         ("shared", "Packets", "protocol::encode, EventQueue", "postcard, CRC-32, COBS"),
     ]
     board = [Box(left, top, *words, width) for top, words in zip(ys, board)]
-    (_, _, frame_box, health, change, _, _, _, pressure, events, packets) = board
+    _, _, frame_box, health, change, _, _, _, pressure, events, packets = board
 
-    simulated = Box(right, frame_box.y, "simulate", "Simulated skin", "skin::SimulatedSkin::measure", "a forward solution, noise, a converter", width)
+    simulated = Box(
+        right,
+        frame_box.y,
+        "simulate",
+        "Simulated skin",
+        "skin::SimulatedSkin::measure",
+        "a forward solution, noise, a converter",
+        width,
+    )
     wire = Box(right, packets.y, "link", "Bytes", "wire::Wire::receive", "packets, by shared PacketReader::push", width)
-    event = Box(right, events.y, "link", "Replies and events", "Link::next_event", "gaps in event numbers are counted", width)
-    whole = Box(right, pressure.y - 20, "link", "Whole frames", "Link::subscribe", "one scan's events joined; lost ones counted", width)
+    event = Box(
+        right, events.y, "link", "Replies and events", "Link::next_event", "gaps in event numbers are counted", width
+    )
+    whole = Box(
+        right,
+        pressure.y - 20,
+        "link",
+        "Whole frames",
+        "Link::subscribe",
+        "one scan's events joined; lost ones counted",
+        width,
+    )
     host = [wire, event, whole]
     uses = [
         ("shared::track::Tracker::update", "contacts with numbers that stay"),
