@@ -1,6 +1,9 @@
 //! Frame: one full scan of the stimulation pattern.
 
-use crate::{MAX_ELECTRODES, MAX_STEPS, units::AdcCode};
+use crate::{
+    limits::{MAX_ELECTRODES, MAX_STEPS},
+    units::AdcCode,
+};
 use heapless::Vec;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -18,7 +21,7 @@ pub struct Frame {
     pub codes: Vec<AdcCode, MAX_STEPS>,
     /// The part a quarter period later: `[step]`; empty where it is not measured.
     pub quadrature: Vec<AdcCode, MAX_STEPS>,
-    /// Voltages of the electrodes' tests ([`crate::scan::test_step`]): `[electrode]`; empty where they
+    /// Voltages of the electrodes' tests ([`crate::acquire::scan::test_step`]): `[electrode]`; empty where they
     /// are not measured.
     pub tests: Vec<ElectrodeTest, MAX_ELECTRODES>,
 }

@@ -7,16 +7,12 @@
 //! come, else with the front end off between frames.
 
 use dermatome_firmware::{
-    board::{self, SensingParts},
-    drivers::{
-        executor,
-        front_end::{FrontEnd, Missed, RAMP_STEPS, Scan, Tables},
-    },
+    board::{self, SensingParts, executor},
+    drivers::front_end::{FrontEnd, Missed, RAMP_STEPS, Scan, Tables},
 };
 use dermatome_shared::{
-    acquire::Acquisition,
+    acquire::{Acquisition, SlotSamples},
     frame::{Frame, FrameFlags},
-    protocol::SlotSamples,
 };
 use embassy_futures::select::{Either, select};
 use embassy_sync::{

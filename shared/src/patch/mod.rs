@@ -9,7 +9,7 @@
 //! 12      h                   header: PatchHeader in postcard encoding, then zeros (see below)
 //! ..      4 * steps           stimulation table: drive plus, drive minus, sense plus, sense minus
 //! ..      2 * steps           combination: measurement each step adds to, bit 15 = subtract
-//! ..      12 * pixels         where the pixels lie, see [`crate::surface`]
+//! ..      12 * pixels         where the pixels lie, see [`crate::image::surface`]
 //! ..      2 * neighbours      lists of neighbouring pixels
 //! ..      4 * plays           plays of the hysteresis operator: reach and weight, u16 each
 //! ..      pixels              exponents of the matrix rows, i8
@@ -25,13 +25,16 @@ mod error;
 mod plays;
 
 use crate::{
-    MAX_ELECTRODES, MAX_GRID_SIDE, MAX_MEASUREMENTS, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS,
-    calibration::Calibration,
-    drive::Drive,
-    hysteresis::{PLAY_BYTES, Play},
-    image::PixelGrid,
-    stimulation::Step,
-    surface::{MAX_NEIGHBOURS, NEIGHBOUR_BYTES, PIXEL_BYTES, Pixel, Surface, SurfaceScale},
+    contact::{
+        calibration::Calibration,
+        hysteresis::{PLAY_BYTES, Play},
+    },
+    drive::{Drive, stimulation::Step},
+    image::{
+        PixelGrid,
+        surface::{MAX_NEIGHBOURS, NEIGHBOUR_BYTES, PIXEL_BYTES, Pixel, Surface, SurfaceScale},
+    },
+    limits::{MAX_ELECTRODES, MAX_GRID_SIDE, MAX_MEASUREMENTS, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS},
     units::RelativeConductivity,
 };
 use crc::{CRC_32_ISO_HDLC, Crc};
@@ -53,7 +56,7 @@ const MATRIX_ALIGNMENT: usize = 4;
 const CRC_BYTES: usize = 4;
 const FLIPPED: u16 = 0x8000;
 
-/// How difference data is made from a frame and the reference; see [`crate::reference`].
+/// How difference data is made from a frame and the reference; see [`crate::pipeline::reference`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Difference {
     /// (v - v_ref) / mean |v_ref|
@@ -91,10 +94,10 @@ pub struct PatchHeader {
     pub drift_time: f32,
     /// Pressure and load area of a contact; empty if the skin is not calibrated.
     pub calibration: Calibration,
-    /// What the model expects of each electrode's test ([`crate::scan::test_step`]) without contact
+    /// What the model expects of each electrode's test ([`crate::acquire::scan::test_step`]) without contact
     /// impedance, ohm: `[electrode]`; empty if unknown.
     pub test_resistances: Vec<f32, MAX_ELECTRODES>,
-    /// Plays of the hysteresis operator ([`crate::hysteresis`]); 0 takes strengths as they are.
+    /// Plays of the hysteresis operator ([`crate::contact::hysteresis`]); 0 takes strengths as they are.
     pub plays: u8,
 }
 

@@ -1,7 +1,7 @@
 //! The table of plays: what takes hysteresis out of the strength of contacts.
 
 use super::{PatchError, PatchView};
-use crate::hysteresis::{MAX_PLAYS, PLAY_BYTES, Play};
+use crate::contact::hysteresis::{MAX_PLAYS, PLAY_BYTES, Play};
 
 impl<'a> PatchView<'a> {
     /// Plays of the hysteresis operator; none if the skin has none or nobody measured it.

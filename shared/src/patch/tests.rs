@@ -1,8 +1,8 @@
 use super::*;
 use crate::{
+    drive::stimulation::{Driven, pattern},
     frame::Frame,
     image::Geometry,
-    stimulation::{Driven, pattern},
     units::AdcCode,
 };
 use proptest::prelude::*;
@@ -69,7 +69,7 @@ fn rewritten(header: &PatchHeader, plays: &[Play]) -> std::vec::Vec<u8> {
 
 /// As the small patch, with plays against hysteresis and a straight calibration: 100 kPa for each 1.
 pub(crate) fn patch_with_plays(plays: &[Play]) -> std::vec::Vec<u8> {
-    let point = crate::calibration::CalibrationPoint { strength: 1.0, pressure: 100e3 };
+    let point = crate::contact::calibration::CalibrationPoint { strength: 1.0, pressure: 100e3 };
     let calibration = Calibration { points: [point].into_iter().collect(), load_share: Some(0.25) };
     let plays_in_header = plays.len() as u8;
     let bytes = small_patch(Difference::Normalised);

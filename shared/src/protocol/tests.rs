@@ -1,6 +1,6 @@
 use super::*;
-use crate::MAX_CONTACTS;
 use crate::contact::Contact;
+use crate::limits::MAX_CONTACTS;
 use proptest::prelude::*;
 
 #[test]

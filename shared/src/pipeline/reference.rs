@@ -11,8 +11,8 @@
 //! precision, which every IEEE machine does alike.
 
 use crate::{
-    MAX_MEASUREMENTS,
     frame::Frame,
+    limits::MAX_MEASUREMENTS,
     patch::{Difference, PatchView},
 };
 use heapless::Vec;

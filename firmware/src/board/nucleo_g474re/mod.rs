@@ -16,7 +16,7 @@
 //! | converter     | ADC2, channel 16            | 2 megasamples of 12 bits                       |
 //! | temperature   | ADC1                        | has the chip's sensor                          |
 //! | sensing, DMA  | DMA1 channels 3 to 6        | waveform, multiplexers, amplifier, converter   |
-//! | acquisition   | interrupt of the FMAC       | nothing else uses it; see `drivers::executor`  |
+//! | acquisition   | interrupt of the FMAC       | nothing else uses it; see `board::executor`    |
 //! | patch slots   | flash from 128 KiB on       | the firmware has the part before, see `memory` |
 //! | watchdog      | IWDG                        | its clock is its own                           |
 
@@ -31,8 +31,7 @@ use embassy_stm32::{
     bind_interrupts, dma, interrupt, pac, peripherals, rcc, usart,
 };
 
-use super::{Board, LinkParts, Thermometer};
-use crate::drivers::executor;
+use super::{Board, LinkParts, Thermometer, executor};
 
 /// What the board calls itself to a host.
 pub const NAME: &str = "nucleo-g474re";

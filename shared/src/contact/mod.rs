@@ -11,9 +11,16 @@
 //! Most pixels cost one comparison, for the largest value of each block of 16; only blocks that reach
 //! above the level are looked at again.
 
+pub mod calibration;
+pub mod hysteresis;
 mod regions;
+pub mod track;
 
-use crate::{MAX_CONTACTS, MAX_PIXELS, surface::Surface, units::RelativeConductivity};
+use crate::{
+    image::surface::Surface,
+    limits::{MAX_CONTACTS, MAX_PIXELS},
+    units::RelativeConductivity,
+};
 use heapless::Vec;
 use postcard_schema::Schema;
 use regions::{Region, Search};

@@ -15,7 +15,7 @@
 //! curved one a step is a 32,767th of its farthest coordinate, areas are rounded to a 255th of the
 //! largest, normals to 0.4 degrees.
 
-use crate::{MAX_PIXELS, patch::PatchError};
+use crate::{limits::MAX_PIXELS, patch::PatchError};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 

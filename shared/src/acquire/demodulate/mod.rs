@@ -7,13 +7,12 @@
 #[cfg(all(target_arch = "arm", feature = "dsp"))]
 mod kernel;
 
-use crate::{
+use super::{
     scan::Timing,
     trigonometry::{cosine, sine},
 };
+use crate::limits::MAX_PERIOD;
 
-/// Most samples in a carrier period.
-pub const MAX_PERIOD: usize = 160;
 /// What a reference of 1 reads in the table.
 const ONE: f32 = 16_384.0;
 /// Code of the converter at rest, half of its range.

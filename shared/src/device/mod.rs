@@ -2,63 +2,31 @@
 //!
 //! It knows no executor and no hardware: whoever owns it moves packets and frames.
 
+pub mod flash_slots;
+mod store;
+
+pub use store::{PatchStore, StoreError};
+
 use crate::{
-    MAX_PATCH_BYTES,
-    acquire::FrontEnd,
+    acquire::{
+        FrontEnd,
+        scan::{self, Timing},
+    },
     drive::Drive,
     frame::{Frame, FrameFlags},
-    health::{HOT, Health, Vitals},
+    health::{HOT, Health, Vitals, restart::Restart},
+    limits::MAX_PATCH_BYTES,
     patch::{PatchHeader, PatchView},
-    pipeline::{self, Outcome, PipelineState},
+    pipeline::{self, Outcome, PipelineState, reference::Reference},
     protocol::{
         BoardPacket, Event, FrameSource, FrameStamp, Identity, Info, MAX_CHUNK_BYTES, PROTOCOL_VERSION,
         PackedImage, PatchInfo, Refusal, Reply, Request, RequestPacket, Selection, SlotSamples, Version,
     },
-    reference::Reference,
-    restart::Restart,
-    scan::{self, Timing},
 };
 use heapless::Vec;
 
 /// Most frames averaged in one tare.
 pub const MAX_TARE_FRAMES: u16 = 1000;
-
-/// Where a board keeps its patch: one slot in use, one being filled.
-///
-/// Until [`PatchStore::commit`] returns, the slot in use must survive anything, power cuts included.
-pub trait PatchStore {
-    /// Bytes of the patch in use.
-    fn active(&self) -> Option<&[u8]>;
-    /// Prepares the other slot for a patch of `length` bytes.
-    fn begin(&mut self, length: usize) -> Result<(), StoreError>;
-    /// Takes the next bytes for the other slot.
-    fn append(&mut self, bytes: &[u8]) -> Result<(), StoreError>;
-    /// Writes what [`Self::append`] has only taken. It may block for as long as the storage does; an
-    /// error shows at the next call. Nothing but speed depends on when it is called.
-    fn settle(&mut self) {}
-    /// What the other slot holds so far; complete only once settled.
-    fn staged(&self) -> &[u8];
-    /// Makes the other slot the one in use.
-    fn commit(&mut self) -> Result<(), StoreError>;
-}
-
-/// Why a patch store did not do what was asked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StoreError {
-    /// This board has no storage.
-    Unsupported,
-    /// Writing failed.
-    Failed,
-}
-
-impl From<StoreError> for Refusal {
-    fn from(error: StoreError) -> Self {
-        match error {
-            StoreError::Unsupported => Self::Unsupported,
-            StoreError::Failed => Self::Storage,
-        }
-    }
-}
 
 /// What is fixed about a board from the moment it starts.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! In use is the slot whose record and patch are both valid and whose sequence is the later one.
-//! [`SlotStore`] erases the page of the other slot's record before anything else, programs the
+//! [`FlashSlotStore`] erases the page of the other slot's record before anything else, programs the
 //! patch, checks it as it reads back, and programs the record last. So up to that one double word the
 //! slot does not count, and from then on it counts for ever; a record that the power cut leaves half
 //! programmed fails its check.
@@ -22,21 +22,20 @@ mod nor;
 #[cfg(test)]
 mod tests;
 
+use super::{PatchStore, StoreError};
 use crate::{
-    device::{PatchStore, StoreError},
+    limits::RECORD_BYTES,
     patch::{self, CRC32, PatchView},
     protocol::MAX_CHUNK_BYTES,
 };
 use heapless::Vec;
 
-/// Bytes of a slot of the reference board, record included.
-pub const SLOT_BYTES: usize = 192 * 1024;
 /// Bytes that are erased together.
 pub const PAGE_BYTES: usize = 2048;
 /// Bytes that are programmed together: a double word.
 pub const WORD_BYTES: usize = 8;
-/// Bytes of the commit record.
-pub const RECORD_BYTES: usize = WORD_BYTES;
+
+const _: () = assert!(RECORD_BYTES == WORD_BYTES, "the record is written at once");
 
 /// What erased flash reads.
 const ERASED: u8 = 0xFF;
@@ -65,7 +64,7 @@ impl From<FlashError> for StoreError {
 
 /// A patch store in two slots of flash.
 #[derive(Debug)]
-pub struct SlotStore<F> {
+pub struct FlashSlotStore<F> {
     flash: F,
     active: Option<Committed>,
     staging: Option<Staging>,
@@ -93,7 +92,7 @@ struct Staging {
     failed: bool,
 }
 
-impl<F: Flash> SlotStore<F> {
+impl<F: Flash> FlashSlotStore<F> {
     /// The store that `flash` holds, with the patch of its latest commit in use.
     pub fn open(flash: F) -> Self {
         let active = match [0, 1].map(|slot| committed(flash.slot(slot), slot)) {
@@ -119,7 +118,7 @@ impl<F: Flash> SlotStore<F> {
     }
 }
 
-impl<F: Flash> PatchStore for SlotStore<F> {
+impl<F: Flash> PatchStore for FlashSlotStore<F> {
     fn active(&self) -> Option<&[u8]> {
         self.active.map(|active| &self.flash.slot(active.slot)[..active.length])
     }

@@ -5,12 +5,12 @@
 //! board builds its tables from this once, and its timers and DMA run them without the CPU.
 
 use crate::{
-    MAX_ELECTRODES, MAX_STEPS, demodulate::MAX_PERIOD, drive::Drive, patch::PatchView, stimulation::Step,
+    drive::{Drive, stimulation::Step},
+    limits::{MAX_PERIOD, MAX_SLOTS},
+    patch::PatchView,
 };
 use heapless::Vec;
 
-/// Most slots in a frame.
-pub const MAX_SLOTS: usize = MAX_STEPS + MAX_ELECTRODES;
 /// Fewest samples in a carrier period.
 const MIN_PERIOD: u32 = 8;
 

@@ -1,6 +1,6 @@
 //! Health: what each frame says about electrodes, multiplexers and the current source.
 //!
-//! The test of an electrode ([`crate::scan::test_step`]) reads its contact impedance and what the sheet
+//! The test of an electrode ([`crate::acquire::scan::test_step`]) reads its contact impedance and what the sheet
 //! adds. Compared with the middle one of all electrodes:
 //!
 //! | test reads              | means                                                        |
@@ -13,9 +13,11 @@
 //! A multiplexer that connects the wrong electrode shows in voltages that are no longer equal when
 //! drive and sense are exchanged, or that differ from the reference more than any press could explain.
 
+pub mod restart;
+
 use crate::{
-    MAX_ELECTRODES, MAX_MEASUREMENTS,
     frame::{ElectrodeTest, Frame, FrameFlags},
+    limits::{MAX_ELECTRODES, MAX_MEASUREMENTS},
     patch::PatchView,
 };
 use heapless::Vec;

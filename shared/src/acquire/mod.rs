@@ -8,20 +8,27 @@
 //! Gains are found before the first frame and whenever a tare asks for it, and stay as they are
 //! otherwise: the programmable amplifier's gains are right to a per cent, so a new one would look like a press.
 
+pub mod demodulate;
+mod front_end;
+pub mod scan;
+mod scope;
+pub mod trigonometry;
+
+pub use front_end::FrontEnd;
+pub use scope::{MAX_SCOPE_SAMPLES, SlotSamples};
+
 use crate::{
-    demodulate::{CLIPPED, Demodulator, Reading, Reference},
-    drive::{Component, Drive, GAINS, Gain},
+    drive::{Component, Drive, GAINS, Gain, stimulation::Step},
     frame::{ElectrodeTest, Frame, FrameFlags},
+    limits::MAX_SLOTS,
     patch::PatchView,
-    protocol::SlotSamples,
-    scan::{self, MAX_SLOTS, Timing},
-    stimulation::Step,
-    trigonometry::{cosine, length, sine},
     units::AdcCode,
 };
+use demodulate::{CLIPPED, Demodulator, Reading, Reference};
+use front_end::Factors;
 use heapless::Vec;
-use postcard_schema::Schema;
-use serde::{Deserialize, Serialize};
+use scan::Timing;
+use trigonometry::length;
 
 /// Codes of a frame have so many steps in one step of the converter at gain 1.
 pub const FINENESS: f32 = 4096.0;
@@ -35,29 +42,6 @@ const SPARE_BITS: u32 = 8;
 pub const PEAK_GOAL: u32 = 900;
 /// Largest gain after the first look, which sees small voltages badly.
 const FIRST_GAIN_LIMIT: u8 = 8;
-
-/// What a board's analogue front end does to a voltage.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
-pub struct FrontEnd {
-    /// Samples per second.
-    pub sample_rate: u32,
-    /// Volts between two electrodes for one step of a code.
-    pub volts_per_code: f32,
-    /// Current amplitude at 100 %, A.
-    pub full_scale_current: f32,
-    /// Gain-bandwidth product of the programmable amplifier, Hz.
-    pub gain_bandwidth: f32,
-    /// Largest gain of the programmable amplifier.
-    pub largest_gain: u8,
-    /// Bandwidths of current source, amplifier and filter, one pole each, Hz.
-    pub bandwidths: [f32; 3],
-    /// Corner of the high-pass that the capacitance of all leads makes of a channel, Hz; infinite without leads.
-    pub lead_corner: f32,
-    /// Values per second of the current's waveform, each held until the next.
-    pub waveform_rate: u32,
-    /// Time from a crest of the current, as it is asked for, to the first sample of a scan, s.
-    pub lead: f32,
-}
 
 /// Turns the samples of a scan into frames.
 #[derive(Clone, Debug)]
@@ -108,7 +92,7 @@ impl Acquisition {
             steps: patch.steps().count(),
             component: drive.component,
             gains: slots.iter().map(|_| first_gain).collect(),
-            factors: factors(drive.frequency, timing.integration, front_end),
+            factors: front_end.factors(drive.frequency, unit_of(timing.integration)),
             largest_gain: front_end.largest_gain,
             peaks: Vec::new(),
             frame: Frame::default(),
@@ -156,8 +140,7 @@ impl Acquisition {
 
     /// Keeps the samples of that slot of each frame from now on, or of none.
     pub fn watch(&mut self, slot: Option<u16>) {
-        let settling = self.timing.settling;
-        self.scope = slot.map(|slot| SlotSamples { slot, settling, ..SlotSamples::default() });
+        self.scope = slot.map(|slot| SlotSamples::of(slot, self.timing));
     }
 
     /// Begins anew, with the gains found so far: the next sample is the first of a scan.
@@ -168,23 +151,6 @@ impl Acquisition {
         assembly.begin();
         // The current rises during the first frame.
         assembly.skip = 1;
-    }
-
-    /// Keeps those of `samples`, which begin at `self.position` of a frame, that the scope watches.
-    fn keep_for_scope(&mut self, samples: &[u16]) {
-        let Some(scope) = &mut self.scope else { return };
-        let slot = self.timing.slot_samples();
-        let start = usize::from(scope.slot) * slot;
-        if (self.position..self.position + samples.len()).contains(&start) {
-            scope.samples.clear();
-        }
-        let from = start.saturating_sub(self.position).min(samples.len());
-        let to = (start + slot).saturating_sub(self.position).min(samples.len());
-        // Where the slot lies before or behind the samples, `from` is not before `to`.
-        let room = scope.samples.capacity() - scope.samples.len();
-        for &sample in samples.get(from..to).unwrap_or_default().iter().take(room) {
-            let _ = scope.samples.push(sample);
-        }
     }
 
     /// Takes the next samples; `done` gets each frame that they complete, without number and time, and
@@ -200,7 +166,9 @@ impl Acquisition {
 
     /// Samples of one frame.
     fn take(&mut self, samples: &[u16], done: &mut impl FnMut(&Frame, Option<&SlotSamples>)) {
-        self.keep_for_scope(samples);
+        if let Some(scope) = &mut self.scope {
+            scope.take(samples, self.position, self.timing.slot_samples());
+        }
         self.position = (self.position + samples.len()) % self.frame_samples();
         let (assembly, scope) = (&mut self.assembly, &mut self.scope);
         self.demodulator.push(samples, |reading| {
@@ -217,6 +185,12 @@ impl Acquisition {
             assembly.begin();
         });
     }
+}
+
+/// Codes at gain 1 that one unit of the lock-in's sums, without their spare bits, is worth.
+fn unit_of(integration: u16) -> f32 {
+    let spare = (1 << SPARE_BITS) as f32;
+    spare * 2.0 / f32::from(integration.max(1)) / LOCK_IN_ONE * FINENESS
 }
 
 /// What a slot was.
@@ -301,71 +275,9 @@ impl Assembly {
     }
 }
 
-/// What multiplies in-phase and quadrature sum to give the real code, and the imaginary one.
-type Factors = [[f32; 2]; 2];
-
-/// Images of the carrier on each side that [`factors`] counts: those further off are too small to matter.
-const IMAGES: i8 = 3;
-
-/// From sums of the lock-in to codes at gain 1: undoes what amplifier, poles and waveform do to the carrier.
-///
-/// The waveform's values are held, so it has images of the carrier beside it; those that lie a multiple of
-/// the sampling rate away read as the carrier itself. The leads, which take current from the skin, pass
-/// images otherwise than the carrier: at frequency f a channel passes `v + w g(f)`, where g is a high-pass of
-/// one pole, [`FrontEnd::lead_corner`], and v and w are real. So the lock-in's sums are those of `response (v +
-/// w g)` over the images: two equations for v and w, and so for what the channel passes at the carrier.
-fn factors(frequency: f32, integration: u16, front_end: &FrontEnd) -> [Factors; GAINS.len()] {
-    let spare = (1 << SPARE_BITS) as f32;
-    let amplitude = spare * 2.0 / f32::from(integration.max(1)) / LOCK_IN_ONE * FINENESS;
-    // One rate is a multiple of the other.
-    let apart = front_end.waveform_rate.max(front_end.sample_rate) as f32;
-    GAINS.map(|gain| {
-        let (mut of_v, mut of_w) = ([0.0; 2], [0.0; 2]);
-        for image in -IMAGES..=IMAGES {
-            let away = f32::from(image) * apart;
-            let turns = away * front_end.lead;
-            let response = product(front_end.response(frequency + away, gain), [cosine(turns), sine(turns)]);
-            let high = product(response, front_end.through_leads(frequency + away));
-            of_v = [of_v[0] + response[0], of_v[1] + response[1]];
-            of_w = [of_w[0] + high[0], of_w[1] + high[1]];
-        }
-        let scale = amplitude / (of_v[0] * of_w[1] - of_w[0] * of_v[1]);
-        let [v, w] = [[of_w[1], -of_w[0]], [-of_v[1], of_v[0]]];
-        let [real, imaginary] = front_end.through_leads(frequency);
-        [[v[0] + real * w[0], v[1] + real * w[1]], [imaginary * w[0], imaginary * w[1]]]
-            .map(|row| row.map(|part| part * scale))
-    })
-}
-
-impl FrontEnd {
-    /// What becomes of a wave of the current, from its values to the converter; frequency in Hz, and negative
-    /// for one that turns the other way. The amplifier has one pole, `g / (1 + j f g / gain_bandwidth)`.
-    fn response(&self, frequency: f32, gain: u8) -> [f32; 2] {
-        let half_turns = frequency / self.waveform_rate as f32;
-        let held = sine(half_turns / 2.0) / (core::f32::consts::PI * half_turns);
-        let amplifier = [1.0 / f32::from(gain), frequency / self.gain_bandwidth];
-        let poles = self.bandwidths.map(|bandwidth| [1.0, frequency / bandwidth]);
-        let [real, imaginary] = poles.into_iter().fold(amplifier, product);
-        let scale = held / (real * real + imaginary * imaginary);
-        [real * scale, -imaginary * scale]
-    }
-
-    /// The high-pass of the leads, j f / (f_c + j f), times f_c so that its corner may be infinite.
-    fn through_leads(&self, frequency: f32) -> [f32; 2] {
-        let ratio = frequency / self.lead_corner;
-        let scale = frequency / (1.0 + ratio * ratio);
-        [ratio * scale, scale]
-    }
-}
-
 /// Nearest integer, halves away from zero; beyond the ends the end.
 fn nearest(value: f32) -> i32 {
     (value + 0.5_f32.copysign(value)) as i32
-}
-
-/// Product of two complex numbers.
-fn product([a, b]: [f32; 2], [c, d]: [f32; 2]) -> [f32; 2] {
-    [a * c - b * d, a * d + b * c]
 }
 
 #[cfg(test)]

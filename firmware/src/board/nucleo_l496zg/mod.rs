@@ -24,7 +24,7 @@
 //! | waveform, DMA | DMA2 channel 4              | DMA1 channel 3 serves it too, but is taken     |
 //! | switch, DMA   | DMA1 channel 3              | the only one that serves updates of TIM3       |
 //! | samples, DMA  | DMA1 channel 2              | DMA2 channel 4 serves it too, but is taken     |
-//! | acquisition   | interrupt of the LCD        | nothing else uses it; see `drivers::executor`  |
+//! | acquisition   | interrupt of the LCD        | nothing else uses it; see `board::executor`    |
 //! | patch slots   | flash from 512 KiB on       | the second bank: the core never waits for it   |
 //! | watchdog      | IWDG                        | its clock is its own                           |
 
@@ -35,8 +35,7 @@ pub use sensing::*;
 use dermatome_shared::restart::ResetCauses;
 use embassy_stm32::{Config, adc::Adc, bind_interrupts, dma, interrupt, pac, peripherals, rcc, usart};
 
-use super::{Board, LinkParts, Thermometer};
-use crate::drivers::executor;
+use super::{Board, LinkParts, Thermometer, executor};
 
 /// What the board calls itself to a host.
 pub const NAME: &str = "nucleo-l496zg";

@@ -1,8 +1,10 @@
 //! Image: relative conductivity per pixel of a square grid, and the grid itself.
 
+pub mod surface;
+
 use crate::{
-    MAX_GRID_SIDE, MAX_PIXELS,
-    surface::{Pixel, SurfaceScale},
+    image::surface::{Pixel, SurfaceScale},
+    limits::{MAX_GRID_SIDE, MAX_PIXELS},
     units::RelativeConductivity,
 };
 use heapless::Vec;

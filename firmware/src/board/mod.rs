@@ -23,6 +23,7 @@ compile_error!("two boards: add --no-default-features to --features nucleo-l496z
 compile_error!("no board: add --features nucleo-g474re or --features nucleo-l496zg");
 
 mod chain;
+pub mod executor;
 mod thermometer;
 
 pub use chain::*;

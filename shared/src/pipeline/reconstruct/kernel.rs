@@ -18,7 +18,8 @@
 
 use super::{frame_shift, shift_right_rounded};
 use crate::{
-    MAX_MEASUREMENTS, image::Image, patch::PatchView, reference::DifferenceData, units::RelativeConductivity,
+    image::Image, limits::MAX_MEASUREMENTS, patch::PatchView, pipeline::reference::DifferenceData,
+    units::RelativeConductivity,
 };
 use core::arch::naked_asm;
 

@@ -19,8 +19,8 @@
 //! pressed lately; a contact uses the memory of the place that it is on.
 
 use crate::{
-    MAX_CONTACTS,
     contact::{Contact, Contacts},
+    limits::MAX_CONTACTS,
     patch::PatchView,
     units::RelativeConductivity,
 };

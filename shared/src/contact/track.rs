@@ -5,7 +5,7 @@
 //! contact without a track starts one. A track without a contact waits, and ends when it has waited too long, so
 //! that a contact that is lost for a few frames keeps its number.
 
-use crate::{MAX_CONTACTS, contact::Contact};
+use crate::{contact::Contact, limits::MAX_CONTACTS};
 use heapless::Vec;
 
 /// Most tracks: those that touch, and as many that wait.

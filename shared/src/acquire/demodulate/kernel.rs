@@ -8,7 +8,8 @@
 //! and stored as a whole.
 #![expect(unsafe_code, reason = "the kernel is written in assembly")]
 
-use super::{MAX_PERIOD, Reading, Waves};
+use super::{Reading, Waves};
+use crate::limits::MAX_PERIOD;
 use core::{arch::naked_asm, mem::offset_of};
 
 /// From a value of the cosine to the sine's, less the word that the cosine's address has moved on.

@@ -1,5 +1,7 @@
 //! Drive: how a skin is driven and measured.
 
+pub mod stimulation;
+
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 

@@ -6,7 +6,7 @@ use embassy_stm32::interrupt::{
     typelevel::{Handler, Interrupt},
 };
 
-use crate::board::AcquisitionInterrupt;
+use super::AcquisitionInterrupt;
 
 static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
 

@@ -2,17 +2,22 @@
 //!
 //! The fixed configuration is the patch; [`PipelineState`] is all that changes.
 
+pub mod drift;
+pub mod reconstruct;
+pub mod reference;
+
 use crate::{
-    contact::{self, Contacts},
-    drift::{Drift, Follow},
+    contact::{self, Contacts, hysteresis::Places},
+    drive::stimulation::Step,
     frame::{Frame, FrameFlags},
     health::ElectrodeSet,
-    hysteresis::Places,
     image::Image,
     patch::PatchView,
-    reconstruct::reconstruct,
-    reference::{Changes, DEFAULT_TARE_FRAMES, DifferenceData, Reference, Tare},
-    stimulation::Step,
+    pipeline::{
+        drift::{Drift, Follow},
+        reconstruct::reconstruct,
+        reference::{Changes, DEFAULT_TARE_FRAMES, DifferenceData, Reference, Tare},
+    },
     units::RelativeConductivity,
 };
 

@@ -13,11 +13,11 @@ fn patch(pixels_across: u8, seed: i16) -> Vec<u8> {
     patch::tests::patch_of_pixels(pixels_across, seed)
 }
 
-fn open(nor: Nor) -> SlotStore<Nor> {
-    SlotStore::open(nor)
+fn open(nor: Nor) -> FlashSlotStore<Nor> {
+    FlashSlotStore::open(nor)
 }
 
-fn write(store: &mut SlotStore<Nor>, bytes: &[u8], piece: usize) -> Result<(), StoreError> {
+fn write(store: &mut FlashSlotStore<Nor>, bytes: &[u8], piece: usize) -> Result<(), StoreError> {
     store.begin(bytes.len())?;
     for piece in bytes.chunks(piece) {
         store.append(piece)?;
@@ -26,7 +26,7 @@ fn write(store: &mut SlotStore<Nor>, bytes: &[u8], piece: usize) -> Result<(), S
     store.commit()
 }
 
-fn store_with(bytes: &[u8]) -> SlotStore<Nor> {
+fn store_with(bytes: &[u8]) -> FlashSlotStore<Nor> {
     let mut store = open(Nor::new(TEST_SLOT, 1));
     write(&mut store, bytes, 512).unwrap();
     store
@@ -120,7 +120,7 @@ fn sequences_wrap_and_skip_the_one_that_erased_flash_reads() {
 }
 
 /// Tries a power cut in each operation of an upload; gives the number of cuts.
-fn cut_everywhere(before: &SlotStore<Nor>, old: Option<&[u8]>, new: &[u8]) -> usize {
+fn cut_everywhere(before: &FlashSlotStore<Nor>, old: Option<&[u8]>, new: &[u8]) -> usize {
     let mut complete = open(before.flash.clone().reboot());
     write(&mut complete, new, 512).unwrap();
     let operations = complete.flash.operations;

@@ -18,7 +18,9 @@
 #[cfg(all(target_arch = "arm", feature = "dsp"))]
 mod kernel;
 
-use crate::{image::Image, patch::PatchView, reference::DifferenceData, units::RelativeConductivity};
+use crate::{
+    image::Image, patch::PatchView, pipeline::reference::DifferenceData, units::RelativeConductivity,
+};
 
 /// Applies the patch's matrix: `image[pixel] = sum over measurements of matrix * difference`.
 // Never inlined, so that a test can find it in the firmware's ELF and count its instructions.
