@@ -4,9 +4,10 @@
 //!
 //! ```text
 //! samples -> demodulate -> acquire -> frame
-//! frame -> health -> reference -> drift -> reconstruct -> contact -> hysteresis -> calibration    (inside pipeline)
+//! frame -> number, time, flags (health) -> pipeline -> events                        (inside device)
+//! frame -> reference -> drift -> reconstruct -> contact -> hysteresis -> calibration (inside pipeline)
 //! request packet -> protocol -> device -> protocol -> reply packet
-//! frame -> device -> pipeline -> events -> protocol -> event packets
+//! events -> protocol -> event packets
 //! ```
 //!
 //! Nothing here knows a clock, an executor, an allocator or any hardware, and nothing in the

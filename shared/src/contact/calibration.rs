@@ -1,5 +1,6 @@
 //! Calibration: strength of a contact -> pressure, and area of its region -> area that the pressure acts on.
 
+use super::Contact;
 use heapless::Vec;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -39,6 +40,15 @@ impl Calibration {
                 let rises = point.strength > before.strength && point.pressure > before.pressure;
                 rises && point.strength.is_finite() && point.pressure.is_finite()
             })
+    }
+
+    /// Gives contacts their pressures, by their strengths without hysteresis, `[contact]`, and the areas that
+    /// those act on.
+    pub fn apply(&self, contacts: &mut [Contact], strengths: &[f32]) {
+        for (contact, &strength) in contacts.iter_mut().zip(strengths) {
+            contact.pressure = self.pressure(strength);
+            contact.load_area = self.load_share.map(|share| share * contact.area);
+        }
     }
 
     /// Pressure at a strength, Pa; none without a curve.

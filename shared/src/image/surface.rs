@@ -15,7 +15,7 @@
 //! curved one a step is a 32,767th of its farthest coordinate, areas are rounded to a 255th of the
 //! largest, normals to 0.4 degrees.
 
-use crate::{limits::MAX_PIXELS, patch::PatchError};
+use crate::limits::MAX_PIXELS;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
@@ -91,6 +91,16 @@ pub struct Surface<'a> {
     neighbours: &'a [[u8; NEIGHBOUR_BYTES]],
 }
 
+/// Why two tables are no surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SurfaceError {
+    /// A number of the scale is not finite, or a step or unit of area not above zero.
+    Scale,
+    /// A pixel without area or normal, or with a neighbour that does not exist; the number of pixels if
+    /// entries are left over behind the last list.
+    Pixel { pixel: usize },
+}
+
 impl<'a> Surface<'a> {
     /// Tables as a patch holds them; bytes beyond the last whole entry are left out.
     #[must_use]
@@ -155,10 +165,10 @@ impl<'a> Surface<'a> {
     }
 
     /// Whether everything is a number that makes sense and every list lies in its table.
-    pub(crate) fn check(&self) -> Result<(), PatchError> {
+    pub(crate) fn check(&self) -> Result<(), SurfaceError> {
         let SurfaceScale { origin, step, area } = self.scale;
         if !(origin.iter().all(|part| part.is_finite()) && is_positive(step) && is_positive(area)) {
-            return Err(PatchError::NotPositive { field: "surface" });
+            return Err(SurfaceError::Scale);
         }
         let mut start = 0;
         for (number, pixel) in self.pixels().enumerate() {
@@ -170,11 +180,11 @@ impl<'a> Surface<'a> {
                 || pixel.area == 0
                 || !list.is_some_and(|list| list.iter().all(in_range))
             {
-                return Err(PatchError::Pixel { pixel: number });
+                return Err(SurfaceError::Pixel { pixel: number });
             }
             start = end;
         }
-        if start == self.neighbours.len() { Ok(()) } else { Err(PatchError::Pixel { pixel: self.count() }) }
+        if start == self.neighbours.len() { Ok(()) } else { Err(SurfaceError::Pixel { pixel: self.count() }) }
     }
 }
 

@@ -7,7 +7,8 @@
 //!
 //! The common factor is the median over the measurements of v / v_ref, which no press moves far.
 
-use crate::{health::median, pipeline::reference::Changes};
+use super::reference::Changes;
+use crate::health::median::median;
 
 /// Fastest common change that passes for drift, 1/s: 3 % a minute.
 const FASTEST: f32 = 5e-4;

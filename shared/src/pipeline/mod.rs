@@ -7,19 +7,20 @@ pub mod reconstruct;
 pub mod reference;
 
 use crate::{
-    contact::{self, Contacts, hysteresis::Places},
+    contact::{
+        self, Contacts,
+        hysteresis::{Places, Strengths},
+    },
     drive::stimulation::Step,
     frame::{Frame, FrameFlags},
     health::ElectrodeSet,
     image::Image,
     patch::PatchView,
-    pipeline::{
-        drift::{Drift, Follow},
-        reconstruct::reconstruct,
-        reference::{Changes, DEFAULT_TARE_FRAMES, DifferenceData, Reference, Tare},
-    },
     units::RelativeConductivity,
 };
+use drift::{Drift, Follow};
+use reconstruct::reconstruct;
+use reference::{Changes, DEFAULT_TARE_FRAMES, DifferenceData, Reference, Tare};
 
 /// A measurement that changes by more than this is more than a press does.
 const IMPLAUSIBLE: f32 = 0.8;
@@ -57,7 +58,7 @@ pub enum Outcome {
     Image,
 }
 
-/// Takes one frame through reference, reconstruction and contact finding.
+/// Takes one frame through all steps, from reference to calibration.
 ///
 /// Without a reference, a tare of [`DEFAULT_TARE_FRAMES`] steady frames begins by itself.
 pub fn process(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) -> Outcome {
@@ -65,25 +66,19 @@ pub fn process(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) 
         return Outcome::WrongLength;
     }
     state.flags = FrameFlags::default();
-    if state.reference.is_none() && state.tare.is_none() {
-        state.tare = Some(Tare::of_steady_frames(DEFAULT_TARE_FRAMES));
+    let mut measured = reference::combine(patch, frame);
+    if let Some(outcome) = state.average(patch, frame, &measured) {
+        return outcome;
     }
-    if let Some(tare) = &mut state.tare {
-        let is_fit = !frame.flags.intersects(UNFIT);
-        let Some(reference) = is_fit.then(|| tare.add(patch, frame)).flatten() else {
-            if !is_fit && tare.gives_up() {
-                state.tare = None;
-            }
-            return Outcome::Taring;
-        };
-        (state.tare, state.reference, state.drift) = (None, Some(reference), Drift::default());
-        state.places = Places::default();
-        return Outcome::Tared;
-    }
-    let follow = state.compare(patch, frame);
+    let Some(reference) = &state.reference else { return Outcome::Taring };
+    reference.subtract(&mut measured);
+    let differences = measured;
+    let follow = state.compare(patch, frame, &differences);
     reconstruct(patch, &state.difference, &mut state.image);
-    state.find_contacts(patch, frame.timestamp_us);
-    state.follow(patch, frame, follow);
+    state.contacts = contact::find(&patch.surface(), &state.image, patch.header.contact_threshold);
+    let strengths = state.without_hysteresis(patch);
+    patch.header.calibration.apply(&mut state.contacts, &strengths);
+    state.follow(patch, frame, &differences, follow);
     Outcome::Image
 }
 
@@ -110,11 +105,30 @@ impl PipelineState {
         self.drift.common()
     }
 
-    /// Frame -> difference data, without drift and bad electrodes; says how the reference may follow.
-    fn compare(&mut self, patch: &PatchView<'_>, frame: &Frame) -> Follow {
+    /// Adds a frame to the reference that is being averaged; none if there is nothing to average any more.
+    fn average(&mut self, patch: &PatchView<'_>, frame: &Frame, measured: &[i64]) -> Option<Outcome> {
+        if self.reference.is_none() && self.tare.is_none() {
+            self.tare = Some(Tare::of_steady_frames(DEFAULT_TARE_FRAMES));
+        }
+        let tare = self.tare.as_mut()?;
+        if frame.flags.intersects(UNFIT) {
+            if tare.gives_up() {
+                self.tare = None;
+            }
+            return Some(Outcome::Taring);
+        }
+        let Some(reference) = tare.add(patch, measured) else { return Some(Outcome::Taring) };
+        (self.tare, self.reference, self.drift) = (None, Some(reference), Drift::default());
+        self.places = Places::default();
+        Some(Outcome::Tared)
+    }
+
+    /// Differences -> difference data, without drift and bad electrodes; says how the reference may follow.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    fn compare(&mut self, patch: &PatchView<'_>, frame: &Frame, differences: &[i64]) -> Follow {
         let Some(reference) = &self.reference else { return Follow::Stay };
-        let mut relative = Changes::new();
-        reference.relative_change(patch, frame, &mut relative);
+        let mut relative = reference.relative_change(differences);
         let masked = mask_measurements(patch, self.bad_electrodes, &mut relative);
         self.flags.insert_if(FrameFlags::MASKED, masked);
         if frame.flags.contains(FrameFlags::NO_CURRENT) {
@@ -127,31 +141,26 @@ impl PipelineState {
         follow
     }
 
+    /// Strengths of the contacts without hysteresis: `[contact]`.
+    fn without_hysteresis(&mut self, patch: &PatchView<'_>) -> Strengths {
+        let threshold = patch.header.contact_threshold;
+        let level = || contact::region_level(&self.image, threshold).map_or(threshold, RelativeConductivity);
+        let noise = RelativeConductivity(threshold.0 / 2);
+        self.places.compensate(&patch.play_operators(), &self.contacts, noise, level)
+    }
+
     /// The reference follows a frame without contacts, where its measurements are known.
-    fn follow(&mut self, patch: &PatchView<'_>, frame: &Frame, follow: Follow) {
+    fn follow(&mut self, patch: &PatchView<'_>, frame: &Frame, differences: &[i64], follow: Follow) {
+        if !self.contacts.is_empty() {
+            return self.drift.touch(frame.timestamp_us);
+        }
         let is_doubtful = frame.flags.intersects(DOUBTFUL) || self.flags.intersects(DOUBTFUL);
-        if let (Follow::Part(part), Some(reference)) = (follow, &mut self.reference)
-            && !is_doubtful
-            && self.contacts.is_empty()
-        {
+        if let (Follow::Part(part), Some(reference), false) = (follow, &mut self.reference, is_doubtful) {
             let mut parts = Changes::new();
             let _ = parts.resize(reference.sums().len(), part);
             mask_measurements(patch, self.bad_electrodes, &mut parts);
-            reference.follow(patch, frame, &parts);
+            reference.follow(patch, differences, &parts);
             self.drift.followed(part);
-        }
-    }
-
-    fn find_contacts(&mut self, patch: &PatchView<'_>, now_us: u64) {
-        let header = &patch.header;
-        self.contacts = contact::find(&patch.surface(), &self.image, header.contact_threshold);
-        let level = || {
-            let seen = contact::region_level(&self.image, header.contact_threshold);
-            seen.map_or(header.contact_threshold, RelativeConductivity)
-        };
-        self.places.press(patch, &mut self.contacts, level);
-        if !self.contacts.is_empty() {
-            self.drift.touch(now_us);
         }
     }
 

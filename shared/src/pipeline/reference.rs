@@ -33,6 +33,9 @@ pub struct Reference {
     weights: Changes,
 }
 
+/// Voltages of one frame, or their differences from a reference, exact: `[measurement]`.
+pub type Measured = Vec<i64, MAX_MEASUREMENTS>;
+
 /// Relative changes: `[measurement]`.
 pub type Changes = Vec<f32, MAX_MEASUREMENTS>;
 
@@ -77,11 +80,9 @@ impl Tare {
         !self.is_automatic() && self.unfit / 4 >= frames
     }
 
-    /// Adds one frame; gives the finished reference with the last one.
-    pub fn add(&mut self, patch: &PatchView<'_>, frame: &Frame) -> Option<Reference> {
-        let mut measured = Vec::new();
-        combine_steps(patch, frame, &mut measured);
-        if let Some(frames) = self.steady_frames.filter(|_| self.reference.is_unlike(&measured)) {
+    /// Adds one frame's measurements; gives the finished reference with the last one.
+    pub fn add(&mut self, patch: &PatchView<'_>, measured: &[i64]) -> Option<Reference> {
+        if let Some(frames) = self.steady_frames.filter(|_| self.reference.is_unlike(measured)) {
             *self = Self::of_steady_frames(frames);
         }
         let sums = &mut self.reference.sums;
@@ -89,7 +90,7 @@ impl Tare {
             sums.clear();
             resize(sums, measured.len());
         }
-        for (sum, value) in sums.iter_mut().zip(&measured) {
+        for (sum, value) in sums.iter_mut().zip(measured) {
             *sum += value;
         }
         self.reference.frames = self.reference.frames.saturating_add(1);
@@ -116,24 +117,30 @@ impl Reference {
         self.frames
     }
 
-    /// Change of one frame relative to this reference: `[measurement]`.
+    /// Turns measurements into their differences from this reference, times its [`Self::frames`].
+    pub fn subtract(&self, measured: &mut [i64]) {
+        for (value, sum) in measured.iter_mut().zip(&self.sums) {
+            *value = self.difference(*value, *sum);
+        }
+    }
+
+    fn difference(&self, value: i64, sum: i64) -> i64 {
+        value * i64::from(self.frames) - sum
+    }
+
+    /// Differences relative to this reference: `[measurement]`.
     ///
     /// A measurement whose reference is zero cannot be normalised and reads zero.
-    pub fn relative_change(&self, patch: &PatchView<'_>, frame: &Frame, out: &mut Changes) {
-        let mut measured = Vec::new();
-        combine_steps(patch, frame, &mut measured);
-        resize(out, measured.len());
-        for (((change, value), sum), scale) in out.iter_mut().zip(&measured).zip(&self.sums).zip(&self.scales)
-        {
-            *change = to_f32(value * i64::from(self.frames) - sum) * scale;
-        }
+    #[must_use]
+    pub fn relative_change(&self, differences: &[i64]) -> Changes {
+        differences.iter().zip(&self.scales).map(|(&difference, scale)| to_f32(difference) * scale).collect()
     }
 
     /// Whether a frame's measurements differ from the mean by more than noise does.
     fn is_unlike(&self, measured: &[i64]) -> bool {
         let (mut change, mut size) = (0.0, 0.0);
         for (&sum, &value) in self.sums.iter().zip(measured) {
-            change += (value * i64::from(self.frames) - sum).unsigned_abs() as f32;
+            change += self.difference(value, sum).unsigned_abs() as f32;
             size += sum.unsigned_abs() as f32;
         }
         change > UNSTEADY * size
@@ -150,13 +157,11 @@ impl Reference {
         self.weights = self.sums.iter().zip(&self.scales).map(|(&sum, scale)| sum as f32 * scale).collect();
     }
 
-    /// Moves the reference these parts of the way to a frame, 0 to 1: `[measurement]`; not a number moves nothing.
-    pub fn follow(&mut self, patch: &PatchView<'_>, frame: &Frame, parts: &[f32]) {
-        let mut measured = Vec::new();
-        combine_steps(patch, frame, &mut measured);
-        for ((sum, value), part) in self.sums.iter_mut().zip(&measured).zip(parts) {
+    /// Moves the reference these parts of the way to a frame that differs from it like that, 0 to 1:
+    /// `[measurement]`; not a number moves nothing.
+    pub fn follow(&mut self, patch: &PatchView<'_>, differences: &[i64], parts: &[f32]) {
+        for ((sum, way), part) in self.sums.iter_mut().zip(differences).zip(parts) {
             let part = (part.clamp(0.0, 1.0) * FOLLOW_ONE as f32) as i64;
-            let way = value * i64::from(self.frames) - *sum;
             // A code has 25 bits, two of them add up, and a tare has 10 bits of frames: 60 bits.
             *sum += (way * part + FOLLOW_ONE / 2).div_euclid(FOLLOW_ONE);
         }
@@ -217,16 +222,18 @@ fn to_f32(value: i64) -> f32 {
     i32::try_from(value).map_or_else(|_| value as f32, |value| core::hint::black_box(value) as f32)
 }
 
-/// Adds up the steps that measure the same thing (reciprocal pairs), each with its sign.
-fn combine_steps(patch: &PatchView<'_>, frame: &Frame, out: &mut Vec<i64, MAX_MEASUREMENTS>) {
-    out.clear();
-    resize(out, patch.header.measurements.into());
+/// Steps -> measurements: adds up those that measure the same thing (reciprocal pairs), each with its sign.
+#[must_use]
+pub fn combine(patch: &PatchView<'_>, frame: &Frame) -> Measured {
+    let mut measured = Measured::new();
+    resize(&mut measured, patch.header.measurements.into());
     for (code, target) in frame.codes.iter().zip(patch.combination()) {
-        if let Some(sum) = out.get_mut(usize::from(target.measurement)) {
+        if let Some(sum) = measured.get_mut(usize::from(target.measurement)) {
             let value = i64::from(code.0);
             *sum += if target.flipped { -value } else { value };
         }
     }
+    measured
 }
 
 fn scales(patch: &PatchView<'_>, reference: &Reference) -> Changes {
