@@ -43,6 +43,15 @@ pub struct BoardFacts {
     pub started_after: Restart,
 }
 
+/// What a frame does not know of itself when its last sample has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Arrival {
+    /// When the scan ended, microseconds of the board's own clock.
+    pub timestamp_us: u64,
+    /// Whether the board lost samples between the frame before and this one.
+    pub missed: bool,
+}
+
 /// The state of a board.
 #[derive(Debug)]
 pub struct Device<S> {
@@ -152,14 +161,24 @@ impl<S: PatchStore> Device<S> {
         BoardPacket::Reply { sequence: packet.sequence, reply }
     }
 
-    /// Takes one frame through health and pipeline, adds the flags that follow to it, and hands each event
-    /// to `emit`, what is urgent first.
-    pub fn process(&mut self, frame: &mut Frame, mut emit: impl FnMut(&BoardPacket)) {
+    /// Finishes one frame, takes it through the pipeline, and hands each event to `emit`, what is urgent first.
+    pub fn process(&mut self, frame: &mut Frame, arrival: Arrival, mut emit: impl FnMut(&BoardPacket)) {
+        if let Some(outcome) = self.finish(frame, arrival) {
+            self.tell(frame, outcome, &mut emit);
+        }
+    }
+
+    /// Gives a frame all that it does not bring along: number, time, and the flags of board, wiring and pipeline;
+    /// says what the pipeline made of it, with a patch.
+    fn finish(&mut self, frame: &mut Frame, arrival: Arrival) -> Option<Outcome> {
+        frame.sequence = self.next_frame;
         self.next_frame = frame.sequence.wrapping_add(1);
-        self.missed += u32::from(frame.flags.contains(FrameFlags::MISSED));
+        frame.timestamp_us = arrival.timestamp_us;
+        frame.flags.insert_if(FrameFlags::MISSED, arrival.missed);
+        self.missed += u32::from(arrival.missed);
         let is_hot = self.vitals.temperature.is_some_and(|celsius| celsius > HOT);
         frame.flags.insert_if(FrameFlags::HOT, is_hot);
-        let Some(patch) = patch_in_use(&self.store, &self.header) else { return };
+        let patch = patch_in_use(&self.store, &self.header)?;
         if self.facts.front_end.is_some() {
             let frequency = self.drive.unwrap_or(patch.header.drive).frequency;
             let (health, found) = Health::examine(&patch, frequency, frame);
@@ -169,7 +188,7 @@ impl<S: PatchStore> Device<S> {
         }
         let outcome = pipeline::process(&patch, &mut self.pipeline, frame);
         frame.flags.insert(self.pipeline.flags());
-        self.tell(frame, outcome, &mut emit);
+        Some(outcome)
     }
 
     /// Whether the frame of this number is one whose scope a host wants.
