@@ -24,21 +24,22 @@ use crate::{
     patch::PatchView,
     units::AdcCode,
 };
-use demodulate::{CLIPPED, Demodulator, Reading, Reference};
+use demodulate::{CLIPPED, Demodulator, LockInReference, Reading};
 use front_end::Factors;
 use heapless::Vec;
+use micromath::F32Ext;
 use scan::Timing;
 use trigonometry::length;
 
-/// Codes of a frame have so many steps in one step of the converter at gain 1.
+/// Steps of a frame's codes in one LSB of the converter at gain 1.
 pub const FINENESS: f32 = 4096.0;
 /// A reference of 1 in the lock-in's table.
 const LOCK_IN_ONE: f32 = 16_384.0;
 /// Lowest bits of the lock-in's sums that are left out, so that the rest fits 32 bits: they are worth less
-/// than a thousandth of a step of the converter.
+/// than a thousandth of an LSB.
 const SPARE_BITS: u32 = 8;
-/// An automatic gain brings a slot's peak up to this many steps of the converter, of 2047: room for a
-/// press that doubles the voltage.
+/// An automatic gain brings a slot's peak up to this many LSB, of 2047: room for a press that doubles the
+/// voltage.
 pub const PEAK_GOAL: u32 = 900;
 /// Largest gain after the first look, which sees small voltages badly.
 const FIRST_GAIN_LIMIT: u8 = 8;
@@ -83,7 +84,7 @@ impl Acquisition {
         let timing = Timing::new(drive, front_end.sample_rate)?;
         let slots = scan::slots(patch);
         let lead = front_end.lead * front_end.sample_rate as f32;
-        let demodulator = Demodulator::new(Reference::new(timing.period, drive.phase, lead), timing);
+        let demodulator = Demodulator::new(LockInReference::new(timing.period, drive.phase, lead), timing);
         let first_gain = match drive.gain {
             Gain::Automatic => 0,
             Gain::Fixed(gain) => GAINS.iter().position(|&known| known == gain)? as u8,
@@ -263,21 +264,16 @@ impl Assembly {
         let gain = self.gains.get(slot).map_or(0, |&place| usize::from(place));
         let [real, imaginary] = self.factors.get(gain).copied().unwrap_or_default();
         let [x, y] = [reading.in_phase, reading.quadrature].map(|sum| (sum >> SPARE_BITS) as i32 as f32);
-        [real, imaginary].map(|[of_x, of_y]| AdcCode(nearest(of_x * x + of_y * y)))
+        [real, imaginary].map(|[of_x, of_y]| AdcCode(F32Ext::round(of_x * x + of_y * y) as i32))
     }
 
     fn component_of(&self, real: AdcCode, imaginary: AdcCode) -> AdcCode {
         match self.component {
             Component::Real => real,
             Component::Imaginary => imaginary,
-            Component::Magnitude => AdcCode(nearest(length(real.0 as f32, imaginary.0 as f32))),
+            Component::Magnitude => AdcCode(F32Ext::round(length(real.0 as f32, imaginary.0 as f32)) as i32),
         }
     }
-}
-
-/// Nearest integer, halves away from zero; beyond the ends the end.
-fn nearest(value: f32) -> i32 {
-    (value + 0.5_f32.copysign(value)) as i32
 }
 
 #[cfg(test)]

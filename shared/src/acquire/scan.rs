@@ -10,6 +10,7 @@ use crate::{
     patch::PatchView,
 };
 use heapless::Vec;
+use micromath::F32Ext;
 
 /// Fewest samples in a carrier period.
 const MIN_PERIOD: u32 = 8;
@@ -35,7 +36,7 @@ impl Timing {
         if !fits || period % 2 == 1 || !(MIN_PERIOD..=MAX_PERIOD as u32).contains(&period) {
             return None;
         }
-        let settling = libm::ceilf(drive.settling * period as f32 - 1e-3) as u32;
+        let settling = F32Ext::ceil(drive.settling * period as f32 - 1e-3) as u32;
         Some(Self {
             period: period as u16,
             // The sample during which the multiplexers switch never counts.

@@ -12,6 +12,7 @@ use super::{
     trigonometry::{cosine, sine},
 };
 use crate::limits::MAX_PERIOD;
+use micromath::F32Ext;
 
 /// What a reference of 1 reads in the table.
 const ONE: f32 = 16_384.0;
@@ -23,7 +24,7 @@ pub const CLIPPED: u16 = 1900;
 
 /// The lock-in's reference: as many whole periods as there is room for.
 #[derive(Clone, Debug)]
-pub struct Reference {
+pub struct LockInReference {
     waves: Waves,
     /// Samples in a period.
     period: usize,
@@ -39,7 +40,7 @@ struct Waves {
     sine: [i16; MAX_PERIOD],
 }
 
-impl Reference {
+impl LockInReference {
     /// A reference of `period` samples that lags the current by `phase` degrees; sample 0 of the scan
     /// lies `lead` samples after the current's crest.
     #[must_use]
@@ -52,8 +53,8 @@ impl Reference {
             // The second half is the first one's opposite, so that a constant sums to exactly nothing.
             let (place, sign) = if n < period / 2 { (n, 1.0) } else { (n - period / 2, -1.0) };
             let turns = (place as f32 + lead) / period as f32 - phase / 360.0;
-            waves.cosine[sample] = libm::roundf(sign * cosine(turns) * ONE) as i16;
-            waves.sine[sample] = libm::roundf(-sign * sine(turns) * ONE) as i16;
+            waves.cosine[sample] = F32Ext::round(sign * cosine(turns) * ONE) as i16;
+            waves.sine[sample] = F32Ext::round(-sign * sine(turns) * ONE) as i16;
         }
         Self { waves, period, length }
     }
@@ -120,7 +121,7 @@ impl Reading {
 /// Takes the samples of a scan as they come, in pieces of any length, and gives a reading per slot.
 #[derive(Clone, Debug)]
 pub struct Demodulator {
-    reference: Reference,
+    reference: LockInReference,
     timing: Timing,
     /// Samples of the slot so far.
     position: usize,
@@ -132,7 +133,7 @@ pub struct Demodulator {
 impl Demodulator {
     /// Ready for the first sample of a scan.
     #[must_use]
-    pub fn new(reference: Reference, timing: Timing) -> Self {
+    pub fn new(reference: LockInReference, timing: Timing) -> Self {
         let mut demodulator = Self { reference, timing, position: 0, first: 0, reading: Reading::default() };
         demodulator.restart();
         demodulator
@@ -197,7 +198,7 @@ mod tests {
     }
 
     fn readings(samples: &[u16], pieces: usize) -> Vec<Reading> {
-        let mut demodulator = Demodulator::new(Reference::new(20, 0.0, 0.0), TIMING);
+        let mut demodulator = Demodulator::new(LockInReference::new(20, 0.0, 0.0), TIMING);
         let mut found = Vec::new();
         samples.chunks(pieces).for_each(|piece| demodulator.push(piece, |reading| found.push(*reading)));
         found
@@ -223,7 +224,7 @@ mod tests {
     fn phase_and_lead_turn_the_reference() {
         let samples = wave(900.0, 0.0, 0.0, 470);
         for (phase, lead) in [(90.0, 0.0), (0.0, -5.0)] {
-            let mut demodulator = Demodulator::new(Reference::new(20, phase, lead), TIMING);
+            let mut demodulator = Demodulator::new(LockInReference::new(20, phase, lead), TIMING);
             demodulator.push(&samples, |reading| {
                 assert!(amplitude(reading.in_phase).abs() < 0.5, "{reading:?}");
                 assert!((amplitude(reading.quadrature) - 900.0).abs() < 0.5, "{reading:?}");
