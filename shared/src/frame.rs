@@ -19,7 +19,7 @@ pub struct Frame {
     pub flags: FrameFlags,
     /// The part of each voltage that goes into the image: `[step]`.
     pub codes: Vec<AdcCode, MAX_STEPS>,
-    /// The part a quarter period later: `[step]`; empty where it is not measured.
+    /// The part in quadrature: `[step]`; empty where it is not measured.
     pub quadrature: Vec<AdcCode, MAX_STEPS>,
     /// Voltages of the electrodes' tests ([`crate::acquire::scan::test_step`]): `[electrode]`; empty where they
     /// are not measured.
@@ -50,7 +50,7 @@ impl Frame {
 pub struct ElectrodeTest {
     /// In phase with the current.
     pub in_phase: AdcCode,
-    /// A quarter period later.
+    /// In quadrature with it.
     pub quadrature: AdcCode,
     /// Whether the converter or its amplifier was at the end of its range.
     pub is_clipped: bool,

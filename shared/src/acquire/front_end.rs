@@ -37,7 +37,7 @@ const IMAGES: i8 = 3;
 impl FrontEnd {
     /// From sums of the lock-in to codes at gain 1: undoes what amplifier, poles and waveform do to the carrier.
     ///
-    /// The waveform's values are held, so it has images of the carrier beside it; those that lie a multiple of
+    /// The waveform's values are held (a zero-order hold), so it has images of the carrier beside it; those that lie a multiple of
     /// the sampling rate away read as the carrier itself. The leads, which take current from the skin, pass
     /// images otherwise than the carrier: at frequency f a channel passes `v + w g(f)`, where g is a high-pass of
     /// one pole, [`Self::lead_corner`], and v and w are real. So the lock-in's sums are those of `response (v +
@@ -69,11 +69,11 @@ impl FrontEnd {
     /// for one that turns the other way. The amplifier has one pole, `g / (1 + j f g / gain_bandwidth)`.
     fn response(&self, frequency: f32, gain: u8) -> [f32; 2] {
         let half_turns = frequency / self.waveform_rate as f32;
-        let held = sine(half_turns / 2.0) / (core::f32::consts::PI * half_turns);
+        let hold = sine(half_turns / 2.0) / (core::f32::consts::PI * half_turns);
         let amplifier = [1.0 / f32::from(gain), frequency / self.gain_bandwidth];
         let poles = self.bandwidths.map(|bandwidth| [1.0, frequency / bandwidth]);
         let [real, imaginary] = poles.into_iter().fold(amplifier, product);
-        let scale = held / (real * real + imaginary * imaginary);
+        let scale = hold / (real * real + imaginary * imaginary);
         [real * scale, -imaginary * scale]
     }
 

@@ -5,8 +5,8 @@
 //! peaks that stand apart (`regions`). Where the largest value stays below the patch's threshold there
 //! is no contact, so that noise on an untouched skin stays silent.
 //!
-//! An image rings beside a strong contact, most near the rim: a lower peak so close to a contact that no second
-//! finger would show as a peak of its own there is not one (`Contact::shadows`).
+//! An image rings beside a strong contact, most near the boundary: a lower peak so close to a contact that no second
+//! finger would show as a peak of its own there is not one (non-maximum suppression, `Contact::suppresses`).
 //!
 //! Most pixels cost one comparison, for the largest value of each block of 16; only blocks that reach
 //! above the level are looked at again.
@@ -68,7 +68,7 @@ impl Contact {
 
     /// Whether a weaker contact is only the ringing beside this one: it lies closer than the side of a square as
     /// large as this one's area (1.8 times its radius), and its peak stays below three quarters of this one's.
-    fn shadows(&self, weaker: &Self) -> bool {
+    fn suppresses(&self, weaker: &Self) -> bool {
         let apart = |axis: usize| self.position[axis] - weaker.position[axis];
         let square: f32 = (0..3).map(|axis| apart(axis) * apart(axis)).sum();
         square < self.area && weaker.peak < 0.75 * self.peak
@@ -117,7 +117,7 @@ pub fn find(
     }
     let mut contacts = Contacts::new();
     for contact in regions.iter().map(|region| search.contact(region)) {
-        if !contacts.iter().any(|stronger| stronger.shadows(&contact)) {
+        if !contacts.iter().any(|stronger| stronger.suppresses(&contact)) {
             // Never full: regions are no more.
             let _ = contacts.push(contact);
         }

@@ -34,7 +34,7 @@ pub struct Tracker {
     /// Farthest that a contact may lie from where it is expected, m.
     pub reach: f32,
     /// How long a track waits for its contact, us.
-    pub patience_us: u64,
+    pub timeout_us: u64,
     tracks: Vec<Track, MAX_TRACKS>,
     next_id: u32,
 }
@@ -42,14 +42,14 @@ pub struct Tracker {
 impl Tracker {
     /// A tracker without tracks.
     #[must_use]
-    pub const fn new(reach: f32, patience_us: u64) -> Self {
-        Self { reach, patience_us, tracks: Vec::new(), next_id: 1 }
+    pub const fn new(reach: f32, timeout_us: u64) -> Self {
+        Self { reach, timeout_us, tracks: Vec::new(), next_id: 1 }
     }
 
     /// Takes the contacts of the image of this time; gives all tracks, those that wait as well.
     pub fn update(&mut self, now_us: u64, contacts: &[Contact]) -> &[Track] {
-        let patience_us = self.patience_us;
-        self.tracks.retain(|track| now_us.saturating_sub(track.seen_us) <= patience_us);
+        let timeout_us = self.timeout_us;
+        self.tracks.retain(|track| now_us.saturating_sub(track.seen_us) <= timeout_us);
         let mut free: Vec<Contact, MAX_CONTACTS> = contacts.iter().copied().take(MAX_CONTACTS).collect();
         let mut waiting: Vec<usize, MAX_TRACKS> = (0..self.tracks.len()).collect();
         while let Some((place, index)) = self.closest(now_us, &waiting, &free) {

@@ -47,7 +47,7 @@ pub enum Gain {
 pub enum Component {
     /// In phase with the current.
     Real,
-    /// A quarter period later.
+    /// In quadrature with it.
     Imaginary,
     /// Length of the phasor.
     Magnitude,

@@ -331,15 +331,15 @@ mod tests {
         let patch = PatchView::validate(&bytes).unwrap();
         let mut state = tared(&patch, 1_000_000, 2);
         state.mask(ElectrodeSet(1 << 3));
-        let mut kept = Changes::new();
-        kept.resize(patch.header.measurements.into(), 0.0).unwrap();
-        mask_measurements(&patch, ElectrodeSet(1 << 3), &mut kept);
+        let mut parts = Changes::new();
+        parts.resize(patch.header.measurements.into(), 0.0).unwrap();
+        mask_measurements(&patch, ElectrodeSet(1 << 3), &mut parts);
         let values = drifting(&patch, &mut state, 10.0, [0.0, 300.0], 0.0);
         assert!(values.iter().all(|value| value.abs() < 0.008), "{:?}", values.last());
         assert!(state.contacts().is_empty());
         assert_eq!(state.flags(), FrameFlags::MASKED);
-        assert!(kept.iter().any(|part| part.is_nan()) && !kept.iter().all(|part| part.is_nan()));
-        for (sum, part) in state.reference().unwrap().sums().iter().zip(&kept) {
+        assert!(parts.iter().any(|part| part.is_nan()) && !parts.iter().all(|part| part.is_nan()));
+        for (sum, part) in state.reference().unwrap().sums().iter().zip(&parts) {
             assert_eq!(*sum == 2_000_000, part.is_nan(), "{sum}");
         }
     }

@@ -20,7 +20,7 @@ use heapless::Vec;
 /// Frames averaged by default for one reference (thesis section 4.1: twenty).
 pub const DEFAULT_TARE_FRAMES: u16 = 20;
 
-/// The averaged untouched frame, kept as exact sums.
+/// The averaged untouched frame, as exact sums.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reference {
     /// Frames summed.

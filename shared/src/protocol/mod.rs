@@ -363,7 +363,7 @@ pub enum Event {
         at: FrameStamp,
         /// The part of each voltage that goes into the image: `[step]`.
         codes: Vec<AdcCode, MAX_STEPS>,
-        /// The part a quarter period later: `[step]`; empty where it is not measured.
+        /// The part in quadrature: `[step]`; empty where it is not measured.
         quadrature: Vec<AdcCode, MAX_STEPS>,
     },
     /// What one frame says about the board and its skin.

@@ -1,4 +1,4 @@
-//! Slots: patch storage in two slots of flash, whole after a power cut at any moment.
+//! Flash slots: patch storage in two of them, whole after a power cut at any moment. They are called slots here.
 //!
 //! One slot holds the patch in use, the other takes the next one. A slot is the patch from its
 //! start and, in its last double word, the *commit record*:
