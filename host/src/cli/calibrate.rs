@@ -14,7 +14,7 @@ use crate::{
     skin::quantity::{AREA, Quantity},
 };
 use anyhow::{Context, bail, ensure};
-use dermatome_shared::{hysteresis::Play, patch::PatchView, reference::DEFAULT_TARE_FRAMES};
+use dermatome_shared::{hysteresis::PlayOperator, patch::PatchView, reference::DEFAULT_TARE_FRAMES};
 use serde::Serialize;
 use std::{
     fmt::Write,
@@ -258,6 +258,6 @@ fn print_compensation(fit: &Fit) {
 }
 
 /// Reach and weight as plain numbers.
-fn plain(play: &Play) -> [f64; 2] {
-    [f64::from(play.reach) / 4096.0, f64::from(play.weight) / 2048.0]
+fn plain(play: &PlayOperator) -> [f64; 2] {
+    [f64::from(play.threshold) / 4096.0, f64::from(play.weight) / 2048.0]
 }
