@@ -98,6 +98,8 @@ pub struct PatchHeader {
     /// impedance, ohm: `[electrode]`; empty if unknown.
     pub test_resistances: Vec<f32, MAX_ELECTRODES>,
     /// Play operators of the hysteresis model ([`crate::contact::hysteresis`]); 0 takes strengths as they are.
+    // Its name in reports stays.
+    #[serde(rename = "plays")]
     pub play_operators: u8,
 }
 
