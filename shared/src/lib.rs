@@ -27,7 +27,7 @@
 //! | [`patch`]    | everything a board needs to sense one skin                                       |
 //! | [`acquire`]  | samples to frames: [`scan`], [`demodulate`], front end, scope                    |
 //! | [`health`]   | what a frame says about the wiring, and why the board started ([`restart`])      |
-//! | [`pipeline`] | frames to contacts: [`reference`], drift, [`reconstruct`]                        |
+//! | [`pipeline`] | frames to contacts: [`mod@reference`], drift, [`reconstruct`]                        |
 //! | [`protocol`] | messages on the wire, and their framing                                          |
 //! | [`device`]   | the board's state machine, and where it keeps its patch                          |
 #![no_std]
