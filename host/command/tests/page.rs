@@ -32,5 +32,8 @@ fn the_page_lists_the_commands_as_they_are() {
         fs::write(Path::new(PAGE), &right).unwrap();
         return;
     }
-    assert!(page == right, "docs/cli.md is not what the commands say; UPDATE_PAGES=1 cargo test -p dermatome-command writes it");
+    assert!(
+        page == right,
+        "docs/cli.md is not what the commands say; UPDATE_PAGES=1 cargo test -p dermatome-command writes it"
+    );
 }
