@@ -110,13 +110,13 @@ mod patches {
             drift_time: 0.0,
             calibration: Calibration::default(),
             test_resistances: Default::default(),
-            plays: 0,
+            play_operators: 0,
         };
         let exponents: Vec<i8> = (0..pixels).map(|_| random.random_range(14..18)).collect();
         let matrix: Vec<i16> =
             (0..pixels * measurements).map(|_| random.random_range(-32_767..=32_767)).collect();
         let contents = PatchContents {
-            plays: &[],
+            play_operators: &[],
             header: &header,
             steps: &steps,
             combination: &combination,

@@ -1,5 +1,5 @@
 use super::*;
-use dermatome_shared::{calibration::Calibration, hysteresis::Play};
+use dermatome_shared::{calibration::Calibration, hysteresis::PlayOperator};
 use dermatome_simulate::material::{Material, Transducer};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -63,7 +63,7 @@ impl Bench {
 }
 
 /// One loading cycle of one place, and the curve and plays from it.
-fn identified(name: &str) -> (Trial, Calibration, Vec<Play>) {
+fn identified(name: &str) -> (Trial, Calibration, Vec<PlayOperator>) {
     let up = [0.0, 0.02].into_iter().chain((1..=10).map(|n| 0.1 * f64::from(n)));
     let (trial, _) = Bench::new(name, 500).trial(&stairs(up), 10.0);
     let calibration = Curve::of_loading(std::slice::from_ref(&trial)).calibration().unwrap();
