@@ -49,7 +49,7 @@ mod tare;
 
 /// Pressure-sensing robot skin by electrical impedance tomography.
 #[derive(Parser)]
-#[command(version, propagate_version = true, arg_required_else_help = true)]
+#[command(name = "dermatome", version, propagate_version = true, arg_required_else_help = true)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
