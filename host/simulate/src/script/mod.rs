@@ -1,5 +1,7 @@
 //! Script: where indenters press a simulated skin, and when.
 
+mod path_file;
+
 use dermatome_geometry::outline::Outline;
 use dermatome_model::indenter::{Load, Press, PressError};
 use nalgebra::Vector2;
@@ -50,7 +52,13 @@ impl Script {
         Ok(Self { fingers, duration })
     }
 
-    /// One finger that stays.
+    /// Nobody presses.
+    #[must_use]
+    pub fn nobody() -> Self {
+        Self { fingers: Vec::new(), duration: 0.0 }
+    }
+
+    /// Fingers that stay.
     pub fn still(presses: &[Press], outline: &Outline) -> Result<Self, ScriptError> {
         let still = |press: &Press| vec![Moment { time: 0.0, press: press.clone() }];
         Self::new(presses.iter().map(still).collect(), outline)

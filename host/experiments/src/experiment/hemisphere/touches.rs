@@ -1,19 +1,18 @@
 //! Touches: pictures of fingers on the hemisphere (thesis Figs 5.10 and 5.11), pressed through Sample 3's material.
 
-use super::{
-    ExperimentError,
-    hemisphere::{DIAMETER, matched},
-    report::{Report, mean_and_deviation, number},
-    sample::THREE_SINGLE,
-};
-use crate::scenes::{
-    place,
-    stage::{Eye, Stage},
+use super::DIAMETER;
+use crate::{
+    experiment::{
+        ExperimentError,
+        report::{Report, mean_and_deviation, number},
+        sample::THREE_SINGLE,
+    },
+    scenes::{matched, place},
 };
 use dermatome_model::skin::{Skin, electrodes_in_plane};
 use dermatome_patch::layout::Layout;
-use dermatome_shared::contact::Contact;
-use dermatome_simulate::{Footprint, Load, Noise, Press, Sheet, material::Material};
+use dermatome_shared::{contact::Contact, pipeline::PipelineState};
+use dermatome_simulate::{Footprint, Load, Noise, Press, Rig, Sheet, material::Material, rig::Observer};
 use dermatome_view::sheet::{Panel, Sheet as Images, reconstruction_sheet};
 use nalgebra::Point3;
 
@@ -25,10 +24,10 @@ const HOLD: f64 = 2.0;
 /// Signal-to-noise ratio of a frame, dB.
 const SNR_DB: f64 = 60.0;
 
-/// A hemisphere that is touched, and the models that it is seen through.
-pub(super) struct Booth {
-    stage: Stage,
-    viewers: Vec<(Skin, Eye)>,
+/// A hemisphere that is touched, and its observers, each with the skin whose model it has.
+pub(super) struct TouchRig {
+    rig: Rig,
+    observers: Vec<(Skin, Observer)>,
     material: Material,
 }
 
@@ -38,7 +37,7 @@ pub(super) struct Touch {
     truth: Vec<Point3<f64>>,
     /// Area of one finger on the hemisphere, mean, m^2.
     area: f64,
-    /// By viewer.
+    /// By observer.
     seen: Vec<Seen>,
 }
 
@@ -50,14 +49,14 @@ struct Seen {
     laid: Vec<Point3<f64>>,
 }
 
-impl Booth {
+impl TouchRig {
     /// The true skin, and skins whose models it is seen through; the first one's patch says how it is scanned.
     pub(super) fn new(true_skin: &Skin, skins: Vec<Skin>) -> Result<Self, ExperimentError> {
-        let eyes = skins.iter().map(Eye::new).collect::<Result<Vec<_>, _>>()?;
+        let observers = skins.iter().map(Observer::new).collect::<Result<Vec<_>, _>>()?;
         let noise = Noise { snr_db: SNR_DB, seed: 1 };
-        let stage = Stage::new(true_skin, &eyes[0], noise)?;
+        let rig = Rig::new(true_skin, &observers[0].patch(), noise)?;
         let material = Material::named(THREE_SINGLE.material)?;
-        Ok(Self { stage, viewers: skins.into_iter().zip(eyes).collect(), material })
+        Ok(Self { rig, observers: skins.into_iter().zip(observers).collect(), material })
     }
 
     /// What is pressed how, in words.
@@ -82,27 +81,27 @@ impl Booth {
         let presses: Vec<_> =
             from_above.map(|at| Press::new(finger.clone(), at, Load::Force(FORCE))).collect();
         let mut sheet = Sheet::new(&self.material, 1);
-        let rest = sheet.respond(&self.stage.truth().pressure(&[]), 0.0);
-        let frames = self.stage.tare(&rest);
-        self.viewers.iter_mut().for_each(|(_, eye)| eye.tare(&frames));
-        let pressed = sheet.respond(&self.stage.truth().pressure(&presses), HOLD);
-        let phasors = self.stage.solve(&pressed);
-        let frame = self.stage.scan(&phasors);
-        let truth: Vec<_> = presses.iter().map(|press| self.stage.truth().lay(press.position)).collect();
+        let rest = sheet.respond(&self.rig.truth().pressure(&[]), 0.0);
+        let frames = self.rig.tare(&rest);
+        self.observers.iter_mut().for_each(|(_, observer)| observer.tare(&frames));
+        let pressed = sheet.respond(&self.rig.truth().pressure(&presses), HOLD);
+        let phasors = self.rig.solve(&pressed);
+        let frame = self.rig.scan(&phasors);
+        let truth: Vec<_> = presses.iter().map(|press| self.rig.truth().lay(press.position)).collect();
         let tilts = places.iter().map(|[_, down]| finger.area() / down.to_radians().cos());
         Touch {
             name: name.to_owned(),
             area: tilts.sum::<f64>() / places.len() as f64,
             truth,
-            seen: self.viewers.iter().map(|(_, eye)| self.see(&eye.look(&frame))).collect(),
+            seen: self.observers.iter().map(|(_, observer)| self.see(&observer.glance(&frame))).collect(),
         }
     }
 
-    fn see(&self, state: &dermatome_shared::pipeline::PipelineState) -> Seen {
+    fn see(&self, state: &PipelineState) -> Seen {
         let contacts = state.contacts().to_vec();
         // A flat model's contacts lie in its plane.
         let lay = |contact: &Contact| match place(contact) {
-            at if at.z == 0.0 => self.stage.truth().lay([at.x, at.y]),
+            at if at.z == 0.0 => self.rig.truth().lay([at.x, at.y]),
             at => at,
         };
         Seen {
@@ -113,12 +112,12 @@ impl Booth {
     }
 
     /// Touches as one of the models sees them, PNG.
-    pub(super) fn draw(&self, viewer: usize, touches: &[Touch]) -> Result<Vec<u8>, ExperimentError> {
+    pub(super) fn draw(&self, observer: usize, touches: &[Touch]) -> Result<Vec<u8>, ExperimentError> {
         let failed = |error: &dyn std::fmt::Display| ExperimentError::Draw(error.to_string());
-        let (skin, eye) = &self.viewers[viewer];
-        let layout = &Layout::from(&eye.model.surface().map_err(|error| failed(&error))?);
+        let (skin, by) = &self.observers[observer];
+        let layout = &Layout::from(&by.model().surface().map_err(|error| failed(&error))?);
         let panels = touches.iter().map(|touch| {
-            let Seen { image, contacts, .. } = &touch.seen[viewer];
+            let Seen { image, contacts, .. } = &touch.seen[observer];
             Panel {
                 caption: vec![format!("{}: {} found", touch.name, contacts.len())],
                 values: image,
@@ -135,20 +134,20 @@ impl Booth {
 
 impl Touch {
     /// How many contacts a model shows, and the distance of each finger from its own, m.
-    pub(super) fn found(&self, viewer: usize) -> (usize, Vec<Option<f64>>) {
-        let laid = &self.seen[viewer].laid;
+    pub(super) fn found(&self, observer: usize) -> (usize, Vec<Option<f64>>) {
+        let laid = &self.seen[observer].laid;
         (laid.len(), matched(&self.truth, laid))
     }
 }
 
 /// Position and size of the pictures' contacts.
-pub(super) fn tabulate(report: &mut Report, touches: &[Touch], viewers: &[&str]) {
+pub(super) fn tabulate(report: &mut Report, touches: &[Touch], observers: &[&str]) {
     let mut rows = Vec::new();
     for touch in touches {
-        for (viewer, name) in viewers.iter().enumerate() {
-            let (count, errors) = touch.found(viewer);
+        for (observer, name) in observers.iter().enumerate() {
+            let (count, errors) = touch.found(observer);
             let errors: Vec<f64> = errors.into_iter().flatten().collect();
-            let contacts = &touch.seen[viewer].contacts;
+            let contacts = &touch.seen[observer].contacts;
             let areas: Vec<f64> = contacts.iter().map(|contact| f64::from(contact.area) * 1e4).collect();
             rows.push(vec![
                 format!("{}, {name}", touch.name),
@@ -168,17 +167,17 @@ pub(super) fn tabulate(report: &mut Report, touches: &[Touch], viewers: &[&str])
 
 #[cfg(test)]
 mod tests {
+    use super::super::skins;
     use super::*;
-    use crate::experiment::hemisphere::skins;
 
     #[test]
     fn a_touch_is_one_contact_where_it_is_and_the_flat_model_puts_it_too_close_to_the_pole() {
         let [skin, truth] = skins().unwrap();
         let flat = skin.flattened().unwrap();
-        let mut booth = Booth::new(&truth, vec![skin, flat]).unwrap();
+        let mut rig = TouchRig::new(&truth, vec![skin, flat]).unwrap();
         for direction in [90.0, 250.0] {
-            let touch = booth.touch("touch", &[[direction, 50.0]]);
-            let [surface, flat] = [0, 1].map(|viewer| touch.found(viewer));
+            let touch = rig.touch("touch", &[[direction, 50.0]]);
+            let [surface, flat] = [0, 1].map(|observer| touch.found(observer));
             let [Some(near)] = surface.1[..] else { panic!("{:?}", surface.1) };
             assert_eq!(surface.0, 1);
             assert!(near < 0.015, "{direction}: {near}");
@@ -186,7 +185,7 @@ mod tests {
                 assert!(far > 2.0 * near, "{direction}: {near} {far}");
             }
         }
-        let pole = booth.touch("pole", &[[0.0, 0.0]]);
+        let pole = rig.touch("pole", &[[0.0, 0.0]]);
         assert!((pole.truth[0].z - 0.105).abs() < 1e-3, "{}", pole.truth[0]);
         assert!(pole.found(0).0 <= 1);
     }

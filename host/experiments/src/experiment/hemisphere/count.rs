@@ -2,29 +2,26 @@
 //! the host from the same voltages, and where they see them.
 
 use super::{
-    ExperimentError,
-    report::{Report, Wanted, largest, mean_and_deviation, number},
-    sample::THREE_SINGLE,
-    touches::{Booth, Touch, tabulate},
+    DIAMETER, played_words, skins,
+    touches::{Touch, TouchRig, tabulate},
 };
-use crate::scenes::{Options, Scene, play};
+use crate::{
+    experiment::{
+        ExperimentError,
+        report::{Report, Wanted, largest, mean_and_deviation, number},
+    },
+    scenes::{Options, Scene, matched, play},
+};
 use dermatome_model::skin::Skin;
 use nalgebra::Point3;
 use serde_json::json;
-use std::path::Path;
 
 /// Scenes: a third each with one, two and three contacts.
 const SCENES: usize = 501;
 /// Share of the scenes in which the number of contacts should be right, %.
 const COUNT_RIGHT: f64 = 98.0;
-/// Diameter of the hemisphere, m.
-pub(super) const DIAMETER: f64 = 0.21;
 /// Numbers of contacts that have a column of their own; the last one holds all above.
 const COLUMNS: usize = 5;
-
-const SKIN: &str = include_str!("../../../../models/hemisphere-210mm/skin.toml");
-const FORMULA: &str = include_str!("../../../../models/hemisphere-210mm/formula.toml");
-const MESH: &[u8] = include_bytes!("../../../../models/hemisphere-210mm/hemisphere.stl");
 
 /// Places of the single touches, as in the thesis' figure four that are opposite to one another, and the pole: direction
 /// as seen from above and way down from the pole, degrees.
@@ -36,42 +33,7 @@ const TOUCHES: [(&str, [f64; 2]); 5] = [
     ("pole", [0.0, 0.0]),
 ];
 
-/// The skin from an STL file, which images are made with, and the same from its formula, which is the truth; both
-/// driven as in the thesis.
-pub(super) fn skins() -> Result<[Skin; 2], ExperimentError> {
-    let folder = tempfile::tempdir()?;
-    std::fs::write(folder.path().join("hemisphere.stl"), MESH)?;
-    let skin = Skin::parse(&folder.path().join("skin.toml"), SKIN)?;
-    let mut skins = [skin, Skin::parse(Path::new("models/hemisphere-210mm/formula.toml"), FORMULA)?];
-    skins.iter_mut().for_each(|skin| THREE_SINGLE.drive(skin));
-    Ok(skins)
-}
-
-/// Words on how the skin is driven and what is played.
-pub(super) fn played_words(options: &Options) -> [String; 2] {
-    let driven = format!(
-        "The skin is models/hemisphere-210mm: 210 mm across, 16 electrodes on its rim, the fabric of Sample 3. {} Otherwise than in \
-         Table 5.5: the matrix is GREIT's and not that of a Laplace prior with a hyperparameter of 0.15, because it counts more \
-         contacts right; it takes plain differences, from which an absolute value would take the sign, so the part in phase is \
-         measured; the board finds its own gain. The thesis does not say that frames were averaged here, and these are single \
-         ones. The true skin is a hemisphere by its formula, the model's comes from an STL file.",
-        THREE_SINGLE.drive_words()
-    );
-    let played = format!(
-        "{} random scenes with one, two and three fingers in turn, of radius {:.1} mm as seen from above. They do not press through \
-         Sample 3's material: each changes the conductivity in its middle by {:.0} %, a change that is known exactly. Centres \
-         evenly over the surface, a radius from the rim, and at least {:.0} % of the diameter apart; {:.0} dB, a reference of 20 \
-         frames, no other artefacts. The thesis shows pictures of one, two and three contacts and no figures.",
-        options.scenes,
-        options.radius * DIAMETER * 1e3,
-        100.0 * options.depth,
-        100.0 * options.apart,
-        options.snr_db
-    );
-    [driven, played]
-}
-
-pub(super) fn run() -> Result<Report, ExperimentError> {
+pub(in super::super) fn run() -> Result<Report, ExperimentError> {
     let mut report =
         Report::new("hemisphere", "One, two and three contacts on a hemisphere (thesis 5.4.4, Fig. 5.10)");
     let options = Options { scenes: SCENES, ..Options::default() };
@@ -84,11 +46,11 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
 
 /// Single touches at several places, pictured.
 fn touch(report: &mut Report, skin: &Skin, truth: &Skin) -> Result<(), ExperimentError> {
-    let mut booth = Booth::new(truth, vec![skin.clone()])?;
-    report.words(booth.words());
-    let touches: Vec<Touch> = TOUCHES.iter().map(|(name, place)| booth.touch(name, &[*place])).collect();
+    let mut rig = TouchRig::new(truth, vec![skin.clone()])?;
+    report.words(rig.words());
+    let touches: Vec<Touch> = TOUCHES.iter().map(|(name, place)| rig.touch(name, &[*place])).collect();
     report.picture(
-        booth.draw(0, &touches)?,
+        rig.draw(0, &touches)?,
         "Single touches as in Fig. 5.10, seen from above: four places opposite to one another, 50 degrees of the sphere down from \
          the pole, and the pole. Crosses and their circles: the finger; rings: what the board found.",
     );
@@ -116,8 +78,8 @@ fn touch(report: &mut Report, skin: &Skin, truth: &Skin) -> Result<(), Experimen
 /// Contacts that a scene shows.
 type Found = fn(&Scene) -> &[Point3<f64>];
 
-/// Who looks.
-const LOOKERS: [(&str, Found); 2] = [
+/// Who observes.
+const OBSERVERS: [(&str, Found); 2] = [
     ("the board, in its image", |scene| &scene.surface),
     ("the host, from the same voltages", |scene| &scene.resolved),
 ];
@@ -125,9 +87,9 @@ const LOOKERS: [(&str, Found); 2] = [
 fn summarise(report: &mut Report, scenes: &[Scene]) {
     report.words(
         "The board finds contacts in its image. The host resolves fingers from the difference data that the board streams \
-         (dermatome::resolve); it is told the noise and the size of a finger.",
+         (dermatome::multi_contact); it is told the noise and the size of a finger.",
     );
-    let [board, host] = LOOKERS.map(|looker| summary(report, scenes, looker));
+    let [board, host] = OBSERVERS.map(|observer| summary(report, scenes, observer));
     let share = host["count_right_percent"].as_f64().unwrap_or_default();
     report.compare("number right, all scenes", "%", None, share, Some(Wanted::AtLeast(COUNT_RIGHT)));
     report.figures = json!({ "scenes": scenes.len(), "board": board, "host": host });
@@ -187,42 +149,12 @@ fn numbers_found(scenes: &[&Scene], found: Found) -> [usize; COLUMNS] {
     counts
 }
 
-/// Distance of each true centre from the contact that is its own: the closest pair of both belongs together, then
-/// the closest of the rest. `None` where none is left.
-pub(super) fn matched(truth: &[Point3<f64>], found: &[Point3<f64>]) -> Vec<Option<f64>> {
-    let pairs = (0..truth.len()).flat_map(|t| (0..found.len()).map(move |f| (t, f)));
-    let mut pairs: Vec<_> = pairs.map(|(t, f)| ((truth[t] - found[f]).norm(), t, f)).collect();
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut distances, mut is_taken) = (vec![None; truth.len()], vec![false; found.len()]);
-    for (distance, t, f) in pairs {
-        if distances[t].is_none() && !is_taken[f] {
-            (distances[t], is_taken[f]) = (Some(distance), true);
-        }
-    }
-    distances
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn at(x: f64) -> Point3<f64> {
         Point3::new(x, 0.0, 0.0)
-    }
-
-    #[test]
-    fn each_finger_has_the_contact_that_is_closest_and_no_one_elses() {
-        let close = |found: Vec<Option<f64>>, expected: &[Option<f64>]| {
-            assert_eq!(found.len(), expected.len());
-            for (found, expected) in found.iter().zip(expected) {
-                assert!((found.unwrap_or(-1.0) - expected.unwrap_or(-1.0)).abs() < 1e-12, "{found:?}");
-            }
-        };
-        close(matched(&[at(0.0), at(1.0)], &[at(0.9), at(0.2)]), &[Some(0.2), Some(0.1)]);
-        // The contact between both belongs to the closer one.
-        close(matched(&[at(0.0), at(1.0)], &[at(0.6)]), &[None, Some(0.4)]);
-        close(matched(&[at(0.0)], &[]), &[None]);
-        close(matched(&[], &[at(0.0)]), &[]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Path files: scripts as people write them, CSV with one row for each moment of an indenter.
 
-use super::script::{Moment, Script, ScriptError};
+use super::{Moment, Script, ScriptError};
 use dermatome_geometry::outline::Outline;
 use dermatome_model::indenter::{Footprint, Load, Press};
 use serde::Deserialize;

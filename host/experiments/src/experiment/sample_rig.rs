@@ -1,8 +1,8 @@
-//! Bench: a sample, an instrument and a board, all simulated; what the board shows is what counts.
+//! Sample rig: a sample, an instrument and a board, all simulated; what the board shows is what counts.
 //!
-//! The true skin is solved on a mesh of its own with the artefacts of the [`Setup`]; its voltages
-//! become codes, and the codes go through the patch and the code that a board runs
-//! ([`pipeline::process`]). Nothing here reconstructs in floating point.
+//! The true skin is solved on a mesh of its own with the [`Artefacts`] of the rig; its voltages become codes, and the
+//! codes go through the patch and the code that a board runs ([`Observer`]). Nothing here reconstructs in floating
+//! point.
 
 use super::ExperimentError;
 use crate::evaluate::electrodes::{spacing, with_errors};
@@ -10,20 +10,10 @@ use dermatome_geometry::sheet::ElectrodeModel;
 use dermatome_model::{
     metrics::{Target, thesis},
     model::Model,
-    quantize,
     skin::Skin,
 };
-use dermatome_shared::{
-    contact::{self, Contact},
-    patch::PatchView,
-    pipeline::{self, PipelineState},
-    reference::DEFAULT_TARE_FRAMES,
-    units::RelativeConductivity,
-};
-use dermatome_simulate::{
-    Noise, Script, SimulatedSkin,
-    board::{Scan, ScanTable},
-};
+use dermatome_shared::{contact::Contact, frame::Frame, reference::DEFAULT_TARE_FRAMES};
+use dermatome_simulate::{Noise, Rig, TrueSkin, rig::Observer};
 use nalgebra::Point3;
 use num_complex::Complex64;
 use rand::SeedableRng;
@@ -76,24 +66,19 @@ impl Artefacts {
     }
 }
 
-/// A skin on the bench.
+/// A skin of the thesis with the artefacts of its rig, observed by one board.
 #[derive(Debug)]
-pub(super) struct Bench {
+pub(super) struct SampleRig {
     /// As the model has it.
     pub(super) skin: Skin,
-    /// What its images are made with.
-    pub(super) model: Model,
-    patch: Vec<u8>,
     /// With errors.
     true_skin: Skin,
-    simulated: SimulatedSkin,
-    table: ScanTable,
-    state: PipelineState,
+    rig: Rig,
+    observer: Observer,
     artefacts: Artefacts,
     random: Pcg64Mcg,
     /// Frames averaged in [`Self::show`].
     averaged: u16,
-    sequence: u32,
     /// Mean codes of the tare: `[step]`.
     reference: Vec<f64>,
     /// -1 where a fall of conductivity is looked for.
@@ -111,8 +96,8 @@ pub(super) struct Shown {
     pub(super) voltage_change: f64,
 }
 
-impl Bench {
-    /// Puts a skin on the bench, to be shown by the mean of so many frames; it is not tared yet.
+impl SampleRig {
+    /// Puts a skin on the rig, to be shown by the mean of so many frames; it is not tared yet.
     ///
     /// The threshold of contacts is set clear of the noise of that mean.
     pub(super) fn new(
@@ -126,114 +111,79 @@ impl Bench {
         let model = Model::build(&skin, |_| ())?;
         let noise = model.image_noise(artefacts.snr_db) / f64::from(averaged).sqrt();
         skin.contact_threshold = CLEAR_OF_NOISE * noise;
-        let patch = quantize::patch(&skin, &model)?;
+        let observer = Observer::with_model(&skin, model)?;
         let shift = artefacts.electrode_shift * spacing(&skin).unwrap_or(0.0);
         let true_skin = with_errors(&skin, shift, artefacts.impedance, seed)?;
-        let still = Script::still(&[], skin.shape.flat().map_err(dermatome_model::model::ModelError::from)?)
-            .expect("nothing to refuse");
         let noise = Noise { snr_db: artefacts.snr_db, seed };
-        let simulated = SimulatedSkin::new(&true_skin, still, noise)?;
-        let view = PatchView::open(&patch).map_err(quantize::PatchBuildError::Invalid)?;
-        let table = ScanTable::new(&view, view.header.drive);
         Ok(Self {
+            rig: Rig::new(&true_skin, &observer.patch(), noise)?,
             skin,
-            model,
-            patch,
             true_skin,
-            simulated,
-            table,
-            state: PipelineState::default(),
+            observer,
             artefacts,
             random: Pcg64Mcg::seed_from_u64(!seed),
             averaged,
-            sequence: 0,
             reference: Vec::new(),
             sign: 1.0,
         })
     }
 
-    /// The same, looking for a fall of conductivity.
-    pub(super) fn upside_down(self) -> Self {
+    /// The same with inverted polarity: looking for a fall of conductivity.
+    pub(super) fn inverted(self) -> Self {
         Self { sign: -1.0, ..self }
     }
 
+    /// What its images are made with.
+    pub(super) fn model(&self) -> &Model {
+        self.observer.model()
+    }
+
     /// The true skin.
-    pub(super) fn truth(&self) -> &dermatome_simulate::TrueSkin {
-        self.simulated.truth()
+    pub(super) fn truth(&self) -> &TrueSkin {
+        self.rig.truth()
     }
 
     /// Elements of the true skin.
     pub(super) fn elements(&self) -> usize {
-        self.simulated.elements()
+        self.rig.skin().elements()
     }
 
     /// Larger side of the skin, m.
     pub(super) fn side(&self) -> f64 {
-        self.model.pixels.larger_side()
+        self.model().pixels.larger_side()
     }
 
     /// Averages the reference over a sheet of this relative conductivity, `[element]` of the true skin.
     pub(super) fn tare(&mut self, conductivity: &[f64]) {
-        self.state = PipelineState::default();
-        self.state.start_tare(FRAMES);
-        let phasors = self.simulated.solve(&self.table, conductivity);
-        self.reference = self.frames(&phasors, FRAMES, |_| ());
+        let frames = self.rig.tare(conductivity);
+        self.reference = mean_codes(&frames);
+        self.observer.tare(&frames);
     }
 
     /// Shows a sheet of this relative conductivity, `[element]` of the true skin.
     pub(super) fn show(&mut self, conductivity: &[f64]) -> Result<Shown, ExperimentError> {
         self.disturb()?;
-        let phasors = self.simulated.solve(&self.table, conductivity);
-        let mut image = vec![0.0; self.model.pixels.count()];
+        let phasors = self.rig.solve(conductivity);
+        let frames = self.rig.scans(&phasors, self.averaged);
+        let mut image = vec![0.0; self.model().pixels.count()];
         let sign = self.sign / f64::from(self.averaged);
-        let codes = self.frames(&phasors, self.averaged, |state| {
-            for (sum, value) in image.iter_mut().zip(state.image()) {
-                *sum += sign * value.to_f64();
-            }
-        });
-        let voltage_change = voltage_change(&codes, &self.reference);
-        Ok(Shown { contacts: self.contacts(&image), voltage_change, image })
+        for frame in &frames {
+            let seen = self.observer.observe(frame).image();
+            image.iter_mut().zip(seen).for_each(|(sum, value)| *sum += sign * value.to_f64());
+        }
+        let voltage_change = voltage_change(&mean_codes(&frames), &self.reference);
+        Ok(Shown { contacts: self.observer.contacts(&image), voltage_change, image })
     }
 
-    /// What a scan sees of a sheet of this relative conductivity, for [`Self::glance`].
+    /// What a scan meets on a sheet of this relative conductivity, for [`Self::glance`].
     pub(super) fn solve(&self, conductivity: &[f64]) -> Vec<Complex64> {
-        self.simulated.solve(&self.table, conductivity)
+        self.rig.solve(conductivity)
     }
 
     /// Contacts that the board reports of one single frame.
     pub(super) fn glance(&mut self, phasors: &[Complex64]) -> Vec<Contact> {
-        let scan = self.simulated.read(&self.table, phasors);
-        self.process(&scan);
-        self.state.contacts().to_vec()
-    }
-
-    /// Scans go through the board's code; gives their mean codes: `[step]`.
-    fn frames(&mut self, phasors: &[Complex64], count: u16, mut see: impl FnMut(&PipelineState)) -> Vec<f64> {
-        let mut sums = vec![0.0; self.table.steps.len()];
-        for _ in 0..count {
-            let scan = self.simulated.read(&self.table, phasors);
-            sums.iter_mut()
-                .zip(&scan.codes)
-                .for_each(|(sum, code)| *sum += f64::from(code.0) / f64::from(count));
-            self.process(&scan);
-            see(&self.state);
-        }
-        sums
-    }
-
-    /// One scan through the board's code.
-    fn process(&mut self, scan: &Scan) {
-        self.sequence += 1;
-        let period_us = 1e6 / f64::from(self.table.drive.frame_rate);
-        let frame = scan.frame(self.sequence, (f64::from(self.sequence) * period_us) as u64);
-        let view = PatchView::open(&self.patch).expect("the patch was valid when it was made");
-        pipeline::process(&view, &mut self.state, &frame);
-    }
-
-    fn contacts(&self, image: &[f64]) -> Vec<Contact> {
-        let view = PatchView::open(&self.patch).expect("the patch was valid when it was made");
-        let codes: Vec<_> = image.iter().map(|&value| RelativeConductivity::from_f64(value)).collect();
-        contact::find(&view.surface(), &codes, view.header.contact_threshold).to_vec()
+        let frame = self.rig.scan(phasors);
+        self.observer.observe(&frame).contacts().to_vec()
     }
 
     /// Every contact impedance changes a little.
@@ -251,14 +201,14 @@ impl Bench {
                 Complex64::from(impedance * (self.artefacts.disturbance * by).exp())
             })
             .collect();
-        Ok(self.simulated.change_contacts(&self.true_skin, &knocked)?)
+        Ok(self.rig.change_contacts(&self.true_skin, &knocked)?)
     }
 
     /// The thesis' figures of what was shown, the load's centre being at `at`.
     pub(super) fn figures(&self, shown: &Shown, at: [f64; 2]) -> Option<thesis::Figures> {
         let target =
             Target { position: Point3::new(at[0], at[1], 0.0), amount: 1.0, skin_centre: Point3::origin() };
-        thesis::figures(&shown.image, &self.model.pixels, &target)
+        thesis::figures(&shown.image, &self.model().pixels, &target)
     }
 }
 
@@ -268,6 +218,16 @@ impl Shown {
         let contact = self.contacts.first()?;
         Some([0, 1].map(|axis| f64::from(contact.position[axis]) - at[axis]))
     }
+}
+
+/// Mean codes of some frames: `[step]`.
+fn mean_codes(frames: &[Frame]) -> Vec<f64> {
+    let mut sums = vec![0.0; frames.first().map_or(0, |frame| frame.codes.len())];
+    for frame in frames {
+        let parts = frame.codes.iter().map(|code| f64::from(code.0) / frames.len() as f64);
+        sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part);
+    }
+    sums
 }
 
 /// dV/V of the steps that read at least a hundredth of what the largest reads: across a corner there is

@@ -2,13 +2,17 @@
 //! model and through that of the skin without its third dimension.
 
 use super::{
-    ExperimentError,
-    hemisphere::{matched, played_words, skins},
-    plot::{Chart, Series, Style},
-    report::{Report, Wanted, mean_and_deviation},
-    touches::{Booth, tabulate},
+    played_words, skins,
+    touches::{TouchRig, tabulate},
 };
-use crate::scenes::{Options, Scene, play};
+use crate::{
+    experiment::{
+        ExperimentError,
+        plot::{Chart, Series, Style},
+        report::{Report, Wanted, mean_and_deviation},
+    },
+    scenes::{Options, Scene, matched, play},
+};
 use nalgebra::Point3;
 use serde_json::json;
 
@@ -23,7 +27,7 @@ const PICTURES: [&[f64]; 2] = [&[20.0, 200.0], &[90.0, 210.0, 330.0]];
 /// How far down from the pole they are, degrees of the sphere.
 const DOWN: f64 = 50.0;
 
-pub(super) fn run() -> Result<Report, ExperimentError> {
+pub(in super::super) fn run() -> Result<Report, ExperimentError> {
     let mut report = Report::new(
         "hemisphere-flat",
         "Surface against planar image on a hemisphere (thesis 5.4.4, Fig. 5.11)",
@@ -37,17 +41,17 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
     let [skin, truth] = skins()?;
     compare(&mut report, &play(&skin, &truth, &options)?)?;
     let flat = skin.flattened().map_err(dermatome_model::model::ModelError::from)?;
-    let mut booth = Booth::new(&truth, vec![skin, flat])?;
-    report.words(booth.words());
+    let mut rig = TouchRig::new(&truth, vec![skin, flat])?;
+    report.words(rig.words());
     let touches = PICTURES.map(|directions| {
         let places: Vec<_> = directions.iter().map(|&direction| [direction, DOWN]).collect();
-        booth.touch(&format!("{} contacts", directions.len()), &places)
+        rig.touch(&format!("{} contacts", directions.len()), &places)
     });
     report.picture(
-        booth.draw(0, &touches)?,
+        rig.draw(0, &touches)?,
         "Two and three contacts through the surface's model, seen from above",
     );
-    report.picture(booth.draw(1, &touches)?, "The same frames through the planar model");
+    report.picture(rig.draw(1, &touches)?, "The same frames through the planar model");
     report.words(format!(
         "The pictures' fingers are {DOWN:.0} degrees of the sphere down from the pole. Crosses: where they truly are; rings: what the \
          board found. Areas of the planar model are areas of its disc."
@@ -68,7 +72,7 @@ fn errors(scenes: &[Scene]) -> (Vec<[f64; 3]>, [usize; 2]) {
     for scene in scenes {
         let of = [&scene.surface, &scene.flattened].map(|found| matched(&scene.truth, found));
         for (index, centre) in scene.truth.iter().enumerate() {
-            let [surface, flat] = [0, 1].map(|eye| of[eye][index]);
+            let [surface, flat] = [0, 1].map(|observer| of[observer][index]);
             missed[0] += usize::from(surface.is_none());
             missed[1] += usize::from(flat.is_none());
             errors.extend(surface.zip(flat).map(|(a, b)| [way_down(centre), a * 1e3, b * 1e3]));
@@ -83,7 +87,7 @@ fn compare(report: &mut Report, scenes: &[Scene]) -> Result<(), ExperimentError>
     for (what, scenes) in [("single contacts", &single[..]), ("all contacts", scenes)] {
         let (errors, missed) = errors(scenes);
         let away: Vec<_> = errors.iter().filter(|[down, ..]| *down > POLE).collect();
-        let mean = |eye: usize| mean_and_deviation(&away.iter().map(|e| e[eye]).collect::<Vec<_>>())[0];
+        let mean = |model: usize| mean_and_deviation(&away.iter().map(|e| e[model]).collect::<Vec<_>>())[0];
         let [surface, flat] = [mean(1), mean(2)];
         let wanted = (what == "single contacts").then_some(Wanted::AtLeast(BETTER));
         report.compare(format!("{what} away from the pole: surface, mean error"), "mm", None, surface, None);
@@ -106,8 +110,8 @@ fn compare(report: &mut Report, scenes: &[Scene]) -> Result<(), ExperimentError>
          the single ones {} and {}.",
         missed[0], missed[1]
     ));
-    let series = |name, eye: usize| {
-        Series::new(name, errors.iter().map(|error| [error[0], error[eye]]).collect(), Style::Marks)
+    let series = |name, model: usize| {
+        Series::new(name, errors.iter().map(|error| [error[0], error[model]]).collect(), Style::Marks)
     };
     report.plots(&[Chart {
         title: "Single contacts",
