@@ -8,7 +8,7 @@ use dermatome::{
     skin::Skin,
 };
 use dermatome_shared::{
-    device::{BoardFacts, Device, PatchStore, StoreError},
+    device::{Arrival, BoardFacts, Device, PatchStore, StoreError},
     frame::Frame,
     protocol::{
         BoardPacket, FrameSource, Identity, MAX_PACKET_BYTES, Request, RequestPacket, Selection, encode,
@@ -63,7 +63,7 @@ fn device(selection: Selection) -> (Device<Fixed>, Frame) {
     let facts = BoardFacts { identity, electrodes: 16, frame_source, front_end, started_after };
     let mut device = Device::new(facts, Fixed(observer.patch_bytes().to_vec()));
     device.handle(&RequestPacket { sequence: 1, request: Request::Tare { frames: 1 } }, 0);
-    device.process(&mut frame(None), |_| ());
+    device.process(&mut frame(None), Arrival::default(), |_| ());
     device.handle(&RequestPacket { sequence: 2, request: Request::Stream(selection) }, 0);
     (device, frame(Some(1.0)))
 }
@@ -72,9 +72,9 @@ fn device(selection: Selection) -> (Device<Fixed>, Frame) {
 #[divan::bench]
 fn device_image_and_contacts(bencher: Bencher) {
     let (mut device, mut frame) = device(Selection { images: 1, contacts: 1, ..Selection::default() });
-    bencher
-        .counter(ItemsCount::new(1_u32))
-        .bench_local(|| device.process(black_box(&mut frame), |event| _ = black_box(event)));
+    bencher.counter(ItemsCount::new(1_u32)).bench_local(|| {
+        device.process(black_box(&mut frame), Arrival::default(), |event| _ = black_box(event))
+    });
 }
 
 /// The same, with every event encoded into packets as it would be for the link.
@@ -85,7 +85,9 @@ fn device_image_and_contacts_encoded(bencher: Bencher) {
     let mut send = |event: &BoardPacket| {
         let _ = black_box(encode(event, &mut buffer));
     };
-    bencher.counter(ItemsCount::new(1_u32)).bench_local(|| device.process(black_box(&mut frame), &mut send));
+    bencher
+        .counter(ItemsCount::new(1_u32))
+        .bench_local(|| device.process(black_box(&mut frame), Arrival::default(), &mut send));
 }
 
 /// Skin to reconstruction matrix, 3,940 elements.

@@ -65,14 +65,14 @@ pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32
         drift_time: 0.0,
         calibration: Calibration::default(),
         test_resistances: Default::default(),
-        plays: 0,
+        play_operators: 0,
     };
     let mut matrix = vec![0; pixels * steps.len()];
     for pixel in 0..pixels {
         matrix[pixel * steps.len() + pixel] = 1 << 14;
     }
     let contents = PatchContents {
-        plays: &[],
+        play_operators: &[],
         header: &header,
         steps: &steps,
         combination: &combination,

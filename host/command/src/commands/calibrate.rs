@@ -12,7 +12,7 @@ use dermatome_frames::calibrate::{
 use dermatome_link::{self as link, Link};
 use dermatome_model::skin::quantity::{AREA, Quantity};
 use dermatome_patch::output::{check_folder, write_together, write_whole};
-use dermatome_shared::{hysteresis::Play, patch::PatchView, reference::DEFAULT_TARE_FRAMES};
+use dermatome_shared::{hysteresis::PlayOperator, patch::PatchView, reference::DEFAULT_TARE_FRAMES};
 use dermatome_simulate::port::{self, Port};
 use serde::Serialize;
 use std::{
@@ -257,6 +257,6 @@ fn print_compensation(fit: &Fit) {
 }
 
 /// Reach and weight as plain numbers.
-fn plain(play: &Play) -> [f64; 2] {
-    [f64::from(play.reach) / 4096.0, f64::from(play.weight) / 2048.0]
+fn plain(play: &PlayOperator) -> [f64; 2] {
+    [f64::from(play.threshold) / 4096.0, f64::from(play.weight) / 2048.0]
 }

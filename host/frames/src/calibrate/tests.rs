@@ -1,5 +1,5 @@
 use super::*;
-use dermatome_shared::{calibration::Calibration, hysteresis::Play};
+use dermatome_shared::{calibration::Calibration, hysteresis::PlayOperator};
 use dermatome_simulate::{material::Material, rig::PlaceRig};
 
 /// Frames while a load is held; the second half of them makes the reading.
@@ -53,7 +53,7 @@ impl Loaded {
 }
 
 /// One loading cycle of one place, and the curve and plays from it.
-fn identified(name: &str) -> (Trial, Calibration, Vec<Play>) {
+fn identified(name: &str) -> (Trial, Calibration, Vec<PlayOperator>) {
     let up = [0.0, 0.02].into_iter().chain((1..=10).map(|n| 0.1 * f64::from(n)));
     let (trial, _) = Loaded::new(name, 500).trial(&stairs(up), 10.0);
     let calibration = Curve::of_loading(std::slice::from_ref(&trial)).calibration().unwrap();

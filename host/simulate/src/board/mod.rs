@@ -24,7 +24,7 @@ use dermatome_link::{Link, LinkError};
 use dermatome_shared::{
     MAX_ELECTRODES,
     acquire::FrontEnd,
-    device::{BoardFacts, Device, PatchStore},
+    device::{Arrival, BoardFacts, Device, PatchStore},
     frame::Frame,
     patch::PatchView,
     protocol::{FrameSource, Identity, Request, RequestPacket, Selection},
@@ -314,7 +314,8 @@ impl Worker {
         let Some(table) = self.scan_table() else { return due };
         let script_time = streamed.then_some(self.script_frame as f64 / self.frame_rate());
         let mut frame = self.scanner.scan(&table, script_time);
-        self.device.process(&mut frame, |packet| client.send(packet));
+        let arrival = Arrival { timestamp_us: frame.timestamp_us, missed: false };
+        self.device.process(&mut frame, arrival, |packet| client.send(packet));
         self.show_scope(client, &frame, &table, script_time);
         if streamed {
             self.count_streamed();
