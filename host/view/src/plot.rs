@@ -30,6 +30,7 @@ fn draw(text: &mut String, skin: &str, selection: &Selection) -> Result<(), Draw
     let mut chart = ChartBuilder::on(&area)
         .caption(title, ("sans-serif", 16))
         .margin(10)
+        .margin_right(24)
         .x_label_area_size(40)
         .y_label_area_size(66)
         .build_cartesian_2d(

@@ -32,6 +32,7 @@ fn draw(
     let mut chart = ChartBuilder::on(&area)
         .caption(format!("{skin}: calibration"), ("sans-serif", 16))
         .margin(10)
+        .margin_right(24)
         .x_label_area_size(40)
         .y_label_area_size(66)
         .build_cartesian_2d(x, y)?;
