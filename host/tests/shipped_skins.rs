@@ -26,7 +26,7 @@ struct Bench {
 impl Bench {
     fn new(name: &str) -> Self {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name).join("skin.toml");
-        let skin = Skin::load(&path).unwrap();
+        let skin = Skin::load(&path).unwrap().made().unwrap();
         let model = Model::build(&skin, |_| ()).unwrap();
         let patch = quantize::patch(&skin, &model).unwrap();
         Self { skin, patch }

@@ -28,7 +28,7 @@ const THESIS_HYSTERESIS: f64 = 1.06;
 /// The bath, looked at for falls of conductivity, tared without a cube.
 pub(super) fn bath(seed: u64) -> Result<Bench, ExperimentError> {
     let path = Path::new("models/saline-215mm/skin.toml");
-    let skin = Skin::parse(path, include_str!("../../../../models/saline-215mm/skin.toml"))?;
+    let skin = Skin::parse(path, include_str!("../../../../models/saline-215mm/skin.toml"))?.made()?;
     let mut bench = Bench::new(skin, Artefacts::SALINE, FRAMES, seed)?.upside_down();
     bench.tare(&vec![1.0; bench.elements()]);
     Ok(bench)

@@ -14,7 +14,7 @@ struct Disc {
 
 static DISC: LazyLock<Disc> = LazyLock::new(|| {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/disc-210mm/skin.toml");
-    let skin = Skin::load(Path::new(file)).unwrap();
+    let skin = Skin::load(Path::new(file)).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     let resolver = Resolver::new(&skin, &model, Settings { radius: RADIUS, snr_db: 60.0 }).unwrap();
     Disc { truth: TrueSkin::new(&skin).unwrap(), skin, model, resolver }

@@ -63,7 +63,7 @@ pub enum SimulationError {
 /// What a port `sim:PATH` opens: a board that already holds the skin's patch, with a finger going
 /// round on the skin while it streams.
 pub fn board_for_skin(path: &Path) -> Result<SimulatedBoard, SimulationError> {
-    let skin = Skin::load(path)?;
+    let skin = Skin::load(path)?.made()?;
     let in_file = |error| SimulationError::Model { path: path.to_owned(), error };
     let model = Model::build(&skin, |_| ()).map_err(in_file)?;
     let patch = quantize::patch(&skin, &model)
