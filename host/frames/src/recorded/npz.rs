@@ -4,12 +4,14 @@ use super::{
     npy::{self, HEADER_WINDOW},
     read::{MAX_BYTES, Problem},
 };
-use npyz::npz::NpzArchive;
 use std::{
     fmt,
     io::{Cursor, Read},
 };
+use zip::ZipArchive;
 
+/// What the name of an array's file ends in.
+const SUFFIX: &str = ".npy";
 /// Arrays an error message lists.
 const MAX_LISTED: usize = 40;
 
@@ -27,11 +29,11 @@ impl fmt::Display for Listing {
     }
 }
 
-type Archive<'a> = NpzArchive<Cursor<&'a [u8]>>;
+type Archive<'a> = ZipArchive<Cursor<&'a [u8]>>;
 
 /// Reads the array `key`, or the only one.
 pub(super) fn parse(bytes: &[u8], key: Option<&str>) -> Result<npy::Array, Problem> {
-    let mut archive = NpzArchive::new(Cursor::new(bytes)).map_err(archive_problem)?;
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(archive_problem)?;
     let key = choose(&mut archive, key)?;
     let member = read_member(&mut archive, &key, MAX_BYTES + 1)?;
     if member.len() as u64 > MAX_BYTES {
@@ -41,7 +43,7 @@ pub(super) fn parse(bytes: &[u8], key: Option<&str>) -> Result<npy::Array, Probl
 }
 
 fn choose(archive: &mut Archive<'_>, key: Option<&str>) -> Result<String, Problem> {
-    let mut names: Vec<String> = archive.array_names().map(str::to_owned).collect();
+    let mut names: Vec<String> = archive.file_names().filter_map(|file| file.strip_suffix(SUFFIX)).map(str::to_owned).collect();
     names.sort();
     match (key, names.as_slice()) {
         (_, []) => Err(Problem::NoArrays),
@@ -66,8 +68,7 @@ fn list(archive: &mut Archive<'_>, names: Vec<String>) -> Listing {
 
 /// At most `limit` bytes of an array's file.
 fn read_member(archive: &mut Archive<'_>, name: &str, limit: u64) -> Result<Vec<u8>, Problem> {
-    let file_name = npyz::npz::file_name_from_array_name(name);
-    let member = archive.zip_archive().by_name(&file_name).map_err(archive_problem)?;
+    let member = archive.by_name(&format!("{name}{SUFFIX}")).map_err(archive_problem)?;
     let mut bytes = Vec::new();
     member.take(limit).read_to_end(&mut bytes).map_err(archive_problem)?;
     Ok(bytes)
