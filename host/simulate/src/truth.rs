@@ -220,7 +220,10 @@ mod tests {
     use std::path::Path;
 
     fn square() -> Skin {
-        Skin::load(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/square-50mm/skin.toml"))).unwrap().made().unwrap()
+        Skin::load(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/square-50mm/skin.toml")))
+            .unwrap()
+            .made()
+            .unwrap()
     }
 
     #[test]

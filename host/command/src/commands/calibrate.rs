@@ -6,9 +6,7 @@ use super::{
     tare::{patch_of, tare_with_spinner},
 };
 use anyhow::{Context, bail, ensure};
-use dermatome_frames::calibrate::{
-    self, Compensation, CurvePoint, Fit, Reading, Recording, repeatability,
-};
+use dermatome_frames::calibrate::{self, Compensation, CurvePoint, Fit, Reading, Recording, repeatability};
 use dermatome_link::{self as link, Link};
 use dermatome_model::skin::quantity::{AREA, Quantity};
 use dermatome_patch::{
