@@ -24,7 +24,7 @@ fn main() {
 
 fn skin() -> Skin {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/disc-210mm/skin.toml");
-    Skin::load(&path).expect("the shipped skin is valid")
+    Skin::load(&path).expect("the shipped skin is valid").made().expect("the shipped skin is valid")
 }
 
 /// Holds one patch and takes no other.

@@ -187,7 +187,7 @@ fn a_skin_solved_by_finite_elements_is_calibrated_under_a_machine() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     let skin_file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/square-50mm/skin.toml");
-    let skin = Skin::load(&skin_file).unwrap();
+    let skin = Skin::load(&skin_file).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     let patch = quantize::patch(&skin, &model).unwrap();
     let rate = f64::from(PatchView::validate(&patch).unwrap().header.drive.frame_rate);

@@ -88,7 +88,7 @@ fn a_patch_of_a_robot_link_becomes_a_skin_with_a_model() {
     assert!((number(&["rim_mm"]) / (40.0 * TAU) - 1.0).abs() < 0.03, "{}", done.out);
     assert!(number(&["deviation_mm"]) < 0.1, "{}", done.out);
 
-    let skin = Skin::load(&desk.path("skin/skin.toml")).unwrap();
+    let skin = Skin::load(&desk.path("skin/skin.toml")).unwrap().made().unwrap();
     let dermatome::skin::Shape::Mesh { mesh, .. } = &skin.shape else { panic!("no mesh") };
     require_sound(&mesh.nodes, &mesh.elements, false).unwrap();
     // On the link's outer wall, in the link's frame.

@@ -9,7 +9,7 @@ use std::path::Path;
 
 fn tables(model: &str) -> (Model, SurfaceTables) {
     let file = format!("{}/../models/{model}/skin.toml", env!("CARGO_MANIFEST_DIR"));
-    let model = Model::build(&Skin::load(Path::new(&file)).unwrap(), |_| ()).unwrap();
+    let model = Model::build(&Skin::load(Path::new(&file)).unwrap().made().unwrap(), |_| ()).unwrap();
     let tables = model.pixels.surface_tables().unwrap();
     (model, tables)
 }

@@ -51,7 +51,7 @@ fn true_tiny() -> Skin {
     let text = TINY
         .replace("placement = \"rim\"", &placement)
         .replace("contact_impedance = \"0.18 ohm m\"", contacts);
-    Skin::parse(Path::new("true.toml"), &text).unwrap()
+    Skin::parse(Path::new("true.toml"), &text).unwrap().made().unwrap()
 }
 
 /// Random presses on a true skin at 60 dB; forces are what the presses' depths are.
@@ -86,7 +86,7 @@ fn recording(skin: &Skin, count: usize, seed: u64) -> Recording {
 }
 
 fn tiny() -> (Skin, Model) {
-    let skin = Skin::parse(Path::new("tiny.toml"), TINY).unwrap();
+    let skin = Skin::parse(Path::new("tiny.toml"), TINY).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     (skin, model)
 }
@@ -220,7 +220,7 @@ fn presses_at_few_places_are_refused_and_those_at_one_place_are_not_on_both_side
 #[test]
 fn curved_skins_are_refused_by_name() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/hemisphere-120mm/skin.toml");
-    let skin = Skin::load(&file).unwrap();
+    let skin = Skin::load(&file).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     let values = vec![Complex64::from(1.0); skin.steps().len()];
     let frames = Frames { measurements: values.len(), values, frames: 1, complex: false };
@@ -316,11 +316,11 @@ fn real(key: &str) -> Frames {
 
 /// The real skin with its presses, and the model with weights by the measured reference.
 fn hydrogel() -> (Skin, Model, Recording) {
-    let mut skin = Skin::parse(Path::new("hydrogel.toml"), HYDROGEL).unwrap();
+    let mut skin = Skin::parse(Path::new("hydrogel.toml"), HYDROGEL).unwrap().made().unwrap();
     let steps = skin.steps();
     let recording = Recording::read(Path::new(REAL), None, 0.0, 16, steps.len()).unwrap();
     let map = Arrangement::default().index_map(&steps, 16, 192).unwrap();
-    let weights = by_magnitude(&recording.unpressed.mean(), &map, &skin.combination(&steps));
+    let weights = by_magnitude(&recording.unpressed.mean(), &map, &skin.stimulation().combination);
     skin.inverse.weights = Weights::Each(weights);
     let model = Model::build(&skin, |_| ()).unwrap();
     (skin, model, recording)

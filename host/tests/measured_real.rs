@@ -96,7 +96,7 @@ fn the_carbon_black_skin_is_read_as_full_squares() {
 /// Images of measured frames with the shipped disc, whose 16 electrodes lie like the tanks'.
 fn images(reference: &Frames, frames: &Frames) -> Vec<FrameResult> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/disc-210mm/skin.toml");
-    let skin = Skin::load(&path).unwrap();
+    let skin = Skin::load(&path).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     reconstruct(&model, reference, frames, &PLAIN, Polarity::Auto).unwrap()
 }
@@ -205,7 +205,7 @@ fn expected(pattern: &str) -> Expected {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/disc-210mm/skin.toml");
     let text = std::fs::read_to_string(&path).unwrap();
     let text = text.replace("\"adjacent\"", &format!("\"{pattern}\""));
-    Expected::of(&Skin::parse(&path, &text).unwrap()).unwrap()
+    Expected::of(&Skin::parse(&path, &text).unwrap().made().unwrap()).unwrap()
 }
 
 fn faults(check: &Check) -> Vec<About> {

@@ -17,7 +17,7 @@ use std::{path::Path, time::Duration};
 
 fn shipped(file: &str) -> Skin {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/hemisphere-210mm/");
-    Skin::load(&Path::new(folder).join(file)).unwrap()
+    Skin::load(&Path::new(folder).join(file)).unwrap().made().unwrap()
 }
 
 /// Away from the pole: more than 20 degrees of the sphere.

@@ -6,7 +6,6 @@ use super::{
     patch_id, progress,
 };
 use anyhow::{Context, bail};
-use dermatome_frames::calibrate::stored::Stored;
 use dermatome_geometry::mesh::{
     Mesh,
     quality::{Quality, quality},
@@ -19,7 +18,7 @@ use dermatome_model::{
     skin::Skin,
     stimulation,
 };
-use dermatome_patch::output::write_whole;
+use dermatome_patch::{output::write_whole, write::Stored};
 use dermatome_shared::patch::PatchView;
 use dermatome_view::plot::criterion_svg;
 use serde::Serialize;
@@ -167,7 +166,7 @@ const WORST_ERROR_PERCENT: f64 = 0.5;
 const SHARP_ANGLE_DEGREES: f64 = 10.0;
 
 fn load(args: &Args) -> anyhow::Result<Skin> {
-    let skin = Skin::load(&args.skin)?;
+    let skin = Skin::load(&args.skin)?.made()?;
     if !args.flatten {
         return Ok(skin);
     }
@@ -237,7 +236,7 @@ fn kept(args: &Args, skin: &Skin) -> anyhow::Result<Option<Kept>> {
     }
     let from = args.keep_calibration.as_deref();
     let kept = from.map(|path| Kept::read(path, &skin.name)).transpose()?;
-    let of_file = || Stored { curve: skin.calibration.clone(), plays: Vec::new() };
+    let of_file = || Stored::curve(skin.calibration.clone());
     let of_new = kept.as_ref().map_or_else(of_file, |kept| kept.stored.clone());
     let path = output(args, skin);
     let file = path.display();
@@ -254,10 +253,10 @@ fn write_patch(
 ) -> anyhow::Result<PatchReport> {
     let path = output(args, skin);
     let quantizing = Instant::now();
-    let mut patch = quantize::patch(skin, model)?;
-    if let Some(kept) = kept {
-        patch = kept.stored.put_into(&patch)?;
-    }
+    let patch = match kept {
+        Some(kept) => quantize::patch_with(skin, model, &kept.stored)?,
+        None => quantize::patch(skin, model)?,
+    };
     let view = PatchView::validate(&patch)?;
     let fixed_point_error = quantize::fixed_point_error(model, &view, TRIALS)?;
     model.stages.push(Stage { name: "quantize", time: quantizing.elapsed() });

@@ -6,12 +6,13 @@ use super::{
     tare::{patch_of, tare_with_spinner},
 };
 use anyhow::{Context, bail, ensure};
-use dermatome_frames::calibrate::{
-    self, Compensation, CurvePoint, Fit, Reading, Recording, patch::with_calibration, repeatability,
-};
+use dermatome_frames::calibrate::{self, Compensation, CurvePoint, Fit, Reading, Recording, repeatability};
 use dermatome_link::{self as link, Link};
 use dermatome_model::skin::quantity::{AREA, Quantity};
-use dermatome_patch::output::{check_folder, write_together, write_whole};
+use dermatome_patch::{
+    output::{check_folder, write_together, write_whole},
+    write::with_calibration,
+};
 use dermatome_shared::{hysteresis::PlayOperator, patch::PatchView, reference::DEFAULT_TARE_FRAMES};
 use dermatome_simulate::port::{self, Port};
 use serde::Serialize;
@@ -102,7 +103,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         write_whole(file, csv(&readings).as_bytes())?;
     }
     let fit = Fit::new(&readings, indenter_mm2, !args.no_compensation).with_context(|| args.source())?;
-    let calibrated = with_calibration(&bytes, &fit.calibration, &fit.plays)?;
+    let calibrated = with_calibration(&bytes, &fit.stored())?;
     let report = Report::new(&patch, &fit, &calibrated)?;
     write_all(args, out, &calibrated, &fit, &report)?;
     if let Some(link) = &mut link {

@@ -56,7 +56,7 @@ struct Report {
 const MUCH_LEFT_PERCENT: f64 = 10.0;
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let skin = Skin::load(&args.skin)?;
+    let skin = Skin::load(&args.skin)?.made()?;
     let source = Source::new(&args.file);
     let frames = args.options.read(&source, &skin)?;
     let expected = Expected::of(&skin).with_context(|| format!("skin file `{}`", args.skin.display()))?;

@@ -279,7 +279,7 @@ fn write([skin, mesh]: &[&PathBuf; 2], text: &str, patch: &Patch) -> anyhow::Res
     let trial = tempfile::tempdir().context("cannot make a temporary folder")?;
     write_whole(&trial.path().join(MESH), &bytes)?;
     // Errors name fields; the path is that of the trial, and stands for the file that is not written.
-    Skin::parse(&trial.path().join(SKIN), text).context("the patch makes no skin")?;
+    Skin::parse(&trial.path().join(SKIN), text).and_then(Skin::made).context("the patch makes no skin")?;
     write_whole(mesh, &bytes)?;
     Ok(write_whole(skin, text.as_bytes())?)
 }

@@ -56,7 +56,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     check_folder(&args.png)?;
     let noise = args.noise.noise();
-    let mut skin = Skin::parse(Path::new(demo::SKIN_PATH), demo::SKIN)?;
+    let mut skin = Skin::parse(Path::new(demo::SKIN_PATH), demo::SKIN)?.made()?;
     // Every image is compared with one in f64 against the reference as it was averaged.
     skin.drift_time = 0.0;
     let spinner = progress::spinner();

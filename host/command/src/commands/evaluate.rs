@@ -144,7 +144,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(path) = &args.png {
         check_folder(path)?;
     }
-    let skin = Skin::load(&args.skin)?;
+    let skin = Skin::load(&args.skin)?.made()?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let spinner = progress::spinner();
     let model = Model::build(&skin, |stage| spinner.set_message(stage)).with_context(in_file)?;

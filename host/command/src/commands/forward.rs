@@ -66,7 +66,7 @@ struct Report {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let out = args.out.as_deref().map(Format::of).transpose()?;
     args.out.as_deref().map_or(Ok(()), check_folder)?;
-    let skin = Skin::load(&args.skin)?;
+    let skin = Skin::load(&args.skin)?.made()?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let mesh = mesh(&skin, 1.0, Lattice::default()).with_context(in_file)?;
     let source = args.conductivity.as_deref().map(Source::new);

@@ -1,7 +1,7 @@
 //! Calibrations that are kept: no new patch silently takes the place of one that was calibrated.
 
 use anyhow::{Context, bail, ensure};
-use dermatome_frames::calibrate::stored::{Stored, have_same_matrix};
+use dermatome_patch::write::{Stored, have_same_matrix};
 use dermatome_shared::patch::PatchView;
 use std::path::Path;
 

@@ -10,7 +10,6 @@ use super::{
 };
 use anyhow::Context;
 use dermatome_frames::{
-    calibrate::stored::Stored,
     learn::{LearnReport, MOST_TEST, Request, judge::Errors, learn, presses::Recording},
     recorded::{
         diagnose::diagnose,
@@ -22,7 +21,7 @@ use dermatome_model::{
     quantize::{self, FixedPointError},
     skin::Skin,
 };
-use dermatome_patch::output::write_whole;
+use dermatome_patch::{output::write_whole, write::Stored};
 use dermatome_shared::patch::PatchView;
 use serde::Serialize;
 use std::{ffi::OsString, path::PathBuf};
@@ -93,12 +92,12 @@ const TRIALS: usize = 32;
 const TURNED: f64 = 8.0;
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let mut skin = Skin::load(&args.skin)?;
+    let mut skin = Skin::load(&args.skin)?.made()?;
     let in_presses = || format!("presses `{}`", args.presses.display());
     let in_both = || format!("presses `{}` on skin file `{}`", args.presses.display(), args.skin.display());
     let recording = read(args, &skin).with_context(in_presses)?;
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.dermatome", skin.name)));
-    let of_new = Stored { curve: skin.calibration.clone(), plays: Vec::new() };
+    let of_new = Stored::curve(skin.calibration.clone());
     refuse_to_lose(&path, &of_new, "another `--output`, or remove the file and calibrate after learning")?;
     if let WeightChoice::Magnitude = args.weights {
         weigh_by_magnitude(&mut skin, &recording.unpressed, &args.options).with_context(in_presses)?;

@@ -11,6 +11,7 @@ use dermatome_frames::recorded::{
 use dermatome_model::{
     model::Model,
     skin::{Skin, Weights, electrodes_in_plane},
+    stimulation::Stimulation,
 };
 use dermatome_patch::{layout::Layout, output::write_whole};
 use dermatome_shared::patch::Difference;
@@ -85,7 +86,7 @@ struct Report {
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let (reference_source, frames_source) = (Source::new(&args.reference), Source::new(&args.frames));
-    let mut skin = Skin::load(&args.skin)?;
+    let mut skin = Skin::load(&args.skin)?.made()?;
     let reference = args.options.read(&reference_source, &skin)?;
     if let WeightChoice::Magnitude = args.weights {
         weigh_by_magnitude(&mut skin, &reference, &args.options)
@@ -130,9 +131,9 @@ pub(super) fn weigh_by_magnitude(
              --weights skin"
         );
     }
-    let steps = skin.steps();
+    let Stimulation { steps, combination } = skin.stimulation();
     let map = options.arrangement().index_map(&steps, skin.electrodes.count, reference.measurements)?;
-    skin.inverse.weights = Weights::Each(by_magnitude(&reference.mean(), &map, &skin.combination(&steps)));
+    skin.inverse.weights = Weights::Each(by_magnitude(&reference.mean(), &map, &combination));
     Ok(())
 }
 

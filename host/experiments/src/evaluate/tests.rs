@@ -9,7 +9,10 @@ use std::{
 
 /// A skin of 8 electrodes and a few hundred elements.
 pub(crate) fn coarse_disc() -> Skin {
-    Skin::parse(Path::new("tiny.toml"), include_str!("../../../tests/data/tiny.toml")).unwrap()
+    Skin::parse(Path::new("tiny.toml"), include_str!("../../../tests/data/tiny.toml"))
+        .unwrap()
+        .made()
+        .unwrap()
 }
 
 /// Stops after so many steps.

@@ -1,6 +1,7 @@
 //! Fit: readings -> curve, plays and load share, or why they are no calibration.
 
 use super::{Curve, Reading, Trial, compensated, curve::SAME_LOAD, hysteresis, identify, load_share, trials};
+use dermatome_patch::write::Stored;
 use dermatome_shared::{calibration::Calibration, hysteresis::PlayOperator};
 
 /// Fewest loads above none, and fewest points of the curve.
@@ -101,6 +102,12 @@ impl Fit {
             if wants_plays { plays(&trials, &calibration) } else { (Vec::new(), Compensation::Off) };
         let loops = trials.iter().map(|trial| Loop::new(trial, &plays, &calibration)).collect();
         Ok(Self { trials, curve, calibration, plays, compensation, loops })
+    }
+
+    /// What a patch gets of it.
+    #[must_use]
+    pub fn stored(&self) -> Stored {
+        Stored { curve: self.calibration.clone(), plays: self.plays.clone() }
     }
 
     /// Mean hysteresis of the trials that have a way back, per cent; none if none has one.

@@ -14,10 +14,8 @@ mod loading;
 mod measure;
 mod network;
 mod pairing;
-pub mod patch;
 mod plot;
 mod recording;
-pub mod stored;
 
 pub use curve::{Curve, CurvePoint, isotonic};
 pub use file::{FileError, Hold, read_loads, read_readings};

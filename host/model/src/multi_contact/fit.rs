@@ -1,6 +1,6 @@
 //! Fit: places and strengths of some fingers by least squares (Levenberg 1944, Marquardt 1963).
 
-use super::atlas::{Answer, Atlas, Place};
+use super::atlas::{Atlas, Place, Response};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -12,7 +12,7 @@ const ENOUGH: f64 = 0.05;
 /// Strength of a finger that is added, and the least it may fall to.
 const FIRST_STRENGTH: f64 = 0.3;
 const LEAST_STRENGTH: f64 = 0.02;
-/// A site whose answer is explained but for this share of its square tells nothing new.
+/// A site whose response is explained but for this share of its square tells nothing new.
 const NEW: f64 = 1e-3;
 
 /// One finger.
@@ -41,13 +41,13 @@ impl Fit {
     /// far from the others. Only what the others' own strengths and movements do not explain counts.
     pub(super) fn starts(&self, atlas: &Atlas, apart: f64) -> Vec<Place> {
         let own = self.fingers.iter().flat_map(|finger| {
-            let Answer { value, slopes: [x, y] } = atlas.answer(finger.at);
+            let Response { value, slopes: [x, y] } = atlas.response(finger.at);
             [value, x, y]
         });
         let own: Vec<_> = own.collect();
         let own = (!own.is_empty()).then(|| DMatrix::from_columns(&own).qr().q());
         let asks: Vec<f64> =
-            atlas.sites.par_iter().map(|site| self.asks(&site.answer, own.as_ref())).collect();
+            atlas.sites.par_iter().map(|site| self.asks(&site.response, own.as_ref())).collect();
         let points: Vec<_> = self.fingers.iter().map(|finger| atlas.point(finger.at)).collect();
         let is_far =
             |site: usize| points.iter().all(|point| (atlas.sites[site].place - point).norm() >= apart);
@@ -63,11 +63,11 @@ impl Fit {
         sites.into_iter().map(Atlas::at_node).collect()
     }
 
-    /// By how much a finger with this answer would lower the sum of squares.
-    fn asks(&self, answer: &DVector<f64>, own: Option<&DMatrix<f64>>) -> f64 {
-        let along = self.left.dot(answer);
-        let whole = answer.norm_squared();
-        let known = own.map_or(0.0, |own| own.tr_mul(answer).norm_squared());
+    /// By how much a finger with this response would lower the sum of squares.
+    fn asks(&self, response: &DVector<f64>, own: Option<&DMatrix<f64>>) -> f64 {
+        let along = self.left.dot(response);
+        let whole = response.norm_squared();
+        let known = own.map_or(0.0, |own| own.tr_mul(response).norm_squared());
         if along > 0.0 { along * along / (whole - known).max(NEW * whole) } else { 0.0 }
     }
 
@@ -111,15 +111,15 @@ pub(super) fn refined(fingers: Vec<Finger>, atlas: &Atlas, data: &DVector<f64>, 
 fn explained(fingers: Vec<Finger>, atlas: &Atlas, data: &DVector<f64>) -> Fit {
     let mut left = data.clone();
     for finger in &fingers {
-        left -= atlas.answer(finger.at).value * finger.strength;
+        left -= atlas.response(finger.at).value * finger.strength;
     }
     Fit { square: left.norm_squared(), left, fingers }
 }
 
-/// What the answers of all fingers change by for each unit of strength, x and y.
+/// What the responses of all fingers change by for each unit of strength, x and y.
 fn columns(fingers: &[Finger], atlas: &Atlas) -> DMatrix<f64> {
     let of_finger = |finger: &Finger| {
-        let Answer { value, slopes: [x, y] } = atlas.answer(finger.at);
+        let Response { value, slopes: [x, y] } = atlas.response(finger.at);
         [value, x * finger.strength, y * finger.strength]
     };
     DMatrix::from_columns(&fingers.iter().flat_map(of_finger).collect::<Vec<_>>())

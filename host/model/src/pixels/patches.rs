@@ -161,7 +161,7 @@ mod tests {
 
     fn disc(fineness: f64) -> Mesh {
         let text = include_str!("../../../../models/disc-210mm/skin.toml");
-        let skin = Skin::parse(Path::new("disc.toml"), text).unwrap();
+        let skin = Skin::parse(Path::new("disc.toml"), text).unwrap().made().unwrap();
         model::mesh(&skin, fineness, Lattice::default()).unwrap()
     }
 

@@ -17,7 +17,7 @@ const SAME_PLACE: f64 = 1e-4;
 /// The skin in `path`, which must be that of the board's patch, and its pose.
 pub(super) fn skin_of(path: &Path, link: &mut Link, patch: &PatchInfo) -> anyhow::Result<(Skin, Pose)> {
     let file = path.display();
-    let skin = Skin::load(path)?;
+    let skin = Skin::load(path)?.made()?;
     let Some(pose) = skin.pose.clone() else {
         bail!(
             "skin file `{file}`: `pose` is missing; allowed: a table `[pose]` as `dermatome cut` writes it"

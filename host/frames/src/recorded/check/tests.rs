@@ -336,7 +336,7 @@ fn frames_of_another_length_are_refused() {
 #[test]
 fn the_model_of_a_skin_expects_its_own_voltages() {
     let text = include_str!("../../../../tests/data/tiny.toml");
-    let skin = Skin::parse(std::path::Path::new("skin.toml"), text).unwrap();
+    let skin = Skin::parse(std::path::Path::new("skin.toml"), text).unwrap().made().unwrap();
     let model = dermatome_model::model::Model::build(&skin, |_| ()).unwrap();
     let expected = Expected::of(&skin).unwrap();
     for (step, voltage) in model.steps.iter().zip(&model.voltages) {

@@ -1,5 +1,9 @@
 //! Model: a skin taken through mesh, forward model, Jacobian and reconstruction matrix.
 
+mod import;
+mod stages;
+
+pub use crate::inverse::difference::divisors;
 use crate::{
     forward::{Admittivity, ForwardError, ForwardModel, electrode_unknown},
     inverse::{
@@ -7,12 +11,13 @@ use crate::{
         figures::{self, Blur},
         reconstruction::{Measurements, Reconstruction, reconstruct},
         selection::Selection,
-        targets::{Answers, Untouched},
+        targets::{Responses, Untouched},
     },
     jacobian::{combine_rows, combine_voltages, jacobian, step_counts},
     pixels::{self, Pixels},
     prior::Prior,
     skin::{ImageLayout, NotFlat, Shape, Skin},
+    stimulation::Stimulation,
 };
 use dermatome_geometry::{
     mesh::{Lattice, Mesh, MeshError, generate},
@@ -27,7 +32,8 @@ use dermatome_shared::{
 };
 use faer::{Col, Mat};
 use num_complex::Complex64;
-use std::time::{Duration, Instant};
+pub use stages::Stage;
+use stages::StageClock;
 
 /// Everything computed for one skin. Voltages are relative: at unit current and unit
 /// conductivity, see [`crate::forward`].
@@ -65,15 +71,6 @@ pub struct Model {
     pub target: Vec<f64>,
     /// How long each stage took.
     pub stages: Vec<Stage>,
-}
-
-/// How long one stage took.
-#[derive(Clone, Debug)]
-pub struct Stage {
-    /// Name of the stage.
-    pub name: &'static str,
-    /// Wall time.
-    pub time: Duration,
 }
 
 /// Why a skin has no model.
@@ -143,13 +140,13 @@ pub fn pixels_on(skin: &Skin, mesh: &Mesh) -> Result<Pixels, ModelError> {
     }
 }
 
-/// What the untouched skin answers in phase: voltages `[step]`, Jacobian `[measurement][pixel]`, and
+/// How the untouched skin responds, in phase: voltages `[step]`, Jacobian `[measurement][pixel]`, and
 /// simulated targets.
-struct Answer {
+struct Response {
     voltages: Vec<f64>,
     test_voltages: Vec<f64>,
     jacobian: Mat<f64>,
-    targets: Answers,
+    targets: Responses,
 }
 
 /// The untouched skin solved, before reciprocal steps are averaged and quadrature is dropped.
@@ -185,8 +182,7 @@ impl Model {
         keep: impl FnOnce(Solution),
     ) -> Result<Self, ModelError> {
         let mut clock = StageClock::default();
-        let steps = skin.steps();
-        let combination = skin.combination(&steps);
+        let stimulation = skin.stimulation();
 
         on_stage(clock.begin("mesh"));
         let mesh = mesh(skin, 1.0, Lattice::default())?;
@@ -196,23 +192,25 @@ impl Model {
 
         let admittivity = skin.admittivity();
         let mut stage = |name| on_stage(clock.begin(name));
-        let Answer { voltages, test_voltages, jacobian, targets } = if admittivity.im == 0.0 {
-            let (answer, solved) = answer(skin, &mesh, &pixels, admittivity.re, &mut stage)?;
+        let untouched = Unsolved { skin, stimulation: &stimulation, mesh: &mesh, pixels: &pixels };
+        let Response { voltages, test_voltages, jacobian, targets } = if admittivity.im == 0.0 {
+            let (response, solved) = untouched.solve(admittivity.re, &mut stage)?;
             keep(Solution::Real(Box::new(solved)));
-            answer
+            response
         } else {
-            let (answer, solved) = answer(skin, &mesh, &pixels, admittivity, &mut stage)?;
+            let (response, solved) = untouched.solve(admittivity, &mut stage)?;
             keep(Solution::Complex(Box::new(solved)));
-            answer
+            response
         };
 
         on_stage(clock.begin("matrix"));
+        let Stimulation { steps, combination } = stimulation;
         let measurements = Measurements {
             jacobian: &jacobian,
             voltages: &combine_voltages(&voltages, &combination),
             step_counts: &step_counts(&combination),
             step_size: root_mean_square(&voltages),
-            answers: &targets,
+            responses: &targets,
         };
         let Reconstruction { matrix, prior, weights, hyperparameter, selection } =
             reconstruct(&skin.inverse, &pixels, &measurements)?;
@@ -311,74 +309,42 @@ impl Model {
     }
 }
 
-/// What a kind of difference data divides by: `[measurement]`; see [`dermatome_shared::reference`].
-pub fn divisors(kind: Difference, reference: &[f64]) -> Vec<f64> {
-    match kind {
-        Difference::Plain => vec![mean_magnitude(reference); reference.len()],
-        Difference::Normalised => reference.to_vec(),
-    }
-}
-
-/// Mean of the magnitudes.
-#[must_use]
-pub fn mean_magnitude(values: &[f64]) -> f64 {
-    values.iter().map(|value| value.abs()).sum::<f64>() / values.len() as f64
-}
-
 fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// Solves the untouched skin of one admittivity.
-fn answer<T: Admittivity>(
-    skin: &Skin,
-    mesh: &Mesh,
-    pixels: &Pixels,
-    admittivity: T,
-    stage: &mut dyn FnMut(&'static str),
-) -> Result<(Answer, Solved<T>), ModelError> {
-    stage("forward");
-    let forward = forward_model::<T>(skin, mesh)?;
-    let fields = forward.solve(&vec![admittivity; mesh.elements.len()])?;
-    let steps = skin.steps();
-    stage("jacobian");
-    let jacobian = jacobian(mesh, &fields, &steps, pixels);
-    let untouched = Untouched { mesh, forward: &forward, admittivity, fields: &fields, steps: &steps };
-    let targets = Answers::simulate(&untouched, &skin.inverse, &skin.combination(&steps))?;
-    let voltages = fields.voltages(&steps);
-    let electrodes = skin.electrodes.count;
-    let tests = (0..electrodes).map(|electrode| test_step(electrode, electrodes));
-    let answer = Answer {
-        targets,
-        voltages: voltages.iter().map(|voltage| voltage.in_phase()).collect(),
-        test_voltages: tests.map(|test| fields.voltage(test).in_phase()).collect(),
-        jacobian: combine_rows(&jacobian, &skin.combination(&steps)),
-    };
-    Ok((answer, Solved { admittivity, forward, voltages, jacobian }))
+/// The untouched skin, to be solved.
+struct Unsolved<'a> {
+    skin: &'a Skin,
+    stimulation: &'a Stimulation,
+    mesh: &'a Mesh,
+    pixels: &'a Pixels,
 }
 
-/// Times stages that follow each other.
-#[derive(Default)]
-struct StageClock {
-    running: Option<(&'static str, Instant)>,
-    done: Vec<Stage>,
-}
-
-impl StageClock {
-    fn begin(&mut self, name: &'static str) -> &'static str {
-        self.end();
-        self.running = Some((name, Instant::now()));
-        name
-    }
-
-    fn end(&mut self) {
-        if let Some((name, since)) = self.running.take() {
-            self.done.push(Stage { name, time: since.elapsed() });
-        }
-    }
-
-    fn finish(mut self) -> Vec<Stage> {
-        self.end();
-        self.done
+impl Unsolved<'_> {
+    /// Solves it for one admittivity.
+    fn solve<T: Admittivity>(
+        &self,
+        admittivity: T,
+        stage: &mut dyn FnMut(&'static str),
+    ) -> Result<(Response, Solved<T>), ModelError> {
+        let Self { skin, mesh, pixels, stimulation: Stimulation { steps, combination } } = self;
+        stage("forward");
+        let forward = forward_model::<T>(skin, mesh)?;
+        let fields = forward.solve(&vec![admittivity; mesh.elements.len()])?;
+        stage("jacobian");
+        let jacobian = jacobian(mesh, &fields, steps, pixels);
+        let untouched = Untouched { mesh, forward: &forward, admittivity, fields: &fields, steps };
+        let targets = Responses::simulate(&untouched, &skin.inverse, combination)?;
+        let voltages = fields.voltages(steps);
+        let electrodes = skin.electrodes.count;
+        let tests = (0..electrodes).map(|electrode| test_step(electrode, electrodes));
+        let response = Response {
+            targets,
+            voltages: voltages.iter().map(|voltage| voltage.in_phase()).collect(),
+            test_voltages: tests.map(|test| fields.voltage(test).in_phase()).collect(),
+            jacobian: combine_rows(&jacobian, combination),
+        };
+        Ok((response, Solved { admittivity, forward, voltages, jacobian }))
     }
 }

@@ -9,10 +9,12 @@
 //! The rank is exact: forms have integer entries, and are eliminated modulo the prime 2^61 - 1. A
 //! prime can only make a rank too small, and only if it divides a determinant.
 
-use crate::skin::STEP_COLUMNS;
 use dermatome_shared::stimulation::{Driven, Reciprocity, Step, pattern};
 use serde::Serialize;
 use std::collections::{BTreeSet, HashMap, hash_map::Entry};
+
+/// Header of a stimulation table in a CSV file; its electrodes count from 0.
+pub const STEP_COLUMNS: [&str; 4] = ["drive_plus", "drive_minus", "sense_plus", "sense_minus"];
 
 /// What a stimulation table holds. Steps and electrodes count from 0.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
