@@ -55,7 +55,9 @@ pub fn write_array(out: &mut dyn Write, name: &str, array: &Array<'_>) -> io::Re
     let parts = if flags & COMPLEX == 0 { 1 } else { 2 };
     begin_variable(out, name, flags, [rows, columns], parts * (8 + 8 * count))?;
     match &array.values {
-        Values::Integer(it) => doubles(out, count, column_by_column().map(|(r, c)| it.at(r, c, columns) as f64)),
+        Values::Integer(it) => {
+            doubles(out, count, column_by_column().map(|(r, c)| it.at(r, c, columns) as f64))
+        }
         Values::Real(it) => doubles(out, count, column_by_column().map(|(r, c)| it.at(r, c, columns))),
         Values::Complex(it) => {
             let part =

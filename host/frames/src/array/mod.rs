@@ -125,7 +125,9 @@ impl<'a> Array<'a> {
             Values::Complex(Numbers::Stored(values)) => values,
             Values::Complex(numbers) => places.map(|(r, c)| numbers.at(r, c, columns)).collect(),
             Values::Real(numbers) => places.map(|(r, c)| numbers.at(r, c, columns).into()).collect(),
-            Values::Integer(numbers) => places.map(|(r, c)| (numbers.at(r, c, columns) as f64).into()).collect(),
+            Values::Integer(numbers) => {
+                places.map(|(r, c)| (numbers.at(r, c, columns) as f64).into()).collect()
+            }
         }
     }
 }

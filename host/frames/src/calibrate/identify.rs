@@ -5,12 +5,14 @@
 //! on the weights.
 
 use super::Trial;
+use dermatome_model::inverse::least_squares::{Problem, Schedule, minimise};
 use dermatome_shared::{
     calibration::Calibration,
     hysteresis::{MAX_PLAYS, Memory, Play},
     units::RelativeConductivity,
 };
 use nalgebra::{DMatrix, DVector};
+use std::convert::Infallible;
 
 /// Shares of the highest strength below which the plays give way, one over their reach. The last lies clear of
 /// the noise of a loop half as high: a play that gave way within it would need a weight that amplifies it.
@@ -25,7 +27,19 @@ const REST_MARGIN: f64 = 1.7;
 /// ... but not beyond this share of the way to the lowest load.
 const REST_SHARE: f64 = 0.7;
 const STARTS: [[f64; 2]; 6] = [[0.3, 0.01], [0.3, 6.0], [2.0, 0.01], [2.0, 3.0], [5.0, 0.01], [0.05, 2.0]];
-const ROUNDS: usize = 60;
+const SCHEDULE: Schedule = Schedule {
+    first: 1e-3,
+    rise: 4.0,
+    fall: 1.0 / 0.3,
+    least: 1e-9,
+    most: 4e6,
+    ridge: 1e-12,
+    steps: usize::MAX,
+    attempts: usize::MAX,
+    attempts_in_all: 60,
+    enough: 0.0,
+    enough_share: 0.0,
+};
 const STEP: f64 = 1e-3;
 
 /// Plays that take the hysteresis out of one loading cycle under its calibration curve. Empty if the cycle has
@@ -39,11 +53,13 @@ pub fn identify(trial: &Trial, calibration: &Calibration) -> Vec<Play> {
     let start = |[slow, quick]: [f64; 2]| {
         let mut weights = DVector::from_element(MAX_PLAYS, 0.05);
         (weights[0], weights[MAX_PLAYS - 1]) = (slow, quick);
-        cycle.descend(weights)
+        let Ok(fitted) = minimise(&cycle, cycle.weighted(weights), &SCHEDULE);
+        fitted.state
     };
     let fits = STARTS.into_iter().map(start);
-    let best = fits.min_by(|a, b| a.1.total_cmp(&b.1)).expect("there are starts");
-    plays(&best.0)
+    let square = |fit: &Weighted| cycle.square(fit);
+    let best = fits.min_by(|a, b| square(a).total_cmp(&square(b))).expect("there are starts");
+    plays(&best.weights)
 }
 
 /// Pressures, kPa, that a board gives for these strengths, in their order.
@@ -108,6 +124,10 @@ impl<'a> Cycle<'a> {
         Self { calibration, strengths, wanted, largest: read(pairs[top][1]) }
     }
 
+    fn weighted(&self, weights: DVector<f64>) -> Weighted {
+        Weighted { errors: self.errors(&weights), weights }
+    }
+
     /// Errors of the pressures, shares of the largest one, and the price of the weights.
     fn errors(&self, weights: &DVector<f64>) -> DVector<f64> {
         let given = compensated(&self.strengths, &plays(weights), self.calibration, 0.0);
@@ -117,39 +137,37 @@ impl<'a> Cycle<'a> {
         let all: Vec<f64> = of_pressures.chain(weights.iter().map(|weight| price * weight)).collect();
         DVector::from_vec(all)
     }
+}
 
-    fn slopes(&self, weights: &DVector<f64>, errors: &DVector<f64>) -> DMatrix<f64> {
+/// Weights of the plays, and the errors that they leave.
+struct Weighted {
+    weights: DVector<f64>,
+    errors: DVector<f64>,
+}
+
+impl Problem for Cycle<'_> {
+    type State = Weighted;
+    type Error = Infallible;
+
+    fn left(&self, state: &Weighted) -> DVector<f64> {
+        -&state.errors
+    }
+
+    fn square(&self, state: &Weighted) -> f64 {
+        state.errors.norm_squared()
+    }
+
+    fn slopes(&self, Weighted { weights, errors }: &Weighted) -> Result<DMatrix<f64>, Infallible> {
         let column = |play: usize| {
             let mut moved = weights.clone();
             // Weights are rounded to 2^-11: the step is taken as it was rounded.
             moved[play] += STEP + 0.01 * weights[play];
             (self.errors(&moved) - errors) / (moved[play] - weights[play])
         };
-        DMatrix::from_columns(&(0..MAX_PLAYS).map(column).collect::<Vec<_>>())
+        Ok(DMatrix::from_columns(&(0..MAX_PLAYS).map(column).collect::<Vec<_>>()))
     }
 
-    /// Levenberg and Marquardt's method, with weights kept from 0 to their limit.
-    fn descend(&self, mut weights: DVector<f64>) -> (DVector<f64>, f64) {
-        let mut damping = 1e-3;
-        let mut errors = self.errors(&weights);
-        for _ in 0..ROUNDS {
-            let slopes = self.slopes(&weights, &errors);
-            let mut normal = slopes.transpose() * &slopes;
-            for i in 0..MAX_PLAYS {
-                normal[(i, i)] = normal[(i, i)] * (1.0 + damping) + 1e-12;
-            }
-            let Some(factor) = normal.cholesky() else { break };
-            let moved = &weights - factor.solve(&(slopes.transpose() * &errors));
-            let moved = moved.map(|weight| weight.clamp(0.0, MOST_WEIGHT));
-            let new = self.errors(&moved);
-            if new.norm_squared() < errors.norm_squared() {
-                (weights, errors, damping) = (moved, new, (damping * 0.3).max(1e-9));
-            } else if damping > 1e6 {
-                break;
-            } else {
-                damping *= 4.0;
-            }
-        }
-        (weights, errors.norm_squared())
+    fn moved(&self, state: &Weighted, change: &DVector<f64>) -> Result<Weighted, Infallible> {
+        Ok(self.weighted((&state.weights + change).map(|weight| weight.clamp(0.0, MOST_WEIGHT))))
     }
 }

@@ -219,10 +219,16 @@ impl<'a> Export<'a> {
         vec![
             Variable::table("stimulation", steps.len(), 4, move |step, pin| usize::from(steps[step][pin]))
                 .means("", "[step][drive_plus, drive_minus, sense_plus, sense_minus]: electrodes"),
-            Variable::list("step_measurement", combination.len(), |s| usize::from(combination[s].measurement))
-                .means("", "[step]: measurement that the step is averaged into"),
-            Variable::list("step_sign", combination.len(), |s| if combination[s].flipped { -1_i64 } else { 1 })
-                .means("", "[step]: sign with which it is averaged"),
+            Variable::list("step_measurement", combination.len(), |s| {
+                usize::from(combination[s].measurement)
+            })
+            .means("", "[step]: measurement that the step is averaged into"),
+            Variable::list(
+                "step_sign",
+                combination.len(),
+                |s| if combination[s].flipped { -1_i64 } else { 1 },
+            )
+            .means("", "[step]: sign with which it is averaged"),
         ]
     }
 

@@ -71,7 +71,7 @@ pub enum PressError {
     #[error(transparent)]
     Read(#[from] ReadError),
     /// No frames of the untouched skin.
-    #[error("`{file}` holds no frames of the untouched skin: give them with --reference{}", also(.archive))]
+    #[error("`{file}` holds no frames of the untouched skin: give them as a reference of their own{}", also(.archive))]
     NoReference {
         /// The file.
         file: String,

@@ -13,3 +13,4 @@ pub mod read;
 pub mod reconstruct;
 pub mod statistics;
 pub mod weights;
+pub mod wording;

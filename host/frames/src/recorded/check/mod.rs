@@ -121,7 +121,8 @@ pub struct Check {
     pub saturation: Option<Saturation>,
     /// Frames that come more than once.
     pub repeats: Repeats,
-    /// What looks wrong, and what to change.
+    /// What looks wrong, and what to change; whoever shows it says which settings do that.
+    #[serde(skip)]
     pub findings: Vec<Finding>,
 }
 
