@@ -55,7 +55,7 @@ pub struct Export<'a> {
     solution: Solution,
 }
 
-/// What the untouched skin answers, real or, for a sheet with capacitance, complex.
+/// The untouched skin's response, real or, for a sheet with capacitance, complex.
 enum Solution {
     Real(Untouched<f64>),
     Complex(Untouched<Complex64>),
@@ -109,14 +109,14 @@ pub fn prepare_folder(folder: &Path) -> Result<(), ExportError> {
 impl<'a> Export<'a> {
     /// Computes everything; `on_stage` hears the name of each stage as it begins.
     pub fn new(skin: &'a Skin, mut on_stage: impl FnMut(&'static str)) -> Result<Self, ModelError> {
-        let mut kept = None;
+        let mut solved = None;
         // The model's own Jacobian, of combined measurements, is dropped here.
-        let model = Model::build_with(skin, &mut on_stage, |solution| kept = Some(solution))?;
+        let model = Model::build_with(skin, &mut on_stage, |solution| solved = Some(solution))?;
         let prior = model.prior.as_ref().map(Prior::entries).transpose().map_err(InverseError::from)?;
         let Model { steps, combination, mesh, pixels, weights, hyperparameter, .. } = model;
         on_stage("arrays");
         let elements = mesh.elements.len();
-        let solution = match kept.expect("a model that is built was solved") {
+        let solution = match solved.expect("a model that is built was solved") {
             model::Solution::Real(solved) => Solution::Real(Untouched::new(*solved, elements)?),
             model::Solution::Complex(solved) => Solution::Complex(Untouched::new(*solved, elements)?),
         };

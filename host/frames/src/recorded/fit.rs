@@ -1,4 +1,4 @@
-//! Contact impedances and conductivity of the untouched skin, from frames measured on it.
+//! Contact impedances and conductivity of the untouched skin, from frames recorded on it.
 //!
 //! Minimises the squared difference between the mean frame f and s v(z): v are the model's voltages,
 //! z the contact impedance of each electrode, and the scale s holds the sheet's conductivity and the
@@ -154,8 +154,8 @@ struct Unknowns<'a> {
     mesh: Mesh,
     /// Steps whose measurement is not zero.
     steps: Vec<Step>,
-    /// What they measured, with the model's sign.
-    measured: Vec<f64>,
+    /// What was recorded for them, with the model's sign.
+    recorded: Vec<f64>,
     /// The skin file's contact impedances times its conductivity, m.
     relative: Vec<f64>,
 }
@@ -183,12 +183,12 @@ impl<'a> Unknowns<'a> {
         let all = skin.steps();
         let map = arrangement.index_map(&all, skin.electrodes.count, frame.len())?;
         let mesh = mesh(skin, 1.0, Lattice::default())?;
-        let mut problem = Self { skin, mesh, steps: all, measured: Vec::new(), relative };
+        let mut problem = Self { skin, mesh, steps: all, recorded: Vec::new(), relative };
         let model = problem.voltages(&problem.relative)?;
         let signed = signed_reference(frame, &map, &model);
         let floor = dead_below(frame, &map);
         let alive = problem.steps.iter().zip(signed).filter(|(_, value)| value.abs() > floor);
-        (problem.steps, problem.measured) = alive.map(|(step, value)| (*step, value)).unzip();
+        (problem.steps, problem.recorded) = alive.map(|(step, value)| (*step, value)).unzip();
         let (measurements, parameters) = (problem.steps.len(), problem.relative.len() + 1);
         if measurements <= parameters {
             return Err(FitError::TooFew { measurements, parameters });
@@ -217,7 +217,7 @@ impl<'a> Unknowns<'a> {
     /// The skin file's impedances, and the scale that suits them best.
     fn start(&self) -> Result<State, ForwardError> {
         let voltages = self.voltages(&self.relative)?;
-        let product: f64 = voltages.iter().zip(&self.measured).map(|(v, f)| v * f).sum();
+        let product: f64 = voltages.iter().zip(&self.recorded).map(|(v, f)| v * f).sum();
         let scale = product / voltages.iter().map(|v| v * v).sum::<f64>();
         let impedances = self.relative.iter().map(|z| z.ln());
         Ok(State {
@@ -233,7 +233,7 @@ impl<'a> Unknowns<'a> {
     }
 
     fn share_left(&self, state: &State) -> f64 {
-        (self.square(state) / self.measured.iter().map(|f| f * f).sum::<f64>()).sqrt()
+        (self.square(state) / self.recorded.iter().map(|f| f * f).sum::<f64>()).sqrt()
     }
 
     /// Standard deviation of each logarithm of a contact impedance: `[electrode]`.
@@ -255,8 +255,8 @@ impl Problem for Unknowns<'_> {
     type Error = ForwardError;
 
     fn left(&self, state: &State) -> DVector<f64> {
-        let left = self.measured.iter().zip(&state.scaled).map(|(f, v)| f - v);
-        DVector::from_iterator(self.measured.len(), left)
+        let left = self.recorded.iter().zip(&state.scaled).map(|(f, v)| f - v);
+        DVector::from_iterator(self.recorded.len(), left)
     }
 
     fn square(&self, state: &State) -> f64 {

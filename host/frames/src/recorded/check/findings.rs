@@ -11,9 +11,9 @@ use super::{
 };
 use serde::Serialize;
 
-/// Middle error between steps that must agree which is a fault, %; saline tanks reach 5.
+/// Median error between steps that must agree which is a fault, %; saline tanks reach 5.
 const DISAGREEMENT_PERCENT: f64 = 10.0;
-/// A single pair is worth a word from so many times the middle error on.
+/// A single pair is worth a word from so many times the median error on.
 const OUTSTANDING: f64 = 5.0;
 /// Signal-to-noise ratio below which single presses drown, dB.
 const LOW_SNR_DB: f64 = 40.0;
