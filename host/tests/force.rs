@@ -105,7 +105,10 @@ impl Rig {
         let patch = PatchView::validate(&self.patch).unwrap();
         let mut places = Places::default();
         for _ in 0..SETTLED {
-            places.press(&patch, &mut contacts, || RelativeConductivity(0));
+            let noise = RelativeConductivity(patch.header.contact_threshold.0 / 2);
+            let operators = patch.play_operators();
+            let strengths = places.compensate(&operators, &contacts, noise, || RelativeConductivity(0));
+            patch.header.calibration.apply(&mut contacts, &strengths);
         }
         let true_newtons = kpa * 1e3 * area * 1e-4;
         contacts.first().map(|contact| f64::from(contact.force().expect("calibrated")) / true_newtons)
@@ -135,8 +138,8 @@ fn a_skin_calibrated_with_four_square_centimetres_reads_the_force_of_one_four_an
     let mut rig = Rig::new();
     let fit = Fit::new(&rig.readings(), Some(INDENTER * 100.0), true).unwrap();
     let share = fit.calibration.load_share.unwrap();
-    println!("load share {share:.3}, {} points, {} plays", fit.calibration.points.len(), fit.plays.len());
-    rig.patch = with_calibration(&rig.patch, &fit.calibration, &fit.plays).unwrap();
+    println!("load share {share:.3}, {} points, {} plays", fit.calibration.points.len(), fit.play_operators.len());
+    rig.patch = with_calibration(&rig.patch, &fit.calibration, &fit.play_operators).unwrap();
     let [one, four, nine, large] = [1.0, 4.0, 9.0, 25.0].map(|area| table(&mut rig, area));
     let within = |rows: &[Vec<Option<f64>>], least: f64, most: f64| {
         let [lowest, highest] = spread(rows);

@@ -17,8 +17,12 @@ const HOST: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 fn main() -> Result<(), Box<dyn Error>> {
     let given: Vec<OsString> = std::env::args_os().skip(1).collect();
     let [skin, reference, frames] = <[OsString; 3]>::try_from(given).unwrap_or_else(|_| {
-        ["../models/saline-215mm/skin.toml", "tests/data/eidors/c2c_pem.npz:vh", "tests/data/eidors/c2c_pem.npz:vi"]
-            .map(|file| format!("{HOST}/{file}").into())
+        [
+            "../models/saline-215mm/skin.toml",
+            "tests/data/eidors/c2c_pem.npz:vh",
+            "tests/data/eidors/c2c_pem.npz:vi",
+        ]
+        .map(|file| format!("{HOST}/{file}").into())
     });
     let skin = Skin::load(Path::new(&skin))?;
     let model = Model::build(&skin, |_| ())?;

@@ -102,7 +102,7 @@ pub fn patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
     let quantized = QuantizedMatrix::new(&model.conductivity_from_difference)?;
     let header = header(skin, model, &tables);
     let contents = PatchContents {
-        plays: &[],
+        play_operators: &[],
         header: &header,
         steps: &model.steps,
         combination: &model.combination,
@@ -156,7 +156,7 @@ fn header(skin: &Skin, model: &Model, tables: &SurfaceTables) -> PatchHeader {
         drift_time: skin.drift_time as f32,
         calibration: skin.calibration.clone(),
         test_resistances: test_resistances(skin, model).map(|ohms| ohms as f32).collect(),
-        plays: 0,
+        play_operators: 0,
     }
 }
 

@@ -12,7 +12,7 @@ use dermatome_frames::calibrate::{
 use dermatome_link::{self as link, Link};
 use dermatome_model::skin::quantity::{AREA, Quantity};
 use dermatome_patch::output::{check_folder, write_together, write_whole};
-use dermatome_shared::{hysteresis::Play, patch::PatchView, reference::DEFAULT_TARE_FRAMES};
+use dermatome_shared::{hysteresis::PlayOperator, patch::PatchView, reference::DEFAULT_TARE_FRAMES};
 use dermatome_simulate::port::{self, Port};
 use serde::Serialize;
 use std::{
@@ -102,7 +102,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         write_whole(file, csv(&readings).as_bytes())?;
     }
     let fit = Fit::new(&readings, indenter_mm2, !args.no_compensation).with_context(|| args.source())?;
-    let calibrated = with_calibration(&bytes, &fit.calibration, &fit.plays)?;
+    let calibrated = with_calibration(&bytes, &fit.calibration, &fit.play_operators)?;
     let report = Report::new(&patch, &fit, &calibrated)?;
     write_all(args, out, &calibrated, &fit, &report)?;
     if let Some(link) = &mut link {
@@ -209,7 +209,7 @@ impl Report {
             repeatability_percent: repeatability(&fit.trials),
             compensated_percent: fit.loops.iter().map(|one| one.compensated).collect(),
             curve: fit.curve.points.clone(),
-            plays: fit.plays.iter().map(plain).collect(),
+            plays: fit.play_operators.iter().map(plain).collect(),
             load_share: fit.calibration.load_share,
             patch_crc: super::patch_id(PatchView::validate(calibrated)?.crc()),
         })
@@ -257,6 +257,6 @@ fn print_compensation(fit: &Fit) {
 }
 
 /// Reach and weight as plain numbers.
-fn plain(play: &Play) -> [f64; 2] {
-    [f64::from(play.reach) / 4096.0, f64::from(play.weight) / 2048.0]
+fn plain(play: &PlayOperator) -> [f64; 2] {
+    [f64::from(play.threshold) / 4096.0, f64::from(play.weight) / 2048.0]
 }

@@ -1,6 +1,6 @@
-//! Identification: the plays that close the loop of one loading cycle.
+//! Identification: the play operators that close the loop of one loading cycle.
 //!
-//! Reaches are fixed; weights follow by damped least squares on the pressure that the board's own operator
+//! Thresholds are fixed; weights follow by damped least squares on the pressure that the board's own operator
 //! would give, from several starts. First loading passes the operator unchanged, so the curve does not depend
 //! on the weights.
 
@@ -8,15 +8,15 @@ use super::Trial;
 use dermatome_model::inverse::least_squares::{Problem, Schedule, minimise};
 use dermatome_shared::{
     calibration::Calibration,
-    hysteresis::{MAX_PLAYS, Memory, Play},
+    hysteresis::{MAX_PLAY_OPERATORS, Memory, PlayOperator},
     units::RelativeConductivity,
 };
 use nalgebra::{DMatrix, DVector};
 use std::convert::Infallible;
 
-/// Shares of the highest strength below which the plays give way, one over their reach. The last lies clear of
-/// the noise of a loop half as high: a play that gave way within it would need a weight that amplifies it.
-const GIVE_WAY: [f64; MAX_PLAYS] = [0.1, 0.4, 0.7, 0.85, 0.93, 0.975];
+/// Shares of the highest strength below which the play operators give way, one over their threshold. The last lies clear of
+/// the noise of a loop half as high: an operator that gave way within it would need a weight that amplifies it.
+const GIVE_WAY: [f64; MAX_PLAY_OPERATORS] = [0.1, 0.4, 0.7, 0.85, 0.93, 0.975];
 /// Weights beyond this amplify noise more than they close loops.
 const MOST_WEIGHT: f64 = 31.0;
 /// Price of a weight of 1, in shares of the largest pressure: what is left of 0.5 % of noise in a frame after
@@ -42,45 +42,50 @@ const SCHEDULE: Schedule = Schedule {
 };
 const STEP: f64 = 1e-3;
 
-/// Plays that take the hysteresis out of one loading cycle under its calibration curve. Empty if the cycle has
+/// Play operators that take the hysteresis out of one loading cycle under its calibration curve. Empty if the cycle has
 /// no way back, or nothing at its top.
 #[must_use]
-pub fn identify(trial: &Trial, calibration: &Calibration) -> Vec<Play> {
+pub fn identify(trial: &Trial, calibration: &Calibration) -> Vec<PlayOperator> {
     let cycle = Cycle::new(trial, calibration);
     if cycle.wanted.is_empty() || cycle.largest <= 0.0 {
         return Vec::new();
     }
     let start = |[slow, quick]: [f64; 2]| {
-        let mut weights = DVector::from_element(MAX_PLAYS, 0.05);
-        (weights[0], weights[MAX_PLAYS - 1]) = (slow, quick);
+        let mut weights = DVector::from_element(MAX_PLAY_OPERATORS, 0.05);
+        (weights[0], weights[MAX_PLAY_OPERATORS - 1]) = (slow, quick);
         let Ok(fitted) = minimise(&cycle, cycle.weighted(weights), &SCHEDULE);
         fitted.state
     };
     let fits = STARTS.into_iter().map(start);
     let square = |fit: &Weighted| cycle.square(fit);
     let best = fits.min_by(|a, b| square(a).total_cmp(&square(b))).expect("there are starts");
-    plays(&best.weights)
+    play_operators(&best.weights)
 }
 
 /// Pressures, kPa, that a board gives for these strengths, in their order.
 #[must_use]
-pub fn compensated(strengths: &[f64], plays: &[Play], calibration: &Calibration, noise: f64) -> Vec<f64> {
+pub fn compensated(
+    strengths: &[f64],
+    play_operators: &[PlayOperator],
+    calibration: &Calibration,
+    noise: f64,
+) -> Vec<f64> {
     let mut memory = Memory::default();
     let noise = RelativeConductivity::from_f64(noise);
     let step = |&strength: &f64| {
         let strength = RelativeConductivity::from_f64(strength);
-        let clean = match plays {
+        let clean = match play_operators {
             [] => strength,
-            plays => memory.compensate(&plays.iter().copied(), strength, noise),
+            operators => memory.compensate(&operators.iter().copied(), strength, noise),
         };
         f64::from(calibration.pressure(clean.to_f32()).unwrap_or_default()) / 1e3
     };
     strengths.iter().map(step).collect()
 }
 
-fn plays(weights: &DVector<f64>) -> Vec<Play> {
+fn play_operators(weights: &DVector<f64>) -> Vec<PlayOperator> {
     let pairs = GIVE_WAY.into_iter().zip(weights.iter());
-    pairs.map(|(share, &weight)| Play::from_f64(1.0 / share, weight)).collect()
+    pairs.map(|(share, &weight)| PlayOperator::from_f64(1.0 / share, weight)).collect()
 }
 
 /// Strength at a load on the loading branch, `[strength, load]`: straight lines between readings.
@@ -95,7 +100,7 @@ fn strength_at(branch: &[[f64; 2]], load: f64) -> f64 {
 }
 
 /// One loading cycle, and what pressures its way back should give: those that its own way up reads at the same loads.
-/// The curve may be of other cycles too, which differ from this one by the gain of a press; plays are no cure for that.
+/// The curve may be of other cycles too, which differ from this one by the gain of a press; play operators are no cure for that.
 struct Cycle<'a> {
     calibration: &'a Calibration,
     strengths: Vec<f64>,
@@ -130,7 +135,7 @@ impl<'a> Cycle<'a> {
 
     /// Errors of the pressures, shares of the largest one, and the price of the weights.
     fn errors(&self, weights: &DVector<f64>) -> DVector<f64> {
-        let given = compensated(&self.strengths, &plays(weights), self.calibration, 0.0);
+        let given = compensated(&self.strengths, &play_operators(weights), self.calibration, 0.0);
         let behind = &given[given.len() - self.wanted.len()..];
         let of_pressures = behind.iter().zip(&self.wanted).map(|(p, wanted)| (p - wanted) / self.largest);
         let price = PRICE * (self.wanted.len() as f64).sqrt();
@@ -139,7 +144,7 @@ impl<'a> Cycle<'a> {
     }
 }
 
-/// Weights of the plays, and the errors that they leave.
+/// Weights of the play operators, and the errors that they leave.
 struct Weighted {
     weights: DVector<f64>,
     errors: DVector<f64>,
@@ -158,13 +163,13 @@ impl Problem for Cycle<'_> {
     }
 
     fn slopes(&self, Weighted { weights, errors }: &Weighted) -> Result<DMatrix<f64>, Infallible> {
-        let column = |play: usize| {
+        let column = |operator: usize| {
             let mut moved = weights.clone();
             // Weights are rounded to 2^-11: the step is taken as it was rounded.
-            moved[play] += STEP + 0.01 * weights[play];
-            (self.errors(&moved) - errors) / (moved[play] - weights[play])
+            moved[operator] += STEP + 0.01 * weights[operator];
+            (self.errors(&moved) - errors) / (moved[operator] - weights[operator])
         };
-        Ok(DMatrix::from_columns(&(0..MAX_PLAYS).map(column).collect::<Vec<_>>()))
+        Ok(DMatrix::from_columns(&(0..MAX_PLAY_OPERATORS).map(column).collect::<Vec<_>>()))
     }
 
     fn moved(&self, state: &Weighted, change: &DVector<f64>) -> Result<Weighted, Infallible> {

@@ -3,7 +3,7 @@
 use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::{
     calibration::Calibration,
-    hysteresis::Play,
+    hysteresis::PlayOperator,
     patch::{PatchContents, PatchError, PatchHeader, PatchView},
 };
 
@@ -11,18 +11,21 @@ use dermatome_shared::{
 pub fn with_calibration(
     bytes: &[u8],
     calibration: &Calibration,
-    plays: &[Play],
+    plays: &[PlayOperator],
 ) -> Result<Vec<u8>, PatchError> {
     let patch = PatchView::validate(bytes)?;
-    let header =
-        PatchHeader { calibration: calibration.clone(), plays: plays.len() as u8, ..patch.header.clone() };
+    let header = PatchHeader {
+        calibration: calibration.clone(),
+        play_operators: plays.len() as u8,
+        ..patch.header.clone()
+    };
     let (steps, combination): (Vec<_>, Vec<_>) = patch.steps().zip(patch.combination()).unzip();
     let tables = SurfaceTables::read(&patch);
     let exponents: Vec<i8> = patch.exponents().iter().map(|&byte| i8::from_le_bytes([byte])).collect();
     let matrix: Vec<i16> =
         patch.matrix().chunks_exact(2).map(|pair| i16::from_le_bytes([pair[0], pair[1]])).collect();
     let contents = PatchContents {
-        plays,
+        play_operators: plays,
         header: &header,
         steps: &steps,
         combination: &combination,

@@ -3,7 +3,7 @@
 use super::patch::with_calibration;
 use dermatome_shared::{
     calibration::Calibration,
-    hysteresis::Play,
+    hysteresis::PlayOperator,
     patch::{PatchError, PatchView},
 };
 
@@ -13,14 +13,14 @@ pub struct Stored {
     /// Pressure and load area.
     pub curve: Calibration,
     /// Against hysteresis.
-    pub plays: Vec<Play>,
+    pub plays: Vec<PlayOperator>,
 }
 
 impl Stored {
     /// Those of a patch.
     #[must_use]
     pub fn of(patch: &PatchView<'_>) -> Self {
-        Self { curve: patch.header.calibration.clone(), plays: patch.plays().collect() }
+        Self { curve: patch.header.calibration.clone(), plays: patch.play_operators().collect() }
     }
 
     /// Whether there is neither curve nor play.
