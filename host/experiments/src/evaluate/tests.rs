@@ -155,7 +155,7 @@ fn pairs_are_told_apart_as_close_near_the_rim_as_inside_and_farther_apart_in_noi
         let pairs = evaluation.pairs.iter().filter(|pair| pair.direction == pairs::Direction::Across);
         // What is never told apart counts with the distance that was not enough.
         pairs
-            .filter(|pair| ways.contains(&pair.way_to_rim))
+            .filter(|pair| ways.contains(&pair.normalised_radius))
             .map(|pair| pair.told_apart.unwrap_or(pair.largest + evaluation.pair_step))
             .collect()
     };
