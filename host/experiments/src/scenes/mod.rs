@@ -7,7 +7,7 @@
 
 pub(crate) mod stage;
 
-use dermatome_geometry::mesh::{neighbours::rim_edges, triangle};
+use dermatome_geometry::mesh::{neighbours::boundary_edges, triangle};
 use dermatome_model::{
     model::ModelError,
     multi_contact::{ResolveError, Resolver, Settings},
@@ -158,7 +158,7 @@ fn centres(
 ) -> Result<Vec<Point3<f64>>, ScenesError> {
     const TRIES: usize = 10_000;
     let mesh = truth.mesh();
-    let rim: Vec<_> = rim_edges(&mesh.elements).into_iter().flatten().collect();
+    let rim: Vec<_> = boundary_edges(&mesh.elements).into_iter().flatten().collect();
     let area = |element: usize| triangle::area(mesh.corners(element));
     let largest = (0..mesh.elements.len()).map(area).fold(0.0, f64::max);
     let mut centres: Vec<Point3<f64>> = Vec::new();
