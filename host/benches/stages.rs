@@ -49,7 +49,7 @@ impl Size {
             .expect("the shipped skin is valid")
             .made()
             .expect("the shipped skin is valid");
-        skin.image = if small { ImageLayout::Elements } else { ImageLayout::Patches { count: 2_000 } };
+        skin.image = if small { ImageLayout::Elements } else { ImageLayout::ElementPatches { count: 2_000 } };
         let area = skin.shape.flat().expect("a disc is flat").area();
         let edge = (area / (0.433 * self.0 as f64)).sqrt();
         skin.edges = EdgeLengths { skin: edge, electrodes: edge };

@@ -211,7 +211,7 @@ fn linear_targets_stand_for_solved_ones() {
     let forward: ForwardModel = forward_model(&skin, &mesh).unwrap();
     let steps = skin.steps();
     let untouched = forward.solve(&vec![1.0; mesh.elements.len()]).unwrap();
-    let patches = dermatome::pixels::patches(&mesh, 1000);
+    let patches = dermatome::pixels::element_patches(&mesh, 1000);
     let jacobian = dermatome::jacobian::jacobian(&mesh, &untouched, &steps, &patches);
     for target in (0..1000).step_by(97) {
         let solved = |change: f64| -> Vec<f64> {

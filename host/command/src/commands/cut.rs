@@ -1,10 +1,14 @@
 //! `dermatome cut`: a skin for a robot's link, cut out of the link's mesh.
 
-use super::{JsonReport, flags::in_flags};
+use super::{
+    JsonReport,
+    flags::in_flags,
+    skin_of_cutout::{Names, skin_file},
+};
 use anyhow::{Context, bail};
 use dermatome_frames::recorded::statistics::median;
 use dermatome_geometry::{
-    cut::{self, Cutter, Patch, Region, Request, Slab},
+    cut::{self, Cutout, Cutter, Region, Request, Slab},
     mesh::{
         export,
         import::{self, Imported},
@@ -13,9 +17,7 @@ use dermatome_geometry::{
     },
 };
 use dermatome_model::skin::{
-    Skin, UNITS,
-    cut_out::{Names, skin_file},
-    is_frame_name, is_name,
+    Skin, UNITS, is_frame_name, is_name,
     quantity::{LENGTH, Quantity},
 };
 use dermatome_patch::output::{check_folder, write_whole};
@@ -286,7 +288,7 @@ fn slab(text: &str, unit: f64) -> anyhow::Result<Slab> {
 
 /// Checks the text as a skin file beside its mesh, then writes both, the mesh first: only the skin file
 /// makes it a skin.
-fn write([skin, mesh]: &[&PathBuf; 2], text: &str, patch: &Patch) -> anyhow::Result<()> {
+fn write([skin, mesh]: &[&PathBuf; 2], text: &str, patch: &Cutout) -> anyhow::Result<()> {
     let folder = skin.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
@@ -305,13 +307,13 @@ impl Report {
         skin: String,
         link: &Imported,
         frame: String,
-        patch: &Patch,
+        patch: &Cutout,
         [read_seconds, cut_seconds, total_seconds]: [f64; 3],
         files: [PathBuf; 2],
     ) -> Self {
         let [low, high] = cut::bounds(&link.nodes).map(|corner| (corner * 1e3).into());
-        let place = patch.link_from_patch.translation.vector;
-        let turn = patch.link_from_patch.rotation;
+        let place = patch.link_from_skin.translation.vector;
+        let turn = patch.link_from_skin.rotation;
         let (roll, pitch, yaw) = turn.euler_angles();
         Self {
             skin,
@@ -343,7 +345,7 @@ impl Report {
     }
 }
 
-fn median_smallest_angle(patch: &Patch) -> f64 {
+fn median_smallest_angle(patch: &Cutout) -> f64 {
     let corners = (0..patch.mesh.elements.len()).map(|element| patch.mesh.corners(element));
     median(corners.map(triangle::smallest_angle)).to_degrees()
 }

@@ -45,6 +45,7 @@ mod progress;
 mod reconstruct;
 mod scope;
 mod simulate;
+mod skin_of_cutout;
 mod stream;
 mod tare;
 

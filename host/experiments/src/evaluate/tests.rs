@@ -217,7 +217,7 @@ fn hemisphere() -> Skin {
         *node = Point3::new(tilt.sin() * turn.cos(), tilt.sin() * turn.sin(), tilt.cos()) * 0.05;
     }
     skin.shape = Shape::Mesh { mesh: Box::new(mesh), outline: None };
-    skin.image = ImageLayout::Patches { count: 150 };
+    skin.image = ImageLayout::ElementPatches { count: 150 };
     skin
 }
 

@@ -1,9 +1,9 @@
-//! Why no patch can be cut, in the words of a [`super::Request`]. Lengths are in metres and shown in mm.
+//! Why no cutout can be cut, in the words of a [`super::Request`]. Lengths are in metres and shown in mm.
 
 use crate::outline::PolygonError;
 use nalgebra::Point3;
 
-/// Why no patch can be cut out of a link.
+/// Why no cutout can be cut out of a link.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CutError {
     /// No triangle with an area.
@@ -66,7 +66,7 @@ pub enum CutError {
     /// The polygon is none.
     #[error("`polygon`: {0}; allowed: sides that do not meet")]
     Polygon(PolygonError),
-    /// The mesh ends inside the patch.
+    /// The mesh ends inside the cutout.
     #[error(
         "the link's mesh has an opening inside the patch, {:.3} mm round, at {}; allowed: {allowed}. If it is no \
          opening of the link but a crack in the mesh, `weld` may close it",
@@ -80,7 +80,7 @@ pub enum CutError {
         /// What would do.
         allowed: String,
     },
-    /// The patch is not a disc.
+    /// The cutout is not a disc.
     #[error("the patch is no disc: {found}; allowed: a patch with one rim{}", remedy(.found, *.largest))]
     NotADisc {
         /// What it is.
@@ -95,7 +95,7 @@ pub enum CutError {
     OneSided,
 }
 
-/// What a patch is that is no disc.
+/// What a cutout is that is no disc.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wrapped {
     /// It is all of a closed link.

@@ -107,7 +107,7 @@ impl Region {
         }
     }
 
-    /// Whether the region may reach a triangle; a patch round `seed` has no part of others.
+    /// Whether the region may reach a triangle; a cutout round `seed` has no part of others.
     pub(super) fn touches(&self, seed: Point3<f64>, corners: &[Point3<f64>; 3]) -> bool {
         match self {
             // A way over the surface is not shorter than the straight one.

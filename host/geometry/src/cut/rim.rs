@@ -1,4 +1,4 @@
-//! The rim of a patch: smoothed along the surface, with nodes where electrodes begin and end.
+//! The rim of a cutout: smoothed along the surface, with nodes where electrodes begin and end.
 
 use super::{closest::Closest, error::CutError, surface::Surface};
 use nalgebra::{Point3, center};
@@ -16,7 +16,7 @@ const EDGES: f64 = 3.0;
 /// Least number of edges under an electrode.
 pub(super) const EDGES_OF_ELECTRODE: f64 = 2.0;
 
-/// A closed line on the surface, walked with the patch on its left.
+/// A closed line on the surface, walked with the cutout on its left.
 pub(super) struct Curve {
     /// Where the line lies after smoothing, at equal steps of the old line.
     samples: Vec<Point3<f64>>,

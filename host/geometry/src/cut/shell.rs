@@ -1,4 +1,4 @@
-//! The part of a link's mesh that a patch can come from: one shell of it, cleaned and oriented.
+//! The part of a link's mesh that a cutout can come from: one shell of it, cleaned and oriented.
 
 use super::{
     closest::on_triangle,
@@ -12,7 +12,7 @@ use std::collections::{HashMap, HashSet};
 /// A seed may be this far from the mesh, as a share of the bounding box's diagonal.
 const FARTHEST: f64 = 0.05;
 
-/// The crop of a link in which a patch lies.
+/// The crop of a link in which a cutout lies.
 pub(super) struct Crop {
     /// Triangles of the seed's shell that the cut may touch, those that hang together with the seed.
     pub(super) surface: Surface,

@@ -53,8 +53,8 @@ fn disc(around: [f64; 3], radius: f64) -> Request {
     }
 }
 
-/// Area and rim of a good patch, after all that must hold of one is checked.
-fn checked(patch: &Patch) -> (f64, f64) {
+/// Area and rim of a good cutout, after all that must hold of one is checked.
+fn checked(patch: &Cutout) -> (f64, f64) {
     let Mesh { nodes, elements, electrodes } = &patch.mesh;
     let found = require_sound(nodes, elements, false).unwrap();
     assert_eq!((found.boundary_loops.len(), found.flipped), (1, 0));
@@ -85,8 +85,8 @@ fn a_disc_on_a_ball_has_the_area_and_rim_of_a_cap() {
     let [first, fifth] = [0, 4].map(|i| patch.mesh.centre(&patch.mesh.electrodes[i]));
     assert!(first.y > 0.04 && first.x.abs() < 0.003, "{first}");
     assert!(fifth.x > 0.04 && fifth.y.abs() < 0.003, "{fifth}");
-    assert!((patch.link_from_patch * Vector3::y() - Vector3::z()).norm() < 0.02);
-    let on_link = patch.mesh.nodes.iter().map(|node| (patch.link_from_patch * node).coords.norm());
+    assert!((patch.link_from_skin * Vector3::y() - Vector3::z()).norm() < 0.02);
+    let on_link = patch.mesh.nodes.iter().map(|node| (patch.link_from_skin * node).coords.norm());
     assert!(on_link.clone().all(|it| (it / radius - 1.0).abs() < 2e-3));
 }
 
@@ -234,7 +234,7 @@ proptest! {
         prop_assert_eq!(patch.shells, 3);
         prop_assert!(area > 0.5 * PI * radius * radius && rim < 1.5 * TAU * radius, "{area} {rim}");
         prop_assert!(patch.deviation < 0.05 * radius, "{}", patch.deviation);
-        let top = patch.link_from_patch * Vector3::z();
+        let top = patch.link_from_skin * Vector3::z();
         prop_assert!(top.dot(&around) > 0.0, "z points out of the link");
     }
 }

@@ -38,9 +38,9 @@ pub(super) fn alone(edges: &[Edge]) -> impl Iterator<Item = &Edge> {
     edges.chunk_by(|a, b| a.nodes == b.nodes).filter(|edges| edges.len() == 1).map(|edges| &edges[0])
 }
 
-/// Nodes of each edge of the rims: those of one element only, ascending.
+/// Nodes of each edge of the boundaries: those of one element only, ascending.
 #[must_use]
-pub fn rim_edges(elements: &[[usize; 3]]) -> Vec<[usize; 2]> {
+pub fn boundary_edges(elements: &[[usize; 3]]) -> Vec<[usize; 2]> {
     alone(&edges(elements)).map(|edge| edge.nodes).collect()
 }
 
@@ -135,9 +135,9 @@ mod tests {
     }
 
     #[test]
-    fn edges_of_one_element_are_the_rim() {
-        assert_eq!(rim_edges(&FAN), [[0, 1], [0, 3], [1, 2], [2, 3]]);
-        assert_eq!(rim_edges(&FAN[..1]), [[0, 1], [0, 4], [1, 4]]);
+    fn edges_of_one_element_are_the_boundary() {
+        assert_eq!(boundary_edges(&FAN), [[0, 1], [0, 3], [1, 2], [2, 3]]);
+        assert_eq!(boundary_edges(&FAN[..1]), [[0, 1], [0, 4], [1, 4]]);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::{
     forward::{Admittivity, Fields, ForwardModel},
     inverse::InverseError,
     jacobian::{combine_rows, combine_voltages, jacobian},
-    pixels::{Pixels, patches, samples},
+    pixels::{Pixels, element_patches, samples},
     skin::{Criterion, Hyperparameter, Inverse, Method},
 };
 use dermatome_geometry::mesh::{Mesh, triangle};
@@ -84,7 +84,7 @@ impl Responses {
         };
         let frame = needs_frame.then(|| frame(of, &elements)).transpose()?;
         let training = matches!(inverse.method, Method::Greit { .. }).then(|| {
-            let patches = patches(of.mesh, TRAINING_TARGETS);
+            let patches = element_patches(of.mesh, TRAINING_TARGETS);
             let responses = combined(jacobian(of.mesh, of.fields, of.steps, &patches));
             Training {
                 centres: patches.centres,

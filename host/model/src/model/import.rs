@@ -5,7 +5,7 @@ use dermatome_geometry::{
     mesh::{
         ElectrodeContact, Mesh,
         import::{self, Group, Imported},
-        place::{Rim, faces, nearest_node, shared_node},
+        place::{BoundaryLoop, faces, nearest_node, shared_node},
         quality::quality,
         soundness::{Soundness, require_sound},
     },
@@ -57,7 +57,7 @@ impl Made {
         let order = soundness.boundary_loops.first().cloned();
         let bare = Bare {
             file,
-            rim: order.map(|order| Rim::new(&imported.nodes, order)),
+            boundary: order.map(|order| BoundaryLoop::new(&imported.nodes, order)),
             model: &self.electrodes.model,
             count: usize::from(self.electrodes.count),
             diagonal: diagonal(&imported.nodes),
@@ -103,7 +103,7 @@ struct Bare<'a> {
     file: &'a MeshFile,
     imported: &'a Imported,
     /// The longest boundary loop, if the surface is not closed.
-    rim: Option<Rim<'a>>,
+    boundary: Option<BoundaryLoop<'a>>,
     model: &'a ElectrodeModel,
     count: usize,
     diagonal: f64,
@@ -113,7 +113,7 @@ impl Bare<'_> {
     fn contacts(&self) -> Result<Vec<ElectrodeContact>, SkinError> {
         match &self.file.placement {
             Placement::Groups => (0..self.count).map(|electrode| self.group(electrode)).collect(),
-            Placement::Rim { first, turn } => self.along_rim(*first, *turn),
+            Placement::Rim { first, turn } => self.along_boundary(*first, *turn),
             Placement::Points(points) => {
                 points.iter().enumerate().map(|(electrode, &point)| self.near(point, electrode)).collect()
             }
@@ -157,14 +157,14 @@ impl Bare<'_> {
         self.refuse_placement(value, needed)
     }
 
-    fn along_rim(&self, angle: f64, turn: f64) -> Result<Vec<ElectrodeContact>, SkinError> {
-        let Some(rim) = &self.rim else {
+    fn along_boundary(&self, angle: f64, turn: f64) -> Result<Vec<ElectrodeContact>, SkinError> {
+        let Some(boundary) = &self.boundary else {
             let allowed = "\"groups\" or \"points\": the mesh is closed and has no rim";
             return self.refuse_placement("\"rim\"".into(), allowed);
         };
-        let spacing = turn * rim.length() / self.count as f64;
-        let first = rim.position(angle);
-        Ok((0..self.count).map(|e| self.on_rim(rim, first + spacing * e as f64, e)).collect())
+        let spacing = turn * boundary.length() / self.count as f64;
+        let first = boundary.position(angle);
+        Ok((0..self.count).map(|e| self.on_boundary(boundary, first + spacing * e as f64, e)).collect())
     }
 
     /// The nearest node, edges of the rim, or the triangles around a position.
@@ -193,20 +193,20 @@ impl Bare<'_> {
         refuse(self.file, "electrodes.placement", value, allowed)
     }
 
-    fn on_rim(&self, rim: &Rim<'_>, s: f64, electrode: usize) -> ElectrodeContact {
+    fn on_boundary(&self, boundary: &BoundaryLoop<'_>, s: f64, electrode: usize) -> ElectrodeContact {
         match self.model {
-            ElectrodeModel::Point => rim.node(s),
-            ElectrodeModel::Complete { .. } => rim.edges(s, self.model.width(electrode)),
+            ElectrodeModel::Point => boundary.node(s),
+            ElectrodeModel::Complete { .. } => boundary.edges(s, self.model.width(electrode)),
         }
     }
 
     fn at(&self, position: Point3<f64>, electrode: usize) -> ElectrodeContact {
         let Imported { nodes, triangles, .. } = self.imported;
         let width = self.model.width(electrode);
-        match (self.model, &self.rim) {
+        match (self.model, &self.boundary) {
             (ElectrodeModel::Point, _) => ElectrodeContact::Node(nearest_node(nodes, position).0),
-            (_, Some(rim)) if rim.nearest(position).1 <= width / 2.0 => {
-                rim.edges(rim.nearest(position).0, width)
+            (_, Some(boundary)) if boundary.nearest(position).1 <= width / 2.0 => {
+                boundary.edges(boundary.nearest(position).0, width)
             }
             _ => faces(nodes, triangles, position, width),
         }

@@ -132,7 +132,7 @@ pub fn pixels_on(skin: &Skin, mesh: &Mesh) -> Result<Pixels, ModelError> {
     let pixels = match skin.image {
         ImageLayout::Grid { columns } => pixels::raster(mesh, &pixels::grid(skin.shape.flat()?, columns)),
         ImageLayout::Elements => pixels::per_element(mesh),
-        ImageLayout::Patches { count } => pixels::patches(mesh, count),
+        ImageLayout::ElementPatches { count } => pixels::element_patches(mesh, count),
     };
     match pixels.elements.iter().position(Vec::is_empty) {
         Some(pixel) => Err(ModelError::EmptyPixel { pixel }),

@@ -12,7 +12,7 @@ use dermatome_geometry::mesh::{
 use dermatome_shared::image::Geometry;
 pub use grid::{grid, raster, samples};
 use nalgebra::{Point3, Vector3};
-pub use patches::patches;
+pub use patches::element_patches;
 
 /// Which elements make up each pixel, where it lies, and which pixels are neighbours.
 #[derive(Clone, Debug, PartialEq)]

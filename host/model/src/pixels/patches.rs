@@ -1,4 +1,4 @@
-//! Patches: the pixels of any surface, connected sets of elements of about equal area.
+//! Element patches: the pixels of any surface, connected sets of elements of about equal area.
 //!
 //! Elements are first halved along the longest extent of their centres, again and again. Then each
 //! part becomes the region around its middle: every element goes to the middle that it is closest
@@ -15,9 +15,9 @@ use nalgebra::Point3;
 /// Rounds of Lloyd's method.
 const ROUNDS: usize = 2;
 
-/// Divides a mesh into `count` patches, or as many as it has elements.
+/// Divides a mesh into `count` element patches, or as many as it has elements.
 #[must_use]
-pub fn patches(mesh: &Mesh, count: usize) -> Pixels {
+pub fn element_patches(mesh: &Mesh, count: usize) -> Pixels {
     let surface = Surface::new(mesh);
     let mut patch_of = surface.bisect(count.min(mesh.elements.len()));
     for _ in 0..ROUNDS {
@@ -196,7 +196,7 @@ mod tests {
             roll in any::<bool>(),
         ) {
             let mesh = if roll { rolled(disc(1.5)) } else { disc(1.5) };
-            let pixels = patches(&mesh, count);
+            let pixels = element_patches(&mesh, count);
             prop_assert_eq!(pixels.count(), count);
             let mut elements: Vec<usize> =
                 pixels.elements.iter().flatten().map(|&(element, _)| element).collect();
@@ -212,14 +212,14 @@ mod tests {
     #[test]
     fn more_patches_than_elements_are_as_many_as_there_are_elements() {
         let mesh = disc(6.0);
-        assert_eq!(patches(&mesh, 100_000).count(), mesh.elements.len());
+        assert_eq!(element_patches(&mesh, 100_000).count(), mesh.elements.len());
     }
 
     #[test]
     fn normals_of_a_bent_sheet_point_away_from_its_axis_even_if_elements_are_turned() {
         let mut mesh = rolled(disc(2.0));
         mesh.elements.iter_mut().step_by(3).for_each(|element| element.swap(1, 2));
-        let pixels = patches(&mesh, 40);
+        let pixels = element_patches(&mesh, 40);
         for (centre, normal) in pixels.centres.iter().zip(&pixels.normals) {
             let outward = nalgebra::Vector3::new(centre.x, 0.0, centre.z).normalize();
             assert!(outward.dot(normal) > 0.9, "{centre} {normal}");

@@ -4,7 +4,6 @@
 //! file to take it from, and [`crate::model`] makes the [`Skin`] that a model needs.
 
 mod check;
-pub mod cut_out;
 mod described;
 mod drive;
 pub mod electrodes;
@@ -80,8 +79,8 @@ pub enum ImageLayout {
     },
     /// One pixel for each element of the mesh.
     Elements,
-    /// So many patches of elements, each of about the same area; on any surface.
-    Patches {
+    /// So many element patches, each of about the same area; on any surface.
+    ElementPatches {
         /// Number of pixels.
         count: usize,
     },

@@ -27,13 +27,13 @@ impl Source {
 
 /// Wanted edge lengths, in metres of the flat sheet.
 #[derive(Debug)]
-pub(super) struct Sizes {
+pub(super) struct SizeField {
     /// The longest edge anywhere.
     pub(super) longest: f64,
     pub(super) sources: Vec<Source>,
 }
 
-impl Sizes {
+impl SizeField {
     /// Edges up to `longest`, and shorter near `sources` that ask for it.
     pub(super) fn new(longest: f64, sources: impl Iterator<Item = Source>) -> Self {
         Self { longest, sources: sources.filter(|source| source.size < 0.9 * longest).collect() }

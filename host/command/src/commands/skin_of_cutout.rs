@@ -1,28 +1,27 @@
 //! The skin file of a patch that was cut out of a link.
 
-use dermatome_geometry::cut::Patch;
+use dermatome_geometry::cut::Cutout;
 use dermatome_geometry::mesh::quality::quality;
 use std::f64::consts::PI;
 
 /// What the skin file names.
 #[derive(Clone, Copy, Debug)]
-pub struct Names<'a> {
+pub(super) struct Names<'a> {
     /// The skin.
-    pub skin: &'a str,
+    pub(super) skin: &'a str,
     /// The link: the frame that the pose is in.
-    pub link: &'a str,
+    pub(super) link: &'a str,
     /// The mesh file beside the skin file.
-    pub mesh: &'a str,
+    pub(super) mesh: &'a str,
 }
 
 /// A patch whose area is this share of a flat disc's with the same rim is round: a square's is 0.79.
 const ROUND: f64 = 0.9;
 
 /// Text of the skin file. What the mesh does not say is as in the shipped skins.
-#[must_use]
-pub fn skin_file(patch: &Patch, names: Names<'_>) -> String {
-    let place = patch.link_from_patch.translation.vector;
-    let turn = patch.link_from_patch.rotation.coords;
+pub(super) fn skin_file(patch: &Cutout, names: Names<'_>) -> String {
+    let place = patch.link_from_skin.translation.vector;
+    let turn = patch.link_from_skin.rotation.coords;
     let found = quality(&patch.mesh);
     let image = if patch.flat {
         "columns = 24                      # square pixels, for the patch is flat"

@@ -1,7 +1,7 @@
 //! What asks for short edges before there are any: electrodes, corners close to them, tight bends,
 //! and narrow parts of the sheet.
 
-use super::{paths::Path, sizes::Source};
+use super::{paths::Path, size_field::Source};
 use crate::{
     outline::Curve,
     sheet::{Place, Sheet},
