@@ -1,7 +1,7 @@
 //! Model: a skin taken through mesh, forward model, Jacobian and reconstruction matrix.
 
 use crate::{
-    forward::{Admittivity, ForwardError, ForwardModel, electrode_unknown},
+    forward::{Admittivity, Fields, ForwardError, ForwardModel, electrode_unknown},
     inverse::{
         InverseError,
         figures::{self, Blur},
@@ -11,8 +11,8 @@ use crate::{
     },
     jacobian::{combine_rows, combine_voltages, jacobian, step_counts},
     pixels::{self, Pixels},
-    prior::Prior,
-    skin::{ImageLayout, NotFlat, Shape, Skin},
+    prior::{Factored, Prior},
+    skin::{ImageLayout, Method, NotFlat, Shape, Skin},
 };
 use dermatome_geometry::{
     mesh::{Lattice, Mesh, MeshError, generate},
@@ -181,9 +181,19 @@ impl Model {
     /// The same; `keep` gets the solution, which is large, as soon as the model is through with it.
     pub fn build_with(
         skin: &Skin,
-        mut on_stage: impl FnMut(&'static str),
+        on_stage: impl FnMut(&'static str),
         keep: impl FnOnce(Solution),
     ) -> Result<Self, ModelError> {
+        Self::build_beside(skin, on_stage, keep, |_| ()).map(|(model, ())| model)
+    }
+
+    /// The same; `beside` is done on the mesh while the forward model is solved.
+    pub fn build_beside<R: Send>(
+        skin: &Skin,
+        mut on_stage: impl FnMut(&'static str),
+        keep: impl FnOnce(Solution),
+        beside: impl FnOnce(&Mesh) -> R + Send,
+    ) -> Result<(Self, R), ModelError> {
         let mut clock = StageClock::default();
         let steps = skin.steps();
         let combination = skin.combination(&steps);
@@ -191,20 +201,21 @@ impl Model {
         on_stage(clock.begin("mesh"));
         let mesh = mesh(skin, 1.0, Lattice::default())?;
 
-        on_stage(clock.begin("pixels"));
-        let pixels = pixels_on(skin, &mesh)?;
-
         let admittivity = skin.admittivity();
-        let mut stage = |name| on_stage(clock.begin(name));
-        let Answer { voltages, test_voltages, jacobian, targets } = if admittivity.im == 0.0 {
-            let (answer, solved) = answer(skin, &mesh, &pixels, admittivity.re, &mut stage)?;
+        let mut stage = |name| on_stage(name);
+        let (Answer { voltages, test_voltages, jacobian, targets }, of_pixels, beside) = if admittivity.im == 0.0
+        {
+            let (answer, solved, of_pixels, beside) =
+                answer(skin, &mesh, admittivity.re, beside, &mut clock, &mut stage)?;
             keep(Solution::Real(Box::new(solved)));
-            answer
+            (answer, of_pixels, beside)
         } else {
-            let (answer, solved) = answer(skin, &mesh, &pixels, admittivity, &mut stage)?;
+            let (answer, solved, of_pixels, beside) =
+                answer(skin, &mesh, admittivity, beside, &mut clock, &mut stage)?;
             keep(Solution::Complex(Box::new(solved)));
-            answer
+            (answer, of_pixels, beside)
         };
+        let OfPixels { pixels, factored } = of_pixels;
 
         on_stage(clock.begin("matrix"));
         let measurements = Measurements {
@@ -215,11 +226,11 @@ impl Model {
             answers: &targets,
         };
         let Reconstruction { matrix, prior, weights, hyperparameter, selection } =
-            reconstruct(&skin.inverse, &pixels, &measurements)?;
+            reconstruct(&skin.inverse, &pixels, factored.as_ref(), &measurements)?;
 
         let stages = clock.finish();
         let difference = skin.inverse.difference;
-        Ok(Self {
+        let model = Self {
             difference,
             steps,
             combination,
@@ -235,7 +246,8 @@ impl Model {
             selection,
             target: targets.target,
             stages,
-        })
+        };
+        Ok((model, beside))
     }
 
     /// The pixels as boards and pictures know them.
@@ -329,22 +341,49 @@ fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// Solves the untouched skin of one admittivity.
-fn answer<T: Admittivity>(
+/// The pixels of a skin, and what of the reconstruction needs no more than them.
+struct OfPixels {
+    pixels: Pixels,
+    factored: Option<Factored>,
+}
+
+impl OfPixels {
+    fn new(skin: &Skin, mesh: &Mesh) -> Result<Self, ModelError> {
+        let pixels = pixels_on(skin, mesh)?;
+        let factored = match skin.inverse.method {
+            Method::OneStep(kind) => Factored::new(kind, &pixels),
+            Method::Greit { .. } => None,
+        };
+        Ok(Self { pixels, factored })
+    }
+}
+
+/// Solves the untouched skin of one admittivity, and does on other cores what need not wait for that.
+fn answer<T: Admittivity, R: Send>(
     skin: &Skin,
     mesh: &Mesh,
-    pixels: &Pixels,
     admittivity: T,
+    beside: impl FnOnce(&Mesh) -> R + Send,
+    clock: &mut StageClock,
     stage: &mut dyn FnMut(&'static str),
-) -> Result<(Answer, Solved<T>), ModelError> {
+) -> Result<(Answer, Solved<T>, OfPixels, R), ModelError> {
+    clock.end();
+    stage("pixels");
     stage("forward");
-    let forward = forward_model::<T>(skin, mesh)?;
-    let fields = forward.solve(&vec![admittivity; mesh.elements.len()])?;
+    let (forward, (of_pixels, beside)) = rayon::join(
+        || timed("forward", || solved::<T>(skin, mesh, admittivity)),
+        || rayon::join(|| timed("pixels", || OfPixels::new(skin, mesh)), || beside(mesh)),
+    );
+    let of_pixels = clock.take(of_pixels)?;
+    let (forward, fields) = clock.take(forward)?;
     let steps = skin.steps();
-    stage("jacobian");
-    let jacobian = jacobian(mesh, &fields, &steps, pixels);
+    stage(clock.begin("jacobian"));
     let untouched = Untouched { mesh, forward: &forward, admittivity, fields: &fields, steps: &steps };
-    let targets = Answers::simulate(&untouched, &skin.inverse, &skin.combination(&steps))?;
+    let (jacobian, targets) = rayon::join(
+        || jacobian(mesh, &fields, &steps, &of_pixels.pixels),
+        || Answers::simulate(&untouched, &skin.inverse, &skin.combination(&steps)),
+    );
+    let targets = targets?;
     let voltages = fields.voltages(&steps);
     let electrodes = skin.electrodes.count;
     let tests = (0..electrodes).map(|electrode| test_step(electrode, electrodes));
@@ -354,10 +393,28 @@ fn answer<T: Admittivity>(
         test_voltages: tests.map(|test| fields.voltage(test).in_phase()).collect(),
         jacobian: combine_rows(&jacobian, &skin.combination(&steps)),
     };
-    Ok((answer, Solved { admittivity, forward, voltages, jacobian }))
+    drop(fields);
+    Ok((answer, Solved { admittivity, forward, voltages, jacobian }, of_pixels, beside))
 }
 
-/// Times stages that follow each other.
+fn solved<T: Admittivity>(
+    skin: &Skin,
+    mesh: &Mesh,
+    admittivity: T,
+) -> Result<(ForwardModel<T>, Fields<T>), ModelError> {
+    let forward = forward_model::<T>(skin, mesh)?;
+    let fields = forward.solve(&vec![admittivity; mesh.elements.len()])?;
+    Ok((forward, fields))
+}
+
+/// Does something and says how long it took.
+fn timed<R>(name: &'static str, stage: impl FnOnce() -> R) -> (R, Stage) {
+    let since = Instant::now();
+    let result = stage();
+    (result, Stage { name, time: since.elapsed() })
+}
+
+/// Times stages. Those that run side by side add up to more than they took together.
 #[derive(Default)]
 struct StageClock {
     running: Option<(&'static str, Instant)>,
@@ -375,6 +432,12 @@ impl StageClock {
         if let Some((name, since)) = self.running.take() {
             self.done.push(Stage { name, time: since.elapsed() });
         }
+    }
+
+    /// Notes a stage that was timed by itself.
+    fn take<R>(&mut self, (result, stage): (R, Stage)) -> R {
+        self.done.push(stage);
+        result
     }
 
     fn finish(mut self) -> Vec<Stage> {
