@@ -8,11 +8,11 @@ pub use check::{UNITS, is_frame_name, is_name};
 pub mod cut_out;
 pub mod electrodes;
 mod file;
-mod pose;
 pub mod quantity;
 mod shape;
 
 use dermatome_geometry::sheet::EdgeLengths;
+pub use dermatome_patch::pose::Pose;
 use dermatome_shared::{
     calibration::Calibration,
     drive::{self, Component, Gain},
@@ -22,7 +22,6 @@ use dermatome_shared::{
 use electrodes::Electrodes;
 pub use file::SkinError;
 use num_complex::Complex64;
-pub use pose::Pose;
 pub use shape::{NotFlat, Shape, electrodes_in_plane};
 use std::{collections::HashSet, f64::consts::TAU, path::Path};
 
