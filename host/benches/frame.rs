@@ -73,7 +73,7 @@ fn device(selection: Selection) -> (Device<Fixed>, Frame) {
 fn device_image_and_contacts(bencher: Bencher) {
     let (mut device, mut frame) = device(Selection { images: 1, contacts: 1, ..Selection::default() });
     bencher.counter(ItemsCount::new(1_u32)).bench_local(|| {
-        device.process(black_box(&mut frame), Arrival::default(), |event| _ = black_box(event))
+        device.process(black_box(&mut frame), Arrival::default(), |event| _ = black_box(event));
     });
 }
 
