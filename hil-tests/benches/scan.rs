@@ -5,7 +5,7 @@
 
 use dermatome_hil::{
     chip::{
-        Chip, Memory, RAM_BYTES, RAM_START,
+        Chip, Memory, RAM_START, Ram,
         flash::{self, Flash},
         map::Map,
         rcc::ResetCause,
@@ -25,19 +25,6 @@ const RING_SAMPLES: u32 = 480;
 
 fn main() {
     divan::main();
-}
-
-struct Ram(Vec<u8>);
-
-impl Memory for Ram {
-    fn read(&self, address: u32, bytes: &mut [u8]) {
-        let start = (address - RAM_START) as usize;
-        bytes.copy_from_slice(&self.0[start..start + bytes.len()]);
-    }
-    fn write(&mut self, address: u32, bytes: &[u8]) {
-        let start = (address - RAM_START) as usize;
-        self.0[start..start + bytes.len()].copy_from_slice(bytes);
-    }
 }
 
 /// Shorts the DAC to the converter.
@@ -173,7 +160,7 @@ fn tables() -> Vec<(u32, [u8; 4])> {
 /// A chip whose scan has just been started.
 fn scan() -> (Chip, Ram) {
     let mut chip = Chip::new(2_000_000, false);
-    let mut ram = Ram(vec![0; RAM_BYTES as usize]);
+    let mut ram = Ram::default();
     tables().iter().for_each(|(at, bytes)| ram.write(*at, bytes));
     chip.reset(ResetCause::Power);
     prepare(&mut chip);

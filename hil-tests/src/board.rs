@@ -6,7 +6,7 @@
 use crate::{
     chip::{flash::Flash, time::Time, usart::Symbol},
     machine::{Halt, Machine, Options},
-    world::Scene,
+    world::WorldHandle,
 };
 use dermatome::link::Transport;
 use std::{
@@ -74,8 +74,8 @@ impl VirtualBoard {
 
     /// The skin and the front end before it, if its rig has them.
     #[must_use]
-    pub fn scene(&self) -> Option<Scene> {
-        self.with(|machine| machine.scene().cloned())
+    pub fn world(&self) -> Option<WorldHandle> {
+        self.with(|machine| machine.world().cloned())
     }
 
     /// Why the board stopped, if it has.
@@ -131,7 +131,7 @@ impl Read for Line {
 
 impl Write for Line {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.board.send(bytes.iter().map(|&byte| Symbol { byte, damaged: false }).collect());
+        self.board.send(Symbol::undamaged(bytes));
         Ok(bytes.len())
     }
 

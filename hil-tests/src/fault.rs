@@ -247,8 +247,8 @@ impl What {
             Self::Hang => machine.hang(),
             Self::BusError => machine.inject_fault(),
             Self::World(fault) => {
-                if let Some(scene) = machine.scene() {
-                    scene.inject(fault).expect("only faults that can be are read");
+                if let Some(world) = machine.world() {
+                    world.inject(fault).expect("only faults that can be are read");
                 }
             }
         }

@@ -11,8 +11,11 @@ use crate::{
     world::{Analogue, Setup, WorldError, parameters::ParameterError},
 };
 use dermatome::{
-    board::firmware::{Firmware, FirmwareError},
-    link::{self, Link, LinkError, Port},
+    link::{
+        Link,
+        program::firmware::{Firmware, FirmwareError},
+    },
+    simulate::port::{self, OpenError, Port},
     skin::{Skin, SkinError},
 };
 use serde::Deserialize;
@@ -172,6 +175,9 @@ pub enum RigError {
         /// Why.
         reason: WorldProblem,
     },
+    /// A case's skin does not go with the rig's front end.
+    #[error(transparent)]
+    Skin(#[from] WorldError),
     /// The firmware is no firmware.
     #[error(transparent)]
     Firmware(#[from] FirmwareError),
@@ -181,23 +187,16 @@ pub enum RigError {
     /// The emulated board does not start.
     #[error("the emulated board does not start: {0}")]
     Halt(#[from] Halt),
-    /// The real board does not answer.
+    /// The real board does not respond.
     #[error("the rig has no board: {0}")]
-    Link(#[from] LinkError),
+    Open(#[from] OpenError),
 }
 
 /// A board and what can be done to it.
 #[derive(Debug)]
 pub enum Rig {
     /// An emulated board.
-    Virtual {
-        /// The board.
-        board: VirtualBoard,
-        /// Its firmware.
-        firmware: Arc<Firmware>,
-        /// How it runs.
-        options: Options,
-    },
+    Virtual(VirtualRig),
     /// A real one.
     Board {
         /// Where it is.
@@ -205,6 +204,35 @@ pub enum Rig {
         /// Its debug probe, if the rig has one.
         programmer: Option<Programmer>,
     },
+}
+
+/// An emulated board and what it was made of.
+#[derive(Debug)]
+pub struct VirtualRig {
+    /// The board.
+    pub board: VirtualBoard,
+    /// Its firmware.
+    pub firmware: Arc<Firmware>,
+    /// How it runs.
+    pub options: Options,
+}
+
+impl VirtualRig {
+    /// An emulated board with this firmware, switched on for the first time.
+    pub fn start(firmware: Arc<Firmware>, options: Options) -> Result<Self, Halt> {
+        let mut flash = Flash::default();
+        emulated::program(&mut flash, &firmware);
+        let board = VirtualBoard::start(flash, options.clone())?;
+        Ok(Self { board, firmware, options })
+    }
+
+    fn program(&self) -> Result<(), Halt> {
+        let firmware = self.firmware.clone();
+        self.board.with(move |machine| {
+            machine.chip(|chip| emulated::program(&mut chip.flash, &firmware));
+            machine.press_reset()
+        })
+    }
 }
 
 impl Rig {
@@ -220,7 +248,7 @@ impl Rig {
                 let world = world.map_err(|reason| RigError::World { path: path.to_owned(), reason })?;
                 let options = options(cycles_per_instruction, baud, seed).map_err(wrong)?;
                 let firmware = Firmware::load(elf.unwrap_or(&beside(path, &own)))?;
-                Ok(Self::start(Arc::new(firmware), Options { world, ..options })?)
+                Ok(Self::Virtual(VirtualRig::start(Arc::new(firmware), Options { world, ..options })?))
             }
             RigFile::Board { port, probe, elf: own } => {
                 let port: Port = port.parse().map_err(|error| wrong(format!("`port`: {error}")))?;
@@ -235,7 +263,7 @@ impl Rig {
         }
     }
 
-    /// Programs a real board, if the rig can, and asks whether it answers.
+    /// Programs a real board, if the rig can, and checks that it responds.
     fn take_over(self) -> Result<Self, RigError> {
         if self.can(Capability::Program) {
             self.program()?;
@@ -246,18 +274,12 @@ impl Rig {
         Ok(self)
     }
 
-    /// An emulated board with this firmware, switched on for the first time.
-    pub fn start(firmware: Arc<Firmware>, options: Options) -> Result<Self, Halt> {
-        let mut flash = Flash::default();
-        emulated::program(&mut flash, &firmware);
-        let board = VirtualBoard::start(flash, options.clone())?;
-        Ok(Self::Virtual { board, firmware, options })
-    }
-
     /// A board that nothing has happened to: a new emulated one, or the real one, reset if the rig can.
     pub fn fresh(&self) -> Result<Self, RigError> {
         match self {
-            Self::Virtual { firmware, options, .. } => Ok(Self::start(firmware.clone(), options.clone())?),
+            Self::Virtual(VirtualRig { firmware, options, .. }) => {
+                Ok(Self::Virtual(VirtualRig::start(firmware.clone(), options.clone())?))
+            }
             Self::Board { port, programmer } => {
                 let board = Self::Board { port: port.clone(), programmer: programmer.clone() };
                 if board.can(Capability::Reset) {
@@ -270,16 +292,10 @@ impl Rig {
 
     /// A fresh emulated board before another skin, whose events are kept.
     pub fn before(&self, skin: Skin) -> Result<Self, RigError> {
-        let Self::Virtual { firmware, options, .. } = self else {
-            unreachable!("a case does what it did not say that it needs")
-        };
-        let world = options.world.as_ref().map(|world| world.with_skin(skin)).transpose();
-        let world =
-            world.map_err(|error| RigError::File { path: PathBuf::new(), reason: error.to_string() })?;
-        Ok(Self::start(
-            firmware.clone(),
-            Options { world: world.map(Arc::new), keep_trace: true, ..options.clone() },
-        )?)
+        let VirtualRig { firmware, options, .. } = self.emulated_rig();
+        let world = options.world.as_ref().map(|world| world.with_skin(skin)).transpose()?;
+        let options = Options { world: world.map(Arc::new), keep_trace: true, ..options.clone() };
+        Ok(Self::Virtual(VirtualRig::start(firmware.clone(), options)?))
     }
 
     /// What the rig can do. To an emulated board anything can be done; a real one has its link, and what its
@@ -287,7 +303,7 @@ impl Rig {
     #[must_use]
     pub fn can(&self, capability: Capability) -> bool {
         match self {
-            Self::Virtual { .. } => true,
+            Self::Virtual(_) => true,
             Self::Board { programmer, .. } => {
                 programmer.as_ref().is_some_and(|programmer| match capability {
                     Capability::Reset => true,
@@ -301,7 +317,7 @@ impl Rig {
     /// Starts the board anew, and waits until it has. Needs [`Capability::Reset`].
     pub fn reset(&self) -> Result<(), RigError> {
         match self {
-            Self::Virtual { board, .. } => board.with(Machine::press_reset)?,
+            Self::Virtual(rig) => rig.board.with(Machine::press_reset)?,
             Self::Board { programmer, .. } => needed(programmer).reset()?,
         }
         Ok(self.wait(Duration::from_nanos(START_TIME.nanoseconds()))?)
@@ -310,34 +326,28 @@ impl Rig {
     /// Programs the firmware again, and starts the board anew. Needs [`Capability::Program`].
     pub fn program(&self) -> Result<(), RigError> {
         match self {
-            Self::Virtual { board, firmware, .. } => {
-                let firmware = firmware.clone();
-                board.with(move |machine| {
-                    machine.chip(|chip| emulated::program(&mut chip.flash, &firmware));
-                    machine.press_reset()
-                })?;
-            }
+            Self::Virtual(rig) => rig.program()?,
             Self::Board { programmer, .. } => needed(programmer).program()?,
         }
         Ok(self.wait(Duration::from_nanos(START_TIME.nanoseconds()))?)
     }
 
     /// A link to the board.
-    pub fn link(&self) -> Result<Link, LinkError> {
+    pub fn link(&self) -> Result<Link, OpenError> {
         match self {
-            Self::Virtual { board, .. } => {
+            Self::Virtual(rig) => {
                 // A person is not faster than a board that starts.
-                let _ = board.run(START_TIME);
-                Link::connect("virtual", board.line())
+                let _ = rig.board.run(START_TIME);
+                Ok(Link::connect("virtual", rig.board.line())?)
             }
-            Self::Board { port, .. } => link::open(port),
+            Self::Board { port, .. } => port::open(port),
         }
     }
 
     /// Lets time pass.
     pub fn wait(&self, time: Duration) -> Result<(), Halt> {
         match self {
-            Self::Virtual { board, .. } => board.run(Time::from(time)),
+            Self::Virtual(rig) => rig.board.run(Time::from(time)),
             Self::Board { .. } => {
                 std::thread::sleep(time);
                 Ok(())
@@ -351,15 +361,24 @@ impl Rig {
     /// If the board is real: a case says which capabilities it needs.
     #[must_use]
     pub fn emulated(&self) -> &VirtualBoard {
+        &self.emulated_rig().board
+    }
+
+    /// The emulated board with its firmware and options.
+    ///
+    /// # Panics
+    /// If the board is real, as [`Rig::emulated`].
+    #[must_use]
+    pub fn emulated_rig(&self) -> &VirtualRig {
         match self {
-            Self::Virtual { board, .. } => board,
+            Self::Virtual(rig) => rig,
             Self::Board { .. } => panic!("{UNDECLARED}"),
         }
     }
 
     /// Sends bytes as they are.
     pub fn send_raw(&self, bytes: &[u8]) {
-        self.emulated().send(bytes.iter().map(|&byte| Symbol { byte, damaged: false }).collect());
+        self.emulated().send(Symbol::undamaged(bytes));
     }
 }
 

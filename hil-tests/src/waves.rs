@@ -16,28 +16,14 @@ const WIDTHS: [(&str, u32); 8] = [
     ("resets", 16),
 ];
 
+/// Pins of each port, 16 bits.
+const PORTS: [&str; 7] = ["gpio_a", "gpio_b", "gpio_c", "gpio_d", "gpio_e", "gpio_f", "gpio_g"];
+
 /// The events as a VCD file with nanoseconds.
 pub fn vcd(events: &[(Time, Event)]) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut writer = Writer::new(&mut bytes);
-    writer.timescale(1, TimescaleUnit::NS)?;
-    writer.add_module("stm32g474")?;
-    let mut signals = Vec::new();
-    for (name, width) in WIDTHS {
-        signals.push((name, width, writer.add_var(VarType::Wire, width, name, None)?));
-    }
-    for port in 'a'..='g' {
-        let name: &'static str = ["gpio_a", "gpio_b", "gpio_c", "gpio_d", "gpio_e", "gpio_f", "gpio_g"]
-            [(port as u8 - b'a') as usize];
-        signals.push((name, 16, writer.add_var(VarType::Wire, 16, name, None)?));
-    }
-    writer.upscope()?;
-    writer.enddefinitions()?;
-    writer.begin(SimulationCommand::Dumpvars)?;
-    for &(_, width, id) in &signals {
-        put(&mut writer, id, width, 0)?;
-    }
-    writer.end()?;
+    let signals = declare(&mut writer)?;
     let (mut handlers, mut resets) = (Vec::new(), 0);
     for &(time, event) in events {
         writer.timestamp(time.nanoseconds())?;
@@ -51,9 +37,26 @@ pub fn vcd(events: &[(Time, Event)]) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Writes the file's head, in which every signal is 0; gives name, width and identifier of each.
+fn declare(writer: &mut Writer<&mut Vec<u8>>) -> io::Result<Vec<(&'static str, u32, IdCode)>> {
+    writer.timescale(1, TimescaleUnit::NS)?;
+    writer.add_module("stm32g474")?;
+    let mut signals = Vec::new();
+    for (name, width) in WIDTHS.into_iter().chain(PORTS.map(|port| (port, 16))) {
+        signals.push((name, width, writer.add_var(VarType::Wire, width, name, None)?));
+    }
+    writer.upscope()?;
+    writer.enddefinitions()?;
+    writer.begin(SimulationCommand::Dumpvars)?;
+    for &(_, width, id) in &signals {
+        put(writer, id, width, 0)?;
+    }
+    writer.end()?;
+    Ok(signals)
+}
+
 /// Signals that an event changes. `handlers` are the exceptions under way, innermost last.
 fn changes(event: Event, handlers: &mut Vec<u64>, resets: &mut u64) -> Vec<(&'static str, u64)> {
-    const PORTS: [&str; 7] = ["gpio_a", "gpio_b", "gpio_c", "gpio_d", "gpio_e", "gpio_f", "gpio_g"];
     match event {
         Event::Enter(exception) => {
             handlers.push(exception as u64);

@@ -56,7 +56,7 @@ fn firmware_without_a_probe_is_refused() {
 }
 
 #[test]
-fn a_rig_file_is_answered_by_field() {
+fn errors_of_a_rig_file_name_the_field() {
     let path = rig("field.toml", "kind = \"board\"\nport = \"COM1\"\nprobes = \"1\"\n");
     refused(&path, &[], &["field.toml", "unknown field `probes`", "`port`, `probe`, `elf`"]);
     let path = rig("port.toml", "kind = \"board\"\nport = \"tcp:nowhere\"\n");

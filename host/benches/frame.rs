@@ -4,14 +4,12 @@
 
 use dermatome::{
     model::Model,
-    quantize,
-    simulate::{Noise, Script, SimulatedSkin, board::ScanTable},
+    simulate::{Noise, Rig, Script, SimulatedSkin, instrument::Instrument, rig::Observer},
     skin::Skin,
 };
 use dermatome_shared::{
-    device::{BoardFacts, Device, PatchStore, StoreError},
+    device::{Arrival, BoardFacts, Device, PatchStore, StoreError},
     frame::Frame,
-    patch::PatchView,
     protocol::{
         BoardPacket, FrameSource, Identity, MAX_PACKET_BYTES, Request, RequestPacket, Selection, encode,
     },
@@ -53,24 +51,19 @@ impl PatchStore for Fixed {
 /// A tared device that streams what `selection` says, and a frame of a pressed skin.
 fn device(selection: Selection) -> (Device<Fixed>, Frame) {
     let skin = skin();
-    let model = Model::build(&skin, |_| ()).expect("the shipped skin has a model");
-    let patch = quantize::patch(&skin, &model).expect("and a patch");
+    let observer = Observer::new(&skin).expect("the shipped skin has a patch");
     let noise = Noise { snr_db: 60.0, seed: 1 };
-    let mut simulated = SimulatedSkin::new(&skin, Script::round(skin.shape.flat().unwrap()), noise)
+    let simulated = SimulatedSkin::new(&skin, Script::round(skin.shape.flat().unwrap()), noise)
         .expect("and a simulation");
-    let view = PatchView::validate(&patch).expect("which is valid");
-    let table = ScanTable::new(&view, view.header.drive);
-    let front_end = Some(simulated.front_end());
-    let mut frame = |time| Frame {
-        codes: simulated.measure(&table, time).codes.into_iter().collect(),
-        ..Frame::default()
-    };
+    let front_end = simulated.front_end();
+    let mut rig = Rig::of(simulated, &observer.patch());
+    let mut frame = |time| Frame { codes: rig.play(time).codes, ..Frame::default() };
     let identity = Identity { board: Default::default(), firmware: Default::default() };
     let (frame_source, started_after) = (FrameSource::Simulated, Restart::PowerOn);
     let facts = BoardFacts { identity, electrodes: 16, frame_source, front_end, started_after };
-    let mut device = Device::new(facts, Fixed(patch.clone()));
+    let mut device = Device::new(facts, Fixed(observer.patch_bytes().to_vec()));
     device.handle(&RequestPacket { sequence: 1, request: Request::Tare { frames: 1 } }, 0);
-    device.process(&mut frame(None), |_| ());
+    device.process(&mut frame(None), Arrival::default(), |_| ());
     device.handle(&RequestPacket { sequence: 2, request: Request::Stream(selection) }, 0);
     (device, frame(Some(1.0)))
 }
@@ -79,9 +72,9 @@ fn device(selection: Selection) -> (Device<Fixed>, Frame) {
 #[divan::bench]
 fn device_image_and_contacts(bencher: Bencher) {
     let (mut device, mut frame) = device(Selection { images: 1, contacts: 1, ..Selection::default() });
-    bencher
-        .counter(ItemsCount::new(1_u32))
-        .bench_local(|| device.process(black_box(&mut frame), |event| _ = black_box(event)));
+    bencher.counter(ItemsCount::new(1_u32)).bench_local(|| {
+        device.process(black_box(&mut frame), Arrival::default(), |event| _ = black_box(event))
+    });
 }
 
 /// The same, with every event encoded into packets as it would be for the link.
@@ -92,7 +85,9 @@ fn device_image_and_contacts_encoded(bencher: Bencher) {
     let mut send = |event: &BoardPacket| {
         let _ = black_box(encode(event, &mut buffer));
     };
-    bencher.counter(ItemsCount::new(1_u32)).bench_local(|| device.process(black_box(&mut frame), &mut send));
+    bencher
+        .counter(ItemsCount::new(1_u32))
+        .bench_local(|| device.process(black_box(&mut frame), Arrival::default(), &mut send));
 }
 
 /// Skin to reconstruction matrix, 3,940 elements.

@@ -11,12 +11,14 @@ use dermatome::{
     quantize,
     simulate::{
         Noise, Press, Script, SimulatedSkin,
-        board::{BoardOptions, FrameSource, Pace, Scan, ScanTable, SimulatedBoard},
+        board::{BoardOptions, Pace, SimulatedBoard},
+        instrument::{Instrument, ScanTable},
         script::Moment,
     },
     skin::Skin,
 };
 use dermatome_shared::{
+    frame::Frame,
     patch::PatchView,
     protocol::{Event, Selection},
     units::AdcCode,
@@ -57,9 +59,10 @@ struct Machine {
     places: u64,
 }
 
-impl FrameSource for Machine {
-    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Scan {
-        let mut codes = vec![AdcCode(UNTOUCHED); table.steps.len()];
+impl Instrument for Machine {
+    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Frame {
+        let codes = table.steps.iter().map(|_| AdcCode(UNTOUCHED)).collect();
+        let mut frame = Frame { codes, ..Frame::default() };
         if let Some(time) = script_time {
             if time < self.time {
                 self.places += 1;
@@ -70,9 +73,9 @@ impl FrameSource for Machine {
             let load = loads.get((time / HOLD) as usize).copied().unwrap_or(0.0);
             let change = self.place.respond(load, MACHINE * (time - self.time));
             self.time = time;
-            codes[0].0 += (f64::from(UNTOUCHED) * change) as i32;
+            frame.codes[0].0 += (f64::from(UNTOUCHED) * change) as i32;
         }
-        Scan { codes, ..Scan::default() }
+        frame
     }
 }
 

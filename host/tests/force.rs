@@ -106,7 +106,10 @@ impl Rig {
         let patch = PatchView::validate(&self.patch).unwrap();
         let mut places = Places::default();
         for _ in 0..SETTLED {
-            places.press(&patch, &mut contacts, || RelativeConductivity(0));
+            let noise = RelativeConductivity(patch.header.contact_threshold.0 / 2);
+            let operators = patch.play_operators();
+            let strengths = places.compensate(&operators, &contacts, noise, || RelativeConductivity(0));
+            patch.header.calibration.apply(&mut contacts, &strengths);
         }
         let true_newtons = kpa * 1e3 * area * 1e-4;
         contacts.first().map(|contact| f64::from(contact.force().expect("calibrated")) / true_newtons)

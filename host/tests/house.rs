@@ -40,7 +40,8 @@ fn crates() -> Vec<PathBuf> {
 impl Crate {
     fn read(source: &Path) -> Self {
         let mut found = Self::default();
-        let root = ["lib.rs", "main.rs"].map(|name| source.join(name)).into_iter().find(|path| path.is_file());
+        let root =
+            ["lib.rs", "main.rs"].map(|name| source.join(name)).into_iter().find(|path| path.is_file());
         found.read_module(&root.unwrap(), source, Vec::new());
         found
     }
@@ -85,11 +86,19 @@ impl Crate {
                 continue;
             }
             let aliases = self.aliases.get(&module).into_iter().flatten();
-            let handed_on = aliases.filter(|(alias, _)| alias == name || alias == "*").map(|(alias, path)| {
-                if alias == "*" { path.iter().cloned().chain([name.clone()]).collect() } else { path.clone() }
-            });
-            let further = |start: Module| -> Module { start.into_iter().chain(path[at + 1..].iter().cloned()).collect() };
-            let mut ends = handed_on.filter(|_| depth > 0).map(|start| self.target(&further(start), depth - 1));
+            let handed_on =
+                aliases.filter(|(alias, _)| alias == name || alias == "*").map(|(alias, path)| {
+                    if alias == "*" {
+                        path.iter().cloned().chain([name.clone()]).collect()
+                    } else {
+                        path.clone()
+                    }
+                });
+            let further = |start: Module| -> Module {
+                start.into_iter().chain(path[at + 1..].iter().cloned()).collect()
+            };
+            let mut ends =
+                handed_on.filter(|_| depth > 0).map(|start| self.target(&further(start), depth - 1));
             return ends.find(|end| !module.starts_with(end) || end.len() > module.len()).unwrap_or(module);
         }
         module
@@ -206,7 +215,8 @@ fn is_test(attributes: &[syn::Attribute]) -> bool {
 
 /// Modules that lie on a circle of imports, if there is one.
 fn circle(imports: &BTreeSet<(String, String, String)>) -> BTreeSet<String> {
-    let mut left: BTreeSet<&str> = imports.iter().flat_map(|(from, to, _)| [from.as_str(), to.as_str()]).collect();
+    let mut left: BTreeSet<&str> =
+        imports.iter().flat_map(|(from, to, _)| [from.as_str(), to.as_str()]).collect();
     loop {
         // Whoever imports nobody left, or is imported by nobody left, lies on no circle.
         let within = |a: &str, b: &str| left.contains(a) && left.contains(b) && a != b;
@@ -226,7 +236,8 @@ fn circles(source: &Path) -> Vec<String> {
     let mut found = Vec::new();
     for (parent, imports) in Crate::read(source).sibling_imports() {
         let on_circle = circle(&imports);
-        let tied = imports.iter().filter(|(a, b, _)| a != b && on_circle.contains(a) && on_circle.contains(b));
+        let tied =
+            imports.iter().filter(|(a, b, _)| a != b && on_circle.contains(a) && on_circle.contains(b));
         let why: Vec<_> = tied.map(|(_, _, why)| format!("    {why}")).collect();
         if !why.is_empty() {
             let place = parent.join("::");

@@ -30,7 +30,7 @@ fn calibrated() -> Desk {
 /// Points of the curve and plays.
 fn stored(bytes: &[u8]) -> (usize, usize) {
     let patch = PatchView::validate(bytes).unwrap();
-    (patch.header.calibration.points.len(), patch.plays().count())
+    (patch.header.calibration.points.len(), patch.play_operators().count())
 }
 
 #[test]

@@ -4,10 +4,14 @@ mod testbench;
 
 use dermatome::{
     link::{Link, LinkError, stream, tare, upload},
-    simulate::board::{BoardError, BoardOptions, FrameSource, Pace, Scan, ScanTable, SimulatedBoard},
+    simulate::{
+        board::{BoardError, BoardOptions, Pace, SimulatedBoard},
+        instrument::{Instrument, ScanTable},
+    },
 };
-use dermatome_shared::protocol::{
-    Event, FrameStamp, MAX_PACKET_BYTES, Refusal, Request, RequestPacket, Selection, encode,
+use dermatome_shared::{
+    frame::Frame,
+    protocol::{Event, FrameStamp, MAX_PACKET_BYTES, Refusal, Request, RequestPacket, Selection, encode},
 };
 use std::{
     io::Write,
@@ -157,8 +161,8 @@ fn a_stream_without_a_tare_makes_its_reference_of_the_untouched_skin() {
 /// A source that takes most of a frame's time.
 struct Slow(Pressed);
 
-impl FrameSource for Slow {
-    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Scan {
+impl Instrument for Slow {
+    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Frame {
         thread::sleep(Duration::from_millis(80));
         self.0.scan(table, script_time)
     }

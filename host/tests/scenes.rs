@@ -1,7 +1,7 @@
 //! Random contacts on the hemisphere, through the surface's model and the flattened one.
 
 use dermatome::{
-    link::{self, Link},
+    link,
     model::Model,
     quantize,
     scenes::{Options, figures, play},

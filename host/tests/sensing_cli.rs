@@ -8,11 +8,12 @@ use dermatome::{
     quantize,
     simulate::{
         Noise, Press, Script, SimulatedSkin,
-        board::{BoardOptions, FrameSource, Scan, ScanTable, SimulatedBoard},
+        board::{BoardOptions, SimulatedBoard},
+        instrument::{Instrument, ScanTable},
     },
     skin::Skin,
 };
-use dermatome_shared::acquire::FrontEnd;
+use dermatome_shared::{acquire::FrontEnd, frame::Frame};
 use program::{Desk, TINY};
 use serde_json::Value;
 use std::{path::Path, thread, time::Duration};
@@ -23,20 +24,20 @@ struct Faulty<F> {
     fault: F,
 }
 
-impl<F: FnMut(&mut Scan) + Send> FrameSource for Faulty<F> {
-    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Scan {
-        let mut scan = self.skin.measure(table, script_time);
-        (self.fault)(&mut scan);
-        scan
+impl<F: FnMut(&mut Frame) + Send> Instrument for Faulty<F> {
+    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Frame {
+        let mut frame = self.skin.scan(table, script_time);
+        (self.fault)(&mut frame);
+        frame
     }
 
     fn front_end(&self) -> Option<FrontEnd> {
-        Some(SimulatedSkin::front_end(&self.skin))
+        self.skin.front_end()
     }
 }
 
 /// A board of a skin file's text, untouched, that holds its patch; and its port.
-fn board(text: &str, fault: impl FnMut(&mut Scan) + Send + 'static) -> (SimulatedBoard, String) {
+fn board(text: &str, fault: impl FnMut(&mut Frame) + Send + 'static) -> (SimulatedBoard, String) {
     let skin = Skin::parse(Path::new("skin.toml"), text).unwrap().made().unwrap();
     let patch = quantize::patch(&skin, &Model::build(&skin, |_| ()).unwrap()).unwrap();
     let script = Script::still(&[] as &[Press], skin.shape.flat().unwrap()).unwrap();
@@ -89,9 +90,9 @@ fn an_electrode_that_touches_worse_is_told() {
 #[test]
 fn an_open_electrode_is_named_and_the_exit_code_says_so() {
     let desk = Desk::empty();
-    let open = |scan: &mut Scan| {
-        scan.tests[2].is_clipped = true;
-        scan.tests[1].in_phase.0 = 0;
+    let open = |frame: &mut Frame| {
+        frame.tests[2].is_clipped = true;
+        frame.tests[1].in_phase.0 = 0;
     };
     let (_board, port) = board(TINY, open);
     let done = desk.run(&["check", "--port", &port, "--frames", "5"]);
@@ -106,7 +107,7 @@ fn an_open_electrode_is_named_and_the_exit_code_says_so() {
 #[test]
 fn a_board_without_current_is_told() {
     let desk = Desk::empty();
-    let dead = |scan: &mut Scan| scan.tests.iter_mut().for_each(|test| test.in_phase.0 = 40);
+    let dead = |frame: &mut Frame| frame.tests.iter_mut().for_each(|test| test.in_phase.0 = 40);
     let (_board, port) = board(TINY, dead);
     let done = desk.run(&["check", "--port", &port, "--frames", "3"]);
     assert_eq!(done.out.matches("  unknown\n").count(), 8, "{}", done.out);

@@ -1,6 +1,9 @@
 //! Frame: one full scan of the stimulation pattern.
 
-use crate::{MAX_ELECTRODES, MAX_STEPS, units::AdcCode};
+use crate::{
+    limits::{MAX_ELECTRODES, MAX_STEPS},
+    units::AdcCode,
+};
 use heapless::Vec;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -16,9 +19,9 @@ pub struct Frame {
     pub flags: FrameFlags,
     /// The part of each voltage that goes into the image: `[step]`.
     pub codes: Vec<AdcCode, MAX_STEPS>,
-    /// The part a quarter period later: `[step]`; empty where it is not measured.
+    /// The part in quadrature: `[step]`; empty where it is not measured.
     pub quadrature: Vec<AdcCode, MAX_STEPS>,
-    /// Voltages of the electrodes' tests ([`crate::scan::test_step`]): `[electrode]`; empty where they
+    /// Voltages of the electrodes' tests ([`crate::acquire::scan::test_step`]): `[electrode]`; empty where they
     /// are not measured.
     pub tests: Vec<ElectrodeTest, MAX_ELECTRODES>,
 }
@@ -47,7 +50,7 @@ impl Frame {
 pub struct ElectrodeTest {
     /// In phase with the current.
     pub in_phase: AdcCode,
-    /// A quarter period later.
+    /// In quadrature with it.
     pub quadrature: AdcCode,
     /// Whether the converter or its amplifier was at the end of its range.
     pub is_clipped: bool,

@@ -17,8 +17,11 @@ use defmt::info;
 use defmt_rtt as _;
 use dermatome_firmware::{board, drivers::flash::SlotFlash};
 use dermatome_shared::{
-    device::PatchStore, image::Image, patch::PatchView, reconstruct, reference::DifferenceData,
-    slots::SlotStore, synthetic,
+    device::{PatchStore, flash_slots::FlashSlotStore},
+    image::Image,
+    limits::MAX_MEASUREMENTS,
+    patch::PatchView,
+    pipeline::{reconstruct, reference::DifferenceData},
 };
 
 const IMAGES: u32 = 20;
@@ -26,7 +29,7 @@ const IMAGES: u32 = 20;
 #[entry]
 fn main() -> ! {
     let board = board::start();
-    let store = SlotStore::open(SlotFlash::new(board.flash));
+    let store = FlashSlotStore::open(SlotFlash::new(board.flash));
     let mut core = Peripherals::take().expect("taken once");
     core.DCB.enable_trace();
     core.DWT.enable_cycle_counter();
@@ -58,13 +61,18 @@ fn measure(patch: &PatchView<'_>) {
 
 /// Data of any values, as many as the patch has measurements.
 fn difference(patch: &PatchView<'_>, sequence: u32) -> DifferenceData {
-    let frame = synthetic::frame(1, sequence, 0, patch.steps());
-    let codes = frame.codes.iter().take(patch.header.measurements.into());
-    let relative: heapless::Vec<f32, { dermatome_shared::MAX_MEASUREMENTS }> =
-        codes.map(|code| code.0 as f32 / 65_536.0).collect();
+    let any = |measurement: u16| f32::from(mix(sequence << 16 | u32::from(measurement)) as i16) / 65_536.0;
+    let relative: heapless::Vec<f32, MAX_MEASUREMENTS> = (0..patch.header.measurements).map(any).collect();
     let mut data = DifferenceData::default();
     data.quantise(&relative);
     data
+}
+
+/// Spreads each bit over all: the finaliser of MurmurHash3.
+fn mix(mut word: u32) -> u32 {
+    word = (word ^ (word >> 16)).wrapping_mul(0x85EB_CA6B);
+    word = (word ^ (word >> 13)).wrapping_mul(0xC2B2_AE35);
+    word ^ (word >> 16)
 }
 
 /// Fewest and most cycles of a piece of work.

@@ -3,7 +3,7 @@
 //! The slave timers count the trigger output of the first, and the board's table says which timers, DAC,
 //! converter and port these are.
 
-use dermatome_shared::{demodulate::MIDDLE, scan::Timing};
+use dermatome_shared::acquire::{demodulate::MIDDLE, scan::Timing};
 use embassy_stm32::{
     Peri,
     adc::Adc,

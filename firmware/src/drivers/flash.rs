@@ -7,7 +7,8 @@
 //!
 //! A double word that lost its power while it was programmed can hold more wrong bits than its ECC can
 //! correct. The chip then raises the NMI at every read of it, and the read goes on with whatever the
-//! cells hold (RM0440 and RM0351, "Error code correction"). [`SlotStore`](dermatome_shared::slots::SlotStore)
+//! cells hold (RM0440 and RM0351, "Error code correction").
+//! [`FlashSlotStore`](dermatome_shared::device::flash_slots::FlashSlotStore)
 //! checks all it reads, so the handler only clears the flag.
 
 use core::{
@@ -16,7 +17,10 @@ use core::{
 };
 
 use cortex_m_rt::exception;
-use dermatome_shared::slots::{self, FlashError, PAGE_BYTES, SLOT_BYTES, WORD_BYTES};
+use dermatome_shared::{
+    device::flash_slots::{self, FlashError, PAGE_BYTES, WORD_BYTES},
+    limits::FLASH_SLOT_BYTES,
+};
 use embassy_stm32::{
     Peri,
     flash::{Blocking, FLASH_BASE, FLASH_SIZE, Flash},
@@ -25,9 +29,9 @@ use embassy_stm32::{
 
 use crate::board::{self, SLOTS_OFFSET};
 
-const _: () = assert!(SLOTS_OFFSET + 2 * SLOT_BYTES <= FLASH_SIZE, "the slots fit the flash");
+const _: () = assert!(SLOTS_OFFSET + 2 * FLASH_SLOT_BYTES <= FLASH_SIZE, "the slots fit the flash");
 
-/// The two slots in the chip's flash.
+/// The two flash slots in the chip's flash.
 pub struct SlotFlash {
     flash: Flash<'static, Blocking>,
 }
@@ -39,14 +43,14 @@ impl SlotFlash {
     }
 }
 
-impl slots::Flash for SlotFlash {
+impl flash_slots::Flash for SlotFlash {
     fn slot(&self, slot: usize) -> &[u8] {
         let address = FLASH_BASE + offset_of(slot);
         #[expect(unsafe_code, reason = "a slot is read in place")]
         // SAFETY: these bytes are flash, always readable, and hold nothing but slots (checked above and by
         // the linker, which has only the flash before them). They change through `&mut self` alone.
         unsafe {
-            slice::from_raw_parts(address as *const u8, SLOT_BYTES)
+            slice::from_raw_parts(address as *const u8, FLASH_SLOT_BYTES)
         }
     }
 
@@ -65,7 +69,7 @@ impl slots::Flash for SlotFlash {
 /// Bytes from the start of the flash to slot 0 or 1.
 fn offset_of(slot: usize) -> usize {
     assert!(slot < 2, "there are two slots");
-    SLOTS_OFFSET + slot * SLOT_BYTES
+    SLOTS_OFFSET + slot * FLASH_SLOT_BYTES
 }
 
 /// Ends an operation: what was read of the flash before it counts no more.

@@ -20,11 +20,9 @@ use core::{
 };
 
 use dermatome_shared::{
-    acquire::Acquisition,
-    demodulate::{MAX_PERIOD, MIDDLE},
+    acquire::{Acquisition, demodulate::MIDDLE, scan::multiplexer_word, trigonometry::cosine},
     drive::GAINS,
-    scan::{MAX_SLOTS, multiplexer_word},
-    trigonometry::cosine,
+    limits::{MAX_PERIOD, MAX_SLOTS},
 };
 use embassy_stm32::dma::{Channel, Transfer, TransferOptions};
 use embassy_time::{Duration, Instant, Timer};

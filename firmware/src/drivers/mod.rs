@@ -1,7 +1,6 @@
 //! Drivers: one device each.
 
 pub mod crash;
-pub mod executor;
 pub mod flash;
 pub mod front_end;
 pub mod link;

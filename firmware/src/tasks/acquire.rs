@@ -7,16 +7,13 @@
 //! come, else with the front end off between frames.
 
 use dermatome_firmware::{
-    board::{self, SensingParts},
-    drivers::{
-        executor,
-        front_end::{FrontEnd, Missed, RAMP_STEPS, Scan, Tables},
-    },
+    board::{self, SensingParts, executor},
+    drivers::front_end::{FrontEnd, Missed, RAMP_STEPS, Scan, Tables},
 };
 use dermatome_shared::{
-    acquire::Acquisition,
-    frame::{Frame, FrameFlags},
-    protocol::SlotSamples,
+    acquire::{Acquisition, SlotSamples},
+    device::Arrival,
+    frame::Frame,
 };
 use embassy_futures::select::{Either, select};
 use embassy_sync::{
@@ -52,10 +49,11 @@ pub(crate) struct Order {
     pub(crate) interval: Duration,
 }
 
-/// A frame, and what the scope saw in it.
+/// A frame, how it came, and what the scope saw in it.
 #[derive(Default)]
 pub(crate) struct Captured {
     pub(crate) frame: Frame,
+    pub(crate) arrival: Arrival,
     pub(crate) scope: Option<SlotSamples>,
 }
 
@@ -115,8 +113,7 @@ async fn run(mut front_end: FrontEnd, orders: &'static Orders, mut frames: Frame
         let order = orders.start.wait().await;
         let mut acquisition = orders.acquisition.lock().await;
         if let Some(acquisition) = acquisition.as_mut() {
-            let flags = FrameFlags::default();
-            let mut run = Run { acquisition, frames: &mut frames, orders, is_stopping: false, flags };
+            let mut run = Run { acquisition, frames: &mut frames, orders, is_stopping: false, missed: false };
             run.scan(&mut front_end, order).await;
         }
         orders.stopped.signal(());
@@ -129,8 +126,8 @@ struct Run<'a> {
     frames: &'a mut Frames,
     orders: &'static Orders,
     is_stopping: bool,
-    /// What to tell with the next frame.
-    flags: FrameFlags,
+    /// Whether samples were lost since the frame before.
+    missed: bool,
 }
 
 impl Run<'_> {
@@ -161,7 +158,7 @@ impl Run<'_> {
                 Ok(found) if pauses && found > 0 => break,
                 Ok(_) => {}
                 Err(Missed) => {
-                    self.flags.insert(FrameFlags::MISSED);
+                    self.missed = true;
                     break;
                 }
             }
@@ -175,7 +172,7 @@ impl Run<'_> {
         scan.take(|samples| {
             self.acquisition.push(samples, |frame, scope| {
                 found += 1;
-                send(self.frames, frame, scope, &mut self.flags);
+                send(self.frames, frame, scope, &mut self.missed);
             });
         })?;
         if self.acquisition.take_gains_changed() {
@@ -196,7 +193,7 @@ impl Run<'_> {
 }
 
 /// Sends a frame on; one that nobody has time for is lost, and the next one says so.
-fn send(frames: &mut Frames, frame: &Frame, scope: Option<&SlotSamples>, flags: &mut FrameFlags) {
+fn send(frames: &mut Frames, frame: &Frame, scope: Option<&SlotSamples>, missed: &mut bool) {
     match frames.try_send() {
         Some(place) => {
             place.frame.copy_from(frame);
@@ -205,10 +202,10 @@ fn send(frames: &mut Frames, frame: &Frame, scope: Option<&SlotSamples>, flags: 
                 // Not one assignment for both, which would copy a kilobyte of nothing.
                 None => place.scope = None,
             }
-            place.frame.timestamp_us = Instant::now().as_micros();
-            place.frame.flags.insert(core::mem::take(flags));
+            let timestamp_us = Instant::now().as_micros();
+            place.arrival = Arrival { timestamp_us, missed: core::mem::take(missed) };
             frames.send_done();
         }
-        None => flags.insert(FrameFlags::MISSED),
+        None => *missed = true,
     }
 }

@@ -28,7 +28,7 @@ const MAX_INTERVAL: Duration = Duration::from_secs(3600);
 #[embassy_executor::task]
 pub(crate) async fn run(state: &'static State, orders: &'static Orders, frames: FramesEnd) -> ! {
     static SCRATCH: ConstStaticCell<[u8; MAX_PACKET_BYTES]> = ConstStaticCell::new([0; MAX_PACKET_BYTES]);
-    let mut task = Task { state, orders, frames, scratch: SCRATCH.take(), sequence: 0 };
+    let mut task = Task { state, orders, frames, scratch: SCRATCH.take() };
     loop {
         match task.prepare().await {
             Some(order) => task.scan(order).await,
@@ -42,7 +42,6 @@ struct Task {
     orders: &'static Orders,
     frames: FramesEnd,
     scratch: &'static mut [u8],
-    sequence: u32,
 }
 
 /// What a scan was ordered for: any change of this ends it.
@@ -79,7 +78,7 @@ impl Task {
                 Either::First(captured) => {
                     // An answer may have come first, and a frame of the old scan means nothing to a new one.
                     if Purpose::now(self.state) == purpose {
-                        process(self.state, captured, &mut self.sequence, self.scratch);
+                        process(self.state, captured, self.scratch);
                     }
                     self.frames.receive_done();
                     // Where frames come faster than they are computed, others have a turn all the same: the
@@ -113,7 +112,7 @@ fn put_scan(state: &State, purpose: Purpose, place: &mut Option<Acquisition>) ->
 
 /// Takes one frame through the device. Not inlined, so that its stack is free again while the task waits.
 #[inline(never)]
-fn process(state: &State, captured: &mut Captured, sequence: &mut u32, scratch: &mut [u8]) {
+fn process(state: &State, captured: &mut Captured, scratch: &mut [u8]) {
     let device = &mut *state.device.borrow_mut();
     let mut queues = state.events.borrow_mut();
     let mut queue = |packet: &BoardPacket| {
@@ -121,9 +120,7 @@ fn process(state: &State, captured: &mut Captured, sequence: &mut u32, scratch: 
             defmt::debug!("event dropped: the link is too slow");
         }
     };
-    captured.frame.sequence = *sequence;
-    *sequence = sequence.wrapping_add(1);
-    device.process(&mut captured.frame, &mut queue);
+    device.process(&mut captured.frame, captured.arrival, &mut queue);
     if let Some(samples) = captured.scope.as_ref().filter(|_| device.wants_scope(captured.frame.sequence)) {
         device.show_scope(samples, &mut queue);
     }

@@ -9,10 +9,9 @@ use core::cell::RefCell;
 
 use dermatome_firmware::{board, drivers::flash::SlotFlash};
 use dermatome_shared::{
-    device::{BoardFacts, Device},
+    device::{BoardFacts, Device, flash_slots::FlashSlotStore},
     protocol::{EventQueue, FrameSource, Identity},
     restart::Restart,
-    slots::SlotStore,
 };
 use embassy_stm32::{Peri, peripherals};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, signal::Signal};
@@ -30,7 +29,7 @@ pub(crate) type Events = EventQueue<SHORT_EVENT_BYTES, LONG_EVENT_BYTES>;
 /// What the tasks share. All run on one executor, and none holds a borrow while it waits.
 pub(crate) struct State {
     /// The board's state machine.
-    device: RefCell<Device<SlotStore<SlotFlash>>>,
+    device: RefCell<Device<FlashSlotStore<SlotFlash>>>,
     /// Its events.
     events: &'static RefCell<Events>,
     /// A request was answered: frames may be needed now.
@@ -45,7 +44,10 @@ impl State {
         static STATE: StaticCell<State> = StaticCell::new();
         static EVENTS: ConstStaticCell<RefCell<Events>> = ConstStaticCell::new(RefCell::new(Events::new()));
         STATE.init_with(|| Self {
-            device: RefCell::new(Device::new(facts(started_after), SlotStore::open(SlotFlash::new(flash)))),
+            device: RefCell::new(Device::new(
+                facts(started_after),
+                FlashSlotStore::open(SlotFlash::new(flash)),
+            )),
             events: EVENTS.take(),
             answered: Signal::new(),
             queued: Signal::new(),

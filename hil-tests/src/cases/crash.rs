@@ -1,6 +1,6 @@
 //! Cases of a firmware that cannot go on: it starts again and says why.
 
-use super::{Case, Failure, check};
+use super::{Case, Failure, ensure};
 use crate::machine::Machine;
 use crate::rig::{Capability, Rig};
 use dermatome_shared::{
@@ -41,7 +41,7 @@ fn hangs(rig: &Rig) -> Result<String, Failure> {
     rig.emulated().with(Machine::hang);
     rig.wait(Duration::from_secs(3))?;
     let found = restart(rig)?;
-    check(found == Restart::Watchdog, || format!("it says {found}"))?;
+    ensure(found == Restart::Watchdog, || format!("it says {found}"))?;
     Ok(String::new())
 }
 
@@ -51,13 +51,13 @@ fn busy_for_ever(rig: &Rig) -> Result<String, Failure> {
     // Erases the page of the commit record, and waits for that. Nobody waits here for the reply.
     let request = RequestPacket { sequence: 9, request: Request::BeginUpload { length: 9000, crc: 9 } };
     let mut buffer = [0; MAX_PACKET_BYTES];
-    rig.send_raw(encode(&request, &mut buffer).map_err(|error| Failure::Wrong(error.to_string()))?);
+    rig.send_raw(encode(&request, &mut buffer).map_err(Failure::wrong)?);
     rig.wait(Duration::from_millis(500))?;
     let busy = rig.emulated().with(|machine| machine.chip(|chip| chip.flash.operation().is_some()));
-    check(busy, || "the flash was not asked to erase".to_owned())?;
+    ensure(busy, || "the flash was not asked to erase".to_owned())?;
     rig.wait(Duration::from_secs(3))?;
     let found = restart(rig)?;
-    check(found == Restart::Watchdog, || format!("it says {found}"))?;
+    ensure(found == Restart::Watchdog, || format!("it says {found}"))?;
     Ok(String::new())
 }
 
@@ -68,18 +68,18 @@ fn faults(rig: &Rig) -> Result<String, Failure> {
     let found = restart(rig)?;
     match &found {
         Restart::Crash { message } if message.contains("hard fault at 0x08") => Ok(message.to_string()),
-        _ => Err(Failure::Wrong(format!("it says {found}"))),
+        _ => Err(Failure::wrong(format!("it says {found}"))),
     }
 }
 
 fn tells_causes(rig: &Rig) -> Result<String, Failure> {
     let found = restart(rig)?;
-    check(found == Restart::PowerOn, || format!("after switching on it says {found}"))?;
+    ensure(found == Restart::PowerOn, || format!("after switching on it says {found}"))?;
     rig.emulated().with(Machine::press_reset)?;
     let found = restart(rig)?;
-    check(found == Restart::ResetPin, || format!("after the button it says {found}"))?;
+    ensure(found == Restart::ResetPin, || format!("after the button it says {found}"))?;
     rig.emulated().with(Machine::cut_power)?;
     let found = restart(rig)?;
-    check(found == Restart::PowerOn, || format!("after a power cut it says {found}"))?;
+    ensure(found == Restart::PowerOn, || format!("after a power cut it says {found}"))?;
     Ok(String::new())
 }

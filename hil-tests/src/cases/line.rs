@@ -1,6 +1,6 @@
 //! Cases of the line: hello, versions, noise.
 
-use super::{Case, Failure, check};
+use super::{Case, Failure, ensure};
 use crate::{
     chip::{time::Time, usart::Symbol},
     rig::{Capability, Rig, START_TIME},
@@ -14,7 +14,7 @@ use rand_pcg::Pcg64;
 
 /// Bytes that the noise case sends.
 const NOISE_BYTES: usize = 1_000_000;
-/// Bytes between two looks at the board.
+/// Bytes between two checks of the board.
 const NOISE_PIECE: usize = 10_000;
 
 pub(super) const CASES: &[Case] = &[
@@ -34,7 +34,7 @@ pub(super) const CASES: &[Case] = &[
 fn hello(rig: &Rig) -> Result<String, Failure> {
     let mut link = rig.link()?;
     let info = link.info()?;
-    check(info.frame_source == FrameSource::Skin, || format!("frames come from {:?}", info.frame_source))?;
+    ensure(info.frame_source == FrameSource::Skin, || format!("frames come from {:?}", info.frame_source))?;
     let identity = link.identity();
     Ok(format!("{} {}, {} electrodes", identity.board, identity.firmware, info.electrodes))
 }
@@ -45,19 +45,19 @@ fn other_version(rig: &Rig) -> Result<String, Failure> {
     let packet = RequestPacket { sequence: 7, request: Request::Hello(version) };
     rig.emulated().run(START_TIME)?;
     rig.send_raw(&[0]);
-    rig.send_raw(encode(&packet, &mut buffer).map_err(|error| Failure::Wrong(error.to_string()))?);
+    rig.send_raw(encode(&packet, &mut buffer).map_err(Failure::wrong)?);
     let mut reader = PacketReader::default();
     let wanted = Reply::Refused(Refusal::Version { board: PROTOCOL_VERSION });
     for _ in 0..100 {
         let bytes = rig.emulated().receive(Time::from_millis(10))?;
         for packet in bytes.into_iter().filter_map(|byte| reader.push::<BoardPacket>(byte)).flatten() {
             if let BoardPacket::Reply { sequence: 7, reply } = packet {
-                check(reply == wanted, || format!("it answers {reply:?}"))?;
+                ensure(reply == wanted, || format!("it replies {reply:?}"))?;
                 return Ok(String::new());
             }
         }
     }
-    Err(Failure::Wrong("no answer within a second".to_owned()))
+    Err(Failure::wrong("no reply within a second"))
 }
 
 /// Pieces of valid packets, flipped bits, cuts, plain noise and damaged symbols.
@@ -76,8 +76,8 @@ fn noise(rig: &Rig) -> Result<String, Failure> {
         rig.emulated().run(Time::from_millis(10))?;
         let after = rig.link()?.info()?;
         let same = after.started_after == before.started_after && after.uptime_ms > before.uptime_ms;
-        check(same, || format!("after {sent} bytes it has started again: {:?}", after.started_after))?;
-        check(after.patch == before.patch && !after.tared, || {
+        ensure(same, || format!("after {sent} bytes it has started again: {:?}", after.started_after))?;
+        ensure(after.patch == before.patch && !after.tared, || {
             format!("after {sent} bytes it holds {after:?}")
         })?;
     }

@@ -1,12 +1,12 @@
 //! Cases of the log, as `dermatome firmware --logs` decodes it.
 
-use super::{Case, Failure, check};
+use super::{Case, Failure, ensure};
 use crate::{
     machine::Machine,
     probe::emulated::{LogReader, READ},
-    rig::{Capability, Rig},
+    rig::{Capability, Rig, VirtualRig},
 };
-use dermatome::board::log::Log;
+use dermatome::link::program::log::Log;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -23,12 +23,11 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 fn says_who_starts(rig: &Rig) -> Result<String, Failure> {
-    let Rig::Virtual { firmware, board, .. } = rig else { unreachable!("the case needs an emulated board") };
-    let wrong = |error: &dyn std::error::Error| Failure::Wrong(error.to_string());
-    let log = Log::new(firmware).map_err(|error| wrong(&error))?;
+    let VirtualRig { firmware, board, .. } = rig.emulated_rig();
+    let log = Log::new(firmware).map_err(Failure::wrong)?;
     let mut reader = LogReader::new(&log, false);
-    let mut lines = || reader.lines(board).map_err(|error| wrong(&error));
-    check(lines()?.is_empty(), || "there is a log before the first instruction".to_owned())?;
+    let mut lines = || reader.lines(board).map_err(Failure::wrong);
+    ensure(lines()?.is_empty(), || "there is a log before the first instruction".to_owned())?;
     let link = rig.link()?;
     let who = format!("{} firmware {}", link.identity().board, link.identity().firmware);
     let first = lines()?;
@@ -40,43 +39,42 @@ fn says_who_starts(rig: &Rig) -> Result<String, Failure> {
 
 /// Some bytes of the ring are overwritten, as by a board that logs faster than it is read.
 fn damage(rig: &Rig) -> Result<String, Failure> {
-    let Rig::Virtual { firmware, board, .. } = rig else { unreachable!("the case needs an emulated board") };
-    let wrong = |error: &dyn std::error::Error| Failure::Wrong(error.to_string());
-    let log = Log::new(firmware).map_err(|error| wrong(&error))?;
+    let VirtualRig { firmware, board, .. } = rig.emulated_rig();
+    let log = Log::new(firmware).map_err(Failure::wrong)?;
     let at = log.control_block() as u32;
     rig.link()?;
-    let whole = LogReader::new(&log, false).lines(board).map_err(|error| wrong(&error))?;
-    check(!whole.is_empty(), || "there is no log to damage".to_owned())?;
+    let whole = LogReader::new(&log, false).lines(board).map_err(Failure::wrong)?;
+    ensure(!whole.is_empty(), || "there is no log to damage".to_owned())?;
     let mut damaged = 0;
     for seed in 0..DAMAGED {
-        let kept = board.with(move |machine| overwrite(machine, at, seed));
-        let lines = LogReader::new(&log, false).lines(board).map_err(|error| wrong(&error))?;
+        let before = board.with(move |machine| overwrite(machine, at, seed));
+        let lines = LogReader::new(&log, false).lines(board).map_err(Failure::wrong)?;
         damaged += usize::from(lines != whole);
-        board.with(move |machine| restore(machine, at, &kept));
+        board.with(move |machine| restore(machine, at, &before));
     }
-    let again = LogReader::new(&log, false).lines(board).map_err(|error| wrong(&error))?;
-    check(again == whole, || format!("{again:?}, not {whole:?}"))?;
-    check(damaged > 0, || "no damage was seen".to_owned())?;
+    let again = LogReader::new(&log, false).lines(board).map_err(Failure::wrong)?;
+    ensure(again == whole, || format!("{again:?}, not {whole:?}"))?;
+    ensure(damaged > 0, || "no damage was seen".to_owned())?;
     Ok(format!("{damaged} of {DAMAGED} read differently"))
 }
 
 /// Overwrites up to eight bytes that wait in the ring; gives what was there.
 fn overwrite(machine: &mut Machine, at: u32, seed: u64) -> Vec<u8> {
     let (ring, length) = waiting(machine, at);
-    let kept = machine.peek(ring, length);
+    let before = machine.peek(ring, length);
     let mut random = Pcg64::seed_from_u64(seed);
     for _ in 0..random.random_range(1..=8) {
         let place = random.random_range(0..length as u32);
         machine.poke(ring + place, &[random.random()]);
     }
     machine.poke(at + READ, &[0; 4]);
-    kept
+    before
 }
 
 /// Puts the ring as it was, nothing of it read.
-fn restore(machine: &mut Machine, at: u32, kept: &[u8]) {
+fn restore(machine: &mut Machine, at: u32, before: &[u8]) {
     let (ring, _) = waiting(machine, at);
-    machine.poke(ring, kept);
+    machine.poke(ring, before);
     machine.poke(at + READ, &[0; 4]);
 }
 
@@ -86,11 +84,11 @@ fn waiting(machine: &Machine, at: u32) -> (u32, usize) {
     (word(28), word(36) as usize)
 }
 
-/// The lines hold these words in this order, one line each; others may come between.
+/// The lines contain these words in this order, one line each; others may come between.
 fn contains(lines: &[String], words: &[&str]) -> Result<(), Failure> {
     let mut rest = lines.iter();
     match words.iter().find(|word| !rest.any(|line| line.contains(**word))) {
         None => Ok(()),
-        Some(missing) => Err(Failure::Wrong(format!("no `{missing}` in {lines:?}"))),
+        Some(missing) => Err(Failure::wrong(format!("no `{missing}` in {lines:?}"))),
     }
 }

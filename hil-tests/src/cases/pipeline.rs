@@ -1,8 +1,8 @@
 //! Cases of the pipeline on the board: images as the host computes them, and how fast.
 
-use super::{Case, Failure, check, patches};
+use super::{Case, Failure, ensure, patches};
 use crate::machine::Machine;
-use crate::rig::{Capability, Rig};
+use crate::rig::{Capability, Rig, VirtualRig};
 use dermatome::link;
 use dermatome_shared::{
     frame::Frame,
@@ -36,8 +36,8 @@ pub(super) const CASES: &[Case] = &[
 
 /// Counts every instruction of `reconstruct`, 812 pixels from 104 measurements.
 fn kernel(rig: &Rig) -> Result<String, Failure> {
-    let Rig::Virtual { firmware, board, .. } = rig else { unreachable!("the case needs an emulated board") };
-    let missing = || Failure::Wrong("the firmware has no function `reconstruct`".to_owned());
+    let VirtualRig { firmware, board, .. } = rig.emulated_rig();
+    let missing = || Failure::wrong("the firmware has no function `reconstruct`");
     let function = firmware.symbol("11reconstruct11reconstruct").ok_or_else(missing)?;
     let mut link = rig.link()?;
     link::upload(&mut link, &patches::patch(812, true, 13), |_| ())?;
@@ -49,8 +49,8 @@ fn kernel(rig: &Rig) -> Result<String, Failure> {
     // Interrupts come in between: the shortest call had none.
     let least = calls.iter().min().copied().unwrap_or(u64::MAX);
     let per_product = least as f64 / (812.0 * 104.0);
-    check(calls.len() >= 10, || format!("only {} calls", calls.len()))?;
-    check(per_product <= 1.0, || format!("{per_product:.3} instructions for each product"))?;
+    ensure(calls.len() >= 10, || format!("only {} calls", calls.len()))?;
+    ensure(per_product <= 1.0, || format!("{per_product:.3} instructions for each product"))?;
     Ok(format!("{per_product:.3} instructions for each product, everything counted"))
 }
 
@@ -64,7 +64,7 @@ fn repeats(rig: &Rig) -> Result<String, Failure> {
         Ok(rig.emulated().with(|machine| machine.chip(|chip| chip.trace.hash())))
     };
     let (first, second) = (session()?, session()?);
-    check(first == second, || format!("{first:016x} and {second:016x}"))?;
+    ensure(first == second, || format!("{first:016x} and {second:016x}"))?;
     Ok(format!("hash {first:016x}"))
 }
 
@@ -74,14 +74,14 @@ fn images(rig: &Rig) -> Result<String, Failure> {
         let patch = patches::patch(pixels, combined, seed);
         compared += compare(rig, &patch, frames)?;
     }
-    check(compared == FRAMES, || format!("{compared} of {FRAMES} images came"))?;
+    ensure(compared == FRAMES, || format!("{compared} of {FRAMES} images came"))?;
     Ok(format!("{compared} images"))
 }
 
 fn compare(rig: &Rig, patch: &[u8], frames: usize) -> Result<usize, Failure> {
     let mut link = rig.link()?;
     link::upload(&mut link, patch, |_| ())?;
-    let view = PatchView::validate(patch).map_err(|error| Failure::Wrong(error.to_string()))?;
+    let view = PatchView::validate(patch).map_err(Failure::wrong)?;
     let mut state = PipelineState::default();
     tare(&mut link, &view, &mut state)?;
     let all = Selection { images: 1, contacts: 1, measurements: 1, ..Selection::default() };
@@ -93,17 +93,17 @@ fn compare(rig: &Rig, patch: &[u8], frames: usize) -> Result<usize, Failure> {
             Some(Event::Measurements { at, codes: measured, .. }) => codes = Some((at, measured)),
             Some(Event::Image { at, image }) => {
                 let (stamp, measured) =
-                    codes.take().ok_or_else(|| Failure::Wrong("an image without its codes".into()))?;
-                check(stamp == at, || "an image of another frame".to_owned())?;
+                    codes.take().ok_or_else(|| Failure::wrong("an image without its codes"))?;
+                ensure(stamp == at, || "an image of another frame".to_owned())?;
                 let frame = frame(stamp, measured);
-                check(pipeline::process(&view, &mut state, &frame) == Outcome::Image, || {
+                ensure(pipeline::process(&view, &mut state, &frame) == Outcome::Image, || {
                     "no image here".to_owned()
                 })?;
-                check(PackedImage::pack(state.image()) == image, || {
+                ensure(PackedImage::pack(state.image()) == image, || {
                     format!("image {} differs", at.sequence)
                 })?;
                 let theirs = contacts.take().filter(|&(contacts_at, _)| contacts_at == at);
-                check(theirs.is_some_and(|(_, contacts)| &contacts == state.contacts()), || {
+                ensure(theirs.is_some_and(|(_, contacts)| &contacts == state.contacts()), || {
                     format!("contacts of frame {} differ", at.sequence)
                 })?;
                 images += 1;
@@ -111,10 +111,10 @@ fn compare(rig: &Rig, patch: &[u8], frames: usize) -> Result<usize, Failure> {
             // They go ahead of the image.
             Some(Event::Contacts { at, contacts: found }) => contacts = Some((at, found)),
             Some(_) => {}
-            None => return Err(Failure::Wrong(format!("nothing comes after {images} images"))),
+            None => return Err(Failure::wrong(format!("nothing comes after {images} images"))),
         }
     }
-    check(link.events_lost() == 0, || format!("{} events are lost", link.events_lost()))?;
+    ensure(link.events_lost() == 0, || format!("{} events are lost", link.events_lost()))?;
     link::stream(&mut link, Selection::default())?;
     Ok(images)
 }
@@ -136,7 +136,7 @@ fn tare(link: &mut link::Link, view: &PatchView<'_>, state: &mut PipelineState) 
                 }
             }
             Some(_) => {}
-            None => return Err(Failure::Wrong("the tare does not end".to_owned())),
+            None => return Err(Failure::wrong("the tare does not end")),
         }
     }
     state.start_tare(TARE_FRAMES);
@@ -145,10 +145,10 @@ fn tare(link: &mut link::Link, view: &PatchView<'_>, state: &mut PipelineState) 
     }
     let reply = link.request(&Request::Reference)?;
     let Reply::Reference { sums, .. } = reply else {
-        return Err(Failure::Wrong("it gives no reference".to_owned()));
+        return Err(Failure::wrong("it gives no reference"));
     };
     let here = state.reference().map(|reference| reference.sums().to_vec());
-    check(here.as_deref() == Some(&sums[..]), || "the references differ".to_owned())
+    ensure(here.as_deref() == Some(&sums[..]), || "the references differ".to_owned())
 }
 
 fn frame(

@@ -4,12 +4,12 @@
 //! the operation is under way, and a board of its own is booted from that copy; the upload goes on
 //! meanwhile, to the next operation.
 
-use super::{Case, Failure, check, patches};
+use super::{Case, Failure, ensure, patches};
 use crate::{
     board::VirtualBoard,
-    chip::{Watcher, flash::Flash},
+    chip::{FlashObserver, flash::Flash},
     machine::Options,
-    rig::{Capability, Rig, START_TIME},
+    rig::{Capability, Rig, START_TIME, VirtualRig},
 };
 use dermatome::link::{self, Link};
 use dermatome_shared::patch::PatchView;
@@ -42,11 +42,11 @@ pub(super) const CASES: &[Case] = &[
 
 fn every_operation(rig: &Rig) -> Result<String, Failure> {
     let patches = [patches::patch(36, true, 21), patches::patch(36, true, 22)];
-    check(patches[1].len() >= 8192, || format!("the patch has only {} bytes", patches[1].len()))?;
+    ensure(patches[1].len() >= 8192, || format!("the patch has only {} bytes", patches[1].len()))?;
     let found = cut_upload(rig, &patches, |_| true)?;
     let operations = last_operation(&patches[1]);
-    check(found.cuts == operations + COMMIT_CUTS, || format!("{} cuts of {operations}", found.cuts))?;
-    check(found.new > 0, || "no cut came after the commit".to_owned())?;
+    ensure(found.cuts == operations + COMMIT_CUTS, || format!("{} cuts of {operations}", found.cuts))?;
+    ensure(found.new > 0, || "no cut came after the commit".to_owned())?;
     Ok(format!("{found} of {} bytes", patches[1].len()))
 }
 
@@ -99,8 +99,7 @@ fn cut_upload(
     patches: &[Vec<u8>; 2],
     chosen: impl Fn(u64) -> bool + Send + 'static,
 ) -> Result<Found, Failure> {
-    let board = rig.emulated();
-    let Rig::Virtual { options, .. } = rig else { unreachable!("the case needs an emulated board") };
+    let VirtualRig { board, options, .. } = rig.emulated_rig();
     link::upload(&mut rig.link()?, &patches[0], |_| ())?;
     let (send, receive) = channel::<Cut>();
     let first = board.with(|machine| machine.chip(|chip| chip.flash.operations()));
@@ -119,10 +118,10 @@ fn cut_upload(
             .map_err(Failure::from)
             .and_then(|mut link| link::upload(&mut link, &patches[1], |_| ()).map_err(Failure::from));
         // Ends the workers once they have emptied the channel.
-        board.with(|machine| machine.chip(|chip| chip.watcher = None));
+        board.with(|machine| machine.chip(|chip| chip.flash_observer = None));
         let mut found = Found::default();
         for worker in workers {
-            let part = worker.join().unwrap_or_else(|_| Err(Failure::Wrong("a board crashed".to_owned())))?;
+            let part = worker.join().unwrap_or_else(|_| Err(Failure::wrong("a board crashed")))?;
             found.cuts += part.cuts;
             found.old += part.old;
             found.new += part.new;
@@ -138,7 +137,7 @@ fn watch(
     chosen: impl Fn(u64) -> bool + Send + 'static,
     send: Sender<Cut>,
 ) {
-    let watcher = Watcher(Box::new(move |flash: &Flash| {
+    let flash_observer = FlashObserver(Box::new(move |flash: &Flash| {
         let operation = flash.operations() - first - 1;
         // The commit record decides: its operation, the last, is cut in many ways.
         let ways = if operation == last { COMMIT_CUTS } else { u64::from(chosen(operation)) };
@@ -147,7 +146,7 @@ fn watch(
             let _ = send.send(Cut { operation, seed, flash: flash.clone() });
         }
     }));
-    board.with(move |machine| machine.chip(|chip| chip.watcher = Some(watcher)));
+    board.with(move |machine| machine.chip(|chip| chip.flash_observer = Some(flash_observer)));
 }
 
 fn boot_all(

@@ -1,6 +1,6 @@
-//! Cases of uploads: what arrives is kept, what does not leaves the old patch.
+//! Cases of uploads: what arrives is stored, what does not leaves the old patch.
 
-use super::{Case, Failure, check, patches};
+use super::{Case, Failure, ensure, patches};
 use crate::rig::{Capability, Rig};
 use dermatome::link;
 use dermatome_shared::{
@@ -37,17 +37,17 @@ fn crc(patch: &[u8]) -> u32 {
     PatchView::validate(patch).map_or(0, |view| view.crc())
 }
 
-fn holds(rig: &Rig, patch: &[u8]) -> Result<(), Failure> {
+fn ensure_patch(rig: &Rig, patch: &[u8]) -> Result<(), Failure> {
     let info = rig.link()?.info()?;
     let found = info.patch.as_ref().map(|patch| patch.crc);
-    check(found == Some(crc(patch)), || format!("it holds {found:x?}, not {:08x}", crc(patch)))
+    ensure(found == Some(crc(patch)), || format!("it holds {found:x?}, not {:08x}", crc(patch)))
 }
 
 fn survives_reset(rig: &Rig) -> Result<String, Failure> {
     let patch = patches::patch(36, true, 1);
     link::upload(&mut rig.link()?, &patch, |_| ())?;
     rig.reset()?;
-    holds(rig, &patch)?;
+    ensure_patch(rig, &patch)?;
     Ok(format!("{} bytes", patch.len()))
 }
 
@@ -55,7 +55,7 @@ fn survives_programming(rig: &Rig) -> Result<String, Failure> {
     let patch = patches::patch(36, true, 7);
     link::upload(&mut rig.link()?, &patch, |_| ())?;
     rig.program()?;
-    holds(rig, &patch)?;
+    ensure_patch(rig, &patch)?;
     Ok(String::new())
 }
 
@@ -63,7 +63,7 @@ fn twice(rig: &Rig) -> Result<String, Failure> {
     let patches = [patches::patch(36, true, 2), patches::patch(49, true, 3)];
     for patch in &patches {
         link::upload(&mut rig.link()?, patch, |_| ())?;
-        holds(rig, patch)?;
+        ensure_patch(rig, patch)?;
     }
     Ok(String::new())
 }
@@ -78,9 +78,9 @@ fn vanishes(rig: &Rig) -> Result<String, Failure> {
         link.request(&Request::UploadChunk { offset: 0, bytes })?;
     }
     rig.wait(Duration::from_secs(2))?;
-    holds(rig, &old)?;
+    ensure_patch(rig, &old)?;
     link::upload(&mut rig.link()?, &new, |_| ())?;
-    holds(rig, &new)?;
+    ensure_patch(rig, &new)?;
     Ok(String::new())
 }
 
@@ -90,7 +90,7 @@ fn full_size(rig: &Rig) -> Result<String, Failure> {
     let start = rig.emulated().with(|machine| machine.now());
     link::upload(&mut link, &patch, |_| ())?;
     let seconds = rig.emulated().with(|machine| machine.now()).since(start).seconds();
-    holds(rig, &patch)?;
-    check(seconds <= 4.5, || format!("{} bytes took {seconds:.2} s", patch.len()))?;
+    ensure_patch(rig, &patch)?;
+    ensure(seconds <= 4.5, || format!("{} bytes took {seconds:.2} s", patch.len()))?;
     Ok(format!("{} bytes in {seconds:.2} s of virtual time", patch.len()))
 }

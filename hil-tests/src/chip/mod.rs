@@ -11,6 +11,7 @@ mod access;
 pub mod adc;
 pub mod bank;
 mod blocks;
+pub mod clocks;
 pub mod core;
 pub mod dac;
 pub mod dma;
@@ -26,6 +27,7 @@ pub mod opamp;
 pub mod peripheral;
 pub mod plain;
 pub mod pwr;
+mod ram;
 pub mod rcc;
 mod schedule;
 mod shown;
@@ -44,6 +46,7 @@ use self::{
     access::Place,
     adc::{Adc, common::AdcCommon},
     blocks::{ADC_COMMONS, ADCS, Block, Blocks, DACS, OPAMPS, TIMERS},
+    clocks::Clocks,
     core::{Core, CoreMoment},
     dac::Dac,
     dma::{Dma, Dmamux},
@@ -58,7 +61,7 @@ use self::{
     peripheral::Moment,
     plain::Plain,
     pwr::Pwr,
-    rcc::{Clocks, Rcc, ResetCause},
+    rcc::{Rcc, ResetCause},
     schedule::Schedule,
     time::Time,
     timer::Timer,
@@ -68,20 +71,10 @@ use self::{
     world::Outside,
 };
 
-pub use self::shown::Watcher;
-
-/// Where the RAM lies: SRAM1, SRAM2 and the second address of CCM SRAM, side by side (2.4).
-pub const RAM_START: u32 = 0x2000_0000;
-/// Bytes of RAM.
-pub const RAM_BYTES: u32 = 128 * 1024;
-
-/// RAM, for whoever copies without the CPU.
-pub trait Memory {
-    /// Reads bytes of RAM.
-    fn read(&self, address: u32, bytes: &mut [u8]);
-    /// Writes bytes of RAM.
-    fn write(&mut self, address: u32, bytes: &[u8]);
-}
+pub use self::{
+    ram::{Memory, RAM_BYTES, RAM_START, Ram},
+    shown::FlashObserver,
+};
 
 /// The chip without its CPU.
 #[derive(Debug)]
@@ -98,8 +91,8 @@ pub struct Chip {
     pub uart: Usart,
     /// What happened.
     pub trace: Trace,
-    /// Looks at the flash whenever it begins to erase or program.
-    pub watcher: Option<Watcher>,
+    /// Is shown the flash whenever it begins to erase or program.
+    pub flash_observer: Option<FlashObserver>,
     rcc: Rcc,
     pwr: Pwr,
     ports: Vec<Gpio>,
@@ -125,7 +118,7 @@ pub struct Chip {
     /// Pins that carry outputs of timers.
     wires: Vec<Wire>,
     shown_operations: u64,
-    /// What was touched since requests, lines, times and outputs were looked at.
+    /// What was touched since requests, lines, times and outputs were brought up to date.
     touched: Blocks,
     schedule: Schedule,
 }
@@ -141,7 +134,7 @@ impl Chip {
             flash: Flash::default(),
             uart: Usart::new("LPUART1", wire_baud),
             trace: Trace::new(keep_trace),
-            watcher: None,
+            flash_observer: None,
             rcc: Rcc::default(),
             pwr: Pwr::default(),
             ports: ('A'..='G').map(Gpio::new).collect(),

@@ -1,6 +1,6 @@
 //! Peripheral: what every block of the chip can be asked.
 
-use super::{bank::Bank, map::Register, misuse::Misuse, rcc::Clocks, time::Time};
+use super::{bank::Bank, clocks::Clocks, map::Register, misuse::Misuse, time::Time};
 
 /// When something happens, and how the clocks run then.
 #[derive(Clone, Copy, Debug)]

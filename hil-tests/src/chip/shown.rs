@@ -1,4 +1,4 @@
-//! Shown: what changed on the chip, told to its trace and to who watches the flash.
+//! Shown: what changed on the chip, told to its trace and to who observes the flash.
 
 use super::{
     Chip,
@@ -7,12 +7,12 @@ use super::{
 };
 use std::fmt;
 
-/// Who looks at the flash.
-pub struct Watcher(pub Box<dyn FnMut(&Flash) + Send>);
+/// Sees the flash as each of its operations begins.
+pub struct FlashObserver(pub Box<dyn FnMut(&Flash) + Send>);
 
-impl fmt::Debug for Watcher {
+impl fmt::Debug for FlashObserver {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("Watcher")
+        formatter.write_str("FlashObserver")
     }
 }
 
@@ -33,8 +33,8 @@ impl Chip {
                 Some(Operation::Program(address, _)) => self.trace.add(self.now, Event::Program(address)),
                 None => {}
             }
-            if let Some(Watcher(look)) = &mut self.watcher {
-                look(&self.flash);
+            if let Some(FlashObserver(observe)) = &mut self.flash_observer {
+                observe(&self.flash);
             }
         }
     }

@@ -11,7 +11,7 @@ pub const BYTES: u32 = 0x1000;
 /// Volts of the supply at which the factory calibrates.
 pub const CALIBRATION_SUPPLY: f64 = 3.0;
 /// Volts of the internal reference (DS12288, VREFINT).
-pub const REFERENCE_VOLTS: f64 = 1.212;
+pub const VREFINT_VOLTS: f64 = 1.212;
 /// Degrees Celsius at which TS_CAL1 and TS_CAL2 are taken.
 pub const CALIBRATION_DEGREES: [f64; 2] = [30.0, 130.0];
 
@@ -38,7 +38,7 @@ pub fn content() -> Vec<u8> {
     // Place on the wafer, wafer, and lot in ASCII.
     put(UNIQUE_ID, b"\x2A\x00\x1F\x00\x07Q12345\x20");
     put(TS_CAL1, &code(sensor_volts(CALIBRATION_DEGREES[0])));
-    put(VREFINT_CAL, &code(REFERENCE_VOLTS));
+    put(VREFINT_CAL, &code(VREFINT_VOLTS));
     put(TS_CAL2, &code(sensor_volts(CALIBRATION_DEGREES[1])));
     put(FLASH_SIZE, &512_u16.to_le_bytes());
     bytes

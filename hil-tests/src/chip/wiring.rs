@@ -3,14 +3,14 @@
 use super::{
     Chip,
     adc::internal::Internal,
-    blocks::{Block, Blocks, DACS, TIMERS},
+    blocks::{Block, Blocks, TIMERS},
+    clocks::HSI,
     dac::Trigger,
     flash::Flash,
     gpio::PinMode,
     map::Map,
     misuse::Misuse,
     peripheral::Peripheral,
-    rcc,
     time::Time,
     world::World,
 };
@@ -32,12 +32,6 @@ impl Chip {
         }
         self.follow_pins();
         self.touched = Blocks::ALL;
-    }
-
-    /// Code that a DAC's channel (0 or 1) puts out; none while it is off.
-    #[must_use]
-    pub fn dac_output(&self, name: &str, channel: usize) -> Option<u16> {
-        DACS.iter().position(|&dac| dac == name).and_then(|place| self.dacs[place].output(channel))
     }
 
     /// Converters measure this world from now on, and it is told what the chip puts out.
@@ -136,7 +130,7 @@ impl Chip {
         self.touched = Blocks::ALL;
     }
 
-    /// Looks again at what pins carry.
+    /// Finds again what pins carry.
     pub(super) fn follow_wires(&mut self) {
         self.uart.wired = ["TX", "RX"].map(|signal| self.pins_with("LPUART1", signal).next().is_some());
         let mut wires = Vec::new();
@@ -184,7 +178,7 @@ impl Chip {
             ));
         }
         let needed = Flash::needed_latency(core);
-        if core > rcc::HSI && self.flash.latency() < needed {
+        if core > HSI && self.flash.latency() < needed {
             let found = self.flash.latency();
             let rule = format!(
                 "the core runs at {core} Hz with {found} wait states, {needed} are needed (FLASH chapter, ACR.LATENCY)"

@@ -8,7 +8,7 @@ use crate::chip::{
 const BFAR: u32 = 0xE000_ED38;
 
 #[test]
-fn a_load_from_where_nothing_answers_leaves_its_address_for_the_fault_handler() {
+fn a_load_from_where_nothing_responds_leaves_its_address_for_the_fault_handler() {
     // Stack and handlers: reset, NMI, hard fault.
     let vectors: [u32; 4] = [0x2002_0000, 0x0800_0011, 0, 0x0800_0015];
     // ldr r0, [pc, #4]; ldr r1, [r0]; then the handler, which runs in circles; and the address.

@@ -1,7 +1,7 @@
 //! What a program without the feature `probe` does with probes: nothing.
 
 use super::ProgrammerError;
-use dermatome::board::{firmware::Firmware, probe::DebugProbe};
+use dermatome::link::program::{firmware::Firmware, probe::DebugProbe};
 
 /// It cannot tell.
 pub(super) fn probes() -> Option<Vec<DebugProbe>> {

@@ -1,7 +1,7 @@
 //! Real probes, through the library that `dermatome firmware` uses.
 
 use super::ProgrammerError;
-use dermatome::board::{
+use dermatome::link::program::{
     firmware::Firmware,
     probe::{
         DebugProbe,

@@ -8,7 +8,7 @@ use crate::{
     },
     machine::Machine,
 };
-use dermatome::board::{
+use dermatome::link::program::{
     firmware::Firmware,
     log::{DamagedLog, Decoder, Log},
 };
@@ -49,7 +49,7 @@ impl<'a> LogReader<'a> {
         Self { log, decoder: log.decoder(in_colour), in_colour, read: None }
     }
 
-    /// What the board has logged since the last look.
+    /// What the board has logged since this was called last.
     pub fn lines(&mut self, board: &VirtualBoard) -> Result<Vec<String>, DamagedLog> {
         let mut lines = Vec::new();
         let at = self.log.control_block() as u32;

@@ -4,7 +4,7 @@
 //! rate, plus and minus the carrier. Those that the converter's sampling folds onto the carrier count.
 
 use super::{
-    modes::{COUPLING, stages},
+    modes::{self, COUPLING},
     multiplexers::selected,
     network::Network,
     parameters::Analogue,
@@ -72,7 +72,7 @@ pub(super) fn demodulated(
         let turned = Complex64::cis(TAU * (frequency - carrier.frequency()) * carrier.first_sample);
         carrier.coefficient(multiple) * response(network, analogue, word, gain, frequency) * turned
     };
-    2.0 * analogue.dac.step * images.map(image).sum::<Complex64>()
+    2.0 * analogue.dac.lsb * images.map(image).sum::<Complex64>()
 }
 
 /// Volts at the converter per volt at the DAC.
@@ -83,6 +83,6 @@ fn response(network: &Network, analogue: &Analogue, word: u16, gain: f64, freque
     let weights = network.sensed();
     let voltages = network.phasors(selected(word), frequency);
     let sensed: Complex64 = voltages.iter().zip(weights.iter()).map(|(v, weight)| v * weight).sum();
-    let poles: Complex64 = stages(analogue, gain).into_iter().map(pole).product();
+    let poles: Complex64 = modes::poles(analogue, gain).into_iter().map(pole).product();
     current * sensed * analogue.amplifier.gain * gain * poles
 }

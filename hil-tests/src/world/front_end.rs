@@ -2,20 +2,20 @@
 //!
 //! Between changes the whole chain only decays (see [`super::modes`]). A change of switches, gain or skin
 //! takes it to another chain with the same node voltages; a switch also pushes its charge into the nodes
-//! at its sides. Where the source can reach its limit, time passes in small steps, each of which looks
+//! at its sides. Where the source can reach its limit, time passes in small steps, each of which checks
 //! whether it has.
 
 use super::{
     fault::{Fault, stuck},
+    handle::{Conditions, WorldHandle},
     modes::{Chain, LIMIT, MODES, Modes, PARTS, Parts},
     multiplexers::{Closed, Multiplexers},
     network::{MINUS, NODES, Network, PLUS, SOURCE},
     noise::Noise,
     parameters::Analogue,
-    scene::{Conditions, Scene},
 };
 use crate::chip::{
-    system_memory::{REFERENCE_VOLTS, sensor_volts},
+    system_memory::{VREFINT_VOLTS, sensor_volts},
     time::Time,
     world::{OpampSetting, World},
 };
@@ -26,13 +26,13 @@ use std::{collections::HashMap, sync::Arc};
 const SMALL_STEP: Time = Time::from_nanos(59);
 /// What was left alone for so many steps changes little in one.
 const CALM: u64 = 17;
-/// Drift and scripts are looked at this often.
-const LOOK: Time = Time::from_millis(1);
+/// Drift and scripts go on this often.
+const PASS_PERIOD: Time = Time::from_millis(1);
 
 /// The analogue world of an emulated board.
 #[derive(Debug)]
 pub struct AnalogueWorld {
-    scene: Scene,
+    handle: WorldHandle,
     analogue: Analogue,
     seen: u64,
     conditions: Conditions,
@@ -43,7 +43,7 @@ pub struct AnalogueWorld {
     now: Time,
     /// When something happened last that voltages follow.
     changed: Time,
-    next_look: Time,
+    next_pass: Time,
     /// Voltage of the DAC's pin.
     dac: f64,
     multiplexers: Multiplexers,
@@ -63,22 +63,22 @@ struct Chains {
 }
 
 impl AnalogueWorld {
-    /// A world in this scene, at rest.
+    /// The world that this handle changes, at rest.
     #[must_use]
-    pub fn new(scene: Scene) -> Self {
-        let setup = scene.setup().clone();
-        let network = scene.network();
+    pub fn new(handle: WorldHandle) -> Self {
+        let setup = handle.setup().clone();
+        let network = handle.network();
         let mut world = Self {
-            seen: scene.version(),
-            conditions: scene.conditions(),
-            scene,
+            seen: handle.version(),
+            conditions: handle.conditions(),
+            handle,
             network,
             chains: Chains::default(),
             current: 0,
             parts: [0.0; PARTS],
             now: Time::ZERO,
             changed: Time::ZERO,
-            next_look: Time::ZERO,
+            next_pass: Time::ZERO,
             dac: 0.0,
             multiplexers: Multiplexers::new(&setup.analogue.multiplexer),
             closed: [None; 4],
@@ -100,11 +100,11 @@ impl AnalogueWorld {
 
     /// Lets time pass up to `at`, with what happens on the way.
     fn advance(&mut self, at: Time) {
-        if at >= self.next_look {
-            self.scene.pass(at);
-            self.next_look = at + LOOK;
+        if at >= self.next_pass {
+            self.handle.pass(at);
+            self.next_pass = at + PASS_PERIOD;
         }
-        if self.scene.version() != self.seen {
+        if self.handle.version() != self.seen {
             self.renew();
         }
         while self.multiplexers.next_change() <= at {
@@ -158,19 +158,19 @@ impl AnalogueWorld {
         let source = &self.analogue.source;
         let limit = (source.full_current() / (source.open_voltage - source.compliance), source.compliance);
         let modes = Modes::new(&self.network, self.closed, self.limited.then_some(limit));
-        let may_clamp = self.limited || self.network.may_clamp(self.closed, self.scene.frequency());
+        let may_clamp = self.limited || self.network.may_clamp(self.closed, self.handle.frequency());
         self.chains.chains.push(Chain::new(modes, &self.analogue, self.gain, may_clamp));
         let place = self.chains.chains.len() - 1;
         self.chains.places.insert(key, place);
         place
     }
 
-    /// The scene has changed.
+    /// Something was changed through the handle.
     fn renew(&mut self) {
         self.enter(|world, _| {
-            world.seen = world.scene.version();
-            world.conditions = world.scene.conditions();
-            world.network = world.scene.network();
+            world.seen = world.handle.version();
+            world.conditions = world.handle.conditions();
+            world.network = world.handle.network();
             world.chains = Chains::default();
         });
         self.follow();
@@ -220,9 +220,9 @@ impl AnalogueWorld {
         let OpampSetting::Amplifier { input: 0, gain } = self.opamp else { return 0.0 };
         let chain = &self.chains.chains[self.current];
         // The clamp before the chip's pin keeps the filter's output between ground and supply.
-        let reach = gain * supply / 2.0;
+        let swing = gain * supply / 2.0;
         let pga = self.analogue.pga;
-        let signal = chain.output(&self.parts).clamp(-reach, reach) + gain * pga.offset;
+        let signal = chain.output(&self.parts).clamp(-swing, swing) + gain * pga.offset;
         let (amplifiers, converter) = self.noise.sample(at);
         let times = self.conditions.noise;
         let output = (supply / 2.0 + signal + times * amplifiers).clamp(pga.headroom, supply - pga.headroom);
@@ -254,18 +254,18 @@ impl World for AnalogueWorld {
     /// A DAC that is off leaves its pin to the capacitor behind it.
     fn dac(&mut self, dac: usize, channel: usize, code: Option<u16>, at: Time) {
         let (1, 0, Some(code)) = (dac, channel, code) else { return };
-        self.scene.record(code, at);
+        self.handle.record(code, at);
         self.advance(at);
         if !self.is_broken(Fault::DacDead) {
             let [lowest, highest] = self.analogue.dac.range;
-            self.drive((f64::from(code) * self.analogue.dac.step).clamp(lowest, highest));
+            self.drive((f64::from(code) * self.analogue.dac.lsb).clamp(lowest, highest));
         }
     }
 
     fn pins(&mut self, port: char, levels: u16, at: Time) {
         self.advance(at);
         if self.multiplexers.pins(port, levels) {
-            self.scene.record_enable(self.multiplexers.is_enabled());
+            self.handle.record_enable(self.multiplexers.is_enabled());
             self.follow();
         }
     }
@@ -289,7 +289,7 @@ impl World for AnalogueWorld {
         match (adc, channel) {
             (2, 16) => self.amplified(at),
             (1, 16) => sensor_volts(self.conditions.temperature),
-            (1, 18) => REFERENCE_VOLTS,
+            (1, 18) => VREFINT_VOLTS,
             _ => 0.0,
         }
     }

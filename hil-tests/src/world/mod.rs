@@ -7,25 +7,25 @@
 //! [`parameters`] says what the parts are like, from a rig's file. [`skin`] solves the true skin, on a mesh
 //! that no image is made with, and reduces it to what 16 leads see; [`network`] joins it with leads and
 //! switches; [`modes`] takes that apart into exponentials, exactly; [`front_end`] steps them from event to
-//! event. A [`scene`] is the handle for cases: presses, drift, noise, temperature, [`fault`]s, and what
+//! event. The [`handle`] is for cases: presses, drift, noise, temperature, [`fault`]s, and what
 //! is true. [`expected`] computes the demodulated voltage another way, by frequencies.
 
 pub mod expected;
 pub mod fault;
 pub mod front_end;
+pub mod handle;
 pub mod modes;
 pub mod multiplexers;
 pub mod network;
 mod noise;
 pub mod parameters;
-pub mod scene;
 pub mod skin;
 
 pub use expected::Carrier;
 pub use fault::Fault;
 pub use front_end::AnalogueWorld;
+pub use handle::{Setup, WorldError, WorldHandle};
 pub use parameters::Analogue;
-pub use scene::{Scene, Setup, WorldError};
 
 #[cfg(test)]
 mod tests;

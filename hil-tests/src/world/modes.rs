@@ -8,7 +8,7 @@
 //!
 //! is a sum of exponentials. The network's own come from the eigenvectors of C^-1 G: v = M x with
 //! M'CM = 1 and M'GM = diag(rates). A cascade of poles driven by exponentials is again one of
-//! exponentials: a stage with pole p answers e^(-rt) with p/(p - r) e^(-rt), and adds its own e^(-pt). So
+//! exponentials: a pole p responds to e^(-rt) with p/(p - r) e^(-rt), and adds its own e^(-pt). So
 //! the physical values are w = T z, where every part `z[k]` decays at `rates[k]` alone, and T is lower
 //! triangular with ones on its diagonal. A step of any length is one product for each part, and exact.
 
@@ -118,7 +118,7 @@ impl Chain {
         };
         chain.fill_drive();
         chain.fill_modes();
-        chain.fill_stages(analogue, gain);
+        chain.fill_poles(analogue, gain);
         chain.source = chain.combination(MODES, |mode| chain.modes.voltages[(SOURCE, mode)]);
         let mut drive = [0.0; PARTS];
         drive[DRIVE] = 1.0;
@@ -143,12 +143,6 @@ impl Chain {
     #[must_use]
     pub fn output(&self, parts: &Parts) -> f64 {
         dot(&self.physical[OUTPUT], parts)
-    }
-
-    /// Output of the instrumentation amplifier behind its filter, against half the supply, V.
-    #[must_use]
-    pub fn filtered(&self, parts: &Parts) -> f64 {
-        dot(&self.physical[AMPLIFIER + 1], parts)
     }
 
     /// Voltage at the output of the current source.
@@ -208,27 +202,27 @@ impl Chain {
     fn fill_modes(&mut self) {
         let (siemens, volts) = self.modes.limit.unwrap_or_default();
         for mode in 0..NODES {
-            let (rate, reach) = (self.rates[MODES + mode], self.modes.voltages[(SOURCE, mode)]);
+            let (rate, at_source) = (self.rates[MODES + mode], self.modes.voltages[(SOURCE, mode)]);
             let current = self.physical[CURRENT];
             let row = &mut self.physical[MODES + mode];
-            row[LIMIT] = reach * siemens * volts / rate.max(f64::MIN_POSITIVE);
+            row[LIMIT] = at_source * siemens * volts / rate.max(f64::MIN_POSITIVE);
             for part in [DRIVE, CURRENT] {
-                row[part] = reach * current[part] / apart(rate, self.rates[part]);
+                row[part] = at_source * current[part] / apart(rate, self.rates[part]);
             }
             row[MODES + mode] = 1.0;
         }
     }
 
-    fn fill_stages(&mut self, analogue: &Analogue, gain: f64) {
+    fn fill_poles(&mut self, analogue: &Analogue, gain: f64) {
         let mut input = self.combination(MODES, |mode| self.modes.sensed[mode]);
         for (place, gain) in [analogue.amplifier.gain, 1.0, gain].into_iter().enumerate() {
-            let stage = AMPLIFIER + place;
-            let pole = self.rates[stage];
-            for (part, value) in input.iter_mut().enumerate().take(stage) {
-                *value *= gain * pole / apart(pole, self.rates[part]);
+            let part = AMPLIFIER + place;
+            let pole = self.rates[part];
+            for (earlier, value) in input.iter_mut().enumerate().take(part) {
+                *value *= gain * pole / apart(pole, self.rates[earlier]);
             }
-            input[stage] = 1.0;
-            self.physical[stage] = input;
+            input[part] = 1.0;
+            self.physical[part] = input;
         }
     }
 
@@ -248,7 +242,7 @@ fn rates(modes: &Modes, analogue: &Analogue, gain: f64) -> Parts {
     rates[DRIVE] = TAU * COUPLING;
     rates[CURRENT] = TAU * analogue.source.bandwidth;
     rates[MODES..AMPLIFIER].copy_from_slice(&modes.rates);
-    for (place, pole) in stages(analogue, gain).into_iter().enumerate() {
+    for (place, pole) in poles(analogue, gain).into_iter().enumerate() {
         rates[AMPLIFIER + place] = TAU * pole;
     }
     rates
@@ -256,7 +250,7 @@ fn rates(modes: &Modes, analogue: &Analogue, gain: f64) -> Parts {
 
 /// Poles of amplifier, filter and PGA, Hz.
 #[must_use]
-pub fn stages(analogue: &Analogue, gain: f64) -> [f64; 3] {
+pub fn poles(analogue: &Analogue, gain: f64) -> [f64; 3] {
     [analogue.amplifier.bandwidth, analogue.amplifier.filter, analogue.pga.gain_bandwidth / gain]
 }
 

@@ -1,6 +1,6 @@
 //! Noise of the amplifiers and of the converter, seeded.
 
-use super::{modes::stages, parameters::Analogue};
+use super::{modes, parameters::Analogue};
 use crate::chip::time::Time;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -40,7 +40,7 @@ impl Noise {
     }
 
     pub(super) fn set_gain(&mut self, analogue: &Analogue, gain: f64) {
-        let poles = stages(analogue, gain);
+        let poles = modes::poles(analogue, gain);
         let density = (analogue.amplifier.gain * analogue.amplifier.noise).hypot(analogue.pga.noise);
         self.amplifiers = gain * density * bandwidth(poles).sqrt();
         self.rate = TAU * poles.into_iter().fold(f64::INFINITY, f64::min);

@@ -17,7 +17,7 @@ const CHARGE: Kind = Kind::new(&[("C", 1.0), ("nC", 1e-9), ("pC", 1e-12)]);
 const DURATION: Kind = Kind::new(&[("s", 1.0), ("us", 1e-6), ("ns", 1e-9)]);
 const DECIBELS: Kind = Kind::new(&[("dB", 1.0)]);
 const NOISE_DENSITY: Kind = Kind::new(&[("V/sqrt(Hz)", 1.0), ("uV/sqrt(Hz)", 1e-6), ("nV/sqrt(Hz)", 1e-9)]);
-const STEPS: Kind = Kind::new(&[("LSB", 1.0)]);
+const LSB: Kind = Kind::new(&[("LSB", 1.0)]);
 
 /// Why a file describes no analogue front end.
 #[derive(Debug, thiserror::Error)]
@@ -45,9 +45,9 @@ pub enum ParameterError {
         path: PathBuf,
         /// Table and field.
         field: &'static str,
-        /// What it holds.
+        /// Its value.
         value: String,
-        /// What it may hold.
+        /// Values that are allowed.
         allowed: String,
     },
 }
@@ -74,8 +74,8 @@ pub struct Analogue {
 /// The chip's DAC with its output buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dac {
-    /// Volts of one code.
-    pub step: f64,
+    /// LSB, V.
+    pub lsb: f64,
     /// Lowest and highest voltage of its buffer, V.
     pub range: [f64; 2],
 }
@@ -306,7 +306,7 @@ impl Checker<'_> {
         let full = self.read("dac.full_scale", &table.full_scale, VOLTAGE, 1.62..=3.6)?;
         let lowest = self.read("dac.lowest", &table.lowest, VOLTAGE, 0.0..=full)?;
         let highest = self.read("dac.highest", &table.highest, VOLTAGE, lowest..=full)?;
-        Ok(Dac { step: full / self.codes("dac.bits", table.bits)?, range: [lowest, highest] })
+        Ok(Dac { lsb: full / self.codes("dac.bits", table.bits)?, range: [lowest, highest] })
     }
 
     fn source(&self, table: &SourceTable) -> Result<Source, ParameterError> {
@@ -397,11 +397,11 @@ impl Checker<'_> {
 
     fn adc(&self, table: &AdcTable) -> Result<Adc, ParameterError> {
         let full_scale = self.read("adc.full_scale", &table.full_scale, VOLTAGE, 1.62..=3.6)?;
-        let step = full_scale / self.codes("adc.bits", table.bits)?;
+        let lsb = full_scale / self.codes("adc.bits", table.bits)?;
         Ok(Adc {
             full_scale,
-            noise: self.read("adc.noise", &table.noise, STEPS, 0.0..=100.0)? * step,
-            offset: self.read("adc.offset", &table.offset, STEPS, -100.0..=100.0)? * step,
+            noise: self.read("adc.noise", &table.noise, LSB, 0.0..=100.0)? * lsb,
+            offset: self.read("adc.offset", &table.offset, LSB, -100.0..=100.0)? * lsb,
         })
     }
 

@@ -4,8 +4,9 @@
 use super::multiplexers::Closed;
 use dermatome::{
     model::ModelError,
+    sheet::ElectrodeModel,
     simulate::{Press, TrueSkin},
-    skin::{Skin, electrodes::ElectrodeModel},
+    skin::Skin,
 };
 use nalgebra::DMatrix;
 use num_complex::Complex64;

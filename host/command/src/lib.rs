@@ -4,4 +4,4 @@
 mod commands;
 mod demo;
 
-pub use commands::main;
+pub use commands::{command, main};

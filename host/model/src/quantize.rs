@@ -157,7 +157,7 @@ fn header(skin: &Skin, model: &Model, tables: &SurfaceTables) -> PatchHeader {
         drift_time: skin.drift_time as f32,
         calibration: Calibration::default(),
         test_resistances: test_resistances(skin, model).map(|ohms| ohms as f32).collect(),
-        plays: 0,
+        play_operators: 0,
     }
 }
 

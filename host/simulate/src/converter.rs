@@ -1,6 +1,5 @@
 //! Converter: volts -> codes, and -> the samples behind them, as a board's front end makes them.
 
-use crate::board::SlotSamples;
 use dermatome_shared::{
     acquire::{FINENESS, FrontEnd, PEAK_GOAL},
     demodulate::MIDDLE,
@@ -13,8 +12,8 @@ use std::f64::consts::TAU;
 
 /// Codes from zero to the end of the range at gain 1: half a 12-bit converter.
 const FULL: f64 = 2048.0 * FINENESS as f64;
-/// The lock-in tells so many steps from zero to the end of the range: 12 bits summed over 16 samples.
-const LOCK_IN_STEPS: f64 = 32_768.0;
+/// The lock-in tells so many LSB from zero to the end of the range: 12 bits summed over 16 samples.
+const LOCK_IN_LSB: f64 = 32_768.0;
 /// The largest untouched voltage fills this share of the range.
 const FILL: f64 = 0.8;
 /// Samples a second of the reference board.
@@ -76,28 +75,29 @@ impl Converter {
     }
 
     pub(super) fn read(&self, volts: Complex64) -> Reading {
-        let step = FULL / self.gain / LOCK_IN_STEPS;
-        let limit = LOCK_IN_STEPS - 1.0;
+        let lsb = FULL / self.gain / LOCK_IN_LSB;
+        let limit = LOCK_IN_LSB - 1.0;
         let code = |volts: f64| {
-            let steps = (volts / self.volts_per_code / step).round().clamp(-limit, limit);
-            AdcCode((steps * step).round() as i32)
+            let count = (volts / self.volts_per_code / lsb).round().clamp(-limit, limit);
+            AdcCode((count * lsb).round() as i32)
         };
-        let is_clipped = volts.norm() / self.volts_per_code / step > limit;
+        let is_clipped = volts.norm() / self.volts_per_code / lsb > limit;
         Reading { real: code(volts.re), imaginary: code(volts.im), is_clipped }
     }
 
-    /// Samples of a slot that holds the second voltage and follows one with the first.
+    /// Gain and samples, codes of the 12-bit converter, of a slot that holds the second voltage and follows one with the
+    /// first.
     pub(super) fn samples(
         &self,
         [before, now]: [Complex64; 2],
         timing: Timing,
         gain: Gain,
         noise: &mut impl FnMut() -> f64,
-    ) -> SlotSamples {
-        let steps_per_volt = f64::from(MIDDLE) / FULL / self.volts_per_code;
+    ) -> (u8, Vec<u16>) {
+        let lsb_per_volt = f64::from(MIDDLE) / FULL / self.volts_per_code;
         let gain = match gain {
             Gain::Fixed(gain) => gain,
-            Gain::Automatic => largest_gain(now.norm() * steps_per_volt),
+            Gain::Automatic => largest_gain(now.norm() * lsb_per_volt),
         };
         let samples_per_settling = SETTLING_TIME * self.sample_rate;
         let sample = |n: usize| {
@@ -105,10 +105,10 @@ impl Converter {
             // The lock-in's first sample, behind the settling ones, lies on a crest of the current.
             let turns = (n as f64 - f64::from(timing.settling)) / f64::from(timing.period);
             let voltage = (now + (before - now) * left) * Complex64::from_polar(1.0, TAU * turns);
-            let steps = (voltage.re + noise()) * steps_per_volt * f64::from(gain);
-            (f64::from(MIDDLE) + steps).round().clamp(0.0, 4095.0) as u16
+            let lsb = (voltage.re + noise()) * lsb_per_volt * f64::from(gain);
+            (f64::from(MIDDLE) + lsb).round().clamp(0.0, 4095.0) as u16
         };
-        SlotSamples { gain, samples: (0..timing.slot_samples()).map(sample).collect() }
+        (gain, (0..timing.slot_samples()).map(sample).collect())
     }
 }
 
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn codes_are_the_same_at_every_gain_to_a_step_of_the_lock_in() {
+    fn codes_are_the_same_at_every_gain_to_an_lsb_of_the_lock_in() {
         for (amplitude, full) in [(1e-3, 0.8 * FULL), (0.5e-3, 0.4 * FULL)] {
             for gain in [Gain::Automatic, Gain::Fixed(1)] {
                 let reading = code(amplitude, gain, 1.0);

@@ -7,16 +7,20 @@
 
 pub mod board;
 mod converter;
+pub mod instrument;
 pub mod material;
-mod path_file;
+pub mod noise;
 pub mod port;
+pub mod rig;
 pub mod script;
 pub mod sheet;
 pub mod skin;
 pub mod truth;
 
 pub use dermatome_model::indenter::{self, Footprint, Load, Press};
+pub use noise::Noise;
+pub use rig::Rig;
 pub use script::{Script, ScriptError};
 pub use sheet::Sheet;
-pub use skin::{Noise, SimulatedSkin};
+pub use skin::SimulatedSkin;
 pub use truth::TrueSkin;

@@ -1,7 +1,9 @@
 //! Sheet: a pressed skin's material, each place of it with its own history.
 
-use super::truth::LEAST;
-use crate::material::{Material, Transducer};
+use crate::{
+    material::{Material, Transducer},
+    truth::LEAST,
+};
 use std::collections::BTreeMap;
 
 /// The material of a whole skin.

@@ -4,16 +4,21 @@
 //! 1, whose range leaves room for the largest voltage at full current. Each scan has one gain, and
 //! the lock-in's 16 bits at that gain; tests of electrodes have gain 1.
 
-use super::{Press, Script, Sheet, TrueSkin, converter::Converter, truth::LEAST};
 use crate::{
-    board::{Scan, ScanTable, SlotSamples},
+    converter::Converter,
+    instrument::{Instrument, ScanTable},
     material::Material,
+    noise::{self, Noise},
+    script::Script,
+    sheet::Sheet,
+    truth::{LEAST, TrueSkin},
 };
-use dermatome_model::{model::ModelError, skin::Skin};
+use dermatome_model::{indenter::Press, model::ModelError, skin::Skin};
 use dermatome_shared::{
     acquire::FrontEnd,
     drive::Drive,
-    frame::{ElectrodeTest, FrameFlags},
+    frame::{ElectrodeTest, Frame, FrameFlags},
+    protocol::{MAX_SCOPE_SAMPLES, SlotSamples},
     scan::{Timing, test_step},
     stimulation::Step,
 };
@@ -21,16 +26,6 @@ use num_complex::Complex64;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64Mcg;
-
-/// Measurement noise: white, Gaussian, the same on every step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Noise {
-    /// Signal-to-noise ratio, dB: root mean square of the untouched voltages over all steps,
-    /// against the noise's standard deviation, under the drive of the skin file.
-    pub snr_db: f64,
-    /// Seed of the random numbers.
-    pub seed: u64,
-}
 
 /// A skin being pressed by a script.
 #[derive(Debug)]
@@ -106,72 +101,41 @@ impl SimulatedSkin {
         self.truth.mesh().elements.len()
     }
 
-    /// What the simulated front end does to a voltage.
-    #[must_use]
-    pub fn front_end(&self) -> FrontEnd {
-        self.front_end
-    }
-
-    /// One scan, `script_time` seconds into the script, or of the untouched skin.
-    pub fn measure(&mut self, table: &ScanTable, script_time: Option<f64>) -> Scan {
-        let phasors = self.phasors_at(table, script_time);
-        self.read(table, &phasors)
-    }
-
     /// What a scan sees of a sheet of this relative conductivity, `[element]` of [`Self::truth`]: phasors at
     /// unit current and conductivity, `[slot]`.
     #[must_use]
     pub fn solve(&self, table: &ScanTable, conductivity: &[f64]) -> Vec<Complex64> {
-        let slots: Vec<Step> = table.steps.iter().chain(&table.tests).copied().collect();
-        self.truth.phasors(conductivity, &slots, table.drive.frequency.into())
+        self.truth.phasors(conductivity, &table.slots(), table.drive.frequency.into())
     }
 
-    /// One scan of these phasors, with noise and converter.
-    pub fn read(&mut self, table: &ScanTable, phasors: &[Complex64]) -> Scan {
+    /// One scan of these phasors, with noise and converter; without number and time.
+    pub fn read(&mut self, table: &ScanTable, phasors: &[Complex64]) -> Frame {
         let untouched = self.untouched_under(table);
         let volts = self.volts(table, phasors);
         let normal =
             Normal::new(0.0, untouched.noise).expect("a standard deviation is finite and not negative");
         let [of_images, of_others] = &mut self.random;
-        let mut scan = Scan::default();
+        let mut frame = Frame::default();
         let (steps, tests) = volts.split_at(table.steps.len());
         for &voltage in steps {
             let noise = Complex64::new(normal.sample(of_images), normal.sample(of_others));
             let reading = untouched.converter.read(voltage + noise);
-            scan.codes.push(reading.part(table.drive.component));
-            scan.quadrature.push(reading.imaginary);
-            scan.flags.insert_if(FrameFlags::SATURATED, reading.is_clipped);
+            // A frame holds a code for each step that a patch may have.
+            let _ = frame.codes.push(reading.part(table.drive.component));
+            let _ = frame.quadrature.push(reading.imaginary);
+            frame.flags.insert_if(FrameFlags::SATURATED, reading.is_clipped);
         }
         let at_gain_one = untouched.converter.with_gain(1.0);
         for &voltage in tests {
             let noise = Complex64::new(normal.sample(of_others), normal.sample(of_others));
             let reading = at_gain_one.read(voltage + noise);
-            scan.tests.push(ElectrodeTest {
+            let _ = frame.tests.push(ElectrodeTest {
                 in_phase: reading.real,
                 quadrature: reading.imaginary,
                 is_clipped: reading.is_clipped,
             });
         }
-        scan
-    }
-
-    /// What the converter sees during one slot.
-    pub fn show(
-        &mut self,
-        table: &ScanTable,
-        slot: usize,
-        timing: Timing,
-        script_time: Option<f64>,
-    ) -> Option<SlotSamples> {
-        let phasors = self.phasors_at(table, script_time);
-        let untouched = self.untouched_under(table);
-        let volts = self.volts(table, &phasors);
-        let before = volts[(slot + volts.len().checked_sub(1)?) % volts.len()];
-        // The lock-in averages the noise of its samples.
-        let noise = untouched.noise * (f64::from(timing.integration) / 2.0).sqrt();
-        let normal = Normal::new(0.0, noise).ok()?;
-        let mut noise = || normal.sample(&mut self.random[1]);
-        Some(untouched.converter.samples([before, *volts.get(slot)?], timing, table.drive.gain, &mut noise))
+        frame
     }
 
     /// In-phase voltages under these presses: `[step]`, at unit current and conductivity.
@@ -229,16 +193,49 @@ impl SimulatedSkin {
         }
         let phasors = self.solve(table, &self.truth.conductivity(&[]));
         let steps = &phasors[..table.steps.len()];
-        let mean_square = steps.iter().map(|v| v.re * v.re).sum::<f64>() / steps.len() as f64;
         let ohms = |relative: f64| relative / self.sheet_conductivity;
         let integration = f64::from(self.drive.integration) / f64::from(table.drive.integration);
-        let noise = ohms(mean_square.sqrt())
+        let noise = ohms(noise::root_mean_square(steps.iter().map(|voltage| voltage.re)))
             * f64::from(self.drive.amplitude)
-            * 10_f64.powf(-self.noise.snr_db / 20.0)
+            * noise::share(self.noise.snr_db)
             * integration.sqrt();
         let largest_volts = ohms(largest(steps)) * f64::from(table.drive.amplitude);
         let converter = Converter::new(&self.front_end, table.drive.gain, largest_volts);
         self.untouched.insert(Untouched { table: table.clone(), phasors, converter, noise }).clone()
+    }
+}
+
+impl Instrument for SimulatedSkin {
+    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Frame {
+        let phasors = self.phasors_at(table, script_time);
+        self.read(table, &phasors)
+    }
+
+    fn front_end(&self) -> Option<FrontEnd> {
+        Some(self.front_end)
+    }
+
+    /// What the converter sees during one slot.
+    fn samples(
+        &mut self,
+        table: &ScanTable,
+        slot: u16,
+        timing: Timing,
+        script_time: Option<f64>,
+    ) -> Option<SlotSamples> {
+        let phasors = self.phasors_at(table, script_time);
+        let untouched = self.untouched_under(table);
+        let volts = self.volts(table, &phasors);
+        let now = *volts.get(usize::from(slot))?;
+        let before = volts[(usize::from(slot) + volts.len() - 1) % volts.len()];
+        // The lock-in averages the noise of its samples.
+        let noise = untouched.noise * (f64::from(timing.integration) / 2.0).sqrt();
+        let normal = Normal::new(0.0, noise).ok()?;
+        let mut noise = || normal.sample(&mut self.random[1]);
+        let (gain, samples) =
+            untouched.converter.samples([before, now], timing, table.drive.gain, &mut noise);
+        let samples = samples.into_iter().take(MAX_SCOPE_SAMPLES).collect();
+        Some(SlotSamples { slot, gain, settling: timing.settling, samples })
     }
 }
 

@@ -1,9 +1,9 @@
 //! The true skin: solved on a mesh of its own, never on the one its images are reconstructed with.
 
-use super::Press;
 use dermatome_geometry::mesh::{Lattice, Mesh, refine, triangle};
 use dermatome_model::{
     forward::{Admittivity, Fields, ForwardModel, electrode_unknown},
+    indenter::Press,
     model::{ModelError, forward_model, mesh},
     pixels::samples,
     skin::{Shape, Skin},

@@ -3,11 +3,15 @@
 
 use dermatome::{
     link::{Link, LinkError, Port},
-    simulate::board::{BoardOptions, FrameSource, Pace, Scan, ScanTable, SimulatedBoard},
+    simulate::{
+        board::{BoardOptions, Pace, SimulatedBoard},
+        instrument::{Instrument, ScanTable},
+    },
 };
 use dermatome_shared::{
     calibration::Calibration,
     drive::Drive,
+    frame::Frame,
     image::{Geometry, PixelGrid},
     patch::{CombinedInto, Difference, PatchContents, PatchHeader},
     protocol::{
@@ -61,14 +65,14 @@ pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32
         drift_time: 0.0,
         calibration: Calibration::default(),
         test_resistances: Default::default(),
-        plays: 0,
+        play_operators: 0,
     };
     let mut matrix = vec![0; pixels * steps.len()];
     for pixel in 0..pixels {
         matrix[pixel * steps.len() + pixel] = 1 << 14;
     }
     let contents = PatchContents {
-        plays: &[],
+        play_operators: &[],
         header: &header,
         steps: &steps,
         combination: &combination,
@@ -101,13 +105,13 @@ impl Pressed {
     }
 }
 
-impl FrameSource for Pressed {
-    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Scan {
+impl Instrument for Pressed {
+    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Frame {
         self.log.lock().unwrap().push(script_time);
         let mut noisy = || AdcCode(UNTOUCHED + self.random.random_range(-100..=100));
-        let mut codes: Vec<_> = table.steps.iter().map(|_| noisy()).collect();
-        codes[1].0 += (f64::from(UNTOUCHED) * 0.1 * script_time.unwrap_or(0.0)) as i32;
-        Scan { codes, ..Scan::default() }
+        let mut frame = Frame { codes: table.steps.iter().map(|_| noisy()).collect(), ..Frame::default() };
+        frame.codes[1].0 += (f64::from(UNTOUCHED) * 0.1 * script_time.unwrap_or(0.0)) as i32;
+        frame
     }
 }
 

@@ -1,13 +1,14 @@
-//! Any sequence of requests with frames in between: the board never panics, answers each request
+//! Any sequence of requests with frames in between: the board never panics, replies to each request
 //! once and with its number, numbers its events without gaps, and holds only patches that are valid.
 #![no_main]
 
 use arbitrary::Arbitrary;
 use dermatome_shared::{
-    device::{BoardFacts, Device, PatchStore, StoreError},
+    device::{Arrival, BoardFacts, Device, PatchStore, StoreError},
     patch::PatchView,
     protocol::{
-        BoardPacket, FrameSource, Identity, MAX_CHUNK_BYTES, Reply, Request, RequestPacket, Selection, Version,
+        BoardPacket, FrameSource, Identity, MAX_CHUNK_BYTES, Reply, Request, RequestPacket, Selection,
+        Version,
     },
     restart::Restart,
 };
@@ -39,7 +40,12 @@ enum Deed {
     ShortTare {
         frames: u8,
     },
-    Stream { images: u16, contacts: u16, measurements: u16, health: u16 },
+    Stream {
+        images: u16,
+        contacts: u16,
+        measurements: u16,
+        health: u16,
+    },
     /// A whole patch, damaged by these edits, checksum right.
     Upload {
         edits: Vec<u8>,
@@ -94,27 +100,26 @@ impl PatchStore for Memory {
     }
 }
 
-struct Bench {
+struct Rig {
     device: Device<Memory>,
     requests: u16,
-    frames: u32,
     events: u32,
 }
 
-impl Bench {
+impl Rig {
     fn new(electrodes: u8, stored: Option<Vec<u8>>, writes_left: u16) -> Self {
         let identity = Identity { board: "fuzz".try_into().unwrap(), firmware: "0".try_into().unwrap() };
         let store = Memory { active: stored, staged: Vec::new(), writes_left };
         let (frame_source, started_after) = (FrameSource::Synthetic, Restart::PowerOn);
         let facts = BoardFacts { identity, electrodes, frame_source, front_end: None, started_after };
-        Self { device: Device::new(facts, store), requests: 0, frames: 0, events: 0 }
+        Self { device: Device::new(facts, store), requests: 0, events: 0 }
     }
 
     fn ask(&mut self, request: Request) -> Reply {
         self.requests = self.requests.wrapping_add(1);
         match self.device.handle(&RequestPacket { sequence: self.requests, request }, 0) {
             BoardPacket::Reply { sequence, reply } if sequence == self.requests => reply,
-            other => panic!("no answer to request {}: {other:?}", self.requests),
+            other => panic!("no reply to request {}: {other:?}", self.requests),
         }
     }
 
@@ -133,8 +138,7 @@ impl Bench {
     fn process(&mut self, codes: &[i32], steps: usize) {
         let streaming = self.device.streaming();
         let mut seen = Vec::new();
-        self.device.process(&mut frame(self.frames, steps, codes), |packet| seen.push(packet.clone()));
-        self.frames += 1;
+        self.device.process(&mut frame(steps, codes), Arrival::default(), |packet| seen.push(packet.clone()));
         for packet in seen {
             let BoardPacket::Event { number, .. } = packet else { panic!("{packet:?} was not asked for") };
             assert_eq!(number, self.events);
@@ -170,35 +174,34 @@ struct Input {
 
 fuzz_target!(|input: Input| {
     let electrodes = input.electrodes % 17;
-    let mut bench = Bench::new(electrodes, input.stored, input.writes);
+    let mut rig = Rig::new(electrodes, input.stored, input.writes);
     for deed in input.deeds {
         match deed {
-            Deed::Hello { right_version: true } => drop(bench.ask(Request::Hello(Version::current()))),
+            Deed::Hello { right_version: true } => drop(rig.ask(Request::Hello(Version::current()))),
             Deed::Hello { right_version: false } => {
-                drop(bench.ask(Request::Hello(Version { protocol: 999, schema: [1; 8] })));
+                drop(rig.ask(Request::Hello(Version { protocol: 999, schema: [1; 8] })));
             }
-            Deed::Info => drop(bench.ask(Request::Info)),
-            Deed::ReadPatch(offset) => drop(bench.ask(Request::ReadPatch { offset })),
-            Deed::Reference => drop(bench.ask(Request::Reference)),
-            Deed::Begin { length, crc } => drop(bench.ask(Request::BeginUpload { length, crc })),
-            Deed::Chunk { offset, bytes } => drop(bench.ask(chunk_at(offset.into(), &bytes))),
-            Deed::Commit => drop(bench.ask(Request::CommitUpload)),
-            Deed::Tare { frames } => drop(bench.ask(Request::Tare { frames })),
-            Deed::ShortTare { frames } => drop(bench.ask(Request::Tare { frames: u16::from(frames % 4) })),
+            Deed::Info => drop(rig.ask(Request::Info)),
+            Deed::ReadPatch(offset) => drop(rig.ask(Request::ReadPatch { offset })),
+            Deed::Reference => drop(rig.ask(Request::Reference)),
+            Deed::Begin { length, crc } => drop(rig.ask(Request::BeginUpload { length, crc })),
+            Deed::Chunk { offset, bytes } => drop(rig.ask(chunk_at(offset.into(), &bytes))),
+            Deed::Commit => drop(rig.ask(Request::CommitUpload)),
+            Deed::Tare { frames } => drop(rig.ask(Request::Tare { frames })),
+            Deed::ShortTare { frames } => drop(rig.ask(Request::Tare { frames: u16::from(frames % 4) })),
             Deed::Stream { images, contacts, measurements, health } => {
-                let selection =
-                    Selection { images, contacts, measurements, health, ..Selection::default() };
-                drop(bench.ask(Request::Stream(selection)));
+                let selection = Selection { images, contacts, measurements, health, ..Selection::default() };
+                drop(rig.ask(Request::Stream(selection)));
             }
-            Deed::Upload { edits } => bench.upload(&damage(small_patch(), &edits)),
-            Deed::Disconnect => bench.device.disconnect(),
-            Deed::Frame { codes, steps } => bench.process(&codes, usize::from(steps % 300)),
-            Deed::RightFrame { codes } => bench.process(&codes, bench.steps()),
+            Deed::Upload { edits } => rig.upload(&damage(small_patch(), &edits)),
+            Deed::Disconnect => rig.device.disconnect(),
+            Deed::Frame { codes, steps } => rig.process(&codes, usize::from(steps % 300)),
+            Deed::RightFrame { codes } => rig.process(&codes, rig.steps()),
             Deed::Restart => {
-                let stored = bench.device.patch().map(|patch| patch.bytes().to_vec());
-                bench = Bench::new(electrodes, stored, input.writes);
+                let stored = rig.device.patch().map(|patch| patch.bytes().to_vec());
+                rig = Rig::new(electrodes, stored, input.writes);
             }
         }
-        bench.check(electrodes);
+        rig.check(electrodes);
     }
 });

@@ -2,7 +2,7 @@
 #![no_main]
 
 use dermatome_shared::{
-    MAX_CONTACTS,
+    limits::MAX_CONTACTS,
     patch::PatchView,
     pipeline::{Outcome, PipelineState, process},
     protocol::PackedImage,
@@ -28,10 +28,10 @@ fuzz_target!(|input: Input| {
     let steps = patch.header.steps.into();
     let mut state = PipelineState::default();
     state.start_tare(2);
-    assert_eq!(process(&patch, &mut state, &frame(0, steps, &input.tare)), Outcome::Taring);
-    assert_eq!(process(&patch, &mut state, &frame(1, steps, &input.tare)), Outcome::Tared);
+    assert_eq!(process(&patch, &mut state, &frame(steps, &input.tare)), Outcome::Taring);
+    assert_eq!(process(&patch, &mut state, &frame(steps, &input.tare)), Outcome::Tared);
     for codes in &input.frames {
-        assert_eq!(process(&patch, &mut state, &frame(2, steps, codes)), Outcome::Image);
+        assert_eq!(process(&patch, &mut state, &frame(steps, codes)), Outcome::Image);
         assert_eq!(state.image().len(), usize::from(patch.header.pixels));
         assert!(state.contacts().len() <= MAX_CONTACTS);
         for contact in state.contacts() {
@@ -44,5 +44,5 @@ fuzz_target!(|input: Input| {
             assert!((packed - exact.to_f64()).abs() <= 0.0625, "{packed} for {exact:?}");
         }
     }
-    assert_eq!(process(&patch, &mut state, &frame(3, steps - 1, &[1])), Outcome::WrongLength);
+    assert_eq!(process(&patch, &mut state, &frame(steps - 1, &[1])), Outcome::WrongLength);
 });

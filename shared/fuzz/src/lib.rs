@@ -1,9 +1,9 @@
 //! What the targets share: a small patch that fuzzers damage, and frames.
 
 use dermatome_shared::{
-    frame::Frame,
     calibration::Calibration,
     drive::Drive,
+    frame::Frame,
     image::{Geometry, PixelGrid},
     patch::{CRC32, CombinedInto, Difference, PatchContents, PatchHeader},
     stimulation::{Driven, Step, pattern},
@@ -35,10 +35,10 @@ pub fn small_patch() -> Vec<u8> {
         drift_time: 0.0,
         calibration: Calibration::default(),
         test_resistances: Default::default(),
-        plays: 0,
+        play_operators: 0,
     };
     let contents = PatchContents {
-        plays: &[],
+        play_operators: &[],
         header: &header,
         steps: &steps,
         combination: &combination,
@@ -75,7 +75,7 @@ pub fn repair(mut patch: Vec<u8>) -> Vec<u8> {
 }
 
 /// A frame whose codes are `codes` over and over.
-pub fn frame(sequence: u32, steps: usize, codes: &[i32]) -> Frame {
-    let repeated = codes.iter().cycle().take(steps.min(dermatome_shared::MAX_STEPS));
-    Frame { sequence, codes: repeated.map(|&code| AdcCode(code)).collect(), ..Frame::default() }
+pub fn frame(steps: usize, codes: &[i32]) -> Frame {
+    let repeated = codes.iter().cycle().take(steps.min(dermatome_shared::limits::MAX_STEPS));
+    Frame { codes: repeated.map(|&code| AdcCode(code)).collect(), ..Frame::default() }
 }

@@ -75,7 +75,7 @@ fn codes_are_voltages_whatever_the_gain() {
                 f64::from(real.0) - 4096.0 * amplitude * phase.cos(),
                 f64::from(imaginary.0) - 4096.0 * amplitude * phase.sin(),
             ];
-            // Half a step of the converter at the slot's gain.
+            // Half an LSB at the slot's gain.
             let gain = f64::from(GAINS[usize::from(acquisition.gains()[slot])]);
             assert!(error.iter().all(|error| error.abs() < 2048.0 / gain), "{slot} {error:?}");
         }
@@ -187,10 +187,10 @@ fn the_scope_keeps_the_samples_of_its_slot_whatever_the_pieces() {
         let samples: Vec<u16> = (0..2 * 48 * 50 + 250).map(|n| (n % 4000) as u16).collect();
         let mut shown = None;
         samples.chunks(pieces).for_each(|piece| acquisition.push(piece, |_, scope| shown = scope.cloned()));
-        let Some(SlotSamples { slot: 3, gain: 2, settling: 10, samples: kept }) = shown else {
+        let Some(SlotSamples { slot: 3, gain: 2, settling: 10, samples: seen }) = shown else {
             panic!("no scope: {shown:?}")
         };
         let start = 48 * 50 + 3 * 50;
-        assert_eq!(kept[..], samples[start..start + 50]);
+        assert_eq!(seen[..], samples[start..start + 50]);
     }
 }

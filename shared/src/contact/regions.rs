@@ -5,8 +5,8 @@
 
 use super::Contact;
 use crate::{
-    MAX_PIXELS,
-    surface::{Pixel, Surface},
+    image::surface::{Pixel, Surface},
+    limits::MAX_PIXELS,
     units::RelativeConductivity,
 };
 use heapless::Vec;

@@ -1,6 +1,6 @@
 use super::*;
-use crate::{
-    image::{Geometry, PixelGrid},
+use crate::image::{
+    Geometry, PixelGrid,
     surface::{PIXEL_BYTES, Pixel, SurfaceScale},
 };
 use proptest::prelude::*;

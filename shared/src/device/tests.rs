@@ -76,15 +76,11 @@ fn upload_good(device: &mut Device<Memory>, difference: Difference) -> u32 {
 
 fn events(device: &mut Device<Memory>, frame: &Frame) -> Vec<(u32, Event)> {
     let mut seen = Vec::new();
-    device.process(&mut frame.clone(), |packet| match packet {
+    device.process(&mut frame.clone(), Arrival::default(), |packet| match packet {
         BoardPacket::Event { number, event } => seen.push((*number, event.clone())),
         BoardPacket::Reply { .. } => panic!("a reply nobody asked for"),
     });
     seen
-}
-
-fn frame(sequence: u32, value: i32) -> Frame {
-    Frame { sequence, ..flat_frame(value) }
 }
 
 #[test]
@@ -102,7 +98,7 @@ fn a_board_without_a_patch_says_so() {
     assert_eq!(ask(&mut device, Request::ReadPatch { offset: 0 }), Reply::Refused(Refusal::NoPatch));
     let all = Selection { images: 1, contacts: 1, measurements: 1, ..Selection::default() };
     assert_eq!(ask(&mut device, Request::Stream(all)), Reply::Refused(Refusal::NoPatch));
-    assert!(events(&mut device, &frame(0, 5)).is_empty());
+    assert!(events(&mut device, &flat_frame(5)).is_empty());
 }
 
 #[test]
@@ -112,12 +108,12 @@ fn upload_tare_and_stream_number_their_events_without_gaps() {
     let wanted = Selection { images: 1, contacts: 1, ..Selection::default() };
     assert_eq!(ask(&mut device, Request::Reference), Reply::Refused(Refusal::NotTared));
     assert_eq!(ask(&mut device, Request::Tare { frames: 2 }), Reply::Done);
-    assert!(events(&mut device, &frame(0, 100)).is_empty());
-    assert_eq!(events(&mut device, &frame(1, 100)), [(0, Event::Tared { frames: 2 })]);
+    assert!(events(&mut device, &flat_frame(100)).is_empty());
+    assert_eq!(events(&mut device, &flat_frame(100)), [(0, Event::Tared { frames: 2 })]);
     let sums = (0..40).map(|_| 200).collect();
     assert_eq!(ask(&mut device, Request::Reference), Reply::Reference { frames: 2, sums });
     assert_eq!(ask(&mut device, Request::Stream(wanted)), Reply::Streaming { first_sequence: 2 });
-    let seen = events(&mut device, &frame(2, 150));
+    let seen = events(&mut device, &flat_frame(150));
     assert!(matches!(seen[1], (2, Event::Image { .. })));
     let (1, Event::Contacts { at, contacts }) = &seen[0] else { panic!("{seen:?}") };
     assert_eq!((at.sequence, contacts.len()), (2, 1));
@@ -205,7 +201,7 @@ fn frames_are_needed_while_a_tare_or_a_stream_is_under_way() {
     assert!(!device.needs_frames());
     ask(&mut device, Request::Tare { frames: 1 });
     assert!(device.needs_frames());
-    events(&mut device, &frame(0, 100));
+    events(&mut device, &flat_frame(100));
     assert!(!device.needs_frames());
     ask(&mut device, Request::Stream(Selection { contacts: 1, ..Selection::default() }));
     assert!(device.needs_frames());
@@ -216,12 +212,12 @@ fn a_tare_that_began_by_itself_ends_with_the_stream_and_one_that_finds_no_curren
     let mut device = device();
     upload_good(&mut device, Difference::Plain);
     ask(&mut device, Request::Stream(Selection { contacts: 1, ..Selection::default() }));
-    events(&mut device, &frame(0, 100));
+    events(&mut device, &flat_frame(100));
     assert!(device.pipeline().is_taring());
     ask(&mut device, Request::Stream(Selection::default()));
     assert!(!device.needs_frames());
     ask(&mut device, Request::Tare { frames: 5 });
-    let dead = Frame { flags: FrameFlags::NO_CURRENT, ..frame(1, 0) };
+    let dead = Frame { flags: FrameFlags::NO_CURRENT, ..flat_frame(0) };
     let frames = (0..1000).take_while(|_| {
         events(&mut device, &dead);
         device.needs_frames()
@@ -234,12 +230,12 @@ fn each_event_comes_every_so_many_frames() {
     let mut device = device();
     upload_good(&mut device, Difference::Plain);
     ask(&mut device, Request::Tare { frames: 1 });
-    events(&mut device, &frame(0, 100));
+    events(&mut device, &flat_frame(100));
     let wanted = Selection { images: 4, contacts: 1, measurements: 2, health: 3, ..Selection::default() };
     ask(&mut device, Request::Stream(wanted));
     let mut seen = [0; 4];
-    for sequence in 1..=12 {
-        for (_, event) in events(&mut device, &frame(sequence, 100)) {
+    for _ in 1..=12 {
+        for (_, event) in events(&mut device, &flat_frame(100)) {
             seen[match event {
                 Event::Image { .. } => 0,
                 Event::Contacts { .. } => 1,
@@ -289,7 +285,7 @@ fn a_gain_beyond_the_boards_amplifier_is_refused() {
 fn a_new_drive_begins_a_new_scan_and_the_old_reference_counts_no_more() {
     let mut device = board_with_a_front_end();
     ask(&mut device, Request::Tare { frames: 1 });
-    events(&mut device, &frame(0, 100));
+    events(&mut device, &flat_frame(100));
     assert!(device.pipeline().reference().is_some());
     let scan = device.scan();
     let drive = Drive::new(100e3, 0.5e-3, 50.0);
@@ -315,12 +311,12 @@ fn a_frame_with_an_open_electrode_is_flagged_and_its_image_masked() {
     use crate::{frame::ElectrodeTest, units::AdcCode};
     let mut device = board_with_a_front_end();
     ask(&mut device, Request::Tare { frames: 1 });
-    events(&mut device, &frame(0, 1000));
+    events(&mut device, &flat_frame(1000));
     let test = ElectrodeTest { in_phase: AdcCode(1_500_000), ..ElectrodeTest::default() };
-    let mut broken = frame(1, 1500);
+    let mut broken = flat_frame(1500);
     broken.tests = (0..8).map(|_| test).collect();
     broken.tests[3] = ElectrodeTest { in_phase: AdcCode(7_000_000), is_clipped: true, ..test };
-    device.process(&mut broken, |_| ());
+    device.process(&mut broken, Arrival::default(), |_| ());
     assert!(broken.flags.contains(FrameFlags::OPEN_ELECTRODE));
     assert!(broken.flags.contains(FrameFlags::MASKED));
     assert_eq!(device.health().open.iter().collect::<Vec<_>>(), [3]);
@@ -328,4 +324,22 @@ fn a_frame_with_an_open_electrode_is_flagged_and_its_image_masked() {
     let image = device.pipeline().image();
     assert_eq!(image[0].0, 0);
     assert!((image[3].to_f64() - 0.5).abs() < 1e-4, "{image:?}");
+}
+
+#[test]
+fn a_frame_gets_number_time_and_flags_of_the_board_where_it_is_processed() {
+    let mut device = board_with_a_front_end();
+    device.set_vitals(Vitals { temperature: Some(86.0), ..Vitals::default() });
+    ask(&mut device, Request::Tare { frames: 1 });
+    let mut frame = flat_frame(1000);
+    device.process(&mut frame, Arrival::default(), |_| ());
+    assert_eq!((frame.sequence, frame.timestamp_us, frame.flags), (0, 0, FrameFlags::HOT));
+    frame = Frame { sequence: 77, timestamp_us: 5, ..flat_frame(1000) };
+    device.process(&mut frame, Arrival { timestamp_us: 20_000, missed: true }, |_| ());
+    assert_eq!((frame.sequence, frame.timestamp_us), (1, 20_000));
+    assert_eq!(frame.flags, FrameFlags::HOT.union(FrameFlags::MISSED));
+    let selection = Selection { health: 1, ..Selection::default() };
+    assert_eq!(ask(&mut device, Request::Stream(selection)), Reply::Streaming { first_sequence: 2 });
+    let seen = events(&mut device, &flat_frame(1000));
+    assert!(matches!(seen[0].1, Event::Health { missed: 1, .. }), "{seen:?}");
 }

@@ -1,6 +1,7 @@
 //! Why bytes are not a usable patch.
 
 use super::FORMAT_VERSION;
+use crate::image::surface::SurfaceError;
 
 /// Why bytes are not a usable patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -62,11 +63,11 @@ pub enum PatchError {
         "patch field `calibration` must rise from point to point, and have a `load_share` above zero or none"
     )]
     Calibration,
-    /// A play of the hysteresis operator holds less than the strength.
-    #[error("patch play {play} has a `reach` below 1, allowed are 1 to 15.99")]
-    Play {
-        /// Index of the play.
-        play: usize,
+    /// The threshold of a play operator lies below the strength itself.
+    #[error("patch play operator {operator} has a `threshold` below 1, allowed are 1 to 15.99")]
+    PlayOperator {
+        /// Index of the operator.
+        operator: usize,
     },
     /// A stimulation step names a missing electrode, or one electrode twice in a pair.
     #[error("patch step {step} does not name pairs of two different electrodes")]
@@ -93,4 +94,13 @@ pub enum PatchError {
         /// Index of the pixel.
         pixel: usize,
     },
+}
+
+impl From<SurfaceError> for PatchError {
+    fn from(error: SurfaceError) -> Self {
+        match error {
+            SurfaceError::Scale => Self::NotPositive { field: "surface" },
+            SurfaceError::Pixel { pixel } => Self::Pixel { pixel },
+        }
+    }
 }

@@ -9,9 +9,9 @@
 //! 12      h                   header: PatchHeader in postcard encoding, then zeros (see below)
 //! ..      4 * steps           stimulation table: drive plus, drive minus, sense plus, sense minus
 //! ..      2 * steps           combination: measurement each step adds to, bit 15 = subtract
-//! ..      12 * pixels         where the pixels lie, see [`crate::surface`]
+//! ..      12 * pixels         where the pixels lie, see [`crate::image::surface`]
 //! ..      2 * neighbours      lists of neighbouring pixels
-//! ..      4 * plays           plays of the hysteresis operator: reach and weight, u16 each
+//! ..      4 * operators       play operators of the hysteresis model: threshold and weight, u16 each
 //! ..      pixels              exponents of the matrix rows, i8
 //! ..      2 * pixels * meas.  reconstruction matrix, i16, [pixel][measurement]
 //! ..      4                   CRC-32 (ISO-HDLC) of all bytes before it
@@ -22,16 +22,19 @@
 //! from a file; [`PatchContents::write`] is its inverse.
 
 mod error;
-mod plays;
+mod play_operators;
 
 use crate::{
-    MAX_ELECTRODES, MAX_GRID_SIDE, MAX_MEASUREMENTS, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS,
-    calibration::Calibration,
-    drive::Drive,
-    hysteresis::{PLAY_BYTES, Play},
-    image::PixelGrid,
-    stimulation::Step,
-    surface::{MAX_NEIGHBOURS, NEIGHBOUR_BYTES, PIXEL_BYTES, Pixel, Surface, SurfaceScale},
+    contact::{
+        calibration::Calibration,
+        hysteresis::{PLAY_OPERATOR_BYTES, PlayOperator},
+    },
+    drive::{Drive, stimulation::Step},
+    image::{
+        PixelGrid,
+        surface::{MAX_NEIGHBOURS, NEIGHBOUR_BYTES, PIXEL_BYTES, Pixel, Surface, SurfaceScale},
+    },
+    limits::{MAX_ELECTRODES, MAX_GRID_SIDE, MAX_MEASUREMENTS, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS},
     units::RelativeConductivity,
 };
 use crc::{CRC_32_ISO_HDLC, Crc};
@@ -53,7 +56,7 @@ const MATRIX_ALIGNMENT: usize = 4;
 const CRC_BYTES: usize = 4;
 const FLIPPED: u16 = 0x8000;
 
-/// How difference data is made from a frame and the reference; see [`crate::reference`].
+/// How difference data is made from a frame and the reference; see [`crate::pipeline::reference`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Difference {
     /// (v - v_ref) / mean |v_ref|
@@ -67,7 +70,7 @@ pub enum Difference {
 pub struct PatchHeader {
     /// Name of the skin it was built for.
     pub skin: String<32>,
-    /// Electrodes on the rim.
+    /// Electrodes on the boundary.
     pub electrodes: u8,
     /// Stimulation steps in one frame.
     pub steps: u16,
@@ -91,11 +94,13 @@ pub struct PatchHeader {
     pub drift_time: f32,
     /// Pressure and load area of a contact; empty if the skin is not calibrated.
     pub calibration: Calibration,
-    /// What the model expects of each electrode's test ([`crate::scan::test_step`]) without contact
+    /// What the model expects of each electrode's test ([`crate::acquire::scan::test_step`]) without contact
     /// impedance, ohm: `[electrode]`; empty if unknown.
     pub test_resistances: Vec<f32, MAX_ELECTRODES>,
-    /// Plays of the hysteresis operator ([`crate::hysteresis`]); 0 takes strengths as they are.
-    pub plays: u8,
+    /// Play operators of the hysteresis model ([`crate::contact::hysteresis`]); 0 takes strengths as they are.
+    // Its name in reports stays.
+    #[serde(rename = "plays")]
+    pub play_operators: u8,
 }
 
 /// Where one step's code goes: the measurement it adds to, or subtracts from.
@@ -135,8 +140,8 @@ pub struct PatchContents<'a> {
     pub exponents: &'a [i8],
     /// Mantissas, -32,767 to 32,767: `[pixel][measurement]`.
     pub matrix: &'a [i16],
-    /// Plays of the hysteresis operator.
-    pub plays: &'a [Play],
+    /// Play operators of the hysteresis model.
+    pub play_operators: &'a [PlayOperator],
 }
 
 impl PatchContents<'_> {
@@ -157,7 +162,7 @@ impl PatchContents<'_> {
         self.combination.iter().try_for_each(|target| put(&target.to_bytes()))?;
         self.pixels.iter().try_for_each(|pixel| put(&pixel.to_bytes()))?;
         self.neighbours.iter().try_for_each(|pixel| put(&pixel.to_le_bytes()))?;
-        self.plays.iter().try_for_each(|play| put(&play.to_bytes()))?;
+        self.play_operators.iter().try_for_each(|operator| put(&operator.to_bytes()))?;
         self.exponents.iter().try_for_each(|exponent| put(&exponent.to_le_bytes()))?;
         self.matrix.iter().try_for_each(|mantissa| put(&mantissa.to_le_bytes()))?;
         let total = end + CRC_BYTES;
@@ -173,9 +178,12 @@ impl PatchContents<'_> {
     /// The header's length with the zeros that align the matrix.
     fn align_matrix(&self, header_bytes: usize) -> usize {
         let surface = PIXEL_BYTES * self.pixels.len() + NEIGHBOUR_BYTES * self.neighbours.len();
-        let plays = PLAY_BYTES * self.plays.len();
-        let tables =
-            4 * self.steps.len() + 2 * self.combination.len() + surface + plays + self.exponents.len();
+        let play_operators = PLAY_OPERATOR_BYTES * self.play_operators.len();
+        let tables = 4 * self.steps.len()
+            + 2 * self.combination.len()
+            + surface
+            + play_operators
+            + self.exponents.len();
         let before = PREFIX_BYTES + tables;
         (before + header_bytes).next_multiple_of(MATRIX_ALIGNMENT) - before
     }
@@ -201,7 +209,7 @@ pub struct PatchView<'a> {
     neighbours: &'a [u8],
     exponents: &'a [u8],
     matrix: &'a [u8],
-    plays: &'a [u8],
+    play_operators: &'a [u8],
 }
 
 impl<'a> PatchView<'a> {
@@ -214,7 +222,7 @@ impl<'a> PatchView<'a> {
         }
         view.check_counts()?;
         view.check_tables()?;
-        view.check_plays()?;
+        view.check_play_operators()?;
         Ok(view)
     }
 
@@ -265,9 +273,9 @@ impl<'a> PatchView<'a> {
         let (combination, tables) = tables.split_at(sizes[1]);
         let (pixels, tables) = tables.split_at(sizes[2]);
         let (neighbours, tables) = tables.split_at(sizes[3]);
-        let (plays, exponents) = tables.split_at(sizes[4]);
+        let (play_operators, exponents) = tables.split_at(sizes[4]);
         let matrix = bytes.get(start..start + sizes[TABLES]).unwrap_or_default();
-        Ok(Self { header, bytes, steps, combination, pixels, neighbours, plays, exponents, matrix })
+        Ok(Self { header, bytes, steps, combination, pixels, neighbours, play_operators, exponents, matrix })
     }
 
     /// All bytes of the patch.
@@ -403,8 +411,8 @@ fn table_sizes(header: &PatchHeader) -> [usize; TABLES + 1] {
         [header.steps, header.measurements, header.pixels, header.neighbours].map(usize::from);
     // Products of two u16, doubled: at most 2^33, so they are computed saturating for 32-bit boards.
     let matrix = pixels.saturating_mul(measurements).saturating_mul(2).min(u32::MAX as usize / 2);
-    let plays = PLAY_BYTES * usize::from(header.plays);
-    [4 * steps, 2 * steps, PIXEL_BYTES * pixels, NEIGHBOUR_BYTES * neighbours, plays, pixels, matrix]
+    let play_operators = PLAY_OPERATOR_BYTES * usize::from(header.play_operators);
+    [4 * steps, 2 * steps, PIXEL_BYTES * pixels, NEIGHBOUR_BYTES * neighbours, play_operators, pixels, matrix]
 }
 
 #[cfg(test)]

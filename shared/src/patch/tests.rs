@@ -1,8 +1,8 @@
 use super::*;
 use crate::{
+    drive::stimulation::{Driven, pattern},
     frame::Frame,
     image::Geometry,
-    stimulation::{Driven, pattern},
     units::AdcCode,
 };
 use proptest::prelude::*;
@@ -28,7 +28,7 @@ pub(crate) fn reciprocal_patch() -> std::vec::Vec<u8> {
     let target = |measurement| CombinedInto { measurement, flipped: false };
     let (pixels, neighbours) = square(2).tables();
     let contents = PatchContents {
-        plays: &[],
+        play_operators: &[],
         header: &PatchHeader { measurements, ..patch.header },
         steps: &steps,
         combination: &(0..2 * measurements).map(|step| target(step / 2)).collect::<std::vec::Vec<_>>(),
@@ -44,7 +44,7 @@ pub(crate) fn reciprocal_patch() -> std::vec::Vec<u8> {
 }
 
 /// The small patch of normalised data with another header.
-fn rewritten(header: &PatchHeader, plays: &[Play]) -> std::vec::Vec<u8> {
+fn rewritten(header: &PatchHeader, play_operators: &[PlayOperator]) -> std::vec::Vec<u8> {
     let bytes = small_patch(Difference::Normalised);
     let patch = PatchView::validate(&bytes).unwrap();
     let (steps, combination): (std::vec::Vec<_>, std::vec::Vec<_>) =
@@ -52,7 +52,7 @@ fn rewritten(header: &PatchHeader, plays: &[Play]) -> std::vec::Vec<u8> {
     let halves = patch.matrix().chunks_exact(2).map(|b| i16::from_le_bytes([b[0], b[1]]));
     let (pixels, neighbours) = square(2).tables();
     let contents = PatchContents {
-        plays,
+        play_operators,
         header,
         steps: &steps,
         combination: &combination,
@@ -67,14 +67,14 @@ fn rewritten(header: &PatchHeader, plays: &[Play]) -> std::vec::Vec<u8> {
     out
 }
 
-/// As the small patch, with plays against hysteresis and a straight calibration: 100 kPa for each 1.
-pub(crate) fn patch_with_plays(plays: &[Play]) -> std::vec::Vec<u8> {
-    let point = crate::calibration::CalibrationPoint { strength: 1.0, pressure: 100e3 };
+/// As the small patch, with operators against hysteresis and a straight calibration: 100 kPa for each 1.
+pub(crate) fn patch_with_hysteresis(play_operators: &[PlayOperator]) -> std::vec::Vec<u8> {
+    let point = crate::contact::calibration::CalibrationPoint { strength: 1.0, pressure: 100e3 };
     let calibration = Calibration { points: [point].into_iter().collect(), load_share: Some(0.25) };
-    let plays_in_header = plays.len() as u8;
+    let count = play_operators.len() as u8;
     let bytes = small_patch(Difference::Normalised);
     let header = PatchView::validate(&bytes).unwrap().header;
-    rewritten(&PatchHeader { calibration, plays: plays_in_header, ..header }, plays)
+    rewritten(&PatchHeader { calibration, play_operators: count, ..header }, play_operators)
 }
 
 /// As the small patch, with a square of pixels and `mantissa` on the matrix' diagonal.
@@ -109,14 +109,14 @@ fn written(difference: Difference, across: u8, mantissa: i16) -> std::vec::Vec<u
         drift_time: 0.0,
         calibration: Calibration::default(),
         test_resistances: Default::default(),
-        plays: 0,
+        play_operators: 0,
     };
     let mut matrix = std::vec![0; pixels * steps.len()];
     for pixel in 0..pixels {
         matrix[pixel * steps.len() + pixel % steps.len()] = mantissa;
     }
     let contents = PatchContents {
-        plays: &[],
+        play_operators: &[],
         header: &header,
         steps: &steps,
         combination: &combination,

@@ -10,18 +10,18 @@
 mod packet;
 mod queue;
 
+pub use crate::acquire::{MAX_SCOPE_SAMPLES, SlotSamples};
 pub use packet::{PacketError, PacketReader, decode, encode};
 pub use queue::{EventQueue, PacketQueue};
 
 use crate::{
-    MAX_MEASUREMENTS, MAX_PIXELS, MAX_STEPS,
     acquire::FrontEnd,
     contact::Contacts,
     drive::Drive,
     frame::FrameFlags,
-    health::{Health, Vitals},
+    health::{Health, Vitals, restart::Restart},
     image::Image,
-    restart::Restart,
+    limits::{MAX_MEASUREMENTS, MAX_PIXELS, MAX_STEPS},
     units::{AdcCode, RelativeConductivity},
 };
 use heapless::{String, Vec};
@@ -34,8 +34,6 @@ pub const PROTOCOL_VERSION: u16 = 5;
 pub const MAX_PACKET_BYTES: usize = 4096;
 /// Longest piece of a patch in one request, bytes.
 pub const MAX_CHUNK_BYTES: usize = 512;
-/// Most samples in one scope event.
-pub const MAX_SCOPE_SAMPLES: usize = 512;
 
 /// Hash of all message types: two builds with the same hash understand each other.
 #[must_use]
@@ -236,7 +234,7 @@ pub enum FrameSource {
     Skin,
     /// Computed from a simulated skin.
     Simulated,
-    /// Numbers without meaning: the board cannot measure yet. See [`crate::synthetic`].
+    /// Numbers without meaning: the board cannot measure yet.
     Synthetic,
 }
 
@@ -365,7 +363,7 @@ pub enum Event {
         at: FrameStamp,
         /// The part of each voltage that goes into the image: `[step]`.
         codes: Vec<AdcCode, MAX_STEPS>,
-        /// The part a quarter period later: `[step]`; empty where it is not measured.
+        /// The part in quadrature: `[step]`; empty where it is not measured.
         quadrature: Vec<AdcCode, MAX_STEPS>,
     },
     /// What one frame says about the board and its skin.
@@ -383,19 +381,6 @@ pub enum Event {
     },
     /// What the scope saw.
     Scope(SlotSamples),
-}
-
-/// Samples of one slot, from its start.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
-pub struct SlotSamples {
-    /// Slot of the scan.
-    pub slot: u16,
-    /// Gain of the programmable amplifier in it.
-    pub gain: u8,
-    /// Samples of it that are left out while the voltage settles.
-    pub settling: u16,
-    /// Codes of the converter, 0 to 4095.
-    pub samples: Vec<u16, MAX_SCOPE_SAMPLES>,
 }
 
 /// Which frame an event belongs to.

@@ -1,6 +1,6 @@
 use super::*;
-use crate::MAX_CONTACTS;
 use crate::contact::Contact;
+use crate::limits::MAX_CONTACTS;
 use proptest::prelude::*;
 
 #[test]
@@ -83,4 +83,10 @@ proptest! {
             prop_assert!((value.to_f64() - back).abs() <= half_step + 1e-12);
         }
     }
+}
+
+/// A change of this number is a new [`PROTOCOL_VERSION`].
+#[test]
+fn the_messages_of_version_5_have_their_schema_hash() {
+    assert_eq!(std::format!("{:02x?}", Version::current().schema), "[f2, 1e, 96, 2c, a4, 4a, 2c, 92]");
 }

@@ -1,6 +1,6 @@
 //! Faults of electrodes, multiplexers, current and converter: what the board says of them, and how soon.
 
-use super::{super::Failure, check, session::Session};
+use super::{super::Failure, ensure, session::Session};
 use crate::{chip::time::Time, rig::Rig, world::Fault};
 use dermatome_shared::{
     frame::FrameFlags,
@@ -24,7 +24,7 @@ pub(super) fn all(rig: &Rig) -> Result<String, Failure> {
     let mut session = Session::open(rig, |skin| skin.drive.frame_rate = 10_000.0)?;
     session.tare(20)?;
     session.stream(Selection { health: 1, contacts: 1, ..Selection::default() })?;
-    let [first, second] = [report(&mut session)?.0, report(&mut session)?.0];
+    let [first, second] = [next_health(&mut session)?.0, next_health(&mut session)?.0];
     let period = (second.timestamp_us - first.timestamp_us) as f64 * 1e-6;
     let (mut slowest, mut missed) = (0.0_f64, Vec::new());
     let faults = every();
@@ -35,7 +35,7 @@ pub(super) fn all(rig: &Rig) -> Result<String, Failure> {
         }
     }
     let count = faults.len();
-    check(missed.is_empty(), || format!("{} of {count} are missed: {}", missed.len(), missed.join(", ")))?;
+    ensure(missed.is_empty(), || format!("{} of {count} are missed: {}", missed.len(), missed.join(", ")))?;
     Ok(format!(
         "{count} faults: 16 open, 16 shorted, 32 stuck lines, no current, saturated; the slowest flagged after \
          {slowest:.2} frames"
@@ -46,7 +46,7 @@ pub(super) fn all(rig: &Rig) -> Result<String, Failure> {
 fn told(session: &mut Session, fault: Fault, failure: &Failure) -> Failure {
     let started = session.link.info().map(|info| info.started_after.to_string());
     let started = started.unwrap_or_else(|error| error.to_string());
-    Failure::Wrong(format!("with `{fault}`: {failure}; the board started after: {started}"))
+    Failure::wrong(format!("with `{fault}`: {failure}; the board started after: {started}"))
 }
 
 fn every() -> Vec<Fault> {
@@ -60,23 +60,23 @@ fn every() -> Vec<Fault> {
 fn flagged(session: &mut Session, fault: Fault, period: f64) -> Result<Option<f64>, Failure> {
     // Anywhere in a frame.
     session.run(Time::from_micros(fault_phase(fault)))?;
-    session.scene.inject(fault).map_err(|error| Failure::Wrong(error.to_string()))?;
+    session.world.inject(fault).map_err(Failure::wrong)?;
     let broken = session.board.with(|machine| machine.now()).seconds() - session.started()?;
     let mut found = None;
     for _ in 0..6 {
-        let (at, health) = report(session)?;
+        let (at, health) = next_health(session)?;
         let frames = (at.timestamp_us as f64 * 1e-6 - broken) / period;
         if found.is_none() && frames > 0.0 && frames <= FRAMES + 0.3 && says(&health, at.flags, fault) {
             found = Some(frames);
         }
     }
-    session.scene.mend();
+    session.world.mend();
     for _ in 0..12 {
-        if !report(session)?.0.flags.intersects(BROKEN) {
+        if !next_health(session)?.0.flags.intersects(BROKEN) {
             return Ok(found);
         }
     }
-    Err(Failure::Wrong(format!("after `{fault}` is mended, frames stay flagged")))
+    Err(Failure::wrong(format!("after `{fault}` is mended, frames stay flagged")))
 }
 
 /// Some time within a frame, another for each fault.
@@ -95,7 +95,7 @@ fn says(health: &Health, flags: FrameFlags, fault: Fault) -> bool {
     }
 }
 
-fn report(session: &mut Session) -> Result<(FrameStamp, Health), Failure> {
+fn next_health(session: &mut Session) -> Result<(FrameStamp, Health), Failure> {
     let mut phantoms = 0;
     let found = session.find(|event| match event {
         Event::Health { at, health, .. } => Some((at, health)),
@@ -105,6 +105,6 @@ fn report(session: &mut Session) -> Result<(FrameStamp, Health), Failure> {
         }
         _ => None,
     })?;
-    check(phantoms == 0, || format!("{phantoms} contacts without current"))?;
+    ensure(phantoms == 0, || format!("{phantoms} contacts without current"))?;
     Ok(found)
 }

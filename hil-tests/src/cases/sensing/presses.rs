@@ -1,6 +1,6 @@
-//! Presses: where the board finds them, and whether it keeps them.
+//! Presses: where the board finds them, and whether it keeps track of them.
 
-use super::{super::Failure, check, session::Session};
+use super::{super::Failure, ensure, session::Session};
 use crate::rig::Rig;
 use dermatome::simulate::Press;
 use dermatome_shared::{
@@ -13,47 +13,49 @@ use rand_pcg::Pcg64;
 
 /// Presses tried.
 const PRESSES: usize = 40;
-/// Noise, over that of the parts: 60 dB at the middle channel, where the parts alone leave 66 dB.
+/// Noise, over that of the parts: 60 dB at the median channel, where the parts alone leave 66 dB.
 const NOISE: f64 = 2.1;
-/// Share of the radius within which they lie.
-const REACH: f64 = 0.75;
+/// Largest normalised radius at which they lie.
+const LARGEST_RADIUS: f64 = 0.75;
 
 pub(super) fn positions(rig: &Rig) -> Result<String, Failure> {
     let mut session = Session::open(rig, |skin| skin.drive.frame_rate = 10_000.0)?;
-    session.scene.noise(NOISE);
+    session.world.noise(NOISE);
     session.tare(20)?;
     let radius = 0.105;
     let mut random = Pcg64::seed_from_u64(21);
     let mut errors = Vec::new();
     session.stream(Selection { contacts: 1, ..Selection::default() })?;
     for _ in 0..PRESSES {
-        let (angle, distance) =
-            (random.random_range(0.0..std::f64::consts::TAU), radius * REACH * random.random::<f64>().sqrt());
+        let (angle, distance) = (
+            random.random_range(0.0..std::f64::consts::TAU),
+            radius * LARGEST_RADIUS * random.random::<f64>().sqrt(),
+        );
         let position = [distance * angle.cos(), distance * angle.sin()];
-        session.scene.press(&[Press::finger(position, 0.02, 0.5)]);
+        session.world.press(&[Press::finger(position, 0.02, 0.5)]);
         // The frame under way, and those that wait.
         session.stamps(4)?;
         let (_, contacts) = contacts(&mut session)?;
         let contact =
-            contacts.first().ok_or_else(|| Failure::Wrong(format!("no contact at {position:?}")))?;
+            contacts.first().ok_or_else(|| Failure::wrong(format!("no contact at {position:?}")))?;
         let [x, y, _] = contact.position.map(f64::from);
         errors.push((x - position[0]).hypot(y - position[1]) / (2.0 * radius));
-        session.scene.press(&[]);
+        session.world.press(&[]);
         session.stamps(4)?;
     }
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     let worst = errors.iter().copied().fold(0.0, f64::max);
-    check(mean <= 0.04, || format!("mean error {:.2} % of the diameter", 100.0 * mean))?;
+    ensure(mean <= 0.04, || format!("mean error {:.2} % of the diameter", 100.0 * mean))?;
     Ok(format!(
         "{PRESSES} presses of 40 mm within {:.0} % of the radius, 60 dB: mean error {:.2} %, worst {:.2} % of the diameter",
-        100.0 * REACH,
+        100.0 * LARGEST_RADIUS,
         100.0 * mean,
         100.0 * worst
     ))
 }
 
 /// Ten minutes under a finger, while the sheet's conductivity grows by 1 % a minute; one frame a second.
-pub(super) fn held(rig: &Rig) -> Result<String, Failure> {
+pub(super) fn long(rig: &Rig) -> Result<String, Failure> {
     let mut session = Session::open(rig, |skin| {
         skin.drive.frame_rate = 1.0;
         let points =
@@ -62,9 +64,9 @@ pub(super) fn held(rig: &Rig) -> Result<String, Failure> {
     })?;
     session.tare(5)?;
     session.stream(Selection { contacts: 1, ..Selection::default() })?;
-    session.scene.drift(0.01);
+    session.world.drift(0.01);
     session.stamps(20)?;
-    session.scene.press(&[Press::finger([0.03, 0.02], 0.025, 0.5)]);
+    session.world.press(&[Press::finger([0.03, 0.02], 0.025, 0.5)]);
     session.stamps(3)?;
     let first = force(&mut session)?;
     let (mut last, mut largest) = (first, 0.0_f64);
@@ -72,11 +74,11 @@ pub(super) fn held(rig: &Rig) -> Result<String, Failure> {
         last = force(&mut session)?;
         largest = largest.max((last / first - 1.0).abs());
     }
-    check(largest <= 0.1, || format!("the force is off by up to {:.1} %", 100.0 * largest))?;
-    session.scene.press(&[]);
+    ensure(largest <= 0.1, || format!("the force is off by up to {:.1} %", 100.0 * largest))?;
+    session.world.press(&[]);
     session.stamps(5)?;
     let (_, left) = contacts(&mut session)?;
-    check(left.is_empty(), || "the contact stays after the finger has gone".to_owned())?;
+    ensure(left.is_empty(), || "the contact stays after the finger has gone".to_owned())?;
     Ok(format!(
         "reported in all of 600 frames, {first:.1} N at first and {last:.1} N at last, off by at most {:.1} %; gone \
          when released",
@@ -87,8 +89,8 @@ pub(super) fn held(rig: &Rig) -> Result<String, Failure> {
 /// Force of the one contact in the next frame.
 fn force(session: &mut Session) -> Result<f64, Failure> {
     let (at, contacts) = contacts(session)?;
-    check(contacts.len() == 1, || format!("in frame {}: {contacts:.4?}", at.sequence))?;
-    let force = contacts[0].force().ok_or_else(|| Failure::Wrong("a contact without a force".to_owned()))?;
+    ensure(contacts.len() == 1, || format!("in frame {}: {contacts:.4?}", at.sequence))?;
+    let force = contacts[0].force().ok_or_else(|| Failure::wrong("a contact without a force"))?;
     Ok(force.into())
 }
 

@@ -1,7 +1,7 @@
 //! Session: a skin's patch on a board that measures that skin.
 
-use super::super::{Failure, check};
-use crate::{board::VirtualBoard, chip::time::Time, rig::Rig, world::Scene};
+use super::super::{Failure, ensure};
+use crate::{board::VirtualBoard, chip::time::Time, rig::Rig, world::WorldHandle};
 use dermatome::{
     link::{self, Link},
     model::Model,
@@ -16,13 +16,13 @@ use dermatome_shared::{
 };
 use std::{collections::VecDeque, time::Duration};
 
-/// Longest wait for an event, of the host's time.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// Timeout of an event, in the host's time.
+const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// An emulated board that measures a skin, with a host that talks to it.
 pub(super) struct Session {
     pub(super) board: VirtualBoard,
-    pub(super) scene: Scene,
+    pub(super) world: WorldHandle,
     pub(super) skin: Skin,
     pub(super) link: Link,
     patch: Vec<u8>,
@@ -32,18 +32,17 @@ pub(super) struct Session {
 impl Session {
     /// A fresh board before the rig's skin, which `change` may alter first, with that skin's patch.
     pub(super) fn open(rig: &Rig, change: impl FnOnce(&mut Skin)) -> Result<Self, Failure> {
-        let wrong = |error: String| Failure::Wrong(error);
-        let scene = rig.emulated().scene().ok_or_else(|| wrong("the rig has no `[world]`".to_owned()))?;
-        let mut skin = Skin::clone(&scene.setup().skin);
+        let world = rig.emulated().world().ok_or_else(|| Failure::wrong("the rig has no `[world]`"))?;
+        let mut skin = Skin::clone(&world.setup().skin);
         change(&mut skin);
-        let model = Model::build(&skin, |_| ()).map_err(|error| wrong(error.to_string()))?;
-        let patch = quantize::patch(&skin, &model).map_err(|error| wrong(error.to_string()))?;
+        let model = Model::build(&skin, |_| ()).map_err(Failure::wrong)?;
+        let patch = quantize::patch(&skin, &model).map_err(Failure::wrong)?;
         let rig = rig.before(skin.clone())?;
         let board = rig.emulated().clone();
-        let scene = board.scene().ok_or_else(|| wrong("the rig lost its world".to_owned()))?;
+        let world = board.world().ok_or_else(|| Failure::wrong("the rig lost its world"))?;
         let mut link = rig.link()?;
         link::upload(&mut link, &patch, |_| ())?;
-        Ok(Self { board, scene, skin, link, patch, waiting: VecDeque::new() })
+        Ok(Self { board, world, skin, link, patch, waiting: VecDeque::new() })
     }
 
     /// Greets the board again, after it has started anew.
@@ -62,11 +61,11 @@ impl Session {
     pub(super) fn front_end(&mut self) -> Result<(FrontEnd, Drive), Failure> {
         let info = self.link.info()?;
         let both = info.front_end.zip(info.drive);
-        both.ok_or_else(|| Failure::Wrong("the board has no front end or no drive".to_owned()))
+        both.ok_or_else(|| Failure::wrong("the board has no front end or no drive"))
     }
 
     pub(super) fn tare(&mut self, frames: u16) -> Result<(), Failure> {
-        Ok(link::tare(&mut self.link, frames, PATIENCE)?)
+        Ok(link::tare(&mut self.link, frames, TIMEOUT)?)
     }
 
     pub(super) fn stream(&mut self, selection: Selection) -> Result<(), Failure> {
@@ -84,8 +83,8 @@ impl Session {
         if let Some(event) = self.waiting.pop_front() {
             return Ok(event);
         }
-        let event = self.link.next_event(PATIENCE)?;
-        event.ok_or_else(|| Failure::Wrong("no event comes any more".to_owned()))
+        let event = self.link.next_event(TIMEOUT)?;
+        event.ok_or_else(|| Failure::wrong("no event comes any more"))
     }
 
     /// The next event that `choose` likes.
@@ -95,10 +94,10 @@ impl Session {
                 return Ok(found);
             }
         }
-        Err(Failure::Wrong("the event that was waited for does not come".to_owned()))
+        Err(Failure::wrong("the event that was waited for does not come"))
     }
 
-    /// Volts in phase and a quarter period later of `frames` frames: `[frame][step]`.
+    /// Volts in phase and in quadrature of `frames` frames: `[frame][step]`.
     pub(super) fn voltages(&mut self, frames: usize) -> Result<Vec<Vec<[f64; 2]>>, Failure> {
         let (front_end, _) = self.front_end()?;
         let volts = f64::from(front_end.volts_per_code);
@@ -137,6 +136,6 @@ impl Session {
 
     /// No event is lost.
     pub(super) fn check_complete(&self) -> Result<(), Failure> {
-        check(self.link.events_lost() == 0, || format!("{} events are lost", self.link.events_lost()))
+        ensure(self.link.events_lost() == 0, || format!("{} events are lost", self.link.events_lost()))
     }
 }

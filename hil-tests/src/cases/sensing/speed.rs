@@ -1,7 +1,7 @@
 //! How fast the board is, and what it takes of the chip. All in virtual time: instructions are counted, and
 //! each takes the rig's cycles.
 
-use super::{super::Failure, check, session::Session};
+use super::{super::Failure, ensure, session::Session};
 use crate::{
     chip::{time::Time, trace::Event as TraceEvent},
     rig::Rig,
@@ -47,7 +47,7 @@ fn measure(
         skin.drive.frame_rate = 10_000.0;
     })?;
     session.tare(20)?;
-    session.scene.press(&[PRESS]);
+    session.world.press(&[PRESS]);
     session.stream(CONTACTS)?;
     let first = session.stamps(40)?;
     let before = session.board.with(|machine| (machine.now(), machine.slept()));
@@ -58,11 +58,11 @@ fn measure(
     let (start, end) = (first[first.len() - 1], stamps[stamps.len() - 1]);
     let frames = end.sequence - start.sequence;
     let rate = f64::from(frames) / ((end.timestamp_us - start.timestamp_us) as f64 * 1e-6);
-    check(rate >= least, || format!("{rate:.1} frames a second"))?;
+    ensure(rate >= least, || format!("{rate:.1} frames a second"))?;
     let load = 1.0 - after.1.since(before.1).seconds() / after.0.since(before.0).seconds();
-    check(load <= MOST_LOAD, || format!("the CPU works {:.0} % of the time", 100.0 * load))?;
+    ensure(load <= MOST_LOAD, || format!("the CPU works {:.0} % of the time", 100.0 * load))?;
     let latency = latency(&mut session)?;
-    check(latency <= LONGEST_LATENCY, || {
+    ensure(latency <= LONGEST_LATENCY, || {
         format!("{:.2} ms from the last sample to the contacts", 1e3 * latency)
     })?;
     let pixels = session.patch().header.pixels;
@@ -93,7 +93,7 @@ fn latency(session: &mut Session) -> Result<f64, Failure> {
         let Some(end) = ends.iter().min_by(|a, b| near(a).total_cmp(&near(b))) else { continue };
         longest = longest.max(sent.seconds() - end);
     }
-    check(longest > 0.0, || "no contacts were sent".to_owned())?;
+    ensure(longest > 0.0, || "no contacts were sent".to_owned())?;
     Ok(longest)
 }
 
@@ -118,12 +118,12 @@ fn contact_packets(events: &[(Time, TraceEvent)]) -> Vec<(Time, u64)> {
     packets
 }
 
-/// Uses everything once, and looks at what is left.
+/// Uses everything once, and measures what is left.
 pub(super) fn memory(rig: &Rig) -> Result<String, Failure> {
-    let Rig::Virtual { firmware, .. } = rig else { unreachable!("the case needs an emulated board") };
+    let firmware = &rig.emulated_rig().firmware;
     let mut session = Session::open(rig, |_| ())?;
     session.tare(20)?;
-    session.scene.press(&[PRESS]);
+    session.world.press(&[PRESS]);
     let all = Selection { images: 1, contacts: 1, measurements: 1, health: 1, scope: 1, scope_slot: 3 };
     session.stream(all)?;
     session.stamps(50)?;
@@ -134,9 +134,9 @@ pub(super) fn memory(rig: &Rig) -> Result<String, Failure> {
     let start = firmware.symbol("_stack_end").unwrap_or_default() as usize - 0x2000_0000;
     let (flash, stack) = (firmware.size(), RAM - start);
     let used = RAM - free;
-    check(flash <= LIMIT, || format!("{flash} bytes of flash"))?;
-    check(used <= LIMIT, || format!("{used} bytes of memory, {start} of them static"))?;
-    check(free * 4 >= stack, || format!("{free} of {stack} bytes of stack are free"))?;
+    ensure(flash <= LIMIT, || format!("{flash} bytes of flash"))?;
+    ensure(used <= LIMIT, || format!("{used} bytes of memory, {start} of them static"))?;
+    ensure(free * 4 >= stack, || format!("{free} of {stack} bytes of stack are free"))?;
     Ok(format!(
         "flash {flash} bytes; static {start} and stack {} of {stack} bytes, {:.0} % of it free; limit {LIMIT} each",
         stack - free,

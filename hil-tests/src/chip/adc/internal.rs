@@ -8,7 +8,7 @@ pub enum Internal {
     /// A third of the battery's voltage.
     Battery,
     /// The internal reference, VREFINT.
-    Reference,
+    Vrefint,
     /// The output of the operational amplifier of that number.
     Opamp(usize),
 }
@@ -18,19 +18,19 @@ const CHANNELS: [(usize, usize, Internal); 16] = [
     (1, 13, Internal::Opamp(1)),
     (1, 16, Internal::Temperature),
     (1, 17, Internal::Battery),
-    (1, 18, Internal::Reference),
+    (1, 18, Internal::Vrefint),
     (2, 16, Internal::Opamp(2)),
     (2, 18, Internal::Opamp(3)),
     (3, 13, Internal::Opamp(3)),
     (3, 17, Internal::Battery),
-    (3, 18, Internal::Reference),
+    (3, 18, Internal::Vrefint),
     (4, 17, Internal::Opamp(6)),
-    (4, 18, Internal::Reference),
+    (4, 18, Internal::Vrefint),
     (5, 3, Internal::Opamp(5)),
     (5, 4, Internal::Temperature),
     (5, 5, Internal::Opamp(4)),
     (5, 17, Internal::Battery),
-    (5, 18, Internal::Reference),
+    (5, 18, Internal::Vrefint),
 ];
 
 impl Internal {
@@ -47,7 +47,7 @@ impl Internal {
         match self {
             Self::Temperature => Some("VSENSEEN"),
             Self::Battery => Some("VBATEN"),
-            Self::Reference => Some("VREFEN"),
+            Self::Vrefint => Some("VREFEN"),
             Self::Opamp(_) => None,
         }
     }

@@ -1,6 +1,6 @@
 //! Plan: what a converter's registers ask of its conversions, read once after each write.
 
-use super::{REFERENCE, SAMPLING, TRIGGERS};
+use super::{SAMPLING, TRIGGERS, VREF_VOLTS};
 use crate::chip::{bank::Bank, time::Time};
 
 /// Ranks of a sequence at most.
@@ -72,7 +72,7 @@ impl Plan {
 
     /// Code of a voltage.
     pub(super) fn code(&self, volts: f64) -> u32 {
-        (volts / REFERENCE * self.full).floor().clamp(0.0, self.full - 1.0) as u32
+        (volts / VREF_VOLTS * self.full).floor().clamp(0.0, self.full - 1.0) as u32
     }
 }
 

@@ -14,7 +14,7 @@ impl World for Ladder {
     fn opamp(&mut self, _: usize, _: OpampSetting, _: Time) {}
     fn voltage(&mut self, adc: usize, channel: usize, at: Time) -> f64 {
         self.0.push((adc, channel, at));
-        REFERENCE * (channel as f64 / 16.0 + 1e-6)
+        VREF_VOLTS * (channel as f64 / 16.0 + 1e-6)
     }
 }
 
@@ -185,5 +185,5 @@ fn in_one_shot_mode_the_end_of_the_dmas_buffer_ends_the_conversions() {
 fn some_channels_are_inside_the_chip() {
     let at = Internal::at;
     assert_eq!((at(1, 16), at(2, 16)), (Some(Internal::Temperature), Some(Internal::Opamp(2))));
-    assert_eq!((at(1, 18), at(2, 17), at(1, 1)), (Some(Internal::Reference), None, None));
+    assert_eq!((at(1, 18), at(2, 17), at(1, 1)), (Some(Internal::Vrefint), None, None));
 }

@@ -1,9 +1,9 @@
 //! Bus: pokes one peripheral's registers by name, without a chip or a firmware around it.
 
 use crate::chip::{
+    clocks::Clocks,
     misuse::Misuse,
     peripheral::{Moment, Peripheral},
-    rcc::Clocks,
     time::Time,
 };
 

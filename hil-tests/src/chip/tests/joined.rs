@@ -1,7 +1,7 @@
-use super::probe::{Ram, address, chip, run_at_170_mhz};
+use super::probe::{address, chip, run_at_170_mhz};
 use crate::chip::{
-    Chip, Memory, RAM_START,
-    adc::REFERENCE,
+    Chip, Memory, RAM_START, Ram,
+    adc::VREF_VOLTS,
     map::Map,
     misuse::Misuse,
     nvic::{NMI, Nvic},
@@ -77,7 +77,7 @@ fn a_reset_tells_its_cause_and_forgets_everything_else() {
 
 #[test]
 fn the_watchdog_resets_a_chip_that_does_not_reload_it() {
-    let (mut chip, mut ram) = (chip(), Ram::new());
+    let (mut chip, mut ram) = (chip(), Ram::default());
     chip.put("IWDG", "KR", 0, 0xCCCC);
     chip.pass(Time::from_millis(511), &mut ram);
     assert_eq!(chip.take_reset(), None);
@@ -122,7 +122,7 @@ fn dma_flags(chip: &mut Chip, channel: usize) -> u32 {
 
 #[test]
 fn a_circular_channel_fills_a_ring_from_the_link() {
-    let (mut chip, mut ram) = (chip(), Ram::new());
+    let (mut chip, mut ram) = (chip(), Ram::default());
     link(&mut chip);
     start_channel(&mut chip, 0, 34, "RDR", 4, &[("CIRC", 1)]);
     let symbols = (1..=6).map(|byte| Symbol { byte, damaged: false });
@@ -142,7 +142,7 @@ fn a_circular_channel_fills_a_ring_from_the_link() {
 
 #[test]
 fn a_channel_sends_a_buffer_at_the_speed_of_the_link() {
-    let (mut chip, mut ram) = (chip(), Ram::new());
+    let (mut chip, mut ram) = (chip(), Ram::default());
     link(&mut chip);
     ram.write(RAM_START + 0x100, b"dermatome");
     start_channel(&mut chip, 1, 35, "TDR", 9, &[("DIR", 1)]);
@@ -155,7 +155,7 @@ fn a_channel_sends_a_buffer_at_the_speed_of_the_link() {
 
 #[test]
 fn memory_is_copied_without_requests_and_an_address_of_nothing_is_an_error() {
-    let (mut chip, mut ram) = (chip(), Ram::new());
+    let (mut chip, mut ram) = (chip(), Ram::default());
     link(&mut chip);
     ram.write(RAM_START + 0x200, &[1, 2, 3, 4, 5, 6, 7, 8]);
     let copy = [("MEM2MEM", 1), ("DIR", 1), ("PINC", 1), ("MSIZE", 2), ("PSIZE", 2)];
@@ -178,7 +178,7 @@ fn memory_is_copied_without_requests_and_an_address_of_nothing_is_an_error() {
 
 #[test]
 fn the_lines_of_one_exception_are_or_ed() {
-    let (mut chip, mut ram) = (chip(), Ram::new());
+    let (mut chip, mut ram) = (chip(), Ram::default());
     chip.modify("RCC", "APB1ENR1", &[("TIM2EN", 1)]);
     chip.modify("TIM2", "DIER", &[("UIE", 1), ("CCIE[0]", 1)]);
     chip.modify("TIM2", "EGR", &[("UG", 1), ("CCG[0]", 1)]);
@@ -195,7 +195,7 @@ fn the_lines_of_one_exception_are_or_ed() {
 
 #[test]
 fn a_read_of_a_broken_double_word_by_the_dma_raises_nmi() {
-    let (mut chip, mut ram) = (chip(), Ram::new());
+    let (mut chip, mut ram) = (chip(), Ram::default());
     let place = crate::chip::flash::START + 0x7_F000;
     for key in [0x4567_0123, 0xCDEF_89AB] {
         chip.put("FLASH", "KEYR", 0, key);
@@ -218,7 +218,7 @@ fn a_read_of_a_broken_double_word_by_the_dma_raises_nmi() {
 
 #[test]
 fn a_halfword_store_to_a_dac_is_refused_from_cpu_and_dma() {
-    let (mut chip, mut ram) = (chip(), Ram::new());
+    let (mut chip, mut ram) = (chip(), Ram::default());
     link(&mut chip);
     chip.modify("RCC", "AHB2ENR", &[("DAC1EN", 1)]);
     let holding = address("DAC1", "DHR12R", 0);
@@ -235,7 +235,7 @@ fn a_halfword_store_to_a_dac_is_refused_from_cpu_and_dma() {
 /// TIM6 triggers DAC1 every ten microseconds; DMA1 channel 4 brings the next sample of a ring.
 #[test]
 fn a_timer_a_dac_and_the_dma_make_a_wave() {
-    let (mut chip, mut ram) = (chip(), Ram::new());
+    let (mut chip, mut ram) = (chip(), Ram::default());
     link(&mut chip);
     chip.modify("RCC", "AHB2ENR", &[("DAC1EN", 1)]);
     chip.modify("RCC", "APB1ENR1", &[("TIM6EN", 1)]);
@@ -255,14 +255,14 @@ fn a_timer_a_dac_and_the_dma_make_a_wave() {
     let mut wave = Vec::new();
     for _ in 0..6 {
         chip.pass(Time::from_micros(10) + Time::from_micros(1) * u64::from(wave.is_empty()), &mut ram);
-        wave.push(chip.dac_output("DAC1", 0).unwrap());
+        wave.push(chip.dacs[0].output(0).unwrap());
     }
     assert_eq!(wave, [0, 100, 200, 300, 100, 200]);
 }
 
 #[test]
 fn an_edge_of_the_chosen_port_raises_the_shared_interrupt() {
-    let (mut chip, mut ram) = (chip(), Ram::new());
+    let (mut chip, mut ram) = (chip(), Ram::default());
     chip.modify("RCC", "AHB2ENR", &[("GPIOCEN", 1), ("GPIOBEN", 1)]);
     chip.modify("RCC", "APB2ENR", &[("SYSCFGEN", 1)]);
     for port in ["GPIOB", "GPIOC"] {
@@ -293,14 +293,14 @@ impl World for Counter {
     fn opamp(&mut self, _: usize, _: OpampSetting, _: Time) {}
     fn voltage(&mut self, adc: usize, channel: usize, _: Time) -> f64 {
         self.0 += 1;
-        REFERENCE * f64::from(100 * adc as u32 + 10 * channel as u32 + self.0) / 4096.0 + 1e-6
+        VREF_VOLTS * f64::from(100 * adc as u32 + 10 * channel as u32 + self.0) / 4096.0 + 1e-6
     }
 }
 
 /// TIM6 triggers ADC1 every ten microseconds, and DMA1 channel 5 fills a ring of two.
 #[test]
 fn a_timer_an_adc_and_the_dma_record_the_world() {
-    let (mut chip, mut ram) = (chip(), Ram::new());
+    let (mut chip, mut ram) = (chip(), Ram::default());
     link(&mut chip);
     chip.connect(Box::new(Counter::default()));
     chip.modify("RCC", "AHB2ENR", &[("ADC12EN", 1)]);
@@ -330,7 +330,7 @@ fn a_timer_an_adc_and_the_dma_record_the_world() {
 
 #[test]
 fn a_conversion_without_a_world_is_refused() {
-    let (mut chip, mut ram) = (chip(), Ram::new());
+    let (mut chip, mut ram) = (chip(), Ram::default());
     link(&mut chip);
     chip.modify("RCC", "AHB2ENR", &[("ADC12EN", 1)]);
     chip.modify("ADC12_COMMON", "CCR", &[("CKMODE", 3)]);
@@ -360,7 +360,7 @@ fn a_peripheral_held_in_reset_forgets_what_was_written_and_cannot_be_used() {
 #[test]
 fn a_port_that_is_reset_lets_its_pins_go() {
     let mut chip = chip();
-    let mut ram = Ram::new();
+    let mut ram = Ram::default();
     chip.modify("RCC", "AHB2ENR", &[("GPIOBEN", 1)]);
     chip.modify("GPIOB", "MODER", &[("MODER[3]", 1)]);
     chip.trace.take();

@@ -1,5 +1,6 @@
-use super::probe::{Ram, chip};
+use super::probe::chip;
 use crate::chip::{
+    Ram,
     time::Time,
     world::{OpampSetting, World},
 };
@@ -44,7 +45,7 @@ impl World for Diary {
 
 #[test]
 fn the_world_is_told_each_change_once_with_its_time() {
-    let (mut chip, mut ram) = (chip(), Ram::new());
+    let (mut chip, mut ram) = (chip(), Ram::default());
     let diary = Diary::default();
     chip.modify("RCC", "AHB2ENR", &[("GPIOBEN", 1), ("DAC1EN", 1)]);
     chip.modify("RCC", "APB2ENR", &[("SYSCFGEN", 1)]);

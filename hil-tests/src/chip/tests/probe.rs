@@ -1,28 +1,6 @@
 //! Probe: pokes the registers of a whole chip, as a debug probe does.
 
-use crate::chip::{
-    Chip, Memory, RAM_BYTES, RAM_START, map::Map, misuse::Misuse, rcc::ResetCause, time::Time,
-};
-
-/// RAM of 128 KiB.
-pub(crate) struct Ram(pub(crate) Vec<u8>);
-
-impl Ram {
-    pub(crate) fn new() -> Self {
-        Self(vec![0; RAM_BYTES as usize])
-    }
-}
-
-impl Memory for Ram {
-    fn read(&self, address: u32, bytes: &mut [u8]) {
-        let start = (address - RAM_START) as usize;
-        bytes.copy_from_slice(&self.0[start..start + bytes.len()]);
-    }
-    fn write(&mut self, address: u32, bytes: &[u8]) {
-        let start = (address - RAM_START) as usize;
-        self.0[start..start + bytes.len()].copy_from_slice(bytes);
-    }
-}
+use crate::chip::{Chip, Ram, map::Map, misuse::Misuse, rcc::ResetCause, time::Time};
 
 /// A chip switched on.
 pub(crate) fn chip() -> Chip {

@@ -4,16 +4,16 @@
 use super::{
     bus::nanos,
     outside::{Diary, Told},
-    probe::{Ram, address, chip, run_at_170_mhz},
+    probe::{address, chip, run_at_170_mhz},
 };
-use crate::chip::{Chip, Memory, RAM_START, nvic::Nvic, time::Time, world::OpampSetting::Amplifier};
+use crate::chip::{Chip, Memory, RAM_START, Ram, nvic::Nvic, time::Time, world::OpampSetting::Amplifier};
 
 const WORDS: u32 = RAM_START + 0x100;
 const GAINS: u32 = RAM_START + 0x200;
 
 /// TIM4 fires each microsecond; TIM3 makes slots of four of them; DMA1 channels 2 and 3 (from 0 on).
 fn slots() -> (Chip, Ram, Diary) {
-    let (mut chip, mut ram, diary) = (chip(), Ram::new(), Diary::default());
+    let (mut chip, mut ram, diary) = (chip(), Ram::default(), Diary::default());
     run_at_170_mhz(&mut chip, true, 4).unwrap();
     chip.modify("RCC", "AHB1ENR", &[("DMA1EN", 1), ("DMAMUX1EN", 1)]);
     chip.modify("RCC", "AHB2ENR", &[("GPIOBEN", 1), ("GPIOCEN", 1)]);
@@ -98,7 +98,7 @@ fn a_pin_that_is_no_longer_the_timers_lets_go() {
 
 /// ADC1 or ADC2 at a channel, started once.
 fn convert(adc: &str, channel: u32, prepare: impl Fn(&mut Chip)) -> Result<(), String> {
-    let (mut chip, mut ram) = (chip(), Ram::new());
+    let (mut chip, mut ram) = (chip(), Ram::default());
     run_at_170_mhz(&mut chip, true, 4).unwrap();
     chip.connect(Box::new(Diary::default()));
     chip.modify("RCC", "AHB2ENR", &[("ADC12EN", 1)]);

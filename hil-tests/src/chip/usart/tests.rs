@@ -10,13 +10,9 @@ fn link(fifo: u32) -> Bus<Usart> {
     bus
 }
 
-fn bytes(values: &[u8]) -> Vec<Symbol> {
-    values.iter().map(|&byte| Symbol { byte, damaged: false }).collect()
-}
-
 fn receive(bus: &mut Bus<Usart>, values: &[u8]) {
     let now = bus.now;
-    bus.model.receive(bytes(values), now);
+    bus.model.receive(Symbol::undamaged(values), now);
 }
 
 #[test]

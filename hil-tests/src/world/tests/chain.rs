@@ -1,10 +1,10 @@
-use super::{super::multiplexers::word, Chip, analogue, ideal, scene, words};
+use super::{super::multiplexers::word, Chip, analogue, handle, ideal, words};
 use crate::{
     chip::{
         time::Time,
         world::{OpampSetting, World},
     },
-    world::{Analogue, AnalogueWorld, Scene, Setup},
+    world::{Analogue, AnalogueWorld, Setup, WorldHandle},
 };
 use dermatome::simulate::Press;
 use num_complex::Complex64;
@@ -14,17 +14,17 @@ const SETTLED: usize = 1_000_000;
 
 #[test]
 fn a_lock_in_finds_what_the_frequencies_say() {
-    let scene = scene(analogue());
-    scene.press(&[Press::finger([0.02, 0.05], 0.02, 0.8)]);
+    let handle = handle(analogue());
+    handle.press(&[Press::finger([0.02, 0.05], 0.02, 0.8)]);
     for (words_per_period, amplitude, gain) in [(5, 1500.0, 1.0), (20, 200.0, 16.0), (80, 1500.0, 2.0)] {
-        let mut chip = Chip::new(&scene, words_per_period, amplitude);
+        let mut chip = Chip::new(&handle, words_per_period, amplitude);
         chip.gain(gain);
         chip.run(SETTLED);
         for channels in [[0, 1, 3, 4], [0, 1, 8, 9], [6, 7, 14, 15]] {
             let word = word(channels);
             chip.select(word);
             chip.run(400 - 2 + 320);
-            let (found, expected) = (chip.demodulate(4), scene.expected(word, gain, &chip.carrier));
+            let (found, expected) = (chip.demodulate(4), handle.expected(word, gain, &chip.carrier));
             let error = (found - expected).norm() / expected.norm();
             assert!(error < 1e-5, "{words_per_period} words, {channels:?}: {found} for {expected}");
         }
@@ -34,11 +34,11 @@ fn a_lock_in_finds_what_the_frequencies_say() {
 /// Largest distance of demodulated voltages from the truth times one complex factor, over the largest
 /// voltage.
 fn distance_from_truth(analogue: Analogue, words_per_period: usize) -> f64 {
-    let scene = scene(analogue);
-    let carrier = Chip::new(&scene, words_per_period, 1500.0).carrier;
-    scene.set_frequency(carrier.frequency()).unwrap();
+    let handle = handle(analogue);
+    let carrier = Chip::new(&handle, words_per_period, 1500.0).carrier;
+    handle.set_frequency(carrier.frequency()).unwrap();
     let pairs: Vec<_> =
-        words().iter().map(|&word| (scene.truth(word), scene.expected(word, 1.0, &carrier))).collect();
+        words().iter().map(|&word| (handle.truth(word), handle.expected(word, 1.0, &carrier))).collect();
     let energy: f64 = pairs.iter().map(|(truth, _)| truth.norm_sqr()).sum();
     let factor = pairs.iter().map(|(truth, volts)| volts * truth.conj()).sum::<Complex64>() / energy;
     let full = pairs.iter().map(|(_, volts)| volts.norm()).fold(0.0, f64::max);
@@ -64,8 +64,8 @@ fn demodulated_voltages_are_in_proportion_to_the_truth() {
 
 #[test]
 fn what_a_switch_leaves_behind_decays() {
-    let scene = scene(analogue());
-    let mut chip = Chip::new(&scene, 20, 1500.0);
+    let handle = handle(analogue());
+    let mut chip = Chip::new(&handle, 20, 1500.0);
     chip.run(SETTLED);
     let (first, second) = (word([0, 1, 3, 4]), word([8, 9, 0, 15]));
     chip.select(first);
@@ -92,9 +92,9 @@ fn what_a_switch_leaves_behind_decays() {
 
 #[test]
 fn the_source_rises_no_further_than_its_limit_while_all_switches_are_open() {
-    let scene = scene(analogue());
-    let source = scene.setup().analogue.source;
-    let mut chip = Chip::new(&scene, 20, 1500.0);
+    let handle = handle(analogue());
+    let source = handle.setup().analogue.source;
+    let mut chip = Chip::new(&handle, 20, 1500.0);
     chip.run(SETTLED / 4);
     let now = chip.now();
     chip.world.pins('C', 0, now);
@@ -110,10 +110,10 @@ fn the_source_rises_no_further_than_its_limit_while_all_switches_are_open() {
 
 #[test]
 fn noise_has_the_spread_that_its_parts_add_up_to() {
-    let scene = scene(ideal());
-    scene.noise(1.0);
-    let mut world = AnalogueWorld::new(scene.clone());
-    let parts = scene.setup().analogue.clone();
+    let handle = handle(ideal());
+    handle.noise(1.0);
+    let mut world = AnalogueWorld::new(handle.clone());
+    let parts = handle.setup().analogue.clone();
     for gain in [1.0, 16.0] {
         world.opamp(2, OpampSetting::Amplifier { input: 0, gain }, Time::ZERO);
         let samples: Vec<f64> =
@@ -122,7 +122,7 @@ fn noise_has_the_spread_that_its_parts_add_up_to() {
         let variance =
             samples.iter().map(|sample| (sample - mean).powi(2)).sum::<f64>() / samples.len() as f64;
         // Three poles, integrated the slow way.
-        let poles = crate::world::modes::stages(&parts, gain);
+        let poles = crate::world::modes::poles(&parts, gain);
         let power = |f: f64| poles.iter().map(|pole| 1.0 / (1.0 + (f / pole).powi(2))).product::<f64>();
         let bandwidth: f64 = (0..200_000).map(|k| power(500.0 * (f64::from(k) + 0.5)) * 500.0).sum();
         let density = (parts.amplifier.gain * parts.amplifier.noise).hypot(parts.pga.noise) * gain;
@@ -139,8 +139,8 @@ fn noise_has_the_spread_that_its_parts_add_up_to() {
 #[test]
 fn the_same_seed_gives_the_same_samples_and_another_seed_others() {
     let record = |seed| {
-        let scene = Scene::new(Setup::new(super::skin(), analogue(), 0.0, seed).unwrap());
-        let mut chip = Chip::new(&scene, 20, 1500.0);
+        let handle = WorldHandle::new(Setup::new(super::skin(), analogue(), 0.0, seed).unwrap());
+        let mut chip = Chip::new(&handle, 20, 1500.0);
         chip.select(word([0, 1, 3, 4]));
         (0..2000).map(|_| chip.sample().to_bits()).collect::<Vec<_>>()
     };
@@ -150,25 +150,25 @@ fn the_same_seed_gives_the_same_samples_and_another_seed_others() {
 
 #[test]
 fn too_much_gain_is_cut_off_at_the_rails() {
-    let scene = scene(analogue());
-    let mut chip = Chip::new(&scene, 20, 1700.0);
+    let handle = handle(analogue());
+    let mut chip = Chip::new(&handle, 20, 1700.0);
     chip.gain(64.0);
     chip.select(word([0, 1, 2, 3]));
     chip.run(SETTLED);
     let samples: Vec<f64> = (0..400).map(|_| chip.sample()).collect();
     let (low, high) =
         samples.iter().fold((9.0, 0.0), |(low, high): (f64, f64), &v| (low.min(v), high.max(v)));
-    let adc = scene.setup().analogue.adc.offset;
+    let adc = handle.setup().analogue.adc.offset;
     assert!((low - adc - 0.1).abs() < 1e-9 && (high - adc - 3.2).abs() < 1e-9, "{low} to {high}");
 }
 
 #[test]
 fn the_temperature_sensor_follows_the_datasheet_and_what_is_not_wired_reads_nothing() {
-    let scene = scene(analogue());
-    let mut world = AnalogueWorld::new(scene.clone());
-    scene.temperature(30.0);
+    let handle = handle(analogue());
+    let mut world = AnalogueWorld::new(handle.clone());
+    handle.temperature(30.0);
     assert!((world.voltage(1, 16, Time::from_millis(1)) - 0.76).abs() < 1e-12);
-    scene.temperature(70.0);
+    handle.temperature(70.0);
     assert!((world.voltage(1, 16, Time::from_millis(2)) - 0.86).abs() < 1e-12);
     // OPAMP2 is off.
     assert_eq!(world.voltage(2, 16, Time::from_millis(3)), 0.0);

@@ -10,7 +10,7 @@ fn text() -> String {
 fn the_rigs_front_ends_are_read_in_si_units() {
     let parts = analogue();
     assert!((parts.source.full_current() - 1e-3).abs() < 1e-5);
-    assert!((parts.dac.step - 3.3 / 4096.0).abs() < 1e-12);
+    assert!((parts.dac.lsb - 3.3 / 4096.0).abs() < 1e-12);
     assert!((parts.adc.noise - 0.8 * 3.3 / 4096.0).abs() < 1e-9);
     assert!((parts.amplifier.common_mode - 10_f64.powf(-82.0 / 20.0)).abs() < 1e-12);
     let cheap = concat!(env!("CARGO_MANIFEST_DIR"), "/rigs/analogue-cheap.toml");

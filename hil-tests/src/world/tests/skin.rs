@@ -1,7 +1,7 @@
-use super::{super::multiplexers::word, analogue, ideal, scene, skin, words};
+use super::{super::multiplexers::word, analogue, handle, ideal, skin, words};
 use crate::{
     chip::{time::Time, world::World},
-    world::{AnalogueWorld, Scene, Setup, WorldError},
+    world::{AnalogueWorld, Setup, WorldError, WorldHandle},
 };
 use dermatome::{simulate::Press, skin::Skin};
 use std::path::Path;
@@ -9,72 +9,72 @@ use std::path::Path;
 const PRESS: Press = Press::finger([0.03, -0.02], 0.02, 1.0);
 
 /// Largest difference of `truth` from the forward model's own voltages, over the largest of those.
-fn error_of(scene: &Scene) -> f64 {
+fn error_of(handle: &WorldHandle) -> f64 {
     let words = words();
-    let full = words.iter().map(|&word| scene.skin_truth(word).norm()).fold(0.0, f64::max);
-    let error = words.iter().map(|&word| (scene.truth(word) - scene.skin_truth(word)).norm());
+    let full = words.iter().map(|&word| handle.skin_truth(word).norm()).fold(0.0, f64::max);
+    let error = words.iter().map(|&word| (handle.truth(word) - handle.skin_truth(word)).norm());
     error.fold(0.0, f64::max) / full
 }
 
 #[test]
 fn without_strays_the_board_sees_what_the_forward_model_says() {
-    let scene = scene(ideal());
-    assert!(error_of(&scene) < 1e-5, "{}", error_of(&scene));
-    scene.press(&[PRESS]);
-    assert!(error_of(&scene) < 1e-5, "{}", error_of(&scene));
+    let handle = handle(ideal());
+    assert!(error_of(&handle) < 1e-5, "{}", error_of(&handle));
+    handle.press(&[PRESS]);
+    assert!(error_of(&handle) < 1e-5, "{}", error_of(&handle));
     // With strays it does not.
-    assert!(error_of(&super::scene(analogue())) > 1e-3);
+    assert!(error_of(&super::handle(analogue())) > 1e-3);
 }
 
 #[test]
 fn a_contact_with_capacitance_shows_a_phase() {
     let setup = Setup::new(skin(), ideal(), 5e-6, 1).unwrap();
-    let scene = Scene::new(setup);
-    assert!(error_of(&scene) < 1e-5, "{}", error_of(&scene));
+    let handle = WorldHandle::new(setup);
+    assert!(error_of(&handle) < 1e-5, "{}", error_of(&handle));
     // Current through both contacts: the driven electrodes sensed as well.
-    let own = scene.truth(word([0, 1, 0, 1]));
+    let own = handle.truth(word([0, 1, 0, 1]));
     assert!(own.im < -0.01 * own.re, "{own}");
-    scene.set_frequency(200e3).unwrap();
-    let higher = scene.truth(word([0, 1, 0, 1]));
+    handle.set_frequency(200e3).unwrap();
+    let higher = handle.truth(word([0, 1, 0, 1]));
     assert!(higher.re < own.re, "{higher} at four times the frequency, {own} before");
-    assert!(scene.set_frequency(f64::NAN).unwrap_err().to_string().contains("allowed"));
+    assert!(handle.set_frequency(f64::NAN).unwrap_err().to_string().contains("allowed"));
 }
 
 #[test]
 fn drive_and_sense_pairs_may_be_exchanged() {
-    let scene = scene(ideal());
-    scene.press(&[PRESS]);
+    let handle = handle(ideal());
+    handle.press(&[PRESS]);
     for (there, back) in [([0, 1, 5, 6], [5, 6, 0, 1]), ([3, 4, 9, 10], [9, 10, 3, 4])] {
-        let (there, back) = (scene.truth(word(there)), scene.truth(word(back)));
+        let (there, back) = (handle.truth(word(there)), handle.truth(word(back)));
         assert!((there - back).norm() < 1e-5 * there.norm(), "{there} {back}");
     }
 }
 
 #[test]
 fn drift_is_interpolated_without_a_step() {
-    let scene = scene(ideal());
-    scene.press(&[PRESS]);
-    let mut world = AnalogueWorld::new(scene.clone());
-    let before = scene.truth(words()[3]);
-    scene.drift(-0.01);
+    let handle = handle(ideal());
+    handle.press(&[PRESS]);
+    let mut world = AnalogueWorld::new(handle.clone());
+    let before = handle.truth(words()[3]);
+    handle.drift(-0.01);
     // 37 s at one per cent a minute.
     world.voltage(2, 16, Time::from_millis(37_000));
-    assert!((scene.conditions().scale - (1.0 - 0.01 * 37.0 / 60.0)).abs() < 1e-4);
-    assert!(error_of(&scene) < 1e-5, "{}", error_of(&scene));
-    let after = scene.truth(words()[3]);
+    assert!((handle.conditions().scale - (1.0 - 0.01 * 37.0 / 60.0)).abs() < 1e-4);
+    assert!(error_of(&handle) < 1e-5, "{}", error_of(&handle));
+    let after = handle.truth(words()[3]);
     assert!((after.norm() / before.norm() - 1.006).abs() < 1e-3, "{before} {after}");
 }
 
 #[test]
 fn a_script_moves_fingers_in_virtual_time() {
-    let scene = scene(ideal());
-    let outline = dermatome::skin::outline::Outline::disc(0.105);
-    scene.play(dermatome::simulate::Script::round(&outline));
-    let mut world = AnalogueWorld::new(scene.clone());
+    let handle = handle(ideal());
+    let outline = dermatome::outline::Outline::disc(0.105);
+    handle.run_script(dermatome::simulate::Script::round(&outline));
+    let mut world = AnalogueWorld::new(handle.clone());
     world.voltage(2, 16, Time::from_millis(10));
-    let first = scene.conditions().presses;
+    let first = handle.conditions().presses;
     world.voltage(2, 16, Time::from_millis(2010));
-    let later = scene.conditions().presses;
+    let later = handle.conditions().presses;
     assert_eq!((first.len(), later.len()), (1, 1));
     // A quarter of the way round.
     assert!(first[0].position[0] > 0.05 && later[0].position[1] > 0.05, "{first:?} {later:?}");

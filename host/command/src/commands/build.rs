@@ -265,7 +265,7 @@ fn write_patch(
     model.stages.push(Stage { name: "write", time: writing.elapsed() });
     let calibration = CalibrationReport {
         points: view.header.calibration.points.len(),
-        plays: usize::from(view.header.plays),
+        plays: usize::from(view.header.play_operators),
         kept_from: args.keep_calibration.clone(),
         is_doubtful: kept.is_some_and(|kept| kept.is_doubtful(&view)),
     };

@@ -13,7 +13,7 @@ use dermatome_patch::{
     output::{check_folder, write_together, write_whole},
     write::with_calibration,
 };
-use dermatome_shared::{hysteresis::Play, patch::PatchView, reference::DEFAULT_TARE_FRAMES};
+use dermatome_shared::{hysteresis::PlayOperator, patch::PatchView, reference::DEFAULT_TARE_FRAMES};
 use dermatome_simulate::port::{self, Port};
 use serde::Serialize;
 use std::{
@@ -258,6 +258,6 @@ fn print_compensation(fit: &Fit) {
 }
 
 /// Reach and weight as plain numbers.
-fn plain(play: &Play) -> [f64; 2] {
-    [f64::from(play.reach) / 4096.0, f64::from(play.weight) / 2048.0]
+fn plain(play: &PlayOperator) -> [f64; 2] {
+    [f64::from(play.threshold) / 4096.0, f64::from(play.weight) / 2048.0]
 }

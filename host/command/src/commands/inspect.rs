@@ -87,7 +87,7 @@ fn print(report: &Report) {
             "calibration   {} points up to {} kPa, {} plays against hysteresis, {}",
             header.calibration.points.len(),
             last.pressure / 1e3,
-            header.plays,
+            header.play_operators,
             match header.calibration.load_share {
                 Some(share) => format!("the load acts on {share:.3} of a contact's area"),
                 None => "no force".to_owned(),

@@ -1,7 +1,7 @@
 //! The command line: arguments in, library calls, words and reports out.
 
 use anyhow::Context;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use dermatome_link::Link;
 use dermatome_patch::output::write_whole;
 use dermatome_shared::protocol::PatchInfo;
@@ -50,7 +50,7 @@ mod tare;
 
 /// Pressure-sensing robot skin by electrical impedance tomography.
 #[derive(Parser)]
-#[command(version, propagate_version = true, arg_required_else_help = true)]
+#[command(name = "dermatome", version, propagate_version = true, arg_required_else_help = true)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -79,6 +79,12 @@ enum Command {
     Learn(learn::Args),
     Export(export::Args),
     Forward(forward::Args),
+}
+
+/// The command line as clap knows it: for its help, completions and manual pages.
+#[must_use]
+pub fn command() -> clap::Command {
+    Cli::command()
 }
 
 /// Runs the command line; errors go to standard error in full, with exit code 1.

@@ -5,7 +5,6 @@
 //! Each is a real forward solution with noise, imaged with the model's reconstruction matrix. What the
 //! images are worth is put together by rings ([`report`]) and drawn ([`picture`]).
 
-mod bench;
 pub(crate) mod electrodes;
 mod find;
 mod length;
@@ -16,13 +15,12 @@ pub mod single;
 mod surface;
 mod target;
 
-use bench::Bench;
 use dermatome_geometry::mesh::Mesh;
 use dermatome_model::{
     model::{Model, ModelError},
     skin::Skin,
 };
-use dermatome_simulate::TrueSkin;
+use dermatome_simulate::{TrueSkin, rig::IdealRig};
 use find::Finder;
 pub use length::Length;
 use nalgebra::Point3;
@@ -142,7 +140,7 @@ pub enum EvaluateError {
 /// Everything that single targets and pairs need.
 struct Scene<'a> {
     surface: &'a Surface<'a>,
-    bench: Bench<'a>,
+    rig: IdealRig<'a>,
     finder: Finder<'a>,
     model: &'a Model,
     /// The true skin, if the model is of its flattened one: what is found is laid onto it from above.
@@ -186,7 +184,7 @@ fn evaluate_through(
     let threshold = options.threshold.unwrap_or(skin.contact_threshold);
     let scene = Scene {
         surface: &surface,
-        bench: Bench::new(&truth, model, options.snr_db, options.seed),
+        rig: IdealRig::new(&truth, model, options.snr_db, options.seed),
         finder: Finder::new(&model.pixels, threshold),
         model,
         flattened: is_flattened.then_some(&truth),

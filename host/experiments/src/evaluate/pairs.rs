@@ -108,7 +108,7 @@ impl Tries<'_> {
     /// Whether the two strongest contacts are one for each target.
     fn is_told_apart(&self, middles: &[Point3<f64>; 2], frame: u64) -> bool {
         let change = self.scene.discs.at(self.scene.surface, middles);
-        let image = self.scene.upright(self.scene.bench.measure(&change, frame).image);
+        let image = self.scene.upright(self.scene.rig.measure(&change.conductivity, frame).image);
         let contacts = self.scene.contacts(&image);
         let [first, second, ..] = contacts.as_slice() else { return false };
         let is_of =

@@ -47,7 +47,7 @@ pub(super) fn try_all(scene: &Scene<'_>, watch: &dyn Watch) -> Vec<Single> {
 
 fn try_one(scene: &Scene<'_>, place: Point3<f64>, frame: u64) -> Single {
     let change = scene.discs.at(scene.surface, &[place]);
-    let measured = scene.bench.measure(&change, frame);
+    let measured = scene.rig.measure(&change.conductivity, frame);
     let image = scene.upright(measured.image);
     let target = Target {
         position: scene.seen(change.centre),

@@ -2,11 +2,11 @@
 
 use super::{
     ExperimentError,
-    bench::{Artefacts, Bench, Shown},
     plot::{Chart, Series, Style},
     report::{Report, Wanted, largest, mean_and_deviation, number},
     saline::{draw, hysteresis},
     sample::{Sample, cube},
+    sample_rig::{Artefacts, SampleRig, Shown},
 };
 use dermatome_shared::contact::Contact;
 use dermatome_simulate::script::LoadingMachine;
@@ -45,8 +45,8 @@ pub(super) fn run(sample: &Sample) -> Result<Report, ExperimentError> {
         Artefacts::SHEET.words()
     ));
     let trials: Vec<_> = (1..=TRIALS).into_par_iter().map(|seed| trial(sample, seed)).collect();
-    let trials = trials.into_iter().collect::<Result<Vec<(Trial, Bench)>, _>>()?;
-    let (trials, benches): (Vec<_>, Vec<_>) = trials.into_iter().unzip();
+    let trials = trials.into_iter().collect::<Result<Vec<(Trial, SampleRig)>, _>>()?;
+    let (trials, rigs): (Vec<_>, Vec<_>) = trials.into_iter().unzip();
     let summary = Summary::new(&trials);
     summary.compare(sample, &mut report);
     summary.tabulate(sample, &mut report);
@@ -55,15 +55,13 @@ pub(super) fn run(sample: &Sample) -> Result<Report, ExperimentError> {
         loops(&trials, "Readings from the voltages", "|dV/V|, %", Trial::voltages),
         scatter(&trials),
     ])?;
-    report.picture(
-        pictures(&benches[0], &trials[0])?,
-        "What the board showed in the first trial: up, then down",
-    );
+    report
+        .picture(pictures(&rigs[0], &trials[0])?, "What the board showed in the first trial: up, then down");
     report.figures = summary.json(&trials);
     Ok(report)
 }
 
-fn trial(sample: &Sample, seed: u64) -> Result<(Trial, Bench), ExperimentError> {
+fn trial(sample: &Sample, seed: u64) -> Result<(Trial, SampleRig), ExperimentError> {
     let mut specimen = sample.specimen(Artefacts::SHEET, seed)?;
     let machine = LoadingMachine { steps: sample.found.readings / 2, hold: HOLD };
     let pressures: Vec<f64> = machine.shares().map(|share| share * sample.found.range).collect();
@@ -72,12 +70,12 @@ fn trial(sample: &Sample, seed: u64) -> Result<(Trial, Bench), ExperimentError> 
         let conductivity = specimen.under(&[cube([0.0; 2], pressure)], HOLD);
         // Beyond the contact nothing rises.
         true_changes.push(largest(conductivity.iter().map(|sigma| sigma - 1.0)));
-        let now = specimen.bench.show(&conductivity)?;
-        strengths.push(specimen.bench.figures(&now, [0.0; 2]).map_or(0.0, |figures| figures.strength));
+        let now = specimen.rig.show(&conductivity)?;
+        strengths.push(specimen.rig.figures(&now, [0.0; 2]).map_or(0.0, |figures| figures.strength));
         shown.push(now);
     }
-    let side = specimen.bench.side();
-    Ok((Trial { pressures, shown, strengths, true_changes, side }, specimen.bench))
+    let side = specimen.rig.side();
+    Ok((Trial { pressures, shown, strengths, true_changes, side }, specimen.rig))
 }
 
 impl Trial {
@@ -264,7 +262,7 @@ fn scatter(trials: &[Trial]) -> Chart<'static> {
     Chart { title: "CoP under load", x: "x, % of the length", y: "y, % of the length", series, square }
 }
 
-fn pictures(bench: &Bench, trial: &Trial) -> Result<Vec<u8>, ExperimentError> {
+fn pictures(rig: &SampleRig, trial: &Trial) -> Result<Vec<u8>, ExperimentError> {
     let count = trial.shown.len();
     let shown = dermatome_frames::recorded::reconstruct::evenly_spaced(count, 10);
     let panels = shown.into_iter().map(|index| {
@@ -281,7 +279,7 @@ fn pictures(bench: &Bench, trial: &Trial) -> Result<Vec<u8>, ExperimentError> {
             maximum: None,
         }
     });
-    draw(bench, "", 5, panels.collect())
+    draw(rig, "", 5, panels.collect())
 }
 
 #[cfg(test)]

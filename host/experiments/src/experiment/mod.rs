@@ -2,12 +2,10 @@
 //!
 //! Everything here is simulation with stated models: the skin is solved for on a mesh of its own, the
 //! material is a model ([`dermatome_simulate::material`]), the instrument has noise and artefacts, and what a board would show
-//! is computed by the board's own code ([`bench`]). Each experiment is a file; [`EXPERIMENTS`] lists them.
+//! is computed by the board's own code ([`sample_rig`]). Each experiment is a file; [`EXPERIMENTS`] lists them.
 
-mod bench;
 mod divider;
 mod hemisphere;
-mod hemisphere_flat;
 mod html;
 mod loading;
 mod plot;
@@ -17,14 +15,14 @@ mod report;
 mod saline;
 mod saline_map;
 mod sample;
+mod sample_rig;
 mod shapes;
-mod touches;
 mod tracking;
 mod two_point;
 
 use crate::{evaluate::EvaluateError, scenes::ScenesError};
-use dermatome_model::{model::ModelError, quantize::PatchBuildError, skin::SkinError};
-use dermatome_simulate::material::MaterialError;
+use dermatome_model::{model::ModelError, skin::SkinError};
+use dermatome_simulate::{material::MaterialError, rig::RigError};
 pub use html::page;
 use rayon::prelude::*;
 pub use report::{Comparison, Report, Wanted, json};
@@ -79,12 +77,12 @@ pub const EXPERIMENTS: [Experiment; 15] = [
     Experiment {
         name: "hemisphere",
         about: "one, two and three contacts on a hemisphere (5.4.4)",
-        run: hemisphere::run,
+        run: hemisphere::count,
     },
     Experiment {
         name: "hemisphere-flat",
         about: "surface against planar image (5.4.4)",
-        run: hemisphere_flat::run,
+        run: hemisphere::flat,
     },
     Experiment {
         name: "tracking",
@@ -121,12 +119,12 @@ pub enum ExperimentError {
     /// A skin file that comes with the program is not usable.
     #[error(transparent)]
     Skin(#[from] SkinError),
-    /// A skin has no model.
+    /// A true skin has no model.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A skin has no patch.
+    /// A skin has no model or no patch.
     #[error(transparent)]
-    Patch(#[from] PatchBuildError),
+    Rig(#[from] RigError),
     /// The artefacts do not suit the skin.
     #[error(transparent)]
     Artefacts(#[from] EvaluateError),

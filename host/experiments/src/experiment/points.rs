@@ -2,10 +2,10 @@
 
 use super::{
     ExperimentError,
-    bench::{Artefacts, Shown},
     report::{Report, Wanted, largest, mean_and_deviation},
     saline::draw,
     sample::THREE_SINGLE,
+    sample_rig::{Artefacts, Shown},
 };
 use dermatome_shared::contact::Contact;
 use dermatome_simulate::{Footprint, Load, Press};
@@ -70,7 +70,7 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
         truth: vec![(*at, 0.0)],
         maximum: None,
     });
-    report.picture(draw(&first.bench, "", 5, panels.collect())?, "What the board showed in the first trial");
+    report.picture(draw(&first.rig, "", 5, panels.collect())?, "What the board showed in the first trial");
     report.figures = json!({ "position_error_percent": { "mean": mean, "max": max }, "places": of_places });
     Ok(report)
 }
@@ -79,7 +79,7 @@ struct Trial {
     /// Share of the diameter, by place; 1 where there is no contact.
     errors: Vec<f64>,
     shown: Vec<Shown>,
-    bench: super::bench::Bench,
+    rig: super::sample_rig::SampleRig,
 }
 
 fn trial(seed: u64) -> Result<Trial, ExperimentError> {
@@ -88,10 +88,10 @@ fn trial(seed: u64) -> Result<Trial, ExperimentError> {
     for (_, at, _) in PLACES {
         let press = Press::new(Footprint::Square { side: 0.02 }, at, Load::Force(FORCE));
         let shown = specimen.hold(&[press], 10.0)?;
-        errors.push(shown.offset(at).map_or(1.0, |[x, y]| x.hypot(y) / specimen.bench.side()));
+        errors.push(shown.offset(at).map_or(1.0, |[x, y]| x.hypot(y) / specimen.rig.side()));
         all.push(shown);
         // The cube is put elsewhere by hand.
         specimen.at_rest(30.0);
     }
-    Ok(Trial { errors, shown: all, bench: specimen.bench })
+    Ok(Trial { errors, shown: all, rig: specimen.rig })
 }

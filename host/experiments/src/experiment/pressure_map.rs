@@ -2,11 +2,11 @@
 
 use super::{
     ExperimentError,
-    bench::Artefacts,
     report::{Report, largest},
     saline::draw,
     saline_map::{LINES, PLACES, Spot, panel, show_spots},
     sample::{ONE, Sample, Specimen, TWO},
+    sample_rig::Artefacts,
 };
 use dermatome_simulate::{Footprint, Load, Press};
 use rayon::prelude::*;
@@ -52,7 +52,7 @@ fn map(sample: &Sample, scale: f64) -> Result<Map, ExperimentError> {
             let at = [x * scale, y * scale];
             let press = Press::new(Footprint::Square { side: 0.02 }, at, Load::Force(FORCE));
             let shown = specimen.hold(&[press], INTERVAL)?;
-            spots.push(Spot::new(&specimen.bench, at, shown));
+            spots.push(Spot::new(&specimen.rig, at, shown));
             specimen.at_rest(INTERVAL);
         }
     }
@@ -60,7 +60,7 @@ fn map(sample: &Sample, scale: f64) -> Result<Map, ExperimentError> {
 }
 
 fn show(report: &mut Report, sample: &Sample, map: &Map) -> Result<Value, ExperimentError> {
-    let bench = &map.specimen.bench;
+    let rig = &map.specimen.rig;
     let errors = || map.spots.iter().map(|spot| 100.0 * spot.error);
     let mean = errors().sum::<f64>() / map.spots.len() as f64;
     let ringing = || map.spots.iter().filter_map(|spot| spot.figures).map(|figures| figures.ringing);
@@ -74,16 +74,16 @@ fn show(report: &mut Report, sample: &Sample, map: &Map) -> Result<Value, Experi
         report.compare(format!("{}: ringing, {what}", sample.name), "", thesis, found, None);
     }
     report.words(sample.acquisition());
-    show_spots(report, &format!("{}: figures at each place", sample.name), &map.spots, bench.side())?;
+    show_spots(report, &format!("{}: figures at each place", sample.name), &map.spots, rig.side())?;
     let panels = map.spots.iter().map(|spot| panel(spot, &spot.shown.image)).collect();
     let words = format!(
         "{}: what the board showed at the 15 places in order: lines from the centre to the edge, each from top to bottom",
         sample.name
     );
-    report.picture(draw(bench, "", 5, panels)?, &words);
+    report.picture(draw(rig, "", 5, panels)?, &words);
     Ok(json!({
         "position_error_percent": { "mean": mean, "max": largest(errors()) },
         "ringing": { "min": smallest, "max": largest(ringing()) },
-        "places": map.spots.iter().map(|spot| spot.json(bench.side())).collect::<Vec<_>>(),
+        "places": map.spots.iter().map(|spot| spot.json(rig.side())).collect::<Vec<_>>(),
     }))
 }

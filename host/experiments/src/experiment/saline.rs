@@ -6,9 +6,9 @@
 
 use super::{
     ExperimentError,
-    bench::{Artefacts, Bench, FRAMES, Shown},
     plot::{Chart, Series, Style},
     report::{Report, largest, number},
+    sample_rig::{Artefacts, FRAMES, SampleRig, Shown},
 };
 use dermatome_model::skin::{Skin, electrodes_in_plane};
 use dermatome_patch::layout::Layout;
@@ -26,12 +26,12 @@ pub(super) const WATER: f64 = 0.06;
 const THESIS_HYSTERESIS: f64 = 1.06;
 
 /// The bath, looked at for falls of conductivity, tared without a cube.
-pub(super) fn bath(seed: u64) -> Result<Bench, ExperimentError> {
+pub(super) fn bath(seed: u64) -> Result<SampleRig, ExperimentError> {
     let path = Path::new("models/saline-215mm/skin.toml");
     let skin = Skin::parse(path, include_str!("../../../../models/saline-215mm/skin.toml"))?.made()?;
-    let mut bench = Bench::new(skin, Artefacts::SALINE, FRAMES, seed)?.upside_down();
-    bench.tare(&vec![1.0; bench.elements()]);
-    Ok(bench)
+    let mut rig = SampleRig::new(skin, Artefacts::SALINE, FRAMES, seed)?.inverted();
+    rig.tare(&vec![1.0; rig.elements()]);
+    Ok(rig)
 }
 
 /// An insulating cube that takes the place of `depth` of water, m.
@@ -40,9 +40,9 @@ pub(super) fn cube(position: [f64; 2], side: f64, depth: f64) -> Press {
 }
 
 /// Shows cubes in the bath.
-pub(super) fn dip(bench: &mut Bench, presses: &[Press]) -> Result<Shown, ExperimentError> {
-    let conductivity = bench.truth().conductivity(presses);
-    bench.show(&conductivity)
+pub(super) fn dip(rig: &mut SampleRig, presses: &[Press]) -> Result<Shown, ExperimentError> {
+    let conductivity = rig.truth().conductivity(presses);
+    rig.show(&conductivity)
 }
 
 /// One load of a cycle.
@@ -85,11 +85,11 @@ pub(super) fn volume() -> Result<Report, ExperimentError> {
 
 /// Shows a cycle of loads and looks for hysteresis.
 fn cycle(mut report: Report, thesis: Option<f64>, dips: &[Dip]) -> Result<Report, ExperimentError> {
-    let mut bench = bath(1)?;
+    let mut rig = bath(1)?;
     report.words(format!("{DRIVEN} Artefacts: {}.", Artefacts::SALINE.words()));
     let shown = dips
         .iter()
-        .map(|step| dip(&mut bench, step.cube.as_slice()))
+        .map(|step| dip(&mut rig, step.cube.as_slice()))
         .collect::<Result<Vec<_>, ExperimentError>>()?;
     // Where nothing is above the threshold, there is no region of interest.
     let strength = |shown: &Shown| f64::from(shown.contacts.first().map_or(0.0, |contact| contact.strength));
@@ -112,7 +112,7 @@ fn cycle(mut report: Report, thesis: Option<f64>, dips: &[Dip]) -> Result<Report
         chart("Image", "change of conductivity", dips, &strengths, -1.0),
         chart("Voltages", "dV/V, %", dips, &voltages, 100.0),
     ])?;
-    report.picture(pictures(&bench, dips, &shown)?, "What the board showed, in order");
+    report.picture(pictures(&rig, dips, &shown)?, "What the board showed, in order");
     report.figures = json!({
         "volumes_cm3": dips.iter().map(|dip| dip.volume).collect::<Vec<_>>(),
         "changes": strengths.iter().map(|strength| -strength).collect::<Vec<_>>(),
@@ -144,7 +144,7 @@ fn chart<'a>(title: &'a str, y: &'a str, dips: &[Dip], readings: &[f64], scale: 
     Chart { title, x: "displaced water, cm³", y, series, square: None }
 }
 
-fn pictures(bench: &Bench, dips: &[Dip], shown: &[Shown]) -> Result<Vec<u8>, ExperimentError> {
+fn pictures(rig: &SampleRig, dips: &[Dip], shown: &[Shown]) -> Result<Vec<u8>, ExperimentError> {
     let images: Vec<Vec<f64>> =
         shown.iter().map(|shown| shown.image.iter().map(|value| -value).collect()).collect();
     let panels = dips.iter().zip(&images).map(|(dip, image)| Panel {
@@ -153,19 +153,19 @@ fn pictures(bench: &Bench, dips: &[Dip], shown: &[Shown]) -> Result<Vec<u8>, Exp
         truth: dip.cube.iter().map(|cube| (cube.position, 0.0)).collect(),
         ..Panel::default()
     });
-    draw(bench, "", 4, panels.collect())
+    draw(rig, "", 4, panels.collect())
 }
 
-/// A sheet of images of a bench's skin, PNG.
+/// A sheet of images of a rig's skin, PNG.
 pub(super) fn draw(
-    bench: &Bench,
+    rig: &SampleRig,
     title: &str,
     columns: usize,
     panels: Vec<Panel<'_>>,
 ) -> Result<Vec<u8>, ExperimentError> {
     let failed = |error: &dyn std::fmt::Display| ExperimentError::Draw(error.to_string());
-    let layout = &Layout::from(&bench.model.surface().map_err(|error| failed(&error))?);
-    let rim = electrodes_in_plane(&bench.skin.shape);
+    let layout = &Layout::from(&rig.model().surface().map_err(|error| failed(&error))?);
+    let rim = electrodes_in_plane(&rig.skin.shape);
     let sheet = Sheet { title, layout, electrodes: &rim, columns, panels };
     reconstruction_sheet(&sheet).encode().map_err(|error| failed(&error))
 }

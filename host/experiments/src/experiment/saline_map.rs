@@ -2,10 +2,10 @@
 
 use super::{
     ExperimentError,
-    bench::{Artefacts, Shown},
     plot::{Chart, Series, Style},
     report::{Report, Wanted, largest, number},
     saline::{DRIVEN, bath, cube, dip, draw},
+    sample_rig::{Artefacts, Shown},
 };
 use dermatome_model::metrics::thesis::Figures;
 use dermatome_shared::contact::Contact;
@@ -33,7 +33,7 @@ pub(super) struct Spot {
 
 pub(super) fn run() -> Result<Report, ExperimentError> {
     let mut report = Report::new("saline-map", "Saline experiment 3: a cube at 15 places (thesis 4.1.2.3)");
-    let mut bench = bath(1)?;
+    let mut rig = bath(1)?;
     report.words(format!(
         "A cube of 20 mm stands under water at 15 places, 30 mm apart, on half of the bath. {DRIVEN} Artefacts: {}.",
         Artefacts::SALINE.words()
@@ -41,11 +41,11 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
     let mut spots = Vec::new();
     for (x, _) in LINES {
         for y in PLACES {
-            let shown = dip(&mut bench, &[cube([x, y], SIDE, SIDE)])?;
-            spots.push(Spot::new(&bench, [x, y], shown));
+            let shown = dip(&mut rig, &[cube([x, y], SIDE, SIDE)])?;
+            spots.push(Spot::new(&rig, [x, y], shown));
         }
     }
-    let side = bench.side();
+    let side = rig.side();
     let percent = |spot: &Spot| 100.0 * spot.error;
     let mean = spots.iter().map(percent).sum::<f64>() / spots.len() as f64;
     let max = largest(spots.iter().map(percent));
@@ -70,7 +70,7 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
     );
     let drift = drift()?;
     // The smallest cube of experiment 2: 5 cm^3.
-    let smallest = dip(&mut bench, &[cube([0.0; 2], 0.0171, 0.0171)])?.voltage_change.abs();
+    let smallest = dip(&mut rig, &[cube([0.0; 2], 0.0171, 0.0171)])?.voltage_change.abs();
     let largest_drift = largest(drift.iter().flatten().map(|point| point[1].abs()));
     report.compare(
         "drift in 120 s over the dV/V of 5 cm³ of water displaced",
@@ -103,7 +103,7 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
         spots.iter().map(|spot| spot.shown.image.iter().map(|value| -value).collect()).collect();
     let panels = spots.iter().zip(&images).map(|(spot, image)| panel(spot, image));
     report.picture(
-        draw(&bench, "", 5, panels.collect())?,
+        draw(&rig, "", 5, panels.collect())?,
         "What the board showed at the 15 places: lines from the centre to the edge, each from top to bottom. Circle: \
          contact; cross: where the cube stood.",
     );
@@ -118,9 +118,9 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
 }
 
 impl Spot {
-    pub(super) fn new(bench: &super::bench::Bench, at: [f64; 2], shown: Shown) -> Self {
-        let figures = bench.figures(&shown, at);
-        let error = shown.offset(at).map_or(1.0, |[x, y]| x.hypot(y) / bench.side());
+    pub(super) fn new(rig: &super::sample_rig::SampleRig, at: [f64; 2], shown: Shown) -> Self {
+        let figures = rig.figures(&shown, at);
+        let error = shown.offset(at).map_or(1.0, |[x, y]| x.hypot(y) / rig.side());
         Self { at, shown, figures, error }
     }
 
@@ -189,13 +189,13 @@ pub(super) fn panel<'a>(spot: &Spot, image: &'a [f64]) -> Panel<'a> {
 fn drift() -> Result<Vec<Vec<[f64; 2]>>, ExperimentError> {
     let material = Material::named("saline")?;
     let trial = |seed: u64| {
-        let mut bench = bath(seed)?;
+        let mut rig = bath(seed)?;
         let mut water = Transducer::new(&material, seed);
         let mut points = Vec::new();
         for moment in 0..=4 {
             let seconds = if moment == 0 { 0.0 } else { 30.0 };
             let conductivity = 1.0 + water.respond(0.0, seconds);
-            let shown = bench.show(&vec![conductivity; bench.elements()])?;
+            let shown = rig.show(&vec![conductivity; rig.elements()])?;
             points.push([30.0 * f64::from(moment), shown.voltage_change]);
         }
         Ok(points)

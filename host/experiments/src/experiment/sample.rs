@@ -2,7 +2,7 @@
 
 use super::{
     ExperimentError,
-    bench::{Artefacts, Bench, FRAMES},
+    sample_rig::{Artefacts, FRAMES, SampleRig},
 };
 use dermatome_model::skin::Skin;
 use dermatome_shared::drive::Component;
@@ -134,10 +134,10 @@ pub(super) const THREE_DUAL: Sample = Sample {
     ..THREE_SINGLE
 };
 
-/// A sample on the bench, with its history.
+/// A sample on the rig, with its history.
 #[derive(Debug)]
 pub(super) struct Specimen {
-    pub(super) bench: Bench,
+    pub(super) rig: SampleRig,
     sheet: Sheet,
 }
 
@@ -161,7 +161,7 @@ impl Sample {
     pub(super) fn specimen(&self, artefacts: Artefacts, seed: u64) -> Result<Specimen, ExperimentError> {
         let material = Material::named(self.material)?;
         let mut specimen = Specimen {
-            bench: Bench::new(self.skin()?, artefacts, FRAMES, seed)?,
+            rig: SampleRig::new(self.skin()?, artefacts, FRAMES, seed)?,
             sheet: Sheet::new(&material, seed),
         };
         specimen.tare();
@@ -199,7 +199,7 @@ impl Specimen {
     /// Sets the reference on the sheet at rest.
     fn tare(&mut self) {
         let conductivity = self.at_rest(0.0);
-        self.bench.tare(&conductivity);
+        self.rig.tare(&conductivity);
     }
 
     /// The sheet without load after so many seconds.
@@ -209,7 +209,7 @@ impl Specimen {
 
     /// Relative conductivity of the sheet under these presses after so many seconds.
     pub(super) fn under(&mut self, presses: &[Press], seconds: f64) -> Vec<f64> {
-        let pressure = self.bench.truth().pressure(presses);
+        let pressure = self.rig.truth().pressure(presses);
         self.sheet.respond(&pressure, seconds)
     }
 
@@ -218,9 +218,9 @@ impl Specimen {
         &mut self,
         presses: &[Press],
         seconds: f64,
-    ) -> Result<super::bench::Shown, ExperimentError> {
+    ) -> Result<super::sample_rig::Shown, ExperimentError> {
         let conductivity = self.under(presses, seconds);
-        self.bench.show(&conductivity)
+        self.rig.show(&conductivity)
     }
 }
 

@@ -2,11 +2,11 @@
 
 use super::{
     ExperimentError,
-    bench::{Artefacts, Shown},
     plot::{Chart, Series, Style},
     report::{Report, Wanted},
     saline::draw,
     sample::{Sample, Specimen, THREE_DUAL, THREE_SINGLE},
+    sample_rig::{Artefacts, Shown},
 };
 use dermatome_simulate::{Footprint, Load, Press};
 use dermatome_view::sheet::Panel;
@@ -71,9 +71,9 @@ fn press(sample: &Sample) -> Result<Pressed, ExperimentError> {
 }
 
 fn show(report: &mut Report, sample: &Sample, pressed: &Pressed) -> Result<Value, ExperimentError> {
-    let bench = &pressed.specimen.bench;
+    let rig = &pressed.specimen.rig;
     let places: Vec<[f64; 2]> =
-        bench.model.pixels.centres.iter().map(|centre| [centre.x, centre.y]).collect();
+        rig.model().pixels.centres.iter().map(|centre| [centre.x, centre.y]).collect();
     let [o, l] = &pressed.shown;
     let hole = mean_where(&places, &o.image, |[x, y]| x.hypot(y) < HOLE);
     let ring = mean_where(&places, &o.image, |[x, y]| (0.033..0.055).contains(&x.hypot(y)));
@@ -97,7 +97,7 @@ fn show(report: &mut Report, sample: &Sample, pressed: &Pressed) -> Result<Value
         format!("{name}: distance of the corner found from the true one"),
         "%",
         None,
-        100.0 * miss / bench.side(),
+        100.0 * miss / rig.side(),
         None,
     );
     report.words(format!(
@@ -122,7 +122,7 @@ fn show(report: &mut Report, sample: &Sample, pressed: &Pressed) -> Result<Value
         found: if index == 3 { vec![corner.at] } else { Vec::new() },
         ..Panel::default()
     });
-    let picture = draw(bench, name, 4, panels.collect())?;
+    let picture = draw(rig, name, 4, panels.collect())?;
     report.picture(
         picture,
         &format!("{name}: each image over its largest value; the circle is the corner found"),
@@ -132,7 +132,7 @@ fn show(report: &mut Report, sample: &Sample, pressed: &Pressed) -> Result<Value
         "hole": hole,
         "hole_contrast_percent": contrast,
         "corner_angle_deg": angle,
-        "corner_error_percent": 100.0 * miss / bench.side(),
+        "corner_error_percent": 100.0 * miss / rig.side(),
     }))
 }
 
@@ -150,8 +150,8 @@ fn over_its_largest(image: &[f64]) -> Vec<f64> {
 /// The image of the 'O' along y = 0.
 fn profile(sample: &Sample, pressed: &Pressed) -> Series {
     let image = over_its_largest(&pressed.shown[0].image);
-    let centres = &pressed.specimen.bench.model.pixels.centres;
-    let pitch = pressed.specimen.bench.model.pixels.areas.iter().copied().fold(0.0, f64::max).sqrt();
+    let centres = &pressed.specimen.rig.model().pixels.centres;
+    let pitch = pressed.specimen.rig.model().pixels.areas.iter().copied().fold(0.0, f64::max).sqrt();
     let row = centres.iter().zip(&image).filter(|(centre, _)| (0.0..pitch).contains(&centre.y));
     let points = row.map(|(centre, value)| [centre.x * 1e3, *value]).collect();
     Series::new(sample.name, points, Style::MarkedLine)

@@ -4,10 +4,10 @@
 
 use super::{
     ExperimentError,
-    bench::{Artefacts, Bench},
     plot::{Chart, Series, Style},
     report::{Report, Wanted, largest},
     sample::THREE_SINGLE,
+    sample_rig::{Artefacts, SampleRig},
 };
 use dermatome_shared::track::Tracker;
 use dermatome_simulate::{
@@ -50,15 +50,15 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
     ));
     let mut skin = THREE_SINGLE.skin()?;
     skin.drive.frame_rate = RATE;
-    let mut bench = Bench::new(skin, Artefacts::MOVING, 1, 1)?;
-    bench.tare(&vec![1.0; bench.elements()]);
+    let mut rig = SampleRig::new(skin, Artefacts::MOVING, 1, 1)?;
+    rig.tare(&vec![1.0; rig.elements()]);
     let fingers = scene();
     let presses: Vec<Vec<Option<Press>>> = (0..FRAMES).map(|frame| fingers_at(&fingers, frame)).collect();
     let phasors: Vec<_> = presses
         .par_iter()
         .map(|presses| {
             let touching: Vec<_> = presses.iter().flatten().cloned().collect();
-            bench.solve(&bench.truth().conductivity(&touching))
+            rig.solve(&rig.truth().conductivity(&touching))
         })
         .collect();
     let mut tracker = Tracker::new(REACH, PATIENCE_US);
@@ -66,12 +66,12 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
     let mut of_fingers: Vec<Finger> = fingers.iter().map(|_| Finger::default()).collect();
     for ((frame, presses), phasors) in (0_u64..).zip(&presses).zip(&phasors) {
         let now_us = (frame as f64 / RATE * 1e6) as u64;
-        let contacts = bench.glance(phasors);
+        let contacts = rig.glance(phasors);
         tracker.update(now_us, &contacts);
         all_ids.extend(tracker.touching(now_us).map(|track| track.id));
         for (finger, press) in of_fingers.iter_mut().zip(presses) {
             if let Some(press) = press {
-                finger.see(press.position, &tracker, now_us, bench.side());
+                finger.see(press.position, &tracker, now_us, rig.side());
             }
         }
     }

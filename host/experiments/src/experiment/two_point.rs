@@ -2,10 +2,10 @@
 
 use super::{
     ExperimentError,
-    bench::{Artefacts, Bench},
     plot::{Chart, Series, Style},
     report::{Report, largest, number},
     sample::THREE_SINGLE,
+    sample_rig::{Artefacts, SampleRig},
 };
 use dermatome_shared::contact::Contact;
 use dermatome_simulate::{Footprint, Load, Press};
@@ -51,15 +51,15 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
         STEP * 1e3,
         Artefacts::MOVING.words()
     ));
-    let mut bench = Bench::new(THREE_SINGLE.skin()?, Artefacts::MOVING, 1, 1)?;
-    bench.tare(&vec![1.0; bench.elements()]);
-    let radius = bench.side() / 2.0;
+    let mut rig = SampleRig::new(THREE_SINGLE.skin()?, Artefacts::MOVING, 1, 1)?;
+    rig.tare(&vec![1.0; rig.elements()]);
+    let radius = rig.side() / 2.0;
     let pairs: Vec<Pairs> = places(radius)
         .into_par_iter()
         .flat_map_iter(|place| (0..2).map(move |direction| (place, direction)))
-        .filter_map(|(place, direction)| Pairs::about(&bench, place, direction, radius))
+        .filter_map(|(place, direction)| Pairs::about(&rig, place, direction, radius))
         .collect();
-    let limits: Vec<Limit> = pairs.iter().map(|pairs| pairs.limit(&mut bench)).collect();
+    let limits: Vec<Limit> = pairs.iter().map(|pairs| pairs.limit(&mut rig)).collect();
     summarise(&mut report, &limits, radius);
     report.plots(&[map(&limits, 0), map(&limits, 1)])?;
     Ok(report)
@@ -75,7 +75,7 @@ fn places(radius: f64) -> Vec<Point2<f64>> {
 
 impl Pairs {
     /// `None` where there is no room for any.
-    fn about(bench: &Bench, place: Point2<f64>, direction: usize, radius: f64) -> Option<Self> {
+    fn about(rig: &SampleRig, place: Point2<f64>, direction: usize, radius: f64) -> Option<Self> {
         let outwards = place.coords.try_normalize(1e-6).unwrap_or(Vector2::x());
         let along = if direction == 0 { outwards } else { Vector2::new(-outwards.y, outwards.x) };
         let steps = (2.0 * radius / STEP) as u32;
@@ -90,16 +90,16 @@ impl Pairs {
             let press = |&at: &[f64; 2]| {
                 Press::new(Footprint::Disc { radius: DIAMETER / 2.0 }, at, Load::Change(1.0))
             };
-            bench.solve(&bench.truth().conductivity(&pair.each_ref().map(press)))
+            rig.solve(&rig.truth().conductivity(&pair.each_ref().map(press)))
         });
         let phasors = phasors.collect();
         (!middles.is_empty()).then_some(Self { place, direction, middles, phasors })
     }
 
-    fn limit(&self, bench: &mut Bench) -> Limit {
+    fn limit(&self, rig: &mut SampleRig) -> Limit {
         let mut told_apart = None;
         for (pair, phasors) in self.middles.iter().zip(&self.phasors) {
-            if !are_told_apart(&bench.glance(phasors), pair) {
+            if !are_told_apart(&rig.glance(phasors), pair) {
                 break;
             }
             told_apart = Some(distance(pair));

@@ -1,27 +1,26 @@
 //! Scenes: random contacts on a true skin, counted and placed through two models of it, the surface's own
 //! and the flattened one of the thesis (section 5.3.3.2).
 //!
-//! Each scene is one forward solution on the true skin's mesh, scanned with noise into codes (`stage`), which go through
+//! Each scene is one forward solution on the true skin's mesh, scanned with noise into codes ([`dermatome_simulate::rig`]), which go through
 //! the board's own code with either patch. What the flattened model finds lies in its plane, and is laid back onto
 //! the true skin from above. The same codes are also resolved on the host ([`dermatome_model::multi_contact`]), which sees no image.
-
-pub(crate) mod stage;
 
 use dermatome_geometry::mesh::{neighbours::boundary_edges, triangle};
 use dermatome_model::{
     model::ModelError,
     multi_contact::{ResolveError, Resolver, Settings},
-    quantize::PatchBuildError,
     skin::{NotFlat, Skin},
 };
 use dermatome_shared::{contact::Contact, frame::Frame};
-use dermatome_simulate::{Noise, Press, TrueSkin};
+use dermatome_simulate::{
+    Noise, Press, Rig, TrueSkin,
+    rig::{Observer, RigError},
+};
 use nalgebra::Point3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use serde::Serialize;
-use stage::{Eye, Stage};
 
 /// What is put on the skin, and how well it is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,12 +62,12 @@ pub struct Scene {
 /// Why there are no scenes of a skin.
 #[derive(Debug, thiserror::Error)]
 pub enum ScenesError {
-    /// No model.
+    /// No model of the true skin.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// No patch.
+    /// No model or no patch.
     #[error(transparent)]
-    Patch(#[from] PatchBuildError),
+    Rig(#[from] RigError),
     /// Not to be resolved.
     #[error(transparent)]
     Resolve(#[from] ResolveError),
@@ -90,13 +89,13 @@ pub enum ScenesError {
 pub fn play(skin: &Skin, true_skin: &Skin, options: &Options) -> Result<Vec<Scene>, ScenesError> {
     let mut random = Pcg64Mcg::seed_from_u64(options.seed);
     let diameter = true_skin.shape.from_above()?.diameter();
-    let mut eyes = Eyes::new(skin, options.radius * diameter, options.snr_db)?;
+    let mut observers = Observers::new(skin, options.radius * diameter, options.snr_db)?;
     let noise = Noise { snr_db: options.snr_db, seed: random.random() };
-    let mut stage = Stage::new(true_skin, &eyes.surface, noise)?;
-    let untouched = stage.truth().conductivity(&[]);
-    eyes.tare(&stage.tare(&untouched));
+    let mut rig = Rig::new(true_skin, &observers.surface.patch(), noise)?;
+    let untouched = rig.truth().conductivity(&[]);
+    observers.tare(&rig.tare(&untouched));
     let places = (0..options.scenes)
-        .map(|scene| centres(stage.truth(), diameter, options, 1 + scene % 3, &mut random))
+        .map(|scene| centres(rig.truth(), diameter, options, 1 + scene % 3, &mut random))
         .collect::<Result<Vec<_>, ScenesError>>()?;
     let press =
         |centre: &Point3<f64>| Press::finger([centre.x, centre.y], options.radius * diameter, options.depth);
@@ -104,25 +103,25 @@ pub fn play(skin: &Skin, true_skin: &Skin, options: &Options) -> Result<Vec<Scen
         .par_iter()
         .map(|centres| {
             let presses: Vec<_> = centres.iter().map(press).collect();
-            stage.solve(&stage.truth().conductivity(&presses))
+            rig.solve(&rig.truth().conductivity(&presses))
         })
         .collect();
-    let frames: Vec<Frame> = phasors.iter().map(|phasors| stage.scan(phasors)).collect();
+    let frames: Vec<Frame> = phasors.iter().map(|phasors| rig.scan(phasors)).collect();
     let scenes = places.into_par_iter().zip(&frames);
-    Ok(scenes.map(|(truth, frame)| eyes.see(truth, frame, stage.truth())).collect())
+    Ok(scenes.map(|(truth, frame)| observers.see(truth, frame, rig.truth())).collect())
 }
 
 /// Both boards, and the host.
-struct Eyes {
-    surface: Eye,
-    flattened: Eye,
+struct Observers {
+    surface: Observer,
+    flattened: Observer,
     resolver: Resolver,
 }
 
-impl Eyes {
+impl Observers {
     fn new(skin: &Skin, radius: f64, snr_db: f64) -> Result<Self, ScenesError> {
-        let [surface, flattened] = [Eye::new(skin)?, Eye::new(&skin.flattened()?)?];
-        let resolver = Resolver::new(skin, &surface.model, Settings { radius, snr_db })?;
+        let [surface, flattened] = [Observer::new(skin)?, Observer::new(&skin.flattened()?)?];
+        let resolver = Resolver::new(skin, surface.model(), Settings { radius, snr_db })?;
         Ok(Self { surface, flattened, resolver })
     }
 
@@ -132,15 +131,31 @@ impl Eyes {
     }
 
     fn see(&self, truth: Vec<Point3<f64>>, frame: &Frame, true_skin: &TrueSkin) -> Scene {
-        let flattened = self.flattened.look(frame);
+        let flattened = self.flattened.glance(frame);
         let fingers = self.resolver.resolve(&self.surface.difference(frame));
         Scene {
             truth,
-            surface: self.surface.look(frame).contacts().iter().map(place).collect(),
+            surface: self.surface.glance(frame).contacts().iter().map(place).collect(),
             flattened: flattened.contacts().iter().map(|c| true_skin.lay(c.from_above())).collect(),
             resolved: fingers.iter().map(|finger| finger.position).collect(),
         }
     }
+}
+
+/// Distance of each true centre from the contact that is its own: the closest pair of both belongs together, then
+/// the closest of the rest. `None` where none is left.
+#[must_use]
+pub fn matched(truth: &[Point3<f64>], found: &[Point3<f64>]) -> Vec<Option<f64>> {
+    let pairs = (0..truth.len()).flat_map(|t| (0..found.len()).map(move |f| (t, f)));
+    let mut pairs: Vec<_> = pairs.map(|(t, f)| ((truth[t] - found[f]).norm(), t, f)).collect();
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut distances, mut is_taken) = (vec![None; truth.len()], vec![false; found.len()]);
+    for (distance, t, f) in pairs {
+        if distances[t].is_none() && !is_taken[f] {
+            (distances[t], is_taken[f]) = (Some(distance), true);
+        }
+    }
+    distances
 }
 
 /// Where a contact lies, m.
@@ -148,7 +163,7 @@ pub(crate) fn place(contact: &Contact) -> Point3<f64> {
     Point3::from(contact.position.map(f64::from))
 }
 
-/// Random centres, evenly over the surface, a contact's radius from the rim.
+/// Random centres, evenly over the surface, a contact's radius from the boundary.
 fn centres(
     truth: &TrueSkin,
     diameter: f64,
@@ -158,7 +173,7 @@ fn centres(
 ) -> Result<Vec<Point3<f64>>, ScenesError> {
     const TRIES: usize = 10_000;
     let mesh = truth.mesh();
-    let rim: Vec<_> = boundary_edges(&mesh.elements).into_iter().flatten().collect();
+    let boundary: Vec<_> = boundary_edges(&mesh.elements).into_iter().flatten().collect();
     let area = |element: usize| triangle::area(mesh.corners(element));
     let largest = (0..mesh.elements.len()).map(area).fold(0.0, f64::max);
     let mut centres: Vec<Point3<f64>> = Vec::new();
@@ -170,7 +185,7 @@ fn centres(
         let centre = triangle::centroid(mesh.corners(element));
         let keep = random.random::<f64>() * largest < area(element);
         let is_inside =
-            rim.iter().all(|&node| (mesh.nodes[node] - centre).norm() > options.radius * diameter);
+            boundary.iter().all(|&node| (mesh.nodes[node] - centre).norm() > options.radius * diameter);
         let is_apart = centres.iter().all(|other| (other - centre).norm() >= options.apart * diameter);
         if keep && is_inside && is_apart {
             centres.push(centre);
@@ -234,5 +249,29 @@ pub fn figures(scenes: &[Scene], miss: f64, is_counted: impl Fn(&Point3<f64>) ->
         surface_error_mm: error(&|scene| scene.surface.first().copied()),
         flattened_error_mm: error(&|scene| scene.flattened.first().copied()),
         resolved_error_mm: error(&|scene| scene.resolved.first().copied()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(x: f64) -> Point3<f64> {
+        Point3::new(x, 0.0, 0.0)
+    }
+
+    #[test]
+    fn each_finger_has_the_contact_that_is_closest_and_no_one_elses() {
+        let close = |found: Vec<Option<f64>>, expected: &[Option<f64>]| {
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found.unwrap_or(-1.0) - expected.unwrap_or(-1.0)).abs() < 1e-12, "{found:?}");
+            }
+        };
+        close(matched(&[at(0.0), at(1.0)], &[at(0.9), at(0.2)]), &[Some(0.2), Some(0.1)]);
+        // The contact between both belongs to the closer one.
+        close(matched(&[at(0.0), at(1.0)], &[at(0.6)]), &[None, Some(0.4)]);
+        close(matched(&[at(0.0)], &[]), &[None]);
+        close(matched(&[], &[at(0.0)]), &[]);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Curve, Reading, Trial, compensated, curve::SAME_LOAD, hysteresis, identify, load_share, trials};
 use dermatome_patch::write::Stored;
-use dermatome_shared::{calibration::Calibration, hysteresis::Play};
+use dermatome_shared::{calibration::Calibration, hysteresis::PlayOperator};
 
 /// Fewest loads above none, and fewest points of the curve.
 const FEWEST: usize = 3;
@@ -19,7 +19,7 @@ pub struct Fit {
     /// What the patch gets.
     pub calibration: Calibration,
     /// What the patch gets against hysteresis; empty without compensation.
-    pub plays: Vec<Play>,
+    pub plays: Vec<PlayOperator>,
     /// Why there are no plays, or the trial that they were identified with.
     pub compensation: Compensation,
     /// Hysteresis of each trial.
@@ -107,7 +107,7 @@ impl Fit {
     /// What a patch gets of it.
     #[must_use]
     pub fn stored(&self) -> Stored {
-        Stored { curve: self.calibration.clone(), plays: self.plays.clone() }
+        Stored { curve: self.calibration.clone(), play_operators: self.plays.clone() }
     }
 
     /// Mean hysteresis of the trials that have a way back, per cent; none if none has one.
@@ -135,7 +135,7 @@ fn checked(trials: &[Trial], curve: &Curve) -> Result<Calibration, FitError> {
 }
 
 /// Plays of the first trial with a way back, if they make its loop narrower.
-fn plays(trials: &[Trial], calibration: &Calibration) -> (Vec<Play>, Compensation) {
+fn plays(trials: &[Trial], calibration: &Calibration) -> (Vec<PlayOperator>, Compensation) {
     let nothing = |why| (Vec::new(), why);
     let Some(trial) = trials.iter().position(Trial::has_way_back) else {
         return nothing(Compensation::NoWayBack);
@@ -152,7 +152,7 @@ fn plays(trials: &[Trial], calibration: &Calibration) -> (Vec<Play>, Compensatio
 }
 
 impl Loop {
-    fn new(trial: &Trial, plays: &[Play], calibration: &Calibration) -> Self {
+    fn new(trial: &Trial, plays: &[PlayOperator], calibration: &Calibration) -> Self {
         if !trial.has_way_back() {
             return Self::default();
         }

@@ -7,14 +7,14 @@
 use super::Trial;
 use dermatome_shared::{
     calibration::Calibration,
-    hysteresis::{MAX_PLAYS, Memory, Play},
+    hysteresis::{MAX_PLAY_OPERATORS, Memory, PlayOperator},
     units::RelativeConductivity,
 };
 use nalgebra::{DMatrix, DVector};
 
 /// Shares of the highest strength below which the plays give way, one over their reach. The last lies clear of
 /// the noise of a loop half as high: a play that gave way within it would need a weight that amplifies it.
-const GIVE_WAY: [f64; MAX_PLAYS] = [0.1, 0.4, 0.7, 0.85, 0.93, 0.975];
+const GIVE_WAY: [f64; MAX_PLAY_OPERATORS] = [0.1, 0.4, 0.7, 0.85, 0.93, 0.975];
 /// Weights beyond this amplify noise more than they close loops.
 const MOST_WEIGHT: f64 = 31.0;
 /// Price of a weight of 1, in shares of the largest pressure: what is left of 0.5 % of noise in a frame after
@@ -31,14 +31,14 @@ const STEP: f64 = 1e-3;
 /// Plays that take the hysteresis out of one loading cycle under its calibration curve. Empty if the cycle has
 /// no way back, or nothing at its top.
 #[must_use]
-pub fn identify(trial: &Trial, calibration: &Calibration) -> Vec<Play> {
+pub fn identify(trial: &Trial, calibration: &Calibration) -> Vec<PlayOperator> {
     let cycle = Cycle::new(trial, calibration);
     if cycle.wanted.is_empty() || cycle.largest <= 0.0 {
         return Vec::new();
     }
     let start = |[slow, quick]: [f64; 2]| {
-        let mut weights = DVector::from_element(MAX_PLAYS, 0.05);
-        (weights[0], weights[MAX_PLAYS - 1]) = (slow, quick);
+        let mut weights = DVector::from_element(MAX_PLAY_OPERATORS, 0.05);
+        (weights[0], weights[MAX_PLAY_OPERATORS - 1]) = (slow, quick);
         cycle.descend(weights)
     };
     let fits = STARTS.into_iter().map(start);
@@ -48,7 +48,12 @@ pub fn identify(trial: &Trial, calibration: &Calibration) -> Vec<Play> {
 
 /// Pressures, kPa, that a board gives for these strengths, in their order.
 #[must_use]
-pub fn compensated(strengths: &[f64], plays: &[Play], calibration: &Calibration, noise: f64) -> Vec<f64> {
+pub fn compensated(
+    strengths: &[f64],
+    plays: &[PlayOperator],
+    calibration: &Calibration,
+    noise: f64,
+) -> Vec<f64> {
     let mut memory = Memory::default();
     let noise = RelativeConductivity::from_f64(noise);
     let step = |&strength: &f64| {
@@ -62,9 +67,9 @@ pub fn compensated(strengths: &[f64], plays: &[Play], calibration: &Calibration,
     strengths.iter().map(step).collect()
 }
 
-fn plays(weights: &DVector<f64>) -> Vec<Play> {
+fn plays(weights: &DVector<f64>) -> Vec<PlayOperator> {
     let pairs = GIVE_WAY.into_iter().zip(weights.iter());
-    pairs.map(|(share, &weight)| Play::from_f64(1.0 / share, weight)).collect()
+    pairs.map(|(share, &weight)| PlayOperator::from_f64(1.0 / share, weight)).collect()
 }
 
 /// Strength at a load on the loading branch, `[strength, load]`: straight lines between readings.
@@ -125,7 +130,7 @@ impl<'a> Cycle<'a> {
             moved[play] += STEP + 0.01 * weights[play];
             (self.errors(&moved) - errors) / (moved[play] - weights[play])
         };
-        DMatrix::from_columns(&(0..MAX_PLAYS).map(column).collect::<Vec<_>>())
+        DMatrix::from_columns(&(0..MAX_PLAY_OPERATORS).map(column).collect::<Vec<_>>())
     }
 
     /// Levenberg and Marquardt's method, with weights kept from 0 to their limit.
@@ -135,7 +140,7 @@ impl<'a> Cycle<'a> {
         for _ in 0..ROUNDS {
             let slopes = self.slopes(&weights, &errors);
             let mut normal = slopes.transpose() * &slopes;
-            for i in 0..MAX_PLAYS {
+            for i in 0..MAX_PLAY_OPERATORS {
                 normal[(i, i)] = normal[(i, i)] * (1.0 + damping) + 1e-12;
             }
             let Some(factor) = normal.cholesky() else { break };

@@ -1,9 +1,6 @@
 use super::*;
-use dermatome_shared::{calibration::Calibration, hysteresis::Play};
-use dermatome_simulate::material::{Material, Transducer};
-use rand::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
-use rand_pcg::Pcg64Mcg;
+use dermatome_shared::{calibration::Calibration, hysteresis::PlayOperator};
+use dermatome_simulate::{material::Material, rig::PlaceRig};
 
 /// Frames while a load is held; the second half of them makes the reading.
 const FRAMES: usize = 40;
@@ -21,27 +18,20 @@ fn even(top: f64, steps: usize) -> Vec<f64> {
 }
 
 /// A place under a loading machine, as a board sees it: noisy strengths of frames.
-struct Bench {
+struct Loaded {
     material: Material,
-    place: Transducer,
-    random: Pcg64Mcg,
+    rig: PlaceRig,
 }
 
-impl Bench {
+impl Loaded {
     fn new(name: &str, seed: u64) -> Self {
         let material = Material::named(name).unwrap();
-        let place = Transducer::new(&material, seed);
-        Self { material, place, random: Pcg64Mcg::seed_from_u64(seed + 1000) }
+        Self { rig: PlaceRig::new(&material, NOISE, seed), material }
     }
 
     /// Strengths of all frames while this share of the range is held.
     fn hold(&mut self, share: f64, seconds: f64) -> Vec<f64> {
-        let frame = |_| {
-            let normal: f64 = StandardNormal.sample(&mut self.random);
-            let change = self.place.respond(share * self.material.range_kpa, seconds / FRAMES as f64);
-            change + NOISE * self.material.full_change * normal
-        };
-        (0..FRAMES).map(frame).collect()
+        self.rig.hold(share * self.material.range_kpa, seconds, FRAMES)
     }
 
     fn trial(&mut self, shares: &[f64], seconds: f64) -> (Trial, Vec<f64>) {
@@ -63,9 +53,9 @@ impl Bench {
 }
 
 /// One loading cycle of one place, and the curve and plays from it.
-fn identified(name: &str) -> (Trial, Calibration, Vec<Play>) {
+fn identified(name: &str) -> (Trial, Calibration, Vec<PlayOperator>) {
     let up = [0.0, 0.02].into_iter().chain((1..=10).map(|n| 0.1 * f64::from(n)));
-    let (trial, _) = Bench::new(name, 500).trial(&stairs(up), 10.0);
+    let (trial, _) = Loaded::new(name, 500).trial(&stairs(up), 10.0);
     let calibration = Curve::of_loading(std::slice::from_ref(&trial)).calibration().unwrap();
     let plays = identify(&trial, &calibration);
     (trial, calibration, plays)
@@ -76,20 +66,20 @@ fn judged(name: &str, shares: &[f64], seconds: f64) -> [f64; 3] {
     let (_, calibration, plays) = identified(name);
     let mut figures = Vec::new();
     for seed in 0..8 {
-        let mut bench = Bench::new(name, seed);
+        let mut place = Loaded::new(name, seed);
         let (mut strengths, mut raw) = (Vec::new(), Vec::new());
         for _ in 0..3 {
-            let (trial, frames) = bench.trial(shares, seconds);
+            let (trial, frames) = place.trial(shares, seconds);
             raw.push(hysteresis(&trial));
             strengths.extend(frames);
-            strengths.extend(bench.hold(0.0, 1200.0));
+            strengths.extend(place.hold(0.0, 1200.0));
         }
-        let noise = AVERAGED * bench.material.full_change;
+        let noise = AVERAGED * place.material.full_change;
         let pressures = compensated(&strengths, &plays, &calibration, noise);
         let trial_frames = (shares.len() + 1) * FRAMES;
         for (frames, raw) in pressures.chunks(trial_frames).zip(raw) {
             let frames = &frames[..shares.len() * FRAMES];
-            figures.push([raw, hysteresis(&bench.reading(shares, frames))]);
+            figures.push([raw, hysteresis(&place.reading(shares, frames))]);
         }
     }
     let mean = |which: usize| figures.iter().map(|f| f[which]).sum::<f64>() / figures.len() as f64;
@@ -119,12 +109,12 @@ fn hysteresis_of_loops_not_used_to_fit_it_is_at_most_8_percent() {
 /// plays' cycle or from that and two smaller ones, per cent.
 fn compared(name: &str, shares: &[f64]) -> [f64; 3] {
     let (full, calibration, plays) = identified(name);
-    let smaller = [0.75, 0.5].map(|top| Bench::new(name, 500).trial(&even(top, 10), 10.0).0);
+    let smaller = [0.75, 0.5].map(|top| Loaded::new(name, 500).trial(&even(top, 10), 10.0).0);
     let one = Network::train(&[&full.readings], 1);
     let three = Network::train(&[&full.readings, &smaller[0].readings, &smaller[1].readings], 1);
     let mut sums = [0.0; 3];
     for seed in 0..8 {
-        let (trial, _) = Bench::new(name, seed).trial(shares, 10.0);
+        let (trial, _) = Loaded::new(name, seed).trial(shares, 10.0);
         let strengths: Vec<f64> = trial.readings.iter().map(|reading| reading.strength).collect();
         let ways = [
             compensated(&strengths, &plays, &calibration, 0.0),

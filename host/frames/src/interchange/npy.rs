@@ -68,7 +68,8 @@ mod tests {
     #[test]
     fn elements_are_aligned_whatever_the_header_needs() {
         for digits in 0..40_u32 {
-            let array = Array { shape: vec![0, 10_usize.pow(digits % 18)], ..Array::table("a", 0, 0, |_, _| 0.0) };
+            let array =
+                Array { shape: vec![0, 10_usize.pow(digits % 18)], ..Array::table("a", 0, 0, |_, _| 0.0) };
             assert_eq!(header(&array).len() % ALIGNMENT, 0, "{digits}");
         }
     }

@@ -43,7 +43,8 @@ pub(super) fn parse(bytes: &[u8], key: Option<&str>) -> Result<npy::Array, Probl
 }
 
 fn choose(archive: &mut Archive<'_>, key: Option<&str>) -> Result<String, Problem> {
-    let mut names: Vec<String> = archive.file_names().filter_map(|file| file.strip_suffix(SUFFIX)).map(str::to_owned).collect();
+    let mut names: Vec<String> =
+        archive.file_names().filter_map(|file| file.strip_suffix(SUFFIX)).map(str::to_owned).collect();
     names.sort();
     match (key, names.as_slice()) {
         (_, []) => Err(Problem::NoArrays),

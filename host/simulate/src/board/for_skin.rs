@@ -1,37 +1,16 @@
 //! A simulated board with a simulated skin on it.
 
-use super::{BoardError, BoardOptions, FrameSource, Scan, ScanTable, SimulatedBoard, SlotSamples};
-use crate::{Noise, Script, SimulatedSkin};
+use super::{BoardError, BoardOptions, SimulatedBoard};
+use crate::{noise::Noise, rig::RigError, script::Script, skin::SimulatedSkin};
 use dermatome_model::{
     model::{Model, ModelError},
-    quantize::{self, PatchBuildError},
+    quantize,
     skin::{Skin, SkinError},
 };
-use dermatome_shared::{acquire::FrontEnd, scan::Timing};
 use std::path::{Path, PathBuf};
 
 /// Noise of a simulated board unless the user wants another.
 pub const DEFAULT_NOISE: Noise = Noise { snr_db: 60.0, seed: 1 };
-
-impl FrameSource for SimulatedSkin {
-    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Scan {
-        self.measure(table, script_time)
-    }
-
-    fn front_end(&self) -> Option<FrontEnd> {
-        Some(SimulatedSkin::front_end(self))
-    }
-
-    fn samples(
-        &mut self,
-        table: &ScanTable,
-        slot: usize,
-        timing: Timing,
-        script_time: Option<f64>,
-    ) -> Option<SlotSamples> {
-        self.show(table, slot, timing, script_time)
-    }
-}
 
 /// Why a skin file does not make a simulated board.
 #[derive(Debug, thiserror::Error)]
@@ -39,21 +18,13 @@ pub enum SimulationError {
     /// The skin file is not usable.
     #[error(transparent)]
     Skin(#[from] SkinError),
-    /// The skin has no model.
+    /// The skin has no model or no patch.
     #[error("skin file `{}`: {error}", path.display())]
-    Model {
+    Rig {
         /// The skin file.
         path: PathBuf,
         /// Why.
-        error: ModelError,
-    },
-    /// The skin has no patch.
-    #[error("skin file `{}`: {error}", path.display())]
-    Patch {
-        /// The skin file.
-        path: PathBuf,
-        /// Why.
-        error: PatchBuildError,
+        error: RigError,
     },
     /// The board does not start.
     #[error(transparent)]
@@ -64,14 +35,16 @@ pub enum SimulationError {
 /// round on the skin while it streams.
 pub fn board_for_skin(path: &Path) -> Result<SimulatedBoard, SimulationError> {
     let skin = Skin::load(path)?.made()?;
-    let in_file = |error| SimulationError::Model { path: path.to_owned(), error };
-    let model = Model::build(&skin, |_| ()).map_err(in_file)?;
-    let patch = quantize::patch(&skin, &model)
-        .map_err(|error| SimulationError::Patch { path: path.to_owned(), error })?;
-    let outline = skin.shape.from_above().map_err(|error| in_file(error.into()))?;
-    let source = SimulatedSkin::new(&skin, Script::round(&outline), DEFAULT_NOISE).map_err(in_file)?;
+    let (patch, instrument) =
+        patch_and_instrument(&skin).map_err(|error| SimulationError::Rig { path: path.to_owned(), error })?;
     Ok(SimulatedBoard::start(
         BoardOptions { electrodes: skin.electrodes.count, patch: Some(patch), ..BoardOptions::default() },
-        source,
+        instrument,
     )?)
+}
+
+fn patch_and_instrument(skin: &Skin) -> Result<(Vec<u8>, SimulatedSkin), RigError> {
+    let patch = quantize::patch(skin, &Model::build(skin, |_| ())?)?;
+    let outline = skin.shape.from_above().map_err(ModelError::from)?;
+    Ok((patch, SimulatedSkin::new(skin, Script::round(&outline), DEFAULT_NOISE)?))
 }

@@ -1,7 +1,7 @@
 //! Simulated board: the board's own state machine behind a real byte stream.
 //!
 //! [`SimulatedBoard`] runs [`Device`], the code the firmware runs, on a thread of its own and
-//! serves one host at a time over TCP. Its measurements come from a [`FrameSource`].
+//! serves one host at a time over TCP. Its measurements come from an [`Instrument`].
 //!
 //! Two clocks: *board time* counts the frames scanned, at the patch's frame rate, and stamps the
 //! frames. *Script time* counts only the frames streamed, and tells the source how far its script
@@ -16,19 +16,19 @@ use self::{
     client::{Client, Input},
     patch_store::{FilePatchStore, OpenError},
 };
+use crate::{
+    instrument::{Instrument, ScanTable},
+    rig::Scanner,
+};
 use dermatome_link::{Link, LinkError};
 use dermatome_shared::{
     MAX_ELECTRODES,
     acquire::FrontEnd,
-    device::{BoardFacts, Device, PatchStore},
-    drive::Drive,
-    frame::{ElectrodeTest, Frame, FrameFlags},
+    device::{Arrival, BoardFacts, Device, PatchStore},
+    frame::Frame,
     patch::PatchView,
-    protocol::{self, Identity, MAX_SCOPE_SAMPLES, Request, RequestPacket},
+    protocol::{FrameSource, Identity, Request, RequestPacket, Selection},
     restart::Restart,
-    scan::{Timing, slots},
-    stimulation::Step,
-    units::AdcCode,
 };
 pub use for_skin::{DEFAULT_NOISE, SimulationError, board_for_skin};
 use std::{
@@ -53,89 +53,6 @@ const ROOM_INTERVAL: Duration = Duration::from_micros(200);
 const MAX_BACKLOG: Duration = Duration::from_millis(100);
 /// Longest time between frames; slower frame rates count as this.
 const MAX_PERIOD: Duration = Duration::from_secs(3600);
-
-/// What a simulated board measures.
-pub trait FrameSource: Send {
-    /// One scan: a code per step. `script_time` is `None` while nothing is streamed or the board has
-    /// no reference yet (skin untouched), else the time since streaming started, s.
-    ///
-    /// A scan with another number of codes than steps is dropped, as on a real board.
-    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Scan;
-
-    /// What it does to a voltage, if it measures electrodes and can show samples.
-    fn front_end(&self) -> Option<FrontEnd> {
-        None
-    }
-
-    /// Samples of one slot of the table, from its start; none if it has none to show.
-    fn samples(&mut self, _: &ScanTable, _slot: usize, _: Timing, _: Option<f64>) -> Option<SlotSamples> {
-        None
-    }
-}
-
-/// What a scan measures, and how.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ScanTable {
-    /// The patch's steps.
-    pub steps: Vec<Step>,
-    /// A test of each electrode.
-    pub tests: Vec<Step>,
-    /// How the skin is driven.
-    pub drive: Drive,
-}
-
-impl ScanTable {
-    /// The scan of a patch under a drive.
-    #[must_use]
-    pub fn new(patch: &PatchView<'_>, drive: Drive) -> Self {
-        let mut steps = slots(patch).to_vec();
-        let tests = steps.split_off(usize::from(patch.header.steps).min(steps.len()));
-        Self { steps, tests, drive }
-    }
-
-    /// A slot: the steps come first, then the tests.
-    #[must_use]
-    pub fn slot(&self, slot: usize) -> Option<Step> {
-        self.steps.iter().chain(&self.tests).nth(slot).copied()
-    }
-}
-
-/// One scan.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Scan {
-    /// The part of each voltage that goes into the image: `[step]`.
-    pub codes: Vec<AdcCode>,
-    /// The part a quarter period later: `[step]`; may be empty.
-    pub quadrature: Vec<AdcCode>,
-    /// Voltages of the electrodes' tests: `[electrode]`; may be empty.
-    pub tests: Vec<ElectrodeTest>,
-    /// What was wrong with the scan.
-    pub flags: FrameFlags,
-}
-
-impl Scan {
-    /// The frame that it makes. More codes than a frame holds leave it empty, and a board drops it.
-    #[must_use]
-    pub fn frame(&self, sequence: u32, timestamp_us: u64) -> Frame {
-        Frame {
-            sequence,
-            timestamp_us,
-            flags: self.flags,
-            codes: self.codes.as_slice().try_into().unwrap_or_default(),
-            quadrature: self.quadrature.as_slice().try_into().unwrap_or_default(),
-            tests: self.tests.as_slice().try_into().unwrap_or_default(),
-        }
-    }
-}
-
-/// Samples of one slot.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct SlotSamples {
-    /// Gain of the programmable amplifier.
-    pub gain: u8,
-    /// Codes of the converter, 0 to 4095.
-    pub samples: Vec<u16>,
-}
 
 /// How fast frames come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -212,7 +129,7 @@ pub enum BoardError {
         /// What the system says.
         reason: io::Error,
     },
-    /// Its frame source panicked.
+    /// Its instrument panicked.
     #[error("the simulated board crashed")]
     Crashed,
 }
@@ -226,23 +143,20 @@ pub struct SimulatedBoard {
 }
 
 impl SimulatedBoard {
-    /// Starts a board that measures what `source` gives.
-    pub fn start(options: BoardOptions, source: impl FrameSource + 'static) -> Result<Self, BoardError> {
+    /// Starts a board with this instrument.
+    pub fn start(options: BoardOptions, instrument: impl Instrument + 'static) -> Result<Self, BoardError> {
         let store = FilePatchStore::open(options.store, options.patch)?;
         check_electrodes(&store, options.electrodes)?;
         let listener = listen(options.listen)?;
         let address = listener.local_addr().map_err(|reason| listen_error(options.listen, reason))?;
         let stop = Arc::new(AtomicBool::new(false));
         let worker = Worker {
-            device: Device::new(facts(options.electrodes, source.front_end()), store),
+            device: Device::new(facts(options.electrodes, instrument.front_end()), store),
             table: None,
-            front_end: source.front_end(),
-            source: Box::new(source),
+            scanner: Scanner::new(Box::new(instrument)),
             pace: options.pace,
             stop: stop.clone(),
             started: Instant::now(),
-            sequence: 0,
-            board_time: 0.0,
             script_frame: 0,
             frames_left: options.max_frames,
         };
@@ -320,7 +234,7 @@ fn facts(electrodes: u8, front_end: Option<FrontEnd>) -> BoardFacts {
     BoardFacts {
         identity,
         electrodes,
-        frame_source: protocol::FrameSource::Simulated,
+        frame_source: FrameSource::Simulated,
         front_end,
         started_after: Restart::PowerOn,
     }
@@ -329,17 +243,12 @@ fn facts(electrodes: u8, front_end: Option<FrontEnd>) -> BoardFacts {
 /// What runs on the board's thread.
 struct Worker {
     device: Device<FilePatchStore>,
-    source: Box<dyn FrameSource>,
-    front_end: Option<FrontEnd>,
+    scanner: Scanner<Box<dyn Instrument>>,
     /// What is scanned, with the number of the device's scan it was made for.
     table: Option<(u32, ScanTable)>,
     pace: Pace,
     stop: Arc<AtomicBool>,
     started: Instant,
-    /// Number of the next frame.
-    sequence: u32,
-    /// Time scanned since the board started, s.
-    board_time: f64,
     /// Frames of the present stream so far.
     script_frame: u64,
     /// Frames that may still be streamed, if there is a limit.
@@ -404,8 +313,9 @@ impl Worker {
         let streamed = !pipeline.is_taring() && pipeline.reference().is_some();
         let Some(table) = self.scan_table() else { return due };
         let script_time = streamed.then_some(self.script_frame as f64 / self.frame_rate());
-        let mut frame = self.next_frame(&table, script_time);
-        self.device.process(&mut frame, |packet| client.send(packet));
+        let mut frame = self.scanner.scan(&table, script_time);
+        let arrival = Arrival { timestamp_us: frame.timestamp_us, missed: false };
+        self.device.process(&mut frame, arrival, |packet| client.send(packet));
         self.show_scope(client, &frame, &table, script_time);
         if streamed {
             self.count_streamed();
@@ -423,15 +333,6 @@ impl Worker {
         self.table.as_ref().map(|(_, table)| table.clone())
     }
 
-    fn next_frame(&mut self, table: &ScanTable, script_time: Option<f64>) -> Frame {
-        let scan = self.source.scan(table, script_time);
-        let sequence = self.sequence;
-        self.sequence = sequence.wrapping_add(1);
-        self.board_time += 1.0 / self.frame_rate();
-        let timestamp_us = (self.board_time * 1e6).round() as u64;
-        scan.frame(sequence, timestamp_us)
-    }
-
     /// Sends the samples of the slot that the host watches, if this frame is one it wants.
     fn show_scope(
         &mut self,
@@ -444,13 +345,8 @@ impl Worker {
             return None;
         }
         let slot = self.device.streaming().scope_slot;
-        let timing = Timing::new(&table.drive, self.front_end?.sample_rate)?;
-        let SlotSamples { gain, mut samples } =
-            self.source.samples(table, usize::from(slot), timing, script_time)?;
-        samples.truncate(MAX_SCOPE_SAMPLES);
-        let samples = samples.as_slice().try_into().ok()?;
-        let seen = protocol::SlotSamples { slot, gain, settling: timing.settling, samples };
-        self.device.show_scope(&seen, |packet| client.send(packet));
+        let samples = self.scanner.samples(table, slot, script_time)?;
+        self.device.show_scope(&samples, |packet| client.send(packet));
         Some(())
     }
 
@@ -474,7 +370,7 @@ impl Worker {
 
     fn end_stream_if_over(&mut self) {
         if self.frames_left == Some(0) && self.device.streaming().any() {
-            let request = Request::Stream(protocol::Selection::default());
+            let request = Request::Stream(Selection::default());
             let _ = self.device.handle(&RequestPacket { sequence: 0, request }, self.uptime_ms());
         }
     }

@@ -1,0 +1,84 @@
+//! Board: what the firmware asks of the hardware it runs on.
+//!
+//! Each board is a module of its own: one table of clocks, pins, DMA channels and interrupts, and in
+//! `sensing` what only its chip's registers can do. A cargo feature of the same name chooses it, and nothing
+//! outside this module knows which one it is. A pin or DMA channel that cannot do what the table asks of it
+//! does not compile.
+//!
+//! | board           | chip        | feature         | tested                       |
+//! |-----------------|-------------|-----------------|------------------------------|
+//! | NUCLEO-G474RE   | STM32G474RE | `nucleo-g474re` | on an emulated chip          |
+//! | NUCLEO-L496ZG   | STM32L496ZG | `nucleo-l496zg` | not at all: it only builds   |
+//!
+//! What a scan does with its timers is the same on all of them: see `chain`.
+
+#[cfg(feature = "nucleo-g474re")]
+mod nucleo_g474re;
+#[cfg(feature = "nucleo-l496zg")]
+mod nucleo_l496zg;
+
+#[cfg(all(feature = "nucleo-g474re", feature = "nucleo-l496zg"))]
+compile_error!("two boards: add --no-default-features to --features nucleo-l496zg");
+#[cfg(not(any(feature = "nucleo-g474re", feature = "nucleo-l496zg")))]
+compile_error!("no board: add --features nucleo-g474re or --features nucleo-l496zg");
+
+mod chain;
+pub mod executor;
+mod thermometer;
+
+pub use chain::*;
+pub use thermometer::Thermometer;
+
+#[cfg(feature = "nucleo-g474re")]
+pub use nucleo_g474re::*;
+#[cfg(feature = "nucleo-l496zg")]
+pub use nucleo_l496zg::*;
+
+use dermatome_shared::restart::ResetCauses;
+use embassy_stm32::{Peri, peripherals};
+use embassy_time::Duration;
+
+/// The board's hardware, for the tasks to take.
+pub struct Board {
+    /// What the link is made of.
+    pub link: LinkParts,
+    /// What the front end is made of.
+    pub sensing: SensingParts,
+    /// The chip's temperature sensor.
+    pub thermometer: Thermometer,
+    /// The chip's flash.
+    pub flash: Peri<'static, peripherals::FLASH>,
+    /// The watchdog.
+    pub watchdog: Peri<'static, peripherals::IWDG>,
+    /// The core's own peripherals.
+    pub core: cortex_m::Peripherals,
+    /// Why the chip started.
+    pub reset_causes: ResetCauses,
+}
+
+/// What the link is made of.
+pub struct LinkParts {
+    /// UART.
+    pub uart: Peri<'static, LinkUart>,
+    /// Pin that sends.
+    pub tx_pin: Peri<'static, LinkTxPin>,
+    /// Pin that receives.
+    pub rx_pin: Peri<'static, LinkRxPin>,
+    /// DMA channel that sends.
+    pub tx_dma: Peri<'static, LinkTxDma>,
+    /// DMA channel that receives.
+    pub rx_dma: Peri<'static, LinkRxDma>,
+}
+
+/// A programmable amplifier, whose gain the DMA sets.
+pub struct Amplifier {
+    /// Where a table of its words goes.
+    pub register: fn() -> *mut u32,
+    /// The word for a gain of 1, 2, 4, 8, 16, 32 or 64.
+    pub word: fn(u8) -> u32,
+}
+
+/// How long so many samples take.
+pub fn duration_of_samples(samples: usize) -> Duration {
+    Duration::from_micros(samples as u64 * 1_000_000 / u64::from(SAMPLE_RATE))
+}

@@ -1,0 +1,164 @@
+//! NUCLEO-G474RE: the one table of clocks, pins, DMA channels and interrupts.
+//!
+//! | what          | which                       | why                                            |
+//! |---------------|-----------------------------|------------------------------------------------|
+//! | system clock  | 170 MHz from HSI and PLL    | the fastest the chip does; needs no crystal    |
+//! | time          | TIM5 (feature in Cargo.toml)| no acquisition chain needs it                  |
+//! | link          | LPUART1                     | the debug adapter's virtual COM port           |
+//! | link, pins    | PA2 sends, PA3 receives     | wired to the debug adapter on the NUCLEO board |
+//! | link, DMA     | DMA1 channels 1 and 2       | any channel can serve any request on this chip |
+//! | base of time  | TIM4                        | its trigger output reaches ADC2 and the timers |
+//! | waveform      | TIM2, DAC1 channel 1 on PA4 | TIM2 counts TIM4, and triggers DAC1            |
+//! | slots         | TIM3                        | counts TIM4, and asks the DMA twice in a slot  |
+//! | multiplexers  | PB0 to PB15                 | one port: I+, I-, V+, V-, four bits each       |
+//! | their enable  | PC6, TIM3 channel 1         | off around a switch, for parts that need it    |
+//! | amplifier     | OPAMP2, PA7 in, PA5 bias    | its output goes to ADC2 inside the chip        |
+//! | converter     | ADC2, channel 16            | 2 megasamples of 12 bits                       |
+//! | temperature   | ADC1                        | has the chip's sensor                          |
+//! | sensing, DMA  | DMA1 channels 3 to 6        | waveform, multiplexers, amplifier, converter   |
+//! | acquisition   | interrupt of the FMAC       | nothing else uses it; see `board::executor`    |
+//! | patch slots   | flash from 128 KiB on       | the firmware has the part before, see `memory` |
+//! | watchdog      | IWDG                        | its clock is its own                           |
+
+mod sensing;
+
+pub use sensing::*;
+
+use dermatome_shared::restart::ResetCauses;
+use embassy_stm32::{
+    Config,
+    adc::{Adc, AdcConfig},
+    bind_interrupts, dma, interrupt, pac, peripherals, rcc, usart,
+};
+
+use super::{Board, LinkParts, Thermometer, executor};
+
+/// What the board calls itself to a host.
+pub const NAME: &str = "nucleo-g474re";
+/// Electrodes its four 16:1 multiplexers switch.
+pub const ELECTRODES: u8 = 16;
+
+/// Bits per second on the link.
+///
+/// LPUART1 divides 170 MHz by 21760 / 256: exactly this rate. Its own limit is a third of its clock,
+/// so the debug adapter is the slower of the two. The HSI adds up to 1 %, which 8 bits without
+/// parity tolerate.
+pub const LINK_BAUD: u32 = 2_000_000;
+
+/// Clock of the core, in cycles per microsecond.
+pub const CYCLES_PER_MICROSECOND: f32 = 170.0;
+
+/// Where the first patch slot starts, bytes from the start of the flash; the second one follows.
+pub const SLOTS_OFFSET: usize = 128 * 1024;
+
+/// UART of the link.
+pub type LinkUart = peripherals::LPUART1;
+/// Pin the link sends on.
+pub type LinkTxPin = peripherals::PA2;
+/// Pin the link receives on.
+pub type LinkRxPin = peripherals::PA3;
+/// DMA channel that sends.
+pub type LinkTxDma = peripherals::DMA1_CH1;
+/// DMA channel that receives.
+pub type LinkRxDma = peripherals::DMA1_CH2;
+
+/// Interrupt that the acquisition runs in.
+pub type AcquisitionInterrupt = interrupt::typelevel::FMAC;
+
+/// Converter that has the chip's temperature sensor.
+pub type ThermometerConverter = peripherals::ADC1;
+/// Where the factory left the sensor's codes, and the degrees Celsius they were measured at with VDDA = 3.0 V
+/// (DS12288, "Temperature sensor calibration values").
+pub const TEMPERATURE_POINTS: [(usize, f32); 2] = [(0x1FFF_75A8, 30.0), (0x1FFF_75CA, 130.0)];
+
+// Which interrupt calls which handler; a pair that does not belong together does not compile.
+bind_interrupts!(
+    /// The board's interrupts, bound to their handlers.
+    pub struct Interrupts {
+    LPUART1 => usart::InterruptHandler<LinkUart>;
+    DMA1_CHANNEL1 => dma::InterruptHandler<LinkTxDma>;
+    DMA1_CHANNEL2 => dma::InterruptHandler<LinkRxDma>;
+    DMA1_CHANNEL3 => dma::InterruptHandler<peripherals::DMA1_CH3>;
+    DMA1_CHANNEL4 => dma::InterruptHandler<peripherals::DMA1_CH4>;
+    DMA1_CHANNEL5 => dma::InterruptHandler<peripherals::DMA1_CH5>;
+    DMA1_CHANNEL6 => dma::InterruptHandler<peripherals::DMA1_CH6>;
+    FMAC => executor::InterruptHandler;
+});
+
+/// Starts the clocks and hands out the hardware. Can be called once.
+pub fn start() -> Board {
+    let mut config = Config::default();
+    config.rcc = clocks();
+    let chip = embassy_stm32::init(config);
+    // While a debug probe holds the core, nobody can feed the watchdog.
+    pac::DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
+    Board {
+        link: LinkParts {
+            uart: chip.LPUART1,
+            tx_pin: chip.PA2,
+            rx_pin: chip.PA3,
+            tx_dma: chip.DMA1_CH1,
+            rx_dma: chip.DMA1_CH2,
+        },
+        sensing: SensingParts {
+            dac: chip.DAC1,
+            dac_pin: chip.PA4,
+            dac_dma: chip.DMA1_CH3,
+            sample_timer: chip.TIM4,
+            wave_timer: chip.TIM2,
+            slot_timer: chip.TIM3,
+            word_dma: chip.DMA1_CH4,
+            enable_pin: chip.PC6,
+            gain_dma: chip.DMA1_CH5,
+            amplifier_pin: chip.PA7,
+            bias_pin: chip.PA5,
+            converter: chip.ADC2,
+            converter_dma: chip.DMA1_CH6,
+        },
+        thermometer: Thermometer::new(Adc::new(chip.ADC1, AdcConfig::default())),
+        flash: chip.FLASH,
+        watchdog: chip.IWDG,
+        core: cortex_m::Peripherals::take().expect("the board starts once"),
+        reset_causes: take_reset_causes(),
+    }
+}
+
+/// Reads why the chip started, and clears it for the next time.
+fn take_reset_causes() -> ResetCauses {
+    let flags = pac::RCC.csr().read();
+    pac::RCC.csr().modify(|w| w.set_rmvf(true));
+    ResetCauses {
+        power: flags.borrstf(),
+        watchdog: flags.iwdgrstf(),
+        software: flags.sftrstf(),
+        pin: flags.pinrstf(),
+    }
+}
+
+/// Clears the error that flash raised when it was read; says whether there was one.
+pub fn clear_flash_error() -> bool {
+    let errors = pac::FLASH.eccr();
+    let found = errors.read();
+    // Writing a flag that is set clears it.
+    errors.write_value(found);
+    found.eccd() || found.eccd2()
+}
+
+/// HSI 16 MHz / 4 * 85 / 2 = 170 MHz for core and buses.
+fn clocks() -> rcc::Config {
+    let mut clocks = rcc::Config::default();
+    clocks.hsi = true;
+    clocks.pll = Some(rcc::Pll {
+        source: rcc::PllSource::HSI,
+        prediv: rcc::PllPreDiv::DIV4,
+        mul: rcc::PllMul::MUL85,
+        divp: None,
+        divq: None,
+        divr: Some(rcc::PllRDiv::DIV2),
+    });
+    clocks.sys = rcc::Sysclk::PLL1_R;
+    clocks.mux.adc12sel = rcc::mux::Adcsel::SYS;
+    // The chip allows more than 150 MHz only with its core voltage boosted.
+    clocks.boost = true;
+    clocks
+}

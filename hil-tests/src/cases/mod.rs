@@ -1,0 +1,163 @@
+//! Cases: what a board with our firmware must do. Each sees a rig and nothing else.
+
+mod crash;
+mod line;
+mod log;
+mod pipeline;
+mod power;
+mod sensing;
+mod upload;
+
+use crate::machine::Halt;
+use crate::rig::{Capability, Rig, RigError};
+use dermatome::{
+    link::{LinkError, UploadError},
+    simulate::port::OpenError,
+};
+
+/// One case.
+#[derive(Clone, Copy)]
+pub struct Case {
+    /// What it shows, as a sentence.
+    pub name: &'static str,
+    /// What the rig must be able to do.
+    pub needs: &'static [Capability],
+    /// Runs it; gives what was measured, if anything was.
+    pub run: fn(&Rig) -> Result<String, Failure>,
+}
+
+/// Why a case failed.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// The board did something else than it must.
+    #[error("{0}")]
+    Wrong(String),
+    /// The link failed.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The board cannot be reached.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// An upload failed.
+    #[error(transparent)]
+    Upload(#[from] UploadError),
+    /// The emulated board cannot go on.
+    #[error(transparent)]
+    Halt(#[from] Halt),
+    /// There is no board.
+    #[error(transparent)]
+    Rig(#[from] RigError),
+}
+
+impl Failure {
+    /// Something that has no variant of its own went wrong.
+    fn wrong(what: impl Into<Box<dyn std::error::Error>>) -> Self {
+        Self::Wrong(what.into().to_string())
+    }
+}
+
+/// All cases, in the order in which they run.
+#[must_use]
+pub fn all() -> Vec<Case> {
+    [line::CASES, upload::CASES, power::CASES, crash::CASES, log::CASES, pipeline::CASES, sensing::CASES]
+        .concat()
+}
+
+/// The case fails unless this is so.
+fn ensure(is_so: bool, otherwise: impl FnOnce() -> String) -> Result<(), Failure> {
+    if is_so { Ok(()) } else { Err(Failure::Wrong(otherwise())) }
+}
+
+/// Patches for cases.
+mod patches {
+    use dermatome_shared::{
+        MAX_PATCH_BYTES,
+        calibration::Calibration,
+        drive::Drive,
+        image::{Geometry, PixelGrid},
+        patch::{CombinedInto, Difference, PatchContents, PatchHeader, PatchView},
+        stimulation::{Driven, Step, pattern},
+        units::RelativeConductivity,
+    };
+    use rand::{Rng, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    /// Cells on each side of the grid.
+    const SIDE: u8 = 32;
+
+    /// A valid patch of 16 electrodes with the first `pixels` of 32 x 32 pixels and 208 measurements
+    /// (104 if `combined`), all else random.
+    pub(super) fn patch(pixels: usize, combined: bool, seed: u64) -> Vec<u8> {
+        let mut random = Pcg64::seed_from_u64(seed);
+        let steps: Vec<Step> = pattern(16, 1, 1, Driven::Skipped).collect();
+        let combination = if combined { reciprocal(&steps) } else { each(steps.len()) };
+        let measurements = if combined { steps.len() / 2 } else { steps.len() };
+        let grid = PixelGrid { columns: SIDE, rows: SIDE, pitch: 0.005, left: -0.1, top: 0.1 };
+        let geometry = Geometry::first_cells(grid, pixels);
+        let (places, neighbours) = geometry.tables();
+        let header = PatchHeader {
+            skin: "random".try_into().unwrap_or_default(),
+            electrodes: 16,
+            steps: steps.len() as u16,
+            measurements: measurements as u16,
+            pixels: pixels as u16,
+            difference: if random.random() { Difference::Plain } else { Difference::Normalised },
+            neighbours: neighbours.len() as u16,
+            surface: geometry.scale(),
+            grid: Some(grid),
+            drive: Drive::new(50e3, 1e-3, 100.0),
+            contact_threshold: RelativeConductivity(1 << 14),
+            drift_time: 0.0,
+            calibration: Calibration::default(),
+            test_resistances: Default::default(),
+            play_operators: 0,
+        };
+        let exponents: Vec<i8> = (0..pixels).map(|_| random.random_range(14..18)).collect();
+        let matrix: Vec<i16> =
+            (0..pixels * measurements).map(|_| random.random_range(-32_767..=32_767)).collect();
+        let contents = PatchContents {
+            play_operators: &[],
+            header: &header,
+            steps: &steps,
+            combination: &combination,
+            pixels: &places,
+            neighbours: &neighbours,
+            exponents: &exponents,
+            matrix: &matrix,
+        };
+        let mut bytes = vec![0; MAX_PATCH_BYTES];
+        let length = contents.write(&mut bytes).expect("a patch of this size fits");
+        bytes.truncate(length);
+        PatchView::validate(&bytes).expect("the patch is valid");
+        bytes
+    }
+
+    fn each(steps: usize) -> Vec<CombinedInto> {
+        (0..steps).map(|step| CombinedInto { measurement: step as u16, flipped: false }).collect()
+    }
+
+    /// Steps with drive and sense exchanged go together, subtracted where one pair is turned round.
+    fn reciprocal(steps: &[Step]) -> Vec<CombinedInto> {
+        let mut targets: Vec<CombinedInto> = Vec::new();
+        let mut measurements = 0;
+        for (place, step) in steps.iter().enumerate() {
+            let exchanged = |other: &Step| {
+                let [a, b, c, d] = other.to_bytes();
+                let plus = [[c, d, a, b], [d, c, b, a]].contains(&step.to_bytes());
+                let minus = [[d, c, a, b], [c, d, b, a]].contains(&step.to_bytes());
+                (plus || minus).then_some(minus)
+            };
+            let first =
+                steps[..place].iter().enumerate().find_map(|(first, other)| Some((first, exchanged(other)?)));
+            let target = match first {
+                Some((first, flipped)) => CombinedInto { flipped, ..targets[first] },
+                None => {
+                    measurements += 1;
+                    CombinedInto { measurement: measurements - 1, flipped: false }
+                }
+            };
+            targets.push(target);
+        }
+        targets
+    }
+}

@@ -1,0 +1,216 @@
+//! Cases of sensing: what the board measures of the skin in its world, how fast, and what it says when
+//! something breaks.
+
+mod faults;
+mod presses;
+mod session;
+mod speed;
+
+use super::{Case, Failure, ensure};
+use crate::{
+    chip::time::Time,
+    machine::Machine,
+    rig::{Capability, Rig},
+};
+use dermatome_shared::{
+    drive::Drive,
+    protocol::{Event, Request, Selection},
+    scan::{multiplexer_word, test_step},
+};
+use num_complex::Complex64;
+use session::Session;
+
+/// Resistance of a contact of the rig's skin, ohm: 0.18 ohm m over 11 mm.
+const CONTACT: f64 = 16.4;
+
+/// What every case of sensing needs.
+const NEEDS: &[Capability] = &[Capability::VirtualTime];
+
+pub(super) const CASES: &[Case] = &[
+    Case { name: "demodulated voltages are those of the circuit", needs: NEEDS, run: voltages },
+    Case { name: "contact impedances are those of the circuit", needs: NEEDS, run: contact_impedances },
+    Case { name: "signal to noise of the board's own chain", needs: NEEDS, run: signal_to_noise },
+    Case {
+        name: "the current starts, changes and stops without a jump and without DC",
+        needs: NEEDS,
+        run: current,
+    },
+    Case {
+        name: "208 measurements at 50 kHz make 150 images a second",
+        needs: NEEDS,
+        run: speed::measured_twice,
+    },
+    Case {
+        name: "104 measurements at 100 kHz make 400 images a second",
+        needs: NEEDS,
+        run: speed::measured_once,
+    },
+    Case {
+        name: "flash, static memory and stack stay within their limits",
+        needs: NEEDS,
+        run: speed::memory,
+    },
+    Case {
+        name: "every broken electrode, line, converter and source is flagged within two frames",
+        needs: NEEDS,
+        run: faults::all,
+    },
+    Case { name: "a press is found where it is", needs: NEEDS, run: presses::positions },
+    Case {
+        name: "a press held for ten minutes of drift is still reported, with its force",
+        needs: NEEDS,
+        run: presses::long,
+    },
+];
+
+/// Compares what the board makes of a quiet skin with the circuit solved at the carrier's frequency.
+fn voltages(rig: &Rig) -> Result<String, Failure> {
+    /// s.
+    const SETTLING: f64 = 10e-6;
+    /// Largest voltage that the converter takes at gain 1, V between electrodes.
+    const FULL_SCALE: f64 = 1.65 / 19.93;
+    let mut lines = Vec::new();
+    for frequency in [12.5e3, 20e3, 50e3, 100e3, 200e3] {
+        let mut session = Session::open(rig, |skin| {
+            skin.drive.frequency = frequency;
+            skin.drive.settling = SETTLING * frequency;
+        })?;
+        session.world.noise(0.0);
+        session.tare(2)?;
+        let current = f64::from(session.front_end()?.1.amplitude);
+        let measured = session.voltages(1)?.remove(0);
+        let truth = |word| session.world.truth(word) * current;
+        let words = session.patch().steps().map(multiplexer_word);
+        let errors: Vec<Complex64> =
+            words.zip(&measured).map(|(word, [re, im])| Complex64::new(*re, *im) - truth(word)).collect();
+        let worst = |part: fn(&Complex64) -> f64| errors.iter().map(part).fold(0.0, f64::max) / FULL_SCALE;
+        let [real, imaginary] = [worst(|error| error.re.abs()), worst(|error| error.im.abs())];
+        lines.push(format!("{} kHz {:.3} % ({:.3} %)", frequency / 1e3, 100.0 * real, 100.0 * imaginary));
+        ensure(real <= 1e-3, || format!("off by {:.3} % of full scale at {frequency} Hz", 100.0 * real))?;
+    }
+    Ok(format!("worst channel in phase (in quadrature), of the converter's range: {}", lines.join(", ")))
+}
+
+/// Compares contact impedances with those of the circuit, and with the contacts' own, which leads and the sheet's
+/// model keep apart.
+fn contact_impedances(rig: &Rig) -> Result<String, Failure> {
+    let mut lines = Vec::new();
+    for frequency in [12.5e3, 50e3, 100e3] {
+        let mut session = Session::open(rig, |skin| {
+            skin.drive.frequency = frequency;
+            // At 1 mA the amplifier clips the tests.
+            skin.drive.amplitude = 0.25e-3;
+        })?;
+        session.world.noise(0.0);
+        session.tare(2)?;
+        session.stream(Selection { health: 1, ..Selection::default() })?;
+        let health = session.find(|event| match event {
+            Event::Health { health, .. } => Some(health),
+            _ => None,
+        })?;
+        let header = session.patch().header;
+        let (mut of_circuit, mut of_contact) = (0.0_f64, 0.0_f64);
+        for (electrode, (&ohms, &sheet)) in
+            health.contact_impedance.iter().zip(&header.test_resistances).enumerate()
+        {
+            let word = multiplexer_word(test_step(electrode as u8, header.electrodes));
+            let truth = session.world.truth(word);
+            let expected = truth.norm_sqr() / truth.re - f64::from(sheet);
+            of_circuit = of_circuit.max((f64::from(ohms) - expected).abs());
+            of_contact = of_contact.max((f64::from(ohms) - CONTACT).abs());
+        }
+        ensure(of_circuit < 0.5, || format!("off by {of_circuit:.2} ohm at {frequency} Hz"))?;
+        ensure(of_contact < 6.0, || format!("{of_contact:.2} ohm from {CONTACT} at {frequency} Hz"))?;
+        lines.push(format!("{} kHz {of_circuit:.2} ({of_contact:.1}) ohm", frequency / 1e3));
+    }
+    Ok(format!("off by at most (from the contacts' own {CONTACT}): {}", lines.join(", ")))
+}
+
+/// Mean over standard deviation of each step, dB.
+fn signal_to_noise(rig: &Rig) -> Result<String, Failure> {
+    let mut session = Session::open(rig, |skin| skin.drive.frame_rate = 1000.0)?;
+    session.tare(2)?;
+    let frames = session.voltages(200)?;
+    let mut ratios: Vec<f64> = (0..frames[0].len())
+        .map(|step| {
+            let values = || frames.iter().map(|frame| frame[step][0]);
+            let mean = values().sum::<f64>() / frames.len() as f64;
+            let variance = values().map(|v| (v - mean).powi(2)).sum::<f64>() / (frames.len() - 1) as f64;
+            20.0 * (mean.abs() / variance.sqrt()).log10()
+        })
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    let (worst, median) = (ratios[0], ratios[ratios.len() / 2]);
+    ensure(median >= 64.0, || format!("median {median:.1} dB, worst channel {worst:.1} dB"))?;
+    Ok(format!("median {median:.1} dB, worst channel {worst:.1} dB of {} (50 kHz, one period)", ratios.len()))
+}
+
+/// Crest of the DAC's codes at 100 %.
+const CREST: f64 = 1738.0;
+
+/// Watches every code of the DAC through starts, changes and a stop.
+fn current(rig: &Rig) -> Result<String, Failure> {
+    let mut session = Session::open(rig, |_| ())?;
+    session.stream(Selection { health: 1, ..Selection::default() })?;
+    let usual = session.front_end()?.1;
+    session.world.take_drive_record();
+    let (jump, dc) = worst_of_changes(&mut session, usual)?;
+    ensure(jump <= 1.0, || format!("a step is {jump:.2} times what a cosine and a rise do"))?;
+    ensure(dc <= 2e-3, || format!("{:.3} % of the crest is DC", 100.0 * dc))?;
+    session.stream(Selection::default())?;
+    // A tare that the last drive began ends by itself.
+    ensure_off(&session, 2000, "while nothing is asked for")?;
+    for (accident, happen) in
+        [("a fault", Machine::inject_fault as fn(&mut Machine)), ("a hang", Machine::hang)]
+    {
+        session.stream(Selection { health: 1, ..Selection::default() })?;
+        next_health(&mut session)?;
+        session.board.with(happen);
+        // The watchdog takes two seconds at most.
+        ensure_off(&session, 2500, &format!("after {accident}"))?;
+        session.reconnect()?;
+    }
+    Ok(format!(
+        "largest step {jump:.2} of a cosine's, DC {:.3} % of the crest, off when idle, after a fault and after a hang",
+        100.0 * dc
+    ))
+}
+
+/// Drives the skin in other ways one after the other. The largest change of the code from word to word, over
+/// what a cosine and a rise do, and the largest mean over the crest.
+fn worst_of_changes(session: &mut Session, usual: Drive) -> Result<(f64, f64), Failure> {
+    let mut worst = (0.0_f64, 0.0_f64);
+    let mut before = f64::INFINITY;
+    for (frequency, amplitude) in
+        [(12.5e3, 1e-3), (200e3, 0.5e-3), (20e3, 1e-4), (50e3, 1e-3), (100e3, 0.9e-3)]
+    {
+        let drive = Drive { frequency, amplitude, ..usual };
+        session.link.request(&Request::Drive(Some(drive)))?;
+        next_health(session)?;
+        next_health(session)?;
+        let record = session.world.take_drive_record();
+        ensure(record.enabled, || "the multiplexers are not enabled in a scan".to_owned())?;
+        let words = 1e6 / f64::from(frequency);
+        // Both this drive and the one before have put out codes: what the faster cosine does from word to word,
+        // and one step of a rise.
+        let cosine = 2.0 * CREST * (std::f64::consts::PI / words.min(before)).sin();
+        before = words;
+        let jump = f64::from(record.largest_step) / (cosine + CREST / 8.0);
+        let dc = record.area / record.time / CREST;
+        worst = (worst.0.max(jump), worst.1.max(dc.abs()));
+    }
+    Ok(worst)
+}
+
+/// After so many milliseconds, the DAC's code stays and the multiplexers are disabled.
+fn ensure_off(session: &Session, millis: u64, when: &str) -> Result<(), Failure> {
+    session.run(Time::from_millis(millis))?;
+    session.world.take_drive_record();
+    session.run(Time::from_millis(100))?;
+    let record = session.world.take_drive_record();
+    ensure(record.changes == 0 && !record.enabled, || format!("{record:?} {when}"))
+}
+
+fn next_health(session: &mut Session) -> Result<(), Failure> {
+    session.find(|event| matches!(event, Event::Health { .. }).then_some(()))
+}

@@ -1,0 +1,420 @@
+//! Handle: what is done to the skin and to the front end while the emulated board measures, and what is true there.
+
+use super::{
+    expected::{Carrier, demodulated},
+    fault::{Fault, LINES, stuck},
+    multiplexers::selected,
+    network::{MINUS, Network, PLUS},
+    parameters::Analogue,
+    skin::{LEADS, SkinNetwork},
+};
+use crate::chip::time::Time;
+use dermatome::{
+    model::ModelError,
+    simulate::{Press, Script},
+    skin::Skin,
+};
+use num_complex::Complex64;
+use std::sync::{
+    Arc, Mutex, MutexGuard, PoisonError,
+    atomic::{AtomicU64, Ordering},
+};
+
+/// Drift changes the sheet in steps of this share.
+const DRIFT_STEP: f64 = 1e-4;
+/// A script moves its fingers this often.
+const SCRIPT_STEP: Time = Time::from_millis(50);
+/// A sheet does not drift beyond these shares of its conductivity.
+const DRIFT_RANGE: [f64; 2] = [0.05, 20.0];
+
+/// What an analogue world is made of. Clones share the skin's mesh, so that many boards are cheap.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The skin.
+    pub skin: Arc<Skin>,
+    /// The front end.
+    pub analogue: Analogue,
+    /// Capacitance beside the resistance of each contact, F per metre of electrode.
+    pub contact_capacitance: f64,
+    /// Seed of noise and of differences between switches.
+    pub seed: u64,
+    /// Whether there is noise from the start.
+    pub noise: bool,
+    network: Arc<SkinNetwork>,
+}
+
+impl Setup {
+    /// A skin, which is meshed now, behind a front end, with noise.
+    pub fn new(
+        skin: Skin,
+        analogue: Analogue,
+        contact_capacitance: f64,
+        seed: u64,
+    ) -> Result<Self, WorldError> {
+        let electrodes = skin.electrodes.count;
+        if usize::from(electrodes) > LEADS {
+            return Err(WorldError::Electrodes { name: skin.name, electrodes });
+        }
+        let network = skin_at(&skin, contact_capacitance, skin.drive.frequency)?;
+        Ok(Self { skin: Arc::new(skin), analogue, contact_capacitance, seed, noise: true, network })
+    }
+
+    /// The same front end before another skin.
+    pub fn with_skin(&self, skin: Skin) -> Result<Self, WorldError> {
+        let other = Self::new(skin, self.analogue.clone(), self.contact_capacitance, self.seed)?;
+        Ok(Self { noise: self.noise, ..other })
+    }
+}
+
+/// Why there is no world.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum WorldError {
+    /// More electrodes than channels.
+    #[error(
+        "skin `{name}` has {electrodes} electrodes; allowed: up to {LEADS}, the channels of a multiplexer"
+    )]
+    Electrodes {
+        /// Name of the skin.
+        name: String,
+        /// Its electrodes.
+        electrodes: u8,
+    },
+    /// The skin has no model.
+    #[error("skin `{name}`: {error}")]
+    Skin {
+        /// Name of the skin.
+        name: String,
+        /// Why.
+        error: ModelError,
+    },
+    /// A value that makes no sense.
+    #[error("`{field}` is {value}; allowed: {allowed}")]
+    Value {
+        /// What.
+        field: &'static str,
+        /// Its value.
+        value: String,
+        /// What it may be.
+        allowed: String,
+    },
+}
+
+/// A handle; all its clones mean the same world.
+#[derive(Clone, Debug)]
+pub struct WorldHandle(Arc<Shared>);
+
+#[derive(Debug)]
+struct Shared {
+    setup: Arc<Setup>,
+    /// Counts changes.
+    version: AtomicU64,
+    state: Mutex<State>,
+    network: Mutex<Option<(u64, Arc<Network>)>>,
+    drive: Mutex<DriveRecord>,
+}
+
+/// What the DAC has put out since this was taken last.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DriveRecord {
+    /// Times at which its code changed.
+    pub changes: u64,
+    /// Code less 2048, half the range, over time: s.
+    pub area: f64,
+    /// Time covered, s.
+    pub time: f64,
+    /// Largest difference from one code to the next.
+    pub largest_step: u16,
+    /// Whether the multiplexers were enabled at any time.
+    pub enabled: bool,
+    enabled_now: bool,
+    last: Option<(u16, Time)>,
+}
+
+impl DriveRecord {
+    fn add(&mut self, code: u16, at: Time) {
+        let (before, since) = self.last.replace((code, at)).unwrap_or((code, at));
+        let time = at.since(since).seconds();
+        self.changes += 1;
+        self.area += (f64::from(before) - 2048.0) * time;
+        self.time += time;
+        self.largest_step = self.largest_step.max(code.abs_diff(before));
+    }
+}
+
+#[derive(Debug)]
+struct State {
+    conditions: Conditions,
+    skin: Arc<SkinNetwork>,
+    frequency: f64,
+    drift: Drift,
+    script: Option<(Script, Time)>,
+    now: Time,
+}
+
+/// How things are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Conditions {
+    /// Fingers on the skin.
+    pub presses: Vec<Press>,
+    /// Conductivity of the sheet over the skin file's.
+    pub scale: f64,
+    /// Noise, over that of the parts.
+    pub noise: f64,
+    /// Temperature of the chip, degrees Celsius.
+    pub temperature: f64,
+    /// What is broken.
+    pub faults: Vec<Fault>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Drift {
+    per_minute: f64,
+    since: Time,
+    from: f64,
+}
+
+impl WorldHandle {
+    /// A world without fingers or faults.
+    #[must_use]
+    pub fn new(setup: impl Into<Arc<Setup>>) -> Self {
+        let setup = setup.into();
+        let conditions = Conditions {
+            presses: Vec::new(),
+            scale: 1.0,
+            noise: f64::from(u8::from(setup.noise)),
+            temperature: 30.0,
+            faults: Vec::new(),
+        };
+        let state = State {
+            conditions,
+            skin: setup.network.clone(),
+            frequency: setup.skin.drive.frequency,
+            drift: Drift { per_minute: 0.0, since: Time::ZERO, from: 1.0 },
+            script: None,
+            now: Time::ZERO,
+        };
+        let (version, state) = (AtomicU64::new(1), Mutex::new(state));
+        Self(Arc::new(Shared { setup, version, state, network: Mutex::default(), drive: Mutex::default() }))
+    }
+
+    /// What it is made of.
+    #[must_use]
+    pub fn setup(&self) -> &Setup {
+        &self.0.setup
+    }
+
+    /// How things are.
+    #[must_use]
+    pub fn conditions(&self) -> Conditions {
+        self.state().conditions.clone()
+    }
+
+    /// These fingers, and no others, press the skin from now on.
+    pub fn press(&self, presses: &[Press]) {
+        self.change(|state| {
+            state.script = None;
+            state.conditions.presses = presses.to_vec();
+        });
+    }
+
+    /// Fingers follow a script from now on.
+    pub fn run_script(&self, script: Script) {
+        self.change(|state| {
+            state.conditions.presses = script.presses(0.0);
+            state.script = Some((script, state.now));
+        });
+    }
+
+    /// From now on the sheet's conductivity grows by this share of the skin file's in each minute.
+    pub fn drift(&self, per_minute: f64) {
+        self.change(|state| {
+            state.drift = Drift { per_minute, since: state.now, from: state.conditions.scale };
+        });
+    }
+
+    /// Makes the noise so many times that of the parts; 0 for none.
+    pub fn noise(&self, times: f64) {
+        self.change(|state| state.conditions.noise = times);
+    }
+
+    /// The chip's temperature, degrees Celsius.
+    pub fn temperature(&self, celsius: f64) {
+        self.change(|state| state.conditions.temperature = celsius);
+    }
+
+    /// Something breaks, as well as what is broken already.
+    pub fn inject(&self, fault: Fault) -> Result<(), WorldError> {
+        validate(fault)?;
+        self.change(|state| state.conditions.faults.push(fault));
+        Ok(())
+    }
+
+    /// Everything is mended.
+    pub fn mend(&self) {
+        self.change(|state| state.conditions.faults.clear());
+    }
+
+    /// Carrier's frequency, Hz, at which capacitance of sheet and contacts is taken; the skin file's unless
+    /// somebody says otherwise.
+    pub fn set_frequency(&self, frequency: f64) -> Result<(), WorldError> {
+        if !(1e3..=1e6).contains(&frequency) {
+            let (value, allowed) = (format!("{frequency} Hz"), "1e3 to 1e6 Hz".to_owned());
+            return Err(WorldError::Value { field: "frequency", value, allowed });
+        }
+        let setup = &self.0.setup;
+        let skin = skin_at(&setup.skin, setup.contact_capacitance, frequency)?;
+        self.change(|state| (state.skin, state.frequency) = (skin, frequency));
+        Ok(())
+    }
+
+    /// Carrier's frequency, Hz.
+    #[must_use]
+    pub fn frequency(&self) -> f64 {
+        self.state().frequency
+    }
+
+    /// Voltage between the amplifier's inputs per ampere of the current source at the carrier's frequency,
+    /// with this word at the multiplexers: skin, contacts, switches, strays, faults; ohm.
+    #[must_use]
+    pub fn truth(&self, word: u16) -> Complex64 {
+        let word = stuck(word, &self.conditions().faults);
+        let voltages = self.network().phasors(selected(word), self.frequency());
+        voltages[PLUS] - voltages[MINUS]
+    }
+
+    /// The same for the skin alone: nothing but its forward model, no stray and no fault.
+    #[must_use]
+    pub fn skin_truth(&self, word: u16) -> Complex64 {
+        let (skin, conditions) = {
+            let state = self.state();
+            (state.skin.clone(), state.conditions.clone())
+        };
+        skin.transfer(&conditions.presses, conditions.scale, selected(word))
+    }
+
+    /// What a lock-in finds at the converter, V: twice the mean of samples times e^(-j omega t), t counted
+    /// from the first word of the DAC's table. No noise, no limits.
+    #[must_use]
+    pub fn expected(&self, word: u16, gain: f64, carrier: &Carrier) -> Complex64 {
+        let word = stuck(word, &self.conditions().faults);
+        demodulated(&self.network(), &self.0.setup.analogue, word, gain, carrier)
+    }
+
+    /// What the DAC has put out since this was taken last.
+    pub fn take_drive_record(&self) -> DriveRecord {
+        let mut record = self.0.drive.lock().unwrap_or_else(PoisonError::into_inner);
+        let (last, enabled_now) = (record.last, record.enabled_now);
+        let next = DriveRecord { last, enabled_now, enabled: enabled_now, ..DriveRecord::default() };
+        std::mem::replace(&mut *record, next)
+    }
+
+    /// The multiplexers are enabled, or not.
+    pub(super) fn record_enable(&self, enabled: bool) {
+        let mut record = self.0.drive.lock().unwrap_or_else(PoisonError::into_inner);
+        record.enabled_now = enabled;
+        record.enabled |= enabled;
+    }
+
+    /// The DAC puts out a code.
+    pub(super) fn record(&self, code: u16, at: Time) {
+        self.0.drive.lock().unwrap_or_else(PoisonError::into_inner).add(code, at);
+    }
+
+    /// Counts changes; a world that has seen this number is up to date.
+    pub(super) fn version(&self) -> u64 {
+        self.0.version.load(Ordering::Acquire)
+    }
+
+    /// The network of how things are.
+    pub(super) fn network(&self) -> Arc<Network> {
+        let version = self.version();
+        let mut latest = self.0.network.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((known, network)) = latest.as_ref()
+            && *known == version
+        {
+            return network.clone();
+        }
+        let (skin, conditions, frequency) = {
+            let state = self.state();
+            (state.skin.clone(), state.conditions.clone(), state.frequency)
+        };
+        let admittance = skin.admittance(&conditions.presses, conditions.scale);
+        let setup = &self.0.setup;
+        let network =
+            Arc::new(Network::new(&setup.analogue, &admittance, &conditions.faults, frequency, setup.seed));
+        *latest = Some((version, network.clone()));
+        network
+    }
+
+    /// Time has come so far: drift and script go on.
+    pub(super) fn pass(&self, now: Time) {
+        let mut state = self.state();
+        state.now = now;
+        let (scale, presses) = (state.drifted(), state.scripted());
+        let conditions = &mut state.conditions;
+        let changed = scale != conditions.scale || presses.as_ref().is_some_and(|p| *p != conditions.presses);
+        conditions.scale = scale;
+        if let Some(presses) = presses {
+            conditions.presses = presses;
+        }
+        if changed {
+            self.0.version.fetch_add(1, Ordering::AcqRel);
+        }
+    }
+
+    fn change(&self, change: impl FnOnce(&mut State)) {
+        let mut state = self.state();
+        change(&mut state);
+        self.0.version.fetch_add(1, Ordering::AcqRel);
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl State {
+    fn drifted(&self) -> f64 {
+        if self.drift.per_minute == 0.0 {
+            return self.conditions.scale;
+        }
+        let minutes = self.now.since(self.drift.since).seconds() / 60.0;
+        let scale = self.drift.from + self.drift.per_minute * minutes;
+        let [low, high] = DRIFT_RANGE;
+        ((scale / DRIFT_STEP).round() * DRIFT_STEP).clamp(low, high)
+    }
+
+    fn scripted(&self) -> Option<Vec<Press>> {
+        let (script, since) = self.script.as_ref()?;
+        let moment = SCRIPT_STEP * self.now.since(*since).periods(SCRIPT_STEP);
+        Some(script.presses(moment.seconds()))
+    }
+}
+
+fn skin_at(skin: &Skin, capacitance: f64, frequency: f64) -> Result<Arc<SkinNetwork>, WorldError> {
+    let network = SkinNetwork::new(skin, capacitance, frequency);
+    network.map(Arc::new).map_err(|error| WorldError::Skin { name: skin.name.clone(), error })
+}
+
+fn validate(fault: Fault) -> Result<(), WorldError> {
+    let electrode = |electrode: usize| {
+        let (value, allowed) = (electrode.to_string(), format!("0 to {}", LEADS - 1));
+        let wrong = WorldError::Value { field: "electrode", value, allowed };
+        if electrode < LEADS { Ok(()) } else { Err(wrong) }
+    };
+    match fault {
+        Fault::ElectrodeOpen(one) | Fault::BadContact { electrode: one, .. } => electrode(one),
+        Fault::PairShorted(a, b) if a == b => Err(WorldError::Value {
+            field: "pair",
+            value: format!("{a} and {b}"),
+            allowed: "two different electrodes".to_owned(),
+        }),
+        Fault::PairShorted(a, b) => electrode(a).and_then(|()| electrode(b)),
+        Fault::LineStuck { line, .. } if line >= LINES => Err(WorldError::Value {
+            field: "line",
+            value: line.to_string(),
+            allowed: format!("0 to {}", LINES - 1),
+        }),
+        _ => Ok(()),
+    }
+}

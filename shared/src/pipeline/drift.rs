@@ -1,0 +1,122 @@
+//! Drift: the untouched skin changes with temperature and age, and the reference has to follow without
+//! ever swallowing a press.
+//!
+//! Untouched, the whole reference follows the frames with the patch's time constant. Touched, only a
+//! factor common to all voltages does, and only as slowly as a skin drifts: a press that is held adds
+//! the same to every frame, one that changes does so at once, and neither passes for drift.
+//!
+//! The common factor is the median over the measurements of v / v_ref, which no press moves far.
+
+use super::reference::Changes;
+use crate::health::median::median;
+
+/// Fastest common change that passes for drift, 1/s: 3 % a minute.
+const FASTEST: f32 = 5e-4;
+/// A common change this large at once is a press.
+const JUMP: f32 = 0.005;
+/// After the last contact the skin counts as touched for this long, us.
+const REST_US: u64 = 1_000_000;
+/// The common change is looked at no more often than this, s: a median costs as much as a hundred pixels.
+const LOOK_EVERY: f32 = 0.02;
+/// The reference follows in steps of at least this long, s.
+const FOLLOW_EVERY: f32 = 0.1;
+/// Longest time between frames that counts, us.
+const LONGEST_US: u64 = 60_000_000;
+
+/// The common change since the reference was made, and what moves it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Drift {
+    /// Drift of all voltages, relative.
+    common: f32,
+    /// Common change that a press makes.
+    press: f32,
+    frame_us: Option<u64>,
+    touched_us: Option<u64>,
+    /// Time since the common change was looked at, s.
+    unseen: f32,
+    /// Time untouched that the reference has not followed yet, s.
+    pending: f32,
+}
+
+/// What has to happen to the reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Follow {
+    /// It stays as it is.
+    Stay,
+    /// It moves this part of the way to the frame.
+    Part(f32),
+}
+
+impl Drift {
+    /// Takes drift out of relative changes, `[measurement]`, `weights` being what a change of all
+    /// voltages by 1 would read; says how the reference follows. Changes that are not finite stay so.
+    pub fn correct(
+        &mut self,
+        relative: &mut Changes,
+        weights: &[f32],
+        now_us: u64,
+        time_constant: f32,
+    ) -> Follow {
+        if time_constant <= 0.0 {
+            return Follow::Stay;
+        }
+        let last_us = self.frame_us.replace(now_us).unwrap_or(now_us);
+        let seconds = now_us.saturating_sub(last_us).min(LONGEST_US) as f32 * 1e-6;
+        let touched = self.is_touched(last_us, now_us);
+        self.unseen += seconds;
+        if self.unseen >= LOOK_EVERY {
+            let unseen = core::mem::take(&mut self.unseen);
+            self.follow_common(relative, weights, unseen, touched);
+        }
+        let scale = 1.0 / (1.0 + self.common);
+        for (change, weight) in relative.iter_mut().zip(weights) {
+            *change = (*change - self.common * weight) * scale;
+        }
+        self.follow(seconds, touched, time_constant)
+    }
+
+    fn follow(&mut self, seconds: f32, touched: bool, time_constant: f32) -> Follow {
+        self.pending = if touched { 0.0 } else { self.pending + seconds };
+        if self.pending < FOLLOW_EVERY {
+            return Follow::Stay;
+        }
+        Follow::Part((core::mem::take(&mut self.pending) / time_constant).min(1.0))
+    }
+
+    /// The reference has moved this part of the way: by as much less is common.
+    pub fn followed(&mut self, part: f32) {
+        self.common *= 1.0 - part;
+    }
+
+    /// The skin was touched in the frame at this time.
+    pub fn touch(&mut self, now_us: u64) {
+        self.touched_us = Some(now_us);
+    }
+
+    /// Drift of all voltages since the reference was made, relative.
+    #[must_use]
+    pub fn common(&self) -> f32 {
+        self.common
+    }
+
+    /// Whether the skin was touched in the frame before, or not long ago.
+    fn is_touched(&self, last_us: u64, now_us: u64) -> bool {
+        self.touched_us.is_some_and(|touched| touched >= last_us || now_us.saturating_sub(touched) < REST_US)
+    }
+
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    fn follow_common(&mut self, relative: &Changes, weights: &[f32], seconds: f32, touched: bool) {
+        let of_its_own = relative.iter().zip(weights).map(|(y, w)| y / w);
+        let mut changes: Changes = of_its_own.filter(|change| change.is_finite()).collect();
+        let Some(now) = median(&mut changes) else { return };
+        let rest = now - self.common - self.press;
+        if !touched || rest.abs() > JUMP.max(2.0 * FASTEST * seconds) {
+            // Untouched, the reference follows by itself; a jump is a press, or the end of one.
+            self.press += rest;
+        } else {
+            // Not `clamp`, whose panic would bring the formatting of floats to the board.
+            self.common += rest.max(-FASTEST * seconds).min(FASTEST * seconds);
+        }
+    }
+}
