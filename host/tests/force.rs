@@ -139,7 +139,11 @@ fn a_skin_calibrated_with_four_square_centimetres_reads_the_force_of_one_four_an
     let mut rig = Rig::new();
     let fit = Fit::new(&rig.readings(), Some(INDENTER * 100.0), true).unwrap();
     let share = fit.calibration.load_share.unwrap();
-    println!("load share {share:.3}, {} points, {} plays", fit.calibration.points.len(), fit.plays.len());
+    println!(
+        "load share {share:.3}, {} points, {} plays",
+        fit.calibration.points.len(),
+        fit.play_operators.len()
+    );
     rig.patch = with_calibration(&rig.patch, &fit.stored()).unwrap();
     let [one, four, nine, large] = [1.0, 4.0, 9.0, 25.0].map(|area| table(&mut rig, area));
     let within = |rows: &[Vec<Option<f64>>], least: f64, most: f64| {

@@ -33,7 +33,7 @@ use std::{ffi::OsString, fmt::Write as _, fs::File, path::Path};
 
 const REAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/real/hydrogel_skin_wam.npz");
 const HYDROGEL: &str = include_str!("data/hydrogel.toml");
-const REQUEST: Request = Request { test_share: 0.2, seed: 1, strength: Strength::Answer };
+const REQUEST: Request = Request { test_share: 0.2, seed: 1, strength: Strength::Response };
 
 /// The tiny skin as it really is: electrodes 3 to 12 mm further round, contacts between a fifth and five
 /// times what the skin file says.
@@ -127,7 +127,7 @@ fn with_forces_followed_strength_correlates_better_with_force() {
     let recording = recording(&true_tiny(), 150, 5);
     let correlation =
         |strength| learnt(&recording, &Request { strength, ..REQUEST }).unwrap().report.force_correlation;
-    let (answer, force) = (correlation(Strength::Answer).unwrap(), correlation(Strength::Force).unwrap());
+    let (answer, force) = (correlation(Strength::Response).unwrap(), correlation(Strength::Force).unwrap());
     assert!(force > answer, "{force}, {answer}");
 }
 
@@ -136,7 +136,7 @@ fn a_model_trusted_without_end_stays_as_it_is_and_one_not_trusted_fits_its_press
     let (_, model) = tiny();
     let presses = recording(&true_tiny(), 40, 9).on(&model, &Arrangement::default()).unwrap();
     let all: Vec<usize> = (0..40).collect();
-    let training = Training::new(&model, &presses, &all, Strength::Answer).unwrap();
+    let training = Training::new(&model, &presses, &all, Strength::Response).unwrap();
     let departure =
         |trust| training.departure(&training.correct(LearnSettings { trust, radius: 0.25 }).unwrap());
     let departures = [1e9, 30.0, 1.0, 0.01].map(departure);

@@ -210,7 +210,7 @@ impl Report {
             repeatability_percent: repeatability(&fit.trials),
             compensated_percent: fit.loops.iter().map(|one| one.compensated).collect(),
             curve: fit.curve.points.clone(),
-            plays: fit.plays.iter().map(plain).collect(),
+            plays: fit.play_operators.iter().map(plain).collect(),
             load_share: fit.calibration.load_share,
             patch_crc: super::patch_id(PatchView::validate(calibrated)?.crc()),
         })

@@ -2,6 +2,7 @@
 
 use super::{
     JsonReport,
+    flags::in_flags,
     skin_of_cutout::{Names, skin_file},
 };
 use anyhow::{Context, bail};
@@ -133,6 +134,20 @@ struct Pose {
     rpy: [f64; 3],
 }
 
+/// What sets the parameters that the library's errors name.
+const FLAGS: [(&str, &str); 10] = [
+    ("`around`", "`--around`"),
+    ("`between_planes`", "`--between-planes`"),
+    ("`polygon`", "`--polygon`"),
+    ("`radius`", "`--radius`"),
+    ("`width`", "`--width`"),
+    ("`edge_length`", "`--edge-length`"),
+    ("`electrodes`", "`--electrodes`"),
+    ("`up`", "`--up`"),
+    ("`unit`", "`--unit`"),
+    ("`weld`", "`--weld`"),
+];
+
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let start = Instant::now();
     let unit = args.unit()?;
@@ -152,7 +167,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     link.scale(unit);
     let read_seconds = start.elapsed().as_secs_f64();
     let cutting = Instant::now();
-    let patch = cut::cut(&link, &request).with_context(|| format!("link `{}`", args.link.display()))?;
+    let patch = cut::cut(&link, &request)
+        .map_err(|error| in_flags(error, &FLAGS))
+        .with_context(|| format!("link `{}`", args.link.display()))?;
     let cut_seconds = cutting.elapsed().as_secs_f64();
     let text = skin_file(&patch, Names { skin: &name, link: &frame, mesh: MESH });
     write(&[&skin, &mesh], &text, &patch)?;

@@ -3,12 +3,8 @@
 use super::JsonReport;
 use anyhow::{Context, bail};
 use dermatome_frames::{
-    interchange::{
-        array::Array,
-        conductivity::{self, Voltages},
-        npy,
-    },
-    recorded::read::Source,
+    array::{Array, Source, npy},
+    interchange::conductivity::{self, Voltages},
 };
 use dermatome_geometry::mesh::{Lattice, Mesh};
 use dermatome_model::{
@@ -126,9 +122,9 @@ impl Format {
             }
             Self::Npy => {
                 let list = if *complex {
-                    Array::list("voltages", values.len(), |step| values[step])
+                    Array::list(values.len(), |step| values[step])
                 } else {
-                    Array::list("voltages", values.len(), |step| values[step].re)
+                    Array::list(values.len(), |step| values[step].re)
                 };
                 Ok(stream_whole(path, |out| npy::write(out, &list))?)
             }

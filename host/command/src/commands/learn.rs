@@ -3,7 +3,8 @@
 use super::{
     JsonReport,
     choices::Strength,
-    frame_options::FrameOptions,
+    flags::in_flags,
+    frame_options::{Flags, FrameOptions},
     kept::refuse_to_lose,
     patch_id, progress,
     reconstruct::{WeightChoice, weigh_by_magnitude},
@@ -118,7 +119,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         diagnose(&model.steps, electrodes, &model.voltages, &presses.mean_reference, arrangement)?;
     write_whole(&path, &learnt.patch)?;
     spinner.finish_and_clear();
-    let mut warnings = diagnosis.warnings();
+    let mut warnings = diagnosis.warnings(&Flags);
     warnings.extend(doubts(&skin, &learnt.report));
     let report = Report {
         skin: skin.name.clone(),
@@ -139,7 +140,8 @@ fn read(args: &Args, skin: &Skin) -> anyhow::Result<Recording> {
     let of_reference = |name: &OsString| args.options.read(&Source::new(name), skin);
     let reference: Option<Frames> = args.reference.as_ref().map(of_reference).transpose()?;
     let (electrodes, steps) = (skin.electrodes.count, skin.steps().len());
-    Ok(Recording::read(&args.presses, reference, args.options.offset(), electrodes, steps)?)
+    Recording::read(&args.presses, reference, args.options.offset(), electrodes, steps)
+        .map_err(|error| in_flags(error, &[("as a reference of their own", "with --reference")]))
 }
 
 /// What the figures say against the result.

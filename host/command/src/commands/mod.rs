@@ -32,6 +32,7 @@ mod evaluate;
 mod experiment;
 mod export;
 mod firmware;
+mod flags;
 mod flash;
 mod forward;
 mod frame_options;

@@ -1,6 +1,10 @@
 //! `dermatome reconstruct`: frames of other people's instruments -> images and what they show.
 
-use super::{JsonReport, choices::Polarity, frame_options::FrameOptions};
+use super::{
+    JsonReport,
+    choices::Polarity,
+    frame_options::{Flags, FrameOptions},
+};
 use anyhow::{Context, bail};
 use dermatome_frames::recorded::{
     diagnose::{Diagnosis, diagnose},
@@ -138,7 +142,7 @@ pub(super) fn weigh_by_magnitude(
 }
 
 fn warnings(diagnosis: &Diagnosis, reference: &Frames, frames: &Frames) -> Vec<String> {
-    let mut warnings = diagnosis.warnings();
+    let mut warnings = diagnosis.warnings(&Flags);
     if reference.complex != frames.complex {
         let kind = |complex| if complex { "complex" } else { "real" };
         warnings.push(format!(

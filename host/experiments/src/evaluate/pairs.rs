@@ -28,7 +28,7 @@ pub struct Pair {
     /// Half way between the two, m.
     pub middle: Point3<f64>,
     /// How far out that lies.
-    pub way_to_rim: f64,
+    pub normalised_radius: f64,
     /// How the two lie to each other.
     pub direction: Direction,
     /// Smallest distance of their middles, m, at which they are told apart, as they are at all larger
@@ -78,7 +78,7 @@ impl Tries<'_> {
         })?;
         Some(Pair {
             middle: self.place,
-            way_to_rim: self.scene.surface.way_to_rim(self.place),
+            normalised_radius: self.scene.surface.normalised_radius(self.place),
             direction,
             told_apart: closest.map(|index| distance(&pairs[index])),
             largest: distance(pairs.first()?),

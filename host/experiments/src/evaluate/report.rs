@@ -270,7 +270,7 @@ fn spread(values: impl Iterator<Item = f64>) -> Option<Spread> {
 
 impl Ring {
     fn new(ends: [f64; 2], singles: &[Single], diameter: f64, central_amplitude: Option<f64>) -> Self {
-        let inside: Vec<_> = singles.iter().filter(|single| is_in(ends, single.way_to_rim)).collect();
+        let inside: Vec<_> = singles.iter().filter(|single| is_in(ends, single.normalised_radius)).collect();
         let errors = || inside.iter().filter_map(|single| single.position_error());
         let areas = inside.iter().filter_map(|single| Some(100.0 * single.contact_area?));
         let changes = inside.iter().map(|single| 100.0 * single.relative_voltage_change);
@@ -323,7 +323,7 @@ impl GreitRing {
 impl PairRing {
     fn new(ends: [f64; 2], pairs: &[Pair], diameter: f64) -> Self {
         let figures = |direction| {
-            let is_meant = |pair: &&Pair| pair.direction == direction && is_in(ends, pair.way_to_rim);
+            let is_meant = |pair: &&Pair| pair.direction == direction && is_in(ends, pair.normalised_radius);
             PairFigures::new(&pairs.iter().filter(is_meant).collect::<Vec<_>>(), diameter)
         };
         let (radial, across) = (figures(Direction::Radial), figures(Direction::Across));
@@ -351,7 +351,7 @@ impl TargetRow {
     fn new(single: &Single) -> Self {
         Self {
             position_mm: millimetres(single.position),
-            way_to_rim_percent: 100.0 * single.way_to_rim,
+            way_to_rim_percent: 100.0 * single.normalised_radius,
             contacts: single.contacts.len(),
             position_error_mm: single.position_error().map(|error| error * 1e3),
             contact_area_percent: single.contact_area.map(|area| area * 100.0),
@@ -379,7 +379,7 @@ impl PairRow {
     fn new(pair: &Pair) -> Self {
         Self {
             middle_mm: millimetres(pair.middle),
-            way_to_rim_percent: 100.0 * pair.way_to_rim,
+            way_to_rim_percent: 100.0 * pair.normalised_radius,
             direction: match pair.direction {
                 Direction::Radial => "radial",
                 Direction::Across => "across",

@@ -11,7 +11,7 @@ pub struct Single {
     /// Centre of the target's change, m: its middle, unless the rim cuts it.
     pub position: Point3<f64>,
     /// How far out it lies: 0 at the deepest place of the skin, 1 at the rim.
-    pub way_to_rim: f64,
+    pub normalised_radius: f64,
     /// Contacts found, m, strongest first.
     pub contacts: Vec<Point3<f64>>,
     /// Area of the strongest contact's region of interest over the target's.
@@ -58,7 +58,7 @@ fn try_one(scene: &Scene<'_>, place: Point3<f64>, frame: u64) -> Single {
     let area = change.amount / scene.discs.contrast.abs();
     Single {
         position: change.centre,
-        way_to_rim: scene.surface.way_to_rim(change.centre),
+        normalised_radius: scene.surface.normalised_radius(change.centre),
         contact_area: contacts.first().map(|contact| contact.area / area),
         contacts: contacts.iter().map(|contact| contact.centre).collect(),
         relative_voltage_change: measured.relative_voltage_change,

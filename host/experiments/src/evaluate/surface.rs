@@ -18,7 +18,7 @@ pub(super) struct Surface<'a> {
     /// Area of each triangle, m^2: `[element]`.
     pub(super) areas: Vec<f64>,
     /// Edges of the mesh that belong to one triangle only; empty where the outline says more.
-    rim: Vec<[Point3<f64>; 2]>,
+    boundary: Vec<[Point3<f64>; 2]>,
     deepest: f64,
     /// Largest extent along x, y or z, m: what errors in per cent refer to.
     pub(super) diameter: f64,
@@ -38,7 +38,7 @@ impl<'a> Surface<'a> {
         let mut surface = Self {
             mesh,
             outline,
-            rim: if outline.is_some() { Vec::new() } else { rim(mesh) },
+            boundary: if outline.is_some() { Vec::new() } else { boundary(mesh) },
             deepest: f64::INFINITY,
             diameter: outline.map_or_else(|| largest_extent(mesh), Outline::diameter),
             centre: Point3::from(moment / areas.iter().sum::<f64>()),
@@ -63,19 +63,19 @@ impl<'a> Surface<'a> {
         self.areas.iter().sum()
     }
 
-    /// Distance to the rim, m, negative beyond a flat one; infinite on a closed surface.
+    /// Distance to the boundary, m, negative beyond a flat one; infinite on a closed surface.
     #[must_use]
     pub(super) fn depth(&self, point: Point3<f64>) -> f64 {
         match self.outline {
             Some(outline) => outline.depth(Point2::new(point.x, point.y)),
-            None => self.rim.iter().map(|edge| distance(point, edge)).fold(f64::INFINITY, f64::min),
+            None => self.boundary.iter().map(|edge| distance(point, edge)).fold(f64::INFINITY, f64::min),
         }
     }
 
     /// How far out a point lies: 0 at the deepest place of the skin (and anywhere on a closed
-    /// surface), 1 at the rim. On a disc it is the share of the radius.
+    /// surface), 1 at the boundary. On a disc it is the share of the radius.
     #[must_use]
-    pub(super) fn way_to_rim(&self, point: Point3<f64>) -> f64 {
+    pub(super) fn normalised_radius(&self, point: Point3<f64>) -> f64 {
         if self.deepest.is_finite() { (1.0 - self.depth(point) / self.deepest).clamp(0.0, 1.0) } else { 0.0 }
     }
 
@@ -161,7 +161,7 @@ pub(super) fn extent(mesh: &Mesh, axis: usize) -> (f64, f64) {
     along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
 }
 
-fn rim(mesh: &Mesh) -> Vec<[Point3<f64>; 2]> {
+fn boundary(mesh: &Mesh) -> Vec<[Point3<f64>; 2]> {
     boundary_edges(&mesh.elements).into_iter().map(|edge| edge.map(|node| mesh.nodes[node])).collect()
 }
 
@@ -209,12 +209,12 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn on_a_disc_the_way_to_the_rim_is_the_share_of_the_radius() {
+    fn on_a_disc_the_normalised_radius_is_the_share_of_the_radius() {
         let (shape, mesh) = disc_surface();
         let surface = Surface::new(&shape, &mesh);
         for share in [0.0, 0.3, 0.8, 1.0] {
             let place = Point3::new(0.0, share * RADIUS, 0.0);
-            assert!((surface.way_to_rim(place) - share).abs() < 1e-12);
+            assert!((surface.normalised_radius(place) - share).abs() < 1e-12);
             assert_eq!(surface.onto(place), place);
         }
         assert!((surface.diameter - 2.0 * RADIUS).abs() < 1e-12);
@@ -250,14 +250,14 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_curved_skin_knows_its_rim_and_spreads_places_over_its_surface() {
+    fn a_curved_skin_knows_its_boundary_and_spreads_places_over_its_surface() {
         let mesh = hemisphere();
         let shape = Shape::Mesh { mesh: Box::new(mesh.clone()), outline: None };
         let surface = Surface::new(&shape, &mesh);
         assert!(!surface.is_flat());
         assert!((surface.centre.z - RADIUS / 2.0).abs() < 0.02 * RADIUS, "{:?}", surface.centre);
-        assert_eq!(surface.way_to_rim(Point3::new(RADIUS, 0.0, 0.0)), 1.0);
-        assert!(surface.way_to_rim(Point3::new(0.0, 0.0, RADIUS)) < 0.02);
+        assert_eq!(surface.normalised_radius(Point3::new(RADIUS, 0.0, 0.0)), 1.0);
+        assert!(surface.normalised_radius(Point3::new(0.0, 0.0, RADIUS)) < 0.02);
         let places = surface.places(0.02);
         assert_eq!(places.len(), (surface.area() / 0.0004).round() as usize);
         for place in &places {
@@ -270,13 +270,13 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_closed_surface_has_no_rim() {
+    fn a_closed_surface_has_no_boundary() {
         let nodes = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let elements = vec![[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]];
         let electrodes = (0..4).map(ElectrodeContact::Node).collect();
         let mesh = Mesh { nodes: nodes.map(Point3::from).to_vec(), elements, electrodes };
         let shape = Shape::Mesh { mesh: Box::new(mesh.clone()), outline: None };
         let surface = Surface::new(&shape, &mesh);
-        assert_eq!(surface.way_to_rim(Point3::new(0.2, 0.2, 0.0)), 0.0);
+        assert_eq!(surface.normalised_radius(Point3::new(0.2, 0.2, 0.0)), 0.0);
     }
 }

@@ -155,7 +155,7 @@ fn pairs_are_told_apart_as_close_near_the_rim_as_inside_and_farther_apart_in_noi
         let pairs = evaluation.pairs.iter().filter(|pair| pair.direction == pairs::Direction::Across);
         // What is never told apart counts with the distance that was not enough.
         pairs
-            .filter(|pair| ways.contains(&pair.way_to_rim))
+            .filter(|pair| ways.contains(&pair.normalised_radius))
             .map(|pair| pair.told_apart.unwrap_or(pair.largest + evaluation.pair_step))
             .collect()
     };
@@ -317,13 +317,13 @@ fn arguments_that_do_not_fit_the_skin_are_refused_with_what_is_allowed() {
     let cases = [
         (
             Options { diameter: Length::Share(0.6), ..PLAIN },
-            "--diameter is 60.00 mm; allowed here: 0.50 mm to 50.00 mm",
+            "`diameter` is 60.00 mm; allowed here: 0.50 mm to 50.00 mm",
         ),
-        (Options { diameter: Length::Metres(0.0), ..PLAIN }, "--diameter is 0.00 mm"),
-        (Options { spacing: Some(Length::Share(0.0)), ..PLAIN }, "--spacing is 0.00 mm; allowed here: 0.6"),
+        (Options { diameter: Length::Metres(0.0), ..PLAIN }, "`diameter` is 0.00 mm"),
+        (Options { spacing: Some(Length::Share(0.0)), ..PLAIN }, "`spacing` is 0.00 mm; allowed here: 0.6"),
         (
             Options { electrode_error: Length::Share(3.0), ..PLAIN },
-            "would touch; allowed: a smaller --electrode-error",
+            "would touch; allowed: a smaller `electrode_error`",
         ),
     ];
     for (options, expected) in cases {

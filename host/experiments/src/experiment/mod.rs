@@ -1,4 +1,4 @@
-//! Experiments: those of the thesis, on simulated samples, beside its figures.
+//! Experiments: those of the thesis (docs/experiments.md cites it), on simulated samples, beside its figures.
 //!
 //! Everything here is simulation with stated models: the skin is solved for on a mesh of its own, the
 //! material is a model ([`dermatome_simulate::material`]), the instrument has noise and artefacts, and what a board would show

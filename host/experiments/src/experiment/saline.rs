@@ -165,8 +165,8 @@ pub(super) fn draw(
 ) -> Result<Vec<u8>, ExperimentError> {
     let failed = |error: &dyn std::fmt::Display| ExperimentError::Draw(error.to_string());
     let layout = &Layout::from(&rig.model().surface().map_err(|error| failed(&error))?);
-    let rim = electrodes_in_plane(&rig.skin.shape);
-    let sheet = Sheet { title, layout, electrodes: &rim, columns, panels };
+    let electrodes = &electrodes_in_plane(&rig.skin.shape);
+    let sheet = Sheet { title, layout, electrodes, columns, panels };
     reconstruction_sheet(&sheet).encode().map_err(|error| failed(&error))
 }
 

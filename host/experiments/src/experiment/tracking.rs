@@ -23,9 +23,9 @@ const FRAMES: u32 = 300;
 const RATE: f64 = 50.0;
 /// A track belongs to a finger that is so close, share of the diameter.
 const CLOSE: f64 = 0.15;
-/// Reach and patience of the tracker.
-const REACH: f32 = 0.035;
-const PATIENCE_US: u64 = 200_000;
+/// Gate and timeout of the tracker.
+const GATE: f32 = 0.035;
+const TIMEOUT_US: u64 = 200_000;
 
 /// What becomes of one finger.
 #[derive(Default)]
@@ -61,7 +61,7 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
             rig.solve(&rig.truth().conductivity(&touching))
         })
         .collect();
-    let mut tracker = Tracker::new(REACH, PATIENCE_US);
+    let mut tracker = Tracker::new(GATE, TIMEOUT_US);
     let mut all_ids = BTreeSet::new();
     let mut of_fingers: Vec<Finger> = fingers.iter().map(|_| Finger::default()).collect();
     for ((frame, presses), phasors) in (0_u64..).zip(&presses).zip(&phasors) {

@@ -25,7 +25,7 @@ pub(super) fn frame(
     };
     let x = match up {
         Some(asked) => across(asked).ok_or_else(|| CutError::Value {
-            option: "--up",
+            option: "up",
             value: format!("{}, {}, {}", asked.x, asked.y, asked.z),
             allowed: format!(
                 "a direction more than 6 degrees from the patch's normal ({:.3}, {:.3}, {:.3})",
@@ -69,6 +69,6 @@ mod tests {
     #[test]
     fn up_must_not_point_out_of_the_patch() {
         let error = frame(&facing_x(), Point3::origin(), Some(Vector3::x())).unwrap_err().to_string();
-        assert!(error.contains("--up") && error.contains("normal (1.000, 0.000, 0.000)"), "{error}");
+        assert!(error.contains("`up`") && error.contains("normal (1.000, 0.000, 0.000)"), "{error}");
     }
 }

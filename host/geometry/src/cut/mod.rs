@@ -79,7 +79,7 @@ pub fn cut(link: &Imported, request: &Request) -> Result<Cutout, CutError> {
     if !ELECTRODES.contains(&request.electrodes) {
         let allowed = format!("{} to {}", ELECTRODES.start(), ELECTRODES.end());
         let value = request.electrodes.to_string();
-        return Err(CutError::Value { option: "--electrodes", value, allowed });
+        return Err(CutError::Value { option: "electrodes", value, allowed });
     }
     request.region.check(&link.nodes)?;
     let touches = |seed, corners: &[Point3<f64>; 3]| request.region.touches(seed, corners);

@@ -199,7 +199,7 @@ mod tests {
     fn points_far_away_and_meshes_without_area_are_refused() {
         let square = link(&CORNERS, &[[0, 1, 2]]);
         let error = crop(&square, Point3::new(0.0, 9.0, 0.0), |_, _| true).err().unwrap().to_string();
-        assert!(error.contains("8062.258 mm from the link's mesh") && error.contains("--unit"), "{error}");
+        assert!(error.contains("8062.258 mm from the link's mesh") && error.contains("`unit`"), "{error}");
         let thin = link(&CORNERS, &[[0, 1, 4]]);
         assert_eq!(crop(&thin, Point3::origin(), |_, _| true).err(), Some(CutError::Empty));
         let mut broken = square;

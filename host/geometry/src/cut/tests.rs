@@ -166,24 +166,24 @@ fn what_cannot_be_a_patch_is_refused_with_what_is_allowed() {
         request
     };
     let cases: [(&Imported, Request, &[&str]); 13] = [
-        (&tube, disc(middle, 0.15), &["no disc", "wraps round", "`--radius` up to about 12"]),
-        (&tube, disc([0.04, 0.0, 0.55], 0.1), &["an opening", "a radius below 50.", "--weld"]),
+        (&tube, disc(middle, 0.15), &["no disc", "wraps round", "`radius` up to about 12"]),
+        (&tube, disc([0.04, 0.0, 0.55], 0.1), &["an opening", "a radius below 50.", "`weld`"]),
         // Both ends are openings; the nearer one counts.
         (&tube, disc([0.04, 0.0, 0.1], 0.55), &["an opening", "a radius below 100."]),
         (&tube, disc([0.04, 0.0, 0.5], 0.55), &["an opening", "a radius below 100."]),
-        (&tube, disc([0.3, 0.0, 0.3], 0.1), &["`--around`", "260.0", "--unit"]),
-        (&tube, disc(middle, f64::NAN), &["`--radius`", "above zero"]),
+        (&tube, disc([0.3, 0.0, 0.3], 0.1), &["`around`", "260.0", "`unit`"]),
+        (&tube, disc(middle, f64::NAN), &["`radius`", "above zero"]),
         (&closed, disc([0.05, 0.0, 0.0], 0.3), &["all of the link"]),
         (&tube, Request { region: slab(0.7, 0.8), ..disc(middle, 0.0) }, &["misses the link", "600.000 mm"]),
-        (&tube, Request { region: slab(0.4, 0.5), ..disc(middle, 0.0) }, &["outside `--between-planes`"]),
+        (&tube, Request { region: slab(0.4, 0.5), ..disc(middle, 0.0) }, &["outside `between_planes`"]),
         (
             &tube,
             Request { region: slab(0.2, 0.4), ..disc(middle, 0.0) },
-            &["wraps round", "one rim", "a second `--between-planes`"],
+            &["wraps round", "one rim", "a second `between_planes`"],
         ),
-        (&tube, wanted(|it| it.edge_length = Some(0.004)), &["`--edge-length`", "two edges"]),
-        (&tube, wanted(|it| it.width = Some(0.02)), &["`--width`", "mm to 17."]),
-        (&tube, wanted(|it| it.electrodes = 3), &["`--electrodes`", "4 to 250"]),
+        (&tube, wanted(|it| it.edge_length = Some(0.004)), &["`edge_length`", "two edges"]),
+        (&tube, wanted(|it| it.width = Some(0.02)), &["`width`", "mm to 17."]),
+        (&tube, wanted(|it| it.electrodes = 3), &["`electrodes`", "4 to 250"]),
     ];
     for (link, request, expected) in cases {
         let error = cut(link, &request).err().map(|error| error.to_string()).unwrap_or_default();

@@ -18,6 +18,7 @@ pub mod data_space;
 pub mod difference;
 pub mod figures;
 pub mod greit;
+pub mod least_squares;
 pub mod movement;
 pub mod reconstruction;
 pub mod selection;

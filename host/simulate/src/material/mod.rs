@@ -1,4 +1,4 @@
-//! Material: how the sheet of a skin answers pressure, as a model.
+//! Material: how the sheet of a skin responds to pressure, as a model.
 //!
 //! A stacked contact-resistance sheet conducts better the more of its contacts are closed. Each contact
 //! closes at one pressure and opens at a lower one, so the sheet is a Preisach operator (`preisach`); some

@@ -323,7 +323,7 @@ fn a_table_in_other_electrode_numbers_is_not_to_be_read_but_told() {
     let made = Arrangement { rotation: 2, ..PLAIN };
     let check = check(&body, &Instrument::new(&body, made).frames(20, 0.0001), PLAIN).unwrap();
     assert_eq!(check.numbering.best, made, "{:#?}", check.numbering);
-    assert!(check.findings[0].advice.contains("`electrodes.first`"), "{:#?}", check.findings);
+    assert!(check.findings[0].advice.to_string().contains("`electrodes.first`"), "{:#?}", check.findings);
 }
 
 #[test]

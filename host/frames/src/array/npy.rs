@@ -1,4 +1,4 @@
-//! NumPy's array format: header and elements of one `.npy` file, from bytes nobody vouches for.
+//! NumPy's array format: header and elements of one `.npy` file, read from bytes nobody vouches for, and written.
 //!
 //! ```text
 //! 0   magic "\x93NUMPY", version major, minor
@@ -7,17 +7,20 @@
 //! ..  elements
 //! ```
 //!
-//! The header is read here and not by `npyz`, which allocates whatever length the header claims and
-//! multiplies its shape unchecked. Nothing is allocated here before the bytes are known to be there.
+//! Nothing is allocated before the bytes are known to be there, whatever length and shape the header claims.
 //! Format: numpy.lib.format, NEP 1.
 
-use super::read::MAX_VALUES;
+use super::{Array, MAX_VALUES, Numbers, Values, show_shape};
 use num_complex::Complex64;
+use std::io::{self, Write};
 
 /// Longest header that is read, bytes; NumPy itself refuses longer ones.
 pub(super) const MAX_HEADER_BYTES: usize = 10_000;
 /// Bytes that surely hold any allowed header with its prefix.
 pub(super) const HEADER_WINDOW: usize = MAX_HEADER_BYTES + 12;
+
+/// Bytes that the elements are aligned to, as NumPy does.
+const ALIGNMENT: usize = 64;
 
 const ALLOWED_TYPES: &str = "float64, float32, complex128, complex64, bool and integers";
 
@@ -71,22 +74,28 @@ pub enum NpyError {
     },
 }
 
-/// An array of numbers, C order.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Array {
-    pub(crate) shape: Vec<usize>,
-    pub(crate) values: Vec<Complex64>,
-    pub(crate) complex: bool,
-}
-
 /// Reads a whole `.npy` file.
-pub(super) fn parse(bytes: &[u8]) -> Result<Array, NpyError> {
+pub(super) fn parse(bytes: &[u8]) -> Result<Array<'static>, NpyError> {
     let (header, data) = Header::parse(bytes)?;
     let element = header.element()?;
     let shape = header.checked_shape(element.bytes(), data.len())?;
-    let stored: Vec<_> = data.chunks_exact(element.bytes()).map(|bytes| element.decode(bytes)).collect();
-    let values = if header.fortran { c_order(&stored, &shape) } else { stored };
-    Ok(Array { shape, values, complex: element.kind == Kind::Complex })
+    let elements = data.chunks_exact(element.bytes());
+    let fortran = header.fortran.then_some(&shape[..]);
+    let values = if element.kind == Kind::Complex {
+        Values::Complex(stored(elements.map(|bytes| element.decode_complex(bytes)), fortran))
+    } else {
+        Values::Real(stored(elements.map(|bytes| element.decode_real(bytes)), fortran))
+    };
+    Ok(Array { shape, values })
+}
+
+/// Values in C order, from Fortran's where that shape is given.
+fn stored<T: Copy>(values: impl Iterator<Item = T>, fortran: Option<&[usize]>) -> Numbers<'static, T> {
+    let values: Vec<T> = values.collect();
+    Numbers::Stored(match fortran {
+        Some(shape) => c_order(&values, shape),
+        None => values,
+    })
 }
 
 /// Shape and element type of an array whose first bytes these are, for a listing.
@@ -95,10 +104,49 @@ pub(super) fn describe(bytes: &[u8]) -> Result<String, NpyError> {
     Ok(format!("{} {}", show_shape(&header.shape), header.element_type))
 }
 
-/// A shape as Python writes it.
-pub(crate) fn show_shape<T: ToString>(shape: &[T]) -> String {
-    let sides: Vec<_> = shape.iter().map(ToString::to_string).collect();
-    format!("({}{})", sides.join(", "), if sides.len() == 1 { "," } else { "" })
+/// Writes an array in C order: float64, complex128 or int64, little-endian.
+pub fn write(out: &mut dyn Write, array: &Array<'_>) -> io::Result<()> {
+    out.write_all(&header(array))?;
+    let [rows, columns] = array.sides();
+    let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
+    for (row, column) in places {
+        match &array.values {
+            Values::Integer(numbers) => out.write_all(&numbers.at(row, column, columns).to_le_bytes())?,
+            Values::Real(numbers) => out.write_all(&numbers.at(row, column, columns).to_le_bytes())?,
+            Values::Complex(numbers) => {
+                let value = numbers.at(row, column, columns);
+                out.write_all(&value.re.to_le_bytes())?;
+                out.write_all(&value.im.to_le_bytes())?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Magic, version, length, and a Python dictionary that spaces fill up to the alignment.
+fn header(array: &Array<'_>) -> Vec<u8> {
+    let shape: String = array.shape.iter().map(|side| format!("{side}, ")).collect();
+    let fields = format!(
+        "{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}",
+        type_name(array),
+        shape.trim_end()
+    );
+    let before = 10;
+    let length = (before + fields.len() + 1).next_multiple_of(ALIGNMENT) - before;
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((length as u16).to_le_bytes());
+    bytes.extend(format!("{fields:width$}\n", width = length - 1).bytes());
+    bytes
+}
+
+/// NumPy's name of the type that an array is written as.
+#[must_use]
+pub fn type_name(array: &Array<'_>) -> &'static str {
+    match array.values {
+        Values::Integer(_) => "<i8",
+        Values::Real(_) => "<f8",
+        Values::Complex(_) => "<c16",
+    }
 }
 
 struct Header {
@@ -229,12 +277,12 @@ impl Element {
         self.real_bytes * if self.kind == Kind::Complex { 2 } else { 1 }
     }
 
-    fn decode(self, bytes: &[u8]) -> Complex64 {
+    fn decode_complex(self, bytes: &[u8]) -> Complex64 {
         let (real, imaginary) = bytes.split_at(self.real_bytes);
         Complex64::new(self.decode_real(real), self.decode_real(imaginary))
     }
 
-    /// One real number; no bytes are 0.
+    /// One real number.
     fn decode_real(self, bytes: &[u8]) -> f64 {
         let append = |word: u64, &byte: &u8| word << 8 | u64::from(byte);
         let word =
@@ -250,7 +298,7 @@ impl Element {
 }
 
 /// Rearranges an array stored first index fastest to last index fastest.
-fn c_order(stored: &[Complex64], shape: &[usize]) -> Vec<Complex64> {
+fn c_order<T: Copy>(stored: &[T], shape: &[usize]) -> Vec<T> {
     let source = |mut c_index: usize| {
         let (mut index, mut above) = (0, stored.len());
         for &side in shape.iter().rev() {
@@ -261,4 +309,36 @@ fn c_order(stored: &[Complex64], shape: &[usize]) -> Vec<Complex64> {
         index
     };
     (0..stored.len()).map(|c_index| stored[source(c_index)]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn written(array: &Array<'_>) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        write(&mut bytes, array).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn what_is_written_is_what_others_read() {
+        let real = written(&Array::table(2, 3, |row, column| row as f64 + 0.5 * column as f64));
+        let file = npyz::NpyFile::new(&real[..]).unwrap();
+        assert_eq!((file.shape(), file.order()), (&[2, 3][..], npyz::Order::C));
+        assert_eq!(file.into_vec::<f64>().unwrap(), [0.0, 0.5, 1.0, 1.0, 1.5, 2.0]);
+        let list = written(&Array::list(3, |at| at as i64 - 1));
+        assert_eq!(npyz::NpyFile::new(&list[..]).unwrap().into_vec::<i64>().unwrap(), [-1, 0, 1]);
+        let complex = written(&Array::list(1, |_| Complex64::new(1.0, -2.0)));
+        let read = npyz::NpyFile::new(&complex[..]).unwrap().into_vec::<Complex64>().unwrap();
+        assert_eq!(read, [Complex64::new(1.0, -2.0)]);
+    }
+
+    #[test]
+    fn elements_are_aligned_whatever_the_header_needs() {
+        for digits in 0..40_u32 {
+            let array = Array { shape: vec![0, 10_usize.pow(digits % 18)], ..Array::table(0, 0, |_, _| 0.0) };
+            assert_eq!(header(&array).len() % ALIGNMENT, 0, "{digits}");
+        }
+    }
 }

@@ -9,7 +9,7 @@
 //! part, and the imaginary part of a complex matrix. Values lie column after column. Integers are
 //! written as doubles, which is what MATLAB reckons with. Format: "MAT-File Format", The MathWorks.
 
-use super::array::{Array, Values};
+use super::{Array, Values};
 use num_complex::Complex64;
 use std::io::{self, Write};
 
@@ -29,7 +29,7 @@ const COMPLEX: u32 = 0x0800;
 /// Whether an array can be a variable.
 #[must_use]
 pub fn fits(array: &Array<'_>) -> bool {
-    let bytes = if matches!(array.values, Values::Complex(_)) { 16 } else { 8 };
+    let bytes = if array.is_complex() { 16 } else { 8 };
     array
         .shape
         .iter()
@@ -47,21 +47,21 @@ pub fn write_header(out: &mut dyn Write) -> io::Result<()> {
 }
 
 /// Adds a matrix of doubles; it must fit, see [`fits`]. A list becomes a column.
-pub fn write_array(out: &mut dyn Write, array: &Array<'_>) -> io::Result<()> {
+pub fn write_array(out: &mut dyn Write, name: &str, array: &Array<'_>) -> io::Result<()> {
     let [rows, columns] = array.sides();
     let column_by_column = || (0..columns).flat_map(move |column| (0..rows).map(move |row| (row, column)));
     let count = rows * columns;
-    let flags = match array.values {
-        Values::Complex(_) => CLASS_DOUBLE | COMPLEX,
-        _ => CLASS_DOUBLE,
-    };
+    let flags = if array.is_complex() { CLASS_DOUBLE | COMPLEX } else { CLASS_DOUBLE };
     let parts = if flags & COMPLEX == 0 { 1 } else { 2 };
-    begin_variable(out, array.name, flags, [rows, columns], parts * (8 + 8 * count))?;
+    begin_variable(out, name, flags, [rows, columns], parts * (8 + 8 * count))?;
     match &array.values {
-        Values::Integer(at) => doubles(out, count, column_by_column().map(|(r, c)| at(r, c) as f64)),
-        Values::Real(at) => doubles(out, count, column_by_column().map(|(r, c)| at(r, c))),
-        Values::Complex(at) => {
-            let part = |part: fn(Complex64) -> f64| column_by_column().map(move |(r, c)| part(at(r, c)));
+        Values::Integer(it) => {
+            doubles(out, count, column_by_column().map(|(r, c)| it.at(r, c, columns) as f64))
+        }
+        Values::Real(it) => doubles(out, count, column_by_column().map(|(r, c)| it.at(r, c, columns))),
+        Values::Complex(it) => {
+            let part =
+                |part: fn(Complex64) -> f64| column_by_column().map(move |(r, c)| part(it.at(r, c, columns)));
             doubles(out, count, part(|value| value.re))?;
             doubles(out, count, part(|value| value.im))
         }

@@ -4,16 +4,13 @@
 //! number, and no name comes twice. Any other first line is numbers, and what is none of them in it
 //! is an error: a frame with decimal commas or gaps must not pass for a header.
 
-use super::{
-    npy::Array,
-    read::{MAX_VALUES, Problem},
-};
+use super::{Array, ArrayError, MAX_VALUES, Numbers, Values};
 use num_complex::Complex64;
 use std::{collections::HashSet, str::FromStr};
 
 /// Reads a table whose cells are separated by semicolons, tabs, commas or blanks: the first of these
 /// found in its first line.
-pub(super) fn parse(bytes: &[u8]) -> Result<Array, Problem> {
+pub(super) fn parse(bytes: &[u8]) -> Result<Array<'static>, ArrayError> {
     let delimiter = delimiter(bytes);
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
@@ -24,7 +21,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Array, Problem> {
         .from_reader(bytes);
     let mut table = Table::default();
     for (row, record) in reader.records().enumerate() {
-        let record = record.map_err(|error| Problem::Table(error.to_string()))?;
+        let record = record.map_err(|error| ArrayError::Table(error.to_string()))?;
         let line = record.position().map_or(0, csv::Position::line);
         let cells: Vec<&str> = cells(&record, delimiter);
         if row > 0 || !is_header(&cells) {
@@ -67,12 +64,12 @@ struct Table {
 }
 
 impl Table {
-    fn add(&mut self, line: u64, cells: &[&str]) -> Result<(), Problem> {
+    fn add(&mut self, line: u64, cells: &[&str]) -> Result<(), ArrayError> {
         if cells.is_empty() {
             return Ok(());
         }
         for (column, cell) in cells.iter().enumerate() {
-            let (value, complex) = number(cell).ok_or_else(|| Problem::Cell {
+            let (value, complex) = number(cell).ok_or_else(|| ArrayError::Cell {
                 line,
                 column: column + 1,
                 text: cell.chars().take(40).collect(),
@@ -81,18 +78,23 @@ impl Table {
             self.complex |= complex;
         }
         if self.rows > 0 && self.columns != cells.len() {
-            return Err(Problem::Row { line, found: cells.len(), expected: self.columns });
+            return Err(ArrayError::Row { line, found: cells.len(), expected: self.columns });
         }
         if self.values.len() > MAX_VALUES {
-            return Err(Problem::TooLarge);
+            return Err(ArrayError::TooLarge);
         }
         self.columns = cells.len();
         self.rows += 1;
         Ok(())
     }
 
-    fn into_array(self) -> Array {
-        Array { shape: vec![self.rows, self.columns], values: self.values, complex: self.complex }
+    fn into_array(self) -> Array<'static> {
+        let values = if self.complex {
+            Values::Complex(Numbers::Stored(self.values))
+        } else {
+            Values::Real(Numbers::Stored(self.values.into_iter().map(|value| value.re).collect()))
+        };
+        Array { shape: vec![self.rows, self.columns], values }
     }
 }
 

@@ -1,8 +1,9 @@
 //! NumPy's archives: a `.zip` of `.npy` files.
 
 use super::{
+    Array, ArrayError, MAX_BYTES,
+    error::{Listing, MAX_LISTED},
     npy::{self, HEADER_WINDOW},
-    read::{MAX_BYTES, Problem},
 };
 use std::{
     fmt,
@@ -12,46 +13,30 @@ use zip::ZipArchive;
 
 /// What the name of an array's file ends in.
 const SUFFIX: &str = ".npy";
-/// Arrays an error message lists.
-const MAX_LISTED: usize = 40;
-
-/// The arrays of an archive, for an error message.
-#[derive(Debug)]
-pub struct Listing(Vec<String>);
-
-impl fmt::Display for Listing {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.0[..self.0.len().min(MAX_LISTED)].join(", "))?;
-        match self.0.len().saturating_sub(MAX_LISTED) {
-            0 => Ok(()),
-            more => write!(f, " and {more} more"),
-        }
-    }
-}
 
 type Archive<'a> = ZipArchive<Cursor<&'a [u8]>>;
 
 /// Reads the array `key`, or the only one.
-pub(super) fn parse(bytes: &[u8], key: Option<&str>) -> Result<npy::Array, Problem> {
+pub(super) fn parse(bytes: &[u8], key: Option<&str>) -> Result<Array<'static>, ArrayError> {
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(archive_problem)?;
     let key = choose(&mut archive, key)?;
     let member = read_member(&mut archive, &key, MAX_BYTES + 1)?;
     if member.len() as u64 > MAX_BYTES {
-        return Err(Problem::TooLarge);
+        return Err(ArrayError::TooLarge);
     }
     Ok(npy::parse(&member)?)
 }
 
-fn choose(archive: &mut Archive<'_>, key: Option<&str>) -> Result<String, Problem> {
+fn choose(archive: &mut Archive<'_>, key: Option<&str>) -> Result<String, ArrayError> {
     let mut names: Vec<String> =
         archive.file_names().filter_map(|file| file.strip_suffix(SUFFIX)).map(str::to_owned).collect();
     names.sort();
     match (key, names.as_slice()) {
-        (_, []) => Err(Problem::NoArrays),
+        (_, []) => Err(ArrayError::NoArrays),
         (Some(key), _) if names.iter().any(|name| name == key) => Ok(key.to_owned()),
-        (Some(key), _) => Err(Problem::NoKey { key: key.to_owned(), arrays: list(archive, names) }),
+        (Some(key), _) => Err(ArrayError::NoKey { key: key.to_owned(), arrays: list(archive, names) }),
         (None, [only]) => Ok(only.clone()),
-        (None, _) => Err(Problem::SeveralArrays { arrays: list(archive, names) }),
+        (None, _) => Err(ArrayError::SeveralArrays { arrays: list(archive, names) }),
     }
 }
 
@@ -68,13 +53,13 @@ fn list(archive: &mut Archive<'_>, names: Vec<String>) -> Listing {
 }
 
 /// At most `limit` bytes of an array's file.
-fn read_member(archive: &mut Archive<'_>, name: &str, limit: u64) -> Result<Vec<u8>, Problem> {
+fn read_member(archive: &mut Archive<'_>, name: &str, limit: u64) -> Result<Vec<u8>, ArrayError> {
     let member = archive.by_name(&format!("{name}{SUFFIX}")).map_err(archive_problem)?;
     let mut bytes = Vec::new();
     member.take(limit).read_to_end(&mut bytes).map_err(archive_problem)?;
     Ok(bytes)
 }
 
-fn archive_problem(error: impl fmt::Display) -> Problem {
-    Problem::Archive(error.to_string())
+fn archive_problem(error: impl fmt::Display) -> ArrayError {
+    ArrayError::Archive(error.to_string())
 }
