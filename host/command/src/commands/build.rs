@@ -179,7 +179,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let kept = kept(args, &skin)?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let spinner = progress::spinner();
-    let mut model = Model::build(&skin, |stage| spinner.set_message(stage)).with_context(in_file)?;
+    let on_stage = |stage| spinner.set_message(stage);
+    let (mut model, mesh) =
+        Model::build_beside(&skin, on_stage, drop, MeshReport::of).with_context(in_file)?;
     let plot = args.hyperparameter_plot.as_deref();
     plot.map_or(Ok(()), |path| write_plot(&skin, &model, path)).with_context(in_file)?;
     spinner.set_message("patch");
@@ -189,8 +191,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         Some(write_patch(args, &skin, &mut model, kept.as_ref()).with_context(in_file)?)
     };
     spinner.finish_and_clear();
-    let mesh = MeshReport::of(&model.mesh);
-    let noise = model.image_noise(60.0);
+    let (blur, (noise, noise_figure)) =
+        rayon::join(|| model.blur(), || (model.image_noise(60.0), model.noise_figure()));
     let report = Report {
         skin: skin.name.clone(),
         electrodes: skin.electrodes.count,
@@ -203,8 +205,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         patch,
         hyperparameter: model.hyperparameter,
         hyperparameter_by: model.selection.as_ref().map_or("fixed", |selection| selection.criterion.name()),
-        noise_figure: model.noise_figure(),
-        resolution: model.blur().into(),
+        noise_figure,
+        resolution: blur.into(),
         image_noise_at_60_db: noise,
         contact_threshold: skin.contact_threshold,
         stage_seconds: model.stages.iter().map(|stage| (stage.name, stage.time.as_secs_f64())).collect(),

@@ -2,7 +2,8 @@
 
 use super::{
     JsonReport,
-    stream::long_patience,
+    board::open,
+    stream::silence_timeout,
     tare::{patch_of, tare_with_spinner},
 };
 use anyhow::{Context, bail, ensure};
@@ -14,7 +15,7 @@ use dermatome_patch::{
     write::with_calibration,
 };
 use dermatome_shared::{hysteresis::PlayOperator, patch::PatchView, reference::DEFAULT_TARE_FRAMES};
-use dermatome_simulate::port::{self, Port};
+use dermatome_simulate::port::Port;
 use serde::Serialize;
 use std::{
     fmt::Write,
@@ -96,7 +97,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     for file in others.into_iter().flatten().chain([out]) {
         check_folder(file)?;
     }
-    let mut link = args.port.as_ref().map(port::open).transpose()?;
+    let mut link = args.port.as_ref().map(open).transpose()?;
     let readings = readings(args, link.as_mut(), &patch)?;
     if let Some(file) = &args.save {
         // Even if they make no calibration: the machine has done its work.
@@ -173,7 +174,7 @@ fn from_board(link: &mut Link, patch: &PatchView<'_>, loads: &Path) -> anyhow::R
     let show = |reading: &Reading| {
         eprintln!("{:8.3} kPa  strength {:.5}", reading.pressure_kpa, reading.strength);
     };
-    Ok(calibrate::measure(link, &loads, long_patience(&used), show)?)
+    Ok(calibrate::measure(link, &loads, silence_timeout(&used), show)?)
 }
 
 fn csv(readings: &[Reading]) -> String {

@@ -19,6 +19,7 @@ macro_rules! say {
     };
 }
 
+mod board;
 mod build;
 mod calibrate;
 mod check;

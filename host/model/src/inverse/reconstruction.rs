@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     pixels::Pixels,
-    prior::Prior,
+    prior::{Factored, Prior},
     skin::{Criterion, Hyperparameter, Inverse, Method, Weights},
 };
 use dermatome_shared::patch::Difference;
@@ -48,15 +48,17 @@ pub struct Reconstruction {
     pub selection: Option<Selection>,
 }
 
-/// Computes the reconstruction matrix that `inverse` asks for.
+/// Computes the reconstruction matrix that `inverse` asks for; `factored` is what of its prior was
+/// factored before.
 pub fn reconstruct(
     inverse: &Inverse,
     pixels: &Pixels,
+    factored: Option<&Factored>,
     of: &Measurements<'_>,
 ) -> Result<Reconstruction, InverseError> {
     let weights = weights(inverse, of)?;
     let whitening = Whitening::from_weights(&weights)?;
-    let (space, prior) = data_space(inverse, pixels, of, &weights, &whitening)?;
+    let (space, prior) = data_space(inverse, pixels, factored, of, &weights, &whitening)?;
     let (hyperparameter, selection) = match inverse.hyperparameter {
         Hyperparameter::Fixed(given) => (given, None),
         Hyperparameter::Chosen(criterion) => {
@@ -114,6 +116,7 @@ fn check_smallest(voltages: &[f64]) -> Result<(), InverseError> {
 fn data_space(
     inverse: &Inverse,
     pixels: &Pixels,
+    factored: Option<&Factored>,
     of: &Measurements<'_>,
     weights: &[f64],
     whitening: &Whitening,
@@ -126,7 +129,12 @@ fn data_space(
                 (Some(weight), Some(jacobian)) => Some(movement::covariance(jacobian, weight, whitening)),
                 (Some(_), None) => return Err(InverseError::NotSimulated { what: "electrode movement" }),
             };
-            let space = DataSpace::one_step(whitening.transposed(of.jacobian), &prior, movement.as_ref())?;
+            let space = DataSpace::one_step_with(
+                whitening.transposed(of.jacobian),
+                &prior,
+                factored,
+                movement.as_ref(),
+            )?;
             Ok((space, Some(prior)))
         }
         Method::Greit { radius } => {

@@ -128,7 +128,13 @@ pub fn central_target(mesh: &Mesh) -> Vec<(usize, f64)> {
         let count = samples(corners).count();
         samples(corners).filter(|point| (point - centre).norm() < radius).count() as f64 / count as f64
     };
-    let shares = (0..mesh.elements.len()).map(|element| (element, near(mesh.corners(element))));
+    // An element as far away as its longest edges reach has no part in the ball.
+    let may_be_near = |[a, b, c]: [Point3<f64>; 3]| {
+        (a - centre).norm() <= radius + 1.001 * (b - a).norm().max((c - a).norm())
+    };
+    let shares = (0..mesh.elements.len())
+        .filter(|&element| may_be_near(mesh.corners(element)))
+        .map(|element| (element, near(mesh.corners(element))));
     let inside: Vec<_> = shares.filter(|(_, share)| *share > 0.0).collect();
     if inside.is_empty() { vec![(nearest_element(mesh, centre), 1.0)] } else { inside }
 }

@@ -5,7 +5,7 @@ mod stages;
 
 pub use crate::inverse::difference::divisors;
 use crate::{
-    forward::{Admittivity, ForwardError, ForwardModel, electrode_unknown},
+    forward::{Admittivity, Fields, ForwardError, ForwardModel, electrode_unknown},
     inverse::{
         InverseError,
         figures::{self, Blur},
@@ -15,8 +15,8 @@ use crate::{
     },
     jacobian::{combine_rows, combine_voltages, jacobian, step_counts},
     pixels::{self, Pixels},
-    prior::Prior,
-    skin::{ImageLayout, NotFlat, Shape, Skin},
+    prior::{Factored, Prior},
+    skin::{ImageLayout, Method, NotFlat, Shape, Skin},
     stimulation::Stimulation,
 };
 use dermatome_geometry::{
@@ -33,7 +33,7 @@ use dermatome_shared::{
 use faer::{Col, Mat};
 use num_complex::Complex64;
 pub use stages::Stage;
-use stages::StageClock;
+use stages::{StageClock, timed};
 
 /// Everything computed for one skin. Voltages are relative: at unit current and unit
 /// conductivity, see [`crate::forward`].
@@ -178,30 +178,38 @@ impl Model {
     /// The same; `keep` gets the solution, which is large, as soon as the model is through with it.
     pub fn build_with(
         skin: &Skin,
-        mut on_stage: impl FnMut(&'static str),
+        on_stage: impl FnMut(&'static str),
         keep: impl FnOnce(Solution),
     ) -> Result<Self, ModelError> {
+        Self::build_beside(skin, on_stage, keep, |_| ()).map(|(model, ())| model)
+    }
+
+    /// The same; `beside` is done on the mesh while the forward model is solved.
+    pub fn build_beside<R: Send>(
+        skin: &Skin,
+        mut on_stage: impl FnMut(&'static str),
+        keep: impl FnOnce(Solution),
+        beside: impl FnOnce(&Mesh) -> R + Send,
+    ) -> Result<(Self, R), ModelError> {
         let mut clock = StageClock::default();
         let stimulation = skin.stimulation();
 
         on_stage(clock.begin("mesh"));
         let mesh = mesh(skin, 1.0, Lattice::default())?;
 
-        on_stage(clock.begin("pixels"));
-        let pixels = pixels_on(skin, &mesh)?;
-
         let admittivity = skin.admittivity();
-        let mut stage = |name| on_stage(clock.begin(name));
-        let untouched = Unsolved { skin, stimulation: &stimulation, mesh: &mesh, pixels: &pixels };
-        let Response { voltages, test_voltages, jacobian, targets } = if admittivity.im == 0.0 {
-            let (response, solved) = untouched.solve(admittivity.re, &mut stage)?;
-            keep(Solution::Real(Box::new(solved)));
-            response
-        } else {
-            let (response, solved) = untouched.solve(admittivity, &mut stage)?;
-            keep(Solution::Complex(Box::new(solved)));
-            response
-        };
+        let untouched = Unsolved { skin, stimulation: &stimulation, mesh: &mesh };
+        let (Response { voltages, test_voltages, jacobian, targets }, of_pixels, beside) =
+            if admittivity.im == 0.0 {
+                let done = untouched.solve(admittivity.re, beside, &mut clock, &mut on_stage)?;
+                keep(Solution::Real(Box::new(done.solved)));
+                (done.response, done.of_pixels, done.beside)
+            } else {
+                let done = untouched.solve(admittivity, beside, &mut clock, &mut on_stage)?;
+                keep(Solution::Complex(Box::new(done.solved)));
+                (done.response, done.of_pixels, done.beside)
+            };
+        let OfPixels { pixels, factored } = of_pixels;
 
         on_stage(clock.begin("matrix"));
         let Stimulation { steps, combination } = stimulation;
@@ -213,11 +221,11 @@ impl Model {
             responses: &targets,
         };
         let Reconstruction { matrix, prior, weights, hyperparameter, selection } =
-            reconstruct(&skin.inverse, &pixels, &measurements)?;
+            reconstruct(&skin.inverse, &pixels, factored.as_ref(), &measurements)?;
 
         let stages = clock.finish();
         let difference = skin.inverse.difference;
-        Ok(Self {
+        let model = Self {
             difference,
             steps,
             combination,
@@ -233,7 +241,8 @@ impl Model {
             selection,
             target: targets.target,
             stages,
-        })
+        };
+        Ok((model, beside))
     }
 
     /// The pixels as boards and pictures know them.
@@ -318,33 +327,74 @@ struct Unsolved<'a> {
     skin: &'a Skin,
     stimulation: &'a Stimulation,
     mesh: &'a Mesh,
-    pixels: &'a Pixels,
+}
+
+/// The untouched skin solved for one admittivity, its pixels, and what was done beside.
+struct Done<T: Admittivity, R> {
+    response: Response,
+    solved: Solved<T>,
+    of_pixels: OfPixels,
+    beside: R,
 }
 
 impl Unsolved<'_> {
-    /// Solves it for one admittivity.
-    fn solve<T: Admittivity>(
+    /// Solves it for one admittivity, and does on other cores what need not wait for that.
+    fn solve<T: Admittivity, R: Send>(
         &self,
         admittivity: T,
+        beside: impl FnOnce(&Mesh) -> R + Send,
+        clock: &mut StageClock,
         stage: &mut dyn FnMut(&'static str),
-    ) -> Result<(Response, Solved<T>), ModelError> {
-        let Self { skin, mesh, pixels, stimulation: Stimulation { steps, combination } } = self;
+    ) -> Result<Done<T, R>, ModelError> {
+        let Self { skin, mesh, stimulation: Stimulation { steps, combination } } = self;
+        clock.end();
+        stage("pixels");
         stage("forward");
-        let forward = forward_model::<T>(skin, mesh)?;
-        let fields = forward.solve(&vec![admittivity; mesh.elements.len()])?;
-        stage("jacobian");
-        let jacobian = jacobian(mesh, &fields, steps, pixels);
+        let (forward, (of_pixels, beside)) = rayon::join(
+            || timed("forward", || self.fields(admittivity)),
+            || rayon::join(|| timed("pixels", || OfPixels::new(skin, mesh)), || beside(mesh)),
+        );
+        let of_pixels = clock.take(of_pixels)?;
+        let (forward, fields) = clock.take(forward)?;
+        stage(clock.begin("jacobian"));
         let untouched = Untouched { mesh, forward: &forward, admittivity, fields: &fields, steps };
-        let targets = Responses::simulate(&untouched, &skin.inverse, combination)?;
+        let (jacobian, targets) = rayon::join(
+            || jacobian(mesh, &fields, steps, &of_pixels.pixels),
+            || Responses::simulate(&untouched, &skin.inverse, combination),
+        );
         let voltages = fields.voltages(steps);
         let electrodes = skin.electrodes.count;
         let tests = (0..electrodes).map(|electrode| test_step(electrode, electrodes));
         let response = Response {
-            targets,
+            targets: targets?,
             voltages: voltages.iter().map(|voltage| voltage.in_phase()).collect(),
             test_voltages: tests.map(|test| fields.voltage(test).in_phase()).collect(),
             jacobian: combine_rows(&jacobian, combination),
         };
-        Ok((response, Solved { admittivity, forward, voltages, jacobian }))
+        let solved = Solved { admittivity, forward, voltages, jacobian };
+        Ok(Done { response, solved, of_pixels, beside })
+    }
+
+    fn fields<T: Admittivity>(&self, admittivity: T) -> Result<(ForwardModel<T>, Fields<T>), ModelError> {
+        let forward = forward_model::<T>(self.skin, self.mesh)?;
+        let fields = forward.solve(&vec![admittivity; self.mesh.elements.len()])?;
+        Ok((forward, fields))
+    }
+}
+
+/// The pixels of a skin, and what of the reconstruction needs no more than them.
+struct OfPixels {
+    pixels: Pixels,
+    factored: Option<Factored>,
+}
+
+impl OfPixels {
+    fn new(skin: &Skin, mesh: &Mesh) -> Result<Self, ModelError> {
+        let pixels = pixels_on(skin, mesh)?;
+        let factored = match skin.inverse.method {
+            Method::OneStep(kind) => Factored::new(kind, &pixels),
+            Method::Greit { .. } => None,
+        };
+        Ok(Self { pixels, factored })
     }
 }

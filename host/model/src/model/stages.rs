@@ -11,7 +11,14 @@ pub struct Stage {
     pub time: Duration,
 }
 
-/// Times stages that follow each other.
+/// Does something and says how long it took.
+pub(super) fn timed<R>(name: &'static str, stage: impl FnOnce() -> R) -> (R, Stage) {
+    let since = Instant::now();
+    let result = stage();
+    (result, Stage { name, time: since.elapsed() })
+}
+
+/// Times stages. Those that run side by side add up to more than they took together.
 #[derive(Default)]
 pub(super) struct StageClock {
     running: Option<(&'static str, Instant)>,
@@ -25,10 +32,16 @@ impl StageClock {
         name
     }
 
-    fn end(&mut self) {
+    pub(super) fn end(&mut self) {
         if let Some((name, since)) = self.running.take() {
             self.done.push(Stage { name, time: since.elapsed() });
         }
+    }
+
+    /// Notes a stage that was timed by itself.
+    pub(super) fn take<R>(&mut self, (result, stage): (R, Stage)) -> R {
+        self.done.push(stage);
+        result
     }
 
     pub(super) fn finish(mut self) -> Vec<Stage> {

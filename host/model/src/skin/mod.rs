@@ -11,7 +11,6 @@ mod error;
 mod file;
 mod flattened;
 mod inverse;
-mod pose;
 pub mod quantity;
 
 use crate::stimulation::Stimulation;
@@ -19,6 +18,7 @@ use check::Checker;
 pub use check::{is_frame_name, is_name};
 pub use dermatome_geometry::shape::{NotFlat, Shape, electrodes_in_plane};
 use dermatome_geometry::sheet::EdgeLengths;
+pub use dermatome_patch::pose::Pose;
 use dermatome_shared::{calibration::Calibration, stimulation::Step};
 pub use described::{Described, MeshFile, Placement, UNITS};
 pub use drive::{Drive, Pattern, Reciprocal};
@@ -26,7 +26,6 @@ use electrodes::Electrodes;
 pub use error::SkinError;
 pub use inverse::{Criterion, Hyperparameter, Inverse, Method, Prior, Weights};
 use num_complex::Complex64;
-pub use pose::Pose;
 use std::{f64::consts::TAU, path::Path};
 
 /// One sensor: shape, electrodes, drive, and how to image it.

@@ -1,6 +1,7 @@
 //! Upload: a patch goes to the board, checked before, on the way and after.
 
-use super::{Link, LinkError};
+use super::Link;
+use crate::error::LinkError;
 use dermatome_shared::{
     patch::{PatchError, PatchView},
     protocol::{Info, MAX_CHUNK_BYTES, PatchInfo, Request},

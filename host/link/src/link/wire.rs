@@ -1,6 +1,7 @@
 //! Wire: packets over a transport.
 
-use super::{LinkError, REPLY_TIMEOUT, Transport};
+use super::transport::Transport;
+use crate::error::{LinkError, LinkErrorKind};
 use dermatome_shared::protocol::{
     BoardPacket, MAX_PACKET_BYTES, PacketError, PacketReader, RequestPacket, encode,
 };
@@ -8,6 +9,9 @@ use std::{
     io::{self, ErrorKind},
     time::{Duration, Instant},
 };
+
+/// How long a board has to answer, and to take what is sent.
+pub const REPLY_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Sends and receives packets, and counts the damaged ones.
 pub(super) struct Wire {
@@ -44,13 +48,13 @@ impl Wire {
 
     pub(super) fn send(&mut self, packet: &RequestPacket) -> Result<(), LinkError> {
         let mut buffer = [0; MAX_PACKET_BYTES];
-        let failed = |error| LinkError::Failed { port: self.port.clone(), reason: io::Error::other(error) };
+        let failed = |error| self.error(LinkErrorKind::Failed(io::Error::other(error)));
         let bytes = encode(packet, &mut buffer).map_err(failed)?;
         self.send_bytes(bytes)
     }
 
     pub(super) fn send_bytes(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
-        self.write_all(bytes).map_err(|reason| LinkError::on_transfer(&self.port, reason))
+        self.write_all(bytes).map_err(|reason| LinkError::on_transfer(&self.port, reason, REPLY_TIMEOUT))
     }
 
     /// The next packet, waiting for it until `deadline`.
@@ -62,17 +66,21 @@ impl Wire {
             if Instant::now() >= deadline {
                 return Ok(None);
             }
-            self.fill().map_err(|reason| LinkError::on_transfer(&self.port, reason))?;
+            self.fill().map_err(|reason| LinkError::on_transfer(&self.port, reason, REPLY_TIMEOUT))?;
         }
     }
 
     /// The error for an answer that has not come, with the count of damaged packets from before.
     pub(super) fn silence(&self, timeout: Duration, damaged_before: u64) -> LinkError {
-        let port = self.port.clone();
         match self.damaged - damaged_before {
-            0 => LinkError::NoAnswer { port, timeout },
-            packets => LinkError::Damaged { port, packets, last: self.last_damage },
+            0 => self.error(LinkErrorKind::NoAnswer { timeout }),
+            packets => self.error(LinkErrorKind::Damaged { packets, last: self.last_damage }),
         }
+    }
+
+    /// Something that went wrong at this port.
+    pub(super) fn error(&self, kind: LinkErrorKind) -> LinkError {
+        LinkError::new(self.port.clone(), kind)
     }
 
     fn next_packet(&mut self) -> Option<BoardPacket> {
