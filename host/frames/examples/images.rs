@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ]
         .map(|file| format!("{HOST}/{file}").into())
     });
-    let skin = Skin::load(Path::new(&skin))?;
+    let skin = Skin::load(Path::new(&skin))?.made()?;
     let model = Model::build(&skin, |_| ())?;
     let (reference, frames) = (read(&Source::new(&reference))?, read(&Source::new(&frames))?);
     let order = Arrangement::default();

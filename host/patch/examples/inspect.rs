@@ -15,7 +15,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         contents.steps.len()
     );
     println!("matrix: {} pixels, {} measurements", patch.header.pixels, patch.header.measurements);
-    println!("calibration: {} points, {} play operators", stored.curve.points.len(), stored.plays.len());
+    println!(
+        "calibration: {} points, {} play operators",
+        stored.curve.points.len(),
+        stored.play_operators.len()
+    );
     assert_eq!(contents.write(&stored)?, bytes, "what is read is written again, byte for byte");
     Ok(())
 }

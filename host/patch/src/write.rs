@@ -16,27 +16,27 @@ const TABLE_BYTES: usize = 48 * 1024;
 pub struct Stored {
     /// Pressure and load area by strength.
     pub curve: Calibration,
-    /// PlayOperator operators against hysteresis.
-    pub plays: Vec<PlayOperator>,
+    /// Play operators against hysteresis.
+    pub play_operators: Vec<PlayOperator>,
 }
 
 impl Stored {
     /// Those of a patch.
     #[must_use]
     pub fn of(patch: &PatchView<'_>) -> Self {
-        Self { curve: patch.header.calibration.clone(), plays: patch.play_operators().collect() }
+        Self { curve: patch.header.calibration.clone(), play_operators: patch.play_operators().collect() }
     }
 
     /// A curve alone.
     #[must_use]
     pub fn curve(curve: Calibration) -> Self {
-        Self { curve, plays: Vec::new() }
+        Self { curve, play_operators: Vec::new() }
     }
 
     /// Whether there is neither curve nor play operator.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.curve.points.is_empty() && self.plays.is_empty()
+        self.curve.points.is_empty() && self.play_operators.is_empty()
     }
 }
 
@@ -79,7 +79,7 @@ impl Contents {
     pub fn write(&self, stored: &Stored) -> Result<Vec<u8>, PatchError> {
         let header = self.header(stored);
         let contents = PatchContents {
-            play_operators: &stored.plays,
+            play_operators: &stored.play_operators,
             header: &header,
             steps: &self.steps,
             combination: &self.combination,
@@ -104,7 +104,7 @@ impl Contents {
             pixels: pixels as u16,
             neighbours: self.surface.neighbours.len() as u16,
             calibration: stored.curve.clone(),
-            play_operators: stored.plays.len() as u8,
+            play_operators: stored.play_operators.len() as u8,
             ..self.header.clone()
         }
     }

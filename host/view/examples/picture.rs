@@ -16,7 +16,7 @@ const PRESS: f64 = -0.1;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let text = SKIN.replace("hyperparameter = 0.03", "hyperparameter = \"gcv\"");
-    let skin = Skin::parse(Path::new("skin.toml"), &text)?;
+    let skin = Skin::parse(Path::new("skin.toml"), &text)?.made()?;
     let model = Model::build(&skin, |_| ())?;
     let is_near = |step: &dermatome_shared::stimulation::Step| step.to_bytes()[2..].contains(&2);
     let pairs = model.steps.iter().zip(&model.voltages);

@@ -17,7 +17,7 @@ pub(super) fn refuse_to_lose(path: &Path, of_new: &Stored, allowed: &str) -> any
     if old.is_empty() || old == *of_new {
         return Ok(());
     }
-    let (file, points, plays) = (path.display(), old.curve.points.len(), old.plays.len());
+    let (file, points, plays) = (path.display(), old.curve.points.len(), old.play_operators.len());
     bail!(
         "`{file}` was calibrated ({points} points, {plays} plays), which the new patch would not be; allowed: {allowed}"
     );

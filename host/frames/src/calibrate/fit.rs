@@ -114,7 +114,7 @@ impl Fit {
     /// What a patch gets of it.
     #[must_use]
     pub fn stored(&self) -> Stored {
-        Stored { curve: self.calibration.clone(), plays: self.play_operators.clone() }
+        Stored { curve: self.calibration.clone(), play_operators: self.play_operators.clone() }
     }
 
     /// Mean hysteresis of the trials that have a way back, per cent; none if none has one.

@@ -1,4 +1,4 @@
-//! Why no cutout can be cut, in the words of a [`super::Request`]. Lengths are in metres and shown in mm.
+//! Why nothing can be cut, in the words of a [`super::Request`]. Lengths are in metres and shown in mm.
 
 use crate::outline::PolygonError;
 use nalgebra::Point3;
