@@ -1,9 +1,9 @@
 //! `dermatome build`: skin file -> reconstruction matrix -> patch file.
 
 use super::{
-    JsonReport,
-    kept::{Kept, refuse_to_lose},
-    patch_id, progress,
+    JsonReport, patch_id,
+    preserved::{Preserved, refuse_to_lose},
+    progress,
 };
 use anyhow::{Context, bail};
 use dermatome_geometry::mesh::{
@@ -34,7 +34,7 @@ use std::{
   dermatome build models/disc-210mm/skin.toml
   dermatome build models/square-50mm/skin.toml -o left-palm.dermatome --json build.json
   dermatome build models/hemisphere-210mm/skin.toml
-  dermatome build skin.toml -o palm.dermatome --keep-calibration palm.dermatome
+  dermatome build skin.toml -o palm.dermatome --preserve-calibration palm.dermatome
   dermatome build models/hemisphere-210mm/skin.toml --flatten -o flattened.dermatome")]
 pub(super) struct Args {
     /// Skin file.
@@ -50,9 +50,9 @@ pub(super) struct Args {
     /// thesis compares surface and planar models.
     #[arg(long)]
     flatten: bool,
-    /// Give the new patch curve and plays of this one, as `calibrate` wrote them; they replace the skin file's curve.
-    #[arg(long, value_name = "PATCH", conflicts_with = "no_patch")]
-    keep_calibration: Option<PathBuf>,
+    /// Give the new patch curve and play operators of this one, as `calibrate` wrote them; they replace the skin file's curve.
+    #[arg(long, alias = "keep-calibration", value_name = "PATCH", conflicts_with = "no_patch")]
+    preserve_calibration: Option<PathBuf>,
     /// Draw the criterion by which the hyperparameter was chosen, as SVG.
     #[arg(long, value_name = "FILE")]
     hyperparameter_plot: Option<PathBuf>,
@@ -100,7 +100,8 @@ struct PatchReport {
 struct CalibrationReport {
     points: usize,
     plays: usize,
-    kept_from: Option<PathBuf>,
+    #[serde(rename = "kept_from")]
+    preserved_from: Option<PathBuf>,
     /// Whether it may not suit the new patch.
     #[serde(skip)]
     is_doubtful: bool,
@@ -176,7 +177,7 @@ fn load(args: &Args) -> anyhow::Result<Skin> {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let start = Instant::now();
     let skin = load(args)?;
-    let kept = kept(args, &skin)?;
+    let preserved = preserved(args, &skin)?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let spinner = progress::spinner();
     let on_stage = |stage| spinner.set_message(stage);
@@ -188,7 +189,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let patch = if args.no_patch {
         None
     } else {
-        Some(write_patch(args, &skin, &mut model, kept.as_ref()).with_context(in_file)?)
+        Some(write_patch(args, &skin, &mut model, preserved.as_ref()).with_context(in_file)?)
     };
     spinner.finish_and_clear();
     let (blur, (noise, noise_figure)) =
@@ -232,31 +233,31 @@ fn output(args: &Args, skin: &Skin) -> PathBuf {
 }
 
 /// The calibration to keep, if one is asked for. None may get lost.
-fn kept(args: &Args, skin: &Skin) -> anyhow::Result<Option<Kept>> {
+fn preserved(args: &Args, skin: &Skin) -> anyhow::Result<Option<Preserved>> {
     if args.no_patch {
         return Ok(None);
     }
-    let from = args.keep_calibration.as_deref();
-    let kept = from.map(|path| Kept::read(path, &skin.name)).transpose()?;
+    let from = args.preserve_calibration.as_deref();
+    let preserved = from.map(|path| Preserved::read(path, &skin.name)).transpose()?;
     let of_file = || Stored::curve(skin.calibration.clone());
-    let of_new = kept.as_ref().map_or_else(of_file, |kept| kept.stored.clone());
+    let of_new = preserved.as_ref().map_or_else(of_file, |preserved| preserved.stored.clone());
     let path = output(args, skin);
     let file = path.display();
-    let allowed = format!("`--keep-calibration {file}`, another `--output`, or remove the file");
+    let allowed = format!("`--preserve-calibration {file}`, another `--output`, or remove the file");
     refuse_to_lose(&path, &of_new, &allowed)?;
-    Ok(kept)
+    Ok(preserved)
 }
 
 fn write_patch(
     args: &Args,
     skin: &Skin,
     model: &mut Model,
-    kept: Option<&Kept>,
+    preserved: Option<&Preserved>,
 ) -> anyhow::Result<PatchReport> {
     let path = output(args, skin);
     let quantizing = Instant::now();
-    let patch = match kept {
-        Some(kept) => quantize::patch_with(skin, model, &kept.stored)?,
+    let patch = match preserved {
+        Some(preserved) => quantize::patch_with(skin, model, &preserved.stored)?,
         None => quantize::patch(skin, model)?,
     };
     let view = PatchView::validate(&patch)?;
@@ -268,8 +269,8 @@ fn write_patch(
     let calibration = CalibrationReport {
         points: view.header.calibration.points.len(),
         plays: usize::from(view.header.play_operators),
-        kept_from: args.keep_calibration.clone(),
-        is_doubtful: kept.is_some_and(|kept| kept.is_doubtful(&view)),
+        preserved_from: args.preserve_calibration.clone(),
+        is_doubtful: preserved.is_some_and(|preserved| preserved.is_doubtful(&view)),
     };
     Ok(PatchReport { path, bytes: patch.len(), crc: patch_id(view.crc()), fixed_point_error, calibration })
 }
@@ -347,9 +348,9 @@ fn print(report: &Report, stages: &[Stage]) {
         patch.fixed_point_error.measured_percent,
         patch.fixed_point_error.bound_percent
     );
-    let CalibrationReport { points, plays, kept_from, .. } = &patch.calibration;
-    if let Some(from) = kept_from {
-        say!("calibration   {points} points and {plays} plays, kept from {}", from.display());
+    let CalibrationReport { points, plays, preserved_from, .. } = &patch.calibration;
+    if let Some(from) = preserved_from {
+        say!("calibration   {points} points and {plays} play operators, preserved from {}", from.display());
     }
     say!("patch         {} ({} bytes, id {})", patch.path.display(), patch.bytes, patch.crc);
 }

@@ -5,8 +5,9 @@ use super::{
     choices::Strength,
     flags::in_flags,
     frame_options::{Flags, FrameOptions},
-    kept::refuse_to_lose,
-    patch_id, progress,
+    patch_id,
+    preserved::refuse_to_lose,
+    progress,
     reconstruct::{WeightChoice, weigh_by_magnitude},
 };
 use anyhow::Context;

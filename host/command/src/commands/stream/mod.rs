@@ -40,7 +40,7 @@ const TIMEOUT_FRAMES: f64 = 5.0;
 ///
 /// With --skin, contacts are in the frame of the robot's link that the skin lies on, and instead of such
 /// lines each frame is one line of JSON with number, position in m and normal of its contacts, and what was
-/// wrong with the frame (docs/cli.md). With --resolve as well, it also holds fingers that this computer fits to the
+/// wrong with the frame (docs/cli.md). With --fit as well, it also holds fingers that this computer fits to the
 /// frame's voltages, which tells apart what lies close together or far from all electrodes.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
@@ -48,7 +48,7 @@ const TIMEOUT_FRAMES: f64 = 5.0;
     dermatome stream --port tcp:127.0.0.1:7000 --frames 500 --json stream.json\n  \
     dermatome stream --port COM5 --no-image | tee contacts.tsv\n  \
     dermatome stream --port /dev/ttyACM0 --skin forearm/skin.toml | my-robot\n  \
-    dermatome stream --port /dev/ttyACM0 --skin head/skin.toml --resolve '12 mm' | my-robot")]
+    dermatome stream --port /dev/ttyACM0 --skin head/skin.toml --fit '12 mm' | my-robot")]
 pub(super) struct Args {
     /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT or sim:SKIN.toml.
     #[arg(long)]
@@ -62,9 +62,9 @@ pub(super) struct Args {
     /// Skin file of the board's patch: give contacts in the link's frame, by its [pose].
     #[arg(long, value_name = "FILE")]
     skin: Option<PathBuf>,
-    /// Resolve fingers of about this radius from the voltages, and print them as JSON with the contacts.
-    #[arg(long, value_name = "RADIUS", requires = "skin")]
-    resolve: Option<String>,
+    /// Fit fingers of about this radius to the voltages, and print them as JSON with the contacts.
+    #[arg(long, alias = "resolve", value_name = "RADIUS", requires = "skin")]
+    fit: Option<String>,
     #[command(flatten)]
     json: super::JsonReport,
 }
@@ -101,7 +101,7 @@ struct Report<'a> {
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let radius = args.resolve.as_deref().map(fingers::radius).transpose()?;
+    let radius = args.fit.as_deref().map(fingers::radius).transpose()?;
     interrupt::install()?;
     let mut link = open(&args.port)?;
     let patch = patch_of(&mut link)?;

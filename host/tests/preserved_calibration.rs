@@ -40,11 +40,17 @@ fn a_calibrated_patch_is_not_overwritten_by_one_that_is_not() {
     let (points, plays) = stored(&before);
     assert!(points > 3 && plays > 0, "{points} {plays}");
     let shown = desk.run(&["inspect", "skin.dermatome"]).success().out;
-    assert!(shown.contains(&format!("calibration   {points} points up to 8 kPa, {plays} plays")), "{shown}");
+    assert!(
+        shown.contains(&format!("calibration   {points} points up to 8 kPa, {plays} play operators")),
+        "{shown}"
+    );
     let words = desk.run(&["build", "skin.toml", "-o", "skin.dermatome"]).refused();
-    let counts = format!("({points} points, {plays} plays)");
+    let counts = format!("({points} points, {plays} play operators)");
     assert!(words.contains("`skin.dermatome` was calibrated") && words.contains(&counts), "{words}");
-    assert!(words.contains("allowed: `--keep-calibration skin.dermatome`, another `--output`"), "{words}");
+    assert!(
+        words.contains("allowed: `--preserve-calibration skin.dermatome`, another `--output`"),
+        "{words}"
+    );
     assert_eq!(desk.read("skin.dermatome"), before);
     desk.run(&["build", "skin.toml", "-o", "other.dermatome"]).success();
     assert_eq!(stored(&desk.read("other.dermatome")), (0, 0));
@@ -58,7 +64,10 @@ fn built_again_with_its_calibration_a_patch_is_the_same_to_the_byte() {
     let keep = ["--keep-calibration", "skin.dermatome", "--json", "build.json"];
     let build = [&["build", "skin.toml", "-o", "skin.dermatome"][..], &keep].concat();
     let done = desk.run(&build).success();
-    assert!(done.out.contains("plays, kept from skin.dermatome") && done.err.is_empty(), "{done:?}");
+    assert!(
+        done.out.contains("play operators, preserved from skin.dermatome") && done.err.is_empty(),
+        "{done:?}"
+    );
     assert!(desk.read("skin.dermatome") == before, "the patch changed");
     let calibration = desk.report("build.json")["calibration"].clone();
     let (points, plays) = stored(&before);
@@ -86,7 +95,7 @@ fn a_curve_of_the_skin_file_is_no_loss() {
     desk.run(&build).success();
     // Without it in the file, it would be lost.
     desk.write("skin.toml", TINY);
-    assert!(desk.run(&build).refused().contains("(1 points, 0 plays)"));
+    assert!(desk.run(&build).refused().contains("(1 points, 0 play operators)"));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Calibrations that are kept: no new patch silently takes the place of one that was calibrated.
+//! Calibrations that are preserved: no new patch silently takes the place of one that was calibrated.
 
 use anyhow::{Context, bail, ensure};
 use dermatome_patch::write::{Stored, have_same_matrix};
@@ -19,17 +19,17 @@ pub(super) fn refuse_to_lose(path: &Path, of_new: &Stored, allowed: &str) -> any
     }
     let (file, points, plays) = (path.display(), old.curve.points.len(), old.play_operators.len());
     bail!(
-        "`{file}` was calibrated ({points} points, {plays} plays), which the new patch would not be; allowed: {allowed}"
+        "`{file}` was calibrated ({points} points, {plays} play operators), which the new patch would not be; allowed: {allowed}"
     );
 }
 
 /// A calibrated patch whose calibration a new patch of the same skin gets.
-pub(super) struct Kept {
+pub(super) struct Preserved {
     bytes: Vec<u8>,
     pub(super) stored: Stored,
 }
 
-impl Kept {
+impl Preserved {
     /// Reads it; its skin must be called `skin`.
     pub(super) fn read(path: &Path, skin: &str) -> anyhow::Result<Self> {
         let file = path.display();
