@@ -160,8 +160,8 @@ def one_skin():
     width = 290
     left, middle, right = 26, 340, 654
     row = [86 + 98 * n for n in range(8)]
-    read = Box(middle, row[0], "model", "Skin", "skin::Skin::load", "a checked description, SI units")
-    steps = Box(left, row[1], "model", "Steps", "skin::Skin::steps, combination", "[step], and each step's measurement")
+    read = Box(middle, row[0], "model", "Skin", "skin::Skin::load, made", "a checked description, then its mesh")
+    steps = Box(left, row[1], "model", "Steps", "skin::Skin::stimulation", "[step], and each step's measurement")
     mesh = Box(middle, row[1], "geometry", "Mesh", "mesh::generate or mesh::import", "nodes, triangles, electrodes")
     forward = Box(
         middle, row[2], "model", "Forward model", "forward::ForwardModel::new, solve", "fields [unknown][electrode]"
@@ -183,10 +183,10 @@ def one_skin():
         "i16 mantissas, an exponent a row",
     )
     tables = Box(
-        right, row[5] + 26, "patch", "Surface tables", "tables::SurfaceTables::new", "place, normal, neighbours [pixel]"
+        right, row[5] + 26, "patch", "Surface tables", "pixels::Pixels::surface_tables", "place, normal, neighbours [pixel]"
     )
     patch = Box(
-        middle, row[6] + 26, "shared", "Patch", "patch::PatchContents::write", "NAME.dermatome, checked by validate"
+        middle, row[6] + 26, "shared", "Patch", "patch::write::Contents::write", "NAME.dermatome, checked by validate"
     )
     upload = Box(middle, row[7] + 54, "link", "Upload", "upload", "pieces of 512 bytes, in order")
     board = Box(
@@ -261,7 +261,7 @@ def one_frame():
         ("shared", "Drift", "drift::Drift::correct", "then i16, DifferenceData::quantise"),
         ("shared", "Image", "reconstruct::reconstruct", "i32 in 2^-20 [pixel]"),
         ("shared", "Contacts", "contact::find", "place, normal, area, strength; 8 at most"),
-        ("shared", "Pressure", "hysteresis::Places::press", "play operators, then the calibration curve"),
+        ("shared", "Pressure", "hysteresis::Places::compensate", "play operators, then Calibration::apply"),
         ("shared", "Events", "device::Device::process", "contacts, health, measurements, image"),
         ("shared", "Packets", "protocol::encode, EventQueue", "postcard, CRC-32, COBS"),
     ]
@@ -273,27 +273,27 @@ def one_frame():
         frame_box.y,
         "simulate",
         "Simulated skin",
-        "skin::SimulatedSkin::measure",
+        "instrument::Instrument::scan",
         "a forward solution, noise, a converter",
         width,
     )
     wire = Box(right, packets.y, "link", "Bytes", "wire::Wire::receive", "packets, by shared PacketReader::push", width)
     event = Box(
-        right, events.y, "link", "Replies and events", "Link::next_event", "gaps in event numbers are counted", width
+        right, events.y, "link", "Replies and events", "Subscription::next_while", "the one loop; gaps in event numbers are counted", width
     )
     whole = Box(
         right,
         pressure.y - 20,
         "link",
         "Whole frames",
-        "Link::subscribe",
+        "Assembler::take",
         "one scan's events joined; lost ones counted",
         width,
     )
     host = [wire, event, whole]
     uses = [
         ("shared::track::Tracker::update", "contacts with numbers that stay"),
-        ("model::skin::Pose::contact", "place and normal in the robot link's frame"),
+        ("link::contacts::ContactTracker", "place and normal in the robot link's frame"),
         ("model::multi_contact", "fingers fitted to the voltages"),
         ("view, command", "live picture, lines for a pipe, JSON"),
     ]

@@ -126,7 +126,7 @@ impl WorldTable {
             }
             .into());
         }
-        let skin = Skin::load(&folder.join(&self.skin))?;
+        let skin = Skin::load(&folder.join(&self.skin))?.made()?;
         let analogue = Analogue::load(&folder.join(&self.analogue))?;
         let mut setup = Setup::new(skin, analogue, self.contact_capacitance, seed)?;
         setup.noise = self.noise;

@@ -4,11 +4,17 @@
     python3 host/benches/compare_pyeit.py [--all] [--runs N]
 
 Builds Dermatome, installs pyEIT from PyPI into target/pyeit, and runs both in turn at each size, each
-run in a process of its own. Prints a table in Markdown: medians of the stages, and the largest memory
-of any run. The task is the same for both: a disc with 16 point electrodes, adjacent stimulation
-pattern, one pixel for each element, one-step matrix given the Jacobian. (Priors differ: ours is
-Laplace in data space, pyEIT's `kotre` in image space.) At 20,500 elements pyEIT takes minutes and
-about 20 GB: only with --all.
+run in a process of its own. Prints a table in Markdown: medians of the stages, of their sum and of the
+whole process by the clock (start of the program, Python's imports and, for Dermatome, the report of mesh
+and image included), and the largest memory of any run.
+
+What is compared: a disc with 16 point electrodes, adjacent stimulation pattern, one pixel for each
+element, one-step matrix given the Jacobian. pyEIT's matrix has a column for each of the 208 voltages.
+Dermatome runs twice: with `reciprocal = "kept"`, which also has 208, and with "combined", which
+averages the two voltages that reciprocity makes equal and so has 104; the ratios printed are those of
+both. Priors differ: ours is Laplace in data space, pyEIT's `kotre` in image space. Dermatome's stages may
+run side by side, so that their sum can exceed the time they took. At 20,500 elements pyEIT takes minutes
+and about 20 GB: only with --all.
 """
 
 import argparse
@@ -26,6 +32,8 @@ VENV = ROOT / "target" / "pyeit"
 VERSION = "pyeit==1.2.4"
 SIZES = [600, 2_400, 4_080, 20_500]
 STAGES = ["mesh", "forward", "jacobian", "matrix"]
+# Dermatome's settings with the columns of the matrix that they lead to; pyEIT has 208.
+COLUMNS = {"kept": 208, "combined": 104}
 
 SKIN = """
 name = "compare"
@@ -42,7 +50,7 @@ placement = "rim"
 model = "point"
 [drive]
 pattern = "adjacent"
-reciprocal = "combined"
+reciprocal = "{reciprocal}"
 frequency = "50 kHz"
 amplitude = "1 mA"
 frame_rate = 50
@@ -65,20 +73,28 @@ def main():
     python = install_pyeit()
     print(machine())
     print()
-    print("| elements | program | " + " | ".join(f"{stage} / ms" for stage in STAGES) + " | whole / ms | largest memory / MB |")
-    print("|---|---|" + "---|" * (len(STAGES) + 2))
+    stages = " | ".join(f"{stage} / ms" for stage in STAGES)
+    print(f"| elements | program | columns | {stages} | sum of stages / ms | whole process / ms | largest memory / MB |")
+    print("|---|---|---|" + "---|" * (len(STAGES) + 3))
     for size in SIZES:
-        runs = [[], []]
+        ours, theirs = {reciprocal: [] for reciprocal in COLUMNS}, []
         with_pyeit = arguments.all or size < 20_000
         for _ in range(arguments.runs):
-            runs[0].append(dermatome_run(program, size))
-            if with_pyeit and (size < 20_000 or not runs[1]):
-                runs[1].append(pyeit_run(python, size))
-        print(row("Dermatome", size, runs[0]))
+            for reciprocal, runs in ours.items():
+                runs.append(dermatome_run(program, size, reciprocal))
+            if with_pyeit and (size < 20_000 or not theirs):
+                theirs.append(pyeit_run(python, size))
+        for reciprocal, runs in ours.items():
+            print(row("Dermatome", COLUMNS[reciprocal], size, runs))
         if with_pyeit:
-            print(row("pyEIT", size, runs[1]), flush=True)
-        if runs[1] and not failure(runs[1]):
-            print(f"pyEIT over Dermatome at {size}: {whole(runs[1]) / whole(runs[0]):.0f} times", file=sys.stderr)
+            print(row("pyEIT", 208, size, theirs), flush=True)
+        if theirs and not failure(theirs):
+            for reciprocal, runs in ours.items():
+                ratios = " and ".join(
+                    f"{median(theirs) / median(runs):.0f} times by {name}"
+                    for name, median in [("sums of stages", stage_sum), ("whole processes", process)]
+                )
+                print(f"pyEIT over Dermatome at {size}, {COLUMNS[reciprocal]} columns: {ratios}", file=sys.stderr)
 
 
 def parse():
@@ -102,35 +118,37 @@ def install_pyeit():
     return python
 
 
-def dermatome_run(program, size):
+def dermatome_run(program, size, reciprocal):
     folder = ROOT / "target"
     skin, report = folder / "compare.toml", folder / "compare.json"
-    skin.write_text(SKIN.format(edge=math.sqrt(math.pi / (0.433 * size))))
-    code, memory = run([program, "build", skin, "--no-patch", "--json", report])
+    skin.write_text(SKIN.format(edge=math.sqrt(math.pi / (0.433 * size)), reciprocal=reciprocal))
+    code, memory, seconds = run([program, "build", skin, "--no-patch", "--json", report])
     if code:
         sys.exit(f"{program} ended with code {code}")
     told = json.loads(report.read_text())
-    seconds = told["stage_seconds"]
-    times = {stage: seconds[stage] for stage in STAGES}
+    of_stage = told["stage_seconds"]
+    times = {stage: of_stage[stage] for stage in STAGES}
     # pyEIT needs no pixels of its own: what they cost counts as part of the Jacobian.
-    times["jacobian"] += seconds["pixels"]
-    return {"elements": told["mesh"]["elements"], "memory": memory, "times": times}
+    times["jacobian"] += of_stage["pixels"]
+    return {"elements": told["mesh"]["elements"], "memory": memory, "seconds": seconds, "times": times}
 
 
 def pyeit_run(python, size):
     """What a worker reports, with the largest memory it had; or the code it ended with."""
     path = ROOT / "target" / "compare-pyeit.json"
     with open(path, "w") as output:
-        code, memory = run([python, __file__, "--worker", size], output)
-    return {"code": code} if code else json.loads(path.read_text()) | {"memory": memory}
+        code, memory, seconds = run([python, __file__, "--worker", size], output)
+    return {"code": code} if code else json.loads(path.read_text()) | {"memory": memory, "seconds": seconds}
 
 
 def run(command, output=subprocess.DEVNULL):
-    """Runs a command; returns the code it ended with (a signal is negative) and its largest resident memory in MB."""
+    """Runs a command; returns the code it ended with (a signal is negative), its largest resident memory in MB, and
+    how many seconds it took."""
+    since = time.perf_counter()
     process = subprocess.Popen([str(word) for word in command], stdout=output)
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
-    return process.returncode, usage.ru_maxrss / 1024
+    return process.returncode, usage.ru_maxrss / 1024, time.perf_counter() - since
 
 
 def pyeit_worker(size):
@@ -167,18 +185,23 @@ def failure(runs):
     return next((run["code"] for run in runs if "code" in run), None)
 
 
-def row(program, size, runs):
+def row(program, columns, size, runs):
     code = failure(runs)
     if code is not None:
-        return f"| {size:,} | {program} | did not finish (code {code})" + " |" * (len(STAGES) + 2)
+        return f"| {size:,} | {program} | {columns} | did not finish (code {code})" + " |" * (len(STAGES) + 3)
     medians = [statistics.median(run["times"][stage] for run in runs) * 1e3 for stage in STAGES]
     memory = max(run["memory"] for run in runs)
-    cells = [f"{median:,.1f}" for median in medians] + [f"{whole(runs) * 1e3:,.1f}", f"{memory:,.0f}"]
-    return f"| {runs[0]['elements']:,} | {program} | " + " | ".join(cells) + " |"
+    wholes = [stage_sum(runs), process(runs)]
+    cells = [f"{milliseconds:,.1f}" for milliseconds in medians + [whole * 1e3 for whole in wholes]] + [f"{memory:,.0f}"]
+    return f"| {runs[0]['elements']:,} | {program} | {columns} | " + " | ".join(cells) + " |"
 
 
-def whole(runs):
+def stage_sum(runs):
     return statistics.median(sum(run["times"].values()) for run in runs)
+
+
+def process(runs):
+    return statistics.median(run["seconds"] for run in runs)
 
 
 def machine():

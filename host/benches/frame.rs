@@ -24,7 +24,7 @@ fn main() {
 
 fn skin() -> Skin {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/disc-210mm/skin.toml");
-    Skin::load(&path).expect("the shipped skin is valid")
+    Skin::load(&path).expect("the shipped skin is valid").made().expect("the shipped skin is valid")
 }
 
 /// Holds one patch and takes no other.
@@ -73,7 +73,7 @@ fn device(selection: Selection) -> (Device<Fixed>, Frame) {
 fn device_image_and_contacts(bencher: Bencher) {
     let (mut device, mut frame) = device(Selection { images: 1, contacts: 1, ..Selection::default() });
     bencher.counter(ItemsCount::new(1_u32)).bench_local(|| {
-        device.process(black_box(&mut frame), Arrival::default(), |event| _ = black_box(event))
+        device.process(black_box(&mut frame), Arrival::default(), |event| _ = black_box(event));
     });
 }
 

@@ -45,8 +45,11 @@ impl Size {
             .replace("width = \"11 mm\"", "")
             .replace("contact_impedance = \"0.18 ohm m\"", "")
             .replace("count = 16", if small { "count = 16" } else { "count = 32" });
-        let mut skin = Skin::parse(Path::new("bench.toml"), &text).expect("the shipped skin is valid");
-        skin.image = if small { ImageLayout::Elements } else { ImageLayout::Patches { count: 2_000 } };
+        let mut skin = Skin::parse(Path::new("bench.toml"), &text)
+            .expect("the shipped skin is valid")
+            .made()
+            .expect("the shipped skin is valid");
+        skin.image = if small { ImageLayout::Elements } else { ImageLayout::ElementPatches { count: 2_000 } };
         let area = skin.shape.flat().expect("a disc is flat").area();
         let edge = (area / (0.433 * self.0 as f64)).sqrt();
         skin.edges = EdgeLengths { skin: edge, electrodes: edge };

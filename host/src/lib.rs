@@ -6,7 +6,7 @@
 #![forbid(unsafe_code)]
 
 pub use dermatome_experiments::{evaluate, experiment, scenes};
-pub use dermatome_frames::{calibrate, interchange, learn, recorded};
+pub use dermatome_frames::{array, calibrate, interchange, learn, recorded};
 pub use dermatome_geometry::{cut, embedding, mesh, outline, sheet};
 pub use dermatome_link as link;
 pub use dermatome_link::{health, scope};

@@ -17,12 +17,7 @@ use dermatome::{
     },
     skin::Skin,
 };
-use dermatome_shared::{
-    frame::Frame,
-    patch::PatchView,
-    protocol::{Event, Selection},
-    units::AdcCode,
-};
+use dermatome_shared::{frame::Frame, patch::PatchView, protocol::Selection, units::AdcCode};
 use program::{Desk, Running};
 use serde_json::Value;
 use std::{
@@ -89,12 +84,11 @@ fn dermatome(arguments: &[&str]) -> (String, String, bool) {
 
 /// Pressures of the strongest contact at the end of each load, kPa.
 fn stream_pressures(link: &mut Link, count: usize, hold: f64) -> Vec<f64> {
-    link::stream(link, Selection { contacts: 1, ..Selection::default() }).unwrap();
+    let mut stream = link.subscribe(Selection { contacts: 1, ..Selection::default() }).unwrap();
     let (mut pressures, mut start) = (vec![0.0; count], None);
     loop {
-        let Some(Event::Contacts { at, contacts }) = link.next_event(Duration::from_secs(20)).unwrap() else {
-            continue;
-        };
+        let frame = stream.next(Duration::from_secs(20)).unwrap().expect("the board streams");
+        let Some((at, contacts)) = frame.at.zip(frame.contacts) else { continue };
         let time = (at.timestamp_us - *start.get_or_insert(at.timestamp_us)) as f64 * 1e-6;
         let Some(pressure) = pressures.get_mut((time / hold) as usize) else { break };
         // The board's clock and the script's may be a frame apart.
@@ -105,7 +99,7 @@ fn stream_pressures(link: &mut Link, count: usize, hold: f64) -> Vec<f64> {
         *pressure = contact.map_or(0.0, |contact| f64::from(contact.pressure.expect("calibrated")) / 1e3);
         assert!(contact.is_none_or(|contact| contact.force().is_some()));
     }
-    link::stream(link, Selection::default()).unwrap();
+    stream.stop().unwrap();
     pressures
 }
 
@@ -187,7 +181,7 @@ fn a_skin_solved_by_finite_elements_is_calibrated_under_a_machine() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     let skin_file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/square-50mm/skin.toml");
-    let skin = Skin::load(&skin_file).unwrap();
+    let skin = Skin::load(&skin_file).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     let patch = quantize::patch(&skin, &model).unwrap();
     let rate = f64::from(PatchView::validate(&patch).unwrap().header.drive.frame_rate);

@@ -88,15 +88,15 @@ fn a_patch_of_a_robot_link_becomes_a_skin_with_a_model() {
     assert!((number(&["rim_mm"]) / (40.0 * TAU) - 1.0).abs() < 0.03, "{}", done.out);
     assert!(number(&["deviation_mm"]) < 0.1, "{}", done.out);
 
-    let skin = Skin::load(&desk.path("skin/skin.toml")).unwrap();
+    let skin = Skin::load(&desk.path("skin/skin.toml")).unwrap().made().unwrap();
     let dermatome::skin::Shape::Mesh { mesh, .. } = &skin.shape else { panic!("no mesh") };
     require_sound(&mesh.nodes, &mesh.elements, false).unwrap();
     // On the link's outer wall, in the link's frame.
     let pose = skin.pose.as_ref().unwrap();
     assert_eq!(pose.link, "forearm");
-    let origin = pose.link_from_skin * Point3::origin();
+    let origin = Point3::from(pose.point([0.0; 3]));
     assert!((origin - Point3::new(-0.0367, 0.0, 0.1074)).norm() < 2e-3, "{origin}");
-    let outward = pose.link_from_skin * Vector3::z();
+    let outward = Vector3::from(pose.direction([0.0, 0.0, 1.0]));
     assert!(outward.x < -0.9, "{outward}");
 
     let built = desk.run(&["build", "skin/skin.toml", "--no-patch"]).success();

@@ -19,7 +19,7 @@ impl Watch for Patient {
 
 fn report(name: &str) -> Report {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name).join("skin.toml");
-    let skin = Skin::load(&path).unwrap();
+    let skin = Skin::load(&path).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     let options = Options {
         spacing: Some(Length::Share(0.14)),

@@ -5,10 +5,11 @@
 //! arithmetic. `cargo test -p dermatome --test force -- --nocapture` prints the table of docs/materials.md.
 
 use dermatome::{
-    calibrate::{Fit, Reading, patch::with_calibration},
+    calibrate::{Fit, Reading},
     learn::judge::board_contacts,
     material::Material,
     model::Model,
+    patch::write::with_calibration,
     quantize,
     simulate::{Footprint, Load, Press, Sheet, TrueSkin},
     skin::Skin,
@@ -55,7 +56,7 @@ impl Rig {
     fn new() -> Self {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/disc-210mm/skin.toml");
         // A square centimetre in the middle stays below the file's threshold of 0.05.
-        let skin = Skin { contact_threshold: 0.02, ..Skin::load(&file).unwrap() };
+        let skin = Skin { contact_threshold: 0.02, ..Skin::load(&file).unwrap().made().unwrap() };
         let model = Model::build(&skin, |_| ()).unwrap();
         let patch = quantize::patch(&skin, &model).unwrap();
         let truth = TrueSkin::new(&skin).unwrap();
@@ -138,8 +139,12 @@ fn a_skin_calibrated_with_four_square_centimetres_reads_the_force_of_one_four_an
     let mut rig = Rig::new();
     let fit = Fit::new(&rig.readings(), Some(INDENTER * 100.0), true).unwrap();
     let share = fit.calibration.load_share.unwrap();
-    println!("load share {share:.3}, {} points, {} plays", fit.calibration.points.len(), fit.plays.len());
-    rig.patch = with_calibration(&rig.patch, &fit.calibration, &fit.plays).unwrap();
+    println!(
+        "load share {share:.3}, {} points, {} plays",
+        fit.calibration.points.len(),
+        fit.play_operators.len()
+    );
+    rig.patch = with_calibration(&rig.patch, &fit.stored()).unwrap();
     let [one, four, nine, large] = [1.0, 4.0, 9.0, 25.0].map(|area| table(&mut rig, area));
     let within = |rows: &[Vec<Option<f64>>], least: f64, most: f64| {
         let [lowest, highest] = spread(rows);

@@ -16,7 +16,7 @@ use std::path::Path;
 const DISC: &str = include_str!("../../models/disc-210mm/skin.toml");
 
 fn coarse_disc() -> Mesh {
-    let skin = Skin::parse(Path::new("disc.toml"), DISC).unwrap();
+    let skin = Skin::parse(Path::new("disc.toml"), DISC).unwrap().made().unwrap();
     model::mesh(&skin, 3.0, Lattice::default()).unwrap()
 }
 
@@ -209,7 +209,7 @@ fn jacobian_agrees_with_finite_differences_for_every_element_and_electrode() {
 fn a_skin_with_capacitance_measures_in_phase_voltages() {
     let skin = |extra: &str| {
         let text = DISC.replace("\n[electrodes]", &format!("{extra}\n[electrodes]"));
-        let mut skin = Skin::parse(Path::new("disc.toml"), &text).unwrap();
+        let mut skin = Skin::parse(Path::new("disc.toml"), &text).unwrap().made().unwrap();
         skin.edges = skin.edges.scaled(2.0);
         skin
     };

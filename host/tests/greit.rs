@@ -6,13 +6,14 @@ use dermatome::{
     forward::ForwardModel,
     inverse::{
         DataSpace, Whitening, figures, greit,
-        targets::{Answers, Training, Untouched},
+        targets::{Responses, Training, Untouched},
     },
     mesh::Lattice,
     model::{Model, forward_model, mesh, pixels_on},
     pixels::Pixels,
     simulate::{Noise, Press, Script, SimulatedSkin},
-    skin::{Criterion, Hyperparameter, Method, Prior, Skin},
+    skin::{Criterion, Hyperparameter, Inverse, Method, Prior, Skin},
+    stimulation::Stimulation,
 };
 use faer::Mat;
 use nalgebra::{Point3, Vector3};
@@ -22,7 +23,10 @@ use rand_pcg::Pcg64Mcg;
 use std::{f64::consts::TAU, path::Path};
 
 fn disc() -> Skin {
-    Skin::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/disc-210mm/skin.toml")).unwrap()
+    Skin::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/disc-210mm/skin.toml"))
+        .unwrap()
+        .made()
+        .unwrap()
 }
 
 const GREIT: Method = Method::Greit { radius: 0.2 };
@@ -135,16 +139,15 @@ fn trained(skin: &Skin) -> (Training, Pixels, Whitening, Vec<f64>) {
     let mesh = mesh(skin, 1.0, Lattice::default()).unwrap();
     let forward: ForwardModel = forward_model(skin, &mesh).unwrap();
     let fields = forward.solve(&vec![1.0; mesh.elements.len()]).unwrap();
-    let (steps, mut inverse) = (skin.steps(), skin.inverse.clone());
-    inverse.method = GREIT;
+    let Stimulation { steps, combination } = skin.stimulation();
+    let inverse = Inverse { method: GREIT, ..skin.inverse.clone() };
     let untouched =
         Untouched { mesh: &mesh, forward: &forward, admittivity: 1.0, fields: &fields, steps: &steps };
-    let combination = skin.combination(&steps);
-    let answers = Answers::simulate(&untouched, &inverse, &combination).unwrap();
+    let responses = Responses::simulate(&untouched, &inverse, &combination).unwrap();
     let voltages = dermatome::jacobian::combine_voltages(&fields.voltages(&steps), &combination);
     let weights: Vec<f64> = voltages.iter().map(|v| 1.0 / (v * v)).collect();
     let pixels = pixels_on(skin, &mesh).unwrap();
-    (answers.training.unwrap(), pixels, Whitening::from_weights(&weights).unwrap(), voltages)
+    (responses.training.unwrap(), pixels, Whitening::from_weights(&weights).unwrap(), voltages)
 }
 
 fn norm(matrix: &Mat<f64>) -> f64 {
@@ -154,7 +157,7 @@ fn norm(matrix: &Mat<f64>) -> f64 {
 #[test]
 fn without_noise_training_targets_give_their_desired_images() {
     let (training, pixels, whitening, _) = trained(&disc());
-    let answers = whitening.transposed(&training.answers);
+    let answers = whitening.transposed(&training.responses);
     let space: DataSpace = greit::data_space(&training, &whitening, &pixels, 0.2);
     let desired = greit::desired_images(&training, &pixels.centres, 0.2);
     let residual = |weight: f64| {
@@ -174,7 +177,7 @@ fn without_noise_training_targets_give_their_desired_images() {
 fn training_targets_are_placed_to_a_hundredth_of_the_diameter() {
     let skin = disc();
     let (training, pixels, whitening, _) = trained(&skin);
-    let answers = whitening.transposed(&training.answers);
+    let answers = whitening.transposed(&training.responses);
     let space = greit::data_space(&training, &whitening, &pixels, 0.2);
     let images = space.matrix(1.0).unwrap() * answers.transpose();
     let mut worst: f64 = 0.0;
@@ -208,7 +211,7 @@ fn linear_targets_stand_for_solved_ones() {
     let forward: ForwardModel = forward_model(&skin, &mesh).unwrap();
     let steps = skin.steps();
     let untouched = forward.solve(&vec![1.0; mesh.elements.len()]).unwrap();
-    let patches = dermatome::pixels::patches(&mesh, 1000);
+    let patches = dermatome::pixels::element_patches(&mesh, 1000);
     let jacobian = dermatome::jacobian::jacobian(&mesh, &untouched, &steps, &patches);
     for target in (0..1000).step_by(97) {
         let solved = |change: f64| -> Vec<f64> {

@@ -96,12 +96,12 @@ fn frames(key: &str) -> Frames {
 
 fn model(variant: &Variant, reference: &Frames) -> Model {
     let text = format!("{SKIN}\n[inverse]\n{}", variant.inverse);
-    let mut skin = Skin::parse(Path::new("hydrogel.toml"), &text).unwrap();
+    let mut skin = Skin::parse(Path::new("hydrogel.toml"), &text).unwrap().made().unwrap();
     if variant.measured_weights {
         let steps = skin.steps();
         let map = PLAIN.index_map(&steps, 16, reference.measurements).unwrap();
         skin.inverse.weights =
-            Weights::Each(by_magnitude(&reference.mean(), &map, &skin.combination(&steps)));
+            Weights::Each(by_magnitude(&reference.mean(), &map, &skin.stimulation().combination));
     }
     Model::build(&skin, |_| ()).unwrap()
 }

@@ -51,12 +51,13 @@ impl Folder {
     }
 
     fn load(&self, text: &str) -> Result<Skin, String> {
-        Skin::parse(&self.0.path().join("skin.toml"), text).map_err(|error| error.to_string())
+        let skin = Skin::parse(&self.0.path().join("skin.toml"), text);
+        skin.and_then(Skin::made).map_err(|error| error.to_string())
     }
 }
 
 fn generated(text: &str) -> (Skin, Mesh) {
-    let skin = Skin::parse(Path::new("disc.toml"), text).unwrap();
+    let skin = Skin::parse(Path::new("disc.toml"), text).unwrap().made().unwrap();
     let mesh = model::mesh(&skin, 1.5, Lattice::default()).unwrap();
     (skin, mesh)
 }

@@ -22,7 +22,7 @@ use tempfile::TempDir;
 const TINY: &str = include_str!("data/tiny.toml");
 
 fn skin(text: &str) -> Skin {
-    Skin::parse(Path::new("skin.toml"), text).unwrap()
+    Skin::parse(Path::new("skin.toml"), text).unwrap().made().unwrap()
 }
 
 fn complex_skin() -> Skin {
@@ -186,7 +186,7 @@ fn the_gmsh_file_is_a_skin_with_the_same_electrodes_and_voltages() {
             "{head}{shape}[material]{material}[electrodes]\ncount = 8\nplacement = \"groups\"\n\
              model = \"{electrodes}\"\n[drive]{drive}"
         );
-        let again = Skin::parse(&folder.path().join("skin.toml"), &text).unwrap();
+        let again = Skin::parse(&folder.path().join("skin.toml"), &text).unwrap().made().unwrap();
         let [before, after] = [&original, &again].map(|s| model::mesh(s, 1.0, Lattice::default()).unwrap());
         assert_eq!(after.nodes, before.nodes);
         assert_eq!(after.electrodes, before.electrodes);
@@ -213,11 +213,11 @@ fn the_stimulation_table_is_read_back_by_a_skin_file() {
         let original = skin(&TINY.replace("\"adjacent\"", &format!("\"{drive}\"")));
         let folder = exported(&original);
         let text = TINY.replace("pattern = \"adjacent\"", "pattern = \"table\"\ntable = \"stimulation.csv\"");
-        let again = Skin::parse(&folder.path().join("skin.toml"), &text).unwrap();
+        let again = Skin::parse(&folder.path().join("skin.toml"), &text).unwrap().made().unwrap();
         assert_eq!(again.steps(), original.steps(), "{drive}");
         let steps: Vec<usize> = original.steps().iter().flat_map(|s| s.to_bytes().map(usize::from)).collect();
         assert_eq!(indices(&folder, "stimulation"), steps);
-        let combination = original.combination(&original.steps());
+        let combination = original.stimulation().combination;
         let signs = combination.iter().map(|target| if target.flipped { -1 } else { 1 }).collect();
         assert_eq!(npy::<i64>(&folder, "step_sign"), (vec![combination.len() as u64], signs));
         let measurements: Vec<_> = combination.iter().map(|target| usize::from(target.measurement)).collect();

@@ -190,11 +190,11 @@ fn weights_by_magnitude_are_those_of_the_measured_reference() {
     };
     desk.write("idle.csv", row(&reference));
     desk.write("press.csv", row(&frame));
-    let skin = Skin::parse(Path::new("skin.toml"), TINY).unwrap();
+    let skin = Skin::parse(Path::new("skin.toml"), TINY).unwrap().made().unwrap();
     let steps = skin.steps();
     let map = Arrangement::default().index_map(&steps, 8, 40).unwrap();
     let values: Vec<_> = reference.iter().copied().map(Complex64::from).collect();
-    let weights = by_magnitude(&values, &map, &skin.combination(&steps));
+    let weights = by_magnitude(&values, &map, &skin.stimulation().combination);
     desk.write("skin.toml", TINY);
     desk.write(
         "listed.toml",

@@ -12,7 +12,7 @@ const DISC: &str = include_str!("../../models/disc-210mm/skin.toml");
 
 /// A coarse disc, quick to build many times.
 fn coarse() -> Skin {
-    let mut skin = Skin::parse(Path::new("skin.toml"), DISC).unwrap();
+    let mut skin = Skin::parse(Path::new("skin.toml"), DISC).unwrap().made().unwrap();
     skin.edges = skin.edges.scaled(2.0);
     skin.image = ImageLayout::Grid { columns: 16 };
     skin
@@ -43,7 +43,7 @@ fn weights_of_one_for_each_step_are_the_default_and_a_file_of_them_too() {
     let rows: String = (0..104).map(|_| "2\n").collect();
     fs::write(folder.path().join("weights.csv"), format!("weight\n{rows}")).unwrap();
     let text = DISC.replace("normalised = true", "normalised = true\nweights = \"weights.csv\"");
-    let skin = Skin::parse(&folder.path().join("skin.toml"), &text).unwrap();
+    let skin = Skin::parse(&folder.path().join("skin.toml"), &text).unwrap().made().unwrap();
     assert_eq!(skin.inverse.weights, listed.inverse.weights);
 }
 

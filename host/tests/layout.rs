@@ -9,7 +9,7 @@ use std::path::Path;
 
 fn tables(model: &str) -> (Model, SurfaceTables) {
     let file = format!("{}/../models/{model}/skin.toml", env!("CARGO_MANIFEST_DIR"));
-    let model = Model::build(&Skin::load(Path::new(&file)).unwrap(), |_| ()).unwrap();
+    let model = Model::build(&Skin::load(Path::new(&file)).unwrap().made().unwrap(), |_| ()).unwrap();
     let tables = model.pixels.surface_tables().unwrap();
     (model, tables)
 }
@@ -31,7 +31,7 @@ fn a_hemisphere_is_shown_as_a_disc_of_its_nearest_pixels() {
     for cell in 0..layout.grid.cells() {
         let at = layout.grid.position((cell % 36) as f32 + 0.5, (cell / 36) as f32 + 0.5);
         if let Some(pixel) = layout.pixel(cell) {
-            let away = (centres[pixel].x - f64::from(at[0])).hypot(centres[pixel].y - f64::from(at[1]));
+            let away = (centres[pixel][0] - f64::from(at[0])).hypot(centres[pixel][1] - f64::from(at[1]));
             assert!(away < 0.007, "{away}");
         }
     }

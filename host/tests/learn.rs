@@ -33,7 +33,7 @@ use std::{ffi::OsString, fmt::Write as _, fs::File, path::Path};
 
 const REAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/real/hydrogel_skin_wam.npz");
 const HYDROGEL: &str = include_str!("data/hydrogel.toml");
-const REQUEST: Request = Request { test_share: 0.2, seed: 1, strength: Strength::Answer };
+const REQUEST: Request = Request { test_share: 0.2, seed: 1, strength: Strength::Response };
 
 /// The tiny skin as it really is: electrodes 3 to 12 mm further round, contacts between a fifth and five
 /// times what the skin file says.
@@ -51,7 +51,7 @@ fn true_tiny() -> Skin {
     let text = TINY
         .replace("placement = \"rim\"", &placement)
         .replace("contact_impedance = \"0.18 ohm m\"", contacts);
-    Skin::parse(Path::new("true.toml"), &text).unwrap()
+    Skin::parse(Path::new("true.toml"), &text).unwrap().made().unwrap()
 }
 
 /// Random presses on a true skin at 60 dB; forces are what the presses' depths are.
@@ -86,7 +86,7 @@ fn recording(skin: &Skin, count: usize, seed: u64) -> Recording {
 }
 
 fn tiny() -> (Skin, Model) {
-    let skin = Skin::parse(Path::new("tiny.toml"), TINY).unwrap();
+    let skin = Skin::parse(Path::new("tiny.toml"), TINY).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     (skin, model)
 }
@@ -127,7 +127,7 @@ fn with_forces_followed_strength_correlates_better_with_force() {
     let recording = recording(&true_tiny(), 150, 5);
     let correlation =
         |strength| learnt(&recording, &Request { strength, ..REQUEST }).unwrap().report.force_correlation;
-    let (answer, force) = (correlation(Strength::Answer).unwrap(), correlation(Strength::Force).unwrap());
+    let (answer, force) = (correlation(Strength::Response).unwrap(), correlation(Strength::Force).unwrap());
     assert!(force > answer, "{force}, {answer}");
 }
 
@@ -136,7 +136,7 @@ fn a_model_trusted_without_end_stays_as_it_is_and_one_not_trusted_fits_its_press
     let (_, model) = tiny();
     let presses = recording(&true_tiny(), 40, 9).on(&model, &Arrangement::default()).unwrap();
     let all: Vec<usize> = (0..40).collect();
-    let training = Training::new(&model, &presses, &all, Strength::Answer).unwrap();
+    let training = Training::new(&model, &presses, &all, Strength::Response).unwrap();
     let departure =
         |trust| training.departure(&training.correct(LearnSettings { trust, radius: 0.25 }).unwrap());
     let departures = [1e9, 30.0, 1.0, 0.01].map(departure);
@@ -220,7 +220,7 @@ fn presses_at_few_places_are_refused_and_those_at_one_place_are_not_on_both_side
 #[test]
 fn curved_skins_are_refused_by_name() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/hemisphere-120mm/skin.toml");
-    let skin = Skin::load(&file).unwrap();
+    let skin = Skin::load(&file).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     let values = vec![Complex64::from(1.0); skin.steps().len()];
     let frames = Frames { measurements: values.len(), values, frames: 1, complex: false };
@@ -316,11 +316,11 @@ fn real(key: &str) -> Frames {
 
 /// The real skin with its presses, and the model with weights by the measured reference.
 fn hydrogel() -> (Skin, Model, Recording) {
-    let mut skin = Skin::parse(Path::new("hydrogel.toml"), HYDROGEL).unwrap();
+    let mut skin = Skin::parse(Path::new("hydrogel.toml"), HYDROGEL).unwrap().made().unwrap();
     let steps = skin.steps();
     let recording = Recording::read(Path::new(REAL), None, 0.0, 16, steps.len()).unwrap();
     let map = Arrangement::default().index_map(&steps, 16, 192).unwrap();
-    let weights = by_magnitude(&recording.unpressed.mean(), &map, &skin.combination(&steps));
+    let weights = by_magnitude(&recording.unpressed.mean(), &map, &skin.stimulation().combination);
     skin.inverse.weights = Weights::Each(weights);
     let model = Model::build(&skin, |_| ()).unwrap();
     (skin, model, recording)

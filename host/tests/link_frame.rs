@@ -82,10 +82,10 @@ fn two_fingers_are_resolved_from_the_voltages_in_the_links_frame() {
 fn a_radius_that_is_none_is_refused() {
     let desk = Desk::with_patch();
     for wrong in ["0", "-3 mm", "8 kg", "nan"] {
-        let option = format!("--resolve={wrong}");
+        let option = format!("--fit={wrong}");
         let error =
             desk.run(&["stream", "--port", "tcp:127.0.0.1:1", "--skin", "skin.toml", &option]).refused();
-        assert!(error.contains("--resolve") && error.contains("above zero"), "{error}");
+        assert!(error.contains("--fit") && error.contains("above zero"), "{error}");
     }
     let alone = desk.run(&["stream", "--port", "tcp:127.0.0.1:1", "--resolve", "8 mm"]).refused();
     assert!(alone.contains("--skin"), "{alone}");

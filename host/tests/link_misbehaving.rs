@@ -2,11 +2,15 @@
 
 mod testbench;
 
-use dermatome::link::{Link, LinkError, Transport, UploadError, stream, tare, upload};
+use dermatome::link::{
+    Link, LinkErrorKind, Totals, Transport, UploadError, assemble::Parts, health, scope, stream, tare, upload,
+};
 use dermatome_shared::{
     MAX_PATCH_BYTES,
+    acquire::FrontEnd,
+    drive::Drive,
     protocol::{
-        BoardPacket, Event, FrameStamp, MAX_PACKET_BYTES, PROTOCOL_VERSION, Refusal, Reply, Request,
+        BoardPacket, Event, FrameStamp, Info, MAX_PACKET_BYTES, PROTOCOL_VERSION, Refusal, Reply, Request,
         Selection, Version, encode,
     },
 };
@@ -14,6 +18,7 @@ use std::{
     collections::VecDeque,
     io::{self, Read, Write},
     net::TcpListener,
+    sync::{Arc, Mutex},
     thread,
     time::{Duration, Instant},
 };
@@ -23,7 +28,7 @@ use testbench::{connect, fake_board, hello, info, small_patch, square_patch};
 fn a_board_of_another_protocol_version_is_refused_with_both_versions() {
     let version = Version { protocol: 99, ..Version::current() };
     let error = connect(fake_board(move |_| Some(hello(version)))).map(drop).unwrap_err();
-    assert!(matches!(error, LinkError::ProtocolVersion { board: 99, .. }), "{error}");
+    assert!(matches!(error.kind, LinkErrorKind::ProtocolVersion { board: 99 }), "{error}");
     let text = error.to_string();
     assert!(text.contains("version 99") && text.contains(&format!("version {PROTOCOL_VERSION}")), "{text}");
     assert!(text.contains("update this host program"), "{text}");
@@ -49,7 +54,7 @@ fn a_peer_that_says_nothing_is_given_up_after_two_seconds() {
     let address = listener.local_addr().unwrap();
     let start = Instant::now();
     let error = connect(address).map(drop).unwrap_err();
-    assert!(matches!(error, LinkError::NoAnswer { .. }), "{error}");
+    assert!(matches!(error.kind, LinkErrorKind::NoAnswer { .. }), "{error}");
     let text = error.to_string();
     assert!(text.contains(&format!("tcp:{address}")) && text.contains("another program"), "{text}");
     assert!((1.9..10.0).contains(&start.elapsed().as_secs_f64()));
@@ -66,7 +71,7 @@ fn a_peer_that_only_chatters_is_told_apart_from_a_silent_one() {
         }
     });
     let error = connect(address).map(drop).unwrap_err();
-    assert!(matches!(error, LinkError::Damaged { packets: 10.., .. }), "{error}");
+    assert!(matches!(error.kind, LinkErrorKind::Damaged { packets: 10.., .. }), "{error}");
 }
 
 #[test]
@@ -84,7 +89,10 @@ fn a_board_that_closes_in_the_middle_of_an_upload_cuts_the_link() {
     let mut link = connect(address).unwrap();
     let mut sent = 0;
     let error = upload(&mut link, &square_patch("s", 16, 14, 1.0), |bytes| sent += bytes).unwrap_err();
-    assert!(matches!(&error, UploadError::Link(LinkError::Cut { .. })), "{error}");
+    assert!(
+        matches!(&error, UploadError::Link(error) if matches!(error.kind, LinkErrorKind::Cut)),
+        "{error}"
+    );
     assert!(error.to_string().contains(&address.to_string()), "{error}");
     assert_eq!(sent, 512);
 }
@@ -202,6 +210,118 @@ fn a_tare_that_never_ends_is_an_error_and_other_events_are_kept() {
     let bytes = [packet(&greeting), packet(&done), contacts].concat();
     let mut link = Link::connect("played", Played(bytes.into())).unwrap();
     let error = tare(&mut link, 20, Duration::from_millis(30)).unwrap_err();
-    assert!(matches!(error, LinkError::NoTare { frames: 20, .. }), "{error}");
+    assert!(matches!(error.kind, LinkErrorKind::NoTare { frames: 20, .. }), "{error}");
     assert_eq!(link.next_event(Duration::ZERO).unwrap(), Some(event));
+}
+
+/// A board that obeys but never sends a frame; and all that it was told to stream.
+fn silent_board() -> (Link, Arc<Mutex<Vec<Selection>>>) {
+    let told = Arc::<Mutex<Vec<Selection>>>::default();
+    let asked = told.clone();
+    let address = fake_board(move |request| match request {
+        Request::Hello(_) => Some(hello(Version::current())),
+        Request::Stream(selection) => {
+            asked.lock().unwrap().push(selection);
+            Some(Reply::Streaming { first_sequence: 5 })
+        }
+        _ => Some(Reply::Done),
+    });
+    (connect(address).unwrap(), told)
+}
+
+const SHORT: Duration = Duration::from_millis(150);
+const HEALTH: Selection =
+    Selection { health: 1, images: 0, contacts: 0, measurements: 0, scope: 0, scope_slot: 0 };
+
+#[test]
+fn a_board_that_sends_no_health_is_told_to_stop() {
+    let (mut link, told) = silent_board();
+    let error = health::watch(&mut link, 5, SHORT, || true).map(drop).unwrap_err();
+    assert!(matches!(error.kind, LinkErrorKind::NoAnswer { timeout: SHORT }), "{error}");
+    assert_eq!(*told.lock().unwrap(), [HEALTH, Selection::default()]);
+}
+
+#[test]
+fn a_board_that_shows_no_samples_is_told_to_stop() {
+    let (mut link, told) = silent_board();
+    let Reply::Info(info) = info(8, 1000) else { unreachable!() };
+    let front_end = FrontEnd {
+        sample_rate: 2_000_000,
+        volts_per_code: 1e-6,
+        full_scale_current: 1e-3,
+        gain_bandwidth: 1e7,
+        largest_gain: 64,
+        bandwidths: [1e6; 3],
+        lead_corner: f32::INFINITY,
+        waveform_rate: 2_000_000,
+        lead: 0.0,
+    };
+    let info = Info { front_end: Some(front_end), drive: Some(Drive::new(50e3, 1e-3, 50.0)), ..info };
+    let error = scope::capture(&mut link, &info, 3, SHORT, || true).map(drop).unwrap_err();
+    assert!(matches!(error.kind, LinkErrorKind::NoAnswer { timeout: SHORT }), "{error}");
+    let asked = Selection { scope: 1, scope_slot: 3, ..Selection::default() };
+    assert_eq!(*told.lock().unwrap(), [asked, Selection::default()]);
+}
+
+#[test]
+fn whoever_waits_for_a_silent_board_can_stop_and_so_does_the_board() {
+    let (mut link, told) = silent_board();
+    let watch = health::watch(&mut link, 5, Duration::from_secs(60), {
+        let started = Instant::now();
+        move || started.elapsed() < SHORT
+    });
+    assert!(watch.unwrap().diagnosis(false).is_none());
+    assert_eq!(*told.lock().unwrap(), [HEALTH, Selection::default()]);
+}
+
+#[test]
+fn a_subscription_stops_the_board_when_it_is_dropped_and_only_once() {
+    let (mut link, told) = silent_board();
+    let mut stream = link.subscribe(HEALTH).unwrap();
+    assert_eq!(stream.first_sequence(), 5);
+    assert_eq!(stream.next(Duration::ZERO).unwrap(), None);
+    drop(stream);
+    assert_eq!(*told.lock().unwrap(), [HEALTH, Selection::default()]);
+    assert_eq!(link.subscribe(HEALTH).unwrap().stop().unwrap(), Totals::default());
+    assert_eq!(told.lock().unwrap().len(), 4);
+}
+
+#[test]
+fn a_board_whose_reply_to_a_subscription_is_wrong_is_told_to_stop_and_one_that_refuses_is_not() {
+    let told = Arc::<Mutex<Vec<Selection>>>::default();
+    for (answer, count) in [(Reply::Done, 2), (Reply::Refused(Refusal::NoPatch), 1)] {
+        let asked = told.clone();
+        let address = fake_board(move |request| match request {
+            Request::Hello(_) => Some(hello(Version::current())),
+            Request::Stream(selection) => {
+                asked.lock().unwrap().push(selection);
+                Some(answer.clone())
+            }
+            other => panic!("sent {other:?}"),
+        });
+        let error = connect(address).unwrap().subscribe(HEALTH).map(drop).unwrap_err();
+        let is_expected = matches!(error.kind, LinkErrorKind::WrongReply { .. } | LinkErrorKind::Refused(_));
+        assert!(is_expected, "{error}");
+        assert_eq!(std::mem::take(&mut *told.lock().unwrap()).len(), count, "{error}");
+    }
+}
+
+#[test]
+fn what_came_of_a_frame_is_handed_out_once_the_board_has_been_silent() {
+    let at = FrameStamp { sequence: 12, timestamp_us: 2, flags: Default::default() };
+    let contacts =
+        BoardPacket::Event { number: 0, event: Event::Contacts { at, contacts: Default::default() } };
+    let reply = |sequence, reply| packet(&BoardPacket::Reply { sequence, reply });
+    let bytes = [
+        reply(0, hello(Version::current())),
+        reply(1, Reply::Streaming { first_sequence: 12 }),
+        packet(&contacts),
+        reply(2, Reply::Streaming { first_sequence: 13 }),
+    ];
+    let mut link = Link::connect("played", Played(bytes.concat().into())).unwrap();
+    let mut stream = link.subscribe(Selection { contacts: 1, images: 1, ..Selection::default() }).unwrap();
+    let frame = stream.next(Duration::from_secs(5)).unwrap().expect("the contacts");
+    assert_eq!((frame.at, frame.contacts.is_some(), frame.missing), (Some(at), true, Parts::IMAGE));
+    let totals = Totals { frames: 1, incomplete: 1, parts_missing: 1, ..Totals::default() };
+    assert_eq!(stream.totals(), totals);
 }

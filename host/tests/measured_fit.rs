@@ -26,7 +26,7 @@ fn skin(changes: &[(&str, &str)]) -> Skin {
         text.replace(from, to)
     };
     let text = changes.iter().fold(DISC.to_owned(), change);
-    Skin::parse(Path::new("disc.toml"), &text).unwrap()
+    Skin::parse(Path::new("disc.toml"), &text).unwrap().made().unwrap()
 }
 
 /// Impedances between half and three times the skin file's.

@@ -15,6 +15,7 @@ use dermatome::{
         order::{Arrangement, SenseOrder},
         read::{Frames, Source, read},
         reconstruct::{FrameResult, Polarity, reconstruct},
+        wording::Plain,
     },
     skin::Skin,
 };
@@ -67,10 +68,10 @@ fn canonical_tank_data_resemble_a_disc_and_only_in_canonical_order() {
         assert_eq!((frames.frames, frames.measurements), shape, "{name}");
         let diagnosis = check(&frames.mean(), 1, PLAIN);
         assert!(diagnosis.correlation > 0.97, "{name}: {}", diagnosis.correlation);
-        assert!(diagnosis.warnings().is_empty(), "{name}: {:?}", diagnosis.warnings());
+        assert!(diagnosis.warnings(&Plain).is_empty(), "{name}: {:?}", diagnosis.warnings(&Plain));
         let wrong = check(&frames.mean(), 1, RELATIVE);
         assert_eq!(wrong.best, PLAIN, "{name}");
-        assert!(wrong.warnings()[0].contains("leave out --order relative"), "{name}");
+        assert!(wrong.warnings(&Plain)[0].contains("leave out relative order"), "{name}");
     }
 }
 
@@ -80,7 +81,7 @@ fn the_hydrogel_skins_magnitudes_are_nothing_like_a_disc_and_the_user_is_told() 
     assert_eq!((frames.frames, frames.measurements), (400, 192));
     let diagnosis = check(&frames.mean(), 8, PLAIN);
     assert!(diagnosis.magnitudes_only);
-    assert!(diagnosis.warnings()[0].contains("nothing fits"), "{:?}", diagnosis.warnings());
+    assert!(diagnosis.warnings(&Plain)[0].contains("nothing fits"), "{:?}", diagnosis.warnings(&Plain));
 }
 
 #[test]
@@ -96,7 +97,7 @@ fn the_carbon_black_skin_is_read_as_full_squares() {
 /// Images of measured frames with the shipped disc, whose 16 electrodes lie like the tanks'.
 fn images(reference: &Frames, frames: &Frames) -> Vec<FrameResult> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/disc-210mm/skin.toml");
-    let skin = Skin::load(&path).unwrap();
+    let skin = Skin::load(&path).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     reconstruct(&model, reference, frames, &PLAIN, Polarity::Auto).unwrap()
 }
@@ -205,7 +206,7 @@ fn expected(pattern: &str) -> Expected {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/disc-210mm/skin.toml");
     let text = std::fs::read_to_string(&path).unwrap();
     let text = text.replace("\"adjacent\"", &format!("\"{pattern}\""));
-    Expected::of(&Skin::parse(&path, &text).unwrap()).unwrap()
+    Expected::of(&Skin::parse(&path, &text).unwrap().made().unwrap()).unwrap()
 }
 
 fn faults(check: &Check) -> Vec<About> {

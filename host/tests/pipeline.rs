@@ -6,6 +6,7 @@ use dermatome::{
     mesh::{Lattice, Mesh},
     model::{Model, forward_model, mesh},
     skin::{ImageLayout, Reciprocal, Skin},
+    stimulation::Stimulation,
 };
 use dermatome_shared::patch::Difference;
 use faer::{Col, Mat as Matrix};
@@ -13,7 +14,7 @@ use std::{f64::consts::PI, path::Path};
 
 fn load(name: &str) -> Skin {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name).join("skin.toml");
-    Skin::load(&path).unwrap()
+    Skin::load(&path).unwrap().made().unwrap()
 }
 
 /// A coarse variant, quick to solve many times.
@@ -48,7 +49,7 @@ fn point_electrodes_on_a_disc_approach_the_closed_form() {
         .replace("model = \"complete\"", "model = \"point\"")
         .replace("width = \"11 mm\"", "")
         .replace("contact_impedance = \"0.18 ohm m\"", "");
-    let skin = Skin::parse(Path::new("point.toml"), &text).unwrap();
+    let skin = Skin::parse(Path::new("point.toml"), &text).unwrap().made().unwrap();
     let centres = skin.shape.electrode_centres();
     let error = |edge_length: f64| {
         let (mesh, forward) = meshed(&skin, edge_length / skin.edges.skin);
@@ -73,7 +74,7 @@ fn pixels_together_make_up_the_whole_skin() {
         .replace("model = \"complete\"", "model = \"point\"")
         .replace("width = \"11 mm\"", "")
         .replace("contact_impedance = \"0.18 ohm m\"", "");
-    let skin = Skin::parse(Path::new("point.toml"), &text).unwrap();
+    let skin = Skin::parse(Path::new("point.toml"), &text).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     for (m, voltage) in model.measurements().iter().enumerate() {
         let sum: f64 = model.jacobian.row(m).iter().sum();
@@ -142,8 +143,7 @@ fn a_conductivity_that_is_not_positive_is_refused() {
 #[test]
 fn combined_rows_are_means_of_their_steps() {
     let skin = coarse("disc-210mm");
-    let steps = skin.steps();
-    let combination = skin.combination(&steps);
+    let Stimulation { steps, combination } = skin.stimulation();
     let rows = Matrix::from_fn(steps.len(), 1, |step, _| step as f64);
     let combined = combine_rows(&rows, &combination);
     // Step 0 (drive 0-1, sense 2-3) has its reciprocal at drive 2-3, sense 0-1: step 2 * 13.

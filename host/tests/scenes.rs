@@ -11,13 +11,13 @@ use dermatome::{
     },
     skin::Skin,
 };
-use dermatome_shared::protocol::{Event, Selection};
+use dermatome_shared::protocol::Selection;
 use nalgebra::{Point3, Vector3};
 use std::{path::Path, time::Duration};
 
 fn shipped(file: &str) -> Skin {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/hemisphere-210mm/");
-    Skin::load(&Path::new(folder).join(file)).unwrap()
+    Skin::load(&Path::new(folder).join(file)).unwrap().made().unwrap()
 }
 
 /// Away from the pole: more than 20 degrees of the sphere.
@@ -69,13 +69,9 @@ fn a_board_with_a_curved_patch_tells_where_its_pixels_and_contacts_lie_in_space(
     link::upload(&mut link, &patch, |_| ()).unwrap();
     assert_eq!(link.surface().unwrap(), model.surface().unwrap());
     link::tare(&mut link, 20, Duration::from_secs(60)).unwrap();
-    link::stream(&mut link, Selection { contacts: 1, ..Selection::default() }).unwrap();
-    let contacts = loop {
-        match link.next_event(Duration::from_secs(20)).unwrap().expect("the board streams") {
-            Event::Contacts { contacts, .. } => break contacts,
-            _ => continue,
-        }
-    };
+    let mut stream = link.subscribe(Selection { contacts: 1, ..Selection::default() }).unwrap();
+    let frame = stream.next(Duration::from_secs(20)).unwrap().expect("the board streams");
+    let contacts = frame.contacts.unwrap();
     let [contact] = contacts.as_slice() else { panic!("{contacts:?}") };
     let found = Point3::from(contact.position.map(f64::from));
     let truth = Point3::new(0.06, 0.045, (0.105_f64.powi(2) - 0.075_f64.powi(2)).sqrt());

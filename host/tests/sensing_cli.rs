@@ -38,7 +38,7 @@ impl<F: FnMut(&mut Frame) + Send> Instrument for Faulty<F> {
 
 /// A board of a skin file's text, untouched, that holds its patch; and its port.
 fn board(text: &str, fault: impl FnMut(&mut Frame) + Send + 'static) -> (SimulatedBoard, String) {
-    let skin = Skin::parse(Path::new("skin.toml"), text).unwrap();
+    let skin = Skin::parse(Path::new("skin.toml"), text).unwrap().made().unwrap();
     let patch = quantize::patch(&skin, &Model::build(&skin, |_| ()).unwrap()).unwrap();
     let script = Script::still(&[] as &[Press], skin.shape.flat().unwrap()).unwrap();
     let noise = Noise { snr_db: 70.0, seed: 3 };

@@ -18,7 +18,7 @@ struct Shipped {
 impl Shipped {
     fn new(name: &str) -> Self {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name).join("skin.toml");
-        let skin = Skin::load(&path).unwrap();
+        let skin = Skin::load(&path).unwrap().made().unwrap();
         Self { board: Observer::new(&skin).unwrap(), skin }
     }
 

@@ -275,7 +275,7 @@ fn drive_drift_time_and_calibration_reach_the_patch() {
     let text = format!(
         "{text}\n[calibration]\nstrength = [0.1, 0.3]\npressure = [\"5 kPa\", 20e3]\nload_share = 0.2\n"
     );
-    let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
+    let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     let bytes = dermatome::quantize::patch(&skin, &model).unwrap();
     let header = PatchView::validate(&bytes).unwrap().header;
@@ -286,7 +286,7 @@ fn drive_drift_time_and_calibration_reach_the_patch() {
     assert_eq!(header.calibration.pressure(0.2), Some(12.5e3));
     assert_eq!(header.calibration.load_share, Some(0.2));
     assert_eq!(header.test_resistances.len(), 16);
-    let plain = Skin::parse(Path::new("skin.toml"), GOOD).unwrap();
+    let plain = Skin::parse(Path::new("skin.toml"), GOOD).unwrap().made().unwrap();
     assert_eq!(
         (plain.drift_time, plain.drive.gain, plain.calibration.points.len()),
         (30.0, Gain::Automatic, 0)
@@ -306,7 +306,7 @@ fn unknown_and_missing_fields_are_named_with_their_line() {
 #[test]
 fn too_many_pixels_for_a_board_are_refused_with_the_field() {
     let text = GOOD.replace("columns = 32", "columns = 64");
-    let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
+    let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     let error = dermatome::quantize::patch(&skin, &model).unwrap_err().to_string();
     assert!(error.contains("`image.columns`") && error.contains("1024"), "{error}");
@@ -315,7 +315,7 @@ fn too_many_pixels_for_a_board_are_refused_with_the_field() {
 #[test]
 fn a_matrix_too_long_for_a_board_is_refused_with_what_to_change() {
     let text = GOOD.replace("reciprocal = \"combined\"", "reciprocal = \"kept\"");
-    let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
+    let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
     let error = dermatome::quantize::patch(&skin, &model).unwrap_err().to_string();
     assert!(error.contains("196600") && error.contains("image.columns"), "{error}");
@@ -323,11 +323,11 @@ fn a_matrix_too_long_for_a_board_is_refused_with_what_to_change() {
 
 #[test]
 fn electrode_one_is_at_the_top_and_numbers_run_clockwise() {
-    let skin = Skin::parse(Path::new("skin.toml"), GOOD).unwrap();
+    let skin = Skin::parse(Path::new("skin.toml"), GOOD).unwrap().made().unwrap();
     let place = |i: usize| skin.shape.electrode_centres()[i];
     assert!(place(0).x.abs() < 1e-12 && (place(0).y - 0.105).abs() < 1e-12);
     assert!((place(4).x - 0.105).abs() < 1e-12);
-    let skin = Skin::parse(Path::new("skin.toml"), SQUARE).unwrap();
+    let skin = Skin::parse(Path::new("skin.toml"), SQUARE).unwrap().made().unwrap();
     let place = |i: usize| skin.shape.electrode_centres()[i];
     assert!((place(0).x - 0.005).abs() < 1e-12 && (place(0).y - 0.025).abs() < 1e-12);
     assert!((place(2).x - 0.025).abs() < 1e-12 && (place(2).y - 0.015).abs() < 1e-12);

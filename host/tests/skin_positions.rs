@@ -107,6 +107,7 @@ proptest! {
                 prop_assert!(words.contains("electrode 1") || words.contains("electrode 2") || words.contains("electrodes "), "{words}");
             }
             Ok(skin) => {
+                let skin = skin.made().unwrap();
                 let turned = Lattice { angle: lattice.0, shift: lattice.1 };
                 for (fineness, lattice) in [(1.0, Lattice::default()), (0.66, turned)] {
                     prop_assert!(mesh(&skin, fineness, lattice).is_ok(), "{text}");

@@ -60,7 +60,7 @@ impl Run {
         };
         let listener = TcpListener::bind(address)
             .map_err(|error| format!("cannot listen at `{}`: {error}", self.listen))?;
-        let skin = self.skin.as_deref().map(Skin::load).transpose()?;
+        let skin = self.skin.as_deref().map(|path| Skin::load(path)?.made()).transpose()?;
         let (board, firmware) = boot(&self.firmware, false, skin.clone())?;
         let log = self.logs.then(|| Log::new(&firmware)).transpose()?;
         let mut log = log.as_ref().map(|log| LogReader::new(log, io::stderr().is_terminal()));

@@ -8,7 +8,8 @@ use std::{error::Error, path::Path};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/hemisphere-210mm"));
-    let [skin, truth] = ["skin.toml", "formula.toml"].map(|file| Skin::load(&folder.join(file)));
+    let [skin, truth] =
+        ["skin.toml", "formula.toml"].map(|file| Skin::load(&folder.join(file)).and_then(Skin::made));
     let options = Options { scenes: 9, ..Options::default() };
     let figures = figures(&play(&skin?, &truth?, &options)?, 0.105, |_| true);
     println!("scenes with the right number: {:.0} %", 100.0 * figures.board.right_of_all);

@@ -2,6 +2,7 @@
 //! matrices and calibrations from them, and exchanging arrays with other programs.
 #![forbid(unsafe_code)]
 
+pub mod array;
 pub mod calibrate;
 pub mod interchange;
 pub mod learn;

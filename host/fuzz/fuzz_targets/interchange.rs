@@ -22,7 +22,7 @@ fn conductivities(folder: &Path, name: &str, bytes: &[u8]) {
 fn table(folder: &Path, bytes: &[u8]) -> Option<Skin> {
     fs::write(folder.join("stimulation.csv"), bytes).unwrap();
     let text = SKIN.replace("pattern = \"adjacent\"", "pattern = \"table\"\ntable = \"stimulation.csv\"");
-    Skin::parse(&folder.join("skin.toml"), &text).ok()
+    Skin::parse(&folder.join("skin.toml"), &text).ok()?.made().ok()
 }
 
 /// Puts a right magic number and header length before the first line of `text`.

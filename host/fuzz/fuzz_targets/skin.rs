@@ -11,7 +11,7 @@ use std::path::Path;
 const MOST_ELEMENTS: f64 = 400.0;
 
 fuzz_target!(|text: &str| {
-    let Ok(skin) = Skin::parse(Path::new("skin.toml"), text) else { return };
+    let Ok(skin) = Skin::parse(Path::new("skin.toml"), text).and_then(Skin::made) else { return };
     assert!(skin.electrodes.count >= 4 && !skin.name.is_empty());
     assert!(skin.shape.electrode_centres().iter().all(|centre| centre.coords.iter().all(|x| x.is_finite())));
     let Ok(outline) = skin.shape.flat() else { return };

@@ -7,4 +7,5 @@ pub mod cut;
 pub mod embedding;
 pub mod mesh;
 pub mod outline;
+pub mod shape;
 pub mod sheet;

@@ -1,106 +1,53 @@
 //! What can go wrong on the way to a board and back.
 
-use super::REPLY_TIMEOUT;
 use dermatome_shared::protocol::{PROTOCOL_VERSION, PacketError, Refusal};
-use std::{io, time::Duration};
+use std::{fmt, io, time::Duration};
 
-/// Why a board could not be reached or did not do what was asked. `port` is the port as written.
-#[derive(Debug, thiserror::Error)]
-pub enum LinkError {
+/// Why a board could not be reached or did not do what was asked.
+#[derive(Debug)]
+pub struct LinkError {
+    /// The port as written.
+    pub port: String,
+    /// What went wrong there.
+    pub kind: LinkErrorKind,
+}
+
+/// What went wrong at a port.
+#[derive(Debug)]
+pub enum LinkErrorKind {
     /// No such port.
-    #[error("port `{port}` does not exist (`dermatome devices` lists the ports there are)")]
-    Missing {
-        /// Which port.
-        port: String,
-    },
+    Missing,
     /// This user may not open it.
-    #[error(
-        "no permission to open port `{port}` (on Linux, join the group that owns it, most often with \
-         `sudo usermod -aG dialout $USER`, and log in again)"
-    )]
-    Permission {
-        /// Which port.
-        port: String,
-    },
+    Permission,
     /// Another program holds it.
-    #[error("port `{port}` is in use by another program")]
-    InUse {
-        /// Which port.
-        port: String,
-    },
+    InUse,
     /// Nothing listens at a TCP port.
-    #[error("connection to `{port}` refused: no board listens there")]
-    ConnectionRefused {
-        /// Which port.
-        port: String,
-    },
-    /// The system could not open it, for another reason.
-    #[error("cannot open port `{port}`: {reason}")]
-    Open {
-        /// Which port.
-        port: String,
-        /// What the system says.
-        reason: io::Error,
-    },
+    ConnectionRefused,
+    /// The system could not open it, for another reason: what it says.
+    Open(io::Error),
     /// Nothing came back.
-    #[error(
-        "no answer from `{port}` within {} s: is it a Dermatome board, and is another program connected to it?",
-        timeout.as_secs_f64()
-    )]
     NoAnswer {
-        /// Which port.
-        port: String,
         /// How long the host waited.
         timeout: Duration,
     },
     /// Only damaged packets came back.
-    #[error(
-        "no answer from `{port}`, but {packets} damaged packets (last: {last}): check the cable, and that \
-         the board runs Dermatome firmware"
-    )]
     Damaged {
-        /// Which port.
-        port: String,
         /// How many, while the host waited.
         packets: u64,
         /// What was wrong with the last one.
         last: PacketError,
     },
     /// The other end closed the link, or the cable was pulled.
-    #[error("the link to `{port}` was cut: the board has gone or closed it")]
-    Cut {
-        /// Which port.
-        port: String,
-    },
-    /// Reading or writing failed, for another reason.
-    #[error("port `{port}` failed: {reason}")]
-    Failed {
-        /// Which port.
-        port: String,
-        /// What the system says.
-        reason: io::Error,
-    },
+    Cut,
+    /// Reading or writing failed, for another reason: what the system says.
+    Failed(io::Error),
     /// Board and host speak different protocol versions.
-    #[error(
-        "the board at `{port}` speaks protocol version {board}, this host speaks version \
-         {PROTOCOL_VERSION}: update {}", if *board < PROTOCOL_VERSION { "the board's firmware" } else { "this host program" }
-    )]
     ProtocolVersion {
-        /// Which port.
-        port: String,
         /// Version the board speaks.
         board: u16,
     },
     /// Same protocol version, but the messages differ: builds of different sources.
-    #[error(
-        "the board at `{port}` (firmware {firmware}) and this host ({}) both speak protocol version \
-         {PROTOCOL_VERSION}, but their messages differ (schema {} on the board, {} here): {}",
-        env!("CARGO_PKG_VERSION"), hexadecimal(board), hexadecimal(host),
-        advice(firmware, env!("CARGO_PKG_VERSION"))
-    )]
     Schema {
-        /// Which port.
-        port: String,
         /// Version of the board's firmware.
         firmware: String,
         /// Schema hash of the board.
@@ -109,64 +56,125 @@ pub enum LinkError {
         host: [u8; 8],
     },
     /// The board did not do it, and says why.
-    #[error("{refusal} (port `{port}`)")]
-    Refused {
-        /// Which port.
-        port: String,
-        /// What the board says.
-        refusal: Refusal,
-    },
+    Refused(Refusal),
     /// The answer belongs to another kind of question.
-    #[error("the board at `{port}` gave an answer of the wrong kind to {request}")]
     WrongReply {
-        /// Which port.
-        port: String,
         /// What was asked.
         request: &'static str,
     },
     /// The tare did not end.
-    #[error(
-        "the board at `{port}` did not average {frames} frames within {:.1} s: `dermatome check` says what is wrong",
-        timeout.as_secs_f64()
-    )]
     NoTare {
-        /// Which port.
-        port: String,
         /// Frames to average.
         frames: u16,
         /// How long the host waited.
         timeout: Duration,
     },
+    /// The board takes no samples that a scope could show.
+    NoFrontEnd,
+    /// The carrier is not whole samples long.
+    NoCarrier {
+        /// Carrier frequency, Hz.
+        frequency: f32,
+        /// Samples per second.
+        sample_rate: u32,
+    },
 }
 
 impl LinkError {
-    /// Sorts an error of the system, met on opening `port`.
-    pub(super) fn on_open(port: &str, reason: io::Error) -> Self {
-        let port = port.to_owned();
-        match reason.kind() {
-            io::ErrorKind::NotFound => Self::Missing { port },
-            io::ErrorKind::PermissionDenied => Self::Permission { port },
-            io::ErrorKind::ResourceBusy => Self::InUse { port },
-            io::ErrorKind::ConnectionRefused => Self::ConnectionRefused { port },
-            _ => Self::Open { port, reason },
-        }
+    /// Something that went wrong at `port`.
+    pub fn new(port: impl Into<String>, kind: LinkErrorKind) -> Self {
+        Self { port: port.into(), kind }
     }
 
-    /// Sorts an error of the system, met on reading from or writing to the open `port`.
-    pub(super) fn on_transfer(port: &str, reason: io::Error) -> Self {
-        let port = port.to_owned();
-        match reason.kind() {
+    /// Sorts an error of the system, met on opening `port`.
+    pub(crate) fn on_open(port: &str, reason: io::Error) -> Self {
+        let kind = match reason.kind() {
+            io::ErrorKind::NotFound => LinkErrorKind::Missing,
+            io::ErrorKind::PermissionDenied => LinkErrorKind::Permission,
+            io::ErrorKind::ResourceBusy => LinkErrorKind::InUse,
+            io::ErrorKind::ConnectionRefused => LinkErrorKind::ConnectionRefused,
+            _ => LinkErrorKind::Open(reason),
+        };
+        Self::new(port, kind)
+    }
+
+    /// Sorts an error of the system, met on reading from or writing to the open `port`, which may take `timeout`.
+    pub(crate) fn on_transfer(port: &str, reason: io::Error, timeout: Duration) -> Self {
+        let kind = match reason.kind() {
             io::ErrorKind::UnexpectedEof
             | io::ErrorKind::BrokenPipe
             | io::ErrorKind::ConnectionReset
             | io::ErrorKind::ConnectionAborted
-            | io::ErrorKind::NotConnected => Self::Cut { port },
-            io::ErrorKind::TimedOut => Self::NoAnswer { port, timeout: REPLY_TIMEOUT },
-            _ => Self::Failed { port, reason },
-        }
+            | io::ErrorKind::NotConnected => LinkErrorKind::Cut,
+            io::ErrorKind::TimedOut => LinkErrorKind::NoAnswer { timeout },
+            _ => LinkErrorKind::Failed(reason),
+        };
+        Self::new(port, kind)
     }
 }
 
+impl std::error::Error for LinkError {}
+
+impl fmt::Display for LinkError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (port, version) = (&self.port, env!("CARGO_PKG_VERSION"));
+        match &self.kind {
+            LinkErrorKind::Missing => write!(f, "port `{port}` does not exist"),
+            LinkErrorKind::Permission => write!(
+                f,
+                "no permission to open port `{port}` (on Linux, join the group that owns it, most often with \
+                 `sudo usermod -aG dialout $USER`, and log in again)"
+            ),
+            LinkErrorKind::InUse => write!(f, "port `{port}` is in use by another program"),
+            LinkErrorKind::ConnectionRefused => {
+                write!(f, "connection to `{port}` refused: no board listens there")
+            }
+            LinkErrorKind::Open(reason) => write!(f, "cannot open port `{port}`: {reason}"),
+            LinkErrorKind::Cut => write!(f, "the link to `{port}` was cut: the board has gone or closed it"),
+            LinkErrorKind::Failed(reason) => write!(f, "port `{port}` failed: {reason}"),
+            LinkErrorKind::Refused(refusal) => write!(f, "{refusal} (port `{port}`)"),
+            LinkErrorKind::NoAnswer { timeout } => write!(
+                f,
+                "no answer from `{port}` within {} s: is it a Dermatome board, and is another program connected to it?",
+                timeout.as_secs_f64()
+            ),
+            LinkErrorKind::Damaged { packets, last } => write!(
+                f,
+                "no answer from `{port}`, but {packets} damaged packets (last: {last}): check the cable, and that \
+                 the board runs Dermatome firmware"
+            ),
+            LinkErrorKind::WrongReply { request } => {
+                write!(f, "the board at `{port}` gave an answer of the wrong kind to {request}")
+            }
+            LinkErrorKind::NoTare { frames, timeout } => write!(
+                f,
+                "the board at `{port}` did not average {frames} frames within {:.1} s",
+                timeout.as_secs_f64()
+            ),
+            LinkErrorKind::NoFrontEnd => {
+                write!(f, "the board at `{port}` has no analogue front end: it has no samples to show")
+            }
+            LinkErrorKind::NoCarrier { frequency, sample_rate } => write!(
+                f,
+                "the board at `{port}` drives at {frequency} Hz, which is not whole samples of {sample_rate} a second"
+            ),
+            LinkErrorKind::ProtocolVersion { board } => write!(
+                f,
+                "the board at `{port}` speaks protocol version {board}, this host speaks version \
+                 {PROTOCOL_VERSION}: update {}",
+                if *board < PROTOCOL_VERSION { "the board's firmware" } else { "this host program" }
+            ),
+            LinkErrorKind::Schema { firmware, board, host } => write!(
+                f,
+                "the board at `{port}` (firmware {firmware}) and this host ({version}) both speak protocol version \
+                 {PROTOCOL_VERSION}, but their messages differ (schema {} on the board, {} here): {}",
+                hexadecimal(board),
+                hexadecimal(host),
+                advice(firmware, version)
+            ),
+        }
+    }
+}
 fn hexadecimal(bytes: &[u8; 8]) -> String {
     format!("{:016x}", u64::from_be_bytes(*bytes))
 }
@@ -194,7 +202,7 @@ mod tests {
         assert_eq!(advice("0.10.0", "0.9.3"), "update this host program");
         assert_eq!(advice("0.1.0", "0.1.0"), "build both from the same source");
         assert_eq!(advice("dev", "0.1.0"), "build both from the same source");
-        let text = |board| LinkError::ProtocolVersion { port: "COM5".to_owned(), board }.to_string();
+        let text = |board| LinkError::new("COM5", LinkErrorKind::ProtocolVersion { board }).to_string();
         assert!(text(0).contains("update the board's firmware"), "{}", text(0));
         assert!(text(99).contains("update this host program"), "{}", text(99));
     }

@@ -1,17 +1,19 @@
 //! Health: what a board's frames say about electrodes, wiring and the board itself, and what to do.
 
-use crate::{Link, LinkError, stream};
+use crate::{
+    assemble::{HealthReport, ScanFrame},
+    error::LinkError,
+    link::Link,
+};
 use dermatome_shared::{
     frame::FrameFlags,
     health::{ElectrodeSet, Health, Vitals},
-    protocol::{Event, FrameStamp, Selection},
+    protocol::{FrameStamp, Selection},
 };
 use serde::Serialize;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-/// How often to ask whether to go on while nothing comes.
-const POLL: Duration = Duration::from_millis(100);
-/// A contact impedance this many times the middle one is worth a look.
+/// A contact impedance this many times the median is worth a look.
 const HIGH_RATIO: f32 = 3.0;
 /// Largest share of time in which the CPU may work.
 const BUSY: f32 = 0.95;
@@ -96,31 +98,30 @@ pub struct Diagnosis {
     pub findings: Vec<Finding>,
 }
 
-/// Streams health for so many frames; fewer if `go_on` says no. A frame may take `patience`.
+/// Streams health for so many frames; fewer if `go_on` says no. Silence for `timeout` is an error.
 pub fn watch(
     link: &mut Link,
     frames: usize,
-    patience: Duration,
+    timeout: Duration,
     go_on: impl Fn() -> bool,
 ) -> Result<Watch, LinkError> {
-    stream(link, Selection { health: 1, ..Selection::default() })?;
+    let mut stream = link.subscribe(Selection { health: 1, ..Selection::default() })?;
     let mut watch = Watch::default();
-    let mut heard = Instant::now();
     while watch.frames.len() < frames && go_on() {
-        match link.next_event(POLL)? {
-            Some(Event::Health { at, health, vitals, drift, missed }) => {
-                heard = Instant::now();
-                watch.frames.push(Seen { at, health, vitals, missed, drift });
-            }
-            _ if heard.elapsed() > patience => {
-                return Err(LinkError::NoAnswer { port: link.port().to_owned(), timeout: patience });
-            }
-            _ => {}
-        }
+        let Some(frame) = stream.next_while(timeout, &go_on)? else { break };
+        watch.frames.extend(Seen::of(frame));
     }
-    stream(link, Selection::default())?;
+    stream.stop()?;
     watch.events_lost = link.events_lost();
     Ok(watch)
+}
+
+impl Seen {
+    /// The health of a frame, if it came.
+    fn of(frame: ScanFrame) -> Option<Self> {
+        let HealthReport { health, vitals, drift, missed } = frame.health?;
+        Some(Self { at: frame.at?, health, vitals, missed, drift })
+    }
 }
 
 impl Watch {
@@ -182,7 +183,7 @@ impl Watch {
         let means: Vec<Option<f32>> = (0..count).map(mean).collect();
         let mut sorted: Vec<f32> = means.iter().flatten().copied().collect();
         sorted.sort_by(f32::total_cmp);
-        let middle = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
         let ever = |pick: fn(&Health) -> ElectrodeSet| {
             self.frames.iter().fold(ElectrodeSet::default(), |set, seen| set.union(pick(&seen.health)))
         };
@@ -193,7 +194,7 @@ impl Watch {
             e if open.contains(e) => State::Open,
             e if shorted.contains(e) => State::Shorted,
             e if open.contains((e + 1) % count.max(1) as u8) => State::Unknown,
-            _ if ohms.is_some_and(|ohms| ohms > HIGH_RATIO * middle) => State::High,
+            _ if ohms.is_some_and(|ohms| ohms > HIGH_RATIO * median) => State::High,
             _ => State::Ok,
         };
         let electrode = |(electrode, &ohms): (usize, &Option<f32>)| Electrode {

@@ -1,18 +1,15 @@
 //! Scope: the samples behind one voltage, as the board's converter took them.
 
-use crate::{Link, LinkError, stream};
+use crate::{
+    error::{LinkError, LinkErrorKind},
+    link::Link,
+};
 use dermatome_shared::{
     demodulate::{CLIPPED, MIDDLE},
-    protocol::{Event, Info, Selection, SlotSamples},
+    protocol::{Info, Selection, SlotSamples},
     scan::Timing,
 };
-use std::{
-    f64::consts::TAU,
-    time::{Duration, Instant},
-};
-
-/// How often to ask whether to go on while nothing comes.
-const POLL: Duration = Duration::from_millis(100);
+use std::{f64::consts::TAU, time::Duration};
 
 /// Samples of one slot.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,89 +33,56 @@ pub struct Trace {
 pub struct Fit {
     /// Mean code.
     pub offset: f64,
-    /// Amplitude, steps of the converter.
+    /// Amplitude, LSB.
     pub amplitude: f64,
     /// Phase at the first measured sample, degrees; 0 is a crest.
     pub phase: f64,
-    /// Root mean square of what the sine does not explain, steps of the converter.
+    /// Root mean square of what the sine does not explain, LSB.
     pub residual: f64,
 }
 
-/// Why there are no samples to show.
-#[derive(Debug, thiserror::Error)]
-pub enum ScopeError {
-    /// The link failed, or the board refused.
-    #[error(transparent)]
-    Link(#[from] LinkError),
-    /// The board takes no samples.
-    #[error("the board at `{port}` has no analogue front end: it has no samples to show")]
-    NoFrontEnd {
-        /// Which port.
-        port: String,
-    },
-    /// The carrier is not whole samples long.
-    #[error(
-        "the board at `{port}` drives at {frequency} Hz, which is not whole samples of {sample_rate} a second"
-    )]
-    NoCarrier {
-        /// Which port.
-        port: String,
-        /// Carrier frequency, Hz.
-        frequency: f32,
-        /// Samples per second.
-        sample_rate: u32,
-    },
-}
-
-/// Fetches the next samples of a slot, which must come within `patience`; none if `go_on`, asked while
-/// nothing comes, says no.
+/// Fetches the next samples of a slot; none if `go_on`, asked while nothing comes, says no. Silence for `timeout` is an
+/// error.
 pub fn capture(
     link: &mut Link,
     info: &Info,
     slot: u16,
-    patience: Duration,
+    timeout: Duration,
     go_on: impl Fn() -> bool,
-) -> Result<Option<Trace>, ScopeError> {
-    let (sample_rate, timing) = timing(link, info)?;
-    stream(link, Selection { scope: 1, scope_slot: slot, ..Selection::default() })?;
-    let started = Instant::now();
-    let mut trace = None;
-    while trace.is_none() && go_on() {
-        match link.next_event(POLL)? {
-            Some(Event::Scope(SlotSamples { slot, gain, settling, samples })) => {
-                trace = Some(Trace {
-                    slot,
-                    gain,
-                    settling: settling.into(),
-                    period: timing.period.into(),
-                    sample_rate,
-                    samples: samples.to_vec(),
-                });
-            }
-            _ if started.elapsed() > patience => {
-                return Err(LinkError::NoAnswer { port: link.port().to_owned(), timeout: patience }.into());
-            }
-            _ => {}
-        }
+) -> Result<Option<Trace>, LinkError> {
+    let (sample_rate, timing) = timing(info).map_err(|kind| link.error(kind))?;
+    let mut stream = link.subscribe(Selection { scope: 1, scope_slot: slot, ..Selection::default() })?;
+    let mut samples = None;
+    while samples.is_none() && go_on() {
+        let Some(frame) = stream.next_while(timeout, &go_on)? else { break };
+        samples = frame.scope;
     }
-    stream(link, Selection::default())?;
-    Ok(trace)
+    stream.stop()?;
+    Ok(samples.map(|samples| Trace::new(&samples, sample_rate, timing)))
 }
 
 /// Sampling rate and timing of the drive in effect.
-fn timing(link: &Link, info: &Info) -> Result<(u32, Timing), ScopeError> {
-    let port = || link.port().to_owned();
-    let (Some(front_end), Some(drive)) = (info.front_end, info.drive) else {
-        return Err(ScopeError::NoFrontEnd { port: port() });
-    };
+fn timing(info: &Info) -> Result<(u32, Timing), LinkErrorKind> {
+    let both = info.front_end.zip(info.drive);
+    let (front_end, drive) = both.ok_or(LinkErrorKind::NoFrontEnd)?;
     let sample_rate = front_end.sample_rate;
-    match Timing::new(&drive, sample_rate) {
-        Some(timing) => Ok((sample_rate, timing)),
-        None => Err(ScopeError::NoCarrier { port: port(), frequency: drive.frequency, sample_rate }),
-    }
+    let frequency = drive.frequency;
+    let timing = Timing::new(&drive, sample_rate);
+    Ok((sample_rate, timing.ok_or(LinkErrorKind::NoCarrier { frequency, sample_rate })?))
 }
 
 impl Trace {
+    fn new(samples: &SlotSamples, sample_rate: u32, timing: Timing) -> Self {
+        Self {
+            slot: samples.slot,
+            gain: samples.gain,
+            settling: samples.settling.into(),
+            period: timing.period.into(),
+            sample_rate,
+            samples: samples.samples.to_vec(),
+        }
+    }
+
     /// Samples at the ends of the converter's range, settling ones left out.
     #[must_use]
     pub fn clipped(&self) -> usize {

@@ -93,12 +93,12 @@ fn gradients<T: Admittivity>(mesh: &Mesh, fields: &Fields<T>, element: usize, al
 pub fn combine_rows<T: Admittivity>(jacobian: &Mat<T>, combination: &[CombinedInto]) -> Mat<f64> {
     let counts = step_counts(combination);
     let mut combined = Mat::zeros(counts.len(), jacobian.ncols());
-    for pixel in 0..jacobian.ncols() {
-        for (step, target) in combination.iter().enumerate() {
+    combined.par_col_iter_mut().zip(jacobian.par_col_iter()).for_each(|(mut sums, steps)| {
+        for (value, target) in steps.iter().zip(combination) {
             let row = usize::from(target.measurement);
-            combined[(row, pixel)] += sign(target) * jacobian[(step, pixel)].in_phase() / counts[row];
+            sums[row] += sign(target) * value.in_phase() / counts[row];
         }
-    }
+    });
     combined
 }
 

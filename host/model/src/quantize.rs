@@ -2,10 +2,14 @@
 
 use crate::{model::Model, skin::Skin};
 use dermatome_geometry::{mesh::ElectrodeContact, sheet::ElectrodeModel};
-use dermatome_patch::tables::SurfaceTables;
+use dermatome_patch::{
+    tables::SurfaceTables,
+    write::{Contents, Stored},
+};
 use dermatome_shared::{
     MAX_ELECTRODES, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS,
-    patch::{PatchContents, PatchError, PatchHeader, PatchView},
+    calibration::Calibration,
+    patch::{PatchError, PatchHeader, PatchView},
     reconstruct::reconstruct,
     reference::DifferenceData,
     surface::MAX_NEIGHBOURS,
@@ -96,30 +100,27 @@ pub enum PatchBuildError {
     Invalid(PatchError),
 }
 
-/// The patch of a skin's model.
+/// The patch of a skin's model, with the calibration curve of the skin file.
 pub fn patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
-    let tables = check_limits(model)?;
-    let quantized = QuantizedMatrix::new(&model.conductivity_from_difference)?;
-    let header = header(skin, model, &tables);
-    let contents = PatchContents {
-        play_operators: &[],
-        header: &header,
-        steps: &model.steps,
-        combination: &model.combination,
-        pixels: &tables.pixels,
-        neighbours: &tables.neighbours,
-        exponents: &quantized.exponents,
-        matrix: &quantized.mantissas,
+    patch_with(skin, model, &Stored::curve(skin.calibration.clone()))
+}
+
+/// The same with this calibration.
+pub fn patch_with(skin: &Skin, model: &Model, stored: &Stored) -> Result<Vec<u8>, PatchBuildError> {
+    let surface = check_limits(model)?;
+    let QuantizedMatrix { mantissas, exponents } = QuantizedMatrix::new(&model.conductivity_from_difference)?;
+    let contents = Contents {
+        header: header(skin, model, &surface),
+        steps: model.steps.clone(),
+        combination: model.combination.clone(),
+        surface,
+        exponents,
+        matrix: mantissas,
     };
-    // Header and tables stay below 48 KiB; the rest is the matrix.
-    let mut bytes = vec![0; 48 * 1024 + 2 * quantized.mantissas.len()];
-    let length = contents.write(&mut bytes).expect("the buffer holds the tables");
-    bytes.truncate(length);
-    if length > MAX_PATCH_BYTES {
-        return Err(PatchBuildError::TooLong { bytes: length });
-    }
-    PatchView::validate(&bytes).map_err(PatchBuildError::Invalid)?;
-    Ok(bytes)
+    contents.write(stored).map_err(|error| match error {
+        PatchError::Range { field: "length", value: bytes, .. } => PatchBuildError::TooLong { bytes },
+        error => PatchBuildError::Invalid(error),
+    })
 }
 
 /// The pixels' tables, if a board can hold all that the model has.
@@ -139,22 +140,22 @@ fn check_limits(model: &Model) -> Result<SurfaceTables, PatchBuildError> {
     }
 }
 
+/// The header; its counts and its calibration are set where it is written.
 fn header(skin: &Skin, model: &Model, tables: &SurfaceTables) -> PatchHeader {
-    let matrix = &model.conductivity_from_difference;
     PatchHeader {
         skin: skin.name.as_str().try_into().expect("a checked skin's name fits"),
         electrodes: skin.electrodes.count,
-        steps: model.steps.len() as u16,
-        measurements: matrix.ncols() as u16,
-        pixels: matrix.nrows() as u16,
+        steps: 0,
+        measurements: 0,
+        pixels: 0,
         difference: skin.inverse.difference,
-        neighbours: tables.neighbours.len() as u16,
+        neighbours: 0,
         surface: tables.scale,
         grid: tables.grid,
         drive: skin.drive.for_board(),
         contact_threshold: RelativeConductivity::from_f64(skin.contact_threshold),
         drift_time: skin.drift_time as f32,
-        calibration: skin.calibration.clone(),
+        calibration: Calibration::default(),
         test_resistances: test_resistances(skin, model).map(|ohms| ohms as f32).collect(),
         play_operators: 0,
     }

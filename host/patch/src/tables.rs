@@ -5,7 +5,6 @@ use dermatome_shared::{
     patch::PatchView,
     surface::{NEIGHBOUR_BYTES, PIXEL_BYTES, Pixel, Surface, SurfaceScale},
 };
-use nalgebra::Point3;
 
 /// The pixels of a patch.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,8 +53,8 @@ impl SurfaceTables {
     }
 
     /// Centre of each pixel, m: `[pixel]`.
-    pub fn centres(&self) -> impl Iterator<Item = Point3<f64>> + '_ {
+    pub fn centres(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
         let surface = self.view();
-        self.pixels.iter().map(move |pixel| Point3::from(surface.centre(pixel).map(f64::from)))
+        self.pixels.iter().map(move |pixel| surface.centre(pixel).map(f64::from))
     }
 }

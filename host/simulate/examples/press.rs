@@ -8,7 +8,7 @@ use std::{error::Error, path::Path};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/disc-210mm/skin.toml");
-    let skin = Skin::load(Path::new(path))?;
+    let skin = Skin::load(Path::new(path))?.made()?;
     let mut board = Observer::new(&skin)?;
     let mut rig = Rig::new(&skin, &board.patch(), Noise { snr_db: 60.0, seed: 1 })?;
     let untouched = rig.truth().conductivity(&[]);

@@ -222,6 +222,8 @@ mod tests {
     fn square() -> Skin {
         Skin::load(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/square-50mm/skin.toml")))
             .unwrap()
+            .made()
+            .unwrap()
     }
 
     #[test]

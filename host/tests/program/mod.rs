@@ -257,7 +257,7 @@ fn add_shape(at: &str, value: &Value, lines: &mut Vec<String>) {
 
 /// What a perfect instrument would read on the untouched tiny skin: `[step]`.
 pub(crate) fn tiny_voltages() -> Vec<f64> {
-    let skin = Skin::parse(Path::new("skin.toml"), TINY).unwrap();
+    let skin = Skin::parse(Path::new("skin.toml"), TINY).unwrap().made().unwrap();
     Model::build(&skin, |_| ()).unwrap().voltages
 }
 

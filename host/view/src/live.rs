@@ -49,7 +49,7 @@ impl Live {
         self.scale = largest.max(self.scale * SCALE_DECAY).max(SCALE_FLOOR);
     }
 
-    /// Draws the image kept and these contacts, unless the last picture is too recent.
+    /// Draws the last image and these contacts, unless the last picture is too recent.
     pub fn draw_if_due(&mut self, at: FrameStamp, contacts: &Contacts) -> io::Result<()> {
         if self.drawn.is_some_and(|drawn| drawn.elapsed() < REDRAW_INTERVAL) {
             return Ok(());

@@ -1,57 +1,60 @@
 //! Plot of the criterion by which a hyperparameter was chosen, as SVG.
 
-use dermatome_model::{inverse::selection::Selection, skin::Criterion};
+use dermatome_model::{
+    inverse::selection::{CurvePoint, Selection},
+    skin::Criterion,
+};
 use plotters::{
     coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged},
-    drawing::DrawingAreaErrorKind,
     prelude::*,
 };
-use std::{io, ops::Range};
+use std::ops::Range;
 
+/// Width and height, pixels.
 const SIZE: (u32, u32) = (640, 440);
-const CURVE: RGBColor = RGBColor(0x1f, 0x6f, 0xb4);
-const CHOSEN: RGBColor = RGBColor(0xc0, 0x30, 0x28);
+const FRAME: RGBColor = RGBColor(40, 40, 40);
+const CURVE: RGBColor = RGBColor(31, 111, 180);
+const CHOSEN: RGBColor = RGBColor(192, 48, 40);
 
 /// Draws the criterion over its range, both axes logarithmic, with the chosen point.
 #[must_use]
 pub fn criterion_svg(skin: &str, selection: &Selection) -> String {
-    let mut text = String::new();
-    draw(&mut text, skin, selection).expect("text takes every drawing");
-    text
+    let mut svg = String::new();
+    draw(&mut svg, skin, selection).expect("text takes text");
+    svg
 }
 
-fn draw(text: &mut String, skin: &str, selection: &Selection) -> Result<(), DrawingAreaErrorKind<io::Error>> {
-    let area = SVGBackend::with_string(text, SIZE).into_drawing_area();
-    area.fill(&WHITE)?;
-    let points = || selection.curve.iter().chain([&selection.chosen]);
+fn draw(svg: &mut String, skin: &str, selection: &Selection) -> Result<(), Box<dyn std::error::Error>> {
     let chosen = selection.chosen;
+    let points = || selection.curve.iter().chain([&chosen]);
+    let x = Axis::new(points().map(|point| point.abscissa));
+    let y = Axis::new(points().map(|point| point.ordinate));
     let title =
         format!("{skin}: hyperparameter {:.4e} by {}", chosen.hyperparameter, selection.criterion.name());
-    let mut chart = ChartBuilder::on(&area)
-        .caption(title, ("sans-serif", 16))
-        .margin(10)
-        .margin_right(24)
-        .x_label_area_size(40)
-        .y_label_area_size(66)
-        .build_cartesian_2d(
-            Axis::new(points().map(|point| point.abscissa)),
-            Axis::new(points().map(|point| point.ordinate)),
-        )?;
     let [across, up] = axis_names(selection.criterion);
+    let area = SVGBackend::with_string(svg, SIZE).into_drawing_area();
+    area.fill(&WHITE)?;
+    let mut chart = ChartBuilder::on(&area)
+        .caption(title, ("sans-serif", 15))
+        .margin(14)
+        .x_label_area_size(42)
+        .y_label_area_size(66)
+        .build_cartesian_2d(x, y)?;
     chart
         .configure_mesh()
+        .disable_mesh()
         .x_desc(across)
         .y_desc(up)
-        .x_label_formatter(&|value| name(*value))
-        .y_label_formatter(&|value| name(*value))
-        .light_line_style(WHITE)
-        .bold_line_style(RGBColor(225, 225, 225))
+        .x_label_formatter(&number)
+        .y_label_formatter(&number)
         .label_style(("sans-serif", 13))
+        .axis_style(FRAME)
         .draw()?;
-    let curve = selection.curve.iter().map(|point| (point.abscissa, point.ordinate));
-    chart.draw_series(LineSeries::new(curve, CURVE.stroke_width(2)))?;
-    chart.draw_series([Circle::new((chosen.abscissa, chosen.ordinate), 6, CHOSEN.stroke_width(2))])?;
-    area.present()
+    let place = |point: &CurvePoint| (x.place(point.abscissa), y.place(point.ordinate));
+    chart.draw_series(LineSeries::new(selection.curve.iter().map(place), CURVE.stroke_width(2)))?;
+    chart.draw_series([Circle::new(place(&chosen), 6, CHOSEN.stroke_width(2))])?;
+    area.present()?;
+    Ok(())
 }
 
 fn axis_names(criterion: Criterion) -> [&'static str; 2] {
@@ -63,7 +66,8 @@ fn axis_names(criterion: Criterion) -> [&'static str; 2] {
     }
 }
 
-/// A logarithmic axis: its ends are decimal logarithms.
+/// A logarithmic axis; its places are logarithms to base 10.
+#[derive(Clone, Copy, Debug)]
 struct Axis {
     low: f64,
     high: f64,
@@ -79,6 +83,10 @@ impl Axis {
         Self { low: low - spare, high: high + spare }
     }
 
+    fn place(&self, value: f64) -> f64 {
+        value.max(f64::MIN_POSITIVE).log10().clamp(self.low, self.high)
+    }
+
     /// Decades, no more than eight; 1, 2 and 5 where there are few.
     fn ticks(&self) -> Vec<f64> {
         let decades = self.high - self.low;
@@ -86,8 +94,8 @@ impl Axis {
         let steps: &[f64] = if decades < 2.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
         (self.low.floor() as i32..=self.high.ceil() as i32)
             .filter(|exponent| exponent.rem_euclid(every) == 0)
-            .flat_map(|exponent| steps.iter().map(move |step| step * 10_f64.powi(exponent)))
-            .filter(|value| (self.low..=self.high).contains(&value.log10()))
+            .flat_map(|exponent| steps.iter().map(move |step| f64::from(exponent) + step.log10()))
+            .filter(|place| self.range().contains(place))
             .collect()
     }
 }
@@ -96,9 +104,9 @@ impl Ranged for Axis {
     type FormatOption = DefaultFormatting;
     type ValueType = f64;
 
-    fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
-        let share = (value.max(f64::MIN_POSITIVE).log10() - self.low) / (self.high - self.low);
-        from + (share.clamp(0.0, 1.0) * f64::from(to - from)).round() as i32
+    fn map(&self, place: &f64, (from, to): (i32, i32)) -> i32 {
+        let share = (place - self.low) / (self.high - self.low);
+        from + (share * f64::from(to - from)).round() as i32
     }
 
     fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
@@ -106,17 +114,15 @@ impl Ranged for Axis {
     }
 
     fn range(&self) -> Range<f64> {
-        10_f64.powf(self.low)..10_f64.powf(self.high)
+        self.low..self.high
     }
 }
 
-/// A tick's number.
-fn name(value: f64) -> String {
-    number(value, (value.log10() + 1e-9).floor() as i32)
-}
-
-/// A number of one digit: in full near 1, otherwise with its power of ten.
-fn number(value: f64, exponent: i32) -> String {
+/// A tick's number, of one digit: in full near 1, otherwise with its power of ten.
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "plotters hands out references")]
+fn number(place: &f64) -> String {
+    let exponent = (place + 1e-9).floor() as i32;
+    let value = 10_f64.powf(*place);
     match exponent {
         -2..=3 => format!("{value:.*}", usize::try_from(-exponent).unwrap_or(0)),
         _ => format!("{value:.0e}"),
@@ -126,7 +132,6 @@ fn number(value: f64, exponent: i32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dermatome_model::inverse::selection::CurvePoint;
 
     #[test]
     fn the_chosen_point_lies_on_the_curve_and_every_number_is_finite() {
@@ -141,18 +146,20 @@ mod tests {
             curve: (-4..=4).map(point).collect(),
         };
         let svg = criterion_svg("disc", &selection);
-        let of =
-            |text: &str, key: &str| text.split(key).nth(1).unwrap().split('"').next().unwrap().to_owned();
-        let curve = svg.lines().find(|line| line.contains("<polyline") && line.contains("#1F6FB4")).unwrap();
-        let chosen = format!("{},{}", of(&svg, "cx=\""), of(&svg, "cy=\""));
-        assert_eq!(of(curve, "points=\"").split(' ').nth(4), Some(chosen.as_str()));
+        let place = |key: &str| svg.split(key).nth(1).unwrap().split('"').next().unwrap().to_owned();
+        let chosen = format!("{},{}", place("cx=\""), place("cy=\""));
+        // The ticks of the axes are lines of two points.
+        let curve = svg.split("points=\"").map(|rest| rest.split('"').next().unwrap().trim());
+        let curve = curve.filter(|points| points.split(' ').count() == 9).collect::<Vec<_>>();
+        assert_eq!(curve.len(), 1, "{svg}");
+        assert_eq!(curve[0].split(' ').nth(4), Some(chosen.as_str()));
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
     }
     #[test]
     fn numbers_at_an_axis_are_written_in_full_near_one() {
         let names = |low: f64, high: f64| {
             let ticks = Axis::new([low, high].into_iter()).ticks();
-            ticks.into_iter().map(name).collect::<Vec<_>>()
+            ticks.iter().map(number).collect::<Vec<_>>()
         };
         assert_eq!(names(0.02, 1.0), ["0.02", "0.05", "0.1", "0.2", "0.5", "1"]);
         assert_eq!(names(1e-3, 1e4), ["1e-3", "0.01", "0.1", "1", "10", "100", "1000", "1e4"]);

@@ -54,7 +54,7 @@ fn skin() -> Skin {
         [contact]
         threshold = 0.05
     "#;
-    Skin::parse(Path::new("coarse-disc.toml"), text).unwrap()
+    Skin::parse(Path::new("coarse-disc.toml"), text).unwrap().made().unwrap()
 }
 
 /// The front end of the emulated board.

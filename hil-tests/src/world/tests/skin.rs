@@ -85,7 +85,7 @@ fn more_electrodes_than_channels_are_refused() {
     let text =
         std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../models/disc-210mm/skin.toml"));
     let text = text.unwrap().replace("count = 16", "count = 20");
-    let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
+    let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap().made().unwrap();
     let error = Setup::new(skin, ideal(), 0.0, 1).unwrap_err();
     assert!(matches!(error, WorldError::Electrodes { electrodes: 20, .. }), "{error}");
 }

@@ -1,12 +1,11 @@
 //! `dermatome build`: skin file -> reconstruction matrix -> patch file.
 
 use super::{
-    JsonReport,
-    kept::{Kept, refuse_to_lose},
-    patch_id, progress,
+    JsonReport, patch_id,
+    preserved::{Preserved, refuse_to_lose},
+    progress,
 };
 use anyhow::{Context, bail};
-use dermatome_frames::calibrate::stored::Stored;
 use dermatome_geometry::mesh::{
     Mesh,
     quality::{Quality, quality},
@@ -19,7 +18,7 @@ use dermatome_model::{
     skin::Skin,
     stimulation,
 };
-use dermatome_patch::output::write_whole;
+use dermatome_patch::{output::write_whole, write::Stored};
 use dermatome_shared::patch::PatchView;
 use dermatome_view::plot::criterion_svg;
 use serde::Serialize;
@@ -35,7 +34,7 @@ use std::{
   dermatome build models/disc-210mm/skin.toml
   dermatome build models/square-50mm/skin.toml -o left-palm.dermatome --json build.json
   dermatome build models/hemisphere-210mm/skin.toml
-  dermatome build skin.toml -o palm.dermatome --keep-calibration palm.dermatome
+  dermatome build skin.toml -o palm.dermatome --preserve-calibration palm.dermatome
   dermatome build models/hemisphere-210mm/skin.toml --flatten -o flattened.dermatome")]
 pub(super) struct Args {
     /// Skin file.
@@ -51,9 +50,9 @@ pub(super) struct Args {
     /// thesis compares surface and planar models.
     #[arg(long)]
     flatten: bool,
-    /// Give the new patch curve and plays of this one, as `calibrate` wrote them; they replace the skin file's curve.
-    #[arg(long, value_name = "PATCH", conflicts_with = "no_patch")]
-    keep_calibration: Option<PathBuf>,
+    /// Give the new patch curve and play operators of this one, as `calibrate` wrote them; they replace the skin file's curve.
+    #[arg(long, alias = "keep-calibration", value_name = "PATCH", conflicts_with = "no_patch")]
+    preserve_calibration: Option<PathBuf>,
     /// Draw the criterion by which the hyperparameter was chosen, as SVG.
     #[arg(long, value_name = "FILE")]
     hyperparameter_plot: Option<PathBuf>,
@@ -101,7 +100,8 @@ struct PatchReport {
 struct CalibrationReport {
     points: usize,
     plays: usize,
-    kept_from: Option<PathBuf>,
+    #[serde(rename = "kept_from")]
+    preserved_from: Option<PathBuf>,
     /// Whether it may not suit the new patch.
     #[serde(skip)]
     is_doubtful: bool,
@@ -167,7 +167,7 @@ const WORST_ERROR_PERCENT: f64 = 0.5;
 const SHARP_ANGLE_DEGREES: f64 = 10.0;
 
 fn load(args: &Args) -> anyhow::Result<Skin> {
-    let skin = Skin::load(&args.skin)?;
+    let skin = Skin::load(&args.skin)?.made()?;
     if !args.flatten {
         return Ok(skin);
     }
@@ -177,21 +177,23 @@ fn load(args: &Args) -> anyhow::Result<Skin> {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let start = Instant::now();
     let skin = load(args)?;
-    let kept = kept(args, &skin)?;
+    let preserved = preserved(args, &skin)?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let spinner = progress::spinner();
-    let mut model = Model::build(&skin, |stage| spinner.set_message(stage)).with_context(in_file)?;
+    let on_stage = |stage| spinner.set_message(stage);
+    let (mut model, mesh) =
+        Model::build_beside(&skin, on_stage, drop, MeshReport::of).with_context(in_file)?;
     let plot = args.hyperparameter_plot.as_deref();
     plot.map_or(Ok(()), |path| write_plot(&skin, &model, path)).with_context(in_file)?;
     spinner.set_message("patch");
     let patch = if args.no_patch {
         None
     } else {
-        Some(write_patch(args, &skin, &mut model, kept.as_ref()).with_context(in_file)?)
+        Some(write_patch(args, &skin, &mut model, preserved.as_ref()).with_context(in_file)?)
     };
     spinner.finish_and_clear();
-    let mesh = MeshReport::of(&model.mesh);
-    let noise = model.image_noise(60.0);
+    let (blur, (noise, noise_figure)) =
+        rayon::join(|| model.blur(), || (model.image_noise(60.0), model.noise_figure()));
     let report = Report {
         skin: skin.name.clone(),
         electrodes: skin.electrodes.count,
@@ -204,8 +206,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         patch,
         hyperparameter: model.hyperparameter,
         hyperparameter_by: model.selection.as_ref().map_or("fixed", |selection| selection.criterion.name()),
-        noise_figure: model.noise_figure(),
-        resolution: model.blur().into(),
+        noise_figure,
+        resolution: blur.into(),
         image_noise_at_60_db: noise,
         contact_threshold: skin.contact_threshold,
         stage_seconds: model.stages.iter().map(|stage| (stage.name, stage.time.as_secs_f64())).collect(),
@@ -231,33 +233,33 @@ fn output(args: &Args, skin: &Skin) -> PathBuf {
 }
 
 /// The calibration to keep, if one is asked for. None may get lost.
-fn kept(args: &Args, skin: &Skin) -> anyhow::Result<Option<Kept>> {
+fn preserved(args: &Args, skin: &Skin) -> anyhow::Result<Option<Preserved>> {
     if args.no_patch {
         return Ok(None);
     }
-    let from = args.keep_calibration.as_deref();
-    let kept = from.map(|path| Kept::read(path, &skin.name)).transpose()?;
-    let of_file = || Stored { curve: skin.calibration.clone(), plays: Vec::new() };
-    let of_new = kept.as_ref().map_or_else(of_file, |kept| kept.stored.clone());
+    let from = args.preserve_calibration.as_deref();
+    let preserved = from.map(|path| Preserved::read(path, &skin.name)).transpose()?;
+    let of_file = || Stored::curve(skin.calibration.clone());
+    let of_new = preserved.as_ref().map_or_else(of_file, |preserved| preserved.stored.clone());
     let path = output(args, skin);
     let file = path.display();
-    let allowed = format!("`--keep-calibration {file}`, another `--output`, or remove the file");
+    let allowed = format!("`--preserve-calibration {file}`, another `--output`, or remove the file");
     refuse_to_lose(&path, &of_new, &allowed)?;
-    Ok(kept)
+    Ok(preserved)
 }
 
 fn write_patch(
     args: &Args,
     skin: &Skin,
     model: &mut Model,
-    kept: Option<&Kept>,
+    preserved: Option<&Preserved>,
 ) -> anyhow::Result<PatchReport> {
     let path = output(args, skin);
     let quantizing = Instant::now();
-    let mut patch = quantize::patch(skin, model)?;
-    if let Some(kept) = kept {
-        patch = kept.stored.put_into(&patch)?;
-    }
+    let patch = match preserved {
+        Some(preserved) => quantize::patch_with(skin, model, &preserved.stored)?,
+        None => quantize::patch(skin, model)?,
+    };
     let view = PatchView::validate(&patch)?;
     let fixed_point_error = quantize::fixed_point_error(model, &view, TRIALS)?;
     model.stages.push(Stage { name: "quantize", time: quantizing.elapsed() });
@@ -267,8 +269,8 @@ fn write_patch(
     let calibration = CalibrationReport {
         points: view.header.calibration.points.len(),
         plays: usize::from(view.header.play_operators),
-        kept_from: args.keep_calibration.clone(),
-        is_doubtful: kept.is_some_and(|kept| kept.is_doubtful(&view)),
+        preserved_from: args.preserve_calibration.clone(),
+        is_doubtful: preserved.is_some_and(|preserved| preserved.is_doubtful(&view)),
     };
     Ok(PatchReport { path, bytes: patch.len(), crc: patch_id(view.crc()), fixed_point_error, calibration })
 }
@@ -346,9 +348,9 @@ fn print(report: &Report, stages: &[Stage]) {
         patch.fixed_point_error.measured_percent,
         patch.fixed_point_error.bound_percent
     );
-    let CalibrationReport { points, plays, kept_from, .. } = &patch.calibration;
-    if let Some(from) = kept_from {
-        say!("calibration   {points} points and {plays} plays, kept from {}", from.display());
+    let CalibrationReport { points, plays, preserved_from, .. } = &patch.calibration;
+    if let Some(from) = preserved_from {
+        say!("calibration   {points} points and {plays} play operators, preserved from {}", from.display());
     }
     say!("patch         {} ({} bytes, id {})", patch.path.display(), patch.bytes, patch.crc);
 }

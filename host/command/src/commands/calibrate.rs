@@ -2,18 +2,20 @@
 
 use super::{
     JsonReport,
-    stream::long_patience,
+    board::open,
+    stream::silence_timeout,
     tare::{patch_of, tare_with_spinner},
 };
 use anyhow::{Context, bail, ensure};
-use dermatome_frames::calibrate::{
-    self, Compensation, CurvePoint, Fit, Reading, Recording, patch::with_calibration, repeatability,
-};
+use dermatome_frames::calibrate::{self, Compensation, CurvePoint, Fit, Reading, Recording, repeatability};
 use dermatome_link::{self as link, Link};
 use dermatome_model::skin::quantity::{AREA, Quantity};
-use dermatome_patch::output::{check_folder, write_together, write_whole};
+use dermatome_patch::{
+    output::{check_folder, write_together, write_whole},
+    write::with_calibration,
+};
 use dermatome_shared::{hysteresis::PlayOperator, patch::PatchView, reference::DEFAULT_TARE_FRAMES};
-use dermatome_simulate::port::{self, Port};
+use dermatome_simulate::port::Port;
 use serde::Serialize;
 use std::{
     fmt::Write,
@@ -95,14 +97,14 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     for file in others.into_iter().flatten().chain([out]) {
         check_folder(file)?;
     }
-    let mut link = args.port.as_ref().map(port::open).transpose()?;
+    let mut link = args.port.as_ref().map(open).transpose()?;
     let readings = readings(args, link.as_mut(), &patch)?;
     if let Some(file) = &args.save {
         // Even if they make no calibration: the machine has done its work.
         write_whole(file, csv(&readings).as_bytes())?;
     }
     let fit = Fit::new(&readings, indenter_mm2, !args.no_compensation).with_context(|| args.source())?;
-    let calibrated = with_calibration(&bytes, &fit.calibration, &fit.plays)?;
+    let calibrated = with_calibration(&bytes, &fit.stored())?;
     let report = Report::new(&patch, &fit, &calibrated)?;
     write_all(args, out, &calibrated, &fit, &report)?;
     if let Some(link) = &mut link {
@@ -172,7 +174,7 @@ fn from_board(link: &mut Link, patch: &PatchView<'_>, loads: &Path) -> anyhow::R
     let show = |reading: &Reading| {
         eprintln!("{:8.3} kPa  strength {:.5}", reading.pressure_kpa, reading.strength);
     };
-    Ok(calibrate::measure(link, &loads, long_patience(&used), show)?)
+    Ok(calibrate::measure(link, &loads, silence_timeout(&used), show)?)
 }
 
 fn csv(readings: &[Reading]) -> String {
@@ -209,7 +211,7 @@ impl Report {
             repeatability_percent: repeatability(&fit.trials),
             compensated_percent: fit.loops.iter().map(|one| one.compensated).collect(),
             curve: fit.curve.points.clone(),
-            plays: fit.plays.iter().map(plain).collect(),
+            plays: fit.play_operators.iter().map(plain).collect(),
             load_share: fit.calibration.load_share,
             patch_crc: super::patch_id(PatchView::validate(calibrated)?.crc()),
         })

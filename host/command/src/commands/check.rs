@@ -1,6 +1,8 @@
 //! `dermatome check`.
 
-use super::{BoardReport, JsonReport, drive::rounded, interrupt, stream::long_patience, tare::patch_of};
+use super::{
+    BoardReport, JsonReport, board::open, drive::rounded, interrupt, stream::silence_timeout, tare::patch_of,
+};
 use anyhow::bail;
 use dermatome_link::{
     Link, LinkError,
@@ -10,7 +12,7 @@ use dermatome_shared::{
     drive::Drive,
     protocol::{FrameSource, Request},
 };
-use dermatome_simulate::port::{self, Port};
+use dermatome_simulate::port::Port;
 use serde::Serialize;
 use std::time::Duration;
 
@@ -54,16 +56,16 @@ struct Report<'a> {
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
-    let mut link = port::open(&args.port)?;
+    let mut link = open(&args.port)?;
     let patch = patch_of(&mut link)?;
     let info = link.info()?;
     let is_simulated = info.frame_source == FrameSource::Simulated;
     let drive = info.drive.unwrap_or(patch.drive);
-    let patience = long_patience(&patch);
-    let mut watch = health::watch(&mut link, args.frames.into(), patience, || !interrupt::requested())?;
+    let timeout = silence_timeout(&patch);
+    let mut watch = health::watch(&mut link, args.frames.into(), timeout, || !interrupt::requested())?;
     let mut contact_amplitude_a = drive.amplitude;
     if watch.has_clipped_tests() && !interrupt::requested() {
-        let measured = measure_contacts(&mut link, &mut watch, drive, patience);
+        let measured = measure_contacts(&mut link, &mut watch, drive, timeout);
         // Whatever happened, the current is what it was.
         link.request(&Request::Drive(Some(drive)))?;
         contact_amplitude_a = measured?;
@@ -85,12 +87,12 @@ fn measure_contacts(
     link: &mut Link,
     watch: &mut Watch,
     mut drive: Drive,
-    patience: Duration,
+    timeout: Duration,
 ) -> Result<f32, LinkError> {
     for _ in 0..SMALLER_CURRENTS {
         drive.amplitude *= SMALLER;
         link.request(&Request::Drive(Some(drive)))?;
-        let smaller = health::watch(link, CONTACT_FRAMES, patience, || !interrupt::requested())?;
+        let smaller = health::watch(link, CONTACT_FRAMES, timeout, || !interrupt::requested())?;
         watch.take_contacts(&smaller);
         if !watch.has_clipped_tests() || interrupt::requested() {
             break;

@@ -1,11 +1,18 @@
 //! `dermatome check-data`: what is wrong with a file of measured frames.
 
-use super::{JsonReport, frame_options::FrameOptions};
+use super::{
+    JsonReport,
+    frame_options::{Flags, FrameOptions},
+};
 use anyhow::{Context, bail};
 use dermatome_frames::recorded::{
-    check::{Check, Expected, check, findings::Level},
+    check::{
+        Check, Expected, check,
+        findings::{About, Finding, Level},
+    },
     fit::{Fit, fit},
     read::{Frames, Source},
+    wording::Wording,
 };
 use dermatome_model::{skin::Skin, stimulation::patterns_of_length};
 use serde::Serialize;
@@ -49,14 +56,39 @@ struct Report {
     faults: usize,
     #[serde(flatten)]
     check: Check,
+    findings: Vec<Told>,
     fit: Option<Fit>,
+}
+
+/// A finding in the words of this command.
+#[derive(Serialize)]
+struct Told {
+    level: Level,
+    about: About,
+    found: String,
+    advice: String,
+}
+
+impl Told {
+    fn new(finding: &Finding) -> Self {
+        let Finding { level, about, found, advice } = finding;
+        Self { level: *level, about: *about, found: found.clone(), advice: advice.told(&Flags) }
+    }
+
+    fn print(&self) {
+        let level = match self.level {
+            Level::Fault => "fault",
+            Level::Note => "note",
+        };
+        say!("{level:<13} {}\n{:13} -> {}", self.found, "", self.advice);
+    }
 }
 
 /// What a fit leaves over that is worth a warning, %.
 const MUCH_LEFT_PERCENT: f64 = 10.0;
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let skin = Skin::load(&args.skin)?;
+    let skin = Skin::load(&args.skin)?.made()?;
     let source = Source::new(&args.file);
     let frames = args.options.read(&source, &skin)?;
     let expected = Expected::of(&skin).with_context(|| format!("skin file `{}`", args.skin.display()))?;
@@ -68,10 +100,15 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         skin: args.skin.clone(),
         file: source.to_string(),
         faults: check.findings.iter().filter(|finding| finding.level == Level::Fault).count(),
+        findings: check.findings.iter().map(Told::new).collect(),
         check,
         fit,
     };
     print(&report.check);
+    match report.findings.len() {
+        0 => say!("nothing looks wrong"),
+        _ => report.findings.iter().for_each(Told::print),
+    }
     report.fit.iter().for_each(print_fit);
     args.json.write(&report)?;
     if args.strict && report.faults > 0 {
@@ -101,7 +138,7 @@ fn print(check: &Check) {
     let square = if check.square { ", full square" } else { "" };
     say!("frames        {} of {} measurements, {kind}{square}", check.frames, check.measurements);
     let numbering = &check.numbering;
-    let options = match numbering.used.to_string() {
+    let options = match Flags.arrangement(&numbering.used) {
         none if none.is_empty() => "as the skin file says".to_owned(),
         options => options,
     };
@@ -122,10 +159,6 @@ fn print(check: &Check) {
             "signal        {noise} over noise, {:.2} % change from first to last",
             steadiness.change_percent
         );
-    }
-    match check.findings.len() {
-        0 => say!("nothing looks wrong"),
-        _ => check.findings.iter().for_each(|finding| say!("{finding}")),
     }
 }
 

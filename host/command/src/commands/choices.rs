@@ -58,7 +58,7 @@ pub(super) enum Strength {
 impl From<Strength> for learn::Strength {
     fn from(choice: Strength) -> Self {
         match choice {
-            Strength::Answer => Self::Answer,
+            Strength::Answer => Self::Response,
             Strength::Force => Self::Force,
         }
     }

@@ -1,10 +1,14 @@
 //! `dermatome cut`: a skin for a robot's link, cut out of the link's mesh.
 
-use super::JsonReport;
+use super::{
+    JsonReport,
+    flags::in_flags,
+    skin_of_cutout::{Names, skin_file},
+};
 use anyhow::{Context, bail};
 use dermatome_frames::recorded::statistics::median;
 use dermatome_geometry::{
-    cut::{self, Cutter, Patch, Region, Request, Slab},
+    cut::{self, Cutout, Cutter, Region, Request, Slab},
     mesh::{
         export,
         import::{self, Imported},
@@ -13,9 +17,7 @@ use dermatome_geometry::{
     },
 };
 use dermatome_model::skin::{
-    Skin, UNITS,
-    cut_out::{Names, skin_file},
-    is_frame_name, is_name,
+    Skin, UNITS, is_frame_name, is_name,
     quantity::{LENGTH, Quantity},
 };
 use dermatome_patch::output::{check_folder, write_whole};
@@ -132,6 +134,20 @@ struct Pose {
     rpy: [f64; 3],
 }
 
+/// What sets the parameters that the library's errors name.
+const FLAGS: [(&str, &str); 10] = [
+    ("`around`", "`--around`"),
+    ("`between_planes`", "`--between-planes`"),
+    ("`polygon`", "`--polygon`"),
+    ("`radius`", "`--radius`"),
+    ("`width`", "`--width`"),
+    ("`edge_length`", "`--edge-length`"),
+    ("`electrodes`", "`--electrodes`"),
+    ("`up`", "`--up`"),
+    ("`unit`", "`--unit`"),
+    ("`weld`", "`--weld`"),
+];
+
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let start = Instant::now();
     let unit = args.unit()?;
@@ -151,7 +167,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     link.scale(unit);
     let read_seconds = start.elapsed().as_secs_f64();
     let cutting = Instant::now();
-    let patch = cut::cut(&link, &request).with_context(|| format!("link `{}`", args.link.display()))?;
+    let patch = cut::cut(&link, &request)
+        .map_err(|error| in_flags(error, &FLAGS))
+        .with_context(|| format!("link `{}`", args.link.display()))?;
     let cut_seconds = cutting.elapsed().as_secs_f64();
     let text = skin_file(&patch, Names { skin: &name, link: &frame, mesh: MESH });
     write(&[&skin, &mesh], &text, &patch)?;
@@ -270,7 +288,7 @@ fn slab(text: &str, unit: f64) -> anyhow::Result<Slab> {
 
 /// Checks the text as a skin file beside its mesh, then writes both, the mesh first: only the skin file
 /// makes it a skin.
-fn write([skin, mesh]: &[&PathBuf; 2], text: &str, patch: &Patch) -> anyhow::Result<()> {
+fn write([skin, mesh]: &[&PathBuf; 2], text: &str, patch: &Cutout) -> anyhow::Result<()> {
     let folder = skin.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
@@ -279,7 +297,7 @@ fn write([skin, mesh]: &[&PathBuf; 2], text: &str, patch: &Patch) -> anyhow::Res
     let trial = tempfile::tempdir().context("cannot make a temporary folder")?;
     write_whole(&trial.path().join(MESH), &bytes)?;
     // Errors name fields; the path is that of the trial, and stands for the file that is not written.
-    Skin::parse(&trial.path().join(SKIN), text).context("the patch makes no skin")?;
+    Skin::parse(&trial.path().join(SKIN), text).and_then(Skin::made).context("the patch makes no skin")?;
     write_whole(mesh, &bytes)?;
     Ok(write_whole(skin, text.as_bytes())?)
 }
@@ -289,13 +307,13 @@ impl Report {
         skin: String,
         link: &Imported,
         frame: String,
-        patch: &Patch,
+        patch: &Cutout,
         [read_seconds, cut_seconds, total_seconds]: [f64; 3],
         files: [PathBuf; 2],
     ) -> Self {
         let [low, high] = cut::bounds(&link.nodes).map(|corner| (corner * 1e3).into());
-        let place = patch.link_from_patch.translation.vector;
-        let turn = patch.link_from_patch.rotation;
+        let place = patch.link_from_skin.translation.vector;
+        let turn = patch.link_from_skin.rotation;
         let (roll, pitch, yaw) = turn.euler_angles();
         Self {
             skin,
@@ -327,7 +345,7 @@ impl Report {
     }
 }
 
-fn median_smallest_angle(patch: &Patch) -> f64 {
+fn median_smallest_angle(patch: &Cutout) -> f64 {
     let corners = (0..patch.mesh.elements.len()).map(|element| patch.mesh.corners(element));
     median(corners.map(triangle::smallest_angle)).to_degrees()
 }

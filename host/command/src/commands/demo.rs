@@ -1,7 +1,7 @@
 //! `dermatome demo`: the whole chain, from a skin file to contacts, with no hardware.
 
 use super::{JsonReport, interrupt, noise::NoiseOptions, progress, tare::tare_with_spinner};
-use crate::demo::{self, Figures, Scorer, Watched};
+use crate::demo::{self, Figures, FrameRecord, Scorer, Watched};
 use dermatome_link::{self as link, Link};
 use dermatome_model::{model::Model, quantize, skin::Skin};
 use dermatome_patch::{
@@ -56,7 +56,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     check_folder(&args.png)?;
     let noise = args.noise.noise();
-    let mut skin = Skin::parse(Path::new(demo::SKIN_PATH), demo::SKIN)?;
+    let mut skin = Skin::parse(Path::new(demo::SKIN_PATH), demo::SKIN)?.made()?;
     // Every image is compared with one in f64 against the reference as it was averaged.
     skin.drift_time = 0.0;
     let spinner = progress::spinner();
@@ -108,14 +108,12 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 /// Draws the frames as they come, until the last one or Ctrl-C.
 fn show(link: &mut Link, scorer: &Scorer<'_>) -> anyhow::Result<Watched> {
     let mut live = Live::new(Some(scorer.layout.clone()));
-    let watched = demo::watch(link, scorer, |record| {
-        if let Some(record) = record {
-            live.keep_image(record.image.clone());
-            // A terminal that cannot be drawn on does not end the demo.
-            let _ = live.draw_if_due(record.at, &record.contacts);
-        }
-        !interrupt::requested()
-    })?;
+    let draw = |record: &FrameRecord| {
+        live.keep_image(record.image.clone());
+        // A terminal that cannot be drawn on does not end the demo.
+        let _ = live.draw_if_due(record.at, &record.contacts);
+    };
+    let watched = demo::watch(link, scorer, draw, || !interrupt::requested())?;
     let received = watched.records.len();
     if received < demo::FRAMES as usize {
         say!("stopped after {received} of {} frames", demo::FRAMES);

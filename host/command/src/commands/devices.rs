@@ -1,13 +1,16 @@
 //! `dermatome devices`.
 
-use super::drive::{self, DriveReport};
+use super::{
+    board::open,
+    drive::{self, DriveReport},
+};
 use dermatome_link::{
     Link,
     devices::{SerialPort, serial_ports},
     program::probe::DebugProbe,
 };
 use dermatome_shared::protocol::{FrameSource, Info};
-use dermatome_simulate::port::{self, Port};
+use dermatome_simulate::port::Port;
 use serde::Serialize;
 use std::time::Duration;
 
@@ -94,7 +97,7 @@ fn probe_line(probe: &DebugProbe) -> String {
 }
 
 fn ask(args: &Args, port: &Port) -> anyhow::Result<()> {
-    let mut link = port::open(port)?;
+    let mut link = open(port)?;
     let info = link.info()?;
     let answer = BoardAnswer::new(&link, &info);
     for line in answer.lines() {

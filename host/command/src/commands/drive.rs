@@ -1,5 +1,6 @@
 //! `dermatome drive`.
 
+use super::board::open;
 use anyhow::{Context, bail};
 use dermatome_model::skin::quantity::{self, Kind, Quantity};
 use dermatome_shared::{
@@ -8,7 +9,7 @@ use dermatome_shared::{
     protocol::{Info, Refusal, Request},
     scan::Timing,
 };
-use dermatome_simulate::port::{self, Port};
+use dermatome_simulate::port::Port;
 use serde::Serialize;
 
 /// Show how a board drives its skin, or change it until the next patch or restart.
@@ -82,7 +83,7 @@ struct Report<'a> {
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let mut link = port::open(&args.port)?;
+    let mut link = open(&args.port)?;
     let info = link.info()?;
     let patch = info.patch.as_ref().ok_or(Refusal::NoPatch);
     let patch = patch.with_context(|| format!("nothing to drive at `{}`", link.port()))?.clone();

@@ -1,6 +1,6 @@
 //! `dermatome evaluate`: how good a skin's images are, everywhere on it.
 
-use super::{JsonReport, interrupt, progress};
+use super::{JsonReport, flags::in_flags, interrupt, progress};
 use anyhow::Context;
 use dermatome_experiments::evaluate::{
     Evaluation, Length, Options, Watch, evaluate, evaluate_flattened, picture,
@@ -138,19 +138,30 @@ impl Watch for Bar {
     }
 }
 
+/// What sets the options that the library's errors name.
+const FLAGS: [(&str, &str); 5] = [
+    ("`diameter`", "--diameter"),
+    ("`spacing`", "--spacing"),
+    ("`electrode_error`", "--electrode-error"),
+    ("`impedance_error`", "--impedance-error"),
+    ("`seed`", "--seed"),
+];
+
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let start = Instant::now();
     if let Some(path) = &args.png {
         check_folder(path)?;
     }
-    let skin = Skin::load(&args.skin)?;
+    let skin = Skin::load(&args.skin)?.made()?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let spinner = progress::spinner();
     let model = Model::build(&skin, |stage| spinner.set_message(stage)).with_context(in_file)?;
     spinner.finish_and_clear();
     let bar = Bar(progress::counting());
-    let evaluation = evaluate(&skin, &model, &args.options(), &bar).with_context(in_file)?;
+    let evaluation = evaluate(&skin, &model, &args.options(), &bar)
+        .map_err(|error| in_flags(error, &FLAGS))
+        .with_context(in_file)?;
     anyhow::ensure!(!evaluation.singles.is_empty(), "stopped before the first target was done");
     let report = Report::new(&evaluation);
     let flattened = args.flatten.then(|| flattened(&skin, args, &bar)).transpose().with_context(in_file)?;
@@ -175,7 +186,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 /// What the model of the flattened skin makes of the same frames.
 fn flattened(skin: &Skin, args: &Args, bar: &Bar) -> anyhow::Result<Report> {
     let model = Model::build(&skin.flattened()?, |_| ())?;
-    Ok(Report::new(&evaluate_flattened(skin, &model, &args.options(), bar)?))
+    let evaluation = evaluate_flattened(skin, &model, &args.options(), bar);
+    Ok(Report::new(&evaluation.map_err(|error| in_flags(error, &FLAGS))?))
 }
 
 fn draw(path: &std::path::Path, told: &Told<'_>, evaluation: &Evaluation) -> anyhow::Result<()> {

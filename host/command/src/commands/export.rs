@@ -32,7 +32,7 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let skin = Skin::load(&args.skin)?;
+    let skin = Skin::load(&args.skin)?.made()?;
     prepare_folder(&args.out)?;
     let spinner = progress::spinner();
     let export = Export::new(&skin, |stage| spinner.set_message(stage))

@@ -1,6 +1,8 @@
 //! `dermatome firmware`.
 
-use dermatome_link::program::firmware::Firmware;
+use dermatome_link::program::firmware::{Firmware, FirmwareError};
+#[cfg(any(test, feature = "probe"))]
+use dermatome_link::program::probe::{ChoiceError, table};
 use std::path::PathBuf;
 
 /// Where `firmware/build` leaves the firmware, seen from a checkout.
@@ -31,8 +33,24 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let firmware = Firmware::load(&args.elf)?;
+    let firmware = Firmware::load(&args.elf).map_err(|error| match error {
+        FirmwareError::Read { .. } => anyhow::anyhow!("{error}, `--elf FILE` names another"),
+        error => error.into(),
+    })?;
     program(args, &firmware)
+}
+
+/// Why no probe was chosen, with the option that chooses one.
+#[cfg(any(test, feature = "probe"))]
+fn unchosen(error: ChoiceError) -> anyhow::Error {
+    match error {
+        ChoiceError::Several { probes } => anyhow::anyhow!(
+            "{} debug probes fit: choose one with `--probe ID`; there are\n{}",
+            probes.len(),
+            table(&probes)
+        ),
+        error => error.into(),
+    }
 }
 
 #[cfg(not(feature = "probe"))]
@@ -53,14 +71,14 @@ use with_probe::program;
 mod with_probe {
     use super::{
         super::{interrupt, progress},
-        Args,
+        Args, unchosen,
     };
     use dermatome_link::program::{
         firmware::Firmware,
-        log::Log,
+        log::{Log, NoLog},
         probe::{
             DebugProbe,
-            attached::{self, Board, ProbeError, Progress},
+            attached::{self, Board, Progress},
             choose,
         },
     };
@@ -76,15 +94,19 @@ mod with_probe {
     }
 
     pub(super) fn program(args: &Args, firmware: &Firmware) -> anyhow::Result<()> {
-        let log = args.logs.then(|| Log::new(firmware)).transpose().map_err(ProbeError::NoLog)?;
+        let log = args.logs.then(|| Log::new(firmware)).transpose().map_err(no_log)?;
         let probes = attached::probes();
-        let probe = choose(&probes, args.probe.as_deref())?;
+        let probe = choose(&probes, args.probe.as_deref()).map_err(unchosen)?;
         let mut board = Board::attach(probe)?;
         let started = Instant::now();
         write(&mut board, firmware)?;
         board.reset(log.as_ref())?;
         report(args, firmware, probe, started.elapsed())?;
         log.map_or(Ok(()), |log| follow(&mut board, &log))
+    }
+
+    fn no_log(error: NoLog) -> anyhow::Error {
+        anyhow::anyhow!("{error}: leave `--logs` away. Nothing was erased")
     }
 
     fn write(board: &mut Board, firmware: &Firmware) -> anyhow::Result<()> {
@@ -107,5 +129,28 @@ mod with_probe {
     fn follow(board: &mut Board, log: &Log) -> anyhow::Result<()> {
         interrupt::install()?;
         Ok(board.follow(log, interrupt::requested, |line| say!("{line}"))?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dermatome_link::program::probe::{DebugProbe, choose};
+
+    #[test]
+    fn of_several_probes_one_must_be_chosen_by_its_option() {
+        let probe = |serial: &str| DebugProbe {
+            name: "STLink V3".to_owned(),
+            vendor_id: 0x0483,
+            product_id: 0x374E,
+            serial_number: Some(serial.to_owned()),
+            accessible: true,
+        };
+        let probes = [probe("0042"), probe("00AB")];
+        assert_eq!(
+            unchosen(choose(&probes, None).unwrap_err()).to_string(),
+            "2 debug probes fit: choose one with `--probe ID`; there are\n  0042  STLink V3\n  00AB  STLink V3"
+        );
+        assert!(unchosen(choose(&[], None).unwrap_err()).to_string().contains("connect the board's ST-LINK"));
     }
 }

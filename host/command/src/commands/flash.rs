@@ -1,10 +1,10 @@
 //! `dermatome flash`.
 
-use super::{BoardReport, progress};
+use super::{BoardReport, board::open, progress};
 use anyhow::Context;
 use dermatome_link::{self as link, Link};
 use dermatome_shared::protocol::PatchInfo;
-use dermatome_simulate::port::{self, Port};
+use dermatome_simulate::port::Port;
 use serde::Serialize;
 use std::{
     path::PathBuf,
@@ -40,7 +40,7 @@ struct Report<'a> {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let path = args.patch.display();
     let bytes = std::fs::read(&args.patch).with_context(|| format!("cannot read patch `{path}`"))?;
-    let mut link = port::open(&args.port)?;
+    let mut link = open(&args.port)?;
     let started = Instant::now();
     let bar = progress::sending(bytes.len());
     let result = link::upload(&mut link, &bytes, |sent| bar.inc(sent as u64));

@@ -3,12 +3,8 @@
 use super::JsonReport;
 use anyhow::{Context, bail};
 use dermatome_frames::{
-    interchange::{
-        array::Array,
-        conductivity::{self, Voltages},
-        npy,
-    },
-    recorded::read::Source,
+    array::{Array, Source, npy},
+    interchange::conductivity::{self, Voltages},
 };
 use dermatome_geometry::mesh::{Lattice, Mesh};
 use dermatome_model::{
@@ -66,7 +62,7 @@ struct Report {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let out = args.out.as_deref().map(Format::of).transpose()?;
     args.out.as_deref().map_or(Ok(()), check_folder)?;
-    let skin = Skin::load(&args.skin)?;
+    let skin = Skin::load(&args.skin)?.made()?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let mesh = mesh(&skin, 1.0, Lattice::default()).with_context(in_file)?;
     let source = args.conductivity.as_deref().map(Source::new);
@@ -126,9 +122,9 @@ impl Format {
             }
             Self::Npy => {
                 let list = if *complex {
-                    Array::list("voltages", values.len(), |step| values[step])
+                    Array::list(values.len(), |step| values[step])
                 } else {
-                    Array::list("voltages", values.len(), |step| values[step].re)
+                    Array::list(values.len(), |step| values[step].re)
                 };
                 Ok(stream_whole(path, |out| npy::write(out, &list))?)
             }

@@ -2,8 +2,9 @@
 
 use super::choices::SenseOrder;
 use dermatome_frames::recorded::{
-    order::Arrangement,
+    order::{self, Arrangement},
     read::{Frames, ReadError, Source, read},
+    wording::Wording,
 };
 use dermatome_model::skin::Skin;
 
@@ -40,7 +41,51 @@ impl FrameOptions {
     }
 }
 
+/// Names these options in advice.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Flags;
+
+impl Wording for Flags {
+    fn arrangement(&self, arrangement: &Arrangement) -> String {
+        let options = [
+            (arrangement.sense == order::SenseOrder::Relative).then(|| "--order relative".to_owned()),
+            (arrangement.rotation > 0).then(|| format!("--rotation {}", arrangement.rotation)),
+            arrangement.mirrored.then(|| "--mirror".to_owned()),
+        ];
+        options.into_iter().flatten().collect::<Vec<_>>().join(" ")
+    }
+
+    fn offset(&self, value: f64) -> String {
+        format!("use --offset {value:.4}")
+    }
+}
+
 fn finite(text: &str) -> Result<f64, String> {
     let value = text.parse().ok().filter(|value: &f64| value.is_finite());
     value.ok_or_else(|| "allowed are finite numbers".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dermatome_frames::recorded::wording::Rearrangement;
+
+    #[test]
+    fn each_wrong_order_is_told_with_the_options_that_mend_it() {
+        let arrangement = |relative: bool, rotation: u8, mirrored: bool| Arrangement {
+            sense: if relative { order::SenseOrder::Relative } else { order::SenseOrder::Absolute },
+            rotation,
+            mirrored,
+        };
+        let advice = |best, used| Rearrangement { used, best, rotation_ambiguous: false }.told(&Flags);
+        let plain = Arrangement::default();
+        assert_eq!(advice(arrangement(true, 0, false), plain), "use --order relative");
+        assert_eq!(advice(arrangement(false, 3, false), plain), "use --rotation 3");
+        assert_eq!(advice(arrangement(false, 0, true), plain), "use --mirror");
+        let all = arrangement(true, 5, true);
+        assert_eq!(advice(all, plain), "use --order relative --rotation 5 --mirror");
+        assert_eq!(advice(plain, all), "leave out --order relative --rotation 5 --mirror");
+        let turned = arrangement(false, 5, false);
+        assert_eq!(advice(turned, arrangement(false, 5, true)), "use --rotation 5, without --mirror");
+    }
 }

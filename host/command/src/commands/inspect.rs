@@ -84,7 +84,7 @@ fn print(report: &Report) {
     say!("contact from  {:.3} relative conductivity change", header.contact_threshold.to_f64());
     match header.calibration.points.last() {
         Some(last) => say!(
-            "calibration   {} points up to {} kPa, {} plays against hysteresis, {}",
+            "calibration   {} points up to {} kPa, {} play operators against hysteresis, {}",
             header.calibration.points.len(),
             last.pressure / 1e3,
             header.play_operators,

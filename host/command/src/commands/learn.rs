@@ -3,14 +3,15 @@
 use super::{
     JsonReport,
     choices::Strength,
-    frame_options::FrameOptions,
-    kept::refuse_to_lose,
-    patch_id, progress,
+    flags::in_flags,
+    frame_options::{Flags, FrameOptions},
+    patch_id,
+    preserved::refuse_to_lose,
+    progress,
     reconstruct::{WeightChoice, weigh_by_magnitude},
 };
 use anyhow::Context;
 use dermatome_frames::{
-    calibrate::stored::Stored,
     learn::{LearnReport, MOST_TEST, Request, judge::Errors, learn, presses::Recording},
     recorded::{
         diagnose::diagnose,
@@ -22,7 +23,7 @@ use dermatome_model::{
     quantize::{self, FixedPointError},
     skin::Skin,
 };
-use dermatome_patch::output::write_whole;
+use dermatome_patch::{output::write_whole, write::Stored};
 use dermatome_shared::patch::PatchView;
 use serde::Serialize;
 use std::{ffi::OsString, path::PathBuf};
@@ -93,12 +94,12 @@ const TRIALS: usize = 32;
 const TURNED: f64 = 8.0;
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let mut skin = Skin::load(&args.skin)?;
+    let mut skin = Skin::load(&args.skin)?.made()?;
     let in_presses = || format!("presses `{}`", args.presses.display());
     let in_both = || format!("presses `{}` on skin file `{}`", args.presses.display(), args.skin.display());
     let recording = read(args, &skin).with_context(in_presses)?;
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.dermatome", skin.name)));
-    let of_new = Stored { curve: skin.calibration.clone(), plays: Vec::new() };
+    let of_new = Stored::curve(skin.calibration.clone());
     refuse_to_lose(&path, &of_new, "another `--output`, or remove the file and calibrate after learning")?;
     if let WeightChoice::Magnitude = args.weights {
         weigh_by_magnitude(&mut skin, &recording.unpressed, &args.options).with_context(in_presses)?;
@@ -119,7 +120,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         diagnose(&model.steps, electrodes, &model.voltages, &presses.mean_reference, arrangement)?;
     write_whole(&path, &learnt.patch)?;
     spinner.finish_and_clear();
-    let mut warnings = diagnosis.warnings();
+    let mut warnings = diagnosis.warnings(&Flags);
     warnings.extend(doubts(&skin, &learnt.report));
     let report = Report {
         skin: skin.name.clone(),
@@ -140,7 +141,8 @@ fn read(args: &Args, skin: &Skin) -> anyhow::Result<Recording> {
     let of_reference = |name: &OsString| args.options.read(&Source::new(name), skin);
     let reference: Option<Frames> = args.reference.as_ref().map(of_reference).transpose()?;
     let (electrodes, steps) = (skin.electrodes.count, skin.steps().len());
-    Ok(Recording::read(&args.presses, reference, args.options.offset(), electrodes, steps)?)
+    Recording::read(&args.presses, reference, args.options.offset(), electrodes, steps)
+        .map_err(|error| in_flags(error, &[("as a reference of their own", "with --reference")]))
 }
 
 /// What the figures say against the result.

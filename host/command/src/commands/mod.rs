@@ -19,6 +19,7 @@ macro_rules! say {
     };
 }
 
+mod board;
 mod build;
 mod calibrate;
 mod check;
@@ -32,18 +33,20 @@ mod evaluate;
 mod experiment;
 mod export;
 mod firmware;
+mod flags;
 mod flash;
 mod forward;
 mod frame_options;
 mod inspect;
 pub(crate) mod interrupt;
-mod kept;
 mod learn;
 mod noise;
+mod preserved;
 mod progress;
 mod reconstruct;
 mod scope;
 mod simulate;
+mod skin_of_cutout;
 mod stream;
 mod tare;
 

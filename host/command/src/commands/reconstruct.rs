@@ -1,6 +1,10 @@
 //! `dermatome reconstruct`: frames of other people's instruments -> images and what they show.
 
-use super::{JsonReport, choices::Polarity, frame_options::FrameOptions};
+use super::{
+    JsonReport,
+    choices::Polarity,
+    frame_options::{Flags, FrameOptions},
+};
 use anyhow::{Context, bail};
 use dermatome_frames::recorded::{
     diagnose::{Diagnosis, diagnose},
@@ -11,6 +15,7 @@ use dermatome_frames::recorded::{
 use dermatome_model::{
     model::Model,
     skin::{Skin, Weights, electrodes_in_plane},
+    stimulation::Stimulation,
 };
 use dermatome_patch::{layout::Layout, output::write_whole};
 use dermatome_shared::patch::Difference;
@@ -85,7 +90,7 @@ struct Report {
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let (reference_source, frames_source) = (Source::new(&args.reference), Source::new(&args.frames));
-    let mut skin = Skin::load(&args.skin)?;
+    let mut skin = Skin::load(&args.skin)?.made()?;
     let reference = args.options.read(&reference_source, &skin)?;
     if let WeightChoice::Magnitude = args.weights {
         weigh_by_magnitude(&mut skin, &reference, &args.options)
@@ -130,14 +135,14 @@ pub(super) fn weigh_by_magnitude(
              --weights skin"
         );
     }
-    let steps = skin.steps();
+    let Stimulation { steps, combination } = skin.stimulation();
     let map = options.arrangement().index_map(&steps, skin.electrodes.count, reference.measurements)?;
-    skin.inverse.weights = Weights::Each(by_magnitude(&reference.mean(), &map, &skin.combination(&steps)));
+    skin.inverse.weights = Weights::Each(by_magnitude(&reference.mean(), &map, &combination));
     Ok(())
 }
 
 fn warnings(diagnosis: &Diagnosis, reference: &Frames, frames: &Frames) -> Vec<String> {
-    let mut warnings = diagnosis.warnings();
+    let mut warnings = diagnosis.warnings(&Flags);
     if reference.complex != frames.complex {
         let kind = |complex| if complex { "complex" } else { "real" };
         warnings.push(format!(

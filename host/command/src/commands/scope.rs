@@ -1,9 +1,9 @@
 //! `dermatome scope`.
 
-use super::{interrupt, stream::long_patience, tare::patch_of};
+use super::{board::open, interrupt, stream::silence_timeout, tare::patch_of};
 use dermatome_link::scope::capture;
 use dermatome_patch::output::{check_folder, write_whole};
-use dermatome_simulate::port::{self, Port};
+use dermatome_simulate::port::Port;
 use dermatome_view::trace;
 use std::path::PathBuf;
 
@@ -31,10 +31,10 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     args.png.as_deref().map_or(Ok(()), check_folder)?;
-    let mut link = port::open(&args.port)?;
+    let mut link = open(&args.port)?;
     let patch = patch_of(&mut link)?;
     let info = link.info()?;
-    let trace = capture(&mut link, &info, args.slot, long_patience(&patch), || !interrupt::requested())?;
+    let trace = capture(&mut link, &info, args.slot, silence_timeout(&patch), || !interrupt::requested())?;
     let Some(trace) = trace else { return Ok(()) };
     let what = match args.slot.checked_sub(patch.steps) {
         None => format!("step {}", args.slot),

@@ -74,7 +74,7 @@ const POLL: Duration = Duration::from_millis(50);
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
-    let skin = Skin::load(&args.skin)?;
+    let skin = Skin::load(&args.skin)?.made()?;
     let script = script(args, &*skin.shape.from_above()?)?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let noise = args.noise.noise();

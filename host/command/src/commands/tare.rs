@@ -1,6 +1,9 @@
 //! `dermatome tare`.
 
-use super::BoardReport;
+use super::{
+    BoardReport,
+    board::{advised, open},
+};
 use anyhow::Context;
 use dermatome_link::{self as link, Link};
 use dermatome_shared::{
@@ -8,7 +11,7 @@ use dermatome_shared::{
     protocol::{FrameSource, PatchInfo, Refusal},
     reference::DEFAULT_TARE_FRAMES,
 };
-use dermatome_simulate::port::{self, Port};
+use dermatome_simulate::port::Port;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -41,7 +44,7 @@ struct Report<'a> {
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let mut link = port::open(&args.port)?;
+    let mut link = open(&args.port)?;
     let patch = patch_of(&mut link)?;
     let started = Instant::now();
     tare_with_spinner(&mut link, &patch, args.frames)?;
@@ -56,7 +59,7 @@ pub(super) fn tare_with_spinner(link: &mut Link, patch: &PatchInfo, frames: u16)
     spinner.set_message(format!("averaging {frames} frames of the untouched skin"));
     let tared = link::tare(link, frames, link::tare_timeout(patch, frames));
     spinner.finish_and_clear();
-    Ok(tared?)
+    tared.map_err(advised)
 }
 
 /// The patch on the board, which it must hold, with the drive in effect. Says so if the board's frames

@@ -1,18 +1,12 @@
-//! Watches a board's stream and puts the parts of each frame together.
+//! Watches a board's stream and scores its frames.
 
 use super::{FRAMES, FrameRecord, Scorer};
-use dermatome_link::{self as link, Link, LinkError};
-use dermatome_shared::{
-    contact::Contacts,
-    protocol::{Event, Reply, Request, Selection},
-    units::AdcCode,
-};
+use dermatome_link::{Link, LinkError, LinkErrorKind, ScanFrame};
+use dermatome_shared::protocol::{Reply, Request, Selection};
 use std::time::{Duration, Instant};
 
 /// A board that is silent for so long has a fault.
 const SILENCE: Duration = Duration::from_secs(5);
-/// How often to ask whether to go on while nothing comes.
-const POLL: Duration = Duration::from_millis(100);
 
 /// All that came over the link.
 #[derive(Debug, Default)]
@@ -41,68 +35,43 @@ pub(crate) fn reference(link: &mut Link) -> Result<Vec<f64>, LinkError> {
         Reply::Reference { frames, sums } => {
             Ok(sums.iter().map(|&sum| sum as f64 / f64::from(frames)).collect())
         }
-        _ => Err(LinkError::WrongReply { port: link.port().to_owned(), request: "Reference" }),
+        _ => Err(link.error(LinkErrorKind::WrongReply { request: "Reference" })),
     }
 }
 
-/// Streams until the demo's last frame has come, or `go_on` (which sees each new frame, and `None`
-/// while nothing comes) says no.
+/// Streams until the demo's last frame has come, or `go_on` says no; `show` sees each complete frame.
 pub(crate) fn watch(
     link: &mut Link,
     scorer: &Scorer<'_>,
-    mut go_on: impl FnMut(Option<&FrameRecord>) -> bool,
+    mut show: impl FnMut(&FrameRecord),
+    go_on: impl Fn() -> bool,
 ) -> Result<Watched, LinkError> {
     let selection = Selection { images: 1, contacts: 1, measurements: 1, ..Selection::default() };
-    let first_sequence = link::stream(link, selection)?;
+    let mut stream = link.subscribe(selection)?;
+    let first_sequence = stream.first_sequence();
     let mut watched = Watched::default();
-    let mut arriving = Arriving::default();
-    let mut heard = Instant::now();
     let mut next = 0;
     while next < FRAMES {
-        let Some(event) = link.next_event(POLL)? else {
-            if heard.elapsed() > SILENCE {
-                return Err(LinkError::NoAnswer { port: link.port().to_owned(), timeout: SILENCE });
-            }
-            if !go_on(None) {
-                break;
-            }
-            continue;
-        };
-        heard = Instant::now();
-        let Some(record) = arriving.take(event, first_sequence, scorer) else { continue };
-        watched.first.get_or_insert(heard);
-        watched.last = Some(heard);
+        let Some(frame) = stream.next_while(SILENCE, &go_on)? else { break };
+        let now = Instant::now();
+        let Some(record) = record(frame, first_sequence, scorer) else { continue };
+        watched.first.get_or_insert(now);
+        watched.last = Some(now);
         next = record.index + 1;
+        show(&record);
         watched.records.push(record);
-        if !go_on(watched.records.last()) {
+        if !go_on() {
             break;
         }
     }
-    link::stream(link, Selection::default())?;
+    stream.stop()?;
     watched.lost = u64::from(next) - watched.records.len() as u64;
     Ok(watched)
 }
 
-/// Parts of the frame that is arriving, each with its frame's sequence number.
-#[derive(Default)]
-struct Arriving {
-    contacts: Option<(u32, Contacts)>,
-    codes: Option<(u32, Vec<AdcCode>)>,
-}
-
-impl Arriving {
-    /// Takes one event; the image comes last and completes a frame of which everything has arrived.
-    fn take(&mut self, event: Event, first_sequence: u32, scorer: &Scorer<'_>) -> Option<FrameRecord> {
-        match event {
-            Event::Contacts { at, contacts } => self.contacts = Some((at.sequence, contacts)),
-            Event::Measurements { at, codes, .. } => self.codes = Some((at.sequence, codes.to_vec())),
-            Event::Image { at, image } => {
-                let (_, contacts) = self.contacts.take().filter(|(sequence, _)| *sequence == at.sequence)?;
-                let (_, codes) = self.codes.take().filter(|(sequence, _)| *sequence == at.sequence)?;
-                return Some(scorer.record(at, first_sequence, image.values().collect(), contacts, &codes));
-            }
-            Event::Tared { .. } | Event::Health { .. } | Event::Scope(_) => {}
-        }
-        None
-    }
+/// A frame of which everything has come.
+fn record(frame: ScanFrame, first_sequence: u32, scorer: &Scorer<'_>) -> Option<FrameRecord> {
+    let (at, contacts, image) = (frame.at?, frame.contacts?, frame.image?);
+    let codes = frame.measurements?.codes;
+    Some(scorer.record(at, first_sequence, image.values().collect(), contacts, &codes))
 }

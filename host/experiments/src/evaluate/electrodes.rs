@@ -40,7 +40,7 @@ fn normal(deviation: f64) -> Normal<f64> {
 fn move_electrodes(skin: &mut Skin, shift: f64, random: &mut Pcg64Mcg) -> Result<(), EvaluateError> {
     let Shape::Sheet(sheet) = &mut skin.shape else {
         return Err(EvaluateError::Unsuited {
-            option: "electrode-error",
+            option: "electrode_error",
             why: "the skin is an imported mesh, whose electrodes cannot move",
         });
     };
@@ -81,7 +81,7 @@ fn change_impedances(
 ) -> Result<(), EvaluateError> {
     let ElectrodeModel::Complete { contact_impedance, .. } = model else {
         return Err(EvaluateError::Unsuited {
-            option: "impedance-error",
+            option: "impedance_error",
             why: "point electrodes have no contact impedance",
         });
     };
@@ -154,12 +154,12 @@ mod tests {
         let mut skin = coarse_disc();
         skin.electrodes.model = ElectrodeModel::Point;
         let refused = with_errors(&skin, 0.0, 0.1, 1).unwrap_err();
-        assert!(refused.to_string().contains("--impedance-error"), "{refused}");
+        assert!(refused.to_string().contains("`impedance_error`"), "{refused}");
         let mesh =
             dermatome_model::model::mesh(&skin, 1.0, dermatome_geometry::mesh::Lattice::default()).unwrap();
         skin.shape = Shape::Mesh { mesh: Box::new(mesh), outline: None };
         assert_eq!(spacing(&skin), None);
         let refused = with_errors(&skin, 1e-3, 0.0, 1).unwrap_err();
-        assert!(refused.to_string().contains("--electrode-error"), "{refused}");
+        assert!(refused.to_string().contains("`electrode_error`"), "{refused}");
     }
 }

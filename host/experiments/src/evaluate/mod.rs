@@ -107,7 +107,7 @@ pub enum EvaluateError {
     #[error("the true skin has no model: {0}")]
     Model(#[from] ModelError),
     /// An argument that does not fit the skin.
-    #[error("--{option} is {value}; allowed here: {allowed}")]
+    #[error("`{option}` is {value}; allowed here: {allowed}")]
     Argument {
         /// The option.
         option: &'static str,
@@ -117,7 +117,7 @@ pub enum EvaluateError {
         allowed: String,
     },
     /// An option that means nothing on this skin.
-    #[error("--{option} cannot be used: {why}")]
+    #[error("`{option}` cannot be used: {why}")]
     Unsuited {
         /// The option.
         option: &'static str,
@@ -126,8 +126,8 @@ pub enum EvaluateError {
     },
     /// Electrode errors that make electrodes touch.
     #[error(
-        "electrodes {first} and {second} of the true skin would touch; allowed: a smaller --electrode-error, \
-         or another --seed"
+        "electrodes {first} and {second} of the true skin would touch; allowed: a smaller `electrode_error`, \
+         or another `seed`"
     )]
     Overlap {
         /// One electrode, from 1.
@@ -214,7 +214,7 @@ fn evaluate_through(
 fn electrode_error(skin: &Skin, options: &Options) -> Result<f64, EvaluateError> {
     match (options.electrode_error, electrodes::spacing(skin)) {
         (Length::Share(share), None) if share > 0.0 => Err(EvaluateError::Unsuited {
-            option: "electrode-error",
+            option: "electrode_error",
             why: "no electrodes lie along the rim, so there is no spacing to take per cent of",
         }),
         (error, spacing) => Ok(error.of(spacing.unwrap_or(0.0))),

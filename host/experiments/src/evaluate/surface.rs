@@ -1,10 +1,10 @@
 //! Surface: where on a skin something lies, flat or curved, seen through the true skin's mesh.
 
 use dermatome_geometry::{
-    mesh::{Mesh, neighbours::rim_edges, triangle},
+    mesh::{Mesh, neighbours::boundary_edges, triangle},
     outline::Outline,
 };
-use dermatome_model::{pixels::patches, skin::Shape};
+use dermatome_model::{pixels::element_patches, skin::Shape};
 use nalgebra::{Point2, Point3, Unit, Vector3};
 
 /// A skin's surface.
@@ -124,7 +124,7 @@ impl<'a> Surface<'a> {
             }
             None => {
                 let count = (self.area() / (spacing * spacing)).round().max(1.0) as usize;
-                patches(self.mesh, count).centres.iter().map(|&centre| self.onto(centre)).collect()
+                element_patches(self.mesh, count).centres.iter().map(|&centre| self.onto(centre)).collect()
             }
         }
     }
@@ -162,7 +162,7 @@ pub(super) fn extent(mesh: &Mesh, axis: usize) -> (f64, f64) {
 }
 
 fn boundary(mesh: &Mesh) -> Vec<[Point3<f64>; 2]> {
-    rim_edges(&mesh.elements).into_iter().map(|edge| edge.map(|node| mesh.nodes[node])).collect()
+    boundary_edges(&mesh.elements).into_iter().map(|edge| edge.map(|node| mesh.nodes[node])).collect()
 }
 
 /// From a point to an edge.

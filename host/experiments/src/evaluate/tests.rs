@@ -9,7 +9,10 @@ use std::{
 
 /// A skin of 8 electrodes and a few hundred elements.
 pub(crate) fn coarse_disc() -> Skin {
-    Skin::parse(Path::new("tiny.toml"), include_str!("../../../tests/data/tiny.toml")).unwrap()
+    Skin::parse(Path::new("tiny.toml"), include_str!("../../../tests/data/tiny.toml"))
+        .unwrap()
+        .made()
+        .unwrap()
 }
 
 /// Stops after so many steps.
@@ -214,7 +217,7 @@ fn hemisphere() -> Skin {
         *node = Point3::new(tilt.sin() * turn.cos(), tilt.sin() * turn.sin(), tilt.cos()) * 0.05;
     }
     skin.shape = Shape::Mesh { mesh: Box::new(mesh), outline: None };
-    skin.image = ImageLayout::Patches { count: 150 };
+    skin.image = ImageLayout::ElementPatches { count: 150 };
     skin
 }
 
@@ -314,13 +317,13 @@ fn arguments_that_do_not_fit_the_skin_are_refused_with_what_is_allowed() {
     let cases = [
         (
             Options { diameter: Length::Share(0.6), ..PLAIN },
-            "--diameter is 60.00 mm; allowed here: 0.50 mm to 50.00 mm",
+            "`diameter` is 60.00 mm; allowed here: 0.50 mm to 50.00 mm",
         ),
-        (Options { diameter: Length::Metres(0.0), ..PLAIN }, "--diameter is 0.00 mm"),
-        (Options { spacing: Some(Length::Share(0.0)), ..PLAIN }, "--spacing is 0.00 mm; allowed here: 0.6"),
+        (Options { diameter: Length::Metres(0.0), ..PLAIN }, "`diameter` is 0.00 mm"),
+        (Options { spacing: Some(Length::Share(0.0)), ..PLAIN }, "`spacing` is 0.00 mm; allowed here: 0.6"),
         (
             Options { electrode_error: Length::Share(3.0), ..PLAIN },
-            "would touch; allowed: a smaller --electrode-error",
+            "would touch; allowed: a smaller `electrode_error`",
         ),
     ];
     for (options, expected) in cases {

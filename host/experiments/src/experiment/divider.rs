@@ -148,7 +148,7 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
 }
 
 fn trials(piece: &Piece) -> Result<Vec<Trial>, ExperimentError> {
-    let skin = Skin::parse(Path::new("divider"), piece.skin)?;
+    let skin = Skin::parse(Path::new("divider"), piece.skin)?.made()?;
     let truth = TrueSkin::new(&skin)?;
     let material = Material::named(piece.material)?;
     Ok((1..=TRIALS).map(|seed| trial(&truth, &material, skin.material.sheet_conductivity, seed)).collect())
@@ -244,7 +244,7 @@ mod tests {
 
     #[test]
     fn a_strip_has_the_resistance_of_its_squares_and_contacts() {
-        let skin = Skin::parse(Path::new("divider"), STRIPS).unwrap();
+        let skin = Skin::parse(Path::new("divider"), STRIPS).unwrap().made().unwrap();
         let truth = TrueSkin::new(&skin).unwrap();
         let untouched = truth.transfer(&vec![1.0; truth.mesh().elements.len()]);
         // 30 by 50 mm of 100 kohm per square, and two contacts of 25 ohm m over 49 mm.

@@ -28,7 +28,7 @@ const THESIS_HYSTERESIS: f64 = 1.06;
 /// The bath, looked at for falls of conductivity, tared without a cube.
 pub(super) fn bath(seed: u64) -> Result<SampleRig, ExperimentError> {
     let path = Path::new("models/saline-215mm/skin.toml");
-    let skin = Skin::parse(path, include_str!("../../../../models/saline-215mm/skin.toml"))?;
+    let skin = Skin::parse(path, include_str!("../../../../models/saline-215mm/skin.toml"))?.made()?;
     let mut rig = SampleRig::new(skin, Artefacts::SALINE, FRAMES, seed)?.inverted();
     rig.tare(&vec![1.0; rig.elements()]);
     Ok(rig)

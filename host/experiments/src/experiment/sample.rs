@@ -145,7 +145,7 @@ impl Sample {
     /// Its skin, driven as in the thesis.
     pub(super) fn skin(&self) -> Result<Skin, ExperimentError> {
         let (path, text) = self.skin;
-        let mut skin = Skin::parse(Path::new(path), text)?;
+        let mut skin = Skin::parse(Path::new(path), text)?.made()?;
         self.drive(&mut skin);
         skin.drive.component = self.component;
         Ok(skin)

@@ -5,7 +5,7 @@
 //! the board's own code with either patch. What the flattened model finds lies in its plane, and is laid back onto
 //! the true skin from above. The same codes are also resolved on the host ([`dermatome_model::multi_contact`]), which sees no image.
 
-use dermatome_geometry::mesh::{neighbours::rim_edges, triangle};
+use dermatome_geometry::mesh::{neighbours::boundary_edges, triangle};
 use dermatome_model::{
     model::ModelError,
     multi_contact::{ResolveError, Resolver, Settings},
@@ -173,7 +173,7 @@ fn centres(
 ) -> Result<Vec<Point3<f64>>, ScenesError> {
     const TRIES: usize = 10_000;
     let mesh = truth.mesh();
-    let boundary: Vec<_> = rim_edges(&mesh.elements).into_iter().flatten().collect();
+    let boundary: Vec<_> = boundary_edges(&mesh.elements).into_iter().flatten().collect();
     let area = |element: usize| triangle::area(mesh.corners(element));
     let largest = (0..mesh.elements.len()).map(area).fold(0.0, f64::max);
     let mut centres: Vec<Point3<f64>> = Vec::new();

@@ -1,6 +1,7 @@
-//! Fit: readings -> curve, plays and load share, or why they are no calibration.
+//! Fit: readings -> curve, play operators and load share, or why they are no calibration.
 
 use super::{Curve, Reading, Trial, compensated, curve::SAME_LOAD, hysteresis, identify, load_share, trials};
+use dermatome_patch::write::Stored;
 use dermatome_shared::{calibration::Calibration, hysteresis::PlayOperator};
 
 /// Fewest loads above none, and fewest points of the curve.
@@ -18,8 +19,8 @@ pub struct Fit {
     /// What the patch gets.
     pub calibration: Calibration,
     /// What the patch gets against hysteresis; empty without compensation.
-    pub plays: Vec<PlayOperator>,
-    /// Why there are no plays, or the trial that they were identified with.
+    pub play_operators: Vec<PlayOperator>,
+    /// Why there are no play operators, or the trial that they were identified with.
     pub compensation: Compensation,
     /// Hysteresis of each trial.
     pub loops: Vec<Loop>,
@@ -32,14 +33,14 @@ pub enum Compensation {
     Off,
     /// No trial comes back from its largest load.
     NoWayBack,
-    /// The loop of the trial that plays were identified with became no narrower.
+    /// The loop of the trial that play operators were identified with became no narrower.
     Useless {
         /// Index of the trial.
         trial: usize,
         /// Its hysteresis with them, per cent.
         percent: f64,
     },
-    /// Plays are stored.
+    /// Play operators are stored.
     On {
         /// Index of the trial that they were identified with.
         trial: usize,
@@ -51,7 +52,7 @@ pub enum Compensation {
 pub struct Loop {
     /// Of the strengths.
     pub raw: Option<f64>,
-    /// Of the pressures by curve and plays.
+    /// Of the pressures by curve and play operators.
     pub compensated: Option<f64>,
 }
 
@@ -89,18 +90,31 @@ pub enum FitError {
 }
 
 impl Fit {
-    /// Curve and plays from readings; the load share from the area of the indenter, mm^2, if that is known.
-    pub fn new(readings: &[Reading], indenter_mm2: Option<f64>, wants_plays: bool) -> Result<Self, FitError> {
+    /// Curve and play operators from readings; the load share from the area of the indenter, mm^2, if that is known.
+    pub fn new(
+        readings: &[Reading],
+        indenter_mm2: Option<f64>,
+        wants_compensation: bool,
+    ) -> Result<Self, FitError> {
         let trials = trials(readings);
         let curve = Curve::of_loading(&trials);
         let mut calibration = checked(&trials, &curve)?;
         if let Some(area) = indenter_mm2 {
             calibration.load_share = Some(load_share(readings, area).ok_or(FitError::NoArea)? as f32);
         }
-        let (plays, compensation) =
-            if wants_plays { plays(&trials, &calibration) } else { (Vec::new(), Compensation::Off) };
-        let loops = trials.iter().map(|trial| Loop::new(trial, &plays, &calibration)).collect();
-        Ok(Self { trials, curve, calibration, plays, compensation, loops })
+        let (play_operators, compensation) = if wants_compensation {
+            play_operators(&trials, &calibration)
+        } else {
+            (Vec::new(), Compensation::Off)
+        };
+        let loops = trials.iter().map(|trial| Loop::new(trial, &play_operators, &calibration)).collect();
+        Ok(Self { trials, curve, calibration, play_operators, compensation, loops })
+    }
+
+    /// What a patch gets of it.
+    #[must_use]
+    pub fn stored(&self) -> Stored {
+        Stored { curve: self.calibration.clone(), play_operators: self.play_operators.clone() }
     }
 
     /// Mean hysteresis of the trials that have a way back, per cent; none if none has one.
@@ -127,30 +141,30 @@ fn checked(trials: &[Trial], curve: &Curve) -> Result<Calibration, FitError> {
     Ok(calibration)
 }
 
-/// Plays of the first trial with a way back, if they make its loop narrower.
-fn plays(trials: &[Trial], calibration: &Calibration) -> (Vec<PlayOperator>, Compensation) {
+/// Play operators of the first trial with a way back, if they make its loop narrower.
+fn play_operators(trials: &[Trial], calibration: &Calibration) -> (Vec<PlayOperator>, Compensation) {
     let nothing = |why| (Vec::new(), why);
     let Some(trial) = trials.iter().position(Trial::has_way_back) else {
         return nothing(Compensation::NoWayBack);
     };
-    let plays = identify(&trials[trial], calibration);
+    let play_operators = identify(&trials[trial], calibration);
     let without = Loop::new(&trials[trial], &[], calibration);
-    let with = Loop::new(&trials[trial], &plays, calibration).compensated.unwrap_or(f64::INFINITY);
+    let with = Loop::new(&trials[trial], &play_operators, calibration).compensated.unwrap_or(f64::INFINITY);
     let is_narrower = |before: Option<f64>| before.is_some_and(|before| with < before);
     if is_narrower(without.raw) && is_narrower(without.compensated) {
-        (plays, Compensation::On { trial })
+        (play_operators, Compensation::On { trial })
     } else {
         nothing(Compensation::Useless { trial, percent: with })
     }
 }
 
 impl Loop {
-    fn new(trial: &Trial, plays: &[PlayOperator], calibration: &Calibration) -> Self {
+    fn new(trial: &Trial, play_operators: &[PlayOperator], calibration: &Calibration) -> Self {
         if !trial.has_way_back() {
             return Self::default();
         }
         let strengths: Vec<f64> = trial.readings.iter().map(|reading| reading.strength).collect();
-        let pressures = compensated(&strengths, plays, calibration, 0.0);
+        let pressures = compensated(&strengths, play_operators, calibration, 0.0);
         let known = |trial: &Trial| Some(hysteresis(trial)).filter(|percent| percent.is_finite());
         Self { raw: known(trial), compensated: known(&trial.with_strengths(&pressures)) }
     }

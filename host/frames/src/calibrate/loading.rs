@@ -95,13 +95,13 @@ fn records<'a>(
     readings: impl Iterator<Item = &'a Reading>,
     is_new: impl Fn(f64, f64) -> bool,
 ) -> Vec<Reading> {
-    let mut kept: Vec<Reading> = Vec::new();
+    let mut records: Vec<Reading> = Vec::new();
     for reading in readings {
-        if kept.last().is_none_or(|last| is_new(reading.pressure_kpa, last.pressure_kpa)) {
-            kept.push(*reading);
+        if records.last().is_none_or(|last| is_new(reading.pressure_kpa, last.pressure_kpa)) {
+            records.push(*reading);
         }
     }
-    kept
+    records
 }
 
 /// Hysteresis, per cent of rated output (thesis equation 3.6): the widest deviation of the strengths at one load.

@@ -4,39 +4,31 @@ use super::{
     Hold, Reading,
     pairing::{NoFrames, Pairing, Strongest},
 };
-use dermatome_link::{self as link, Link, LinkError};
-use dermatome_shared::{
-    contact::Contact,
-    protocol::{Event, Selection},
-};
-use std::time::{Duration, Instant};
+use dermatome_link::{Link, LinkError};
+use dermatome_shared::{contact::Contact, protocol::Selection};
+use std::time::Duration;
 
 /// Streams contacts while the loads are applied, the first frame at time 0, and pairs them with the loads.
 ///
-/// `progress` hears of each reading; silence longer than `patience` ends it with an error.
+/// `progress` hears of each reading; silence for `timeout` ends it with an error.
 pub fn measure(
     link: &mut Link,
     loads: &[Hold],
-    patience: Duration,
+    timeout: Duration,
     mut progress: impl FnMut(&Reading),
 ) -> Result<Vec<Reading>, MeasureError> {
-    link::stream(link, Selection { contacts: 1, ..Selection::default() })?;
+    let mut stream = link.subscribe(Selection { contacts: 1, ..Selection::default() })?;
     let mut pairing = Pairing::new(loads);
-    let (mut start, mut last_event) = (None, Instant::now());
+    let mut start = None;
     while !pairing.is_complete() {
-        let Some(event) = link.next_event(patience)? else {
-            if last_event.elapsed() >= patience {
-                return Err(MeasureError::Silence { seconds: patience.as_secs_f64() });
-            }
-            continue;
-        };
-        let Event::Contacts { at, contacts } = event else { continue };
-        last_event = Instant::now();
+        let silence = MeasureError::Silence { seconds: timeout.as_secs_f64() };
+        let frame = stream.next(timeout)?.ok_or(silence)?;
+        let (Some(at), Some(contacts)) = (frame.at, frame.contacts) else { continue };
         let since_start = at.timestamp_us.checked_sub(*start.get_or_insert(at.timestamp_us));
         let time = since_start.ok_or(MeasureError::Restarted)? as f64 * 1e-6;
         pairing.add(time, contacts.first().map(Strongest::from))?.iter().for_each(&mut progress);
     }
-    link::stream(link, Selection::default())?;
+    stream.stop()?;
     Ok(pairing.into_readings())
 }
 

@@ -1,7 +1,7 @@
-//! Calibration: what a skin reads under known loads -> its curve, its hysteresis, and the plays against it.
+//! Calibration: what a skin reads under known loads -> its curve, its hysteresis, and the play operators against it.
 //!
 //! Readings of a loading machine become [`Trial`]s (up and down again); their loading branches make the
-//! curve with its uncertainty ([`Curve`]); the first trial identifies the plays ([`identify`]) that the board
+//! curve with its uncertainty ([`Curve`]); the first trial identifies the play operators ([`identify`]) that the board
 //! takes hysteresis out with ([`dermatome_shared::hysteresis`]); the other trials judge them. The indenter's known
 //! area says how much of a contact's area its pressure acts on ([`load_share`]). [`Fit`] is all of it.
 
@@ -14,10 +14,8 @@ mod loading;
 mod measure;
 mod network;
 mod pairing;
-pub mod patch;
 mod plot;
 mod recording;
-pub mod stored;
 
 pub use curve::{Curve, CurvePoint, isotonic};
 pub use file::{FileError, Hold, read_loads, read_readings};

@@ -11,7 +11,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 
-/// Half widths of the plays, shares of the largest strength.
+/// Thresholds of the play operators, shares of the largest strength.
 const WIDTHS: [f64; 7] = [0.01, 0.03, 0.06, 0.12, 0.2, 0.3, 0.45];
 const INPUTS: usize = WIDTHS.len() + 2;
 const UNITS: usize = 10;
@@ -68,13 +68,13 @@ impl Network {
 
     /// The fixed layer: `[reading]` of `[input]`.
     fn inputs(&self, strengths: &[f64]) -> Vec<DVector<f64>> {
-        let mut held = [0.0_f64; WIDTHS.len()];
+        let mut states = [0.0_f64; WIDTHS.len()];
         let input = |strength: &f64| {
             let x = strength / self.largest.strength;
-            for (held, width) in held.iter_mut().zip(WIDTHS) {
-                *held = held.clamp(x - width, x + width);
+            for (state, width) in states.iter_mut().zip(WIDTHS) {
+                *state = state.clamp(x - width, x + width);
             }
-            let differences = held.iter().map(|held| x - held);
+            let differences = states.iter().map(|state| x - state);
             DVector::from_iterator(INPUTS, [x].into_iter().chain(differences).chain([1.0]))
         };
         strengths.iter().map(input).collect()

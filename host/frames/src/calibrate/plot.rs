@@ -1,71 +1,66 @@
 //! Picture of a calibration, as SVG: readings, and the curve with its uncertainty.
 
 use super::{Curve, Trial};
-use plotters::{drawing::DrawingAreaErrorKind, prelude::*};
-use std::{io, ops::Range};
+use plotters::prelude::*;
+use std::ops::Range;
 
+/// Width and height, pixels.
 const SIZE: (u32, u32) = (640, 440);
-const CURVE: RGBColor = RGBColor(0x1f, 0x6f, 0xb4);
-const READINGS: RGBColor = RGBColor(0x88, 0x88, 0x88);
+const FRAME: RGBColor = RGBColor(40, 40, 40);
+const READINGS: RGBColor = RGBColor(136, 136, 136);
+const CURVE: RGBColor = RGBColor(31, 111, 180);
 const TICKS: usize = 6;
 
 /// Strength against pressure: each trial's readings, and the curve with two standard deviations around it.
 #[must_use]
 pub fn svg(skin: &str, trials: &[Trial], curve: &Curve) -> String {
-    let mut text = String::new();
-    draw(&mut text, skin, trials, curve).expect("text takes every drawing");
-    text
+    let mut svg = String::new();
+    draw(&mut svg, skin, trials, curve).expect("text takes text");
+    svg
 }
 
 fn draw(
-    text: &mut String,
+    svg: &mut String,
     skin: &str,
     trials: &[Trial],
     curve: &Curve,
-) -> Result<(), DrawingAreaErrorKind<io::Error>> {
-    let area = SVGBackend::with_string(text, SIZE).into_drawing_area();
-    area.fill(&WHITE)?;
+) -> Result<(), Box<dyn std::error::Error>> {
     let readings = || trials.iter().flat_map(|trial| &trial.readings);
-    let band = band(curve);
-    let x = range(readings().map(|reading| reading.pressure_kpa));
-    let y = range(readings().map(|reading| reading.strength).chain(band.iter().map(|point| point.1)));
+    let edge = |deviations: f64| {
+        curve.points.iter().map(move |p| (p.pressure_kpa, p.strength + deviations * p.deviation))
+    };
+    let band: Vec<_> = edge(2.0).chain(edge(-2.0).rev()).collect();
+    let pressures = range(readings().map(|r| r.pressure_kpa));
+    let strengths = range(readings().map(|r| r.strength).chain(band.iter().map(|place| place.1)));
+    let area = SVGBackend::with_string(svg, SIZE).into_drawing_area();
+    area.fill(&WHITE)?;
     let mut chart = ChartBuilder::on(&area)
-        .caption(format!("{skin}: calibration"), ("sans-serif", 16))
-        .margin(10)
-        .margin_right(24)
-        .x_label_area_size(40)
+        .caption(format!("{skin}: calibration"), ("sans-serif", 15))
+        .margin(14)
+        .x_label_area_size(42)
         .y_label_area_size(66)
-        .build_cartesian_2d(x, y)?;
+        .build_cartesian_2d(pressures, strengths)?;
     chart
         .configure_mesh()
+        .disable_mesh()
         .x_desc("pressure, kPa")
         .y_desc("strength")
         .x_labels(TICKS)
         .y_labels(TICKS)
-        .x_label_formatter(&|value| format!("{value:.1}"))
-        .y_label_formatter(&|value| format!("{value:.3}"))
-        .light_line_style(WHITE)
-        .bold_line_style(RGBColor(225, 225, 225))
         .label_style(("sans-serif", 13))
+        .axis_style(FRAME)
         .draw()?;
     chart.draw_series([Polygon::new(band, CURVE.mix(0.2))])?;
     for trial in trials {
         let points = trial.readings.iter().map(|reading| (reading.pressure_kpa, reading.strength));
         chart.draw_series(LineSeries::new(points, READINGS))?;
     }
-    let points = curve.points.iter().map(|point| (point.pressure_kpa, point.strength));
-    chart.draw_series(LineSeries::new(points, CURVE.stroke_width(2)))?;
-    area.present()
+    chart.draw_series(LineSeries::new(edge(0.0), CURVE.stroke_width(2)))?;
+    area.present()?;
+    Ok(())
 }
 
-/// Two standard deviations above the curve, and back below it.
-fn band(curve: &Curve) -> Vec<(f64, f64)> {
-    let above = curve.points.iter().map(|point| (point.pressure_kpa, point.strength + 2.0 * point.deviation));
-    let below = curve.points.iter().map(|point| (point.pressure_kpa, point.strength - 2.0 * point.deviation));
-    above.chain(below.rev()).collect()
-}
-
-/// All values, and zero.
+/// From zero, or from below it where values are.
 fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = values.fold((0.0_f64, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
     low..high.max(low + 1e-9)

@@ -328,7 +328,7 @@ fn a_trial_without_a_way_back_has_no_hysteresis_and_no_plays() {
     for readings in [loading, &[loading, &[reading(0.0, 0.01)]].concat()] {
         let fit = Fit::new(readings, None, true).unwrap();
         assert_eq!((fit.hysteresis(), fit.compensation), (None, Compensation::NoWayBack));
-        assert!(fit.plays.is_empty() && fit.loops == [Loop::default()]);
+        assert!(fit.play_operators.is_empty() && fit.loops == [Loop::default()]);
         assert_eq!((fit.calibration.points.len(), fit.calibration.load_share), (5, None));
     }
 }
@@ -338,7 +338,7 @@ fn plays_that_make_their_own_trial_no_better_are_not_stored() {
     // Strengths that are lower on the way back are no hysteresis that a memory of higher ones explains.
     let fit = Fit::new(&loop_of(|x| 0.6 * x), None, true).unwrap();
     assert!(matches!(fit.compensation, Compensation::Useless { trial: 0, .. }), "{:?}", fit.compensation);
-    assert!(fit.plays.is_empty() && fit.loops[0].raw.unwrap() > 20.0);
+    assert!(fit.play_operators.is_empty() && fit.loops[0].raw.unwrap() > 20.0);
     let fit = Fit::new(&loop_of(|x| 0.25 - 4.0 * (0.25 - x) * (0.25 - x)), None, true).unwrap();
     let [raw, after] = [fit.loops[0].raw, fit.loops[0].compensated].map(Option::unwrap);
     assert!(fit.compensation == Compensation::On { trial: 0 } && after < 0.5 * raw, "{raw} {after}");

@@ -1,9 +1,6 @@
 //! Conductivities of all elements from a file, and the voltages they give.
 
-use crate::recorded::{
-    npy::show_shape,
-    read::{Array, Problem, Source, read_array},
-};
+use crate::array::{Array, ArrayError, Source, file, show_shape};
 use dermatome_geometry::mesh::Mesh;
 use dermatome_model::{
     forward::{Admittivity, Fields},
@@ -36,7 +33,7 @@ pub struct ConductivityError {
 pub enum ConductivityProblem {
     /// No array of numbers.
     #[error(transparent)]
-    Read(#[from] Problem),
+    Read(#[from] ArrayError),
     /// Of another shape.
     #[error("its shape is {shape}; allowed is one value for each of the mesh's {elements} elements")]
     Shape {
@@ -59,21 +56,22 @@ pub enum ConductivityProblem {
 
 /// Reads the relative admittivity of each element, 1 for the untouched sheet's conductivity: `[element]`.
 pub fn read(source: &Source, elements: usize) -> Result<Vec<Complex64>, ConductivityError> {
-    read_array(source)
+    file::read(source)
         .map_err(ConductivityProblem::from)
         .and_then(|array| check(array, elements))
         .map_err(|problem| ConductivityError { file: source.to_string(), problem })
 }
 
 /// One row, one column, or one dimension.
-fn check(array: Array, elements: usize) -> Result<Vec<Complex64>, ConductivityProblem> {
+fn check(array: Array<'_>, elements: usize) -> Result<Vec<Complex64>, ConductivityProblem> {
     let fits = matches!(array.shape[..], [n] | [n, 1] | [1, n] if n == elements);
     if !fits {
         return Err(ConductivityProblem::Shape { shape: show_shape(&array.shape), elements });
     }
-    match array.values.iter().position(|value| !(value.is_finite() && value.re > 0.0)) {
-        Some(element) => Err(ConductivityProblem::Value { element, value: array.values[element] }),
-        None => Ok(array.values),
+    let values = array.into_complex();
+    match values.iter().position(|value| !(value.is_finite() && value.re > 0.0)) {
+        Some(element) => Err(ConductivityProblem::Value { element, value: values[element] }),
+        None => Ok(values),
     }
 }
 

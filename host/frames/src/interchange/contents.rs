@@ -1,15 +1,25 @@
 //! The list of what an export holds: `export.json`.
 
-use super::{
-    array::Array,
-    export::{GMSH, PLY, STL},
-    mat,
-};
+use super::variable::Variable;
+use crate::array::{mat, npy};
 use dermatome_geometry::{mesh::Mesh, sheet::ElectrodeModel};
 use dermatome_model::{forward::electrode_unknown, skin::Skin};
 use dermatome_shared::patch::Difference;
 use serde::Serialize;
 use std::collections::BTreeMap;
+
+/// The file that lists all others; it is written last.
+pub const CONTENTS: &str = "export.json";
+/// The MATLAB file.
+pub const MATLAB: &str = "skin.mat";
+/// The mesh for Gmsh, with its electrodes.
+pub const GMSH: &str = "skin.msh";
+/// The mesh alone.
+pub const PLY: &str = "skin.ply";
+/// The mesh for CAD programs.
+pub const STL: &str = "skin.stl";
+/// The stimulation table.
+pub const STIMULATION: &str = "stimulation.csv";
 
 /// Version of what is written.
 pub const FORMAT_VERSION: u32 = 1;
@@ -87,7 +97,7 @@ impl Contents {
         mesh: &Mesh,
         [pixels, measurements]: [usize; 2],
         hyperparameter: f64,
-        arrays: &[Array<'_>],
+        arrays: &[Variable<'_>],
     ) -> Self {
         let complete = matches!(skin.electrodes.model, ElectrodeModel::Complete { .. });
         let electrodes = mesh.electrodes.len();
@@ -113,7 +123,7 @@ impl Contents {
             normalised: skin.inverse.difference == Difference::Normalised,
             hyperparameter,
             meshes: [GMSH, PLY, STL],
-            arrays: arrays.iter().map(|array| (array.name, ArrayEntry::of(array))).collect(),
+            arrays: arrays.iter().map(|variable| (variable.name, ArrayEntry::of(variable))).collect(),
         }
     }
 
@@ -124,19 +134,19 @@ impl Contents {
 }
 
 /// Name of an array's file.
-pub(super) fn file_name(array: &Array<'_>) -> String {
-    format!("{}.npy", array.name)
+pub(super) fn file_name(variable: &Variable<'_>) -> String {
+    format!("{}.npy", variable.name)
 }
 
 impl ArrayEntry {
-    fn of(array: &Array<'_>) -> Self {
+    fn of(variable: &Variable<'_>) -> Self {
         Self {
-            file: file_name(array),
-            shape: array.shape.clone(),
-            kind: array.values.type_name(),
-            unit: array.unit,
-            meaning: array.meaning,
-            in_mat: mat::fits(array),
+            file: file_name(variable),
+            shape: variable.array.shape.clone(),
+            kind: npy::type_name(&variable.array),
+            unit: variable.unit,
+            meaning: variable.meaning,
+            in_mat: mat::fits(&variable.array),
         }
     }
 }

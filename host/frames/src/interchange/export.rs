@@ -4,11 +4,13 @@
 //! ones are averaged; `step_measurement` and `step_sign` lead from there to the columns of the
 //! reconstruction matrix.
 
+pub use super::contents::{CONTENTS, GMSH, MATLAB, PLY, STIMULATION, STL};
+
 use super::{
-    array::{Array, Entries, Number, summed},
     contents::{Contents, file_name},
-    mat, npy,
+    variable::{Entries, Variable, summed},
 };
+use crate::array::{Array, Number, mat, npy};
 use dermatome_geometry::{
     mesh::{
         ElectrodeContact, Mesh,
@@ -35,19 +37,6 @@ use std::{
     rc::Rc,
 };
 
-/// The file that lists all others; it is written last.
-pub const CONTENTS: &str = "export.json";
-/// The MATLAB file.
-pub const MATLAB: &str = "skin.mat";
-/// The mesh for Gmsh, with its electrodes.
-pub const GMSH: &str = "skin.msh";
-/// The mesh alone.
-pub const PLY: &str = "skin.ply";
-/// The mesh for CAD programs.
-pub const STL: &str = "skin.stl";
-/// The stimulation table.
-pub const STIMULATION: &str = "stimulation.csv";
-
 /// Unit of voltages: volts at a current of 1 A through a sheet of 1 S per square.
 const RELATIVE_VOLTS: &str = "V at 1 A and 1 S";
 
@@ -66,7 +55,7 @@ pub struct Export<'a> {
     solution: Solution,
 }
 
-/// What the untouched skin answers, real or, for a sheet with capacitance, complex.
+/// The untouched skin's response, real or, for a sheet with capacitance, complex.
 enum Solution {
     Real(Untouched<f64>),
     Complex(Untouched<Complex64>),
@@ -120,14 +109,14 @@ pub fn prepare_folder(folder: &Path) -> Result<(), ExportError> {
 impl<'a> Export<'a> {
     /// Computes everything; `on_stage` hears the name of each stage as it begins.
     pub fn new(skin: &'a Skin, mut on_stage: impl FnMut(&'static str)) -> Result<Self, ModelError> {
-        let mut kept = None;
+        let mut solved = None;
         // The model's own Jacobian, of combined measurements, is dropped here.
-        let model = Model::build_with(skin, &mut on_stage, |solution| kept = Some(solution))?;
+        let model = Model::build_with(skin, &mut on_stage, |solution| solved = Some(solution))?;
         let prior = model.prior.as_ref().map(Prior::entries).transpose().map_err(InverseError::from)?;
         let Model { steps, combination, mesh, pixels, weights, hyperparameter, .. } = model;
         on_stage("arrays");
         let elements = mesh.elements.len();
-        let solution = match kept.expect("a model that is built was solved") {
+        let solution = match solved.expect("a model that is built was solved") {
             model::Solution::Real(solved) => Solution::Real(Untouched::new(*solved, elements)?),
             model::Solution::Complex(solved) => Solution::Complex(Untouched::new(*solved, elements)?),
         };
@@ -169,7 +158,7 @@ impl<'a> Export<'a> {
         let (contents, arrays) = (self.contents(), self.arrays());
         for array in &arrays {
             let path = folder.join(file_name(array));
-            stream_whole(&path, |out| npy::write(out, array))?;
+            stream_whole(&path, |out| npy::write(out, &array.array))?;
         }
         stream_whole(&folder.join(MATLAB), |out| write_mat(out, &contents, &arrays))?;
         write_whole(&folder.join(GMSH), &msh(&self.mesh))?;
@@ -181,7 +170,7 @@ impl<'a> Export<'a> {
 
     /// Every array.
     #[must_use]
-    pub fn arrays(&self) -> Vec<Array<'_>> {
+    pub fn arrays(&self) -> Vec<Variable<'_>> {
         let mut arrays = self.mesh_arrays();
         match &self.solution {
             Solution::Real(untouched) => arrays.extend(untouched.arrays(self.mesh.elements.len())),
@@ -193,7 +182,7 @@ impl<'a> Export<'a> {
         arrays
     }
 
-    fn mesh_arrays(&self) -> Vec<Array<'_>> {
+    fn mesh_arrays(&self) -> Vec<Variable<'_>> {
         let mesh = &self.mesh;
         let points = electrode_rows(mesh, |contact| match contact {
             ElectrodeContact::Node(node) => vec![[*node]],
@@ -208,9 +197,9 @@ impl<'a> Export<'a> {
             _ => vec![],
         });
         vec![
-            Array::table("nodes", mesh.nodes.len(), 3, |node, axis| mesh.nodes[node][axis])
+            Variable::table("nodes", mesh.nodes.len(), 3, |node, axis| mesh.nodes[node][axis])
                 .means("m", "[node][x, y, z]"),
-            Array::table("elements", mesh.elements.len(), 3, |element, corner| {
+            Variable::table("elements", mesh.elements.len(), 3, |element, corner| {
                 mesh.elements[element][corner]
             })
             .means("", "[element][corner]: nodes of each triangle"),
@@ -219,34 +208,40 @@ impl<'a> Export<'a> {
                 .means("", "electrode, node, node: edges under the electrodes of the complete model"),
             rows_array("electrode_faces", faces)
                 .means("", "electrode, node, node, node: triangles under electrodes inside the skin"),
-            Array::list("contact_impedance", self.contact_impedance.len(), |e| self.contact_impedance[e])
+            Variable::list("contact_impedance", self.contact_impedance.len(), |e| self.contact_impedance[e])
                 .means("m", "[electrode]: ohm m times the sheet conductivity; empty for the point model"),
         ]
     }
 
-    fn stimulation_arrays(&self) -> Vec<Array<'_>> {
+    fn stimulation_arrays(&self) -> Vec<Variable<'_>> {
         let combination = &self.combination;
         let steps: Vec<[u8; 4]> = self.steps.iter().map(|step| step.to_bytes()).collect();
         vec![
-            Array::table("stimulation", steps.len(), 4, move |step, pin| usize::from(steps[step][pin]))
+            Variable::table("stimulation", steps.len(), 4, move |step, pin| usize::from(steps[step][pin]))
                 .means("", "[step][drive_plus, drive_minus, sense_plus, sense_minus]: electrodes"),
-            Array::list("step_measurement", combination.len(), |s| usize::from(combination[s].measurement))
-                .means("", "[step]: measurement that the step is averaged into"),
-            Array::list("step_sign", combination.len(), |s| if combination[s].flipped { -1_i64 } else { 1 })
-                .means("", "[step]: sign with which it is averaged"),
+            Variable::list("step_measurement", combination.len(), |s| {
+                usize::from(combination[s].measurement)
+            })
+            .means("", "[step]: measurement that the step is averaged into"),
+            Variable::list(
+                "step_sign",
+                combination.len(),
+                |s| if combination[s].flipped { -1_i64 } else { 1 },
+            )
+            .means("", "[step]: sign with which it is averaged"),
         ]
     }
 
-    fn inverse_arrays(&self) -> Vec<Array<'_>> {
+    fn inverse_arrays(&self) -> Vec<Variable<'_>> {
         let prior = self
             .prior
             .iter()
             .flat_map(|prior| entry_arrays(["prior_row", "prior_col", "prior_value"], prior));
         let prior = prior.map(|array| array.means("", "R, pixel by pixel, entry by entry"));
         let inverse = [
-            Array::list("weights", self.weights.len(), |m| self.weights[m])
+            Variable::list("weights", self.weights.len(), |m| self.weights[m])
                 .means("", "[measurement]: diagonal of W for voltages in the unit of `voltages`"),
-            Array::matrix("reconstruction_matrix", &self.reconstruction_matrix)
+            Variable::matrix("reconstruction_matrix", &self.reconstruction_matrix)
                 .means("", "[pixel][measurement]: relative conductivity change from difference data"),
         ];
         prior.chain(inverse).collect()
@@ -260,16 +255,16 @@ impl<T: Admittivity + Number> Untouched<T> {
         Ok(Self { admittivity, system_matrix, voltages, jacobian })
     }
 
-    fn arrays(&self, elements: usize) -> impl Iterator<Item = Array<'_>> {
+    fn arrays(&self, elements: usize) -> impl Iterator<Item = Variable<'_>> {
         let names = ["system_matrix_row", "system_matrix_col", "system_matrix_value"];
         let system_matrix = entry_arrays(names, &self.system_matrix)
             .map(|array| array.means("", "admittance between unknowns, entry by entry, ground included"));
         let others = [
-            Array::list("conductivity", elements, |_| self.admittivity)
+            Variable::list("conductivity", elements, |_| self.admittivity)
                 .means("", "[element]: relative admittivity of the untouched skin"),
-            Array::list("voltages", self.voltages.len(), |step| self.voltages[step])
+            Variable::list("voltages", self.voltages.len(), |step| self.voltages[step])
                 .means(RELATIVE_VOLTS, "[step]: of the untouched skin; times volts_per_unit: V"),
-            Array::matrix("jacobian", &self.jacobian).means(
+            Variable::matrix("jacobian", &self.jacobian).means(
                 RELATIVE_VOLTS,
                 "[step][pixel]: change of voltage with the pixel's relative conductivity",
             ),
@@ -278,23 +273,23 @@ impl<T: Admittivity + Number> Untouched<T> {
     }
 }
 
-fn entry_arrays<'a, T: Number>(names: [&'static str; 3], entries: &'a Entries<T>) -> [Array<'a>; 3] {
+fn entry_arrays<'a, T: Number>(names: [&'static str; 3], entries: &'a Entries<T>) -> [Variable<'a>; 3] {
     let [row, column, value] = names;
     [
-        Array::list(row, entries.len(), |entry| entries[entry].0),
-        Array::list(column, entries.len(), |entry| entries[entry].1),
-        Array::list(value, entries.len(), |entry| entries[entry].2),
+        Variable::list(row, entries.len(), |entry| entries[entry].0),
+        Variable::list(column, entries.len(), |entry| entries[entry].1),
+        Variable::list(value, entries.len(), |entry| entries[entry].2),
     ]
 }
 
-fn write_mat(out: &mut dyn io::Write, contents: &Contents, arrays: &[Array<'_>]) -> io::Result<()> {
+fn write_mat(out: &mut dyn io::Write, contents: &Contents, arrays: &[Variable<'_>]) -> io::Result<()> {
     mat::write_header(out)?;
-    for array in arrays.iter().filter(|array| mat::fits(array)) {
-        mat::write_array(out, array)?;
+    for variable in arrays.iter().filter(|variable| mat::fits(&variable.array)) {
+        mat::write_array(out, variable.name, &variable.array)?;
     }
-    mat::write_array(out, &Array::list("ground", 1, |_| contents.ground))?;
-    mat::write_array(out, &Array::list("volts_per_unit", 1, |_| contents.volts_per_unit))?;
-    mat::write_array(out, &Array::list("hyperparameter", 1, |_| contents.hyperparameter))?;
+    mat::write_array(out, "ground", &Array::list(1, |_| contents.ground))?;
+    mat::write_array(out, "volts_per_unit", &Array::list(1, |_| contents.volts_per_unit))?;
+    mat::write_array(out, "hyperparameter", &Array::list(1, |_| contents.hyperparameter))?;
     mat::write_text(out, "skin", &contents.skin)?;
     mat::write_text(out, "electrode_model", contents.electrode_model)
 }
@@ -309,14 +304,14 @@ fn electrode_rows<const N: usize>(
 }
 
 /// Rows of an electrode and its nodes.
-fn rows_array<const N: usize>(name: &'static str, rows: Vec<(usize, [usize; N])>) -> Array<'static> {
-    Array::table(name, rows.len(), 1 + N, move |row, column| match column {
+fn rows_array<const N: usize>(name: &'static str, rows: Vec<(usize, [usize; N])>) -> Variable<'static> {
+    Variable::table(name, rows.len(), 1 + N, move |row, column| match column {
         0 => rows[row].0,
         _ => rows[row].1[column - 1],
     })
 }
 
-fn pixel_arrays(pixels: &Pixels) -> Vec<Array<'_>> {
+fn pixel_arrays(pixels: &Pixels) -> Vec<Variable<'_>> {
     let parts: Vec<(usize, usize, f64)> = pixels
         .elements
         .iter()
@@ -326,16 +321,16 @@ fn pixel_arrays(pixels: &Pixels) -> Vec<Array<'_>> {
     let parts = Rc::new(parts);
     let [pixel, element, share] = [parts.clone(), parts.clone(), parts];
     vec![
-        Array::table("pixel_centre", pixels.count(), 3, |pixel, axis| pixels.centres[pixel][axis])
+        Variable::table("pixel_centre", pixels.count(), 3, |pixel, axis| pixels.centres[pixel][axis])
             .means("m", "[pixel][x, y, z]: centre of gravity"),
-        Array::table("pixel_normal", pixels.count(), 3, |pixel, axis| pixels.normals[pixel][axis])
+        Variable::table("pixel_normal", pixels.count(), 3, |pixel, axis| pixels.normals[pixel][axis])
             .means("", "[pixel][x, y, z]: unit normal of the surface"),
-        Array::list("pixel_area", pixels.count(), |pixel| pixels.areas[pixel]).means("m^2", "[pixel]"),
-        Array::list("pixel_element_pixel", pixel.len(), move |entry| pixel[entry].0)
+        Variable::list("pixel_area", pixels.count(), |pixel| pixels.areas[pixel]).means("m^2", "[pixel]"),
+        Variable::list("pixel_element_pixel", pixel.len(), move |entry| pixel[entry].0)
             .means("", "which elements make up which pixel: the pixel"),
-        Array::list("pixel_element_element", element.len(), move |entry| element[entry].1)
+        Variable::list("pixel_element_element", element.len(), move |entry| element[entry].1)
             .means("", "the element"),
-        Array::list("pixel_element_share", share.len(), move |entry| share[entry].2)
+        Variable::list("pixel_element_share", share.len(), move |entry| share[entry].2)
             .means("", "share of the element's area that lies in the pixel"),
     ]
 }

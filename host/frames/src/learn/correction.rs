@@ -1,6 +1,6 @@
 //! The correction of the model's matrix by presses.
 //!
-//! Measurements are divided by their usual answer s (the median size over the training presses), and
+//! Measurements are divided by their usual response s (the median size over the training presses), and
 //! each press y by its own size a (root mean square), so that every press and measurement counts alike.
 //! With the model's matrix W0, the presses Y, their desired images D (GREIT's round spots,
 //! [`greit::desired`]) and the sign and scale g that bring W0 Y closest to D, the learnt matrix W
@@ -30,8 +30,8 @@ use faer::{
 use nalgebra::Point3;
 use serde::Serialize;
 
-/// A measurement whose usual answer is below this share of the median one counts as if it were this.
-const SMALLEST_ANSWER: f64 = 1e-3;
+/// A measurement whose usual response is below this share of the median one counts as if it were this.
+const SMALLEST_RESPONSE: f64 = 1e-3;
 
 /// What cross-validation chooses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -61,7 +61,7 @@ pub struct Correction {
 pub struct Training<'a> {
     model: &'a Model,
     /// 1 / s: `[measurement]`.
-    inverse_answers: Vec<f64>,
+    inverse_responses: Vec<f64>,
     /// Standard deviation of difference data for equal noise on every step: `[measurement]`.
     pub noise: Vec<f64>,
     /// Y': `[press][measurement]`.
@@ -86,10 +86,10 @@ impl<'a> Training<'a> {
         strength: Strength,
     ) -> Result<Self, LearnError> {
         let measurements = presses.measurements();
-        let answers = usual_answers(presses, which)?;
-        let inverse_answers: Vec<f64> = answers.iter().map(|answer| 1.0 / answer).collect();
+        let responses = usual_responses(presses, which)?;
+        let inverse_responses: Vec<f64> = responses.iter().map(|response| 1.0 / response).collect();
         let mut rows =
-            Mat::from_fn(which.len(), measurements, |i, m| presses.data[which[i]][m] * inverse_answers[m]);
+            Mat::from_fn(which.len(), measurements, |i, m| presses.data[which[i]][m] * inverse_responses[m]);
         let mut sizes = Vec::with_capacity(which.len());
         for (i, &press) in which.iter().enumerate() {
             let size = rows.row(i).norm_l2() / (measurements as f64).sqrt();
@@ -105,13 +105,13 @@ impl<'a> Training<'a> {
             presses.mean_divisors.iter().zip(&counts).map(|(v, count)| inverse_or_zero(v * count.sqrt()));
         Ok(Self {
             model,
-            prior: Mat::from_fn(matrix.nrows(), measurements, |p, m| matrix[(p, m)] * answers[m]),
+            prior: Mat::from_fn(matrix.nrows(), measurements, |p, m| matrix[(p, m)] * responses[m]),
             gram: rows.transpose() * &rows * Scale(1.0 / which.len() as f64),
             heights: heights(presses, which, &sizes, strength),
             places: which.iter().map(|&press| presses.places[press]).collect(),
             presses: rows,
             sizes,
-            inverse_answers,
+            inverse_responses,
             noise: noise.collect(),
         })
     }
@@ -137,22 +137,22 @@ impl<'a> Training<'a> {
             return Err(LearnError::Singular);
         }
         let matrix = Mat::from_fn(fitted.nrows(), fitted.ncols(), |p, m| {
-            fitted[(p, m)] * scale * self.inverse_answers[m]
+            fitted[(p, m)] * scale * self.inverse_responses[m]
         });
         let prior = self.model.conductivity_from_difference.clone() * Scale(gain.signum());
         Ok(Correction { matrix, prior, gain: gain.abs(), scale, falls: gain < 0.0 })
     }
 
-    /// |W - g W0| / |g W0|, for measurements divided by their usual answers.
+    /// |W - g W0| / |g W0|, for measurements divided by their usual responses.
     #[must_use]
     pub fn departure(&self, correction: &Correction) -> f64 {
         let factor = correction.gain * correction.scale;
         let (mut apart, mut size) = (0.0, 0.0);
         for m in 0..correction.matrix.ncols() {
-            let answer = 1.0 / self.inverse_answers[m];
+            let response = 1.0 / self.inverse_responses[m];
             for (learnt, prior) in correction.matrix.col(m).iter().zip(correction.prior.col(m).iter()) {
-                let prior = prior * factor * answer;
-                apart += (learnt * answer - prior).powi(2);
+                let prior = prior * factor * response;
+                apart += (learnt * response - prior).powi(2);
                 size += prior * prior;
             }
         }
@@ -183,12 +183,12 @@ impl<'a> Training<'a> {
 }
 
 /// s: median size of each measurement over some presses, none of them zero.
-fn usual_answers(presses: &Presses, which: &[usize]) -> Result<Vec<f64>, LearnError> {
+fn usual_responses(presses: &Presses, which: &[usize]) -> Result<Vec<f64>, LearnError> {
     let usual = |m: usize| median(which.iter().map(|&press| presses.data[press][m].abs()));
-    let answers: Vec<f64> = (0..presses.measurements()).map(usual).collect();
-    let alive = answers.iter().copied().filter(|&answer| answer > 0.0);
-    let least = SMALLEST_ANSWER * median(alive);
-    if least > 0.0 { Ok(answers.iter().map(|s| s.max(least)).collect()) } else { Err(LearnError::Silent) }
+    let responses: Vec<f64> = (0..presses.measurements()).map(usual).collect();
+    let alive = responses.iter().copied().filter(|&response| response > 0.0);
+    let least = SMALLEST_RESPONSE * median(alive);
+    if least > 0.0 { Ok(responses.iter().map(|s| s.max(least)).collect()) } else { Err(LearnError::Silent) }
 }
 
 /// Heights of the spots for presses divided by their sizes, with a median of about 1.
@@ -197,8 +197,8 @@ fn heights(presses: &Presses, which: &[usize], sizes: &[f64], strength: Strength
         return vec![1.0; which.len()];
     };
     let ratios: Vec<f64> = which.iter().zip(sizes).map(|(&press, size)| forces[press] / size).collect();
-    let middle = median(ratios.iter().copied());
-    ratios.iter().map(|ratio| ratio / middle).collect()
+    let median = median(ratios.iter().copied());
+    ratios.iter().map(|ratio| ratio / median).collect()
 }
 
 /// Sum of the products of all entries.

@@ -21,7 +21,7 @@ pub struct Errors {
     pub presses: usize,
     /// Presses that showed no contact.
     pub missed: usize,
-    /// Middle one.
+    /// Median.
     pub median_mm: f64,
     /// Mean.
     pub mean_mm: f64,

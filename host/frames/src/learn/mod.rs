@@ -63,9 +63,10 @@ pub struct Request {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Strength {
-    /// The size of the measurements' answer, as in the model's images: places come out best.
+    /// The size of the measurements' response, as in the model's images: places come out best.
     #[default]
-    Answer,
+    #[serde(rename = "answer")]
+    Response,
     /// The force: equal forces look alike all over the skin, and places come out less well.
     Force,
 }
@@ -118,7 +119,7 @@ pub struct LearnReport {
     /// look equally strong.
     pub noise_amplification: f64,
     /// How far the learnt matrix is from the model's, over the model's size, in units of the
-    /// measurements' usual answers.
+    /// measurements' usual responses.
     pub departure: f64,
     /// Correlation of contact strength with force over the test presses (without a test, the training
     /// presses); none without forces.

@@ -3,11 +3,14 @@
 //! An archive (`.npz`) holds `v_pressed`, `positions_m`, usually `v_unpressed`, and `force_n` if forces are known; a
 //! table (`.csv`, `.txt`) one press a row: x and y in metres, the force in newtons if known, then the frame.
 
-use crate::recorded::{
-    diagnose::dead_below,
-    difference::{difference, signed_reference},
-    order::{Arrangement, OrderError},
-    read::{Frames, Problem, ReadError, Source, read, read_array},
+use crate::{
+    array::{ArrayError, Source, file},
+    recorded::{
+        diagnose::dead_below,
+        difference::{difference, signed_reference},
+        order::{Arrangement, OrderError},
+        read::{Frames, ReadError, read},
+    },
 };
 use dermatome_model::{
     inverse::targets::half_side,
@@ -68,7 +71,7 @@ pub enum PressError {
     #[error(transparent)]
     Read(#[from] ReadError),
     /// No frames of the untouched skin.
-    #[error("`{file}` holds no frames of the untouched skin: give them with --reference{}", also(.archive))]
+    #[error("`{file}` holds no frames of the untouched skin: give them as a reference of their own{}", also(.archive))]
     NoReference {
         /// The file.
         file: String,
@@ -348,7 +351,7 @@ fn averaged(frames: &Frames) -> Frames {
 
 /// Whether an archive holds an array of this name.
 fn holds(source: &Source) -> bool {
-    !matches!(read_array(source), Err(Problem::NoKey { .. }))
+    !matches!(file::read(source), Err(ArrayError::NoKey { .. }))
 }
 
 /// The first two columns, by what errors call them.

@@ -1,4 +1,4 @@
-//! Difference data from measured frames of any kind.
+//! Difference data from recorded frames of any kind.
 //!
 //! With reference r, frame v and model voltage m of one step:
 //!

@@ -1,8 +1,8 @@
-//! Contact impedances and conductivity of the untouched skin, from frames measured on it.
+//! Contact impedances and conductivity of the untouched skin, from frames recorded on it.
 //!
 //! Minimises the squared difference between the mean frame f and s v(z): v are the model's voltages,
 //! z the contact impedance of each electrode, and the scale s holds the sheet's conductivity and the
-//! instrument's gain. Levenberg-Marquardt over the logarithms of s and z, which keeps both above zero;
+//! instrument's gain. Damped least squares over the logarithms of s and z, which keeps both above zero;
 //! derivatives by z are finite differences of the forward model.
 //!
 //! What the model's mesh gets wrong goes into the impedances: at edges of 4.5 mm on electrodes of 11 mm
@@ -23,28 +23,34 @@ use dermatome_geometry::{
 };
 use dermatome_model::{
     forward::{Admittivity, ForwardError, ForwardModel, electrode_unknown},
+    inverse::least_squares::{Fitted, Problem, Schedule, minimise},
     model::{ModelError, mesh},
     skin::Skin,
 };
 use dermatome_shared::stimulation::Step;
-use faer::{
-    Conj, Mat, Side,
-    linalg::solvers::{Llt, SolveCore},
-};
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Accepted steps, at most.
-const MOST_STEPS: usize = 30;
-/// The fit is done once a step lowers the sum of squares by less than this share of it.
-const DONE: f64 = 1e-6;
 /// Change of a logarithm for a finite difference.
 const DIFFERENCE: f64 = 1e-4;
-/// Damping of the first step, as a share of the diagonal.
-const DAMPING: f64 = 1e-3;
-/// Damping from which on no step helps.
-const MOST_DAMPING: f64 = 1e8;
+/// Most change of a logarithm in one step.
+const MOST_CHANGE: f64 = 1.0;
+/// Damping of the search, and when it ends.
+const SCHEDULE: Schedule = Schedule {
+    first: 1e-3,
+    rise: 10.0,
+    fall: 10.0,
+    least: f64::EPSILON,
+    most: 1e8,
+    ridge: 0.0,
+    steps: 30,
+    attempts: usize::MAX,
+    attempts_in_all: usize::MAX,
+    enough: 0.0,
+    enough_share: 1e-6,
+};
 /// A contact impedance stays within this factor of the skin file's.
 const FARTHEST: f64 = 1e3;
 /// A standard deviation above this share says nothing.
@@ -121,10 +127,10 @@ pub fn fit(skin: &Skin, frame: &[Complex64], arrangement: &Arrangement) -> Resul
         return Err(FitError::PointModel);
     };
     let relative: Vec<f64> = contact_impedance.iter().map(|z| z * skin.material.sheet_conductivity).collect();
-    let problem = Problem::new(skin, frame, arrangement, relative)?;
+    let problem = Unknowns::new(skin, frame, arrangement, relative)?;
     let start = problem.start()?;
     let before = problem.share_left(&start);
-    let (state, steps) = problem.minimise(start)?;
+    let Fitted { state, steps } = minimise(&problem, start, &SCHEDULE)?;
     let deviations = problem.deviations(&state)?;
     let scale = state.logarithms[0].exp();
     let contact = |electrode: usize| Contact {
@@ -143,13 +149,13 @@ pub fn fit(skin: &Skin, frame: &[Complex64], arrangement: &Arrangement) -> Resul
     })
 }
 
-struct Problem<'a> {
+struct Unknowns<'a> {
     skin: &'a Skin,
     mesh: Mesh,
     /// Steps whose measurement is not zero.
     steps: Vec<Step>,
-    /// What they measured, with the model's sign.
-    measured: Vec<f64>,
+    /// What was recorded for them, with the model's sign.
+    recorded: Vec<f64>,
     /// The skin file's contact impedances times its conductivity, m.
     relative: Vec<f64>,
 }
@@ -167,7 +173,7 @@ impl State {
     }
 }
 
-impl<'a> Problem<'a> {
+impl<'a> Unknowns<'a> {
     fn new(
         skin: &'a Skin,
         frame: &[Complex64],
@@ -177,12 +183,12 @@ impl<'a> Problem<'a> {
         let all = skin.steps();
         let map = arrangement.index_map(&all, skin.electrodes.count, frame.len())?;
         let mesh = mesh(skin, 1.0, Lattice::default())?;
-        let mut problem = Self { skin, mesh, steps: all, measured: Vec::new(), relative };
+        let mut problem = Self { skin, mesh, steps: all, recorded: Vec::new(), relative };
         let model = problem.voltages(&problem.relative)?;
         let signed = signed_reference(frame, &map, &model);
         let floor = dead_below(frame, &map);
         let alive = problem.steps.iter().zip(signed).filter(|(_, value)| value.abs() > floor);
-        (problem.steps, problem.measured) = alive.map(|(step, value)| (*step, value)).unzip();
+        (problem.steps, problem.recorded) = alive.map(|(step, value)| (*step, value)).unzip();
         let (measurements, parameters) = (problem.steps.len(), problem.relative.len() + 1);
         if measurements <= parameters {
             return Err(FitError::TooFew { measurements, parameters });
@@ -211,7 +217,7 @@ impl<'a> Problem<'a> {
     /// The skin file's impedances, and the scale that suits them best.
     fn start(&self) -> Result<State, ForwardError> {
         let voltages = self.voltages(&self.relative)?;
-        let product: f64 = voltages.iter().zip(&self.measured).map(|(v, f)| v * f).sum();
+        let product: f64 = voltages.iter().zip(&self.recorded).map(|(v, f)| v * f).sum();
         let scale = product / voltages.iter().map(|v| v * v).sum::<f64>();
         let impedances = self.relative.iter().map(|z| z.ln());
         Ok(State {
@@ -226,46 +232,39 @@ impl<'a> Problem<'a> {
         Ok(State { logarithms, scaled })
     }
 
-    fn left(&self, state: &State) -> Vec<f64> {
-        self.measured.iter().zip(&state.scaled).map(|(f, v)| f - v).collect()
+    fn share_left(&self, state: &State) -> f64 {
+        (self.square(state) / self.recorded.iter().map(|f| f * f).sum::<f64>()).sqrt()
     }
 
-    /// Sum of squares left over.
-    fn cost(&self, state: &State) -> f64 {
+    /// Standard deviation of each logarithm of a contact impedance: `[electrode]`.
+    fn deviations(&self, state: &State) -> Result<Vec<Option<f64>>, ForwardError> {
+        let parameters = state.logarithms.len();
+        let slopes = self.slopes(state)?;
+        let Some(factor) = slopes.tr_mul(&slopes).cholesky() else {
+            return Ok(vec![None; parameters - 1]);
+        };
+        let inverse = factor.inverse();
+        let variance = self.square(state) / (self.steps.len() - parameters) as f64;
+        let deviation = |parameter: usize| (variance * inverse[(parameter, parameter)]).sqrt();
+        Ok((1..parameters).map(|p| Some(deviation(p)).filter(|&it| it < UNDETERMINED)).collect())
+    }
+}
+
+impl Problem for Unknowns<'_> {
+    type State = State;
+    type Error = ForwardError;
+
+    fn left(&self, state: &State) -> DVector<f64> {
+        let left = self.recorded.iter().zip(&state.scaled).map(|(f, v)| f - v);
+        DVector::from_iterator(self.recorded.len(), left)
+    }
+
+    fn square(&self, state: &State) -> f64 {
         self.left(state).iter().map(|r| r * r).sum()
     }
 
-    fn share_left(&self, state: &State) -> f64 {
-        (self.cost(state) / self.measured.iter().map(|f| f * f).sum::<f64>()).sqrt()
-    }
-
-    /// Steps until none helps, and how many they were.
-    fn minimise(&self, mut state: State) -> Result<(State, usize), ForwardError> {
-        let mut damping = DAMPING;
-        for step in 0..MOST_STEPS {
-            let jacobian = self.jacobian(&state)?;
-            let cost = self.cost(&state);
-            let next = loop {
-                let next = self.at(self.step(&state, &jacobian, damping))?;
-                if self.cost(&next) < cost {
-                    break next;
-                }
-                damping *= 10.0;
-                if damping > MOST_DAMPING {
-                    return Ok((state, step));
-                }
-            };
-            damping = (damping / 10.0).max(f64::EPSILON);
-            state = next;
-            if self.cost(&state) > (1.0 - DONE) * cost {
-                return Ok((state, step + 1));
-            }
-        }
-        Ok((state, MOST_STEPS))
-    }
-
     /// d scaled voltage / d logarithm: `[step][logarithm]`.
-    fn jacobian(&self, state: &State) -> Result<Mat<f64>, ForwardError> {
+    fn slopes(&self, state: &State) -> Result<DMatrix<f64>, ForwardError> {
         let column = |parameter: usize| {
             let mut logarithms = state.logarithms.clone();
             logarithms[parameter] += DIFFERENCE;
@@ -274,48 +273,19 @@ impl<'a> Problem<'a> {
         };
         let columns: Vec<Vec<f64>> =
             (1..state.logarithms.len()).into_par_iter().map(column).collect::<Result<_, ForwardError>>()?;
-        Ok(Mat::from_fn(self.steps.len(), state.logarithms.len(), |step, parameter| match parameter {
+        Ok(DMatrix::from_fn(self.steps.len(), state.logarithms.len(), |step, parameter| match parameter {
             0 => state.scaled[step],
             _ => columns[parameter - 1][step],
         }))
     }
 
-    /// The logarithms after one damped Gauss-Newton step.
-    fn step(&self, state: &State, jacobian: &Mat<f64>, damping: f64) -> Vec<f64> {
-        let left = self.left(state);
-        let mut change = jacobian.transpose() * Mat::from_fn(left.len(), 1, |i, _| left[i]);
-        if let Some(factor) = factor(jacobian, damping) {
-            factor.solve_in_place_with_conj(Conj::No, change.as_mut());
-        }
-        let mut logarithms = state.logarithms.clone();
-        for (parameter, logarithm) in logarithms.iter_mut().enumerate() {
-            *logarithm += change[(parameter, 0)].clamp(-1.0, 1.0);
-        }
+    fn moved(&self, state: &State, change: &DVector<f64>) -> Result<State, ForwardError> {
+        let pairs = state.logarithms.iter().zip(change.iter());
+        let mut logarithms: Vec<f64> =
+            pairs.map(|(logarithm, by)| logarithm + by.clamp(-MOST_CHANGE, MOST_CHANGE)).collect();
         for (logarithm, z) in logarithms[1..].iter_mut().zip(&self.relative) {
             *logarithm = logarithm.clamp((z / FARTHEST).ln(), (z * FARTHEST).ln());
         }
-        logarithms
+        self.at(logarithms)
     }
-
-    /// Standard deviation of each logarithm of a contact impedance: `[electrode]`.
-    fn deviations(&self, state: &State) -> Result<Vec<Option<f64>>, ForwardError> {
-        let parameters = state.logarithms.len();
-        let Some(factor) = factor(&self.jacobian(state)?, 0.0) else {
-            return Ok(vec![None; parameters - 1]);
-        };
-        let mut inverse = Mat::identity(parameters, parameters);
-        factor.solve_in_place_with_conj(Conj::No, inverse.as_mut());
-        let variance = self.cost(state) / (self.steps.len() - parameters) as f64;
-        let deviation = |parameter: usize| (variance * inverse[(parameter, parameter)]).sqrt();
-        Ok((1..parameters).map(|p| Some(deviation(p)).filter(|&it| it < UNDETERMINED)).collect())
-    }
-}
-
-/// J'J with its diagonal raised, factored; none if it is singular.
-fn factor(jacobian: &Mat<f64>, damping: f64) -> Option<Llt<f64>> {
-    let mut normal = jacobian.transpose() * jacobian;
-    for i in 0..normal.nrows() {
-        normal[(i, i)] *= 1.0 + damping;
-    }
-    Llt::new(normal.as_ref(), Side::Lower).ok()
 }

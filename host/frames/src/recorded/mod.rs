@@ -1,4 +1,4 @@
-//! Frames measured by other people's instruments, reconstructed with this skin's model.
+//! Frames recorded by other people's instruments, reconstructed with this skin's model.
 //!
 //! [`read`] a file of frames -> [`order`]: which measurement belongs to which step of the model,
 //! which [`diagnose`] checks -> [`difference`] data -> [`reconstruct`]: images, and what they show.
@@ -8,11 +8,9 @@ pub mod check;
 pub mod diagnose;
 pub mod difference;
 pub mod fit;
-pub(crate) mod npy;
-mod npz;
 pub mod order;
 pub mod read;
 pub mod reconstruct;
 pub mod statistics;
-mod table;
 pub mod weights;
+pub mod wording;

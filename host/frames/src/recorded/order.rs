@@ -6,10 +6,7 @@
 
 use dermatome_shared::stimulation::Step;
 use serde::Serialize;
-use std::{
-    collections::{HashMap, HashSet, VecDeque},
-    fmt,
-};
+use std::collections::{HashMap, HashSet, VecDeque};
 
 /// Order of the sense pairs inside each drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
@@ -33,23 +30,6 @@ pub struct Arrangement {
     pub rotation: u8,
     /// Whether the file's electrode numbers run the other way round.
     pub mirrored: bool,
-}
-
-/// Shows the command line's options that choose this arrangement.
-impl fmt::Display for Arrangement {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut options = Vec::new();
-        if self.sense == SenseOrder::Relative {
-            options.push("--order relative".to_owned());
-        }
-        if self.rotation > 0 {
-            options.push(format!("--rotation {}", self.rotation));
-        }
-        if self.mirrored {
-            options.push("--mirror".to_owned());
-        }
-        f.write_str(&options.join(" "))
-    }
 }
 
 /// Where a step's measurement lies in a frame of the file.

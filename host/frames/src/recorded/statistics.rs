@@ -1,6 +1,6 @@
 //! A few statistics of measurements.
 
-/// Middle value, the upper one of two; 0 for nothing.
+/// Median, the upper one of two; 0 for nothing.
 #[must_use]
 pub fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<_> = values.collect();

@@ -9,7 +9,7 @@ use num_complex::Complex64;
 ///
 /// A ratio to the reference r then has an error of 1 / |r|, so W is |r|^2 with r the *measured*
 /// reference, times the steps averaged. An instrument that reads some pairs far weaker than the model
-/// says is followed in that: their ratios are kept, and count little. Dead measurements count
+/// says is followed in that: their ratios stay, and count little. Dead measurements count
 /// nothing. `reference` is in the file's order; `combination` says where each step goes.
 #[must_use]
 pub fn by_magnitude(reference: &[Complex64], map: &[FileIndex], combination: &[CombinedInto]) -> Vec<f64> {

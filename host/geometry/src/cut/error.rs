@@ -1,9 +1,9 @@
-//! Why no patch can be cut, in the words of the command's options. Lengths are in metres and shown in mm.
+//! Why nothing can be cut, in the words of a [`super::Request`]. Lengths are in metres and shown in mm.
 
 use crate::outline::PolygonError;
 use nalgebra::Point3;
 
-/// Why no patch can be cut out of a link.
+/// Why no cutout can be cut out of a link.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CutError {
     /// No triangle with an area.
@@ -27,8 +27,8 @@ pub enum CutError {
     },
     /// A point that is not on the link.
     #[error(
-        "`--around` is {}, {:.3} mm from the link's mesh, which spans {} to {}; allowed: at most {:.3} mm from it. \
-         Is `--unit` right?",
+        "`around` is {}, {:.3} mm from the link's mesh, which spans {} to {}; allowed: at most {:.3} mm from it. \
+         Is `unit` right?",
         Shown(*.point), distance * 1e3, Shown(*.low), Shown(*.high), allowed * 1e3
     )]
     Far {
@@ -44,7 +44,7 @@ pub enum CutError {
         high: Point3<f64>,
     },
     /// The seed lies outside of what is to be cut.
-    #[error("`--around` lies on the link at {}, outside `{option}`; allowed: a point of the patch", Shown(*.at))]
+    #[error("`around` lies on the link at {}, outside `{option}`; allowed: a point of the patch", Shown(*.at))]
     Outside {
         /// Which option says where to cut.
         option: &'static str,
@@ -53,7 +53,7 @@ pub enum CutError {
     },
     /// Planes between which nothing of the link lies.
     #[error(
-        "`--between-planes` from {:.3} mm to {:.3} mm misses the link; allowed: planes that cut it, \
+        "`between_planes` from {:.3} mm to {:.3} mm misses the link; allowed: planes that cut it, \
          which spans {:.3} mm to {:.3} mm along that normal", .asked[0] * 1e3, .asked[1] * 1e3,
         .spanned[0] * 1e3, .spanned[1] * 1e3
     )]
@@ -64,12 +64,12 @@ pub enum CutError {
         spanned: [f64; 2],
     },
     /// The polygon is none.
-    #[error("`--polygon`: {0}; allowed: sides that do not meet")]
+    #[error("`polygon`: {0}; allowed: sides that do not meet")]
     Polygon(PolygonError),
-    /// The mesh ends inside the patch.
+    /// The mesh ends inside the cutout.
     #[error(
         "the link's mesh has an opening inside the patch, {:.3} mm round, at {}; allowed: {allowed}. If it is no \
-         opening of the link but a crack in the mesh, `--weld` may close it",
+         opening of the link but a crack in the mesh, `weld` may close it",
         around * 1e3, Shown(*.at)
     )]
     Opening {
@@ -80,7 +80,7 @@ pub enum CutError {
         /// What would do.
         allowed: String,
     },
-    /// The patch is not a disc.
+    /// The cutout is not a disc.
     #[error("the patch is no disc: {found}; allowed: a patch with one rim{}", remedy(.found, *.largest))]
     NotADisc {
         /// What it is.
@@ -95,7 +95,7 @@ pub enum CutError {
     OneSided,
 }
 
-/// What a patch is that is no disc.
+/// What a cutout is that is no disc.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wrapped {
     /// It is all of a closed link.
@@ -122,10 +122,10 @@ impl std::fmt::Display for Wrapped {
 /// What to do about it.
 fn remedy(found: &Wrapped, largest: Option<f64>) -> String {
     match (found, largest) {
-        (_, Some(radius)) => format!(", here `--radius` up to about {:.1} mm", radius * 1e3),
+        (_, Some(radius)) => format!(", here `radius` up to about {:.1} mm", radius * 1e3),
         (Wrapped::Rims(_), None) => {
-            ". A ring round a limb becomes one if a second `--between-planes` along the limb leaves \
-             a gap in it, with planes beside the limb's axis, or if `--polygon` is smaller"
+            ". A ring round a limb becomes one if a second `between_planes` along the limb leaves \
+             a gap in it, with planes beside the limb's axis, or if `polygon` is smaller"
                 .to_owned()
         }
         (_, None) => String::new(),

@@ -1,4 +1,4 @@
-//! The frame of a patch: where a skin lies on its link.
+//! The frame of a cutout: where a skin lies on its link.
 
 use super::{
     error::CutError,
@@ -9,15 +9,15 @@ use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaterni
 /// Below this sine of the angle between two directions none of them is up for the other.
 const PARALLEL: f64 = 0.1;
 
-/// Takes points of the patch to points of the link. The origin is the seed, z is the patch's mean outward
-/// normal, and y is `up` laid into the patch; without it the link's z, or its y where that points out.
+/// Takes points of the cutout to points of the link. The origin is the seed, z is the cutout's mean outward
+/// normal, and y is `up` laid into the cutout; without it the link's z, or its y where that points out.
 pub(super) fn frame(
     piece: &Surface,
     seed: Point3<f64>,
     up: Option<Vector3<f64>>,
 ) -> Result<Isometry3<f64>, CutError> {
     let sum: Vector3<f64> = piece.faces().map(|face| vector_area(piece.corners(face))).sum();
-    // Nearly closed patches have no mean normal.
+    // Nearly closed cutouts have no mean normal.
     let normal = sum.try_normalize(1e-3 * piece.area()).unwrap_or_else(|| normal_at(piece, seed));
     let across = |up: Vector3<f64>| {
         let up = up.try_normalize(0.0).filter(|up| up.iter().all(|it| it.is_finite()))?;
@@ -25,7 +25,7 @@ pub(super) fn frame(
     };
     let x = match up {
         Some(asked) => across(asked).ok_or_else(|| CutError::Value {
-            option: "--up",
+            option: "up",
             value: format!("{}, {}, {}", asked.x, asked.y, asked.z),
             allowed: format!(
                 "a direction more than 6 degrees from the patch's normal ({:.3}, {:.3}, {:.3})",
@@ -69,6 +69,6 @@ mod tests {
     #[test]
     fn up_must_not_point_out_of_the_patch() {
         let error = frame(&facing_x(), Point3::origin(), Some(Vector3::x())).unwrap_err().to_string();
-        assert!(error.contains("--up") && error.contains("normal (1.000, 0.000, 0.000)"), "{error}");
+        assert!(error.contains("`up`") && error.contains("normal (1.000, 0.000, 0.000)"), "{error}");
     }
 }

@@ -31,7 +31,7 @@ use surface::Surface;
 
 /// Triangles on which the cut may be made.
 const MOST_TRIANGLES: f64 = 1e6;
-/// A patch whose nodes are closer to a plane than this share of its size is flat.
+/// A cutout whose nodes are closer to a plane than this share of its size is flat.
 const FLAT: f64 = 1e-6;
 /// Fewest and most electrodes.
 const ELECTRODES: std::ops::RangeInclusive<usize> = 4..=250;
@@ -39,11 +39,11 @@ const ELECTRODES: std::ops::RangeInclusive<usize> = 4..=250;
 /// What to cut, and how to make a skin of it. Lengths are in metres, in the link's frame.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// A point of the patch, on the link or close to it: there is the patch's origin.
+    /// A point of the cutout, on the link or close to it: there is the cutout's origin.
     pub around: Point3<f64>,
     /// What is cut out.
     pub region: Region,
-    /// Direction that is up as one looks onto the patch; without it z, or on a horizontal patch y.
+    /// Direction that is up as one looks onto the cutout; without it z, or on a horizontal cutout y.
     pub up: Option<Vector3<f64>>,
     /// Number of electrodes along the rim.
     pub electrodes: usize,
@@ -55,11 +55,11 @@ pub struct Request {
 
 /// A skin cut out of a link.
 #[derive(Clone, Debug)]
-pub struct Patch {
-    /// The mesh in the patch's frame, with its electrodes, m.
+pub struct Cutout {
+    /// The mesh in the cutout's frame, with its electrodes, m.
     pub mesh: Mesh,
-    /// The patch's frame in the link's: takes points of the patch to points of the link.
-    pub link_from_patch: Isometry3<f64>,
+    /// The cutout's frame in the link's: takes points of the cutout to points of the link.
+    pub link_from_skin: Isometry3<f64>,
     /// Length of the rim, m.
     pub rim: f64,
     /// Width of the electrodes, m.
@@ -74,20 +74,20 @@ pub struct Patch {
     pub shells: usize,
 }
 
-/// Cuts a patch out of a link, whose nodes are in metres.
-pub fn cut(link: &Imported, request: &Request) -> Result<Patch, CutError> {
+/// Cuts a cutout out of a link, whose nodes are in metres.
+pub fn cut(link: &Imported, request: &Request) -> Result<Cutout, CutError> {
     if !ELECTRODES.contains(&request.electrodes) {
         let allowed = format!("{} to {}", ELECTRODES.start(), ELECTRODES.end());
         let value = request.electrodes.to_string();
-        return Err(CutError::Value { option: "--electrodes", value, allowed });
+        return Err(CutError::Value { option: "electrodes", value, allowed });
     }
     request.region.check(&link.nodes)?;
     let touches = |seed, corners: &[Point3<f64>; 3]| request.region.touches(seed, corners);
     let crop = shell::crop(link, request.around, touches)?;
     let (even, onto) = even_triangles(crop.surface, &request.region, crop.seed);
     let piece = cut_out(&even, &request.region, crop.seed)?;
-    let link_from_patch = frame::frame(&piece, crop.seed, request.up)?;
-    finish(piece, &onto, request, link_from_patch, crop.shells)
+    let link_from_skin = frame::frame(&piece, crop.seed, request.up)?;
+    finish(piece, &onto, request, link_from_skin, crop.shells)
 }
 
 /// The crop in even triangles fine enough to cut them, and the crop itself to project onto.
@@ -113,7 +113,7 @@ fn touched(surface: &Surface, region: &Region, seed: Point3<f64>) -> Surface {
     Surface::new(points, faces)
 }
 
-/// The patch, a disc.
+/// The cutout, a disc.
 fn cut_out(even: &Surface, region: &Region, seed: Point3<f64>) -> Result<Surface, CutError> {
     let outside = || CutError::Outside { option: region.option(), at: seed };
     let face = closest_face(even, seed).ok_or_else(outside)?;
@@ -129,7 +129,7 @@ fn cut_out(even: &Surface, region: &Region, seed: Point3<f64>) -> Result<Surface
     }
 }
 
-/// Refuses a patch that the mesh's own edge runs through; of several openings the nearest is named, for a radius that
+/// Refuses a cutout that the mesh's own edge runs through; of several openings the nearest is named, for a radius that
 /// leaves it out leaves out all.
 fn refuse_openings(even: &Surface, field: &[f64], region: &Region) -> Result<(), CutError> {
     let nearer = |a: &usize, b: &usize| field[*a].total_cmp(&field[*b]);
@@ -163,14 +163,14 @@ fn largest_radius(even: &Surface, field: &[f64], region: &Region, seed: Point3<f
     (low > 0.0).then_some(low * radius)
 }
 
-/// Smooths the rim, places the electrodes, remeshes, and takes everything into the patch's frame.
+/// Smooths the rim, places the electrodes, remeshes, and takes everything into the cutout's frame.
 fn finish(
     mut piece: Surface,
     onto: &Closest,
     request: &Request,
-    link_from_patch: Isometry3<f64>,
+    link_from_skin: Isometry3<f64>,
     shells: usize,
-) -> Result<Patch, CutError> {
+) -> Result<Cutout, CutError> {
     let around = piece.loops().swap_remove(0);
     let rough = clip::length(&piece, &around);
     let asked = |rim: f64| request.width.unwrap_or_else(|| rim::usual_width(rim, request.electrodes));
@@ -179,7 +179,7 @@ fn finish(
     let curve = Curve::smoothed(&piece, &around, edge, onto);
     let width = asked(curve.length());
     rim::check(curve.length(), request.electrodes, width, edge.min(width / rim::EDGES_OF_ELECTRODE))?;
-    let first = curve.towards_top(|point| link_from_patch.inverse_transform_point(&point));
+    let first = curve.towards_top(|point| link_from_skin.inverse_transform_point(&point));
     let targets = curve.targets(&Layout { electrodes: request.electrodes, width, edge, first });
     let nodes = rim::insert(&mut piece, &around, &targets, edge);
     remesh::remesh(&mut piece, edge, onto, Effort::FINAL);
@@ -189,10 +189,10 @@ fn finish(
     remesh::polish(&mut piece, onto, Effort::FINAL);
     let contacts = contacts(&piece, &nodes, &targets, request.electrodes);
     let deviation = deviation(&piece, onto);
-    let (mesh, flat) = in_frame(&piece, contacts, &link_from_patch);
-    Ok(Patch {
+    let (mesh, flat) = in_frame(&piece, contacts, &link_from_skin);
+    Ok(Cutout {
         mesh,
-        link_from_patch,
+        link_from_skin,
         rim: curve.length(),
         width,
         edge_length: edge,
@@ -224,15 +224,15 @@ fn deviation(piece: &Surface, onto: &Closest) -> f64 {
     middles.map(|middle| (onto.point(middle) - middle).norm()).fold(0.0, f64::max)
 }
 
-/// The mesh in the patch's frame, and whether it is flat; then it lies in z = 0 exactly.
+/// The mesh in the cutout's frame, and whether it is flat; then it lies in z = 0 exactly.
 fn in_frame(
     piece: &Surface,
     contacts: Vec<Vec<[usize; 2]>>,
-    link_from_patch: &Isometry3<f64>,
+    link_from_skin: &Isometry3<f64>,
 ) -> (Mesh, bool) {
     let (points, elements, numbers) = piece.compact();
     let mut nodes: Vec<_> =
-        points.iter().map(|point| link_from_patch.inverse_transform_point(point)).collect();
+        points.iter().map(|point| link_from_skin.inverse_transform_point(point)).collect();
     let [low, high] = bounds(&nodes);
     let flat = nodes.iter().all(|node| node.z.abs() < FLAT * (high - low).norm());
     if flat {

@@ -40,7 +40,7 @@ impl Slab {
     /// Points p with `from` <= p . normal / |normal| <= `to`, m.
     pub fn new(normal: Vector3<f64>, from: f64, to: f64) -> Result<Self, CutError> {
         let refuse = |value: String, allowed: &str| {
-            Err(CutError::Value { option: "--between-planes", value, allowed: allowed.to_owned() })
+            Err(CutError::Value { option: "between_planes", value, allowed: allowed.to_owned() })
         };
         match normal.try_normalize(1e-12) {
             Some(normal)
@@ -81,9 +81,9 @@ impl Region {
     /// The option that says it.
     pub(super) fn option(&self) -> &'static str {
         match self {
-            Self::Disc { .. } => "--radius",
-            Self::Slabs(_) => "--between-planes",
-            Self::Polygon(_) => "--polygon",
+            Self::Disc { .. } => "radius",
+            Self::Slabs(_) => "between_planes",
+            Self::Polygon(_) => "polygon",
         }
     }
 
@@ -91,7 +91,7 @@ impl Region {
     pub(super) fn check(&self, nodes: &[Point3<f64>]) -> Result<(), CutError> {
         match self {
             Self::Disc { radius } if !(*radius > 0.0 && radius.is_finite()) => Err(CutError::Value {
-                option: "--radius",
+                option: "radius",
                 value: format!("{radius} m"),
                 allowed: "a length above zero".to_owned(),
             }),
@@ -107,7 +107,7 @@ impl Region {
         }
     }
 
-    /// Whether the region may reach a triangle; a patch round `seed` has no part of others.
+    /// Whether the region may reach a triangle; a cutout round `seed` has no part of others.
     pub(super) fn touches(&self, seed: Point3<f64>, corners: &[Point3<f64>; 3]) -> bool {
         match self {
             // A way over the surface is not shorter than the straight one.
@@ -184,7 +184,7 @@ mod tests {
     fn what_is_no_polygon_and_no_slab_is_refused() {
         let crossing = [[0.0, 0.0, 0.0], [2.0, 1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.5, 0.0]].map(Point3::from);
         let error = Cutter::new(&crossing).unwrap_err().to_string();
-        assert!(error.contains("--polygon") && error.contains("cross"), "{error}");
+        assert!(error.contains("`polygon`") && error.contains("cross"), "{error}");
         let line = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]].map(Point3::from);
         assert!(Cutter::new(&line).is_err() && Cutter::new(&[]).is_err());
         assert!(Slab::new(Vector3::z(), 1.0, 1.0).is_err() && Slab::new(Vector3::zeros(), 0.0, 1.0).is_err());

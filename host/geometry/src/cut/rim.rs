@@ -1,4 +1,4 @@
-//! The rim of a patch: smoothed along the surface, with nodes where electrodes begin and end.
+//! The rim of a cutout: smoothed along the surface, with nodes where electrodes begin and end.
 
 use super::{closest::Closest, error::CutError, surface::Surface};
 use nalgebra::{Point3, center};
@@ -16,7 +16,7 @@ const EDGES: f64 = 3.0;
 /// Least number of edges under an electrode.
 pub(super) const EDGES_OF_ELECTRODE: f64 = 2.0;
 
-/// A closed line on the surface, walked with the patch on its left.
+/// A closed line on the surface, walked with the cutout on its left.
 pub(super) struct Curve {
     /// Where the line lies after smoothing, at equal steps of the old line.
     samples: Vec<Point3<f64>>,
@@ -172,13 +172,13 @@ pub(super) fn check(length: f64, electrodes: usize, width: f64, edge: f64) -> Re
     if !(narrowest..=widest).contains(&width) {
         let rim = format!("on a rim of {:.1} mm with {electrodes} electrodes", length * 1e3);
         let range = format!("{:.3} mm to {:.3} mm", narrowest * 1e3, widest * 1e3);
-        return refuse("--width", width, format!("{range} {rim}"));
+        return refuse("width", width, format!("{range} {rim}"));
     }
     let coarsest = width / EDGES_OF_ELECTRODE;
     if !(finest..=coarsest * (1.0 + 1e-9)).contains(&edge) {
         let why = "so that two edges lie under each electrode";
         return refuse(
-            "--edge-length",
+            "edge_length",
             edge,
             format!("{:.3} mm to {:.3} mm, {why}", finest * 1e3, coarsest * 1e3),
         );
@@ -248,6 +248,6 @@ mod tests {
     #[test]
     fn electrodes_narrower_than_the_mesh_can_show_are_refused_with_what_fits() {
         let error = check(0.25, 16, 1e-4, 3e-5).unwrap_err().to_string();
-        assert!(error.contains("`--width` is 0.100 mm; allowed: 0.476 mm to 14.06"), "{error}");
+        assert!(error.contains("`width` is 0.100 mm; allowed: 0.476 mm to 14.06"), "{error}");
     }
 }

@@ -1,4 +1,4 @@
-//! The part of a link's mesh that a patch can come from: one shell of it, cleaned and oriented.
+//! The part of a link's mesh that a cutout can come from: one shell of it, cleaned and oriented.
 
 use super::{
     closest::on_triangle,
@@ -12,7 +12,7 @@ use std::collections::{HashMap, HashSet};
 /// A seed may be this far from the mesh, as a share of the bounding box's diagonal.
 const FARTHEST: f64 = 0.05;
 
-/// The crop of a link in which a patch lies.
+/// The crop of a link in which a cutout lies.
 pub(super) struct Crop {
     /// Triangles of the seed's shell that the cut may touch, those that hang together with the seed.
     pub(super) surface: Surface,
@@ -199,7 +199,7 @@ mod tests {
     fn points_far_away_and_meshes_without_area_are_refused() {
         let square = link(&CORNERS, &[[0, 1, 2]]);
         let error = crop(&square, Point3::new(0.0, 9.0, 0.0), |_, _| true).err().unwrap().to_string();
-        assert!(error.contains("8062.258 mm from the link's mesh") && error.contains("--unit"), "{error}");
+        assert!(error.contains("8062.258 mm from the link's mesh") && error.contains("`unit`"), "{error}");
         let thin = link(&CORNERS, &[[0, 1, 4]]);
         assert_eq!(crop(&thin, Point3::origin(), |_, _| true).err(), Some(CutError::Empty));
         let mut broken = square;

@@ -53,8 +53,8 @@ fn disc(around: [f64; 3], radius: f64) -> Request {
     }
 }
 
-/// Area and rim of a good patch, after all that must hold of one is checked.
-fn checked(patch: &Patch) -> (f64, f64) {
+/// Area and rim of a good cutout, after all that must hold of one is checked.
+fn checked(patch: &Cutout) -> (f64, f64) {
     let Mesh { nodes, elements, electrodes } = &patch.mesh;
     let found = require_sound(nodes, elements, false).unwrap();
     assert_eq!((found.boundary_loops.len(), found.flipped), (1, 0));
@@ -85,8 +85,8 @@ fn a_disc_on_a_ball_has_the_area_and_rim_of_a_cap() {
     let [first, fifth] = [0, 4].map(|i| patch.mesh.centre(&patch.mesh.electrodes[i]));
     assert!(first.y > 0.04 && first.x.abs() < 0.003, "{first}");
     assert!(fifth.x > 0.04 && fifth.y.abs() < 0.003, "{fifth}");
-    assert!((patch.link_from_patch * Vector3::y() - Vector3::z()).norm() < 0.02);
-    let on_link = patch.mesh.nodes.iter().map(|node| (patch.link_from_patch * node).coords.norm());
+    assert!((patch.link_from_skin * Vector3::y() - Vector3::z()).norm() < 0.02);
+    let on_link = patch.mesh.nodes.iter().map(|node| (patch.link_from_skin * node).coords.norm());
     assert!(on_link.clone().all(|it| (it / radius - 1.0).abs() < 2e-3));
 }
 
@@ -166,24 +166,24 @@ fn what_cannot_be_a_patch_is_refused_with_what_is_allowed() {
         request
     };
     let cases: [(&Imported, Request, &[&str]); 13] = [
-        (&tube, disc(middle, 0.15), &["no disc", "wraps round", "`--radius` up to about 12"]),
-        (&tube, disc([0.04, 0.0, 0.55], 0.1), &["an opening", "a radius below 50.", "--weld"]),
+        (&tube, disc(middle, 0.15), &["no disc", "wraps round", "`radius` up to about 12"]),
+        (&tube, disc([0.04, 0.0, 0.55], 0.1), &["an opening", "a radius below 50.", "`weld`"]),
         // Both ends are openings; the nearer one counts.
         (&tube, disc([0.04, 0.0, 0.1], 0.55), &["an opening", "a radius below 100."]),
         (&tube, disc([0.04, 0.0, 0.5], 0.55), &["an opening", "a radius below 100."]),
-        (&tube, disc([0.3, 0.0, 0.3], 0.1), &["`--around`", "260.0", "--unit"]),
-        (&tube, disc(middle, f64::NAN), &["`--radius`", "above zero"]),
+        (&tube, disc([0.3, 0.0, 0.3], 0.1), &["`around`", "260.0", "`unit`"]),
+        (&tube, disc(middle, f64::NAN), &["`radius`", "above zero"]),
         (&closed, disc([0.05, 0.0, 0.0], 0.3), &["all of the link"]),
         (&tube, Request { region: slab(0.7, 0.8), ..disc(middle, 0.0) }, &["misses the link", "600.000 mm"]),
-        (&tube, Request { region: slab(0.4, 0.5), ..disc(middle, 0.0) }, &["outside `--between-planes`"]),
+        (&tube, Request { region: slab(0.4, 0.5), ..disc(middle, 0.0) }, &["outside `between_planes`"]),
         (
             &tube,
             Request { region: slab(0.2, 0.4), ..disc(middle, 0.0) },
-            &["wraps round", "one rim", "a second `--between-planes`"],
+            &["wraps round", "one rim", "a second `between_planes`"],
         ),
-        (&tube, wanted(|it| it.edge_length = Some(0.004)), &["`--edge-length`", "two edges"]),
-        (&tube, wanted(|it| it.width = Some(0.02)), &["`--width`", "mm to 17."]),
-        (&tube, wanted(|it| it.electrodes = 3), &["`--electrodes`", "4 to 250"]),
+        (&tube, wanted(|it| it.edge_length = Some(0.004)), &["`edge_length`", "two edges"]),
+        (&tube, wanted(|it| it.width = Some(0.02)), &["`width`", "mm to 17."]),
+        (&tube, wanted(|it| it.electrodes = 3), &["`electrodes`", "4 to 250"]),
     ];
     for (link, request, expected) in cases {
         let error = cut(link, &request).err().map(|error| error.to_string()).unwrap_or_default();
@@ -234,7 +234,7 @@ proptest! {
         prop_assert_eq!(patch.shells, 3);
         prop_assert!(area > 0.5 * PI * radius * radius && rim < 1.5 * TAU * radius, "{area} {rim}");
         prop_assert!(patch.deviation < 0.05 * radius, "{}", patch.deviation);
-        let top = patch.link_from_patch * Vector3::z();
+        let top = patch.link_from_skin * Vector3::z();
         prop_assert!(top.dot(&around) > 0.0, "z points out of the link");
     }
 }

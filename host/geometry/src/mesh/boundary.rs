@@ -29,15 +29,15 @@ pub(super) fn boundary_loops(
     elements: &[[usize; 3]],
     fans: &mut DisjointSets,
 ) -> Vec<Vec<usize>> {
-    let rim_edge = |edge: &Edge| RimEdge {
+    let boundary_edge = |edge: &Edge| BoundaryEdge {
         nodes: edge.nodes,
         fans: edge.nodes.map(|node| fans.find(corner(edge.element, node, elements))),
     };
-    let boundary: Vec<_> = neighbours::alone(edges).map(rim_edge).collect();
+    let boundary: Vec<_> = neighbours::alone(edges).map(boundary_edge).collect();
     // Each fan that is open has an edge of the boundary at either end.
     let mut ends: HashMap<usize, Vec<usize>> = HashMap::new();
-    for (place, rim) in boundary.iter().enumerate() {
-        rim.fans.iter().for_each(|&fan| ends.entry(fan).or_default().push(place));
+    for (place, edge) in boundary.iter().enumerate() {
+        edge.fans.iter().for_each(|&fan| ends.entry(fan).or_default().push(place));
     }
     let mut walked = vec![false; boundary.len()];
     let starts = 0..boundary.len();
@@ -45,7 +45,7 @@ pub(super) fn boundary_loops(
 }
 
 /// An edge of the boundary.
-struct RimEdge {
+struct BoundaryEdge {
     nodes: [usize; 2],
     /// The fans at its nodes.
     fans: [usize; 2],
@@ -54,7 +54,7 @@ struct RimEdge {
 /// Follows the boundary from fan to fan; nothing if the first edge was walked before.
 fn walk(
     start: usize,
-    boundary: &[RimEdge],
+    boundary: &[BoundaryEdge],
     ends: &mut HashMap<usize, Vec<usize>>,
     walked: &mut [bool],
 ) -> Option<Vec<usize>> {

@@ -6,7 +6,18 @@ use rayon::prelude::*;
 /// pair that follows another.
 #[must_use]
 pub fn neighbours(elements: &[[usize; 3]]) -> Vec<[usize; 2]> {
-    let mut pairs: Vec<[usize; 2]> = edges(elements)
+    pairs(&edges(elements))
+}
+
+/// [`neighbours`] and [`orientation`], for little more than one of them.
+#[must_use]
+pub fn neighbours_and_orientation(elements: &[[usize; 3]]) -> (Vec<[usize; 2]>, Vec<f64>) {
+    let edges = edges(elements);
+    (pairs(&edges), orientation_over(&edges, elements.len()))
+}
+
+fn pairs(edges: &[Edge]) -> Vec<[usize; 2]> {
+    let mut pairs: Vec<[usize; 2]> = edges
         .par_windows(2)
         .filter(|pair| pair[0].nodes == pair[1].nodes)
         .map(|pair| [pair[0].element, pair[1].element])
@@ -23,14 +34,26 @@ pub(crate) struct Edge {
     pub(crate) ascending: bool,
 }
 
-/// Every edge of every element, those of the same nodes together.
+/// Every edge of every element, ascending: those of the same nodes are together.
+///
+/// They are counted into a bucket for each lower node, and only the buckets are sorted.
 pub(crate) fn edges(elements: &[[usize; 3]]) -> Vec<Edge> {
-    let of_element = |(element, &[a, b, c]): (usize, &[usize; 3])| {
-        [(a, b), (b, c), (c, a)].map(|(a, b)| Edge { nodes: [a.min(b), a.max(b)], element, ascending: a < b })
-    };
-    let mut edges: Vec<Edge> = elements.par_iter().enumerate().flat_map_iter(of_element).collect();
-    edges.par_sort_unstable();
+    let all = || elements.iter().enumerate().flat_map(|(element, &corners)| edges_of(element, corners));
+    let nodes = elements.iter().flatten().max().map_or(0, |last| last + 1);
+    let mut free = vec![0; nodes + 1];
+    all().for_each(|edge| free[edge.nodes[0] + 1] += 1);
+    (0..nodes).for_each(|node| free[node + 1] += free[node]);
+    let mut edges = vec![Edge { nodes: [0; 2], element: 0, ascending: false }; 3 * elements.len()];
+    for edge in all() {
+        edges[free[edge.nodes[0]]] = edge;
+        free[edge.nodes[0]] += 1;
+    }
+    edges.par_chunk_by_mut(|a, b| a.nodes[0] == b.nodes[0]).for_each(<[Edge]>::sort_unstable);
     edges
+}
+
+fn edges_of(element: usize, [a, b, c]: [usize; 3]) -> [Edge; 3] {
+    [(a, b), (b, c), (c, a)].map(|(a, b)| Edge { nodes: [a.min(b), a.max(b)], element, ascending: a < b })
 }
 
 /// Edges of one element only.
@@ -38,9 +61,9 @@ pub(super) fn alone(edges: &[Edge]) -> impl Iterator<Item = &Edge> {
     edges.chunk_by(|a, b| a.nodes == b.nodes).filter(|edges| edges.len() == 1).map(|edges| &edges[0])
 }
 
-/// Nodes of each edge of the rims: those of one element only, ascending.
+/// Nodes of each edge of the boundaries: those of one element only, ascending.
 #[must_use]
-pub fn rim_edges(elements: &[[usize; 3]]) -> Vec<[usize; 2]> {
+pub fn boundary_edges(elements: &[[usize; 3]]) -> Vec<[usize; 2]> {
     alone(&edges(elements)).map(|edge| edge.nodes).collect()
 }
 
@@ -48,9 +71,14 @@ pub fn rim_edges(elements: &[[usize; 3]]) -> Vec<[usize; 2]> {
 /// `[element]`. On a surface with one side only there is no such sign, and some neighbours differ.
 #[must_use]
 pub fn orientation(elements: &[[usize; 3]]) -> Vec<f64> {
-    let adjacent = Adjacency::with_turns(elements);
-    let mut signs = vec![0.0; elements.len()];
-    for start in 0..elements.len() {
+    orientation_over(&edges(elements), elements.len())
+}
+
+/// [`orientation`] of as many elements as have these edges.
+pub(super) fn orientation_over(edges: &[Edge], elements: usize) -> Vec<f64> {
+    let adjacent = Adjacency::with_turns(edges, elements);
+    let mut signs = vec![0.0; elements];
+    for start in 0..elements {
         if signs[start] == 0.0 {
             orient_part(start, &adjacent, &mut signs);
         }
@@ -112,13 +140,12 @@ impl<V: Copy> Adjacency<V> {
 
 impl Adjacency<f64> {
     /// Elements with 1 for a neighbour that lies the same way round, else -1.
-    fn with_turns(elements: &[[usize; 3]]) -> Self {
-        let edges = edges(elements);
+    fn with_turns(edges: &[Edge], elements: usize) -> Self {
         let pairs = edges.windows(2).filter(|pair| pair[0].nodes == pair[1].nodes).map(|pair| {
             let turn = if pair[0].ascending == pair[1].ascending { -1.0 } else { 1.0 };
             ([pair[0].element, pair[1].element], turn)
         });
-        Self::new(elements.len(), pairs, 0.0)
+        Self::new(elements, pairs, 0.0)
     }
 }
 
@@ -135,9 +162,9 @@ mod tests {
     }
 
     #[test]
-    fn edges_of_one_element_are_the_rim() {
-        assert_eq!(rim_edges(&FAN), [[0, 1], [0, 3], [1, 2], [2, 3]]);
-        assert_eq!(rim_edges(&FAN[..1]), [[0, 1], [0, 4], [1, 4]]);
+    fn edges_of_one_element_are_the_boundary() {
+        assert_eq!(boundary_edges(&FAN), [[0, 1], [0, 3], [1, 2], [2, 3]]);
+        assert_eq!(boundary_edges(&FAN[..1]), [[0, 1], [0, 4], [1, 4]]);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Places electrodes on a mesh that was made elsewhere: along its rim, at given points, or where its
+//! Places electrodes on a mesh that was made elsewhere: along its boundary, at given points, or where its
 //! named groups are. The mesh stays as it is, so an electrode covers whole edges or triangles.
 
 use super::{ElectrodeContact, triangle};
@@ -7,14 +7,14 @@ use std::collections::HashMap;
 
 /// A boundary loop of a mesh, walked counter-clockwise as seen from above.
 #[derive(Clone, Debug)]
-pub struct Rim<'a> {
+pub struct BoundaryLoop<'a> {
     nodes: &'a [Point3<f64>],
     order: Vec<usize>,
     /// Arc length at which each edge starts, and that of the whole loop: `[edge]`, one more.
     starts: Vec<f64>,
 }
 
-impl<'a> Rim<'a> {
+impl<'a> BoundaryLoop<'a> {
     /// A loop of nodes in either direction.
     #[must_use]
     pub fn new(nodes: &'a [Point3<f64>], mut order: Vec<usize>) -> Self {
@@ -137,13 +137,13 @@ mod tests {
     }
 
     #[test]
-    fn a_rim_is_walked_counter_clockwise_whichever_way_it_comes() {
+    fn a_boundary_is_walked_counter_clockwise_whichever_way_it_comes() {
         let nodes = ring();
-        let rim = Rim::new(&nodes, (0..32).collect());
-        assert!((rim.length() - TAU).abs() < 0.02);
-        let top = rim.position(PI / 2.0);
-        let ElectrodeContact::Node(at_top) = rim.node(top) else { panic!() };
-        let ElectrodeContact::Node(left) = rim.node(top + rim.length() / 4.0) else { panic!() };
+        let boundary = BoundaryLoop::new(&nodes, (0..32).collect());
+        assert!((boundary.length() - TAU).abs() < 0.02);
+        let top = boundary.position(PI / 2.0);
+        let ElectrodeContact::Node(at_top) = boundary.node(top) else { panic!() };
+        let ElectrodeContact::Node(left) = boundary.node(top + boundary.length() / 4.0) else { panic!() };
         assert!((nodes[at_top] - Point3::new(0.0, 1.0, 0.5)).norm() < 1e-12);
         assert!((nodes[left] - Point3::new(-1.0, 0.0, 0.5)).norm() < 1e-9);
     }
@@ -151,8 +151,8 @@ mod tests {
     #[test]
     fn an_electrode_covers_the_edges_in_its_width_and_one_at_least() {
         let nodes = ring();
-        let rim = Rim::new(&nodes, (0..32).collect());
-        let covered = |width: f64| match rim.edges(rim.position(0.0), width) {
+        let boundary = BoundaryLoop::new(&nodes, (0..32).collect());
+        let covered = |width: f64| match boundary.edges(boundary.position(0.0), width) {
             ElectrodeContact::Edges(edges) => edges.len(),
             _ => 0,
         };

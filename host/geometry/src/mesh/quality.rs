@@ -1,6 +1,7 @@
 //! Quality of a mesh in a few numbers.
 
 use super::{Mesh, triangle};
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// How good a mesh is.
@@ -22,22 +23,31 @@ pub struct Quality {
     pub area: f64,
 }
 
+/// Triangles that are worth a core of their own.
+const MANY: usize = 4096;
+
 /// Looks at every triangle.
 #[must_use]
 pub fn quality(mesh: &Mesh) -> Quality {
-    let corners = || (0..mesh.elements.len()).map(|element| mesh.corners(element));
-    let angles = corners().map(triangle::smallest_angle).zip(0..);
+    let elements = || (0..mesh.elements.len()).into_par_iter().with_min_len(MANY);
+    let angles = elements().map(|element| (triangle::smallest_angle(mesh.corners(element)), element));
     let (smallest, sharpest_element) =
-        angles.fold((f64::INFINITY, 0), |least, it| if it < least { it } else { least });
-    let lengths = || corners().flat_map(|[a, b, c]| [a - b, b - c, c - a]).map(|edge| edge.norm());
+        angles.reduce(|| (f64::INFINITY, 0), |least, it| if it < least { it } else { least });
+    let lengths = elements().flat_map_iter(|element| {
+        let [a, b, c] = mesh.corners(element);
+        [a - b, b - c, c - a].map(|edge| (edge.norm(), edge.norm()))
+    });
+    let wider = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+    let (shortest_edge, longest_edge) = lengths.reduce(|| (f64::INFINITY, 0.0), wider);
     Quality {
         nodes: mesh.nodes.len(),
         elements: mesh.elements.len(),
         smallest_angle_degrees: smallest.to_degrees(),
         sharpest_element,
-        shortest_edge: lengths().fold(f64::INFINITY, f64::min),
-        longest_edge: lengths().fold(0.0, f64::max),
-        area: corners().map(triangle::area).sum(),
+        shortest_edge,
+        longest_edge,
+        // In one order, so that the sum does not depend on how many cores there are.
+        area: (0..mesh.elements.len()).map(|element| triangle::area(mesh.corners(element))).sum(),
     }
 }
 

@@ -43,7 +43,7 @@ pub struct Segment {
 #[derive(Debug, thiserror::Error)]
 pub enum FirmwareError {
     /// The file cannot be read.
-    #[error("cannot read firmware `{}`: {reason}; `firmware/build` makes it, `--elf FILE` names another", path.display())]
+    #[error("cannot read firmware `{}`: {reason}; `firmware/build` makes it", path.display())]
     Read {
         /// Which file.
         path: PathBuf,

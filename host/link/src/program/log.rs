@@ -12,7 +12,7 @@ pub struct Log {
 
 /// The firmware has no log.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("this firmware has no log ({reason}): leave `--logs` away")]
+#[error("this firmware has no log ({reason})")]
 pub struct NoLog {
     reason: String,
 }

@@ -34,6 +34,9 @@ use std::{
     ops::{Add, Div, Mul, Neg, Sub},
 };
 
+/// Number of an unknown in the sparse solver: half as long as usize, which is half the memory to go through.
+pub(super) type Index = u32;
+
 /// What an element's admittivity may be: `f64` or [`Complex64`].
 pub trait Admittivity:
     Copy
@@ -65,12 +68,12 @@ pub trait Admittivity:
     fn from_parts(parts: &[f64]) -> Self;
 
     /// Finds the order of elimination.
-    fn analyse(pattern: SymbolicSparseColMatRef<'_, usize>) -> Result<Self::Symbolic, ForwardError>;
+    fn analyse(pattern: SymbolicSparseColMatRef<'_, Index>) -> Result<Self::Symbolic, ForwardError>;
 
     /// Factors the lower half in `matrix` and solves for every column of `rhs`.
     fn solve(
         symbolic: &Self::Symbolic,
-        matrix: &SparseColMat<usize, f64>,
+        matrix: SparseColMat<Index, f64>,
         rhs: Mat<f64>,
     ) -> Result<Mat<f64>, ForwardError>;
 
@@ -83,7 +86,7 @@ pub trait Admittivity:
 
 impl Admittivity for f64 {
     const PARTS: usize = 1;
-    type Symbolic = SymbolicLlt<usize>;
+    type Symbolic = SymbolicLlt<Index>;
 
     fn entries(row: usize, col: usize, value: Self) -> impl Iterator<Item = (usize, usize, f64)> {
         std::iter::once((row, col, value))
@@ -93,17 +96,18 @@ impl Admittivity for f64 {
         parts[0]
     }
 
-    fn analyse(pattern: SymbolicSparseColMatRef<'_, usize>) -> Result<Self::Symbolic, ForwardError> {
+    fn analyse(pattern: SymbolicSparseColMatRef<'_, Index>) -> Result<Self::Symbolic, ForwardError> {
         SymbolicLlt::try_new(pattern, Side::Lower).map_err(ForwardError::solver)
     }
 
     fn solve(
         symbolic: &Self::Symbolic,
-        matrix: &SparseColMat<usize, f64>,
+        matrix: SparseColMat<Index, f64>,
         rhs: Mat<f64>,
     ) -> Result<Mat<f64>, ForwardError> {
         let factor = Llt::try_new_with_symbolic(symbolic.clone(), matrix.as_ref(), Side::Lower)
             .map_err(|_| ForwardError::Singular)?;
+        drop(matrix);
         Ok(solve_columns(rhs, |columns| factor.solve_in_place_with_conj(faer::Conj::No, columns)))
     }
 
@@ -118,7 +122,7 @@ impl Admittivity for f64 {
 
 impl Admittivity for Complex64 {
     const PARTS: usize = 2;
-    type Symbolic = SymbolicCholesky<usize>;
+    type Symbolic = SymbolicCholesky<Index>;
 
     fn entries(row: usize, col: usize, value: Self) -> impl Iterator<Item = (usize, usize, f64)> {
         let (real, imaginary) = (2 * row, 2 * row + 1);
@@ -132,18 +136,19 @@ impl Admittivity for Complex64 {
         Self::new(parts[0], parts[1])
     }
 
-    fn analyse(pattern: SymbolicSparseColMatRef<'_, usize>) -> Result<Self::Symbolic, ForwardError> {
+    fn analyse(pattern: SymbolicSparseColMatRef<'_, Index>) -> Result<Self::Symbolic, ForwardError> {
         factorize_symbolic_cholesky(pattern, Side::Lower, Default::default(), Default::default())
             .map_err(ForwardError::solver)
     }
 
     fn solve(
         symbolic: &Self::Symbolic,
-        matrix: &SparseColMat<usize, f64>,
+        matrix: SparseColMat<Index, f64>,
         rhs: Mat<f64>,
     ) -> Result<Mat<f64>, ForwardError> {
         let mut values = vec![0.0; symbolic.len_val()];
-        let factor = ldlt(symbolic, matrix, &mut values)?;
+        let factor = ldlt(symbolic, &matrix, &mut values)?;
+        drop(matrix);
         Ok(solve_columns(rhs, |columns| {
             let scratch = symbolic.solve_in_place_scratch::<f64>(columns.ncols(), Par::Seq);
             let mut memory = MemBuffer::new(scratch);
@@ -162,10 +167,10 @@ impl Admittivity for Complex64 {
 }
 
 fn ldlt<'a>(
-    symbolic: &'a SymbolicCholesky<usize>,
-    matrix: &SparseColMat<usize, f64>,
+    symbolic: &'a SymbolicCholesky<Index>,
+    matrix: &SparseColMat<Index, f64>,
     values: &'a mut [f64],
-) -> Result<LdltRef<'a, usize, f64>, ForwardError> {
+) -> Result<LdltRef<'a, Index, f64>, ForwardError> {
     let parallelism = faer::get_global_parallelism();
     let scratch = symbolic.factorize_numeric_ldlt_scratch::<f64>(parallelism, Spec::default());
     let mut memory = MemBuffer::new(scratch);
@@ -182,9 +187,11 @@ fn ldlt<'a>(
         .map_err(|_| ForwardError::Singular)
 }
 
-/// Solves all columns, a share of them on each core.
+/// Columns solved together. The solver copies them, so that few of them need less memory.
+const TOGETHER: usize = 8;
+
+/// Solves all columns, a few of them at a time on each core.
 pub(crate) fn solve_columns(mut rhs: Mat<f64>, solve: impl Fn(MatMut<'_, f64>) + Sync + Send) -> Mat<f64> {
-    let share = rhs.ncols().div_ceil(rayon::current_num_threads()).max(1);
-    rhs.par_col_chunks_mut(share).for_each(solve);
+    rhs.par_col_chunks_mut(TOGETHER).for_each(solve);
     rhs
 }

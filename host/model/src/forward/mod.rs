@@ -13,6 +13,7 @@ pub use admittivity::Admittivity;
 pub(crate) use admittivity::solve_columns;
 use dermatome_geometry::mesh::Mesh;
 use dermatome_shared::stimulation::Step;
+use rayon::prelude::*;
 use system::System;
 
 /// A mesh made ready to be solved for many admittivities, real ([`f64`]) or complex.
@@ -76,8 +77,8 @@ impl<T: Admittivity> ForwardModel<T> {
     /// Solves for the relative admittivity of each element: `[element]`.
     pub fn solve(&self, admittivity: &[T]) -> Result<Fields<T>, ForwardError> {
         let matrix = self.system.matrix(admittivity)?;
-        let solution = T::solve(&self.symbolic, &matrix, self.system.currents())?;
-        if !(0..solution.ncols()).all(|j| solution.col(j).iter().all(|v| v.is_finite())) {
+        let solution = T::solve(&self.symbolic, matrix, self.system.currents())?;
+        if !solution.par_col_iter().all(|column| column.iter().all(|v| v.is_finite())) {
             return Err(ForwardError::Singular);
         }
         Ok(Fields {

@@ -1,13 +1,16 @@
 //! The system matrix: which entries there are, and their values for an admittivity.
 
-use super::{Admittivity, ForwardError};
+use super::{Admittivity, ForwardError, admittivity::Index};
 use dermatome_geometry::mesh::triangle::Gradients;
 use dermatome_geometry::mesh::{ElectrodeContact, Mesh, triangle};
 use faer::{
     Mat,
     sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat, SymbolicSparseColMatRef},
 };
+use rayon::prelude::*;
 
+/// Unknowns transposed together, so that both sides stay in the cache.
+const BLOCK: usize = 64;
 /// Lower corners of a local 3 x 3 matrix.
 const LOWER: [(usize, usize); 6] = [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)];
 
@@ -21,8 +24,8 @@ pub(super) struct System<T> {
     elements: Vec<[usize; 3]>,
     /// Fixed entries of the complete electrode model: row, column, value.
     contacts: Vec<(usize, usize, T)>,
-    pattern: SymbolicSparseColMat<usize>,
-    order: Argsort<usize>,
+    pattern: SymbolicSparseColMat<Index>,
+    order: Argsort<Index>,
 }
 
 pub(super) fn electrode_unknown(mesh: &Mesh, electrode: usize) -> usize {
@@ -46,7 +49,7 @@ impl<T: Admittivity> System<T> {
         let pairs: Vec<_> = positions
             .filter(|&(row, col)| row != ground && col != ground)
             .flat_map(|(row, col)| T::entries(without(ground, row), without(ground, col), T::default()))
-            .map(|(row, col, _)| Pair { row, col })
+            .map(|(row, col, _)| Pair { row: row as Index, col: col as Index })
             .collect();
         let size = T::PARTS * (unknowns - 1);
         let (pattern, order) =
@@ -55,7 +58,10 @@ impl<T: Admittivity> System<T> {
             unknowns,
             ground,
             electrodes,
-            gradients: (0..mesh.elements.len()).map(|e| Gradients::of(mesh.corners(e))).collect(),
+            gradients: (0..mesh.elements.len())
+                .into_par_iter()
+                .map(|e| Gradients::of(mesh.corners(e)))
+                .collect(),
             elements: mesh.elements.clone(),
             contacts,
             pattern,
@@ -63,7 +69,7 @@ impl<T: Admittivity> System<T> {
         })
     }
 
-    pub(super) fn pattern(&self) -> SymbolicSparseColMatRef<'_, usize> {
+    pub(super) fn pattern(&self) -> SymbolicSparseColMatRef<'_, Index> {
         self.pattern.as_ref()
     }
 
@@ -72,7 +78,7 @@ impl<T: Admittivity> System<T> {
     }
 
     /// The real matrix for one admittivity, lower half, ground left out.
-    pub(super) fn matrix(&self, admittivity: &[T]) -> Result<SparseColMat<usize, f64>, ForwardError> {
+    pub(super) fn matrix(&self, admittivity: &[T]) -> Result<SparseColMat<Index, f64>, ForwardError> {
         let values: Vec<f64> = self
             .lower_entries(admittivity)?
             .filter(|&(row, col, _)| row != self.ground && col != self.ground)
@@ -117,17 +123,20 @@ impl<T: Admittivity> System<T> {
         currents
     }
 
-    /// Puts the ground's zeros back: `[electrode][unknown]`.
+    /// Puts the ground's zeros back: `[unknown][electrode]`.
     pub(super) fn with_ground(&self, solution: &Mat<f64>) -> Vec<T> {
         let electrodes = solution.ncols();
         let mut potentials = vec![T::default(); electrodes * self.unknowns];
-        for electrode in 0..electrodes {
-            let parts = solution.col_as_slice(electrode).chunks_exact(T::PARTS).map(T::from_parts);
-            let unknowns = (0..self.unknowns).filter(|&unknown| unknown != self.ground);
-            for (unknown, potential) in unknowns.zip(parts) {
-                potentials[unknown * electrodes + electrode] = potential;
+        potentials.par_chunks_mut(BLOCK * electrodes.max(1)).enumerate().for_each(|(block, rows)| {
+            for electrode in 0..electrodes {
+                let column = solution.col_as_slice(electrode);
+                let unknowns = (block * BLOCK..).zip(rows.chunks_exact_mut(electrodes));
+                for (unknown, row) in unknowns.filter(|(unknown, _)| *unknown != self.ground) {
+                    let first = T::PARTS * without(self.ground, unknown);
+                    row[electrode] = T::from_parts(&column[first..first + T::PARTS]);
+                }
             }
-        }
+        });
         potentials
     }
 }

@@ -14,7 +14,7 @@
 //! y - J x is lambda^2 a, and x'R x = a'M a.
 
 use super::InverseError;
-use crate::prior::Prior;
+use crate::prior::{Factored, Prior};
 use faer::{
     Col, ColRef, Mat, Side,
     linalg::solvers::{Llt, SolveCore},
@@ -51,8 +51,18 @@ impl DataSpace {
         prior: &Prior,
         movement: Option<&Mat<f64>>,
     ) -> Result<Self, InverseError> {
+        Self::one_step_with(transposed, prior, None, movement)
+    }
+
+    /// The same with what of the prior was factored before.
+    pub fn one_step_with(
+        transposed: Mat<f64>,
+        prior: &Prior,
+        factored: Option<&Factored>,
+        movement: Option<&Mat<f64>>,
+    ) -> Result<Self, InverseError> {
         let (part_of_pixel, parts) = prior.blind_parts();
-        let smoothed = prior.solve(transposed.clone())?;
+        let smoothed = prior.solve_with(factored, transposed.clone())?;
         let mut gram = transposed.transpose() * &smoothed;
         if let Some(movement) = movement {
             gram += movement;

@@ -17,7 +17,9 @@ pub fn noise_figure(matrix: &Mat<f64>, signal: &[f64], noise: &[f64], areas: &[f
     let column = |(column, noise): (ColRef<'_, f64>, &f64)| -> f64 {
         column.iter().zip(areas).map(|(value, area)| (value * noise * area).powi(2)).sum()
     };
-    let variance: f64 = matrix.par_col_iter().zip(noise).map(column).sum();
+    // Added up in one order, so that the figure does not depend on how many cores there are.
+    let variances: Vec<f64> = matrix.par_col_iter().zip(noise).map(column).collect();
+    let variance: f64 = variances.iter().sum();
     let image_noise = (variance / areas.len() as f64).sqrt();
     signal_to_noise(signal, noise) / (image_signal / image_noise)
 }

@@ -2,13 +2,13 @@
 //! EIDORS `mk_GREIT_model`, `calc_GREIT_RM`, `GREIT_desired_img_sigmoid`).
 //!
 //! The matrix K = D Y' (Y Y' + lambda^2 W^-1)^-1 minimises |K y - d|^2 over the training targets
-//! with answers y and desired images d, plus noise whose desired image is zero. EIDORS' weight is
+//! with responses y and desired images d, plus noise whose desired image is zero. EIDORS' weight is
 //! lambda over the mean magnitude of Y; that is the hyperparameter here.
 //!
-//! Training targets are patches of elements of equal area, all over the skin, whatever its shape.
-//! Their answers are linear in the change of conductivity, so a target is a column of a Jacobian and
+//! Training targets are element patches of equal area, all over the skin, whatever its shape.
+//! Their responses are linear in the change of conductivity, so a target is a column of a Jacobian and
 //! costs no forward solution; EIDORS' targets are so weak that they come to the same. A desired
-//! image is scaled so that, spread without a rim, its integral is the target's: images stay relative
+//! image is scaled so that, spread without a boundary, its integral is the target's: images stay relative
 //! conductivities, where EIDORS' are 1 in the middle. Distances are straight, also on curved skins.
 
 use super::{DataSpace, Whitening, targets::Training};
@@ -27,16 +27,16 @@ const BLOCK: usize = 256;
 /// skin's larger side.
 #[must_use]
 pub fn data_space(training: &Training, whitening: &Whitening, pixels: &Pixels, radius: f64) -> DataSpace {
-    let answers = whitening.transposed(&training.answers);
-    let mut images = Mat::zeros(pixels.count(), answers.ncols());
+    let responses = whitening.transposed(&training.responses);
+    let mut images = Mat::zeros(pixels.count(), responses.ncols());
     images.par_row_chunks_mut(BLOCK).enumerate().for_each(|(block, mut rows)| {
         let centres = &pixels.centres[block * BLOCK..][..rows.nrows()];
-        rows.copy_from(desired_images(training, centres, radius) * &answers);
+        rows.copy_from(desired_images(training, centres, radius) * &responses);
     });
     let magnitude: f64 =
-        answers.col_iter().map(|column| column.iter().map(|value| value.abs()).sum::<f64>()).sum();
-    let unit = magnitude / (answers.nrows() * answers.ncols()) as f64;
-    DataSpace::trained(images, answers.transpose() * &answers, unit)
+        responses.col_iter().map(|column| column.iter().map(|value| value.abs()).sum::<f64>()).sum();
+    let unit = magnitude / (responses.nrows() * responses.ncols()) as f64;
+    DataSpace::trained(images, responses.transpose() * &responses, unit)
 }
 
 /// Desired image of a target so far from its centre, both m: 1 in the middle, a half at the radius.

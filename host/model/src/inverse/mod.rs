@@ -15,8 +15,10 @@
 //! ```
 
 pub mod data_space;
+pub mod difference;
 pub mod figures;
 pub mod greit;
+pub mod least_squares;
 pub mod movement;
 pub mod reconstruction;
 pub mod selection;
@@ -25,7 +27,10 @@ pub mod targets;
 mod tests;
 pub mod whitening;
 
-use crate::prior::{Prior, PriorError};
+use crate::{
+    forward::ForwardError,
+    prior::{Prior, PriorError},
+};
 pub use data_space::{DataSpace, Spectrum};
 use faer::Mat;
 pub use whitening::Whitening;
@@ -49,6 +54,9 @@ pub fn reconstruction_matrix(
 /// Why there is no reconstruction matrix.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum InverseError {
+    /// A target cannot be simulated.
+    #[error(transparent)]
+    Forward(#[from] ForwardError),
     /// The prior cannot be used.
     #[error(transparent)]
     Prior(#[from] PriorError),
@@ -109,7 +117,7 @@ pub enum InverseError {
         /// Index of the electrode.
         electrode: usize,
     },
-    /// The answers to targets lack what the settings need.
+    /// The responses to targets lack what the settings need.
     #[error("{what} must be simulated first")]
     NotSimulated {
         /// What is missing.

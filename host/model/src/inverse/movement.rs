@@ -1,5 +1,5 @@
-//! Electrode movement: how measurements answer when an electrode slides along the rim, and what that
-//! ignorance adds to the data space (Soleimani, Gomez-Laberge and Adler 2006; EIDORS
+//! Electrode movement: how measurements respond when an electrode slides along the rim, and the covariance that this
+//! adds to the data space (Soleimani, Gomez-Laberge and Adler 2006; EIDORS
 //! `jacobian_movement` and `prior_movement`).
 //!
 //! Movements m join the image as further unknowns with the prior mu^2 R_m, and are then dropped from
@@ -138,7 +138,7 @@ fn admittance_change(mesh: &Mesh, element: [usize; 3], shifts: [Vector3<f64>; 3]
 /// is mu. R_m is 2.1 on the diagonal and -1 between electrodes that follow each other: shifts of the
 /// whole rim are nearly free (EIDORS `prior_movement`).
 #[must_use]
-pub fn ignorance(jacobian: &Mat<f64>, weight: f64, whitening: &Whitening) -> Mat<f64> {
+pub fn covariance(jacobian: &Mat<f64>, weight: f64, whitening: &Whitening) -> Mat<f64> {
     let whitened = whitening.transposed(jacobian);
     let mut solution = whitened.clone();
     let factor = Llt::new(prior(whitened.nrows(), weight).as_ref(), Side::Lower);
@@ -183,7 +183,7 @@ mod tests {
                 .replace("contact_impedance = \"0.18 ohm m\"", ""),
             _ => text.to_owned(),
         };
-        let mut skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
+        let mut skin = Skin::parse(Path::new("skin.toml"), &text).unwrap().made().unwrap();
         skin.edges = skin.edges.scaled(2.5);
         skin
     }

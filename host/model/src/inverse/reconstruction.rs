@@ -1,15 +1,16 @@
 //! Reconstruction: from a skin's Jacobian and settings to its one matrix.
 
 use super::{
-    DataSpace, InverseError, Whitening, figures, greit, movement,
+    DataSpace, InverseError, Whitening,
+    difference::{divisors, mean_magnitude},
+    figures, greit, movement,
     selection::{self, NoiseFigure, Selection},
-    targets::Answers,
+    targets::Responses,
     whitening::{self, scale_columns},
 };
 use crate::{
-    model::{divisors, mean_magnitude},
     pixels::Pixels,
-    prior::Prior,
+    prior::{Factored, Prior},
     skin::{Criterion, Hyperparameter, Inverse, Method, Weights},
 };
 use dermatome_shared::patch::Difference;
@@ -28,8 +29,8 @@ pub struct Measurements<'a> {
     pub step_counts: &'a [f64],
     /// Root mean square of the untouched voltages over all steps.
     pub step_size: f64,
-    /// Answers to simulated targets.
-    pub answers: &'a Answers,
+    /// Responses to simulated targets.
+    pub responses: &'a Responses,
 }
 
 /// A skin's matrix and how its hyperparameter was found.
@@ -47,15 +48,17 @@ pub struct Reconstruction {
     pub selection: Option<Selection>,
 }
 
-/// Computes the reconstruction matrix that `inverse` asks for.
+/// Computes the reconstruction matrix that `inverse` asks for; `factored` is what of its prior was
+/// factored before.
 pub fn reconstruct(
     inverse: &Inverse,
     pixels: &Pixels,
+    factored: Option<&Factored>,
     of: &Measurements<'_>,
 ) -> Result<Reconstruction, InverseError> {
     let weights = weights(inverse, of)?;
     let whitening = Whitening::from_weights(&weights)?;
-    let (space, prior) = data_space(inverse, pixels, of, &weights, &whitening)?;
+    let (space, prior) = data_space(inverse, pixels, factored, of, &weights, &whitening)?;
     let (hyperparameter, selection) = match inverse.hyperparameter {
         Hyperparameter::Fixed(given) => (given, None),
         Hyperparameter::Chosen(criterion) => {
@@ -113,6 +116,7 @@ fn check_smallest(voltages: &[f64]) -> Result<(), InverseError> {
 fn data_space(
     inverse: &Inverse,
     pixels: &Pixels,
+    factored: Option<&Factored>,
     of: &Measurements<'_>,
     weights: &[f64],
     whitening: &Whitening,
@@ -120,16 +124,21 @@ fn data_space(
     match inverse.method {
         Method::OneStep(kind) => {
             let prior = Prior::new(kind, pixels, of.jacobian, weights);
-            let movement = match (inverse.electrode_movement, &of.answers.movement) {
+            let movement = match (inverse.electrode_movement, &of.responses.movement) {
                 (None, _) => None,
-                (Some(weight), Some(jacobian)) => Some(movement::ignorance(jacobian, weight, whitening)),
+                (Some(weight), Some(jacobian)) => Some(movement::covariance(jacobian, weight, whitening)),
                 (Some(_), None) => return Err(InverseError::NotSimulated { what: "electrode movement" }),
             };
-            let space = DataSpace::one_step(whitening.transposed(of.jacobian), &prior, movement.as_ref())?;
+            let space = DataSpace::one_step_with(
+                whitening.transposed(of.jacobian),
+                &prior,
+                factored,
+                movement.as_ref(),
+            )?;
             Ok((space, Some(prior)))
         }
         Method::Greit { radius } => {
-            let training = of.answers.training.as_ref();
+            let training = of.responses.training.as_ref();
             let training = training.ok_or(InverseError::NotSimulated { what: "training targets" })?;
             Ok((greit::data_space(training, whitening, pixels, radius), None))
         }
@@ -166,8 +175,8 @@ fn select(
             let ratio = |values: &[f64]| {
                 values.iter().zip(&divisors).map(|(v, divisor)| v / divisor).collect::<Vec<_>>()
             };
-            let data_snr = figures::signal_to_noise(&ratio(&of.answers.target), &ratio(&noise));
-            let (signal, noise) = (whitening.data(&of.answers.target), whitening.data(&noise));
+            let data_snr = figures::signal_to_noise(&ratio(&of.responses.target), &ratio(&noise));
+            let (signal, noise) = (whitening.data(&of.responses.target), whitening.data(&noise));
             let figure = NoiseFigure { signal: &signal, noise: &noise, data_snr, areas };
             selection::noise_figure(space, &spectrum, &figure, asked)?
         }
@@ -185,7 +194,7 @@ pub fn noise(of: &Measurements<'_>, snr_db: f64) -> Vec<f64> {
 /// Frames of the standard target, in model volts: `[measurement][frame]`.
 fn noisy_frames(of: &Measurements<'_>, noise: &[f64], count: usize) -> Result<Mat<f64>, InverseError> {
     let frame = of
-        .answers
+        .responses
         .frame
         .as_ref()
         .ok_or(InverseError::NotSimulated { what: "a frame of the standard target" })?;

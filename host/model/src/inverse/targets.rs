@@ -7,8 +7,7 @@ use crate::{
     forward::{Admittivity, Fields, ForwardModel},
     inverse::InverseError,
     jacobian::{combine_rows, combine_voltages, jacobian},
-    model::ModelError,
-    pixels::{Pixels, patches, samples},
+    pixels::{Pixels, element_patches, samples},
     skin::{Criterion, Hyperparameter, Inverse, Method},
 };
 use dermatome_geometry::mesh::{Mesh, triangle};
@@ -24,9 +23,9 @@ pub const TARGET_CHANGE: f64 = 1.0;
 /// Training targets of GREIT; EIDORS' `mk_GREIT_model` takes as many.
 pub const TRAINING_TARGETS: usize = 1000;
 
-/// What measurements answer to the targets, in model volts.
+/// How measurements respond to the targets, in model volts.
 #[derive(Clone, Debug)]
-pub struct Answers {
+pub struct Responses {
     /// d voltage / d relative conductivity of the standard target: `[measurement]`.
     pub target: Vec<f64>,
     /// Change of voltage when the target's conductivity doubles, where a criterion needs it:
@@ -39,7 +38,7 @@ pub struct Answers {
     pub movement: Option<Mat<f64>>,
 }
 
-/// GREIT's training targets: patches of elements, of about equal area all over the skin.
+/// GREIT's training targets: element patches, of about equal area all over the skin.
 #[derive(Clone, Debug)]
 pub struct Training {
     /// Where each target lies, m: `[target]`.
@@ -47,7 +46,7 @@ pub struct Training {
     /// Area of each target, m^2: `[target]`.
     pub areas: Vec<f64>,
     /// d voltage / d relative conductivity of each target: `[measurement][target]`.
-    pub answers: Mat<f64>,
+    pub responses: Mat<f64>,
     /// Half the skin's larger side, m.
     pub half_side: f64,
 }
@@ -66,13 +65,13 @@ pub struct Untouched<'a, T: Admittivity> {
     pub steps: &'a [Step],
 }
 
-impl Answers {
+impl Responses {
     /// Simulates what `inverse` needs; the measurements are those of `combination`.
     pub fn simulate<T: Admittivity>(
         of: &Untouched<'_, T>,
         inverse: &Inverse,
         combination: &[CombinedInto],
-    ) -> Result<Self, ModelError> {
+    ) -> Result<Self, InverseError> {
         let elements = central_target(of.mesh);
         let combined = |matrix: Mat<T>| {
             let in_phase = Mat::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)].in_phase());
@@ -85,12 +84,12 @@ impl Answers {
         };
         let frame = needs_frame.then(|| frame(of, &elements)).transpose()?;
         let training = matches!(inverse.method, Method::Greit { .. }).then(|| {
-            let patches = patches(of.mesh, TRAINING_TARGETS);
-            let answers = combined(jacobian(of.mesh, of.fields, of.steps, &patches));
+            let patches = element_patches(of.mesh, TRAINING_TARGETS);
+            let responses = combined(jacobian(of.mesh, of.fields, of.steps, &patches));
             Training {
                 centres: patches.centres,
                 areas: patches.areas,
-                answers,
+                responses,
                 half_side: half_side(of.mesh),
             }
         });
@@ -111,7 +110,7 @@ fn movement<T: Admittivity>(of: &Untouched<'_, T>) -> Result<Mat<T>, InverseErro
 }
 
 /// Change of voltage when the conductivity of some elements doubles: `[step]`.
-fn frame<T: Admittivity>(of: &Untouched<'_, T>, target: &[(usize, f64)]) -> Result<Vec<f64>, ModelError> {
+fn frame<T: Admittivity>(of: &Untouched<'_, T>, target: &[(usize, f64)]) -> Result<Vec<f64>, InverseError> {
     let mut admittivity = vec![of.admittivity; of.mesh.elements.len()];
     for &(element, share) in target {
         admittivity[element] = admittivity[element] + T::from(TARGET_CHANGE * share);
@@ -129,7 +128,13 @@ pub fn central_target(mesh: &Mesh) -> Vec<(usize, f64)> {
         let count = samples(corners).count();
         samples(corners).filter(|point| (point - centre).norm() < radius).count() as f64 / count as f64
     };
-    let shares = (0..mesh.elements.len()).map(|element| (element, near(mesh.corners(element))));
+    // An element as far away as its longest edges reach has no part in the ball.
+    let may_be_near = |[a, b, c]: [Point3<f64>; 3]| {
+        (a - centre).norm() <= radius + 1.001 * (b - a).norm().max((c - a).norm())
+    };
+    let shares = (0..mesh.elements.len())
+        .filter(|&element| may_be_near(mesh.corners(element)))
+        .map(|element| (element, near(mesh.corners(element))));
     let inside: Vec<_> = shares.filter(|(_, share)| *share > 0.0).collect();
     if inside.is_empty() { vec![(nearest_element(mesh, centre), 1.0)] } else { inside }
 }

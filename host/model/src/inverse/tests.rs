@@ -93,10 +93,10 @@ proptest! {
     ) {
         let moving = Mat::from_fn(MEASUREMENTS, 4, |i, j| moving[4 * i + j]);
         let whitening = Whitening::from_weights(&weights).unwrap();
-        let ignorance = movement::ignorance(&moving, weight, &whitening);
+        let covariance = movement::covariance(&moving, weight, &whitening);
         let movement_prior = movement::prior(4, weight);
         for prior in priors() {
-            let space = DataSpace::one_step(whitening.transposed(&jacobian), &prior, Some(&ignorance)).unwrap();
+            let space = DataSpace::one_step(whitening.transposed(&jacobian), &prior, Some(&covariance)).unwrap();
             let mut got = space.matrix(lambda).unwrap();
             whitening.columns(&mut got);
             let image_prior = dense(&prior);

@@ -3,7 +3,6 @@ use super::{
     *,
 };
 use crate::pixels::grid;
-use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::{
     contact,
     image::{Geometry, pixel_cells},

@@ -1,7 +1,7 @@
-//! Atlas: what the measurements answer to one finger anywhere on the skin.
+//! Atlas: how the measurements respond to one finger anywhere on the skin.
 //!
-//! At the nodes of the mesh the answer is summed over the elements under the finger. Between them it is a
-//! polynomial of second degree in the tangent plane of the nearest node, fitted to the answers at the nodes round it.
+//! At the nodes of the mesh the response is summed over the elements under the finger. Between them it is a
+//! polynomial of second degree in the tangent plane of the nearest node, fitted to the responses at the nodes round it.
 
 use crate::indenter::Press;
 use crate::pixels::{Pixels, samples};
@@ -12,13 +12,13 @@ use rayon::prelude::*;
 /// Nodes that a polynomial is fitted to; it has five unknowns.
 const ROUND: usize = 14;
 
-/// Answers at all nodes.
+/// Responses at all nodes.
 #[derive(Clone, Debug)]
 pub(super) struct Atlas {
     pub(super) sites: Vec<Site>,
 }
 
-/// A node and the answers round it.
+/// A node and the responses round it.
 #[derive(Clone, Debug)]
 pub(super) struct Site {
     pub(super) place: Point3<f64>,
@@ -26,7 +26,7 @@ pub(super) struct Site {
     /// How far the polynomial is good for, m.
     reach: f64,
     /// To a finger of strength 1 here.
-    pub(super) answer: DVector<f64>,
+    pub(super) response: DVector<f64>,
     /// Coefficients of x, y, x²/2, xy, y²/2.
     polynomial: [DVector<f64>; 5],
 }
@@ -38,8 +38,8 @@ pub(super) struct Place {
     offset: [f64; 2],
 }
 
-/// The answer to a finger of strength 1, and how it changes along two axes, for each metre.
-pub(super) struct Answer {
+/// The response to a finger of strength 1, and how it changes along two axes, for each metre.
+pub(super) struct Response {
     pub(super) value: DVector<f64>,
     pub(super) slopes: [DVector<f64>; 2],
 }
@@ -78,11 +78,11 @@ pub(super) fn fingers_at(mesh: &Mesh, centres: &[Point3<f64>], radius: f64) -> P
 }
 
 impl Atlas {
-    /// From the answer at each node.
-    pub(super) fn new(mesh: &Mesh, answer: impl Fn(usize) -> DVector<f64>) -> Self {
-        let answers: Vec<_> = (0..mesh.nodes.len()).map(answer).collect();
+    /// From the response at each node.
+    pub(super) fn new(mesh: &Mesh, response: impl Fn(usize) -> DVector<f64>) -> Self {
+        let responses: Vec<_> = (0..mesh.nodes.len()).map(response).collect();
         let normals = normals(mesh);
-        let site = |node: usize| Site::new(node, &mesh.nodes, &normals[node], &answers);
+        let site = |node: usize| Site::new(node, &mesh.nodes, &normals[node], &responses);
         Self { sites: (0..mesh.nodes.len()).into_par_iter().map(site).collect() }
     }
 
@@ -114,18 +114,18 @@ impl Atlas {
         Place { site, offset: offset.map(|part| part * shrink) }
     }
 
-    pub(super) fn answer(&self, at: Place) -> Answer {
-        let Site { answer, polynomial: [x1, y1, xx, xy, yy], .. } = &self.sites[at.site];
+    pub(super) fn response(&self, at: Place) -> Response {
+        let Site { response, polynomial: [x1, y1, xx, xy, yy], .. } = &self.sites[at.site];
         let [x, y] = at.offset;
-        Answer {
-            value: answer + x1 * x + y1 * y + xx * (x * x / 2.0) + xy * (x * y) + yy * (y * y / 2.0),
+        Response {
+            value: response + x1 * x + y1 * y + xx * (x * x / 2.0) + xy * (x * y) + yy * (y * y / 2.0),
             slopes: [x1 + xx * x + xy * y, y1 + xy * x + yy * y],
         }
     }
 }
 
 impl Site {
-    fn new(node: usize, nodes: &[Point3<f64>], normal: &Vector3<f64>, answers: &[DVector<f64>]) -> Self {
+    fn new(node: usize, nodes: &[Point3<f64>], normal: &Vector3<f64>, responses: &[DVector<f64>]) -> Self {
         let place = nodes[node];
         let axes = tangents(normal);
         let round = round(node, nodes);
@@ -142,14 +142,14 @@ impl Site {
         let inverse = normal_matrix.try_inverse().unwrap_or_else(Matrix5::zeros);
         let units = [1, 1, 2, 2, 2].map(|power| reach.powi(power));
         let polynomial = std::array::from_fn(|coefficient| {
-            let mut sum = DVector::zeros(answers[node].len());
+            let mut sum = DVector::zeros(responses[node].len());
             for (other, weight, row) in &terms {
                 let share = (inverse * row)[coefficient] * weight / units[coefficient];
-                sum += (&answers[*other] - &answers[node]) * share;
+                sum += (&responses[*other] - &responses[node]) * share;
             }
             sum
         });
-        Self { place, axes, reach, answer: answers[node].clone(), polynomial }
+        Self { place, axes, reach, response: responses[node].clone(), polynomial }
     }
 }
 

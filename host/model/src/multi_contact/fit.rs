@@ -1,18 +1,29 @@
-//! Fit: places and strengths of some fingers by least squares (Levenberg 1944, Marquardt 1963).
+//! Fit: places and strengths of some fingers by damped least squares.
 
-use super::atlas::{Answer, Atlas, Place};
+use super::atlas::{Atlas, Place, Response};
+use crate::inverse::least_squares::{Problem, Schedule, minimise};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::convert::Infallible;
 
-/// Steps of a fit, and attempts at each.
-const STEPS: usize = 12;
-const ATTEMPTS: usize = 6;
-/// A step that lowers the sum of squares by less is the last.
-const ENOUGH: f64 = 0.05;
+/// A step that lowers the sum of squares by less than a share of the noise is the last.
+const SCHEDULE: Schedule = Schedule {
+    first: 1e-3,
+    rise: 6.0,
+    fall: 10.0,
+    least: 1e-6,
+    most: f64::INFINITY,
+    ridge: 0.0,
+    steps: 12,
+    attempts: 6,
+    attempts_in_all: usize::MAX,
+    enough: 0.05,
+    enough_share: 0.0,
+};
 /// Strength of a finger that is added, and the least it may fall to.
 const FIRST_STRENGTH: f64 = 0.3;
 const LEAST_STRENGTH: f64 = 0.02;
-/// A site whose answer is explained but for this share of its square tells nothing new.
+/// A site whose response is explained but for this share of its square tells nothing new.
 const NEW: f64 = 1e-3;
 
 /// One finger.
@@ -41,13 +52,13 @@ impl Fit {
     /// far from the others. Only what the others' own strengths and movements do not explain counts.
     pub(super) fn starts(&self, atlas: &Atlas, apart: f64) -> Vec<Place> {
         let own = self.fingers.iter().flat_map(|finger| {
-            let Answer { value, slopes: [x, y] } = atlas.answer(finger.at);
+            let Response { value, slopes: [x, y] } = atlas.response(finger.at);
             [value, x, y]
         });
         let own: Vec<_> = own.collect();
         let own = (!own.is_empty()).then(|| DMatrix::from_columns(&own).qr().q());
         let asks: Vec<f64> =
-            atlas.sites.par_iter().map(|site| self.asks(&site.answer, own.as_ref())).collect();
+            atlas.sites.par_iter().map(|site| self.asks(&site.response, own.as_ref())).collect();
         let points: Vec<_> = self.fingers.iter().map(|finger| atlas.point(finger.at)).collect();
         let is_far =
             |site: usize| points.iter().all(|point| (atlas.sites[site].place - point).norm() >= apart);
@@ -63,11 +74,11 @@ impl Fit {
         sites.into_iter().map(Atlas::at_node).collect()
     }
 
-    /// By how much a finger with this answer would lower the sum of squares.
-    fn asks(&self, answer: &DVector<f64>, own: Option<&DMatrix<f64>>) -> f64 {
-        let along = self.left.dot(answer);
-        let whole = answer.norm_squared();
-        let known = own.map_or(0.0, |own| own.tr_mul(answer).norm_squared());
+    /// By how much a finger with this response would lower the sum of squares.
+    fn asks(&self, response: &DVector<f64>, own: Option<&DMatrix<f64>>) -> f64 {
+        let along = self.left.dot(response);
+        let whole = response.norm_squared();
+        let known = own.map_or(0.0, |own| own.tr_mul(response).norm_squared());
         if along > 0.0 { along * along / (whole - known).max(NEW * whole) } else { 0.0 }
     }
 
@@ -81,54 +92,56 @@ impl Fit {
 
 /// Fits fingers to data. None moves farther than `stride`, m, in one step.
 pub(super) fn refined(fingers: Vec<Finger>, atlas: &Atlas, data: &DVector<f64>, stride: f64) -> Fit {
-    let mut fit = explained(fingers, atlas, data);
-    let mut damping = 1e-3;
-    for _ in 0..STEPS {
-        let columns = columns(&fit.fingers, atlas);
-        let (normal, slope) = (columns.tr_mul(&columns), columns.tr_mul(&fit.left));
-        let mut attempts = (0..ATTEMPTS).filter_map(|_| {
-            let step = damped(&normal, damping).cholesky()?.solve(&slope);
-            let moved = fit.fingers.iter().zip(step.as_slice().chunks_exact(3));
-            let moved = moved.map(|(finger, step)| finger.moved(atlas, [step[0], step[1], step[2]], stride));
-            let next = explained(moved.collect(), atlas, data);
-            if next.square >= fit.square {
-                damping *= 6.0;
-                return None;
-            }
-            Some(next)
-        });
-        let Some(next) = attempts.next() else { break };
-        let gain = fit.square - next.square;
-        damping = (damping / 10.0).max(1e-6);
-        fit = next;
-        if gain < ENOUGH {
-            break;
-        }
+    let start = explained(fingers, atlas, data);
+    let Ok(fitted) = minimise(&Refinement { atlas, data, stride }, start, &SCHEDULE);
+    fitted.state
+}
+
+/// Places and strengths of fingers that are to explain `data`.
+struct Refinement<'a> {
+    atlas: &'a Atlas,
+    data: &'a DVector<f64>,
+    stride: f64,
+}
+
+impl Problem for Refinement<'_> {
+    type State = Fit;
+    type Error = Infallible;
+
+    fn left(&self, fit: &Fit) -> DVector<f64> {
+        fit.left.clone()
     }
-    fit
+
+    fn square(&self, fit: &Fit) -> f64 {
+        fit.square
+    }
+
+    fn slopes(&self, fit: &Fit) -> Result<DMatrix<f64>, Infallible> {
+        Ok(columns(&fit.fingers, self.atlas))
+    }
+
+    fn moved(&self, fit: &Fit, change: &DVector<f64>) -> Result<Fit, Infallible> {
+        let pairs = fit.fingers.iter().zip(change.as_slice().chunks_exact(3));
+        let moved = pairs.map(|(finger, by)| finger.moved(self.atlas, [by[0], by[1], by[2]], self.stride));
+        Ok(explained(moved.collect(), self.atlas, self.data))
+    }
 }
 
 fn explained(fingers: Vec<Finger>, atlas: &Atlas, data: &DVector<f64>) -> Fit {
     let mut left = data.clone();
     for finger in &fingers {
-        left -= atlas.answer(finger.at).value * finger.strength;
+        left -= atlas.response(finger.at).value * finger.strength;
     }
     Fit { square: left.norm_squared(), left, fingers }
 }
 
-/// What the answers of all fingers change by for each unit of strength, x and y.
+/// What the responses of all fingers change by for each unit of strength, x and y.
 fn columns(fingers: &[Finger], atlas: &Atlas) -> DMatrix<f64> {
     let of_finger = |finger: &Finger| {
-        let Answer { value, slopes: [x, y] } = atlas.answer(finger.at);
+        let Response { value, slopes: [x, y] } = atlas.response(finger.at);
         [value, x * finger.strength, y * finger.strength]
     };
     DMatrix::from_columns(&fingers.iter().flat_map(of_finger).collect::<Vec<_>>())
-}
-
-fn damped(normal: &DMatrix<f64>, damping: f64) -> DMatrix<f64> {
-    let mut damped = normal.clone();
-    (0..normal.nrows()).for_each(|i| damped[(i, i)] *= 1.0 + damping);
-    damped
 }
 
 impl Finger {

@@ -1,13 +1,13 @@
 //! Resolve: how many fingers press, and where, from the voltages themselves.
 //!
 //! An image of few voltages is blurred, and far from all electrodes two fingers become one hill in it. The
-//! voltages still tell them apart: what they answer to one finger is known everywhere (`atlas`), and the
+//! voltages still tell them apart: how they respond to one finger is known everywhere (`atlas`), and the
 //! fingers are few. So fingers are added one after the other where what is still unexplained asks for one most,
 //! all places and strengths are fitted anew by least squares (`fit`), and it ends when another finger explains
 //! no more than noise would.
 //!
 //! It takes difference data as boards send them (event `Measurements`), and runs on the host: a patch has no
-//! room for the answers.
+//! room for the responses.
 
 mod atlas;
 mod fit;
@@ -39,9 +39,9 @@ const MOST_NODES: usize = 20_000;
 /// What is known beforehand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Radius of a finger, m. Answers hardly depend on it; no two fingers are closer than twice of it.
+    /// Radius of a finger, m. Responses hardly depend on it; no two fingers are closer than twice of it.
     pub radius: f64,
-    /// Signal-to-noise ratio of the voltages, dB, as in [`dermatome_simulate::Noise`].
+    /// Signal-to-noise ratio of the voltages, dB, as a simulated skin has it.
     pub snr_db: f64,
 }
 
@@ -60,7 +60,7 @@ pub enum ResolveError {
     /// No forward solution.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A mesh too fine to keep an answer for each node.
+    /// A mesh too fine to keep an response for each node.
     #[error(
         "the mesh has {nodes} nodes; to resolve fingers at most {MOST_NODES} are allowed: a larger `mesh.edge_length` does"
     )]
@@ -109,13 +109,13 @@ impl Resolver {
         let noise = noise(model, snr_db);
         let fingers = atlas::fingers(&model.mesh, radius);
         let admittivity = skin.admittivity();
-        let answers = if admittivity.im == 0.0 {
-            answers(skin, model, &fingers, admittivity.re)?
+        let responses = if admittivity.im == 0.0 {
+            responses(skin, model, &fingers, admittivity.re)?
         } else {
-            answers(skin, model, &fingers, admittivity)?
+            responses(skin, model, &fingers, admittivity)?
         };
         let scale = model.divisors().iter().zip(&noise).map(|(divisor, noise)| divisor / noise).collect();
-        let whitened = |node: usize| DVector::from_fn(noise.len(), |m, _| answers[(m, node)] / noise[m]);
+        let whitened = |node: usize| DVector::from_fn(noise.len(), |m, _| responses[(m, node)] / noise[m]);
         Ok(Self { atlas: Atlas::new(&model.mesh, whitened), scale, radius })
     }
 
@@ -151,8 +151,8 @@ fn noise(model: &Model, snr_db: f64) -> Vec<f64> {
     step_counts(&model.combination).iter().map(|count| step / count.sqrt()).collect()
 }
 
-/// What the measurements answer to each finger, in model volts: `[measurement][finger]`.
-fn answers<T: Admittivity>(
+/// How the measurements respond to each finger, in model volts: `[measurement][finger]`.
+fn responses<T: Admittivity>(
     skin: &Skin,
     model: &Model,
     fingers: &Pixels,

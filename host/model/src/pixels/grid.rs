@@ -1,7 +1,10 @@
 //! A grid of square pixels over a flat skin.
 
 use super::Pixels;
-use dermatome_geometry::{mesh::Mesh, outline::Outline};
+use dermatome_geometry::{
+    mesh::{Mesh, neighbours::orientation},
+    outline::Outline,
+};
 use dermatome_shared::image::{Geometry, PixelGrid, is_pixel, pixel_cells};
 use nalgebra::Point3;
 use std::collections::HashMap;
@@ -68,7 +71,8 @@ pub fn raster(mesh: &Mesh, geometry: &Geometry) -> Pixels {
         }
     }
     let centres = lookup.centres.iter().map(|&[x, y]| Point3::new(x, y, 0.0)).collect();
-    Pixels { grid: Some(geometry.clone()), centres, ..Pixels::new(mesh, elements, grid_neighbours(geometry)) }
+    let pixels = Pixels::new(mesh, elements, grid_neighbours(geometry), &orientation(&mesh.elements));
+    Pixels { grid: Some(geometry.clone()), centres, ..pixels }
 }
 
 /// Centres of the equal parts of a triangle.

@@ -4,15 +4,11 @@ mod grid;
 mod patches;
 mod tables;
 
-use dermatome_geometry::mesh::{
-    Mesh,
-    neighbours::{neighbours, orientation},
-    triangle,
-};
+use dermatome_geometry::mesh::{Mesh, neighbours::neighbours_and_orientation, triangle};
 use dermatome_shared::image::Geometry;
 pub use grid::{grid, raster, samples};
 use nalgebra::{Point3, Vector3};
-pub use patches::patches;
+pub use patches::element_patches;
 
 /// Which elements make up each pixel, where it lies, and which pixels are neighbours.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,9 +45,15 @@ impl Pixels {
         (0..3).map(side).fold(0.0, f64::max) + pixel
     }
 
-    /// From the elements of each pixel.
-    fn new(mesh: &Mesh, elements: Vec<Vec<(usize, f64)>>, neighbours: Vec<[usize; 2]>) -> Self {
-        let signs = orientation(&mesh.elements);
+    /// From the elements of each pixel; `signs` is [`orientation`] of the mesh.
+    ///
+    /// [`orientation`]: dermatome_geometry::mesh::neighbours::orientation
+    fn new(
+        mesh: &Mesh,
+        elements: Vec<Vec<(usize, f64)>>,
+        neighbours: Vec<[usize; 2]>,
+        signs: &[f64],
+    ) -> Self {
         let mut pixels = Self {
             centres: Vec::with_capacity(elements.len()),
             normals: Vec::with_capacity(elements.len()),
@@ -81,5 +83,6 @@ impl Pixels {
 #[must_use]
 pub fn per_element(mesh: &Mesh) -> Pixels {
     let elements = (0..mesh.elements.len()).map(|e| vec![(e, 1.0)]).collect();
-    Pixels::new(mesh, elements, neighbours(&mesh.elements))
+    let (neighbours, signs) = neighbours_and_orientation(&mesh.elements);
+    Pixels::new(mesh, elements, neighbours, &signs)
 }

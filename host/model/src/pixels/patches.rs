@@ -1,4 +1,4 @@
-//! Patches: the pixels of any surface, connected sets of elements of about equal area.
+//! Element patches: the pixels of any surface, connected sets of elements of about equal area.
 //!
 //! Elements are first halved along the longest extent of their centres, again and again. Then each
 //! part becomes the region around its middle: every element goes to the middle that it is closest
@@ -7,17 +7,18 @@
 use super::Pixels;
 use dermatome_geometry::mesh::{
     Mesh,
-    neighbours::{Adjacency, neighbours},
+    neighbours::{Adjacency, neighbours_and_orientation},
     triangle,
 };
 use nalgebra::Point3;
+use std::cmp::Ordering;
 
 /// Rounds of Lloyd's method.
 const ROUNDS: usize = 2;
 
-/// Divides a mesh into `count` patches, or as many as it has elements.
+/// Divides a mesh into `count` element patches, or as many as it has elements.
 #[must_use]
-pub fn patches(mesh: &Mesh, count: usize) -> Pixels {
+pub fn element_patches(mesh: &Mesh, count: usize) -> Pixels {
     let surface = Surface::new(mesh);
     let mut patch_of = surface.bisect(count.min(mesh.elements.len()));
     for _ in 0..ROUNDS {
@@ -26,13 +27,15 @@ pub fn patches(mesh: &Mesh, count: usize) -> Pixels {
     }
     let mut elements = vec![Vec::new(); patch_of.iter().max().map_or(0, |last| last + 1)];
     patch_of.iter().enumerate().for_each(|(element, &patch)| elements[patch].push((element, 1.0)));
-    Pixels::new(mesh, elements, surface.neighbours_of(&patch_of))
+    Pixels::new(mesh, elements, surface.neighbours_of(&patch_of), &surface.signs)
 }
 
 struct Surface {
     centres: Vec<Point3<f64>>,
     areas: Vec<f64>,
     pairs: Vec<[usize; 2]>,
+    /// Which way round each element lies.
+    signs: Vec<f64>,
     /// Neighbours of each element with the distance of their centres.
     adjacent: Adjacency<f64>,
 }
@@ -41,42 +44,57 @@ impl Surface {
     fn new(mesh: &Mesh) -> Self {
         let corners = || (0..mesh.elements.len()).map(|element| mesh.corners(element));
         let centres: Vec<_> = corners().map(triangle::centroid).collect();
-        let pairs = neighbours(&mesh.elements);
+        let (pairs, signs) = neighbours_and_orientation(&mesh.elements);
         let distances = pairs.iter().map(|&[a, b]| ([a, b], (centres[a] - centres[b]).norm()));
         let adjacent = Adjacency::new(centres.len(), distances, 0.0);
-        Self { areas: corners().map(triangle::area).collect(), centres, pairs, adjacent }
+        Self { areas: corners().map(triangle::area).collect(), centres, pairs, signs, adjacent }
     }
 
     /// Patch of each element, by halving.
     fn bisect(&self, count: usize) -> Vec<usize> {
-        let mut patch_of = vec![0; self.centres.len()];
-        let mut waiting = vec![((0..self.centres.len()).collect::<Vec<_>>(), 0, count)];
-        while let Some((mut part, first, count)) = waiting.pop() {
-            if count < 2 {
-                part.iter().for_each(|&element| patch_of[element] = first);
-                continue;
-            }
-            let left = count / 2;
-            let middle = (part.len() * left / count).clamp(left, part.len() - (count - left));
-            let axis = self.longest_axis(&part);
-            part.select_nth_unstable_by(middle, |&a, &b| {
-                self.centres[a][axis].total_cmp(&self.centres[b][axis]).then(a.cmp(&b))
-            });
-            let right = part.split_off(middle);
-            waiting.push((part, first, left));
-            waiting.push((right, first + left, count - left));
+        let mut elements: Vec<usize> = (0..self.centres.len()).collect();
+        let mut sizes = vec![0; count];
+        self.halve(&mut elements, &mut sizes);
+        let mut patch_of = vec![0; elements.len()];
+        let mut parts = elements.as_slice();
+        for (patch, size) in sizes.into_iter().enumerate() {
+            let (part, rest) = parts.split_at(size);
+            part.iter().for_each(|&element| patch_of[element] = patch);
+            parts = rest;
         }
         patch_of
     }
 
+    /// Sorts elements into as many parts as there are `sizes`, which it sets.
+    fn halve(&self, part: &mut [usize], sizes: &mut [usize]) {
+        let count = sizes.len();
+        if count < 2 {
+            sizes.fill(part.len());
+            return;
+        }
+        let left = count / 2;
+        let middle = (part.len() * left / count).clamp(left, part.len() - (count - left));
+        let axis = self.longest_axis(part);
+        part.select_nth_unstable_by(middle, |&a, &b| {
+            self.centres[a][axis].total_cmp(&self.centres[b][axis]).then(a.cmp(&b))
+        });
+        let ((part, right), (sizes, of_right)) = (part.split_at_mut(middle), sizes.split_at_mut(left));
+        rayon::join(|| self.halve(part, sizes), || self.halve(right, of_right));
+    }
+
+    /// The last one, where several are as long.
     fn longest_axis(&self, part: &[usize]) -> usize {
-        let extent = |axis: usize| {
-            let along = part.iter().map(|&element| self.centres[element][axis]);
-            let (low, high) =
-                along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-            high - low
+        let mut extents = [(f64::INFINITY, f64::NEG_INFINITY); 3];
+        for &element in part {
+            for ((low, high), &x) in extents.iter_mut().zip(&self.centres[element].coords) {
+                (*low, *high) = (low.min(x), high.max(x));
+            }
+        }
+        let longer = |a: &usize, b: &usize| -> Ordering {
+            let extent = |axis: usize| extents[axis].1 - extents[axis].0;
+            extent(*a).total_cmp(&extent(*b))
         };
-        (0..3).max_by(|&a, &b| extent(a).total_cmp(&extent(b))).unwrap_or(0)
+        (0..3).max_by(longer).unwrap_or(0)
     }
 
     /// The element of each patch that is closest to its centre of gravity: `[patch]`.
@@ -155,13 +173,13 @@ impl Surface {
 mod tests {
     use super::*;
     use crate::{model, skin::Skin};
-    use dermatome_geometry::mesh::Lattice;
+    use dermatome_geometry::mesh::{Lattice, neighbours::neighbours};
     use proptest::prelude::*;
     use std::path::Path;
 
     fn disc(fineness: f64) -> Mesh {
         let text = include_str!("../../../../models/disc-210mm/skin.toml");
-        let skin = Skin::parse(Path::new("disc.toml"), text).unwrap();
+        let skin = Skin::parse(Path::new("disc.toml"), text).unwrap().made().unwrap();
         model::mesh(&skin, fineness, Lattice::default()).unwrap()
     }
 
@@ -196,7 +214,7 @@ mod tests {
             roll in any::<bool>(),
         ) {
             let mesh = if roll { rolled(disc(1.5)) } else { disc(1.5) };
-            let pixels = patches(&mesh, count);
+            let pixels = element_patches(&mesh, count);
             prop_assert_eq!(pixels.count(), count);
             let mut elements: Vec<usize> =
                 pixels.elements.iter().flatten().map(|&(element, _)| element).collect();
@@ -212,14 +230,14 @@ mod tests {
     #[test]
     fn more_patches_than_elements_are_as_many_as_there_are_elements() {
         let mesh = disc(6.0);
-        assert_eq!(patches(&mesh, 100_000).count(), mesh.elements.len());
+        assert_eq!(element_patches(&mesh, 100_000).count(), mesh.elements.len());
     }
 
     #[test]
     fn normals_of_a_bent_sheet_point_away_from_its_axis_even_if_elements_are_turned() {
         let mut mesh = rolled(disc(2.0));
         mesh.elements.iter_mut().step_by(3).for_each(|element| element.swap(1, 2));
-        let pixels = patches(&mesh, 40);
+        let pixels = element_patches(&mesh, 40);
         for (centre, normal) in pixels.centres.iter().zip(&pixels.normals) {
             let outward = nalgebra::Vector3::new(centre.x, 0.0, centre.z).normalize();
             assert!(outward.dot(normal) > 0.9, "{centre} {normal}");

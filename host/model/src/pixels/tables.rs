@@ -70,7 +70,8 @@ mod tests {
     #[test]
     fn tables_of_a_hemisphere_keep_places_normals_areas_and_neighbours() {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/hemisphere-120mm/skin.toml");
-        let pixels = Model::build(&Skin::load(Path::new(file)).unwrap(), |_| ()).unwrap().pixels;
+        let pixels =
+            Model::build(&Skin::load(Path::new(file)).unwrap().made().unwrap(), |_| ()).unwrap().pixels;
         let tables = pixels.surface_tables().unwrap();
         let surface = tables.view();
         assert_eq!(surface.count(), pixels.count());

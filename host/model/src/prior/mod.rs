@@ -9,6 +9,8 @@ mod tests;
 use crate::{pixels::Pixels, skin};
 use faer::Mat;
 pub use gaussian::{HighPass, MOST_PIXELS};
+use laplace::Laplacian;
+use std::sync::Arc;
 
 /// The matrix R in x = (J'WJ + lambda^2 R)^-1 J'W y.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +60,7 @@ impl Prior {
             Self::Diagonal(diagonal) => {
                 diagonal.iter().enumerate().map(|(i, &value)| (i, i, value)).collect()
             }
-            Self::Laplace { neighbours, .. } => laplace::entries(neighbours, 2.0),
+            Self::Laplace { neighbours, .. } => laplace::entries(neighbours, LAPLACE),
             Self::SquaredLaplace { pixels, neighbours } => laplace::squared_entries(*pixels, neighbours),
             Self::HighPass(filter) => filter.entries()?,
         })
@@ -79,16 +81,48 @@ impl Prior {
     /// G `rhs` for a generalised inverse G of R, `[pixel][column]`: it solves R x = b for every
     /// column b that is orthogonal to what R is blind to.
     pub fn solve(&self, rhs: Mat<f64>) -> Result<Mat<f64>, PriorError> {
+        self.solve_with(None, rhs)
+    }
+
+    /// The same with what was factored before, or is here if it was not.
+    pub(crate) fn solve_with(
+        &self,
+        factored: Option<&Factored>,
+        rhs: Mat<f64>,
+    ) -> Result<Mat<f64>, PriorError> {
+        let laplacian = |pixels: usize, neighbours: &[[usize; 2]], factor| match factored {
+            Some(Factored(laplacian)) => Ok(laplacian.clone()),
+            None => Laplacian::new(pixels, neighbours, factor).map(Arc::new),
+        };
         match self {
             Self::Diagonal(diagonal) => divide_rows(rhs, diagonal),
-            Self::Laplace { pixels, neighbours } => {
-                laplace::Laplacian::new(*pixels, neighbours, 2.0)?.solve(rhs)
-            }
+            Self::Laplace { pixels, neighbours } => laplacian(*pixels, neighbours, LAPLACE)?.solve(rhs),
             Self::SquaredLaplace { pixels, neighbours } => {
-                laplace::Laplacian::new(*pixels, neighbours, 1.0)?.solve_twice(rhs)
+                laplacian(*pixels, neighbours, SQUARED_LAPLACE)?.solve_twice(rhs)
             }
             Self::HighPass(filter) => filter.solve(rhs),
         }
+    }
+}
+
+/// Factor of the graph Laplacian in [`Prior::Laplace`].
+const LAPLACE: f64 = 2.0;
+/// Factor of each of those in [`Prior::SquaredLaplace`].
+const SQUARED_LAPLACE: f64 = 1.0;
+
+/// What of a prior's solution the pixels alone determine, so that it need not wait for measurements.
+pub struct Factored(Arc<Laplacian>);
+
+impl Factored {
+    /// Of a prior that has such a part, and can be factored.
+    #[must_use]
+    pub fn new(kind: skin::Prior, pixels: &Pixels) -> Option<Self> {
+        let factor = match kind {
+            skin::Prior::Laplace => LAPLACE,
+            skin::Prior::SquaredLaplace => SQUARED_LAPLACE,
+            skin::Prior::Tikhonov | skin::Prior::Noser { .. } | skin::Prior::Gaussian { .. } => return None,
+        };
+        Laplacian::new(pixels.count(), &pixels.neighbours, factor).ok().map(Arc::new).map(Self)
     }
 }
 

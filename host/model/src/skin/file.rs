@@ -1,50 +1,8 @@
-//! The skin file as a person writes it, in TOML; [`super::check`] turns it into a checked [`Skin`].
+//! The skin file as a person writes it, in TOML; [`super::check`] turns it into a checked [`super::Description`].
 
-use super::{Skin, check::Checker, quantity::Quantity};
+use super::quantity::Quantity;
 use serde::Deserialize;
-use std::{
-    io,
-    path::{Path, PathBuf},
-};
-
-/// Why a skin file cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum SkinError {
-    /// The file cannot be read.
-    #[error("cannot read skin file `{}`: {reason}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        reason: io::Error,
-    },
-    /// A folder.
-    #[error("`{}` is a folder; allowed: a skin file{}", path.display(), of_folder(path))]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-    },
-    /// The file is not TOML, or lacks a field, or has one too many.
-    #[error("skin file `{}`: {message}", path.display())]
-    Syntax {
-        /// The file.
-        path: PathBuf,
-        /// What the TOML reader says, with line and column.
-        message: String,
-    },
-    /// A field has a value that is not allowed.
-    #[error("skin file `{}`: `{field}` is {value}; allowed: {allowed}", path.display())]
-    Value {
-        /// The file.
-        path: PathBuf,
-        /// The field, with its table.
-        field: &'static str,
-        /// What it holds.
-        value: String,
-        /// What it may hold.
-        allowed: String,
-    },
-}
+use std::path::PathBuf;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -247,28 +205,4 @@ pub(super) struct PoseTable {
     pub(super) link: String,
     pub(super) position: Exactly<Quantity, 3>,
     pub(super) orientation: Exactly<f64, 4>,
-}
-
-/// The skin file of a folder, if it has one where the shipped skins have theirs.
-fn of_folder(folder: &Path) -> String {
-    let file = folder.join("skin.toml");
-    if file.is_file() { format!(", as `{}`", file.display()) } else { String::new() }
-}
-
-pub(super) fn load(path: &Path) -> Result<Skin, SkinError> {
-    if path.is_dir() {
-        return Err(SkinError::Folder { path: path.to_owned() });
-    }
-    let read = std::fs::read_to_string(path);
-    let text = read.map_err(|reason| SkinError::Read { path: path.to_owned(), reason })?;
-    parse(path, &text)
-}
-
-pub(super) fn parse(path: &Path, text: &str) -> Result<Skin, SkinError> {
-    let syntax = |error: toml::de::Error| {
-        let message = error.to_string().trim_end().to_owned();
-        SkinError::Syntax { path: path.to_owned(), message }
-    };
-    let file: File = toml::from_str(text).map_err(syntax)?;
-    Checker { path }.skin(&file)
 }

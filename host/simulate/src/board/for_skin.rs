@@ -34,7 +34,7 @@ pub enum SimulationError {
 /// What a port `sim:PATH` opens: a board that already holds the skin's patch, with a finger going
 /// round on the skin while it streams.
 pub fn board_for_skin(path: &Path) -> Result<SimulatedBoard, SimulationError> {
-    let skin = Skin::load(path)?;
+    let skin = Skin::load(path)?.made()?;
     let (patch, instrument) =
         patch_and_instrument(&skin).map_err(|error| SimulationError::Rig { path: path.to_owned(), error })?;
     Ok(SimulatedBoard::start(

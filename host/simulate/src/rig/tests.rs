@@ -5,7 +5,7 @@ use std::path::Path;
 
 fn square() -> Skin {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/square-50mm/skin.toml");
-    let mut skin = Skin::load(Path::new(path)).unwrap();
+    let mut skin = Skin::load(Path::new(path)).unwrap().made().unwrap();
     skin.edges = skin.edges.scaled(2.0);
     skin
 }

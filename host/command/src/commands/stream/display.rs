@@ -1,40 +1,30 @@
 //! Display: frames on the terminal, or contacts as lines for a pipe.
 
-use dermatome_link::Link;
-use dermatome_model::{multi_contact::Resolved, skin::Pose};
+use dermatome_link::{
+    Link, ScanFrame,
+    contacts::{ContactTracker, LinkFinger, LinkFrame},
+    pose::Pose,
+};
+use dermatome_model::multi_contact::Resolved;
 use dermatome_patch::layout::Layout;
 use dermatome_shared::{
     contact::{Contact, Contacts},
-    protocol::{FrameStamp, PackedImage},
-    track::Tracker,
+    protocol::FrameStamp,
 };
 use dermatome_view::{
     live::Live,
     terminal::{Screen, flags},
 };
-use serde::Serialize;
 use std::io::{self, Write};
 
-/// A contact farther than this from where the last one was going is another one, m.
-const REACH: f32 = 0.025;
-/// A contact that is lost for as long keeps its number, us.
-const PATIENCE_US: u64 = 300_000;
-
 /// Where frames go, and in whose frame their contacts lie.
-pub(super) struct Display<'a> {
-    medium: Medium,
-    /// The skin's frame, if none.
-    pose: Option<&'a Pose>,
-    tracker: Tracker,
-    /// What waits for its fingers, if fingers are resolved.
-    resolved: Option<Option<LinkFrame>>,
-}
-
-enum Medium {
-    /// Pictures, drawn in place, and the contacts whose image is still to come.
-    Terminal(Box<Live>, Box<Option<(FrameStamp, Contacts)>>),
-    /// One line per contact.
+pub(super) enum Display<'a> {
+    /// Pictures, drawn in place; contacts on the link, if a skin's pose on one is known.
+    Terminal(Box<Live>, Option<&'a Pose>),
+    /// One line per contact, in the skin's frame.
     Lines,
+    /// One line of JSON per frame, in the frame of the link.
+    LinkFrames(Box<ContactTracker>, &'a Pose),
 }
 
 impl<'a> Display<'a> {
@@ -46,81 +36,55 @@ impl<'a> Display<'a> {
         pose: Option<&'a Pose>,
         is_resolved: bool,
     ) -> anyhow::Result<Self> {
-        let medium = if is_resolved || !Screen::default().is_visible() {
-            Medium::Lines
-        } else {
+        if !is_resolved && Screen::default().is_visible() {
             let surface = images.then(|| link.surface()).transpose()?;
-            Medium::Terminal(Box::new(Live::new(surface.as_ref().map(Layout::from))), Box::default())
-        };
-        let tracker = Tracker::new(REACH, PATIENCE_US);
-        Ok(Self { medium, pose, tracker, resolved: is_resolved.then_some(None) })
+            return Ok(Self::Terminal(Box::new(Live::new(surface.as_ref().map(Layout::from))), pose));
+        }
+        Ok(pose
+            .map_or(Self::Lines, |pose| Self::LinkFrames(Box::new(ContactTracker::new(pose.clone())), pose)))
     }
 
     pub(super) fn wants_images(&self) -> bool {
-        matches!(&self.medium, Medium::Terminal(live, _) if live.has_images())
-    }
-
-    /// Shows the contacts of a frame; keeps them where its image is still to come.
-    pub(super) fn take_contacts(&mut self, at: FrameStamp, contacts: &Contacts) -> io::Result<()> {
-        let contacts = self.pose.map_or_else(
-            || contacts.clone(),
-            |pose| contacts.iter().map(|contact| pose.contact(contact)).collect(),
-        );
-        if let (Medium::Lines, Some(pose)) = (&self.medium, self.pose) {
-            self.tracker.update(at.timestamp_us, &contacts);
-            return self.take_frame(LinkFrame::new(at, &pose.link, &contacts, &self.tracker));
-        }
-        match &mut self.medium {
-            Medium::Terminal(live, waiting) if live.has_images() => {
-                **waiting = Some((at, contacts));
-                Ok(())
-            }
-            Medium::Terminal(live, _) => live.draw_if_due(at, &contacts),
-            Medium::Lines => print_lines(at, &contacts),
-        }
-    }
-
-    /// Prints a frame, or keeps it until its fingers come.
-    fn take_frame(&mut self, frame: LinkFrame) -> io::Result<()> {
-        match &mut self.resolved {
-            // The fingers of the frame before never came.
-            Some(waiting) => waiting.replace(frame).map_or(Ok(()), |late| late.print()),
-            None => frame.print(),
-        }
+        matches!(self, Self::Terminal(live, _) if live.has_images())
     }
 
     /// Says what is wrong with a frame, beside lines that somebody else reads; pictures say it themselves.
-    pub(super) fn warn(&self, at: FrameStamp, what: &[&str]) {
-        if matches!(self.medium, Medium::Lines) {
+    pub(super) fn warn(&self, frame: &ScanFrame, what: &[&str]) {
+        let is_picture = matches!(self, Self::Terminal(..));
+        if let (Some(at), false, false) = (frame.at, is_picture, what.is_empty()) {
             eprintln!("warning: frame {} has flags not seen before: {}", at.sequence, what.join(", "));
         }
     }
 
-    /// Whether a frame's fingers are still to come.
-    pub(super) fn is_waiting(&self) -> bool {
-        self.resolved.as_ref().is_some_and(Option::is_some)
-    }
-
-    /// Keeps the fingers of the frame whose contacts came before; `None` if they were not looked for.
-    pub(super) fn keep_fingers(&mut self, at: FrameStamp, fingers: Option<&[Resolved]>) {
-        let (Some(Some(frame)), Some(pose)) = (&mut self.resolved, self.pose) else { return };
-        if frame.sequence == at.sequence {
-            frame.fingers =
-                fingers.map(|all| all.iter().map(|finger| LinkFinger::new(finger, pose)).collect());
+    /// Shows a frame, with the fingers that were found in it.
+    pub(super) fn show(&mut self, frame: &ScanFrame, fingers: Option<&[Resolved]>) -> io::Result<()> {
+        if let (Self::Terminal(live, _), Some(image)) = (&mut *self, &frame.image) {
+            live.keep_image(image.values().collect());
+        }
+        let Some((at, contacts)) = frame.at.zip(frame.contacts.as_ref()) else { return Ok(()) };
+        match self {
+            // Contacts are drawn with their own image.
+            Self::Terminal(live, _) if live.has_images() && frame.image.is_none() => Ok(()),
+            Self::Terminal(live, Some(pose)) => {
+                let on_link = contacts.iter().map(|contact| pose.contact(contact)).collect();
+                live.draw_if_due(at, &on_link)
+            }
+            Self::Terminal(live, None) => live.draw_if_due(at, contacts),
+            Self::Lines => print_lines(at, contacts),
+            Self::LinkFrames(tracker, pose) => {
+                let finger =
+                    |finger: &Resolved| LinkFinger::new(finger.position.into(), finger.strength, pose);
+                let fingers = fingers.map(|all| all.iter().map(finger).collect());
+                print_json(&LinkFrame { fingers, ..tracker.take(at, contacts) })
+            }
         }
     }
+}
 
-    /// Prints the frame whose fingers have come.
-    pub(super) fn print_resolved(&mut self) -> io::Result<()> {
-        self.resolved.as_mut().and_then(Option::take).map_or(Ok(()), |frame| frame.print())
-    }
-
-    /// Draws an image with the contacts that came before it.
-    pub(super) fn take_image(&mut self, image: &PackedImage) -> io::Result<()> {
-        let Medium::Terminal(live, waiting) = &mut self.medium else { return Ok(()) };
-        live.keep_image(image.values().collect());
-        waiting.take().map_or(Ok(()), |(at, contacts)| live.draw_if_due(at, &contacts))
-    }
+fn print_json(frame: &LinkFrame) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    writeln!(out, "{}", serde_json::to_string(frame)?)?;
+    out.flush()
 }
 
 fn print_lines(at: FrameStamp, contacts: &Contacts) -> io::Result<()> {
@@ -141,80 +105,6 @@ fn line(at: FrameStamp, contact: &Contact) -> String {
     format!(
         "{sequence}\t{time:.6}\t{x:.3}\t{y:.3}\t{z:.3}\t{area:.2}\t{strength:.6}\t{pressure}\t{force}\t{flags}"
     )
-}
-
-/// One frame in the link's frame, as robot software reads it.
-#[derive(Serialize)]
-struct LinkFrame {
-    sequence: u32,
-    time_s: f64,
-    flags: Vec<&'static str>,
-    link: String,
-    contacts: Vec<LinkContact>,
-    /// Only where fingers are resolved.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    fingers: Option<Vec<LinkFinger>>,
-}
-
-#[derive(Serialize)]
-struct LinkFinger {
-    position_m: [f64; 3],
-    strength: f64,
-}
-
-impl LinkFinger {
-    fn new(finger: &Resolved, pose: &Pose) -> Self {
-        let position = pose.link_from_skin * finger.position;
-        Self { position_m: position.coords.into(), strength: finger.strength }
-    }
-}
-
-#[derive(Serialize)]
-struct LinkContact {
-    /// Its number, the same from frame to frame.
-    id: Option<u32>,
-    position_m: [f32; 3],
-    normal: [f32; 3],
-    area_mm2: f32,
-    strength: f32,
-    pressure_kpa: Option<f32>,
-    force_n: Option<f32>,
-}
-
-impl LinkFrame {
-    /// Contacts in the frame of this link, with the numbers that a tracker has given them.
-    fn new(at: FrameStamp, link: &str, contacts: &Contacts, tracker: &Tracker) -> Self {
-        let contact = |contact| LinkContact::new(contact, tracker, at.timestamp_us);
-        Self {
-            sequence: at.sequence,
-            time_s: seconds(at),
-            flags: at.flags.words().collect(),
-            link: link.to_owned(),
-            contacts: contacts.iter().map(contact).collect(),
-            fingers: None,
-        }
-    }
-
-    fn print(&self) -> io::Result<()> {
-        let mut out = io::stdout().lock();
-        writeln!(out, "{}", serde_json::to_string(self)?)?;
-        out.flush()
-    }
-}
-
-impl LinkContact {
-    fn new(contact: &Contact, tracker: &Tracker, now_us: u64) -> Self {
-        let track = tracker.touching(now_us).find(|track| track.contact == *contact);
-        Self {
-            id: track.map(|track| track.id),
-            position_m: contact.position,
-            normal: contact.normal,
-            area_mm2: contact.area * 1e6,
-            strength: contact.strength,
-            pressure_kpa: contact.pressure.map(|pressure| pressure * 1e-3),
-            force_n: contact.force(),
-        }
-    }
 }
 
 fn seconds(at: FrameStamp) -> f64 {

@@ -1,4 +1,4 @@
-//! Fingers: resolved from the voltages that a board streams.
+//! Fingers: fitted to the voltages that a board streams.
 
 use anyhow::{Context, bail};
 use dermatome_link::Link;
@@ -91,9 +91,6 @@ pub(super) fn radius(text: &str) -> anyhow::Result<f64> {
     let quantity = text.trim().parse().map_or_else(|_| Quantity::Text(text.to_owned()), Quantity::Number);
     let read = LENGTH.read(&quantity).filter(|radius| *radius > 0.0 && radius.is_finite());
     read.with_context(|| {
-        format!(
-            "`--resolve` is {text:?}; allowed: a number above zero (m), or a number with {}",
-            LENGTH.units()
-        )
+        format!("`--fit` is {text:?}; allowed: a number above zero (m), or a number with {}", LENGTH.units())
     })
 }

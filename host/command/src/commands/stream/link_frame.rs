@@ -9,6 +9,7 @@ use dermatome_model::{
 };
 use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::protocol::PatchInfo;
+use nalgebra::Point3;
 use std::path::Path;
 
 /// How far a pixel of the board's patch may lie from where the skin file has it, m.
@@ -17,7 +18,7 @@ const SAME_PLACE: f64 = 1e-4;
 /// The skin in `path`, which must be that of the board's patch, and its pose.
 pub(super) fn skin_of(path: &Path, link: &mut Link, patch: &PatchInfo) -> anyhow::Result<(Skin, Pose)> {
     let file = path.display();
-    let skin = Skin::load(path)?;
+    let skin = Skin::load(path)?.made()?;
     let Some(pose) = skin.pose.clone() else {
         bail!(
             "skin file `{file}`: `pose` is missing; allowed: a table `[pose]` as `dermatome cut` writes it"
@@ -45,6 +46,7 @@ fn surface(skin: &Skin) -> anyhow::Result<Option<SurfaceTables>> {
 }
 
 fn is_same(a: &SurfaceTables, b: &SurfaceTables) -> bool {
-    let is_near = a.centres().zip(b.centres()).all(|(a, b)| (a - b).norm() < SAME_PLACE);
+    let apart = |a: [f64; 3], b: [f64; 3]| (Point3::from(a) - Point3::from(b)).norm();
+    let is_near = a.centres().zip(b.centres()).all(|(a, b)| apart(a, b) < SAME_PLACE);
     a.pixels.len() == b.pixels.len() && is_near
 }

@@ -6,15 +6,17 @@ mod link_frame;
 mod tally;
 
 use super::{
-    BoardReport, interrupt,
+    BoardReport,
+    board::open,
+    interrupt,
     tare::{patch_of, tare_with_spinner},
 };
-use dermatome_link::{self as link, Link};
+use dermatome_link::{Link, LinkError, LinkErrorKind, ScanFrame, Subscription};
 use dermatome_shared::{
-    protocol::{Event, PatchInfo, Selection},
+    protocol::{PatchInfo, Selection},
     reference::DEFAULT_TARE_FRAMES,
 };
-use dermatome_simulate::port::{self, Port};
+use dermatome_simulate::port::Port;
 use display::Display;
 use fingers::Fingers;
 use serde::Serialize;
@@ -26,10 +28,8 @@ use std::{
 };
 use tally::Tally;
 
-/// How often to look for Ctrl-C while nothing comes.
-const POLL: Duration = Duration::from_millis(100);
 /// Frames that may fail to come before the board is asked whether it still streams.
-const PATIENCE_FRAMES: f64 = 5.0;
+const TIMEOUT_FRAMES: f64 = 5.0;
 
 /// Show images and contacts live, or print contacts for a pipe.
 ///
@@ -40,7 +40,7 @@ const PATIENCE_FRAMES: f64 = 5.0;
 ///
 /// With --skin, contacts are in the frame of the robot's link that the skin lies on, and instead of such
 /// lines each frame is one line of JSON with number, position in m and normal of its contacts, and what was
-/// wrong with the frame (docs/cli.md). With --resolve as well, it also holds fingers that this computer fits to the
+/// wrong with the frame (docs/cli.md). With --fit as well, it also holds fingers that this computer fits to the
 /// frame's voltages, which tells apart what lies close together or far from all electrodes.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
@@ -48,7 +48,7 @@ const PATIENCE_FRAMES: f64 = 5.0;
     dermatome stream --port tcp:127.0.0.1:7000 --frames 500 --json stream.json\n  \
     dermatome stream --port COM5 --no-image | tee contacts.tsv\n  \
     dermatome stream --port /dev/ttyACM0 --skin forearm/skin.toml | my-robot\n  \
-    dermatome stream --port /dev/ttyACM0 --skin head/skin.toml --resolve '12 mm' | my-robot")]
+    dermatome stream --port /dev/ttyACM0 --skin head/skin.toml --fit '12 mm' | my-robot")]
 pub(super) struct Args {
     /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT or sim:SKIN.toml.
     #[arg(long)]
@@ -62,9 +62,9 @@ pub(super) struct Args {
     /// Skin file of the board's patch: give contacts in the link's frame, by its [pose].
     #[arg(long, value_name = "FILE")]
     skin: Option<PathBuf>,
-    /// Resolve fingers of about this radius from the voltages, and print them as JSON with the contacts.
-    #[arg(long, value_name = "RADIUS", requires = "skin")]
-    resolve: Option<String>,
+    /// Fit fingers of about this radius to the voltages, and print them as JSON with the contacts.
+    #[arg(long, alias = "resolve", value_name = "RADIUS", requires = "skin")]
+    fit: Option<String>,
     #[command(flatten)]
     json: super::JsonReport,
 }
@@ -101,9 +101,9 @@ struct Report<'a> {
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let radius = args.resolve.as_deref().map(fingers::radius).transpose()?;
+    let radius = args.fit.as_deref().map(fingers::radius).transpose()?;
     interrupt::install()?;
-    let mut link = port::open(&args.port)?;
+    let mut link = open(&args.port)?;
     let patch = patch_of(&mut link)?;
     let path = args.skin.as_deref();
     let on_link = path.map(|path| link_frame::skin_of(path, &mut link, &patch)).transpose()?;
@@ -158,54 +158,56 @@ fn follow(
     let images = u16::from(display.wants_images());
     let measurements = u16::from(fingers.is_some());
     let selection = Selection { images, contacts: 1, measurements, ..Selection::default() };
-    tally.start(link::stream(link, selection)?);
-    let patience = patience(patch);
-    let mut last_event = Instant::now();
+    let mut stream = link.subscribe(selection)?;
     let ended = loop {
-        if let Some(ended) = asked_to_end(args, tally, display) {
+        if let Some(ended) = asked_to_end(args, tally) {
             break ended;
         }
-        match link.next_event(POLL)? {
-            Some(event) => {
-                last_event = Instant::now();
-                if let (Some(fingers), Event::Measurements { at, codes, .. }) = (fingers.as_mut(), &event) {
-                    display.keep_fingers(*at, fingers.of_frame(codes, link)?.as_deref());
-                }
-                if !take(&event, display, tally)? {
-                    break Ended::Pipe;
-                }
-            }
-            None if last_event.elapsed() > patience && !link.info()?.streaming.any() => break Ended::Board,
-            None => {}
+        let frame = match next(&mut stream, frame_timeout(patch))? {
+            Next::Frame(frame) => frame,
+            Next::None(ended) => break ended,
+        };
+        let new = tally.count(&frame, stream.totals(), Instant::now());
+        display.warn(&frame, &new);
+        let fingers = match (fingers.as_mut(), &frame.measurements) {
+            (Some(fingers), Some(measurements)) => fingers.of_frame(&measurements.codes, stream.link())?,
+            _ => None,
+        };
+        if !is_read(display.show(&frame, fingers.as_deref()))? {
+            break Ended::Pipe;
         }
     };
-    link::stream(link, Selection::default())?;
+    stream.stop()?;
     Ok(ended)
 }
 
-fn asked_to_end(args: &Args, tally: &Tally, display: &Display) -> Option<Ended> {
+/// A frame, or why there is none.
+enum Next {
+    Frame(Box<ScanFrame>),
+    None(Ended),
+}
+
+/// Waits for the next frame. A board that is silent for `timeout` is asked whether it still streams.
+fn next(stream: &mut Subscription<'_>, timeout: Duration) -> Result<Next, LinkError> {
+    loop {
+        match stream.next_while(timeout, || !interrupt::requested()) {
+            Ok(Some(frame)) => return Ok(Next::Frame(Box::new(frame))),
+            Ok(None) => return Ok(Next::None(Ended::Interrupt)),
+            Err(LinkError { kind: LinkErrorKind::NoAnswer { .. }, .. }) => {
+                if !stream.link().info()?.streaming.any() {
+                    return Ok(Next::None(Ended::Board));
+                }
+            }
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+fn asked_to_end(args: &Args, tally: &Tally) -> Option<Ended> {
     if interrupt::requested() {
         return Some(Ended::Interrupt);
     }
-    let has_all = args.frames.is_some_and(|frames| tally.received() >= frames);
-    (has_all && !display.is_waiting()).then_some(Ended::Frames)
-}
-
-/// An event of the stream goes to the display and into the tally; each frame has its contacts.
-/// Gives false if whoever read standard output has gone.
-fn take(event: &Event, display: &mut Display, tally: &mut Tally) -> io::Result<bool> {
-    match event {
-        Event::Contacts { at, contacts } => {
-            let new = tally.count(*at, Instant::now());
-            if !new.is_empty() {
-                display.warn(*at, &new);
-            }
-            is_read(display.take_contacts(*at, contacts))
-        }
-        Event::Image { image, .. } => display.take_image(image).map(|()| true),
-        Event::Measurements { .. } => is_read(display.print_resolved()),
-        Event::Tared { .. } | Event::Health { .. } | Event::Scope(_) => Ok(true),
-    }
+    args.frames.is_some_and(|frames| tally.received() >= frames).then_some(Ended::Frames)
 }
 
 /// Whether somebody still reads standard output.
@@ -217,15 +219,15 @@ fn is_read(written: io::Result<()>) -> io::Result<bool> {
 }
 
 /// Longest silence before the board is asked: five frames, and at least a second.
-fn patience(patch: &PatchInfo) -> Duration {
+fn frame_timeout(patch: &PatchInfo) -> Duration {
     let least = Duration::from_secs(1);
-    let frames = Duration::try_from_secs_f64(PATIENCE_FRAMES / f64::from(patch.drive.frame_rate));
+    let frames = Duration::try_from_secs_f64(TIMEOUT_FRAMES / f64::from(patch.drive.frame_rate));
     frames.unwrap_or(least).clamp(least, Duration::from_secs(3600))
 }
 
 /// Longest silence where a board must send something: five frames, and at least five seconds.
-pub(super) fn long_patience(patch: &PatchInfo) -> Duration {
-    patience(patch).max(Duration::from_secs(5))
+pub(super) fn silence_timeout(patch: &PatchInfo) -> Duration {
+    frame_timeout(patch).max(Duration::from_secs(5))
 }
 
 fn summarise(tally: &Tally, link: &Link, ended: Ended) {

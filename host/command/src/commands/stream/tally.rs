@@ -1,28 +1,30 @@
 //! Tally: frames received, lost, and how fast they came.
 
-use dermatome_shared::{frame::FrameFlags, protocol::FrameStamp};
+use dermatome_link::{ScanFrame, Totals};
+use dermatome_shared::frame::FrameFlags;
 use std::time::Instant;
 
-/// Counts the frames of one stream by their sequence numbers.
+/// Counts the frames of one stream; those that count have their contacts.
 #[derive(Debug, Default)]
 pub(super) struct Tally {
-    next: u32,
     received: u64,
-    lost: u64,
+    /// Frames that came without their contacts.
+    without_contacts: u64,
+    /// Frames of which nothing came.
+    missing: u64,
     /// Frames with each flag, in the order of [`FrameFlags::ALL`].
     flagged: [u64; FrameFlags::ALL.len()],
     first_and_last: Option<[Instant; 2]>,
 }
 
 impl Tally {
-    /// The stream starts with this frame.
-    pub(super) fn start(&mut self, first_sequence: u32) {
-        self.next = first_sequence;
-    }
-
     /// A frame has come; gives what is wrong with it and was not with any before, in words.
-    pub(super) fn count(&mut self, at: FrameStamp, now: Instant) -> Vec<&'static str> {
-        let sequence = at.sequence;
+    pub(super) fn count(&mut self, frame: &ScanFrame, totals: Totals, now: Instant) -> Vec<&'static str> {
+        self.missing = totals.frames_missing;
+        let Some(at) = frame.at.filter(|_| frame.contacts.is_some()) else {
+            self.without_contacts += 1;
+            return Vec::new();
+        };
         let mut new = Vec::new();
         for (count, (flag, words)) in self.flagged.iter_mut().zip(FrameFlags::ALL) {
             let is_set = at.flags.contains(flag);
@@ -31,8 +33,6 @@ impl Tally {
             }
             *count += u64::from(is_set);
         }
-        self.lost += u64::from(sequence.wrapping_sub(self.next));
-        self.next = sequence.wrapping_add(1);
         self.received += 1;
         let [first, _] = self.first_and_last.unwrap_or([now; 2]);
         self.first_and_last = Some([first, now]);
@@ -44,7 +44,7 @@ impl Tally {
     }
 
     pub(super) fn lost(&self) -> u64 {
-        self.lost
+        self.missing + self.without_contacts
     }
 
     /// What was wrong with frames, in words, each with the number of frames.
@@ -64,30 +64,37 @@ impl Tally {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dermatome_shared::{contact::Contacts, protocol::FrameStamp};
     use std::time::Duration;
 
+    fn frame(flags: FrameFlags, contacts: Option<Contacts>) -> ScanFrame {
+        let at = Some(FrameStamp { sequence: 7, timestamp_us: 0, flags });
+        ScanFrame { at, contacts, ..ScanFrame::default() }
+    }
+
     #[test]
-    fn gaps_count_as_lost_from_the_first_frame_on_and_across_the_wrap() {
+    fn frames_without_contacts_and_frames_of_which_nothing_came_are_lost() {
         let mut tally = Tally::default();
         let start = Instant::now();
-        tally.start(u32::MAX - 3);
-        for (i, sequence) in [u32::MAX - 1, u32::MAX, 2].into_iter().enumerate() {
+        let totals = Totals { frames_missing: 4, ..Totals::default() };
+        for i in 0..3 {
             let flags = if i == 1 { FrameFlags::HOT } else { FrameFlags::default() };
-            let at = FrameStamp { sequence, timestamp_us: 0, flags };
-            let new = tally.count(at, start + Duration::from_millis(500 * i as u64));
+            let now = start + Duration::from_millis(500 * i);
+            let new = tally.count(&frame(flags, Some(Contacts::new())), totals, now);
             assert_eq!(new.is_empty(), i != 1);
         }
-        assert_eq!((tally.received(), tally.lost()), (3, 2 + 2));
+        assert_eq!((tally.received(), tally.lost()), (3, 4));
         assert_eq!(tally.flagged().collect::<Vec<_>>(), [("chip too hot", 1)]);
         assert_eq!(tally.per_second(), Some(2.0));
+        assert!(tally.count(&frame(FrameFlags::SATURATED, None), totals, start).is_empty());
+        assert_eq!((tally.received(), tally.lost()), (3, 5));
     }
 
     #[test]
     fn one_frame_has_no_rate() {
         let mut tally = Tally::default();
         assert_eq!(tally.per_second(), None);
-        let at = FrameStamp { sequence: 0, timestamp_us: 0, flags: FrameFlags::default() };
-        tally.count(at, Instant::now());
+        tally.count(&frame(FrameFlags::default(), Some(Contacts::new())), Totals::default(), Instant::now());
         assert_eq!(tally.per_second(), None);
     }
 }

@@ -24,8 +24,8 @@ const MESH: &[u8] = include_bytes!("../../../../../models/hemisphere-210mm/hemis
 fn skins() -> Result<[Skin; 2], ExperimentError> {
     let folder = tempfile::tempdir()?;
     std::fs::write(folder.path().join("hemisphere.stl"), MESH)?;
-    let skin = Skin::parse(&folder.path().join("skin.toml"), SKIN)?;
-    let mut skins = [skin, Skin::parse(Path::new("models/hemisphere-210mm/formula.toml"), FORMULA)?];
+    let skin = Skin::parse(&folder.path().join("skin.toml"), SKIN)?.made()?;
+    let mut skins = [skin, Skin::parse(Path::new("models/hemisphere-210mm/formula.toml"), FORMULA)?.made()?];
     skins.iter_mut().for_each(|skin| THREE_SINGLE.drive(skin));
     Ok(skins)
 }

@@ -11,13 +11,13 @@ use super::{
 use dermatome_shared::stimulation::Step;
 use serde::Serialize;
 
-/// A step is off from this factor between measured and expected magnitude on.
+/// A step is off from this factor between recorded and expected magnitude on.
 const OFF_FACTOR: f64 = 2.0;
-/// And from so many standard deviations on, as the middle deviation estimates them.
+/// And from so many standard deviations on, as the median deviation estimates them.
 const OFF_DEVIATIONS: f64 = 5.0;
-/// From a normal distribution's middle absolute deviation to its standard deviation.
+/// From a normal distribution's median absolute deviation to its standard deviation.
 const DEVIATION: f64 = 1.4826;
-/// A step is noisy from so many times the middle noise on.
+/// A step is noisy from so many times the median noise on.
 const NOISY: f64 = 5.0;
 /// Share of an electrode's steps that must be off or noisy; an electrode beside it reaches a half.
 pub(super) const NEARLY_ALL: f64 = 0.75;
@@ -31,7 +31,7 @@ pub struct ElectrodeCheck {
     pub drive_off_percent: Option<f64>,
     /// Share of the steps that sense it which are far from the model, %.
     pub sense_off_percent: Option<f64>,
-    /// Share of the steps that drive or sense it which are far noisier than the middle one, %.
+    /// Share of the steps that drive or sense it which are far noisier than the median, %.
     pub noisy_percent: Option<f64>,
     /// Share of the steps that drive or sense it which are zero, %.
     pub dead_percent: Option<f64>,

@@ -1,17 +1,19 @@
 //! What a check found, in words: what is wrong, and what to change.
 
 use super::{
-    super::diagnose::{LEAST_FIT, RESEMBLING, first_few, is_clearly_better, options_from},
+    super::{
+        diagnose::{LEAST_FIT, RESEMBLING, first_few, is_clearly_better},
+        wording::{Advice, Rearrangement},
+    },
     Check, Expected,
     numbering::{Exchange, Numbering, Role},
     reciprocity::Agreement,
 };
 use serde::Serialize;
-use std::fmt;
 
-/// Middle error between steps that must agree which is a fault, %; saline tanks reach 5.
+/// Median error between steps that must agree which is a fault, %; saline tanks reach 5.
 const DISAGREEMENT_PERCENT: f64 = 10.0;
-/// A single pair is worth a word from so many times the middle error on.
+/// A single pair is worth a word from so many times the median error on.
 const OUTSTANDING: f64 = 5.0;
 /// Signal-to-noise ratio below which single presses drown, dB.
 const LOW_SNR_DB: f64 = 40.0;
@@ -19,7 +21,7 @@ const LOW_SNR_DB: f64 = 40.0;
 const CHANGE_PERCENT: f64 = 2.0;
 
 /// One thing that is worth knowing.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// Whether something must be changed.
     pub level: Level,
@@ -28,7 +30,7 @@ pub struct Finding {
     /// What was found.
     pub found: String,
     /// What to change.
-    pub advice: String,
+    pub advice: Advice,
 }
 
 /// How serious a finding is.
@@ -75,16 +77,6 @@ pub enum About {
     Repeats,
 }
 
-impl fmt::Display for Finding {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let level = match self.level {
-            Level::Fault => "fault",
-            Level::Note => "note",
-        };
-        write!(f, "{level:<13} {}\n{:13} -> {}", self.found, "", self.advice)
-    }
-}
-
 /// Everything that is worth a word, faults first.
 pub(super) fn all(expected: &Expected, check: &Check) -> Vec<Finding> {
     let mut findings: Vec<Finding> =
@@ -99,11 +91,11 @@ pub(super) fn all(expected: &Expected, check: &Check) -> Vec<Finding> {
     findings
 }
 
-fn fault(about: About, found: String, advice: impl Into<String>) -> Finding {
+fn fault(about: About, found: String, advice: impl Into<Advice>) -> Finding {
     Finding { level: Level::Fault, about, found, advice: advice.into() }
 }
 
-fn note(about: About, found: String, advice: impl Into<String>) -> Finding {
+fn note(about: About, found: String, advice: impl Into<Advice>) -> Finding {
     Finding { level: Level::Note, about, found, advice: advice.into() }
 }
 
@@ -113,22 +105,24 @@ fn order(expected: &Expected, check: &Check) -> Option<Finding> {
     if numbering.best != numbering.used && is_clearly_better(numbering.best_correlation, before) {
         let can_be_read =
             numbering.best.index_map(&expected.steps, expected.electrodes(), check.measurements).is_ok();
+        let Numbering { used, best, rotation_ambiguous, .. } = *numbering;
         let advice = if can_be_read {
-            options_from(numbering.used, numbering.best)
+            Advice::Rearrange(Rearrangement { used, best, rotation_ambiguous })
         } else {
-            "the table has no such order; number the skin file's electrodes anew \
-             (`electrodes.first`, `electrodes.direction`)"
-                .to_owned()
-        };
-        let rotation = if numbering.rotation_ambiguous {
-            "; the rotation cannot be told from these frames, others fit as well"
-        } else {
-            ""
+            let rotation = if rotation_ambiguous {
+                "; the rotation cannot be told from these frames, others fit as well"
+            } else {
+                ""
+            };
+            Advice::Plain(format!(
+                "the table has no such order; number the skin file's electrodes anew \
+                 (`electrodes.first`, `electrodes.direction`){rotation}"
+            ))
         };
         let best = numbering.best_correlation;
         let found =
             format!("another order fits the model better (correlation {best:.3} instead of {before:.3})");
-        return Some(fault(About::Order, found, advice + rotation));
+        return Some(fault(About::Order, found, advice));
     }
     (check.sound_correlation < RESEMBLING).then(|| resemblance(numbering))
 }
@@ -163,8 +157,7 @@ fn offset(check: &Check) -> Option<Finding> {
          without it instead of {:.3})",
         offset.value, offset.share_percent, offset.correlation, offset.correlation_before
     );
-    let advice = format!("use --offset {:.4}, or normalised differences come out too small", offset.value);
-    Some(fault(About::Offset, found, advice))
+    Some(fault(About::Offset, found, Advice::Subtract(offset.value)))
 }
 
 fn exchanged(check: &Check) -> impl Iterator<Item = Finding> + '_ {

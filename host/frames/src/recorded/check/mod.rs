@@ -121,7 +121,8 @@ pub struct Check {
     pub saturation: Option<Saturation>,
     /// Frames that come more than once.
     pub repeats: Repeats,
-    /// What looks wrong, and what to change.
+    /// What looks wrong, and what to change; whoever shows it says which settings do that.
+    #[serde(skip)]
     pub findings: Vec<Finding>,
 }
 
@@ -200,15 +201,15 @@ impl Readings {
         (0..self.measured.len()).map(of_step).collect()
     }
 
-    /// Logarithm of measured over model magnitude, against the middle one: `[step]`.
+    /// Logarithm of recorded over model magnitude, against their median: `[step]`.
     fn residuals(&self) -> Vec<Option<f64>> {
         let ratios: Vec<_> = self
             .logarithms()
             .into_iter()
             .map(|pair| pair.map(|(model, measured)| measured - model))
             .collect();
-        let middle = median(ratios.iter().flatten().copied());
-        ratios.into_iter().map(|ratio| ratio.map(|ratio| ratio - middle)).collect()
+        let median = median(ratios.iter().flatten().copied());
+        ratios.into_iter().map(|ratio| ratio.map(|ratio| ratio - median)).collect()
     }
 
     fn correlation(&self) -> f64 {

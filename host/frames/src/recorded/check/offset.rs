@@ -14,7 +14,7 @@ use serde::Serialize;
 
 /// Offsets that are tried, from zero to the smallest magnitude.
 const TRIALS: usize = 200;
-/// Smallest offset that is worth a word, as a share of the middle magnitude.
+/// Smallest offset that is worth a word, as a share of the median magnitude.
 const SMALLEST_SHARE: f64 = 0.3;
 
 /// A constant that every value seems to hold.
@@ -22,7 +22,7 @@ const SMALLEST_SHARE: f64 = 0.3;
 pub struct Offset {
     /// The constant, in the file's unit.
     pub value: f64,
-    /// Its share of the middle magnitude, %.
+    /// Its share of the median magnitude, %.
     pub share_percent: f64,
     /// Correlation of log magnitudes with the model, with it.
     pub correlation_before: f64,
@@ -68,8 +68,8 @@ fn find_in(mut readings: Readings) -> Option<Offset> {
             (trial(t), readings.correlation())
         })
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let middle = median(values.iter().map(|value| value.abs()));
-    let share = value.abs() / middle;
+    let median = median(values.iter().map(|value| value.abs()));
+    let share = value.abs() / median;
     let clear = correlation > before + CLEARLY_BETTER && share > SMALLEST_SHARE;
     clear.then_some(Offset { value, share_percent: share * 100.0, correlation_before: before, correlation })
 }

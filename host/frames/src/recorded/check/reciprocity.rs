@@ -11,7 +11,7 @@ use serde::Serialize;
 /// How well steps agree that measure the same.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Agreement {
-    /// Middle error, %.
+    /// Median error, %.
     pub median_percent: f64,
     /// Root of the mean square, %.
     pub rms_percent: f64,

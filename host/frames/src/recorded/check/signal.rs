@@ -17,8 +17,8 @@ use std::{
 
 /// Frames that noise and drift need.
 const FEWEST_FRAMES: usize = 3;
-/// Middle square of a normal distribution over its variance.
-const MIDDLE_SQUARE: f64 = 0.4549;
+/// Median square of a normal distribution over its variance.
+const MEDIAN_SQUARE: f64 = 0.4549;
 
 /// How steady the frames are.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -53,7 +53,7 @@ impl Steadiness {
     }
 }
 
-/// Standard deviation of each step, along the direction of its mean, from the middle square of the
+/// Standard deviation of each step, along the direction of its mean, from the median square of the
 /// difference of frames that follow each other: `[step]`. 0 where there are too few frames.
 pub(super) fn noise(frames: &Frames, readings: &Readings) -> Vec<f64> {
     let of_step = |(&index, mean): (&usize, &Complex64)| {
@@ -65,7 +65,7 @@ pub(super) fn noise(frames: &Frames, readings: &Readings) -> Vec<f64> {
             .chunks_exact(frames.measurements)
             .zip(frames.iter().skip(1))
             .map(|(a, b)| (along(b) - along(a)).powi(2));
-        if frames.frames < FEWEST_FRAMES { 0.0 } else { (median(squares) / MIDDLE_SQUARE / 2.0).sqrt() }
+        if frames.frames < FEWEST_FRAMES { 0.0 } else { (median(squares) / MEDIAN_SQUARE / 2.0).sqrt() }
     };
     readings.indices.par_iter().zip(&readings.measured).map(of_step).collect()
 }

@@ -323,7 +323,7 @@ fn a_table_in_other_electrode_numbers_is_not_to_be_read_but_told() {
     let made = Arrangement { rotation: 2, ..PLAIN };
     let check = check(&body, &Instrument::new(&body, made).frames(20, 0.0001), PLAIN).unwrap();
     assert_eq!(check.numbering.best, made, "{:#?}", check.numbering);
-    assert!(check.findings[0].advice.contains("`electrodes.first`"), "{:#?}", check.findings);
+    assert!(check.findings[0].advice.to_string().contains("`electrodes.first`"), "{:#?}", check.findings);
 }
 
 #[test]
@@ -336,7 +336,7 @@ fn frames_of_another_length_are_refused() {
 #[test]
 fn the_model_of_a_skin_expects_its_own_voltages() {
     let text = include_str!("../../../../tests/data/tiny.toml");
-    let skin = Skin::parse(std::path::Path::new("skin.toml"), text).unwrap();
+    let skin = Skin::parse(std::path::Path::new("skin.toml"), text).unwrap().made().unwrap();
     let model = dermatome_model::model::Model::build(&skin, |_| ()).unwrap();
     let expected = Expected::of(&skin).unwrap();
     for (step, voltage) in model.steps.iter().zip(&model.voltages) {

@@ -4,8 +4,9 @@
 //! U-shape of each drive (large beside the driven electrodes, small opposite) counts in full.
 
 use super::{
-    order::{Arrangement, FileIndex, OrderError, SenseOrder},
+    order::{Arrangement, FileIndex, OrderError},
     statistics::{median, pearson},
+    wording::{Rearrangement, Wording},
 };
 use dermatome_shared::stimulation::Step;
 use num_complex::Complex64;
@@ -90,12 +91,12 @@ impl Diagnosis {
         self.sign_disagreements.len() as f64 / self.signs_compared.max(1) as f64
     }
 
-    /// What looks wrong, and which option mends it; empty where all is well.
+    /// What looks wrong, and which setting mends it; empty where all is well.
     #[must_use]
-    pub fn warnings(&self) -> Vec<String> {
+    pub fn warnings(&self, wording: &impl Wording) -> Vec<String> {
         let better = is_clearly_better(self.best_correlation, self.correlation);
         let order = if better {
-            Some(self.other_order())
+            Some(self.other_order(wording))
         } else {
             (self.correlation < RESEMBLING).then(|| self.no_resemblance())
         };
@@ -105,9 +106,10 @@ impl Diagnosis {
         [order, signs, dead].into_iter().flatten().collect()
     }
 
-    fn other_order(&self) -> String {
-        let advice = options_from(self.used, self.best);
-        let rotation = if self.rotation_ambiguous {
+    fn other_order(&self, wording: &impl Wording) -> String {
+        let Self { used, best, rotation_ambiguous, .. } = *self;
+        let advice = Rearrangement { used, best, rotation_ambiguous }.told(wording);
+        let rotation = if rotation_ambiguous {
             "; the rotation cannot be told from the reference, other rotations fit as well"
         } else {
             ""
@@ -158,20 +160,6 @@ impl Diagnosis {
 /// Whether an arrangement is worth recommending over the one in use, by their correlations.
 pub(super) fn is_clearly_better(best: f64, used: f64) -> bool {
     best >= LEAST_FIT && best > used + CLEARLY_BETTER
-}
-
-/// How to get from one arrangement to another, in the command line's options.
-pub(super) fn options_from(used: Arrangement, best: Arrangement) -> String {
-    let dropped = Arrangement {
-        sense: if used.sense == best.sense { SenseOrder::default() } else { used.sense },
-        rotation: if best.rotation == 0 { used.rotation } else { 0 },
-        mirrored: used.mirrored && !best.mirrored,
-    };
-    match (best.to_string(), dropped.to_string()) {
-        (best, dropped) if best.is_empty() => format!("leave out {dropped}"),
-        (best, dropped) if dropped.is_empty() => format!("use {best}"),
-        (best, dropped) => format!("use {best}, without {dropped}"),
-    }
 }
 
 /// The first of many numbers.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::recorded::{difference::difference, order::SenseOrder};
+use crate::recorded::{difference::difference, order::SenseOrder, wording::Plain};
 use dermatome_shared::stimulation::{Driven, pattern};
 use proptest::prelude::*;
 use rand::{Rng, SeedableRng};
@@ -57,32 +57,32 @@ const PLAIN: Arrangement = Arrangement { sense: SenseOrder::Absolute, rotation: 
 fn a_file_in_the_models_order_gives_no_warning() {
     let body = Body::new(1, 1, 1.0);
     let diagnosis = body.diagnose(&body.filed(&body.voltages, PLAIN, false), PLAIN);
-    assert!(diagnosis.warnings().is_empty(), "{:?}", diagnosis.warnings());
+    assert!(diagnosis.warnings(&Plain).is_empty(), "{:?}", diagnosis.warnings(&Plain));
     assert!((diagnosis.correlation - 1.0).abs() < 1e-12);
     assert_eq!(diagnosis.best, PLAIN);
     assert!(!diagnosis.rotation_ambiguous);
 }
 
 #[test]
-fn each_wrong_order_is_told_with_the_option_that_mends_it() {
+fn each_wrong_order_is_told_with_the_setting_that_mends_it() {
     let body = Body::new(2, 1, 1.0);
     let advice = |made: Arrangement, used: Arrangement| {
         let diagnosis = body.diagnose(&body.filed(&body.voltages, made, false), used);
         assert_eq!(diagnosis.best, made);
-        let warnings = diagnosis.warnings();
+        let warnings = diagnosis.warnings(&Plain);
         assert_eq!(warnings.len(), 1, "{warnings:?}");
         warnings[0].split("): ").nth(1).unwrap().to_owned()
     };
-    assert_eq!(advice(arrangement(SenseOrder::Relative, 0, false), PLAIN), "use --order relative");
-    assert_eq!(advice(arrangement(SenseOrder::Absolute, 3, false), PLAIN), "use --rotation 3");
-    assert_eq!(advice(arrangement(SenseOrder::Absolute, 0, true), PLAIN), "use --mirror");
+    assert_eq!(advice(arrangement(SenseOrder::Relative, 0, false), PLAIN), "use relative order");
+    assert_eq!(advice(arrangement(SenseOrder::Absolute, 3, false), PLAIN), "use rotation by 3");
+    assert_eq!(advice(arrangement(SenseOrder::Absolute, 0, true), PLAIN), "use mirrored electrodes");
     let all = arrangement(SenseOrder::Relative, 5, true);
-    assert_eq!(advice(all, PLAIN), "use --order relative --rotation 5 --mirror");
-    assert_eq!(advice(PLAIN, all), "leave out --order relative --rotation 5 --mirror");
+    assert_eq!(advice(all, PLAIN), "use relative order, rotation by 5, mirrored electrodes");
+    assert_eq!(advice(PLAIN, all), "leave out relative order, rotation by 5, mirrored electrodes");
     let turned = arrangement(SenseOrder::Absolute, 5, false);
     assert_eq!(
         advice(turned, arrangement(SenseOrder::Absolute, 5, true)),
-        "use --rotation 5, without --mirror"
+        "use rotation by 5, without mirrored electrodes"
     );
 }
 
@@ -93,9 +93,13 @@ fn on_a_disc_rotations_cannot_be_told_apart() {
     let diagnosis = disc.diagnose(&disc.filed(&disc.voltages, relative, false), PLAIN);
     assert!(diagnosis.rotation_ambiguous);
     assert_eq!(diagnosis.best, relative, "no needless rotation or mirror is recommended");
-    assert!(diagnosis.warnings()[0].contains("rotation cannot be told"), "{:?}", diagnosis.warnings());
+    assert!(
+        diagnosis.warnings(&Plain)[0].contains("rotation cannot be told"),
+        "{:?}",
+        diagnosis.warnings(&Plain)
+    );
     let right = disc.diagnose(&disc.filed(&disc.voltages, PLAIN, false), PLAIN);
-    assert!(right.rotation_ambiguous && right.warnings().is_empty());
+    assert!(right.rotation_ambiguous && right.warnings(&Plain).is_empty());
 }
 
 #[test]
@@ -103,12 +107,12 @@ fn all_signs_reversed_is_no_fault_but_some_are() {
     let body = Body::new(4, 1, 1.0);
     let mut file = body.filed(&body.voltages, PLAIN, false);
     file.iter_mut().for_each(|value| *value *= Complex64::from_polar(-3.0, 0.7));
-    assert!(body.diagnose(&file, PLAIN).warnings().is_empty());
+    assert!(body.diagnose(&file, PLAIN).warnings(&Plain).is_empty());
     file[5] *= -1.0;
     let diagnosis = body.diagnose(&file, PLAIN);
     assert_eq!(diagnosis.sign_disagreements, [5]);
     assert!((diagnosis.sign_disagreement() - 1.0 / diagnosis.signs_compared as f64).abs() < 1e-12);
-    assert!(diagnosis.warnings()[0].contains("(steps 5)"), "{:?}", diagnosis.warnings());
+    assert!(diagnosis.warnings(&Plain)[0].contains("(steps 5)"), "{:?}", diagnosis.warnings(&Plain));
 }
 
 #[test]
@@ -117,7 +121,7 @@ fn magnitudes_of_an_opposite_pattern_have_no_wrong_signs() {
     assert!(body.voltages.iter().any(|&voltage| voltage < 0.0));
     let magnitudes: Vec<_> = body.voltages.iter().map(|voltage| Complex64::from(voltage.abs())).collect();
     let diagnosis = body.diagnose(&magnitudes, PLAIN);
-    assert!(diagnosis.magnitudes_only && diagnosis.warnings().is_empty());
+    assert!(diagnosis.magnitudes_only && diagnosis.warnings(&Plain).is_empty());
 }
 
 #[test]
@@ -128,7 +132,7 @@ fn dead_measurements_are_listed_and_left_out() {
     let diagnosis = body.diagnose(&file, PLAIN);
     assert_eq!(diagnosis.dead, [19], "the file's index, not the step");
     assert!(diagnosis.correlation > 0.999);
-    assert!(diagnosis.warnings()[0].contains("file indices 19"));
+    assert!(diagnosis.warnings(&Plain)[0].contains("file indices 19"));
     let all_dead = body.diagnose(&vec![Complex64::from(0.0); 208], PLAIN);
     assert_eq!((all_dead.dead.len(), all_dead.correlation), (208, 0.0));
 }
@@ -141,7 +145,10 @@ fn a_reference_of_something_else_resembles_nothing() {
     let diagnosis = body.diagnose(&noise, PLAIN);
     assert!(diagnosis.best_correlation < 0.5);
     let flat = body.diagnose(&vec![Complex64::from(1.0); 208], PLAIN);
-    assert!(flat.warnings()[0].contains("nothing fits") && flat.warnings()[0].contains("(best 0.000)"));
+    assert!(
+        flat.warnings(&Plain)[0].contains("nothing fits")
+            && flat.warnings(&Plain)[0].contains("(best 0.000)")
+    );
     // Whichever order fits noise best is not recommended, however badly the one in use fits.
     let advised = |random: &mut rand_pcg::Pcg64| {
         let noise: Vec<_> = (0..208).map(|_| Complex64::from(random.random_range(0.1..1.0))).collect();
@@ -149,7 +156,7 @@ fn a_reference_of_something_else_resembles_nothing() {
     };
     for diagnosis in (0..50).map(|_| advised(&mut random)) {
         assert!(diagnosis.best_correlation < 0.35, "{}", diagnosis.best_correlation);
-        let [warning] = &diagnosis.warnings()[..] else { panic!("{:?}", diagnosis.warnings()) };
+        let [warning] = &diagnosis.warnings(&Plain)[..] else { panic!("{:?}", diagnosis.warnings(&Plain)) };
         assert!(warning.contains("nothing fits: no order of the measurements"), "{warning}");
     }
 }
@@ -175,7 +182,7 @@ proptest! {
         let found = diagnosis.best;
         prop_assert!(found == made || (found.sense == made.sense && diagnosis.rotation_ambiguous), "{:?}", found);
         let reread = body.diagnose(&body.filed(&body.voltages, made, square), made);
-        prop_assert!(reread.warnings().is_empty(), "{:?}", reread.warnings());
+        prop_assert!(reread.warnings(&Plain).is_empty(), "{:?}", reread.warnings(&Plain));
     }
 
     #[test]

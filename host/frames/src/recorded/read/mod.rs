@@ -1,24 +1,11 @@
-//! Reading measured frames from files of other people's instruments.
+//! Reading recorded frames from files of other people's instruments.
 
-use super::{npy, npz, table};
+pub use crate::array::Source;
+
+use crate::array::{Array, ArrayError, file, show_shape};
 use num_complex::Complex64;
-use std::{
-    ffi::OsStr,
-    fmt,
-    fs::File,
-    io::{self, Read},
-    path::{Path, PathBuf},
-};
 
-pub(crate) use super::npy::Array;
-pub use super::{npy::NpyError, npz::Listing};
-
-/// Longest file, and longest array inside an archive, bytes.
-pub const MAX_BYTES: u64 = 1 << 30;
-/// Most values in one array; they take 16 bytes each in memory.
-pub const MAX_VALUES: usize = 1 << 26;
-
-/// Measured frames, and whether they carry a phase.
+/// Recorded frames, and whether they carry a phase.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frames {
     /// Measurements in the file's unit: `[frame][measurement]`, never NaN or infinite.
@@ -64,34 +51,6 @@ impl Frames {
     }
 }
 
-/// A file of frames, and for an archive which array: `frames.npy`, `run.npz:frames`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Source {
-    /// The file.
-    pub path: PathBuf,
-    /// Name of the array in an archive.
-    pub key: Option<String>,
-}
-
-impl Source {
-    /// Splits at the last colon, but only after a name that ends in `.npz`: `C:\run.npz` has no key.
-    #[must_use]
-    pub fn new(text: &OsStr) -> Self {
-        let split = text.to_str().and_then(|text| text.rsplit_once(':'));
-        match split.filter(|(path, _)| path.to_ascii_lowercase().ends_with(".npz")) {
-            Some((path, key)) => Self { path: path.into(), key: Some(key.into()) },
-            None => Self { path: text.into(), key: None },
-        }
-    }
-}
-
-impl fmt::Display for Source {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.path.display())?;
-        self.key.as_ref().map_or(Ok(()), |key| write!(f, ":{key}"))
-    }
-}
-
 /// Frames could not be read from a file.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot read frames from `{file}`: {problem}")]
@@ -105,61 +64,9 @@ pub struct ReadError {
 /// Why a file's content is not frames.
 #[derive(Debug, thiserror::Error)]
 pub enum Problem {
-    /// The file cannot be opened or read.
-    #[error("{0}")]
-    Io(io::Error),
-    /// An unknown ending.
-    #[error("its name must end in .npy, .npz, .csv or .txt")]
-    Ending,
-    /// The file, or the array in it, is too long.
-    #[error("it holds more than {MAX_BYTES} bytes or {MAX_VALUES} values, the most that is read at once")]
-    TooLarge,
-    /// Not a NumPy array of numbers.
+    /// It holds no array of numbers.
     #[error(transparent)]
-    Npy(#[from] NpyError),
-    /// Not an archive, or a damaged one.
-    #[error("not a readable .npz archive: {0}")]
-    Archive(String),
-    /// An archive without arrays.
-    #[error("the archive holds no array")]
-    NoArrays,
-    /// An archive with several arrays, and none was chosen.
-    #[error("the archive holds several arrays; choose one as FILE.npz:KEY from: {arrays}")]
-    SeveralArrays {
-        /// What there is.
-        arrays: Listing,
-    },
-    /// The array that was asked for is not there.
-    #[error("the archive holds no array `{key}`; there are: {arrays}")]
-    NoKey {
-        /// What was asked for.
-        key: String,
-        /// What there is.
-        arrays: Listing,
-    },
-    /// Text that is not a table.
-    #[error("not a readable table: {0}")]
-    Table(String),
-    /// A cell that is not a number.
-    #[error("line {line}, column {column}: `{text}` is not a number")]
-    Cell {
-        /// Line, from 1.
-        line: u64,
-        /// Column, from 1.
-        column: usize,
-        /// What the cell holds.
-        text: String,
-    },
-    /// Rows of different lengths.
-    #[error("line {line} has {found} columns, the lines before it have {expected}")]
-    Row {
-        /// Line, from 1.
-        line: u64,
-        /// Columns there.
-        found: usize,
-        /// Columns expected.
-        expected: usize,
-    },
+    Array(#[from] ArrayError),
     /// Too many or too few dimensions.
     #[error(
         "shape {shape} is not frames; allowed are (measurements,), (frames, measurements) and \
@@ -193,57 +100,20 @@ pub enum Problem {
 /// square `[drive][sense]`. A single column is one frame; for a single square see
 /// [`Frames::with_square`].
 pub fn read(source: &Source) -> Result<Frames, ReadError> {
-    read_array(source).and_then(frames_of).map_err(|problem| ReadError { file: source.to_string(), problem })
+    file::read(source)
+        .map_err(Problem::from)
+        .and_then(frames_of)
+        .map_err(|problem| ReadError { file: source.to_string(), problem })
 }
 
-/// Reads the numbers of a file, of any shape.
-pub(crate) fn read_array(source: &Source) -> Result<Array, Problem> {
-    let content = Content::of(&source.path)?;
-    content.parse(&read_bytes(&source.path)?, source.key.as_deref())
-}
-
-fn read_bytes(path: &Path) -> Result<Vec<u8>, Problem> {
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(Problem::Io)?;
-    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(Problem::Io)?;
-    if bytes.len() as u64 > MAX_BYTES { Err(Problem::TooLarge) } else { Ok(bytes) }
-}
-
-/// What a file's name says it holds.
-#[derive(Clone, Copy, Debug)]
-enum Content {
-    Npy,
-    Npz,
-    Table,
-}
-
-impl Content {
-    fn of(path: &Path) -> Result<Self, Problem> {
-        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-        match ending.to_str() {
-            Some("npy") => Ok(Self::Npy),
-            Some("npz") => Ok(Self::Npz),
-            Some("csv" | "txt") => Ok(Self::Table),
-            _ => Err(Problem::Ending),
-        }
-    }
-
-    fn parse(self, bytes: &[u8], key: Option<&str>) -> Result<Array, Problem> {
-        match self {
-            Self::Npy => Ok(npy::parse(bytes)?),
-            Self::Npz => npz::parse(bytes, key),
-            Self::Table => table::parse(bytes),
-        }
-    }
-}
-
-fn frames_of(array: Array) -> Result<Frames, Problem> {
-    let Array { shape, values, complex } = array;
+fn frames_of(array: Array<'_>) -> Result<Frames, Problem> {
+    let (complex, shape) = (array.is_complex(), array.shape.clone());
+    let values = array.into_complex();
     if values.is_empty() {
-        return Err(Problem::Empty { shape: npy::show_shape(&shape) });
+        return Err(Problem::Empty { shape: show_shape(&shape) });
     }
     let (frames, measurements) =
-        frame_shape(&shape).ok_or_else(|| Problem::Shape { shape: npy::show_shape(&shape) })?;
+        frame_shape(&shape).ok_or_else(|| Problem::Shape { shape: show_shape(&shape) })?;
     match values.iter().position(|value| !value.is_finite()) {
         Some(place) => Err(Problem::NotFinite {
             frame: place / measurements,

@@ -1,4 +1,4 @@
-//! Images of measured frames, and where in them something touches the skin.
+//! Images of recorded frames, and where in them something touches the skin.
 
 use super::{
     diagnose::dead_below,

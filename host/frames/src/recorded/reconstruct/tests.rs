@@ -15,7 +15,7 @@ struct Toy {
 impl Toy {
     fn new() -> Self {
         let text = include_str!("../../../../../models/square-50mm/skin.toml");
-        let mut skin = Skin::parse(Path::new("skin.toml"), text).unwrap();
+        let mut skin = Skin::parse(Path::new("skin.toml"), text).unwrap().made().unwrap();
         skin.edges = skin.edges.scaled(2.0);
         let model = Model::build(&skin, |_| ()).unwrap();
         let (script, noise) = (Script::round(skin.shape.flat().unwrap()), Noise { snr_db: 200.0, seed: 1 });

@@ -10,7 +10,7 @@
 
 use super::{
     Lattice, MOST_NODES, MeshError,
-    sizes::{Sizes, Source},
+    size_field::{SizeField, Source},
     skeleton::Skeleton,
 };
 use nalgebra::{Point2, Rotation2, Vector2};
@@ -26,30 +26,30 @@ const PARALLEL_HALVINGS: usize = 5;
 /// Points that fill the sheet within its skeleton.
 pub(super) fn inner_points(
     skeleton: &Skeleton<'_>,
-    sizes: &Sizes,
+    size_field: &SizeField,
     lattice: Lattice,
 ) -> Result<Vec<Point2<f64>>, MeshError> {
     let [low, high] = skeleton.outline.bounds();
     let middle = nalgebra::center(&low, &high);
     let filler = Filler {
         skeleton,
-        sizes,
+        size_field,
         turn: Rotation2::new(lattice.angle),
         origin: middle,
-        shift: Vector2::new(1.0, 3_f64.sqrt() / 2.0) * (lattice.shift * sizes.longest),
+        shift: Vector2::new(1.0, 3_f64.sqrt() / 2.0) * (lattice.shift * size_field.longest),
         placed: AtomicUsize::new(skeleton.points.len()),
     };
-    let half = (high - middle).norm() + sizes.longest;
+    let half = (high - middle).norm() + size_field.longest;
     // A power of two: borders of squares are exact however often these are halved, so that a point on
     // one is in one square and not in both or neither.
     let all = Square { middle: Point2::origin(), half: 2_f64.powi(half.log2().ceil() as i32) };
-    let points = filler.fill(all, &sizes.sources, 0);
+    let points = filler.fill(all, &size_field.sources, 0);
     if filler.full() { Err(MeshError::TooManyNodes) } else { Ok(points) }
 }
 
 struct Filler<'a> {
     skeleton: &'a Skeleton<'a>,
-    sizes: &'a Sizes,
+    size_field: &'a SizeField,
     turn: Rotation2<f64>,
     origin: Point2<f64>,
     shift: Vector2<f64>,
@@ -72,13 +72,13 @@ impl Filler<'_> {
         if clearance < -radius || self.full() {
             return Vec::new();
         }
-        let around = self.sizes.around(sources, middle, radius);
+        let around = self.size_field.around(sources, middle, radius);
         let [fine, coarse] = [around.shortest, around.longest].map(|wanted| self.level(wanted));
         let points: Vec<_> = if fine == coarse && clearance - radius > CLEARANCE * around.longest {
             self.points(square, fine).map(|(_, point)| point).collect()
         } else if 2.0 * square.half <= FEW * self.edge(fine) {
             let belongs = |&(level, point): &(i32, Point2<f64>)| {
-                let wanted = self.sizes.with(&around.sources, point);
+                let wanted = self.size_field.with(&around.sources, point);
                 level <= self.level(wanted) && self.skeleton.clearance(point) > CLEARANCE * wanted
             };
             self.points(square, fine).filter(belongs).map(|(_, point)| point).collect()
@@ -111,12 +111,12 @@ impl Filler<'_> {
 
     /// The lattice whose edges are closest to a wanted length, in ratio.
     fn level(&self, wanted: f64) -> i32 {
-        let finer = (self.sizes.longest / wanted).ln() / 3_f64.sqrt().ln();
+        let finer = (self.size_field.longest / wanted).ln() / 3_f64.sqrt().ln();
         finer.round().max(0.0) as i32
     }
 
     fn edge(&self, level: i32) -> f64 {
-        self.sizes.longest * 3_f64.sqrt().powi(-level)
+        self.size_field.longest * 3_f64.sqrt().powi(-level)
     }
 
     /// Points of a lattice within a square, each with the coarsest lattice that it belongs to.

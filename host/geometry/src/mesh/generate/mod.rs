@@ -1,18 +1,18 @@
 //! Generates the mesh of a sheet in its flat development.
 //!
 //! Nodes that must be there come first: on the rims, so that corners and electrodes are honoured, and
-//! at electrodes inside ([`skeleton`]). They say how long edges may be anywhere ([`sizes`]). A
+//! at electrodes inside ([`skeleton`]). They say how long edges may be anywhere ([`size_field`]). A
 //! triangular lattice, finer where edges are to be shorter, fills the rest ([`lattice`]). A
 //! constrained Delaunay triangulation (crate spade) joins both, and inner nodes are smoothed
 //! ([`triangulate`]). Where the development stretches in space it does so alike in all directions,
 //! so good triangles stay good ones.
 
-mod asked;
 mod lattice;
 mod paths;
 mod polish;
-mod sizes;
+mod size_field;
 mod skeleton;
+mod sources;
 mod triangulate;
 
 use super::{ElectrodeContact, Mesh};
@@ -21,7 +21,7 @@ use crate::{
     sheet::{EdgeLengths, ElectrodeModel, Sheet},
 };
 use nalgebra::Point2;
-use sizes::{Sizes, flattened};
+use size_field::{SizeField, flattened};
 use skeleton::{Skeleton, Touch};
 
 /// How the inner points lie: turned and shifted against the axes, so that two meshes of one skin
@@ -75,9 +75,9 @@ pub fn generate(
     lattice: Lattice,
 ) -> Result<Mesh, MeshError> {
     let skeleton = Skeleton::new(sheet, model, edges)?;
-    let sizes = Sizes::new(flattened(edges.skin, sheet), skeleton.sources());
+    let size_field = SizeField::new(flattened(edges.skin, sheet), skeleton.sources());
     let mut points = skeleton.points.clone();
-    points.extend(lattice::inner_points(&skeleton, &sizes, lattice)?);
+    points.extend(lattice::inner_points(&skeleton, &size_field, lattice)?);
     let elements = triangulate::triangulate(&skeleton, &mut points)?;
     let electrodes = skeleton.touches.iter().map(|touch| contact(touch, &points, &elements)).collect();
     let nodes = points.iter().map(|&point| sheet.embedding.lay(point)).collect();

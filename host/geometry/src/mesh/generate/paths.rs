@@ -1,6 +1,6 @@
 //! Closed curves that edges must follow, and the nodes on them.
 
-use super::{MOST_NODES, MeshError, sizes::Sizes};
+use super::{MOST_NODES, MeshError, size_field::SizeField};
 use crate::{
     outline::Curve,
     sheet::{ElectrodeModel, Place, Sheet},
@@ -118,8 +118,8 @@ const STEPS: f64 = 4.0;
 impl Stretch {
     /// Arc lengths of its nodes without the last. Edges are as long as wanted, but all longer or
     /// shorter by one factor, so that they fill the stretch.
-    pub(super) fn nodes(&self, curve: &Curve, sizes: &Sizes) -> Result<Vec<f64>, MeshError> {
-        let edges_up_to = self.count_edges(curve, sizes)?;
+    pub(super) fn nodes(&self, curve: &Curve, size_field: &SizeField) -> Result<Vec<f64>, MeshError> {
+        let edges_up_to = self.count_edges(curve, size_field)?;
         let (_, edges) = edges_up_to[edges_up_to.len() - 1];
         let least = (self.length / self.longest - 1e-9).ceil();
         let count = (edges - 0.25).ceil().max(least).max(1.0);
@@ -136,10 +136,10 @@ impl Stretch {
     }
 
     /// How many edges, and parts of one, fit up to each of many small steps.
-    fn count_edges(&self, curve: &Curve, sizes: &Sizes) -> Result<Vec<(f64, f64)>, MeshError> {
+    fn count_edges(&self, curve: &Curve, size_field: &SizeField) -> Result<Vec<(f64, f64)>, MeshError> {
         let middle = curve.point(self.from + self.length / 2.0);
-        let around = sizes.around(&sizes.sources, middle, self.length / 2.0);
-        let wanted = |s: f64| sizes.with(&around.sources, curve.point(self.from + s)).min(self.longest);
+        let around = size_field.around(&size_field.sources, middle, self.length / 2.0);
+        let wanted = |s: f64| size_field.with(&around.sources, curve.point(self.from + s)).min(self.longest);
         let mut edges_up_to = vec![(0.0, 0.0)];
         let (mut s, mut edges) = (0.0, 0.0);
         while s < self.length {

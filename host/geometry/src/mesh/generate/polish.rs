@@ -1,7 +1,8 @@
 //! Better angles where smoothing left bad ones.
 
 use nalgebra::{Point2, Rotation2, Vector2};
-use std::{collections::HashMap, f64::consts::TAU};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
 
 /// Sine of the angle below which triangles are looked at: 32 degrees.
 const GOOD: f64 = 0.53;
@@ -16,20 +17,33 @@ const HALVINGS: usize = 5;
 /// nodes stay; elements run counter-clockwise.
 pub(super) fn polish(points: &mut [Point2<f64>], elements: &[[usize; 3]], fixed: usize) {
     for _ in 0..ROUNDS {
-        let bad = elements.iter().filter(|element| sine(points, element) < GOOD);
-        let mut stars: HashMap<usize, Vec<[usize; 3]>> =
-            bad.flatten().filter(|node| **node >= fixed).map(|&node| (node, Vec::new())).collect();
-        for element in elements {
-            for node in element {
-                if let Some(star) = stars.get_mut(node) {
-                    star.push(*element);
-                }
+        for (node, star) in stars_of_bad(points, elements, fixed) {
+            improve(points, node, &star);
+        }
+    }
+}
+
+/// The inner nodes of bad triangles, ascending, each with all triangles round it.
+fn stars_of_bad(
+    points: &[Point2<f64>],
+    elements: &[[usize; 3]],
+    fixed: usize,
+) -> Vec<(usize, Vec<[usize; 3]>)> {
+    let bad = elements.par_iter().filter(|element| sine(points, element) < GOOD);
+    let mut nodes: Vec<usize> = bad.flat_map_iter(|element| *element).filter(|node| *node >= fixed).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    let mut star_of = vec![usize::MAX; points.len()];
+    nodes.iter().enumerate().for_each(|(star, &node)| star_of[node] = star);
+    let mut stars: Vec<_> = nodes.into_iter().map(|node| (node, Vec::new())).collect();
+    for element in elements {
+        for &node in element {
+            if let Some((_, star)) = stars.get_mut(star_of[node]) {
+                star.push(*element);
             }
         }
-        let mut nodes: Vec<_> = stars.keys().copied().collect();
-        nodes.sort_unstable();
-        nodes.into_iter().for_each(|node| improve(points, node, &stars[&node]));
     }
+    stars
 }
 
 /// Sine of the smallest angle, which is that between the two longest edges; negative if the

@@ -1,9 +1,10 @@
 //! Nodes and edges that a mesh must have: its rims, and electrodes inside.
 
 use super::{
-    MOST_NODES, MeshError, asked,
+    MOST_NODES, MeshError,
     paths::{Disc, Path, paths},
-    sizes::{Sizes, Source, flattened},
+    size_field::{SizeField, Source, flattened},
+    sources,
 };
 use crate::{
     outline::{Curve, Outline},
@@ -49,9 +50,9 @@ impl<'a> Skeleton<'a> {
         edges: EdgeLengths,
     ) -> Result<Self, MeshError> {
         let (edge, paths) = (flattened(edges.skin, sheet), paths(sheet, model, edges.electrodes));
-        let mut sources = asked::by_electrodes(sheet, edges.electrodes);
-        paths.iter().for_each(|path| sources.extend(asked::by_path(sheet, path, &paths, edge)));
-        let sizes = Sizes::new(edge, sources.into_iter());
+        let mut sources = sources::by_electrodes(sheet, edges.electrodes);
+        paths.iter().for_each(|path| sources.extend(sources::by_path(sheet, path, &paths, edge)));
+        let size_field = SizeField::new(edge, sources.into_iter());
         let mut skeleton = Self {
             outline: &sheet.outline,
             discs: Vec::new(),
@@ -63,19 +64,19 @@ impl<'a> Skeleton<'a> {
             touches: vec![Touch::Edges(Vec::new()); sheet.places.len()],
             area: 0.0,
         };
-        paths.iter().try_for_each(|path| skeleton.follow(path, &sizes))?;
+        paths.iter().try_for_each(|path| skeleton.follow(path, &size_field))?;
         if matches!(model, ElectrodeModel::Point) {
-            skeleton.place_points(sheet, &sizes);
+            skeleton.place_points(sheet, &size_field);
         }
         Ok(skeleton)
     }
 
     /// Puts nodes and edges on a closed curve.
-    fn follow(&mut self, path: &Path<'_>, sizes: &Sizes) -> Result<(), MeshError> {
+    fn follow(&mut self, path: &Path<'_>, size_field: &SizeField) -> Result<(), MeshError> {
         let start = self.points.len();
         let mut covered = Vec::new();
         for stretch in &path.stretches {
-            let nodes = stretch.nodes(&path.curve, sizes)?;
+            let nodes = stretch.nodes(&path.curve, size_field)?;
             covered.extend(nodes.iter().map(|_| stretch.electrode));
             self.points.extend(nodes.into_iter().map(|s| path.curve.point(s)));
         }
@@ -121,14 +122,14 @@ impl<'a> Skeleton<'a> {
     }
 
     /// Point electrodes: the node that is there on the rim, or one more inside.
-    fn place_points(&mut self, sheet: &Sheet, sizes: &Sizes) {
+    fn place_points(&mut self, sheet: &Sheet, size_field: &SizeField) {
         let first = self.points.len();
         for (electrode, place) in sheet.places.iter().enumerate() {
             let node = match *place {
                 Place::Rim(s) => self.nearest(sheet.outline.rim_point(s), first),
                 Place::Inside(point) => {
                     self.points.push(point);
-                    self.spacings.push(sizes.at(point));
+                    self.spacings.push(size_field.at(point));
                     self.points.len() - 1
                 }
             };

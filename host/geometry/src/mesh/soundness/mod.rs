@@ -177,11 +177,11 @@ impl Soundness {
     }
 
     fn inspect_edges(&mut self, nodes: &[Point3<f64>], elements: &[[usize; 3]]) {
+        let mut edges = neighbours::edges(elements);
+        let signs = neighbours::orientation_over(&edges, elements.len());
         // What a triangle that repeats a node has instead of an edge is left out.
-        let edges = neighbours::edges(elements).into_iter().filter(|edge| edge.nodes[0] != edge.nodes[1]);
-        let edges: Vec<_> = edges.collect();
+        edges.retain(|edge| edge.nodes[0] != edge.nodes[1]);
         self.non_manifold = non_manifold(&edges);
-        let signs = neighbours::orientation(elements);
         self.flipped = signs.iter().filter(|&&sign| sign < 0.0).count();
         self.one_sided = is_one_sided(&edges, &signs);
         let mut fans = boundary::fans(&edges, elements);

@@ -3,7 +3,7 @@
 use super::{ChipError, ChipIdentity, DebugProbe};
 use crate::program::{
     firmware::Firmware,
-    log::{DamagedLog, Log, NoLog},
+    log::{DamagedLog, Log},
 };
 use probe_rs::{
     Core, MemoryInterface, Permissions, Session,
@@ -95,9 +95,6 @@ pub enum ProbeError {
     /// The firmware is on the board, but does not run.
     #[error("the firmware is programmed and verified, but the board did not restart: press its reset button")]
     Reset(#[source] Cause),
-    /// The firmware has no log.
-    #[error("{0}. Nothing was erased")]
-    NoLog(NoLog),
     /// The log did not come, or stopped coming.
     #[error("the board's log cannot be read")]
     Log(#[source] Cause),

@@ -32,7 +32,7 @@ pub enum ChoiceError {
     )]
     None,
     /// More than one fits.
-    #[error("{} debug probes fit: choose one with `--probe ID`; there are\n{}", probes.len(), table(probes))]
+    #[error("{} debug probes fit: choose one; there are\n{}", probes.len(), table(probes))]
     Several {
         /// Those that fit.
         probes: Vec<DebugProbe>,
@@ -57,7 +57,7 @@ pub enum ChoiceError {
 }
 
 impl DebugProbe {
-    /// What `--probe` takes: the serial number, or without one vendor and product.
+    /// What names it: the serial number, or without one vendor and product.
     #[must_use]
     pub fn id(&self) -> String {
         self.serial_number.clone().unwrap_or_else(|| self.usb_id())
@@ -92,7 +92,9 @@ pub fn choose<'a>(probes: &'a [DebugProbe], id: Option<&str>) -> Result<&'a Debu
     }
 }
 
-fn table(probes: &[DebugProbe]) -> String {
+/// The probes with their IDs, one a line.
+#[must_use]
+pub fn table(probes: &[DebugProbe]) -> String {
     let mut lines = String::new();
     for probe in probes {
         // Writing to a string does not fail.
@@ -204,7 +206,7 @@ mod tests {
         let words = choose(&probes, None).unwrap_err().to_string();
         assert_eq!(
             words,
-            "3 debug probes fit: choose one with `--probe ID`; there are\n  0042  STLink V3\n  \
+            "3 debug probes fit: choose one; there are\n  0042  STLink V3\n  \
              00AB  STLink V3\n  0483:374e  STLink V3"
         );
         assert_eq!(choose(&probes, Some("00ab")), Ok(&probes[1]));

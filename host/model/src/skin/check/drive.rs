@@ -2,10 +2,11 @@
 
 use super::Checker;
 use crate::skin::{
-    Drive, Pattern, Reciprocal, STEP_COLUMNS, SkinError,
+    Drive, Pattern, Reciprocal, SkinError,
     file::{DriveTable, NumberOrWord, StepTable},
     quantity::{self, Quantity},
 };
+use crate::stimulation::STEP_COLUMNS;
 use dermatome_shared::{
     drive::{Component, GAINS, Gain, MAX_INTEGRATION, MAX_SETTLING},
     stimulation::{Driven, Step},

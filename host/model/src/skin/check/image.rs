@@ -30,7 +30,7 @@ impl Checker<'_> {
         match pixels {
             PixelCount::Word(word) if word == "elements" => Ok(ImageLayout::Elements),
             PixelCount::Count(count) if (4..=MOST_PATCHES).contains(count) => {
-                Ok(ImageLayout::Patches { count: *count as usize })
+                Ok(ImageLayout::ElementPatches { count: *count as usize })
             }
             PixelCount::Word(word) => self.refuse("image.pixels", format!("{word:?}"), &allowed),
             PixelCount::Count(count) => self.refuse("image.pixels", count.to_string(), &allowed),

@@ -1,22 +1,20 @@
-//! Checks a skin file table by table: what a person wrote -> [`Skin`].
+//! Checks a skin file table by table: what a person wrote -> [`Description`].
 
 mod contact;
 mod drive;
 mod electrodes;
 mod image;
-mod imported;
 mod inverse;
+mod mesh_file;
 mod pose;
-pub use imported::UNITS;
 pub use pose::is_frame_name;
 mod shape;
 
 use super::{
-    Skin, SkinError,
+    Described, Description, Skin, SkinError,
     electrodes::Electrodes,
     file::File,
     quantity::{Kind, Quantity},
-    shape::Shape,
 };
 use dermatome_geometry::sheet::{EdgeLengths, Sheet};
 use std::path::{Path, PathBuf};
@@ -27,11 +25,11 @@ pub(super) struct Checker<'a> {
 }
 
 impl Checker<'_> {
-    pub(super) fn skin(&self, file: &File) -> Result<Skin, SkinError> {
+    pub(super) fn skin(&self, file: &File) -> Result<Description, SkinError> {
         self.only_fields_of_kind(&file.shape)?;
-        let mut electrodes = self.electrodes(&file.electrodes)?;
+        let electrodes = self.electrodes(&file.electrodes)?;
         let (shape, edges) = match file.shape.kind.as_str() {
-            "mesh" => self.imported(file, &mut electrodes)?,
+            "mesh" => self.mesh_file(file)?,
             _ => self.sheet(file, &electrodes)?,
         };
         Ok(Skin {
@@ -50,11 +48,11 @@ impl Checker<'_> {
         })
     }
 
-    fn sheet(&self, file: &File, electrodes: &Electrodes) -> Result<(Shape, EdgeLengths), SkinError> {
+    fn sheet(&self, file: &File, electrodes: &Electrodes) -> Result<(Described, EdgeLengths), SkinError> {
         let (outline, embedding) = self.surface(&file.shape)?;
         let edges = self.edges(file.mesh.as_ref(), &outline, &embedding)?;
         let places = self.places(&file.electrodes, &outline, &embedding, electrodes)?;
-        Ok((Shape::Sheet(Sheet { outline, embedding, places }), edges))
+        Ok((Described::Sheet(Sheet { outline, embedding, places }), edges))
     }
 
     fn name(&self, name: &str) -> Result<String, SkinError> {

@@ -6,7 +6,7 @@ use crate::skin::{
     file::{Exactly, PoseTable},
     quantity::LENGTH,
 };
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use std::fmt::Display;
 
 /// How far a quaternion's length may be from 1.
@@ -23,8 +23,8 @@ impl Checker<'_> {
         }
         let Exactly(written) = &table.position;
         let read = |axis: usize| self.finite("pose.position", &written[axis], LENGTH);
-        let position = Translation3::new(read(0)?, read(1)?, read(2)?);
-        if position.vector.amax() > FARTHEST {
+        let position = Vector3::new(read(0)?, read(1)?, read(2)?);
+        if position.amax() > FARTHEST {
             let allowed = "three lengths of at most 1000 m";
             return self.refuse("pose.position", list(written), allowed);
         }
@@ -32,8 +32,9 @@ impl Checker<'_> {
         let [x, y, z, w] = orientation;
         let quaternion = Quaternion::new(w, x, y, z);
         if (quaternion.norm() - 1.0).abs() <= UNIT {
-            let link_from_skin = Isometry3::from_parts(position, UnitQuaternion::from_quaternion(quaternion));
-            return Ok(Some(Pose { link: table.link.clone(), link_from_skin }));
+            let unit = UnitQuaternion::from_quaternion(quaternion);
+            let (position, orientation) = (position.into(), unit.coords.into());
+            return Ok(Some(Pose { link: table.link.clone(), position, orientation }));
         }
         let allowed = "a quaternion x, y, z, w of length 1";
         self.refuse("pose.orientation", format!("{orientation:?}"), allowed)

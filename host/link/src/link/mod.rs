@@ -1,0 +1,260 @@
+//! Link: requests to a board, its replies and its events.
+//!
+//! Opening a link sends one zero byte, which ends any line noise, then `Hello`: board and host
+//! compare protocol version and schema hash before anything else is said. One request is under
+//! way at a time. Events that arrive in between are kept, in order.
+//! Nothing is lost silently: see [`Link::events_lost`] and [`Link::packets_damaged`].
+
+mod hello;
+mod tare;
+mod transport;
+mod upload;
+mod wire;
+
+pub use tare::{tare, tare_timeout};
+pub use transport::Transport;
+pub use upload::{UploadError, upload};
+pub use wire::REPLY_TIMEOUT;
+
+use crate::{
+    error::{LinkError, LinkErrorKind},
+    port::Port,
+};
+use dermatome_patch::tables::SurfaceTables;
+use dermatome_shared::{
+    patch::{PatchError, PatchView},
+    protocol::{BoardPacket, Event, Identity, Info, Reply, Request, RequestPacket, Selection},
+};
+use hello::HELLO_SEQUENCE;
+use std::{
+    collections::VecDeque,
+    net::ToSocketAddrs,
+    time::{Duration, Instant},
+};
+use wire::Wire;
+
+/// Most events kept for a host that asks much and listens little; older ones count as lost.
+const MAX_QUEUED_EVENTS: usize = 4096;
+
+/// An event with its running number.
+pub(crate) type Numbered = (u32, Event);
+
+/// A link to one board.
+pub struct Link {
+    wire: Wire,
+    identity: Identity,
+    last_sequence: u16,
+    events: VecDeque<Numbered>,
+    next_number: Option<u32>,
+    events_lost: u64,
+    /// Dropped after the wire, so that a simulated board sees its client leave.
+    _companion: Option<Box<dyn Send>>,
+}
+
+/// Opens a board's `port`.
+pub fn open(port: &Port) -> Result<Link, LinkError> {
+    let name = port.to_string();
+    match port {
+        Port::Serial(path) => Link::connect(name, transport::open_serial(path)?),
+        Port::Tcp(address) => Link::over_tcp(name, address.as_str()),
+    }
+}
+
+impl Link {
+    /// Says hello over `transport` and checks that board and host understand each other.
+    /// `port` names the transport in errors.
+    pub fn connect(port: impl Into<String>, transport: impl Transport + 'static) -> Result<Self, LinkError> {
+        let mut wire = Wire::new(port.into(), Box::new(transport));
+        let identity = hello::hello(&mut wire)?;
+        // What came in before was not meant for this link.
+        wire.forget_damage();
+        Ok(Self {
+            wire,
+            identity,
+            last_sequence: HELLO_SEQUENCE,
+            events: VecDeque::new(),
+            next_number: None,
+            events_lost: 0,
+            _companion: None,
+        })
+    }
+
+    /// Connects to a board that listens at a TCP address; `port` names it in errors.
+    pub fn over_tcp(port: impl Into<String>, address: impl ToSocketAddrs) -> Result<Self, LinkError> {
+        let port = port.into();
+        let transport = transport::open_tcp(&port, address)?;
+        Self::connect(port, transport)
+    }
+
+    /// The link with something that lives as long as it does and is dropped after it: a simulated board.
+    #[must_use]
+    pub fn with_companion(self, companion: impl Send + 'static) -> Self {
+        Self { _companion: Some(Box::new(companion)), ..self }
+    }
+
+    /// The port as written.
+    #[must_use]
+    pub fn port(&self) -> &str {
+        &self.wire.port
+    }
+
+    /// Who the board is.
+    #[must_use]
+    pub fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    /// Events the board sent and this link did not get, by the gaps in their running number.
+    ///
+    /// Counted from the first event received.
+    #[must_use]
+    pub fn events_lost(&self) -> u64 {
+        self.events_lost
+    }
+
+    /// Packets received that were not readable.
+    #[must_use]
+    pub fn packets_damaged(&self) -> u64 {
+        self.wire.damaged()
+    }
+
+    /// Asks the board and waits for its reply, at most [`REPLY_TIMEOUT`]. A refusal is an error.
+    pub fn request(&mut self, request: &Request) -> Result<Reply, LinkError> {
+        self.request_within(request, REPLY_TIMEOUT)
+    }
+
+    /// As [`Self::request`], for what takes a board longer.
+    pub fn request_within(&mut self, request: &Request, timeout: Duration) -> Result<Reply, LinkError> {
+        self.last_sequence = self.last_sequence.checked_add(1).unwrap_or(HELLO_SEQUENCE + 1);
+        let damaged_before = self.wire.damaged();
+        self.wire.send(&RequestPacket { sequence: self.last_sequence, request: request.clone() })?;
+        let deadline = Instant::now() + timeout;
+        while let Some(packet) = self.wire.receive(deadline)? {
+            match packet {
+                BoardPacket::Reply { sequence, reply } if sequence == self.last_sequence => {
+                    return self.unless_refused(reply);
+                }
+                // A late reply to a request that was given up.
+                BoardPacket::Reply { .. } => {}
+                BoardPacket::Event { number, event } => self.keep(number, event),
+            }
+        }
+        Err(self.wire.silence(timeout, damaged_before))
+    }
+
+    /// What the board holds and does.
+    pub fn info(&mut self) -> Result<Info, LinkError> {
+        match self.request(&Request::Info)? {
+            Reply::Info(info) => Ok(info),
+            _ => Err(self.wrong_reply("Info")),
+        }
+    }
+
+    /// Which pixels the board's images have, and where: read back from the start of its patch.
+    pub fn surface(&mut self) -> Result<SurfaceTables, LinkError> {
+        let mut start = Vec::new();
+        loop {
+            match PatchView::open_start(&start) {
+                Ok((patch, _)) => return Ok(SurfaceTables::read(&patch)),
+                Err(PatchError::Length { expected, found }) if found < expected => {
+                    let piece = self.read_patch(start.len() as u32)?;
+                    start.extend_from_slice(&piece);
+                    if piece.is_empty() {
+                        return Err(self.wrong_reply("ReadPatch"));
+                    }
+                }
+                Err(_) => return Err(self.wrong_reply("ReadPatch")),
+            }
+        }
+    }
+
+    /// Bytes of the patch in use from `offset` on, as many as one reply holds.
+    fn read_patch(&mut self, offset: u32) -> Result<Vec<u8>, LinkError> {
+        match self.request(&Request::ReadPatch { offset })? {
+            Reply::Patch { bytes } => Ok(bytes.to_vec()),
+            _ => Err(self.wrong_reply("ReadPatch")),
+        }
+    }
+
+    /// The next event, or `None` if there is none within `timeout` (20 ms at least).
+    ///
+    /// One level below [`Link::subscribe`], for tests of boards.
+    pub fn next_event(&mut self, timeout: Duration) -> Result<Option<Event>, LinkError> {
+        Ok(self.next_numbered(timeout)?.map(|(_, event)| event))
+    }
+
+    /// As [`Self::next_event`], with the event's number.
+    pub(crate) fn next_numbered(&mut self, timeout: Duration) -> Result<Option<Numbered>, LinkError> {
+        match self.events.pop_front() {
+            Some(event) => Ok(Some(event)),
+            None => self.wait_for(timeout, |_| true),
+        }
+    }
+
+    /// Waits for a new event that is `wanted`, and keeps the others.
+    fn wait_for(
+        &mut self,
+        timeout: Duration,
+        wanted: impl Fn(&Event) -> bool,
+    ) -> Result<Option<Numbered>, LinkError> {
+        let deadline = Instant::now() + timeout.max(transport::READ_TIMEOUT);
+        while let Some(packet) = self.wire.receive(deadline)? {
+            if let BoardPacket::Event { number, event } = packet {
+                self.keep(number, event);
+                if self.events.back().is_some_and(|(_, event)| wanted(event)) {
+                    return Ok(self.events.pop_back());
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    fn keep(&mut self, number: u32, event: Event) {
+        let expected = self.next_number.replace(number.wrapping_add(1)).unwrap_or(number);
+        self.events_lost += u64::from(number.wrapping_sub(expected));
+        if self.events.len() == MAX_QUEUED_EVENTS {
+            self.events.pop_front();
+            self.events_lost += 1;
+        }
+        self.events.push_back((number, event));
+    }
+
+    /// Changes what the board streams, within `timeout`; gives the sequence number of the first frame of the new
+    /// selection. Events that nobody fetched go to `left`.
+    pub(crate) fn select(
+        &mut self,
+        selection: Selection,
+        timeout: Duration,
+        left: impl FnMut(Numbered),
+    ) -> Result<u32, LinkError> {
+        let reply = self.request_within(&Request::Stream(selection), timeout)?;
+        let Reply::Streaming { first_sequence } = reply else { return Err(self.wrong_reply("Stream")) };
+        self.events.drain(..).for_each(left);
+        Ok(first_sequence)
+    }
+
+    fn unless_refused(&self, reply: Reply) -> Result<Reply, LinkError> {
+        match reply {
+            Reply::Refused(refusal) => Err(self.error(LinkErrorKind::Refused(refusal))),
+            reply => Ok(reply),
+        }
+    }
+
+    fn wrong_reply(&self, request: &'static str) -> LinkError {
+        self.error(LinkErrorKind::WrongReply { request })
+    }
+
+    /// Something that went wrong at this link's port.
+    #[must_use]
+    pub fn error(&self, kind: LinkErrorKind) -> LinkError {
+        self.wire.error(kind)
+    }
+}
+
+/// Starts, changes or (with an empty selection) ends streaming; gives the sequence number of the
+/// first frame of the new selection. Events of the old selection that nobody fetched are forgotten.
+///
+/// One level below [`Link::subscribe`], for tests of boards: the board streams until it is told to stop.
+pub fn stream(link: &mut Link, selection: Selection) -> Result<u32, LinkError> {
+    link.select(selection, REPLY_TIMEOUT, drop)
+}

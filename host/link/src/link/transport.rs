@@ -1,0 +1,89 @@
+//! Transport: bytes to a board and back.
+
+use crate::error::LinkError;
+use serialport::{ClearBuffer, ErrorKind, SerialPort};
+use std::{
+    io::{self, Read, Write},
+    net::{TcpStream, ToSocketAddrs},
+    path::Path,
+    time::Duration,
+};
+
+/// Longest that one read waits for bytes.
+pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(20);
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
+const BAUD: u32 = 2_000_000;
+
+/// A stream of bytes both ways.
+///
+/// A read waits a short time only (20 ms), then fails with `TimedOut` or `WouldBlock`, so that
+/// whoever reads can look at the clock. A read of zero bytes means that the other end has gone.
+pub trait Transport: Read + Write + Send {}
+
+impl Transport for TcpStream {}
+impl Transport for Box<dyn SerialPort> {}
+
+/// Opens a serial port at 2,000,000 baud, 8N1, for this program alone.
+pub(super) fn open_serial(name: &str) -> Result<Box<dyn SerialPort>, LinkError> {
+    let port = serialport::new(name, BAUD).timeout(READ_TIMEOUT).open();
+    let port = port.map_err(|error| LinkError::on_open(name, reason(name, error)))?;
+    // What lies in the buffers was meant for whoever had the port before.
+    port.clear(ClearBuffer::All).map_err(|error| LinkError::on_open(name, error.into()))?;
+    Ok(port)
+}
+
+/// The `serialport` crate says `NoDevice` both for a port that is missing and for one in use.
+fn reason(name: &str, error: serialport::Error) -> io::Error {
+    match error.kind {
+        ErrorKind::NoDevice if Path::new(name).exists() => io::ErrorKind::ResourceBusy.into(),
+        _ => error.into(),
+    }
+}
+
+/// Connects to `HOST:PORT`; `port` is the port as written, for errors.
+pub(super) fn open_tcp(port: &str, address: impl ToSocketAddrs) -> Result<TcpStream, LinkError> {
+    let failed = |reason| LinkError::on_open(port, reason);
+    let stream = connect(address).map_err(failed)?;
+    stream.set_read_timeout(Some(READ_TIMEOUT)).map_err(failed)?;
+    stream.set_write_timeout(Some(READ_TIMEOUT)).map_err(failed)?;
+    stream.set_nodelay(true).map_err(failed)?;
+    Ok(stream)
+}
+
+/// Tries each address that the name stands for; the error is that of the last one.
+fn connect(address: impl ToSocketAddrs) -> io::Result<TcpStream> {
+    let unknown = |error| io::Error::other(format!("cannot look the host up: {error}"));
+    let mut result = Err(io::Error::other("the host has no address"));
+    for address in address.to_socket_addrs().map_err(unknown)? {
+        result = TcpStream::connect_timeout(&address, CONNECT_TIMEOUT);
+        if result.is_ok() {
+            break;
+        }
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::LinkErrorKind;
+    use std::net::TcpListener;
+
+    #[test]
+    fn a_missing_serial_port_and_a_closed_tcp_port_are_told_apart() {
+        let error = open_serial("/dev/ttyNOTTHERE7").map(drop).unwrap_err();
+        assert!(matches!(error.kind, LinkErrorKind::Missing), "{error}");
+        let address = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        let error = open_tcp("tcp:here", address).unwrap_err();
+        assert!(matches!(error.kind, LinkErrorKind::ConnectionRefused), "{error}");
+        let error = open_tcp("tcp:x", "no.such.host.invalid:1").unwrap_err().to_string();
+        assert!(error.contains("`tcp:x`") && error.contains("look the host up"), "{error}");
+    }
+
+    #[test]
+    fn a_file_that_is_no_serial_port_is_an_error_of_its_own() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let error = open_serial(file.path().to_str().unwrap()).map(drop).unwrap_err();
+        assert!(matches!(error.kind, LinkErrorKind::Open(_)), "{error}");
+    }
+}

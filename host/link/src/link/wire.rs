@@ -1,0 +1,131 @@
+//! Wire: packets over a transport.
+
+use super::transport::Transport;
+use crate::error::{LinkError, LinkErrorKind};
+use dermatome_shared::protocol::{
+    BoardPacket, MAX_PACKET_BYTES, PacketError, PacketReader, RequestPacket, encode,
+};
+use std::{
+    io::{self, ErrorKind},
+    time::{Duration, Instant},
+};
+
+/// How long a board has to answer, and to take what is sent.
+pub const REPLY_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// Sends and receives packets, and counts the damaged ones.
+pub(super) struct Wire {
+    pub(super) port: String,
+    transport: Box<dyn Transport>,
+    reader: PacketReader,
+    /// Bytes received; those before `taken` went into the reader.
+    input: Vec<u8>,
+    taken: usize,
+    damaged: u64,
+    last_damage: PacketError,
+}
+
+impl Wire {
+    pub(super) fn new(port: String, transport: Box<dyn Transport>) -> Self {
+        Self {
+            port,
+            transport,
+            reader: PacketReader::default(),
+            input: Vec::with_capacity(MAX_PACKET_BYTES),
+            taken: 0,
+            damaged: 0,
+            last_damage: PacketError::Framing,
+        }
+    }
+
+    pub(super) fn damaged(&self) -> u64 {
+        self.damaged
+    }
+
+    pub(super) fn forget_damage(&mut self) {
+        self.damaged = 0;
+    }
+
+    pub(super) fn send(&mut self, packet: &RequestPacket) -> Result<(), LinkError> {
+        let mut buffer = [0; MAX_PACKET_BYTES];
+        let failed = |error| self.error(LinkErrorKind::Failed(io::Error::other(error)));
+        let bytes = encode(packet, &mut buffer).map_err(failed)?;
+        self.send_bytes(bytes)
+    }
+
+    pub(super) fn send_bytes(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        self.write_all(bytes).map_err(|reason| LinkError::on_transfer(&self.port, reason, REPLY_TIMEOUT))
+    }
+
+    /// The next packet, waiting for it until `deadline`.
+    pub(super) fn receive(&mut self, deadline: Instant) -> Result<Option<BoardPacket>, LinkError> {
+        loop {
+            if let Some(packet) = self.next_packet() {
+                return Ok(Some(packet));
+            }
+            if Instant::now() >= deadline {
+                return Ok(None);
+            }
+            self.fill().map_err(|reason| LinkError::on_transfer(&self.port, reason, REPLY_TIMEOUT))?;
+        }
+    }
+
+    /// The error for an answer that has not come, with the count of damaged packets from before.
+    pub(super) fn silence(&self, timeout: Duration, damaged_before: u64) -> LinkError {
+        match self.damaged - damaged_before {
+            0 => self.error(LinkErrorKind::NoAnswer { timeout }),
+            packets => self.error(LinkErrorKind::Damaged { packets, last: self.last_damage }),
+        }
+    }
+
+    /// Something that went wrong at this port.
+    pub(super) fn error(&self, kind: LinkErrorKind) -> LinkError {
+        LinkError::new(self.port.clone(), kind)
+    }
+
+    fn next_packet(&mut self) -> Option<BoardPacket> {
+        while let Some(&byte) = self.input.get(self.taken) {
+            self.taken += 1;
+            match self.reader.push(byte) {
+                Some(Ok(packet)) => return Some(packet),
+                Some(Err(error)) => {
+                    self.damaged += 1;
+                    self.last_damage = error;
+                }
+                None => {}
+            }
+        }
+        None
+    }
+
+    /// Replaces the input, all of it taken, by what arrives within the read timeout.
+    fn fill(&mut self) -> io::Result<()> {
+        self.input.resize(MAX_PACKET_BYTES, 0);
+        let result = self.transport.read(&mut self.input);
+        self.input.truncate(*result.as_ref().unwrap_or(&0));
+        self.taken = 0;
+        match result {
+            Ok(0) => Err(ErrorKind::UnexpectedEof.into()),
+            Err(error) if !may_retry(&error) => Err(error),
+            _ => Ok(()),
+        }
+    }
+
+    fn write_all(&mut self, mut bytes: &[u8]) -> io::Result<()> {
+        let deadline = Instant::now() + REPLY_TIMEOUT;
+        while !bytes.is_empty() {
+            match self.transport.write(bytes) {
+                Ok(0) => return Err(ErrorKind::BrokenPipe.into()),
+                Ok(written) => bytes = &bytes[written..],
+                Err(error) if !may_retry(&error) => return Err(error),
+                Err(_) if Instant::now() >= deadline => return Err(ErrorKind::TimedOut.into()),
+                Err(_) => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+fn may_retry(error: &io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted)
+}

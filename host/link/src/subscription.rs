@@ -1,0 +1,127 @@
+//! Subscription: frames of a board as they come, and a stream that ends with whoever reads it.
+
+use crate::{
+    assemble::{Assembler, ScanFrame, Totals},
+    error::{LinkError, LinkErrorKind},
+    link::{Link, REPLY_TIMEOUT},
+};
+use dermatome_shared::protocol::Selection;
+use std::time::{Duration, Instant};
+
+/// How often whoever waits is asked whether to go on while nothing comes.
+const POLL: Duration = Duration::from_millis(100);
+/// What has not come of a frame after so much silence will not come.
+const PARTS_TIMEOUT: Duration = Duration::from_secs(1);
+/// How long a dropped subscription waits for the board to say that it has stopped.
+const DROP_TIMEOUT: Duration = Duration::from_millis(500);
+
+/// A stream of frames. The board stops when this is dropped; [`Self::stop`] also says whether it did.
+pub struct Subscription<'a> {
+    link: &'a mut Link,
+    first_sequence: u32,
+    assembler: Assembler,
+    /// When the last event came, or when the stream began.
+    heard: Instant,
+    is_stopped: bool,
+}
+
+impl Link {
+    /// Streams what `selection` names, instead of what was streamed before. A refusal is an error.
+    pub fn subscribe(&mut self, selection: Selection) -> Result<Subscription<'_>, LinkError> {
+        let mut subscription = Subscription {
+            link: self,
+            first_sequence: 0,
+            assembler: Assembler::new(selection, 0),
+            heard: Instant::now(),
+            is_stopped: false,
+        };
+        match subscription.link.select(selection, REPLY_TIMEOUT, drop) {
+            Ok(first_sequence) => {
+                subscription.first_sequence = first_sequence;
+                subscription.assembler = Assembler::new(selection, first_sequence);
+                Ok(subscription)
+            }
+            Err(error) => {
+                // The reply may have been lost, and the board may stream: it is told to stop, unless it refused.
+                subscription.is_stopped = matches!(error.kind, LinkErrorKind::Refused(_));
+                Err(error)
+            }
+        }
+    }
+}
+
+impl Subscription<'_> {
+    /// Sequence number of the first frame of the stream.
+    #[must_use]
+    pub fn first_sequence(&self) -> u32 {
+        self.first_sequence
+    }
+
+    /// What has come so far.
+    #[must_use]
+    pub fn totals(&self) -> Totals {
+        self.assembler.totals()
+    }
+
+    /// The link, for requests while the stream goes on.
+    pub fn link(&mut self) -> &mut Link {
+        self.link
+    }
+
+    /// The next frame, or `None` if nothing comes for `timeout` (20 ms at least).
+    pub fn next(&mut self, timeout: Duration) -> Result<Option<ScanFrame>, LinkError> {
+        match self.next_while(timeout, || true) {
+            Err(LinkError { kind: LinkErrorKind::NoAnswer { .. }, .. }) => Ok(None),
+            next => next,
+        }
+    }
+
+    /// The next frame, or `None` if `go_on`, asked while nothing comes, says no. Silence for `timeout` is the error
+    /// [`LinkErrorKind::NoAnswer`].
+    pub fn next_while(
+        &mut self,
+        timeout: Duration,
+        go_on: impl Fn() -> bool,
+    ) -> Result<Option<ScanFrame>, LinkError> {
+        let mut heard = Instant::now();
+        loop {
+            if let Some(frame) = self.assembler.pop() {
+                return Ok(Some(frame));
+            }
+            let left = timeout.saturating_sub(heard.elapsed());
+            if let Some((number, event)) = self.link.next_numbered(left.min(POLL))? {
+                (heard, self.heard) = (Instant::now(), Instant::now());
+                self.assembler.take(number, event);
+            } else if self.heard.elapsed() >= PARTS_TIMEOUT && self.assembler.is_arriving() {
+                self.assembler.finish();
+            } else if heard.elapsed() >= timeout {
+                return Err(self.link.error(LinkErrorKind::NoAnswer { timeout }));
+            } else if !go_on() {
+                return Ok(None);
+            }
+        }
+    }
+
+    /// Ends the stream; gives what came of it, with frames that were under way and that nobody fetched.
+    pub fn stop(mut self) -> Result<Totals, LinkError> {
+        self.end(REPLY_TIMEOUT)?;
+        self.assembler.finish();
+        Ok(self.assembler.totals())
+    }
+
+    fn end(&mut self, timeout: Duration) -> Result<(), LinkError> {
+        self.is_stopped = true;
+        let assembler = &mut self.assembler;
+        self.link.select(Selection::default(), timeout, |(number, event)| assembler.take(number, event))?;
+        Ok(())
+    }
+}
+
+impl Drop for Subscription<'_> {
+    fn drop(&mut self) {
+        if !self.is_stopped {
+            // Where the link is cut, the board stops by itself.
+            let _ = self.end(DROP_TIMEOUT);
+        }
+    }
+}

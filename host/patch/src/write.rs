@@ -1,0 +1,123 @@
+//! Write: the one place where a patch becomes bytes.
+
+use crate::tables::SurfaceTables;
+use dermatome_shared::{
+    calibration::Calibration,
+    hysteresis::PlayOperator,
+    patch::{CombinedInto, PatchContents, PatchError, PatchHeader, PatchView},
+    stimulation::Step,
+};
+
+/// Header and tables stay below this; the rest of a patch is its matrix.
+const TABLE_BYTES: usize = 48 * 1024;
+
+/// What `calibrate` stores in a patch, so that another patch of the same skin can have it too.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stored {
+    /// Pressure and load area by strength.
+    pub curve: Calibration,
+    /// Play operators against hysteresis.
+    pub play_operators: Vec<PlayOperator>,
+}
+
+impl Stored {
+    /// Those of a patch.
+    #[must_use]
+    pub fn of(patch: &PatchView<'_>) -> Self {
+        Self { curve: patch.header.calibration.clone(), play_operators: patch.play_operators().collect() }
+    }
+
+    /// A curve alone.
+    #[must_use]
+    pub fn curve(curve: Calibration) -> Self {
+        Self { curve, play_operators: Vec::new() }
+    }
+
+    /// Whether there is neither curve nor play operator.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.curve.points.is_empty() && self.play_operators.is_empty()
+    }
+}
+
+/// All that a patch holds but its calibration.
+///
+/// The header's counts need not be set: they become those of the tables.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contents {
+    /// Fixed facts.
+    pub header: PatchHeader,
+    /// Stimulation table: `[step]`.
+    pub steps: Vec<Step>,
+    /// Where each step's code goes: `[step]`.
+    pub combination: Vec<CombinedInto>,
+    /// Where the pixels lie.
+    pub surface: SurfaceTables,
+    /// Exponents of the matrix rows: `[pixel]`.
+    pub exponents: Vec<i8>,
+    /// Mantissas, -32,767 to 32,767: `[pixel][measurement]`.
+    pub matrix: Vec<i16>,
+}
+
+impl Contents {
+    /// Those of a patch.
+    #[must_use]
+    pub fn read(patch: &PatchView<'_>) -> Self {
+        let (steps, combination) = patch.steps().zip(patch.combination()).unzip();
+        let mantissas = patch.matrix().chunks_exact(2).map(|pair| i16::from_le_bytes([pair[0], pair[1]]));
+        Self {
+            header: patch.header.clone(),
+            steps,
+            combination,
+            surface: SurfaceTables::read(patch),
+            exponents: patch.exponents().iter().map(|&byte| i8::from_le_bytes([byte])).collect(),
+            matrix: mantissas.collect(),
+        }
+    }
+
+    /// The patch with this calibration, checked.
+    pub fn write(&self, stored: &Stored) -> Result<Vec<u8>, PatchError> {
+        let header = self.header(stored);
+        let contents = PatchContents {
+            play_operators: &stored.play_operators,
+            header: &header,
+            steps: &self.steps,
+            combination: &self.combination,
+            pixels: &self.surface.pixels,
+            neighbours: &self.surface.neighbours,
+            exponents: &self.exponents,
+            matrix: &self.matrix,
+        };
+        let mut bytes = vec![0; TABLE_BYTES + 2 * self.matrix.len()];
+        let length = contents.write(&mut bytes).expect("the buffer holds the tables");
+        bytes.truncate(length);
+        PatchView::validate(&bytes)?;
+        Ok(bytes)
+    }
+
+    /// The header with the counts of the tables.
+    fn header(&self, stored: &Stored) -> PatchHeader {
+        let pixels = self.surface.pixels.len();
+        PatchHeader {
+            steps: self.steps.len() as u16,
+            measurements: self.matrix.len().checked_div(pixels).unwrap_or(0) as u16,
+            pixels: pixels as u16,
+            neighbours: self.surface.neighbours.len() as u16,
+            calibration: stored.curve.clone(),
+            play_operators: stored.play_operators.len() as u8,
+            ..self.header.clone()
+        }
+    }
+}
+
+/// The patch `bytes` with another calibration; all else stays.
+pub fn with_calibration(bytes: &[u8], stored: &Stored) -> Result<Vec<u8>, PatchError> {
+    Contents::read(&PatchView::validate(bytes)?).write(stored)
+}
+
+/// Whether two patches turn the same voltages into the same images, so that a curve of one suits the other.
+#[must_use]
+pub fn have_same_matrix(a: &PatchView<'_>, b: &PatchView<'_>) -> bool {
+    let is_same_combination = || a.steps().eq(b.steps()) && a.combination().eq(b.combination());
+    a.matrix() == b.matrix() && a.exponents() == b.exponents() && is_same_combination()
+}
