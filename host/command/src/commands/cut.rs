@@ -214,7 +214,8 @@ impl Args {
         }
         if let Some(text) = &self.polygon {
             let corners = text.split_whitespace().map(|it| Ok(Point3::from(lengths("--polygon", it, unit)?)));
-            return Ok(Region::Polygon(Cutter::new(&corners.collect::<anyhow::Result<Vec<_>>>()?)?));
+            let corners = corners.collect::<anyhow::Result<Vec<_>>>()?;
+            return Ok(Region::Polygon(Cutter::new(&corners).map_err(|error| in_flags(error, &FLAGS))?));
         }
         let slabs = self.between_planes.iter().map(|text| slab(text, unit));
         Ok(Region::Slabs(slabs.collect::<anyhow::Result<_>>()?))
@@ -283,7 +284,8 @@ fn slab(text: &str, unit: f64) -> anyhow::Result<Slab> {
     let option = "--between-planes";
     let [x, y, z, from, to] = pieces(option, text)?;
     let normal = Vector3::new(number(option, x)?, number(option, y)?, number(option, z)?);
-    Ok(Slab::new(normal, length(option, from, unit)?, length(option, to, unit)?)?)
+    Slab::new(normal, length(option, from, unit)?, length(option, to, unit)?)
+        .map_err(|error| in_flags(error, &FLAGS))
 }
 
 /// Checks the text as a skin file beside its mesh, then writes both, the mesh first: only the skin file

@@ -2,7 +2,7 @@
 //!
 //! Everything here is simulation with stated models: the skin is solved for on a mesh of its own, the
 //! material is a model ([`dermatome_simulate::material`]), the instrument has noise and artefacts, and what a board would show
-//! is computed by the board's own code ([`sample_rig`]). Each experiment is a file; [`EXPERIMENTS`] lists them.
+//! is computed by the board's own code (`sample_rig`). Each experiment is a file; [`EXPERIMENTS`] lists them.
 
 mod divider;
 mod hemisphere;
