@@ -2,7 +2,11 @@
 //! and its shares and correlations stay in range.
 #![no_main]
 
-use dermatome::recorded::{check::{Expected, check}, order::{Arrangement, SenseOrder}, read::Frames};
+use dermatome::recorded::{
+    check::{Expected, check},
+    order::{Arrangement, SenseOrder},
+    read::Frames,
+};
 use dermatome_shared::stimulation::{Driven, pattern};
 use libfuzzer_sys::fuzz_target;
 use num_complex::Complex64;
@@ -47,7 +51,8 @@ fuzz_target!(|input: Input| {
     let sense = if input.relative { SenseOrder::Relative } else { SenseOrder::Absolute };
     let used = Arrangement { sense, rotation: input.rotation % ELECTRODES, mirrored: input.mirrored };
     let found = check(&expected, &frames, used).unwrap();
-    let percent = found.electrodes.iter().flat_map(|e| [e.drive_off_percent, e.sense_off_percent, e.noisy_percent]);
+    let percent =
+        found.electrodes.iter().flat_map(|e| [e.drive_off_percent, e.sense_off_percent, e.noisy_percent]);
     assert!(percent.flatten().all(|percent| (0.0..=100.0).contains(&percent)));
     assert!(found.numbering.correlation.abs() <= 1.0 || found.numbering.correlation.is_nan());
     assert!(found.findings.iter().all(|finding| !finding.advice.is_empty()));

@@ -3,7 +3,12 @@
 //! and a table that is written again is the same.
 #![no_main]
 
-use dermatome::{interchange::conductivity, recorded::read::Source, skin::Skin, stimulation::{report, table_csv}};
+use dermatome::{
+    interchange::conductivity,
+    recorded::read::Source,
+    skin::Skin,
+    stimulation::{report, table_csv},
+};
 use libfuzzer_sys::fuzz_target;
 use std::{fs, path::Path};
 
@@ -39,11 +44,15 @@ fuzz_target!(|input: (u8, &[u8])| {
         1 => conductivities(folder.path(), "c.npy", &with_prefix(bytes)),
         _ => {
             let with_header = [b"drive_plus,drive_minus,sense_plus,sense_minus\n", bytes].concat();
-            let Some(skin) = table(folder.path(), if kind % 4 == 2 { bytes } else { &with_header }) else { return };
+            let Some(skin) = table(folder.path(), if kind % 4 == 2 { bytes } else { &with_header }) else {
+                return;
+            };
             let steps = skin.steps();
             assert!(!steps.is_empty() && steps.iter().all(|step| step.is_valid(skin.electrodes.count)));
             let told = report(&steps, skin.electrodes.count);
-            assert!(told.rank <= told.distinct && told.distinct <= told.steps && told.rank <= told.largest_rank);
+            assert!(
+                told.rank <= told.distinct && told.distinct <= told.steps && told.rank <= told.largest_rank
+            );
             let again = table(folder.path(), table_csv(&steps).as_bytes()).expect("what is written is read");
             assert_eq!(again.steps(), steps);
         }

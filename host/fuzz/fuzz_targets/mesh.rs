@@ -1,7 +1,11 @@
 //! What must hold of any bytes read as a mesh: every number is in range, whoever looks at the mesh
 //! does not panic, and what is exported reads back the same.
 
-use dermatome::mesh::{Mesh, export, import::{Format, Imported, parse}, soundness::{inspect, require_sound}};
+use dermatome::mesh::{
+    Mesh, export,
+    import::{Format, Imported, parse},
+    soundness::{inspect, require_sound},
+};
 
 /// Larger meshes only slow the search down.
 const MOST_TRIANGLES: usize = 10_000;

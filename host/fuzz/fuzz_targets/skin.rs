@@ -2,7 +2,11 @@
 //! error, and its patch must be valid.
 #![no_main]
 
-use dermatome::{model::Model, quantize, skin::{ImageLayout, Skin}};
+use dermatome::{
+    model::Model,
+    quantize,
+    skin::{ImageLayout, Skin},
+};
 use dermatome_shared::patch::PatchView;
 use libfuzzer_sys::fuzz_target;
 use std::path::Path;
