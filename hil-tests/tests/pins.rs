@@ -11,7 +11,7 @@ fn read(path: &str) -> String {
 /// Pins that a board of the firmware uses: those that its source names as types, which alone can be handed to
 /// a driver, and all of the one port that it names.
 fn pins_of(board: &str) -> BTreeSet<String> {
-    let files = [format!("{board}.rs"), format!("{board}/sensing.rs")];
+    let files = ["mod.rs", "sensing.rs"].map(|file| format!("{board}/{file}"));
     let source: String = files.iter().map(|file| read(&format!("firmware/src/board/{file}"))).collect();
     let named = after(&source, "peripherals::").filter(|name| is_pin(name)).map(str::to_owned);
     let ports: BTreeSet<_> = after(&source, "pac::GPIO").collect();
