@@ -27,7 +27,6 @@ use crate::{
 use demodulate::{CLIPPED, Demodulator, LockInReference, Reading};
 use front_end::Factors;
 use heapless::Vec;
-use micromath::F32Ext;
 use scan::Timing;
 use trigonometry::length;
 
@@ -264,16 +263,22 @@ impl Assembly {
         let gain = self.gains.get(slot).map_or(0, |&place| usize::from(place));
         let [real, imaginary] = self.factors.get(gain).copied().unwrap_or_default();
         let [x, y] = [reading.in_phase, reading.quadrature].map(|sum| (sum >> SPARE_BITS) as i32 as f32);
-        [real, imaginary].map(|[of_x, of_y]| AdcCode(F32Ext::round(of_x * x + of_y * y) as i32))
+        [real, imaginary].map(|[of_x, of_y]| AdcCode(nearest(of_x * x + of_y * y)))
     }
 
     fn component_of(&self, real: AdcCode, imaginary: AdcCode) -> AdcCode {
         match self.component {
             Component::Real => real,
             Component::Imaginary => imaginary,
-            Component::Magnitude => AdcCode(F32Ext::round(length(real.0 as f32, imaginary.0 as f32)) as i32),
+            Component::Magnitude => AdcCode(nearest(length(real.0 as f32, imaginary.0 as f32))),
         }
     }
+}
+
+/// Nearest integer, halves away from zero; beyond the ends the end. Twice in every slot, so without micromath's way
+/// through a float.
+fn nearest(value: f32) -> i32 {
+    (value + 0.5_f32.copysign(value)) as i32
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ use crate::{
 };
 use drift::{Drift, Follow};
 use reconstruct::reconstruct;
-use reference::{Changes, DEFAULT_TARE_FRAMES, DifferenceData, Reference, Tare};
+use reference::{Changes, DEFAULT_TARE_FRAMES, DifferenceData, Measured, Reference, Tare};
 
 /// A measurement that changes by more than this is more than a press does.
 const IMPLAUSIBLE: f32 = 0.8;
@@ -66,19 +66,20 @@ pub fn process(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) 
         return Outcome::WrongLength;
     }
     state.flags = FrameFlags::default();
-    let mut measured = reference::combine(patch, frame);
+    let mut measured = Measured::new();
+    reference::combine(patch, frame, &mut measured);
     if let Some(outcome) = state.average(patch, frame, &measured) {
         return outcome;
     }
     let Some(reference) = &state.reference else { return Outcome::Taring };
     reference.subtract(&mut measured);
-    let differences = measured;
-    let follow = state.compare(patch, frame, &differences);
+    let differences = &measured;
+    let follow = state.compare(patch, frame, differences);
     reconstruct(patch, &state.difference, &mut state.image);
     state.contacts = contact::find(&patch.surface(), &state.image, patch.header.contact_threshold);
     let strengths = state.without_hysteresis(patch);
     patch.header.calibration.apply(&mut state.contacts, &strengths);
-    state.follow(patch, frame, &differences, follow);
+    state.follow(patch, frame, differences, follow);
     Outcome::Image
 }
 
@@ -128,7 +129,8 @@ impl PipelineState {
     #[inline(never)]
     fn compare(&mut self, patch: &PatchView<'_>, frame: &Frame, differences: &[i64]) -> Follow {
         let Some(reference) = &self.reference else { return Follow::Stay };
-        let mut relative = reference.relative_change(differences);
+        let mut relative = Changes::new();
+        reference.relative_change(differences, &mut relative);
         let masked = mask_measurements(patch, self.bad_electrodes, &mut relative);
         self.flags.insert_if(FrameFlags::MASKED, masked);
         if frame.flags.contains(FrameFlags::NO_CURRENT) {
