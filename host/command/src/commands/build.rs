@@ -180,9 +180,13 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let preserved = preserved(args, &skin)?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let spinner = progress::spinner();
-    let on_stage = |stage| spinner.set_message(stage);
-    let (mut model, mesh) =
-        Model::build_beside(&skin, on_stage, drop, MeshReport::of).with_context(in_file)?;
+    let mut mesh = None;
+    let mut model =
+        Model::build_beside(&skin, &mut |stage| spinner.set_message(stage), &mut drop, &mut |made| {
+            mesh = Some(MeshReport::of(made));
+        })
+        .with_context(in_file)?;
+    let mesh = mesh.expect("a model that is built has a mesh");
     let plot = args.hyperparameter_plot.as_deref();
     plot.map_or(Ok(()), |path| write_plot(&skin, &model, path)).with_context(in_file)?;
     spinner.set_message("patch");

@@ -111,7 +111,8 @@ impl<'a> Export<'a> {
     pub fn new(skin: &'a Skin, mut on_stage: impl FnMut(&'static str)) -> Result<Self, ModelError> {
         let mut solved = None;
         // The model's own Jacobian, of combined measurements, is dropped here.
-        let model = Model::build_with(skin, &mut on_stage, |solution| solved = Some(solution))?;
+        let model =
+            Model::build_beside(skin, &mut on_stage, &mut |solution| solved = Some(solution), &mut |_| ())?;
         let prior = model.prior.as_ref().map(Prior::entries).transpose().map_err(InverseError::from)?;
         let Model { steps, combination, mesh, pixels, weights, hyperparameter, .. } = model;
         on_stage("arrays");

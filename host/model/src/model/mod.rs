@@ -171,26 +171,19 @@ pub enum Solution {
 
 impl Model {
     /// Computes the model of a skin; `on_stage` hears the name of each stage as it begins.
-    pub fn build(skin: &Skin, on_stage: impl FnMut(&'static str)) -> Result<Self, ModelError> {
-        Self::build_with(skin, on_stage, drop)
+    pub fn build(skin: &Skin, mut on_stage: impl FnMut(&'static str)) -> Result<Self, ModelError> {
+        Self::build_beside(skin, &mut on_stage, &mut drop, &mut |_| ())
     }
 
-    /// The same; `keep` gets the solution, which is large, as soon as the model is through with it.
-    pub fn build_with(
+    /// The same; `keep` gets the solution, which is large, as soon as the model is through with it, and `beside` is
+    /// done on the mesh while the forward model is solved.
+    // Without types of its own, so that it is compiled once and not in every crate that calls it.
+    pub fn build_beside(
         skin: &Skin,
-        on_stage: impl FnMut(&'static str),
-        keep: impl FnOnce(Solution),
+        on_stage: &mut dyn FnMut(&'static str),
+        keep: &mut dyn FnMut(Solution),
+        beside: &mut (dyn FnMut(&Mesh) + Send),
     ) -> Result<Self, ModelError> {
-        Self::build_beside(skin, on_stage, keep, |_| ()).map(|(model, ())| model)
-    }
-
-    /// The same; `beside` is done on the mesh while the forward model is solved.
-    pub fn build_beside<R: Send>(
-        skin: &Skin,
-        mut on_stage: impl FnMut(&'static str),
-        keep: impl FnOnce(Solution),
-        beside: impl FnOnce(&Mesh) -> R + Send,
-    ) -> Result<(Self, R), ModelError> {
         let mut clock = StageClock::default();
         let stimulation = skin.stimulation();
 
@@ -199,16 +192,15 @@ impl Model {
 
         let admittivity = skin.admittivity();
         let untouched = Unsolved { skin, stimulation: &stimulation, mesh: &mesh };
-        let (Response { voltages, test_voltages, jacobian, targets }, of_pixels, beside) =
-            if admittivity.im == 0.0 {
-                let done = untouched.solve(admittivity.re, beside, &mut clock, &mut on_stage)?;
-                keep(Solution::Real(Box::new(done.solved)));
-                (done.response, done.of_pixels, done.beside)
-            } else {
-                let done = untouched.solve(admittivity, beside, &mut clock, &mut on_stage)?;
-                keep(Solution::Complex(Box::new(done.solved)));
-                (done.response, done.of_pixels, done.beside)
-            };
+        let (Response { voltages, test_voltages, jacobian, targets }, of_pixels) = if admittivity.im == 0.0 {
+            let done = untouched.solve(admittivity.re, beside, &mut clock, on_stage)?;
+            keep(Solution::Real(Box::new(done.solved)));
+            (done.response, done.of_pixels)
+        } else {
+            let done = untouched.solve(admittivity, beside, &mut clock, on_stage)?;
+            keep(Solution::Complex(Box::new(done.solved)));
+            (done.response, done.of_pixels)
+        };
         let OfPixels { pixels, factored } = of_pixels;
 
         on_stage(clock.begin("matrix"));
@@ -225,7 +217,7 @@ impl Model {
 
         let stages = clock.finish();
         let difference = skin.inverse.difference;
-        let model = Self {
+        Ok(Self {
             difference,
             steps,
             combination,
@@ -241,8 +233,7 @@ impl Model {
             selection,
             target: targets.target,
             stages,
-        };
-        Ok((model, beside))
+        })
     }
 
     /// The pixels as boards and pictures know them.
@@ -329,28 +320,27 @@ struct Unsolved<'a> {
     mesh: &'a Mesh,
 }
 
-/// The untouched skin solved for one admittivity, its pixels, and what was done beside.
-struct Done<T: Admittivity, R> {
+/// The untouched skin solved for one admittivity, and its pixels.
+struct Done<T: Admittivity> {
     response: Response,
     solved: Solved<T>,
     of_pixels: OfPixels,
-    beside: R,
 }
 
 impl Unsolved<'_> {
     /// Solves it for one admittivity, and does on other cores what need not wait for that.
-    fn solve<T: Admittivity, R: Send>(
+    fn solve<T: Admittivity>(
         &self,
         admittivity: T,
-        beside: impl FnOnce(&Mesh) -> R + Send,
+        beside: &mut (dyn FnMut(&Mesh) + Send),
         clock: &mut StageClock,
         stage: &mut dyn FnMut(&'static str),
-    ) -> Result<Done<T, R>, ModelError> {
+    ) -> Result<Done<T>, ModelError> {
         let Self { skin, mesh, stimulation: Stimulation { steps, combination } } = self;
         clock.end();
         stage("pixels");
         stage("forward");
-        let (forward, (of_pixels, beside)) = rayon::join(
+        let (forward, (of_pixels, ())) = rayon::join(
             || timed("forward", || self.fields(admittivity)),
             || rayon::join(|| timed("pixels", || OfPixels::new(skin, mesh)), || beside(mesh)),
         );
@@ -372,7 +362,7 @@ impl Unsolved<'_> {
             jacobian: combine_rows(&jacobian, combination),
         };
         let solved = Solved { admittivity, forward, voltages, jacobian };
-        Ok(Done { response, solved, of_pixels, beside })
+        Ok(Done { response, solved, of_pixels })
     }
 
     fn fields<T: Admittivity>(&self, admittivity: T) -> Result<(ForwardModel<T>, Fields<T>), ModelError> {
