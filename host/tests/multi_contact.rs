@@ -2,7 +2,7 @@
 
 use dermatome::{
     model::Model,
-    multi_contact::{Resolved, Resolver, Settings},
+    multi_contact::{FittedContact, MultiContactFit, Settings},
     simulate::{Press, TrueSkin},
     skin::Skin,
 };
@@ -13,7 +13,7 @@ const RADIUS: f64 = 0.0126;
 /// The disc, as it is modelled and as it truly is.
 struct Disc {
     model: Model,
-    resolver: Resolver,
+    fit: MultiContactFit,
     truth: TrueSkin,
 }
 
@@ -21,21 +21,21 @@ static DISC: LazyLock<Disc> = LazyLock::new(|| {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/disc-210mm/skin.toml");
     let skin = Skin::load(Path::new(file)).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
-    let resolver = Resolver::new(&skin, &model, Settings { radius: RADIUS, snr_db: 60.0 }).unwrap();
-    Disc { truth: TrueSkin::new(&skin).unwrap(), model, resolver }
+    let fit = MultiContactFit::new(&skin, &model, Settings { radius: RADIUS, snr_db: 60.0 }).unwrap();
+    Disc { truth: TrueSkin::new(&skin).unwrap(), model, fit }
 });
 
 /// What is found of fingers on the true skin, without noise.
-fn found(fingers: &[([f64; 2], f64)]) -> Vec<Resolved> {
-    let Disc { model, resolver, truth } = &*DISC;
+fn found(fingers: &[([f64; 2], f64)]) -> Vec<FittedContact> {
+    let Disc { model, fit, truth } = &*DISC;
     let presses: Vec<_> = fingers.iter().map(|&(at, depth)| Press::finger(at, RADIUS, depth)).collect();
     let untouched = truth.voltages(&truth.conductivity(&[]), &model.steps);
     let pressed = truth.voltages(&truth.conductivity(&presses), &model.steps);
     let change: Vec<f64> = pressed.iter().zip(&untouched).map(|(v, r)| v - r).collect();
-    resolver.resolve(&model.difference_data(&change, &untouched))
+    fit.contacts(&model.difference_data(&change, &untouched))
 }
 
-fn distance(found: &Resolved, at: [f64; 2]) -> f64 {
+fn distance(found: &FittedContact, at: [f64; 2]) -> f64 {
     (found.position.x - at[0]).hypot(found.position.y - at[1])
 }
 

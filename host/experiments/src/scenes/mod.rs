@@ -8,7 +8,7 @@
 use dermatome_geometry::mesh::{neighbours::boundary_edges, triangle};
 use dermatome_model::{
     model::ModelError,
-    multi_contact::{ResolveError, Resolver, Settings},
+    multi_contact::{FitError, MultiContactFit, Settings},
     skin::{NotFlat, Skin},
 };
 use dermatome_shared::{contact::Contact, frame::Frame};
@@ -70,7 +70,7 @@ pub enum ScenesError {
     Rig(#[from] RigError),
     /// Not to be resolved.
     #[error(transparent)]
-    Resolve(#[from] ResolveError),
+    Fit(#[from] FitError),
     /// Not seen from above.
     #[error(transparent)]
     NotFlat(#[from] NotFlat),
@@ -115,14 +115,14 @@ pub fn play(skin: &Skin, true_skin: &Skin, options: &Options) -> Result<Vec<Scen
 struct Observers {
     surface: Observer,
     flattened: Observer,
-    resolver: Resolver,
+    fit: MultiContactFit,
 }
 
 impl Observers {
     fn new(skin: &Skin, radius: f64, snr_db: f64) -> Result<Self, ScenesError> {
         let [surface, flattened] = [Observer::new(skin)?, Observer::new(&skin.flattened()?)?];
-        let resolver = Resolver::new(skin, surface.model(), Settings { radius, snr_db })?;
-        Ok(Self { surface, flattened, resolver })
+        let fit = MultiContactFit::new(skin, surface.model(), Settings { radius, snr_db })?;
+        Ok(Self { surface, flattened, fit })
     }
 
     fn tare(&mut self, frames: &[Frame]) {
@@ -132,7 +132,7 @@ impl Observers {
 
     fn see(&self, truth: Vec<Point3<f64>>, frame: &Frame, true_skin: &TrueSkin) -> Scene {
         let flattened = self.flattened.glance(frame);
-        let fingers = self.resolver.resolve(&self.surface.difference(frame));
+        let fingers = self.fit.contacts(&self.surface.difference(frame));
         Scene {
             truth,
             surface: self.surface.glance(frame).contacts().iter().map(place).collect(),

@@ -1,4 +1,4 @@
-//! Resolve: how many fingers press, and where, from the voltages themselves.
+//! Multi-contact fit: how many fingers press, and where, from the voltages themselves.
 //!
 //! An image of few voltages is blurred, and far from all electrodes two fingers become one hill in it. The
 //! voltages still tell them apart: how they respond to one finger is known everywhere (`atlas`), and the
@@ -47,16 +47,16 @@ pub struct Settings {
 
 /// One finger.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Resolved {
+pub struct FittedContact {
     /// Its middle, m.
     pub position: Point3<f64>,
     /// Relative change of conductivity under its middle, as a linear model reads it.
     pub strength: f64,
 }
 
-/// Why a skin cannot be resolved.
+/// Why a skin has no multi-contact fit.
 #[derive(Debug, thiserror::Error)]
-pub enum ResolveError {
+pub enum FitError {
     /// No forward solution.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -78,7 +78,7 @@ pub enum ResolveError {
     },
 }
 
-impl From<ForwardError> for ResolveError {
+impl From<ForwardError> for FitError {
     fn from(error: ForwardError) -> Self {
         Self::Model(error.into())
     }
@@ -86,25 +86,25 @@ impl From<ForwardError> for ResolveError {
 
 /// Finds the fingers in difference data of one skin.
 #[derive(Clone, Debug)]
-pub struct Resolver {
+pub struct MultiContactFit {
     atlas: Atlas,
     /// What makes noise of size 1 of difference data: `[measurement]`.
     scale: Vec<f64>,
     radius: f64,
 }
 
-impl Resolver {
+impl MultiContactFit {
     /// Prepares the skin of this model.
-    pub fn new(skin: &Skin, model: &Model, settings: Settings) -> Result<Self, ResolveError> {
+    pub fn new(skin: &Skin, model: &Model, settings: Settings) -> Result<Self, FitError> {
         let Settings { radius, snr_db } = settings;
         for (field, value) in [("radius", radius), ("snr_db", snr_db)] {
             if !(value > 0.0 && value.is_finite()) {
-                return Err(ResolveError::NotPositive { field, value });
+                return Err(FitError::NotPositive { field, value });
             }
         }
         let nodes = model.mesh.nodes.len();
         if nodes > MOST_NODES {
-            return Err(ResolveError::TooFine { nodes });
+            return Err(FitError::TooFine { nodes });
         }
         let noise = noise(model, snr_db);
         let fingers = atlas::fingers(&model.mesh, radius);
@@ -121,7 +121,7 @@ impl Resolver {
 
     /// The fingers in difference data, `[measurement]` as [`Model::difference_data`] gives them, strongest first.
     #[must_use]
-    pub fn resolve(&self, difference: &[f64]) -> Vec<Resolved> {
+    pub fn contacts(&self, difference: &[f64]) -> Vec<FittedContact> {
         let data = DVector::from_iterator(
             difference.len().min(self.scale.len()),
             difference.iter().zip(&self.scale).map(|(change, scale)| change * scale),
@@ -139,7 +139,7 @@ impl Resolver {
         let fingers = fit
             .fingers
             .iter()
-            .map(|finger| Resolved { position: self.atlas.point(finger.at), strength: finger.strength });
+            .map(|finger| FittedContact { position: self.atlas.point(finger.at), strength: finger.strength });
         strong(joined(fingers.collect(), 2.0 * self.radius))
     }
 }
@@ -157,31 +157,31 @@ fn responses<T: Admittivity>(
     model: &Model,
     fingers: &Pixels,
     admittivity: T,
-) -> Result<Mat<f64>, ResolveError> {
+) -> Result<Mat<f64>, FitError> {
     let fields =
         forward_model::<T>(skin, &model.mesh)?.solve(&vec![admittivity; model.mesh.elements.len()])?;
     Ok(combine_rows(&jacobian(&model.mesh, &fields, &model.steps, fingers), &model.combination))
 }
 
 /// Fingers closer than this become one: what the model does not explain of a strong one looks like another beside it.
-fn joined(mut fingers: Vec<Resolved>, apart: f64) -> Vec<Resolved> {
+fn joined(mut fingers: Vec<FittedContact>, apart: f64) -> Vec<FittedContact> {
     while let Some([i, j]) = closest(&fingers, apart) {
         let (one, other) = (fingers[i], fingers.remove(j));
         let strength = one.strength + other.strength;
         let position = one.position + (other.position - one.position) * (other.strength / strength);
-        fingers[i] = Resolved { position, strength };
+        fingers[i] = FittedContact { position, strength };
     }
     fingers
 }
 
 /// The closest two of those that are closer than `apart`, ascending.
-fn closest(fingers: &[Resolved], apart: f64) -> Option<[usize; 2]> {
+fn closest(fingers: &[FittedContact], apart: f64) -> Option<[usize; 2]> {
     let distance = |[i, j]: [usize; 2]| (fingers[i].position - fingers[j].position).norm();
     let pairs = (0..fingers.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
     pairs.filter(|&pair| distance(pair) < apart).min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
 }
 
-fn strong(mut fingers: Vec<Resolved>) -> Vec<Resolved> {
+fn strong(mut fingers: Vec<FittedContact>) -> Vec<FittedContact> {
     fingers.sort_by(|a, b| b.strength.total_cmp(&a.strength));
     let least = LEAST_SHARE * fingers.first().map_or(0.0, |finger| finger.strength);
     fingers.retain(|finger| finger.strength >= least);

@@ -17,7 +17,7 @@ static DISC: LazyLock<Disc> = LazyLock::new(|| {
 
 #[test]
 fn what_is_beside_a_strong_finger_belongs_to_it_and_a_weak_one_is_none() {
-    let finger = |x: f64, strength: f64| Resolved { position: Point3::new(x, 0.0, 0.0), strength };
+    let finger = |x: f64, strength: f64| FittedContact { position: Point3::new(x, 0.0, 0.0), strength };
     let fingers = joined(vec![finger(0.0, 0.6), finger(0.08, 0.1), finger(0.02, 0.2)], 2.0 * RADIUS);
     assert_eq!(fingers.len(), 2);
     assert!((fingers[0].position.x - 0.005).abs() < 1e-12 && (fingers[0].strength - 0.8).abs() < 1e-12);
@@ -50,6 +50,6 @@ fn responses_between_nodes_are_those_of_a_finger_there() {
 #[test]
 fn settings_without_sense_are_named() {
     let Disc { skin, model } = &*DISC;
-    let error = Resolver::new(skin, model, Settings { radius: -1.0, snr_db: 60.0 }).unwrap_err();
+    let error = MultiContactFit::new(skin, model, Settings { radius: -1.0, snr_db: 60.0 }).unwrap_err();
     assert_eq!(error.to_string(), "`radius` is -1; allowed: a number above zero");
 }

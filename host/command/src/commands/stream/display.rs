@@ -5,7 +5,7 @@ use dermatome_link::{
     contacts::{ContactTracker, LinkFinger, LinkFrame},
     pose::Pose,
 };
-use dermatome_model::multi_contact::Resolved;
+use dermatome_model::multi_contact::FittedContact;
 use dermatome_patch::layout::Layout;
 use dermatome_shared::{
     contact::{Contact, Contacts},
@@ -29,7 +29,7 @@ pub(super) enum Display<'a> {
 
 impl<'a> Display<'a> {
     /// Pictures if standard output is a terminal, with the board's geometry if `images` are wanted. Contacts
-    /// are given in the frame of the link, if a skin's pose on one is known. Resolved fingers are lines always.
+    /// are given in the frame of the link, if a skin's pose on one is known. Fitted fingers are lines always.
     pub(super) fn new(
         link: &mut Link,
         images: bool,
@@ -57,7 +57,7 @@ impl<'a> Display<'a> {
     }
 
     /// Shows a frame, with the fingers that were found in it.
-    pub(super) fn show(&mut self, frame: &ScanFrame, fingers: Option<&[Resolved]>) -> io::Result<()> {
+    pub(super) fn show(&mut self, frame: &ScanFrame, fingers: Option<&[FittedContact]>) -> io::Result<()> {
         if let (Self::Terminal(live, _), Some(image)) = (&mut *self, &frame.image) {
             live.keep_image(image.values().collect());
         }
@@ -73,7 +73,7 @@ impl<'a> Display<'a> {
             Self::Lines => print_lines(at, contacts),
             Self::LinkFrames(tracker, pose) => {
                 let finger =
-                    |finger: &Resolved| LinkFinger::new(finger.position.into(), finger.strength, pose);
+                    |finger: &FittedContact| LinkFinger::new(finger.position.into(), finger.strength, pose);
                 let fingers = fingers.map(|all| all.iter().map(finger).collect());
                 print_json(&LinkFrame { fingers, ..tracker.take(at, contacts) })
             }

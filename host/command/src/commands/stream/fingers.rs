@@ -5,7 +5,7 @@ use dermatome_link::Link;
 use dermatome_model::{
     jacobian::{combine_voltages, step_counts},
     model::{Model, divisors},
-    multi_contact::{Resolved, Resolver, Settings},
+    multi_contact::{FittedContact, MultiContactFit, Settings},
     skin::{
         Skin,
         quantity::{LENGTH, Quantity},
@@ -23,7 +23,7 @@ const ASK_EVERY: Duration = Duration::from_secs(2);
 /// Resolves fingers of one size on the skin of a board's patch.
 pub(super) struct Fingers {
     model: Model,
-    resolver: Resolver,
+    fit: MultiContactFit,
     /// The board's reference, in steps of its codes: `[measurement]`.
     reference: Vec<f64>,
     asked: Instant,
@@ -35,10 +35,10 @@ impl Fingers {
     pub(super) fn new(skin: &Skin, radius: f64, link: &mut Link) -> anyhow::Result<Self> {
         let model = Model::build(skin, |_| ())?;
         let settings = Settings { radius, snr_db: skin.inverse.noise_db };
-        let resolver = Resolver::new(skin, &model, settings)?;
+        let fit = MultiContactFit::new(skin, &model, settings)?;
         let reference = reference(link, &model)?;
         let now = Instant::now();
-        Ok(Self { model, resolver, reference, asked: now, rests_until: now })
+        Ok(Self { model, fit, reference, asked: now, rests_until: now })
     }
 
     /// The fingers in a frame, `[step]`, strongest first, in the skin's frame; `None` for a frame that passes
@@ -48,7 +48,7 @@ impl Fingers {
         &mut self,
         codes: &[AdcCode],
         link: &mut Link,
-    ) -> anyhow::Result<Option<Vec<Resolved>>> {
+    ) -> anyhow::Result<Option<Vec<FittedContact>>> {
         let begun = Instant::now();
         if begun < self.rests_until {
             return Ok(None);
@@ -57,7 +57,7 @@ impl Fingers {
             self.reference = reference(link, &self.model)?;
             self.asked = Instant::now();
         }
-        let fingers = self.resolver.resolve(&self.difference(codes));
+        let fingers = self.fit.contacts(&self.difference(codes));
         self.rests_until = Instant::now() + begun.elapsed() / 2;
         Ok(Some(fingers))
     }

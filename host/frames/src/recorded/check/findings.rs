@@ -287,7 +287,7 @@ fn agreement(check: &Check) -> Vec<Finding> {
     let mut findings = Vec::new();
     if let Some(reversal) = check.reversal.as_ref().filter(|it| it.median_percent > DISAGREEMENT_PERCENT) {
         let found = format!(
-            "the same pairs the other way round differ by {:.0} % (middle of {} pairs of steps): the values are \
+            "the same pairs the other way round differ by {:.0} % (median of {} pairs of steps): the values are \
              not differences between two electrodes of a linear body alone",
             reversal.median_percent,
             reversal.pairs.len()
@@ -299,7 +299,7 @@ fn agreement(check: &Check) -> Vec<Finding> {
     let Some(reciprocity) = &check.reciprocity else { return findings };
     if reciprocity.median_percent > DISAGREEMENT_PERCENT {
         let found = format!(
-            "drive and sense exchanged give voltages that differ by {:.0} % (middle of {} pairs of steps)",
+            "drive and sense exchanged give voltages that differ by {:.0} % (median of {} pairs of steps)",
             reciprocity.median_percent,
             reciprocity.pairs.len()
         );
