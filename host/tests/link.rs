@@ -3,7 +3,7 @@
 mod testbench;
 
 use dermatome::{
-    link::{Link, LinkErrorKind, stream, tare, upload},
+    link::{Link, LinkErrorKind, ScanFrame, Subscription, Totals, assemble::Parts, tare, upload},
     simulate::{
         board::{BoardError, BoardOptions, Pace, SimulatedBoard},
         instrument::{Instrument, ScanTable},
@@ -11,10 +11,10 @@ use dermatome::{
 };
 use dermatome_shared::{
     frame::Frame,
-    protocol::{Event, FrameStamp, MAX_PACKET_BYTES, Refusal, Request, RequestPacket, Selection, encode},
+    protocol::{FrameStamp, MAX_PACKET_BYTES, Refusal, Reply, Request, RequestPacket, Selection, encode},
 };
 use std::{
-    io::Write,
+    io::{ErrorKind, Read, Write},
     thread,
     time::{Duration, Instant},
 };
@@ -27,18 +27,12 @@ const CONTACTS: Selection = Selection { contacts: 1, ..NOTHING };
 const MEASUREMENTS: Selection = Selection { measurements: 1, ..NOTHING };
 const ALL: Selection = Selection { images: 1, contacts: 1, measurements: 1, health: 1, ..NOTHING };
 
-fn next(link: &mut Link) -> Event {
-    link.next_event(2 * SECOND).unwrap().expect("an event within two seconds")
+fn next(stream: &mut Subscription<'_>) -> ScanFrame {
+    stream.next(2 * SECOND).unwrap().expect("a frame within two seconds")
 }
 
-fn stamp(event: &Event) -> FrameStamp {
-    match event {
-        Event::Image { at, .. }
-        | Event::Contacts { at, .. }
-        | Event::Measurements { at, .. }
-        | Event::Health { at, .. } => *at,
-        Event::Tared { .. } | Event::Scope(_) => panic!("{event:?} has no frame"),
-    }
+fn stamp(frame: &ScanFrame) -> FrameStamp {
+    frame.at.expect("no samples of the scope alone")
 }
 
 #[test]
@@ -52,30 +46,29 @@ fn upload_tare_and_stream_lose_nothing() {
     assert_eq!((sent, used.crc, used.skin.as_str()), (patch.len(), crc(&patch), "sixteen"));
     tare(&mut link, 5, SECOND).unwrap();
     assert!(link.info().unwrap().tared);
-    let first = stream(&mut link, ALL).unwrap();
+    let mut stream = link.subscribe(ALL).unwrap();
+    let first = stream.first_sequence();
     assert_eq!(first, 5);
     for sequence in first..first + 200 {
-        let events = [next(&mut link), next(&mut link), next(&mut link), next(&mut link)];
-        assert!(events.iter().all(|event| stamp(event).sequence == sequence), "{sequence}");
-        let [
-            Event::Contacts { contacts, .. },
-            Event::Health { .. },
-            Event::Measurements { codes, .. },
-            Event::Image { image, .. },
-        ] = &events
+        let frame = next(&mut stream);
+        assert_eq!((stamp(&frame).sequence, frame.missing), (sequence, Parts::default()));
+        let (Some(contacts), Some(measurements), Some(image)) =
+            (frame.contacts, frame.measurements, frame.image)
         else {
-            panic!("wrong kinds or order")
+            panic!("nothing is missing, and yet not all is there")
         };
         let expected = 0.1 * f64::from(sequence - first) / 100.0;
-        assert_eq!((codes.len(), image.mantissas.len()), (208, 196));
+        assert_eq!((measurements.codes.len(), image.mantissas.len()), (208, 196));
         assert!((image.values().nth(1).unwrap() - expected).abs() < 4e-4, "{sequence}");
         assert_eq!(contacts.len(), usize::from(expected > 0.01 + 4e-4), "{sequence}");
     }
+    assert_eq!(stream.totals(), Totals { frames: 200, ..Totals::default() });
+    let link = stream.link();
     assert_eq!((link.events_lost(), link.packets_damaged()), (0, 0));
 }
 
 /// Streams 50 frames after a tare, with `pause` wherever a host may dawdle.
-fn streamed(seed: u64, pause: Duration) -> Vec<Event> {
+fn streamed(seed: u64, pause: Duration) -> Vec<ScanFrame> {
     let patch = Some(small_patch("small", 50.0));
     let options = BoardOptions { patch, pace: Pace::Unpaced, ..BoardOptions::default() };
     let board = SimulatedBoard::start(options, Pressed::new(seed)).unwrap();
@@ -83,8 +76,10 @@ fn streamed(seed: u64, pause: Duration) -> Vec<Event> {
     let mut link = connect(board.address()).unwrap();
     tare(&mut link, 3, SECOND).unwrap();
     thread::sleep(pause);
-    stream(&mut link, ALL).unwrap();
-    (0..200).map(|_| next(&mut link)).collect()
+    let mut stream = link.subscribe(ALL).unwrap();
+    let frames: Vec<_> = (0..50).map(|_| next(&mut stream)).collect();
+    assert_eq!(stream.totals(), Totals { frames: 50, ..Totals::default() });
+    frames
 }
 
 #[test]
@@ -109,9 +104,9 @@ fn the_script_runs_only_while_streaming_and_starts_anew_with_each_stream() {
     tare(&mut link, 2, SECOND).unwrap();
     thread::sleep(Duration::from_millis(20));
     assert_eq!(log.lock().unwrap().as_slice(), [None, None], "nothing to scan for after the tare");
-    stream(&mut link, CONTACTS).unwrap();
+    let mut stream = link.subscribe(CONTACTS).unwrap();
     for _ in 0..6 {
-        next(&mut link);
+        next(&mut stream);
     }
     let script: Vec<_> = [0.0, 0.02, 0.04, 0.06, 0.08, 0.1].into_iter().map(Some).collect();
     assert_eq!(log.lock().unwrap()[2..], script);
@@ -126,15 +121,15 @@ fn a_second_stream_and_a_tare_in_between_see_the_skin_untouched_at_first() {
     let mut link = connect(board.address()).unwrap();
     tare(&mut link, 1, SECOND).unwrap();
     for _ in 0..2 {
-        stream(&mut link, MEASUREMENTS).unwrap();
-        next(&mut link);
-        next(&mut link);
-        stream(&mut link, Selection::default()).unwrap();
+        let mut stream = link.subscribe(MEASUREMENTS).unwrap();
+        next(&mut stream);
+        next(&mut stream);
+        stream.stop().unwrap();
     }
     let starts = log.lock().unwrap().iter().filter(|time| **time == Some(0.0)).count();
     assert_eq!(starts, 2);
-    stream(&mut link, MEASUREMENTS).unwrap();
-    tare(&mut link, 4, SECOND).unwrap();
+    let mut stream = link.subscribe(MEASUREMENTS).unwrap();
+    tare(stream.link(), 4, SECOND).unwrap();
     let log = log.lock().unwrap();
     assert_eq!(log.iter().filter(|time| time.is_none()).count(), 1 + 4);
 }
@@ -150,9 +145,12 @@ fn a_stream_without_a_tare_makes_its_reference_of_the_untouched_skin() {
     };
     let board = SimulatedBoard::start(options, source).unwrap();
     let mut link = connect(board.address()).unwrap();
-    let first = stream(&mut link, Selection { contacts: 1, ..NOTHING }).unwrap();
-    assert_eq!(next(&mut link), Event::Tared { frames: 20 });
-    assert_eq!(stamp(&next(&mut link)).sequence, first + 20);
+    let mut stream = link.subscribe(CONTACTS).unwrap();
+    assert_eq!(stamp(&next(&mut stream)).sequence, stream.first_sequence() + 20);
+    let totals = Totals { frames: 1, frames_missing: 20, tares: 1, ..Totals::default() };
+    assert_eq!(stream.totals(), totals, "there are no contacts while it tares");
+    let reference = stream.link().request(&Request::Reference).unwrap();
+    assert!(matches!(reference, Reply::Reference { frames: 20, .. }), "{reference:?}");
     let log = log.lock().unwrap();
     assert!(log[..20].iter().all(Option::is_none));
     assert_eq!(log[20], Some(0.0));
@@ -174,12 +172,12 @@ fn a_paced_board_keeps_its_frame_rate_however_long_a_scan_takes() {
     let board = SimulatedBoard::start(options, Slow(Pressed::new(1))).unwrap();
     let mut link = connect(board.address()).unwrap();
     tare(&mut link, 1, SECOND).unwrap();
-    stream(&mut link, MEASUREMENTS).unwrap();
-    let first = stamp(&next(&mut link));
+    let mut stream = link.subscribe(MEASUREMENTS).unwrap();
+    let first = stamp(&next(&mut stream));
     let start = Instant::now();
     let mut last = first;
     for _ in 0..8 {
-        last = stamp(&next(&mut link));
+        last = stamp(&next(&mut stream));
     }
     let took = start.elapsed().as_secs_f64();
     // Waiting a period after each scan would take 1.44 s.
@@ -209,12 +207,17 @@ fn a_host_that_vanishes_while_streaming_leaves_a_quiet_board() {
     let board = board_with(&small_patch("small", 50.0));
     let mut link = connect(board.address()).unwrap();
     tare(&mut link, 1, SECOND).unwrap();
-    stream(&mut link, MEASUREMENTS).unwrap();
-    next(&mut link);
+    let mut stream = link.subscribe(MEASUREMENTS).unwrap();
+    next(&mut stream);
+    // Who vanishes does not tell the board to stop.
+    std::mem::forget(stream);
     drop(link);
-    let mut link = connect(board.address()).unwrap();
+    let mut line = raw(board.address());
+    let mut link = Link::connect("raw", line.try_clone().unwrap()).unwrap();
     assert!(!link.info().unwrap().streaming.any());
-    assert_eq!(link.next_event(Duration::from_millis(50)).unwrap(), None);
+    thread::sleep(Duration::from_millis(50));
+    let silence = line.read(&mut [0]).expect_err("the board sends something");
+    assert!(matches!(silence.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut), "{silence}");
 }
 
 #[test]
@@ -225,39 +228,22 @@ fn events_a_host_does_not_read_are_dropped_and_counted_and_replies_still_come() 
     let board = SimulatedBoard::start(options, source).unwrap();
     let mut link = connect(board.address()).unwrap();
     tare(&mut link, 1, SECOND).unwrap();
-    let first = stream(&mut link, MEASUREMENTS).unwrap();
+    let mut stream = link.subscribe(MEASUREMENTS).unwrap();
     // Some megabytes fit into the buffers of the system; then the board's own ones are full.
     let start = Instant::now();
     while log.lock().unwrap().len() < 20_000 {
         assert!(start.elapsed() < 20 * SECOND, "the board waits for its host");
         thread::sleep(Duration::from_millis(5));
     }
-    assert_eq!(link.info().unwrap().streaming.measurements, 1);
-    stream_until(&mut link, first);
-}
-
-/// Reads until events have been lost, stops the stream, and accounts for every frame.
-fn stream_until(link: &mut Link, first: u32) {
-    let mut received = 0;
-    let mut last = first;
-    while link.events_lost() == 0 || received < 100 {
-        last = stamp(&next(link)).sequence;
-        received += 1;
+    assert_eq!(stream.link().info().unwrap().streaming.measurements, 1);
+    while stream.totals().frames_missing == 0 || stream.totals().frames < 100 {
+        next(&mut stream);
     }
-    while let Some(event) = next_kept(link) {
-        last = stamp(&event).sequence;
-        received += 1;
-    }
+    // By their sequence numbers as many frames are missing as events by theirs.
+    let totals = stream.stop().unwrap();
     assert!(link.events_lost() > 100, "only {} lost", link.events_lost());
-    assert_eq!(u64::from(last - first) + 1, received + link.events_lost());
-    assert_eq!(link.packets_damaged(), 0);
-}
-
-/// What is still under way after the board has been told to stop.
-fn next_kept(link: &mut Link) -> Option<Event> {
-    // Not `stream`, which forgets the events before it.
-    link.request(&Request::Stream(Selection::default())).unwrap();
-    link.next_event(Duration::from_millis(20)).unwrap()
+    let only = Totals { frames: totals.frames, frames_missing: link.events_lost(), ..Totals::default() };
+    assert_eq!((totals, link.packets_damaged()), (only, 0));
 }
 
 #[test]
@@ -314,7 +300,8 @@ fn a_host_that_floods_the_board_with_requests_does_not_keep_it_from_stopping() {
 fn refusals_are_errors_in_the_boards_words() {
     let board = empty_board();
     let mut link = connect(board.address()).unwrap();
-    for error in [stream(&mut link, CONTACTS).unwrap_err(), tare(&mut link, 1, SECOND).unwrap_err()] {
+    let refused = link.subscribe(CONTACTS).map(drop).unwrap_err();
+    for error in [refused, tare(&mut link, 1, SECOND).unwrap_err()] {
         assert!(matches!(error.kind, LinkErrorKind::Refused(Refusal::NoPatch)), "{error}");
         assert!(error.to_string().contains(&Refusal::NoPatch.to_string()), "{error}");
     }
@@ -335,13 +322,15 @@ fn a_board_with_a_frame_limit_ends_its_stream_and_then_itself() {
     let board = SimulatedBoard::start(options, Pressed::new(1)).unwrap();
     let mut link = connect(board.address()).unwrap();
     tare(&mut link, 2, SECOND).unwrap();
-    stream(&mut link, CONTACTS).unwrap();
-    let received = std::iter::from_fn(|| link.next_event(Duration::from_millis(100)).unwrap()).count();
-    assert_eq!(received, 7);
-    assert!(!link.info().unwrap().streaming.any());
-    stream(&mut link, CONTACTS).unwrap();
-    assert!(!link.info().unwrap().streaming.any(), "there are no frames left to stream");
+    let mut stream = link.subscribe(CONTACTS).unwrap();
+    let received = std::iter::from_fn(|| stream.next(Duration::from_millis(100)).unwrap()).count();
+    assert_eq!((received, stream.totals()), (7, Totals { frames: 7, ..Totals::default() }));
+    assert!(!stream.link().info().unwrap().streaming.any());
+    drop(stream);
+    let mut stream = link.subscribe(CONTACTS).unwrap();
+    assert!(!stream.link().info().unwrap().streaming.any(), "there are no frames left to stream");
     assert!(!board.is_finished());
+    drop(stream);
     drop(link);
     let start = Instant::now();
     while !board.is_finished() {
@@ -375,11 +364,11 @@ fn an_uploaded_patch_survives_a_restart_of_the_board_in_its_file() {
 fn a_board_stops_promptly_and_cuts_its_host_off() {
     let board = board_with(&small_patch("small", 50.0));
     let mut link = connect(board.address()).unwrap();
-    stream(&mut link, MEASUREMENTS).unwrap();
+    let mut stream = link.subscribe(MEASUREMENTS).unwrap();
     let start = Instant::now();
     board.stop().unwrap();
     assert!(start.elapsed() < 5 * SECOND, "{:?}", start.elapsed());
-    let error = link.info().unwrap_err();
+    let error = stream.link().info().unwrap_err();
     assert!(matches!(error.kind, LinkErrorKind::Cut), "{error}");
 }
 

@@ -3,7 +3,8 @@
 mod testbench;
 
 use dermatome::link::{
-    Link, LinkErrorKind, Totals, Transport, UploadError, assemble::Parts, health, scope, stream, tare, upload,
+    Link, LinkErrorKind, ScanFrame, Subscription, Totals, Transport, UploadError, assemble::Parts, health,
+    scope, tare, upload,
 };
 use dermatome_shared::{
     MAX_PATCH_BYTES,
@@ -147,34 +148,49 @@ fn packet(message: &BoardPacket) -> Vec<u8> {
     encode(message, &mut [0; MAX_PACKET_BYTES]).unwrap().to_vec()
 }
 
-fn tared(number: u32) -> Vec<u8> {
-    packet(&BoardPacket::Event { number, event: Event::Tared { frames: number as u16 } })
+fn reply(sequence: u16, reply: Reply) -> Vec<u8> {
+    packet(&BoardPacket::Reply { sequence, reply })
+}
+
+/// An event of this number: the contacts, none, of a frame.
+fn contacts(number: u32, frame: u32) -> Vec<u8> {
+    let at = FrameStamp { sequence: frame, timestamp_us: 2, flags: Default::default() };
+    packet(&BoardPacket::Event { number, event: Event::Contacts { at, contacts: Default::default() } })
+}
+
+const CONTACTS: Selection =
+    Selection { contacts: 1, images: 0, measurements: 0, health: 0, scope: 0, scope_slot: 0 };
+
+/// Numbers of all frames that come.
+fn frames(stream: &mut Subscription<'_>) -> Vec<u32> {
+    let number = |frame: ScanFrame| frame.at.unwrap().sequence;
+    std::iter::from_fn(|| stream.next(Duration::ZERO).unwrap()).map(number).collect()
 }
 
 #[test]
 fn an_event_damaged_on_the_way_counts_as_damaged_and_as_lost() {
-    let mut damaged = tared(1);
+    let mut damaged = contacts(1, 1);
     damaged[3] ^= 0x40;
-    let greeting = BoardPacket::Reply { sequence: 0, reply: hello(Version::current()) };
     let bytes = [
         b"half an old packet\0".to_vec(),
-        packet(&greeting),
-        tared(u32::MAX),
-        tared(0),
+        reply(0, hello(Version::current())),
+        reply(1, Reply::Streaming { first_sequence: u32::MAX }),
+        contacts(u32::MAX, u32::MAX),
+        contacts(0, 0),
         damaged,
-        tared(2),
-        tared(5),
+        contacts(2, 2),
+        contacts(5, 5),
     ];
     let mut link = Link::connect("played", Played(bytes.concat().into())).unwrap();
-    let seen: Vec<_> = std::iter::from_fn(|| link.next_event(Duration::ZERO).unwrap()).collect();
-    let frames = [u16::MAX, 0, 2, 5].map(|frames| Event::Tared { frames });
-    assert_eq!(seen, frames);
+    let mut stream = link.subscribe(CONTACTS).unwrap();
+    assert_eq!(frames(&mut stream), [u32::MAX, 0, 2, 5]);
+    assert_eq!(stream.totals(), Totals { frames: 4, frames_missing: 1 + 2, ..Totals::default() });
+    let link = stream.link();
     assert_eq!((link.packets_damaged(), link.events_lost()), (1, 1 + 2));
 }
 
 #[test]
 fn a_late_reply_does_not_pass_for_the_next_one() {
-    let reply = |sequence, reply| packet(&BoardPacket::Reply { sequence, reply });
     let bytes = [
         reply(0, hello(Version::current())),
         reply(7, Reply::Refused(Refusal::NoPatch)),
@@ -187,31 +203,32 @@ fn a_late_reply_does_not_pass_for_the_next_one() {
 
 #[test]
 fn events_of_an_earlier_stream_are_forgotten_when_a_new_one_starts() {
-    let reply = |sequence, reply| packet(&BoardPacket::Reply { sequence, reply });
     let bytes = [
         reply(0, hello(Version::current())),
-        tared(7),
+        contacts(7, 11),
         reply(1, Reply::Streaming { first_sequence: 12 }),
-        tared(8),
+        contacts(8, 12),
     ];
     let mut link = Link::connect("played", Played(bytes.concat().into())).unwrap();
-    assert_eq!(stream(&mut link, Selection { contacts: 1, ..Selection::default() }).unwrap(), 12);
-    assert_eq!(link.next_event(Duration::ZERO).unwrap(), Some(Event::Tared { frames: 8 }));
-    assert_eq!(link.events_lost(), 0);
+    let mut stream = link.subscribe(CONTACTS).unwrap();
+    assert_eq!((stream.first_sequence(), frames(&mut stream)), (12, vec![12]));
+    assert_eq!(stream.totals(), Totals { frames: 1, ..Totals::default() });
+    assert_eq!(stream.link().events_lost(), 0);
 }
 
 #[test]
 fn a_tare_that_never_ends_is_an_error_and_other_events_are_kept() {
-    let greeting = BoardPacket::Reply { sequence: 0, reply: hello(Version::current()) };
-    let done = BoardPacket::Reply { sequence: 1, reply: Reply::Done };
-    let at = FrameStamp { sequence: 1, timestamp_us: 2, flags: Default::default() };
-    let event = Event::Contacts { at, contacts: Default::default() };
-    let contacts = packet(&BoardPacket::Event { number: 0, event: event.clone() });
-    let bytes = [packet(&greeting), packet(&done), contacts].concat();
-    let mut link = Link::connect("played", Played(bytes.into())).unwrap();
-    let error = tare(&mut link, 20, Duration::from_millis(30)).unwrap_err();
+    let bytes = [
+        reply(0, hello(Version::current())),
+        reply(1, Reply::Streaming { first_sequence: 1 }),
+        reply(2, Reply::Done),
+        contacts(0, 1),
+    ];
+    let mut link = Link::connect("played", Played(bytes.concat().into())).unwrap();
+    let mut stream = link.subscribe(CONTACTS).unwrap();
+    let error = tare(stream.link(), 20, Duration::from_millis(30)).unwrap_err();
     assert!(matches!(error.kind, LinkErrorKind::NoTare { frames: 20, .. }), "{error}");
-    assert_eq!(link.next_event(Duration::ZERO).unwrap(), Some(event));
+    assert_eq!(frames(&mut stream), [1]);
 }
 
 /// A board that obeys but never sends a frame; and all that it was told to stream.
@@ -308,19 +325,16 @@ fn a_board_whose_reply_to_a_subscription_is_wrong_is_told_to_stop_and_one_that_r
 
 #[test]
 fn what_came_of_a_frame_is_handed_out_once_the_board_has_been_silent() {
-    let at = FrameStamp { sequence: 12, timestamp_us: 2, flags: Default::default() };
-    let contacts =
-        BoardPacket::Event { number: 0, event: Event::Contacts { at, contacts: Default::default() } };
-    let reply = |sequence, reply| packet(&BoardPacket::Reply { sequence, reply });
     let bytes = [
         reply(0, hello(Version::current())),
         reply(1, Reply::Streaming { first_sequence: 12 }),
-        packet(&contacts),
+        contacts(0, 12),
         reply(2, Reply::Streaming { first_sequence: 13 }),
     ];
     let mut link = Link::connect("played", Played(bytes.concat().into())).unwrap();
     let mut stream = link.subscribe(Selection { contacts: 1, images: 1, ..Selection::default() }).unwrap();
     let frame = stream.next(Duration::from_secs(5)).unwrap().expect("the contacts");
+    let at = FrameStamp { sequence: 12, timestamp_us: 2, flags: Default::default() };
     assert_eq!((frame.at, frame.contacts.is_some(), frame.missing), (Some(at), true, Parts::IMAGE));
     let totals = Totals { frames: 1, incomplete: 1, parts_missing: 1, ..Totals::default() };
     assert_eq!(stream.totals(), totals);

@@ -3,7 +3,7 @@
 
 mod testbench;
 
-use dermatome::link::{self, LinkErrorKind, Port, stream, tare, upload};
+use dermatome::link::{self, LinkErrorKind, Port, Totals, tare, upload};
 use dermatome_shared::protocol::{BoardPacket, PacketReader, RequestPacket, Selection, Version, encode};
 use serialport::{SerialPort, TTYPort};
 use std::{
@@ -50,10 +50,13 @@ fn upload_tare_and_stream_work_over_a_serial_port() {
     assert_eq!(link.port(), port.to_string());
     upload(&mut link, &square_patch("serial", 16, 10, 50.0), |_| ()).unwrap();
     tare(&mut link, 5, Duration::from_secs(2)).unwrap();
-    stream(&mut link, Selection { images: 1, measurements: 1, ..Selection::default() }).unwrap();
-    for _ in 0..200 {
-        link.next_event(Duration::from_secs(2)).unwrap().expect("an event");
+    let mut stream =
+        link.subscribe(Selection { images: 1, measurements: 1, ..Selection::default() }).unwrap();
+    for _ in 0..100 {
+        stream.next(Duration::from_secs(2)).unwrap().expect("a frame");
     }
+    assert_eq!(stream.totals(), Totals { frames: 100, ..Totals::default() });
+    let link = stream.link();
     assert_eq!((link.events_lost(), link.packets_damaged()), (0, 0));
 }
 

@@ -11,9 +11,14 @@ mod upload;
 use crate::machine::Halt;
 use crate::rig::{Capability, Rig, RigError};
 use dermatome::{
-    link::{LinkError, UploadError},
+    link::{LinkError, ScanFrame, Subscription, UploadError},
     simulate::port::OpenError,
 };
+use dermatome_shared::protocol::FrameStamp;
+use std::time::Duration;
+
+/// Longest that a case waits for something, in the host's time.
+const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// One case.
 #[derive(Clone, Copy)]
@@ -66,6 +71,31 @@ pub fn all() -> Vec<Case> {
 /// The case fails unless this is so.
 fn ensure(is_so: bool, otherwise: impl FnOnce() -> String) -> Result<(), Failure> {
     if is_so { Ok(()) } else { Err(Failure::Wrong(otherwise())) }
+}
+
+/// The next frame; silence is a failure.
+fn next_frame(stream: &mut Subscription<'_>) -> Result<ScanFrame, Failure> {
+    stream.next(TIMEOUT)?.ok_or_else(|| Failure::wrong("no frame comes any more"))
+}
+
+/// Of the next frame that has it, what `part` takes; and that frame's stamp.
+fn next_with<T>(
+    stream: &mut Subscription<'_>,
+    mut part: impl FnMut(ScanFrame) -> Option<T>,
+) -> Result<(FrameStamp, T), Failure> {
+    for _ in 0..100_000 {
+        let frame = next_frame(stream)?;
+        if let Some(found) = frame.at.zip(part(frame)) {
+            return Ok(found);
+        }
+    }
+    Err(Failure::wrong("the frame that was waited for does not come"))
+}
+
+/// No event is lost.
+fn ensure_complete(stream: &mut Subscription<'_>) -> Result<(), Failure> {
+    let lost = stream.link().events_lost();
+    ensure(lost == 0, || format!("{lost} events are lost"))
 }
 
 /// Patches for cases.

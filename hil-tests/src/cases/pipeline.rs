@@ -1,14 +1,14 @@
 //! Cases of the pipeline on the board: images as the host computes them, and how fast.
 
-use super::{Case, Failure, ensure, patches};
+use super::{Case, Failure, ensure, ensure_complete, next_frame, next_with, patches};
 use crate::machine::Machine;
 use crate::rig::{Capability, Rig, VirtualRig};
-use dermatome::link;
+use dermatome::link::{self, Link, ScanFrame, assemble::Measurements};
 use dermatome_shared::{
     frame::Frame,
     patch::PatchView,
     pipeline::{self, Outcome, PipelineState},
-    protocol::{Event, FrameStamp, PackedImage, Reply, Request, Selection},
+    protocol::{FrameStamp, PackedImage, Reply, Request, Selection},
 };
 use std::time::Duration;
 
@@ -43,8 +43,9 @@ fn kernel(rig: &Rig) -> Result<String, Failure> {
     link::upload(&mut link, &patches::patch(812, true, 13), |_| ())?;
     link::tare(&mut link, 2, Duration::from_secs(20))?;
     board.with(move |machine| machine.count_calls(function as u32));
-    link::stream(&mut link, Selection { contacts: 1, ..Selection::default() })?;
+    let stream = link.subscribe(Selection { contacts: 1, ..Selection::default() })?;
     rig.wait(Duration::from_secs(1))?;
+    stream.stop()?;
     let calls = board.with(|machine| machine.calls());
     // Interrupts come in between: the shortest call had none.
     let least = calls.iter().min().copied().unwrap_or(u64::MAX);
@@ -85,65 +86,46 @@ fn compare(rig: &Rig, patch: &[u8], frames: usize) -> Result<usize, Failure> {
     let mut state = PipelineState::default();
     tare(&mut link, &view, &mut state)?;
     let all = Selection { images: 1, contacts: 1, measurements: 1, ..Selection::default() };
-    link::stream(&mut link, all)?;
-    let mut images = 0;
-    let (mut codes, mut contacts) = (None, None);
-    while images < frames {
-        match link.next_event(Duration::from_secs(5))? {
-            Some(Event::Measurements { at, codes: measured, .. }) => codes = Some((at, measured)),
-            Some(Event::Image { at, image }) => {
-                let (stamp, measured) =
-                    codes.take().ok_or_else(|| Failure::wrong("an image without its codes"))?;
-                ensure(stamp == at, || "an image of another frame".to_owned())?;
-                let frame = frame(stamp, measured);
-                ensure(pipeline::process(&view, &mut state, &frame) == Outcome::Image, || {
-                    "no image here".to_owned()
-                })?;
-                ensure(PackedImage::pack(state.image()) == image, || {
-                    format!("image {} differs", at.sequence)
-                })?;
-                let theirs = contacts.take().filter(|&(contacts_at, _)| contacts_at == at);
-                ensure(theirs.is_some_and(|(_, contacts)| &contacts == state.contacts()), || {
-                    format!("contacts of frame {} differ", at.sequence)
-                })?;
-                images += 1;
-            }
-            // They go ahead of the image.
-            Some(Event::Contacts { at, contacts: found }) => contacts = Some((at, found)),
-            Some(_) => {}
-            None => return Err(Failure::wrong(format!("nothing comes after {images} images"))),
-        }
+    let mut stream = link.subscribe(all)?;
+    for _ in 0..frames {
+        check(&view, &mut state, &next_frame(&mut stream)?)?;
     }
-    ensure(link.events_lost() == 0, || format!("{} events are lost", link.events_lost()))?;
-    link::stream(&mut link, Selection::default())?;
-    Ok(images)
+    ensure_complete(&mut stream)?;
+    stream.stop()?;
+    Ok(frames)
+}
+
+/// The host makes the same of a frame's codes as the board did.
+fn check(view: &PatchView<'_>, state: &mut PipelineState, of_board: &ScanFrame) -> Result<(), Failure> {
+    let ScanFrame { at: Some(at), measurements: Some(measurements), image: Some(image), contacts, .. } =
+        of_board
+    else {
+        return Err(Failure::wrong(format!("of a frame, parts are missing: {:?}", of_board.missing)));
+    };
+    let outcome = pipeline::process(view, state, &frame(*at, measurements));
+    ensure(outcome == Outcome::Image, || "no image here".to_owned())?;
+    ensure(PackedImage::pack(state.image()) == *image, || format!("image {} differs", at.sequence))?;
+    ensure(contacts.as_ref() == Some(state.contacts()), || {
+        format!("contacts of frame {} differ", at.sequence)
+    })
 }
 
 /// Board and host average the same frames: the last that came when the board says that it is done.
-fn tare(link: &mut link::Link, view: &PatchView<'_>, state: &mut PipelineState) -> Result<(), Failure> {
-    link::stream(link, Selection { measurements: 1, ..Selection::default() })?;
-    link.request(&Request::Tare { frames: TARE_FRAMES })?;
+fn tare(link: &mut Link, view: &PatchView<'_>, state: &mut PipelineState) -> Result<(), Failure> {
+    let mut stream = link.subscribe(Selection { measurements: 1, ..Selection::default() })?;
+    stream.link().request(&Request::Tare { frames: TARE_FRAMES })?;
     let mut frames = Vec::new();
-    let mut is_done = false;
-    loop {
-        match link.next_event(Duration::from_secs(5))? {
-            // The codes of the frame that completes it follow.
-            Some(Event::Tared { .. }) => is_done = true,
-            Some(Event::Measurements { at, codes, .. }) => {
-                frames.push(frame(at, codes));
-                if is_done {
-                    break;
-                }
-            }
-            Some(_) => {}
-            None => return Err(Failure::wrong("the tare does not end")),
-        }
+    // That the board is done comes ahead of the codes of the frame that completes it.
+    while stream.totals().tares == 0 {
+        let (at, measurements) = next_with(&mut stream, |frame| frame.measurements)?;
+        frames.push(frame(at, &measurements));
     }
     state.start_tare(TARE_FRAMES);
     for frame in &frames[frames.len().saturating_sub(TARE_FRAMES.into())..] {
         pipeline::process(view, state, frame);
     }
-    let reply = link.request(&Request::Reference)?;
+    let reply = stream.link().request(&Request::Reference)?;
+    stream.stop()?;
     let Reply::Reference { sums, .. } = reply else {
         return Err(Failure::wrong("it gives no reference"));
     };
@@ -151,9 +133,7 @@ fn tare(link: &mut link::Link, view: &PatchView<'_>, state: &mut PipelineState) 
     ensure(here.as_deref() == Some(&sums[..]), || "the references differ".to_owned())
 }
 
-fn frame(
-    at: FrameStamp,
-    codes: heapless::Vec<dermatome_shared::units::AdcCode, { dermatome_shared::MAX_STEPS }>,
-) -> Frame {
+fn frame(at: FrameStamp, measurements: &Measurements) -> Frame {
+    let codes = measurements.codes.iter().copied().collect();
     Frame { sequence: at.sequence, timestamp_us: at.timestamp_us, flags: at.flags, codes, ..Frame::default() }
 }

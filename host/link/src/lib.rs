@@ -20,6 +20,6 @@ pub use assemble::{ScanFrame, Totals};
 pub use dermatome_patch::{pose, tables};
 pub use dermatome_shared as shared;
 pub use error::{LinkError, LinkErrorKind};
-pub use link::{Link, REPLY_TIMEOUT, Transport, UploadError, open, stream, tare, tare_timeout, upload};
+pub use link::{Link, REPLY_TIMEOUT, Transport, UploadError, open, tare, tare_timeout, upload};
 pub use port::{Port, PortError};
 pub use subscription::Subscription;

@@ -89,7 +89,7 @@ impl Subscription<'_> {
                 return Ok(Some(frame));
             }
             let left = timeout.saturating_sub(heard.elapsed());
-            if let Some((number, event)) = self.link.next_numbered(left.min(POLL))? {
+            if let Some((number, event)) = self.link.next_event(left.min(POLL))? {
                 (heard, self.heard) = (Instant::now(), Instant::now());
                 self.assembler.take(number, event);
             } else if self.heard.elapsed() >= PARTS_TIMEOUT && self.assembler.is_arriving() {

@@ -248,6 +248,36 @@ fn each_event_comes_every_so_many_frames() {
     assert_eq!(seen, [3, 12, 6, 4]);
 }
 
+#[test]
+fn of_a_frame_the_tare_comes_first_then_contacts_health_codes_and_at_last_the_image() {
+    let mut device = device();
+    upload_good(&mut device, Difference::Plain);
+    ask(&mut device, Request::Tare { frames: 1 });
+    let all = Selection { images: 1, contacts: 1, measurements: 1, health: 1, ..Selection::default() };
+    ask(&mut device, Request::Stream(all));
+    let seen = events(&mut device, &flat_frame(100));
+    assert!(
+        matches!(
+            seen.as_slice(),
+            [(0, Event::Tared { .. }), (1, Event::Health { .. }), (2, Event::Measurements { .. })]
+        ),
+        "{seen:?}"
+    );
+    let seen = events(&mut device, &flat_frame(100));
+    assert!(
+        matches!(
+            seen.as_slice(),
+            [
+                (3, Event::Contacts { .. }),
+                (4, Event::Health { .. }),
+                (5, Event::Measurements { .. }),
+                (6, Event::Image { .. })
+            ]
+        ),
+        "{seen:?}"
+    );
+}
+
 fn board_with_a_front_end() -> Device<Memory> {
     let mut device = Device::new(BoardFacts { front_end: Some(FRONT_END), ..facts(16) }, Memory::default());
     upload_good(&mut device, Difference::Normalised);

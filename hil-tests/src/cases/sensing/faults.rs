@@ -1,11 +1,16 @@
 //! Faults of electrodes, multiplexers, current and converter: what the board says of them, and how soon.
 
-use super::{super::Failure, ensure, session::Session};
+use super::{
+    super::Failure,
+    ensure, next_with,
+    session::{Session, tare},
+};
 use crate::{chip::time::Time, rig::Rig, world::Fault};
+use dermatome::link::{Link, Subscription};
 use dermatome_shared::{
     frame::FrameFlags,
     health::Health,
-    protocol::{Event, FrameStamp, Selection},
+    protocol::{FrameStamp, Selection},
 };
 
 /// Frames within which a fault has to be flagged.
@@ -21,15 +26,16 @@ const BROKEN: FrameFlags = FrameFlags(
 );
 
 pub(super) fn all(rig: &Rig) -> Result<String, Failure> {
-    let mut session = Session::open(rig, |skin| skin.drive.frame_rate = 10_000.0)?;
-    session.tare(20)?;
-    session.stream(Selection { health: 1, contacts: 1, ..Selection::default() })?;
-    let [first, second] = [next_health(&mut session)?.0, next_health(&mut session)?.0];
+    let (session, mut link) = Session::open(rig, |skin| skin.drive.frame_rate = 10_000.0)?;
+    tare(&mut link, 20)?;
+    let mut stream = link.subscribe(Selection { health: 1, contacts: 1, ..Selection::default() })?;
+    let [first, second] = [next_health(&mut stream)?.0, next_health(&mut stream)?.0];
     let period = (second.timestamp_us - first.timestamp_us) as f64 * 1e-6;
     let (mut slowest, mut missed) = (0.0_f64, Vec::new());
     let faults = every();
     for &fault in &faults {
-        match flagged(&mut session, fault, period).map_err(|failure| told(&mut session, fault, &failure))? {
+        let flagged = flagged(&session, &mut stream, fault, period);
+        match flagged.map_err(|failure| told(stream.link(), fault, &failure))? {
             Some(frames) => slowest = slowest.max(frames),
             None => missed.push(fault.to_string()),
         }
@@ -43,8 +49,8 @@ pub(super) fn all(rig: &Rig) -> Result<String, Failure> {
 }
 
 /// A failure with the fault that it came with, and why the board started last.
-fn told(session: &mut Session, fault: Fault, failure: &Failure) -> Failure {
-    let started = session.link.info().map(|info| info.started_after.to_string());
+fn told(link: &mut Link, fault: Fault, failure: &Failure) -> Failure {
+    let started = link.info().map(|info| info.started_after.to_string());
     let started = started.unwrap_or_else(|error| error.to_string());
     Failure::wrong(format!("with `{fault}`: {failure}; the board started after: {started}"))
 }
@@ -57,14 +63,19 @@ fn every() -> Vec<Fault> {
 }
 
 /// Frames that it takes until the fault is flagged, and rightly named; none if it is not in time. Mends it.
-fn flagged(session: &mut Session, fault: Fault, period: f64) -> Result<Option<f64>, Failure> {
+fn flagged(
+    session: &Session,
+    stream: &mut Subscription<'_>,
+    fault: Fault,
+    period: f64,
+) -> Result<Option<f64>, Failure> {
     // Anywhere in a frame.
     session.run(Time::from_micros(fault_phase(fault)))?;
     session.world.inject(fault).map_err(Failure::wrong)?;
-    let broken = session.board.with(|machine| machine.now()).seconds() - session.started()?;
+    let broken = session.board.with(|machine| machine.now()).seconds() - session.started(stream.link())?;
     let mut found = None;
     for _ in 0..6 {
-        let (at, health) = next_health(session)?;
+        let (at, health) = next_health(stream)?;
         let frames = (at.timestamp_us as f64 * 1e-6 - broken) / period;
         if found.is_none() && frames > 0.0 && frames <= FRAMES + 0.3 && says(&health, at.flags, fault) {
             found = Some(frames);
@@ -72,7 +83,7 @@ fn flagged(session: &mut Session, fault: Fault, period: f64) -> Result<Option<f6
     }
     session.world.mend();
     for _ in 0..12 {
-        if !next_health(session)?.0.flags.intersects(BROKEN) {
+        if !next_health(stream)?.0.flags.intersects(BROKEN) {
             return Ok(found);
         }
     }
@@ -95,16 +106,13 @@ fn says(health: &Health, flags: FrameFlags, fault: Fault) -> bool {
     }
 }
 
-fn next_health(session: &mut Session) -> Result<(FrameStamp, Health), Failure> {
+fn next_health(stream: &mut Subscription<'_>) -> Result<(FrameStamp, Health), Failure> {
     let mut phantoms = 0;
-    let found = session.find(|event| match event {
-        Event::Health { at, health, .. } => Some((at, health)),
-        Event::Contacts { at, contacts } if at.flags.contains(FrameFlags::NO_CURRENT) => {
-            phantoms += contacts.len();
-            None
-        }
-        _ => None,
+    let (at, report) = next_with(stream, |frame| {
+        let has_no_current = frame.at.is_some_and(|at| at.flags.contains(FrameFlags::NO_CURRENT));
+        phantoms += frame.contacts.filter(|_| has_no_current).map_or(0, |contacts| contacts.len());
+        frame.health
     })?;
     ensure(phantoms == 0, || format!("{phantoms} contacts without current"))?;
-    Ok(found)
+    Ok((at, report.health))
 }

@@ -6,20 +6,24 @@ mod presses;
 mod session;
 mod speed;
 
-use super::{Case, Failure, ensure};
+use super::{Case, Failure, ensure, next_with};
 use crate::{
     chip::time::Time,
     machine::Machine,
     rig::{Capability, Rig},
 };
+use dermatome::link::Subscription;
 use dermatome_shared::{
     drive::Drive,
-    protocol::{Event, Request, Selection},
+    protocol::{Request, Selection},
     scan::{multiplexer_word, test_step},
 };
 use num_complex::Complex64;
-use session::Session;
+use session::{Session, front_end, tare};
 
+/// What every frame says about the board and its skin.
+const HEALTH: Selection =
+    Selection { images: 0, contacts: 0, measurements: 0, health: 1, scope: 0, scope_slot: 0 };
 /// Resistance of a contact of the rig's skin, ohm: 0.18 ohm m over 11 mm.
 const CONTACT: f64 = 16.4;
 
@@ -71,14 +75,14 @@ fn voltages(rig: &Rig) -> Result<String, Failure> {
     const FULL_SCALE: f64 = 1.65 / 19.93;
     let mut lines = Vec::new();
     for frequency in [12.5e3, 20e3, 50e3, 100e3, 200e3] {
-        let mut session = Session::open(rig, |skin| {
+        let (session, mut link) = Session::open(rig, |skin| {
             skin.drive.frequency = frequency;
             skin.drive.settling = SETTLING * frequency;
         })?;
         session.world.noise(0.0);
-        session.tare(2)?;
-        let current = f64::from(session.front_end()?.1.amplitude);
-        let measured = session.voltages(1)?.remove(0);
+        tare(&mut link, 2)?;
+        let current = f64::from(front_end(&mut link)?.1.amplitude);
+        let measured = session::voltages(&mut link, 1)?.remove(0);
         let truth = |word| session.world.truth(word) * current;
         let words = session.patch().steps().map(multiplexer_word);
         let errors: Vec<Complex64> =
@@ -96,22 +100,19 @@ fn voltages(rig: &Rig) -> Result<String, Failure> {
 fn contact_impedances(rig: &Rig) -> Result<String, Failure> {
     let mut lines = Vec::new();
     for frequency in [12.5e3, 50e3, 100e3] {
-        let mut session = Session::open(rig, |skin| {
+        let (session, mut link) = Session::open(rig, |skin| {
             skin.drive.frequency = frequency;
             // At 1 mA the amplifier clips the tests.
             skin.drive.amplitude = 0.25e-3;
         })?;
         session.world.noise(0.0);
-        session.tare(2)?;
-        session.stream(Selection { health: 1, ..Selection::default() })?;
-        let health = session.find(|event| match event {
-            Event::Health { health, .. } => Some(health),
-            _ => None,
-        })?;
+        tare(&mut link, 2)?;
+        let mut stream = link.subscribe(HEALTH)?;
+        let (_, report) = next_with(&mut stream, |frame| frame.health)?;
         let header = session.patch().header;
         let (mut of_circuit, mut of_contact) = (0.0_f64, 0.0_f64);
         for (electrode, (&ohms, &sheet)) in
-            health.contact_impedance.iter().zip(&header.test_resistances).enumerate()
+            report.health.contact_impedance.iter().zip(&header.test_resistances).enumerate()
         {
             let word = multiplexer_word(test_step(electrode as u8, header.electrodes));
             let truth = session.world.truth(word);
@@ -128,9 +129,9 @@ fn contact_impedances(rig: &Rig) -> Result<String, Failure> {
 
 /// Mean over standard deviation of each step, dB.
 fn signal_to_noise(rig: &Rig) -> Result<String, Failure> {
-    let mut session = Session::open(rig, |skin| skin.drive.frame_rate = 1000.0)?;
-    session.tare(2)?;
-    let frames = session.voltages(200)?;
+    let (_, mut link) = Session::open(rig, |skin| skin.drive.frame_rate = 1000.0)?;
+    tare(&mut link, 2)?;
+    let frames = session::voltages(&mut link, 200)?;
     let mut ratios: Vec<f64> = (0..frames[0].len())
         .map(|step| {
             let values = || frames.iter().map(|frame| frame[step][0]);
@@ -150,25 +151,26 @@ const CREST: f64 = 1738.0;
 
 /// Watches every code of the DAC through starts, changes and a stop.
 fn current(rig: &Rig) -> Result<String, Failure> {
-    let mut session = Session::open(rig, |_| ())?;
-    session.stream(Selection { health: 1, ..Selection::default() })?;
-    let usual = session.front_end()?.1;
+    let (session, mut link) = Session::open(rig, |_| ())?;
+    let mut stream = link.subscribe(HEALTH)?;
+    let usual = front_end(stream.link())?.1;
     session.world.take_drive_record();
-    let (jump, dc) = worst_of_changes(&mut session, usual)?;
+    let (jump, dc) = worst_of_changes(&session, &mut stream, usual)?;
     ensure(jump <= 1.0, || format!("a step is {jump:.2} times what a cosine and a rise do"))?;
     ensure(dc <= 2e-3, || format!("{:.3} % of the crest is DC", 100.0 * dc))?;
-    session.stream(Selection::default())?;
+    stream.stop()?;
     // A tare that the last drive began ends by itself.
     ensure_off(&session, 2000, "while nothing is asked for")?;
     for (accident, happen) in
         [("a fault", Machine::inject_fault as fn(&mut Machine)), ("a hang", Machine::hang)]
     {
-        session.stream(Selection { health: 1, ..Selection::default() })?;
-        next_health(&mut session)?;
+        let mut stream = link.subscribe(HEALTH)?;
+        next_with(&mut stream, |frame| frame.health)?;
         session.board.with(happen);
-        // The watchdog takes two seconds at most.
+        // The watchdog takes two seconds at most. Nobody tells the board to stop before.
         ensure_off(&session, 2500, &format!("after {accident}"))?;
-        session.reconnect()?;
+        drop(stream);
+        link = session.reconnect()?;
     }
     Ok(format!(
         "largest step {jump:.2} of a cosine's, DC {:.3} % of the crest, off when idle, after a fault and after a hang",
@@ -178,16 +180,21 @@ fn current(rig: &Rig) -> Result<String, Failure> {
 
 /// Drives the skin in other ways one after the other. The largest change of the code from word to word, over
 /// what a cosine and a rise do, and the largest mean over the crest.
-fn worst_of_changes(session: &mut Session, usual: Drive) -> Result<(f64, f64), Failure> {
+fn worst_of_changes(
+    session: &Session,
+    stream: &mut Subscription<'_>,
+    usual: Drive,
+) -> Result<(f64, f64), Failure> {
     let mut worst = (0.0_f64, 0.0_f64);
     let mut before = f64::INFINITY;
     for (frequency, amplitude) in
         [(12.5e3, 1e-3), (200e3, 0.5e-3), (20e3, 1e-4), (50e3, 1e-3), (100e3, 0.9e-3)]
     {
         let drive = Drive { frequency, amplitude, ..usual };
-        session.link.request(&Request::Drive(Some(drive)))?;
-        next_health(session)?;
-        next_health(session)?;
+        stream.link().request(&Request::Drive(Some(drive)))?;
+        for _ in 0..2 {
+            next_with(stream, |frame| frame.health)?;
+        }
         let record = session.world.take_drive_record();
         ensure(record.enabled, || "the multiplexers are not enabled in a scan".to_owned())?;
         let words = 1e6 / f64::from(frequency);
@@ -209,8 +216,4 @@ fn ensure_off(session: &Session, millis: u64, when: &str) -> Result<(), Failure>
     session.run(Time::from_millis(100))?;
     let record = session.world.take_drive_record();
     ensure(record.changes == 0 && !record.enabled, || format!("{record:?} {when}"))
-}
-
-fn next_health(session: &mut Session) -> Result<(), Failure> {
-    session.find(|event| matches!(event, Event::Health { .. }).then_some(()))
 }

@@ -1,12 +1,16 @@
 //! Presses: where the board finds them, and whether it keeps track of them.
 
-use super::{super::Failure, ensure, session::Session};
+use super::{
+    super::Failure,
+    ensure, next_with,
+    session::{Session, stamps, tare},
+};
 use crate::rig::Rig;
-use dermatome::simulate::Press;
+use dermatome::{link::Subscription, simulate::Press};
 use dermatome_shared::{
     calibration::{Calibration, CalibrationPoint},
-    contact::Contact,
-    protocol::{Event, FrameStamp, Selection},
+    contact::Contacts,
+    protocol::{FrameStamp, Selection},
 };
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -19,13 +23,13 @@ const NOISE: f64 = 2.1;
 const LARGEST_RADIUS: f64 = 0.75;
 
 pub(super) fn positions(rig: &Rig) -> Result<String, Failure> {
-    let mut session = Session::open(rig, |skin| skin.drive.frame_rate = 10_000.0)?;
+    let (session, mut link) = Session::open(rig, |skin| skin.drive.frame_rate = 10_000.0)?;
     session.world.noise(NOISE);
-    session.tare(20)?;
+    tare(&mut link, 20)?;
     let radius = 0.105;
     let mut random = Pcg64::seed_from_u64(21);
     let mut errors = Vec::new();
-    session.stream(Selection { contacts: 1, ..Selection::default() })?;
+    let mut stream = link.subscribe(Selection { contacts: 1, ..Selection::default() })?;
     for _ in 0..PRESSES {
         let (angle, distance) = (
             random.random_range(0.0..std::f64::consts::TAU),
@@ -34,14 +38,14 @@ pub(super) fn positions(rig: &Rig) -> Result<String, Failure> {
         let position = [distance * angle.cos(), distance * angle.sin()];
         session.world.press(&[Press::finger(position, 0.02, 0.5)]);
         // The frame under way, and those that wait.
-        session.stamps(4)?;
-        let (_, contacts) = contacts(&mut session)?;
+        stamps(&mut stream, 4)?;
+        let (_, contacts) = contacts(&mut stream)?;
         let contact =
             contacts.first().ok_or_else(|| Failure::wrong(format!("no contact at {position:?}")))?;
         let [x, y, _] = contact.position.map(f64::from);
         errors.push((x - position[0]).hypot(y - position[1]) / (2.0 * radius));
         session.world.press(&[]);
-        session.stamps(4)?;
+        stamps(&mut stream, 4)?;
     }
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     let worst = errors.iter().copied().fold(0.0, f64::max);
@@ -56,28 +60,28 @@ pub(super) fn positions(rig: &Rig) -> Result<String, Failure> {
 
 /// Ten minutes under a finger, while the sheet's conductivity grows by 1 % a minute; one frame a second.
 pub(super) fn long(rig: &Rig) -> Result<String, Failure> {
-    let mut session = Session::open(rig, |skin| {
+    let (session, mut link) = Session::open(rig, |skin| {
         skin.drive.frame_rate = 1.0;
         let points =
             [(0.2, 20e3), (0.4, 60e3)].map(|(strength, pressure)| CalibrationPoint { strength, pressure });
         skin.calibration = Calibration { points: points.into_iter().collect(), load_share: Some(0.5) };
     })?;
-    session.tare(5)?;
-    session.stream(Selection { contacts: 1, ..Selection::default() })?;
+    tare(&mut link, 5)?;
+    let mut stream = link.subscribe(Selection { contacts: 1, ..Selection::default() })?;
     session.world.drift(0.01);
-    session.stamps(20)?;
+    stamps(&mut stream, 20)?;
     session.world.press(&[Press::finger([0.03, 0.02], 0.025, 0.5)]);
-    session.stamps(3)?;
-    let first = force(&mut session)?;
+    stamps(&mut stream, 3)?;
+    let first = force(&mut stream)?;
     let (mut last, mut largest) = (first, 0.0_f64);
     for _ in 0..600 {
-        last = force(&mut session)?;
+        last = force(&mut stream)?;
         largest = largest.max((last / first - 1.0).abs());
     }
     ensure(largest <= 0.1, || format!("the force is off by up to {:.1} %", 100.0 * largest))?;
     session.world.press(&[]);
-    session.stamps(5)?;
-    let (_, left) = contacts(&mut session)?;
+    stamps(&mut stream, 5)?;
+    let (_, left) = contacts(&mut stream)?;
     ensure(left.is_empty(), || "the contact stays after the finger has gone".to_owned())?;
     Ok(format!(
         "reported in all of 600 frames, {first:.1} N at first and {last:.1} N at last, off by at most {:.1} %; gone \
@@ -87,16 +91,13 @@ pub(super) fn long(rig: &Rig) -> Result<String, Failure> {
 }
 
 /// Force of the one contact in the next frame.
-fn force(session: &mut Session) -> Result<f64, Failure> {
-    let (at, contacts) = contacts(session)?;
+fn force(stream: &mut Subscription<'_>) -> Result<f64, Failure> {
+    let (at, contacts) = contacts(stream)?;
     ensure(contacts.len() == 1, || format!("in frame {}: {contacts:.4?}", at.sequence))?;
     let force = contacts[0].force().ok_or_else(|| Failure::wrong("a contact without a force"))?;
     Ok(force.into())
 }
 
-fn contacts(session: &mut Session) -> Result<(FrameStamp, Vec<Contact>), Failure> {
-    session.find(|event| match event {
-        Event::Contacts { at, contacts } => Some((at, contacts.to_vec())),
-        _ => None,
-    })
+fn contacts(stream: &mut Subscription<'_>) -> Result<(FrameStamp, Contacts), Failure> {
+    next_with(stream, |frame| frame.contacts)
 }

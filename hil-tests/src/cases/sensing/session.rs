@@ -1,9 +1,9 @@
 //! Session: a skin's patch on a board that measures that skin.
 
-use super::super::{Failure, ensure};
+use super::super::{Failure, TIMEOUT, next_with};
 use crate::{board::VirtualBoard, chip::time::Time, rig::Rig, world::WorldHandle};
 use dermatome::{
-    link::{self, Link},
+    link::{self, Link, Subscription},
     model::Model,
     quantize,
     skin::Skin,
@@ -12,26 +12,21 @@ use dermatome_shared::{
     acquire::FrontEnd,
     drive::Drive,
     patch::PatchView,
-    protocol::{Event, FrameStamp, Selection},
+    protocol::{FrameStamp, Selection},
 };
-use std::{collections::VecDeque, time::Duration};
 
-/// Timeout of an event, in the host's time.
-const TIMEOUT: Duration = Duration::from_secs(60);
-
-/// An emulated board that measures a skin, with a host that talks to it.
+/// An emulated board that measures a skin. Its link is apart, so that the skin may change while the link is lent to a
+/// stream.
 pub(super) struct Session {
     pub(super) board: VirtualBoard,
     pub(super) world: WorldHandle,
     pub(super) skin: Skin,
-    pub(super) link: Link,
     patch: Vec<u8>,
-    waiting: VecDeque<Event>,
 }
 
 impl Session {
-    /// A fresh board before the rig's skin, which `change` may alter first, with that skin's patch.
-    pub(super) fn open(rig: &Rig, change: impl FnOnce(&mut Skin)) -> Result<Self, Failure> {
+    /// A fresh board before the rig's skin, which `change` may alter first, with that skin's patch; and a link to it.
+    pub(super) fn open(rig: &Rig, change: impl FnOnce(&mut Skin)) -> Result<(Self, Link), Failure> {
         let world = rig.emulated().world().ok_or_else(|| Failure::wrong("the rig has no `[world]`"))?;
         let mut skin = Skin::clone(&world.setup().skin);
         change(&mut skin);
@@ -42,14 +37,12 @@ impl Session {
         let world = board.world().ok_or_else(|| Failure::wrong("the rig lost its world"))?;
         let mut link = rig.link()?;
         link::upload(&mut link, &patch, |_| ())?;
-        Ok(Self { board, world, skin, link, patch, waiting: VecDeque::new() })
+        Ok((Self { board, world, skin, patch }, link))
     }
 
     /// Greets the board again, after it has started anew.
-    pub(super) fn reconnect(&mut self) -> Result<(), Failure> {
-        self.waiting.clear();
-        self.link = Link::connect("virtual", self.board.line())?;
-        Ok(())
+    pub(super) fn reconnect(&self) -> Result<Link, Failure> {
+        Ok(Link::connect("virtual", self.board.line())?)
     }
 
     /// The patch.
@@ -57,85 +50,45 @@ impl Session {
         PatchView::open(&self.patch).expect("the patch was written by the host")
     }
 
-    /// The board's front end and the drive in effect.
-    pub(super) fn front_end(&mut self) -> Result<(FrontEnd, Drive), Failure> {
-        let info = self.link.info()?;
-        let both = info.front_end.zip(info.drive);
-        both.ok_or_else(|| Failure::wrong("the board has no front end or no drive"))
-    }
-
-    pub(super) fn tare(&mut self, frames: u16) -> Result<(), Failure> {
-        Ok(link::tare(&mut self.link, frames, TIMEOUT)?)
-    }
-
-    pub(super) fn stream(&mut self, selection: Selection) -> Result<(), Failure> {
-        link::stream(&mut self.link, selection)?;
-        Ok(())
-    }
-
     /// Lets virtual time pass, while nobody listens.
     pub(super) fn run(&self, time: Time) -> Result<(), Failure> {
         Ok(self.board.run(time)?)
     }
 
-    /// The next event.
-    pub(super) fn event(&mut self) -> Result<Event, Failure> {
-        if let Some(event) = self.waiting.pop_front() {
-            return Ok(event);
-        }
-        let event = self.link.next_event(TIMEOUT)?;
-        event.ok_or_else(|| Failure::wrong("no event comes any more"))
-    }
-
-    /// The next event that `choose` likes.
-    pub(super) fn find<T>(&mut self, mut choose: impl FnMut(Event) -> Option<T>) -> Result<T, Failure> {
-        for _ in 0..100_000 {
-            if let Some(found) = choose(self.event()?) {
-                return Ok(found);
-            }
-        }
-        Err(Failure::wrong("the event that was waited for does not come"))
-    }
-
-    /// Volts in phase and in quadrature of `frames` frames: `[frame][step]`.
-    pub(super) fn voltages(&mut self, frames: usize) -> Result<Vec<Vec<[f64; 2]>>, Failure> {
-        let (front_end, _) = self.front_end()?;
-        let volts = f64::from(front_end.volts_per_code);
-        self.stream(Selection { measurements: 1, ..Selection::default() })?;
-        let mut found = Vec::new();
-        while found.len() < frames {
-            found.push(self.find(|event| match event {
-                Event::Measurements { codes, quadrature, .. } => {
-                    let both = codes.iter().zip(&quadrature);
-                    Some(both.map(|(i, q)| [f64::from(i.0) * volts, f64::from(q.0) * volts]).collect())
-                }
-                _ => None,
-            })?);
-        }
-        self.stream(Selection::default())?;
-        Ok(found)
-    }
-
-    /// Stamps of `count` frames with contacts.
-    pub(super) fn stamps(&mut self, count: usize) -> Result<Vec<FrameStamp>, Failure> {
-        (0..count)
-            .map(|_| {
-                self.find(|event| match event {
-                    Event::Contacts { at, .. } => Some(at),
-                    _ => None,
-                })
-            })
-            .collect()
-    }
-
     /// When the board's own clock began, s of virtual time; right to a millisecond.
-    pub(super) fn started(&mut self) -> Result<f64, Failure> {
-        let uptime = self.link.info()?.uptime_ms as f64 * 1e-3;
+    pub(super) fn started(&self, link: &mut Link) -> Result<f64, Failure> {
+        let uptime = link.info()?.uptime_ms as f64 * 1e-3;
         Ok(self.board.with(|machine| machine.now()).seconds() - uptime - 1e-3)
     }
+}
 
-    /// No event is lost.
-    pub(super) fn check_complete(&self) -> Result<(), Failure> {
-        ensure(self.link.events_lost() == 0, || format!("{} events are lost", self.link.events_lost()))
+/// The board's front end and the drive in effect.
+pub(super) fn front_end(link: &mut Link) -> Result<(FrontEnd, Drive), Failure> {
+    let info = link.info()?;
+    let both = info.front_end.zip(info.drive);
+    both.ok_or_else(|| Failure::wrong("the board has no front end or no drive"))
+}
+
+pub(super) fn tare(link: &mut Link, frames: u16) -> Result<(), Failure> {
+    Ok(link::tare(link, frames, TIMEOUT)?)
+}
+
+/// Volts in phase and in quadrature of `frames` frames: `[frame][step]`.
+pub(super) fn voltages(link: &mut Link, frames: usize) -> Result<Vec<Vec<[f64; 2]>>, Failure> {
+    let (front_end, _) = front_end(link)?;
+    let volts = f64::from(front_end.volts_per_code);
+    let mut stream = link.subscribe(Selection { measurements: 1, ..Selection::default() })?;
+    let mut found = Vec::new();
+    for _ in 0..frames {
+        let (_, measured) = next_with(&mut stream, |frame| frame.measurements)?;
+        let both = measured.codes.iter().zip(&measured.quadrature);
+        found.push(both.map(|(i, q)| [f64::from(i.0) * volts, f64::from(q.0) * volts]).collect());
     }
+    stream.stop()?;
+    Ok(found)
+}
+
+/// Stamps of `count` frames with contacts.
+pub(super) fn stamps(stream: &mut Subscription<'_>, count: usize) -> Result<Vec<FrameStamp>, Failure> {
+    (0..count).map(|_| Ok(next_with(stream, |frame| frame.contacts)?.0)).collect()
 }

@@ -1,12 +1,16 @@
 //! How fast the board is, and what it takes of the chip. All in virtual time: instructions are counted, and
 //! each takes the rig's cycles.
 
-use super::{super::Failure, ensure, session::Session};
+use super::{
+    super::{Failure, ensure_complete},
+    ensure, next_with,
+    session::{Session, stamps, tare},
+};
 use crate::{
     chip::{time::Time, trace::Event as TraceEvent},
     rig::Rig,
 };
-use dermatome::{simulate::Press, skin::Reciprocal};
+use dermatome::{link::Link, simulate::Press, skin::Reciprocal};
 use dermatome_shared::protocol::{BoardPacket, Event, Selection, decode};
 
 /// Contacts alone, as robots take them.
@@ -40,28 +44,28 @@ fn measure(
     settling: f64,
     least: f64,
 ) -> Result<String, Failure> {
-    let mut session = Session::open(rig, |skin| {
+    let (session, mut link) = Session::open(rig, |skin| {
         skin.drive.reciprocal = reciprocal;
         skin.drive.frequency = frequency;
         skin.drive.settling = settling * frequency;
         skin.drive.frame_rate = 10_000.0;
     })?;
-    session.tare(20)?;
+    tare(&mut link, 20)?;
     session.world.press(&[PRESS]);
-    session.stream(CONTACTS)?;
-    let first = session.stamps(40)?;
+    let mut stream = link.subscribe(CONTACTS)?;
+    let first = stamps(&mut stream, 40)?;
     let before = session.board.with(|machine| (machine.now(), machine.slept()));
     session.board.with(|machine| machine.chip(|chip| drop(chip.trace.take())));
-    let stamps = session.stamps(200)?;
+    let stamps = stamps(&mut stream, 200)?;
     let after = session.board.with(|machine| (machine.now(), machine.slept()));
-    session.check_complete()?;
+    ensure_complete(&mut stream)?;
     let (start, end) = (first[first.len() - 1], stamps[stamps.len() - 1]);
     let frames = end.sequence - start.sequence;
     let rate = f64::from(frames) / ((end.timestamp_us - start.timestamp_us) as f64 * 1e-6);
     ensure(rate >= least, || format!("{rate:.1} frames a second"))?;
     let load = 1.0 - after.1.since(before.1).seconds() / after.0.since(before.0).seconds();
     ensure(load <= MOST_LOAD, || format!("the CPU works {:.0} % of the time", 100.0 * load))?;
-    let latency = latency(&mut session)?;
+    let latency = latency(&session, stream.link())?;
     ensure(latency <= LONGEST_LATENCY, || {
         format!("{:.2} ms from the last sample to the contacts", 1e3 * latency)
     })?;
@@ -75,7 +79,7 @@ fn measure(
 }
 
 /// Longest time from the last sample of a frame to the first byte of its contacts on the line.
-fn latency(session: &mut Session) -> Result<f64, Failure> {
+fn latency(session: &Session, link: &mut Link) -> Result<f64, Failure> {
     let events = session.board.with(|machine| machine.chip(|chip| chip.trace.take()));
     let drive = &session.skin.drive;
     let slot = (drive.settling + f64::from(drive.integration)) / drive.frequency;
@@ -85,7 +89,7 @@ fn latency(session: &mut Session) -> Result<f64, Failure> {
         .filter(|(_, event)| *event == TraceEvent::DmaComplete { controller: 1, channel: 4 })
         .map(|(time, _)| time.seconds() + slot)
         .collect();
-    let started = session.started()?;
+    let started = session.started(link)?;
     let mut longest: f64 = 0.0;
     for (sent, timestamp_us) in contact_packets(&events) {
         let taken = timestamp_us as f64 * 1e-6 + started;
@@ -121,16 +125,14 @@ fn contact_packets(events: &[(Time, TraceEvent)]) -> Vec<(Time, u64)> {
 /// Uses everything once, and measures what is left.
 pub(super) fn memory(rig: &Rig) -> Result<String, Failure> {
     let firmware = &rig.emulated_rig().firmware;
-    let mut session = Session::open(rig, |_| ())?;
-    session.tare(20)?;
+    let (session, mut link) = Session::open(rig, |_| ())?;
+    tare(&mut link, 20)?;
     session.world.press(&[PRESS]);
     let all = Selection { images: 1, contacts: 1, measurements: 1, health: 1, scope: 1, scope_slot: 3 };
-    session.stream(all)?;
-    session.stamps(50)?;
-    let free = session.find(|event| match event {
-        Event::Health { vitals, .. } => Some(vitals.free_stack as usize),
-        _ => None,
-    })?;
+    let mut stream = link.subscribe(all)?;
+    stamps(&mut stream, 50)?;
+    let (_, report) = next_with(&mut stream, |frame| frame.health)?;
+    let free = report.vitals.free_stack as usize;
     let start = firmware.symbol("_stack_end").unwrap_or_default() as usize - 0x2000_0000;
     let (flash, stack) = (firmware.size(), RAM - start);
     let used = RAM - free;

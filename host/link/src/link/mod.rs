@@ -177,14 +177,7 @@ impl Link {
     }
 
     /// The next event, or `None` if there is none within `timeout` (20 ms at least).
-    ///
-    /// One level below [`Link::subscribe`], for tests of boards.
-    pub fn next_event(&mut self, timeout: Duration) -> Result<Option<Event>, LinkError> {
-        Ok(self.next_numbered(timeout)?.map(|(_, event)| event))
-    }
-
-    /// As [`Self::next_event`], with the event's number.
-    pub(crate) fn next_numbered(&mut self, timeout: Duration) -> Result<Option<Numbered>, LinkError> {
+    pub(crate) fn next_event(&mut self, timeout: Duration) -> Result<Option<Numbered>, LinkError> {
         match self.events.pop_front() {
             Some(event) => Ok(Some(event)),
             None => self.wait_for(timeout, |_| true),
@@ -249,12 +242,4 @@ impl Link {
     pub fn error(&self, kind: LinkErrorKind) -> LinkError {
         self.wire.error(kind)
     }
-}
-
-/// Starts, changes or (with an empty selection) ends streaming; gives the sequence number of the
-/// first frame of the new selection. Events of the old selection that nobody fetched are forgotten.
-///
-/// One level below [`Link::subscribe`], for tests of boards: the board streams until it is told to stop.
-pub fn stream(link: &mut Link, selection: Selection) -> Result<u32, LinkError> {
-    link.select(selection, REPLY_TIMEOUT, drop)
 }
