@@ -114,17 +114,18 @@ impl<T: Admittivity> System<T> {
         Ok(elements.chain(self.contacts.iter().copied()))
     }
 
-    /// Unit current into each electrode: `[real unknown without ground][electrode]`.
-    pub(super) fn currents(&self) -> Mat<f64> {
+    /// Unit current into each electrode: `[real unknown without ground, in the order of elimination][electrode]`.
+    pub(super) fn currents(&self, places: &[Index]) -> Mat<f64> {
         let mut currents = Mat::zeros(T::PARTS * (self.unknowns - 1), self.electrodes.len());
         for (column, &unknown) in self.electrodes.iter().enumerate().filter(|(_, u)| **u != self.ground) {
-            currents[(T::PARTS * without(self.ground, unknown), column)] = 1.0;
+            let place = places[T::PARTS * without(self.ground, unknown)];
+            currents[(place as usize, column)] = 1.0;
         }
         currents
     }
 
-    /// Puts the ground's zeros back: `[unknown][electrode]`.
-    pub(super) fn with_ground(&self, solution: &Mat<f64>) -> Vec<T> {
+    /// Puts unknowns back in their order, and the ground's zeros between them: `[unknown][electrode]`.
+    pub(super) fn with_ground(&self, solution: &Mat<f64>, places: &[Index]) -> Vec<T> {
         let electrodes = solution.ncols();
         let mut potentials = vec![T::default(); electrodes * self.unknowns];
         potentials.par_chunks_mut(BLOCK * electrodes.max(1)).enumerate().for_each(|(block, rows)| {
@@ -133,7 +134,7 @@ impl<T: Admittivity> System<T> {
                 let unknowns = (block * BLOCK..).zip(rows.chunks_exact_mut(electrodes));
                 for (unknown, row) in unknowns.filter(|(unknown, _)| *unknown != self.ground) {
                     let first = T::PARTS * without(self.ground, unknown);
-                    row[electrode] = T::from_parts(&column[first..first + T::PARTS]);
+                    row[electrode] = T::from_parts(|part| column[places[first + part] as usize]);
                 }
             }
         });
