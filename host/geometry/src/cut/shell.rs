@@ -43,9 +43,9 @@ pub(super) fn crop(
     let (nearest, at) = nearest(&link.nodes, &triangles, seed)?;
     let edges = neighbours::edges(&triangles);
     let pairs: Vec<[usize; 2]> = edges
-        .chunk_by(|a, b| a.nodes == b.nodes)
+        .chunk_by(|a, b| a.nodes() == b.nodes())
         .filter_map(|on_edge| <&[_; 2]>::try_from(on_edge).ok())
-        .map(|[a, b]| [a.element, b.element])
+        .map(|[a, b]| [a.element(), b.element()])
         .collect();
     let shells = count_parts(triangles.len(), &pairs);
     let touched: Vec<bool> = triangles.iter().map(|triangle| touches(at, &corners(triangle))).collect();

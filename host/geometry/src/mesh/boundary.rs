@@ -7,9 +7,9 @@ use std::collections::HashMap;
 /// sets of 3 * element + corner.
 pub(super) fn fans(edges: &[Edge], elements: &[[usize; 3]]) -> DisjointSets {
     let mut fans = DisjointSets::new(3 * elements.len());
-    for pair in edges.windows(2).filter(|pair| pair[0].nodes == pair[1].nodes) {
-        for node in pair[0].nodes {
-            fans.join(corner(pair[0].element, node, elements), corner(pair[1].element, node, elements));
+    for pair in edges.windows(2).filter(|pair| pair[0].nodes() == pair[1].nodes()) {
+        for node in pair[0].nodes() {
+            fans.join(corner(pair[0].element(), node, elements), corner(pair[1].element(), node, elements));
         }
     }
     fans
@@ -30,8 +30,8 @@ pub(super) fn boundary_loops(
     fans: &mut DisjointSets,
 ) -> Vec<Vec<usize>> {
     let boundary_edge = |edge: &Edge| BoundaryEdge {
-        nodes: edge.nodes,
-        fans: edge.nodes.map(|node| fans.find(corner(edge.element, node, elements))),
+        nodes: edge.nodes(),
+        fans: edge.nodes().map(|node| fans.find(corner(edge.element(), node, elements))),
     };
     let boundary: Vec<_> = neighbours::alone(edges).map(boundary_edge).collect();
     // Each fan that is open has an edge of the boundary at either end.
@@ -80,26 +80,29 @@ fn walk(
 #[derive(Clone, Debug)]
 pub(crate) struct DisjointSets {
     /// Towards the set's lowest member, which is its own parent.
-    parents: Vec<usize>,
+    parents: Vec<u32>,
 }
 
 impl DisjointSets {
     /// Each number in a set of its own.
     pub(crate) fn new(count: usize) -> Self {
-        Self { parents: (0..count).collect() }
+        Self { parents: (0..count as u32).collect() }
     }
 
     /// The lowest member of the set that holds `member`.
     pub(crate) fn find(&mut self, mut member: usize) -> usize {
-        while self.parents[member] != member {
-            self.parents[member] = self.parents[self.parents[member]];
-            member = self.parents[member];
+        loop {
+            let parent = self.parents[member] as usize;
+            if parent == member {
+                return member;
+            }
+            self.parents[member] = self.parents[parent];
+            member = self.parents[parent] as usize;
         }
-        member
     }
 
     pub(crate) fn join(&mut self, one: usize, other: usize) {
         let (one, other) = (self.find(one), self.find(other));
-        self.parents[one.max(other)] = one.min(other);
+        self.parents[one.max(other)] = one.min(other) as u32;
     }
 }

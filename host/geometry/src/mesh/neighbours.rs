@@ -20,18 +20,30 @@ fn pairs(edges: &[Edge]) -> Vec<[usize; 2]> {
     let mut pairs: Vec<[usize; 2]> = edges
         .par_windows(2)
         .filter(|pair| pair[0].nodes == pair[1].nodes)
-        .map(|pair| [pair[0].element, pair[1].element])
+        .map(|pair| [pair[0].element(), pair[1].element()])
         .collect();
     pairs.par_sort_unstable();
     pairs
 }
 
 /// One edge of an element: its nodes ascending, and whether the element passes it that way round.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+///
+/// Numbers are half as long as usize, which is half the memory to go through.
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Edge {
-    pub(crate) nodes: [usize; 2],
-    pub(crate) element: usize,
+    nodes: [u32; 2],
+    element: u32,
     pub(crate) ascending: bool,
+}
+
+impl Edge {
+    pub(crate) fn nodes(&self) -> [usize; 2] {
+        self.nodes.map(|node| node as usize)
+    }
+
+    pub(crate) fn element(&self) -> usize {
+        self.element as usize
+    }
 }
 
 /// Every edge of every element, ascending: those of the same nodes are together.
@@ -41,19 +53,24 @@ pub(crate) fn edges(elements: &[[usize; 3]]) -> Vec<Edge> {
     let all = || elements.iter().enumerate().flat_map(|(element, &corners)| edges_of(element, corners));
     let nodes = elements.iter().flatten().max().map_or(0, |last| last + 1);
     let mut free = vec![0; nodes + 1];
-    all().for_each(|edge| free[edge.nodes[0] + 1] += 1);
+    all().for_each(|edge| free[edge.nodes()[0] + 1] += 1);
     (0..nodes).for_each(|node| free[node + 1] += free[node]);
-    let mut edges = vec![Edge { nodes: [0; 2], element: 0, ascending: false }; 3 * elements.len()];
+    let mut edges = vec![Edge::default(); 3 * elements.len()];
     for edge in all() {
-        edges[free[edge.nodes[0]]] = edge;
-        free[edge.nodes[0]] += 1;
+        let free = &mut free[edge.nodes()[0]];
+        edges[*free] = edge;
+        *free += 1;
     }
     edges.par_chunk_by_mut(|a, b| a.nodes[0] == b.nodes[0]).for_each(<[Edge]>::sort_unstable);
     edges
 }
 
 fn edges_of(element: usize, [a, b, c]: [usize; 3]) -> [Edge; 3] {
-    [(a, b), (b, c), (c, a)].map(|(a, b)| Edge { nodes: [a.min(b), a.max(b)], element, ascending: a < b })
+    [(a, b), (b, c), (c, a)].map(|(a, b)| Edge {
+        nodes: [a.min(b) as u32, a.max(b) as u32],
+        element: element as u32,
+        ascending: a < b,
+    })
 }
 
 /// Edges of one element only.
@@ -64,7 +81,7 @@ pub(super) fn alone(edges: &[Edge]) -> impl Iterator<Item = &Edge> {
 /// Nodes of each edge of the boundaries: those of one element only, ascending.
 #[must_use]
 pub fn boundary_edges(elements: &[[usize; 3]]) -> Vec<[usize; 2]> {
-    alone(&edges(elements)).map(|edge| edge.nodes).collect()
+    alone(&edges(elements)).map(Edge::nodes).collect()
 }
 
 /// For each element 1, or -1 if it lies the other way round than most of its part of the mesh:
@@ -86,15 +103,15 @@ pub(super) fn orientation_over(edges: &[Edge], elements: usize) -> Vec<f64> {
     signs
 }
 
-fn orient_part(start: usize, adjacent: &Adjacency<f64>, signs: &mut [f64]) {
+fn orient_part(start: usize, adjacent: &Adjacency<i8>, signs: &mut [f64]) {
     signs[start] = 1.0;
     let mut part = vec![start];
     let mut next = 0;
     while let Some(&element) = part.get(next) {
         next += 1;
-        for &(other, turn) in adjacent.of(element) {
+        for (other, turn) in adjacent.of(element) {
             if signs[other] == 0.0 {
-                signs[other] = signs[element] * turn;
+                signs[other] = signs[element] * f64::from(turn);
                 part.push(other);
             }
         }
@@ -108,7 +125,7 @@ fn orient_part(start: usize, adjacent: &Adjacency<f64>, signs: &mut [f64]) {
 #[derive(Clone, Debug)]
 pub struct Adjacency<V> {
     starts: Vec<usize>,
-    entries: Vec<(usize, V)>,
+    entries: Vec<(u32, V)>,
 }
 
 impl<V: Copy> Adjacency<V> {
@@ -123,8 +140,8 @@ impl<V: Copy> Adjacency<V> {
         let mut free = starts.clone();
         let mut entries = vec![(0, nothing); starts[count]];
         for ([a, b], value) in pairs {
-            entries[free[a]] = (b, value);
-            entries[free[b]] = (a, value);
+            entries[free[a]] = (b as u32, value);
+            entries[free[b]] = (a as u32, value);
             free[a] += 1;
             free[b] += 1;
         }
@@ -132,20 +149,20 @@ impl<V: Copy> Adjacency<V> {
     }
 
     /// Neighbours of one.
-    #[must_use]
-    pub fn of(&self, index: usize) -> &[(usize, V)] {
-        &self.entries[self.starts[index]..self.starts[index + 1]]
+    pub fn of(&self, index: usize) -> impl Iterator<Item = (usize, V)> {
+        let entries = &self.entries[self.starts[index]..self.starts[index + 1]];
+        entries.iter().map(|&(other, value)| (other as usize, value))
     }
 }
 
-impl Adjacency<f64> {
+impl Adjacency<i8> {
     /// Elements with 1 for a neighbour that lies the same way round, else -1.
     fn with_turns(edges: &[Edge], elements: usize) -> Self {
         let pairs = edges.windows(2).filter(|pair| pair[0].nodes == pair[1].nodes).map(|pair| {
-            let turn = if pair[0].ascending == pair[1].ascending { -1.0 } else { 1.0 };
-            ([pair[0].element, pair[1].element], turn)
+            let turn = if pair[0].ascending == pair[1].ascending { -1 } else { 1 };
+            ([pair[0].element(), pair[1].element()], turn)
         });
-        Self::new(elements, pairs, 0.0)
+        Self::new(elements, pairs, 0)
     }
 }
 

@@ -15,14 +15,14 @@
 
 use super::ForwardError;
 use faer::{
-    Mat, MatMut, Par, Side, Spec,
-    dyn_stack::{MemBuffer, MemStack},
-    linalg::solvers::SolveCore,
+    Conj, Mat, MatMut, Par, Side, Spec,
+    dyn_stack::{MemBuffer, MemStack, StackReq},
     sparse::{
         SparseColMat, SymbolicSparseColMatRef,
-        linalg::{
-            cholesky::{LdltRef, SymbolicCholesky, factorize_symbolic_cholesky},
-            solvers::{Llt, SymbolicLlt},
+        linalg::cholesky::{
+            SymbolicCholesky, SymbolicCholeskyRaw, factorize_symbolic_cholesky,
+            simplicial::{SimplicialLdltRef, SimplicialLltRef},
+            supernodal::{SupernodalLdltRef, SupernodalLltRef},
         },
     },
 };
@@ -36,6 +36,20 @@ use std::{
 
 /// Number of an unknown in the sparse solver: half as long as usize, which is half the memory to go through.
 pub(super) type Index = u32;
+
+/// Order of elimination and pattern of the factor.
+pub(super) type Symbolic = SymbolicCholesky<Index>;
+
+/// Finds the order of elimination of a matrix whose lower half has this pattern.
+pub(super) fn analyse(pattern: SymbolicSparseColMatRef<'_, Index>) -> Result<Symbolic, ForwardError> {
+    factorize_symbolic_cholesky(pattern, Side::Lower, Default::default(), Default::default())
+        .map_err(ForwardError::solver)
+}
+
+/// Where each real unknown comes in the order of elimination.
+pub(super) fn places(symbolic: &Symbolic) -> &[Index] {
+    symbolic.perm().expect("the order of elimination is chosen, not given").arrays().1
+}
 
 /// What an element's admittivity may be: `f64` or [`Complex64`].
 pub trait Admittivity:
@@ -57,24 +71,19 @@ pub trait Admittivity:
     /// Real unknowns that make up one of this kind.
     const PARTS: usize;
 
-    /// Order of elimination and pattern of the factor.
-    type Symbolic: Debug + Send + Sync;
-
     /// Entries of the lower half of the real matrix, row, column and value, that one entry of the
     /// lower half stands for.
     fn entries(row: usize, col: usize, value: Self) -> impl Iterator<Item = (usize, usize, f64)>;
 
     /// From its real unknowns.
-    fn from_parts(parts: &[f64]) -> Self;
+    fn from_parts(part: impl Fn(usize) -> f64) -> Self;
 
-    /// Finds the order of elimination.
-    fn analyse(pattern: SymbolicSparseColMatRef<'_, Index>) -> Result<Self::Symbolic, ForwardError>;
-
-    /// Factors the lower half in `matrix` and solves for every column of `rhs`.
+    /// Factors the lower half in `matrix` and solves for every column of `rhs`, which is made only when the factor
+    /// is. The rows of both are in the order of elimination.
     fn solve(
-        symbolic: &Self::Symbolic,
+        symbolic: &Symbolic,
         matrix: SparseColMat<Index, f64>,
-        rhs: Mat<f64>,
+        rhs: impl FnOnce() -> Mat<f64>,
     ) -> Result<Mat<f64>, ForwardError>;
 
     /// Part in phase with the current.
@@ -86,29 +95,49 @@ pub trait Admittivity:
 
 impl Admittivity for f64 {
     const PARTS: usize = 1;
-    type Symbolic = SymbolicLlt<Index>;
 
     fn entries(row: usize, col: usize, value: Self) -> impl Iterator<Item = (usize, usize, f64)> {
         std::iter::once((row, col, value))
     }
 
-    fn from_parts(parts: &[f64]) -> Self {
-        parts[0]
-    }
-
-    fn analyse(pattern: SymbolicSparseColMatRef<'_, Index>) -> Result<Self::Symbolic, ForwardError> {
-        SymbolicLlt::try_new(pattern, Side::Lower).map_err(ForwardError::solver)
+    fn from_parts(part: impl Fn(usize) -> f64) -> Self {
+        part(0)
     }
 
     fn solve(
-        symbolic: &Self::Symbolic,
+        symbolic: &Symbolic,
         matrix: SparseColMat<Index, f64>,
-        rhs: Mat<f64>,
+        rhs: impl FnOnce() -> Mat<f64>,
     ) -> Result<Mat<f64>, ForwardError> {
-        let factor = Llt::try_new_with_symbolic(symbolic.clone(), matrix.as_ref(), Side::Lower)
-            .map_err(|_| ForwardError::Singular)?;
+        let parallelism = faer::get_global_parallelism();
+        let mut values = vec![0.0; symbolic.len_val()];
+        with_stack(symbolic.factorize_numeric_llt_scratch::<f64>(parallelism, Spec::default()), |stack| {
+            let factor = symbolic.factorize_numeric_llt(
+                &mut values,
+                matrix.as_ref(),
+                Side::Lower,
+                Default::default(),
+                parallelism,
+                stack,
+                Spec::default(),
+            );
+            factor.map(drop).map_err(|_| ForwardError::Singular)
+        })?;
         drop(matrix);
-        Ok(solve_columns(rhs, |columns| factor.solve_in_place_with_conj(faer::Conj::No, columns)))
+        Ok(solve_columns(rhs(), |columns| match symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(symbolic) => {
+                with_stack(symbolic.solve_in_place_scratch::<f64>(columns.ncols()), |stack| {
+                    let factor = SimplicialLltRef::new(symbolic, &values);
+                    factor.solve_in_place_with_conj(Conj::No, columns, parallelism, stack);
+                });
+            }
+            SymbolicCholeskyRaw::Supernodal(symbolic) => {
+                with_stack(symbolic.solve_in_place_scratch::<f64>(columns.ncols(), parallelism), |stack| {
+                    let factor = SupernodalLltRef::new(symbolic, &values);
+                    factor.solve_in_place_with_conj(Conj::No, columns, parallelism, stack);
+                });
+            }
+        }))
     }
 
     fn in_phase(self) -> f64 {
@@ -122,7 +151,6 @@ impl Admittivity for f64 {
 
 impl Admittivity for Complex64 {
     const PARTS: usize = 2;
-    type Symbolic = SymbolicCholesky<Index>;
 
     fn entries(row: usize, col: usize, value: Self) -> impl Iterator<Item = (usize, usize, f64)> {
         let (real, imaginary) = (2 * row, 2 * row + 1);
@@ -132,28 +160,43 @@ impl Admittivity for Complex64 {
             .chain(above)
     }
 
-    fn from_parts(parts: &[f64]) -> Self {
-        Self::new(parts[0], parts[1])
-    }
-
-    fn analyse(pattern: SymbolicSparseColMatRef<'_, Index>) -> Result<Self::Symbolic, ForwardError> {
-        factorize_symbolic_cholesky(pattern, Side::Lower, Default::default(), Default::default())
-            .map_err(ForwardError::solver)
+    fn from_parts(part: impl Fn(usize) -> f64) -> Self {
+        Self::new(part(0), part(1))
     }
 
     fn solve(
-        symbolic: &Self::Symbolic,
+        symbolic: &Symbolic,
         matrix: SparseColMat<Index, f64>,
-        rhs: Mat<f64>,
+        rhs: impl FnOnce() -> Mat<f64>,
     ) -> Result<Mat<f64>, ForwardError> {
+        let parallelism = faer::get_global_parallelism();
         let mut values = vec![0.0; symbolic.len_val()];
-        let factor = ldlt(symbolic, &matrix, &mut values)?;
+        with_stack(symbolic.factorize_numeric_ldlt_scratch::<f64>(parallelism, Spec::default()), |stack| {
+            let factor = symbolic.factorize_numeric_ldlt(
+                &mut values,
+                matrix.as_ref(),
+                Side::Lower,
+                Default::default(),
+                parallelism,
+                stack,
+                Spec::default(),
+            );
+            factor.map(drop).map_err(|_| ForwardError::Singular)
+        })?;
         drop(matrix);
-        Ok(solve_columns(rhs, |columns| {
-            let scratch = symbolic.solve_in_place_scratch::<f64>(columns.ncols(), Par::Seq);
-            let mut memory = MemBuffer::new(scratch);
-            let stack = MemStack::new(&mut memory);
-            factor.solve_in_place_with_conj(faer::Conj::No, columns, Par::Seq, stack);
+        Ok(solve_columns(rhs(), |columns| match symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(symbolic) => {
+                with_stack(symbolic.solve_in_place_scratch::<f64>(columns.ncols()), |stack| {
+                    let factor = SimplicialLdltRef::new(symbolic, &values);
+                    factor.solve_in_place_with_conj(Conj::No, columns, Par::Seq, stack);
+                });
+            }
+            SymbolicCholeskyRaw::Supernodal(symbolic) => {
+                with_stack(symbolic.solve_in_place_scratch::<f64>(columns.ncols(), Par::Seq), |stack| {
+                    let factor = SupernodalLdltRef::new(symbolic, &values);
+                    factor.solve_in_place_with_conj(Conj::No, columns, Par::Seq, stack);
+                });
+            }
         }))
     }
 
@@ -166,28 +209,12 @@ impl Admittivity for Complex64 {
     }
 }
 
-fn ldlt<'a>(
-    symbolic: &'a SymbolicCholesky<Index>,
-    matrix: &SparseColMat<Index, f64>,
-    values: &'a mut [f64],
-) -> Result<LdltRef<'a, Index, f64>, ForwardError> {
-    let parallelism = faer::get_global_parallelism();
-    let scratch = symbolic.factorize_numeric_ldlt_scratch::<f64>(parallelism, Spec::default());
-    let mut memory = MemBuffer::new(scratch);
-    symbolic
-        .factorize_numeric_ldlt(
-            values,
-            matrix.as_ref(),
-            Side::Lower,
-            Default::default(),
-            parallelism,
-            MemStack::new(&mut memory),
-            Spec::default(),
-        )
-        .map_err(|_| ForwardError::Singular)
+/// Does `work` with as much memory as it needs.
+fn with_stack<R>(needed: StackReq, work: impl FnOnce(&mut MemStack) -> R) -> R {
+    work(MemStack::new(&mut MemBuffer::new(needed)))
 }
 
-/// Columns solved together. The solver copies them, so that few of them need less memory.
+/// Columns solved together. The solver of a prior copies them, so that few of them need less memory.
 const TOGETHER: usize = 8;
 
 /// Solves all columns, a few of them at a time on each core.

@@ -11,6 +11,7 @@ mod system;
 
 pub use admittivity::Admittivity;
 pub(crate) use admittivity::solve_columns;
+use admittivity::{Symbolic, analyse, places};
 use dermatome_geometry::mesh::Mesh;
 use dermatome_shared::stimulation::Step;
 use rayon::prelude::*;
@@ -20,7 +21,7 @@ use system::System;
 #[derive(Debug)]
 pub struct ForwardModel<T: Admittivity = f64> {
     system: System<T>,
-    symbolic: T::Symbolic,
+    symbolic: Symbolic,
 }
 
 /// Why a forward model cannot be solved.
@@ -70,19 +71,20 @@ impl<T: Admittivity> ForwardModel<T> {
             return Err(ForwardError::ContactImpedances { electrodes, given });
         }
         let system = System::new(mesh, contact_impedance, ground)?;
-        let symbolic = T::analyse(system.pattern())?;
+        let symbolic = analyse(system.pattern())?;
         Ok(Self { system, symbolic })
     }
 
     /// Solves for the relative admittivity of each element: `[element]`.
     pub fn solve(&self, admittivity: &[T]) -> Result<Fields<T>, ForwardError> {
         let matrix = self.system.matrix(admittivity)?;
-        let solution = T::solve(&self.symbolic, matrix, self.system.currents())?;
+        let places = places(&self.symbolic);
+        let solution = T::solve(&self.symbolic, matrix, || self.system.currents(places))?;
         if !solution.par_col_iter().all(|column| column.iter().all(|v| v.is_finite())) {
             return Err(ForwardError::Singular);
         }
         Ok(Fields {
-            potentials: self.system.with_ground(&solution),
+            potentials: self.system.with_ground(&solution, places),
             electrodes: self.system.electrodes().to_vec(),
         })
     }

@@ -1,12 +1,12 @@
 //! The system matrix: which entries there are, and their values for an admittivity.
 
 use super::{Admittivity, ForwardError, admittivity::Index};
-use dermatome_geometry::mesh::triangle::Gradients;
-use dermatome_geometry::mesh::{ElectrodeContact, Mesh, triangle};
+use dermatome_geometry::mesh::{ElectrodeContact, Mesh, triangle, triangle::Gradients};
 use faer::{
     Mat,
     sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat, SymbolicSparseColMatRef},
 };
+use nalgebra::Point3;
 use rayon::prelude::*;
 
 /// Unknowns transposed together, so that both sides stay in the cache.
@@ -20,8 +20,10 @@ pub(super) struct System<T> {
     unknowns: usize,
     ground: usize,
     electrodes: Vec<usize>,
-    gradients: Vec<Gradients>,
-    elements: Vec<[usize; 3]>,
+    /// Of the mesh: `[node]`.
+    nodes: Vec<Point3<f64>>,
+    /// Node numbers of each element. Its gradients are computed anew for each admittivity: they are four times as large.
+    elements: Vec<[Index; 3]>,
     /// Fixed entries of the complete electrode model: row, column, value.
     contacts: Vec<(usize, usize, T)>,
     pattern: SymbolicSparseColMat<Index>,
@@ -44,8 +46,8 @@ impl<T: Admittivity> System<T> {
         let electrodes: Vec<_> = (0..mesh.electrodes.len()).map(|e| electrode_unknown(mesh, e)).collect();
         let unknowns = electrodes.iter().map(|&u| u + 1).max().unwrap_or(0).max(mesh.nodes.len());
         let contacts = contact_entries(mesh, contact_impedance);
-        let positions =
-            element_positions(&mesh.elements).chain(contacts.iter().map(|&(row, col, _)| (row, col)));
+        let positions = mesh.elements.iter().flat_map(|&element| element_positions(element));
+        let positions = positions.chain(contacts.iter().map(|&(row, col, _)| (row, col)));
         let pairs: Vec<_> = positions
             .filter(|&(row, col)| row != ground && col != ground)
             .flat_map(|(row, col)| T::entries(without(ground, row), without(ground, col), T::default()))
@@ -58,11 +60,8 @@ impl<T: Admittivity> System<T> {
             unknowns,
             ground,
             electrodes,
-            gradients: (0..mesh.elements.len())
-                .into_par_iter()
-                .map(|e| Gradients::of(mesh.corners(e)))
-                .collect(),
-            elements: mesh.elements.clone(),
+            nodes: mesh.nodes.clone(),
+            elements: mesh.elements.iter().map(|element| element.map(|node| node as Index)).collect(),
             contacts,
             pattern,
             order,
@@ -106,25 +105,28 @@ impl<T: Admittivity> System<T> {
             let (elements, given) = (self.elements.len(), admittivity.len());
             return Err(ForwardError::Conductivities { elements, given });
         }
-        let local = self.gradients.iter().zip(admittivity).flat_map(|(gradients, &sigma)| {
-            LOWER.iter().map(move |&(i, j)| sigma * gradients.admittance(i, j))
-        });
-        let elements =
-            element_positions(&self.elements).zip(local).map(|((row, col), value)| (row, col, value));
+        let local = |(element, &sigma): (&[Index; 3], &'a T)| {
+            let element = element.map(|node| node as usize);
+            let gradients = Gradients::of(element.map(|node| self.nodes[node]));
+            let values = LOWER.map(|(i, j)| sigma * gradients.admittance(i, j));
+            element_positions(element).zip(values).map(|((row, col), value)| (row, col, value))
+        };
+        let elements = self.elements.iter().zip(admittivity).flat_map(local);
         Ok(elements.chain(self.contacts.iter().copied()))
     }
 
-    /// Unit current into each electrode: `[real unknown without ground][electrode]`.
-    pub(super) fn currents(&self) -> Mat<f64> {
+    /// Unit current into each electrode: `[real unknown without ground, in the order of elimination][electrode]`.
+    pub(super) fn currents(&self, places: &[Index]) -> Mat<f64> {
         let mut currents = Mat::zeros(T::PARTS * (self.unknowns - 1), self.electrodes.len());
         for (column, &unknown) in self.electrodes.iter().enumerate().filter(|(_, u)| **u != self.ground) {
-            currents[(T::PARTS * without(self.ground, unknown), column)] = 1.0;
+            let place = places[T::PARTS * without(self.ground, unknown)];
+            currents[(place as usize, column)] = 1.0;
         }
         currents
     }
 
-    /// Puts the ground's zeros back: `[unknown][electrode]`.
-    pub(super) fn with_ground(&self, solution: &Mat<f64>) -> Vec<T> {
+    /// Puts unknowns back in their order, and the ground's zeros between them: `[unknown][electrode]`.
+    pub(super) fn with_ground(&self, solution: &Mat<f64>, places: &[Index]) -> Vec<T> {
         let electrodes = solution.ncols();
         let mut potentials = vec![T::default(); electrodes * self.unknowns];
         potentials.par_chunks_mut(BLOCK * electrodes.max(1)).enumerate().for_each(|(block, rows)| {
@@ -133,7 +135,7 @@ impl<T: Admittivity> System<T> {
                 let unknowns = (block * BLOCK..).zip(rows.chunks_exact_mut(electrodes));
                 for (unknown, row) in unknowns.filter(|(unknown, _)| *unknown != self.ground) {
                     let first = T::PARTS * without(self.ground, unknown);
-                    row[electrode] = T::from_parts(&column[first..first + T::PARTS]);
+                    row[electrode] = T::from_parts(|part| column[places[first + part] as usize]);
                 }
             }
         });
@@ -145,9 +147,9 @@ fn without(ground: usize, unknown: usize) -> usize {
     if unknown > ground { unknown - 1 } else { unknown }
 }
 
-/// Places of the elements' local entries in the lower half.
-fn element_positions(elements: &[[usize; 3]]) -> impl Iterator<Item = (usize, usize)> + '_ {
-    elements.iter().flat_map(|element| LOWER.iter().map(|&(i, j)| lower(element[i], element[j])))
+/// Places of an element's local entries in the lower half.
+fn element_positions(element: [usize; 3]) -> impl Iterator<Item = (usize, usize)> {
+    LOWER.into_iter().map(move |(i, j)| lower(element[i], element[j]))
 }
 
 fn lower(a: usize, b: usize) -> (usize, usize) {

@@ -43,7 +43,7 @@ fn connected(first: usize, waiting: &mut [bool], adjacent: &Adjacency<()>) -> Ve
     let mut next = 0;
     while let Some(&pixel) = members.get(next) {
         next += 1;
-        for &(other, ()) in adjacent.of(pixel) {
+        for (other, ()) in adjacent.of(pixel) {
             if std::mem::replace(&mut waiting[other], false) {
                 members.push(other);
             }

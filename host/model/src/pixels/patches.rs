@@ -133,7 +133,7 @@ impl Surface {
                 if (distance / width) as usize != current {
                     continue;
                 }
-                for &(next, step) in self.adjacent.of(element) {
+                for (next, step) in self.adjacent.of(element) {
                     let distance = distance + step;
                     if distance < best[next].0 {
                         best[next] = (distance, patch);

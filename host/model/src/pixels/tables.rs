@@ -36,7 +36,7 @@ fn curved(pixels: &Pixels) -> SurfaceTables {
     let adjacent = Adjacency::new(pixels.count(), pairs, ());
     let mut neighbours = Vec::new();
     let mut place = |pixel: usize| {
-        let mut list: Vec<u16> = adjacent.of(pixel).iter().map(|&(other, ())| other as u16).collect();
+        let mut list: Vec<u16> = adjacent.of(pixel).map(|(other, ())| other as u16).collect();
         list.sort_unstable();
         neighbours.extend(list);
         Pixel {

@@ -180,7 +180,7 @@ impl Soundness {
         let mut edges = neighbours::edges(elements);
         let signs = neighbours::orientation_over(&edges, elements.len());
         // What a triangle that repeats a node has instead of an edge is left out.
-        edges.retain(|edge| edge.nodes[0] != edge.nodes[1]);
+        edges.retain(|edge| edge.nodes()[0] != edge.nodes()[1]);
         self.non_manifold = non_manifold(&edges);
         self.flipped = signs.iter().filter(|&&sign| sign < 0.0).count();
         self.one_sided = is_one_sided(&edges, &signs);
@@ -250,10 +250,10 @@ fn parts(nodes: usize, elements: &[[usize; 3]]) -> Vec<Part> {
 }
 
 fn non_manifold(edges: &[Edge]) -> Vec<NonManifoldEdge> {
-    let crowded = edges.chunk_by(|a, b| a.nodes == b.nodes).filter(|edges| edges.len() > 2);
+    let crowded = edges.chunk_by(|a, b| a.nodes() == b.nodes()).filter(|edges| edges.len() > 2);
     let edge = |edges: &[Edge]| NonManifoldEdge {
-        nodes: edges[0].nodes,
-        elements: edges.iter().map(|edge| edge.element).collect(),
+        nodes: edges[0].nodes(),
+        elements: edges.iter().map(Edge::element).collect(),
     };
     crowded.map(edge).collect()
 }
@@ -261,11 +261,11 @@ fn non_manifold(edges: &[Edge]) -> Vec<NonManifoldEdge> {
 /// Whether neighbours lie differently although all that could was turned over, see
 /// [`neighbours::orientation`].
 fn is_one_sided(edges: &[Edge], signs: &[f64]) -> bool {
-    let mut pairs = edges.chunk_by(|a, b| a.nodes == b.nodes).filter(|edges| edges.len() == 2);
+    let mut pairs = edges.chunk_by(|a, b| a.nodes() == b.nodes()).filter(|edges| edges.len() == 2);
     pairs.any(|pair| {
         // Neighbours alike pass their edge in opposite directions.
         let alike = pair[0].ascending != pair[1].ascending;
-        alike != (signs[pair[0].element] == signs[pair[1].element])
+        alike != (signs[pair[0].element()] == signs[pair[1].element()])
     })
 }
 
