@@ -78,13 +78,13 @@ pub trait Admittivity:
     /// From its real unknowns.
     fn from_parts(part: impl Fn(usize) -> f64) -> Self;
 
-    /// Factors the lower half in `matrix` and solves for every column of `rhs`, which is made only when the factor
-    /// is. The rows of both are in the order of elimination.
+    /// Factors the lower half in `matrix` and solves for every column of each of `blocks`, which are made only when a
+    /// core is free to solve them. Their rows are in the order of elimination, also in the solution.
     fn solve(
         symbolic: &Symbolic,
         matrix: SparseColMat<Index, f64>,
-        rhs: impl FnOnce() -> Mat<f64>,
-    ) -> Result<Mat<f64>, ForwardError>;
+        blocks: impl ParallelIterator<Item = Mat<f64>>,
+    ) -> Result<Vec<Mat<f64>>, ForwardError>;
 
     /// Part in phase with the current.
     fn in_phase(self) -> f64;
@@ -107,8 +107,8 @@ impl Admittivity for f64 {
     fn solve(
         symbolic: &Symbolic,
         matrix: SparseColMat<Index, f64>,
-        rhs: impl FnOnce() -> Mat<f64>,
-    ) -> Result<Mat<f64>, ForwardError> {
+        blocks: impl ParallelIterator<Item = Mat<f64>>,
+    ) -> Result<Vec<Mat<f64>>, ForwardError> {
         let parallelism = faer::get_global_parallelism();
         let mut values = vec![0.0; symbolic.len_val()];
         with_stack(symbolic.factorize_numeric_llt_scratch::<f64>(parallelism, Spec::default()), |stack| {
@@ -124,7 +124,7 @@ impl Admittivity for f64 {
             factor.map(drop).map_err(|_| ForwardError::Singular)
         })?;
         drop(matrix);
-        Ok(solve_columns(rhs(), |columns| match symbolic.raw() {
+        Ok(solve_blocks(blocks, |columns| match symbolic.raw() {
             SymbolicCholeskyRaw::Simplicial(symbolic) => {
                 with_stack(symbolic.solve_in_place_scratch::<f64>(columns.ncols()), |stack| {
                     let factor = SimplicialLltRef::new(symbolic, &values);
@@ -167,8 +167,8 @@ impl Admittivity for Complex64 {
     fn solve(
         symbolic: &Symbolic,
         matrix: SparseColMat<Index, f64>,
-        rhs: impl FnOnce() -> Mat<f64>,
-    ) -> Result<Mat<f64>, ForwardError> {
+        blocks: impl ParallelIterator<Item = Mat<f64>>,
+    ) -> Result<Vec<Mat<f64>>, ForwardError> {
         let parallelism = faer::get_global_parallelism();
         let mut values = vec![0.0; symbolic.len_val()];
         with_stack(symbolic.factorize_numeric_ldlt_scratch::<f64>(parallelism, Spec::default()), |stack| {
@@ -184,7 +184,7 @@ impl Admittivity for Complex64 {
             factor.map(drop).map_err(|_| ForwardError::Singular)
         })?;
         drop(matrix);
-        Ok(solve_columns(rhs(), |columns| match symbolic.raw() {
+        Ok(solve_blocks(blocks, |columns| match symbolic.raw() {
             SymbolicCholeskyRaw::Simplicial(symbolic) => {
                 with_stack(symbolic.solve_in_place_scratch::<f64>(columns.ncols()), |stack| {
                     let factor = SimplicialLdltRef::new(symbolic, &values);
@@ -214,8 +214,20 @@ fn with_stack<R>(needed: StackReq, work: impl FnOnce(&mut MemStack) -> R) -> R {
     work(MemStack::new(&mut MemBuffer::new(needed)))
 }
 
-/// Columns solved together. The solver of a prior copies them, so that few of them need less memory.
-const TOGETHER: usize = 8;
+/// Columns solved together: few of them need less memory.
+pub(super) const TOGETHER: usize = 8;
+
+/// Solves all columns of each block, one block on each core.
+fn solve_blocks(
+    blocks: impl ParallelIterator<Item = Mat<f64>>,
+    solve: impl Fn(MatMut<'_, f64>) + Sync + Send,
+) -> Vec<Mat<f64>> {
+    let solved = blocks.map(|mut block| {
+        solve(block.as_mut());
+        block
+    });
+    solved.collect()
+}
 
 /// Solves all columns, a few of them at a time on each core.
 pub(crate) fn solve_columns(mut rhs: Mat<f64>, solve: impl Fn(MatMut<'_, f64>) + Sync + Send) -> Mat<f64> {

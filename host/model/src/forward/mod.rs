@@ -14,6 +14,7 @@ pub(crate) use admittivity::solve_columns;
 use admittivity::{Symbolic, analyse, places};
 use dermatome_geometry::mesh::Mesh;
 use dermatome_shared::stimulation::Step;
+use faer::Mat;
 use rayon::prelude::*;
 use system::System;
 
@@ -79,8 +80,10 @@ impl<T: Admittivity> ForwardModel<T> {
     pub fn solve(&self, admittivity: &[T]) -> Result<Fields<T>, ForwardError> {
         let matrix = self.system.matrix(admittivity)?;
         let places = places(&self.symbolic);
-        let solution = T::solve(&self.symbolic, matrix, || self.system.currents(places))?;
-        if !solution.par_col_iter().all(|column| column.iter().all(|v| v.is_finite())) {
+        let solution = T::solve(&self.symbolic, matrix, self.system.currents(places))?;
+        let is_finite =
+            |block: &Mat<f64>| block.par_col_iter().all(|column| column.iter().all(|v| v.is_finite()));
+        if !solution.iter().all(is_finite) {
             return Err(ForwardError::Singular);
         }
         Ok(Fields {

@@ -1,6 +1,9 @@
 //! The system matrix: which entries there are, and their values for an admittivity.
 
-use super::{Admittivity, ForwardError, admittivity::Index};
+use super::{
+    Admittivity, ForwardError,
+    admittivity::{Index, TOGETHER},
+};
 use dermatome_geometry::mesh::{ElectrodeContact, Mesh, triangle, triangle::Gradients};
 use faer::{
     Mat,
@@ -115,23 +118,29 @@ impl<T: Admittivity> System<T> {
         Ok(elements.chain(self.contacts.iter().copied()))
     }
 
-    /// Unit current into each electrode: `[real unknown without ground, in the order of elimination][electrode]`.
-    pub(super) fn currents(&self, places: &[Index]) -> Mat<f64> {
-        let mut currents = Mat::zeros(T::PARTS * (self.unknowns - 1), self.electrodes.len());
-        for (column, &unknown) in self.electrodes.iter().enumerate().filter(|(_, u)| **u != self.ground) {
-            let place = places[T::PARTS * without(self.ground, unknown)];
-            currents[(place as usize, column)] = 1.0;
-        }
-        currents
+    /// Unit current into each electrode, a few electrodes at a time: blocks of `[real unknown without ground, in the
+    /// order of elimination][electrode]`.
+    pub(super) fn currents(&self, places: &[Index]) -> impl ParallelIterator<Item = Mat<f64>> {
+        self.electrodes.par_chunks(TOGETHER).map(|electrodes| {
+            let mut currents = Mat::zeros(T::PARTS * (self.unknowns - 1), electrodes.len());
+            for (column, &unknown) in electrodes.iter().enumerate().filter(|(_, u)| **u != self.ground) {
+                let place = places[T::PARTS * without(self.ground, unknown)];
+                currents[(place as usize, column)] = 1.0;
+            }
+            currents
+        })
     }
 
     /// Puts unknowns back in their order, and the ground's zeros between them: `[unknown][electrode]`.
-    pub(super) fn with_ground(&self, solution: &Mat<f64>, places: &[Index]) -> Vec<T> {
-        let electrodes = solution.ncols();
+    pub(super) fn with_ground(&self, solution: &[Mat<f64>], places: &[Index]) -> Vec<T> {
+        let columns: Vec<&[f64]> = solution
+            .iter()
+            .flat_map(|block| (0..block.ncols()).map(|column| block.col_as_slice(column)))
+            .collect();
+        let electrodes = columns.len();
         let mut potentials = vec![T::default(); electrodes * self.unknowns];
         potentials.par_chunks_mut(BLOCK * electrodes.max(1)).enumerate().for_each(|(block, rows)| {
-            for electrode in 0..electrodes {
-                let column = solution.col_as_slice(electrode);
+            for (electrode, column) in columns.iter().enumerate() {
                 let unknowns = (block * BLOCK..).zip(rows.chunks_exact_mut(electrodes));
                 for (unknown, row) in unknowns.filter(|(unknown, _)| *unknown != self.ground) {
                     let first = T::PARTS * without(self.ground, unknown);
