@@ -383,6 +383,14 @@ pub enum Event {
     Scope(SlotSamples),
 }
 
+impl Event {
+    /// Whether it is so long that short events are sent ahead of it.
+    #[must_use]
+    pub fn is_long(&self) -> bool {
+        matches!(self, Self::Image { .. } | Self::Measurements { .. } | Self::Scope(_))
+    }
+}
+
 /// Which frame an event belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct FrameStamp {

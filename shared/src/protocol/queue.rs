@@ -1,6 +1,6 @@
 //! Queue of encoded packets: bounded, and whole packets or none.
 
-use super::{BoardPacket, Event, PacketError, encode};
+use super::{BoardPacket, PacketError, encode};
 use heapless::Deque;
 use serde::Serialize;
 
@@ -67,13 +67,7 @@ impl<const URGENT: usize, const LONG: usize> EventQueue<URGENT, LONG> {
 
     /// Adds a packet, if there is room for all of it; `scratch` is overwritten.
     pub fn push(&mut self, packet: &BoardPacket, scratch: &mut [u8]) -> Result<(), PacketError> {
-        let is_long = matches!(
-            packet,
-            BoardPacket::Event {
-                event: Event::Image { .. } | Event::Measurements { .. } | Event::Scope(_),
-                ..
-            }
-        );
+        let is_long = matches!(packet, BoardPacket::Event { event, .. } if event.is_long());
         if is_long { self.long.push(packet, scratch) } else { self.urgent.push(packet, scratch) }
     }
 
@@ -86,7 +80,7 @@ impl<const URGENT: usize, const LONG: usize> EventQueue<URGENT, LONG> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocol::{MAX_PACKET_BYTES, SlotSamples};
+    use crate::protocol::{Event, MAX_PACKET_BYTES, SlotSamples};
     use std::vec::Vec;
 
     fn event(number: u32) -> BoardPacket {

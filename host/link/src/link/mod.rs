@@ -6,6 +6,7 @@
 //! Nothing is lost silently: see [`Link::events_lost`] and [`Link::packets_damaged`].
 
 mod hello;
+mod order;
 mod tare;
 mod transport;
 mod upload;
@@ -26,6 +27,7 @@ use dermatome_shared::{
     protocol::{BoardPacket, Event, Identity, Info, Reply, Request, RequestPacket, Selection},
 };
 use hello::HELLO_SEQUENCE;
+use order::Order;
 use std::{
     collections::VecDeque,
     net::ToSocketAddrs,
@@ -44,9 +46,11 @@ pub struct Link {
     wire: Wire,
     identity: Identity,
     last_sequence: u16,
+    order: Order,
+    /// In order.
     events: VecDeque<Numbered>,
-    next_number: Option<u32>,
-    events_lost: u64,
+    /// Events of which there were more than are kept.
+    events_forgotten: u64,
     /// Dropped after the wire, so that a simulated board sees its client leave.
     _companion: Option<Box<dyn Send>>,
 }
@@ -72,9 +76,9 @@ impl Link {
             wire,
             identity,
             last_sequence: HELLO_SEQUENCE,
+            order: Order::default(),
             events: VecDeque::new(),
-            next_number: None,
-            events_lost: 0,
+            events_forgotten: 0,
             _companion: None,
         })
     }
@@ -109,7 +113,7 @@ impl Link {
     /// Counted from the first event received.
     #[must_use]
     pub fn events_lost(&self) -> u64 {
-        self.events_lost
+        self.order.lost() + self.events_forgotten
     }
 
     /// Packets received that were not readable.
@@ -191,25 +195,31 @@ impl Link {
         wanted: impl Fn(&Event) -> bool,
     ) -> Result<Option<Numbered>, LinkError> {
         let deadline = Instant::now() + timeout.max(transport::READ_TIMEOUT);
-        while let Some(packet) = self.wire.receive(deadline)? {
-            if let BoardPacket::Event { number, event } = packet {
-                self.keep(number, event);
-                if self.events.back().is_some_and(|(_, event)| wanted(event)) {
-                    return Ok(self.events.pop_back());
-                }
+        loop {
+            let packet = self.wire.receive(deadline)?;
+            let is_silent = packet.is_none();
+            let known = self.events.len().min(MAX_QUEUED_EVENTS - 1);
+            match packet {
+                Some(BoardPacket::Event { number, event }) => self.keep(number, event),
+                Some(BoardPacket::Reply { .. }) => {}
+                None => self.order.give_up(|event| self.events.push_back(event)),
+            }
+            let place = self.events.iter().skip(known).position(|(_, event)| wanted(event));
+            if let Some(place) = place {
+                return Ok(self.events.remove(known + place));
+            }
+            if is_silent {
+                return Ok(None);
             }
         }
-        Ok(None)
     }
 
     fn keep(&mut self, number: u32, event: Event) {
-        let expected = self.next_number.replace(number.wrapping_add(1)).unwrap_or(number);
-        self.events_lost += u64::from(number.wrapping_sub(expected));
-        if self.events.len() == MAX_QUEUED_EVENTS {
+        if self.events.len() >= MAX_QUEUED_EVENTS {
             self.events.pop_front();
-            self.events_lost += 1;
+            self.events_forgotten += 1;
         }
-        self.events.push_back((number, event));
+        self.order.take(number, event, |event| self.events.push_back(event));
     }
 
     /// Changes what the board streams, within `timeout`; gives the sequence number of the first frame of the new
@@ -222,6 +232,7 @@ impl Link {
     ) -> Result<u32, LinkError> {
         let reply = self.request_within(&Request::Stream(selection), timeout)?;
         let Reply::Streaming { first_sequence } = reply else { return Err(self.wrong_reply("Stream")) };
+        self.order.begin(&selection, |event| self.events.push_back(event));
         self.events.drain(..).for_each(left);
         Ok(first_sequence)
     }

@@ -1,0 +1,187 @@
+//! Order: events in the order of their numbers, and how many of them are lost.
+//!
+//! A board keeps its events in two queues and sends what is short and urgent ahead of what is long
+//! ([`dermatome_shared::protocol::EventQueue`]). So a number that is passed over may still come: it is lost only
+//! once events of both kinds are there that have later ones.
+
+use super::Numbered;
+use dermatome_shared::protocol::{Event, Selection};
+use std::collections::VecDeque;
+
+/// More than this never wait for one that was overtaken: it is lost.
+const MOST_WAITING: usize = 16;
+/// A number at most so far behind is one that was given up; farther behind, the board has started anew.
+const MOST_LATE: u32 = 256;
+
+/// Puts events in order.
+#[derive(Debug, Default)]
+pub(super) struct Order {
+    /// Both kinds are asked for, so that one can overtake the other.
+    is_mixed: bool,
+    /// Number that is due, from the first event on.
+    due: Option<u32>,
+    /// Events that came ahead of it, ascending.
+    waiting: VecDeque<Numbered>,
+    lost: u64,
+}
+
+impl Order {
+    /// Events that did not come, from the first one on.
+    pub(super) fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// Takes the event that came; `done` gets all events whose turn it is.
+    pub(super) fn take(&mut self, number: u32, event: Event, mut done: impl FnMut(Numbered)) {
+        let behind = self.due.map_or(0, |due| due.wrapping_sub(number));
+        if (1..=MOST_LATE).contains(&behind) {
+            self.lost = self.lost.saturating_sub(1);
+            return done((number, event));
+        }
+        if behind != 0 && behind <= u32::MAX / 2 {
+            self.give_up(&mut done);
+            self.due = None;
+        }
+        let due = *self.due.get_or_insert(number);
+        let ahead = |number: u32| number.wrapping_sub(due);
+        let place = self.waiting.partition_point(|(other, _)| ahead(*other) < ahead(number));
+        self.waiting.insert(place, (number, event));
+        self.release(|order| order.is_lost(), done);
+    }
+
+    /// Another selection begins: what waits has waited long enough; `done` gets it.
+    pub(super) fn begin(&mut self, selection: &Selection, done: impl FnMut(Numbered)) {
+        self.give_up(done);
+        let Selection { images, contacts, measurements, health, scope, .. } = selection;
+        self.is_mixed = [images, measurements, scope].iter().any(|every| **every > 0)
+            && [contacts, health].iter().any(|every| **every > 0);
+    }
+
+    /// Nothing is on its way any more: `done` gets what waits.
+    pub(super) fn give_up(&mut self, done: impl FnMut(Numbered)) {
+        self.release(|_| true, done);
+    }
+
+    /// Hands out what waits, up to a number that is not there and may not be `lost`.
+    fn release(&mut self, lost: impl Fn(&Self) -> bool, mut done: impl FnMut(Numbered)) {
+        while let (Some(due), Some(&(number, _))) = (self.due, self.waiting.front()) {
+            if number != due && !lost(self) {
+                return;
+            }
+            self.lost += u64::from(number.wrapping_sub(due));
+            self.due = Some(number.wrapping_add(1));
+            self.waiting.pop_front().into_iter().for_each(&mut done);
+        }
+    }
+
+    /// Whether the number that is due can come no more.
+    fn is_lost(&self) -> bool {
+        let has = |long: bool| self.waiting.iter().any(|(_, event)| event.is_long() == long);
+        !self.is_mixed || self.waiting.len() > MOST_WAITING || has(true) && has(false)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dermatome_shared::{
+        contact::Contacts,
+        protocol::{FrameStamp, SlotSamples},
+    };
+    use proptest::{collection::vec, prelude::*};
+
+    const MIXED: Selection =
+        Selection { images: 0, contacts: 1, measurements: 0, health: 0, scope: 1, scope_slot: 0 };
+
+    fn event(is_long: bool) -> Event {
+        let at = FrameStamp { sequence: 0, timestamp_us: 0, flags: Default::default() };
+        if is_long {
+            Event::Scope(SlotSamples::default())
+        } else {
+            Event::Contacts { at, contacts: Contacts::new() }
+        }
+    }
+
+    fn ordered(selection: &Selection, events: &[(u32, bool)]) -> (Vec<u32>, u64) {
+        let mut order = Order::default();
+        let mut numbers = Vec::new();
+        order.begin(selection, |_| ());
+        for &(number, is_long) in events {
+            order.take(number, event(is_long), |(number, _)| numbers.push(number));
+        }
+        order.give_up(|(number, _)| numbers.push(number));
+        (numbers, order.lost())
+    }
+
+    #[test]
+    fn what_was_overtaken_comes_in_its_turn_and_is_not_lost() {
+        let events = [(7, true), (9, false), (11, false), (8, true), (10, true)];
+        assert_eq!(ordered(&MIXED, &events), (vec![7, 8, 9, 10, 11], 0));
+        let around = [(u32::MAX, false), (1, false), (0, true)];
+        assert_eq!(ordered(&MIXED, &around), (vec![u32::MAX, 0, 1], 0));
+    }
+
+    #[test]
+    fn a_number_is_lost_at_once_where_nothing_can_be_overtaken() {
+        let contacts = Selection { scope: 0, ..MIXED };
+        let mut order = Order::default();
+        order.begin(&contacts, |_| ());
+        let mut numbers = Vec::new();
+        for number in [3, 6] {
+            order.take(number, event(false), |(number, _)| numbers.push(number));
+        }
+        assert_eq!((numbers, order.lost()), (vec![3, 6], 2));
+    }
+
+    #[test]
+    fn one_that_was_given_up_and_comes_counts_no_longer_as_lost() {
+        let mut events: Vec<_> = (1..40).map(|number| (number, false)).collect();
+        events.insert(0, (0, false));
+        events.remove(3);
+        events.push((3, true));
+        let (numbers, lost) = ordered(&MIXED, &events);
+        assert_eq!((numbers.len(), numbers.last(), lost), (40, Some(&3), 0));
+    }
+
+    #[test]
+    fn a_board_that_starts_anew_has_lost_nothing() {
+        assert_eq!(ordered(&MIXED, &[(5000, true), (5001, false), (0, false), (1, true)]).1, 0);
+    }
+
+    proptest! {
+        /// Two queues, each in order, the urgent one first, as on a board whose line is slow; some events dropped.
+        #[test]
+        fn two_queues_come_out_as_one(
+            kinds in vec((any::<bool>(), 0_u8..10, 0_usize..3), 1..200),
+            first in any::<u32>(),
+        ) {
+            let mut queues = [VecDeque::new(), VecDeque::new()];
+            let (mut came, mut sent) = (Vec::new(), Vec::new());
+            for (index, (is_long, drop, pops)) in kinds.iter().enumerate() {
+                let number = first.wrapping_add(index as u32);
+                if *drop > 0 {
+                    queues[usize::from(*is_long)].push_back((number, *is_long));
+                    sent.push(number);
+                }
+                // No more than a board has room for wait.
+                let pops = if queues[1].len() > 4 { 9 } else { *pops };
+                let [urgent, long] = &mut queues;
+                came.extend((0..pops).filter_map(|_| urgent.pop_front().or_else(|| long.pop_front())));
+            }
+            came.extend(queues.into_iter().flatten());
+            // The first to come is where counting begins.
+            prop_assume!(came.first().is_none_or(|(number, _)| sent.first() == Some(number)));
+            let (numbers, lost) = ordered(&MIXED, &came);
+            let (from, to) = (sent.first().copied().unwrap_or(0), sent.last().copied().unwrap_or(0));
+            let between = u64::from(to.wrapping_sub(from)) + u64::from(!sent.is_empty());
+            prop_assert_eq!(numbers.len(), sent.len());
+            prop_assert_eq!(lost, between - sent.len() as u64);
+            let mut sorted = numbers.clone();
+            sorted.sort_by_key(|number| number.wrapping_sub(from));
+            prop_assert_eq!(&sorted, &sent);
+            if kinds.len() <= MOST_WAITING {
+                prop_assert_eq!(numbers, sent);
+            }
+        }
+    }
+}
