@@ -46,7 +46,7 @@ impl Order {
         let ahead = |number: u32| number.wrapping_sub(due);
         let place = self.waiting.partition_point(|(other, _)| ahead(*other) < ahead(number));
         self.waiting.insert(place, (number, event));
-        self.release(|order| order.is_lost(), done);
+        self.release(Self::is_lost, done);
     }
 
     /// Another selection begins: what waits has waited long enough; `done` gets it.
