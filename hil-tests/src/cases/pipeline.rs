@@ -5,6 +5,7 @@ use crate::machine::Machine;
 use crate::rig::{Capability, Rig, VirtualRig};
 use dermatome::link::{self, Link, ScanFrame, assemble::Measurements};
 use dermatome_shared::{
+    drive::Drive,
     frame::Frame,
     patch::PatchView,
     pipeline::{self, Outcome, PipelineState},
@@ -26,6 +27,11 @@ pub(super) const CASES: &[Case] = &[
         name: "the reconstruction takes at most one instruction for each product",
         needs: &[Capability::VirtualTime],
         run: kernel,
+    },
+    Case {
+        name: "on a full line, events that others overtook come in their turn",
+        needs: &[Capability::VirtualTime],
+        run: full_line,
     },
     Case {
         name: "two runs of the same session leave the same trace",
@@ -53,6 +59,30 @@ fn kernel(rig: &Rig) -> Result<String, Failure> {
     ensure(calls.len() >= 10, || format!("only {} calls", calls.len()))?;
     ensure(per_product <= 1.0, || format!("{per_product:.3} instructions for each product"))?;
     Ok(format!("{per_product:.3} instructions for each product, everything counted"))
+}
+
+/// More than the line carries: the board drops what it has no room for, and sends health ahead of images.
+fn full_line(rig: &Rig) -> Result<String, Failure> {
+    let mut link = rig.link()?;
+    link::upload(&mut link, &patches::patch(812, true, 15), |_| ())?;
+    link.request(&Request::Drive(Some(Drive::new(100e3, 1e-3, 1e4))))?;
+    link::tare(&mut link, 2, Duration::from_secs(20))?;
+    let mut stream = link.subscribe(Selection { images: 1, health: 4, ..Selection::default() })?;
+    let mut images = 0;
+    for _ in 0..FRAMES / 5 {
+        images += usize::from(next_frame(&mut stream)?.image.is_some());
+    }
+    let (totals, lost) = (stream.totals(), stream.link().events_lost());
+    stream.stop()?;
+    let missing = totals.parts_missing + totals.frames_missing;
+    ensure(missing > 0, || "the line carries it all, so nothing was tried".to_owned())?;
+    ensure(images >= FRAMES / 20, || format!("{images} of {} frames have an image", totals.frames))?;
+    ensure(totals.parts_unused == 0, || format!("{} parts came too late", totals.parts_unused))?;
+    // Of a frame of which nothing came it is the image. What is read ahead may have gaps too.
+    ensure((missing..missing + 50).contains(&lost), || {
+        format!("{lost} events are lost, {missing} parts missing")
+    })?;
+    Ok(format!("{images} images in {} frames, {missing} parts dropped by the board", totals.frames))
 }
 
 /// Upload, tare, stream and reset on two boards.

@@ -3,15 +3,13 @@
 use crate::{
     assemble::{Assembler, ScanFrame, Totals},
     error::{LinkError, LinkErrorKind},
-    link::{Link, REPLY_TIMEOUT},
+    link::{Link, PARTS_TIMEOUT, REPLY_TIMEOUT},
 };
 use dermatome_shared::protocol::Selection;
 use std::time::{Duration, Instant};
 
 /// How often whoever waits is asked whether to go on while nothing comes.
 const POLL: Duration = Duration::from_millis(100);
-/// What has not come of a frame after so much silence will not come.
-const PARTS_TIMEOUT: Duration = Duration::from_secs(1);
 /// How long a dropped subscription waits for the board to say that it has stopped.
 const DROP_TIMEOUT: Duration = Duration::from_millis(500);
 
@@ -20,8 +18,6 @@ pub struct Subscription<'a> {
     link: &'a mut Link,
     first_sequence: u32,
     assembler: Assembler,
-    /// When the last event came, or when the stream began.
-    heard: Instant,
     is_stopped: bool,
 }
 
@@ -32,7 +28,6 @@ impl Link {
             link: self,
             first_sequence: 0,
             assembler: Assembler::new(selection, 0),
-            heard: Instant::now(),
             is_stopped: false,
         };
         match subscription.link.select(selection, REPLY_TIMEOUT, drop) {
@@ -90,9 +85,9 @@ impl Subscription<'_> {
             }
             let left = timeout.saturating_sub(heard.elapsed());
             if let Some((number, event)) = self.link.next_event(left.min(POLL))? {
-                (heard, self.heard) = (Instant::now(), Instant::now());
+                heard = Instant::now();
                 self.assembler.take(number, event);
-            } else if self.heard.elapsed() >= PARTS_TIMEOUT && self.assembler.is_arriving() {
+            } else if self.link.silence() >= PARTS_TIMEOUT && self.assembler.is_arriving() {
                 self.assembler.finish();
             } else if heard.elapsed() >= timeout {
                 return Err(self.link.error(LinkErrorKind::NoAnswer { timeout }));

@@ -24,7 +24,7 @@ pub(super) fn hello(wire: &mut Wire) -> Result<Identity, LinkError> {
             }
         }
     }
-    Err(wire.silence(HELLO_TIMEOUT * HELLO_ATTEMPTS, 0))
+    Err(wire.no_answer(HELLO_TIMEOUT * HELLO_ATTEMPTS, 0))
 }
 
 fn check(reply: Reply) -> Result<Identity, LinkErrorKind> {

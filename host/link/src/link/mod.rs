@@ -38,6 +38,9 @@ use wire::Wire;
 /// Most events kept for a host that asks much and listens little; older ones count as lost.
 const MAX_QUEUED_EVENTS: usize = 4096;
 
+/// What has not come after so much silence will not come.
+pub(crate) const PARTS_TIMEOUT: Duration = Duration::from_secs(1);
+
 /// An event with its running number.
 pub(crate) type Numbered = (u32, Event);
 
@@ -143,7 +146,7 @@ impl Link {
                 BoardPacket::Event { number, event } => self.keep(number, event),
             }
         }
-        Err(self.wire.silence(timeout, damaged_before))
+        Err(self.wire.no_answer(timeout, damaged_before))
     }
 
     /// What the board holds and does.
@@ -180,6 +183,11 @@ impl Link {
         }
     }
 
+    /// How long no byte has come.
+    pub(crate) fn silence(&self) -> Duration {
+        self.wire.silence()
+    }
+
     /// The next event, or `None` if there is none within `timeout` (20 ms at least).
     pub(crate) fn next_event(&mut self, timeout: Duration) -> Result<Option<Numbered>, LinkError> {
         match self.events.pop_front() {
@@ -202,6 +210,8 @@ impl Link {
             match packet {
                 Some(BoardPacket::Event { number, event }) => self.keep(number, event),
                 Some(BoardPacket::Reply { .. }) => {}
+                // A long event may still be on its way, a piece at a time.
+                None if self.wire.silence() < PARTS_TIMEOUT => {}
                 None => self.order.give_up(|event| self.events.push_back(event)),
             }
             let place = self.events.iter().skip(known).position(|(_, event)| wanted(event));

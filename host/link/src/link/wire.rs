@@ -21,6 +21,8 @@ pub(super) struct Wire {
     /// Bytes received; those before `taken` went into the reader.
     input: Vec<u8>,
     taken: usize,
+    /// When the last bytes came.
+    heard: Instant,
     damaged: u64,
     last_damage: PacketError,
 }
@@ -33,6 +35,7 @@ impl Wire {
             reader: PacketReader::default(),
             input: Vec::with_capacity(MAX_PACKET_BYTES),
             taken: 0,
+            heard: Instant::now(),
             damaged: 0,
             last_damage: PacketError::Framing,
         }
@@ -40,6 +43,11 @@ impl Wire {
 
     pub(super) fn damaged(&self) -> u64 {
         self.damaged
+    }
+
+    /// How long no byte has come.
+    pub(super) fn silence(&self) -> Duration {
+        self.heard.elapsed()
     }
 
     pub(super) fn forget_damage(&mut self) {
@@ -71,7 +79,7 @@ impl Wire {
     }
 
     /// The error for an answer that has not come, with the count of damaged packets from before.
-    pub(super) fn silence(&self, timeout: Duration, damaged_before: u64) -> LinkError {
+    pub(super) fn no_answer(&self, timeout: Duration, damaged_before: u64) -> LinkError {
         match self.damaged - damaged_before {
             0 => self.error(LinkErrorKind::NoAnswer { timeout }),
             packets => self.error(LinkErrorKind::Damaged { packets, last: self.last_damage }),
@@ -107,7 +115,11 @@ impl Wire {
         match result {
             Ok(0) => Err(ErrorKind::UnexpectedEof.into()),
             Err(error) if !may_retry(&error) => Err(error),
-            _ => Ok(()),
+            Ok(_) => {
+                self.heard = Instant::now();
+                Ok(())
+            }
+            Err(_) => Ok(()),
         }
     }
 
