@@ -69,7 +69,8 @@ pub fn blur(matrix: &Mat<f64>, jacobian: &Mat<f64>, divisors: &[f64], areas: &[f
             let entry = |i: usize, j: usize| jacobian[(i, pixels[j])] / divisors[i];
             let data = Mat::from_fn(jacobian.nrows(), pixels.len(), entry);
             let images = matrix * data;
-            images.col_iter().map(|image| blurred_share(image, areas, QUARTER)).collect::<Vec<_>>()
+            let share = |pixel: usize| area_above(images.col_as_slice(pixel), areas, QUARTER) / total;
+            (0..images.ncols()).map(share).collect::<Vec<_>>()
         })
         .collect();
     shares.sort_unstable_by(f64::total_cmp);
@@ -81,9 +82,8 @@ pub fn blur(matrix: &Mat<f64>, jacobian: &Mat<f64>, divisors: &[f64], areas: &[f
     }
 }
 
-/// Share of the area whose pixels are above `level` times the largest one.
-pub(super) fn blurred_share(image: ColRef<'_, f64>, areas: &[f64], level: f64) -> f64 {
-    let largest = image.iter().copied().fold(0.0, f64::max);
-    let above = image.iter().zip(areas).filter(|(value, _)| **value > level * largest);
-    above.map(|(_, area)| area).sum::<f64>() / areas.iter().sum::<f64>()
+/// Area of the pixels above `level` times the largest one.
+pub(super) fn area_above(image: &[f64], areas: &[f64], level: f64) -> f64 {
+    let least = level * image.iter().fold(0.0, |most, &value| if value > most { value } else { most });
+    image.iter().zip(areas).map(|(&value, &area)| if value > least { area } else { 0.0 }).sum()
 }

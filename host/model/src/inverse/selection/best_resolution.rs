@@ -8,10 +8,10 @@
 
 use super::{CurvePoint, Selection, SelectionError, Spectrum, scan};
 use crate::{
-    inverse::{DataSpace, figures::blurred_share},
+    inverse::{DataSpace, figures::area_above},
     skin::Criterion,
 };
-use faer::{Col, Mat};
+use faer::Mat;
 use rayon::prelude::*;
 
 /// Pixels above this share of the largest one make up the blur.
@@ -26,14 +26,16 @@ pub fn best_resolution(
     areas: &[f64],
 ) -> Result<Selection, SelectionError> {
     let components = spectrum.modes.transpose() * frames;
+    let total: f64 = areas.iter().sum();
     let blur = |hyperparameter: f64| {
         let factors = spectrum.factors(hyperparameter);
         let weighted =
             Mat::from_fn(components.nrows(), components.ncols(), |i, j| factors[i] * components[(i, j)]);
         let images = space.images(&(&spectrum.modes * weighted), frames);
-        let square = |pixel: usize| images.row(pixel).iter().map(|value| value * value).sum::<f64>();
-        let squares: Vec<f64> = (0..images.nrows()).into_par_iter().map(square).collect();
-        blurred_share(Col::from_fn(squares.len(), |pixel| squares[pixel].sqrt()).as_ref(), areas, HALF).sqrt()
+        let amplitude =
+            |pixel: usize| images.row(pixel).iter().map(|value| value * value).sum::<f64>().sqrt();
+        let amplitudes: Vec<f64> = (0..images.nrows()).into_par_iter().map(amplitude).collect();
+        (area_above(&amplitudes, areas, HALF) / total).sqrt()
     };
     let points = scan(spectrum, |hyperparameter| CurvePoint::at(hyperparameter, blur(hyperparameter)));
     let lowest = (0..points.len()).rev().min_by(|&a, &b| points[a].ordinate.total_cmp(&points[b].ordinate));
