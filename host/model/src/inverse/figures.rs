@@ -64,7 +64,7 @@ pub fn blur(matrix: &Mat<f64>, jacobian: &Mat<f64>, divisors: &[f64], areas: &[f
     let total: f64 = areas.iter().sum();
     let chosen: Vec<usize> = (0..areas.len()).step_by(areas.len().div_ceil(POINTS)).collect();
     let mut shares: Vec<f64> = chosen
-        .par_chunks(64)
+        .par_chunks(16)
         .flat_map_iter(|pixels| {
             let entry = |i: usize, j: usize| jacobian[(i, pixels[j])] / divisors[i];
             let data = Mat::from_fn(jacobian.nrows(), pixels.len(), entry);
