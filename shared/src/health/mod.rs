@@ -312,6 +312,8 @@ mod tests {
         let patch = PatchView::validate(&bytes).unwrap();
         let mut frame = flat_frame(1000);
         frame.codes.truncate(patch.header.steps.into());
+        assert_eq!(Health::examine(&patch, 50e3, &frame).1, FrameFlags::NOT_RECIPROCAL);
+        frame.codes.iter_mut().skip(1).step_by(2).for_each(|code| code.0 *= -1);
         assert_eq!(Health::examine(&patch, 50e3, &frame).1, FrameFlags::default());
         frame.codes.iter_mut().step_by(3).for_each(|code| code.0 *= 2);
         let (health, flags) = Health::examine(&patch, 50e3, &frame);

@@ -19,19 +19,20 @@ pub(crate) fn drifting_patch(drift_time: f32) -> std::vec::Vec<u8> {
     rewritten(&PatchHeader { drift_time, ..header }, &[])
 }
 
-/// As the small patch, but each two steps measure the same thing; its image stays zero.
+/// As the small patch, but each two steps measure the same thing, the second with the opposite sign; its image
+/// stays zero.
 pub(crate) fn reciprocal_patch() -> std::vec::Vec<u8> {
     let bytes = small_patch(Difference::Plain);
     let patch = PatchView::validate(&bytes).unwrap();
     let steps: std::vec::Vec<_> = patch.steps().collect();
     let measurements = steps.len() as u16 / 2;
-    let target = |measurement| CombinedInto { measurement, flipped: false };
+    let target = |step| CombinedInto { measurement: step / 2, flipped: step % 2 == 1 };
     let (pixels, neighbours) = square(2).tables();
     let contents = PatchContents {
         play_operators: &[],
         header: &PatchHeader { measurements, ..patch.header },
         steps: &steps,
-        combination: &(0..2 * measurements).map(|step| target(step / 2)).collect::<std::vec::Vec<_>>(),
+        combination: &(0..2 * measurements).map(target).collect::<std::vec::Vec<_>>(),
         pixels: &pixels,
         neighbours: &neighbours,
         exponents: &[14; 4],

@@ -120,3 +120,101 @@ impl Drift {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Weights of three measurements.
+    const WEIGHTS: [f32; 3] = [1.0, -0.5, 2.0];
+    /// Time from frame to frame, us.
+    const FRAME_US: u64 = 25_000;
+    const TIME_CONSTANT: f32 = 10.0;
+
+    /// A skin, all of whose voltages have changed by `common`.
+    fn changes(common: f32) -> Changes {
+        WEIGHTS.iter().map(|weight| common * weight).collect()
+    }
+
+    /// Takes `frames` frames with these common changes, touched in all or none; gives what is left of the last.
+    fn take(drift: &mut Drift, from_us: u64, frames: u64, touched: bool, common: impl Fn(u64) -> f32) -> f32 {
+        let mut left = f32::NAN;
+        for frame in 1..=frames {
+            let now_us = from_us + frame * FRAME_US;
+            let mut relative = changes(common(frame));
+            drift.correct(&mut relative, &WEIGHTS, now_us, TIME_CONSTANT);
+            if touched {
+                drift.touch(now_us);
+            }
+            left = relative[0];
+        }
+        left
+    }
+
+    /// A skin that is touched from the first frame on.
+    fn touched() -> Drift {
+        let mut drift = Drift::default();
+        drift.correct(&mut changes(0.0), &WEIGHTS, 0, TIME_CONSTANT);
+        drift.touch(0);
+        drift
+    }
+
+    #[test]
+    fn while_touched_a_skin_is_followed_as_fast_as_it_drifts_and_no_faster() {
+        let seconds = |frame: u64| (frame * FRAME_US) as f32 * 1e-6;
+        for (speed, followed) in [(0.9 * FASTEST, 0.9 * FASTEST), (-0.9 * FASTEST, -0.9 * FASTEST)] {
+            let mut drift = touched();
+            take(&mut drift, 0, 2400, true, |frame| speed * seconds(frame));
+            assert!((drift.common() - 60.0 * followed).abs() < 2e-5, "{}", drift.common());
+        }
+        // Below a jump, and far faster than a skin drifts: 0.4 % at once.
+        let mut drift = touched();
+        let left = take(&mut drift, 0, 80, true, |_| 0.004);
+        assert!((drift.common() - 2.0 * 5e-4).abs() < 2e-5, "3 % a minute, for 2 s: {}", drift.common());
+        assert!((left - 0.003).abs() < 2e-5, "{left}");
+    }
+
+    #[test]
+    fn a_press_on_all_voltages_is_no_drift_nor_is_its_end() {
+        let mut drift = touched();
+        let left = take(&mut drift, 0, 400, true, |_| 0.006);
+        assert!(drift.common().abs() < 1e-6 && (left - 0.006).abs() < 1e-6, "{drift:?}");
+        let left = take(&mut drift, 400 * FRAME_US, 400, true, |_| 0.0);
+        assert!(drift.common().abs() < 1e-6 && left.abs() < 1e-6, "{drift:?}");
+    }
+
+    #[test]
+    fn the_reference_rests_for_a_second_after_the_last_touch_and_then_follows() {
+        let mut drift = touched();
+        let mut follows = |now_us| drift.correct(&mut changes(0.0), &WEIGHTS, now_us, TIME_CONSTANT);
+        for now_us in (FRAME_US..1_000_000).step_by(FRAME_US as usize) {
+            assert_eq!(follows(now_us), Follow::Stay, "{now_us}");
+        }
+        let parts: std::vec::Vec<f32> = (0..40)
+            .filter_map(|frame| match follows(1_000_000 + frame * FRAME_US) {
+                Follow::Part(part) => Some(part),
+                Follow::Stay => None,
+            })
+            .collect();
+        assert_eq!(parts.len(), 10, "every 0.1 s");
+        assert!(parts.iter().all(|part| (part - 0.1 / TIME_CONSTANT).abs() < 1e-6), "{parts:?}");
+    }
+
+    #[test]
+    fn a_contact_in_the_frame_before_counts_however_long_ago_that_was() {
+        let mut drift = touched();
+        assert_eq!(drift.correct(&mut changes(0.0), &WEIGHTS, 20_000_000, TIME_CONSTANT), Follow::Stay);
+        assert_eq!(
+            drift.correct(&mut changes(0.0), &WEIGHTS, 40_000_000, TIME_CONSTANT),
+            Follow::Part(1.0),
+            "twice the time constant"
+        );
+    }
+
+    #[test]
+    fn without_a_time_constant_nothing_is_followed_or_taken_out() {
+        let (mut drift, mut relative) = (Drift::default(), changes(0.3));
+        assert_eq!(drift.correct(&mut relative, &WEIGHTS, 1_000_000, 0.0), Follow::Stay);
+        assert_eq!(relative, changes(0.3));
+    }
+}

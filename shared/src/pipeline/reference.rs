@@ -293,6 +293,21 @@ mod tests {
     }
 
     #[test]
+    fn steps_of_opposite_sign_are_taken_from_each_other() {
+        let bytes = crate::patch::tests::reciprocal_patch();
+        let patch = PatchView::validate(&bytes).unwrap();
+        let mut frame = Frame::default();
+        for step in 0..i32::from(patch.header.steps) {
+            frame.codes.push(crate::units::AdcCode(1000 + step * step)).unwrap();
+        }
+        let mut measured = Measured::new();
+        combine(&patch, &frame, &mut measured);
+        let expected = |m: i64| 4 * m * m - (2 * m + 1) * (2 * m + 1);
+        assert_eq!(measured.len(), usize::from(patch.header.measurements));
+        assert!((0..).zip(&measured).all(|(m, &sum)| sum == expected(m)), "{measured:?}");
+    }
+
+    #[test]
     fn a_value_just_below_a_power_of_two_is_kept_to_half_a_step() {
         let mut data = DifferenceData::default();
         data.quantise(&[0.999_999_94]);
