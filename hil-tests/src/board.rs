@@ -10,6 +10,7 @@ use crate::{
 };
 use dermatome::link::Transport;
 use std::{
+    collections::VecDeque,
     io::{self, ErrorKind, Read, Write},
     sync::{
         Arc, Mutex, PoisonError,
@@ -69,7 +70,7 @@ impl VirtualBoard {
     /// A new end of its link.
     #[must_use]
     pub fn line(&self) -> Line {
-        Line { board: self.clone() }
+        Line { board: self.clone(), waiting: VecDeque::new() }
     }
 
     /// The skin and the front end before it, if its rig has them.
@@ -115,17 +116,19 @@ impl VirtualBoard {
 #[derive(Debug)]
 pub struct Line {
     board: VirtualBoard,
+    /// Sent, and not read yet.
+    waiting: VecDeque<u8>,
 }
 
 impl Read for Line {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let bytes = self.board.receive(READ_TIME).map_err(io::Error::other)?;
-        if bytes.is_empty() {
-            return Err(ErrorKind::TimedOut.into());
+        if self.waiting.is_empty() {
+            self.waiting = self.board.receive(READ_TIME).map_err(io::Error::other)?.into();
         }
-        // 125 us at any rate a UART has are fewer bytes than any buffer of the host.
-        buffer[..bytes.len()].copy_from_slice(&bytes);
-        Ok(bytes.len())
+        match self.waiting.read(buffer)? {
+            0 => Err(ErrorKind::TimedOut.into()),
+            length => Ok(length),
+        }
     }
 }
 

@@ -2,9 +2,20 @@
 
 use dermatome_hil::{
     cases::{self, Case},
-    rig::{Capability, Rig},
+    rig::{Rig, VirtualRig},
 };
-use std::{error::Error, path::PathBuf, process::ExitCode, time::Instant};
+use std::{
+    collections::BTreeMap,
+    error::Error,
+    path::PathBuf,
+    process::ExitCode,
+    sync::{
+        atomic::{AtomicUsize, Ordering},
+        mpsc,
+    },
+    thread::{self, available_parallelism},
+    time::Instant,
+};
 
 /// Options of `cases`.
 #[derive(clap::Args)]
@@ -53,6 +64,29 @@ impl Cases {
 }
 
 impl Count {
+    fn shown(&self) -> usize {
+        self.passed + self.failed + self.not_run
+    }
+
+    fn show(&mut self, name: &'static str, outcome: Outcome) {
+        match outcome {
+            Outcome::Passed { measured, seconds, hash } => {
+                let measured = if measured.is_empty() { measured } else { format!(": {measured}") };
+                println!("ok       {name}{measured} ({seconds:.1} s)");
+                self.hashes.extend(hash.map(|hash| (name, hash)));
+                self.passed += 1;
+            }
+            Outcome::Failed(error) => {
+                println!("FAILED   {name}: {error}");
+                self.failed += 1;
+            }
+            Outcome::NotRun(missing) => {
+                println!("not run  {name}: this rig cannot {missing}");
+                self.not_run += 1;
+            }
+        }
+    }
+
     /// Whether the same happened on the boards of a second run; prints what differs.
     fn repeats_in(&self, again: &Self) -> bool {
         let mut repeats = true;
@@ -67,39 +101,69 @@ impl Count {
     }
 }
 
+/// Runs the cases, on emulated boards as many side by side as there are cores; prints them in order.
 fn run_all(rig: &Rig, cases: &[Case]) -> Count {
+    let workers = match rig {
+        Rig::Virtual(_) => available_parallelism().map_or(1, usize::from),
+        Rig::Board { .. } => 1,
+    };
+    let next = AtomicUsize::new(0);
+    let (done, results) = mpsc::channel();
     let mut count = Count::default();
-    for case in cases {
-        let missing: Vec<Capability> = case.needs.iter().copied().filter(|&need| !rig.can(need)).collect();
-        if missing.is_empty() {
-            run_one(rig, case, &mut count);
-        } else {
-            let missing: Vec<String> = missing.iter().map(ToString::to_string).collect();
-            println!("not run  {}: this rig cannot {}", case.name, missing.join(", "));
-            count.not_run += 1;
+    thread::scope(|scope| {
+        for _ in 0..workers {
+            let (done, next) = (done.clone(), &next);
+            scope.spawn(move || {
+                while let Some((place, case)) = take_next(cases, next) {
+                    // Whoever waits for it is there until all are done.
+                    let _ = done.send((place, run_one(rig, case)));
+                }
+            });
         }
-    }
+        drop(done);
+        let mut early = BTreeMap::new();
+        for (place, outcome) in results {
+            early.insert(place, outcome);
+            while let Some(outcome) = early.remove(&count.shown()) {
+                count.show(cases[count.shown()].name, outcome);
+            }
+        }
+    });
     count
 }
 
-fn run_one(rig: &Rig, case: &Case, count: &mut Count) {
+fn take_next<'a>(cases: &'a [Case], next: &AtomicUsize) -> Option<(usize, &'a Case)> {
+    let place = next.fetch_add(1, Ordering::Relaxed);
+    cases.get(place).map(|case| (place, case))
+}
+
+/// What became of one case.
+enum Outcome {
+    Passed {
+        measured: String,
+        seconds: f64,
+        /// Hash of what happened on an emulated board.
+        hash: Option<u64>,
+    },
+    Failed(String),
+    NotRun(String),
+}
+
+fn run_one(rig: &Rig, case: &Case) -> Outcome {
+    let missing: Vec<String> =
+        case.needs.iter().filter(|&&need| !rig.can(need)).map(ToString::to_string).collect();
+    if !missing.is_empty() {
+        return Outcome::NotRun(missing.join(", "));
+    }
     let start = Instant::now();
     let result = rig.fresh().map_err(cases::Failure::from).and_then(|board| {
         let measured = (case.run)(&board)?;
-        if let Rig::Virtual(rig) = &board {
-            count.hashes.push((case.name, rig.board.with(|machine| machine.chip(|chip| chip.trace.hash()))));
-        }
-        Ok(measured)
+        let hash = |rig: &VirtualRig| rig.board.with(|machine| machine.chip(|chip| chip.trace.hash()));
+        Ok((measured, if let Rig::Virtual(rig) = &board { Some(hash(rig)) } else { None }))
     });
     let seconds = start.elapsed().as_secs_f64();
-    match &result {
-        Ok(measured) if measured.is_empty() => println!("ok       {} ({seconds:.1} s)", case.name),
-        Ok(measured) => println!("ok       {}: {measured} ({seconds:.1} s)", case.name),
-        Err(error) => println!("FAILED   {}: {error} ({seconds:.1} s)", case.name),
-    }
-    if result.is_ok() {
-        count.passed += 1;
-    } else {
-        count.failed += 1;
+    match result {
+        Ok((measured, hash)) => Outcome::Passed { measured, seconds, hash },
+        Err(error) => Outcome::Failed(format!("{error} ({seconds:.1} s)")),
     }
 }
