@@ -3,7 +3,7 @@
 //! Written `WHAT@WHEN`, for instance `power@1.5s`, `power@op:37`, `flip@2s:0x20000100.3`.
 
 use crate::{
-    chip::time::Time,
+    chip::{Chip, time::Time},
     machine::{Halt, Machine},
     world,
 };
@@ -38,6 +38,10 @@ pub enum What {
     Noise(u32),
     /// The flash never becomes ready again.
     Stuck,
+    /// The DMA comes too late for a sample of the converter of voltages.
+    LostSample,
+    /// The DMA comes too late for a value of the current.
+    LostValue,
     /// The CPU runs in circles.
     Hang,
     /// The CPU meets a bus error.
@@ -50,7 +54,7 @@ pub enum What {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{text}` is no fault: {reason} (allowed are power@TIME, power@op:N, flip@TIME:0xADDRESS.BIT, \
-     noise@TIME:BYTES, stuck@TIME, hang@TIME, crash@TIME; and, from the start or with @TIME behind them, \
+     noise@TIME:BYTES, stuck@TIME, sample@TIME, value@TIME, hang@TIME, crash@TIME; and, from the start or with @TIME behind them, \
      open:ELECTRODE, short:ELECTRODE-ELECTRODE, contact:ELECTRODE+OHMS, mux:LINE=LEVEL, dac, saturate; TIME is \
      like 20ms or 1.5s, electrodes are 1 to 16, lines 0 to 15)"
 )]
@@ -84,6 +88,8 @@ fn parse(text: &str) -> Result<Fault, String> {
     let what = match (what, argument) {
         ("power", None) => What::Power,
         ("stuck", None) => What::Stuck,
+        ("sample", None) => What::LostSample,
+        ("value", None) => What::LostValue,
         ("hang", None) => What::Hang,
         ("crash", None) => What::BusError,
         ("noise", Some(bytes)) => {
@@ -182,6 +188,8 @@ impl fmt::Display for What {
             Self::Flip(address, bit) => write!(formatter, "bit {bit} at {address:#010x} flips"),
             Self::Noise(bytes) => write!(formatter, "the next {bytes} bytes to the board are damaged"),
             Self::Stuck => formatter.write_str("the flash stays busy for ever"),
+            Self::LostSample => formatter.write_str("the DMA comes too late for a sample"),
+            Self::LostValue => formatter.write_str("the DMA comes too late for a value of the current"),
             Self::Hang => formatter.write_str("the CPU runs in circles"),
             Self::BusError => formatter.write_str("the CPU meets a bus error"),
             Self::World(fault) => fault.fmt(formatter),
@@ -244,6 +252,8 @@ impl What {
             }
             Self::Noise(bytes) => machine.chip(|chip| chip.uart.disturb(bytes)),
             Self::Stuck => machine.chip(|chip| chip.flash.stick()),
+            Self::LostSample => machine.chip(|chip| chip.lose_sample(2)),
+            Self::LostValue => machine.chip(Chip::underrun),
             Self::Hang => machine.hang(),
             Self::BusError => machine.inject_fault(),
             Self::World(fault) => {

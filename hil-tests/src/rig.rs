@@ -213,21 +213,23 @@ pub struct VirtualRig {
     pub board: VirtualBoard,
     /// Its firmware.
     pub firmware: Arc<Firmware>,
+    /// Where that came from.
+    pub elf: PathBuf,
     /// How it runs.
     pub options: Options,
 }
 
 impl VirtualRig {
     /// An emulated board with this firmware, switched on for the first time.
-    pub fn start(firmware: Arc<Firmware>, options: Options) -> Result<Self, Halt> {
+    pub fn start(firmware: Arc<Firmware>, elf: PathBuf, options: Options) -> Result<Self, Halt> {
         let mut flash = Flash::default();
         emulated::program(&mut flash, &firmware);
         let board = VirtualBoard::start(flash, options.clone())?;
-        Ok(Self { board, firmware, options })
+        Ok(Self { board, firmware, elf, options })
     }
 
-    fn program(&self) -> Result<(), Halt> {
-        let firmware = self.firmware.clone();
+    /// Programs a firmware, and starts the board anew.
+    pub fn program(&self, firmware: Arc<Firmware>) -> Result<(), Halt> {
         self.board.with(move |machine| {
             machine.chip(|chip| emulated::program(&mut chip.flash, &firmware));
             machine.press_reset()
@@ -247,8 +249,9 @@ impl Rig {
                 let world = world.map(|world| world.setup(folder, seed).map(Arc::new)).transpose();
                 let world = world.map_err(|reason| RigError::World { path: path.to_owned(), reason })?;
                 let options = options(cycles_per_instruction, baud, seed).map_err(wrong)?;
-                let firmware = Firmware::load(elf.unwrap_or(&beside(path, &own)))?;
-                Ok(Self::Virtual(VirtualRig::start(Arc::new(firmware), Options { world, ..options })?))
+                let elf = elf.map_or_else(|| beside(path, &own), Path::to_owned);
+                let firmware = Arc::new(Firmware::load(&elf)?);
+                Ok(Self::Virtual(VirtualRig::start(firmware, elf, Options { world, ..options })?))
             }
             RigFile::Board { port, probe, elf: own } => {
                 let port: Port = port.parse().map_err(|error| wrong(format!("`port`: {error}")))?;
@@ -277,8 +280,8 @@ impl Rig {
     /// A board that nothing has happened to: a new emulated one, or the real one, reset if the rig can.
     pub fn fresh(&self) -> Result<Self, RigError> {
         match self {
-            Self::Virtual(VirtualRig { firmware, options, .. }) => {
-                Ok(Self::Virtual(VirtualRig::start(firmware.clone(), options.clone())?))
+            Self::Virtual(VirtualRig { firmware, elf, options, .. }) => {
+                Ok(Self::Virtual(VirtualRig::start(firmware.clone(), elf.clone(), options.clone())?))
             }
             Self::Board { port, programmer } => {
                 let board = Self::Board { port: port.clone(), programmer: programmer.clone() };
@@ -292,10 +295,10 @@ impl Rig {
 
     /// A fresh emulated board before another skin, whose events are kept.
     pub fn before(&self, skin: Skin) -> Result<Self, RigError> {
-        let VirtualRig { firmware, options, .. } = self.emulated_rig();
+        let VirtualRig { firmware, elf, options, .. } = self.emulated_rig();
         let world = options.world.as_ref().map(|world| world.with_skin(skin)).transpose()?;
         let options = Options { world: world.map(Arc::new), keep_trace: true, ..options.clone() };
-        Ok(Self::Virtual(VirtualRig::start(firmware.clone(), options)?))
+        Ok(Self::Virtual(VirtualRig::start(firmware.clone(), elf.clone(), options)?))
     }
 
     /// What the rig can do. To an emulated board anything can be done; a real one has its link, and what its
@@ -326,7 +329,7 @@ impl Rig {
     /// Programs the firmware again, and starts the board anew. Needs [`Capability::Program`].
     pub fn program(&self) -> Result<(), RigError> {
         match self {
-            Self::Virtual(rig) => rig.program()?,
+            Self::Virtual(rig) => rig.program(rig.firmware.clone())?,
             Self::Board { programmer, .. } => needed(programmer).program()?,
         }
         Ok(self.wait(Duration::from_nanos(START_TIME.nanoseconds()))?)

@@ -11,7 +11,7 @@
 #![no_std]
 #![no_main]
 
-use cortex_m::{Peripherals, asm, peripheral::DWT};
+use cortex_m::{asm, peripheral::DWT};
 use cortex_m_rt::entry;
 use defmt::info;
 use defmt_rtt as _;
@@ -30,7 +30,7 @@ const IMAGES: u32 = 20;
 fn main() -> ! {
     let board = board::start();
     let store = FlashSlotStore::open(SlotFlash::new(board.flash));
-    let mut core = Peripherals::take().expect("taken once");
+    let mut core = board.core;
     core.DCB.enable_trace();
     core.DWT.enable_cycle_counter();
     match store.active().map(PatchView::open) {
@@ -38,7 +38,7 @@ fn main() -> ! {
         _ => info!("the board holds no patch: send one with `dermatome flash`, then run this again"),
     }
     loop {
-        asm::bkpt();
+        asm::wfi();
     }
 }
 

@@ -21,7 +21,7 @@ use embassy_stm32::{
 use super::{
     AMPLIFIER, BLANK_SAMPLES, Converter, DAC, MULTIPLEXERS, SAMPLE_CYCLES, SAMPLE_TRIGGER,
     SAMPLES_PER_WAVE_VALUE, SampleTimer, SlotTimer, WAVE_TRIGGER, WaveDac, WaveDacPin, WaveTimer,
-    arm_converter, disarm_converter,
+    arm_converter, converter_overran, disarm_converter,
 };
 
 /// The front end, set up: DMA channels come with the requests they serve.
@@ -75,12 +75,18 @@ impl SensingTimers {
         // The first sample triggers the DAC, then every other.
         self.wave.regs_gp32().cnt().write_value(SAMPLES_PER_WAVE_VALUE as u32 - 1);
         DAC.dhr12r(0).write(|w| w.set_dhr(MIDDLE));
+        DAC.sr().write(|w| w.set_dmaudr(0, true));
         DAC.cr().modify(|w| w.set_dmaen(0, true));
         arm_converter();
         self.slot.start();
         self.wave.start();
         self.sample.regs_gp16().cnt().write(|w| w.set_cnt(0));
         self.sample.start();
+    }
+
+    /// Whether the DMA has come too late: a sample is lost, or the DAC has stopped at a value.
+    pub fn has_lost_step(&self) -> bool {
+        converter_overran() || DAC.sr().read().dmaudr(0)
     }
 
     /// Stops the scan; the DAC stays where it is, and all switches open.

@@ -78,6 +78,12 @@ pub struct Amplifier {
     pub word: fn(u8) -> u32,
 }
 
+/// Whether a debug probe holds on to the core. Only then do clocks run on while it sleeps: the counter of cycles,
+/// by which load is known, must stand still then.
+fn is_debugged() -> bool {
+    cortex_m::peripheral::DCB::is_debugger_attached()
+}
+
 /// How long so many samples take.
 pub fn duration_of_samples(samples: usize) -> Duration {
     Duration::from_micros(samples as u64 * 1_000_000 / u64::from(SAMPLE_RATE))

@@ -147,7 +147,7 @@ impl Scan<'_> {
         let end = (RING_SAMPLES - self.ring.get_remaining_transfers() as usize) % RING_SAMPLES;
         let since = now - self.last;
         let is_still = end == self.next && since >= board::duration_of_samples(STILL_SAMPLES);
-        if is_still || since >= board::duration_of_samples(RING_SAMPLES) {
+        if is_still || since >= board::duration_of_samples(RING_SAMPLES) || self.timers.has_lost_step() {
             return Err(Missed);
         }
         self.last = now;

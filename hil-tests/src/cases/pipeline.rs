@@ -2,8 +2,13 @@
 
 use super::{Case, Failure, ensure, ensure_complete, next_frame, next_with, patches};
 use crate::machine::Machine;
+use crate::probe::emulated::LogReader;
 use crate::rig::{Capability, Rig, VirtualRig};
-use dermatome::link::{self, Link, ScanFrame, assemble::Measurements};
+use dermatome::link::{
+    self, Link, ScanFrame,
+    assemble::Measurements,
+    program::{firmware::Firmware, log::Log},
+};
 use dermatome_shared::{
     drive::Drive,
     frame::Frame,
@@ -11,7 +16,7 @@ use dermatome_shared::{
     pipeline::{self, Outcome, PipelineState},
     protocol::{FrameStamp, PackedImage, Reply, Request, Selection},
 };
-use std::time::Duration;
+use std::{sync::Arc, time::Duration};
 
 /// Images compared.
 const FRAMES: usize = 1000;
@@ -27,6 +32,11 @@ pub(super) const CASES: &[Case] = &[
         name: "the reconstruction takes at most one instruction for each product",
         needs: &[Capability::VirtualTime],
         run: kernel,
+    },
+    Case {
+        name: "`kernel_cycles` measures the patch that the board holds",
+        needs: &[Capability::Log, Capability::Program],
+        run: kernel_cycles,
     },
     Case {
         name: "on a full line, events that others overtook come in their turn",
@@ -59,6 +69,20 @@ fn kernel(rig: &Rig) -> Result<String, Failure> {
     ensure(calls.len() >= 10, || format!("only {} calls", calls.len()))?;
     ensure(per_product <= 1.0, || format!("{per_product:.3} instructions for each product"))?;
     Ok(format!("{per_product:.3} instructions for each product, everything counted"))
+}
+
+fn kernel_cycles(rig: &Rig) -> Result<String, Failure> {
+    link::upload(&mut rig.link()?, &patches::patch(812, true, 13), |_| ())?;
+    let virtual_rig = rig.emulated_rig();
+    let other = virtual_rig.elf.with_file_name("kernel_cycles");
+    let firmware = Arc::new(Firmware::load(&other).map_err(Failure::wrong)?);
+    virtual_rig.program(firmware.clone())?;
+    rig.wait(Duration::from_secs(1))?;
+    let log = Log::new(&firmware).map_err(Failure::wrong)?;
+    let lines = LogReader::new(&log, false).lines(&virtual_rig.board).map_err(Failure::wrong)?;
+    let says = |words: &str| lines.iter().any(|line| line.contains(words));
+    ensure(says("812 pixels x 104 measurements") && says("same bits: true"), || lines.join(" | "))?;
+    Ok(lines.join(" | "))
 }
 
 /// More than the line carries: the board drops what it has no room for, and sends health ahead of images.

@@ -1,7 +1,7 @@
 //! Core: the private peripherals of the Cortex-M4 (ARMv7-M Architecture Reference Manual, B3): NVIC,
 //! system control block, SysTick, DWT's cycle counter.
 //!
-//! CYCCNT counts *instructions*: the emulator does not know cycles.
+//! CYCCNT stands still while the core's clock is off: in sleep, unless DBGMCU keeps it on.
 
 use super::{
     misuse::Misuse,
@@ -70,7 +70,7 @@ impl Core {
         let plain = self.plain.get(&address).copied();
         let value = match address {
             0xE000_1000 => plain.unwrap_or(0x4000_0000),
-            0xE000_1004 => at.instructions.wrapping_sub(self.cycles_from) as u32,
+            0xE000_1004 => at.cycles.wrapping_sub(self.cycles_from) as u32,
             0xE000_E010 => self.tick.control | u32::from(std::mem::take(&mut self.tick.wrapped)) << 16,
             0xE000_E014 => self.tick.reload,
             0xE000_E018 => self.tick.count(at),
@@ -100,7 +100,7 @@ impl Core {
     /// Writes a word, or the bytes of one that `size` says.
     pub fn write(&mut self, address: u32, size: u32, value: u32, at: CoreMoment) -> Result<(), Misuse> {
         match address {
-            0xE000_1004 => self.cycles_from = at.instructions.wrapping_sub(u64::from(value)),
+            0xE000_1004 => self.cycles_from = at.cycles.wrapping_sub(u64::from(value)),
             0xE000_E010 => {
                 self.tick.control = value & 7;
                 self.tick.since = at.now;
@@ -209,8 +209,8 @@ pub struct CoreMoment {
     pub now: Time,
     /// One cycle.
     pub cycle: Time,
-    /// Instructions executed so far.
-    pub instructions: u64,
+    /// Cycles of the core's clock so far.
+    pub cycles: u64,
 }
 
 impl SysTick {
@@ -246,8 +246,8 @@ fn no_register(address: u32) -> Misuse {
 mod tests {
     use super::*;
 
-    fn at(instructions: u64) -> CoreMoment {
-        CoreMoment { now: Time::from_micros(instructions), cycle: Time::from_micros(1), instructions }
+    fn at(cycles: u64) -> CoreMoment {
+        CoreMoment { now: Time::from_micros(cycles), cycle: Time::from_micros(1), cycles }
     }
 
     #[test]
@@ -275,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn the_cycle_counter_counts_instructions_from_the_value_it_was_given() {
+    fn the_cycle_counter_counts_from_the_value_it_was_given() {
         let mut core = Core::default();
         core.write(0xE000_1004, 4, 0, at(1000)).unwrap();
         assert_eq!(core.read(0xE000_1004, at(1234)).unwrap(), 234);

@@ -58,7 +58,7 @@ use self::{
     misuse::Misuse,
     nvic::NMI,
     opamp::Opamp,
-    peripheral::Moment,
+    peripheral::{Moment, Peripheral},
     plain::Plain,
     pwr::Pwr,
     rcc::{Rcc, ResetCause},
@@ -81,8 +81,8 @@ pub use self::{
 pub struct Chip {
     /// Virtual time.
     pub now: Time,
-    /// Instructions executed so far; the machine keeps it current.
-    pub instructions: u64,
+    /// Time in which the core had no clock; the machine adds to it.
+    pub unclocked: Time,
     /// The core's private peripherals.
     pub core: Core,
     /// The flash.
@@ -110,6 +110,8 @@ pub struct Chip {
     dbgmcu: Plain,
     clocks: Clocks,
     cycle: Time,
+    /// Cycles of the core until its clock changed last, and the clocked time until then.
+    cycles: (u64, Time),
     /// Blocks of the map's peripherals, in its order.
     blocks: Vec<Option<Block>>,
     /// Registers that were accessed, with their addresses.
@@ -129,7 +131,7 @@ impl Chip {
     pub fn new(wire_baud: u64, keep_trace: bool) -> Self {
         Self {
             now: Time::ZERO,
-            instructions: 0,
+            unclocked: Time::ZERO,
             core: Core::default(),
             flash: Flash::default(),
             uart: Usart::new("LPUART1", wire_baud),
@@ -152,6 +154,7 @@ impl Chip {
             dbgmcu: Plain::dbgmcu(),
             clocks: Clocks::RESET,
             cycle: Clocks::RESET.cycle(),
+            cycles: (0, Time::ZERO),
             blocks: blocks::by_place(),
             places: [None; 64],
             lines: Lines::of_chip(),
@@ -198,7 +201,7 @@ impl Chip {
             self.serve_requests(memory)?;
             self.raise_lines();
             self.carry_outputs();
-            self.show_outside();
+            self.show_outside()?;
             self.reschedule();
             self.touched = Blocks::default();
         }
@@ -224,12 +227,29 @@ impl Chip {
     }
 
     fn core_moment(&self) -> CoreMoment {
-        CoreMoment { now: self.now, cycle: self.cycle, instructions: self.instructions }
+        CoreMoment { now: self.now, cycle: self.cycle, cycles: self.cycles() }
+    }
+
+    /// Cycles of the core's clock so far.
+    fn cycles(&self) -> u64 {
+        let (before, changed) = self.cycles;
+        before + self.clocked().since(changed).periods(self.cycle)
+    }
+
+    fn clocked(&self) -> Time {
+        self.now.since(self.unclocked)
+    }
+
+    /// Whether the core's clock runs on while the core sleeps (DBGMCU_CR.DBG_SLEEP).
+    #[must_use]
+    pub fn is_clocked_in_sleep(&self) -> bool {
+        self.dbgmcu.bank().is_set("CR", "DBG_SLEEP")
     }
 
     /// Tells trace and world what changed outside.
-    fn show_outside(&mut self) {
+    fn show_outside(&mut self) -> Result<(), Misuse> {
         for block in self.touched.iter() {
+            self.check_pins(block)?;
             match block {
                 Block::Port(place) => self.show_pins(place.into()),
                 Block::Dac(place) => {
@@ -245,5 +265,6 @@ impl Chip {
                 _ => {}
             }
         }
+        Ok(())
     }
 }

@@ -24,7 +24,25 @@ pub(super) struct Wire {
     channel: usize,
 }
 
+/// Pins (port and number) at which the first input and the bias of OPAMP2 are, and the outputs of DAC1 (DS12288,
+/// table 12).
+const OPAMP2_PINS: [(char, usize); 2] = [('A', 7), ('A', 5)];
+const DAC1_PINS: [(char, usize); 2] = [('A', 4), ('A', 5)];
+/// Pins that UCPD1 pulls down as long as its dead battery support is on.
+const UCPD1_PINS: [usize; 2] = [4, 6];
+
 impl Chip {
+    /// The DMA comes too late for the next sample of the converter of that number.
+    pub fn lose_sample(&mut self, adc: usize) {
+        self.adcs[adc - 1].lose_sample();
+    }
+
+    /// The DMA comes too late for the next value of DAC1's first channel.
+    pub fn underrun(&mut self) {
+        self.dacs[0].underrun(0);
+        self.touched.insert(Block::Dac(0));
+    }
+
     /// The world puts a level on a pin, or lets it go.
     pub fn drive(&mut self, port: char, pin: usize, level: Option<bool>) {
         if let Some(port) = port_of(port).and_then(|port| self.ports.get_mut(port)) {
@@ -64,6 +82,35 @@ impl Chip {
                 let rule =
                     format!("ADC{} measures OPAMP{number} while its OPAMPEN or OPAINTOEN is 0", adc + 1);
                 Err(Misuse::rule("ADC", rule))
+            }
+            (Internal::Opamp(2), _) => {
+                OPAMP2_PINS.iter().try_for_each(|&pin| self.check_analogue("OPAMP", pin))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Signals that are no levels need their pin to be analogue.
+    fn check_analogue(&self, peripheral: &'static str, (letter, pin): (char, usize)) -> Result<(), Misuse> {
+        let mode = port_of(letter).map(|port| self.ports[port].mode(pin));
+        if mode == Some(PinMode::Analogue) {
+            return Ok(());
+        }
+        Err(Misuse::rule(peripheral, format!("its pin P{letter}{pin} is not analogue (GPIO{letter}.MODER)")))
+    }
+
+    /// What belongs to the pins of a block that was touched.
+    pub(super) fn check_pins(&self, block: Block) -> Result<(), Misuse> {
+        match block {
+            Block::Dac(0) => (0..2)
+                .filter(|&channel| self.dacs[0].output(channel).is_some())
+                .try_for_each(|channel| self.check_analogue("DAC", DAC1_PINS[channel])),
+            Block::Port(1) if !self.pwr.ends_dead_battery() => {
+                let pulled = UCPD1_PINS.into_iter().find(|&pin| self.ports[1].mode(pin) == PinMode::Output);
+                pulled.map_or(Ok(()), |pin| {
+                    let rule = format!("UCPD1 pulls PB{pin} down while CR3.UCPD1_DBDIS is 0");
+                    Err(Misuse::rule("PWR", rule))
+                })
             }
             _ => Ok(()),
         }
@@ -119,6 +166,7 @@ impl Chip {
     }
 
     pub(super) fn follow_clocks(&mut self) {
+        self.cycles = (self.cycles(), self.clocked());
         self.clocks = self.rcc.clocks();
         self.cycle = self.clocks.cycle();
         let clocks = self.clocks;

@@ -32,7 +32,7 @@ pub(super) fn boot(
     keep_trace: bool,
     skin: Option<Skin>,
 ) -> Result<(VirtualBoard, Arc<firmware::Firmware>), Box<dyn Error>> {
-    let Rig::Virtual(VirtualRig { firmware: elf, mut options, .. }) =
+    let Rig::Virtual(VirtualRig { firmware, elf, mut options, .. }) =
         Rig::open(&firmware.rig, firmware.elf.as_deref())?
     else {
         return Err(format!("rig `{}` is a real board; it needs no emulator", firmware.rig.display()).into());
@@ -41,7 +41,7 @@ pub(super) fn boot(
     if let (Some(world), Some(skin)) = (&mut options.world, skin) {
         *world = world.with_skin(skin)?.into();
     }
-    let VirtualRig { board, firmware, .. } = VirtualRig::start(elf, options)?;
+    let VirtualRig { board, firmware, .. } = VirtualRig::start(firmware, elf, options)?;
     board.run(START_TIME)?;
     Ok((board, firmware))
 }

@@ -228,7 +228,6 @@ impl State {
         touch: impl FnOnce(&mut crate::chip::Chip) -> Result<T, Misuse>,
     ) -> Option<T> {
         let mut chip = self.chip.borrow_mut();
-        chip.instructions = self.instructions.get();
         let result = chip
             .advance(self.now.get(), &mut Ram(unicorn))
             .and_then(|()| touch(&mut chip))

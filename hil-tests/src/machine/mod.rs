@@ -289,7 +289,11 @@ impl Machine {
         let from = state.now.get();
         let result = chip.advance_quietly(deadline, &mut Ram(&mut self.unicorn));
         state.now.set(chip.now.max(from));
-        self.slept += state.now.get().since(from);
+        let slept = state.now.get().since(from);
+        self.slept += slept;
+        if !chip.is_clocked_in_sleep() {
+            chip.unclocked += slept;
+        }
         result.map(drop).map_err(|misuse| self.misused(misuse))
     }
 
@@ -297,7 +301,6 @@ impl Machine {
     fn pass_time(&mut self) -> Result<(), Halt> {
         let state = self.state.clone();
         let mut chip = state.chip.borrow_mut();
-        chip.instructions = state.instructions.get();
         let result = chip.advance(state.now.get(), &mut Ram(&mut self.unicorn));
         result
             .and_then(|()| chip.settle(&mut Ram(&mut self.unicorn)))
@@ -387,6 +390,8 @@ impl Machine {
         self.sync_flash();
         self.state.event.set(false);
         self.state.blocks.borrow_mut().clear();
+        // Another program may lie where one lay whose translation unicorn has kept.
+        self.unicorn.ctl_flush_tb().map_err(|error| self.gave_up(format!("{error:?}")))?;
         self.pass_time()?;
         self.reset_registers();
         Ok(())

@@ -4,6 +4,8 @@ use crate::chip::{
     time::Time,
 };
 
+/// DWT's counter of cycles.
+const CYCCNT: u32 = 0xE000_1004;
 /// The bus fault's address (ARMv7-M, B3.2.18).
 const BFAR: u32 = 0xE000_ED38;
 
@@ -23,4 +25,22 @@ fn a_load_from_where_nothing_responds_leaves_its_address_for_the_fault_handler()
     let mut machine = Machine::new(flash, Options::default()).unwrap();
     machine.run_until(Time::from_micros(100)).unwrap();
     assert_eq!(machine.chip(|chip| chip.read(BFAR, 4)), Ok(0x9000_5678));
+}
+
+#[test]
+fn the_counter_of_cycles_stands_still_in_sleep_unless_its_clock_is_kept_on() {
+    for (keeps_on, counted) in [(false, 0..200), (true, 15_000..17_000)] {
+        let vectors: [u32; 2] = [0x2002_0000, 0x0800_0009];
+        // wfi; b .
+        let code: [u16; 2] = [0xBF30, 0xE7FE];
+        let bytes: Vec<u8> = vectors.iter().flat_map(|word| word.to_le_bytes()).collect();
+        let mut flash = Flash::default();
+        flash.load(flash::START, &bytes);
+        flash.load(flash::START + 8, &code.map(u16::to_le_bytes).concat());
+        let mut machine = Machine::new(flash, Options::default()).unwrap();
+        machine.chip(|chip| chip.modify("DBGMCU", "CR", &[("DBG_SLEEP", u32::from(keeps_on))]));
+        machine.run_until(Time::from_millis(1)).unwrap();
+        let cycles = machine.chip(|chip| chip.read(CYCCNT, 4)).unwrap();
+        assert!(counted.contains(&cycles), "{cycles} at 16 MHz");
+    }
 }

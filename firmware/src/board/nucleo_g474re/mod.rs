@@ -89,6 +89,7 @@ bind_interrupts!(
 pub fn start() -> Board {
     let mut config = Config::default();
     config.rcc = clocks();
+    config.enable_debug_during_sleep = super::is_debugged();
     let chip = embassy_stm32::init(config);
     // While a debug probe holds the core, nobody can feed the watchdog.
     pac::DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));

@@ -180,6 +180,11 @@ pub(in crate::board) fn arm_converter() {
     pac::ADC2.cr().modify(|w| w.set_adstart(true));
 }
 
+/// Whether a sample was lost since the converter was armed.
+pub(in crate::board) fn converter_overran() -> bool {
+    pac::ADC2.isr().read().ovr()
+}
+
 /// The converter stops, and asks the DMA no more.
 pub(in crate::board) fn disarm_converter() {
     pac::ADC2.cr().modify(|w| w.set_adstp(adc_values::Adstp::STOP));

@@ -93,6 +93,7 @@ pub fn start() -> Board {
     config.rcc = clocks();
     // Pins PG2 to PG15 have a supply of their own, which the NUCLEO board connects.
     config.enable_independent_io_supply = true;
+    config.enable_debug_during_sleep = super::is_debugged();
     let chip = embassy_stm32::init(config);
     // While a debug probe holds the core, nobody can feed the watchdog.
     pac::DBGMCU.apb1fzr1().modify(|w| w.set_iwdg(true));

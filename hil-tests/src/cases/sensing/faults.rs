@@ -5,7 +5,7 @@ use super::{
     ensure, next_with,
     session::{Session, tare},
 };
-use crate::{chip::time::Time, rig::Rig, world::Fault};
+use crate::{chip::time::Time, fault::What, rig::Rig, world::Fault};
 use dermatome::link::{Link, Subscription};
 use dermatome_shared::{
     frame::FrameFlags,
@@ -46,6 +46,35 @@ pub(super) fn all(rig: &Rig) -> Result<String, Failure> {
         "{count} faults: 16 open, 16 shorted, 32 stuck lines, no current, saturated; the slowest flagged after \
          {slowest:.2} frames"
     ))
+}
+
+/// Places in a frame at which the DMA comes too late, us after the frame before came.
+const LATE: [u64; 6] = [0, 300, 900, 1600, 2100, 2300];
+
+/// A sample or a value of the current is lost, at any moment: the next frame is marked, and no frame is wrong.
+pub(super) fn late(rig: &Rig) -> Result<String, Failure> {
+    let (session, mut link) = Session::open(rig, |skin| skin.drive.frame_rate = 10_000.0)?;
+    tare(&mut link, 20)?;
+    let mut stream = link.subscribe(Selection { health: 1, contacts: 1, ..Selection::default() })?;
+    let mut longest = 0;
+    for what in [What::LostSample, What::LostValue] {
+        for after in LATE {
+            let before = next_health(&mut stream)?.0.timestamp_us;
+            session.run(Time::from_micros(after))?;
+            session.board.with(move |machine| what.happen(machine))?;
+            let mut marked = None;
+            for _ in 0..12 {
+                let (at, _) = next_health(&mut stream)?;
+                let is_marked = at.flags.contains(FrameFlags::MISSED);
+                marked = marked.or(is_marked.then_some(at.timestamp_us - before));
+                let wrong = at.flags.intersects(BROKEN);
+                ensure(!wrong, || format!("{what}, {after} us later: a frame is flagged {:?}", at.flags))?;
+            }
+            let marked = marked.ok_or_else(|| Failure::wrong(format!("{what}: no frame says so")))?;
+            longest = longest.max(marked);
+        }
+    }
+    Ok(format!("{} times, a marked frame at most {:.1} ms later", 2 * LATE.len(), longest as f64 * 1e-3))
 }
 
 /// A failure with the fault that it came with, and why the board started last.

@@ -59,6 +59,11 @@ pub(super) const CASES: &[Case] = &[
         needs: NEEDS,
         run: faults::all,
     },
+    Case {
+        name: "where the DMA comes too late, the scan begins anew and a frame says so",
+        needs: NEEDS,
+        run: faults::late,
+    },
     Case { name: "a press is found where it is", needs: NEEDS, run: presses::positions },
     Case {
         name: "a press held for ten minutes of drift is still reported, with its force",

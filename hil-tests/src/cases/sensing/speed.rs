@@ -11,7 +11,11 @@ use crate::{
     rig::Rig,
 };
 use dermatome::{link::Link, simulate::Press, skin::Reciprocal};
-use dermatome_shared::protocol::{BoardPacket, Event, Selection, decode};
+use dermatome_shared::{
+    health::Vitals,
+    protocol::{BoardPacket, Event, Selection, decode},
+};
+use std::ops::Range;
 
 /// Contacts alone, as robots take them.
 const CONTACTS: Selection =
@@ -24,6 +28,10 @@ const SETTLING: f64 = 10e-6;
 const MOST_LOAD: f64 = 0.6;
 /// Longest time from the last sample of a frame to the first byte of its contacts, s.
 const LONGEST_LATENCY: f64 = 1.5e-3;
+/// What the board says of its load may be off by this share of time: it looks five times a second.
+const MOST_LOAD_ERROR: f64 = 0.03;
+/// Temperatures of the emulated chip, degrees Celsius.
+const ROOM: Range<f32> = 15.0..50.0;
 /// Flash, and static memory with the stack, that the firmware may take.
 const LIMIT: usize = 96 * 1024;
 const RAM: usize = 128 * 1024;
@@ -69,6 +77,12 @@ fn measure(
     ensure(latency <= LONGEST_LATENCY, || {
         format!("{:.2} ms from the last sample to the contacts", 1e3 * latency)
     })?;
+    stream.stop()?;
+    let vitals = vitals(&session, &mut link)?;
+    let off = (f64::from(vitals.load) - load).abs();
+    ensure(off <= MOST_LOAD_ERROR, || {
+        format!("the board says a load of {:.1} %, it is {:.1} %", 100.0 * vitals.load, 100.0 * load)
+    })?;
     let pixels = session.patch().header.pixels;
     Ok(format!(
         "{rate:.1} frames a second with {pixels} pixels and contacts, CPU load {:.1} %, last sample to contacts at \
@@ -76,6 +90,20 @@ fn measure(
         100.0 * load,
         1e3 * latency
     ))
+}
+
+/// What the board says of itself once its stream has gone on for a while.
+fn vitals(session: &Session, link: &mut Link) -> Result<Vitals, Failure> {
+    let mut stream = link.subscribe(Selection { health: 100, ..CONTACTS })?;
+    session.run(Time::from_millis(500))?;
+    let (_, first) = next_with(&mut stream, |frame| frame.health)?;
+    let (_, last) = next_with(&mut stream, |frame| frame.health)?;
+    stream.stop()?;
+    let warm = [first, last.clone()]
+        .iter()
+        .all(|report| report.vitals.temperature.is_some_and(|celsius| ROOM.contains(&celsius)));
+    ensure(warm, || format!("the chip is said to be at {:?} degrees", last.vitals.temperature))?;
+    Ok(last.vitals)
 }
 
 /// Longest time from the last sample of a frame to the first byte of its contacts on the line.

@@ -4,7 +4,8 @@
 //! and then sequences of channels, started by software or by a timer's trigger output. A conversion
 //! samples for SMPR's time and then takes 12.5, 10.5, 8.5 or 6.5 clocks; the world is asked for the
 //! voltage at the instant at which sampling ends. Oversampling adds 2 to 256 conversions up and
-//! shifts. What this model does not do is refused: injected and discontinuous conversions, watchdogs,
+//! shifts. A conversion that begins long after the one before is wrong, by the chip's erratum. What this
+//! model does not do is refused: injected and discontinuous conversions, watchdogs,
 //! dual mode, differential inputs, offsets, delayed conversions.
 
 pub mod common;
@@ -27,6 +28,9 @@ pub const VREF_VOLTS: f64 = 3.3;
 const REGULATOR_START: Time = Time::from_micros(20);
 /// Clocks of a calibration (DS12288, tCAL).
 const CALIBRATION_CLOCKS: u64 = 112;
+/// A conversion that begins later after the last one, or after a calibration, is wrong (ES0430, "Wrong ADC result if
+/// conversion done late after calibration or previous conversion").
+const STALE: Time = Time::from_millis(1);
 /// Half clocks for which a channel is sampled, by SMPR.
 const SAMPLING: [u64; 8] = [5, 13, 25, 49, 95, 185, 495, 1281];
 /// Timers, by number, whose trigger outputs EXTSEL selects; the same for all five converters.
@@ -51,6 +55,10 @@ pub struct Adc {
     sum: u32,
     sampled_at: Time,
     converted_at: Time,
+    /// When a conversion or calibration ended last.
+    fresh_at: Time,
+    is_stale: bool,
+    loses_sample: bool,
     data: u32,
     waits_for_trigger: bool,
     /// The DMA has come to its end and CFGR.DMACFG asks for no more.
@@ -93,6 +101,9 @@ impl Adc {
             sum: 0,
             sampled_at: Time::NEVER,
             converted_at: Time::NEVER,
+            fresh_at: Time::ZERO,
+            is_stale: false,
+            loses_sample: false,
             data: 0,
             waits_for_trigger: false,
             is_done: false,
@@ -127,6 +138,11 @@ impl Adc {
         }
     }
 
+    /// The DMA comes too late for the next result.
+    pub fn lose_sample(&mut self) {
+        self.loses_sample = true;
+    }
+
     /// Asks the world for the voltage when sampling ends.
     pub fn sample(&mut self, now: Time, world: &mut dyn World) {
         if now < self.sampled_at {
@@ -134,7 +150,7 @@ impl Adc {
         }
         let channel = self.plan.rank(self.rank).channel;
         let volts = world.voltage(self.number, channel, self.sampled_at);
-        self.sum += self.plan.code(volts);
+        self.sum += if self.is_stale { 0 } else { self.plan.code(volts) };
         self.sampled_at = Time::NEVER;
     }
 
@@ -144,12 +160,14 @@ impl Adc {
 
     fn start_sampling(&mut self, now: Time) {
         let rank = self.plan.rank(self.rank);
+        self.is_stale = now.since(self.fresh_at) > STALE;
         self.sampled_at = now + rank.sampling;
         self.converted_at = now + rank.whole;
     }
 
     fn finish_sample(&mut self) {
         let now = std::mem::replace(&mut self.converted_at, Time::NEVER);
+        self.fresh_at = now;
         self.samples += 1;
         if self.samples < self.plan.ratio {
             return self.start_sampling(now);
@@ -162,7 +180,7 @@ impl Adc {
 
     /// A result that nobody has read is kept, or replaced where OVRMOD says so; OVR is set.
     fn deliver(&mut self, result: u32) {
-        if self.bank.at(self.flags.converted) == 1 {
+        if self.bank.at(self.flags.converted) == 1 || std::mem::take(&mut self.loses_sample) {
             self.bank.put(self.flags.overrun, 1);
             if !self.plan.overwrites {
                 return;
@@ -359,7 +377,7 @@ impl Peripheral for Adc {
 
     fn advance(&mut self, at: Moment) -> Result<(), Misuse> {
         if at.now >= self.calibrated_at {
-            self.calibrated_at = Time::NEVER;
+            self.fresh_at = std::mem::replace(&mut self.calibrated_at, Time::NEVER);
             self.bank.set("CR", "ADCAL", 0);
         }
         if at.now >= self.sampled_at {

@@ -91,6 +91,27 @@ fn a_conversion_samples_at_the_end_of_its_sampling_time_and_ends_12_and_a_half_c
 }
 
 #[test]
+fn a_conversion_more_than_a_millisecond_after_the_last_one_is_wrong_and_the_next_one_right() {
+    let (mut bus, mut world) = (ready(), Ladder::default());
+    bus.fields("SQR1", &[("SQ[0]", 3)]);
+    for (pause, code) in [(0, 3 * 256), (990, 3 * 256), (1010, 0), (0, 3 * 256)] {
+        pass(&mut bus, Time::from_micros(pause), &mut world);
+        start(&mut bus);
+        pass(&mut bus, nanos(500), &mut world);
+        assert_eq!(bus.read("DR"), code, "after {pause} us");
+    }
+}
+
+#[test]
+fn a_lost_sample_is_an_overrun() {
+    let (mut bus, mut world) = (ready(), Ladder::default());
+    bus.model.lose_sample();
+    start(&mut bus);
+    pass(&mut bus, nanos(500), &mut world);
+    assert_eq!((bus.get("ISR", "OVR"), bus.get("ISR", "EOC")), (1, 0));
+}
+
+#[test]
 fn a_sequence_converts_its_ranks_and_one_unread_result_is_an_overrun() {
     for (mode, kept) in [(0, 5), (1, 7)] {
         let (mut bus, mut world) = (ready(), Ladder::default());

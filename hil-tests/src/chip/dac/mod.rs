@@ -68,6 +68,12 @@ impl Dac {
         channel.is_on.then_some(channel.output)
     }
 
+    /// The DMA comes too late for a channel's next value.
+    pub fn underrun(&mut self, channel: usize) {
+        self.channels[channel].asks = false;
+        self.channels[channel].underran = true;
+    }
+
     /// A trigger fires. Says whether a channel listens to it.
     pub fn trigger(&mut self, source: Trigger) -> bool {
         let mut heard = false;
@@ -88,6 +94,17 @@ impl Dac {
             channel.trigger = found.map(|&(_, trigger)| trigger);
             (channel.is_on, channel.uses_dma) = (get("EN") == 1, get("DMAEN") == 1);
         }
+    }
+
+    /// The bus that feeds it may be so fast only with MCR.HFSEL (22.7.16).
+    fn check_speed(&self, bus: u64) -> Result<(), Misuse> {
+        let needed = u32::from(bus > 80_000_000) + u32::from(bus > 160_000_000);
+        let found = self.bank.get("MCR", "HFSEL");
+        if found < needed && self.channels.iter().any(|channel| channel.is_on) {
+            let rule = format!("the bus runs at {bus} Hz with MCR.HFSEL = {found}, {needed} is needed");
+            return Err(Misuse::rule("DAC", rule));
+        }
+        Ok(())
     }
 
     fn check_control(&self, register: &Register, value: u32) -> Result<(), Misuse> {
@@ -138,7 +155,7 @@ impl Peripheral for Dac {
         }
     }
 
-    fn write(&mut self, register: &Register, value: u32, _: Moment) -> Result<(), Misuse> {
+    fn write(&mut self, register: &Register, value: u32, at: Moment) -> Result<(), Misuse> {
         match register.name.as_str() {
             "DHR12R" => self.channels[register.index].hold(value & 0xFFF),
             "DHR12L" => self.channels[register.index].hold(value >> 4 & 0xFFF),
@@ -166,6 +183,7 @@ impl Peripheral for Dac {
                 self.check_control(register, value)?;
                 self.bank.store(register, value);
                 self.follow_control();
+                self.check_speed(at.clocks.core)?;
             }
             _ => {}
         }

@@ -20,6 +20,12 @@ impl Default for Pwr {
 }
 
 impl Pwr {
+    /// Whether the pull-downs that UCPD1 has for a dead battery are off.
+    #[must_use]
+    pub fn ends_dead_battery(&self) -> bool {
+        self.bank.is_set("CR3", "UCPD1_DBDIS")
+    }
+
     /// Fastest core clock at the present voltage, Hz (6.1.5).
     #[must_use]
     pub fn fastest_core(&self) -> u64 {

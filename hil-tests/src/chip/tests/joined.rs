@@ -248,7 +248,12 @@ fn a_timer_a_dac_and_the_dma_make_a_wave() {
     chip.put("DMA1", "CH.NDTR", 3, 3);
     // Circular, from memory, 32 bits wide.
     chip.put("DMA1", "CH.CR", 3, 0x0AB1);
-    chip.modify("DAC1", "CR", &[("TEN[0]", 1), ("TSEL[0]", 7), ("DMAEN[0]", 1), ("EN[0]", 1)]);
+    let on = [("TEN[0]", 1), ("TSEL[0]", 7), ("DMAEN[0]", 1), ("EN[0]", 1)];
+    let refusal = chip.refused("DAC1", "CR", &on);
+    assert!(refusal.contains("MCR.HFSEL = 0, 2 is needed"), "{refusal}");
+    chip.modify("DAC1", "CR", &[("EN[0]", 0)]);
+    chip.modify("DAC1", "MCR", &[("HFSEL", 2)]);
+    chip.modify("DAC1", "CR", &on);
     chip.put("TIM6", "ARR", 0, 1699);
     chip.modify("TIM6", "CR2", &[("MMS", 2)]);
     chip.modify("TIM6", "CR1", &[("CEN", 1)]);

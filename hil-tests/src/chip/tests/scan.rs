@@ -19,6 +19,7 @@ fn slots() -> (Chip, Ram, Diary) {
     chip.modify("RCC", "AHB2ENR", &[("GPIOBEN", 1), ("GPIOCEN", 1)]);
     chip.modify("RCC", "APB1ENR1", &[("TIM3EN", 1), ("TIM4EN", 1)]);
     chip.modify("RCC", "APB2ENR", &[("SYSCFGEN", 1)]);
+    chip.modify("PWR", "CR3", &[("UCPD1_DBDIS", 1)]);
     chip.put("GPIOB", "MODER", 0, 0x5555_5555);
     chip.put("GPIOC", "AFR", 0, 2 << 24);
     chip.modify("GPIOC", "MODER", &[("MODER[6]", 2)]);
@@ -129,6 +130,33 @@ fn what_is_inside_the_chip_is_measured_only_while_it_is_on() {
         assert!(refusal.contains("ADC2 measures OPAMP2 while its OPAMPEN or OPAINTOEN is 0"), "{refusal}");
     }
     assert_eq!(convert("ADC2", 16, amplifier(&[("VM_SEL", 3), ("OPAMPEN", 1), ("OPAINTOEN", 1)])), Ok(()));
+}
+
+#[test]
+fn pins_of_other_kinds_are_refused_where_they_spoil_a_signal() {
+    let refusal = |settings: &[(&str, &str, &[(&str, u32)])]| {
+        let mut chip = chip();
+        chip.modify("RCC", "AHB2ENR", &[("GPIOAEN", 1), ("GPIOBEN", 1), ("DAC1EN", 1)]);
+        chip.modify("RCC", "APB1ENR1", &[("PWREN", 1)]);
+        settings.iter().for_each(|(peripheral, register, fields)| chip.modify(peripheral, register, fields));
+        chip.settle(&mut Ram::default()).map_err(|misuse| misuse.to_string())
+    };
+    let output: (&str, &str, &[(&str, u32)]) = ("GPIOB", "MODER", &[("MODER[6]", 1)]);
+    assert!(refusal(&[output]).unwrap_err().contains("UCPD1 pulls PB6 down"));
+    assert_eq!(refusal(&[("PWR", "CR3", &[("UCPD1_DBDIS", 1)]), output]), Ok(()));
+    let dac: (&str, &str, &[(&str, u32)]) = ("DAC1", "CR", &[("EN[0]", 1)]);
+    assert_eq!(refusal(&[dac]), Ok(()));
+    let wrong = refusal(&[("GPIOA", "MODER", &[("MODER[4]", 1)]), dac]).unwrap_err();
+    assert!(wrong.contains("DAC: its pin PA4 is not analogue"), "{wrong}");
+    for pin in ["MODER[5]", "MODER[7]"] {
+        let amplifier = |chip: &mut Chip| {
+            chip.modify("RCC", "AHB2ENR", &[("GPIOAEN", 1)]);
+            chip.modify("GPIOA", "MODER", &[(pin, 1)]);
+            chip.modify("OPAMP2", "CSR", &[("VM_SEL", 3), ("OPAMPEN", 1), ("OPAINTOEN", 1)]);
+        };
+        let wrong = convert("ADC2", 16, amplifier).unwrap_err();
+        assert!(wrong.contains("OPAMP: its pin PA") && wrong.contains("is not analogue"), "{wrong}");
+    }
 }
 
 /// Time that passes quietly ends where an exception becomes pending, and before the link does anything.
