@@ -60,7 +60,8 @@ fn device(selection: Selection) -> (Device<Fixed>, Frame) {
     let mut frame = |time| Frame { codes: rig.play(time).codes, ..Frame::default() };
     let identity = Identity { board: Default::default(), firmware: Default::default() };
     let (frame_source, started_after) = (FrameSource::Simulated, Restart::PowerOn);
-    let facts = BoardFacts { identity, electrodes: 16, frame_source, front_end, started_after };
+    let facts =
+        BoardFacts { identity, electrodes: 16, frame_source, front_end, started_after, sees_host_go: true };
     let mut device = Device::new(facts, Fixed(observer.patch_bytes().to_vec()));
     device.handle(&RequestPacket { sequence: 1, request: Request::Tare { frames: 1 } }, 0);
     device.process(&mut frame(None), Arrival::default(), |_| ());

@@ -63,6 +63,7 @@ fn facts(started_after: Restart) -> BoardFacts {
         frame_source: FrameSource::Skin,
         front_end: Some(board::FRONT_END),
         started_after,
+        sees_host_go: false,
     }
 }
 

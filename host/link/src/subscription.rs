@@ -5,7 +5,7 @@ use crate::{
     error::{LinkError, LinkErrorKind},
     link::{Link, PARTS_TIMEOUT, REPLY_TIMEOUT},
 };
-use dermatome_shared::protocol::Selection;
+use dermatome_shared::{device::HOST_INTERVAL_US, protocol::Selection};
 use std::time::{Duration, Instant};
 
 /// How often whoever waits is asked whether to go on while nothing comes.
@@ -18,16 +18,21 @@ pub struct Subscription<'a> {
     link: &'a mut Link,
     first_sequence: u32,
     assembler: Assembler,
+    presence: Presence,
     is_stopped: bool,
 }
 
 impl Link {
     /// Streams what `selection` names, instead of what was streamed before. A refusal is an error.
+    ///
+    /// Read it: a board on a serial line stops after [`dermatome_shared::device::HOST_TIMEOUT_US`] without a sign of its
+    /// host, which [`Subscription::next`] gives.
     pub fn subscribe(&mut self, selection: Selection) -> Result<Subscription<'_>, LinkError> {
         let mut subscription = Subscription {
             link: self,
             first_sequence: 0,
             assembler: Assembler::new(selection, 0),
+            presence: Presence::shown(),
             is_stopped: false,
         };
         match subscription.link.select(selection, REPLY_TIMEOUT, drop) {
@@ -42,6 +47,33 @@ impl Link {
                 Err(error)
             }
         }
+    }
+}
+
+/// How long ago the board was shown that a host is there: by the board's clock, or the host's where no frame comes.
+#[derive(Debug)]
+struct Presence {
+    /// Time of the first and of the last frame since.
+    frames_us: Option<(u64, u64)>,
+    /// When that last frame came.
+    heard: Instant,
+}
+
+impl Presence {
+    fn shown() -> Self {
+        Self { frames_us: None, heard: Instant::now() }
+    }
+
+    fn see(&mut self, frame: &ScanFrame) {
+        if let Some(at) = frame.at {
+            let (first, _) = self.frames_us.unwrap_or((at.timestamp_us, at.timestamp_us));
+            (self.frames_us, self.heard) = (Some((first, at.timestamp_us)), Instant::now());
+        }
+    }
+
+    fn is_due(&self) -> bool {
+        let by_board = self.frames_us.map_or(0, |(first, last)| last.saturating_sub(first));
+        by_board >= HOST_INTERVAL_US || self.heard.elapsed() >= Duration::from_micros(HOST_INTERVAL_US)
     }
 }
 
@@ -81,7 +113,12 @@ impl Subscription<'_> {
         let mut heard = Instant::now();
         loop {
             if let Some(frame) = self.assembler.pop() {
+                self.presence.see(&frame);
                 return Ok(Some(frame));
+            }
+            if self.presence.is_due() {
+                self.presence = Presence::shown();
+                self.link.show_presence()?;
             }
             let left = timeout.saturating_sub(heard.elapsed());
             if let Some((number, event)) = self.link.next_event(left.min(POLL))? {

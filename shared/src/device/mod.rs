@@ -41,7 +41,14 @@ pub struct BoardFacts {
     pub front_end: Option<FrontEnd>,
     /// Why it started.
     pub started_after: Restart,
+    /// Whether its link tells when the host goes ([`Device::disconnect`]); if not, silence does.
+    pub sees_host_go: bool,
 }
+
+/// A host that streams and has not asked for anything for so long has gone, us of frames: no current flows for nobody.
+pub const HOST_TIMEOUT_US: u64 = 30_000_000;
+/// How often a host that streams asks for something, so that the board knows it is there, us.
+pub const HOST_INTERVAL_US: u64 = 5_000_000;
 
 /// What a frame does not know of itself when its last sample has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -69,6 +76,8 @@ pub struct Device<S> {
     missed: u32,
     next_frame: u32,
     next_event: u32,
+    /// Time of the first frame after the last request; none before it has come.
+    heard_us: Option<u64>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -98,6 +107,7 @@ impl<S: PatchStore> Device<S> {
             missed: 0,
             next_frame: 0,
             next_event: 0,
+            heard_us: None,
         }
     }
 
@@ -157,6 +167,7 @@ impl<S: PatchStore> Device<S> {
 
     /// Answers one request; `uptime_ms` is the time since the board started.
     pub fn handle(&mut self, packet: &RequestPacket, uptime_ms: u64) -> BoardPacket {
+        self.heard_us = None;
         let reply = self.answer(&packet.request, uptime_ms).unwrap_or_else(Reply::Refused);
         BoardPacket::Reply { sequence: packet.sequence, reply }
     }
@@ -165,6 +176,10 @@ impl<S: PatchStore> Device<S> {
     pub fn process(&mut self, frame: &mut Frame, arrival: Arrival, mut emit: impl FnMut(&BoardPacket)) {
         if let Some(outcome) = self.finish(frame, arrival) {
             self.tell(frame, outcome, &mut emit);
+        }
+        let heard_us = *self.heard_us.get_or_insert(arrival.timestamp_us);
+        if !self.facts.sees_host_go && arrival.timestamp_us.saturating_sub(heard_us) >= HOST_TIMEOUT_US {
+            self.streaming = Selection::default();
         }
     }
 

@@ -8,18 +8,18 @@ mod speed;
 
 use super::{Case, Failure, ensure, next_with};
 use crate::{
-    chip::time::Time,
+    chip::{time::Time, trace::Event as TraceEvent},
     machine::Machine,
     rig::{Capability, Rig},
 };
-use dermatome::link::Subscription;
+use dermatome::link::{Link, Subscription};
 use dermatome_shared::{
     drive::Drive,
     protocol::{Request, Selection},
     scan::{multiplexer_word, test_step},
 };
 use num_complex::Complex64;
-use session::{Session, front_end, tare};
+use session::{Session, front_end, stamps, tare};
 
 /// What every frame says about the board and its skin.
 const HEALTH: Selection =
@@ -63,6 +63,11 @@ pub(super) const CASES: &[Case] = &[
         name: "where the DMA comes too late, the scan begins anew and a frame says so",
         needs: NEEDS,
         run: faults::late,
+    },
+    Case {
+        name: "the current flows for a host that reads, and no longer than 30 s for one that has gone",
+        needs: NEEDS,
+        run: host_gone,
     },
     Case { name: "a press is found where it is", needs: NEEDS, run: presses::positions },
     Case {
@@ -221,4 +226,27 @@ fn ensure_off(session: &Session, millis: u64, when: &str) -> Result<(), Failure>
     session.run(Time::from_millis(100))?;
     let record = session.world.take_drive_record();
     ensure(record.changes == 0 && !record.enabled, || format!("{record:?} {when}"))
+}
+
+/// A host reads for 45 s of the board's time, and then goes without a word.
+fn host_gone(rig: &Rig) -> Result<String, Failure> {
+    const FRAME_RATE: f64 = 2.0;
+    let (session, mut link) = Session::open(rig, |skin| skin.drive.frame_rate = FRAME_RATE)?;
+    tare(&mut link, 2)?;
+    let streaming = |link: &mut Link| Ok::<bool, Failure>(link.info()?.streaming.any());
+    let mut stream = link.subscribe(Selection { contacts: 1, ..Selection::default() })?;
+    stamps(&mut stream, (45.0 * FRAME_RATE) as usize)?;
+    ensure(streaming(stream.link())?, || "the stream ended while the host read".to_owned())?;
+    std::mem::forget(stream);
+    let scanned = |seconds: u64| -> Result<bool, Failure> {
+        session.board.with(|machine| machine.chip(|chip| drop(chip.trace.take())));
+        session.run(Time::from_millis(1000 * seconds))?;
+        let events = session.board.with(|machine| machine.chip(|chip| chip.trace.take()));
+        Ok(events.iter().any(|(_, event)| matches!(event, TraceEvent::Pins { port: 'B', .. })))
+    };
+    ensure(scanned(20)?, || "the current stopped within 20 s".to_owned())?;
+    session.run(Time::from_millis(12_000))?;
+    ensure(!scanned(5)?, || "the multiplexers still switch after 32 s".to_owned())?;
+    ensure(!streaming(&mut link)?, || "the board says that it streams".to_owned())?;
+    Ok(String::new())
 }

@@ -132,19 +132,22 @@ fn what_is_inside_the_chip_is_measured_only_while_it_is_on() {
     assert_eq!(convert("ADC2", 16, amplifier(&[("VM_SEL", 3), ("OPAMPEN", 1), ("OPAINTOEN", 1)])), Ok(()));
 }
 
+/// Peripheral, register, and its fields.
+type Setting<'a> = (&'a str, &'a str, &'a [(&'a str, u32)]);
+
 #[test]
 fn pins_of_other_kinds_are_refused_where_they_spoil_a_signal() {
-    let refusal = |settings: &[(&str, &str, &[(&str, u32)])]| {
+    let refusal = |settings: &[Setting<'_>]| {
         let mut chip = chip();
         chip.modify("RCC", "AHB2ENR", &[("GPIOAEN", 1), ("GPIOBEN", 1), ("DAC1EN", 1)]);
         chip.modify("RCC", "APB1ENR1", &[("PWREN", 1)]);
         settings.iter().for_each(|(peripheral, register, fields)| chip.modify(peripheral, register, fields));
         chip.settle(&mut Ram::default()).map_err(|misuse| misuse.to_string())
     };
-    let output: (&str, &str, &[(&str, u32)]) = ("GPIOB", "MODER", &[("MODER[6]", 1)]);
+    let output: Setting<'_> = ("GPIOB", "MODER", &[("MODER[6]", 1)]);
     assert!(refusal(&[output]).unwrap_err().contains("UCPD1 pulls PB6 down"));
     assert_eq!(refusal(&[("PWR", "CR3", &[("UCPD1_DBDIS", 1)]), output]), Ok(()));
-    let dac: (&str, &str, &[(&str, u32)]) = ("DAC1", "CR", &[("EN[0]", 1)]);
+    let dac: Setting<'_> = ("DAC1", "CR", &[("EN[0]", 1)]);
     assert_eq!(refusal(&[dac]), Ok(()));
     let wrong = refusal(&[("GPIOA", "MODER", &[("MODER[4]", 1)]), dac]).unwrap_err();
     assert!(wrong.contains("DAC: its pin PA4 is not analogue"), "{wrong}");

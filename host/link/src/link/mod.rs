@@ -132,9 +132,8 @@ impl Link {
 
     /// As [`Self::request`], for what takes a board longer.
     pub fn request_within(&mut self, request: &Request, timeout: Duration) -> Result<Reply, LinkError> {
-        self.last_sequence = self.last_sequence.checked_add(1).unwrap_or(HELLO_SEQUENCE + 1);
         let damaged_before = self.wire.damaged();
-        self.wire.send(&RequestPacket { sequence: self.last_sequence, request: request.clone() })?;
+        self.send(request)?;
         let deadline = Instant::now() + timeout;
         while let Some(packet) = self.wire.receive(deadline)? {
             match packet {
@@ -147,6 +146,17 @@ impl Link {
             }
         }
         Err(self.wire.no_answer(timeout, damaged_before))
+    }
+
+    /// Asks for something and does not wait, so that the board knows that a host is there
+    /// ([`dermatome_shared::device::HOST_TIMEOUT_US`]). The reply counts as a late one.
+    pub(crate) fn show_presence(&mut self) -> Result<(), LinkError> {
+        self.send(&Request::Info)
+    }
+
+    fn send(&mut self, request: &Request) -> Result<(), LinkError> {
+        self.last_sequence = self.last_sequence.checked_add(1).unwrap_or(HELLO_SEQUENCE + 1);
+        self.wire.send(&RequestPacket { sequence: self.last_sequence, request: request.clone() })
     }
 
     /// What the board holds and does.

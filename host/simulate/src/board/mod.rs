@@ -237,6 +237,7 @@ fn facts(electrodes: u8, front_end: Option<FrontEnd>) -> BoardFacts {
         frame_source: FrameSource::Simulated,
         front_end,
         started_after: Restart::PowerOn,
+        sees_host_go: true,
     }
 }
 

@@ -246,9 +246,8 @@ mod tests {
     fn the_end_of_the_range_reads_clipped() {
         assert!(readings(&wave(2046.0, 0.0, 0.0, 47), 47)[0].peak() >= CLIPPED);
         // An amplifier stays 0.1 V away from both rails: 124 codes.
-        let limited =
-            |samples: std::vec::Vec<u16>| samples.into_iter().map(|code| code.clamp(124, 3971)).collect();
-        let limited: std::vec::Vec<u16> = limited(wave(2046.0, 0.0, 0.0, 47));
+        let limited: Vec<u16> =
+            wave(2046.0, 0.0, 0.0, 47).into_iter().map(|code| code.clamp(124, 3971)).collect();
         assert!(readings(&limited, 47)[0].peak() >= CLIPPED);
         assert_eq!(readings(&[0; 47], 47)[0].peak(), MIDDLE);
     }
