@@ -111,7 +111,14 @@ impl Rig {
         let identity = Identity { board: "fuzz".try_into().unwrap(), firmware: "0".try_into().unwrap() };
         let store = Memory { active: stored, staged: Vec::new(), writes_left };
         let (frame_source, started_after) = (FrameSource::Synthetic, Restart::PowerOn);
-        let facts = BoardFacts { identity, electrodes, frame_source, front_end: None, started_after, sees_host_go: false };
+        let facts = BoardFacts {
+            identity,
+            electrodes,
+            frame_source,
+            front_end: None,
+            started_after,
+            sees_host_go: false,
+        };
         Self { device: Device::new(facts, store), requests: 0, events: 0 }
     }
 
