@@ -78,7 +78,7 @@ pub struct Amplifier {
     pub word: fn(u8) -> u32,
 }
 
-/// Whether a debug probe holds on to the core. Only then do clocks run on while it sleeps: the counter of cycles,
+/// Whether a debug probe holds on to the core as it starts. Only then do clocks run on while it sleeps: the counter of cycles,
 /// by which load is known, must stand still then.
 fn is_debugged() -> bool {
     cortex_m::peripheral::DCB::is_debugger_attached()

@@ -25,7 +25,7 @@ impl Thermometer {
     /// Degrees Celsius, by the two points that the factory has measured.
     ///
     /// A conversion that begins more than a millisecond after the one before may be wrong (erratum of the
-    /// converters, ES0430): the second of two counts.
+    /// STM32G474, ES0430): the second of two counts.
     pub fn celsius(&mut self) -> f32 {
         let [_, code] =
             [(); 2].map(|()| self.converter.blocking_read(&mut self.sensor, SampleTime::CYCLES640_5));

@@ -1,4 +1,4 @@
-//! Health task: feeds the watchdog, and says how the board itself is.
+//! Health task: feeds the watchdog, says how the board itself is, and notices that a host has gone.
 //!
 //! It runs on the executor that all but the acquisition share, so a task that does not yield starves it,
 //! and the watchdog resets the chip. The longest that a task rightly keeps the executor is the check of
@@ -6,7 +6,7 @@
 
 use dermatome_firmware::drivers::vitals::VitalSigns;
 use embassy_stm32::{Peri, peripherals, wdg::IndependentWatchdog};
-use embassy_time::{Duration, Timer};
+use embassy_time::{Duration, Instant, Timer};
 
 use super::State;
 
@@ -25,7 +25,15 @@ pub(crate) async fn run(
     watchdog.unleash();
     loop {
         watchdog.pet();
-        state.device.borrow_mut().set_vitals(signs.take());
+        let host_has_gone = {
+            let mut device = state.device.borrow_mut();
+            device.set_vitals(signs.take());
+            device.check_host(Instant::now().as_millis())
+        };
+        if host_has_gone {
+            // As after an answer: what frames are needed for has changed.
+            state.answered.signal(());
+        }
         Timer::after(FEEDING_INTERVAL).await;
     }
 }

@@ -12,7 +12,7 @@ use super::{
     misuse::Misuse,
     peripheral::Peripheral,
     time::Time,
-    world::World,
+    world::{OpampSetting, World},
 };
 
 /// A pin that carries the output of a timer's channel.
@@ -28,7 +28,7 @@ pub(super) struct Wire {
 /// table 12).
 const OPAMP2_PINS: [(char, usize); 2] = [('A', 7), ('A', 5)];
 const DAC1_PINS: [(char, usize); 2] = [('A', 4), ('A', 5)];
-/// Pins that UCPD1 pulls down as long as its dead battery support is on.
+/// Pins that UCPD1 may pull down as long as its dead battery support is on.
 const UCPD1_PINS: [usize; 2] = [4, 6];
 
 impl Chip {
@@ -83,11 +83,17 @@ impl Chip {
                     format!("ADC{} measures OPAMP{number} while its OPAMPEN or OPAINTOEN is 0", adc + 1);
                 Err(Misuse::rule("ADC", rule))
             }
-            (Internal::Opamp(2), _) => {
-                OPAMP2_PINS.iter().try_for_each(|&pin| self.check_analogue("OPAMP", pin))
-            }
+            (Internal::Opamp(2), _) => self.check_opamp2_pins(),
             _ => Ok(()),
         }
+    }
+
+    /// The pin of the first input, if that is the one, and the pin of the bias, if the network ends there.
+    fn check_opamp2_pins(&self) -> Result<(), Misuse> {
+        let OpampSetting::Amplifier { input, gain } = self.opamps[1].setting() else { return Ok(()) };
+        let [first_input, bias] = OPAMP2_PINS;
+        let used = [(input == 0).then_some(first_input), (gain > 1.0).then_some(bias)];
+        used.into_iter().flatten().try_for_each(|pin| self.check_analogue("OPAMP", pin))
     }
 
     /// Signals that are no levels need their pin to be analogue.
@@ -103,12 +109,15 @@ impl Chip {
     pub(super) fn check_pins(&self, block: Block) -> Result<(), Misuse> {
         match block {
             Block::Dac(0) => (0..2)
-                .filter(|&channel| self.dacs[0].output(channel).is_some())
+                .filter(|&channel| self.dacs[0].drives_pin(channel))
                 .try_for_each(|channel| self.check_analogue("DAC", DAC1_PINS[channel])),
             Block::Port(1) if !self.pwr.ends_dead_battery() => {
-                let pulled = UCPD1_PINS.into_iter().find(|&pin| self.ports[1].mode(pin) == PinMode::Output);
+                // After reset they are analogue, or the debug port's.
+                let is_used =
+                    |pin| !matches!(self.ports[1].mode(pin), PinMode::Analogue | PinMode::Alternate(0));
+                let pulled = UCPD1_PINS.into_iter().find(|&pin| is_used(pin));
                 pulled.map_or(Ok(()), |pin| {
-                    let rule = format!("UCPD1 pulls PB{pin} down while CR3.UCPD1_DBDIS is 0");
+                    let rule = format!("UCPD1 may pull PB{pin} down while CR3.UCPD1_DBDIS is 0");
                     Err(Misuse::rule("PWR", rule))
                 })
             }

@@ -7,6 +7,7 @@ use dermatome_hil::{
 use std::{
     collections::BTreeMap,
     error::Error,
+    panic::{AssertUnwindSafe, catch_unwind},
     path::PathBuf,
     process::ExitCode,
     sync::{
@@ -156,14 +157,18 @@ fn run_one(rig: &Rig, case: &Case) -> Outcome {
         return Outcome::NotRun(missing.join(", "));
     }
     let start = Instant::now();
-    let result = rig.fresh().map_err(cases::Failure::from).and_then(|board| {
+    let on_a_fresh_board = || -> Result<_, cases::Failure> {
+        let board = rig.fresh()?;
         let measured = (case.run)(&board)?;
         let hash = |rig: &VirtualRig| rig.board.with(|machine| machine.chip(|chip| chip.trace.hash()));
         Ok((measured, if let Rig::Virtual(rig) = &board { Some(hash(rig)) } else { None }))
-    });
+    };
+    // A board of its own is all that a case can leave half done.
+    let result = catch_unwind(AssertUnwindSafe(on_a_fresh_board));
     let seconds = start.elapsed().as_secs_f64();
     match result {
-        Ok((measured, hash)) => Outcome::Passed { measured, seconds, hash },
-        Err(error) => Outcome::Failed(format!("{error} ({seconds:.1} s)")),
+        Ok(Ok((measured, hash))) => Outcome::Passed { measured, seconds, hash },
+        Ok(Err(error)) => Outcome::Failed(format!("{error} ({seconds:.1} s)")),
+        Err(_) => Outcome::Failed(format!("it panicked ({seconds:.1} s)")),
     }
 }

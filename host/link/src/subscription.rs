@@ -25,7 +25,7 @@ pub struct Subscription<'a> {
 impl Link {
     /// Streams what `selection` names, instead of what was streamed before. A refusal is an error.
     ///
-    /// Read it: a board on a serial line stops after [`dermatome_shared::device::HOST_TIMEOUT_US`] without a sign of its
+    /// Read it: a board on a serial line stops after [`dermatome_shared::device::HOST_TIMEOUT_MS`] without a sign of its
     /// host, which [`Subscription::next`] gives.
     pub fn subscribe(&mut self, selection: Selection) -> Result<Subscription<'_>, LinkError> {
         let mut subscription = Subscription {
@@ -90,7 +90,8 @@ impl Subscription<'_> {
         self.assembler.totals()
     }
 
-    /// The link, for requests while the stream goes on.
+    /// The link, for requests while the stream goes on. One that takes longer than
+    /// [`dermatome_shared::device::HOST_TIMEOUT_MS`] ends it.
     pub fn link(&mut self) -> &mut Link {
         self.link
     }

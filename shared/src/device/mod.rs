@@ -45,8 +45,8 @@ pub struct BoardFacts {
     pub sees_host_go: bool,
 }
 
-/// A host that streams and has not asked for anything for so long has gone, us of frames: no current flows for nobody.
-pub const HOST_TIMEOUT_US: u64 = 30_000_000;
+/// A host that streams and has not asked for anything for so long has gone, ms: no current flows for nobody.
+pub const HOST_TIMEOUT_MS: u64 = 30_000;
 /// How often a host that streams asks for something, so that the board knows it is there, us.
 pub const HOST_INTERVAL_US: u64 = 5_000_000;
 
@@ -76,8 +76,8 @@ pub struct Device<S> {
     missed: u32,
     next_frame: u32,
     next_event: u32,
-    /// Time of the first frame after the last request; none before it has come.
-    heard_us: Option<u64>,
+    /// Uptime at the last request.
+    heard_ms: u64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -107,7 +107,7 @@ impl<S: PatchStore> Device<S> {
             missed: 0,
             next_frame: 0,
             next_event: 0,
-            heard_us: None,
+            heard_ms: 0,
         }
     }
 
@@ -165,9 +165,20 @@ impl<S: PatchStore> Device<S> {
         self.upload = None;
     }
 
+    /// Stops streaming if the host has been silent for [`HOST_TIMEOUT_MS`], where the link does not tell; says whether
+    /// it did. Call it now and then.
+    pub fn check_host(&mut self, uptime_ms: u64) -> bool {
+        let silence = uptime_ms.saturating_sub(self.heard_ms);
+        let has_gone = !self.facts.sees_host_go && self.streaming.any() && silence >= HOST_TIMEOUT_MS;
+        if has_gone {
+            self.streaming = Selection::default();
+        }
+        has_gone
+    }
+
     /// Answers one request; `uptime_ms` is the time since the board started.
     pub fn handle(&mut self, packet: &RequestPacket, uptime_ms: u64) -> BoardPacket {
-        self.heard_us = None;
+        self.heard_ms = uptime_ms;
         let reply = self.answer(&packet.request, uptime_ms).unwrap_or_else(Reply::Refused);
         BoardPacket::Reply { sequence: packet.sequence, reply }
     }
@@ -176,10 +187,6 @@ impl<S: PatchStore> Device<S> {
     pub fn process(&mut self, frame: &mut Frame, arrival: Arrival, mut emit: impl FnMut(&BoardPacket)) {
         if let Some(outcome) = self.finish(frame, arrival) {
             self.tell(frame, outcome, &mut emit);
-        }
-        let heard_us = *self.heard_us.get_or_insert(arrival.timestamp_us);
-        if !self.facts.sees_host_go && arrival.timestamp_us.saturating_sub(heard_us) >= HOST_TIMEOUT_US {
-            self.streaming = Selection::default();
         }
     }
 

@@ -87,19 +87,16 @@ fn events(device: &mut Device<Memory>, frame: &Frame) -> Vec<(u32, Event)> {
 #[test]
 fn a_stream_ends_when_its_host_has_been_silent_for_30_s_unless_the_link_tells_when_it_goes() {
     for sees_host_go in [false, true] {
-        let facts = BoardFacts { sees_host_go, ..facts(8) };
-        let mut device =
-            Device::new(facts, Memory { active: Some(small_patch(Difference::Plain)), ..Memory::default() });
-        let frame_at = |device: &mut Device<Memory>, seconds: u64| {
-            let arrival = Arrival { timestamp_us: seconds * 1_000_000, missed: false };
-            device.process(&mut flat_frame(1000), arrival, |_| ());
-            device.needs_frames()
-        };
+        let stored = Memory { active: Some(small_patch(Difference::Plain)), ..Memory::default() };
+        let mut device = Device::new(BoardFacts { sees_host_go, ..facts(8) }, stored);
+        assert!(!device.check_host(60_000), "nothing streams");
+        // Both are asked 5 s after the start.
         ask(&mut device, Request::Stream(Selection { contacts: 1, ..Selection::default() }));
-        assert!((10..40).all(|second| frame_at(&mut device, second)));
-        ask(&mut device, Request::Info);
-        assert!((40..70).all(|second| frame_at(&mut device, second)));
-        assert_eq!(frame_at(&mut device, 70), sees_host_go);
+        assert!(!device.check_host(34_999) && device.needs_frames());
+        device.handle(&RequestPacket { sequence: 1, request: Request::Info }, 20_000);
+        assert!(!device.check_host(49_999) && device.needs_frames());
+        assert_eq!(device.check_host(50_000), !sees_host_go);
+        assert_eq!(device.needs_frames(), sees_host_go);
     }
 }
 

@@ -51,7 +51,8 @@ pub(super) fn all(rig: &Rig) -> Result<String, Failure> {
 /// Places in a frame at which the DMA comes too late, us after the frame before came.
 const LATE: [u64; 6] = [0, 300, 900, 1600, 2100, 2300];
 
-/// A sample or a value of the current is lost, at any moment: the next frame is marked, and no frame is wrong.
+/// A sample or a value of the current is lost, at any moment: a frame is marked, and none has flags of
+/// something broken or a contact.
 pub(super) fn late(rig: &Rig) -> Result<String, Failure> {
     let (session, mut link) = Session::open(rig, |skin| skin.drive.frame_rate = 10_000.0)?;
     tare(&mut link, 20)?;
@@ -59,16 +60,19 @@ pub(super) fn late(rig: &Rig) -> Result<String, Failure> {
     let mut longest = 0;
     for what in [What::LostSample, What::LostValue] {
         for after in LATE {
-            let before = next_health(&mut stream)?.0.timestamp_us;
+            let before = next_health(&mut stream)?.0;
+            ensure(!before.flags.contains(FrameFlags::MISSED), || "a frame is marked before".to_owned())?;
             session.run(Time::from_micros(after))?;
             session.board.with(move |machine| what.happen(machine))?;
             let mut marked = None;
             for _ in 0..12 {
-                let (at, _) = next_health(&mut stream)?;
+                let (at, contacts) = next_with(&mut stream, |frame| frame.contacts)?;
                 let is_marked = at.flags.contains(FrameFlags::MISSED);
-                marked = marked.or(is_marked.then_some(at.timestamp_us - before));
-                let wrong = at.flags.intersects(BROKEN);
-                ensure(!wrong, || format!("{what}, {after} us later: a frame is flagged {:?}", at.flags))?;
+                marked = marked.or(is_marked.then_some(at.timestamp_us - before.timestamp_us));
+                let is_wrong = at.flags.intersects(BROKEN) || !contacts.is_empty();
+                ensure(!is_wrong, || {
+                    format!("{what}, {after} us later: {:?}, {} contacts", at.flags, contacts.len())
+                })?;
             }
             let marked = marked.ok_or_else(|| Failure::wrong(format!("{what}: no frame says so")))?;
             longest = longest.max(marked);

@@ -244,8 +244,9 @@ fn host_gone(rig: &Rig) -> Result<String, Failure> {
         let events = session.board.with(|machine| machine.chip(|chip| chip.trace.take()));
         Ok(events.iter().any(|(_, event)| matches!(event, TraceEvent::Pins { port: 'B', .. })))
     };
-    ensure(scanned(20)?, || "the current stopped within 20 s".to_owned())?;
-    session.run(Time::from_millis(12_000))?;
+    session.run(Time::from_millis(19_000))?;
+    ensure(scanned(2)?, || "the current stopped within 19 s".to_owned())?;
+    session.run(Time::from_millis(11_000))?;
     ensure(!scanned(5)?, || "the multiplexers still switch after 32 s".to_owned())?;
     ensure(!streaming(&mut link)?, || "the board says that it streams".to_owned())?;
     Ok(String::new())

@@ -68,6 +68,12 @@ impl Dac {
         channel.is_on.then_some(channel.output)
     }
 
+    /// Whether a channel is on and its output on its pin: modes 3 and 7 keep it inside the chip (MCR.MODE).
+    #[must_use]
+    pub fn drives_pin(&self, channel: usize) -> bool {
+        self.channels[channel].is_on && self.bank.get("MCR", &field("MODE", channel)) & 3 != 3
+    }
+
     /// The DMA comes too late for a channel's next value.
     pub fn underrun(&mut self, channel: usize) {
         self.channels[channel].asks = false;
@@ -96,12 +102,11 @@ impl Dac {
         }
     }
 
-    /// The bus that feeds it may be so fast only with MCR.HFSEL (22.7.16).
-    fn check_speed(&self, bus: u64) -> Result<(), Misuse> {
+    /// The bus that feeds it may be so fast only with MCR.HFSEL (22.7.16), once a channel is on.
+    fn check_speed(bus: u64, is_on: bool, hfsel: u32) -> Result<(), Misuse> {
         let needed = u32::from(bus > 80_000_000) + u32::from(bus > 160_000_000);
-        let found = self.bank.get("MCR", "HFSEL");
-        if found < needed && self.channels.iter().any(|channel| channel.is_on) {
-            let rule = format!("the bus runs at {bus} Hz with MCR.HFSEL = {found}, {needed} is needed");
+        if hfsel > 2 || is_on && hfsel < needed {
+            let rule = format!("the bus runs at {bus} Hz with MCR.HFSEL = {hfsel}, {needed} is needed");
             return Err(Misuse::rule("DAC", rule));
         }
         Ok(())
@@ -179,11 +184,16 @@ impl Peripheral for Dac {
             "MCR" if value & !0x0000_C000 & !0x0007_0007 != 0 => {
                 return Err(Misuse::rule("DAC", "double and signed data (MCR) are not modelled"));
             }
+            "MCR" => {
+                let is_on = self.channels.iter().any(|channel| channel.is_on);
+                Self::check_speed(at.clocks.core, is_on, register.get(value, "HFSEL"))?;
+            }
             "CR" => {
                 self.check_control(register, value)?;
+                let is_on = (0..CHANNELS).any(|channel| register.get(value, &field("EN", channel)) == 1);
+                Self::check_speed(at.clocks.core, is_on, self.bank.get("MCR", "HFSEL"))?;
                 self.bank.store(register, value);
                 self.follow_control();
-                self.check_speed(at.clocks.core)?;
             }
             _ => {}
         }

@@ -251,9 +251,9 @@ fn a_timer_a_dac_and_the_dma_make_a_wave() {
     let on = [("TEN[0]", 1), ("TSEL[0]", 7), ("DMAEN[0]", 1), ("EN[0]", 1)];
     let refusal = chip.refused("DAC1", "CR", &on);
     assert!(refusal.contains("MCR.HFSEL = 0, 2 is needed"), "{refusal}");
-    chip.modify("DAC1", "CR", &[("EN[0]", 0)]);
     chip.modify("DAC1", "MCR", &[("HFSEL", 2)]);
     chip.modify("DAC1", "CR", &on);
+    assert!(chip.refused("DAC1", "MCR", &[("HFSEL", 1)]).contains("2 is needed"));
     chip.put("TIM6", "ARR", 0, 1699);
     chip.modify("TIM6", "CR2", &[("MMS", 2)]);
     chip.modify("TIM6", "CR1", &[("CEN", 1)]);

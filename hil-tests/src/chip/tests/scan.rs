@@ -145,7 +145,7 @@ fn pins_of_other_kinds_are_refused_where_they_spoil_a_signal() {
         chip.settle(&mut Ram::default()).map_err(|misuse| misuse.to_string())
     };
     let output: Setting<'_> = ("GPIOB", "MODER", &[("MODER[6]", 1)]);
-    assert!(refusal(&[output]).unwrap_err().contains("UCPD1 pulls PB6 down"));
+    assert!(refusal(&[output]).unwrap_err().contains("UCPD1 may pull PB6 down"));
     assert_eq!(refusal(&[("PWR", "CR3", &[("UCPD1_DBDIS", 1)]), output]), Ok(()));
     let dac: Setting<'_> = ("DAC1", "CR", &[("EN[0]", 1)]);
     assert_eq!(refusal(&[dac]), Ok(()));
@@ -155,7 +155,8 @@ fn pins_of_other_kinds_are_refused_where_they_spoil_a_signal() {
         let amplifier = |chip: &mut Chip| {
             chip.modify("RCC", "AHB2ENR", &[("GPIOAEN", 1)]);
             chip.modify("GPIOA", "MODER", &[(pin, 1)]);
-            chip.modify("OPAMP2", "CSR", &[("VM_SEL", 3), ("OPAMPEN", 1), ("OPAINTOEN", 1)]);
+            let gain = [("VM_SEL", 2), ("PGA_GAIN", 9), ("OPAMPEN", 1), ("OPAINTOEN", 1)];
+            chip.modify("OPAMP2", "CSR", &gain);
         };
         let wrong = convert("ADC2", 16, amplifier).unwrap_err();
         assert!(wrong.contains("OPAMP: its pin PA") && wrong.contains("is not analogue"), "{wrong}");

@@ -38,7 +38,7 @@ use wire::Wire;
 /// Most events kept for a host that asks much and listens little; older ones count as lost.
 const MAX_QUEUED_EVENTS: usize = 4096;
 
-/// What has not come after so much silence will not come.
+/// What others have waited for so long, or what has not come after so much silence, will not come.
 pub(crate) const PARTS_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// An event with its running number.
@@ -149,7 +149,7 @@ impl Link {
     }
 
     /// Asks for something and does not wait, so that the board knows that a host is there
-    /// ([`dermatome_shared::device::HOST_TIMEOUT_US`]). The reply counts as a late one.
+    /// ([`dermatome_shared::device::HOST_TIMEOUT_MS`]). The reply counts as a late one.
     pub(crate) fn show_presence(&mut self) -> Result<(), LinkError> {
         self.send(&Request::Info)
     }
@@ -193,7 +193,7 @@ impl Link {
         }
     }
 
-    /// How long no byte has come.
+    /// How long no byte has come, not even of an event that is long.
     pub(crate) fn silence(&self) -> Duration {
         self.wire.silence()
     }
@@ -220,8 +220,8 @@ impl Link {
             match packet {
                 Some(BoardPacket::Event { number, event }) => self.keep(number, event),
                 Some(BoardPacket::Reply { .. }) => {}
-                // A long event may still be on its way, a piece at a time.
-                None if self.wire.silence() < PARTS_TIMEOUT => {}
+                // A long event takes its time on the line.
+                None if self.order.waited() < PARTS_TIMEOUT => {}
                 None => self.order.give_up(|event| self.events.push_back(event)),
             }
             let place = self.events.iter().skip(known).position(|(_, event)| wanted(event));

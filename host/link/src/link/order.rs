@@ -6,7 +6,10 @@
 
 use super::Numbered;
 use dermatome_shared::protocol::{Event, Selection};
-use std::collections::VecDeque;
+use std::{
+    collections::VecDeque,
+    time::{Duration, Instant},
+};
 
 /// More than this never wait for one that was overtaken: it is lost.
 const MOST_WAITING: usize = 16;
@@ -22,6 +25,8 @@ pub(super) struct Order {
     due: Option<u32>,
     /// Events that came ahead of it, ascending.
     waiting: VecDeque<Numbered>,
+    /// Since when the first of them waits.
+    since: Option<Instant>,
     lost: u64,
 }
 
@@ -57,6 +62,11 @@ impl Order {
             && [contacts, health].iter().any(|every| **every > 0);
     }
 
+    /// How long the first of those that wait has waited.
+    pub(super) fn waited(&self) -> Duration {
+        self.since.map_or(Duration::ZERO, |since| since.elapsed())
+    }
+
     /// Nothing is on its way any more: `done` gets what waits.
     pub(super) fn give_up(&mut self, done: impl FnMut(Numbered)) {
         self.release(|_| true, done);
@@ -66,8 +76,10 @@ impl Order {
     fn release(&mut self, lost: impl Fn(&Self) -> bool, mut done: impl FnMut(Numbered)) {
         while let (Some(due), Some(&(number, _))) = (self.due, self.waiting.front()) {
             if number != due && !lost(self) {
+                self.since.get_or_insert_with(Instant::now);
                 return;
             }
+            self.since = None;
             self.lost += u64::from(number.wrapping_sub(due));
             self.due = Some(number.wrapping_add(1));
             self.waiting.pop_front().into_iter().for_each(&mut done);

@@ -69,7 +69,7 @@ pub fn blur(matrix: &Mat<f64>, jacobian: &Mat<f64>, divisors: &[f64], areas: &[f
             let entry = |i: usize, j: usize| jacobian[(i, pixels[j])] / divisors[i];
             let data = Mat::from_fn(jacobian.nrows(), pixels.len(), entry);
             let images = matrix * data;
-            let share = |pixel: usize| area_above(images.col_as_slice(pixel), areas, QUARTER) / total;
+            let share = |point: usize| area_above(images.col_as_slice(point), areas, QUARTER) / total;
             (0..images.ncols()).map(share).collect::<Vec<_>>()
         })
         .collect();
