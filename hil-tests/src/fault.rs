@@ -54,8 +54,8 @@ pub enum What {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{text}` is no fault: {reason} (allowed are power@TIME, power@op:N, flip@TIME:0xADDRESS.BIT, \
-     noise@TIME:BYTES, stuck@TIME, sample@TIME, value@TIME, hang@TIME, crash@TIME; and, from the start or with @TIME behind them, \
-     open:ELECTRODE, short:ELECTRODE-ELECTRODE, contact:ELECTRODE+OHMS, mux:LINE=LEVEL, dac, saturate; TIME is \
+     noise@TIME:BYTES, stuck@TIME, sample@TIME, value@TIME, hang@TIME, crash@TIME; and, from the start or with \
+     @TIME behind them, open:ELECTRODE, short:ELECTRODE-ELECTRODE, contact:ELECTRODE+OHMS, mux:LINE=LEVEL, dac, saturate; TIME is \
      like 20ms or 1.5s, electrodes are 1 to 16, lines 0 to 15)"
 )]
 pub struct FaultError {

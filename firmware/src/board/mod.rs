@@ -78,8 +78,8 @@ pub struct Amplifier {
     pub word: fn(u8) -> u32,
 }
 
-/// Whether a debug probe holds on to the core as it starts. Only then do clocks run on while it sleeps: the counter of cycles,
-/// by which load is known, must stand still then.
+/// Whether a debug probe holds on to the core as it starts. Only then do clocks run on while it sleeps: the counter of
+/// cycles, by which load is known, must stand still in sleep.
 fn is_debugged() -> bool {
     cortex_m::peripheral::DCB::is_debugger_attached()
 }
