@@ -6,7 +6,7 @@
 use crate::{
     board::VirtualBoard,
     chip::{flash::Flash, time::Time, usart::Symbol},
-    machine::{Halt, Machine, Options},
+    machine::{Halt, Machine, Options, cycles::Timing},
     probe::{Programmer, ProgrammerError, emulated},
     world::{Analogue, Setup, WorldError, parameters::ParameterError},
 };
@@ -76,8 +76,8 @@ pub enum RigFile {
     Virtual {
         /// The ELF, seen from the rig file's folder.
         elf: PathBuf,
-        /// Cycles that every instruction takes.
-        cycles_per_instruction: f64,
+        /// What the manuals leave open of the core's cycles: `pessimistic` or `optimistic`.
+        timing: Timing,
         /// Bits per second of the host's end of the link.
         baud: u64,
         /// What is random.
@@ -244,11 +244,11 @@ impl Rig {
             .map_err(|reason| RigError::Read { path: path.to_owned(), reason })?;
         let wrong = |reason: String| RigError::File { path: path.to_owned(), reason };
         match toml::from_str(&text).map_err(|error| wrong(error.to_string()))? {
-            RigFile::Virtual { elf: own, cycles_per_instruction, baud, seed, world } => {
+            RigFile::Virtual { elf: own, timing, baud, seed, world } => {
                 let folder = path.parent().unwrap_or(Path::new("."));
                 let world = world.map(|world| world.setup(folder, seed).map(Arc::new)).transpose();
                 let world = world.map_err(|reason| RigError::World { path: path.to_owned(), reason })?;
-                let options = options(cycles_per_instruction, baud, seed).map_err(wrong)?;
+                let options = options(timing, baud, seed).map_err(wrong)?;
                 let elf = elf.map_or_else(|| beside(path, &own), Path::to_owned);
                 let firmware = Arc::new(Firmware::load(&elf)?);
                 Ok(Self::Virtual(VirtualRig::start(firmware, elf, Options { world, ..options })?))
@@ -393,21 +393,11 @@ fn needed(programmer: &Option<Programmer>) -> &Programmer {
 }
 
 /// How an emulated board runs, as its rig file says.
-fn options(cycles_per_instruction: f64, baud: u64, seed: u64) -> Result<Options, String> {
-    if !(0.5..=10.0).contains(&cycles_per_instruction) {
-        return Err(format!("`cycles_per_instruction` is {cycles_per_instruction}, allowed are 0.5 to 10"));
-    }
+fn options(timing: Timing, baud: u64, seed: u64) -> Result<Options, String> {
     if !(1200..=10_000_000).contains(&baud) {
         return Err(format!("`baud` is {baud}, allowed are 1200 to 10000000"));
     }
-    let cycles = (cycles_per_instruction * 1000.0).round() as u64;
-    Ok(Options {
-        cycles_per_instruction: (cycles, 1000),
-        wire_baud: baud,
-        seed,
-        keep_trace: false,
-        world: None,
-    })
+    Ok(Options { timing, wire_baud: baud, seed, keep_trace: false, world: None })
 }
 
 /// A path in a rig file counts from the file's folder.

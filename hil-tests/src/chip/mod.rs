@@ -120,6 +120,7 @@ pub struct Chip {
     /// Pins that carry outputs of timers.
     wires: Vec<Wire>,
     shown_operations: u64,
+    transfers: u64,
     /// What was touched since requests, lines, times and outputs were brought up to date.
     touched: Blocks,
     schedule: Schedule,
@@ -160,6 +161,7 @@ impl Chip {
             lines: Lines::of_chip(),
             wires: Vec::new(),
             shown_operations: 0,
+            transfers: 0,
             touched: Blocks::ALL,
             schedule: Schedule::default(),
         }

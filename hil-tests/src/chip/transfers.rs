@@ -25,6 +25,11 @@ impl Chip {
         Err(Misuse::rule("DMA", "a channel is asked without end"))
     }
 
+    /// Transfers of the DMA since this was asked last.
+    pub fn take_transfers(&mut self) -> u64 {
+        std::mem::take(&mut self.transfers)
+    }
+
     fn channel_to_serve(&self) -> Option<(usize, usize)> {
         // Channels that copy memory go on as soon as their controller is touched.
         if !self.dmamux.listens_to(self.touched) && !self.touched.meets(Blocks::DMA) {
@@ -51,6 +56,7 @@ impl Chip {
         channel: usize,
         memory: &mut dyn Memory,
     ) -> Result<(), Misuse> {
+        self.transfers += 1;
         let beat = self.dma[controller].beat(channel);
         let source = self.dmamux.source(controller * CHANNELS + channel);
         if let Some(Source { block, signal }) = source {

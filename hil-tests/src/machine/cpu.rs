@@ -1,6 +1,9 @@
 //! CPU: unicorn's Cortex-M4, its hooks, and the exceptions that it does not have (ARMv7-M, B1.5).
 
-use super::{Block, Halt, Machine, Ram, SPINS, State, Why};
+use super::{
+    Halt, Machine, Ram, SPINS, State, Why,
+    cycles::{Core, Effects},
+};
 use crate::chip::{
     RAM_BYTES, RAM_START, core, flash, misuse::Misuse, nvic::Masks, peripheral::Moment, system_memory,
     time::Time, trace::Event,
@@ -10,9 +13,6 @@ use unicorn_engine::{Arch, ArmCpuModel, HookType, Mode, Prot, RegisterARM, Unico
 
 pub(super) const WFE: u16 = 0xBF20;
 pub(super) const WFI: u16 = 0xBF30;
-const SEV: u16 = 0xBF40;
-/// A branch to itself: nothing changes until an event.
-const CIRCLE: u16 = 0xE7FE;
 /// What unicorn's interrupt hook is told for SVC, and for a branch to an EXC_RETURN value.
 pub(super) const SUPERVISOR_CALL: u32 = 2;
 pub(super) const EXCEPTION_EXIT: u32 = 8;
@@ -42,6 +42,8 @@ const FLOATS: [RegisterARM; 8] = [
     RegisterARM::D6,
     RegisterARM::D7,
 ];
+/// The state of an IT block in the program status register (B1.4.2).
+const IT_STATE: u64 = 0x0600_FC00;
 const BASIC_FRAME: u32 = 0x20;
 const EXTENDED_FRAME: u32 = 0x68;
 const USES_FLOATING_POINT: u64 = 4;
@@ -69,14 +71,26 @@ pub(super) fn build(state: &Rc<State>) -> Result<Unicorn<'static, ()>, uc_error>
         shared.bad_address.set(address as u32);
         false
     })?;
-    let shared = state.clone();
     let (first, last) = (flash::START, flash::START + flash::BYTES - 1);
+    let shared = state.clone();
+    unicorn.add_mem_hook(
+        HookType::MEM_READ,
+        first.into(),
+        last.into(),
+        move |unicorn, _, address, size, _| {
+            shared.spend(|counter| counter.load(address as u32, size as u32));
+            shared.forget_condition(unicorn);
+            true
+        },
+    )?;
+    let shared = state.clone();
     unicorn.add_mem_hook(
         HookType::MEM_WRITE,
         first.into(),
         last.into(),
         move |unicorn, _, address, size, value| {
             shared.write_flash(unicorn, address as u32, size as u32, value as u32);
+            shared.forget_condition(unicorn);
             true
         },
     )?;
@@ -100,6 +114,17 @@ fn map_registers(
             writer.write_register(unicorn, start + offset as u32, size as u32, value as u32);
         }),
     )
+}
+
+impl Core for Unicorn<'_, ()> {
+    fn code(&self, address: u32, size: u32) -> Vec<u8> {
+        self.mem_read_as_vec(address.into(), size as usize).unwrap_or_default()
+    }
+
+    fn register(&self, number: usize) -> u32 {
+        let number = RegisterARM::R0 as i32 + number as i32;
+        self.reg_read(number).unwrap_or(0) as u32
+    }
 }
 
 /// PRIMASK and BASEPRI as they are.
@@ -126,15 +151,19 @@ impl State {
             return self.stop(unicorn, Why::Due);
         }
         if let Some(calls) = self.calls.borrow_mut().as_mut() {
-            calls.pass(address as u32, self.instructions.get(), unicorn);
+            calls.pass(address as u32, self.counter.borrow().cycles(), unicorn);
         }
-        let block = self.look_at(unicorn, address, size);
-        self.instructions.set(self.instructions.get() + block.instructions);
-        self.now.set(self.now.get() + self.instruction_time.get() * block.instructions);
-        if block.sends_event {
+        let mut effects = Effects::default();
+        self.spend(|counter| {
+            let cycles;
+            (cycles, effects) = counter.run(address as u32, size, unicorn);
+            cycles
+        });
+        self.is_conditional.set(effects.has_conditions);
+        if effects.sends_event {
             self.event.set(true);
         }
-        if block.is_circle {
+        if effects.is_circle {
             self.now.set(self.now.get().max(self.stop_at.get()));
         }
     }
@@ -147,6 +176,7 @@ impl State {
         let mut chip = self.chip.borrow_mut();
         match chip.advance_quietly(self.now.get(), &mut Ram(unicorn)) {
             Ok(true) => {
+                self.spend(|counter| counter.give_way(chip.take_transfers()));
                 self.stop_at.set(chip.next_event().min(self.deadline.get()));
                 true
             }
@@ -163,28 +193,17 @@ impl State {
         let _ = unicorn.emu_stop();
     }
 
-    /// Instructions of a block: in Thumb code the first five bits tell short from long ones.
-    fn look_at(&self, unicorn: &Unicorn<'_, ()>, address: u64, size: u32) -> Block {
-        let key = address << 16 | u64::from(size);
-        if let Some(block) = self.blocks.borrow().get(&key) {
-            return *block;
+    /// For a hook of memory, unicorn puts the state of an IT block where the code that it made of the block
+    /// has taken it away already; whatever is looked up next would depend on a condition that is no more.
+    pub(super) fn forget_condition(&self, unicorn: &mut Unicorn<'_, ()>) {
+        if self.is_conditional.get() {
+            let status = unicorn.reg_read(RegisterARM::XPSR).unwrap_or(0);
+            let _ = unicorn.reg_write(RegisterARM::XPSR, status & !IT_STATE);
         }
-        let bytes = unicorn.mem_read_as_vec(address, size as usize).unwrap_or_default();
-        let mut block = Block { instructions: 0, sends_event: false, is_circle: false };
-        let mut halfwords = bytes.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]]));
-        while let Some(halfword) = halfwords.next() {
-            block.instructions += 1;
-            block.sends_event |= halfword == SEV;
-            block.is_circle = halfword == CIRCLE && block.instructions == 1;
-            if halfword >> 11 >= 0b11101 {
-                halfwords.next();
-            }
-        }
-        self.blocks.borrow_mut().insert(key, block);
-        block
     }
 
     fn read_register(&self, unicorn: &mut Unicorn<'_, ()>, address: u32, size: u32) -> u32 {
+        self.spend(|counter| counter.reach(address));
         let value = self.access(unicorn, |chip| chip.read(address, size)).unwrap_or(0);
         self.skip_polling(address, value);
         value
@@ -208,6 +227,7 @@ impl State {
 
     fn write_register(&self, unicorn: &mut Unicorn<'_, ()>, address: u32, size: u32, value: u32) {
         self.spins.set(0);
+        self.spend(|counter| counter.reach(address));
         self.access(unicorn, |chip| chip.write(address, size, value));
         // What was written may have brought an event closer, or an exception.
         self.stop_at.set(Time::ZERO);
@@ -275,6 +295,7 @@ impl Machine {
         self.sleeps = false;
         self.state.event.set(true);
         let uses_floats = self.get(RegisterARM::CONTROL) & USES_FLOATING_POINT != 0;
+        self.state.spend(|counter| counter.change_context(uses_floats));
         let stack = self.get(RegisterARM::SP) as u32;
         let size = if uses_floats { EXTENDED_FRAME } else { BASIC_FRAME };
         let frame = (stack - size) & !7;
@@ -313,7 +334,7 @@ impl Machine {
 
     fn tell_calls(&self, begins: bool) {
         if let Some(calls) = self.state.calls.borrow_mut().as_mut() {
-            calls.interrupt(begins, self.state.instructions.get());
+            calls.interrupt(begins, self.state.counter.borrow().cycles());
         }
     }
 
@@ -323,6 +344,7 @@ impl Machine {
         // The branch has cleared the lowest bit; the rest of EXC_RETURN is in the PC.
         let link = self.get(RegisterARM::PC) as u32;
         let uses_floats = link & 0x10 == 0;
+        self.state.spend(|counter| counter.change_context(uses_floats));
         let frame = self.get(RegisterARM::SP) as u32;
         let size = if uses_floats { EXTENDED_FRAME } else { BASIC_FRAME };
         let bytes = self.peek(frame, size as usize);

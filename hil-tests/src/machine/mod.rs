@@ -10,6 +10,7 @@
 
 mod calls;
 mod cpu;
+pub mod cycles;
 mod halt;
 
 use crate::{
@@ -25,12 +26,12 @@ use crate::{
     world::{AnalogueWorld, Setup, WorldHandle},
 };
 use calls::Calls;
+use cycles::{Access, Counter, Timing};
 pub use halt::Halt;
 use rand::{RngCore, SeedableRng};
 use rand_pcg::Pcg64;
 use std::{
     cell::{Cell, RefCell},
-    collections::HashMap,
     rc::Rc,
     sync::Arc,
 };
@@ -42,8 +43,8 @@ const SPINS: u32 = 16;
 /// How a machine runs.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Cycles that every instruction takes: numerator and denominator.
-    pub cycles_per_instruction: (u64, u64),
+    /// What the manuals leave open of the core's cycles.
+    pub timing: Timing,
     /// Bits per second at the world's end of the link.
     pub wire_baud: u64,
     /// What RAM holds after power comes up, and what is random in faults.
@@ -56,7 +57,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { cycles_per_instruction: (3, 2), wire_baud: 2_000_000, seed: 1, keep_trace: false, world: None }
+        Self { timing: Timing::PESSIMISTIC, wire_baud: 2_000_000, seed: 1, keep_trace: false, world: None }
     }
 }
 
@@ -75,8 +76,9 @@ pub struct Machine {
 struct State {
     chip: RefCell<Chip>,
     now: Cell<Time>,
-    instructions: Cell<u64>,
-    instruction_time: Cell<Time>,
+    counter: RefCell<Counter>,
+    /// Time of a cycle of the core.
+    cycle: Cell<Time>,
     /// An event is due then; zero where the core is to stop whatever happens.
     stop_at: Cell<Time>,
     /// The core is to stop then.
@@ -89,9 +91,10 @@ struct State {
     event: Cell<bool>,
     why: Cell<Why>,
     misuse: RefCell<Option<Misuse>>,
-    blocks: RefCell<HashMap<u64, Block>>,
     last_poll: Cell<(u32, u32)>,
     spins: Cell<u32>,
+    /// Instructions of the block that runs may depend on an IT.
+    is_conditional: Cell<bool>,
     /// Where the last access went that nothing responds to.
     bad_address: Cell<u32>,
     calls: RefCell<Option<Calls>>,
@@ -103,13 +106,6 @@ enum Why {
     Due,
     Interrupt(u32),
     Misuse,
-}
-
-#[derive(Clone, Copy)]
-struct Block {
-    instructions: u64,
-    sends_event: bool,
-    is_circle: bool,
 }
 
 /// RAM as unicorn has it.
@@ -133,7 +129,7 @@ impl Machine {
         if let Some(world) = &world {
             chip.connect(Box::new(AnalogueWorld::new(world.clone())));
         }
-        let state = Rc::new(State::new(chip));
+        let state = Rc::new(State::new(chip, options.timing));
         let unicorn = cpu::build(&state).map_err(|error| Halt::Unicorn {
             time: Time::ZERO,
             pc: 0,
@@ -157,10 +153,10 @@ impl Machine {
         self.slept
     }
 
-    /// Instructions executed since the machine was made.
+    /// Cycles that the core has run since the machine was made.
     #[must_use]
-    pub fn instructions(&self) -> u64 {
-        self.state.instructions.get()
+    pub fn cycles(&self) -> u64 {
+        self.state.counter.borrow().cycles()
     }
 
     /// The skin and the front end before the chip, if there are any.
@@ -217,12 +213,12 @@ impl Machine {
         self.sleeps = false;
     }
 
-    /// From now on, counts the instructions of each call of the function at this address.
+    /// From now on, counts the cycles of each call of the function at this address.
     pub fn count_calls(&mut self, function: u32) {
-        *self.state.calls.borrow_mut() = Some(Calls::of(function, self.instructions()));
+        *self.state.calls.borrow_mut() = Some(Calls::of(function, self.cycles()));
     }
 
-    /// Instructions of each call that has returned.
+    /// Cycles of each call that has returned.
     #[must_use]
     pub fn calls(&self) -> Vec<u64> {
         self.state.calls.borrow().as_ref().map(Calls::done).unwrap_or_default()
@@ -291,6 +287,8 @@ impl Machine {
         state.now.set(chip.now.max(from));
         let slept = state.now.get().since(from);
         self.slept += slept;
+        // Nobody waits for them.
+        chip.take_transfers();
         if !chip.is_clocked_in_sleep() {
             chip.unclocked += slept;
         }
@@ -305,7 +303,7 @@ impl Machine {
         result
             .and_then(|()| chip.settle(&mut Ram(&mut self.unicorn)))
             .map_err(|misuse| self.misused(misuse))?;
-        state.follow(&chip, &self.options);
+        state.follow(&mut chip);
         Ok(())
     }
 
@@ -389,7 +387,7 @@ impl Machine {
         self.sleeps = false;
         self.sync_flash();
         self.state.event.set(false);
-        self.state.blocks.borrow_mut().clear();
+        self.state.counter.borrow_mut().forget_code();
         // Another program may lie where one lay whose translation unicorn has kept.
         self.unicorn.ctl_flush_tb().map_err(|error| self.gave_up(format!("{error:?}")))?;
         self.pass_time()?;
@@ -415,7 +413,8 @@ impl Machine {
             HookType::MEM_READ,
             first.into(),
             u64::from(last) + 7,
-            move |_, _, address, size, _| {
+            move |unicorn, _, address, size, _| {
+                state.forget_condition(unicorn);
                 if state.chip.borrow_mut().flash.check_read(address as u32, size as u32) {
                     state.stop_at.set(Time::ZERO);
                 }
@@ -435,12 +434,12 @@ impl Machine {
 }
 
 impl State {
-    fn new(chip: Chip) -> Self {
+    fn new(chip: Chip, timing: Timing) -> Self {
         Self {
             chip: RefCell::new(chip),
             now: Cell::new(Time::ZERO),
-            instructions: Cell::new(0),
-            instruction_time: Cell::new(Time::ZERO),
+            counter: RefCell::new(Counter::new(timing)),
+            cycle: Cell::new(Time::ZERO),
             stop_at: Cell::new(Time::ZERO),
             deadline: Cell::new(Time::ZERO),
             masks: Cell::new(None),
@@ -448,19 +447,28 @@ impl State {
             event: Cell::new(false),
             why: Cell::new(Why::Nothing),
             misuse: RefCell::new(None),
-            blocks: RefCell::new(HashMap::new()),
             last_poll: Cell::new((0, 0)),
             spins: Cell::new(0),
+            is_conditional: Cell::new(false),
             bad_address: Cell::new(0),
             calls: RefCell::new(None),
         }
     }
 
     /// What the hooks must know of the chip.
-    fn follow(&self, chip: &Chip, options: &Options) {
-        let (numerator, denominator) = options.cycles_per_instruction;
-        self.instruction_time.set(Time::period(chip.clocks().core * denominator / numerator.max(1)));
+    fn follow(&self, chip: &mut Chip) {
+        self.cycle.set(chip.clocks().cycle());
         self.stall.set(chip.flash.stalled_code());
+        self.spend(|counter| {
+            counter.set_up(Access::of(&chip.flash));
+            counter.give_way(chip.take_transfers())
+        });
+    }
+
+    /// Cycles pass.
+    fn spend(&self, cycles: impl FnOnce(&mut Counter) -> u64) {
+        let cycles = cycles(&mut self.counter.borrow_mut());
+        self.now.set(self.now.get() + self.cycle.get() * cycles);
     }
 }
 

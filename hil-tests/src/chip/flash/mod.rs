@@ -132,6 +132,12 @@ impl Flash {
         self.bank.get("ACR", "LATENCY")
     }
 
+    /// Whether a bit of the access control register is set.
+    #[must_use]
+    pub fn is_set(&self, field: &str) -> bool {
+        self.bank.is_set("ACR", field)
+    }
+
     /// Code from the first to the last of these addresses stands still until then ("erase sequences").
     #[must_use]
     pub fn stalled_code(&self) -> Option<(u32, u32, Time)> {
