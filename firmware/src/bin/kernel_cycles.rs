@@ -1,6 +1,5 @@
 //! Measures the reconstruction on a real board: cycles of the core for one image, wait states of the
-//! flash included. **It awaits its first board**; the emulated board takes 1.5 cycles for each instruction, an
-//! assumption.
+//! flash included. **It awaits its first board**; the emulated board counts them by the manuals.
 //!
 //! It uses the patch that the board holds, so send one first (`dermatome flash`). Then, in `firmware`:
 //!

@@ -12,6 +12,7 @@ const PAINT: u32 = 0xCCCC_CCCC;
 /// Watches the chip.
 pub struct VitalSigns {
     thermometer: Thermometer,
+    stack: StackWatch,
     looked: Instant,
     cycles: u32,
 }
@@ -21,12 +22,16 @@ impl VitalSigns {
     pub fn new(thermometer: Thermometer, mut dcb: DCB, mut dwt: DWT) -> Self {
         dcb.enable_trace();
         dwt.enable_cycle_counter();
-        Self { thermometer, looked: Instant::now(), cycles: DWT::cycle_count() }
+        Self { thermometer, stack: StackWatch::new(), looked: Instant::now(), cycles: DWT::cycle_count() }
     }
 
     /// How the board is, its load counted from the last time this was asked.
     pub fn take(&mut self) -> Vitals {
-        Vitals { temperature: Some(self.thermometer.celsius()), load: self.load(), free_stack: free_stack() }
+        Vitals {
+            temperature: Some(self.thermometer.celsius()),
+            load: self.load(),
+            free_stack: self.stack.free(),
+        }
     }
 
     /// The counter stands still while the core sleeps.
@@ -39,22 +44,59 @@ impl VitalSigns {
     }
 }
 
-/// Bytes at the end of the stack that still hold what start-up code left there.
-fn free_stack() -> u32 {
+/// Looks at the free end of the stack, a part at a time: the whole takes half a millisecond, for which contacts
+/// would have to wait.
+struct StackWatch {
+    /// The lowest word known to be used.
+    used: *const u32,
+    /// Where the next look begins.
+    next: *const u32,
+}
+
+/// Words of a look: all of the stack is seen once in two or three seconds.
+const LOOK_WORDS: usize = 1024;
+
+impl StackWatch {
+    fn new() -> Self {
+        let (end, start) = bounds();
+        let mut watch = Self { used: start, next: end };
+        while watch.next < watch.used {
+            watch.look();
+        }
+        watch
+    }
+
+    /// Bytes at the end of the stack that still held what start-up code left there when they were looked at last.
+    fn free(&mut self) -> u32 {
+        let (end, _) = bounds();
+        if self.next >= self.used {
+            self.next = end;
+        }
+        self.look();
+        self.used.addr().saturating_sub(end.addr()) as u32
+    }
+
+    fn look(&mut self) {
+        let last = self.next.wrapping_add(LOOK_WORDS).min(self.used);
+        while self.next < last {
+            #[expect(unsafe_code, reason = "the stack is looked at")]
+            // SAFETY: it lies between the bounds of the stack, and any memory there can be read as words.
+            if unsafe { self.next.read_volatile() } != PAINT {
+                self.used = self.next;
+                return;
+            }
+            self.next = self.next.wrapping_add(1);
+        }
+    }
+}
+
+/// First word of the stack, and the one behind its last; it grows towards the first.
+fn bounds() -> (*const u32, *const u32) {
     #[expect(unsafe_code, reason = "the linker's symbols")]
     // SAFETY: cortex-m-rt's script defines both; only their addresses are used.
     unsafe extern "C" {
         static mut _stack_end: u32;
         static mut _stack_start: u32;
     }
-    let (end, start) = (&raw const _stack_end, &raw const _stack_start);
-    let mut place = end;
-    #[expect(unsafe_code, reason = "the stack is looked at")]
-    // SAFETY: the linker says where the stack lies; any memory there can be read as words.
-    unsafe {
-        while place < start && place.read_volatile() == PAINT {
-            place = place.add(1);
-        }
-        place.byte_offset_from(end) as u32
-    }
+    (&raw const _stack_end, &raw const _stack_start)
 }

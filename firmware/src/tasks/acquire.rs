@@ -28,6 +28,8 @@ use static_cell::StaticCell;
 /// How often the ring of samples is looked at, at the longest. Looks cost time while a frame is computed, so
 /// they are as rare as the ring allows: it takes 2 ms to fill.
 const LOOK_INTERVAL: Duration = Duration::from_micros(1600);
+/// What the last look of a frame leaves to itself: whoever waits for the contacts waits for it.
+const LAST_LOOK: Duration = Duration::from_micros(150);
 /// A pause shorter than this between frames is not worth stopping for.
 const SHORTEST_PAUSE: Duration = Duration::from_millis(2);
 
@@ -151,9 +153,7 @@ impl Run<'_> {
             let missing = board::duration_of_samples(self.acquisition.missing_samples());
             // The current rises with each look, and has risen before the first frame ends, which does not count.
             let longest = if scan.is_rising() { frame_time / (RAMP_STEPS + 1) } else { LOOK_INTERVAL };
-            // A little more, so that the last sample is there.
-            let wait = (missing + Duration::from_micros(2)).min(longest).min(LOOK_INTERVAL);
-            Timer::at(scan.looked_at() + wait).await;
+            Timer::at(scan.looked_at() + wait(missing).min(longest)).await;
             match self.look(&mut scan) {
                 Ok(found) if pauses && found > 0 => break,
                 Ok(_) => {}
@@ -189,6 +189,16 @@ impl Run<'_> {
     fn is_stopping(&mut self) -> bool {
         self.is_stopping |= self.orders.stop.try_take().is_some();
         self.is_stopping
+    }
+}
+
+/// Time to the next look, where samples of this duration are missing in a frame.
+fn wait(missing: Duration) -> Duration {
+    if missing <= 2 * LAST_LOOK {
+        // A little more, so that the last sample is there.
+        missing + Duration::from_micros(2)
+    } else {
+        (missing - LAST_LOOK).min(LOOK_INTERVAL)
     }
 }
 

@@ -29,7 +29,7 @@ pub(super) const CASES: &[Case] = &[
         run: images,
     },
     Case {
-        name: "the reconstruction takes at most one instruction for each product",
+        name: "the reconstruction takes at most 2.9 cycles for each product",
         needs: &[Capability::VirtualTime],
         run: kernel,
     },
@@ -50,7 +50,10 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// Counts every instruction of `reconstruct`, 812 pixels from 104 measurements.
+/// Most cycles for each product of the reconstruction, of which the wait states of the flash make one.
+const MOST_CYCLES: f64 = 2.9;
+
+/// Counts every cycle of `reconstruct`, 812 pixels from 104 measurements.
 fn kernel(rig: &Rig) -> Result<String, Failure> {
     let VirtualRig { firmware, board, .. } = rig.emulated_rig();
     let missing = || Failure::wrong("the firmware has no function `reconstruct`");
@@ -63,12 +66,15 @@ fn kernel(rig: &Rig) -> Result<String, Failure> {
     rig.wait(Duration::from_secs(1))?;
     stream.stop()?;
     let calls = board.with(|machine| machine.calls());
-    // Interrupts come in between: the shortest call had none.
-    let least = calls.iter().min().copied().unwrap_or(u64::MAX);
-    let per_product = least as f64 / (812.0 * 104.0);
     ensure(calls.len() >= 10, || format!("only {} calls", calls.len()))?;
-    ensure(per_product <= 1.0, || format!("{per_product:.3} instructions for each product"))?;
-    Ok(format!("{per_product:.3} instructions for each product, everything counted"))
+    // Those of handlers are not in it, but what they push out of the caches is.
+    let most = calls.iter().max().copied().unwrap_or(u64::MAX) as f64;
+    let per_product = most / (812.0 * 104.0);
+    ensure(per_product <= MOST_CYCLES, || format!("{per_product:.2} cycles for each product"))?;
+    Ok(format!(
+        "at most {per_product:.2} cycles for each product, everything counted: {:.2} ms",
+        most / 170e3
+    ))
 }
 
 fn kernel_cycles(rig: &Rig) -> Result<String, Failure> {

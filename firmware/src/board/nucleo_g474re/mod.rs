@@ -91,6 +91,8 @@ pub fn start() -> Board {
     config.rcc = clocks();
     config.enable_debug_during_sleep = super::is_debugged();
     let chip = embassy_stm32::init(config);
+    // The caches are on after a reset, the prefetch is not: it hides most waits of code that runs straight on.
+    pac::FLASH.acr().modify(|w| w.set_prften(true));
     // While a debug probe holds the core, nobody can feed the watchdog.
     pac::DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
     Board {

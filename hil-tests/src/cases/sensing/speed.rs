@@ -1,5 +1,4 @@
-//! How fast the board is, and what it takes of the chip. All in virtual time: instructions are counted, and
-//! each takes the rig's cycles.
+//! How fast the board is, and what it takes of the chip. All in virtual time, which the core's cycles make.
 
 use super::{
     super::{Failure, ensure_complete},
@@ -10,7 +9,11 @@ use crate::{
     chip::{time::Time, trace::Event as TraceEvent},
     rig::Rig,
 };
-use dermatome::{link::Link, simulate::Press, skin::Reciprocal};
+use dermatome::{
+    link::Link,
+    simulate::Press,
+    skin::{ImageLayout, Reciprocal},
+};
 use dermatome_shared::{
     health::Vitals,
     protocol::{BoardPacket, Event, Selection, decode},
@@ -24,14 +27,19 @@ const CONTACTS: Selection =
 const PRESS: Press = Press::finger([0.03, 0.02], 0.025, 0.6);
 /// Settling of both patterns, s.
 const SETTLING: f64 = 10e-6;
+/// Columns of pixels across the skin. The data of 16 electrodes tell some 80 things apart; 256 pixels find contacts as
+/// well as 812 do, and a third of the products leaves time for everything else at these rates.
+const COLUMNS: u8 = 18;
 /// Share of time in which the CPU may work.
 const MOST_LOAD: f64 = 0.6;
 /// Longest time from the last sample of a frame to the first byte of its contacts, s.
-const LONGEST_LATENCY: f64 = 1.5e-3;
+const LONGEST_LATENCY: f64 = 1.0e-3;
 /// What the board says of its load may be off by this share of time: it looks five times a second.
 const MOST_LOAD_ERROR: f64 = 0.03;
 /// Temperatures of the emulated chip, degrees Celsius.
 const ROOM: Range<f32> = 15.0..50.0;
+/// In this time the board looks at all of its stack.
+const STACK_LOOKS: Time = Time::from_millis(3000);
 /// Flash, and static memory with the stack, that the firmware may take.
 const LIMIT: usize = 96 * 1024;
 const RAM: usize = 128 * 1024;
@@ -57,6 +65,7 @@ fn measure(
         skin.drive.frequency = frequency;
         skin.drive.settling = settling * frequency;
         skin.drive.frame_rate = 10_000.0;
+        skin.image = ImageLayout::Grid { columns: COLUMNS };
     })?;
     tare(&mut link, 20)?;
     session.world.press(&[PRESS]);
@@ -159,6 +168,10 @@ pub(super) fn memory(rig: &Rig) -> Result<String, Failure> {
     let all = Selection { images: 1, contacts: 1, measurements: 1, health: 1, scope: 1, scope_slot: 3 };
     let mut stream = link.subscribe(all)?;
     stamps(&mut stream, 50)?;
+    stream.stop()?;
+    // The board looks at a part of its stack at a time.
+    session.run(STACK_LOOKS)?;
+    let mut stream = link.subscribe(Selection { health: 1, ..CONTACTS })?;
     let (_, report) = next_with(&mut stream, |frame| frame.health)?;
     let free = report.vitals.free_stack as usize;
     let start = firmware.symbol("_stack_end").unwrap_or_default() as usize - 0x2000_0000;
