@@ -3,7 +3,8 @@
 //! The library of this package names the hardware and drives it; `tasks` join it to the shared
 //! `Device`. Acquisition has an executor of its own, in an interrupt: it turns samples into frames
 //! whatever else goes on. The other three share one: the frames task computes images and contacts, the
-//! link answers requests and sends events, and the health task feeds the watchdog as long as both yield.
+//! link answers requests and sends events, and the health task feeds the watchdog as long as both yield and
+//! samples are looked at.
 #![no_std]
 #![no_main]
 
@@ -26,8 +27,8 @@ async fn main(spawner: Spawner) {
     info!("started after {}", Display2Format(&started_after));
     let state = tasks::State::take(board.flash, started_after);
     let signs = VitalSigns::new(board.thermometer, board.core.DCB, board.core.DWT);
-    spawner.spawn(tasks::health::run(board.watchdog, signs, state).expect("spawned once"));
     let (orders, frames) = tasks::acquire::start(board.sensing);
+    spawner.spawn(tasks::health::run(board.watchdog, signs, state, orders).expect("spawned once"));
     spawner.spawn(tasks::frames::run(state, orders, frames).expect("spawned once"));
     spawner.spawn(tasks::link::run(board.link, state).expect("spawned once"));
 }

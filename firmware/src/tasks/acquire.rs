@@ -6,6 +6,8 @@
 //! A scan is ordered once and then goes on: without a pause where frames are wanted as fast as they
 //! come, else with the front end off between frames.
 
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
 use dermatome_firmware::{
     board::{self, SensingParts, executor},
     drivers::front_end::{FrontEnd, Missed, RAMP_STEPS, Scan, Tables},
@@ -40,6 +42,9 @@ pub(crate) struct Orders {
     start: Signal<CriticalSectionRawMutex, Order>,
     stop: Signal<CriticalSectionRawMutex, ()>,
     stopped: Signal<CriticalSectionRawMutex, ()>,
+    /// Whether current flows, and how often the samples were looked at so far.
+    flows: AtomicBool,
+    looks: AtomicU32,
 }
 
 /// How to run a scan.
@@ -71,6 +76,8 @@ impl Orders {
             start: Signal::new(),
             stop: Signal::new(),
             stopped: Signal::new(),
+            flows: AtomicBool::new(false),
+            looks: AtomicU32::new(0),
         }
     }
 
@@ -79,6 +86,11 @@ impl Orders {
         self.stop.reset();
         self.stopped.reset();
         self.start.signal(order);
+    }
+
+    /// How often the samples were looked at, where current flows: then looks come every 1.6 ms at least.
+    pub(crate) fn looks(&self) -> Option<u32> {
+        self.flows.load(Ordering::Relaxed).then(|| self.looks.load(Ordering::Relaxed))
     }
 
     /// Asks the scan to stop.
@@ -139,8 +151,10 @@ impl Run<'_> {
         while !self.is_stopping() {
             let due = Instant::now() + order.interval;
             self.acquisition.restart();
+            self.orders.flows.store(true, Ordering::Relaxed);
             let scan = front_end.start(self.acquisition, order.amplitude);
             self.follow(scan, frame_time, pauses).await;
+            self.orders.flows.store(false, Ordering::Relaxed);
             if pauses {
                 self.wait_until(due).await;
             }
@@ -169,6 +183,8 @@ impl Run<'_> {
     /// Takes the samples that are there; says how many frames they completed.
     fn look(&mut self, scan: &mut Scan<'_>) -> Result<usize, Missed> {
         let mut found = 0;
+        // Only this task counts.
+        self.orders.looks.store(self.orders.looks.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
         scan.take(|samples| {
             self.acquisition.push(samples, |frame, scope| {
                 found += 1;

@@ -1,10 +1,13 @@
 //! Cases of a firmware that cannot go on: it starts again and says why.
 
-use super::{Case, Failure, ensure};
+use super::{Case, Failure, ensure, next_frame, patches};
+use crate::chip::map;
 use crate::machine::Machine;
 use crate::rig::{Capability, Rig};
+use dermatome::link;
 use dermatome_shared::{
-    protocol::{MAX_PACKET_BYTES, Request, RequestPacket, encode},
+    patch::PatchView,
+    protocol::{MAX_PACKET_BYTES, Request, RequestPacket, Selection, encode},
     restart::Restart,
 };
 use std::time::Duration;
@@ -14,6 +17,11 @@ pub(super) const CASES: &[Case] = &[
         name: "a hung CPU is bitten by the watchdog, and the board says so",
         needs: &[Capability::BreakCpu],
         run: hangs,
+    },
+    Case {
+        name: "an acquisition that looks at no samples while current flows is bitten as well",
+        needs: &[Capability::BreakCpu],
+        run: looks_away,
     },
     Case {
         name: "a flash that stays busy for ever is ended by the watchdog",
@@ -32,6 +40,9 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
+/// NVIC_ICER0 (ARMv7-M, B3.4.5).
+const CLEAR_ENABLE: u32 = 0xE000_E180;
+
 fn restart(rig: &Rig) -> Result<Restart, Failure> {
     Ok(rig.link()?.info()?.started_after)
 }
@@ -40,6 +51,27 @@ fn hangs(rig: &Rig) -> Result<String, Failure> {
     rig.link()?;
     rig.emulated().with(Machine::hang);
     rig.wait(Duration::from_secs(3))?;
+    let found = restart(rig)?;
+    ensure(found == Restart::Watchdog, || format!("it says {found}"))?;
+    Ok(String::new())
+}
+
+/// The interrupt that the acquisition runs in is switched off, and nothing else.
+fn looks_away(rig: &Rig) -> Result<String, Failure> {
+    let mut link = rig.link()?;
+    link::upload(&mut link, &patches::patch(64, true, 16), |_| ())?;
+    let mut drive = PatchView::open(&patches::patch(64, true, 16)).map_err(Failure::wrong)?.header.drive;
+    drive.frame_rate = 1e4;
+    link.request(&Request::Drive(Some(drive)))?;
+    let mut stream = link.subscribe(Selection { measurements: 1, ..Selection::default() })?;
+    next_frame(&mut stream)?;
+    let interrupt = map::interrupt_number("FMAC");
+    let (disable, bit) = (CLEAR_ENABLE + 4 * (interrupt / 32), 1 << (interrupt % 32));
+    rig.emulated()
+        .with(move |machine| machine.chip(|chip| chip.write(disable, 4, bit)))
+        .map_err(Failure::wrong)?;
+    rig.wait(Duration::from_secs(3))?;
+    drop(stream);
     let found = restart(rig)?;
     ensure(found == Restart::Watchdog, || format!("it says {found}"))?;
     Ok(String::new())

@@ -7,7 +7,7 @@
 
 use super::{
     bank::Bank,
-    map::Register,
+    map::{Field, Register},
     misuse::Misuse,
     peripheral::{Moment, Peripheral, has_bank},
     time::Time,
@@ -56,6 +56,7 @@ impl Operation {
 #[derive(Clone, Debug)]
 pub struct Flash {
     bank: Bank,
+    access: AccessFields,
     content: Vec<u8>,
     /// Double words whose ECC does not fit, by address.
     damaged: BTreeSet<u32>,
@@ -68,13 +69,27 @@ pub struct Flash {
     nmi: bool,
 }
 
+/// Fields of the access control register, which the core asks for at every step.
+#[derive(Clone, Debug)]
+struct AccessFields {
+    latency: Field,
+    /// Prefetch, cache of instructions, cache of data.
+    on: [Field; 3],
+}
+
 impl Default for Flash {
     fn default() -> Self {
+        let bank = Bank::new(
+            "FLASH",
+            &[("ACR", 0x0004_0600), ("CR", 0xC000_0000), ("OPTR", 0xFFEF_F8AA & 0x7FDF_77FF | 1 << 22)],
+        );
+        let of_access = |field| bank.find("ACR", field);
         Self {
-            bank: Bank::new(
-                "FLASH",
-                &[("ACR", 0x0004_0600), ("CR", 0xC000_0000), ("OPTR", 0xFFEF_F8AA & 0x7FDF_77FF | 1 << 22)],
-            ),
+            access: AccessFields {
+                latency: of_access("LATENCY"),
+                on: ["PRFTEN", "ICEN", "DCEN"].map(of_access),
+            },
+            bank,
             content: vec![0xFF; BYTES as usize],
             damaged: BTreeSet::new(),
             changed: None,
@@ -129,13 +144,13 @@ impl Flash {
     /// Wait states that are set.
     #[must_use]
     pub fn latency(&self) -> u32 {
-        self.bank.get("ACR", "LATENCY")
+        self.bank.at(self.access.latency)
     }
 
-    /// Whether a bit of the access control register is set.
+    /// Whether the prefetch, the cache of instructions and the cache of data are on.
     #[must_use]
-    pub fn is_set(&self, field: &str) -> bool {
-        self.bank.is_set("ACR", field)
+    pub fn accelerates(&self) -> [bool; 3] {
+        self.access.on.map(|field| self.bank.at(field) != 0)
     }
 
     /// Code from the first to the last of these addresses stands still until then ("erase sequences").

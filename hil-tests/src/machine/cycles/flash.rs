@@ -32,12 +32,8 @@ pub(crate) struct Access {
 impl Access {
     /// As the firmware has it now.
     pub(crate) fn of(flash: &Flash) -> Self {
-        Self {
-            latency: flash.latency(),
-            prefetches: flash.is_set("PRFTEN"),
-            caches_instructions: flash.is_set("ICEN"),
-            caches_data: flash.is_set("DCEN"),
-        }
+        let [prefetches, caches_instructions, caches_data] = flash.accelerates();
+        Self { latency: flash.latency(), prefetches, caches_instructions, caches_data }
     }
 }
 
