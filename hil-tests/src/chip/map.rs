@@ -3,10 +3,8 @@
 //! The models take addresses, interrupt numbers, DMA requests and bit positions from here and from
 //! nowhere else, so that they follow the chip and not our firmware.
 
-use std::{
-    collections::{BTreeMap, HashMap},
-    sync::OnceLock,
-};
+use rustc_hash::FxHashMap;
+use std::{collections::BTreeMap, sync::OnceLock};
 use stm32_metapac::metadata::{
     METADATA, Peripheral,
     ir::{Access, Array, BitOffset, BlockItemInner, IR},
@@ -34,7 +32,7 @@ pub struct PeripheralMap {
     /// In order of their offsets.
     registers: Vec<Register>,
     /// Places in `registers` of each name, by index.
-    places: HashMap<String, Vec<Option<usize>>>,
+    places: FxHashMap<String, Vec<Option<usize>>>,
     source: &'static Peripheral,
 }
 
@@ -139,7 +137,7 @@ impl PeripheralMap {
         let shared = source.name.starts_with("OPAMP");
         let (clock, reset) = if shared { with_syscfg() } else { (clock, reset) };
         let base = u32::try_from(source.address).ok()?;
-        let mut places: HashMap<String, Vec<Option<usize>>> = HashMap::new();
+        let mut places: FxHashMap<String, Vec<Option<usize>>> = FxHashMap::default();
         let mut registers: Vec<Register> = all.into_values().collect();
         for (place, register) in registers.iter_mut().enumerate() {
             register.place = place;

@@ -20,7 +20,8 @@ use crate::chip::{
     world::{OpampSetting, World},
 };
 use nalgebra::SVector;
-use std::{collections::HashMap, sync::Arc};
+use rustc_hash::FxHashMap;
+use std::sync::Arc;
 
 /// Step of time where the source may reach its limit: 10 cycles of the chip's clock, and more the longer nothing changes.
 const SMALL_STEP: Time = Time::from_nanos(59);
@@ -58,7 +59,7 @@ pub struct AnalogueWorld {
 /// Chains that have been needed with the present network.
 #[derive(Debug, Default)]
 struct Chains {
-    places: HashMap<(Closed, bool, u64), usize>,
+    places: FxHashMap<(Closed, bool, u64), usize>,
     chains: Vec<Chain>,
 }
 

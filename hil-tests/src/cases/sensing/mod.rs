@@ -31,6 +31,11 @@ const CONTACT: f64 = 16.4;
 const NEEDS: &[Capability] = &[Capability::VirtualTime];
 
 pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "a press held for ten minutes of drift is still reported, with its force",
+        needs: NEEDS,
+        run: presses::long,
+    },
     Case { name: "demodulated voltages are those of the circuit", needs: NEEDS, run: voltages },
     Case { name: "contact impedances are those of the circuit", needs: NEEDS, run: contact_impedances },
     Case { name: "signal to noise of the board's own chain", needs: NEEDS, run: signal_to_noise },
@@ -70,11 +75,6 @@ pub(super) const CASES: &[Case] = &[
         run: host_gone,
     },
     Case { name: "a press is found where it is", needs: NEEDS, run: presses::positions },
-    Case {
-        name: "a press held for ten minutes of drift is still reported, with its force",
-        needs: NEEDS,
-        run: presses::long,
-    },
 ];
 
 /// Compares what the board makes of a quiet skin with the circuit solved at the carrier's frequency.
