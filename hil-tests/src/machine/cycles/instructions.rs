@@ -30,18 +30,43 @@ pub(super) struct Piece {
     pub(super) cycles: u32,
 }
 
-/// Loads and stores of a block whose address lies in one register, which moves on from one to the next as it does where code
-/// goes through samples or coefficients.
+/// Loads and stores of a block whose address lies in one register, which moves on from one to the next, as
+/// where code goes through samples or coefficients.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Walk {
     /// Number of the register.
     pub(super) register: usize,
     /// How far it has moved so far.
     offset: i32,
-    /// Something else was written to it.
-    is_lost: bool,
     /// Each access: from where the register was at first, and its bytes.
     pub(super) accesses: Vec<(i32, u32)>,
+}
+
+/// The walks of the part of a block that was read.
+#[derive(Default)]
+struct Walks {
+    all: Vec<Walk>,
+    /// Registers that hold something else than they and their steps say: a bit each.
+    lost: u32,
+}
+
+impl Walks {
+    fn step(&mut self, register: usize, displacement: i32, bytes: u32, moved: i32) {
+        if self.lost >> register & 1 == 1 {
+            return;
+        }
+        let place = self.all.iter().position(|walk| walk.register == register).unwrap_or_else(|| {
+            self.all.push(Walk { register, ..Walk::default() });
+            self.all.len() - 1
+        });
+        let walk = &mut self.all[place];
+        walk.accesses.push((walk.offset + displacement, bytes));
+        walk.offset += moved;
+    }
+
+    fn into_moving(self) -> Vec<Walk> {
+        self.all.into_iter().filter(|walk| walk.offset != 0).collect()
+    }
 }
 
 /// What the cycles of an instruction depend on.
@@ -73,7 +98,7 @@ impl Decoder {
     /// The double words of a block of code with their cycles, in order; and how it goes through memory.
     pub(super) fn read(&self, code: &[u8], address: u32, timing: &Timing) -> (Vec<Piece>, Vec<Walk>) {
         let mut pieces: Vec<Piece> = Vec::new();
-        let mut walks = Vec::new();
+        let mut walks = Walks::default();
         let mut before = Before::default();
         let mut rest = code;
         let mut at = address;
@@ -95,8 +120,7 @@ impl Decoder {
             at += bytes;
             rest = code.get((at - address) as usize..).unwrap_or_default();
         }
-        walks.retain(|walk: &Walk| walk.offset != 0);
-        (pieces, walks)
+        (pieces, walks.into_moving())
     }
 
     fn operation(&self, instruction: &Insn<'_>) -> Option<Operation> {
@@ -249,7 +273,7 @@ impl Operation {
     }
 
     /// What it adds to the ways through memory.
-    fn step(&self, walks: &mut Vec<Walk>) {
+    fn step(&self, walks: &mut Walks) {
         use ArmInsn as I;
         let bytes = match self.kind {
             I::ARM_INS_LDR | I::ARM_INS_STR => 4,
@@ -262,26 +286,15 @@ impl Operation {
             }
             _ => None,
         });
-        let moved = match self.operands.last().map(|operand| &operand.op_type) {
-            Some(&ArmOperandType::Imm(moved)) if base.is_some() => moved,
-            _ => 0,
-        };
         if let (Some((register, displacement)), 1..) = (base, bytes) {
-            let place = walks.iter().position(|walk| walk.register == register).unwrap_or_else(|| {
-                walks.push(Walk { register, ..Walk::default() });
-                walks.len() - 1
-            });
-            let walk = &mut walks[place];
-            if !walk.is_lost {
-                walk.accesses.push((walk.offset + displacement, bytes));
-                walk.offset += moved;
-            }
+            let moved = match self.operands.last().map(|operand| &operand.op_type) {
+                Some(&ArmOperandType::Imm(moved)) => moved,
+                _ => 0,
+            };
+            walks.step(register, displacement, bytes, moved);
         }
-        let walked = base.map(|(register, _)| register).filter(|_| bytes > 0);
         for written in self.registers(AccessType::WriteOnly).into_iter().filter_map(core) {
-            if Some(written) != walked {
-                walks.iter_mut().filter(|walk| walk.register == written).for_each(|walk| walk.is_lost = true);
-            }
+            walks.lost |= 1 << written;
         }
     }
 

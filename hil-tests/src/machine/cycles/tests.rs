@@ -88,6 +88,11 @@ fn words_that_lie_askew_in_a_run_take_longer() {
         counter.run(RAM, 12, &Code(code, start)).0
     };
     assert_eq!([RAM, RAM + 2, RAM + 1].map(of), [4, 4 + 3, 4 + 6]);
+    // mov r1, r5 ahead of it: where r1 was at first says nothing.
+    assert_eq!(cycles(&[0x4629, 0xF851, 0xAB04]), (4, 4));
+    let mut counter = Counter::new(Timing::PESSIMISTIC);
+    counter.follows = RAM;
+    assert_eq!(counter.run(RAM, 6, &Code(&[0x4629, 0xF851, 0xAB04], RAM + 1)).0, 4);
 }
 
 #[test]

@@ -23,7 +23,7 @@ use crate::{
 };
 
 /// Applies the patch's matrix: `image[pixel] = sum over measurements of matrix * difference`.
-// Never inlined, so that a test can find it in the firmware's ELF and count its instructions.
+// Never inlined, so that a test can find it in the firmware's ELF and count its cycles.
 #[inline(never)]
 pub fn reconstruct(patch: &PatchView<'_>, difference: &DifferenceData, image: &mut Image) {
     #[cfg(all(target_arch = "arm", feature = "dsp"))]
