@@ -1,12 +1,10 @@
 //! Machine: the chip with its CPU, run by unicorn in virtual time.
 //!
 //! Unicorn executes instructions; everything else is here and in [`crate::chip`]. It runs block by
-//! block; a hook at the start of each block counts its instructions, which is what time is made of:
-//! every instruction takes [`Options::cycles_per_instruction`] cycles of the core clock. The hook
+//! block; a hook at the start of each block counts its cycles ([`cycles`]), which is what time is made of. The hook
 //! stops unicorn when an event of the chip is due or an exception may be taken.
 //!
-//! What is not modelled: the cycles of each instruction, flash wait states, the process stack
-//! pointer, unaligned-access faults of LDM and LDRD.
+//! What is not modelled: the process stack pointer, unaligned-access faults of LDM and LDRD.
 
 mod calls;
 mod cpu;

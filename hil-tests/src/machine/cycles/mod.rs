@@ -1,7 +1,7 @@
 //! Cycles: how long the core takes for what it executes.
 //!
-//! Instructions take the cycles of Arm's manual ([`instructions`]), code and data in the flash the waits of
-//! its port ([`flash`]). Where the manuals give a range or nothing, [`Timing`] says what is assumed: two
+//! Instructions take the cycles of Arm's manual (`instructions`), code and data in the flash the waits of
+//! its port (`flash`). Where the manuals give a range or nothing, [`Timing`] says what is assumed: two
 //! variants, between which the chip is expected.
 
 mod flash;
