@@ -1,8 +1,9 @@
 //! Health task: feeds the watchdog, says how the board itself is, and notices that a host has gone.
 //!
 //! It runs on the executor that all but the acquisition share, so a task that does not yield starves it,
-//! and the watchdog resets the chip. So it does where current flows and the acquisition does not look at samples. The longest that a task rightly keeps the executor is the check of
-//! a whole patch and the erasure of a page, some tens of milliseconds each.
+//! and the watchdog resets the chip. So it does where current flows and the acquisition does not look at
+//! samples. The longest that a task rightly keeps the executor is the check of a whole patch and the erasure
+//! of a page, some tens of milliseconds each.
 
 use dermatome_firmware::drivers::vitals::VitalSigns;
 use embassy_stm32::{Peri, peripherals, wdg::IndependentWatchdog};

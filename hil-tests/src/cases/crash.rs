@@ -59,8 +59,9 @@ fn hangs(rig: &Rig) -> Result<String, Failure> {
 /// The interrupt that the acquisition runs in is switched off, and nothing else.
 fn looks_away(rig: &Rig) -> Result<String, Failure> {
     let mut link = rig.link()?;
-    link::upload(&mut link, &patches::patch(64, true, 16), |_| ())?;
-    let mut drive = PatchView::open(&patches::patch(64, true, 16)).map_err(Failure::wrong)?.header.drive;
+    let patch = patches::patch(64, true, 16);
+    link::upload(&mut link, &patch, |_| ())?;
+    let mut drive = PatchView::open(&patch).map_err(Failure::wrong)?.header.drive;
     drive.frame_rate = 1e4;
     link.request(&Request::Drive(Some(drive)))?;
     let mut stream = link.subscribe(Selection { measurements: 1, ..Selection::default() })?;

@@ -17,7 +17,8 @@
 
 use super::{frame_shift, shift_right_rounded};
 use crate::{
-    image::Image, patch::PatchView, pipeline::reference::DifferenceData, units::RelativeConductivity,
+    image::Image, limits::MAX_MEASUREMENTS, patch::PatchView, pipeline::reference::DifferenceData,
+    units::RelativeConductivity,
 };
 use core::arch::naked_asm;
 
@@ -27,6 +28,8 @@ const BLOCK_WORDS: usize = 3;
 const UNROLLED: usize = 17;
 /// Bits of a sum that the shift in one register leaves out.
 const LOW_BITS: i32 = 8;
+
+const _: () = assert!(MAX_MEASUREMENTS <= 256, "a sum of more products may need more bits");
 
 /// What the rows have in common; its order is that of the registers it is loaded into.
 #[repr(C)]
