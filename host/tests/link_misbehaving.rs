@@ -8,7 +8,7 @@ use dermatome::link::{
 };
 use dermatome_shared::{
     MAX_PATCH_BYTES,
-    acquire::FrontEnd,
+    acquire::{FrontEnd, trim::Trim},
     drive::Drive,
     protocol::{
         BoardPacket, Event, FrameStamp, Info, MAX_PACKET_BYTES, PROTOCOL_VERSION, Refusal, Reply, Request,
@@ -268,10 +268,11 @@ fn a_board_that_shows_no_samples_is_told_to_stop() {
         full_scale_current: 1e-3,
         gain_bandwidth: 1e7,
         largest_gain: 64,
-        bandwidths: [1e6; 3],
+        bandwidths: [1e6; 4],
         lead_corner: f32::INFINITY,
         waveform_rate: 2_000_000,
         lead: 0.0,
+        trim: Trim::NONE,
     };
     let info = Info { front_end: Some(front_end), drive: Some(Drive::new(50e3, 1e-3, 50.0)), ..info };
     let error = scope::capture(&mut link, &info, 3, SHORT, || true).map(drop).unwrap_err();

@@ -1,4 +1,4 @@
-//! Thermometer: the chip's temperature sensor.
+//! Thermometer: the chip's temperature sensor. It is for moments at which the other converter is at rest.
 
 use embassy_stm32::adc::{Adc, SampleTime, Temperature};
 

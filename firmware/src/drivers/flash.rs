@@ -1,4 +1,4 @@
-//! Flash: the two patch slots behind the firmware, and what to do about flash that reads badly.
+//! Flash: the pages of the trim and the two patch slots behind the firmware, and what to do about flash that reads badly.
 //!
 //! The flash has pages of 2 KiB in two banks, as on all our boards. On the NUCLEO-G474RE the first slot has its
 //! first half in the bank that the firmware runs from: while that half is erased or programmed, the core waits with
@@ -29,9 +29,12 @@ use embassy_stm32::{
 
 use crate::board::{self, SLOTS_OFFSET};
 
+/// Where the pages of the trim start: they end where the first slot starts.
+const TRIM_OFFSET: usize = SLOTS_OFFSET - 2 * PAGE_BYTES;
+
 const _: () = assert!(SLOTS_OFFSET + 2 * FLASH_SLOT_BYTES <= FLASH_SIZE, "the slots fit the flash");
 
-/// The two flash slots in the chip's flash.
+/// The slots in the chip's flash.
 pub struct SlotFlash {
     flash: Flash<'static, Blocking>,
 }
@@ -46,11 +49,12 @@ impl SlotFlash {
 impl flash_slots::Flash for SlotFlash {
     fn slot(&self, slot: usize) -> &[u8] {
         let address = FLASH_BASE + offset_of(slot);
+        let length = if slot < 2 { FLASH_SLOT_BYTES } else { PAGE_BYTES };
         #[expect(unsafe_code, reason = "a slot is read in place")]
         // SAFETY: these bytes are flash, always readable, and hold nothing but slots (checked above and by
         // the linker, which has only the flash before them). They change through `&mut self` alone.
         unsafe {
-            slice::from_raw_parts(address as *const u8, FLASH_SLOT_BYTES)
+            slice::from_raw_parts(address as *const u8, length)
         }
     }
 
@@ -66,10 +70,10 @@ impl flash_slots::Flash for SlotFlash {
     }
 }
 
-/// Bytes from the start of the flash to slot 0 or 1.
+/// Bytes from the start of the flash to a slot: two of patches, two of the trim.
 fn offset_of(slot: usize) -> usize {
-    assert!(slot < 2, "there are two slots");
-    SLOTS_OFFSET + slot * FLASH_SLOT_BYTES
+    assert!(slot < 4, "there are four slots");
+    if slot < 2 { SLOTS_OFFSET + slot * FLASH_SLOT_BYTES } else { TRIM_OFFSET + (slot - 2) * PAGE_BYTES }
 }
 
 /// Ends an operation: what was read of the flash before it counts no more.

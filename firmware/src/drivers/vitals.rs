@@ -1,17 +1,15 @@
-//! Vital signs: temperature of the chip, load of its CPU, and the stack that was never used.
+//! Vital signs: load of the chip's CPU, and the stack that was never used.
 
 use cortex_m::peripheral::{DCB, DWT};
-use dermatome_shared::health::Vitals;
 use embassy_time::Instant;
 
-use crate::board::{self, Thermometer};
+use crate::board;
 
 /// What start-up code fills the stack with (cortex-m-rt, feature `paint-stack`).
 const PAINT: u32 = 0xCCCC_CCCC;
 
 /// Watches the chip.
 pub struct VitalSigns {
-    thermometer: Thermometer,
     stack: StackWatch,
     looked: Instant,
     cycles: u32,
@@ -19,23 +17,19 @@ pub struct VitalSigns {
 
 impl VitalSigns {
     /// Starts the counter of cycles.
-    pub fn new(thermometer: Thermometer, mut dcb: DCB, mut dwt: DWT) -> Self {
+    pub fn new(mut dcb: DCB, mut dwt: DWT) -> Self {
         dcb.enable_trace();
         dwt.enable_cycle_counter();
-        Self { thermometer, stack: StackWatch::new(), looked: Instant::now(), cycles: DWT::cycle_count() }
+        Self { stack: StackWatch::new(), looked: Instant::now(), cycles: DWT::cycle_count() }
     }
 
-    /// How the board is, its load counted from the last time this was asked.
-    pub fn take(&mut self) -> Vitals {
-        Vitals {
-            temperature: Some(self.thermometer.celsius()),
-            load: self.load(),
-            free_stack: self.stack.free(),
-        }
+    /// Bytes of the stack that were never used.
+    pub fn free_stack(&mut self) -> u32 {
+        self.stack.free()
     }
 
-    /// The counter stands still while the core sleeps.
-    fn load(&mut self) -> f32 {
+    /// Load of the CPU since this was asked last, 0 to 1: the counter stands still while the core sleeps.
+    pub fn load(&mut self) -> f32 {
         let (now, cycles) = (Instant::now(), DWT::cycle_count());
         let (time, used) = (now - self.looked, cycles.wrapping_sub(self.cycles));
         (self.looked, self.cycles) = (now, cycles);

@@ -4,12 +4,13 @@
 //! keep it from the samples. What it finds goes to the frames task through a queue.
 //!
 //! A scan is ordered once and then goes on: without a pause where frames are wanted as fast as they
-//! come, else with the front end off between frames.
+//! come, else with the front end off between frames. The thermometer has its turn before each, and so a
+//! scan without a pause begins anew now and then.
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use dermatome_firmware::{
-    board::{self, SensingParts, executor},
+    board::{self, SensingParts, Thermometer, executor},
     drivers::front_end::{FrontEnd, Missed, RAMP_STEPS, Scan, Tables},
 };
 use dermatome_shared::{
@@ -32,6 +33,8 @@ use static_cell::StaticCell;
 const LOOK_INTERVAL: Duration = Duration::from_micros(1600);
 /// What the last look of a frame leaves to itself: whoever waits for the contacts waits for it.
 const LAST_LOOK: Duration = Duration::from_micros(150);
+/// How old the temperature may become. A scan that begins anew for it loses a frame or two.
+const TEMPERATURE_AGE: Duration = Duration::from_secs(10);
 /// A pause shorter than this between frames is not worth stopping for.
 const SHORTEST_PAUSE: Duration = Duration::from_millis(2);
 
@@ -45,6 +48,8 @@ pub(crate) struct Orders {
     /// Whether current flows, and how often the samples were looked at so far.
     flows: AtomicBool,
     looks: AtomicU32,
+    /// Bits of the chip's temperature, degrees Celsius; not a number until it is measured.
+    temperature: AtomicU32,
 }
 
 /// How to run a scan.
@@ -78,6 +83,7 @@ impl Orders {
             stopped: Signal::new(),
             flows: AtomicBool::new(false),
             looks: AtomicU32::new(0),
+            temperature: AtomicU32::new(f32::NAN.to_bits()),
         }
     }
 
@@ -93,6 +99,17 @@ impl Orders {
         self.flows.load(Ordering::Relaxed).then(|| self.looks.load(Ordering::Relaxed))
     }
 
+    /// Temperature of the chip, degrees Celsius, 10 s old at most while current flows.
+    pub(crate) fn temperature(&self) -> Option<f32> {
+        let celsius = f32::from_bits(self.temperature.load(Ordering::Relaxed));
+        (!celsius.is_nan()).then_some(celsius)
+    }
+
+    /// Measures the temperature: while no scan runs.
+    fn measure(&self, thermometer: &mut Thermometer) {
+        self.temperature.store(thermometer.celsius().to_bits(), Ordering::Relaxed);
+    }
+
     /// Asks the scan to stop.
     pub(crate) fn stop(&self) {
         self.stop.signal(());
@@ -106,7 +123,7 @@ impl Orders {
 
 /// Starts the task on an executor of its own; gives the way to order scans, and where frames come out.
 /// Can be called once.
-pub(crate) fn start(sensing: SensingParts) -> (&'static Orders, FramesEnd) {
+pub(crate) fn start(sensing: SensingParts, thermometer: Thermometer) -> (&'static Orders, FramesEnd) {
     static TABLES: Tables = Tables::new();
     static ORDERS: StaticCell<Orders> = StaticCell::new();
     static QUEUE: StaticCell<[Captured; 2]> = StaticCell::new();
@@ -116,19 +133,25 @@ pub(crate) fn start(sensing: SensingParts) -> (&'static Orders, FramesEnd) {
     let (frames, end) = CHANNEL.init_with(|| Channel::new(queue)).split();
     let spawner = executor::start();
     let front_end = FrontEnd::new(sensing, &TABLES);
-    spawner.spawn(run(front_end, orders, frames).expect("spawned once"));
+    spawner.spawn(run(front_end, thermometer, orders, frames).expect("spawned once"));
     (orders, end)
 }
 
 /// Runs one scan after the other.
 #[embassy_executor::task]
-async fn run(mut front_end: FrontEnd, orders: &'static Orders, mut frames: Frames) -> ! {
+async fn run(
+    mut front_end: FrontEnd,
+    mut thermometer: Thermometer,
+    orders: &'static Orders,
+    mut frames: Frames,
+) -> ! {
+    orders.measure(&mut thermometer);
     loop {
         let order = orders.start.wait().await;
         let mut acquisition = orders.acquisition.lock().await;
         if let Some(acquisition) = acquisition.as_mut() {
             let mut run = Run { acquisition, frames: &mut frames, orders, is_stopping: false, missed: false };
-            run.scan(&mut front_end, order).await;
+            run.scan(&mut front_end, &mut thermometer, order).await;
         }
         orders.stopped.signal(());
     }
@@ -145,12 +168,13 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    async fn scan(&mut self, front_end: &mut FrontEnd, order: Order) {
+    async fn scan(&mut self, front_end: &mut FrontEnd, thermometer: &mut Thermometer, order: Order) {
         let frame_time = board::duration_of_samples(self.acquisition.missing_samples());
         let pauses = order.interval > frame_time + SHORTEST_PAUSE;
         while !self.is_stopping() {
             let due = Instant::now() + order.interval;
             self.acquisition.restart();
+            self.orders.measure(thermometer);
             self.orders.flows.store(true, Ordering::Relaxed);
             let scan = front_end.start(self.acquisition, order.amplitude);
             self.follow(scan, frame_time, pauses).await;
@@ -161,9 +185,10 @@ impl Run<'_> {
         }
     }
 
-    /// Takes samples until the scan has to stop: for a pause, an order, or samples lost.
+    /// Takes samples until the scan has to stop: for a pause, an order, the thermometer, or samples lost.
     async fn follow(&mut self, mut scan: Scan<'_>, frame_time: Duration, pauses: bool) {
-        while !self.is_stopping() {
+        let end = Instant::now() + TEMPERATURE_AGE;
+        while !self.is_stopping() && Instant::now() < end {
             let missing = board::duration_of_samples(self.acquisition.missing_samples());
             // The current rises with each look, and has risen before the first frame ends, which does not count.
             let longest = if scan.is_rising() { frame_time / (RAMP_STEPS + 1) } else { LOOK_INTERVAL };

@@ -4,7 +4,6 @@
 //! A frame that comes while the one before is still computed waits; events that do not fit their queue
 //! are dropped whole, and their numbers show the gap. Contacts go ahead of all that is long.
 
-use dermatome_firmware::board;
 use dermatome_shared::{
     acquire::Acquisition,
     protocol::{BoardPacket, MAX_PACKET_BYTES},
@@ -102,12 +101,12 @@ impl Task {
 #[inline(never)]
 fn put_scan(state: &State, purpose: Purpose, place: &mut Option<Acquisition>) -> Option<Order> {
     let device = state.device.borrow();
-    let (patch, drive) = (device.patch()?, device.drive()?);
-    let mut acquisition = Acquisition::new(&patch, &drive, &board::FRONT_END)?;
+    let (patch, drive, front_end) = (device.patch()?, device.drive()?, device.front_end()?);
+    let mut acquisition = Acquisition::new(&patch, &drive, &front_end)?;
     acquisition.watch(purpose.scope_slot);
     *place = Some(acquisition);
     let interval = Duration::from_micros((1e6 / drive.frame_rate) as u64).min(MAX_INTERVAL);
-    Some(Order { amplitude: drive.amplitude / board::FRONT_END.full_scale_current, interval })
+    Some(Order { amplitude: drive.amplitude / front_end.full_scale_current, interval })
 }
 
 /// Takes one frame through the device. Not inlined, so that its stack is free again while the task waits.

@@ -6,6 +6,7 @@
 //! of a page, some tens of milliseconds each.
 
 use dermatome_firmware::drivers::vitals::VitalSigns;
+use dermatome_shared::health::Vitals;
 use embassy_stm32::{Peri, peripherals, wdg::IndependentWatchdog};
 use embassy_time::{Duration, Instant, Timer};
 
@@ -33,7 +34,11 @@ pub(crate) async fn run(
         }
         let host_has_gone = {
             let mut device = state.device.borrow_mut();
-            device.set_vitals(signs.take());
+            device.set_vitals(Vitals {
+                temperature: orders.temperature(),
+                load: signs.load(),
+                free_stack: signs.free_stack(),
+            });
             device.check_host(Instant::now().as_millis())
         };
         if host_has_gone {

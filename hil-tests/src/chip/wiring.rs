@@ -2,7 +2,7 @@
 
 use super::{
     Chip,
-    adc::internal::Internal,
+    adc::{Adc, internal::Internal},
     blocks::{Block, Blocks, TIMERS},
     clocks::HSI,
     dac::Trigger,
@@ -28,6 +28,9 @@ pub(super) struct Wire {
 /// table 12).
 const OPAMP2_PINS: [(char, usize); 2] = [('A', 7), ('A', 5)];
 const DAC1_PINS: [(char, usize); 2] = [('A', 4), ('A', 5)];
+/// Fastest clock of converters that convert at the same time, Hz (DS12288, table 66, single-ended, VDDA of 2.7 V and
+/// more).
+const CONVERTERS_TOGETHER: u64 = 52_000_000;
 /// Pins that UCPD1 may pull down as long as its dead battery support is on.
 const UCPD1_PINS: [usize; 2] = [4, 6];
 
@@ -62,6 +65,7 @@ impl Chip {
         for place in 0..self.adcs.len() {
             if let Some(internal) = self.adcs[place].measures(now) {
                 self.check_internal(place, internal)?;
+                self.check_converters(place, internal)?;
             }
             if let Some(world) = self.outside.world() {
                 self.adcs[place].sample(now, world);
@@ -86,6 +90,27 @@ impl Chip {
             (Internal::Opamp(2), _) => self.check_opamp2_pins(),
             _ => Ok(()),
         }
+    }
+
+    /// A converter that is not alone needs a slower clock, and what is inside the chip a longer look.
+    fn check_converters(&self, adc: usize, internal: Internal) -> Result<(), Misuse> {
+        let Some((clock, sampling)) = self.adcs[adc].converting() else { return Ok(()) };
+        let others = self.adcs.iter().filter_map(Adc::converting).count() > 1;
+        let (number, least) = (adc + 1, internal.least_sampling());
+        if others && clock > CONVERTERS_TOGETHER {
+            let rule = format!(
+                "ADC{number} converts at {clock} Hz beside another one: up to {CONVERTERS_TOGETHER} Hz is allowed \
+                 then (DS12288, fADC)"
+            );
+            return Err(Misuse::rule("ADC", rule));
+        }
+        if sampling < least {
+            let [sampling, least] = [sampling, least].map(Time::nanoseconds);
+            let rule =
+                format!("ADC{number} samples {internal:?} for {sampling} ns, it takes {least} (DS12288)");
+            return Err(Misuse::rule("ADC", rule));
+        }
+        Ok(())
     }
 
     /// The pin of the first input, if that is the one, and the pin of the bias, if the network ends there.

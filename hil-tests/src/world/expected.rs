@@ -13,7 +13,7 @@ use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
 /// Orders of images that count; the poles of source and amplifier leave nothing of higher ones.
-const IMAGES: i32 = 40;
+const IMAGES: i32 = 12;
 
 /// A carrier as DAC and ADC make it.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,10 +79,12 @@ pub(super) fn demodulated(
 fn response(network: &Network, analogue: &Analogue, word: u16, gain: f64, frequency: f64) -> Complex64 {
     let pole = |corner: f64| 1.0 / Complex64::new(1.0, frequency / corner);
     let coupling = 1.0 - pole(COUPLING);
-    let current = coupling * analogue.source.transconductance * pole(analogue.source.bandwidth);
+    let poles_of_source = pole(analogue.dac.bandwidth) * pole(analogue.source.bandwidth);
+    let current = coupling * analogue.source.transconductance * poles_of_source;
     let weights = network.sensed();
     let voltages = network.phasors(selected(word), frequency);
     let sensed: Complex64 = voltages.iter().zip(weights.iter()).map(|(v, weight)| v * weight).sum();
     let poles: Complex64 = modes::poles(analogue, gain).into_iter().map(pole).product();
-    current * sensed * analogue.amplifier.gain * gain * poles
+    let gains = (1.0 + analogue.dac.gain_error) * (1.0 + analogue.adc.gain_error) * analogue.pga.gain(gain);
+    current * sensed * analogue.amplifier.gain * gains * poles
 }

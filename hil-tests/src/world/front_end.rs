@@ -219,6 +219,7 @@ impl AnalogueWorld {
             return supply;
         }
         let OpampSetting::Amplifier { input: 0, gain } = self.opamp else { return 0.0 };
+        let gain = self.analogue.pga.gain(gain);
         let chain = &self.chains.chains[self.current];
         // The clamp before the chip's pin keeps the filter's output between ground and supply.
         let swing = gain * supply / 2.0;
@@ -227,7 +228,8 @@ impl AnalogueWorld {
         let (amplifiers, converter) = self.noise.sample(at);
         let times = self.conditions.noise;
         let output = (supply / 2.0 + signal + times * amplifiers).clamp(pga.headroom, supply - pga.headroom);
-        output + times * converter + self.analogue.adc.offset
+        let adc = self.analogue.adc;
+        output * (1.0 + adc.gain_error) + times * converter + adc.offset
     }
 }
 
@@ -259,7 +261,8 @@ impl World for AnalogueWorld {
         self.advance(at);
         if !self.is_broken(Fault::DacDead) {
             let [lowest, highest] = self.analogue.dac.range;
-            self.drive((f64::from(code) * self.analogue.dac.lsb).clamp(lowest, highest));
+            let volts = f64::from(code) * self.analogue.dac.lsb * (1.0 + self.analogue.dac.gain_error);
+            self.drive(volts.clamp(lowest, highest));
         }
     }
 

@@ -3,7 +3,7 @@
 //! Between two changes (of the DAC, of a switch) everything is linear, so the whole chain
 //!
 //! ```text
-//! drive d (decays through the coupling) -> source's pole -> node voltages -> amplifier, filter, PGA
+//! drive d (decays through the coupling) -> DAC's and source's poles -> node voltages -> amplifier, filter, PGA
 //! ```
 //!
 //! is a sum of exponentials. The network's own come from the eigenvectors of C^-1 G: v = M x with
@@ -22,15 +22,17 @@ use nalgebra::{SVector, SymmetricEigen};
 use std::f64::consts::TAU;
 
 /// Parts of the state; physical values have the same order.
-pub const PARTS: usize = NODES + 6;
+pub const PARTS: usize = NODES + 7;
 /// A constant: 1, -1 or 0 while the source's output is held at its limit, or not.
 pub const LIMIT: usize = 0;
 /// Current that the drive asks for, A; falls to zero through the coupling capacitor.
 pub const DRIVE: usize = 1;
+/// The same as the DAC's buffer lets it through, A.
+pub const SETTLED: usize = 2;
 /// Current of the source, A.
-pub const CURRENT: usize = 2;
+pub const CURRENT: usize = 3;
 /// First of the network's modes.
-pub const MODES: usize = 3;
+pub const MODES: usize = 4;
 /// Output of the instrumentation amplifier, V, against half the supply.
 pub const AMPLIFIER: usize = MODES + NODES;
 /// Output of the PGA, V, against half the supply; the filter's lies between.
@@ -193,9 +195,20 @@ impl Chain {
     fn fill_drive(&mut self) {
         self.physical[LIMIT][LIMIT] = 1.0;
         self.physical[DRIVE][DRIVE] = 1.0;
-        let pole = self.rates[CURRENT];
-        self.physical[CURRENT][DRIVE] = pole / apart(pole, self.rates[DRIVE]);
-        self.physical[CURRENT][CURRENT] = 1.0;
+        let mut input = self.physical[DRIVE];
+        for part in [SETTLED, CURRENT] {
+            self.follow(&mut input, part, 1.0);
+        }
+    }
+
+    /// A pole behind `input`, which becomes its output: the row of `part`.
+    fn follow(&mut self, input: &mut Parts, part: usize, gain: f64) {
+        let pole = self.rates[part];
+        for (earlier, value) in input.iter_mut().enumerate().take(part) {
+            *value *= gain * pole / apart(pole, self.rates[earlier]);
+        }
+        input[part] = 1.0;
+        self.physical[part] = *input;
     }
 
     /// x' = -rate x + (current and limit at the source's node).
@@ -206,7 +219,7 @@ impl Chain {
             let current = self.physical[CURRENT];
             let row = &mut self.physical[MODES + mode];
             row[LIMIT] = at_source * siemens * volts / rate.max(f64::MIN_POSITIVE);
-            for part in [DRIVE, CURRENT] {
+            for part in [DRIVE, SETTLED, CURRENT] {
                 row[part] = at_source * current[part] / apart(rate, self.rates[part]);
             }
             row[MODES + mode] = 1.0;
@@ -215,14 +228,9 @@ impl Chain {
 
     fn fill_poles(&mut self, analogue: &Analogue, gain: f64) {
         let mut input = self.combination(MODES, |mode| self.modes.sensed[mode]);
-        for (place, gain) in [analogue.amplifier.gain, 1.0, gain].into_iter().enumerate() {
-            let part = AMPLIFIER + place;
-            let pole = self.rates[part];
-            for (earlier, value) in input.iter_mut().enumerate().take(part) {
-                *value *= gain * pole / apart(pole, self.rates[earlier]);
-            }
-            input[part] = 1.0;
-            self.physical[part] = input;
+        let gains = [analogue.amplifier.gain, 1.0, analogue.pga.gain(gain)];
+        for (place, gain) in gains.into_iter().enumerate() {
+            self.follow(&mut input, AMPLIFIER + place, gain);
         }
     }
 
@@ -240,6 +248,7 @@ impl Chain {
 fn rates(modes: &Modes, analogue: &Analogue, gain: f64) -> Parts {
     let mut rates = [0.0; PARTS];
     rates[DRIVE] = TAU * COUPLING;
+    rates[SETTLED] = TAU * analogue.dac.bandwidth;
     rates[CURRENT] = TAU * analogue.source.bandwidth;
     rates[MODES..AMPLIFIER].copy_from_slice(&modes.rates);
     for (place, pole) in poles(analogue, gain).into_iter().enumerate() {

@@ -78,6 +78,10 @@ pub struct Dac {
     pub lsb: f64,
     /// Lowest and highest voltage of its buffer, V.
     pub range: [f64; 2],
+    /// Frequency of the pole with which its buffer settles, Hz.
+    pub bandwidth: f64,
+    /// Error of its gain.
+    pub gain_error: f64,
 }
 
 /// The current source, a Norton equivalent.
@@ -156,6 +160,17 @@ pub struct Pga {
     pub noise: f64,
     /// How near the output comes to ground and supply, V.
     pub headroom: f64,
+    /// Error of each gain: `[log2 of the gain]`. At gain 1 there is no network to be wrong.
+    pub gain_errors: [f64; 7],
+}
+
+impl Pga {
+    /// The gain that it has where it should have this one, a power of two.
+    #[must_use]
+    pub fn gain(&self, gain: f64) -> f64 {
+        let place = gain.log2() as usize;
+        gain * (1.0 + self.gain_errors.get(place).copied().unwrap_or_default())
+    }
 }
 
 /// The chip's converter.
@@ -167,6 +182,8 @@ pub struct Adc {
     pub noise: f64,
     /// Offset, V.
     pub offset: f64,
+    /// Error of its gain.
+    pub gain_error: f64,
 }
 
 /// Capacitance of the leads to the electrodes.
@@ -216,6 +233,7 @@ struct DacTable {
     full_scale: Quantity,
     lowest: Quantity,
     highest: Quantity,
+    settling: Quantity,
 }
 
 #[derive(Deserialize)]
@@ -306,7 +324,11 @@ impl Checker<'_> {
         let full = self.read("dac.full_scale", &table.full_scale, VOLTAGE, 1.62..=3.6)?;
         let lowest = self.read("dac.lowest", &table.lowest, VOLTAGE, 0.0..=full)?;
         let highest = self.read("dac.highest", &table.highest, VOLTAGE, lowest..=full)?;
-        Ok(Dac { lsb: full / self.codes("dac.bits", table.bits)?, range: [lowest, highest] })
+        let codes = self.codes("dac.bits", table.bits)?;
+        let settling = self.read("dac.settling", &table.settling, DURATION, 1e-9..=1e-4)?;
+        // To half a step of the full scale, as the datasheet counts.
+        let bandwidth = (2.0 * codes).ln() / (std::f64::consts::TAU * settling);
+        Ok(Dac { lsb: full / codes, range: [lowest, highest], bandwidth, gain_error: 0.0 })
     }
 
     fn source(&self, table: &SourceTable) -> Result<Source, ParameterError> {
@@ -392,6 +414,7 @@ impl Checker<'_> {
             offset: self.read("pga.offset", &table.offset, VOLTAGE, -0.1..=0.1)?,
             noise: self.read("pga.noise", &table.noise, NOISE_DENSITY, 0.0..=1e-5)?,
             headroom: self.read("pga.headroom", &table.headroom, VOLTAGE, 0.0..=1.0)?,
+            gain_errors: [0.0; 7],
         })
     }
 
@@ -402,6 +425,7 @@ impl Checker<'_> {
             full_scale,
             noise: self.read("adc.noise", &table.noise, LSB, 0.0..=100.0)? * lsb,
             offset: self.read("adc.offset", &table.offset, LSB, -100.0..=100.0)? * lsb,
+            gain_error: 0.0,
         })
     }
 

@@ -1,7 +1,7 @@
 //! Converter: volts -> codes, and -> the samples behind them, as a board's front end makes them.
 
 use dermatome_shared::{
-    acquire::{FINENESS, FrontEnd, PEAK_GOAL},
+    acquire::{FINENESS, FrontEnd, PEAK_GOAL, trim::Trim},
     demodulate::MIDDLE,
     drive::{Component, Drive, GAINS, Gain},
     scan::Timing,
@@ -53,10 +53,11 @@ impl Converter {
             full_scale_current,
             gain_bandwidth: f32::INFINITY,
             largest_gain: 64,
-            bandwidths: [f32::INFINITY; 3],
+            bandwidths: [f32::INFINITY; 4],
             lead_corner: f32::INFINITY,
             waveform_rate: 1_000_000_000,
             lead: 0.0,
+            trim: Trim::NONE,
         }
     }
 

@@ -1,6 +1,9 @@
 //! Front end: what a board does to a voltage before it is a code, and how that is undone.
 
-use super::trigonometry::{cosine, sine};
+use super::{
+    trigonometry::{cosine, sine},
+    trim::{Factor, Trim},
+};
 use crate::drive::GAINS;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -18,14 +21,16 @@ pub struct FrontEnd {
     pub gain_bandwidth: f32,
     /// Largest gain of the programmable amplifier.
     pub largest_gain: u8,
-    /// Bandwidths of current source, amplifier and filter, one pole each, Hz.
-    pub bandwidths: [f32; 3],
+    /// Bandwidths of DAC, current source, amplifier and filter, one pole each, Hz.
+    pub bandwidths: [f32; 4],
     /// Corner of the high-pass that the capacitance of all leads makes of a channel, Hz; infinite without leads.
     pub lead_corner: f32,
     /// Values per second of the current's waveform, each held until the next.
     pub waveform_rate: u32,
     /// Time from a crest of the current, as it is asked for, to the first sample of a scan, s.
     pub lead: f32,
+    /// What this board does otherwise.
+    pub trim: Trim,
 }
 
 /// What multiplies in-phase and quadrature sum to give the real code, and the imaginary one.
@@ -45,6 +50,27 @@ impl FrontEnd {
     ///
     /// `unit` is what a sum of 1 would be worth, in codes, through a channel that changes nothing.
     pub(super) fn factors(&self, frequency: f32, unit: f32) -> [Factors; GAINS.len()] {
+        let mut factors = self.designed(frequency, unit);
+        for (factors, [real, imaginary]) in factors.iter_mut().zip(self.trim.at(frequency)) {
+            *factors = factors.map(|[x, y]| [x * real + y * imaginary, y * real - x * imaginary]);
+        }
+        factors
+    }
+
+    /// What the trim of this gain at this frequency has to be multiplied with, so that a voltage that reads as `measured`
+    /// reads as `truth`, in the same unit: a resistor's, whose voltage no lead changes. None for what reads as nothing.
+    #[must_use]
+    pub fn correction(&self, frequency: f32, gain: usize, measured: [f32; 2], truth: f32) -> Option<Factor> {
+        let designed = *self.designed(frequency, 1.0).get(gain)?;
+        let [[real, imaginary], [true_real, true_imaginary]] =
+            [measured, [truth, 0.0]].map(|voltage| solve(designed, voltage));
+        let size = real * real + imaginary * imaginary;
+        let factor = product([true_real, true_imaginary], [real / size, -imaginary / size]);
+        factor.iter().all(|part| part.is_finite()).then_some(factor)
+    }
+
+    /// The factors of a board as designed.
+    fn designed(&self, frequency: f32, unit: f32) -> [Factors; GAINS.len()] {
         // One rate is a multiple of the other.
         let apart = self.waveform_rate.max(self.sample_rate) as f32;
         GAINS.map(|gain| {
@@ -85,7 +111,13 @@ impl FrontEnd {
     }
 }
 
+/// The lock-in's sums that factors turn into a voltage.
+pub(super) fn solve([[a, b], [c, d]]: Factors, [real, imaginary]: [f32; 2]) -> [f32; 2] {
+    let determinant = a * d - b * c;
+    [(d * real - b * imaginary) / determinant, (a * imaginary - c * real) / determinant]
+}
+
 /// Product of two complex numbers.
-fn product([a, b]: [f32; 2], [c, d]: [f32; 2]) -> [f32; 2] {
+pub(super) fn product([a, b]: [f32; 2], [c, d]: [f32; 2]) -> [f32; 2] {
     [a * c - b * d, a * d + b * c]
 }

@@ -13,6 +13,7 @@ mod front_end;
 pub mod scan;
 mod scope;
 pub mod trigonometry;
+pub mod trim;
 
 pub use front_end::FrontEnd;
 pub use scope::{MAX_SCOPE_SAMPLES, SlotSamples};

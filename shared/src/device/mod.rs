@@ -11,6 +11,7 @@ use crate::{
     acquire::{
         FrontEnd,
         scan::{self, Timing},
+        trim::Trim,
     },
     drive::Drive,
     frame::{Frame, FrameFlags},
@@ -90,7 +91,10 @@ struct Upload {
 impl<S: PatchStore> Device<S> {
     /// A board that has just started. A stored patch that is not valid, or needs more electrodes than
     /// the board has, counts as none.
-    pub fn new(facts: BoardFacts, store: S) -> Self {
+    pub fn new(mut facts: BoardFacts, store: S) -> Self {
+        if let (Some(front_end), Some(trim)) = (&mut facts.front_end, store.trim()) {
+            front_end.trim = trim;
+        }
         let patch = store.active().and_then(|bytes| PatchView::validate(bytes).ok());
         let header = patch.map(|patch| patch.header).filter(|header| header.electrodes <= facts.electrodes);
         Self {
@@ -136,6 +140,11 @@ impl<S: PatchStore> Device<S> {
     pub fn drive(&self) -> Option<Drive> {
         let patch = self.patch()?;
         Some(self.drive.unwrap_or(patch.header.drive))
+    }
+
+    /// The front end, if there is one, with the board's own trim.
+    pub fn front_end(&self) -> Option<FrontEnd> {
+        self.facts.front_end
     }
 
     /// Number of the scan: whenever it changes, scanning begins anew, with gains found again.
@@ -287,6 +296,7 @@ impl<S: PatchStore> Device<S> {
             Request::Tare { frames } => self.tare(*frames),
             Request::Stream(selection) => self.stream(*selection),
             Request::Drive(drive) => self.set_drive(*drive),
+            Request::Trim(trim) => self.keep_trim(trim),
         }
     }
 
@@ -388,6 +398,17 @@ impl<S: PatchStore> Device<S> {
         self.patch().ok_or(Refusal::NoPatch)?;
         drive.map_or(Ok(()), |drive| self.check_drive(&drive))?;
         self.drive = drive;
+        self.begin_scan();
+        Ok(Reply::Done)
+    }
+
+    fn keep_trim(&mut self, trim: &Trim) -> Result<Reply, Refusal> {
+        let front_end = self.facts.front_end.as_mut().ok_or(Refusal::Unsupported)?;
+        if !trim.is_plausible() {
+            return Err(Refusal::Trim);
+        }
+        self.store.keep_trim(trim)?;
+        front_end.trim = *trim;
         self.begin_scan();
         Ok(Reply::Done)
     }

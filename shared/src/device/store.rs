@@ -1,6 +1,6 @@
-//! Store: where a board keeps its patch.
+//! Store: where a board keeps its patch and its trim.
 
-use crate::protocol::Refusal;
+use crate::{acquire::trim::Trim, protocol::Refusal};
 
 /// Where a board keeps its patch: one slot in use, one being filled.
 ///
@@ -19,6 +19,14 @@ pub trait PatchStore {
     fn staged(&self) -> &[u8];
     /// Makes the other slot the one in use.
     fn commit(&mut self) -> Result<(), StoreError>;
+    /// The board's trim, if one is kept.
+    fn trim(&self) -> Option<Trim> {
+        None
+    }
+    /// Keeps a trim. Until it returns, the one before must survive anything.
+    fn keep_trim(&mut self, _trim: &Trim) -> Result<(), StoreError> {
+        Err(StoreError::Unsupported)
+    }
 }
 
 /// Why a patch store did not do what was asked.

@@ -11,6 +11,7 @@ use std::vec::Vec;
 struct Memory {
     active: Option<Vec<u8>>,
     staged: Vec<u8>,
+    trim: Option<Trim>,
 }
 
 impl PatchStore for Memory {
@@ -30,6 +31,13 @@ impl PatchStore for Memory {
     }
     fn commit(&mut self) -> Result<(), StoreError> {
         self.active = Some(core::mem::take(&mut self.staged));
+        Ok(())
+    }
+    fn trim(&self) -> Option<Trim> {
+        self.trim
+    }
+    fn keep_trim(&mut self, trim: &Trim) -> Result<(), StoreError> {
+        self.trim = Some(*trim);
         Ok(())
     }
 }
@@ -182,7 +190,7 @@ fn a_stored_patch_that_rotted_counts_as_none() {
     let mut bytes = small_patch(Difference::Plain);
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
-    let device = Device::new(facts(16), Memory { active: Some(bytes), staged: Vec::new() });
+    let device = Device::new(facts(16), Memory { active: Some(bytes), ..Memory::default() });
     assert!(device.patch().is_none());
 }
 
@@ -326,6 +334,30 @@ fn a_gain_beyond_the_boards_amplifier_is_refused() {
     assert_eq!(ask(&mut device, with(crate::drive::Gain::Fixed(2))), refused);
     assert_eq!(ask(&mut device, with(crate::drive::Gain::Fixed(1))), Reply::Done);
     assert_eq!(ask(&mut device, with(crate::drive::Gain::Automatic)), Reply::Done);
+}
+
+#[test]
+fn a_trim_is_kept_and_measured_with_and_one_that_no_part_needs_is_refused() {
+    let mut device = board_with_a_front_end();
+    let mut trim = Trim::NONE;
+    trim.multiply(2, 3, [1.25, -0.5]);
+    let scan = device.scan();
+    assert_eq!(ask(&mut device, Request::Trim(trim)), Reply::Done);
+    assert_ne!(device.scan(), scan);
+    assert_eq!(device.front_end().unwrap().trim, trim);
+    let mut wild = trim;
+    wild.multiply(0, 0, [2.0, 0.0]);
+    assert_eq!(ask(&mut device, Request::Trim(wild)), Reply::Refused(Refusal::Trim));
+    let Reply::Info(info) = ask(&mut device, Request::Info) else { panic!("no info") };
+    assert_eq!(info.front_end.unwrap().trim, trim);
+    let started = Device::new(BoardFacts { front_end: Some(FRONT_END), ..facts(16) }, device.store);
+    assert_eq!(started.front_end().unwrap().trim, trim);
+}
+
+#[test]
+fn a_board_that_does_not_measure_has_nothing_to_trim() {
+    let refused = Reply::Refused(Refusal::Unsupported);
+    assert_eq!(ask(&mut device(), Request::Trim(Trim::NONE)), refused);
 }
 
 #[test]

@@ -15,7 +15,7 @@ pub use packet::{PacketError, PacketReader, decode, encode};
 pub use queue::{EventQueue, PacketQueue};
 
 use crate::{
-    acquire::FrontEnd,
+    acquire::{FrontEnd, trim::Trim},
     contact::Contacts,
     drive::Drive,
     frame::FrameFlags,
@@ -29,7 +29,7 @@ use postcard_schema::{Schema, key::hash::fnv1a64};
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages below. Grows with every incompatible change.
-pub const PROTOCOL_VERSION: u16 = 6;
+pub const PROTOCOL_VERSION: u16 = 7;
 /// Longest packet on the wire, with its framing, bytes.
 pub const MAX_PACKET_BYTES: usize = 4096;
 /// Longest piece of a patch in one request, bytes.
@@ -92,6 +92,8 @@ pub enum Request {
     Stream(Selection),
     /// Drive the skin like this from now on, until the next patch or reset; none: as the patch says.
     Drive(Option<Drive>),
+    /// Keep this trim, and measure with it from now on; the one in force is in [`Info::front_end`].
+    Trim(Trim),
 }
 
 /// A protocol version and schema hash; see [`PROTOCOL_VERSION`] and [`schema_hash`].
@@ -327,6 +329,9 @@ pub enum Refusal {
         /// Largest gain.
         max_gain: u8,
     },
+    /// Factors that no part within its limits can need.
+    #[error("the board does not accept that trim: a factor is further than 0.9 from 1, or not a number")]
+    Trim,
     /// A slot of the scan that does not exist.
     #[error("the scan has slots 0 to {last}")]
     Slot {

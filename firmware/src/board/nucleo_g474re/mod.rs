@@ -14,6 +14,7 @@
 //! | their enable  | PC6, TIM3 channel 1         | off around a switch, for parts that need it    |
 //! | amplifier     | OPAMP2, PA7 in, PA5 bias    | its output goes to ADC2 inside the chip        |
 //! | converter     | ADC2, channel 16            | 2 megasamples of 12 bits                       |
+//! | its clock     | 56.7 MHz from the PLL       | each sample lasts the 200 ns an OPAMP needs    |
 //! | temperature   | ADC1                        | has the chip's sensor                          |
 //! | sensing, DMA  | DMA1 channels 3 to 6        | waveform, multiplexers, amplifier, converter   |
 //! | acquisition   | interrupt of the FMAC       | nothing else uses it; see `board::executor`    |
@@ -147,7 +148,8 @@ pub fn clear_flash_error() -> bool {
     found.eccd() || found.eccd2()
 }
 
-/// HSI 16 MHz / 4 * 85 / 2 = 170 MHz for core and buses.
+/// HSI 16 MHz / 4 * 85 / 2 = 170 MHz for core and buses, and a third of that for the converters: more than the
+/// 52 MHz that they may have side by side, so the thermometer waits until no scan runs.
 fn clocks() -> rcc::Config {
     let mut clocks = rcc::Config::default();
     clocks.hsi = true;
@@ -155,12 +157,12 @@ fn clocks() -> rcc::Config {
         source: rcc::PllSource::HSI,
         prediv: rcc::PllPreDiv::DIV4,
         mul: rcc::PllMul::MUL85,
-        divp: None,
+        divp: Some(rcc::PllPDiv::DIV6),
         divq: None,
         divr: Some(rcc::PllRDiv::DIV2),
     });
     clocks.sys = rcc::Sysclk::PLL1_R;
-    clocks.mux.adc12sel = rcc::mux::Adcsel::SYS;
+    clocks.mux.adc12sel = rcc::mux::Adcsel::PLL1_P;
     // The chip allows more than 150 MHz only with its core voltage boosted.
     clocks.boost = true;
     clocks

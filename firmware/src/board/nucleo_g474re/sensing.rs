@@ -1,6 +1,6 @@
 //! Sensing: the front end's place in the board's table, and what only this chip's registers can do.
 
-use dermatome_shared::acquire::FrontEnd;
+use dermatome_shared::acquire::{FrontEnd, trim::Trim};
 use embassy_stm32::{
     Peri,
     adc::{Adc, AdcConfig, RegularTrigger, RxDma},
@@ -38,13 +38,15 @@ pub const FRONT_END: FrontEnd = FrontEnd {
     full_scale_current: 1e-3,
     gain_bandwidth: 13e6,
     largest_gain: 64,
-    bandwidths: [157.4e3, 10e6, 965e3],
+    bandwidths: [844e3, 157.4e3, 10e6, 965e3],
     // Fitted to the emulated board's voltages at 100 and 200 kHz.
     lead_corner: 575e3,
     waveform_rate: SAMPLE_RATE / SAMPLES_PER_WAVE_VALUE as u32,
     // The first value is at the DAC with the third sample, and is held for two: its middle lies three
-    // samples after the first. A sample is taken 6.5 clocks of the converter after its trigger.
-    lead: -3.0 / SAMPLE_RATE as f32 + 6.5 / 42.5e6,
+    // samples after the first. A sample is taken 2 clocks of the converter after its trigger, give or take half a
+    // clock, and 12.5 more.
+    lead: -3.0 / SAMPLE_RATE as f32 + 14.5 / (170e6 / 3.0),
+    trim: Trim::NONE,
 };
 
 /// Timer that is the base of time.
@@ -157,7 +159,7 @@ fn start_converter(converter: Peri<'static, Converter>) -> Adc<'static, Converte
         w.set_l(0);
         w.set_sq(0, 16);
     });
-    pac::ADC2.smpr2().modify(|w| w.set_smp(6, adc_values::SampleTime::CYCLES6_5));
+    pac::ADC2.smpr2().modify(|w| w.set_smp(6, adc_values::SampleTime::CYCLES12_5));
     let trigger = RegularTrigger::<Converter>::signal(&triggers::TIM4_TRGO);
     pac::ADC2.cfgr().modify(|w| {
         w.set_extsel(trigger);

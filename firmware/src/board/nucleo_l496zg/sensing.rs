@@ -1,6 +1,6 @@
 //! Sensing: the front end's place in the board's table, and what only this chip's registers can do.
 
-use dermatome_shared::acquire::FrontEnd;
+use dermatome_shared::acquire::{FrontEnd, trim::Trim};
 use embassy_stm32::{
     Peri,
     adc::{Adc, AdcChannel, AnyAdcChannel, RxDma},
@@ -38,13 +38,14 @@ pub const FRONT_END: FrontEnd = FrontEnd {
     full_scale_current: 1e-3,
     gain_bandwidth: f32::INFINITY,
     largest_gain: 1,
-    bandwidths: [157.4e3, 10e6, 965e3],
+    bandwidths: [844e3, 157.4e3, 10e6, 965e3],
     // Fitted to the emulated board's voltages at 100 and 200 kHz.
     lead_corner: 575e3,
     waveform_rate: SAMPLE_RATE / SAMPLES_PER_WAVE_VALUE as u32,
     // The first value is at the DAC with the third sample, and is held for two: its middle lies three
     // samples after the first. A sample is taken 24.5 clocks of the converter after its trigger.
     lead: -3.0 / SAMPLE_RATE as f32 + 24.5 / 80e6,
+    trim: Trim::NONE,
 };
 
 /// Timer that is the base of time.

@@ -1,5 +1,7 @@
 //! Internal channels: what converters measure inside the chip (RM0440, "ADC connectivity").
 
+use crate::chip::time::Time;
+
 /// Something inside the chip that a converter can measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Internal {
@@ -39,6 +41,18 @@ impl Internal {
     pub fn at(adc: usize, channel: usize) -> Option<Self> {
         let found = CHANNELS.iter().find(|&&(known, place, _)| (known, place) == (adc, channel));
         found.map(|&(.., internal)| internal)
+    }
+
+    /// How long it has to be sampled (DS12288: ts_temp, ts_vbat, ts_vrefint, and TS_OPAMP_VOUT for a VDDA of 2 V
+    /// and more).
+    #[must_use]
+    pub fn least_sampling(self) -> Time {
+        match self {
+            Self::Temperature => Time::from_micros(5),
+            Self::Battery => Time::from_micros(12),
+            Self::Vrefint => Time::from_micros(4),
+            Self::Opamp(_) => Time::from_nanos(200),
+        }
     }
 
     /// Field of the common CCR that switches it on; an amplifier has its own.

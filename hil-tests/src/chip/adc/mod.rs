@@ -3,7 +3,7 @@
 //! The life of a converter: leave deep power-down, regulator on (20 us to start), calibrate, enable,
 //! and then sequences of channels, started by software or by a timer's trigger output. A conversion
 //! samples for SMPR's time and then takes 12.5, 10.5, 8.5 or 6.5 clocks; the world is asked for the
-//! voltage at the instant at which sampling ends. Oversampling adds 2 to 256 conversions up and
+//! voltage at the instant at which sampling ends. After a trigger, sampling begins two clocks later. Oversampling adds 2 to 256 conversions up and
 //! shifts. A conversion that begins long after the one before is wrong, by the chip's erratum. What this
 //! model does not do is refused: injected and discontinuous conversions, watchdogs,
 //! dual mode, differential inputs, offsets, delayed conversions.
@@ -123,7 +123,10 @@ impl Adc {
         let starts = self.waits_for_trigger && self.plan.trigger == Some(timer);
         if starts {
             self.waits_for_trigger = false;
-            self.start_sampling(now);
+            let [latency, rest] = self.plan.latency;
+            self.start_sampling(now + latency);
+            // The next trigger must not come before the slowest conversion would have ended (DS12288, TTRIG).
+            self.converted_at += rest;
         }
         starts
     }
@@ -136,6 +139,12 @@ impl Adc {
         } else {
             Internal::at(self.number, self.plan.rank(self.rank).channel)
         }
+    }
+
+    /// Clock of the conversion under way, Hz, and how long it samples; none between conversions.
+    #[must_use]
+    pub fn converting(&self) -> Option<(u64, Time)> {
+        (self.converted_at != Time::NEVER).then(|| (self.clock, self.plan.rank(self.rank).sampling))
     }
 
     /// The DMA comes too late for the next result.

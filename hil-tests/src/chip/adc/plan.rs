@@ -16,6 +16,9 @@ pub(super) struct Plan {
     pub(super) trigger: Option<u8>,
     /// CFGR.EXTEN is not 0.
     pub(super) is_triggered: bool,
+    /// From a trigger to the start of sampling, and what the conversion may take longer for it: typical, and the
+    /// rest up to the longest (DS12288, tLATR: 1.5 to 2.5 clocks).
+    pub(super) latency: [Time; 2],
     /// CFGR.CONT.
     pub(super) is_continuous: bool,
     /// CFGR.DMAEN and DMACFG.
@@ -51,6 +54,7 @@ impl Plan {
             last: bank.get("SQR1", "L") as usize,
             trigger: trigger.map(|&(_, timer)| timer).filter(|_| set("EXTEN")),
             is_triggered: set("EXTEN"),
+            latency: [4, 1].map(|half_clocks| Time::period(2 * clock) * half_clocks),
             is_continuous: set("CONT"),
             uses_dma: set("DMAEN"),
             is_circular: set("DMACFG"),

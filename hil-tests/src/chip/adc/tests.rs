@@ -150,8 +150,12 @@ fn only_the_chosen_timer_starts_a_sequence_each_time_and_the_dma_is_asked() {
     for (timer, converts) in [(2, false), (6, true), (6, true)] {
         let now = bus.now;
         bus.model.trigger(timer, now);
-        pass(&mut bus, nanos(300), &mut world);
+        // Two clocks and a half at most until it begins.
+        pass(&mut bus, nanos(349), &mut world);
+        assert!(!bus.model.requests("ADC2"));
+        pass(&mut bus, nanos(1), &mut world);
         assert_eq!(bus.model.requests("ADC2"), converts, "{timer}");
+        assert_eq!(world.0.pop().map(|(.., at)| at), converts.then_some(now + nanos(90)));
         bus.read("DR");
         assert!(!bus.model.requests("ADC2"));
     }

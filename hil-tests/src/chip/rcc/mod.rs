@@ -117,9 +117,9 @@ impl Rcc {
         }
     }
 
-    /// PLLPDIV divides, or at 0 the older PLLP: by 7 or 17.
+    /// PLLPDIV divides (the field PLLP of the crate's map), or at 0 the bit PLLP: by 7 or 17.
     fn pll_p(&self) -> u64 {
-        let divisor = match (self.bank.get("PLLCFGR", "PLLPDIV"), self.bank.get("PLLCFGR", "PLLP")) {
+        let divisor = match (self.bank.get("PLLCFGR", "PLLP"), self.bank.get("PLLCFGR", "PLLPBIT")) {
             (0, 0) => 7,
             (0, _) => 17,
             (divisor, _) => divisor.into(),

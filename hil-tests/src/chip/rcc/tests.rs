@@ -29,6 +29,19 @@ fn the_pll_gives_170_mhz_and_prescalers_divide_it() {
 }
 
 #[test]
+fn converters_have_the_systems_clock_or_a_divided_pll() {
+    let mut bus = with_pll();
+    assert_eq!(bus.model.adc_clock("ADC12SEL"), 0);
+    for (fields, clock) in [([("PLLP", 6), ("PLLPBIT", 0)], 340), ([("PLLP", 0), ("PLLPBIT", 1)], 120)] {
+        bus.fields("PLLCFGR", &[&PLL_170[..], &[("PLLPEN", 1)], &fields].concat());
+        bus.fields("CCIPR", &[("ADC12SEL", 1)]);
+        assert_eq!(bus.model.adc_clock("ADC12SEL"), clock * 1_000_000 / 6);
+    }
+    bus.fields("CCIPR", &[("ADC12SEL", 2)]);
+    assert_eq!(bus.model.adc_clock("ADC12SEL"), HSI);
+}
+
+#[test]
 fn a_clock_that_is_not_ready_is_not_switched_to() {
     let mut bus = Bus::new(Rcc::default());
     for (switch, name) in [(3, "PLL"), (2, "HSE"), (0, "none")] {

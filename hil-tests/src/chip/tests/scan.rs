@@ -97,23 +97,68 @@ fn a_pin_that_is_no_longer_the_timers_lets_go() {
     assert_eq!(diary.take().last().unwrap().1, Told::Pins('C', 0));
 }
 
-/// ADC1 or ADC2 at a channel, started once.
+/// ADC1 or ADC2 at a channel, started once, with the longest sampling.
 fn convert(adc: &str, channel: u32, prepare: impl Fn(&mut Chip)) -> Result<(), String> {
+    let longest = |chip: &mut Chip| chip.modify(adc, "SMPR2", &[("SMP[6]", 7), ("SMP[8]", 7)]);
+    convert_after(&[adc], channel, &[&longest, &prepare])
+}
+
+/// Converters at a channel, started one after the other.
+fn convert_after(adcs: &[&str], channel: u32, prepare: &[&dyn Fn(&mut Chip)]) -> Result<(), String> {
     let (mut chip, mut ram) = (chip(), Ram::default());
     run_at_170_mhz(&mut chip, true, 4).unwrap();
     chip.connect(Box::new(Diary::default()));
     chip.modify("RCC", "AHB2ENR", &[("ADC12EN", 1)]);
     chip.modify("RCC", "APB2ENR", &[("SYSCFGEN", 1)]);
     chip.modify("ADC12_COMMON", "CCR", &[("CKMODE", 3)]);
-    prepare(&mut chip);
-    chip.modify(adc, "CR", &[("DEEPPWD", 0)]);
-    chip.modify(adc, "CR", &[("ADVREGEN", 1)]);
-    chip.pass(Time::from_micros(20), &mut ram);
-    chip.modify(adc, "SQR1", &[("SQ[0]", channel)]);
-    chip.modify(adc, "CR", &[("ADEN", 1)]);
-    chip.modify(adc, "CR", &[("ADSTART", 1)]);
+    prepare.iter().for_each(|prepare| prepare(&mut chip));
+    for adc in adcs {
+        chip.modify(adc, "CR", &[("DEEPPWD", 0)]);
+        chip.modify(adc, "CR", &[("ADVREGEN", 1)]);
+        chip.pass(Time::from_micros(20), &mut ram);
+        chip.modify(adc, "SQR1", &[("SQ[0]", channel)]);
+        chip.modify(adc, "CR", &[("ADEN", 1)]);
+    }
+    for adc in adcs {
+        chip.modify(adc, "CR", &[("ADSTART", 1)]);
+    }
     chip.settle(&mut ram).unwrap();
-    chip.advance(chip.now + Time::from_micros(2), &mut ram).map_err(|misuse| misuse.to_string())
+    chip.advance(chip.now + Time::from_micros(20), &mut ram).map_err(|misuse| misuse.to_string())
+}
+
+#[test]
+fn what_is_inside_the_chip_needs_its_time_and_converters_side_by_side_a_slower_clock() {
+    let on = |chip: &mut Chip| {
+        chip.modify("OPAMP2", "CSR", &[("VM_SEL", 3), ("OPAMPEN", 1), ("OPAINTOEN", 1)]);
+        chip.modify("ADC12_COMMON", "CCR", &[("VSENSEEN", 1)]);
+    };
+    let sampled = |adc, code| {
+        let sampling = move |chip: &mut Chip| chip.modify(adc, "SMPR2", &[("SMP[6]", code)]);
+        convert_after(&[adc], 16, &[&on, &sampling])
+    };
+    let refusal = sampled("ADC2", 1).unwrap_err();
+    assert!(refusal.contains("ADC2 samples Opamp(2) for 152 ns, it takes 200"), "{refusal}");
+    assert_eq!(sampled("ADC2", 2), Ok(()));
+    let refusal = sampled("ADC1", 4).unwrap_err();
+    assert!(refusal.contains("ADC1 samples Temperature for 1117 ns, it takes 5000"), "{refusal}");
+    assert_eq!(sampled("ADC1", 7), Ok(()));
+    let beside = |kernel: bool| {
+        let clock = move |chip: &mut Chip| {
+            if kernel {
+                // HSE 24 MHz / 6 * 85 / 6: 56.7 MHz.
+                chip.modify("RCC", "PLLCFGR", &[("PLLP", 6), ("PLLPEN", 1)]);
+                chip.modify("RCC", "CCIPR", &[("ADC12SEL", 1)]);
+                chip.modify("ADC12_COMMON", "CCR", &[("CKMODE", 0)]);
+            }
+            for adc in ["ADC1", "ADC2"] {
+                chip.modify(adc, "SMPR2", &[("SMP[6]", 7)]);
+            }
+        };
+        convert_after(&["ADC1", "ADC2"], 16, &[&on, &clock])
+    };
+    assert_eq!(beside(false), Ok(()));
+    let refusal = beside(true).unwrap_err();
+    assert!(refusal.contains("at 56666666 Hz beside another one: up to 52000000 Hz"), "{refusal}");
 }
 
 #[test]

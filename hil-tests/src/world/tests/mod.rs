@@ -107,7 +107,7 @@ struct Chip {
 
 impl Chip {
     fn new(handle: &WorldHandle, words_per_period: usize, amplitude: f64) -> Self {
-        // Sampling ends 6.5 clocks of 42.5 MHz after its trigger.
+        // Some tens of nanoseconds after its trigger.
         let carrier = Carrier::sine(words_per_period, amplitude, 26.0 / CORE as f64);
         let mut chip = Self { world: AnalogueWorld::new(handle.clone()), carrier, tick: 0 };
         chip.gain(1.0);

@@ -1,4 +1,5 @@
-//! Flash slots: patch storage in two of them, whole after a power cut at any moment. They are called slots here.
+//! Flash slots: storage of patch and trim in two of them each, whole after a power cut at any moment. They are called
+//! slots here.
 //!
 //! One slot holds the patch in use, the other takes the next one. A slot is the patch from its
 //! start and, in its last double word, the *commit record*:
@@ -21,9 +22,12 @@
 mod nor;
 #[cfg(test)]
 mod tests;
+mod trim;
 
+use self::trim::Kept;
 use super::{PatchStore, StoreError};
 use crate::{
+    acquire::trim::Trim,
     limits::RECORD_BYTES,
     patch::{self, CRC32, PatchView},
     protocol::MAX_CHUNK_BYTES,
@@ -42,9 +46,10 @@ const ERASED: u8 = 0xFF;
 /// An erased record reads as this sequence, so it is never given.
 const NO_SEQUENCE: u32 = u32::MAX;
 
-/// Flash with two slots of the same length, a multiple of [`PAGE_BYTES`].
+/// Flash with two slots for patches, 0 and 1, of the same length, a multiple of [`PAGE_BYTES`]; and two of a page each
+/// for trims, 2 and 3.
 pub trait Flash {
-    /// The bytes of slot 0 or 1, in place.
+    /// The bytes of a slot, in place.
     fn slot(&self, slot: usize) -> &[u8];
     /// Erases a page: every byte then reads 0xFF.
     fn erase(&mut self, slot: usize, page: usize) -> Result<(), FlashError>;
@@ -68,6 +73,7 @@ pub struct FlashSlotStore<F> {
     flash: F,
     active: Option<Committed>,
     staging: Option<Staging>,
+    trim: Option<Kept>,
 }
 
 /// A slot that counts.
@@ -99,7 +105,8 @@ impl<F: Flash> FlashSlotStore<F> {
             [Some(a), Some(b)] => Some(if is_later(b.sequence, a.sequence) { b } else { a }),
             [a, b] => a.or(b),
         };
-        Self { flash, active, staging: None }
+        let trim = trim::latest(&flash);
+        Self { flash, active, staging: None, trim }
     }
 
     /// Programs the record of a staged patch, if that patch reads back valid.
@@ -113,8 +120,7 @@ impl<F: Flash> FlashSlotStore<F> {
     }
 
     fn next_sequence(&self) -> u32 {
-        let next = self.active.map_or(0, |active| active.sequence.wrapping_add(1));
-        if next == NO_SEQUENCE { 0 } else { next }
+        self.active.map_or(0, |active| following(active.sequence))
     }
 }
 
@@ -156,6 +162,15 @@ impl<F: Flash> PatchStore for FlashSlotStore<F> {
         self.settle();
         let staging = self.staging.take().filter(|staging| !staging.failed).ok_or(StoreError::Failed)?;
         self.active = Some(self.commit_staged(&staging)?);
+        Ok(())
+    }
+
+    fn trim(&self) -> Option<Trim> {
+        self.trim.as_ref().map(|kept| kept.trim)
+    }
+
+    fn keep_trim(&mut self, trim: &Trim) -> Result<(), StoreError> {
+        self.trim = Some(trim::keep(&mut self.flash, self.trim.as_ref(), trim)?);
         Ok(())
     }
 }
@@ -210,6 +225,12 @@ fn committed(bytes: &[u8], slot: usize) -> Option<Committed> {
         sequence,
         length: patch.len(),
     })
+}
+
+/// The sequence after this one.
+fn following(sequence: u32) -> u32 {
+    let next = sequence.wrapping_add(1);
+    if next == NO_SEQUENCE { 0 } else { next }
 }
 
 fn record(sequence: u32, patch_crc: u32) -> [u8; RECORD_BYTES] {

@@ -18,9 +18,9 @@ pub(super) enum Cut {
 
 #[derive(Clone, Debug)]
 pub(super) struct Nor {
-    slots: [Vec<u8>; 2],
+    slots: [Vec<u8>; 4],
     /// Whether a double word may be programmed: `[slot][word]`.
-    erased: [Vec<bool>; 2],
+    erased: [Vec<bool>; 4],
     /// Operations since the power came.
     pub(super) operations: usize,
     /// In which operation the power fails, and how far that one comes.
@@ -32,15 +32,16 @@ pub(super) struct Nor {
 impl Nor {
     /// Flash that holds anything, as one that other firmware has used.
     pub(super) fn new(slot_bytes: usize, seed: u64) -> Self {
+        let lengths = [slot_bytes, slot_bytes, PAGE_BYTES, PAGE_BYTES];
         let mut nor = Self {
-            slots: [std::vec![0; slot_bytes], std::vec![0; slot_bytes]],
-            erased: [0, 1].map(|_| std::vec![false; slot_bytes / WORD_BYTES]),
+            slots: lengths.map(|bytes| std::vec![0; bytes]),
+            erased: lengths.map(|bytes| std::vec![false; bytes / WORD_BYTES]),
             operations: 0,
             cut: None,
             powered: true,
             noise: seed,
         };
-        (0..2).for_each(|slot| nor.scramble(slot, 0, slot_bytes));
+        (0..4).for_each(|slot| nor.scramble(slot, 0, lengths[slot]));
         nor
     }
 

@@ -158,6 +158,60 @@ fn power_fails_in_each_operation_of_an_upload() {
     assert!(cuts > 5000, "{cuts}");
 }
 
+fn trim_of(gain: usize) -> Trim {
+    let mut trim = Trim::NONE;
+    trim.multiply(3, gain, [1.1, -0.1]);
+    trim
+}
+
+#[test]
+fn a_trim_outlives_reboots_and_patches_and_the_next_one_replaces_it() {
+    let mut store = open(Nor::new(TEST_SLOT, 1));
+    assert_eq!(store.trim(), None);
+    for gain in [0, 1, 2, 2, 6] {
+        store.keep_trim(&trim_of(gain)).unwrap();
+        assert_eq!(store.trim(), Some(trim_of(gain)));
+        write(&mut store, &patch(6, gain as i16), 512).unwrap();
+        store = open(store.flash.reboot());
+        assert_eq!(store.trim(), Some(trim_of(gain)));
+    }
+}
+
+#[test]
+fn power_fails_in_each_operation_of_a_trim() {
+    let mut before = store_with(&patch(6, 1));
+    for kept in [None, Some(trim_of(1)), Some(trim_of(2))] {
+        kept.iter().for_each(|trim| before.keep_trim(trim).unwrap());
+        let operations = 1 + 5 * 7 + 1;
+        for at in 0..operations {
+            for reached in [Cut::Before, Cut::Amid, Cut::After] {
+                let mut nor = before.flash.clone().reboot();
+                nor.cut = Some((at, reached));
+                let mut store = open(nor);
+                assert!(store.keep_trim(&trim_of(3)).is_err());
+                assert_eq!(store.trim(), kept);
+                let mut store = open(store.flash.reboot());
+                let is_last = at + 1 == operations && reached == Cut::After;
+                assert_eq!(store.trim(), if is_last { Some(trim_of(3)) } else { kept }, "{reached:?} {at}");
+                store.keep_trim(&trim_of(4)).unwrap();
+                assert_eq!(open(store.flash.reboot()).trim(), Some(trim_of(4)), "{reached:?} {at}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_trim_that_rots_gives_way_to_the_one_before() {
+    let mut store = open(Nor::new(TEST_SLOT, 1));
+    store.keep_trim(&trim_of(1)).unwrap();
+    store.keep_trim(&trim_of(2)).unwrap();
+    for place in [0, 100, 279, PAGE_BYTES - 8, PAGE_BYTES - 1] {
+        let mut nor = store.flash.clone().reboot();
+        nor.flip(3, place);
+        assert_eq!(open(nor).trim(), Some(trim_of(1)), "{place}");
+    }
+}
+
 #[derive(Clone, Debug)]
 enum Deed {
     Begin { patch: usize },
