@@ -1,5 +1,6 @@
 //! The command line: one file for each command, and what `run` and `trace` have in common.
 
+mod boards;
 mod boot;
 mod cases;
 mod run;
@@ -20,6 +21,8 @@ pub(crate) struct Arguments {
 enum Command {
     /// Runs the cases against the board of a rig.
     Cases(cases::Cases),
+    /// Draws boards from their parts' tolerances: errors of their voltages, before and after a trim.
+    Boards(boards::Boards),
     /// Boots the firmware on an emulated board and exposes its link.
     Run(run::Run),
     /// Boots the firmware and prints what happens when.
@@ -30,6 +33,7 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<ExitCode, Box<dyn Error>> {
         match self.command {
             Command::Cases(cases) => cases.run(),
+            Command::Boards(boards) => boards.run(),
             Command::Run(run) => run.run(),
             Command::Trace(trace) => trace.run(),
         }

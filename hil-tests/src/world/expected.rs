@@ -3,12 +3,7 @@
 //! The DAC holds each word, so its output holds the carrier and images of it at all multiples of the word
 //! rate, plus and minus the carrier. Those that the converter's sampling folds onto the carrier count.
 
-use super::{
-    modes::{self, COUPLING},
-    multiplexers::selected,
-    network::Network,
-    parameters::Analogue,
-};
+use super::{modes::COUPLING, multiplexers::selected, network::Network, parameters::Analogue};
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
@@ -58,33 +53,57 @@ impl Carrier {
     }
 }
 
-pub(super) fn demodulated(
-    network: &Network,
-    analogue: &Analogue,
-    word: u16,
-    gain: f64,
-    carrier: &Carrier,
-) -> Complex64 {
-    let images = (-IMAGES..=IMAGES).map(|fold| 1 + fold * carrier.samples_per_period as i32);
-    let image = |multiple: i32| {
-        let frequency = f64::from(multiple) * carrier.frequency();
-        // e^(j omega t) of the carrier itself is what the lock-in takes off.
-        let turned = Complex64::cis(TAU * (frequency - carrier.frequency()) * carrier.first_sample);
-        carrier.coefficient(multiple) * response(network, analogue, word, gain, frequency) * turned
-    };
-    2.0 * analogue.dac.lsb * images.map(image).sum::<Complex64>()
+/// What a circuit makes of the carrier at one word of the multiplexers, up to the chip's amplifier: at the carrier and
+/// at the images that its sampling folds onto it.
+#[derive(Clone, Debug)]
+pub struct Response {
+    /// Multiple of the carrier's frequency, and volts at the chip's pin per volt at the DAC.
+    images: Vec<(i32, Complex64)>,
 }
 
-/// Volts at the converter per volt at the DAC.
-fn response(network: &Network, analogue: &Analogue, word: u16, gain: f64, frequency: f64) -> Complex64 {
-    let pole = |corner: f64| 1.0 / Complex64::new(1.0, frequency / corner);
-    let coupling = 1.0 - pole(COUPLING);
-    let poles_of_source = pole(analogue.dac.bandwidth) * pole(analogue.source.bandwidth);
-    let current = coupling * analogue.source.transconductance * poles_of_source;
+impl Response {
+    pub(super) fn new(network: &Network, analogue: &Analogue, word: u16, carrier: &Carrier) -> Self {
+        let folds = (-IMAGES..=IMAGES).map(|fold| 1 + fold * carrier.samples_per_period as i32);
+        let image = |multiple: i32| {
+            let frequency = f64::from(multiple) * carrier.frequency();
+            (multiple, before_amplifier(network, analogue, word, frequency))
+        };
+        Self { images: folds.map(image).collect() }
+    }
+
+    /// What a lock-in finds at the converter behind a gain of the chip's amplifier, V.
+    #[must_use]
+    pub fn demodulated(&self, analogue: &Analogue, gain: f64, carrier: &Carrier) -> Complex64 {
+        let frequency = carrier.frequency();
+        let image = |&(multiple, response): &(i32, Complex64)| {
+            let at = f64::from(multiple) * frequency;
+            // e^(j omega t) of the carrier itself is what the lock-in takes off.
+            let turned = Complex64::cis(TAU * (at - frequency) * carrier.first_sample);
+            carrier.coefficient(multiple) * response * pole(at, analogue.pga.gain_bandwidth / gain) * turned
+        };
+        let gains = (1.0 + analogue.adc.gain_error) * analogue.pga.gain(gain);
+        2.0 * analogue.dac.lsb * gains * self.images.iter().map(image).sum::<Complex64>()
+    }
+}
+
+fn pole(frequency: f64, corner: f64) -> Complex64 {
+    1.0 / Complex64::new(1.0, frequency / corner)
+}
+
+/// Volts at the chip's pin per volt at the DAC.
+fn before_amplifier(network: &Network, analogue: &Analogue, word: u16, frequency: f64) -> Complex64 {
+    let coupling = 1.0 - pole(frequency, COUPLING);
+    let sources = [analogue.dac.bandwidth, analogue.source.bandwidth].map(|corner| pole(frequency, corner));
+    let drive = coupling * sources[0] * sources[1] * (1.0 + analogue.dac.gain_error);
     let weights = network.sensed();
     let voltages = network.phasors(selected(word), frequency);
     let sensed: Complex64 = voltages.iter().zip(weights.iter()).map(|(v, weight)| v * weight).sum();
-    let poles: Complex64 = modes::poles(analogue, gain).into_iter().map(pole).product();
-    let gains = (1.0 + analogue.dac.gain_error) * (1.0 + analogue.adc.gain_error) * analogue.pga.gain(gain);
-    current * sensed * analogue.amplifier.gain * gains * poles
+    let amplifiers =
+        [analogue.amplifier.bandwidth, analogue.amplifier.filter].map(|corner| pole(frequency, corner));
+    drive
+        * analogue.source.transconductance
+        * sensed
+        * analogue.amplifier.gain
+        * amplifiers[0]
+        * amplifiers[1]
 }

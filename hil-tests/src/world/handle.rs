@@ -1,12 +1,12 @@
 //! Handle: what is done to the skin and to the front end while the emulated board measures, and what is true there.
 
 use super::{
-    expected::{Carrier, demodulated},
+    expected::{Carrier, Response},
     fault::{Fault, LINES, stuck},
     multiplexers::selected,
     network::{MINUS, Network, PLUS},
     parameters::Analogue,
-    skin::{LEADS, SkinNetwork},
+    skin::{LEADS, SkinNetwork, ring},
 };
 use crate::chip::time::Time;
 use dermatome::{
@@ -57,6 +57,12 @@ impl Setup {
         }
         let network = skin_at(&skin, contact_capacitance, skin.drive.frequency)?;
         Ok(Self { skin: Arc::new(skin), analogue, contact_capacitance, seed, noise: true, network })
+    }
+
+    /// The front end of the board of that number, drawn from the parts' tolerances, before the same skin.
+    #[must_use]
+    pub fn drawn(&self, number: u64) -> Self {
+        Self { analogue: self.analogue.drawn(number), seed: number, ..self.clone() }
     }
 
     /// The same front end before another skin.
@@ -164,6 +170,8 @@ pub struct Conditions {
     pub temperature: f64,
     /// What is broken.
     pub faults: Vec<Fault>,
+    /// Resistors between neighbouring leads, ohm, in place of the skin and its leads.
+    pub plug: Option<[f64; LEADS]>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -184,6 +192,7 @@ impl WorldHandle {
             noise: f64::from(u8::from(setup.noise)),
             temperature: 30.0,
             faults: Vec::new(),
+            plug: None,
         };
         let state = State {
             conditions,
@@ -249,6 +258,11 @@ impl WorldHandle {
         Ok(())
     }
 
+    /// Resistors in a ring, ohm, take the place of the skin and its leads; `[lead]` is between that one and the next.
+    pub fn plug(&self, ohms: Option<[f64; LEADS]>) {
+        self.change(|state| state.conditions.plug = ohms);
+    }
+
     /// Everything is mended.
     pub fn mend(&self) {
         self.change(|state| state.conditions.faults.clear());
@@ -296,8 +310,14 @@ impl WorldHandle {
     /// from the first word of the DAC's table. No noise, no limits.
     #[must_use]
     pub fn expected(&self, word: u16, gain: f64, carrier: &Carrier) -> Complex64 {
+        self.response(word, carrier).demodulated(&self.0.setup.analogue, gain, carrier)
+    }
+
+    /// What the circuit makes of a carrier, whatever its amplitude and the gain.
+    #[must_use]
+    pub fn response(&self, word: u16, carrier: &Carrier) -> Response {
         let word = stuck(word, &self.conditions().faults);
-        demodulated(&self.network(), &self.0.setup.analogue, word, gain, carrier)
+        Response::new(&self.network(), &self.0.setup.analogue, word, carrier)
     }
 
     /// What the DAC has put out since this was taken last.
@@ -338,10 +358,16 @@ impl WorldHandle {
             let state = self.state();
             (state.skin.clone(), state.conditions.clone(), state.frequency)
         };
-        let admittance = skin.admittance(&conditions.presses, conditions.scale);
         let setup = &self.0.setup;
-        let network =
-            Arc::new(Network::new(&setup.analogue, &admittance, &conditions.faults, frequency, setup.seed));
+        let faults = &conditions.faults;
+        let network = if let Some(ohms) = conditions.plug {
+            let analogue = setup.analogue.without_leads();
+            Network::new(&analogue, &ring(&ohms), faults, frequency, setup.seed)
+        } else {
+            let admittance = skin.admittance(&conditions.presses, conditions.scale);
+            Network::new(&setup.analogue, &admittance, faults, frequency, setup.seed)
+        };
+        let network = Arc::new(network);
         *latest = Some((version, network.clone()));
         network
     }

@@ -8,7 +8,8 @@
 //! that no image is made with, and reduces it to what 16 leads see; [`network`] joins it with leads and
 //! switches; [`modes`] takes that apart into exponentials, exactly; [`front_end`] steps them from event to
 //! event. The [`handle`] is for cases: presses, drift, noise, temperature, [`fault`]s, and what
-//! is true. [`expected`] computes the demodulated voltage another way, by frequencies.
+//! is true. [`expected`] computes the demodulated voltage another way, by frequencies, and [`readings`] what a board's
+//! acquisition makes of it. [`Analogue::drawn`] gives front ends as their parts' tolerances make them.
 
 pub mod expected;
 pub mod fault;
@@ -19,9 +20,11 @@ pub mod multiplexers;
 pub mod network;
 mod noise;
 pub mod parameters;
+pub mod readings;
 pub mod skin;
+mod tolerances;
 
-pub use expected::Carrier;
+pub use expected::{Carrier, Response};
 pub use fault::Fault;
 pub use front_end::AnalogueWorld;
 pub use handle::{Setup, WorldError, WorldHandle};

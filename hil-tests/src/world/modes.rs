@@ -19,7 +19,7 @@ use super::{
 };
 use crate::chip::time::Time;
 use nalgebra::{SVector, SymmetricEigen};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// Parts of the state; physical values have the same order.
 pub const PARTS: usize = NODES + 7;
@@ -261,6 +261,18 @@ fn rates(modes: &Modes, analogue: &Analogue, gain: f64) -> Parts {
 #[must_use]
 pub fn poles(analogue: &Analogue, gain: f64) -> [f64; 3] {
     [analogue.amplifier.bandwidth, analogue.amplifier.filter, analogue.pga.gain_bandwidth / gain]
+}
+
+/// Noise bandwidth of three poles in a row, Hz: the residues of 1 / prod(1 + (f/p)^2), integrated.
+#[must_use]
+pub fn bandwidth(poles: [f64; 3]) -> f64 {
+    // Equal poles would divide by zero.
+    let poles = [poles[0], poles[1] * (1.0 + 1e-6), poles[2] * (1.0 - 1e-6)].map(|pole| pole * pole);
+    let residue = |k: usize| {
+        let others = (0..3).filter(|&other| other != k);
+        poles[k].sqrt() * others.map(|other| poles[other] / (poles[other] - poles[k])).product::<f64>()
+    };
+    PI / 2.0 * (0..3).map(residue).sum::<f64>()
 }
 
 /// Difference of two rates, kept away from zero.

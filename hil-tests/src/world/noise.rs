@@ -5,7 +5,7 @@ use crate::chip::time::Time;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Noise at the converter. That of the amplifiers is coloured by the slowest of their poles, that of the
 /// converter is white.
@@ -42,7 +42,7 @@ impl Noise {
     pub(super) fn set_gain(&mut self, analogue: &Analogue, gain: f64) {
         let poles = modes::poles(analogue, gain);
         let density = (analogue.amplifier.gain * analogue.amplifier.noise).hypot(analogue.pga.noise);
-        self.amplifiers = gain * density * bandwidth(poles).sqrt();
+        self.amplifiers = gain * density * modes::bandwidth(poles).sqrt();
         self.rate = TAU * poles.into_iter().fold(f64::INFINITY, f64::min);
         self.step = (Time::NEVER, 0.0);
     }
@@ -60,15 +60,4 @@ impl Noise {
         self.now = correlation * self.now + (1.0 - correlation * correlation).sqrt() * fresh;
         (self.amplifiers * self.now, self.converter * white)
     }
-}
-
-/// Noise bandwidth of three poles in a row, Hz: the residues of 1 / prod(1 + (f/p)^2), integrated.
-fn bandwidth(poles: [f64; 3]) -> f64 {
-    // Equal poles would divide by zero.
-    let poles = [poles[0], poles[1] * (1.0 + 1e-6), poles[2] * (1.0 - 1e-6)].map(|pole| pole * pole);
-    let residue = |k: usize| {
-        let others = (0..3).filter(|&other| other != k);
-        poles[k].sqrt() * others.map(|other| poles[other] / (poles[other] - poles[k])).product::<f64>()
-    };
-    PI / 2.0 * (0..3).map(residue).sum::<f64>()
 }

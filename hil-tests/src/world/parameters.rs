@@ -212,6 +212,12 @@ impl Analogue {
         let file: File = toml::from_str(text).map_err(syntax)?;
         Checker { path }.analogue(&file)
     }
+
+    /// The same with nothing but a plug on the board's connector.
+    #[must_use]
+    pub fn without_leads(&self) -> Self {
+        Self { stray: Stray { to_ground: 0.0, between: 0.0 }, ..self.clone() }
+    }
 }
 
 #[derive(Deserialize)]

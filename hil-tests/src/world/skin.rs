@@ -134,6 +134,20 @@ fn expanded(grounded: &DMatrix<Complex64>, ground: usize) -> Admittance {
     admittance
 }
 
+/// Resistors in a ring, ohm: `[lead]` is between that one and the next.
+#[must_use]
+pub fn ring(ohms: &[f64; LEADS]) -> Admittance {
+    let mut admittance = [[Complex64::default(); LEADS]; LEADS];
+    for (lead, ohms) in ohms.iter().enumerate() {
+        let (next, siemens) = ((lead + 1) % LEADS, Complex64::from(1.0 / ohms));
+        admittance[lead][lead] += siemens;
+        admittance[next][next] += siemens;
+        admittance[lead][next] -= siemens;
+        admittance[next][lead] -= siemens;
+    }
+    admittance
+}
+
 /// The admittance with a resistance, ohm, between a lead and its electrode; infinite takes it off.
 #[must_use]
 pub fn with_resistance(admittance: &Admittance, electrode: usize, ohms: f64) -> Admittance {

@@ -15,6 +15,7 @@ mod port;
 pub mod program;
 pub mod scope;
 mod subscription;
+pub mod trim;
 
 pub use assemble::{ScanFrame, Totals};
 pub use dermatome_patch::{pose, tables};

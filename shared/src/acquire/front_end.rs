@@ -60,13 +60,27 @@ impl FrontEnd {
     /// What the trim of this gain at this frequency has to be multiplied with, so that a voltage that reads as `measured`
     /// reads as `truth`, in the same unit: a resistor's, whose voltage no lead changes. None for what reads as nothing.
     #[must_use]
-    pub fn correction(&self, frequency: f32, gain: usize, measured: [f32; 2], truth: f32) -> Option<Factor> {
+    pub fn correction(
+        &self,
+        frequency: f32,
+        gain: usize,
+        measured: [f32; 2],
+        truth: [f32; 2],
+    ) -> Option<Factor> {
         let designed = *self.designed(frequency, 1.0).get(gain)?;
         let [[real, imaginary], [true_real, true_imaginary]] =
-            [measured, [truth, 0.0]].map(|voltage| solve(designed, voltage));
+            [measured, truth].map(|voltage| solve(designed, voltage));
         let size = real * real + imaginary * imaginary;
         let factor = product([true_real, true_imaginary], [real / size, -imaginary / size]);
         factor.iter().all(|part| part.is_finite()).then_some(factor)
+    }
+
+    /// What reads as `measured` with this trim, once that is multiplied with `by`.
+    #[must_use]
+    pub fn corrected(&self, frequency: f32, gain: usize, measured: [f32; 2], by: Factor) -> [f32; 2] {
+        let Some(&designed) = self.designed(frequency, 1.0).get(gain) else { return measured };
+        let [x, y] = product(solve(designed, measured), by);
+        designed.map(|[of_x, of_y]| of_x * x + of_y * y)
     }
 
     /// The factors of a board as designed.

@@ -195,15 +195,15 @@ fn a_correction_makes_a_resistor_read_as_what_it_is_at_every_gain() {
                 front_end.factors(frequency, 1.0)[gain].map(|[x, y]| x * sums[0] + y * sums[1])
             };
             let before = read(&front_end);
-            let by = front_end.correction(frequency, gain, before, 500.0).unwrap();
+            let by = front_end.correction(frequency, gain, before, [500.0, 0.0]).unwrap();
             front_end.trim.multiply(carrier, gain, by);
             let after = read(&front_end);
             assert!((before[0] - 500.0).abs() > 10.0, "{frequency} {gain} {before:?}");
             assert!((after[0] - 500.0).abs() < 0.01 && after[1].abs() < 0.01, "{frequency} {gain} {after:?}");
         }
         assert!(front_end.trim.is_plausible());
-        assert_eq!(front_end.correction(frequency, 0, [0.0, 0.0], 500.0), None);
-        assert_eq!(front_end.correction(frequency, 7, [1.0, 0.0], 500.0), None);
+        assert_eq!(front_end.correction(frequency, 0, [0.0, 0.0], [500.0, 0.0]), None);
+        assert_eq!(front_end.correction(frequency, 7, [1.0, 0.0], [500.0, 0.0]), None);
     }
 }
 

@@ -186,7 +186,7 @@ impl Change {
     }
 }
 
-fn quantity(text: &str, kind: Kind) -> Option<f32> {
+pub(super) fn quantity(text: &str, kind: Kind) -> Option<f32> {
     let quantity = text.trim().parse().map_or_else(|_| Quantity::Text(text.to_owned()), Quantity::Number);
     kind.read(&quantity).map(|value| value as f32)
 }

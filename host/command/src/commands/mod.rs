@@ -49,6 +49,7 @@ mod simulate;
 mod skin_of_cutout;
 mod stream;
 mod tare;
+mod trim;
 
 /// Pressure-sensing robot skin by electrical impedance tomography.
 #[derive(Parser)]
@@ -72,6 +73,7 @@ enum Command {
     Check(check::Args),
     Scope(scope::Args),
     Drive(drive::Args),
+    Trim(trim::Args),
     Simulate(simulate::Args),
     Devices(devices::Args),
     Firmware(firmware::Args),
@@ -114,6 +116,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Check(args) => check::run(&args),
         Command::Scope(args) => scope::run(&args),
         Command::Drive(args) => drive::run(&args),
+        Command::Trim(args) => trim::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Firmware(args) => firmware::run(&args),

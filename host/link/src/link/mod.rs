@@ -25,6 +25,7 @@ use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::{
     patch::{PatchError, PatchView},
     protocol::{BoardPacket, Event, Identity, Info, Reply, Request, RequestPacket, Selection},
+    stimulation::Step,
 };
 use hello::HELLO_SEQUENCE;
 use order::Order;
@@ -169,10 +170,20 @@ impl Link {
 
     /// Which pixels the board's images have, and where: read back from the start of its patch.
     pub fn surface(&mut self) -> Result<SurfaceTables, LinkError> {
+        self.start_of_patch(SurfaceTables::read)
+    }
+
+    /// The steps of a frame: read back from the start of the board's patch.
+    pub fn steps(&mut self) -> Result<Vec<Step>, LinkError> {
+        self.start_of_patch(|patch| patch.steps().collect())
+    }
+
+    /// Something of the patch in use that lies before its matrix.
+    fn start_of_patch<T>(&mut self, read: impl Fn(&PatchView<'_>) -> T) -> Result<T, LinkError> {
         let mut start = Vec::new();
         loop {
             match PatchView::open_start(&start) {
-                Ok((patch, _)) => return Ok(SurfaceTables::read(&patch)),
+                Ok((patch, _)) => return Ok(read(&patch)),
                 Err(PatchError::Length { expected, found }) if found < expected => {
                     let piece = self.read_patch(start.len() as u32)?;
                     start.extend_from_slice(&piece);
