@@ -1,8 +1,14 @@
-//! The current source's netlist against the figures that the emulated board and docs/hardware.md use.
+//! The current source: its corners against limits, its netlist against the figures that the emulated board and
+//! docs/hardware.md use.
 //!
 //! Runs ngspice. Where it is absent nothing is compared, and the tests say *not run*; `./test` installs it.
 
-use std::{collections::BTreeMap, io::ErrorKind, path::Path, process::Command, sync::LazyLock};
+mod corners;
+mod ngspice;
+
+use corners::{LIMIT, admittance, currents, kick, margins};
+use ngspice::Figures;
+use std::{path::Path, sync::LazyLock};
 
 /// How far a figure may be from the netlist's.
 const TOLERANCE: f64 = 0.01;
@@ -23,47 +29,28 @@ struct Choice {
     rig: &'static str,
     /// Its table in docs/hardware.md.
     table: &'static str,
-    /// What its netlist prints; `None` without ngspice.
+    /// Its parts.
+    parts: &'static str,
+    /// What its netlist prints in the range of 1 mA; `None` without ngspice.
     figures: LazyLock<Option<Figures>>,
+    /// The same in the range of 33 uA.
+    low: LazyLock<Option<Figures>>,
 }
 
 static GOOD: Choice = Choice {
     rig: "analogue.toml",
     table: "good",
-    figures: LazyLock::new(|| Figures::of("current_source.cir")),
+    parts: "parts.inc",
+    figures: LazyLock::new(|| Figures::of("current_source.cir".as_ref())),
+    low: LazyLock::new(|| Figures::of("current_source-low.cir".as_ref())),
 };
 static CHEAP: Choice = Choice {
     rig: "analogue-cheap.toml",
     table: "cheap",
-    figures: LazyLock::new(|| Figures::of("current_source-cheap.cir")),
+    parts: "parts-cheap.inc",
+    figures: LazyLock::new(|| Figures::of("current_source-cheap.cir".as_ref())),
+    low: LazyLock::new(|| Figures::of("current_source-cheap-low.cir".as_ref())),
 };
-
-/// What a netlist prints: value in SI units of each figure.
-struct Figures(BTreeMap<String, f64>);
-
-impl Figures {
-    /// Runs a netlist; `None` without ngspice.
-    fn of(netlist: &str) -> Option<Self> {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("analogue");
-        let run = match Command::new("ngspice").args(["-n", "-b", netlist]).current_dir(folder).output() {
-            Err(error) if error.kind() == ErrorKind::NotFound => return None,
-            run => run.expect("ngspice starts"),
-        };
-        let printed = String::from_utf8_lossy(&run.stdout);
-        assert!(run.status.success(), "{netlist}: {printed}{}", String::from_utf8_lossy(&run.stderr));
-        Some(Self(printed.lines().filter_map(figure).collect()))
-    }
-
-    fn get(&self, name: &str) -> f64 {
-        *self.0.get(name).unwrap_or_else(|| panic!("the netlist does not print `{name}`"))
-    }
-}
-
-/// Name and value in a line `figure NAME VALUE`.
-fn figure(line: &str) -> Option<(String, f64)> {
-    let (name, value) = line.strip_prefix("figure ")?.split_once(' ')?;
-    Some((name.to_owned(), value.trim().parse().ok()?))
-}
 
 /// A quantity such as "9.6 pF" in SI units.
 fn si(text: &str) -> f64 {
@@ -169,4 +156,59 @@ fn resistance_beside_capacitance_and_a_single_pole_describe_both_sources() {
 fn the_tables_in_the_documentation_are_the_netlists() {
     check_table(&GOOD);
     check_table(&CHEAP);
+}
+
+fn check_stability(choice: &Choice) {
+    let Some(margins) = margins(choice.parts) else { return not_run() };
+    println!("{}: {margins:?}", choice.table);
+    assert!(margins.turns < 1.0, "{}: a corner is not stable: {margins:?}", choice.table);
+    assert!(margins.phase.0 > 45.0 && margins.gain.0 > 12.0 && margins.distance.0 > 0.5, "{margins:?}");
+}
+
+#[test]
+fn the_good_source_is_stable_at_every_corner_with_every_load() {
+    check_stability(&GOOD);
+}
+
+#[test]
+fn the_cheap_source_is_stable_at_every_corner_with_every_load() {
+    check_stability(&CHEAP);
+}
+
+fn check_conductance(choice: &Choice) {
+    let Some(admittance) = admittance(choice.parts) else { return not_run() };
+    println!("{}: {admittance:?}", choice.table);
+    assert!(admittance.conductance[0] > 1e-6 && admittance.conductance[1] > 3e-8, "{admittance:?}");
+    assert!(admittance.damping > 0.01, "{admittance:?}");
+}
+
+#[test]
+fn the_output_conductance_is_positive_with_each_resistor_at_either_end() {
+    check_conductance(&GOOD);
+    check_conductance(&CHEAP);
+}
+
+fn check_kick(choice: &Choice) {
+    let Some(left) = kick(choice.parts) else { return not_run() };
+    println!("{}: {left:e} of a kick is left", choice.table);
+    assert!(left < 0.01, "{}: {left:e} of a kick is left", choice.table);
+}
+
+#[test]
+fn a_kick_while_idle_dies_away() {
+    check_kick(&GOOD);
+    check_kick(&CHEAP);
+}
+
+fn check_currents(choice: &Choice) {
+    let Some(currents) = currents(choice.parts) else { return not_run() };
+    println!("{}: {currents:?}", choice.table);
+    assert!(currents.lasting < LIMIT, "{}: {currents:?}", choice.table);
+    assert!(currents.charge < 0.3e-9 && currents.time < 0.4e-6, "{}: {currents:?}", choice.table);
+}
+
+#[test]
+fn a_switch_that_opens_and_closes_lets_no_more_than_the_limit_through() {
+    check_currents(&GOOD);
+    check_currents(&CHEAP);
 }
