@@ -20,11 +20,11 @@ const WIRING: &str = "60p";
 /// Copies in one run; ngspice slows down with more.
 const COPIES: usize = 24;
 /// Most that may flow once the strays have discharged: 1 mA and 5 %.
-pub const LIMIT: f64 = 1.05e-3;
+pub(crate) const LIMIT: f64 = 1.05e-3;
 
 /// A copy of the source.
 #[derive(Clone, Copy, Debug)]
-pub struct Corner {
+pub(crate) struct Corner {
     bridge: [i8; 4],
     opamps: (f64, f64),
     range: u8,
@@ -91,7 +91,8 @@ fn run<const N: usize>(
 ) -> Option<Vec<(Corner, [f64; N])>> {
     let mut found = Vec::new();
     for chunk in corners.chunks(COPIES) {
-        let mut deck = format!("* Corners\n.include {0}/{parts}\n.include {0}/source.inc\n", folder().display());
+        let mut deck =
+            format!("* Corners\n.include {0}/{parts}\n.include {0}/source.inc\n", folder().display());
         chunk.iter().enumerate().for_each(|(number, corner)| deck += &copy(number, corner));
         write!(deck, ".options noinit\n.control\nset noaskquit\nset numdgt=9\n{analysis}\n").unwrap();
         (0..chunk.len()).for_each(|number| deck += &measure(number));
@@ -117,19 +118,19 @@ fn greatest<const N: usize>(found: &[(Corner, [f64; N])], place: usize) -> f64 {
 
 /// Worst loop gain over all corners.
 #[derive(Debug)]
-pub struct Margins {
+pub(crate) struct Margins {
     /// Least distance of the phase from -180 degrees where the gain is 1, degrees.
-    pub phase: (f64, Corner),
+    pub(crate) phase: (f64, Corner),
     /// Least distance of the gain from 1, either way, where the phase is -180 degrees, dB.
-    pub gain: (f64, Corner),
+    pub(crate) gain: (f64, Corner),
     /// Least distance of the loop gain from -1.
-    pub distance: (f64, Corner),
+    pub(crate) distance: (f64, Corner),
     /// Turns of the loop gain around -1, degrees: 0 where the closed loop is stable.
-    pub turns: f64,
+    pub(crate) turns: f64,
 }
 
 /// Loop gains from 10 mHz to 1 GHz with every load.
-pub fn margins(parts: &str) -> Option<Margins> {
+pub(crate) fn margins(parts: &str) -> Option<Margins> {
     let corners = corners(&BRIDGES, &OPAMPS, &LEADS, &SKINS);
     let copy = |number: usize, corner: &Corner| {
         let cut = format!("Vcut{number} drive{number} 0 dc 0 ac 1\n");
@@ -157,25 +158,27 @@ pub fn margins(parts: &str) -> Option<Margins> {
 
 /// Output admittance over all corners, each of R1 to R4 at either end for itself.
 #[derive(Debug)]
-pub struct Admittance {
-    /// Least conductance from 10 mHz to 1 MHz, S, in the ranges of 1 mA and 33 uA.
-    pub conductance: [f64; 2],
+pub(crate) struct Admittance {
+    /// Least conductance from 1 to 100 kHz, S, in the ranges of 1 mA and 33 uA. Above, the switch's capacitance makes that of
+    /// 33 uA negative beside its own susceptance.
+    pub(crate) conductance: [f64; 2],
     /// Least of the greater of conductance and susceptance up to 1 GHz, as a share of the admittance: positive where no
     /// resistor and capacitor in parallel can be an oscillator with it.
-    pub damping: f64,
+    pub(crate) damping: f64,
 }
 
 /// Output admittances with nothing connected.
-pub fn admittance(parts: &str) -> Option<Admittance> {
+pub(crate) fn admittance(parts: &str) -> Option<Admittance> {
     let corners = corners(&every_bridge(), &OPAMPS, &LEADS[..1], &SKINS[..1]);
     let copy = |number: usize, corner: &Corner| {
-        let whole = format!("E{number} drive{number} 0 made{number} 0 1\nI{number} 0 out{number} dc 0 ac 1\n");
+        let whole =
+            format!("E{number} drive{number} 0 made{number} 0 1\nI{number} 0 out{number} dc 0 ac 1\n");
         corner.copy(number, "0", "0") + &whole
     };
     let measure = |number| {
         format!(
             "let y = 1 / v(out{number})\nlet g = real(y)\nlet b = imag(y)\n\
-             let conductance = vecmin(g + (real(frequency) gt 1.01e6))\n\
+             let conductance = vecmin(g + (real(frequency) lt 990) + (real(frequency) gt 101k))\n\
              let damping = vecmin((g + b + abs(g - b)) / 2 / mag(y))\n\
              echo figure conductance_{number} $&conductance\necho figure damping_{number} $&damping\n"
         )
@@ -187,7 +190,7 @@ pub fn admittance(parts: &str) -> Option<Admittance> {
 
 /// What is left of a kick while idle, over all corners, as a share of the kick: of U2's voltage, 18 to 20 ms after 10 pC
 /// into the open output.
-pub fn kick(parts: &str) -> Option<f64> {
+pub(crate) fn kick(parts: &str) -> Option<f64> {
     let corners = corners(&BRIDGES, &OPAMPS, &["1p", WIRING, "1n"], &["0"]);
     let copy = |number: usize, corner: &Corner| {
         let leads = corner.leads;
@@ -209,19 +212,19 @@ pub fn kick(parts: &str) -> Option<f64> {
 
 /// Greatest currents through the skin while a switch of the multiplexer opens and closes at full amplitude.
 #[derive(Debug)]
-pub struct Currents {
+pub(crate) struct Currents {
     /// From half a microsecond after the switch has closed, A.
-    pub lasting: f64,
+    pub(crate) lasting: f64,
     /// What flows above [`LIMIT`] after one closing, C.
-    pub charge: f64,
+    pub(crate) charge: f64,
     /// For how long more than that flows, s.
-    pub time: f64,
+    pub(crate) time: f64,
     /// While the strays discharge, A.
-    pub peak: f64,
+    pub(crate) peak: f64,
 }
 
 /// Closings every 23.3 us for 12.1 us, at 12.5 kHz, where the current is greatest: at ten phases of the sine.
-pub fn currents(parts: &str) -> Option<Currents> {
+pub(crate) fn currents(parts: &str) -> Option<Currents> {
     let corners = corners(&BRIDGES, &[OPAMPS[0], OPAMPS[2]], &["1p", "1n"], &["5", "900", "100k"]);
     let found = run(
         parts,

@@ -3,11 +3,11 @@
 use std::{collections::BTreeMap, io::ErrorKind, path::Path, process::Command};
 
 /// What a deck prints: value in SI units of each figure.
-pub struct Figures(BTreeMap<String, f64>);
+pub(crate) struct Figures(BTreeMap<String, f64>);
 
 impl Figures {
     /// Runs a deck, seen from the folder of the netlists; `None` without ngspice.
-    pub fn of(deck: &Path) -> Option<Self> {
+    pub(crate) fn of(deck: &Path) -> Option<Self> {
         let run = match Command::new("ngspice").args(["-n", "-b"]).arg(deck).current_dir(folder()).output() {
             Err(error) if error.kind() == ErrorKind::NotFound => return None,
             run => run.expect("ngspice starts"),
@@ -19,20 +19,20 @@ impl Figures {
     }
 
     /// Writes a deck to a file of this name, and runs it.
-    pub fn of_text(name: &str, deck: &str) -> Option<Self> {
+    pub(crate) fn of_text(name: &str, deck: &str) -> Option<Self> {
         let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
         std::fs::write(&file, deck).unwrap();
         Self::of(&file)
     }
 
     /// One figure.
-    pub fn get(&self, name: &str) -> f64 {
+    pub(crate) fn get(&self, name: &str) -> f64 {
         *self.0.get(name).unwrap_or_else(|| panic!("the deck does not print `{name}`"))
     }
 }
 
 /// Folder of the netlists.
-pub fn folder() -> std::path::PathBuf {
+pub(crate) fn folder() -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("analogue")
 }
 
