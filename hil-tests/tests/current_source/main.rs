@@ -158,7 +158,6 @@ fn check_ranges() {
         "output_resistance",
         "output_capacitance",
         "compliance",
-        "open_voltage",
         "current_noise",
     ];
     let rows = table("ranges");
