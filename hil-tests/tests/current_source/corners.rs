@@ -159,8 +159,8 @@ pub(crate) fn margins(parts: &str) -> Option<Margins> {
 /// Output admittance over all corners, each of R1 to R4 at either end for itself.
 #[derive(Debug)]
 pub(crate) struct Admittance {
-    /// Least conductance from 1 to 100 kHz, S, in the ranges of 1 mA and 33 uA. Above, the switch's capacitance makes that of
-    /// 33 uA negative beside its own susceptance.
+    /// Least conductance from 1 to 100 kHz, S, in the ranges of 1 mA and 29 uA. Above, the switch's capacitance makes that of
+    /// 29 uA negative beside its own susceptance.
     pub(crate) conductance: [f64; 2],
     /// Least of the greater of conductance and susceptance up to 1 GHz, as a share of the admittance: positive where no
     /// resistor and capacitor in parallel can be an oscillator with it.

@@ -33,7 +33,7 @@ struct Choice {
     parts: &'static str,
     /// What its netlist prints in the range of 1 mA; `None` without ngspice.
     figures: LazyLock<Option<Figures>>,
-    /// The same in the range of 33 uA.
+    /// The same in the range of 29 uA.
     low: LazyLock<Option<Figures>>,
     margins: LazyLock<Option<Margins>>,
     currents: LazyLock<Option<Currents>>,
