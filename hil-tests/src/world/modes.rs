@@ -38,8 +38,8 @@ pub const AMPLIFIER: usize = MODES + NODES;
 /// Output of the PGA, V, against half the supply; the filter's lies between.
 pub const OUTPUT: usize = AMPLIFIER + 2;
 
-/// Frequency below which the source's input capacitor takes the drive away, Hz: 1 uF and 28 kohm.
-pub const COUPLING: f64 = 5.7;
+/// Frequency below which the source's input capacitor takes the drive away, Hz: 2.2 uF and 14 kohm.
+pub const COUPLING: f64 = 5.2;
 /// Poles as close as this are moved apart, as a share of their rate.
 const CLOSE: f64 = 1e-6;
 /// Steps whose decays are kept.
