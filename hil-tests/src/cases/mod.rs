@@ -8,6 +8,8 @@ mod power;
 mod sensing;
 mod upload;
 
+pub use power::{Found, cut_full_size};
+
 use crate::machine::Halt;
 use crate::rig::{Capability, Rig, RigError};
 use dermatome::{

@@ -2,6 +2,7 @@
 
 mod boot;
 mod cases;
+mod power_cuts;
 mod run;
 mod trace;
 
@@ -20,6 +21,8 @@ pub(crate) struct Arguments {
 enum Command {
     /// Runs the cases against the board of a rig.
     Cases(cases::Cases),
+    /// Cuts the power at every flash operation of a full-size upload.
+    PowerCuts(power_cuts::PowerCuts),
     /// Boots the firmware on an emulated board and exposes its link.
     Run(run::Run),
     /// Boots the firmware and prints what happens when.
@@ -30,6 +33,7 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<ExitCode, Box<dyn Error>> {
         match self.command {
             Command::Cases(cases) => cases.run(),
+            Command::PowerCuts(cuts) => cuts.run(),
             Command::Run(run) => run.run(),
             Command::Trace(trace) => trace.run(),
         }

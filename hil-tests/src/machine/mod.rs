@@ -10,6 +10,7 @@ mod calls;
 mod cpu;
 pub mod cycles;
 mod halt;
+mod snapshot;
 
 use crate::{
     chip::{
@@ -26,14 +27,17 @@ use crate::{
 use calls::Calls;
 use cycles::{Access, Counter, Timing};
 pub use halt::Halt;
+use snapshot::BeforeRead;
+pub use snapshot::SnapshotError;
 use rand::{RngCore, SeedableRng};
 use rand_pcg::Pcg64;
 use std::{
     cell::{Cell, RefCell},
+    ops::Range,
     rc::Rc,
     sync::Arc,
 };
-use unicorn_engine::{HookType, RegisterARM, Unicorn, uc_error};
+use unicorn_engine::{HookType, RegisterARM, UcHookId, Unicorn, uc_error};
 
 /// Equal reads of one register, and no other, after which the CPU is taken to wait in a loop.
 const SPINS: u32 = 16;
@@ -68,6 +72,10 @@ pub struct Machine {
     slept: Time,
     powered_up: u64,
     world: Option<WorldHandle>,
+    /// Looks for reads of flash that a power cut has damaged.
+    damage_watch: Option<UcHookId>,
+    /// Where its start had come to before it read what other flashes may hold otherwise.
+    before_read: Option<BeforeRead>,
 }
 
 /// What the hooks share with the machine.
@@ -133,8 +141,17 @@ impl Machine {
             pc: 0,
             reason: format!("{error:?}"),
         })?;
-        let mut machine =
-            Self { unicorn, state, options, sleeps: false, slept: Time::ZERO, powered_up: 0, world };
+        let mut machine = Self {
+            unicorn,
+            state,
+            options,
+            sleeps: false,
+            slept: Time::ZERO,
+            powered_up: 0,
+            world,
+            damage_watch: None,
+            before_read: None,
+        };
         machine.power_up()?;
         Ok(machine)
     }
@@ -403,23 +420,35 @@ impl Machine {
         self.unicorn.mem_write(range.start.into(), content).expect("the flash is mapped");
     }
 
+    /// From now on, reads of what is damaged in the flash meet ECC errors.
     fn watch_damage(&mut self) {
+        if let Some(hook) = self.damage_watch.take() {
+            self.unicorn.remove_hook(hook).expect("it was added");
+        }
         let damaged = self.chip(|chip| chip.flash.damaged());
         let (Some(&first), Some(&last)) = (damaged.first(), damaged.last()) else { return };
         let state = self.state.clone();
-        let hook = self.unicorn.add_mem_hook(
-            HookType::MEM_READ,
-            first.into(),
-            u64::from(last) + 7,
-            move |unicorn, _, address, size, _| {
-                state.forget_condition(unicorn);
-                if state.chip.borrow_mut().flash.check_read(address as u32, size as u32) {
-                    state.stop_at.set(Time::ZERO);
-                }
+        self.damage_watch = Some(self.watch_reads(first..last + 8, move |unicorn, address, size| {
+            state.forget_condition(unicorn);
+            if state.chip.borrow_mut().flash.check_read(address, size) {
+                state.stop_at.set(Time::ZERO);
+            }
+        }));
+    }
+
+    /// Tells `look` of each read of these addresses by the CPU.
+    fn watch_reads(
+        &mut self,
+        range: Range<u32>,
+        look: impl Fn(&mut Unicorn<'_, ()>, u32, u32) + 'static,
+    ) -> UcHookId {
+        let (first, last) = (u64::from(range.start), u64::from(range.end) - 1);
+        let hook =
+            self.unicorn.add_mem_hook(HookType::MEM_READ, first, last, move |unicorn, _, address, size, _| {
+                look(unicorn, address as u32, size as u32);
                 true
-            },
-        );
-        hook.expect("the flash can be watched");
+            });
+        hook.expect("memory can be watched")
     }
 
     fn misused(&self, misuse: Misuse) -> Halt {
