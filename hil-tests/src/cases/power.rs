@@ -150,7 +150,8 @@ fn cut_upload(
     let crcs = [0, 1].map(|place| PatchView::validate(&patches[place]).map_or(0, |view| view.crc()));
     let receive = Arc::new(Mutex::new(receive));
     std::thread::scope(|scope| {
-        let boot = |receive: Arc<Mutex<Receiver<Cut>>>| scope.spawn(move || boot_all(&receive, options, crcs));
+        let boot =
+            |receive: Arc<Mutex<Receiver<Cut>>>| scope.spawn(move || boot_all(&receive, options, crcs));
         let workers: Vec<_> = (0..WORKERS).map(|_| boot(receive.clone())).collect();
         // Where all workers have failed, nobody waits for the flashes any more.
         drop(receive);
@@ -203,7 +204,8 @@ fn boot_all(
             Some(starts) => starts,
             none => none.insert(Starts::new(&flash, options)?),
         };
-        let offered = if found.cuts < BOTH_WAYS { starts.both_ways(flash)? } else { starts.offered(flash)?.0 };
+        let offered =
+            if found.cuts < BOTH_WAYS { starts.both_ways(flash)? } else { starts.offered(flash)?.0 };
         match offered {
             Some(crc) if crc == old => found.old += 1,
             Some(crc) if crc == new => found.new += 1,

@@ -190,6 +190,12 @@ impl Chip {
         self.follow_wires();
     }
 
+    /// Whether a watchdog runs.
+    #[must_use]
+    pub fn is_watched(&self) -> bool {
+        self.iwdg.is_running()
+    }
+
     /// The watchdog or the firmware wants the chip to start again.
     pub fn take_reset(&mut self) -> Option<ResetCause> {
         if self.iwdg.take_bite() {

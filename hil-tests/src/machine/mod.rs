@@ -27,10 +27,10 @@ use crate::{
 use calls::Calls;
 use cycles::{Access, Counter, Timing};
 pub use halt::Halt;
-use snapshot::BeforeRead;
-pub use snapshot::SnapshotError;
 use rand::{RngCore, SeedableRng};
 use rand_pcg::Pcg64;
+use snapshot::BeforeRead;
+pub use snapshot::SnapshotError;
 use std::{
     cell::{Cell, RefCell},
     ops::Range,
@@ -69,6 +69,8 @@ pub struct Machine {
     state: Rc<State>,
     options: Options,
     sleeps: bool,
+    /// A fault in the handler of a fault has stopped the core.
+    is_locked_up: bool,
     slept: Time,
     powered_up: u64,
     world: Option<WorldHandle>,
@@ -146,6 +148,7 @@ impl Machine {
             state,
             options,
             sleeps: false,
+            is_locked_up: false,
             slept: Time::ZERO,
             powered_up: 0,
             world,
@@ -228,6 +231,15 @@ impl Machine {
         self.sleeps = false;
     }
 
+    /// From now on the code that runs calls itself without end: it saves nine registers again and again.
+    pub fn overflow_stack(&mut self) {
+        let circle = RAM_START + RAM_BYTES - 4;
+        // push {r0-r7, lr}; b to it.
+        self.poke(circle, &[0xFF, 0xB5, 0xFD, 0xE7]);
+        self.set(RegisterARM::PC, u64::from(circle | 1));
+        self.sleeps = false;
+    }
+
     /// From now on, counts the cycles of each call of the function at this address.
     pub fn count_calls(&mut self, function: u32) {
         *self.state.calls.borrow_mut() = Some(Calls::of(function, self.cycles()));
@@ -267,6 +279,10 @@ impl Machine {
         if let Some(cause) = reset {
             return self.restart(cause);
         }
+        if self.is_locked_up {
+            self.chip(|chip| chip.core.nvic.forget_news());
+            return self.sleep(deadline);
+        }
         self.sync_flash();
         let masks = self.masks();
         let (next, wakes) = {
@@ -275,7 +291,8 @@ impl Machine {
             (nvic.next(masks), nvic.any_pending())
         };
         if let Some(exception) = next {
-            return self.enter(exception);
+            self.enter(exception);
+            return Ok(());
         }
         if self.sleeps {
             // An interrupt that is only masked wakes WFI, and here WFE as well (SEVONPEND or not:
@@ -383,9 +400,16 @@ impl Machine {
             handles
         });
         if handles_fault {
-            return Err(Halt::LockUp { time: self.now(), pc });
+            self.lock_up(pc)?;
         }
         Ok(())
+    }
+
+    /// A fault in the handler of a fault: the core stands still until a reset (B1.5.15), for which it takes a watchdog.
+    fn lock_up(&mut self, pc: u32) -> Result<(), Halt> {
+        self.is_locked_up = true;
+        let is_watched = self.chip(|chip| chip.is_watched());
+        if is_watched { Ok(()) } else { Err(Halt::LockUp { time: self.now(), pc }) }
     }
 
     fn power_up(&mut self) -> Result<(), Halt> {
@@ -399,7 +423,7 @@ impl Machine {
 
     fn restart(&mut self, cause: ResetCause) -> Result<(), Halt> {
         self.chip(|chip| chip.reset(cause));
-        self.sleeps = false;
+        (self.sleeps, self.is_locked_up) = (false, false);
         self.sync_flash();
         self.state.event.set(false);
         self.state.counter.borrow_mut().forget_code();
@@ -443,11 +467,15 @@ impl Machine {
         look: impl Fn(&mut Unicorn<'_, ()>, u32, u32) + 'static,
     ) -> UcHookId {
         let (first, last) = (u64::from(range.start), u64::from(range.end) - 1);
-        let hook =
-            self.unicorn.add_mem_hook(HookType::MEM_READ, first, last, move |unicorn, _, address, size, _| {
+        let hook = self.unicorn.add_mem_hook(
+            HookType::MEM_READ,
+            first,
+            last,
+            move |unicorn, _, address, size, _| {
                 look(unicorn, address as u32, size as u32);
                 true
-            });
+            },
+        );
         hook.expect("memory can be watched")
     }
 

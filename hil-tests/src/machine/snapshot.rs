@@ -31,6 +31,7 @@ struct Snapshot {
     spins: u32,
     is_conditional: bool,
     sleeps: bool,
+    is_locked_up: bool,
     slept: Time,
 }
 
@@ -104,7 +105,8 @@ impl Machine {
         }
         let has_written_elsewhere = self.chip(|chip| differs(&chip.flash));
         self.restore(snapshot)?;
-        let changed = if has_written_elsewhere { flash::START..flash::START + flash::BYTES } else { range.clone() };
+        let changed =
+            if has_written_elsewhere { flash::START..flash::START + flash::BYTES } else { range.clone() };
         self.chip(|chip| chip.flash.take_content(flash, changed));
         self.watch_damage();
         Ok(())
@@ -125,6 +127,7 @@ impl Machine {
             spins: state.spins.get(),
             is_conditional: state.is_conditional.get(),
             sleeps: self.sleeps,
+            is_locked_up: self.is_locked_up,
             slept: self.slept,
         })
     }
@@ -142,7 +145,7 @@ impl Machine {
         state.spins.set(from.spins);
         state.is_conditional.set(from.is_conditional);
         state.misuse.borrow_mut().take();
-        (self.sleeps, self.slept) = (from.sleeps, from.slept);
+        (self.sleeps, self.is_locked_up, self.slept) = (from.sleeps, from.is_locked_up, from.slept);
         Ok(())
     }
 
