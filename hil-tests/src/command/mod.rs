@@ -4,6 +4,7 @@ mod boot;
 mod cases;
 mod power_cuts;
 mod run;
+mod soak;
 mod trace;
 
 use clap::{Parser, Subcommand};
@@ -25,6 +26,8 @@ enum Command {
     PowerCuts(power_cuts::PowerCuts),
     /// Boots the firmware on an emulated board and exposes its link.
     Run(run::Run),
+    /// Lets something go wrong again and again, for a long virtual time.
+    Soak(soak::Soak),
     /// Boots the firmware and prints what happens when.
     Trace(trace::Trace),
 }
@@ -35,6 +38,7 @@ impl Arguments {
             Command::Cases(cases) => cases.run(),
             Command::PowerCuts(cuts) => cuts.run(),
             Command::Run(run) => run.run(),
+            Command::Soak(soak) => soak.run(),
             Command::Trace(trace) => trace.run(),
         }
     }

@@ -186,7 +186,9 @@ pub(super) fn memory(rig: &Rig) -> Result<String, Failure> {
     let symbol = |name| firmware.symbol(name).ok_or_else(|| Failure::wrong(format!("no symbol `{name}`")));
     // The stack ends where the memory begins, so that an overflow faults; statics lie behind it.
     let [bottom, top, end] = [symbol("_stack_end")?, symbol("_stack_start")?, symbol("__euninit")?];
-    ensure(bottom == u64::from(RAM_START), || format!("the stack ends at {bottom:#x}, not where RAM begins"))?;
+    ensure(bottom == u64::from(RAM_START), || {
+        format!("the stack ends at {bottom:#x}, not where RAM begins")
+    })?;
     let (flash, stack, statics) = (firmware.size(), (top - bottom) as usize, (end - top) as usize);
     let used = statics + stack - free;
     ensure(flash <= LIMIT, || format!("{flash} bytes of flash"))?;
