@@ -300,8 +300,9 @@ impl Machine {
     /// Takes an exception (B1.5.6): saves the caller's registers, jumps through the vector table.
     ///
     /// Where they cannot be saved, a bus fault follows, which nobody handles but the handler of hard faults. That one
-    /// is taken instead, with what was saved; or goes on if it was to be taken anyway (B1.5.13, derived exceptions;
-    /// Arm DDI 0337E, 5.12.1: "the fault handler still executes even though the stack pushes for the handler failed").
+    /// is taken instead, with what was saved; or goes on if it was to be taken anyway: "the fault handler still
+    /// executes even though the stack pushes for the handler failed" (Arm DDI 0337E, 5.12.1, of the Cortex-M3, which
+    /// has the same architecture).
     pub(super) fn enter(&mut self, mut exception: usize) {
         self.sleeps = false;
         self.state.event.set(true);

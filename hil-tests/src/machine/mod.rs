@@ -405,7 +405,7 @@ impl Machine {
         Ok(())
     }
 
-    /// A fault in the handler of a fault: the core stands still until a reset (B1.5.15), for which it takes a watchdog.
+    /// A fault in the handler of a fault: the core stands still until a reset (ARMv7-M, "Lockup"), for which it takes a watchdog.
     fn lock_up(&mut self, pc: u32) -> Result<(), Halt> {
         self.is_locked_up = true;
         let is_watched = self.chip(|chip| chip.is_watched());
