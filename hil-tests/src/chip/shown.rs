@@ -7,9 +7,11 @@ use super::{
 };
 use std::fmt;
 
+type Observe = Box<dyn FnMut(&Flash) + Send>;
+
 /// Sees the flash as each of its operations begins; by default there is none. A clone is none either.
 #[derive(Default)]
-pub struct FlashObserver(Option<Box<dyn FnMut(&Flash) + Send>>);
+pub struct FlashObserver(Option<Observe>);
 
 impl FlashObserver {
     /// One that does this.
