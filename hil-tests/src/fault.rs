@@ -46,6 +46,8 @@ pub enum What {
     Hang,
     /// The CPU meets a bus error.
     BusError,
+    /// The code that runs calls itself without end.
+    StackOverflow,
     /// Something breaks before the chip.
     World(world::Fault),
 }
@@ -54,7 +56,7 @@ pub enum What {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{text}` is no fault: {reason} (allowed are power@TIME, power@op:N, flip@TIME:0xADDRESS.BIT, \
-     noise@TIME:BYTES, stuck@TIME, sample@TIME, value@TIME, hang@TIME, crash@TIME; and, from the start or with \
+     noise@TIME:BYTES, stuck@TIME, sample@TIME, value@TIME, hang@TIME, crash@TIME, overflow@TIME; and, from the start or with \
      @TIME behind them, open:ELECTRODE, short:ELECTRODE-ELECTRODE, contact:ELECTRODE+OHMS, mux:LINE=LEVEL, dac, saturate; TIME is \
      like 20ms or 1.5s, electrodes are 1 to 16, lines 0 to 15)"
 )]
@@ -92,6 +94,7 @@ fn parse(text: &str) -> Result<Fault, String> {
         ("value", None) => What::LostValue,
         ("hang", None) => What::Hang,
         ("crash", None) => What::BusError,
+        ("overflow", None) => What::StackOverflow,
         ("noise", Some(bytes)) => {
             What::Noise(bytes.parse().map_err(|_| format!("`{bytes}` is no number of bytes"))?)
         }
@@ -192,6 +195,7 @@ impl fmt::Display for What {
             Self::LostValue => formatter.write_str("the DMA comes too late for a value of the current"),
             Self::Hang => formatter.write_str("the CPU runs in circles"),
             Self::BusError => formatter.write_str("the CPU meets a bus error"),
+            Self::StackOverflow => formatter.write_str("the code that runs calls itself without end"),
             Self::World(fault) => fault.fmt(formatter),
         }
     }
@@ -256,6 +260,7 @@ impl What {
             Self::LostValue => machine.chip(Chip::underrun),
             Self::Hang => machine.hang(),
             Self::BusError => machine.inject_fault(),
+            Self::StackOverflow => machine.overflow_stack(),
             Self::World(fault) => {
                 if let Some(world) = machine.world() {
                     world.inject(fault).expect("only faults that can be are read");
@@ -277,6 +282,7 @@ mod tests {
         assert_eq!(read("power@1.5s"), Fault { when: at(1500), what: What::Power });
         assert_eq!(read("power@op:37"), Fault { when: When::FlashOperation(37), what: What::Power });
         assert_eq!(read("flip@20ms:0x20000100.3"), Fault { when: at(20), what: What::Flip(0x2000_0100, 3) });
+        assert_eq!(read("overflow@2ms"), Fault { when: at(2), what: What::StackOverflow });
         assert_eq!(read("noise@2ms:40"), Fault { when: at(2), what: What::Noise(40) });
         for (text, millis, fault) in [
             ("open:3@2ms", 2, world::Fault::ElectrodeOpen(2)),

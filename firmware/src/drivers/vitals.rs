@@ -52,7 +52,7 @@ const LOOK_WORDS: usize = 1024;
 
 impl StackWatch {
     fn new() -> Self {
-        let (end, start) = bounds();
+        let (end, start) = stack_bounds();
         let mut watch = Self { used: start, next: end };
         while watch.next < watch.used {
             watch.look();
@@ -62,7 +62,7 @@ impl StackWatch {
 
     /// Bytes at the end of the stack that still held what start-up code left there when they were looked at last.
     fn free(&mut self) -> u32 {
-        let (end, _) = bounds();
+        let (end, _) = stack_bounds();
         if self.next >= self.used {
             self.next = end;
         }
@@ -84,10 +84,10 @@ impl StackWatch {
     }
 }
 
-/// First word of the stack, and the one behind its last; it grows towards the first.
-fn bounds() -> (*const u32, *const u32) {
+/// First word of the stack's memory, and the one behind its last; the stack grows towards the first.
+pub(super) fn stack_bounds() -> (*const u32, *const u32) {
     #[expect(unsafe_code, reason = "the linker's symbols")]
-    // SAFETY: cortex-m-rt's script defines both; only their addresses are used.
+    // SAFETY: `memory` defines both; only their addresses are used.
     unsafe extern "C" {
         static mut _stack_end: u32;
         static mut _stack_start: u32;

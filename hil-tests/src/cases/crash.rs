@@ -1,7 +1,7 @@
 //! Cases of a firmware that cannot go on: it starts again and says why.
 
 use super::{Case, Failure, ensure, next_frame, patches};
-use crate::chip::map;
+use crate::chip::{RAM_START, map};
 use crate::machine::Machine;
 use crate::rig::{Capability, Rig};
 use dermatome::link;
@@ -10,7 +10,7 @@ use dermatome_shared::{
     protocol::{MAX_PACKET_BYTES, Request, RequestPacket, Selection, encode},
     restart::Restart,
 };
-use std::time::Duration;
+use std::{collections::BTreeMap, time::Duration};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -32,6 +32,11 @@ pub(super) const CASES: &[Case] = &[
         name: "a fault of the core restarts the board, which tells where it was",
         needs: &[Capability::BreakCpu],
         run: faults,
+    },
+    Case {
+        name: "a stack that overflows faults before it reaches a static, at any moment",
+        needs: &[Capability::BreakCpu],
+        run: overflows,
     },
     Case {
         name: "power and the reset button are told apart",
@@ -103,6 +108,43 @@ fn faults(rig: &Rig) -> Result<String, Failure> {
         Restart::Crash { message } if message.contains("hard fault at 0x08") => Ok(message.to_string()),
         _ => Err(Failure::wrong(format!("it says {found}"))),
     }
+}
+
+/// Moments at which the stack overflows, us after each other: in sleep, in a scan's interrupts, in the tasks.
+const MOMENTS: u64 = 40;
+
+/// While the board streams, the code that runs calls itself without end. The board faults before any static has
+/// changed that interrupts do not change, starts again, says why, and holds its patch.
+fn overflows(rig: &Rig) -> Result<String, Failure> {
+    let firmware = &rig.emulated_rig().firmware;
+    let symbol = |name| firmware.symbol(name).ok_or_else(|| Failure::wrong(format!("no symbol `{name}`")));
+    let (bottom, statics) = (symbol("_stack_end")?, symbol("_stack_start")?);
+    ensure(bottom == u64::from(RAM_START) && statics > bottom, || {
+        format!("the stack ends at {bottom:#x}: what overflows it does not leave RAM at {RAM_START:#x}")
+    })?;
+    let patch = patches::patch(64, true, 17);
+    link::upload(&mut rig.link()?, &patch, |_| ())?;
+    let mut told = BTreeMap::<String, u32>::new();
+    for moment in 0..MOMENTS {
+        let mut link = rig.link()?;
+        let mut stream = link.subscribe(Selection { contacts: 1, health: 1, ..Selection::default() })?;
+        next_frame(&mut stream)?;
+        rig.wait(Duration::from_micros(997 * moment))?;
+        rig.emulated().with(Machine::overflow_stack);
+        rig.wait(Duration::from_millis(200))?;
+        drop(stream);
+        let info = rig.link()?.info()?;
+        let Restart::Crash { message } = &info.started_after else {
+            return Err(Failure::wrong(format!("at moment {moment} it says {}", info.started_after)));
+        };
+        let message = message.split(" at ").next().unwrap_or_default();
+        ensure(message.starts_with("stack overflow"), || format!("at moment {moment} it says {message}"))?;
+        *told.entry(message.to_owned()).or_default() += 1;
+        let held = info.patch.map(|patch| patch.crc);
+        let right = PatchView::open(&patch).map_err(Failure::wrong)?.crc();
+        ensure(held == Some(right), || format!("at moment {moment} it holds {held:x?}"))?;
+    }
+    Ok(format!("{MOMENTS} moments: {told:?}"))
 }
 
 fn tells_causes(rig: &Rig) -> Result<String, Failure> {

@@ -8,6 +8,9 @@ mod power;
 mod sensing;
 mod upload;
 
+pub use power::{Found, cut_full_size};
+pub use sensing::{Soaked, soak};
+
 use crate::machine::Halt;
 use crate::rig::{Capability, Rig, RigError};
 use dermatome::{

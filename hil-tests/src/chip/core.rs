@@ -56,6 +56,7 @@ impl Core {
             FaultCause::Bus(address) => (1 << 15 | 1 << 9, Some(address)),
             FaultCause::Fetch(_) => (1 << 8, None),
             FaultCause::Undefined => (1 << 16, None),
+            FaultCause::Stacking => (1 << 12, None),
         };
         *self.plain.entry(0xE000_ED28).or_insert(0) |= status;
         *self.plain.entry(0xE000_ED2C).or_insert(0) |= 1 << 30;
@@ -200,6 +201,8 @@ pub enum FaultCause {
     Fetch(u32),
     /// An instruction that is none.
     Undefined,
+    /// Registers that an exception saves have no memory to go to.
+    Stacking,
 }
 
 /// When the core is asked.

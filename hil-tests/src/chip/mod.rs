@@ -76,8 +76,9 @@ pub use self::{
     shown::FlashObserver,
 };
 
-/// The chip without its CPU.
-#[derive(Debug)]
+/// The chip without its CPU. Nobody observes the flash of a clone, and it has a
+/// copy of the world if there can be one.
+#[derive(Clone, Debug)]
 pub struct Chip {
     /// Virtual time.
     pub now: Time,
@@ -92,7 +93,7 @@ pub struct Chip {
     /// What happened.
     pub trace: Trace,
     /// Is shown the flash whenever it begins to erase or program.
-    pub flash_observer: Option<FlashObserver>,
+    pub flash_observer: FlashObserver,
     rcc: Rcc,
     pwr: Pwr,
     ports: Vec<Gpio>,
@@ -137,7 +138,7 @@ impl Chip {
             flash: Flash::default(),
             uart: Usart::new("LPUART1", wire_baud),
             trace: Trace::new(keep_trace),
-            flash_observer: None,
+            flash_observer: FlashObserver::default(),
             rcc: Rcc::default(),
             pwr: Pwr::default(),
             ports: ('A'..='G').map(Gpio::new).collect(),
@@ -187,6 +188,12 @@ impl Chip {
         self.rcc.restart(cause);
         self.follow_clocks();
         self.follow_wires();
+    }
+
+    /// Whether a watchdog runs.
+    #[must_use]
+    pub fn is_watched(&self) -> bool {
+        self.iwdg.is_running()
     }
 
     /// The watchdog or the firmware wants the chip to start again.

@@ -7,8 +7,24 @@ use super::{
 };
 use std::fmt;
 
-/// Sees the flash as each of its operations begins.
-pub struct FlashObserver(pub Box<dyn FnMut(&Flash) + Send>);
+type Observe = Box<dyn FnMut(&Flash) + Send>;
+
+/// Sees the flash as each of its operations begins; by default there is none. A clone is none either.
+#[derive(Default)]
+pub struct FlashObserver(Option<Observe>);
+
+impl FlashObserver {
+    /// One that does this.
+    pub fn new(observe: impl FnMut(&Flash) + Send + 'static) -> Self {
+        Self(Some(Box::new(observe)))
+    }
+}
+
+impl Clone for FlashObserver {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
 
 impl fmt::Debug for FlashObserver {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -33,7 +49,7 @@ impl Chip {
                 Some(Operation::Program(address, _)) => self.trace.add(self.now, Event::Program(address)),
                 None => {}
             }
-            if let Some(FlashObserver(observe)) = &mut self.flash_observer {
+            if let Some(observe) = &mut self.flash_observer.0 {
                 observe(&self.flash);
             }
         }

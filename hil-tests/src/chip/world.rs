@@ -17,6 +17,10 @@ pub trait World: Debug + Send {
     fn opamp(&mut self, number: usize, setting: OpampSetting, at: Time);
     /// Volts at a channel of a converter (1 to 5) at an instant.
     fn voltage(&mut self, adc: usize, channel: usize, at: Time) -> f64;
+    /// Another that goes on from here in the same way, if this kind of world can be copied.
+    fn copy(&self) -> Option<Box<dyn World>> {
+        None
+    }
 }
 
 /// What an operational amplifier does.
@@ -41,6 +45,14 @@ pub(super) struct Outside {
     dacs: [[Option<u16>; 2]; 4],
     pins: [u16; 7],
     opamps: [OpampSetting; 6],
+}
+
+impl Clone for Outside {
+    /// The world as well, if it can be copied.
+    fn clone(&self) -> Self {
+        let world = self.world.as_ref().and_then(|world| world.copy());
+        Self { world, ..*self }
+    }
 }
 
 impl Outside {

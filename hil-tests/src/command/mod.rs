@@ -3,7 +3,9 @@
 mod boards;
 mod boot;
 mod cases;
+mod power_cuts;
 mod run;
+mod soak;
 mod trace;
 
 use clap::{Parser, Subcommand};
@@ -23,8 +25,12 @@ enum Command {
     Cases(cases::Cases),
     /// Draws boards from their parts' tolerances: errors of their voltages, before and after a trim.
     Boards(boards::Boards),
+    /// Cuts the power at every flash operation of a full-size upload.
+    PowerCuts(power_cuts::PowerCuts),
     /// Boots the firmware on an emulated board and exposes its link.
     Run(run::Run),
+    /// Lets something go wrong again and again, for a long virtual time.
+    Soak(soak::Soak),
     /// Boots the firmware and prints what happens when.
     Trace(trace::Trace),
 }
@@ -34,7 +40,9 @@ impl Arguments {
         match self.command {
             Command::Cases(cases) => cases.run(),
             Command::Boards(boards) => boards.run(),
+            Command::PowerCuts(cuts) => cuts.run(),
             Command::Run(run) => run.run(),
+            Command::Soak(soak) => soak.run(),
             Command::Trace(trace) => trace.run(),
         }
     }

@@ -5,8 +5,15 @@ use super::{
     cycles::{Core, Effects},
 };
 use crate::chip::{
-    RAM_BYTES, RAM_START, core, flash, misuse::Misuse, nvic::Masks, peripheral::Moment, system_memory,
-    time::Time, trace::Event,
+    RAM_BYTES, RAM_START,
+    core::{self, FaultCause},
+    flash,
+    misuse::Misuse,
+    nvic::{HARD_FAULT, Masks},
+    peripheral::Moment,
+    system_memory,
+    time::Time,
+    trace::Event,
 };
 use std::rc::Rc;
 use unicorn_engine::{Arch, ArmCpuModel, HookType, Mode, Prot, RegisterARM, Unicorn, uc_error};
@@ -291,7 +298,12 @@ impl Machine {
     }
 
     /// Takes an exception (B1.5.6): saves the caller's registers, jumps through the vector table.
-    pub(super) fn enter(&mut self, exception: usize) -> Result<(), Halt> {
+    ///
+    /// Where they cannot be saved, a bus fault follows, which nobody handles but the handler of hard faults. That one
+    /// is taken instead, with what was saved; or goes on if it was to be taken anyway: "the fault handler still
+    /// executes even though the stack pushes for the handler failed" (Arm DDI 0337E, 5.12.1, of the Cortex-M3, which
+    /// has the same architecture).
+    pub(super) fn enter(&mut self, mut exception: usize) {
         self.sleeps = false;
         self.state.event.set(true);
         let uses_floats = self.get(RegisterARM::CONTROL) & USES_FLOATING_POINT != 0;
@@ -309,9 +321,9 @@ impl Machine {
             }
             words.push(self.get(RegisterARM::FPSCR) as u32);
         }
-        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-        if self.unicorn.mem_write(frame.into(), &bytes).is_err() {
-            return Err(Halt::LockUp { time: self.now(), pc: self.get(RegisterARM::PC) as u32 });
+        if !self.save(frame, &words) {
+            self.chip(|chip| chip.core.escalate(FaultCause::Stacking));
+            exception = exception.min(HARD_FAULT);
         }
         let nested = self.active_number() != 0;
         if !nested {
@@ -329,7 +341,13 @@ impl Machine {
         self.set(RegisterARM::LR, link.into());
         self.set(RegisterARM::XPSR, 1 << 24);
         self.set(RegisterARM::PC, u64::from(handler | 1));
-        Ok(())
+    }
+
+    /// Saves words on the stack, as far as there is memory; says whether there was for all of them.
+    fn save(&mut self, frame: u32, words: &[u32]) -> bool {
+        let places = (u64::from(frame)..).step_by(4).zip(words);
+        let saved = places.filter(|(at, word)| self.unicorn.mem_write(*at, &word.to_le_bytes()).is_ok());
+        saved.count() == words.len()
     }
 
     fn tell_calls(&self, begins: bool) {

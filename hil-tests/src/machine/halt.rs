@@ -15,8 +15,10 @@ pub enum Halt {
         /// What.
         misuse: Misuse,
     },
-    /// A fault in the handler of a fault.
-    #[error("at {time}, pc {pc:#010x}: the core locks up (a fault in the handler of a fault)")]
+    /// A fault in the handler of a fault, and no watchdog to end it.
+    #[error(
+        "at {time}, pc {pc:#010x}: the core locks up (a fault in the handler of a fault), and no watchdog runs"
+    )]
     LockUp {
         /// When.
         time: Time,

@@ -10,6 +10,7 @@ mod calls;
 mod cpu;
 pub mod cycles;
 mod halt;
+mod snapshot;
 
 use crate::{
     chip::{
@@ -28,12 +29,15 @@ use cycles::{Access, Counter, Timing};
 pub use halt::Halt;
 use rand::{RngCore, SeedableRng};
 use rand_pcg::Pcg64;
+use snapshot::BeforeRead;
+pub use snapshot::SnapshotError;
 use std::{
     cell::{Cell, RefCell},
+    ops::Range,
     rc::Rc,
     sync::Arc,
 };
-use unicorn_engine::{HookType, RegisterARM, Unicorn, uc_error};
+use unicorn_engine::{HookType, RegisterARM, UcHookId, Unicorn, uc_error};
 
 /// Equal reads of one register, and no other, after which the CPU is taken to wait in a loop.
 const SPINS: u32 = 16;
@@ -65,9 +69,15 @@ pub struct Machine {
     state: Rc<State>,
     options: Options,
     sleeps: bool,
+    /// A fault in the handler of a fault has stopped the core.
+    is_locked_up: bool,
     slept: Time,
     powered_up: u64,
     world: Option<WorldHandle>,
+    /// Looks for reads of flash that a power cut has damaged.
+    damage_watch: Option<UcHookId>,
+    /// Where its start had come to before it read what other flashes may hold otherwise.
+    before_read: Option<BeforeRead>,
 }
 
 /// What the hooks share with the machine.
@@ -133,8 +143,18 @@ impl Machine {
             pc: 0,
             reason: format!("{error:?}"),
         })?;
-        let mut machine =
-            Self { unicorn, state, options, sleeps: false, slept: Time::ZERO, powered_up: 0, world };
+        let mut machine = Self {
+            unicorn,
+            state,
+            options,
+            sleeps: false,
+            is_locked_up: false,
+            slept: Time::ZERO,
+            powered_up: 0,
+            world,
+            damage_watch: None,
+            before_read: None,
+        };
         machine.power_up()?;
         Ok(machine)
     }
@@ -211,6 +231,15 @@ impl Machine {
         self.sleeps = false;
     }
 
+    /// From now on the code that runs calls itself without end: it saves nine registers again and again.
+    pub fn overflow_stack(&mut self) {
+        let circle = RAM_START + RAM_BYTES - 4;
+        // push {r0-r7, lr}; b to it.
+        self.poke(circle, &[0xFF, 0xB5, 0xFD, 0xE7]);
+        self.set(RegisterARM::PC, u64::from(circle | 1));
+        self.sleeps = false;
+    }
+
     /// From now on, counts the cycles of each call of the function at this address.
     pub fn count_calls(&mut self, function: u32) {
         *self.state.calls.borrow_mut() = Some(Calls::of(function, self.cycles()));
@@ -250,6 +279,10 @@ impl Machine {
         if let Some(cause) = reset {
             return self.restart(cause);
         }
+        if self.is_locked_up {
+            self.chip(|chip| chip.core.nvic.forget_news());
+            return self.sleep(deadline);
+        }
         self.sync_flash();
         let masks = self.masks();
         let (next, wakes) = {
@@ -258,7 +291,8 @@ impl Machine {
             (nvic.next(masks), nvic.any_pending())
         };
         if let Some(exception) = next {
-            return self.enter(exception);
+            self.enter(exception);
+            return Ok(());
         }
         if self.sleeps {
             // An interrupt that is only masked wakes WFI, and here WFE as well (SEVONPEND or not:
@@ -366,9 +400,16 @@ impl Machine {
             handles
         });
         if handles_fault {
-            return Err(Halt::LockUp { time: self.now(), pc });
+            self.lock_up(pc)?;
         }
         Ok(())
+    }
+
+    /// A fault in the handler of a fault: the core stands still until a reset (ARMv7-M, "Lockup"), for which it takes a watchdog.
+    fn lock_up(&mut self, pc: u32) -> Result<(), Halt> {
+        self.is_locked_up = true;
+        let is_watched = self.chip(|chip| chip.is_watched());
+        if is_watched { Ok(()) } else { Err(Halt::LockUp { time: self.now(), pc }) }
     }
 
     fn power_up(&mut self) -> Result<(), Halt> {
@@ -382,7 +423,7 @@ impl Machine {
 
     fn restart(&mut self, cause: ResetCause) -> Result<(), Halt> {
         self.chip(|chip| chip.reset(cause));
-        self.sleeps = false;
+        (self.sleeps, self.is_locked_up) = (false, false);
         self.sync_flash();
         self.state.event.set(false);
         self.state.counter.borrow_mut().forget_code();
@@ -403,23 +444,39 @@ impl Machine {
         self.unicorn.mem_write(range.start.into(), content).expect("the flash is mapped");
     }
 
+    /// From now on, reads of what is damaged in the flash meet ECC errors.
     fn watch_damage(&mut self) {
+        if let Some(hook) = self.damage_watch.take() {
+            self.unicorn.remove_hook(hook).expect("it was added");
+        }
         let damaged = self.chip(|chip| chip.flash.damaged());
         let (Some(&first), Some(&last)) = (damaged.first(), damaged.last()) else { return };
         let state = self.state.clone();
+        self.damage_watch = Some(self.watch_reads(first..last + 8, move |unicorn, address, size| {
+            state.forget_condition(unicorn);
+            if state.chip.borrow_mut().flash.check_read(address, size) {
+                state.stop_at.set(Time::ZERO);
+            }
+        }));
+    }
+
+    /// Tells `look` of each read of these addresses by the CPU.
+    fn watch_reads(
+        &mut self,
+        range: Range<u32>,
+        look: impl Fn(&mut Unicorn<'_, ()>, u32, u32) + 'static,
+    ) -> UcHookId {
+        let (first, last) = (u64::from(range.start), u64::from(range.end) - 1);
         let hook = self.unicorn.add_mem_hook(
             HookType::MEM_READ,
-            first.into(),
-            u64::from(last) + 7,
+            first,
+            last,
             move |unicorn, _, address, size, _| {
-                state.forget_condition(unicorn);
-                if state.chip.borrow_mut().flash.check_read(address as u32, size as u32) {
-                    state.stop_at.set(Time::ZERO);
-                }
+                look(unicorn, address as u32, size as u32);
                 true
             },
         );
-        hook.expect("the flash can be watched");
+        hook.expect("memory can be watched")
     }
 
     fn misused(&self, misuse: Misuse) -> Halt {

@@ -1,8 +1,10 @@
-use super::{Machine, Options};
+use super::{Halt, Machine, Options};
 use crate::chip::{
+    RAM_START,
     flash::{self, Flash},
     time::Time,
 };
+use unicorn_engine::RegisterARM;
 
 /// DWT's counter of cycles.
 const CYCCNT: u32 = 0xE000_1004;
@@ -43,4 +45,50 @@ fn the_counter_of_cycles_stands_still_in_sleep_unless_its_clock_is_kept_on() {
         let cycles = machine.chip(|chip| chip.read(CYCCNT, 4)).unwrap();
         assert!(counted.contains(&cycles), "{cycles} at 16 MHz");
     }
+}
+
+/// A machine whose vectors and code are these, from address 0x0800_0000 on, run for a while.
+fn run(vectors: &[u32], code: &[u16], time: Time) -> (Machine, Result<(), Halt>) {
+    let bytes: Vec<u8> = vectors.iter().flat_map(|word| word.to_le_bytes()).collect();
+    let mut flash = Flash::default();
+    flash.load(flash::START, &bytes);
+    let code: Vec<u8> = code.iter().flat_map(|halfword| halfword.to_le_bytes()).collect();
+    flash.load(flash::START + bytes.len() as u32, &code);
+    let mut machine = Machine::new(flash, Options::default()).unwrap();
+    let result = machine.run_until(time);
+    (machine, result)
+}
+
+#[test]
+fn a_stack_that_leaves_ram_faults_and_the_handler_runs_though_nothing_could_be_saved() {
+    // 64 bytes of stack. push {r0-r7, lr}; b to it; the handler: mov r5, sp; b to itself.
+    let vectors = [RAM_START + 64, 0x0800_0011, 0, 0x0800_0015];
+    let (mut machine, result) = run(&vectors, &[0xB5FF, 0xE7FD, 0x466D, 0xE7FE], Time::from_micros(100));
+    result.unwrap();
+    // One push fits. The core's own frame of 32 bytes does not fit behind it.
+    assert_eq!(machine.get(RegisterARM::R5), u64::from(RAM_START + 64 - 36 - 32) & !7);
+    let status = machine.chip(|chip| chip.read(0xE000_ED28, 4)).unwrap();
+    assert_eq!(status & 0x1200, 0x1200, "PRECISERR and STKERR of {status:#x}");
+}
+
+#[test]
+fn a_fault_in_the_handler_of_a_fault_locks_the_core_up_until_the_watchdog_bites() {
+    // b to itself; push {r0}, which is the handler as well.
+    let (vectors, code) = ([RAM_START, 0x0800_0011, 0, 0x0800_0013], [0xE7FE, 0xB401]);
+    let faults = |is_watched: bool| {
+        let (mut machine, result) = run(&vectors, &code, Time::from_micros(10));
+        result.unwrap();
+        if is_watched {
+            machine.chip(|chip| chip.put("IWDG", "KR", 0, 0xCCCC));
+        }
+        machine.set(RegisterARM::PC, 0x0800_0013);
+        let result = machine.run_until(Time::from_millis(400));
+        (machine, result)
+    };
+    assert!(matches!(faults(false).1, Err(Halt::LockUp { .. })));
+    let (mut machine, result) = faults(true);
+    assert_eq!((result, machine.is_locked_up), (Ok(()), true));
+    // The watchdog counts 4096 times four cycles of 32 kHz.
+    machine.run_until(Time::from_millis(600)).unwrap();
+    assert_eq!((machine.get(RegisterARM::PC), machine.is_locked_up), (0x0800_0010, false));
 }

@@ -31,7 +31,7 @@ const CALM: u64 = 17;
 const PASS_PERIOD: Time = Time::from_millis(1);
 
 /// The analogue world of an emulated board.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct AnalogueWorld {
     handle: WorldHandle,
     analogue: Analogue,
@@ -57,7 +57,7 @@ pub struct AnalogueWorld {
 }
 
 /// Chains that have been needed with the present network.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Chains {
     places: FxHashMap<(Closed, bool, u64), usize>,
     chains: Vec<Chain>,
@@ -254,6 +254,10 @@ fn charges(old: Closed, new: Closed, charge: f64) -> SVector<f64, NODES> {
 }
 
 impl World for AnalogueWorld {
+    fn copy(&self) -> Option<Box<dyn World>> {
+        Some(Box::new(self.clone()))
+    }
+
     /// A DAC that is off leaves its pin to the capacitor behind it.
     fn dac(&mut self, dac: usize, channel: usize, code: Option<u16>, at: Time) {
         let (1, 0, Some(code)) = (dac, channel, code) else { return };

@@ -61,6 +61,7 @@ fn frames(acquisition: &mut Acquisition, count: usize, wave: impl Fn(usize) -> (
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "a lock-in over whole frames takes Miri minutes")]
 fn codes_are_voltages_whatever_the_gain() {
     let mut acquisition = acquisition(&DRIVE);
     let found = frames(&mut acquisition, 7, wave);
@@ -84,6 +85,7 @@ fn codes_are_voltages_whatever_the_gain() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "a lock-in over whole frames takes Miri minutes")]
 fn automatic_gains_leave_room_for_a_voltage_twice_as_large() {
     let mut acquisition = acquisition(&DRIVE);
     frames(&mut acquisition, 7, wave);
@@ -94,6 +96,7 @@ fn automatic_gains_leave_room_for_a_voltage_twice_as_large() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "a lock-in over whole frames takes Miri minutes")]
 fn a_board_without_an_amplifier_never_counts_on_a_gain() {
     let bare = FrontEnd { largest_gain: 1, gain_bandwidth: f32::INFINITY, ..FRONT_END };
     let mut acquisition = acquisition_on(&DRIVE, &bare);
@@ -104,6 +107,7 @@ fn a_board_without_an_amplifier_never_counts_on_a_gain() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "a lock-in over whole frames takes Miri minutes")]
 fn a_fixed_gain_gives_frames_at_once_and_flags_what_it_clips() {
     let mut acquisition = acquisition(&Drive { gain: Gain::Fixed(4), ..DRIVE });
     let found = frames(&mut acquisition, 3, wave);
@@ -115,6 +119,7 @@ fn a_fixed_gain_gives_frames_at_once_and_flags_what_it_clips() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "a lock-in over whole frames takes Miri minutes")]
 fn imaginary_part_and_magnitude_can_be_the_code() {
     for (component, expected) in [(Component::Imaginary, 0.3_f64.sin()), (Component::Magnitude, 1.0)] {
         let drive = Drive { gain: Gain::Fixed(1), component, ..DRIVE };
@@ -126,6 +131,7 @@ fn imaginary_part_and_magnitude_can_be_the_code() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "a lock-in over whole frames takes Miri minutes")]
 fn a_carrier_that_the_board_cannot_make_gives_no_acquisition() {
     let bytes = small_patch(Difference::Plain);
     let patch = PatchView::validate(&bytes).unwrap();
@@ -145,6 +151,7 @@ fn through_pole(staircase: &[f64], bandwidth: f64, step: f64) -> Vec<f64> {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "a lock-in over whole frames takes Miri minutes")]
 fn poles_and_held_values_before_the_converter_are_undone_with_the_images_that_read_as_the_carrier() {
     // Steps of a nanosecond are fine enough for poles in turn.
     const STEP: f64 = 1e-9;
@@ -208,6 +215,7 @@ fn a_correction_makes_a_resistor_read_as_what_it_is_at_every_gain() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "a lock-in over whole frames takes Miri minutes")]
 fn the_scope_keeps_the_samples_of_its_slot_whatever_the_pieces() {
     for pieces in [1, 7, 50, 333, 5000] {
         let mut acquisition = acquisition(&Drive { gain: Gain::Fixed(2), ..DRIVE });

@@ -67,6 +67,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "the whole range takes Miri minutes")]
     fn the_errors_over_the_whole_range_decide_between_ours_and_micromath() {
         let half_step = 0.5 / 16_384.0;
         let [ours, theirs] = [cosine_error(cosine), cosine_error(|turns| F32Ext::cos(turns * TAU))];
@@ -77,6 +78,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "the whole range takes Miri minutes")]
     fn whole_numbers_of_micromath_are_those_of_the_standard_library() {
         for n in -(1 << 21)..=1 << 21 {
             let value = n as f32 / 128.0;

@@ -4,7 +4,10 @@
 mod faults;
 mod presses;
 mod session;
+mod soak;
 mod speed;
+
+pub use soak::{Soaked, soak};
 
 use super::{Case, Failure, ensure, next_with};
 use crate::{

@@ -6,7 +6,7 @@ use super::{
     session::{Session, stamps, tare},
 };
 use crate::{
-    chip::{time::Time, trace::Event as TraceEvent},
+    chip::{RAM_START, time::Time, trace::Event as TraceEvent},
     rig::Rig,
 };
 use dermatome::{
@@ -45,7 +45,6 @@ const ROOM: Range<f32> = 15.0..50.0;
 const STACK_LOOKS: Time = Time::from_millis(3000);
 /// Flash, and static memory with the stack, that the firmware may take.
 const LIMIT: usize = 96 * 1024;
-const RAM: usize = 128 * 1024;
 
 pub(super) fn measured_twice(rig: &Rig) -> Result<String, Failure> {
     // 10 us would be half a period; a quarter is enough for what the carrier settles to.
@@ -184,14 +183,19 @@ pub(super) fn memory(rig: &Rig) -> Result<String, Failure> {
     let mut stream = link.subscribe(Selection { health: 1, ..CONTACTS })?;
     let (_, report) = next_with(&mut stream, |frame| frame.health)?;
     let free = report.vitals.free_stack as usize;
-    let start = firmware.symbol("_stack_end").unwrap_or_default() as usize - 0x2000_0000;
-    let (flash, stack) = (firmware.size(), RAM - start);
-    let used = RAM - free;
+    let symbol = |name| firmware.symbol(name).ok_or_else(|| Failure::wrong(format!("no symbol `{name}`")));
+    // The stack ends where the memory begins, so that an overflow faults; statics lie behind it.
+    let [bottom, top, end] = [symbol("_stack_end")?, symbol("_stack_start")?, symbol("__euninit")?];
+    ensure(bottom == u64::from(RAM_START), || {
+        format!("the stack ends at {bottom:#x}, not where RAM begins")
+    })?;
+    let (flash, stack, statics) = (firmware.size(), (top - bottom) as usize, (end - top) as usize);
+    let used = statics + stack - free;
     ensure(flash <= LIMIT, || format!("{flash} bytes of flash"))?;
-    ensure(used <= LIMIT, || format!("{used} bytes of memory, {start} of them static"))?;
+    ensure(used <= LIMIT, || format!("{used} bytes of memory, {statics} of them static"))?;
     ensure(free * 4 >= stack, || format!("{free} of {stack} bytes of stack are free"))?;
     Ok(format!(
-        "flash {flash} bytes; static {start} and stack {} of {stack} bytes, {:.0} % of it free; limit {LIMIT} each",
+        "flash {flash} bytes; static {statics} and stack {} of {stack} bytes, {:.0} % of it free; limit {LIMIT} each",
         stack - free,
         100.0 * free as f64 / stack as f64
     ))

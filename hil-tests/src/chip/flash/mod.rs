@@ -117,6 +117,24 @@ impl Flash {
         self.touch(address..address + bytes.len() as u32);
     }
 
+    /// Takes what another flash holds, which differs at these addresses at most; keeps how its own controller is
+    /// set up.
+    pub fn take_content(&mut self, other: Self, changed: Range<u32>) {
+        (self.content, self.damaged) = (other.content, other.damaged);
+        self.touch(changed);
+    }
+
+    /// Whether both hold the same outside of these addresses, errors included.
+    #[must_use]
+    pub fn is_same_outside(&self, range: &Range<u32>, other: &Self) -> bool {
+        let (start, end) = ((range.start - START) as usize, (range.end - START) as usize);
+        let outside = |flash: &Self| flash.damaged.iter().all(|address| range.contains(address));
+        self.content[..start] == other.content[..start]
+            && self.content[end..] == other.content[end..]
+            && outside(self)
+            && outside(other)
+    }
+
     /// Addresses whose content changed since it was asked last.
     pub fn take_changed(&mut self) -> Option<Range<u32>> {
         self.changed.take()

@@ -43,7 +43,9 @@ impl Iwdg {
         Time::period(LSI) * (prescaler * (u64::from(self.bank.get("RLR", "RL")) + 1))
     }
 
-    fn is_running(&self) -> bool {
+    /// Whether it has been started.
+    #[must_use]
+    pub fn is_running(&self) -> bool {
         self.bites_at != Time::NEVER
     }
 }

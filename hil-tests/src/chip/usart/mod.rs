@@ -98,6 +98,12 @@ impl Usart {
         self.disturbed = bytes;
     }
 
+    /// Whether bits of bytes to come still flip.
+    #[must_use]
+    pub fn is_disturbed(&self) -> bool {
+        self.disturbed > 0
+    }
+
     /// Bytes that came or went since this was asked last.
     pub fn take_passed(&mut self) -> Vec<(Time, Event)> {
         std::mem::take(&mut self.passed)

@@ -38,6 +38,7 @@ impl Access {
 }
 
 /// The port with its caches.
+#[derive(Clone)]
 pub(super) struct FlashPort {
     access: Access,
     finishes_prefetch: bool,
@@ -49,6 +50,7 @@ pub(super) struct FlashPort {
     ahead: Option<(u32, u64)>,
 }
 
+#[derive(Clone)]
 struct Cache {
     /// Bits of an address within a line.
     line_bits: u32,

@@ -132,6 +132,13 @@ pub(super) struct Counter {
     cycles: u64,
 }
 
+/// A counter at one moment.
+pub(super) struct CounterSnapshot {
+    port: FlashPort,
+    follows: u32,
+    cycles: u64,
+}
+
 impl Counter {
     pub(super) fn new(timing: Timing) -> Self {
         Self {
@@ -152,6 +159,16 @@ impl Counter {
     /// The firmware may have set up the flash anew.
     pub(super) fn set_up(&mut self, access: Access) {
         self.port.set_up(access);
+    }
+
+    /// How it is now. Which code is where is not part of it.
+    pub(super) fn snapshot(&self) -> CounterSnapshot {
+        CounterSnapshot { port: self.port.clone(), follows: self.follows, cycles: self.cycles }
+    }
+
+    /// Goes on from there.
+    pub(super) fn restore(&mut self, from: &CounterSnapshot) {
+        (self.port, self.follows, self.cycles) = (from.port.clone(), from.follows, from.cycles);
     }
 
     /// Other code may lie where some lay.

@@ -210,6 +210,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "a lock-in over whole frames takes Miri minutes")]
     fn a_wave_reads_its_amplitude_and_phase_in_every_slot_whatever_its_offset() {
         // Slots of 47 samples start at another phase each.
         for reading in readings(&wave(900.0, 30.0, 150.0, 470), 470) {
@@ -221,6 +222,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "a lock-in over whole frames takes Miri minutes")]
     fn phase_and_lead_turn_the_reference() {
         let samples = wave(900.0, 0.0, 0.0, 470);
         for (phase, lead) in [(90.0, 0.0), (0.0, -5.0)] {
@@ -233,6 +235,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "a lock-in over whole frames takes Miri minutes")]
     fn harmonics_sum_to_nothing() {
         for harmonic in 2..10 {
             let at = |n: usize| (n * harmonic) as f64 / 20.0 * core::f64::consts::TAU;

@@ -34,7 +34,7 @@ fn store_with(bytes: &[u8]) -> FlashSlotStore<Nor> {
 
 #[test]
 fn a_flash_that_holds_anything_holds_no_patch() {
-    for seed in 0..100 {
+    for seed in 0..if cfg!(miri) { 3 } else { 100 } {
         assert_eq!(open(Nor::new(TEST_SLOT, seed)).active(), None);
     }
 }
@@ -142,6 +142,7 @@ fn cut_everywhere(before: &FlashSlotStore<Nor>, old: Option<&[u8]>, new: &[u8]) 
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "5,000 power cuts take Miri hours")]
 fn power_fails_in_each_operation_of_an_upload() {
     let (old, new) = (patch(6, 1), patch(7, 2));
     let empty = open(Nor::new(TEST_SLOT, 5));
