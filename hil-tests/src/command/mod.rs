@@ -2,6 +2,7 @@
 
 mod boot;
 mod cases;
+mod mutants;
 mod run;
 mod trace;
 
@@ -20,6 +21,8 @@ pub(crate) struct Arguments {
 enum Command {
     /// Runs the cases against the board of a rig.
     Cases(cases::Cases),
+    /// Builds the firmware with one fault after the other, and says which cases notice.
+    Mutants(mutants::Mutants),
     /// Boots the firmware on an emulated board and exposes its link.
     Run(run::Run),
     /// Boots the firmware and prints what happens when.
@@ -30,6 +33,7 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<ExitCode, Box<dyn Error>> {
         match self.command {
             Command::Cases(cases) => cases.run(),
+            Command::Mutants(mutants) => mutants.run(),
             Command::Run(run) => run.run(),
             Command::Trace(trace) => trace.run(),
         }
