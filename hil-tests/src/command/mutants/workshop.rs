@@ -28,26 +28,17 @@ impl Workshop {
     /// A copy as the project is now. What is alike keeps its time, so that cargo builds only what differs.
     pub(super) fn open() -> Result<Self, Box<dyn Error>> {
         let copy = Path::new(PROJECT).join(RESULTS).join("mutants");
-        let workshop = Self { copy };
-        fs::create_dir_all(&workshop.copy)
-            .map_err(|error| format!("cannot make `{}`: {error}", workshop.copy.display()))?;
-        workshop.restore()?;
-        Ok(workshop)
-    }
-
-    /// The project's own text everywhere.
-    pub(super) fn restore(&self) -> Result<(), Box<dyn Error>> {
+        fs::create_dir_all(&copy).map_err(|error| format!("cannot make `{}`: {error}", copy.display()))?;
         for part in PARTS {
-            let (from, to) = (Path::new(PROJECT).join(part), self.copy.join(part));
+            let (from, to) = (Path::new(PROJECT).join(part), copy.join(part));
             mirror(&from, &to).map_err(|error| format!("cannot copy `{}`: {error}", from.display()))?;
         }
-        Ok(())
+        Ok(Self { copy })
     }
 
     /// Builds the firmware as it is here. The inner error is the compiler's, or that of the ELF's check.
     pub(super) fn build(&self) -> io::Result<Result<(), String>> {
-        let done =
-            Command::new(self.copy.join("firmware/build")).arg(BOARD).stdin(Stdio::null()).output()?;
+        let done = Command::new(self.copy.join("firmware/build")).arg(BOARD).stdin(Stdio::null()).output()?;
         if done.status.success() {
             return Ok(Ok(()));
         }
@@ -59,9 +50,12 @@ impl Workshop {
 
     /// Builds the firmware with a mutant in it, and puts the file back.
     pub(super) fn build_with(&self, mutant: &Mutant) -> Result<Result<(), String>, Box<dyn Error>> {
+        let path = self.copy.join(&mutant.file);
+        let original =
+            fs::read(&path).map_err(|error| format!("cannot read `{}`: {error}", path.display()))?;
         mutant.apply(&self.copy)?;
         let built = self.build();
-        self.restore()?;
+        fs::write(&path, original).map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
         Ok(built?)
     }
 
@@ -92,8 +86,7 @@ fn mirror_file(from: &Path, to: &Path) -> io::Result<()> {
 }
 
 fn names(folder: &Path) -> io::Result<BTreeSet<OsString>> {
-    let names: io::Result<BTreeSet<_>> =
-        fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name())).collect();
+    let names: io::Result<BTreeSet<_>> = fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name())).collect();
     Ok(names?.into_iter().filter(|name| name != RESULTS).collect())
 }
 
