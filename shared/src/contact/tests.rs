@@ -88,6 +88,13 @@ fn a_region_begins_above_a_quarter_of_a_peak_that_reaches_the_threshold_and_is_p
 }
 
 #[test]
+fn contacts_of_equal_peaks_come_in_the_order_of_their_pixels() {
+    let found = found(5, 1, &[0x1F], &image(&[8, 0, 8, 0, 8]));
+    let places: Vec<i32> = found.iter().map(|contact| (contact.position[0] * 1e3).round() as i32).collect();
+    assert_eq!(places, [5, 25, 45]);
+}
+
+#[test]
 fn force_is_pressure_times_the_area_that_it_acts_on() {
     let contact = found(1, 1, &[1], &image(&[8]))[0];
     let force = |pressure, load_area| Contact { pressure, load_area, ..contact }.force();
