@@ -4,9 +4,9 @@
 use dermatome_hil::cases::Case;
 use std::{
     error::Error,
-    io::{BufRead, BufReader},
+    io::{BufRead, BufReader, Read},
     path::Path,
-    process::{Child, ChildStdout, Command, Stdio},
+    process::{Command, Stdio},
     sync::mpsc::{Receiver, RecvTimeoutError, channel},
     thread,
     time::{Duration, Instant},
@@ -35,15 +35,32 @@ pub(super) fn run(rig: &Path, elf: &Path, cases: &[Case]) -> Result<Verdict, Box
         .args(cases.iter().map(|case| case.name))
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
-        .stderr(Stdio::null())
+        .stderr(Stdio::piped())
         .spawn()?;
-    let verdict = child.stdout.take().map(|out| watch(&lines_of(out)));
-    let status = end(&mut child, !matches!(verdict, Some(Some(Verdict::Passed))))?;
-    match verdict.flatten() {
-        Some(Verdict::Passed) if !status => Err("the cases did not run to their end".into()),
-        Some(verdict) => Ok(verdict),
-        None => Ok(Verdict::Failed(format!("no end after {} s", LONGEST.as_secs()))),
+    let (Some(out), Some(errors)) = (child.stdout.take(), child.stderr.take()) else {
+        return Err("the cases have no output".into());
+    };
+    let (lines, errors) = (lines_of(out), lines_of(errors));
+    let verdict = watch(&lines);
+    if verdict != Some(Verdict::Passed) {
+        // Nobody needs the rest.
+        child.kill()?;
     }
+    let is_fine = child.wait()?.success();
+    Ok(match verdict {
+        Some(Verdict::Passed) if !is_fine => Verdict::Failed(last_words(&errors)),
+        Some(verdict) => verdict,
+        None => Verdict::Failed(format!("no end after {} s", LONGEST.as_secs())),
+    })
+}
+
+/// What a process that did not come to its end said: the reason of the first panic, or its error.
+fn last_words(errors: &Receiver<String>) -> String {
+    let mut lines = errors.iter();
+    let says = |line: &String| line.contains("panicked at") || line.starts_with("error: ");
+    let found = lines.find(says).unwrap_or_else(|| "it says nothing".to_owned());
+    let reason = if found.starts_with("error: ") { None } else { lines.next() };
+    format!("the cases ended early: {}", reason.unwrap_or(found))
 }
 
 /// Waits for the end or the first failure; none if neither comes in time.
@@ -62,7 +79,7 @@ fn watch(lines: &Receiver<String>) -> Option<Verdict> {
     }
 }
 
-fn lines_of(out: ChildStdout) -> Receiver<String> {
+fn lines_of(out: impl Read + Send + 'static) -> Receiver<String> {
     let (send, receive) = channel();
     thread::spawn(move || {
         for line in BufReader::new(out).lines().map_while(Result::ok) {
@@ -72,12 +89,4 @@ fn lines_of(out: ChildStdout) -> Receiver<String> {
         }
     });
     receive
-}
-
-/// Waits for the process, which is ended first where nobody needs the rest; says whether it did well.
-fn end(child: &mut Child, early: bool) -> Result<bool, Box<dyn Error>> {
-    if early {
-        child.kill()?;
-    }
-    Ok(child.wait()?.success())
 }
