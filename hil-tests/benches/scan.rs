@@ -106,7 +106,7 @@ fn prepare(chip: &mut Chip) {
     start_channel(chip, 1, ("ADC2", "ADC2"), address("ADC2", "DR"), (RING, RING_SAMPLES, 1, 0));
     start_channel(chip, 2, ("TIM3", "UP"), address("GPIOB", "ODR"), (WORDS, 20, 1, 1));
     start_channel(chip, 3, ("TIM3", "CH2"), address("OPAMP2", "CSR"), (GAINS, 20, 2, 1));
-    set(chip, "OPAMP2", "CSR", 0, &[("VM_SEL", 3), ("OPAINTOEN", 1), ("OPAMPEN", 1)]);
+    set(chip, "OPAMP2", "CSR", 0, &[("VM_SEL", 3), ("OPAINTOEN", 1), ("OPAHSM", 1), ("OPAMPEN", 1)]);
     set(chip, "DAC1", "CR", 0, &[("TSEL[0]", 4), ("TEN[0]", 1), ("DMAEN[0]", 1), ("EN[0]", 1)]);
     set(chip, "ADC12_COMMON", "CCR", 0, &[("CKMODE", 3)]);
     set(chip, "ADC2", "CR", 0, &[("DEEPPWD", 0)]);

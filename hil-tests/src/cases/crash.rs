@@ -104,10 +104,14 @@ fn faults(rig: &Rig) -> Result<String, Failure> {
     rig.emulated().with(Machine::inject_fault);
     rig.wait(Duration::from_millis(200))?;
     let found = restart(rig)?;
-    match &found {
-        Restart::Crash { message } if message.contains("hard fault at 0x08") => Ok(message.to_string()),
-        _ => Err(Failure::wrong(format!("it says {found}"))),
-    }
+    let message = match &found {
+        Restart::Crash { message } if message.contains("hard fault at 0x08") => message.to_string(),
+        _ => return Err(Failure::wrong(format!("it says {found}"))),
+    };
+    rig.emulated().with(Machine::press_reset)?;
+    let found = restart(rig)?;
+    ensure(found == Restart::ResetPin, || format!("after the next reset it still says {found}"))?;
+    Ok(message)
 }
 
 /// Moments at which the stack overflows, us after each other: in sleep, in a scan's interrupts, in the tasks.

@@ -20,7 +20,7 @@ pub(super) const CASES: &[Case] = &[
         needs: &[Capability::Program],
         run: survives_programming,
     },
-    Case { name: "two uploads in a row: the second one counts", needs: &[], run: twice },
+    Case { name: "three uploads in a row: the last one counts", needs: &[], run: thrice },
     Case {
         name: "a host that vanishes in the middle of an upload leaves the old patch",
         needs: &[],
@@ -59,8 +59,9 @@ fn survives_programming(rig: &Rig) -> Result<String, Failure> {
     Ok(String::new())
 }
 
-fn twice(rig: &Rig) -> Result<String, Failure> {
-    let patches = [patches::patch(36, true, 2), patches::patch(49, true, 3)];
+/// The third one goes where the first one was.
+fn thrice(rig: &Rig) -> Result<String, Failure> {
+    let patches = [patches::patch(36, true, 2), patches::patch(49, true, 3), patches::patch(36, true, 8)];
     for patch in &patches {
         link::upload(&mut rig.link()?, patch, |_| ())?;
         ensure_patch(rig, patch)?;

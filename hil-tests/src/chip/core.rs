@@ -1,7 +1,8 @@
 //! Core: the private peripherals of the Cortex-M4 (ARMv7-M Architecture Reference Manual, B3): NVIC,
 //! system control block, SysTick, DWT's cycle counter.
 //!
-//! CYCCNT stands still while the core's clock is off: in sleep, unless DBGMCU keeps it on.
+//! CYCCNT counts where both DEMCR.TRCENA and DWT_CTRL.CYCCNTENA say so (C1.6.5, C1.8.3). It stands still while the core's
+//! clock is off: in sleep, unless DBGMCU keeps it on.
 
 use super::{
     misuse::Misuse,
@@ -15,6 +16,10 @@ pub const START: u32 = 0xE000_0000;
 /// Bytes there, debug components included.
 pub const BYTES: u32 = 0x0010_0000;
 
+/// Control register of the DWT, and the debug monitor's, whose TRCENA switches the DWT on.
+const DWT_CTRL: u32 = 0xE000_1000;
+const DEMCR: u32 = 0xE000_EDFC;
+
 const CPUID_OF_R0P1: u32 = 0x410F_C241;
 
 /// Model of the core's private peripherals.
@@ -25,7 +30,8 @@ pub struct Core {
     /// Registers that keep what is written.
     plain: BTreeMap<u32, u32>,
     tick: SysTick,
-    cycles_from: u64,
+    /// What CYCCNT held at a cycle.
+    counted: (u32, u64),
     wants_reset: bool,
 }
 
@@ -70,8 +76,8 @@ impl Core {
     pub fn read(&mut self, address: u32, at: CoreMoment) -> Result<u32, Misuse> {
         let plain = self.plain.get(&address).copied();
         let value = match address {
-            0xE000_1000 => plain.unwrap_or(0x4000_0000),
-            0xE000_1004 => at.cycles.wrapping_sub(self.cycles_from) as u32,
+            DWT_CTRL => plain.unwrap_or(0x4000_0000),
+            0xE000_1004 => self.cycle_count(at),
             0xE000_E010 => self.tick.control | u32::from(std::mem::take(&mut self.tick.wrapped)) << 16,
             0xE000_E014 => self.tick.reload,
             0xE000_E018 => self.tick.count(at),
@@ -101,7 +107,11 @@ impl Core {
     /// Writes a word, or the bytes of one that `size` says.
     pub fn write(&mut self, address: u32, size: u32, value: u32, at: CoreMoment) -> Result<(), Misuse> {
         match address {
-            0xE000_1004 => self.cycles_from = at.cycles.wrapping_sub(u64::from(value)),
+            0xE000_1004 => self.counted = (value, at.cycles),
+            DWT_CTRL | DEMCR => {
+                self.counted = (self.cycle_count(at), at.cycles);
+                self.plain.insert(address, value);
+            }
             0xE000_E010 => {
                 self.tick.control = value & 7;
                 self.tick.since = at.now;
@@ -125,11 +135,7 @@ impl Core {
             // Fault status bits are cleared by writing 1 (B3.2.15).
             0xE000_ED28 | 0xE000_ED2C => *self.plain.entry(address).or_insert(0) &= !value,
             0xE000_EF00 => self.nvic.pend(SYSTEM_EXCEPTIONS + (value & 0x1FF) as usize),
-            _ if is_plain(address)
-                || address == 0xE000_1000
-                || address == 0xE000_ED14
-                || address == 0xE000_EF34 =>
-            {
+            _ if is_plain(address) || address == 0xE000_ED14 || address == 0xE000_EF34 => {
                 self.plain.insert(address, value);
             }
             _ => return Err(no_register(address)),
@@ -154,6 +160,14 @@ impl Core {
             self.tick.wrapped = true;
             self.nvic.pend(SYS_TICK);
         }
+    }
+
+    /// CYCCNT.
+    fn cycle_count(&self, at: CoreMoment) -> u32 {
+        let bit = |register, bit: u32| self.plain.get(&register).copied().unwrap_or(0) >> bit & 1 == 1;
+        let (value, since) = self.counted;
+        let counts = bit(DWT_CTRL, 0) && bit(DEMCR, 24);
+        if counts { value.wrapping_add(at.cycles.wrapping_sub(since) as u32) } else { value }
     }
 
     /// ICSR (B3.2.4).
@@ -280,8 +294,21 @@ mod tests {
     #[test]
     fn the_cycle_counter_counts_from_the_value_it_was_given() {
         let mut core = Core::default();
+        core.write(DEMCR, 4, 1 << 24, at(0)).unwrap();
+        core.write(DWT_CTRL, 4, 1, at(0)).unwrap();
         core.write(0xE000_1004, 4, 0, at(1000)).unwrap();
         assert_eq!(core.read(0xE000_1004, at(1234)).unwrap(), 234);
+    }
+
+    #[test]
+    fn the_cycle_counter_stands_still_unless_trace_and_counter_are_on() {
+        let mut core = Core::default();
+        let mut count = |trace: u32, counter: u32, at_cycle| {
+            core.write(DEMCR, 4, trace << 24, at(at_cycle)).unwrap();
+            core.write(DWT_CTRL, 4, counter, at(at_cycle)).unwrap();
+            core.read(0xE000_1004, at(at_cycle + 10)).unwrap()
+        };
+        assert_eq!([count(0, 1, 0), count(1, 0, 100), count(1, 1, 200), count(0, 0, 210)], [0, 0, 10, 10]);
     }
 
     #[test]

@@ -87,6 +87,14 @@ impl Chip {
                     format!("ADC{} measures OPAMP{number} while its OPAMPEN or OPAINTOEN is 0", adc + 1);
                 Err(Misuse::rule("ADC", rule))
             }
+            (Internal::Opamp(number), _) if !self.opamps[number - 1].is_fast() => {
+                let rule = format!(
+                    "ADC{} measures OPAMP{number} while its OPAHSM is 0: it slews at 6.5 V/us, and the world has no slew \
+                     rate (DS12288, table 80)",
+                    adc + 1
+                );
+                Err(Misuse::rule("ADC", rule))
+            }
             (Internal::Opamp(2), _) => self.check_opamp2_pins(),
             _ => Ok(()),
         }

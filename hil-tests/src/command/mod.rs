@@ -3,6 +3,7 @@
 mod boards;
 mod boot;
 mod cases;
+mod mutants;
 mod power_cuts;
 mod run;
 mod soak;
@@ -27,6 +28,8 @@ enum Command {
     Boards(boards::Boards),
     /// Cuts the power at every flash operation of a full-size upload.
     PowerCuts(power_cuts::PowerCuts),
+    /// Builds the firmware with one fault after the other, and says which cases notice.
+    Mutants(mutants::Mutants),
     /// Boots the firmware on an emulated board and exposes its link.
     Run(run::Run),
     /// Lets something go wrong again and again, for a long virtual time.
@@ -41,6 +44,7 @@ impl Arguments {
             Command::Cases(cases) => cases.run(),
             Command::Boards(boards) => boards.run(),
             Command::PowerCuts(cuts) => cuts.run(),
+            Command::Mutants(mutants) => mutants.run(),
             Command::Run(run) => run.run(),
             Command::Soak(soak) => soak.run(),
             Command::Trace(trace) => trace.run(),

@@ -8,6 +8,9 @@ use unicorn_engine::RegisterARM;
 
 /// DWT's counter of cycles.
 const CYCCNT: u32 = 0xE000_1004;
+/// What it needs to count (ARMv7-M, C1.6.5 and C1.8.3).
+const DEMCR: u32 = 0xE000_EDFC;
+const DWT_CTRL: u32 = 0xE000_1000;
 /// The bus fault's address (ARMv7-M, B3.2.18).
 const BFAR: u32 = 0xE000_ED38;
 
@@ -40,7 +43,11 @@ fn the_counter_of_cycles_stands_still_in_sleep_unless_its_clock_is_kept_on() {
         flash.load(flash::START, &bytes);
         flash.load(flash::START + 8, &code.map(u16::to_le_bytes).concat());
         let mut machine = Machine::new(flash, Options::default()).unwrap();
-        machine.chip(|chip| chip.modify("DBGMCU", "CR", &[("DBG_SLEEP", u32::from(keeps_on))]));
+        machine.chip(|chip| {
+            chip.modify("DBGMCU", "CR", &[("DBG_SLEEP", u32::from(keeps_on))]);
+            chip.write(DEMCR, 4, 1 << 24).unwrap();
+            chip.write(DWT_CTRL, 4, 1).unwrap();
+        });
         machine.run_until(Time::from_millis(1)).unwrap();
         let cycles = machine.chip(|chip| chip.read(CYCCNT, 4)).unwrap();
         assert!(counted.contains(&cycles), "{cycles} at 16 MHz");

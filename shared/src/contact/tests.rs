@@ -77,6 +77,32 @@ fn an_untouched_skin_has_no_contact() {
 }
 
 #[test]
+fn a_region_begins_above_a_quarter_of_a_peak_that_reaches_the_threshold_and_is_positive() {
+    for (peak, threshold, level) in
+        [(7, 7, Some(1750)), (6, 7, None), (0, 0, None), (0, -1, None), (-1, -1, None), (9, 1, Some(2250))]
+    {
+        let found = region_level(&image(&[-20, peak]), RelativeConductivity(threshold * 1000));
+        assert_eq!(found, level, "{peak} {threshold}");
+    }
+    assert_eq!(region_level(&[], LOW), None);
+}
+
+#[test]
+fn contacts_of_equal_peaks_come_in_the_order_of_their_pixels() {
+    let found = found(5, 1, &[0x1F], &image(&[8, 0, 8, 0, 8]));
+    let places: Vec<i32> = found.iter().map(|contact| (contact.position[0] * 1e3).round() as i32).collect();
+    assert_eq!(places, [5, 25, 45]);
+}
+
+#[test]
+fn force_is_pressure_times_the_area_that_it_acts_on() {
+    let contact = found(1, 1, &[1], &image(&[8]))[0];
+    let force = |pressure, load_area| Contact { pressure, load_area, ..contact }.force();
+    assert_eq!(force(Some(20_000.0), Some(0.5e-4)), Some(1.0));
+    assert_eq!([force(None, Some(1.0)), force(Some(1.0), None)], [None; 2]);
+}
+
+#[test]
 fn pixels_on_either_side_of_a_masked_cell_do_not_touch() {
     let found = found(3, 1, &[0b101], &image(&[5, 5]));
     assert_eq!(found.len(), 2);

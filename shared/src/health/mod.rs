@@ -322,6 +322,33 @@ mod tests {
     }
 
     #[test]
+    fn the_reciprocity_error_is_the_difference_over_the_size_and_one_pair_in_twelve_may_be_off() {
+        let bytes = crate::patch::tests::reciprocal_patch();
+        let patch = PatchView::validate(&bytes).unwrap();
+        let pairs = usize::from(patch.header.measurements);
+        // The second voltage of a pair has the opposite sign.
+        let examined = |off: usize, second: i32| {
+            let mut frame = flat_frame(1000);
+            frame.codes.truncate(patch.header.steps.into());
+            for (pair, code) in frame.codes.iter_mut().skip(1).step_by(2).enumerate() {
+                code.0 = if pair < off { -second } else { -1000 };
+            }
+            let (health, flags) = Health::examine(&patch, 50e3, &frame);
+            (health.reciprocity_error.unwrap(), flags.contains(FrameFlags::NOT_RECIPROCAL))
+        };
+        assert_eq!(examined(0, 1000), (0.0, false));
+        let (error, _) = examined(1, 1200);
+        let size = 1000.0 * (pairs - 1) as f32 + 1100.0;
+        assert!((error - 200.0 / size).abs() < 1e-6, "{error}");
+        for off in 0..=pairs {
+            // Three tenths of the mean of 1000 and 1353 are 353.
+            assert!(!examined(off, 1352).1, "{off}");
+            assert_eq!(examined(off, 1354).1, 12 * off > pairs, "{off} of {pairs}");
+        }
+        assert_eq!(examined(pairs, 0), (2.0, true));
+    }
+
+    #[test]
     fn no_current_is_told_from_bad_electrodes() {
         let (health, flags) = examine([DEAD; 8]);
         assert_eq!(flags, FrameFlags::NO_CURRENT);

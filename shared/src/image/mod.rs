@@ -124,6 +124,21 @@ mod tests {
     use super::*;
 
     #[test]
+    fn cells_go_row_by_row_from_the_top_left_corner() {
+        let grid = PixelGrid { columns: 5, rows: 2, pitch: 0.01, left: -0.025, top: 0.01 };
+        assert_eq!((grid.cells(), grid.mask_bytes()), (10, 2));
+        for (column, row, x, y) in
+            [(0.0, 0.0, -0.025, 0.01), (2.5, 1.5, 0.0, -0.005), (5.0, 2.0, 0.025, -0.01)]
+        {
+            let [found_x, found_y] = grid.position(column, row);
+            assert!((found_x - x).abs() < 1e-8 && (found_y - y).abs() < 1e-8, "{column} {row}");
+        }
+        for (pixels, mask) in [(0, [0, 0]), (3, [0b111, 0]), (8, [0xFF, 0]), (10, [0xFF, 0b11])] {
+            assert_eq!(Geometry::first_cells(grid, pixels).mask[..], mask, "{pixels}");
+        }
+    }
+
+    #[test]
     fn neighbours_on_a_grid_share_an_edge_and_a_masked_cell_is_none() {
         // Two rows of three cells, without the middle one of the upper row.
         let grid = PixelGrid { columns: 3, rows: 2, pitch: 0.01, left: -0.015, top: 0.01 };

@@ -202,6 +202,35 @@ fn a_patch_for_more_electrodes_than_the_board_has_is_refused() {
 }
 
 #[test]
+fn numbers_of_the_header_may_be_zero_where_they_are_no_sizes_and_never_infinite() {
+    let bytes = small_patch(Difference::Plain);
+    let header = PatchView::validate(&bytes).unwrap().header;
+    let grid = header.grid.unwrap();
+    let with = |change: &dyn Fn(&mut PixelGrid, &mut PatchHeader)| {
+        let (mut grid, mut header) = (grid, header.clone());
+        change(&mut grid, &mut header);
+        let bytes = rewritten(&PatchHeader { grid: Some(grid), ..header }, &[]);
+        PatchView::validate(&bytes).map(drop)
+    };
+    let resistances = |ohms: f32| core::iter::repeat_n(ohms, 8).collect();
+    let zero = with(&|grid, header| {
+        (grid.left, grid.top, header.drift_time) = (0.0, 0.0, 0.0);
+        header.test_resistances = resistances(0.0);
+    });
+    assert_eq!(zero, Ok(()));
+    let refused = |field| Err(PatchError::NotPositive { field });
+    assert_eq!(with(&|grid, _| grid.pitch = 0.0), refused("grid.pitch"));
+    assert_eq!(with(&|grid, _| grid.left = f32::INFINITY), refused("grid.left"));
+    assert_eq!(with(&|grid, _| grid.top = f32::NAN), refused("grid.top"));
+    assert_eq!(with(&|_, header| header.drift_time = f32::NAN), refused("drift_time"));
+    assert_eq!(with(&|_, header| header.drift_time = -1.0), refused("drift_time"));
+    let test = with(&|_, header| header.test_resistances = resistances(f32::NAN));
+    assert_eq!(test, refused("test_resistances"));
+    let none = with(&|_, header| header.contact_threshold = RelativeConductivity(0));
+    assert_eq!(none, refused("contact_threshold"));
+}
+
+#[test]
 fn a_neighbour_that_does_not_exist_is_refused() {
     let bytes = small_patch(Difference::Plain);
     let tables = PatchView::validate(&bytes).unwrap();

@@ -230,9 +230,9 @@ mod tests {
     use super::*;
     use crate::patch::{
         Difference,
-        tests::{flat_frame, small_patch},
+        tests::{flat_frame, patch_with_hysteresis, small_patch},
     };
-    use crate::units::AdcCode;
+    use crate::{contact::hysteresis::PlayOperator, units::AdcCode};
 
     fn tared(patch: &PatchView<'_>, value: i32, frames: u16) -> PipelineState {
         let mut state = PipelineState::default();
@@ -274,6 +274,20 @@ mod tests {
         assert_eq!(process(&patch, &mut state, &uneven), Outcome::Image);
         // Mean of |v_ref|: (5000 + 39 * 1000) / 40 = 1100.
         assert!((state.image()[0].to_f64() + 0.2).abs() < 1e-5);
+    }
+
+    #[test]
+    fn strengths_are_averaged_within_half_the_threshold_and_count_at_once_beyond() {
+        let bytes = patch_with_hysteresis(&[PlayOperator::from_f64(10.0, 1.5)]);
+        let patch = PatchView::validate(&bytes).unwrap();
+        let mut state = tared(&patch, 1000, 20);
+        // 100 kPa for each 1, and a first press passes unchanged. The threshold is 0.01: of a step of 0.015, all but
+        // the last 0.005 counts at once, and an eighth of that.
+        for (code, pressure) in [(1100, 10_000.0 - 7.0 / 8.0 * 500.0), (1115, 9562.5 + 1437.5 + 62.5)] {
+            assert_eq!(process(&patch, &mut state, &flat_frame(code)), Outcome::Image);
+            let found = state.contacts()[0].pressure.unwrap();
+            assert!((found - pressure).abs() < 100.0, "{code}: {found} Pa");
+        }
     }
 
     #[test]

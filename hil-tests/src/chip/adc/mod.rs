@@ -28,6 +28,9 @@ pub const VREF_VOLTS: f64 = 3.3;
 const REGULATOR_START: Time = Time::from_micros(20);
 /// Clocks of a calibration (DS12288, tCAL).
 const CALIBRATION_CLOCKS: u64 = 112;
+/// Clocks from ADSTP to the stop. RM0440 gives no figure and asks to wait for ADSTP to be cleared (ADC_CR.ADSTP): this
+/// one is assumed.
+const STOP_CLOCKS: u64 = 4;
 /// A conversion that begins later after the last one, or after a calibration, is wrong (ES0430, "Wrong ADC result if
 /// conversion done late after calibration or previous conversion").
 const STALE: Time = Time::from_millis(1);
@@ -55,6 +58,7 @@ pub struct Adc {
     sum: u32,
     sampled_at: Time,
     converted_at: Time,
+    stopped_at: Time,
     /// When a conversion or calibration ended last.
     fresh_at: Time,
     is_stale: bool,
@@ -101,6 +105,7 @@ impl Adc {
             sum: 0,
             sampled_at: Time::NEVER,
             converted_at: Time::NEVER,
+            stopped_at: Time::NEVER,
             fresh_at: Time::ZERO,
             is_stale: false,
             loses_sample: false,
@@ -222,8 +227,17 @@ impl Adc {
         (self.sampled_at, self.converted_at) = (Time::NEVER, Time::NEVER);
     }
 
+    fn begin_stop(&mut self, now: Time) {
+        if self.bank.is_set("CR", "ADSTART") {
+            self.abort();
+            self.bank.set("CR", "ADSTP", 1);
+            self.stopped_at = now + self.half_clock(2 * STOP_CLOCKS);
+        }
+    }
+
     fn stop(&mut self) {
         self.abort();
+        self.stopped_at = Time::NEVER;
         for field in ["ADSTART", "ADSTP"] {
             self.bank.set("CR", field, 0);
         }
@@ -253,8 +267,8 @@ impl Adc {
         if begins("ADCAL") {
             return self.calibrate(now);
         }
-        if asks("ADSTP") {
-            self.stop();
+        if begins("ADSTP") {
+            self.begin_stop(now);
         } else if begins("ADSTART") {
             return self.start(now);
         } else if begins("ADEN") && !asks("ADDIS") {
@@ -381,13 +395,16 @@ impl Peripheral for Adc {
     }
 
     fn next_event(&self) -> Time {
-        self.sampled_at.min(self.converted_at).min(self.calibrated_at)
+        self.sampled_at.min(self.converted_at).min(self.calibrated_at).min(self.stopped_at)
     }
 
     fn advance(&mut self, at: Moment) -> Result<(), Misuse> {
         if at.now >= self.calibrated_at {
             self.fresh_at = std::mem::replace(&mut self.calibrated_at, Time::NEVER);
             self.bank.set("CR", "ADCAL", 0);
+        }
+        if at.now >= self.stopped_at {
+            self.stop();
         }
         if at.now >= self.sampled_at {
             return Err(Misuse::rule("ADC", "a conversion samples and no world is connected"));

@@ -160,8 +160,21 @@ fn only_the_chosen_timer_starts_a_sequence_each_time_and_the_dma_is_asked() {
         assert!(!bus.model.requests("ADC2"));
     }
     assert_eq!(bus.get("CR", "ADSTART"), 1, "it waits for the next");
+}
+
+#[test]
+fn a_stop_takes_some_clocks_in_which_settings_stay() {
+    let (mut bus, mut world) = (ready(), Ladder::default());
+    bus.fields("CFGR", &[("EXTEN", 1), ("EXTSEL", 13)]);
+    start(&mut bus);
     bus.fields("CR", &[("ADVREGEN", 1), ("ADEN", 1), ("ADSTP", 1)]);
-    assert_eq!(bus.get("CR", "ADSTART"), 0);
+    assert_eq!((bus.get("CR", "ADSTART"), bus.get("CR", "ADSTP")), (1, 1));
+    assert!(bus.refused("CFGR", 0).contains("ADSTART is 1"));
+    let now = bus.now;
+    assert!(!bus.model.trigger(6, now), "no conversion begins any more");
+    pass(&mut bus, nanos(300), &mut world);
+    assert_eq!((bus.get("CR", "ADSTART"), bus.get("CR", "ADSTP")), (0, 0));
+    bus.write("CFGR", 0);
 }
 
 #[test]

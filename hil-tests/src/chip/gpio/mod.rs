@@ -19,6 +19,9 @@ pub struct Gpio {
     outputs: u16,
     carrying: u16,
     carried: u16,
+    /// Pins whose outputs are open-drain, so that others make their high level; and pins that are pulled up.
+    open_drain: u16,
+    pulled_up: u16,
 }
 
 /// What a pin does.
@@ -46,8 +49,18 @@ impl Gpio {
         };
         let bank = Bank::new(&name, &[("MODER", mode), ("PUPDR", pull)]);
         let modes = [PinMode::Analogue; 16];
-        let mut port = Self { bank, driven: [None; 16], modes, outputs: 0, carrying: 0, carried: 0 };
+        let mut port = Self {
+            bank,
+            driven: [None; 16],
+            modes,
+            outputs: 0,
+            carrying: 0,
+            carried: 0,
+            open_drain: 0,
+            pulled_up: 0,
+        };
         port.follow_modes();
+        port.follow_types();
         port
     }
 
@@ -87,17 +100,28 @@ impl Gpio {
     /// Levels of the pins that the chip drives, by the output register or a peripheral; the others' are 0.
     #[must_use]
     pub fn driven_levels(&self) -> u16 {
-        self.outputs() & self.outputs | self.carried & self.carrying
+        (self.outputs() & self.outputs | self.carried & self.carrying) & (!self.open_drain | self.pulled_up)
+    }
+
+    fn follow_types(&mut self) {
+        let pulls = self.bank.word("PUPDR", 0);
+        self.open_drain = self.bank.word("OTYPER", 0) as u16;
+        self.pulled_up = (0..16).map(|pin| u16::from(pulls >> (2 * pin) & 3 == 1) << pin).sum();
     }
 
     /// Level that a pin reads.
     #[must_use]
     pub fn level(&self, pin: usize) -> bool {
+        let is_high = |levels: u16| levels >> pin & 1 == 1;
         match self.mode(pin) {
-            PinMode::Output => self.outputs() >> pin & 1 == 1,
             PinMode::Analogue => false,
-            _ if self.carrying >> pin & 1 == 1 => self.carried >> pin & 1 == 1,
-            _ => self.driven[pin].unwrap_or(self.bank.word("PUPDR", 0) >> (2 * pin) & 3 == 1),
+            PinMode::Output if !(is_high(self.outputs()) && is_high(self.open_drain)) => {
+                is_high(self.outputs())
+            }
+            PinMode::Alternate(_) if is_high(self.carrying) && !is_high(self.carried & self.open_drain) => {
+                is_high(self.carried)
+            }
+            _ => self.driven[pin].unwrap_or(is_high(self.pulled_up)),
         }
     }
 }
@@ -125,6 +149,10 @@ impl Peripheral for Gpio {
                 self.bank.store(register, value);
                 self.follow_modes();
             }
+            "OTYPER" | "PUPDR" => {
+                self.bank.store(register, value);
+                self.follow_types();
+            }
             _ => self.bank.store(register, value),
         }
         Ok(())
@@ -133,6 +161,7 @@ impl Peripheral for Gpio {
     fn reset(&mut self) {
         self.bank.reset();
         self.follow_modes();
+        self.follow_types();
     }
 }
 

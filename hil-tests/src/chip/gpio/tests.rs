@@ -53,3 +53,16 @@ fn the_debug_pins_are_alternate_after_reset() {
     assert_eq!((port.mode(13), port.mode(14)), (PinMode::Alternate(0), PinMode::Alternate(0)));
     assert_eq!(port.mode(5), PinMode::Analogue);
 }
+
+#[test]
+fn an_open_drain_pin_is_high_only_where_something_pulls_it_up() {
+    for (pull, driven, level) in [(0, None, 0), (0, Some(true), 1), (1, None, 1), (1, Some(false), 0)] {
+        let mut bus = port_with(1, pull);
+        bus.write("OTYPER", 1);
+        bus.model.driven[0] = driven;
+        bus.write("ODR", 1);
+        assert_eq!((bus.read("IDR"), bus.model.driven_levels()), (level, pull as u16), "{pull} {driven:?}");
+        bus.write("ODR", 0);
+        assert_eq!((bus.read("IDR"), bus.model.driven_levels()), (0, 0));
+    }
+}

@@ -42,6 +42,12 @@ impl Opamp {
     pub fn reaches_converter(&self) -> bool {
         self.setting != OpampSetting::Off && self.bank.is_set("CSR", "OPAINTOEN")
     }
+
+    /// Whether it is in its high-speed mode: 45 V/us; otherwise 6.5 V/us (DS12288, table 80).
+    #[must_use]
+    pub fn is_fast(&self) -> bool {
+        self.bank.is_set("CSR", "OPAHSM")
+    }
 }
 
 fn setting(register: &Register, value: u32) -> Result<OpampSetting, Misuse> {

@@ -174,7 +174,11 @@ fn what_is_inside_the_chip_is_measured_only_while_it_is_on() {
         let refusal = convert("ADC2", 16, amplifier(fields)).unwrap_err();
         assert!(refusal.contains("ADC2 measures OPAMP2 while its OPAMPEN or OPAINTOEN is 0"), "{refusal}");
     }
-    assert_eq!(convert("ADC2", 16, amplifier(&[("VM_SEL", 3), ("OPAMPEN", 1), ("OPAINTOEN", 1)])), Ok(()));
+    let refusal =
+        convert("ADC2", 16, amplifier(&[("VM_SEL", 3), ("OPAMPEN", 1), ("OPAINTOEN", 1)])).unwrap_err();
+    assert!(refusal.contains("ADC2 measures OPAMP2 while its OPAHSM is 0"), "{refusal}");
+    let fast = amplifier(&[("VM_SEL", 3), ("OPAMPEN", 1), ("OPAINTOEN", 1), ("OPAHSM", 1)]);
+    assert_eq!(convert("ADC2", 16, fast), Ok(()));
 }
 
 /// Peripheral, register, and its fields.
@@ -200,7 +204,7 @@ fn pins_of_other_kinds_are_refused_where_they_spoil_a_signal() {
         let amplifier = |chip: &mut Chip| {
             chip.modify("RCC", "AHB2ENR", &[("GPIOAEN", 1)]);
             chip.modify("GPIOA", "MODER", &[(pin, 1)]);
-            let gain = [("VM_SEL", 2), ("PGA_GAIN", 9), ("OPAMPEN", 1), ("OPAINTOEN", 1)];
+            let gain = [("VM_SEL", 2), ("PGA_GAIN", 9), ("OPAMPEN", 1), ("OPAINTOEN", 1), ("OPAHSM", 1)];
             chip.modify("OPAMP2", "CSR", &gain);
         };
         let wrong = convert("ADC2", 16, amplifier).unwrap_err();

@@ -246,6 +246,24 @@ mod tests {
     }
 
     #[test]
+    fn a_slot_longer_than_the_reference_reads_the_same_in_pieces_of_any_length() {
+        let timing = Timing { period: 20, settling: 7, integration: 60 * 20 };
+        let samples = wave(900.0, 30.0, 150.0, 2 * timing.slot_samples());
+        for piece in [1, 7, 150, 333, samples.len()] {
+            let mut demodulator = Demodulator::new(LockInReference::new(20, 0.0, 0.0), timing);
+            let mut found = Vec::new();
+            samples.chunks(piece).for_each(|piece| demodulator.push(piece, |reading| found.push(*reading)));
+            assert_eq!(found.len(), 2);
+            for reading in found {
+                let [real, imaginary] =
+                    [reading.in_phase, reading.quadrature].map(|sum| amplitude(sum) / 30.0);
+                assert!((real - 900.0 * 0.75_f64.sqrt()).abs() < 0.5, "{piece}: {real}");
+                assert!((imaginary - 450.0).abs() < 0.5, "{piece}: {imaginary}");
+            }
+        }
+    }
+
+    #[test]
     fn the_end_of_the_range_reads_clipped() {
         assert!(readings(&wave(2046.0, 0.0, 0.0, 47), 47)[0].peak() >= CLIPPED);
         // An amplifier stays 0.1 V away from both rails: 124 codes.
