@@ -14,7 +14,7 @@ use std::{
 };
 
 /// All commands.
-const COMMANDS: [&str; 21] = [
+const COMMANDS: [&str; 22] = [
     "build",
     "calibrate",
     "check",
@@ -23,6 +23,7 @@ const COMMANDS: [&str; 21] = [
     "demo",
     "devices",
     "drive",
+    "trim",
     "evaluate",
     "experiment",
     "export",

@@ -151,7 +151,7 @@ mod tests {
             ("source", range(|board| board.source.transconductance / 0.7143e-3), [0.978, 1.022]),
             ("cable", range(|board| board.stray.to_ground), [25e-12, 75e-12]),
         ] {
-            let slack = 0.01 * (most - least) + 1e-12 * most.abs();
+            let slack: f64 = 0.01 * (most - least) + 1e-12;
             assert!(low >= least - slack && high <= most + slack, "{what}: {low} to {high}");
             assert!(low <= least + slack && high >= most - slack, "{what}: {low} to {high}");
         }

@@ -26,13 +26,11 @@ const RESISTANCE: Kind = Kind::new(&[("ohm", 1.0), ("kohm", 1e3)]);
 
 /// Measure a board's gains and phases on a plug of known resistors, and keep them on the board.
 ///
-/// Put the plug of docs/hardware.md in the skin's place first: sixteen resistors in a ring, of two values that take
-/// turns. The board keeps what it finds through restarts and new patches. Tare again afterwards.
+/// Put the plug of docs/hardware.md in the skin's place first. The trim outlives restarts and patches.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     dermatome trim --port /dev/ttyACM0\n  \
-    dermatome trim --port COM5 --first \"2.21 ohm\" --second \"22.01 ohm\"\n  \
-    dermatome trim --port COM5 --forget")]
+    dermatome trim --port COM5 --first \"2.21 ohm\" --second \"22.01 ohm\"")]
 pub(super) struct Args {
     /// Where the board is: /dev/ttyACM0, COM5 or tcp:HOST:PORT.
     #[arg(long)]

@@ -37,7 +37,7 @@ const TIMEOUT: Duration = Duration::from_secs(5);
 const MISFIT: f64 = 0.05;
 /// By how much the voltages of the plug lag the current, s: part of that flows through the capacitance of the switches,
 /// whose resistance lifts the whole ring. With the parts of docs/hardware.md, of both choices, give or take a third.
-const PLUG_LAG: f64 = 27e-9;
+const PLUG_LAG: f64 = 32e-9;
 /// Gains of a group.
 const GROUP: usize = 3;
 
