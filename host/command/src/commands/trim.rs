@@ -24,9 +24,9 @@ use serde::Serialize;
 
 const RESISTANCE: Kind = Kind::new(&[("ohm", 1.0), ("kohm", 1e3)]);
 
-/// Measure a board's gains and phases on a plug of known resistors, and keep them on the board.
+/// Measure a board's gains and phases on a plug of known resistors.
 ///
-/// Put the plug of docs/hardware.md in the skin's place first. The trim outlives restarts and patches.
+/// Put the plug of docs/hardware.md in the skin's place first. The board keeps the trim for good.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     dermatome trim --port /dev/ttyACM0\n  \
