@@ -2,7 +2,7 @@
 
 use super::{
     trigonometry::{cosine, sine},
-    trim::{Factor, Trim},
+    trim::{Factor, Trim, product},
 };
 use crate::drive::GAINS;
 use postcard_schema::Schema;
@@ -129,9 +129,4 @@ impl FrontEnd {
 pub(super) fn solve([[a, b], [c, d]]: Factors, [real, imaginary]: [f32; 2]) -> [f32; 2] {
     let determinant = a * d - b * c;
     [(d * real - b * imaginary) / determinant, (a * imaginary - c * real) / determinant]
-}
-
-/// Product of two complex numbers.
-pub(super) fn product([a, b]: [f32; 2], [c, d]: [f32; 2]) -> [f32; 2] {
-    [a * c - b * d, a * d + b * c]
 }

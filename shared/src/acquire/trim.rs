@@ -3,7 +3,6 @@
 //! Parts have tolerances, and the bandwidth of the chip's amplifier may be half of what is typical. The host measures
 //! known resistors at each carrier and gain, and the board keeps the factors that come of it.
 
-use super::front_end::product;
 use crate::drive::GAINS;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -59,6 +58,11 @@ impl Trim {
         };
         self.0.as_flattened().iter().all(is_near)
     }
+}
+
+/// Product of two complex numbers.
+pub(super) fn product([a, b]: Factor, [c, d]: Factor) -> Factor {
+    [a * c - b * d, a * d + b * c]
 }
 
 #[cfg(test)]

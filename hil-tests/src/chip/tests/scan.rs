@@ -129,7 +129,8 @@ fn convert_after(adcs: &[&str], channel: u32, prepare: &[&dyn Fn(&mut Chip)]) ->
 #[test]
 fn what_is_inside_the_chip_needs_its_time_and_converters_side_by_side_a_slower_clock() {
     let on = |chip: &mut Chip| {
-        chip.modify("OPAMP2", "CSR", &[("VM_SEL", 3), ("OPAMPEN", 1), ("OPAINTOEN", 1)]);
+        let amplifier = [("VM_SEL", 3), ("OPAMPEN", 1), ("OPAINTOEN", 1), ("OPAHSM", 1)];
+        chip.modify("OPAMP2", "CSR", &amplifier);
         chip.modify("ADC12_COMMON", "CCR", &[("VSENSEEN", 1)]);
     };
     let sampled = |adc, code| {

@@ -15,8 +15,8 @@ use std::{
 /// The chip's flash: 512 KiB.
 const FLASH: Range<u64> = 0x0800_0000..0x0808_0000;
 
-/// Where the patch slots begin; the firmware lies before (`firmware/memory/nucleo-g474re.x`).
-const PATCH_SLOTS: u64 = 0x0802_0000;
+/// Where the trim and behind it the patch slots begin; the firmware lies before (`firmware/memory/nucleo-g474re.x`).
+const PATCH_SLOTS: u64 = 0x0801_F000;
 
 /// Addresses that the initial stack pointer may have: just beyond a word of the 128 KiB of RAM.
 const STACK_TOPS: Range<u64> = 0x2000_0008..0x2002_0001;
@@ -98,7 +98,7 @@ pub enum Fault {
     },
     /// Would overwrite what the board keeps.
     #[error(
-        "would be programmed to {:#010x}..{:#010x}, into the patch slots, which start at {PATCH_SLOTS:#010x}: \
+        "would be programmed to {:#010x}..{:#010x}, into the trim and the patch slots, which start at {PATCH_SLOTS:#010x}: \
          link it with `firmware/memory/nucleo-g474re.x`", range.start, range.end
     )]
     PatchSlots {
