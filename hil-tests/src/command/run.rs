@@ -5,7 +5,7 @@
 
 use super::boot::{Firmware, boot, check_faults};
 use dermatome::{
-    link::{self, Link, Port, program::log::Log},
+    link::{self, Link, Port, program::log::Log, trim::Plug},
     model::Model,
     quantize,
     simulate::Press,
@@ -42,6 +42,9 @@ pub(super) struct Run {
     /// A finger that rests on the skin: x,y,radius,depth (m, m, m, relative). Can be repeated.
     #[arg(long = "press", allow_hyphen_values = true)]
     presses: Vec<Press>,
+    /// The test plug of docs/hardware.md takes the place of skin and leads, for `dermatome trim`.
+    #[arg(long, conflicts_with = "presses")]
+    plug: bool,
     /// Where programs reach the board.
     #[arg(long, default_value = "tcp:127.0.0.1:7000")]
     listen: Port,
@@ -68,6 +71,11 @@ impl Run {
             flash(&board, skin)?;
         }
         press(&board, &self.presses)?;
+        if self.plug {
+            let world =
+                board.world().ok_or("the rig has no `[world]`, so that there is nowhere to plug it in")?;
+            world.plug(Some(*Plug::new(2.2, 22.0).ohms()));
+        }
         check_faults(&self.faults, &board)?;
         println!("board         {} (emulated STM32G474RE)", self.firmware.name());
         println!("listening at  tcp:{}   (Ctrl-C stops it)", listener.local_addr()?);

@@ -139,6 +139,51 @@ fn a_carrier_that_the_board_cannot_make_gives_no_acquisition() {
     assert!(Acquisition::new(&patch, &drive, &FRONT_END).is_none());
 }
 
+/// The formula of `FrontEnd::factors` in f64: the lock-in's sums of a channel that passes `v + w g`, and what it passes
+/// at the carrier.
+fn sums_of_channel(front_end: &FrontEnd, frequency: f64, gain: f64, [v, w]: [f64; 2]) -> [[f64; 2]; 2] {
+    let product = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a * c - b * d, a * d + b * c];
+    let inverse = |[a, b]: [f64; 2]| [a / a.hypot(b).powi(2), -b / a.hypot(b).powi(2)];
+    let channel = |f: f64| {
+        // g = j f / (f_c + j f).
+        let high = product([0.0, f], inverse([f64::from(front_end.lead_corner), f]));
+        [v + w * high[0], w * high[1]]
+    };
+    let mut sums = [0.0; 2];
+    for image in -3..=3 {
+        let away = f64::from(image) * f64::from(front_end.sample_rate);
+        let (f, turns) = (frequency + away, away * f64::from(front_end.lead) * core::f64::consts::TAU);
+        let half_turn = core::f64::consts::PI * f / f64::from(front_end.waveform_rate);
+        let poles = front_end
+            .bandwidths
+            .iter()
+            .fold([1.0, 0.0], |all, &bandwidth| product(all, inverse([1.0, f / f64::from(bandwidth)])));
+        let amplifier = inverse([1.0 / gain, f / f64::from(front_end.gain_bandwidth)]);
+        let held = [half_turn.sin() / half_turn * turns.cos(), half_turn.sin() / half_turn * turns.sin()];
+        let part = product(product(product(poles, amplifier), held), channel(f));
+        sums = [sums[0] + part[0], sums[1] + part[1]];
+    }
+    [sums, channel(frequency)]
+}
+
+#[test]
+fn what_a_channel_passes_is_told_from_its_sums_with_leads_that_take_current() {
+    let bandwidths = FRONT_END.bandwidths.map(|_| 800e3);
+    let front_end =
+        FrontEnd { bandwidths, lead_corner: 575e3, waveform_rate: 1_000_000, lead: -1.24e-6, ..FRONT_END };
+    for frequency in [12.5e3, 100e3, 200e3] {
+        for (factors, gain) in front_end.factors(frequency as f32, 100.0).into_iter().zip(GAINS) {
+            for parts in [[1.0, 0.0], [0.7, -0.6], [-0.2, 0.9]] {
+                let [sums, expected] = sums_of_channel(&front_end, frequency, gain.into(), parts);
+                let found = factors.map(|[x, y]| f64::from(x) * sums[0] + f64::from(y) * sums[1]);
+                for (found, expected) in found.iter().zip(expected) {
+                    assert!((found - 100.0 * expected).abs() < 0.02, "{frequency} {gain} {parts:?}: {found}");
+                }
+            }
+        }
+    }
+}
+
 /// What a pole makes of a staircase, `[sample]`: its values, each held `steps` long, after time enough.
 fn through_pole(staircase: &[f64], bandwidth: f64, step: f64) -> Vec<f64> {
     let part = 1.0 - (-core::f64::consts::TAU * bandwidth * step).exp();
