@@ -104,18 +104,20 @@ fn ensure_complete(stream: &mut Subscription<'_>) -> Result<(), Failure> {
 
 /// Patches for cases.
 mod patches {
+    use super::Failure;
+    use dermatome::{model::Model, patch::matrix::FixedMatrix, quantize, skin::Skin};
     use dermatome_shared::{
         MAX_PATCH_BYTES,
         calibration::Calibration,
         drive::Drive,
         image::{Geometry, PixelGrid},
-        patch::{CombinedInto, Difference, PatchContents, PatchHeader, PatchView},
+        patch::{CombinedInto, Difference, PatchContents, PatchHeader, PatchView, matrix::MatrixLayout},
         stimulation::{Driven, Step, pattern},
         units::RelativeConductivity,
     };
-    use rand::{Rng, SeedableRng};
+    use rand::{Rng, SeedableRng, seq::SliceRandom};
     use rand_pcg::Pcg64;
-    use std::ops::Range;
+    use std::{ops::Range, path::Path};
 
     /// Cells on each side of the grid.
     const SIDE: u8 = 32;
@@ -123,7 +125,7 @@ mod patches {
     /// A valid patch of 16 electrodes with the first `pixels` of 32 x 32 pixels and 208 measurements
     /// (104 if `combined`), all else random.
     pub(super) fn patch(pixels: usize, combined: bool, seed: u64) -> Vec<u8> {
-        with_exponents(pixels, combined, seed, 14..18)
+        with_exponents(pixels, combined, seed, 8..12)
     }
 
     /// The same with rows of these exponents; small ones make values that saturate.
@@ -151,10 +153,10 @@ mod patches {
             calibration: Calibration::default(),
             test_resistances: Default::default(),
             play_operators: 0,
+            matrix: MatrixLayout::default(),
         };
-        let exponents: Vec<i8> = (0..pixels).map(|_| random.random_range(exponents.clone())).collect();
-        let matrix: Vec<i16> =
-            (0..pixels * measurements).map(|_| random.random_range(-32_767..=32_767)).collect();
+        let matrix = matrix(&mut random, pixels, measurements, exponents);
+        let header = PatchHeader { matrix: matrix.tables().layout(), ..header };
         let contents = PatchContents {
             play_operators: &[],
             header: &header,
@@ -162,14 +164,48 @@ mod patches {
             combination: &combination,
             pixels: &places,
             neighbours: &neighbours,
-            exponents: &exponents,
-            matrix: &matrix,
+            matrix: matrix.tables(),
         };
         let mut bytes = vec![0; MAX_PATCH_BYTES];
         let length = contents.write(&mut bytes).expect("a patch of this size fits");
         bytes.truncate(length);
         PatchView::validate(&bytes).expect("the patch is valid");
         bytes
+    }
+
+    /// That of a skin in `models/`.
+    pub(super) fn shipped(name: &str) -> Result<Vec<u8>, Failure> {
+        let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+        let skin = Skin::load(&models.join(name).join("skin.toml")).map_err(Failure::wrong)?;
+        let skin = skin.made().map_err(Failure::wrong)?;
+        let model = Model::build(&skin, |_| ()).map_err(Failure::wrong)?;
+        quantize::patch(&skin, &model).map_err(Failure::wrong)
+    }
+
+    /// A third of the pixels from the data, the others interpolated, some from interpolated ones, in any order.
+    fn matrix(random: &mut Pcg64, pixels: usize, measurements: usize, exponents: Range<i8>) -> FixedMatrix {
+        let mut mantissas = |count: usize, columns: usize, most: usize| -> Vec<i16> {
+            let largest = (most / columns).min(32_767) as i16;
+            (0..count * columns).map(|_| random.random_range(-largest..=largest)).collect()
+        };
+        let from_data = pixels.div_ceil(3);
+        let rows = mantissas(from_data, measurements, 65_535);
+        let mut steps = Vec::new();
+        let mut known = from_data;
+        while known < pixels {
+            let (outputs, inputs) = ((pixels - known).min(5 + known % 40), known.min(4 + known % 70));
+            steps.push((known, inputs, mantissas(outputs, inputs, 131_071)));
+            known += outputs;
+        }
+        let exponents = (0..from_data).map(|_| random.random_range(exponents.clone())).collect();
+        let mut matrix = FixedMatrix::from_data(exponents, &rows);
+        for (known, inputs, rows) in steps {
+            let inputs: Vec<u16> = (0..inputs).map(|_| random.random_range(0..known as u16)).collect();
+            matrix.interpolate(&inputs, &rows);
+        }
+        let mut order: Vec<usize> = (0..pixels).collect();
+        order.shuffle(random);
+        matrix.in_order(&order)
     }
 
     fn each(steps: usize) -> Vec<CombinedInto> {

@@ -29,7 +29,7 @@ pub(super) const CASES: &[Case] = &[
         run: images,
     },
     Case {
-        name: "the reconstruction takes at most 2.9 cycles for each product",
+        name: "the reconstruction takes at most 2.2 cycles for each product",
         needs: &[Capability::VirtualTime],
         run: kernel,
     },
@@ -50,30 +50,42 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// Most cycles for each product of the reconstruction, of which the wait states of the flash make one.
-const MOST_CYCLES: f64 = 2.9;
+/// Most cycles for each product of pixels and measurements, of which a patch holds some half.
+const MOST_CYCLES: f64 = 2.2;
+/// The skins that are shipped.
+const SKINS: [&str; 6] =
+    ["square-210mm", "square-50mm", "saline-215mm", "disc-210mm", "hemisphere-120mm", "hemisphere-210mm"];
 
-/// Counts every cycle of `reconstruct`, 812 pixels from 104 measurements.
+/// Counts every cycle of `reconstruct`, for every skin that is shipped.
 fn kernel(rig: &Rig) -> Result<String, Failure> {
     let VirtualRig { firmware, board, .. } = rig.emulated_rig();
     let missing = || Failure::wrong("the firmware has no function `reconstruct`");
     let function = firmware.symbol("11reconstruct11reconstruct").ok_or_else(missing)?;
     let mut link = rig.link()?;
-    link::upload(&mut link, &patches::patch(812, true, 13), |_| ())?;
-    link::tare(&mut link, 2, Duration::from_secs(20))?;
-    board.with(move |machine| machine.count_calls(function as u32));
-    let stream = link.subscribe(Selection { contacts: 1, ..Selection::default() })?;
-    rig.wait(Duration::from_secs(1))?;
-    stream.stop()?;
-    let calls = board.with(|machine| machine.calls());
-    ensure(calls.len() >= 10, || format!("only {} calls", calls.len()))?;
-    // Those of handlers are not in it, but what they push out of the caches is.
-    let most = calls.iter().max().copied().unwrap_or(u64::MAX) as f64;
-    let per_product = most / (812.0 * 104.0);
-    ensure(per_product <= MOST_CYCLES, || format!("{per_product:.2} cycles for each product"))?;
+    let mut found = Vec::new();
+    for skin in SKINS {
+        let patch = patches::shipped(skin)?;
+        link::upload(&mut link, &patch, |_| ())?;
+        link::tare(&mut link, 2, Duration::from_secs(20))?;
+        board.with(move |machine| machine.count_calls(function as u32));
+        let stream = link.subscribe(Selection { contacts: 1, ..Selection::default() })?;
+        rig.wait(Duration::from_millis(500))?;
+        stream.stop()?;
+        let calls = board.with(|machine| machine.calls());
+        ensure(calls.len() >= 3, || format!("only {} calls", calls.len()))?;
+        let header = PatchView::open(&patch).map_err(Failure::wrong)?.header;
+        let products = f64::from(header.pixels) * f64::from(header.measurements);
+        // Those of handlers are not in it, but what they push out of the caches is.
+        let most = calls.iter().max().copied().unwrap_or(u64::MAX) as f64;
+        found.push((most / products, most / 170e3, skin));
+    }
+    let (per_product, ms, skin) =
+        found.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
+    ensure(per_product <= MOST_CYCLES, || format!("{per_product:.2} cycles for each product of {skin}"))?;
     Ok(format!(
-        "at most {per_product:.2} cycles for each product, everything counted: {:.2} ms",
-        most / 170e3
+        "{:.2} to {per_product:.2} cycles for each product of {} skins, everything counted; at most {ms:.2} ms",
+        found.iter().map(|found| found.0).fold(f64::INFINITY, f64::min),
+        found.len()
     ))
 }
 
@@ -134,7 +146,7 @@ fn images(rig: &Rig) -> Result<String, Failure> {
         (patches::patch(64, true, 11), FRAMES / 2),
         (patches::patch(25, false, 12), FRAMES / 4),
         // Values that saturate take another way through the kernel.
-        (patches::with_exponents(33, true, 17, -12..18), FRAMES / 4),
+        (patches::with_exponents(33, true, 17, -18..12), FRAMES / 4),
     ];
     let mut compared = 0;
     for (patch, frames) in kinds {

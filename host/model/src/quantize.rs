@@ -1,15 +1,23 @@
 //! Quantize: the f64 reconstruction matrix -> fixed-point patch, with its error report.
 
-use crate::{model::Model, skin::Skin};
+use crate::{
+    interpolation::{Interpolated, Occurring},
+    model::Model,
+    skin::Skin,
+};
 use dermatome_geometry::{mesh::ElectrodeContact, sheet::ElectrodeModel};
 use dermatome_patch::{
+    matrix::FixedMatrix,
     tables::SurfaceTables,
     write::{Contents, Stored},
 };
 use dermatome_shared::{
     MAX_ELECTRODES, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS,
     calibration::Calibration,
-    patch::{PatchError, PatchHeader, PatchView},
+    patch::{
+        PatchError, PatchHeader, PatchView,
+        matrix::{INTERPOLATION_EXPONENT, MatrixLayout},
+    },
     reconstruct::reconstruct,
     reference::DifferenceData,
     surface::MAX_NEIGHBOURS,
@@ -19,31 +27,31 @@ use faer::{Col, Mat};
 use rand::{Rng, SeedableRng};
 use serde::Serialize;
 
-/// A matrix in fixed point: `entry = mantissa * 2^-exponent` of its row.
-#[derive(Clone, Debug, PartialEq)]
-pub struct QuantizedMatrix {
-    /// `[pixel][measurement]`, row major.
-    pub mantissas: Vec<i16>,
-    /// `[pixel]`.
-    pub exponents: Vec<i8>,
+/// Rounds a matrix `[pixel][measurement]` as its pixels are interpolated, each row with the finest exponent that fits.
+pub fn fixed_point(matrix: &Mat<f64>, interpolated: &Interpolated) -> Result<FixedMatrix, PatchBuildError> {
+    let (mut exponents, mut mantissas) = (Vec::new(), Vec::new());
+    for &pixel in &interpolated.order[..interpolated.from_data] {
+        let row: Vec<f64> = matrix.row(pixel).iter().copied().collect();
+        let largest = row.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
+        let finite = row.iter().all(|value| value.is_finite());
+        let exponent = finest_exponent(largest).filter(|_| finite);
+        let exponent = exponent.ok_or(PatchBuildError::Matrix { largest })?;
+        exponents.push(exponent);
+        mantissas.extend(row.iter().map(|value| rounded(*value, exponent)));
+    }
+    let mut fixed = FixedMatrix::from_data(exponents, &mantissas);
+    for step in &interpolated.steps {
+        let inputs: Vec<u16> = step.inputs.iter().map(|&position| position as u16).collect();
+        let weights = step.weights.row_iter().flat_map(|row| row.iter().copied().collect::<Vec<_>>());
+        let mantissas: Vec<i16> =
+            weights.map(|weight| rounded(weight, INTERPOLATION_EXPONENT as i8)).collect();
+        fixed.interpolate(&inputs, &mantissas);
+    }
+    Ok(fixed.in_order(&interpolated.order))
 }
 
-impl QuantizedMatrix {
-    /// Rounds each row to 16 bits with the finest exponent that fits.
-    pub fn new(matrix: &Mat<f64>) -> Result<Self, PatchBuildError> {
-        let mut mantissas = Vec::with_capacity(matrix.nrows() * matrix.ncols());
-        let mut exponents = Vec::with_capacity(matrix.nrows());
-        for i in 0..matrix.nrows() {
-            let largest = matrix.row(i).iter().fold(0.0, |max: f64, value| max.max(value.abs()));
-            let finite = matrix.row(i).iter().all(|value| value.is_finite());
-            let exponent = finest_exponent(largest).filter(|_| finite);
-            let exponent = exponent.ok_or(PatchBuildError::Matrix { largest })?;
-            let round = |value: &f64| (value * f64::from(exponent).exp2()).round() as i16;
-            mantissas.extend(matrix.row(i).iter().map(round));
-            exponents.push(exponent);
-        }
-        Ok(Self { mantissas, exponents })
-    }
+fn rounded(value: f64, exponent: i8) -> i16 {
+    (value * f64::from(exponent).exp2()).round() as i16
 }
 
 /// Largest exponent whose mantissas stay within 32,767; `None` if no i8 will do.
@@ -54,6 +62,11 @@ fn finest_exponent(largest: f64) -> Option<i8> {
     let exponent = (32_767.0 / largest).log2().floor();
     (-128.0..=127.0).contains(&exponent).then_some(exponent as i8)
 }
+
+/// Presses whose images a patch is sure to keep.
+const MOST_PRESSES: usize = 1024;
+/// Error of an image beyond which it has left the board's range, in per cent of its peak.
+const MOST_PERCENT: f64 = 1.0;
 
 /// Why a model does not make a patch.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -107,19 +120,45 @@ pub fn patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
 
 /// The same with this calibration.
 pub fn patch_with(skin: &Skin, model: &Model, stored: &Stored) -> Result<Vec<u8>, PatchBuildError> {
+    patch_for(skin, model, stored, &presses_of(model))
+}
+
+/// The patch of a model whose matrix was learnt: it keeps the images of data that the model does not know of.
+pub fn learnt_patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
+    let presses = Mat::zeros(model.conductivity_from_difference.ncols(), 0);
+    patch_for(skin, model, &Stored::curve(skin.calibration.clone()), &presses)
+}
+
+/// The patch that keeps the images of these presses, difference data `[measurement][press]`, and of noise.
+fn patch_for(
+    skin: &Skin,
+    model: &Model,
+    stored: &Stored,
+    presses: &Mat<f64>,
+) -> Result<Vec<u8>, PatchBuildError> {
     let surface = check_limits(model)?;
-    let QuantizedMatrix { mantissas, exponents } = QuantizedMatrix::new(&model.conductivity_from_difference)?;
+    let matrix = &model.conductivity_from_difference;
+    let data = Occurring { presses: presses.clone(), noise: model.relative_noise() };
+    let interpolated = Interpolated::new(matrix, &model.pixels.centres, &data);
     let contents = Contents {
         header: header(skin, model, &surface),
         steps: model.steps.clone(),
         combination: model.combination.clone(),
         surface,
-        exponents,
-        matrix: mantissas,
+        matrix: fixed_point(matrix, &interpolated)?,
     };
     contents.write(stored).map_err(|error| match error {
         PatchError::Range { field: "length", value: bytes, .. } => PatchBuildError::TooLong { bytes },
         error => PatchBuildError::Invalid(error),
+    })
+}
+
+/// Difference data of presses on single pixels, at most [`MOST_PRESSES`]: `[measurement][press]`.
+fn presses_of(model: &Model) -> Mat<f64> {
+    let (divisors, pixels) = (model.divisors(), model.jacobian.ncols());
+    let every = pixels.div_ceil(MOST_PRESSES).max(1);
+    Mat::from_fn(divisors.len(), pixels.div_ceil(every), |m, press| {
+        model.jacobian[(m, press * every)] / divisors[m]
     })
 }
 
@@ -158,6 +197,7 @@ fn header(skin: &Skin, model: &Model, tables: &SurfaceTables) -> PatchHeader {
         calibration: Calibration::default(),
         test_resistances: test_resistances(skin, model).map(|ohms| ohms as f32).collect(),
         play_operators: 0,
+        matrix: MatrixLayout::default(),
     }
 }
 
@@ -178,8 +218,6 @@ fn test_resistances(skin: &Skin, model: &Model) -> impl Iterator<Item = f64> {
 /// Error of the fixed-point image against f64, relative to the image's peak, in per cent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FixedPointError {
-    /// Largest error that rounding could ever cause on the images tried.
-    pub bound_percent: f64,
     /// Largest error over all pixels of the images tried.
     pub measured_percent: f64,
 }
@@ -187,8 +225,7 @@ pub struct FixedPointError {
 /// Tries the patch on the images of `trials` random presses: the difference data that one random
 /// pixel and some noise would give, from a fixed seed.
 ///
-/// An error beyond what rounding explains means that images leave the range of
-/// [`RelativeConductivity`].
+/// An error beyond [`MOST_PERCENT`] means that images leave the range of [`RelativeConductivity`].
 pub fn fixed_point_error(
     model: &Model,
     patch: &PatchView<'_>,
@@ -196,23 +233,21 @@ pub fn fixed_point_error(
 ) -> Result<FixedPointError, PatchBuildError> {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(1);
     let divisors = model.divisors();
-    let mut worst = FixedPointError::default();
+    let mut measured_percent = 0.0_f64;
     for _ in 0..trials {
         let pixel = random.random_range(0..model.jacobian.ncols());
         let strength = model.jacobian.col(pixel).iter().fold(0.0, |max: f64, j| max.max(j.abs()));
         let mut press = |m: usize| model.jacobian[(m, pixel)] + random.random_range(-0.01..0.01) * strength;
         let relative: Vec<f32> = (0..divisors.len()).map(|m| (press(m) / divisors[m]) as f32).collect();
-        let error = error_of_image(model, patch, &relative);
-        worst.bound_percent = worst.bound_percent.max(error.bound_percent);
-        worst.measured_percent = worst.measured_percent.max(error.measured_percent);
-        if error.measured_percent > error.bound_percent {
-            return Err(PatchBuildError::Overflow { percent: error.measured_percent });
-        }
+        measured_percent = measured_percent.max(error_of_image(model, patch, &relative));
     }
-    Ok(worst)
+    if measured_percent > MOST_PERCENT {
+        return Err(PatchBuildError::Overflow { percent: measured_percent });
+    }
+    Ok(FixedPointError { measured_percent })
 }
 
-fn error_of_image(model: &Model, patch: &PatchView<'_>, relative: &[f32]) -> FixedPointError {
+fn error_of_image(model: &Model, patch: &PatchView<'_>, relative: &[f32]) -> f64 {
     let matrix = &model.conductivity_from_difference;
     let exact = matrix * Col::from_fn(relative.len(), |m| f64::from(relative[m]));
     let mut data = DifferenceData::default();
@@ -221,27 +256,13 @@ fn error_of_image(model: &Model, patch: &PatchView<'_>, relative: &[f32]) -> Fix
     reconstruct(patch, &data, &mut image);
     let peak = exact.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
     let errors = image.iter().zip(exact.iter()).map(|(fixed, exact)| (fixed.to_f64() - exact).abs());
-    let bound = (0..matrix.nrows())
-        .zip(patch.rows())
-        .map(|(pixel, (_, exponent))| bound(matrix.row(pixel).iter(), exponent, relative, data.exponent));
-    FixedPointError {
-        bound_percent: 100.0 * bound.fold(0.0, f64::max) / peak,
-        measured_percent: 100.0 * errors.fold(0.0, f64::max) / peak,
-    }
-}
-
-/// The bound of [`dermatome_shared::reconstruct`].
-fn bound<'a>(row: impl Iterator<Item = &'a f64>, exponent: i8, data: &[f32], data_exponent: i32) -> f64 {
-    let row_half_step = (-f64::from(exponent) - 1.0).exp2();
-    let data_half_step = (-f64::from(data_exponent) - 1.0).exp2();
-    let data_sum: f64 = data.iter().map(|y| f64::from(y.abs())).sum();
-    let row_sum: f64 = row.map(|c| c.abs() + row_half_step).sum();
-    row_half_step * data_sum + data_half_step * row_sum + 0.5 / RelativeConductivity::ONE
+    100.0 * errors.fold(0.0, f64::max) / peak
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dermatome_shared::patch::matrix::coefficient_index;
     use proptest::prelude::*;
 
     proptest! {
@@ -251,13 +272,14 @@ mod tests {
             scale in prop::array::uniform3(-20..20_i32),
         ) {
             let matrix = Mat::from_fn(3, 4, |i, j| values[4 * i + j] * f64::from(scale[i]).exp2());
-            let quantized = QuantizedMatrix::new(&matrix).unwrap();
+            let fixed = fixed_point(&matrix, &Interpolated::none(3)).unwrap();
+            let tables = fixed.tables();
             for i in 0..3 {
-                let step = (-f64::from(quantized.exponents[i])).exp2();
+                let step = (-f64::from(tables.exponents[i])).exp2();
                 let largest = matrix.row(i).iter().fold(0.0, |max: f64, v| max.max(v.abs()));
                 prop_assert!(step <= largest / 16_383.0 || largest == 0.0);
                 for j in 0..4 {
-                    let back = f64::from(quantized.mantissas[4 * i + j]) * step;
+                    let back = f64::from(tables.mantissas[coefficient_index(4, i, j)]) * step;
                     prop_assert!((back - matrix[(i, j)]).abs() <= 0.5 * step);
                 }
             }
@@ -268,13 +290,14 @@ mod tests {
     fn a_matrix_that_fixed_point_cannot_hold_is_refused() {
         for value in [f64::NAN, f64::INFINITY, 1e60, 1e-60] {
             let matrix = Mat::from_fn(1, 2, |_, j| if j == 0 { value } else { 0.0 });
-            assert!(matches!(QuantizedMatrix::new(&matrix), Err(PatchBuildError::Matrix { .. })), "{value}");
+            let refused = fixed_point(&matrix, &Interpolated::none(1));
+            assert!(matches!(refused, Err(PatchBuildError::Matrix { .. })), "{value}");
         }
     }
 
     #[test]
     fn a_row_of_zeros_stays_zero() {
-        let quantized = QuantizedMatrix::new(&Mat::zeros(1, 3)).unwrap();
-        assert_eq!(quantized.mantissas, [0, 0, 0]);
+        let fixed = fixed_point(&Mat::zeros(1, 3), &Interpolated::none(1)).unwrap();
+        assert!(fixed.tables().mantissas.iter().all(|&mantissa| mantissa == 0));
     }
 }

@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 pub mod layout;
+pub mod matrix;
 #[cfg(feature = "files")]
 pub mod output;
 pub mod pose;

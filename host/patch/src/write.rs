@@ -1,6 +1,6 @@
 //! Write: the one place where a patch becomes bytes.
 
-use crate::tables::SurfaceTables;
+use crate::{matrix::FixedMatrix, tables::SurfaceTables};
 use dermatome_shared::{
     calibration::Calibration,
     hysteresis::PlayOperator,
@@ -8,8 +8,8 @@ use dermatome_shared::{
     stimulation::Step,
 };
 
-/// Header and tables stay below this; the rest of a patch is its matrix.
-const TABLE_BYTES: usize = 48 * 1024;
+/// Header and tables stay below this; the rest of a patch are its mantissas.
+const TABLE_BYTES: usize = 64 * 1024;
 
 /// What `calibrate` stores in a patch, so that another patch of the same skin can have it too.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -53,10 +53,8 @@ pub struct Contents {
     pub combination: Vec<CombinedInto>,
     /// Where the pixels lie.
     pub surface: SurfaceTables,
-    /// Exponents of the matrix rows: `[pixel]`.
-    pub exponents: Vec<i8>,
-    /// Mantissas, -32,767 to 32,767: `[pixel][measurement]`.
-    pub matrix: Vec<i16>,
+    /// The reconstruction matrix.
+    pub matrix: FixedMatrix,
 }
 
 impl Contents {
@@ -64,14 +62,12 @@ impl Contents {
     #[must_use]
     pub fn read(patch: &PatchView<'_>) -> Self {
         let (steps, combination) = patch.steps().zip(patch.combination()).unzip();
-        let mantissas = patch.matrix().chunks_exact(2).map(|pair| i16::from_le_bytes([pair[0], pair[1]]));
         Self {
             header: patch.header.clone(),
             steps,
             combination,
             surface: SurfaceTables::read(patch),
-            exponents: patch.exponents().iter().map(|&byte| i8::from_le_bytes([byte])).collect(),
-            matrix: mantissas.collect(),
+            matrix: FixedMatrix::read(&patch.matrix()),
         }
     }
 
@@ -85,10 +81,9 @@ impl Contents {
             combination: &self.combination,
             pixels: &self.surface.pixels,
             neighbours: &self.surface.neighbours,
-            exponents: &self.exponents,
-            matrix: &self.matrix,
+            matrix: self.matrix.tables(),
         };
-        let mut bytes = vec![0; TABLE_BYTES + 2 * self.matrix.len()];
+        let mut bytes = vec![0; TABLE_BYTES + 2 * contents.matrix.mantissas.len()];
         let length = contents.write(&mut bytes).expect("the buffer holds the tables");
         bytes.truncate(length);
         PatchView::validate(&bytes)?;
@@ -97,11 +92,12 @@ impl Contents {
 
     /// The header with the counts of the tables.
     fn header(&self, stored: &Stored) -> PatchHeader {
-        let pixels = self.surface.pixels.len();
+        let measurements = self.combination.iter().map(|target| target.measurement + 1).max();
         PatchHeader {
             steps: self.steps.len() as u16,
-            measurements: self.matrix.len().checked_div(pixels).unwrap_or(0) as u16,
-            pixels: pixels as u16,
+            measurements: measurements.unwrap_or(0),
+            pixels: self.surface.pixels.len() as u16,
+            matrix: self.matrix.tables().layout(),
             neighbours: self.surface.neighbours.len() as u16,
             calibration: stored.curve.clone(),
             play_operators: stored.play_operators.len() as u8,
@@ -119,5 +115,5 @@ pub fn with_calibration(bytes: &[u8], stored: &Stored) -> Result<Vec<u8>, PatchE
 #[must_use]
 pub fn have_same_matrix(a: &PatchView<'_>, b: &PatchView<'_>) -> bool {
     let is_same_combination = || a.steps().eq(b.steps()) && a.combination().eq(b.combination());
-    a.matrix() == b.matrix() && a.exponents() == b.exponents() && is_same_combination()
+    a.matrix() == b.matrix() && is_same_combination()
 }

@@ -3,6 +3,7 @@
 
 use dermatome::{
     link::{Link, LinkError, Port},
+    patch::matrix::FixedMatrix,
     simulate::{
         board::{BoardOptions, Pace, SimulatedBoard},
         instrument::{Instrument, ScanTable},
@@ -13,7 +14,7 @@ use dermatome_shared::{
     drive::Drive,
     frame::Frame,
     image::{Geometry, PixelGrid},
-    patch::{CombinedInto, Difference, PatchContents, PatchHeader},
+    patch::{CombinedInto, Difference, PatchContents, PatchHeader, matrix::MatrixLayout},
     protocol::{
         self, BoardPacket, Identity, Info, MAX_PACKET_BYTES, PacketReader, Reply, Request, RequestPacket,
         Selection, Version, encode,
@@ -66,11 +67,14 @@ pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32
         calibration: Calibration::default(),
         test_resistances: Default::default(),
         play_operators: 0,
+        matrix: MatrixLayout::default(),
     };
     let mut matrix = vec![0; pixels * steps.len()];
     for pixel in 0..pixels {
         matrix[pixel * steps.len() + pixel] = 1 << 14;
     }
+    let matrix = FixedMatrix::from_data(vec![14; pixels], &matrix);
+    let header = PatchHeader { matrix: matrix.tables().layout(), ..header };
     let contents = PatchContents {
         play_operators: &[],
         header: &header,
@@ -78,8 +82,7 @@ pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32
         combination: &combination,
         pixels: &places,
         neighbours: &neighbours,
-        exponents: &vec![14; pixels],
-        matrix: &matrix,
+        matrix: matrix.tables(),
     };
     let mut out = vec![0; 192 * 1024];
     let length = contents.write(&mut out).unwrap();

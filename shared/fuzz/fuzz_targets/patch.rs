@@ -24,7 +24,8 @@ fuzz_target!(|input: Input| {
     let bytes =
         if input.from_valid { damage(small_patch(), input.bytes) } else { repair(input.bytes.to_vec()) };
     let Ok(patch) = PatchView::validate(&bytes) else { return };
-    assert_eq!(patch.rows().count(), usize::from(patch.header.pixels));
+    let rows: usize = patch.matrix().rows().map(|rows| rows.count).sum();
+    assert_eq!(rows, usize::from(patch.header.pixels));
     let steps = patch.header.steps.into();
     let mut state = PipelineState::default();
     state.start_tare(2);

@@ -5,7 +5,10 @@ use dermatome_shared::{
     drive::Drive,
     frame::Frame,
     image::{Geometry, PixelGrid},
-    patch::{CRC32, CombinedInto, Difference, PatchContents, PatchHeader},
+    patch::{
+        CRC32, CombinedInto, Difference, PatchContents, PatchHeader,
+        matrix::{Interpolation, MatrixTables, coefficient_index},
+    },
     stimulation::{Driven, Step, pattern},
     units::{AdcCode, RelativeConductivity},
 };
@@ -20,6 +23,21 @@ pub fn small_patch() -> Vec<u8> {
     let grid = PixelGrid { columns: 2, rows: 2, pitch: 0.01, left: -0.01, top: 0.01 };
     let geometry = Geometry::first_cells(grid, 4);
     let (pixels, neighbours) = geometry.tables();
+    let mut mantissas = [0; 4 * 4 + 4 * 4];
+    let rows = [[1 << 14, 0], [0, 1 << 14], [i16::MAX, -i16::MAX]];
+    for (row, column) in (0..3).flat_map(|row| [(row, 0), (row, 1)]) {
+        mantissas[coefficient_index(4, row, column)] = rows[row][column];
+    }
+    for (column, mantissa) in [i16::MAX, 77, -5, i16::MIN].into_iter().enumerate() {
+        mantissas[16 + coefficient_index(4, 0, column)] = mantissa;
+    }
+    let matrix = MatrixTables {
+        exponents: &[14, 3, -3],
+        positions: &[2, 0, 3, 1],
+        interpolations: &[Interpolation { inputs: 4, outputs: 1 }],
+        inputs: &[0, 2, 1, 0],
+        mantissas: &mantissas,
+    };
     let header = PatchHeader {
         skin: "fuzz".try_into().unwrap(),
         electrodes: 4,
@@ -36,6 +54,7 @@ pub fn small_patch() -> Vec<u8> {
         calibration: Calibration::default(),
         test_resistances: Default::default(),
         play_operators: 0,
+        matrix: matrix.layout(),
     };
     let contents = PatchContents {
         play_operators: &[],
@@ -44,8 +63,7 @@ pub fn small_patch() -> Vec<u8> {
         combination: &combination,
         pixels: &pixels,
         neighbours: &neighbours,
-        exponents: &[14, 14, 3, -3],
-        matrix: &[1 << 14, 0, 0, 1 << 14, i16::MAX, -i16::MAX, 77, -5],
+        matrix,
     };
     let mut out = vec![0; 1024];
     let length = contents.write(&mut out).unwrap();

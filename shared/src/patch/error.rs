@@ -81,11 +81,24 @@ pub enum PatchError {
         /// Index of the measurement.
         measurement: usize,
     },
-    /// A matrix mantissa is -32,768, which the exact accumulation excludes.
-    #[error("patch matrix holds -32768 in the row of pixel {pixel}")]
-    Mantissa {
+    /// A pixel's position is another's too, or does not exist.
+    #[error("patch gives pixel {pixel} a position that another has or none can have")]
+    Position {
         /// Index of the pixel.
         pixel: usize,
+    },
+    /// An interpolation takes pixels that are not known yet, or too many, or makes none; the number of
+    /// interpolations if they do not make all pixels, or leave inputs or mantissas over.
+    #[error("patch interpolation {interpolation} does not go from known pixels to the next ones")]
+    Interpolation {
+        /// Index of the interpolation.
+        interpolation: usize,
+    },
+    /// A row of the matrix could overflow 32 bits.
+    #[error("patch matrix row {row} has mantissas whose products could overflow")]
+    Row {
+        /// Position of the row.
+        row: usize,
     },
     /// A pixel without area or normal, or with a neighbour that does not exist; the number of pixels if
     /// entries are left over behind the last list.

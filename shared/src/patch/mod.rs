@@ -12,16 +12,20 @@
 //! ..      12 * pixels         where the pixels lie, see [`crate::image::surface`]
 //! ..      2 * neighbours      lists of neighbouring pixels
 //! ..      4 * operators       play operators of the hysteresis model: threshold and weight, u16 each
-//! ..      pixels              exponents of the matrix rows, i8
-//! ..      2 * pixels * meas.  reconstruction matrix, i16, [pixel][measurement]
+//! ..      from_data           exponents of the matrix' rows that meet data, i8
+//! ..      2 * pixels          position of each pixel, u16, see [`matrix`]
+//! ..      4 * interpolations  inputs and outputs of each interpolation, u16 each
+//! ..      2 * inputs          positions that the interpolations take, u16
+//! ..      2 * mantissas       reconstruction matrix, i16, see [`matrix::coefficient_index`]
 //! ..      4                   CRC-32 (ISO-HDLC) of all bytes before it
 //! ```
 //!
-//! A matrix entry is `mantissa * 2^-exponent`. Up to three zeros behind the header let the matrix start
-//! at a multiple of four, where a board reads it fastest; a reader needs none. [`PatchView`] reads a patch in place, from flash or
-//! from a file; [`PatchContents::write`] is its inverse.
+//! A matrix entry is `mantissa * 2^-exponent`. Up to seven zeros behind the header let the mantissas start
+//! at a multiple of eight, where a board reads them fastest; a reader needs none. [`PatchView`] reads a patch in
+//! place, from flash or from a file; [`PatchContents::write`] is its inverse.
 
 mod error;
+pub mod matrix;
 mod play_operators;
 
 use crate::{
@@ -40,19 +44,20 @@ use crate::{
 use crc::{CRC_32_ISO_HDLC, Crc};
 pub use error::PatchError;
 use heapless::{String, Vec};
+use matrix::{Matrix, MatrixLayout, MatrixTables};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 /// First bytes of every patch.
 pub const MAGIC: [u8; 4] = *b"DSKP";
 /// Version of the layout above.
-pub const FORMAT_VERSION: u16 = 4;
+pub const FORMAT_VERSION: u16 = 5;
 /// Checksum of patches and packets.
 pub const CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 const PREFIX_BYTES: usize = 12;
-/// The matrix starts at a multiple of this.
-const MATRIX_ALIGNMENT: usize = 4;
+/// The mantissas start at a multiple of this: of what the flash reads at once.
+const MATRIX_ALIGNMENT: usize = 8;
 const CRC_BYTES: usize = 4;
 const FLIPPED: u16 = 0x8000;
 
@@ -101,6 +106,8 @@ pub struct PatchHeader {
     // Its name in reports stays.
     #[serde(rename = "plays")]
     pub play_operators: u8,
+    /// How large the parts of the matrix are.
+    pub matrix: MatrixLayout,
 }
 
 /// Where one step's code goes: the measurement it adds to, or subtracts from.
@@ -136,10 +143,8 @@ pub struct PatchContents<'a> {
     pub pixels: &'a [Pixel],
     /// Neighbours of all pixels, list after list.
     pub neighbours: &'a [u16],
-    /// Exponents of the matrix rows: `[pixel]`.
-    pub exponents: &'a [i8],
-    /// Mantissas, -32,767 to 32,767: `[pixel][measurement]`.
-    pub matrix: &'a [i16],
+    /// The reconstruction matrix.
+    pub matrix: MatrixTables<'a>,
     /// Play operators of the hysteresis model.
     pub play_operators: &'a [PlayOperator],
 }
@@ -163,8 +168,8 @@ impl PatchContents<'_> {
         self.pixels.iter().try_for_each(|pixel| put(&pixel.to_bytes()))?;
         self.neighbours.iter().try_for_each(|pixel| put(&pixel.to_le_bytes()))?;
         self.play_operators.iter().try_for_each(|operator| put(&operator.to_bytes()))?;
-        self.exponents.iter().try_for_each(|exponent| put(&exponent.to_le_bytes()))?;
-        self.matrix.iter().try_for_each(|mantissa| put(&mantissa.to_le_bytes()))?;
+        self.matrix.put(&mut put)?;
+        self.matrix.mantissas.iter().try_for_each(|mantissa| put(&mantissa.to_le_bytes()))?;
         let total = end + CRC_BYTES;
         out.get_mut(..4)?.copy_from_slice(&MAGIC);
         out.get_mut(4..6)?.copy_from_slice(&FORMAT_VERSION.to_le_bytes());
@@ -177,14 +182,7 @@ impl PatchContents<'_> {
 
     /// The header's length with the zeros that align the matrix.
     fn align_matrix(&self, header_bytes: usize) -> usize {
-        let surface = PIXEL_BYTES * self.pixels.len() + NEIGHBOUR_BYTES * self.neighbours.len();
-        let play_operators = PLAY_OPERATOR_BYTES * self.play_operators.len();
-        let tables = 4 * self.steps.len()
-            + 2 * self.combination.len()
-            + surface
-            + play_operators
-            + self.exponents.len();
-        let before = PREFIX_BYTES + tables;
+        let before = PREFIX_BYTES + table_sizes(self.header)[..TABLES].iter().sum::<usize>();
         (before + header_bytes).next_multiple_of(MATRIX_ALIGNMENT) - before
     }
 }
@@ -207,8 +205,7 @@ pub struct PatchView<'a> {
     combination: &'a [u8],
     pixels: &'a [u8],
     neighbours: &'a [u8],
-    exponents: &'a [u8],
-    matrix: &'a [u8],
+    matrix: Matrix<'a>,
     play_operators: &'a [u8],
 }
 
@@ -222,6 +219,7 @@ impl<'a> PatchView<'a> {
         }
         view.check_counts()?;
         view.check_tables()?;
+        view.matrix.check()?;
         view.check_play_operators()?;
         Ok(view)
     }
@@ -273,9 +271,14 @@ impl<'a> PatchView<'a> {
         let (combination, tables) = tables.split_at(sizes[1]);
         let (pixels, tables) = tables.split_at(sizes[2]);
         let (neighbours, tables) = tables.split_at(sizes[3]);
-        let (play_operators, exponents) = tables.split_at(sizes[4]);
-        let matrix = bytes.get(start..start + sizes[TABLES]).unwrap_or_default();
-        Ok(Self { header, bytes, steps, combination, pixels, neighbours, play_operators, exponents, matrix })
+        let (play_operators, tables) = tables.split_at(sizes[4]);
+        let (exponents, tables) = tables.split_at(sizes[5]);
+        let (positions, tables) = tables.split_at(sizes[6]);
+        let (interpolations, inputs) = tables.split_at(sizes[7]);
+        let mantissas = bytes.get(start..start + sizes[TABLES]).unwrap_or_default();
+        let tables = [exponents, positions, interpolations, inputs, mantissas];
+        let matrix = Matrix::new(header.measurements, tables);
+        Ok(Self { header, bytes, steps, combination, pixels, neighbours, play_operators, matrix })
     }
 
     /// All bytes of the patch.
@@ -307,23 +310,10 @@ impl<'a> PatchView<'a> {
         Surface::new(self.header.surface, self.pixels, self.neighbours)
     }
 
-    /// Exponents of the matrix' rows, `i8`: `[pixel]`.
+    /// The reconstruction matrix.
     #[must_use]
-    pub fn exponents(&self) -> &'a [u8] {
-        self.exponents
-    }
-
-    /// The matrix, little-endian `i16`: `[pixel][measurement]`.
-    #[must_use]
-    pub fn matrix(&self) -> &'a [u8] {
+    pub fn matrix(&self) -> Matrix<'a> {
         self.matrix
-    }
-
-    /// Rows of the matrix with their exponents: `[pixel]` of little-endian i16 `[measurement]`.
-    pub fn rows(&self) -> impl Iterator<Item = (&'a [u8], i8)> + use<'a> {
-        let row_bytes = 2 * usize::from(self.header.measurements.max(1));
-        let exponents = self.exponents.iter().map(|&byte| i8::from_le_bytes([byte]));
-        self.matrix.chunks_exact(row_bytes).zip(exponents)
     }
 
     fn check_counts(&self) -> Result<(), PatchError> {
@@ -341,6 +331,7 @@ impl<'a> PatchView<'a> {
         range("measurements", header.measurements.into(), 1, MAX_MEASUREMENTS)?;
         range("pixels", header.pixels.into(), 1, MAX_PIXELS)?;
         range("neighbours", header.neighbours.into(), 0, MAX_NEIGHBOURS)?;
+        range("matrix.from_data", header.matrix.from_data.into(), 1, header.pixels.into())?;
         let positive = |field, value: f32| {
             if value.is_finite() && value > 0.0 { Ok(()) } else { Err(PatchError::NotPositive { field }) }
         };
@@ -379,12 +370,7 @@ impl<'a> PatchView<'a> {
         if let Some(measurement) = covered[..measurements].iter().position(|&covered| !covered) {
             return Err(PatchError::Combination { measurement });
         }
-        self.surface().check()?;
-        let holds_min = |row: &[u8]| row.chunks_exact(2).any(|b| b == i16::MIN.to_le_bytes());
-        match self.rows().position(|(row, _)| holds_min(row)) {
-            Some(pixel) => Err(PatchError::Mantissa { pixel }),
-            None => Ok(()),
-        }
+        Ok(self.surface().check()?)
     }
 }
 
@@ -403,16 +389,25 @@ fn lengths(bytes: &[u8]) -> Result<(usize, usize), PatchError> {
 }
 
 /// Tables before the matrix.
-const TABLES: usize = 6;
+const TABLES: usize = 9;
 
-/// Bytes of the tables, the matrix last.
+/// Bytes of the tables, the mantissas last.
 fn table_sizes(header: &PatchHeader) -> [usize; TABLES + 1] {
-    let [steps, measurements, pixels, neighbours] =
-        [header.steps, header.measurements, header.pixels, header.neighbours].map(usize::from);
-    // Products of two u16, doubled: at most 2^33, so they are computed saturating for 32-bit boards.
-    let matrix = pixels.saturating_mul(measurements).saturating_mul(2).min(u32::MAX as usize / 2);
+    let [steps, pixels, neighbours] = [header.steps, header.pixels, header.neighbours].map(usize::from);
     let play_operators = PLAY_OPERATOR_BYTES * usize::from(header.play_operators);
-    [4 * steps, 2 * steps, PIXEL_BYTES * pixels, NEIGHBOUR_BYTES * neighbours, play_operators, pixels, matrix]
+    let [exponents, positions, interpolations, inputs, mantissas] = header.matrix.sizes(header.pixels);
+    [
+        4 * steps,
+        2 * steps,
+        PIXEL_BYTES * pixels,
+        NEIGHBOUR_BYTES * neighbours,
+        play_operators,
+        exponents,
+        positions,
+        interpolations,
+        inputs,
+        mantissas,
+    ]
 }
 
 #[cfg(test)]

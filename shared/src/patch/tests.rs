@@ -1,4 +1,7 @@
-use super::*;
+use super::{
+    matrix::{GROUP, INTERPOLATION_EXPONENT, Interpolation, coefficient_index},
+    *,
+};
 use crate::{
     drive::stimulation::{Driven, pattern},
     frame::Frame,
@@ -6,6 +9,99 @@ use crate::{
     units::AdcCode,
 };
 use proptest::prelude::*;
+
+/// A matrix whose parts a test can look at.
+#[derive(Clone)]
+pub(crate) struct TestMatrix {
+    exponents: std::vec::Vec<i8>,
+    pub(crate) positions: std::vec::Vec<u16>,
+    interpolations: std::vec::Vec<Interpolation>,
+    inputs: std::vec::Vec<u16>,
+    mantissas: std::vec::Vec<i16>,
+    columns: usize,
+}
+
+impl TestMatrix {
+    /// All pixels from the data, one exponent for all: `rows[pixel][measurement]`.
+    pub(crate) fn dense(exponent: i8, rows: &[std::vec::Vec<i16>]) -> Self {
+        let columns = rows[0].len().next_multiple_of(GROUP);
+        let mut mantissas = std::vec![0; rows.len().next_multiple_of(GROUP) * columns];
+        for (row, values) in rows.iter().enumerate() {
+            for (column, value) in values.iter().enumerate() {
+                mantissas[coefficient_index(columns, row, column)] = *value;
+            }
+        }
+        Self {
+            exponents: std::vec![exponent; rows.len()],
+            positions: (0..rows.len() as u16).collect(),
+            interpolations: std::vec::Vec::new(),
+            inputs: std::vec::Vec::new(),
+            mantissas,
+            columns,
+        }
+    }
+
+    /// Nine pixels, six of them from 40 measurements; entries in proportion to the seeds, from -1 to 1.
+    pub(crate) fn new(seeds: &[f64], scales: &[i32; 6]) -> Self {
+        let mut seeds = seeds.iter();
+        let mut next = |factor: f64| (seeds.next().unwrap() * factor) as i16;
+        let rows: std::vec::Vec<_> = (0..6).map(|_| (0..40).map(|_| next(1638.0)).collect()).collect();
+        let mut mantissas = Self::dense(0, &rows).mantissas;
+        for (inputs, outputs, most) in [(4, 2, 4096.0), (8, 1, 2048.0)] {
+            let start = mantissas.len();
+            mantissas.resize(start + inputs * GROUP, 0);
+            for (row, column) in (0..outputs).flat_map(|row| (0..inputs).map(move |column| (row, column))) {
+                mantissas[start + coefficient_index(inputs, row, column)] = next(most);
+            }
+        }
+        Self {
+            exponents: scales.iter().map(|scale| 12 + *scale as i8).collect(),
+            positions: std::vec![8, 0, 3, 4, 1, 7, 2, 6, 5],
+            interpolations: std::vec![
+                Interpolation { inputs: 4, outputs: 2 },
+                Interpolation { inputs: 8, outputs: 1 }
+            ],
+            inputs: std::vec![5, 1, 0, 3, 0, 1, 2, 3, 4, 5, 0, 1],
+            mantissas,
+            columns: 40,
+        }
+    }
+
+    pub(crate) fn tables(&self) -> MatrixTables<'_> {
+        MatrixTables {
+            exponents: &self.exponents,
+            positions: &self.positions,
+            interpolations: &self.interpolations,
+            inputs: &self.inputs,
+            mantissas: &self.mantissas,
+        }
+    }
+
+    /// In f64: the pixels' values in the order in which they are known.
+    pub(crate) fn apply(&self, data: &[f64], known: &mut std::vec::Vec<f64>) {
+        let entry = |start: usize, columns, row, column| {
+            f64::from(self.mantissas[start + coefficient_index(columns, row, column)])
+        };
+        for (row, exponent) in self.exponents.iter().enumerate() {
+            let products = data.iter().enumerate().map(|(m, value)| entry(0, self.columns, row, m) * value);
+            known.push(products.sum::<f64>() * 2_f64.powi(-i32::from(*exponent)));
+        }
+        let mut start = self.exponents.len().next_multiple_of(GROUP) * self.columns;
+        let mut inputs = &self.inputs[..];
+        for interpolation in &self.interpolations {
+            let columns = usize::from(interpolation.inputs);
+            let (own, later) = inputs.split_at(columns);
+            let values: std::vec::Vec<_> = own.iter().map(|&position| known[usize::from(position)]).collect();
+            for row in 0..usize::from(interpolation.outputs) {
+                let sum: f64 =
+                    values.iter().enumerate().map(|(i, value)| entry(start, columns, row, i) * value).sum();
+                known.push(sum / f64::from(1 << INTERPOLATION_EXPONENT));
+            }
+            start += usize::from(interpolation.outputs).next_multiple_of(GROUP) * columns;
+            inputs = later;
+        }
+    }
+}
 
 /// A patch of 8 electrodes, 2 x 2 pixels, whose pixel p reads measurement p.
 pub(crate) fn small_patch(difference: Difference) -> std::vec::Vec<u8> {
@@ -27,18 +123,33 @@ pub(crate) fn reciprocal_patch() -> std::vec::Vec<u8> {
     let steps: std::vec::Vec<_> = patch.steps().collect();
     let measurements = steps.len() as u16 / 2;
     let target = |step| CombinedInto { measurement: step / 2, flipped: step % 2 == 1 };
-    let (pixels, neighbours) = square(2).tables();
+    let matrix = TestMatrix::dense(14, &std::vec![std::vec![0; measurements.into()]; 4]);
+    let header = PatchHeader { measurements, ..patch.header };
+    let combination: std::vec::Vec<_> = (0..2 * measurements).map(target).collect();
+    bytes_of(header, &steps, &combination, &[], 2, &matrix)
+}
+
+/// All tables as bytes.
+fn bytes_of(
+    header: PatchHeader,
+    steps: &[Step],
+    combination: &[CombinedInto],
+    play_operators: &[PlayOperator],
+    across: u8,
+    matrix: &TestMatrix,
+) -> std::vec::Vec<u8> {
+    let (pixels, neighbours) = square(across).tables();
+    let header = PatchHeader { matrix: matrix.tables().layout(), ..header };
     let contents = PatchContents {
-        play_operators: &[],
-        header: &PatchHeader { measurements, ..patch.header },
-        steps: &steps,
-        combination: &(0..2 * measurements).map(target).collect::<std::vec::Vec<_>>(),
+        play_operators,
+        header: &header,
+        steps,
+        combination,
         pixels: &pixels,
         neighbours: &neighbours,
-        exponents: &[14; 4],
-        matrix: &std::vec![0; 4 * usize::from(measurements)],
+        matrix: matrix.tables(),
     };
-    let mut out = std::vec![0; 8192];
+    let mut out = std::vec![0; 16_384];
     let length = contents.write(&mut out).unwrap();
     out.truncate(length);
     out
@@ -50,22 +161,7 @@ fn rewritten(header: &PatchHeader, play_operators: &[PlayOperator]) -> std::vec:
     let patch = PatchView::validate(&bytes).unwrap();
     let (steps, combination): (std::vec::Vec<_>, std::vec::Vec<_>) =
         patch.steps().zip(patch.combination()).unzip();
-    let halves = patch.matrix().chunks_exact(2).map(|b| i16::from_le_bytes([b[0], b[1]]));
-    let (pixels, neighbours) = square(2).tables();
-    let contents = PatchContents {
-        play_operators,
-        header,
-        steps: &steps,
-        combination: &combination,
-        pixels: &pixels,
-        neighbours: &neighbours,
-        exponents: &patch.exponents().iter().map(|&byte| byte as i8).collect::<std::vec::Vec<_>>(),
-        matrix: &halves.collect::<std::vec::Vec<_>>(),
-    };
-    let mut out = std::vec![0; 8192];
-    let length = contents.write(&mut out).unwrap();
-    out.truncate(length);
-    out
+    bytes_of(header.clone(), &steps, &combination, play_operators, 2, &diagonal(2, 1 << 14))
 }
 
 /// As the small patch, with operators against hysteresis and a straight calibration: 100 kPa for each 1.
@@ -89,20 +185,34 @@ fn square(across: u8) -> Geometry {
 }
 
 fn written(difference: Difference, across: u8, mantissa: i16) -> std::vec::Vec<u8> {
+    patch_with_matrix(difference, across, &diagonal(across, mantissa))
+}
+
+/// 40 measurements, of which each pixel reads one.
+fn diagonal(across: u8, mantissa: i16) -> TestMatrix {
+    let row = |pixel: usize| (0..40).map(|m| if m == pixel % 40 { mantissa } else { 0 }).collect();
+    let rows: std::vec::Vec<_> = (0..usize::from(across) * usize::from(across)).map(row).collect();
+    TestMatrix::dense(14, &rows)
+}
+
+/// As the small patch, with a square of pixels and another matrix.
+pub(crate) fn patch_with_matrix(
+    difference: Difference,
+    across: u8,
+    matrix: &TestMatrix,
+) -> std::vec::Vec<u8> {
     let steps: std::vec::Vec<_> = pattern(8, 1, 1, Driven::Skipped).collect();
     let combination: std::vec::Vec<_> =
         (0..steps.len() as u16).map(|measurement| CombinedInto { measurement, flipped: false }).collect();
-    let pixels = usize::from(across) * usize::from(across);
     let geometry = square(across);
-    let (places, neighbours) = geometry.tables();
     let header = PatchHeader {
         skin: String::try_from("small").unwrap(),
         electrodes: 8,
         steps: steps.len() as u16,
         measurements: steps.len() as u16,
-        pixels: pixels as u16,
+        pixels: u16::from(across) * u16::from(across),
         difference,
-        neighbours: neighbours.len() as u16,
+        neighbours: geometry.tables().1.len() as u16,
         surface: geometry.scale(),
         grid: Some(geometry.grid),
         drive: Drive::new(50e3, 1e-3, 50.0),
@@ -111,25 +221,9 @@ fn written(difference: Difference, across: u8, mantissa: i16) -> std::vec::Vec<u
         calibration: Calibration::default(),
         test_resistances: Default::default(),
         play_operators: 0,
+        matrix: MatrixLayout::default(),
     };
-    let mut matrix = std::vec![0; pixels * steps.len()];
-    for pixel in 0..pixels {
-        matrix[pixel * steps.len() + pixel % steps.len()] = mantissa;
-    }
-    let contents = PatchContents {
-        play_operators: &[],
-        header: &header,
-        steps: &steps,
-        combination: &combination,
-        pixels: &places,
-        neighbours: &neighbours,
-        exponents: &std::vec![14; pixels],
-        matrix: &matrix,
-    };
-    let mut out = std::vec![0; 8192];
-    let length = contents.write(&mut out).unwrap();
-    out.truncate(length);
-    out
+    bytes_of(header, &steps, &combination, &[], across, matrix)
 }
 
 /// A frame of the small patch in which every code is `value`.
@@ -154,17 +248,62 @@ fn a_written_patch_reads_back() {
         patch.steps().collect::<std::vec::Vec<_>>(),
         pattern(8, 1, 1, Driven::Skipped).collect::<std::vec::Vec<_>>()
     );
-    assert_eq!(patch.rows().count(), 4);
-    let (row, exponent) = patch.rows().nth(2).unwrap();
-    assert_eq!((exponent, i16::from_le_bytes([row[4], row[5]])), (14, 1 << 14));
+    let rows = patch.matrix().rows().next().unwrap();
+    let third = 2 * coefficient_index(rows.columns, 2, 2);
+    assert_eq!((rows.count, rows.columns, patch.matrix().exponents().nth(2)), (4, 40, Some(14)));
+    assert_eq!(rows.mantissas[third..third + 2], (1_i16 << 14).to_le_bytes());
 }
 
 #[test]
-fn the_matrix_starts_at_a_multiple_of_four() {
+fn every_mantissa_has_a_place_of_its_own_and_words_of_four_rows_lie_together() {
+    let mut places: std::vec::Vec<_> =
+        (0..8).flat_map(|row| (0..12).map(move |column| coefficient_index(12, row, column))).collect();
+    assert_eq!(places[..4], [0, 1, 8, 9]);
+    assert_eq!(places[12..14], [2, 3]);
+    places.sort_unstable();
+    assert_eq!(places, (0..96).collect::<std::vec::Vec<_>>());
+}
+
+/// What validation says of the nine pixels' patch with a change.
+fn refusal(change: impl FnOnce(&mut TestMatrix)) -> PatchError {
+    let mut matrix = TestMatrix::new(&[0.5; 400], &[0; 6]);
+    PatchView::validate(&patch_with_matrix(Difference::Plain, 3, &matrix)).unwrap();
+    change(&mut matrix);
+    PatchView::validate(&patch_with_matrix(Difference::Plain, 3, &matrix)).unwrap_err()
+}
+
+#[test]
+fn a_matrix_that_does_not_make_each_pixel_once_from_known_ones_is_refused() {
+    assert_eq!(refusal(|matrix| matrix.positions[3] = 8), PatchError::Position { pixel: 3 });
+    assert_eq!(refusal(|matrix| matrix.positions[8] = 9), PatchError::Position { pixel: 8 });
+    let wrong = |interpolation| PatchError::Interpolation { interpolation };
+    assert_eq!(refusal(|matrix| matrix.inputs[3] = 6), wrong(0));
+    assert_eq!(refusal(|matrix| matrix.inputs[11] = 8), wrong(1));
+    assert_eq!(refusal(|matrix| matrix.interpolations[0].inputs = 3), wrong(0));
+    assert_eq!(refusal(|matrix| matrix.interpolations[0].inputs = 0), wrong(0));
+    assert_eq!(refusal(|matrix| matrix.interpolations[1].outputs = 0), wrong(1));
+    assert_eq!(refusal(|matrix| matrix.interpolations[1].outputs = 2), wrong(2));
+    assert_eq!(refusal(|matrix| matrix.interpolations.truncate(1)), wrong(1));
+    assert_eq!(refusal(|matrix| matrix.inputs.push(0)), wrong(2));
+    assert_eq!(refusal(|matrix| matrix.mantissas.push(0)), wrong(2));
+    assert_eq!(refusal(|matrix| matrix.mantissas.truncate(300)), wrong(0));
+}
+
+#[test]
+fn a_row_that_could_overflow_is_refused() {
+    let interpolated = refusal(|matrix| {
+        let start = matrix.mantissas.len() - 32;
+        (0..5).for_each(|i| matrix.mantissas[start + coefficient_index(8, 0, i)] = 32_767);
+    });
+    assert_eq!(interpolated, PatchError::Row { row: 8 });
+}
+
+#[test]
+fn the_mantissas_start_at_a_multiple_of_eight() {
     for across in 1..9 {
         let bytes = patch_of_pixels(across, 1);
         let patch = PatchView::validate(&bytes).unwrap();
-        let before = patch.matrix.as_ptr().addr() - bytes.as_ptr().addr();
+        let before = patch.matrix().mantissas().as_ptr().addr() - bytes.as_ptr().addr();
         assert_eq!(before % MATRIX_ALIGNMENT, 0, "{across}");
         assert_eq!(at_start(&[&bytes[..], &[7; 9]].concat()), Some(&bytes[..]));
     }
@@ -249,7 +388,7 @@ fn a_neighbour_that_does_not_exist_is_refused() {
 fn the_start_of_a_patch_is_enough_to_know_where_its_pixels_lie() {
     let bytes = small_patch(Difference::Plain);
     let whole = PatchView::validate(&bytes).unwrap();
-    let needed = whole.matrix.as_ptr().addr() - bytes.as_ptr().addr();
+    let needed = whole.matrix().mantissas().as_ptr().addr() - bytes.as_ptr().addr();
     let (start, total) = PatchView::open_start(&bytes[..needed]).unwrap();
     assert_eq!(total, bytes.len());
     let pixels = start.surface().pixels().collect::<std::vec::Vec<_>>();

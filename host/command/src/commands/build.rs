@@ -348,9 +348,8 @@ fn print(report: &Report, stages: &[Stage]) {
         return;
     };
     say!(
-        "fixed point   error {:.4} % of the image's peak on {TRIALS} simulated presses (bound {:.3} %)",
-        patch.fixed_point_error.measured_percent,
-        patch.fixed_point_error.bound_percent
+        "fixed point   error {:.3} % of the image's peak on {TRIALS} simulated presses",
+        patch.fixed_point_error.measured_percent
     );
     let CalibrationReport { points, plays, preserved_from, .. } = &patch.calibration;
     if let Some(from) = preserved_from {

@@ -209,7 +209,7 @@ pub fn learn(skin: &Skin, model: &Model, presses: &Presses, request: &Request) -
     let learns_from = judge_matrix(&learnt, presses, &parts.training)?;
     let placed = judge_matrix(&plain, presses, &parts.training)?;
     let heard = hearing(skin, &learns_from);
-    let patch = quantize::patch(&heard, &learnt)?;
+    let patch = quantize::learnt_patch(&heard, &learnt)?;
     let view = PatchView::validate(&patch)?;
     let judged = if test > 0 { &parts.test } else { &parts.training };
     let on_board = judge_board(&learnt, &view, presses, judged)?;

@@ -260,10 +260,16 @@ impl Model {
         let ratios = |values: &[f64]| {
             self.divisors().iter().zip(values).map(|(v, value)| value / v).collect::<Vec<_>>()
         };
-        // Only ratios of the noise matter.
-        let noise: Vec<f64> = step_counts(&self.combination).iter().map(|count| 1.0 / count.sqrt()).collect();
-        let (signal, noise) = (ratios(&self.target), ratios(&noise));
+        let (signal, noise) = (ratios(&self.target), self.relative_noise());
         figures::noise_figure(&self.conductivity_from_difference, &signal, &noise, &self.pixels.areas)
+    }
+
+    /// Standard deviations of the difference data for white noise on every step, of which only the ratios count:
+    /// `[measurement]`.
+    #[must_use]
+    pub fn relative_noise(&self) -> Vec<f64> {
+        let counts = step_counts(&self.combination);
+        self.divisors().iter().zip(counts).map(|(v, count)| 1.0 / count.sqrt() / v).collect()
     }
 
     /// How widely the matrix spreads a point.

@@ -1,115 +1,209 @@
 //! Reconstruction: fixed matrix times difference data, in integers.
 //!
-//! `conductivity_from_difference: [pixel][measurement]`, each row i16 with its own exponent. The
-//! sum of a row is exact (64 bits); one rounding follows, to [`RelativeConductivity`] steps.
+//! Some pixels come from the data, the others are interpolated from those ([`crate::patch::matrix`]). The sum of
+//! each row is exact. The pixels from the data are shifted, all by as much, until the largest has 12 bits beside the
+//! interpolations' fraction: they keep 32 bits, are interpolated as 15 bits, and are rounded once more to
+//! [`RelativeConductivity`] steps.
 //!
-//! Error of one pixel against exact arithmetic, with c the row, e its exponent, y the data and b
-//! the data's exponent: at most
-//!
-//! ```text
-//! 2^-(e+1) * sum |y|  +  2^-(b+1) * sum (|c| + 2^-(e+1))  +  2^-21
-//! ```
-//!
-//! from rounding the coefficients, the data, and the result.
-//!
-//! [`portable`] runs everywhere. With the feature `dsp`, a Cortex-M that has the DSP instructions runs the
-//! kernel in `kernel.rs` instead, which gives the same bits.
+//! With the feature `dsp`, a Cortex-M that has the DSP instructions sums the rows by the kernels in `kernel.rs`,
+//! with the same bits as the plain Rust that runs everywhere else.
 
 #[cfg(all(target_arch = "arm", feature = "dsp"))]
 mod kernel;
 
 use crate::{
-    image::Image, patch::PatchView, pipeline::reference::DifferenceData, units::RelativeConductivity,
+    image::Image,
+    limits::MAX_PIXELS,
+    patch::{
+        PatchView,
+        matrix::{GROUP, INTERPOLATION_EXPONENT, MAX_COLUMNS, Matrix, Rows},
+    },
+    pipeline::reference::DifferenceData,
+    units::RelativeConductivity,
 };
+
+/// Bits of a sum of data that its value leaves out: at most 256 products are below 2^38.
+const LOW_BITS: i32 = 8;
+/// Bits of the largest pixel from the data, as the interpolations take it.
+const PEAK_BITS: i32 = 12;
+/// Bits of the pixels that interpolations take: where more than four times the largest from the data, they are cut.
+const INPUT_BITS: i32 = 15;
+
+/// What rows are multiplied with, in whole words.
+#[repr(align(4))]
+struct Codes([i16; MAX_COLUMNS]);
+
+/// The pixels that are known: `[position]`, and room for the rest of the last group.
+struct Values([i32; MAX_PIXELS + GROUP]);
+
+/// How rows are summed: into the values of their positions.
+struct Kernel {
+    /// Rows that meet data, less [`LOW_BITS`].
+    of_data: fn(&Codes, &Rows<'_>, &mut [i32]),
+    /// Rows that interpolate.
+    of_values: fn(&Codes, &Rows<'_>, &mut [i32]),
+}
+
+const PORTABLE: Kernel = Kernel { of_data: sums_of_data, of_values: sums_of_values };
 
 /// Applies the patch's matrix: `image[pixel] = sum over measurements of matrix * difference`.
 // Never inlined, so that a test can find it in the firmware's ELF and count its cycles.
 #[inline(never)]
 pub fn reconstruct(patch: &PatchView<'_>, difference: &DifferenceData, image: &mut Image) {
     #[cfg(all(target_arch = "arm", feature = "dsp"))]
-    if kernel::apply(patch, difference, image).is_some() {
-        return;
-    }
-    portable(patch, difference, image);
+    const KERNEL: Kernel = Kernel { of_data: kernel::sums_of_data, of_values: kernel::sums_of_values };
+    #[cfg(not(all(target_arch = "arm", feature = "dsp")))]
+    const KERNEL: Kernel = PORTABLE;
+    apply(patch, difference, image, &KERNEL);
 }
 
 /// As [`reconstruct`], in plain Rust.
 pub fn portable(patch: &PatchView<'_>, difference: &DifferenceData, image: &mut Image) {
-    image.clear();
-    for (row, exponent) in patch.rows() {
-        let shift = i32::from(exponent) + frame_shift(difference);
-        let value = shift_right_rounded(dot(row, &difference.codes), shift);
-        let _ = image.push(RelativeConductivity(value));
+    apply(patch, difference, image, &PORTABLE);
+}
+
+#[inline(always)]
+fn apply(patch: &PatchView<'_>, difference: &DifferenceData, image: &mut Image, kernel: &Kernel) {
+    let matrix = patch.matrix();
+    let mut values = Values([0; MAX_PIXELS + GROUP]);
+    let mut codes = Codes([0; MAX_COLUMNS]);
+    codes.0.iter_mut().zip(&difference.codes).for_each(|(code, datum)| *code = *datum);
+    let mut parts = matrix.rows();
+    let mut exponent = difference.exponent - RelativeConductivity::FRACTION_BITS;
+    let mut position = 0;
+    if let Some(rows) = parts.next()
+        && let Some(sums) = values.of(position, &rows)
+    {
+        (kernel.of_data)(&codes, &rows, sums);
+        exponent += scale(&matrix, sums);
+        position += rows.count;
+    }
+    for rows in parts {
+        values.take(rows.inputs, &mut codes);
+        let Some(sums) = values.of(position, &rows) else { break };
+        (kernel.of_values)(&codes, &rows, sums);
+        position += rows.count;
+    }
+    values.write(matrix.positions(), exponent, image);
+}
+
+impl Values {
+    /// Those of rows from a position onwards, whole groups of them.
+    fn of(&mut self, position: usize, rows: &Rows<'_>) -> Option<&mut [i32]> {
+        self.0.get_mut(position..position + rows.count.next_multiple_of(GROUP))
+    }
+
+    /// Of a little-endian u16.
+    #[inline(always)]
+    fn at(&self, position: [u8; 2]) -> i32 {
+        self.0[usize::from(u16::from_le_bytes(position)) % MAX_PIXELS]
+    }
+
+    /// What an interpolation takes, four at a time.
+    #[inline(always)]
+    fn take(&self, positions: &[u8], codes: &mut Codes) {
+        let code = |position| {
+            let rounded = self.at(position).saturating_add(1 << (INTERPOLATION_EXPONENT - 1));
+            (rounded >> INTERPOLATION_EXPONENT).clamp(-(1 << (INPUT_BITS - 1)), (1 << (INPUT_BITS - 1)) - 1)
+                as i16
+        };
+        for (codes, positions) in codes.0.as_chunks_mut::<GROUP>().0.iter_mut().zip(fours(positions)) {
+            *codes = positions.map(code);
+        }
+    }
+
+    /// The image of values with this exponent beside its own.
+    #[inline(always)]
+    fn write(&self, positions: &[u8], exponent: i32, image: &mut Image) {
+        let count = positions.len() / 2;
+        if image.len() != count {
+            image.clear();
+            let _ = image.resize(count, RelativeConductivity(0));
+        }
+        let usual = (1..=31).contains(&exponent);
+        let shift = |value: i32| {
+            if usual { ((value >> (exponent - 1)) + 1) >> 1 } else { shifted(value, -exponent) }
+        };
+        let pixel = |position| RelativeConductivity(shift(self.at(position)));
+        let (pixels, last) = image.as_chunks_mut::<GROUP>();
+        for (pixels, positions) in pixels.iter_mut().zip(fours(positions)) {
+            *pixels = positions.map(pixel);
+        }
+        let (positions, _) = positions[2 * (count - last.len())..].as_chunks::<2>();
+        last.iter_mut().zip(positions).for_each(|(place, position)| *place = pixel(*position));
     }
 }
 
-/// What the data's exponent and the image's steps add to the shift of every row.
-fn frame_shift(difference: &DifferenceData) -> i32 {
-    difference.exponent - RelativeConductivity::FRACTION_BITS
+/// Little-endian u16, four at a time.
+fn fours(bytes: &[u8]) -> impl Iterator<Item = [[u8; 2]; GROUP]> + '_ {
+    bytes.as_chunks::<2>().0.as_chunks::<GROUP>().0.iter().copied()
 }
 
-/// Exact product of one matrix row (little-endian i16) and the data.
-///
-/// Neither factor is ever -32,768, so a pair of products fits 32 bits; pairs are what both the
-/// Cortex-M4 and a workstation multiply at once.
-fn dot(row: &[u8], data: &[i16]) -> i64 {
-    let product = |c: [u8; 2], d: i16| i32::from(i16::from_le_bytes(c)) * i32::from(d);
-    let mut sum = 0_i64;
-    let (pairs, data_pairs) = (row.chunks_exact(4), data.chunks_exact(2));
-    let (last, last_data) = (pairs.remainder(), data_pairs.remainder());
-    for (c, d) in pairs.zip(data_pairs) {
-        sum += i64::from(product([c[0], c[1]], d[0]) + product([c[2], c[3]], d[1]));
-    }
-    if let ([low, high], [d]) = (last, last_data) {
-        sum += i64::from(product([*low, *high], *d));
-    }
-    sum
+/// Exact sums of mantissas times data, four rows at a time, less [`LOW_BITS`].
+fn sums_of_data(codes: &Codes, rows: &Rows<'_>, values: &mut [i32]) {
+    each_group(
+        codes,
+        rows,
+        values,
+        |sum: &mut i64, product| *sum += i64::from(product),
+        |sum| (sum >> LOW_BITS) as i32,
+    );
 }
 
-/// `value / 2^shift`, rounded to nearest, ends of the range saturating.
-fn shift_right_rounded(value: i64, shift: i32) -> i32 {
-    let shifted = match shift {
-        64.. => 0,
-        1..=63 => ((value >> (shift - 1)) + 1) >> 1,
-        -31..=0 => value.saturating_mul(1 << -shift),
-        _ => value.signum().saturating_mul(i64::MAX),
-    };
-    shifted.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32
+/// Exact sums of mantissas times values, four rows at a time. Those of validated patches never wrap.
+fn sums_of_values(codes: &Codes, rows: &Rows<'_>, values: &mut [i32]) {
+    each_group(codes, rows, values, |sum: &mut i32, product| *sum = sum.wrapping_add(product), |sum| sum);
+}
+
+#[inline(always)]
+fn each_group<T: Copy + Default>(
+    codes: &Codes,
+    rows: &Rows<'_>,
+    values: &mut [i32],
+    add: impl Fn(&mut T, i32),
+    value: impl Fn(T) -> i32,
+) {
+    let codes = &codes.0[..rows.columns.min(MAX_COLUMNS)];
+    let groups = rows.mantissas.chunks_exact((2 * GROUP * rows.columns).max(1));
+    for (mantissas, values) in groups.zip(values.chunks_exact_mut(GROUP)) {
+        let mut sums = [T::default(); GROUP];
+        for (words, pair) in mantissas.chunks_exact(4 * GROUP).zip(codes.chunks_exact(2)) {
+            for (row, sum) in sums.iter_mut().enumerate() {
+                let mantissa = |at: usize| i32::from(i16::from_le_bytes([words[at], words[at + 1]]));
+                add(sum, mantissa(4 * row) * i32::from(pair[0]));
+                add(sum, mantissa(4 * row + 2) * i32::from(pair[1]));
+            }
+        }
+        values.iter_mut().zip(sums).for_each(|(place, sum)| *place = value(sum));
+    }
+}
+
+/// Brings sums of rows that differ in their exponents to one: the values' exponent, beside that of the data.
+#[inline(always)]
+fn scale(matrix: &Matrix<'_>, values: &mut [i32]) -> i32 {
+    let least = matrix.exponents().min().map_or(0, i32::from);
+    let finer = |exponent: i8| (i32::from(exponent) - least).min(31);
+    let sizes = values.iter().zip(matrix.exponents());
+    let bits = sizes.fold(0, |bits, (value, exponent)| bits | (value ^ (value >> 31)) >> finer(exponent));
+    let largest_bits = 32 - bits.leading_zeros() as i32;
+    let up = PEAK_BITS + INTERPOLATION_EXPONENT as i32 - largest_bits;
+    for (value, exponent) in values.iter_mut().zip(matrix.exponents()) {
+        *value = shifted(*value, up - finer(exponent));
+    }
+    least + up - LOW_BITS
+}
+
+/// `value * 2^places`, rounded to nearest; beyond the range its ends.
+#[inline(always)]
+fn shifted(value: i32, places: i32) -> i32 {
+    match places {
+        -31..=-1 => ((value >> (-places - 1)) + 1) >> 1,
+        0..=31 => (i64::from(value) << places).clamp(i32::MIN.into(), i32::MAX.into()) as i32,
+        32.. if value > 0 => i32::MAX,
+        32.. if value < 0 => i32::MIN,
+        _ => 0,
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-    use std::vec::Vec;
-
-    proptest! {
-        #[test]
-        fn dot_is_exact(pairs in prop::collection::vec((-32_767_i16..=32_767, -32_767_i16..=32_767), 0..300)) {
-            let row: Vec<u8> = pairs.iter().flat_map(|(c, _)| c.to_le_bytes()).collect();
-            let data: Vec<i16> = pairs.iter().map(|(_, d)| *d).collect();
-            let exact: i128 = pairs.iter().map(|&(c, d)| i128::from(c) * i128::from(d)).sum();
-            prop_assert_eq!(i128::from(dot(&row, &data)), exact);
-        }
-
-        /// The argument of `kernel.rs`, which this machine cannot run.
-        #[test]
-        fn bits_from_8_upwards_are_enough_for_a_shift_by_9_or_more(
-            value in -256 * 32_767_i64.pow(2)..=256 * 32_767_i64.pow(2),
-            shift in 9_i32..200,
-        ) {
-            let high = i32::try_from(value >> 8).unwrap();
-            // ASRS by 32 and more leaves the sign in the result and in the carry.
-            let places = (shift - 8).min(32);
-            let (shifted, carry) = (i64::from(high) >> places, i64::from(high) >> (places - 1) & 1);
-            prop_assert_eq!(shifted + carry, i64::from(shift_right_rounded(value, shift)));
-        }
-
-        #[test]
-        fn shift_rounds_to_nearest(value in -(1_i64 << 40)..(1_i64 << 40), shift in -20_i32..70) {
-            let exact = value as f64 * 2_f64.powi(-shift);
-            let bounded = exact.clamp(f64::from(i32::MIN), f64::from(i32::MAX));
-            prop_assert!((f64::from(shift_right_rounded(value, shift)) - bounded).abs() <= 0.5);
-        }
-    }
-}
+mod tests;

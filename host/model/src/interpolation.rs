@@ -1,0 +1,300 @@
+//! Interpolation: which pixels a board computes from the data, and how the others follow from those.
+//!
+//! The rows of neighbouring pixels are nearly dependent on the data that occur. Pixels are halved again and again
+//! into patches of some fifty. In each, from the smallest to the halves, some pixels are picked until all others
+//! follow from them (interpolative decomposition, Cheng et al., SIAM J. Sci. Comput. 26(4), 2005, by a pivoted
+//! Cholesky factorisation); those that were picked go on to the next larger patch. A board goes the other way.
+
+use dermatome_shared::patch::matrix::{GROUP, INTERPOLATION_EXPONENT, MOST_OF_ROW};
+use faer::{Mat, RowRef, Side};
+use nalgebra::{Matrix3, Point3, Vector3};
+use rand::{Rng, SeedableRng};
+
+/// Pixels of the smallest patches, about.
+const SMALLEST: f64 = 50.0;
+/// Error at which picking begins to stop, of the peak; less where the images tried ask for it.
+const TOLERANCE: f64 = 1.5e-3;
+/// The largest errors of images of presses and of noise alone, of their peaks.
+const MOST: [f64; 2] = [1.5e-3, 0.01];
+/// Beyond so many times the largest pixel from data a board cuts what it interpolates from.
+const CUT: f64 = 4.0;
+/// Images of noise that are tried.
+const NOISE_IMAGES: usize = 64;
+/// Where a patch of pixels keeps more of them than this, all are computed from the data.
+const WORTHWHILE: f64 = 0.9;
+
+/// How the pixels follow from data.
+#[derive(Clone, Debug)]
+pub struct Interpolated {
+    /// Which pixel is known at which position: `[position]`.
+    pub order: Vec<usize>,
+    /// Pixels from the data, the first ones.
+    pub from_data: usize,
+    /// How the next ones follow.
+    pub steps: Vec<Step>,
+}
+
+/// Pixels that follow from known ones.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// Positions of what they follow from.
+    pub inputs: Vec<usize>,
+    /// `[output][input]`.
+    pub weights: Mat<f64>,
+}
+
+/// The data that occur: what an interpolation must get right.
+#[derive(Clone, Debug)]
+pub struct Occurring {
+    /// Difference data of presses: `[measurement][press]`. Without any, all data are as likely as their noise.
+    pub presses: Mat<f64>,
+    /// Noise, in proportion: `[measurement]`.
+    pub noise: Vec<f64>,
+}
+
+impl Interpolated {
+    /// Every pixel from the data.
+    #[must_use]
+    pub fn none(pixels: usize) -> Self {
+        Self { order: (0..pixels).collect(), from_data: pixels, steps: Vec::new() }
+    }
+
+    /// Finds it for a matrix `[pixel][measurement]`: the presses' images are off by at most 0.15 % of their peaks,
+    /// those of noise by 1 %. Without presses noise counts as presses do.
+    #[must_use]
+    pub fn new(matrix: &Mat<f64>, centres: &[Point3<f64>], data: &Occurring) -> Self {
+        let tried = Tried::new(matrix, data);
+        let Some(rows) = weighed_rows(matrix, data) else { return Self::none(matrix.nrows()) };
+        let tree = halves(centres);
+        let mut tolerance = TOLERANCE;
+        for _ in 0..12 {
+            let found = from_largest(pick(&rows, tree.clone(), tolerance), matrix.nrows());
+            if found.steps.is_empty() || (found.fits_a_board() && tried.is_kept_by(&found)) {
+                return found;
+            }
+            tolerance *= 0.7;
+        }
+        Self::none(matrix.nrows())
+    }
+
+    /// Whether the weights of no pixel, rounded, add up to more than a board's sums hold.
+    fn fits_a_board(&self) -> bool {
+        let step = (-f64::from(INTERPOLATION_EXPONENT)).exp2();
+        let largest = f64::from(MOST_OF_ROW) * step;
+        let fits = |row: RowRef<'_, f64>| {
+            let sizes = || row.iter().map(|weight| weight.abs() + step);
+            sizes().sum::<f64>() < largest && sizes().all(|size| size < 32_767.0 * step)
+        };
+        self.steps.iter().all(|step| step.weights.row_iter().all(fits))
+    }
+
+    /// Values of all pixels from those of the pixels from data: `[pixel][image]`, of which the others are ignored.
+    fn apply(&self, images: &Mat<f64>) -> Mat<f64> {
+        let mut known = Mat::zeros(images.nrows(), images.ncols());
+        for (position, &pixel) in self.order[..self.from_data].iter().enumerate() {
+            known.row_mut(position).copy_from(images.row(pixel));
+        }
+        let largest =
+            |image| (0..self.from_data).fold(0.0, |max: f64, i| max.max(f64::abs(known[(i, image)])));
+        let cut: Vec<f64> = (0..images.ncols()).map(|image| CUT * largest(image)).collect();
+        let mut next = self.from_data;
+        for step in &self.steps {
+            let inputs = Mat::from_fn(step.inputs.len(), images.ncols(), |i, image| {
+                known[(step.inputs[i], image)].max(-cut[image]).min(cut[image])
+            });
+            let outputs = &step.weights * inputs;
+            known.subrows_mut(next, outputs.nrows()).copy_from(&outputs);
+            next += outputs.nrows();
+        }
+        let mut of_pixels = known.clone();
+        for (position, &pixel) in self.order.iter().enumerate() {
+            of_pixels.row_mut(pixel).copy_from(known.row(position));
+        }
+        of_pixels
+    }
+}
+
+/// Images by which an interpolation is judged.
+struct Tried {
+    /// `[pixel][image]`: those of presses with some noise, then those of noise.
+    images: Mat<f64>,
+    presses: usize,
+}
+
+impl Tried {
+    fn new(matrix: &Mat<f64>, data: &Occurring) -> Self {
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(2);
+        let presses = data.presses.ncols();
+        let frames = Mat::from_fn(data.noise.len(), presses + NOISE_IMAGES, |m, image| {
+            let noise = random.random_range(-1.0..1.0);
+            if image < presses {
+                let largest =
+                    data.presses.col(image).iter().fold(0.0, |max: f64, value| max.max(value.abs()));
+                data.presses[(m, image)] + 0.01 * largest * noise
+            } else {
+                data.noise[m] * noise
+            }
+        });
+        Self { images: matrix * frames, presses }
+    }
+
+    fn is_kept_by(&self, interpolated: &Interpolated) -> bool {
+        let found = interpolated.apply(&self.images);
+        let of_presses = if self.presses == 0 { self.images.ncols() } else { self.presses };
+        (0..self.images.ncols()).all(|image| {
+            let largest =
+                |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |max: f64, v| max.max(v.abs()));
+            let exact = self.images.col(image);
+            let peak = largest(&mut exact.iter().copied());
+            let error = largest(&mut exact.iter().zip(found.col(image).iter()).map(|(a, b)| a - b));
+            error <= peak * MOST[usize::from(image >= of_presses)]
+        })
+    }
+}
+
+/// The rows in a measure in which their lengths are the sizes of pixels in the images that occur, with a peak of
+/// one: `[pixel][any]`. None if the data are not finite, or the images zero.
+fn weighed_rows(matrix: &Mat<f64>, data: &Occurring) -> Option<Mat<f64>> {
+    // Of so many presses one is near a given pixel; the image's noise is this share of a press.
+    const PRESSES_FOR_ONE_NEAR: f64 = 20.0;
+    const NOISE: f64 = 0.25;
+    let presses = data.presses.ncols();
+    let images = matrix * &data.presses;
+    let peak = |image: usize| images.col(image).iter().fold(0.0, |max: f64, value| max.max(value.abs()));
+    let factors: Vec<f64> =
+        (0..presses).map(|image| (PRESSES_FOR_ONE_NEAR / presses as f64).sqrt() / peak(image)).collect();
+    let of_peak =
+        Mat::from_fn(data.noise.len(), presses, |m, image| data.presses[(m, image)] * factors[image]);
+    let noise_of = |row: usize| {
+        matrix.row(row).iter().zip(&data.noise).map(|(c, noise)| (c * noise).powi(2)).sum::<f64>().sqrt()
+    };
+    let image_noise = (0..matrix.nrows()).map(noise_of).fold(0.0, f64::max);
+    let noise = if presses == 0 { 1.0 } else { NOISE } / image_noise;
+    let mut covariance = &of_peak * of_peak.transpose();
+    for (m, of_measurement) in data.noise.iter().enumerate() {
+        covariance[(m, m)] += (of_measurement * noise).powi(2);
+    }
+    let is_finite = covariance.col_iter().all(|column| column.iter().all(|value| value.is_finite()));
+    let factor = is_finite.then(|| covariance.llt(Side::Lower).ok()).flatten()?;
+    Some(matrix * factor.L())
+}
+
+/// Pixels halved by place until each patch has about [`SMALLEST`]; a power of two of patches.
+fn halves(centres: &[Point3<f64>]) -> Vec<Vec<usize>> {
+    let times = (centres.len() as f64 / SMALLEST).log2().round().max(0.0) as usize;
+    let mut patches = vec![(0..centres.len()).collect::<Vec<_>>()];
+    for _ in 0..times {
+        patches = patches.into_iter().flat_map(|patch| halved(patch, centres)).collect();
+    }
+    patches
+}
+
+/// Halved across its longest axis.
+fn halved(mut patch: Vec<usize>, centres: &[Point3<f64>]) -> [Vec<usize>; 2] {
+    let middle = patch.iter().map(|&pixel| centres[pixel].coords).sum::<Vector3<f64>>();
+    let middle = middle / patch.len().max(1) as f64;
+    let spread: Matrix3<f64> = patch
+        .iter()
+        .map(|&pixel| {
+            let away = centres[pixel].coords - middle;
+            away * away.transpose()
+        })
+        .sum();
+    let axes = spread.symmetric_eigen();
+    let axis = axes.eigenvectors.column(axes.eigenvalues.imax()).into_owned();
+    let along = |pixel: usize| (centres[pixel].coords - middle).dot(&axis);
+    patch.sort_by(|&a, &b| along(a).total_cmp(&along(b)).then(a.cmp(&b)));
+    let later = patch.split_off(patch.len() / 2);
+    [patch, later]
+}
+
+/// Pixels that follow from others.
+struct Picked {
+    inputs: Vec<usize>,
+    outputs: Vec<usize>,
+    weights: Mat<f64>,
+}
+
+/// Steps from the smallest patches to the halves, and the pixels that are left in the end.
+fn pick(rows: &Mat<f64>, mut patches: Vec<Vec<usize>>, tolerance: f64) -> (Vec<Picked>, Vec<usize>) {
+    let mut steps = Vec::new();
+    loop {
+        let mut kept: Vec<Vec<usize>> = Vec::with_capacity(patches.len());
+        for patch in patches {
+            let step = pick_in(rows, &patch, tolerance);
+            kept.push(step.as_ref().map_or(patch, |step| step.inputs.clone()));
+            steps.extend(step);
+        }
+        // One step from the halves to the whole would spare nothing.
+        if kept.len() <= 2 {
+            return (steps, kept.concat());
+        }
+        patches = kept.chunks(2).map(<[_]>::concat).collect();
+    }
+}
+
+/// Picks pixels of a patch until the others follow from them within the tolerance; none if that spares nothing.
+fn pick_in(rows: &Mat<f64>, patch: &[usize], tolerance: f64) -> Option<Picked> {
+    let own = Mat::from_fn(patch.len(), rows.ncols(), |i, j| rows[(patch[i], j)]);
+    let (pivots, factor) = pivoted_cholesky(&(&own * own.transpose()), tolerance);
+    if pivots.len() as f64 > WORTHWHILE * patch.len() as f64 {
+        return None;
+    }
+    let mut is_pivot = vec![false; patch.len()];
+    pivots.iter().for_each(|&pivot| is_pivot[pivot] = true);
+    let others: Vec<usize> = (0..patch.len()).filter(|&i| !is_pivot[i]).collect();
+    let mut weights = Mat::from_fn(others.len(), pivots.len(), |i, j| factor[j][others[i]]);
+    // weights * (the pivots' rows of the factor, a triangle) = the others' rows.
+    for column in (0..pivots.len()).rev() {
+        for output in 0..others.len() {
+            let known = (column + 1..pivots.len()).map(|k| weights[(output, k)] * factor[column][pivots[k]]);
+            let known: f64 = known.sum();
+            weights[(output, column)] = (weights[(output, column)] - known) / factor[column][pivots[column]];
+        }
+    }
+    let pixels = |of: &[usize]| of.iter().map(|&i| patch[i]).collect();
+    Some(Picked { inputs: pixels(&pivots), outputs: pixels(&others), weights })
+}
+
+/// Pivots in their order, a multiple of [`GROUP`] if there are enough, and the columns of the factor.
+fn pivoted_cholesky(gram: &Mat<f64>, tolerance: f64) -> (Vec<usize>, Vec<Vec<f64>>) {
+    let mut left: Vec<f64> = (0..gram.nrows()).map(|i| gram[(i, i)]).collect();
+    let negligible = 1e-12 * left.iter().fold(0.0, |max: f64, value| max.max(*value));
+    let (mut pivots, mut factor) = (Vec::new(), Vec::<Vec<f64>>::new());
+    while let Some(pivot) = (0..left.len()).max_by(|&a, &b| left[a].total_cmp(&left[b])) {
+        let is_enough = left[pivot] <= tolerance.powi(2) && pivots.len().is_multiple_of(GROUP);
+        if is_enough || left[pivot] <= negligible {
+            break;
+        }
+        let root = left[pivot].sqrt();
+        let mut column: Vec<f64> = gram.col(pivot).iter().copied().collect();
+        for earlier in &factor {
+            let factor = earlier[pivot];
+            column.iter_mut().zip(earlier).for_each(|(value, earlier)| *value -= factor * earlier);
+        }
+        column.iter_mut().for_each(|value| *value /= root);
+        left.iter_mut().zip(&column).for_each(|(left, value)| *left -= value * value);
+        left[pivot] = f64::NEG_INFINITY;
+        pivots.push(pivot);
+        factor.push(column);
+    }
+    (pivots, factor)
+}
+
+/// Turns the steps round: pixels from data first, then from the halves to the smallest patches.
+fn from_largest((steps, from_data): (Vec<Picked>, Vec<usize>), pixels: usize) -> Interpolated {
+    let mut order = from_data;
+    let mut position = vec![usize::MAX; pixels];
+    let from_data = order.len();
+    order.iter().enumerate().for_each(|(at, &pixel)| position[pixel] = at);
+    let mut turned = Vec::with_capacity(steps.len());
+    for step in steps.into_iter().rev() {
+        for pixel in step.outputs {
+            position[pixel] = order.len();
+            order.push(pixel);
+        }
+        let inputs = step.inputs.iter().map(|&pixel| position[pixel]).collect();
+        turned.push(Step { inputs, weights: step.weights });
+    }
+    Interpolated { order, from_data, steps: turned }
+}

@@ -1,0 +1,103 @@
+//! Matrix: a patch's reconstruction matrix in owned form.
+
+use dermatome_shared::patch::matrix::{GROUP, Interpolation, Matrix, MatrixTables, coefficient_index};
+
+/// The parts of [`MatrixTables`], owned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FixedMatrix {
+    exponents: Vec<i8>,
+    positions: Vec<u16>,
+    interpolations: Vec<Interpolation>,
+    inputs: Vec<u16>,
+    mantissas: Vec<i16>,
+}
+
+impl FixedMatrix {
+    /// Pixels from the data: `mantissas` `[position][measurement]`. As they stand, the positions are the pixels.
+    ///
+    /// # Panics
+    /// Panics if there are no rows, or not as many mantissas in each.
+    #[must_use]
+    pub fn from_data(exponents: Vec<i8>, mantissas: &[i16]) -> Self {
+        let positions = (0..exponents.len() as u16).collect();
+        assert!(mantissas.len().is_multiple_of(exponents.len()), "rows differ in length");
+        let columns = mantissas.len() / exponents.len();
+        let mut matrix = Self {
+            exponents,
+            positions,
+            interpolations: Vec::new(),
+            inputs: Vec::new(),
+            mantissas: Vec::new(),
+        };
+        matrix.append(mantissas, columns);
+        matrix
+    }
+
+    /// The next pixels, interpolated: `mantissas` `[output][input]`.
+    ///
+    /// # Panics
+    /// Panics if there are no inputs, or not as many mantissas for each output.
+    pub fn interpolate(&mut self, inputs: &[u16], mantissas: &[i16]) {
+        assert!(mantissas.len().is_multiple_of(inputs.len()), "rows differ in length");
+        let (whole, outputs) = (inputs.len().next_multiple_of(GROUP), mantissas.len() / inputs.len());
+        self.interpolations.push(Interpolation { inputs: whole as u16, outputs: outputs as u16 });
+        self.inputs.extend_from_slice(inputs);
+        self.inputs.extend(std::iter::repeat_n(inputs[0], whole - inputs.len()));
+        self.append(mantissas, inputs.len());
+        let next = self.positions.len() as u16;
+        self.positions.extend(next..next + outputs as u16);
+    }
+
+    /// The same for pixels that become known in this order.
+    ///
+    /// # Panics
+    /// Panics if the order names a pixel that there is not.
+    #[must_use]
+    pub fn in_order(mut self, order: &[usize]) -> Self {
+        for (position, &pixel) in order.iter().enumerate() {
+            self.positions[pixel] = position as u16;
+        }
+        self
+    }
+
+    /// That of a patch.
+    #[must_use]
+    pub fn read(matrix: &Matrix<'_>) -> Self {
+        let mantissas = matrix.mantissas().chunks_exact(2);
+        Self {
+            exponents: matrix.exponents().collect(),
+            positions: words(matrix.positions()).collect(),
+            interpolations: matrix.interpolations().collect(),
+            inputs: words(matrix.inputs()).collect(),
+            mantissas: mantissas.map(|pair| i16::from_le_bytes([pair[0], pair[1]])).collect(),
+        }
+    }
+
+    /// For writing a patch.
+    #[must_use]
+    pub fn tables(&self) -> MatrixTables<'_> {
+        MatrixTables {
+            exponents: &self.exponents,
+            positions: &self.positions,
+            interpolations: &self.interpolations,
+            inputs: &self.inputs,
+            mantissas: &self.mantissas,
+        }
+    }
+
+    /// Rows of `columns` mantissas, each in its place among zeros.
+    fn append(&mut self, mantissas: &[i16], columns: usize) {
+        let rows = mantissas.chunks_exact(columns.max(1));
+        let (start, whole) = (self.mantissas.len(), columns.next_multiple_of(GROUP));
+        self.mantissas.resize(start + rows.len().next_multiple_of(GROUP) * whole, 0);
+        for (row, values) in rows.enumerate() {
+            for (column, value) in values.iter().enumerate() {
+                self.mantissas[start + coefficient_index(whole, row, column)] = *value;
+            }
+        }
+    }
+}
+
+fn words(bytes: &[u8]) -> impl Iterator<Item = u16> + '_ {
+    bytes.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]]))
+}

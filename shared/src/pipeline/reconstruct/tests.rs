@@ -1,0 +1,83 @@
+use super::*;
+use crate::patch::{
+    Difference,
+    matrix::{MOST_OF_ROW, coefficient_index},
+    tests::{TestMatrix, patch_with_matrix},
+};
+use proptest::prelude::*;
+use std::vec::Vec;
+
+proptest! {
+    #[test]
+    fn shift_rounds_to_nearest(value in any::<i32>(), places in -70_i32..70) {
+        let exact = f64::from(value) * 2_f64.powi(places);
+        let bounded = exact.clamp(f64::from(i32::MIN), f64::from(i32::MAX));
+        prop_assert!((f64::from(shifted(value, places)) - bounded).abs() <= 0.5);
+    }
+
+    /// Against the same rows in f64: what is rounded is the largest value's 12th bit, and half a step of the image.
+    #[test]
+    fn images_are_those_of_f64(
+        seeds in prop::collection::vec(-1.0..1.0_f64, 400),
+        data in prop::collection::vec(-0.5..0.5_f32, 40),
+        scales in prop::array::uniform6(-3_i32..4),
+    ) {
+        let matrix = TestMatrix::new(&seeds, &scales);
+        let bytes = patch_with_matrix(Difference::Normalised, 3, &matrix);
+        let patch = PatchView::validate(&bytes).unwrap();
+        let mut difference = DifferenceData::default();
+        difference.quantise(&data);
+        let (mut image, mut known) = (Image::new(), Vec::new());
+        portable(&patch, &difference, &mut image);
+        let data: Vec<f64> =
+            difference.codes.iter().map(|&code| f64::from(code) * 2_f64.powi(-difference.exponent)).collect();
+        matrix.apply(&data, &mut known);
+        let peak = known[..6].iter().fold(0.0, |max: f64, value| max.max(value.abs()));
+        for (pixel, position) in image.iter().zip(&matrix.positions) {
+            let (found, value) = (pixel.to_f64(), known[usize::from(*position)]);
+            // Each input is rounded to a part in 2^12 of the peak, and its row's sizes add up to at most four.
+            let allowed = (4.5 * peak) / f64::from(1 << PEAK_BITS) + 1.0 / RelativeConductivity::ONE;
+            prop_assert!((found - value).abs() <= allowed, "{found} {value} of {peak}");
+        }
+    }
+}
+
+/// Of one row among four, the third.
+fn sum_of(sums: fn(&Codes, &Rows<'_>, &mut [i32]), code: i16, row: &[i16]) -> i32 {
+    let mut mantissas = std::vec![0_i16; row.len() * GROUP];
+    for (column, mantissa) in row.iter().enumerate() {
+        mantissas[coefficient_index(row.len(), 2, column)] = *mantissa;
+    }
+    let bytes: Vec<u8> = mantissas.iter().flat_map(|mantissa| mantissa.to_le_bytes()).collect();
+    let mut values = [1; GROUP];
+    let rows = Rows { count: GROUP, inputs: &[], columns: row.len(), mantissas: &bytes };
+    sums(&Codes([code; MAX_COLUMNS]), &rows, &mut values);
+    assert_eq!([values[0], values[1], values[3]], [0; 3]);
+    values[2]
+}
+
+#[test]
+fn the_largest_sums_fit() {
+    let largest = 1 << (INPUT_BITS - 1);
+    assert!(i64::from(MOST_OF_ROW) * largest < 1 << 31);
+    let row = [32_767, 32_767, 32_767, 32_767];
+    assert_eq!(sum_of(sums_of_values, -(1 << 14), &row), -4 * 32_767 * (1 << 14));
+    let of_data = |code: i16, mantissa: i16| 256 * i64::from(code) * i64::from(mantissa) >> LOW_BITS;
+    for (code, mantissa) in [(32_767, i16::MIN), (-32_767, i16::MIN), (32_767, 32_767)] {
+        assert_eq!(i64::from(sum_of(sums_of_data, code, &[mantissa; 256])), of_data(code, mantissa));
+    }
+}
+
+#[test]
+fn a_patch_that_was_not_validated_gives_some_image() {
+    let bytes = patch_with_matrix(Difference::Normalised, 3, &TestMatrix::new(&[0.5; 400], &[0; 6]));
+    let mut difference = DifferenceData::default();
+    difference.quantise(&[0.25; 40]);
+    for place in 40..bytes.len() {
+        let mut bytes = bytes.clone();
+        bytes[place] ^= 0xFF;
+        if let Ok(patch) = PatchView::open(&bytes) {
+            portable(&patch, &difference, &mut Image::new());
+        }
+    }
+}
