@@ -6,7 +6,6 @@
 
 pub mod forward;
 pub mod indenter;
-pub mod interpolation;
 pub mod inverse;
 pub mod jacobian;
 pub mod metrics;

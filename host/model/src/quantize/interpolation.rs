@@ -46,7 +46,7 @@ pub struct Step {
 /// The data that occur: what an interpolation must get right.
 #[derive(Clone, Debug)]
 pub struct Occurring {
-    /// Difference data of presses: `[measurement][press]`. Without any, all data are as likely as their noise.
+    /// Difference data of presses: `[measurement][press]`.
     pub presses: Mat<f64>,
     /// Noise, in proportion: `[measurement]`.
     pub noise: Vec<f64>,
@@ -60,7 +60,7 @@ impl Interpolated {
     }
 
     /// Finds it for a matrix `[pixel][measurement]`: the presses' images are off by at most 0.15 % of their peaks,
-    /// those of noise by 1 %. Without presses noise counts as presses do.
+    /// those of noise by 1 %.
     #[must_use]
     pub fn new(matrix: &Mat<f64>, centres: &[Point3<f64>], data: &Occurring) -> Self {
         let tried = Tried::new(matrix, data);
@@ -140,14 +140,13 @@ impl Tried {
 
     fn is_kept_by(&self, interpolated: &Interpolated) -> bool {
         let found = interpolated.apply(&self.images);
-        let of_presses = if self.presses == 0 { self.images.ncols() } else { self.presses };
         (0..self.images.ncols()).all(|image| {
             let largest =
                 |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |max: f64, v| max.max(v.abs()));
             let exact = self.images.col(image);
             let peak = largest(&mut exact.iter().copied());
             let error = largest(&mut exact.iter().zip(found.col(image).iter()).map(|(a, b)| a - b));
-            error <= peak * MOST[usize::from(image >= of_presses)]
+            error <= peak * MOST[usize::from(image >= self.presses)]
         })
     }
 }
@@ -169,7 +168,7 @@ fn weighed_rows(matrix: &Mat<f64>, data: &Occurring) -> Option<Mat<f64>> {
         matrix.row(row).iter().zip(&data.noise).map(|(c, noise)| (c * noise).powi(2)).sum::<f64>().sqrt()
     };
     let image_noise = (0..matrix.nrows()).map(noise_of).fold(0.0, f64::max);
-    let noise = if presses == 0 { 1.0 } else { NOISE } / image_noise;
+    let noise = NOISE / image_noise;
     let mut covariance = &of_peak * of_peak.transpose();
     for (m, of_measurement) in data.noise.iter().enumerate() {
         covariance[(m, m)] += (of_measurement * noise).powi(2);
@@ -297,4 +296,70 @@ fn from_largest((steps, from_data): (Vec<Picked>, Vec<usize>), pixels: usize) ->
         turned.push(Step { inputs, weights: step.weights });
     }
     Interpolated { order, from_data, steps: turned }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// Pixels on a square whose rows are waves: the nearer two pixels, the more alike.
+    fn smooth(across: usize) -> (Mat<f64>, Vec<Point3<f64>>, Occurring) {
+        let place = |pixel: usize| [pixel % across, pixel / across].map(|i| i as f64 / across as f64);
+        let centres = (0..across * across).map(|pixel| Point3::new(place(pixel)[0], place(pixel)[1], 0.0));
+        let wave = |pixel: usize, m: usize| {
+            let [x, y] = place(pixel);
+            let (along, across) = ((m % 10) as f64, (m / 10) as f64);
+            (TAU / 4.0 * along * x + 0.3).cos() * (TAU / 4.0 * across * y + 0.2).cos()
+                / (1.0 + along + across).powi(2)
+        };
+        let matrix = Mat::from_fn(across * across, 80, wave);
+        let presses = Mat::from_fn(80, across * across, |m, pixel| wave(pixel, m));
+        (matrix, centres.collect(), Occurring { presses, noise: vec![1.0; 80] })
+    }
+
+    /// The largest error of images, of their peaks.
+    fn worst(interpolated: &Interpolated, images: &Mat<f64>) -> f64 {
+        let found = interpolated.apply(images);
+        let of_image = |image: usize| {
+            let largest =
+                |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |max: f64, v| max.max(v.abs()));
+            let errors = &mut images.col(image).iter().zip(found.col(image).iter()).map(|(a, b)| a - b);
+            largest(errors) / largest(&mut images.col(image).iter().copied())
+        };
+        (0..images.ncols()).map(of_image).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn presses_that_were_not_tried_are_kept_with_half_the_products() {
+        let (matrix, centres, data) = smooth(28);
+        let interpolated = Interpolated::new(&matrix, &centres, &data);
+        let of_step = |step: &Step| step.weights.nrows() * step.inputs.len();
+        let products = 80 * interpolated.from_data + interpolated.steps.iter().map(of_step).sum::<usize>();
+        assert!(products < matrix.nrows() * 80 / 2, "{products}");
+        let wide = Mat::from_fn(80, 27 * 27, |m, i| {
+            let corner = i / 27 * 28 + i % 27;
+            [0, 1, 28, 29].map(|next| data.presses[(m, corner + next)]).iter().sum::<f64>()
+        });
+        let error = worst(&interpolated, &(&matrix * wide));
+        assert!(error <= 2e-3, "{error}");
+        let mut order = interpolated.order.clone();
+        order.sort_unstable();
+        assert!(order.into_iter().eq(0..784));
+    }
+
+    #[test]
+    fn what_cannot_be_interpolated_comes_from_the_data() {
+        let (matrix, centres, data) = smooth(3);
+        let few = Interpolated::new(&matrix, &centres, &data);
+        assert_eq!((few.from_data, few.steps.len()), (9, 0));
+        let (mut matrix, centres, data) = smooth(16);
+        matrix[(3, 4)] = f64::NAN;
+        assert_eq!(Interpolated::new(&matrix, &centres, &data).from_data, 256);
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(5);
+        let rough = Mat::from_fn(256, 80, |_, _| random.random_range(-1.0..1.0));
+        let interpolated = Interpolated::new(&rough, &centres, &data);
+        let error = worst(&interpolated, &(&rough * &data.presses));
+        assert!(error <= 2e-3, "{error}");
+    }
 }

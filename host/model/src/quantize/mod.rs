@@ -1,10 +1,8 @@
 //! Quantize: the f64 reconstruction matrix -> fixed-point patch, with its error report.
 
-use crate::{
-    interpolation::{Interpolated, Occurring},
-    model::Model,
-    skin::Skin,
-};
+pub mod interpolation;
+
+use crate::{model::Model, skin::Skin};
 use dermatome_geometry::{mesh::ElectrodeContact, sheet::ElectrodeModel};
 use dermatome_patch::{
     matrix::FixedMatrix,
@@ -24,6 +22,7 @@ use dermatome_shared::{
     units::RelativeConductivity,
 };
 use faer::{Col, Mat};
+use interpolation::{Interpolated, Occurring};
 use rand::{Rng, SeedableRng};
 use serde::Serialize;
 
@@ -120,32 +119,32 @@ pub fn patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
 
 /// The same with this calibration.
 pub fn patch_with(skin: &Skin, model: &Model, stored: &Stored) -> Result<Vec<u8>, PatchBuildError> {
-    patch_for(skin, model, stored, &presses_of(model))
+    let surface = check_limits(model)?;
+    let data = Occurring { presses: presses_of(model), noise: model.relative_noise() };
+    let matrix = &model.conductivity_from_difference;
+    write(skin, model, stored, surface, &Interpolated::new(matrix, &model.pixels.centres, &data))
 }
 
-/// The patch of a model whose matrix was learnt: it keeps the images of data that the model does not know of.
+/// The patch of a model whose matrix was learnt from data that the model does not know of: nothing is interpolated.
 pub fn learnt_patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
-    let presses = Mat::zeros(model.conductivity_from_difference.ncols(), 0);
-    patch_for(skin, model, &Stored::curve(skin.calibration.clone()), &presses)
+    let surface = check_limits(model)?;
+    let stored = Stored::curve(skin.calibration.clone());
+    write(skin, model, &stored, surface, &Interpolated::none(model.pixels.count()))
 }
 
-/// The patch that keeps the images of these presses, difference data `[measurement][press]`, and of noise.
-fn patch_for(
+fn write(
     skin: &Skin,
     model: &Model,
     stored: &Stored,
-    presses: &Mat<f64>,
+    surface: SurfaceTables,
+    interpolated: &Interpolated,
 ) -> Result<Vec<u8>, PatchBuildError> {
-    let surface = check_limits(model)?;
-    let matrix = &model.conductivity_from_difference;
-    let data = Occurring { presses: presses.clone(), noise: model.relative_noise() };
-    let interpolated = Interpolated::new(matrix, &model.pixels.centres, &data);
     let contents = Contents {
         header: header(skin, model, &surface),
         steps: model.steps.clone(),
         combination: model.combination.clone(),
         surface,
-        matrix: fixed_point(matrix, &interpolated)?,
+        matrix: fixed_point(&model.conductivity_from_difference, interpolated)?,
     };
     contents.write(stored).map_err(|error| match error {
         PatchError::Range { field: "length", value: bytes, .. } => PatchBuildError::TooLong { bytes },
