@@ -24,7 +24,10 @@ use dermatome_shared::{
     drive::GAINS,
     limits::{MAX_PERIOD, MAX_SLOTS},
 };
-use embassy_stm32::dma::{Channel, Transfer, TransferOptions};
+use embassy_stm32::{
+    dma::{Channel, Transfer, TransferOptions},
+    gpio::{Level, Output},
+};
 use embassy_time::{Duration, Instant, Timer};
 
 use crate::board::{self, SensingParts};
@@ -37,6 +40,11 @@ const STILL_SAMPLES: usize = 200;
 pub const RAMP_STEPS: u32 = 8;
 /// How long a step of the fall lasts: a period of the slowest carrier.
 const FALL_TIME: Duration = Duration::from_micros(80);
+
+/// After this the switch of the current source's range is as it should be: by far, for it needs half a millisecond.
+const SWITCH_TIME: Duration = Duration::from_millis(1);
+/// How long the DAC's start is to be felt in the current source, whose input settles with 31 ms.
+const REST_TIME: Duration = Duration::from_millis(100);
 
 /// What the DMA reads and writes. The CPU may change tables while they are in use.
 pub struct Tables {
@@ -69,10 +77,22 @@ pub struct FrontEnd {
     tables: &'static Tables,
     timers: board::SensingTimers,
     _held: board::Held,
+    range: Output<'static>,
+    /// When the current source is at rest in its range.
+    at_rest: Instant,
     wave: (Channel<'static>, u8),
     words: (Channel<'static>, u8),
     gains: Option<(Channel<'static>, u8)>,
     ring: (Channel<'static>, u8),
+}
+
+/// How to make a current.
+#[derive(Clone, Copy)]
+pub struct Current {
+    /// Whether in the current source's small range.
+    pub is_small: bool,
+    /// Share of the range, 0 to 1.
+    pub share: f32,
 }
 
 /// Samples were lost, or do not come.
@@ -82,12 +102,14 @@ pub struct Missed;
 impl FrontEnd {
     /// Sets up what stays as it is.
     pub fn new(parts: SensingParts, tables: &'static Tables) -> Self {
-        let board::Sensing { timers, held, wave, words, gains, ring } = board::start_sensing(parts);
-        Self { tables, timers, _held: held, wave, words, gains, ring }
+        let board::Sensing { timers, held, range, wave, words, gains, ring } = board::start_sensing(parts);
+        let at_rest = Instant::now() + REST_TIME;
+        Self { tables, timers, _held: held, range, at_rest, wave, words, gains, ring }
     }
 
-    /// Starts to scan, with a current of `amplitude` (0 to 1) that rises slowly.
-    pub fn start(&mut self, acquisition: &Acquisition, amplitude: f32) -> Scan<'_> {
+    /// Starts to scan, with a current that rises slowly, once the current source is at rest in its range.
+    pub async fn start(&mut self, acquisition: &Acquisition, current: Current) -> Scan<'_> {
+        self.choose_range(current.is_small).await;
         let Self { tables, timers, wave, words, gains, ring, .. } = self;
         let (slots, timing) = (acquisition.slots(), acquisition.timing());
         for (word, step) in tables.words.iter().zip(slots) {
@@ -116,9 +138,19 @@ impl FrontEnd {
             next: 0,
             last: Instant::now(),
             period,
-            amplitude,
+            share: current.share,
             risen: 0,
         }
+    }
+
+    /// All switches of the multiplexers are open: the skin feels nothing of it.
+    async fn choose_range(&mut self, is_small: bool) {
+        let level = if is_small { Level::Low } else { Level::High };
+        if self.range.get_output_level() != level {
+            self.range.set_level(level);
+            self.at_rest = self.at_rest.max(Instant::now() + SWITCH_TIME);
+        }
+        Timer::at(self.at_rest).await;
     }
 }
 
@@ -134,7 +166,8 @@ pub struct Scan<'a> {
     /// When the ring was looked at last.
     last: Instant,
     period: usize,
-    amplitude: f32,
+    /// Share of the current source's range, 0 to 1.
+    share: f32,
     /// Steps by which the current has risen.
     risen: u32,
 }
@@ -194,7 +227,7 @@ impl Scan<'_> {
     }
 
     fn set_current(&self) {
-        set_wave(self.tables, self.period, self.amplitude * self.risen as f32 / RAMP_STEPS as f32);
+        set_wave(self.tables, self.period, self.share * self.risen as f32 / RAMP_STEPS as f32);
     }
 
     /// Samples that the DMA is done with.

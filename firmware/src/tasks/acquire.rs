@@ -11,7 +11,7 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use dermatome_firmware::{
     board::{self, SensingParts, Thermometer, executor},
-    drivers::front_end::{FrontEnd, Missed, RAMP_STEPS, Scan, Tables},
+    drivers::front_end::{Current, FrontEnd, Missed, RAMP_STEPS, Scan, Tables},
 };
 use dermatome_shared::{
     acquire::{Acquisition, SlotSamples},
@@ -55,8 +55,8 @@ pub(crate) struct Orders {
 /// How to run a scan.
 #[derive(Clone, Copy)]
 pub(crate) struct Order {
-    /// Amplitude of the current, 0 to 1.
-    pub(crate) amplitude: f32,
+    /// The current.
+    pub(crate) current: Current,
     /// Time from frame to frame.
     pub(crate) interval: Duration,
 }
@@ -175,8 +175,8 @@ impl Run<'_> {
             let due = Instant::now() + order.interval;
             self.acquisition.restart();
             self.orders.measure(thermometer);
+            let scan = front_end.start(self.acquisition, order.current).await;
             self.orders.flows.store(true, Ordering::Relaxed);
-            let scan = front_end.start(self.acquisition, order.amplitude);
             self.follow(scan, frame_time, pauses).await;
             self.orders.flows.store(false, Ordering::Relaxed);
             if pauses {

@@ -4,6 +4,7 @@
 //! A frame that comes while the one before is still computed waits; events that do not fit their queue
 //! are dropped whole, and their numbers show the gap. Contacts go ahead of all that is long.
 
+use dermatome_firmware::drivers::front_end::Current;
 use dermatome_shared::{
     acquire::Acquisition,
     protocol::{BoardPacket, MAX_PACKET_BYTES},
@@ -106,7 +107,12 @@ fn put_scan(state: &State, purpose: Purpose, place: &mut Option<Acquisition>) ->
     acquisition.watch(purpose.scope_slot);
     *place = Some(acquisition);
     let interval = Duration::from_micros((1e6 / drive.frame_rate) as u64).min(MAX_INTERVAL);
-    Some(Order { amplitude: drive.amplitude / front_end.full_scale_current, interval })
+    let range = front_end.in_range_of(drive.amplitude);
+    let current = Current {
+        is_small: front_end.uses_small_range(drive.amplitude),
+        share: drive.amplitude / range.full_scale_current,
+    };
+    Some(Order { current, interval })
 }
 
 /// Takes one frame through the device. Not inlined, so that its stack is free again while the task waits.

@@ -17,11 +17,13 @@ pub struct FrontEnd {
     pub volts_per_code: f32,
     /// Current amplitude at 100 %, A.
     pub full_scale_current: f32,
+    /// The current source's range for small currents, if it has one.
+    pub small_range: Option<SmallRange>,
     /// Gain-bandwidth product of the programmable amplifier, Hz.
     pub gain_bandwidth: f32,
     /// Largest gain of the programmable amplifier.
     pub largest_gain: u8,
-    /// Bandwidths of DAC, current source, amplifier and filter, one pole each, Hz.
+    /// Bandwidths of DAC, current source (up to 100 %), amplifier and filter, one pole each, Hz.
     pub bandwidths: [f32; 4],
     /// Corner of the high-pass that the capacitance of all leads makes of a channel, Hz; infinite without leads.
     pub lead_corner: f32,
@@ -33,13 +35,51 @@ pub struct FrontEnd {
     pub trim: Trim,
 }
 
+/// The current source's range for small currents.
+///
+/// It shares all parts with the large one but a resistor of 0.1 %, so one [`Trim`] goes for both.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub struct SmallRange {
+    /// Largest amplitude, A.
+    pub full_current: f32,
+    /// Bandwidth of the current source, Hz.
+    pub bandwidth: f32,
+}
+
 /// What multiplies in-phase and quadrature sum to give the real code, and the imaginary one.
 pub(super) type Factors = [[f32; 2]; 2];
 
+/// An amplitude that rounding lifts above a range is within it.
+const WITHIN: f32 = 1.0001;
 /// Images of the carrier on each side that [`FrontEnd::factors`] counts: those further off are too small to matter.
 const IMAGES: i8 = 3;
 
 impl FrontEnd {
+    /// Whether the current source makes this amplitude, A, in its small range: wherever that reaches it, for there the DAC's
+    /// steps are finer.
+    #[must_use]
+    pub fn uses_small_range(&self, amplitude: f32) -> bool {
+        self.small_range.is_some_and(|range| amplitude <= range.full_current * WITHIN)
+    }
+
+    /// The same with the current source's range for this amplitude, A, as its only one.
+    #[must_use]
+    pub fn in_range_of(&self, amplitude: f32) -> Self {
+        let [dac, source, amplifier, filter] = self.bandwidths;
+        let (full_scale_current, source) = match self.small_range {
+            Some(range) if self.uses_small_range(amplitude) => (range.full_current, range.bandwidth),
+            _ => (self.full_scale_current, source),
+        };
+        let bandwidths = [dac, source, amplifier, filter];
+        Self { full_scale_current, bandwidths, small_range: None, ..*self }
+    }
+
+    /// Whether the current source makes this amplitude, A.
+    #[must_use]
+    pub fn reaches(&self, amplitude: f32) -> bool {
+        amplitude <= self.full_scale_current * WITHIN
+    }
+
     /// From sums of the lock-in to codes at gain 1: undoes what amplifier, poles and waveform do to the carrier.
     ///
     /// The waveform's values are held (a zero-order hold), so it has images of the carrier beside it; those that lie a multiple of

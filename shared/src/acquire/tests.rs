@@ -6,6 +6,7 @@ pub(crate) const FRONT_END: FrontEnd = FrontEnd {
     sample_rate: 2_000_000,
     volts_per_code: 2e-8,
     full_scale_current: 1e-3,
+    small_range: Some(SmallRange { full_current: 28.73e-6, bandwidth: 163.3e3 }),
     gain_bandwidth: 13e6,
     largest_gain: 64,
     bandwidths: [f32::INFINITY; 4],
@@ -80,6 +81,35 @@ fn codes_are_voltages_whatever_the_gain() {
             // Half an LSB at the slot's gain.
             let gain = f64::from(GAINS[usize::from(acquisition.gains()[slot])]);
             assert!(error.iter().all(|error| error.abs() < 2048.0 / gain), "{slot} {error:?}");
+        }
+    }
+}
+
+#[test]
+fn a_current_is_made_in_the_small_range_wherever_that_reaches_it() {
+    let range = FRONT_END.small_range.unwrap();
+    for (amplitude, is_small) in [(1e-9, true), (range.full_current, true), (28.8e-6, false), (1e-3, false)] {
+        assert_eq!(FRONT_END.uses_small_range(amplitude), is_small, "{amplitude}");
+        let (full, source) = if is_small { (range.full_current, 163.3e3) } else { (1e-3, f32::INFINITY) };
+        let alone = FRONT_END.in_range_of(amplitude);
+        assert_eq!((alone.full_scale_current, alone.bandwidths[1], alone.small_range), (full, source, None));
+        assert_eq!(alone.in_range_of(amplitude), alone);
+    }
+    assert!(FRONT_END.reaches(1e-3) && !FRONT_END.reaches(1.01e-3));
+    assert!(!FrontEnd { small_range: None, ..FRONT_END }.uses_small_range(1e-9));
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "a lock-in over whole frames takes Miri minutes")]
+fn the_pole_of_the_range_in_use_is_undone_and_no_other() {
+    for (amplitude, bandwidth) in [(20e-6, 163.3e3), (1e-3, f64::INFINITY)] {
+        let mut acquisition = acquisition(&Drive { gain: Gain::Fixed(1), amplitude, ..DRIVE });
+        let found = frames(&mut acquisition, 2, |_| (700.0, 0.0)).remove(0);
+        // What the source has made of a larger wave ahead in phase.
+        let expected = [700.0, 700.0 * 50e3 / bandwidth];
+        for (real, imaginary) in found.codes.iter().zip(&found.quadrature) {
+            let error = [real, imaginary].map(|code| f64::from(code.0) / 4096.0);
+            assert!((error[0] - expected[0]).hypot(error[1] - expected[1]) < 1.0, "{amplitude} {error:?}");
         }
     }
 }

@@ -417,7 +417,7 @@ impl<S: PatchStore> Device<S> {
     fn check_drive(&self, drive: &Drive) -> Result<(), Refusal> {
         let Some(front_end) = self.facts.front_end else { return Ok(()) };
         let fits = drive.check().is_ok()
-            && drive.amplitude <= front_end.full_scale_current * 1.0001
+            && front_end.reaches(drive.amplitude)
             && drive.gain.is_within(front_end.largest_gain)
             && Timing::new(drive, front_end.sample_rate).is_some();
         let max_microamperes = (front_end.full_scale_current * 1e6) as u32;
