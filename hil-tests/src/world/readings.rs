@@ -3,7 +3,7 @@
 //! The circuit is solved by frequencies ([`super::expected`]); its phasors become samples, with noise and 12 bits,
 //! and those go through the code that the firmware runs.
 
-use super::{WorldHandle, expected::Response, modes, multiplexers, parameters::Analogue};
+use super::{WorldHandle, expected::Response, multiplexers, parameters::Analogue};
 use crate::world::Carrier;
 use dermatome_shared::{
     acquire::{Acquisition, FrontEnd},
@@ -35,9 +35,10 @@ pub struct Readings<'a> {
 }
 
 impl Readings<'_> {
-    /// The circuit at each slot of a patch: what no amplitude and no gain changes.
+    /// The circuit at each slot of a patch, in the range that the drive's amplitude takes: what no gain changes.
     #[must_use]
     pub fn responses(&self, patch: &PatchView<'_>, drive: &Drive) -> Vec<Response> {
+        self.world.set_small_range(self.front_end.uses_small_range(drive.amplitude));
         let carrier = self.carrier(drive, 1.0);
         let slots = dermatome_shared::scan::slots(patch);
         slots.iter().map(|step| self.world.response(multiplexers::word(step.to_bytes()), &carrier)).collect()
@@ -109,7 +110,8 @@ impl<'a> Circuit<'a> {
         responses: &'a [Response],
         seed: u64,
     ) -> Self {
-        let share = f64::from(drive.amplitude / readings.front_end.full_scale_current);
+        let range = readings.front_end.in_range_of(drive.amplitude);
+        let share = f64::from(drive.amplitude / range.full_scale_current);
         Self {
             analogue: &readings.world.setup().analogue,
             responses,
@@ -127,7 +129,8 @@ impl<'a> Circuit<'a> {
         for (response, &place) in self.responses.iter().zip(gains) {
             let gain = f64::from(GAINS[usize::from(place)]);
             let phasor = response.demodulated(self.analogue, gain, &self.carrier);
-            let spread = self.noise * self.analogue.noise(gain);
+            let spread =
+                self.noise * self.analogue.noise(gain, response.noise).hypot(self.analogue.adc.noise);
             let noise = Normal::new(0.0, spread).expect("a spread is no less than nothing");
             samples.extend((0..self.slot_samples).map(|_| self.next(phasor, gain, &noise)));
         }
@@ -143,13 +146,5 @@ impl<'a> Circuit<'a> {
         let volts = (middle + wave).clamp(pga.headroom, adc.full_scale - pga.headroom);
         let read = volts + adc.offset + noise.sample(&mut self.random);
         (read / adc.full_scale * 4096.0).floor().clamp(0.0, 4095.0) as u16
-    }
-}
-
-impl Analogue {
-    /// Spread of the noise at the converter, V.
-    fn noise(&self, gain: f64) -> f64 {
-        let density = (self.amplifier.gain * self.amplifier.noise).hypot(self.pga.noise);
-        (gain * density * modes::bandwidth(modes::poles(self, gain)).sqrt()).hypot(self.adc.noise)
     }
 }
