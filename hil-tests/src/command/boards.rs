@@ -12,7 +12,10 @@ use dermatome::{
     model::Model,
     quantize,
 };
-use dermatome_hil::world::{Response, Setup, WorldHandle, readings::Readings};
+use dermatome_hil::world::{
+    Response, Setup, WorldHandle,
+    readings::{FULL_DRIVE_CODES, Readings, first_sample},
+};
 use dermatome_shared::{
     acquire::{
         FrontEnd,
@@ -27,13 +30,8 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use std::{error::Error, process::ExitCode};
 
-/// Crest of the DAC's codes at 100 %.
-const FULL_DRIVE_CODES: f64 = 1738.0;
-/// Clock of the converter, Hz, and clocks from a trigger to the sample: 2 of latency, give or take a half, and 12.5.
-const CONVERTER_CLOCK: f64 = 170e6 / 3.0;
+/// Clocks of the converter from a trigger to the sample: 2 of latency, give or take a half, and 12.5.
 const SAMPLE_CLOCKS: [f64; 2] = [14.0, 15.0];
-/// When the DAC has its first value, after the first trigger, s: with the third sample.
-const FIRST_VALUE: f64 = 2.0 / 2e6;
 /// The plug, ohm, and the tolerances of its resistors.
 const PLUG: [f64; 2] = [2.2, 22.0];
 const PLUG_TOLERANCES: [f64; 2] = [1e-2, 1e-3];
@@ -142,7 +140,7 @@ impl Bench {
             world: &world,
             front_end: self.front_end,
             full_drive_codes: FULL_DRIVE_CODES,
-            first_sample: clocks / CONVERTER_CLOCK - FIRST_VALUE,
+            first_sample: first_sample(clocks),
         };
         let mut plug = *Plug::new(PLUG[0], PLUG[1]).ohms();
         for (ohms, tolerance) in plug.iter_mut().zip(PLUG_TOLERANCES.into_iter().cycle()) {

@@ -287,6 +287,15 @@ impl World for AnalogueWorld {
         Some(Box::new(self.clone()))
     }
 
+    /// All capacitors are empty when it comes back.
+    fn lose_power(&mut self, at: Time) {
+        self.advance(at);
+        self.enter(|world, values| {
+            (world.limited, world.dac) = (false, 0.0);
+            *values = [0.0; PARTS];
+        });
+    }
+
     /// A DAC that is off leaves its pin to the capacitor behind it.
     fn dac(&mut self, dac: usize, channel: usize, code: Option<u16>, at: Time) {
         let (1, 0, Some(code)) = (dac, channel, code) else { return };

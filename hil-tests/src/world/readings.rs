@@ -22,6 +22,19 @@ use std::f64::consts::TAU;
 /// Frames after which one has come, gains found and all.
 const MOST_FRAMES: usize = 8;
 
+/// Crest of the DAC's codes at 100 % of a range.
+pub const FULL_DRIVE_CODES: f64 = 1738.0;
+/// Clock of the converter, Hz.
+const CONVERTER_CLOCK: f64 = 170e6 / 3.0;
+/// When the DAC has its first value, after the first trigger, s: with the third sample.
+const FIRST_VALUE: f64 = 2.0 / 2e6;
+
+/// From the first value of the current to the first sample, s, where the converter samples so many clocks after a trigger.
+#[must_use]
+pub fn first_sample(clocks: f64) -> f64 {
+    clocks / CONVERTER_CLOCK - FIRST_VALUE
+}
+
 /// A board as its firmware believes it to be, before a world.
 pub struct Readings<'a> {
     /// The world.
@@ -55,24 +68,39 @@ impl Readings<'_> {
         frames: usize,
         seed: u64,
     ) -> Option<Vec<[f64; 2]>> {
+        let frames = self.frames(patch, drive, responses, frames, seed)?;
+        let mean = |step: usize, part: usize| {
+            frames.iter().map(|frame| frame[step][part]).sum::<f64>() / frames.len() as f64
+        };
+        Some((0..frames.first()?.len()).map(|step| [0, 1].map(|part| mean(step, part))).collect())
+    }
+
+    /// The same of each frame, `[frame][step]`, once gains are found.
+    #[must_use]
+    pub fn frames(
+        &self,
+        patch: &PatchView<'_>,
+        drive: &Drive,
+        responses: &[Response],
+        frames: usize,
+        seed: u64,
+    ) -> Option<Vec<Vec<[f64; 2]>>> {
         let timing = Timing::new(drive, self.front_end.sample_rate)?;
         let mut acquisition = Acquisition::new(patch, drive, &self.front_end)?;
         let mut circuit = Circuit::new(self, drive, timing, responses, seed);
-        let (mut sums, mut count) = (Vec::new(), 0);
+        let volts = f64::from(self.front_end.volts_per_code);
+        let mut found = Vec::new();
         for _ in 0..frames + MOST_FRAMES {
             let samples = circuit.frame(acquisition.gains());
             acquisition.push(&samples, |frame, _| {
-                if count < frames {
-                    count += 1;
-                    sums.resize(frame.codes.len(), [0.0; 2]);
-                    for (sum, (i, q)) in sums.iter_mut().zip(frame.codes.iter().zip(&frame.quadrature)) {
-                        *sum = [sum[0] + f64::from(i.0), sum[1] + f64::from(q.0)];
-                    }
-                }
+                let both = frame.codes.iter().zip(&frame.quadrature);
+                found.push(both.map(|(i, q)| [i, q].map(|code| f64::from(code.0) * volts)).collect());
             });
+            if found.len() == frames {
+                break;
+            }
         }
-        let volts = f64::from(self.front_end.volts_per_code) / count as f64;
-        Some(sums.into_iter().map(|sum| sum.map(|part| part * volts)).collect())
+        Some(found)
     }
 
     /// The values that the firmware's DAC plays, from the crest on.
