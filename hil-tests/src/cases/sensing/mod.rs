@@ -7,6 +7,7 @@ mod session;
 mod sheets;
 mod soak;
 mod speed;
+mod trim;
 
 pub use soak::{Soaked, soak};
 
@@ -42,6 +43,11 @@ pub(super) const CASES: &[Case] = &[
         run: presses::long,
     },
     Case { name: "demodulated voltages are those of the circuit", needs: NEEDS, run: voltages },
+    Case {
+        name: "a board of other parts is trimmed, and keeps its trim",
+        needs: NEEDS,
+        run: trim::drawn_board,
+    },
     Case { name: "contact impedances are those of the circuit", needs: NEEDS, run: contact_impedances },
     Case { name: "signal to noise of the board's own chain", needs: NEEDS, run: signal_to_noise },
     Case { name: "sheets of 10 ohm to 100 kohm per square keep 60 dB", needs: NEEDS, run: sheets::all },
