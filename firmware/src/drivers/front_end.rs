@@ -86,15 +86,6 @@ pub struct FrontEnd {
     ring: (Channel<'static>, u8),
 }
 
-/// How to make a current.
-#[derive(Clone, Copy)]
-pub struct Current {
-    /// Whether in the current source's small range.
-    pub is_small: bool,
-    /// Share of the range, 0 to 1.
-    pub share: f32,
-}
-
 /// Samples were lost, or do not come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Missed;
@@ -107,9 +98,8 @@ impl FrontEnd {
         Self { tables, timers, _held: held, range, at_rest, wave, words, gains, ring }
     }
 
-    /// Starts to scan, with a current that rises slowly, once the current source is at rest in its range.
-    pub async fn start(&mut self, acquisition: &Acquisition, current: Current) -> Scan<'_> {
-        self.choose_range(current.is_small).await;
+    /// Starts to scan, with a current of this share (0 to 1) of the range that rises slowly.
+    pub fn start(&mut self, acquisition: &Acquisition, share: f32) -> Scan<'_> {
         let Self { tables, timers, wave, words, gains, ring, .. } = self;
         let (slots, timing) = (acquisition.slots(), acquisition.timing());
         for (word, step) in tables.words.iter().zip(slots) {
@@ -138,13 +128,14 @@ impl FrontEnd {
             next: 0,
             last: Instant::now(),
             period,
-            share: current.share,
+            share,
             risen: 0,
         }
     }
 
-    /// All switches of the multiplexers are open: the skin feels nothing of it.
-    async fn choose_range(&mut self, is_small: bool) {
+    /// Takes the current source to one of its ranges, and waits until it is at rest there. All switches of the multiplexers
+    /// are open: the skin feels nothing of it.
+    pub async fn choose_range(&mut self, is_small: bool) {
         let level = if is_small { Level::Low } else { Level::High };
         if self.range.get_output_level() != level {
             self.range.set_level(level);

@@ -11,7 +11,7 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use dermatome_firmware::{
     board::{self, SensingParts, Thermometer, executor},
-    drivers::front_end::{Current, FrontEnd, Missed, RAMP_STEPS, Scan, Tables},
+    drivers::front_end::{FrontEnd, Missed, RAMP_STEPS, Scan, Tables},
 };
 use dermatome_shared::{
     acquire::{Acquisition, SlotSamples},
@@ -55,8 +55,9 @@ pub(crate) struct Orders {
 /// How to run a scan.
 #[derive(Clone, Copy)]
 pub(crate) struct Order {
-    /// The current.
-    pub(crate) current: Current,
+    /// Whether the current is made in the source's small range, and with which share of it, 0 to 1.
+    pub(crate) in_small_range: bool,
+    pub(crate) share: f32,
     /// Time from frame to frame.
     pub(crate) interval: Duration,
 }
@@ -171,12 +172,13 @@ impl Run<'_> {
     async fn scan(&mut self, front_end: &mut FrontEnd, thermometer: &mut Thermometer, order: Order) {
         let frame_time = board::duration_of_samples(self.acquisition.missing_samples());
         let pauses = order.interval > frame_time + SHORTEST_PAUSE;
+        front_end.choose_range(order.in_small_range).await;
         while !self.is_stopping() {
             let due = Instant::now() + order.interval;
             self.acquisition.restart();
             self.orders.measure(thermometer);
-            let scan = front_end.start(self.acquisition, order.current).await;
             self.orders.flows.store(true, Ordering::Relaxed);
+            let scan = front_end.start(self.acquisition, order.share);
             self.follow(scan, frame_time, pauses).await;
             self.orders.flows.store(false, Ordering::Relaxed);
             if pauses {

@@ -4,7 +4,6 @@
 //! A frame that comes while the one before is still computed waits; events that do not fit their queue
 //! are dropped whole, and their numbers show the gap. Contacts go ahead of all that is long.
 
-use dermatome_firmware::drivers::front_end::Current;
 use dermatome_shared::{
     acquire::Acquisition,
     protocol::{BoardPacket, MAX_PACKET_BYTES},
@@ -108,11 +107,11 @@ fn put_scan(state: &State, purpose: Purpose, place: &mut Option<Acquisition>) ->
     *place = Some(acquisition);
     let interval = Duration::from_micros((1e6 / drive.frame_rate) as u64).min(MAX_INTERVAL);
     let range = front_end.in_range_of(drive.amplitude);
-    let current = Current {
-        is_small: front_end.uses_small_range(drive.amplitude),
+    Some(Order {
+        in_small_range: front_end.uses_small_range(drive.amplitude),
         share: drive.amplitude / range.full_scale_current,
-    };
-    Some(Order { current, interval })
+        interval,
+    })
 }
 
 /// Takes one frame through the device. Not inlined, so that its stack is free again while the task waits.

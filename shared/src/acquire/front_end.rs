@@ -65,13 +65,11 @@ impl FrontEnd {
     /// The same with the current source's range for this amplitude, A, as its only one.
     #[must_use]
     pub fn in_range_of(&self, amplitude: f32) -> Self {
-        let [dac, source, amplifier, filter] = self.bandwidths;
-        let (full_scale_current, source) = match self.small_range {
-            Some(range) if self.uses_small_range(amplitude) => (range.full_current, range.bandwidth),
-            _ => (self.full_scale_current, source),
-        };
-        let bandwidths = [dac, source, amplifier, filter];
-        Self { full_scale_current, bandwidths, small_range: None, ..*self }
+        let mut alone = *self;
+        if let Some(range) = alone.small_range.take().filter(|_| self.uses_small_range(amplitude)) {
+            (alone.full_scale_current, alone.bandwidths[1]) = (range.full_current, range.bandwidth);
+        }
+        alone
     }
 
     /// Whether the current source makes this amplitude, A.
