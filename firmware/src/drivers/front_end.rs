@@ -41,9 +41,8 @@ pub const RAMP_STEPS: u32 = 8;
 /// How long a step of the fall lasts: a period of the slowest carrier.
 const FALL_TIME: Duration = Duration::from_micros(80);
 
-/// After this the switch of the current source's range is as it should be: by far, for it needs half a millisecond.
-const SWITCH_TIME: Duration = Duration::from_millis(1);
-/// How long the DAC's start is to be felt in the current source, whose input settles with 31 ms.
+/// How long the current source takes to be at rest after the DAC has started, which its input feels for 31 ms, or in
+/// another range, whose switch needs half a millisecond.
 const REST_TIME: Duration = Duration::from_millis(100);
 
 /// What the DMA reads and writes. The CPU may change tables while they are in use.
@@ -78,8 +77,8 @@ pub struct FrontEnd {
     timers: board::SensingTimers,
     _held: board::Held,
     range: Output<'static>,
-    /// When the current source is at rest in its range.
-    at_rest: Instant,
+    /// Which range that is; none before the first scan.
+    in_small_range: Option<bool>,
     wave: (Channel<'static>, u8),
     words: (Channel<'static>, u8),
     gains: Option<(Channel<'static>, u8)>,
@@ -94,8 +93,7 @@ impl FrontEnd {
     /// Sets up what stays as it is.
     pub fn new(parts: SensingParts, tables: &'static Tables) -> Self {
         let board::Sensing { timers, held, range, wave, words, gains, ring } = board::start_sensing(parts);
-        let at_rest = Instant::now() + REST_TIME;
-        Self { tables, timers, _held: held, range, at_rest, wave, words, gains, ring }
+        Self { tables, timers, _held: held, range, in_small_range: None, wave, words, gains, ring }
     }
 
     /// Starts to scan, with a current of this share (0 to 1) of the range that rises slowly.
@@ -133,15 +131,14 @@ impl FrontEnd {
         }
     }
 
-    /// Takes the current source to one of its ranges, and waits until it is at rest there. All switches of the multiplexers
-    /// are open: the skin feels nothing of it.
-    pub async fn choose_range(&mut self, is_small: bool) {
-        let level = if is_small { Level::Low } else { Level::High };
-        if self.range.get_output_level() != level {
-            self.range.set_level(level);
-            self.at_rest = self.at_rest.max(Instant::now() + SWITCH_TIME);
+    /// Takes the current source to one of its ranges; says how long it needs to be at rest there. All switches of the
+    /// multiplexers are open: the skin feels nothing of it.
+    pub fn choose_range(&mut self, is_small: bool) -> Duration {
+        if self.in_small_range.replace(is_small) == Some(is_small) {
+            return Duration::MIN;
         }
-        Timer::at(self.at_rest).await;
+        self.range.set_level(if is_small { Level::Low } else { Level::High });
+        REST_TIME
     }
 }
 

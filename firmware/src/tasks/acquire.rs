@@ -172,18 +172,19 @@ impl Run<'_> {
     async fn scan(&mut self, front_end: &mut FrontEnd, thermometer: &mut Thermometer, order: Order) {
         let frame_time = board::duration_of_samples(self.acquisition.missing_samples());
         let pauses = order.interval > frame_time + SHORTEST_PAUSE;
-        front_end.choose_range(order.in_small_range).await;
-        while !self.is_stopping() {
-            let due = Instant::now() + order.interval;
+        let mut due = Instant::now() + front_end.choose_range(order.in_small_range);
+        loop {
+            self.wait_until(due).await;
+            if self.is_stopping() {
+                return;
+            }
+            due = if pauses { Instant::now() + order.interval } else { Instant::MIN };
             self.acquisition.restart();
             self.orders.measure(thermometer);
             self.orders.flows.store(true, Ordering::Relaxed);
             let scan = front_end.start(self.acquisition, order.share);
             self.follow(scan, frame_time, pauses).await;
             self.orders.flows.store(false, Ordering::Relaxed);
-            if pauses {
-                self.wait_until(due).await;
-            }
         }
     }
 

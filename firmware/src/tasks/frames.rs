@@ -106,12 +106,8 @@ fn put_scan(state: &State, purpose: Purpose, place: &mut Option<Acquisition>) ->
     acquisition.watch(purpose.scope_slot);
     *place = Some(acquisition);
     let interval = Duration::from_micros((1e6 / drive.frame_rate) as u64).min(MAX_INTERVAL);
-    let range = front_end.in_range_of(drive.amplitude);
-    Some(Order {
-        in_small_range: front_end.uses_small_range(drive.amplitude),
-        share: drive.amplitude / range.full_scale_current,
-        interval,
-    })
+    let in_small_range = front_end.uses_small_range(drive.amplitude);
+    Some(Order { in_small_range, share: front_end.share_of_range(drive.amplitude), interval })
 }
 
 /// Takes one frame through the device. Not inlined, so that its stack is free again while the task waits.

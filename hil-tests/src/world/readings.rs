@@ -138,8 +138,7 @@ impl<'a> Circuit<'a> {
         responses: &'a [Response],
         seed: u64,
     ) -> Self {
-        let range = readings.front_end.in_range_of(drive.amplitude);
-        let share = f64::from(drive.amplitude / range.full_scale_current);
+        let share = f64::from(readings.front_end.share_of_range(drive.amplitude));
         Self {
             analogue: &readings.world.setup().analogue,
             responses,

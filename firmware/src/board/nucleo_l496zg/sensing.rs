@@ -1,6 +1,6 @@
 //! Sensing: the front end's place in the board's table, and what only this chip's registers can do.
 
-use dermatome_shared::acquire::{FrontEnd, SmallRange, trim::Trim};
+use dermatome_shared::acquire::{CurrentRange, FrontEnd, trim::Trim};
 use embassy_stm32::{
     Peri,
     adc::{Adc, AdcChannel, AnyAdcChannel, RxDma},
@@ -36,7 +36,7 @@ pub const FRONT_END: FrontEnd = FrontEnd {
     // 3.3 V over 12 bits, and 12 bits more that the lock-in makes.
     volts_per_code: 3.3 / 4096.0 / 4096.0 / AMPLIFIER_GAIN,
     full_scale_current: 1e-3,
-    small_range: Some(SmallRange { full_current: 28.73e-6, bandwidth: 163.3e3 }),
+    small_range: Some(CurrentRange { full_current: 28.73e-6, bandwidth: 163.3e3 }),
     gain_bandwidth: f32::INFINITY,
     largest_gain: 1,
     bandwidths: [844e3, 157.4e3, 10e6, 965e3],

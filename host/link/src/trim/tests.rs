@@ -1,5 +1,5 @@
 use super::*;
-use dermatome_shared::acquire::SmallRange;
+use dermatome_shared::acquire::CurrentRange;
 use dermatome_shared::stimulation::{Driven, pattern};
 
 /// The reference board's, as designed.
@@ -7,7 +7,7 @@ const FRONT_END: FrontEnd = FrontEnd {
     sample_rate: 2_000_000,
     volts_per_code: 9.87e-9,
     full_scale_current: 1e-3,
-    small_range: Some(SmallRange { full_current: 28.73e-6, bandwidth: 163.3e3 }),
+    small_range: Some(CurrentRange { full_current: 28.73e-6, bandwidth: 163.3e3 }),
     gain_bandwidth: 13e6,
     largest_gain: 64,
     bandwidths: [844e3, 157e3, 10e6, 965e3],
@@ -44,8 +44,8 @@ fn measured_on(plug: &Plug, odd: impl Fn(f64) -> f64) -> Vec<Measured> {
         let size = real * real + imaginary * imaginary;
         let carrier = CARRIERS[setting.carrier];
         let inverse = [real / size, -imaginary / size];
-        let front_end = FRONT_END.in_range_of(setting.share as f32 * FRONT_END.full_scale_current);
-        let unit = front_end.corrected(carrier, setting.gain, lagging(carrier), inverse);
+        let drive = Drive::new(carrier, setting.share as f32 * FRONT_END.full_scale_current, 1e3);
+        let unit = FRONT_END.corrected(&drive, setting.gain, lagging(carrier), inverse);
         let current = odd(setting.share) * setting.share * 1e-3;
         let volts = steps().into_iter().map(|step| {
             let volts = current * plug.transfer(step);
