@@ -175,7 +175,7 @@ impl Run<'_> {
         let mut due = Instant::now() + front_end.choose_range(order.in_small_range);
         loop {
             self.wait_until(due).await;
-            if self.is_stopping() {
+            if self.is_stopping {
                 return;
             }
             due = if pauses { Instant::now() + order.interval } else { Instant::MIN };

@@ -102,7 +102,7 @@ impl Task {
 fn put_scan(state: &State, purpose: Purpose, place: &mut Option<Acquisition>) -> Option<Order> {
     let device = state.device.borrow();
     let (patch, drive, front_end) = (device.patch()?, device.drive()?, device.front_end()?);
-    let mut acquisition = Acquisition::new(&patch, &drive, &front_end)?;
+    let mut acquisition = Acquisition::new(&patch, &drive, front_end)?;
     acquisition.watch(purpose.scope_slot);
     *place = Some(acquisition);
     let interval = Duration::from_micros((1e6 / drive.frame_rate) as u64).min(MAX_INTERVAL);
