@@ -153,7 +153,7 @@ fn contact_impedances(rig: &Rig) -> Result<String, Failure> {
 fn signal_to_noise(rig: &Rig) -> Result<String, Failure> {
     let (_, mut link) = Session::open(rig, |skin| skin.drive.frame_rate = 1000.0)?;
     tare(&mut link, 2)?;
-    let frames = session::voltages(&mut link, 200)?;
+    let frames = session::voltages(&mut link, 100)?;
     let ratios = session::signal_to_noise(&frames);
     let (worst, median) = (ratios[0], ratios[ratios.len() / 2]);
     ensure(median >= 64.0, || format!("median {median:.1} dB, worst channel {worst:.1} dB"))?;
