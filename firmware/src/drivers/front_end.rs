@@ -79,6 +79,8 @@ pub struct FrontEnd {
     range: Output<'static>,
     /// Which range that is; none before the first scan.
     in_small_range: Option<bool>,
+    /// When the current source is at rest there.
+    at_rest: Instant,
     wave: (Channel<'static>, u8),
     words: (Channel<'static>, u8),
     gains: Option<(Channel<'static>, u8)>,
@@ -93,7 +95,8 @@ impl FrontEnd {
     /// Sets up what stays as it is.
     pub fn new(parts: SensingParts, tables: &'static Tables) -> Self {
         let board::Sensing { timers, held, range, wave, words, gains, ring } = board::start_sensing(parts);
-        Self { tables, timers, _held: held, range, in_small_range: None, wave, words, gains, ring }
+        let at_rest = Instant::MIN;
+        Self { tables, timers, _held: held, range, in_small_range: None, at_rest, wave, words, gains, ring }
     }
 
     /// Starts to scan, with a current of this share (0 to 1) of the range that rises slowly.
@@ -131,14 +134,14 @@ impl FrontEnd {
         }
     }
 
-    /// Takes the current source to one of its ranges; says how long it needs to be at rest there. All switches of the
-    /// multiplexers are open: the skin feels nothing of it.
-    pub fn choose_range(&mut self, is_small: bool) -> Duration {
-        if self.in_small_range.replace(is_small) == Some(is_small) {
-            return Duration::MIN;
+    /// Takes the current source to one of its ranges; says when it is at rest there. All switches of the multiplexers are
+    /// open: the skin feels nothing of it.
+    pub fn choose_range(&mut self, is_small: bool) -> Instant {
+        if self.in_small_range.replace(is_small) != Some(is_small) {
+            self.range.set_level(if is_small { Level::Low } else { Level::High });
+            self.at_rest = Instant::now() + REST_TIME;
         }
-        self.range.set_level(if is_small { Level::Low } else { Level::High });
-        REST_TIME
+        self.at_rest
     }
 }
 

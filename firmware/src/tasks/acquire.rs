@@ -172,7 +172,7 @@ impl Run<'_> {
     async fn scan(&mut self, front_end: &mut FrontEnd, thermometer: &mut Thermometer, order: Order) {
         let frame_time = board::duration_of_samples(self.acquisition.missing_samples());
         let pauses = order.interval > frame_time + SHORTEST_PAUSE;
-        let mut due = Instant::now() + front_end.choose_range(order.in_small_range);
+        let mut due = front_end.choose_range(order.in_small_range);
         loop {
             self.wait_until(due).await;
             if self.is_stopping {
