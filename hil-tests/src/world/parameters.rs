@@ -3,8 +3,10 @@
 //!
 //! Where each value is from stands beside it in the file.
 
+mod file;
+
 use dermatome::skin::quantity::{CAPACITANCE, FREQUENCY, Kind, Quantity};
-use serde::Deserialize;
+use file::{AdcTable, AmplifierTable, DacTable, File, MultiplexerTable, PgaTable, RangeTable, StrayTable};
 use std::{
     ops::RangeInclusive,
     path::{Path, PathBuf},
@@ -242,103 +244,6 @@ impl Analogue {
     pub fn without_leads(&self) -> Self {
         Self { stray: Stray { to_ground: 0.0, between: 0.0 }, ..self.clone() }
     }
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    dac: DacTable,
-    current_source: SourceTable,
-    large_range: RangeTable,
-    small_range: RangeTable,
-    multiplexer: MultiplexerTable,
-    amplifier: AmplifierTable,
-    pga: PgaTable,
-    adc: AdcTable,
-    stray: StrayTable,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct DacTable {
-    bits: u32,
-    full_scale: Quantity,
-    lowest: Quantity,
-    highest: Quantity,
-    settling: Quantity,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SourceTable {
-    full_drive: Quantity,
-    range_switching: Quantity,
-    /// So large that every carrier passes; without it a fault could send direct current into a person.
-    series_capacitance: Quantity,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RangeTable {
-    transconductance: Quantity,
-    bandwidth: Quantity,
-    output_resistance: Quantity,
-    output_capacitance: Quantity,
-    compliance: Quantity,
-    open_voltage: Quantity,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MultiplexerTable {
-    on_resistance: Quantity,
-    on_resistance_match: Quantity,
-    on_capacitance: Quantity,
-    common_off_capacitance: Quantity,
-    channel_off_capacitance: Quantity,
-    charge_injection: Quantity,
-    transition_time: Quantity,
-    break_before_make: bool,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct AmplifierTable {
-    gain: f64,
-    bandwidth: Quantity,
-    filter: Quantity,
-    input_capacitance: Quantity,
-    input_resistance: Quantity,
-    cmrr_50khz: Quantity,
-    noise: Quantity,
-    current_noise: Quantity,
-    /// Read and checked; the model's inputs take any voltage, see the README.
-    input_range: Quantity,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PgaTable {
-    gain_bandwidth: Quantity,
-    offset: Quantity,
-    noise: Quantity,
-    headroom: Quantity,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct AdcTable {
-    bits: u32,
-    full_scale: Quantity,
-    noise: Quantity,
-    offset: Quantity,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct StrayTable {
-    lead_to_ground: Quantity,
-    lead_to_lead: Quantity,
 }
 
 /// Turns each table into SI units; knows the file for error messages.
