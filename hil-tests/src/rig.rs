@@ -293,11 +293,10 @@ impl Rig {
         }
     }
 
-    /// A fresh emulated board before another skin, whose events are kept.
-    pub fn before(&self, skin: Skin) -> Result<Self, RigError> {
+    /// A fresh emulated board before another world, whose events are kept.
+    pub fn before(&self, world: impl Into<Arc<Setup>>) -> Result<Self, RigError> {
         let VirtualRig { firmware, elf, options, .. } = self.emulated_rig();
-        let world = options.world.as_ref().map(|world| world.with_skin(skin)).transpose()?;
-        let options = Options { world: world.map(Arc::new), keep_trace: true, ..options.clone() };
+        let options = Options { world: Some(world.into()), keep_trace: true, ..options.clone() };
         Ok(Self::Virtual(VirtualRig::start(firmware.clone(), elf.clone(), options)?))
     }
 

@@ -266,6 +266,7 @@ fn a_board_that_shows_no_samples_is_told_to_stop() {
         sample_rate: 2_000_000,
         volts_per_code: 1e-6,
         full_scale_current: 1e-3,
+        small_range: None,
         gain_bandwidth: 1e7,
         largest_gain: 64,
         bandwidths: [1e6; 4],

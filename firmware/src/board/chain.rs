@@ -9,6 +9,7 @@ use embassy_stm32::{
     adc::Adc,
     dac::{self, ChannelTrigger, DacChannel},
     dma::Channel,
+    gpio::Output,
     mode::Blocking,
     pac,
     timer::{
@@ -30,6 +31,8 @@ pub struct Sensing {
     pub timers: SensingTimers,
     /// What stays on.
     pub held: Held,
+    /// The current source's range: low for the small one.
+    pub range: Output<'static>,
     /// Feeds the DAC.
     pub wave: (Channel<'static>, u8),
     /// Switches the multiplexers.

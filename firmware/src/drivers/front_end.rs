@@ -24,7 +24,10 @@ use dermatome_shared::{
     drive::GAINS,
     limits::{MAX_PERIOD, MAX_SLOTS},
 };
-use embassy_stm32::dma::{Channel, Transfer, TransferOptions};
+use embassy_stm32::{
+    dma::{Channel, Transfer, TransferOptions},
+    gpio::{Level, Output},
+};
 use embassy_time::{Duration, Instant, Timer};
 
 use crate::board::{self, SensingParts};
@@ -37,6 +40,10 @@ const STILL_SAMPLES: usize = 200;
 pub const RAMP_STEPS: u32 = 8;
 /// How long a step of the fall lasts: a period of the slowest carrier.
 const FALL_TIME: Duration = Duration::from_micros(80);
+
+/// How long the current source takes to be at rest after the DAC has started, which its input feels for 31 ms, or in
+/// another range, whose switch needs half a millisecond.
+const REST_TIME: Duration = Duration::from_millis(100);
 
 /// What the DMA reads and writes. The CPU may change tables while they are in use.
 pub struct Tables {
@@ -69,6 +76,11 @@ pub struct FrontEnd {
     tables: &'static Tables,
     timers: board::SensingTimers,
     _held: board::Held,
+    range: Output<'static>,
+    /// Which range that is; none before the first scan.
+    in_small_range: Option<bool>,
+    /// When the current source is at rest there.
+    at_rest: Instant,
     wave: (Channel<'static>, u8),
     words: (Channel<'static>, u8),
     gains: Option<(Channel<'static>, u8)>,
@@ -82,12 +94,13 @@ pub struct Missed;
 impl FrontEnd {
     /// Sets up what stays as it is.
     pub fn new(parts: SensingParts, tables: &'static Tables) -> Self {
-        let board::Sensing { timers, held, wave, words, gains, ring } = board::start_sensing(parts);
-        Self { tables, timers, _held: held, wave, words, gains, ring }
+        let board::Sensing { timers, held, range, wave, words, gains, ring } = board::start_sensing(parts);
+        let at_rest = Instant::MIN;
+        Self { tables, timers, _held: held, range, in_small_range: None, at_rest, wave, words, gains, ring }
     }
 
-    /// Starts to scan, with a current of `amplitude` (0 to 1) that rises slowly.
-    pub fn start(&mut self, acquisition: &Acquisition, amplitude: f32) -> Scan<'_> {
+    /// Starts to scan, with a current of this share (0 to 1) of the range that rises slowly.
+    pub fn start(&mut self, acquisition: &Acquisition, share: f32) -> Scan<'_> {
         let Self { tables, timers, wave, words, gains, ring, .. } = self;
         let (slots, timing) = (acquisition.slots(), acquisition.timing());
         for (word, step) in tables.words.iter().zip(slots) {
@@ -116,9 +129,19 @@ impl FrontEnd {
             next: 0,
             last: Instant::now(),
             period,
-            amplitude,
+            share,
             risen: 0,
         }
+    }
+
+    /// Takes the current source to one of its ranges; says when it is at rest there. All switches of the multiplexers are
+    /// open: the skin feels nothing of it.
+    pub fn choose_range(&mut self, is_small: bool) -> Instant {
+        if self.in_small_range.replace(is_small) != Some(is_small) {
+            self.range.set_level(if is_small { Level::Low } else { Level::High });
+            self.at_rest = Instant::now() + REST_TIME;
+        }
+        self.at_rest
     }
 }
 
@@ -134,7 +157,8 @@ pub struct Scan<'a> {
     /// When the ring was looked at last.
     last: Instant,
     period: usize,
-    amplitude: f32,
+    /// Share of the current source's range, 0 to 1.
+    share: f32,
     /// Steps by which the current has risen.
     risen: u32,
 }
@@ -194,7 +218,7 @@ impl Scan<'_> {
     }
 
     fn set_current(&self) {
-        set_wave(self.tables, self.period, self.amplitude * self.risen as f32 / RAMP_STEPS as f32);
+        set_wave(self.tables, self.period, self.share * self.risen as f32 / RAMP_STEPS as f32);
     }
 
     /// Samples that the DMA is done with.

@@ -55,8 +55,9 @@ pub(crate) struct Orders {
 /// How to run a scan.
 #[derive(Clone, Copy)]
 pub(crate) struct Order {
-    /// Amplitude of the current, 0 to 1.
-    pub(crate) amplitude: f32,
+    /// Whether the current is made in the source's small range, and with which share of it, 0 to 1.
+    pub(crate) in_small_range: bool,
+    pub(crate) share: f32,
     /// Time from frame to frame.
     pub(crate) interval: Duration,
 }
@@ -171,17 +172,19 @@ impl Run<'_> {
     async fn scan(&mut self, front_end: &mut FrontEnd, thermometer: &mut Thermometer, order: Order) {
         let frame_time = board::duration_of_samples(self.acquisition.missing_samples());
         let pauses = order.interval > frame_time + SHORTEST_PAUSE;
-        while !self.is_stopping() {
-            let due = Instant::now() + order.interval;
+        let mut due = front_end.choose_range(order.in_small_range);
+        loop {
+            self.wait_until(due).await;
+            if self.is_stopping {
+                return;
+            }
+            due = if pauses { Instant::now() + order.interval } else { Instant::MIN };
             self.acquisition.restart();
             self.orders.measure(thermometer);
             self.orders.flows.store(true, Ordering::Relaxed);
-            let scan = front_end.start(self.acquisition, order.amplitude);
+            let scan = front_end.start(self.acquisition, order.share);
             self.follow(scan, frame_time, pauses).await;
             self.orders.flows.store(false, Ordering::Relaxed);
-            if pauses {
-                self.wait_until(due).await;
-            }
         }
     }
 

@@ -102,11 +102,12 @@ impl Task {
 fn put_scan(state: &State, purpose: Purpose, place: &mut Option<Acquisition>) -> Option<Order> {
     let device = state.device.borrow();
     let (patch, drive, front_end) = (device.patch()?, device.drive()?, device.front_end()?);
-    let mut acquisition = Acquisition::new(&patch, &drive, &front_end)?;
+    let mut acquisition = Acquisition::new(&patch, &drive, front_end)?;
     acquisition.watch(purpose.scope_slot);
     *place = Some(acquisition);
     let interval = Duration::from_micros((1e6 / drive.frame_rate) as u64).min(MAX_INTERVAL);
-    Some(Order { amplitude: drive.amplitude / front_end.full_scale_current, interval })
+    let in_small_range = front_end.uses_small_range(drive.amplitude);
+    Some(Order { in_small_range, share: front_end.share_of_range(drive.amplitude), interval })
 }
 
 /// Takes one frame through the device. Not inlined, so that its stack is free again while the task waits.

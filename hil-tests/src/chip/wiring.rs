@@ -60,6 +60,14 @@ impl Chip {
         self.outside.connect(world, self.now);
     }
 
+    /// The world loses its power with the chip.
+    pub fn lose_power(&mut self) {
+        let now = self.now;
+        if let Some(world) = self.outside.world() {
+            world.lose_power(now);
+        }
+    }
+
     /// Converters whose sampling ends ask the world.
     pub(super) fn ask_world(&mut self, now: Time) -> Result<(), Misuse> {
         for place in 0..self.adcs.len() {

@@ -17,6 +17,8 @@ pub trait World: Debug + Send {
     fn opamp(&mut self, number: usize, setting: OpampSetting, at: Time);
     /// Volts at a channel of a converter (1 to 5) at an instant.
     fn voltage(&mut self, adc: usize, channel: usize, at: Time) -> f64;
+    /// The board's power has failed, and comes back.
+    fn lose_power(&mut self, _at: Time) {}
     /// Another that goes on from here in the same way, if this kind of world can be copied.
     fn copy(&self) -> Option<Box<dyn World>> {
         None

@@ -12,7 +12,10 @@ use dermatome::{
     model::Model,
     quantize,
 };
-use dermatome_hil::world::{Response, Setup, WorldHandle, readings::Readings};
+use dermatome_hil::world::{
+    Response, Setup, WorldHandle,
+    readings::{FULL_DRIVE_CODES, Readings, first_sample},
+};
 use dermatome_shared::{
     acquire::{
         FrontEnd,
@@ -27,13 +30,8 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use std::{error::Error, process::ExitCode};
 
-/// Crest of the DAC's codes at 100 %.
-const FULL_DRIVE_CODES: f64 = 1738.0;
-/// Clock of the converter, Hz, and clocks from a trigger to the sample: 2 of latency, give or take a half, and 12.5.
-const CONVERTER_CLOCK: f64 = 170e6 / 3.0;
+/// Clocks of the converter from a trigger to the sample: 2 of latency, give or take a half, and 12.5.
 const SAMPLE_CLOCKS: [f64; 2] = [14.0, 15.0];
-/// When the DAC has its first value, after the first trigger, s: with the third sample.
-const FIRST_VALUE: f64 = 2.0 / 2e6;
 /// The plug, ohm, and the tolerances of its resistors.
 const PLUG: [f64; 2] = [2.2, 22.0];
 const PLUG_TOLERANCES: [f64; 2] = [1e-2, 1e-3];
@@ -73,8 +71,15 @@ impl Boards {
     }
 }
 
-/// Worst channel's errors of a board: `[carrier]`, before and after the trim; in phase and in quadrature.
-type Errors = [[[f64; 2]; 2]; CARRIERS.len()];
+/// Worst channel's errors of a board.
+#[derive(Default)]
+struct Errors {
+    /// `[carrier]`, before and after the trim; in phase and in quadrature, of the converter's range.
+    carriers: [[[f64; 2]; 2]; CARRIERS.len()],
+    /// In the current source's small range, at the patch's carrier, before and after the trim; in phase, of the largest
+    /// voltage.
+    small_range: [f64; 2],
+}
 
 fn report(errors: &[Errors]) -> ExitCode {
     println!("worst channel in phase (in quadrature), % of the converter's range, {} boards", errors.len());
@@ -87,7 +92,7 @@ fn report(errors: &[Errors]) -> ExitCode {
         let cell = |trimmed: usize, rank: fn(usize) -> usize| {
             let [real, imaginary] = [0, 1].map(|part| {
                 let mut values: Vec<f64> =
-                    errors.iter().map(|errors| errors[carrier][trimmed][part]).collect();
+                    errors.iter().map(|errors| errors.carriers[carrier][trimmed][part]).collect();
                 values.sort_by(f64::total_cmp);
                 values[rank(values.len())]
             });
@@ -99,6 +104,12 @@ fn report(errors: &[Errors]) -> ExitCode {
         let [a, b, c, d] = cells.map(|(_, words)| words);
         println!("{:>5} kHz  {a:>21} {b:>21}  {c:>21} {d:>21}", frequency / 1e3);
     }
+    let worst = [0, 1]
+        .map(|trimmed| 100.0 * errors.iter().map(|errors| errors.small_range[trimmed]).fold(0.0, f64::max));
+    println!(
+        "in the small range, worst, % of the largest voltage: {:.3} as built, {:.3} trimmed",
+        worst[0], worst[1]
+    );
     if is_met {
         return ExitCode::SUCCESS;
     }
@@ -142,7 +153,7 @@ impl Bench {
             world: &world,
             front_end: self.front_end,
             full_drive_codes: FULL_DRIVE_CODES,
-            first_sample: clocks / CONVERTER_CLOCK - FIRST_VALUE,
+            first_sample: first_sample(clocks),
         };
         let mut plug = *Plug::new(PLUG[0], PLUG[1]).ohms();
         for (ohms, tolerance) in plug.iter_mut().zip(PLUG_TOLERANCES.into_iter().cycle()) {
@@ -156,9 +167,15 @@ impl Bench {
         for (trimmed, trim) in [Trim::NONE, trim].into_iter().enumerate() {
             board.front_end.trim = trim;
             for (carrier, &frequency) in CARRIERS.iter().enumerate() {
-                errors[carrier][trimmed] =
-                    self.worst(&board, frequency).ok_or("a carrier is not possible")?;
+                let drive = Drive { frequency, gain: Gain::Automatic, ..self.drive };
+                let full = self.setup.analogue.adc.full_scale / 2.0 / self.setup.analogue.amplifier.gain;
+                let (worst, _) = self.worst(&board, drive).ok_or("a carrier is not possible")?;
+                errors.carriers[carrier][trimmed] = worst.map(|part| part / full);
             }
+            let small = self.front_end.small_range.ok_or("the board has no small range")?;
+            let drive = Drive { amplitude: small.full_current, gain: Gain::Automatic, ..self.drive };
+            let (worst, largest) = self.worst(&board, drive).ok_or("a carrier is not possible")?;
+            errors.small_range[trimmed] = worst[0] / largest;
         }
         Ok(errors)
     }
@@ -192,21 +209,19 @@ impl Bench {
         }
     }
 
-    /// Errors of the worst channel of the skin, of the converter's range at gain 1.
-    fn worst(&self, board: &Readings<'_>, frequency: f32) -> Option<[f64; 2]> {
-        let drive = Drive { frequency, gain: Gain::Automatic, ..self.drive };
-        board.world.set_frequency(frequency.into()).ok()?;
+    /// Errors of the worst channel of the skin in phase and in quadrature, and its largest voltage, V.
+    fn worst(&self, board: &Readings<'_>, drive: Drive) -> Option<([f64; 2], f64)> {
+        board.world.set_frequency(drive.frequency.into()).ok()?;
         let responses = board.responses(&self.patch(), &drive);
         let volts = board.volts(&self.patch(), &drive, &responses, 1, 0)?;
-        let analogue = &self.setup.analogue;
-        let full = analogue.adc.full_scale / 2.0 / analogue.amplifier.gain;
-        let truth = |step: &Step| {
-            let word = dermatome_shared::scan::multiplexer_word(*step);
-            board.world.truth(word) * f64::from(drive.amplitude)
-        };
-        let errors = self.steps.iter().zip(&volts).map(|(step, [i, q])| Complex64::new(*i, *q) - truth(step));
-        Some(errors.fold([0.0; 2], |worst, error| {
-            [worst[0].max(error.re.abs() / full), worst[1].max(error.im.abs() / full)]
-        }))
+        let words = self.steps.iter().map(|&step| dermatome_shared::scan::multiplexer_word(step));
+        let truth = words.map(|word| board.world.truth(word) * f64::from(drive.amplitude));
+        let (mut worst, mut largest) = ([0.0_f64; 2], 0.0_f64);
+        for (truth, [i, q]) in truth.zip(volts) {
+            let error = Complex64::new(i, q) - truth;
+            worst = [worst[0].max(error.re.abs()), worst[1].max(error.im.abs())];
+            largest = largest.max(truth.norm());
+        }
+        Some((worst, largest))
     }
 }

@@ -208,6 +208,7 @@ impl Machine {
         self.chip(|chip| {
             chip.flash.cut(seed);
             chip.uart.unplug();
+            chip.lose_power();
         });
         self.power_up()
     }

@@ -59,6 +59,8 @@ impl Carrier {
 pub struct Response {
     /// Multiple of the carrier's frequency, and volts at the chip's pin per volt at the DAC.
     images: Vec<(i32, Complex64)>,
+    /// Noise before the amplifier at the carrier, V/sqrt(Hz).
+    pub(super) noise: f64,
 }
 
 impl Response {
@@ -68,7 +70,8 @@ impl Response {
             let frequency = f64::from(multiple) * carrier.frequency();
             (multiple, before_amplifier(network, analogue, word, frequency))
         };
-        Self { images: folds.map(image).collect() }
+        let noise = network.noise(selected(word), carrier.frequency());
+        Self { images: folds.map(image).collect(), noise }
     }
 
     /// What a lock-in finds at the converter behind a gain of the chip's amplifier, V.

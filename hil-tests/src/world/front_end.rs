@@ -8,11 +8,12 @@
 use super::{
     fault::{Fault, stuck},
     handle::{Conditions, WorldHandle},
-    modes::{Chain, LIMIT, MODES, Modes, PARTS, Parts},
+    modes::{CURRENT, Chain, DRIVE, LIMIT, MODES, Modes, PARTS, Parts},
     multiplexers::{Closed, Multiplexers},
     network::{MINUS, NODES, Network, PLUS, SOURCE},
     noise::Noise,
     parameters::Analogue,
+    range::RangeSwitch,
 };
 use crate::chip::{
     system_memory::{VREFINT_VOLTS, sensor_volts},
@@ -48,6 +49,7 @@ pub struct AnalogueWorld {
     /// Voltage of the DAC's pin.
     dac: f64,
     multiplexers: Multiplexers,
+    range: RangeSwitch,
     closed: Closed,
     /// Whether the source is at its limit.
     limited: bool,
@@ -68,10 +70,12 @@ impl AnalogueWorld {
     #[must_use]
     pub fn new(handle: WorldHandle) -> Self {
         let setup = handle.setup().clone();
-        let network = handle.network();
+        let (network, conditions) = (handle.network(), handle.conditions());
+        let analogue = handle.analogue();
         let mut world = Self {
             seen: handle.version(),
-            conditions: handle.conditions(),
+            range: RangeSwitch::new(&analogue.ranges, conditions.in_small_range),
+            conditions,
             handle,
             network,
             chains: Chains::default(),
@@ -81,15 +85,16 @@ impl AnalogueWorld {
             changed: Time::ZERO,
             next_pass: Time::ZERO,
             dac: 0.0,
-            multiplexers: Multiplexers::new(&setup.analogue.multiplexer),
+            multiplexers: Multiplexers::new(&analogue.multiplexer),
             closed: [None; 4],
             limited: false,
             opamp: OpampSetting::Off,
             gain: 1.0,
-            noise: Noise::new(&setup.analogue, setup.seed),
-            analogue: setup.analogue,
+            noise: Noise::new(&analogue, setup.seed),
+            analogue,
         };
         world.current = world.chain();
+        world.noise.follow(&world.chains.chains[world.current]);
         world
     }
 
@@ -108,12 +113,28 @@ impl AnalogueWorld {
         if self.handle.version() != self.seen {
             self.renew();
         }
-        while self.multiplexers.next_change() <= at {
-            self.pass(self.multiplexers.next_change());
-            self.multiplexers.close();
-            self.switch();
+        loop {
+            let [switches, range] = [self.multiplexers.next_change(), self.range.next_change()];
+            let next = switches.min(range);
+            if next > at {
+                break;
+            }
+            self.pass(next);
+            if switches <= range {
+                self.multiplexers.close();
+                self.switch();
+            } else {
+                self.change_range();
+            }
         }
         self.pass(at);
+    }
+
+    /// The switch of the source's range has moved.
+    fn change_range(&mut self) {
+        self.handle.record_range();
+        self.handle.set_small_range(self.range.finish());
+        self.renew();
     }
 
     fn pass(&mut self, until: Time) {
@@ -147,7 +168,9 @@ impl AnalogueWorld {
         let mut values = self.chains.chains[self.current].values(&self.parts);
         change(self, &mut values);
         self.current = self.chain();
-        self.parts = self.chains.chains[self.current].parts(&values);
+        let chain = &self.chains.chains[self.current];
+        self.parts = chain.parts(&values);
+        self.noise.follow(chain);
     }
 
     /// The chain of how things are.
@@ -158,8 +181,9 @@ impl AnalogueWorld {
         }
         let source = &self.analogue.source;
         let limit = (source.full_current() / (source.open_voltage - source.compliance), source.compliance);
-        let modes = Modes::new(&self.network, self.closed, self.limited.then_some(limit));
-        let may_clamp = self.limited || self.network.may_clamp(self.closed, self.handle.frequency());
+        let frequency = self.handle.frequency();
+        let modes = Modes::new(&self.network, self.closed, self.limited.then_some(limit), frequency);
+        let may_clamp = self.limited || self.network.may_clamp(self.closed, frequency);
         self.chains.chains.push(Chain::new(modes, &self.analogue, self.gain, may_clamp));
         let place = self.chains.chains.len() - 1;
         self.chains.places.insert(key, place);
@@ -168,11 +192,16 @@ impl AnalogueWorld {
 
     /// Something was changed through the handle.
     fn renew(&mut self) {
-        self.enter(|world, _| {
+        self.enter(|world, values| {
             world.seen = world.handle.version();
             world.conditions = world.handle.conditions();
             world.network = world.handle.network();
             world.chains = Chains::default();
+            let before = world.analogue.source.transconductance;
+            world.analogue = world.handle.analogue();
+            // The drive is in volts, and its parts in amperes.
+            let ratio = world.analogue.source.transconductance / before;
+            values[DRIVE..=CURRENT].iter_mut().for_each(|value| *value *= ratio);
         });
         self.follow();
         if self.is_broken(Fault::DacDead) {
@@ -258,6 +287,15 @@ impl World for AnalogueWorld {
         Some(Box::new(self.clone()))
     }
 
+    /// All capacitors are empty when it comes back.
+    fn lose_power(&mut self, at: Time) {
+        self.advance(at);
+        self.enter(|world, values| {
+            (world.limited, world.dac) = (false, 0.0);
+            *values = [0.0; PARTS];
+        });
+    }
+
     /// A DAC that is off leaves its pin to the capacitor behind it.
     fn dac(&mut self, dac: usize, channel: usize, code: Option<u16>, at: Time) {
         let (1, 0, Some(code)) = (dac, channel, code) else { return };
@@ -273,8 +311,13 @@ impl World for AnalogueWorld {
     fn pins(&mut self, port: char, levels: u16, at: Time) {
         self.advance(at);
         if self.multiplexers.pins(port, levels) {
-            self.handle.record_enable(self.multiplexers.is_enabled());
+            let current = self.chains.chains[self.current].current(&self.parts);
+            let share = current / self.analogue.source.full_current();
+            self.handle.record_enable(self.multiplexers.is_enabled(), share, at);
             self.follow();
+        }
+        if self.range.pins(port, levels, at) {
+            self.handle.record_range();
         }
     }
 
@@ -288,7 +331,6 @@ impl World for AnalogueWorld {
             && gain != self.gain
         {
             self.enter(|world, _| world.gain = gain);
-            self.noise.set_gain(&self.analogue, gain);
         }
     }
 

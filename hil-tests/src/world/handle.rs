@@ -24,6 +24,8 @@ use std::sync::{
 const DRIFT_STEP: f64 = 1e-4;
 /// A script moves its fingers this often.
 const SCRIPT_STEP: Time = Time::from_millis(50);
+/// Multiplexers that are off for longer are not between two words of a scan.
+const PAUSE: Time = Time::from_millis(1);
 /// A sheet does not drift beyond these shares of its conductivity.
 const DRIFT_RANGE: [f64; 2] = [0.05, 20.0];
 
@@ -132,7 +134,12 @@ pub struct DriveRecord {
     pub largest_step: u16,
     /// Whether the multiplexers were enabled at any time.
     pub enabled: bool,
+    /// Whether the source's range began or ended to change while they were.
+    pub ranged_while_enabled: bool,
+    /// Largest current of the source, of its full one, when they were enabled after a pause of a millisecond.
+    pub first_current: f64,
     enabled_now: bool,
+    disabled_at: Time,
     last: Option<(u16, Time)>,
 }
 
@@ -172,6 +179,8 @@ pub struct Conditions {
     pub faults: Vec<Fault>,
     /// Resistors between neighbouring leads, ohm, in place of the skin and its leads.
     pub plug: Option<[f64; LEADS]>,
+    /// Whether the current source is in its small range.
+    pub in_small_range: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -193,6 +202,7 @@ impl WorldHandle {
             temperature: 30.0,
             faults: Vec::new(),
             plug: None,
+            in_small_range: true,
         };
         let state = State {
             conditions,
@@ -263,6 +273,18 @@ impl WorldHandle {
         self.change(|state| state.conditions.plug = ohms);
     }
 
+    /// The current source is in its small range, or in its large one.
+    pub fn set_small_range(&self, is_small: bool) {
+        if self.conditions().in_small_range != is_small {
+            self.change(|state| state.conditions.in_small_range = is_small);
+        }
+    }
+
+    /// The front end, with the source in the range in which it is.
+    pub(super) fn analogue(&self) -> Analogue {
+        self.0.setup.analogue.in_range(self.conditions().in_small_range)
+    }
+
     /// Everything is mended.
     pub fn mend(&self) {
         self.change(|state| state.conditions.faults.clear());
@@ -310,29 +332,42 @@ impl WorldHandle {
     /// from the first word of the DAC's table. No noise, no limits.
     #[must_use]
     pub fn expected(&self, word: u16, gain: f64, carrier: &Carrier) -> Complex64 {
-        self.response(word, carrier).demodulated(&self.0.setup.analogue, gain, carrier)
+        self.response(word, carrier).demodulated(&self.analogue(), gain, carrier)
     }
 
     /// What the circuit makes of a carrier, whatever its amplitude and the gain.
     #[must_use]
     pub fn response(&self, word: u16, carrier: &Carrier) -> Response {
         let word = stuck(word, &self.conditions().faults);
-        Response::new(&self.network(), &self.0.setup.analogue, word, carrier)
+        Response::new(&self.network(), &self.analogue(), word, carrier)
     }
 
     /// What the DAC has put out since this was taken last.
     pub fn take_drive_record(&self) -> DriveRecord {
         let mut record = self.0.drive.lock().unwrap_or_else(PoisonError::into_inner);
-        let (last, enabled_now) = (record.last, record.enabled_now);
-        let next = DriveRecord { last, enabled_now, enabled: enabled_now, ..DriveRecord::default() };
+        let DriveRecord { last, enabled_now, disabled_at, .. } = *record;
+        let next =
+            DriveRecord { last, enabled_now, disabled_at, enabled: enabled_now, ..DriveRecord::default() };
         std::mem::replace(&mut *record, next)
     }
 
-    /// The multiplexers are enabled, or not.
-    pub(super) fn record_enable(&self, enabled: bool) {
+    /// The multiplexers are enabled, or not; `current` is the source's, of its full one.
+    pub(super) fn record_enable(&self, enabled: bool, current: f64, at: Time) {
         let mut record = self.0.drive.lock().unwrap_or_else(PoisonError::into_inner);
+        if enabled && !record.enabled_now && at >= record.disabled_at + PAUSE {
+            record.first_current = record.first_current.max(current.abs());
+        }
+        if record.enabled_now && !enabled {
+            record.disabled_at = at;
+        }
         record.enabled_now = enabled;
         record.enabled |= enabled;
+    }
+
+    /// The switch of the source's range begins or ends to move.
+    pub(super) fn record_range(&self) {
+        let mut record = self.0.drive.lock().unwrap_or_else(PoisonError::into_inner);
+        record.ranged_while_enabled |= record.enabled_now;
     }
 
     /// The DAC puts out a code.
@@ -360,12 +395,13 @@ impl WorldHandle {
         };
         let setup = &self.0.setup;
         let faults = &conditions.faults;
+        let analogue = setup.analogue.in_range(conditions.in_small_range);
         let network = if let Some(ohms) = conditions.plug {
-            let analogue = setup.analogue.without_leads();
+            let analogue = analogue.without_leads();
             Network::new(&analogue, &ring(&ohms), faults, frequency, setup.seed)
         } else {
             let admittance = skin.admittance(&conditions.presses, conditions.scale);
-            Network::new(&setup.analogue, &admittance, faults, frequency, setup.seed)
+            Network::new(&analogue, &admittance, faults, frequency, setup.seed)
         };
         let network = Arc::new(network);
         *latest = Some((version, network.clone()));

@@ -20,6 +20,7 @@ pub mod multiplexers;
 pub mod network;
 mod noise;
 pub mod parameters;
+mod range;
 pub mod readings;
 pub mod skin;
 mod tolerances;

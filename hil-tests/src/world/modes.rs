@@ -60,14 +60,16 @@ pub struct Modes {
     amplitudes: Nodal,
     /// What the amplifier sees of each.
     sensed: [f64; NODES],
+    /// Noise before the amplifier, V/sqrt(Hz).
+    noise: f64,
     /// Conductance that holds the source at its limit, S, and the voltage behind it, V.
     limit: Option<(f64, f64)>,
 }
 
 impl Modes {
-    /// Modes of a network with these switches closed; `limit` as in [`Modes`].
+    /// Modes of a network with these switches closed; `limit` as in [`Modes`], and noise as at a frequency, Hz.
     #[must_use]
-    pub fn new(network: &Network, closed: Closed, limit: Option<(f64, f64)>) -> Self {
+    pub fn new(network: &Network, closed: Closed, limit: Option<(f64, f64)>, frequency: f64) -> Self {
         let mut conductance = network.conductance(closed);
         if let Some((siemens, _)) = limit {
             conductance[(SOURCE, SOURCE)] += siemens;
@@ -81,6 +83,7 @@ impl Modes {
             rates: eigen.eigenvalues.map(|rate| rate.max(0.0)).into(),
             amplitudes: voltages.transpose() * capacitance,
             sensed: sensed.into(),
+            noise: network.noise(closed, frequency),
             voltages,
             limit,
         }
@@ -100,6 +103,10 @@ pub struct Chain {
     source: Parts,
     /// Whether the source may reach its limit.
     pub may_clamp: bool,
+    /// Standard deviation of the noise of skin and amplifiers at the output, V.
+    pub noise: f64,
+    /// The amplifiers' slowest pole, 1/s.
+    pub slowest_pole: f64,
     decays: Vec<(Time, Parts)>,
     oldest: usize,
 }
@@ -113,6 +120,8 @@ impl Chain {
             physical: Box::new([[0.0; PARTS]; PARTS]),
             jump: [0.0; PARTS],
             source: [0.0; PARTS],
+            noise: analogue.noise(gain, modes.noise),
+            slowest_pole: TAU * poles(analogue, gain).into_iter().fold(f64::INFINITY, f64::min),
             modes,
             may_clamp,
             decays: Vec::new(),
@@ -151,6 +160,12 @@ impl Chain {
     #[must_use]
     pub fn source_voltage(&self, parts: &Parts) -> f64 {
         dot(&self.source, parts)
+    }
+
+    /// Current of the source, A, if nothing limited it.
+    #[must_use]
+    pub fn current(&self, parts: &Parts) -> f64 {
+        dot(&self.physical[CURRENT], parts)
     }
 
     /// Physical values, with node voltages in place of modes.
@@ -261,6 +276,16 @@ fn rates(modes: &Modes, analogue: &Analogue, gain: f64) -> Parts {
 #[must_use]
 pub fn poles(analogue: &Analogue, gain: f64) -> [f64; 3] {
     [analogue.amplifier.bandwidth, analogue.amplifier.filter, analogue.pga.gain_bandwidth / gain]
+}
+
+impl Analogue {
+    /// Standard deviation of the noise at the chip's amplifier's output, V; `circuit` is that before the first amplifier,
+    /// V/sqrt(Hz).
+    #[must_use]
+    pub fn noise(&self, gain: f64, circuit: f64) -> f64 {
+        let density = (self.amplifier.gain * self.amplifier.noise.hypot(circuit)).hypot(self.pga.noise);
+        gain * density * bandwidth(poles(self, gain)).sqrt()
+    }
 }
 
 /// Noise bandwidth of three poles in a row, Hz: the residues of 1 / prod(1 + (f/p)^2), integrated.

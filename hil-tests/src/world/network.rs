@@ -33,6 +33,9 @@ const LEAST_CAPACITANCE: f64 = 1e-18;
 /// Resistance of a short between two leads, ohm.
 const SHORT: f64 = 1.0;
 
+/// Boltzmann's constant times 300 K, J: resistances have a noise of 4 of it per ohm and hertz.
+const THERMAL_ENERGY: f64 = 1.380_649e-23 * 300.0;
+
 /// A matrix over all nodes.
 pub type Nodal = SMatrix<f64, NODES, NODES>;
 
@@ -111,13 +114,34 @@ impl Network {
     /// Voltage of each node per ampere of the current source, at a frequency, Hz.
     #[must_use]
     pub fn phasors(&self, closed: Closed, frequency: f64) -> SVector<Complex64, NODES> {
+        self.voltages(closed, frequency, [SOURCE]).column(0).into_owned()
+    }
+
+    /// Density of the noise between the amplifier's inputs at a frequency, Hz, that is not the amplifier's voltage: of all
+    /// resistances (4 k T times the impedance's real part, by Nyquist) and of the inputs' currents; V/sqrt(Hz).
+    #[must_use]
+    pub fn noise(&self, closed: Closed, frequency: f64) -> f64 {
+        let voltages = self.voltages(closed, frequency, [PLUS, MINUS]);
+        let [of_plus, of_minus] = [0, 1].map(|input| voltages[(PLUS, input)] - voltages[(MINUS, input)]);
+        let thermal = 4.0 * THERMAL_ENERGY * (of_plus - of_minus).re;
+        let currents = self.amplifier.current_noise.powi(2) * (of_plus.norm_sqr() + of_minus.norm_sqr());
+        (thermal + currents).sqrt()
+    }
+
+    /// Voltages per ampere into each of these nodes: `[node][into]`.
+    fn voltages<const N: usize>(
+        &self,
+        closed: Closed,
+        frequency: f64,
+        into: [usize; N],
+    ) -> SMatrix<Complex64, NODES, N> {
         let conductance = self.conductance(closed);
         let admittance = SMatrix::<Complex64, NODES, NODES>::from_fn(|row, col| {
             Complex64::new(conductance[(row, col)], TAU * frequency * self.capacitance[(row, col)])
         });
-        let mut current = SVector::<Complex64, NODES>::zeros();
-        current[SOURCE] = Complex64::from(1.0);
-        admittance.lu().solve(&current).expect("every node leaks, so that the network has a solution")
+        let currents =
+            SMatrix::from_fn(|node, place| Complex64::from(f64::from(u8::from(into[place] == node))));
+        admittance.lu().solve(&currents).expect("every node leaks, so that the network has a solution")
     }
 
     /// What the amplifier makes of node voltages: their difference, and a little of what both have in

@@ -3,7 +3,7 @@
 //! The circuit is solved by frequencies ([`super::expected`]); its phasors become samples, with noise and 12 bits,
 //! and those go through the code that the firmware runs.
 
-use super::{WorldHandle, expected::Response, modes, multiplexers, parameters::Analogue};
+use super::{WorldHandle, expected::Response, multiplexers, parameters::Analogue};
 use crate::world::Carrier;
 use dermatome_shared::{
     acquire::{Acquisition, FrontEnd},
@@ -22,6 +22,19 @@ use std::f64::consts::TAU;
 /// Frames after which one has come, gains found and all.
 const MOST_FRAMES: usize = 8;
 
+/// Crest of the DAC's codes at 100 % of a range.
+pub const FULL_DRIVE_CODES: f64 = 1738.0;
+/// Clock of the converter, Hz.
+const CONVERTER_CLOCK: f64 = 170e6 / 3.0;
+/// When the DAC has its first value, after the first trigger, s: with the third sample.
+const FIRST_VALUE: f64 = 2.0 / 2e6;
+
+/// From the first value of the current to the first sample, s, where the converter samples so many clocks after a trigger.
+#[must_use]
+pub fn first_sample(clocks: f64) -> f64 {
+    clocks / CONVERTER_CLOCK - FIRST_VALUE
+}
+
 /// A board as its firmware believes it to be, before a world.
 pub struct Readings<'a> {
     /// The world.
@@ -35,9 +48,10 @@ pub struct Readings<'a> {
 }
 
 impl Readings<'_> {
-    /// The circuit at each slot of a patch: what no amplitude and no gain changes.
+    /// The circuit at each slot of a patch, in the range that the drive's amplitude takes: what no gain changes.
     #[must_use]
     pub fn responses(&self, patch: &PatchView<'_>, drive: &Drive) -> Vec<Response> {
+        self.world.set_small_range(self.front_end.uses_small_range(drive.amplitude));
         let carrier = self.carrier(drive, 1.0);
         let slots = dermatome_shared::scan::slots(patch);
         slots.iter().map(|step| self.world.response(multiplexers::word(step.to_bytes()), &carrier)).collect()
@@ -54,24 +68,39 @@ impl Readings<'_> {
         frames: usize,
         seed: u64,
     ) -> Option<Vec<[f64; 2]>> {
+        let frames = self.frames(patch, drive, responses, frames, seed)?;
+        let mean = |step: usize, part: usize| {
+            frames.iter().map(|frame| frame[step][part]).sum::<f64>() / frames.len() as f64
+        };
+        Some((0..frames.first()?.len()).map(|step| [0, 1].map(|part| mean(step, part))).collect())
+    }
+
+    /// The same of each frame, `[frame][step]`, once gains are found.
+    #[must_use]
+    pub fn frames(
+        &self,
+        patch: &PatchView<'_>,
+        drive: &Drive,
+        responses: &[Response],
+        frames: usize,
+        seed: u64,
+    ) -> Option<Vec<Vec<[f64; 2]>>> {
         let timing = Timing::new(drive, self.front_end.sample_rate)?;
         let mut acquisition = Acquisition::new(patch, drive, &self.front_end)?;
         let mut circuit = Circuit::new(self, drive, timing, responses, seed);
-        let (mut sums, mut count) = (Vec::new(), 0);
+        let volts = f64::from(self.front_end.volts_per_code);
+        let mut found = Vec::new();
         for _ in 0..frames + MOST_FRAMES {
             let samples = circuit.frame(acquisition.gains());
             acquisition.push(&samples, |frame, _| {
-                if count < frames {
-                    count += 1;
-                    sums.resize(frame.codes.len(), [0.0; 2]);
-                    for (sum, (i, q)) in sums.iter_mut().zip(frame.codes.iter().zip(&frame.quadrature)) {
-                        *sum = [sum[0] + f64::from(i.0), sum[1] + f64::from(q.0)];
-                    }
-                }
+                let both = frame.codes.iter().zip(&frame.quadrature);
+                found.push(both.map(|(i, q)| [i, q].map(|code| f64::from(code.0) * volts)).collect());
             });
+            if found.len() == frames {
+                break;
+            }
         }
-        let volts = f64::from(self.front_end.volts_per_code) / count as f64;
-        Some(sums.into_iter().map(|sum| sum.map(|part| part * volts)).collect())
+        Some(found)
     }
 
     /// The values that the firmware's DAC plays, from the crest on.
@@ -109,7 +138,7 @@ impl<'a> Circuit<'a> {
         responses: &'a [Response],
         seed: u64,
     ) -> Self {
-        let share = f64::from(drive.amplitude / readings.front_end.full_scale_current);
+        let share = f64::from(readings.front_end.share_of_range(drive.amplitude));
         Self {
             analogue: &readings.world.setup().analogue,
             responses,
@@ -127,7 +156,8 @@ impl<'a> Circuit<'a> {
         for (response, &place) in self.responses.iter().zip(gains) {
             let gain = f64::from(GAINS[usize::from(place)]);
             let phasor = response.demodulated(self.analogue, gain, &self.carrier);
-            let spread = self.noise * self.analogue.noise(gain);
+            let spread =
+                self.noise * self.analogue.noise(gain, response.noise).hypot(self.analogue.adc.noise);
             let noise = Normal::new(0.0, spread).expect("a spread is no less than nothing");
             samples.extend((0..self.slot_samples).map(|_| self.next(phasor, gain, &noise)));
         }
@@ -143,13 +173,5 @@ impl<'a> Circuit<'a> {
         let volts = (middle + wave).clamp(pga.headroom, adc.full_scale - pga.headroom);
         let read = volts + adc.offset + noise.sample(&mut self.random);
         (read / adc.full_scale * 4096.0).floor().clamp(0.0, 4095.0) as u16
-    }
-}
-
-impl Analogue {
-    /// Spread of the noise at the converter, V.
-    fn noise(&self, gain: f64) -> f64 {
-        let density = (self.amplifier.gain * self.amplifier.noise).hypot(self.pga.noise);
-        (gain * density * modes::bandwidth(modes::poles(self, gain)).sqrt()).hypot(self.adc.noise)
     }
 }

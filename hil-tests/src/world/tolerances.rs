@@ -3,7 +3,7 @@
 //! Every value is drawn evenly between its limits, which is harder than what parts do. Where limits are from: *found*
 //! in DS12288 Rev 6, *by design* the tolerance of the parts in docs/hardware.md, or *assumed*.
 
-use super::parameters::{Adc, Amplifier, Analogue, Dac, Multiplexer, Pga, Source, Stray};
+use super::parameters::{Adc, Amplifier, Analogue, Dac, Multiplexer, Pga, Ranges, Source, Stray};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -13,6 +13,8 @@ const DAC_SETTLING: [f64; 2] = [1.0 / 1.7, 3.0 / 1.7];
 const DAC_GAIN: f64 = 0.005;
 /// Rin and Rf of 1 %, and a little of the bridge, by design.
 const TRANSCONDUCTANCE: f64 = 0.022;
+/// The small range's against the large one's: R5a and R5b of 0.1 %, by design.
+const RANGE: f64 = 0.002;
 /// Rf of 1 % and Cf of 5 %, by design.
 const SOURCE_POLE: f64 = 0.06;
 /// Gain-bandwidth product against the typical 13 MHz: 7 MHz at least (table 80); assumed: 19 MHz at most.
@@ -62,9 +64,12 @@ impl Analogue {
     #[must_use]
     pub fn drawn(&self, seed: u64) -> Self {
         let mut draw = Draw(Pcg64::seed_from_u64(seed));
-        Self {
-            dac: draw.dac(self.dac),
-            source: draw.source(self.source),
+        let dac = draw.dac(self.dac);
+        let source = draw.source(self.ranges.large);
+        let drawn = Self {
+            dac,
+            source,
+            ranges: self.ranges,
             multiplexer: draw.multiplexer(self.multiplexer),
             amplifier: draw.amplifier(self.amplifier),
             pga: draw.pga(self.pga),
@@ -73,7 +78,8 @@ impl Analogue {
                 to_ground: draw.about(self.stray.to_ground, CABLE),
                 between: draw.about(self.stray.between, CABLE),
             },
-        }
+        };
+        Self { ranges: draw.ranges(self.ranges, source), ..drawn }
     }
 }
 
@@ -91,6 +97,20 @@ impl Draw {
             output_capacitance: self.about(source.output_capacitance, CAPACITANCE),
             ..source
         }
+    }
+
+    /// The small range shares the parts that the large one was drawn with.
+    fn ranges(&mut self, design: Ranges, large: Source) -> Ranges {
+        let shared = |value: f64, of: fn(&Source) -> f64| value * of(&large) / of(&design.large);
+        let small = Source {
+            transconductance: self
+                .about(shared(design.small.transconductance, |source| source.transconductance), RANGE),
+            bandwidth: shared(design.small.bandwidth, |source| source.bandwidth),
+            output_resistance: shared(design.small.output_resistance, |source| source.output_resistance),
+            output_capacitance: shared(design.small.output_capacitance, |source| source.output_capacitance),
+            ..design.small
+        };
+        Ranges { large, small, ..design }
     }
 
     fn multiplexer(&mut self, multiplexer: Multiplexer) -> Multiplexer {

@@ -80,22 +80,26 @@ fn assert_near(what: &str, stated: f64, netlist: f64, tolerance: f64) {
     assert!(near, "{what}: stated {stated:e}, the netlist gives {netlist:e}");
 }
 
-/// `[current_source]` of a rig file.
-fn current_source(rig: &str) -> toml::Table {
+/// A field of a rig file.
+fn stated(rig: &str, table: &str, field: &str) -> f64 {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("rigs").join(rig);
     let file: toml::Table = std::fs::read_to_string(path).unwrap().parse().unwrap();
-    file["current_source"].as_table().unwrap().clone()
+    si(file[table][field].as_str().unwrap())
 }
 
 fn check_rig_file(choice: &Choice) {
-    let Some(figures) = &*choice.figures else { return not_run() };
-    let stated = current_source(choice.rig);
-    for name in STATED {
-        let (stated, netlist) = (si(stated[name].as_str().unwrap()), figures.get(name));
-        assert_near(&format!("{}: `{name}`", choice.rig), stated, netlist, TOLERANCE * netlist.abs());
+    for (range, figures, current) in
+        [("large_range", &choice.figures, 1e-3), ("small_range", &choice.low, 28.73e-6)]
+    {
+        let Some(figures) = &**figures else { return not_run() };
+        for name in STATED {
+            let (stated, netlist) = (stated(choice.rig, range, name), figures.get(name));
+            let what = format!("{}: `{range}.{name}`", choice.rig);
+            assert_near(&what, stated, netlist, TOLERANCE * netlist.abs());
+        }
+        let full = figures.get("transconductance") * stated(choice.rig, "current_source", "full_drive");
+        assert_near("current at full amplitude", current, full, TOLERANCE * current);
     }
-    let full = figures.get("transconductance") * si(stated["full_drive"].as_str().unwrap());
-    assert_near("current at full amplitude", 1e-3, full, TOLERANCE * 1e-3);
 }
 
 fn check_fits(choice: &Choice, tolerance: f64, degrees: f64) {

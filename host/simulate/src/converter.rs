@@ -51,6 +51,7 @@ impl Converter {
             sample_rate: if fits { SAMPLE_RATE } else { (drive.frequency * OTHER_PERIOD).round() as u32 },
             volts_per_code: (f64::from(full_scale_current) * largest_ohms / FILL / FULL) as f32,
             full_scale_current,
+            small_range: None,
             gain_bandwidth: f32::INFINITY,
             largest_gain: 64,
             bandwidths: [f32::INFINITY; 4],

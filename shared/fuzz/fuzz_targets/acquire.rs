@@ -4,7 +4,7 @@
 
 use arbitrary::Arbitrary;
 use dermatome_shared::{
-    acquire::{Acquisition, FrontEnd},
+    acquire::{Acquisition, FrontEnd, CurrentRange, trim::Trim},
     drive::{Component, Drive, Gain},
     patch::PatchView,
 };
@@ -16,12 +16,14 @@ const FRONT_END: FrontEnd = FrontEnd {
     sample_rate: 2_000_000,
     volts_per_code: 3.3 / 4096.0 / 4096.0 / 19.93,
     full_scale_current: 1e-3,
+    small_range: Some(CurrentRange { full_current: 28.73e-6, bandwidth: 163.3e3 }),
     gain_bandwidth: 13e6,
     largest_gain: 64,
-    bandwidths: [157.4e3, 10e6, 965e3],
+    bandwidths: [844e3, 157.4e3, 10e6, 965e3],
     lead_corner: 575e3,
     waveform_rate: 1_000_000,
     lead: -1.3e-6,
+    trim: Trim::NONE,
 };
 
 #[derive(Arbitrary, Debug)]

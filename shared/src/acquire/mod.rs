@@ -15,7 +15,7 @@ mod scope;
 pub mod trigonometry;
 pub mod trim;
 
-pub use front_end::FrontEnd;
+pub use front_end::{CurrentRange, FrontEnd};
 pub use scope::{MAX_SCOPE_SAMPLES, SlotSamples};
 
 use crate::{
@@ -93,7 +93,7 @@ impl Acquisition {
             steps: patch.steps().count(),
             component: drive.component,
             gains: slots.iter().map(|_| first_gain).collect(),
-            factors: front_end.factors(drive.frequency, unit_of(timing.integration)),
+            factors: front_end.factors(drive, unit_of(timing.integration)),
             largest_gain: front_end.largest_gain,
             peaks: Vec::new(),
             frame: Frame::default(),

@@ -6,6 +6,7 @@ pub(crate) const FRONT_END: FrontEnd = FrontEnd {
     sample_rate: 2_000_000,
     volts_per_code: 2e-8,
     full_scale_current: 1e-3,
+    small_range: Some(CurrentRange { full_current: 28.73e-6, bandwidth: 163.3e3 }),
     gain_bandwidth: 13e6,
     largest_gain: 64,
     bandwidths: [f32::INFINITY; 4],
@@ -15,6 +16,10 @@ pub(crate) const FRONT_END: FrontEnd = FrontEnd {
     trim: Trim::NONE,
 };
 const DRIVE: Drive = Drive::new(50e3, 1e-3, 50.0);
+
+fn at(frequency: f32) -> Drive {
+    Drive { frequency, ..DRIVE }
+}
 
 fn acquisition(drive: &Drive) -> Acquisition {
     acquisition_on(drive, &FRONT_END)
@@ -80,6 +85,33 @@ fn codes_are_voltages_whatever_the_gain() {
             // Half an LSB at the slot's gain.
             let gain = f64::from(GAINS[usize::from(acquisition.gains()[slot])]);
             assert!(error.iter().all(|error| error.abs() < 2048.0 / gain), "{slot} {error:?}");
+        }
+    }
+}
+
+#[test]
+fn a_current_is_made_in_the_small_range_wherever_that_reaches_it() {
+    let range = FRONT_END.small_range.unwrap();
+    for (amplitude, is_small) in [(1e-9, true), (range.full_current, true), (28.8e-6, false), (1e-3, false)] {
+        assert_eq!(FRONT_END.uses_small_range(amplitude), is_small, "{amplitude}");
+        let full = if is_small { range.full_current } else { 1e-3 };
+        assert_eq!(FRONT_END.share_of_range(amplitude), amplitude / full);
+    }
+    assert!(FRONT_END.reaches(1e-3) && !FRONT_END.reaches(1.01e-3));
+    assert!(!FrontEnd { small_range: None, ..FRONT_END }.uses_small_range(1e-9));
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "a lock-in over whole frames takes Miri minutes")]
+fn the_pole_of_the_range_in_use_is_undone_and_no_other() {
+    for (amplitude, bandwidth) in [(20e-6, 163.3e3), (1e-3, f64::INFINITY)] {
+        let mut acquisition = acquisition(&Drive { gain: Gain::Fixed(1), amplitude, ..DRIVE });
+        let found = frames(&mut acquisition, 2, |_| (700.0, 0.0)).remove(0);
+        // What the source has made of a larger wave ahead in phase.
+        let expected = [700.0, 700.0 * 50e3 / bandwidth];
+        for (real, imaginary) in found.codes.iter().zip(&found.quadrature) {
+            let error = [real, imaginary].map(|code| f64::from(code.0) / 4096.0);
+            assert!((error[0] - expected[0]).hypot(error[1] - expected[1]) < 1.0, "{amplitude} {error:?}");
         }
     }
 }
@@ -172,7 +204,7 @@ fn what_a_channel_passes_is_told_from_its_sums_with_leads_that_take_current() {
     let front_end =
         FrontEnd { bandwidths, lead_corner: 575e3, waveform_rate: 1_000_000, lead: -1.24e-6, ..FRONT_END };
     for frequency in [12.5e3, 100e3, 200e3] {
-        for (factors, gain) in front_end.factors(frequency as f32, 100.0).into_iter().zip(GAINS) {
+        for (factors, gain) in front_end.factors(&at(frequency as f32), 100.0).into_iter().zip(GAINS) {
             for parts in [[1.0, 0.0], [0.7, -0.6], [-0.2, 0.9]] {
                 let [sums, expected] = sums_of_channel(&front_end, frequency, gain.into(), parts);
                 let found = factors.map(|[x, y]| f64::from(x) * sums[0] + f64::from(y) * sums[1]);
@@ -242,20 +274,20 @@ fn a_correction_makes_a_resistor_read_as_what_it_is_at_every_gain() {
         let true_end = FrontEnd { waveform_rate: 1_000_000, lead: -1.24e-6, ..real };
         let carrier = trim::CARRIERS.iter().position(|&carrier| carrier == frequency).unwrap();
         for gain in 0..GAINS.len() {
-            let sums = front_end::solve(true_end.factors(frequency, 1.0)[gain], [0.97 * 500.0, 0.0]);
+            let sums = front_end::solve(true_end.factors(&at(frequency), 1.0)[gain], [0.97 * 500.0, 0.0]);
             let read = |front_end: &FrontEnd| {
-                front_end.factors(frequency, 1.0)[gain].map(|[x, y]| x * sums[0] + y * sums[1])
+                front_end.factors(&at(frequency), 1.0)[gain].map(|[x, y]| x * sums[0] + y * sums[1])
             };
             let before = read(&front_end);
-            let by = front_end.correction(frequency, gain, before, [500.0, 0.0]).unwrap();
+            let by = front_end.correction(&at(frequency), gain, before, [500.0, 0.0]).unwrap();
             front_end.trim.multiply(carrier, gain, by);
             let after = read(&front_end);
             assert!((before[0] - 500.0).abs() > 10.0, "{frequency} {gain} {before:?}");
             assert!((after[0] - 500.0).abs() < 0.01 && after[1].abs() < 0.01, "{frequency} {gain} {after:?}");
         }
         assert!(front_end.trim.is_plausible());
-        assert_eq!(front_end.correction(frequency, 0, [0.0, 0.0], [500.0, 0.0]), None);
-        assert_eq!(front_end.correction(frequency, 7, [1.0, 0.0], [500.0, 0.0]), None);
+        assert_eq!(front_end.correction(&at(frequency), 0, [0.0, 0.0], [500.0, 0.0]), None);
+        assert_eq!(front_end.correction(&at(frequency), 7, [1.0, 0.0], [500.0, 0.0]), None);
     }
 }
 

@@ -143,8 +143,8 @@ impl<S: PatchStore> Device<S> {
     }
 
     /// The front end, if there is one, with the board's own trim.
-    pub fn front_end(&self) -> Option<FrontEnd> {
-        self.facts.front_end
+    pub fn front_end(&self) -> Option<&FrontEnd> {
+        self.facts.front_end.as_ref()
     }
 
     /// Number of the scan: whenever it changes, scanning begins anew, with gains found again.
@@ -243,7 +243,7 @@ impl<S: PatchStore> Device<S> {
     fn whole_health(&self, frame: &Frame) -> Health {
         let mut health = self.health.clone();
         if let (Some(patch), Some(front_end), Some(drive)) =
-            (self.patch(), self.facts.front_end, self.drive())
+            (self.patch(), &self.facts.front_end, self.drive())
         {
             health.measure_contacts(&patch, front_end.volts_per_code / drive.amplitude, &frame.tests);
         }
@@ -415,9 +415,9 @@ impl<S: PatchStore> Device<S> {
 
     /// Whether the front end, if there is one, can drive a skin like that.
     fn check_drive(&self, drive: &Drive) -> Result<(), Refusal> {
-        let Some(front_end) = self.facts.front_end else { return Ok(()) };
+        let Some(front_end) = &self.facts.front_end else { return Ok(()) };
         let fits = drive.check().is_ok()
-            && drive.amplitude <= front_end.full_scale_current * 1.0001
+            && front_end.reaches(drive.amplitude)
             && drive.gain.is_within(front_end.largest_gain)
             && Timing::new(drive, front_end.sample_rate).is_some();
         let max_microamperes = (front_end.full_scale_current * 1e6) as u32;

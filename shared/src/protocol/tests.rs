@@ -87,6 +87,6 @@ proptest! {
 
 /// A change of this number is a new [`PROTOCOL_VERSION`].
 #[test]
-fn the_messages_of_version_7_have_their_schema_hash() {
-    assert_eq!(std::format!("{:02x?}", Version::current().schema), "[19, 07, 62, 38, 58, e1, 50, 95]");
+fn the_messages_of_version_8_have_their_schema_hash() {
+    assert_eq!(std::format!("{:02x?}", Version::current().schema), "[ab, 9a, ec, 57, 72, 69, c9, 88]");
 }

@@ -12,6 +12,7 @@
 //! | slots         | TIM3                        | counts TIM4, and asks the DMA twice in a slot  |
 //! | multiplexers  | PB0 to PB15                 | one port: I+, I-, V+, V-, four bits each       |
 //! | their enable  | PC6, TIM3 channel 1         | off around a switch, for parts that need it    |
+//! | current range | PC8                         | high for 1 mA, low for 29 uA                   |
 //! | amplifier     | OPAMP2, PA7 in, PA5 bias    | its output goes to ADC2 inside the chip        |
 //! | converter     | ADC2, channel 16            | 2 megasamples of 12 bits                       |
 //! | its clock     | 56.7 MHz from the PLL       | each sample lasts the 200 ns an OPAMP needs    |
@@ -113,6 +114,7 @@ pub fn start() -> Board {
             slot_timer: chip.TIM3,
             word_dma: chip.DMA1_CH4,
             enable_pin: chip.PC6,
+            range_pin: chip.PC8,
             gain_dma: chip.DMA1_CH5,
             amplifier_pin: chip.PA7,
             bias_pin: chip.PA5,

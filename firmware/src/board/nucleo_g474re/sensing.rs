@@ -1,12 +1,12 @@
 //! Sensing: the front end's place in the board's table, and what only this chip's registers can do.
 
-use dermatome_shared::acquire::{FrontEnd, trim::Trim};
+use dermatome_shared::acquire::{CurrentRange, FrontEnd, trim::Trim};
 use embassy_stm32::{
     Peri,
     adc::{Adc, AdcConfig, RegularTrigger, RxDma},
     dac,
     dma::Channel,
-    gpio::OutputType,
+    gpio::{Level, Output, OutputType, Speed},
     pac::{self, adc::vals as adc_values, opamp},
     peripherals,
     timer::{self, Ch2, low_level::TriggerSource, simple_pwm::PwmPin},
@@ -36,6 +36,7 @@ pub const FRONT_END: FrontEnd = FrontEnd {
     // 3.3 V over 12 bits, and 12 bits more that the lock-in makes.
     volts_per_code: 3.3 / 4096.0 / 4096.0 / AMPLIFIER_GAIN,
     full_scale_current: 1e-3,
+    small_range: Some(CurrentRange { full_current: 28.73e-6, bandwidth: 163.3e3 }),
     gain_bandwidth: 13e6,
     largest_gain: 64,
     bandwidths: [844e3, 157.4e3, 10e6, 965e3],
@@ -91,6 +92,8 @@ pub struct SensingParts {
     pub word_dma: Peri<'static, peripherals::DMA1_CH4>,
     /// Pin that enables the multiplexers.
     pub enable_pin: Peri<'static, peripherals::PC6>,
+    /// Pin that chooses the current source's range.
+    pub range_pin: Peri<'static, peripherals::PC8>,
     /// DMA channel that sets the amplifier's gain.
     pub gain_dma: Peri<'static, peripherals::DMA1_CH5>,
     /// Pin of the programmable amplifier.
@@ -120,6 +123,7 @@ pub fn start_sensing(parts: SensingParts) -> Sensing {
     Sensing {
         timers,
         held,
+        range: Output::new(parts.range_pin, Level::Low, Speed::Low),
         wave: (Channel::new(parts.dac_dma, Interrupts), wave),
         words: (Channel::new(parts.word_dma, Interrupts), words),
         gains: Some((Channel::new(parts.gain_dma, Interrupts), gains)),

@@ -17,6 +17,7 @@
 //! | multiplexers  | PF0 to PF15                 | one port: I+, I-, V+, V-, four bits each; port |
 //! |               |                             | B has two of the board's LEDs                  |
 //! | their enable  | PC6, TIM3 channel 1         | off around a switch, for parts that need it    |
+//! | current range | PC8                         | high for 1 mA, low for 29 uA                   |
 //! | amplifier     | none                        | OPAMP1 and 2 amplify from ground, not from the |
 //! |               |                             | middle; the voltage goes straight to PA7       |
 //! | converter     | ADC2 on PA7                 | 2 megasamples of 12 bits                       |
@@ -116,6 +117,7 @@ pub fn start() -> Board {
             slot_timer: chip.TIM3,
             word_dma: chip.DMA1_CH3,
             enable_pin: chip.PC6,
+            range_pin: chip.PC8,
             converter: chip.ADC2,
             converter_pin: chip.PA7,
             converter_dma: chip.DMA1_CH2,

@@ -4,8 +4,10 @@
 mod faults;
 mod presses;
 mod session;
+mod sheets;
 mod soak;
 mod speed;
+mod trim;
 
 pub use soak::{Soaked, soak};
 
@@ -14,6 +16,7 @@ use crate::{
     chip::{time::Time, trace::Event as TraceEvent},
     machine::Machine,
     rig::{Capability, Rig},
+    world::readings::FULL_DRIVE_CODES,
 };
 use dermatome::link::{Link, Subscription};
 use dermatome_shared::{
@@ -40,8 +43,14 @@ pub(super) const CASES: &[Case] = &[
         run: presses::long,
     },
     Case { name: "demodulated voltages are those of the circuit", needs: NEEDS, run: voltages },
+    Case {
+        name: "a board of other parts is trimmed, and keeps its trim",
+        needs: NEEDS,
+        run: trim::drawn_board,
+    },
     Case { name: "contact impedances are those of the circuit", needs: NEEDS, run: contact_impedances },
     Case { name: "signal to noise of the board's own chain", needs: NEEDS, run: signal_to_noise },
+    Case { name: "sheets of 10 ohm to 100 kohm per square keep 60 dB", needs: NEEDS, run: sheets::all },
     Case {
         name: "the current starts, changes and stops without a jump and without DC",
         needs: NEEDS,
@@ -140,34 +149,28 @@ fn contact_impedances(rig: &Rig) -> Result<String, Failure> {
     Ok(format!("off by at most (from the contacts' own {CONTACT}): {}", lines.join(", ")))
 }
 
-/// Mean over standard deviation of each step, dB.
+/// Of 208 measurements at 50 kHz.
 fn signal_to_noise(rig: &Rig) -> Result<String, Failure> {
     let (_, mut link) = Session::open(rig, |skin| skin.drive.frame_rate = 1000.0)?;
     tare(&mut link, 2)?;
-    let frames = session::voltages(&mut link, 200)?;
-    let mut ratios: Vec<f64> = (0..frames[0].len())
-        .map(|step| {
-            let values = || frames.iter().map(|frame| frame[step][0]);
-            let mean = values().sum::<f64>() / frames.len() as f64;
-            let variance = values().map(|v| (v - mean).powi(2)).sum::<f64>() / (frames.len() - 1) as f64;
-            20.0 * (mean.abs() / variance.sqrt()).log10()
-        })
-        .collect();
-    ratios.sort_by(f64::total_cmp);
+    let frames = session::voltages(&mut link, 100)?;
+    let ratios = session::signal_to_noise(&frames);
     let (worst, median) = (ratios[0], ratios[ratios.len() / 2]);
     ensure(median >= 64.0, || format!("median {median:.1} dB, worst channel {worst:.1} dB"))?;
     Ok(format!("median {median:.1} dB, worst channel {worst:.1} dB of {} (50 kHz, one period)", ratios.len()))
 }
 
-/// Crest of the DAC's codes at 100 %.
-const CREST: f64 = 1738.0;
-
 /// Most DC, of the crest.
 const MOST_DC: f64 = 2e-3;
 
+/// After this a board listens, whose source has not settled yet.
+const BOOT_TIME: Time = Time::from_millis(80);
+/// Most current, of the range's full one, that flows as the switches close.
+const MOST_AT_FIRST: f64 = 0.05;
+
 /// Mean of the code, less the middle, over the crest: from its integral over time.
 fn dc(area: f64, time: f64) -> f64 {
-    (area / time / CREST).abs()
+    (area / time / FULL_DRIVE_CODES).abs()
 }
 
 /// Watches every code of the DAC through starts, changes and a stop.
@@ -180,7 +183,7 @@ fn current(rig: &Rig) -> Result<String, Failure> {
     ensure(dc(first.area, first.time) <= MOST_DC, || {
         format!("{first:?} from switching on to the first scan")
     })?;
-    let (jump, dc) = worst_of_changes(&session, &mut stream, usual)?;
+    let (jump, dc, rest) = worst_of_changes(&session, &mut stream, usual)?;
     ensure(jump <= 1.0, || format!("a step is {jump:.2} times what a cosine and a rise do"))?;
     ensure(dc <= MOST_DC, || format!("{:.3} % of the crest is DC", 100.0 * dc))?;
     stream.stop()?;
@@ -197,23 +200,40 @@ fn current(rig: &Rig) -> Result<String, Failure> {
         drop(stream);
         link = session.reconnect()?;
     }
+    let start = first_current(&session)?;
+    let rest = rest.max(start);
+    ensure(rest <= MOST_AT_FIRST, || format!("{:.1} % of full current as the switches close", 100.0 * rest))?;
     Ok(format!(
-        "largest step {jump:.2} of a cosine's, DC {:.3} % of the crest, off when idle, after a fault and after a hang",
-        100.0 * dc
+        "largest step {jump:.2} of a cosine's, DC {:.3} % of the crest, at most {:.1} % of full current as the switches \
+         close, off when idle, after a fault and after a hang",
+        100.0 * dc,
+        100.0 * rest
     ))
 }
 
-/// Drives the skin in other ways one after the other. The largest change of the code from word to word, over
-/// what a cosine and a rise do, and the largest mean over the crest.
+/// A host asks for frames as soon as the board has power and hears it: what the source has left of the DAC's start as the switches close,
+/// of its full current.
+fn first_current(session: &Session) -> Result<f64, Failure> {
+    session.board.with(Machine::cut_power)?;
+    session.run(BOOT_TIME)?;
+    session.world.take_drive_record();
+    let mut link = session.reconnect()?;
+    let mut stream = link.subscribe(HEALTH)?;
+    next_with(&mut stream, |frame| frame.health)?;
+    Ok(session.world.take_drive_record().first_current)
+}
+
+/// Drives the skin in other ways one after the other, in both ranges. The largest change of the code from word to word,
+/// over what a cosine and a rise do, the largest mean over the crest, and the largest current as the switches close.
 fn worst_of_changes(
     session: &Session,
     stream: &mut Subscription<'_>,
     usual: Drive,
-) -> Result<(f64, f64), Failure> {
-    let mut worst = (0.0_f64, 0.0_f64);
+) -> Result<(f64, f64, f64), Failure> {
+    let mut worst = (0.0_f64, 0.0_f64, 0.0_f64);
     let mut before = f64::INFINITY;
     for (frequency, amplitude) in
-        [(12.5e3, 1e-3), (200e3, 0.5e-3), (20e3, 1e-4), (50e3, 1e-3), (100e3, 0.9e-3)]
+        [(12.5e3, 1e-3), (200e3, 2e-5), (20e3, 1e-4), (50e3, 2.5e-5), (50e3, 1e-3), (100e3, 0.9e-3)]
     {
         let drive = Drive { frequency, amplitude, ..usual };
         stream.link().request(&Request::Drive(Some(drive)))?;
@@ -222,13 +242,19 @@ fn worst_of_changes(
         }
         let record = session.world.take_drive_record();
         ensure(record.enabled, || "the multiplexers are not enabled in a scan".to_owned())?;
+        let is_small = session.world.conditions().in_small_range;
+        ensure(is_small == (amplitude < 29e-6), || format!("the wrong range for {amplitude} A"))?;
+        ensure(!record.ranged_while_enabled, || {
+            "the range changes while the multiplexers are on".to_owned()
+        })?;
         let words = 1e6 / f64::from(frequency);
         // Both this drive and the one before have put out codes: what the faster cosine does from word to word,
         // and one step of a rise.
-        let cosine = 2.0 * CREST * (std::f64::consts::PI / words.min(before)).sin();
+        let cosine = 2.0 * FULL_DRIVE_CODES * (std::f64::consts::PI / words.min(before)).sin();
         before = words;
-        let jump = f64::from(record.largest_step) / (cosine + CREST / 8.0);
-        worst = (worst.0.max(jump), worst.1.max(dc(record.area, record.time)));
+        let jump = f64::from(record.largest_step) / (cosine + FULL_DRIVE_CODES / 8.0);
+        worst =
+            (worst.0.max(jump), worst.1.max(dc(record.area, record.time)), worst.2.max(record.first_current));
     }
     Ok(worst)
 }

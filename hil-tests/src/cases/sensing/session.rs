@@ -1,7 +1,12 @@
 //! Session: a skin's patch on a board that measures that skin.
 
 use super::super::{Failure, TIMEOUT, next_with};
-use crate::{board::VirtualBoard, chip::time::Time, rig::Rig, world::WorldHandle};
+use crate::{
+    board::VirtualBoard,
+    chip::time::Time,
+    rig::{Rig, RigError},
+    world::{Setup, WorldHandle},
+};
 use dermatome::{
     link::{self, Link, Subscription},
     model::Model,
@@ -30,9 +35,15 @@ impl Session {
         let world = rig.emulated().world().ok_or_else(|| Failure::wrong("the rig has no `[world]`"))?;
         let mut skin = Skin::clone(&world.setup().skin);
         change(&mut skin);
+        Self::before(rig, world.setup().with_skin(skin).map_err(RigError::from)?)
+    }
+
+    /// A fresh board before a world, with its skin's patch; and a link to it.
+    pub(super) fn before(rig: &Rig, setup: Setup) -> Result<(Self, Link), Failure> {
+        let skin = Skin::clone(&setup.skin);
         let model = Model::build(&skin, |_| ()).map_err(Failure::wrong)?;
         let patch = quantize::patch(&skin, &model).map_err(Failure::wrong)?;
-        let rig = rig.before(skin.clone())?;
+        let rig = rig.before(setup)?;
         let board = rig.emulated().clone();
         let world = board.world().ok_or_else(|| Failure::wrong("the rig lost its world"))?;
         let mut link = rig.link()?;
@@ -86,6 +97,19 @@ pub(super) fn voltages(link: &mut Link, frames: usize) -> Result<Vec<Vec<[f64; 2
     }
     stream.stop()?;
     Ok(found)
+}
+
+/// Mean over standard deviation of each step's part in phase, dB, smallest first; of frames `[frame][step]`.
+pub(super) fn signal_to_noise(frames: &[Vec<[f64; 2]>]) -> Vec<f64> {
+    let ratio = |step: usize| {
+        let values = || frames.iter().map(|frame| frame[step][0]);
+        let mean = values().sum::<f64>() / frames.len() as f64;
+        let variance = values().map(|v| (v - mean).powi(2)).sum::<f64>() / (frames.len() - 1) as f64;
+        20.0 * (mean.abs() / variance.sqrt()).log10()
+    };
+    let mut ratios: Vec<f64> = (0..frames[0].len()).map(ratio).collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios
 }
 
 /// Stamps of `count` frames with contacts.

@@ -97,7 +97,7 @@ fn the_source_rises_no_further_than_its_limit_while_all_switches_are_open() {
     let mut chip = Chip::new(&handle, 20, 1500.0);
     chip.run(SETTLED / 4);
     let now = chip.now();
-    chip.world.pins('C', 0, now);
+    chip.world.pins('C', super::LARGE, now);
     let highest = (0..400).map(|_| {
         chip.sample();
         chip.world.source_voltage().abs()
@@ -114,6 +114,12 @@ fn noise_has_the_spread_that_its_parts_add_up_to() {
     handle.noise(1.0);
     let mut world = AnalogueWorld::new(handle.clone());
     let parts = handle.setup().analogue.clone();
+    world.pins('B', word([0, 1, 3, 8]), Time::ZERO);
+    world.pins('C', super::ENABLED, Time::ZERO);
+    // Two switches, and the skin as a current through these electrodes sees it; 4 k T at 300 K.
+    let resistance = 2.0 * parts.multiplexer.on_resistance + handle.truth(word([3, 8, 3, 8])).re;
+    let thermal = (1.657e-20 * resistance).sqrt();
+    assert!((2.0e-9..4.0e-9).contains(&thermal), "{thermal}");
     for gain in [1.0, 16.0] {
         world.opamp(2, OpampSetting::Amplifier { input: 0, gain }, Time::ZERO);
         let samples: Vec<f64> =
@@ -125,7 +131,8 @@ fn noise_has_the_spread_that_its_parts_add_up_to() {
         let poles = crate::world::modes::poles(&parts, gain);
         let power = |f: f64| poles.iter().map(|pole| 1.0 / (1.0 + (f / pole).powi(2))).product::<f64>();
         let bandwidth: f64 = (0..200_000).map(|k| power(500.0 * (f64::from(k) + 0.5)) * 500.0).sum();
-        let density = (parts.amplifier.gain * parts.amplifier.noise).hypot(parts.pga.noise) * gain;
+        let density =
+            (parts.amplifier.gain * parts.amplifier.noise.hypot(thermal)).hypot(parts.pga.noise) * gain;
         let expected = (density * bandwidth.sqrt()).hypot(parts.adc.noise);
         assert!((mean - 1.65).abs() < 0.02 * expected, "gain {gain}: mean {mean}");
         assert!(

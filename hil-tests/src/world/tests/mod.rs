@@ -4,12 +4,13 @@ mod chain;
 mod faults;
 mod network;
 mod parameters;
+mod range;
 mod skin;
 
 use super::{
     Analogue, AnalogueWorld, Carrier, Setup, WorldHandle,
     multiplexers::word,
-    parameters::{Adc, Multiplexer, Pga, Source, Stray},
+    parameters::{Adc, Multiplexer, Pga, Ranges, Source, Stray},
 };
 use crate::chip::{
     time::Time,
@@ -65,8 +66,11 @@ fn analogue() -> Analogue {
 /// The same with nothing that falsifies: no strays, a source without end, inputs that take nothing.
 fn ideal() -> Analogue {
     let real = analogue();
+    let endless = |source| Source { output_resistance: 1e15, output_capacitance: 0.0, ..source };
+    let (large, small) = (endless(real.ranges.large), endless(real.ranges.small));
     Analogue {
-        source: Source { output_resistance: 1e15, output_capacitance: 0.0, ..real.source },
+        source: large,
+        ranges: Ranges { large, small, ..real.ranges },
         multiplexer: Multiplexer {
             on_resistance_match: 0.0,
             common_capacitance: 0.0,
@@ -78,6 +82,7 @@ fn ideal() -> Analogue {
             input_capacitance: 0.0,
             input_resistance: 1e15,
             common_mode: 0.0,
+            current_noise: 0.0,
             ..real.amplifier
         },
         pga: Pga { offset: 0.0, ..real.pga },
@@ -90,8 +95,13 @@ fn ideal() -> Analogue {
 fn handle(analogue: Analogue) -> WorldHandle {
     let handle = WorldHandle::new(Setup::new(skin(), analogue, 0.0, 7).unwrap());
     handle.noise(0.0);
+    handle.set_small_range(false);
     handle
 }
+
+/// Pins of port C: the multiplexers' enable, and the large range.
+const ENABLED: u16 = 1 << 6 | LARGE;
+const LARGE: u16 = 1 << 8;
 
 /// The 208 words of the adjacent pattern.
 fn words() -> Vec<u16> {
@@ -111,7 +121,7 @@ impl Chip {
         let carrier = Carrier::sine(words_per_period, amplitude, 26.0 / CORE as f64);
         let mut chip = Self { world: AnalogueWorld::new(handle.clone()), carrier, tick: 0 };
         chip.gain(1.0);
-        chip.world.pins('C', 1 << 6, Time::ZERO);
+        chip.world.pins('C', ENABLED, Time::ZERO);
         chip
     }
 
@@ -127,12 +137,12 @@ impl Chip {
     /// Switches to a word with the enable pin low for a microsecond, as the board does.
     fn select(&mut self, word: u16) {
         let now = self.now();
-        self.world.pins('C', 0, now);
+        self.world.pins('C', LARGE, now);
         self.world.pins('B', word, now);
         self.sample();
         self.sample();
         let now = self.now();
-        self.world.pins('C', 1 << 6, now);
+        self.world.pins('C', ENABLED, now);
     }
 
     fn sample(&mut self) -> f64 {

@@ -10,6 +10,8 @@ fn text() -> String {
 fn the_rigs_front_ends_are_read_in_si_units() {
     let parts = analogue();
     assert!((parts.source.full_current() - 1e-3).abs() < 1e-5);
+    assert!((parts.in_range(true).source.full_current() - 28.73e-6).abs() < 1e-8);
+    assert_eq!((parts.in_range(false).source, parts.ranges.switching), (parts.source, 0.5e-3));
     assert!((parts.dac.lsb - 3.3 / 4096.0).abs() < 1e-12);
     assert!((parts.adc.noise - 0.8 * 3.3 / 4096.0).abs() < 1e-9);
     assert!((parts.amplifier.common_mode - 10_f64.powf(-82.0 / 20.0)).abs() < 1e-12);
@@ -24,7 +26,9 @@ fn wrong_values_are_refused_with_file_field_value_and_what_is_allowed() {
         ("\"200 ohm\"", "-3", ["multiplexer.on_resistance", "-3 ohm", "0.1 to 10000 ohm"]),
         ("\"200 ohm\"", "nan", ["multiplexer.on_resistance", "NaN", "0.1 to"]),
         ("\"3.1 V\"", "\"0.1 V\"", ["dac.highest", "0.1 V", "0.2 to 3.3 V"]),
-        ("\"3.386 V\"", "\"2 V\"", ["current_source.open_voltage", "2 V", "to 200 V"]),
+        ("\"3.386 V\"", "\"2 V\"", ["large_range.open_voltage", "2 V", "to 200 V"]),
+        ("\"3.222 V\"", "\"3 V\"", ["small_range.open_voltage", "3 V", "to 200 V"]),
+        ("\"0.5 ms\"", "\"2 s\"", ["current_source.range_switching", "2 s", "0 to 1 s"]),
         ("bits = 12", "bits = 16", ["dac.bits", "16", "12 to 12"]),
         ("\ngain = ", "\ngain = 0.0#", ["amplifier.gain", "0", "0.1 to 1000"]),
     ] {

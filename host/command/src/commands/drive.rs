@@ -164,7 +164,7 @@ impl Change {
     fn check_carrier(&self, drive: &Drive, front_end: Option<&FrontEnd>) -> anyhow::Result<()> {
         let Some(front_end) = front_end else { return Ok(()) };
         let full = front_end.full_scale_current;
-        if let Some(text) = self.amplitude.as_ref().filter(|_| drive.amplitude > full * 1.0001) {
+        if let Some(text) = self.amplitude.as_ref().filter(|_| !front_end.reaches(drive.amplitude)) {
             let allowed = format!("above 0 to {} mA, which is 100%", rounded(full * 1e3));
             return refuse("amplitude", text, &allowed);
         }

@@ -2,7 +2,8 @@
 //!
 //! Each carrier is measured with groups of gains. A group has one amplitude, with which all of its gains have room,
 //! and begins with the gain that ends the group before: so gains are compared at the same current, and only the first
-//! group, at the largest current, counts on its amplitude.
+//! group, at the largest current, counts on its amplitude. Gains are the same in both ranges of the current source, so a
+//! group may be in either.
 
 mod plug;
 
@@ -209,7 +210,7 @@ pub fn fit(
     for Measured { setting, volts } in measured {
         let (frequency, gain) = (CARRIERS[setting.carrier], setting.gain);
         let current = setting.share * f64::from(front_end.full_scale_current);
-        let at = (frequency, GAINS[gain]);
+        let (at, drive) = ((frequency, GAINS[gain]), Drive::new(frequency, current as f32, 1e3));
         let per_ampere: Vec<[f64; 2]> = volts.iter().map(|volts| volts.map(|part| part / current)).collect();
         let slope = regression.slope(&per_ampere).map_err(|(step, ohms)| {
             let sensed = [steps[step].sense_plus, steps[step].sense_minus];
@@ -221,10 +222,10 @@ pub fn fit(
                 [1.0, -std::f64::consts::TAU * f64::from(frequency) * PLUG_LAG]
                     .map(|part| (part * current * plug.largest()) as f32)
             } else {
-                front_end.corrected(frequency, gain, found, before)
+                front_end.corrected(&drive, gain, found, before)
             };
         }
-        let factor = front_end.correction(frequency, gain, found, truth).unwrap_or([f32::NAN; 2]);
+        let factor = front_end.correction(&drive, gain, found, truth).unwrap_or([f32::NAN; 2]);
         before = factor;
         if setting.is_first && gain > 0 {
             continue;

@@ -1,4 +1,5 @@
 use super::*;
+use dermatome_shared::acquire::CurrentRange;
 use dermatome_shared::stimulation::{Driven, pattern};
 
 /// The reference board's, as designed.
@@ -6,6 +7,7 @@ const FRONT_END: FrontEnd = FrontEnd {
     sample_rate: 2_000_000,
     volts_per_code: 9.87e-9,
     full_scale_current: 1e-3,
+    small_range: Some(CurrentRange { full_current: 28.73e-6, bandwidth: 163.3e3 }),
     gain_bandwidth: 13e6,
     largest_gain: 64,
     bandwidths: [844e3, 157e3, 10e6, 965e3],
@@ -33,13 +35,17 @@ fn lagging(carrier: f32) -> [f32; 2] {
 /// The voltages of such a board: its current is `odd(share)` times what was asked, and its amplifier adds some of
 /// what both inputs have in common.
 fn measured(odd: impl Fn(f64) -> f64) -> Vec<Measured> {
-    let plug = Plug::new(10.0, 100.0);
+    measured_on(&Plug::new(10.0, 100.0), odd)
+}
+
+fn measured_on(plug: &Plug, odd: impl Fn(f64) -> f64) -> Vec<Measured> {
     let one = |setting: Setting| {
         let [real, imaginary] = need(&setting);
         let size = real * real + imaginary * imaginary;
         let carrier = CARRIERS[setting.carrier];
         let inverse = [real / size, -imaginary / size];
-        let unit = FRONT_END.corrected(carrier, setting.gain, lagging(carrier), inverse);
+        let drive = Drive::new(carrier, setting.share as f32 * FRONT_END.full_scale_current, 1e3);
+        let unit = FRONT_END.corrected(&drive, setting.gain, lagging(carrier), inverse);
         let current = odd(setting.share) * setting.share * 1e-3;
         let volts = steps().into_iter().map(|step| {
             let volts = current * plug.transfer(step);
@@ -47,7 +53,7 @@ fn measured(odd: impl Fn(f64) -> f64) -> Vec<Measured> {
         });
         Measured { setting, volts: volts.collect() }
     };
-    settings(&FRONT_END, &plug).into_iter().map(one).collect()
+    settings(&FRONT_END, plug).into_iter().map(one).collect()
 }
 
 #[test]
@@ -92,6 +98,20 @@ fn the_factors_that_a_board_needs_are_found_whatever_its_dac_does_at_small_ampli
     let again = fit(&trimmed, &plug, &steps(), &perfect).unwrap();
     for (one, other) in again.0.as_flattened().iter().zip(trim.0.as_flattened()) {
         assert!((one[0] - other[0]).hypot(one[1] - other[1]) < 1e-4, "{one:?} {other:?}");
+    }
+}
+
+#[test]
+fn a_plug_of_large_resistors_takes_the_small_range_for_large_gains() {
+    let plug = Plug::new(100.0, 1000.0);
+    let measured = measured_on(&plug, |_| 1.0);
+    let is_small = |measured: &&Measured| measured.setting.share < 28e-3;
+    assert_eq!(measured.iter().filter(is_small).count(), 15);
+    let trim = fit(&FRONT_END, &plug, &steps(), &measured).unwrap();
+    for Measured { setting, .. } in &measured {
+        let (found, need) = (trim.0[setting.carrier][setting.gain], need(setting));
+        let error = (found[0] - need[0]).hypot(found[1] - need[1]);
+        assert!(error < 1e-3, "{setting:?}: {found:?} for {need:?}");
     }
 }
 

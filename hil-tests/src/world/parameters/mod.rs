@@ -3,8 +3,10 @@
 //!
 //! Where each value is from stands beside it in the file.
 
+mod file;
+
 use dermatome::skin::quantity::{CAPACITANCE, FREQUENCY, Kind, Quantity};
-use serde::Deserialize;
+use file::{AdcTable, AmplifierTable, DacTable, File, MultiplexerTable, PgaTable, RangeTable, StrayTable};
 use std::{
     ops::RangeInclusive,
     path::{Path, PathBuf},
@@ -14,9 +16,11 @@ const VOLTAGE: Kind = Kind::new(&[("V", 1.0), ("mV", 1e-3), ("uV", 1e-6)]);
 const RESISTANCE: Kind = Kind::new(&[("ohm", 1.0), ("kohm", 1e3), ("Mohm", 1e6), ("Gohm", 1e9)]);
 const TRANSCONDUCTANCE: Kind = Kind::new(&[("S", 1.0), ("mS", 1e-3), ("uS", 1e-6)]);
 const CHARGE: Kind = Kind::new(&[("C", 1.0), ("nC", 1e-9), ("pC", 1e-12)]);
-const DURATION: Kind = Kind::new(&[("s", 1.0), ("us", 1e-6), ("ns", 1e-9)]);
+const DURATION: Kind = Kind::new(&[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]);
 const DECIBELS: Kind = Kind::new(&[("dB", 1.0)]);
 const NOISE_DENSITY: Kind = Kind::new(&[("V/sqrt(Hz)", 1.0), ("uV/sqrt(Hz)", 1e-6), ("nV/sqrt(Hz)", 1e-9)]);
+const CURRENT_NOISE_DENSITY: Kind =
+    Kind::new(&[("A/sqrt(Hz)", 1.0), ("pA/sqrt(Hz)", 1e-12), ("fA/sqrt(Hz)", 1e-15)]);
 const LSB: Kind = Kind::new(&[("LSB", 1.0)]);
 
 /// Why a file describes no analogue front end.
@@ -44,7 +48,7 @@ pub enum ParameterError {
         /// The file.
         path: PathBuf,
         /// Table and field.
-        field: &'static str,
+        field: String,
         /// Its value.
         value: String,
         /// Values that are allowed.
@@ -57,8 +61,10 @@ pub enum ParameterError {
 pub struct Analogue {
     /// The chip's DAC.
     pub dac: Dac,
-    /// The current source.
+    /// The current source, in the range in use: in a file's front end, and in a drawn one, the large one.
     pub source: Source,
+    /// Its ranges.
+    pub ranges: Ranges,
     /// The four multiplexers, all alike.
     pub multiplexer: Multiplexer,
     /// The instrumentation amplifier.
@@ -82,6 +88,17 @@ pub struct Dac {
     pub bandwidth: f64,
     /// Error of its gain.
     pub gain_error: f64,
+}
+
+/// Ranges of the current source.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ranges {
+    /// For currents up to 1 mA.
+    pub large: Source,
+    /// For currents up to 29 uA.
+    pub small: Source,
+    /// Time from a change of the pin to the other range, s.
+    pub switching: f64,
 }
 
 /// The current source, a Norton equivalent.
@@ -147,6 +164,8 @@ pub struct Amplifier {
     pub common_mode: f64,
     /// Noise at the input, V/sqrt(Hz).
     pub noise: f64,
+    /// Noise of the current of each input, A/sqrt(Hz).
+    pub current_noise: f64,
 }
 
 /// The chip's amplifier with programmable gain.
@@ -213,99 +232,18 @@ impl Analogue {
         Checker { path }.analogue(&file)
     }
 
+    /// The same with the source in one of its ranges.
+    #[must_use]
+    pub fn in_range(&self, is_small: bool) -> Self {
+        let source = if is_small { self.ranges.small } else { self.ranges.large };
+        Self { source, ..self.clone() }
+    }
+
     /// The same with nothing but a plug on the board's connector.
     #[must_use]
     pub fn without_leads(&self) -> Self {
         Self { stray: Stray { to_ground: 0.0, between: 0.0 }, ..self.clone() }
     }
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    dac: DacTable,
-    current_source: SourceTable,
-    multiplexer: MultiplexerTable,
-    amplifier: AmplifierTable,
-    pga: PgaTable,
-    adc: AdcTable,
-    stray: StrayTable,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct DacTable {
-    bits: u32,
-    full_scale: Quantity,
-    lowest: Quantity,
-    highest: Quantity,
-    settling: Quantity,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SourceTable {
-    full_drive: Quantity,
-    transconductance: Quantity,
-    bandwidth: Quantity,
-    output_resistance: Quantity,
-    output_capacitance: Quantity,
-    compliance: Quantity,
-    open_voltage: Quantity,
-    /// So large that every carrier passes; without it a fault could send direct current into a person.
-    series_capacitance: Quantity,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MultiplexerTable {
-    on_resistance: Quantity,
-    on_resistance_match: Quantity,
-    on_capacitance: Quantity,
-    common_off_capacitance: Quantity,
-    channel_off_capacitance: Quantity,
-    charge_injection: Quantity,
-    transition_time: Quantity,
-    break_before_make: bool,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct AmplifierTable {
-    gain: f64,
-    bandwidth: Quantity,
-    filter: Quantity,
-    input_capacitance: Quantity,
-    input_resistance: Quantity,
-    cmrr_50khz: Quantity,
-    noise: Quantity,
-    /// Read and checked; the model's inputs take any voltage, see the README.
-    input_range: Quantity,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PgaTable {
-    gain_bandwidth: Quantity,
-    offset: Quantity,
-    noise: Quantity,
-    headroom: Quantity,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct AdcTable {
-    bits: u32,
-    full_scale: Quantity,
-    noise: Quantity,
-    offset: Quantity,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct StrayTable {
-    lead_to_ground: Quantity,
-    lead_to_lead: Quantity,
 }
 
 /// Turns each table into SI units; knows the file for error messages.
@@ -315,9 +253,11 @@ struct Checker<'a> {
 
 impl Checker<'_> {
     fn analogue(&self, file: &File) -> Result<Analogue, ParameterError> {
+        let ranges = self.ranges(file)?;
         Ok(Analogue {
             dac: self.dac(&file.dac)?,
-            source: self.source(&file.current_source)?,
+            source: ranges.large,
+            ranges,
             multiplexer: self.multiplexer(&file.multiplexer)?,
             amplifier: self.amplifier(&file.amplifier)?,
             pga: self.pga(&file.pga)?,
@@ -337,31 +277,38 @@ impl Checker<'_> {
         Ok(Dac { lsb: full / codes, range: [lowest, highest], bandwidth, gain_error: 0.0 })
     }
 
-    fn source(&self, table: &SourceTable) -> Result<Source, ParameterError> {
-        let read = |field, quantity, kind, range| self.read(field, quantity, kind, range);
-        let transconductance =
-            read("current_source.transconductance", &table.transconductance, TRANSCONDUCTANCE, 1e-7..=0.1)?;
-        let compliance = read("current_source.compliance", &table.compliance, VOLTAGE, 0.1..=60.0)?;
+    fn ranges(&self, file: &File) -> Result<Ranges, ParameterError> {
+        let (table, read) =
+            (&file.current_source, |field, quantity, kind, range| self.read(field, quantity, kind, range));
         read("current_source.series_capacitance", &table.series_capacitance, CAPACITANCE, 1e-7..=1e-3)?;
+        let full_drive = read("current_source.full_drive", &table.full_drive, VOLTAGE, 0.01..=1.65)?;
+        let switching = &table.range_switching;
+        Ok(Ranges {
+            large: self.source("large_range", &file.large_range, full_drive)?,
+            small: self.source("small_range", &file.small_range, full_drive)?,
+            switching: read("current_source.range_switching", switching, DURATION, 0.0..=1.0)?,
+        })
+    }
+
+    fn source(&self, name: &str, table: &RangeTable, full_drive: f64) -> Result<Source, ParameterError> {
+        let read =
+            |field: &str, quantity, kind, range| self.read(&format!("{name}.{field}"), quantity, kind, range);
+        let compliance = read("compliance", &table.compliance, VOLTAGE, 0.1..=60.0)?;
         let beyond = compliance * 1.001..=200.0;
+        let (resistance, capacitance) = (&table.output_resistance, &table.output_capacitance);
         Ok(Source {
-            transconductance,
-            full_drive: read("current_source.full_drive", &table.full_drive, VOLTAGE, 0.01..=1.65)?,
-            bandwidth: read("current_source.bandwidth", &table.bandwidth, FREQUENCY, 1e4..=1e9)?,
-            output_resistance: read(
-                "current_source.output_resistance",
-                &table.output_resistance,
-                RESISTANCE,
-                1e3..=1e12,
+            transconductance: read(
+                "transconductance",
+                &table.transconductance,
+                TRANSCONDUCTANCE,
+                1e-7..=0.1,
             )?,
-            output_capacitance: read(
-                "current_source.output_capacitance",
-                &table.output_capacitance,
-                CAPACITANCE,
-                0.0..=1e-8,
-            )?,
+            full_drive,
+            bandwidth: read("bandwidth", &table.bandwidth, FREQUENCY, 1e4..=1e9)?,
+            output_resistance: read("output_resistance", resistance, RESISTANCE, 1e3..=1e12)?,
+            output_capacitance: read("output_capacitance", capacitance, CAPACITANCE, 0.0..=1e-8)?,
             compliance,
-            open_voltage: read("current_source.open_voltage", &table.open_voltage, VOLTAGE, beyond)?,
+            open_voltage: read("open_voltage", &table.open_voltage, VOLTAGE, beyond)?,
         })
     }
 
@@ -411,6 +358,12 @@ impl Checker<'_> {
             input_resistance: read("amplifier.input_resistance", resistance, RESISTANCE, 1e3..=1e13)?,
             common_mode: 10_f64.powf(-rejection / 20.0),
             noise: read("amplifier.noise", &table.noise, NOISE_DENSITY, 0.0..=1e-5)?,
+            current_noise: read(
+                "amplifier.current_noise",
+                &table.current_noise,
+                CURRENT_NOISE_DENSITY,
+                0.0..=1e-9,
+            )?,
         })
     }
 
@@ -443,14 +396,14 @@ impl Checker<'_> {
     }
 
     /// Both converters of the chip have 12 bits, and the model of the chip says so too.
-    fn codes(&self, field: &'static str, bits: u32) -> Result<f64, ParameterError> {
+    fn codes(&self, field: &str, bits: u32) -> Result<f64, ParameterError> {
         self.between(field, f64::from(bits), 12.0..=12.0, "")?;
         Ok(f64::from(1_u32 << bits))
     }
 
     fn read(
         &self,
-        field: &'static str,
+        field: &str,
         quantity: &Quantity,
         kind: Kind,
         range: RangeInclusive<f64>,
@@ -465,7 +418,7 @@ impl Checker<'_> {
 
     fn between(
         &self,
-        field: &'static str,
+        field: &str,
         value: f64,
         range: RangeInclusive<f64>,
         unit: &str,
@@ -477,7 +430,7 @@ impl Checker<'_> {
         Err(self.refuse(field, format!("{value} {unit}").trim_end().to_owned(), allowed))
     }
 
-    fn refuse(&self, field: &'static str, value: String, allowed: String) -> ParameterError {
-        ParameterError::Value { path: self.path.to_owned(), field, value, allowed }
+    fn refuse(&self, field: &str, value: String, allowed: String) -> ParameterError {
+        ParameterError::Value { path: self.path.to_owned(), field: field.to_owned(), value, allowed }
     }
 }
