@@ -125,11 +125,22 @@ mod patches {
     /// A valid patch of 16 electrodes with the first `pixels` of 32 x 32 pixels and 208 measurements
     /// (104 if `combined`), all else random.
     pub(super) fn patch(pixels: usize, combined: bool, seed: u64) -> Vec<u8> {
-        with_exponents(pixels, combined, seed, 8..12)
+        with(pixels, combined, seed, 14..18, pixels.div_ceil(3))
     }
 
-    /// The same with rows of these exponents; small ones make values that saturate.
-    pub(super) fn with_exponents(pixels: usize, combined: bool, seed: u64, exponents: Range<i8>) -> Vec<u8> {
+    /// The same as large as can be: all pixels come from the data.
+    pub(super) fn large(pixels: usize, seed: u64) -> Vec<u8> {
+        with(pixels, true, seed, 14..18, pixels)
+    }
+
+    /// A patch with rows of these exponents, of which small ones make values that saturate, and so many pixels from data.
+    pub(super) fn with(
+        pixels: usize,
+        combined: bool,
+        seed: u64,
+        exponents: Range<i8>,
+        from_data: usize,
+    ) -> Vec<u8> {
         let mut random = Pcg64::seed_from_u64(seed);
         let steps: Vec<Step> = pattern(16, 1, 1, Driven::Skipped).collect();
         let combination = if combined { reciprocal(&steps) } else { each(steps.len()) };
@@ -155,6 +166,7 @@ mod patches {
             play_operators: 0,
             matrix: MatrixLayout::default(),
         };
+        let exponents = (0..from_data).map(|_| random.random_range(exponents.clone())).collect();
         let matrix = matrix(&mut random, pixels, measurements, exponents);
         let header = PatchHeader { matrix: matrix.tables().layout(), ..header };
         let contents = PatchContents {
@@ -182,22 +194,21 @@ mod patches {
         quantize::patch(&skin, &model).map_err(Failure::wrong)
     }
 
-    /// A third of the pixels from the data, the others interpolated, some from interpolated ones, in any order.
-    fn matrix(random: &mut Pcg64, pixels: usize, measurements: usize, exponents: Range<i8>) -> FixedMatrix {
-        let mut mantissas = |count: usize, columns: usize, most: usize| -> Vec<i16> {
-            let largest = (most / columns).min(32_767) as i16;
-            (0..count * columns).map(|_| random.random_range(-largest..=largest)).collect()
+    /// Pixels from the data, one for each exponent, and the others interpolated, some from interpolated ones, in any
+    /// order.
+    fn matrix(random: &mut Pcg64, pixels: usize, measurements: usize, exponents: Vec<i8>) -> FixedMatrix {
+        let mut mantissas = |count: usize, largest: i16| -> Vec<i16> {
+            (0..count).map(|_| random.random_range(-largest..=largest)).collect()
         };
-        let from_data = pixels.div_ceil(3);
-        let rows = mantissas(from_data, measurements, 65_535);
+        let from_data = exponents.len();
+        let rows = mantissas(from_data * measurements, 32_767);
         let mut steps = Vec::new();
         let mut known = from_data;
         while known < pixels {
             let (outputs, inputs) = ((pixels - known).min(5 + known % 40), known.min(4 + known % 70));
-            steps.push((known, inputs, mantissas(outputs, inputs, 131_071)));
+            steps.push((known, inputs, mantissas(outputs * inputs, (65_535 / inputs).min(32_767) as i16)));
             known += outputs;
         }
-        let exponents = (0..from_data).map(|_| random.random_range(exponents.clone())).collect();
         let mut matrix = FixedMatrix::from_data(exponents, &rows);
         for (known, inputs, rows) in steps {
             let inputs: Vec<u16> = (0..inputs).map(|_| random.random_range(0..known as u16)).collect();

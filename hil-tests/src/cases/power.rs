@@ -57,7 +57,7 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 fn every_operation(rig: &Rig) -> Result<String, Failure> {
-    let patches = [patches::patch(36, true, 21), patches::patch(36, true, 22)];
+    let patches = [patches::large(36, 21), patches::large(36, 22)];
     ensure(patches[1].len() >= 8192, || format!("the patch has only {} bytes", patches[1].len()))?;
     let found = cut_upload(rig, &patches, |_| true)?;
     let operations = last_operation(&patches[1]);
@@ -90,7 +90,7 @@ pub fn cut_full_size(rig: &Rig, every: NonZeroU64) -> Result<Found, Failure> {
 
 /// Two patches of 812 pixels and 104 measurements, as large as a board takes.
 fn full_size() -> [Vec<u8>; 2] {
-    [23, 24].map(|seed| patches::patch(812, true, seed))
+    [23, 24].map(|seed| patches::large(812, seed))
 }
 
 /// A flash at the moment of a cut.

@@ -4,7 +4,7 @@
 
 use arbitrary::Arbitrary;
 use dermatome_shared::{
-    acquire::{Acquisition, FrontEnd, CurrentRange, trim::Trim},
+    acquire::{Acquisition, CurrentRange, FrontEnd, trim::Trim},
     drive::{Component, Drive, Gain},
     patch::PatchView,
 };

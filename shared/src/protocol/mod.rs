@@ -37,9 +37,11 @@ pub const MAX_CHUNK_BYTES: usize = 512;
 
 /// Hash of all message types: two builds with the same hash understand each other.
 #[must_use]
-pub fn schema_hash() -> [u8; 8] {
-    let requests = fnv1a64::hash_ty_path::<RequestPacket>("request");
-    let from_board = fnv1a64::hash_ty_path::<BoardPacket>("board");
+pub const fn schema_hash() -> [u8; 8] {
+    // Constants, or the names of all types and fields come to lie in a board's flash.
+    const REQUESTS: [u8; 8] = fnv1a64::hash_ty_path::<RequestPacket>("request");
+    const FROM_BOARD: [u8; 8] = fnv1a64::hash_ty_path::<BoardPacket>("board");
+    let (requests, from_board) = (REQUESTS, FROM_BOARD);
     (u64::from_le_bytes(requests) ^ u64::from_le_bytes(from_board).rotate_left(1)).to_le_bytes()
 }
 

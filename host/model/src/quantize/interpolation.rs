@@ -69,12 +69,22 @@ impl Interpolated {
         let mut tolerance = TOLERANCE;
         for _ in 0..12 {
             let found = from_largest(pick(&rows, tree.clone(), tolerance), matrix.nrows());
-            if found.steps.is_empty() || (found.fits_a_board() && tried.is_kept_by(&found)) {
+            if found.work(matrix.ncols()) >= matrix.nrows() * matrix.ncols() {
+                break;
+            }
+            if found.fits_a_board() && tried.is_kept_by(&found) {
                 return found;
             }
             tolerance *= 0.7;
         }
         Self::none(matrix.nrows())
+    }
+
+    /// What it costs a board, in products: by the cycles of the emulated one an input takes as long as 3 products, and
+    /// a step as 110 more.
+    fn work(&self, measurements: usize) -> usize {
+        let of_step = |step: &Step| step.inputs.len() * (step.weights.nrows() + 3) + 110;
+        measurements * self.from_data + self.steps.iter().map(of_step).sum::<usize>()
     }
 
     /// Whether the weights of no pixel, rounded, add up to more than a board's sums hold.
@@ -173,9 +183,9 @@ fn weighed_rows(matrix: &Mat<f64>, data: &Occurring) -> Option<Mat<f64>> {
     for (m, of_measurement) in data.noise.iter().enumerate() {
         covariance[(m, m)] += (of_measurement * noise).powi(2);
     }
-    let is_finite = covariance.col_iter().all(|column| column.iter().all(|value| value.is_finite()));
-    let factor = is_finite.then(|| covariance.llt(Side::Lower).ok()).flatten()?;
-    Some(matrix * factor.L())
+    let rows = matrix * covariance.llt(Side::Lower).ok()?.L();
+    let is_finite = rows.col_iter().all(|column| column.iter().all(|value| value.is_finite()));
+    is_finite.then_some(rows)
 }
 
 /// Pixels halved by place until each patch has about [`SMALLEST`]; a power of two of patches.

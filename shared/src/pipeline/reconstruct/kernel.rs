@@ -30,21 +30,15 @@ struct Groups {
     rounds: usize,
 }
 
-/// As in plain Rust.
-pub(super) fn sums_of_data(codes: &Codes, rows: &Rows<'_>, values: &mut [i32]) {
+/// As in plain Rust, which does what does not lie in whole words: with 64 bits if low ones are left out.
+#[inline(always)]
+pub(super) fn sums(codes: &Codes, rows: &Rows<'_>, values: &mut [i32], low_bits: i32) {
     match Groups::of(codes, rows, values) {
         // SAFETY: the groups are what `Groups::of` promises.
-        Some(groups) => unsafe { sum_groups_of_data(&groups) },
-        None => super::sums_of_data(codes, rows, values),
-    }
-}
-
-/// As in plain Rust.
-pub(super) fn sums_of_values(codes: &Codes, rows: &Rows<'_>, values: &mut [i32]) {
-    match Groups::of(codes, rows, values) {
-        // SAFETY: the groups are what `Groups::of` promises.
+        Some(groups) if low_bits == LOW_BITS => unsafe { sum_groups_of_data(&groups) },
+        // SAFETY: the same.
         Some(groups) => unsafe { sum_groups_of_values(&groups) },
-        None => super::sums_of_values(codes, rows, values),
+        None => super::sums(codes, rows, values, low_bits),
     }
 }
 

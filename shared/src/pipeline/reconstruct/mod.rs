@@ -36,34 +36,26 @@ struct Codes([i16; MAX_COLUMNS]);
 /// The pixels that are known: `[position]`, and room for the rest of the last group.
 struct Values([i32; MAX_PIXELS + GROUP]);
 
-/// How rows are summed: into the values of their positions.
-struct Kernel {
-    /// Rows that meet data, less [`LOW_BITS`].
-    of_data: fn(&Codes, &Rows<'_>, &mut [i32]),
-    /// Rows that interpolate.
-    of_values: fn(&Codes, &Rows<'_>, &mut [i32]),
-}
-
-const PORTABLE: Kernel = Kernel { of_data: sums_of_data, of_values: sums_of_values };
+/// How rows are summed, into the values of their positions: less so many bits.
+type Sums = fn(&Codes, &Rows<'_>, &mut [i32], i32);
 
 /// Applies the patch's matrix: `image[pixel] = sum over measurements of matrix * difference`.
 // Never inlined, so that a test can find it in the firmware's ELF and count its cycles.
 #[inline(never)]
 pub fn reconstruct(patch: &PatchView<'_>, difference: &DifferenceData, image: &mut Image) {
     #[cfg(all(target_arch = "arm", feature = "dsp"))]
-    const KERNEL: Kernel = Kernel { of_data: kernel::sums_of_data, of_values: kernel::sums_of_values };
+    apply(patch, difference, image, kernel::sums);
     #[cfg(not(all(target_arch = "arm", feature = "dsp")))]
-    const KERNEL: Kernel = PORTABLE;
-    apply(patch, difference, image, &KERNEL);
+    apply(patch, difference, image, sums);
 }
 
 /// As [`reconstruct`], in plain Rust.
 pub fn portable(patch: &PatchView<'_>, difference: &DifferenceData, image: &mut Image) {
-    apply(patch, difference, image, &PORTABLE);
+    apply(patch, difference, image, sums);
 }
 
 #[inline(always)]
-fn apply(patch: &PatchView<'_>, difference: &DifferenceData, image: &mut Image, kernel: &Kernel) {
+fn apply(patch: &PatchView<'_>, difference: &DifferenceData, image: &mut Image, sums: Sums) {
     let matrix = patch.matrix();
     let mut values = Values([0; MAX_PIXELS + GROUP]);
     let mut codes = Codes([0; MAX_COLUMNS]);
@@ -72,16 +64,16 @@ fn apply(patch: &PatchView<'_>, difference: &DifferenceData, image: &mut Image, 
     let mut exponent = difference.exponent - RelativeConductivity::FRACTION_BITS;
     let mut position = 0;
     if let Some(rows) = parts.next()
-        && let Some(sums) = values.of(position, &rows)
+        && let Some(found) = values.of(position, &rows)
     {
-        (kernel.of_data)(&codes, &rows, sums);
-        exponent += scale(&matrix, sums);
+        sums(&codes, &rows, found, LOW_BITS);
+        exponent += scale(&matrix, found);
         position += rows.count;
     }
     for rows in parts {
         values.take(rows.inputs, &mut codes);
-        let Some(sums) = values.of(position, &rows) else { break };
-        (kernel.of_values)(&codes, &rows, sums);
+        let Some(found) = values.of(position, &rows) else { break };
+        sums(&codes, &rows, found, 0);
         position += rows.count;
     }
     values.write(matrix.positions(), exponent, image);
@@ -139,42 +131,22 @@ fn fours(bytes: &[u8]) -> impl Iterator<Item = [[u8; 2]; GROUP]> + '_ {
     bytes.as_chunks::<2>().0.as_chunks::<GROUP>().0.iter().copied()
 }
 
-/// Exact sums of mantissas times data, four rows at a time, less [`LOW_BITS`].
-fn sums_of_data(codes: &Codes, rows: &Rows<'_>, values: &mut [i32]) {
-    each_group(
-        codes,
-        rows,
-        values,
-        |sum: &mut i64, product| *sum += i64::from(product),
-        |sum| (sum >> LOW_BITS) as i32,
-    );
-}
-
-/// Exact sums of mantissas times values, four rows at a time. Those of validated patches never wrap.
-fn sums_of_values(codes: &Codes, rows: &Rows<'_>, values: &mut [i32]) {
-    each_group(codes, rows, values, |sum: &mut i32, product| *sum = sum.wrapping_add(product), |sum| sum);
-}
-
-#[inline(always)]
-fn each_group<T: Copy + Default>(
-    codes: &Codes,
-    rows: &Rows<'_>,
-    values: &mut [i32],
-    add: impl Fn(&mut T, i32),
-    value: impl Fn(T) -> i32,
-) {
+/// Exact sums of mantissas times codes, four rows at a time, less their lowest bits. Those of validated patches fit.
+fn sums(codes: &Codes, rows: &Rows<'_>, values: &mut [i32], low_bits: i32) {
     let codes = &codes.0[..rows.columns.min(MAX_COLUMNS)];
     let groups = rows.mantissas.chunks_exact((2 * GROUP * rows.columns).max(1));
     for (mantissas, values) in groups.zip(values.chunks_exact_mut(GROUP)) {
-        let mut sums = [T::default(); GROUP];
+        let mut sums = [0_i64; GROUP];
         for (words, pair) in mantissas.chunks_exact(4 * GROUP).zip(codes.chunks_exact(2)) {
             for (row, sum) in sums.iter_mut().enumerate() {
-                let mantissa = |at: usize| i32::from(i16::from_le_bytes([words[at], words[at + 1]]));
-                add(sum, mantissa(4 * row) * i32::from(pair[0]));
-                add(sum, mantissa(4 * row + 2) * i32::from(pair[1]));
+                let product = |column: usize| {
+                    let at = 4 * row + 2 * column;
+                    i32::from(i16::from_le_bytes([words[at], words[at + 1]])) * i32::from(pair[column])
+                };
+                *sum += i64::from(product(0)) + i64::from(product(1));
             }
         }
-        values.iter_mut().zip(sums).for_each(|(place, sum)| *place = value(sum));
+        values.iter_mut().zip(sums).for_each(|(place, sum)| *place = (sum >> low_bits) as i32);
     }
 }
 
@@ -188,7 +160,9 @@ fn scale(matrix: &Matrix<'_>, values: &mut [i32]) -> i32 {
     let largest_bits = 32 - bits.leading_zeros() as i32;
     let up = PEAK_BITS + INTERPOLATION_EXPONENT as i32 - largest_bits;
     for (value, exponent) in values.iter_mut().zip(matrix.exponents()) {
-        *value = shifted(*value, up - finer(exponent));
+        let down = finer(exponent) - up;
+        // To the left no bit is lost: the largest has room.
+        *value = if down > 0 { ((*value >> (down - 1).min(31)) + 1) >> 1 } else { *value << -down };
     }
     least + up - LOW_BITS
 }
