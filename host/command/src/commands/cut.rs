@@ -35,7 +35,7 @@ const MESH: &str = "skin.msh";
 /// Cut a skin out of the mesh of a robot's link.
 ///
 /// Writes a folder with skin.toml, which holds the patch's pose on the link, and its mesh. The patch is
-/// remeshed to even triangles, its rim is smoothed, and electrodes lie along it at equal distances, the first
+/// remeshed to even triangles, its boundary is smoothed, and electrodes lie along it at equal distances, the first
 /// one at the top, clockwise as seen from outside. Numbers without a unit are in the unit of the link's mesh.
 #[derive(clap::Args)]
 #[command(group(clap::ArgGroup::new("region").required(true).args(["radius", "between_planes", "polygon"])))]
@@ -70,7 +70,7 @@ pub(super) struct Args {
     /// Direction on the link that is up as one looks onto the patch [default: z, or y where z points out].
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     up: Option<String>,
-    /// Electrodes along the rim, 4 to 250; boards take 16.
+    /// Electrodes along the boundary, 4 to 250; boards take 16.
     #[arg(long, value_name = "COUNT", default_value_t = 16)]
     electrodes: usize,
     /// Rim that an electrode covers [default: a quarter of the distance between centres].
@@ -331,7 +331,7 @@ impl Report {
                 orientation_xyzw: turn.coords.into(),
                 rpy: [roll, pitch, yaw],
             },
-            rim_mm: patch.rim * 1e3,
+            rim_mm: patch.boundary * 1e3,
             electrodes: patch.mesh.electrodes.len(),
             width_mm: patch.width * 1e3,
             edge_length_mm: patch.edge_length * 1e3,
@@ -365,7 +365,7 @@ fn print(report: &Report) {
         triple(link.high_mm)
     );
     say!(
-        "patch         {}: {:.2} cm2, rim {:.2} mm, {}",
+        "patch         {}: {:.2} cm2, boundary {:.2} mm, {}",
         report.skin,
         mesh.area * 1e4,
         report.rim_mm,

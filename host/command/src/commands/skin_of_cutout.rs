@@ -15,7 +15,7 @@ pub(super) struct Names<'a> {
     pub(super) mesh: &'a str,
 }
 
-/// A patch whose area is this share of a flat disc's with the same rim is round: a square's is 0.79.
+/// A patch whose area is this share of a flat disc's with the same boundary is round: a square's is 0.79.
 const ROUND: f64 = 0.9;
 
 /// Text of the skin file. What the mesh does not say is as in the shipped skins.
@@ -28,7 +28,7 @@ pub(super) fn skin_file(patch: &Cutout, names: Names<'_>) -> String {
     } else {
         "pixels = 800                      # patches of elements of about equal area"
     };
-    let is_round = 4.0 * PI * found.area / patch.rim.powi(2) > ROUND;
+    let is_round = 4.0 * PI * found.area / patch.boundary.powi(2) > ROUND;
     let inverse = if is_round {
         "hyperparameter = 0.03             # larger is smoother
 normalised = true"
@@ -39,7 +39,7 @@ normalised = false                # the patch is not round: some untouched volta
     format!(
         r#"# Cut out of {link} by `dermatome cut`. Change material, drive, inverse and contact to suit the fabric.
 name = "{skin}"
-description = "{electrodes} electrodes of {width:.2} mm on a rim of {rim:.1} mm, {area:.1} cm2 of {link}"
+description = "{electrodes} electrodes of {width:.2} mm on a boundary of {boundary:.1} mm, {area:.1} cm2 of {link}"
 
 [shape]
 kind = "mesh"
@@ -83,7 +83,7 @@ threshold = 0.05                  # relative conductivity change; `build` prints
         mesh = names.mesh,
         electrodes = patch.mesh.electrodes.len(),
         width = patch.width * 1e3,
-        rim = patch.rim * 1e3,
+        boundary = patch.boundary * 1e3,
         area = found.area * 1e4,
         x = place.x,
         y = place.y,

@@ -90,8 +90,8 @@ pub(super) fn closest_face(surface: &Surface, point: Point3<f64>) -> Option<[usi
 
 /// What a surface is, unless it is a disc.
 pub(super) fn no_disc(surface: &Surface) -> Option<Wrapped> {
-    let rim = surface.rim_edges();
-    let mut starts: Vec<usize> = rim.iter().map(|edge| edge[0]).collect();
+    let boundary = surface.boundary_edges();
+    let mut starts: Vec<usize> = boundary.iter().map(|edge| edge[0]).collect();
     starts.sort_unstable();
     starts.dedup();
     let loops = surface.loops();
@@ -99,12 +99,12 @@ pub(super) fn no_disc(surface: &Surface) -> Option<Wrapped> {
     let euler = points.len() + faces.len() == surface.edges().len() + 1;
     match loops.len() {
         0 => Some(Wrapped::Closed),
-        1 if euler && starts.len() == rim.len() => None,
+        1 if euler && starts.len() == boundary.len() => None,
         1 => Some(Wrapped::Handle),
         _ => {
             let mut lengths: Vec<f64> = loops.iter().map(|around| length(surface, around)).collect();
             lengths.sort_by(|a, b| b.total_cmp(a));
-            Some(Wrapped::Rims(lengths))
+            Some(Wrapped::Boundaries(lengths))
         }
     }
 }
@@ -164,7 +164,7 @@ mod tests {
         let surface = sheet(16);
         let field: Vec<f64> =
             surface.points.iter().map(|p| 0.2 - (p - Point3::new(0.5, 0.5, 0.0)).norm()).collect();
-        let Some(Wrapped::Rims(lengths)) = no_disc(&clip(&surface, &field, Point3::origin())) else {
+        let Some(Wrapped::Boundaries(lengths)) = no_disc(&clip(&surface, &field, Point3::origin())) else {
             panic!()
         };
         assert!(lengths.len() == 2 && (lengths[0] - 6.0).abs() < 1e-9 && (lengths[1] - 1.25).abs() < 0.02);

@@ -81,7 +81,7 @@ pub enum CutError {
         allowed: String,
     },
     /// The cutout is not a disc.
-    #[error("the patch is no disc: {found}; allowed: a patch with one rim{}", remedy(.found, *.largest))]
+    #[error("the patch is no disc: {found}; allowed: a patch with one boundary{}", remedy(.found, *.largest))]
     NotADisc {
         /// What it is.
         found: Wrapped,
@@ -100,21 +100,25 @@ pub enum CutError {
 pub enum Wrapped {
     /// It is all of a closed link.
     Closed,
-    /// It has several rims: their lengths, m, the longest first.
-    Rims(Vec<f64>),
-    /// It has one rim, which touches itself, or a handle.
+    /// It has several boundaries: their lengths, m, the longest first.
+    Boundaries(Vec<f64>),
+    /// It has one boundary, which touches itself, or a handle.
     Handle,
 }
 
 impl std::fmt::Display for Wrapped {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Closed => write!(formatter, "it takes all of the link and has no rim"),
-            Self::Rims(lengths) => {
+            Self::Closed => write!(formatter, "it takes all of the link and has no boundary"),
+            Self::Boundaries(lengths) => {
                 let words: Vec<_> = lengths.iter().map(|length| format!("{:.1} mm", length * 1e3)).collect();
-                write!(formatter, "it wraps round the link or has a hole, with rims of {}", words.join(", "))
+                write!(
+                    formatter,
+                    "it wraps round the link or has a hole, with boundaries of {}",
+                    words.join(", ")
+                )
             }
-            Self::Handle => write!(formatter, "its rim touches itself, or it has a handle"),
+            Self::Handle => write!(formatter, "its boundary touches itself, or it has a handle"),
         }
     }
 }
@@ -123,7 +127,7 @@ impl std::fmt::Display for Wrapped {
 fn remedy(found: &Wrapped, largest: Option<f64>) -> String {
     match (found, largest) {
         (_, Some(radius)) => format!(", here `radius` up to about {:.1} mm", radius * 1e3),
-        (Wrapped::Rims(_), None) => {
+        (Wrapped::Boundaries(_), None) => {
             ". A ring round a limb becomes one if a second `between_planes` along the limb leaves \
              a gap in it, with planes beside the limb's axis, or if `polygon` is smaller"
                 .to_owned()

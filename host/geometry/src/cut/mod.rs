@@ -2,10 +2,11 @@
 //!
 //! [`cut`] takes the shell that the seed lies on and the triangles that the region may reach
 //! (`shell`), makes them even (`remesh`), measures how far each node lies from the cut (`region`,
-//! `geodesic`), cuts triangles exactly on that line (`clip`), smooths the rim along the surface and puts
-//! nodes where electrodes begin and end (`rim`), and remeshes once more to the wanted edge length. All nodes
-//! lie on the link's own triangles (`closest`) but for those of the rim's cut edges.
+//! `geodesic`), cuts triangles exactly on that line (`clip`), smooths the boundary along the surface and puts
+//! nodes where electrodes begin and end (`boundary`), and remeshes once more to the wanted edge length. All nodes
+//! lie on the link's own triangles (`closest`) but for those of the boundary's cut edges.
 
+mod boundary;
 mod clip;
 mod closest;
 mod error;
@@ -13,18 +14,17 @@ mod frame;
 mod geodesic;
 mod region;
 mod remesh;
-mod rim;
 mod shell;
 mod surface;
 
 use crate::mesh::{ElectrodeContact, Mesh, import::Imported, triangle};
+use boundary::{Curve, Layout, Target};
 use clip::{clip, closest_face, no_disc};
 use closest::Closest;
 pub use error::{CutError, Wrapped};
 use nalgebra::{Isometry3, Point3, Vector3};
 pub use region::{Cutter, Region, Slab};
 use remesh::Effort;
-use rim::{Curve, Layout, Target};
 pub use shell::bounds;
 use std::collections::HashMap;
 use surface::Surface;
@@ -45,9 +45,9 @@ pub struct Request {
     pub region: Region,
     /// Direction that is up as one looks onto the cutout; without it z, or on a horizontal cutout y.
     pub up: Option<Vector3<f64>>,
-    /// Number of electrodes along the rim.
+    /// Number of electrodes along the boundary.
     pub electrodes: usize,
-    /// Rim that an electrode covers; without it a quarter of the distance between centres.
+    /// Boundary that an electrode covers; without it a quarter of the distance between centres.
     pub width: Option<f64>,
     /// Edge length of the mesh; without it a third of the electrodes' width.
     pub edge_length: Option<f64>,
@@ -60,8 +60,8 @@ pub struct Cutout {
     pub mesh: Mesh,
     /// The cutout's frame in the link's: takes points of the cutout to points of the link.
     pub link_from_skin: Isometry3<f64>,
-    /// Length of the rim, m.
-    pub rim: f64,
+    /// Length of the boundary, m.
+    pub boundary: f64,
     /// Width of the electrodes, m.
     pub width: f64,
     /// Edge length wanted, m.
@@ -101,7 +101,7 @@ fn even_triangles(crop: Surface, region: &Region, seed: Point3<f64>) -> (Surface
         remesh::shorten(&mut even, longest, edge, &onto);
         even = touched(&even, region, seed);
     }
-    even.fixed.clone_from(&even.rim);
+    even.fixed.clone_from(&even.boundary);
     remesh::remesh(&mut even, edge, &onto, Effort::EVEN);
     (even, onto)
 }
@@ -163,7 +163,7 @@ fn largest_radius(even: &Surface, field: &[f64], region: &Region, seed: Point3<f
     (low > 0.0).then_some(low * radius)
 }
 
-/// Smooths the rim, places the electrodes, remeshes, and takes everything into the cutout's frame.
+/// Smooths the boundary, places the electrodes, remeshes, and takes everything into the cutout's frame.
 fn finish(
     mut piece: Surface,
     onto: &Closest,
@@ -173,15 +173,21 @@ fn finish(
 ) -> Result<Cutout, CutError> {
     let around = piece.loops().swap_remove(0);
     let rough = clip::length(&piece, &around);
-    let asked = |rim: f64| request.width.unwrap_or_else(|| rim::usual_width(rim, request.electrodes));
-    let edge = request.edge_length.unwrap_or_else(|| rim::usual_edge(rough, asked(rough)));
-    rim::check(rough, request.electrodes, asked(rough), edge)?;
+    let asked =
+        |boundary: f64| request.width.unwrap_or_else(|| boundary::usual_width(boundary, request.electrodes));
+    let edge = request.edge_length.unwrap_or_else(|| boundary::usual_edge(rough, asked(rough)));
+    boundary::check(rough, request.electrodes, asked(rough), edge)?;
     let curve = Curve::smoothed(&piece, &around, edge, onto);
     let width = asked(curve.length());
-    rim::check(curve.length(), request.electrodes, width, edge.min(width / rim::EDGES_OF_ELECTRODE))?;
+    boundary::check(
+        curve.length(),
+        request.electrodes,
+        width,
+        edge.min(width / boundary::EDGES_OF_ELECTRODE),
+    )?;
     let first = curve.towards_top(|point| link_from_skin.inverse_transform_point(&point));
     let targets = curve.targets(&Layout { electrodes: request.electrodes, width, edge, first });
-    let nodes = rim::insert(&mut piece, &around, &targets, edge);
+    let nodes = boundary::insert(&mut piece, &around, &targets, edge);
     remesh::remesh(&mut piece, edge, onto, Effort::FINAL);
     for (&node, target) in nodes.iter().zip(&targets) {
         piece.points[node] = target.point;
@@ -193,7 +199,7 @@ fn finish(
     Ok(Cutout {
         mesh,
         link_from_skin,
-        rim: curve.length(),
+        boundary: curve.length(),
         width,
         edge_length: edge,
         deviation,
@@ -202,10 +208,10 @@ fn finish(
     })
 }
 
-/// Edges of the rim under each electrode.
+/// Edges of the boundary under each electrode.
 fn contacts(piece: &Surface, nodes: &[usize], targets: &[Target], count: usize) -> Vec<Vec<[usize; 2]>> {
     let mut electrodes = vec![Vec::new(); count];
-    let next: HashMap<usize, usize> = piece.rim_edges().into_iter().map(|[a, b]| (a, b)).collect();
+    let next: HashMap<usize, usize> = piece.boundary_edges().into_iter().map(|[a, b]| (a, b)).collect();
     let ends = targets.iter().zip(nodes).filter_map(|(target, &node)| Some((target.ends?, node)));
     let ends: HashMap<usize, usize> = ends.collect();
     for (target, &node) in targets.iter().zip(nodes) {

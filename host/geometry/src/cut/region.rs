@@ -9,7 +9,7 @@ use nalgebra::{Isometry3, Point2, Point3, Rotation3, Translation3, UnitQuaternio
 pub enum Region {
     /// All points no further away than `radius` over the surface, m.
     Disc {
-        /// Length of the shortest ways to the rim, m.
+        /// Length of the shortest ways to the boundary, m.
         radius: f64,
     },
     /// What lies between two parallel planes, or several pairs.

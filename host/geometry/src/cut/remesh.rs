@@ -1,8 +1,8 @@
 //! Isotropic remeshing: edges are split, collapsed, flipped and relaxed until all are about as long as
 //! wanted (Botsch and Kobbelt, "A remeshing approach to multiresolution modeling", 2004, with
-//! Delaunay flips instead of valences). Nodes stay on the original surface, rims where they are.
+//! Delaunay flips instead of valences). Nodes stay on the original surface, boundaries where they are.
 //!
-//! The crate `remesh` (0.0.5) calls itself experimental and knows no rim that has to stay.
+//! The crate `remesh` (0.0.5) calls itself experimental and knows no boundary that has to stay.
 
 use super::{closest::Closest, surface::Surface};
 use nalgebra::center;
@@ -55,7 +55,7 @@ impl Ord for ByLength {
     }
 }
 
-/// Makes all edges about `edge` long. Of the rim only nodes that are not fixed vanish, and none moves.
+/// Makes all edges about `edge` long. Of the boundary only nodes that are not fixed vanish, and none moves.
 pub(super) fn remesh(surface: &mut Surface, edge: f64, onto: &Closest, effort: Effort) {
     for round in 0..effort.rounds {
         let project = |point| onto.point(point);
@@ -72,7 +72,7 @@ pub(super) fn remesh(surface: &mut Surface, edge: f64, onto: &Closest, effort: E
 /// own shape, with the square of its length; so nodes closer than `edge` are joined before it is halved again.
 pub(super) fn shorten(surface: &mut Surface, longest: f64, edge: f64, onto: &Closest) {
     split_long(surface, TOO_LONG * longest, |point| onto.point(point));
-    surface.fixed.clone_from(&surface.rim);
+    surface.fixed.clone_from(&surface.boundary);
     collapse_short(surface, edge, TOO_LONG * longest);
     flip(surface);
 }
@@ -98,7 +98,7 @@ fn split_long(
         edges.into_iter().map(|edge| measured(surface, edge)).filter(|it| it.0 > longest).collect();
     while let Some(ByLength(length, [a, b])) = long.pop() {
         let middle = center(&surface.points[a], &surface.points[b]);
-        let at = if surface.is_rim_edge(a, b) { middle } else { place(middle) };
+        let at = if surface.is_boundary_edge(a, b) { middle } else { place(middle) };
         let new = surface.split(a, b, at);
         for other in surface.neighbours(new) {
             let edge = measured(surface, [new, other]);
@@ -110,14 +110,14 @@ fn split_long(
     }
 }
 
-/// Collapses short edges, the shortest first, and all nodes of the rim that are not fixed. Inside no edge becomes longer
+/// Collapses short edges, the shortest first, and all nodes of the boundary that are not fixed. Inside no edge becomes longer
 /// than `longest`.
 fn collapse_short(surface: &mut Surface, edge: f64, longest: f64) {
     let mut short: Vec<ByLength> = Vec::new();
     for [a, b] in surface.edges() {
         let length = surface.length(a, b);
-        let loose = |node: usize| surface.rim[node] && !surface.fixed[node];
-        if length < TOO_SHORT * edge || (loose(a) || loose(b)) && surface.is_rim_edge(a, b) {
+        let loose = |node: usize| surface.boundary[node] && !surface.fixed[node];
+        if length < TOO_SHORT * edge || (loose(a) || loose(b)) && surface.is_boundary_edge(a, b) {
             short.push(ByLength(length, [a, b]));
         }
     }
@@ -130,11 +130,11 @@ fn collapse_short(surface: &mut Surface, edge: f64, longest: f64) {
 }
 
 fn collapse_either(surface: &mut Surface, [a, b]: [usize; 2], edge: f64, longest: f64) {
-    let along_rim = surface.is_rim_edge(a, b);
-    if !along_rim && surface.length(a, b) >= TOO_SHORT * edge {
+    let along_boundary = surface.is_boundary_edge(a, b);
+    if !along_boundary && surface.length(a, b) >= TOO_SHORT * edge {
         return;
     }
-    let longest = if along_rim { f64::INFINITY } else { longest };
+    let longest = if along_boundary { f64::INFINITY } else { longest };
     let _ = surface.collapse(a, b, longest) || surface.collapse(b, a, longest);
 }
 
@@ -149,7 +149,7 @@ fn flip(surface: &mut Surface) {
 
 fn relax(surface: &mut Surface, onto: &Closest) {
     for node in 0..surface.points.len() {
-        if !surface.rim[node] && !surface.fixed[node] {
+        if !surface.boundary[node] && !surface.fixed[node] {
             surface.relax(node, onto);
         }
     }
@@ -173,7 +173,7 @@ mod tests {
             .flat_map(|i| [[2 * i, 2 * i + 2, 2 * i + 1], [2 * i + 1, 2 * i + 2, 2 * i + 3]])
             .collect();
         let mut surface = Surface::new(points, faces);
-        surface.fixed = surface.rim.clone();
+        surface.fixed = surface.boundary.clone();
         let before = surface.area();
         let onto = Closest::new(surface.faces().map(|face| surface.corners(face)), 0.004);
         remesh(&mut surface, 0.004, &onto, Effort::FINAL);

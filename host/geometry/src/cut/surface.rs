@@ -14,7 +14,7 @@ const FLAT: f64 = 0.1;
 /// Area over the sum of squared edges below which a triangle must not fall; 0.144 is equilateral.
 const LEAST_SHAPE: f64 = 0.02;
 
-/// An orientable surface whose edges have one face (the rim) or two.
+/// An orientable surface whose edges have one face (the boundary) or two.
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
     /// Where nodes lie: `[node]`; some belong to no face any more.
@@ -22,8 +22,8 @@ pub(super) struct Surface {
     faces: Vec<[usize; 3]>,
     /// Faces at each node.
     around: Vec<Vec<usize>>,
-    /// Whether a node lies on the rim: `[node]`.
-    pub(super) rim: Vec<bool>,
+    /// Whether a node lies on the boundary: `[node]`.
+    pub(super) boundary: Vec<bool>,
     /// Whether a node must stay: `[node]`.
     pub(super) fixed: Vec<bool>,
 }
@@ -36,9 +36,9 @@ impl Surface {
             corners.iter().for_each(|&node| around[node].push(face));
         }
         let fixed = vec![false; points.len()];
-        let mut surface = Self { rim: fixed.clone(), fixed, points, faces, around };
-        for [a, b] in surface.rim_edges() {
-            (surface.rim[a], surface.rim[b]) = (true, true);
+        let mut surface = Self { boundary: fixed.clone(), fixed, points, faces, around };
+        for [a, b] in surface.boundary_edges() {
+            (surface.boundary[a], surface.boundary[b]) = (true, true);
         }
         surface
     }
@@ -76,21 +76,23 @@ impl Surface {
     /// Every edge once, the lower node first.
     pub(super) fn edges(&self) -> Vec<[usize; 2]> {
         let of_face = |[a, b, c]: [usize; 3]| [[a, b], [b, c], [c, a]];
-        let on_rim = |a: usize, b: usize| self.rim[a] && self.rim[b] && self.sides(a, b).1.is_none();
-        let once = |&[a, b]: &[usize; 2]| a < b || on_rim(a, b);
+        let on_boundary =
+            |a: usize, b: usize| self.boundary[a] && self.boundary[b] && self.sides(a, b).1.is_none();
+        let once = |&[a, b]: &[usize; 2]| a < b || on_boundary(a, b);
         let sorted = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
         self.faces().flat_map(of_face).filter(once).map(sorted).collect()
     }
 
     /// Edges of one face, as it passes them.
-    pub(super) fn rim_edges(&self) -> Vec<[usize; 2]> {
+    pub(super) fn boundary_edges(&self) -> Vec<[usize; 2]> {
         let of_face = |[a, b, c]: [usize; 3]| [[a, b], [b, c], [c, a]];
         self.faces().flat_map(of_face).filter(|&[a, b]| self.sides(a, b).1.is_none()).collect()
     }
 
-    /// The rims, each walked with the surface on its left.
+    /// The boundaries, each walked with the surface on its left.
     pub(super) fn loops(&self) -> Vec<Vec<usize>> {
-        let mut next: HashMap<usize, usize> = self.rim_edges().into_iter().map(|[a, b]| (a, b)).collect();
+        let mut next: HashMap<usize, usize> =
+            self.boundary_edges().into_iter().map(|[a, b]| (a, b)).collect();
         let mut starts: Vec<usize> = next.keys().copied().collect();
         starts.sort_unstable();
         let mut loops = Vec::new();
@@ -119,8 +121,8 @@ impl Surface {
         self.sides(a, b).0.is_some()
     }
 
-    /// Whether this edge is a piece of the rim.
-    pub(super) fn is_rim_edge(&self, a: usize, b: usize) -> bool {
+    /// Whether this edge is a piece of the boundary.
+    pub(super) fn is_boundary_edge(&self, a: usize, b: usize) -> bool {
         matches!(self.sides(a, b), (Some(_), None))
     }
 
@@ -138,7 +140,7 @@ impl Surface {
         let (first, second) = self.sides(a, b);
         self.points.push(at);
         self.around.push(Vec::new());
-        self.rim.push(second.is_none());
+        self.boundary.push(second.is_none());
         self.fixed.push(false);
         for face in [first, second].into_iter().flatten() {
             self.split_face(face, a, b, middle);
@@ -159,7 +161,7 @@ impl Surface {
     }
 
     /// Lets `gone` become `kept`, its neighbour, unless the surface would tear, fold, get an edge
-    /// longer than `longest`, or a rim would change other than along itself.
+    /// longer than `longest`, or a boundary would change other than along itself.
     pub(super) fn collapse(&mut self, gone: usize, kept: usize, longest: f64) -> bool {
         let possible = self.may_vanish(gone, kept) && self.stays_unfolded(gone, kept, longest);
         if possible {
@@ -169,13 +171,13 @@ impl Surface {
     }
 
     fn may_vanish(&self, gone: usize, kept: usize) -> bool {
-        if self.fixed[gone] || self.rim[gone] && !self.is_rim_edge(gone, kept) {
+        if self.fixed[gone] || self.boundary[gone] && !self.is_boundary_edge(gone, kept) {
             return false;
         }
         let dying: Vec<[usize; 3]> = self.faces_at(gone).filter(|face| face.contains(&kept)).collect();
         let opposite = |face: &[usize; 3]| face.iter().copied().find(|&node| node != gone && node != kept);
         let others: Vec<usize> = dying.iter().filter_map(opposite).collect();
-        let lasting = |&node: &usize| self.around[node].len() > if self.rim[node] { 1 } else { 3 };
+        let lasting = |&node: &usize| self.around[node].len() > if self.boundary[node] { 1 } else { 3 };
         let of_kept = self.neighbours(kept);
         let common = self.neighbours(gone).iter().filter(|node| of_kept.binary_search(node).is_ok()).count();
         common == dying.len() && self.around[gone].len() > dying.len() && others.iter().all(lasting)
@@ -232,7 +234,7 @@ impl Surface {
     }
 
     fn is_better_flipped(&self, [a, b, c, d]: [usize; 4]) -> bool {
-        let few = |node: usize| self.around[node].len() <= if self.rim[node] { 1 } else { 3 };
+        let few = |node: usize| self.around[node].len() <= if self.boundary[node] { 1 } else { 3 };
         if few(a) || few(b) || self.angle(c, a, b) + self.angle(d, a, b) <= std::f64::consts::PI + 1e-6 {
             return false;
         }
@@ -321,21 +323,21 @@ mod tests {
     }
 
     #[test]
-    fn a_split_keeps_the_area_and_the_rim_closed() {
+    fn a_split_keeps_the_area_and_the_boundary_closed() {
         let mut surface = square();
         surface.split(0, 1, Point3::new(0.4, 0.0, 0.0));
         surface.split(1, 4, Point3::new(0.7, 0.3, 0.0));
         assert!((surface.area() - 1.0).abs() < 1e-12);
         assert_eq!(surface.faces().count(), 7);
         assert_eq!(surface.loops().iter().map(Vec::len).collect::<Vec<_>>(), [5]);
-        assert_eq!(surface.rim, [true, true, true, true, false, true, false]);
+        assert_eq!(surface.boundary, [true, true, true, true, false, true, false]);
     }
 
     #[test]
-    fn a_rim_node_vanishes_along_the_rim_only() {
+    fn a_boundary_node_vanishes_along_the_boundary_only() {
         let mut surface = square();
         let middle = surface.split(0, 1, Point3::new(0.4, 0.0, 0.0));
-        assert!(!surface.collapse(middle, 4, f64::INFINITY), "that would dent the rim");
+        assert!(!surface.collapse(middle, 4, f64::INFINITY), "that would dent the boundary");
         assert!(surface.collapse(middle, 0, f64::INFINITY));
         assert!((surface.area() - 1.0).abs() < 1e-12);
         assert!(!surface.collapse(4, 0, 1.2), "an edge would be 1.41 long");

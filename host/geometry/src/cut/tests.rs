@@ -53,7 +53,7 @@ fn disc(around: [f64; 3], radius: f64) -> Request {
     }
 }
 
-/// Area and rim of a good cutout, after all that must hold of one is checked.
+/// Area and boundary of a good cutout, after all that must hold of one is checked.
 fn checked(patch: &Cutout) -> (f64, f64) {
     let Mesh { nodes, elements, electrodes } = &patch.mesh;
     let found = require_sound(nodes, elements, false).unwrap();
@@ -61,25 +61,25 @@ fn checked(patch: &Cutout) -> (f64, f64) {
     let quality = crate::mesh::quality::quality(&patch.mesh);
     assert!(quality.smallest_angle_degrees > 15.0, "{quality:?}");
     assert!(quality.longest_edge < 2.0 * patch.edge_length, "{quality:?}");
-    let pitch = patch.rim / electrodes.len() as f64;
+    let pitch = patch.boundary / electrodes.len() as f64;
     for (i, contact) in electrodes.iter().enumerate() {
         let width = patch.mesh.width(contact);
         assert!((width / patch.width - 1.0).abs() < 0.02, "electrode {i}: {width} of {}", patch.width);
         let next = patch.mesh.centre(&electrodes[(i + 1) % electrodes.len()]);
         assert!((patch.mesh.centre(contact) - next).norm() < 1.01 * pitch, "electrode {i}");
     }
-    (quality.area, patch.rim)
+    (quality.area, patch.boundary)
 }
 
 #[test]
-fn a_disc_on_a_ball_has_the_area_and_rim_of_a_cap() {
+fn a_disc_on_a_ball_has_the_area_and_boundary_of_a_cap() {
     let radius = 0.05;
     let link = link(&ball(radius, 0.0, Vector3::zeros(), 60));
     let patch = cut(&link, &disc([radius, 0.0, 0.0], 0.06)).unwrap();
-    let (area, rim) = checked(&patch);
+    let (area, boundary) = checked(&patch);
     let angle = 0.06 / radius;
     assert!((area / (TAU * radius * radius * (1.0 - angle.cos())) - 1.0).abs() < 0.01, "{area}");
-    assert!((rim / (TAU * radius * angle.sin()) - 1.0).abs() < 0.01, "{rim}");
+    assert!((boundary / (TAU * radius * angle.sin()) - 1.0).abs() < 0.01, "{boundary}");
     assert!(!patch.flat && patch.deviation < 2e-4, "{}", patch.deviation);
     // Electrode 1 at the top, electrode 5 to the right as seen from outside.
     let [first, fifth] = [0, 4].map(|i| patch.mesh.centre(&patch.mesh.electrodes[i]));
@@ -93,9 +93,9 @@ fn a_disc_on_a_ball_has_the_area_and_rim_of_a_cap() {
 #[test]
 fn a_disc_on_strips_a_hundred_times_as_long_as_wide_is_a_disc() {
     let tube = rings(1, 64, |angle, share| Point3::new(0.04 * angle.cos(), 0.04 * angle.sin(), 0.3 * share));
-    let (area, rim) = checked(&cut(&link(&tube), &disc([0.04, 0.0, 0.15], 0.05)).unwrap());
+    let (area, boundary) = checked(&cut(&link(&tube), &disc([0.04, 0.0, 0.15], 0.05)).unwrap());
     assert!((area / (PI * 0.05 * 0.05) - 1.0).abs() < 0.005, "{area}");
-    assert!((rim / (TAU * 0.05) - 1.0).abs() < 0.005, "{rim}");
+    assert!((boundary / (TAU * 0.05) - 1.0).abs() < 0.005, "{boundary}");
 }
 
 /// A tube as CAD writes it: triangles as long as its rows.
@@ -117,9 +117,9 @@ fn slivers_hundreds_of_times_as_long_as_wide_do_not_become_slivers_of_their_own_
         // Nodes that have gone since the last level keep their number, so this counts the last splits, too.
         let made = even.points.len();
         assert!(made < most, "{rows} x {sides}: {made}");
-        let (area, rim) = checked(&cut(&tube(rows, sides, &turn), &request).unwrap());
+        let (area, boundary) = checked(&cut(&tube(rows, sides, &turn), &request).unwrap());
         assert!((area / (PI * 0.03 * 0.03) - 1.0).abs() < 0.005, "{area}");
-        assert!((rim / (TAU * 0.03) - 1.0).abs() < 0.005, "{rim}");
+        assert!((boundary / (TAU * 0.03) - 1.0).abs() < 0.005, "{boundary}");
     }
 }
 
@@ -179,7 +179,7 @@ fn what_cannot_be_a_patch_is_refused_with_what_is_allowed() {
         (
             &tube,
             Request { region: slab(0.2, 0.4), ..disc(middle, 0.0) },
-            &["wraps round", "one rim", "a second `between_planes`"],
+            &["wraps round", "one boundary", "a second `between_planes`"],
         ),
         (&tube, wanted(|it| it.edge_length = Some(0.004)), &["`edge_length`", "two edges"]),
         (&tube, wanted(|it| it.width = Some(0.02)), &["`width`", "mm to 17."]),
@@ -208,7 +208,7 @@ fn bumpy_link(bump: f64, fineness: usize, reversed: bool) -> Imported {
 }
 
 #[test]
-fn a_sliver_between_nodes_of_the_rim_is_flipped_though_it_has_no_clear_side() {
+fn a_sliver_between_nodes_of_the_boundary_is_flipped_though_it_has_no_clear_side() {
     let link = bumpy_link(0.08782501693451428, 30, true);
     let direction = Vector3::<f64>::new(-0.28677156574292223, -0.5965708985334383, 0.4835590090436574);
     let request = Request { electrodes: 14, ..disc((0.05 * direction.normalize()).into(), 0.02) };
@@ -230,9 +230,9 @@ proptest! {
         let around = 0.05 * Vector3::from(direction).normalize();
         let request = Request { electrodes, ..disc(around.into(), radius) };
         let patch = cut(&link, &request).map_err(|error| TestCaseError::fail(error.to_string()))?;
-        let (area, rim) = checked(&patch);
+        let (area, boundary) = checked(&patch);
         prop_assert_eq!(patch.shells, 3);
-        prop_assert!(area > 0.5 * PI * radius * radius && rim < 1.5 * TAU * radius, "{area} {rim}");
+        prop_assert!(area > 0.5 * PI * radius * radius && boundary < 1.5 * TAU * radius, "{area} {boundary}");
         prop_assert!(patch.deviation < 0.05 * radius, "{}", patch.deviation);
         let top = patch.link_from_skin * Vector3::z();
         prop_assert!(top.dot(&around) > 0.0, "z points out of the link");

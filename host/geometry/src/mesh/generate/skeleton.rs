@@ -1,4 +1,4 @@
-//! Nodes and edges that a mesh must have: its rims, and electrodes inside.
+//! Nodes and edges that a mesh must have: its boundaries, and electrodes inside.
 
 use super::{
     MOST_NODES, MeshError,
@@ -20,17 +20,17 @@ pub(super) struct Skeleton<'a> {
     discs: Vec<Disc>,
     /// Electrodes inside, of the point model.
     lone: Range<usize>,
-    /// Where the nodes lie in the flat sheet: `[node]`. Those of the outer rim come first.
+    /// Where the nodes lie in the flat sheet: `[node]`. Those of the outer boundary come first.
     pub(super) points: Vec<Point2<f64>>,
     /// Mean length of the edges at each node: `[node]`.
     spacings: Vec<f64>,
-    /// Edges of the rims: each belongs to one element.
-    pub(super) rim_edges: Vec<[usize; 2]>,
+    /// Edges of the boundaries: each belongs to one element.
+    pub(super) boundary_edges: Vec<[usize; 2]>,
     /// Edges round electrodes inside: each belongs to two elements.
     pub(super) inner_edges: Vec<[usize; 2]>,
     /// Where each electrode touches: `[electrode]`.
     pub(super) touches: Vec<Touch>,
-    /// Area within the rims, m^2.
+    /// Area within the boundaries, m^2.
     pub(super) area: f64,
 }
 
@@ -59,7 +59,7 @@ impl<'a> Skeleton<'a> {
             lone: 0..0,
             points: Vec::new(),
             spacings: Vec::new(),
-            rim_edges: Vec::new(),
+            boundary_edges: Vec::new(),
             inner_edges: Vec::new(),
             touches: vec![Touch::Edges(Vec::new()); sheet.places.len()],
             area: 0.0,
@@ -101,7 +101,7 @@ impl<'a> Skeleton<'a> {
         if path.disc.is_some() {
             self.inner_edges.extend(edges);
         } else {
-            self.rim_edges.extend(edges);
+            self.boundary_edges.extend(edges);
         }
         Ok(())
     }
@@ -121,7 +121,7 @@ impl<'a> Skeleton<'a> {
         self.touches[disc.electrode] = Touch::Disc(nodes);
     }
 
-    /// Point electrodes: the node that is there on the rim, or one more inside.
+    /// Point electrodes: the node that is there on the boundary, or one more inside.
     fn place_points(&mut self, sheet: &Sheet, size_field: &SizeField) {
         let first = self.points.len();
         for (electrode, place) in sheet.places.iter().enumerate() {
@@ -141,7 +141,7 @@ impl<'a> Skeleton<'a> {
     fn nearest(&self, point: Point2<f64>, of_first: usize) -> usize {
         let distance = |node: usize| (self.points[node] - point).norm_squared();
         let nearest = (0..of_first).min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
-        nearest.expect("every rim has nodes")
+        nearest.expect("every boundary has nodes")
     }
 
     /// What its nodes ask of the edges around them.
@@ -149,7 +149,7 @@ impl<'a> Skeleton<'a> {
         self.points.iter().zip(&self.spacings).map(|(&at, &size)| Source { at, size })
     }
 
-    /// Distance to the nearest rim, electrode's rim or point electrode; negative off the sheet.
+    /// Distance to the nearest boundary, electrode's boundary or point electrode; negative off the sheet.
     pub(super) fn clearance(&self, point: Point2<f64>) -> f64 {
         let discs = self.discs.iter().map(|disc| ((point - disc.centre).norm() - disc.radius).abs());
         let lone = self.points[self.lone.clone()].iter().map(|node| (point - node).norm());

@@ -34,7 +34,7 @@ fn delaunay(skeleton: &Skeleton<'_>, points: &[Point2<f64>]) -> Result<Vec<[usiz
         return Err(MeshError::Point("two nodes lie at the same place".into()));
     }
     let mut triangulation = ConstrainedDelaunayTriangulation::<spade::Point2<f64>>::from(triangulation);
-    for edge in skeleton.rim_edges.iter().chain(&skeleton.inner_edges) {
+    for edge in skeleton.boundary_edges.iter().chain(&skeleton.inner_edges) {
         let [a, b] = edge.map(FixedVertexHandle::from_index);
         triangulation.try_add_constraint(a, b);
     }
@@ -81,7 +81,7 @@ fn check_edges(skeleton: &Skeleton<'_>, elements: &[[usize; 3]]) -> Result<(), M
             }
         }
     }
-    let wanted = skeleton.rim_edges.iter().map(|edge| (edge, 1));
+    let wanted = skeleton.boundary_edges.iter().map(|edge| (edge, 1));
     for (&[a, b], count) in wanted.chain(skeleton.inner_edges.iter().map(|edge| (edge, 2))) {
         if uses.get(&[a.min(b), a.max(b)]) != Some(&count) {
             let Point2 { coords } = skeleton.points[a];

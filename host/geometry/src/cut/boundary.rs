@@ -1,13 +1,13 @@
-//! The rim of a cutout: smoothed along the surface, with nodes where electrodes begin and end.
+//! The boundary of a cutout: smoothed along the surface, with nodes where electrodes begin and end.
 
 use super::{closest::Closest, error::CutError, surface::Surface};
 use nalgebra::{Point3, center};
 
-/// Samples of the rim for each edge of the mesh.
+/// Samples of the boundary for each edge of the mesh.
 const SAMPLES_PER_EDGE: f64 = 4.0;
 /// Rounds of smoothing with weights 1/4, 1/2, 1/4: together a Gaussian of half an edge.
 const SMOOTHING: usize = 8;
-/// A node of the old rim closer to a target than this share of an edge takes its place.
+/// A node of the old boundary closer to a target than this share of an edge takes its place.
 const SNAP: f64 = 0.02;
 /// Width of an electrode where none is asked for, as a share of the distance between centres.
 const WIDTH: f64 = 0.25;
@@ -26,7 +26,7 @@ pub(super) struct Curve {
     lengths: Vec<f64>,
 }
 
-/// What electrodes are to lie on the rim.
+/// What electrodes are to lie on the boundary.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
     pub(super) electrodes: usize,
@@ -36,7 +36,7 @@ pub(super) struct Layout {
     pub(super) first: f64,
 }
 
-/// A node of the final rim.
+/// A node of the final boundary.
 pub(super) struct Target {
     /// Arc length on the old line.
     old: f64,
@@ -119,7 +119,7 @@ impl Curve {
     }
 }
 
-/// Splits the old rim where the targets are, and fixes those nodes: `[target]`.
+/// Splits the old boundary where the targets are, and fixes those nodes: `[target]`.
 pub(super) fn insert(
     surface: &mut Surface,
     around: &[usize],
@@ -161,7 +161,7 @@ fn node_at(
     })
 }
 
-/// Refuses electrodes that do not fit on a rim, and edges too coarse for them.
+/// Refuses electrodes that do not fit on a boundary, and edges too coarse for them.
 pub(super) fn check(length: f64, electrodes: usize, width: f64, edge: f64) -> Result<(), CutError> {
     let refuse = |option, value: f64, allowed: String| {
         Err(CutError::Value { option, value: format!("{:.3} mm", value * 1e3), allowed })
@@ -170,9 +170,9 @@ pub(super) fn check(length: f64, electrodes: usize, width: f64, edge: f64) -> Re
     let finest = length / MOST_RIM_EDGES;
     let (narrowest, widest) = (EDGES_OF_ELECTRODE * finest, 0.9 * pitch);
     if !(narrowest..=widest).contains(&width) {
-        let rim = format!("on a rim of {:.1} mm with {electrodes} electrodes", length * 1e3);
+        let boundary = format!("on a boundary of {:.1} mm with {electrodes} electrodes", length * 1e3);
         let range = format!("{:.3} mm to {:.3} mm", narrowest * 1e3, widest * 1e3);
-        return refuse("width", width, format!("{range} {rim}"));
+        return refuse("width", width, format!("{range} {boundary}"));
     }
     let coarsest = width / EDGES_OF_ELECTRODE;
     if !(finest..=coarsest * (1.0 + 1e-9)).contains(&edge) {
@@ -196,7 +196,7 @@ pub(super) fn usual_edge(length: f64, width: f64) -> f64 {
     (width / EDGES).max(finest_usual(length))
 }
 
-/// A little above the finest, for smoothing makes a rim shorter or longer.
+/// A little above the finest, for smoothing makes a boundary shorter or longer.
 fn finest_usual(length: f64) -> f64 {
     1.05 * length / MOST_RIM_EDGES
 }
@@ -234,7 +234,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn any_number_of_electrodes_has_a_width_and_an_edge_length_that_fit_even_as_the_rim_is_smoothed() {
+    fn any_number_of_electrodes_has_a_width_and_an_edge_length_that_fit_even_as_the_boundary_is_smoothed() {
         for electrodes in 4..=250 {
             let edge = usual_edge(0.25, usual_width(0.25, electrodes));
             for length in [0.24, 0.25, 0.26] {
