@@ -82,10 +82,14 @@ struct Errors {
 }
 
 fn report(errors: &[Errors]) -> ExitCode {
-    println!("worst channel in phase (in quadrature), % of the converter's range, {} boards", errors.len());
-    println!(
+    say!("worst channel in phase (in quadrature), % of the converter's range, {} boards", errors.len());
+    say!(
         "{:>9}  {:>21} {:>21}  {:>21} {:>21}",
-        "carrier", "median as built", "worst", "median trimmed", "worst"
+        "carrier",
+        "median as built",
+        "worst",
+        "median trimmed",
+        "worst"
     );
     let mut is_met = true;
     for (carrier, frequency) in CARRIERS.iter().enumerate() {
@@ -102,18 +106,19 @@ fn report(errors: &[Errors]) -> ExitCode {
         let cells = [cell(0, median), cell(0, last), cell(1, median), cell(1, last)];
         is_met &= *frequency > 100e3 || cells[3].0 <= LIMIT;
         let [a, b, c, d] = cells.map(|(_, words)| words);
-        println!("{:>5} kHz  {a:>21} {b:>21}  {c:>21} {d:>21}", frequency / 1e3);
+        say!("{:>5} kHz  {a:>21} {b:>21}  {c:>21} {d:>21}", frequency / 1e3);
     }
     let worst = [0, 1]
         .map(|trimmed| 100.0 * errors.iter().map(|errors| errors.small_range[trimmed]).fold(0.0, f64::max));
-    println!(
+    say!(
         "in the small range, worst, % of the largest voltage: {:.3} as built, {:.3} trimmed",
-        worst[0], worst[1]
+        worst[0],
+        worst[1]
     );
     if is_met {
         return ExitCode::SUCCESS;
     }
-    println!("more than {} % is left up to 100 kHz", 100.0 * LIMIT);
+    say!("more than {} % is left up to 100 kHz", 100.0 * LIMIT);
     ExitCode::FAILURE
 }
 

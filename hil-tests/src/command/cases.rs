@@ -53,7 +53,7 @@ impl Cases {
         }
         let count = run_all(&rig, &chosen);
         let repeats = !self.twice || count.repeats_in(&run_all(&rig, &chosen));
-        println!("{} passed, {} failed, {} not run", count.passed, count.failed, count.not_run);
+        say!("{} passed, {} failed, {} not run", count.passed, count.failed, count.not_run);
         Ok(if count.failed == 0 && repeats { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 
@@ -73,16 +73,16 @@ impl Count {
         match outcome {
             Outcome::Passed { measured, seconds, hash } => {
                 let measured = if measured.is_empty() { measured } else { format!(": {measured}") };
-                println!("ok       {name}{measured} ({seconds:.1} s)");
+                say!("ok       {name}{measured} ({seconds:.1} s)");
                 self.hashes.extend(hash.map(|hash| (name, hash)));
                 self.passed += 1;
             }
             Outcome::Failed(error) => {
-                println!("FAILED   {name}: {error}");
+                say!("FAILED   {name}: {error}");
                 self.failed += 1;
             }
             Outcome::NotRun(missing) => {
-                println!("not run  {name}: this rig cannot {missing}");
+                say!("not run  {name}: this rig cannot {missing}");
                 self.not_run += 1;
             }
         }
@@ -93,11 +93,11 @@ impl Count {
         let mut repeats = true;
         for ((name, first), (_, second)) in self.hashes.iter().zip(&again.hashes) {
             if first != second {
-                println!("DIFFERS  {name}: {first:016x} and {second:016x}");
+                say!("DIFFERS  {name}: {first:016x} and {second:016x}");
                 repeats = false;
             }
         }
-        println!("{} traces compared with those of a second run", again.hashes.len());
+        say!("{} traces compared with those of a second run", again.hashes.len());
         repeats
     }
 }

@@ -1,5 +1,12 @@
 //! The command line: one file for each command, and what `run` and `trace` have in common.
 
+/// [`println!`] that [`say`] prints.
+macro_rules! say {
+    ($($words:tt)*) => {
+        $crate::command::say(format_args!($($words)*))
+    };
+}
+
 mod boards;
 mod boot;
 mod cases;
@@ -10,7 +17,12 @@ mod soak;
 mod trace;
 
 use clap::{Parser, Subcommand};
-use std::{error::Error, process::ExitCode};
+use std::{
+    error::Error,
+    fmt,
+    io::{self, Write},
+    process::{self, ExitCode},
+};
 
 /// Runs the firmware on an emulated board, or cases against any board.
 #[derive(Parser)]
@@ -49,5 +61,15 @@ impl Arguments {
             Command::Soak(soak) => soak.run(),
             Command::Trace(trace) => trace.run(),
         }
+    }
+}
+
+/// Prints a line. Where nobody reads any more (`dermatome-hil ... | head -1`) the command goes on quietly; where the
+/// line cannot be written for another reason, it ends with an error.
+fn say(words: fmt::Arguments<'_>) {
+    let Err(error) = writeln!(io::stdout(), "{words}") else { return };
+    if error.kind() != io::ErrorKind::BrokenPipe {
+        eprintln!("error: cannot write to standard output: {error}");
+        process::exit(1);
     }
 }

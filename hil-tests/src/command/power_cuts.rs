@@ -27,7 +27,7 @@ impl PowerCuts {
         }
         let start = Instant::now();
         let found = cases::cut_full_size(&rig, self.every)?;
-        println!("{found} of a full-size patch ({:.0} s)", start.elapsed().as_secs_f64());
+        say!("{found} of a full-size patch ({:.0} s)", start.elapsed().as_secs_f64());
         Ok(ExitCode::SUCCESS)
     }
 }

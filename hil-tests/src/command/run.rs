@@ -77,8 +77,8 @@ impl Run {
             world.plug(Some(*Plug::new(2.2, 22.0).ohms()));
         }
         check_faults(&self.faults, &board)?;
-        println!("board         {} (emulated STM32G474RE)", self.firmware.name());
-        println!("listening at  tcp:{}   (Ctrl-C stops it)", listener.local_addr()?);
+        say!("board         {} (emulated STM32G474RE)", self.firmware.name());
+        say!("listening at  tcp:{}   (Ctrl-C stops it)", listener.local_addr()?);
         serve(&listener, &board, &self.faults, log.as_mut())
     }
 }
@@ -166,7 +166,7 @@ fn run_slice(board: &VirtualBoard, faults: &Arc<Mutex<Schedule>>) -> Result<(Tim
         (machine.now(), sent, happened)
     });
     for (time, what) in happened? {
-        println!("{:>12.3} s  {what}", time.seconds());
+        say!("{:>12.3} s  {what}", time.seconds());
     }
     Ok((now, sent))
 }

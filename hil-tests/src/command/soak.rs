@@ -34,10 +34,10 @@ impl Soak {
         let start = Instant::now();
         let seen = cases::soak(&rig, self.time, self.seed, |what| {
             if self.verbose {
-                println!("{what}");
+                say!("{what}");
             }
         })?;
-        println!("{seen} ({:.0} s on the clock on the wall)", start.elapsed().as_secs_f64());
+        say!("{seen} ({:.0} s on the clock on the wall)", start.elapsed().as_secs_f64());
         Ok(ExitCode::SUCCESS)
     }
 }

@@ -52,7 +52,7 @@ impl Trace {
                 .map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
         }
         for (time, what) in result? {
-            println!("{:>16} fault       {what}", time.to_string());
+            say!("{:>16} fault       {what}", time.to_string());
         }
         Ok(ExitCode::SUCCESS)
     }
@@ -60,7 +60,7 @@ impl Trace {
 
 fn print(events: &[(Time, Event)], hash: u64) {
     for (time, event) in events {
-        println!("{:>16} {event}", time.to_string());
+        say!("{:>16} {event}", time.to_string());
     }
-    println!("{} events, hash {hash:016x}", events.len());
+    say!("{} events, hash {hash:016x}", events.len());
 }

@@ -65,7 +65,7 @@ impl Mutants {
             let outcome = self.try_out(&workshop, mutant, &cases)?;
             count.show(mutant, &outcome, start);
         }
-        println!("{count}");
+        say!("{count}");
         Ok(if count.unexplained == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 
@@ -119,9 +119,9 @@ impl Mutants {
 }
 
 fn list(mutant: &Mutant) {
-    println!("{}: {} ({})", mutant.name, mutant.why, mutant.file.display());
+    say!("{}: {} ({})", mutant.name, mutant.why, mutant.file.display());
     if let Some(reason) = &mutant.survives {
-        println!("    survives: {reason}");
+        say!("    survives: {reason}");
     }
 }
 
@@ -140,7 +140,7 @@ impl Count {
             _ => &mut self.unbuilt,
         };
         *place += 1;
-        println!("{what:8} {}: {more} ({:.0} s)", mutant.name, start.elapsed().as_secs_f64());
+        say!("{what:8} {}: {more} ({:.0} s)", mutant.name, start.elapsed().as_secs_f64());
     }
 }
 
