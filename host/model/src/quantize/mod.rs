@@ -224,7 +224,7 @@ pub struct FixedPointError {
 /// Tries the patch on the images of `trials` random presses: the difference data that one random
 /// pixel and some noise would give, from a fixed seed.
 ///
-/// An error beyond [`MOST_PERCENT`] means that images leave the range of [`RelativeConductivity`].
+/// An error beyond 1 % means that images leave the range of [`RelativeConductivity`].
 pub fn fixed_point_error(
     model: &Model,
     patch: &PatchView<'_>,
