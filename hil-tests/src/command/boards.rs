@@ -38,7 +38,7 @@ const PLUG_TOLERANCES: [f64; 2] = [1e-2, 1e-3];
 /// Settling, s.
 const SETTLING: f32 = 30e-6;
 /// Frames of the plug that are averaged, as `dermatome trim` does.
-const PLUG_FRAMES: usize = 8;
+const PLUG_FRAMES: usize = 16;
 /// Largest error after the trim, of the converter's range, up to 100 kHz.
 const LIMIT: f64 = 2e-3;
 

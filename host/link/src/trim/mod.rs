@@ -31,7 +31,7 @@ const FILL: f64 = 0.85;
 /// How long a switched voltage settles, s: even at the largest gain, whose pole may be near 100 kHz.
 const SETTLING: f32 = 30e-6;
 /// Frames that are averaged.
-const FRAMES: usize = 8;
+const FRAMES: usize = 16;
 /// Frames that never come.
 const TIMEOUT: Duration = Duration::from_secs(5);
 /// A voltage may be so far from what the plug's resistors give, as a share of the largest.
