@@ -18,11 +18,13 @@ use serde::{Deserialize, Serialize};
 /// Rows in a group, and columns in a block.
 pub const GROUP: usize = 4;
 /// Most inputs of an interpolation.
-pub const MAX_INPUTS: usize = 256;
+pub const MAX_INPUTS: usize = MAX_MEASUREMENTS;
 /// Largest sum of the sizes of an interpolation's mantissas: they meet pixels of 15 bits, `131,071 * 16,384 < 2^31`.
 pub const MOST_OF_ROW: u32 = 131_071;
 /// A coefficient of an interpolation is `mantissa * 2^-INTERPOLATION_EXPONENT`.
 pub const INTERPOLATION_EXPONENT: u32 = 12;
+/// Pixels that interpolations take may pass the largest one from data by so many bits; beyond, they are cut.
+pub const HEADROOM_BITS: i32 = 2;
 
 const INTERPOLATION_BYTES: usize = 4;
 
@@ -192,7 +194,7 @@ impl<'a> Matrix<'a> {
         core::iter::once(from_data).chain(self.interpolations().map(of)).map_while(
             move |(count, taken, columns)| {
                 let (list, later_inputs) = inputs.split_at_checked(2 * taken)?;
-                let bytes = 2 * columns * count.next_multiple_of(GROUP);
+                let bytes = (2 * columns).checked_mul(count.next_multiple_of(GROUP))?;
                 let (own, later) = mantissas.split_at_checked(bytes)?;
                 (inputs, mantissas) = (later_inputs, later);
                 Some(Rows { count, inputs: list, columns, mantissas: own })
@@ -214,7 +216,9 @@ impl<'a> Matrix<'a> {
             if !is_fed {
                 return Err(wrong(part - 1));
             }
-            if let Some(row) = rows.first_above(MOST_OF_ROW).filter(|_| part > 0) {
+            if part > 0
+                && let Some(row) = rows.first_above(MOST_OF_ROW)
+            {
                 return Err(PatchError::Row { row: known + row });
             }
             known += rows.count;
@@ -260,6 +264,3 @@ impl Rows<'_> {
 fn words<'a>(bytes: &'a [u8]) -> impl ExactSizeIterator<Item = u16> + use<'a> {
     bytes.chunks_exact(2).map(|b| u16::from_le_bytes([b[0], b[1]]))
 }
-
-/// Most columns of any rows.
-pub const MAX_COLUMNS: usize = if MAX_MEASUREMENTS > MAX_INPUTS { MAX_MEASUREMENTS } else { MAX_INPUTS };

@@ -158,7 +158,7 @@ impl From<Blur> for Resolution {
 }
 
 /// Random presses on which the fixed-point error is measured.
-const TRIALS: usize = 32;
+const TRIALS: usize = 1000;
 /// The threshold should be this many standard deviations above the noise.
 const NOISE_MARGIN: f64 = 3.0;
 /// Error of fixed point that is worth a warning.

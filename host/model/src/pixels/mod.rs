@@ -1,6 +1,7 @@
 //! Pixels: the coarse picture elements of an image, each a weighted set of mesh elements.
 
 mod grid;
+pub(crate) mod halving;
 mod patches;
 mod tables;
 

@@ -1,17 +1,16 @@
 //! Element patches: the pixels of any surface, connected sets of elements of about equal area.
 //!
-//! Elements are first halved along the longest extent of their centres, again and again. Then each
+//! Elements are first halved, see [`super::halving`]. Then each
 //! part becomes the region around its middle: every element goes to the middle that it is closest
 //! to, along the surface (Lloyd's method on the graph of neighbouring elements).
 
-use super::Pixels;
+use super::{Pixels, halving::Halves};
 use dermatome_geometry::mesh::{
     Mesh,
     neighbours::{Adjacency, neighbours_and_orientation},
     triangle,
 };
 use nalgebra::Point3;
-use std::cmp::Ordering;
 
 /// Rounds of Lloyd's method.
 const ROUNDS: usize = 2;
@@ -52,49 +51,11 @@ impl Surface {
 
     /// Patch of each element, by halving.
     fn bisect(&self, count: usize) -> Vec<usize> {
-        let mut elements: Vec<usize> = (0..self.centres.len()).collect();
-        let mut sizes = vec![0; count];
-        self.halve(&mut elements, &mut sizes);
-        let mut patch_of = vec![0; elements.len()];
-        let mut parts = elements.as_slice();
-        for (patch, size) in sizes.into_iter().enumerate() {
-            let (part, rest) = parts.split_at(size);
-            part.iter().for_each(|&element| patch_of[element] = patch);
-            parts = rest;
+        let mut patch_of = vec![0; self.centres.len()];
+        for (patch, elements) in Halves::new(&self.centres, count).parts().enumerate() {
+            elements.iter().for_each(|&element| patch_of[element] = patch);
         }
         patch_of
-    }
-
-    /// Sorts elements into as many parts as there are `sizes`, which it sets.
-    fn halve(&self, part: &mut [usize], sizes: &mut [usize]) {
-        let count = sizes.len();
-        if count < 2 {
-            sizes.fill(part.len());
-            return;
-        }
-        let left = count / 2;
-        let middle = (part.len() * left / count).clamp(left, part.len() - (count - left));
-        let axis = self.longest_axis(part);
-        part.select_nth_unstable_by(middle, |&a, &b| {
-            self.centres[a][axis].total_cmp(&self.centres[b][axis]).then(a.cmp(&b))
-        });
-        let ((part, right), (sizes, of_right)) = (part.split_at_mut(middle), sizes.split_at_mut(left));
-        rayon::join(|| self.halve(part, sizes), || self.halve(right, of_right));
-    }
-
-    /// The last one, where several are as long.
-    fn longest_axis(&self, part: &[usize]) -> usize {
-        let mut extents = [(f64::INFINITY, f64::NEG_INFINITY); 3];
-        for &element in part {
-            for ((low, high), &x) in extents.iter_mut().zip(&self.centres[element].coords) {
-                (*low, *high) = (low.min(x), high.max(x));
-            }
-        }
-        let longer = |a: &usize, b: &usize| -> Ordering {
-            let extent = |axis: usize| extents[axis].1 - extents[axis].0;
-            extent(*a).total_cmp(&extent(*b))
-        };
-        (0..3).max_by(longer).unwrap_or(0)
     }
 
     /// The element of each patch that is closest to its centre of gravity: `[patch]`.

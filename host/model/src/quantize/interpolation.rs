@@ -1,42 +1,41 @@
 //! Interpolation: which pixels a board computes from the data, and how the others follow from those.
 //!
 //! The rows of neighbouring pixels are nearly dependent on the data that occur. Pixels are halved again and again
-//! into patches of some fifty. In each, from the smallest to the halves, some pixels are picked until all others
+//! into tiles of some fifty. In each, from the smallest to the halves, some pixels are picked until all others
 //! follow from them (interpolative decomposition, Cheng et al., SIAM J. Sci. Comput. 26(4), 2005, by a pivoted
-//! Cholesky factorisation); those that were picked go on to the next larger patch. A board goes the other way.
+//! Cholesky factorisation); those that were picked go on to the next larger tile. A board goes the other way.
 
-use dermatome_shared::patch::matrix::{GROUP, INTERPOLATION_EXPONENT, MOST_OF_ROW};
+use crate::pixels::halving::Halves;
+use dermatome_shared::patch::matrix::{GROUP, HEADROOM_BITS, INTERPOLATION_EXPONENT, MOST_OF_ROW};
 use faer::{Mat, RowRef, Side};
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::Point3;
 use rand::{Rng, SeedableRng};
 
-/// Pixels of the smallest patches, about.
+/// Pixels of the smallest tiles, about.
 const SMALLEST: f64 = 50.0;
 /// Error at which picking begins to stop, of the peak; less where the images tried ask for it.
 const TOLERANCE: f64 = 1.5e-3;
 /// The largest errors of images of presses and of noise alone, of their peaks.
 const MOST: [f64; 2] = [1e-3, 3e-3];
-/// Beyond so many times the largest pixel from data a board cuts what it interpolates from.
-const CUT: f64 = 4.0;
 /// Images of noise that are tried.
 const NOISE_IMAGES: usize = 64;
-/// Where a patch of pixels keeps more of them than this, all are computed from the data.
+/// Where a tile keeps more of them than this, all are computed from the data.
 const WORTHWHILE: f64 = 0.9;
 
 /// How the pixels follow from data.
 #[derive(Clone, Debug)]
-pub struct Interpolated {
+pub(super) struct Interpolated {
     /// Which pixel is known at which position: `[position]`.
     pub order: Vec<usize>,
     /// Pixels from the data, the first ones.
     pub from_data: usize,
     /// How the next ones follow.
-    pub steps: Vec<Step>,
+    pub interpolations: Vec<Interpolation>,
 }
 
 /// Pixels that follow from known ones.
 #[derive(Clone, Debug)]
-pub struct Step {
+pub(super) struct Interpolation {
     /// Positions of what they follow from.
     pub inputs: Vec<usize>,
     /// `[output][input]`.
@@ -45,7 +44,7 @@ pub struct Step {
 
 /// The data that occur: what an interpolation must get right.
 #[derive(Clone, Debug)]
-pub struct Occurring {
+pub(super) struct Occurring {
     /// Difference data of presses: `[measurement][press]`.
     pub presses: Mat<f64>,
     /// Noise, in proportion: `[measurement]`.
@@ -55,20 +54,20 @@ pub struct Occurring {
 impl Interpolated {
     /// Every pixel from the data.
     #[must_use]
-    pub fn none(pixels: usize) -> Self {
-        Self { order: (0..pixels).collect(), from_data: pixels, steps: Vec::new() }
+    pub(super) fn none(pixels: usize) -> Self {
+        Self { order: (0..pixels).collect(), from_data: pixels, interpolations: Vec::new() }
     }
 
     /// Finds it for a matrix `[pixel][measurement]`: the presses' images are off by at most 0.1 % of their peaks,
     /// those of noise by 0.3 %.
     #[must_use]
-    pub fn new(matrix: &Mat<f64>, centres: &[Point3<f64>], data: &Occurring) -> Self {
+    pub(super) fn new(matrix: &Mat<f64>, centres: &[Point3<f64>], data: &Occurring) -> Self {
         let tried = Tried::new(matrix, data);
         let Some(rows) = weighed_rows(matrix, data) else { return Self::none(matrix.nrows()) };
-        let tree = halves(centres);
+        let tiles = tiles(centres);
         let mut tolerance = TOLERANCE;
         for _ in 0..12 {
-            let found = from_largest(pick(&rows, tree.clone(), tolerance), matrix.nrows());
+            let found = from_largest(pick(&rows, tiles.clone(), tolerance), matrix.nrows());
             if found.work(matrix.ncols()) >= matrix.nrows() * matrix.ncols() {
                 break;
             }
@@ -83,8 +82,8 @@ impl Interpolated {
     /// What it costs a board, in products: by the cycles of the emulated one an input takes as long as 3 products, and
     /// a step as 110 more.
     fn work(&self, measurements: usize) -> usize {
-        let of_step = |step: &Step| step.inputs.len() * (step.weights.nrows() + 3) + 110;
-        measurements * self.from_data + self.steps.iter().map(of_step).sum::<usize>()
+        let of_step = |step: &Interpolation| step.inputs.len() * (step.weights.nrows() + 3) + 110;
+        measurements * self.from_data + self.interpolations.iter().map(of_step).sum::<usize>()
     }
 
     /// Whether the weights of no pixel, rounded, add up to more than a board's sums hold.
@@ -95,7 +94,7 @@ impl Interpolated {
             let sizes = || row.iter().map(|weight| weight.abs() + step);
             sizes().sum::<f64>() < largest && sizes().all(|size| size < 32_767.0 * step)
         };
-        self.steps.iter().all(|step| step.weights.row_iter().all(fits))
+        self.interpolations.iter().all(|step| step.weights.row_iter().all(fits))
     }
 
     /// Values of all pixels from those of the pixels from data: `[pixel][image]`, of which the others are ignored.
@@ -106,9 +105,11 @@ impl Interpolated {
         }
         let largest =
             |image| (0..self.from_data).fold(0.0, |max: f64, i| max.max(f64::abs(known[(i, image)])));
-        let cut: Vec<f64> = (0..images.ncols()).map(|image| CUT * largest(image)).collect();
+        // As a board does.
+        let most = f64::from(1 << HEADROOM_BITS);
+        let cut: Vec<f64> = (0..images.ncols()).map(|image| most * largest(image)).collect();
         let mut next = self.from_data;
-        for step in &self.steps {
+        for step in &self.interpolations {
             let inputs = Mat::from_fn(step.inputs.len(), images.ncols(), |i, image| {
                 known[(step.inputs[i], image)].max(-cut[image]).min(cut[image])
             });
@@ -188,33 +189,15 @@ fn weighed_rows(matrix: &Mat<f64>, data: &Occurring) -> Option<Mat<f64>> {
     is_finite.then_some(rows)
 }
 
-/// Pixels halved by place until each patch has about [`SMALLEST`]; a power of two of patches.
-fn halves(centres: &[Point3<f64>]) -> Vec<Vec<usize>> {
-    let times = (centres.len() as f64 / SMALLEST).log2().round().max(0.0) as usize;
-    let mut patches = vec![(0..centres.len()).collect::<Vec<_>>()];
-    for _ in 0..times {
-        patches = patches.into_iter().flat_map(|patch| halved(patch, centres)).collect();
-    }
-    patches
-}
-
-/// Halved across its longest axis.
-fn halved(mut patch: Vec<usize>, centres: &[Point3<f64>]) -> [Vec<usize>; 2] {
-    let middle = patch.iter().map(|&pixel| centres[pixel].coords).sum::<Vector3<f64>>();
-    let middle = middle / patch.len().max(1) as f64;
-    let spread: Matrix3<f64> = patch
-        .iter()
-        .map(|&pixel| {
-            let away = centres[pixel].coords - middle;
-            away * away.transpose()
-        })
-        .sum();
-    let axes = spread.symmetric_eigen();
-    let axis = axes.eigenvectors.column(axes.eigenvalues.imax()).into_owned();
-    let along = |pixel: usize| (centres[pixel].coords - middle).dot(&axis);
-    patch.sort_by(|&a, &b| along(a).total_cmp(&along(b)).then(a.cmp(&b)));
-    let later = patch.split_off(patch.len() / 2);
-    [patch, later]
+/// Pixels halved by place until each tile has about [`SMALLEST`]; a power of two of tiles.
+fn tiles(centres: &[Point3<f64>]) -> Vec<Vec<usize>> {
+    let times = (centres.len() as f64 / SMALLEST).log2().round().max(0.0) as u32;
+    let sorted = |tile: &[usize]| {
+        let mut tile = tile.to_vec();
+        tile.sort_unstable();
+        tile
+    };
+    Halves::new(centres, 1 << times).parts().map(sorted).collect()
 }
 
 /// Pixels that follow from others.
@@ -224,34 +207,34 @@ struct Picked {
     weights: Mat<f64>,
 }
 
-/// Steps from the smallest patches to the halves, and the pixels that are left in the end.
-fn pick(rows: &Mat<f64>, mut patches: Vec<Vec<usize>>, tolerance: f64) -> (Vec<Picked>, Vec<usize>) {
+/// Interpolations from the smallest tiles to the halves, and the pixels that are left in the end.
+fn pick(rows: &Mat<f64>, mut tiles: Vec<Vec<usize>>, tolerance: f64) -> (Vec<Picked>, Vec<usize>) {
     let mut steps = Vec::new();
     loop {
-        let mut kept: Vec<Vec<usize>> = Vec::with_capacity(patches.len());
-        for patch in patches {
-            let step = pick_in(rows, &patch, tolerance);
-            kept.push(step.as_ref().map_or(patch, |step| step.inputs.clone()));
+        let mut kept: Vec<Vec<usize>> = Vec::with_capacity(tiles.len());
+        for tile in tiles {
+            let step = pick_in(rows, &tile, tolerance);
+            kept.push(step.as_ref().map_or(tile, |step| step.inputs.clone()));
             steps.extend(step);
         }
         // One step from the halves to the whole would spare nothing.
         if kept.len() <= 2 {
             return (steps, kept.concat());
         }
-        patches = kept.chunks(2).map(<[_]>::concat).collect();
+        tiles = kept.chunks(2).map(<[_]>::concat).collect();
     }
 }
 
-/// Picks pixels of a patch until the others follow from them within the tolerance; none if that spares nothing.
-fn pick_in(rows: &Mat<f64>, patch: &[usize], tolerance: f64) -> Option<Picked> {
-    let own = Mat::from_fn(patch.len(), rows.ncols(), |i, j| rows[(patch[i], j)]);
+/// Picks pixels of a tile until the others follow from them within the tolerance; none if that spares nothing.
+fn pick_in(rows: &Mat<f64>, tile: &[usize], tolerance: f64) -> Option<Picked> {
+    let own = Mat::from_fn(tile.len(), rows.ncols(), |i, j| rows[(tile[i], j)]);
     let (pivots, factor) = pivoted_cholesky(&(&own * own.transpose()), tolerance);
-    if pivots.len() as f64 > WORTHWHILE * patch.len() as f64 {
+    if pivots.len() as f64 > WORTHWHILE * tile.len() as f64 {
         return None;
     }
-    let mut is_pivot = vec![false; patch.len()];
+    let mut is_pivot = vec![false; tile.len()];
     pivots.iter().for_each(|&pivot| is_pivot[pivot] = true);
-    let others: Vec<usize> = (0..patch.len()).filter(|&i| !is_pivot[i]).collect();
+    let others: Vec<usize> = (0..tile.len()).filter(|&i| !is_pivot[i]).collect();
     let mut weights = Mat::from_fn(others.len(), pivots.len(), |i, j| factor[j][others[i]]);
     // weights * (the pivots' rows of the factor, a triangle) = the others' rows.
     for column in (0..pivots.len()).rev() {
@@ -261,7 +244,7 @@ fn pick_in(rows: &Mat<f64>, patch: &[usize], tolerance: f64) -> Option<Picked> {
             weights[(output, column)] = (weights[(output, column)] - known) / factor[column][pivots[column]];
         }
     }
-    let pixels = |of: &[usize]| of.iter().map(|&i| patch[i]).collect();
+    let pixels = |of: &[usize]| of.iter().map(|&i| tile[i]).collect();
     Some(Picked { inputs: pixels(&pivots), outputs: pixels(&others), weights })
 }
 
@@ -290,7 +273,7 @@ fn pivoted_cholesky(gram: &Mat<f64>, tolerance: f64) -> (Vec<usize>, Vec<Vec<f64
     (pivots, factor)
 }
 
-/// Turns the steps round: pixels from data first, then from the halves to the smallest patches.
+/// Turns the interpolations round: pixels from data first, then from the halves to the smallest tiles.
 fn from_largest((steps, from_data): (Vec<Picked>, Vec<usize>), pixels: usize) -> Interpolated {
     let mut order = from_data;
     let mut position = vec![usize::MAX; pixels];
@@ -303,9 +286,9 @@ fn from_largest((steps, from_data): (Vec<Picked>, Vec<usize>), pixels: usize) ->
             order.push(pixel);
         }
         let inputs = step.inputs.iter().map(|&pixel| position[pixel]).collect();
-        turned.push(Step { inputs, weights: step.weights });
+        turned.push(Interpolation { inputs, weights: step.weights });
     }
-    Interpolated { order, from_data, steps: turned }
+    Interpolated { order, from_data, interpolations: turned }
 }
 
 #[cfg(test)]
@@ -344,8 +327,9 @@ mod tests {
     fn presses_that_were_not_tried_are_kept_with_half_the_products() {
         let (matrix, centres, data) = smooth(28);
         let interpolated = Interpolated::new(&matrix, &centres, &data);
-        let of_step = |step: &Step| step.weights.nrows() * step.inputs.len();
-        let products = 80 * interpolated.from_data + interpolated.steps.iter().map(of_step).sum::<usize>();
+        let of_step = |step: &Interpolation| step.weights.nrows() * step.inputs.len();
+        let products =
+            80 * interpolated.from_data + interpolated.interpolations.iter().map(of_step).sum::<usize>();
         assert!(products < matrix.nrows() * 80 / 2, "{products}");
         let wide = Mat::from_fn(80, 27 * 27, |m, i| {
             let corner = i / 27 * 28 + i % 27;
@@ -362,7 +346,7 @@ mod tests {
     fn what_cannot_be_interpolated_comes_from_the_data() {
         let (matrix, centres, data) = smooth(3);
         let few = Interpolated::new(&matrix, &centres, &data);
-        assert_eq!((few.from_data, few.steps.len()), (9, 0));
+        assert_eq!((few.from_data, few.interpolations.len()), (9, 0));
         let (mut matrix, centres, data) = smooth(16);
         matrix[(3, 4)] = f64::NAN;
         assert_eq!(Interpolated::new(&matrix, &centres, &data).from_data, 256);

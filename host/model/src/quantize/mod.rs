@@ -1,6 +1,6 @@
 //! Quantize: the f64 reconstruction matrix -> fixed-point patch, with its error report.
 
-pub mod interpolation;
+mod interpolation;
 
 use crate::{model::Model, skin::Skin};
 use dermatome_geometry::{mesh::ElectrodeContact, sheet::ElectrodeModel};
@@ -27,7 +27,7 @@ use rand::{Rng, SeedableRng};
 use serde::Serialize;
 
 /// Rounds a matrix `[pixel][measurement]` as its pixels are interpolated, each row with the finest exponent that fits.
-pub fn fixed_point(matrix: &Mat<f64>, interpolated: &Interpolated) -> Result<FixedMatrix, PatchBuildError> {
+fn fixed_point(matrix: &Mat<f64>, interpolated: &Interpolated) -> Result<FixedMatrix, PatchBuildError> {
     let (mut exponents, mut mantissas) = (Vec::new(), Vec::new());
     for &pixel in &interpolated.order[..interpolated.from_data] {
         let row: Vec<f64> = matrix.row(pixel).iter().copied().collect();
@@ -39,7 +39,7 @@ pub fn fixed_point(matrix: &Mat<f64>, interpolated: &Interpolated) -> Result<Fix
         mantissas.extend(row.iter().map(|value| rounded(*value, exponent)));
     }
     let mut fixed = FixedMatrix::from_data(exponents, &mantissas);
-    for step in &interpolated.steps {
+    for step in &interpolated.interpolations {
         let inputs: Vec<u16> = step.inputs.iter().map(|&position| position as u16).collect();
         let weights = step.weights.row_iter().flat_map(|row| row.iter().copied().collect::<Vec<_>>());
         let mantissas: Vec<i16> =
@@ -64,8 +64,6 @@ fn finest_exponent(largest: f64) -> Option<i8> {
 
 /// Presses whose images a patch is sure to keep.
 const MOST_PRESSES: usize = 1024;
-/// Error of an image beyond which it has left the board's range, in per cent of its peak.
-const MOST_PERCENT: f64 = 1.0;
 
 /// Why a model does not make a patch.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -100,12 +98,13 @@ pub enum PatchBuildError {
     },
     /// Images leave the range of fixed point.
     #[error(
-        "images of simulated presses are off by {percent:.1} % of their peak in fixed point, more than rounding \
-         explains: they overflow; raise `inverse.hyperparameter`"
+        "images of simulated presses reach {peak:.0}, more than the {most:.0} that a board's images hold; raise \
+         `inverse.hyperparameter`",
+        most = f64::from(i32::MAX) / RelativeConductivity::ONE
     )]
     Overflow {
-        /// Error in per cent of the image's peak.
-        percent: f64,
+        /// Largest relative conductivity.
+        peak: f64,
     },
     /// The patch does not pass its own checks.
     #[error("the skin does not make a valid patch: {0}")]
@@ -224,7 +223,7 @@ pub struct FixedPointError {
 /// Tries the patch on the images of `trials` random presses: the difference data that one random
 /// pixel and some noise would give, from a fixed seed.
 ///
-/// An error beyond 1 % means that images leave the range of [`RelativeConductivity`].
+/// Images that leave the range of [`RelativeConductivity`] are an error.
 pub fn fixed_point_error(
     model: &Model,
     patch: &PatchView<'_>,
@@ -238,15 +237,12 @@ pub fn fixed_point_error(
         let strength = model.jacobian.col(pixel).iter().fold(0.0, |max: f64, j| max.max(j.abs()));
         let mut press = |m: usize| model.jacobian[(m, pixel)] + random.random_range(-0.01..0.01) * strength;
         let relative: Vec<f32> = (0..divisors.len()).map(|m| (press(m) / divisors[m]) as f32).collect();
-        measured_percent = measured_percent.max(error_of_image(model, patch, &relative));
-    }
-    if measured_percent > MOST_PERCENT {
-        return Err(PatchBuildError::Overflow { percent: measured_percent });
+        measured_percent = measured_percent.max(error_of_image(model, patch, &relative)?);
     }
     Ok(FixedPointError { measured_percent })
 }
 
-fn error_of_image(model: &Model, patch: &PatchView<'_>, relative: &[f32]) -> f64 {
+fn error_of_image(model: &Model, patch: &PatchView<'_>, relative: &[f32]) -> Result<f64, PatchBuildError> {
     let matrix = &model.conductivity_from_difference;
     let exact = matrix * Col::from_fn(relative.len(), |m| f64::from(relative[m]));
     let mut data = DifferenceData::default();
@@ -255,7 +251,10 @@ fn error_of_image(model: &Model, patch: &PatchView<'_>, relative: &[f32]) -> f64
     reconstruct(patch, &data, &mut image);
     let peak = exact.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
     let errors = image.iter().zip(exact.iter()).map(|(fixed, exact)| (fixed.to_f64() - exact).abs());
-    100.0 * errors.fold(0.0, f64::max) / peak
+    if peak * RelativeConductivity::ONE > f64::from(i32::MAX) {
+        return Err(PatchBuildError::Overflow { peak });
+    }
+    Ok(100.0 * errors.fold(0.0, f64::max) / peak)
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use crate::{
     limits::MAX_PIXELS,
     patch::{
         PatchView,
-        matrix::{GROUP, INTERPOLATION_EXPONENT, MAX_COLUMNS, Matrix, Rows},
+        matrix::{GROUP, HEADROOM_BITS, INTERPOLATION_EXPONENT, MAX_INPUTS, Matrix, Rows},
     },
     pipeline::reference::DifferenceData,
     units::RelativeConductivity,
@@ -26,12 +26,12 @@ use crate::{
 const LOW_BITS: i32 = 8;
 /// Bits of the largest pixel from the data, as the interpolations take it.
 const PEAK_BITS: i32 = 12;
-/// Bits of the pixels that interpolations take: where more than four times the largest from the data, they are cut.
-const INPUT_BITS: i32 = 15;
+/// Bits of the pixels that interpolations take, their sign included.
+const INPUT_BITS: i32 = PEAK_BITS + HEADROOM_BITS + 1;
 
 /// What rows are multiplied with, in whole words.
 #[repr(align(4))]
-struct Codes([i16; MAX_COLUMNS]);
+struct Codes([i16; MAX_INPUTS]);
 
 /// The pixels that are known: `[position]`, and room for the rest of the last group.
 struct Values([i32; MAX_PIXELS + GROUP]);
@@ -58,7 +58,7 @@ pub fn portable(patch: &PatchView<'_>, difference: &DifferenceData, image: &mut 
 fn apply(patch: &PatchView<'_>, difference: &DifferenceData, image: &mut Image, sums: Sums) {
     let matrix = patch.matrix();
     let mut values = Values([0; MAX_PIXELS + GROUP]);
-    let mut codes = Codes([0; MAX_COLUMNS]);
+    let mut codes = Codes([0; MAX_INPUTS]);
     codes.0.iter_mut().zip(&difference.codes).for_each(|(code, datum)| *code = *datum);
     let mut parts = matrix.rows();
     let mut exponent = difference.exponent - RelativeConductivity::FRACTION_BITS;
@@ -133,7 +133,7 @@ fn fours(bytes: &[u8]) -> impl Iterator<Item = [[u8; 2]; GROUP]> + '_ {
 
 /// Exact sums of mantissas times codes, four rows at a time, less their lowest bits. Those of validated patches fit.
 fn sums(codes: &Codes, rows: &Rows<'_>, values: &mut [i32], low_bits: i32) {
-    let codes = &codes.0[..rows.columns.min(MAX_COLUMNS)];
+    let codes = &codes.0[..rows.columns.min(MAX_INPUTS)];
     let groups = rows.mantissas.chunks_exact((2 * GROUP * rows.columns).max(1));
     for (mantissas, values) in groups.zip(values.chunks_exact_mut(GROUP)) {
         let mut sums = [0_i64; GROUP];

@@ -51,7 +51,7 @@ fn sum_of(code: i16, row: &[i16], low_bits: i32) -> i32 {
     let bytes: Vec<u8> = mantissas.iter().flat_map(|mantissa| mantissa.to_le_bytes()).collect();
     let mut values = [1; GROUP];
     let rows = Rows { count: GROUP, inputs: &[], columns: row.len(), mantissas: &bytes };
-    sums(&Codes([code; MAX_COLUMNS]), &rows, &mut values, low_bits);
+    sums(&Codes([code; MAX_INPUTS]), &rows, &mut values, low_bits);
     assert_eq!([values[0], values[1], values[3]], [0; 3]);
     values[2]
 }
