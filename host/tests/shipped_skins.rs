@@ -2,11 +2,13 @@
 //! presses, one contact near the finger when somebody does.
 
 use dermatome::{
+    model::Model,
+    quantize,
     sheet::ElectrodeModel,
     simulate::{Noise, Press, Rig, instrument::Instrument, rig::Observer},
     skin::Skin,
 };
-use dermatome_shared::{contact::Contact, frame::FrameFlags, health::Health};
+use dermatome_shared::{contact::Contact, frame::FrameFlags, health::Health, patch::PatchView};
 use std::path::Path;
 
 /// A shipped skin and the board that observes it.
@@ -62,6 +64,20 @@ fn tests_of_electrodes_read_the_contact_impedances_of_the_skin_file() {
 }
 
 const SKINS: [&str; 3] = ["disc-210mm", "square-50mm", "square-210mm"];
+
+#[test]
+fn fixed_point_costs_at_most_three_parts_in_a_thousand_of_the_peak() {
+    for name in SKINS.iter().chain(&["hemisphere-120mm", "hemisphere-210mm", "saline-215mm"]) {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name).join("skin.toml");
+        let skin = Skin::load(&path).unwrap().made().unwrap();
+        let model = Model::build(&skin, |_| ()).unwrap();
+        let patch = quantize::patch(&skin, &model).unwrap();
+        let view = PatchView::validate(&patch).unwrap();
+        let error = quantize::fixed_point_error(&model, &view, 3000).unwrap().measured_percent;
+        println!("{name}: {error:.3} %");
+        assert!(error <= 0.3, "{name}: {error} %");
+    }
+}
 
 #[test]
 fn an_untouched_skin_reports_no_contact() {

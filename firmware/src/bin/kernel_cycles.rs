@@ -64,7 +64,7 @@ fn difference(patch: &PatchView<'_>, sequence: u32) -> DifferenceData {
     let any = |measurement: u16| f32::from(mix(sequence << 16 | u32::from(measurement)) as i16) / 65_536.0;
     let relative: heapless::Vec<f32, MAX_MEASUREMENTS> = (0..patch.header.measurements).map(any).collect();
     let mut data = DifferenceData::default();
-    data.quantise(&relative);
+    data.quantise(&relative, patch.matrix().column_exponents());
     data
 }
 

@@ -209,7 +209,8 @@ mod patches {
             steps.push((known, inputs, mantissas(outputs * inputs, (65_535 / inputs).min(32_767) as i16)));
             known += outputs;
         }
-        let mut matrix = FixedMatrix::from_data(exponents, &rows);
+        let columns = (0..measurements).map(|_| random.random_range(-9..=9)).collect();
+        let mut matrix = FixedMatrix::from_data(columns, exponents, &rows);
         for (known, inputs, rows) in steps {
             let inputs: Vec<u16> = (0..inputs).map(|_| random.random_range(0..known as u16)).collect();
             matrix.interpolate(&inputs, &rows);

@@ -5,7 +5,8 @@ use dermatome_shared::patch::matrix::{GROUP, Interpolation, Matrix, MatrixTables
 /// The parts of [`MatrixTables`], owned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FixedMatrix {
-    exponents: Vec<i8>,
+    column_exponents: Vec<i8>,
+    row_exponents: Vec<i8>,
     positions: Vec<u16>,
     interpolations: Vec<Interpolation>,
     inputs: Vec<u16>,
@@ -16,14 +17,15 @@ impl FixedMatrix {
     /// Pixels from the data: `mantissas` `[position][measurement]`. As they stand, the positions are the pixels.
     ///
     /// # Panics
-    /// Panics if there are no rows, or not as many mantissas in each.
+    /// Panics if there is not a mantissa for each row and column.
     #[must_use]
-    pub fn from_data(exponents: Vec<i8>, mantissas: &[i16]) -> Self {
-        let positions = (0..exponents.len() as u16).collect();
-        assert!(mantissas.len().is_multiple_of(exponents.len()), "rows differ in length");
-        let columns = mantissas.len() / exponents.len();
+    pub fn from_data(column_exponents: Vec<i8>, row_exponents: Vec<i8>, mantissas: &[i16]) -> Self {
+        let positions = (0..row_exponents.len() as u16).collect();
+        let columns = column_exponents.len();
+        assert_eq!(mantissas.len(), row_exponents.len() * columns, "a mantissa for each row and column");
         let mut matrix = Self {
-            exponents,
+            column_exponents,
+            row_exponents,
             positions,
             interpolations: Vec::new(),
             inputs: Vec::new(),
@@ -65,7 +67,8 @@ impl FixedMatrix {
     pub fn read(matrix: &Matrix<'_>) -> Self {
         let mantissas = matrix.mantissas().chunks_exact(2);
         Self {
-            exponents: matrix.exponents().collect(),
+            column_exponents: matrix.column_exponents().collect(),
+            row_exponents: matrix.row_exponents().collect(),
             positions: words(matrix.positions()).collect(),
             interpolations: matrix.interpolations().collect(),
             inputs: words(matrix.inputs()).collect(),
@@ -77,7 +80,8 @@ impl FixedMatrix {
     #[must_use]
     pub fn tables(&self) -> MatrixTables<'_> {
         MatrixTables {
-            exponents: &self.exponents,
+            column_exponents: &self.column_exponents,
+            row_exponents: &self.row_exponents,
             positions: &self.positions,
             interpolations: &self.interpolations,
             inputs: &self.inputs,

@@ -73,7 +73,7 @@ pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32
     for pixel in 0..pixels {
         matrix[pixel * steps.len() + pixel] = 1 << 14;
     }
-    let matrix = FixedMatrix::from_data(vec![14; pixels], &matrix);
+    let matrix = FixedMatrix::from_data(vec![0; steps.len()], vec![14; pixels], &matrix);
     let header = PatchHeader { matrix: matrix.tables().layout(), ..header };
     let contents = PatchContents {
         play_operators: &[],

@@ -32,7 +32,8 @@ pub fn small_patch() -> Vec<u8> {
         mantissas[16 + coefficient_index(4, 0, column)] = mantissa;
     }
     let matrix = MatrixTables {
-        exponents: &[14, 3, -3],
+        column_exponents: &[2, -5],
+        row_exponents: &[14, 3, -3],
         positions: &[2, 0, 3, 1],
         interpolations: &[Interpolation { inputs: 4, outputs: 1 }],
         inputs: &[0, 2, 1, 0],

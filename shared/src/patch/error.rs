@@ -81,6 +81,12 @@ pub enum PatchError {
         /// Index of the measurement.
         measurement: usize,
     },
+    /// The exponent of a column of the matrix is out of range.
+    #[error("patch matrix has an exponent out of range at measurement {measurement}, allowed are -30 to 30")]
+    ColumnExponent {
+        /// Index of the measurement.
+        measurement: usize,
+    },
     /// A pixel's position is another's too, or does not exist.
     #[error("patch gives pixel {pixel} a position that another has or none can have")]
     Position {

@@ -12,6 +12,7 @@
 
 use super::PatchError;
 use crate::limits::{MAX_MEASUREMENTS, MAX_PIXELS};
+use core::ops::RangeInclusive;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
@@ -19,10 +20,12 @@ use serde::{Deserialize, Serialize};
 pub const GROUP: usize = 4;
 /// Most inputs of an interpolation.
 pub const MAX_INPUTS: usize = MAX_MEASUREMENTS;
-/// Largest sum of the sizes of an interpolation's mantissas: they meet pixels of 15 bits, `131,071 * 16,384 < 2^31`.
-pub const MOST_OF_ROW: u32 = 131_071;
+/// Largest sum of the sizes of an interpolation's mantissas: they meet pixels of 16 bits, `65,535 * 32,768 < 2^31`.
+pub const MOST_OF_ROW: u32 = 65_535;
 /// A coefficient of an interpolation is `mantissa * 2^-INTERPOLATION_EXPONENT`.
 pub const INTERPOLATION_EXPONENT: u32 = 12;
+/// What exponents of columns may be.
+pub const COLUMN_EXPONENTS: RangeInclusive<i8> = -30..=30;
 /// Pixels that interpolations take may pass the largest one from data by so many bits; beyond, they are cut.
 pub const HEADROOM_BITS: i32 = 2;
 
@@ -42,9 +45,10 @@ pub struct MatrixLayout {
 }
 
 impl MatrixLayout {
-    /// Bytes of exponents, positions, interpolations, inputs and mantissas.
-    pub(super) fn sizes(&self, pixels: u16) -> [usize; 5] {
+    /// Bytes of exponents of the columns and of the rows, positions, interpolations, inputs and mantissas.
+    pub(super) fn sizes(&self, measurements: u16, pixels: u16) -> [usize; 6] {
         [
+            measurements.into(),
             self.from_data.into(),
             2 * usize::from(pixels),
             INTERPOLATION_BYTES * usize::from(self.interpolations),
@@ -87,8 +91,10 @@ pub fn coefficient_index(columns: usize, row: usize, column: usize) -> usize {
 /// The parts of a matrix, for writing a patch.
 #[derive(Clone, Copy, Debug)]
 pub struct MatrixTables<'a> {
+    /// Exponents of the columns that meet data: `[measurement]`.
+    pub column_exponents: &'a [i8],
     /// Exponents of the rows that meet data: `[position]`.
-    pub exponents: &'a [i8],
+    pub row_exponents: &'a [i8],
     /// The position of each pixel: `[pixel]`.
     pub positions: &'a [u16],
     /// The interpolations.
@@ -104,7 +110,7 @@ impl MatrixTables<'_> {
     #[must_use]
     pub fn layout(&self) -> MatrixLayout {
         MatrixLayout {
-            from_data: self.exponents.len() as u16,
+            from_data: self.row_exponents.len() as u16,
             interpolations: self.interpolations.len() as u8,
             inputs: self.inputs.len() as u16,
             mantissas: self.mantissas.len() as u32,
@@ -113,7 +119,8 @@ impl MatrixTables<'_> {
 
     /// Puts all but the mantissas behind each other.
     pub(super) fn put(&self, mut put: impl FnMut(&[u8]) -> Option<()>) -> Option<()> {
-        self.exponents.iter().try_for_each(|exponent| put(&exponent.to_le_bytes()))?;
+        let exponents = self.column_exponents.iter().chain(self.row_exponents);
+        exponents.copied().try_for_each(|exponent| put(&exponent.to_le_bytes()))?;
         self.positions.iter().try_for_each(|position| put(&position.to_le_bytes()))?;
         self.interpolations.iter().try_for_each(|interpolation| put(&interpolation.to_bytes()))?;
         self.inputs.iter().try_for_each(|position| put(&position.to_le_bytes()))
@@ -123,8 +130,8 @@ impl MatrixTables<'_> {
 /// The matrix of a patch, read in place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Matrix<'a> {
-    columns: usize,
-    exponents: &'a [u8],
+    column_exponents: &'a [u8],
+    row_exponents: &'a [u8],
     positions: &'a [u8],
     interpolations: &'a [u8],
     inputs: &'a [u8],
@@ -145,16 +152,21 @@ pub struct Rows<'a> {
 }
 
 impl<'a> Matrix<'a> {
-    /// Of a patch with so many measurements: `tables` as [`MatrixLayout::sizes`] has them.
-    pub(super) fn new(measurements: u16, tables: [&'a [u8]; 5]) -> Self {
-        let [exponents, positions, interpolations, inputs, mantissas] = tables;
-        let columns = usize::from(measurements).next_multiple_of(GROUP);
-        Self { columns, exponents, positions, interpolations, inputs, mantissas }
+    /// Of these tables, as [`MatrixLayout::sizes`] has them.
+    pub(super) fn new(tables: [&'a [u8]; 6]) -> Self {
+        let [column_exponents, row_exponents, positions, interpolations, inputs, mantissas] = tables;
+        Self { column_exponents, row_exponents, positions, interpolations, inputs, mantissas }
+    }
+
+    /// Exponents of the columns that meet data, about how much larger than others a measurement's data are:
+    /// `[measurement]`.
+    pub fn column_exponents(&self) -> impl Iterator<Item = i8> + Clone + use<'a> {
+        signed(self.column_exponents)
     }
 
     /// Exponents of the rows that meet data: `[position]`.
-    pub fn exponents(&self) -> impl Iterator<Item = i8> + Clone + use<'a> {
-        self.exponents.iter().map(|&byte| i8::from_le_bytes([byte]))
+    pub fn row_exponents(&self) -> impl Iterator<Item = i8> + Clone + use<'a> {
+        signed(self.row_exponents)
     }
 
     /// The position of each pixel, little-endian u16: `[pixel]`.
@@ -186,7 +198,8 @@ impl<'a> Matrix<'a> {
     /// before the first that the tables do not hold.
     pub fn rows(&self) -> impl Iterator<Item = Rows<'a>> + use<'a> {
         let (mut inputs, mut mantissas) = (self.inputs, self.mantissas);
-        let from_data = (self.exponents.len(), 0, self.columns);
+        let columns = self.column_exponents.len().next_multiple_of(GROUP);
+        let from_data = (self.row_exponents.len(), 0, columns);
         let of = |interpolation: Interpolation| {
             let count = usize::from(interpolation.inputs);
             (usize::from(interpolation.outputs), count, count)
@@ -204,6 +217,11 @@ impl<'a> Matrix<'a> {
 
     /// Checks that every pixel is known once, from what is known before, and that no sum can overflow.
     pub(super) fn check(&self) -> Result<(), PatchError> {
+        if let Some(measurement) =
+            self.column_exponents().position(|exponent| !COLUMN_EXPONENTS.contains(&exponent))
+        {
+            return Err(PatchError::ColumnExponent { measurement });
+        }
         self.check_positions()?;
         let wrong = |interpolation| PatchError::Interpolation { interpolation };
         let (mut known, mut inputs, mut mantissas, mut parts) = (0, 0, 0, 0);
@@ -259,6 +277,10 @@ impl Rows<'_> {
             sums.iter().position(|&sum| sum > most).map(|row| group * GROUP + row)
         })
     }
+}
+
+fn signed<'a>(bytes: &'a [u8]) -> impl Iterator<Item = i8> + Clone + use<'a> {
+    bytes.iter().map(|&byte| i8::from_le_bytes([byte]))
 }
 
 fn words<'a>(bytes: &'a [u8]) -> impl ExactSizeIterator<Item = u16> + use<'a> {

@@ -12,7 +12,8 @@
 //! ..      12 * pixels         where the pixels lie, see [`crate::image::surface`]
 //! ..      2 * neighbours      lists of neighbouring pixels
 //! ..      4 * operators       play operators of the hysteresis model: threshold and weight, u16 each
-//! ..      from_data           exponents of the matrix' rows that meet data, i8
+//! ..      measurements        exponents of the matrix' columns that meet data, i8
+//! ..      from_data           exponents of its rows that meet data, i8
 //! ..      2 * pixels          position of each pixel, u16, see [`matrix`]
 //! ..      4 * interpolations  inputs and outputs of each interpolation, u16 each
 //! ..      2 * inputs          positions that the interpolations take, u16
@@ -20,7 +21,7 @@
 //! ..      4                   CRC-32 (ISO-HDLC) of all bytes before it
 //! ```
 //!
-//! A matrix entry is `mantissa * 2^-exponent`. Up to seven zeros behind the header let the mantissas start
+//! A matrix entry is `mantissa * 2^-(exponent of its row + exponent of its column)`. Up to seven zeros behind the header let the mantissas start
 //! at a multiple of eight, where a board reads them fastest; a reader needs none. [`PatchView`] reads a patch in
 //! place, from flash or from a file; [`PatchContents::write`] is its inverse.
 
@@ -51,7 +52,7 @@ use serde::{Deserialize, Serialize};
 /// First bytes of every patch.
 pub const MAGIC: [u8; 4] = *b"DSKP";
 /// Version of the layout above.
-pub const FORMAT_VERSION: u16 = 5;
+pub const FORMAT_VERSION: u16 = 6;
 /// Checksum of patches and packets.
 pub const CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
@@ -272,12 +273,13 @@ impl<'a> PatchView<'a> {
         let (pixels, tables) = tables.split_at(sizes[2]);
         let (neighbours, tables) = tables.split_at(sizes[3]);
         let (play_operators, tables) = tables.split_at(sizes[4]);
-        let (exponents, tables) = tables.split_at(sizes[5]);
-        let (positions, tables) = tables.split_at(sizes[6]);
-        let (interpolations, inputs) = tables.split_at(sizes[7]);
+        let (column_exponents, tables) = tables.split_at(sizes[5]);
+        let (row_exponents, tables) = tables.split_at(sizes[6]);
+        let (positions, tables) = tables.split_at(sizes[7]);
+        let (interpolations, inputs) = tables.split_at(sizes[8]);
         let mantissas = bytes.get(start..start + sizes[TABLES]).unwrap_or_default();
-        let tables = [exponents, positions, interpolations, inputs, mantissas];
-        let matrix = Matrix::new(header.measurements, tables);
+        let matrix =
+            Matrix::new([column_exponents, row_exponents, positions, interpolations, inputs, mantissas]);
         Ok(Self { header, bytes, steps, combination, pixels, neighbours, play_operators, matrix })
     }
 
@@ -389,20 +391,22 @@ fn lengths(bytes: &[u8]) -> Result<(usize, usize), PatchError> {
 }
 
 /// Tables before the matrix.
-const TABLES: usize = 9;
+const TABLES: usize = 10;
 
 /// Bytes of the tables, the mantissas last.
 fn table_sizes(header: &PatchHeader) -> [usize; TABLES + 1] {
     let [steps, pixels, neighbours] = [header.steps, header.pixels, header.neighbours].map(usize::from);
     let play_operators = PLAY_OPERATOR_BYTES * usize::from(header.play_operators);
-    let [exponents, positions, interpolations, inputs, mantissas] = header.matrix.sizes(header.pixels);
+    let [column_exponents, row_exponents, positions, interpolations, inputs, mantissas] =
+        header.matrix.sizes(header.measurements, header.pixels);
     [
         4 * steps,
         2 * steps,
         PIXEL_BYTES * pixels,
         NEIGHBOUR_BYTES * neighbours,
         play_operators,
-        exponents,
+        column_exponents,
+        row_exponents,
         positions,
         interpolations,
         inputs,

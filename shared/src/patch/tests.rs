@@ -13,7 +13,8 @@ use proptest::prelude::*;
 /// A matrix whose parts a test can look at.
 #[derive(Clone)]
 pub(crate) struct TestMatrix {
-    exponents: std::vec::Vec<i8>,
+    pub(crate) column_exponents: std::vec::Vec<i8>,
+    row_exponents: std::vec::Vec<i8>,
     pub(crate) positions: std::vec::Vec<u16>,
     interpolations: std::vec::Vec<Interpolation>,
     inputs: std::vec::Vec<u16>,
@@ -32,7 +33,8 @@ impl TestMatrix {
             }
         }
         Self {
-            exponents: std::vec![exponent; rows.len()],
+            column_exponents: std::vec![0; rows[0].len()],
+            row_exponents: std::vec![exponent; rows.len()],
             positions: (0..rows.len() as u16).collect(),
             interpolations: std::vec::Vec::new(),
             inputs: std::vec::Vec::new(),
@@ -55,7 +57,8 @@ impl TestMatrix {
             }
         }
         Self {
-            exponents: scales.iter().map(|scale| 12 + *scale as i8).collect(),
+            column_exponents: (0..40).map(|column| column % 7 - 3).collect(),
+            row_exponents: scales.iter().map(|scale| 12 + *scale as i8).collect(),
             positions: std::vec![8, 0, 3, 4, 1, 7, 2, 6, 5],
             interpolations: std::vec![
                 Interpolation { inputs: 4, outputs: 2 },
@@ -69,7 +72,8 @@ impl TestMatrix {
 
     pub(crate) fn tables(&self) -> MatrixTables<'_> {
         MatrixTables {
-            exponents: &self.exponents,
+            column_exponents: &self.column_exponents,
+            row_exponents: &self.row_exponents,
             positions: &self.positions,
             interpolations: &self.interpolations,
             inputs: &self.inputs,
@@ -82,11 +86,13 @@ impl TestMatrix {
         let entry = |start: usize, columns, row, column| {
             f64::from(self.mantissas[start + coefficient_index(columns, row, column)])
         };
-        for (row, exponent) in self.exponents.iter().enumerate() {
-            let products = data.iter().enumerate().map(|(m, value)| entry(0, self.columns, row, m) * value);
+        for (row, exponent) in self.row_exponents.iter().enumerate() {
+            let column = |m: usize| 2_f64.powi(-i32::from(self.column_exponents[m]));
+            let products =
+                data.iter().enumerate().map(|(m, value)| entry(0, self.columns, row, m) * column(m) * value);
             known.push(products.sum::<f64>() * 2_f64.powi(-i32::from(*exponent)));
         }
-        let mut start = self.exponents.len().next_multiple_of(GROUP) * self.columns;
+        let mut start = self.row_exponents.len().next_multiple_of(GROUP) * self.columns;
         let mut inputs = &self.inputs[..];
         for interpolation in &self.interpolations {
             let columns = usize::from(interpolation.inputs);
@@ -250,7 +256,7 @@ fn a_written_patch_reads_back() {
     );
     let rows = patch.matrix().rows().next().unwrap();
     let third = 2 * coefficient_index(rows.columns, 2, 2);
-    assert_eq!((rows.count, rows.columns, patch.matrix().exponents().nth(2)), (4, 40, Some(14)));
+    assert_eq!((rows.count, rows.columns, patch.matrix().row_exponents().nth(2)), (4, 40, Some(14)));
     assert_eq!(rows.mantissas[third..third + 2], (1_i16 << 14).to_le_bytes());
 }
 
@@ -290,10 +296,18 @@ fn a_matrix_that_does_not_make_each_pixel_once_from_known_ones_is_refused() {
 }
 
 #[test]
+fn an_exponent_of_a_column_out_of_range_is_refused() {
+    for exponent in [i8::MIN, -31, 31] {
+        let refused = refusal(|matrix| matrix.column_exponents[7] = exponent);
+        assert_eq!(refused, PatchError::ColumnExponent { measurement: 7 });
+    }
+}
+
+#[test]
 fn a_row_that_could_overflow_is_refused() {
     let interpolated = refusal(|matrix| {
         let start = matrix.mantissas.len() - 32;
-        (0..5).for_each(|i| matrix.mantissas[start + coefficient_index(8, 0, i)] = 32_767);
+        (0..3).for_each(|i| matrix.mantissas[start + coefficient_index(8, 0, i)] = 32_767);
     });
     assert_eq!(interpolated, PatchError::Row { row: 8 });
 }

@@ -139,7 +139,7 @@ impl PipelineState {
         self.flags.insert_if(FrameFlags::IMPLAUSIBLE, is_implausible(&relative));
         let drift_time = patch.header.drift_time;
         let follow = self.drift.correct(&mut relative, reference.weights(), frame.timestamp_us, drift_time);
-        self.difference.quantise(&relative);
+        self.difference.quantise(&relative, patch.matrix().column_exponents());
         follow
     }
 

@@ -174,10 +174,11 @@ impl Reference {
 /// The whole way of [`Reference::follow`].
 const FOLLOW_ONE: i64 = 1 << 24;
 
-/// Difference data in block floating point: `y[m] = codes[m] * 2^-exponent`.
+/// Difference data in block floating point: `y[m] = codes[m] * 2^(column exponent[m] - exponent)`.
 ///
-/// The exponent is chosen anew for each frame so that the largest code lies in 16,383 to 32,767;
-/// the rounding error is at most half a step, 2^-15 of the largest value.
+/// The columns' exponents are those of the patch's matrix, so that measurements that change much leave bits to those
+/// that change little. The other is chosen anew for each frame so that the largest code lies in 16,383 to 32,767; the
+/// rounding error is at most half a step.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DifferenceData {
     /// Mantissas: `[measurement]`.
@@ -187,25 +188,30 @@ pub struct DifferenceData {
 }
 
 impl DifferenceData {
-    /// Quantises relative changes, `[measurement]`; values that are not finite read zero.
-    pub fn quantise(&mut self, relative: &[f32]) {
-        let finite = |y: f32| if y.is_finite() { y } else { 0.0 };
+    /// Quantises relative changes, `[measurement]`, for a matrix with these exponents of its columns; values that are
+    /// not finite read zero.
+    pub fn quantise(&mut self, relative: &[f32], column_exponents: impl Iterator<Item = i8> + Clone) {
+        let columns = column_exponents.map(i32::from);
         // Sizes that are not negative are in the order of their bits; behind infinity lies what is not a number.
-        let size =
-            |y: f32| Some(y.abs().to_bits()).filter(|&bits| bits < f32::INFINITY.to_bits()).unwrap_or(0);
-        let largest = f32::from_bits(relative.iter().fold(0, |max, &y| max.max(size(y))));
+        let finite = |y: f32| y.abs().to_bits() < f32::INFINITY.to_bits();
+        let size = |(y, column): (&f32, i32)| {
+            let bits = if finite(*y) { y.abs().to_bits() as i32 } else { 0 };
+            bits.saturating_sub(column << 23)
+        };
+        let sizes = relative.iter().zip(columns.clone()).map(size);
+        let largest = f32::from_bits(sizes.fold(0, i32::max) as u32);
         let floor_log2 = (largest.to_bits() >> 23) as i32 - 127;
-        self.exponent = if largest == 0.0 { 0 } else { (14 - floor_log2).clamp(-60, 60) };
+        self.exponent = (14 - floor_log2).clamp(-60, 60);
         if largest * power_of_two(self.exponent) >= 32_767.5 {
             self.exponent -= 1;
         }
-        let scale = power_of_two(self.exponent);
-        resize(&mut self.codes, relative.len());
-        for (code, &y) in self.codes.iter_mut().zip(relative) {
-            let scaled = finite(y) * scale;
+        let code = |(y, column): (&f32, i32)| {
+            let scaled = if finite(*y) { y * power_of_two(self.exponent - column) } else { 0.0 };
             let rounded = (scaled + 0.5_f32.copysign(scaled)) as i32;
-            *code = rounded.clamp(-32_767, 32_767) as i16;
-        }
+            rounded.clamp(-32_767, 32_767) as i16
+        };
+        self.codes.clear();
+        self.codes.extend(relative.iter().zip(columns).take(MAX_MEASUREMENTS).map(code));
     }
 }
 
@@ -214,9 +220,9 @@ fn resize<T: Copy + Default>(list: &mut Vec<T, MAX_MEASUREMENTS>, length: usize)
     let _ = list.resize(length.min(MAX_MEASUREMENTS), T::default());
 }
 
-/// 2^exponent, exactly; -61 to 60.
+/// 2^exponent, exactly; -126 to 127.
 fn power_of_two(exponent: i32) -> f32 {
-    f32::from_bits(((127 + exponent) as u32) << 23)
+    f32::from_bits((((127 + exponent) & 0xFF) as u32) << 23)
 }
 
 /// As `value as f32`; most values fit the one instruction that a small chip has for it.
@@ -269,6 +275,7 @@ fn inverse_or_zero(value: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::patch::matrix::COLUMN_EXPONENTS;
     use proptest::prelude::*;
 
     proptest! {
@@ -279,12 +286,17 @@ mod tests {
         }
 
         #[test]
-        fn every_value_is_kept_to_half_a_step(values in prop::collection::vec(-1.0_f32..1.0, 1..50), scale in -40_i32..40) {
-            let relative: std::vec::Vec<f32> = values.iter().map(|v| v * power_of_two(scale)).collect();
+        fn every_value_is_kept_to_half_a_step(
+            values in prop::collection::vec((-1.0_f32..1.0, COLUMN_EXPONENTS), 1..50),
+            scale in -40_i32..40,
+        ) {
+            let columns = values.iter().map(|(_, column)| *column);
+            let of = |(v, column): &(f32, i8)| v * power_of_two(scale + i32::from(*column));
+            let relative: std::vec::Vec<f32> = values.iter().map(of).collect();
             let mut data = DifferenceData::default();
-            data.quantise(&relative);
-            let step = f64::from(-data.exponent).exp2();
-            for (code, y) in data.codes.iter().zip(&relative) {
+            data.quantise(&relative, columns.clone());
+            for ((code, y), column) in data.codes.iter().zip(&relative).zip(columns) {
+                let step = f64::from(i32::from(column) - data.exponent).exp2();
                 prop_assert!((f64::from(*code) * step - f64::from(*y)).abs() <= 0.5 * step);
             }
             let largest = data.codes.iter().map(|code| code.unsigned_abs()).max().unwrap();
@@ -310,14 +322,14 @@ mod tests {
     #[test]
     fn a_value_just_below_a_power_of_two_is_kept_to_half_a_step() {
         let mut data = DifferenceData::default();
-        data.quantise(&[0.999_999_94]);
+        data.quantise(&[0.999_999_94], [0].into_iter());
         assert_eq!((data.codes[0], data.exponent), (16_384, 14));
     }
 
     #[test]
     fn values_that_are_not_finite_read_zero() {
         let mut data = DifferenceData::default();
-        data.quantise(&[f32::NAN, f32::INFINITY, 0.5]);
+        data.quantise(&[f32::NAN, f32::INFINITY, 0.5], [0; 3].into_iter());
         assert_eq!(data.codes[..], [0, 0, 16_384]);
     }
 }

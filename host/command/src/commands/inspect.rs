@@ -37,7 +37,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let name = || format!("patch file `{}`", args.patch.display());
     let bytes = std::fs::read(&args.patch).with_context(|| format!("cannot read {}", name()))?;
     let patch = PatchView::validate(&bytes).with_context(name)?;
-    let exponents = || patch.matrix().exponents();
+    let exponents = || patch.matrix().row_exponents();
     let report = Report {
         format_version: FORMAT_VERSION,
         patch_bytes: bytes.len(),

@@ -127,7 +127,7 @@ pub fn board_contacts(patch: &PatchView<'_>, data: &[f64]) -> contact::Contacts 
 pub fn board_image(patch: &PatchView<'_>, data: &[f64]) -> Image {
     let relative: Vec<f32> = data.iter().map(|&value| value as f32).collect();
     let mut difference = DifferenceData::default();
-    difference.quantise(&relative);
+    difference.quantise(&relative, patch.matrix().column_exponents());
     let mut image = Image::new();
     reconstruct(patch, &difference, &mut image);
     image

@@ -7,16 +7,16 @@
 
 use crate::pixels::halving::Halves;
 use dermatome_shared::patch::matrix::{GROUP, HEADROOM_BITS, INTERPOLATION_EXPONENT, MOST_OF_ROW};
-use faer::{Mat, RowRef, Side};
+use faer::{ColRef, Mat, RowRef, Side};
 use nalgebra::Point3;
 use rand::{Rng, SeedableRng};
 
 /// Pixels of the smallest tiles, about.
 const SMALLEST: f64 = 50.0;
 /// Error at which picking begins to stop, of the peak; less where the images tried ask for it.
-const TOLERANCE: f64 = 1.5e-3;
+const TOLERANCE: f64 = 2.5e-3;
 /// The largest errors of images of presses and of noise alone, of their peaks.
-const MOST: [f64; 2] = [1e-3, 3e-3];
+const MOST: [f64; 2] = [1e-3, 2e-3];
 /// Images of noise that are tried.
 const NOISE_IMAGES: usize = 64;
 /// Where a tile keeps more of them than this, all are computed from the data.
@@ -59,22 +59,22 @@ impl Interpolated {
     }
 
     /// Finds it for a matrix `[pixel][measurement]`: the presses' images are off by at most 0.1 % of their peaks,
-    /// those of noise by 0.3 %.
+    /// those of noise by 0.2 %.
     #[must_use]
     pub(super) fn new(matrix: &Mat<f64>, centres: &[Point3<f64>], data: &Occurring) -> Self {
         let tried = Tried::new(matrix, data);
         let Some(rows) = weighed_rows(matrix, data) else { return Self::none(matrix.nrows()) };
         let tiles = tiles(centres);
         let mut tolerance = TOLERANCE;
-        for _ in 0..12 {
+        for _ in 0..24 {
             let found = from_largest(pick(&rows, tiles.clone(), tolerance), matrix.nrows());
             if found.work(matrix.ncols()) >= matrix.nrows() * matrix.ncols() {
                 break;
             }
-            if found.fits_a_board() && tried.is_kept_by(&found) {
+            if tried.is_kept_by(&found) {
                 return found;
             }
-            tolerance *= 0.7;
+            tolerance *= 0.85;
         }
         Self::none(matrix.nrows())
     }
@@ -84,17 +84,6 @@ impl Interpolated {
     fn work(&self, measurements: usize) -> usize {
         let of_step = |step: &Interpolation| step.inputs.len() * (step.weights.nrows() + 3) + 110;
         measurements * self.from_data + self.interpolations.iter().map(of_step).sum::<usize>()
-    }
-
-    /// Whether the weights of no pixel, rounded, add up to more than a board's sums hold.
-    fn fits_a_board(&self) -> bool {
-        let step = (-f64::from(INTERPOLATION_EXPONENT)).exp2();
-        let largest = f64::from(MOST_OF_ROW) * step;
-        let fits = |row: RowRef<'_, f64>| {
-            let sizes = || row.iter().map(|weight| weight.abs() + step);
-            sizes().sum::<f64>() < largest && sizes().all(|size| size < 32_767.0 * step)
-        };
-        self.interpolations.iter().all(|step| step.weights.row_iter().all(fits))
     }
 
     /// Values of all pixels from those of the pixels from data: `[pixel][image]`, of which the others are ignored.
@@ -136,15 +125,13 @@ impl Tried {
     fn new(matrix: &Mat<f64>, data: &Occurring) -> Self {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(2);
         let presses = data.presses.ncols();
+        let strength = |press: ColRef<'_, f64>| {
+            press.iter().zip(&data.noise).fold(0.0, |max: f64, (value, noise)| max.max((value / noise).abs()))
+        };
+        let strengths: Vec<f64> = data.presses.col_iter().map(strength).collect();
         let frames = Mat::from_fn(data.noise.len(), presses + NOISE_IMAGES, |m, image| {
-            let noise = random.random_range(-1.0..1.0);
-            if image < presses {
-                let largest =
-                    data.presses.col(image).iter().fold(0.0, |max: f64, value| max.max(value.abs()));
-                data.presses[(m, image)] + 0.01 * largest * noise
-            } else {
-                data.noise[m] * noise
-            }
+            let noise = data.noise[m] * random.random_range(-1.0..1.0);
+            if image < presses { data.presses[(m, image)] + 0.01 * strengths[image] * noise } else { noise }
         });
         Self { images: matrix * frames, presses }
     }
@@ -200,11 +187,13 @@ fn tiles(centres: &[Point3<f64>]) -> Vec<Vec<usize>> {
     Halves::new(centres, 1 << times).parts().map(sorted).collect()
 }
 
-/// Pixels that follow from others.
+/// Pixels of a tile that follow from others.
 struct Picked {
     inputs: Vec<usize>,
     outputs: Vec<usize>,
     weights: Mat<f64>,
+    /// Those that follow, but not by what a board holds.
+    others: Vec<usize>,
 }
 
 /// Interpolations from the smallest tiles to the halves, and the pixels that are left in the end.
@@ -214,7 +203,7 @@ fn pick(rows: &Mat<f64>, mut tiles: Vec<Vec<usize>>, tolerance: f64) -> (Vec<Pic
         let mut kept: Vec<Vec<usize>> = Vec::with_capacity(tiles.len());
         for tile in tiles {
             let step = pick_in(rows, &tile, tolerance);
-            kept.push(step.as_ref().map_or(tile, |step| step.inputs.clone()));
+            kept.push(step.as_ref().map_or(tile, |step| [&step.inputs[..], &step.others].concat()));
             steps.extend(step);
         }
         // One step from the halves to the whole would spare nothing.
@@ -229,23 +218,35 @@ fn pick(rows: &Mat<f64>, mut tiles: Vec<Vec<usize>>, tolerance: f64) -> (Vec<Pic
 fn pick_in(rows: &Mat<f64>, tile: &[usize], tolerance: f64) -> Option<Picked> {
     let own = Mat::from_fn(tile.len(), rows.ncols(), |i, j| rows[(tile[i], j)]);
     let (pivots, factor) = pivoted_cholesky(&(&own * own.transpose()), tolerance);
-    if pivots.len() as f64 > WORTHWHILE * tile.len() as f64 {
-        return None;
-    }
     let mut is_pivot = vec![false; tile.len()];
     pivots.iter().for_each(|&pivot| is_pivot[pivot] = true);
-    let others: Vec<usize> = (0..tile.len()).filter(|&i| !is_pivot[i]).collect();
-    let mut weights = Mat::from_fn(others.len(), pivots.len(), |i, j| factor[j][others[i]]);
+    let follow: Vec<usize> = (0..tile.len()).filter(|&i| !is_pivot[i]).collect();
+    let mut weights = Mat::from_fn(follow.len(), pivots.len(), |i, j| factor[j][follow[i]]);
     // weights * (the pivots' rows of the factor, a triangle) = the others' rows.
     for column in (0..pivots.len()).rev() {
-        for output in 0..others.len() {
+        for output in 0..follow.len() {
             let known = (column + 1..pivots.len()).map(|k| weights[(output, k)] * factor[column][pivots[k]]);
             let known: f64 = known.sum();
             weights[(output, column)] = (weights[(output, column)] - known) / factor[column][pivots[column]];
         }
     }
-    let pixels = |of: &[usize]| of.iter().map(|&i| tile[i]).collect();
-    Some(Picked { inputs: pixels(&pivots), outputs: pixels(&others), weights })
+    let (held, others): (Vec<usize>, Vec<usize>) =
+        (0..follow.len()).partition(|&row| fits_a_board(weights.row(row)));
+    let pixels = |of: &mut dyn Iterator<Item = usize>| of.map(|i| tile[i]).collect::<Vec<_>>();
+    let is_worthwhile = held.len() as f64 >= (1.0 - WORTHWHILE) * tile.len() as f64;
+    is_worthwhile.then(|| Picked {
+        weights: Mat::from_fn(held.len(), pivots.len(), |i, j| weights[(held[i], j)]),
+        inputs: pixels(&mut pivots.into_iter()),
+        outputs: pixels(&mut held.iter().map(|&row| follow[row])),
+        others: pixels(&mut others.iter().map(|&row| follow[row])),
+    })
+}
+
+/// Whether the weights of a pixel, rounded, add up to no more than a board's sums hold.
+fn fits_a_board(weights: RowRef<'_, f64>) -> bool {
+    let step = (-f64::from(INTERPOLATION_EXPONENT)).exp2();
+    let sizes = || weights.iter().map(|weight| weight.abs() + step);
+    sizes().sum::<f64>() < f64::from(MOST_OF_ROW) * step && sizes().all(|size| size < 32_767.0 * step)
 }
 
 /// Pivots in their order, a multiple of [`GROUP`] if there are enough, and the columns of the factor.

@@ -14,7 +14,7 @@ use dermatome_shared::{
     calibration::Calibration,
     patch::{
         PatchError, PatchHeader, PatchView,
-        matrix::{INTERPOLATION_EXPONENT, MatrixLayout},
+        matrix::{COLUMN_EXPONENTS, INTERPOLATION_EXPONENT, MatrixLayout},
     },
     reconstruct::reconstruct,
     reference::DifferenceData,
@@ -27,18 +27,23 @@ use rand::{Rng, SeedableRng};
 use serde::Serialize;
 
 /// Rounds a matrix `[pixel][measurement]` as its pixels are interpolated, each row with the finest exponent that fits.
-fn fixed_point(matrix: &Mat<f64>, interpolated: &Interpolated) -> Result<FixedMatrix, PatchBuildError> {
-    let (mut exponents, mut mantissas) = (Vec::new(), Vec::new());
+fn fixed_point(
+    matrix: &Mat<f64>,
+    column_exponents: Vec<i8>,
+    interpolated: &Interpolated,
+) -> Result<FixedMatrix, PatchBuildError> {
+    let (mut row_exponents, mut mantissas) = (Vec::new(), Vec::new());
     for &pixel in &interpolated.order[..interpolated.from_data] {
-        let row: Vec<f64> = matrix.row(pixel).iter().copied().collect();
+        let scaled = |(value, exponent): (&f64, &i8)| value * f64::from(*exponent).exp2();
+        let row: Vec<f64> = matrix.row(pixel).iter().zip(&column_exponents).map(scaled).collect();
         let largest = row.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
         let finite = row.iter().all(|value| value.is_finite());
         let exponent = finest_exponent(largest).filter(|_| finite);
         let exponent = exponent.ok_or(PatchBuildError::Matrix { largest })?;
-        exponents.push(exponent);
+        row_exponents.push(exponent);
         mantissas.extend(row.iter().map(|value| rounded(*value, exponent)));
     }
-    let mut fixed = FixedMatrix::from_data(exponents, &mantissas);
+    let mut fixed = FixedMatrix::from_data(column_exponents, row_exponents, &mantissas);
     for step in &interpolated.interpolations {
         let inputs: Vec<u16> = step.inputs.iter().map(|&position| position as u16).collect();
         let weights = step.weights.row_iter().flat_map(|row| row.iter().copied().collect::<Vec<_>>());
@@ -47,6 +52,24 @@ fn fixed_point(matrix: &Mat<f64>, interpolated: &Interpolated) -> Result<FixedMa
         fixed.interpolate(&inputs, &mantissas);
     }
     Ok(fixed.in_order(&interpolated.order))
+}
+
+/// By how many octaves each measurement's data are larger than others', and its column smaller: `[measurement]`.
+///
+/// Data have 16 bits, and so has a row. Where some voltages are small, as those far from the current's electrodes, their
+/// relative changes would take all bits of the others, as their small weights would have none. Half of what lies between
+/// them goes to each.
+fn column_exponents(model: &Model) -> Vec<i8> {
+    let changes =
+        model.jacobian.row_iter().zip(model.divisors()).map(|(row, divisor)| row.norm_l2() / divisor.abs());
+    let weights = model.conductivity_from_difference.col_iter().map(|column| column.norm_l2());
+    let octaves: Vec<f64> =
+        changes.zip(weights).map(|(change, weight)| 0.5 * (change / weight).log2()).collect();
+    let most = octaves.iter().copied().filter(|octave| octave.is_finite()).fold(f64::NEG_INFINITY, f64::max);
+    let least = f64::from(*COLUMN_EXPONENTS.start());
+    let exponent =
+        |octave: &f64| if octave.is_finite() { (octave - most).round().max(least) as i8 } else { 0 };
+    octaves.iter().map(exponent).collect()
 }
 
 fn rounded(value: f64, exponent: i8) -> i16 {
@@ -143,7 +166,7 @@ fn write(
         steps: model.steps.clone(),
         combination: model.combination.clone(),
         surface,
-        matrix: fixed_point(&model.conductivity_from_difference, interpolated)?,
+        matrix: fixed_point(&model.conductivity_from_difference, column_exponents(model), interpolated)?,
     };
     contents.write(stored).map_err(|error| match error {
         PatchError::Range { field: "length", value: bytes, .. } => PatchBuildError::TooLong { bytes },
@@ -246,7 +269,7 @@ fn error_of_image(model: &Model, patch: &PatchView<'_>, relative: &[f32]) -> Res
     let matrix = &model.conductivity_from_difference;
     let exact = matrix * Col::from_fn(relative.len(), |m| f64::from(relative[m]));
     let mut data = DifferenceData::default();
-    data.quantise(relative);
+    data.quantise(relative, patch.matrix().column_exponents());
     let mut image = dermatome_shared::image::Image::new();
     reconstruct(patch, &data, &mut image);
     let peak = exact.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
@@ -268,17 +291,19 @@ mod tests {
         fn every_entry_is_kept_to_half_a_step_of_its_row(
             values in prop::collection::vec(-1e3..1e3_f64, 12),
             scale in prop::array::uniform3(-20..20_i32),
+            columns in prop::array::uniform4(COLUMN_EXPONENTS),
         ) {
             let matrix = Mat::from_fn(3, 4, |i, j| values[4 * i + j] * f64::from(scale[i]).exp2());
-            let fixed = fixed_point(&matrix, &Interpolated::none(3)).unwrap();
+            let fixed = fixed_point(&matrix, columns.to_vec(), &Interpolated::none(3)).unwrap();
             let tables = fixed.tables();
             for i in 0..3 {
-                let step = (-f64::from(tables.exponents[i])).exp2();
-                let largest = matrix.row(i).iter().fold(0.0, |max: f64, v| max.max(v.abs()));
+                let step = (-f64::from(tables.row_exponents[i])).exp2();
+                let column = |j: usize| f64::from(columns[j]).exp2();
+                let largest = (0..4).fold(0.0, |max: f64, j| max.max((matrix[(i, j)] * column(j)).abs()));
                 prop_assert!(step <= largest / 16_383.0 || largest == 0.0);
                 for j in 0..4 {
                     let back = f64::from(tables.mantissas[coefficient_index(4, i, j)]) * step;
-                    prop_assert!((back - matrix[(i, j)]).abs() <= 0.5 * step);
+                    prop_assert!((back - matrix[(i, j)] * column(j)).abs() <= 0.5 * step);
                 }
             }
         }
@@ -288,14 +313,14 @@ mod tests {
     fn a_matrix_that_fixed_point_cannot_hold_is_refused() {
         for value in [f64::NAN, f64::INFINITY, 1e60, 1e-60] {
             let matrix = Mat::from_fn(1, 2, |_, j| if j == 0 { value } else { 0.0 });
-            let refused = fixed_point(&matrix, &Interpolated::none(1));
+            let refused = fixed_point(&matrix, vec![0; 2], &Interpolated::none(1));
             assert!(matches!(refused, Err(PatchBuildError::Matrix { .. })), "{value}");
         }
     }
 
     #[test]
     fn a_row_of_zeros_stays_zero() {
-        let fixed = fixed_point(&Mat::zeros(1, 3), &Interpolated::none(1)).unwrap();
+        let fixed = fixed_point(&Mat::zeros(1, 3), vec![0; 3], &Interpolated::none(1)).unwrap();
         assert!(fixed.tables().mantissas.iter().all(|&mantissa| mantissa == 0));
     }
 }

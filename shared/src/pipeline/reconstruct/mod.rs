@@ -1,8 +1,8 @@
 //! Reconstruction: fixed matrix times difference data, in integers.
 //!
 //! Some pixels come from the data, the others are interpolated from those ([`crate::patch::matrix`]). The sum of
-//! each row is exact. The pixels from the data are shifted, all by as much, until the largest has 12 bits beside the
-//! interpolations' fraction: they keep 32 bits, are interpolated as 15 bits, and are rounded once more to
+//! each row is exact. The pixels from the data are shifted, all by as much, until the largest has 13 bits beside the
+//! interpolations' fraction: they keep 32 bits, are interpolated as 16 bits, and are rounded once more to
 //! [`RelativeConductivity`] steps.
 //!
 //! With the feature `dsp`, a Cortex-M that has the DSP instructions sums the rows by the kernels in `kernel.rs`,
@@ -25,7 +25,7 @@ use crate::{
 /// Bits of a sum of data that its value leaves out: at most 256 products are below 2^38.
 const LOW_BITS: i32 = 8;
 /// Bits of the largest pixel from the data, as the interpolations take it.
-const PEAK_BITS: i32 = 12;
+const PEAK_BITS: i32 = 13;
 /// Bits of the pixels that interpolations take, their sign included.
 const INPUT_BITS: i32 = PEAK_BITS + HEADROOM_BITS + 1;
 
@@ -153,13 +153,13 @@ fn sums(codes: &Codes, rows: &Rows<'_>, values: &mut [i32], low_bits: i32) {
 /// Brings sums of rows that differ in their exponents to one: the values' exponent, beside that of the data.
 #[inline(always)]
 fn scale(matrix: &Matrix<'_>, values: &mut [i32]) -> i32 {
-    let least = matrix.exponents().min().map_or(0, i32::from);
+    let least = matrix.row_exponents().min().map_or(0, i32::from);
     let finer = |exponent: i8| (i32::from(exponent) - least).min(31);
-    let sizes = values.iter().zip(matrix.exponents());
+    let sizes = values.iter().zip(matrix.row_exponents());
     let bits = sizes.fold(0, |bits, (value, exponent)| bits | (value ^ (value >> 31)) >> finer(exponent));
     let largest_bits = 32 - bits.leading_zeros() as i32;
     let up = PEAK_BITS + INTERPOLATION_EXPONENT as i32 - largest_bits;
-    for (value, exponent) in values.iter_mut().zip(matrix.exponents()) {
+    for (value, exponent) in values.iter_mut().zip(matrix.row_exponents()) {
         let down = finer(exponent) - up;
         // To the left no bit is lost: the largest has room.
         *value = if down > 0 { ((*value >> (down - 1).min(31)) + 1) >> 1 } else { *value << -down };

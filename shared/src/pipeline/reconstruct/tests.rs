@@ -15,7 +15,7 @@ proptest! {
         prop_assert!((f64::from(shifted(value, places)) - bounded).abs() <= 0.5);
     }
 
-    /// Against the same rows in f64: what is rounded is the largest value's 12th bit, and half a step of the image.
+    /// Against the same rows in f64: what is rounded is the largest value's 13th bit, and half a step of the image.
     #[test]
     fn images_are_those_of_f64(
         seeds in prop::collection::vec(-1.0..1.0_f64, 400),
@@ -26,16 +26,18 @@ proptest! {
         let bytes = patch_with_matrix(Difference::Normalised, 3, &matrix);
         let patch = PatchView::validate(&bytes).unwrap();
         let mut difference = DifferenceData::default();
-        difference.quantise(&data);
+        difference.quantise(&data, patch.matrix().column_exponents());
         let (mut image, mut known) = (Image::new(), Vec::new());
         portable(&patch, &difference, &mut image);
-        let data: Vec<f64> =
-            difference.codes.iter().map(|&code| f64::from(code) * 2_f64.powi(-difference.exponent)).collect();
+        let value = |(code, column): (&i16, &i8)| {
+            f64::from(*code) * 2_f64.powi(i32::from(*column) - difference.exponent)
+        };
+        let data: Vec<f64> = difference.codes.iter().zip(&matrix.column_exponents).map(value).collect();
         matrix.apply(&data, &mut known);
         let peak = known[..6].iter().fold(0.0, |max: f64, value| max.max(value.abs()));
         for (pixel, position) in image.iter().zip(&matrix.positions) {
             let (found, value) = (pixel.to_f64(), known[usize::from(*position)]);
-            // Each input is rounded to a part in 2^12 of the peak, and its row's sizes add up to at most four.
+            // Each input is rounded to a part in 2^13 of the peak, and its row's sizes add up to at most four.
             let allowed = (4.5 * peak) / f64::from(1 << PEAK_BITS) + 1.0 / RelativeConductivity::ONE;
             prop_assert!((found - value).abs() <= allowed, "{found} {value} of {peak}");
         }
@@ -60,8 +62,7 @@ fn sum_of(code: i16, row: &[i16], low_bits: i32) -> i32 {
 fn the_largest_sums_fit() {
     let largest = 1 << (INPUT_BITS - 1);
     assert!(i64::from(MOST_OF_ROW) * largest < 1 << 31);
-    let row = [32_767, 32_767, 32_767, 32_767];
-    assert_eq!(sum_of(-(1 << 14), &row, 0), -4 * 32_767 * (1 << 14));
+    assert_eq!(sum_of(i16::MIN, &[32_767, 1, 0, 32_767], 0), -65_535 << 15);
     let of_data = |code: i16, mantissa: i16| (256 * i64::from(code) * i64::from(mantissa)) >> LOW_BITS;
     for (code, mantissa) in [(32_767, i16::MIN), (-32_767, i16::MIN), (32_767, 32_767)] {
         assert_eq!(i64::from(sum_of(code, &[mantissa; 256], LOW_BITS)), of_data(code, mantissa));
@@ -72,7 +73,7 @@ fn the_largest_sums_fit() {
 fn a_patch_that_was_not_validated_gives_some_image() {
     let bytes = patch_with_matrix(Difference::Normalised, 3, &TestMatrix::new(&[0.5; 400], &[0; 6]));
     let mut difference = DifferenceData::default();
-    difference.quantise(&[0.25; 40]);
+    difference.quantise(&[0.25; 40], [0; 40].into_iter());
     for place in 40..bytes.len() {
         let mut bytes = bytes.clone();
         bytes[place] ^= 0xFF;
