@@ -55,7 +55,8 @@ pub type SampleTimer = peripherals::TIM4;
 pub type WaveTimer = peripherals::TIM2;
 /// Timer of the slots.
 pub type SlotTimer = peripherals::TIM3;
-/// Where TIM2 and TIM3 find the trigger output of TIM4: from memory, look it up in RM0351 before you trust it.
+/// Where TIM2 and TIM3 find the trigger output of TIM4, as drivers of others have it for such chips (SimpleFOC); not
+/// looked up in RM0351.
 pub(in crate::board) const SAMPLE_TRIGGER: TriggerSource = TriggerSource::ITR3;
 /// DAC of the current source.
 pub type WaveDac = peripherals::DAC1;
