@@ -62,6 +62,8 @@ fn kernel(rig: &Rig) -> Result<String, Failure> {
     let missing = || Failure::wrong("the firmware has no function `reconstruct`");
     let function = firmware.symbol("11reconstruct11reconstruct").ok_or_else(missing)?;
     let mut link = rig.link()?;
+    let accelerates = board.with(|machine| machine.chip(|chip| chip.flash.accelerates()));
+    ensure(accelerates == [true; 3], || format!("prefetch and caches of the flash: {accelerates:?}"))?;
     let mut found = Vec::new();
     for skin in SKINS {
         let patch = patches::shipped(skin)?;
