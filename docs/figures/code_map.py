@@ -179,8 +179,8 @@ def one_skin():
         row[5] + 26,
         "model",
         "Fixed point",
-        "quantize::QuantizedMatrix::new",
-        "i16 mantissas, an exponent a row",
+        "quantize::interpolation, fixed_point",
+        "i16, with row and column exponents",
     )
     tables = Box(
         right, row[5] + 26, "patch", "Surface tables", "pixels::Pixels::surface_tables", "place, normal, neighbours [pixel]"
@@ -236,8 +236,8 @@ def one_skin():
             left,
             upload.y + 14,
             "Before it is written, quantize::",
-            "fixed_point_error tries 32 random presses",
-            "and compares with Model::image in f64.",
+            "fixed_point_error tries 1,000 random presses",
+            "and compares with the f64 matrix.",
         ),
     )
 

@@ -111,7 +111,10 @@ mod patches {
         calibration::Calibration,
         drive::Drive,
         image::{Geometry, PixelGrid},
-        patch::{CombinedInto, Difference, PatchContents, PatchHeader, PatchView, matrix::MatrixLayout},
+        patch::{
+            CombinedInto, Difference, PatchContents, PatchHeader, PatchView,
+            matrix::{MOST_OF_ROW, MatrixLayout},
+        },
         stimulation::{Driven, Step, pattern},
         units::RelativeConductivity,
     };
@@ -206,7 +209,11 @@ mod patches {
         let mut known = from_data;
         while known < pixels {
             let (outputs, inputs) = ((pixels - known).min(5 + known % 40), known.min(4 + known % 70));
-            steps.push((known, inputs, mantissas(outputs * inputs, (65_535 / inputs).min(32_767) as i16)));
+            steps.push((
+                known,
+                inputs,
+                mantissas(outputs * inputs, (MOST_OF_ROW as usize / inputs).min(32_767) as i16),
+            ));
             known += outputs;
         }
         let columns = (0..measurements).map(|_| random.random_range(-9..=9)).collect();

@@ -34,6 +34,11 @@ pub(super) const CASES: &[Case] = &[
         run: kernel,
     },
     Case {
+        name: "prefetch and caches of the flash are on",
+        needs: &[Capability::VirtualTime],
+        run: flash_accelerates,
+    },
+    Case {
         name: "`kernel_cycles` measures the patch that the board holds",
         needs: &[Capability::Log, Capability::Program],
         run: kernel_cycles,
@@ -62,8 +67,6 @@ fn kernel(rig: &Rig) -> Result<String, Failure> {
     let missing = || Failure::wrong("the firmware has no function `reconstruct`");
     let function = firmware.symbol("11reconstruct11reconstruct").ok_or_else(missing)?;
     let mut link = rig.link()?;
-    let accelerates = board.with(|machine| machine.chip(|chip| chip.flash.accelerates()));
-    ensure(accelerates == [true; 3], || format!("prefetch and caches of the flash: {accelerates:?}"))?;
     let mut found = Vec::new();
     for skin in SKINS {
         let patch = patches::shipped(skin)?;
@@ -89,6 +92,17 @@ fn kernel(rig: &Rig) -> Result<String, Failure> {
         found.iter().map(|found| found.0).fold(f64::INFINITY, f64::min),
         found.len()
     ))
+}
+
+/// Without them the firmware is but a little slower by the emulator's timing; how much on a chip is open.
+fn flash_accelerates(rig: &Rig) -> Result<String, Failure> {
+    rig.link()?;
+    let [prefetch, instructions, data] =
+        rig.emulated_rig().board.with(|machine| machine.chip(|chip| chip.flash.accelerates()));
+    ensure(prefetch && instructions && data, || {
+        format!("prefetch {prefetch}, cache of instructions {instructions}, of data {data}")
+    })?;
+    Ok(String::new())
 }
 
 fn kernel_cycles(rig: &Rig) -> Result<String, Failure> {

@@ -11,6 +11,7 @@ mod cpu;
 pub mod cycles;
 mod halt;
 mod snapshot;
+mod state;
 
 use crate::{
     chip::{
@@ -25,18 +26,14 @@ use crate::{
     world::{AnalogueWorld, Setup, WorldHandle},
 };
 use calls::Calls;
-use cycles::{Access, Counter, Timing};
+use cycles::Timing;
 pub use halt::Halt;
 use rand::{RngCore, SeedableRng};
 use rand_pcg::Pcg64;
 use snapshot::BeforeRead;
 pub use snapshot::SnapshotError;
-use std::{
-    cell::{Cell, RefCell},
-    ops::Range,
-    rc::Rc,
-    sync::Arc,
-};
+use state::{State, Why};
+use std::{ops::Range, rc::Rc, sync::Arc};
 use unicorn_engine::{HookType, RegisterARM, UcHookId, Unicorn, uc_error};
 
 /// Equal reads of one register, and no other, after which the CPU is taken to wait in a loop.
@@ -78,42 +75,6 @@ pub struct Machine {
     damage_watch: Option<UcHookId>,
     /// Where its start had come to before it read what other flashes may hold otherwise.
     before_read: Option<BeforeRead>,
-}
-
-/// What the hooks share with the machine.
-struct State {
-    chip: RefCell<Chip>,
-    now: Cell<Time>,
-    counter: RefCell<Counter>,
-    /// Time of a cycle of the core.
-    cycle: Cell<Time>,
-    /// An event is due then; zero where the core is to stop whatever happens.
-    stop_at: Cell<Time>,
-    /// The core is to stop then.
-    deadline: Cell<Time>,
-    /// Stop as soon as PRIMASK or BASEPRI are no longer these.
-    masks: Cell<Option<(u64, u64)>>,
-    /// Code in this range stands still until then.
-    stall: Cell<Option<(u32, u32, Time)>>,
-    /// SEV was executed, or an exception entered or left, since the last WFE.
-    event: Cell<bool>,
-    why: Cell<Why>,
-    misuse: RefCell<Option<Misuse>>,
-    last_poll: Cell<(u32, u32)>,
-    spins: Cell<u32>,
-    /// Instructions of the block that runs may depend on an IT.
-    is_conditional: Cell<bool>,
-    /// Where the last access went that nothing responds to.
-    bad_address: Cell<u32>,
-    calls: RefCell<Option<Calls>>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Why {
-    Nothing,
-    Due,
-    Interrupt(u32),
-    Misuse,
 }
 
 /// RAM as unicorn has it.
@@ -486,45 +447,6 @@ impl Machine {
 
     fn gave_up(&self, reason: String) -> Halt {
         Halt::Unicorn { time: self.now(), pc: self.get(RegisterARM::PC) as u32, reason }
-    }
-}
-
-impl State {
-    fn new(chip: Chip, timing: Timing) -> Self {
-        Self {
-            chip: RefCell::new(chip),
-            now: Cell::new(Time::ZERO),
-            counter: RefCell::new(Counter::new(timing)),
-            cycle: Cell::new(Time::ZERO),
-            stop_at: Cell::new(Time::ZERO),
-            deadline: Cell::new(Time::ZERO),
-            masks: Cell::new(None),
-            stall: Cell::new(None),
-            event: Cell::new(false),
-            why: Cell::new(Why::Nothing),
-            misuse: RefCell::new(None),
-            last_poll: Cell::new((0, 0)),
-            spins: Cell::new(0),
-            is_conditional: Cell::new(false),
-            bad_address: Cell::new(0),
-            calls: RefCell::new(None),
-        }
-    }
-
-    /// What the hooks must know of the chip.
-    fn follow(&self, chip: &mut Chip) {
-        self.cycle.set(chip.clocks().cycle());
-        self.stall.set(chip.flash.stalled_code());
-        self.spend(|counter| {
-            counter.set_up(Access::of(&chip.flash));
-            counter.give_way(chip.take_transfers())
-        });
-    }
-
-    /// Cycles pass.
-    fn spend(&self, cycles: impl FnOnce(&mut Counter) -> u64) {
-        let cycles = cycles(&mut self.counter.borrow_mut());
-        self.now.set(self.now.get() + self.cycle.get() * cycles);
     }
 }
 

@@ -158,8 +158,8 @@ impl<'a> Matrix<'a> {
         Self { column_exponents, row_exponents, positions, interpolations, inputs, mantissas }
     }
 
-    /// Exponents of the columns that meet data, about how much larger than others a measurement's data are:
-    /// `[measurement]`.
+    /// Exponents of the columns that meet data: a column is smaller than its mantissas say by so many octaves, and its
+    /// data are larger than their codes say: `[measurement]`.
     pub fn column_exponents(&self) -> impl Iterator<Item = i8> + Clone + use<'a> {
         signed(self.column_exponents)
     }

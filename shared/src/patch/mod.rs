@@ -21,9 +21,9 @@
 //! ..      4                   CRC-32 (ISO-HDLC) of all bytes before it
 //! ```
 //!
-//! A matrix entry is `mantissa * 2^-(exponent of its row + exponent of its column)`. Up to seven zeros behind the header let the mantissas start
-//! at a multiple of eight, where a board reads them fastest; a reader needs none. [`PatchView`] reads a patch in
-//! place, from flash or from a file; [`PatchContents::write`] is its inverse.
+//! A matrix entry is `mantissa * 2^-(exponent of its row + exponent of its column)`. Up to seven zeros behind the header
+//! let the mantissas start at a multiple of eight, where a board reads them fastest; a reader needs none. [`PatchView`]
+//! reads a patch in place, from flash or from a file; [`PatchContents::write`] is its inverse.
 
 mod error;
 pub mod matrix;

@@ -157,8 +157,6 @@ impl From<Blur> for Resolution {
     }
 }
 
-/// Random presses on which the fixed-point error is measured.
-const TRIALS: usize = 1000;
 /// The threshold should be this many standard deviations above the noise.
 const NOISE_MARGIN: f64 = 3.0;
 /// Error of fixed point that is worth a warning.
@@ -265,7 +263,7 @@ fn write_patch(
         None => quantize::patch(skin, model)?,
     };
     let view = PatchView::validate(&patch)?;
-    let fixed_point_error = quantize::fixed_point_error(model, &view, TRIALS)?;
+    let fixed_point_error = quantize::fixed_point_error(model, &view, quantize::TRIALS)?;
     model.stages.push(Stage { name: "quantize", time: quantizing.elapsed() });
     let writing = Instant::now();
     write_whole(&path, &patch)?;
@@ -348,8 +346,9 @@ fn print(report: &Report, stages: &[Stage]) {
         return;
     };
     say!(
-        "fixed point   error {:.3} % of the image's peak on {TRIALS} simulated presses",
-        patch.fixed_point_error.measured_percent
+        "fixed point   error {:.3} % of the image's peak on {} simulated presses",
+        patch.fixed_point_error.measured_percent,
+        quantize::TRIALS
     );
     let CalibrationReport { points, plays, preserved_from, .. } = &patch.calibration;
     if let Some(from) = preserved_from {

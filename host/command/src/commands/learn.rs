@@ -88,8 +88,6 @@ struct Report {
     warnings: Vec<String>,
 }
 
-/// Random presses on which the fixed-point error is measured.
-const TRIALS: usize = 32;
 /// A turn of the model's places that is worth a warning, degrees.
 const TURNED: f64 = 8.0;
 
@@ -114,7 +112,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let learnt = learn(&skin, &model, &presses, &request).with_context(in_both)?;
     let view = PatchView::validate(&learnt.patch)?;
     let fixed_point_error =
-        quantize::fixed_point_error(&learnt.model, &view, TRIALS).with_context(in_both)?;
+        quantize::fixed_point_error(&learnt.model, &view, quantize::TRIALS).with_context(in_both)?;
     let electrodes = skin.electrodes.count;
     let diagnosis =
         diagnose(&model.steps, electrodes, &model.voltages, &presses.mean_reference, arrangement)?;

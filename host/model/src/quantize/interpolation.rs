@@ -19,8 +19,8 @@ const TOLERANCE: f64 = 2.5e-3;
 const MOST: [f64; 2] = [1e-3, 2e-3];
 /// Images of noise that are tried.
 const NOISE_IMAGES: usize = 64;
-/// Where a tile keeps more of them than this, all are computed from the data.
-const WORTHWHILE: f64 = 0.9;
+/// Where fewer of a tile's pixels than this share would follow from the others, none does.
+const WORTHWHILE: f64 = 0.1;
 
 /// How the pixels follow from data.
 #[derive(Clone, Debug)]
@@ -139,12 +139,9 @@ impl Tried {
     fn is_kept_by(&self, interpolated: &Interpolated) -> bool {
         let found = interpolated.apply(&self.images);
         (0..self.images.ncols()).all(|image| {
-            let largest =
-                |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |max: f64, v| max.max(v.abs()));
             let exact = self.images.col(image);
-            let peak = largest(&mut exact.iter().copied());
-            let error = largest(&mut exact.iter().zip(found.col(image).iter()).map(|(a, b)| a - b));
-            error <= peak * MOST[usize::from(image >= self.presses)]
+            let error = (exact - found.col(image)).norm_max();
+            error <= exact.norm_max() * MOST[usize::from(image >= self.presses)]
         })
     }
 }
@@ -157,9 +154,8 @@ fn weighed_rows(matrix: &Mat<f64>, data: &Occurring) -> Option<Mat<f64>> {
     const NOISE: f64 = 0.5;
     let presses = data.presses.ncols();
     let images = matrix * &data.presses;
-    let peak = |image: usize| images.col(image).iter().fold(0.0, |max: f64, value| max.max(value.abs()));
-    let factors: Vec<f64> =
-        (0..presses).map(|image| (PRESSES_FOR_ONE_NEAR / presses as f64).sqrt() / peak(image)).collect();
+    let share = (PRESSES_FOR_ONE_NEAR / presses as f64).sqrt();
+    let factors: Vec<f64> = images.col_iter().map(|image| share / image.norm_max()).collect();
     let of_peak =
         Mat::from_fn(data.noise.len(), presses, |m, image| data.presses[(m, image)] * factors[image]);
     let noise_of = |row: usize| {
@@ -230,15 +226,15 @@ fn pick_in(rows: &Mat<f64>, tile: &[usize], tolerance: f64) -> Option<Picked> {
             weights[(output, column)] = (weights[(output, column)] - known) / factor[column][pivots[column]];
         }
     }
-    let (held, others): (Vec<usize>, Vec<usize>) =
-        (0..follow.len()).partition(|&row| fits_a_board(weights.row(row)));
-    let pixels = |of: &mut dyn Iterator<Item = usize>| of.map(|i| tile[i]).collect::<Vec<_>>();
-    let is_worthwhile = held.len() as f64 >= (1.0 - WORTHWHILE) * tile.len() as f64;
+    let rows = follow.into_iter().enumerate();
+    let (held, others): (Vec<_>, Vec<_>) = rows.partition(|&(row, _)| fits_a_board(weights.row(row)));
+    let pixels = |of: &[(usize, usize)]| of.iter().map(|&(_, i)| tile[i]).collect();
+    let is_worthwhile = held.len() as f64 >= WORTHWHILE * tile.len() as f64;
     is_worthwhile.then(|| Picked {
-        weights: Mat::from_fn(held.len(), pivots.len(), |i, j| weights[(held[i], j)]),
-        inputs: pixels(&mut pivots.into_iter()),
-        outputs: pixels(&mut held.iter().map(|&row| follow[row])),
-        others: pixels(&mut others.iter().map(|&row| follow[row])),
+        inputs: pivots.iter().map(|&i| tile[i]).collect(),
+        outputs: pixels(&held),
+        weights: Mat::from_fn(held.len(), pivots.len(), |i, j| weights[(held[i].0, j)]),
+        others: pixels(&others),
     })
 }
 
@@ -315,12 +311,8 @@ mod tests {
     /// The largest error of images, of their peaks.
     fn worst(interpolated: &Interpolated, images: &Mat<f64>) -> f64 {
         let found = interpolated.apply(images);
-        let of_image = |image: usize| {
-            let largest =
-                |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |max: f64, v| max.max(v.abs()));
-            let errors = &mut images.col(image).iter().zip(found.col(image).iter()).map(|(a, b)| a - b);
-            largest(errors) / largest(&mut images.col(image).iter().copied())
-        };
+        let of_image =
+            |image: usize| (images.col(image) - found.col(image)).norm_max() / images.col(image).norm_max();
         (0..images.ncols()).map(of_image).fold(0.0, f64::max)
     }
 

@@ -85,6 +85,8 @@ fn finest_exponent(largest: f64) -> Option<i8> {
     (-128.0..=127.0).contains(&exponent).then_some(exponent as i8)
 }
 
+/// Random presses on which commands try a patch's fixed point.
+pub const TRIALS: usize = 1000;
 /// Presses whose images a patch is sure to keep.
 const MOST_PRESSES: usize = 1024;
 
@@ -272,7 +274,7 @@ fn error_of_image(model: &Model, patch: &PatchView<'_>, relative: &[f32]) -> Res
     data.quantise(relative, patch.matrix().column_exponents());
     let mut image = dermatome_shared::image::Image::new();
     reconstruct(patch, &data, &mut image);
-    let peak = exact.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
+    let peak = exact.norm_max();
     let errors = image.iter().zip(exact.iter()).map(|(fixed, exact)| (fixed.to_f64() - exact).abs());
     if peak * RelativeConductivity::ONE > f64::from(i32::MAX) {
         return Err(PatchBuildError::Overflow { peak });
@@ -285,6 +287,7 @@ mod tests {
     use super::*;
     use dermatome_shared::patch::matrix::coefficient_index;
     use proptest::prelude::*;
+    use std::path::Path;
 
     proptest! {
         #[test]
@@ -316,6 +319,21 @@ mod tests {
             let refused = fixed_point(&matrix, vec![0; 2], &Interpolated::none(1));
             assert!(matches!(refused, Err(PatchBuildError::Matrix { .. })), "{value}");
         }
+    }
+
+    #[test]
+    fn images_beyond_what_a_board_holds_are_refused_by_their_peak() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/square-50mm/skin.toml");
+        let skin = Skin::load(&file).unwrap().made().unwrap();
+        let mut model = Model::build(&skin, |_| ()).unwrap();
+        let tried = |model: &Model| {
+            let bytes = patch(&skin, model).unwrap();
+            fixed_point_error(model, &PatchView::validate(&bytes).unwrap(), 8)
+        };
+        assert!(tried(&model).unwrap().measured_percent <= 0.3);
+        model.conductivity_from_difference = faer::Scale(1e6) * &model.conductivity_from_difference;
+        let Err(PatchBuildError::Overflow { peak }) = tried(&model) else { panic!("it fits") };
+        assert!(peak > 2048.0, "{peak}");
     }
 
     #[test]
