@@ -168,6 +168,7 @@ mod patches {
             test_resistances: Default::default(),
             play_operators: 0,
             matrix: MatrixLayout::default(),
+            detection: Default::default(),
         };
         let exponents = (0..from_data).map(|_| random.random_range(exponents.clone())).collect();
         let matrix = matrix(&mut random, pixels, measurements, exponents);
@@ -180,6 +181,7 @@ mod patches {
             pixels: &places,
             neighbours: &neighbours,
             matrix: matrix.tables(),
+            places: Default::default(),
         };
         let mut bytes = vec![0; MAX_PATCH_BYTES];
         let length = contents.write(&mut bytes).expect("a patch of this size fits");

@@ -55,6 +55,15 @@ pub struct LinkContact {
     pub pressure_kpa: Option<f32>,
     /// Force, N; none on a skin whose calibration does not tell it.
     pub force_n: Option<f32>,
+    /// By how many standard deviations it is above the noise, if the skin's contacts are found in the voltages.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub significance: Option<f32>,
+    /// Standard deviation of the position along the skin, m; likewise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position_deviation_m: Option<f32>,
+    /// Standard deviation of the strength; likewise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strength_deviation: Option<f32>,
 }
 
 /// A finger in the link's frame.
@@ -100,6 +109,9 @@ impl LinkContact {
             strength: contact.strength,
             pressure_kpa: contact.pressure.map(|pressure| pressure * 1e-3),
             force_n: contact.force(),
+            significance: contact.evidence.map(|evidence| evidence.significance),
+            position_deviation_m: contact.evidence.map(|evidence| evidence.position_deviation),
+            strength_deviation: contact.evidence.map(|evidence| evidence.strength_deviation),
         }
     }
 }
@@ -131,6 +143,7 @@ mod tests {
                 peak: 1.0,
                 pressure: Some(2e3),
                 load_area: None,
+                evidence: None,
             };
             let at = FrameStamp {
                 sequence,

@@ -6,6 +6,7 @@ pub mod layout;
 pub mod matrix;
 #[cfg(feature = "files")]
 pub mod output;
+pub mod places;
 pub mod pose;
 pub mod tables;
 pub mod write;

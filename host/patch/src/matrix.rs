@@ -91,15 +91,21 @@ impl FixedMatrix {
 
     /// Rows of `columns` mantissas, each in its place among zeros.
     fn append(&mut self, mantissas: &[i16], columns: usize) {
-        let rows = mantissas.chunks_exact(columns.max(1));
-        let (start, whole) = (self.mantissas.len(), columns.next_multiple_of(GROUP));
-        self.mantissas.resize(start + rows.len().next_multiple_of(GROUP) * whole, 0);
-        for (row, values) in rows.enumerate() {
-            for (column, value) in values.iter().enumerate() {
-                self.mantissas[start + coefficient_index(whole, row, column)] = *value;
-            }
+        self.mantissas.extend(in_groups(mantissas, columns));
+    }
+}
+
+/// Rows of `columns` mantissas in the order of [`coefficient_index`].
+pub(crate) fn in_groups(mantissas: &[i16], columns: usize) -> Vec<i16> {
+    let rows = mantissas.chunks_exact(columns.max(1));
+    let whole = columns.next_multiple_of(GROUP);
+    let mut grouped = vec![0; rows.len().next_multiple_of(GROUP) * whole];
+    for (row, values) in rows.enumerate() {
+        for (column, value) in values.iter().enumerate() {
+            grouped[coefficient_index(whole, row, column)] = *value;
         }
     }
+    grouped
 }
 
 fn words(bytes: &[u8]) -> impl Iterator<Item = u16> + '_ {

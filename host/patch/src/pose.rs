@@ -67,6 +67,7 @@ mod tests {
             peak: 1.0,
             pressure: Some(2e3),
             load_area: Some(1e-6),
+            evidence: None,
         };
         // A quarter turn about x takes y to z, and z to -y.
         let found = pose.contact(&contact);

@@ -1,10 +1,10 @@
 //! Write: the one place where a patch becomes bytes.
 
-use crate::{matrix::FixedMatrix, tables::SurfaceTables};
+use crate::{matrix::FixedMatrix, places::FixedPlaces, tables::SurfaceTables};
 use dermatome_shared::{
     calibration::Calibration,
     hysteresis::PlayOperator,
-    patch::{CombinedInto, PatchContents, PatchError, PatchHeader, PatchView},
+    patch::{CombinedInto, PatchContents, PatchError, PatchHeader, PatchView, places::DetectionLayout},
     stimulation::Step,
 };
 
@@ -55,6 +55,8 @@ pub struct Contents {
     pub surface: SurfaceTables,
     /// The reconstruction matrix.
     pub matrix: FixedMatrix,
+    /// Where presses are looked for.
+    pub places: FixedPlaces,
 }
 
 impl Contents {
@@ -68,6 +70,7 @@ impl Contents {
             combination,
             surface: SurfaceTables::read(patch),
             matrix: FixedMatrix::read(&patch.matrix()),
+            places: FixedPlaces::read(&patch.places()),
         }
     }
 
@@ -82,8 +85,10 @@ impl Contents {
             pixels: &self.surface.pixels,
             neighbours: &self.surface.neighbours,
             matrix: self.matrix.tables(),
+            places: self.places.tables(),
         };
-        let mut bytes = vec![0; TABLE_BYTES + 2 * contents.matrix.mantissas.len()];
+        let mantissas = contents.matrix.mantissas.len() + contents.places.mantissas.len();
+        let mut bytes = vec![0; TABLE_BYTES + 2 * mantissas];
         let length = contents.write(&mut bytes).expect("the buffer holds the tables");
         bytes.truncate(length);
         PatchView::validate(&bytes)?;
@@ -99,6 +104,10 @@ impl Contents {
             pixels: self.surface.pixels.len() as u16,
             matrix: self.matrix.tables().layout(),
             neighbours: self.surface.neighbours.len() as u16,
+            detection: DetectionLayout {
+                places: self.places.tables().places.len() as u16,
+                ..self.header.detection
+            },
             calibration: stored.curve.clone(),
             play_operators: stored.play_operators.len() as u8,
             ..self.header.clone()

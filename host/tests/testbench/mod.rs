@@ -68,6 +68,7 @@ pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32
         test_resistances: Default::default(),
         play_operators: 0,
         matrix: MatrixLayout::default(),
+        detection: Default::default(),
     };
     let mut matrix = vec![0; pixels * steps.len()];
     for pixel in 0..pixels {
@@ -83,6 +84,7 @@ pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32
         pixels: &places,
         neighbours: &neighbours,
         matrix: matrix.tables(),
+        places: Default::default(),
     };
     let mut out = vec![0; 192 * 1024];
     let length = contents.write(&mut out).unwrap();

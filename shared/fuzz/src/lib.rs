@@ -8,6 +8,7 @@ use dermatome_shared::{
     patch::{
         CRC32, CombinedInto, Difference, PatchContents, PatchHeader,
         matrix::{Interpolation, MatrixTables, coefficient_index},
+        places::{DetectionLayout, Place, PlacesTables},
     },
     stimulation::{Driven, Step, pattern},
     units::{AdcCode, RelativeConductivity},
@@ -56,7 +57,15 @@ pub fn small_patch() -> Vec<u8> {
         test_resistances: Default::default(),
         play_operators: 0,
         matrix: matrix.layout(),
+        detection: DetectionLayout { places: 4, level: 5.8, radius: 0.01 },
     };
+    let places: [Place; 4] =
+        std::array::from_fn(|n| Place { pixel: n as u16, neighbours: [0, 1, 2, 3, 0, 1] });
+    let mut responses = [0; 16];
+    for row in 0..4 {
+        responses[coefficient_index(4, row, 0)] = 9000 - 5000 * row as i16;
+        responses[coefficient_index(4, row, 1)] = 4000 * row as i16;
+    }
     let contents = PatchContents {
         play_operators: &[],
         header: &header,
@@ -65,6 +74,12 @@ pub fn small_patch() -> Vec<u8> {
         pixels: &pixels,
         neighbours: &neighbours,
         matrix,
+        places: PlacesTables {
+            places: &places,
+            column_exponents: &[0, -3],
+            row_exponents: &[14, 13, 15, 14],
+            mantissas: &responses,
+        },
     };
     let mut out = vec![0; 1024];
     let length = contents.write(&mut out).unwrap();

@@ -48,6 +48,19 @@ pub struct Contact {
     /// Area that the pressure acts on, m^2: that of the region of interest without what the image's blur adds,
     /// by the patch's calibration; none where it does not know the area of its indenter.
     pub load_area: Option<f32>,
+    /// How sure it is; none of a contact that was found in the image.
+    pub evidence: Option<Evidence>,
+}
+
+/// How sure a contact is, by the noise that the board measured.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+pub struct Evidence {
+    /// By how many standard deviations its strength is above zero.
+    pub significance: f32,
+    /// Standard deviation of its position along the skin, m.
+    pub position_deviation: f32,
+    /// Standard deviation of its strength.
+    pub strength_deviation: f32,
 }
 
 impl Contact {
@@ -64,6 +77,13 @@ impl Contact {
     #[must_use]
     pub fn force(&self) -> Option<f32> {
         Some(self.pressure? * self.load_area?)
+    }
+
+    /// Square of the distance within which a later contact is on the same place, m^2: the radius of a disc of its area, and
+    /// twice that of the standard press.
+    pub(crate) fn square_reach(&self) -> f32 {
+        let wider = if self.evidence.is_some() { 4.0 } else { 1.0 };
+        wider * self.area * core::f32::consts::FRAC_1_PI
     }
 
     /// Whether a weaker contact is only the ringing beside this one: it lies closer than the side of a square as

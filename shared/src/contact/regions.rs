@@ -259,6 +259,7 @@ impl Region {
             peak: self.peak.to_f32(),
             pressure: None,
             load_area: None,
+            evidence: None,
         }
     }
 }

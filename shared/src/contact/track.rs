@@ -136,6 +136,7 @@ mod tests {
             peak: 1.0,
             pressure: None,
             load_area: None,
+            evidence: None,
         }
     }
 

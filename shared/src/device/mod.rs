@@ -217,7 +217,7 @@ impl<S: PatchStore> Device<S> {
             self.health = health;
             frame.flags.insert(found);
         }
-        let outcome = pipeline::process(&patch, &mut self.pipeline, frame);
+        let outcome = pipeline::sense(&patch, &mut self.pipeline, frame);
         frame.flags.insert(self.pipeline.flags());
         Some(outcome)
     }
@@ -262,9 +262,9 @@ impl<S: PatchStore> Device<S> {
             emit(&BoardPacket::Event { number: self.take_number(), event: Event::Tared { frames } });
         }
         if wanted(streaming.contacts) && is_image {
+            let number = self.take_number();
             let contacts = self.pipeline.contacts().clone();
-            let event = Event::Contacts { at, contacts };
-            emit(&BoardPacket::Event { number: self.take_number(), event });
+            emit(&BoardPacket::Event { number, event: Event::Contacts { at, contacts } });
         }
         if wanted(streaming.health) {
             let (health, drift) = (self.whole_health(frame), self.pipeline.common_drift());
@@ -278,9 +278,19 @@ impl<S: PatchStore> Device<S> {
             emit(&BoardPacket::Event { number: self.take_number(), event });
         }
         if wanted(streaming.images) && is_image {
+            self.draw();
             let image = PackedImage::pack(self.pipeline.image());
             let event = Event::Image { at, image };
             emit(&BoardPacket::Event { number: self.take_number(), event });
+        }
+    }
+
+    /// Makes the latest frame's image, if its contacts did without.
+    #[inline(never)]
+    fn draw(&mut self) {
+        let is_drawn = self.header.as_ref().is_none_or(|header| header.detection.places == 0);
+        if !is_drawn && let Some(patch) = patch_in_use(&self.store, &self.header) {
+            pipeline::draw(&patch, &mut self.pipeline);
         }
     }
 

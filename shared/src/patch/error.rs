@@ -81,6 +81,12 @@ pub enum PatchError {
         /// Index of the measurement.
         measurement: usize,
     },
+    /// A place is no pixel, or has a neighbour that does not exist.
+    #[error("patch place {place} names a pixel or neighbour that does not exist")]
+    Place {
+        /// Index of the place.
+        place: usize,
+    },
     /// The exponent of a column of the matrix is out of range.
     #[error("patch matrix has an exponent out of range at measurement {measurement}, allowed are -30 to 30")]
     ColumnExponent {

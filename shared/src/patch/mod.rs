@@ -17,7 +17,11 @@
 //! ..      2 * pixels          position of each pixel, u16, see [`matrix`]
 //! ..      4 * interpolations  inputs and outputs of each interpolation, u16 each
 //! ..      2 * inputs          positions that the interpolations take, u16
+//! ..      8 * places          pixel, u16, and six neighbours, u8 each, see [`places`]
+//! ..      measurements        exponents of the columns of the responses, i8; none without places
+//! ..      places              exponents of their rows, i8
 //! ..      2 * mantissas       reconstruction matrix, i16, see [`matrix::coefficient_index`]
+//! ..      ..                  responses of a press at the places, i16, in the same order
 //! ..      4                   CRC-32 (ISO-HDLC) of all bytes before it
 //! ```
 //!
@@ -27,6 +31,7 @@
 
 mod error;
 pub mod matrix;
+pub mod places;
 mod play_operators;
 
 use crate::{
@@ -46,13 +51,14 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 pub use error::PatchError;
 use heapless::{String, Vec};
 use matrix::{Matrix, MatrixLayout, MatrixTables};
+use places::{DetectionLayout, MAX_PLACES, Places, PlacesTables};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 /// First bytes of every patch.
 pub const MAGIC: [u8; 4] = *b"DSKP";
 /// Version of the layout above.
-pub const FORMAT_VERSION: u16 = 6;
+pub const FORMAT_VERSION: u16 = 7;
 /// Checksum of patches and packets.
 pub const CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
@@ -109,6 +115,8 @@ pub struct PatchHeader {
     pub play_operators: u8,
     /// How large the parts of the matrix are.
     pub matrix: MatrixLayout,
+    /// How presses are looked for in the data.
+    pub detection: DetectionLayout,
 }
 
 /// Where one step's code goes: the measurement it adds to, or subtracts from.
@@ -146,6 +154,8 @@ pub struct PatchContents<'a> {
     pub neighbours: &'a [u16],
     /// The reconstruction matrix.
     pub matrix: MatrixTables<'a>,
+    /// Where presses are looked for.
+    pub places: PlacesTables<'a>,
     /// Play operators of the hysteresis model.
     pub play_operators: &'a [PlayOperator],
 }
@@ -170,7 +180,9 @@ impl PatchContents<'_> {
         self.neighbours.iter().try_for_each(|pixel| put(&pixel.to_le_bytes()))?;
         self.play_operators.iter().try_for_each(|operator| put(&operator.to_bytes()))?;
         self.matrix.put(&mut put)?;
-        self.matrix.mantissas.iter().try_for_each(|mantissa| put(&mantissa.to_le_bytes()))?;
+        self.places.put(&mut put)?;
+        let mut mantissas = self.matrix.mantissas.iter().chain(self.places.mantissas);
+        mantissas.try_for_each(|mantissa| put(&mantissa.to_le_bytes()))?;
         let total = end + CRC_BYTES;
         out.get_mut(..4)?.copy_from_slice(&MAGIC);
         out.get_mut(4..6)?.copy_from_slice(&FORMAT_VERSION.to_le_bytes());
@@ -207,6 +219,7 @@ pub struct PatchView<'a> {
     pixels: &'a [u8],
     neighbours: &'a [u8],
     matrix: Matrix<'a>,
+    places: Places<'a>,
     play_operators: &'a [u8],
 }
 
@@ -221,6 +234,7 @@ impl<'a> PatchView<'a> {
         view.check_counts()?;
         view.check_tables()?;
         view.matrix.check()?;
+        view.places.check(&view.header.detection, view.header.pixels)?;
         view.check_play_operators()?;
         Ok(view)
     }
@@ -261,7 +275,7 @@ impl<'a> PatchView<'a> {
     ) -> Result<Self, PatchError> {
         let sizes = table_sizes(&header);
         let start = PREFIX_BYTES + header_bytes + sizes[..TABLES].iter().sum::<usize>();
-        let expected = start + sizes[TABLES] + CRC_BYTES;
+        let expected = start + sizes[TABLES] + sizes[TABLES + 1] + CRC_BYTES;
         if expected != total {
             return Err(PatchError::Length { expected, found: total });
         }
@@ -276,11 +290,17 @@ impl<'a> PatchView<'a> {
         let (column_exponents, tables) = tables.split_at(sizes[5]);
         let (row_exponents, tables) = tables.split_at(sizes[6]);
         let (positions, tables) = tables.split_at(sizes[7]);
-        let (interpolations, inputs) = tables.split_at(sizes[8]);
-        let mantissas = bytes.get(start..start + sizes[TABLES]).unwrap_or_default();
+        let (interpolations, tables) = tables.split_at(sizes[8]);
+        let (inputs, tables) = tables.split_at(sizes[9]);
+        let (places, tables) = tables.split_at(sizes[10]);
+        let (response_columns, response_rows) = tables.split_at(sizes[11]);
+        let end = start + sizes[TABLES];
+        let mantissas = bytes.get(start..end).unwrap_or_default();
+        let responses = bytes.get(end..end + sizes[TABLES + 1]).unwrap_or_default();
         let matrix =
             Matrix::new([column_exponents, row_exponents, positions, interpolations, inputs, mantissas]);
-        Ok(Self { header, bytes, steps, combination, pixels, neighbours, play_operators, matrix })
+        let places = Places::new([places, response_columns, response_rows, responses]);
+        Ok(Self { header, bytes, steps, combination, pixels, neighbours, play_operators, matrix, places })
     }
 
     /// All bytes of the patch.
@@ -318,6 +338,12 @@ impl<'a> PatchView<'a> {
         self.matrix
     }
 
+    /// Where presses are looked for; none if contacts are found in the image.
+    #[must_use]
+    pub fn places(&self) -> Places<'a> {
+        self.places
+    }
+
     fn check_counts(&self) -> Result<(), PatchError> {
         let header = &self.header;
         let range = |field, value: usize, min, max| {
@@ -333,6 +359,7 @@ impl<'a> PatchView<'a> {
         range("measurements", header.measurements.into(), 1, MAX_MEASUREMENTS)?;
         range("pixels", header.pixels.into(), 1, MAX_PIXELS)?;
         range("neighbours", header.neighbours.into(), 0, MAX_NEIGHBOURS)?;
+        range("detection.places", header.detection.places.into(), 0, MAX_PLACES)?;
         range("matrix.from_data", header.matrix.from_data.into(), 1, header.pixels.into())?;
         let positive = |field, value: f32| {
             if value.is_finite() && value > 0.0 { Ok(()) } else { Err(PatchError::NotPositive { field }) }
@@ -391,14 +418,15 @@ fn lengths(bytes: &[u8]) -> Result<(usize, usize), PatchError> {
 }
 
 /// Tables before the matrix.
-const TABLES: usize = 10;
+const TABLES: usize = 13;
 
-/// Bytes of the tables, the mantissas last.
-fn table_sizes(header: &PatchHeader) -> [usize; TABLES + 1] {
+/// Bytes of the tables, the mantissas of matrix and responses last.
+fn table_sizes(header: &PatchHeader) -> [usize; TABLES + 2] {
     let [steps, pixels, neighbours] = [header.steps, header.pixels, header.neighbours].map(usize::from);
     let play_operators = PLAY_OPERATOR_BYTES * usize::from(header.play_operators);
     let [column_exponents, row_exponents, positions, interpolations, inputs, mantissas] =
         header.matrix.sizes(header.measurements, header.pixels);
+    let [places, response_columns, response_rows, responses] = header.detection.sizes(header.measurements);
     [
         4 * steps,
         2 * steps,
@@ -410,7 +438,11 @@ fn table_sizes(header: &PatchHeader) -> [usize; TABLES + 1] {
         positions,
         interpolations,
         inputs,
+        places,
+        response_columns,
+        response_rows,
         mantissas,
+        responses,
     ]
 }
 

@@ -154,6 +154,7 @@ fn bytes_of(
         pixels: &pixels,
         neighbours: &neighbours,
         matrix: matrix.tables(),
+        places: Default::default(),
     };
     let mut out = std::vec![0; 16_384];
     let length = contents.write(&mut out).unwrap();
@@ -228,6 +229,7 @@ pub(crate) fn patch_with_matrix(
         test_resistances: Default::default(),
         play_operators: 0,
         matrix: MatrixLayout::default(),
+        detection: Default::default(),
     };
     bytes_of(header, &steps, &combination, &[], across, matrix)
 }

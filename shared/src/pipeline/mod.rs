@@ -2,7 +2,9 @@
 //!
 //! The fixed configuration is the patch; [`PipelineState`] is all that changes.
 
+pub mod detect;
 pub mod drift;
+pub mod noise;
 pub mod reconstruct;
 pub mod reference;
 
@@ -18,6 +20,7 @@ use crate::{
     patch::PatchView,
     units::RelativeConductivity,
 };
+use detect::Detector;
 use drift::{Drift, Follow};
 use reconstruct::reconstruct;
 use reference::{Changes, DEFAULT_TARE_FRAMES, DifferenceData, Measured, Reference, Tare};
@@ -43,6 +46,7 @@ pub struct PipelineState {
     image: Image,
     contacts: Contacts,
     places: Places,
+    detector: Detector,
 }
 
 /// What became of a frame.
@@ -54,20 +58,34 @@ pub enum Outcome {
     Taring,
     /// The frame completed the reference.
     Tared,
-    /// A new image and its contacts are there.
+    /// New contacts are there, and data for an image.
     Image,
 }
 
-/// Takes one frame through all steps, from reference to calibration.
+/// Takes one frame through all steps, from reference to calibration and image.
+pub fn process(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) -> Outcome {
+    let outcome = sense(patch, state, frame);
+    if outcome == Outcome::Image {
+        draw(patch, state);
+    }
+    outcome
+}
+
+/// Takes one frame from reference to calibrated contacts, which need no image where the patch has places to look for
+/// them.
 ///
 /// Without a reference, a tare of [`DEFAULT_TARE_FRAMES`] steady frames begins by itself.
-pub fn process(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) -> Outcome {
+pub fn sense(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) -> Outcome {
     if frame.codes.len() != usize::from(patch.header.steps) {
         return Outcome::WrongLength;
     }
     state.flags = FrameFlags::default();
     let mut measured = Measured::new();
     reference::combine(patch, frame, &mut measured);
+    let finds_in_data = patch.places().count() > 0;
+    if finds_in_data {
+        state.detector.see(&measured);
+    }
     if let Some(outcome) = state.average(patch, frame, &measured) {
         return outcome;
     }
@@ -75,12 +93,24 @@ pub fn process(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) 
     reference.subtract(&mut measured);
     let differences = &measured;
     let follow = state.compare(patch, frame, differences);
-    reconstruct(patch, &state.difference, &mut state.image);
-    state.contacts = contact::find(&patch.surface(), &state.image, patch.header.contact_threshold);
+    if finds_in_data {
+        state.contacts = state.detector.contacts(patch);
+    } else {
+        reconstruct(patch, &state.difference, &mut state.image);
+        state.contacts = contact::find(&patch.surface(), &state.image, patch.header.contact_threshold);
+    }
     let strengths = state.without_hysteresis(patch);
     patch.header.calibration.apply(&mut state.contacts, &strengths);
     state.follow(patch, frame, differences, follow);
     Outcome::Image
+}
+
+/// Makes the image of the latest frame that [`sense`] took, unless the contacts came from it.
+#[inline(never)]
+pub fn draw(patch: &PatchView<'_>, state: &mut PipelineState) {
+    if patch.places().count() > 0 {
+        reconstruct(patch, &state.difference, &mut state.image);
+    }
 }
 
 impl PipelineState {
@@ -118,7 +148,9 @@ impl PipelineState {
             }
             return Some(Outcome::Taring);
         }
+        self.detector.count();
         let Some(reference) = tare.add(patch, measured) else { return Some(Outcome::Taring) };
+        self.detector.begin(patch, &reference);
         (self.tare, self.reference, self.drift) = (None, Some(reference), Drift::default());
         self.places = Places::default();
         Some(Outcome::Tared)
@@ -140,13 +172,16 @@ impl PipelineState {
         let drift_time = patch.header.drift_time;
         let follow = self.drift.correct(&mut relative, reference.weights(), frame.timestamp_us, drift_time);
         self.difference.quantise(&relative, patch.matrix().column_exponents());
+        self.detector.detect(patch, &relative);
         follow
     }
 
     /// Strengths of the contacts without hysteresis: `[contact]`.
     fn without_hysteresis(&mut self, patch: &PatchView<'_>) -> Strengths {
         let threshold = patch.header.contact_threshold;
-        let level = || contact::region_level(&self.image, threshold).map_or(threshold, RelativeConductivity);
+        let quarter =
+            |contact: &contact::Contact| RelativeConductivity::from_f64(f64::from(contact.peak) / 4.0);
+        let level = || self.contacts.first().map_or(threshold, quarter);
         let noise = RelativeConductivity(threshold.0 / 2);
         self.places.compensate(&patch.play_operators(), &self.contacts, noise, level)
     }
@@ -155,6 +190,12 @@ impl PipelineState {
     fn follow(&mut self, patch: &PatchView<'_>, frame: &Frame, differences: &[i64], follow: Follow) {
         if !self.contacts.is_empty() {
             return self.drift.touch(frame.timestamp_us);
+        }
+        if patch.places().count() > 0
+            && let Some(reference) = &self.reference
+        {
+            self.detector.count();
+            self.detector.refresh(patch, reference);
         }
         let is_doubtful = frame.flags.intersects(DOUBTFUL) || self.flags.intersects(DOUBTFUL);
         if let (Follow::Part(part), Some(reference), false) = (follow, &mut self.reference, is_doubtful) {

@@ -154,6 +154,12 @@ impl Reference {
         &self.weights
     }
 
+    /// What turns a difference, times [`Self::frames`], into a relative change: `[measurement]`.
+    #[must_use]
+    pub fn scales(&self) -> &[f32] {
+        &self.scales
+    }
+
     fn set_scales(&mut self, patch: &PatchView<'_>) {
         self.scales = scales(patch, self);
         self.weights = self.sums.iter().zip(&self.scales).map(|(&sum, scale)| sum as f32 * scale).collect();
@@ -221,7 +227,7 @@ fn resize<T: Copy + Default>(list: &mut Vec<T, MAX_MEASUREMENTS>, length: usize)
 }
 
 /// 2^exponent, exactly; -126 to 127.
-fn power_of_two(exponent: i32) -> f32 {
+pub(super) fn power_of_two(exponent: i32) -> f32 {
     f32::from_bits((((127 + exponent) & 0xFF) as u32) << 23)
 }
 

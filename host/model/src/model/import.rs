@@ -36,6 +36,7 @@ impl Description {
             inverse: self.inverse,
             image: self.image,
             contact_threshold: self.contact_threshold,
+            contacts_found_in: self.contacts_found_in,
             drift_time: self.drift_time,
             calibration: self.calibration,
             pose: self.pose,

@@ -1,11 +1,16 @@
 //! Quantize: the f64 reconstruction matrix -> fixed-point patch, with its error report.
 
 mod interpolation;
+mod responses;
 
-use crate::{model::Model, skin::Skin};
+use crate::{
+    model::Model,
+    skin::{FoundIn, Skin},
+};
 use dermatome_geometry::{mesh::ElectrodeContact, sheet::ElectrodeModel};
 use dermatome_patch::{
     matrix::FixedMatrix,
+    places::FixedPlaces,
     tables::SurfaceTables,
     write::{Contents, Stored},
 };
@@ -15,6 +20,7 @@ use dermatome_shared::{
     patch::{
         PatchError, PatchHeader, PatchView,
         matrix::{COLUMN_EXPONENTS, INTERPOLATION_EXPONENT, MatrixLayout},
+        places::DetectionLayout,
     },
     reconstruct::reconstruct,
     reference::DifferenceData,
@@ -146,14 +152,19 @@ pub fn patch_with(skin: &Skin, model: &Model, stored: &Stored) -> Result<Vec<u8>
     let surface = check_limits(model)?;
     let data = Occurring { presses: presses_of(model), noise: model.relative_noise() };
     let matrix = &model.conductivity_from_difference;
-    write(skin, model, stored, surface, &Interpolated::new(matrix, &model.pixels.centres, &data))
+    let interpolated = Interpolated::new(matrix, &model.pixels.centres, &data);
+    let places = match skin.contacts_found_in {
+        FoundIn::Image => FixedPlaces::default(),
+        FoundIn::Voltages => responses::places(model)?,
+    };
+    write(skin, model, stored, surface, &interpolated, places)
 }
 
 /// The patch of a model whose matrix was learnt from data that the model does not know of: nothing is interpolated.
 pub fn learnt_patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
     let surface = check_limits(model)?;
     let stored = Stored::curve(skin.calibration.clone());
-    write(skin, model, &stored, surface, &Interpolated::none(model.pixels.count()))
+    write(skin, model, &stored, surface, &Interpolated::none(model.pixels.count()), FixedPlaces::default())
 }
 
 fn write(
@@ -162,6 +173,7 @@ fn write(
     stored: &Stored,
     surface: SurfaceTables,
     interpolated: &Interpolated,
+    places: FixedPlaces,
 ) -> Result<Vec<u8>, PatchBuildError> {
     let contents = Contents {
         header: header(skin, model, &surface),
@@ -169,6 +181,7 @@ fn write(
         combination: model.combination.clone(),
         surface,
         matrix: fixed_point(&model.conductivity_from_difference, column_exponents(model), interpolated)?,
+        places,
     };
     contents.write(stored).map_err(|error| match error {
         PatchError::Range { field: "length", value: bytes, .. } => PatchBuildError::TooLong { bytes },
@@ -221,6 +234,10 @@ fn header(skin: &Skin, model: &Model, tables: &SurfaceTables) -> PatchHeader {
         test_resistances: test_resistances(skin, model).map(|ohms| ohms as f32).collect(),
         play_operators: 0,
         matrix: MatrixLayout::default(),
+        detection: match skin.contacts_found_in {
+            FoundIn::Image => DetectionLayout::default(),
+            FoundIn::Voltages => responses::layout(model),
+        },
     }
 }
 

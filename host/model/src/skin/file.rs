@@ -184,10 +184,23 @@ pub(super) enum PixelCount {
     Word(String),
 }
 
+/// What contacts are found in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FoundIn {
+    /// The image, from the threshold on.
+    #[default]
+    Image,
+    /// The voltages, where they stand out from the noise that the board measures.
+    Voltages,
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ContactTable {
     pub(super) threshold: f64,
+    #[serde(default)]
+    pub(super) found_in: FoundIn,
     pub(super) drift_time: Option<Quantity>,
 }
 

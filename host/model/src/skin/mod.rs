@@ -24,6 +24,7 @@ pub use described::{Described, MeshFile, Placement, UNITS};
 pub use drive::{Drive, Pattern, Reciprocal};
 use electrodes::Electrodes;
 pub use error::SkinError;
+pub use file::FoundIn;
 pub use inverse::{Criterion, Hyperparameter, Inverse, Method, Prior, Weights};
 use num_complex::Complex64;
 use std::{f64::consts::TAU, path::Path};
@@ -51,6 +52,8 @@ pub struct Skin<S = Shape> {
     pub image: ImageLayout,
     /// Smallest relative conductivity change that counts as a contact.
     pub contact_threshold: f64,
+    /// What a board finds contacts in.
+    pub contacts_found_in: FoundIn,
     /// Time in which the reference follows the untouched skin, s; 0 for never.
     pub drift_time: f64,
     /// Pressure by strength of a contact; empty if the skin is not calibrated.

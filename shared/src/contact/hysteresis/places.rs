@@ -69,8 +69,7 @@ impl Places {
             let [x, y, z] = [0, 1, 2].map(|axis| place.position[axis] - contact.position[axis]);
             x * x + y * y + z * z
         };
-        // The radius of a disc of the contact's area, squared.
-        let square = contact.area * core::f32::consts::FRAC_1_PI;
+        let square = contact.square_reach();
         let mut best = 0;
         let mut best_rank = f32::INFINITY;
         for (index, place) in self.0.iter().enumerate() {

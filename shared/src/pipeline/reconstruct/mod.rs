@@ -23,7 +23,7 @@ use crate::{
 };
 
 /// Bits of a sum of data that its value leaves out: at most 256 products are below 2^38.
-const LOW_BITS: i32 = 8;
+pub(super) const LOW_BITS: i32 = 8;
 /// Bits of the largest pixel from the data, as the interpolations take it.
 const PEAK_BITS: i32 = 13;
 /// Bits of the pixels that interpolations take, their sign included.
@@ -52,6 +52,17 @@ pub fn reconstruct(patch: &PatchView<'_>, difference: &DifferenceData, image: &m
 /// As [`reconstruct`], in plain Rust.
 pub fn portable(patch: &PatchView<'_>, difference: &DifferenceData, image: &mut Image) {
     apply(patch, difference, image, sums);
+}
+
+/// Rows that meet data, times data: each value is the sum's, `2^LOW_BITS` times as large. There is a value for each row,
+/// whole groups of them.
+pub(super) fn products(rows: &Rows<'_>, data: &DifferenceData, values: &mut [i32]) {
+    let mut codes = Codes([0; MAX_INPUTS]);
+    codes.0.iter_mut().zip(&data.codes).for_each(|(code, datum)| *code = *datum);
+    #[cfg(all(target_arch = "arm", feature = "dsp"))]
+    kernel::sums(&codes, rows, values, LOW_BITS);
+    #[cfg(not(all(target_arch = "arm", feature = "dsp")))]
+    sums(&codes, rows, values, LOW_BITS);
 }
 
 #[inline(always)]

@@ -127,6 +127,7 @@ mod tests {
             peak: 1.0,
             pressure: None,
             load_area: None,
+            evidence: None,
         };
         assert_eq!(line(at, &contact), "7\t1.250000\t10.000\t-2.000\t0.000\t4.00\t0.500000\t\t\t");
         let calibrated = Contact { pressure: Some(12.5e3), ..contact };

@@ -42,6 +42,7 @@ impl Checker<'_> {
             inverse: self.inverse(&file.inverse)?,
             image: self.image(&file.image)?,
             contact_threshold: self.threshold(file.contact.threshold)?,
+            contacts_found_in: file.contact.found_in,
             drift_time: self.drift_time(file.contact.drift_time.as_ref())?,
             calibration: self.calibration(&file.calibration)?,
             pose: self.pose(file.pose.as_ref())?,

@@ -1,0 +1,242 @@
+//! Places where a press is looked for, and how the measurements respond to one there.
+//!
+//! A place is a pixel. The response to a standard press on it (of the header's radius, changing the conductivity by its own
+//! size) is a row `[measurement]`, in the patch's kind of difference data. Rows and columns have exponents and lie as
+//! those of the reconstruction matrix do.
+
+use super::{
+    PatchError,
+    matrix::{COLUMN_EXPONENTS, GROUP, Rows, coefficient_index},
+};
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
+/// Most places: their numbers are bytes.
+pub const MAX_PLACES: usize = 256;
+/// Places that each place has for neighbours.
+pub const PLACE_NEIGHBOURS: usize = 6;
+
+/// Bytes of a place: its pixel and its neighbours.
+const PLACE_BYTES: usize = 2 + PLACE_NEIGHBOURS;
+
+/// How presses are looked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
+pub struct DetectionLayout {
+    /// Number of places; 0 finds contacts in the image.
+    pub places: u16,
+    /// Significance from which a press is a contact, standard deviations.
+    pub level: f32,
+    /// Radius of the standard press, m.
+    pub radius: f32,
+}
+
+impl DetectionLayout {
+    /// Bytes of places, exponents of the columns and of the rows, and mantissas.
+    pub(super) fn sizes(&self, measurements: u16) -> [usize; 4] {
+        let (places, columns) = (usize::from(self.places), usize::from(measurements));
+        if places == 0 {
+            return [0; 4];
+        }
+        let mantissas = places.next_multiple_of(GROUP) * columns.next_multiple_of(GROUP);
+        [PLACE_BYTES * places, columns, places, 2 * mantissas]
+    }
+}
+
+/// One place, for writing a patch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The pixel that it is.
+    pub pixel: u16,
+    /// The places round it.
+    pub neighbours: [u8; PLACE_NEIGHBOURS],
+}
+
+impl Place {
+    fn to_bytes(self) -> [u8; PLACE_BYTES] {
+        let [p0, p1] = self.pixel.to_le_bytes();
+        let [a, b, c, d, e, f] = self.neighbours;
+        [p0, p1, a, b, c, d, e, f]
+    }
+
+    fn from_bytes([p0, p1, a, b, c, d, e, f]: [u8; PLACE_BYTES]) -> Self {
+        Self { pixel: u16::from_le_bytes([p0, p1]), neighbours: [a, b, c, d, e, f] }
+    }
+}
+
+/// The parts of the places, for writing a patch.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PlacesTables<'a> {
+    /// The places.
+    pub places: &'a [Place],
+    /// Exponents of the columns: `[measurement]`.
+    pub column_exponents: &'a [i8],
+    /// Exponents of the rows: `[place]`.
+    pub row_exponents: &'a [i8],
+    /// Mantissas, see [`coefficient_index`].
+    pub mantissas: &'a [i16],
+}
+
+impl PlacesTables<'_> {
+    /// Puts all but the mantissas behind each other.
+    pub(super) fn put(&self, mut put: impl FnMut(&[u8]) -> Option<()>) -> Option<()> {
+        self.places.iter().try_for_each(|place| put(&place.to_bytes()))?;
+        let exponents = self.column_exponents.iter().chain(self.row_exponents);
+        exponents.copied().try_for_each(|exponent| put(&exponent.to_le_bytes()))
+    }
+}
+
+/// The places of a patch, read in place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Places<'a> {
+    places: &'a [[u8; PLACE_BYTES]],
+    column_exponents: &'a [u8],
+    row_exponents: &'a [u8],
+    mantissas: &'a [u8],
+}
+
+impl<'a> Places<'a> {
+    /// Of these tables, as [`DetectionLayout::sizes`] has them.
+    pub(super) fn new([places, column_exponents, row_exponents, mantissas]: [&'a [u8]; 4]) -> Self {
+        Self { places: places.as_chunks().0, column_exponents, row_exponents, mantissas }
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.places.len()
+    }
+
+    /// A place.
+    #[must_use]
+    pub fn get(&self, place: usize) -> Option<Place> {
+        self.places.get(place).copied().map(Place::from_bytes)
+    }
+
+    /// All places.
+    pub fn iter(&self) -> impl Iterator<Item = Place> + use<'a> {
+        self.places.iter().copied().map(Place::from_bytes)
+    }
+
+    /// Exponents of the columns: `[measurement]`.
+    pub fn column_exponents(&self) -> impl Iterator<Item = i8> + Clone + use<'a> {
+        self.column_exponents.iter().map(|&byte| byte as i8)
+    }
+
+    /// Exponents of the rows: `[place]`.
+    pub fn row_exponents(&self) -> impl Iterator<Item = i8> + Clone + use<'a> {
+        self.row_exponents.iter().map(|&byte| byte as i8)
+    }
+
+    /// Exponent of a row.
+    #[must_use]
+    pub fn row_exponent(&self, place: usize) -> i8 {
+        self.row_exponents.get(place).map_or(0, |&byte| byte as i8)
+    }
+
+    /// The mantissas, little-endian i16.
+    #[must_use]
+    pub fn mantissas(&self) -> &'a [u8] {
+        self.mantissas
+    }
+
+    /// The responses as rows that meet data.
+    #[must_use]
+    pub fn rows(&self) -> Rows<'a> {
+        Rows { count: self.count(), inputs: &[], columns: self.columns(), mantissas: self.mantissas }
+    }
+
+    /// The response at a place, for [`Self::pair`].
+    #[must_use]
+    pub fn row(&self, place: usize) -> &'a [u8] {
+        self.mantissas.get(2 * coefficient_index(self.columns(), place, 0)..).unwrap_or_default()
+    }
+
+    /// Two columns next to each other of a row; an entry is `mantissa * 2^-(exponents of both)`.
+    #[inline(always)]
+    #[must_use]
+    pub fn pair(row: &[u8], pair: usize) -> [f32; 2] {
+        let at = pair * 4 * GROUP;
+        let Some(&[a, b, c, d]) = row.get(at..at + 4).and_then(<[u8]>::first_chunk) else { return [0.0; 2] };
+        [i16::from_le_bytes([a, b]), i16::from_le_bytes([c, d])].map(f32::from)
+    }
+
+    fn columns(&self) -> usize {
+        self.column_exponents.len().next_multiple_of(GROUP)
+    }
+
+    /// Checks that all places are pixels, with neighbours that are places.
+    pub(super) fn check(&self, layout: &DetectionLayout, pixels: u16) -> Result<(), PatchError> {
+        if self.places.is_empty() {
+            return Ok(());
+        }
+        let is_positive = |value: f32| value.is_finite() && value > 0.0;
+        for (field, value) in [("detection.level", layout.level), ("detection.radius", layout.radius)] {
+            if !is_positive(value) {
+                return Err(PatchError::NotPositive { field });
+            }
+        }
+        if let Some(measurement) =
+            self.column_exponents().position(|exponent| !COLUMN_EXPONENTS.contains(&exponent))
+        {
+            return Err(PatchError::ColumnExponent { measurement });
+        }
+        let is_wrong = |place: Place| {
+            place.pixel >= pixels || place.neighbours.iter().any(|&other| usize::from(other) >= self.count())
+        };
+        match self.iter().position(is_wrong) {
+            Some(place) => Err(PatchError::Place { place }),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    const LAYOUT: DetectionLayout = DetectionLayout { places: 2, level: 5.0, radius: 0.01 };
+
+    fn tables(pixel: u16, neighbour: u8) -> Vec<u8> {
+        let places = [Place { pixel: 3, neighbours: [1; 6] }, Place { pixel, neighbours: [neighbour; 6] }];
+        places.iter().flat_map(|place| place.to_bytes()).collect()
+    }
+
+    #[test]
+    fn a_place_that_is_no_pixel_or_has_no_such_neighbour_is_refused() {
+        for (pixel, neighbour, refused) in [(2, 0, false), (9, 0, true), (2, 2, true)] {
+            let bytes = tables(pixel, neighbour);
+            let places = Places::new([&bytes, &[0; 3], &[0; 2], &[0; 32]]);
+            let found = places.check(&LAYOUT, 9);
+            assert_eq!(found, if refused { Err(PatchError::Place { place: 1 }) } else { Ok(()) });
+        }
+    }
+
+    #[test]
+    fn level_and_radius_are_above_zero_and_exponents_in_range() {
+        let bytes = tables(2, 0);
+        let places = Places::new([&bytes, &[0; 3], &[0; 2], &[0; 32]]);
+        let level = DetectionLayout { level: f32::NAN, ..LAYOUT };
+        assert_eq!(places.check(&level, 9), Err(PatchError::NotPositive { field: "detection.level" }));
+        let radius = DetectionLayout { radius: 0.0, ..LAYOUT };
+        assert_eq!(places.check(&radius, 9), Err(PatchError::NotPositive { field: "detection.radius" }));
+        let far = Places::new([&bytes, &[0, 31, 0], &[0; 2], &[0; 32]]);
+        assert_eq!(far.check(&LAYOUT, 9), Err(PatchError::ColumnExponent { measurement: 1 }));
+    }
+
+    #[test]
+    fn a_pair_of_columns_is_that_of_its_row() {
+        let mut mantissas = [0_i16; 32];
+        for row in 0..2 {
+            for column in 0..6 {
+                mantissas[coefficient_index(8, row, column)] = (10 * row + column) as i16;
+            }
+        }
+        let bytes: Vec<u8> = mantissas.iter().flat_map(|mantissa| mantissa.to_le_bytes()).collect();
+        let places = tables(2, 0);
+        let places = Places::new([&places, &[0; 6], &[0; 2], &bytes]);
+        assert_eq!(Places::pair(places.row(1), 2), [14.0, 15.0]);
+        assert_eq!(Places::pair(places.row(0), 0), [0.0, 1.0]);
+        assert_eq!(Places::pair(places.row(7), 9), [0.0, 0.0]);
+    }
+}
