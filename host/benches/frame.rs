@@ -10,6 +10,7 @@ use dermatome::{
 use dermatome_shared::{
     device::{Arrival, BoardFacts, Device, PatchStore, StoreError},
     frame::Frame,
+    pipeline::PipelineState,
     protocol::{
         BoardPacket, FrameSource, Identity, MAX_PACKET_BYTES, Request, RequestPacket, Selection, encode,
     },
@@ -62,7 +63,7 @@ fn device(selection: Selection) -> (Device<Fixed>, Frame) {
     let (frame_source, started_after) = (FrameSource::Simulated, Restart::PowerOn);
     let facts =
         BoardFacts { identity, electrodes: 16, frame_source, front_end, started_after, sees_host_go: true };
-    let mut device = Device::new(facts, Fixed(observer.patch_bytes().to_vec()));
+    let mut device = Device::new(facts, Fixed(observer.patch_bytes().to_vec()), PipelineState::default());
     device.handle(&RequestPacket { sequence: 1, request: Request::Tare { frames: 1 } }, 0);
     device.process(&mut frame(None), Arrival::default(), |_| ());
     device.handle(&RequestPacket { sequence: 2, request: Request::Stream(selection) }, 0);

@@ -20,6 +20,9 @@ struct Trial {
     is_square: bool,
 }
 
+/// In so many frames all fingers are found.
+const FRAMES: usize = 6;
+
 /// A number that the environment gives, to try others by hand.
 fn given<T: std::str::FromStr>(name: &str, otherwise: T) -> T {
     std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(otherwise)
@@ -41,14 +44,14 @@ impl Trial {
         Self { board, rig, random, size, is_square: name.contains("square") }
     }
 
-    /// Places within this share of the radius, a quarter of the size from each other.
-    fn places(&mut self, count: usize, within: f64) -> Vec<[f64; 2]> {
+    /// Places within this share of the radius, at least this share of the size from each other.
+    fn places(&mut self, count: usize, within: f64, apart: f64) -> Vec<[f64; 2]> {
         let mut places: Vec<[f64; 2]> = Vec::new();
         while places.len() < count {
             let place = [0, 1].map(|_| self.random.random_range(-0.5..0.5) * self.size);
             let [x, y] = place;
             let far = if self.is_square { x.abs().max(y.abs()) } else { x.hypot(y) };
-            let is_apart = places.iter().all(|[u, v]| (u - x).hypot(v - y) > 0.25 * self.size);
+            let is_apart = places.iter().all(|[u, v]| (u - x).hypot(v - y) > apart * self.size);
             if far < within * self.size / 2.0 && is_apart {
                 places.push(place);
             }
@@ -62,12 +65,15 @@ impl Trial {
         self.board.tare(&frames);
     }
 
-    /// Contacts of one frame with fingers of this radius, a share of the size, and depth.
-    fn press(&mut self, places: &[[f64; 2]], radius: f64, depth: f64) -> Vec<Contact> {
+    /// Contacts in each of some frames with fingers of this radius, a share of the size, which are lifted then.
+    fn press(&mut self, places: &[[f64; 2]], radius: f64) -> Vec<Vec<Contact>> {
         let presses: Vec<_> =
-            places.iter().map(|&place| Press::finger(place, radius * self.size, depth)).collect();
-        let frame = self.rig.press(&presses);
-        self.board.glance(&frame).contacts().to_vec()
+            places.iter().map(|&place| Press::finger(place, radius * self.size, 1.0)).collect();
+        let phasors = self.rig.solve(&self.rig.truth().conductivity(&presses));
+        let frames = self.rig.scans(&phasors, FRAMES as u16);
+        let contacts = frames.iter().map(|frame| self.board.observe(frame).contacts().to_vec()).collect();
+        assert_eq!(self.false_frames(3), 0, "a contact is left of fingers at {places:?}");
+        contacts
     }
 
     /// Frames of the untouched skin with a contact.
@@ -102,10 +108,10 @@ fn one_finger_is_one_contact_where_it_is_and_as_strong_everywhere() {
         let scenes = given("DERMATOME_SCENES", 60);
         let (mut right, mut errors, mut strengths) = (0, Vec::new(), Vec::new());
         for _ in 0..scenes {
-            let places = trial.places(1, 0.9);
-            let contacts = trial.press(&places, 0.04, 1.0);
-            right += usize::from(contacts.len() == 1);
-            if let Some(contact) = contacts.first() {
+            let places = trial.places(1, 0.9, 0.0);
+            let frames = trial.press(&places, 0.04);
+            right += usize::from(frames.iter().all(|contacts| contacts.len() == 1));
+            if let Some(contact) = frames[FRAMES - 1].first() {
                 let [x, y] = contact.from_above();
                 errors.push((x - places[0][0]).hypot(y - places[0][1]) / trial.size);
                 strengths.push(f64::from(contact.strength));
@@ -138,8 +144,8 @@ fn two_and_three_fingers_are_counted() {
         for count in [2, 3] {
             let right = (0..scenes)
                 .filter(|_| {
-                    let places = trial.places(count, 0.88);
-                    trial.press(&places, 0.06, 1.0).len() == count
+                    let places = trial.places(count, 0.88, 0.25);
+                    trial.press(&places, 0.06)[FRAMES - 1].len() == count
                 })
                 .count();
             eprintln!("{count} fingers on the disc, {snr_db} dB: {right} of {scenes} counted");
@@ -148,6 +154,35 @@ fn two_and_three_fingers_are_counted() {
                 "{count} fingers at {snr_db} dB: {right} of {scenes}"
             );
         }
+    }
+}
+
+#[test]
+fn an_indenter_is_one_contact_and_as_strong_as_it_is_large() {
+    for name in ["disc-210mm", "square-210mm"] {
+        let mut trial = Trial::new(name, 60.0);
+        trial.tare();
+        let scenes = given("DERMATOME_SCENES", 30);
+        let mut by_area = Vec::new();
+        for (radius, least) in [(0.03, 0.95), (0.06, 0.95), (0.1, 0.9), (0.12, 0.8)] {
+            let (mut right, mut strength) = (0, 0.0);
+            for _ in 0..scenes {
+                let places = trial.places(1, 0.88, 0.0);
+                let frames = trial.press(&places, radius);
+                let contacts = &frames[FRAMES - 1];
+                right += usize::from(contacts.len() == 1);
+                strength += contacts.iter().map(|contact| f64::from(contact.strength)).sum::<f64>();
+            }
+            by_area.push(strength / scenes as f64 / (radius / 0.045_f64).powi(2));
+            eprintln!(
+                "{name}, 60 dB, radius {:.0} % of the size: {right} of {scenes} are one contact, strength over area {:.3}",
+                100.0 * radius,
+                by_area[by_area.len() - 1]
+            );
+            assert!(right as f64 >= least * scenes as f64, "{name}, {radius}: {right} of {scenes}");
+        }
+        let (least, most) = by_area.iter().fold((f64::MAX, 0.0_f64), |(a, b), &s| (a.min(s), b.max(s)));
+        assert!(most / least < 1.3, "{name}: {by_area:?}");
     }
 }
 
@@ -167,6 +202,27 @@ fn a_finger_that_stays_and_moves_stays_one_contact_and_goes_when_it_is_lifted() 
 }
 
 #[test]
+fn a_sheet_that_drifts_as_a_whole_has_no_contact_and_hides_none() {
+    for rate in [0.1, -0.1] {
+        let mut trial = Trial::new("disc-210mm", 60.0);
+        trial.tare();
+        let finger = Press::finger([0.03, -0.02], 0.0084, 1.0);
+        // A minute and a half, of which the second third is pressed.
+        for second in 0..90 {
+            let presses = if (30..60).contains(&second) { std::slice::from_ref(&finger) } else { &[] };
+            let drift = 1.0 + rate * f64::from(second) / 60.0;
+            let conductivity = trial.rig.truth().conductivity(presses);
+            let phasors =
+                trial.rig.solve(&conductivity.iter().map(|value| drift * value).collect::<Vec<_>>());
+            for frame in trial.rig.scans(&phasors, 50) {
+                let contacts = trial.board.observe(&frame).contacts();
+                assert_eq!(contacts.len(), presses.len(), "{rate}, second {second}: {contacts:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_sheet_that_conducts_better_at_once_has_no_contact() {
     let mut trial = Trial::new("disc-210mm", 60.0);
     trial.tare();
@@ -183,7 +239,7 @@ fn places_come_back_from_a_patch_as_they_were_and_an_image_patch_has_none() {
     let board = Observer::new(&shipped("square-50mm")).unwrap();
     let patch = board.patch();
     assert_eq!(patch.places().count(), 256);
-    assert_eq!(FixedPlaces::read(&patch.places()).tables().places.len(), 256);
+    assert_eq!(FixedPlaces::read(&patch).tables().places.len(), 256);
     let skin = Skin { contacts_found_in: FoundIn::Image, ..shipped("square-50mm") };
     let plain = Observer::new(&skin).unwrap();
     assert_eq!(PatchView::validate(plain.patch_bytes()).unwrap().places().count(), 0);

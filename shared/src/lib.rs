@@ -6,6 +6,7 @@
 //! samples -> demodulate -> acquire -> frame
 //! frame -> number, time, flags (health) -> pipeline -> events                        (inside device)
 //! frame -> reference -> drift -> reconstruct -> contact -> hysteresis -> calibration (inside pipeline)
+//! frame -> noise; reference -> drift -> detect -> hysteresis -> calibration          (with places in the patch)
 //! request packet -> protocol -> device -> protocol -> reply packet
 //! events -> protocol -> event packets
 //! ```
@@ -23,11 +24,11 @@
 //! | [`drive`]    | how a skin is driven; its [`stimulation`] pattern                                |
 //! | [`frame`]    | one full scan                                                                    |
 //! | [`image`]    | relative conductivity per pixel, and the [`surface`] that the pixels lie on      |
-//! | [`contact`]  | contacts of an image; their [`hysteresis`], [`calibration`] and tracks ([`track`]) |
+//! | [`contact`]  | contacts, in an image; their [`hysteresis`], [`calibration`] and tracks ([`track`]) |
 //! | [`patch`]    | everything a board needs to sense one skin                                       |
 //! | [`acquire`]  | samples to frames: [`scan`], [`demodulate`], front end, scope                    |
 //! | [`health`]   | what a frame says about the wiring, and why the board started ([`restart`])      |
-//! | [`pipeline`] | frames to contacts: [`mod@reference`], drift, [`reconstruct`]                        |
+//! | [`pipeline`] | frames to contacts: [`mod@reference`], drift, [`reconstruct`]; noise, detection    |
 //! | [`protocol`] | messages on the wire, and their framing                                          |
 //! | [`device`]   | the board's state machine, and where it keeps its patch                          |
 #![no_std]

@@ -10,6 +10,7 @@ use core::cell::RefCell;
 use dermatome_firmware::{board, drivers::flash::SlotFlash};
 use dermatome_shared::{
     device::{BoardFacts, Device, flash_slots::FlashSlotStore},
+    pipeline::PipelineState,
     protocol::{EventQueue, FrameSource, Identity},
     restart::Restart,
 };
@@ -29,7 +30,7 @@ pub(crate) type Events = EventQueue<SHORT_EVENT_BYTES, LONG_EVENT_BYTES>;
 /// What the tasks share. All run on one executor, and none holds a borrow while it waits.
 pub(crate) struct State {
     /// The board's state machine.
-    device: RefCell<Device<FlashSlotStore<SlotFlash>>>,
+    device: RefCell<Device<FlashSlotStore<SlotFlash>, &'static mut PipelineState>>,
     /// Its events.
     events: &'static RefCell<Events>,
     /// A request was answered: frames may be needed now.
@@ -43,10 +44,14 @@ impl State {
     pub(crate) fn take(flash: Peri<'static, peripherals::FLASH>, started_after: Restart) -> &'static Self {
         static STATE: StaticCell<State> = StaticCell::new();
         static EVENTS: ConstStaticCell<RefCell<Events>> = ConstStaticCell::new(RefCell::new(Events::new()));
+        // Apart, so that it never lies on the stack.
+        static PIPELINE: StaticCell<PipelineState> = StaticCell::new();
+        let pipeline = PIPELINE.init_with(PipelineState::default);
         STATE.init_with(|| Self {
             device: RefCell::new(Device::new(
                 facts(started_after),
                 FlashSlotStore::open(SlotFlash::new(flash)),
+                pipeline,
             )),
             events: EVENTS.take(),
             answered: Signal::new(),

@@ -1,11 +1,11 @@
 //! Cases of the pipeline on the board: images as the host computes them, and how fast.
 
-use super::{Case, Failure, ensure, ensure_complete, next_frame, next_with, patches};
+use super::{Case, Failure, ensure, ensure_complete, next_frame, patches};
 use crate::machine::Machine;
 use crate::probe::emulated::LogReader;
 use crate::rig::{Capability, Rig, VirtualRig};
 use dermatome::link::{
-    self, Link, ScanFrame,
+    self, Link, ScanFrame, Subscription,
     assemble::Measurements,
     program::{firmware::Firmware, log::Log},
 };
@@ -147,7 +147,7 @@ fn full_line(rig: &Rig) -> Result<String, Failure> {
 fn repeats(rig: &Rig) -> Result<String, Failure> {
     let session = || -> Result<u64, Failure> {
         let rig = rig.fresh()?;
-        compare(&rig, &patches::patch(64, true, 14), 10)?;
+        compare_on(&rig, &patches::patch(64, true, 14), 10)?;
         rig.emulated().with(Machine::press_reset)?;
         rig.link()?.info()?;
         Ok(rig.emulated().with(|machine| machine.chip(|chip| chip.trace.hash())))
@@ -166,22 +166,34 @@ fn images(rig: &Rig) -> Result<String, Failure> {
     ];
     let mut compared = 0;
     for (patch, frames) in kinds {
-        compared += compare(rig, &patch, frames)?;
+        compared += compare_on(rig, &patch, frames)?;
     }
     ensure(compared == FRAMES, || format!("{compared} of {FRAMES} images came"))?;
     Ok(format!("{compared} images"))
 }
 
-fn compare(rig: &Rig, patch: &[u8], frames: usize) -> Result<usize, Failure> {
+fn compare_on(rig: &Rig, patch: &[u8], frames: usize) -> Result<usize, Failure> {
     let mut link = rig.link()?;
     link::upload(&mut link, patch, |_| ())?;
     let view = PatchView::validate(patch).map_err(Failure::wrong)?;
+    compare(&mut link, &view, frames, || ())
+}
+
+/// Images and contacts of the patch on the board are the host's; `press` is called after the tare.
+pub(super) fn compare(
+    link: &mut Link,
+    view: &PatchView<'_>,
+    frames: usize,
+    press: impl FnOnce(),
+) -> Result<usize, Failure> {
     let mut state = PipelineState::default();
-    tare(&mut link, &view, &mut state)?;
     let all = Selection { images: 1, contacts: 1, measurements: 1, ..Selection::default() };
     let mut stream = link.subscribe(all)?;
-    for _ in 0..frames {
-        check(&view, &mut state, &next_frame(&mut stream)?)?;
+    let first = tare(&mut stream, view, &mut state)?;
+    check(view, &mut state, &first)?;
+    press();
+    for _ in 1..frames {
+        check(view, &mut state, &next_frame(&mut stream)?)?;
     }
     ensure_complete(&mut stream)?;
     stream.stop()?;
@@ -203,27 +215,33 @@ fn check(view: &PatchView<'_>, state: &mut PipelineState, of_board: &ScanFrame) 
     })
 }
 
-/// Board and host average the same frames: the last that came when the board says that it is done.
-fn tare(link: &mut Link, view: &PatchView<'_>, state: &mut PipelineState) -> Result<(), Failure> {
-    let mut stream = link.subscribe(Selection { measurements: 1, ..Selection::default() })?;
+/// Board and host average the same frames: the last without contacts before one that has them, which is given.
+fn tare(
+    stream: &mut Subscription<'_>,
+    view: &PatchView<'_>,
+    state: &mut PipelineState,
+) -> Result<ScanFrame, Failure> {
     stream.link().request(&Request::Tare { frames: TARE_FRAMES })?;
     let mut frames = Vec::new();
-    // That the board is done comes ahead of the codes of the frame that completes it.
-    while stream.totals().tares == 0 {
-        let (at, measurements) = next_with(&mut stream, |frame| frame.measurements)?;
-        frames.push(frame(at, &measurements));
-    }
+    let first = loop {
+        let scan = next_frame(stream)?;
+        match (&scan.contacts, scan.at, &scan.measurements) {
+            (None, Some(at), Some(measurements)) => frames.push(frame(at, measurements)),
+            _ if frames.len() >= TARE_FRAMES.into() => break scan,
+            // Those of an older reference.
+            _ => frames.clear(),
+        }
+    };
     state.start_tare(TARE_FRAMES);
-    for frame in &frames[frames.len().saturating_sub(TARE_FRAMES.into())..] {
+    for frame in &frames[frames.len() - usize::from(TARE_FRAMES)..] {
         pipeline::process(view, state, frame);
     }
-    let reply = stream.link().request(&Request::Reference)?;
-    stream.stop()?;
-    let Reply::Reference { sums, .. } = reply else {
+    let Reply::Reference { sums, .. } = stream.link().request(&Request::Reference)? else {
         return Err(Failure::wrong("it gives no reference"));
     };
     let here = state.reference().map(|reference| reference.sums().to_vec());
-    ensure(here.as_deref() == Some(&sums[..]), || "the references differ".to_owned())
+    ensure(here.as_deref() == Some(&sums[..]), || "the references differ".to_owned())?;
+    Ok(first)
 }
 
 fn frame(at: FrameStamp, measurements: &Measurements) -> Frame {

@@ -65,14 +65,13 @@ impl FixedMatrix {
     /// That of a patch.
     #[must_use]
     pub fn read(matrix: &Matrix<'_>) -> Self {
-        let mantissas = matrix.mantissas().chunks_exact(2);
         Self {
             column_exponents: matrix.column_exponents().collect(),
             row_exponents: matrix.row_exponents().collect(),
             positions: words(matrix.positions()).collect(),
             interpolations: matrix.interpolations().collect(),
             inputs: words(matrix.inputs()).collect(),
-            mantissas: mantissas.map(|pair| i16::from_le_bytes([pair[0], pair[1]])).collect(),
+            mantissas: mantissas(matrix.mantissas()),
         }
     }
 
@@ -106,6 +105,11 @@ pub(crate) fn in_groups(mantissas: &[i16], columns: usize) -> Vec<i16> {
         }
     }
     grouped
+}
+
+/// Little-endian i16.
+pub(crate) fn mantissas(bytes: &[u8]) -> Vec<i16> {
+    bytes.chunks_exact(2).map(|pair| i16::from_le_bytes([pair[0], pair[1]])).collect()
 }
 
 fn words(bytes: &[u8]) -> impl Iterator<Item = u16> + '_ {

@@ -1,11 +1,15 @@
 //! Places: where a patch looks for presses, in owned form.
 
-use crate::matrix::in_groups;
-use dermatome_shared::patch::places::{Place, Places, PlacesTables};
+use crate::matrix::{in_groups, mantissas};
+use dermatome_shared::patch::{
+    PatchView,
+    places::{DetectionLayout, Place, PlacesTables},
+};
 
 /// The parts of [`PlacesTables`], owned; empty if contacts are found in the image.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FixedPlaces {
+    layout: DetectionLayout,
     places: Vec<Place>,
     column_exponents: Vec<i8>,
     row_exponents: Vec<i8>,
@@ -13,12 +17,13 @@ pub struct FixedPlaces {
 }
 
 impl FixedPlaces {
-    /// Places and the responses to a press there: `mantissas` `[place][measurement]`.
+    /// Places and the responses to a press there: `mantissas` `[place][measurement]`. The layout's count is set.
     ///
     /// # Panics
     /// Panics if there is not a mantissa for each row and column.
     #[must_use]
     pub fn new(
+        layout: DetectionLayout,
         places: Vec<Place>,
         column_exponents: Vec<i8>,
         row_exponents: Vec<i8>,
@@ -26,19 +31,27 @@ impl FixedPlaces {
     ) -> Self {
         let columns = column_exponents.len();
         assert_eq!(mantissas.len(), places.len() * columns, "a mantissa for each row and column");
-        Self { mantissas: in_groups(mantissas, columns), places, column_exponents, row_exponents }
+        let layout = DetectionLayout { places: places.len() as u16, ..layout };
+        Self { layout, mantissas: in_groups(mantissas, columns), places, column_exponents, row_exponents }
     }
 
     /// Those of a patch.
     #[must_use]
-    pub fn read(places: &Places<'_>) -> Self {
-        let mantissas = places.mantissas().chunks_exact(2);
+    pub fn read(patch: &PatchView<'_>) -> Self {
+        let places = patch.places();
         Self {
+            layout: patch.header.detection,
             places: places.iter().collect(),
             column_exponents: places.column_exponents().collect(),
             row_exponents: places.row_exponents().collect(),
-            mantissas: mantissas.map(|pair| i16::from_le_bytes([pair[0], pair[1]])).collect(),
+            mantissas: mantissas(places.mantissas()),
         }
+    }
+
+    /// How many there are, and how presses are looked for.
+    #[must_use]
+    pub fn layout(&self) -> DetectionLayout {
+        self.layout
     }
 
     /// For writing a patch.

@@ -4,7 +4,7 @@ use crate::{matrix::FixedMatrix, places::FixedPlaces, tables::SurfaceTables};
 use dermatome_shared::{
     calibration::Calibration,
     hysteresis::PlayOperator,
-    patch::{CombinedInto, PatchContents, PatchError, PatchHeader, PatchView, places::DetectionLayout},
+    patch::{CombinedInto, PatchContents, PatchError, PatchHeader, PatchView},
     stimulation::Step,
 };
 
@@ -70,7 +70,7 @@ impl Contents {
             combination,
             surface: SurfaceTables::read(patch),
             matrix: FixedMatrix::read(&patch.matrix()),
-            places: FixedPlaces::read(&patch.places()),
+            places: FixedPlaces::read(patch),
         }
     }
 
@@ -104,10 +104,7 @@ impl Contents {
             pixels: self.surface.pixels.len() as u16,
             matrix: self.matrix.tables().layout(),
             neighbours: self.surface.neighbours.len() as u16,
-            detection: DetectionLayout {
-                places: self.places.tables().places.len() as u16,
-                ..self.header.detection
-            },
+            detection: self.places.layout(),
             calibration: stored.curve.clone(),
             play_operators: stored.play_operators.len() as u8,
             ..self.header.clone()

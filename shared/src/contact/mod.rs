@@ -8,6 +8,8 @@
 //! An image rings beside a strong contact, most near the boundary: a lower peak so close to a contact that no second
 //! finger would show as a peak of its own there is not one (non-maximum suppression, `Contact::suppresses`).
 //!
+//! A patch with places has its contacts found in the voltages instead ([`crate::pipeline::detect`]).
+//!
 //! Most pixels cost one comparison, for the largest value of each block of 16; only blocks that reach
 //! above the level are looked at again.
 

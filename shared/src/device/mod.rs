@@ -24,6 +24,7 @@ use crate::{
         PackedImage, PatchInfo, Refusal, Reply, Request, RequestPacket, Selection, SlotSamples, Version,
     },
 };
+use core::borrow::BorrowMut;
 use heapless::Vec;
 
 /// Most frames averaged in one tare.
@@ -60,15 +61,15 @@ pub struct Arrival {
     pub missed: bool,
 }
 
-/// The state of a board.
+/// The state of a board. The pipeline's, which is large, may lie elsewhere: a reference to it will do.
 #[derive(Debug)]
-pub struct Device<S> {
+pub struct Device<S, P = PipelineState> {
     facts: BoardFacts,
     store: S,
     /// Header of the patch in use, which has passed all checks: so every later look at it can be quick.
     header: Option<PatchHeader>,
     upload: Option<Upload>,
-    pipeline: PipelineState,
+    pipeline: P,
     streaming: Selection,
     drive: Option<Drive>,
     scan: u32,
@@ -88,10 +89,10 @@ struct Upload {
     crc: u32,
 }
 
-impl<S: PatchStore> Device<S> {
+impl<S: PatchStore, P: BorrowMut<PipelineState>> Device<S, P> {
     /// A board that has just started. A stored patch that is not valid, or needs more electrodes than
     /// the board has, counts as none.
-    pub fn new(mut facts: BoardFacts, store: S) -> Self {
+    pub fn new(mut facts: BoardFacts, store: S, pipeline: P) -> Self {
         if let (Some(front_end), Some(trim)) = (&mut facts.front_end, store.trim()) {
             front_end.trim = trim;
         }
@@ -102,7 +103,7 @@ impl<S: PatchStore> Device<S> {
             store,
             header,
             upload: None,
-            pipeline: PipelineState::default(),
+            pipeline,
             streaming: Selection::default(),
             drive: None,
             scan: 0,
@@ -122,7 +123,7 @@ impl<S: PatchStore> Device<S> {
 
     /// State of the pipeline, with the latest image and contacts.
     pub fn pipeline(&self) -> &PipelineState {
-        &self.pipeline
+        self.pipeline.borrow()
     }
 
     /// Which events go out with every frame.
@@ -133,7 +134,7 @@ impl<S: PatchStore> Device<S> {
     /// Whether anybody uses a frame: a tare or a stream is under way. A tare that begins by itself in a stream ends with
     /// it, so that no current flows for nobody.
     pub fn needs_frames(&self) -> bool {
-        self.pipeline.is_asked_to_tare() || self.streaming.any()
+        self.pipeline().is_asked_to_tare() || self.streaming.any()
     }
 
     /// How the skin is driven: as the patch says, or as a host asked since.
@@ -213,12 +214,12 @@ impl<S: PatchStore> Device<S> {
         if self.facts.front_end.is_some() {
             let frequency = self.drive.unwrap_or(patch.header.drive).frequency;
             let (health, found) = Health::examine(&patch, frequency, frame);
-            self.pipeline.mask(health.bad_electrodes());
+            self.pipeline.borrow_mut().mask(health.bad_electrodes());
             self.health = health;
             frame.flags.insert(found);
         }
-        let outcome = pipeline::sense(&patch, &mut self.pipeline, frame);
-        frame.flags.insert(self.pipeline.flags());
+        let outcome = pipeline::sense(&patch, self.pipeline.borrow_mut(), frame);
+        frame.flags.insert(self.pipeline().flags());
         Some(outcome)
     }
 
@@ -258,16 +259,16 @@ impl<S: PatchStore> Device<S> {
         let wanted = |every| is_every(every, frame.sequence);
         let (streaming, is_image) = (self.streaming, outcome == Outcome::Image);
         if outcome == Outcome::Tared {
-            let frames = self.pipeline.reference().map_or(0, Reference::frames);
+            let frames = self.pipeline().reference().map_or(0, Reference::frames);
             emit(&BoardPacket::Event { number: self.take_number(), event: Event::Tared { frames } });
         }
         if wanted(streaming.contacts) && is_image {
             let number = self.take_number();
-            let contacts = self.pipeline.contacts().clone();
+            let contacts = self.pipeline().contacts().clone();
             emit(&BoardPacket::Event { number, event: Event::Contacts { at, contacts } });
         }
         if wanted(streaming.health) {
-            let (health, drift) = (self.whole_health(frame), self.pipeline.common_drift());
+            let (health, drift) = (self.whole_health(frame), self.pipeline().common_drift());
             let (vitals, missed) = (self.vitals, self.missed);
             let event = Event::Health { at, health, vitals, drift, missed };
             emit(&BoardPacket::Event { number: self.take_number(), event });
@@ -279,18 +280,18 @@ impl<S: PatchStore> Device<S> {
         }
         if wanted(streaming.images) && is_image {
             self.draw();
-            let image = PackedImage::pack(self.pipeline.image());
+            let image = PackedImage::pack(self.pipeline().image());
             let event = Event::Image { at, image };
             emit(&BoardPacket::Event { number: self.take_number(), event });
         }
     }
 
     /// Makes the latest frame's image, if its contacts did without.
-    #[inline(never)]
     fn draw(&mut self) {
-        let is_drawn = self.header.as_ref().is_none_or(|header| header.detection.places == 0);
-        if !is_drawn && let Some(patch) = patch_in_use(&self.store, &self.header) {
-            pipeline::draw(&patch, &mut self.pipeline);
+        if self.header.as_ref().is_some_and(PatchHeader::has_places)
+            && let Some(patch) = patch_in_use(&self.store, &self.header)
+        {
+            pipeline::draw(&patch, self.pipeline.borrow_mut());
         }
     }
 
@@ -335,7 +336,7 @@ impl<S: PatchStore> Device<S> {
                 drive: patch.header.drive,
                 skin: patch.header.skin,
             }),
-            tared: self.pipeline.reference().is_some(),
+            tared: self.pipeline().reference().is_some(),
             streaming: self.streaming,
         }
     }
@@ -348,7 +349,7 @@ impl<S: PatchStore> Device<S> {
     }
 
     fn reference(&self) -> Result<Reply, Refusal> {
-        let reference = self.pipeline.reference().ok_or(Refusal::NotTared)?;
+        let reference = self.pipeline().reference().ok_or(Refusal::NotTared)?;
         let sums = reference.sums().iter().copied().collect();
         Ok(Reply::Reference { frames: reference.frames(), sums })
     }
@@ -400,7 +401,7 @@ impl<S: PatchStore> Device<S> {
 
     /// Everything measured so far counts no more.
     fn begin_scan(&mut self) {
-        self.pipeline = PipelineState::default();
+        self.pipeline.borrow_mut().clear();
         self.scan = self.scan.wrapping_add(1);
     }
 
@@ -442,7 +443,7 @@ impl<S: PatchStore> Device<S> {
         }
         // Gains may be better now.
         self.begin_scan();
-        self.pipeline.start_tare(frames);
+        self.pipeline.borrow_mut().start_tare(frames);
         Ok(Reply::Done)
     }
 

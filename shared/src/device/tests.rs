@@ -55,7 +55,7 @@ fn facts(electrodes: u8) -> BoardFacts {
 }
 
 fn device() -> Device<Memory> {
-    Device::new(facts(16), Memory::default())
+    Device::new(facts(16), Memory::default(), PipelineState::default())
 }
 
 fn ask(device: &mut Device<Memory>, request: Request) -> Reply {
@@ -96,7 +96,8 @@ fn events(device: &mut Device<Memory>, frame: &Frame) -> Vec<(u32, Event)> {
 fn a_stream_ends_when_its_host_has_been_silent_for_30_s_unless_the_link_tells_when_it_goes() {
     for sees_host_go in [false, true] {
         let stored = Memory { active: Some(small_patch(Difference::Plain)), ..Memory::default() };
-        let mut device = Device::new(BoardFacts { sees_host_go, ..facts(8) }, stored);
+        let mut device =
+            Device::new(BoardFacts { sees_host_go, ..facts(8) }, stored, PipelineState::default());
         assert!(!device.check_host(60_000), "nothing streams");
         // Both are asked 5 s after the start.
         ask(&mut device, Request::Stream(Selection { contacts: 1, ..Selection::default() }));
@@ -190,13 +191,14 @@ fn a_stored_patch_that_rotted_counts_as_none() {
     let mut bytes = small_patch(Difference::Plain);
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
-    let device = Device::new(facts(16), Memory { active: Some(bytes), ..Memory::default() });
+    let device =
+        Device::new(facts(16), Memory { active: Some(bytes), ..Memory::default() }, PipelineState::default());
     assert!(device.patch().is_none());
 }
 
 #[test]
 fn a_patch_for_more_electrodes_than_are_wired_is_refused() {
-    let mut device = Device::new(facts(4), Memory::default());
+    let mut device = Device::new(facts(4), Memory::default(), PipelineState::default());
     let bytes = small_patch(Difference::Plain);
     let crc = PatchView::validate(&bytes).unwrap().crc();
     let refused = Reply::Refused(Refusal::Electrodes { patch: 8, board: 4 });
@@ -304,7 +306,11 @@ fn of_a_frame_the_tare_comes_first_then_contacts_health_codes_and_at_last_the_im
 }
 
 fn board_with_a_front_end() -> Device<Memory> {
-    let mut device = Device::new(BoardFacts { front_end: Some(FRONT_END), ..facts(16) }, Memory::default());
+    let mut device = Device::new(
+        BoardFacts { front_end: Some(FRONT_END), ..facts(16) },
+        Memory::default(),
+        PipelineState::default(),
+    );
     upload_good(&mut device, Difference::Normalised);
     device
 }
@@ -350,7 +356,11 @@ fn a_trim_is_kept_and_measured_with_and_one_that_no_part_needs_is_refused() {
     assert_eq!(ask(&mut device, Request::Trim(wild)), Reply::Refused(Refusal::Trim));
     let Reply::Info(info) = ask(&mut device, Request::Info) else { panic!("no info") };
     assert_eq!(info.front_end.unwrap().trim, trim);
-    let started = Device::new(BoardFacts { front_end: Some(FRONT_END), ..facts(16) }, device.store);
+    let started = Device::new(
+        BoardFacts { front_end: Some(FRONT_END), ..facts(16) },
+        device.store,
+        PipelineState::default(),
+    );
     assert_eq!(started.front_end().unwrap().trim, trim);
 }
 

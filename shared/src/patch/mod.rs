@@ -119,6 +119,14 @@ pub struct PatchHeader {
     pub detection: DetectionLayout,
 }
 
+impl PatchHeader {
+    /// Whether contacts are found in the data, at the patch's places, and not in the image.
+    #[must_use]
+    pub fn has_places(&self) -> bool {
+        self.detection.places > 0
+    }
+}
+
 /// Where one step's code goes: the measurement it adds to, or subtracts from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CombinedInto {

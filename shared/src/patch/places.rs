@@ -85,6 +85,16 @@ impl PlacesTables<'_> {
     }
 }
 
+/// Four columns of a row: two pairs, each beside those of the other rows of its group.
+#[inline(always)]
+fn mantissas(row: &[u8], four: usize) -> [i16; GROUP] {
+    let at = four * 8 * GROUP;
+    match row.get(at..at + 20).and_then(<[u8]>::first_chunk::<20>) {
+        Some(&[a, b, c, d, .., e, f, g, h]) => [[a, b], [c, d], [e, f], [g, h]].map(i16::from_le_bytes),
+        None => [0; GROUP],
+    }
+}
+
 /// The places of a patch, read in place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Places<'a> {
@@ -145,19 +155,31 @@ impl<'a> Places<'a> {
         Rows { count: self.count(), inputs: &[], columns: self.columns(), mantissas: self.mantissas }
     }
 
-    /// The response at a place, for [`Self::pair`].
+    /// The response at a place, for [`Self::four`].
     #[must_use]
     pub fn row(&self, place: usize) -> &'a [u8] {
         self.mantissas.get(2 * coefficient_index(self.columns(), place, 0)..).unwrap_or_default()
     }
 
-    /// Two columns next to each other of a row; an entry is `mantissa * 2^-(exponents of both)`.
+    /// Four columns of a row, the first of them `4 * four`; an entry is `mantissa * 2^-(exponents of both)`.
     #[inline(always)]
     #[must_use]
-    pub fn pair(row: &[u8], pair: usize) -> [f32; 2] {
-        let at = pair * 4 * GROUP;
-        let Some(&[a, b, c, d]) = row.get(at..at + 4).and_then(<[u8]>::first_chunk) else { return [0.0; 2] };
-        [i16::from_le_bytes([a, b]), i16::from_le_bytes([c, d])].map(f32::from)
+    pub fn four(row: &[u8], four: usize) -> [f32; GROUP] {
+        mantissas(row, four).map(f32::from)
+    }
+
+    /// The exact sum of a row's mantissas times codes, `[measurement]`.
+    #[must_use]
+    pub fn product(row: &[u8], codes: &[i16]) -> i64 {
+        let product = |four: usize, codes: &[i16; GROUP]| {
+            let products = mantissas(row, four).into_iter().zip(codes);
+            products.fold(0, |sum, (mantissa, &code)| sum + i64::from(i32::from(mantissa) * i32::from(code)))
+        };
+        let (fours, rest) = codes.as_chunks();
+        let mut last = [0; GROUP];
+        last.iter_mut().zip(rest).for_each(|(place, code)| *place = *code);
+        let sum = fours.iter().enumerate().fold(0, |sum, (four, codes)| sum + product(four, codes));
+        sum + product(fours.len(), &last)
     }
 
     fn columns(&self) -> usize {
@@ -225,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pair_of_columns_is_that_of_its_row() {
+    fn four_columns_are_those_of_their_row() {
         let mut mantissas = [0_i16; 32];
         for row in 0..2 {
             for column in 0..6 {
@@ -235,8 +257,9 @@ mod tests {
         let bytes: Vec<u8> = mantissas.iter().flat_map(|mantissa| mantissa.to_le_bytes()).collect();
         let places = tables(2, 0);
         let places = Places::new([&places, &[0; 6], &[0; 2], &bytes]);
-        assert_eq!(Places::pair(places.row(1), 2), [14.0, 15.0]);
-        assert_eq!(Places::pair(places.row(0), 0), [0.0, 1.0]);
-        assert_eq!(Places::pair(places.row(7), 9), [0.0, 0.0]);
+        assert_eq!(Places::four(places.row(1), 1), [14.0, 15.0, 0.0, 0.0]);
+        assert_eq!(Places::four(places.row(0), 0), [0.0, 1.0, 2.0, 3.0]);
+        assert_eq!(Places::four(places.row(7), 9), [0.0; 4]);
+        assert_eq!(Places::product(places.row(1), &[1, 0, 0, 100, -1000]), 10 + 13 * 100 - 14 * 1000);
     }
 }

@@ -1,5 +1,6 @@
 use super::{
     matrix::{GROUP, INTERPOLATION_EXPONENT, Interpolation, coefficient_index},
+    places::Place,
     *,
 };
 use crate::{
@@ -135,6 +136,54 @@ pub(crate) fn reciprocal_patch() -> std::vec::Vec<u8> {
     bytes_of(header, &steps, &combination, &[], 2, &matrix)
 }
 
+/// A square of 12 x 12 pixels of 10 mm with a place on each, to which 40 measurements here and there respond: by 0.1 where
+/// they are, less by distance.
+pub(crate) fn patch_with_places(level: f32) -> std::vec::Vec<u8> {
+    const ACROSS: u8 = 12;
+    const EXPONENT: i8 = 17;
+    let bytes = written(Difference::Normalised, ACROSS, 1);
+    let plain = PatchView::validate(&bytes).unwrap();
+    let centres: std::vec::Vec<_> =
+        plain.surface().pixels().map(|pixel| plain.surface().centre(&pixel)).collect();
+    let away = |a: &[f32; 3], b: &[f32; 3]| f64::from((a[0] - b[0]).hypot(a[1] - b[1]));
+    let mut mantissas = std::vec![0_i16; centres.len() * 40];
+    for (place, centre) in centres.iter().enumerate() {
+        for measurement in 0..40 {
+            let response = 0.1 * (-(away(centre, &centres[measurement * 47 % 144]) / 0.03).powi(2)).exp();
+            mantissas[coefficient_index(40, place, measurement)] =
+                (response * f64::from(EXPONENT).exp2()).round() as i16;
+        }
+    }
+    let places: std::vec::Vec<_> = (0..centres.len())
+        .map(|place| {
+            let mut others: std::vec::Vec<_> = (0..centres.len()).filter(|&other| other != place).collect();
+            others.sort_by(|&a, &b| {
+                away(&centres[place], &centres[a]).total_cmp(&away(&centres[place], &centres[b]))
+            });
+            Place { pixel: place as u16, neighbours: core::array::from_fn(|n| others[n] as u8) }
+        })
+        .collect();
+    let (pixels, neighbours) = square(ACROSS).tables();
+    let (steps, combination): (std::vec::Vec<_>, std::vec::Vec<_>) =
+        plain.steps().zip(plain.combination()).unzip();
+    let detection = DetectionLayout { places: places.len() as u16, level, radius: 0.01 };
+    written_with(&PatchContents {
+        header: &PatchHeader { detection, ..plain.header.clone() },
+        steps: &steps,
+        combination: &combination,
+        pixels: &pixels,
+        neighbours: &neighbours,
+        matrix: diagonal(ACROSS, 1).tables(),
+        places: PlacesTables {
+            places: &places,
+            column_exponents: &[0; 40],
+            row_exponents: &[EXPONENT; 144],
+            mantissas: &mantissas,
+        },
+        play_operators: &[],
+    })
+}
+
 /// All tables as bytes.
 fn bytes_of(
     header: PatchHeader,
@@ -146,7 +195,7 @@ fn bytes_of(
 ) -> std::vec::Vec<u8> {
     let (pixels, neighbours) = square(across).tables();
     let header = PatchHeader { matrix: matrix.tables().layout(), ..header };
-    let contents = PatchContents {
+    written_with(&PatchContents {
         play_operators,
         header: &header,
         steps,
@@ -155,8 +204,11 @@ fn bytes_of(
         neighbours: &neighbours,
         matrix: matrix.tables(),
         places: Default::default(),
-    };
-    let mut out = std::vec![0; 16_384];
+    })
+}
+
+fn written_with(contents: &PatchContents<'_>) -> std::vec::Vec<u8> {
+    let mut out = std::vec![0; 65_536];
     let length = contents.write(&mut out).unwrap();
     out.truncate(length);
     out

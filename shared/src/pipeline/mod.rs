@@ -82,10 +82,7 @@ pub fn sense(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) ->
     state.flags = FrameFlags::default();
     let mut measured = Measured::new();
     reference::combine(patch, frame, &mut measured);
-    let finds_in_data = patch.places().count() > 0;
-    if finds_in_data {
-        state.detector.see(&measured);
-    }
+    state.detector.see(patch, &measured);
     if let Some(outcome) = state.average(patch, frame, &measured) {
         return outcome;
     }
@@ -93,7 +90,7 @@ pub fn sense(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) ->
     reference.subtract(&mut measured);
     let differences = &measured;
     let follow = state.compare(patch, frame, differences);
-    if finds_in_data {
+    if patch.header.has_places() {
         state.contacts = state.detector.contacts(patch);
     } else {
         reconstruct(patch, &state.difference, &mut state.image);
@@ -106,14 +103,35 @@ pub fn sense(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) ->
 }
 
 /// Makes the image of the latest frame that [`sense`] took, unless the contacts came from it.
-#[inline(never)]
 pub fn draw(patch: &PatchView<'_>, state: &mut PipelineState) {
-    if patch.places().count() > 0 {
+    if patch.header.has_places() {
         reconstruct(patch, &state.difference, &mut state.image);
     }
 }
 
 impl PipelineState {
+    /// Forgets all, as before the first frame: in place, where a new one would lie on the stack first.
+    pub fn clear(&mut self) {
+        let Self {
+            tare,
+            reference,
+            drift,
+            bad_electrodes,
+            flags,
+            difference,
+            image,
+            contacts,
+            places,
+            detector,
+        } = self;
+        (*tare, *reference, *drift, *places) = (None, None, Drift::default(), Places::default());
+        (*bad_electrodes, *flags) = (ElectrodeSet::default(), FrameFlags::default());
+        difference.codes.clear();
+        image.clear();
+        contacts.clear();
+        detector.clear();
+    }
+
     /// Averages the next `frames` frames into a new reference.
     pub fn start_tare(&mut self, frames: u16) {
         self.tare = Some(Tare::new(frames));
@@ -137,6 +155,8 @@ impl PipelineState {
     }
 
     /// Adds a frame to the reference that is being averaged; none if there is nothing to average any more.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
     fn average(&mut self, patch: &PatchView<'_>, frame: &Frame, measured: &[i64]) -> Option<Outcome> {
         if self.reference.is_none() && self.tare.is_none() {
             self.tare = Some(Tare::of_steady_frames(DEFAULT_TARE_FRAMES));
@@ -148,8 +168,9 @@ impl PipelineState {
             }
             return Some(Outcome::Taring);
         }
-        self.detector.count();
-        let Some(reference) = tare.add(patch, measured) else { return Some(Outcome::Taring) };
+        let reference = tare.add(patch, measured);
+        self.detector.tare(tare.has_begun());
+        let Some(reference) = reference else { return Some(Outcome::Taring) };
         self.detector.begin(patch, &reference);
         (self.tare, self.reference, self.drift) = (None, Some(reference), Drift::default());
         self.places = Places::default();
@@ -172,7 +193,7 @@ impl PipelineState {
         let drift_time = patch.header.drift_time;
         let follow = self.drift.correct(&mut relative, reference.weights(), frame.timestamp_us, drift_time);
         self.difference.quantise(&relative, patch.matrix().column_exponents());
-        self.detector.detect(patch, &relative);
+        self.detector.detect(patch, &relative, reference);
         follow
     }
 
@@ -188,17 +209,15 @@ impl PipelineState {
 
     /// The reference follows a frame without contacts, where its measurements are known.
     fn follow(&mut self, patch: &PatchView<'_>, frame: &Frame, differences: &[i64], follow: Follow) {
-        if !self.contacts.is_empty() {
+        if !self.contacts.is_empty() || self.detector.is_undecided() {
             return self.drift.touch(frame.timestamp_us);
         }
-        if patch.places().count() > 0
-            && let Some(reference) = &self.reference
-        {
-            self.detector.count();
-            self.detector.refresh(patch, reference);
+        if frame.flags.intersects(DOUBTFUL) || self.flags.intersects(DOUBTFUL) {
+            return;
         }
-        let is_doubtful = frame.flags.intersects(DOUBTFUL) || self.flags.intersects(DOUBTFUL);
-        if let (Follow::Part(part), Some(reference), false) = (follow, &mut self.reference, is_doubtful) {
+        let Some(reference) = &mut self.reference else { return };
+        self.detector.follow(patch, reference);
+        if let Follow::Part(part) = follow {
             let mut parts = Changes::new();
             let _ = parts.resize(reference.sums().len(), part);
             mask_measurements(patch, self.bad_electrodes, &mut parts);

@@ -72,6 +72,12 @@ impl Tare {
         self.steady_frames.is_some()
     }
 
+    /// Whether the frame added last was the first, perhaps after others that differed from it.
+    #[must_use]
+    pub fn has_begun(&self) -> bool {
+        self.reference.frames == 1
+    }
+
     /// A frame is not fit for it; says whether there were four times as many as it needs, so that it gives up. One that
     /// began by itself never does.
     pub fn gives_up(&mut self) -> bool {
@@ -222,7 +228,7 @@ impl DifferenceData {
 }
 
 /// Makes a list as long as that, as far as it can be; values it had stay.
-fn resize<T: Copy + Default>(list: &mut Vec<T, MAX_MEASUREMENTS>, length: usize) {
+pub(super) fn resize<T: Copy + Default>(list: &mut Vec<T, MAX_MEASUREMENTS>, length: usize) {
     let _ = list.resize(length.min(MAX_MEASUREMENTS), T::default());
 }
 
@@ -232,7 +238,8 @@ pub(super) fn power_of_two(exponent: i32) -> f32 {
 }
 
 /// As `value as f32`; most values fit the one instruction that a small chip has for it.
-fn to_f32(value: i64) -> f32 {
+#[inline(always)]
+pub(super) fn to_f32(value: i64) -> f32 {
     // The compiler knows that both ways give the same, and would take the long one for all.
     i32::try_from(value).map_or_else(|_| value as f32, |value| core::hint::black_box(value) as f32)
 }

@@ -66,6 +66,7 @@ pub(super) const CASES: &[Case] = &[
         needs: NEEDS,
         run: speed::measured_once,
     },
+    Case { name: "the same with contacts found in the voltages", needs: NEEDS, run: speed::in_voltages },
     Case {
         name: "flash, static memory and stack stay within their limits",
         needs: NEEDS,
@@ -86,7 +87,12 @@ pub(super) const CASES: &[Case] = &[
         needs: NEEDS,
         run: host_gone,
     },
-    Case { name: "a press is found where it is", needs: NEEDS, run: presses::positions },
+    Case { name: "a press is found where it is", needs: NEEDS, run: presses::in_image },
+    Case {
+        name: "a fingertip is found in the voltages, as the host finds it",
+        needs: NEEDS,
+        run: presses::in_voltages,
+    },
 ];
 
 /// Compares what the board makes of a quiet skin with the circuit solved at the carrier's frequency.

@@ -1,12 +1,12 @@
 //! Presses: where the board finds them, and whether it keeps track of them.
 
 use super::{
-    super::Failure,
+    super::{Failure, pipeline::compare},
     ensure, next_with,
     session::{Session, stamps, tare},
 };
 use crate::rig::Rig;
-use dermatome::{link::Subscription, simulate::Press};
+use dermatome::{link::Subscription, simulate::Press, skin::FoundIn};
 use dermatome_shared::{
     calibration::{Calibration, CalibrationPoint},
     contact::Contacts,
@@ -17,13 +17,31 @@ use rand_pcg::Pcg64;
 
 /// Presses tried.
 const PRESSES: usize = 40;
+/// Frames compared with the host's.
+const COMPARED: usize = 100;
 /// Noise, over that of the parts: 60 dB at the median channel, where the parts alone leave 65.4 dB.
 const NOISE: f64 = 1.86;
 /// Largest normalised radius at which they lie.
 const LARGEST_RADIUS: f64 = 0.75;
 
-pub(super) fn positions(rig: &Rig) -> Result<String, Failure> {
-    let (session, mut link) = Session::open(rig, |skin| skin.drive.frame_rate = 10_000.0)?;
+pub(super) fn in_image(rig: &Rig) -> Result<String, Failure> {
+    positions(rig, FoundIn::Image, 0.02, 0.5)
+}
+
+/// A fingertip, of which an image shows little.
+pub(super) fn in_voltages(rig: &Rig) -> Result<String, Failure> {
+    let found = positions(rig, FoundIn::Voltages, 0.0084, 1.0)?;
+    let (session, mut link) = Session::open(rig, |skin| skin.contacts_found_in = FoundIn::Voltages)?;
+    let three = [[0.05, 0.02], [-0.05, 0.03], [0.0, -0.06]].map(|place| Press::finger(place, 0.0126, 1.0));
+    let frames = compare(&mut link, &session.patch(), COMPARED, || session.world.press(&three))?;
+    Ok(format!("{found}; {frames} frames of three as the host finds them, bit for bit"))
+}
+
+fn positions(rig: &Rig, found_in: FoundIn, finger: f64, depth: f64) -> Result<String, Failure> {
+    let (session, mut link) = Session::open(rig, |skin| {
+        skin.drive.frame_rate = 10_000.0;
+        skin.contacts_found_in = found_in;
+    })?;
     session.world.noise(NOISE);
     tare(&mut link, 20)?;
     let radius = 0.105;
@@ -36,7 +54,7 @@ pub(super) fn positions(rig: &Rig) -> Result<String, Failure> {
             radius * LARGEST_RADIUS * random.random::<f64>().sqrt(),
         );
         let position = [distance * angle.cos(), distance * angle.sin()];
-        session.world.press(&[Press::finger(position, 0.02, 0.5)]);
+        session.world.press(&[Press::finger(position, finger, depth)]);
         // The frame under way, and those that wait.
         stamps(&mut stream, 4)?;
         let (_, contacts) = contacts(&mut stream)?;
@@ -51,7 +69,8 @@ pub(super) fn positions(rig: &Rig) -> Result<String, Failure> {
     let worst = errors.iter().copied().fold(0.0, f64::max);
     ensure(mean <= 0.04, || format!("mean error {:.2} % of the diameter", 100.0 * mean))?;
     Ok(format!(
-        "{PRESSES} presses of 40 mm within {:.0} % of the radius, 60 dB: mean error {:.2} %, worst {:.2} % of the diameter",
+        "{PRESSES} presses of {:.0} mm within {:.0} % of the radius, 60 dB: mean error {:.2} %, worst {:.2} % of the diameter",
+        2e3 * finger,
         100.0 * LARGEST_RADIUS,
         100.0 * mean,
         100.0 * worst

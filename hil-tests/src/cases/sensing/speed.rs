@@ -12,7 +12,7 @@ use crate::{
 use dermatome::{
     link::Link,
     simulate::Press,
-    skin::{ImageLayout, Reciprocal},
+    skin::{FoundIn, ImageLayout, Reciprocal, Skin},
 };
 use dermatome_shared::{
     health::Vitals,
@@ -33,12 +33,6 @@ const SETTLING: f64 = 10e-6;
 /// Columns of pixels across the skin. The data of 16 electrodes tell some 80 things apart; 256 pixels find contacts as
 /// well as 812 do, and a third of the products leaves time for everything else at these rates.
 const COLUMNS: u8 = 18;
-/// Share of time in which the CPU may work.
-const MOST_LOAD: f64 = 0.6;
-/// Longest time from the last sample of a frame to the first byte of its contacts, s: of one, and of three.
-const LONGEST_LATENCY: [f64; 2] = [1.005e-3, 1.25e-3];
-/// What the board says of its load may be off by this share of time: it looks five times a second.
-const MOST_LOAD_ERROR: f64 = 0.03;
 /// Temperatures of the emulated chip, degrees Celsius.
 const ROOM: Range<f32> = 15.0..50.0;
 /// In this time the board looks at all of its stack.
@@ -48,32 +42,80 @@ const LIMIT: usize = 112 * 1024;
 /// Flash that it may take, of 124 KiB.
 const FLASH_LIMIT: usize = 120 * 1024;
 
+/// How a skin is measured, and how fast it has to be.
+struct Speed {
+    reciprocal: Reciprocal,
+    /// Carrier frequency, Hz.
+    frequency: f64,
+    /// Time to settle, s.
+    settling: f64,
+    contacts_found_in: FoundIn,
+    /// Every how many frames there is an image; 0 without.
+    images: u16,
+    /// Least frames a second.
+    least: f64,
+    /// Largest share of time in which the CPU works.
+    most_load: f64,
+    /// By how much of time the board may be wrong in what it says of its load: it looks five times a second.
+    most_load_error: f64,
+    /// Longest time from the last sample of a frame to the first byte of its contacts, s: of one, and of three.
+    longest_latency: [f64; 2],
+}
+
+/// 10 us would be half a period; a quarter is enough for what the carrier settles to.
+const MEASURED_TWICE: Speed = Speed {
+    reciprocal: Reciprocal::Combined,
+    frequency: 50e3,
+    settling: SETTLING / 2.0,
+    contacts_found_in: FoundIn::Image,
+    images: 0,
+    least: 150.0,
+    most_load: 0.6,
+    most_load_error: 0.03,
+    longest_latency: [1.01e-3, 1.25e-3],
+};
+const MEASURED_ONCE: Speed = Speed {
+    reciprocal: Reciprocal::Once,
+    frequency: 100e3,
+    settling: SETTLING,
+    least: 400.0,
+    ..MEASURED_TWICE
+};
+/// With as many images as a screen shows.
+const IN_VOLTAGES: Speed = Speed {
+    contacts_found_in: FoundIn::Voltages,
+    images: 8,
+    most_load: 0.75,
+    // Frames with a search for another press take longer, and come and go.
+    most_load_error: 0.1,
+    longest_latency: [4e-3, 15e-3],
+    ..MEASURED_ONCE
+};
+
 pub(super) fn measured_twice(rig: &Rig) -> Result<String, Failure> {
-    // 10 us would be half a period; a quarter is enough for what the carrier settles to.
-    measure(rig, Reciprocal::Combined, 50e3, SETTLING / 2.0, 150.0)
+    measure(rig, &MEASURED_TWICE)
 }
 
 pub(super) fn measured_once(rig: &Rig) -> Result<String, Failure> {
-    measure(rig, Reciprocal::Once, 100e3, SETTLING, 400.0)
+    measure(rig, &MEASURED_ONCE)
 }
 
-fn measure(
-    rig: &Rig,
-    reciprocal: Reciprocal,
-    frequency: f64,
-    settling: f64,
-    least: f64,
-) -> Result<String, Failure> {
+pub(super) fn in_voltages(rig: &Rig) -> Result<String, Failure> {
+    measure(rig, &IN_VOLTAGES)
+}
+
+fn measure(rig: &Rig, speed: &Speed) -> Result<String, Failure> {
     let (session, mut link) = Session::open(rig, |skin| {
-        skin.drive.reciprocal = reciprocal;
-        skin.drive.frequency = frequency;
-        skin.drive.settling = settling * frequency;
+        skin.drive.reciprocal = speed.reciprocal;
+        skin.drive.frequency = speed.frequency;
+        skin.drive.settling = speed.settling * speed.frequency;
+        skin.contacts_found_in = speed.contacts_found_in;
         skin.drive.frame_rate = 10_000.0;
         skin.image = ImageLayout::Grid { columns: COLUMNS };
     })?;
     tare(&mut link, 20)?;
     session.world.press(&[PRESS]);
-    let mut stream = link.subscribe(CONTACTS)?;
+    let mut stream = link.subscribe(Selection { images: speed.images, ..CONTACTS })?;
     let first = stamps(&mut stream, 40)?;
     let before = session.board.with(|machine| (machine.now(), machine.slept()));
     session.board.with(|machine| machine.chip(|chip| drop(chip.trace.take())));
@@ -83,14 +125,14 @@ fn measure(
     let (start, end) = (first[first.len() - 1], later[later.len() - 1]);
     let frames = end.sequence - start.sequence;
     let rate = f64::from(frames) / ((end.timestamp_us - start.timestamp_us) as f64 * 1e-6);
-    ensure(rate >= least, || format!("{rate:.1} frames a second"))?;
+    ensure(rate >= speed.least, || format!("{rate:.1} frames a second"))?;
     let load = 1.0 - after.1.since(before.1).seconds() / after.0.since(before.0).seconds();
-    ensure(load <= MOST_LOAD, || format!("the CPU works {:.0} % of the time", 100.0 * load))?;
+    ensure(load <= speed.most_load, || format!("the CPU works {:.0} % of the time", 100.0 * load))?;
     let of_one = latency(&session, stream.link())?;
     session.world.press(&THREE);
     stamps(&mut stream, 60)?;
     let of_three = latency(&session, stream.link())?;
-    for (latency, longest) in [of_one, of_three].into_iter().zip(LONGEST_LATENCY) {
+    for (latency, longest) in [of_one, of_three].into_iter().zip(speed.longest_latency) {
         ensure(latency <= longest, || {
             format!("{:.3} ms from the last sample to the contacts", 1e3 * latency)
         })?;
@@ -99,7 +141,7 @@ fn measure(
     stream.stop()?;
     let vitals = vitals(&session, &mut link)?;
     let off = (f64::from(vitals.load) - load).abs();
-    ensure(off <= MOST_LOAD_ERROR, || {
+    ensure(off <= speed.most_load_error, || {
         format!("the board says a load of {:.1} %, it is {:.1} %", 100.0 * vitals.load, 100.0 * load)
     })?;
     let pixels = session.patch().header.pixels;
@@ -173,9 +215,10 @@ fn contact_packets(events: &[(Time, TraceEvent)]) -> Vec<(Time, u64)> {
 /// Uses everything once, and measures what is left.
 pub(super) fn memory(rig: &Rig) -> Result<String, Failure> {
     let firmware = &rig.emulated_rig().firmware;
-    let (session, mut link) = Session::open(rig, |_| ())?;
+    let in_voltages = |skin: &mut Skin| skin.contacts_found_in = FoundIn::Voltages;
+    let (session, mut link) = Session::open(rig, in_voltages)?;
     tare(&mut link, 20)?;
-    session.world.press(&[PRESS]);
+    session.world.press(&THREE);
     let all = Selection { images: 1, contacts: 1, measurements: 1, health: 1, scope: 1, scope_slot: 3 };
     let mut stream = link.subscribe(all)?;
     stamps(&mut stream, 50)?;

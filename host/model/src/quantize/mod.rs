@@ -27,7 +27,7 @@ use dermatome_shared::{
     surface::MAX_NEIGHBOURS,
     units::RelativeConductivity,
 };
-use faer::{Col, Mat};
+use faer::{Col, ColRef, Mat};
 use interpolation::{Interpolated, Occurring};
 use rand::{Rng, SeedableRng};
 use serde::Serialize;
@@ -38,17 +38,9 @@ fn fixed_point(
     column_exponents: Vec<i8>,
     interpolated: &Interpolated,
 ) -> Result<FixedMatrix, PatchBuildError> {
-    let (mut row_exponents, mut mantissas) = (Vec::new(), Vec::new());
-    for &pixel in &interpolated.order[..interpolated.from_data] {
-        let scaled = |(value, exponent): (&f64, &i8)| value * f64::from(*exponent).exp2();
-        let row: Vec<f64> = matrix.row(pixel).iter().zip(&column_exponents).map(scaled).collect();
-        let largest = row.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
-        let finite = row.iter().all(|value| value.is_finite());
-        let exponent = finest_exponent(largest).filter(|_| finite);
-        let exponent = exponent.ok_or(PatchBuildError::Matrix { largest })?;
-        row_exponents.push(exponent);
-        mantissas.extend(row.iter().map(|value| rounded(*value, exponent)));
-    }
+    let from_data =
+        interpolated.order[..interpolated.from_data].iter().map(|&pixel| matrix.row(pixel).transpose());
+    let (row_exponents, mantissas) = rounded_rows(from_data, &column_exponents)?;
     let mut fixed = FixedMatrix::from_data(column_exponents, row_exponents, &mantissas);
     for step in &interpolated.interpolations {
         let inputs: Vec<u16> = step.inputs.iter().map(|&position| position as u16).collect();
@@ -60,6 +52,25 @@ fn fixed_point(
     Ok(fixed.in_order(&interpolated.order))
 }
 
+/// Exponents and mantissas of rows, `[row]` and `[row][measurement]`, each with the finest exponent that fits.
+fn rounded_rows<'a>(
+    rows: impl Iterator<Item = ColRef<'a, f64>>,
+    column_exponents: &[i8],
+) -> Result<(Vec<i8>, Vec<i16>), PatchBuildError> {
+    let (mut row_exponents, mut mantissas) = (Vec::new(), Vec::new());
+    for row in rows {
+        let scaled = |(value, exponent): (&f64, &i8)| value * f64::from(*exponent).exp2();
+        let row: Vec<f64> = row.iter().zip(column_exponents).map(scaled).collect();
+        let largest = row.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
+        let finite = row.iter().all(|value| value.is_finite());
+        let exponent = finest_exponent(largest).filter(|_| finite);
+        let exponent = exponent.ok_or(PatchBuildError::Matrix { largest })?;
+        row_exponents.push(exponent);
+        mantissas.extend(row.iter().map(|value| rounded(*value, exponent)));
+    }
+    Ok((row_exponents, mantissas))
+}
+
 /// By how many octaves each measurement's data are larger than others', and its column smaller: `[measurement]`.
 ///
 /// Data have 16 bits, and so has a row. Where some voltages are small, as those far from the current's electrodes, their
@@ -69,8 +80,12 @@ fn column_exponents(model: &Model) -> Vec<i8> {
     let changes =
         model.jacobian.row_iter().zip(model.divisors()).map(|(row, divisor)| row.norm_l2() / divisor.abs());
     let weights = model.conductivity_from_difference.col_iter().map(|column| column.norm_l2());
-    let octaves: Vec<f64> =
-        changes.zip(weights).map(|(change, weight)| 0.5 * (change / weight).log2()).collect();
+    exponents_of(changes.zip(weights).map(|(change, weight)| 0.5 * (change / weight).log2()))
+}
+
+/// Exponents that take off so many octaves less than the most that any has: `[measurement]`.
+fn exponents_of(octaves: impl Iterator<Item = f64>) -> Vec<i8> {
+    let octaves: Vec<f64> = octaves.collect();
     let most = octaves.iter().copied().filter(|octave| octave.is_finite()).fold(f64::NEG_INFINITY, f64::max);
     let least = f64::from(*COLUMN_EXPONENTS.start());
     let exponent =
@@ -215,7 +230,7 @@ fn check_limits(model: &Model) -> Result<SurfaceTables, PatchBuildError> {
     }
 }
 
-/// The header; its counts and its calibration are set where it is written.
+/// The header; its counts, its calibration and how presses are looked for are set where it is written.
 fn header(skin: &Skin, model: &Model, tables: &SurfaceTables) -> PatchHeader {
     PatchHeader {
         skin: skin.name.as_str().try_into().expect("a checked skin's name fits"),
@@ -234,10 +249,7 @@ fn header(skin: &Skin, model: &Model, tables: &SurfaceTables) -> PatchHeader {
         test_resistances: test_resistances(skin, model).map(|ohms| ohms as f32).collect(),
         play_operators: 0,
         matrix: MatrixLayout::default(),
-        detection: match skin.contacts_found_in {
-            FoundIn::Image => DetectionLayout::default(),
-            FoundIn::Voltages => responses::layout(model),
-        },
+        detection: DetectionLayout::default(),
     }
 }
 

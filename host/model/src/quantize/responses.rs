@@ -4,13 +4,10 @@
 //! pixels, each where the places before explain a press least, so that they lie closest where presses are easiest told
 //! apart, near the electrodes.
 
-use super::{PatchBuildError, finest_exponent, rounded};
+use super::{PatchBuildError, exponents_of, rounded_rows};
 use crate::model::Model;
 use dermatome_patch::places::FixedPlaces;
-use dermatome_shared::patch::{
-    matrix::COLUMN_EXPONENTS,
-    places::{DetectionLayout, MAX_PLACES, PLACE_NEIGHBOURS, Place},
-};
+use dermatome_shared::patch::places::{DetectionLayout, MAX_PLACES, PLACE_NEIGHBOURS, Place};
 use faer::Mat;
 use nalgebra::{Point3, Vector3};
 
@@ -18,11 +15,6 @@ use nalgebra::{Point3, Vector3};
 const RADIUS: f64 = 0.045;
 /// Standard deviations that noise passes less than once an hour in all places, at 400 frames a second.
 const LEVEL: f32 = 5.8;
-
-/// How presses are looked for; the number of places is set where the patch is written.
-pub(super) fn layout(model: &Model) -> DetectionLayout {
-    DetectionLayout { places: 0, level: LEVEL, radius: radius(model) as f32 }
-}
 
 fn radius(model: &Model) -> f64 {
     RADIUS * model.pixels.larger_side()
@@ -41,18 +33,13 @@ pub(super) fn places(model: &Model) -> Result<FixedPlaces, PatchBuildError> {
         pixel: chosen[place] as u16,
         neighbours: round(&centres, &model.pixels.normals[chosen[place]], place),
     };
-    let column_exponents = column_exponents(&noise);
-    let (mut row_exponents, mut mantissas) = (Vec::new(), Vec::new());
-    for &pixel in &chosen {
-        let scaled = |(value, exponent): (&f64, &i8)| value * f64::from(*exponent).exp2();
-        let row: Vec<f64> = responses.col(pixel).iter().zip(&column_exponents).map(scaled).collect();
-        let largest = row.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
-        let exponent = finest_exponent(largest).ok_or(PatchBuildError::Matrix { largest })?;
-        row_exponents.push(exponent);
-        mantissas.extend(row.iter().map(|&value| rounded(value, exponent)));
-    }
+    // So that the responses in units of the noise are alike in size, and so are the data that they meet.
+    let column_exponents = exponents_of(noise.iter().map(|noise| -noise.abs().log2()));
+    let rows = chosen.iter().map(|&pixel| responses.col(pixel));
+    let (row_exponents, mantissas) = rounded_rows(rows, &column_exponents)?;
+    let layout = DetectionLayout { places: 0, level: LEVEL, radius: radius(model) as f32 };
     let places = (0..chosen.len()).map(place).collect();
-    Ok(FixedPlaces::new(places, column_exponents, row_exponents, &mantissas))
+    Ok(FixedPlaces::new(layout, places, column_exponents, row_exponents, &mantissas))
 }
 
 /// What the standard press on each pixel changes difference data by: `[measurement][pixel]`.
@@ -122,15 +109,4 @@ fn round(centres: &[Point3<f64>], normal: &Vector3<f64>, place: usize) -> [u8; P
     let more: Vec<usize> = others.into_iter().filter(|other| !round.contains(other)).collect();
     round.extend(more.into_iter().take(PLACE_NEIGHBOURS - round.len()));
     std::array::from_fn(|n| round[n] as u8)
-}
-
-/// So that the responses in units of the noise are alike in size, and so are the data that they meet: `[measurement]`.
-fn column_exponents(noise: &[f64]) -> Vec<i8> {
-    let octaves: Vec<f64> = noise.iter().map(|noise| -noise.abs().log2()).collect();
-    let most = octaves.iter().copied().filter(|octave| octave.is_finite()).fold(f64::NEG_INFINITY, f64::max);
-    let least = f64::from(*COLUMN_EXPONENTS.start());
-    let exponent = |octave: &f64| {
-        if octave.is_finite() { (octave - most).round().max(least) as i8 } else { least as i8 }
-    };
-    octaves.iter().map(exponent).collect()
 }

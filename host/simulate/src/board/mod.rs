@@ -27,6 +27,7 @@ use dermatome_shared::{
     device::{Arrival, BoardFacts, Device, PatchStore},
     frame::Frame,
     patch::PatchView,
+    pipeline::PipelineState,
     protocol::{FrameSource, Identity, Request, RequestPacket, Selection},
     restart::Restart,
 };
@@ -151,7 +152,11 @@ impl SimulatedBoard {
         let address = listener.local_addr().map_err(|reason| listen_error(options.listen, reason))?;
         let stop = Arc::new(AtomicBool::new(false));
         let worker = Worker {
-            device: Device::new(facts(options.electrodes, instrument.front_end()), store),
+            device: Device::new(
+                facts(options.electrodes, instrument.front_end()),
+                store,
+                PipelineState::default(),
+            ),
             table: None,
             scanner: Scanner::new(Box::new(instrument)),
             pace: options.pace,

@@ -5,150 +5,209 @@
 //! wherever a lies. S is diagonal, as the board measured it ([`super::noise`]). The patch has the responses at some hundred
 //! places.
 //!
-//! The presses of the frame before are fitted to the new one (`fit`); what they leave is searched for another, until no
-//! place has one. A press that noise, or what the others leave unexplained, accounts for is none.
+//! A change that is common to all voltages is no press, but drift, and says nothing of where one lies: it is taken out of
+//! data and responses.
+//!
+//! The presses of the frame before are fitted to the new one (`fit`); what they leave is searched for another. That takes
+//! most of the time: where there are presses, it is done in the frame after one that was found, and else not in all. A
+//! press that noise, or what the others leave unexplained, accounts for is none.
 
+mod filter;
 mod fit;
+mod press;
+mod spot;
+mod sums;
+mod system;
 
 use super::{
     noise::Noise,
-    reconstruct::{self, LOW_BITS},
-    reference::{Changes, DifferenceData, Reference, power_of_two},
+    reference::{Changes, Reference},
 };
 use crate::{
     contact::{Contact, Contacts, Evidence},
     limits::MAX_CONTACTS,
-    patch::{
-        PatchView,
-        matrix::GROUP,
-        places::{MAX_PLACES, Places},
-    },
+    patch::PatchView,
 };
-pub use fit::Press;
-use fit::{Fit, MAX_PRESSES};
+use filter::Norms;
+use fit::{Fit, Skin};
 use heapless::Vec;
+use press::Press;
+use sums::Sums;
 
+/// Most presses, with satellites.
+const MAX_PRESSES: usize = MAX_CONTACTS + 2;
+/// Most unknowns.
+const MAX_UNKNOWNS: usize = spot::UNKNOWNS * MAX_CONTACTS;
 /// Places whose normalisation is brought up to date in one frame.
-const REFRESHED: usize = 4;
-/// A press that is one stays one until its significance falls below this share of the level.
-const RELEASE: f32 = 0.7;
-/// Weaker ones than this share of the strongest are none, as with the quarter of an image's peak.
-const LEAST_SHARE: f32 = 0.2;
+const REFRESHED: usize = 2;
+/// Frames with presses that are not searched for another, after one in which there was none.
+const PAUSE: u8 = 1;
+/// The same after one that was tried and was none: trying takes long.
+const PAUSE_AFTER_REFUSAL: u8 = 3;
+/// How many presses leave time for a search in each frame.
+const PRESSES_IN_A_FRAME: usize = 3;
+/// After so many frames that presses do not account for, what changed is something else.
+const UNDECIDED: u8 = 20;
 
-/// What detection remembers from frame to frame.
+/// What detection remembers from frame to frame. For a patch without places it does nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Detector {
     noise: Noise,
     /// Inverse variances of the data: `[measurement]`.
-    weights: Changes,
-    /// 1 / sqrt(a' S^-1 a): `[place]`.
-    norms: Vec<f32, MAX_PLACES>,
+    inverse_variances: Changes,
+    norms: Norms,
     /// The place whose norm is next to be brought up to date.
     next: usize,
+    /// The latest frame's data, and sums over it.
+    sums: Sums,
     /// Presses of the latest frame with their satellites.
     presses: Vec<Press, MAX_PRESSES>,
-    /// The same as contacts.
-    contacts: Presses,
+    /// Frames of which they do not account for most, one after the other.
+    unexplained: u8,
+    /// Frames that are not searched for another press beside them.
+    pause: u8,
 }
 
 /// Presses of one frame, strongest first.
-pub type Presses = Vec<Press, MAX_CONTACTS>;
+type Presses = Vec<Press, MAX_CONTACTS>;
 
 impl Detector {
-    /// Takes in a frame's measurements.
-    #[inline(never)]
-    pub fn see(&mut self, measured: &[i64]) {
-        self.noise.see(measured);
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.noise.restart();
+        self.sums.clear();
+        self.forget_presses();
     }
 
-    /// The frame seen last, and the one before, were of an untouched skin.
-    #[inline(never)]
-    pub fn count(&mut self) {
+    /// Nothing presses, and nothing is found until the noise is judged.
+    fn forget_presses(&mut self) {
+        self.presses.clear();
+        self.norms.clear();
+        (self.unexplained, self.pause) = (0, 0);
+    }
+
+    /// Takes in a frame's measurements.
+    pub fn see(&mut self, patch: &PatchView<'_>, measured: &[i64]) {
+        if patch.header.has_places() {
+            self.noise.see(measured);
+        }
+    }
+
+    /// The frame seen last is part of a reference, perhaps the first of it.
+    pub fn tare(&mut self, is_first: bool) {
+        if is_first {
+            self.noise.restart();
+        }
         self.noise.count();
     }
 
     /// A new reference: nothing presses.
-    #[inline(never)]
     pub fn begin(&mut self, patch: &PatchView<'_>, reference: &Reference) {
-        self.presses.clear();
-        self.contacts.clear();
-        self.norms.clear();
-        self.next = 0;
-        if patch.places().count() == 0 {
-            return;
-        }
-        self.noise.inverse_variances(patch, reference, &mut self.weights);
-        let places = patch.places();
-        self.norms = (0..places.count()).map(|place| norm(&places, place, &self.weights)).collect();
+        self.forget_presses();
+        self.judge_noise(patch, reference);
     }
 
-    /// Follows the noise, a few places in each frame.
-    #[inline(never)]
-    pub fn refresh(&mut self, patch: &PatchView<'_>, reference: &Reference) {
-        if self.norms.is_empty() {
+    /// The frame seen last was in order and showed no press: follows the noise, a few places in each frame.
+    pub fn follow(&mut self, patch: &PatchView<'_>, reference: &Reference) {
+        if !patch.header.has_places() || !self.presses.is_empty() {
             return;
         }
+        self.noise.count();
+        if self.norms.is_empty() {
+            return self.judge_noise(patch, reference);
+        }
         if self.next == 0 {
-            self.noise.inverse_variances(patch, reference, &mut self.weights);
+            self.noise.inverse_variances(patch, reference, &mut self.inverse_variances);
         }
         let places = patch.places();
         for place in self.next..self.next + REFRESHED {
             if let Some(known) = self.norms.get_mut(place) {
-                *known = norm(&places, place, &self.weights);
+                *known = filter::norm(&places, place, &self.inverse_variances, reference.weights());
             }
         }
         self.next = if self.next + REFRESHED < places.count() { self.next + REFRESHED } else { 0 };
     }
 
-    /// The presses in relative changes, `[measurement]`; those that are not finite say nothing.
-    #[inline(always)]
-    pub fn detect(&mut self, patch: &PatchView<'_>, relative: &[f32]) {
+    /// Takes the noise as it is known now, if it is; until then there are no norms, and nothing is found.
+    fn judge_noise(&mut self, patch: &PatchView<'_>, reference: &Reference) {
+        if patch.header.has_places() && self.noise.is_known() {
+            self.noise.inverse_variances(patch, reference, &mut self.inverse_variances);
+            let (places, weights, common) = (patch.places(), &self.inverse_variances, reference.weights());
+            let norm = |place| filter::norm(&places, place, weights, common);
+            self.norms = (0..places.count()).map(norm).collect();
+            self.next = 0;
+        }
+    }
+
+    /// Looks for presses in relative changes from a reference, `[measurement]`; those that are not finite say nothing.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    pub fn detect(&mut self, patch: &PatchView<'_>, relative: &[f32], reference: &Reference) {
         if self.norms.is_empty() {
             return;
         }
-        self.search(patch, relative);
-    }
-
-    // Not inlined, so that what it needs of the stack is free again for all else.
-    #[inline(never)]
-    fn search(&mut self, patch: &PatchView<'_>, relative: &[f32]) {
         let level = patch.header.detection.level;
-        let mut left = Changes::new();
-        let mut fit = Fit::of_nothing(patch, relative, &self.weights);
-        if !self.presses.is_empty() {
-            fit = fit::refined(patch, &self.presses, relative, &self.weights);
-            fit.retain(|press, fit| press.significance >= RELEASE * level && fit.is_worth(press));
-        }
-        while fit.has_room() {
-            fit.left(patch, relative, &mut left);
-            let Some(press) = self.loudest(patch, &left, &fit) else { break };
-            let mut more = fit.presses.clone();
-            let _ = more.push(press);
-            let next = fit::refined(patch, &more, relative, &self.weights);
-            let gain = next.explained - fit.explained;
-            // What the presses leave unexplained is noise of a kind: of another one it asks for more.
-            let is_more = next.presses.len() > fit.presses.len() && gain > level * level * next.misfit();
-            if !(is_more && next.presses.iter().all(|press| next.is_worth(press))) {
+        let skin = Skin::of(patch, reference.weights());
+        self.sums.take(relative, &self.inverse_variances, reference.weights());
+        let mut fit = Fit::of(&skin, &self.presses, &self.sums.data);
+        while !fit.presses.is_empty() {
+            fit.refine(&mut self.sums);
+            if !fit.retain(|press| press.is_held(level)) {
                 break;
             }
-            fit = next;
         }
-        self.contacts = if fit.is_explained() { fit.contacts() } else { Presses::new() };
-        let least = LEAST_SHARE * self.contacts.first().map_or(0.0, |press| press.strength);
-        self.contacts.retain(|press| press.strength >= least);
-        self.presses = fit.presses;
+        if fit.presses.is_empty() || self.pause == 0 {
+            self.pause = self.add_another(&mut fit, level);
+        } else {
+            self.pause -= 1;
+        }
+        let is_explained = fit.presses.is_empty() || fit.is_explained();
+        self.unexplained = if is_explained { 0 } else { self.unexplained.saturating_add(1) };
+        self.presses.clear();
+        self.presses.extend(fit.presses.iter().cloned());
     }
 
-    /// The presses as contacts, strongest first. Strengths are those over the area of the standard press.
-    #[inline(never)]
+    /// Adds one press more to the fit, if the data ask for it; says how many frames need not be asked next.
+    fn add_another(&mut self, fit: &mut Fit<'_>, level: f32) -> u8 {
+        if !fit.has_room() {
+            return PAUSE;
+        }
+        let Some(press) = fit.loudest(&mut self.sums.data, &self.norms, level) else { return PAUSE };
+        let mut next = fit.clone();
+        let _ = next.presses.push(press);
+        next.refine(&mut self.sums);
+        // It may lie where one of the others was taken to be.
+        let has_gone = next.retain(|_| true);
+        if has_gone && next.presses.iter().any(Press::is_new) {
+            next.refine(&mut self.sums);
+        }
+        // What the presses leave unexplained is noise of a kind: of another one it asks for more.
+        let is_more = next.explained - fit.explained > level * level * next.misfit();
+        if is_more && next.presses.iter().any(Press::is_new) {
+            fit.clone_from(&next);
+            (fit.presses.len() / PRESSES_IN_A_FRAME) as u8
+        } else {
+            PAUSE_AFTER_REFUSAL
+        }
+    }
+
+    /// Whether the latest frame may turn out to be pressed, although presses do not account for it yet.
+    #[must_use]
+    pub fn is_undecided(&self) -> bool {
+        (1..UNDECIDED).contains(&self.unexplained)
+    }
+
+    /// Contacts of the latest frame, strongest first; none if it is of another kind than presses are, such as a sheet
+    /// that became a better conductor. Strengths are those over the area of the standard press.
     #[must_use]
     pub fn contacts(&self, patch: &PatchView<'_>) -> Contacts {
+        if self.unexplained > 0 {
+            return Contacts::new();
+        }
         let (places, surface, radius) = (patch.places(), patch.surface(), patch.header.detection.radius);
         let contact = |press: &Press| Contact {
             position: press.position,
-            normal: surface
-                .pixel(press.pixel(&places))
-                .map_or([0.0, 0.0, 1.0], |pixel| surface.normal(&pixel)),
+            normal: spot::at(&surface, &places, press.spot.place()).1,
             area: core::f32::consts::PI * radius * radius,
             strength: press.strength,
             peak: press.strength,
@@ -160,48 +219,9 @@ impl Detector {
                 strength_deviation: press.strength_deviation,
             }),
         };
-        self.contacts.iter().map(contact).collect()
-    }
-
-    /// A press where the matched filter is largest and above the level. Beside another press it is its satellite.
-    #[inline(never)]
-    fn loudest(&self, patch: &PatchView<'_>, left: &[f32], fit: &Fit) -> Option<Press> {
-        let places = patch.places();
-        let weighted: Changes = left.iter().zip(&self.weights).map(|(y, weight)| y * weight).collect();
-        let mut data = DifferenceData::default();
-        data.quantise(&weighted, places.column_exponents());
-        let mut values = [0; MAX_PLACES];
-        let count = places.count().next_multiple_of(GROUP).min(MAX_PLACES);
-        reconstruct::products(&places.rows(), &data, &mut values[..count]);
-        let level = patch.header.detection.level;
-        let (mut best, mut most) = (None, level);
-        let rows = values.iter().zip(places.row_exponents()).zip(&self.norms);
-        for (place, ((&value, exponent), &norm)) in rows.enumerate() {
-            let exponent = LOW_BITS - i32::from(exponent) - data.exponent;
-            let z = value as f32 * power_of_two(exponent.clamp(-126, 127)) * norm;
-            if z > most {
-                (best, most) = (Some((place, z * norm)), z);
-            }
-        }
-        let (place, strength) = best?;
-        // Fitting its place explains some more, but hardly twice as much.
-        let is_lost = 2.0 * most * most < level * level * fit.misfit_after(2.0 * most * most);
-        (!is_lost).then(|| Press::at(place, strength, fit.is_beside(patch, place, strength)))
+        press::gathered(&self.presses, radius).iter().map(contact).collect()
     }
 }
 
-/// 1 / sqrt(a' S^-1 a) of a place.
-fn norm(places: &Places<'_>, place: usize, weights: &[f32]) -> f32 {
-    let row = places.row_exponent(place);
-    let own = places.row(place);
-    let mut exponents = places.column_exponents();
-    let mut square = 0.0;
-    for (pair, weights) in weights.chunks(2).enumerate() {
-        for (mantissa, weight) in Places::pair(own, pair).into_iter().zip(weights) {
-            square +=
-                mantissa * mantissa * weight * power_of_two(-2 * i32::from(exponents.next().unwrap_or(0)));
-        }
-    }
-    let size = libm::sqrtf(square) * power_of_two(-i32::from(row));
-    if size > 0.0 { 1.0 / size } else { 0.0 }
-}
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,60 @@
+//! Matched filter: where data resemble the response to a press most, in the fixed point of images.
+
+use crate::{
+    patch::{
+        matrix::GROUP,
+        places::{MAX_PLACES, Places},
+    },
+    pipeline::{
+        reconstruct::{self, LOW_BITS},
+        reference::{DifferenceData, power_of_two},
+    },
+};
+use heapless::Vec;
+
+/// 1 / sqrt(a' S^-1 a) of the responses a, without what they have in common with a change that is common to all, and less
+/// the exponents of their rows: `[place]`.
+pub(super) type Norms = Vec<f32, MAX_PLACES>;
+
+/// The place where z = a' S^-1 y / sqrt(a' S^-1 a) is largest, if above zero, and that z. The data y come
+/// without what is common to all, times their inverse variances S^-1: `[measurement]`.
+// Not inlined, so that what it needs of the stack is free again for all else.
+#[inline(never)]
+pub(super) fn loudest(places: &Places<'_>, data: &DifferenceData, norms: &Norms) -> Option<(usize, f32)> {
+    let mut values = [0; MAX_PLACES];
+    let count = places.count().next_multiple_of(GROUP).min(MAX_PLACES);
+    reconstruct::products(&places.rows(), data, &mut values[..count]);
+    let (mut place, mut most) = (None, 0.0);
+    for (n, (&value, norm)) in values.iter().zip(norms).enumerate() {
+        let z = value as f32 * norm;
+        if z > most {
+            (place, most) = (Some(n), z);
+        }
+    }
+    Some((place?, most * power_of_two(LOW_BITS - data.exponent)))
+}
+
+/// The norm of a place under inverse variances, `[measurement]`, without what it has in common with a change that is
+/// common to all.
+pub(super) fn norm(places: &Places<'_>, place: usize, weights: &[f32], common: &[f32]) -> f32 {
+    let own = places.row(place);
+    let mut exponents = places.column_exponents();
+    let (mut square, mut with_common, mut of_common) = (0.0, 0.0, 0.0);
+    for (four, (weights, common)) in weights.chunks(GROUP).zip(common.chunks(GROUP)).enumerate() {
+        for ((mantissa, weight), common) in Places::four(own, four).into_iter().zip(weights).zip(common) {
+            let response = mantissa * power_of_two(-i32::from(exponents.next().unwrap_or(0)));
+            square += weight * response * response;
+            with_common += weight * response * common;
+            of_common += weight * common * common;
+        }
+    }
+    if of_common > 0.0 {
+        square -= with_common * with_common / of_common;
+    }
+    if square > 0.0 { 1.0 / libm::sqrtf(square) } else { 0.0 }
+}
+
+/// The strength of a press whose z is this.
+pub(super) fn strength(places: &Places<'_>, place: usize, norms: &Norms, z: f32) -> f32 {
+    z * norms.get(place).map_or(0.0, |norm| norm * power_of_two(places.row_exponent(place).into()))
+}

@@ -1,0 +1,182 @@
+//! Presses, and which of them are one: a press that is larger or smaller than the standard one leaves satellites beside it.
+
+use super::{
+    MAX_PRESSES, Presses,
+    spot::{Response, Spot, UNKNOWNS, square},
+};
+use crate::patch::places::Places;
+use heapless::Vec;
+
+/// A press that is one stays one until its significance falls below this share of the level.
+const RELEASE: f32 = 0.7;
+/// Unless its strength falls below this share of what it was in the frame before.
+const LIFTED: f32 = 0.5;
+/// Weaker ones than this share of the strongest are none, as with the quarter of an image's peak.
+const LEAST_SHARE: f32 = 0.2;
+/// Presses closer than this are one, radii of the standard press.
+const ONE_REACH: f32 = 3.4;
+/// One that is weaker than this share of a stronger one belongs to it within this reach.
+const SATELLITE: f32 = 0.45;
+const SATELLITE_REACH: f32 = 3.9;
+
+/// One press, or a satellite, which stays on its place.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Press {
+    /// The place that it is next to.
+    pub(super) spot: Spot,
+    /// Offset from there, m.
+    pub(super) offset: [f32; 2],
+    /// Its centre, m.
+    pub(super) position: [f32; 3],
+    /// Standard deviation of its centre along each axis of the skin, m.
+    pub(super) position_deviation: f32,
+    /// Strength: 1 for the standard press.
+    pub(super) strength: f32,
+    /// Strength in the frame before, where it was one then.
+    pub(super) before: f32,
+    /// Standard deviation of the strength.
+    pub(super) strength_deviation: f32,
+    /// By how many standard deviations it is above zero.
+    pub(super) significance: f32,
+}
+
+impl Press {
+    /// A press that is not fitted yet.
+    pub(super) fn at(spot: Spot, strength: f32) -> Self {
+        Self {
+            position: spot.point([0.0; 2]),
+            spot,
+            offset: [0.0; 2],
+            position_deviation: 0.0,
+            strength,
+            before: 0.0,
+            strength_deviation: 0.0,
+            significance: 0.0,
+        }
+    }
+
+    /// Its position by its offset, no farther than slopes hold for.
+    pub(super) fn settle(&mut self) {
+        self.offset = self.spot.within_reach(self.offset);
+        self.position = self.spot.point(self.offset);
+    }
+
+    /// What it adds to the data.
+    pub(super) fn response<'a>(&self, places: &Places<'a>) -> Response<'a> {
+        self.spot.response(places, self.strength, self.offset)
+    }
+
+    /// Whether it belongs to another press.
+    pub(super) fn is_satellite(&self) -> bool {
+        self.spot.is_fixed()
+    }
+
+    /// How many unknowns it has.
+    pub(super) fn unknowns(&self) -> usize {
+        if self.is_satellite() { 1 } else { UNKNOWNS }
+    }
+
+    /// Whether it was none in the frame before.
+    pub(super) fn is_new(&self) -> bool {
+        self.before == 0.0
+    }
+
+    /// Whether a press of the frame before is one still.
+    pub(super) fn is_held(&self, level: f32) -> bool {
+        let level = if self.strength < LIFTED * self.before { level } else { RELEASE * level };
+        self.significance >= level
+    }
+
+    /// Whether it is strong enough beside others, of which this is the strongest.
+    pub(super) fn is_worth(&self, strongest: f32) -> bool {
+        self.strength > 0.0 && (self.is_satellite() || self.strength >= LEAST_SHARE * strongest)
+    }
+
+    /// Its strength, for what is a share of it.
+    pub(super) fn size(&self) -> f32 {
+        self.strength.abs().max(1e-6)
+    }
+
+    /// Whether another press there, of this strength, is one with it.
+    pub(super) fn is_joined_by(&self, position: [f32; 3], strength: f32, radius: f32) -> bool {
+        let reach = if strength < SATELLITE * self.strength { SATELLITE_REACH } else { ONE_REACH };
+        square(self.position, position) < reach * reach * radius * radius
+    }
+
+    /// Takes its satellite in: what is pressed lies in the middle of both.
+    fn take_in(&mut self, satellite: &Self) {
+        let strength = self.strength + satellite.strength;
+        let share = satellite.strength / strength;
+        for (here, there) in self.position.iter_mut().zip(satellite.position) {
+            *here += share * (there - *here);
+        }
+        let root = |a: f32, b: f32| libm::sqrtf(a * a + b * b);
+        self.significance = root(self.significance, satellite.significance);
+        self.strength_deviation = root(self.strength_deviation, satellite.strength_deviation);
+        self.strength = strength;
+    }
+}
+
+/// The presses with all that lies beside them taken in, strongest first.
+pub(super) fn gathered(presses: &Vec<Press, MAX_PRESSES>, radius: f32) -> Presses {
+    let mut left = presses.clone();
+    left.sort_unstable_by(|a, b| b.strength.total_cmp(&a.strength));
+    let mut found = Presses::new();
+    for press in left {
+        let away = |one: &&mut Press| square(one.position, press.position);
+        let near = found.iter_mut().min_by(|a, b| away(a).total_cmp(&away(b)));
+        match near {
+            Some(near)
+                if press.is_satellite() || near.is_joined_by(press.position, press.strength, radius) =>
+            {
+                near.take_in(&press);
+            }
+            _ => {
+                let _ = found.push(press);
+            }
+        }
+    }
+    found.sort_unstable_by(|a, b| b.strength.total_cmp(&a.strength));
+    let least = LEAST_SHARE * found.first().map_or(0.0, |press| press.strength);
+    found.retain(|press| press.strength >= least);
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn press(x: f32, strength: f32) -> Press {
+        Press { position: [x, 0.0, 0.0], significance: 10.0 * strength, ..Press::at(Spot::free(), strength) }
+    }
+
+    #[test]
+    fn a_weak_press_beside_a_strong_one_is_part_of_it_and_one_as_strong_is_not() {
+        // Radius 10 mm: as strong ones are one within 34 mm, weak ones within 39 mm.
+        for (away, strength, count) in
+            [(0.036, 0.4, 1), (0.036, 0.5, 2), (0.033, 0.9, 1), (0.04, 0.4, 2), (0.035, 1.0, 2)]
+        {
+            let presses = Vec::from_slice(&[press(away, strength), press(0.0, 1.0)]).unwrap();
+            let found = gathered(&presses, 0.01);
+            assert_eq!(found.len(), count, "{strength} at {away} m: {found:?}");
+            let sum: f32 = found.iter().map(|press| press.strength).sum();
+            assert!((sum - 1.0 - strength).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn what_is_taken_in_moves_the_press_by_its_share() {
+        let satellite = Press { spot: Spot::default(), ..press(0.03, 0.5) };
+        let found = gathered(&Vec::from_slice(&[press(0.0, 1.0), satellite]).unwrap(), 0.01);
+        assert_eq!(found.len(), 1);
+        assert!((found[0].position[0] - 0.01).abs() < 1e-6, "{found:?}");
+        assert!((found[0].significance - 125.0_f32.sqrt()).abs() < 1e-4, "{found:?}");
+    }
+
+    #[test]
+    fn a_fifth_of_the_strongest_is_the_least() {
+        let presses = [press(0.0, 1.0), press(0.1, 0.19), press(0.2, 0.21)];
+        let found = gathered(&Vec::from_slice(&presses).unwrap(), 0.01);
+        assert_eq!(found.iter().map(|press| press.strength).collect::<std::vec::Vec<_>>(), [1.0, 0.21]);
+    }
+}

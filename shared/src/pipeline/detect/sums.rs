@@ -1,0 +1,230 @@
+//! Sums over the measurements that a fit is made of: inner products of the responses of presses with each other and with the
+//! data, weighted by the noise. Most presses stay where they were, so that the former are kept from frame to frame.
+
+use super::spot::{Spot, UNKNOWNS};
+use crate::{
+    patch::{matrix::GROUP, places::Places},
+    pipeline::reference::{Changes, DifferenceData, power_of_two, resize},
+};
+use heapless::Vec;
+
+/// How many of presses with each other are kept: those of ten presses, and of some that are tried.
+const KEPT: usize = 64;
+/// And of presses with the data.
+const KEPT_OF_DATA: usize = 16;
+
+/// Of response and slopes with the data.
+type Side = [f32; UNKNOWNS];
+/// Of response and slopes of one spot with those of another.
+type Block = [Side; UNKNOWNS];
+
+/// The data of a frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Data {
+    /// Relative changes without what is common to all: `[measurement]`.
+    pub(super) values: Changes,
+    /// Their inverse variances, 0 where one says nothing: `[measurement]`.
+    pub(super) weights: Changes,
+    /// Sum of their squares, in units of the noise's variance.
+    pub(super) energy: f32,
+    /// How many of them say something.
+    pub(super) known: f32,
+    /// Made when asked for.
+    codes: DifferenceData,
+}
+
+/// The data of the latest frame, and sums in use lately.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Sums {
+    pub(super) data: Data,
+    /// By two spots.
+    blocks: Kept<Block, KEPT>,
+    /// By spot.
+    sides: Kept<Side, KEPT_OF_DATA>,
+}
+
+impl Sums {
+    /// Forgets all.
+    pub(super) fn clear(&mut self) {
+        self.data.weights.clear();
+        self.blocks.clear();
+    }
+
+    /// Relative changes of a new frame with their inverse variances, less the change that is common to all:
+    /// `[measurement]`.
+    pub(super) fn take(&mut self, relative: &[f32], inverse_variances: &[f32], common: &[f32]) {
+        let Data { values, weights, energy, known, codes } = &mut self.data;
+        let count = relative.len().min(inverse_variances.len());
+        resize(values, count);
+        resize(weights, count);
+        *known = 0.0;
+        let mut is_other = false;
+        let places = values.iter_mut().zip(&mut *weights);
+        for ((&y, &weight), (value, known_weight)) in relative.iter().zip(inverse_variances).zip(places) {
+            let (y, weight) = if y.is_finite() { (y, weight) } else { (0.0, 0.0) };
+            is_other |= *known_weight != weight;
+            (*value, *known_weight) = (y, weight);
+            *known += if weight > 0.0 { 1.0 } else { 0.0 };
+        }
+        take_out(common, weights, values);
+        *energy = values.iter().zip(&*weights).map(|(y, weight)| weight * y * y).sum();
+        if is_other {
+            self.blocks.clear();
+        }
+        self.sides.clear();
+        codes.codes.clear();
+    }
+
+    /// `one' S^-1 y` of the data y.
+    pub(super) fn with_data(&mut self, places: &Places<'_>, one: &Spot) -> Side {
+        let data = &mut self.data;
+        self.sides.get(one.key().into(), || one.of_places(|place| data.with(places, place)))
+    }
+
+    /// `one' S^-1 other`, less what both have in common with a change that is common to all.
+    pub(super) fn with_other(
+        &mut self,
+        places: &Places<'_>,
+        common: &[f32],
+        one: &Spot,
+        other: &Spot,
+    ) -> Block {
+        let is_turned = one.key() > other.key();
+        let (one, other) = if is_turned { (other, one) } else { (one, other) };
+        let key = u32::from(one.key()) << 16 | u32::from(other.key());
+        let weights = &self.data.weights;
+        let block = self.blocks.get(key, || block(places, weights, common, one, other));
+        if is_turned { [0, 1, 2].map(|i| [0, 1, 2].map(|j| block[j][i])) } else { block }
+    }
+}
+
+impl Data {
+    /// `a' S^-1 y` of the response a at a place.
+    fn with(&mut self, places: &Places<'_>, place: usize) -> f32 {
+        let codes = self.codes(places);
+        let exponent = -i32::from(places.row_exponent(place)) - codes.exponent;
+        Places::product(places.row(place), &codes.codes) as f32 * power_of_two(exponent.clamp(-126, 127))
+    }
+
+    /// The data as they meet responses.
+    pub(super) fn codes(&mut self, places: &Places<'_>) -> &DifferenceData {
+        if self.codes.codes.is_empty() {
+            self.codes = codes(places, &self.values, &self.weights);
+        }
+        &self.codes
+    }
+}
+
+/// Values times their inverse variances, `[measurement]`, as they meet responses.
+pub(super) fn codes(places: &Places<'_>, values: &[f32], weights: &[f32]) -> DifferenceData {
+    let weighted: Changes = values.iter().zip(weights).map(|(y, weight)| y * weight).collect();
+    let mut codes = DifferenceData::default();
+    codes.quantise(&weighted, places.column_exponents());
+    codes
+}
+
+// Not inlined, so that what it needs of the stack is free again for all else.
+#[inline(never)]
+fn block(places: &Places<'_>, weights: &[f32], common: &[f32], one: &Spot, other: &Spot) -> Block {
+    let (rows, columns) = (one.columns(places), other.columns(places));
+    let is_same = one.key() == other.key();
+    let mut exponents = places.column_exponents();
+    let mut block = Block::default();
+    let (mut of_one, mut of_other, mut of_common) = (Side::default(), Side::default(), 0.0);
+    for (four, (weights, common)) in weights.chunks(GROUP).zip(common.chunks(GROUP)).enumerate() {
+        let left = rows.four(four);
+        let mut right = if is_same { left } else { columns.four(four) };
+        let mut weighted = [0.0; GROUP];
+        for (n, (weight, common)) in weights.iter().zip(common).enumerate() {
+            let scale = power_of_two(-i32::from(exponents.next().unwrap_or(0)));
+            weighted[n] = weight * common * scale;
+            of_common += weight * common * common;
+            of_other.iter_mut().zip(&right).for_each(|(sum, right)| *sum += right[n] * weighted[n]);
+            right.iter_mut().for_each(|right| right[n] *= weight * scale * scale);
+        }
+        // What lies behind the last column is zero in both.
+        for ((sums, of_one), left) in block.iter_mut().zip(&mut of_one).zip(&left) {
+            *of_one += dot(left, &weighted);
+            sums.iter_mut().zip(&right).for_each(|(sum, right)| *sum += dot(left, right));
+        }
+    }
+    let inverse = if of_common > 0.0 { 1.0 / of_common } else { 0.0 };
+    for (sums, one) in block.iter_mut().zip(of_one) {
+        sums.iter_mut().zip(of_other).for_each(|(sum, other)| *sum -= one * other * inverse);
+    }
+    block
+}
+
+/// Takes the change that is common to all out of others, under these weights: `[measurement]`.
+pub(super) fn take_out(common: &[f32], weights: &[f32], values: &mut [f32]) {
+    let (mut of_common, mut of_values) = (0.0, 0.0);
+    for ((common, weight), value) in common.iter().zip(weights).zip(&*values) {
+        of_common += weight * common * common;
+        of_values += weight * common * value;
+    }
+    if of_common > 0.0 {
+        let share = of_values / of_common;
+        values.iter_mut().zip(common).for_each(|(value, common)| *value -= share * common);
+    }
+}
+
+fn dot(a: &[f32; GROUP], b: &[f32; GROUP]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// What was made lately, so that it need not be made again.
+#[derive(Clone, Debug, PartialEq)]
+struct Kept<Value, const COUNT: usize> {
+    keys: Vec<u32, COUNT>,
+    values: Vec<Value, COUNT>,
+    /// The one that makes room for the next, once all are there.
+    oldest: usize,
+}
+
+impl<Value, const COUNT: usize> Default for Kept<Value, COUNT> {
+    fn default() -> Self {
+        Self { keys: Vec::new(), values: Vec::new(), oldest: 0 }
+    }
+}
+
+impl<Value: Copy, const COUNT: usize> Kept<Value, COUNT> {
+    fn clear(&mut self) {
+        self.keys.clear();
+        self.values.clear();
+        self.oldest = 0;
+    }
+
+    fn get(&mut self, key: u32, make: impl FnOnce() -> Value) -> Value {
+        if let Some(at) = self.keys.iter().position(|known| *known == key) {
+            return self.values[at];
+        }
+        let value = make();
+        if self.keys.push(key).is_err() || self.values.push(value).is_err() {
+            (self.keys[self.oldest], self.values[self.oldest]) = (key, value);
+            self.oldest = (self.oldest + 1) % COUNT;
+        }
+        value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_kept_is_made_once_and_the_oldest_makes_room() {
+        let mut kept = Kept::<u32, 4>::default();
+        let mut made = std::vec::Vec::new();
+        for key in [1, 2, 1, 3, 4, 2, 5, 1, 3, 2] {
+            let value = kept.get(key, || {
+                made.push(key);
+                10 * key
+            });
+            assert_eq!(value, 10 * key);
+        }
+        // 5 took the room of 1, 1 that of 2, and 2 that of 3.
+        assert_eq!(made, [1, 2, 3, 4, 5, 1, 2]);
+        kept.clear();
+        assert_eq!(kept.get(5, || 7), 7);
+    }
+}

@@ -1,0 +1,181 @@
+use crate::{
+    frame::Frame,
+    patch::{
+        PatchView,
+        places::Places,
+        tests::{flat_frame, patch_with_places},
+    },
+    pipeline::{Outcome, PipelineState, process},
+    units::AdcCode,
+};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use std::vec::Vec;
+
+const CODE: f64 = 1e6;
+const LEVEL: f32 = 5.5;
+
+/// A patch with places, the board's state, and noise of this share of the voltages.
+struct Trial {
+    bytes: Vec<u8>,
+    state: PipelineState,
+    random: Pcg64Mcg,
+    noise: f64,
+}
+
+impl Trial {
+    fn new(noise: f64, tare: u16) -> Self {
+        let mut trial = Self {
+            bytes: patch_with_places(LEVEL),
+            state: PipelineState::default(),
+            random: Pcg64Mcg::seed_from_u64(7),
+            noise,
+        };
+        trial.state.start_tare(tare);
+        for _ in 0..tare {
+            trial.frame(&[], |_| 0.0);
+        }
+        trial
+    }
+
+    fn patch(&self) -> PatchView<'_> {
+        PatchView::validate(&self.bytes).unwrap()
+    }
+
+    /// A frame under presses of these strengths on these places, changed by some more: `[measurement]`.
+    fn frame(&mut self, presses: &[(usize, f64)], more: impl Fn(usize) -> f64) -> Outcome {
+        let patch = PatchView::validate(&self.bytes).unwrap();
+        let places = patch.places();
+        let code = |m: usize| {
+            let response = |&(place, strength): &(usize, f64)| {
+                let mantissa = Places::four(places.row(place), m / 4)[m % 4];
+                strength * f64::from(mantissa) * f64::from(-places.row_exponent(place)).exp2()
+            };
+            let change = presses.iter().map(response).sum::<f64>() + more(m);
+            let noise: f64 = (0..12).map(|_| self.random.random_range(-0.5..0.5)).sum();
+            AdcCode((CODE * (1.0 + change + self.noise * noise)) as i32)
+        };
+        let codes = (0..40).map(code).collect();
+        process(&patch, &mut self.state, &Frame { codes, ..flat_frame(0) })
+    }
+
+    /// Contacts after some frames of the same: place nearest to each, strength, significance.
+    fn found(&mut self, presses: &[(usize, f64)], frames: usize) -> Vec<(usize, f32, f32)> {
+        (0..frames).for_each(|_| assert_eq!(self.frame(presses, |_| 0.0), Outcome::Image));
+        self.contacts()
+    }
+
+    fn contacts(&self) -> Vec<(usize, f32, f32)> {
+        let patch = self.patch();
+        let surface = patch.surface();
+        let found = self.state.contacts().iter().map(|contact| {
+            let away =
+                |centre: [f32; 3]| (centre[0] - contact.position[0]).hypot(centre[1] - contact.position[1]);
+            let centres = surface.pixels().map(|pixel| away(surface.centre(&pixel)));
+            let (place, _) = centres.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+            (place, contact.strength, contact.evidence.unwrap().significance)
+        });
+        found.collect()
+    }
+}
+
+#[test]
+fn presses_are_found_one_in_each_frame_with_their_strengths_and_go_when_they_are_lifted() {
+    let mut trial = Trial::new(1e-4, 20);
+    let presses = [(27, 1.0), (117, 0.6)];
+    let first = trial.found(&presses, 1);
+    assert_eq!(first.iter().map(|found| found.0).collect::<Vec<_>>(), [27]);
+    for frames in [1, 5] {
+        let found = trial.found(&presses, frames);
+        let [one, other] = found[..] else { panic!("{found:?}") };
+        assert!(one.0 == 27 && (one.1 - 1.0).abs() < 0.02, "{one:?}");
+        assert!(other.0 == 117 && (other.1 - 0.6).abs() < 0.02, "{other:?}");
+        assert!(one.2 > 100.0 && other.2 > 100.0);
+    }
+    assert!(trial.found(&[], 1).is_empty());
+}
+
+#[test]
+fn the_louder_the_noise_the_less_significant_is_a_press_until_it_is_none() {
+    let mut last = f32::INFINITY;
+    for (noise, is_found) in [(1e-4, true), (1e-3, true), (1e-2, true), (1e-1, false)] {
+        let mut trial = Trial::new(noise, 20);
+        let found = trial.found(&[(66, 1.0)], 1);
+        assert_eq!(!found.is_empty(), is_found, "{noise}: {found:?}");
+        if let [(place, _, significance)] = found[..] {
+            assert!(place == 66 || noise > 1e-3, "{noise}: {place}");
+            assert!(significance < last / 5.0, "{noise}: {significance} after {last}");
+            last = significance;
+        }
+        assert!(trial.found(&[], 300).is_empty());
+    }
+}
+
+#[test]
+fn a_press_beside_a_stronger_one_is_part_of_it() {
+    // Radius 10 mm, place to place 10 mm: 30 mm are within reach, 50 mm are not.
+    for (other, contacts) in [(69, 1), (71, 2)] {
+        let mut trial = Trial::new(1e-4, 20);
+        let found = trial.found(&[(66, 1.0), (other, 1.0)], 12);
+        assert_eq!(found.len(), contacts, "{found:?}");
+        let sum: f32 = found.iter().map(|found| found.1).sum();
+        assert!((sum - 2.0).abs() < 0.1, "{found:?}");
+    }
+}
+
+#[test]
+fn a_change_of_all_voltages_is_no_press_and_hides_none() {
+    for common in [0.05, -0.05] {
+        let mut trial = Trial::new(1e-4, 20);
+        for _ in 0..3 {
+            trial.frame(&[], |_| common);
+            assert!(trial.contacts().is_empty());
+        }
+        for _ in 0..3 {
+            trial.frame(&[(66, 1.0)], |_| common);
+        }
+        let found = trial.contacts();
+        assert!(matches!(found[..], [(66, strength, _)] if (strength - 1.0).abs() < 0.05), "{found:?}");
+    }
+}
+
+#[test]
+fn what_presses_do_not_account_for_is_no_contact() {
+    let mut trial = Trial::new(1e-4, 20);
+    for _ in 0..10 {
+        trial.frame(&[], |m| if m % 2 == 0 { 0.03 } else { -0.03 });
+        assert!(trial.contacts().is_empty(), "{:?}", trial.contacts());
+    }
+}
+
+#[test]
+fn what_comes_in_pieces_is_undecided_for_some_frames_and_noise_never_is() {
+    let mut trial = Trial::new(1e-3, 20);
+    for _ in 0..100 {
+        trial.frame(&[], |_| 0.0);
+        assert!(!trial.state.detector.is_undecided());
+    }
+    let mut most = 0;
+    for percent in 0..20 {
+        let mut trial = Trial::new(1e-4, 20);
+        let of_no_press = |m: usize| f64::from(percent) / 100.0 * if m % 2 == 0 { 0.3 } else { -0.3 };
+        let mut undecided = 0;
+        for _ in 0..60 {
+            trial.frame(&[(66, 1.0)], of_no_press);
+            undecided += usize::from(trial.state.detector.is_undecided());
+        }
+        assert!(undecided < super::UNDECIDED.into(), "{percent} %: {undecided}");
+        most = most.max(undecided);
+    }
+    assert_eq!(most, usize::from(super::UNDECIDED) - 1);
+}
+
+#[test]
+fn nothing_is_found_before_the_noise_is_known() {
+    let mut trial = Trial::new(1e-3, 1);
+    assert!(trial.found(&[], 7).is_empty());
+    assert!(trial.found(&[(66, 1.0)], 1).is_empty());
+    let mut trial = Trial::new(1e-3, 1);
+    assert!(trial.found(&[], 40).is_empty());
+    assert_eq!(trial.found(&[(66, 1.0)], 1).len(), 1);
+}
