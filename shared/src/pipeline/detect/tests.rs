@@ -158,7 +158,8 @@ fn what_comes_in_pieces_is_undecided_for_some_frames_and_noise_never_is() {
     let mut most = 0;
     for percent in 0..20 {
         let mut trial = Trial::new(1e-4, 20);
-        let of_no_press = |m: usize| f64::from(percent) / 100.0 * if m % 2 == 0 { 0.3 } else { -0.3 };
+        let of_no_press =
+            |m: usize| f64::from(percent) / 100.0 * if m.is_multiple_of(2) { 0.3 } else { -0.3 };
         let mut undecided = 0;
         for _ in 0..60 {
             trial.frame(&[(66, 1.0)], of_no_press);
