@@ -79,9 +79,13 @@ impl FrameFlags {
     pub const MASKED: Self = Self(1 << 7);
     /// The board's chip is hotter than it may be.
     pub const HOT: Self = Self(1 << 8);
+    /// Voltages have changed unlike a press: a stretched skin, a moved electrode, a sheet that changed.
+    pub const UNLIKE_PRESS: Self = Self(1 << 9);
+    /// What pressed when the reference was made has been lifted.
+    pub const LIFTED: Self = Self(1 << 10);
 
     /// Each flag with what it says, in few words.
-    pub const ALL: [(Self, &str); 9] = [
+    pub const ALL: [(Self, &str); 11] = [
         (Self::SATURATED, "saturated"),
         (Self::OPEN_ELECTRODE, "open electrode"),
         (Self::SHORTED_ELECTRODE, "shorted electrode"),
@@ -91,6 +95,8 @@ impl FrameFlags {
         (Self::MISSED, "samples missed"),
         (Self::MASKED, "bad electrodes masked"),
         (Self::HOT, "chip too hot"),
+        (Self::UNLIKE_PRESS, "changed unlike a press"),
+        (Self::LIFTED, "was touched in the tare"),
     ];
 
     /// What the flags that are set say, in few words.

@@ -17,7 +17,8 @@ pub struct FixedPlaces {
 }
 
 impl FixedPlaces {
-    /// Places and the responses to a press there: `mantissas` `[place][measurement]`. The layout's count is set.
+    /// Places, and the responses to a press there and then to smooth changes: `mantissas` `[row][measurement]`. The
+    /// layout's counts are set.
     ///
     /// # Panics
     /// Panics if there is not a mantissa for each row and column.
@@ -30,8 +31,9 @@ impl FixedPlaces {
         mantissas: &[i16],
     ) -> Self {
         let columns = column_exponents.len();
-        assert_eq!(mantissas.len(), places.len() * columns, "a mantissa for each row and column");
-        let layout = DetectionLayout { places: places.len() as u16, ..layout };
+        assert_eq!(mantissas.len(), row_exponents.len() * columns, "a mantissa for each row and column");
+        let smooth = row_exponents.len() - places.len();
+        let layout = DetectionLayout { places: places.len() as u16, smooth: smooth as u8, ..layout };
         Self { layout, mantissas: in_groups(mantissas, columns), places, column_exponents, row_exponents }
     }
 

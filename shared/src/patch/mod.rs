@@ -19,9 +19,9 @@
 //! ..      2 * inputs          positions that the interpolations take, u16
 //! ..      8 * places          pixel, u16, and six neighbours, u8 each, see [`places`]
 //! ..      measurements        exponents of the columns of the responses, i8; none without places
-//! ..      places              exponents of their rows, i8
+//! ..      places + smooth     exponents of their rows, i8
 //! ..      2 * mantissas       reconstruction matrix, i16, see [`matrix::coefficient_index`]
-//! ..      ..                  responses of a press at the places, i16, in the same order
+//! ..      ..                  responses of a press at the places, then of smooth changes, i16, in the same order
 //! ..      4                   CRC-32 (ISO-HDLC) of all bytes before it
 //! ```
 //!
@@ -51,14 +51,14 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 pub use error::PatchError;
 use heapless::{String, Vec};
 use matrix::{Matrix, MatrixLayout, MatrixTables};
-use places::{DetectionLayout, MAX_PLACES, Places, PlacesTables};
+use places::{DetectionLayout, MAX_PLACES, MAX_SMOOTH, Places, PlacesTables};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
 /// First bytes of every patch.
 pub const MAGIC: [u8; 4] = *b"DSKP";
 /// Version of the layout above.
-pub const FORMAT_VERSION: u16 = 7;
+pub const FORMAT_VERSION: u16 = 8;
 /// Checksum of patches and packets.
 pub const CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
@@ -368,6 +368,7 @@ impl<'a> PatchView<'a> {
         range("pixels", header.pixels.into(), 1, MAX_PIXELS)?;
         range("neighbours", header.neighbours.into(), 0, MAX_NEIGHBOURS)?;
         range("detection.places", header.detection.places.into(), 0, MAX_PLACES)?;
+        range("detection.smooth", header.detection.smooth.into(), 0, MAX_SMOOTH)?;
         range("matrix.from_data", header.matrix.from_data.into(), 1, header.pixels.into())?;
         let positive = |field, value: f32| {
             if value.is_finite() && value > 0.0 { Ok(()) } else { Err(PatchError::NotPositive { field }) }

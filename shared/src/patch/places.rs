@@ -15,6 +15,8 @@ use serde::{Deserialize, Serialize};
 pub const MAX_PLACES: usize = 256;
 /// Places that each place has for neighbours.
 pub const PLACE_NEIGHBOURS: usize = 6;
+/// Most smooth changes.
+pub const MAX_SMOOTH: usize = 8;
 
 /// Bytes of a place: its pixel and its neighbours.
 const PLACE_BYTES: usize = 2 + PLACE_NEIGHBOURS;
@@ -28,6 +30,10 @@ pub struct DetectionLayout {
     pub level: f32,
     /// Radius of the standard press, m.
     pub radius: f32,
+    /// Smooth changes of the sheet that a press is told from, of no place, in rows behind those of the places.
+    pub smooth: u8,
+    /// Time over which still frames are averaged, s; 0 takes each for itself.
+    pub averaging: f32,
 }
 
 impl DetectionLayout {
@@ -37,8 +43,9 @@ impl DetectionLayout {
         if places == 0 {
             return [0; 4];
         }
-        let mantissas = places.next_multiple_of(GROUP) * columns.next_multiple_of(GROUP);
-        [PLACE_BYTES * places, columns, places, 2 * mantissas]
+        let rows = places + usize::from(self.smooth);
+        let mantissas = rows.next_multiple_of(GROUP) * columns.next_multiple_of(GROUP);
+        [PLACE_BYTES * places, columns, rows, 2 * mantissas]
     }
 }
 
@@ -70,7 +77,7 @@ pub struct PlacesTables<'a> {
     pub places: &'a [Place],
     /// Exponents of the columns: `[measurement]`.
     pub column_exponents: &'a [i8],
-    /// Exponents of the rows: `[place]`.
+    /// Exponents of the rows: `[place]`, then `[smooth change]`.
     pub row_exponents: &'a [i8],
     /// Mantissas, see [`coefficient_index`].
     pub mantissas: &'a [i16],
@@ -132,7 +139,7 @@ impl<'a> Places<'a> {
         self.column_exponents.iter().map(|&byte| byte as i8)
     }
 
-    /// Exponents of the rows: `[place]`.
+    /// Exponents of the rows: `[place]`, then `[smooth change]`.
     pub fn row_exponents(&self) -> impl Iterator<Item = i8> + Clone + use<'a> {
         self.row_exponents.iter().map(|&byte| byte as i8)
     }
@@ -149,10 +156,21 @@ impl<'a> Places<'a> {
         self.mantissas
     }
 
-    /// The responses as rows that meet data.
+    /// How many rows there are behind those of the places: the responses to smooth changes.
+    #[must_use]
+    pub fn smooth(&self) -> usize {
+        self.row_exponents.len() - self.count()
+    }
+
+    /// The responses, of places and then of smooth changes, as rows that meet data.
     #[must_use]
     pub fn rows(&self) -> Rows<'a> {
-        Rows { count: self.count(), inputs: &[], columns: self.columns(), mantissas: self.mantissas }
+        Rows {
+            count: self.row_exponents.len(),
+            inputs: &[],
+            columns: self.columns(),
+            mantissas: self.mantissas,
+        }
     }
 
     /// The response at a place, for [`Self::four`].
@@ -197,6 +215,9 @@ impl<'a> Places<'a> {
                 return Err(PatchError::NotPositive { field });
             }
         }
+        if !layout.averaging.is_finite() || layout.averaging < 0.0 {
+            return Err(PatchError::NotPositive { field: "detection.averaging" });
+        }
         if let Some(measurement) =
             self.column_exponents().position(|exponent| !COLUMN_EXPONENTS.contains(&exponent))
         {
@@ -217,7 +238,8 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
-    const LAYOUT: DetectionLayout = DetectionLayout { places: 2, level: 5.0, radius: 0.01 };
+    const LAYOUT: DetectionLayout =
+        DetectionLayout { places: 2, level: 5.0, radius: 0.01, smooth: 0, averaging: 0.0 };
 
     fn tables(pixel: u16, neighbour: u8) -> Vec<u8> {
         let places = [Place { pixel: 3, neighbours: [1; 6] }, Place { pixel, neighbours: [neighbour; 6] }];

@@ -138,19 +138,28 @@ pub(crate) fn reciprocal_patch() -> std::vec::Vec<u8> {
 
 /// A square of 12 x 12 pixels of 10 mm with a place on each, to which 40 measurements here and there respond: by 0.1 where
 /// they are, less by distance.
-pub(crate) fn patch_with_places(level: f32) -> std::vec::Vec<u8> {
+pub(crate) fn patch_with_places(level: f32, averaging: f32) -> std::vec::Vec<u8> {
     const ACROSS: u8 = 12;
     const EXPONENT: i8 = 17;
+    // A slope along x and one along y.
+    const SMOOTH: usize = 2;
     let bytes = written(Difference::Normalised, ACROSS, 1);
     let plain = PatchView::validate(&bytes).unwrap();
     let centres: std::vec::Vec<_> =
         plain.surface().pixels().map(|pixel| plain.surface().centre(&pixel)).collect();
     let away = |a: &[f32; 3], b: &[f32; 3]| f64::from((a[0] - b[0]).hypot(a[1] - b[1]));
-    let mut mantissas = std::vec![0_i16; centres.len() * 40];
+    let mut mantissas = std::vec![0_i16; (centres.len() + SMOOTH).next_multiple_of(GROUP) * 40];
     for (place, centre) in centres.iter().enumerate() {
         for measurement in 0..40 {
             let response = 0.1 * (-(away(centre, &centres[measurement * 47 % 144]) / 0.03).powi(2)).exp();
             mantissas[coefficient_index(40, place, measurement)] =
+                (response * f64::from(EXPONENT).exp2()).round() as i16;
+        }
+    }
+    for axis in 0..SMOOTH {
+        for measurement in 0..40 {
+            let response = f64::from(centres[measurement * 47 % 144][axis]);
+            mantissas[coefficient_index(40, centres.len() + axis, measurement)] =
                 (response * f64::from(EXPONENT).exp2()).round() as i16;
         }
     }
@@ -166,7 +175,8 @@ pub(crate) fn patch_with_places(level: f32) -> std::vec::Vec<u8> {
     let (pixels, neighbours) = square(ACROSS).tables();
     let (steps, combination): (std::vec::Vec<_>, std::vec::Vec<_>) =
         plain.steps().zip(plain.combination()).unzip();
-    let detection = DetectionLayout { places: places.len() as u16, level, radius: 0.01 };
+    let detection =
+        DetectionLayout { places: places.len() as u16, level, radius: 0.01, smooth: SMOOTH as u8, averaging };
     written_with(&PatchContents {
         header: &PatchHeader { detection, ..plain.header.clone() },
         steps: &steps,
@@ -177,7 +187,7 @@ pub(crate) fn patch_with_places(level: f32) -> std::vec::Vec<u8> {
         places: PlacesTables {
             places: &places,
             column_exponents: &[0; 40],
-            row_exponents: &[EXPONENT; 144],
+            row_exponents: &[EXPONENT; 144 + SMOOTH],
             mantissas: &mantissas,
         },
         play_operators: &[],

@@ -7,7 +7,7 @@
 //!
 //! The common factor is the median over the measurements of v / v_ref, which no press moves far.
 
-use super::reference::Changes;
+use super::{detect::Change, reference::Changes};
 use crate::health::median::median;
 
 /// Fastest common change that passes for drift, 1/s: 3 % a minute.
@@ -20,6 +20,13 @@ const REST_US: u64 = 1_000_000;
 const LOOK_EVERY: f32 = 0.02;
 /// The reference follows in steps of at least this long, s.
 const FOLLOW_EVERY: f32 = 0.1;
+/// In this time, s, the reference follows a sheet that changes smoothly; in this one that of something that is no press,
+/// to a thousandth in 30 s; and in this one where a press was lifted that was part of it.
+const SMOOTH_TIME: f32 = 0.5;
+const UNLIKE_TIME: f32 = 4.0;
+/// And what is smooth beside a press in this one.
+const BESIDE_TIME: f32 = 1.0;
+const LIFTED_TIME: f32 = 0.2;
 /// Longest time between frames that counts, us.
 const LONGEST_US: u64 = 60_000_000;
 
@@ -32,55 +39,54 @@ pub struct Drift {
     press: f32,
     frame_us: Option<u64>,
     touched_us: Option<u64>,
+    /// Whether the skin was touched in the frame before the latest, or not long ago.
+    rests: bool,
     /// Time since the common change was looked at, s.
     unseen: f32,
     /// Time untouched that the reference has not followed yet, s.
     pending: f32,
 }
 
-/// What has to happen to the reference.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Follow {
-    /// It stays as it is.
-    Stay,
-    /// It moves this part of the way to the frame.
-    Part(f32),
-}
-
 impl Drift {
-    /// Takes drift out of relative changes, `[measurement]`, `weights` being what a change of all
-    /// voltages by 1 would read; says how the reference follows. Changes that are not finite stay so.
-    pub fn correct(
-        &mut self,
-        relative: &mut Changes,
-        weights: &[f32],
-        now_us: u64,
-        time_constant: f32,
-    ) -> Follow {
+    /// Takes drift out of relative changes, `[measurement]`, `weights` being what a change of all voltages by 1 would
+    /// read. Changes that are not finite stay so.
+    pub fn correct(&mut self, relative: &mut Changes, weights: &[f32], now_us: u64, time_constant: f32) {
         if time_constant <= 0.0 {
-            return Follow::Stay;
+            return;
         }
         let last_us = self.frame_us.replace(now_us).unwrap_or(now_us);
         let seconds = now_us.saturating_sub(last_us).min(LONGEST_US) as f32 * 1e-6;
-        let touched = self.is_touched(last_us, now_us);
+        self.rests = self.is_touched(last_us, now_us);
+        self.pending += seconds;
         self.unseen += seconds;
         if self.unseen >= LOOK_EVERY {
             let unseen = core::mem::take(&mut self.unseen);
-            self.follow_common(relative, weights, unseen, touched);
+            self.follow_common(relative, weights, unseen);
         }
         let scale = 1.0 / (1.0 + self.common);
         for (change, weight) in relative.iter_mut().zip(weights) {
             *change = (*change - self.common * weight) * scale;
         }
-        self.follow(seconds, touched, time_constant)
     }
 
-    fn follow(&mut self, seconds: f32, touched: bool, time_constant: f32) -> Follow {
-        self.pending = if touched { 0.0 } else { self.pending + seconds };
-        if self.pending < FOLLOW_EVERY {
-            return Follow::Stay;
+    /// What part of the way to the latest frame the reference goes now, if it does, after such a change; `time_constant`, s,
+    /// is that of an untouched skin.
+    pub fn part(&mut self, change: Change, time_constant: f32) -> Option<f32> {
+        let time = match change {
+            Change::Still if self.rests => {
+                self.pending = 0.0;
+                return None;
+            }
+            Change::Still => time_constant,
+            Change::Smooth => SMOOTH_TIME.min(time_constant),
+            Change::Unlike => UNLIKE_TIME.min(time_constant),
+            Change::Lifted => LIFTED_TIME.min(time_constant),
+            Change::Pressed => BESIDE_TIME.min(time_constant),
+        };
+        if self.pending < FOLLOW_EVERY || time <= 0.0 {
+            return None;
         }
-        Follow::Part((core::mem::take(&mut self.pending) / time_constant).min(1.0))
+        Some((core::mem::take(&mut self.pending) / time).min(1.0))
     }
 
     /// The reference has moved this part of the way: by as much less is common.
@@ -106,12 +112,12 @@ impl Drift {
 
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
-    fn follow_common(&mut self, relative: &Changes, weights: &[f32], seconds: f32, touched: bool) {
+    fn follow_common(&mut self, relative: &Changes, weights: &[f32], seconds: f32) {
         let of_its_own = relative.iter().zip(weights).map(|(y, w)| y / w);
         let mut changes: Changes = of_its_own.filter(|change| change.is_finite()).collect();
         let Some(now) = median(&mut changes) else { return };
         let rest = now - self.common - self.press;
-        if !touched || rest.abs() > JUMP.max(2.0 * FASTEST * seconds) {
+        if !self.rests || rest.abs() > JUMP.max(2.0 * FASTEST * seconds) {
             // Untouched, the reference follows by itself; a jump is a press, or the end of one.
             self.press += rest;
         } else {
@@ -186,16 +192,15 @@ mod tests {
     #[test]
     fn the_reference_rests_for_a_second_after_the_last_touch_and_then_follows() {
         let mut drift = touched();
-        let mut follows = |now_us| drift.correct(&mut changes(0.0), &WEIGHTS, now_us, TIME_CONSTANT);
+        let mut follows = |now_us| {
+            drift.correct(&mut changes(0.0), &WEIGHTS, now_us, TIME_CONSTANT);
+            drift.part(Change::Still, TIME_CONSTANT)
+        };
         for now_us in (FRAME_US..1_000_000).step_by(FRAME_US as usize) {
-            assert_eq!(follows(now_us), Follow::Stay, "{now_us}");
+            assert_eq!(follows(now_us), None, "{now_us}");
         }
-        let parts: std::vec::Vec<f32> = (0..40)
-            .filter_map(|frame| match follows(1_000_000 + frame * FRAME_US) {
-                Follow::Part(part) => Some(part),
-                Follow::Stay => None,
-            })
-            .collect();
+        let parts: std::vec::Vec<f32> =
+            (0..40).filter_map(|frame| follows(1_000_000 + frame * FRAME_US)).collect();
         assert_eq!(parts.len(), 10, "every 0.1 s");
         assert!(parts.iter().all(|part| (part - 0.1 / TIME_CONSTANT).abs() < 1e-6), "{parts:?}");
     }
@@ -203,18 +208,27 @@ mod tests {
     #[test]
     fn a_contact_in_the_frame_before_counts_however_long_ago_that_was() {
         let mut drift = touched();
-        assert_eq!(drift.correct(&mut changes(0.0), &WEIGHTS, 20_000_000, TIME_CONSTANT), Follow::Stay);
-        assert_eq!(
-            drift.correct(&mut changes(0.0), &WEIGHTS, 40_000_000, TIME_CONSTANT),
-            Follow::Part(1.0),
-            "twice the time constant"
-        );
+        let mut follows = |now_us| {
+            drift.correct(&mut changes(0.0), &WEIGHTS, now_us, TIME_CONSTANT);
+            drift.part(Change::Still, TIME_CONSTANT)
+        };
+        assert_eq!(follows(20_000_000), None);
+        assert_eq!(follows(40_000_000), Some(1.0), "twice the time constant");
+    }
+
+    #[test]
+    fn a_reference_that_is_wrong_does_not_rest_after_a_touch() {
+        let mut drift = touched();
+        drift.correct(&mut changes(0.0), &WEIGHTS, 200_000, TIME_CONSTANT);
+        let part = drift.part(Change::Smooth, TIME_CONSTANT);
+        assert!(part.is_some_and(|part| (part - 0.4).abs() < 1e-6), "{part:?}");
     }
 
     #[test]
     fn without_a_time_constant_nothing_is_followed_or_taken_out() {
         let (mut drift, mut relative) = (Drift::default(), changes(0.3));
-        assert_eq!(drift.correct(&mut relative, &WEIGHTS, 1_000_000, 0.0), Follow::Stay);
+        drift.correct(&mut relative, &WEIGHTS, 1_000_000, 0.0);
+        assert_eq!([Change::Still, Change::Smooth].map(|change| drift.part(change, 0.0)), [None, None]);
         assert_eq!(relative, changes(0.3));
     }
 }

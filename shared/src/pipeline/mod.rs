@@ -2,6 +2,7 @@
 //!
 //! The fixed configuration is the patch; [`PipelineState`] is all that changes.
 
+pub mod average;
 pub mod detect;
 pub mod drift;
 pub mod noise;
@@ -20,8 +21,8 @@ use crate::{
     patch::PatchView,
     units::RelativeConductivity,
 };
-use detect::Detector;
-use drift::{Drift, Follow};
+use detect::{Change, Detector};
+use drift::Drift;
 use reconstruct::reconstruct;
 use reference::{Changes, DEFAULT_TARE_FRAMES, DifferenceData, Measured, Reference, Tare};
 
@@ -88,8 +89,7 @@ pub fn sense(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) ->
     }
     let Some(reference) = &state.reference else { return Outcome::Taring };
     reference.subtract(&mut measured);
-    let differences = &measured;
-    let follow = state.compare(patch, frame, differences);
+    state.compare(patch, frame, &measured);
     if patch.header.has_places() {
         state.contacts = state.detector.contacts(patch);
     } else {
@@ -98,7 +98,7 @@ pub fn sense(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) ->
     }
     let strengths = state.without_hysteresis(patch);
     patch.header.calibration.apply(&mut state.contacts, &strengths);
-    state.follow(patch, frame, differences, follow);
+    state.follow(patch, frame, &mut measured);
     Outcome::Image
 }
 
@@ -177,11 +177,11 @@ impl PipelineState {
         Some(Outcome::Tared)
     }
 
-    /// Differences -> difference data, without drift and bad electrodes; says how the reference may follow.
+    /// Differences -> difference data, without drift and bad electrodes, and presses in them.
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
-    fn compare(&mut self, patch: &PatchView<'_>, frame: &Frame, differences: &[i64]) -> Follow {
-        let Some(reference) = &self.reference else { return Follow::Stay };
+    fn compare(&mut self, patch: &PatchView<'_>, frame: &Frame, differences: &[i64]) {
+        let Some(reference) = &self.reference else { return };
         let mut relative = Changes::new();
         reference.relative_change(differences, &mut relative);
         let masked = mask_measurements(patch, self.bad_electrodes, &mut relative);
@@ -191,10 +191,12 @@ impl PipelineState {
         }
         self.flags.insert_if(FrameFlags::IMPLAUSIBLE, is_implausible(&relative));
         let drift_time = patch.header.drift_time;
-        let follow = self.drift.correct(&mut relative, reference.weights(), frame.timestamp_us, drift_time);
+        self.drift.correct(&mut relative, reference.weights(), frame.timestamp_us, drift_time);
+        self.detector.average(patch, &mut relative, frame.timestamp_us);
         self.difference.quantise(&relative, patch.matrix().column_exponents());
         self.detector.detect(patch, &relative, reference);
-        follow
+        self.flags.insert_if(FrameFlags::UNLIKE_PRESS, self.detector.change() == Change::Unlike);
+        self.flags.insert_if(FrameFlags::LIFTED, self.detector.change() == Change::Lifted);
     }
 
     /// Strengths of the contacts without hysteresis: `[contact]`.
@@ -207,21 +209,39 @@ impl PipelineState {
         self.places.compensate(&patch.play_operators(), &self.contacts, noise, level)
     }
 
-    /// The reference follows a frame without contacts, where its measurements are known.
-    fn follow(&mut self, patch: &PatchView<'_>, frame: &Frame, differences: &[i64], follow: Follow) {
-        if !self.contacts.is_empty() || self.detector.is_undecided() {
-            return self.drift.touch(frame.timestamp_us);
+    /// The reference follows what is no press, where measurements are known: `[measurement]`, their differences from it.
+    fn follow(&mut self, patch: &PatchView<'_>, frame: &Frame, differences: &mut [i64]) {
+        let change = match self.detector.change() {
+            _ if !patch.header.has_places() && !self.contacts.is_empty() => Change::Pressed,
+            change => change,
+        };
+        if change == Change::Pressed {
+            self.drift.touch(frame.timestamp_us);
         }
+        let Some(reference) = &mut self.reference else { return };
         if frame.flags.intersects(DOUBTFUL) || self.flags.intersects(DOUBTFUL) {
             return;
         }
-        let Some(reference) = &mut self.reference else { return };
-        self.detector.follow(patch, reference);
-        if let Follow::Part(part) = follow {
-            let mut parts = Changes::new();
-            let _ = parts.resize(reference.sums().len(), part);
-            mask_measurements(patch, self.bad_electrodes, &mut parts);
-            reference.follow(patch, differences, &parts);
+        if change == Change::Still {
+            self.detector.follow(patch, reference);
+        }
+        if change == Change::Pressed && !self.detector.is_smooth_beside() {
+            return;
+        }
+        let Some(part) = self.drift.part(change, patch.header.drift_time) else { return };
+        let code =
+            |m: usize, response: f32| reference.scales().get(m).map_or(0, |scale| (response / scale) as i64);
+        if change == Change::Pressed {
+            differences.fill(0);
+            self.detector.add_smooth(patch, |m, response| differences[m] += code(m, response));
+        } else {
+            self.detector.add_responses(patch, reference, |m, response| differences[m] -= code(m, response));
+        }
+        let mut parts = Changes::new();
+        let _ = parts.resize(reference.sums().len(), part);
+        mask_measurements(patch, self.bad_electrodes, &mut parts);
+        reference.follow(patch, differences, &parts);
+        if change != Change::Pressed {
             self.drift.followed(part);
         }
     }

@@ -84,7 +84,7 @@ impl Noise {
         }
     }
 
-    /// Inverse variances of relative changes against a reference: `[measurement]`; 0 where one says nothing.
+    /// Inverse variances of one frame's relative changes: `[measurement]`; 0 where one says nothing.
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
     pub fn inverse_variances(&self, patch: &PatchView<'_>, reference: &Reference, out: &mut Values) {
@@ -105,13 +105,12 @@ impl Noise {
         let floor = FLOOR * size / all;
         let of_one = (of_one / all).max(floor * floor);
         let seen = f32::from(self.frames);
-        let averaged = 1.0 + 1.0 / frames;
         out.clear();
         for ((m, count), scale) in steps.iter().enumerate().zip(reference.scales()) {
             let own = self.variance.get(m).copied().unwrap_or(0.0);
             let codes = (seen * own + PRIOR_FRAMES * of_one * count) / (seen + PRIOR_FRAMES);
             let deviation = scale * frames;
-            let variance = codes * deviation * deviation * averaged;
+            let variance = codes * deviation * deviation;
             let _ = out.push(if variance > 0.0 && variance.is_finite() { 1.0 / variance } else { 0.0 });
         }
     }
@@ -201,8 +200,7 @@ mod tests {
             assert_eq!(weights.len(), 40);
             let louder = (weights[8] / weights[7]).sqrt();
             assert!((least..most).contains(&louder), "{frames} frames: {louder}");
-            // A reference of two frames adds half of the variance.
-            let deviation = 1.0 / weights[8].sqrt() / 1.5_f32.sqrt();
+            let deviation = 1.0 / weights[8].sqrt();
             assert!((0.7e-4..1.6e-4).contains(&deviation), "{frames} frames: {deviation}");
         }
         let dead = Frame { codes: (0..40).map(|_| AdcCode(0)).collect(), ..Frame::default() };

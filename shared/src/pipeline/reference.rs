@@ -31,6 +31,8 @@ pub struct Reference {
     scales: Changes,
     /// What all voltages changing by their own size would read: `[measurement]`.
     weights: Changes,
+    /// Variance of its noise, that of one frame being 1.
+    variance: f32,
 }
 
 /// Voltages of one frame, or their differences from a reference, exact: `[measurement]`.
@@ -106,6 +108,7 @@ impl Tare {
         }
         let mut reference = core::mem::take(&mut self.reference);
         reference.set_scales(patch);
+        reference.variance = 1.0 / f32::from(reference.frames);
         Some(reference)
     }
 }
@@ -166,6 +169,12 @@ impl Reference {
         &self.scales
     }
 
+    /// Variance of its noise, that of one frame being 1.
+    #[must_use]
+    pub fn variance(&self) -> f32 {
+        self.variance
+    }
+
     fn set_scales(&mut self, patch: &PatchView<'_>) {
         self.scales = scales(patch, self);
         self.weights = self.sums.iter().zip(&self.scales).map(|(&sum, scale)| sum as f32 * scale).collect();
@@ -174,6 +183,8 @@ impl Reference {
     /// Moves the reference these parts of the way to a frame that differs from it like that, 0 to 1:
     /// `[measurement]`; not a number moves nothing.
     pub fn follow(&mut self, patch: &PatchView<'_>, differences: &[i64], parts: &[f32]) {
+        let part = parts.iter().copied().fold(0.0, f32::max).min(1.0);
+        self.variance = (1.0 - part) * (1.0 - part) * self.variance + part * part;
         for ((sum, way), part) in self.sums.iter_mut().zip(differences).zip(parts) {
             let part = (part.clamp(0.0, 1.0) * FOLLOW_ONE as f32) as i64;
             // A code has 25 bits, two of them add up, and a tare has 10 bits of frames: 60 bits.

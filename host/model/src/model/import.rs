@@ -37,6 +37,8 @@ impl Description {
             image: self.image,
             contact_threshold: self.contact_threshold,
             contacts_found_in: self.contacts_found_in,
+            false_alarms: self.false_alarms,
+            averaging: self.averaging,
             drift_time: self.drift_time,
             calibration: self.calibration,
             pose: self.pose,

@@ -170,7 +170,7 @@ pub fn patch_with(skin: &Skin, model: &Model, stored: &Stored) -> Result<Vec<u8>
     let interpolated = Interpolated::new(matrix, &model.pixels.centres, &data);
     let places = match skin.contacts_found_in {
         FoundIn::Image => FixedPlaces::default(),
-        FoundIn::Voltages => responses::places(model)?,
+        FoundIn::Voltages => responses::places(skin, model)?,
     };
     write(skin, model, stored, surface, &interpolated, places)
 }

@@ -5,23 +5,21 @@
 //! apart, near the electrodes.
 
 use super::{PatchBuildError, exponents_of, rounded_rows};
-use crate::model::Model;
+use crate::{model::Model, skin::Skin};
 use dermatome_patch::places::FixedPlaces;
 use dermatome_shared::patch::places::{DetectionLayout, MAX_PLACES, PLACE_NEIGHBOURS, Place};
 use faer::Mat;
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 
 /// Radius of the standard press, a share of the skin's size.
 const RADIUS: f64 = 0.045;
-/// Standard deviations that noise passes less than once an hour in all places, at 400 frames a second.
-const LEVEL: f32 = 5.8;
 
 fn radius(model: &Model) -> f64 {
     RADIUS * model.pixels.larger_side()
 }
 
 /// Places and responses in fixed point; none where a skin has too few pixels.
-pub(super) fn places(model: &Model) -> Result<FixedPlaces, PatchBuildError> {
+pub(super) fn places(skin: &Skin, model: &Model) -> Result<FixedPlaces, PatchBuildError> {
     let responses = responses(model);
     let noise = model.relative_noise();
     let chosen = choose(&responses, &noise);
@@ -36,10 +34,26 @@ pub(super) fn places(model: &Model) -> Result<FixedPlaces, PatchBuildError> {
     // So that the responses in units of the noise are alike in size, and so are the data that they meet.
     let column_exponents = exponents_of(noise.iter().map(|noise| -noise.abs().log2()));
     let rows = chosen.iter().map(|&pixel| responses.col(pixel));
-    let (row_exponents, mantissas) = rounded_rows(rows, &column_exponents)?;
-    let layout = DetectionLayout { places: 0, level: LEVEL, radius: radius(model) as f32 };
-    let places = (0..chosen.len()).map(place).collect();
+    let smooth = smooth_responses(model);
+    let (row_exponents, mantissas) = rounded_rows(rows.chain(smooth.col_iter()), &column_exponents)?;
+    let radius = radius(model) as f32;
+    let places: Vec<_> = (0..chosen.len()).map(place).collect();
+    let looks_an_hour = 3600.0 * skin.drive.frame_rate * places.len() as f64;
+    let level = level(skin.false_alarms / looks_an_hour) as f32;
+    let averaging = skin.averaging as f32;
+    let layout = DetectionLayout { places: 0, level, radius, smooth: 0, averaging };
     Ok(FixedPlaces::new(layout, places, column_exponents, row_exponents, &mantissas))
+}
+
+/// Standard deviations that normal noise passes with this probability.
+fn level(probability: f64) -> f64 {
+    let passes = |level: f64| 0.5 * libm::erfc(level / std::f64::consts::SQRT_2);
+    let (mut low, mut high) = (0.0, 30.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if passes(middle) > probability { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
 }
 
 /// What the standard press on each pixel changes difference data by: `[measurement][pixel]`.
@@ -52,16 +66,42 @@ fn responses(model: &Model) -> Mat<f64> {
         let away = (centres[under] - centres[press]).norm();
         ((radius + side / 2.0 - away) / side).clamp(0.0, 1.0)
     });
-    let mut responses = &model.jacobian * &presses;
-    let divisors = model.divisors();
+    let mut responses = data_from_conductivity(model, &presses);
     for press in 0..centres.len() {
         let pressed: f64 = presses.col(press).iter().zip(areas).map(|(share, area)| share * area).sum();
         let scale = area / pressed;
-        for (m, divisor) in divisors.iter().enumerate() {
-            responses[(m, press)] *= scale / divisor;
-        }
+        responses.col_mut(press).iter_mut().for_each(|response| *response *= scale);
     }
     responses
+}
+
+/// What changes of conductivity, `[pixel][change]`, change difference data by: `[measurement][change]`.
+fn data_from_conductivity(model: &Model, changes: &Mat<f64>) -> Mat<f64> {
+    let (responses, divisors) = (&model.jacobian * changes, model.divisors());
+    Mat::from_fn(responses.nrows(), responses.ncols(), |m, change| responses[(m, change)] / divisors[m])
+}
+
+/// What smooth changes of the sheet change difference data by, `[measurement][change]`: those that grow along the skin's
+/// longest axes, and with the squares and products of the two longest.
+fn smooth_responses(model: &Model) -> Mat<f64> {
+    let centres = &model.pixels.centres;
+    let middle =
+        centres.iter().fold(Vector3::zeros(), |sum, centre| sum + centre.coords) / centres.len() as f64;
+    let ways: Vec<Vector3<f64>> = centres.iter().map(|centre| centre.coords - middle).collect();
+    let spread = ways.iter().fold(Matrix3::zeros(), |sum: Matrix3<f64>, way| sum + way * way.transpose());
+    let eigen = spread.symmetric_eigen();
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
+    let longest = eigen.eigenvalues[order[0]];
+    let deviations = (longest / centres.len() as f64).sqrt();
+    let axes = order.map(|axis| eigen.eigenvectors.column(axis) / deviations);
+    // A flat skin has no third one.
+    let is_flat = eigen.eigenvalues[order[2]] < 1e-6 * longest;
+    let changes = Mat::from_fn(centres.len(), if is_flat { 5 } else { 6 }, |pixel, change| {
+        let [u, v, w] = [0, 1, 2].map(|axis| axes[axis].dot(&ways[pixel]));
+        [u, v, u * u, u * v, v * v, w][change]
+    });
+    data_from_conductivity(model, &changes)
 }
 
 /// Pixels whose responses are told apart best against this noise, `[measurement]`.
@@ -109,4 +149,16 @@ fn round(centres: &[Point3<f64>], normal: &Vector3<f64>, place: usize) -> [u8; P
     let more: Vec<usize> = others.into_iter().filter(|other| !round.contains(other)).collect();
     round.extend(more.into_iter().take(PLACE_NEIGHBOURS - round.len()));
     std::array::from_fn(|n| round[n] as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_those_of_the_tables_of_the_normal_distribution() {
+        for (probability, expected) in [(0.5, 0.0), (0.0227501, 2.0), (2.866516e-7, 5.0), (9.8659e-10, 6.0)] {
+            assert!((level(probability) - expected).abs() < 1e-4, "{probability}: {}", level(probability));
+        }
+    }
 }

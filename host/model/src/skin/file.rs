@@ -201,6 +201,8 @@ pub(super) struct ContactTable {
     pub(super) threshold: f64,
     #[serde(default)]
     pub(super) found_in: FoundIn,
+    pub(super) false_alarms: Option<f64>,
+    pub(super) averaging: Option<Quantity>,
     pub(super) drift_time: Option<Quantity>,
 }
 

@@ -54,6 +54,10 @@ pub struct Skin<S = Shape> {
     pub contact_threshold: f64,
     /// What a board finds contacts in.
     pub contacts_found_in: FoundIn,
+    /// False contacts an hour on an untouched skin, where they are found in the voltages.
+    pub false_alarms: f64,
+    /// Time over which still frames are averaged there, s; 0 takes each for itself.
+    pub averaging: f64,
     /// Time in which the reference follows the untouched skin, s; 0 for never.
     pub drift_time: f64,
     /// Pressure by strength of a contact; empty if the skin is not calibrated.

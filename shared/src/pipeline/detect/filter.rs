@@ -1,9 +1,10 @@
 //! Matched filter: where data resemble the response to a press most, in the fixed point of images.
 
+use super::smooth::{Smooth, SmoothFit};
 use crate::{
     patch::{
         matrix::GROUP,
-        places::{MAX_PLACES, Places},
+        places::{MAX_PLACES, MAX_SMOOTH, Places},
     },
     pipeline::{
         reconstruct::{self, LOW_BITS},
@@ -12,26 +13,47 @@ use crate::{
 };
 use heapless::Vec;
 
+/// Most rows, whole groups of them.
+const MAX_ROWS: usize = MAX_PLACES + MAX_SMOOTH;
+
 /// 1 / sqrt(a' S^-1 a) of the responses a, without what they have in common with a change that is common to all, and less
 /// the exponents of their rows: `[place]`.
 pub(super) type Norms = Vec<f32, MAX_PLACES>;
 
-/// The place where z = a' S^-1 y / sqrt(a' S^-1 a) is largest, if above zero, and that z. The data y come
-/// without what is common to all, times their inverse variances S^-1: `[measurement]`.
+/// What data resemble: the places where z = a' S^-1 y / sqrt(a' S^-1 a) is largest and least, each with its z.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Look {
+    /// The press that they resemble most.
+    pub(super) most: (usize, f32),
+    /// The press that was taken away.
+    pub(super) least: (usize, f32),
+    /// The smooth changes of the sheet that explain them best.
+    pub(super) smooth: SmoothFit,
+}
+
+/// Looks at data y that come without what is common to all, times their inverse variances S^-1: `[measurement]`.
 // Not inlined, so that what it needs of the stack is free again for all else.
 #[inline(never)]
-pub(super) fn loudest(places: &Places<'_>, data: &DifferenceData, norms: &Norms) -> Option<(usize, f32)> {
-    let mut values = [0; MAX_PLACES];
-    let count = places.count().next_multiple_of(GROUP).min(MAX_PLACES);
+pub(super) fn look(places: &Places<'_>, data: &DifferenceData, norms: &Norms, smooth: &Smooth) -> Look {
+    let mut values = [0; MAX_ROWS];
+    let count = places.rows().count.next_multiple_of(GROUP).min(MAX_ROWS);
     reconstruct::products(&places.rows(), data, &mut values[..count]);
-    let (mut place, mut most) = (None, 0.0);
-    for (n, (&value, norm)) in values.iter().zip(norms).enumerate() {
+    let mut look = Look::default();
+    for (place, (&value, norm)) in values.iter().zip(norms).enumerate() {
         let z = value as f32 * norm;
-        if z > most {
-            (place, most) = (Some(n), z);
+        if z > look.most.1 {
+            look.most = (place, z);
+        }
+        if z < look.least.1 {
+            look.least = (place, z);
         }
     }
-    Some((place?, most * power_of_two(LOW_BITS - data.exponent)))
+    let scale = power_of_two(LOW_BITS - data.exponent);
+    look.most.1 *= scale;
+    look.least.1 *= scale;
+    let sums = values.get(places.count()..).unwrap_or_default();
+    look.smooth = smooth.fit(places, sums.iter().map(|&sum| sum as f32 * scale));
+    look
 }
 
 /// The norm of a place under inverse variances, `[measurement]`, without what it has in common with a change that is

@@ -6,8 +6,9 @@
 
 use super::{
     MAX_PRESSES, MAX_UNKNOWNS,
-    filter::{self, Norms},
+    filter::{self, Look, Norms},
     press::Press,
+    smooth::Smooth,
     spot::{Response, Spot, UNKNOWNS, at},
     sums::{Data, Sums, codes, take_out},
     system::System,
@@ -23,6 +24,8 @@ use heapless::Vec;
 const ROUNDS: usize = 4;
 /// Standard deviation of an offset before anything is measured, distances from place to place.
 const FREE: f32 = 0.7;
+/// Standard deviations of chi square that noise does not leave.
+const LOUD: f32 = 8.0;
 
 /// The skin that presses lie on.
 pub(super) struct Skin<'a> {
@@ -51,6 +54,8 @@ pub(super) struct Fit<'a> {
     pub(super) explained: f32,
     /// How many measurements say something.
     measurements: f32,
+    /// Variance of the data's noise, that of one frame being 1.
+    noise: f32,
 }
 
 impl Clone for Fit<'_> {
@@ -60,9 +65,9 @@ impl Clone for Fit<'_> {
 
     /// Without another on the stack.
     fn clone_from(&mut self, other: &Self) {
-        let Self { skin, presses, energy, explained, measurements } = self;
-        (*skin, *energy, *explained, *measurements) =
-            (other.skin, other.energy, other.explained, other.measurements);
+        let Self { skin, presses, energy, explained, measurements, noise } = self;
+        (*skin, *energy, *explained) = (other.skin, other.energy, other.explained);
+        (*measurements, *noise) = (other.measurements, other.noise);
         presses.clear();
         presses.extend(other.presses.iter().cloned());
     }
@@ -73,7 +78,8 @@ impl<'a> Fit<'a> {
     pub(super) fn of(skin: &'a Skin<'a>, presses: &Vec<Press, MAX_PRESSES>, data: &Data) -> Self {
         let mut presses = presses.clone();
         presses.iter_mut().for_each(|press| press.before = press.strength);
-        Self { skin, presses, energy: data.energy, explained: 0.0, measurements: data.known }
+        let Data { energy, known, noise, .. } = *data;
+        Self { skin, presses, energy, explained: 0.0, measurements: known, noise }
     }
 
     /// Fits the presses, from where they are.
@@ -97,7 +103,7 @@ impl<'a> Fit<'a> {
         self.presses.iter_mut().for_each(Press::settle);
     }
 
-    /// Variance of what the presses do not explain, at least that of the noise.
+    /// Variance of what the presses do not explain, that of one frame's noise being 1; at least that of the noise.
     pub(super) fn misfit(&self) -> f32 {
         self.misfit_after(0.0)
     }
@@ -105,7 +111,7 @@ impl<'a> Fit<'a> {
     /// The same if so much more were explained.
     fn misfit_after(&self, more: f32) -> f32 {
         let free = (self.measurements - self.unknowns() as f32).max(1.0);
-        ((self.energy - self.explained - more) / free).max(1.0)
+        ((self.energy - self.explained - more) / free).max(self.noise)
     }
 
     fn unknowns(&self) -> usize {
@@ -117,9 +123,19 @@ impl<'a> Fit<'a> {
         !self.presses.is_full() && self.unknowns() + UNKNOWNS <= MAX_UNKNOWNS
     }
 
-    /// Whether presses account for most of what noise does not.
-    pub(super) fn is_explained(&self) -> bool {
-        self.energy - self.explained - self.measurements < self.explained
+    /// What neither presses nor noise explain, in units of one frame's variance.
+    pub(super) fn unexplained(&self) -> f32 {
+        self.energy - self.explained - self.measurements * self.noise
+    }
+
+    /// Whether more is left than noise leaves.
+    pub(super) fn is_noisy(&self) -> bool {
+        self.unexplained() > LOUD * self.noise * libm::sqrtf(2.0 * self.measurements)
+    }
+
+    /// Significance of a sum of squares, in standard deviations.
+    pub(super) fn significance(&self, explained: f32) -> f32 {
+        libm::sqrtf(explained.max(0.0) / self.noise)
     }
 
     /// Whether a press of this strength at a place could be what the standard press of another does not explain.
@@ -138,19 +154,32 @@ impl<'a> Fit<'a> {
         self.presses.len() < count
     }
 
-    /// A press where the matched filter of what the others leave, with these norms, is largest and above the level. Beside
-    /// another press it is its satellite.
-    pub(super) fn loudest(&self, data: &mut Data, norms: &Norms, level: f32) -> Option<Press> {
+    /// What is left of the data resembles.
+    pub(super) fn look(&self, data: &mut Data, norms: &Norms, smooth: &Smooth) -> Look {
+        filter::look(&self.skin.places, &self.left(data), norms, smooth)
+    }
+
+    /// A press where what the others leave resembles one most, if it is above the level. Beside another press it is its
+    /// satellite.
+    pub(super) fn loudest(&self, look: &Look, norms: &Norms, level: f32) -> Option<Press> {
         let Skin { places, surface, .. } = self.skin;
-        let (place, z) = filter::loudest(places, &self.left(data), norms)?;
+        let (place, z) = look.most;
         // Fitting its place explains some more, but hardly twice as much.
         let is_lost = 2.0 * z * z < level * level * self.misfit_after(2.0 * z * z);
-        if z <= level || is_lost {
+        if self.significance(z * z) <= level || is_lost {
             return None;
         }
         let strength = filter::strength(places, place, norms, z);
         let spot = if self.is_beside(place, strength) { Spot::fixed } else { Spot::new };
         Some(Press::at(spot(surface, places, place), strength))
+    }
+
+    /// Sum of the presses' responses: `[measurement]`.
+    pub(super) fn responses(skin: &Skin<'_>, presses: &[Press], add: impl FnMut(usize, f32)) {
+        let places = &skin.places;
+        let responses: Vec<Response<'_>, MAX_PRESSES> =
+            presses.iter().map(|press| press.response(places)).collect();
+        sum(places, &responses, add);
     }
 
     /// What the presses' responses leave of the data, as it meets responses.
@@ -159,19 +188,12 @@ impl<'a> Fit<'a> {
         if self.presses.is_empty() {
             return data.codes(places).clone();
         }
-        let responses: Vec<Response<'_>, MAX_PRESSES> =
-            self.presses.iter().map(|press| press.response(places)).collect();
-        let mut exponents = places.column_exponents();
         let mut left = data.values.clone();
-        for (four, left) in left.chunks_mut(GROUP).enumerate() {
-            let mut of_presses = [0.0; GROUP];
-            for response in &responses {
-                of_presses.iter_mut().zip(response.four(four)).for_each(|(sum, response)| *sum += response);
+        Self::responses(self.skin, &self.presses, |m, response| {
+            if let Some(y) = left.get_mut(m) {
+                *y -= response;
             }
-            for (y, response) in left.iter_mut().zip(of_presses) {
-                *y -= response * power_of_two(-i32::from(exponents.next().unwrap_or(0)));
-            }
-        }
+        });
         take_out(common, &data.weights, &mut left);
         codes(places, &left, &data.weights)
     }
@@ -203,11 +225,11 @@ impl<'a> Fit<'a> {
         if !system.factor() {
             return;
         }
-        let misfit = self.misfit();
+        let (misfit, noise) = (self.misfit(), self.noise);
         let mut first = 0;
         for press in &mut self.presses {
             let of_strength = system.variance(first);
-            press.significance = press.strength / libm::sqrtf(of_strength);
+            press.significance = press.strength / libm::sqrtf(of_strength * noise);
             press.strength_deviation = libm::sqrtf(of_strength * misfit);
             if !press.is_satellite() {
                 let mean = (system.variance(first + 1) + system.variance(first + 2)) / 2.0 * misfit;
@@ -238,7 +260,7 @@ impl<'a> Fit<'a> {
             // Before anything is measured, an offset is zero but for some of the distance to the next place.
             let free = FREE * press.size();
             for unknown in row + 1..own.end {
-                system.matrix[unknown][unknown] += 1.0 / (free * free);
+                system.matrix[unknown][unknown] += self.noise / (free * free);
             }
             row = own.end;
         }
@@ -274,5 +296,20 @@ impl<'a> Fit<'a> {
             }
         }
         false
+    }
+}
+
+/// Adds responses up, measurement by measurement.
+fn sum(places: &Places<'_>, responses: &[Response<'_>], mut add: impl FnMut(usize, f32)) {
+    let mut exponents = places.column_exponents().enumerate();
+    for four in 0.. {
+        let mut of_presses = [0.0; GROUP];
+        for response in responses {
+            of_presses.iter_mut().zip(response.four(four)).for_each(|(sum, response)| *sum += response);
+        }
+        for response in of_presses {
+            let Some((m, exponent)) = exponents.next() else { return };
+            add(m, response * power_of_two(-i32::from(exponent)));
+        }
     }
 }

@@ -15,11 +15,13 @@
 mod filter;
 mod fit;
 mod press;
+mod smooth;
 mod spot;
 mod sums;
 mod system;
 
 use super::{
+    average::Average,
     noise::Noise,
     reference::{Changes, Reference},
 };
@@ -28,10 +30,11 @@ use crate::{
     limits::MAX_CONTACTS,
     patch::PatchView,
 };
-use filter::Norms;
+use filter::{Look, Norms};
 use fit::{Fit, Skin};
 use heapless::Vec;
 use press::Press;
+use smooth::{Smooth, SmoothFit};
 use sums::Sums;
 
 /// Most presses, with satellites.
@@ -48,6 +51,14 @@ const PAUSE_AFTER_REFUSAL: u8 = 3;
 const PRESSES_IN_A_FRAME: usize = 3;
 /// After so many frames that presses do not account for, what changed is something else.
 const UNDECIDED: u8 = 20;
+/// A press of this strength that was none in the frame before came faster than a sheet drifts.
+const SUDDEN: f32 = 0.1;
+/// By so much more, in units of the noise's variance, one explanation is better than another.
+const CLEARLY: f32 = 12.0;
+/// And a press that comes slowly than a smooth change, which would be mended; it would not.
+const CLEARLY_PRESSED: f32 = 30.0;
+/// Frames after a smooth change in which only a press that comes suddenly is one.
+const SMOOTH_PAUSE: u8 = 100;
 
 /// What detection remembers from frame to frame. For a patch without places it does nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,6 +67,8 @@ pub struct Detector {
     /// Inverse variances of the data: `[measurement]`.
     inverse_variances: Changes,
     norms: Norms,
+    smooth: Smooth,
+    average: Average,
     /// The place whose norm is next to be brought up to date.
     next: usize,
     /// The latest frame's data, and sums over it.
@@ -64,8 +77,29 @@ pub struct Detector {
     presses: Vec<Press, MAX_PRESSES>,
     /// Frames of which they do not account for most, one after the other.
     unexplained: u8,
+    change: Change,
+    /// Smooth changes beside presses, where noise does not explain them.
+    beside: Option<SmoothFit>,
+    /// Frames in which a press that comes slowly is taken for a smooth change.
+    smooth_pause: u8,
     /// Frames that are not searched for another press beside them.
     pause: u8,
+}
+
+/// What has changed since the reference was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Change {
+    /// Nothing, or no more than drift does.
+    #[default]
+    Still,
+    /// Something presses, or may turn out to.
+    Pressed,
+    /// The sheet, smoothly: some of it is warmer.
+    Smooth,
+    /// What pressed when the reference was made is gone.
+    Lifted,
+    /// Something that no press does.
+    Unlike,
 }
 
 /// Presses of one frame, strongest first.
@@ -83,7 +117,9 @@ impl Detector {
     fn forget_presses(&mut self) {
         self.presses.clear();
         self.norms.clear();
-        (self.unexplained, self.pause) = (0, 0);
+        self.average.restart();
+        (self.unexplained, self.pause, self.smooth_pause) = (0, 0, 0);
+        (self.change, self.beside) = (Change::Still, None);
     }
 
     /// Takes in a frame's measurements.
@@ -116,10 +152,11 @@ impl Detector {
         if self.norms.is_empty() {
             return self.judge_noise(patch, reference);
         }
+        let places = patch.places();
         if self.next == 0 {
             self.noise.inverse_variances(patch, reference, &mut self.inverse_variances);
+            self.smooth.take(&places, &self.inverse_variances, reference.weights());
         }
-        let places = patch.places();
         for place in self.next..self.next + REFRESHED {
             if let Some(known) = self.norms.get_mut(place) {
                 *known = filter::norm(&places, place, &self.inverse_variances, reference.weights());
@@ -135,7 +172,15 @@ impl Detector {
             let (places, weights, common) = (patch.places(), &self.inverse_variances, reference.weights());
             let norm = |place| filter::norm(&places, place, weights, common);
             self.norms = (0..places.count()).map(norm).collect();
+            self.smooth.take(&places, weights, common);
             self.next = 0;
+        }
+    }
+
+    /// Takes the mean of relative changes over the frames that are alike instead of those of this time: `[measurement]`.
+    pub fn average(&mut self, patch: &PatchView<'_>, relative: &mut Changes, now_us: u64) {
+        if !self.norms.is_empty() {
+            self.average.take(relative, &self.inverse_variances, now_us, patch.header.detection.averaging);
         }
     }
 
@@ -148,7 +193,8 @@ impl Detector {
         }
         let level = patch.header.detection.level;
         let skin = Skin::of(patch, reference.weights());
-        self.sums.take(relative, &self.inverse_variances, reference.weights());
+        let noise = self.average.variance() + reference.variance();
+        self.sums.take(relative, &self.inverse_variances, reference.weights(), noise);
         let mut fit = Fit::of(&skin, &self.presses, &self.sums.data);
         while !fit.presses.is_empty() {
             fit.refine(&mut self.sums);
@@ -156,23 +202,38 @@ impl Detector {
                 break;
             }
         }
+        (self.change, self.beside) = (Change::Pressed, None);
+        self.smooth_pause = self.smooth_pause.saturating_sub(1);
         if fit.presses.is_empty() || self.pause == 0 {
-            self.pause = self.add_another(&mut fit, level);
+            let look = fit.look(&mut self.sums.data, &self.norms, &self.smooth);
+            self.pause = self.add_another(&mut fit, &look, level);
+            self.change = self.judge(&fit, &look, level);
+            if self.change == Change::Smooth {
+                self.smooth_pause = SMOOTH_PAUSE;
+            }
+            let is_settled = !fit.presses.is_empty() && !fit.presses.iter().any(Press::is_new);
+            let is_loud = fit.significance(look.smooth.explained) > level;
+            self.beside = Some(look.smooth).filter(|_| is_settled && is_loud);
         } else {
             self.pause -= 1;
         }
-        let is_explained = fit.presses.is_empty() || fit.is_explained();
+        let is_explained =
+            self.change == Change::Smooth || self.change == Change::Lifted || is_explained(&fit);
         self.unexplained = if is_explained { 0 } else { self.unexplained.saturating_add(1) };
+        if self.unexplained > 0 {
+            self.change = if self.is_undecided() { Change::Pressed } else { Change::Unlike };
+        }
         self.presses.clear();
         self.presses.extend(fit.presses.iter().cloned());
     }
 
     /// Adds one press more to the fit, if the data ask for it; says how many frames need not be asked next.
-    fn add_another(&mut self, fit: &mut Fit<'_>, level: f32) -> u8 {
+    fn add_another(&mut self, fit: &mut Fit<'_>, look: &Look, level: f32) -> u8 {
         if !fit.has_room() {
             return PAUSE;
         }
-        let Some(press) = fit.loudest(&mut self.sums.data, &self.norms, level) else { return PAUSE };
+        let Some(press) = fit.loudest(look, &self.norms, level) else { return PAUSE };
+        let is_sudden = press.strength >= SUDDEN;
         let mut next = fit.clone();
         let _ = next.presses.push(press);
         next.refine(&mut self.sums);
@@ -182,8 +243,12 @@ impl Detector {
             next.refine(&mut self.sums);
         }
         // What the presses leave unexplained is noise of a kind: of another one it asks for more.
-        let is_more = next.explained - fit.explained > level * level * next.misfit();
-        if is_more && next.presses.iter().any(Press::is_new) {
+        let gain = next.explained - fit.explained;
+        let is_more = gain > level * level * next.misfit();
+        // What comes slowly may be drift.
+        let clearly = look.smooth.explained + CLEARLY_PRESSED * self.sums.data.noise;
+        let is_press = is_sudden || (self.smooth_pause == 0 && gain > clearly);
+        if is_more && is_press && next.presses.iter().any(Press::is_new) {
             fit.clone_from(&next);
             (fit.presses.len() / PRESSES_IN_A_FRAME) as u8
         } else {
@@ -191,9 +256,55 @@ impl Detector {
         }
     }
 
-    /// Whether the latest frame may turn out to be pressed, although presses do not account for it yet.
+    /// What changed, if these are the presses and this is what they leave.
+    fn judge(&self, fit: &Fit<'_>, look: &Look, level: f32) -> Change {
+        let noise = self.sums.data.noise;
+        let [most, least] = [look.most.1, look.least.1].map(|z| z * z);
+        let smooth = look.smooth.explained;
+        let is_clear = |one: f32, other: f32| one > other + CLEARLY * noise;
+        let is_loud = |explained: f32| fit.significance(explained) > level;
+        if !fit.presses.is_empty() {
+            // What is left of presses is like all sorts of things.
+            let is_of_one = 2.0 * least > fit.unexplained() && least > fit.explained;
+            if is_of_one && is_clear(least, smooth.max(most)) { Change::Lifted } else { Change::Pressed }
+        } else if is_loud(smooth) && is_clear(smooth, most.max(least)) {
+            Change::Smooth
+        } else if is_loud(least) && is_clear(least, smooth.max(most)) {
+            Change::Lifted
+        } else if is_loud(most) {
+            Change::Pressed
+        } else {
+            Change::Still
+        }
+    }
+
+    /// What the latest frame shows to have changed.
     #[must_use]
-    pub fn is_undecided(&self) -> bool {
+    pub fn change(&self) -> Change {
+        self.change
+    }
+
+    /// Relative changes that the presses of the latest frame explain, which the reference does not follow:
+    /// `[measurement]`.
+    pub fn add_responses(&self, patch: &PatchView<'_>, reference: &Reference, add: impl FnMut(usize, f32)) {
+        Fit::responses(&Skin::of(patch, reference.weights()), &self.presses, add);
+    }
+
+    /// Whether the latest frame has smooth changes beside its presses.
+    #[must_use]
+    pub fn is_smooth_beside(&self) -> bool {
+        self.beside.is_some()
+    }
+
+    /// Relative changes beside presses that are smooth, which the reference follows while they are held: `[measurement]`.
+    pub fn add_smooth(&self, patch: &PatchView<'_>, add: impl FnMut(usize, f32)) {
+        if let Some(beside) = &self.beside {
+            beside.add_responses(&patch.places(), add);
+        }
+    }
+
+    /// Whether the latest frame may turn out to be pressed, although presses do not account for it yet.
+    fn is_undecided(&self) -> bool {
         (1..UNDECIDED).contains(&self.unexplained)
     }
 
@@ -221,6 +332,11 @@ impl Detector {
         };
         press::gathered(&self.presses, radius).iter().map(contact).collect()
     }
+}
+
+/// Whether presses account for most of what noise does not.
+fn is_explained(fit: &Fit<'_>) -> bool {
+    if fit.presses.is_empty() { !fit.is_noisy() } else { fit.unexplained() < fit.explained }
 }
 
 #[cfg(test)]

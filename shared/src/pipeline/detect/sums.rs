@@ -25,10 +25,12 @@ pub(super) struct Data {
     pub(super) values: Changes,
     /// Their inverse variances, 0 where one says nothing: `[measurement]`.
     pub(super) weights: Changes,
-    /// Sum of their squares, in units of the noise's variance.
+    /// Sum of their squares, in units of one frame's variance.
     pub(super) energy: f32,
     /// How many of them say something.
     pub(super) known: f32,
+    /// Variance of their noise, that of one frame being 1.
+    pub(super) noise: f32,
     /// Made when asked for.
     codes: DifferenceData,
 }
@@ -50,10 +52,11 @@ impl Sums {
         self.blocks.clear();
     }
 
-    /// Relative changes of a new frame with their inverse variances, less the change that is common to all:
-    /// `[measurement]`.
-    pub(super) fn take(&mut self, relative: &[f32], inverse_variances: &[f32], common: &[f32]) {
-        let Data { values, weights, energy, known, codes } = &mut self.data;
+    /// Relative changes of a new frame with the inverse variances of one frame's, less the change that is common to all:
+    /// `[measurement]`. Their own variance is `noise` times that.
+    pub(super) fn take(&mut self, relative: &[f32], inverse_variances: &[f32], common: &[f32], noise: f32) {
+        let Data { values, weights, energy, known, noise: of_data, codes } = &mut self.data;
+        *of_data = noise;
         let count = relative.len().min(inverse_variances.len());
         resize(values, count);
         resize(weights, count);

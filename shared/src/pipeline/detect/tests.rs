@@ -26,7 +26,7 @@ struct Trial {
 impl Trial {
     fn new(noise: f64, tare: u16) -> Self {
         let mut trial = Self {
-            bytes: patch_with_places(LEVEL),
+            bytes: patch_with_places(LEVEL, 0.0),
             state: PipelineState::default(),
             random: Pcg64Mcg::seed_from_u64(7),
             noise,

@@ -43,7 +43,9 @@ impl Checker<'_> {
             image: self.image(&file.image)?,
             contact_threshold: self.threshold(file.contact.threshold)?,
             contacts_found_in: file.contact.found_in,
-            drift_time: self.drift_time(file.contact.drift_time.as_ref())?,
+            false_alarms: self.false_alarms(file.contact.false_alarms)?,
+            averaging: self.averaging(file.contact.averaging.as_ref())?,
+            drift_time: self.drift_time(&file.contact)?,
             calibration: self.calibration(&file.calibration)?,
             pose: self.pose(file.pose.as_ref())?,
         })
