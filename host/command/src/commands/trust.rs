@@ -4,7 +4,7 @@ use super::{JsonReport, progress};
 use anyhow::Context;
 use clap::ValueEnum;
 use dermatome_experiments::{
-    experiment::Wanted,
+    experiment::{Wanted, shipped_skins},
     trust::{Bench, Figure, Options, ROWS, Row, RowFigures, Verdict, json, run as run_rows},
 };
 use dermatome_model::skin::{FoundIn, Skin};
@@ -81,9 +81,6 @@ fn help() -> String {
     )
 }
 
-/// The shipped skins that are tried unless others are named.
-const SHIPPED: [&str; 3] = ["disc-210mm", "square-210mm", "hemisphere-210mm"];
-
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let start = Instant::now();
     let rows = if args.rows.is_empty() { ROWS.to_vec() } else { args.rows.clone() };
@@ -107,14 +104,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 
 /// Each skin with each of what its contacts are found in.
 fn benches(args: &Args) -> anyhow::Result<Vec<Bench>> {
-    let shipped = SHIPPED.map(|name| PathBuf::from("models").join(name).join("skin.toml"));
-    let files = if args.skins.is_empty() { &shipped[..] } else { &args.skins };
-    let spinner = progress::spinner();
     let mut benches = Vec::new();
-    for file in files {
-        let in_file = || format!("skin file `{}`", file.display());
-        spinner.set_message(in_file());
-        let bench = Bench::new(&Skin::load(file)?.made()?).with_context(in_file)?;
+    for (words, skin) in skins(args)? {
+        let in_file = || words.clone();
+        let bench = Bench::new(&skin).with_context(in_file)?;
         if args.found_in.is_empty() {
             benches.push(bench);
             continue;
@@ -123,8 +116,16 @@ fn benches(args: &Args) -> anyhow::Result<Vec<Bench>> {
             benches.push(bench.found_in(finding.into()).with_context(in_file)?);
         }
     }
-    spinner.finish_and_clear();
     Ok(benches)
+}
+
+/// Each skin, and which it is.
+fn skins(args: &Args) -> anyhow::Result<Vec<(String, Skin)>> {
+    if args.skins.is_empty() {
+        return Ok(shipped_skins()?.map(|skin| (format!("the shipped {}", skin.name), skin)).into());
+    }
+    let load = |file: &PathBuf| Ok((format!("skin file `{}`", file.display()), Skin::load(file)?.made()?));
+    args.skins.iter().map(load).collect()
 }
 
 fn words(found_in: FoundIn) -> &'static str {
@@ -138,7 +139,7 @@ fn print(bench: &Bench, rows: &[RowFigures]) {
     let skin = bench.skin();
     let found_in = words(skin.contacts_found_in);
     say!("{}, {:.0} mm, contacts found in the {found_in}", skin.name, 1e3 * bench.size());
-    say!("  {:82} {:>5} {:>8} {:>9}", "", "noise", "asked", "measured");
+    say!("    {:WHAT$} {:>5} {:>8} {:>9}", "", "dB", "asked", "measured");
     for row in rows {
         say!("  {}: {}", row.name, row.about);
         match &row.figures {
@@ -149,6 +150,9 @@ fn print(bench: &Bench, rows: &[RowFigures]) {
     say!("");
 }
 
+/// Width of what a figure is.
+const WHAT: usize = 76;
+
 fn line(figure: &Figure) -> String {
     let asked = match figure.wanted {
         Some(Wanted::AtMost(most)) => format!("<= {most}"),
@@ -157,9 +161,11 @@ fn line(figure: &Figure) -> String {
     };
     let found = figure.found.map_or("-".to_owned(), number);
     let verdict = figure.verdict().map_or("", Verdict::words);
-    let why = figure.why.as_ref().map_or(String::new(), |why| format!(" ({why})"));
+    let of = figure.of.map_or(String::new(), |of| format!("of {of}"));
+    let note = figure.note.as_ref().map_or(String::new(), |note| format!(" ({note})"));
     let Figure { what, unit, snr_db, .. } = figure;
-    format!("    {what:80} {snr_db:5} {asked:>8} {found:>9} {unit:9} {verdict}{why}").trim_end().to_owned()
+    let words = format!("    {what:WHAT$} {snr_db:5} {asked:>8} {found:>9} {unit:9} {of:8} {verdict}{note}");
+    words.trim_end().to_owned()
 }
 
 fn number(value: f64) -> String {

@@ -16,8 +16,10 @@ pub struct Figure {
     pub wanted: Option<Wanted>,
     /// What was measured; `None` where there was nothing to measure it on.
     pub found: Option<f64>,
-    /// Why it is none, or why it shows nothing yet.
-    pub why: Option<String>,
+    /// In how many trials or frames a share was counted.
+    pub of: Option<usize>,
+    /// What else there is to say: why there is no figure, or why it shows nothing yet.
+    pub note: Option<String>,
     is_open: bool,
 }
 
@@ -36,12 +38,13 @@ impl Figure {
     /// A figure that nothing is asked of. One that is not finite was not to be measured.
     pub(super) fn new(what: impl Into<String>, unit: &'static str, snr_db: f64, found: f64) -> Self {
         let found = found.is_finite().then_some(found);
-        Self { what: what.into(), unit, snr_db, wanted: None, found, why: None, is_open: false }
+        Self { what: what.into(), unit, snr_db, wanted: None, found, of: None, note: None, is_open: false }
     }
 
     /// A share of trials, in per cent.
     pub(super) fn share(what: impl Into<String>, snr_db: f64, count: usize, of: usize) -> Self {
-        Self::new(format!("{} (of {of})", what.into()), "%", snr_db, 100.0 * count as f64 / of as f64)
+        let share = Self::new(what, "%", snr_db, 100.0 * count as f64 / of as f64);
+        Self { of: Some(of), ..share }
     }
 
     /// It should be at least this, where `is_asked`.
@@ -54,23 +57,21 @@ impl Figure {
         Self { wanted: is_asked.then_some(Wanted::AtMost(most)), ..self }
     }
 
-    /// Says why there is no figure.
-    pub(super) fn because(self, why: impl Into<String>) -> Self {
-        Self { why: Some(why.into()), ..self }
+    /// Says more about it.
+    pub(super) fn note(self, note: impl Into<String>) -> Self {
+        Self { note: Some(note.into()), ..self }
     }
 
-    /// Too little was tried to say whether it is met.
+    /// It cannot be said whether it is met, and why.
     pub(super) fn open(self, why: impl Into<String>) -> Self {
-        Self { why: Some(why.into()), is_open: true, ..self }
+        Self { is_open: true, ..self.note(why) }
     }
 
-    /// Whether what was asked for is met; `None` where nothing is. What was not to be measured is not met, unless the
-    /// figure says why.
+    /// Whether what was asked for is met; `None` where nothing is. What was not to be measured is not met.
     #[must_use]
     pub fn verdict(&self) -> Option<Verdict> {
         let is_met = match (self.wanted?, self.found) {
             _ if self.is_open => return Some(Verdict::Open),
-            (_, None) if self.why.is_some() => return Some(Verdict::Open),
             (_, None) => false,
             (Wanted::AtMost(most), Some(found)) => found <= most,
             (Wanted::AtLeast(least), Some(found)) => found >= least,
@@ -89,10 +90,11 @@ impl Figure {
             "unit": self.unit,
             "noise_db": self.snr_db,
             "found": self.found,
+            "of": self.of,
             "at_most": at_most,
             "at_least": at_least,
             "verdict": self.verdict().map(Verdict::words),
-            "why": self.why,
+            "note": self.note,
         })
     }
 }
@@ -161,15 +163,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_cannot_be_measured_is_not_met_unless_it_says_why() {
+    fn what_cannot_be_measured_is_not_met_unless_it_is_open() {
         let figure = |found| Figure::new("x", "%", 60.0, found).at_least(99.0, true);
         assert_eq!(figure(99.0).verdict(), Some(Verdict::Met));
         assert_eq!(figure(98.9).verdict(), Some(Verdict::NotMet));
         assert_eq!(figure(f64::NAN).verdict(), Some(Verdict::NotMet));
-        assert_eq!(figure(f64::NAN).because("no electrodes").verdict(), Some(Verdict::Open));
+        assert_eq!(figure(f64::NAN).note("none").verdict(), Some(Verdict::NotMet));
         assert_eq!(figure(99.0).open("too few").verdict(), Some(Verdict::Open));
         assert_eq!(Figure::new("x", "%", 60.0, 1.0).at_least(99.0, false).verdict(), None);
-        assert_eq!(Figure::share("x", 60.0, 1, 4).found, Some(25.0));
+        let share = Figure::share("x", 60.0, 1, 4);
+        assert_eq!((share.found, share.of), (Some(25.0), Some(4)));
     }
 
     #[test]

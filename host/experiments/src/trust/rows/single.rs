@@ -127,7 +127,7 @@ fn errors(
         percent("the same, 95 %", most),
         percent("the same, largest", largest).at_most(6.0, is_asked),
         if says_none {
-            share.because("contacts from an image state none")
+            share.note("contacts from an image state none")
         } else {
             share.at_least(95.0, is_asked)
         },

@@ -1,6 +1,6 @@
 //! What a reference could be fooled by: presses that grow slowly, and a finger under the tare.
 
-use super::{CLOSE, FINGER, WITHIN};
+use super::{CLOSE, FINGER, WITHIN, upset::healed};
 use crate::trust::{
     Bench, Figure, Options, Trial, TrustError, Voltages,
     trial::{Film, is_at, is_one_at},
@@ -63,18 +63,19 @@ fn detected_at(
     Some((time / growth).min(1.0))
 }
 
-fn of_growth(depths: &[[Option<f64>; 5]], index: usize, growth: f64, snr_db: f64) -> [Figure; 2] {
+fn of_growth(depths: &[[Option<f64>; 5]], index: usize, growth: f64, snr_db: f64) -> [Figure; 3] {
     let found: Vec<f64> = depths.iter().filter_map(|of| of[index]).collect();
     let ratios = depths.iter().map(|of| Some(of[index]? / of[0]?));
     let most = ratios.map(|ratio| ratio.unwrap_or(f64::NAN)).fold(0.0, |most: f64, ratio| {
         if ratio.is_nan() || most.is_nan() { f64::NAN } else { most.max(ratio) }
     });
-    let at = if growth > LONG { format!(" at {SLOW_RATE} frames a second") } else { String::new() };
     let mean = 100.0 * found.iter().sum::<f64>() / found.len() as f64;
-    let words = format!("grows over {growth} s{at}: detected");
-    let words = if found.is_empty() { words } else { format!("{words}, at {mean:.1} % of its depth") };
+    let detected =
+        Figure::share(format!("grows over {growth} s: detected"), snr_db, found.len(), depths.len());
+    let detected = detected.at_least(100.0, true);
     [
-        Figure::share(words, snr_db, found.len(), depths.len()).at_least(100.0, true),
+        if growth > LONG { detected.note(format!("{SLOW_RATE} frames a second")) } else { detected },
+        Figure::new(format!("grows over {growth} s: at this part of its depth, mean"), "%", snr_db, mean),
         Figure::new(
             format!("grows over {growth} s: depth over that of the fast one, largest"),
             "",
@@ -109,7 +110,7 @@ pub(super) fn tare(bench: &Bench, options: &Options) -> Result<Vec<Figure>, Trus
         left.push(lift(&mut trial, bench, there, elsewhere));
     }
     let sum = |of: fn(&Left) -> usize| left.iter().map(of).sum::<usize>();
-    let latest = left.iter().map(|left| left.healed).fold(0.0, f64::max);
+    let seconds: Vec<f64> = left.iter().map(|left| left.healed).collect();
     let mut figures = vec![
         Figure::share(
             "frames with a contact once it has lifted",
@@ -118,7 +119,7 @@ pub(super) fn tare(bench: &Bench, options: &Options) -> Result<Vec<Figure>, Trus
             sum(|l| l.frames),
         )
         .at_most(0.0, true),
-        Figure::new("until no contact is left, longest", "s", snr_db, latest).at_most(30.0, true),
+        healed("until no contact is left, longest", snr_db, &seconds),
     ];
     for (index, after) in TRIED.iter().enumerate() {
         for (which, words) in ["there", "elsewhere"].iter().enumerate() {
@@ -158,7 +159,7 @@ fn lift(trial: &mut Trial<'_>, bench: &Bench, there: Point3<f64>, elsewhere: Poi
             left.healed = now + trial.period();
         }
     }
-    if left.healed > SCENE - PRESS {
+    if left.healed >= SCENE {
         left.healed = f64::INFINITY;
     }
     left

@@ -27,11 +27,16 @@ pub(super) fn run(bench: &Bench, options: &Options) -> Result<Vec<Figure>, Trust
 /// False contacts an hour: what they are no more than with 95 % confidence. Frames that are too few show nothing.
 fn an_hour(begun: usize, hours: f64, snr_db: f64) -> Figure {
     let upper = poisson_upper(begun, 0.05) / hours;
-    let what = format!("false contacts an hour, upper 95 % bound ({begun} in {:.0} s)", 3600.0 * hours);
-    let figure = Figure::new(what, "1/h", snr_db, upper).at_most(ALLOWED, true);
+    let figure =
+        Figure::new("false contacts an hour, upper 95 % bound", "1/h", snr_db, upper).at_most(ALLOWED, true);
+    let seen = format!("{begun} in {:.0} s", 3600.0 * hours);
     // Were the rate as large as allowed, would so many be seen?
     let is_too_few = poisson_upper(begun.saturating_sub(1), 0.95) / hours <= ALLOWED || begun == 0;
-    if upper > ALLOWED && is_too_few { figure.open("too few frames to show it") } else { figure }
+    if upper > ALLOWED && is_too_few {
+        figure.open(format!("{seen}: too few frames"))
+    } else {
+        figure.note(seen)
+    }
 }
 
 #[cfg(test)]

@@ -36,6 +36,8 @@ struct Said {
     scenes: usize,
     frames: usize,
     with_contact: usize,
+    /// Most contacts in a frame.
+    most: usize,
     flagged: usize,
     flags: BTreeSet<&'static str>,
     /// Seconds until no contact was left; infinite where one was to the end: `[scene]`.
@@ -88,7 +90,7 @@ fn tried(
         match upset(place, seed) {
             Ok(upset) => said.play(&mut Trial::new(bench, snr_db, seed)?, &upset, CLOSE * bench.size()),
             Err(TrustError::Unsuited(why)) => {
-                return Ok(vec![Figure::new(words, "", snr_db, f64::NAN).because(why)]);
+                return Ok(vec![Figure::new(words, "", snr_db, f64::NAN).open(why)]);
             }
             Err(error) => return Err(error),
         }
@@ -114,7 +116,9 @@ impl Said {
                 continue;
             }
             let state = trial.see(&upset.untouched);
-            let (has_contact, flags) = (!state.contacts().is_empty(), state.flags());
+            let (contacts, flags) = (state.contacts().len(), state.flags());
+            let has_contact = contacts > 0;
+            self.most = self.most.max(contacts);
             self.frames += 1;
             self.with_contact += usize::from(has_contact);
             self.flagged += usize::from(flags != FrameFlags::default());
@@ -123,22 +127,29 @@ impl Said {
                 healed = now + trial.period();
             }
         }
-        self.healed.push(if healed >= SCENE - PRESS { f64::INFINITY } else { healed });
+        self.healed.push(if healed >= SCENE { f64::INFINITY } else { healed });
         self.seen += usize::from(seen == Some(true));
     }
 
     fn figures(&self, words: &str, snr_db: f64) -> Vec<Figure> {
-        let latest = self.healed.iter().copied().fold(0.0, f64::max);
+        let name = |what: &str| format!("{words}: {what}");
         let flags = self.flags.iter().copied().collect::<Vec<_>>().join(", ");
-        let flags = if flags.is_empty() { String::new() } else { format!(" ({flags})") };
+        let flagged = Figure::share(name("frames flagged"), snr_db, self.flagged, self.frames);
+        let seen = Figure::share(name("press seen 30 s later"), snr_db, self.seen, self.scenes);
         vec![
-            Figure::share(format!("{words}: frames with a contact"), snr_db, self.with_contact, self.frames)
+            Figure::share(name("frames with a contact"), snr_db, self.with_contact, self.frames)
                 .at_most(0.0, true),
-            Figure::new(format!("{words}: until no contact is left, longest"), "s", snr_db, latest)
-                .at_most(HEALS_IN, true),
-            Figure::share(format!("{words}: frames flagged{flags}"), snr_db, self.flagged, self.frames),
-            Figure::share(format!("{words}: press seen 30 s later"), snr_db, self.seen, self.scenes)
-                .at_least(100.0, true),
+            Figure::new(name("contacts in a frame, most"), "", snr_db, self.most as f64),
+            healed(name("until no contact is left, longest"), snr_db, &self.healed),
+            if flags.is_empty() { flagged } else { flagged.note(flags) },
+            seen.at_least(100.0, true),
         ]
     }
+}
+
+/// Seconds until no contact was left, the longest of some; infinite ones never came to an end.
+pub(super) fn healed(what: impl Into<String>, snr_db: f64, seconds: &[f64]) -> Figure {
+    let longest = seconds.iter().copied().fold(0.0, f64::max);
+    let figure = Figure::new(what, "s", snr_db, longest).at_most(HEALS_IN, true);
+    if longest.is_finite() { figure } else { figure.note("one to the end of a minute") }
 }
