@@ -136,10 +136,10 @@ pub(super) fn largest_over_smallest(values: &[f64]) -> f64 {
     most / least
 }
 
-/// Mean that a Poisson variable exceeds `count` with at most this probability no more: the upper bound of its mean at one
-/// minus that confidence, one-sided (Garwood 1936).
+/// Mean of the Poisson variable that is at most `count` with this probability: with 0.05 the one-sided upper 95 % bound of a
+/// mean of which so many were counted (Garwood 1936).
 pub(super) fn poisson_upper(count: usize, probability: f64) -> f64 {
-    let (mut low, mut high) = (count as f64, 2.0 * count as f64 + 20.0);
+    let (mut low, mut high) = (0.0, 2.0 * count as f64 + 20.0);
     for _ in 0..60 {
         let middle = (low + high) / 2.0;
         if poisson_cumulative(count, middle) > probability { low = middle } else { high = middle }
@@ -179,12 +179,11 @@ mod tests {
     fn bounds_of_a_rate_are_those_of_the_tables() {
         // Half the upper 95 % points of chi-squared with 2, 4 and 22 degrees of freedom.
         for (count, bound) in [(0, 2.9957), (1, 4.7439), (10, 16.9622)] {
-            assert!(
-                (poisson_upper(count, 0.05) - bound).abs() < 1e-3,
-                "{count}: {}",
-                poisson_upper(count, 0.05)
-            );
+            let found = poisson_upper(count, 0.05);
+            assert!((found - bound).abs() < 1e-3, "{count}: {found}");
         }
+        // Half the lower 95 % point with 40 degrees of freedom.
+        assert!((poisson_upper(19, 0.95) - 13.2547).abs() < 1e-3);
     }
 
     #[test]

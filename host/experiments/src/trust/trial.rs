@@ -82,7 +82,7 @@ impl<'a> Trial<'a> {
         self.time
     }
 
-    /// The next frame's number and time are those of the frame that the board saw last.
+    /// Number of the latest frame.
     #[must_use]
     pub fn sequence(&self) -> u32 {
         self.sequence

@@ -49,7 +49,7 @@ pub(super) fn latency(bench: &Bench, options: &Options) -> Result<Vec<Figure>, T
         let frames: Vec<f64> = scenes.iter().map(|scene| until(&mut trial, scene)).collect();
         let [mean, _, largest] = mean_95_largest(&frames);
         figures.push(Figure::new("frames until a contact, mean", "", snr_db, mean));
-        let largest = Figure::new("the same, largest", "", snr_db, largest);
+        let largest = Figure::new("frames until a contact, largest", "", snr_db, largest);
         let largest =
             if frames.contains(&(LONGEST as f64)) { largest.note("never, in 20 frames") } else { largest };
         figures.push(largest.at_most(2.0, snr_db >= 60.0));

@@ -62,6 +62,13 @@ impl Seen<'_> {
         Some(distance(&place_of(self.contact()?), &self.scene.place) / size)
     }
 
+    /// Where the finger was and where the contact is, mm, as seen from above.
+    fn words(&self) -> String {
+        let at = |point: Point3<f64>| format!("{:.0}, {:.0} mm", 1e3 * point.x, 1e3 * point.y);
+        let contact = self.contact().map_or("no place".to_owned(), |contact| at(place_of(contact)));
+        format!("{} seen at {contact}", at(self.scene.place))
+    }
+
     /// Whether it is off by no more than twice the deviation that it states; `None` where it states none.
     fn is_as_stated(&self) -> Option<bool> {
         let contact = self.contact()?;
@@ -118,14 +125,22 @@ fn errors(
     let [mean, most, largest] = mean_95_largest(&errors).map(|error| 100.0 * error);
     let is_asked = is_full && snr_db >= 50.0 && bench.is_flat();
     let percent = |what: &str, value| Figure::new(name(what), "% of size", snr_db, value);
+    let worst = within.iter().max_by(|a, b| {
+        let error = |seen: &Seen<'_>| seen.error(bench.size()).unwrap_or(0.0);
+        error(a).total_cmp(&error(b))
+    });
+    let largest = percent("position error to 90 % of the radius, largest", largest).at_most(6.0, is_asked);
     let stated: Vec<bool> = within.iter().filter_map(|seen| seen.is_as_stated()).collect();
     let right = stated.iter().filter(|is_right| **is_right).count();
     let share = Figure::share(name("error within two stated deviations"), snr_db, right, stated.len());
     let says_none = stated.is_empty() && !errors.is_empty();
     vec![
         percent("position error to 90 % of the radius, mean", mean).at_most(2.0, is_asked),
-        percent("the same, 95 %", most),
-        percent("the same, largest", largest).at_most(6.0, is_asked),
+        percent("position error to 90 % of the radius, 95 %", most),
+        match worst.filter(|seen| seen.contact().is_some()) {
+            Some(seen) => largest.note(seen.words()),
+            None => largest,
+        },
         if says_none {
             share.note("contacts from an image state none")
         } else {
