@@ -151,7 +151,8 @@ fn on_rim(outline: &Outline, spacing: f64) -> impl Iterator<Item = Point3<f64>> 
     })
 }
 
-fn largest_extent(mesh: &Mesh) -> f64 {
+/// Largest extent along x, y or z, m.
+pub(crate) fn largest_extent(mesh: &Mesh) -> f64 {
     (0..3).map(|axis| extent(mesh, axis)).map(|(low, high)| high - low).fold(0.0, f64::max)
 }
 

@@ -1,7 +1,7 @@
 //! Bench: one skin, its true skin and its board, on which any number of trials are made.
 
 use super::TrustError;
-use crate::evaluate::surface::{Surface, extent};
+use crate::evaluate::surface::{Surface, extent, largest_extent};
 use dermatome_geometry::mesh::Mesh;
 use dermatome_model::{
     model::Model,
@@ -36,10 +36,11 @@ impl Bench {
     /// Builds model, patch and true skin.
     pub fn new(skin: &Skin) -> Result<Self, TrustError> {
         let board = Observer::with_model(skin, Model::build(skin, |_| ())?)?;
+        let truth = TrueSkin::new(skin)?;
         Ok(Self {
             table: ScanTable::of_patch(&board.patch()),
-            truth: Arc::new(TrueSkin::new(skin)?),
-            size: board.model().pixels.larger_side(),
+            size: largest_extent(truth.mesh()),
+            truth: Arc::new(truth),
             skin: skin.clone(),
             board,
         })
@@ -80,7 +81,7 @@ impl Bench {
         &self.truth
     }
 
-    /// Larger side of the skin, m.
+    /// Largest extent of the skin along x, y or z, m: what shares of the size are of.
     #[must_use]
     pub fn size(&self) -> f64 {
         self.size

@@ -44,26 +44,20 @@ pub(super) fn regional(bench: &Bench, options: &Options) -> Result<Vec<Figure>, 
     let mut places = bench.places(options.seed);
     let mut figures = Vec::new();
     let [x, y] = bench.middle();
-    let is_in_half = |point: &Point3<f64>| point.x > x;
-    let is_in_quarter = |point: &Point3<f64>| point.x > x && point.y > y;
-    let regions: [(&str, &dyn Fn(&Point3<f64>) -> bool); 2] =
-        [("a quarter warms", &is_in_quarter), ("half of it warms", &is_in_half)];
-    for (words, is_in) in regions {
+    // What is right of the middle, and of that what is above it too.
+    for (words, least_y) in [("a quarter warms", y), ("half of it warms", f64::NEG_INFINITY)] {
         let place = places.draw(1, &(0.2..0.6), 0.0)?;
-        let warm =
-            |time: f64| WARMS * ((time - WARMING.start) / (WARMING.end - WARMING.start)).clamp(0.0, 1.0);
-        let tally =
-            play(
-                bench,
-                options,
-                &place,
-                |time, point, change| {
-                    if is_in(point) { change * (1.0 + warm(time)) } else { change }
-                },
-            )?;
+        let tally = play(bench, options, &place, |time, point, change| {
+            if point.x > x && point.y > least_y { change * (1.0 + warmth(time)) } else { change }
+        })?;
         figures.extend(tally.figures(words, options.first_snr_db()));
     }
     Ok(figures)
+}
+
+/// By how much a part is warmer at a time, relative.
+fn warmth(time: f64) -> f64 {
+    WARMS * ((time - WARMING.start) / (WARMING.end - WARMING.start)).clamp(0.0, 1.0)
 }
 
 /// Plays a scene in which the conductivity of an element at a point is `changed`(time, point, conductivity when pressed).
