@@ -66,6 +66,8 @@ fn help_of_the_program_and_of_every_command() {
         assert!(help.contains("Examples:"), "{command}");
         filtered(|| assert_snapshot!(format!("help_{command}"), help));
     }
+    let trust = desk.run(&["experiment", "trust", "--help"]).success().out;
+    filtered(|| assert_snapshot!("help_experiment-trust", trust));
     // A command that is added must be added here as well; `help` is clap's own.
     let listed = program.lines().skip_while(|line| *line != "Commands:").skip(1);
     let listed = listed.take_while(|line| !line.is_empty()).count();

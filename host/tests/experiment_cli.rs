@@ -193,6 +193,77 @@ fn names_and_folders_that_will_not_do_are_refused_and_leave_nothing() {
     assert_eq!(desk.read("file"), b"mine");
 }
 
+/// A few rows on a coarse skin, its contacts found in both.
+fn trust(desk: &Desk, seed: &str) -> Value {
+    desk.write("skin.toml", program::TINY);
+    let rows = ["--rows", "untouched,one,latency", "--found-in", "image,voltages"];
+    let few = ["--presses", "4", "--frames", "40", "--snr", "60,50", "--seed", seed, "--json", "trust.json"];
+    let done = desk.run(&[&["experiment", "trust", "skin.toml"], &rows[..], &few[..]].concat()).success();
+    assert!(done.out.contains("tiny, 100 mm, contacts found in the voltages"), "{}", done.out);
+    assert_eq!(done.out.matches("full depth: exactly one contact").count(), 4, "{}", done.out);
+    desk.report("trust.json")
+}
+
+#[test]
+fn trust_sets_what_a_board_says_beside_what_is_asked_and_one_seed_gives_the_same() {
+    let desk = Desk::empty();
+    let report = trust(&desk, "3");
+    assert_eq!((&report["seed"], &report["presses"], &report["frames"]), (&3.into(), &4.into(), &40.into()));
+    let skins = report["skins"].as_array().unwrap();
+    assert_eq!((&skins[0]["found_in"], &skins[1]["found_in"]), (&"image".into(), &"voltages".into()));
+    let mut counted = [0; 3];
+    for row in skins.iter().flat_map(|skin| skin["rows"].as_array().unwrap()) {
+        assert!(row["not_run"].is_null() && !row["figures"].as_array().unwrap().is_empty(), "{row:#}");
+        for figure in row["figures"].as_array().unwrap() {
+            let keys: Vec<_> = figure.as_object().unwrap().keys().map(String::as_str).collect();
+            assert_eq!(
+                keys,
+                ["at_least", "at_most", "found", "noise_db", "note", "of", "unit", "verdict", "what"]
+            );
+            let found = figure["found"].as_f64().unwrap_or(f64::NAN);
+            let within = figure["at_most"].as_f64().map(|most| found <= most);
+            let within = within.or(figure["at_least"].as_f64().map(|least| found >= least));
+            match figure["verdict"].as_str() {
+                Some("open") => counted[2] += 1,
+                Some(verdict) => {
+                    assert_eq!(within, Some(verdict == "met"), "{figure:#}");
+                    counted[usize::from(verdict != "met")] += 1;
+                }
+                None => assert_eq!(within, None, "{figure:#}"),
+            }
+        }
+    }
+    assert_eq!(["met", "not_met", "open"].map(|key| report[key].as_u64().unwrap()), counted);
+    assert!(counted[0] > 0 && counted[2] > 0, "40 frames show no rate of one an hour: {counted:?}");
+    // A finger of 4 mm on this coarse skin of 8 electrodes is seen in the voltages.
+    let one = &skins[1]["rows"][1]["figures"][0];
+    assert!(
+        one["what"] == "full depth: exactly one contact" && one["found"].as_f64().unwrap() >= 75.0,
+        "{one:#}"
+    );
+    assert_eq!(trust(&desk, "3")["skins"], report["skins"]);
+    assert_ne!(trust(&desk, "4")["skins"], report["skins"]);
+}
+
+#[test]
+fn rows_and_noises_that_are_not_there_are_refused() {
+    let desk = Desk::empty();
+    for (arguments, words) in [
+        (["--rows", "trees"], "allowed: untouched, one, rim"),
+        (["--snr", "60,300"], "allowed are 0 to 200 dB"),
+        (["--presses", "0"], "'--presses <N>'"),
+        (["--found-in", "tea"], "[possible values: image, voltages]"),
+    ] {
+        let refused = desk.run(&[&["experiment", "trust"], &arguments[..]].concat());
+        assert_eq!(refused.status.code(), Some(2));
+        let refused = refused.refused();
+        assert!(refused.contains(words), "{refused}");
+    }
+    let missing = desk.run(&["experiment", "trust", "missing.toml", "--json", "trust.json"]).refused();
+    assert!(missing.contains("`missing.toml`"), "{missing}");
+    assert_eq!(desk.files(), Vec::<String>::new());
+}
+
 #[test]
 fn where_there_is_no_room_nothing_is_written() {
     let desk = Desk::empty();

@@ -1,5 +1,6 @@
 //! docs/cli.md: its list of commands is what the commands say of themselves.
 
+use clap::Command;
 use std::{fmt::Write, fs, path::Path};
 
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/cli.md");
@@ -13,13 +14,19 @@ fn commands() -> String {
     let mut program = dermatome_command::command().term_width(WIDTH);
     program.build();
     let mut text = String::new();
-    for command in program.get_subcommands_mut().filter(|command| command.get_name() != "help") {
+    commands_of(&mut program, "dermatome", &mut text);
+    text + "\n"
+}
+
+/// Those of a command, each with its own behind it.
+fn commands_of(parent: &mut Command, name: &str, text: &mut String) {
+    for command in parent.get_subcommands_mut().filter(|command| command.get_name() != "help") {
+        let name = format!("{name} {}", command.get_name());
         let help = command.render_long_help().to_string();
         let lines: Vec<_> = help.lines().map(str::trim_end).collect();
-        let name = command.get_name();
-        writeln!(text, "\n### dermatome {name}\n\n```text\n{}\n```", lines.join("\n").trim_end()).unwrap();
+        writeln!(text, "\n### {name}\n\n```text\n{}\n```", lines.join("\n").trim_end()).unwrap();
+        commands_of(command, &name, text);
     }
-    text + "\n"
 }
 
 #[test]

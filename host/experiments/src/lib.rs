@@ -4,3 +4,4 @@
 pub mod evaluate;
 pub mod experiment;
 pub mod scenes;
+pub mod trust;

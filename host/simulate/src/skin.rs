@@ -150,6 +150,13 @@ impl SimulatedSkin {
         &self.truth
     }
 
+    /// Other noise from now on, from its seed's first number.
+    pub fn change_noise(&mut self, noise: Noise) {
+        self.noise = noise;
+        self.random = [noise.seed, !noise.seed].map(Pcg64Mcg::seed_from_u64);
+        self.untouched = None;
+    }
+
     /// Gives the electrodes other contacts, ohm m: `[electrode]`; noise and gain stay as they were found.
     pub fn change_contacts(
         &mut self,

@@ -40,7 +40,16 @@ enum Forward {
 impl TrueSkin {
     /// Meshes a skin; an imported mesh is refined instead, which keeps its nodes.
     pub fn new(skin: &Skin) -> Result<Self, ModelError> {
-        let mesh = true_mesh(skin)?;
+        Self::of_mesh(skin, true_mesh(skin)?)
+    }
+
+    /// The same skin once its nodes have moved, `[node]`, m: a sheet that is stretched, or electrodes that slip. `skin` is
+    /// the one it was made of. Its elements stay, so that nothing else changes.
+    pub fn moved(&self, skin: &Skin, nodes: Vec<Point3<f64>>) -> Result<Self, ModelError> {
+        Self::of_mesh(skin, Mesh { nodes, ..self.mesh.clone() })
+    }
+
+    fn of_mesh(skin: &Skin, mesh: Mesh) -> Result<Self, ModelError> {
         let forward = match skin.admittivity() {
             admittivity if admittivity.im == 0.0 => Forward::Real(Box::new(forward_model(skin, &mesh)?)),
             admittivity => {

@@ -1,6 +1,6 @@
 //! `dermatome experiment`: the thesis' experiments on simulated samples, as a page.
 
-use super::progress;
+use super::{progress, trust};
 use anyhow::Context;
 use dermatome_experiments::experiment::{EXPERIMENTS, Experiment, Report, json, named, page, run as run_all};
 use dermatome_patch::output::{OutputFolder, WriteError};
@@ -11,14 +11,27 @@ use std::{path::PathBuf, time::Instant};
 /// The page, report.html, needs no other file; report.json holds the same figures for scripts. Every run gives
 /// the same.
 #[derive(clap::Args)]
-#[command(after_help = help())]
+#[command(
+    after_help = help(),
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
+    disable_help_subcommand = true
+)]
 pub(super) struct Args {
+    #[command(subcommand)]
+    other: Option<Other>,
     /// Name of an experiment, or all.
-    #[arg(value_name = "NAME", value_parser = chosen)]
-    name: Chosen,
+    #[arg(value_name = "NAME", value_parser = chosen, required = true)]
+    name: Option<Chosen>,
     /// Folder for report.html and report.json; made if it is not there.
     #[arg(long, default_value = "experiments", value_name = "DIR")]
     out: PathBuf,
+}
+
+/// Experiments that are Dermatome's own.
+#[derive(clap::Subcommand)]
+enum Other {
+    Trust(trust::Args),
 }
 
 /// The experiments of a name.
@@ -41,8 +54,12 @@ fn help() -> String {
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    if let Some(Other::Trust(args)) = &args.other {
+        return trust::run(args);
+    }
     let start = Instant::now();
-    let Chosen(experiments) = &args.name;
+    // The name is required without a subcommand.
+    let Some(Chosen(experiments)) = &args.name else { return Ok(()) };
     let folder = OutputFolder::prepare(&args.out)?;
     let bar = progress::counting();
     bar.set_message("experiments");

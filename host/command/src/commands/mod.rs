@@ -50,6 +50,7 @@ mod skin_of_cutout;
 mod stream;
 mod tare;
 mod trim;
+mod trust;
 
 /// Pressure-sensing robot skin by electrical impedance tomography.
 #[derive(Parser)]

@@ -12,7 +12,7 @@ pub mod pairs;
 mod picture;
 pub mod report;
 pub mod single;
-mod surface;
+pub(crate) mod surface;
 mod target;
 
 use dermatome_geometry::mesh::Mesh;

@@ -9,14 +9,14 @@ use nalgebra::{Point2, Point3, Unit, Vector3};
 
 /// A skin's surface.
 #[derive(Clone, Debug)]
-pub(super) struct Surface<'a> {
+pub(crate) struct Surface<'a> {
     /// The true skin's mesh.
-    pub(super) mesh: &'a Mesh,
+    pub(crate) mesh: &'a Mesh,
     outline: Option<&'a Outline>,
     /// Centre of gravity of each triangle: `[element]`.
     pub(super) centroids: Vec<Point3<f64>>,
     /// Area of each triangle, m^2: `[element]`.
-    pub(super) areas: Vec<f64>,
+    pub(crate) areas: Vec<f64>,
     /// Edges of the mesh that belong to one triangle only; empty where the outline says more.
     boundary: Vec<[Point3<f64>; 2]>,
     deepest: f64,
@@ -29,7 +29,7 @@ pub(super) struct Surface<'a> {
 impl<'a> Surface<'a> {
     /// The surface of `shape`, of which `mesh` is the true skin's mesh.
     #[must_use]
-    pub(super) fn new(shape: &'a Shape, mesh: &'a Mesh) -> Self {
+    pub(crate) fn new(shape: &'a Shape, mesh: &'a Mesh) -> Self {
         let corners = || (0..mesh.elements.len()).map(|element| mesh.corners(element));
         let (centroids, areas): (Vec<_>, Vec<f64>) =
             corners().map(|corners| (triangle::centroid(corners), triangle::area(corners))).unzip();
@@ -53,7 +53,7 @@ impl<'a> Surface<'a> {
 
     /// Whether the skin is flat.
     #[must_use]
-    pub(super) fn is_flat(&self) -> bool {
+    pub(crate) fn is_flat(&self) -> bool {
         self.outline.is_some()
     }
 
@@ -75,7 +75,7 @@ impl<'a> Surface<'a> {
     /// How far out a point lies: 0 at the deepest place of the skin (and anywhere on a closed
     /// surface), 1 at the boundary. On a disc it is the share of the radius.
     #[must_use]
-    pub(super) fn normalised_radius(&self, point: Point3<f64>) -> f64 {
+    pub(crate) fn normalised_radius(&self, point: Point3<f64>) -> f64 {
         if self.deepest.is_finite() { (1.0 - self.depth(point) / self.deepest).clamp(0.0, 1.0) } else { 0.0 }
     }
 
@@ -151,12 +151,13 @@ fn on_rim(outline: &Outline, spacing: f64) -> impl Iterator<Item = Point3<f64>> 
     })
 }
 
-fn largest_extent(mesh: &Mesh) -> f64 {
+/// Largest extent along x, y or z, m.
+pub(crate) fn largest_extent(mesh: &Mesh) -> f64 {
     (0..3).map(|axis| extent(mesh, axis)).map(|(low, high)| high - low).fold(0.0, f64::max)
 }
 
 /// Smallest and largest coordinate of all nodes.
-pub(super) fn extent(mesh: &Mesh, axis: usize) -> (f64, f64) {
+pub(crate) fn extent(mesh: &Mesh, axis: usize) -> (f64, f64) {
     let along = mesh.nodes.iter().map(|node| node[axis]);
     along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
 }

@@ -21,11 +21,15 @@ mod tracking;
 mod two_point;
 
 use crate::{evaluate::EvaluateError, scenes::ScenesError};
-use dermatome_model::{model::ModelError, skin::SkinError};
+use dermatome_model::{
+    model::ModelError,
+    skin::{Skin, SkinError},
+};
 use dermatome_simulate::{material::MaterialError, rig::RigError};
 pub use html::page;
 use rayon::prelude::*;
 pub use report::{Comparison, Report, Wanted, json};
+use std::path::Path;
 
 /// One experiment.
 #[derive(Clone, Copy, Debug)]
@@ -111,6 +115,12 @@ pub fn run(
         Ok(report)
     };
     experiments.par_iter().map(run).collect()
+}
+
+/// Shipped skins that stand for flat and curved ones: a disc, a square, a hemisphere.
+pub fn shipped_skins() -> Result<[Skin; 3], ExperimentError> {
+    let flat = |(path, text)| Ok::<_, ExperimentError>(Skin::parse(Path::new(path), text)?.made()?);
+    Ok([flat(sample::DISC_210)?, flat(sample::SQUARE_210)?, hemisphere::shipped()?])
 }
 
 /// Why an experiment cannot be done.

@@ -52,9 +52,9 @@ pub(super) struct Found {
 
 const SQUARE_50: (&str, &str) =
     ("models/square-50mm/skin.toml", include_str!("../../../../models/square-50mm/skin.toml"));
-const SQUARE_210: (&str, &str) =
+pub(super) const SQUARE_210: (&str, &str) =
     ("models/square-210mm/skin.toml", include_str!("../../../../models/square-210mm/skin.toml"));
-const DISC_210: (&str, &str) =
+pub(super) const DISC_210: (&str, &str) =
     ("models/disc-210mm/skin.toml", include_str!("../../../../models/disc-210mm/skin.toml"));
 
 /// Sample 1: conductive rubber on copper.

@@ -99,6 +99,11 @@ impl Rig {
         self.scans(&phasors, DEFAULT_TARE_FRAMES)
     }
 
+    /// Other noise from now on, from its seed's first number.
+    pub fn change_noise(&mut self, noise: Noise) {
+        self.scanner.instrument_mut().change_noise(noise);
+    }
+
     /// Gives the electrodes other contacts, ohm m: `[electrode]`, as a knock does; `true_skin` is the one that the rig was
     /// made of.
     pub fn change_contacts(

@@ -19,13 +19,18 @@ const SKIN: &str = include_str!("../../../../../models/hemisphere-210mm/skin.tom
 const FORMULA: &str = include_str!("../../../../../models/hemisphere-210mm/formula.toml");
 const MESH: &[u8] = include_bytes!("../../../../../models/hemisphere-210mm/hemisphere.stl");
 
+/// The skin from an STL file.
+pub(super) fn shipped() -> Result<Skin, ExperimentError> {
+    let folder = tempfile::tempdir()?;
+    std::fs::write(folder.path().join("hemisphere.stl"), MESH)?;
+    Ok(Skin::parse(&folder.path().join("skin.toml"), SKIN)?.made()?)
+}
+
 /// The skin from an STL file, which images are made with, and the same from its formula, which is the truth; both
 /// driven as in the thesis.
 fn skins() -> Result<[Skin; 2], ExperimentError> {
-    let folder = tempfile::tempdir()?;
-    std::fs::write(folder.path().join("hemisphere.stl"), MESH)?;
-    let skin = Skin::parse(&folder.path().join("skin.toml"), SKIN)?.made()?;
-    let mut skins = [skin, Skin::parse(Path::new("models/hemisphere-210mm/formula.toml"), FORMULA)?.made()?];
+    let formula = Skin::parse(Path::new("models/hemisphere-210mm/formula.toml"), FORMULA)?.made()?;
+    let mut skins = [shipped()?, formula];
     skins.iter_mut().for_each(|skin| THREE_SINGLE.drive(skin));
     Ok(skins)
 }
