@@ -14,7 +14,7 @@ use faer::{
     Mat, Side,
     linalg::solvers::{Llt, SolveCore},
 };
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Point3, Vector3};
 use std::collections::HashMap;
 
 /// d voltage / d movement of each electrode along the rim, per metre: `[step][electrode]`.
@@ -87,12 +87,11 @@ fn column<T: Admittivity>(
 ) -> Vec<T> {
     let electrodes = fields.electrodes();
     let mut gram = vec![T::default(); electrodes * electrodes];
-    for element in
-        mesh.elements.iter().filter(|element| element.iter().any(|node| moved.nodes.contains(node)))
-    {
+    let touched = |(_, element): &(usize, &[usize; 3])| element.iter().any(|node| moved.nodes.contains(node));
+    for (number, element) in mesh.elements.iter().enumerate().filter(touched) {
         let shifts =
             element.map(|node| if moved.nodes.contains(&node) { moved.direction } else { Vector3::zeros() });
-        let change = admittance_change(mesh, *element, shifts);
+        let change = admittance_change(mesh.points(*element), shifts, fields.sheet().tensor(number));
         add_products(&mut gram, element.map(|node| fields.at(node)), &change);
     }
     let at = |a: usize, b: usize| admittivity * gram[a * electrodes + b];
@@ -116,17 +115,25 @@ fn add_products<T: Admittivity>(gram: &mut [T], corners: [&[T]; 3], change: &[[f
 
 /// Change of an element's local admittance when its corners shift.
 ///
-/// With e_i the edge opposite corner i and A the area, K_ij = e_i . e_j / (4 A).
-fn admittance_change(mesh: &Mesh, element: [usize; 3], shifts: [Vector3<f64>; 3]) -> [[f64; 3]; 3] {
-    let corners = mesh.points(element);
+/// With e_i the edge opposite corner i, A the area, and C the sheet's tensor turned by a right angle in the plane,
+/// K_ij = e_i . C e_j / (4 A).
+fn admittance_change(
+    corners: [Point3<f64>; 3],
+    shifts: [Vector3<f64>; 3],
+    sheet: Option<Matrix3<f64>>,
+) -> [[f64; 3]; 3] {
     let edge = |i: usize| corners[(i + 2) % 3] - corners[(i + 1) % 3];
     let shift = |i: usize| shifts[(i + 2) % 3] - shifts[(i + 1) % 3];
     let doubled = edge(1).cross(&edge(2));
     let doubled_shift = shift(1).cross(&edge(2)) + edge(1).cross(&shift(2));
     let double_area = doubled.norm();
     let growth = doubled.dot(&doubled_shift) / double_area.powi(2);
+    let turn = (doubled / double_area).cross_matrix();
+    let turned = sheet.map_or(Matrix3::identity(), |tensor| turn.transpose() * tensor * turn);
     let entry = |i: usize, j: usize| {
-        let products = shift(i).dot(&edge(j)) + edge(i).dot(&shift(j)) - edge(i).dot(&edge(j)) * growth;
+        let product = |a: Vector3<f64>, b: Vector3<f64>| a.dot(&(turned * b));
+        let products =
+            product(shift(i), edge(j)) + product(edge(i), shift(j)) - product(edge(i), edge(j)) * growth;
         products / (2.0 * double_area)
     };
     std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))

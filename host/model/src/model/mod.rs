@@ -5,7 +5,7 @@ mod stages;
 
 pub use crate::inverse::difference::divisors;
 use crate::{
-    forward::{Admittivity, Fields, ForwardError, ForwardModel, electrode_unknown},
+    forward::{Admittivity, Fields, ForwardError, ForwardModel},
     inverse::{
         InverseError,
         figures::{self, Blur},
@@ -16,6 +16,7 @@ use crate::{
     jacobian::{combine_rows, combine_voltages, jacobian, step_counts},
     pixels::{self, Pixels},
     prior::{Factored, Prior},
+    sheet::SheetTensors,
     skin::{ImageLayout, Method, NotFlat, Shape, Skin},
     stimulation::Stimulation,
 };
@@ -123,8 +124,7 @@ pub fn forward_model<T: Admittivity>(skin: &Skin, mesh: &Mesh) -> Result<Forward
             contact_impedance.iter().map(|z| T::from(z * skin.material.sheet_conductivity)).collect()
         }
     };
-    let ground = electrode_unknown(mesh, skin.electrodes.ground);
-    Ok(ForwardModel::new(mesh, &impedance, ground)?)
+    Ok(ForwardModel::on_sheet(mesh, &impedance, SheetTensors::new(&skin.material, mesh))?)
 }
 
 /// Pixels of a skin's image on a mesh.
