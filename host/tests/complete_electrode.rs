@@ -14,12 +14,17 @@ use dermatome::{
     embedding::Embedding,
     forward::ForwardModel,
     mesh::{Lattice, generate},
+    model::{driven_error, mesh},
     outline::Outline,
     sheet::{EdgeLengths, ElectrodeModel, Place, Sheet},
+    skin::Skin,
 };
 use dermatome_shared::stimulation::{Driven, Step, pattern};
 use faer::{Mat, linalg::solvers::Solve};
-use std::f64::consts::{LN_2, PI, TAU};
+use std::{
+    f64::consts::{LN_2, PI, TAU},
+    path::Path,
+};
 
 const RADIUS: f64 = 0.105;
 const ELECTRODES: usize = 16;
@@ -227,9 +232,16 @@ fn voltages_on_driven_electrodes_need_short_edges() {
         );
         error
     };
-    for impedance in [1.06e-2, 1.06e-3, 1.06e-4, 1e-6] {
-        let _: Vec<f64> = [1.0, 0.5, 0.25, 0.125, 1.0 / 16.0, 1.0 / 32.0, 1.0 / 64.0]
-            .map(|share| measured(impedance, share))
-            .to_vec();
+    let skin = include_str!("../../models/disc-210mm/skin.toml")
+        .replace("pattern = \"adjacent\"", "pattern = \"adjacent\"\ndriven = \"measured\"");
+    let skin = Skin::parse(Path::new("disc.toml"), &skin).unwrap().made().unwrap();
+    let mesh = mesh(&skin, 1.0, Lattice::default()).unwrap();
+    let estimated = driven_error(&skin, &mesh).unwrap().unwrap();
+    let error = measured(1.06e-3, 1.0);
+    println!("disc-210mm: estimated error {estimated:.1e}");
+    assert!(error > 0.03 && (0.5..2.0).contains(&(estimated / error)), "{estimated:e} of {error:e}");
+    for impedance in [1.06e-2, 1.06e-3, 1.06e-4] {
+        let errors = [1.0, 0.25, 1.0 / 16.0].map(|share| measured(impedance, share));
+        assert!(errors[2] < errors[0] / 6.0, "{errors:?}");
     }
 }

@@ -14,6 +14,7 @@ pub mod multi_contact;
 pub mod pixels;
 pub mod prior;
 pub mod quantize;
-pub mod sheet;
+
 pub mod skin;
 pub mod stimulation;
+pub mod tensors;

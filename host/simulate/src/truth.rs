@@ -6,8 +6,8 @@ use dermatome_model::{
     indenter::Press,
     model::{ModelError, forward_model, mesh},
     pixels::samples,
-    sheet::SheetTensors,
     skin::{Shape, Skin},
+    tensors::SheetTensors,
 };
 use dermatome_shared::stimulation::Step;
 use nalgebra::Point3;

@@ -24,9 +24,9 @@ use dermatome_model::{
     model::{self, Model, ModelError, Solved},
     pixels::Pixels,
     prior::Prior,
-    sheet::SheetTensors,
     skin::Skin,
     stimulation::table_csv,
+    tensors::SheetTensors,
 };
 use dermatome_patch::output::{WriteError, check_folder, stream_whole, write_whole};
 use dermatome_shared::{patch::CombinedInto, stimulation::Step};

@@ -27,8 +27,8 @@ use dermatome_model::{
     forward::{Admittivity, ForwardError, ForwardModel},
     inverse::least_squares::{Fitted, Problem, Schedule, minimise},
     model::{ModelError, mesh},
-    sheet::SheetTensors,
     skin::{Material, Skin},
+    tensors::SheetTensors,
 };
 use dermatome_shared::stimulation::Step;
 use nalgebra::{DMatrix, DVector, Vector2};

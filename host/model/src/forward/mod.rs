@@ -9,7 +9,7 @@
 mod admittivity;
 mod system;
 
-use crate::sheet::SheetTensors;
+use crate::tensors::SheetTensors;
 pub use admittivity::Admittivity;
 pub(crate) use admittivity::solve_columns;
 use admittivity::{Index, Symbolic, analyse, places};

@@ -4,7 +4,7 @@ use super::{
     Admittivity, ForwardError,
     admittivity::{Index, TOGETHER},
 };
-use crate::sheet::SheetTensors;
+use crate::tensors::SheetTensors;
 use dermatome_geometry::mesh::{ElectrodeContact, Mesh, triangle};
 use faer::{
     Mat,

@@ -176,6 +176,7 @@ mod tests {
         inverse::targets::half_side,
         model::{forward_model, mesh},
         skin::Skin,
+        tensors::SheetTensors,
     };
     use dermatome_geometry::mesh::Lattice;
     use num_complex::Complex64;
@@ -188,6 +189,10 @@ mod tests {
                 .replace("model = \"complete\"", "model = \"point\"")
                 .replace("width = \"11 mm\"", "")
                 .replace("contact_impedance = \"0.18 ohm m\"", ""),
+            "grain" => text.replace(
+                "\"5.88 mS\"",
+                "\"5.88 mS\"\nsheet_conductivity_across = \"2 mS\"\ngrain = \"25 deg\"\nconductivity_map = [[0, 0, 1], [0.1, 0, 2]]",
+            ),
             _ => text.to_owned(),
         };
         let mut skin = Skin::parse(Path::new("skin.toml"), &text).unwrap().made().unwrap();
@@ -203,11 +208,14 @@ mod tests {
 
     #[test]
     fn movement_jacobian_agrees_with_differences_on_shifted_nodes() {
-        for model in ["complete", "point"] {
+        for model in ["complete", "point", "grain"] {
             let skin = skin(model);
             let mesh = mesh(&skin, 1.0, Lattice::default()).unwrap();
+            // A map stays with its elements, however their nodes are shifted.
+            let sheet = SheetTensors::new(&skin.material, &mesh);
+            let impedance = vec![0.18 * skin.material.sheet_conductivity; 16];
             let voltages = |mesh: &Mesh| {
-                let forward: ForwardModel = forward_model(&skin, mesh).unwrap();
+                let forward: ForwardModel = ForwardModel::on_sheet(mesh, &impedance, sheet.clone()).unwrap();
                 forward.solve(&vec![1.0; mesh.elements.len()]).unwrap().voltages(&skin.steps())
             };
             let forward: ForwardModel = forward_model(&skin, &mesh).unwrap();

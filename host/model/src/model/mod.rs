@@ -1,5 +1,6 @@
 //! Model: a skin taken through mesh, forward model, Jacobian and reconstruction matrix.
 
+mod driven;
 mod import;
 mod stages;
 
@@ -16,9 +17,9 @@ use crate::{
     jacobian::{combine_rows, combine_voltages, jacobian, step_counts},
     pixels::{self, Pixels},
     prior::{Factored, Prior},
-    sheet::SheetTensors,
     skin::{ImageLayout, Method, NotFlat, Shape, Skin},
     stimulation::Stimulation,
+    tensors::SheetTensors,
 };
 use dermatome_geometry::{
     mesh::{Lattice, Mesh, MeshError, generate},
@@ -31,6 +32,7 @@ use dermatome_shared::{
     scan::test_step,
     stimulation::Step,
 };
+pub use driven::driven_error;
 use faer::{Col, Mat};
 use num_complex::Complex64;
 pub use stages::Stage;
