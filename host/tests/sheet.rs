@@ -4,7 +4,7 @@
 //! conductivity root det S.
 
 use dermatome::{
-    forward::{Fields, ForwardModel},
+    forward::{Fields, ForwardModel, SheetTensors},
     jacobian::jacobian,
     mesh::{Lattice, Mesh},
     model::{self, Model, forward_model},
@@ -12,7 +12,6 @@ use dermatome::{
     recorded::{fit::fit, order::Arrangement},
     simulate::{Press, TrueSkin},
     skin::Skin,
-    tensors::SheetTensors,
 };
 use dermatome_shared::stimulation::{Driven, Step, pattern};
 use nalgebra::{Matrix2, Point3};

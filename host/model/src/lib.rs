@@ -17,4 +17,3 @@ pub mod quantize;
 
 pub mod skin;
 pub mod stimulation;
-pub mod tensors;

@@ -2,12 +2,11 @@
 
 use dermatome_geometry::mesh::{Lattice, Mesh, refine, triangle};
 use dermatome_model::{
-    forward::{Admittivity, Fields, ForwardModel},
+    forward::{Admittivity, Fields, ForwardModel, SheetTensors},
     indenter::Press,
     model::{ModelError, forward_model, mesh},
     pixels::samples,
     skin::{Shape, Skin},
-    tensors::SheetTensors,
 };
 use dermatome_shared::stimulation::Step;
 use nalgebra::Point3;

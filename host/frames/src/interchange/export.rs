@@ -19,14 +19,13 @@ use dermatome_geometry::{
     sheet::ElectrodeModel,
 };
 use dermatome_model::{
-    forward::{Admittivity, ForwardError},
+    forward::{Admittivity, ForwardError, SheetTensors},
     inverse::InverseError,
     model::{self, Model, ModelError, Solved},
     pixels::Pixels,
     prior::Prior,
     skin::Skin,
     stimulation::table_csv,
-    tensors::SheetTensors,
 };
 use dermatome_patch::output::{WriteError, check_folder, stream_whole, write_whole};
 use dermatome_shared::{patch::CombinedInto, stimulation::Step};

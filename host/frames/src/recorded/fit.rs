@@ -24,11 +24,10 @@ use dermatome_geometry::{
     sheet::ElectrodeModel,
 };
 use dermatome_model::{
-    forward::{Admittivity, ForwardError, ForwardModel},
+    forward::{Admittivity, ForwardError, ForwardModel, SheetTensors},
     inverse::least_squares::{Fitted, Problem, Schedule, minimise},
     model::{ModelError, mesh},
     skin::{Material, Skin},
-    tensors::SheetTensors,
 };
 use dermatome_shared::stimulation::Step;
 use nalgebra::{DMatrix, DVector, Vector2};

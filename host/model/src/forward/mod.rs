@@ -8,8 +8,8 @@
 
 mod admittivity;
 mod system;
+mod tensors;
 
-use crate::tensors::SheetTensors;
 pub use admittivity::Admittivity;
 pub(crate) use admittivity::solve_columns;
 use admittivity::{Index, Symbolic, analyse, places};
@@ -18,6 +18,7 @@ use dermatome_shared::stimulation::Step;
 use faer::{Mat, sparse::SparseColMat};
 use rayon::prelude::*;
 use system::System;
+pub use tensors::SheetTensors;
 
 /// A mesh made ready to be solved for many admittivities, real ([`f64`]) or complex.
 #[derive(Debug)]

@@ -1,10 +1,9 @@
 //! The system matrix: which entries there are, and their values for an admittivity.
 
 use super::{
-    Admittivity, ForwardError,
+    Admittivity, ForwardError, SheetTensors,
     admittivity::{Index, TOGETHER},
 };
-use crate::tensors::SheetTensors;
 use dermatome_geometry::mesh::{ElectrodeContact, Mesh, triangle};
 use faer::{
     Mat,

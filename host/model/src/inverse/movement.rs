@@ -172,11 +172,10 @@ pub fn prior(electrodes: usize, weight: f64) -> Mat<f64> {
 mod tests {
     use super::*;
     use crate::{
-        forward::ForwardModel,
+        forward::{ForwardModel, SheetTensors},
         inverse::targets::half_side,
         model::{forward_model, mesh},
         skin::Skin,
-        tensors::SheetTensors,
     };
     use dermatome_geometry::mesh::Lattice;
     use num_complex::Complex64;

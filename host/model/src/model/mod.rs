@@ -6,7 +6,7 @@ mod stages;
 
 pub use crate::inverse::difference::divisors;
 use crate::{
-    forward::{Admittivity, Fields, ForwardError, ForwardModel},
+    forward::{Admittivity, Fields, ForwardError, ForwardModel, SheetTensors},
     inverse::{
         InverseError,
         figures::{self, Blur},
@@ -19,7 +19,6 @@ use crate::{
     prior::{Factored, Prior},
     skin::{ImageLayout, Method, NotFlat, Shape, Skin},
     stimulation::Stimulation,
-    tensors::SheetTensors,
 };
 use dermatome_geometry::{
     mesh::{Lattice, Mesh, MeshError, generate},
