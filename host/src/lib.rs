@@ -12,7 +12,6 @@ pub use dermatome_link as link;
 pub use dermatome_link::{health, scope};
 pub use dermatome_model::{
     forward, inverse, jacobian, metrics, model, multi_contact, pixels, prior, quantize, skin, stimulation,
-    tensors,
 };
 pub use dermatome_patch as patch;
 pub use dermatome_patch::output;

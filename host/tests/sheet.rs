@@ -129,7 +129,7 @@ fn a_cylinder_has_the_voltages_of_its_flat_sheet() {
     assert!(largest_error(&of(&flat("0 deg")), &of(&flat("90 deg"))) > 0.1);
 }
 
-/// A strip of two halves in series between electrodes along its ends.
+/// A strip between electrodes along its ends.
 #[test]
 fn a_strip_with_a_map_has_the_resistance_of_its_integral() {
     let text = |material: &str| {
@@ -139,7 +139,7 @@ fn a_strip_with_a_map_has_the_resistance_of_its_integral() {
                 "kind = \"rectangle\"\nwidth = 0.2\nheight = 0.1",
             )
             .replace("count = 16", "count = 4")
-            .replace("width = \"11 mm\"", "width = [0.0999, 0.01, 0.0999, 0.01]")
+            .replace("width = \"11 mm\"", "width = [0.0999, 0.001, 0.0999, 0.001]")
             .replace("contact_impedance = \"0.18 ohm m\"", "contact_impedance = \"1e-9 ohm m\"")
             .replace("placement = \"rim\"", "placement = \"sides\"\npitch = \"1 mm\"")
             .replace("first = \"90 deg\"", "first = \"45 deg\"")
@@ -152,10 +152,10 @@ fn a_strip_with_a_map_has_the_resistance_of_its_integral() {
     };
     let plain = resistance(CONDUCTIVITY);
     assert!((plain - 2.0).abs() < 0.01, "{plain}");
-    // The logarithm goes straight from ln(1/2) to ln 2: the integral of 4^-t / 2 ... over the length, exact.
+    // The logarithm goes straight from ln(1/2) to ln 2 along the axis: the integral of 2 * 4^-t over t from 0 to 1.
     let map = format!("{CONDUCTIVITY}\nconductivity_map = [[-0.1, 0, 0.5], [0.1, 0, 2]]");
     let found = resistance(&map);
-    // Off the axis the level is that of distances to the two points, which differs a little; by 3 % in all.
+    // Off the axis it is by the distances to two points, a little less far from the middle.
     let exact = 2.0 * (2.0 - 0.5) / 4_f64.ln();
     assert!((found / exact - 1.0).abs() < 0.05, "{found} {exact}");
     let along = resistance(&format!("{CONDUCTIVITY}\nsheet_conductivity_across = 1e-3"));

@@ -22,8 +22,9 @@ const HALF_HEIGHT: f64 = 2.769;
 /// EIDORS also drops entries below 0.003, which on fine meshes is all of them; none are dropped
 /// here, and distances are in units of the skin's larger side in both directions. Where pixels are about
 /// as large as the Gaussian (100 on a disc at EIDORS' diameter), the values at their centres may add up
-/// to more than its integral, and F would be indefinite: shares are scaled back to it, so that the
-/// Gaussian's largest eigenvalue is below 1.
+/// to more than its integral, and F would be indefinite: shares are scaled back to it. What the Gaussian
+/// loses beyond the rim then keeps its largest eigenvalue below 1; on pixels one and a half diameters wide
+/// it loses nothing, and F is singular.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HighPass {
     centres: Vec<Point3<f64>>,
