@@ -81,7 +81,7 @@ pub trait Admittivity:
     /// Factors the lower half in `matrix`: values of the factor.
     fn factor(symbolic: &Symbolic, matrix: &SparseColMat<Index, f64>) -> Result<Vec<f64>, ForwardError>;
 
-    /// Solves with a factor, in place; rows are in the order of elimination.
+    /// Solves with a factor, in place and on one core; rows are in the order of elimination.
     fn solve_in_place(symbolic: &Symbolic, factor: &[f64], columns: MatMut<'_, f64>);
 
     /// Part in phase with the current.
@@ -124,7 +124,7 @@ impl Admittivity for f64 {
     }
 
     fn solve_in_place(symbolic: &Symbolic, factor: &[f64], columns: MatMut<'_, f64>) {
-        let parallelism = faer::get_global_parallelism();
+        let parallelism = Par::Seq;
         match symbolic.raw() {
             SymbolicCholeskyRaw::Simplicial(symbolic) => {
                 with_stack(symbolic.solve_in_place_scratch::<f64>(columns.ncols()), |stack| {

@@ -73,8 +73,10 @@ impl<T: Admittivity> System<T> {
         sheet: SheetTensors,
     ) -> Result<Self, ForwardError> {
         let filling = Filling::new(mesh, contact_impedance, sheet)?;
+        let nothing = T::default();
+        let of_elements = mesh.elements.iter().flat_map(|&element| element_positions(element));
         let pairs: Vec<_> = filling
-            .carried_entries(&vec![T::default(); mesh.elements.len()])
+            .carried_entries(of_elements.map(|(row, col)| (row, col, nothing)))
             .flat_map(|(row, col, _)| {
                 T::entries(without(filling.ground, row), without(filling.ground, col), T::default())
             })
@@ -103,7 +105,7 @@ impl<T: Admittivity> System<T> {
         self.filling.check(admittivity)?;
         let values: Vec<f64> = self
             .filling
-            .carried_entries(admittivity)
+            .carried_entries(self.filling.element_entries(admittivity))
             .flat_map(|(row, col, value)| T::entries(row, col, value))
             .map(|(_, _, value)| value)
             .collect();
@@ -237,9 +239,12 @@ impl<T: Admittivity> Filling<T> {
         })
     }
 
-    /// Lower half, of the unknowns that are solved for, ground left out.
-    fn carried_entries<'a>(&'a self, admittivity: &'a [T]) -> impl Iterator<Item = Entry<T>> + 'a {
-        self.element_entries(admittivity)
+    /// Lower half, of the unknowns that are solved for, ground left out; from entries of elements.
+    fn carried_entries<'a>(
+        &'a self,
+        of_elements: impl Iterator<Item = Entry<T>> + 'a,
+    ) -> impl Iterator<Item = Entry<T>> + 'a {
+        of_elements
             .flat_map(|entry| carried(&self.carrier, entry))
             .chain(self.carried_contacts.iter().copied())
             .filter(|&(row, col, _)| row != self.ground && col != self.ground)
