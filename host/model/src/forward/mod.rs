@@ -114,8 +114,7 @@ impl<T: Admittivity> ForwardModel<T> {
         });
         let solution: Vec<_> = solved.collect();
         let error = self.error(&matrix, &factor, &solution);
-        // A comparison that is false for NaN.
-        if !(error <= LARGEST_ERROR) {
+        if error > LARGEST_ERROR || error.is_nan() {
             return Err(ForwardError::Rounding { error });
         }
         Ok(Fields {
