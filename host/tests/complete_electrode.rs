@@ -12,14 +12,19 @@
 
 use dermatome::{
     embedding::Embedding,
-    forward::{ForwardModel, electrode_unknown},
+    forward::ForwardModel,
     mesh::{Lattice, generate},
+    model::{driven_error, mesh},
     outline::Outline,
     sheet::{EdgeLengths, ElectrodeModel, Place, Sheet},
+    skin::Skin,
 };
 use dermatome_shared::stimulation::{Driven, Step, pattern};
 use faer::{Mat, linalg::solvers::Solve};
-use std::f64::consts::{LN_2, PI, TAU};
+use std::{
+    f64::consts::{LN_2, PI, TAU},
+    path::Path,
+};
 
 const RADIUS: f64 = 0.105;
 const ELECTRODES: usize = 16;
@@ -156,31 +161,30 @@ impl Legendre {
     }
 }
 
-fn steps() -> Vec<Step> {
-    pattern(ELECTRODES as u8, 1, 1, Driven::Skipped).collect()
+fn steps(driven: Driven) -> Vec<Step> {
+    pattern(ELECTRODES as u8, 1, 1, driven).collect()
 }
 
 /// Voltages by the series: `[step]`.
-fn by_series(disc: &Disc, order: usize) -> Vec<f64> {
+fn by_series(disc: &Disc, order: usize, driven: Driven) -> Vec<f64> {
     let potentials = disc.potentials(order);
     let voltage = |step: Step| {
         let [dp, dm, sp, sm] = step.to_bytes().map(usize::from);
         potentials[(sp, dp)] - potentials[(sp, dm)] - potentials[(sm, dp)] + potentials[(sm, dm)]
     };
-    steps().into_iter().map(voltage).collect()
+    steps(driven).into_iter().map(voltage).collect()
 }
 
 /// Voltages by finite elements: number of elements, `[step]`.
-fn by_elements(disc: &Disc, edges: EdgeLengths) -> (usize, Vec<f64>) {
+fn by_elements(disc: &Disc, edges: EdgeLengths, driven: Driven) -> (usize, Vec<f64>) {
     let places = (0..ELECTRODES).map(|l| Place::Rim(RADIUS * disc.angle(l))).collect();
     let sheet = Sheet { outline: Outline::disc(RADIUS), embedding: Embedding::Flat, places };
     let model =
         ElectrodeModel::Complete { width: disc.widths.clone(), contact_impedance: disc.impedances.clone() };
     let mesh = generate(&sheet, &model, edges, Lattice::default()).unwrap();
-    let forward: ForwardModel =
-        ForwardModel::new(&mesh, &disc.impedances, electrode_unknown(&mesh, 0)).unwrap();
+    let forward: ForwardModel = ForwardModel::new(&mesh, &disc.impedances).unwrap();
     let fields = forward.solve(&vec![1.0; mesh.elements.len()]).unwrap();
-    (mesh.elements.len(), fields.voltages(&steps()))
+    (mesh.elements.len(), fields.voltages(&steps(driven)))
 }
 
 fn largest_relative_error(values: &[f64], exact: &[f64]) -> f64 {
@@ -195,12 +199,13 @@ fn voltages_of_the_complete_model_agree_with_a_series_solution() {
         impedances: (0..ELECTRODES).map(|l| 3e-4 * 1.3_f64.powi(l as i32)).collect(),
     };
     for (name, disc) in [("as disc-210mm", like_disc_210mm), ("all different", unequal)] {
-        let exact = by_series(&disc, 32);
-        let certainty = largest_relative_error(&by_series(&disc, 16), &exact);
+        let exact = by_series(&disc, 32, Driven::Skipped);
+        let certainty = largest_relative_error(&by_series(&disc, 16, Driven::Skipped), &exact);
         println!("{name:<14} series of 16 against 32 polynomials: {certainty:.1e}");
         assert!(certainty < 1e-7, "{name}: {certainty:e}");
         let errors = [3.2e-3, 1.6e-3, 0.8e-3].map(|skin| {
-            let (elements, voltages) = by_elements(&disc, EdgeLengths { skin, electrodes: skin / 4.0 });
+            let (elements, voltages) =
+                by_elements(&disc, EdgeLengths { skin, electrodes: skin / 4.0 }, Driven::Skipped);
             let error = largest_relative_error(&voltages, &exact);
             println!("{name:<14} {elements:>6} elements: largest relative error {error:.1e}");
             error
@@ -209,5 +214,34 @@ fn voltages_of_the_complete_model_agree_with_a_series_solution() {
         // Of second order at first: 3.7 and 3.9 times less. Then the edges at electrodes, where fields are
         // singular, weigh more.
         assert!(errors[0] / errors[1] > 3.5, "{name}: {errors:?}");
+    }
+}
+
+/// What is measured on a driven electrode is to a good part the spreading of its current, whose density is
+/// singular at the electrode's edges.
+#[test]
+fn voltages_on_driven_electrodes_need_short_edges() {
+    let measured = |impedance: f64, share: f64| {
+        let disc = Disc { widths: vec![0.011; ELECTRODES], impedances: vec![impedance; ELECTRODES] };
+        let exact = by_series(&disc, 32, Driven::Measured);
+        let edges = EdgeLengths { skin: 4.5e-3, electrodes: 4.5e-3 * share };
+        let (elements, voltages) = by_elements(&disc, edges, Driven::Measured);
+        let error = largest_relative_error(&voltages, &exact);
+        println!(
+            "{impedance:.1e} m, edges {share:>6} of the skin's: {elements:>6} elements, error {error:.1e}"
+        );
+        error
+    };
+    let skin = include_str!("../../models/disc-210mm/skin.toml")
+        .replace("pattern = \"adjacent\"", "pattern = \"adjacent\"\ndriven = \"measured\"");
+    let skin = Skin::parse(Path::new("disc.toml"), &skin).unwrap().made().unwrap();
+    let mesh = mesh(&skin, 1.0, Lattice::default()).unwrap();
+    let estimated = driven_error(&skin, &mesh).unwrap().unwrap();
+    let error = measured(1.06e-3, 1.0);
+    println!("disc-210mm: estimated error {estimated:.1e}");
+    assert!(error > 0.03 && (0.5..2.0).contains(&(estimated / error)), "{estimated:e} of {error:e}");
+    for impedance in [1.06e-2, 1.06e-3, 1.06e-4] {
+        let errors = [1.0, 0.25, 1.0 / 16.0].map(|share| measured(impedance, share));
+        assert!(errors[2] < errors[0] / 6.0, "{errors:?}");
     }
 }

@@ -7,7 +7,7 @@
 
 use dermatome::{
     embedding::Embedding,
-    forward::{ForwardModel, electrode_unknown},
+    forward::ForwardModel,
     mesh::{Lattice, Mesh, generate},
     outline::Outline,
     sheet::{EdgeLengths, ElectrodeModel, Place, Sheet},
@@ -46,8 +46,7 @@ fn mesh(sheet: &Sheet, skin: f64, electrodes: f64) -> Mesh {
 
 /// Largest relative error of any voltage.
 fn error(sheet: &Sheet, mesh: &Mesh) -> f64 {
-    let forward: ForwardModel =
-        ForwardModel::new(mesh, &[0.0; ELECTRODES as usize], electrode_unknown(mesh, 0)).unwrap();
+    let forward: ForwardModel = ForwardModel::new(mesh, &[0.0; ELECTRODES as usize]).unwrap();
     let voltages = forward.solve(&vec![1.0; mesh.elements.len()]).unwrap().voltages(&steps());
     let errors = voltages.iter().zip(exact(sheet)).map(|(v, e)| ((v - e) / e).abs());
     errors.fold(0.0, f64::max)

@@ -52,8 +52,7 @@ impl Reference {
 
     fn forward(&mut self, mesh: &Mesh) -> ForwardModel {
         let impedance = self.floats("z_contact");
-        let ground = self.floats("gnd_node")[0] as usize - 1;
-        ForwardModel::new(mesh, &impedance, ground).unwrap()
+        ForwardModel::new(mesh, &impedance).unwrap()
     }
 }
 
@@ -122,9 +121,10 @@ fn node_potentials_agree_to_1e_10() {
         let mesh = reference.mesh(complete);
         let fields = homogeneous(&mut reference, &mesh);
         let unknowns = mesh.nodes.len() + if complete { 16 } else { 0 };
-        // Stimulation k: -1 A into electrode k, +1 A into k + 1.
-        let potentials =
-            Mat::from_fn(unknowns, 16, |node, k| fields.at(node)[(k + 1) % 16] - fields.at(node)[k]);
+        // Stimulation k: -1 A into electrode k, +1 A into k + 1; EIDORS holds a node at 0 V.
+        let ground = reference.floats("gnd_node")[0] as usize - 1;
+        let driven = |node: usize, k: usize| fields.at(node)[(k + 1) % 16] - fields.at(node)[k];
+        let potentials = Mat::from_fn(unknowns, 16, |node, k| driven(node, k) - driven(ground, k));
         assert_agrees(name, "node potentials", &rows(&potentials), &reference.floats("nodev_h"), 1e-10);
     }
 }

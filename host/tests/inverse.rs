@@ -32,6 +32,27 @@ fn largest_difference(a: &Model, b: &Model) -> f64 {
 }
 
 #[test]
+fn a_gaussian_prior_takes_pixels_as_large_as_its_filter() {
+    let mut skin = coarse();
+    skin.inverse.method = Method::OneStep(Prior::Gaussian { diameter: 0.1 });
+    for count in [50, 100, 200, 500] {
+        skin.image = ImageLayout::ElementPatches { count };
+        let model = build(&skin);
+        assert!(model.conductivity_from_difference.norm_max().is_finite());
+        // A press in the middle of a pixel comes out there.
+        let change: Vec<f64> = (0..104).map(|m| model.jacobian[(m, count / 2)]).collect();
+        let data: Vec<f64> = change.iter().zip(model.divisors()).map(|(v, divisor)| v / divisor).collect();
+        let image = &model.conductivity_from_difference * faer::Col::from_fn(104, |m| data[m]);
+        let peak = (0..count).max_by(|&a, &b| image[a].total_cmp(&image[b])).unwrap();
+        let off = (model.pixels.centres[peak] - model.pixels.centres[count / 2]).norm();
+        assert!(off < 0.02, "{count} pixels: {off} m off");
+    }
+    skin.image = ImageLayout::ElementPatches { count: 20 };
+    let error = error_of(&skin);
+    assert!(error.contains("larger `inverse.gaussian_diameter`, or more pixels"), "{error}");
+}
+
+#[test]
 fn weights_of_one_for_each_step_are_the_default_and_a_file_of_them_too() {
     let skin = coarse();
     let default = build(&skin);

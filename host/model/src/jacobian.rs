@@ -9,7 +9,7 @@ use crate::{
     forward::{Admittivity, Fields},
     pixels::Pixels,
 };
-use dermatome_geometry::mesh::{Mesh, triangle::Gradients};
+use dermatome_geometry::mesh::Mesh;
 use dermatome_shared::{patch::CombinedInto, stimulation::Step};
 use faer::Mat;
 use rayon::prelude::*;
@@ -79,7 +79,7 @@ impl<T: Admittivity> Gram<T> {
 /// Gradients of all electrode fields in one element, times the root of its area:
 /// `[axis][electrode]`.
 fn gradients<T: Admittivity>(mesh: &Mesh, fields: &Fields<T>, element: usize, along: &mut [Vec<T>; 2]) {
-    let shape = Gradients::of(mesh.corners(element));
+    let shape = fields.sheet().gradients(element, mesh.corners(element));
     let [p, q, r] = mesh.elements[element].map(|node| fields.at(node));
     for (axis, row) in along.iter_mut().zip(shape.0) {
         for (((g, &p), &q), &r) in axis.iter_mut().zip(p).zip(q).zip(r) {

@@ -14,5 +14,6 @@ pub mod multi_contact;
 pub mod pixels;
 pub mod prior;
 pub mod quantize;
+
 pub mod skin;
 pub mod stimulation;

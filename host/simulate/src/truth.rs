@@ -2,7 +2,7 @@
 
 use dermatome_geometry::mesh::{Lattice, Mesh, refine, triangle};
 use dermatome_model::{
-    forward::{Admittivity, Fields, ForwardModel, electrode_unknown},
+    forward::{Admittivity, Fields, ForwardModel, SheetTensors},
     indenter::Press,
     model::{ModelError, forward_model, mesh},
     pixels::samples,
@@ -109,7 +109,7 @@ impl TrueSkin {
         }
     }
 
-    /// Potential of each electrode for unit current into each and out of the ground, relative:
+    /// Potential of each electrode for unit current into each and out of one node, relative:
     /// `[electrode][electrode driven]`. `conductivity` as in [`Self::voltages`].
     #[must_use]
     pub fn transfer(&self, conductivity: &[f64]) -> Vec<Vec<Complex64>> {
@@ -193,12 +193,12 @@ fn forward_with(
     let sheet = skin.material.sheet_conductivity;
     let susceptance = TAU * frequency * skin.material.sheet_capacitance / sheet;
     let relative: Vec<Complex64> = contact_impedance.iter().map(|z| z * sheet).collect();
-    let ground = electrode_unknown(mesh, skin.electrodes.ground);
+    let tensors = SheetTensors::new(&skin.material, mesh);
     if susceptance == 0.0 && relative.iter().all(|z| z.im == 0.0) {
         let real: Vec<f64> = relative.iter().map(|z| z.re).collect();
-        return Ok(Forward::Real(Box::new(ForwardModel::new(mesh, &real, ground)?)));
+        return Ok(Forward::Real(Box::new(ForwardModel::on_sheet(mesh, &real, tensors)?)));
     }
-    let model = ForwardModel::new(mesh, &relative, ground)?;
+    let model = ForwardModel::on_sheet(mesh, &relative, tensors)?;
     Ok(Forward::Complex(Box::new(model), susceptance / frequency))
 }
 

@@ -13,7 +13,7 @@ use dermatome_geometry::mesh::{
 };
 use dermatome_model::{
     inverse::figures::Blur,
-    model::{Model, Stage},
+    model::{Model, Stage, driven_error},
     quantize::{self, FixedPointError},
     skin::Skin,
     stimulation,
@@ -196,6 +196,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     spinner.finish_and_clear();
     let (blur, (noise, noise_figure)) =
         rayon::join(|| model.blur(), || (model.image_noise(60.0), model.noise_figure()));
+    let mut warnings = warnings(&skin, &mesh.quality, patch.as_ref(), noise);
+    warnings.extend(driven_error(&skin, &model.mesh)?.and_then(warning_of_driven));
     let report = Report {
         skin: skin.name.clone(),
         electrodes: skin.electrodes.count,
@@ -203,7 +205,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         measurements: model.jacobian.nrows(),
         rank: stimulation::report(&model.steps, skin.electrodes.count).rank,
         pixels: model.jacobian.ncols(),
-        warnings: warnings(&skin, &mesh.quality, patch.as_ref(), noise),
+        warnings,
         mesh,
         patch,
         hyperparameter: model.hyperparameter,
@@ -275,6 +277,20 @@ fn write_patch(
         is_doubtful: preserved.is_some_and(|preserved| preserved.is_doubtful(&view)),
     };
     Ok(PatchReport { path, bytes: patch.len(), crc: patch_id(view.crc()), fixed_point_error, calibration })
+}
+
+/// Error of voltages on driven electrodes that is worth a warning, %.
+const DRIVEN_ERROR_PERCENT: f64 = 1.0;
+
+/// For an error as [`driven_error`] estimates it.
+pub(super) fn warning_of_driven(error: f64) -> Option<String> {
+    let percent = 100.0 * error;
+    (percent > DRIVEN_ERROR_PERCENT).then(|| {
+        format!(
+            "the model's voltages on driven electrodes are off by up to about {percent:.0} % on this mesh: shorten \
+             `mesh.electrode_edge_length` (an imported mesh needs shorter edges at electrodes)"
+        )
+    })
 }
 
 /// What is allowed, but seldom meant.

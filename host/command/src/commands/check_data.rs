@@ -174,6 +174,17 @@ fn print_fit(fit: &Fit) {
         fit.scale,
         fit.sheet_conductivity_s
     );
+    if let Some(grain) = &fit.grain {
+        let deviation = grain.across_deviation_percent.map_or("unknown".into(), |it| format!("{it:.1} %"));
+        say!(
+            "grain         {:.3} times the conductivity across it (skin file {:.3}; deviation {deviation}), at {:.1} deg \
+             (skin file {:.1})",
+            grain.across,
+            grain.across_before,
+            grain.angle_degrees,
+            grain.angle_before_degrees
+        );
+    }
     say!("{:>9} {:>12} {:>12} {:>10}", "electrode", "skin file", "fitted/ohm m", "deviation");
     for contact in &fit.contacts {
         let deviation =

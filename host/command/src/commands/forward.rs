@@ -1,6 +1,6 @@
 //! `dermatome forward`: voltages of a skin's stimulation table.
 
-use super::JsonReport;
+use super::{JsonReport, build::warning_of_driven};
 use anyhow::{Context, bail};
 use dermatome_frames::{
     array::{Array, Source, npy},
@@ -8,7 +8,7 @@ use dermatome_frames::{
 };
 use dermatome_geometry::mesh::{Lattice, Mesh};
 use dermatome_model::{
-    model::mesh,
+    model::{driven_error, mesh},
     skin::Skin,
     stimulation::{self, PatternReport},
 };
@@ -56,6 +56,7 @@ struct Report {
     volts_per_unit: f64,
     voltages: Vec<f64>,
     voltages_imaginary: Option<Vec<f64>>,
+    driven_error_percent: Option<f64>,
     pattern: PatternReport,
 }
 
@@ -71,16 +72,24 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         None => vec![skin.admittivity(); mesh.elements.len()],
     };
     let voltages = conductivity::voltages(&skin, &mesh, &admittivity).with_context(in_file)?;
-    let report = report(&skin, &mesh, source.as_ref(), &voltages);
+    let error = driven_error(&skin, &mesh)?;
+    let report = report(&skin, &mesh, source.as_ref(), &voltages, error);
     match (&args.out, out) {
         (Some(path), Some(format)) => format.write(path, &voltages)?,
         _ => print(&skin.steps(), &voltages),
     }
     print_pattern(&report.pattern);
+    error.and_then(warning_of_driven).iter().for_each(|warning| eprintln!("warning: {warning}"));
     args.json.write(&report)
 }
 
-fn report(skin: &Skin, mesh: &Mesh, source: Option<&Source>, voltages: &Voltages) -> Report {
+fn report(
+    skin: &Skin,
+    mesh: &Mesh,
+    source: Option<&Source>,
+    voltages: &Voltages,
+    driven_error: Option<f64>,
+) -> Report {
     let part = |part: fn(&Complex64) -> f64| voltages.values.iter().map(part).collect();
     Report {
         skin: skin.name.clone(),
@@ -91,6 +100,7 @@ fn report(skin: &Skin, mesh: &Mesh, source: Option<&Source>, voltages: &Voltages
         volts_per_unit: skin.drive.amplitude / skin.material.sheet_conductivity,
         voltages: part(|value| value.re),
         voltages_imaginary: voltages.complex.then(|| part(|value| value.im)),
+        driven_error_percent: driven_error.map(|error| error * 100.0),
         pattern: stimulation::report(&skin.steps(), skin.electrodes.count),
     }
 }

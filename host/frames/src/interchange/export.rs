@@ -19,7 +19,7 @@ use dermatome_geometry::{
     sheet::ElectrodeModel,
 };
 use dermatome_model::{
-    forward::{Admittivity, ForwardError},
+    forward::{Admittivity, ForwardError, SheetTensors},
     inverse::InverseError,
     model::{self, Model, ModelError, Solved},
     pixels::Pixels,
@@ -68,6 +68,9 @@ struct Untouched<T> {
     /// `[step][pixel]`.
     jacobian: Mat<T>,
 }
+
+/// Row and column of the parts of a tensor that are exported.
+const TENSOR_PARTS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
 
 /// Why a model could not be exported.
 #[derive(Debug, thiserror::Error)]
@@ -197,7 +200,19 @@ impl<'a> Export<'a> {
             ElectrodeContact::Faces(faces) => faces.clone(),
             _ => vec![],
         });
-        vec![
+        let sheet = SheetTensors::new(&self.skin.material, mesh);
+        let is_uniform = sheet.tensor(0).is_none();
+        let tensor = (!is_uniform).then(|| {
+            let part = move |element: usize, part: usize| {
+                let [row, column] = TENSOR_PARTS[part];
+                sheet.tensor(element).map_or(0.0, |tensor| tensor[(row, column)])
+            };
+            Variable::table("sheet_tensor", mesh.elements.len(), TENSOR_PARTS.len(), part).means(
+                "",
+                "[element][xx, yy, zz, xy, xz, yz]: conductivity tensor that `conductivity` multiplies",
+            )
+        });
+        let arrays = vec![
             Variable::table("nodes", mesh.nodes.len(), 3, |node, axis| mesh.nodes[node][axis])
                 .means("m", "[node][x, y, z]"),
             Variable::table("elements", mesh.elements.len(), 3, |element, corner| {
@@ -211,7 +226,8 @@ impl<'a> Export<'a> {
                 .means("", "electrode, node, node, node: triangles under electrodes inside the skin"),
             Variable::list("contact_impedance", self.contact_impedance.len(), |e| self.contact_impedance[e])
                 .means("m", "[electrode]: ohm m times the sheet conductivity; empty for the point model"),
-        ]
+        ];
+        arrays.into_iter().chain(tensor).collect()
     }
 
     fn stimulation_arrays(&self) -> Vec<Variable<'_>> {

@@ -8,6 +8,7 @@ pub mod check;
 pub mod diagnose;
 pub mod difference;
 pub mod fit;
+pub mod grain;
 pub mod order;
 pub mod read;
 pub mod reconstruct;

@@ -78,16 +78,17 @@ pub trait Admittivity:
     /// From its real unknowns.
     fn from_parts(part: impl Fn(usize) -> f64) -> Self;
 
-    /// Factors the lower half in `matrix` and solves for every column of each of `blocks`, which are made only when a
-    /// core is free to solve them. Their rows are in the order of elimination, also in the solution.
-    fn solve(
-        symbolic: &Symbolic,
-        matrix: SparseColMat<Index, f64>,
-        blocks: impl ParallelIterator<Item = Mat<f64>>,
-    ) -> Result<Vec<Mat<f64>>, ForwardError>;
+    /// Factors the lower half in `matrix`: values of the factor.
+    fn factor(symbolic: &Symbolic, matrix: &SparseColMat<Index, f64>) -> Result<Vec<f64>, ForwardError>;
+
+    /// Solves with a factor, in place and on one core; rows are in the order of elimination.
+    fn solve_in_place(symbolic: &Symbolic, factor: &[f64], columns: MatMut<'_, f64>);
 
     /// Part in phase with the current.
     fn in_phase(self) -> f64;
+
+    /// Its absolute value.
+    fn size(self) -> f64;
 
     /// 1 / self.
     fn reciprocal(self) -> Self;
@@ -104,11 +105,7 @@ impl Admittivity for f64 {
         part(0)
     }
 
-    fn solve(
-        symbolic: &Symbolic,
-        matrix: SparseColMat<Index, f64>,
-        blocks: impl ParallelIterator<Item = Mat<f64>>,
-    ) -> Result<Vec<Mat<f64>>, ForwardError> {
+    fn factor(symbolic: &Symbolic, matrix: &SparseColMat<Index, f64>) -> Result<Vec<f64>, ForwardError> {
         let parallelism = faer::get_global_parallelism();
         let mut values = vec![0.0; symbolic.len_val()];
         with_stack(symbolic.factorize_numeric_llt_scratch::<f64>(parallelism, Spec::default()), |stack| {
@@ -123,25 +120,33 @@ impl Admittivity for f64 {
             );
             factor.map(drop).map_err(|_| ForwardError::Singular)
         })?;
-        drop(matrix);
-        Ok(solve_blocks(blocks, |columns| match symbolic.raw() {
+        Ok(values)
+    }
+
+    fn solve_in_place(symbolic: &Symbolic, factor: &[f64], columns: MatMut<'_, f64>) {
+        let parallelism = Par::Seq;
+        match symbolic.raw() {
             SymbolicCholeskyRaw::Simplicial(symbolic) => {
                 with_stack(symbolic.solve_in_place_scratch::<f64>(columns.ncols()), |stack| {
-                    let factor = SimplicialLltRef::new(symbolic, &values);
+                    let factor = SimplicialLltRef::new(symbolic, factor);
                     factor.solve_in_place_with_conj(Conj::No, columns, parallelism, stack);
                 });
             }
             SymbolicCholeskyRaw::Supernodal(symbolic) => {
                 with_stack(symbolic.solve_in_place_scratch::<f64>(columns.ncols(), parallelism), |stack| {
-                    let factor = SupernodalLltRef::new(symbolic, &values);
+                    let factor = SupernodalLltRef::new(symbolic, factor);
                     factor.solve_in_place_with_conj(Conj::No, columns, parallelism, stack);
                 });
             }
-        }))
+        }
     }
 
     fn in_phase(self) -> f64 {
         self
+    }
+
+    fn size(self) -> f64 {
+        self.abs()
     }
 
     fn reciprocal(self) -> Self {
@@ -164,11 +169,7 @@ impl Admittivity for Complex64 {
         Self::new(part(0), part(1))
     }
 
-    fn solve(
-        symbolic: &Symbolic,
-        matrix: SparseColMat<Index, f64>,
-        blocks: impl ParallelIterator<Item = Mat<f64>>,
-    ) -> Result<Vec<Mat<f64>>, ForwardError> {
+    fn factor(symbolic: &Symbolic, matrix: &SparseColMat<Index, f64>) -> Result<Vec<f64>, ForwardError> {
         let parallelism = faer::get_global_parallelism();
         let mut values = vec![0.0; symbolic.len_val()];
         with_stack(symbolic.factorize_numeric_ldlt_scratch::<f64>(parallelism, Spec::default()), |stack| {
@@ -183,25 +184,33 @@ impl Admittivity for Complex64 {
             );
             factor.map(drop).map_err(|_| ForwardError::Singular)
         })?;
-        drop(matrix);
-        Ok(solve_blocks(blocks, |columns| match symbolic.raw() {
+        Ok(values)
+    }
+
+    fn solve_in_place(symbolic: &Symbolic, factor: &[f64], columns: MatMut<'_, f64>) {
+        let parallelism = Par::Seq;
+        match symbolic.raw() {
             SymbolicCholeskyRaw::Simplicial(symbolic) => {
                 with_stack(symbolic.solve_in_place_scratch::<f64>(columns.ncols()), |stack| {
-                    let factor = SimplicialLdltRef::new(symbolic, &values);
-                    factor.solve_in_place_with_conj(Conj::No, columns, Par::Seq, stack);
+                    let factor = SimplicialLdltRef::new(symbolic, factor);
+                    factor.solve_in_place_with_conj(Conj::No, columns, parallelism, stack);
                 });
             }
             SymbolicCholeskyRaw::Supernodal(symbolic) => {
-                with_stack(symbolic.solve_in_place_scratch::<f64>(columns.ncols(), Par::Seq), |stack| {
-                    let factor = SupernodalLdltRef::new(symbolic, &values);
-                    factor.solve_in_place_with_conj(Conj::No, columns, Par::Seq, stack);
+                with_stack(symbolic.solve_in_place_scratch::<f64>(columns.ncols(), parallelism), |stack| {
+                    let factor = SupernodalLdltRef::new(symbolic, factor);
+                    factor.solve_in_place_with_conj(Conj::No, columns, parallelism, stack);
                 });
             }
-        }))
+        }
     }
 
     fn in_phase(self) -> f64 {
         self.re
+    }
+
+    fn size(self) -> f64 {
+        self.norm()
     }
 
     fn reciprocal(self) -> Self {
@@ -216,18 +225,6 @@ fn with_stack<R>(needed: StackReq, work: impl FnOnce(&mut MemStack) -> R) -> R {
 
 /// Columns solved together: few of them need less memory.
 pub(super) const TOGETHER: usize = 8;
-
-/// Solves all columns of each block, one block on each core.
-fn solve_blocks(
-    blocks: impl ParallelIterator<Item = Mat<f64>>,
-    solve: impl Fn(MatMut<'_, f64>) + Sync + Send,
-) -> Vec<Mat<f64>> {
-    let solved = blocks.map(|mut block| {
-        solve(block.as_mut());
-        block
-    });
-    solved.collect()
-}
 
 /// Solves all columns, a few of them at a time on each core.
 pub(crate) fn solve_columns(mut rhs: Mat<f64>, solve: impl Fn(MatMut<'_, f64>) + Sync + Send) -> Mat<f64> {

@@ -14,7 +14,7 @@ use faer::{
     Mat, Side,
     linalg::solvers::{Llt, SolveCore},
 };
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Point3, Vector3};
 use std::collections::HashMap;
 
 /// d voltage / d movement of each electrode along the rim, per metre: `[step][electrode]`.
@@ -87,12 +87,11 @@ fn column<T: Admittivity>(
 ) -> Vec<T> {
     let electrodes = fields.electrodes();
     let mut gram = vec![T::default(); electrodes * electrodes];
-    for element in
-        mesh.elements.iter().filter(|element| element.iter().any(|node| moved.nodes.contains(node)))
-    {
+    let touched = |(_, element): &(usize, &[usize; 3])| element.iter().any(|node| moved.nodes.contains(node));
+    for (number, element) in mesh.elements.iter().enumerate().filter(touched) {
         let shifts =
             element.map(|node| if moved.nodes.contains(&node) { moved.direction } else { Vector3::zeros() });
-        let change = admittance_change(mesh, *element, shifts);
+        let change = admittance_change(mesh.points(*element), shifts, fields.sheet().tensor(number));
         add_products(&mut gram, element.map(|node| fields.at(node)), &change);
     }
     let at = |a: usize, b: usize| admittivity * gram[a * electrodes + b];
@@ -116,17 +115,25 @@ fn add_products<T: Admittivity>(gram: &mut [T], corners: [&[T]; 3], change: &[[f
 
 /// Change of an element's local admittance when its corners shift.
 ///
-/// With e_i the edge opposite corner i and A the area, K_ij = e_i . e_j / (4 A).
-fn admittance_change(mesh: &Mesh, element: [usize; 3], shifts: [Vector3<f64>; 3]) -> [[f64; 3]; 3] {
-    let corners = mesh.points(element);
+/// With e_i the edge opposite corner i, A the area, and C the sheet's tensor turned by a right angle in the plane,
+/// K_ij = e_i . C e_j / (4 A).
+fn admittance_change(
+    corners: [Point3<f64>; 3],
+    shifts: [Vector3<f64>; 3],
+    sheet: Option<Matrix3<f64>>,
+) -> [[f64; 3]; 3] {
     let edge = |i: usize| corners[(i + 2) % 3] - corners[(i + 1) % 3];
     let shift = |i: usize| shifts[(i + 2) % 3] - shifts[(i + 1) % 3];
     let doubled = edge(1).cross(&edge(2));
     let doubled_shift = shift(1).cross(&edge(2)) + edge(1).cross(&shift(2));
     let double_area = doubled.norm();
     let growth = doubled.dot(&doubled_shift) / double_area.powi(2);
+    let turn = (doubled / double_area).cross_matrix();
+    let turned = sheet.map_or(Matrix3::identity(), |tensor| turn.transpose() * tensor * turn);
     let entry = |i: usize, j: usize| {
-        let products = shift(i).dot(&edge(j)) + edge(i).dot(&shift(j)) - edge(i).dot(&edge(j)) * growth;
+        let product = |a: Vector3<f64>, b: Vector3<f64>| a.dot(&(turned * b));
+        let products =
+            product(shift(i), edge(j)) + product(edge(i), shift(j)) - product(edge(i), edge(j)) * growth;
         products / (2.0 * double_area)
     };
     std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
@@ -165,7 +172,7 @@ pub fn prior(electrodes: usize, weight: f64) -> Mat<f64> {
 mod tests {
     use super::*;
     use crate::{
-        forward::ForwardModel,
+        forward::{ForwardModel, SheetTensors},
         inverse::targets::half_side,
         model::{forward_model, mesh},
         skin::Skin,
@@ -181,6 +188,10 @@ mod tests {
                 .replace("model = \"complete\"", "model = \"point\"")
                 .replace("width = \"11 mm\"", "")
                 .replace("contact_impedance = \"0.18 ohm m\"", ""),
+            "grain" => text.replace(
+                "\"5.88 mS\"",
+                "\"5.88 mS\"\nsheet_conductivity_across = \"2 mS\"\ngrain = \"25 deg\"\nconductivity_map = [[0, 0, 1], [0.1, 0, 2]]",
+            ),
             _ => text.to_owned(),
         };
         let mut skin = Skin::parse(Path::new("skin.toml"), &text).unwrap().made().unwrap();
@@ -196,11 +207,14 @@ mod tests {
 
     #[test]
     fn movement_jacobian_agrees_with_differences_on_shifted_nodes() {
-        for model in ["complete", "point"] {
+        for model in ["complete", "point", "grain"] {
             let skin = skin(model);
             let mesh = mesh(&skin, 1.0, Lattice::default()).unwrap();
+            // A map stays with its elements, however their nodes are shifted.
+            let sheet = SheetTensors::new(&skin.material, &mesh);
+            let impedance = vec![0.18 * skin.material.sheet_conductivity; 16];
             let voltages = |mesh: &Mesh| {
-                let forward: ForwardModel = forward_model(&skin, mesh).unwrap();
+                let forward: ForwardModel = ForwardModel::on_sheet(mesh, &impedance, sheet.clone()).unwrap();
                 forward.solve(&vec![1.0; mesh.elements.len()]).unwrap().voltages(&skin.steps())
             };
             let forward: ForwardModel = forward_model(&skin, &mesh).unwrap();

@@ -1,11 +1,12 @@
 //! Model: a skin taken through mesh, forward model, Jacobian and reconstruction matrix.
 
+mod driven;
 mod import;
 mod stages;
 
 pub use crate::inverse::difference::divisors;
 use crate::{
-    forward::{Admittivity, Fields, ForwardError, ForwardModel, electrode_unknown},
+    forward::{Admittivity, Fields, ForwardError, ForwardModel, SheetTensors},
     inverse::{
         InverseError,
         figures::{self, Blur},
@@ -30,6 +31,7 @@ use dermatome_shared::{
     scan::test_step,
     stimulation::Step,
 };
+pub use driven::driven_error;
 use faer::{Col, Mat};
 use num_complex::Complex64;
 pub use stages::Stage;
@@ -123,8 +125,7 @@ pub fn forward_model<T: Admittivity>(skin: &Skin, mesh: &Mesh) -> Result<Forward
             contact_impedance.iter().map(|z| T::from(z * skin.material.sheet_conductivity)).collect()
         }
     };
-    let ground = electrode_unknown(mesh, skin.electrodes.ground);
-    Ok(ForwardModel::new(mesh, &impedance, ground)?)
+    Ok(ForwardModel::on_sheet(mesh, &impedance, SheetTensors::new(&skin.material, mesh))?)
 }
 
 /// Pixels of a skin's image on a mesh.

@@ -20,7 +20,11 @@ const HALF_HEIGHT: f64 = 2.769;
 /// EIDORS integrates the Gaussian over a pixel by counting sample points; here each pixel is a blob
 /// with the pixel's area and second moment (that of a square), which widens the Gaussian a little.
 /// EIDORS also drops entries below 0.003, which on fine meshes is all of them; none are dropped
-/// here, and distances are in units of the skin's larger side in both directions.
+/// here, and distances are in units of the skin's larger side in both directions. Where pixels are about
+/// as large as the Gaussian (100 on a disc at EIDORS' diameter), the values at their centres may add up
+/// to more than its integral, and F would be indefinite: shares are scaled back to it. What the Gaussian
+/// loses beyond the rim then keeps its largest eigenvalue below 1; on pixels one and a half diameters wide
+/// it loses nothing, and F is singular.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HighPass {
     centres: Vec<Point3<f64>>,
@@ -45,8 +49,14 @@ impl HighPass {
             return Err(PriorError::TooManyPixels { pixels });
         }
         let share = |i: usize, j: usize| self.share(j, (self.centres[i] - self.centres[j]).norm_squared());
-        let entry = |i: usize, j: usize| f64::from(u8::from(i == j)) - (share(i, j) + share(j, i)) / 2.0;
-        Ok(Mat::from_fn(pixels, pixels, entry))
+        let mut filter = Mat::from_fn(pixels, pixels, |i, j| (share(i, j) + share(j, i)) / 2.0);
+        let scale: Vec<f64> = filter.row_iter().map(|row| row.iter().sum::<f64>().max(1.0).sqrt()).collect();
+        for (j, column) in filter.col_iter_mut().enumerate() {
+            for (i, entry) in column.iter_mut().enumerate() {
+                *entry = f64::from(u8::from(i == j)) - *entry / (scale[i] * scale[j]);
+            }
+        }
+        Ok(filter)
     }
 
     /// Integral of the Gaussian over a pixel at this squared distance from its centre.

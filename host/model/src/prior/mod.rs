@@ -145,7 +145,8 @@ pub enum PriorError {
     },
     /// The filter has no inverse.
     #[error(
-        "`inverse.prior` \"gaussian\" is singular on these pixels; a smaller `inverse.gaussian_diameter` may help"
+        "`inverse.prior` \"gaussian\" is singular on pixels that are larger than its filter; allowed here: a larger \
+         `inverse.gaussian_diameter`, or more pixels"
     )]
     SingularFilter,
     /// The sparse solver failed.

@@ -132,3 +132,17 @@ fn a_high_pass_has_the_diameter_that_is_asked_for() {
     let height = |distance: usize| -filter[(middle, middle + distance)] / (1.0 - filter[(middle, middle)]);
     assert!(height(6) > 0.5 && height(7) < 0.5, "{} {}", height(6), height(7));
 }
+
+/// Pixels as far apart as the Gaussian is wide, away from the rim: their shares, 1.02 in all, were more than its
+/// integral.
+#[test]
+fn a_high_pass_of_pixels_as_large_as_its_gaussian_is_regular() {
+    let pixels = squares(20, 20, 0.01);
+    let filter = HighPass::new(&pixels, 0.05);
+    let eigenvalues = filter.filter().unwrap().self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
+    assert!(eigenvalues.iter().all(|&value| value > 0.0 && value < 2.0), "{eigenvalues:?}");
+    let prior = Prior::HighPass(filter);
+    let rhs = Mat::from_fn(400, 1, |i, _| ((7 * i) % 13) as f64 - 6.0);
+    let error = largest(&(dense(&prior, 400) * prior.solve(rhs.clone()).unwrap() - &rhs));
+    assert!(error < 1e-9, "{error:e}");
+}

@@ -71,7 +71,18 @@ pub(super) struct MeshTable {
 #[serde(deny_unknown_fields)]
 pub(super) struct MaterialTable {
     pub(super) sheet_conductivity: Quantity,
+    pub(super) sheet_conductivity_across: Option<Quantity>,
+    pub(super) grain: Option<Quantity>,
+    pub(super) conductivity_map: Option<MapTable>,
     pub(super) sheet_capacitance: Option<Quantity>,
+}
+
+/// Points in the skin file, coordinates and a number in each row, or the name of a CSV file.
+#[derive(Deserialize)]
+#[serde(untagged)]
+pub(super) enum MapTable {
+    Inline(Vec<Vec<Quantity>>),
+    File(PathBuf),
 }
 
 #[derive(Deserialize)]

@@ -7,7 +7,9 @@ impl Skin {
     /// This skin without its third dimension, as the thesis compares them (section 5.3.3.2): the model of a
     /// flat sheet of the same rim and electrodes as seen from above.
     pub fn flattened(&self) -> Result<Self, NotFlat> {
-        Ok(Self { shape: self.shape.flattened()?, ..self.clone() })
+        let mut flat = Self { shape: self.shape.flattened()?, ..self.clone() };
+        flat.material.map = flat.material.map.map(|map| map.flattened());
+        Ok(flat)
     }
 }
 

@@ -11,6 +11,7 @@ mod error;
 mod file;
 mod flattened;
 mod inverse;
+mod material;
 pub mod quantity;
 
 use crate::stimulation::Stimulation;
@@ -26,6 +27,7 @@ use electrodes::Electrodes;
 pub use error::SkinError;
 pub use file::FoundIn;
 pub use inverse::{Criterion, Hyperparameter, Inverse, Method, Prior, Weights};
+pub use material::{ConductivityMap, Interpolation, Material};
 use num_complex::Complex64;
 use std::{f64::consts::TAU, path::Path};
 
@@ -64,15 +66,6 @@ pub struct Skin<S = Shape> {
     pub calibration: Calibration,
     /// Where it lies on a robot, if that is known.
     pub pose: Option<Pose>,
-}
-
-/// Electrical properties of the untouched sheet.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Material {
-    /// Conductivity, S per square.
-    pub sheet_conductivity: f64,
-    /// Capacitance, F per square: the sheet's admittivity is conductivity + j omega capacitance.
-    pub sheet_capacitance: f64,
 }
 
 /// What the image consists of.
@@ -133,7 +126,7 @@ impl<S> Skin<S> {
     /// 1 + j omega capacitance / conductivity.
     #[must_use]
     pub fn admittivity(&self) -> Complex64 {
-        let Material { sheet_conductivity, sheet_capacitance } = self.material;
+        let Material { sheet_conductivity, sheet_capacitance, .. } = self.material;
         Complex64::new(1.0, TAU * self.drive.frequency * sheet_capacitance / sheet_conductivity)
     }
 }

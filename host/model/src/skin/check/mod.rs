@@ -5,6 +5,7 @@ mod drive;
 mod electrodes;
 mod image;
 mod inverse;
+mod material;
 mod mesh_file;
 mod pose;
 pub use pose::is_frame_name;

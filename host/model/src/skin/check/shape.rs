@@ -1,9 +1,9 @@
-//! Tables `[shape]`, `[mesh]` and `[material]`.
+//! Tables `[shape]` and `[mesh]`.
 
 use super::Checker;
 use crate::skin::{
-    Material, SkinError,
-    file::{Corners, Exactly, MaterialTable, MeshTable, ShapeTable},
+    SkinError,
+    file::{Corners, Exactly, MeshTable, ShapeTable},
     quantity::{self, Quantity},
 };
 use dermatome_geometry::{
@@ -183,17 +183,6 @@ impl Checker<'_> {
         }
         let allowed = "a thousandth of `edge_length` to all of it";
         self.refuse("mesh.electrode_edge_length", written.to_string(), allowed)
-    }
-
-    pub(super) fn material(&self, table: &MaterialTable) -> Result<Material, SkinError> {
-        let conductivity = &table.sheet_conductivity;
-        let sheet_conductivity =
-            self.positive("material.sheet_conductivity", conductivity, quantity::SHEET_CONDUCTIVITY)?;
-        let sheet_capacitance = match &table.sheet_capacitance {
-            Some(written) => self.positive("material.sheet_capacitance", written, quantity::CAPACITANCE)?,
-            None => 0.0,
-        };
-        Ok(Material { sheet_conductivity, sheet_capacitance })
     }
 
     /// Between a handful of elements and a million.

@@ -1,0 +1,143 @@
+//! Table `[material]`.
+
+use super::Checker;
+use crate::skin::{
+    ConductivityMap, Material, SkinError,
+    file::{MapTable, MaterialTable},
+    quantity::{self, Quantity},
+};
+use nalgebra::Point3;
+use std::{ops::RangeInclusive, path::Path};
+
+/// Points of a conductivity map at most.
+const MOST_POINTS: usize = 1000;
+/// How far conductivities may lie from `sheet_conductivity`, as a factor.
+const RATIOS: RangeInclusive<f64> = 0.01..=100.0;
+/// Columns of a map's CSV file.
+const COLUMNS: [&[&str]; 2] = [&["x_m", "y_m", "relative"], &["x_m", "y_m", "z_m", "relative"]];
+
+impl Checker<'_> {
+    pub(super) fn material(&self, table: &MaterialTable) -> Result<Material, SkinError> {
+        let conductivity = &table.sheet_conductivity;
+        let sheet_conductivity =
+            self.positive("material.sheet_conductivity", conductivity, quantity::SHEET_CONDUCTIVITY)?;
+        let sheet_capacitance = match &table.sheet_capacitance {
+            Some(written) => self.positive("material.sheet_capacitance", written, quantity::CAPACITANCE)?,
+            None => 0.0,
+        };
+        Ok(Material {
+            sheet_conductivity,
+            across: self.across(table, sheet_conductivity)?,
+            grain: self.grain(table)?,
+            map: table.conductivity_map.as_ref().map(|map| self.map(map)).transpose()?,
+            sheet_capacitance,
+        })
+    }
+
+    /// Conductivity across the grain over that along it.
+    fn across(&self, table: &MaterialTable, along: f64) -> Result<Option<f64>, SkinError> {
+        let field = "material.sheet_conductivity_across";
+        let Some(written) = &table.sheet_conductivity_across else { return Ok(None) };
+        let across = self.positive(field, written, quantity::SHEET_CONDUCTIVITY)? / along;
+        if RATIOS.contains(&across) {
+            return Ok(Some(across));
+        }
+        self.refuse(field, written.to_string(), "0.01 to 100 times `sheet_conductivity`")
+    }
+
+    fn grain(&self, table: &MaterialTable) -> Result<f64, SkinError> {
+        match (&table.grain, &table.sheet_conductivity_across) {
+            (None, _) => Ok(0.0),
+            (Some(written), Some(_)) => self.finite("material.grain", written, quantity::ANGLE),
+            (Some(written), None) => {
+                let allowed = "nothing (only with `sheet_conductivity_across` is there a grain)";
+                self.refuse("material.grain", written.to_string(), allowed)
+            }
+        }
+    }
+
+    fn map(&self, table: &MapTable) -> Result<ConductivityMap, SkinError> {
+        let rows = match table {
+            MapTable::Inline(rows) => rows.iter().map(|row| self.map_row(row)).collect::<Result<_, _>>()?,
+            MapTable::File(file) => self.map_file(file)?,
+        };
+        if !(1..=MOST_POINTS).contains(&rows.len()) {
+            let allowed = format!("1 to {MOST_POINTS} points");
+            return self.refuse_map(format!("{} points", rows.len()), &allowed);
+        }
+        if let Some((point, value)) = rows.iter().find(|(_, value)| !RATIOS.contains(value)) {
+            return self.refuse_map(format!("{value} at {}", show(point)), "0.01 to 100");
+        }
+        let twice = |(i, (point, _)): &(usize, &(Point3<f64>, f64))| {
+            rows[..*i].iter().any(|(before, _)| before == point)
+        };
+        let second = rows.iter().enumerate().find(twice).map(|(_, (point, _))| show(point));
+        match ConductivityMap::new(rows) {
+            Some(map) => Ok(map),
+            None => self.refuse_map(second.unwrap_or_default(), "each point once"),
+        }
+    }
+
+    /// Coordinates, then the conductivity there.
+    fn map_row(&self, row: &[Quantity]) -> Result<(Point3<f64>, f64), SkinError> {
+        let field = "material.conductivity_map";
+        let (coordinates, value) = match row {
+            [coordinates @ .., Quantity::Number(value)] if matches!(coordinates.len(), 2 | 3) => {
+                (coordinates, *value)
+            }
+            _ => {
+                let row: Vec<_> = row.iter().map(Quantity::to_string).collect();
+                let allowed = "rows of x, y, on a curved skin z, and a number: times `sheet_conductivity`";
+                return self.refuse_map(format!("[{}]", row.join(", ")), allowed);
+            }
+        };
+        let mut point = Point3::origin();
+        for (axis, written) in coordinates.iter().enumerate() {
+            point[axis] = self.finite(field, written, quantity::LENGTH)?;
+        }
+        Ok((point, value))
+    }
+
+    /// Rows of a CSV file with [`COLUMNS`].
+    fn map_file(&self, file: &Path) -> Result<Vec<(Point3<f64>, f64)>, SkinError> {
+        let refuse = |why: String| {
+            let [flat, curved] = COLUMNS.map(|columns| columns.join(","));
+            let allowed = format!("rows, or a CSV file with the columns {flat} or {curved}");
+            self.refuse_map(format!("{:?}: {why}", file.display().to_string()), &allowed)
+        };
+        let mut reader = match csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(self.beside(file)) {
+            Ok(reader) => reader,
+            Err(error) => return refuse(error.to_string()),
+        };
+        match reader.headers() {
+            Ok(header) if COLUMNS.iter().any(|columns| header.iter().eq(columns.iter().copied())) => {}
+            Ok(header) => {
+                let header: Vec<_> = header.iter().collect();
+                return refuse(format!("its first line is {:?}", header.join(",")));
+            }
+            Err(error) => return refuse(error.to_string()),
+        }
+        let rows = reader.deserialize::<Vec<f64>>().take(MOST_POINTS + 1).collect::<Result<Vec<_>, _>>();
+        let rows = match rows {
+            Ok(rows) => rows,
+            Err(error) => return refuse(error.to_string()),
+        };
+        let point = |row: &Vec<f64>| match row[..] {
+            [x, y, value] => (Point3::new(x, y, 0.0), value),
+            _ => (Point3::new(row[0], row[1], row[2]), row[3]),
+        };
+        match rows.iter().flatten().find(|value| !value.is_finite()) {
+            Some(value) => refuse(format!("{value} in it")),
+            None => Ok(rows.iter().map(point).collect()),
+        }
+    }
+
+    fn refuse_map<T>(&self, value: String, allowed: &str) -> Result<T, SkinError> {
+        self.refuse("material.conductivity_map", value, allowed)
+    }
+}
+
+fn show(point: &Point3<f64>) -> String {
+    let [x, y, z] = [point.x, point.y, point.z].map(|value| value * 1e3);
+    format!("{x}, {y}, {z} mm")
+}
