@@ -5,7 +5,7 @@
 //! apart, near the electrodes.
 
 use super::{PatchBuildError, exponents_of, rounded_rows};
-use crate::model::Model;
+use crate::{metrics::detectability::LEVEL, model::Model};
 use dermatome_patch::places::FixedPlaces;
 use dermatome_shared::patch::places::{DetectionLayout, MAX_PLACES, PLACE_NEIGHBOURS, Place};
 use faer::Mat;
@@ -13,8 +13,6 @@ use nalgebra::{Point3, Vector3};
 
 /// Radius of the standard press, a share of the skin's size.
 const RADIUS: f64 = 0.045;
-/// Standard deviations that noise passes less than once an hour in all places, at 400 frames a second.
-const LEVEL: f32 = 5.8;
 
 fn radius(model: &Model) -> f64 {
     RADIUS * model.pixels.larger_side()
@@ -44,22 +42,9 @@ pub(super) fn places(model: &Model) -> Result<FixedPlaces, PatchBuildError> {
 
 /// What the standard press on each pixel changes difference data by: `[measurement][pixel]`.
 fn responses(model: &Model) -> Mat<f64> {
-    let (centres, areas) = (&model.pixels.centres, &model.pixels.areas);
-    let radius = radius(model);
-    let area = std::f64::consts::PI * radius * radius;
-    let presses = Mat::from_fn(centres.len(), centres.len(), |under, press| {
-        let side = areas[under].sqrt();
-        let away = (centres[under] - centres[press]).norm();
-        ((radius + side / 2.0 - away) / side).clamp(0.0, 1.0)
-    });
-    let mut responses = &model.jacobian * &presses;
-    let divisors = model.divisors();
-    for press in 0..centres.len() {
-        let pressed: f64 = presses.col(press).iter().zip(areas).map(|(share, area)| share * area).sum();
-        let scale = area / pressed;
-        for (m, divisor) in divisors.iter().enumerate() {
-            responses[(m, press)] *= scale / divisor;
-        }
+    let mut responses = model.pixels.presses(radius(model)).responses(&model.jacobian);
+    for (m, divisor) in model.divisors().iter().enumerate() {
+        responses.row_mut(m).iter_mut().for_each(|response| *response /= divisor);
     }
     responses
 }
