@@ -1,5 +1,6 @@
 //! Model: a skin taken through mesh, forward model, Jacobian and reconstruction matrix.
 
+pub mod design;
 mod import;
 mod stages;
 
