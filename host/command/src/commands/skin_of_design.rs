@@ -16,7 +16,7 @@ pub(super) fn skin_file(text: &str, name: &str, skin: &Skin, proposal: &Proposal
     }
     set(electrodes, "count", proposal.positions.len() as i64);
     set(electrodes, "placement", "points");
-    electrodes.insert("positions", value(positions(&proposal.positions, flat)));
+    set(electrodes, "positions", positions(&proposal.positions, flat));
     let width = skin.electrodes.model.width(0);
     if width > 0.0 && !electrodes.get("width").is_some_and(is_one_value) {
         set(electrodes, "width", format!("{:.3} mm", width * 1e3));
@@ -60,9 +60,7 @@ fn table<'a>(file: &'a mut DocumentMut, name: &str) -> anyhow::Result<&'a mut Ta
 
 /// Sets a field; a comment behind it, which is of what was there, goes.
 fn set(table: &mut Table, field: &str, new: impl Into<toml_edit::Value>) {
-    let before = table.get(field).and_then(Item::as_value).is_some();
-    let item = value(new);
-    if before { table[field] = item } else { table.insert(field, item).map_or((), drop) }
+    table[field] = value(new);
 }
 
 fn is_one_value(item: &Item) -> bool {

@@ -17,8 +17,8 @@ use rayon::prelude::*;
 pub const LEVEL: f32 = 5.8;
 /// Frames of which a reference is the mean.
 const REFERENCE_FRAMES: f64 = 20.0;
-/// Places as close as this are neighbours, in mean distances.
-const NEAR: f64 = 1.6;
+/// How many of the places next to one say how responses change there.
+const NEAR: usize = 8;
 
 /// A press, and how well voltages are measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,16 +141,16 @@ pub fn detectability(pixels: &Pixels, frame: &Frame<'_>, sought: &Sought) -> Det
     let presses = pixels.presses(sought.radius);
     let responses = responses(&presses, frame, sought.snr_db);
     let count = presses.places.len();
-    let spacing = (pixels.areas.iter().sum::<f64>() / count as f64).sqrt();
     let at = |place: usize| {
         let pixel = presses.places[place];
         let unit = responses.col(place).norm_l2();
         let position = pixels.centres[pixel];
-        let near = (0..count).filter_map(|other| {
-            let way = pixels.centres[presses.places[other]] - position;
-            (other != place && way.norm() < NEAR * spacing).then_some((other, way))
-        });
-        let gradient = gradient(&responses, place, &near.collect::<Vec<_>>(), &pixels.normals[pixel]);
+        let ways = (0..count).filter(|&other| other != place);
+        let mut near: Vec<_> =
+            ways.map(|other| (other, pixels.centres[presses.places[other]] - position)).collect();
+        near.sort_by(|(_, a), (_, b)| a.norm_squared().total_cmp(&b.norm_squared()));
+        near.truncate(NEAR);
+        let gradient = gradient(&responses, place, &near, &pixels.normals[pixel]);
         AtPlace {
             position,
             area: pixels.areas[pixel],

@@ -147,9 +147,21 @@ impl<'a> Search<'a> {
     }
 
     fn with_best_distance(&self, order: &[usize]) -> Option<Choice> {
-        let distances = 1..(self.electrodes / 2) as u8;
+        let distances: Vec<u8> = (1..(self.electrodes / 2) as u8).filter(|&d| self.reaches_all(d)).collect();
         let judged = distances.into_par_iter().map(|distance| self.judge(order.to_vec(), distance));
         judged.max_by(|a, b| a.score.total_cmp(&b.score))
+    }
+
+    /// Whether pairs that reach so far hang together: else what lies between their sets is not measured, and the rank
+    /// is less than so many electrodes allow.
+    fn reaches_all(&self, distance: u8) -> bool {
+        let gcd = |mut a: usize, mut b: usize| {
+            while b > 0 {
+                (a, b) = (b, a % b);
+            }
+            a
+        };
+        gcd(self.electrodes, usize::from(distance)) == 1
     }
 
     /// Scores a choice by its d', smoothed least.
