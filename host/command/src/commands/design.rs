@@ -23,9 +23,9 @@ use std::{
     time::Instant,
 };
 
-/// Propose places for a skin's electrodes, on the rim and inside, and a stimulation pattern.
+/// Propose places for a skin's electrodes, and a stimulation pattern.
 ///
-/// A finger shall stand out from the noise as much as possible where it does so least. What is found is modelled anew,
+/// They lie on the rim and inside. A finger shall stand out from the noise as much as possible where it does so least. What is found is modelled anew,
 /// and compared with the skin as it is.
 #[derive(clap::Args)]
 #[command(after_help = "LENGTH is per cent of the skin's size, as in 5%, or has a unit, as in 12mm.
