@@ -14,7 +14,7 @@ use dermatome_model::{
         Model,
         design::{Wanted, propose},
     },
-    skin::{Shape, Skin, is_name},
+    skin::{Description, Shape, Skin, is_name},
 };
 use dermatome_patch::output::{check_folder, write_whole};
 use serde::Serialize;
@@ -121,8 +121,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         .map_err(|error| in_flags(error, &[("`electrodes`", "`--electrodes`")]))
         .with_context(in_file)?;
     let text = skin_file(&text, &name, &skin, &proposal).with_context(in_file)?;
-    let designed =
-        Skin::parse(&out, &text).and_then(|skin| skin.made()).context("the proposal is no skin")?;
+    let designed = Skin::parse(&out, &text).and_then(Description::made).context("the proposal is no skin")?;
     let after =
         Model::build(&designed, |stage| spinner.set_message(stage)).context("the proposal has no model")?;
     spinner.finish_and_clear();
