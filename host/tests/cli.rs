@@ -14,13 +14,14 @@ use std::{
 };
 
 /// All commands.
-const COMMANDS: [&str; 22] = [
+const COMMANDS: [&str; 23] = [
     "build",
     "calibrate",
     "check",
     "check-data",
     "cut",
     "demo",
+    "design",
     "devices",
     "drive",
     "trim",

@@ -2,6 +2,7 @@
 //! presses, one contact near the finger when somebody does.
 
 use dermatome::{
+    metrics::detectability::Sought,
     model::Model,
     quantize,
     sheet::ElectrodeModel,
@@ -67,7 +68,12 @@ const SKINS: [&str; 3] = ["disc-210mm", "square-50mm", "square-210mm"];
 
 #[test]
 fn fixed_point_costs_at_most_three_parts_in_a_thousand_of_the_peak() {
-    for name in SKINS.iter().chain(&["hemisphere-120mm", "hemisphere-210mm", "saline-215mm"]) {
+    for name in SKINS.iter().chain(&[
+        "hemisphere-120mm",
+        "hemisphere-210mm",
+        "hemisphere-210mm-designed",
+        "saline-215mm",
+    ]) {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name).join("skin.toml");
         let skin = Skin::load(&path).unwrap().made().unwrap();
         let model = Model::build(&skin, |_| ()).unwrap();
@@ -109,4 +115,17 @@ fn a_finger_is_one_contact_within_four_per_cent_of_the_diameter() {
         println!("{name}: at most {:.2} % of the diameter off", 100.0 * worst);
         assert!(worst < 0.04, "{name}: {worst}");
     }
+}
+
+#[test]
+fn the_designed_hemisphere_hears_a_finger_at_its_deafest_place_better_than_one_with_electrodes_on_its_rim() {
+    let found = ["hemisphere-210mm", "hemisphere-210mm-designed"].map(|name| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name).join("skin.toml");
+        let model = Model::build(&Skin::load(&path).unwrap().made().unwrap(), |_| ()).unwrap();
+        let found = model.detectability(&Sought::finger(model.pixels.larger_side(), 60.0));
+        let least = found.worst().unwrap().significance;
+        println!("{name}: {least:.1}, {:.1}, {:.2} mm", found.median(), found.worst_deviation() * 1e3);
+        (least, found.worst_deviation())
+    });
+    assert!(found[1].0 > 3.0 * found[0].0 && found[1].1 < 0.6 * found[0].1, "{found:?}");
 }

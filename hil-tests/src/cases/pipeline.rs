@@ -58,8 +58,15 @@ pub(super) const CASES: &[Case] = &[
 /// Most cycles for each product of pixels and measurements, of which a patch holds some half.
 const MOST_CYCLES: f64 = 2.2;
 /// The skins that are shipped.
-const SKINS: [&str; 6] =
-    ["square-210mm", "square-50mm", "saline-215mm", "disc-210mm", "hemisphere-120mm", "hemisphere-210mm"];
+const SKINS: [&str; 7] = [
+    "square-210mm",
+    "square-50mm",
+    "saline-215mm",
+    "disc-210mm",
+    "hemisphere-120mm",
+    "hemisphere-210mm",
+    "hemisphere-210mm-designed",
+];
 
 /// Counts every cycle of `reconstruct`, for every skin that is shipped.
 fn kernel(rig: &Rig) -> Result<String, Failure> {

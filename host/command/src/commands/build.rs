@@ -13,6 +13,7 @@ use dermatome_geometry::mesh::{
 };
 use dermatome_model::{
     inverse::figures::Blur,
+    metrics::detectability::{Deaf, LEVEL, Sought},
     model::{Model, Stage, driven_error},
     quantize::{self, FixedPointError},
     skin::Skin,
@@ -77,6 +78,7 @@ struct Report {
     noise_figure: f64,
     resolution: Resolution,
     image_noise_at_60_db: f64,
+    deaf: Option<DeafReport>,
     contact_threshold: f64,
     warnings: Vec<String>,
     stage_seconds: BTreeMap<&'static str, f64>,
@@ -157,6 +159,26 @@ impl From<Blur> for Resolution {
     }
 }
 
+/// Where a finger is not detected.
+#[derive(Serialize)]
+struct DeafReport {
+    share_percent: f64,
+    worst_place_mm: [f64; 3],
+    significance: f64,
+    finger_radius_mm: f64,
+}
+
+impl DeafReport {
+    fn new(deaf: &Deaf, finger: &Sought) -> Self {
+        Self {
+            share_percent: 100.0 * deaf.share,
+            worst_place_mm: (deaf.worst.position.coords * 1e3).into(),
+            significance: deaf.worst.significance,
+            finger_radius_mm: finger.radius * 1e3,
+        }
+    }
+}
+
 /// The threshold should be this many standard deviations above the noise.
 const NOISE_MARGIN: f64 = 3.0;
 /// Error of fixed point that is worth a warning.
@@ -198,6 +220,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         rayon::join(|| model.blur(), || (model.image_noise(60.0), model.noise_figure()));
     let mut warnings = warnings(&skin, &mesh.quality, patch.as_ref(), noise);
     warnings.extend(driven_error(&skin, &model.mesh)?.and_then(warning_of_driven));
+    let finger = Sought::finger(model.pixels.larger_side(), 60.0);
     let report = Report {
         skin: skin.name.clone(),
         electrodes: skin.electrodes.count,
@@ -213,6 +236,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         noise_figure,
         resolution: blur.into(),
         image_noise_at_60_db: noise,
+        deaf: model.detectability(&finger).deaf().map(|deaf| DeafReport::new(&deaf, &finger)),
         contact_threshold: skin.contact_threshold,
         stage_seconds: model.stages.iter().map(|stage| (stage.name, stage.time.as_secs_f64())).collect(),
         total_seconds: start.elapsed().as_secs_f64(),
@@ -353,6 +377,7 @@ fn print(report: &Report, stages: &[Stage]) {
         report.image_noise_at_60_db,
         report.contact_threshold
     );
+    report.deaf.iter().for_each(print_deaf);
     for stage in stages {
         say!("{:<12}  {:>8.1} ms", stage.name, stage.time.as_secs_f64() * 1e3);
     }
@@ -371,6 +396,17 @@ fn print(report: &Report, stages: &[Stage]) {
         say!("calibration   {points} points and {plays} play operators, preserved from {}", from.display());
     }
     say!("patch         {} ({} bytes, id {})", patch.path.display(), patch.bytes, patch.crc);
+}
+
+fn print_deaf(deaf: &DeafReport) {
+    let [x, y, z] = deaf.worst_place_mm;
+    say!(
+        "deaf          on {:.1} % of the skin a finger of {:.1} mm radius at full depth and 60 dB is not detected; worst at \
+         x {x:.0}, y {y:.0}, z {z:.0} mm: it stands out by {:.1} of the {LEVEL} standard deviations it needs",
+        deaf.share_percent,
+        deaf.finger_radius_mm,
+        deaf.significance
+    );
 }
 
 /// One line, and one more for each thing that is strange.

@@ -242,6 +242,13 @@ fn print(told: &Told<'_>) {
     say!("{:>12}{}", "way to rim", headings(&header));
     rings().for_each(|ring| say!("{}", greit_row(ring)));
     say!("");
+    if report.total.detectability.is_some() {
+        say!("{:14}{:-^54}", "", " what the voltages of one frame tell at most ");
+        let header = ["d'", "smallest change", "place, mm"];
+        say!("{:>12} {:>6}{}", "way to rim", "deaf", headings(&header));
+        rings().filter_map(detectability_row).for_each(|row| say!("{row}"));
+        say!("");
+    }
     say!(
         "smallest distance at which two contacts are told apart, mm, in steps of {:.1} mm",
         report.pair_step_mm
@@ -253,7 +260,7 @@ fn print(told: &Told<'_>) {
     if let Some(flattened) = told.flattened {
         print_flattened(report, flattened);
     }
-    say!("columns: mean, and the value farthest from 0; PE is positive towards the centre;");
+    say!("columns: mean, and the value farthest from 0 (d': the least); PE is positive towards the centre;");
     say!("never: not told apart even at the largest distance for which there is room");
     say!("{}", summary(report));
 }
@@ -322,6 +329,17 @@ fn greit_row(ring: &Ring) -> String {
         cells(greit.amplitude_over_centre, 3),
     ];
     format!("{:>12}{}", way([ring.from_percent, ring.to_percent]), figures.concat())
+}
+
+fn detectability_row(ring: &Ring) -> Option<String> {
+    let told = ring.detectability.as_ref()?;
+    let significance = Spread { mean: told.significance_mean, max: told.significance_least };
+    let figures = [
+        cells(Some(significance), 1),
+        cells(Some(told.smallest_change), 4),
+        cells(Some(told.position_deviation_mm), 2),
+    ];
+    Some(format!("{:>12} {:>6}{}", way([ring.from_percent, ring.to_percent]), told.deaf, figures.concat()))
 }
 
 fn pair_row(ring: &PairRing) -> String {

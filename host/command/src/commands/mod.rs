@@ -27,6 +27,7 @@ mod check_data;
 mod choices;
 mod cut;
 mod demo;
+mod design;
 mod devices;
 mod drive;
 mod evaluate;
@@ -47,6 +48,7 @@ mod reconstruct;
 mod scope;
 mod simulate;
 mod skin_of_cutout;
+mod skin_of_design;
 mod stream;
 mod tare;
 mod trim;
@@ -81,6 +83,7 @@ enum Command {
     Reconstruct(reconstruct::Args),
     CheckData(check_data::Args),
     Cut(cut::Args),
+    Design(design::Args),
     Learn(learn::Args),
     Export(export::Args),
     Forward(forward::Args),
@@ -124,6 +127,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Reconstruct(args) => reconstruct::run(&args),
         Command::CheckData(args) => check_data::run(&args),
         Command::Cut(args) => cut::run(&args),
+        Command::Design(args) => design::run(&args),
         Command::Learn(args) => learn::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Forward(args) => forward::run(&args),

@@ -17,6 +17,7 @@ mod target;
 
 use dermatome_geometry::mesh::Mesh;
 use dermatome_model::{
+    metrics::detectability::{Detectability, Sought, strength_of},
     model::{Model, ModelError},
     skin::Skin,
 };
@@ -147,6 +148,7 @@ struct Scene<'a> {
     flattened: Option<&'a TrueSkin>,
     discs: Discs,
     spacing: f64,
+    detectability: Option<Detectability>,
 }
 
 /// Tries targets all over `skin`, whose model is `model`.
@@ -182,6 +184,8 @@ fn evaluate_through(
     let surface = Surface::new(&true_skin.shape, truth.mesh());
     let target_diameter = target_diameter(&surface, options)?;
     let threshold = options.threshold.unwrap_or(skin.contact_threshold);
+    let sought =
+        |snr_db| Sought { radius: target_diameter / 2.0, strength: strength_of(options.contrast), snr_db };
     let scene = Scene {
         surface: &surface,
         rig: IdealRig::new(&truth, model, options.snr_db, options.seed),
@@ -190,6 +194,7 @@ fn evaluate_through(
         flattened: is_flattened.then_some(&truth),
         discs: Discs { radius: target_diameter / 2.0, contrast: options.contrast },
         spacing: spacing(&surface, options)?,
+        detectability: options.snr_db.map(|snr_db| model.detectability(&sought(snr_db))),
     };
     let singles = single::try_all(&scene, watch);
     let pairs = pairs::try_all(&scene, watch);

@@ -72,6 +72,15 @@ fn panels_of_singles(evaluation: &Evaluation) -> Vec<Panel> {
         map(["contacts found", "for one target"], "number", false, &|single| {
             Some(single.contacts.len() as f64)
         }),
+        map(["d' of a target", "in the voltages of a frame"], "standard deviations", true, &|single| {
+            Some(single.detectability?.significance)
+        }),
+        map(["smallest target detected", "by one frame"], "change, linear", true, &|single| {
+            Some(single.detectability?.smallest)
+        }),
+        map(["deviation of its place", "at least, by one frame"], "% of diameter", true, &|single| {
+            Some(single.detectability?.position_deviation * per_cent)
+        }),
     ]
 }
 

@@ -78,10 +78,27 @@ pub struct Ring {
     pub contact_area_percent: Option<Spread>,
     /// dV/V.
     pub relative_voltage_change_percent: Option<Spread>,
+    /// What one frame tells at most; none without noise.
+    pub detectability: Option<DetectabilityRing>,
     /// Figures of [`dermatome_model::metrics::thesis`].
     pub thesis: ThesisRing,
     /// Figures of [`dermatome_model::metrics::greit`].
     pub greit: GreitRing,
+}
+
+/// What one frame tells at most of the targets in a ring: see [`dermatome_model::metrics::detectability`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DetectabilityRing {
+    /// d', mean.
+    pub significance_mean: f64,
+    /// d', least.
+    pub significance_least: f64,
+    /// Targets that are not detected.
+    pub deaf: usize,
+    /// Smallest change of conductivity that is detected, as a linear model sees it.
+    pub smallest_change: Spread,
+    /// Standard deviation of a target's place along an axis.
+    pub position_deviation_mm: Spread,
 }
 
 /// The thesis' figures in a ring.
@@ -162,6 +179,12 @@ pub struct TargetRow {
     pub contact_area_percent: Option<f64>,
     /// dV/V.
     pub relative_voltage_change_percent: f64,
+    /// d' of what one frame tells.
+    pub significance: Option<f64>,
+    /// Smallest change of conductivity that is detected here, as a linear model sees it.
+    pub smallest_change: Option<f64>,
+    /// Least standard deviation of its place along an axis.
+    pub position_deviation_mm: Option<f64>,
     /// The thesis' figures.
     pub thesis: Option<ThesisRow>,
     /// GREIT's figures.
@@ -284,9 +307,23 @@ impl Ring {
             position_error_percent: spread(errors().map(|error| 100.0 * error / diameter)),
             contact_area_percent: spread(areas),
             relative_voltage_change_percent: spread(changes),
+            detectability: DetectabilityRing::new(&inside),
             thesis: ThesisRing::new(&inside, diameter),
             greit: GreitRing::new(&inside, diameter, central_amplitude),
         }
+    }
+}
+
+impl DetectabilityRing {
+    fn new(singles: &[&Single]) -> Option<Self> {
+        let places = || singles.iter().filter_map(|single| single.detectability);
+        Some(Self {
+            significance_mean: spread(places().map(|place| place.significance))?.mean,
+            significance_least: places().map(|place| place.significance).fold(f64::INFINITY, f64::min),
+            deaf: places().filter(|place| !place.is_detected()).count(),
+            smallest_change: spread(places().map(|place| place.smallest))?,
+            position_deviation_mm: spread(places().map(|place| place.position_deviation * 1e3))?,
+        })
     }
 }
 
@@ -356,6 +393,9 @@ impl TargetRow {
             position_error_mm: single.position_error().map(|error| error * 1e3),
             contact_area_percent: single.contact_area.map(|area| area * 100.0),
             relative_voltage_change_percent: 100.0 * single.relative_voltage_change,
+            significance: single.detectability.map(|place| place.significance),
+            smallest_change: single.detectability.map(|place| place.smallest),
+            position_deviation_mm: single.detectability.map(|place| place.position_deviation * 1e3),
             thesis: single.thesis.map(|figures| ThesisRow {
                 position_error_mm: figures.position_error * 1e3,
                 resolution: figures.resolution,

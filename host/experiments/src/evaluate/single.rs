@@ -1,7 +1,7 @@
 //! Single targets, one at a time, all over the skin.
 
 use super::{Scene, Watch, find::Found};
-use dermatome_model::metrics::{Target, greit, thesis};
+use dermatome_model::metrics::{Target, detectability::AtPlace, greit, thesis};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
@@ -18,6 +18,8 @@ pub struct Single {
     pub contact_area: Option<f64>,
     /// dV/V, thesis equation 3.2.
     pub relative_voltage_change: f64,
+    /// What one frame tells at most of it, by the model; none without noise.
+    pub detectability: Option<AtPlace>,
     /// The thesis' figures; none where the image shows nothing of the target's sign.
     pub thesis: Option<thesis::Figures>,
     /// GREIT's figures, likewise.
@@ -62,6 +64,10 @@ fn try_one(scene: &Scene<'_>, place: Point3<f64>, frame: u64) -> Single {
         contact_area: contacts.first().map(|contact| contact.area / area),
         contacts: contacts.iter().map(|contact| contact.centre).collect(),
         relative_voltage_change: measured.relative_voltage_change,
+        detectability: scene
+            .detectability
+            .as_ref()
+            .and_then(|all| all.nearest(scene.seen(change.centre)).copied()),
         thesis: thesis::figures(&image, &scene.model.pixels, &target),
         greit: greit::figures(&image, &scene.model.pixels, &target),
     }

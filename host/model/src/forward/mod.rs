@@ -209,6 +209,19 @@ impl<T: Admittivity> Fields<T> {
         &self.sheet
     }
 
+    /// The fields of some electrodes only, in this order.
+    #[must_use]
+    pub fn only(&self, electrodes: &[usize]) -> Self {
+        let potentials = self.potentials.chunks_exact(self.electrodes.len());
+        Self {
+            sheet: self.sheet.clone(),
+            potentials: potentials
+                .flat_map(|row| electrodes.iter().map(|&electrode| row[electrode]))
+                .collect(),
+            electrodes: electrodes.iter().map(|&electrode| self.electrodes[electrode]).collect(),
+        }
+    }
+
     /// Potential of electrode `at` for unit current into electrode `driven`.
     #[must_use]
     pub fn transfer(&self, at: usize, driven: usize) -> T {

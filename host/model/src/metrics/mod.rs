@@ -5,6 +5,7 @@
 //! weighted by area, which makes no difference where all pixels are alike, and positions are points
 //! in space. The change looked for is positive; turn the sign of an image of a falling conductivity.
 
+pub mod detectability;
 pub mod greit;
 pub mod parts;
 pub mod thesis;

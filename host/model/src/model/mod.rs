@@ -1,5 +1,6 @@
 //! Model: a skin taken through mesh, forward model, Jacobian and reconstruction matrix.
 
+pub mod design;
 mod driven;
 mod import;
 mod stages;
@@ -15,6 +16,7 @@ use crate::{
         targets::{Responses, Untouched},
     },
     jacobian::{combine_rows, combine_voltages, jacobian, step_counts},
+    metrics::detectability::{Detectability, Frame, Sought, detectability},
     pixels::{self, Pixels},
     prior::{Factored, Prior},
     skin::{ImageLayout, Method, NotFlat, Shape, Skin},
@@ -293,6 +295,18 @@ impl Model {
             row.iter().zip(&noise).map(|(c, n)| (c * n).powi(2)).sum::<f64>().sqrt()
         };
         (0..self.conductivity_from_difference.nrows()).map(of_pixel).fold(0.0, f64::max)
+    }
+
+    /// What one frame tells of a press, all over the skin.
+    #[must_use]
+    pub fn detectability(&self, sought: &Sought) -> Detectability {
+        let frame = Frame {
+            jacobian: &self.jacobian,
+            voltages: &self.measurements(),
+            step_counts: &step_counts(&self.combination),
+            step_size: root_mean_square(&self.voltages),
+        };
+        detectability(&self.pixels, &frame, sought)
     }
 
     /// Image in f64 of a change of voltages against a reference, both `[step]` in any one unit: the

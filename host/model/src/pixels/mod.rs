@@ -3,6 +3,7 @@
 mod grid;
 pub(crate) mod halving;
 mod patches;
+mod presses;
 mod tables;
 
 use dermatome_geometry::mesh::{Mesh, neighbours::neighbours_and_orientation, triangle};
@@ -10,6 +11,7 @@ use dermatome_shared::image::Geometry;
 pub use grid::{grid, raster, samples};
 use nalgebra::{Point3, Vector3};
 pub use patches::element_patches;
+pub use presses::Presses;
 
 /// Which elements make up each pixel, where it lies, and which pixels are neighbours.
 #[derive(Clone, Debug, PartialEq)]

@@ -58,27 +58,15 @@ fn level(probability: f64) -> f64 {
 
 /// What the standard press on each pixel changes difference data by: `[measurement][pixel]`.
 fn responses(model: &Model) -> Mat<f64> {
-    let (centres, areas) = (&model.pixels.centres, &model.pixels.areas);
-    let radius = radius(model);
-    let area = std::f64::consts::PI * radius * radius;
-    let presses = Mat::from_fn(centres.len(), centres.len(), |under, press| {
-        let side = areas[under].sqrt();
-        let away = (centres[under] - centres[press]).norm();
-        ((radius + side / 2.0 - away) / side).clamp(0.0, 1.0)
-    });
-    let mut responses = data_from_conductivity(model, &presses);
-    for press in 0..centres.len() {
-        let pressed: f64 = presses.col(press).iter().zip(areas).map(|(share, area)| share * area).sum();
-        let scale = area / pressed;
-        responses.col_mut(press).iter_mut().for_each(|response| *response *= scale);
-    }
-    responses
+    divided(model, model.pixels.presses(radius(model)).responses(&model.jacobian))
 }
 
-/// What changes of conductivity, `[pixel][change]`, change difference data by: `[measurement][change]`.
-fn data_from_conductivity(model: &Model, changes: &Mat<f64>) -> Mat<f64> {
-    let (responses, divisors) = (&model.jacobian * changes, model.divisors());
-    Mat::from_fn(responses.nrows(), responses.ncols(), |m, change| responses[(m, change)] / divisors[m])
+/// Changes of voltages become difference data: `[measurement][change]`.
+fn divided(model: &Model, mut changes: Mat<f64>) -> Mat<f64> {
+    for (m, divisor) in model.divisors().iter().enumerate() {
+        changes.row_mut(m).iter_mut().for_each(|change| *change /= divisor);
+    }
+    changes
 }
 
 /// What smooth changes of the sheet change difference data by, `[measurement][change]`: those that grow along the skin's
@@ -101,7 +89,7 @@ fn smooth_responses(model: &Model) -> Mat<f64> {
         let [u, v, w] = [0, 1, 2].map(|axis| axes[axis].dot(&ways[pixel]));
         [u, v, u * u, u * v, v * v, w][change]
     });
-    data_from_conductivity(model, &changes)
+    divided(model, &model.jacobian * &changes)
 }
 
 /// Pixels whose responses are told apart best against this noise, `[measurement]`.
