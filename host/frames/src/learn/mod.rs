@@ -29,7 +29,7 @@ use dermatome_model::{
 use dermatome_shared::patch::{PatchError, PatchView};
 use faer::Mat;
 use judge::{Errors, Outcome, Turn, judge_board, judge_matrix};
-use matrix::{LearntMatrix, Settings, Training, spots};
+use matrix::{LearntMatrix, Settings, Training};
 use presses::Presses;
 use rayon::prelude::*;
 use responses::Process;
@@ -46,9 +46,9 @@ const SAME_PLACE: f64 = 2e-3;
 /// Largest share of the presses kept for the test.
 pub const MOST_TEST: f64 = 0.5;
 /// How many times the misfit is allowed for, see [`Settings::misfit`].
-const MISFITS: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
+const MISFITS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 /// Radii of the wanted spots, as shares of half the skin's larger side.
-const RADII: [f64; 4] = [0.2, 0.25, 0.3, 0.35];
+const RADII: [f64; 5] = [0.2, 0.25, 0.3, 0.35, 0.4];
 /// What a second contact of one press costs in cross-validation, as a share of the skin's larger side.
 const SECOND: f64 = 0.05;
 
@@ -208,7 +208,7 @@ pub fn learn(skin: &Skin, model: &Model, presses: &Presses, request: &Request) -
     quantize::patch(skin, model)?;
     let chosen = choose(model, presses, &folds, &places, request.strength)?;
     let training = Training::new(model, presses, &parts.training, &places, request.strength)?;
-    let made = training.matrix(chosen.settings.misfit, &spots(model, chosen.settings.radius))?;
+    let made = training.matrix(chosen.settings.misfit, &training.wanted(chosen.settings.radius))?;
     let learnt = with_matrix(model, made.matrix.clone());
     let plain = with_matrix(model, made.prior.clone());
     let learns_from = judge_matrix(&learnt, presses, &parts.training)?;
@@ -307,13 +307,13 @@ fn choose(
     strength: Strength,
 ) -> Result<Chosen, LearnError> {
     let surface = &model.surface()?;
-    let spots = RADII.map(|radius| spots(model, radius));
     let tables = folds.iter().collect::<Vec<_>>().into_par_iter().map(|(training, validation)| {
         let training = Training::new(model, presses, training, places, strength)?;
         let mut outcomes = Vec::with_capacity(RADII.len() * MISFITS.len());
-        for spots in &spots {
+        for radius in RADII {
+            let wanted = training.wanted(radius);
             for misfit in MISFITS {
-                let made = training.matrix(misfit, spots)?;
+                let made = training.matrix(misfit, &wanted)?;
                 outcomes.push(judge::Judged { matrix: &made.matrix, surface }.judge(presses, validation));
             }
         }

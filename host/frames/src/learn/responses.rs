@@ -26,9 +26,9 @@ use std::ops::RangeInclusive;
 /// A measurement whose usual response is below this share of the median one counts as if it were this.
 const SMALLEST_RESPONSE: f64 = 1e-3;
 /// Reaches of the process, as shares of half the skin's larger side.
-const REACHES: [f64; 3] = [0.3, 0.6, 1.2];
+const REACHES: [f64; 4] = [0.3, 0.6, 1.2, 2.4];
 /// Variances of what differs from press to press, as shares of the process' own.
-const NOISES: [f64; 3] = [0.03, 0.1, 0.3];
+const NOISES: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
 /// Radius of the model's press, as a share of the skin's larger side.
 const RADIUS: f64 = 0.045;
 /// By how much a press's size is corrected once its response is told from the others.
