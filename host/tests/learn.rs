@@ -23,7 +23,9 @@ use dermatome::{
     skin::{Skin, Weights},
 };
 use dermatome_shared::patch::PatchView;
+use faer::{Mat, linalg::solvers::Solve};
 use insta::{Settings, assert_snapshot};
+use nalgebra::Point3;
 use npyz::WriterBuilder;
 use num_complex::Complex64;
 use program::{Desk, TINY, row, shape, transcript};
@@ -133,33 +135,34 @@ fn with_forces_followed_strength_correlates_better_with_force() {
 }
 
 #[test]
-fn responses_come_from_presses_and_where_there_are_none_from_the_model() {
+fn responses_miss_as_much_of_other_presses_as_they_say() {
     let (_, model) = tiny();
     let presses = recording(&true_tiny(), 80, 9).on(&model, &Arrangement::default()).unwrap();
     let numbers: Vec<usize> = (0..80).collect();
-    let (taught, others): (Vec<_>, Vec<_>) = numbers.iter().partition(|&&press| press < 60);
-    let learnt = Responses::learn(&model, &presses, &taught, &numbers).unwrap();
+    let (taught, others) = numbers.split_at(50);
+    let learnt = Responses::learn(&model, &presses, taught, &numbers).unwrap();
     let places: Vec<_> = others.iter().map(|&press| presses.places[press]).collect();
     let told = learnt.at(&places);
-    for (row, &press) in others.iter().enumerate() {
+    let missed = |(row, &press): (usize, &usize)| {
         let measured: Vec<f64> = presses.data[press].iter().zip(&learnt.usual).map(|(y, s)| y / s).collect();
         let product: f64 = told.row(row).iter().zip(&measured).map(|(a, b)| a * b).sum();
-        let size: f64 = measured.iter().map(|y| y * y).sum::<f64>().sqrt();
-        let alike = product / size / told.row(row).norm_l2();
-        assert!(alike > 0.95, "press {press}: {alike:.3}");
-    }
-    // What is held back of it is what it cannot tell.
-    assert!((0.0..0.1).contains(&learnt.missing_share()), "{}", learnt.missing_share());
+        1.0 - product.powi(2) / measured.iter().map(|y| y * y).sum::<f64>() / told.row(row).squared_norm_l2()
+    };
+    let missed = others.iter().enumerate().map(missed).sum::<f64>() / others.len() as f64;
+    println!("of others {missed:.3}, of those left out {:.3}", learnt.missing_share());
+    assert!((0.4..2.5).contains(&(missed / learnt.missing_share())) && missed < 0.3, "{missed}");
 }
 
 #[test]
-fn spots_are_found_where_the_press_is_also_at_the_edge() {
+fn spots_are_found_where_the_press_is_also_near_the_edge() {
     let (_, model) = tiny();
     let wanted = spots(&model, &model.pixels.centres, 0.3);
     let surface = &model.surface().unwrap();
-    for (pixel, centre) in model.pixels.centres.iter().enumerate() {
+    // The disc has a radius of 50 mm, and the spot one of 15 mm.
+    let inside = |centre: &Point3<f64>| centre.coords.norm() < 0.042;
+    for (pixel, centre) in model.pixels.centres.iter().enumerate().filter(|(_, centre)| inside(centre)) {
         let image: Vec<f64> = wanted.col(pixel).iter().copied().collect();
-        let matrix = faer::Mat::from_fn(image.len(), 1, |row, _| image[row]);
+        let matrix = Mat::from_fn(image.len(), 1, |row, _| image[row]);
         let presses = Presses {
             data: vec![vec![1.0]],
             places: vec![*centre],
@@ -168,7 +171,7 @@ fn spots_are_found_where_the_press_is_also_at_the_edge() {
             mean_reference: Vec::new(),
         };
         let errors = Judged { matrix: &matrix, surface }.judge(&presses, &[0]).errors();
-        assert!(errors.worst_mm < 4.0 && errors.seconds == 0, "pixel {pixel} at {centre}: {errors:?}");
+        assert!(errors.worst_mm < 1.5 && errors.seconds == 0, "pixel {pixel} at {centre}: {errors:?}");
     }
 }
 
@@ -367,38 +370,55 @@ fn held_out_presses_on_the_real_hydrogel_skin_are_found_within_8_mm() {
     two_touches_stay_apart(&learnt);
 }
 
-/// Four pairs of touches about 100 mm apart, which nothing was learnt from.
+/// Pairs of touches, which nothing was learnt from: those of the first kind are about 100 mm apart.
 fn two_touches_stay_apart(learnt: &Learnt) {
-    let recording = Recording {
-        pressed: real("multitouchA_pressed"),
-        unpressed: real("multitouchA_unpressed"),
-        positions: vec![[0.0, 0.0]; 8],
-        forces: None,
-    };
-    let presses = recording.on(&learnt.model, &Arrangement::default()).unwrap();
-    let view = PatchView::validate(&learnt.patch).unwrap();
-    for data in &presses.data {
-        let contacts = board_contacts(&view, data);
-        let places: Vec<_> =
-            contacts.iter().map(|contact| contact.position.map(|v| (v * 1e3).round())).collect();
-        println!("{places:?}");
-        assert_eq!(contacts.len(), 2, "{places:?}");
+    for (kind, is_far) in [("multitouchA", true), ("multitouchB", false)] {
+        let recording = Recording {
+            pressed: real(&format!("{kind}_pressed")),
+            unpressed: real(&format!("{kind}_unpressed")),
+            positions: vec![[0.0, 0.0]; 8],
+            forces: None,
+        };
+        let presses = recording.on(&learnt.model, &Arrangement::default()).unwrap();
+        let view = PatchView::validate(&learnt.patch).unwrap();
+        for data in &presses.data {
+            let contacts = board_contacts(&view, data);
+            let places: Vec<_> =
+                contacts.iter().map(|contact| contact.position.map(|v| (v * 1e3).round())).collect();
+            println!("{kind} {places:?}");
+            assert!(contacts.len() == 2 || !is_far, "{places:?}");
+        }
     }
 }
 
-/// What boards make of presses that nothing was learnt from: of each seed's draw the median error, mm, and the share with
-/// a second contact.
-fn held_out(presses: &Presses, skin: &Skin, model: &Model, taught: usize, seed: u64) -> (f64, f64) {
+/// Of presses that nothing was learnt from.
+struct HeldOut {
+    /// Median error of a board's contacts, mm.
+    error_mm: f64,
+    /// The same of plain ridge regression from measurements to places.
+    ridge_mm: f64,
+    /// Share with a second contact on the board.
+    seconds: f64,
+}
+
+/// Learns from some presses and judges 80 others.
+fn held_out(presses: &Presses, skin: &Skin, model: &Model, taught: usize, seed: u64) -> HeldOut {
     let mut order: Vec<usize> = (0..presses.count()).collect();
     order.shuffle(&mut Pcg64Mcg::seed_from_u64(seed));
     let (judged, rest) = order.split_at(80);
-    let learnt =
-        learn(skin, model, &some_of(presses, &rest[..taught]), &Request { test_share: 0.0, ..REQUEST });
-    let learnt = learnt.unwrap();
+    let taught = &rest[..taught];
+    let request = Request { test_share: 0.0, ..REQUEST };
+    let learnt = learn(skin, model, &some_of(presses, taught), &request).unwrap();
     let view = PatchView::validate(&learnt.patch).unwrap();
-    let outcome = judge_board(&learnt.model, &view, presses, judged).unwrap();
-    let second = judged.iter().filter(|&&press| board_contacts(&view, &presses.data[press]).len() > 1);
-    (outcome.errors().median_mm, second.count() as f64 / judged.len() as f64)
+    let errors = judge_board(&learnt.model, &view, presses, judged).unwrap().errors();
+    HeldOut {
+        error_mm: errors.median_mm,
+        ridge_mm: [1e-3, 1e-2, 1e-1, 1.0, 10.0]
+            .map(|ridge| ridge_error(presses, taught, judged, ridge))
+            .into_iter()
+            .fold(f64::INFINITY, f64::min),
+        seconds: errors.seconds as f64 / errors.presses as f64,
+    }
 }
 
 fn some_of(presses: &Presses, which: &[usize]) -> Presses {
@@ -409,6 +429,37 @@ fn some_of(presses: &Presses, which: &[usize]) -> Presses {
     }
 }
 
+/// Median error of places by ridge regression on data that are divided by their usual sizes and those of the presses, mm.
+fn ridge_error(presses: &Presses, taught: &[usize], judged: &[usize], ridge: f64) -> f64 {
+    let median = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    };
+    let usual = |m: usize| median(taught.iter().map(|&press| presses.data[press][m].abs()).collect());
+    let usual: Vec<f64> = (0..presses.measurements()).map(usual).collect();
+    let rows = |which: &[usize]| {
+        let mut rows = Mat::from_fn(which.len(), usual.len(), |i, m| presses.data[which[i]][m] / usual[m]);
+        for row in rows.row_iter_mut() {
+            let size = row.norm_l2();
+            row.iter_mut().for_each(|value| *value /= size);
+        }
+        rows
+    };
+    let (known, unknown) = (rows(taught), rows(judged));
+    let mean =
+        |axis: usize| taught.iter().map(|&p| presses.places[p][axis]).sum::<f64>() / taught.len() as f64;
+    let mean = [mean(0), mean(1)];
+    let mut system = &known * known.transpose();
+    (0..taught.len()).for_each(|i| system[(i, i)] += ridge);
+    let places = Mat::from_fn(taught.len(), 2, |i, axis| presses.places[taught[i]][axis] - mean[axis]);
+    let told = unknown * known.transpose() * system.partial_piv_lu().solve(&places);
+    let error = |(i, &press): (usize, &usize)| {
+        let apart = |axis: usize| told[(i, axis)] + mean[axis] - presses.places[press][axis];
+        apart(0).hypot(apart(1)) * 1e3
+    };
+    median(judged.iter().enumerate().map(error).collect())
+}
+
 #[test]
 fn few_presses_teach_a_real_skin() {
     if !Path::new(REAL).exists() {
@@ -417,13 +468,18 @@ fn few_presses_teach_a_real_skin() {
     }
     let (skin, model, recording) = hydrogel();
     let presses = recording.on(&model, &Arrangement::default()).unwrap();
-    println!("presses  median error, mm, of 80 others  second contacts");
-    for (taught, most) in [(20, 6.5), (50, 4.5), (100, 3.4), (320, 2.8)] {
+    println!("presses  median error, mm  best ridge's  second contacts  (80 others, mean of five seeds)");
+    for (taught, most) in [(20, 6.5), (50, 4.5), (100, 3.3), (320, 2.6)] {
         let of_seeds: Vec<_> =
-            (101..106).map(|seed| held_out(&presses, &skin, &model, taught, seed)).collect();
-        let mean = |of: fn(&(f64, f64)) -> f64| of_seeds.iter().map(of).sum::<f64>() / of_seeds.len() as f64;
-        let (error, seconds) = (mean(|seed| seed.0), mean(|seed| seed.1));
-        println!("{taught:>7} {error:>32.2} {seconds:>16.3}   {of_seeds:.2?}");
-        assert!(error <= most && seconds <= 0.1, "{taught} presses: {error:.2} mm, {seconds:.3}");
+            (201..206).map(|seed| held_out(&presses, &skin, &model, taught, seed)).collect();
+        let mean = |of: fn(&HeldOut) -> f64| of_seeds.iter().map(of).sum::<f64>() / of_seeds.len() as f64;
+        let (error, ridge) = (mean(|seed| seed.error_mm), mean(|seed| seed.ridge_mm));
+        let seconds = mean(|seed| seed.seconds);
+        let each: Vec<f64> = of_seeds.iter().map(|seed| seed.error_mm).collect();
+        println!("{taught:>7} {error:>17.2} {ridge:>13.2} {seconds:>16.4}  {each:.2?}");
+        assert!(
+            error <= most && error < ridge && seconds <= 0.03,
+            "{taught}: {error:.2} {ridge:.2} {seconds:.3}"
+        );
     }
 }

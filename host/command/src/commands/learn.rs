@@ -30,8 +30,8 @@ use std::{ffi::OsString, path::PathBuf};
 
 /// Calibrate a skin's matrix from presses at known places, and write its patch.
 ///
-/// The model's matrix is corrected by as much as the presses ask for; cross-validation chooses how far
-/// they are trusted. Some presses are kept aside and judge the patch in a board's fixed point.
+/// Presses teach how measurements respond to one anywhere; what they say nothing of, the model says. Some
+/// presses are kept aside and judge the patch in a board's fixed point.
 #[derive(clap::Args)]
 #[command(
     after_help = "FILE is an .npz archive with the arrays v_pressed [press][measurement], positions_m [press][x, y], \
@@ -209,8 +209,8 @@ fn print(report: &Report) {
     say!("noise         {:.2} times the model's in the image", learnt.noise_amplification);
     let model = if learnt.process.from_model { "with" } else { "without" };
     say!(
-        "responses     {:.0} % told by presses at other places, within {} of half the skin, {model} the model",
-        100.0 * learnt.foretold,
+        "responses     {:.2} told by presses at other places, within {} of half the skin, {model} the model",
+        learnt.foretold,
         learnt.process.reach
     );
     if let Some(correlation) = learnt.force_correlation {
