@@ -249,6 +249,7 @@ mod tests {
             press,
             place,
             found: found.map(|place| Found { place, strength: 1.0, peak: 1.0 }),
+            has_others: false,
         };
         Outcome { presses: pairs.iter().enumerate().map(judgement).collect(), centre: [0.0; 2], side: 0.2 }
     }
