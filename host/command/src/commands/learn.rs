@@ -30,8 +30,8 @@ use std::{ffi::OsString, path::PathBuf};
 
 /// Calibrate a skin's matrix from presses at known places, and write its patch.
 ///
-/// The model's matrix is corrected by as much as the presses ask for; cross-validation chooses how far
-/// they are trusted. Some presses are kept aside and judge the patch in a board's fixed point.
+/// Presses teach how measurements respond to one anywhere; what they say nothing of, the model says. Some
+/// presses are kept aside and judge the patch in a board's fixed point.
 #[derive(clap::Args)]
 #[command(
     after_help = "FILE is an .npz archive with the arrays v_pressed [press][measurement], positions_m [press][x, y], \
@@ -193,11 +193,11 @@ fn print(report: &Report) {
     let direction = if learnt.conductivity_falls { "falls" } else { "rises" };
     say!("polarity      conductivity {direction} where pressed, by the model; it rises in the learnt images");
     say!(
-        "chosen        trust in the model {}, radius of a spot {} of half the skin",
-        learnt.settings.trust,
+        "chosen        misfit allowed for {} times, radius of a spot {} of half the skin",
+        learnt.settings.misfit,
         learnt.settings.radius
     );
-    say!("error, mm                       median    mean    90 %   worst  missed");
+    say!("error, mm                       median    mean    90 %   worst  missed  second");
     let optional =
         |name, errors: &Option<Errors>| errors.iter().for_each(|errors| print_errors(name, errors));
     print_errors("training, model", &learnt.model_training);
@@ -207,7 +207,12 @@ fn print(report: &Report) {
     optional("test, learnt, fixed point", &learnt.test);
     say!("fixed point   moves a contact by {:.3} mm at most", learnt.fixed_point_mm);
     say!("noise         {:.2} times the model's in the image", learnt.noise_amplification);
-    say!("departure     {:.2} of the model's matrix", learnt.departure);
+    let model = if learnt.process.from_model { "with" } else { "without" };
+    say!(
+        "responses     {:.2} told by presses at other places, within {} of half the skin, {model} the model",
+        learnt.foretold,
+        learnt.process.reach
+    );
     if let Some(correlation) = learnt.force_correlation {
         say!("force         correlates with strength by {correlation:.3}");
     }
@@ -216,12 +221,13 @@ fn print(report: &Report) {
 
 fn print_errors(name: &str, errors: &Errors) {
     say!(
-        "  {name:<28} {:>7.1} {:>7.1} {:>7.1} {:>7.1} {:>7}",
+        "  {name:<28} {:>7.1} {:>7.1} {:>7.1} {:>7.1} {:>7} {:>7}",
         errors.median_mm,
         errors.mean_mm,
         errors.ninth_decile_mm,
         errors.worst_mm,
-        errors.missed
+        errors.missed,
+        errors.seconds
     );
 }
 

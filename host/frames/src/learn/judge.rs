@@ -21,6 +21,8 @@ pub struct Errors {
     pub presses: usize,
     /// Presses that showed no contact.
     pub missed: usize,
+    /// Presses that showed more than one.
+    pub seconds: usize,
     /// Median.
     pub median_mm: f64,
     /// Mean.
@@ -62,6 +64,8 @@ pub struct Judgement {
     pub place: [f64; 2],
     /// Its strongest contact.
     pub found: Option<Found>,
+    /// Whether there are others beside it.
+    pub has_others: bool,
 }
 
 /// All presses judged.
@@ -92,8 +96,7 @@ impl Judged<'_> {
             let image = self.matrix * Col::from_fn(data.len(), |m| data[m]);
             let image: Vec<f64> = image.iter().copied().collect();
             let peak = image.iter().copied().fold(0.0, f64::max);
-            let contacts = contacts(self.surface, &image, 1.0, peak);
-            contacts.first().map(|contact| Found::new(contact, peak))
+            (contacts(self.surface, &image, 1.0, peak), peak)
         })
     }
 }
@@ -111,9 +114,7 @@ pub fn judge_board(
     presses: &Presses,
     which: &[usize],
 ) -> Result<Outcome, LearnError> {
-    Ok(outcome(&model.surface()?, presses, which, |data| {
-        board_contacts(patch, data).first().map(|c| Found::new(c, 1.0))
-    }))
+    Ok(outcome(&model.surface()?, presses, which, |data| (board_contacts(patch, data), 1.0)))
 }
 
 /// Contacts as a board finds them, from difference data `[measurement]`.
@@ -133,17 +134,22 @@ pub fn board_image(patch: &PatchView<'_>, data: &[f64]) -> Image {
     image
 }
 
+/// `find` gives contacts, strongest first, and what their image was divided by.
 fn outcome(
     surface: &SurfaceTables,
     presses: &Presses,
     which: &[usize],
-    find: impl Fn(&[f64]) -> Option<Found>,
+    find: impl Fn(&[f64]) -> (contact::Contacts, f64),
 ) -> Outcome {
     let grid = Layout::from(surface).grid;
-    let judge = |&press: &usize| Judgement {
-        press,
-        place: [presses.places[press].x, presses.places[press].y],
-        found: find(&presses.data[press]),
+    let judge = |&press: &usize| {
+        let (contacts, scale) = find(&presses.data[press]);
+        Judgement {
+            press,
+            place: [presses.places[press].x, presses.places[press].y],
+            found: contacts.first().map(|contact| Found::new(contact, scale)),
+            has_others: contacts.len() > 1,
+        }
     };
     Outcome {
         presses: which.iter().map(judge).collect(),
@@ -187,6 +193,7 @@ impl Outcome {
         Errors {
             presses: errors.len(),
             missed: self.presses.iter().filter(|press| press.found.is_none()).count(),
+            seconds: self.presses.iter().filter(|press| press.has_others).count(),
             median_mm: at(0.5),
             mean_mm: mean,
             standard_error_mm: (squares / last.max(1) as f64 / errors.len() as f64).sqrt(),
@@ -242,6 +249,7 @@ mod tests {
             press,
             place,
             found: found.map(|place| Found { place, strength: 1.0, peak: 1.0 }),
+            has_others: false,
         };
         Outcome { presses: pairs.iter().enumerate().map(judgement).collect(), centre: [0.0; 2], side: 0.2 }
     }

@@ -1,25 +1,25 @@
 //! Learn: a matrix calibrated from presses at known places.
 //!
-//! The model's matrix is the prior. What recorded presses add to it is the smallest correction that
-//! brings their images closer to round spots where the skin was pressed ([`correction`]). The outcome is a
-//! matrix like any other, which a board runs with the same arithmetic and contact finder.
+//! Presses teach how the measurements respond to one anywhere on the skin, with the model for what they say nothing of
+//! ([`responses`]); a matrix makes round spots of these responses where the skin was pressed ([`matrix`]). It is a matrix
+//! like any other, which a board runs with the same arithmetic and contact finder.
 //!
 //! ```text
 //! presses -> split: test | the rest
-//! the rest -> cross-validation: how far to trust the presses, how large a spot
-//!          -> correction with all the rest -> patch
+//! the rest -> cross-validation: how much misfit to allow for, how large a spot
+//!          -> matrix with all the rest -> patch
 //! test     -> errors of that patch, in fixed point
 //! ```
 //!
 //! The test part chooses nothing.
 
-pub mod correction;
 pub mod judge;
+pub mod matrix;
 pub mod presses;
+pub mod responses;
 pub mod split;
 
 use crate::recorded::statistics::pearson;
-use correction::{Correction, Settings, Training};
 use dermatome_model::{
     inverse::targets::half_side,
     model::{Model, TooManyPixels},
@@ -29,8 +29,10 @@ use dermatome_model::{
 use dermatome_shared::patch::{PatchError, PatchView};
 use faer::Mat;
 use judge::{Errors, Outcome, Turn, judge_board, judge_matrix};
+use matrix::{LearntMatrix, Settings, Training};
 use presses::Presses;
 use rayon::prelude::*;
+use responses::Process;
 use serde::Serialize;
 use split::{Folds, split};
 use std::collections::BTreeSet;
@@ -43,10 +45,12 @@ pub const FEWEST: usize = 10;
 const SAME_PLACE: f64 = 2e-3;
 /// Largest share of the presses kept for the test.
 pub const MOST_TEST: f64 = 0.5;
-/// How far the model is trusted, see [`Settings::trust`].
-const TRUSTS: [f64; 9] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0];
-/// Radii of the desired spots, as shares of half the skin's larger side.
-const RADII: [f64; 4] = [0.15, 0.2, 0.25, 0.3];
+/// How many times the misfit is allowed for, see [`Settings::misfit`].
+const MISFITS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
+/// Radii of the wanted spots, as shares of half the skin's larger side.
+const RADII: [f64; 5] = [0.2, 0.25, 0.3, 0.35, 0.4];
+/// What a second contact of one press costs in cross-validation, as a share of the skin's larger side.
+const SECOND: f64 = 0.05;
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,9 +122,10 @@ pub struct LearnReport {
     /// Noise in the images of equal noise in every voltage, learnt over the model's, for presses that
     /// look equally strong.
     pub noise_amplification: f64,
-    /// How far the learnt matrix is from the model's, over the model's size, in units of the
-    /// measurements' usual responses.
-    pub departure: f64,
+    /// The process that tells presses best.
+    pub process: Process,
+    /// Share of the training presses' squares that presses at other places tell.
+    pub foretold: f64,
     /// Correlation of contact strength with force over the test presses (without a test, the training
     /// presses); none without forces.
     pub force_correlation: Option<f64>,
@@ -201,11 +206,11 @@ pub fn learn(skin: &Skin, model: &Model, presses: &Presses, request: &Request) -
     let folds = Folds::new(&parts.training, &places, FOLDS);
     // Whether a board takes the patch at all does not depend on the numbers in it.
     quantize::patch(skin, model)?;
-    let chosen = choose(model, presses, &folds, request.strength)?;
-    let training = Training::new(model, presses, &parts.training, request.strength)?;
-    let correction = training.correct(chosen.settings)?;
-    let learnt = with_matrix(model, correction.matrix.clone());
-    let plain = with_matrix(model, correction.prior.clone());
+    let chosen = choose(model, presses, &folds, &places, request.strength)?;
+    let training = Training::new(model, presses, &parts.training, &places, request.strength)?;
+    let made = training.matrix(chosen.settings.misfit, &training.wanted(chosen.settings.radius))?;
+    let learnt = with_matrix(model, made.matrix.clone());
+    let plain = with_matrix(model, made.prior.clone());
     let learns_from = judge_matrix(&learnt, presses, &parts.training)?;
     let placed = judge_matrix(&plain, presses, &parts.training)?;
     let heard = hearing(skin, &learns_from);
@@ -222,7 +227,7 @@ pub fn learn(skin: &Skin, model: &Model, presses: &Presses, request: &Request) -
         seed: request.seed,
         strength: request.strength,
         settings: chosen.settings,
-        conductivity_falls: correction.falls,
+        conductivity_falls: made.falls,
         turn: placed.turn(),
         model_training: placed.errors(),
         training: learns_from.errors(),
@@ -231,8 +236,9 @@ pub fn learn(skin: &Skin, model: &Model, presses: &Presses, request: &Request) -
         test: test_of(&on_board),
         fixed_point_mm: judge_matrix(&learnt, presses, judged)?.farthest_from(&on_board),
         contact_threshold: heard.contact_threshold,
-        noise_amplification: noise_amplification(&training, &correction),
-        departure: training.departure(&correction),
+        noise_amplification: noise_amplification(&training, &made),
+        process: training.process(),
+        foretold: 1.0 - training.missing_share(),
         force_correlation: presses.forces.as_ref().map(|forces| correlation(forces, &on_board)),
     };
     Ok(Learnt { model: learnt, patch, report })
@@ -278,12 +284,12 @@ fn correlation(forces: &[f64], outcome: &Outcome) -> f64 {
 }
 
 /// Root of the sum of squares, each column times the size of one unit of voltage noise in it.
-fn noise_amplification(training: &Training<'_>, correction: &Correction) -> f64 {
+fn noise_amplification(training: &Training<'_>, made: &LearntMatrix) -> f64 {
     let size = |matrix: &Mat<f64>| {
         let of_column = |m: usize| matrix.col(m).squared_norm_l2() * training.noise[m].powi(2);
         (0..matrix.ncols()).map(of_column).sum::<f64>().sqrt()
     };
-    size(&correction.matrix) / size(&correction.prior)
+    size(&made.matrix) / size(&made.prior)
 }
 
 /// Settings, and how well they did in cross-validation.
@@ -292,30 +298,36 @@ struct Chosen {
     errors: Errors,
 }
 
-/// The smallest radius, and with it the strongest trust in the model, whose mean error is within one
-/// standard error of the best (Breiman et al. 1984): small spots keep contacts apart, trust keeps noise low.
-fn choose(model: &Model, presses: &Presses, folds: &Folds, strength: Strength) -> Result<Chosen, LearnError> {
+/// Those with the smallest mean error, where a second contact of a press is an error as well.
+fn choose(
+    model: &Model,
+    presses: &Presses,
+    folds: &Folds,
+    places: &[usize],
+    strength: Strength,
+) -> Result<Chosen, LearnError> {
     let surface = &model.surface()?;
     let tables = folds.iter().collect::<Vec<_>>().into_par_iter().map(|(training, validation)| {
-        let training = Training::new(model, presses, training, strength)?;
-        let mut outcomes = Vec::with_capacity(TRUSTS.len() * RADII.len());
+        let training = Training::new(model, presses, training, places, strength)?;
+        let mut outcomes = Vec::with_capacity(RADII.len() * MISFITS.len());
         for radius in RADII {
-            for trust in TRUSTS {
-                let correction = training.correct(Settings { trust, radius })?;
-                let model = judge::Judged { matrix: &correction.matrix, surface };
-                outcomes.push(model.judge(presses, validation));
+            let wanted = training.wanted(radius);
+            for misfit in MISFITS {
+                let made = training.matrix(misfit, &wanted)?;
+                outcomes.push(judge::Judged { matrix: &made.matrix, surface }.judge(presses, validation));
             }
         }
         Ok(outcomes)
     });
     let tables: Vec<Vec<Outcome>> = tables.collect::<Result<_, LearnError>>()?;
-    let together = |place: usize| Outcome::together(tables.iter().map(|table| &table[place]));
-    let errors: Vec<Errors> = (0..TRUSTS.len() * RADII.len()).map(|place| together(place).errors()).collect();
-    let best = errors.iter().copied().min_by(|a, b| a.mean_mm.total_cmp(&b.mean_mm)).unwrap_or_default();
-    let good_enough = |place: &usize| errors[*place].mean_mm <= best.mean_mm + best.standard_error_mm;
-    let row_of = |place: usize| place / TRUSTS.len();
-    let row = (0..errors.len()).find(good_enough).map_or(0, row_of);
-    let place = (0..errors.len()).rev().filter(|&place| row_of(place) == row).find(good_enough).unwrap_or(0);
-    let settings = Settings { trust: TRUSTS[place % TRUSTS.len()], radius: RADII[place / TRUSTS.len()] };
-    Ok(Chosen { settings, errors: errors[place] })
+    let together = |place: usize| Outcome::together(tables.iter().map(|table| &table[place])).errors();
+    let side_mm = 2e3 * half_side(&model.mesh);
+    let cost = |errors: &Errors| {
+        errors.mean_mm + SECOND * side_mm * errors.seconds as f64 / errors.presses.max(1) as f64
+    };
+    let errors: Vec<Errors> = (0..RADII.len() * MISFITS.len()).map(together).collect();
+    let best = (0..errors.len()).min_by(|&a, &b| cost(&errors[a]).total_cmp(&cost(&errors[b])));
+    let best = best.expect("there are settings");
+    let settings = Settings { misfit: MISFITS[best % MISFITS.len()], radius: RADII[best / MISFITS.len()] };
+    Ok(Chosen { settings, errors: errors[best] })
 }
