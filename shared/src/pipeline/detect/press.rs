@@ -110,11 +110,15 @@ impl Press {
         for (here, there) in self.position.iter_mut().zip(satellite.position) {
             *here += share * (there - *here);
         }
-        let root = |a: f32, b: f32| libm::sqrtf(a * a + b * b);
         self.significance = root(self.significance, satellite.significance);
         self.strength_deviation = root(self.strength_deviation, satellite.strength_deviation);
         self.strength = strength;
     }
+}
+
+/// Deviation of what has these two.
+pub(super) fn root(a: f32, b: f32) -> f32 {
+    libm::sqrtf(a * a + b * b)
 }
 
 /// The presses with all that lies beside them taken in, strongest first.
