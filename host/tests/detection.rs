@@ -2,12 +2,12 @@
 
 use dermatome::{
     patch::places::FixedPlaces,
-    simulate::rig::Observer,
+    simulate::{Press, rig::Observer},
     skin::{FoundIn, Skin},
     trust::{Bench, Figure, Options, ROWS, Trial, place_of, run},
 };
 use dermatome_shared::patch::PatchView;
-use nalgebra::{Point3, distance};
+use nalgebra::{Point3, Vector3, distance};
 use std::path::Path;
 
 fn shipped(name: &str) -> Skin {
@@ -126,6 +126,78 @@ fn a_sheet_that_drifts_as_a_whole_has_no_contact_and_hides_none() {
         let of = |what: &str| found(&figures, &format!("{rate} % a minute: {what}"), 60.0);
         assert_eq!(of("untouched frames with a contact"), 0.0, "{rate}");
         assert_eq!(of("pressed frames with exactly one"), 100.0, "{rate}");
+    }
+}
+
+#[test]
+fn a_sheet_of_which_a_part_warms_has_no_contact_and_then_hides_none() {
+    for name in ["disc-210mm", "square-210mm"] {
+        let bench = bench(name);
+        let mesh = bench.truth().mesh();
+        let untouched = bench.truth().conductivity(&[]);
+        // A quarter with edges, and a slope: 12 % in a minute.
+        let is_in_quarter = |x: f64, y: f64| if x > 0.0 && y > 0.0 { 1.0 } else { 0.0 };
+        let parts: [&dyn Fn(f64, f64) -> f64; 2] = [&is_in_quarter, &|x, _| x / 0.105];
+        for part in parts {
+            let warm = |share: f64, conductivity: &[f64]| {
+                let of = |element: usize| {
+                    let middle =
+                        mesh.corners(element).iter().fold(Vector3::zeros(), |sum, at| sum + at.coords / 3.0);
+                    conductivity[element] * (1.0 + 0.12 * share * part(middle.x, middle.y))
+                };
+                bench.solve(&(0..conductivity.len()).map(of).collect::<Vec<_>>())
+            };
+            let mut trial = Trial::new(&bench, 60.0, 500).unwrap();
+            for second in 0..60 {
+                let voltages = warm(f64::from(second) / 60.0, &untouched);
+                let next = warm(f64::from(second + 1) / 60.0, &untouched);
+                for frame in 0..50 {
+                    let share = f64::from(frame) / 50.0;
+                    let now: Vec<_> = voltages.iter().zip(&next).map(|(a, b)| a + (b - a) * share).collect();
+                    let contacts = trial.see(&now).contacts();
+                    assert!(contacts.is_empty(), "{name}, second {second}: {contacts:?}");
+                }
+            }
+            let finger = Press::finger([0.03, -0.02], 0.0084, 1.0);
+            let pressed = warm(1.0, &bench.truth().conductivity(&[finger]));
+            assert_eq!(trial.see(&pressed).contacts().len(), 1, "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_press_is_found_however_slowly_it_grows() {
+    for name in ["disc-210mm", "square-210mm"] {
+        let figures = figures(&bench(name), "slow", &options(&[60.0], 1));
+        for seconds in [10, 60, 160, 600] {
+            let of = |what: &str| found(&figures, &format!("grows over {seconds} s: {what}"), 60.0);
+            assert_eq!(of("detected"), 100.0, "{name}, {seconds} s");
+            assert!(of("depth over that of the fast one, largest") <= 2.0, "{name}, {seconds} s");
+        }
+    }
+}
+
+#[test]
+fn a_finger_under_the_tare_is_forgotten_in_a_second_once_it_lifts() {
+    for name in ["disc-210mm", "square-210mm", "hemisphere-210mm"] {
+        let figures = figures(&bench(name), "tare", &options(&[60.0], 1));
+        assert!(found(&figures, "until no contact is left, longest", 60.0) <= 1.0, "{name}");
+        for place in ["there", "elsewhere"] {
+            for seconds in [1, 30] {
+                let seen = found(&figures, &format!("a press {place} seen after {seconds} s"), 60.0);
+                assert_eq!(seen, 100.0, "{name}, {place}, {seconds} s");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_skin_that_is_stretched_has_no_contact_and_hides_none() {
+    let figures = figures(&bench("disc-210mm"), "upset", &options(&[60.0], 1));
+    for stretch in ["0.5", "2"] {
+        let of = |what: &str| found(&figures, &format!("stretched by {stretch} %: {what}"), 60.0);
+        assert_eq!(of("frames with a contact"), 0.0, "{stretch} %");
+        assert_eq!(of("press seen 30 s later"), 100.0, "{stretch} %");
     }
 }
 

@@ -178,7 +178,7 @@ pub(crate) fn patch_with_places(level: f32, averaging: f32) -> std::vec::Vec<u8>
     let detection =
         DetectionLayout { places: places.len() as u16, level, radius: 0.01, smooth: SMOOTH as u8, averaging };
     written_with(&PatchContents {
-        header: &PatchHeader { detection, ..plain.header.clone() },
+        header: &PatchHeader { detection, drift_time: 120.0, ..plain.header.clone() },
         steps: &steps,
         combination: &combination,
         pixels: &pixels,

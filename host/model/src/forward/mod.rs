@@ -130,7 +130,7 @@ impl<T: Admittivity> ForwardModel<T> {
         let places = places(&self.symbolic);
         let mut mixed = Mat::<f64>::zeros(places.len(), 1);
         let mut left = mixed.clone();
-        let columns = solution.iter().flat_map(|block| block.col_iter());
+        let columns = solution.iter().flat_map(Mat::col_iter);
         for ((column, &electrode), share) in columns.zip(self.system.electrodes()).zip(shares()) {
             mixed.col_mut(0).iter_mut().zip(column.iter()).for_each(|(sum, value)| *sum += share * value);
             self.system.current_enters(electrode, places).for_each(|place| left[(place, 0)] += share);

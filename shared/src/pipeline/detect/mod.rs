@@ -57,8 +57,6 @@ const SUDDEN: f32 = 0.1;
 const CLEARLY: f32 = 12.0;
 /// And a press that comes slowly than a smooth change, which would be mended; it would not.
 const CLEARLY_PRESSED: f32 = 30.0;
-/// What presses leave of what noise does not explain is at most this share of what they explain.
-const LEFT: f32 = 0.33;
 /// How far the linear model of a press is off, beside noise: its position in radii of the standard press, its strength as
 /// a share. Simulated fingers of 3 to 12 % of the size lie within two of these in 95 of 100 places.
 const MODEL_POSITION: f32 = 0.3;
@@ -342,7 +340,7 @@ impl Detector {
 
 /// Whether presses account for most of what noise does not.
 fn is_explained(fit: &Fit<'_>) -> bool {
-    if fit.presses.is_empty() { !fit.is_noisy() } else { fit.unexplained() < LEFT * fit.explained }
+    if fit.presses.is_empty() { !fit.is_noisy() } else { fit.unexplained() < fit.explained }
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
 use crate::{
-    frame::Frame,
+    frame::{Frame, FrameFlags},
     patch::{
         PatchView,
         places::Places,
@@ -21,6 +21,7 @@ struct Trial {
     state: PipelineState,
     random: Pcg64Mcg,
     noise: f64,
+    now_us: u64,
 }
 
 impl Trial {
@@ -30,6 +31,7 @@ impl Trial {
             state: PipelineState::default(),
             random: Pcg64Mcg::seed_from_u64(7),
             noise,
+            now_us: 0,
         };
         trial.state.start_tare(tare);
         for _ in 0..tare {
@@ -56,7 +58,8 @@ impl Trial {
             AdcCode((CODE * (1.0 + change + self.noise * noise)) as i32)
         };
         let codes = (0..40).map(code).collect();
-        process(&patch, &mut self.state, &Frame { codes, ..flat_frame(0) })
+        self.now_us += 20_000;
+        process(&patch, &mut self.state, &Frame { codes, timestamp_us: self.now_us, ..flat_frame(0) })
     }
 
     /// Contacts after some frames of the same: place nearest to each, strength, significance.
@@ -179,4 +182,78 @@ fn nothing_is_found_before_the_noise_is_known() {
     let mut trial = Trial::new(1e-3, 1);
     assert!(trial.found(&[], 40).is_empty());
     assert_eq!(trial.found(&[(66, 1.0)], 1).len(), 1);
+}
+
+/// A change that grows along one axis of the skin: `[measurement]`.
+fn slope(patch: &PatchView<'_>, size: f64) -> Vec<f64> {
+    let places = patch.places();
+    let response = |m: usize| f64::from(Places::four(places.row(places.count()), m / 4)[m % 4]);
+    let scale = f64::from(-places.row_exponent(places.count())).exp2();
+    (0..40).map(|m| size * scale * response(m)).collect()
+}
+
+#[test]
+fn what_changes_slowly_and_smoothly_is_no_contact_and_the_reference_follows_it() {
+    let mut trial = Trial::new(1e-4, 20);
+    let slope = slope(&trial.patch(), 1.0);
+    for frame in 0..500 {
+        trial.frame(&[], |m| slope[m] * f64::from(frame) / 500.0);
+        assert!(trial.contacts().is_empty(), "frame {frame}: {:?}", trial.contacts());
+    }
+    for _ in 0..150 {
+        trial.frame(&[], |m| slope[m]);
+    }
+    assert_eq!(trial.state.detector.change(), super::Change::Still);
+    for _ in 0..3 {
+        trial.frame(&[(66, 1.0)], |m| slope[m]);
+    }
+    let found = trial.contacts();
+    assert!(matches!(found[..], [(66, strength, _)] if (strength - 1.0).abs() < 0.1), "{found:?}");
+}
+
+#[test]
+fn a_press_that_grows_as_slowly_as_drift_is_one() {
+    let mut trial = Trial::new(1e-4, 20);
+    let mut first = None;
+    for frame in 0..3000 {
+        trial.frame(&[(66, f64::from(frame) / 3000.0)], |_| 0.0);
+        first = first.or((!trial.contacts().is_empty()).then_some(frame));
+    }
+    assert!(first.is_some_and(|frame| frame < 600), "{first:?}");
+    let found = trial.contacts();
+    assert!(matches!(found[..], [(66, strength, _)] if (strength - 1.0).abs() < 0.1), "{found:?}");
+}
+
+#[test]
+fn what_pressed_in_the_tare_and_is_lifted_is_said_and_mended() {
+    let mut trial = Trial::new(1e-4, 1);
+    trial.state.start_tare(20);
+    for _ in 0..20 {
+        trial.frame(&[(66, 1.0)], |_| 0.0);
+    }
+    trial.frame(&[], |_| 0.0);
+    assert!(trial.contacts().is_empty() && trial.state.flags().contains(FrameFlags::LIFTED));
+    for _ in 0..100 {
+        trial.frame(&[], |_| 0.0);
+        assert!(trial.contacts().is_empty());
+    }
+    assert!(!trial.state.flags().contains(FrameFlags::LIFTED));
+    for _ in 0..3 {
+        trial.frame(&[(66, 1.0)], |_| 0.0);
+    }
+    let found = trial.contacts();
+    assert!(matches!(found[..], [(66, strength, _)] if (strength - 1.0).abs() < 0.1), "{found:?}");
+}
+
+#[test]
+fn what_no_press_does_is_said_and_mended_in_half_a_minute() {
+    let mut trial = Trial::new(1e-4, 20);
+    let change = |m: usize| if m.is_multiple_of(2) { 0.03 } else { -0.03 };
+    for frame in 0..1500 {
+        trial.frame(&[], change);
+        assert!(trial.contacts().is_empty(), "frame {frame}");
+        assert!(frame != 30 || trial.state.flags().contains(FrameFlags::UNLIKE_PRESS));
+    }
+    assert_eq!(trial.state.flags(), FrameFlags::default());
+    assert_eq!(trial.state.detector.change(), super::Change::Still);
 }
