@@ -110,7 +110,12 @@ impl SkinNetwork {
         conductivity.iter_mut().for_each(|sigma| *sigma *= scale);
         let transfer = self.truth.transfer(&conductivity);
         let kept: Vec<usize> = (0..transfer.len()).filter(|&electrode| electrode != self.ground).collect();
-        let matrix = DMatrix::from_fn(kept.len(), kept.len(), |row, col| transfer[kept[row]][kept[col]]);
+        // Against the ground's potential, for currents that leave by it.
+        let ground = self.ground;
+        let matrix = DMatrix::from_fn(kept.len(), kept.len(), |row, col| {
+            let against = |driven: usize| transfer[kept[row]][driven] - transfer[ground][driven];
+            against(kept[col]) - against(ground)
+        });
         solved.impedances.retain(|(known, _)| (known - place).abs() <= 1);
         solved.impedances.push((place, matrix.clone()));
         matrix
