@@ -85,7 +85,7 @@ const MEASURED_ONCE: Speed = Speed {
 const IN_VOLTAGES: Speed = Speed {
     contacts_found_in: FoundIn::Voltages,
     images: 8,
-    most_load: 0.75,
+    most_load: 0.82,
     // Frames with a search for another press take longer, and come and go.
     most_load_error: 0.1,
     longest_latency: [4e-3, 15e-3],
