@@ -43,10 +43,8 @@ const MAX_PRESSES: usize = MAX_CONTACTS + 2;
 const MAX_UNKNOWNS: usize = spot::UNKNOWNS * MAX_CONTACTS;
 /// Places whose normalisation is brought up to date in one frame.
 const REFRESHED: usize = 2;
-/// Frames with presses that are not searched for another, after one in which there was none.
-const PAUSE: u8 = 1;
-/// The same after one that was tried and was none: trying takes long.
-const PAUSE_AFTER_REFUSAL: u8 = 3;
+/// Frames with presses that are not searched for another, after one in which there was none: it takes long.
+const PAUSE: u8 = 3;
 /// How many presses leave time for a search in each frame.
 const PRESSES_IN_A_FRAME: usize = 3;
 /// After so many frames that presses do not account for, what changed is something else.
@@ -256,7 +254,7 @@ impl Detector {
             fit.clone_from(&next);
             (fit.presses.len() / PRESSES_IN_A_FRAME) as u8
         } else {
-            PAUSE_AFTER_REFUSAL
+            PAUSE
         }
     }
 
