@@ -32,6 +32,7 @@ pub(super) fn in_image(rig: &Rig) -> Result<String, Failure> {
 pub(super) fn in_voltages(rig: &Rig) -> Result<String, Failure> {
     let found = positions(rig, FoundIn::Voltages, 0.0084, 1.0)?;
     let (session, mut link) = Session::open(rig, |skin| skin.contacts_found_in = FoundIn::Voltages)?;
+    session.world.noise(NOISE);
     let three = [[0.05, 0.02], [-0.05, 0.03], [0.0, -0.06]].map(|place| Press::finger(place, 0.0126, 1.0));
     let frames = compare(&mut link, &session.patch(), COMPARED, || session.world.press(&three))?;
     Ok(format!("{found}; {frames} frames of three as the host finds them, bit for bit"))

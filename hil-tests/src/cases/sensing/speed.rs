@@ -87,7 +87,7 @@ const IN_VOLTAGES: Speed = Speed {
     images: 8,
     most_load: 0.82,
     // Frames with a search for another press take longer, and come and go.
-    most_load_error: 0.1,
+    most_load_error: 0.2,
     longest_latency: [4e-3, 15e-3],
     ..MEASURED_ONCE
 };
