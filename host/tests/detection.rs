@@ -13,8 +13,7 @@ use std::path::Path;
 fn shipped(name: &str) -> Skin {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name).join("skin.toml");
     let skin = Skin::load(&file).unwrap().made().unwrap();
-    // As where the skin file says so.
-    Skin { contacts_found_in: FoundIn::Voltages, drift_time: 120.0, ..skin }
+    Skin { contacts_found_in: FoundIn::Voltages, ..skin }
 }
 
 fn bench(name: &str) -> Bench {

@@ -180,7 +180,7 @@ fn compare_on(rig: &Rig, patch: &[u8], frames: usize) -> Result<usize, Failure> 
 }
 
 /// Images and contacts of the patch on the board are the host's; `press` is called after the tare.
-fn compare(
+pub(super) fn compare(
     link: &mut Link,
     view: &PatchView<'_>,
     frames: usize,

@@ -1,9 +1,10 @@
 //! Drift: the untouched skin changes with temperature and age, and the reference has to follow without
 //! ever swallowing a press.
 //!
-//! Untouched, the whole reference follows the frames with the patch's time constant. Touched, only a
-//! factor common to all voltages does, and only as slowly as a skin drifts: a press that is held adds
-//! the same to every frame, one that changes does so at once, and neither passes for drift.
+//! Untouched, the whole reference follows the frames with the patch's time constant, and faster where what changed is known
+//! to be no press ([`Change`]). Touched, what is smooth beside presses does, and a factor common to all voltages, as
+//! slowly as a skin drifts: a press that is held adds the same to every frame, one that changes does so at once, and
+//! neither passes for drift.
 //!
 //! The common factor is the median over the measurements of v / v_ref, which no press moves far.
 
@@ -20,13 +21,14 @@ const REST_US: u64 = 1_000_000;
 const LOOK_EVERY: f32 = 0.02;
 /// The reference follows in steps of at least this long, s.
 const FOLLOW_EVERY: f32 = 0.1;
-/// In this time, s, the reference follows a sheet that changes smoothly; in this one that of something that is no press,
-/// to a thousandth in 30 s; and in this one where a press was lifted that was part of it.
+/// In this time, s, the reference follows a sheet that changes smoothly.
 const SMOOTH_TIME: f32 = 0.5;
-const UNLIKE_TIME: f32 = 4.0;
-/// And what is smooth beside a press in this one.
+/// The same beside a press.
 const BESIDE_TIME: f32 = 1.0;
+/// The same where a press was lifted that was part of it.
 const LIFTED_TIME: f32 = 0.2;
+/// The same after a change that no press makes: a thousandth of it is left after 30 s.
+const UNLIKE_TIME: f32 = 4.0;
 /// Longest time between frames that counts, us.
 const LONGEST_US: u64 = 60_000_000;
 
@@ -81,7 +83,8 @@ impl Drift {
             Change::Smooth => SMOOTH_TIME.min(time_constant),
             Change::Unlike => UNLIKE_TIME.min(time_constant),
             Change::Lifted => LIFTED_TIME.min(time_constant),
-            Change::Pressed => BESIDE_TIME.min(time_constant),
+            Change::PressedAndSmooth => BESIDE_TIME.min(time_constant),
+            Change::Pressed => return None,
         };
         if self.pending < FOLLOW_EVERY || time <= 0.0 {
             return None;

@@ -89,7 +89,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case { name: "a press is found where it is", needs: NEEDS, run: presses::in_image },
     Case {
-        name: "a fingertip is found in the voltages where it is",
+        name: "a fingertip is found in the voltages, as the host finds it",
         needs: NEEDS,
         run: presses::in_voltages,
     },

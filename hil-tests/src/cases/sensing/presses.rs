@@ -1,7 +1,7 @@
 //! Presses: where the board finds them, and whether it keeps track of them.
 
 use super::{
-    super::Failure,
+    super::{Failure, pipeline::compare},
     ensure, next_with,
     session::{Session, stamps, tare},
 };
@@ -17,6 +17,9 @@ use rand_pcg::Pcg64;
 
 /// Presses tried.
 const PRESSES: usize = 40;
+/// Frames compared with the host's, so few in a second that the line has room for image and codes of each.
+const COMPARED: usize = 100;
+const COMPARED_RATE: f64 = 25.0;
 /// Noise, over that of the parts: 60 dB at the median channel, where the parts alone leave 65.4 dB.
 const NOISE: f64 = 1.86;
 /// Largest normalised radius at which they lie.
@@ -28,7 +31,15 @@ pub(super) fn in_image(rig: &Rig) -> Result<String, Failure> {
 
 /// A fingertip, of which an image shows little.
 pub(super) fn in_voltages(rig: &Rig) -> Result<String, Failure> {
-    positions(rig, FoundIn::Voltages, 0.0084, 1.0)
+    let found = positions(rig, FoundIn::Voltages, 0.0084, 1.0)?;
+    let (session, mut link) = Session::open(rig, |skin| {
+        skin.drive.frame_rate = COMPARED_RATE;
+        skin.contacts_found_in = FoundIn::Voltages;
+    })?;
+    session.world.noise(NOISE);
+    let three = [[0.05, 0.02], [-0.05, 0.03], [0.0, -0.06]].map(|place| Press::finger(place, 0.0126, 1.0));
+    let frames = compare(&mut link, &session.patch(), COMPARED, || session.world.press(&three))?;
+    Ok(format!("{found}; {frames} frames of three as the host finds them, bit for bit"))
 }
 
 fn positions(rig: &Rig, found_in: FoundIn, finger: f64, depth: f64) -> Result<String, Failure> {

@@ -58,7 +58,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let noise = args.noise.noise();
     let mut skin = Skin::parse(Path::new(demo::SKIN_PATH), demo::SKIN)?.made()?;
     // Every image is compared with one in f64 against the reference as it was averaged.
-    skin.drift_time = 0.0;
+    skin.drift_time = Some(0.0);
     let spinner = progress::spinner();
     let model = Model::build(&skin, |stage| spinner.set_message(stage))?;
     let patch = quantize::patch(&skin, &model)?;

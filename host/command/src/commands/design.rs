@@ -3,6 +3,7 @@
 use super::{
     JsonReport,
     flags::in_flags,
+    noise::snr,
     progress,
     skin_of_design::{pattern, refuse_weights, skin_file},
 };
@@ -41,7 +42,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "COUNT")]
     electrodes: Option<u8>,
     /// Signal-to-noise ratio of the measurements, dB: 0 to 200.
-    #[arg(long, value_name = "DB", default_value_t = 60.0, value_parser = noise, allow_hyphen_values = true)]
+    #[arg(long, value_name = "DB", default_value_t = 60.0, value_parser = snr, allow_hyphen_values = true)]
     noise: f64,
     /// Radius of the finger, which doubles the conductivity.
     #[arg(long, value_name = "LENGTH", default_value = "4%", allow_hyphen_values = true)]
@@ -97,11 +98,6 @@ impl Figures {
             worst_position_deviation_mm: found.worst_deviation() * 1e3,
         }
     }
-}
-
-fn noise(text: &str) -> Result<f64, String> {
-    let db = text.parse().ok().filter(|db| (0.0..=200.0).contains(db));
-    db.ok_or_else(|| "allowed are 0 to 200 dB".to_owned())
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {

@@ -19,7 +19,8 @@ impl NoiseOptions {
     }
 }
 
-fn snr(text: &str) -> Result<f64, String> {
+/// A signal-to-noise ratio, dB.
+pub(super) fn snr(text: &str) -> Result<f64, String> {
     let db = text.parse().ok().filter(|db| (0.0..=200.0).contains(db));
     db.ok_or_else(|| "allowed are 0 to 200 dB".to_owned())
 }

@@ -1,6 +1,6 @@
 //! `dermatome experiment trust`: what a board says, row by row beside what is asked of it.
 
-use super::{JsonReport, progress};
+use super::{JsonReport, noise::snr, progress};
 use anyhow::Context;
 use clap::ValueEnum;
 use dermatome_experiments::{
@@ -25,7 +25,7 @@ pub(super) struct Args {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Signal-to-noise ratios, dB: 0 to 200; rows in time take the first.
-    #[arg(long, value_name = "DB", value_delimiter = ',', default_value = "60,50,40", value_parser = noise)]
+    #[arg(long, value_name = "DB", value_delimiter = ',', default_value = "60,50,40", value_parser = snr)]
     snr: Vec<f64>,
     /// Presses of a row at one noise; rows in which each takes long try a part of them.
     #[arg(long, value_name = "N", default_value = "100")]
@@ -57,11 +57,6 @@ impl From<Finding> for FoundIn {
             Finding::Voltages => Self::Voltages,
         }
     }
-}
-
-fn noise(text: &str) -> Result<f64, String> {
-    let db = text.parse().ok().filter(|db| (0.0..=200.0).contains(db));
-    db.ok_or_else(|| "allowed are 0 to 200 dB".to_owned())
 }
 
 fn row(name: &str) -> Result<Row, String> {

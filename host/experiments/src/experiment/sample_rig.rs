@@ -107,7 +107,7 @@ impl SampleRig {
         seed: u64,
     ) -> Result<Self, ExperimentError> {
         // The thesis sets its reference once; a board's would follow slow drift.
-        skin.drift_time = 0.0;
+        skin.drift_time = Some(0.0);
         let model = Model::build(&skin, |_| ())?;
         let noise = model.image_noise(artefacts.snr_db) / f64::from(averaged).sqrt();
         skin.contact_threshold = CLEAR_OF_NOISE * noise;

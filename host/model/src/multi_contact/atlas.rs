@@ -4,7 +4,7 @@
 //! polynomial of second degree in the tangent plane of the nearest node, fitted to the responses at the nodes round it.
 
 use crate::indenter::Press;
-use crate::pixels::{Pixels, samples};
+use crate::pixels::{Pixels, samples, tangents};
 use dermatome_geometry::mesh::{Mesh, neighbours::orientation, triangle};
 use nalgebra::{DVector, Matrix5, Point3, Vector3, Vector5};
 use rayon::prelude::*;
@@ -163,13 +163,6 @@ fn round(node: usize, nodes: &[Point3<f64>]) -> Vec<usize> {
     }
     others.truncate(count);
     others
-}
-
-/// Two unit vectors at right angles to each other and to a normal.
-fn tangents(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
-    let aside = if normal.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
-    let u = (aside - normal * normal.dot(&aside)).normalize();
-    [u, normal.cross(&u)]
 }
 
 /// Unit normal at each node: the mean of its elements'.

@@ -30,6 +30,13 @@ pub struct Pixels {
     pub grid: Option<Geometry>,
 }
 
+/// Two unit vectors at right angles to each other and to a normal.
+pub(crate) fn tangents(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let aside = if normal.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
+    let u = (aside - normal * normal.dot(&aside)).normalize();
+    [u, normal.cross(&u)]
+}
+
 impl Pixels {
     /// Number of pixels.
     #[must_use]

@@ -244,7 +244,7 @@ fn header(skin: &Skin, model: &Model, tables: &SurfaceTables) -> PatchHeader {
         grid: tables.grid,
         drive: skin.drive.for_board(),
         contact_threshold: RelativeConductivity::from_f64(skin.contact_threshold),
-        drift_time: skin.drift_time as f32,
+        drift_time: skin.drift_time() as f32,
         calibration: Calibration::default(),
         test_resistances: test_resistances(skin, model).map(|ohms| ohms as f32).collect(),
         play_operators: 0,

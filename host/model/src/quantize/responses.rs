@@ -5,7 +5,7 @@
 //! apart, near the electrodes.
 
 use super::{PatchBuildError, exponents_of, rounded_rows};
-use crate::{model::Model, skin::Skin};
+use crate::{model::Model, pixels::tangents, skin::Skin};
 use dermatome_patch::places::FixedPlaces;
 use dermatome_shared::patch::places::{DetectionLayout, MAX_PLACES, PLACE_NEIGHBOURS, Place};
 use faer::Mat;
@@ -119,9 +119,7 @@ fn choose(responses: &Mat<f64>, noise: &[f64]) -> Vec<usize> {
 
 /// The places round one: the closest in each sixth of a turn, then the closest of all the others.
 fn round(centres: &[Point3<f64>], normal: &Vector3<f64>, place: usize) -> [u8; PLACE_NEIGHBOURS] {
-    let aside = if normal.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
-    let axis = (aside - normal * normal.dot(&aside)).normalize();
-    let other_axis = normal.cross(&axis);
+    let [axis, other_axis] = tangents(normal);
     let mut others: Vec<usize> = (0..centres.len()).filter(|&other| other != place).collect();
     let away = |other: &usize| (centres[*other] - centres[place]).norm_squared();
     others.sort_by(|a, b| away(a).total_cmp(&away(b)));

@@ -60,8 +60,8 @@ pub struct Skin<S = Shape> {
     pub false_alarms: f64,
     /// Time over which still frames are averaged there, s; 0 takes each for itself.
     pub averaging: f64,
-    /// Time in which the reference follows the untouched skin, s; 0 for never.
-    pub drift_time: f64,
+    /// Time in which the reference follows the untouched skin, s; 0 for never. None: see [`Skin::drift_time`].
+    pub drift_time: Option<f64>,
     /// Pressure by strength of a contact; empty if the skin is not calibrated.
     pub calibration: Calibration,
     /// Where it lies on a robot, if that is known.
@@ -109,7 +109,22 @@ impl Description {
     }
 }
 
+/// Time in which the reference follows unless the skin file says another, s.
+const DRIFT_TIME: f64 = 30.0;
+/// The same where contacts are found in the voltages: smooth changes are followed in less, and others might be presses that
+/// grow slowly.
+const DRIFT_TIME_OF_VOLTAGES: f64 = 120.0;
+
 impl<S> Skin<S> {
+    /// Time in which the reference follows the untouched skin, s; 0 for never.
+    #[must_use]
+    pub fn drift_time(&self) -> f64 {
+        self.drift_time.unwrap_or(match self.contacts_found_in {
+            FoundIn::Image => DRIFT_TIME,
+            FoundIn::Voltages => DRIFT_TIME_OF_VOLTAGES,
+        })
+    }
+
     /// Stimulation table: `[step]`, in canonical order.
     #[must_use]
     pub fn steps(&self) -> Vec<Step> {

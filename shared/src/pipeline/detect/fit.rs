@@ -10,13 +10,13 @@ use super::{
     press::Press,
     smooth::Smooth,
     spot::{Response, Spot, UNKNOWNS, at},
-    sums::{Data, Sums, codes, take_out},
+    sums::{Data, Sums, codes, each, take_out},
     system::System,
 };
 use crate::{
     image::surface::Surface,
     patch::{PatchView, matrix::GROUP, places::Places},
-    pipeline::reference::{DifferenceData, power_of_two},
+    pipeline::reference::DifferenceData,
 };
 use heapless::Vec;
 
@@ -179,7 +179,14 @@ impl<'a> Fit<'a> {
         let places = &skin.places;
         let responses: Vec<Response<'_>, MAX_PRESSES> =
             presses.iter().map(|press| press.response(places)).collect();
-        sum(places, &responses, add);
+        let four = |at| {
+            let mut sum = [0.0; GROUP];
+            for response in &responses {
+                sum.iter_mut().zip(response.four(at)).for_each(|(sum, response)| *sum += response);
+            }
+            sum
+        };
+        each(places, four, add);
     }
 
     /// What the presses' responses leave of the data, as it meets responses.
@@ -296,20 +303,5 @@ impl<'a> Fit<'a> {
             }
         }
         false
-    }
-}
-
-/// Adds responses up, measurement by measurement.
-fn sum(places: &Places<'_>, responses: &[Response<'_>], mut add: impl FnMut(usize, f32)) {
-    let mut exponents = places.column_exponents().enumerate();
-    for four in 0.. {
-        let mut of_presses = [0.0; GROUP];
-        for response in responses {
-            of_presses.iter_mut().zip(response.four(four)).for_each(|(sum, response)| *sum += response);
-        }
-        for response in of_presses {
-            let Some((m, exponent)) = exponents.next() else { return };
-            add(m, response * power_of_two(-i32::from(exponent)));
-        }
     }
 }

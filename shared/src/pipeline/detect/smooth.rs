@@ -1,8 +1,9 @@
 //! Smooth changes of the sheet, such as a part of it that warms: what they explain of data, beside presses.
 //!
-//! They are the lowest modes of the sheet ([`crate::patch::places`]), so that no press is like them, though it may resemble
-//! them; and what resembles them more than any press is none.
+//! The patch has the responses to them behind those of the places ([`crate::patch::places`]). A press resembles them more or
+//! less; what resembles them clearly more than any press is none.
 
+use super::sums::each;
 use crate::{
     patch::{
         matrix::GROUP,
@@ -90,18 +91,15 @@ pub(super) struct SmoothFit {
 
 impl SmoothFit {
     /// What they add to the data, measurement by measurement.
-    pub(super) fn add_responses(&self, places: &Places<'_>, mut add: impl FnMut(usize, f32)) {
-        let mut exponents = places.column_exponents().enumerate();
-        for four in 0.. {
+    pub(super) fn add_responses(&self, places: &Places<'_>, add: impl FnMut(usize, f32)) {
+        let four = |at| {
             let mut sum = [0.0; GROUP];
             for (row, size) in self.sizes[..places.smooth().min(MAX_SMOOTH)].iter().enumerate() {
-                let response = Places::four(places.row(places.count() + row), four);
-                sum.iter_mut().zip(response).for_each(|(sum, response)| *sum += size * response);
+                let responses = Places::four(places.row(places.count() + row), at);
+                sum.iter_mut().zip(responses).for_each(|(sum, response)| *sum += size * response);
             }
-            for response in sum {
-                let Some((m, exponent)) = exponents.next() else { return };
-                add(m, response * power_of_two(-i32::from(exponent)));
-            }
-        }
+            sum
+        };
+        each(places, four, add);
     }
 }

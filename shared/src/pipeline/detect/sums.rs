@@ -126,6 +126,21 @@ pub(super) fn codes(places: &Places<'_>, values: &[f32], weights: &[f32]) -> Dif
     codes
 }
 
+/// Gives a sum of rows, known of four columns at a time without their exponents, measurement by measurement.
+pub(super) fn each(
+    places: &Places<'_>,
+    four: impl Fn(usize) -> [f32; GROUP],
+    mut give: impl FnMut(usize, f32),
+) {
+    let mut exponents = places.column_exponents().enumerate();
+    for at in 0.. {
+        for value in four(at) {
+            let Some((m, exponent)) = exponents.next() else { return };
+            give(m, value * power_of_two(-i32::from(exponent)));
+        }
+    }
+}
+
 // Not inlined, so that what it needs of the stack is free again for all else.
 #[inline(never)]
 fn block(places: &Places<'_>, weights: &[f32], common: &[f32], one: &Spot, other: &Spot) -> Block {

@@ -26,8 +26,13 @@ struct Trial {
 
 impl Trial {
     fn new(noise: f64, tare: u16) -> Self {
+        Self::averaging(0.0, noise, tare)
+    }
+
+    /// The same with still frames averaged over so many seconds.
+    fn averaging(averaging: f32, noise: f64, tare: u16) -> Self {
         let mut trial = Self {
-            bytes: patch_with_places(LEVEL, 0.0),
+            bytes: patch_with_places(LEVEL, averaging),
             state: PipelineState::default(),
             random: Pcg64Mcg::seed_from_u64(7),
             noise,
@@ -111,6 +116,17 @@ fn the_louder_the_noise_the_less_significant_is_a_press_until_it_is_none() {
             last = significance;
         }
         assert!(trial.found(&[], 300).is_empty());
+    }
+}
+
+#[test]
+fn a_press_that_a_frame_does_not_show_is_found_when_it_stays() {
+    for (averaging, is_found) in [(0.0, false), (0.4, true)] {
+        let mut trial = Trial::averaging(averaging, 1e-2, 20);
+        trial.found(&[], 100);
+        let found = trial.found(&[(66, 0.15)], 30);
+        assert_eq!(!found.is_empty(), is_found, "over {averaging} s: {found:?}");
+        assert!(trial.found(&[], 60).is_empty(), "over {averaging} s");
     }
 }
 

@@ -7,7 +7,7 @@
 //! would do. S is diagonal: white noise on every step. Detection is linear: a change of conductivity by d counts as
 //! [`strength_of`] d.
 
-use crate::pixels::{Pixels, Presses};
+use crate::pixels::{Pixels, Presses, tangents};
 use faer::{Col, Mat};
 use nalgebra::{Matrix2, Point3, Vector2, Vector3};
 use rayon::prelude::*;
@@ -200,9 +200,7 @@ fn gradient(
     near: &[(usize, Vector3<f64>)],
     normal: &Vector3<f64>,
 ) -> Option<[Col<f64>; 2]> {
-    let aside = if normal.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
-    let first = (aside - normal * normal.dot(&aside)).normalize();
-    let second = normal.cross(&first);
+    let [first, second] = tangents(normal);
     let along = |way: &Vector3<f64>| Vector2::new(way.dot(&first), way.dot(&second));
     let moments: Matrix2<f64> = near.iter().map(|(_, way)| along(way) * along(way).transpose()).sum();
     let inverse = moments.try_inverse()?;

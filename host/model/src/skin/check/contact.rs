@@ -2,24 +2,19 @@
 
 use super::Checker;
 use crate::skin::{
-    FoundIn, SkinError,
-    file::{CalibrationTable, ContactTable},
+    SkinError,
+    file::CalibrationTable,
     quantity::{self, Quantity},
 };
 use dermatome_shared::calibration::{Calibration, CalibrationPoint, MAX_POINTS};
 
-/// Time in which the reference follows the untouched skin unless the file says another, s.
-const DRIFT_TIME: f64 = 30.0;
-/// The same where contacts are found in the voltages: smooth changes are followed in less, and others might be presses
-/// that grow slowly.
-const DRIFT_TIME_OF_VOLTAGES: f64 = 120.0;
 /// False contacts an hour on an untouched skin unless the file says others.
 const FALSE_ALARMS: f64 = 1.0;
 /// Time over which still frames are averaged unless the file says another, s: as long as a reflex takes.
 const AVERAGING: f64 = 0.2;
 /// Longest such time, s.
 const LONGEST_AVERAGING: f64 = 10.0;
-/// Longest such time, s: a day.
+/// Longest time in which the reference may follow the untouched skin, s: a day.
 const LONGEST_DRIFT_TIME: f64 = 86_400.0;
 
 impl Checker<'_> {
@@ -44,15 +39,12 @@ impl Checker<'_> {
         }
     }
 
-    pub(super) fn drift_time(&self, table: &ContactTable) -> Result<f64, SkinError> {
-        let Some(written) = &table.drift_time else {
-            return Ok(match table.found_in {
-                FoundIn::Image => DRIFT_TIME,
-                FoundIn::Voltages => DRIFT_TIME_OF_VOLTAGES,
-            });
-        };
+    pub(super) fn drift_time(&self, written: Option<&Quantity>) -> Result<Option<f64>, SkinError> {
+        let Some(written) = written else { return Ok(None) };
         match quantity::TIME.read(written) {
-            Some(seconds) if seconds == 0.0 || (1.0..=LONGEST_DRIFT_TIME).contains(&seconds) => Ok(seconds),
+            Some(seconds) if seconds == 0.0 || (1.0..=LONGEST_DRIFT_TIME).contains(&seconds) => {
+                Ok(Some(seconds))
+            }
             _ => self.refuse("contact.drift_time", written.to_string(), "1 s to 86400 s, or 0 for never"),
         }
     }

@@ -46,7 +46,7 @@ impl Checker<'_> {
             contacts_found_in: file.contact.found_in,
             false_alarms: self.false_alarms(file.contact.false_alarms)?,
             averaging: self.averaging(file.contact.averaging.as_ref())?,
-            drift_time: self.drift_time(&file.contact)?,
+            drift_time: self.drift_time(file.contact.drift_time.as_ref())?,
             calibration: self.calibration(&file.calibration)?,
             pose: self.pose(file.pose.as_ref())?,
         })
