@@ -1,6 +1,9 @@
 //! Skin files that are wrong: each is refused with file, field, value and what is allowed.
 
-use dermatome::{model::Model, skin::Skin};
+use dermatome::{
+    model::Model,
+    skin::{FoundIn, Skin},
+};
 use dermatome_shared::{
     drive::{Component, Gain},
     patch::PatchView,
@@ -238,6 +241,8 @@ fn wrong_drives_drift_times_and_calibrations_are_refused() {
         (rate, "component = \"both\"", &["`drive.component`", "both", "\"magnitude\""]),
         ("[contact]", "drift_time = \"0.5 s\"", &["`contact.drift_time`", "0.5 s", "1 s to 86400 s"]),
         ("[contact]", "drift_time = -1", &["`contact.drift_time`", "is -1"]),
+        ("[contact]", "false_alarms = 0", &["`contact.false_alarms`", "is 0", "0.000001 to 3600"]),
+        ("[contact]", "averaging = \"11 s\"", &["`contact.averaging`", "11 s", "0 s to 10 s"]),
         ("[contact]", "drift_time = \"2 days\"", &["`contact.drift_time`", "2 days"]),
     ];
     for (after, line, words) in cases {
@@ -288,9 +293,11 @@ fn drive_drift_time_and_calibration_reach_the_patch() {
     assert_eq!(header.test_resistances.len(), 16);
     let plain = Skin::parse(Path::new("skin.toml"), GOOD).unwrap().made().unwrap();
     assert_eq!(
-        (plain.drift_time, plain.drive.gain, plain.calibration.points.len()),
+        (plain.drift_time(), plain.drive.gain, plain.calibration.points.len()),
         (30.0, Gain::Automatic, 0)
     );
+    let in_voltages = Skin { contacts_found_in: FoundIn::Voltages, ..plain };
+    assert_eq!(in_voltages.drift_time(), 120.0);
 }
 
 #[test]
