@@ -30,6 +30,13 @@ impl RelativeConductivity {
         Self((scaled + 0.5_f64.copysign(scaled)) as i32)
     }
 
+    /// As [`Self::from_f64`], where double precision would take its own arithmetic along: on the board.
+    #[must_use]
+    pub fn from_f32(value: f32) -> Self {
+        let scaled = value * Self::ONE as f32;
+        Self((scaled + 0.5_f32.copysign(scaled)) as i32)
+    }
+
     /// The change as a plain number: 0.1 is 10 % more conductive.
     #[must_use]
     pub fn to_f64(self) -> f64 {

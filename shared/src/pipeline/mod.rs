@@ -202,8 +202,7 @@ impl PipelineState {
     /// Strengths of the contacts without hysteresis: `[contact]`.
     fn without_hysteresis(&mut self, patch: &PatchView<'_>) -> Strengths {
         let threshold = patch.header.contact_threshold;
-        let quarter =
-            |contact: &contact::Contact| RelativeConductivity::from_f64(f64::from(contact.peak) / 4.0);
+        let quarter = |contact: &contact::Contact| RelativeConductivity::from_f32(contact.peak / 4.0);
         let level = || self.contacts.first().map_or(threshold, quarter);
         let noise = RelativeConductivity(threshold.0 / 2);
         self.places.compensate(&patch.play_operators(), &self.contacts, noise, level)

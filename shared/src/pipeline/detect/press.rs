@@ -124,7 +124,7 @@ pub(super) fn root(a: f32, b: f32) -> f32 {
 /// The presses with all that lies beside them taken in, strongest first.
 pub(super) fn gathered(presses: &Vec<Press, MAX_PRESSES>, radius: f32) -> Presses {
     let mut left = presses.clone();
-    left.sort_unstable_by(|a, b| b.strength.total_cmp(&a.strength));
+    sort(&mut left);
     let mut found = Presses::new();
     for press in left {
         let away = |one: &&mut Press| square(one.position, press.position);
@@ -140,10 +140,21 @@ pub(super) fn gathered(presses: &Vec<Press, MAX_PRESSES>, radius: f32) -> Presse
             }
         }
     }
-    found.sort_unstable_by(|a, b| b.strength.total_cmp(&a.strength));
+    sort(&mut found);
     let least = LEAST_SHARE * found.first().map_or(0.0, |press| press.strength);
     found.retain(|press| press.strength >= least);
     found
+}
+
+/// Strongest first, by insertion: the library's sort takes 1.6 kB of the board's flash, and there are few.
+fn sort(presses: &mut [Press]) {
+    for end in 1..presses.len() {
+        let mut at = end;
+        while at > 0 && presses[at].strength > presses[at - 1].strength {
+            presses.swap(at, at - 1);
+            at -= 1;
+        }
+    }
 }
 
 #[cfg(test)]
