@@ -17,11 +17,11 @@ pub struct FixedPlaces {
 }
 
 impl FixedPlaces {
-    /// Places, and the responses to a press there and then to smooth changes: `mantissas` `[row][measurement]`. The
-    /// layout's counts are set.
+    /// Places, and the responses to a press there and then to the layout's known changes: `mantissas`
+    /// `[row][measurement]`. The layout's count of places is set.
     ///
     /// # Panics
-    /// Panics if there is not a mantissa for each row and column.
+    /// Panics if there is not a row for each place and change, or not a mantissa for each row and column.
     #[must_use]
     pub fn new(
         layout: DetectionLayout,
@@ -32,8 +32,9 @@ impl FixedPlaces {
     ) -> Self {
         let columns = column_exponents.len();
         assert_eq!(mantissas.len(), row_exponents.len() * columns, "a mantissa for each row and column");
-        let smooth = row_exponents.len() - places.len();
-        let layout = DetectionLayout { places: places.len() as u16, smooth: smooth as u8, ..layout };
+        let known = usize::from(layout.smooth) + usize::from(layout.slips);
+        assert_eq!(row_exponents.len(), places.len() + known, "a row for each place and change");
+        let layout = DetectionLayout { places: places.len() as u16, ..layout };
         Self { layout, mantissas: in_groups(mantissas, columns), places, column_exponents, row_exponents }
     }
 

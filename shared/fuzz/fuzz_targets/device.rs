@@ -6,6 +6,7 @@ use arbitrary::Arbitrary;
 use dermatome_shared::{
     device::{Arrival, BoardFacts, Device, PatchStore, StoreError},
     patch::PatchView,
+    pipeline::PipelineState,
     protocol::{
         BoardPacket, FrameSource, Identity, MAX_CHUNK_BYTES, Reply, Request, RequestPacket, Selection,
         Version,
@@ -101,7 +102,7 @@ impl PatchStore for Memory {
 }
 
 struct Rig {
-    device: Device<Memory>,
+    device: Device<Memory, PipelineState>,
     requests: u16,
     events: u32,
 }
@@ -119,7 +120,7 @@ impl Rig {
             started_after,
             sees_host_go: false,
         };
-        Self { device: Device::new(facts, store), requests: 0, events: 0 }
+        Self { device: Device::new(facts, store, PipelineState::default()), requests: 0, events: 0 }
     }
 
     fn ask(&mut self, request: Request) -> Reply {

@@ -57,7 +57,14 @@ pub fn small_patch() -> Vec<u8> {
         test_resistances: Default::default(),
         play_operators: 0,
         matrix: matrix.layout(),
-        detection: DetectionLayout { places: 4, level: 5.8, radius: 0.01, smooth: 0, averaging: 0.1 },
+        detection: DetectionLayout {
+            places: 4,
+            level: 5.8,
+            radius: 0.01,
+            smooth: 0,
+            slips: 0,
+            averaging: 0.1,
+        },
     };
     let places: [Place; 4] =
         std::array::from_fn(|n| Place { pixel: n as u16, neighbours: [0, 1, 2, 3, 0, 1] });

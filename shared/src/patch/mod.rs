@@ -19,9 +19,9 @@
 //! ..      2 * inputs          positions that the interpolations take, u16
 //! ..      8 * places          pixel, u16, and six neighbours, u8 each, see [`places`]
 //! ..      measurements        exponents of the columns of the responses, i8; none without places
-//! ..      places + smooth     exponents of their rows, i8
+//! ..      places + known      exponents of their rows, i8
 //! ..      2 * mantissas       reconstruction matrix, i16, see [`matrix::coefficient_index`]
-//! ..      ..                  responses of a press at the places, then of smooth changes, i16, in the same order
+//! ..      ..                  responses of a press at the places, then of known changes, i16, in the same order
 //! ..      4                   CRC-32 (ISO-HDLC) of all bytes before it
 //! ```
 //!
@@ -58,7 +58,7 @@ use serde::{Deserialize, Serialize};
 /// First bytes of every patch.
 pub const MAGIC: [u8; 4] = *b"DSKP";
 /// Version of the layout above.
-pub const FORMAT_VERSION: u16 = 8;
+pub const FORMAT_VERSION: u16 = 9;
 /// Checksum of patches and packets.
 pub const CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
@@ -369,6 +369,7 @@ impl<'a> PatchView<'a> {
         range("neighbours", header.neighbours.into(), 0, MAX_NEIGHBOURS)?;
         range("detection.places", header.detection.places.into(), 0, MAX_PLACES)?;
         range("detection.smooth", header.detection.smooth.into(), 0, MAX_SMOOTH)?;
+        range("detection.slips", header.detection.slips.into(), 0, MAX_ELECTRODES)?;
         range("matrix.from_data", header.matrix.from_data.into(), 1, header.pixels.into())?;
         let positive = |field, value: f32| {
             if value.is_finite() && value > 0.0 { Ok(()) } else { Err(PatchError::NotPositive { field }) }

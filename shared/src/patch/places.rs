@@ -8,6 +8,7 @@ use super::{
     PatchError,
     matrix::{COLUMN_EXPONENTS, GROUP, Rows, coefficient_index},
 };
+use crate::limits::MAX_ELECTRODES;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +18,8 @@ pub const MAX_PLACES: usize = 256;
 pub const PLACE_NEIGHBOURS: usize = 6;
 /// Most smooth changes.
 pub const MAX_SMOOTH: usize = 8;
+/// Most changes that are known to be no press: smooth ones, and the slip of each electrode.
+pub const MAX_KNOWN: usize = MAX_SMOOTH + MAX_ELECTRODES;
 
 /// Bytes of a place: its pixel and its neighbours.
 const PLACE_BYTES: usize = 2 + PLACE_NEIGHBOURS;
@@ -32,6 +35,8 @@ pub struct DetectionLayout {
     pub radius: f32,
     /// Smooth changes of the sheet that a press is told from, of no place, in rows behind those of the places.
     pub smooth: u8,
+    /// Electrodes whose slip along the rim a press is told from, in rows behind those.
+    pub slips: u8,
     /// Time over which still frames are averaged, s; 0 takes each for itself.
     pub averaging: f32,
 }
@@ -43,7 +48,7 @@ impl DetectionLayout {
         if places == 0 {
             return [0; 4];
         }
-        let rows = places + usize::from(self.smooth);
+        let rows = places + usize::from(self.smooth) + usize::from(self.slips);
         let mantissas = rows.next_multiple_of(GROUP) * columns.next_multiple_of(GROUP);
         [PLACE_BYTES * places, columns, rows, 2 * mantissas]
     }
@@ -77,7 +82,7 @@ pub struct PlacesTables<'a> {
     pub places: &'a [Place],
     /// Exponents of the columns: `[measurement]`.
     pub column_exponents: &'a [i8],
-    /// Exponents of the rows: `[place]`, then `[smooth change]`.
+    /// Exponents of the rows: `[place]`, then `[smooth change]` and `[slip]`.
     pub row_exponents: &'a [i8],
     /// Mantissas, see [`coefficient_index`].
     pub mantissas: &'a [i16],
@@ -139,7 +144,7 @@ impl<'a> Places<'a> {
         self.column_exponents.iter().map(|&byte| byte as i8)
     }
 
-    /// Exponents of the rows: `[place]`, then `[smooth change]`.
+    /// Exponents of the rows: `[place]`, then `[smooth change]` and `[slip]`.
     pub fn row_exponents(&self) -> impl Iterator<Item = i8> + Clone + use<'a> {
         self.row_exponents.iter().map(|&byte| byte as i8)
     }
@@ -156,13 +161,14 @@ impl<'a> Places<'a> {
         self.mantissas
     }
 
-    /// How many rows there are behind those of the places: the responses to smooth changes.
+    /// How many rows there are behind those of the places: the responses to changes that are no press, smooth ones and
+    /// then slips.
     #[must_use]
-    pub fn smooth(&self) -> usize {
+    pub fn known(&self) -> usize {
         self.row_exponents.len() - self.count()
     }
 
-    /// The responses, of places and then of smooth changes, as rows that meet data.
+    /// The responses, of places and then of known changes, as rows that meet data.
     #[must_use]
     pub fn rows(&self) -> Rows<'a> {
         Rows {
@@ -239,7 +245,7 @@ mod tests {
     use std::vec::Vec;
 
     const LAYOUT: DetectionLayout =
-        DetectionLayout { places: 2, level: 5.0, radius: 0.01, smooth: 0, averaging: 0.0 };
+        DetectionLayout { places: 2, level: 5.0, radius: 0.01, smooth: 0, slips: 0, averaging: 0.0 };
 
     fn tables(pixel: u16, neighbour: u8) -> Vec<u8> {
         let places = [Place { pixel: 3, neighbours: [1; 6] }, Place { pixel, neighbours: [neighbour; 6] }];

@@ -231,6 +231,9 @@ impl PipelineState {
         let _ = parts.resize(reference.sums().len(), part);
         mask_measurements(patch, self.bad_electrodes, &mut parts);
         reference.follow(patch, differences, &parts);
+        if change == Change::Unlike {
+            self.detector.heal(patch, reference);
+        }
         if !is_pressed {
             self.drift.followed(part);
         }

@@ -34,7 +34,7 @@ pub struct Responses {
     /// GREIT's training targets.
     pub training: Option<Training>,
     /// d voltage / d movement of each electrode along the rim, in units of half the skin's larger
-    /// side: `[measurement][electrode]`.
+    /// side, if all are on the rim: `[measurement][electrode]`.
     pub movement: Option<Mat<f64>>,
 }
 
@@ -93,7 +93,10 @@ impl Responses {
                 half_side: half_side(of.mesh),
             }
         });
-        let movement = inverse.electrode_movement.map(|_| movement(of)).transpose()?;
+        let movement = match movement(of) {
+            Err(error) if inverse.electrode_movement.is_some() => return Err(error),
+            movement => movement.ok(),
+        };
         Ok(Self {
             target: target.col(0).iter().copied().collect(),
             frame: frame.map(|frame| combine_voltages(&frame, combination)),

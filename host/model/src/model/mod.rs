@@ -73,6 +73,9 @@ pub struct Model {
     /// d voltage / d relative conductivity of the standard target, see
     /// [`crate::inverse::targets`]: `[measurement]`.
     pub target: Vec<f64>,
+    /// d voltage / d movement of each electrode along the rim, if all are on the rim, see
+    /// [`crate::inverse::targets`]: `[measurement][electrode]`.
+    pub movement: Option<Mat<f64>>,
     /// How long each stage took.
     pub stages: Vec<Stage>,
 }
@@ -235,6 +238,7 @@ impl Model {
             hyperparameter,
             selection,
             target: targets.target,
+            movement: targets.movement,
             stages,
         })
     }

@@ -35,13 +35,16 @@ pub(super) fn places(skin: &Skin, model: &Model) -> Result<FixedPlaces, PatchBui
     let column_exponents = exponents_of(noise.iter().map(|noise| -noise.abs().log2()));
     let rows = chosen.iter().map(|&pixel| responses.col(pixel));
     let smooth = smooth_responses(model);
-    let (row_exponents, mantissas) = rounded_rows(rows.chain(smooth.col_iter()), &column_exponents)?;
+    let slips = slip_responses(model);
+    let (row_exponents, mantissas) =
+        rounded_rows(rows.chain(smooth.col_iter()).chain(slips.col_iter()), &column_exponents)?;
     let radius = radius(model) as f32;
     let places: Vec<_> = (0..chosen.len()).map(place).collect();
     let looks_an_hour = 3600.0 * skin.drive.frame_rate * places.len() as f64;
     let level = level(skin.false_alarms / looks_an_hour) as f32;
     let averaging = skin.averaging as f32;
-    let layout = DetectionLayout { places: 0, level, radius, smooth: 0, averaging };
+    let [smooth, slips] = [&smooth, &slips].map(|responses| responses.ncols() as u8);
+    let layout = DetectionLayout { places: 0, level, radius, smooth, slips, averaging };
     Ok(FixedPlaces::new(layout, places, column_exponents, row_exponents, &mantissas))
 }
 
@@ -90,6 +93,11 @@ fn smooth_responses(model: &Model) -> Mat<f64> {
         [u, v, u * u, u * v, v * v, w][change]
     });
     divided(model, &model.jacobian * &changes)
+}
+
+/// What the slip of each electrode changes difference data by, `[measurement][electrode]`; none unless all are on the rim.
+fn slip_responses(model: &Model) -> Mat<f64> {
+    model.movement.as_ref().map_or(Mat::new(), |movement| divided(model, movement.clone()))
 }
 
 /// Pixels whose responses are told apart best against this noise, `[measurement]`.

@@ -339,8 +339,8 @@ fn wrong_magic_version_length_and_crc_are_told_apart() {
     bytes[0] = b'X';
     assert_eq!(PatchView::validate(&bytes).unwrap_err(), PatchError::Magic);
     let mut bytes = good.clone();
-    bytes[4] = 9;
-    assert_eq!(PatchView::validate(&bytes).unwrap_err(), PatchError::Version { found: 9 });
+    bytes[4] = FORMAT_VERSION as u8 + 1;
+    assert_eq!(PatchView::validate(&bytes).unwrap_err(), PatchError::Version { found: FORMAT_VERSION + 1 });
     let length = good.len();
     assert_eq!(
         PatchView::validate(&good[..length - 1]).unwrap_err(),

@@ -4,18 +4,20 @@ use super::*;
 use crate::patch::places::Place;
 
 /// A square of 12 x 12 pixels of 10 mm with a place on each, to which 40 measurements here and there respond: by 0.1 where
-/// they are, less by distance.
+/// they are, less by distance. Smooth changes and slips are told from presses.
 pub(crate) fn patch_with_places(level: f32, averaging: f32) -> std::vec::Vec<u8> {
     const ACROSS: u8 = 12;
     const EXPONENT: i8 = 17;
     // A slope along x and one along y.
     const SMOOTH: usize = 2;
+    // Each as if the sheet became a better conductor at one place, and a worse one at another.
+    const SLIPS: [[usize; 2]; 4] = [[26, 50], [33, 57], [98, 110], [117, 93]];
     let bytes = written(Difference::Normalised, ACROSS, 1);
     let plain = PatchView::validate(&bytes).unwrap();
     let centres: std::vec::Vec<_> =
         plain.surface().pixels().map(|pixel| plain.surface().centre(&pixel)).collect();
     let away = |a: &[f32; 3], b: &[f32; 3]| f64::from((a[0] - b[0]).hypot(a[1] - b[1]));
-    let mut mantissas = std::vec![0_i16; (centres.len() + SMOOTH).next_multiple_of(GROUP) * 40];
+    let mut mantissas = std::vec![0_i16; (centres.len() + SMOOTH + SLIPS.len()).next_multiple_of(GROUP) * 40];
     for (place, centre) in centres.iter().enumerate() {
         for measurement in 0..40 {
             let response = 0.1 * (-(away(centre, &centres[measurement * 47 % 144]) / 0.03).powi(2)).exp();
@@ -30,6 +32,12 @@ pub(crate) fn patch_with_places(level: f32, averaging: f32) -> std::vec::Vec<u8>
                 (response * f64::from(EXPONENT).exp2()).round() as i16;
         }
     }
+    for (slip, places) in SLIPS.into_iter().enumerate() {
+        for measurement in 0..40 {
+            let [better, worse] = places.map(|place| mantissas[coefficient_index(40, place, measurement)]);
+            mantissas[coefficient_index(40, centres.len() + SMOOTH + slip, measurement)] = better - worse / 2;
+        }
+    }
     let places: std::vec::Vec<_> = (0..centres.len())
         .map(|place| {
             let mut others: std::vec::Vec<_> = (0..centres.len()).filter(|&other| other != place).collect();
@@ -42,8 +50,14 @@ pub(crate) fn patch_with_places(level: f32, averaging: f32) -> std::vec::Vec<u8>
     let (pixels, neighbours) = square(ACROSS).tables();
     let (steps, combination): (std::vec::Vec<_>, std::vec::Vec<_>) =
         plain.steps().zip(plain.combination()).unzip();
-    let detection =
-        DetectionLayout { places: places.len() as u16, level, radius: 0.01, smooth: SMOOTH as u8, averaging };
+    let detection = DetectionLayout {
+        places: places.len() as u16,
+        level,
+        radius: 0.01,
+        smooth: SMOOTH as u8,
+        slips: SLIPS.len() as u8,
+        averaging,
+    };
     written_with(&PatchContents {
         header: &PatchHeader { detection, drift_time: 120.0, ..plain.header.clone() },
         steps: &steps,
@@ -54,7 +68,7 @@ pub(crate) fn patch_with_places(level: f32, averaging: f32) -> std::vec::Vec<u8>
         places: PlacesTables {
             places: &places,
             column_exponents: &[0; 40],
-            row_exponents: &[EXPONENT; 144 + SMOOTH],
+            row_exponents: &[EXPONENT; 144 + SMOOTH + SLIPS.len()],
             mantissas: &mantissas,
         },
         play_operators: &[],

@@ -1,10 +1,10 @@
 //! Matched filter: where data resemble the response to a press most, in the fixed point of images.
 
-use super::smooth::{Smooth, SmoothFit};
+use super::known::{Known, KnownFit};
 use crate::{
     patch::{
         matrix::GROUP,
-        places::{MAX_PLACES, MAX_SMOOTH, Places},
+        places::{MAX_KNOWN, MAX_PLACES, Places},
     },
     pipeline::{
         reconstruct::{self, LOW_BITS},
@@ -14,7 +14,7 @@ use crate::{
 use heapless::Vec;
 
 /// Most rows, whole groups of them.
-const MAX_ROWS: usize = MAX_PLACES + MAX_SMOOTH;
+const MAX_ROWS: usize = MAX_PLACES + MAX_KNOWN;
 
 /// 1 / sqrt(a' S^-1 a) of the responses a, without what they have in common with a change that is common to all, and less
 /// the exponents of their rows: `[place]`.
@@ -27,14 +27,16 @@ pub(super) struct Look {
     pub(super) most: (usize, f32),
     /// The press that was taken away.
     pub(super) least: (usize, f32),
-    /// The smooth changes of the sheet that explain them best.
-    pub(super) smooth: SmoothFit,
+    /// How much there is, in units of one frame's variance, beside noise.
+    pub(super) left: f32,
+    /// The changes known to be no press that explain them best.
+    pub(super) known: KnownFit,
 }
 
 /// Looks at data y that come without what is common to all, times their inverse variances S^-1: `[measurement]`.
 // Not inlined, so that what it needs of the stack is free again for all else.
 #[inline(never)]
-pub(super) fn look(places: &Places<'_>, data: &DifferenceData, norms: &Norms, smooth: &Smooth) -> Look {
+pub(super) fn look(places: &Places<'_>, data: &DifferenceData, norms: &Norms, known: &Known) -> Look {
     let mut values = [0; MAX_ROWS];
     let count = places.rows().count.next_multiple_of(GROUP).min(MAX_ROWS);
     reconstruct::products(&places.rows(), data, &mut values[..count]);
@@ -52,7 +54,7 @@ pub(super) fn look(places: &Places<'_>, data: &DifferenceData, norms: &Norms, sm
     look.most.1 *= scale;
     look.least.1 *= scale;
     let sums = values.get(places.count()..).unwrap_or_default();
-    look.smooth = smooth.fit(places, sums.iter().map(|&sum| sum as f32 * scale));
+    look.known = known.fit(places, sums.iter().map(|&sum| sum as f32 * scale));
     look
 }
 

@@ -7,8 +7,8 @@
 use super::{
     MAX_PRESSES, MAX_UNKNOWNS,
     filter::{self, Look, Norms},
+    known::Known,
     press::Press,
-    smooth::Smooth,
     spot::{Response, Spot, UNKNOWNS, at},
     sums::{Data, Sums, codes, each, take_out},
     system::System,
@@ -24,8 +24,6 @@ use heapless::Vec;
 const ROUNDS: usize = 4;
 /// Standard deviation of an offset before anything is measured, distances from place to place.
 const FREE: f32 = 0.7;
-/// Standard deviations of chi square that noise does not leave.
-const LOUD: f32 = 8.0;
 
 /// The skin that presses lie on.
 pub(super) struct Skin<'a> {
@@ -128,9 +126,9 @@ impl<'a> Fit<'a> {
         self.energy - self.explained - self.measurements * self.noise
     }
 
-    /// Whether more is left than noise leaves.
-    pub(super) fn is_noisy(&self) -> bool {
-        self.unexplained() > LOUD * self.noise * libm::sqrtf(2.0 * self.measurements)
+    /// Standard deviation of what noise leaves.
+    pub(super) fn spread(&self) -> f32 {
+        self.noise * libm::sqrtf(2.0 * self.measurements)
     }
 
     /// Significance of a sum of squares, in standard deviations.
@@ -155,8 +153,10 @@ impl<'a> Fit<'a> {
     }
 
     /// What is left of the data resembles.
-    pub(super) fn look(&self, data: &mut Data, norms: &Norms, smooth: &Smooth) -> Look {
-        filter::look(&self.skin.places, &self.left(data), norms, smooth)
+    pub(super) fn look(&self, data: &mut Data, norms: &Norms, known: &Known) -> Look {
+        let (left, energy) = self.left(data);
+        let look = filter::look(&self.skin.places, &left, norms, known);
+        Look { left: energy - self.measurements * self.noise, ..look }
     }
 
     /// A press where what the others leave resembles one most, if it is above the level. Beside another press it is its
@@ -189,11 +189,11 @@ impl<'a> Fit<'a> {
         each(places, four, add);
     }
 
-    /// What the presses' responses leave of the data, as it meets responses.
-    fn left(&self, data: &mut Data) -> DifferenceData {
+    /// What the presses' responses leave of the data, as it meets responses, and the sum of its squares.
+    fn left(&self, data: &mut Data) -> (DifferenceData, f32) {
         let Skin { places, common, .. } = self.skin;
         if self.presses.is_empty() {
-            return data.codes(places).clone();
+            return (data.codes(places).clone(), self.energy);
         }
         let mut left = data.values.clone();
         Self::responses(self.skin, &self.presses, |m, response| {
@@ -202,7 +202,8 @@ impl<'a> Fit<'a> {
             }
         });
         take_out(common, &data.weights, &mut left);
-        codes(places, &left, &data.weights)
+        let energy = left.iter().zip(&data.weights).map(|(y, weight)| weight * y * y).sum();
+        (codes(places, &left, &data.weights), energy)
     }
 
     /// Strengths and offsets of all presses at their places; no presses where they cannot be told apart.

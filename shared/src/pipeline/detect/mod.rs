@@ -14,8 +14,8 @@
 
 mod filter;
 mod fit;
+mod known;
 mod press;
-mod smooth;
 mod spot;
 mod sums;
 mod system;
@@ -33,8 +33,8 @@ use crate::{
 use filter::{Look, Norms};
 use fit::{Fit, Skin};
 use heapless::Vec;
+use known::{Known, KnownFit};
 use press::{Press, root};
-use smooth::{Smooth, SmoothFit};
 use sums::Sums;
 
 /// Most presses, with satellites.
@@ -47,6 +47,9 @@ const REFRESHED: usize = 2;
 const PAUSE: u8 = 3;
 /// How many presses leave time for a search in each frame.
 const PRESSES_IN_A_FRAME: usize = 3;
+/// Standard deviations of chi square that noise does not leave; and those down to which the reference heals.
+const LOUD: f32 = 8.0;
+const HEALED: f32 = 1.0;
 /// After so many frames that presses do not account for, what changed is something else.
 const UNDECIDED: u8 = 20;
 /// A press of this strength that was none in the frame before came faster than a sheet drifts.
@@ -59,8 +62,15 @@ const CLEARLY_PRESSED: f32 = 30.0;
 /// a share. Simulated fingers of 4 % of the size lie within two of these in 95 of 100 places on flat skins.
 const MODEL_POSITION: f32 = 0.3;
 const MODEL_STRENGTH: f32 = 0.08;
-/// Frames after a smooth change in which only a press that comes suddenly is one.
-const SMOOTH_PAUSE: u8 = 100;
+/// Frames after a known change in which only a press that comes suddenly is one.
+const KNOWN_PAUSE: u8 = 100;
+/// Electrodes that slip by a hundredth of the skin's size leave less than this share of what changed unexplained, presses
+/// hardly ever as little: simulated fingers of 3 to 10 % of the size leave at least 0.1 %, in corners, and 10 to 40 % in
+/// most places.
+const SLIP_LEAVES: f32 = 0.005;
+/// And presses leave more of a slip than this share of what they explain, any other one press and smooth changes of the
+/// rest.
+const OTHERS_LEAVE: f32 = 0.15;
 
 /// What detection remembers from frame to frame. For a patch without places it does nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -69,7 +79,7 @@ pub struct Detector {
     /// Inverse variances of the data: `[measurement]`.
     inverse_variances: Changes,
     norms: Norms,
-    smooth: Smooth,
+    known: Known,
     average: Average,
     /// The place whose norm is next to be brought up to date.
     next: usize,
@@ -80,10 +90,12 @@ pub struct Detector {
     /// Frames of which they do not account for most, one after the other.
     unexplained: u8,
     change: Change,
-    /// The smooth changes that were looked for last.
-    latest_smooth: SmoothFit,
-    /// Frames in which a press that comes slowly is taken for a smooth change.
-    smooth_pause: u8,
+    /// The known changes that were looked for last.
+    latest_known: KnownFit,
+    /// Whether electrodes have slipped.
+    is_slipped: bool,
+    /// Frames in which a press that comes slowly is taken for a change of the sheet.
+    known_pause: u8,
     /// Frames that are not searched for another press beside them.
     pause: u8,
 }
@@ -122,7 +134,8 @@ impl Detector {
         self.presses.clear();
         self.norms.clear();
         self.average.restart();
-        (self.unexplained, self.pause, self.smooth_pause) = (0, 0, 0);
+        (self.unexplained, self.pause, self.known_pause) = (0, 0, 0);
+        self.is_slipped = false;
         self.change = Change::Still;
     }
 
@@ -159,7 +172,8 @@ impl Detector {
         let places = patch.places();
         if self.next == 0 {
             self.noise.inverse_variances(patch, reference, &mut self.inverse_variances);
-            self.smooth.take(&places, &self.inverse_variances, reference.weights());
+            let layout = &patch.header.detection;
+            self.known.take(&places, layout, &self.inverse_variances, reference.weights());
         }
         for place in self.next..self.next + REFRESHED {
             if let Some(known) = self.norms.get_mut(place) {
@@ -169,6 +183,13 @@ impl Detector {
         self.next = if self.next + REFRESHED < places.count() { self.next + REFRESHED } else { 0 };
     }
 
+    /// The reference heals: what is common to all data changes with it, and known changes resemble that.
+    pub fn heal(&mut self, patch: &PatchView<'_>, reference: &Reference) {
+        let (places, layout) = (patch.places(), &patch.header.detection);
+        self.known.take(&places, layout, &self.inverse_variances, reference.weights());
+        self.sums.clear();
+    }
+
     /// Takes the noise as it is known now, if it is; until then there are no norms, and nothing is found.
     fn judge_noise(&mut self, patch: &PatchView<'_>, reference: &Reference) {
         if patch.header.has_places() && self.noise.is_known() {
@@ -176,7 +197,7 @@ impl Detector {
             let (places, weights, common) = (patch.places(), &self.inverse_variances, reference.weights());
             let norm = |place| filter::norm(&places, place, weights, common);
             self.norms = (0..places.count()).map(norm).collect();
-            self.smooth.take(&places, weights, common);
+            self.known.take(&places, &patch.header.detection, weights, common);
             self.next = 0;
         }
     }
@@ -207,20 +228,20 @@ impl Detector {
             }
         }
         self.change = Change::Pressed;
-        self.smooth_pause = self.smooth_pause.saturating_sub(1);
+        self.known_pause = self.known_pause.saturating_sub(1);
         if fit.presses.is_empty() || self.pause == 0 {
-            let look = fit.look(&mut self.sums.data, &self.norms, &self.smooth);
+            let look = fit.look(&mut self.sums.data, &self.norms, &self.known);
             self.pause = self.add_another(&mut fit, &look, level);
             self.change = self.judge(&fit, &look, level);
-            self.latest_smooth = look.smooth;
-            if self.change == Change::Smooth {
-                self.smooth_pause = SMOOTH_PAUSE;
+            self.latest_known = look.known;
+            if self.change == Change::Smooth || self.is_slipped {
+                self.known_pause = KNOWN_PAUSE;
             }
         } else {
             self.pause -= 1;
         }
-        let is_explained =
-            self.change == Change::Smooth || self.change == Change::Lifted || is_explained(&fit);
+        let is_known = self.change == Change::Smooth || self.change == Change::Lifted;
+        let is_explained = !self.is_slipped && (is_known || self.is_explained(&fit));
         self.unexplained = if is_explained { 0 } else { self.unexplained.saturating_add(1) };
         if self.unexplained > 0 {
             self.change = if self.is_undecided() { Change::Pressed } else { Change::Unlike };
@@ -232,9 +253,13 @@ impl Detector {
     /// Adds one press more to the fit, if the data ask for it; says how many frames need not be asked next.
     fn add_another(&mut self, fit: &mut Fit<'_>, look: &Look, level: f32) -> u8 {
         if !fit.has_room() {
+            self.is_slipped = false;
             return PAUSE;
         }
-        let Some(press) = fit.loudest(look, &self.norms, level) else { return PAUSE };
+        let Some(press) = fit.loudest(look, &self.norms, level) else {
+            self.is_slipped = self.is_slip(fit, look, look.most.1 * look.most.1);
+            return PAUSE;
+        };
         let is_sudden = press.strength >= SUDDEN;
         let mut next = fit.clone();
         let _ = next.presses.push(press);
@@ -246,11 +271,12 @@ impl Detector {
         }
         // What the presses leave unexplained is noise of a kind: of another one it asks for more.
         let gain = next.explained - fit.explained;
+        self.is_slipped = self.is_slip(fit, look, gain);
         let is_more = gain > level * level * next.misfit();
         // What comes slowly may be drift.
-        let clearly = look.smooth.explained + CLEARLY_PRESSED * self.sums.data.noise;
-        let is_press = is_sudden || (self.smooth_pause == 0 && gain > clearly);
-        if is_more && is_press && next.presses.iter().any(Press::is_new) {
+        let clearly = look.known.explained + CLEARLY_PRESSED * self.sums.data.noise;
+        let is_press = is_sudden || (self.known_pause == 0 && gain > clearly);
+        if is_more && is_press && !self.is_slipped && next.presses.iter().any(Press::is_new) {
             fit.clone_from(&next);
             (fit.presses.len() / PRESSES_IN_A_FRAME) as u8
         } else {
@@ -258,11 +284,34 @@ impl Detector {
         }
     }
 
+    /// Whether electrodes that slip, seen by a look at what a fit leaves, account for that, and one press more, which
+    /// explains so much of it, does not, nor do smooth changes.
+    fn is_slip(&self, fit: &Fit<'_>, look: &Look, by_press: f32) -> bool {
+        let left = look.left;
+        // While the reference follows a slip, what is common to all resembles it, and smooth changes what is common.
+        let by_smooth = if self.is_slipped { 0.0 } else { look.known.explained };
+        let left_by_others = left - by_press.max(look.least.1 * look.least.1).max(by_smooth);
+        left_by_others > (OTHERS_LEAVE * left.max(fit.explained)).max(self.loud(fit))
+            && left - look.known.with_slips < SLIP_LEAVES * left + 3.0 * fit.spread()
+    }
+
+    /// What more than noise leaves at least, in units of one frame's variance.
+    fn loud(&self, fit: &Fit<'_>) -> f32 {
+        let deviations = if self.unexplained < UNDECIDED { LOUD } else { HEALED };
+        deviations * fit.spread()
+    }
+
+    /// Whether presses account for most of what noise does not.
+    fn is_explained(&self, fit: &Fit<'_>) -> bool {
+        let left = fit.unexplained();
+        if fit.presses.is_empty() { left <= self.loud(fit) } else { left < fit.explained }
+    }
+
     /// What changed, if these are the presses and this is what they leave.
     fn judge(&self, fit: &Fit<'_>, look: &Look, level: f32) -> Change {
         let noise = self.sums.data.noise;
         let [most, least] = [look.most.1, look.least.1].map(|z| z * z);
-        let smooth = look.smooth.explained;
+        let smooth = look.known.explained;
         let is_clear = |one: f32, other: f32| one > other + CLEARLY * noise;
         let is_loud = |explained: f32| fit.significance(explained) > level;
         if !fit.presses.is_empty() {
@@ -278,7 +327,7 @@ impl Detector {
             }
         } else if is_loud(smooth) && is_clear(smooth, most.max(least)) {
             Change::Smooth
-        } else if is_loud(least) && is_clear(least, smooth.max(most)) {
+        } else if is_loud(least) && 3.0 * least > look.left && is_clear(least, smooth.max(most)) {
             Change::Lifted
         } else if is_loud(most) {
             Change::Pressed
@@ -300,7 +349,7 @@ impl Detector {
             |m: usize, change: f32| reference.scales().get(m).map_or(0, |scale| (change / scale) as i64);
         if self.change == Change::PressedAndSmooth {
             differences.fill(0);
-            self.latest_smooth.add_responses(&patch.places(), |m, change| differences[m] += code(m, change));
+            self.latest_known.add_smooth(&patch.places(), |m, change| differences[m] += code(m, change));
         } else {
             let skin = Skin::of(patch, reference.weights());
             Fit::responses(&skin, &self.presses, |m, change| differences[m] -= code(m, change));
@@ -336,11 +385,6 @@ impl Detector {
         };
         press::gathered(&self.presses, radius).iter().map(contact).collect()
     }
-}
-
-/// Whether presses account for most of what noise does not.
-fn is_explained(fit: &Fit<'_>) -> bool {
-    if fit.presses.is_empty() { !fit.is_noisy() } else { fit.unexplained() < fit.explained }
 }
 
 #[cfg(test)]

@@ -200,18 +200,19 @@ fn nothing_is_found_before_the_noise_is_known() {
     assert_eq!(trial.found(&[(66, 1.0)], 1).len(), 1);
 }
 
-/// A change that grows along one axis of the skin: `[measurement]`.
-fn slope(patch: &PatchView<'_>, size: f64) -> Vec<f64> {
+/// A change that is no press, of this size; the first ones grow along an axis of the skin: `[measurement]`.
+fn known_change(patch: &PatchView<'_>, change: usize, size: f64) -> Vec<f64> {
     let places = patch.places();
-    let response = |m: usize| f64::from(Places::four(places.row(places.count()), m / 4)[m % 4]);
-    let scale = f64::from(-places.row_exponent(places.count())).exp2();
+    let row = places.count() + change;
+    let response = |m: usize| f64::from(Places::four(places.row(row), m / 4)[m % 4]);
+    let scale = f64::from(-places.row_exponent(row)).exp2();
     (0..40).map(|m| size * scale * response(m)).collect()
 }
 
 #[test]
 fn what_changes_slowly_and_smoothly_is_no_contact_and_the_reference_follows_it() {
     let mut trial = Trial::new(1e-4, 20);
-    let slope = slope(&trial.patch(), 1.0);
+    let slope = known_change(&trial.patch(), 0, 1.0);
     for frame in 0..500 {
         trial.frame(&[], |m| slope[m] * f64::from(frame) / 500.0);
         assert!(trial.contacts().is_empty(), "frame {frame}: {:?}", trial.contacts());
@@ -256,6 +257,24 @@ fn what_pressed_in_the_tare_and_is_lifted_is_said_and_mended() {
     assert!(!trial.state.flags().contains(FrameFlags::LIFTED));
     for _ in 0..3 {
         trial.frame(&[(66, 1.0)], |_| 0.0);
+    }
+    let found = trial.contacts();
+    assert!(matches!(found[..], [(66, strength, _)] if (strength - 1.0).abs() < 0.1), "{found:?}");
+}
+
+#[test]
+fn electrodes_that_slip_are_no_contact_and_the_reference_heals() {
+    let mut trial = Trial::new(1e-4, 20);
+    let slips: Vec<_> = (2..6).map(|change| known_change(&trial.patch(), change, 1.0)).collect();
+    let slip = |m: usize| slips.iter().map(|slip| slip[m]).sum();
+    for frame in 0..1500 {
+        trial.frame(&[], slip);
+        assert!(trial.contacts().is_empty(), "frame {frame}: {:?}", trial.contacts());
+        assert!(frame != 30 || trial.state.flags().contains(FrameFlags::UNLIKE_PRESS));
+    }
+    assert_eq!(trial.state.flags(), FrameFlags::default());
+    for _ in 0..3 {
+        trial.frame(&[(66, 1.0)], slip);
     }
     let found = trial.contacts();
     assert!(matches!(found[..], [(66, strength, _)] if (strength - 1.0).abs() < 0.1), "{found:?}");

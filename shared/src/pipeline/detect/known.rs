@@ -1,0 +1,140 @@
+//! Known changes that are no press: smooth ones of the sheet, such as a part of it that warms, and electrodes that slip along
+//! the rim. What they explain of data, beside presses.
+//!
+//! The patch has the responses to them behind those of the places ([`crate::patch::places`]). A press resembles them more or
+//! less; what resembles them clearly more than any press is none.
+
+use super::sums::each;
+use crate::{
+    patch::{
+        matrix::GROUP,
+        places::{DetectionLayout, MAX_KNOWN, MAX_SMOOTH, Places},
+    },
+    pipeline::reference::power_of_two,
+};
+
+/// Entries of a lower triangle, row after row.
+const TRIANGLE: usize = MAX_KNOWN * (MAX_KNOWN + 1) / 2;
+
+/// Where row `i` of a lower triangle begins.
+fn row(i: usize) -> usize {
+    i * (i + 1) / 2
+}
+
+/// Cholesky factor of the normal equations of the known changes, without what they have in common with a change that is
+/// common to all: lower triangle.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Known {
+    factor: [f32; TRIANGLE],
+    /// How many of them are smooth; they come first.
+    smooth: usize,
+}
+
+impl Default for Known {
+    fn default() -> Self {
+        Self { factor: [0.0; TRIANGLE], smooth: 0 }
+    }
+}
+
+impl Known {
+    /// Under inverse variances, `[measurement]`. Changes that cannot be told from others count for nothing.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    pub(super) fn take(
+        &mut self,
+        places: &Places<'_>,
+        layout: &DetectionLayout,
+        weights: &[f32],
+        common: &[f32],
+    ) {
+        let count = places.known().min(MAX_KNOWN);
+        self.smooth = usize::from(layout.smooth);
+        let mut with_common = [0.0; MAX_KNOWN];
+        let mut of_common = 0.0;
+        let matrix = &mut self.factor;
+        matrix.fill(0.0);
+        let mut exponents = places.column_exponents();
+        for (four, (weights, common)) in weights.chunks(GROUP).zip(common.chunks(GROUP)).enumerate() {
+            let mut rows = [[0.0; GROUP]; MAX_KNOWN];
+            for (row, values) in rows[..count].iter_mut().enumerate() {
+                *values = Places::four(places.row(places.count() + row), four);
+            }
+            for (n, (weight, common)) in weights.iter().zip(common).enumerate() {
+                let scale = power_of_two(-i32::from(exponents.next().unwrap_or(0)));
+                of_common += weight * common * common;
+                for i in 0..count {
+                    let weighted = weight * scale * rows[i][n];
+                    // Most measurements do not need a certain electrode.
+                    if weighted == 0.0 {
+                        continue;
+                    }
+                    with_common[i] += weighted * common;
+                    for (entry, other) in matrix[row(i)..=row(i) + i].iter_mut().zip(&rows) {
+                        *entry += weighted * scale * other[n];
+                    }
+                }
+            }
+        }
+        let inverse = if of_common > 0.0 { 1.0 / of_common } else { 0.0 };
+        for i in 0..count {
+            for j in 0..=i {
+                let known: f32 = (0..j).map(|k| matrix[row(i) + k] * matrix[row(j) + k]).sum();
+                let entry = matrix[row(i) + j];
+                let rest = entry - with_common[i] * with_common[j] * inverse - known;
+                let other = matrix[row(j) + j];
+                matrix[row(i) + j] = match (i == j, rest > 1e-4 * entry) {
+                    (true, true) => libm::sqrtf(rest),
+                    (true, false) => 0.0,
+                    (false, _) if other > 0.0 => rest / other,
+                    (false, _) => 0.0,
+                };
+            }
+        }
+    }
+
+    /// What they explain of data, by the data's sums with their rows, `[known change]`, without the rows' exponents.
+    pub(super) fn fit(&self, places: &Places<'_>, sums: impl Iterator<Item = f32>) -> KnownFit {
+        let factor = &self.factor;
+        let mut parts = [0.0; MAX_KNOWN];
+        let mut explained = [0.0; 2];
+        for (i, sum) in sums.take(places.known().min(MAX_KNOWN)).enumerate() {
+            let known: f32 = (0..i).map(|k| factor[row(i) + k] * parts[k]).sum();
+            let own = factor[row(i) + i];
+            parts[i] = if own > 0.0 { (sum - known) / own } else { 0.0 };
+            explained[usize::from(i >= self.smooth)] += parts[i] * parts[i];
+        }
+        let mut sizes = [0.0; MAX_SMOOTH];
+        for i in (0..self.smooth.min(MAX_SMOOTH)).rev() {
+            let known: f32 = (i + 1..self.smooth).map(|k| factor[row(k) + i] * sizes[k]).sum();
+            let own = factor[row(i) + i];
+            sizes[i] = if own > 0.0 { (parts[i] - known) / own } else { 0.0 };
+        }
+        KnownFit { smooth: sizes, explained: explained[0], with_slips: explained[0] + explained[1] }
+    }
+}
+
+/// The known changes that explain data best.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct KnownFit {
+    /// How large each smooth one is, without its row's exponent: `[smooth change]`.
+    smooth: [f32; MAX_SMOOTH],
+    /// How much smooth ones explain, in units of one frame's variance.
+    pub(super) explained: f32,
+    /// The same with electrodes that slip.
+    pub(super) with_slips: f32,
+}
+
+impl KnownFit {
+    /// What the smooth ones add to the data, measurement by measurement.
+    pub(super) fn add_smooth(&self, places: &Places<'_>, add: impl FnMut(usize, f32)) {
+        let four = |at| {
+            let mut sum = [0.0; GROUP];
+            for (row, size) in self.smooth[..places.known().min(MAX_SMOOTH)].iter().enumerate() {
+                let responses = Places::four(places.row(places.count() + row), at);
+                sum.iter_mut().zip(responses).for_each(|(sum, response)| *sum += size * response);
+            }
+            sum
+        };
+        each(places, four, add);
+    }
+}
