@@ -216,7 +216,7 @@ fn errors_of_patches() {
     let mut damaged = good.clone();
     damaged[good.len() / 2] ^= 1;
     let mut newer = good.clone();
-    newer[4] = 9;
+    newer[4] = 99;
     desk.write("truncated", &good[..good.len() / 2]);
     desk.write("long", [&good[..], b"more"].concat());
     desk.write("damaged", damaged);

@@ -10,8 +10,12 @@ use heapless::Vec;
 
 /// Most tracks: those that touch, and as many that wait.
 pub const MAX_TRACKS: usize = 2 * MAX_CONTACTS;
-/// How much of a velocity's error is put right with each frame.
-const VELOCITY_GAIN: f32 = 0.3;
+/// A velocity is that of about this time, s; of all frames as long as a track is younger.
+const VELOCITY_TIME: f32 = 0.06;
+/// Fastest that a contact may move off where it is expected, m/s: fingers swipe with 1.5 m/s and more.
+const FASTEST: f32 = 1.75;
+/// Frames that are farther apart than this do not let it move any farther, s.
+const LONGEST: f32 = 0.03;
 
 /// One contact through time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +26,8 @@ pub struct Track {
     pub contact: Contact,
     /// Velocity, m/s.
     pub velocity: [f32; 3],
+    /// Frames in which it was seen.
+    pub frames: u32,
     /// When it began, us.
     pub since_us: u64,
     /// When it was last seen, us.
@@ -31,7 +37,7 @@ pub struct Track {
 /// Gives contacts their numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tracker {
-    /// Farthest that a contact may lie from where it is expected, m.
+    /// How far a contact may lie from where it is expected, m; farther where frames are rare.
     pub reach: f32,
     /// How long a track waits for its contact, us.
     pub timeout_us: u64,
@@ -72,13 +78,15 @@ impl Tracker {
     /// The closest pair of a waiting track and a free contact: their places in the lists.
     fn closest(&self, now_us: u64, waiting: &[usize], free: &[Contact]) -> Option<(usize, usize)> {
         let mut closest = None;
-        let mut least = self.reach * self.reach;
+        let mut least = f32::INFINITY;
         for (place, &track) in waiting.iter().enumerate() {
-            let Some(expected) = self.tracks.get(track).map(|track| track.expected(now_us)) else { continue };
+            let Some(track) = self.tracks.get(track) else { continue };
+            let expected = track.expected(now_us);
+            let reach = self.reach.max(FASTEST * track.unseen(now_us).min(LONGEST));
             for (index, contact) in free.iter().enumerate() {
                 let apart = contact.position.iter().zip(expected).map(|(there, here)| there - here);
                 let square = apart.map(|way| way * way).sum::<f32>();
-                if square <= least {
+                if square <= reach * reach && square < least {
                     (least, closest) = (square, Some((place, index)));
                 }
             }
@@ -87,8 +95,14 @@ impl Tracker {
     }
 
     fn begin(&mut self, now_us: u64, contact: Contact) {
-        let track =
-            Track { id: self.next_id, contact, velocity: [0.0; 3], since_us: now_us, seen_us: now_us };
+        let track = Track {
+            id: self.next_id,
+            contact,
+            velocity: [0.0; 3],
+            frames: 1,
+            since_us: now_us,
+            seen_us: now_us,
+        };
         if self.tracks.is_full() {
             // Of those that wait, the one that has done so longest.
             let Some(longest) = (0..self.tracks.len()).min_by_key(|&index| self.tracks[index].seen_us) else {
@@ -104,18 +118,25 @@ impl Tracker {
 impl Track {
     /// Where the contact should be by now, m.
     fn expected(&self, now_us: u64) -> [f32; 3] {
-        let seconds = now_us.saturating_sub(self.seen_us) as f32 * 1e-6;
+        let seconds = self.unseen(now_us);
         [0, 1, 2].map(|axis| self.contact.position[axis] + self.velocity[axis] * seconds)
     }
 
+    /// Time since it was seen, s.
+    fn unseen(&self, now_us: u64) -> f32 {
+        now_us.saturating_sub(self.seen_us) as f32 * 1e-6
+    }
+
     fn follow(&mut self, now_us: u64, contact: Contact) {
-        let seconds = now_us.saturating_sub(self.seen_us) as f32 * 1e-6;
+        let seconds = self.unseen(now_us);
         let expected = self.expected(now_us);
         if seconds > 0.0 {
+            let gain = (seconds / VELOCITY_TIME).max(1.0 / self.frames as f32).min(1.0);
             for (axis, velocity) in self.velocity.iter_mut().enumerate() {
-                *velocity += VELOCITY_GAIN * (contact.position[axis] - expected[axis]) / seconds;
+                *velocity += gain * (contact.position[axis] - expected[axis]) / seconds;
             }
         }
+        self.frames = self.frames.saturating_add(1);
         (self.contact, self.seen_us) = (contact, now_us);
     }
 }
@@ -198,6 +219,40 @@ mod tests {
         tracker.update(FRAME_US, &[at(0.05, 0.0)]);
         assert_eq!(ids(&tracker, FRAME_US, &[at(0.05, 0.0)]), [2]);
         assert_eq!(tracker.touching(FRAME_US).count(), 1);
+    }
+
+    #[test]
+    fn a_fast_swipe_is_one_finger_at_any_rate() {
+        for (frame_us, speed) in [(20_000, 1.5), (2_500, 3.0), (2_500, 0.3), (100_000, 0.2)] {
+            let mut tracker = Tracker::new(0.025, 300_000);
+            let step = speed * frame_us as f32 * 1e-6;
+            for frame in 0..8_u16 {
+                tracker.update(u64::from(frame) * frame_us, &[at(step * f32::from(frame), 0.0)]);
+            }
+            assert_eq!(tracker.tracks.len(), 1, "{speed} m/s, {frame_us} us");
+        }
+    }
+
+    #[test]
+    fn fingers_that_were_one_contact_where_they_passed_keep_their_numbers() {
+        for frame_us in [2_500, 20_000] {
+            let mut tracker = Tracker::new(0.025, 300_000);
+            let mut seen = Vec::new();
+            for frame in 0..(400_000 / frame_us) {
+                let now = frame * frame_us;
+                let x = -0.05 + 0.25 * now as f32 * 1e-6;
+                // 1 mm of jitter, and no telling them apart below 30 mm.
+                let jitter = if frame % 2 == 0 { 5e-4 } else { -5e-4 };
+                let contacts = if x.abs() < 0.0125 {
+                    std::vec![at(jitter, jitter)]
+                } else {
+                    std::vec![at(x + jitter, 0.008 - jitter), at(-x - jitter, -0.008)]
+                };
+                tracker.update(now, &contacts);
+                seen = ids(&tracker, now, &contacts);
+            }
+            assert_eq!(seen, [1, 2], "{frame_us} us");
+        }
     }
 
     #[test]
