@@ -203,12 +203,18 @@ fn a_finger_under_the_tare_is_forgotten_in_a_second_once_it_lifts() {
 
 #[test]
 fn a_skin_that_is_stretched_or_whose_electrodes_slip_has_no_contact_and_hides_none() {
-    let figures = figures(&bench("square-210mm"), "upset", &options(&[60.0], 100));
-    for upset in ["stretched by 0.5 %", "stretched by 2 %", "electrodes slipped by 1 mm"] {
-        let of = |what: &str| found(&figures, &format!("{upset}: {what}"), 60.0);
-        assert_eq!(of("frames with a contact"), 0.0, "{upset}");
-        assert_eq!(of("press seen 30 s later"), 100.0, "{upset}");
-        assert!(upset.starts_with("stretched") || of("frames flagged") > 10.0, "{upset}");
+    let stretches = ["stretched by 0.5 %", "stretched by 2 %"];
+    let slip = "electrodes slipped by 1 mm";
+    // One slip in some makes a contact on the disc before it is mended.
+    let square = [&stretches[..], &[slip]].concat();
+    for (name, presses, upsets) in [("disc-210mm", 1, &stretches[..]), ("square-210mm", 100, &square)] {
+        let figures = figures(&bench(name), "upset", &options(&[60.0], presses));
+        for upset in upsets {
+            let of = |what: &str| found(&figures, &format!("{upset}: {what}"), 60.0);
+            assert_eq!(of("frames with a contact"), 0.0, "{name}, {upset}");
+            assert_eq!(of("press seen 30 s later"), 100.0, "{name}, {upset}");
+            assert!(*upset != slip || of("frames flagged") > 10.0, "{name}, {upset}");
+        }
     }
 }
 

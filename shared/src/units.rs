@@ -59,6 +59,12 @@ mod tests {
         for value in [-3.0, -1e-6, 0.0, 2e-7, 0.25, 17.123_456] {
             let back = RelativeConductivity::from_f64(value).to_f64();
             assert!((back - value).abs() <= 0.5 / RelativeConductivity::ONE, "{value} -> {back}");
+            let single = value as f32;
+            assert_eq!(
+                RelativeConductivity::from_f32(single),
+                RelativeConductivity::from_f64(single.into()),
+                "{single}"
+            );
         }
     }
 

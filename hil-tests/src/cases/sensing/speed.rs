@@ -116,16 +116,15 @@ fn measure(rig: &Rig, speed: &Speed) -> Result<String, Failure> {
     session.world.press(&[PRESS]);
     let mut stream = link.subscribe(Selection { images: speed.images, ..CONTACTS })?;
     let first = stamps(&mut stream, 40)?;
-    let before = session.board.with(|machine| (machine.now(), machine.slept()));
+    let before = clocks(&session);
     session.board.with(|machine| machine.chip(|chip| drop(chip.trace.take())));
     let later = stamps(&mut stream, 200)?;
-    let after = session.board.with(|machine| (machine.now(), machine.slept()));
+    let load = load_since(&session, before);
     ensure_complete(&mut stream)?;
     let (start, end) = (first[first.len() - 1], later[later.len() - 1]);
     let frames = end.sequence - start.sequence;
     let rate = f64::from(frames) / ((end.timestamp_us - start.timestamp_us) as f64 * 1e-6);
     ensure(rate >= speed.least, || format!("{rate:.1} frames a second"))?;
-    let load = 1.0 - after.1.since(before.1).seconds() / after.0.since(before.0).seconds();
     ensure(load <= speed.most_load, || format!("the CPU works {:.0} % of the time", 100.0 * load))?;
     let of_one = latency(&session, stream.link())?;
     session.world.press(&THREE);
@@ -163,17 +162,27 @@ fn check_vitals(session: &Session, link: &mut Link, images: u16) -> Result<(), F
     for _ in 0..2 {
         next()?;
     }
-    let before = session.board.with(|machine| (machine.now(), machine.slept()));
+    let before = clocks(session);
     let mut said = 0.0;
     for _ in 0..LOADS {
         said += f64::from(next()?.load) / f64::from(LOADS);
     }
-    let after = session.board.with(|machine| (machine.now(), machine.slept()));
+    let load = load_since(session, before);
     stream.stop()?;
-    let load = 1.0 - after.1.since(before.1).seconds() / after.0.since(before.0).seconds();
     ensure((said - load).abs() <= LOAD_ERROR, || {
         format!("the board says a load of {:.1} %, it is {:.1} %", 100.0 * said, 100.0 * load)
     })
+}
+
+/// The board's time, and how long its CPU has slept.
+fn clocks(session: &Session) -> [Time; 2] {
+    session.board.with(|machine| [machine.now(), machine.slept()])
+}
+
+/// Share of the time since then in which the CPU worked.
+fn load_since(session: &Session, before: [Time; 2]) -> f64 {
+    let [now, slept] = clocks(session);
+    1.0 - slept.since(before[1]).seconds() / now.since(before[0]).seconds()
 }
 
 /// Longest time from the last sample of a frame to the first byte of its contacts on the line.
