@@ -200,9 +200,9 @@ pub(super) enum PixelCount {
 #[serde(rename_all = "lowercase")]
 pub enum FoundIn {
     /// The image, from the threshold on.
-    #[default]
     Image,
     /// The voltages, where they stand out from the noise that the board measures.
+    #[default]
     Voltages,
 }
 
