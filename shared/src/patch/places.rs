@@ -42,6 +42,12 @@ pub struct DetectionLayout {
 }
 
 impl DetectionLayout {
+    /// Bytes that it takes in a patch of so many measurements.
+    #[must_use]
+    pub fn bytes(&self, measurements: u16) -> usize {
+        self.sizes(measurements).iter().sum()
+    }
+
     /// Bytes of places, exponents of the columns and of the rows, and mantissas.
     pub(super) fn sizes(&self, measurements: u16) -> [usize; 4] {
         let (places, columns) = (usize::from(self.places), usize::from(measurements));

@@ -8,7 +8,7 @@ use dermatome_patch::{
     layout::Layout,
     output::{check_folder, write_whole},
 };
-use dermatome_shared::{protocol::PatchInfo, reference::DEFAULT_TARE_FRAMES};
+use dermatome_shared::{patch::PatchView, protocol::PatchInfo, reference::DEFAULT_TARE_FRAMES};
 use dermatome_simulate::{
     SimulatedSkin,
     board::{BoardOptions, SimulatedBoard},
@@ -56,12 +56,11 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     check_folder(&args.png)?;
     let noise = args.noise.noise();
-    let mut skin = Skin::parse(Path::new(demo::SKIN_PATH), demo::SKIN)?.made()?;
-    // Every image is compared with one in f64 against the reference as it was averaged.
-    skin.drift_time = Some(0.0);
+    let skin = Skin::parse(Path::new(demo::SKIN_PATH), demo::SKIN)?.made()?;
     let spinner = progress::spinner();
     let model = Model::build(&skin, |stage| spinner.set_message(stage))?;
     let patch = quantize::patch(&skin, &model)?;
+    let fixed_point = quantize::fixed_point_error(&model, &PatchView::validate(&patch)?, quantize::TRIALS)?;
     spinner.finish_and_clear();
     say!("built the patch of {}: {} elements, {} bytes", skin.name, model.mesh.elements.len(), patch.len());
 
@@ -80,9 +79,15 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     tare_with_spinner(&mut link, &used, DEFAULT_TARE_FRAMES)?;
     say!("flashed it and averaged {DEFAULT_TARE_FRAMES} frames of the untouched skin; now watch the fingers");
 
-    let reference = demo::reference(&mut link)?;
     let layout = &Layout::from(&model.surface()?);
-    let scorer = Scorer { skin: &skin, outline, model: &model, layout, script: &script, reference };
+    let scorer = Scorer {
+        skin: &skin,
+        outline,
+        model: &model,
+        layout,
+        script: &script,
+        fixed_point_error_percent: fixed_point.measured_percent,
+    };
     let watched = show(&mut link, &scorer)?;
     let report = Report {
         skin: skin.name.clone(),

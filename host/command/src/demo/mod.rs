@@ -8,7 +8,7 @@ mod watch;
 pub(crate) use path::{FRAMES, script};
 pub(crate) use picture::picture;
 pub(crate) use score::{Figures, FrameRecord, Scorer};
-pub(crate) use watch::{Watched, reference, watch};
+pub(crate) use watch::{Watched, watch};
 
 /// The skin the demo uses; built in, so that the command works from any folder.
 pub(crate) const SKIN: &str = include_str!("../../../../models/disc-210mm/skin.toml");

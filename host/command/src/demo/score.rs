@@ -1,23 +1,18 @@
-//! Scores what came over the link against what the fingers really did, and against f64.
+//! Scores what came over the link against what the fingers really did.
 
 use dermatome_geometry::outline::Outline;
 use dermatome_model::{
-    jacobian::step_counts,
     metrics::{ImageFigures, image_figures, mean_and_max, position_error},
     model::Model,
     skin::Skin,
 };
 use dermatome_patch::layout::Layout;
-use dermatome_shared::{
-    contact::Contacts,
-    protocol::FrameStamp,
-    units::{AdcCode, RelativeConductivity},
-};
+use dermatome_shared::{contact::Contacts, protocol::FrameStamp, units::RelativeConductivity};
 use dermatome_simulate::{Press, Script};
 use nalgebra::Point2;
 use serde::Serialize;
 
-/// Knows the truth of a demo and the exact arithmetic.
+/// Knows the truth of a demo.
 pub(crate) struct Scorer<'a> {
     /// The skin.
     pub skin: &'a Skin,
@@ -29,8 +24,8 @@ pub(crate) struct Scorer<'a> {
     pub layout: &'a Layout,
     /// What the fingers do.
     pub script: &'a Script,
-    /// The board's reference: mean code of each measurement, summed over its steps: `[measurement]`.
-    pub reference: Vec<f64>,
+    /// Largest deviation of the patch's images from f64, per cent of the peak.
+    pub fixed_point_error_percent: f64,
 }
 
 /// One frame as it arrived, and what it is worth.
@@ -48,12 +43,10 @@ pub(crate) struct FrameRecord {
     pub contacts: Contacts,
     /// Resolution and ringing.
     pub figures: Option<ImageFigures>,
-    /// Largest deviation from the f64 image, per cent of that image's peak.
-    pub fixed_point_error_percent: f64,
 }
 
 impl Scorer<'_> {
-    /// Scores one frame, the first streamed one being `first_sequence`. `codes` is `[step]`.
+    /// Scores one frame, the first streamed one being `first_sequence`.
     #[must_use]
     pub(crate) fn record(
         &self,
@@ -61,14 +54,10 @@ impl Scorer<'_> {
         first_sequence: u32,
         image: Vec<f64>,
         contacts: Contacts,
-        codes: &[AdcCode],
     ) -> FrameRecord {
         let index = at.sequence.wrapping_sub(first_sequence);
         let presses = self.script.presses(f64::from(index) / self.skin.drive.frame_rate);
         let fixed: Vec<_> = image.iter().map(|&value| RelativeConductivity::from_f64(value)).collect();
-        let exact = self.exact_image(codes);
-        let peak = exact.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
-        let worst = image.iter().zip(exact.iter()).fold(0.0, |max: f64, (a, b)| max.max((a - b).abs()));
         FrameRecord {
             index,
             at,
@@ -76,26 +65,7 @@ impl Scorer<'_> {
             figures: image_figures(&fixed, RelativeConductivity::from_f64(self.skin.contact_threshold)),
             image,
             contacts,
-            fixed_point_error_percent: 100.0 * worst / peak,
         }
-    }
-
-    /// The image of these codes in f64.
-    fn exact_image(&self, codes: &[AdcCode]) -> Vec<f64> {
-        let counts = step_counts(&self.model.combination);
-        // Every step of a measurement stands for its mean, so that averaging gives it back.
-        let reference: Vec<f64> = self
-            .model
-            .combination
-            .iter()
-            .map(|target| {
-                let measurement = usize::from(target.measurement);
-                let mean = self.reference[measurement] / counts[measurement];
-                if target.flipped { -mean } else { mean }
-            })
-            .collect();
-        let change: Vec<f64> = codes.iter().zip(&reference).map(|(code, r)| f64::from(code.0) - r).collect();
-        self.model.image(&change, &reference)
     }
 
     /// Sums up a whole demo.
@@ -121,9 +91,7 @@ impl Scorer<'_> {
             two_press_frames_with_two_contacts: frames_with_right_count(records, 2),
             resolution_mean: of_figures(|figures| figures.resolution),
             ringing_mean: of_figures(|figures| figures.ringing),
-            fixed_point_error_percent: Max {
-                max: records.iter().fold(0.0, |max, record| max.max(record.fixed_point_error_percent)),
-            },
+            fixed_point_error_percent: Max { max: self.fixed_point_error_percent },
         }
     }
 
@@ -209,6 +177,6 @@ pub(crate) struct Figures {
     pub resolution_mean: Option<f64>,
     /// Ringing RNG (thesis equation 3.5), the same.
     pub ringing_mean: Option<f64>,
-    /// Fixed-point image against f64, per cent of the image's peak.
+    /// Fixed-point images of random presses against f64, per cent of the image's peak.
     pub fixed_point_error_percent: Max,
 }

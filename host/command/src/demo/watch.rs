@@ -1,8 +1,8 @@
 //! Watches a board's stream and scores its frames.
 
 use super::{FRAMES, FrameRecord, Scorer};
-use dermatome_link::{Link, LinkError, LinkErrorKind, ScanFrame};
-use dermatome_shared::protocol::{Reply, Request, Selection};
+use dermatome_link::{Link, LinkError, ScanFrame};
+use dermatome_shared::protocol::Selection;
 use std::time::{Duration, Instant};
 
 /// A board that is silent for so long has a fault.
@@ -28,17 +28,6 @@ impl Watched {
     }
 }
 
-/// Mean codes of the untouched skin as the board has them, summed over the steps of each
-/// measurement: `[measurement]`.
-pub(crate) fn reference(link: &mut Link) -> Result<Vec<f64>, LinkError> {
-    match link.request(&Request::Reference)? {
-        Reply::Reference { frames, sums } => {
-            Ok(sums.iter().map(|&sum| sum as f64 / f64::from(frames)).collect())
-        }
-        _ => Err(link.error(LinkErrorKind::WrongReply { request: "Reference" })),
-    }
-}
-
 /// Streams until the demo's last frame has come, or `go_on` says no; `show` sees each complete frame.
 pub(crate) fn watch(
     link: &mut Link,
@@ -46,7 +35,7 @@ pub(crate) fn watch(
     mut show: impl FnMut(&FrameRecord),
     go_on: impl Fn() -> bool,
 ) -> Result<Watched, LinkError> {
-    let selection = Selection { images: 1, contacts: 1, measurements: 1, ..Selection::default() };
+    let selection = Selection { images: 1, contacts: 1, ..Selection::default() };
     let mut stream = link.subscribe(selection)?;
     let first_sequence = stream.first_sequence();
     let mut watched = Watched::default();
@@ -72,6 +61,5 @@ pub(crate) fn watch(
 /// A frame of which everything has come.
 fn record(frame: ScanFrame, first_sequence: u32, scorer: &Scorer<'_>) -> Option<FrameRecord> {
     let (at, contacts, image) = (frame.at?, frame.contacts?, frame.image?);
-    let codes = frame.measurements?.codes;
-    Some(scorer.record(at, first_sequence, image.values().collect(), contacts, &codes))
+    Some(scorer.record(at, first_sequence, image.values().collect(), contacts))
 }

@@ -1,9 +1,10 @@
 //! Scenes: random contacts on a true skin, counted and placed through two models of it, the surface's own
 //! and the flattened one of the thesis (section 5.3.3.2).
 //!
-//! Each scene is one forward solution on the true skin's mesh, scanned with noise into codes ([`dermatome_simulate::rig`]), which go through
-//! the board's own code with either patch. What the flattened model finds lies in its plane, and is laid back onto
-//! the true skin from above. The same codes are also resolved on the host ([`dermatome_model::multi_contact`]), which sees no image.
+//! Each scene is one forward solution on the true skin's mesh, scanned with noise into the codes of some frames
+//! ([`dermatome_simulate::rig`]), which go through the board's own code with either patch. What the flattened model finds lies
+//! in its plane, and is laid back onto the true skin from above. The codes of the first frame are also resolved on the host
+//! ([`dermatome_model::multi_contact`]), which sees no image.
 
 use dermatome_geometry::mesh::{neighbours::boundary_edges, triangle};
 use dermatome_model::{
@@ -14,7 +15,7 @@ use dermatome_model::{
 use dermatome_shared::{contact::Contact, frame::Frame};
 use dermatome_simulate::{
     Noise, Press, Rig, TrueSkin,
-    rig::{Observer, RigError},
+    rig::{Observer, RigError, SETTLED},
 };
 use nalgebra::Point3;
 use rand::{Rng, SeedableRng};
@@ -106,9 +107,9 @@ pub fn play(skin: &Skin, true_skin: &Skin, options: &Options) -> Result<Vec<Scen
             rig.solve(&rig.truth().conductivity(&presses))
         })
         .collect();
-    let frames: Vec<Frame> = phasors.iter().map(|phasors| rig.scan(phasors)).collect();
+    let frames: Vec<_> = phasors.iter().map(|phasors| rig.scans(phasors, SETTLED)).collect();
     let scenes = places.into_par_iter().zip(&frames);
-    Ok(scenes.map(|(truth, frame)| observers.see(truth, frame, rig.truth())).collect())
+    Ok(scenes.map(|(truth, frames)| observers.see(truth, frames, rig.truth())).collect())
 }
 
 /// Both boards, and the host.
@@ -130,12 +131,12 @@ impl Observers {
         self.flattened.tare(frames);
     }
 
-    fn see(&self, truth: Vec<Point3<f64>>, frame: &Frame, true_skin: &TrueSkin) -> Scene {
-        let flattened = self.flattened.glance(frame);
-        let fingers = self.fit.contacts(&self.surface.difference(frame));
+    fn see(&self, truth: Vec<Point3<f64>>, frames: &[Frame], true_skin: &TrueSkin) -> Scene {
+        let flattened = self.flattened.glance(frames);
+        let fingers = self.fit.contacts(&self.surface.difference(&frames[0]));
         Scene {
             truth,
-            surface: self.surface.glance(frame).contacts().iter().map(place).collect(),
+            surface: self.surface.glance(frames).contacts().iter().map(place).collect(),
             flattened: flattened.contacts().iter().map(|c| true_skin.lay(c.from_above())).collect(),
             resolved: fingers.iter().map(|finger| finger.position).collect(),
         }

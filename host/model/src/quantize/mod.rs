@@ -30,6 +30,7 @@ use dermatome_shared::{
 use faer::{Col, ColRef, Mat};
 use interpolation::{Interpolated, Occurring};
 use rand::{Rng, SeedableRng};
+use responses::FEWEST_PLACES;
 use serde::Serialize;
 
 /// Rounds a matrix `[pixel][measurement]` as its pixels are interpolated, each row with the finest exponent that fits.
@@ -111,6 +112,9 @@ pub const TRIALS: usize = 1000;
 /// Presses whose images a patch is sure to keep.
 const MOST_PRESSES: usize = 1024;
 
+/// Bytes that places leave for a calibration, and for what they add to the header.
+const ROOM_OF_CALIBRATION: usize = 256;
+
 /// Why a model does not make a patch.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PatchBuildError {
@@ -132,6 +136,15 @@ pub enum PatchBuildError {
     TooLong {
         /// Length it would have.
         bytes: usize,
+    },
+    /// Too few places fit beside the matrix.
+    #[error(
+        "beside the matrix there is room for {places} places to look for presses at; allowed: {FEWEST_PLACES} or more: use fewer \
+         `image.columns` or `image.pixels`, `drive.reciprocal` = \"combined\" if it is not, or `contact.found_in` = \"image\""
+    )]
+    FewPlaces {
+        /// How many fit.
+        places: usize,
     },
     /// The matrix does not fit fixed point.
     #[error(
@@ -168,36 +181,40 @@ pub fn patch_with(skin: &Skin, model: &Model, stored: &Stored) -> Result<Vec<u8>
     let data = Occurring { presses: presses_of(model), noise: model.relative_noise() };
     let matrix = &model.conductivity_from_difference;
     let interpolated = Interpolated::new(matrix, &model.pixels.centres, &data);
-    let places = match skin.contacts_found_in {
-        FoundIn::Image => FixedPlaces::default(),
-        FoundIn::Voltages => responses::places(skin, model)?,
-    };
-    write(skin, model, stored, surface, &interpolated, places)
+    let mut contents = contents(skin, model, surface, &interpolated)?;
+    if skin.contacts_found_in == FoundIn::Voltages {
+        let without_places = written(&contents, stored)?.len();
+        let room = MAX_PATCH_BYTES.saturating_sub(without_places + ROOM_OF_CALIBRATION);
+        contents.places = responses::places(skin, model, room)?;
+    }
+    written(&contents, stored)
 }
 
 /// The patch of a model whose matrix was learnt from data that the model does not know of: nothing is interpolated.
 pub fn learnt_patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
     let surface = check_limits(model)?;
     let stored = Stored::curve(skin.calibration.clone());
-    write(skin, model, &stored, surface, &Interpolated::none(model.pixels.count()), FixedPlaces::default())
+    written(&contents(skin, model, surface, &Interpolated::none(model.pixels.count()))?, &stored)
 }
 
-fn write(
+/// All of a patch but its places.
+fn contents(
     skin: &Skin,
     model: &Model,
-    stored: &Stored,
     surface: SurfaceTables,
     interpolated: &Interpolated,
-    places: FixedPlaces,
-) -> Result<Vec<u8>, PatchBuildError> {
-    let contents = Contents {
+) -> Result<Contents, PatchBuildError> {
+    Ok(Contents {
         header: header(skin, model, &surface),
         steps: model.steps.clone(),
         combination: model.combination.clone(),
         surface,
         matrix: fixed_point(&model.conductivity_from_difference, column_exponents(model), interpolated)?,
-        places,
-    };
+        places: FixedPlaces::default(),
+    })
+}
+
+fn written(contents: &Contents, stored: &Stored) -> Result<Vec<u8>, PatchBuildError> {
     contents.write(stored).map_err(|error| match error {
         PatchError::Range { field: "length", value: bytes, .. } => PatchBuildError::TooLong { bytes },
         error => PatchBuildError::Invalid(error),

@@ -18,11 +18,29 @@ fn radius(model: &Model) -> f64 {
     RADIUS * model.pixels.larger_side()
 }
 
-/// Places and responses in fixed point; none where a skin has too few pixels.
-pub(super) fn places(skin: &Skin, model: &Model) -> Result<FixedPlaces, PatchBuildError> {
+/// Fewest places that presses are found at.
+pub(super) const FEWEST_PLACES: usize = 64;
+
+/// Places and responses in fixed point, no more than there is room for, bytes; none where a skin has too few pixels.
+pub(super) fn places(skin: &Skin, model: &Model, room: usize) -> Result<FixedPlaces, PatchBuildError> {
     let responses = responses(model);
     let noise = model.relative_noise();
-    let chosen = choose(&responses, &noise);
+    let smooth = smooth_responses(model);
+    let slips = slip_responses(model);
+    let layout = |places: usize| DetectionLayout {
+        places: places as u16,
+        smooth: smooth.ncols() as u8,
+        slips: slips.ncols() as u8,
+        radius: radius(model) as f32,
+        averaging: skin.averaging as f32,
+        level: level(skin.false_alarms / (3600.0 * skin.drive.frame_rate * places as f64)) as f32,
+    };
+    let measurements = noise.len() as u16;
+    let most = (0..=MAX_PLACES).rfind(|&places| layout(places).bytes(measurements) <= room).unwrap_or(0);
+    if most < FEWEST_PLACES.min(model.pixels.count()) {
+        return Err(PatchBuildError::FewPlaces { places: most });
+    }
+    let chosen = choose(&responses, &noise, most);
     if chosen.len() <= PLACE_NEIGHBOURS {
         return Ok(FixedPlaces::default());
     }
@@ -34,18 +52,10 @@ pub(super) fn places(skin: &Skin, model: &Model) -> Result<FixedPlaces, PatchBui
     // So that the responses in units of the noise are alike in size, and so are the data that they meet.
     let column_exponents = exponents_of(noise.iter().map(|noise| -noise.abs().log2()));
     let rows = chosen.iter().map(|&pixel| responses.col(pixel));
-    let smooth = smooth_responses(model);
-    let slips = slip_responses(model);
     let (row_exponents, mantissas) =
         rounded_rows(rows.chain(smooth.col_iter()).chain(slips.col_iter()), &column_exponents)?;
-    let radius = radius(model) as f32;
     let places: Vec<_> = (0..chosen.len()).map(place).collect();
-    let looks_an_hour = 3600.0 * skin.drive.frame_rate * places.len() as f64;
-    let level = level(skin.false_alarms / looks_an_hour) as f32;
-    let averaging = skin.averaging as f32;
-    let [smooth, slips] = [&smooth, &slips].map(|responses| responses.ncols() as u8);
-    let layout = DetectionLayout { places: 0, level, radius, smooth, slips, averaging };
-    Ok(FixedPlaces::new(layout, places, column_exponents, row_exponents, &mantissas))
+    Ok(FixedPlaces::new(layout(places.len()), places, column_exponents, row_exponents, &mantissas))
 }
 
 /// Standard deviations that normal noise passes with this probability.
@@ -100,8 +110,8 @@ fn slip_responses(model: &Model) -> Mat<f64> {
     model.movement.as_ref().map_or(Mat::new(), |movement| divided(model, movement.clone()))
 }
 
-/// Pixels whose responses are told apart best against this noise, `[measurement]`.
-fn choose(responses: &Mat<f64>, noise: &[f64]) -> Vec<usize> {
+/// At most so many pixels whose responses are told apart best against this noise, `[measurement]`.
+fn choose(responses: &Mat<f64>, noise: &[f64], most: usize) -> Vec<usize> {
     let whitened =
         Mat::from_fn(responses.nrows(), responses.ncols(), |m, press| responses[(m, press)] / noise[m].abs());
     let sizes: Vec<f64> = whitened.col_iter().map(|column| column.norm_l2()).collect();
@@ -110,7 +120,7 @@ fn choose(responses: &Mat<f64>, noise: &[f64]) -> Vec<usize> {
     // How much of each press the places explain.
     let mut explained = vec![0.0_f64; count];
     let mut chosen = Vec::new();
-    while chosen.len() < MAX_PLACES.min(count) && sizes[next] > 0.0 {
+    while chosen.len() < most.min(count) && sizes[next] > 0.0 {
         chosen.push(next);
         explained[next] = f64::INFINITY;
         let alike = whitened.transpose() * whitened.col(next);

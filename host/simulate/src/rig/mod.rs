@@ -13,7 +13,7 @@ mod place;
 mod scanner;
 
 pub use ideal::{IdealRig, Measured};
-pub use observer::Observer;
+pub use observer::{Observer, SETTLED};
 pub use place::PlaceRig;
 pub use scanner::Scanner;
 

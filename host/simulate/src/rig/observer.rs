@@ -14,6 +14,9 @@ use dermatome_shared::{
     units::RelativeConductivity,
 };
 
+/// Frames after which a board has found all of up to three fingers: in each it looks for one more at most.
+pub const SETTLED: u16 = 6;
+
 /// A board with the patch of one model. All it says is computed by the board's own code ([`pipeline`]): reference,
 /// difference, reconstruction and contacts.
 #[derive(Clone, Debug)]
@@ -76,11 +79,14 @@ impl Observer {
         &self.state
     }
 
-    /// What the board would make of a frame if it came next.
+    /// What the board would make of the last of some frames if they came next.
     #[must_use]
-    pub fn glance(&self, frame: &Frame) -> PipelineState {
+    pub fn glance(&self, frames: &[Frame]) -> PipelineState {
         let mut state = self.state.clone();
-        pipeline::process(&self.patch(), &mut state, frame);
+        let patch = self.patch();
+        frames.iter().for_each(|frame| {
+            pipeline::process(&patch, &mut state, frame);
+        });
         state
     }
 

@@ -19,7 +19,7 @@ fn a_press_is_one_contact_to_an_observer_that_was_tared() {
     observer.tare(&rig.tare(&untouched));
     let frame = rig.press(&[Press::finger([0.006, -0.004], 0.006, 1.0)]);
     assert_eq!(frame.sequence, u32::from(DEFAULT_TARE_FRAMES));
-    let glance = observer.glance(&frame).contacts().to_vec();
+    let glance = observer.glance(std::slice::from_ref(&frame)).contacts().to_vec();
     let [contact] = &glance[..] else { panic!("{glance:?}") };
     let [x, y] = contact.from_above();
     assert!((x - 0.006).hypot(y + 0.004) < 0.003, "{x} {y}");

@@ -12,7 +12,11 @@ use crate::{
 use dermatome_model::skin::{Skin, electrodes_in_plane};
 use dermatome_patch::layout::Layout;
 use dermatome_shared::{contact::Contact, pipeline::PipelineState};
-use dermatome_simulate::{Footprint, Load, Noise, Press, Rig, Sheet, material::Material, rig::Observer};
+use dermatome_simulate::{
+    Footprint, Load, Noise, Press, Rig, Sheet,
+    material::Material,
+    rig::{Observer, SETTLED},
+};
 use dermatome_view::sheet::{Panel, Sheet as Images, reconstruction_sheet};
 use nalgebra::Point3;
 
@@ -86,14 +90,14 @@ impl TouchRig {
         self.observers.iter_mut().for_each(|(_, observer)| observer.tare(&frames));
         let pressed = sheet.respond(&self.rig.truth().pressure(&presses), HOLD);
         let phasors = self.rig.solve(&pressed);
-        let frame = self.rig.scan(&phasors);
+        let frames = self.rig.scans(&phasors, SETTLED);
         let truth: Vec<_> = presses.iter().map(|press| self.rig.truth().lay(press.position)).collect();
         let tilts = places.iter().map(|[_, down]| finger.area() / down.to_radians().cos());
         Touch {
             name: name.to_owned(),
             area: tilts.sum::<f64>() / places.len() as f64,
             truth,
-            seen: self.observers.iter().map(|(_, observer)| self.see(&observer.glance(&frame))).collect(),
+            seen: self.observers.iter().map(|(_, observer)| self.see(&observer.glance(&frames))).collect(),
         }
     }
 
