@@ -276,7 +276,7 @@ fn drive_drift_time_and_calibration_reach_the_patch() {
     let rate = "frame_rate = \"50 Hz\"";
     let drive = "phase = \"30 deg\"\nsettling = 0.5\nintegration = 2\ngain = 8\ncomponent = \"magnitude\"";
     let text = GOOD.replace(rate, &format!("{rate}\n{drive}")).replace("\"combined\"", "\"once\"");
-    let text = text.replace("[contact]", "[contact]\ndrift_time = \"2 min\"");
+    let text = text.replace("[contact]", "[contact]\ndrift_time = \"5 min\"");
     let text = format!(
         "{text}\n[calibration]\nstrength = [0.1, 0.3]\npressure = [\"5 kPa\", 20e3]\nload_share = 0.2\n"
     );
@@ -287,17 +287,17 @@ fn drive_drift_time_and_calibration_reach_the_patch() {
     assert_eq!((header.steps, header.measurements), (104, 104));
     assert_eq!((header.drive.phase, header.drive.settling, header.drive.integration), (30.0, 0.5, 2));
     assert_eq!((header.drive.gain, header.drive.component), (Gain::Fixed(8), Component::Magnitude));
-    assert_eq!(header.drift_time, 120.0);
+    assert_eq!(header.drift_time, 300.0);
     assert_eq!(header.calibration.pressure(0.2), Some(12.5e3));
     assert_eq!(header.calibration.load_share, Some(0.2));
     assert_eq!(header.test_resistances.len(), 16);
     let plain = Skin::parse(Path::new("skin.toml"), GOOD).unwrap().made().unwrap();
     assert_eq!(
         (plain.drift_time(), plain.drive.gain, plain.calibration.points.len()),
-        (30.0, Gain::Automatic, 0)
+        (120.0, Gain::Automatic, 0)
     );
-    let in_voltages = Skin { contacts_found_in: FoundIn::Voltages, ..plain };
-    assert_eq!(in_voltages.drift_time(), 120.0);
+    let in_images = Skin { contacts_found_in: FoundIn::Image, ..plain };
+    assert_eq!(in_images.drift_time(), 30.0);
 }
 
 #[test]

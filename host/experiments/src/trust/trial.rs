@@ -41,7 +41,7 @@ pub struct Pressed {
 pub const PRESSED_FRAMES: usize = 6;
 const LIFTED_FRAMES: usize = 3;
 /// A filter may take so many frames until a contact is there.
-const SETTLING_FRAMES: usize = 2;
+pub(super) const SETTLING_FRAMES: usize = 2;
 
 impl<'a> Trial<'a> {
     /// A board that was tared untouched, at this noise.

@@ -1,8 +1,11 @@
 //! What moves: how soon a touch is a contact, and whether its identity stays.
 
-use super::{FINGER, WITHIN};
+use super::{CLOSE, FINGER, WITHIN};
 use crate::trust::{
-    Bench, Figure, Options, Trial, TrustError, Voltages, figure::mean_95_largest, trial::Film,
+    Bench, Figure, Options, Trial, TrustError, Voltages,
+    figure::mean_95_largest,
+    place_of,
+    trial::{Film, SETTLING_FRAMES},
 };
 use dermatome_link::contacts::{ContactTracker, LinkContact, LinkFrame};
 use dermatome_model::skin::Pose;
@@ -28,6 +31,9 @@ const CROSSING_SPEED: f64 = 0.25;
 /// How long fingers rest before they cross, and what is watched after a gesture, s.
 const REST: f64 = 0.2;
 const AFTER: f64 = 0.5;
+/// Radii of fingers that slide, shares of the size, and their speed, m/s.
+const SLIDING: [f64; 3] = [0.04, 0.07, 0.1];
+const SLIDING_SPEED: f64 = 0.2;
 /// Where the issue names no number: so many gestures keep their identity, per cent.
 const KEPT: f64 = 95.0;
 
@@ -57,6 +63,42 @@ pub(super) fn latency(bench: &Bench, options: &Options) -> Result<Vec<Figure>, T
     Ok(figures)
 }
 
+pub(super) fn sliding(bench: &Bench, options: &Options) -> Result<Vec<Figure>, TrustError> {
+    let mut trial = Trial::new(bench, options.first_snr_db(), options.seed)?;
+    let mut figures = Vec::new();
+    for radius in SLIDING {
+        let mut places = bench.places(options.seed);
+        let swipes = (0..options.one_in(10, 3)).map(|_| {
+            let ends = places.draw(2, &(0.0..0.85), SWIPE)?;
+            Ok(Swipe::new(bench, ends[0], ends[1], radius))
+        });
+        let swipes: Vec<_> = swipes.collect::<Result<_, TrustError>>()?;
+        for &snr_db in &options.snr_db {
+            trial.change_noise(snr_db, options.seed);
+            let seen: Vec<f64> = swipes.iter().flat_map(|swipe| swipe.errors(&mut trial)).collect();
+            let one = seen.iter().filter(|error| **error < CLOSE * bench.size()).count();
+            let name = |what: &str| format!("radius {:.0} %: {what}", 100.0 * radius);
+            let share =
+                Figure::share(name("frames with one contact, at the finger"), snr_db, one, seen.len());
+            figures.push(share.at_least(KEPT, snr_db >= 50.0 && bench.is_flat()));
+            let errors: Vec<f64> = seen
+                .iter()
+                .filter(|error| error.is_finite())
+                .map(|error| 100.0 * error / bench.size())
+                .collect();
+            let [mean, _, largest] = mean_95_largest(&errors);
+            figures.push(Figure::new(name("distance from the finger, mean"), "% of size", snr_db, mean));
+            figures.push(Figure::new(
+                name("distance from the finger, largest"),
+                "% of size",
+                snr_db,
+                largest,
+            ));
+        }
+    }
+    Ok(figures)
+}
+
 /// What becomes of one gesture, as a robot's program sees it.
 struct Watched<'a, 'b> {
     trial: &'a mut Trial<'b>,
@@ -71,7 +113,7 @@ pub(super) fn identity(bench: &Bench, options: &Options) -> Result<Vec<Figure>, 
     let taps = places.draw(count, &WITHIN, 0.0)?;
     let swipes = (0..count).map(|_| {
         let ends = places.draw(2, &(0.0..0.85), SWIPE)?;
-        Ok(Swipe::new(bench, ends[0], ends[1]))
+        Ok(Swipe::new(bench, ends[0], ends[1], FINGER))
     });
     let swipes: Vec<_> = swipes.collect::<Result<_, TrustError>>()?;
     let turns: Vec<f64> = (0..count).map(|_| places.number(0.0..TAU)).collect();
@@ -109,14 +151,38 @@ pub(super) fn identity(bench: &Bench, options: &Options) -> Result<Vec<Figure>, 
 struct Swipe {
     film: Film,
     length: f64,
+    ends: [Point3<f64>; 2],
 }
 
 impl Swipe {
-    fn new(bench: &Bench, from: Point3<f64>, to: Point3<f64>) -> Self {
+    fn new(bench: &Bench, from: Point3<f64>, to: Point3<f64>, radius: f64) -> Self {
         let length = distance(&from, &to);
         let moments = (length / (STEP * bench.size())).ceil() as usize + 1;
-        let at = |way: f64| bench.pressed(&[from + (to - from) * (way / length)], FINGER, 1.0);
-        Self { film: Film::even(0.0..length, moments, at), length }
+        let at = |way: f64| bench.pressed(&[from + (to - from) * (way / length)], radius, 1.0);
+        Self { film: Film::even(0.0..length, moments, at), length, ends: [from, to] }
+    }
+
+    /// Distance of the only contact from a finger that rests and then slides, m, in each frame: infinite where there is not
+    /// one. The skin is left alone afterwards.
+    fn errors(&self, trial: &mut Trial<'_>) -> Vec<f64> {
+        let [from, to] = self.ends;
+        let step = SLIDING_SPEED * trial.period();
+        let rest = SETTLING_FRAMES;
+        let mut error = |way: f64| {
+            let finger = from + (to - from) * (way / self.length);
+            match &trial.see(&self.film.at(way)).contacts()[..] {
+                [contact] => distance(&place_of(contact), &finger),
+                _ => f64::INFINITY,
+            }
+        };
+        (0..rest).for_each(|_| {
+            error(0.0);
+        });
+        let errors = (0..=(self.length / step) as usize).map(|frame| error(frame as f64 * step)).collect();
+        (0..LONGEST).for_each(|_| {
+            trial.see_untouched();
+        });
+        errors
     }
 }
 

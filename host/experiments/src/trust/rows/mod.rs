@@ -2,6 +2,7 @@
 
 mod count;
 mod drift;
+mod force;
 mod gestures;
 mod single;
 mod slow;
@@ -22,7 +23,7 @@ pub struct Row {
 }
 
 /// All rows.
-pub const ROWS: [Row; 14] = [
+pub const ROWS: [Row; 16] = [
     Row { name: "untouched", about: "frames of the untouched skin with a contact", run: untouched::run },
     Row { name: "one", about: "one finger of 4 % of the size, up to 95 % of the radius", run: single::one },
     Row { name: "rim", about: "one finger of 4 % in the outer 5 % of the radius", run: single::rim },
@@ -38,6 +39,12 @@ pub const ROWS: [Row; 14] = [
     },
     Row { name: "pairs", about: "two fingers of 4 % told apart, by their distance", run: count::pairs },
     Row { name: "indenters", about: "one indenter of 3 to 12 % of the size", run: count::indenters },
+    Row {
+        name: "force",
+        about: "load of indenters of 4 to 12 %, by the strength of one of 6 %",
+        run: force::force,
+    },
+    Row { name: "sliding", about: "fingers of 4 to 10 % that slide at 0.2 m/s", run: gestures::sliding },
     Row { name: "latency", about: "frames until a contact at 400 frames a second", run: gestures::latency },
     Row {
         name: "uniform",
