@@ -22,6 +22,9 @@ use heapless::Vec;
 
 /// Times that presses go to nearer places.
 const ROUNDS: usize = 4;
+/// One of several presses that come in one frame explains more than this share of what is left. Sheets that are stretched by
+/// 2 % leave 5 % to a press.
+const ONE_OF_SEVERAL: f32 = 0.15;
 /// Standard deviation of an offset before anything is measured, distances from place to place.
 const FREE: f32 = 0.7;
 
@@ -77,7 +80,26 @@ impl<'a> Fit<'a> {
         let mut presses = presses.clone();
         presses.iter_mut().for_each(|press| press.before = press.strength);
         let Data { energy, known, noise, .. } = *data;
-        Self { skin, presses, energy, explained: 0.0, measurements: known, noise }
+        let mut fit = Self { skin, presses, energy, explained: 0.0, measurements: known, noise };
+        fit.free_strong_satellites();
+        fit
+    }
+
+    /// A satellite that is no longer weak beside its press may be that press, which moved: it is free to move as well.
+    fn free_strong_satellites(&mut self) {
+        let Skin { places, surface, .. } = self.skin;
+        for one in 0..self.presses.len() {
+            let satellite = &self.presses[one];
+            let (is_satellite, position, strength) =
+                (satellite.is_satellite(), satellite.position, satellite.strength);
+            let others = self.presses.iter().filter(|other| !other.is_satellite());
+            let near = others.min_by(|a, b| a.away_from(position).total_cmp(&b.away_from(position)));
+            let is_weak = near.is_some_and(|near| near.is_much_more_than(strength));
+            if is_satellite && !is_weak && self.unknowns() + UNKNOWNS - 1 <= MAX_UNKNOWNS {
+                let satellite = &mut self.presses[one];
+                satellite.spot = Spot::new(surface, places, satellite.spot.place());
+            }
+        }
     }
 
     /// Fits the presses, from where they are.
@@ -89,14 +111,17 @@ impl<'a> Fit<'a> {
         let mut best = self.clone();
         for _ in 0..ROUNDS {
             self.solve(sums, &mut system);
-            if self.presses.len() < best.presses.len() || self.explained > best.explained {
+            let is_lost = self.presses.iter().any(Press::is_out_of_reach);
+            if !is_lost && (self.presses.len() < best.presses.len() || self.explained > best.explained) {
                 best.clone_from(self);
             }
-            if !(self.go_to_nearest() | self.join()) {
+            if !(self.go_to_nearest() | self.join() | is_lost) {
                 break;
             }
         }
-        *self = best;
+        if best.explained.is_finite() {
+            *self = best;
+        }
         self.judge(sums, &mut system);
         self.presses.iter_mut().for_each(Press::settle);
     }
@@ -110,6 +135,15 @@ impl<'a> Fit<'a> {
     fn misfit_after(&self, more: f32) -> f32 {
         let free = (self.measurements - self.unknowns() as f32).max(1.0);
         ((self.energy - self.explained - more) / free).max(self.noise)
+    }
+
+    /// Whether another press that explains so much more, and leaves this misfit, is asked for. What presses leave unexplained
+    /// is noise of a kind: of another one it asks for more. But while they leave most of the data unexplained, that may be
+    /// several others.
+    pub(super) fn is_asked_for(&self, more: f32, level: f32, misfit: f32) -> bool {
+        let left = self.unexplained();
+        let is_one_of_several = left > self.explained && more > ONE_OF_SEVERAL * left;
+        more > level * level * if is_one_of_several { self.noise } else { misfit }
     }
 
     fn unknowns(&self) -> usize {
@@ -165,7 +199,7 @@ impl<'a> Fit<'a> {
         let Skin { places, surface, .. } = self.skin;
         let (place, z) = look.most;
         // Fitting its place explains some more, but hardly twice as much.
-        let is_lost = 2.0 * z * z < level * level * self.misfit_after(2.0 * z * z);
+        let is_lost = !self.is_asked_for(2.0 * z * z, level, self.misfit_after(2.0 * z * z));
         if self.significance(z * z) <= level || is_lost {
             return None;
         }

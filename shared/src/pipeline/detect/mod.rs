@@ -269,10 +269,9 @@ impl Detector {
         if has_gone && next.presses.iter().any(Press::is_new) {
             next.refine(&mut self.sums);
         }
-        // What the presses leave unexplained is noise of a kind: of another one it asks for more.
         let gain = next.explained - fit.explained;
         self.is_slipped = self.is_slip(fit, look, gain);
-        let is_more = gain > level * level * next.misfit();
+        let is_more = fit.is_asked_for(gain, level, next.misfit());
         // What comes slowly may be drift.
         let clearly = look.known.explained + CLEARLY_PRESSED * self.sums.data.noise;
         let is_press = is_sudden || (self.known_pause == 0 && gain > clearly);
@@ -325,7 +324,7 @@ impl Detector {
             } else {
                 Change::Pressed
             }
-        } else if is_loud(smooth) && is_clear(smooth, most.max(least)) {
+        } else if is_loud(smooth) && is_clear(smooth, most.max(least)) && 2.0 * smooth > look.left {
             Change::Smooth
         } else if is_loud(least) && 3.0 * least > look.left && is_clear(least, smooth.max(most)) {
             Change::Lifted

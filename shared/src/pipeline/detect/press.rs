@@ -61,6 +61,12 @@ impl Press {
         self.position = self.spot.point(self.offset);
     }
 
+    /// Whether it would lie much farther from its place than slopes hold for: where its strength is hardly any, slopes
+    /// explain what no press does. The next solution has no more slope than that strength allows.
+    pub(super) fn is_out_of_reach(&self) -> bool {
+        self.spot.is_far_out(self.offset)
+    }
+
     /// What it adds to the data.
     pub(super) fn response<'a>(&self, places: &Places<'a>) -> Response<'a> {
         self.spot.response(places, self.strength, self.offset)
@@ -99,8 +105,18 @@ impl Press {
 
     /// Whether another press there, of this strength, is one with it.
     pub(super) fn is_joined_by(&self, position: [f32; 3], strength: f32, radius: f32) -> bool {
-        let reach = if strength < SATELLITE * self.strength { SATELLITE_REACH } else { ONE_REACH };
-        square(self.position, position) < reach * reach * radius * radius
+        let reach = if self.is_much_more_than(strength) { SATELLITE_REACH } else { ONE_REACH };
+        self.away_from(position) < reach * reach * radius * radius
+    }
+
+    /// Whether one of this strength is weak beside it.
+    pub(super) fn is_much_more_than(&self, strength: f32) -> bool {
+        strength < SATELLITE * self.strength
+    }
+
+    /// Square of its distance from there.
+    pub(super) fn away_from(&self, position: [f32; 3]) -> f32 {
+        square(self.position, position)
     }
 
     /// Takes its satellite in: what is pressed lies in the middle of both.

@@ -14,6 +14,8 @@ use heapless::Vec;
 pub(super) const UNKNOWNS: usize = 3;
 /// Farthest that a press goes from its place, distances to the next places.
 const FARTHEST: f32 = 1.0;
+/// A solution that has one so far from its place is none, distances to the next places.
+const FAR_OUT: f32 = 8.0;
 
 /// A place, and the slopes of the response there: round it the response is taken to change linearly with where the press
 /// is, as least squares over the places round it have it.
@@ -131,6 +133,12 @@ impl Spot {
         let length = libm::sqrtf(offset.iter().map(|part| part * part).sum());
         let most = FARTHEST * self.spacing;
         if length > most { offset.map(|part| part * most / length) } else { offset }
+    }
+
+    /// Whether an offset is several times as long.
+    pub(super) fn is_far_out(&self, offset: [f32; 2]) -> bool {
+        let most = FAR_OUT * self.spacing;
+        offset.iter().map(|part| part * part).sum::<f32>() > most * most
     }
 
     /// The point at an offset.
