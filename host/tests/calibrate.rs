@@ -191,7 +191,7 @@ fn a_skin_solved_by_finite_elements_is_calibrated_under_a_machine() {
     let hold = 20.0 / rate;
     write_loads(Path::new(&file("loads.csv")), &loads, hold);
     let mut place = Transducer::new(&material, 3);
-    let press = |depth: f64| Press::finger([0.004, -0.003], 0.01, depth);
+    let press = |depth: f64| Press::finger([0.004, -0.003], 0.006, depth);
     let moments = loads.iter().enumerate().flat_map(|(index, &load)| {
         let (press, start) = (press(place.respond(load, 10.0)), index as f64 * hold);
         [start, start + 0.999 * hold].map(|time| Moment { time, press: press.clone() })

@@ -61,7 +61,7 @@ const CLEARLY_PRESSED: f32 = 30.0;
 /// How far the linear model of a press is off, beside noise: its position in radii of the standard press, its strength as
 /// a share. Simulated fingers of 4 % of the size lie within two of these in 95 of 100 places on flat skins.
 const MODEL_POSITION: f32 = 0.3;
-const MODEL_STRENGTH: f32 = 0.08;
+const MODEL_STRENGTH: f32 = 0.11;
 /// Frames after a known change in which only a press that comes suddenly is one.
 const KNOWN_PAUSE: u8 = 100;
 /// Electrodes that slip by a hundredth of the skin's size leave less than this share of what changed unexplained, presses
