@@ -73,7 +73,7 @@ fn kernel(rig: &Rig) -> Result<String, Failure> {
         link::upload(&mut link, &patch, |_| ())?;
         link::tare(&mut link, 2, Duration::from_secs(20))?;
         board.with(move |machine| machine.count_calls(function as u32));
-        let stream = link.subscribe(Selection { contacts: 1, ..Selection::default() })?;
+        let stream = link.subscribe(Selection { images: 1, contacts: 1, ..Selection::default() })?;
         rig.wait(Duration::from_millis(500))?;
         stream.stop()?;
         let calls = board.with(|machine| machine.calls());
