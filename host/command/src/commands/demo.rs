@@ -10,7 +10,7 @@ use dermatome_patch::{
 };
 use dermatome_shared::{patch::PatchView, protocol::PatchInfo, reference::DEFAULT_TARE_FRAMES};
 use dermatome_simulate::{
-    SimulatedSkin,
+    Noise, SimulatedSkin,
     board::{BoardOptions, SimulatedBoard},
 };
 use dermatome_view::live::Live;
@@ -50,7 +50,19 @@ struct Report {
     simulated_elements: usize,
     #[serde(flatten)]
     figures: Figures,
+    /// The same fingers at more noise; none where Ctrl-C came before.
+    noisier: Option<Noisier>,
 }
+
+#[derive(Serialize)]
+struct Noisier {
+    noise_db: f64,
+    #[serde(flatten)]
+    figures: Figures,
+}
+
+/// By so much, dB.
+const NOISIER_DB: f64 = 10.0;
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
@@ -89,7 +101,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         fixed_point_error_percent: fixed_point.measured_percent,
     };
     let watched = show(&mut link, &scorer)?;
+    let noisier = if interrupt::requested() { None } else { noisier(&scorer, noise)? };
     let report = Report {
+        noisier,
         skin: skin.name.clone(),
         noise_db: noise.snr_db,
         seed: noise.seed,
@@ -108,6 +122,17 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         say!("picture                        {}", args.png.display());
     }
     args.json.write(&report)
+}
+
+/// The same fingers at more noise, unless Ctrl-C comes.
+fn noisier(scorer: &Scorer<'_>, noise: Noise) -> anyhow::Result<Option<Noisier>> {
+    let noise = Noise { snr_db: (noise.snr_db - NOISIER_DB).max(0.0), ..noise };
+    let spinner = progress::spinner();
+    spinner.set_message("the same fingers at more noise");
+    let records = demo::noisier(scorer, noise, || !interrupt::requested())?;
+    spinner.finish_and_clear();
+    let figures = scorer.figures(&records);
+    Ok((!interrupt::requested()).then_some(Noisier { noise_db: noise.snr_db, figures }))
 }
 
 /// Draws the frames as they come, until the last one or Ctrl-C.
@@ -141,15 +166,7 @@ fn print(report: &Report) {
     if let Some(rate) = report.images_per_second {
         say!("images per second              {rate:.1} (paced by the skin's frame rate)");
     }
-    if let (Some(mm), Some(percent)) = (figures.position_error_mm, figures.position_error_percent) {
-        say!(
-            "position error, one finger     mean {:.2} mm = {:.2} % of the diameter, max {:.2} mm = {:.2} %",
-            mm.mean,
-            percent.mean,
-            mm.max,
-            percent.max
-        );
-    }
+    print_position(figures);
     for band in &figures.position_error_by_radius {
         let (from, to) = (band.from, band.to);
         say!(
@@ -159,16 +176,7 @@ fn print(report: &Report) {
             band.frames
         );
     }
-    say!(
-        "one finger seen as one         {} of {} frames",
-        figures.single_press_frames_with_one_contact,
-        figures.single_press_frames
-    );
-    say!(
-        "two fingers seen as two        {} of {} frames",
-        figures.two_press_frames_with_two_contacts,
-        figures.two_press_frames
-    );
+    print_counts(figures);
     if let (Some(resolution), Some(ringing)) = (figures.resolution_mean, figures.ringing_mean) {
         say!("RES, mean                      {resolution:.3}");
         say!("RNG, mean                      {ringing:.3}");
@@ -183,4 +191,43 @@ fn print(report: &Report) {
         report.measurements,
         report.pixels
     );
+    if let Some(noisier) = &report.noisier {
+        say!("");
+        say!("the same fingers at {} dB, by the board's code without the link", noisier.noise_db);
+        print_position(&noisier.figures);
+        print_counts(&noisier.figures);
+    }
+}
+
+fn print_position(figures: &Figures) {
+    let (Some(mm), Some(percent)) = (figures.position_error_mm, figures.position_error_percent) else {
+        return;
+    };
+    say!(
+        "position error, one finger     mean {:.2} mm = {:.2} % of the diameter, max {:.2} mm = {:.2} %",
+        mm.mean,
+        percent.mean,
+        mm.max,
+        percent.max
+    );
+}
+
+fn print_counts(figures: &Figures) {
+    say!(
+        "one finger seen as one         {} of {} frames",
+        figures.single_press_frames_with_one_contact,
+        figures.single_press_frames
+    );
+    say!(
+        "two fingers seen as two        {} of {} frames",
+        figures.two_press_frames_with_two_contacts,
+        figures.two_press_frames
+    );
+    if let Some(found) = figures.significance {
+        say!(
+            "contacts above the noise by    mean {:.0}, least {:.0} standard deviations",
+            found.mean,
+            found.least
+        );
+    }
 }

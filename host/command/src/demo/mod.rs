@@ -1,10 +1,12 @@
 //! The demo: what it plays, and how it scores what it sees. [`crate::commands`] runs and shows it.
 
+mod noisier;
 mod path;
 mod picture;
 mod score;
 mod watch;
 
+pub(crate) use noisier::noisier;
 pub(crate) use path::{FRAMES, script};
 pub(crate) use picture::picture;
 pub(crate) use score::{Figures, FrameRecord, Scorer};

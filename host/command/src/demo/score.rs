@@ -56,7 +56,7 @@ impl Scorer<'_> {
         contacts: Contacts,
     ) -> FrameRecord {
         let index = at.sequence.wrapping_sub(first_sequence);
-        let presses = self.script.presses(f64::from(index) / self.skin.drive.frame_rate);
+        let presses = self.presses(index);
         let fixed: Vec<_> = image.iter().map(|&value| RelativeConductivity::from_f64(value)).collect();
         FrameRecord {
             index,
@@ -66,6 +66,12 @@ impl Scorer<'_> {
             image,
             contacts,
         }
+    }
+
+    /// The fingers in a frame since streaming started.
+    #[must_use]
+    pub(crate) fn presses(&self, index: u32) -> Vec<Press> {
+        self.script.presses(f64::from(index) / self.skin.drive.frame_rate)
     }
 
     /// Sums up a whole demo.
@@ -89,10 +95,18 @@ impl Scorer<'_> {
             single_press_frames_with_one_contact: frames_with_right_count(records, 1),
             two_press_frames: records.iter().filter(|record| record.presses.len() == 2).count(),
             two_press_frames_with_two_contacts: frames_with_right_count(records, 2),
+            significance: self.significance(records),
             resolution_mean: of_figures(|figures| figures.resolution),
             ringing_mean: of_figures(|figures| figures.ringing),
             fixed_point_error_percent: Max { max: self.fixed_point_error_percent },
         }
+    }
+
+    fn significance(&self, records: &[FrameRecord]) -> Option<Significance> {
+        let contacts = records.iter().flat_map(|record| &record.contacts);
+        let known = || contacts.clone().filter_map(|contact| Some(f64::from(contact.evidence?.significance)));
+        let (mean, _) = mean_and_max(known())?;
+        Some(Significance { mean, least: known().fold(f64::INFINITY, f64::min) })
     }
 
     fn by_radius(&self, records: &[FrameRecord]) -> Vec<RadiusBand> {
@@ -123,6 +137,15 @@ fn single_error(record: &FrameRecord, worst: f64) -> Option<f64> {
 
 fn frames_with_right_count(records: &[FrameRecord], count: usize) -> usize {
     records.iter().filter(|record| record.presses.len() == count && record.contacts.len() == count).count()
+}
+
+/// By how many standard deviations contacts stand out from the noise that the board measured.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(crate) struct Significance {
+    /// Mean.
+    pub mean: f64,
+    /// Least.
+    pub least: f64,
 }
 
 /// Mean and largest value.
@@ -173,6 +196,8 @@ pub(crate) struct Figures {
     pub two_press_frames: usize,
     /// Those with exactly two contacts reported.
     pub two_press_frames_with_two_contacts: usize,
+    /// How far contacts stand out from the noise.
+    pub significance: Option<Significance>,
     /// Resolution RES (thesis equation 3.3), mean over the single-finger frames.
     pub resolution_mean: Option<f64>,
     /// Ringing RNG (thesis equation 3.5), the same.
