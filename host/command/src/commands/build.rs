@@ -16,7 +16,7 @@ use dermatome_model::{
     metrics::detectability::{Deaf, LEVEL, Sought},
     model::{Model, Stage, driven_error},
     quantize::{self, FixedPointError},
-    skin::Skin,
+    skin::{FoundIn, Skin},
     stimulation,
 };
 use dermatome_patch::{output::write_whole, write::Stored};
@@ -320,7 +320,7 @@ pub(super) fn warning_of_driven(error: f64) -> Option<String> {
 /// What is allowed, but seldom meant.
 fn warnings(skin: &Skin, mesh: &Quality, patch: Option<&PatchReport>, noise: f64) -> Vec<String> {
     let mut warnings = Vec::new();
-    if noise > skin.contact_threshold / NOISE_MARGIN {
+    if skin.contacts_found_in == FoundIn::Image && noise > skin.contact_threshold / NOISE_MARGIN {
         warnings.push(format!(
             "measured at 60 dB, noise in the image reaches {noise:.3} (standard deviation), too close to \
              `contact.threshold` {}: expect contacts where nobody presses; raise the threshold or \

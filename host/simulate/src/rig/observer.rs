@@ -37,6 +37,11 @@ impl Observer {
     /// The same with a model that is built already.
     pub fn with_model(skin: &Skin, model: Model) -> Result<Self, RigError> {
         let patch = quantize::patch(skin, &model)?;
+        Self::with_patch(model, patch)
+    }
+
+    /// The same with a patch of that model that is written already, such as a calibrated one.
+    pub fn with_patch(model: Model, patch: Vec<u8>) -> Result<Self, RigError> {
         PatchView::open(&patch).map_err(PatchBuildError::Invalid)?;
         Ok(Self { model, patch, state: PipelineState::default(), reference: Vec::new() })
     }
