@@ -13,7 +13,10 @@ use dermatome_model::{
     skin::Skin,
 };
 use dermatome_shared::{contact::Contact, frame::Frame, reference::DEFAULT_TARE_FRAMES};
-use dermatome_simulate::{Noise, Rig, TrueSkin, rig::Observer};
+use dermatome_simulate::{
+    Noise, Rig, TrueSkin,
+    rig::{Observer, SETTLED},
+};
 use nalgebra::Point3;
 use num_complex::Complex64;
 use rand::SeedableRng;
@@ -184,6 +187,14 @@ impl SampleRig {
     pub(super) fn glance(&mut self, phasors: &[Complex64]) -> Vec<Contact> {
         let frame = self.rig.scan(phasors);
         self.observer.observe(&frame).contacts().to_vec()
+    }
+
+    /// Contacts that the board reports once it had time to find all.
+    pub(super) fn settle(&mut self, phasors: &[Complex64]) -> Vec<Contact> {
+        (1..SETTLED).for_each(|_| {
+            self.glance(phasors);
+        });
+        self.glance(phasors)
     }
 
     /// Every contact impedance changes a little.

@@ -43,7 +43,7 @@ struct Finger {
 pub(super) fn run() -> Result<Report, ExperimentError> {
     let mut report = Report::new("tracking", "Contacts that move keep their identities");
     report.words(format!(
-        "Three fingers on the disc of 210 mm at {RATE} frames per second, {FRAMES} single frames without averaging: two go \
+        "Three fingers on the disc of 210 mm at {RATE} frames per second, {FRAMES} frames: two go \
          round at 80 mm from the middle; the third moves in the middle, is lifted for 0.1 s and keeps its number, then for 1 s and \
          gets a new one. Contacts closer than the experiment two-point says become one, and no tracker tells them apart. Each finger doubles the conductivity beneath it. Tracks wait 0.2 s and reach 35 mm. Artefacts: {}.",
         Artefacts::MOVING.words()

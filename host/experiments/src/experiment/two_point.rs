@@ -45,7 +45,7 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
     report.words(format!(
         "Two flat discs of {:.0} mm, each doubling the conductivity beneath it, about places {:.0} mm apart on the disc of \
          210 mm, one behind the other as seen from the middle, or side by side. They are told apart if the board's two strongest \
-         contacts are one for each, at this distance and all larger ones tried (steps of {:.0} mm). Single frames. Artefacts: {}.",
+         contacts are one for each, at this distance and all larger ones tried (steps of {:.0} mm), in the last of six frames. Artefacts: {}.",
         DIAMETER * 1e3,
         SPACING * 1e3,
         STEP * 1e3,
@@ -99,7 +99,7 @@ impl Pairs {
     fn limit(&self, rig: &mut SampleRig) -> Limit {
         let mut told_apart = None;
         for (pair, phasors) in self.middles.iter().zip(&self.phasors) {
-            if !are_told_apart(&rig.glance(phasors), pair) {
+            if !are_told_apart(&rig.settle(phasors), pair) {
                 break;
             }
             told_apart = Some(distance(pair));

@@ -190,8 +190,10 @@ pub fn patch_with(skin: &Skin, model: &Model, stored: &Stored) -> Result<Vec<u8>
     written(&contents, stored)
 }
 
-/// The patch of a model whose matrix was learnt from data that the model does not know of: nothing is interpolated.
+/// The patch of a model whose matrix was learnt from data that the model does not know of: nothing is interpolated, and
+/// contacts are found in the image.
 pub fn learnt_patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
+    let skin = &Skin { contacts_found_in: FoundIn::Image, ..skin.clone() };
     let surface = check_limits(model)?;
     let stored = Stored::curve(skin.calibration.clone());
     written(&contents(skin, model, surface, &Interpolated::none(model.pixels.count()))?, &stored)

@@ -1,4 +1,4 @@
-//! One, two and three contacts on the hemisphere (thesis 5.4.4): whether the board counts them right in its image, and
+//! One, two and three contacts on the hemisphere (thesis 5.4.4): whether the board counts them right, and
 //! the host from the same voltages, and where they see them.
 
 use super::{
@@ -79,15 +79,13 @@ fn touch(report: &mut Report, skin: &Skin, truth: &Skin) -> Result<(), Experimen
 type Found = fn(&Scene) -> &[Point3<f64>];
 
 /// Who observes.
-const OBSERVERS: [(&str, Found); 2] = [
-    ("the board, in its image", |scene| &scene.surface),
-    ("the host, from the same voltages", |scene| &scene.resolved),
-];
+const OBSERVERS: [(&str, Found); 2] =
+    [("the board", |scene| &scene.surface), ("the host, from the same voltages", |scene| &scene.resolved)];
 
 fn summarise(report: &mut Report, scenes: &[Scene]) {
     report.words(
-        "The board finds contacts in its image. The host resolves fingers from the difference data that the board streams \
-         (dermatome::multi_contact); it is told the noise and the size of a finger.",
+        "The board finds contacts in the voltages, in six frames. The host resolves fingers from the difference data of the \
+         first (dermatome::multi_contact); it is told the noise and the size of a finger.",
     );
     let [board, host] = OBSERVERS.map(|observer| summary(report, scenes, observer));
     let share = host["count_right_percent"].as_f64().unwrap_or_default();

@@ -11,7 +11,7 @@ use crate::{
 };
 use dermatome_model::skin::{Skin, electrodes_in_plane};
 use dermatome_patch::layout::Layout;
-use dermatome_shared::{contact::Contact, pipeline::PipelineState};
+use dermatome_shared::{contact::Contact, frame::Frame};
 use dermatome_simulate::{
     Footprint, Load, Noise, Press, Rig, Sheet,
     material::Material,
@@ -49,6 +49,8 @@ pub(super) struct Touch {
 struct Seen {
     image: Vec<f64>,
     contacts: Vec<Contact>,
+    /// Areas of the image's regions of interest, m^2.
+    regions: Vec<f64>,
     /// The contacts on the hemisphere.
     laid: Vec<Point3<f64>>,
 }
@@ -68,7 +70,7 @@ impl TouchRig {
         format!(
             "The pictures' fingers press with {FORCE} N for {HOLD} s on {:.1} mm of radius (20 kPa, where the fabric \
              saturates) through the material of Sample 3's single layer (models/materials/{}.toml), each time on a fresh \
-             specimen with a reference of its own. Single frames at {SNR_DB} dB.",
+             specimen with a reference of its own. The last of six frames at {SNR_DB} dB.",
             RADIUS * 1e3,
             THREE_SINGLE.material
         )
@@ -97,11 +99,13 @@ impl TouchRig {
             name: name.to_owned(),
             area: tilts.sum::<f64>() / places.len() as f64,
             truth,
-            seen: self.observers.iter().map(|(_, observer)| self.see(&observer.glance(&frames))).collect(),
+            seen: self.observers.iter().map(|(_, observer)| self.see(observer, &frames)).collect(),
         }
     }
 
-    fn see(&self, state: &PipelineState) -> Seen {
+    fn see(&self, observer: &Observer, frames: &[Frame]) -> Seen {
+        let state = observer.glance(frames);
+        let image: Vec<f64> = state.image().iter().map(|value| value.to_f64()).collect();
         let contacts = state.contacts().to_vec();
         // A flat model's contacts lie in its plane.
         let lay = |contact: &Contact| match place(contact) {
@@ -109,7 +113,8 @@ impl TouchRig {
             at => at,
         };
         Seen {
-            image: state.image().iter().map(|value| value.to_f64()).collect(),
+            regions: observer.contacts(&image).iter().map(|region| f64::from(region.area)).collect(),
+            image,
             laid: contacts.iter().map(lay).collect(),
             contacts,
         }
@@ -151,8 +156,7 @@ pub(super) fn tabulate(report: &mut Report, touches: &[Touch], observers: &[&str
         for (observer, name) in observers.iter().enumerate() {
             let (count, errors) = touch.found(observer);
             let errors: Vec<f64> = errors.into_iter().flatten().collect();
-            let contacts = &touch.seen[observer].contacts;
-            let areas: Vec<f64> = contacts.iter().map(|contact| f64::from(contact.area) * 1e4).collect();
+            let areas: Vec<f64> = touch.seen[observer].regions.iter().map(|area| 1e4 * area).collect();
             rows.push(vec![
                 format!("{}, {name}", touch.name),
                 count.to_string(),
@@ -164,7 +168,13 @@ pub(super) fn tabulate(report: &mut Report, touches: &[Touch], observers: &[&str
     }
     report.table(
         "The pictures' contacts",
-        &["", "found", "position error, mean, mm", "region of interest, mean, cm²", "finger, cm²"],
+        &[
+            "",
+            "found",
+            "position error, mean, mm",
+            "region of interest in the image, mean, cm²",
+            "finger, cm²",
+        ],
         rows,
     );
 }
