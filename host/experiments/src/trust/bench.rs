@@ -87,6 +87,11 @@ impl Bench {
         self.size
     }
 
+    /// Steps of a scan: the first of its voltages.
+    pub(super) fn steps(&self) -> usize {
+        self.table.steps.len()
+    }
+
     /// Frames in a second.
     #[must_use]
     pub fn frame_rate(&self) -> f64 {

@@ -5,7 +5,7 @@
 //! the same until a press goes to another place.
 
 use super::{
-    MAX_PRESSES, MAX_UNKNOWNS,
+    MAX_PRESSES, MAX_UNKNOWNS, SUDDEN,
     filter::{self, Look, Norms},
     known::Known,
     press::Press,
@@ -137,12 +137,22 @@ impl<'a> Fit<'a> {
         ((self.energy - self.explained - more) / free).max(self.noise)
     }
 
-    /// Whether another press that explains so much more, and leaves this misfit, is asked for. What presses leave unexplained
-    /// is noise of a kind: of another one it asks for more. But while they leave most of the data unexplained, that may be
-    /// several others.
-    pub(super) fn is_asked_for(&self, more: f32, level: f32, misfit: f32) -> bool {
+    /// Whether another press of this strength that explains so much more, and leaves this misfit, is asked for. What presses
+    /// leave unexplained is noise of a kind: of another one it asks for more. But while they leave most of the data
+    /// unexplained, and none was taken away, that may be several others, which came as suddenly.
+    pub(super) fn is_asked_for(
+        &self,
+        look: &Look,
+        strength: f32,
+        more: f32,
+        misfit: f32,
+        level: f32,
+    ) -> bool {
         let left = self.unexplained();
-        let is_one_of_several = left > self.explained && more > ONE_OF_SEVERAL * left;
+        let is_one_of_several = left > self.explained
+            && more > ONE_OF_SEVERAL * left
+            && strength >= SUDDEN
+            && look.most.1 > -look.least.1;
         more > level * level * if is_one_of_several { self.noise } else { misfit }
     }
 
@@ -198,12 +208,14 @@ impl<'a> Fit<'a> {
     pub(super) fn loudest(&self, look: &Look, norms: &Norms, level: f32) -> Option<Press> {
         let Skin { places, surface, .. } = self.skin;
         let (place, z) = look.most;
+        let strength = filter::strength(places, place, norms, z);
         // Fitting its place explains some more, but hardly twice as much.
-        let is_lost = !self.is_asked_for(2.0 * z * z, level, self.misfit_after(2.0 * z * z));
-        if self.significance(z * z) <= level || is_lost {
+        let most = 2.0 * z * z;
+        if self.significance(z * z) <= level
+            || !self.is_asked_for(look, strength, most, self.misfit_after(most), level)
+        {
             return None;
         }
-        let strength = filter::strength(places, place, norms, z);
         let spot = if self.is_beside(place, strength) { Spot::fixed } else { Spot::new };
         Some(Press::at(spot(surface, places, place), strength))
     }

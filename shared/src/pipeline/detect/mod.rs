@@ -260,7 +260,8 @@ impl Detector {
             self.is_slipped = self.is_slip(fit, look, look.most.1 * look.most.1);
             return PAUSE;
         };
-        let is_sudden = press.strength >= SUDDEN;
+        let strength = press.strength;
+        let is_sudden = strength >= SUDDEN;
         let mut next = fit.clone();
         let _ = next.presses.push(press);
         next.refine(&mut self.sums);
@@ -271,7 +272,7 @@ impl Detector {
         }
         let gain = next.explained - fit.explained;
         self.is_slipped = self.is_slip(fit, look, gain);
-        let is_more = fit.is_asked_for(gain, level, next.misfit());
+        let is_more = fit.is_asked_for(look, strength, gain, next.misfit(), level);
         // What comes slowly may be drift.
         let clearly = look.known.explained + CLEARLY_PRESSED * self.sums.data.noise;
         let is_press = is_sudden || (self.known_pause == 0 && gain > clearly);

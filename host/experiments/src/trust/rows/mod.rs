@@ -4,6 +4,7 @@ mod count;
 mod drift;
 mod force;
 mod gestures;
+mod limit;
 mod single;
 mod slow;
 mod untouched;
@@ -23,9 +24,14 @@ pub struct Row {
 }
 
 /// All rows.
-pub const ROWS: [Row; 16] = [
+pub const ROWS: [Row; 17] = [
     Row { name: "untouched", about: "frames of the untouched skin with a contact", run: untouched::run },
     Row { name: "one", about: "one finger of 4 % of the size, up to 95 % of the radius", run: single::one },
+    Row {
+        name: "limit",
+        about: "fingers of 4 % in single frames, beside what the voltages hold",
+        run: limit::run,
+    },
     Row { name: "rim", about: "one finger of 4 % in the outer 5 % of the radius", run: single::rim },
     Row {
         name: "strength",
