@@ -23,15 +23,10 @@ pub struct Row {
     pub(super) run: fn(&Bench, &Options) -> Result<Vec<Figure>, TrustError>,
 }
 
-/// All rows.
+/// All rows. Each draws from a seed of its place here, so that a new one comes last.
 pub const ROWS: [Row; 17] = [
     Row { name: "untouched", about: "frames of the untouched skin with a contact", run: untouched::run },
     Row { name: "one", about: "one finger of 4 % of the size, up to 95 % of the radius", run: single::one },
-    Row {
-        name: "limit",
-        about: "fingers of 4 % in single frames, beside what the voltages hold",
-        run: limit::run,
-    },
     Row { name: "rim", about: "one finger of 4 % in the outer 5 % of the radius", run: single::rim },
     Row {
         name: "strength",
@@ -62,6 +57,11 @@ pub const ROWS: [Row; 17] = [
     Row { name: "slow", about: "presses that grow over 1 to 600 s", run: slow::growing },
     Row { name: "tare", about: "a tare with a finger at the rim, which then lifts", run: slow::tare },
     Row { name: "identity", about: "identities of taps, swipes and crossings", run: gestures::identity },
+    Row {
+        name: "limit",
+        about: "fingers of 4 % in single frames, beside what the voltages hold",
+        run: limit::run,
+    },
 ];
 
 /// Radius of a finger, share of the size.
