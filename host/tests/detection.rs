@@ -90,6 +90,14 @@ fn two_and_three_fingers_are_counted() {
     }
 }
 
+/// Each of them explains little, they resemble a smooth change of the sheet, and one alone is best taken for a press in a corner.
+#[test]
+fn three_fingers_at_once_on_a_square_are_neither_drift_nor_one_press_in_a_corner() {
+    let options = Options { seed: 61, ..options(&[60.0], 60) };
+    let figures = figures(&bench("square-210mm"), "several", &options);
+    assert!(found(&figures, "three fingers counted", 60.0) >= 90.0);
+}
+
 #[test]
 fn an_indenter_is_one_contact_and_as_strong_as_it_is_large() {
     for name in ["disc-210mm", "square-210mm"] {

@@ -1,7 +1,8 @@
 //! Newtons: what a skin that was calibrated with one indenter in one place says of other indenters elsewhere.
 //!
 //! Everything is simulated: `disc-210mm` of sample 2 (65 kPa), codes of a true skin with noise at 60 dB, each press on a
-//! sheet that was never pressed before. Contacts and newtons are the board's own arithmetic. `cargo test -p dermatome --test force -- --nocapture` prints the table of docs/materials.md.
+//! sheet that was never pressed before. Contacts and newtons are the board's own arithmetic.
+//! `cargo test -p dermatome --test force -- --nocapture` prints the table of docs/materials.md.
 
 use dermatome::{
     calibrate::{Fit, Reading},

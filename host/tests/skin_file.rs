@@ -2,10 +2,13 @@
 
 use dermatome::{
     model::Model,
+    patch::write::{Stored, with_calibration},
     skin::{FoundIn, Skin},
 };
 use dermatome_shared::{
+    calibration::{Calibration, CalibrationPoint, MAX_POINTS},
     drive::{Component, Gain},
+    hysteresis::{MAX_PLAY_OPERATORS, PlayOperator},
     patch::PatchView,
 };
 use std::path::Path;
@@ -324,7 +327,12 @@ fn a_matrix_too_long_for_a_board_is_refused_with_what_to_change() {
     let text = GOOD.replace("reciprocal = \"combined\"", "reciprocal = \"kept\"");
     let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
-    dermatome::quantize::patch(&skin, &model).unwrap();
+    // Beside so long a matrix places take all room but that of a calibration.
+    let patch = dermatome::quantize::patch(&skin, &model).unwrap();
+    let point = |n: u8| CalibrationPoint { strength: f32::from(n), pressure: 1e3 * f32::from(n) };
+    let curve = Calibration { points: (1..=MAX_POINTS as u8).map(point).collect(), load_share: Some(0.5) };
+    let play_operators = vec![PlayOperator::from_f64(2.0, 1.0); MAX_PLAY_OPERATORS];
+    with_calibration(&patch, &Stored { curve, play_operators }).unwrap();
     let error = dermatome::quantize::learnt_patch(&skin, &model).unwrap_err().to_string();
     assert!(error.contains("196600") && error.contains("image.columns"), "{error}");
 }

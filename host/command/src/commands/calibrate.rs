@@ -24,9 +24,9 @@ use std::{
 
 /// Calibrate a skin against known loads: contacts have kPa from then on, and newtons.
 ///
-/// A machine presses the skin up to its largest load and back, once or more. The mean of the region of interest
+/// A machine presses the skin up to its largest load and back, once or more. The strength of the contact
 /// against pressure becomes a monotone curve; the first trial also gives what takes hysteresis out on
-/// the board. Force needs the area of the indenter, because a region of interest is larger than what
+/// the board. Force needs the area of the indenter, because that of a contact is another than what
 /// presses. All goes into the patch file, and with a port onto the board.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:

@@ -48,10 +48,18 @@ struct Report {
     measurements: usize,
     pixels: usize,
     simulated_elements: usize,
+    /// Fixed-point images of random presses against f64, per cent of the image's peak.
+    fixed_point_error_percent: Max,
     #[serde(flatten)]
     figures: Figures,
     /// The same fingers at more noise; none where Ctrl-C came before.
     noisier: Option<Noisier>,
+}
+
+/// Largest value.
+#[derive(Serialize)]
+struct Max {
+    max: f64,
 }
 
 #[derive(Serialize)]
@@ -92,18 +100,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     say!("flashed it and averaged {DEFAULT_TARE_FRAMES} frames of the untouched skin; now watch the fingers");
 
     let layout = &Layout::from(&model.surface()?);
-    let scorer = Scorer {
-        skin: &skin,
-        outline,
-        model: &model,
-        layout,
-        script: &script,
-        fixed_point_error_percent: fixed_point.measured_percent,
-    };
+    let scorer = Scorer { skin: &skin, outline, model: &model, layout, script: &script };
     let watched = show(&mut link, &scorer)?;
     let noisier = if interrupt::requested() { None } else { noisier(&scorer, noise)? };
     let report = Report {
-        noisier,
         skin: skin.name.clone(),
         noise_db: noise.snr_db,
         seed: noise.seed,
@@ -114,7 +114,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         measurements: model.jacobian.nrows(),
         pixels: model.jacobian.ncols(),
         simulated_elements,
+        fixed_point_error_percent: Max { max: fixed_point.measured_percent },
         figures: scorer.figures(&watched.records),
+        noisier,
     };
     print(&report);
     if !watched.records.is_empty() {
@@ -183,7 +185,7 @@ fn print(report: &Report) {
     }
     say!(
         "fixed point against f64        max {:.4} % of the image's peak",
-        figures.fixed_point_error_percent.max
+        report.fixed_point_error_percent.max
     );
     say!(
         "patch                          {} bytes, {} measurements x {} pixels",

@@ -24,8 +24,6 @@ pub(crate) struct Scorer<'a> {
     pub layout: &'a Layout,
     /// What the fingers do.
     pub script: &'a Script,
-    /// Largest deviation of the patch's images from f64, per cent of the peak.
-    pub fixed_point_error_percent: f64,
 }
 
 /// One frame as it arrived, and what it is worth.
@@ -98,7 +96,6 @@ impl Scorer<'_> {
             significance: self.significance(records),
             resolution_mean: of_figures(|figures| figures.resolution),
             ringing_mean: of_figures(|figures| figures.ringing),
-            fixed_point_error_percent: Max { max: self.fixed_point_error_percent },
         }
     }
 
@@ -157,13 +154,6 @@ pub(crate) struct MeanMax {
     pub max: f64,
 }
 
-/// Largest value.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct Max {
-    /// Largest.
-    pub max: f64,
-}
-
 /// Position error in a ring of the skin.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct RadiusBand {
@@ -202,6 +192,4 @@ pub(crate) struct Figures {
     pub resolution_mean: Option<f64>,
     /// Ringing RNG (thesis equation 3.5), the same.
     pub ringing_mean: Option<f64>,
-    /// Fixed-point images of random presses against f64, per cent of the image's peak.
-    pub fixed_point_error_percent: Max,
 }

@@ -5,7 +5,7 @@
 //! apart, near the electrodes.
 
 use super::{PatchBuildError, exponents_of, rounded_rows};
-use crate::{model::Model, pixels::tangents, skin::Skin};
+use crate::{metrics::detectability::passing, model::Model, pixels::tangents, skin::Skin};
 use dermatome_patch::places::FixedPlaces;
 use dermatome_shared::patch::places::{DetectionLayout, MAX_PLACES, PLACE_NEIGHBOURS, Place};
 use faer::Mat;
@@ -63,11 +63,10 @@ pub(super) fn places(skin: &Skin, model: &Model, room: usize) -> Result<FixedPla
 
 /// Standard deviations that normal noise passes with this probability.
 fn level(probability: f64) -> f64 {
-    let passes = |level: f64| 0.5 * libm::erfc(level / std::f64::consts::SQRT_2);
     let (mut low, mut high) = (0.0, 30.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if passes(middle) > probability { low = middle } else { high = middle }
+        if passing(middle) > probability { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }
@@ -161,6 +160,22 @@ fn round(centres: &[Point3<f64>], normal: &Vector3<f64>, place: usize) -> [u8; P
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn places_are_as_many_as_there_is_room_for_and_too_few_are_refused() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/square-50mm/skin.toml");
+        let skin = Skin::load(&file).unwrap().made().unwrap();
+        let model = Model::build(&skin, |_| ()).unwrap();
+        let in_room = |room| places(&skin, &model, room).map(|places| places.layout());
+        let measurements = model.jacobian.nrows() as u16;
+        for count in [64, 100, 256] {
+            let layout = in_room(usize::MAX).unwrap();
+            let room = DetectionLayout { places: count, ..layout }.bytes(measurements);
+            assert_eq!(in_room(room).unwrap().places, count);
+        }
+        let Err(PatchBuildError::FewPlaces { places: 0 }) = in_room(1000) else { panic!("there is no room") };
+    }
 
     #[test]
     fn levels_are_those_of_the_tables_of_the_normal_distribution() {

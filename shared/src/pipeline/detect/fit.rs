@@ -90,14 +90,14 @@ impl<'a> Fit<'a> {
         let Skin { places, surface, .. } = self.skin;
         for one in 0..self.presses.len() {
             let satellite = &self.presses[one];
-            let (is_satellite, position, strength) =
-                (satellite.is_satellite(), satellite.position, satellite.strength);
+            if !satellite.is_satellite() || self.unknowns() + UNKNOWNS - 1 > MAX_UNKNOWNS {
+                continue;
+            }
+            let away = |other: &&Press| other.away_from(satellite.position);
             let others = self.presses.iter().filter(|other| !other.is_satellite());
-            let near = others.min_by(|a, b| a.away_from(position).total_cmp(&b.away_from(position)));
-            let is_weak = near.is_some_and(|near| near.is_much_more_than(strength));
-            if is_satellite && !is_weak && self.unknowns() + UNKNOWNS - 1 <= MAX_UNKNOWNS {
-                let satellite = &mut self.presses[one];
-                satellite.spot = Spot::new(surface, places, satellite.spot.place());
+            let near = others.min_by(|a, b| away(a).total_cmp(&away(b)));
+            if !near.is_some_and(|near| near.is_much_more_than(satellite.strength)) {
+                self.presses[one].spot = Spot::new(surface, places, satellite.spot.place());
             }
         }
     }

@@ -4,6 +4,7 @@ use super::{CLOSE, WITHIN};
 use crate::trust::{
     Bench, Figure, Options, Trial, TrustError, Voltages, figure::mean_95_largest, trial::is_at,
 };
+use dermatome_frames::recorded::statistics::median;
 use dermatome_shared::contact::Contact;
 use nalgebra::Point3;
 use std::ops::Range;
@@ -16,19 +17,24 @@ const DEPTHS: Range<f64> = 0.3..1.0;
 /// How far two lie apart.
 const APART: f64 = 0.35;
 
+/// What presses at one place.
+struct Indenter {
+    place: Point3<f64>,
+    /// Share of the size.
+    radius: f64,
+    depth: f64,
+}
+
 /// Indenters, and what they do to the voltages.
 struct Scene {
-    /// Place, radius and depth of each.
-    indenters: Vec<(Point3<f64>, f64, f64)>,
+    indenters: Vec<Indenter>,
     voltages: Voltages,
 }
 
 impl Scene {
-    fn new(bench: &Bench, indenters: Vec<(Point3<f64>, f64, f64)>) -> Self {
-        let presses: Vec<_> = indenters
-            .iter()
-            .flat_map(|(place, radius, depth)| bench.fingers(&[*place], *radius, *depth))
-            .collect();
+    fn new(bench: &Bench, indenters: Vec<Indenter>) -> Self {
+        let press = |one: &Indenter| bench.fingers(&[one.place], one.radius, one.depth);
+        let presses: Vec<_> = indenters.iter().flat_map(press).collect();
         Self { voltages: bench.solve(&bench.truth().conductivity(&presses)), indenters }
     }
 
@@ -36,7 +42,7 @@ impl Scene {
     /// deviation; none where it has no contact.
     fn factors(&self, trial: &mut Trial<'_>, reach: f64) -> Vec<Option<(f64, f64)>> {
         let pressed = trial.press(&self.voltages);
-        let factor = |(place, radius, depth): &(Point3<f64>, f64, f64)| {
+        let factor = |Indenter { place, radius, depth }: &Indenter| {
             let contact = pressed.last().iter().find(|contact| is_at(contact, place, reach))?;
             let load = depth * radius * radius;
             Some((f64::from(contact.strength) / load, stated(contact)))
@@ -54,15 +60,19 @@ pub(super) fn force(bench: &Bench, options: &Options) -> Result<Vec<Figure>, Tru
     let reach = CLOSE * bench.size();
     // Calibrated where a machine would press it, half of the way to the rim.
     let calibrated = bench.places(options.seed).draw(5, &(0.0..0.5), 0.0)?;
+    let calibrating = |place| vec![Indenter { place, radius: CALIBRATED, depth: 1.0 }];
     let calibrated: Vec<_> =
-        calibrated.into_iter().map(|place| Scene::new(bench, vec![(place, CALIBRATED, 1.0)])).collect();
+        calibrated.into_iter().map(|place| Scene::new(bench, calibrating(place))).collect();
     let mut figures = Vec::new();
     for (count, most, words) in [(1, 10.0, "one indenter"), (2, 15.0, "two indenters")] {
         let mut places = bench.places(options.seed);
         let scenes = (0..options.presses).map(|_| {
             let drawn = places.draw(count, &WITHIN, if count > 1 { APART } else { 0.0 })?;
-            let indenters =
-                drawn.into_iter().map(|place| (place, places.number(RADII), places.number(DEPTHS)));
+            let indenters = drawn.into_iter().map(|place| Indenter {
+                place,
+                radius: places.number(RADII),
+                depth: places.number(DEPTHS),
+            });
             Ok(Scene::new(bench, indenters.collect()))
         });
         let scenes: Vec<_> = scenes.collect::<Result<_, TrustError>>()?;
@@ -73,16 +83,15 @@ pub(super) fn force(bench: &Bench, options: &Options) -> Result<Vec<Figure>, Tru
             let factor = known.iter().sum::<f64>() / known.len() as f64;
             let seen: Vec<_> = scenes.iter().flat_map(|scene| scene.factors(&mut trial, reach)).collect();
             let found: Vec<_> = seen.iter().flatten().collect();
-            let mut errors: Vec<f64> = found.iter().map(|(f, _)| 100.0 * (f / factor - 1.0).abs()).collect();
-            errors.sort_by(f64::total_cmp);
-            let median = errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN);
+            let errors: Vec<f64> = found.iter().map(|(f, _)| 100.0 * (f / factor - 1.0).abs()).collect();
+            let median = if errors.is_empty() { f64::NAN } else { median(errors.iter().copied()) };
             let [_, most_of, largest] = mean_95_largest(&errors);
             let right = found.iter().filter(|(f, stated)| (f / factor - 1.0).abs() <= 2.0 * stated).count();
             let name = |what: &str| format!("{words}: {what}");
             let share = Figure::share(name("with a contact"), snr_db, found.len(), seen.len());
             figures.push(share);
-            let median = Figure::new(name("error of the load, median"), "%", snr_db, median);
-            figures.push(median.at_most(most, snr_db >= 50.0));
+            let figure = Figure::new(name("error of the load, median"), "%", snr_db, median);
+            figures.push(figure.at_most(most, snr_db >= 50.0));
             figures.push(Figure::new(name("error of the load, 95 %"), "%", snr_db, most_of));
             figures.push(Figure::new(name("error of the load, largest"), "%", snr_db, largest));
             let share = Figure::share(name("error within two stated deviations"), snr_db, right, found.len());

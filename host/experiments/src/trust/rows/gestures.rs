@@ -75,10 +75,7 @@ pub(super) fn sliding(bench: &Bench, options: &Options) -> Result<Vec<Figure>, T
         let swipes: Vec<_> = swipes.collect::<Result<_, TrustError>>()?;
         for &snr_db in &options.snr_db {
             trial.change_noise(snr_db, options.seed);
-            let seen: Vec<f64> = {
-                let lay = |at| bench.truth().lay(at);
-                swipes.iter().flat_map(|swipe| swipe.errors(&mut trial, lay)).collect()
-            };
+            let seen: Vec<f64> = swipes.iter().flat_map(|swipe| swipe.errors(bench, &mut trial)).collect();
             let one = seen.iter().filter(|error| **error < CLOSE * bench.size()).count();
             let name = |what: &str| format!("radius {:.0} %: {what}", 100.0 * radius);
             let share =
@@ -167,19 +164,18 @@ impl Swipe {
 
     /// Distance of the only contact from a finger that rests and then slides, m, in each frame: infinite where there is not
     /// one. The skin is left alone afterwards.
-    fn errors(&self, trial: &mut Trial<'_>, lay: impl Fn([f64; 2]) -> Point3<f64>) -> Vec<f64> {
+    fn errors(&self, bench: &Bench, trial: &mut Trial<'_>) -> Vec<f64> {
         let [from, to] = self.ends;
         let step = SLIDING_SPEED * trial.period();
-        let rest = SETTLING_FRAMES;
         let mut error = |way: f64| {
             let finger = from + (to - from) * (way / self.length);
-            let finger = lay([finger.x, finger.y]);
+            let finger = bench.truth().lay([finger.x, finger.y]);
             match &trial.see(&self.film.at(way)).contacts()[..] {
                 [contact] => distance(&place_of(contact), &finger),
                 _ => f64::INFINITY,
             }
         };
-        (0..rest).for_each(|_| {
+        (0..SETTLING_FRAMES).for_each(|_| {
             error(0.0);
         });
         let errors = (0..=(self.length / step) as usize).map(|frame| error(frame as f64 * step)).collect();

@@ -6,6 +6,7 @@
 
 use super::{FINGER, WITHIN};
 use crate::trust::{Bench, Figure, Options, Trial, TrustError, Voltages, trial::is_at};
+use dermatome_model::metrics::detectability::passing;
 use dermatome_simulate::noise::{root_mean_square, share};
 use nalgebra::Point3;
 
@@ -35,11 +36,11 @@ pub(super) fn run(bench: &Bench, options: &Options) -> Result<Vec<Figure>, Trust
             places.iter().map(|place| (place, bench.pressed(&[*place], FINGER, depth))).collect();
         for &snr_db in &options.snr_db {
             trial.change_noise(snr_db, options.seed);
-            let mut see = |(place, voltages): &(&Point3<f64>, Voltages)| Seen {
+            let see = |(place, voltages): &(&Point3<f64>, Voltages)| Seen {
                 limit: limit(bench, &untouched, voltages, snr_db),
                 is_detected: are_detected(&mut trial, place, voltages, NEAR * bench.size()),
             };
-            let seen: Vec<Seen> = scenes.iter().map(&mut see).collect();
+            let seen: Vec<Seen> = scenes.iter().map(see).collect();
             figures.extend(beside_the_limit(&seen, level, depth, snr_db));
         }
     }
@@ -74,7 +75,7 @@ fn beside_the_limit(seen: &[Seen], level: f64, depth: f64, snr_db: f64) -> [Figu
     [(0, "in the first frame", 1.0), (1, "after 10 still frames", FRAMES as f64)].map(
         |(frame, when, frames)| {
             let expected = |share: f64| {
-                let passes = |seen: &Seen| normal(share * frames.sqrt() * seen.limit - level);
+                let passes = |seen: &Seen| passing(level - share * frames.sqrt() * seen.limit);
                 100.0 * seen.iter().map(passes).sum::<f64>() / seen.len() as f64
             };
             let detected = seen.iter().filter(|seen| seen.is_detected[frame]).count();
@@ -84,9 +85,4 @@ fn beside_the_limit(seen: &[Seen], level: f64, depth: f64, snr_db: f64) -> [Figu
             figure.at_least(expected(SHARE).floor(), true).note(format!("the limit: {:.1} %", expected(1.0)))
         },
     )
-}
-
-/// Share of normal noise below this.
-fn normal(deviations: f64) -> f64 {
-    0.5 * libm::erfc(-deviations / std::f64::consts::SQRT_2)
 }

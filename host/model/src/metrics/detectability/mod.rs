@@ -12,8 +12,7 @@ use faer::{Col, Mat};
 use nalgebra::{Matrix2, Point3, Vector2, Vector3};
 use rayon::prelude::*;
 
-/// Standard deviations that noise passes less than once an hour in all places, at 400 frames a second: what is detected
-/// stands out more.
+/// Standard deviations above which a board detects something by default at some 80 frames a second (5.7 at 50, 6.1 at 400).
 pub const LEVEL: f32 = 5.8;
 /// Frames of which a reference is the mean.
 const REFERENCE_FRAMES: f64 = 20.0;
@@ -37,6 +36,12 @@ impl Sought {
     pub fn finger(size: f64, snr_db: f64) -> Self {
         Self { radius: 0.04 * size, strength: strength_of(1.0), snr_db }
     }
+}
+
+/// Probability that normal noise passes so many standard deviations.
+#[must_use]
+pub fn passing(deviations: f64) -> f64 {
+    0.5 * libm::erfc(deviations / std::f64::consts::SQRT_2)
 }
 
 /// The change of conductivity that a linear model takes a disc's true relative change for: its polarisation.
