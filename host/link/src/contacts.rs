@@ -1,24 +1,11 @@
-//! Contacts: those of a frame in the frame of a robot's link, each with a number that stays.
+//! Contacts: those of a frame in the frame of a robot's link.
 
 use crate::pose::Pose;
 use dermatome_shared::{
     contact::{Contact, Contacts},
     protocol::FrameStamp,
-    track::Tracker,
 };
 use serde::Serialize;
-
-/// A contact farther than this from where the last one was going is another one, m.
-const REACH: f32 = 0.025;
-/// A contact that is lost for as long keeps its number, us.
-const LOST_TIMEOUT_US: u64 = 300_000;
-
-/// Takes contacts of one frame after another into the frame of the link that the skin lies on.
-#[derive(Clone, Debug)]
-pub struct ContactTracker {
-    pose: Pose,
-    tracker: Tracker,
-}
 
 /// The contacts of one scan, as robot software reads them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -43,10 +30,18 @@ pub struct LinkFrame {
 pub struct LinkContact {
     /// Its number, the same from frame to frame.
     pub id: Option<u32>,
+    /// Number of the contact that became one with it, as long as they are one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub merged: Option<u32>,
+    /// Number of the contact that it came out of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub split_from: Option<u32>,
     /// Centre of pressure, m.
     pub position_m: [f32; 3],
     /// Unit normal of the skin there.
     pub normal: [f32; 3],
+    /// Velocity, m/s.
+    pub velocity_m_s: Option<[f32; 3]>,
     /// Area, mm^2.
     pub area_mm2: f32,
     /// Mean relative conductivity change.
@@ -75,43 +70,38 @@ pub struct LinkFinger {
     pub strength: f64,
 }
 
-impl ContactTracker {
-    /// For a skin of this pose.
+impl LinkFrame {
+    /// The contacts of the scan `at`, in the skin's frame, on the link that it lies on with this pose.
     #[must_use]
-    pub fn new(pose: Pose) -> Self {
-        Self { pose, tracker: Tracker::new(REACH, LOST_TIMEOUT_US) }
-    }
-
-    /// The contacts of the scan `at`, which comes after those before.
-    pub fn take(&mut self, at: FrameStamp, contacts: &Contacts) -> LinkFrame {
-        let contacts: Contacts = contacts.iter().map(|contact| self.pose.contact(contact)).collect();
-        self.tracker.update(at.timestamp_us, &contacts);
-        let contact = |contact| LinkContact::new(contact, &self.tracker, at.timestamp_us);
-        LinkFrame {
+    pub fn new(pose: &Pose, at: FrameStamp, contacts: &Contacts) -> Self {
+        Self {
             sequence: at.sequence,
             time_s: at.timestamp_us as f64 / 1e6,
             flags: at.flags.words().collect(),
-            link: self.pose.link.clone(),
-            contacts: contacts.iter().map(contact).collect(),
+            link: pose.link.clone(),
+            contacts: contacts.iter().map(|contact| LinkContact::new(pose.contact(contact))).collect(),
             fingers: None,
         }
     }
 }
 
 impl LinkContact {
-    fn new(contact: &Contact, tracker: &Tracker, now_us: u64) -> Self {
-        let track = tracker.touching(now_us).find(|track| track.contact == *contact);
+    fn new(contact: Contact) -> Self {
+        let Contact { identity, evidence, .. } = contact;
         Self {
-            id: track.map(|track| track.id),
+            id: identity.map(|identity| identity.number),
+            merged: identity.and_then(|identity| identity.merged),
+            split_from: identity.and_then(|identity| identity.split_from),
             position_m: contact.position,
             normal: contact.normal,
+            velocity_m_s: identity.map(|identity| identity.velocity),
             area_mm2: contact.area * 1e6,
             strength: contact.strength,
             pressure_kpa: contact.pressure.map(|pressure| pressure * 1e-3),
             force_n: contact.force(),
-            significance: contact.evidence.map(|evidence| evidence.significance),
-            position_deviation_m: contact.evidence.map(|evidence| evidence.position_deviation),
-            strength_deviation: contact.evidence.map(|evidence| evidence.strength_deviation),
+            significance: evidence.map(|evidence| evidence.significance),
+            position_deviation_m: evidence.map(|evidence| evidence.position_deviation),
+            strength_deviation: evidence.map(|evidence| evidence.strength_deviation),
         }
     }
 }
@@ -127,39 +117,36 @@ impl LinkFinger {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dermatome_shared::frame::FrameFlags;
+    use dermatome_shared::{frame::FrameFlags, track::Identity};
 
     #[test]
-    fn a_contact_that_moves_keeps_its_number_and_is_given_on_the_link() {
+    fn a_contact_is_given_on_the_link_with_who_it_is() {
         let pose =
             Pose { link: "palm".to_owned(), position: [0.0, 0.0, 1.0], orientation: [0.0, 0.0, 0.0, 1.0] };
-        let mut tracker = ContactTracker::new(pose);
-        let frame = |sequence: u32, x: f32| {
-            let contact = Contact {
-                position: [x, 0.0, 0.0],
-                normal: [0.0, 0.0, 1.0],
-                area: 4e-6,
-                strength: 0.5,
-                peak: 1.0,
-                pressure: Some(2e3),
-                load_area: None,
-                evidence: None,
-            };
-            let at = FrameStamp {
-                sequence,
-                timestamp_us: u64::from(sequence) * 20_000,
-                flags: FrameFlags::SATURATED,
-            };
-            (at, [contact].into_iter().collect::<Contacts>())
+        let contact = Contact {
+            position: [0.01, 0.0, 0.0],
+            normal: [0.0, 0.0, 1.0],
+            area: 4e-6,
+            strength: 0.5,
+            peak: 1.0,
+            pressure: Some(2e3),
+            load_area: None,
+            evidence: None,
+            identity: Some(Identity {
+                number: 4,
+                velocity: [0.1, 0.0, 0.0],
+                merged: Some(2),
+                split_from: None,
+            }),
         };
-        for (sequence, x, id) in [(1, 0.0, 1), (2, 0.01, 1), (3, 0.1, 2)] {
-            let (at, contacts) = frame(sequence, x);
-            let found = tracker.take(at, &contacts);
-            assert_eq!((found.sequence, found.link.as_str()), (sequence, "palm"));
-            assert_eq!(found.flags, ["saturated"]);
-            let [contact] = found.contacts.as_slice() else { panic!("{found:?}") };
-            assert_eq!((contact.id, contact.position_m), (Some(id), [x, 0.0, 1.0]));
-            assert_eq!((contact.pressure_kpa, contact.force_n), (Some(2.0), None));
-        }
+        let at = FrameStamp { sequence: 3, timestamp_us: 60_000, flags: FrameFlags::SATURATED };
+        let found = LinkFrame::new(&pose, at, &[contact].into_iter().collect());
+        assert_eq!((found.sequence, found.link.as_str(), found.time_s), (3, "palm", 0.06));
+        assert_eq!(found.flags, ["saturated"]);
+        let [contact] = found.contacts.as_slice() else { panic!("{found:?}") };
+        assert_eq!((contact.id, contact.position_m), (Some(4), [0.01, 0.0, 1.0]));
+        assert_eq!((contact.merged, contact.split_from), (Some(2), None));
+        assert_eq!((contact.pressure_kpa, contact.force_n), (Some(2.0), None));
+        assert_eq!(contact.velocity_m_s, Some([0.1, 0.0, 0.0]));
     }
 }

@@ -1,6 +1,6 @@
 //! Pose: where a skin lies on a robot.
 
-use dermatome_shared::contact::Contact;
+use dermatome_shared::{contact::Contact, track::Identity};
 
 /// Where a skin lies on a robot's link: points of its frame are turned, then moved into the link's.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,13 +31,16 @@ impl Pose {
         [0, 1, 2].map(|axis| twice[axis] * w + across[axis] + direction[axis])
     }
 
-    /// A contact of the skin's frame in the link's: its position and its normal; the rest stays.
+    /// A contact of the skin's frame in the link's: its position, normal and velocity; the rest stays.
     #[must_use]
     pub fn contact(&self, contact: &Contact) -> Contact {
         let narrow = |values: [f64; 3]| values.map(|value| value as f32);
+        let turned = |direction: [f32; 3]| narrow(self.direction(direction.map(f64::from)));
+        let identity = |identity: Identity| Identity { velocity: turned(identity.velocity), ..identity };
         Contact {
             position: narrow(self.point(contact.position.map(f64::from))),
-            normal: narrow(self.direction(contact.normal.map(f64::from))),
+            normal: turned(contact.normal),
+            identity: contact.identity.map(identity),
             ..*contact
         }
     }
@@ -53,7 +56,7 @@ mod tests {
     use std::f64::consts::FRAC_1_SQRT_2;
 
     #[test]
-    fn a_contact_is_turned_and_then_moved_and_its_normal_only_turned() {
+    fn a_contact_is_turned_and_then_moved_and_its_normal_and_velocity_only_turned() {
         let pose = Pose {
             link: "forearm".to_owned(),
             position: [1.0, 2.0, 3.0],
@@ -68,13 +71,23 @@ mod tests {
             pressure: Some(2e3),
             load_area: Some(1e-6),
             evidence: None,
+            identity: Some(Identity {
+                number: 7,
+                velocity: [0.0, 0.06, 0.08],
+                merged: None,
+                split_from: Some(3),
+            }),
         };
         // A quarter turn about x takes y to z, and z to -y.
         let found = pose.contact(&contact);
         let is_near = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6);
         assert!(is_near(found.position, [1.1, 1.997, 3.02]), "{found:?}");
         assert!(is_near(found.normal, [0.0, -0.8, 0.6]), "{found:?}");
-        assert_eq!(Contact { position: contact.position, normal: contact.normal, ..found }, contact);
+        let Some(identity) = found.identity else { panic!("{found:?}") };
+        assert!(is_near(identity.velocity, [0.0, -0.08, 0.06]), "{identity:?}");
+        assert_eq!((identity.number, identity.split_from), (7, Some(3)));
+        let Contact { position, normal, identity, .. } = contact;
+        assert_eq!(Contact { position, normal, identity, ..found }, contact);
     }
 
     #[test]

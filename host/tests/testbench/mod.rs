@@ -86,7 +86,7 @@ pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32
         matrix: matrix.tables(),
         places: Default::default(),
     };
-    let mut out = vec![0; 192 * 1024];
+    let mut out = vec![0; dermatome_shared::limits::FLASH_SLOT_BYTES];
     let length = contents.write(&mut out).unwrap();
     out.truncate(length);
     out

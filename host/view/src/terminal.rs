@@ -211,6 +211,7 @@ mod tests {
             pressure: None,
             load_area: None,
             evidence: None,
+            identity: None,
         };
         let text = contacts(&[contact]);
         assert_eq!(text, "x    12.5 mm  y   -30.0 mm  area    25.0 mm2  strength  0.2500\n");

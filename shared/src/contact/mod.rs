@@ -27,6 +27,7 @@ use heapless::Vec;
 use postcard_schema::Schema;
 use regions::{Region, Search};
 use serde::{Deserialize, Serialize};
+use track::Identity;
 
 /// Pixels of a block.
 const BLOCK: usize = 16;
@@ -52,6 +53,8 @@ pub struct Contact {
     pub load_area: Option<f32>,
     /// How sure it is; none of a contact that was found in the image.
     pub evidence: Option<Evidence>,
+    /// Which one it is through time; none before it is followed ([`track`]).
+    pub identity: Option<Identity>,
 }
 
 /// How sure a contact is, by the noise that the board measured.
@@ -91,10 +94,15 @@ impl Contact {
     /// Whether a weaker contact is only the ringing beside this one: it lies closer than the side of a square as
     /// large as this one's area (1.8 times its radius), and its peak stays below three quarters of this one's.
     fn suppresses(&self, weaker: &Self) -> bool {
-        let apart = |axis: usize| self.position[axis] - weaker.position[axis];
-        let square: f32 = (0..3).map(|axis| apart(axis) * apart(axis)).sum();
-        square < self.area && weaker.peak < 0.75 * self.peak
+        square_distance(self.position, weaker.position) < self.area && weaker.peak < 0.75 * self.peak
     }
+}
+
+/// Square of a distance.
+// Not inlined: it is called from many places of the board's code, and few contacts have it wait.
+#[inline(never)]
+pub(crate) fn square_distance(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
 /// Contacts of one image, strongest peak first.

@@ -260,6 +260,7 @@ impl Region {
             pressure: None,
             load_area: None,
             evidence: None,
+            identity: None,
         }
     }
 }

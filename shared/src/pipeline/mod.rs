@@ -13,6 +13,7 @@ use crate::{
     contact::{
         self, Contacts,
         hysteresis::{Places, Strengths},
+        track::Tracker,
     },
     drive::stimulation::Step,
     frame::{Frame, FrameFlags},
@@ -48,6 +49,7 @@ pub struct PipelineState {
     contacts: Contacts,
     places: Places,
     detector: Detector,
+    tracker: Tracker,
 }
 
 /// What became of a frame.
@@ -98,6 +100,7 @@ pub fn sense(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) ->
     }
     let strengths = state.without_hysteresis(patch);
     patch.header.calibration.apply(&mut state.contacts, &strengths);
+    state.tracker.follow(frame.timestamp_us, patch.header.detection.radius, &mut state.contacts);
     state.follow(patch, frame, &mut measured);
     Outcome::Image
 }
@@ -123,6 +126,7 @@ impl PipelineState {
             contacts,
             places,
             detector,
+            tracker,
         } = self;
         (*tare, *reference, *drift, *places) = (None, None, Drift::default(), Places::default());
         (*bad_electrodes, *flags) = (ElectrodeSet::default(), FrameFlags::default());
@@ -130,6 +134,7 @@ impl PipelineState {
         image.clear();
         contacts.clear();
         detector.clear();
+        tracker.forget();
     }
 
     /// Averages the next `frames` frames into a new reference.

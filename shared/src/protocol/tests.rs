@@ -15,6 +15,7 @@ fn the_longest_messages_fit_a_packet() {
         pressure: Some(0.1),
         load_area: Some(0.1),
         evidence: None,
+        identity: None,
     };
     let image = PackedImage { exponent: -1, mantissas: (0..MAX_PIXELS).map(|_| i16::MIN).collect() };
     let codes: Vec<AdcCode, MAX_STEPS> = (0..MAX_STEPS).map(|_| AdcCode(i32::MIN)).collect();

@@ -1,4 +1,4 @@
-//! Tracking: contacts that move keep their numbers ([`dermatome_shared::track`]).
+//! Tracking: contacts that move keep their numbers on the board ([`dermatome_shared::track`]).
 //!
 //! Not one of the thesis' experiments: it tracks a point by pressing five places.
 
@@ -9,7 +9,7 @@ use super::{
     sample::THREE_SINGLE,
     sample_rig::{Artefacts, SampleRig},
 };
-use dermatome_shared::track::Tracker;
+use dermatome_shared::contact::Contact;
 use dermatome_simulate::{
     Press,
     script::{Moment, Script},
@@ -23,9 +23,6 @@ const FRAMES: u32 = 300;
 const RATE: f64 = 50.0;
 /// A track belongs to a finger that is so close, share of the diameter.
 const CLOSE: f64 = 0.15;
-/// Gate and timeout of the tracker.
-const GATE: f32 = 0.035;
-const TIMEOUT_US: u64 = 200_000;
 
 /// What becomes of one finger.
 #[derive(Default)]
@@ -45,7 +42,7 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
     report.words(format!(
         "Three fingers on the disc of 210 mm at {RATE} frames per second, {FRAMES} frames: two go \
          round at 80 mm from the middle; the third moves in the middle, is lifted for 0.1 s and keeps its number, then for 1 s and \
-         gets a new one. Contacts closer than the experiment two-point says become one, and no tracker tells them apart. Each finger doubles the conductivity beneath it. Tracks wait 0.2 s and reach 35 mm. Artefacts: {}.",
+         gets a new one. Contacts closer than the experiment two-point says become one, and no tracker tells them apart. Each finger doubles the conductivity beneath it. The board follows them. Artefacts: {}.",
         Artefacts::MOVING.words()
     ));
     let mut skin = THREE_SINGLE.skin()?;
@@ -61,17 +58,14 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
             rig.solve(&rig.truth().conductivity(&touching))
         })
         .collect();
-    let mut tracker = Tracker::new(GATE, TIMEOUT_US);
     let mut all_ids = BTreeSet::new();
     let mut of_fingers: Vec<Finger> = fingers.iter().map(|_| Finger::default()).collect();
-    for ((frame, presses), phasors) in (0_u64..).zip(&presses).zip(&phasors) {
-        let now_us = (frame as f64 / RATE * 1e6) as u64;
+    for (presses, phasors) in presses.iter().zip(&phasors) {
         let contacts = rig.glance(phasors);
-        tracker.update(now_us, &contacts);
-        all_ids.extend(tracker.touching(now_us).map(|track| track.id));
+        all_ids.extend(contacts.iter().filter_map(number));
         for (finger, press) in of_fingers.iter_mut().zip(presses) {
             if let Some(press) = press {
-                finger.see(press.position, &tracker, now_us, rig.side());
+                finger.see(press.position, &contacts, rig.side());
             }
         }
     }
@@ -133,21 +127,28 @@ fn conclude(mut report: Report, fingers: &[Finger], ghosts: usize) -> Result<Rep
 }
 
 impl Finger {
-    fn see(&mut self, at: [f64; 2], tracker: &Tracker, now_us: u64, side: f64) {
+    fn see(&mut self, at: [f64; 2], contacts: &[Contact], side: f64) {
         self.touching += 1;
         self.truth.push(at);
-        let place = |track: &dermatome_shared::track::Track| track.contact.from_above();
-        let distance = |[x, y]: [f64; 2]| (x - at[0]).hypot(y - at[1]) / side;
-        let tracks = tracker.touching(now_us);
-        let nearest = tracks.min_by(|a, b| distance(place(a)).total_cmp(&distance(place(b))));
-        let Some(track) = nearest.filter(|track| distance(place(track)) < CLOSE) else { return };
+        let distance = |contact: &Contact| {
+            let [x, y] = contact.from_above();
+            (x - at[0]).hypot(y - at[1]) / side
+        };
+        let nearest = contacts.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let Some(contact) = nearest.filter(|contact| distance(contact) < CLOSE) else { return };
         self.tracked += 1;
-        self.errors.push(distance(place(track)));
-        self.found.push(place(track));
-        if self.ids.last() != Some(&track.id) {
-            self.ids.push(track.id);
+        self.errors.push(distance(contact));
+        self.found.push(contact.from_above());
+        if let Some(number) = number(contact)
+            && self.ids.last() != Some(&number)
+        {
+            self.ids.push(number);
         }
     }
+}
+
+fn number(contact: &Contact) -> Option<u32> {
+    Some(contact.identity?.number)
 }
 
 /// Scripts of the three fingers, touch by touch.

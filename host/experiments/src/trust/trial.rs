@@ -210,6 +210,7 @@ mod tests {
             pressure: None,
             load_area: None,
             evidence: None,
+            identity: None,
         };
         let pressed = |counts: [usize; 6]| Pressed {
             frames: counts.map(|count| vec![contact; count]).to_vec(),

@@ -90,6 +90,7 @@ fn contacts_use_the_memory_of_their_place() {
             pressure: None,
             load_area: None,
             evidence: None,
+            identity: None,
         };
         let mut contacts: Contacts = presses.iter().map(contact).collect();
         let noise = RelativeConductivity(patch.header.contact_threshold.0 / 2);

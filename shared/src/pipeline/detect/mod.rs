@@ -382,6 +382,7 @@ impl Detector {
                 position_deviation: root(press.position_deviation, MODEL_POSITION * radius),
                 strength_deviation: root(press.strength_deviation, MODEL_STRENGTH * press.strength),
             }),
+            identity: None,
         };
         press::gathered(&self.presses, radius).iter().map(contact).collect()
     }

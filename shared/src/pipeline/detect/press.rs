@@ -2,9 +2,9 @@
 
 use super::{
     MAX_PRESSES, Presses,
-    spot::{Response, Spot, UNKNOWNS, square},
+    spot::{Response, Spot, UNKNOWNS},
 };
-use crate::patch::places::Places;
+use crate::{contact::square_distance, patch::places::Places};
 use heapless::Vec;
 
 /// A press that is one stays one until its significance falls below this share of the level.
@@ -116,7 +116,7 @@ impl Press {
 
     /// Square of its distance from there.
     pub(super) fn away_from(&self, position: [f32; 3]) -> f32 {
-        square(self.position, position)
+        square_distance(self.position, position)
     }
 
     /// Takes its satellite in: what is pressed lies in the middle of both.
@@ -143,7 +143,7 @@ pub(super) fn gathered(presses: &Vec<Press, MAX_PRESSES>, radius: f32) -> Presse
     sort(&mut left);
     let mut found = Presses::new();
     for press in left {
-        let away = |one: &&mut Press| square(one.position, press.position);
+        let away = |one: &&mut Press| square_distance(one.position, press.position);
         let near = found.iter_mut().min_by(|a, b| away(a).total_cmp(&away(b)));
         match near {
             Some(near)

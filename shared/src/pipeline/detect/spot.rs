@@ -1,6 +1,7 @@
 //! Spots: places with the way the response changes round them.
 
 use crate::{
+    contact::square_distance,
     image::surface::Surface,
     patch::{
         matrix::GROUP,
@@ -150,9 +151,9 @@ impl Spot {
     /// The place that an offset is nearest to, this one unless another is clearly nearer.
     pub(super) fn nearest(&self, surface: &Surface<'_>, places: &Places<'_>, offset: [f32; 2]) -> usize {
         let here = self.point(self.within_reach(offset));
-        let (mut place, mut least) = (self.place, square(here, self.centre));
+        let (mut place, mut least) = (self.place, square_distance(here, self.centre));
         for &(other, _) in &self.round {
-            let away = square(here, at(surface, places, other.into()).0);
+            let away = square_distance(here, at(surface, places, other.into()).0);
             if away < 0.9 * least {
                 (place, least) = (other.into(), away);
             }
@@ -208,11 +209,6 @@ impl Response<'_> {
 pub(super) fn at(surface: &Surface<'_>, places: &Places<'_>, place: usize) -> ([f32; 3], [f32; 3]) {
     let pixel = places.get(place).and_then(|place| surface.pixel(place.pixel.into()));
     pixel.map_or(([0.0; 3], [0.0, 0.0, 1.0]), |pixel| (surface.centre(&pixel), surface.normal(&pixel)))
-}
-
-/// Square of a distance.
-pub(super) fn square(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
 /// Two unit vectors at right angles to each other and to a unit vector.

@@ -2,7 +2,7 @@
 
 use dermatome_link::{
     Link, ScanFrame,
-    contacts::{ContactTracker, LinkFinger, LinkFrame},
+    contacts::{LinkFinger, LinkFrame},
     pose::Pose,
 };
 use dermatome_model::multi_contact::FittedContact;
@@ -24,7 +24,7 @@ pub(super) enum Display<'a> {
     /// One line per contact, in the skin's frame.
     Lines,
     /// One line of JSON per frame, in the frame of the link.
-    LinkFrames(Box<ContactTracker>, &'a Pose),
+    LinkFrames(&'a Pose),
 }
 
 impl<'a> Display<'a> {
@@ -40,8 +40,7 @@ impl<'a> Display<'a> {
             let surface = images.then(|| link.surface()).transpose()?;
             return Ok(Self::Terminal(Box::new(Live::new(surface.as_ref().map(Layout::from))), pose));
         }
-        Ok(pose
-            .map_or(Self::Lines, |pose| Self::LinkFrames(Box::new(ContactTracker::new(pose.clone())), pose)))
+        Ok(pose.map_or(Self::Lines, Self::LinkFrames))
     }
 
     pub(super) fn wants_images(&self) -> bool {
@@ -71,11 +70,11 @@ impl<'a> Display<'a> {
             }
             Self::Terminal(live, None) => live.draw_if_due(at, contacts),
             Self::Lines => print_lines(at, contacts),
-            Self::LinkFrames(tracker, pose) => {
+            Self::LinkFrames(pose) => {
                 let finger =
                     |finger: &FittedContact| LinkFinger::new(finger.position.into(), finger.strength, pose);
                 let fingers = fingers.map(|all| all.iter().map(finger).collect());
-                print_json(&LinkFrame { fingers, ..tracker.take(at, contacts) })
+                print_json(&LinkFrame { fingers, ..LinkFrame::new(pose, at, contacts) })
             }
         }
     }
@@ -128,6 +127,7 @@ mod tests {
             pressure: None,
             load_area: None,
             evidence: None,
+            identity: None,
         };
         assert_eq!(line(at, &contact), "7\t1.250000\t10.000\t-2.000\t0.000\t4.00\t0.500000\t\t\t");
         let calibrated = Contact { pressure: Some(12.5e3), ..contact };

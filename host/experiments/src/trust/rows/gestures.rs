@@ -7,9 +7,7 @@ use crate::trust::{
     place_of,
     trial::{Film, SETTLING_FRAMES},
 };
-use dermatome_link::contacts::{ContactTracker, LinkContact, LinkFrame};
-use dermatome_model::skin::Pose;
-use dermatome_shared::{contact::Contacts, frame::FrameFlags, protocol::FrameStamp};
+use dermatome_shared::contact::{Contact, Contacts};
 use nalgebra::{Point3, distance};
 use num_complex::Complex64;
 use std::{collections::BTreeSet, f64::consts::TAU};
@@ -102,7 +100,6 @@ pub(super) fn sliding(bench: &Bench, options: &Options) -> Result<Vec<Figure>, T
 /// What becomes of one gesture, as a robot's program sees it.
 struct Watched<'a, 'b> {
     trial: &'a mut Trial<'b>,
-    tracker: ContactTracker,
     ids: BTreeSet<u32>,
 }
 
@@ -215,35 +212,23 @@ impl Crossing {
 impl<'a, 'b> Watched<'a, 'b> {
     /// A fresh look: nothing was touched for a while.
     fn new(trial: &'a mut Trial<'b>) -> Self {
-        let pose = Pose { link: "skin".to_owned(), position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0] };
-        let mut watched = Self { trial, tracker: ContactTracker::new(pose), ids: BTreeSet::new() };
+        let mut watched = Self { trial, ids: BTreeSet::new() };
         watched.rest();
         watched.ids.clear();
         watched
     }
 
-    fn see(&mut self, voltages: &[Complex64]) -> LinkFrame {
+    fn see(&mut self, voltages: &[Complex64]) -> Contacts {
         let contacts = self.trial.see(voltages).contacts().clone();
-        self.take(&contacts)
-    }
-
-    fn take(&mut self, contacts: &Contacts) -> LinkFrame {
-        let at = FrameStamp {
-            sequence: self.trial.sequence(),
-            timestamp_us: (self.trial.time() * 1e6).round() as u64,
-            flags: FrameFlags::default(),
-        };
-        let frame = self.tracker.take(at, contacts);
-        self.ids.extend(frame.contacts.iter().filter_map(|contact| contact.id));
-        frame
+        self.ids.extend(contacts.iter().filter_map(number));
+        contacts
     }
 
     /// Nothing touches for a while.
     fn rest(&mut self) {
         let frames = (AFTER / self.trial.period()).ceil() as usize;
         for _ in 0..frames {
-            let contacts = self.trial.see_untouched().contacts().clone();
-            self.take(&contacts);
+            self.ids.extend(self.trial.see_untouched().contacts().iter().filter_map(number));
         }
     }
 
@@ -284,12 +269,16 @@ impl<'a, 'b> Watched<'a, 'b> {
     }
 }
 
+fn number(contact: &Contact) -> Option<u32> {
+    Some(contact.identity?.number)
+}
+
 /// Identity of the contact nearest to each finger; none unless there are two contacts, one for each.
-fn identities(frame: &LinkFrame, fingers: &[Point3<f64>; 2]) -> Option<[u32; 2]> {
-    let [a, b] = &frame.contacts[..] else { return None };
+fn identities(contacts: &Contacts, fingers: &[Point3<f64>; 2]) -> Option<[u32; 2]> {
+    let [a, b] = &contacts[..] else { return None };
     let nearer = |finger: &Point3<f64>| {
-        let away = |contact: &LinkContact| distance(&Point3::from(contact.position_m.map(f64::from)), finger);
-        if away(a) < away(b) { a.id } else { b.id }
+        let away = |contact: &Contact| distance(&place_of(contact), finger);
+        if away(a) < away(b) { number(a) } else { number(b) }
     };
     let ids = [nearer(&fingers[0])?, nearer(&fingers[1])?];
     (ids[0] != ids[1]).then_some(ids)
