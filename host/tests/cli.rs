@@ -14,7 +14,7 @@ use std::{
 };
 
 /// All commands.
-const COMMANDS: [&str; 23] = [
+const COMMANDS: [&str; 24] = [
     "build",
     "calibrate",
     "check",
@@ -34,6 +34,7 @@ const COMMANDS: [&str; 23] = [
     "inspect",
     "learn",
     "reconstruct",
+    "replay",
     "scope",
     "simulate",
     "stream",

@@ -7,7 +7,7 @@ mod program;
 use dermatome::{
     learn::{
         LearnError, Learnt, Request, Strength,
-        judge::{Judged, board_contacts, judge_board},
+        judge::{Judged, ToldApart, board_contacts, judge_board, pairs, told_apart},
         learn,
         matrix::spots,
         presses::{Presses, Recording},
@@ -481,5 +481,39 @@ fn few_presses_teach_a_real_skin() {
             error <= most && error < ridge && seconds <= 0.03,
             "{taught}: {error:.2} {ridge:.2} {seconds:.3}"
         );
+    }
+}
+
+/// Judges pairs of held-out presses at about this distance, mm, with a board's arithmetic.
+fn pairs_at(presses: &Presses, judged: &[usize], learnt: &Learnt, apart_mm: f64) -> ToldApart {
+    let view = PatchView::validate(&learnt.patch).unwrap();
+    let chosen = pairs(presses, judged, (apart_mm - 3.0) * 1e-3..=(apart_mm + 3.0) * 1e-3, 40);
+    told_apart(presses, &chosen, |data| board_contacts(&view, data))
+}
+
+#[test]
+fn two_touches_at_once_are_told_apart_by_what_single_presses_taught() {
+    if !Path::new(REAL).exists() {
+        eprintln!("NOT RUN: hydrogel_skin_wam.npz is absent, so nothing was learnt from real presses");
+        return;
+    }
+    let (skin, model, recording) = hydrogel();
+    let presses = recording.on(&model, &Arrangement::default()).unwrap();
+    println!("presses  pairs of others told apart at 20 mm, 40 mm, 60 mm, 75 mm  (three seeds)");
+    for (taught, least) in [(100, 0.55), (320, 0.5)] {
+        let mut sums = [20.0, 40.0, 60.0, 75.0].map(|apart| (apart, ToldApart::default()));
+        for seed in 201..204 {
+            let mut order: Vec<usize> = (0..presses.count()).collect();
+            order.shuffle(&mut Pcg64Mcg::seed_from_u64(seed));
+            let (judged, rest) = order.split_at(80);
+            let request = Request { test_share: 0.0, ..REQUEST };
+            let learnt = learn(&skin, &model, &some_of(&presses, &rest[..taught]), &request).unwrap();
+            for (apart, sum) in &mut sums {
+                *sum = sum.and(pairs_at(&presses, judged, &learnt, *apart));
+            }
+        }
+        let share = |(_, sum): (f64, ToldApart)| 1.0 - sum.missed();
+        println!("{taught:>7}  {:.2?}", sums.map(share));
+        assert!(share(sums[3]) >= least, "{taught}: {sums:?}");
     }
 }

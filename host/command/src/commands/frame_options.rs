@@ -36,8 +36,12 @@ impl FrameOptions {
 
     /// Reads frames of a skin.
     pub(super) fn read(&self, source: &Source, skin: &Skin) -> Result<Frames, ReadError> {
-        let frames = read(source)?.with_square(skin.electrodes.count, skin.steps().len());
-        Ok(frames.minus(self.offset))
+        self.read_of(source, skin.electrodes.count, skin.steps().len())
+    }
+
+    /// Reads frames of so many electrodes and steps.
+    pub(super) fn read_of(&self, source: &Source, electrodes: u8, steps: usize) -> Result<Frames, ReadError> {
+        Ok(read(source)?.with_square(electrodes, steps).minus(self.offset))
     }
 }
 

@@ -12,7 +12,12 @@ use super::{
 };
 use anyhow::Context;
 use dermatome_frames::{
-    learn::{LearnReport, MOST_TEST, Request, judge::Errors, learn, presses::Recording},
+    learn::{
+        LearnReport, MOST_TEST, Request,
+        judge::{Errors, ToldApart},
+        learn,
+        presses::Recording,
+    },
     recorded::{
         diagnose::diagnose,
         read::{Frames, Source},
@@ -205,6 +210,8 @@ fn print(report: &Report) {
     print_errors("cross-validation", &learnt.validation);
     optional("test, model, fixed point", &learnt.model_test);
     optional("test, learnt, fixed point", &learnt.test);
+    let ToldApart { pairs, told_apart } = learnt.validation_pairs;
+    say!("two at once   {told_apart} of {pairs} pairs told apart in cross-validation");
     say!("fixed point   moves a contact by {:.3} mm at most", learnt.fixed_point_mm);
     say!("noise         {:.2} times the model's in the image", learnt.noise_amplification);
     let model = if learnt.process.from_model { "with" } else { "without" };

@@ -25,6 +25,7 @@ mod calibrate;
 mod check;
 mod check_data;
 mod choices;
+mod contact_lines;
 mod cut;
 mod demo;
 mod design;
@@ -41,10 +42,12 @@ mod frame_options;
 mod inspect;
 pub(crate) mod interrupt;
 mod learn;
+mod link_frame;
 mod noise;
 mod preserved;
 mod progress;
 mod reconstruct;
+mod replay;
 mod scope;
 mod simulate;
 mod skin_of_cutout;
@@ -81,6 +84,7 @@ enum Command {
     Devices(devices::Args),
     Firmware(firmware::Args),
     Reconstruct(reconstruct::Args),
+    Replay(replay::Args),
     CheckData(check_data::Args),
     Cut(cut::Args),
     Design(design::Args),
@@ -125,6 +129,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Devices(args) => devices::run(&args),
         Command::Firmware(args) => firmware::run(&args),
         Command::Reconstruct(args) => reconstruct::run(&args),
+        Command::Replay(args) => replay::run(&args),
         Command::CheckData(args) => check_data::run(&args),
         Command::Cut(args) => cut::run(&args),
         Command::Design(args) => design::run(&args),

@@ -1,7 +1,7 @@
-//! Judge: how far from the presses a matrix's strongest contacts lie.
+//! Judge: how far from the presses a matrix's strongest contacts lie, and whether two at once are told apart.
 
 use super::{LearnError, presses::Presses};
-use crate::recorded::reconstruct::contacts;
+use crate::recorded::reconstruct::{contacts, evenly_spaced};
 use dermatome_model::model::Model;
 use dermatome_patch::{layout::Layout, tables::SurfaceTables};
 use dermatome_shared::{
@@ -13,6 +13,7 @@ use dermatome_shared::{
 };
 use faer::{Col, Mat};
 use serde::Serialize;
+use std::ops::RangeInclusive;
 
 /// Position errors of some presses, mm. A press without a contact counts as the grid's larger side.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -88,16 +89,81 @@ pub struct Judged<'a> {
     pub surface: &'a SurfaceTables,
 }
 
+/// Two presses at once, taken as the sum of what each of them changes.
+pub type Pair = [usize; 2];
+
+/// Pairs of some presses that are so far apart, m, evenly spaced among all such pairs, and no more than `most`.
+#[must_use]
+pub fn pairs(presses: &Presses, which: &[usize], apart: RangeInclusive<f64>, most: usize) -> Vec<Pair> {
+    let all = which.iter().enumerate().flat_map(|(n, &a)| which[..n].iter().map(move |&b| [a, b]));
+    let away = |[a, b]: &Pair| (presses.places[*a] - presses.places[*b]).norm();
+    let all: Vec<Pair> = all.filter(|pair| apart.contains(&away(pair))).collect();
+    evenly_spaced(all.len(), most).into_iter().map(|pair| all[pair]).collect()
+}
+
+/// How many pairs are told apart.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct ToldApart {
+    /// Pairs judged.
+    pub pairs: usize,
+    /// Those that showed two contacts, each nearer to a press of its own than half of what both are apart.
+    pub told_apart: usize,
+}
+
+impl ToldApart {
+    /// Both together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self { pairs: self.pairs + other.pairs, told_apart: self.told_apart + other.told_apart }
+    }
+
+    /// Share of pairs that were not told apart; none of none.
+    #[must_use]
+    pub fn missed(self) -> f64 {
+        (self.pairs - self.told_apart) as f64 / self.pairs.max(1) as f64
+    }
+}
+
+/// Judges pairs by what `find` finds in difference data, `[measurement]`.
+#[must_use]
+pub fn told_apart(
+    presses: &Presses,
+    pairs: &[Pair],
+    find: impl Fn(&[f64]) -> contact::Contacts,
+) -> ToldApart {
+    let is_told = |&&[a, b]: &&Pair| {
+        let sum = presses.data[a].iter().zip(&presses.data[b]).map(|(a, b)| a + b);
+        let contacts = find(&sum.collect::<Vec<_>>());
+        let [one, other] = contacts.as_slice() else { return false };
+        let places = [a, b].map(|press| [presses.places[press].x, presses.places[press].y]);
+        let half = 0.5 * distance(places[0], places[1]);
+        let fits = |[x, y]: [[f64; 2]; 2]| {
+            distance(one.from_above(), x) < half && distance(other.from_above(), y) < half
+        };
+        fits(places) || fits([places[1], places[0]])
+    };
+    ToldApart { pairs: pairs.len(), told_apart: pairs.iter().filter(is_told).count() }
+}
+
 impl Judged<'_> {
     /// Finds the strongest contact of each press, however weak.
     #[must_use]
     pub fn judge(&self, presses: &Presses, which: &[usize]) -> Outcome {
-        outcome(self.surface, presses, which, |data| {
-            let image = self.matrix * Col::from_fn(data.len(), |m| data[m]);
-            let image: Vec<f64> = image.iter().copied().collect();
-            let peak = image.iter().copied().fold(0.0, f64::max);
-            (contacts(self.surface, &image, 1.0, peak), peak)
-        })
+        outcome(self.surface, presses, which, |data| self.contacts(data))
+    }
+
+    /// Looks for two contacts in each pair.
+    #[must_use]
+    pub fn told_apart(&self, presses: &Presses, pairs: &[Pair]) -> ToldApart {
+        told_apart(presses, pairs, |data| self.contacts(data).0)
+    }
+
+    /// Contacts, strongest first, and what their image was divided by.
+    fn contacts(&self, data: &[f64]) -> (contact::Contacts, f64) {
+        let image = self.matrix * Col::from_fn(data.len(), |m| data[m]);
+        let image: Vec<f64> = image.iter().copied().collect();
+        let peak = image.iter().copied().fold(0.0, f64::max);
+        (contacts(self.surface, &image, 1.0, peak), peak)
     }
 }
 
@@ -273,6 +339,48 @@ mod tests {
         let (exact, near) = (seen(&[(a, Some(a)), (a, Some(a))]), seen(&[(a, Some(b)), (a, Some(a))]));
         assert!((exact.farthest_from(&near) - 2.0).abs() < 1e-9);
         assert!((exact.farthest_from(&seen(&[(a, None), (a, Some(a))])) - 200.0).abs() < 1e-9);
+    }
+
+    /// Presses at these places, of which each changes a measurement of its own.
+    fn pressed(places: &[[f64; 2]]) -> Presses {
+        let one = |press: usize| (0..places.len()).map(|m| f64::from(u8::from(m == press))).collect();
+        Presses {
+            data: (0..places.len()).map(one).collect(),
+            places: places.iter().map(|&[x, y]| nalgebra::Point3::new(x, y, 0.0)).collect(),
+            forces: None,
+            mean_divisors: vec![1.0; places.len()],
+            mean_reference: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn pairs_are_as_far_apart_as_asked_for_and_told_apart_by_two_contacts_near_them() {
+        let presses = pressed(&[[0.0, 0.0], [0.04, 0.0], [0.0, 0.03], [0.2, 0.2]]);
+        let all = pairs(&presses, &[0, 1, 2, 3], 0.03..=0.05, 10);
+        assert_eq!(all, [[1, 0], [2, 0], [2, 1]]);
+        assert_eq!(pairs(&presses, &[0, 1, 2, 3], 0.03..=0.05, 1).len(), 1);
+        let seen = |off: f32, extra: bool| {
+            told_apart(&presses, &all, |data| {
+                let contact = |press: usize| Contact {
+                    position: [presses.places[press].x as f32 + off, presses.places[press].y as f32, 0.0],
+                    normal: [0.0, 0.0, 1.0],
+                    area: 1e-4,
+                    strength: 1.0,
+                    peak: 1.0,
+                    pressure: None,
+                    load_area: None,
+                    evidence: None,
+                    identity: None,
+                };
+                let pressed = (0..4).filter(|&press| data[press] > 0.0);
+                pressed.chain(extra.then_some(3)).map(contact).collect()
+            })
+        };
+        assert_eq!(seen(0.01, false), ToldApart { pairs: 3, told_apart: 3 });
+        // 17 mm are more than half of the 30 mm of one pair.
+        assert_eq!(seen(0.017, false), ToldApart { pairs: 3, told_apart: 2 });
+        assert_eq!(seen(0.0, true).told_apart, 0);
+        assert!((seen(0.017, false).and(seen(0.0, true)).missed() - 4.0 / 6.0).abs() < 1e-12);
     }
 
     proptest! {

@@ -28,14 +28,14 @@ use dermatome_model::{
 };
 use dermatome_shared::patch::{PatchError, PatchView};
 use faer::Mat;
-use judge::{Errors, Outcome, Turn, judge_board, judge_matrix};
+use judge::{Errors, Judged, Outcome, ToldApart, Turn, judge_board, judge_matrix};
 use matrix::{LearntMatrix, Settings, Training};
 use presses::Presses;
 use rayon::prelude::*;
 use responses::Process;
 use serde::Serialize;
 use split::{Folds, split};
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, ops::RangeInclusive};
 
 /// Parts of the cross-validation.
 pub const FOLDS: usize = 5;
@@ -51,6 +51,12 @@ const MISFITS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 const RADII: [f64; 5] = [0.2, 0.25, 0.3, 0.35, 0.4];
 /// What a second contact of one press costs in cross-validation, as a share of the skin's larger side.
 const SECOND: f64 = 0.05;
+/// What a pair of presses that is not told apart costs, as such a share.
+const PAIR: f64 = 0.015;
+/// How far apart the presses of a pair are, as such shares.
+const APART: RangeInclusive<f64> = 0.25..=0.6;
+/// Most pairs of each part of the cross-validation.
+const MOST_PAIRS: usize = 60;
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,6 +117,8 @@ pub struct LearnReport {
     pub training: Errors,
     /// Matrices learnt from four fifths of the training presses, each on the other fifth, f64.
     pub validation: Errors,
+    /// Pairs of presses on the fifth that the matrix has not learnt from, as the sum of what each changes, f64.
+    pub validation_pairs: ToldApart,
     /// The model's matrix on the test presses, in a board's fixed point.
     pub model_test: Option<Errors>,
     /// The learnt matrix on the test presses, in a board's fixed point.
@@ -232,6 +240,7 @@ pub fn learn(skin: &Skin, model: &Model, presses: &Presses, request: &Request) -
         model_training: placed.errors(),
         training: learns_from.errors(),
         validation: chosen.errors,
+        validation_pairs: chosen.pairs,
         model_test: test_of(&of_model),
         test: test_of(&on_board),
         fixed_point_mm: judge_matrix(&learnt, presses, judged)?.farthest_from(&on_board),
@@ -296,9 +305,11 @@ fn noise_amplification(training: &Training<'_>, made: &LearntMatrix) -> f64 {
 struct Chosen {
     settings: Settings,
     errors: Errors,
+    pairs: ToldApart,
 }
 
-/// Those with the smallest mean error, where a second contact of a press is an error as well.
+/// Those with the smallest mean error, where a second contact of a press is an error as well, and two presses at once that
+/// are not told apart.
 fn choose(
     model: &Model,
     presses: &Presses,
@@ -307,27 +318,36 @@ fn choose(
     strength: Strength,
 ) -> Result<Chosen, LearnError> {
     let surface = &model.surface()?;
+    let side = 2.0 * half_side(&model.mesh);
+    let apart = side * APART.start()..=side * APART.end();
     let tables = folds.iter().collect::<Vec<_>>().into_par_iter().map(|(training, validation)| {
         let training = Training::new(model, presses, training, places, strength)?;
+        let pairs = judge::pairs(presses, validation, apart.clone(), MOST_PAIRS);
         let mut outcomes = Vec::with_capacity(RADII.len() * MISFITS.len());
         for radius in RADII {
             let wanted = training.wanted(radius);
             for misfit in MISFITS {
                 let made = training.matrix(misfit, &wanted)?;
-                outcomes.push(judge::Judged { matrix: &made.matrix, surface }.judge(presses, validation));
+                let judged = Judged { matrix: &made.matrix, surface };
+                outcomes.push((judged.judge(presses, validation), judged.told_apart(presses, &pairs)));
             }
         }
         Ok(outcomes)
     });
-    let tables: Vec<Vec<Outcome>> = tables.collect::<Result<_, LearnError>>()?;
-    let together = |place: usize| Outcome::together(tables.iter().map(|table| &table[place])).errors();
-    let side_mm = 2e3 * half_side(&model.mesh);
-    let cost = |errors: &Errors| {
-        errors.mean_mm + SECOND * side_mm * errors.seconds as f64 / errors.presses.max(1) as f64
+    let tables: Vec<Vec<(Outcome, ToldApart)>> = tables.collect::<Result<_, LearnError>>()?;
+    let together = |place: usize| {
+        let pairs = tables.iter().map(|table| table[place].1);
+        let errors = Outcome::together(tables.iter().map(|table| &table[place].0)).errors();
+        (errors, pairs.fold(ToldApart::default(), ToldApart::and))
     };
-    let errors: Vec<Errors> = (0..RADII.len() * MISFITS.len()).map(together).collect();
-    let best = (0..errors.len()).min_by(|&a, &b| cost(&errors[a]).total_cmp(&cost(&errors[b])));
+    let cost = |(errors, pairs): &(Errors, ToldApart)| {
+        let seconds = errors.seconds as f64 / errors.presses.max(1) as f64;
+        errors.mean_mm + side * 1e3 * (SECOND * seconds + PAIR * pairs.missed())
+    };
+    let tried: Vec<_> = (0..RADII.len() * MISFITS.len()).map(together).collect();
+    let best = (0..tried.len()).min_by(|&a, &b| cost(&tried[a]).total_cmp(&cost(&tried[b])));
     let best = best.expect("there are settings");
     let settings = Settings { misfit: MISFITS[best % MISFITS.len()], radius: RADII[best / MISFITS.len()] };
-    Ok(Chosen { settings, errors: errors[best] })
+    let (errors, pairs) = tried[best];
+    Ok(Chosen { settings, errors, pairs })
 }

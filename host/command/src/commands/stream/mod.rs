@@ -2,13 +2,13 @@
 
 mod display;
 mod fingers;
-mod link_frame;
 mod tally;
 
 use super::{
     BoardReport,
     board::open,
-    interrupt,
+    contact_lines::is_read,
+    interrupt, link_frame,
     tare::{patch_of, tare_with_spinner},
 };
 use dermatome_link::{Link, LinkError, LinkErrorKind, ScanFrame, Subscription};
@@ -22,7 +22,6 @@ use fingers::Fingers;
 use serde::Serialize;
 use std::{
     collections::BTreeMap,
-    io::{self, ErrorKind},
     path::PathBuf,
     time::{Duration, Instant},
 };
@@ -106,7 +105,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let mut link = open(&args.port)?;
     let patch = patch_of(&mut link)?;
     let path = args.skin.as_deref();
-    let on_link = path.map(|path| link_frame::skin_of(path, &mut link, &patch)).transpose()?;
+    let on_link =
+        path.map(|path| link_frame::skin_of(path, &patch.skin, || Ok(link.surface()?))).transpose()?;
     let pose = on_link.as_ref().map(|(_, pose)| pose);
     let tared_first = tare_if_needed(&mut link, &patch)?;
     let fingers = radius.zip(on_link.as_ref());
@@ -208,14 +208,6 @@ fn asked_to_end(args: &Args, tally: &Tally) -> Option<Ended> {
         return Some(Ended::Interrupt);
     }
     args.frames.is_some_and(|frames| tally.received() >= frames).then_some(Ended::Frames)
-}
-
-/// Whether somebody still reads standard output.
-fn is_read(written: io::Result<()>) -> io::Result<bool> {
-    match written {
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
-        other => other.map(|()| true),
-    }
 }
 
 /// Longest silence before the board is asked: five frames, and at least a second.

@@ -1,22 +1,24 @@
-//! The link's frame: which pose contacts of the board's skin have on a robot.
+//! The link's frame: which pose contacts of a patch's skin have on a robot.
 
 use anyhow::{Context, bail, ensure};
 use dermatome_geometry::mesh::Lattice;
-use dermatome_link::Link;
 use dermatome_model::{
     model::{mesh, pixels_on},
     skin::{Pose, Skin},
 };
 use dermatome_patch::tables::SurfaceTables;
-use dermatome_shared::protocol::PatchInfo;
 use nalgebra::Point3;
 use std::path::Path;
 
-/// How far a pixel of the board's patch may lie from where the skin file has it, m.
+/// How far a pixel of the patch may lie from where the skin file has it, m.
 const SAME_PLACE: f64 = 1e-4;
 
-/// The skin in `path`, which must be that of the board's patch, and its pose.
-pub(super) fn skin_of(path: &Path, link: &mut Link, patch: &PatchInfo) -> anyhow::Result<(Skin, Pose)> {
+/// The skin in `path`, which must be that of a patch with this name and these pixels, and its pose.
+pub(super) fn skin_of(
+    path: &Path,
+    of_patch: &str,
+    pixels: impl FnOnce() -> anyhow::Result<SurfaceTables>,
+) -> anyhow::Result<(Skin, Pose)> {
     let file = path.display();
     let skin = Skin::load(path)?.made()?;
     let Some(pose) = skin.pose.clone() else {
@@ -24,17 +26,17 @@ pub(super) fn skin_of(path: &Path, link: &mut Link, patch: &PatchInfo) -> anyhow
             "skin file `{file}`: `pose` is missing; allowed: a table `[pose]` as `dermatome cut` writes it"
         );
     };
-    let (name, of_board) = (&skin.name, &patch.skin);
+    let name = &skin.name;
     ensure!(
-        skin.name == patch.skin.as_str(),
-        "skin file `{file}`: `name` is {name:?}; allowed: {of_board:?}, the skin of the board's patch"
+        name == of_patch,
+        "skin file `{file}`: `name` is {name:?}; allowed: {of_patch:?}, the skin of the patch"
     );
-    let on_board = link.surface()?;
+    let in_patch = pixels()?;
     let in_file = surface(&skin).with_context(|| format!("skin file `{file}`"))?;
     ensure!(
-        in_file.is_some_and(|in_file| is_same(&in_file, &on_board)),
-        "skin file `{file}`: its pixels do not lie where those of the board's patch do, so neither would contacts: \
-         give the skin file that the patch was built from, or build and flash it anew"
+        in_file.is_some_and(|in_file| is_same(&in_file, &in_patch)),
+        "skin file `{file}`: its pixels do not lie where those of the patch do, so neither would contacts: give the skin file \
+         that the patch was built from, or build it anew"
     );
     Ok((skin, pose))
 }
