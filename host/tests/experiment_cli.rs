@@ -40,6 +40,16 @@ fn assert_loading(name: &str, sample: &str, thesis: f64) {
     let [all, without] =
         ["readings_under_load", "readings_without_contact"].map(|key| figures[key].as_u64().unwrap());
     assert!(all >= 69 && without * 20 <= all, "{without} of {all} readings are without a contact");
+    let found = |what: &str| comparison(&report, &format!("{sample}: {what}"))["found"].as_f64().unwrap();
+    // Noise is 0.1 % in a frame.
+    assert!(found("what the artefacts of a load alone do to the voltages") > 2.0, "{report:#}");
+    let plain = comparison(
+        &report,
+        &format!("{sample}: without electrode movement in the matrix: CoP error, mean distance"),
+    );
+    assert!((plain["at_most"].as_f64().unwrap() - thesis).abs() < 1e-9, "{plain:#}");
+    assert!(plain["found"].as_f64().unwrap() > 4.0 * found("CoP error, mean distance"), "{plain:#}");
+    assert_eq!(plain["met"], sample == "Sample 1", "{plain:#}");
 }
 
 #[test]
@@ -79,6 +89,8 @@ fn five_points_are_found_better_than_in_the_thesis() {
     let report = report_of("points");
     assert_met(&report, "position error, mean", "at_most", 9.3);
     assert_met(&report, "position error, largest", "at_most", 19.0);
+    let plain = comparison(&report, "without electrode movement in the matrix");
+    assert!(plain["met"] == false && plain["found"].as_f64().unwrap() > 20.0, "{plain:#}");
 }
 
 #[test]

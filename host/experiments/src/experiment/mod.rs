@@ -20,7 +20,7 @@ mod shapes;
 mod tracking;
 mod two_point;
 
-use crate::{evaluate::EvaluateError, scenes::ScenesError};
+use crate::{deform::DeformError, evaluate::EvaluateError, scenes::ScenesError};
 use dermatome_model::{
     model::ModelError,
     skin::{Skin, SkinError},
@@ -138,6 +138,9 @@ pub enum ExperimentError {
     /// The artefacts do not suit the skin.
     #[error(transparent)]
     Artefacts(#[from] EvaluateError),
+    /// Nor do they.
+    #[error(transparent)]
+    Deform(#[from] DeformError),
     /// A material cannot be used.
     #[error(transparent)]
     Material(#[from] MaterialError),
