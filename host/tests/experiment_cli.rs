@@ -40,6 +40,16 @@ fn assert_loading(name: &str, sample: &str, thesis: f64) {
     let [all, without] =
         ["readings_under_load", "readings_without_contact"].map(|key| figures[key].as_u64().unwrap());
     assert!(all >= 69 && without * 20 <= all, "{without} of {all} readings are without a contact");
+    let found = |what: &str| comparison(&report, &format!("{sample}: {what}"))["found"].as_f64().unwrap();
+    // Noise is 0.1 % in a frame.
+    assert!(found("what the artefacts of a load alone do to the voltages") > 2.0, "{report:#}");
+    let plain = comparison(
+        &report,
+        &format!("{sample}: without electrode movement in the matrix: CoP error, mean distance"),
+    );
+    assert!((plain["at_most"].as_f64().unwrap() - thesis).abs() < 1e-9, "{plain:#}");
+    assert!(plain["found"].as_f64().unwrap() > 4.0 * found("CoP error, mean distance"), "{plain:#}");
+    assert_eq!(plain["met"], sample == "Sample 1", "{plain:#}");
 }
 
 #[test]
@@ -63,14 +73,27 @@ fn sample_3_of_two_layers_is_loaded_and_its_centre_of_pressure_found_better_than
 }
 
 #[test]
-fn the_o_shows_its_hole_and_the_l_its_corner() {
+fn the_large_o_shows_its_hole_and_the_l_its_corner_and_small_os_say_that_they_do_not() {
     let report = report_of("shapes");
     for sample in ["Sample 3, single", "Sample 3, dual"] {
-        assert_met(&report, &format!("{sample}: hole of the 'O' against its ring"), "at_least", 20.0);
+        let hole = |size: &str| format!("{sample}: hole of the 'O' of {size} against its ring");
+        assert_met(&report, &hole("110/66 mm"), "at_least", 20.0);
         assert_met(&report, &format!("{sample}: error of that angle"), "at_most", 20.0);
         let found = |what: &str| comparison(&report, &format!("{sample}: {what}"))["found"].as_f64().unwrap();
         assert!((found("angle of the 'L'") - 90.0).abs() < 20.0);
         assert!(found("distance of the corner found") < 4.0, "{report:#}");
+        let dips = ["110/66 mm", "90/54 mm", "70/42 mm"].map(|size| comparison(&report, &hole(size)));
+        for dip in dips {
+            assert_eq!(dip["met"], dip["found"].as_f64().unwrap() >= 20.0, "{dip:#}");
+        }
+        let [large, middle, small] = dips.map(|dip| dip["found"].as_f64().unwrap());
+        assert!(large > middle && middle > small, "{large} {middle} {small}");
+    }
+    for depth in ["full", "half"] {
+        let name = |what: &str| format!("thin fingers, {depth} depth: {what}");
+        assert_met(&report, &name("seen as exactly one"), "at_least", 99.0);
+        let mean = comparison(&report, &name("position error, mean"))["found"].as_f64().unwrap();
+        assert!(mean > 0.0 && mean < 1.5, "{mean}");
     }
 }
 
@@ -79,6 +102,8 @@ fn five_points_are_found_better_than_in_the_thesis() {
     let report = report_of("points");
     assert_met(&report, "position error, mean", "at_most", 9.3);
     assert_met(&report, "position error, largest", "at_most", 19.0);
+    let plain = comparison(&report, "without electrode movement in the matrix");
+    assert!(plain["met"] == false && plain["found"].as_f64().unwrap() > 20.0, "{plain:#}");
 }
 
 #[test]
@@ -92,6 +117,16 @@ fn moving_fingers_keep_their_numbers_and_one_that_was_long_away_gets_a_new_one()
     let all: std::collections::BTreeSet<u64> =
         numbers.iter().flat_map(|ids| ids.as_array().unwrap()).map(|id| id.as_u64().unwrap()).collect();
     assert_eq!(all.len(), 4, "{numbers:?}");
+    for closest in ["63 mm", "42 mm"] {
+        assert_met(&report, &format!("fingers that approach to {closest}"), "at_most", 0.0);
+    }
+    let closer = comparison(&report, "fingers that approach to 21 mm");
+    assert!(closer["met"].is_null(), "closer than they must be told apart: {closer:#}");
+    for approach in report["experiments"][0]["figures"]["approach"].as_array().unwrap() {
+        let [closest, kept, two] =
+            ["closest_m", "numbers_kept", "two_contacts_percent"].map(|key| approach[key].as_f64().unwrap());
+        assert!(two > 40.0 && (closest < 0.04 || kept == 6.0 && two > 90.0), "{approach:#}");
+    }
 }
 
 #[test]

@@ -157,15 +157,6 @@ impl SimulatedSkin {
         self.untouched = None;
     }
 
-    /// Gives the electrodes other contacts, ohm m: `[electrode]`; noise and gain stay as they were found.
-    pub fn change_contacts(
-        &mut self,
-        skin: &Skin,
-        contact_impedance: &[Complex64],
-    ) -> Result<(), ModelError> {
-        self.truth.change_contacts(skin, contact_impedance)
-    }
-
     /// Volts at the drive's current, turned by its phase: `[slot]`.
     fn volts(&self, table: &ScanTable, phasors: &[Complex64]) -> Vec<Complex64> {
         let amplitude = f64::from(table.drive.amplitude) / self.sheet_conductivity;

@@ -72,16 +72,6 @@ impl TrueSkin {
         Ok(Self { mesh, forward, frequency })
     }
 
-    /// Gives its electrodes other contacts, as a knock does; `skin` is the one it was made of.
-    pub fn change_contacts(
-        &mut self,
-        skin: &Skin,
-        contact_impedance: &[Complex64],
-    ) -> Result<(), ModelError> {
-        self.forward = forward_with(skin, &self.mesh, contact_impedance, self.frequency)?;
-        Ok(())
-    }
-
     /// Its mesh.
     #[must_use]
     pub fn mesh(&self) -> &Mesh {

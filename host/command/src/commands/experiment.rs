@@ -86,8 +86,8 @@ fn print(report: &Report) {
         let unit = comparison.unit;
         let thesis = comparison.thesis.map_or(String::new(), |thesis| format!(", thesis {thesis:.4} {unit}"));
         let verdict = match comparison.met() {
-            Some(true) => ", as wanted",
-            Some(false) => ", NOT as wanted",
+            Some(true) => ", met",
+            Some(false) => ", NOT MET",
             None => "",
         };
         say!("  {}: {:.4} {unit}{thesis}{verdict}", comparison.what, comparison.found);

@@ -3,11 +3,13 @@
 use super::report::{Block, Comparison, Report, Table, Wanted, number};
 use base64::{Engine, engine::general_purpose::STANDARD};
 
+/// A window of 1,200 pixels shows all of it: words in tables break, numbers do not.
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:1060px;margin:2em auto;\
 padding:0 1em}h1{font-size:1.7em}h2{margin-top:2.2em;border-bottom:1px solid #ccc}\
 table{border-collapse:collapse;margin:1em 0;font-variant-numeric:tabular-nums}\
 caption{text-align:left;font-weight:600;padding-bottom:.3em}th,td{padding:.2em .7em;border-bottom:1px solid #ddd;\
-text-align:right;white-space:nowrap}p,figcaption{max-width:75em}th:first-child,td:first-child{text-align:left}th{background:#f4f4f4}\
+text-align:right;white-space:nowrap}table{max-width:100%}th,th:first-child,td:first-child,.words{white-space:normal}\
+.words{text-align:left}td a{white-space:nowrap}p,figcaption{max-width:75em}th:first-child,td:first-child{text-align:left}th{background:#f4f4f4}\
 .yes{color:#06703c}.no{color:#b2182b;font-weight:600}.plots{display:flex;flex-wrap:wrap;gap:10px}\
 .plots svg,img{max-width:100%;height:auto}figure{margin:1em 0}figcaption{color:#555}\
 .note{background:#fff7e0;border-left:4px solid #e69f00;padding:.6em 1em}";
@@ -41,15 +43,26 @@ pub fn page(reports: &[Report]) -> String {
 }
 
 fn summary(reports: &[Report]) -> String {
-    let rows = reports.iter().flat_map(|report| report.comparisons.iter().map(move |c| (report, c)));
-    let rows: String = rows.map(|(report, comparison)| summary_row(report, comparison)).collect();
+    let all = || reports.iter().flat_map(|report| report.comparisons.iter().map(move |c| (report, c)));
+    let rows: String = all()
+        .map(|(report, c)| format!("<tr><td><a href=\"#{0}\">{0}</a></td>{1}</tr>\n", report.name, cells(c)))
+        .collect();
+    let count = |met| all().filter(|(_, comparison)| comparison.met() == Some(met)).count();
     format!(
-        "<table>\n<tr><th>experiment</th><th style=\"text-align:left\">figure</th><th>thesis</th><th>here, simulated</th><th>wanted</th>\
-         <th></th></tr>\n{rows}</table>\n"
+        "<p>Of {} figures that have a limit, {} are met and {} are not met.</p>\n<table>\n<tr><th>experiment</th>{HEAD}</tr>\n\
+         {rows}</table>\n",
+        count(true) + count(false),
+        count(true),
+        count(false)
     )
 }
 
-fn summary_row(report: &Report, comparison: &Comparison) -> String {
+/// Heads of [`cells`].
+const HEAD: &str =
+    "<th class=\"words\">figure</th><th>thesis</th><th>here, simulated</th><th>limit</th><th></th>";
+
+/// A figure beside the thesis', its limit, and whether that is met.
+fn cells(comparison: &Comparison) -> String {
     let with_unit = |value: f64| format!("{} {}", number(value), comparison.unit).trim_end().to_owned();
     let wanted = match comparison.wanted {
         Some(Wanted::AtMost(limit)) => format!("at most {}", with_unit(limit)),
@@ -62,9 +75,7 @@ fn summary_row(report: &Report, comparison: &Comparison) -> String {
         None => "",
     };
     format!(
-        "<tr><td><a href=\"#{0}\">{0}</a></td><td style=\"text-align:left\">{1}</td><td>{2}</td><td>{3}</td><td>{4}\
-         </td><td>{verdict}</td></tr>\n",
-        report.name,
+        "<td class=\"words\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{verdict}</td>",
         escape(&comparison.what),
         comparison.thesis.map_or("-".to_owned(), with_unit),
         with_unit(comparison.found),
@@ -73,8 +84,10 @@ fn summary_row(report: &Report, comparison: &Comparison) -> String {
 }
 
 fn section(report: &Report) -> String {
+    let rows: String = report.comparisons.iter().map(|c| format!("<tr>{}</tr>\n", cells(c))).collect();
+    let figures = if rows.is_empty() { rows } else { format!("<table>\n<tr>{HEAD}</tr>\n{rows}</table>\n") };
     let blocks: String = report.blocks.iter().map(block).collect();
-    format!("<h2 id=\"{}\">{}</h2>\n{blocks}", report.name, escape(report.title))
+    format!("<h2 id=\"{}\">{}</h2>\n{figures}{blocks}", report.name, escape(report.title))
 }
 
 fn block(block: &Block) -> String {
@@ -123,9 +136,13 @@ mod tests {
             "base64,AQID",
             "not met",
             "at most 1.00 %",
+            "Of 1 figures that have a limit, 0 are met and 1 are not met.",
         ] {
             assert!(page.contains(part), "{part}: {page}");
         }
+        // In the summary and in the experiment's section, beside the figure.
+        let row = "<td>1.50 %</td><td>at most 1.00 %</td><td><span class=\"no\">not met</span></td>";
+        assert_eq!(page.matches(row).count(), 2, "{page}");
         assert!(!page.contains("http") && !page.contains("<script") && !page.contains("<link"));
     }
 }

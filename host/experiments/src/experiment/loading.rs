@@ -9,7 +9,7 @@ use super::{
     sample_rig::{Artefacts, SampleRig, Shown},
 };
 use dermatome_shared::contact::Contact;
-use dermatome_simulate::script::LoadingMachine;
+use dermatome_simulate::{noise::root_mean_square, script::LoadingMachine};
 use dermatome_view::sheet::Panel;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -44,11 +44,12 @@ pub(super) fn run(sample: &Sample) -> Result<Report, ExperimentError> {
         sample.material,
         Artefacts::SHEET.words()
     ));
-    let trials: Vec<_> = (1..=TRIALS).into_par_iter().map(|seed| trial(sample, seed)).collect();
-    let trials = trials.into_iter().collect::<Result<Vec<(Trial, SampleRig)>, _>>()?;
-    let (trials, rigs): (Vec<_>, Vec<_>) = trials.into_iter().unzip();
+    let (trials, mut rigs) = trials(sample)?;
+    let (plain, _) = self::trials(&sample.without_movement())?;
     let summary = Summary::new(&trials);
     summary.compare(sample, &mut report);
+    Summary::new(&plain).compare_plain(sample, &mut report);
+    compare_artefacts(&mut rigs, sample, &mut report)?;
     summary.tabulate(sample, &mut report);
     report.plots(&[
         loops(&trials, "Readings from the image", "change, mean over ROI", Trial::strengths),
@@ -59,6 +60,11 @@ pub(super) fn run(sample: &Sample) -> Result<Report, ExperimentError> {
         .picture(pictures(&rigs[0], &trials[0])?, "What the board showed in the first trial: up, then down");
     report.figures = summary.json(&trials);
     Ok(report)
+}
+
+fn trials(sample: &Sample) -> Result<(Vec<Trial>, Vec<SampleRig>), ExperimentError> {
+    let trials: Vec<_> = (1..=TRIALS).into_par_iter().map(|seed| trial(sample, seed)).collect();
+    Ok(trials.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().unzip())
 }
 
 fn trial(sample: &Sample, seed: u64) -> Result<(Trial, SampleRig), ExperimentError> {
@@ -76,6 +82,18 @@ fn trial(sample: &Sample, seed: u64) -> Result<(Trial, SampleRig), ExperimentErr
     }
     let side = specimen.rig.side();
     Ok((Trial { pressures, shown, strengths, true_changes, side }, specimen.rig))
+}
+
+/// How far slips and stretch alone move the voltages, with nothing pressed.
+fn compare_artefacts(
+    rigs: &mut [SampleRig],
+    sample: &Sample,
+    report: &mut Report,
+) -> Result<(), ExperimentError> {
+    let shares = rigs.iter_mut().map(SampleRig::artefacts_alone).collect::<Result<Vec<_>, _>>()?;
+    let what = format!("{}: what the artefacts of a load alone do to the voltages, rms", sample.name);
+    report.compare(what, "%", None, 100.0 * root_mean_square(shares.into_iter()), None);
+    Ok(())
 }
 
 impl Trial {
@@ -168,6 +186,25 @@ impl Summary {
             "%",
             found.repeatability,
             self.repeatability,
+            None,
+        );
+    }
+
+    /// What becomes of it if the matrix does not know that electrodes move.
+    fn compare_plain(&self, sample: &Sample, report: &mut Report) {
+        let limit = 100.0 * sample.found.position_error;
+        report.compare(
+            format!("{}: without electrode movement in the matrix: CoP error, mean distance", sample.name),
+            "%",
+            None,
+            100.0 * self.distance[0],
+            Some(Wanted::AtMost(limit)),
+        );
+        report.compare(
+            format!("{}: without it: hysteresis of the image", sample.name),
+            "%",
+            Some(sample.found.hysteresis),
+            self.hysteresis,
             None,
         );
     }

@@ -4,6 +4,7 @@
 //! material is a model ([`dermatome_simulate::material`]), the instrument has noise and artefacts, and what a board would show
 //! is computed by the board's own code (`sample_rig`). Each experiment is a file; [`EXPERIMENTS`] lists them.
 
+mod approach;
 mod divider;
 mod hemisphere;
 mod html;
@@ -17,10 +18,11 @@ mod saline_map;
 mod sample;
 mod sample_rig;
 mod shapes;
+mod thin_fingers;
 mod tracking;
 mod two_point;
 
-use crate::{evaluate::EvaluateError, scenes::ScenesError};
+use crate::{deform::DeformError, evaluate::EvaluateError, scenes::ScenesError};
 use dermatome_model::{
     model::ModelError,
     skin::{Skin, SkinError},
@@ -76,7 +78,11 @@ pub const EXPERIMENTS: [Experiment; 15] = [
         about: "1 kg at 15 places on Samples 1 and 2 (4.2)",
         run: pressure_map::run,
     },
-    Experiment { name: "shapes", about: "an 'L' and an 'O' on Sample 3 (5.4.2)", run: shapes::run },
+    Experiment {
+        name: "shapes",
+        about: "an 'L', 'O's and thin fingers on Sample 3 (5.4.2)",
+        run: shapes::run,
+    },
     Experiment { name: "points", about: "one point at five places on Sample 3 (5.4.3)", run: points::run },
     Experiment {
         name: "hemisphere",
@@ -90,7 +96,7 @@ pub const EXPERIMENTS: [Experiment; 15] = [
     },
     Experiment {
         name: "tracking",
-        about: "three contacts that move, leave and come back",
+        about: "contacts that move, leave and come back, and approach each other",
         run: tracking::run,
     },
     Experiment { name: "two-point", about: "from what distance two contacts are two", run: two_point::run },
@@ -138,6 +144,9 @@ pub enum ExperimentError {
     /// The artefacts do not suit the skin.
     #[error(transparent)]
     Artefacts(#[from] EvaluateError),
+    /// Nor do they.
+    #[error(transparent)]
+    Deform(#[from] DeformError),
     /// A material cannot be used.
     #[error(transparent)]
     Material(#[from] MaterialError),

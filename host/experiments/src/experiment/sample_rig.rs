@@ -5,8 +5,10 @@
 //! point.
 
 use super::ExperimentError;
-use crate::evaluate::electrodes::{spacing, with_errors};
-use dermatome_geometry::sheet::ElectrodeModel;
+use crate::{
+    deform::{slip, stretch},
+    evaluate::electrodes::{spacing, with_errors},
+};
 use dermatome_model::{
     metrics::{Target, thesis},
     model::Model,
@@ -15,13 +17,14 @@ use dermatome_model::{
 use dermatome_shared::{contact::Contact, frame::Frame, reference::DEFAULT_TARE_FRAMES};
 use dermatome_simulate::{
     Noise, Rig, TrueSkin,
+    noise::root_mean_square,
     rig::{Observer, SETTLED},
 };
 use nalgebra::Point3;
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
+use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use std::f64::consts::PI;
 
 /// Frames averaged for each load (thesis section 4.1.1).
 pub(super) const FRAMES: u16 = DEFAULT_TARE_FRAMES;
@@ -37,21 +40,22 @@ pub(super) struct Artefacts {
     pub(super) electrode_shift: f64,
     /// Standard deviation of the contact impedances against the model's, relative.
     pub(super) impedance: f64,
-    /// Standard deviation by which each contact impedance differs from its value at the tare, anew for
-    /// each load, relative.
-    pub(super) disturbance: f64,
+    /// What each load does besides pressing: each electrode slips by this length along the rim, m, one way or the
+    /// other, and the sheet is longer by this share in one direction, both against the tare.
+    pub(super) slip: f64,
+    pub(super) stretch: f64,
 }
 
 impl Artefacts {
     /// Salt water: noise, and electrodes glued in by hand.
     pub(super) const SALINE: Self =
-        Self { snr_db: 60.0, electrode_shift: 0.01, impedance: 0.1, disturbance: 0.0 };
-    /// Electrodes pressed or pierced into a sheet, which a load moves a little.
+        Self { snr_db: 60.0, electrode_shift: 0.01, impedance: 0.1, slip: 0.0, stretch: 0.0 };
+    /// Electrodes pressed or pierced into a sheet, both of which a load moves.
     pub(super) const SHEET: Self =
-        Self { snr_db: 60.0, electrode_shift: 0.02, impedance: 0.2, disturbance: 0.05 };
+        Self { snr_db: 60.0, electrode_shift: 0.02, impedance: 0.2, slip: 0.5e-3, stretch: 0.01 };
 
-    /// The same in frames that follow each other at once, in which nothing is knocked.
-    pub(super) const MOVING: Self = Self { disturbance: 0.0, ..Self::SHEET };
+    /// The same in frames that follow each other at once, in which nothing moves.
+    pub(super) const MOVING: Self = Self { slip: 0.0, stretch: 0.0, ..Self::SHEET };
 
     /// In words.
     pub(super) fn words(&self) -> String {
@@ -62,8 +66,13 @@ impl Artefacts {
             100.0 * self.electrode_shift,
             100.0 * self.impedance
         );
-        if self.disturbance > 0.0 {
-            words += &format!(", and by another {} % anew for each load", 100.0 * self.disturbance);
+        if self.slip > 0.0 || self.stretch > 0.0 {
+            words += &format!(
+                "; with each load, anew, each electrode slips by {} mm one way or the other, and the sheet stretches by {} % in \
+                 one direction",
+                1e3 * self.slip,
+                100.0 * self.stretch
+            );
         }
         words
     }
@@ -165,8 +174,10 @@ impl SampleRig {
 
     /// Shows a sheet of this relative conductivity, `[element]` of the true skin.
     pub(super) fn show(&mut self, conductivity: &[f64]) -> Result<Shown, ExperimentError> {
-        self.disturb()?;
-        let phasors = self.rig.solve(conductivity);
+        let phasors = match self.moved()? {
+            Some(truth) => self.rig.solve_on(&truth, conductivity),
+            None => self.rig.solve(conductivity),
+        };
         let frames = self.rig.scans(&phasors, self.averaged);
         let mut image = vec![0.0; self.model().pixels.count()];
         let sign = self.sign / f64::from(self.averaged);
@@ -197,22 +208,31 @@ impl SampleRig {
         self.glance(phasors)
     }
 
-    /// Every contact impedance changes a little.
-    fn disturb(&mut self) -> Result<(), ExperimentError> {
-        let ElectrodeModel::Complete { contact_impedance, .. } = &self.true_skin.electrodes.model else {
-            return Ok(());
-        };
-        if self.artefacts.disturbance == 0.0 {
-            return Ok(());
+    /// The true skin as a load leaves it, if loads move anything.
+    fn moved(&mut self) -> Result<Option<TrueSkin>, ExperimentError> {
+        let Artefacts { slip: by, stretch: share, .. } = self.artefacts;
+        if by == 0.0 && share == 0.0 {
+            return Ok(None);
         }
-        let knocked: Vec<Complex64> = contact_impedance
-            .iter()
-            .map(|impedance| {
-                let by: f64 = StandardNormal.sample(&mut self.random);
-                Complex64::from(impedance * (self.artefacts.disturbance * by).exp())
-            })
+        let truth = self.rig.truth();
+        let slipped = slip(truth.mesh(), by, &mut self.random)?;
+        let nodes = stretch(&slipped, share, self.random.random_range(0.0..PI));
+        Ok(Some(truth.moved(&self.true_skin, nodes)?))
+    }
+
+    /// Root mean square of what the artefacts of one load alone do to the voltages, share of each voltage.
+    pub(super) fn artefacts_alone(&mut self) -> Result<f64, ExperimentError> {
+        let untouched = vec![1.0; self.elements()];
+        let Some(truth) = self.moved()? else { return Ok(0.0) };
+        let steps = self.model().steps.len();
+        let [before, after] = [self.rig.solve(&untouched), self.rig.solve_on(&truth, &untouched)];
+        let pairs = before.iter().zip(&after).take(steps);
+        let least = 0.01 * before.iter().take(steps).map(|voltage| voltage.norm()).fold(0.0, f64::max);
+        let changes: Vec<f64> = pairs
+            .filter(|(before, _)| before.norm() >= least)
+            .map(|(before, after)| (after.re - before.re) / before.re)
             .collect();
-        Ok(self.rig.change_contacts(&self.true_skin, &knocked)?)
+        Ok(root_mean_square(changes.into_iter()))
     }
 
     /// The thesis' figures of what was shown, the load's centre being at `at`.

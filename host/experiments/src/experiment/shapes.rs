@@ -1,4 +1,5 @@
-//! Feature recognition (thesis 5.4.2): an 'L' and an 'O' under 25 N on Sample 3.
+//! Feature recognition (thesis 5.4.2): an 'L' and 'O's of three sizes under 25 N on Sample 3, and fingers as thin as a
+//! pencil ([`thin_fingers`]).
 
 use super::{
     ExperimentError,
@@ -7,6 +8,7 @@ use super::{
     saline::draw,
     sample::{Sample, Specimen, THREE_DUAL, THREE_SINGLE},
     sample_rig::{Artefacts, Shown},
+    thin_fingers,
 };
 use dermatome_simulate::{Footprint, Load, Press};
 use dermatome_view::sheet::Panel;
@@ -16,24 +18,33 @@ use std::f64::consts::{PI, TAU};
 
 /// N.
 const FORCE: f64 = 25.0;
-/// The 'O': radii, m.
-const O: Footprint = Footprint::Ring { outer: 0.055, inner: 0.033 };
-const HOLE: f64 = 0.02;
+/// The 'O's: outer and inner radii, m, from the largest to the smallest.
+const OS: [[f64; 2]; 3] = [[0.055, 0.033], [0.045, 0.027], [0.035, 0.021]];
+/// What of a hole is far from its ring, share of its radius.
+const HOLE: f64 = 0.6;
+/// The hole is so much below its ring, %.
+const DIP: f64 = 20.0;
 /// The 'L', m.
 const L: Footprint = Footprint::Corner { length: 0.1, width: 0.025 };
+/// Where the middle lines of its arms meet.
+const TRUE_CORNER: [f64; 2] = [-0.0375, -0.0375];
 
-/// A sample under both shapes.
+/// A sample under all shapes.
 struct Pressed {
     specimen: Specimen,
-    shown: [Shown; 2],
+    os: Vec<Shown>,
+    l: Shown,
 }
 
 pub(super) fn run() -> Result<Report, ExperimentError> {
-    let mut report = Report::new("shapes", "Feature recognition: 'L' and 'O' (thesis 5.4.2, Fig. 5.9)");
+    let mut report =
+        Report::new("shapes", "Feature recognition: 'L', 'O' and thin fingers (thesis 5.4.2, Fig. 5.9)");
+    let sizes: Vec<_> = OS.iter().map(|o| size(*o)).collect();
     report.words(format!(
-        "An 'O' of 110 mm with a hole of 66 mm, and an 'L' with arms of 100 by 25 mm, each under {FORCE} N in the middle of a \
-         fresh specimen of Sample 3 for 10 s. The thesis does not state the sizes of its shapes and gives pictures only. \
-         Artefacts: {}.",
+        "'O's of three sizes (outer over inner diameter: {}), and an 'L' with arms of 100 by 25 mm, each under {FORCE} N in \
+         the middle of a fresh specimen of Sample 3 for 10 s. The thesis does not state the sizes of its shapes and gives \
+         pictures only. Artefacts: {}.",
+        sizes.join(", "),
         Artefacts::SHEET.words()
     ));
     let samples = [THREE_SINGLE, THREE_DUAL];
@@ -43,97 +54,127 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
     for (sample, pressed) in samples.iter().zip(pressed) {
         let pressed = pressed?;
         figures.insert(sample.material.to_owned(), show(&mut report, sample, &pressed)?);
-        profiles.push(profile(sample, &pressed));
+        profiles.push(profiles_of(sample, &pressed));
     }
-    let truth = (-100..=100).map(|mm| [f64::from(mm), f64::from(u8::from((33..55).contains(&i32::abs(mm))))]);
-    profiles.push(Series::new("where the O presses", truth.collect(), Style::Line));
-    report.plots(&[Chart {
-        title: "The 'O' along y = 0",
-        x: "x, mm",
-        y: "change over its largest",
-        series: profiles,
-        square: None,
-    }])?;
+    report.plots(&profiles)?;
+    figures.insert("thin_fingers".to_owned(), thin_fingers::show(&mut report)?);
     report.figures = Value::Object(figures);
     Ok(report)
 }
 
+/// Diameters, in words.
+fn size([outer, inner]: [f64; 2]) -> String {
+    format!("{:.0}/{:.0} mm", 2e3 * outer, 2e3 * inner)
+}
+
+fn ring([outer, inner]: [f64; 2]) -> Footprint {
+    Footprint::Ring { outer, inner }
+}
+
 fn press(sample: &Sample) -> Result<Pressed, ExperimentError> {
-    let mut shown = Vec::new();
-    let mut last = None;
-    for footprint in [O, L] {
+    let hold = |footprint| {
         let mut specimen = sample.specimen(Artefacts::SHEET, 1)?;
-        shown.push(specimen.hold(&[Press::new(footprint, [0.0; 2], Load::Force(FORCE))], 10.0)?);
-        last = Some(specimen);
-    }
-    let shown = shown.try_into().expect("two shapes");
-    Ok(Pressed { specimen: last.expect("two shapes"), shown })
+        let shown = specimen.hold(&[Press::new(footprint, [0.0; 2], Load::Force(FORCE))], 10.0)?;
+        Ok::<_, ExperimentError>((specimen, shown))
+    };
+    let os = OS.iter().map(|o| Ok(hold(ring(*o))?.1)).collect::<Result<_, ExperimentError>>()?;
+    let (specimen, l) = hold(L)?;
+    Ok(Pressed { specimen, os, l })
+}
+
+/// How far the middle of a hole lies below its ring: mean change of both, and the difference, % of the ring's.
+fn dip(places: &[[f64; 2]], image: &[f64], [outer, inner]: [f64; 2]) -> [f64; 3] {
+    let hole = mean_where(places, image, |[x, y]| x.hypot(y) < HOLE * inner);
+    let ring = mean_where(places, image, |[x, y]| (inner..outer).contains(&x.hypot(y)));
+    [ring, hole, 100.0 * (ring - hole) / ring]
 }
 
 fn show(report: &mut Report, sample: &Sample, pressed: &Pressed) -> Result<Value, ExperimentError> {
-    let rig = &pressed.specimen.rig;
     let places: Vec<[f64; 2]> =
-        rig.model().pixels.centres.iter().map(|centre| [centre.x, centre.y]).collect();
-    let [o, l] = &pressed.shown;
-    let hole = mean_where(&places, &o.image, |[x, y]| x.hypot(y) < HOLE);
-    let ring = mean_where(&places, &o.image, |[x, y]| (0.033..0.055).contains(&x.hypot(y)));
-    let contrast = 100.0 * (ring - hole) / ring;
-    let corner = Corner::fit(&places, &l.image);
-    let angle = corner.angle().to_degrees();
-    let name = sample.name;
-    report.compare(
-        format!("{name}: hole of the 'O' against its ring"),
-        "%",
-        None,
-        contrast,
-        Some(Wanted::AtLeast(20.0)),
+        pressed.specimen.rig.model().pixels.centres.iter().map(|centre| [centre.x, centre.y]).collect();
+    let holes = show_holes(report, sample, pressed, &places);
+    let corner = show_corner(report, sample, pressed, &places);
+    let picture = picture(sample, pressed, &places, &corner)?;
+    report.picture(
+        picture,
+        &format!("{}: each image over its largest value; the circle is the corner found", sample.name),
     );
+    Ok(json!({
+        "o": holes,
+        "corner_angle_deg": corner.angle().to_degrees(),
+        "corner_error_percent": 100.0 * corner.miss() / pressed.specimen.rig.side(),
+    }))
+}
+
+fn show_holes(report: &mut Report, sample: &Sample, pressed: &Pressed, places: &[[f64; 2]]) -> Vec<Value> {
+    let name = sample.name;
+    let mut figures = Vec::new();
+    for (o, shown) in OS.iter().zip(&pressed.os) {
+        let [ring, hole, contrast] = dip(places, &shown.image, *o);
+        let what = format!("{name}: hole of the 'O' of {} against its ring", size(*o));
+        report.compare(what, "%", None, contrast, Some(Wanted::AtLeast(DIP)));
+        figures.push(json!({
+            "outer_m": 2.0 * o[0],
+            "inner_m": 2.0 * o[1],
+            "ring": ring,
+            "hole": hole,
+            "hole_contrast_percent": contrast,
+        }));
+    }
+    report.words(format!(
+        "{name}: a hole is what lies within {HOLE} of its radius. Corner of the 'L': the two half lines from one point that \
+         lie closest to the changes above a quarter of the largest, by least squares; where the arms' middle lines meet is \
+         the true corner."
+    ));
+    figures
+}
+
+fn show_corner(report: &mut Report, sample: &Sample, pressed: &Pressed, places: &[[f64; 2]]) -> Corner {
+    let name = sample.name;
+    let corner = Corner::fit(places, &pressed.l.image);
+    let angle = corner.angle().to_degrees();
     report.compare(format!("{name}: angle of the 'L' (90 pressed)"), "deg", None, angle, None);
     let wrong = (angle - 90.0).abs();
     report.compare(format!("{name}: error of that angle"), "deg", None, wrong, Some(Wanted::AtMost(20.0)));
-    let true_corner = [-0.0375, -0.0375];
-    let miss = (corner.at[0] - true_corner[0]).hypot(corner.at[1] - true_corner[1]);
     report.compare(
         format!("{name}: distance of the corner found from the true one"),
         "%",
         None,
-        100.0 * miss / rig.side(),
+        100.0 * corner.miss() / pressed.specimen.rig.side(),
         None,
     );
-    report.words(format!(
-        "{name}: mean change {ring:.3} where the 'O' presses and {hole:.3} within 20 mm of its middle. Corner of the 'L': the \
-         two half lines from one point that lie closest to the changes above a quarter of the largest, by least squares; where \
-         the arms' middle lines meet is the true corner."
-    ));
-    let truths = [O, L].map(|footprint| {
-        let press = Press::new(footprint, [0.0; 2], Load::Change(1.0));
-        places.iter().map(|&place| press.change_at(place)).collect::<Vec<_>>()
+    corner
+}
+
+fn picture(
+    sample: &Sample,
+    pressed: &Pressed,
+    places: &[[f64; 2]],
+    corner: &Corner,
+) -> Result<Vec<u8>, ExperimentError> {
+    let shapes = OS.iter().map(|o| (ring(*o), format!("'O' of {} pressed", size(*o))));
+    let shapes = shapes.chain([(L, "'L' pressed".to_owned())]);
+    let shown = pressed.os.iter().chain([&pressed.l]);
+    let pairs: Vec<_> = shapes
+        .zip(shown)
+        .map(|((footprint, words), shown)| {
+            let press = Press::new(footprint, [0.0; 2], Load::Change(1.0));
+            let truth: Vec<f64> = places.iter().map(|&place| press.change_at(place)).collect();
+            (words, truth, over_its_largest(&shown.image))
+        })
+        .collect();
+    let last = pairs.len() - 1;
+    let panels = pairs.iter().enumerate().flat_map(|(index, (words, truth, image))| {
+        let found = if index == last { vec![corner.at] } else { Vec::new() };
+        let panel = |words: &str, values, found| Panel {
+            caption: vec![words.to_owned()],
+            values,
+            found,
+            ..Panel::default()
+        };
+        [panel(words, truth, Vec::new()), panel("image", image, found)]
     });
-    let images = [&o.image, &l.image].map(|image| over_its_largest(image));
-    let panels = [
-        ("'O' pressed", &truths[0]),
-        ("image", &images[0]),
-        ("'L' pressed", &truths[1]),
-        ("image", &images[1]),
-    ];
-    let panels = panels.into_iter().enumerate().map(|(index, (caption, values))| Panel {
-        caption: vec![caption.to_owned()],
-        values,
-        found: if index == 3 { vec![corner.at] } else { Vec::new() },
-        ..Panel::default()
-    });
-    let picture = draw(rig, name, 4, panels.collect())?;
-    report.picture(
-        picture,
-        &format!("{name}: each image over its largest value; the circle is the corner found"),
-    );
-    Ok(json!({
-        "ring": ring,
-        "hole": hole,
-        "hole_contrast_percent": contrast,
-        "corner_angle_deg": angle,
-        "corner_error_percent": 100.0 * miss / rig.side(),
-    }))
+    draw(&pressed.specimen.rig, sample.name, 4, panels.collect())
 }
 
 fn mean_where(places: &[[f64; 2]], image: &[f64], is_there: impl Fn([f64; 2]) -> bool) -> f64 {
@@ -147,14 +188,22 @@ fn over_its_largest(image: &[f64]) -> Vec<f64> {
     image.iter().map(|value| value / largest).collect()
 }
 
-/// The image of the 'O' along y = 0.
-fn profile(sample: &Sample, pressed: &Pressed) -> Series {
-    let image = over_its_largest(&pressed.shown[0].image);
-    let centres = &pressed.specimen.rig.model().pixels.centres;
-    let pitch = pressed.specimen.rig.model().pixels.areas.iter().copied().fold(0.0, f64::max).sqrt();
-    let row = centres.iter().zip(&image).filter(|(centre, _)| (0.0..pitch).contains(&centre.y));
-    let points = row.map(|(centre, value)| [centre.x * 1e3, *value]).collect();
-    Series::new(sample.name, points, Style::MarkedLine)
+/// Images of the 'O's along y = 0.
+fn profiles_of(sample: &Sample, pressed: &Pressed) -> Chart<'static> {
+    let model = pressed.specimen.rig.model();
+    let pitch = model.pixels.areas.iter().copied().fold(0.0, f64::max).sqrt();
+    let series = OS.iter().zip(&pressed.os).map(|(o, shown)| {
+        let image = over_its_largest(&shown.image);
+        let row = model.pixels.centres.iter().zip(image).filter(|(at, _)| (0.0..pitch).contains(&at.y));
+        let points = row.map(|(centre, value)| [centre.x * 1e3, value]).collect();
+        Series::new(size(*o), points, Style::MarkedLine)
+    });
+    let title = if sample.material == THREE_SINGLE.material {
+        "'O's along y = 0, one layer"
+    } else {
+        "'O's along y = 0, two layers"
+    };
+    Chart { title, x: "x, mm", y: "change over its largest", series: series.collect(), square: None }
 }
 
 /// Two half lines from one point.
@@ -168,6 +217,11 @@ struct Corner {
 }
 
 impl Corner {
+    /// Distance from where the arms' middle lines meet, m.
+    fn miss(&self) -> f64 {
+        (self.at[0] - TRUE_CORNER[0]).hypot(self.at[1] - TRUE_CORNER[1])
+    }
+
     /// The corner that lies closest to what is above a quarter of the image's largest value.
     fn fit(places: &[[f64; 2]], image: &[f64]) -> Self {
         let largest = image.iter().copied().fold(0.0, f64::max);
@@ -257,6 +311,15 @@ mod tests {
     }
 
     #[test]
+    fn a_hole_is_a_dip_and_a_disc_has_none() {
+        let (places, values) = image(&Press::new(ring(OS[2]), [0.0; 2], Load::Change(0.5)));
+        assert!((dip(&places, &values, OS[2])[2] - 100.0).abs() < 1.0);
+        let disc = Footprint::Disc { radius: OS[2][0] };
+        let (places, values) = image(&Press::new(disc, [0.0; 2], Load::Change(0.5)));
+        assert!(dip(&places, &values, OS[2])[2].abs() < 1.0);
+    }
+
+    #[test]
     fn the_corner_of_an_l_is_found_in_any_attitude() {
         for angle in [0.0, 0.7, 2.0, 4.4] {
             let press = Press { angle, ..Press::new(L, [0.01, -0.005], Load::Change(1.0)) };
@@ -279,7 +342,7 @@ mod tests {
                 let share = ((at[0] * to[0] + at[1] * to[1]) / 0.0081).clamp(0.0, 1.0);
                 (at[0] - share * to[0]).hypot(at[1] - share * to[1]) < 0.008
             };
-            let (places, _) = image(&Press::new(O, [0.0; 2], Load::Change(1.0)));
+            let (places, _) = image(&Press::new(ring(OS[0]), [0.0; 2], Load::Change(1.0)));
             let values: Vec<f64> =
                 places.iter().map(|&at| f64::from(u8::from(along(at, a) || along(at, b)))).collect();
             let found = Corner::fit(&places, &values).angle();

@@ -3,7 +3,7 @@
 //! Not one of the thesis' experiments: it tracks a point by pressing five places.
 
 use super::{
-    ExperimentError,
+    ExperimentError, approach,
     plot::{Chart, Series, Style},
     report::{Report, Wanted, largest},
     sample::THREE_SINGLE,
@@ -70,7 +70,10 @@ pub(super) fn run() -> Result<Report, ExperimentError> {
         }
     }
     let ghosts = all_ids.iter().filter(|id| !of_fingers.iter().any(|finger| finger.ids.contains(id))).count();
-    conclude(report, &of_fingers, ghosts)
+    let mut report = conclude(report, &of_fingers, ghosts)?;
+    let approach = approach::show(&mut report, &mut rig)?;
+    report.figures["approach"] = approach;
+    Ok(report)
 }
 
 fn conclude(mut report: Report, fingers: &[Finger], ghosts: usize) -> Result<Report, ExperimentError> {

@@ -9,11 +9,11 @@
 //! [`Options`] to [`Figure`]s.
 
 mod bench;
-mod deform;
 mod figure;
 mod rows;
 mod trial;
 
+use crate::deform::DeformError;
 pub use bench::{Bench, Places, Voltages};
 use dermatome_model::model::ModelError;
 use dermatome_simulate::rig::RigError;
@@ -87,6 +87,12 @@ pub enum TrustError {
     /// The skin has nothing of the kind.
     #[error("{0}")]
     Unsuited(&'static str),
+}
+
+impl From<DeformError> for TrustError {
+    fn from(DeformError(why): DeformError) -> Self {
+        Self::Unsuited(why)
+    }
 }
 
 impl From<ModelError> for TrustError {

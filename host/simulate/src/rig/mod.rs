@@ -68,7 +68,13 @@ impl Rig {
     /// and conductivity, `[slot]`.
     #[must_use]
     pub fn solve(&self, conductivity: &[f64]) -> Vec<Complex64> {
-        self.skin().solve(&self.table, conductivity)
+        self.solve_on(self.truth(), conductivity)
+    }
+
+    /// The same on another true skin with these electrodes, such as one whose nodes have moved.
+    #[must_use]
+    pub fn solve_on(&self, truth: &TrueSkin, conductivity: &[f64]) -> Vec<Complex64> {
+        truth.phasors(conductivity, &self.table.slots(), self.table.drive.frequency.into())
     }
 
     /// One scan of what [`Self::solve`] gave, with noise and converter.
@@ -102,16 +108,6 @@ impl Rig {
     /// Other noise from now on, from its seed's first number.
     pub fn change_noise(&mut self, noise: Noise) {
         self.scanner.instrument_mut().change_noise(noise);
-    }
-
-    /// Gives the electrodes other contacts, ohm m: `[electrode]`, as a knock does; `true_skin` is the one that the rig was
-    /// made of.
-    pub fn change_contacts(
-        &mut self,
-        true_skin: &Skin,
-        contact_impedance: &[Complex64],
-    ) -> Result<(), ModelError> {
-        self.scanner.instrument_mut().change_contacts(true_skin, contact_impedance)
     }
 }
 

@@ -1,10 +1,9 @@
 //! What changes at once and is no press: conductivity, electrodes, shape.
 
 use super::{CLOSE, FINGER};
-use crate::trust::{
-    Bench, Figure, Options, Trial, TrustError, Voltages,
+use crate::{
     deform::{slip, stretch},
-    trial::is_one_at,
+    trust::{Bench, Figure, Options, Trial, TrustError, Voltages, trial::is_one_at},
 };
 use dermatome_shared::frame::FrameFlags;
 use dermatome_simulate::TrueSkin;
@@ -59,7 +58,7 @@ pub(super) fn run(bench: &Bench, options: &Options) -> Result<Vec<Figure>, Trust
     figures.extend(tried(bench, options, "electrodes slipped by 1 mm", &places, slipped)?);
     for by in STRETCHES {
         let stretched = |place: &Point3<f64>, _| {
-            let nodes = stretch(bench.truth().mesh(), by);
+            let nodes = stretch(&bench.truth().mesh().nodes, by, 0.0);
             Ok(upset(bench, &bench.truth().moved(bench.skin(), nodes)?, *place, 1.0))
         };
         figures.extend(tried(bench, options, &format!("stretched by {} %", 100.0 * by), &places, stretched)?);

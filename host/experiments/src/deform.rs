@@ -1,6 +1,5 @@
 //! Deform: a sheet that is stretched, and electrodes that slip along its rim.
 
-use super::TrustError;
 use dermatome_geometry::mesh::{Mesh, soundness};
 use nalgebra::{Point3, Vector3};
 use rand::Rng;
@@ -8,16 +7,22 @@ use rand::Rng;
 /// Nodes inside follow those of the rim up to so many times the distance of two electrodes.
 const REACH: f64 = 1.0;
 
-/// Nodes of a sheet longer by this share along x; a conductivity per square stays what it was.
-pub(super) fn stretch(mesh: &Mesh, by: f64) -> Vec<Point3<f64>> {
-    mesh.nodes.iter().map(|node| Point3::new(node.x * (1.0 + by), node.y, node.z)).collect()
+/// Nothing of the kind can happen to a skin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct DeformError(pub(crate) &'static str);
+
+/// Nodes of a sheet longer by this share in the direction `along`, rad from x; a conductivity per square stays what it was.
+pub(crate) fn stretch(nodes: &[Point3<f64>], by: f64, along: f64) -> Vec<Point3<f64>> {
+    let direction = Vector3::new(along.cos(), along.sin(), 0.0);
+    nodes.iter().map(|node| node + direction * (by * direction.dot(&node.coords))).collect()
 }
 
 /// Nodes of a sheet whose electrodes have slipped along the rim by this length, m, each one way or the other.
 ///
 /// The sheet stays where it is: nodes of the rim move along it, wholly under an electrode and not at all halfway to the
 /// next, and those inside follow, so that the mesh stays sound and nothing else of it changes.
-pub(super) fn slip(mesh: &Mesh, by: f64, random: &mut impl Rng) -> Result<Vec<Point3<f64>>, TrustError> {
+pub(crate) fn slip(mesh: &Mesh, by: f64, random: &mut impl Rng) -> Result<Vec<Point3<f64>>, DeformError> {
     let rim = Rim::of(mesh)?;
     let signs: Vec<f64> = rim.electrodes.iter().map(|_| if random.random() { by } else { -by }).collect();
     let moves: Vec<(Point3<f64>, Vector3<f64>)> = (0..rim.nodes.len())
@@ -61,10 +66,9 @@ struct Rim {
 }
 
 impl Rim {
-    fn of(mesh: &Mesh) -> Result<Self, TrustError> {
+    fn of(mesh: &Mesh) -> Result<Self, DeformError> {
         let nodes = soundness::inspect(&mesh.nodes, &mesh.elements).boundary_loops.into_iter().next();
-        let nodes =
-            nodes.ok_or(TrustError::Unsuited("the skin has no rim along which electrodes may slip"))?;
+        let nodes = nodes.ok_or(DeformError("the skin has no rim along which electrodes may slip"))?;
         let (mut lengths, mut perimeter) = (Vec::new(), 0.0);
         for (place, &node) in nodes.iter().enumerate() {
             lengths.push(perimeter);
@@ -74,8 +78,7 @@ impl Rim {
         for contact in &mesh.electrodes {
             let places = contact.nodes().map(|node| rim.nodes.iter().position(|&other| other == node));
             let ends = places.map(|place| Some(rim.lengths[place?])).collect::<Option<Vec<_>>>();
-            let ends =
-                ends.ok_or(TrustError::Unsuited("an electrode is not on the rim, along which they slip"))?;
+            let ends = ends.ok_or(DeformError("an electrode is not on the rim, along which they slip"))?;
             rim.electrodes.push(rim.extent(&ends));
         }
         rim.electrodes.sort_by(|a, b| (a[0] + a[1]).total_cmp(&(b[0] + b[1])));
@@ -163,6 +166,16 @@ mod tests {
         let [before, after] = [&mesh.nodes, &nodes].map(|nodes| area(nodes));
         assert!((after.iter().sum::<f64>() / before.iter().sum::<f64>() - 1.0).abs() < 1e-3);
         assert!(before.iter().zip(&after).all(|(before, after)| (0.4..2.5).contains(&(after / before))));
+    }
+
+    #[test]
+    fn a_stretched_sheet_is_longer_in_one_direction_only() {
+        let nodes = [Point3::new(0.1, 0.0, 0.0), Point3::new(0.0, 0.1, 0.02), Point3::new(0.03, 0.03, 0.0)];
+        let along_x = stretch(&nodes, 0.01, 0.0);
+        assert!((along_x[0] - Point3::new(0.101, 0.0, 0.0)).norm() < 1e-15);
+        assert!((along_x[1] - nodes[1]).norm() < 1e-15);
+        let along_both = stretch(&nodes, 0.01, std::f64::consts::FRAC_PI_4);
+        assert!((along_both[2] - Point3::new(0.0303, 0.0303, 0.0)).norm() < 1e-15);
     }
 
     #[test]
