@@ -14,9 +14,9 @@ const KEPT: usize = 64;
 const KEPT_OF_DATA: usize = 16;
 
 /// Of response and slopes with the data.
-type Side = [f32; UNKNOWNS];
+pub(super) type Side = [f32; UNKNOWNS];
 /// Of response and slopes of one spot with those of another.
-type Block = [Side; UNKNOWNS];
+pub(super) type Block = [Side; UNKNOWNS];
 
 /// The data of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
