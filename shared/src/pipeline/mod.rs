@@ -197,7 +197,7 @@ impl PipelineState {
         self.flags.insert_if(FrameFlags::IMPLAUSIBLE, is_implausible(&relative));
         let drift_time = patch.header.drift_time;
         self.drift.correct(&mut relative, reference.weights(), frame.timestamp_us, drift_time);
-        self.detector.average(patch, &mut relative, reference, frame.timestamp_us);
+        self.detector.average(patch, &mut relative, frame.timestamp_us);
         self.difference.quantise(&relative, patch.matrix().column_exponents());
         self.detector.detect(patch, &relative, reference);
         self.flags.insert_if(FrameFlags::UNLIKE_PRESS, self.detector.change() == Change::Unlike);

@@ -15,7 +15,6 @@
 mod filter;
 mod fit;
 mod known;
-mod moving;
 mod press;
 mod spot;
 mod sums;
@@ -53,9 +52,6 @@ const LOUD: f32 = 8.0;
 const HEALED: f32 = 1.0;
 /// After so many frames that presses do not account for, what changed is something else.
 const UNDECIDED: u8 = 20;
-/// What comes where there is nothing opens the average from so many standard deviations on: fewer than are a press, and more
-/// than one in a hundred frames of noise has at any place.
-const COMES: f32 = 4.5;
 /// A press of this strength that was none in the frame before came faster than a sheet drifts.
 const SUDDEN: f32 = 0.1;
 /// By so much more, in units of the noise's variance, one explanation is better than another.
@@ -207,46 +203,10 @@ impl Detector {
     }
 
     /// Takes the mean of relative changes over the frames that are alike instead of those of this time: `[measurement]`.
-    pub fn average(
-        &mut self,
-        patch: &PatchView<'_>,
-        relative: &mut Changes,
-        reference: &Reference,
-        now_us: u64,
-    ) {
-        if self.norms.is_empty() {
-            return;
+    pub fn average(&mut self, patch: &PatchView<'_>, relative: &mut Changes, now_us: u64) {
+        if !self.norms.is_empty() {
+            self.average.take(relative, &self.inverse_variances, now_us, patch.header.detection.averaging);
         }
-        if self.has_changed(patch, relative, reference) {
-            self.average.restart();
-        }
-        self.average.take(relative, &self.inverse_variances, now_us, patch.header.detection.averaging);
-    }
-
-    /// Whether a press moves, or grows, in a frame that differs from the average; or one comes where there is none.
-    // Not inlined, so that what it needs of the stack is free again for all else.
-    #[inline(never)]
-    fn has_changed(&mut self, patch: &PatchView<'_>, relative: &[f32], reference: &Reference) -> bool {
-        let (places, common) = (patch.places(), reference.weights());
-        let (frames, variance) = (self.average.frames(), self.average.variance());
-        if frames < 2.0 {
-            self.presses.iter_mut().for_each(|press| press.moving.restart());
-            return false;
-        }
-        let left = self.average.leave(relative);
-        self.sums.take(&left, &self.inverse_variances, common, 1.0 + variance);
-        let Self { presses, sums, norms, known, .. } = self;
-        if presses.is_empty() {
-            let look = filter::look(&places, sums.data.codes(&places), norms, known);
-            return look.most.1 > COMES * libm::sqrtf(1.0 + variance);
-        }
-        let part = (moving::PART / frames).min(1.0);
-        let mut free = presses.iter_mut().filter(|press| !press.is_satellite());
-        free.any(|press| {
-            let side = sums.with_data(&places, &press.spot);
-            let block = sums.with_other(&places, common, &press.spot, &press.spot);
-            press.moving.take(press.spot.key(), &side, &block, part, variance)
-        })
     }
 
     /// Looks for presses in relative changes from a reference, `[measurement]`; those that are not finite say nothing.

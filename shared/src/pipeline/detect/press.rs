@@ -2,7 +2,6 @@
 
 use super::{
     MAX_PRESSES, Presses,
-    moving::Moving,
     spot::{Response, Spot, UNKNOWNS},
 };
 use crate::{contact::square_distance, patch::places::Places};
@@ -39,8 +38,6 @@ pub(super) struct Press {
     pub(super) strength_deviation: f32,
     /// By how many standard deviations it is above zero.
     pub(super) significance: f32,
-    /// What the latest frames' sums with its response and slopes differ by from those of the average.
-    pub(super) moving: Moving,
 }
 
 impl Press {
@@ -55,7 +52,6 @@ impl Press {
             before: 0.0,
             strength_deviation: 0.0,
             significance: 0.0,
-            moving: Moving::default(),
         }
     }
 

@@ -14,9 +14,9 @@ const KEPT: usize = 64;
 const KEPT_OF_DATA: usize = 16;
 
 /// Of response and slopes with the data.
-pub(super) type Side = [f32; UNKNOWNS];
+type Side = [f32; UNKNOWNS];
 /// Of response and slopes of one spot with those of another.
-pub(super) type Block = [Side; UNKNOWNS];
+type Block = [Side; UNKNOWNS];
 
 /// The data of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
