@@ -8,7 +8,7 @@
 //! code = v                         plain data, whose signs must be those of the patch's steps
 //! ```
 //!
-//! times what makes the largest code of the untouched skin [`LARGEST`]. Ratios of codes are all that counts.
+//! times what makes the largest code of the untouched skin half of the range. Ratios of codes are all that counts.
 
 use super::{
     diagnose::dead_below,
