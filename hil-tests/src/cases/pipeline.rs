@@ -10,7 +10,7 @@ use dermatome::link::{
     program::{firmware::Firmware, log::Log},
 };
 use dermatome_shared::{
-    contact::Contacts,
+    contact::{Contacts, track::Identity},
     drive::Drive,
     frame::Frame,
     patch::PatchView,
@@ -187,22 +187,28 @@ pub(super) fn compare(
     frames: usize,
     press: impl FnOnce(),
 ) -> Result<usize, Failure> {
-    let mut state = PipelineState::default();
+    let (mut state, mut ahead) = (PipelineState::default(), None);
     let all = Selection { images: 1, contacts: 1, measurements: 1, ..Selection::default() };
     let mut stream = link.subscribe(all)?;
     let first = tare(&mut stream, view, &mut state)?;
-    check(view, &mut state, &first)?;
+    check(view, &mut state, &mut ahead, &first)?;
     press();
     for _ in 1..frames {
-        check(view, &mut state, &next_frame(&mut stream)?)?;
+        check(view, &mut state, &mut ahead, &next_frame(&mut stream)?)?;
     }
     ensure_complete(&mut stream)?;
     stream.stop()?;
     Ok(frames)
 }
 
-/// The host makes the same of a frame's codes as the board did.
-fn check(view: &PatchView<'_>, state: &mut PipelineState, of_board: &ScanFrame) -> Result<(), Failure> {
+/// The host makes the same of a frame's codes as the board did, whose contacts' numbers are `ahead` of the host's:
+/// a board never gives a number twice, the host's count begins with each patch. The first contact tells by how much.
+fn check(
+    view: &PatchView<'_>,
+    state: &mut PipelineState,
+    ahead: &mut Option<u32>,
+    of_board: &ScanFrame,
+) -> Result<(), Failure> {
     let ScanFrame { at: Some(at), measurements: Some(measurements), image: Some(image), contacts, .. } =
         of_board
     else {
@@ -211,24 +217,24 @@ fn check(view: &PatchView<'_>, state: &mut PipelineState, of_board: &ScanFrame) 
     let outcome = pipeline::process(view, state, &frame(*at, measurements));
     ensure(outcome == Outcome::Image, || "no image here".to_owned())?;
     ensure(PackedImage::pack(state.image()) == *image, || format!("image {} differs", at.sequence))?;
-    let of_board = contacts.as_ref().map(counted_from_first);
-    ensure(of_board == Some(counted_from_first(state.contacts())), || {
+    let mut contacts = contacts.clone();
+    let first = |contacts: &Contacts| Some(contacts.first()?.identity?.number);
+    *ahead = ahead.or_else(|| Some(first(contacts.as_ref()?)?.wrapping_sub(first(state.contacts())?)));
+    for contact in contacts.iter_mut().flatten() {
+        count_from(&mut contact.identity, ahead.unwrap_or(0));
+    }
+    ensure(contacts.as_ref() == Some(state.contacts()), || {
         format!("contacts of frame {} differ", at.sequence)
     })
 }
 
-/// Contacts whose numbers count from that of the first: a board never gives a number twice, the host's starts anew with
-/// each patch.
-fn counted_from_first(contacts: &Contacts) -> Contacts {
-    let mut contacts = contacts.clone();
-    let first = contacts.first().and_then(|contact| contact.identity).map_or(0, |identity| identity.number);
-    for identity in contacts.iter_mut().filter_map(|contact| contact.identity.as_mut()) {
-        identity.number = identity.number.wrapping_sub(first);
-        for other in [&mut identity.merged, &mut identity.split_from].into_iter().flatten() {
-            *other = other.wrapping_sub(first);
+/// All numbers in an identity, less this one.
+fn count_from(identity: &mut Option<Identity>, first: u32) {
+    if let Some(Identity { number, merged, split_from, .. }) = identity {
+        for number in [Some(number), merged.as_mut(), split_from.as_mut()].into_iter().flatten() {
+            *number = number.wrapping_sub(first);
         }
     }
-    contacts
 }
 
 /// Board and host average the same frames: the last without contacts before one that has them, which is given.

@@ -10,8 +10,8 @@ use heapless::Vec;
 
 /// Frames that the mean over all measurements counts for.
 const PRIOR_FRAMES: f32 = 30.0;
-/// Before so many are averaged, nothing is known.
-const LEAST_FRAMES: u16 = 8;
+/// Untouched frames before which nothing is known, and no contact found in the voltages.
+pub const LEAST_FRAMES: u16 = 8;
 /// Frames that are averaged at most, exponentially.
 const MOST_FRAMES: u16 = 1000;
 /// A change counts for so many times the variance at most.

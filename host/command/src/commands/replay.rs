@@ -9,13 +9,13 @@ use super::{
 use anyhow::{Context, ensure};
 use dermatome_frames::recorded::{
     read::{Frames, Source, read},
-    replay::{FEWEST_UNTOUCHED, Replay, Times, Untouched},
+    replay::{Replay, Times, Untouched},
 };
 use dermatome_link::{contacts::LinkFrame, pose::Pose};
 use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::{
-    contact::Contacts, device::MAX_TARE_FRAMES, patch::PatchView, protocol::FrameStamp,
-    reference::DEFAULT_TARE_FRAMES,
+    contact::Contacts, device::MAX_TARE_FRAMES, patch::PatchView, pipeline::noise::LEAST_FRAMES,
+    protocol::FrameStamp, reference::DEFAULT_TARE_FRAMES,
 };
 use serde::Serialize;
 use std::{collections::BTreeMap, ffi::OsString, path::PathBuf};
@@ -143,10 +143,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
             "the frames come without times: taken as {rate} a second, as the patch says (--times, --rate)"
         );
     }
-    if header.has_places() && reference_frames < FEWEST_UNTOUCHED {
+    if header.has_places() && reference_frames < LEAST_FRAMES.into() {
         eprintln!(
             "warning: {reference_frames} frames of the untouched skin; this patch finds contacts by the noise of \
-             {FEWEST_UNTOUCHED} or more, and none before it has them"
+             {LEAST_FRAMES} or more, and none before it has them"
         );
     }
     let mut tally = Tally::default();

@@ -5,11 +5,11 @@ use base64::{Engine, engine::general_purpose::STANDARD};
 
 /// A window of 1,200 pixels shows all of it: words in tables break, numbers do not.
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:1060px;margin:2em auto;\
-padding:0 1em}h1{font-size:1.7em}h2{margin-top:2.2em;border-bottom:1px solid #ccc}\
-table{border-collapse:collapse;margin:1em 0;font-variant-numeric:tabular-nums}\
-caption{text-align:left;font-weight:600;padding-bottom:.3em}th,td{padding:.2em .7em;border-bottom:1px solid #ddd;\
-text-align:right;white-space:nowrap}table{max-width:100%}th,th:first-child,td:first-child,.words{white-space:normal}\
-.words{text-align:left}td a{white-space:nowrap}p,figcaption{max-width:75em}th:first-child,td:first-child{text-align:left}th{background:#f4f4f4}\
+padding:0 1em}h1{font-size:1.7em}h2{margin-top:2.2em;border-bottom:1px solid #ccc}p,figcaption{max-width:75em}\
+table{border-collapse:collapse;margin:1em 0;max-width:100%;font-variant-numeric:tabular-nums}\
+caption{text-align:left;font-weight:600;padding-bottom:.3em}\
+th,td{padding:.2em .7em;border-bottom:1px solid #ddd;text-align:right}td{white-space:nowrap}th{background:#f4f4f4}\
+.words,th:first-child,td:first-child{text-align:left;white-space:normal}td a{white-space:nowrap}\
 .yes{color:#06703c}.no{color:#b2182b;font-weight:600}.plots{display:flex;flex-wrap:wrap;gap:10px}\
 .plots svg,img{max-width:100%;height:auto}figure{margin:1em 0}figcaption{color:#555}\
 .note{background:#fff7e0;border-left:4px solid #e69f00;padding:.6em 1em}";

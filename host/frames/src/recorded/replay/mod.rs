@@ -20,7 +20,7 @@ use dermatome_shared::{
     device::MAX_TARE_FRAMES,
     frame::{Frame, FrameFlags},
     patch::{CombinedInto, Difference, PatchView},
-    pipeline::{Outcome, PipelineState, sense},
+    pipeline::{Outcome, PipelineState, noise::LEAST_FRAMES, sense},
     protocol::FrameStamp,
     units::AdcCode,
 };
@@ -29,10 +29,8 @@ use std::ops::Range;
 
 /// Largest code of the untouched skin.
 const LARGEST: f64 = 8_388_608.0;
-/// End of a board's range.
+/// End of the range, twice that: codes beyond are saturated.
 const END: f64 = 2.0 * LARGEST - 1.0;
-/// Untouched frames before which a board finds no contacts in the voltages.
-pub const FEWEST_UNTOUCHED: usize = 8;
 
 /// Frames of the untouched skin.
 #[derive(Clone, Copy, Debug)]
@@ -91,7 +89,7 @@ pub enum ReplayError {
     },
     /// Noise cannot be measured.
     #[error(
-        "the patch finds contacts in the voltages, by their noise, which takes {FEWEST_UNTOUCHED} frames of the \
+        "the patch finds contacts in the voltages, by their noise, which takes {LEAST_FRAMES} frames of the \
          untouched skin; one for each frame is for patches that find contacts in the image, as learnt ones do"
     )]
     Noise,
