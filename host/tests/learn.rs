@@ -6,32 +6,27 @@ mod program;
 use dermatome::{
     learn::{
         LearnError, Learnt, Request, Strength,
-        judge::{Judged, ToldApart, board_contacts, judge_board, pairs, told_apart},
+        judge::Judged,
         learn,
         matrix::spots,
         presses::{Presses, Recording},
         responses::Responses,
     },
     model::Model,
-    recorded::{
-        order::Arrangement,
-        read::{Frames, Source, read},
-        weights::by_magnitude,
-    },
+    recorded::{order::Arrangement, read::Frames},
     simulate::{Press, TrueSkin},
-    skin::{Skin, Weights},
+    skin::Skin,
 };
-use dermatome_shared::patch::PatchView;
-use faer::{Mat, linalg::solvers::Solve};
+use faer::Mat;
 use insta::{Settings, assert_snapshot};
 use nalgebra::Point3;
 use npyz::WriterBuilder;
 use num_complex::Complex64;
 use program::{Desk, TINY, row, shape, transcript};
-use rand::{Rng, SeedableRng, seq::SliceRandom};
+use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
-use std::{ffi::OsString, fmt::Write as _, fs::File, path::Path};
+use std::{fmt::Write as _, fs::File, path::Path};
 
 const REQUEST: Request = Request { test_share: 0.2, seed: 1, strength: Strength::Response };
 
