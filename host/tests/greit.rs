@@ -158,7 +158,7 @@ fn norm(matrix: &Mat<f64>) -> f64 {
 fn without_noise_training_targets_give_their_desired_images() {
     let (training, pixels, whitening, _) = trained(&disc());
     let answers = whitening.transposed(&training.responses);
-    let space: DataSpace = greit::data_space(&training, &whitening, &pixels, 0.2);
+    let space: DataSpace = greit::data_space(&training, &whitening, &pixels, 0.2, None);
     let desired = greit::desired_images(&training, &pixels.centres, 0.2);
     let residual = |weight: f64| {
         let images = space.matrix(weight).unwrap() * answers.transpose();
@@ -178,7 +178,7 @@ fn training_targets_are_placed_to_a_hundredth_of_the_diameter() {
     let skin = disc();
     let (training, pixels, whitening, _) = trained(&skin);
     let answers = whitening.transposed(&training.responses);
-    let space = greit::data_space(&training, &whitening, &pixels, 0.2);
+    let space = greit::data_space(&training, &whitening, &pixels, 0.2, None);
     let images = space.matrix(1.0).unwrap() * answers.transpose();
     let mut worst: f64 = 0.0;
     for (target, centre) in training.centres.iter().enumerate().filter(|(_, c)| c.coords.norm() < 0.8 * 0.105)

@@ -175,7 +175,15 @@ fn a_gaussian_prior_of_too_many_pixels_is_refused() {
 /// A skin whose fifth electrode was mounted 2 mm further on, and which is not pressed.
 #[test]
 fn a_moved_electrode_disturbs_the_image_less_where_movement_is_allowed_for() {
-    let skin = coarse();
+    let greit = Method::Greit { radius: 0.3 };
+    for (method, hyperparameter) in [(coarse().inverse.method, 0.03), (greit, 3.0)] {
+        moved_electrode(method, hyperparameter);
+    }
+}
+
+fn moved_electrode(method: Method, hyperparameter: f64) {
+    let mut skin = coarse();
+    (skin.inverse.method, skin.inverse.hyperparameter) = (method, Hyperparameter::Fixed(hyperparameter));
     let mut moved = skin.clone();
     let Shape::Sheet(sheet) = &mut moved.shape else { panic!("a sheet") };
     let Place::Rim(place) = &mut sheet.places[4] else { panic!("on the rim") };

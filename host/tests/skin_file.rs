@@ -164,8 +164,8 @@ fn wrong_values_name_file_field_value_and_what_is_allowed() {
         (
             GOOD,
             "prior = \"laplace\"",
-            "method = \"greit\"\nelectrode_movement = 10",
-            &["`inverse.electrode_movement`", "is 10", "one-step"],
+            "method = \"greit\"\nelectrode_movement = 0",
+            &["`inverse.electrode_movement`", "is 0", "above zero"],
         ),
         (
             GOOD,

@@ -30,9 +30,6 @@ pub(super) fn skin_file(text: &str, name: &str, skin: &Skin, proposal: &Proposal
     drive.remove("driven");
     set(drive, "pattern", pattern(proposal));
     let inverse = table(&mut file, "inverse")?;
-    if proposal.on_rim < proposal.positions.len() {
-        inverse.remove("electrode_movement");
-    }
     plain_difference(inverse);
     Ok(file.to_string())
 }

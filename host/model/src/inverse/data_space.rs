@@ -75,7 +75,7 @@ impl DataSpace {
         Self::with_blind_parts(smoothed, gram, part_of_pixel, &answer)
     }
 
-    /// GREIT: `images` is D Y', `[pixel][measurement]`, `gram` is Y Y'.
+    /// GREIT: `images` is D Y', `[pixel][measurement]`, `gram` is Y Y', and what movement adds.
     #[must_use]
     pub fn trained(images: Mat<f64>, gram: Mat<f64>, unit: f64) -> Self {
         Self { images, blind: None, gram, unit }

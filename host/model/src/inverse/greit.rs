@@ -24,9 +24,16 @@ const STEEPNESS: f64 = 10.0;
 const BLOCK: usize = 256;
 
 /// The data space of a GREIT matrix. `radius` is that of the desired images, as a share of half the
-/// skin's larger side.
+/// skin's larger side; `movement` is what the unknown movement of electrodes, whose desired image is none either, adds to
+/// Y Y': `[measurement][measurement]`.
 #[must_use]
-pub fn data_space(training: &Training, whitening: &Whitening, pixels: &Pixels, radius: f64) -> DataSpace {
+pub fn data_space(
+    training: &Training,
+    whitening: &Whitening,
+    pixels: &Pixels,
+    radius: f64,
+    movement: Option<&Mat<f64>>,
+) -> DataSpace {
     let responses = whitening.transposed(&training.responses);
     let mut images = Mat::zeros(pixels.count(), responses.ncols());
     images.par_row_chunks_mut(BLOCK).enumerate().for_each(|(block, mut rows)| {
@@ -36,7 +43,11 @@ pub fn data_space(training: &Training, whitening: &Whitening, pixels: &Pixels, r
     let magnitude: f64 =
         responses.col_iter().map(|column| column.iter().map(|value| value.abs()).sum::<f64>()).sum();
     let unit = magnitude / (responses.nrows() * responses.ncols()) as f64;
-    DataSpace::trained(images, responses.transpose() * &responses, unit)
+    let mut gram = responses.transpose() * &responses;
+    if let Some(movement) = movement {
+        gram += movement;
+    }
+    DataSpace::trained(images, gram, unit)
 }
 
 /// Desired image of a target so far from its centre, both m: 1 in the middle, a half at the radius.

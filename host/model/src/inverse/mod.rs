@@ -111,12 +111,6 @@ pub enum InverseError {
         /// Its size over the mean.
         share: f64,
     },
-    /// Only electrodes on the rim move along it.
-    #[error("`inverse.electrode_movement` needs electrodes on the rim; electrode {} lies inside", electrode + 1)]
-    NotOnRim {
-        /// Index of the electrode.
-        electrode: usize,
-    },
     /// The responses to targets lack what the settings need.
     #[error("{what} must be simulated first")]
     NotSimulated {

@@ -121,14 +121,12 @@ fn data_space(
     weights: &[f64],
     whitening: &Whitening,
 ) -> Result<(DataSpace, Option<Prior>), InverseError> {
+    let movement = inverse
+        .electrode_movement
+        .map(|weight| movement::covariance(&of.responses.movement, weight, whitening));
     match inverse.method {
         Method::OneStep(kind) => {
             let prior = Prior::new(kind, pixels, of.jacobian, weights);
-            let movement = match (inverse.electrode_movement, &of.responses.movement) {
-                (None, _) => None,
-                (Some(weight), Some(jacobian)) => Some(movement::covariance(jacobian, weight, whitening)),
-                (Some(_), None) => return Err(InverseError::NotSimulated { what: "electrode movement" }),
-            };
             let space = DataSpace::one_step_with(
                 whitening.transposed(of.jacobian),
                 &prior,
@@ -140,7 +138,7 @@ fn data_space(
         Method::Greit { radius } => {
             let training = of.responses.training.as_ref();
             let training = training.ok_or(InverseError::NotSimulated { what: "training targets" })?;
-            Ok((greit::data_space(training, whitening, pixels, radius), None))
+            Ok((greit::data_space(training, whitening, pixels, radius, movement.as_ref()), None))
         }
     }
 }

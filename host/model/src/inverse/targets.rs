@@ -2,7 +2,7 @@
 //! on which hyperparameters are chosen and noise figures stated; training targets for GREIT; moving
 //! electrodes.
 
-use super::movement;
+use super::movement::{self, Movement};
 use crate::{
     forward::{Admittivity, Fields, ForwardModel},
     inverse::InverseError,
@@ -33,9 +33,8 @@ pub struct Responses {
     pub frame: Option<Vec<f64>>,
     /// GREIT's training targets.
     pub training: Option<Training>,
-    /// d voltage / d movement of each electrode along the rim, in units of half the skin's larger
-    /// side, if all are on the rim: `[measurement][electrode]`.
-    pub movement: Option<Mat<f64>>,
+    /// Movement of the electrodes.
+    pub movement: Movement,
 }
 
 /// GREIT's training targets: element patches, of about equal area all over the skin.
@@ -93,23 +92,17 @@ impl Responses {
                 half_side: half_side(of.mesh),
             }
         });
-        let movement = match movement(of) {
-            Err(error) if inverse.electrode_movement.is_some() => return Err(error),
-            movement => movement.ok(),
-        };
+        let per_metre = movement::jacobian(of.mesh, of.admittivity, of.fields, of.steps);
         Ok(Self {
             target: target.col(0).iter().copied().collect(),
             frame: frame.map(|frame| combine_voltages(&frame, combination)),
             training,
-            movement: movement.map(combined),
+            movement: Movement {
+                is_on_rim: per_metre.ncols() == of.mesh.electrodes.len(),
+                responses: combined(per_metre) * faer::Scale(half_side(of.mesh)),
+            },
         })
     }
-}
-
-fn movement<T: Admittivity>(of: &Untouched<'_, T>) -> Result<Mat<T>, InverseError> {
-    let per_metre = movement::jacobian(of.mesh, of.admittivity, of.fields, of.steps)?;
-    let half_side = half_side(of.mesh);
-    Ok(Mat::from_fn(per_metre.nrows(), per_metre.ncols(), |i, j| per_metre[(i, j)] * half_side))
 }
 
 /// Change of voltage when the conductivity of some elements doubles: `[step]`.

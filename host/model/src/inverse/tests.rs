@@ -1,6 +1,6 @@
 //! The data space against the image-space formulas it stands for.
 
-use super::*;
+use super::{movement::Movement, *};
 use faer::{
     Side,
     linalg::solvers::{PartialPivLu, SolveCore},
@@ -89,12 +89,13 @@ proptest! {
     #[test]
     fn electrode_movement_is_solved_for_and_dropped(
         jacobian in jacobian(), weights in weights(), lambda in 0.1..3.0_f64, weight in 0.1..3.0_f64,
-        moving in prop::collection::vec(-1.0..1.0_f64, MEASUREMENTS * 4),
+        moving in prop::collection::vec(-1.0..1.0_f64, MEASUREMENTS * 4), is_on_rim in any::<bool>(),
     ) {
         let moving = Mat::from_fn(MEASUREMENTS, 4, |i, j| moving[4 * i + j]);
         let whitening = Whitening::from_weights(&weights).unwrap();
-        let covariance = movement::covariance(&moving, weight, &whitening);
-        let movement_prior = movement::prior(4, weight);
+        let movement = Movement { responses: moving.clone(), is_on_rim };
+        let covariance = movement::covariance(&movement, weight, &whitening);
+        let movement_prior = movement::prior(4, weight, is_on_rim);
         for prior in priors() {
             let space = DataSpace::one_step(whitening.transposed(&jacobian), &prior, Some(&covariance)).unwrap();
             let mut got = space.matrix(lambda).unwrap();

@@ -11,6 +11,7 @@ use crate::{
     inverse::{
         InverseError,
         figures::{self, Blur},
+        movement::Movement,
         reconstruction::{Measurements, Reconstruction, reconstruct},
         selection::Selection,
         targets::{Responses, Untouched},
@@ -73,9 +74,8 @@ pub struct Model {
     /// d voltage / d relative conductivity of the standard target, see
     /// [`crate::inverse::targets`]: `[measurement]`.
     pub target: Vec<f64>,
-    /// d voltage / d movement of each electrode along the rim, if all are on the rim, see
-    /// [`crate::inverse::targets`]: `[measurement][electrode]`.
-    pub movement: Option<Mat<f64>>,
+    /// How measurements respond to the movement of electrodes.
+    pub movement: Movement,
     /// How long each stage took.
     pub stages: Vec<Stage>,
 }

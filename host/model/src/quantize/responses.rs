@@ -5,7 +5,9 @@
 //! apart, near the electrodes.
 
 use super::{PatchBuildError, exponents_of, rounded_rows};
-use crate::{metrics::detectability::passing, model::Model, pixels::tangents, skin::Skin};
+use crate::{
+    inverse::movement::Movement, metrics::detectability::passing, model::Model, pixels::tangents, skin::Skin,
+};
 use dermatome_patch::places::FixedPlaces;
 use dermatome_shared::patch::places::{DetectionLayout, MAX_PLACES, PLACE_NEIGHBOURS, Place};
 use faer::Mat;
@@ -109,7 +111,8 @@ fn smooth_responses(model: &Model) -> Mat<f64> {
 
 /// What the slip of each electrode changes difference data by, `[measurement][electrode]`; none unless all are on the rim.
 fn slip_responses(model: &Model) -> Mat<f64> {
-    model.movement.as_ref().map_or(Mat::new(), |movement| divided(model, movement.clone()))
+    let Movement { responses, is_on_rim } = &model.movement;
+    if *is_on_rim { divided(model, responses.clone()) } else { Mat::new() }
 }
 
 /// At most so many pixels whose responses are told apart best against this noise, `[measurement]`.

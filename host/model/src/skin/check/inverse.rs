@@ -14,22 +14,15 @@ const WEIGHT_COLUMN: &str = "weight";
 impl Checker<'_> {
     pub(super) fn inverse(&self, table: &InverseTable) -> Result<Inverse, SkinError> {
         let method = self.method(table)?;
-        let electrode_movement = match (table.electrode_movement, method) {
-            (Some(weight), Method::Greit { .. }) => {
-                let allowed = "nothing (only the method \"one-step\" has it)";
-                return self.refuse("inverse.electrode_movement", weight.to_string(), allowed);
-            }
-            (Some(weight), Method::OneStep(_)) => {
-                Some(self.positive_number("inverse.electrode_movement", weight)?)
-            }
-            (None, _) => None,
-        };
+        let movement = table.electrode_movement;
         Ok(Inverse {
             method,
             hyperparameter: self.hyperparameter(table)?,
             difference: if table.normalised { Difference::Normalised } else { Difference::Plain },
             weights: self.weights(table)?,
-            electrode_movement,
+            electrode_movement: movement
+                .map(|weight| self.positive_number("inverse.electrode_movement", weight))
+                .transpose()?,
             noise_db: self.within("inverse.noise_db", table.noise_db, 60.0, 0.0, 200.0)?,
         })
     }
