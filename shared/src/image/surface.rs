@@ -15,7 +15,7 @@
 //! curved one a step is a 32,767th of its farthest coordinate, areas are rounded to a 255th of the
 //! largest, normals to 0.4 degrees.
 
-use crate::limits::MAX_PIXELS;
+use crate::{contact::square_distance, limits::MAX_PIXELS};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
@@ -28,6 +28,9 @@ pub const MAX_NEIGHBOURS: usize = 8 * MAX_PIXELS;
 /// What a component of a normal is divided by.
 pub const NORMAL_UNIT: f32 = 127.0;
 
+/// Ways from the pixels round an outermost one sum up to more than this share of their lengths; along a straight border to
+/// 0.46, at a corner to 0.8.
+const BALANCED: f32 = 0.25;
 /// Squares of the lengths that normals of length 127 have when rounded, with room to spare.
 const NORMAL_SQUARES: core::ops::RangeInclusive<i32> = 125 * 125..=129 * 129;
 
@@ -164,6 +167,34 @@ impl<'a> Surface<'a> {
         f32::from(pixel.area) * self.scale.area
     }
 
+    /// A point near a pixel, m; where it is farther out than the centres of the outermost pixels, the nearest that is not.
+    #[must_use]
+    pub fn inside(&self, mut pixel: usize, point: [f32; 3]) -> [f32; 3] {
+        let centre = |pixel| self.pixel(pixel).map(|pixel| self.centre(&pixel));
+        let Some(mut here) = centre(pixel) else { return point };
+        let away = |(_, centre): &(usize, [f32; 3])| square_distance(*centre, point);
+        while let Some(next) = self
+            .neighbours(pixel)
+            .filter_map(|other| Some((other, centre(other)?)))
+            .min_by(|a, b| away(a).total_cmp(&away(b)))
+            .filter(|next| away(next) < square_distance(here, point))
+        {
+            (pixel, here) = next;
+        }
+        // Pixels round one inside balance.
+        let (mut outward, mut lengths) = ([0.0; 3], 0.0);
+        for other in self.neighbours(pixel).filter_map(centre) {
+            lengths += length(minus(here, other));
+            outward.iter_mut().zip(minus(here, other)).for_each(|(sum, way)| *sum += way);
+        }
+        let balance = length(outward);
+        let beyond: f32 = minus(point, here).iter().zip(outward).map(|(way, outward)| way * outward).sum();
+        if balance <= BALANCED * lengths || beyond <= 0.0 {
+            return point;
+        }
+        minus(point, outward.map(|part| part * beyond / (balance * balance)))
+    }
+
     /// Whether everything is a number that makes sense and every list lies in its table.
     pub(crate) fn check(&self) -> Result<(), SurfaceError> {
         let SurfaceScale { origin, step, area } = self.scale;
@@ -188,6 +219,14 @@ impl<'a> Surface<'a> {
     }
 }
 
+fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn length(way: [f32; 3]) -> f32 {
+    libm::sqrtf(square_distance(way, [0.0; 3]))
+}
+
 fn is_positive(value: f32) -> bool {
     value.is_finite() && value > 0.0
 }
@@ -196,6 +235,7 @@ fn is_positive(value: f32) -> bool {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::vec;
 
     proptest! {
         #[test]
@@ -220,6 +260,56 @@ mod tests {
             for number in 0..surface.count() + 1 {
                 let _ = surface.neighbours(number).count();
             }
+        }
+    }
+
+    const COLUMNS: i16 = 8;
+
+    /// A square of pixels of 10 mm, the first at the origin, in a plane or bent up along y.
+    fn square(bend: fn(i16) -> i16) -> (vec::Vec<u8>, vec::Vec<u8>) {
+        let (mut pixels, mut neighbours) = (vec![], vec![]);
+        let all = || (0..COLUMNS).flat_map(|y| (0..COLUMNS).map(move |x| (x, y)));
+        for (x, y) in all() {
+            for (number, (u, v)) in (0_u16..).zip(all()) {
+                if (u, v) != (x, y) && (u - x).abs() <= 1 && (v - y).abs() <= 1 {
+                    neighbours.extend(number.to_le_bytes());
+                }
+            }
+            let neighbours_end = (neighbours.len() / NEIGHBOUR_BYTES) as u16;
+            let pixel = Pixel { centre: [x, y, bend(y)], neighbours_end, normal: [0, 0, 127], area: 1 };
+            pixels.extend(pixel.to_bytes());
+        }
+        (pixels, neighbours)
+    }
+
+    const SCALE: SurfaceScale = SurfaceScale { origin: [0.0; 3], step: 0.01, area: 1e-4 };
+
+    proptest! {
+        #[test]
+        fn points_of_the_skin_stay_and_others_come_to_its_outermost_pixels(
+            from in 0..64_usize, x in -0.012..0.082_f32, y in -0.012..0.082_f32,
+        ) {
+            let (pixels, neighbours) = square(|_| 0);
+            let surface = Surface::new(SCALE, &pixels, &neighbours);
+            let [u, v, w] = surface.inside(from, [x, y, 0.0]);
+            let clamped = [x, y].map(|part| part.clamp(0.0, 0.07));
+            let is_corner = [x, y].iter().all(|part| !(0.005..=0.065).contains(part));
+            // Beside the pixel at a corner it is the diagonal that they are held by.
+            let most = if is_corner { 0.012 } else { 1e-6 };
+            prop_assert!((u - clamped[0]).abs() < most && (v - clamped[1]).abs() < most && w == 0.0, "{u} {v}");
+            prop_assert!((u - 0.035).abs() + (v - 0.035).abs() < 0.07 + 1e-6, "{u} {v}");
+        }
+    }
+
+    #[test]
+    fn a_point_beyond_the_border_of_a_bent_skin_comes_to_it_along_the_skin() {
+        let (pixels, neighbours) = square(|y| y);
+        let surface = Surface::new(SCALE, &pixels, &neighbours);
+        for (given, expected) in
+            [([0.03, 0.075, 0.075], [0.03, 0.07, 0.07]), ([0.034, 0.05, 0.05], [0.034, 0.05, 0.05])]
+        {
+            let found = surface.inside(9, given);
+            assert!(length(minus(found, expected)) < 1e-6, "{given:?}: {found:?}");
         }
     }
 }

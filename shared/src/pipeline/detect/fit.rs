@@ -123,7 +123,8 @@ impl<'a> Fit<'a> {
             *self = best;
         }
         self.judge(sums, &mut system);
-        self.presses.iter_mut().for_each(Press::settle);
+        let Skin { places, surface, .. } = self.skin;
+        self.presses.iter_mut().for_each(|press| press.settle(surface, places));
     }
 
     /// Variance of what the presses do not explain, that of one frame's noise being 1; at least that of the noise.

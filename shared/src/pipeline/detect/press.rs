@@ -4,7 +4,7 @@ use super::{
     MAX_PRESSES, Presses,
     spot::{Response, Spot, UNKNOWNS},
 };
-use crate::{contact::square_distance, patch::places::Places};
+use crate::{contact::square_distance, image::surface::Surface, patch::places::Places};
 use heapless::Vec;
 
 /// A press that is one stays one until its significance falls below this share of the level.
@@ -55,10 +55,11 @@ impl Press {
         }
     }
 
-    /// Its position by its offset, no farther than slopes hold for.
-    pub(super) fn settle(&mut self) {
+    /// Its position by its offset, no farther than slopes hold for, and on the skin.
+    pub(super) fn settle(&mut self, surface: &Surface<'_>, places: &Places<'_>) {
         self.offset = self.spot.within_reach(self.offset);
-        self.position = self.spot.point(self.offset);
+        let pixel = places.get(self.spot.place()).map_or(0, |place| place.pixel.into());
+        self.position = surface.inside(pixel, self.spot.point(self.offset));
     }
 
     /// Whether it would lie much farther from its place than slopes hold for: where its strength is hardly any, slopes
