@@ -18,6 +18,7 @@ mod saline_map;
 mod sample;
 mod sample_rig;
 mod shapes;
+mod surface;
 mod thin_fingers;
 mod tracking;
 mod two_point;
@@ -30,8 +31,7 @@ use dermatome_model::{
 use dermatome_simulate::{material::MaterialError, rig::RigError};
 pub use html::page;
 use rayon::prelude::*;
-pub use report::{Comparison, Report, Wanted, json};
-use std::path::Path;
+pub use report::{Assessment, Comparison, Report, Wanted, json};
 
 /// One experiment.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +44,7 @@ pub struct Experiment {
 }
 
 /// All experiments, in the order of the thesis.
-pub const EXPERIMENTS: [Experiment; 15] = [
+pub const EXPERIMENTS: [Experiment; 16] = [
     Experiment {
         name: "divider",
         about: "resistance of Samples 1 and 2 under load (3.2)",
@@ -77,6 +77,11 @@ pub const EXPERIMENTS: [Experiment; 15] = [
         name: "pressure-map",
         about: "1 kg at 15 places on Samples 1 and 2 (4.2)",
         run: pressure_map::run,
+    },
+    Experiment {
+        name: "surface",
+        about: "the thesis' own simulation on its surface mesh, and less flattering (5.2)",
+        run: surface::run,
     },
     Experiment {
         name: "shapes",
@@ -125,8 +130,7 @@ pub fn run(
 
 /// Shipped skins that stand for flat and curved ones: a disc, a square, a hemisphere.
 pub fn shipped_skins() -> Result<[Skin; 3], ExperimentError> {
-    let flat = |(path, text)| Ok::<_, ExperimentError>(Skin::parse(Path::new(path), text)?.made()?);
-    Ok([flat(sample::DISC_210)?, flat(sample::SQUARE_210)?, hemisphere::shipped()?])
+    Ok([sample::shipped(sample::DISC_210)?, sample::shipped(sample::SQUARE_210)?, hemisphere::shipped()?])
 }
 
 /// Why an experiment cannot be done.
