@@ -8,6 +8,7 @@ mod approach;
 mod divider;
 mod hemisphere;
 mod html;
+mod hysteresis;
 mod loading;
 mod plot;
 mod points;
@@ -44,7 +45,7 @@ pub struct Experiment {
 }
 
 /// All experiments, in the order of the thesis.
-pub const EXPERIMENTS: [Experiment; 16] = [
+pub const EXPERIMENTS: [Experiment; 17] = [
     Experiment {
         name: "divider",
         about: "resistance of Samples 1 and 2 under load (3.2)",
@@ -98,6 +99,11 @@ pub const EXPERIMENTS: [Experiment; 16] = [
         name: "hemisphere-flat",
         about: "surface against planar image (5.4.4)",
         run: hemisphere::flat,
+    },
+    Experiment {
+        name: "hysteresis",
+        about: "hysteresis taken out by play operators and a Preisach network (6.2)",
+        run: hysteresis::run,
     },
     Experiment {
         name: "tracking",
@@ -160,6 +166,12 @@ pub enum ExperimentError {
     /// Skin files that come with the program cannot be laid out.
     #[error("cannot lay out the hemisphere's files in a temporary folder: {0}")]
     Files(#[from] std::io::Error),
+    /// A sample's readings give no curve.
+    #[error("readings of {sample} do not rise with the load")]
+    Readings {
+        /// The sample.
+        sample: &'static str,
+    },
     /// A picture cannot be drawn.
     #[error("cannot draw: {0}")]
     Draw(String),

@@ -217,7 +217,7 @@ impl Sample {
 
 impl Specimen {
     /// Sets the reference on the sheet at rest.
-    fn tare(&mut self) {
+    pub(super) fn tare(&mut self) {
         let conductivity = self.at_rest(0.0);
         self.rig.tare(&conductivity);
     }
