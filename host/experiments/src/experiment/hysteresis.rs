@@ -331,6 +331,29 @@ mod tests {
     }
 
     #[test]
+    fn each_way_is_judged_by_one_limit_on_the_mean_of_its_loops() {
+        let figures = |plays: f64| Figures {
+            raw: 30.0,
+            hysteresis: [[25.0, 26.0], [plays, 20.0], [9.0, 9.5], [7.5, 12.0]],
+            error: [20.0, 8.0, 6.0, 5.0],
+        };
+        let mut report = Report::new("x", "x");
+        let of_spoilt = [vec![figures(5.0), figures(10.0)], vec![figures(9.0), figures(12.0)]];
+        compare(&mut report, &TWO, &of_spoilt);
+        let found: Vec<_> =
+            report.comparisons.iter().map(|one| (one.found, one.wanted, one.met().unwrap())).collect();
+        let limit = Some(Wanted::AtMost(8.0));
+        let [one, three] = [(9.0, limit, false), (7.5, limit, true)];
+        assert_eq!(found, [(7.5, limit, true), one, three, (10.5, limit, false), one, three]);
+        assert!(report.comparisons[3].what.starts_with("Sample 2, slips: hysteresis after play operators"));
+        assert_eq!(
+            of_spoilt[0][0].row("a loop".into()).len(),
+            9,
+            "a name, readings, three ways, four errors"
+        );
+    }
+
+    #[test]
     fn plays_and_network_close_a_loop_of_sample_2_that_neither_saw() {
         let learnt = Learnt::of(&TWO, Artefacts::MOVING).unwrap();
         let mut specimen = TWO.specimen(Artefacts::MOVING, 7).unwrap();
