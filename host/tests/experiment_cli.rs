@@ -50,6 +50,20 @@ fn assert_loading(name: &str, sample: &str, thesis: f64) {
     assert!((plain["at_most"].as_f64().unwrap() - thesis).abs() < 1e-9, "{plain:#}");
     assert!(plain["found"].as_f64().unwrap() > 4.0 * found("CoP error, mean distance"), "{plain:#}");
     assert_eq!(plain["met"], sample == "Sample 1", "{plain:#}");
+    assert_assessed(&report, sample, thesis);
+}
+
+/// Table 6.1 has the sample, with the thesis' position error as its limit, and is met where it must be.
+fn assert_assessed(report: &Value, sample: &str, position_error: f64) {
+    let table = report["table_6_1"].as_array().unwrap();
+    assert_eq!((table.len(), table[0]["sample"].as_str()), (1, Some(sample)), "{table:#?}");
+    let [range, hysteresis, position] = [0, 1, 2].map(|index| &table[0]["figures"][index]);
+    assert!((position["at_most"].as_f64().unwrap() - position_error / 100.0).abs() < 1e-9, "{position:#}");
+    assert!(
+        position["met"] == true && range["found"].as_f64().unwrap() > 0.7 * range["thesis"].as_f64().unwrap()
+    );
+    let summary = &comparison(report, &format!("{sample}: hysteresis of the image"))["found"];
+    assert_eq!((&hysteresis["found"], &hysteresis["thesis"]), (summary, &hysteresis["at_most"]));
 }
 
 #[test]
@@ -127,6 +141,30 @@ fn moving_fingers_keep_their_numbers_and_one_that_was_long_away_gets_a_new_one()
             ["closest_m", "numbers_kept", "two_contacts_percent"].map(|key| approach[key].as_f64().unwrap());
         assert!(two > 40.0 && (closest < 0.04 || kept == 6.0 && two > 90.0), "{approach:#}");
     }
+}
+
+#[test]
+fn the_thesis_own_simulation_matches_on_its_mesh_and_thin_fingers_in_noise_do_not() {
+    let desk = Desk::empty();
+    desk.run(&["experiment", "surface", "--out", "out"]).success();
+    let report = desk.report("out/report.json");
+    let meshes = report["experiments"][0]["figures"].as_array().unwrap();
+    let count = |mesh: usize, key: &str| meshes[mesh][key].as_u64().unwrap();
+    assert_eq!(
+        [0, 1].map(|mesh| [count(mesh, "nodes"), count(mesh, "elements")]),
+        [[337, 624], [1201, 2304]]
+    );
+    assert!((3700..4500).contains(&count(2, "elements")), "{}", count(2, "elements"));
+    for way in ["same mesh, no noise", "skin meshed anew, 60 dB"] {
+        assert_met(&report, &format!("Fig. 5.2, hemisphere: {way}: images"), "at_least", 5.0);
+    }
+    let thin = comparison(&report, "Fig. 5.2, hemisphere: skin meshed anew, 50 dB, thin");
+    assert!(thin["met"] == false && thin["found"].as_f64().unwrap() < 2.0, "{thin:#}");
+    let planar = comparison(&report, "Fig. 5.6, disc: same mesh, no noise");
+    assert!(planar["thesis"].is_null() && planar["met"].is_null() && planar["found"] == 5.0, "{planar:#}");
+    let page = String::from_utf8(desk.read("out/report.html")).unwrap();
+    assert_eq!(page.matches("data:image/png;base64,").count(), 3);
+    assert!(page.contains("which no image of a real skin is"), "the page says that one mesh stands for both");
 }
 
 #[test]

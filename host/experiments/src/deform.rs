@@ -40,14 +40,23 @@ pub(crate) fn slip(mesh: &Mesh, by: f64, random: &mut impl Rng) -> Result<Vec<Po
 }
 
 /// Mean of the moves weighted by distance^-4 (Shepard), fading to none at `reach`, m.
+///
+/// Numbers rather than vectors: all nodes times all of the rim are what the experiments take longest for.
 fn follow(node: &Point3<f64>, moves: &[(Point3<f64>, Vector3<f64>)], reach: f64) -> Vector3<f64> {
-    let (mut sum, mut weights, mut nearest) = (Vector3::zeros(), 0.0, f64::INFINITY);
+    let [x, y, z] = [node.x, node.y, node.z];
+    let ([mut along_x, mut along_y, mut along_z], mut weights, mut nearest) = ([0.0; 3], 0.0, f64::INFINITY);
     for (point, by) in moves {
-        let square = (node - point).norm_squared().max(f64::MIN_POSITIVE);
+        let (dx, dy, dz) = (x - point.x, y - point.y, z - point.z);
+        let square = (dx * dx + dy * dy + dz * dz).max(f64::MIN_POSITIVE);
         let weight = 1.0 / (square * square);
-        (sum, weights, nearest) = (sum + by * weight, weights + weight, nearest.min(square));
+        along_x += by.x * weight;
+        along_y += by.y * weight;
+        along_z += by.z * weight;
+        weights += weight;
+        nearest = nearest.min(square);
     }
     if weights.is_finite() {
+        let sum = Vector3::new(along_x, along_y, along_z);
         sum / weights * (1.0 - nearest.sqrt() / reach).max(0.0)
     } else {
         Vector3::zeros()

@@ -5,7 +5,7 @@ use dermatome_model::{model::Model, skin::Skin};
 use dermatome_patch::layout::Layout;
 use dermatome_view::{
     plot::criterion_svg,
-    sheet::{Panel, Sheet, reconstruction_sheet},
+    sheet::{Panel, Scale, Sheet, reconstruction_sheet},
     terminal::{Ink, image, legend},
 };
 use std::{error::Error, fs, path::Path};
@@ -30,8 +30,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         legend(maximum, Ink::from_environment())
     );
     let panel = Panel { caption: vec!["near electrode 2".to_owned()], values: &values, ..Panel::default() };
-    let sheet =
-        Sheet { title: &skin.name, layout: &layout, electrodes: &[], columns: 1, panels: vec![panel] };
+    let sheet = Sheet {
+        title: &skin.name,
+        layout: &layout,
+        electrodes: &[],
+        scale: Scale::RELATIVE,
+        columns: 1,
+        panels: vec![panel],
+    };
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());
     let folder = Path::new(&folder);
     fs::create_dir_all(folder)?;

@@ -22,6 +22,26 @@ pub struct Panel<'a> {
     pub truth: Vec<([f64; 2], f64)>,
 }
 
+/// What the colours of a sheet stand for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// Line above the colour bar.
+    pub name: &'static str,
+    /// What a relative conductivity change of 1 is.
+    pub unit: f64,
+}
+
+impl Scale {
+    /// Relative conductivity change.
+    pub const RELATIVE: Self = Self { name: "relative conductivity change", unit: 1.0 };
+
+    /// Change of sheet conductivity in mS per square, of a sheet of this conductivity, S per square.
+    #[must_use]
+    pub fn millisiemens(sheet_conductivity: f64) -> Self {
+        Self { name: "conductivity change, mS per square", unit: 1e3 * sheet_conductivity }
+    }
+}
+
 /// Images of one skin.
 #[derive(Clone, Debug)]
 pub struct Sheet<'a> {
@@ -31,6 +51,8 @@ pub struct Sheet<'a> {
     pub layout: &'a Layout,
     /// Electrodes in the grid's frame, m; may be empty.
     pub electrodes: &'a [[f64; 2]],
+    /// What the colours stand for.
+    pub scale: Scale,
     /// Most images in a row.
     pub columns: usize,
     /// The images, row by row.
@@ -70,7 +92,7 @@ pub fn reconstruction_sheet(sheet: &Sheet<'_>) -> Picture {
         draw_panel(&mut picture, sheet, panel, (x, y), caption_lines, maximum);
     }
     let bar_at = (width as i32 / 2 - 120, (TITLE + rows * row_height) as i32 + 2);
-    picture.colour_bar(bar_at, 240, maximum, "relative conductivity change");
+    picture.colour_bar(bar_at, 240, maximum * sheet.scale.unit, sheet.scale.name);
     picture
 }
 
@@ -205,8 +227,8 @@ mod tests {
             maximum: None,
         };
         let panels: Vec<_> = (0..images.len()).map(panel).collect();
-        let sheet =
-            Sheet { title: "demo.npz:v", layout: &layout, electrodes: &electrodes, columns: 5, panels };
+        let (title, scale) = ("demo.npz:v", Scale::RELATIVE);
+        let sheet = Sheet { title, layout: &layout, electrodes: &electrodes, scale, columns: 5, panels };
         let picture = reconstruction_sheet(&sheet);
         assert_eq!(picture.size(), (5 * COLUMN, TITLE + 2 * (2 * LINE + TILE + 2 * MARGIN + GAP) + BAR));
     }
@@ -215,9 +237,27 @@ mod tests {
     fn empty_and_crowded_sheets_are_drawn_too() {
         let layout = Layout::from(&disc(8));
         let title = "long ".repeat(100);
-        let sheet = |panels| Sheet { title: &title, layout: &layout, electrodes: &[], columns: 5, panels };
+        let scale = Scale::RELATIVE;
+        let sheet =
+            |panels| Sheet { title: &title, layout: &layout, electrodes: &[], scale, columns: 5, panels };
         assert_eq!(reconstruction_sheet(&sheet(vec![])).size().0, 2 * COLUMN);
         let crowded = reconstruction_sheet(&sheet(vec![Panel::default(); 500]));
         assert!(crowded.size().1 < 16_384);
+    }
+
+    #[test]
+    fn a_sheet_of_two_millisiemens_shows_half_the_relative_change_with_the_same_numbers() {
+        let geometry = disc(16);
+        let layout = Layout::from(&geometry);
+        let drawn = |peak: f64, scale: Scale| {
+            let values = blob(&geometry, 0.01, 0.0, peak);
+            let panels = vec![Panel { values: &values, ..Panel::default() }];
+            let sheet = Sheet { title: "", layout: &layout, electrodes: &[], scale, columns: 5, panels };
+            reconstruction_sheet(&sheet).encode().unwrap()
+        };
+        let [one, two] = [1e-3, 2e-3].map(Scale::millisiemens);
+        assert_eq!(drawn(0.4, one), drawn(0.2, two));
+        assert_ne!(drawn(0.4, one), drawn(0.4, two), "the bar's numbers");
+        assert_ne!(drawn(0.4, one), drawn(0.4, Scale::RELATIVE), "the bar's name");
     }
 }

@@ -19,7 +19,7 @@ use dermatome_model::{
 };
 use dermatome_patch::{layout::Layout, output::write_whole};
 use dermatome_shared::patch::Difference;
-use dermatome_view::sheet::{Panel, Sheet, reconstruction_sheet};
+use dermatome_view::sheet::{Panel, Scale, Sheet, reconstruction_sheet};
 use serde::Serialize;
 use std::{ffi::OsString, path::PathBuf};
 
@@ -187,7 +187,9 @@ fn picture(skin: &Skin, model: &Model, report: &Report) -> anyhow::Result<Vec<u8
     let panels = shown.iter().map(|&index| panel(&report.frames[index])).collect();
     let rim = electrodes_in_plane(&skin.shape);
     let layout = Layout::from(&model.surface()?);
-    let sheet = Sheet { title: &report.frames_file, layout: &layout, electrodes: &rim, columns: 5, panels };
+    let scale = Scale::RELATIVE;
+    let sheet =
+        Sheet { title: &report.frames_file, layout: &layout, electrodes: &rim, scale, columns: 5, panels };
     reconstruction_sheet(&sheet).encode().context("cannot encode the picture")
 }
 

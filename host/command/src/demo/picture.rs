@@ -4,7 +4,7 @@ use super::{FrameRecord, Scorer};
 use dermatome_frames::recorded::reconstruct::evenly_spaced;
 use dermatome_model::skin::electrodes_in_plane;
 use dermatome_simulate::Press;
-use dermatome_view::sheet::{Panel, Sheet, reconstruction_sheet};
+use dermatome_view::sheet::{Panel, Scale, Sheet, reconstruction_sheet};
 
 use nalgebra::Point3;
 
@@ -32,6 +32,7 @@ pub(crate) fn picture(scorer: &Scorer<'_>, records: &[FrameRecord]) -> Result<Ve
         title: &title,
         layout: scorer.layout,
         electrodes: &rim,
+        scale: Scale::RELATIVE,
         columns: 2 * PAIRS,
         panels: panels.collect(),
     };

@@ -3,7 +3,7 @@
 use super::{
     ExperimentError,
     plot::{Chart, Series, Style},
-    report::{Report, Wanted, largest, mean_and_deviation, number},
+    report::{Assessment, Comparison, Report, Wanted, largest, mean_and_deviation, number},
     saline::{draw, hysteresis},
     sample::{Sample, cube},
     sample_rig::{Artefacts, SampleRig, Shown},
@@ -48,6 +48,7 @@ pub(super) fn run(sample: &Sample) -> Result<Report, ExperimentError> {
     let (plain, _) = self::trials(&sample.without_movement())?;
     let summary = Summary::new(&trials);
     summary.compare(sample, &mut report);
+    report.assessment = Some(summary.assessment(sample));
     Summary::new(&plain).compare_plain(sample, &mut report);
     compare_artefacts(&mut rigs, sample, &mut report)?;
     summary.tabulate(sample, &mut report);
@@ -124,6 +125,8 @@ struct Summary {
     true_hysteresis: f64,
     /// Largest difference of a reading between trials, % of the rated output.
     repeatability: f64,
+    /// Pressure up to which the mean reading rises with every step, kPa.
+    range: f64,
     /// Mean and standard deviation of the contact's offset in x and y, share of the side.
     centre: [[f64; 2]; 2],
     /// Mean and largest distance, share of the side.
@@ -144,6 +147,7 @@ impl Summary {
             hysteresis: mean(&|trial| hysteresis(&trial.strengths)),
             true_hysteresis: mean(&|trial| hysteresis(&trial.true_changes)),
             repeatability: repeatability(&readings),
+            range: range(&trials[0].pressures, &readings),
             centre: [along(0), along(1)],
             distance: [mean_and_deviation(&distances)[0], largest(distances)],
             readings: [loaded, loaded - offsets.len()],
@@ -188,6 +192,33 @@ impl Summary {
             self.repeatability,
             None,
         );
+    }
+
+    /// Its row of Table 6.1.
+    fn assessment(&self, sample: &Sample) -> Assessment {
+        let found = sample.found;
+        let means = self.centre.map(|[mean, _]| mean.abs());
+        let figure = |what: &str, unit, thesis, found, wanted: fn(f64) -> Wanted| Comparison {
+            what: what.to_owned(),
+            unit,
+            thesis: Some(thesis),
+            found,
+            wanted: Some(wanted(thesis)),
+        };
+        Assessment {
+            sample: sample.name,
+            figures: [
+                figure("range: readings rise up to", "kPa", found.range, self.range, Wanted::AtLeast),
+                figure("hysteresis", "% of R.O.", found.hysteresis, self.hysteresis, Wanted::AtMost),
+                figure(
+                    "position error, larger of x and y, share of the length",
+                    "",
+                    found.position_error,
+                    means[0].max(means[1]),
+                    Wanted::AtMost,
+                ),
+            ],
+        }
     }
 
     /// What becomes of it if the matrix does not know that electrodes move.
@@ -251,6 +282,7 @@ impl Summary {
             "hysteresis_percent": self.hysteresis,
             "hysteresis_of_sheet_percent": self.true_hysteresis,
             "repeatability_percent": self.repeatability,
+            "range_kpa": self.range,
             "cop_x": { "mean": x, "sd": x_deviation },
             "cop_y": { "mean": y, "sd": y_deviation },
             "cop_distance": { "mean": self.distance[0], "max": self.distance[1] },
@@ -262,6 +294,14 @@ impl Summary {
             "voltage_changes_percent": trials.iter().map(Trial::voltages).collect::<Vec<_>>(),
         })
     }
+}
+
+/// Pressure up to which the mean of all trials rises with every step of the loading branch.
+fn range(pressures: &[f64], trials: &[Vec<f64>]) -> f64 {
+    let top = pressures.len() / 2;
+    let mean = |index: usize| trials.iter().map(|trial| trial[index]).sum::<f64>();
+    let risen = (1..=top).take_while(|&index| mean(index) > mean(index - 1)).count();
+    pressures.get(risen).copied().unwrap_or(0.0)
 }
 
 /// Largest difference of one reading between trials, % of the range of all.
@@ -328,5 +368,17 @@ mod tests {
         let trials = [vec![0.0, 1.0, 2.0, 1.0], vec![0.0, 1.2, 2.0, 1.5]];
         assert!((repeatability(&trials) - 25.0).abs() < 1e-12);
         assert_eq!(repeatability(&trials[..1]), 0.0);
+    }
+
+    #[test]
+    fn the_range_ends_where_the_mean_reading_no_longer_rises() {
+        let pressures = [0.0, 10.0, 20.0, 30.0, 20.0, 10.0, 0.0];
+        let rising = [0.0, 1.0, 2.0, 3.0, 2.5, 1.5, 0.2];
+        let stuck = [0.0, 1.0, 2.0, 0.9, 2.5, 1.5, 0.2];
+        assert_eq!(range(&pressures, &[rising.to_vec()]), 30.0);
+        assert_eq!(range(&pressures, &[stuck.to_vec()]), 20.0);
+        // The mean of both: 1, 2, 1.95.
+        assert_eq!(range(&pressures, &[rising.to_vec(), stuck.to_vec()]), 20.0);
+        assert_eq!(range(&pressures, &[vec![0.0; 7]]), 0.0);
     }
 }

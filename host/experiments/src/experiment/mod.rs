@@ -8,6 +8,7 @@ mod approach;
 mod divider;
 mod hemisphere;
 mod html;
+mod hysteresis;
 mod loading;
 mod plot;
 mod points;
@@ -18,6 +19,7 @@ mod saline_map;
 mod sample;
 mod sample_rig;
 mod shapes;
+mod surface;
 mod thin_fingers;
 mod tracking;
 mod two_point;
@@ -30,8 +32,7 @@ use dermatome_model::{
 use dermatome_simulate::{material::MaterialError, rig::RigError};
 pub use html::page;
 use rayon::prelude::*;
-pub use report::{Comparison, Report, Wanted, json};
-use std::path::Path;
+pub use report::{Assessment, Comparison, Report, Wanted, json};
 
 /// One experiment.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +45,7 @@ pub struct Experiment {
 }
 
 /// All experiments, in the order of the thesis.
-pub const EXPERIMENTS: [Experiment; 15] = [
+pub const EXPERIMENTS: [Experiment; 17] = [
     Experiment {
         name: "divider",
         about: "resistance of Samples 1 and 2 under load (3.2)",
@@ -79,6 +80,11 @@ pub const EXPERIMENTS: [Experiment; 15] = [
         run: pressure_map::run,
     },
     Experiment {
+        name: "surface",
+        about: "the thesis' own simulation on its surface mesh, and less flattering (5.2)",
+        run: surface::run,
+    },
+    Experiment {
         name: "shapes",
         about: "an 'L', 'O's and thin fingers on Sample 3 (5.4.2)",
         run: shapes::run,
@@ -93,6 +99,11 @@ pub const EXPERIMENTS: [Experiment; 15] = [
         name: "hemisphere-flat",
         about: "surface against planar image (5.4.4)",
         run: hemisphere::flat,
+    },
+    Experiment {
+        name: "hysteresis",
+        about: "hysteresis taken out by play operators and a Preisach network (6.2)",
+        run: hysteresis::run,
     },
     Experiment {
         name: "tracking",
@@ -125,8 +136,7 @@ pub fn run(
 
 /// Shipped skins that stand for flat and curved ones: a disc, a square, a hemisphere.
 pub fn shipped_skins() -> Result<[Skin; 3], ExperimentError> {
-    let flat = |(path, text)| Ok::<_, ExperimentError>(Skin::parse(Path::new(path), text)?.made()?);
-    Ok([flat(sample::DISC_210)?, flat(sample::SQUARE_210)?, hemisphere::shipped()?])
+    Ok([sample::shipped(sample::DISC_210)?, sample::shipped(sample::SQUARE_210)?, hemisphere::shipped()?])
 }
 
 /// Why an experiment cannot be done.
@@ -156,6 +166,12 @@ pub enum ExperimentError {
     /// Skin files that come with the program cannot be laid out.
     #[error("cannot lay out the hemisphere's files in a temporary folder: {0}")]
     Files(#[from] std::io::Error),
+    /// A sample's readings give no curve.
+    #[error("readings of {sample} do not rise with the load")]
+    Readings {
+        /// The sample.
+        sample: &'static str,
+    },
     /// A picture cannot be drawn.
     #[error("cannot draw: {0}")]
     Draw(String),

@@ -12,9 +12,20 @@ pub struct Report {
     pub title: &'static str,
     /// Our figures beside the thesis'.
     pub comparisons: Vec<Comparison>,
+    /// Its row of the thesis' Table 6.1, if it has one.
+    pub assessment: Option<Assessment>,
     /// All figures, for scripts.
     pub figures: Value,
     pub(super) blocks: Vec<Block>,
+}
+
+/// One sample in the thesis' Table 6.1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assessment {
+    /// The sample.
+    pub sample: &'static str,
+    /// Range, hysteresis, position error.
+    pub figures: [Comparison; 3],
 }
 
 /// One figure beside the thesis'.
@@ -64,7 +75,14 @@ pub(super) struct Table {
 
 impl Report {
     pub(super) fn new(name: &'static str, title: &'static str) -> Self {
-        Self { name, title, comparisons: Vec::new(), figures: Value::Null, blocks: Vec::new() }
+        Self {
+            name,
+            title,
+            comparisons: Vec::new(),
+            assessment: None,
+            figures: Value::Null,
+            blocks: Vec::new(),
+        }
     }
 
     pub(super) fn words(&mut self, words: impl Into<String>) {
@@ -137,7 +155,19 @@ pub fn json(reports: &[Report]) -> Value {
             "figures": report.figures,
         })
     };
-    json!({ "simulated": true, "experiments": reports.iter().map(report).collect::<Vec<_>>() })
+    let assessed = |assessment: &Assessment| {
+        json!({
+            "sample": assessment.sample,
+            "figures": assessment.figures.iter().map(Comparison::json).collect::<Vec<_>>(),
+        })
+    };
+    let table: Vec<_> =
+        reports.iter().filter_map(|report| report.assessment.as_ref()).map(assessed).collect();
+    json!({
+        "simulated": true,
+        "table_6_1": table,
+        "experiments": reports.iter().map(report).collect::<Vec<_>>(),
+    })
 }
 
 /// A number with so many digits that people can compare it.

@@ -13,7 +13,7 @@ use super::{
 use dermatome_model::skin::{Skin, electrodes_in_plane};
 use dermatome_patch::layout::Layout;
 use dermatome_simulate::{Footprint, Load, Press};
-use dermatome_view::sheet::{Panel, Sheet, reconstruction_sheet};
+use dermatome_view::sheet::{Panel, Scale, Sheet, reconstruction_sheet};
 use serde_json::json;
 use std::path::Path;
 
@@ -156,7 +156,7 @@ fn pictures(rig: &SampleRig, dips: &[Dip], shown: &[Shown]) -> Result<Vec<u8>, E
     draw(rig, "", 4, panels.collect())
 }
 
-/// A sheet of images of a rig's skin, PNG.
+/// A sheet of images of a rig's skin, in mS per square as in the thesis, PNG.
 pub(super) fn draw(
     rig: &SampleRig,
     title: &str,
@@ -166,7 +166,8 @@ pub(super) fn draw(
     let failed = |error: &dyn std::fmt::Display| ExperimentError::Draw(error.to_string());
     let layout = &Layout::from(&rig.model().surface().map_err(|error| failed(&error))?);
     let electrodes = &electrodes_in_plane(&rig.skin.shape);
-    let sheet = Sheet { title, layout, electrodes, columns, panels };
+    let scale = Scale::millisiemens(rig.skin.material.sheet_conductivity);
+    let sheet = Sheet { title, layout, electrodes, scale, columns, panels };
     reconstruction_sheet(&sheet).encode().map_err(|error| failed(&error))
 }
 

@@ -55,12 +55,17 @@ pub(super) struct Found {
     pub(super) position_error: f64,
 }
 
-const SQUARE_50: (&str, &str) =
+pub(super) const SQUARE_50: (&str, &str) =
     ("models/square-50mm/skin.toml", include_str!("../../../../models/square-50mm/skin.toml"));
 pub(super) const SQUARE_210: (&str, &str) =
     ("models/square-210mm/skin.toml", include_str!("../../../../models/square-210mm/skin.toml"));
 pub(super) const DISC_210: (&str, &str) =
     ("models/disc-210mm/skin.toml", include_str!("../../../../models/disc-210mm/skin.toml"));
+
+/// A skin that comes with the program, by its path and text.
+pub(super) fn shipped((path, text): (&str, &str)) -> Result<Skin, ExperimentError> {
+    Ok(Skin::parse(Path::new(path), text)?.made()?)
+}
 
 /// Sample 1: conductive rubber on copper.
 pub(super) const ONE: Sample = Sample {
@@ -152,8 +157,7 @@ pub(super) struct Specimen {
 impl Sample {
     /// Its skin, driven as in the thesis.
     pub(super) fn skin(&self) -> Result<Skin, ExperimentError> {
-        let (path, text) = self.skin;
-        let mut skin = Skin::parse(Path::new(path), text)?.made()?;
+        let mut skin = shipped(self.skin)?;
         self.drive(&mut skin);
         skin.drive.component = self.component;
         Ok(skin)
@@ -213,7 +217,7 @@ impl Sample {
 
 impl Specimen {
     /// Sets the reference on the sheet at rest.
-    fn tare(&mut self) {
+    pub(super) fn tare(&mut self) {
         let conductivity = self.at_rest(0.0);
         self.rig.tare(&conductivity);
     }

@@ -53,7 +53,12 @@ impl<'a> IdealRig<'a> {
     /// zero, and the seed.
     #[must_use]
     pub fn measure(&self, conductivity: &[f64], frame: u64) -> Measured {
-        let mut voltages = self.truth.voltages(conductivity, &self.model.steps);
+        self.read(self.truth.voltages(conductivity, &self.model.steps), frame)
+    }
+
+    /// The same of a sheet whose voltages without noise, `[step]`, are known.
+    #[must_use]
+    pub fn read(&self, mut voltages: Vec<f64>, frame: u64) -> Measured {
         self.noise.add_to(&mut voltages, frame);
         let difference: Vec<f64> = voltages.iter().zip(&self.reference).map(|(v, r)| v - r).collect();
         Measured {

@@ -26,11 +26,15 @@ pub(super) fn shipped() -> Result<Skin, ExperimentError> {
     Ok(Skin::parse(&folder.path().join("skin.toml"), SKIN)?.made()?)
 }
 
+/// The same by its formula, meshed anew.
+pub(super) fn by_formula() -> Result<Skin, ExperimentError> {
+    Ok(Skin::parse(Path::new("models/hemisphere-210mm/formula.toml"), FORMULA)?.made()?)
+}
+
 /// The skin from an STL file, which images are made with, and the same from its formula, which is the truth; both
 /// driven as in the thesis.
 fn skins() -> Result<[Skin; 2], ExperimentError> {
-    let formula = Skin::parse(Path::new("models/hemisphere-210mm/formula.toml"), FORMULA)?.made()?;
-    let mut skins = [shipped()?, formula];
+    let mut skins = [shipped()?, by_formula()?];
     skins.iter_mut().for_each(|skin| THREE_SINGLE.drive(skin));
     Ok(skins)
 }

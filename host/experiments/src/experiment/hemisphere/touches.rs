@@ -17,7 +17,7 @@ use dermatome_simulate::{
     material::Material,
     rig::{Observer, SETTLED},
 };
-use dermatome_view::sheet::{Panel, Sheet as Images, reconstruction_sheet};
+use dermatome_view::sheet::{Panel, Scale, Sheet as Images, reconstruction_sheet};
 use nalgebra::Point3;
 
 /// Force of a finger, N, and its radius, m: 20 kPa, at which the fabric saturates.
@@ -120,7 +120,7 @@ impl TouchRig {
         }
     }
 
-    /// Touches as one of the models sees them, PNG.
+    /// Touches as one of the models sees them, in mS per square as in the thesis, PNG.
     pub(super) fn draw(&self, observer: usize, touches: &[Touch]) -> Result<Vec<u8>, ExperimentError> {
         let failed = |error: &dyn std::fmt::Display| ExperimentError::Draw(error.to_string());
         let (skin, by) = &self.observers[observer];
@@ -136,7 +136,8 @@ impl TouchRig {
             }
         });
         let electrodes = &electrodes_in_plane(&skin.shape);
-        let sheet = Images { title: "", layout, electrodes, columns: 5, panels: panels.collect() };
+        let scale = Scale::millisiemens(skin.material.sheet_conductivity);
+        let sheet = Images { title: "", layout, electrodes, scale, columns: 5, panels: panels.collect() };
         reconstruction_sheet(&sheet).encode().map_err(|error| failed(&error))
     }
 }
