@@ -87,6 +87,7 @@ impl Rig {
                 strength: contact.map_or(0.0, |contact| contact.strength.into()),
                 deviation: 0.0,
                 area_mm2: contact.map(|contact| f64::from(contact.area) * 1e6),
+                place: None,
             }
         };
         loads.map(read).collect()

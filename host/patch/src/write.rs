@@ -4,7 +4,7 @@ use crate::{matrix::FixedMatrix, places::FixedPlaces, tables::SurfaceTables};
 use dermatome_shared::{
     calibration::Calibration,
     hysteresis::PlayOperator,
-    patch::{CombinedInto, PatchContents, PatchError, PatchHeader, PatchView},
+    patch::{CRC32, CombinedInto, PatchContents, PatchError, PatchHeader, PatchView},
     stimulation::Step,
 };
 
@@ -115,6 +115,39 @@ impl Contents {
 /// The patch `bytes` with another calibration; all else stays.
 pub fn with_calibration(bytes: &[u8], stored: &Stored) -> Result<Vec<u8>, PatchError> {
     Contents::read(&PatchView::validate(bytes)?).write(stored)
+}
+
+/// Checksum of the responses that strengths are in units of; 0 where contacts are found in the image.
+#[must_use]
+pub fn responses_crc(patch: &PatchView<'_>) -> u32 {
+    let places = patch.places();
+    let mut digest = CRC32.digest();
+    places.row_exponents().for_each(|exponent| digest.update(&exponent.to_le_bytes()));
+    digest.update(places.mantissas());
+    digest.finalize()
+}
+
+/// The patch `bytes` where a press changes the measurements by these factors more: `[place]`; a board takes it for as much
+/// less.
+///
+/// # Panics
+/// Panics if there is not a gain above zero for each place.
+pub fn with_gains(bytes: &[u8], gains: &[f64]) -> Result<Vec<u8>, PatchError> {
+    let patch = PatchView::validate(bytes)?;
+    let contents = Contents::read(&patch);
+    let places = contents.places.clone().with_gains(gains);
+    Contents { places, ..contents }.write(&Stored::of(&patch))
+}
+
+/// The patch `bytes` with the gains of another; none if that is not of the same places.
+pub fn with_gains_of(bytes: &[u8], other: &PatchView<'_>) -> Result<Option<Vec<u8>>, PatchError> {
+    let patch = PatchView::validate(bytes)?;
+    let (contents, others) = (Contents::read(&patch), FixedPlaces::read(other));
+    if !others.differ_by_gains(&contents.places) {
+        return Ok(None);
+    }
+    let places = contents.places.with_responses_of(others);
+    Contents { places, ..contents }.write(&Stored::of(&patch)).map(Some)
 }
 
 /// Whether two patches turn the same voltages into the same images, so that a curve of one suits the other.
