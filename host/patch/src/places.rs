@@ -1,9 +1,8 @@
 //! Places: where a patch looks for presses, in owned form.
 
-use crate::matrix::{in_groups, mantissas};
+use crate::matrix::{in_groups, indices, mantissas, scale_row};
 use dermatome_shared::patch::{
     PatchView,
-    matrix::{GROUP, coefficient_index},
     places::{DetectionLayout, Place, PlacesTables},
 };
 
@@ -62,20 +61,9 @@ impl FixedPlaces {
     #[must_use]
     pub fn with_gains(mut self, gains: &[f64]) -> Self {
         assert_eq!(gains.len(), self.places.len(), "a gain for each place");
-        assert!(gains.iter().all(|gain| gain.is_finite() && *gain > 0.0), "gains are above zero");
+        let columns = self.column_exponents.len();
         for (row, &gain) in gains.iter().enumerate() {
-            let largest = self.row(row).map(i16::unsigned_abs).max().unwrap_or(0);
-            if largest == 0 {
-                continue;
-            }
-            // With the finest exponent that fits.
-            let finer = (f64::from(i16::MAX) / (gain * f64::from(largest))).log2().floor();
-            let exponent = (f64::from(self.row_exponents[row]) + finer).clamp(-128.0, 127.0);
-            let factor = gain * (exponent - f64::from(self.row_exponents[row])).exp2();
-            self.row_exponents[row] = exponent as i8;
-            for index in self.indices(row) {
-                self.mantissas[index] = (factor * f64::from(self.mantissas[index])).round() as i16;
-            }
+            scale_row(&mut self.mantissas, &mut self.row_exponents[row], columns, row, gain);
         }
         self
     }
@@ -109,13 +97,7 @@ impl FixedPlaces {
 
     /// Mantissas of a row: `[measurement]`.
     fn row(&self, row: usize) -> impl Iterator<Item = i16> + '_ {
-        self.indices(row).map(|index| self.mantissas[index])
-    }
-
-    /// Where they lie.
-    fn indices(&self, row: usize) -> impl Iterator<Item = usize> + use<> {
-        let count = self.column_exponents.len();
-        (0..count).map(move |column| coefficient_index(count.next_multiple_of(GROUP), row, column))
+        indices(self.column_exponents.len(), row).map(|index| self.mantissas[index])
     }
 
     /// How many there are, and how presses are looked for.

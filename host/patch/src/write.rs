@@ -6,6 +6,7 @@ use dermatome_shared::{
     hysteresis::PlayOperator,
     patch::{CRC32, CombinedInto, PatchContents, PatchError, PatchHeader, PatchView},
     stimulation::Step,
+    surface::Pixel,
 };
 
 /// Header and tables stay below this; the rest of a patch are its mantissas.
@@ -117,26 +118,54 @@ pub fn with_calibration(bytes: &[u8], stored: &Stored) -> Result<Vec<u8>, PatchE
     Contents::read(&PatchView::validate(bytes)?).write(stored)
 }
 
-/// Checksum of the responses that strengths are in units of; 0 where contacts are found in the image.
+/// Checksum of what strengths are in units of: the responses at places, or the matrix where contacts are found in the image.
 #[must_use]
-pub fn responses_crc(patch: &PatchView<'_>) -> u32 {
-    let places = patch.places();
+pub fn units_crc(patch: &PatchView<'_>) -> u32 {
+    let (places, matrix) = (patch.places(), patch.matrix());
     let mut digest = CRC32.digest();
-    places.row_exponents().for_each(|exponent| digest.update(&exponent.to_le_bytes()));
-    digest.update(places.mantissas());
+    let mut exponents = |exponent: i8| digest.update(&exponent.to_le_bytes());
+    if patch.header.has_places() {
+        places.row_exponents().for_each(&mut exponents);
+        digest.update(places.mantissas());
+    } else {
+        matrix.row_exponents().for_each(&mut exponents);
+        digest.update(matrix.mantissas());
+    }
     digest.finalize()
 }
 
-/// The patch `bytes` where a press changes the measurements by these factors more: `[place]`; a board takes it for as much
-/// less.
+/// Centres, m, of what a patch has gains of: of its places, or of its pixels where contacts are found in the image.
+#[must_use]
+pub fn gain_centres(patch: &PatchView<'_>) -> Vec<[f64; 3]> {
+    let surface = patch.surface();
+    let centre = |pixel: Pixel| surface.centre(&pixel).map(f64::from);
+    if patch.header.has_places() {
+        patch.places().iter().filter_map(|place| surface.pixel(place.pixel.into())).map(centre).collect()
+    } else {
+        surface.pixels().map(centre).collect()
+    }
+}
+
+/// Whether a patch can have gains: not where pixels of the image that contacts are found in are interpolated from each other.
+#[must_use]
+pub fn takes_gains(patch: &PatchView<'_>) -> bool {
+    patch.header.has_places() || patch.matrix().interpolations().next().is_none()
+}
+
+/// The patch `bytes` for a skin that reads these factors more, in the order of [`gain_centres`]: the board takes strengths for as
+/// much less. One that does not take gains stays as it is.
 ///
 /// # Panics
-/// Panics if there is not a gain above zero for each place.
+/// Panics if there is not a gain above zero for each centre.
 pub fn with_gains(bytes: &[u8], gains: &[f64]) -> Result<Vec<u8>, PatchError> {
     let patch = PatchView::validate(bytes)?;
-    let contents = Contents::read(&patch);
-    let places = contents.places.clone().with_gains(gains);
-    Contents { places, ..contents }.write(&Stored::of(&patch))
+    let mut contents = Contents::read(&patch);
+    if patch.header.has_places() {
+        contents.places = contents.places.with_gains(gains);
+    } else if takes_gains(&patch) {
+        contents.matrix = contents.matrix.clone().with_gains(gains).unwrap_or(contents.matrix);
+    }
+    contents.write(&Stored::of(&patch))
 }
 
 /// The patch `bytes` with the gains of another; none if that is not of the same places.

@@ -14,7 +14,7 @@ use dermatome_link::{self as link, Link};
 use dermatome_model::skin::quantity::{AREA, Quantity};
 use dermatome_patch::{
     output::{check_folder, write_together, write_whole},
-    write::{responses_crc, with_calibration, with_gains},
+    write::{units_crc, with_calibration, with_gains},
 };
 use dermatome_shared::{hysteresis::PlayOperator, patch::PatchView, reference::DEFAULT_TARE_FRAMES};
 use dermatome_simulate::port::Port;
@@ -192,7 +192,7 @@ fn readings(args: &Args, link: Option<&mut Link>, patch: &PatchView<'_>) -> anyh
             Ok(recording.readings(&loads, args.start)?)
         }
         (.., Some(file)) => {
-            check_responses(file, patch)?;
+            check_units(file, patch)?;
             Ok(calibrate::read_readings(file)?)
         }
         _ => bail!(
@@ -201,12 +201,12 @@ fn readings(args: &Args, link: Option<&mut Link>, patch: &PatchView<'_>) -> anyh
     }
 }
 
-/// Refuses readings of a patch with other responses, such as this one before it got a field of gain.
-fn check_responses(file: &Path, patch: &PatchView<'_>) -> anyhow::Result<()> {
-    let own = super::patch_id(responses_crc(patch));
-    if let Some(other) = calibrate::responses_of(file).filter(|other| *other != own) {
+/// Refuses readings of a patch with other units of strength, such as this one before it got a field of gain.
+fn check_units(file: &Path, patch: &PatchView<'_>) -> anyhow::Result<()> {
+    let own = super::patch_id(units_crc(patch));
+    if let Some(other) = calibrate::units_of(file).filter(|other| *other != own) {
         bail!(
-            "readings `{}` were taken with responses {other}, the patch has {own}; allowed: the patch that they were taken with, as it \
+            "readings `{}` were taken in units {other}, the patch has {own}; allowed: the patch that they were taken with, as it \
              was then",
             file.display()
         );
@@ -239,7 +239,7 @@ fn from_board(link: &mut Link, patch: &PatchView<'_>, loads: &Path) -> anyhow::R
 }
 
 fn csv(readings: &[Reading], patch: &PatchView<'_>) -> String {
-    let mut text = format!("{}{}\n", calibrate::TAKEN_WITH, super::patch_id(responses_crc(patch)));
+    let mut text = format!("{}{}\n", calibrate::TAKEN_IN, super::patch_id(units_crc(patch)));
     text += "pressure_kpa,strength,deviation,area_mm2,x_mm,y_mm,z_mm\n";
     for Reading { pressure_kpa, strength, deviation, area_mm2, place } in readings {
         let area = area_mm2.map_or(String::new(), |area| area.to_string());

@@ -9,6 +9,7 @@
 //! contradict each other, leave the gain near 1.
 
 use super::{Reading, trials};
+use dermatome_patch::write::{gain_centres, takes_gains};
 use dermatome_shared::patch::PatchView;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Point3};
 
@@ -61,12 +62,12 @@ pub enum NoField {
         /// How many.
         found: usize,
     },
-    /// The board has nothing to apply it to.
+    /// The patch cannot have one.
     #[error(
-        "contacts of this patch are found in the image, where strength is what the image shows; allowed: a patch built with \
-         `contact.found_in` = \"voltages\""
+        "contacts of this patch are found in an image whose pixels are interpolated from each other; allowed: a patch built with \
+         `contact.found_in` = \"voltages\", or a learnt one"
     )]
-    InImage,
+    Interpolated,
     /// Places that are left out are not foretold any better.
     #[error(
         "with one, strengths at a place that was left out would be {with:.1} % off, without {without:.1} %: the presses show \
@@ -97,8 +98,8 @@ impl Field {
         if places.len() < FEWEST {
             return Err(NoField::FewPlaces { found: places.len() });
         }
-        if !patch.header.has_places() {
-            return Err(NoField::InImage);
+        if !takes_gains(patch) {
+            return Err(NoField::Interpolated);
         }
         let skin = super::centres(patch);
         let size = super::size(&skin);
@@ -138,17 +139,10 @@ impl Field {
         (self.logarithm(&place.into()) - self.mean).exp().clamp(1.0 / MOST, MOST)
     }
 
-    /// Gains at the places where a patch looks for presses: `[place]`.
+    /// Gains as a patch takes them ([`dermatome_patch::write::with_gains`]).
     #[must_use]
     pub fn gains(&self, patch: &PatchView<'_>) -> Vec<f64> {
-        let surface = patch.surface();
-        let centre =
-            |pixel: u16| surface.pixel(pixel.into()).map(|pixel| surface.centre(&pixel).map(f64::from));
-        patch
-            .places()
-            .iter()
-            .map(|place| centre(place.pixel).map_or(1.0, |centre| self.gain(centre)))
-            .collect()
+        gain_centres(patch).into_iter().map(|centre| self.gain(centre)).collect()
     }
 
     /// The readings as a skin that reads alike everywhere would have given them.

@@ -14,8 +14,11 @@ use std::path::Path;
 const RADIUS: f64 = 0.05;
 
 /// A disc of 100 mm.
-fn patch(found_in: FoundIn) -> Vec<u8> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/tiny.toml");
+const TINY: &str = "../tests/data/tiny.toml";
+
+/// The patch of a skin file.
+fn built(file: &str, found_in: FoundIn) -> Vec<u8> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
     let skin = Skin { contacts_found_in: found_in, ..Skin::load(&file).unwrap().made().unwrap() };
     quantize::patch(&skin, &Model::build(&skin, |_| ()).unwrap()).unwrap()
 }
@@ -68,7 +71,7 @@ fn even(_: [f64; 3]) -> f64 {
 
 #[test]
 fn presses_find_a_smooth_field_and_few_of_them_do_no_harm() {
-    let patch = patch(FoundIn::Voltages);
+    let patch = built(TINY, FoundIn::Voltages);
     let view = PatchView::validate(&patch).unwrap();
     let mean = |gain: fn([f64; 3]) -> f64, count: usize| {
         let of_seed = |seed| {
@@ -90,7 +93,7 @@ fn presses_find_a_smooth_field_and_few_of_them_do_no_harm() {
 
 #[test]
 fn readings_of_a_field_are_those_of_an_even_skin_but_for_a_factor() {
-    let patch = patch(FoundIn::Voltages);
+    let patch = built(TINY, FoundIn::Voltages);
     let view = PatchView::validate(&patch).unwrap();
     let readings = at_places(&presses(tilt, 40, 0.0, 3), &view).unwrap();
     let field = Field::fit(&readings, &view).unwrap();
@@ -111,7 +114,7 @@ fn readings_of_a_field_are_those_of_an_even_skin_but_for_a_factor() {
 
 #[test]
 fn what_gives_no_field_is_said() {
-    let voltages = patch(FoundIn::Voltages);
+    let voltages = built(TINY, FoundIn::Voltages);
     let view = PatchView::validate(&voltages).unwrap();
     let all = presses(tilt, 12, 0.02, 1);
     let no = |readings: &[Reading]| Field::fit(&at_places(readings, &view).unwrap(), &view).unwrap_err();
@@ -130,14 +133,22 @@ fn what_gives_no_field_is_said() {
         ..*reading
     };
     assert_eq!(no(&all.iter().enumerate().map(near).collect::<Vec<_>>()), NoField::FewPlaces { found: 1 });
-    let image = patch(FoundIn::Image);
+    let square = built("../../models/square-50mm/skin.toml", FoundIn::Image);
+    let view = PatchView::validate(&square).unwrap();
+    let inside =
+        |reading: &Reading| Reading { place: reading.place.map(|at| at.map(|part| 0.4 * part)), ..*reading };
+    let inside = at_places(&all.iter().map(inside).collect::<Vec<_>>(), &view).unwrap();
+    assert_eq!(Field::fit(&inside, &view), Err(NoField::Interpolated));
+    // Where no pixel is interpolated from others, each has a gain.
+    let image = built(TINY, FoundIn::Image);
     let view = PatchView::validate(&image).unwrap();
-    assert_eq!(Field::fit(&at_places(&all, &view).unwrap(), &view), Err(NoField::InImage));
+    let field = Field::fit(&at_places(&all, &view).unwrap(), &view).unwrap();
+    assert_eq!(field.gains(&view).len(), usize::from(view.header.pixels));
 }
 
 #[test]
 fn places_off_the_skin_are_refused_by_their_number() {
-    let patch = patch(FoundIn::Voltages);
+    let patch = built(TINY, FoundIn::Voltages);
     let view = PatchView::validate(&patch).unwrap();
     let mut readings = presses(even, 6, 0.0, 1);
     readings[3].place = Some([0.07, 0.0, f64::NAN]);
@@ -150,7 +161,7 @@ fn places_off_the_skin_are_refused_by_their_number() {
 
 #[test]
 fn another_place_begins_another_trial_and_weak_loads_go_with_strong_ones() {
-    let patch = patch(FoundIn::Voltages);
+    let patch = built(TINY, FoundIn::Voltages);
     let view = PatchView::validate(&patch).unwrap();
     let at = |pressure_kpa: f64, x: f64| Reading {
         pressure_kpa,

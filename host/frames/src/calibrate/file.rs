@@ -45,14 +45,14 @@ pub fn read_loads(path: &Path) -> Result<Vec<Hold>, FileError> {
     Ok(rows.into_iter().map(|(_, hold)| hold).collect())
 }
 
-/// What a file of readings starts with if it says with which responses they were taken.
-pub const TAKEN_WITH: &str = "# taken with responses ";
+/// What a file of readings starts with if it says in which units of strength they were taken.
+pub const TAKEN_IN: &str = "# taken in units ";
 
-/// With which responses readings were taken, if their file says so.
+/// In which units of strength readings were taken, if their file says so.
 #[must_use]
-pub fn responses_of(path: &Path) -> Option<String> {
+pub fn units_of(path: &Path) -> Option<String> {
     let text = std::fs::read_to_string(path).ok()?;
-    text.lines().next()?.strip_prefix(TAKEN_WITH).map(|id| id.trim().to_owned())
+    text.lines().next()?.strip_prefix(TAKEN_IN).map(|id| id.trim().to_owned())
 }
 
 /// Reads readings: CSV with the columns pressure_kpa, strength and, if known, deviation, area_mm2, x_mm, y_mm and z_mm, in the

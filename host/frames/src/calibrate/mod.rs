@@ -22,7 +22,7 @@ mod recording;
 
 pub use curve::{Curve, CurvePoint, isotonic};
 pub use field::{Field, NoField};
-pub use file::{FileError, Hold, TAKEN_WITH, read_loads, read_readings, responses_of};
+pub use file::{FileError, Hold, TAKEN_IN, read_loads, read_readings, units_of};
 pub use fit::{Compensation, Fit, FitError, Loop};
 pub use identify::{compensated, identify};
 pub use indenter::load_share;
