@@ -98,6 +98,7 @@ struct Report {
 #[derive(Serialize)]
 struct FieldReport {
     places: usize,
+    odd_places: usize,
     least: f64,
     largest: f64,
     left_out_percent: f64,
@@ -269,6 +270,7 @@ impl FieldReport {
         let [without, with] = field.left_out.map(|deviation| 100.0 * deviation);
         Self {
             places: field.places(),
+            odd_places: field.odd,
             least: gains.iter().copied().fold(f64::INFINITY, f64::min),
             largest: gains.iter().copied().fold(0.0, f64::max),
             left_out_percent: with,
@@ -313,14 +315,7 @@ fn print(args: &Args, out: &Path, fit: &Fit, report: &Report) {
         say!("repeatability {percent:.1} % of rated output");
     }
     print_compensation(fit);
-    if let Some(FieldReport { places, least, largest, left_out_percent, left_out_without_percent }) =
-        report.field
-    {
-        say!(
-            "field of gain {least:.2} to {largest:.2} over the skin, from {places} places; one that is left out is {left_out_percent:.1} % \
-             off, {left_out_without_percent:.1} % without"
-        );
-    }
+    report.field.iter().for_each(print_field);
     match report.load_share {
         Some(share) => say!("force: pressure times {share:.3} of a contact's area"),
         None => say!("no force: the indenter's area is not known (--indenter-area)"),
@@ -328,6 +323,18 @@ fn print(args: &Args, out: &Path, fit: &Fit, report: &Report) {
     let on_board =
         args.port.as_ref().map_or(String::new(), |port| format!(", and is on the board at {port}"));
     say!("wrote {}{on_board}", out.display());
+}
+
+fn print_field(field: &FieldReport) {
+    let FieldReport { places, odd_places, least, largest, left_out_percent, left_out_without_percent } =
+        field;
+    say!(
+        "field of gain {least:.2} to {largest:.2} over the skin, from {places} places; one that is left out is {left_out_percent:.1} % \
+         off, {left_out_without_percent:.1} % without"
+    );
+    if *odd_places > 0 {
+        say!("places whose strengths no smooth field explains, left out of it: {odd_places}");
+    }
 }
 
 fn print_compensation(fit: &Fit) {

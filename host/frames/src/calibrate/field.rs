@@ -27,6 +27,12 @@ const VARIANCES: [f64; 5] = [0.25, 1.0, 4.0, 16.0, 64.0];
 const OF_READING: f64 = 0.25;
 /// Weight of no field before anything was measured.
 const EVEN: f64 = 0.5;
+/// A place is odd that is this many usual deviations off, and at least so much, relative; fewest places among which one can
+/// be odd, and at most one in so many.
+const ODD: f64 = 4.0;
+const LEAST_ODD: f64 = 0.2;
+const FEWEST_OF_ODD: usize = 8;
+const MOST_ODD: usize = 5;
 /// Most that a gain differs from 1: a factor.
 const MOST: f64 = 4.0;
 
@@ -39,6 +45,8 @@ pub struct Field {
     parts: Vec<(f64, Vec<f64>)>,
     /// Mean over the skin of the logarithm that they make.
     mean: f64,
+    /// Places whose strengths are so far from what the others foretell that the field was fitted without them.
+    pub odd: usize,
     /// How far strengths at a place are off when the others foretell it: root mean square, relative; without the field,
     /// and with it.
     pub left_out: [f64; 2],
@@ -94,7 +102,7 @@ impl Field {
         if readings.iter().all(|reading| reading.place.is_none()) {
             return Err(NoField::NoPlaces);
         }
-        let (places, observations) = observations(readings);
+        let (mut places, mut observations) = observations(readings);
         if places.len() < FEWEST {
             return Err(NoField::FewPlaces { found: places.len() });
         }
@@ -104,25 +112,20 @@ impl Field {
         let skin = super::centres(patch);
         let size = super::size(&skin);
         let lengths = LENGTHS.map(|share| share * size);
-        let data = Data::new(&places, &observations);
-        let (tried, weights) = data.try_all(&lengths);
-        let mixed = |place: usize| -> Option<f64> {
-            tried.iter().zip(&weights).map(|(one, weight)| Some(weight * one.errors[place]?)).sum()
+        let all = Smooth::new(&places, &observations, &lengths);
+        let odd = odd(&all.errors);
+        let smooth = if odd.is_empty() {
+            all
+        } else {
+            (places, observations) = without(&places, observations, &odd);
+            Smooth::new(&places, &observations, &lengths)
         };
-        let with: Vec<Option<f64>> = (0..places.len()).map(mixed).collect();
-        let even = tried.first().map_or(0.0, |none| mean_square(&none.errors));
-        let left_out = [even, mean_square(&with)].map(f64::sqrt);
+        let Smooth { parts, left_out, .. } = smooth;
         let [without, with] = left_out.map(|deviation| 100.0 * deviation);
         if with >= without {
             return Err(NoField::NoBetter { without, with });
         }
-        let part = |length: f64| {
-            let of_length = || tried.iter().zip(&weights).filter(|(one, _)| one.length == Some(length));
-            let of_place =
-                |place: usize| of_length().map(|(one, weight)| weight * one.of_places[place]).sum();
-            (length, (0..places.len()).map(of_place).collect())
-        };
-        let mut field = Self { parts: lengths.map(part).to_vec(), places, mean: 0.0, left_out };
+        let mut field = Self { parts, places, mean: 0.0, odd: odd.len(), left_out };
         field.mean = skin.iter().map(|at| field.logarithm(at)).sum::<f64>() / skin.len() as f64;
         Ok(field)
     }
@@ -198,6 +201,62 @@ fn observations(readings: &[Reading]) -> (Vec<Point3<f64>>, Vec<Observation>) {
         strength: strength / count,
     };
     (places.into_iter().map(Point3::from).collect(), sums.into_iter().map(mean).collect())
+}
+
+/// Places that the others foretell so badly that something else happened there: none of few, nor of many.
+fn odd(errors: &[Option<f64>]) -> Vec<usize> {
+    let mut sizes: Vec<f64> = errors.iter().flatten().map(|error| error.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let usual = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
+    // 1.4826 times the median is the standard deviation of normal errors.
+    let most = (ODD * 1.4826 * usual).max(LEAST_ODD);
+    let is_odd = |place: &usize| errors[*place].is_some_and(|error| error.abs() > most);
+    let odd: Vec<usize> = (0..errors.len()).filter(is_odd).collect();
+    if errors.len() < FEWEST_OF_ODD || MOST_ODD * odd.len() > errors.len() { Vec::new() } else { odd }
+}
+
+/// Places and observations without some places.
+fn without(
+    places: &[Point3<f64>],
+    observations: Vec<Observation>,
+    odd: &[usize],
+) -> (Vec<Point3<f64>>, Vec<Observation>) {
+    let kept: Vec<usize> = (0..places.len()).filter(|place| !odd.contains(place)).collect();
+    let renumbered = |one: Observation| {
+        let place = kept.iter().position(|&place| place == one.place)?;
+        Some(Observation { place, ..one })
+    };
+    let observations = observations.into_iter().filter_map(renumbered).collect();
+    (kept.iter().map(|&place| places[place]).collect(), observations)
+}
+
+/// A field before its mean is known.
+struct Smooth {
+    /// As [`Field`] has them.
+    parts: Vec<(f64, Vec<f64>)>,
+    /// How far the field of the other places is off: `[place]`.
+    errors: Vec<Option<f64>>,
+    /// As [`Field`] has it.
+    left_out: [f64; 2],
+}
+
+impl Smooth {
+    fn new(places: &[Point3<f64>], observations: &[Observation], lengths: &[f64]) -> Self {
+        let (tried, weights) = Data::new(places, observations).try_all(lengths);
+        let mixed = |place: usize| -> Option<f64> {
+            tried.iter().zip(&weights).map(|(one, weight)| Some(weight * one.errors[place]?)).sum()
+        };
+        let errors: Vec<Option<f64>> = (0..places.len()).map(mixed).collect();
+        let even = tried.first().map_or(0.0, |none| mean_square(&none.errors));
+        let part = |&length: &f64| {
+            let of_length = || tried.iter().zip(&weights).filter(|(one, _)| one.length == Some(length));
+            let of_place =
+                |place: usize| of_length().map(|(one, weight)| weight * one.of_places[place]).sum();
+            (length, (0..places.len()).map(of_place).collect())
+        };
+        let left_out = [even, mean_square(&errors)].map(f64::sqrt);
+        Self { parts: lengths.iter().map(part).collect(), errors, left_out }
+    }
 }
 
 /// How alike a field is at two places.

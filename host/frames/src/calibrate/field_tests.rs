@@ -113,6 +113,21 @@ fn readings_of_a_field_are_those_of_an_even_skin_but_for_a_factor() {
 }
 
 #[test]
+fn a_place_that_fits_nothing_is_left_out_of_many_but_not_of_few() {
+    let patch = built(TINY, FoundIn::Voltages);
+    let view = PatchView::validate(&patch).unwrap();
+    let fit = |count: usize, factor: f64| {
+        let mut readings = presses(tilt, count, 0.03, 5);
+        readings[2].strength *= factor;
+        Field::fit(&at_places(&readings, &view).unwrap(), &view)
+    };
+    let [right, odd] = [1.0, 0.4].map(|factor| fit(24, factor).unwrap());
+    assert_eq!((right.odd, odd.odd, odd.places()), (0, 1, right.places() - 1));
+    assert!(off(Some(&odd), tilt) < 0.04, "{}", off(Some(&odd), tilt));
+    assert!(fit(7, 0.4).is_ok_and(|field| field.odd == 0) || fit(7, 0.4).is_err());
+}
+
+#[test]
 fn what_gives_no_field_is_said() {
     let voltages = built(TINY, FoundIn::Voltages);
     let view = PatchView::validate(&voltages).unwrap();

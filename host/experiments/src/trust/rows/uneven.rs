@@ -7,7 +7,10 @@ use super::{
 use crate::trust::{
     Bench, Figure, Options, Places, Trial, TrustError, Voltages, figure::quantile, trial::is_at,
 };
-use dermatome_frames::calibrate::{Field, Reading, at_places};
+use dermatome_frames::{
+    calibrate::{Field, Reading, at_places},
+    recorded::statistics::median,
+};
 use dermatome_patch::write::with_gains;
 use std::{f64::consts::TAU, ops::Range};
 
@@ -138,13 +141,10 @@ fn readings(scenes: &[(Indenter, Voltages)], said: &[Option<Said>]) -> Vec<Readi
     scenes.iter().zip(said).map(reading).collect()
 }
 
-/// Strength over load, as these readings have it: mean of those with a contact.
+/// Strength over load, as these readings have it: median of those with a contact.
 fn calibrated(readings: &[Reading], scenes: &[(Indenter, Voltages)]) -> f64 {
-    let factors = || {
-        let pairs = readings.iter().zip(scenes).filter(|(reading, _)| reading.strength > 0.0);
-        pairs.map(|(reading, (indenter, _))| reading.strength / indenter.load())
-    };
-    factors().sum::<f64>() / factors().count() as f64
+    let pairs = readings.iter().zip(scenes).filter(|(reading, _)| reading.strength > 0.0);
+    median(pairs.map(|(reading, (indenter, _))| reading.strength / indenter.load()))
 }
 
 /// Errors of the loads of what was said, %, by the readings of some presses of known load.
