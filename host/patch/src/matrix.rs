@@ -75,6 +75,25 @@ impl FixedMatrix {
         }
     }
 
+    /// The same where a press raises what the image shows by these factors more: `[pixel]`; the image shows as much less. None
+    /// where pixels are interpolated from each other.
+    ///
+    /// # Panics
+    /// Panics if there is not a gain above zero for each pixel.
+    #[must_use]
+    pub fn with_gains(mut self, gains: &[f64]) -> Option<Self> {
+        assert_eq!(gains.len(), self.positions.len(), "a gain for each pixel");
+        if !self.interpolations.is_empty() {
+            return None;
+        }
+        let columns = self.column_exponents.len();
+        for (&position, gain) in self.positions.iter().zip(gains) {
+            let row = usize::from(position);
+            scale_row(&mut self.mantissas, &mut self.row_exponents[row], columns, row, 1.0 / gain);
+        }
+        Some(self)
+    }
+
     /// For writing a patch.
     #[must_use]
     pub fn tables(&self) -> MatrixTables<'_> {
@@ -91,6 +110,30 @@ impl FixedMatrix {
     /// Rows of `columns` mantissas, each in its place among zeros.
     fn append(&mut self, mantissas: &[i16], columns: usize) {
         self.mantissas.extend(in_groups(mantissas, columns));
+    }
+}
+
+/// Where the mantissas of a row lie: `[measurement]`.
+pub(crate) fn indices(columns: usize, row: usize) -> impl Iterator<Item = usize> + use<> {
+    (0..columns).map(move |column| coefficient_index(columns.next_multiple_of(GROUP), row, column))
+}
+
+/// A row times a factor, with the finest exponent that fits.
+///
+/// # Panics
+/// Panics if the factor is not above zero.
+pub(crate) fn scale_row(mantissas: &mut [i16], exponent: &mut i8, columns: usize, row: usize, factor: f64) {
+    assert!(factor.is_finite() && factor > 0.0, "gains are above zero");
+    let largest = indices(columns, row).map(|index| mantissas[index].unsigned_abs()).max().unwrap_or(0);
+    if largest == 0 {
+        return;
+    }
+    let finer = (f64::from(i16::MAX) / (factor * f64::from(largest))).log2().floor();
+    let scaled = (f64::from(*exponent) + finer).clamp(-128.0, 127.0);
+    let factor = factor * (scaled - f64::from(*exponent)).exp2();
+    *exponent = scaled as i8;
+    for index in indices(columns, row) {
+        mantissas[index] = (factor * f64::from(mantissas[index])).round() as i16;
     }
 }
 
@@ -114,4 +157,33 @@ pub(crate) fn mantissas(bytes: &[u8]) -> Vec<i16> {
 
 fn words(bytes: &[u8]) -> impl Iterator<Item = u16> + '_ {
     bytes.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_of_pixels_are_divided_by_their_gains_unless_some_are_interpolated() {
+        let rows: [i16; 9] = [32_000, -7, 100, 20_000, 19_999, -1, -30_000, 2, 3];
+        let plain = FixedMatrix::from_data(vec![0; 3], vec![2, -1, 0], &rows).in_order(&[2, 0, 1]);
+        let gains = [0.8, 1.0, 1.7];
+        let scaled = plain.clone().with_gains(&gains).unwrap();
+        for (pixel, gain) in gains.into_iter().enumerate() {
+            let row = usize::from(plain.positions[pixel]);
+            let step = |of: &FixedMatrix| (-f64::from(of.row_exponents[row])).exp2();
+            for (column, index) in indices(3, row).enumerate() {
+                assert_eq!(plain.mantissas[index], rows[3 * row + column]);
+                let [after, before] = [&scaled, &plain].map(|of| step(of) * f64::from(of.mantissas[index]));
+                assert!(
+                    (after - before / gain).abs() <= 0.5 * step(&scaled),
+                    "{pixel} {column}: {before} {after}"
+                );
+            }
+        }
+        assert_eq!(plain.clone().with_gains(&[1.0; 3]), Some(plain.clone()));
+        let mut interpolated = plain;
+        interpolated.interpolate(&[0, 1], &[2048, 2048]);
+        assert_eq!(interpolated.with_gains(&[1.0; 4]), None);
+    }
 }

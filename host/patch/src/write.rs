@@ -4,8 +4,9 @@ use crate::{matrix::FixedMatrix, places::FixedPlaces, tables::SurfaceTables};
 use dermatome_shared::{
     calibration::Calibration,
     hysteresis::PlayOperator,
-    patch::{CombinedInto, PatchContents, PatchError, PatchHeader, PatchView},
+    patch::{CRC32, CombinedInto, PatchContents, PatchError, PatchHeader, PatchView},
     stimulation::Step,
+    surface::Pixel,
 };
 
 /// Header and tables stay below this; the rest of a patch are its mantissas.
@@ -115,6 +116,67 @@ impl Contents {
 /// The patch `bytes` with another calibration; all else stays.
 pub fn with_calibration(bytes: &[u8], stored: &Stored) -> Result<Vec<u8>, PatchError> {
     Contents::read(&PatchView::validate(bytes)?).write(stored)
+}
+
+/// Checksum of what strengths are in units of: the responses at places, or the matrix where contacts are found in the image.
+#[must_use]
+pub fn units_crc(patch: &PatchView<'_>) -> u32 {
+    let (places, matrix) = (patch.places(), patch.matrix());
+    let mut digest = CRC32.digest();
+    let mut exponents = |exponent: i8| digest.update(&exponent.to_le_bytes());
+    if patch.header.has_places() {
+        places.row_exponents().for_each(&mut exponents);
+        digest.update(places.mantissas());
+    } else {
+        matrix.row_exponents().for_each(&mut exponents);
+        digest.update(matrix.mantissas());
+    }
+    digest.finalize()
+}
+
+/// Centres, m, of what a patch has gains of: of its places, or of its pixels where contacts are found in the image.
+#[must_use]
+pub fn gain_centres(patch: &PatchView<'_>) -> Vec<[f64; 3]> {
+    let surface = patch.surface();
+    let centre = |pixel: Pixel| surface.centre(&pixel).map(f64::from);
+    if patch.header.has_places() {
+        patch.places().iter().filter_map(|place| surface.pixel(place.pixel.into())).map(centre).collect()
+    } else {
+        surface.pixels().map(centre).collect()
+    }
+}
+
+/// Whether a patch can have gains: not where pixels of the image that contacts are found in are interpolated from each other.
+#[must_use]
+pub fn takes_gains(patch: &PatchView<'_>) -> bool {
+    patch.header.has_places() || patch.matrix().interpolations().next().is_none()
+}
+
+/// The patch `bytes` for a skin that reads these factors more, in the order of [`gain_centres`]: the board takes strengths for as
+/// much less. One that does not take gains stays as it is.
+///
+/// # Panics
+/// Panics if there is not a gain above zero for each centre.
+pub fn with_gains(bytes: &[u8], gains: &[f64]) -> Result<Vec<u8>, PatchError> {
+    let patch = PatchView::validate(bytes)?;
+    let mut contents = Contents::read(&patch);
+    if patch.header.has_places() {
+        contents.places = contents.places.with_gains(gains);
+    } else if takes_gains(&patch) {
+        contents.matrix = contents.matrix.clone().with_gains(gains).unwrap_or(contents.matrix);
+    }
+    contents.write(&Stored::of(&patch))
+}
+
+/// The patch `bytes` with the gains of another; none if that is not of the same places.
+pub fn with_gains_of(bytes: &[u8], other: &PatchView<'_>) -> Result<Option<Vec<u8>>, PatchError> {
+    let patch = PatchView::validate(bytes)?;
+    let (contents, others) = (Contents::read(&patch), FixedPlaces::read(other));
+    if !others.differ_by_gains(&contents.places) {
+        return Ok(None);
+    }
+    let places = contents.places.with_responses_of(others);
+    Contents { places, ..contents }.write(&Stored::of(&patch)).map(Some)
 }
 
 /// Whether two patches turn the same voltages into the same images, so that a curve of one suits the other.

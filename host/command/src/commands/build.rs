@@ -284,9 +284,14 @@ fn write_patch(
 ) -> anyhow::Result<PatchReport> {
     let path = output(args, skin);
     let quantizing = Instant::now();
-    let patch = match preserved {
-        Some(preserved) => quantize::patch_with(skin, model, &preserved.stored)?,
-        None => quantize::patch(skin, model)?,
+    let (patch, is_doubtful) = match preserved {
+        Some(preserved) => {
+            let plain = quantize::patch_with(skin, model, &preserved.stored)?;
+            let with_field = preserved.with_field(&plain)?;
+            let is_doubtful = with_field.is_none();
+            (with_field.unwrap_or(plain), is_doubtful)
+        }
+        None => (quantize::patch(skin, model)?, false),
     };
     let view = PatchView::validate(&patch)?;
     let fixed_point_error = quantize::fixed_point_error(model, &view, quantize::TRIALS)?;
@@ -298,7 +303,7 @@ fn write_patch(
         points: view.header.calibration.points.len(),
         plays: usize::from(view.header.play_operators),
         preserved_from: args.preserve_calibration.clone(),
-        is_doubtful: preserved.is_some_and(|preserved| preserved.is_doubtful(&view)),
+        is_doubtful,
     };
     Ok(PatchReport { path, bytes: patch.len(), crc: patch_id(view.crc()), fixed_point_error, calibration })
 }
@@ -334,8 +339,8 @@ fn warnings(skin: &Skin, mesh: &Quality, patch: Option<&PatchReport>, noise: f64
     }
     if patch.is_some_and(|patch| patch.calibration.is_doubtful) {
         warnings.push(
-            "the calibration was made with another reconstruction matrix, whose contacts may be stronger or weaker: \
-             check it with a known load, or calibrate anew"
+            "the calibration was made with another reconstruction matrix or other places, whose contacts may be stronger or \
+             weaker, and a field of gain is lost: check it with a known load, or calibrate anew"
                 .to_owned(),
         );
     }

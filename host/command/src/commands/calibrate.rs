@@ -7,12 +7,14 @@ use super::{
     tare::{patch_of, tare_with_spinner},
 };
 use anyhow::{Context, bail, ensure};
-use dermatome_frames::calibrate::{self, Compensation, CurvePoint, Fit, Reading, Recording, repeatability};
+use dermatome_frames::calibrate::{
+    self, Compensation, CurvePoint, Field, Fit, NoField, Reading, Recording, repeatability,
+};
 use dermatome_link::{self as link, Link};
 use dermatome_model::skin::quantity::{AREA, Quantity};
 use dermatome_patch::{
     output::{check_folder, write_together, write_whole},
-    write::with_calibration,
+    write::{units_crc, with_calibration, with_gains},
 };
 use dermatome_shared::{hysteresis::PlayOperator, patch::PatchView, reference::DEFAULT_TARE_FRAMES};
 use dermatome_simulate::port::Port;
@@ -27,7 +29,8 @@ use std::{
 /// A machine presses the skin up to its largest load and back, once or more. The strength of the contact
 /// against pressure becomes a monotone curve; the first trial also gives what takes hysteresis out on
 /// the board. Force needs the area of the indenter, because that of a contact is another than what
-/// presses. All goes into the patch file, and with a port onto the board.
+/// presses. Presses at several places also give how much more or less the skin reads from place to
+/// place. All goes into the patch file, and with a port onto the board.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   dermatome calibrate palm.dermatome --port /dev/ttyACM0 --loads loads.csv --indenter-area 4cm2
@@ -50,7 +53,7 @@ pub(super) struct Args {
     /// The loads' time 0 by the recording's time_s [default: so that its first contact is the first load above zero].
     #[arg(long, value_name = "SECONDS", requires = "recording", value_parser = seconds, allow_negative_numbers = true)]
     start: Option<f64>,
-    /// Readings taken before: CSV with the columns pressure_kpa,strength and, if known, deviation,area_mm2.
+    /// Readings taken before: CSV with the columns pressure_kpa,strength and, if known, deviation,area_mm2,x_mm,y_mm,z_mm.
     #[arg(long, value_name = "FILE")]
     readings: Option<PathBuf>,
     /// Area of the flat indenter that pressed, such as '4 cm2'; without it contacts get no newtons.
@@ -62,6 +65,9 @@ pub(super) struct Args {
     /// Store the curve alone: leave hysteresis in.
     #[arg(long)]
     no_compensation: bool,
+    /// Take the skin to read alike everywhere, wherever it was pressed.
+    #[arg(long)]
+    no_field: bool,
     /// Draw readings and curve, as SVG.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -84,7 +90,19 @@ struct Report {
     curve: Vec<CurvePoint>,
     plays: Vec<[f64; 2]>,
     load_share: Option<f32>,
+    field: Option<FieldReport>,
     patch_crc: String,
+}
+
+/// How much more or less a skin reads from place to place.
+#[derive(Serialize)]
+struct FieldReport {
+    places: usize,
+    odd_places: usize,
+    least: f64,
+    largest: f64,
+    left_out_percent: f64,
+    left_out_without_percent: f64,
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
@@ -101,17 +119,45 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let readings = readings(args, link.as_mut(), &patch)?;
     if let Some(file) = &args.save {
         // Even if they make no calibration: the machine has done its work.
-        write_whole(file, csv(&readings).as_bytes())?;
+        write_whole(file, csv(&readings, &patch).as_bytes())?;
     }
+    let (field, readings) = field(args, &readings, &patch).with_context(|| args.source())?;
     let fit = Fit::new(&readings, indenter_mm2, !args.no_compensation).with_context(|| args.source())?;
-    let calibrated = with_calibration(&bytes, &fit.stored())?;
-    let report = Report::new(&patch, &fit, &calibrated)?;
+    let gains = field.as_ref().map(|field| field.gains(&patch));
+    let even = gains.as_ref().map(|gains| with_gains(&bytes, gains)).transpose()?;
+    let calibrated = with_calibration(even.as_ref().unwrap_or(&bytes), &fit.stored())?;
+    let field = field.as_ref().zip(gains).map(|(field, gains)| FieldReport::new(field, &gains));
+    let report = Report::new(&patch, &fit, field, &calibrated)?;
     write_all(args, out, &calibrated, &fit, &report)?;
     if let Some(link) = &mut link {
         link::upload(link, &calibrated, |_| ()).context("the calibrated patch was written, but not sent")?;
     }
     print(args, out, &fit, &report);
     Ok(())
+}
+
+/// The field of gain, and the readings without it.
+fn field(
+    args: &Args,
+    readings: &[Reading],
+    patch: &PatchView<'_>,
+) -> anyhow::Result<(Option<Field>, Vec<Reading>)> {
+    if args.no_field {
+        let nowhere = |reading: &Reading| Reading { place: None, ..*reading };
+        return Ok((None, readings.iter().map(nowhere).collect()));
+    }
+    let readings = calibrate::at_places(readings, patch)?;
+    match Field::fit(&readings, patch) {
+        Ok(field) => {
+            let corrected = field.corrected(&readings);
+            Ok((Some(field), corrected))
+        }
+        Err(NoField::NoPlaces) => Ok((None, readings)),
+        Err(why) => {
+            say!("no field of gain: {why}");
+            Ok((None, readings))
+        }
+    }
 }
 
 /// The patch, and with it picture and report: all of them, or none.
@@ -146,11 +192,27 @@ fn readings(args: &Args, link: Option<&mut Link>, patch: &PatchView<'_>) -> anyh
             let (loads, recording) = (calibrate::read_loads(loads)?, Recording::read(recording)?);
             Ok(recording.readings(&loads, args.start)?)
         }
-        (.., Some(file)) => Ok(calibrate::read_readings(file)?),
+        (.., Some(file)) => {
+            check_units(file, patch)?;
+            Ok(calibrate::read_readings(file)?)
+        }
         _ => bail!(
             "neither `--port` with `--loads`, `--recording` with `--loads`, nor `--readings` is given; allowed: one of them"
         ),
     }
+}
+
+/// Refuses readings of a patch with other units of strength, such as this one before it got a field of gain.
+fn check_units(file: &Path, patch: &PatchView<'_>) -> anyhow::Result<()> {
+    let own = super::patch_id(units_crc(patch));
+    if let Some(other) = calibrate::units_of(file).filter(|other| *other != own) {
+        bail!(
+            "readings `{}` were taken in units {other}, the patch has {own}; allowed: the patch that they were taken with, as it \
+             was then",
+            file.display()
+        );
+    }
+    Ok(())
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -177,11 +239,13 @@ fn from_board(link: &mut Link, patch: &PatchView<'_>, loads: &Path) -> anyhow::R
     Ok(calibrate::measure(link, &loads, silence_timeout(&used), show)?)
 }
 
-fn csv(readings: &[Reading]) -> String {
-    let mut text = String::from("pressure_kpa,strength,deviation,area_mm2\n");
-    for Reading { pressure_kpa, strength, deviation, area_mm2 } in readings {
+fn csv(readings: &[Reading], patch: &PatchView<'_>) -> String {
+    let mut text = format!("{}{}\n", calibrate::TAKEN_IN, super::patch_id(units_crc(patch)));
+    text += "pressure_kpa,strength,deviation,area_mm2,x_mm,y_mm,z_mm\n";
+    for Reading { pressure_kpa, strength, deviation, area_mm2, place } in readings {
         let area = area_mm2.map_or(String::new(), |area| area.to_string());
-        let _ = writeln!(text, "{pressure_kpa},{strength},{deviation},{area}");
+        let [x, y, z] = [0, 1, 2].map(|axis| place.map_or(String::new(), |at| (1e3 * at[axis]).to_string()));
+        let _ = writeln!(text, "{pressure_kpa},{strength},{deviation},{area},{x},{y},{z}");
     }
     text
 }
@@ -201,8 +265,27 @@ impl Args {
     }
 }
 
+impl FieldReport {
+    fn new(field: &Field, gains: &[f64]) -> Self {
+        let [without, with] = field.left_out.map(|deviation| 100.0 * deviation);
+        Self {
+            places: field.places(),
+            odd_places: field.odd,
+            least: gains.iter().copied().fold(f64::INFINITY, f64::min),
+            largest: gains.iter().copied().fold(0.0, f64::max),
+            left_out_percent: with,
+            left_out_without_percent: without,
+        }
+    }
+}
+
 impl Report {
-    fn new(patch: &PatchView<'_>, fit: &Fit, calibrated: &[u8]) -> anyhow::Result<Self> {
+    fn new(
+        patch: &PatchView<'_>,
+        fit: &Fit,
+        field: Option<FieldReport>,
+        calibrated: &[u8],
+    ) -> anyhow::Result<Self> {
         Ok(Self {
             skin: patch.header.skin.as_str().to_owned(),
             trials: fit.trials.len(),
@@ -213,6 +296,7 @@ impl Report {
             curve: fit.curve.points.clone(),
             plays: fit.play_operators.iter().map(plain).collect(),
             load_share: fit.calibration.load_share,
+            field,
             patch_crc: super::patch_id(PatchView::validate(calibrated)?.crc()),
         })
     }
@@ -231,6 +315,7 @@ fn print(args: &Args, out: &Path, fit: &Fit, report: &Report) {
         say!("repeatability {percent:.1} % of rated output");
     }
     print_compensation(fit);
+    report.field.iter().for_each(print_field);
     match report.load_share {
         Some(share) => say!("force: pressure times {share:.3} of a contact's area"),
         None => say!("no force: the indenter's area is not known (--indenter-area)"),
@@ -238,6 +323,18 @@ fn print(args: &Args, out: &Path, fit: &Fit, report: &Report) {
     let on_board =
         args.port.as_ref().map_or(String::new(), |port| format!(", and is on the board at {port}"));
     say!("wrote {}{on_board}", out.display());
+}
+
+fn print_field(field: &FieldReport) {
+    let FieldReport { places, odd_places, least, largest, left_out_percent, left_out_without_percent } =
+        field;
+    say!(
+        "field of gain {least:.2} to {largest:.2} over the skin, from {places} places; one that is left out is {left_out_percent:.1} % \
+         off, {left_out_without_percent:.1} % without"
+    );
+    if *odd_places > 0 {
+        say!("places whose strengths no smooth field explains, left out of it: {odd_places}");
+    }
 }
 
 fn print_compensation(fit: &Fit) {

@@ -1,7 +1,7 @@
 //! Calibrations that are preserved: no new patch silently takes the place of one that was calibrated.
 
 use anyhow::{Context, bail, ensure};
-use dermatome_patch::write::{Stored, have_same_matrix};
+use dermatome_patch::write::{Stored, have_same_matrix, with_gains_of};
 use dermatome_shared::patch::PatchView;
 use std::path::Path;
 
@@ -48,8 +48,10 @@ impl Preserved {
         Ok(Self { bytes, stored })
     }
 
-    /// Whether the new patch's images may have another scale than those that the calibration was made with.
-    pub(super) fn is_doubtful(&self, new: &PatchView<'_>) -> bool {
-        PatchView::open(&self.bytes).map_or(true, |old| !have_same_matrix(&old, new))
+    /// The new patch with its field of gain; none if that is not of the same places, or other images have another scale
+    /// than those that the calibration was made with.
+    pub(super) fn with_field(&self, new: &[u8]) -> anyhow::Result<Option<Vec<u8>>> {
+        let (old, view) = (PatchView::open(&self.bytes)?, PatchView::open(new)?);
+        if have_same_matrix(&old, &view) { Ok(with_gains_of(new, &old)?) } else { Ok(None) }
     }
 }

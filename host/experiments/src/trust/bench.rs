@@ -58,6 +58,12 @@ impl Bench {
         self.with_skin(skin)
     }
 
+    /// The same with another patch of the same skin.
+    pub(super) fn with_patch(&self, patch: Vec<u8>) -> Result<Self, TrustError> {
+        let board = Observer::with_patch(self.board.model().clone(), patch)?;
+        Ok(Self { board, ..self.clone() })
+    }
+
     fn with_skin(&self, skin: Skin) -> Result<Self, TrustError> {
         let board = Observer::with_model(&skin, self.board.model().clone())?;
         Ok(Self { table: ScanTable::of_patch(&board.patch()), board, skin, ..self.clone() })

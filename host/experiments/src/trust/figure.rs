@@ -113,13 +113,16 @@ impl Verdict {
 
 /// Mean, and what 95 % are no more than, and the largest; NaN of nothing.
 pub(super) fn mean_95_largest(values: &[f64]) -> [f64; 3] {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    [mean, quantile(values, 0.95), quantile(values, 1.0)]
+}
+
+/// What this share of them is no more than; NaN of nothing.
+pub(super) fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        let place = (share * sorted.len() as f64).ceil() as usize;
-        sorted.get(place.saturating_sub(1)).copied().unwrap_or(f64::NAN)
-    };
-    [sorted.iter().sum::<f64>() / sorted.len() as f64, at(0.95), at(1.0)]
+    let place = (share * sorted.len() as f64).ceil() as usize;
+    sorted.get(place.saturating_sub(1)).copied().unwrap_or(f64::NAN)
 }
 
 /// Standard deviation over the mean; NaN of fewer than two.

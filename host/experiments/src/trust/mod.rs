@@ -15,7 +15,8 @@ mod trial;
 
 use crate::deform::DeformError;
 pub use bench::{Bench, Places, Voltages};
-use dermatome_model::model::ModelError;
+use dermatome_model::{model::ModelError, quantize::PatchBuildError};
+use dermatome_shared::patch::PatchError;
 use dermatome_simulate::rig::RigError;
 pub use figure::{Figure, Verdict};
 use rayon::prelude::*;
@@ -92,6 +93,12 @@ pub enum TrustError {
 impl From<DeformError> for TrustError {
     fn from(DeformError(why): DeformError) -> Self {
         Self::Unsuited(why)
+    }
+}
+
+impl From<PatchError> for TrustError {
+    fn from(error: PatchError) -> Self {
+        Self::Rig(PatchBuildError::Invalid(error).into())
     }
 }
 

@@ -46,9 +46,19 @@ pub(super) const SETTLING_FRAMES: usize = 2;
 impl<'a> Trial<'a> {
     /// A board that was tared untouched, at this noise.
     pub fn new(bench: &'a Bench, snr_db: f64, seed: u64) -> Result<Self, TrustError> {
+        Self::on(bench, bench.untouched(), snr_db, seed)
+    }
+
+    /// The same on another true skin, whose untouched scans meet this.
+    pub(super) fn on(
+        bench: &'a Bench,
+        untouched: Voltages,
+        snr_db: f64,
+        seed: u64,
+    ) -> Result<Self, TrustError> {
         let board = bench.board().clone();
         let rig = Rig::new(bench.skin(), &board.patch(), Noise { snr_db, seed }).map_err(RigError::from)?;
-        let mut trial = Self { bench, board, rig, time: 0.0, sequence: 0, untouched: bench.untouched() };
+        let mut trial = Self { bench, board, rig, time: 0.0, sequence: 0, untouched };
         trial.tare_untouched();
         Ok(trial)
     }

@@ -23,6 +23,12 @@ struct Row {
     deviation: f64,
     #[serde(default)]
     area_mm2: Option<f64>,
+    #[serde(default)]
+    x_mm: Option<f64>,
+    #[serde(default)]
+    y_mm: Option<f64>,
+    #[serde(default)]
+    z_mm: Option<f64>,
 }
 
 /// Reads loads: CSV with the columns time_s and pressure_kpa, at least three rows, times ascending.
@@ -39,10 +45,21 @@ pub fn read_loads(path: &Path) -> Result<Vec<Hold>, FileError> {
     Ok(rows.into_iter().map(|(_, hold)| hold).collect())
 }
 
-/// Reads readings: CSV with the columns pressure_kpa, strength and, if known, deviation and area_mm2, in the
-/// order taken.
+/// What a file of readings starts with if it says in which units of strength they were taken.
+pub const TAKEN_IN: &str = "# taken in units ";
+
+/// In which units of strength readings were taken, if their file says so.
+#[must_use]
+pub fn units_of(path: &Path) -> Option<String> {
+    let text = std::fs::read_to_string(path).ok()?;
+    text.lines().next()?.strip_prefix(TAKEN_IN).map(|id| id.trim().to_owned())
+}
+
+/// Reads readings: CSV with the columns pressure_kpa, strength and, if known, deviation, area_mm2, x_mm, y_mm and z_mm, in the
+/// order taken. z of a place whose x and y alone are known is not a number.
 pub fn read_readings(path: &Path) -> Result<Vec<Reading>, FileError> {
-    let allowed = "numbers in the columns pressure_kpa, strength and, if known, deviation and area_mm2";
+    let allowed =
+        "numbers in the columns pressure_kpa, strength and, if known, deviation, area_mm2, x_mm, y_mm, z_mm";
     let check = |(line, row): (u64, Row)| {
         check_pressure(path, line, row.pressure_kpa)?;
         if !row.strength.is_finite() {
@@ -54,10 +71,35 @@ pub fn read_readings(path: &Path) -> Result<Vec<Reading>, FileError> {
         if let Some(area) = row.area_mm2.filter(|area| !(area.is_finite() && *area > 0.0)) {
             return refuse(path, line, "area_mm2", area, "a number above 0, or nothing");
         }
-        let Row { pressure_kpa, strength, deviation, area_mm2 } = row;
-        Ok(Reading { pressure_kpa, strength, deviation, area_mm2 })
+        let place = place(path, line, &row)?;
+        let Row { pressure_kpa, strength, deviation, area_mm2, .. } = row;
+        Ok(Reading { pressure_kpa, strength, deviation, area_mm2, place })
     };
     rows(path, allowed)?.into_iter().map(check).collect()
+}
+
+/// Where a row says that the skin was pressed.
+fn place(path: &Path, line: u64, row: &Row) -> Result<Option<[f64; 3]>, FileError> {
+    let (x, y) = match (row.x_mm, row.y_mm) {
+        (Some(x), Some(y)) => (x, y),
+        (None, None) if row.z_mm.is_none() => return Ok(None),
+        (x, _) => {
+            let missing = if x.is_none() { "x_mm" } else { "y_mm" };
+            return Err(refuse_text(
+                path,
+                line,
+                missing,
+                "nothing",
+                "a number, or nothing in x_mm, y_mm and z_mm",
+            ));
+        }
+    };
+    for (column, value) in [("x_mm", x), ("y_mm", y), ("z_mm", row.z_mm.unwrap_or(0.0))] {
+        if !value.is_finite() {
+            return refuse(path, line, column, value, "a number");
+        }
+    }
+    Ok(Some([x, y, row.z_mm.unwrap_or(f64::NAN)].map(|mm| 1e-3 * mm)))
 }
 
 fn check_pressure(path: &Path, line: u64, pressure_kpa: f64) -> Result<(), FileError> {

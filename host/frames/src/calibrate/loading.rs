@@ -1,7 +1,7 @@
 //! Trials of a loading machine, and the figures of thesis section 3.6.
 
 /// Loads up to this share of the largest one count as none.
-const UNLOADED: f64 = 0.02;
+pub(super) const UNLOADED: f64 = 0.02;
 
 /// What a skin read under one load.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +14,8 @@ pub struct Reading {
     pub deviation: f64,
     /// Mean area of the region of interest, mm^2; none without contact, or if unknown.
     pub area_mm2: Option<f64>,
+    /// Where the skin was pressed, m, in its own frame; none without load, or if unknown.
+    pub place: Option<[f64; 3]>,
 }
 
 /// Loading to the maximum and back, readings in their order.
@@ -25,7 +27,7 @@ pub struct Trial {
     pub(super) top: usize,
 }
 
-/// Splits readings where an unloaded skin is loaded again.
+/// Splits readings where an unloaded skin is loaded again, and where another place is.
 #[must_use]
 pub fn trials(readings: &[Reading]) -> Vec<Trial> {
     let largest = readings.iter().fold(0.0, |max: f64, reading| max.max(reading.pressure_kpa));
@@ -36,6 +38,11 @@ pub fn trials(readings: &[Reading]) -> Vec<Trial> {
         let part = parts.last_mut().expect("there is always a part");
         // Where a trial ends unloaded, and the next one starts with the same reading.
         let is_turn = !is_loaded(reading) && next_is_loaded && part.iter().any(is_loaded);
+        let before = part.iter().rev().find_map(|reading| reading.place);
+        if reading.place.zip(before).is_some_and(|(here, before)| here != before) {
+            parts.push(vec![*reading]);
+            continue;
+        }
         part.push(*reading);
         if is_turn {
             parts.push(vec![*reading]);

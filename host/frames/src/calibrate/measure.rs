@@ -34,7 +34,11 @@ pub fn measure(
 
 impl From<&Contact> for Strongest {
     fn from(contact: &Contact) -> Self {
-        Self { strength: contact.strength.into(), area_mm2: f64::from(contact.area) * 1e6 }
+        Self {
+            strength: contact.strength.into(),
+            area_mm2: f64::from(contact.area) * 1e6,
+            place: Some(contact.position.map(f64::from)),
+        }
     }
 }
 

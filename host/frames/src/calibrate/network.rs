@@ -102,7 +102,7 @@ impl Network {
 
 fn largest<'a>(readings: impl Iterator<Item = &'a Reading>) -> Reading {
     let tiny = f64::MIN_POSITIVE;
-    let least = Reading { pressure_kpa: tiny, strength: tiny, deviation: 0.0, area_mm2: None };
+    let least = Reading { pressure_kpa: tiny, strength: tiny, deviation: 0.0, area_mm2: None, place: None };
     readings.fold(least, |max, reading| Reading {
         pressure_kpa: max.pressure_kpa.max(reading.pressure_kpa),
         strength: max.strength.max(reading.strength),

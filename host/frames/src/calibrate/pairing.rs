@@ -12,6 +12,8 @@ pub struct Strongest {
     pub strength: f64,
     /// Area of the region, mm^2.
     pub area_mm2: f64,
+    /// Where it is, m, if that is known.
+    pub place: Option<[f64; 3]>,
 }
 
 /// Frames in their order, paired with the loads by time: the strongest contact is averaged over the later half of
@@ -92,8 +94,15 @@ impl Averager {
             strength,
             deviation: (variance / contacts.len() as f64).sqrt(),
             area_mm2: mean(contacts.iter().flatten().map(|contact| contact.area_mm2)),
+            place: mean_place(&contacts),
         })
     }
+}
+
+fn mean_place(contacts: &[Option<Strongest>]) -> Option<[f64; 3]> {
+    let places = || contacts.iter().flatten().filter_map(|contact| contact.place);
+    let [x, y, z] = [0, 1, 2].map(|axis| mean(places().map(|place| place[axis])));
+    Some([x?, y?, z?])
 }
 
 fn mean(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {

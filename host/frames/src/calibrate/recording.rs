@@ -14,6 +14,8 @@ use std::path::{Path, PathBuf};
 const COLUMNS: [&str; 7] = ["sequence", "time_s", "x_mm", "y_mm", "z_mm", "area_mm2", "strength"];
 /// Those that are used.
 const USED: [&str; 4] = ["sequence", "time_s", "area_mm2", "strength"];
+/// And those that are used if there are all of them.
+const PLACE: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 /// Most frames under the loads, and between two lines: more than a day at 100 a second.
 const MOST_FRAMES: u64 = 10_000_000;
 
@@ -76,7 +78,7 @@ impl Recording {
         let mut open = csv::ReaderBuilder::new();
         open.delimiter(b'\t').has_headers(false).flexible(true).comment(Some(b'#'));
         let mut reader = open.from_path(path).map_err(|error| FileError::new(path, error.to_string()))?;
-        let mut columns: Option<[usize; 4]> = None;
+        let mut columns: Option<Columns> = None;
         let mut frames: Vec<Frame> = Vec::new();
         for record in reader.records() {
             let record = record.map_err(|error| FileError::new(path, error.to_string()))?;
@@ -164,11 +166,19 @@ impl Recording {
     }
 }
 
+/// Where the columns are that are used: those of [`USED`] and of [`PLACE`].
+#[derive(Clone, Copy)]
+struct Columns {
+    used: [usize; 4],
+    place: Option<[usize; 3]>,
+}
+
 /// Where the columns are that are used, and whether this first line is a header that says so.
-fn columns_of(path: &Path, line: u64, record: &csv::StringRecord) -> Result<([usize; 4], bool), FileError> {
+fn columns_of(path: &Path, line: u64, record: &csv::StringRecord) -> Result<(Columns, bool), FileError> {
     let place = |names: &[&str], column: &str| names.iter().position(|name| name.trim() == column);
     if record.get(0).is_some_and(|field| field.trim().parse::<f64>().is_ok()) {
-        return Ok((USED.map(|column| place(&COLUMNS, column).expect("a used column is one of all")), false));
+        let known = |column| place(&COLUMNS, column).expect("a used column is one of all");
+        return Ok((Columns { used: USED.map(known), place: Some(PLACE.map(known)) }, false));
     }
     let names: Vec<&str> = record.iter().collect();
     let mut places = [0; 4];
@@ -185,24 +195,40 @@ fn columns_of(path: &Path, line: u64, record: &csv::StringRecord) -> Result<([us
             )
         })?;
     }
-    Ok((places, true))
+    let [x, y, z] = PLACE.map(|column| place(&names, column));
+    let of_place = x.zip(y).zip(z).map(|((x, y), z)| [x, y, z]);
+    Ok((Columns { used: places, place: of_place }, true))
 }
 
-fn frame(
-    path: &Path,
-    line: u64,
-    record: &csv::StringRecord,
-    columns: [usize; 4],
-) -> Result<Frame, FileError> {
+fn frame(path: &Path, line: u64, record: &csv::StringRecord, columns: Columns) -> Result<Frame, FileError> {
     let mut values = [0.0; 4];
-    for ((value, column), name) in values.iter_mut().zip(columns).zip(USED) {
+    for ((value, column), name) in values.iter_mut().zip(columns.used).zip(USED) {
         let field = record.get(column).unwrap_or("").trim();
         let number = field.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
         *value = number
             .ok_or_else(|| refuse_text(path, line, name, &format!("{field:?}"), "a number, 0 or above"))?;
     }
     let [sequence, time_s, area_mm2, strength] = values;
-    Ok(Frame { line, sequence: sequence as u64, time_s, strongest: Strongest { strength, area_mm2 } })
+    let place = columns.place.map(|columns| place(path, line, record, columns)).transpose()?;
+    let strongest = Strongest { strength, area_mm2, place };
+    Ok(Frame { line, sequence: sequence as u64, time_s, strongest })
+}
+
+/// Where its contact is, m.
+fn place(
+    path: &Path,
+    line: u64,
+    record: &csv::StringRecord,
+    columns: [usize; 3],
+) -> Result<[f64; 3], FileError> {
+    let mut place = [0.0; 3];
+    for ((value, column), name) in place.iter_mut().zip(columns).zip(PLACE) {
+        let field = record.get(column).unwrap_or("").trim();
+        let number = field.parse().ok().filter(|number: &f64| number.is_finite());
+        *value =
+            1e-3 * number.ok_or_else(|| refuse_text(path, line, name, &format!("{field:?}"), "a number"))?;
+    }
+    Ok(place)
 }
 
 /// Later in both, and no farther than the longest gap.

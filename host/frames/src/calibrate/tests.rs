@@ -47,6 +47,7 @@ impl Loaded {
             strength: mean(&frames[FRAMES / 2..]),
             deviation: 0.0,
             area_mm2: None,
+            place: None,
         };
         trials(&shares.iter().zip(frames.chunks(FRAMES)).map(one).collect::<Vec<_>>()).remove(0)
     }
@@ -145,7 +146,7 @@ fn the_preisach_network_closes_loops_and_the_plays_close_them_better() {
 }
 
 fn reading(pressure_kpa: f64, strength: f64) -> Reading {
-    Reading { pressure_kpa, strength, deviation: 0.0, area_mm2: None }
+    Reading { pressure_kpa, strength, deviation: 0.0, area_mm2: None, place: None }
 }
 
 #[test]
@@ -216,7 +217,7 @@ fn frames() -> Vec<(f64, Option<Strongest>)> {
         let time = 0.02 * n as f64 + 0.01;
         let kpa = loads[n / 50].pressure_kpa;
         let ripple = 1e-3 * f64::from(n as u32 % 7);
-        let contact = Strongest { strength: 0.02 * kpa + ripple, area_mm2: 2000.0 + 10.0 * kpa };
+        let contact = Strongest { strength: 0.02 * kpa + ripple, area_mm2: 2000.0 + 10.0 * kpa, place: None };
         (time, (kpa >= 5.0).then_some(contact))
     };
     (0..450).map(frame).collect()

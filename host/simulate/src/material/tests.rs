@@ -17,6 +17,7 @@ fn three_trials(material: &Material, steps: usize, seed: u64) -> Vec<Trial> {
                 strength: place.respond(pressure_kpa, 10.0),
                 deviation: 0.0,
                 area_mm2: None,
+                place: None,
             }
         };
         let readings: Vec<_> = up_and_down(steps).map(&mut read).collect();

@@ -12,17 +12,24 @@ use std::ops::Range;
 /// Radius of the indenter that strengths are calibrated with, share of the size.
 const CALIBRATED: f64 = 0.06;
 /// Radii of the others, and how much they change the conductivity.
-const RADII: Range<f64> = 0.04..0.12;
-const DEPTHS: Range<f64> = 0.3..1.0;
+pub(super) const RADII: Range<f64> = 0.04..0.12;
+pub(super) const DEPTHS: Range<f64> = 0.3..1.0;
 /// How far two lie apart.
 const APART: f64 = 0.35;
 
 /// What presses at one place.
-struct Indenter {
-    place: Point3<f64>,
+pub(super) struct Indenter {
+    pub(super) place: Point3<f64>,
     /// Share of the size.
-    radius: f64,
-    depth: f64,
+    pub(super) radius: f64,
+    pub(super) depth: f64,
+}
+
+impl Indenter {
+    /// Its load: the sum of the changes under it, but for a factor.
+    pub(super) fn load(&self) -> f64 {
+        self.depth * self.radius * self.radius
+    }
 }
 
 /// Indenters, and what they do to the voltages.
@@ -42,16 +49,15 @@ impl Scene {
     /// deviation; none where it has no contact.
     fn factors(&self, trial: &mut Trial<'_>, reach: f64) -> Vec<Option<(f64, f64)>> {
         let pressed = trial.press(&self.voltages);
-        let factor = |Indenter { place, radius, depth }: &Indenter| {
-            let contact = pressed.last().iter().find(|contact| is_at(contact, place, reach))?;
-            let load = depth * radius * radius;
-            Some((f64::from(contact.strength) / load, stated(contact)))
+        let factor = |indenter: &Indenter| {
+            let contact = pressed.last().iter().find(|contact| is_at(contact, &indenter.place, reach))?;
+            Some((f64::from(contact.strength) / indenter.load(), stated(contact)))
         };
         self.indenters.iter().map(factor).collect()
     }
 }
 
-fn stated(contact: &Contact) -> f64 {
+pub(super) fn stated(contact: &Contact) -> f64 {
     contact.evidence.map_or(0.0, |evidence| f64::from(evidence.strength_deviation / contact.strength))
 }
 

@@ -7,6 +7,7 @@ mod gestures;
 mod limit;
 mod single;
 mod slow;
+mod uneven;
 mod untouched;
 mod upset;
 
@@ -24,7 +25,7 @@ pub struct Row {
 }
 
 /// All rows. Each draws from a seed of its place here, so that a new one comes last.
-pub const ROWS: [Row; 17] = [
+pub const ROWS: [Row; 18] = [
     Row { name: "untouched", about: "frames of the untouched skin with a contact", run: untouched::run },
     Row { name: "one", about: "one finger of 4 % of the size, up to 95 % of the radius", run: single::one },
     Row { name: "rim", about: "one finger of 4 % in the outer 5 % of the radius", run: single::rim },
@@ -61,6 +62,11 @@ pub const ROWS: [Row; 17] = [
         name: "limit",
         about: "fingers of 4 % in single frames, beside what the voltages hold",
         run: limit::run,
+    },
+    Row {
+        name: "uneven",
+        about: "load on skins that read unevenly, with a field of gain from presses of known load",
+        run: uneven::run,
     },
 ];
 
