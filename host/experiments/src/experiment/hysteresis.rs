@@ -169,7 +169,7 @@ fn load(
         let pressure_kpa = share * sample.found.range;
         let shown = specimen.hold(&[cube([0.0; 2], pressure_kpa)], hold)?;
         let strength = shown.contacts.first().map_or(0.0, |contact| f64::from(contact.strength));
-        Ok(Reading { pressure_kpa, strength, deviation: 0.0, area_mm2: None })
+        Ok(Reading { pressure_kpa, strength, deviation: 0.0, area_mm2: None, place: None })
     };
     let readings: Vec<Reading> = shares.iter().map(read).collect::<Result<_, ExperimentError>>()?;
     trials(&readings).into_iter().next().ok_or(ExperimentError::Readings { sample: sample.name })
