@@ -163,8 +163,8 @@ fn wrong_values_name_file_field_value_and_what_is_allowed() {
         ),
         (
             GOOD,
-            "prior = \"laplace\"",
-            "method = \"greit\"\nelectrode_movement = 0",
+            "electrode_movement = 10",
+            "electrode_movement = 0",
             &["`inverse.electrode_movement`", "is 0", "above zero"],
         ),
         (

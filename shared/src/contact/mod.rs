@@ -19,7 +19,7 @@ mod regions;
 pub mod track;
 
 use crate::{
-    image::surface::Surface,
+    image::surface::{Surface, square_distance},
     limits::{MAX_CONTACTS, MAX_PIXELS},
     units::RelativeConductivity,
 };
@@ -96,13 +96,6 @@ impl Contact {
     fn suppresses(&self, weaker: &Self) -> bool {
         square_distance(self.position, weaker.position) < self.area && weaker.peak < 0.75 * self.peak
     }
-}
-
-/// Square of a distance.
-// Not inlined: it is called from many places of the board's code, and few contacts have it wait.
-#[inline(never)]
-pub(crate) fn square_distance(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
 /// Contacts of one image, strongest peak first.

@@ -15,7 +15,7 @@
 //! curved one a step is a 32,767th of its farthest coordinate, areas are rounded to a 255th of the
 //! largest, normals to 0.4 degrees.
 
-use crate::{contact::square_distance, limits::MAX_PIXELS};
+use crate::limits::MAX_PIXELS;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
@@ -217,6 +217,13 @@ impl<'a> Surface<'a> {
         }
         if start == self.neighbours.len() { Ok(()) } else { Err(SurfaceError::Pixel { pixel: self.count() }) }
     }
+}
+
+/// Square of a distance.
+// Not inlined: it is called from many places of the board's code, and few contacts have it wait.
+#[inline(never)]
+pub(crate) fn square_distance(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
 fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {

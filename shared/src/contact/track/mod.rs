@@ -11,8 +11,8 @@
 //! both to be where their velocities took them, it is the one that merged; later it is a new one that *split* from it,
 //! since nobody knows which is which.
 
-use super::{Contact, Contacts, square_distance};
-use crate::limits::MAX_CONTACTS;
+use super::{Contact, Contacts};
+use crate::{image::surface::square_distance, limits::MAX_CONTACTS};
 use heapless::Vec;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};

@@ -4,7 +4,10 @@ use super::{
     MAX_PRESSES, Presses,
     spot::{Response, Spot, UNKNOWNS},
 };
-use crate::{contact::square_distance, image::surface::Surface, patch::places::Places};
+use crate::{
+    image::surface::{Surface, square_distance},
+    patch::places::Places,
+};
 use heapless::Vec;
 
 /// A press that is one stays one until its significance falls below this share of the level.

@@ -1,8 +1,7 @@
 //! Spots: places with the way the response changes round them.
 
 use crate::{
-    contact::square_distance,
-    image::surface::Surface,
+    image::surface::{Surface, square_distance},
     patch::{
         matrix::GROUP,
         places::{PLACE_NEIGHBOURS, Places},
