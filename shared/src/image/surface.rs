@@ -28,8 +28,8 @@ pub const MAX_NEIGHBOURS: usize = 8 * MAX_PIXELS;
 /// What a component of a normal is divided by.
 pub const NORMAL_UNIT: f32 = 127.0;
 
-/// Ways from the pixels round an outermost one sum up to more than this share of their lengths; along a straight border to
-/// 0.46, at a corner to 0.8.
+/// Ways from the pixels round an outermost one sum up to more than this share of their number times their root mean square;
+/// along a straight border to 0.5, at a corner to 0.8.
 const BALANCED: f32 = 0.25;
 /// Squares of the lengths that normals of length 127 have when rounded, with room to spare.
 const NORMAL_SQUARES: core::ops::RangeInclusive<i32> = 125 * 125..=129 * 129;
@@ -172,27 +172,33 @@ impl<'a> Surface<'a> {
     pub fn inside(&self, mut pixel: usize, point: [f32; 3]) -> [f32; 3] {
         let centre = |pixel| self.pixel(pixel).map(|pixel| self.centre(&pixel));
         let Some(mut here) = centre(pixel) else { return point };
-        let away = |(_, centre): &(usize, [f32; 3])| square_distance(*centre, point);
-        while let Some(next) = self
-            .neighbours(pixel)
-            .filter_map(|other| Some((other, centre(other)?)))
-            .min_by(|a, b| away(a).total_cmp(&away(b)))
-            .filter(|next| away(next) < square_distance(here, point))
-        {
-            (pixel, here) = next;
+        let mut least = square_distance(here, point);
+        loop {
+            let mut next = pixel;
+            for (other, there) in self.neighbours(pixel).filter_map(|other| Some((other, centre(other)?))) {
+                let away = square_distance(there, point);
+                if away < least {
+                    (next, here, least) = (other, there, away);
+                }
+            }
+            if next == pixel {
+                break;
+            }
+            pixel = next;
         }
         // Pixels round one inside balance.
-        let (mut outward, mut lengths) = ([0.0; 3], 0.0);
+        let (mut outward, mut squares, mut count) = ([0.0; 3], 0.0, 0.0);
         for other in self.neighbours(pixel).filter_map(centre) {
-            lengths += length(minus(here, other));
             outward.iter_mut().zip(minus(here, other)).for_each(|(sum, way)| *sum += way);
+            squares += square_distance(here, other);
+            count += 1.0;
         }
-        let balance = length(outward);
+        let square = square_distance(outward, [0.0; 3]);
         let beyond: f32 = minus(point, here).iter().zip(outward).map(|(way, outward)| way * outward).sum();
-        if balance <= BALANCED * lengths || beyond <= 0.0 {
+        if square <= BALANCED * BALANCED * count * squares || beyond <= 0.0 {
             return point;
         }
-        minus(point, outward.map(|part| part * beyond / (balance * balance)))
+        minus(point, outward.map(|part| part * beyond / square))
     }
 
     /// Whether everything is a number that makes sense and every list lies in its table.
@@ -228,10 +234,6 @@ pub(crate) fn square_distance(a: [f32; 3], b: [f32; 3]) -> f32 {
 
 fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn length(way: [f32; 3]) -> f32 {
-    libm::sqrtf(square_distance(way, [0.0; 3]))
 }
 
 fn is_positive(value: f32) -> bool {
@@ -316,7 +318,7 @@ mod tests {
             [([0.03, 0.075, 0.075], [0.03, 0.07, 0.07]), ([0.034, 0.05, 0.05], [0.034, 0.05, 0.05])]
         {
             let found = surface.inside(9, given);
-            assert!(length(minus(found, expected)) < 1e-6, "{given:?}: {found:?}");
+            assert!(square_distance(found, expected) < 1e-12, "{given:?}: {found:?}");
         }
     }
 }

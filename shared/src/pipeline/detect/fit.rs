@@ -123,8 +123,7 @@ impl<'a> Fit<'a> {
             *self = best;
         }
         self.judge(sums, &mut system);
-        let Skin { places, surface, .. } = self.skin;
-        self.presses.iter_mut().for_each(|press| press.settle(surface, places));
+        self.presses.iter_mut().for_each(Press::settle);
     }
 
     /// Variance of what the presses do not explain, that of one frame's noise being 1; at least that of the noise.

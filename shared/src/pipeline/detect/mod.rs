@@ -370,7 +370,7 @@ impl Detector {
         }
         let (places, surface, radius) = (patch.places(), patch.surface(), patch.header.detection.radius);
         let contact = |press: &Press| Contact {
-            position: press.position,
+            position: press.spot.inside(&surface, &places, press.position),
             normal: spot::at(&surface, &places, press.spot.place()).1,
             area: core::f32::consts::PI * radius * radius,
             strength: press.strength,

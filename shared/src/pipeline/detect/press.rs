@@ -4,10 +4,7 @@ use super::{
     MAX_PRESSES, Presses,
     spot::{Response, Spot, UNKNOWNS},
 };
-use crate::{
-    image::surface::{Surface, square_distance},
-    patch::places::Places,
-};
+use crate::{image::surface::square_distance, patch::places::Places};
 use heapless::Vec;
 
 /// A press that is one stays one until its significance falls below this share of the level.
@@ -58,11 +55,10 @@ impl Press {
         }
     }
 
-    /// Its position by its offset, no farther than slopes hold for, and on the skin.
-    pub(super) fn settle(&mut self, surface: &Surface<'_>, places: &Places<'_>) {
+    /// Its position by its offset, no farther than slopes hold for.
+    pub(super) fn settle(&mut self) {
         self.offset = self.spot.within_reach(self.offset);
-        let pixel = places.get(self.spot.place()).map_or(0, |place| place.pixel.into());
-        self.position = surface.inside(pixel, self.spot.point(self.offset));
+        self.position = self.spot.point(self.offset);
     }
 
     /// Whether it would lie much farther from its place than slopes hold for: where its strength is hardly any, slopes

@@ -14,6 +14,8 @@ use heapless::Vec;
 pub(super) const UNKNOWNS: usize = 3;
 /// Farthest that a press goes from its place, distances to the next places.
 const FARTHEST: f32 = 1.0;
+/// Ways to the places round one at the skin's border sum up to more than this, their mean length being 1.
+const ONE_SIDED: f32 = 1.2;
 /// A solution that has one so far from its place is none, distances to the next places.
 const FAR_OUT: f32 = 8.0;
 
@@ -27,6 +29,8 @@ pub(super) struct Spot {
     axes: [[f32; 3]; 2],
     /// Mean distance of the places round it, m; slopes are for each of it.
     pub(super) spacing: f32,
+    /// Whether the places round it lie on one side, as at the skin's border.
+    is_at_border: bool,
     /// What the response at each place round it adds to the slopes. The place's own takes as much off. None where presses
     /// stay on the place.
     round: Round<(u8, [f32; 2])>,
@@ -53,6 +57,8 @@ impl Spot {
         let lengths = ways.iter().map(|[x, y]| libm::sqrtf(x * x + y * y));
         let spacing = (lengths.sum::<f32>() / PLACE_NEIGHBOURS as f32).max(f32::MIN_POSITIVE);
         let ways = ways.map(|way| way.map(|part| part / spacing));
+        let sum = ways.iter().fold([0.0; 2], |sum, way| [sum[0] + way[0], sum[1] + way[1]]);
+        let is_at_border = sum[0] * sum[0] + sum[1] * sum[1] > ONE_SIDED * ONE_SIDED;
         // Near ones count for more.
         let weight = |[x, y]: [f32; 2]| 1.0 / (x * x + y * y + 0.1);
         let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
@@ -68,7 +74,8 @@ impl Spot {
             let ([x, y], weight) = (way, weight(way) * inverse);
             [weight * (yy * x - xy * y), weight * (xx * y - xy * x)]
         });
-        Self { place, centre, axes, spacing, round: neighbours.into_iter().zip(shares).collect() }
+        let round = neighbours.into_iter().zip(shares).collect();
+        Self { place, centre, axes, spacing, is_at_border, round }
     }
 
     /// One whose presses need not stay on it.
@@ -145,6 +152,14 @@ impl Spot {
     pub(super) fn point(&self, offset: [f32; 2]) -> [f32; 3] {
         [0, 1, 2]
             .map(|part| self.centre[part] + self.axes[0][part] * offset[0] + self.axes[1][part] * offset[1])
+    }
+
+    /// The point of the skin at or near one.
+    pub(super) fn inside(&self, surface: &Surface<'_>, places: &Places<'_>, point: [f32; 3]) -> [f32; 3] {
+        match places.get(self.place) {
+            Some(place) if self.is_at_border => surface.inside(place.pixel.into(), point),
+            _ => point,
+        }
     }
 
     /// The place that an offset is nearest to, this one unless another is clearly nearer.
