@@ -42,6 +42,18 @@ fn square(area: f64, x: f64, kpa: f64) -> Press {
     Press { position: [x, 0.4 * x], angle: 0.0, footprint, load: Load::Pressure(kpa * 1e3) }
 }
 
+/// What the strongest contact reads under a pressure.
+fn reading(contacts: &Contacts, pressure_kpa: f64, place: Option<[f64; 3]>) -> Reading {
+    let contact = contacts.first();
+    Reading {
+        pressure_kpa,
+        strength: contact.map_or(0.0, |contact| contact.strength.into()),
+        deviation: 0.0,
+        area_mm2: contact.map(|contact| f64::from(contact.area) * 1e6),
+        place,
+    }
+}
+
 impl Rig {
     fn new() -> Self {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/disc-210mm/skin.toml");
@@ -81,14 +93,7 @@ impl Rig {
         let read = |step: i32| {
             let pressure_kpa = range * f64::from(step) / 8.0;
             let contacts = self.contacts(&mut sheet, &square(INDENTER, 0.0, pressure_kpa));
-            let contact = contacts.first();
-            Reading {
-                pressure_kpa,
-                strength: contact.map_or(0.0, |contact| contact.strength.into()),
-                deviation: 0.0,
-                area_mm2: contact.map(|contact| f64::from(contact.area) * 1e6),
-                place: None,
-            }
+            reading(&contacts, pressure_kpa, None)
         };
         loads.map(read).collect()
     }
@@ -104,14 +109,7 @@ impl Rig {
             let load = Load::Pressure(pressure_kpa * 1e3);
             let press = Press { position: [x, y], angle: 0.0, footprint, load };
             let contacts = self.contacts(&mut Sheet::new(&self.material.clone(), 2), &press);
-            let contact = contacts.first();
-            Reading {
-                pressure_kpa,
-                strength: contact.map_or(0.0, |contact| contact.strength.into()),
-                deviation: 0.0,
-                area_mm2: contact.map(|contact| f64::from(contact.area) * 1e6),
-                place: Some([x, y, 0.0]),
-            }
+            reading(&contacts, pressure_kpa, Some([x, y, 0.0]))
         };
         (0..count).map(read).collect()
     }

@@ -11,14 +11,17 @@ use crate::{
     forward::{Admittivity, Fields},
     pixels::tangents,
 };
-use dermatome_geometry::mesh::{ElectrodeContact, Mesh, neighbours::orientation};
+use dermatome_geometry::mesh::{
+    ElectrodeContact, Mesh,
+    neighbours::{boundary_edges, orientation},
+};
 use dermatome_shared::stimulation::Step;
 use faer::{
     Mat, Side,
     linalg::solvers::{Llt, SolveCore},
 };
 use nalgebra::{Matrix3, Point3, Vector3};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// How measurements respond to the movement of electrodes.
 #[derive(Clone, Debug)]
@@ -47,6 +50,13 @@ pub struct Move {
     pub nodes: Vec<usize>,
     /// Unit vector in the skin.
     pub direction: Vector3<f64>,
+}
+
+/// Whether all electrodes lie on the rim.
+#[must_use]
+pub fn are_on_rim(mesh: &Mesh) -> bool {
+    let rim: HashSet<usize> = boundary_edges(&mesh.elements).into_iter().flatten().collect();
+    mesh.electrodes.iter().flat_map(ElectrodeContact::nodes).all(|node| rim.contains(&node))
 }
 
 /// How electrodes move, in their order: one on the rim along it, all the same way round; one inside in two directions
@@ -318,6 +328,7 @@ mod tests {
         let mesh = mesh(&skin, 1.0, Lattice::default()).unwrap();
         let moves = moves(&mesh);
         assert_eq!(moves.len(), 3 + 2 * 13);
+        assert!(!are_on_rim(&mesh));
         let solved = |mesh: &Mesh| {
             let forward: ForwardModel = forward_model(&skin, mesh).unwrap();
             forward.solve(&vec![1.0; mesh.elements.len()]).unwrap()

@@ -121,9 +121,11 @@ fn data_space(
     weights: &[f64],
     whitening: &Whitening,
 ) -> Result<(DataSpace, Option<Prior>), InverseError> {
-    let movement = inverse
-        .electrode_movement
-        .map(|weight| movement::covariance(&of.responses.movement, weight, whitening));
+    let movement = match (inverse.electrode_movement, &of.responses.movement) {
+        (None, _) => None,
+        (Some(weight), Some(movement)) => Some(movement::covariance(movement, weight, whitening)),
+        (Some(_), None) => return Err(InverseError::NotSimulated { what: "electrode movement" }),
+    };
     match inverse.method {
         Method::OneStep(kind) => {
             let prior = Prior::new(kind, pixels, of.jacobian, weights);

@@ -33,8 +33,8 @@ pub struct Responses {
     pub frame: Option<Vec<f64>>,
     /// GREIT's training targets.
     pub training: Option<Training>,
-    /// Movement of the electrodes.
-    pub movement: Movement,
+    /// Movement of the electrodes, where it is asked for or all are on the rim.
+    pub movement: Option<Movement>,
 }
 
 /// GREIT's training targets: element patches, of about equal area all over the skin.
@@ -92,15 +92,16 @@ impl Responses {
                 half_side: half_side(of.mesh),
             }
         });
-        let per_metre = movement::jacobian(of.mesh, of.admittivity, of.fields, of.steps);
+        let is_on_rim = movement::are_on_rim(of.mesh);
+        let movement = (is_on_rim || inverse.electrode_movement.is_some()).then(|| {
+            let per_metre = movement::jacobian(of.mesh, of.admittivity, of.fields, of.steps);
+            Movement { responses: combined(per_metre) * faer::Scale(half_side(of.mesh)), is_on_rim }
+        });
         Ok(Self {
             target: target.col(0).iter().copied().collect(),
             frame: frame.map(|frame| combine_voltages(&frame, combination)),
             training,
-            movement: Movement {
-                is_on_rim: per_metre.ncols() == of.mesh.electrodes.len(),
-                responses: combined(per_metre) * faer::Scale(half_side(of.mesh)),
-            },
+            movement,
         })
     }
 }

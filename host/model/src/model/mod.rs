@@ -74,8 +74,8 @@ pub struct Model {
     /// d voltage / d relative conductivity of the standard target, see
     /// [`crate::inverse::targets`]: `[measurement]`.
     pub target: Vec<f64>,
-    /// How measurements respond to the movement of electrodes.
-    pub movement: Movement,
+    /// How measurements respond to the movement of electrodes, where it is asked for or all are on the rim.
+    pub movement: Option<Movement>,
     /// How long each stage took.
     pub stages: Vec<Stage>,
 }

@@ -111,8 +111,10 @@ fn smooth_responses(model: &Model) -> Mat<f64> {
 
 /// What the slip of each electrode changes difference data by, `[measurement][electrode]`; none unless all are on the rim.
 fn slip_responses(model: &Model) -> Mat<f64> {
-    let Movement { responses, is_on_rim } = &model.movement;
-    if *is_on_rim { divided(model, responses.clone()) } else { Mat::new() }
+    match &model.movement {
+        Some(Movement { responses, is_on_rim: true }) => divided(model, responses.clone()),
+        _ => Mat::new(),
+    }
 }
 
 /// At most so many pixels whose responses are told apart best against this noise, `[measurement]`.

@@ -10,7 +10,7 @@ use nalgebra::Point3;
 use std::ops::Range;
 
 /// Radius of the indenter that strengths are calibrated with, share of the size.
-const CALIBRATED: f64 = 0.06;
+pub(super) const CALIBRATED: f64 = 0.06;
 /// Radii of the others, and how much they change the conductivity.
 pub(super) const RADII: Range<f64> = 0.04..0.12;
 pub(super) const DEPTHS: Range<f64> = 0.3..1.0;

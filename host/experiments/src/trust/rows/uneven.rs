@@ -2,7 +2,7 @@
 
 use super::{
     CLOSE, WITHIN,
-    force::{DEPTHS, Indenter, RADII, stated},
+    force::{CALIBRATED, DEPTHS, Indenter, RADII, stated},
 };
 use crate::trust::{
     Bench, Figure, Options, Places, Trial, TrustError, Voltages, figure::quantile, trial::is_at,
@@ -14,9 +14,7 @@ use dermatome_frames::{
 use dermatome_patch::write::with_gains;
 use std::{f64::consts::TAU, ops::Range};
 
-/// Radius of the indenter that presses with known loads, share of the size.
-const CALIBRATED: f64 = 0.06;
-/// How much it changes the conductivity.
+/// How much the indenter that presses with known loads changes the conductivity.
 const KNOWN_DEPTHS: Range<f64> = 0.5..1.0;
 /// With how many presses a field of gain is fitted.
 const COUNTS: [usize; 4] = [5, 10, 20, 40];
