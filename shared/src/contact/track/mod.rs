@@ -25,7 +25,7 @@ const VELOCITY_TIME: f32 = 0.06;
 const FASTEST: f32 = 1.75;
 /// Frames that are farther apart than this do not let it move any farther, s.
 const LONGEST: f32 = 0.03;
-/// How long a track waits for its contact, s.
+/// How long a track waits for its contact, s; at least until the next frame.
 const TIMEOUT: f32 = 0.3;
 /// How far a contact may lie from where it is expected, in radii of the standard press; farther where frames are rare.
 const REACH: f32 = 2.65;
@@ -103,7 +103,7 @@ impl Tracker {
     pub fn follow(&mut self, now_us: u64, radius: f32, contacts: &mut Contacts) {
         let radius = if radius > 0.0 { radius } else { RADIUS };
         let last_us = core::mem::replace(&mut self.frame_us, now_us);
-        self.tracks.retain(|track| track.motion.unseen(now_us) <= TIMEOUT);
+        self.tracks.retain(|Track { motion, .. }| motion.seen_us >= last_us || motion.unseen(now_us) <= TIMEOUT);
         self.tracks.iter_mut().for_each(|track| track.contact = None);
         while let Some((track, contact)) = self.closest(now_us, radius, contacts) {
             self.tracks[track].contact = Some(contact);

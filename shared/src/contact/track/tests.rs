@@ -70,6 +70,20 @@ fn a_short_loss_keeps_the_number_and_a_long_one_does_not() {
 }
 
 #[test]
+fn frames_far_apart_keep_the_number() {
+    for frame_us in [350_000, 1_000_000, 60_000_000] {
+        let mut tracker = Tracker::default();
+        for frame in 0..10 {
+            let now = 5_000_000 + frame * frame_us;
+            assert_eq!(numbers(&mut tracker, now, &[at(0.01, 0.02), at(-0.05, 0.0)]), [1, 2], "{frame_us} us");
+        }
+        numbers(&mut tracker, 5_000_000 + 10 * frame_us, &[at(-0.05, 0.0)]);
+        let seen = numbers(&mut tracker, 5_000_000 + 11 * frame_us, &[at(0.01, 0.02), at(-0.05, 0.0)]);
+        assert_eq!(seen, [3, 2], "{frame_us} us: lost for a whole frame");
+    }
+}
+
+#[test]
 fn a_finger_elsewhere_is_another_one() {
     let mut tracker = Tracker::default();
     assert_eq!(numbers(&mut tracker, 0, &[at(0.0, 0.0)]), [1]);
