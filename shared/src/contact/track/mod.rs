@@ -103,7 +103,8 @@ impl Tracker {
     pub fn follow(&mut self, now_us: u64, radius: f32, contacts: &mut Contacts) {
         let radius = if radius > 0.0 { radius } else { RADIUS };
         let last_us = core::mem::replace(&mut self.frame_us, now_us);
-        self.tracks.retain(|Track { motion, .. }| motion.seen_us >= last_us || motion.unseen(now_us) <= TIMEOUT);
+        self.tracks
+            .retain(|Track { motion, .. }| motion.seen_us >= last_us || motion.unseen(now_us) <= TIMEOUT);
         self.tracks.iter_mut().for_each(|track| track.contact = None);
         while let Some((track, contact)) = self.closest(now_us, radius, contacts) {
             self.tracks[track].contact = Some(contact);

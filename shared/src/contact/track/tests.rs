@@ -75,7 +75,11 @@ fn frames_far_apart_keep_the_number() {
         let mut tracker = Tracker::default();
         for frame in 0..10 {
             let now = 5_000_000 + frame * frame_us;
-            assert_eq!(numbers(&mut tracker, now, &[at(0.01, 0.02), at(-0.05, 0.0)]), [1, 2], "{frame_us} us");
+            assert_eq!(
+                numbers(&mut tracker, now, &[at(0.01, 0.02), at(-0.05, 0.0)]),
+                [1, 2],
+                "{frame_us} us"
+            );
         }
         numbers(&mut tracker, 5_000_000 + 10 * frame_us, &[at(-0.05, 0.0)]);
         let seen = numbers(&mut tracker, 5_000_000 + 11 * frame_us, &[at(0.01, 0.02), at(-0.05, 0.0)]);

@@ -34,7 +34,7 @@ use filter::{Look, Norms};
 use fit::{Fit, Skin};
 use heapless::Vec;
 use known::{Known, KnownFit};
-use press::{Press, root};
+use press::{Press, Was, root};
 use sums::Sums;
 
 /// Most presses, with satellites.
@@ -87,6 +87,8 @@ pub struct Detector {
     sums: Sums,
     /// Presses of the latest frame with their satellites.
     presses: Vec<Press, MAX_PRESSES>,
+    /// Those that were contacts in the frame before.
+    before: Vec<Was, MAX_CONTACTS>,
     /// Frames of which they do not account for most, one after the other.
     unexplained: u8,
     change: Change,
@@ -132,6 +134,7 @@ impl Detector {
     /// Nothing presses, and nothing is found until the noise is judged.
     fn forget_presses(&mut self) {
         self.presses.clear();
+        self.before.clear();
         self.norms.clear();
         self.average.restart();
         (self.unexplained, self.pause, self.known_pause) = (0, 0, 0);
@@ -363,8 +366,7 @@ impl Detector {
 
     /// Contacts of the latest frame, strongest first; none if it is of another kind than presses are, such as a sheet
     /// that became a better conductor. Strengths are those over the area of the standard press.
-    #[must_use]
-    pub fn contacts(&self, patch: &PatchView<'_>) -> Contacts {
+    pub fn contacts(&mut self, patch: &PatchView<'_>) -> Contacts {
         if self.unexplained > 0 {
             return Contacts::new();
         }
@@ -384,7 +386,9 @@ impl Detector {
             }),
             identity: None,
         };
-        press::gathered(&self.presses, radius).iter().map(contact).collect()
+        let presses = press::gathered(&self.presses, &self.before, radius);
+        self.before = presses.iter().map(Was::from).collect();
+        presses.iter().map(contact).collect()
     }
 }
 

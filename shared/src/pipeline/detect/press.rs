@@ -18,6 +18,9 @@ const ONE_REACH: f32 = 3.4;
 /// One that is weaker than this share of a stronger one belongs to it within this reach.
 const SATELLITE: f32 = 0.45;
 const SATELLITE_REACH: f32 = 3.9;
+/// Two that were one in the frame before are one within this reach, as long as both are hardly more than that one was.
+const HELD_REACH: f32 = 4.5;
+const HARDLY_MORE: f32 = 1.2;
 
 /// One press, or a satellite, which stays on its place.
 #[derive(Clone, Debug, PartialEq)]
@@ -137,8 +140,35 @@ pub(super) fn root(a: f32, b: f32) -> f32 {
     libm::sqrtf(a * a + b * b)
 }
 
-/// The presses with all that lies beside them taken in, strongest first.
-pub(super) fn gathered(presses: &Vec<Press, MAX_PRESSES>, radius: f32) -> Presses {
+/// A press of the frame before, with all that lay beside it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Was {
+    position: [f32; 3],
+    strength: f32,
+}
+
+impl From<&Press> for Was {
+    fn from(&Press { position, strength, .. }: &Press) -> Self {
+        Self { position, strength }
+    }
+}
+
+/// Whether two are what one of the frame before was: a wide press may be explained by others in each frame.
+fn were_one(before: &[Was], one: &Press, other: &Press, radius: f32) -> bool {
+    let nearest = |press: &Press| {
+        let away = |was: &&Was| press.away_from(was.position);
+        before.iter().min_by(|a, b| away(a).total_cmp(&away(b)))
+    };
+    let reach = HELD_REACH * radius;
+    nearest(one).zip(nearest(other)).is_some_and(|(was, of_other)| {
+        core::ptr::eq(was, of_other)
+            && one.strength + other.strength < HARDLY_MORE * was.strength
+            && one.away_from(other.position) < reach * reach
+    })
+}
+
+/// The presses with all that lies beside them taken in, strongest first; `before` are those of the frame before.
+pub(super) fn gathered(presses: &Vec<Press, MAX_PRESSES>, before: &[Was], radius: f32) -> Presses {
     let mut left = presses.clone();
     sort(&mut left);
     let mut found = Presses::new();
@@ -147,7 +177,9 @@ pub(super) fn gathered(presses: &Vec<Press, MAX_PRESSES>, radius: f32) -> Presse
         let near = found.iter_mut().min_by(|a, b| away(a).total_cmp(&away(b)));
         match near {
             Some(near)
-                if press.is_satellite() || near.is_joined_by(press.position, press.strength, radius) =>
+                if press.is_satellite()
+                    || near.is_joined_by(press.position, press.strength, radius)
+                    || were_one(before, near, &press, radius) =>
             {
                 near.take_in(&press);
             }
@@ -188,7 +220,7 @@ mod tests {
             [(0.036, 0.4, 1), (0.036, 0.5, 2), (0.033, 0.9, 1), (0.04, 0.4, 2), (0.035, 1.0, 2)]
         {
             let presses = Vec::from_slice(&[press(away, strength), press(0.0, 1.0)]).unwrap();
-            let found = gathered(&presses, 0.01);
+            let found = gathered(&presses, &[], 0.01);
             assert_eq!(found.len(), count, "{strength} at {away} m: {found:?}");
             let sum: f32 = found.iter().map(|press| press.strength).sum();
             assert!((sum - 1.0 - strength).abs() < 1e-6);
@@ -198,7 +230,7 @@ mod tests {
     #[test]
     fn what_is_taken_in_moves_the_press_by_its_share() {
         let satellite = Press { spot: Spot::default(), ..press(0.03, 0.5) };
-        let found = gathered(&Vec::from_slice(&[press(0.0, 1.0), satellite]).unwrap(), 0.01);
+        let found = gathered(&Vec::from_slice(&[press(0.0, 1.0), satellite]).unwrap(), &[], 0.01);
         assert_eq!(found.len(), 1);
         assert!((found[0].position[0] - 0.01).abs() < 1e-6, "{found:?}");
         assert!((found[0].significance - 125.0_f32.sqrt()).abs() < 1e-4, "{found:?}");
@@ -207,7 +239,7 @@ mod tests {
     #[test]
     fn a_fifth_of_the_strongest_is_the_least() {
         let presses = [press(0.0, 1.0), press(0.1, 0.19), press(0.2, 0.21)];
-        let found = gathered(&Vec::from_slice(&presses).unwrap(), 0.01);
+        let found = gathered(&Vec::from_slice(&presses).unwrap(), &[], 0.01);
         assert_eq!(found.iter().map(|press| press.strength).collect::<std::vec::Vec<_>>(), [1.0, 0.21]);
     }
 }

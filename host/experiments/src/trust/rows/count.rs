@@ -15,6 +15,10 @@ const DISTANCES: [f64; 5] = [0.1, 0.15, 0.2, 0.25, 0.3];
 const MOST: f64 = 0.9;
 /// Radii of indenters, shares of the size.
 const INDENTERS: [f64; 5] = [0.03, 0.04, 0.06, 0.09, 0.12];
+/// Radii of indenters that are held, shares of the size, their depth, and for how many frames.
+const HELD: [f64; 4] = [0.08, 0.1, 0.12, 0.16];
+const HELD_DEPTH: f64 = 0.5;
+const HELD_FRAMES: usize = 150;
 
 pub(super) fn several(bench: &Bench, options: &Options) -> Result<Vec<Figure>, TrustError> {
     let mut trial = Trial::new(bench, options.first_snr_db(), options.seed)?;
@@ -106,6 +110,51 @@ pub(super) fn indenters(bench: &Bench, options: &Options) -> Result<Vec<Figure>,
         figures.push(Figure::new("strength over area, largest over smallest", "", snr_db, spread));
     }
     Ok(figures)
+}
+
+/// Frames of indenters that are held, which are one contact, with one number, in each.
+pub(super) fn held(bench: &Bench, options: &Options) -> Result<Vec<Figure>, TrustError> {
+    let mut trial = Trial::new(bench, options.first_snr_db(), options.seed)?;
+    let places = bench.places(options.seed).draw(options.one_in(2, 5), &WITHIN, 0.0)?;
+    let scenes = HELD.map(|radius| {
+        let scenes = places.iter().map(|place| bench.pressed(&[*place], radius, HELD_DEPTH));
+        scenes.collect::<Vec<Voltages>>()
+    });
+    let mut figures = Vec::new();
+    for &snr_db in &options.snr_db {
+        trial.change_noise(snr_db, options.seed);
+        for (radius, scenes) in HELD.iter().zip(&scenes) {
+            let (mut right, mut changes) = (0, 0);
+            for scene in scenes {
+                let numbers = hold(&mut trial, scene);
+                right += numbers.iter().flatten().count();
+                changes += numbers.windows(2).filter(|pair| pair[0] != pair[1]).count();
+            }
+            let words = |what: &str| format!("radius {:.0} %: {what}", 100.0 * radius);
+            let frames = scenes.len() * HELD_FRAMES;
+            figures.push(Figure::share(words("one contact"), snr_db, right, frames));
+            let minutes = frames as f64 / bench.frame_rate() / 60.0;
+            let changes = changes as f64 / minutes;
+            figures.push(Figure::new(words("changes of number or count"), "1/min", snr_db, changes));
+        }
+    }
+    Ok(figures)
+}
+
+/// Shows a scene for some frames, and lifts it: in each of them, once settled, the number of the contact if there is one.
+fn hold(trial: &mut Trial<'_>, scene: &Voltages) -> Vec<Option<u32>> {
+    for _ in 0..SETTLING_FRAMES {
+        trial.see(scene);
+    }
+    let number = |_| match trial.see(scene).contacts() {
+        [contact] => contact.identity.map(|identity| identity.number),
+        _ => None,
+    };
+    let numbers = (0..HELD_FRAMES).map(number).collect();
+    for _ in 0..SETTLING_FRAMES {
+        trial.see_untouched();
+    }
+    numbers
 }
 
 #[cfg(test)]
