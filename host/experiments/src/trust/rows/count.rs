@@ -3,6 +3,7 @@
 use super::{FINGER, WITHIN};
 use crate::trust::{
     Bench, Figure, Options, Pressed, Trial, TrustError, Voltages, figure::largest_over_smallest, place_of,
+    trial::SETTLING_FRAMES,
 };
 use nalgebra::{Point3, distance};
 
@@ -146,7 +147,7 @@ fn hold(trial: &mut Trial<'_>, scene: &Voltages) -> Vec<Option<u32>> {
     for _ in 0..SETTLING_FRAMES {
         trial.see(scene);
     }
-    let number = |_| match trial.see(scene).contacts() {
+    let number = |_| match trial.see(scene).contacts().as_slice() {
         [contact] => contact.identity.map(|identity| identity.number),
         _ => None,
     };
