@@ -8,15 +8,15 @@ use super::{
     MAX_PRESSES, MAX_UNKNOWNS, SUDDEN,
     filter::{self, Look, Norms},
     known::Known,
-    press::Press,
+    press::{Press, copy},
     spot::{Response, Spot, UNKNOWNS, at},
-    sums::{Data, Sums, codes, each, take_out},
+    sums::{Data, Sums, each, quantise, take_out},
     system::System,
 };
 use crate::{
     image::surface::Surface,
     patch::{PatchView, matrix::GROUP, places::Places},
-    pipeline::reference::DifferenceData,
+    pipeline::reference::{Changes, DifferenceData},
 };
 use heapless::Vec;
 
@@ -60,8 +60,12 @@ pub(super) struct Fit<'a> {
 }
 
 impl Clone for Fit<'_> {
+    // Inlined, as moving a list copies all of its room.
+    #[inline(always)]
     fn clone(&self) -> Self {
-        Self { presses: self.presses.clone(), ..*self }
+        let mut presses = Vec::new();
+        copy(&self.presses, &mut presses);
+        Self { presses, ..*self }
     }
 
     /// Without another on the stack.
@@ -69,18 +73,18 @@ impl Clone for Fit<'_> {
         let Self { skin, presses, energy, explained, measurements, noise } = self;
         (*skin, *energy, *explained) = (other.skin, other.energy, other.explained);
         (*measurements, *noise) = (other.measurements, other.noise);
-        presses.clear();
-        presses.extend(other.presses.iter().cloned());
+        copy(&other.presses, presses);
     }
 }
 
 impl<'a> Fit<'a> {
     /// Presses of the frame before, which are not fitted yet.
-    pub(super) fn of(skin: &'a Skin<'a>, presses: &Vec<Press, MAX_PRESSES>, data: &Data) -> Self {
-        let mut presses = presses.clone();
-        presses.iter_mut().for_each(|press| press.before = press.strength);
+    #[inline(always)]
+    pub(super) fn of(skin: &'a Skin<'a>, presses: &[Press], data: &Data) -> Self {
         let Data { energy, known, noise, .. } = *data;
-        let mut fit = Self { skin, presses, energy, explained: 0.0, measurements: known, noise };
+        let mut fit = Self { skin, presses: Vec::new(), energy, explained: 0.0, measurements: known, noise };
+        copy(presses, &mut fit.presses);
+        fit.presses.iter_mut().for_each(|press| press.before = press.strength);
         fit.free_strong_satellites();
         fit
     }
@@ -107,20 +111,21 @@ impl<'a> Fit<'a> {
     #[inline(never)]
     pub(super) fn refine(&mut self, sums: &mut Sums) {
         let mut system = System::default();
-        self.explained = f32::NEG_INFINITY;
-        let mut best = self.clone();
+        let (mut best, mut most) = (Vec::new(), f32::NEG_INFINITY);
         for _ in 0..ROUNDS {
             self.solve(sums, &mut system);
             let is_lost = self.presses.iter().any(Press::is_out_of_reach);
-            if !is_lost && (self.presses.len() < best.presses.len() || self.explained > best.explained) {
-                best.clone_from(self);
+            if !is_lost && (self.presses.len() < best.len() || self.explained > most) {
+                copy(&self.presses, &mut best);
+                most = self.explained;
             }
             if !(self.go_to_nearest() | self.join() | is_lost) {
                 break;
             }
         }
-        if best.explained.is_finite() {
-            *self = best;
+        if most.is_finite() {
+            copy(&best, &mut self.presses);
+            self.explained = most;
         }
         self.judge(sums, &mut system);
         self.presses.iter_mut().for_each(Press::settle);
@@ -241,7 +246,8 @@ impl<'a> Fit<'a> {
         if self.presses.is_empty() {
             return (data.codes(places).clone(), self.energy);
         }
-        let mut left = data.values.clone();
+        let mut left = Changes::new();
+        left.extend(data.values.iter().copied());
         Self::responses(self.skin, &self.presses, |m, response| {
             if let Some(y) = left.get_mut(m) {
                 *y -= response;
@@ -249,7 +255,9 @@ impl<'a> Fit<'a> {
         });
         take_out(common, &data.weights, &mut left);
         let energy = left.iter().zip(&data.weights).map(|(y, weight)| weight * y * y).sum();
-        (codes(places, &left, &data.weights), energy)
+        let mut codes = DifferenceData::default();
+        quantise(places, &left, &data.weights, &mut codes);
+        (codes, energy)
     }
 
     /// Strengths and offsets of all presses at their places; no presses where they cannot be told apart.
@@ -307,7 +315,7 @@ impl<'a> Fit<'a> {
                 let others = column..column + other.unknowns();
                 let block = sums.with_other(places, common, &press.spot, &other.spot);
                 for (values, block) in system.matrix[own.clone()].iter_mut().zip(&block) {
-                    values[others.clone()].copy_from_slice(&block[..others.len()]);
+                    values[others.clone()].iter_mut().zip(block).for_each(|(value, block)| *value = *block);
                 }
                 column = others.end;
             }

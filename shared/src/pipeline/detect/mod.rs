@@ -34,7 +34,7 @@ use filter::{Look, Norms};
 use fit::{Fit, Skin};
 use heapless::Vec;
 use known::{Known, KnownFit};
-use press::{Press, Was, root};
+use press::{Press, Was, copy, root};
 use sums::Sums;
 
 /// Most presses, with satellites.
@@ -249,8 +249,7 @@ impl Detector {
         if self.unexplained > 0 {
             self.change = if self.is_undecided() { Change::Pressed } else { Change::Unlike };
         }
-        self.presses.clear();
-        self.presses.extend(fit.presses.iter().cloned());
+        copy(&fit.presses, &mut self.presses);
     }
 
     /// Adds one press more to the fit, if the data ask for it; says how many frames need not be asked next.
@@ -387,8 +386,11 @@ impl Detector {
             identity: None,
         };
         let presses = press::gathered(&self.presses, &self.before, radius);
-        self.before = presses.iter().map(Was::from).collect();
-        presses.iter().map(contact).collect()
+        self.before.clear();
+        self.before.extend(presses.iter().map(Was::from));
+        let mut contacts = Contacts::new();
+        contacts.extend(presses.iter().map(contact));
+        contacts
     }
 }
 

@@ -153,6 +153,12 @@ impl From<&Press> for Was {
     }
 }
 
+/// Makes a list of presses like others; moving one copies all of its room.
+pub(super) fn copy(from: &[Press], to: &mut Vec<Press, MAX_PRESSES>) {
+    to.clear();
+    to.extend(from.iter().cloned());
+}
+
 /// Whether two are what one of the frame before was: a wide press may be explained by others in each frame.
 fn were_one(before: &[Was], one: &Press, other: &Press, radius: f32) -> bool {
     let nearest = |press: &Press| {
@@ -168,23 +174,26 @@ fn were_one(before: &[Was], one: &Press, other: &Press, radius: f32) -> bool {
 }
 
 /// The presses with all that lies beside them taken in, strongest first; `before` are those of the frame before.
-pub(super) fn gathered(presses: &Vec<Press, MAX_PRESSES>, before: &[Was], radius: f32) -> Presses {
-    let mut left = presses.clone();
+// Inlined, as moving a list copies all of its room.
+#[inline(always)]
+pub(super) fn gathered(presses: &[Press], before: &[Was], radius: f32) -> Presses {
+    let mut left = Vec::new();
+    copy(presses, &mut left);
     sort(&mut left);
     let mut found = Presses::new();
-    for press in left {
+    for press in &left {
         let away = |one: &&mut Press| square_distance(one.position, press.position);
         let near = found.iter_mut().min_by(|a, b| away(a).total_cmp(&away(b)));
         match near {
             Some(near)
                 if press.is_satellite()
                     || near.is_joined_by(press.position, press.strength, radius)
-                    || were_one(before, near, &press, radius) =>
+                    || were_one(before, near, press, radius) =>
             {
-                near.take_in(&press);
+                near.take_in(press);
             }
             _ => {
-                let _ = found.push(press);
+                let _ = found.push(press.clone());
             }
         }
     }
@@ -219,7 +228,7 @@ mod tests {
         for (away, strength, count) in
             [(0.036, 0.4, 1), (0.036, 0.5, 2), (0.033, 0.9, 1), (0.04, 0.4, 2), (0.035, 1.0, 2)]
         {
-            let presses = Vec::from_slice(&[press(away, strength), press(0.0, 1.0)]).unwrap();
+            let presses = [press(away, strength), press(0.0, 1.0)];
             let found = gathered(&presses, &[], 0.01);
             assert_eq!(found.len(), count, "{strength} at {away} m: {found:?}");
             let sum: f32 = found.iter().map(|press| press.strength).sum();
@@ -230,7 +239,7 @@ mod tests {
     #[test]
     fn what_is_taken_in_moves_the_press_by_its_share() {
         let satellite = Press { spot: Spot::default(), ..press(0.03, 0.5) };
-        let found = gathered(&Vec::from_slice(&[press(0.0, 1.0), satellite]).unwrap(), &[], 0.01);
+        let found = gathered(&[press(0.0, 1.0), satellite], &[], 0.01);
         assert_eq!(found.len(), 1);
         assert!((found[0].position[0] - 0.01).abs() < 1e-6, "{found:?}");
         assert!((found[0].significance - 125.0_f32.sqrt()).abs() < 1e-4, "{found:?}");
@@ -239,7 +248,7 @@ mod tests {
     #[test]
     fn a_fifth_of_the_strongest_is_the_least() {
         let presses = [press(0.0, 1.0), press(0.1, 0.19), press(0.2, 0.21)];
-        let found = gathered(&Vec::from_slice(&presses).unwrap(), &[], 0.01);
+        let found = gathered(&presses, &[], 0.01);
         assert_eq!(found.iter().map(|press| press.strength).collect::<std::vec::Vec<_>>(), [1.0, 0.21]);
     }
 }

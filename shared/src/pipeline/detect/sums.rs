@@ -112,18 +112,17 @@ impl Data {
     /// The data as they meet responses.
     pub(super) fn codes(&mut self, places: &Places<'_>) -> &DifferenceData {
         if self.codes.codes.is_empty() {
-            self.codes = codes(places, &self.values, &self.weights);
+            quantise(places, &self.values, &self.weights, &mut self.codes);
         }
         &self.codes
     }
 }
 
 /// Values times their inverse variances, `[measurement]`, as they meet responses.
-pub(super) fn codes(places: &Places<'_>, values: &[f32], weights: &[f32]) -> DifferenceData {
-    let weighted: Changes = values.iter().zip(weights).map(|(y, weight)| y * weight).collect();
-    let mut codes = DifferenceData::default();
+pub(super) fn quantise(places: &Places<'_>, values: &[f32], weights: &[f32], codes: &mut DifferenceData) {
+    let mut weighted = Changes::new();
+    weighted.extend(values.iter().zip(weights).map(|(y, weight)| y * weight));
     codes.quantise(&weighted, places.column_exponents());
-    codes
 }
 
 /// Gives a sum of rows, known of four columns at a time without their exponents, measurement by measurement.
