@@ -118,6 +118,9 @@ impl<'a> Fit<'a> {
             if !is_lost && (self.presses.len() < best.len() || self.explained > most) {
                 copy(&self.presses, &mut best);
                 most = self.explained;
+            } else if !is_lost {
+                // Such as back where it was: a press between two places would go to and fro.
+                break;
             }
             if !(self.go_to_nearest() | self.join() | is_lost) {
                 break;
