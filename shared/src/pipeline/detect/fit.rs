@@ -106,18 +106,24 @@ impl<'a> Fit<'a> {
         }
     }
 
-    /// Fits the presses, from where they are.
+    /// Fits the presses, from where they are; says whether they explain more at other places. Those that are not free to
+    /// go stay, unless none of them could lie there.
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
-    pub(super) fn refine(&mut self, sums: &mut Sums) {
+    pub(super) fn refine(&mut self, sums: &mut Sums, may_go: bool) -> bool {
         let mut system = System::default();
         let (mut best, mut most) = (Vec::new(), f32::NEG_INFINITY);
-        for _ in 0..ROUNDS {
+        let mut has_gone = false;
+        for round in 0..ROUNDS {
             self.solve(sums, &mut system);
             let is_lost = self.presses.iter().any(Press::is_out_of_reach);
             if !is_lost && (self.presses.len() < best.len() || self.explained > most) {
                 copy(&self.presses, &mut best);
                 most = self.explained;
+                has_gone = round > 0;
+                if !may_go {
+                    break;
+                }
             } else if !is_lost {
                 // Such as back where it was: a press between two places would go to and fro.
                 break;
@@ -132,6 +138,7 @@ impl<'a> Fit<'a> {
         }
         self.judge(sums, &mut system);
         self.presses.iter_mut().for_each(Press::settle);
+        has_gone
     }
 
     /// Variance of what the presses do not explain, that of one frame's noise being 1; at least that of the noise.

@@ -100,6 +100,9 @@ pub struct Detector {
     known_pause: u8,
     /// Frames that are not searched for another press beside them.
     pause: u8,
+    /// Whether presses went to other places in the latest frame: those that lie still are asked to only in frames that are
+    /// searched, as it takes long.
+    is_going: bool,
 }
 
 /// What has changed since the reference was made.
@@ -138,7 +141,7 @@ impl Detector {
         self.norms.clear();
         self.average.restart();
         (self.unexplained, self.pause, self.known_pause) = (0, 0, 0);
-        self.is_slipped = false;
+        (self.is_slipped, self.is_going) = (false, false);
         self.change = Change::Still;
     }
 
@@ -225,7 +228,7 @@ impl Detector {
         self.sums.take(relative, &self.inverse_variances, reference.weights(), noise);
         let mut fit = Fit::of(&skin, &self.presses, &self.sums.data);
         while !fit.presses.is_empty() {
-            fit.refine(&mut self.sums);
+            self.is_going = fit.refine(&mut self.sums, self.is_going || self.pause == 0);
             if !fit.retain(|press| press.is_held(level)) {
                 break;
             }
@@ -266,11 +269,11 @@ impl Detector {
         let is_sudden = strength >= SUDDEN;
         let mut next = fit.clone();
         let _ = next.presses.push(press);
-        next.refine(&mut self.sums);
+        next.refine(&mut self.sums, true);
         // It may lie where one of the others was taken to be.
         let has_gone = next.retain(|_| true);
         if has_gone && next.presses.iter().any(Press::is_new) {
-            next.refine(&mut self.sums);
+            next.refine(&mut self.sums, true);
         }
         let gain = next.explained - fit.explained;
         self.is_slipped = self.is_slip(fit, look, gain);
