@@ -121,11 +121,8 @@ impl<'a> Fit<'a> {
                 copy(&self.presses, &mut best);
                 most = self.explained;
                 has_gone = round > 0;
-                if !may_go {
-                    break;
-                }
-            } else if !is_lost {
-                // Such as back where it was: a press between two places would go to and fro.
+            }
+            if !is_lost && !may_go {
                 break;
             }
             if !(self.go_to_nearest() | self.join() | is_lost) {

@@ -45,6 +45,10 @@ const MAX_UNKNOWNS: usize = spot::UNKNOWNS * MAX_CONTACTS;
 const REFRESHED: usize = 2;
 /// Frames with presses that are not searched for another, after one in which there was none: it takes long.
 const PAUSE: u8 = 3;
+/// Frames closer than this are fast, us: there is no time to fit all presses twice in each.
+const FAST: u64 = 5_000;
+/// What has just come may move: its data are a mean of so few frames that this is left of their variance.
+const FRESH: f32 = 0.15;
 /// How many presses leave time for a search in each frame.
 const PRESSES_IN_A_FRAME: usize = 3;
 /// Standard deviations of chi square that noise does not leave; and those down to which the reference heals.
@@ -100,9 +104,12 @@ pub struct Detector {
     known_pause: u8,
     /// Frames that are not searched for another press beside them.
     pause: u8,
-    /// Whether presses went to other places in the latest frame: those that lie still are asked to only in frames that are
-    /// searched, as it takes long.
+    /// Whether presses went to other places in the latest frame: where frames come fast, those that lie still are asked to
+    /// only in frames that are searched, as it takes long.
     is_going: bool,
+    /// When the latest frame came, and whether it came fast after the one before.
+    frame_us: u64,
+    is_fast: bool,
 }
 
 /// What has changed since the reference was made.
@@ -210,6 +217,8 @@ impl Detector {
 
     /// Takes the mean of relative changes over the frames that are alike instead of those of this time: `[measurement]`.
     pub fn average(&mut self, patch: &PatchView<'_>, relative: &mut Changes, now_us: u64) {
+        self.is_fast = now_us < self.frame_us.saturating_add(FAST);
+        self.frame_us = now_us;
         if !self.norms.is_empty() {
             self.average.take(relative, &self.inverse_variances, now_us, patch.header.detection.averaging);
         }
@@ -228,7 +237,9 @@ impl Detector {
         self.sums.take(relative, &self.inverse_variances, reference.weights(), noise);
         let mut fit = Fit::of(&skin, &self.presses, &self.sums.data);
         while !fit.presses.is_empty() {
-            self.is_going = fit.refine(&mut self.sums, self.is_going || self.pause == 0);
+            let is_fresh = self.average.variance() > FRESH;
+            let may_go = self.is_going || self.pause == 0 || !self.is_fast || is_fresh;
+            self.is_going = fit.refine(&mut self.sums, may_go);
             if !fit.retain(|press| press.is_held(level)) {
                 break;
             }
@@ -389,8 +400,9 @@ impl Detector {
             identity: None,
         };
         let presses = press::gathered(&self.presses, &self.before, radius);
-        self.before.clear();
-        self.before.extend(presses.iter().map(Was::from));
+        let mut before = Vec::new();
+        before.extend(presses.iter().map(|press| press.remembered(&self.before, radius)));
+        self.before = before;
         let mut contacts = Contacts::new();
         contacts.extend(presses.iter().map(contact));
         contacts

@@ -18,7 +18,9 @@ const ONE_REACH: f32 = 3.4;
 /// One that is weaker than this share of a stronger one belongs to it within this reach.
 const SATELLITE: f32 = 0.45;
 const SATELLITE_REACH: f32 = 3.9;
-/// Two that were one in the frame before are one within this reach, as long as both are hardly more than that one was.
+/// Two that were one for so many frames are one within this reach, as long as both are hardly more than that one was. It
+/// may take some frames to tell apart two that come together.
+const HELD_FRAMES: u8 = 12;
 const HELD_REACH: f32 = 4.5;
 const HARDLY_MORE: f32 = 1.2;
 
@@ -122,6 +124,14 @@ impl Press {
         square_distance(self.position, position)
     }
 
+    /// What is remembered of it for the next frame, if these were the presses before.
+    pub(super) fn remembered(&self, before: &[Was], radius: f32) -> Was {
+        let reach = HELD_REACH * radius;
+        let was = nearest(before, self).filter(|was| self.away_from(was.position) < reach * reach);
+        let frames = was.map_or(0, |was| was.frames.saturating_add(1));
+        Was { position: self.position, strength: self.strength, frames }
+    }
+
     /// Takes its satellite in: what is pressed lies in the middle of both.
     fn take_in(&mut self, satellite: &Self) {
         let strength = self.strength + satellite.strength;
@@ -145,12 +155,8 @@ pub(super) fn root(a: f32, b: f32) -> f32 {
 pub(super) struct Was {
     position: [f32; 3],
     strength: f32,
-}
-
-impl From<&Press> for Was {
-    fn from(&Press { position, strength, .. }: &Press) -> Self {
-        Self { position, strength }
-    }
+    /// Frames in which it was one.
+    frames: u8,
 }
 
 /// Makes a list of presses like others; moving one copies all of its room.
@@ -159,15 +165,18 @@ pub(super) fn copy(from: &[Press], to: &mut Vec<Press, MAX_PRESSES>) {
     to.extend(from.iter().cloned());
 }
 
+/// The one of the frame before that lies nearest to a press.
+fn nearest<'a>(before: &'a [Was], press: &Press) -> Option<&'a Was> {
+    let away = |was: &&Was| press.away_from(was.position);
+    before.iter().min_by(|a, b| away(a).total_cmp(&away(b)))
+}
+
 /// Whether two are what one of the frame before was: a wide press may be explained by others in each frame.
 fn were_one(before: &[Was], one: &Press, other: &Press, radius: f32) -> bool {
-    let nearest = |press: &Press| {
-        let away = |was: &&Was| press.away_from(was.position);
-        before.iter().min_by(|a, b| away(a).total_cmp(&away(b)))
-    };
     let reach = HELD_REACH * radius;
-    nearest(one).zip(nearest(other)).is_some_and(|(was, of_other)| {
+    nearest(before, one).zip(nearest(before, other)).is_some_and(|(was, of_other)| {
         core::ptr::eq(was, of_other)
+            && was.frames >= HELD_FRAMES
             && one.strength + other.strength < HARDLY_MORE * was.strength
             && one.away_from(other.position) < reach * reach
     })
@@ -234,6 +243,25 @@ mod tests {
             let sum: f32 = found.iter().map(|press| press.strength).sum();
             assert!((sum - 1.0 - strength).abs() < 1e-6);
         }
+    }
+
+    #[test]
+    fn what_was_one_for_long_stays_one_where_others_are_two() {
+        // 40 mm from each other, four radii.
+        let two = [press(0.02, 1.0), press(-0.02, 0.9)];
+        assert_eq!(gathered(&two, &[], 0.01).len(), 2);
+        let mut before = [press(0.0, 1.8).remembered(&[], 0.01)];
+        for _ in 0..HELD_FRAMES {
+            assert_eq!(gathered(&two, &before, 0.01).len(), 2, "it was one for too short");
+            before = [press(0.0, 1.8).remembered(&before, 0.01)];
+        }
+        let one = gathered(&two, &before, 0.01);
+        assert_eq!(one.len(), 1);
+        assert!((one[0].strength - 1.9).abs() < 1e-6 && one[0].position[0].abs() < 2e-3, "{one:?}");
+        let more = [press(0.02, 1.0), press(-0.02, 1.3)];
+        assert_eq!(gathered(&more, &before, 0.01).len(), 2, "another one came");
+        let apart = [press(0.025, 1.0), press(-0.025, 0.9)];
+        assert_eq!(gathered(&apart, &before, 0.01).len(), 2, "they moved apart");
     }
 
     #[test]
