@@ -400,9 +400,7 @@ impl Detector {
             identity: None,
         };
         let presses = press::gathered(&self.presses, &self.before, radius);
-        let mut before = Vec::new();
-        before.extend(presses.iter().map(|press| press.remembered(&self.before, radius)));
-        self.before = before;
+        self.before = press::remembered(&presses, &self.before, radius);
         let mut contacts = Contacts::new();
         contacts.extend(presses.iter().map(contact));
         contacts

@@ -1,7 +1,7 @@
 //! Presses, and which of them are one: a press that is larger or smaller than the standard one leaves satellites beside it.
 
 use super::{
-    MAX_PRESSES, Presses,
+    MAX_CONTACTS, MAX_PRESSES, Presses,
     spot::{Response, Spot, UNKNOWNS},
 };
 use crate::{image::surface::square_distance, patch::places::Places};
@@ -124,14 +124,6 @@ impl Press {
         square_distance(self.position, position)
     }
 
-    /// What is remembered of it for the next frame, if these were the presses before.
-    pub(super) fn remembered(&self, before: &[Was], radius: f32) -> Was {
-        let reach = HELD_REACH * radius;
-        let was = nearest(before, self).filter(|was| self.away_from(was.position) < reach * reach);
-        let frames = was.map_or(0, |was| was.frames.saturating_add(1));
-        Was { position: self.position, strength: self.strength, frames }
-    }
-
     /// Takes its satellite in: what is pressed lies in the middle of both.
     fn take_in(&mut self, satellite: &Self) {
         let strength = self.strength + satellite.strength;
@@ -155,14 +147,32 @@ pub(super) fn root(a: f32, b: f32) -> f32 {
 pub(super) struct Was {
     position: [f32; 3],
     strength: f32,
-    /// Frames in which it was one.
-    frames: u8,
+    /// Frames in which it was one; none as long as it is what several were.
+    frames: Option<u8>,
 }
 
 /// Makes a list of presses like others; moving one copies all of its room.
 pub(super) fn copy(from: &[Press], to: &mut Vec<Press, MAX_PRESSES>) {
     to.clear();
     to.extend(from.iter().cloned());
+}
+
+/// What is remembered of presses, if these were those before.
+pub(super) fn remembered(presses: &[Press], before: &[Was], radius: f32) -> Vec<Was, MAX_CONTACTS> {
+    let reach = HELD_REACH * radius;
+    let mut remembered = Vec::new();
+    remembered.extend(presses.iter().map(|press| {
+        let mut near = before.iter().filter(|was| press.away_from(was.position) < reach * reach);
+        let frames = match (near.next(), near.next()) {
+            (None, _) => Some(0),
+            (Some(was), None) => was.frames.map(|frames| frames.saturating_add(1)),
+            // Another one that is still there was not taken in.
+            _ if presses.len() >= before.len() => nearest(before, press).and_then(|was| was.frames),
+            _ => None,
+        };
+        Was { position: press.position, strength: press.strength, frames }
+    }));
+    remembered
 }
 
 /// The one of the frame before that lies nearest to a press.
@@ -176,7 +186,7 @@ fn were_one(before: &[Was], one: &Press, other: &Press, radius: f32) -> bool {
     let reach = HELD_REACH * radius;
     nearest(before, one).zip(nearest(before, other)).is_some_and(|(was, of_other)| {
         core::ptr::eq(was, of_other)
-            && was.frames >= HELD_FRAMES
+            && was.frames >= Some(HELD_FRAMES)
             && one.strength + other.strength < HARDLY_MORE * was.strength
             && one.away_from(other.position) < reach * reach
     })
@@ -250,18 +260,24 @@ mod tests {
         // 40 mm from each other, four radii.
         let two = [press(0.02, 1.0), press(-0.02, 0.9)];
         assert_eq!(gathered(&two, &[], 0.01).len(), 2);
-        let mut before = [press(0.0, 1.8).remembered(&[], 0.01)];
+        let one = [press(0.0, 1.8)];
+        let mut before = remembered(&one, &[], 0.01);
         for _ in 0..HELD_FRAMES {
             assert_eq!(gathered(&two, &before, 0.01).len(), 2, "it was one for too short");
-            before = [press(0.0, 1.8).remembered(&before, 0.01)];
+            before = remembered(&one, &before, 0.01);
         }
-        let one = gathered(&two, &before, 0.01);
-        assert_eq!(one.len(), 1);
-        assert!((one[0].strength - 1.9).abs() < 1e-6 && one[0].position[0].abs() < 2e-3, "{one:?}");
+        let found = gathered(&two, &before, 0.01);
+        assert_eq!(found.len(), 1);
+        assert!((found[0].strength - 1.9).abs() < 1e-6 && found[0].position[0].abs() < 2e-3, "{found:?}");
         let more = [press(0.02, 1.0), press(-0.02, 1.3)];
         assert_eq!(gathered(&more, &before, 0.01).len(), 2, "another one came");
         let apart = [press(0.025, 1.0), press(-0.025, 0.9)];
         assert_eq!(gathered(&apart, &before, 0.01).len(), 2, "they moved apart");
+        let mut of_two = remembered(&two, &before, 0.01);
+        for _ in 0..2 * HELD_FRAMES {
+            of_two = remembered(&one, &of_two, 0.01);
+            assert_eq!(gathered(&two, &of_two, 0.01).len(), 2, "two became one, and are two again");
+        }
     }
 
     #[test]
