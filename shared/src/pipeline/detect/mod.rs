@@ -46,7 +46,7 @@ const REFRESHED: usize = 2;
 /// Frames with presses that are not searched for another, after one in which there was none: it takes long.
 const PAUSE: u8 = 3;
 /// Frames closer than this are fast, us: there is no time to fit all presses twice in each.
-const FAST: u64 = 5_000;
+const FAST: u32 = 5_000;
 /// What has just come may move: its data are a mean of so few frames that this is left of their variance.
 const FRESH: f32 = 0.15;
 /// How many presses leave time for a search in each frame.
@@ -107,8 +107,8 @@ pub struct Detector {
     /// Whether presses went to other places in the latest frame: where frames come fast, those that lie still are asked to
     /// only in frames that are searched, as it takes long.
     is_going: bool,
-    /// When the latest frame came, and whether it came fast after the one before.
-    frame_us: u64,
+    /// When the latest frame came, in the clock's lower half, and whether it came fast after the one before.
+    frame_us: u32,
     is_fast: bool,
 }
 
@@ -217,8 +217,8 @@ impl Detector {
 
     /// Takes the mean of relative changes over the frames that are alike instead of those of this time: `[measurement]`.
     pub fn average(&mut self, patch: &PatchView<'_>, relative: &mut Changes, now_us: u64) {
-        self.is_fast = now_us < self.frame_us.saturating_add(FAST);
-        self.frame_us = now_us;
+        self.is_fast = (now_us as u32).wrapping_sub(self.frame_us) < FAST;
+        self.frame_us = now_us as u32;
         if !self.norms.is_empty() {
             self.average.take(relative, &self.inverse_variances, now_us, patch.header.detection.averaging);
         }
@@ -379,6 +379,8 @@ impl Detector {
 
     /// Contacts of the latest frame, strongest first; none if it is of another kind than presses are, such as a sheet
     /// that became a better conductor. Strengths are those over the area of the standard press.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
     pub fn contacts(&mut self, patch: &PatchView<'_>) -> Contacts {
         if self.unexplained > 0 {
             return Contacts::new();
