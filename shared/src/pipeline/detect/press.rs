@@ -20,7 +20,7 @@ const SATELLITE: f32 = 0.45;
 const SATELLITE_REACH: f32 = 3.9;
 /// Two that were one for so many frames are one within this reach, as long as both are hardly more than that one was. It
 /// may take some frames to tell apart two that come together.
-const HELD_FRAMES: u8 = 12;
+const HELD_FRAMES: u8 = 6;
 const HELD_REACH: f32 = 4.5;
 const HARDLY_MORE: f32 = 1.2;
 
