@@ -15,6 +15,7 @@
 
 pub mod judge;
 pub mod matrix;
+pub mod place;
 pub mod presses;
 pub mod responses;
 pub mod split;
@@ -30,6 +31,7 @@ use dermatome_shared::patch::{PatchError, PatchView};
 use faer::Mat;
 use judge::{Errors, Judged, Outcome, ToldApart, Turn, judge_board, judge_matrix};
 use matrix::{LearntMatrix, Settings, Training};
+use place::Off;
 use presses::Presses;
 use rayon::prelude::*;
 use responses::Process;
@@ -109,8 +111,10 @@ pub struct LearnReport {
     pub settings: Settings,
     /// Whether presses lower the conductivity in the model's images.
     pub conductivity_falls: bool,
-    /// How the model's places have to be turned to fit the training presses best.
-    pub turn: Turn,
+    /// How far off the skin presses were recorded; none on a flat skin in the plane z = 0.
+    pub off_skin: Option<Off>,
+    /// How the model's places have to be turned to fit the training presses best; none of a skin that faces all ways alike.
+    pub turn: Option<Turn>,
     /// The model's matrix on the training presses, f64.
     pub model_training: Errors,
     /// The learnt matrix on the presses it has learnt from, f64.
@@ -236,6 +240,7 @@ pub fn learn(skin: &Skin, model: &Model, presses: &Presses, request: &Request) -
         strength: request.strength,
         settings: chosen.settings,
         conductivity_falls: made.falls,
+        off_skin: presses.off,
         turn: placed.turn(),
         model_training: placed.errors(),
         training: learns_from.errors(),

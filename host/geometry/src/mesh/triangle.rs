@@ -81,6 +81,28 @@ pub fn point_above([a, b, c]: [Point3<f64>; 3], [x, y]: [f64; 2]) -> Option<Poin
     inside.then(|| a + (b - a) * s + (c - a) * t)
 }
 
+/// The point of a triangle that is nearest to a place (Ericson, Real-Time Collision Detection, 2005, section 5.1.5): that
+/// beneath it, or the nearest of its sides.
+#[must_use]
+pub fn nearest([a, b, c]: [Point3<f64>; 3], place: Point3<f64>) -> Point3<f64> {
+    let (u, v, to) = (b - a, c - a, place - a);
+    let (uu, uv, vv, tu, tv) = (u.dot(&u), u.dot(&v), v.dot(&v), to.dot(&u), to.dot(&v));
+    let area = uu * vv - uv * uv;
+    let (s, t) = ((vv * tu - uv * tv) / area, (uu * tv - uv * tu) / area);
+    if s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
+        return a + u * s + v * t;
+    }
+    let sides = [[a, b], [b, c], [c, a]].map(|side| nearest_on_side(side, place));
+    let away = |point: &Point3<f64>| (point - place).norm_squared();
+    sides.into_iter().min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(a)
+}
+
+fn nearest_on_side([from, to]: [Point3<f64>; 2], place: Point3<f64>) -> Point3<f64> {
+    let (side, length) = (to - from, (to - from).norm_squared());
+    let share = if length > 0.0 { side.dot(&(place - from)) / length } else { 0.0 };
+    from + side * share.clamp(0.0, 1.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -107,6 +129,26 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn nothing_of_a_triangle_is_nearer_than_its_nearest_point(
+            corners in corners(),
+            place in prop::array::uniform3(-2.0..2.0_f64),
+        ) {
+            let ([a, b, c], place) = (corners, Point3::from(place));
+            let found = nearest(corners, place);
+            let away = (found - place).norm();
+            for i in 0..=24 {
+                for j in 0..=24 - i {
+                    let (s, t) = (f64::from(i) / 24.0, f64::from(j) / 24.0);
+                    let other = a + (b - a) * s + (c - a) * t;
+                    prop_assert!((other - place).norm() > away - 1e-9, "{} {}", other, found);
+                }
+            }
+            // It is a point of the triangle: the areas round it add up to no more than the whole.
+            let parts: f64 = [[a, b, found], [b, c, found], [c, a, found]].map(area).into_iter().sum();
+            prop_assert!(parts < area(corners) * (1.0 + 1e-9) + 1e-12);
+        }
+
         #[test]
         fn neither_orientation_nor_pose_nor_size_matters(
             corners in corners(),
