@@ -243,7 +243,8 @@ fn presses_at_few_places_are_refused_and_those_at_one_place_are_not_on_both_side
 fn write_tables(desk: &Desk, recording: &Recording) {
     let mut text = String::new();
     let forces = recording.forces.clone().unwrap();
-    for ((frame, [x, y]), force) in recording.pressed.iter().zip(recording.positions.from_above()).zip(forces) {
+    for ((frame, [x, y]), force) in recording.pressed.iter().zip(recording.positions.from_above()).zip(forces)
+    {
         let values: Vec<f64> = frame.iter().map(|value| value.re).collect();
         write!(text, "{x:.6},{y:.6},{force:.4},{}", row(&values)).unwrap();
     }

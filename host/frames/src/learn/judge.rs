@@ -150,9 +150,8 @@ pub fn told_apart(
         let [one, other] = contacts.as_slice() else { return false };
         let places = [a, b].map(|press| presses.places[press]);
         let half = 0.5 * (places[0] - places[1]).norm();
-        let fits = |[x, y]: [Point3<f64>; 2]| {
-            (centre(one) - x).norm() < half && (centre(other) - y).norm() < half
-        };
+        let fits =
+            |[x, y]: [Point3<f64>; 2]| (centre(one) - x).norm() < half && (centre(other) - y).norm() < half;
         fits(places) || fits([places[1], places[0]])
     };
     ToldApart { pairs: pairs.len(), told_apart: pairs.iter().filter(is_told).count() }
@@ -242,7 +241,8 @@ impl ImageFrame {
         let grid = Layout::from(tables).grid;
         let [x, y] = grid.position(f32::from(grid.columns) / 2.0, f32::from(grid.rows) / 2.0).map(f64::from);
         let heights = || tables.centres().map(|[_, _, z]| z);
-        let (low, high) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+        let (low, high) =
+            (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
         let side = f64::from(grid.columns.max(grid.rows)) * f64::from(grid.pitch);
         Self {
             centre: Point3::new(x, y, (low + high) / 2.0),
@@ -324,9 +324,8 @@ impl Outcome {
     #[must_use]
     pub fn turn(&self) -> Option<Turn> {
         self.frame.across?;
-        let seen = |press: &Judgement| {
-            Some((self.frame.seen(press.found?.place)?, self.frame.seen(press.place)?))
-        };
+        let seen =
+            |press: &Judgement| Some((self.frame.seen(press.found?.place)?, self.frame.seen(press.place)?));
         let (mut plain, mut mirrored) = ([0.0; 2], [0.0; 2]);
         for ([x, y], [tx, ty]) in self.presses.iter().filter_map(seen) {
             plain = [plain[0] + x * tx + y * ty, plain[1] + x * ty - y * tx];

@@ -3,7 +3,7 @@
 //! On a flat skin in the plane z = 0, x and y say it. On any other a press is laid on the nearest point of the mesh, so that
 //! what presses it may have a thickness, and its frame an error, of up to the width of a pixel.
 
-use super::presses::{PressError, Positions};
+use super::presses::{Positions, PressError};
 use dermatome_geometry::mesh::Mesh;
 use dermatome_model::{
     inverse::targets::half_side,
@@ -47,7 +47,9 @@ pub fn is_flat(mesh: &Mesh) -> bool {
 /// Lays presses on a skin; what lies off it is refused.
 pub fn lay(model: &Model, positions: &Positions) -> Result<Laid, PressError> {
     match positions {
-        _ if is_flat(&model.mesh) => Ok(Laid { places: in_plane(model, &positions.from_above())?, off: None }),
+        _ if is_flat(&model.mesh) => {
+            Ok(Laid { places: in_plane(model, &positions.from_above())?, off: None })
+        }
         Positions::FromAbove(_) => Err(PressError::NoHeight),
         Positions::InSpace(positions) => on_surface(model, positions),
     }

@@ -32,7 +32,9 @@ pub enum PressError {
         allowed: &'static str,
     },
     /// Positions without two coordinates.
-    #[error("`{POSITIONS}` has {0} columns; allowed: 2 or more, x, y and on a curved skin z first, in metres")]
+    #[error(
+        "`{POSITIONS}` has {0} columns; allowed: 2 or more, x, y and on a curved skin z first, in metres"
+    )]
     Coordinates(usize),
     /// Columns that make no press.
     #[error(
