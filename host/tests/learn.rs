@@ -100,7 +100,7 @@ fn presses_teach_where_electrodes_and_contacts_really_are() {
     println!("model {model:?}\nlearnt {test:?}\nvalidation {:?}", report.validation);
     assert!(test.mean_mm < 0.6 * model.mean_mm, "{test:?}, {model:?}");
     assert_eq!(test.missed, 0);
-    assert!(!report.conductivity_falls && !report.turn.mirrored);
+    assert!(!report.conductivity_falls && !report.turn.unwrap().mirrored);
     assert!((report.validation.mean_mm / test.mean_mm - 1.0).abs() < 0.5, "{:?}", report.validation);
     assert!(report.fixed_point_mm < 0.1 && report.force_correlation.unwrap() > 0.5, "{report:?}");
 }

@@ -56,7 +56,7 @@ fn held_out_presses_on_the_real_hydrogel_skin_are_found_within_8_mm() {
     assert_eq!((test.presses, test.missed), (80, 0));
     assert!(test.median_mm <= 8.0 && report.validation.median_mm <= 8.0, "{test:?}");
     assert!(test.median_mm < model_test.median_mm);
-    assert!(report.conductivity_falls && !report.turn.mirrored);
+    assert!(report.conductivity_falls && !report.turn.unwrap().mirrored);
     two_touches_stay_apart(&learnt);
 }
 
