@@ -9,7 +9,7 @@
 //! | step | takes | gives |
 //! |---|---|---|
 //! | [`Recording::read`](presses::Recording::read) | a row of the file | coordinates, force, frame |
-//! | [`place::lay`] | coordinates | a place on the skin, or a refusal |
+//! | [`presses::place::lay`] | coordinates | a place on the skin, or a refusal |
 //! | [`Recording::on`](presses::Recording::on) | frame and reference | difference data, beside that place |
 //! | [`Presses::place_numbers`] | places | which presses are at one place |
 //! | [`split()`] | these numbers | test, or the rest |
@@ -28,7 +28,6 @@
 
 pub mod judge;
 pub mod matrix;
-pub mod place;
 pub mod presses;
 pub mod responses;
 pub mod split;
@@ -44,8 +43,8 @@ use dermatome_shared::patch::{PatchError, PatchView};
 use faer::Mat;
 use judge::{Errors, Judged, Outcome, ToldApart, Turn, judge_board, judge_matrix};
 use matrix::{LearntMatrix, Settings, Training};
-use place::Off;
-use presses::Presses;
+
+use presses::{Presses, place::Off};
 use rayon::prelude::*;
 use responses::Process;
 use serde::Serialize;

@@ -5,9 +5,9 @@
 //! known, then the frame.
 
 mod error;
+pub mod place;
 mod read;
 
-use super::place::{Off, lay};
 use crate::recorded::{
     diagnose::dead_below,
     difference::{difference, signed_reference},
@@ -21,6 +21,7 @@ use dermatome_model::{
 pub use error::PressError;
 use nalgebra::Point3;
 use num_complex::Complex64;
+use place::{Off, lay};
 
 /// Array of an archive: frames of the pressed skin, one for each press.
 pub const PRESSED: &str = "v_pressed";

@@ -1,9 +1,8 @@
 //! Reading presses: what a file's rows say, before anything is known of the skin but its shape.
 
-use super::{FORCES, POSITIONS, PRESSED, Positions, PressError, Recording, UNPRESSED};
+use super::{FORCES, POSITIONS, PRESSED, Positions, PressError, Recording, UNPRESSED, place::is_flat};
 use crate::{
     array::{ArrayError, Source, file},
-    learn::place::is_flat,
     recorded::read::{Frames, read},
 };
 use dermatome_geometry::{embedding::Embedding, sheet::Sheet};

@@ -3,7 +3,7 @@
 //! On a flat skin in the plane z = 0, x and y say it. On any other a press is laid on the nearest point of the mesh, so that
 //! what presses it may have a thickness, and its frame an error, of up to the width of a pixel.
 
-use super::presses::{Positions, PressError};
+use super::{Positions, PressError};
 use dermatome_geometry::mesh::Mesh;
 use dermatome_model::{
     inverse::targets::half_side,
