@@ -81,26 +81,29 @@ pub fn point_above([a, b, c]: [Point3<f64>; 3], [x, y]: [f64; 2]) -> Option<Poin
     inside.then(|| a + (b - a) * s + (c - a) * t)
 }
 
-/// The point of a triangle that is nearest to a place (Ericson, Real-Time Collision Detection, 2005, section 5.1.5): that
-/// beneath it, or the nearest of its sides.
+/// The point of a triangle that is nearest to a point (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
 #[must_use]
-pub fn nearest([a, b, c]: [Point3<f64>; 3], place: Point3<f64>) -> Point3<f64> {
-    let (u, v, to) = (b - a, c - a, place - a);
-    let (uu, uv, vv, tu, tv) = (u.dot(&u), u.dot(&v), v.dot(&v), to.dot(&u), to.dot(&v));
-    let area = uu * vv - uv * uv;
-    let (s, t) = ((vv * tu - uv * tv) / area, (uu * tv - uv * tu) / area);
-    if s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
-        return a + u * s + v * t;
+pub fn nearest([a, b, c]: [Point3<f64>; 3], p: Point3<f64>) -> Point3<f64> {
+    let (ab, ac, bc) = (b - a, c - a, c - b);
+    let (d1, d2) = (ab.dot(&(p - a)), ac.dot(&(p - a)));
+    let (d3, d4) = (ab.dot(&(p - b)), ac.dot(&(p - b)));
+    let (d5, d6) = (ab.dot(&(p - c)), ac.dot(&(p - c)));
+    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
+    if d1 <= 0.0 && d2 <= 0.0 {
+        a
+    } else if d3 >= 0.0 && d4 <= d3 {
+        b
+    } else if d6 >= 0.0 && d5 <= d6 {
+        c
+    } else if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        a + ab * (d1 / (d1 - d3))
+    } else if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        a + ac * (d2 / (d2 - d6))
+    } else if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        b + bc * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))
+    } else {
+        a + ab * (vb / (va + vb + vc)) + ac * (vc / (va + vb + vc))
     }
-    let sides = [[a, b], [b, c], [c, a]].map(|side| nearest_on_side(side, place));
-    let away = |point: &Point3<f64>| (point - place).norm_squared();
-    sides.into_iter().min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(a)
-}
-
-fn nearest_on_side([from, to]: [Point3<f64>; 2], place: Point3<f64>) -> Point3<f64> {
-    let (side, length) = (to - from, (to - from).norm_squared());
-    let share = if length > 0.0 { side.dot(&(place - from)) / length } else { 0.0 };
-    from + side * share.clamp(0.0, 1.0)
 }
 
 #[cfg(test)]
