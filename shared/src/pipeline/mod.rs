@@ -5,6 +5,7 @@
 pub mod average;
 pub mod detect;
 pub mod drift;
+mod former;
 pub mod noise;
 pub mod reconstruct;
 pub mod reference;
@@ -24,6 +25,7 @@ use crate::{
 };
 use detect::{Change, Detector};
 use drift::Drift;
+use former::Former;
 use reconstruct::reconstruct;
 use reference::{Changes, DEFAULT_TARE_FRAMES, DifferenceData, Measured, Reference, Tare};
 
@@ -41,6 +43,7 @@ const DOUBTFUL: FrameFlags = UNFIT.union(FrameFlags::IMPLAUSIBLE);
 pub struct PipelineState {
     tare: Option<Tare>,
     reference: Option<Reference>,
+    former: Former,
     drift: Drift,
     bad_electrodes: ElectrodeSet,
     flags: FrameFlags,
@@ -92,6 +95,9 @@ pub fn sense(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) ->
     let Some(reference) = &state.reference else { return Outcome::Taring };
     reference.subtract(&mut measured);
     state.compare(patch, frame, &measured);
+    if state.undo_wrong_mend(patch, &mut measured) {
+        state.compare(patch, frame, &measured);
+    }
     if patch.header.has_places() {
         state.contacts = state.detector.contacts(patch);
     } else {
@@ -118,6 +124,7 @@ impl PipelineState {
         let Self {
             tare,
             reference,
+            former,
             drift,
             bad_electrodes,
             flags,
@@ -130,6 +137,7 @@ impl PipelineState {
         } = self;
         (*tare, *reference, *drift, *places) = (None, None, Drift::default(), Places::default());
         (*bad_electrodes, *flags) = (ElectrodeSet::default(), FrameFlags::default());
+        former.clear();
         difference.codes.clear();
         image.clear();
         contacts.clear();
@@ -179,7 +187,36 @@ impl PipelineState {
         self.detector.begin(patch, &reference);
         (self.tare, self.reference, self.drift) = (None, Some(reference), Drift::default());
         self.places = Places::default();
+        self.former.clear();
         Some(Outcome::Tared)
+    }
+
+    /// Returns to the former reference where a frame is as that has it, down to noise, and not as the present one has it;
+    /// differences from the reference, `[measurement]`, become those from the former one. Says whether it did.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    fn undo_wrong_mend(&mut self, patch: &PatchView<'_>, differences: &mut [i64]) -> bool {
+        let Some(reference) = &mut self.reference else { return false };
+        if self.detector.change() == Change::Still || !self.former.is_kept() {
+            return false;
+        }
+        let (detector, bad) = (&self.detector, self.bad_electrodes);
+        let energy = |reference: &Reference, differences: &[i64]| {
+            let mut changes = Changes::new();
+            reference.relative_change(differences, &mut changes);
+            mask_measurements(patch, bad, &mut changes);
+            detector.energy(&mut changes, reference)
+        };
+        let now = energy(reference, differences);
+        self.former.shift(reference, differences, 1);
+        let is_wrong = self.detector.is_noise(energy(reference, differences), now);
+        if is_wrong {
+            self.former.undo(patch, reference);
+            self.detector.forget_presses();
+        } else {
+            self.former.shift(reference, differences, -1);
+        }
+        is_wrong
     }
 
     /// Differences -> difference data, without drift and bad electrodes, and presses in them.
@@ -201,7 +238,8 @@ impl PipelineState {
         self.difference.quantise(&relative, patch.matrix().column_exponents());
         self.detector.detect(patch, &relative, reference);
         self.flags.insert_if(FrameFlags::UNLIKE_PRESS, self.detector.change() == Change::Unlike);
-        self.flags.insert_if(FrameFlags::LIFTED, self.detector.change() == Change::Lifted);
+        let is_lifted = matches!(self.detector.change(), Change::SeemsLifted | Change::Lifted);
+        self.flags.insert_if(FrameFlags::LIFTED, is_lifted);
     }
 
     /// Strengths of the contacts without hysteresis: `[contact]`.
@@ -228,9 +266,13 @@ impl PipelineState {
             return;
         }
         if change == Change::Still {
+            self.former.clear();
             self.detector.follow(patch, reference);
         }
         let Some(part) = self.drift.part(change, patch.header.drift_time) else { return };
+        if change != Change::Still {
+            self.former.keep(reference);
+        }
         self.detector.leave_followed(patch, reference, differences);
         let mut parts = Changes::new();
         let _ = parts.resize(reference.sums().len(), part);

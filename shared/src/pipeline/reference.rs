@@ -180,6 +180,12 @@ impl Reference {
         self.weights = self.sums.iter().zip(&self.scales).map(|(&sum, scale)| sum as f32 * scale).collect();
     }
 
+    /// Takes back sums that it had, `[measurement]`.
+    pub fn return_to(&mut self, patch: &PatchView<'_>, sums: &[i64]) {
+        self.sums.iter_mut().zip(sums).for_each(|(sum, former)| *sum = *former);
+        self.set_scales(patch);
+    }
+
     /// Moves the reference these parts of the way to a frame that differs from it like that, 0 to 1:
     /// `[measurement]`; not a number moves nothing.
     pub fn follow(&mut self, patch: &PatchView<'_>, differences: &[i64], parts: &[f32]) {

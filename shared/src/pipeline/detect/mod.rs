@@ -54,6 +54,10 @@ const PRESSES_IN_A_FRAME: usize = 3;
 /// Standard deviations of chi square that noise does not leave; and those down to which the reference heals.
 const LOUD: f32 = 8.0;
 const HEALED: f32 = 1.0;
+/// And those that one frame of noise hardly ever has.
+const NOISY: f32 = 5.0;
+/// What seems to be lifted for so long was: a press that comes, and is not found at once, seems so for some frames, us.
+const LIFTED_AFTER: u32 = 200_000;
 /// After so many frames that presses do not account for, what changed is something else.
 const UNDECIDED: u8 = 20;
 /// A press of this strength that was none in the frame before came faster than a sheet drifts.
@@ -110,6 +114,8 @@ pub struct Detector {
     /// When the latest frame came, in the clock's lower half, and whether it came fast after the one before.
     frame_us: u32,
     is_fast: bool,
+    /// Since when a press seems to be lifted, and when it did last.
+    lifted_us: Option<(u32, u32)>,
 }
 
 /// What has changed since the reference was made.
@@ -124,6 +130,8 @@ pub enum Change {
     PressedAndSmooth,
     /// The sheet, smoothly: some of it is warmer.
     Smooth,
+    /// What pressed when the reference was made may be gone: to be mended if that lasts.
+    SeemsLifted,
     /// What pressed when the reference was made is gone.
     Lifted,
     /// Something that no press does.
@@ -138,17 +146,17 @@ impl Detector {
     pub fn clear(&mut self) {
         self.noise.restart();
         self.sums.clear();
+        self.norms.clear();
         self.forget_presses();
     }
 
-    /// Nothing presses, and nothing is found until the noise is judged.
-    fn forget_presses(&mut self) {
+    /// Nothing presses.
+    pub fn forget_presses(&mut self) {
         self.presses.clear();
         self.before.clear();
-        self.norms.clear();
         self.average.restart();
         (self.unexplained, self.pause, self.known_pause) = (0, 0, 0);
-        (self.is_slipped, self.is_going) = (false, false);
+        (self.is_slipped, self.is_going, self.lifted_us) = (false, false, None);
         self.change = Change::Still;
     }
 
@@ -169,6 +177,7 @@ impl Detector {
 
     /// A new reference: nothing presses.
     pub fn begin(&mut self, patch: &PatchView<'_>, reference: &Reference) {
+        self.norms.clear();
         self.forget_presses();
         self.judge_noise(patch, reference);
     }
@@ -215,6 +224,22 @@ impl Detector {
         }
     }
 
+    /// Sum of the squares of relative changes, `[measurement]`, without what is common to all, in units of one frame's
+    /// variance.
+    pub fn energy(&self, relative: &mut Changes, reference: &Reference) -> f32 {
+        let weights = &self.inverse_variances;
+        relative.iter_mut().filter(|y| !y.is_finite()).for_each(|y| *y = 0.0);
+        sums::take_out(reference.weights(), weights, relative);
+        relative.iter().zip(weights).map(|(y, weight)| weight * y * y).sum()
+    }
+
+    /// Whether a frame of this energy is one of noise, and one of that energy clearly is not.
+    pub fn is_noise(&self, energy: f32, other: f32) -> bool {
+        let measurements = self.inverse_variances.len() as f32;
+        let spread = libm::sqrtf(2.0 * measurements);
+        energy < measurements + NOISY * spread && other > energy + LOUD * spread
+    }
+
     /// Takes the mean of relative changes over the frames that are alike instead of those of this time: `[measurement]`.
     pub fn average(&mut self, patch: &PatchView<'_>, relative: &mut Changes, now_us: u64) {
         self.is_fast = (now_us as u32).wrapping_sub(self.frame_us) < FAST;
@@ -250,6 +275,7 @@ impl Detector {
             let look = fit.look(&mut self.sums.data, &self.norms, &self.known);
             self.pause = self.add_another(&mut fit, &look, level);
             self.change = self.judge(&fit, &look, level);
+            self.await_lifted();
             self.latest_known = look.known;
             if self.change == Change::Smooth || self.is_slipped {
                 self.known_pause = KNOWN_PAUSE;
@@ -257,7 +283,7 @@ impl Detector {
         } else {
             self.pause -= 1;
         }
-        let is_known = self.change == Change::Smooth || self.change == Change::Lifted;
+        let is_known = matches!(self.change, Change::Smooth | Change::SeemsLifted | Change::Lifted);
         let is_explained = !self.is_slipped && (is_known || self.is_explained(&fit));
         self.unexplained = if is_explained { 0 } else { self.unexplained.saturating_add(1) };
         if self.unexplained > 0 {
@@ -349,6 +375,25 @@ impl Detector {
             Change::Pressed
         } else {
             Change::Still
+        }
+    }
+
+    /// A press is not lifted before it seemed so for some time, in which nothing pressed; while it is mended, what is left of
+    /// it may be no more than noise for as long.
+    fn await_lifted(&mut self) {
+        let now = self.frame_us;
+        let is_recent = |us: u32| now.wrapping_sub(us) < LIFTED_AFTER;
+        match self.change {
+            Change::Lifted => {
+                let since =
+                    self.lifted_us.filter(|(_, latest)| is_recent(*latest)).map_or(now, |(since, _)| since);
+                self.lifted_us = Some((since, now));
+                if is_recent(since) {
+                    self.change = Change::SeemsLifted;
+                }
+            }
+            Change::Still => {}
+            _ => self.lifted_us = None,
         }
     }
 
