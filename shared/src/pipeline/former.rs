@@ -2,16 +2,17 @@
 //!
 //! What is taken for no press, and learnt, may have been one: seldom, as hardly any data look so, but the contact that it
 //! leaves on the untouched skin would stay for ever. Frames that are as the former reference has them, down to noise, and
-//! not as the present one has them, show it, and the mend is undone. Once the skin has looked untouched after a
-//! mend, that was right, and what comes back is a press.
+//! not as the present one has them, show it, and the mend is undone. Once the skin has looked untouched after a mend, that
+//! was right, and what comes back is a press.
 
 use super::reference::{Measured, Reference};
 use crate::patch::PatchView;
 
-/// Sums of the former reference; none unless something was mended just now.
+/// Sums of the former reference, none unless something was mended just now, and the variance of its noise.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Former {
     sums: Measured,
+    variance: f32,
 }
 
 impl Former {
@@ -24,6 +25,7 @@ impl Former {
     pub(super) fn keep(&mut self, reference: &Reference) {
         if self.sums.is_empty() {
             self.sums.extend(reference.sums().iter().copied());
+            self.variance = reference.variance();
         }
     }
 
@@ -40,7 +42,7 @@ impl Former {
 
     /// The reference is as it was.
     pub(super) fn undo(&mut self, patch: &PatchView<'_>, reference: &mut Reference) {
-        reference.return_to(patch, &self.sums);
+        reference.return_to(patch, &self.sums, self.variance);
         self.clear();
     }
 }

@@ -23,7 +23,7 @@ use crate::{
     patch::PatchView,
     units::RelativeConductivity,
 };
-use detect::{Change, Detector};
+use detect::{Change, Detector, LOUD, NOISY};
 use drift::Drift;
 use former::Former;
 use reconstruct::reconstruct;
@@ -200,19 +200,21 @@ impl PipelineState {
         if self.detector.change() == Change::Still || !self.former.is_kept() {
             return false;
         }
-        let (detector, bad) = (&self.detector, self.bad_electrodes);
-        let energy = |reference: &Reference, differences: &[i64]| {
+        let chi_square = |reference: &Reference, differences: &[i64]| {
             let mut changes = Changes::new();
             reference.relative_change(differences, &mut changes);
-            mask_measurements(patch, bad, &mut changes);
-            detector.energy(&mut changes, reference)
+            mask_measurements(patch, self.bad_electrodes, &mut changes);
+            self.detector.chi_square(&mut changes, reference)
         };
-        let now = energy(reference, differences);
+        let now = chi_square(reference, differences);
         self.former.shift(reference, differences, 1);
-        let is_wrong = self.detector.is_noise(energy(reference, differences), now);
+        let then = chi_square(reference, differences);
+        let is_wrong = then < NOISY && now > then + LOUD;
         if is_wrong {
             self.former.undo(patch, reference);
             self.detector.forget_presses();
+            self.detector.heal(patch, reference);
+            self.flags = FrameFlags::default();
         } else {
             self.former.shift(reference, differences, -1);
         }

@@ -180,8 +180,9 @@ impl Reference {
         self.weights = self.sums.iter().zip(&self.scales).map(|(&sum, scale)| sum as f32 * scale).collect();
     }
 
-    /// Takes back sums that it had, `[measurement]`.
-    pub fn return_to(&mut self, patch: &PatchView<'_>, sums: &[i64]) {
+    /// Takes back sums that it had, `[measurement]`, with this variance.
+    pub fn return_to(&mut self, patch: &PatchView<'_>, sums: &[i64], variance: f32) {
+        self.variance = variance;
         self.sums.iter_mut().zip(sums).for_each(|(sum, former)| *sum = *former);
         self.set_scales(patch);
     }

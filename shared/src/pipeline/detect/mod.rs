@@ -52,10 +52,10 @@ const FRESH: f32 = 0.15;
 /// How many presses leave time for a search in each frame.
 const PRESSES_IN_A_FRAME: usize = 3;
 /// Standard deviations of chi square that noise does not leave; and those down to which the reference heals.
-const LOUD: f32 = 8.0;
+pub(super) const LOUD: f32 = 8.0;
 const HEALED: f32 = 1.0;
 /// And those that one frame of noise hardly ever has.
-const NOISY: f32 = 5.0;
+pub(super) const NOISY: f32 = 5.0;
 /// What seems to be lifted for so long was: a press that comes, and is not found at once, seems so for some frames, us.
 const LIFTED_AFTER: u32 = 200_000;
 /// After so many frames that presses do not account for, what changed is something else.
@@ -224,20 +224,15 @@ impl Detector {
         }
     }
 
-    /// Sum of the squares of relative changes, `[measurement]`, without what is common to all, in units of one frame's
-    /// variance.
-    pub fn energy(&self, relative: &mut Changes, reference: &Reference) -> f32 {
+    /// By how many standard deviations of chi square relative changes of one frame, `[measurement]`, without what is common
+    /// to all, are more than noise; those that are not finite say nothing.
+    pub fn chi_square(&self, relative: &mut Changes, reference: &Reference) -> f32 {
         let weights = &self.inverse_variances;
+        let measurements = relative.iter().filter(|y| y.is_finite()).count() as f32;
         relative.iter_mut().filter(|y| !y.is_finite()).for_each(|y| *y = 0.0);
         sums::take_out(reference.weights(), weights, relative);
-        relative.iter().zip(weights).map(|(y, weight)| weight * y * y).sum()
-    }
-
-    /// Whether a frame of this energy is one of noise, and one of that energy clearly is not.
-    pub fn is_noise(&self, energy: f32, other: f32) -> bool {
-        let measurements = self.inverse_variances.len() as f32;
-        let spread = libm::sqrtf(2.0 * measurements);
-        energy < measurements + NOISY * spread && other > energy + LOUD * spread
+        let sum: f32 = relative.iter().zip(weights).map(|(y, weight)| weight * y * y).sum();
+        (sum - measurements) / libm::sqrtf(2.0 * measurements.max(1.0))
     }
 
     /// Takes the mean of relative changes over the frames that are alike instead of those of this time: `[measurement]`.

@@ -250,7 +250,7 @@ fn what_pressed_in_the_tare_and_is_lifted_is_said_and_mended() {
     }
     trial.frame(&[], |_| 0.0);
     assert!(trial.contacts().is_empty() && trial.state.flags().contains(FrameFlags::LIFTED));
-    for _ in 0..150 {
+    for _ in 0..100 {
         trial.frame(&[], |_| 0.0);
         assert!(trial.contacts().is_empty());
     }

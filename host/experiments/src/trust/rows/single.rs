@@ -163,6 +163,8 @@ pub(super) fn rim(bench: &Bench, options: &Options) -> Result<Vec<Figure>, Trust
         let mean = Figure::new("position error, mean", "% of size", snr_db, mean);
         figures.push(mean.at_most(1.5, snr_db >= 60.0));
         figures.push(Figure::new("position error, largest", "% of size", snr_db, largest));
+        let left = seen.iter().filter(|seen| seen.pressed.left > 0).count();
+        figures.push(Figure::share("contact left three frames after", snr_db, left, seen.len()));
     }
     Ok(figures)
 }
