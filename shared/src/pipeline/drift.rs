@@ -84,10 +84,6 @@ impl Drift {
             Change::Unlike => UNLIKE_TIME.min(time_constant),
             Change::Lifted => LIFTED_TIME.min(time_constant),
             Change::PressedAndSmooth => BESIDE_TIME.min(time_constant),
-            Change::SeemsLifted => {
-                self.pending = 0.0;
-                return None;
-            }
             Change::Pressed => return None,
         };
         if self.pending < FOLLOW_EVERY || time <= 0.0 {

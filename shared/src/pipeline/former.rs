@@ -3,27 +3,37 @@
 //! What is taken for no press, and learnt, may have been one: seldom, as hardly any data look so, but the contact that it
 //! leaves on the untouched skin would stay for ever. Frames that are as the former reference has them, down to noise, and
 //! not as the present one has them, show it, and the mend is undone. Once the skin has looked untouched after a mend, that
-//! was right, and what comes back is a press.
+//! was right, and what comes back is a press. A reference that no untouched frame has confirmed is not kept: what pressed in
+//! its tare may have been lifted since.
 
 use super::reference::{Measured, Reference};
 use crate::patch::PatchView;
 
-/// Sums of the former reference, none unless something was mended just now, and the variance of its noise.
+/// Sums of the former reference, none unless something is being mended, and the variance of its noise.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Former {
     sums: Measured,
     variance: f32,
+    /// Whether a frame has been as the present reference has it, or the one that a mend began from.
+    is_confirmed: bool,
 }
 
 impl Former {
-    /// Forgets it.
+    /// There is a new reference.
     pub(super) fn clear(&mut self) {
         self.sums.clear();
+        self.is_confirmed = false;
+    }
+
+    /// A frame is as the reference has it.
+    pub(super) fn confirm(&mut self) {
+        self.sums.clear();
+        self.is_confirmed = true;
     }
 
     /// The reference is about to be mended.
     pub(super) fn keep(&mut self, reference: &Reference) {
-        if self.sums.is_empty() {
+        if self.is_confirmed && self.sums.is_empty() {
             self.sums.extend(reference.sums().iter().copied());
             self.variance = reference.variance();
         }
@@ -35,7 +45,7 @@ impl Former {
         differences.iter_mut().zip(moved).for_each(|(difference, moved)| *difference += sign * moved);
     }
 
-    /// Whether something was mended just now.
+    /// Whether there is one to return to.
     pub(super) fn is_kept(&self) -> bool {
         !self.sums.is_empty()
     }
@@ -43,6 +53,6 @@ impl Former {
     /// The reference is as it was.
     pub(super) fn undo(&mut self, patch: &PatchView<'_>, reference: &mut Reference) {
         reference.return_to(patch, &self.sums, self.variance);
-        self.clear();
+        self.confirm();
     }
 }

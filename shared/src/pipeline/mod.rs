@@ -240,8 +240,7 @@ impl PipelineState {
         self.difference.quantise(&relative, patch.matrix().column_exponents());
         self.detector.detect(patch, &relative, reference);
         self.flags.insert_if(FrameFlags::UNLIKE_PRESS, self.detector.change() == Change::Unlike);
-        let is_lifted = matches!(self.detector.change(), Change::SeemsLifted | Change::Lifted);
-        self.flags.insert_if(FrameFlags::LIFTED, is_lifted);
+        self.flags.insert_if(FrameFlags::LIFTED, self.detector.change() == Change::Lifted);
     }
 
     /// Strengths of the contacts without hysteresis: `[contact]`.
@@ -268,7 +267,7 @@ impl PipelineState {
             return;
         }
         if change == Change::Still {
-            self.former.clear();
+            self.former.confirm();
             self.detector.follow(patch, reference);
         }
         let Some(part) = self.drift.part(change, patch.header.drift_time) else { return };

@@ -56,8 +56,6 @@ pub(super) const LOUD: f32 = 8.0;
 const HEALED: f32 = 1.0;
 /// And those that one frame of noise hardly ever has.
 pub(super) const NOISY: f32 = 5.0;
-/// What seems to be lifted for so long was: a press that comes, and is not found at once, seems so for some frames, us.
-const LIFTED_AFTER: u32 = 200_000;
 /// After so many frames that presses do not account for, what changed is something else.
 const UNDECIDED: u8 = 20;
 /// A press of this strength that was none in the frame before came faster than a sheet drifts.
@@ -114,8 +112,6 @@ pub struct Detector {
     /// When the latest frame came, in the clock's lower half, and whether it came fast after the one before.
     frame_us: u32,
     is_fast: bool,
-    /// Since when a press seems to be lifted, and when it did last.
-    lifted_us: Option<(u32, u32)>,
 }
 
 /// What has changed since the reference was made.
@@ -130,8 +126,6 @@ pub enum Change {
     PressedAndSmooth,
     /// The sheet, smoothly: some of it is warmer.
     Smooth,
-    /// What pressed when the reference was made may be gone: to be mended if that lasts.
-    SeemsLifted,
     /// What pressed when the reference was made is gone.
     Lifted,
     /// Something that no press does.
@@ -156,7 +150,7 @@ impl Detector {
         self.before.clear();
         self.average.restart();
         (self.unexplained, self.pause, self.known_pause) = (0, 0, 0);
-        (self.is_slipped, self.is_going, self.lifted_us) = (false, false, None);
+        (self.is_slipped, self.is_going) = (false, false);
         self.change = Change::Still;
     }
 
@@ -270,7 +264,6 @@ impl Detector {
             let look = fit.look(&mut self.sums.data, &self.norms, &self.known);
             self.pause = self.add_another(&mut fit, &look, level);
             self.change = self.judge(&fit, &look, level);
-            self.await_lifted();
             self.latest_known = look.known;
             if self.change == Change::Smooth || self.is_slipped {
                 self.known_pause = KNOWN_PAUSE;
@@ -278,7 +271,7 @@ impl Detector {
         } else {
             self.pause -= 1;
         }
-        let is_known = matches!(self.change, Change::Smooth | Change::SeemsLifted | Change::Lifted);
+        let is_known = self.change == Change::Smooth || self.change == Change::Lifted;
         let is_explained = !self.is_slipped && (is_known || self.is_explained(&fit));
         self.unexplained = if is_explained { 0 } else { self.unexplained.saturating_add(1) };
         if self.unexplained > 0 {
@@ -370,25 +363,6 @@ impl Detector {
             Change::Pressed
         } else {
             Change::Still
-        }
-    }
-
-    /// A press is not lifted before it seemed so for some time, in which nothing pressed; while it is mended, what is left of
-    /// it may be no more than noise for as long.
-    fn await_lifted(&mut self) {
-        let now = self.frame_us;
-        let is_recent = |us: u32| now.wrapping_sub(us) < LIFTED_AFTER;
-        match self.change {
-            Change::Lifted => {
-                let since =
-                    self.lifted_us.filter(|(_, latest)| is_recent(*latest)).map_or(now, |(since, _)| since);
-                self.lifted_us = Some((since, now));
-                if is_recent(since) {
-                    self.change = Change::SeemsLifted;
-                }
-            }
-            Change::Still => {}
-            _ => self.lifted_us = None,
         }
     }
 
