@@ -3,8 +3,7 @@
 //! What is taken for no press, and learnt, may have been one: seldom, as hardly any data look so, but the contact that it
 //! leaves on the untouched skin would stay for ever. Frames that are as the former reference has them, down to noise, and
 //! not as the present one has them, show it, and the mend is undone. Once the skin has looked untouched after a mend, that
-//! was right, and what comes back is a press. A reference that no untouched frame has confirmed is not kept: what pressed in
-//! its tare may have been lifted since.
+//! was right, and what comes back is a press.
 
 use super::reference::{Measured, Reference};
 use crate::patch::PatchView;
@@ -14,26 +13,17 @@ use crate::patch::PatchView;
 pub(super) struct Former {
     sums: Measured,
     variance: f32,
-    /// Whether a frame has been as the present reference has it, or the one that a mend began from.
-    is_confirmed: bool,
 }
 
 impl Former {
-    /// There is a new reference.
+    /// The reference is new, or a frame is as it has it.
     pub(super) fn clear(&mut self) {
         self.sums.clear();
-        self.is_confirmed = false;
-    }
-
-    /// A frame is as the reference has it.
-    pub(super) fn confirm(&mut self) {
-        self.sums.clear();
-        self.is_confirmed = true;
     }
 
     /// The reference is about to be mended.
     pub(super) fn keep(&mut self, reference: &Reference) {
-        if self.is_confirmed && self.sums.is_empty() {
+        if self.sums.is_empty() {
             self.sums.extend(reference.sums().iter().copied());
             self.variance = reference.variance();
         }
@@ -53,6 +43,6 @@ impl Former {
     /// The reference is as it was.
     pub(super) fn undo(&mut self, patch: &PatchView<'_>, reference: &mut Reference) {
         reference.return_to(patch, &self.sums, self.variance);
-        self.confirm();
+        self.clear();
     }
 }

@@ -267,11 +267,12 @@ impl PipelineState {
             return;
         }
         if change == Change::Still {
-            self.former.confirm();
+            self.former.clear();
             self.detector.follow(patch, reference);
         }
         let Some(part) = self.drift.part(change, patch.header.drift_time) else { return };
-        if change != Change::Still {
+        // What is lifted where nothing pressed since the tare was pressed in that: it may come back as it was.
+        if change != Change::Still && (change != Change::Lifted || self.drift.rests()) {
             self.former.keep(reference);
         }
         self.detector.leave_followed(patch, reference, differences);

@@ -266,8 +266,8 @@ fn what_pressed_in_the_tare_and_is_lifted_is_said_and_mended() {
 fn what_was_learnt_wrongly_is_unlearnt_as_soon_as_the_skin_is_untouched() {
     for frames in [1, 4, 8, 12, 16, 20] {
         let mut trial = Trial::new(1e-4, 20);
-        trial.frame(&[], |_| 0.0);
         let reference = trial.state.reference().unwrap().sums().to_vec();
+        trial.frame(&[(66, 1.0)], |_| 0.0);
         for _ in 0..frames {
             trial.frame(&[(66, -1.0)], |_| 0.0);
             assert!(trial.contacts().is_empty());
