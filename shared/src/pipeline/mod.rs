@@ -47,7 +47,8 @@ pub struct PipelineState {
     drift: Drift,
     bad_electrodes: ElectrodeSet,
     flags: FrameFlags,
-    difference: DifferenceData,
+    /// Relative changes of the latest frame, as contacts and image take them: `[measurement]`.
+    relative: Changes,
     image: Image,
     contacts: Contacts,
     places: Places,
@@ -99,9 +100,9 @@ pub fn sense(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) ->
         state.compare(patch, frame, &measured);
     }
     if patch.header.has_places() {
-        state.contacts = state.detector.contacts(patch);
+        state.detector.contacts(patch, &mut state.contacts);
     } else {
-        reconstruct(patch, &state.difference, &mut state.image);
+        state.reconstruct(patch);
         state.contacts = contact::find(&patch.surface(), &state.image, patch.header.contact_threshold);
     }
     let strengths = state.without_hysteresis(patch);
@@ -114,7 +115,7 @@ pub fn sense(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) ->
 /// Makes the image of the latest frame that [`sense`] took, unless the contacts came from it.
 pub fn draw(patch: &PatchView<'_>, state: &mut PipelineState) {
     if patch.header.has_places() {
-        reconstruct(patch, &state.difference, &mut state.image);
+        state.reconstruct(patch);
     }
 }
 
@@ -128,7 +129,7 @@ impl PipelineState {
             drift,
             bad_electrodes,
             flags,
-            difference,
+            relative,
             image,
             contacts,
             places,
@@ -138,7 +139,7 @@ impl PipelineState {
         (*tare, *reference, *drift, *places) = (None, None, Drift::default(), Places::default());
         (*bad_electrodes, *flags) = (ElectrodeSet::default(), FrameFlags::default());
         former.clear();
-        difference.codes.clear();
+        relative.clear();
         image.clear();
         contacts.clear();
         detector.clear();
@@ -197,7 +198,8 @@ impl PipelineState {
     #[inline(never)]
     fn undo_wrong_mend(&mut self, patch: &PatchView<'_>, differences: &mut [i64]) -> bool {
         let Some(reference) = &mut self.reference else { return false };
-        if self.detector.change() == Change::Still || !self.former.is_kept() {
+        let is_asked = self.former.is_kept() && self.detector.has_time();
+        if self.detector.change() == Change::Still || !is_asked {
             return false;
         }
         let chi_square = |reference: &Reference, differences: &[i64]| {
@@ -221,26 +223,33 @@ impl PipelineState {
         is_wrong
     }
 
-    /// Differences -> difference data, without drift and bad electrodes, and presses in them.
+    /// Differences -> relative changes, without drift and bad electrodes, and presses in them.
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
     fn compare(&mut self, patch: &PatchView<'_>, frame: &Frame, differences: &[i64]) {
-        let Some(reference) = &self.reference else { return };
-        let mut relative = Changes::new();
-        reference.relative_change(differences, &mut relative);
-        let masked = mask_measurements(patch, self.bad_electrodes, &mut relative);
+        let (Some(reference), relative) = (&self.reference, &mut self.relative) else { return };
+        reference.relative_change(differences, relative);
+        let masked = mask_measurements(patch, self.bad_electrodes, relative);
         self.flags.insert_if(FrameFlags::MASKED, masked);
         if frame.flags.contains(FrameFlags::NO_CURRENT) {
             relative.fill(UNKNOWN);
         }
-        self.flags.insert_if(FrameFlags::IMPLAUSIBLE, is_implausible(&relative));
+        self.flags.insert_if(FrameFlags::IMPLAUSIBLE, is_implausible(relative));
         let drift_time = patch.header.drift_time;
-        self.drift.correct(&mut relative, reference.weights(), frame.timestamp_us, drift_time);
-        self.detector.average(patch, &mut relative, frame.timestamp_us);
-        self.difference.quantise(&relative, patch.matrix().column_exponents());
-        self.detector.detect(patch, &relative, reference);
+        self.drift.correct(relative, reference.weights(), frame.timestamp_us, drift_time);
+        self.detector.average(patch, relative, frame.timestamp_us);
+        self.detector.detect(patch, relative, reference);
         self.flags.insert_if(FrameFlags::UNLIKE_PRESS, self.detector.change() == Change::Unlike);
         self.flags.insert_if(FrameFlags::LIFTED, self.detector.change() == Change::Lifted);
+    }
+
+    /// Relative changes -> image.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    fn reconstruct(&mut self, patch: &PatchView<'_>) {
+        let mut difference = DifferenceData::default();
+        difference.quantise(&self.relative, patch.matrix().column_exponents());
+        reconstruct(patch, &difference, &mut self.image);
     }
 
     /// Strengths of the contacts without hysteresis: `[contact]`.
@@ -304,12 +313,6 @@ impl PipelineState {
     #[must_use]
     pub fn reference(&self) -> Option<&Reference> {
         self.reference.as_ref()
-    }
-
-    /// Difference data of the latest image.
-    #[must_use]
-    pub fn difference(&self) -> &DifferenceData {
-        &self.difference
     }
 
     /// The latest image.

@@ -47,11 +47,11 @@ unsafe extern "C" fn add_words(reading: &mut Reading, samples: *const u16, cosin
     naked_asm!(
         "push {{r4-r10, lr}}",
         "ldm.w r0, {{r4-r9}}",
-        "subs r3, r3, #5",
+        "subs r3, r3, #2",
         "blo 3f",
-        // Five pairs: the period of every carrier but the slowest is a multiple of them.
+        // Two pairs: what a slot goes through has to stay within the flash's kilobyte of cache, or it waits at each line.
         "2:",
-        ".rept 5",
+        ".rept 2",
         "ldr r10, [r1], #4",
         "ldr r12, [r2], #4",
         "smlald r4, r5, r10, r12",
@@ -62,13 +62,12 @@ unsafe extern "C" fn add_words(reading: &mut Reading, samples: *const u16, cosin
         "usub16 r12, r9, r10",
         "sel r9, r10, r9",
         ".endr",
-        "subs r3, r3, #5",
+        "subs r3, r3, #2",
         "bhs 2b",
         "3:",
-        "adds r3, r3, #5",
+        "adds r3, r3, #2",
         "beq 5f",
         // One.
-        "4:",
         "ldr r10, [r1], #4",
         "ldr r12, [r2], #4",
         "smlald r4, r5, r10, r12",
@@ -78,8 +77,6 @@ unsafe extern "C" fn add_words(reading: &mut Reading, samples: *const u16, cosin
         "sel r8, r10, r8",
         "usub16 r12, r9, r10",
         "sel r9, r10, r9",
-        "subs r3, r3, #1",
-        "bne 4b",
         "5:",
         // Of both lanes into each.
         "ror r10, r8, #16",

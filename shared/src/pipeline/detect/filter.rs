@@ -1,6 +1,9 @@
 //! Matched filter: where data resemble the response to a press most, in the fixed point of images.
 
-use super::known::{Known, KnownFit};
+use super::{
+    known::{Known, KnownFit},
+    sums::Scaled,
+};
 use crate::{
     patch::{
         matrix::GROUP,
@@ -58,22 +61,19 @@ pub(super) fn look(places: &Places<'_>, data: &DifferenceData, norms: &Norms, kn
     look
 }
 
-/// The norm of a place under inverse variances, `[measurement]`, without what it has in common with a change that is
-/// common to all.
-pub(super) fn norm(places: &Places<'_>, place: usize, weights: &[f32], common: &[f32]) -> f32 {
-    let own = places.row(place);
-    let mut exponents = places.column_exponents();
-    let (mut square, mut with_common, mut of_common) = (0.0, 0.0, 0.0);
-    for (four, (weights, common)) in weights.chunks(GROUP).zip(common.chunks(GROUP)).enumerate() {
-        for ((mantissa, weight), common) in Places::four(own, four).into_iter().zip(weights).zip(common) {
-            let response = mantissa * power_of_two(-i32::from(exponents.next().unwrap_or(0)));
-            square += weight * response * response;
-            with_common += weight * response * common;
-            of_common += weight * common * common;
+/// The norm of a place, without what it has in common with a change that is common to all.
+pub(super) fn norm(places: &Places<'_>, place: usize, scaled: &Scaled) -> f32 {
+    let row = places.row(place);
+    let (mut square, mut with_common) = (0.0, 0.0);
+    for (four, [weights, common]) in scaled.fours.iter().enumerate() {
+        for (n, mantissa) in Places::four(row, four).into_iter().enumerate() {
+            let weighted = weights[n] * mantissa;
+            square += weighted * mantissa;
+            with_common += weighted * common[n];
         }
     }
-    if of_common > 0.0 {
-        square -= with_common * with_common / of_common;
+    if scaled.of_common > 0.0 {
+        square -= with_common * with_common / scaled.of_common;
     }
     if square > 0.0 { 1.0 / libm::sqrtf(square) } else { 0.0 }
 }

@@ -63,9 +63,9 @@ impl Clone for Fit<'_> {
     // Inlined, as moving a list copies all of its room.
     #[inline(always)]
     fn clone(&self) -> Self {
-        let mut presses = Vec::new();
-        copy(&self.presses, &mut presses);
-        Self { presses, ..*self }
+        let mut fit = Self { presses: Vec::new(), ..*self };
+        copy(&self.presses, &mut fit.presses);
+        fit
     }
 
     /// Without another on the stack.
@@ -78,15 +78,19 @@ impl Clone for Fit<'_> {
 }
 
 impl<'a> Fit<'a> {
-    /// Presses of the frame before, which are not fitted yet.
+    /// No presses.
+    // Inlined, as moving a list copies all of its room.
     #[inline(always)]
-    pub(super) fn of(skin: &'a Skin<'a>, presses: &[Press], data: &Data) -> Self {
+    pub(super) fn new(skin: &'a Skin<'a>, data: &Data) -> Self {
         let Data { energy, known, noise, .. } = *data;
-        let mut fit = Self { skin, presses: Vec::new(), energy, explained: 0.0, measurements: known, noise };
-        copy(presses, &mut fit.presses);
-        fit.presses.iter_mut().for_each(|press| press.before = press.strength);
-        fit.free_strong_satellites();
-        fit
+        Self { skin, presses: Vec::new(), energy, explained: 0.0, measurements: known, noise }
+    }
+
+    /// Takes presses of the frame before, which are not fitted yet.
+    pub(super) fn begin(&mut self, presses: &[Press]) {
+        copy(presses, &mut self.presses);
+        self.presses.iter_mut().for_each(|press| press.before = press.strength);
+        self.free_strong_satellites();
     }
 
     /// A satellite that is no longer weak beside its press may be that press, which moved: it is free to move as well.
@@ -114,26 +118,30 @@ impl<'a> Fit<'a> {
         let mut system = System::default();
         let (mut best, mut most) = (Vec::new(), f32::NEG_INFINITY);
         let mut has_gone = false;
+        // Whether the system is that of the presses as they are.
+        let mut is_theirs = false;
         for round in 0..ROUNDS {
-            self.solve(sums, &mut system);
+            let has_factor = self.solve(sums, &mut system);
             let is_lost = self.presses.iter().any(Press::is_out_of_reach);
-            if !is_lost && (self.presses.len() < best.len() || self.explained > most) {
+            let is_best = !is_lost && (self.presses.len() < best.len() || self.explained > most);
+            if is_best {
                 copy(&self.presses, &mut best);
                 most = self.explained;
                 has_gone = round > 0;
             }
-            if !is_lost && !may_go {
-                break;
-            }
-            if !(self.go_to_nearest() | self.join() | is_lost) {
+            let may_go = may_go || is_lost;
+            if !may_go || !(self.go_to_nearest() | self.join() | is_lost) {
+                is_theirs = has_factor && is_best;
                 break;
             }
         }
-        if most.is_finite() {
+        if !is_theirs && most.is_finite() {
             copy(&best, &mut self.presses);
             self.explained = most;
         }
-        self.judge(sums, &mut system);
+        if is_theirs || self.make(sums, &mut system) {
+            self.judge(&system);
+        }
         self.presses.iter_mut().for_each(Press::settle);
         has_gone
     }
@@ -267,13 +275,13 @@ impl<'a> Fit<'a> {
         (codes, energy)
     }
 
-    /// Strengths and offsets of all presses at their places; no presses where they cannot be told apart.
-    fn solve(&mut self, sums: &mut Sums, system: &mut System) {
-        self.fill(sums, system);
-        if !system.factor() {
+    /// Strengths and offsets of all presses at their places; no presses where they cannot be told apart, and says whether
+    /// they can.
+    fn solve(&mut self, sums: &mut Sums, system: &mut System) -> bool {
+        if !self.make(sums, system) {
             self.presses.clear();
             self.explained = 0.0;
-            return;
+            return false;
         }
         let found = system.solution();
         self.explained = system.right[..system.count].iter().zip(&found).map(|(b, x)| b * x).sum();
@@ -286,14 +294,11 @@ impl<'a> Fit<'a> {
             }
             first += press.unknowns();
         }
+        true
     }
 
-    /// Deviations and significances of the presses as they are.
-    fn judge(&mut self, sums: &mut Sums, system: &mut System) {
-        self.fill(sums, system);
-        if !system.factor() {
-            return;
-        }
+    /// Deviations and significances of the presses, by their factor.
+    fn judge(&mut self, system: &System) {
         let (misfit, noise) = (self.misfit(), self.noise);
         let mut first = 0;
         for press in &mut self.presses {
@@ -308,8 +313,8 @@ impl<'a> Fit<'a> {
         }
     }
 
-    /// The normal equations of the presses at their places.
-    fn fill(&self, sums: &mut Sums, system: &mut System) {
+    /// The factor of the normal equations of the presses at their places; says whether there is one.
+    fn make(&self, sums: &mut Sums, system: &mut System) -> bool {
         let Skin { places, common, .. } = self.skin;
         system.count = self.unknowns();
         let mut row = 0;
@@ -333,6 +338,7 @@ impl<'a> Fit<'a> {
             }
             row = own.end;
         }
+        system.factor()
     }
 
     /// Presses that lie nearer to another place go there; says whether any did.

@@ -191,9 +191,10 @@ impl Detector {
             let layout = &patch.header.detection;
             self.known.take(&places, layout, &self.inverse_variances, reference.weights());
         }
+        self.sums.scaled.set(&places, &self.inverse_variances, reference.weights());
         for place in self.next..self.next + REFRESHED {
             if let Some(known) = self.norms.get_mut(place) {
-                *known = filter::norm(&places, place, &self.inverse_variances, reference.weights());
+                *known = filter::norm(&places, place, &self.sums.scaled);
             }
         }
         self.next = if self.next + REFRESHED < places.count() { self.next + REFRESHED } else { 0 };
@@ -211,8 +212,10 @@ impl Detector {
         if patch.header.has_places() && self.noise.is_known() {
             self.noise.inverse_variances(patch, reference, &mut self.inverse_variances);
             let (places, weights, common) = (patch.places(), &self.inverse_variances, reference.weights());
-            let norm = |place| filter::norm(&places, place, weights, common);
-            self.norms = (0..places.count()).map(norm).collect();
+            self.sums.scaled.set(&places, weights, common);
+            self.norms.clear();
+            self.norms
+                .extend((0..places.count()).map(|place| filter::norm(&places, place, &self.sums.scaled)));
             self.known.take(&places, &patch.header.detection, weights, common);
             self.next = 0;
         }
@@ -249,7 +252,8 @@ impl Detector {
         let skin = Skin::of(patch, reference.weights());
         let noise = self.average.variance() + reference.variance();
         self.sums.take(relative, &self.inverse_variances, reference.weights(), noise);
-        let mut fit = Fit::of(&skin, &self.presses, &self.sums.data);
+        let mut fit = Fit::new(&skin, &self.sums.data);
+        fit.begin(&self.presses);
         while !fit.presses.is_empty() {
             let is_fresh = self.average.variance() > FRESH;
             let may_go = self.is_going || self.pause == 0 || !self.is_fast || is_fresh;
@@ -366,6 +370,12 @@ impl Detector {
         }
     }
 
+    /// Whether the latest frame leaves time for more: where frames come fast and something presses, one before a search.
+    #[must_use]
+    pub fn has_time(&self) -> bool {
+        !self.is_fast || self.presses.is_empty() || self.pause == 1
+    }
+
     /// What the latest frame shows to have changed.
     #[must_use]
     pub fn change(&self) -> Change {
@@ -391,13 +401,14 @@ impl Detector {
         (1..UNDECIDED).contains(&self.unexplained)
     }
 
-    /// Contacts of the latest frame, strongest first; none if it is of another kind than presses are, such as a sheet
-    /// that became a better conductor. Strengths are those over the area of the standard press.
+    /// Finds the contacts of the latest frame, strongest first; none if it is of another kind than presses are, such as a
+    /// sheet that became a better conductor. Strengths are those over the area of the standard press.
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
-    pub fn contacts(&mut self, patch: &PatchView<'_>) -> Contacts {
+    pub fn contacts(&mut self, patch: &PatchView<'_>, contacts: &mut Contacts) {
+        contacts.clear();
         if self.unexplained > 0 {
-            return Contacts::new();
+            return;
         }
         let (places, surface, radius) = (patch.places(), patch.surface(), patch.header.detection.radius);
         let contact = |press: &Press| Contact {
@@ -415,11 +426,10 @@ impl Detector {
             }),
             identity: None,
         };
-        let presses = press::gathered(&self.presses, &self.before, radius);
+        let mut presses = Presses::new();
+        press::gathered(&self.presses, &self.before, radius, &mut presses);
         self.before = press::remembered(&presses, &self.before, radius);
-        let mut contacts = Contacts::new();
         contacts.extend(presses.iter().map(contact));
-        contacts
     }
 }
 

@@ -25,7 +25,7 @@ const HELD_REACH: f32 = 4.5;
 const HARDLY_MORE: f32 = 1.2;
 
 /// One press, or a satellite, which stays on its place.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Press {
     /// The place that it is next to.
     pub(super) spot: Spot,
@@ -154,7 +154,7 @@ pub(super) struct Was {
 /// Makes a list of presses like others; moving one copies all of its room.
 pub(super) fn copy(from: &[Press], to: &mut Vec<Press, MAX_PRESSES>) {
     to.clear();
-    to.extend(from.iter().cloned());
+    let _ = to.extend_from_slice(from);
 }
 
 /// What is remembered of presses, if these were those before.
@@ -193,14 +193,12 @@ fn were_one(before: &[Was], one: &Press, other: &Press, radius: f32) -> bool {
 }
 
 /// The presses with all that lies beside them taken in, strongest first; `before` are those of the frame before.
-// Inlined, as moving a list copies all of its room.
-#[inline(always)]
-pub(super) fn gathered(presses: &[Press], before: &[Was], radius: f32) -> Presses {
-    let mut left = Vec::new();
-    copy(presses, &mut left);
-    sort(&mut left);
-    let mut found = Presses::new();
-    for press in &left {
+// Into a list that is there, as moving one copies all of its room.
+pub(super) fn gathered(presses: &[Press], before: &[Was], radius: f32, found: &mut Presses) {
+    let mut order: Vec<usize, MAX_PRESSES> = (0..presses.len()).collect();
+    sort(&mut order, |&at| presses[at].strength);
+    found.clear();
+    for press in order.iter().map(|&at| &presses[at]) {
         let away = |one: &&mut Press| square_distance(one.position, press.position);
         let near = found.iter_mut().min_by(|a, b| away(a).total_cmp(&away(b)));
         match near {
@@ -212,22 +210,21 @@ pub(super) fn gathered(presses: &[Press], before: &[Was], radius: f32) -> Presse
                 near.take_in(press);
             }
             _ => {
-                let _ = found.push(press.clone());
+                let _ = found.push(*press);
             }
         }
     }
-    sort(&mut found);
+    sort(found, |press| press.strength);
     let least = LEAST_SHARE * found.first().map_or(0.0, |press| press.strength);
     found.retain(|press| press.strength >= least);
-    found
 }
 
 /// Strongest first, by insertion: the library's sort takes 1.6 kB of the board's flash, and there are few.
-fn sort(presses: &mut [Press]) {
-    for end in 1..presses.len() {
+fn sort<T>(list: &mut [T], strength: impl Fn(&T) -> f32) {
+    for end in 1..list.len() {
         let mut at = end;
-        while at > 0 && presses[at].strength > presses[at - 1].strength {
-            presses.swap(at, at - 1);
+        while at > 0 && strength(&list[at]) > strength(&list[at - 1]) {
+            list.swap(at, at - 1);
             at -= 1;
         }
     }
@@ -236,6 +233,12 @@ fn sort(presses: &mut [Press]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn gathered(presses: &[Press], before: &[Was], radius: f32) -> Presses {
+        let mut found = Presses::new();
+        super::gathered(presses, before, radius, &mut found);
+        found
+    }
 
     fn press(x: f32, strength: f32) -> Press {
         Press { position: [x, 0.0, 0.0], significance: 10.0 * strength, ..Press::at(Spot::free(), strength) }

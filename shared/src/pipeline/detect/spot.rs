@@ -21,7 +21,7 @@ const FAR_OUT: f32 = 8.0;
 
 /// A place, and the slopes of the response there: round it the response is taken to change linearly with where the press
 /// is, as least squares over the places round it have it.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Spot {
     place: usize,
     /// Centre, m.
@@ -31,9 +31,10 @@ pub(super) struct Spot {
     pub(super) spacing: f32,
     /// Whether the places round it lie on one side, as at the skin's border.
     is_at_border: bool,
-    /// What the response at each place round it adds to the slopes. The place's own takes as much off. None where presses
-    /// stay on the place.
-    round: Round<(u8, [f32; 2])>,
+    /// Whether presses need not stay on the place.
+    is_free: bool,
+    /// What the response at each place round it adds to the slopes. The place's own takes as much off.
+    round: [(u8, [f32; 2]); PLACE_NEIGHBOURS],
 }
 
 /// By neighbour.
@@ -74,14 +75,14 @@ impl Spot {
             let ([x, y], weight) = (way, weight(way) * inverse);
             [weight * (yy * x - xy * y), weight * (xx * y - xy * x)]
         });
-        let round = neighbours.into_iter().zip(shares).collect();
-        Self { place, centre, axes, spacing, is_at_border, round }
+        let round = core::array::from_fn(|n| (neighbours[n], shares[n]));
+        Self { place, centre, axes, spacing, is_at_border, is_free: true, round }
     }
 
     /// One whose presses need not stay on it.
     #[cfg(test)]
     pub(super) fn free() -> Self {
-        Self { round: Round::from_slice(&[Default::default()]).unwrap(), ..Self::default() }
+        Self { is_free: true, ..Self::default() }
     }
 
     /// Its place.
@@ -91,7 +92,11 @@ impl Spot {
 
     /// Whether a press stays on the place.
     pub(super) fn is_fixed(&self) -> bool {
-        self.round.is_empty()
+        !self.is_free
+    }
+
+    fn round(&self) -> &[(u8, [f32; 2])] {
+        if self.is_free { &self.round } else { &[] }
     }
 
     /// A number that no other spot has.
@@ -103,7 +108,7 @@ impl Spot {
     pub(super) fn of_places(&self, mut value: impl FnMut(usize) -> f32) -> [f32; UNKNOWNS] {
         let own = value(self.place);
         let mut found = [own, 0.0, 0.0];
-        for &(other, [x, y]) in &self.round {
+        for &(other, [x, y]) in self.round() {
             let more = value(other.into()) - own;
             found[1] += x * more;
             found[2] += y * more;
@@ -116,7 +121,7 @@ impl Spot {
         let exponent = |place: usize| power_of_two(-i32::from(places.row_exponent(place)));
         let own_exponent = exponent(self.place);
         let mut own = [own_exponent, 0.0, 0.0];
-        let round = self.round.iter().map(|&(other, shares)| {
+        let round = self.round().iter().map(|&(other, shares)| {
             own[1] -= shares[0] * own_exponent;
             own[2] -= shares[1] * own_exponent;
             (places.row(other.into()), shares.map(|share| share * exponent(other.into())))
@@ -166,7 +171,7 @@ impl Spot {
     pub(super) fn nearest(&self, surface: &Surface<'_>, places: &Places<'_>, offset: [f32; 2]) -> usize {
         let here = self.point(self.within_reach(offset));
         let (mut place, mut least) = (self.place, square_distance(here, self.centre));
-        for &(other, _) in &self.round {
+        for &(other, _) in self.round() {
             let away = square_distance(here, at(surface, places, other.into()).0);
             if away < 0.9 * least {
                 (place, least) = (other.into(), away);

@@ -3,13 +3,17 @@
 
 use super::spot::{Spot, UNKNOWNS};
 use crate::{
+    limits::MAX_MEASUREMENTS,
     patch::{matrix::GROUP, places::Places},
-    pipeline::reference::{Changes, DifferenceData, power_of_two, resize},
+    pipeline::{
+        reconstruct,
+        reference::{Changes, DifferenceData, power_of_two, resize},
+    },
 };
 use heapless::Vec;
 
-/// How many of presses with each other are kept: those of ten presses, and of some that are tried.
-const KEPT: usize = 64;
+/// How many of presses with each other are kept: those of ten presses.
+const KEPT: usize = 56;
 /// And of presses with the data.
 const KEPT_OF_DATA: usize = 16;
 
@@ -35,10 +39,43 @@ pub(super) struct Data {
     codes: DifferenceData,
 }
 
+/// Inverse variances and the change that is common to all as they meet mantissas of responses: with the columns'
+/// exponents, exactly.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Scaled {
+    /// Four measurements at a time, zero behind the last: inverse variances, and the common change.
+    pub(super) fours: Vec<[[f32; GROUP]; 2], { MAX_MEASUREMENTS.div_ceil(GROUP) }>,
+    /// `c' S^-1 c` of the common change c.
+    pub(super) of_common: f32,
+}
+
+impl Scaled {
+    /// Made of these, `[measurement]`.
+    // Not inlined: it is asked for here and there.
+    #[inline(never)]
+    pub(super) fn set(&mut self, places: &Places<'_>, weights: &[f32], common: &[f32]) {
+        self.fours.clear();
+        let _ = self.fours.resize(weights.len().div_ceil(GROUP), Default::default());
+        self.of_common = 0.0;
+        let mut values = weights.iter().zip(common).zip(places.column_exponents());
+        for [weights, commons] in &mut self.fours {
+            for (scaled_weight, scaled_common) in weights.iter_mut().zip(commons) {
+                let Some(((weight, common), exponent)) = values.next() else { return };
+                let exponent = i32::from(exponent);
+                *scaled_weight = weight * power_of_two(-2 * exponent);
+                *scaled_common = common * power_of_two(exponent);
+                self.of_common += weight * common * common;
+            }
+        }
+    }
+}
+
 /// The data of the latest frame, and sums in use lately.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Sums {
     pub(super) data: Data,
+    /// Made when asked for.
+    pub(super) scaled: Scaled,
     /// By two spots.
     blocks: Kept<Block, KEPT>,
     /// By spot.
@@ -75,6 +112,7 @@ impl Sums {
             self.blocks.clear();
         }
         self.sides.clear();
+        self.scaled.fours.clear();
         codes.codes.clear();
     }
 
@@ -95,8 +133,14 @@ impl Sums {
         let is_turned = one.key() > other.key();
         let (one, other) = if is_turned { (other, one) } else { (one, other) };
         let key = u32::from(one.key()) << 16 | u32::from(other.key());
-        let weights = &self.data.weights;
-        let block = self.blocks.get(key, || block(places, weights, common, one, other));
+        let (weights, scaled) = (&self.data.weights, &mut self.scaled);
+        let make = || {
+            if scaled.fours.is_empty() {
+                scaled.set(places, weights, common);
+            }
+            block(places, scaled, one, other)
+        };
+        let block = self.blocks.get(key, make);
         if is_turned { [0, 1, 2].map(|i| [0, 1, 2].map(|j| block[j][i])) } else { block }
     }
 }
@@ -106,7 +150,7 @@ impl Data {
     fn with(&mut self, places: &Places<'_>, place: usize) -> f32 {
         let codes = self.codes(places);
         let exponent = -i32::from(places.row_exponent(place)) - codes.exponent;
-        Places::product(places.row(place), &codes.codes) as f32 * power_of_two(exponent.clamp(-126, 127))
+        reconstruct::product(places.row(place), &codes.codes) as f32 * power_of_two(exponent.clamp(-126, 127))
     }
 
     /// The data as they meet responses.
@@ -142,30 +186,26 @@ pub(super) fn each(
 
 // Not inlined, so that what it needs of the stack is free again for all else.
 #[inline(never)]
-fn block(places: &Places<'_>, weights: &[f32], common: &[f32], one: &Spot, other: &Spot) -> Block {
+fn block(places: &Places<'_>, scaled: &Scaled, one: &Spot, other: &Spot) -> Block {
     let (rows, columns) = (one.columns(places), other.columns(places));
     let is_same = one.key() == other.key();
-    let mut exponents = places.column_exponents();
     let mut block = Block::default();
-    let (mut of_one, mut of_other, mut of_common) = (Side::default(), Side::default(), 0.0);
-    for (four, (weights, common)) in weights.chunks(GROUP).zip(common.chunks(GROUP)).enumerate() {
+    let (mut of_one, mut of_other) = (Side::default(), Side::default());
+    for (four, [weights, common]) in scaled.fours.iter().enumerate() {
         let left = rows.four(four);
         let mut right = if is_same { left } else { columns.four(four) };
-        let mut weighted = [0.0; GROUP];
-        for (n, (weight, common)) in weights.iter().zip(common).enumerate() {
-            let scale = power_of_two(-i32::from(exponents.next().unwrap_or(0)));
-            weighted[n] = weight * common * scale;
-            of_common += weight * common * common;
-            of_other.iter_mut().zip(&right).for_each(|(sum, right)| *sum += right[n] * weighted[n]);
-            right.iter_mut().for_each(|right| right[n] *= weight * scale * scale);
-        }
-        // What lies behind the last column is zero in both.
+        let weighted = [0, 1, 2, 3].map(|n| weights[n] * common[n]);
+        of_other.iter_mut().zip(&right).for_each(|(sum, right)| *sum += dot(right, &weighted));
+        right
+            .iter_mut()
+            .flat_map(|right| right.iter_mut().zip(weights))
+            .for_each(|(right, weight)| *right *= weight);
         for ((sums, of_one), left) in block.iter_mut().zip(&mut of_one).zip(&left) {
             *of_one += dot(left, &weighted);
             sums.iter_mut().zip(&right).for_each(|(sum, right)| *sum += dot(left, right));
         }
     }
-    let inverse = if of_common > 0.0 { 1.0 / of_common } else { 0.0 };
+    let inverse = if scaled.of_common > 0.0 { 1.0 / scaled.of_common } else { 0.0 };
     for (sums, one) in block.iter_mut().zip(of_one) {
         sums.iter_mut().zip(of_other).for_each(|(sum, other)| *sum -= one * other * inverse);
     }

@@ -187,3 +187,40 @@ unsafe extern "C" fn sum_groups_of_data(groups: &Groups) {
         low_bits = const LOW_BITS,
     )
 }
+
+/// The exact sum of a row's mantissas times codes, in whole blocks of four columns; the row is one of a group.
+#[inline(always)]
+pub(super) fn row(row: &[u8], codes: &[[i16; GROUP]]) -> i64 {
+    // The last block of a row ends three words before that of its group.
+    let blocks = codes.len().min((row.len() + 12) / (2 * GROUP * GROUP));
+    // SAFETY: the blocks are there.
+    if blocks > 0 { unsafe { sum_row(row.as_ptr(), codes.as_ptr(), blocks) } } else { 0 }
+}
+
+/// Registers: r0 mantissas, r1 codes, r2 and r3 the sum, r4 to r7 words of both, r12 blocks.
+///
+/// # Safety
+/// So many blocks are there, at least one.
+#[unsafe(naked)]
+unsafe extern "C" fn sum_row(mantissas: *const u8, codes: *const [i16; GROUP], blocks: usize) -> i64 {
+    naked_asm!(
+        "push {{r4-r7}}",
+        "mov r12, r2",
+        "movs r2, #0",
+        "movs r3, #0",
+        "1:",
+        "ldr r4, [r1], #4",
+        "ldr r5, [r1], #4",
+        "ldr r6, [r0]",
+        "ldr r7, [r0, #16]",
+        "adds r0, #32",
+        "smlald r2, r3, r6, r4",
+        "smlald r2, r3, r7, r5",
+        "subs.w r12, r12, #1",
+        "bne 1b",
+        "mov r0, r2",
+        "mov r1, r3",
+        "pop {{r4-r7}}",
+        "bx lr",
+    )
+}

@@ -17,6 +17,7 @@ use crate::{
     patch::{
         PatchView,
         matrix::{GROUP, HEADROOM_BITS, INTERPOLATION_EXPONENT, MAX_INPUTS, Matrix, Rows},
+        places::Places,
     },
     pipeline::reference::DifferenceData,
     units::RelativeConductivity,
@@ -63,6 +64,20 @@ pub(super) fn products(rows: &Rows<'_>, data: &DifferenceData, values: &mut [i32
     kernel::sums(&codes, rows, values, LOW_BITS);
     #[cfg(not(all(target_arch = "arm", feature = "dsp")))]
     sums(&codes, rows, values, LOW_BITS);
+}
+
+/// The exact sum of a row's mantissas times codes, `[measurement]`; the row is one of a group, from its own words on.
+// Not inlined: its loop wants registers for itself.
+#[inline(never)]
+pub(super) fn product(row: &[u8], codes: &[i16]) -> i64 {
+    let (blocks, rest) = codes.as_chunks();
+    let mut last = [0; GROUP];
+    last.iter_mut().zip(rest).for_each(|(place, code)| *place = *code);
+    #[cfg(all(target_arch = "arm", feature = "dsp"))]
+    let sum = kernel::row(row, blocks);
+    #[cfg(not(all(target_arch = "arm", feature = "dsp")))]
+    let sum = blocks.iter().enumerate().map(|(four, codes)| Places::product(row, four, codes)).sum::<i64>();
+    sum + Places::product(row, blocks.len(), &last)
 }
 
 #[inline(always)]
