@@ -36,6 +36,13 @@ pub(super) struct Look {
     pub(super) known: KnownFit,
 }
 
+impl Look {
+    /// Whether they resemble a press that was taken away more than one that came.
+    pub(super) fn is_of_lift(&self) -> bool {
+        self.least.1 < -self.most.1
+    }
+}
+
 /// Looks at data y that come without what is common to all, times their inverse variances S^-1: `[measurement]`.
 // Not inlined, so that what it needs of the stack is free again for all else.
 #[inline(never)]

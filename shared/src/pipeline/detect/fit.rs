@@ -240,8 +240,22 @@ impl<'a> Fit<'a> {
         Some(Press::at(spot(surface, places, place), strength))
     }
 
+    /// What a press that was taken away, where what is left resembles one most, would explain of it.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    pub(super) fn by_lift(&self, look: &Look, norms: &Norms, sums: &mut Sums) -> f32 {
+        let Skin { places, surface, .. } = self.skin;
+        let (place, z) = look.least;
+        let mut fit = self.clone();
+        let strength = filter::strength(places, place, norms, z);
+        let _ = fit.presses.push(Press::at(Spot::new(surface, places, place), strength));
+        if fit.solve(sums, &mut System::default()) { fit.explained - self.explained } else { 0.0 }
+    }
+
     /// Sum of the presses' responses: `[measurement]`.
-    pub(super) fn responses(skin: &Skin<'_>, presses: &[Press], add: impl FnMut(usize, f32)) {
+    // Once on the board, for all that is done with them.
+    #[inline(never)]
+    pub(super) fn responses(skin: &Skin<'_>, presses: &[Press], add: &mut dyn FnMut(usize, f32)) {
         let places = &skin.places;
         let responses: Vec<Response<'_>, MAX_PRESSES> =
             presses.iter().map(|press| press.response(places)).collect();
@@ -263,7 +277,7 @@ impl<'a> Fit<'a> {
         }
         let mut left = Changes::new();
         left.extend(data.values.iter().copied());
-        Self::responses(self.skin, &self.presses, |m, response| {
+        Self::responses(self.skin, &self.presses, &mut |m, response| {
             if let Some(y) = left.get_mut(m) {
                 *y -= response;
             }

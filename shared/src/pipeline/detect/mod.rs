@@ -28,7 +28,7 @@ use super::{
 use crate::{
     contact::{Contact, Contacts, Evidence},
     limits::MAX_CONTACTS,
-    patch::PatchView,
+    patch::{PatchView, places::Places},
 };
 use filter::{Look, Norms};
 use fit::{Fit, Skin};
@@ -68,6 +68,13 @@ const CLEARLY_PRESSED: f32 = 30.0;
 /// a share. Simulated fingers of 4 % of the size lie within two of these in 95 of 100 places on flat skins.
 const MODEL_POSITION: f32 = 0.3;
 const MODEL_STRENGTH: f32 = 0.11;
+/// While a press lifts that was part of the reference, and so long after, us, a new one that is weaker than this share of
+/// it is a rest of that.
+const LIFTS: u32 = 2_000_000;
+const REST: f32 = 0.75;
+/// One that was lifted leaves less than this share of what one press more does: simulated fingers that press leave more
+/// than 0.3, though near the rim of some skins the opposite of a press elsewhere explains as much of them.
+const LIFT_LEAVES: f32 = 0.25;
 /// Frames after a known change in which only a press that comes suddenly is one.
 const KNOWN_PAUSE: u8 = 100;
 /// Electrodes that slip by a hundredth of the skin's size leave less than this share of what changed unexplained, presses
@@ -104,6 +111,11 @@ pub struct Detector {
     is_slipped: bool,
     /// Frames in which a press that comes slowly is taken for a change of the sheet.
     known_pause: u8,
+    /// When something was lifted, in the clock's lower half, unless that is long ago: a press that is weaker than `rest` is
+    /// taken for a rest of it, of which that is a share.
+    lifted_us: Option<u32>,
+    rest: f32,
+    rest_share: f32,
     /// Frames that are not searched for another press beside them.
     pause: u8,
     /// Whether presses went to other places in the latest frame: where frames come fast, those that lie still are asked to
@@ -150,7 +162,7 @@ impl Detector {
         self.before.clear();
         self.average.restart();
         (self.unexplained, self.pause, self.known_pause) = (0, 0, 0);
-        (self.is_slipped, self.is_going) = (false, false);
+        (self.is_slipped, self.is_going, self.lifted_us) = (false, false, None);
         self.change = Change::Still;
     }
 
@@ -264,13 +276,17 @@ impl Detector {
         }
         self.change = Change::Pressed;
         self.known_pause = self.known_pause.saturating_sub(1);
+        self.lifted_us = self.lifted_us.filter(|then| self.frame_us.wrapping_sub(*then) < LIFTS);
         if fit.presses.is_empty() || self.pause == 0 {
-            let look = fit.look(&mut self.sums.data, &self.norms, &self.known);
-            self.pause = self.add_another(&mut fit, &look, level);
+            let mut look = fit.look(&mut self.sums.data, &self.norms, &self.known);
+            self.pause = self.add_another(&mut fit, &mut look, level);
             self.change = self.judge(&fit, &look, level);
             self.latest_known = look.known;
             if self.change == Change::Smooth || self.is_slipped {
                 self.known_pause = KNOWN_PAUSE;
+            }
+            if self.change == Change::Lifted && look.is_of_lift() {
+                self.drop_rests(&mut fit, &look, &patch.places());
             }
         } else {
             self.pause -= 1;
@@ -284,8 +300,24 @@ impl Detector {
         copy(&fit.presses, &mut self.presses);
     }
 
-    /// Adds one press more to the fit, if the data ask for it; says how many frames need not be asked next.
-    fn add_another(&mut self, fit: &mut Fit<'_>, look: &Look, level: f32) -> u8 {
+    /// Drops new presses that are rests of what lifts where a fit leaves this: the lifted one was strong, and what it leaves
+    /// is not quite the opposite of a press. They shrink as the reference is mended.
+    fn drop_rests(&mut self, fit: &mut Fit<'_>, look: &Look, places: &Places<'_>) {
+        let (place, z) = look.least;
+        let lifted = filter::strength(places, place, &self.norms, -z);
+        if self.lifted_us.replace(self.frame_us).is_none() {
+            // What comes in the same frame is one, however strong.
+            let new = fit.presses.iter().filter(|press| press.is_new());
+            let strongest = new.fold(0.0, |most: f32, press| most.max(press.strength));
+            self.rest_share = REST.max(1.2 * strongest / lifted);
+        }
+        self.rest = SUDDEN.max(self.rest_share * lifted);
+        fit.retain(|press| !press.is_new() || press.strength >= self.rest);
+    }
+
+    /// Adds one press more to the fit, if the data ask for it; says how many frames need not be asked next. Where that is no
+    /// press, but one that was lifted, the look has what that explains.
+    fn add_another(&mut self, fit: &mut Fit<'_>, look: &mut Look, level: f32) -> u8 {
         if !fit.has_room() {
             self.is_slipped = false;
             return PAUSE;
@@ -306,16 +338,30 @@ impl Detector {
         }
         let gain = next.explained - fit.explained;
         self.is_slipped = self.is_slip(fit, look, gain);
+        let by_lift = fit.by_lift(look, &self.norms, &mut self.sums);
+        if !self.is_slipped && self.is_lift(fit, look, gain, by_lift) {
+            look.least.1 = -libm::sqrtf(by_lift);
+            return PAUSE;
+        }
         let is_more = fit.is_asked_for(look, strength, gain, next.misfit(), level);
         // What comes slowly may be drift.
         let clearly = look.known.explained + CLEARLY_PRESSED * self.sums.data.noise;
-        let is_press = is_sudden || (self.known_pause == 0 && gain > clearly);
+        let is_rest = self.lifted_us.is_some() && strength < self.rest;
+        let is_press = !is_rest && (is_sudden || (self.known_pause == 0 && gain > clearly));
         if is_more && is_press && !self.is_slipped && next.presses.iter().any(Press::is_new) {
             fit.clone_from(&next);
             (fit.presses.len() / PRESSES_IN_A_FRAME) as u8
         } else {
             PAUSE
         }
+    }
+
+    /// Whether a press that was taken away, which explains so much of what a fit leaves, accounts for all but hardly any of
+    /// that, and one press more, which gains so much, does not, nor do smooth changes.
+    fn is_lift(&self, fit: &Fit<'_>, look: &Look, gain: f32, by_lift: f32) -> bool {
+        look.is_of_lift()
+            && by_lift > fit.explained.max(look.known.explained + CLEARLY * self.sums.data.noise)
+            && look.left - by_lift + 3.0 * fit.spread() < LIFT_LEAVES * (look.left - gain)
     }
 
     /// Whether electrodes that slip, seen by a look at what a fit leaves, account for that, and one press more, which
@@ -364,7 +410,7 @@ impl Detector {
         } else if is_loud(least) && 3.0 * least > look.left && is_clear(least, smooth.max(most)) {
             Change::Lifted
         } else if is_loud(most) {
-            Change::Pressed
+            if self.lifted_us.is_some() { Change::Lifted } else { Change::Pressed }
         } else {
             Change::Still
         }
@@ -392,7 +438,7 @@ impl Detector {
             self.latest_known.add_smooth(&patch.places(), |m, change| differences[m] += code(m, change));
         } else {
             let skin = Skin::of(patch, reference.weights());
-            Fit::responses(&skin, &self.presses, |m, change| differences[m] -= code(m, change));
+            Fit::responses(&skin, &self.presses, &mut |m, change| differences[m] -= code(m, change));
         }
     }
 

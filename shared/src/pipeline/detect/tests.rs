@@ -263,6 +263,29 @@ fn what_pressed_in_the_tare_and_is_lifted_is_said_and_mended() {
 }
 
 #[test]
+fn rests_of_what_pressed_in_the_tare_are_no_contacts_and_presses_meanwhile_are() {
+    for (frames, strength) in [(150, 0.3), (10, 0.9)] {
+        let mut trial = Trial::new(1e-4, 1);
+        trial.state.start_tare(20);
+        // Once it is lifted, as if something pressed at 120, nearly as strongly.
+        let rest = [(27, 1.0), (120, -0.7)];
+        for _ in 0..20 {
+            trial.frame(&rest, |_| 0.0);
+        }
+        for frame in 0..frames {
+            trial.frame(&[], |_| 0.0);
+            assert!(trial.contacts().is_empty(), "frame {frame}: {:?}", trial.contacts());
+            assert!(frame != 0 || trial.state.flags().contains(FrameFlags::LIFTED));
+        }
+        for _ in 0..3 {
+            trial.frame(&[(117, f64::from(strength))], |_| 0.0);
+        }
+        let found = trial.contacts();
+        assert!(matches!(found[..], [(117, found, _)] if (found - strength).abs() < 0.1), "{found:?}");
+    }
+}
+
+#[test]
 fn what_was_learnt_wrongly_is_unlearnt_as_soon_as_the_skin_is_untouched() {
     for frames in [1, 4, 8, 12, 16, 20] {
         let mut trial = Trial::new(1e-4, 20);
