@@ -338,10 +338,12 @@ impl Detector {
         }
         let gain = next.explained - fit.explained;
         self.is_slipped = self.is_slip(fit, look, gain);
-        let by_lift = fit.by_lift(look, &self.norms, &mut self.sums);
-        if !self.is_slipped && self.is_lift(fit, look, gain, by_lift) {
-            look.least.1 = -libm::sqrtf(by_lift);
-            return PAUSE;
+        if !self.is_slipped && look.is_of_lift() {
+            let by_lift = fit.by_lift(look, &self.norms, &mut self.sums);
+            if self.is_lift(fit, look, gain, by_lift) {
+                look.least.1 = -libm::sqrtf(by_lift);
+                return PAUSE;
+            }
         }
         let is_more = fit.is_asked_for(look, strength, gain, next.misfit(), level);
         // What comes slowly may be drift.
@@ -359,8 +361,7 @@ impl Detector {
     /// Whether a press that was taken away, which explains so much of what a fit leaves, accounts for all but hardly any of
     /// that, and one press more, which gains so much, does not, nor do smooth changes.
     fn is_lift(&self, fit: &Fit<'_>, look: &Look, gain: f32, by_lift: f32) -> bool {
-        look.is_of_lift()
-            && by_lift > fit.explained.max(look.known.explained + CLEARLY * self.sums.data.noise)
+        by_lift > fit.explained.max(look.known.explained + CLEARLY * self.sums.data.noise)
             && look.left - by_lift + 3.0 * fit.spread() < LIFT_LEAVES * (look.left - gain)
     }
 
