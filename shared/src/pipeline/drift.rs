@@ -102,12 +102,6 @@ impl Drift {
         self.touched_us = Some(now_us);
     }
 
-    /// Whether the skin was touched in the frame before the latest, or not long ago.
-    #[must_use]
-    pub fn rests(&self) -> bool {
-        self.rests
-    }
-
     /// Drift of all voltages since the reference was made, relative.
     #[must_use]
     pub fn common(&self) -> f32 {

@@ -280,8 +280,7 @@ impl PipelineState {
             self.detector.follow(patch, reference);
         }
         let Some(part) = self.drift.part(change, patch.header.drift_time) else { return };
-        // What is lifted where nothing pressed since the tare was pressed in that: it may come back as it was.
-        if change != Change::Still && (change != Change::Lifted || self.drift.rests()) {
+        if change != Change::Still {
             self.former.keep(reference);
         }
         self.detector.leave_followed(patch, reference, differences);
