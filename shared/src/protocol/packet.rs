@@ -8,7 +8,8 @@ use serde::{Serialize, de::DeserializeOwned};
 ///
 /// Fails only if `out` is too short; [`MAX_PACKET_BYTES`] are always enough.
 pub fn encode<'a, T: Serialize>(message: &T, out: &'a mut [u8]) -> Result<&'a [u8], PacketError> {
-    // One after the other: to do all for each byte takes the board twice as long.
+    // One after the other: to do all for each byte takes the board twice as long, and postcard's own function for message
+    // and CRC 5.6 kB of flash more.
     let mut plain = [0; MAX_PACKET_BYTES];
     let (length, crc) = {
         let message = postcard::to_slice(message, &mut plain).map_err(|_| PacketError::TooLong)?;

@@ -129,6 +129,7 @@ fn measure(rig: &Rig, speed: &Speed) -> Result<String, Failure> {
         ("untouched", &[][..], None),
         ("pressed once", &[PRESS][..], Some(speed.longest_latency[0])),
         ("three times", &THREE[..], Some(speed.longest_latency[1])),
+        ("twice", &THREE[..2], None),
     ] {
         session.board.with(|machine| machine.chip(|chip| drop(chip.trace.take())));
         session.world.press(presses);

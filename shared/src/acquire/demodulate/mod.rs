@@ -32,9 +32,9 @@ pub struct LockInReference {
     length: usize,
 }
 
-/// Cosine and negative sine, in steps of 2^-14. They are read by words, which take longer where they do not lie aligned.
+/// Cosine and negative sine, in steps of 2^-14.
 #[derive(Clone, Debug)]
-#[repr(C, align(4))]
+#[repr(C)]
 struct Waves {
     cosine: [i16; MAX_PERIOD],
     sine: [i16; MAX_PERIOD],

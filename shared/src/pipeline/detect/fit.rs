@@ -139,7 +139,7 @@ impl<'a> Fit<'a> {
             copy(&best, &mut self.presses);
             self.explained = most;
         }
-        if is_theirs || self.make(sums, &mut system) {
+        if is_theirs || self.factor(sums, &mut system) {
             self.judge(&system);
         }
         self.presses.iter_mut().for_each(Press::settle);
@@ -292,7 +292,7 @@ impl<'a> Fit<'a> {
     /// Strengths and offsets of all presses at their places; no presses where they cannot be told apart, and says whether
     /// they can.
     fn solve(&mut self, sums: &mut Sums, system: &mut System) -> bool {
-        if !self.make(sums, system) {
+        if !self.factor(sums, system) {
             self.presses.clear();
             self.explained = 0.0;
             return false;
@@ -328,7 +328,7 @@ impl<'a> Fit<'a> {
     }
 
     /// The factor of the normal equations of the presses at their places; says whether there is one.
-    fn make(&self, sums: &mut Sums, system: &mut System) -> bool {
+    fn factor(&self, sums: &mut Sums, system: &mut System) -> bool {
         let Skin { places, common, .. } = self.skin;
         system.count = self.unknowns();
         let mut row = 0;

@@ -72,8 +72,9 @@ const MODEL_STRENGTH: f32 = 0.11;
 /// it is a rest of that.
 const LIFTS: u32 = 2_000_000;
 const REST: f32 = 0.75;
-/// One that was lifted leaves less than this share of what one press more does: simulated fingers that press leave more
-/// than 0.3, though near the rim of some skins the opposite of a press elsewhere explains as much of them.
+const A_LITTLE_MORE: f32 = 1.2;
+/// One that was lifted leaves less than this share of what one press more does. Near the rim of some skins the opposite of
+/// a press elsewhere explains simulated fingers better than a press does; it left 0.37 to 0.45 of what that left.
 const LIFT_LEAVES: f32 = 0.25;
 /// Frames after a known change in which only a press that comes suddenly is one.
 const KNOWN_PAUSE: u8 = 100;
@@ -111,11 +112,8 @@ pub struct Detector {
     is_slipped: bool,
     /// Frames in which a press that comes slowly is taken for a change of the sheet.
     known_pause: u8,
-    /// When something was lifted, in the clock's lower half, unless that is long ago: a press that is weaker than `rest` is
-    /// taken for a rest of it, of which that is a share.
-    lifted_us: Option<u32>,
-    rest: f32,
-    rest_share: f32,
+    /// What was lifted not long ago.
+    lifting: Option<Lifting>,
     /// Frames that are not searched for another press beside them.
     pause: u8,
     /// Whether presses went to other places in the latest frame: where frames come fast, those that lie still are asked to
@@ -124,6 +122,16 @@ pub struct Detector {
     /// When the latest frame came, in the clock's lower half, and whether it came fast after the one before.
     frame_us: u32,
     is_fast: bool,
+}
+
+/// A press that was part of the reference lifts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Lifting {
+    /// When it was seen to last, in the clock's lower half, us.
+    latest_us: u32,
+    /// A new press that is weaker is taken for a rest of it, of which that is this share.
+    rest: f32,
+    share: f32,
 }
 
 /// What has changed since the reference was made.
@@ -162,7 +170,7 @@ impl Detector {
         self.before.clear();
         self.average.restart();
         (self.unexplained, self.pause, self.known_pause) = (0, 0, 0);
-        (self.is_slipped, self.is_going, self.lifted_us) = (false, false, None);
+        (self.is_slipped, self.is_going, self.lifting) = (false, false, None);
         self.change = Change::Still;
     }
 
@@ -276,7 +284,7 @@ impl Detector {
         }
         self.change = Change::Pressed;
         self.known_pause = self.known_pause.saturating_sub(1);
-        self.lifted_us = self.lifted_us.filter(|then| self.frame_us.wrapping_sub(*then) < LIFTS);
+        self.lifting = self.lifting.filter(|lifting| self.frame_us.wrapping_sub(lifting.latest_us) < LIFTS);
         if fit.presses.is_empty() || self.pause == 0 {
             let mut look = fit.look(&mut self.sums.data, &self.norms, &self.known);
             self.pause = self.add_another(&mut fit, &mut look, level);
@@ -305,14 +313,18 @@ impl Detector {
     fn drop_rests(&mut self, fit: &mut Fit<'_>, look: &Look, places: &Places<'_>) {
         let (place, z) = look.least;
         let lifted = filter::strength(places, place, &self.norms, -z);
-        if self.lifted_us.replace(self.frame_us).is_none() {
-            // What comes in the same frame is one, however strong.
-            let new = fit.presses.iter().filter(|press| press.is_new());
-            let strongest = new.fold(0.0, |most: f32, press| most.max(press.strength));
-            self.rest_share = REST.max(1.2 * strongest / lifted);
-        }
-        self.rest = SUDDEN.max(self.rest_share * lifted);
-        fit.retain(|press| !press.is_new() || press.strength >= self.rest);
+        let share = self.lifting.map_or_else(
+            || {
+                // What comes in its first frame is one, however strong.
+                let new = fit.presses.iter().filter(|press| press.is_new());
+                let strongest = new.fold(0.0, |most: f32, press| most.max(press.strength));
+                REST.max(A_LITTLE_MORE * strongest / lifted)
+            },
+            |lifting| lifting.share,
+        );
+        let rest = SUDDEN.max(share * lifted);
+        self.lifting = Some(Lifting { latest_us: self.frame_us, rest, share });
+        fit.retain(|press| !press.is_new() || press.strength >= rest);
     }
 
     /// Adds one press more to the fit, if the data ask for it; says how many frames need not be asked next. Where that is no
@@ -348,7 +360,7 @@ impl Detector {
         let is_more = fit.is_asked_for(look, strength, gain, next.misfit(), level);
         // What comes slowly may be drift.
         let clearly = look.known.explained + CLEARLY_PRESSED * self.sums.data.noise;
-        let is_rest = self.lifted_us.is_some() && strength < self.rest;
+        let is_rest = self.lifting.is_some_and(|lifting| strength < lifting.rest);
         let is_press = !is_rest && (is_sudden || (self.known_pause == 0 && gain > clearly));
         if is_more && is_press && !self.is_slipped && next.presses.iter().any(Press::is_new) {
             fit.clone_from(&next);
@@ -411,7 +423,8 @@ impl Detector {
         } else if is_loud(least) && 3.0 * least > look.left && is_clear(least, smooth.max(most)) {
             Change::Lifted
         } else if is_loud(most) {
-            if self.lifted_us.is_some() { Change::Lifted } else { Change::Pressed }
+            // No press was made of it: a rest of what lifts.
+            if self.lifting.is_some() { Change::Lifted } else { Change::Pressed }
         } else {
             Change::Still
         }

@@ -82,3 +82,22 @@ fn a_patch_that_was_not_validated_gives_some_image() {
         }
     }
 }
+
+proptest! {
+    /// Whether or not the columns are whole blocks of four, in each of a group's rows.
+    #[test]
+    fn the_product_of_a_row_is_that_of_its_columns(
+        columns in prop::collection::vec((any::<i16>(), any::<i16>()), 1..30),
+        row in 0..GROUP,
+    ) {
+        let whole = columns.len().next_multiple_of(GROUP);
+        let mut mantissas = std::vec![7_i16; whole * GROUP];
+        for column in 0..whole {
+            mantissas[coefficient_index(whole, row, column)] = columns.get(column).map_or(0, |column| column.0);
+        }
+        let bytes: Vec<u8> = mantissas.iter().flat_map(|mantissa| mantissa.to_le_bytes()).collect();
+        let codes: Vec<i16> = columns.iter().map(|column| column.1).collect();
+        let expected: i64 = columns.iter().map(|&(a, b)| i64::from(a) * i64::from(b)).sum();
+        prop_assert_eq!(product(&bytes[2 * coefficient_index(whole, row, 0)..], &codes), expected);
+    }
+}
