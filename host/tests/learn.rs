@@ -9,7 +9,7 @@ use dermatome::{
         judge::Judged,
         learn,
         matrix::spots,
-        presses::{Presses, Recording},
+        presses::{Positions, Presses, Recording},
         responses::Responses,
     },
     model::Model,
@@ -77,6 +77,7 @@ fn recording(skin: &Skin, count: usize, seed: u64) -> Recording {
     let frames =
         |values: Vec<Complex64>, frames| Frames { values, frames, measurements: steps.len(), complex: false };
     let unpressed = frames(noisy(untouched, &mut random), 1);
+    let positions = Positions::FromAbove(positions);
     Recording { pressed: frames(values, count), unpressed, positions, forces: Some(forces) }
 }
 
@@ -99,7 +100,7 @@ fn presses_teach_where_electrodes_and_contacts_really_are() {
     println!("model {model:?}\nlearnt {test:?}\nvalidation {:?}", report.validation);
     assert!(test.mean_mm < 0.6 * model.mean_mm, "{test:?}, {model:?}");
     assert_eq!(test.missed, 0);
-    assert!(!report.conductivity_falls && !report.turn.mirrored);
+    assert!(!report.conductivity_falls && !report.turn.unwrap().mirrored);
     assert!((report.validation.mean_mm / test.mean_mm - 1.0).abs() < 0.5, "{:?}", report.validation);
     assert!(report.fixed_point_mm < 0.1 && report.force_correlation.unwrap() > 0.5, "{report:?}");
 }
@@ -109,7 +110,9 @@ fn what_the_test_presses_say_changes_nothing_that_is_learnt() {
     let mut recording = recording(&true_tiny(), 50, 4);
     let before = learnt(&recording, &REQUEST).unwrap();
     let held_out = dermatome::learn::split::split(&(0..50).collect::<Vec<_>>(), 0.2, 1).test;
-    recording.positions[held_out[0]] = [0.0, 0.0];
+    let mut places = recording.positions.from_above();
+    places[held_out[0]] = [0.0, 0.0];
+    recording.positions = Positions::FromAbove(places);
     let steps = recording.pressed.measurements;
     recording.pressed.values[held_out[1] * steps] *= 2.0;
     let after = learnt(&recording, &REQUEST).unwrap();
@@ -158,6 +161,7 @@ fn spots_are_found_where_the_press_is_also_near_the_edge() {
         let presses = Presses {
             data: vec![vec![1.0]],
             places: vec![*centre],
+            off: None,
             forces: None,
             mean_divisors: vec![1.0],
             mean_reference: Vec::new(),
@@ -176,7 +180,7 @@ fn an_archive_of_presses_is_read_as_it_was_written() {
     let arrays = [
         ("v_pressed", vec![12, 40], real(&written.pressed)),
         ("v_unpressed", vec![40], real(&written.unpressed)),
-        ("positions_m", vec![12, 2], written.positions.concat()),
+        ("positions_m", vec![12, 2], written.positions.from_above().concat()),
         ("force_n", vec![12], written.forces.clone().unwrap()),
     ];
     for (name, shape, values) in arrays {
@@ -187,8 +191,8 @@ fn an_archive_of_presses_is_read_as_it_was_written() {
     }
     drop(archive);
     let path = desk.path("presses.npz");
-    assert_eq!(Recording::read(&path, None, 0.0, 8, 40).unwrap(), written);
-    let shifted = Recording::read(&path, None, 0.5, 8, 40).unwrap();
+    assert_eq!(Recording::read(&path, None, 0.0, &tiny().0).unwrap(), written);
+    let shifted = Recording::read(&path, None, 0.5, &tiny().0).unwrap();
     assert_eq!(shifted.pressed.values[0], written.pressed.values[0] - 0.5);
     assert_eq!(shifted.positions, written.positions);
 }
@@ -219,9 +223,10 @@ fn impossible_requests_are_refused() {
 #[test]
 fn presses_at_few_places_are_refused_and_those_at_one_place_are_not_on_both_sides() {
     let mut recording = recording(&true_tiny(), 60, 11);
-    let all = recording.positions.clone();
+    let all = recording.positions.from_above();
+    let cycled = |places| Positions::FromAbove(all.iter().take(places).cycle().take(60).copied().collect());
     for places in [1, 9] {
-        recording.positions = all.iter().take(places).cycle().take(60).copied().collect();
+        recording.positions = cycled(places);
         let LearnError::TooFewPlaces { found, places: of_all } = learnt(&recording, &REQUEST).unwrap_err()
         else {
             panic!("{places}")
@@ -229,29 +234,17 @@ fn presses_at_few_places_are_refused_and_those_at_one_place_are_not_on_both_side
         assert!(found < places && of_all == places, "{found} of {of_all}");
     }
     // 15 places: 12 are learnt from, and the presses of three are the test.
-    recording.positions = all.iter().take(15).cycle().take(60).copied().collect();
+    recording.positions = cycled(15);
     let report = learnt(&recording, &REQUEST).unwrap().report;
     assert_eq!((report.training_presses, report.test_presses), (48, 12));
-}
-
-#[test]
-fn curved_skins_are_refused_by_name() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/hemisphere-120mm/skin.toml");
-    let skin = Skin::load(&file).unwrap().made().unwrap();
-    let model = Model::build(&skin, |_| ()).unwrap();
-    let values = vec![Complex64::from(1.0); skin.steps().len()];
-    let frames = Frames { measurements: values.len(), values, frames: 1, complex: false };
-    let positions = vec![[0.01, 0.02]];
-    let recording = Recording { pressed: frames.clone(), unpressed: frames, positions, forces: None };
-    let words = recording.on(&model, &Arrangement::default()).unwrap_err().to_string();
-    assert!(words.contains("the skin is curved") && words.contains("allowed: flat skins"), "{words}");
 }
 
 /// A table of presses and one of the untouched skin.
 fn write_tables(desk: &Desk, recording: &Recording) {
     let mut text = String::new();
     let forces = recording.forces.clone().unwrap();
-    for ((frame, [x, y]), force) in recording.pressed.iter().zip(&recording.positions).zip(forces) {
+    for ((frame, [x, y]), force) in recording.pressed.iter().zip(recording.positions.from_above()).zip(forces)
+    {
         let values: Vec<f64> = frame.iter().map(|value| value.re).collect();
         write!(text, "{x:.6},{y:.6},{force:.4},{}", row(&values)).unwrap();
     }

@@ -1,11 +1,13 @@
 //! `learn` beside regressions from measurements to places, on simulated skins that their model does not know.
 
+mod peers;
+
 use dermatome::{
     learn::{
         Learnt, Request, Strength,
         judge::judge_board,
         learn,
-        presses::{Presses, Recording},
+        presses::{Positions, Presses, Recording},
     },
     model::Model,
     recorded::{order::Arrangement, read::Frames},
@@ -13,8 +15,8 @@ use dermatome::{
     skin::Skin,
 };
 use dermatome_shared::patch::PatchView;
-use faer::{Mat, linalg::solvers::Solve};
 use num_complex::Complex64;
+use peers::{Features, median, regression, some_of};
 use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
@@ -148,105 +150,10 @@ fn presses(odd: &Odd, model: &Model, count: usize, seed: u64) -> Presses {
     let recording = Recording {
         pressed: frames(values, count),
         unpressed: frames(unpressed, 1),
-        positions,
+        positions: Positions::FromAbove(positions),
         forces: None,
     };
     recording.on(model, &Arrangement::default()).unwrap()
-}
-
-fn some_of(presses: &Presses, which: std::ops::Range<usize>) -> Presses {
-    Presses {
-        data: presses.data[which.clone()].to_vec(),
-        places: presses.places[which].to_vec(),
-        ..presses.clone()
-    }
-}
-
-/// What a regression sees of a press.
-#[derive(Clone, Copy, Debug)]
-enum Features {
-    /// Relative changes over their usual sizes.
-    Linear,
-    /// The same, of size 1 for each press.
-    Direction,
-    /// Logarithms of their magnitudes, with a mean of zero for each press.
-    Logarithm,
-}
-
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
-}
-
-fn features(presses: &Presses, usual: &[f64], kind: Features) -> Mat<f64> {
-    let count = presses.count();
-    let mut rows = Mat::from_fn(count, usual.len(), |press, m| presses.data[press][m] / usual[m]);
-    for press in 0..count {
-        let size = rows.row(press).norm_l2();
-        let root = size / (usual.len() as f64).sqrt();
-        let value = |value: &f64| match kind {
-            Features::Linear => *value,
-            Features::Direction => value / size,
-            Features::Logarithm => (value.abs() / root + 0.03).ln(),
-        };
-        let values: Vec<f64> = rows.row(press).iter().map(value).collect();
-        let is_logarithm = matches!(kind, Features::Logarithm);
-        let mean = if is_logarithm { values.iter().sum::<f64>() / values.len() as f64 } else { 0.0 };
-        rows.row_mut(press).iter_mut().zip(values).for_each(|(row, value)| *row = value - mean);
-    }
-    rows
-}
-
-/// Median error of places by (kernel) ridge regression, mm, its parameters by leave-one-out.
-fn regression(taught: &Presses, judged: &Presses, kind: Features, is_kernel: bool) -> f64 {
-    let usual: Vec<f64> = (0..taught.measurements())
-        .map(|m| median(taught.data.iter().map(|data| data[m].abs())).max(1e-9))
-        .collect();
-    let (known, unknown) = (features(taught, &usual, kind), features(judged, &usual, kind));
-    let count = taught.count();
-    let squares = |a: &Mat<f64>, b: &Mat<f64>| {
-        Mat::from_fn(a.nrows(), b.nrows(), |i, j| (a.row(i) - b.row(j)).squared_norm_l2())
-    };
-    let (near, far) = (squares(&known, &known), squares(&unknown, &known));
-    let scale = median((0..count).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| near[(i, j)]));
-    let kernels: Vec<(Mat<f64>, Mat<f64>)> = if is_kernel {
-        let of = |share: f64| {
-            let kernel = |squares: &Mat<f64>| {
-                Mat::from_fn(squares.nrows(), squares.ncols(), |i, j| {
-                    (-squares[(i, j)] / (share * scale)).exp()
-                })
-            };
-            (kernel(&near), kernel(&far))
-        };
-        [0.5, 1.0, 2.0, 4.0, 8.0].map(of).into()
-    } else {
-        vec![(&known * known.transpose(), &unknown * known.transpose())]
-    };
-    let places = |presses: &Presses| Mat::from_fn(presses.count(), 2, |i, axis| presses.places[i][axis]);
-    let targets = places(taught);
-    let means = [0, 1].map(|axis| targets.col(axis).iter().sum::<f64>() / count as f64);
-    let centred = Mat::from_fn(count, 2, |i, axis| targets[(i, axis)] - means[axis]);
-    let mut best: Option<(f64, Mat<f64>)> = None;
-    for (kernel, other) in &kernels {
-        let size = (0..count).map(|i| kernel[(i, i)]).sum::<f64>() / count as f64;
-        for ridge in [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0] {
-            let mut system = kernel.clone();
-            (0..count).for_each(|i| system[(i, i)] += ridge * size);
-            let inverse = system.partial_piv_lu().solve(Mat::<f64>::identity(count, count));
-            let weights = &inverse * &centred;
-            let left =
-                (0..count).map(|i| weights.row(i).squared_norm_l2() / inverse[(i, i)].powi(2)).sum::<f64>();
-            if best.as_ref().is_none_or(|(least, _)| left < *least) {
-                best = Some((left, other * weights));
-            }
-        }
-    }
-    let told = best.unwrap().1;
-    let off = |(i, place): (usize, &nalgebra::Point3<f64>)| {
-        (told[(i, 0)] + means[0] - place.x).hypot(told[(i, 1)] + means[1] - place.y) * 1e3
-    };
-    median(judged.places.iter().enumerate().map(off))
 }
 
 fn of_learnt(learnt: &Learnt, judged: &Presses) -> (f64, usize) {
@@ -266,9 +173,10 @@ fn compared(odd: &Odd, skin: &Skin, model: &Model, presses: &Presses, count: usi
         learn(skin, model, &taught, &request).unwrap_or_else(|error| panic!("{}: {error}", odd.name));
     let (error, wrong) = of_learnt(&learnt, &judged);
     let ridges = [Features::Linear, Features::Direction, Features::Logarithm]
-        .map(|kind| regression(&taught, &judged, kind, false));
+        .map(|kind| median(regression(&taught, &judged, kind, false, |told| told).into_iter()));
     let ridge = ridges.into_iter().fold(f64::INFINITY, f64::min);
-    [error, ridge, regression(&taught, &judged, Features::Direction, true), wrong as f64 / JUDGED as f64]
+    let kernel = regression(&taught, &judged, Features::Direction, true, |told| told);
+    [error, ridge, median(kernel.into_iter()), wrong as f64 / JUDGED as f64]
 }
 
 #[test]

@@ -5,7 +5,7 @@ use dermatome::{
         Learnt, Request, Strength,
         judge::{ToldApart, board_contacts, judge_board, pairs, told_apart},
         learn,
-        presses::{Presses, Recording},
+        presses::{Positions, Presses, Recording},
     },
     model::Model,
     recorded::{
@@ -37,7 +37,7 @@ fn hydrogel() -> Option<(Skin, Model, Presses)> {
     }
     let mut skin = Skin::parse(Path::new("hydrogel.toml"), HYDROGEL).unwrap().made().unwrap();
     let steps = skin.steps();
-    let recording = Recording::read(Path::new(REAL), None, 0.0, 16, steps.len()).unwrap();
+    let recording = Recording::read(Path::new(REAL), None, 0.0, &skin).unwrap();
     let map = Arrangement::default().index_map(&steps, 16, 192).unwrap();
     let weights = by_magnitude(&recording.unpressed.mean(), &map, &skin.stimulation().combination);
     skin.inverse.weights = Weights::Each(weights);
@@ -56,7 +56,7 @@ fn held_out_presses_on_the_real_hydrogel_skin_are_found_within_8_mm() {
     assert_eq!((test.presses, test.missed), (80, 0));
     assert!(test.median_mm <= 8.0 && report.validation.median_mm <= 8.0, "{test:?}");
     assert!(test.median_mm < model_test.median_mm);
-    assert!(report.conductivity_falls && !report.turn.mirrored);
+    assert!(report.conductivity_falls && !report.turn.unwrap().mirrored);
     two_touches_stay_apart(&learnt);
 }
 
@@ -66,7 +66,7 @@ fn two_touches_stay_apart(learnt: &Learnt) {
         let recording = Recording {
             pressed: real(&format!("{kind}_pressed")),
             unpressed: real(&format!("{kind}_unpressed")),
-            positions: vec![[0.0, 0.0]; 8],
+            positions: Positions::FromAbove(vec![[0.0, 0.0]; 8]),
             forces: None,
         };
         let presses = recording.on(&learnt.model, &Arrangement::default()).unwrap();

@@ -39,9 +39,9 @@ use std::{ffi::OsString, path::PathBuf};
 /// presses are kept aside and judge the patch in a board's fixed point.
 #[derive(clap::Args)]
 #[command(
-    after_help = "FILE is an .npz archive with the arrays v_pressed [press][measurement], positions_m [press][x, y], \
-v_unpressed (one frame, or one for each press) and perhaps force_n [press]; or a .csv table with one press per \
-row: x and y in metres, perhaps the force in newtons, then the measurements.
+    after_help = "FILE is an .npz archive with the arrays v_pressed [press][measurement], positions_m [press][x, y, z] \
+(without z on a flat skin), v_unpressed (one frame, or one for each press) and perhaps force_n [press]; or a .csv table with one press per \
+row: x and y in metres, on a curved skin z as well, perhaps the force in newtons, then the measurements.
 
 Examples:
   dermatome learn skin.toml --presses presses.npz
@@ -143,8 +143,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 fn read(args: &Args, skin: &Skin) -> anyhow::Result<Recording> {
     let of_reference = |name: &OsString| args.options.read(&Source::new(name), skin);
     let reference: Option<Frames> = args.reference.as_ref().map(of_reference).transpose()?;
-    let (electrodes, steps) = (skin.electrodes.count, skin.steps().len());
-    Recording::read(&args.presses, reference, args.options.offset(), electrodes, steps)
+    Recording::read(&args.presses, reference, args.options.offset(), skin)
         .map_err(|error| in_flags(error, &[("as a reference of their own", "with --reference")]))
 }
 
@@ -152,13 +151,13 @@ fn read(args: &Args, skin: &Skin) -> anyhow::Result<Recording> {
 fn doubts(skin: &Skin, report: &LearnReport) -> Vec<String> {
     let mut doubts = Vec::new();
     let turn = report.turn;
-    if turn.mirrored {
+    if turn.is_some_and(|turn| turn.mirrored) {
         doubts.push(
             "the presses fit the model better mirrored: check --mirror and `electrodes.direction`, and which way x \
              and y of the presses run"
                 .to_owned(),
         );
-    } else if turn.degrees.abs() > TURNED {
+    } else if let Some(turn) = turn.filter(|turn| turn.degrees.abs() > TURNED) {
         doubts.push(format!(
             "the presses fit the model best if its places are turned by {:+.1} degrees: the prior is better with \
              electrodes (`electrodes.first`, --rotation) turned by as much",
@@ -195,6 +194,14 @@ fn print(report: &Report) {
         learnt.test_presses,
         learnt.seed
     );
+    if let Some(off) = learnt.off_skin {
+        say!(
+            "laid          on the skin, {:.2} mm away at most, {:.2} in the median (allowed: {:.1})",
+            off.farthest_mm,
+            off.median_mm,
+            off.allowed_mm
+        );
+    }
     let direction = if learnt.conductivity_falls { "falls" } else { "rises" };
     say!("polarity      conductivity {direction} where pressed, by the model; it rises in the learnt images");
     say!(

@@ -12,10 +12,14 @@ use dermatome_shared::{
     reference::DifferenceData,
 };
 use faer::{Col, Mat};
+use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 use std::ops::RangeInclusive;
 
-/// Position errors of some presses, mm. A press without a contact counts as the grid's larger side.
+/// Mean normals shorter than this say nothing: a skin that faces all ways alike.
+const LEAST_MEAN_NORMAL: f64 = 0.1;
+
+/// Position errors of some presses, mm in space. A press without a contact counts as the skin's larger side.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Errors {
     /// Presses judged.
@@ -36,20 +40,20 @@ pub struct Errors {
     pub worst_mm: f64,
 }
 
-/// How places have to be turned about the image's centre to fit the presses.
+/// How places have to be turned about the image's centre, round the skin's mean normal, to fit the presses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Turn {
-    /// Counter-clockwise, degrees; of the better of both ways round.
+    /// Counter-clockwise as the normal looks back, degrees; of the better of both ways round.
     pub degrees: f64,
-    /// Whether places mirrored (x to -x) and then turned fit better.
+    /// Whether places mirrored (x to -x on a flat skin) and then turned fit better.
     pub mirrored: bool,
 }
 
 /// The strongest contact of a press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
-    /// Centre, m.
-    pub place: [f64; 2],
+    /// Centre, on the skin as a board lays it there, m.
+    pub place: Point3<f64>,
     /// Mean relative conductivity change.
     pub strength: f64,
     /// Largest relative conductivity change.
@@ -62,7 +66,7 @@ pub struct Judgement {
     /// Index of the press.
     pub press: usize,
     /// Where it was, m.
-    pub place: [f64; 2],
+    pub place: Point3<f64>,
     /// Its strongest contact.
     pub found: Option<Found>,
     /// Whether there are others beside it.
@@ -70,14 +74,23 @@ pub struct Judgement {
 }
 
 /// All presses judged.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
     /// Each press.
     pub presses: Vec<Judgement>,
-    /// Centre of the image, m.
-    centre: [f64; 2],
-    /// Larger side of the grid, m.
+    /// Where the image lies.
+    frame: ImageFrame,
+}
+
+/// Where an image lies, as far as judging needs it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct ImageFrame {
+    /// Middle of its grid and of its heights, m.
+    centre: Point3<f64>,
+    /// Larger side of the grid, or the height if that is more, m.
     side: f64,
+    /// Two directions along the skin at right angles to its mean normal; none where it faces all ways alike.
+    across: Option<[Vector3<f64>; 2]>,
 }
 
 /// A matrix to be judged in f64: `[pixel][measurement]`.
@@ -135,11 +148,10 @@ pub fn told_apart(
         let sum = presses.data[a].iter().zip(&presses.data[b]).map(|(a, b)| a + b);
         let contacts = find(&sum.collect::<Vec<_>>());
         let [one, other] = contacts.as_slice() else { return false };
-        let places = [a, b].map(|press| [presses.places[press].x, presses.places[press].y]);
-        let half = 0.5 * distance(places[0], places[1]);
-        let fits = |[x, y]: [[f64; 2]; 2]| {
-            distance(one.from_above(), x) < half && distance(other.from_above(), y) < half
-        };
+        let places = [a, b].map(|press| presses.places[press]);
+        let half = 0.5 * (places[0] - places[1]).norm();
+        let fits =
+            |[x, y]: [Point3<f64>; 2]| (centre(one) - x).norm() < half && (centre(other) - y).norm() < half;
         fits(places) || fits([places[1], places[0]])
     };
     ToldApart { pairs: pairs.len(), told_apart: pairs.iter().filter(is_told).count() }
@@ -207,28 +219,68 @@ fn outcome(
     which: &[usize],
     find: impl Fn(&[f64]) -> (contact::Contacts, f64),
 ) -> Outcome {
-    let grid = Layout::from(surface).grid;
     let judge = |&press: &usize| {
         let (contacts, scale) = find(&presses.data[press]);
         Judgement {
             press,
-            place: [presses.places[press].x, presses.places[press].y],
+            place: presses.places[press],
             found: contacts.first().map(|contact| Found::new(contact, scale)),
             has_others: contacts.len() > 1,
         }
     };
-    Outcome {
-        presses: which.iter().map(judge).collect(),
-        centre: grid.position(f32::from(grid.columns) / 2.0, f32::from(grid.rows) / 2.0).map(f64::from),
-        side: f64::from(grid.columns.max(grid.rows)) * f64::from(grid.pitch),
+    Outcome { presses: which.iter().map(judge).collect(), frame: ImageFrame::of(surface) }
+}
+
+/// Centre of a contact, m.
+fn centre(contact: &Contact) -> Point3<f64> {
+    Point3::from(contact.position.map(f64::from))
+}
+
+impl ImageFrame {
+    fn of(tables: &SurfaceTables) -> Self {
+        let grid = Layout::from(tables).grid;
+        let [x, y] = grid.position(f32::from(grid.columns) / 2.0, f32::from(grid.rows) / 2.0).map(f64::from);
+        let heights = || tables.centres().map(|[_, _, z]| z);
+        let (low, high) =
+            (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+        let side = f64::from(grid.columns.max(grid.rows)) * f64::from(grid.pitch);
+        Self {
+            centre: Point3::new(x, y, (low + high) / 2.0),
+            side: side.max(high - low),
+            across: across(&mean_normal(tables)),
+        }
     }
+
+    /// Of a place as seen along the mean normal.
+    fn seen(&self, place: Point3<f64>) -> Option<[f64; 2]> {
+        self.across.map(|across| across.map(|direction| direction.dot(&(place - self.centre))))
+    }
+}
+
+/// Mean of the unit normals, weighted by area.
+fn mean_normal(tables: &SurfaceTables) -> Vector3<f64> {
+    let surface = tables.view();
+    let of = |pixel| (f64::from(surface.area(&pixel)), Vector3::from(surface.normal(&pixel).map(f64::from)));
+    let add = |(area, sum): (f64, Vector3<f64>), (part, normal): (f64, Vector3<f64>)| {
+        (area + part, sum + normal * part)
+    };
+    let (area, sum) = surface.pixels().map(of).fold((0.0, Vector3::zeros()), add);
+    sum / area
+}
+
+/// Two unit vectors at right angles to a mean normal, x and y for one along z; none for one that is hardly any.
+fn across(normal: &Vector3<f64>) -> Option<[Vector3<f64>; 2]> {
+    let up = normal.try_normalize(LEAST_MEAN_NORMAL)?;
+    let aside = if up.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
+    let right = (aside - up * up.dot(&aside)).normalize();
+    Some([right, up.cross(&right)])
 }
 
 impl Found {
     /// `scale` is what the contact's image was divided by.
     fn new(contact: &Contact, scale: f64) -> Self {
         Self {
-            place: contact.from_above(),
+            place: centre(contact),
             strength: f64::from(contact.strength) * scale,
             peak: f64::from(contact.peak) * scale,
         }
@@ -238,8 +290,7 @@ impl Found {
 impl Outcome {
     /// The presses of several outcomes of one image.
     pub(super) fn together<'a>(mut parts: impl Iterator<Item = &'a Self>) -> Self {
-        let mut all =
-            parts.next().cloned().unwrap_or(Self { presses: Vec::new(), centre: [0.0; 2], side: 0.0 });
+        let mut all = parts.next().cloned().unwrap_or_default();
         parts.for_each(|part| all.presses.extend(&part.presses));
         all
     }
@@ -248,7 +299,7 @@ impl Outcome {
     #[must_use]
     pub fn errors(&self) -> Errors {
         let error = |press: &Judgement| {
-            press.found.map_or(self.side, |found| distance(found.place, press.place)) * 1e3
+            press.found.map_or(self.frame.side, |found| (found.place - press.place).norm()) * 1e3
         };
         let mut errors: Vec<f64> = self.presses.iter().map(error).collect();
         errors.sort_by(f64::total_cmp);
@@ -268,20 +319,22 @@ impl Outcome {
         }
     }
 
-    /// The turn that brings what was found closest to the presses, in the least-squares sense.
+    /// The turn that brings what was found closest to the presses, in the least-squares sense; none of a skin that faces all
+    /// ways alike, as a whole tube does.
     #[must_use]
-    pub fn turn(&self) -> Turn {
+    pub fn turn(&self) -> Option<Turn> {
+        self.frame.across?;
+        let seen =
+            |press: &Judgement| Some((self.frame.seen(press.found?.place)?, self.frame.seen(press.place)?));
         let (mut plain, mut mirrored) = ([0.0; 2], [0.0; 2]);
-        for (found, place) in self.presses.iter().filter_map(|press| Some((press.found?.place, press.place)))
-        {
-            let ([x, y], [tx, ty]) = (self.about_centre(found), self.about_centre(place));
+        for ([x, y], [tx, ty]) in self.presses.iter().filter_map(seen) {
             plain = [plain[0] + x * tx + y * ty, plain[1] + x * ty - y * tx];
             mirrored = [mirrored[0] - x * tx + y * ty, mirrored[1] - x * ty - y * tx];
         }
         let size = |[along, across]: [f64; 2]| along.hypot(across);
         let is_mirrored = size(mirrored) > size(plain);
         let [along, across] = if is_mirrored { mirrored } else { plain };
-        Turn { degrees: across.atan2(along).to_degrees(), mirrored: is_mirrored }
+        Some(Turn { degrees: across.atan2(along).to_degrees(), mirrored: is_mirrored })
     }
 
     /// Farthest that a contact lies from the same one of another outcome, mm; the larger side where one of them
@@ -289,20 +342,12 @@ impl Outcome {
     #[must_use]
     pub fn farthest_from(&self, other: &Self) -> f64 {
         let apart = |(a, b): (&Judgement, &Judgement)| match (a.found, b.found) {
-            (Some(a), Some(b)) => distance(a.place, b.place),
+            (Some(a), Some(b)) => (a.place - b.place).norm(),
             (None, None) => 0.0,
-            _ => self.side,
+            _ => self.frame.side,
         };
         self.presses.iter().zip(&other.presses).map(apart).fold(0.0, f64::max) * 1e3
     }
-
-    fn about_centre(&self, place: [f64; 2]) -> [f64; 2] {
-        [place[0] - self.centre[0], place[1] - self.centre[1]]
-    }
-}
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
 #[cfg(test)]
@@ -311,13 +356,15 @@ mod tests {
     use proptest::prelude::*;
 
     fn seen(pairs: &[([f64; 2], Option<[f64; 2]>)]) -> Outcome {
+        let flat = |[x, y]: [f64; 2]| Point3::new(x, y, 0.0);
         let judgement = |(press, &(place, found)): (usize, &([f64; 2], Option<[f64; 2]>))| Judgement {
             press,
-            place,
-            found: found.map(|place| Found { place, strength: 1.0, peak: 1.0 }),
+            place: flat(place),
+            found: found.map(|place| Found { place: flat(place), strength: 1.0, peak: 1.0 }),
             has_others: false,
         };
-        Outcome { presses: pairs.iter().enumerate().map(judgement).collect(), centre: [0.0; 2], side: 0.2 }
+        let frame = ImageFrame { centre: Point3::origin(), side: 0.2, across: across(&Vector3::z()) };
+        Outcome { presses: pairs.iter().enumerate().map(judgement).collect(), frame }
     }
 
     #[test]
@@ -346,7 +393,8 @@ mod tests {
         let one = |press: usize| (0..places.len()).map(|m| f64::from(u8::from(m == press))).collect();
         Presses {
             data: (0..places.len()).map(one).collect(),
-            places: places.iter().map(|&[x, y]| nalgebra::Point3::new(x, y, 0.0)).collect(),
+            places: places.iter().map(|&[x, y]| Point3::new(x, y, 0.0)).collect(),
+            off: None,
             forces: None,
             mean_divisors: vec![1.0; places.len()],
             mean_reference: Vec::new(),
@@ -392,7 +440,7 @@ mod tests {
                 if mirrored { [-x, y] } else { [x, y] }
             };
             let places = [[0.03, 0.01], [-0.02, 0.05], [0.01, -0.04], [0.06, 0.02]];
-            let turn = seen(&places.map(|place| (place, Some(turned_back(place))))).turn();
+            let turn = seen(&places.map(|place| (place, Some(turned_back(place))))).turn().unwrap();
             prop_assert_eq!(turn.mirrored, mirrored);
             prop_assert!((turn.degrees - degrees).abs() < 1e-6, "{:?}", turn);
         }

@@ -213,17 +213,25 @@ fn spot(pixels: &Pixels, centre: Point3<f64>, radius: f64) -> Vec<f64> {
     values.iter().map(|value| value / peak).collect()
 }
 
-/// The centre of a spot that is found at a place, no farther from it than the radius.
+/// The centre of a spot that is found at a place, no farther from it than the radius, in the plane that touches the skin
+/// there: of a curved skin the mean of pixels lies beneath it, and a board lays it back.
 fn moved(pixels: &Pixels, place: Point3<f64>, radius: f64) -> Point3<f64> {
+    let normal = pixels.normals[nearest(pixels, place)];
     let mut offset = Vector3::zeros();
     for _ in 0..ROUNDS {
-        offset += place - found(pixels, &spot(pixels, place + offset, radius));
+        let missing = place - found(pixels, &spot(pixels, place + offset, radius));
+        offset += missing - normal * normal.dot(&missing);
         let length = offset.norm();
         if length > radius {
             offset *= radius / length;
         }
     }
     place + offset
+}
+
+fn nearest(pixels: &Pixels, place: Point3<f64>) -> usize {
+    let away = |pixel: &usize| (pixels.centres[*pixel] - place).norm_squared();
+    (0..pixels.count()).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(0)
 }
 
 /// The centre that a board finds of an image of height 1.

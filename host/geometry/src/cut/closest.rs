@@ -1,5 +1,6 @@
 //! The point of a surface that is closest to another point: triangles in the cells of a grid.
 
+use crate::mesh::triangle;
 use nalgebra::{Point3, Vector3};
 
 /// Most cells along an axis.
@@ -122,28 +123,9 @@ impl Closest {
     }
 }
 
-/// The point of a triangle that is closest to a point (Ericson, Real-Time Collision Detection, 5.1.5).
-pub(super) fn on_triangle(p: Point3<f64>, [a, b, c]: [Point3<f64>; 3]) -> Point3<f64> {
-    let (ab, ac, bc) = (b - a, c - a, c - b);
-    let (d1, d2) = (ab.dot(&(p - a)), ac.dot(&(p - a)));
-    let (d3, d4) = (ab.dot(&(p - b)), ac.dot(&(p - b)));
-    let (d5, d6) = (ab.dot(&(p - c)), ac.dot(&(p - c)));
-    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
-    if d1 <= 0.0 && d2 <= 0.0 {
-        a
-    } else if d3 >= 0.0 && d4 <= d3 {
-        b
-    } else if d6 >= 0.0 && d5 <= d6 {
-        c
-    } else if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        a + ab * (d1 / (d1 - d3))
-    } else if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        a + ac * (d2 / (d2 - d6))
-    } else if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        b + bc * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))
-    } else {
-        a + ab * (vb / (va + vb + vc)) + ac * (vc / (va + vb + vc))
-    }
+/// The point of a triangle that is closest to a point.
+pub(super) fn on_triangle(p: Point3<f64>, corners: [Point3<f64>; 3]) -> Point3<f64> {
+    triangle::nearest(corners, p)
 }
 
 #[cfg(test)]

@@ -57,6 +57,15 @@ impl Mesh {
         self.points(self.elements[element])
     }
 
+    /// The point of the mesh that is nearest to a place; the place itself where there are no elements.
+    #[must_use]
+    pub fn nearest(&self, place: Point3<f64>) -> Point3<f64> {
+        let of = |element: usize| triangle::nearest(self.corners(element), place);
+        let away = |point: &Point3<f64>| (point - place).norm_squared();
+        let points = (0..self.elements.len()).map(of);
+        points.min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(place)
+    }
+
     /// Where three nodes lie.
     #[must_use]
     pub fn points(&self, nodes: [usize; 3]) -> [Point3<f64>; 3] {

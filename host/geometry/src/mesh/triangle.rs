@@ -81,6 +81,31 @@ pub fn point_above([a, b, c]: [Point3<f64>; 3], [x, y]: [f64; 2]) -> Option<Poin
     inside.then(|| a + (b - a) * s + (c - a) * t)
 }
 
+/// The point of a triangle that is nearest to a point (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
+#[must_use]
+pub fn nearest([a, b, c]: [Point3<f64>; 3], p: Point3<f64>) -> Point3<f64> {
+    let (ab, ac, bc) = (b - a, c - a, c - b);
+    let (d1, d2) = (ab.dot(&(p - a)), ac.dot(&(p - a)));
+    let (d3, d4) = (ab.dot(&(p - b)), ac.dot(&(p - b)));
+    let (d5, d6) = (ab.dot(&(p - c)), ac.dot(&(p - c)));
+    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
+    if d1 <= 0.0 && d2 <= 0.0 {
+        a
+    } else if d3 >= 0.0 && d4 <= d3 {
+        b
+    } else if d6 >= 0.0 && d5 <= d6 {
+        c
+    } else if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        a + ab * (d1 / (d1 - d3))
+    } else if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        a + ac * (d2 / (d2 - d6))
+    } else if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        b + bc * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))
+    } else {
+        a + ab * (vb / (va + vb + vc)) + ac * (vc / (va + vb + vc))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -107,6 +132,26 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn nothing_of_a_triangle_is_nearer_than_its_nearest_point(
+            corners in corners(),
+            place in prop::array::uniform3(-2.0..2.0_f64),
+        ) {
+            let ([a, b, c], place) = (corners, Point3::from(place));
+            let found = nearest(corners, place);
+            let away = (found - place).norm();
+            for i in 0..=24 {
+                for j in 0..=24 - i {
+                    let (s, t) = (f64::from(i) / 24.0, f64::from(j) / 24.0);
+                    let other = a + (b - a) * s + (c - a) * t;
+                    prop_assert!((other - place).norm() > away - 1e-9, "{} {}", other, found);
+                }
+            }
+            // It is a point of the triangle: the areas round it add up to no more than the whole.
+            let parts: f64 = [[a, b, found], [b, c, found], [c, a, found]].map(area).into_iter().sum();
+            prop_assert!(parts < area(corners) * (1.0 + 1e-9) + 1e-12);
+        }
+
         #[test]
         fn neither_orientation_nor_pose_nor_size_matters(
             corners in corners(),
