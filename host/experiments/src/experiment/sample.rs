@@ -5,14 +5,14 @@ use super::{
     sample_rig::{Artefacts, FRAMES, SampleRig},
 };
 use dermatome_model::skin::Skin;
-use dermatome_shared::drive::Component;
+use dermatome_shared::{contact::Contact, drive::Component};
 use dermatome_simulate::{Load, Press, Sheet, material::Material};
 use std::path::Path;
 
 /// Full amplitude of the thesis' instrument, A: 4 mA from peak to peak (section 3.4).
 const FULL_AMPLITUDE: f64 = 2e-3;
 /// Frames per second (tables 4.1 and 5.5).
-const FRAME_RATE: f64 = 4.73;
+pub(super) const FRAME_RATE: f64 = 4.73;
 /// Weight of the prior on electrode movement in the matrix of sheets that loads move, as in skin files. EIDORS' 10
 /// leaves much of it in the images of Sample 2, whose plain data have a weak prior.
 const ELECTRODE_MOVEMENT: f64 = 3.0;
@@ -241,6 +241,13 @@ impl Specimen {
     ) -> Result<super::sample_rig::Shown, ExperimentError> {
         let conductivity = self.under(presses, seconds);
         self.rig.show(&conductivity)
+    }
+
+    /// Contacts that the board reports in so many frames once these presses were held for some seconds: `[frame]`.
+    pub(super) fn watch(&mut self, presses: &[Press], seconds: f64, frames: u16) -> Vec<Vec<Contact>> {
+        let conductivity = self.under(presses, seconds);
+        let phasors = self.rig.solve(&conductivity);
+        (0..frames).map(|_| self.rig.glance(&phasors)).collect()
     }
 }
 
