@@ -29,6 +29,7 @@ fn report(name: &str) -> Report {
         seed: 1,
         electrode_error: Length::Metres(0.0),
         impedance_error: 0.0,
+        found_in: None,
         threshold: None,
     };
     Report::new(&evaluate(&skin, &model, &options, &Patient).unwrap())

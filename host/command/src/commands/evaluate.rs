@@ -250,7 +250,7 @@ fn print(told: &Told<'_>) {
     say!("");
     say!("{:14}{:-^60}", "", " strongest contact ");
     let [strength, deviation] = ["strength", "deviation, mm"].map(|name| headings(&[name]));
-    say!("{:>12} {:>6}{strength} {:>10}{deviation} {:>12}", "way to rim", "one", "spread, %", "within 2, %");
+    say!("{:>12} {:>6}{strength} {:>10}{deviation} {:>12}", "way to rim", "one", "variation", "within 2");
     rings().for_each(|ring| say!("{}", strongest_row(ring)));
     say!("");
     say!("{:14}{:-^88}", "", " GREIT ");
@@ -277,10 +277,10 @@ fn print(told: &Told<'_>) {
         print_flattened(report, flattened);
     }
     say!("columns: mean, and the value farthest from 0 (d': the least); PE is positive towards the centre;");
+    say!("one: exactly one contact; variation: standard deviation of the strengths, % of their mean;");
     say!(
-        "one: exactly one contact; spread: of the strengths over their mean; deviation: what the board states of the"
+        "deviation: what the board states of the place; within 2: contacts off by no more than two of it, %;"
     );
-    say!("place, and within 2: contacts off by no more than two of it;");
     say!("never: not told apart even at the largest distance for which there is room");
     say!("{}", summary(report));
 }
@@ -364,7 +364,7 @@ fn strongest_row(ring: &Ring) -> String {
         "{:>12} {:>6}{strength} {:>10}{deviation} {:>12}",
         way([ring.from_percent, ring.to_percent]),
         ring.exactly_one,
-        number(ring.contact_strength_deviation_percent, 1),
+        number(ring.contact_strength_variation_percent, 1),
         number(ring.within_two_stated_percent, 1)
     )
 }

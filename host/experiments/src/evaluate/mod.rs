@@ -19,7 +19,6 @@ pub mod single;
 pub(crate) mod surface;
 mod target;
 
-use board::Board;
 use dermatome_geometry::mesh::Mesh;
 use dermatome_model::{
     metrics::detectability::{Sought, strength_of},
@@ -27,10 +26,7 @@ use dermatome_model::{
     quantize::PatchBuildError,
     skin::{FoundIn, Skin},
 };
-use dermatome_simulate::{
-    Noise, TrueSkin,
-    rig::{IdealRig, RigError},
-};
+use dermatome_simulate::{TrueSkin, rig::IdealRig};
 pub use find::{Evidence, Found, FoundBy};
 use find::{Finder, ImageFinder};
 pub use length::Length;
@@ -187,7 +183,7 @@ fn evaluate_through(
 ) -> Result<Evaluation, EvaluateError> {
     let electrode_error = electrode_error(skin, options)?;
     let true_skin = electrodes::with_errors(skin, electrode_error, options.impedance_error, options.seed)?;
-    let (board, no_board) = board(flattened.unwrap_or(skin), model, &true_skin, options)?;
+    let (board, no_board) = board::on(&true_skin, flattened.unwrap_or(skin), model, options)?;
     let alone;
     let truth = match &board {
         Some(board) => board.truth(),
@@ -233,47 +229,6 @@ fn evaluate_through(
         pairs,
         complete: watch.go_on(),
     })
-}
-
-/// The board on the true skin, if contacts are found in the voltages; or why no board takes the model.
-fn board(
-    skin: &Skin,
-    model: &Model,
-    true_skin: &Skin,
-    options: &Options,
-) -> Result<(Option<Board>, Option<PatchBuildError>), EvaluateError> {
-    let found_in = options.found_in.unwrap_or(skin.contacts_found_in);
-    if found_in == FoundIn::Image {
-        return Ok((None, None));
-    }
-    let skin = Skin { contacts_found_in: found_in, ..skin.clone() };
-    let noise = Noise { snr_db: options.snr_db.unwrap_or(f64::INFINITY), seed: options.seed };
-    match Board::new(&skin, model, true_skin, noise) {
-        Ok(board) => check_for_voltages(options).map(|()| (Some(board), None)),
-        Err(RigError::Model(error)) => Err(error.into()),
-        Err(RigError::Patch(error)) if options.found_in.is_some() => Err(error.into()),
-        Err(RigError::Patch(error)) => Ok((None, Some(error))),
-    }
-}
-
-/// Refuses what means nothing to a board that finds contacts in the voltages.
-fn check_for_voltages(options: &Options) -> Result<(), EvaluateError> {
-    let unsuited = |option, why| Err(EvaluateError::Unsuited { option, why });
-    if options.threshold.is_some() {
-        return unsuited(
-            "threshold",
-            "contacts are found in the voltages, where noise decides; allowed: `false_alarms` under `[contact]` of the skin \
-             file, or `found_in` image",
-        );
-    }
-    if options.contrast < 0.0 {
-        return unsuited(
-            "contrast",
-            "no press lowers the conductivity, so that no contact in the voltages does; allowed: a change above 0, or \
-             `found_in` image",
-        );
-    }
-    Ok(())
 }
 
 fn electrode_error(skin: &Skin, options: &Options) -> Result<f64, EvaluateError> {

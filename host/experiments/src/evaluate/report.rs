@@ -85,7 +85,7 @@ pub struct Ring {
     /// Strength of the strongest contact.
     pub contact_strength: Option<Spread>,
     /// Its standard deviation from target to target, per cent of the mean.
-    pub contact_strength_deviation_percent: Option<f64>,
+    pub contact_strength_variation_percent: Option<f64>,
     /// Standard deviation that the board states of the strongest contact's place; none in the image.
     pub stated_deviation_mm: Option<Spread>,
     /// Strongest contacts that are off by no more than twice of that, per cent.
@@ -320,7 +320,7 @@ fn spread(values: impl Iterator<Item = f64>) -> Option<Spread> {
 }
 
 /// Standard deviation, per cent of the mean.
-fn deviation_percent(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
+fn variation_percent(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
     let mean = spread(values.clone())?.mean;
     let variance = spread(values.map(|value| (value - mean).powi(2)))?.mean;
     Some(100.0 * variance.sqrt() / mean)
@@ -350,7 +350,7 @@ impl Ring {
             position_error_percent: spread(errors().map(|error| 100.0 * error / diameter)),
             contact_area_percent: spread(areas),
             contact_strength: spread(strengths()),
-            contact_strength_deviation_percent: deviation_percent(strengths()),
+            contact_strength_variation_percent: variation_percent(strengths()),
             stated_deviation_mm: spread(
                 inside.iter().filter_map(|single| Some(1e3 * single.stated_deviation()?)),
             ),
