@@ -5,11 +5,11 @@ mod program;
 use insta::{Settings, assert_snapshot};
 use program::{Desk, TINY, shape, transcript};
 
-fn filtered(check: impl FnOnce()) {
+/// Snapshots with these filters.
+fn filtered(filters: &[(&str, &str)], check: impl FnOnce()) {
     let mut settings = Settings::clone_current();
     settings.set_omit_expression(true);
-    settings.add_filter(r" {2,}", "  ");
-    settings.add_filter(r"-?\d+\.\d+", "[NUMBER]");
+    filters.iter().for_each(|(text, instead)| settings.add_filter(text, *instead));
     settings.bind(check);
 }
 
@@ -24,9 +24,10 @@ fn what_evaluate_prints_and_reports_of_contacts_in_the_voltages() {
     let desk = desk();
     let command = ["evaluate", "skin.toml", "--noise", "none", "--spacing", "25%", "--diameter", "15%"];
     let done = desk.run(&[&command[..], &["--json", "e.json"]].concat()).success();
-    filtered(|| assert_snapshot!("evaluate", done.out));
+    let figures = [(r" {2,}", "  "), (r"-?\d+\.\d+", "[NUMBER]")];
+    filtered(&figures, || assert_snapshot!("evaluate", done.out));
     let report = desk.report("e.json");
-    filtered(|| assert_snapshot!("evaluate_json", shape(&report)));
+    filtered(&[], || assert_snapshot!("evaluate_json", shape(&report)));
     assert_eq!(report["contacts_found_in"], "voltages");
     assert_eq!(report["contacts_found_by"], "board");
 }
@@ -89,5 +90,5 @@ fn what_does_not_fit_a_skin_is_refused_with_what_to_do() {
             &["evaluate", "skin.toml", "--found-in", "tea"],
         ],
     );
-    filtered(|| assert_snapshot!("errors_evaluate", words));
+    filtered(&[], || assert_snapshot!("errors_evaluate", words));
 }
