@@ -1,4 +1,4 @@
-//! `dermatome evaluate`: how good a skin's images are, everywhere on it.
+//! `dermatome evaluate`: what a skin's board finds and how good its images are, everywhere on it.
 
 use super::{JsonReport, finding::Finding, flags::in_flags, interrupt, progress};
 use anyhow::Context;
@@ -55,8 +55,8 @@ pub(super) struct Args {
     /// Smallest relative conductivity change that counts as a contact in the image [default: the skin file's].
     #[arg(long, value_name = "CHANGE", value_parser = threshold, allow_hyphen_values = true)]
     threshold: Option<f64>,
-    /// Also image the same frames with the model of the skin without z, as `build --flatten` makes it, and show how
-    /// position and size of contacts differ.
+    /// Also take the same frames through the model of the skin without z, as `build --flatten` makes it, and show how
+    /// contacts differ in position, and in size or strength.
     #[arg(long)]
     flatten: bool,
     /// Draw a map of each figure.

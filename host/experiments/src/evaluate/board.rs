@@ -7,7 +7,7 @@ use dermatome_model::{
     skin::{FoundIn, Skin},
 };
 use dermatome_simulate::{
-    Noise, Rig, TrueSkin,
+    Noise, Rig,
     rig::{Observer, RigError, SETTLED},
 };
 use num_complex::Complex64;
@@ -58,7 +58,7 @@ fn check(options: &Options) -> Result<(), EvaluateError> {
 /// A board that was tared on the untouched true skin.
 #[derive(Debug)]
 pub(super) struct Board {
-    rig: Rig,
+    pub(super) rig: Rig,
     observer: Observer,
 }
 
@@ -76,25 +76,8 @@ impl Board {
         self.observer.patch().header.has_places()
     }
 
-    /// The true skin.
-    #[must_use]
-    pub(super) fn truth(&self) -> &TrueSkin {
-        self.rig.truth()
-    }
-
-    /// What a scan meets on a sheet of this relative conductivity, `[element]`: phasors, `[slot]`.
-    #[must_use]
-    pub(super) fn solve(&self, conductivity: &[f64]) -> Vec<Complex64> {
-        self.rig.solve(conductivity)
-    }
-
-    /// In-phase voltages among them: `[step]`.
-    #[must_use]
-    pub(super) fn in_phase(&self, phasors: &[Complex64]) -> Vec<f64> {
-        self.rig.in_phase(phasors)
-    }
-
-    /// The contacts once such scans have come for a while, strongest first. Noise follows from a number above zero.
+    /// The contacts once scans that meet these phasors, `[slot]`, have come for a while, strongest first. Noise follows from a
+    /// number above zero.
     #[must_use]
     pub(super) fn contacts(&self, phasors: &[Complex64], number: u64) -> Vec<Found> {
         let frames = self.rig.numbered_scans(phasors, SETTLED, number);

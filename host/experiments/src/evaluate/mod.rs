@@ -186,7 +186,7 @@ fn evaluate_through(
     let (board, no_board) = board::on(&true_skin, flattened.unwrap_or(skin), model, options)?;
     let alone;
     let truth = match &board {
-        Some(board) => board.truth(),
+        Some(board) => board.rig.truth(),
         None => {
             alone = TrueSkin::new(&true_skin)?;
             &alone

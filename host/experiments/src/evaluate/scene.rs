@@ -39,8 +39,8 @@ impl Scene<'_> {
     pub(super) fn see(&self, conductivity: &[f64], frame: u64) -> Seen {
         match &self.finder {
             Finder::Voltages(board) => {
-                let phasors = board.solve(conductivity);
-                let measured = self.rig.read(board.in_phase(&phasors), frame);
+                let phasors = board.rig.solve(conductivity);
+                let measured = self.rig.read(board.rig.in_phase(&phasors), frame);
                 Seen { measured, contacts: self.on_truth(board.contacts(&phasors, frame)) }
             }
             Finder::Image(finder) => {
