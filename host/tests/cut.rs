@@ -102,7 +102,7 @@ fn a_patch_of_a_robot_link_becomes_a_skin_with_a_model() {
     let built = desk.run(&["build", "skin/skin.toml", "--no-patch"]).success();
     assert!(built.out.contains("16 electrodes, rank 104"), "{}", built.out);
     let evaluated = desk.run(&["evaluate", "skin/skin.toml", "--spacing", "30%"]).success();
-    assert!(evaluated.out.contains("contacts found in the board's image"), "{}", evaluated.out);
+    assert!(evaluated.out.contains("contacts found in the voltages"), "{}", evaluated.out);
 }
 
 /// A cut of a plate that is right but for what is changed.

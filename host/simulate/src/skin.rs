@@ -80,7 +80,7 @@ impl SimulatedSkin {
             script,
             worn: None,
             noise,
-            random: [noise.seed, !noise.seed].map(Pcg64Mcg::seed_from_u64),
+            random: random(noise.seed),
             sheet_conductivity: skin.material.sheet_conductivity,
             front_end: Converter::front_end(&drive, largest_ohms),
             drive,
@@ -112,30 +112,22 @@ impl SimulatedSkin {
     pub fn read(&mut self, table: &ScanTable, phasors: &[Complex64]) -> Frame {
         let untouched = self.untouched_under(table);
         let volts = self.volts(table, phasors);
-        let normal =
-            Normal::new(0.0, untouched.noise).expect("a standard deviation is finite and not negative");
-        let [of_images, of_others] = &mut self.random;
-        let mut frame = Frame::default();
-        let (steps, tests) = volts.split_at(table.steps.len());
-        for &voltage in steps {
-            let noise = Complex64::new(normal.sample(of_images), normal.sample(of_others));
-            let reading = untouched.converter.read(voltage + noise);
-            // A frame holds a code for each step that a patch may have.
-            let _ = frame.codes.push(reading.part(table.drive.component));
-            let _ = frame.quadrature.push(reading.imaginary);
-            frame.flags.insert_if(FrameFlags::SATURATED, reading.is_clipped);
-        }
-        let at_gain_one = untouched.converter.with_gain(1.0);
-        for &voltage in tests {
-            let noise = Complex64::new(normal.sample(of_others), normal.sample(of_others));
-            let reading = at_gain_one.read(voltage + noise);
-            let _ = frame.tests.push(ElectrodeTest {
-                in_phase: reading.real,
-                quadrature: reading.imaginary,
-                is_clipped: reading.is_clipped,
-            });
-        }
-        frame
+        untouched.read(&volts, &mut self.random)
+    }
+
+    /// So many scans of them whose noise follows from a number above zero: in any order, on many threads.
+    #[must_use]
+    pub fn read_numbered(
+        &self,
+        table: &ScanTable,
+        phasors: &[Complex64],
+        count: u16,
+        number: u64,
+    ) -> Vec<Frame> {
+        let untouched = self.untouched_by(table);
+        let volts = self.volts(table, phasors);
+        let mut random = random(noise::seed_of(self.noise.seed, number));
+        (0..count).map(|_| untouched.read(&volts, &mut random)).collect()
     }
 
     /// In-phase voltages under these presses: `[step]`, at unit current and conductivity.
@@ -153,7 +145,7 @@ impl SimulatedSkin {
     /// Other noise from now on, from its seed's first number.
     pub fn change_noise(&mut self, noise: Noise) {
         self.noise = noise;
-        self.random = [noise.seed, !noise.seed].map(Pcg64Mcg::seed_from_u64);
+        self.random = random(noise.seed);
         self.untouched = None;
     }
 
@@ -186,6 +178,12 @@ impl SimulatedSkin {
 
     /// Voltages, gain and noise of a scan, found once, as a board finds its gains.
     fn untouched_under(&mut self, table: &ScanTable) -> Untouched {
+        let untouched = self.untouched_by(table);
+        self.untouched.insert(untouched).clone()
+    }
+
+    /// The same, found anew where it is not known.
+    fn untouched_by(&self, table: &ScanTable) -> Untouched {
         if let Some(untouched) = self.untouched.as_ref().filter(|untouched| untouched.table == *table) {
             return untouched.clone();
         }
@@ -199,7 +197,35 @@ impl SimulatedSkin {
             * integration.sqrt();
         let largest_volts = ohms(largest(steps)) * f64::from(table.drive.amplitude);
         let converter = Converter::new(&self.front_end, table.drive.gain, largest_volts);
-        self.untouched.insert(Untouched { table: table.clone(), phasors, converter, noise }).clone()
+        Untouched { table: table.clone(), phasors, converter, noise }
+    }
+}
+
+impl Untouched {
+    /// One scan of these voltages, `[slot]`, with noise and converter; without number and time.
+    fn read(&self, volts: &[Complex64], [of_images, of_others]: &mut [Pcg64Mcg; 2]) -> Frame {
+        let normal = Normal::new(0.0, self.noise).expect("a standard deviation is finite and not negative");
+        let mut frame = Frame::default();
+        let (steps, tests) = volts.split_at(self.table.steps.len());
+        for &voltage in steps {
+            let noise = Complex64::new(normal.sample(of_images), normal.sample(of_others));
+            let reading = self.converter.read(voltage + noise);
+            // A frame holds a code for each step that a patch may have.
+            let _ = frame.codes.push(reading.part(self.table.drive.component));
+            let _ = frame.quadrature.push(reading.imaginary);
+            frame.flags.insert_if(FrameFlags::SATURATED, reading.is_clipped);
+        }
+        let at_gain_one = self.converter.with_gain(1.0);
+        for &voltage in tests {
+            let noise = Complex64::new(normal.sample(of_others), normal.sample(of_others));
+            let reading = at_gain_one.read(voltage + noise);
+            let _ = frame.tests.push(ElectrodeTest {
+                in_phase: reading.real,
+                quadrature: reading.imaginary,
+                is_clipped: reading.is_clipped,
+            });
+        }
+        frame
     }
 }
 
@@ -247,6 +273,11 @@ impl Worn {
         self.time = time;
         self.sheet.respond(pressure, seconds)
     }
+}
+
+/// Random numbers of what goes into images, and of all else.
+fn random(seed: u64) -> [Pcg64Mcg; 2] {
+    [seed, !seed].map(Pcg64Mcg::seed_from_u64)
 }
 
 fn largest(phasors: &[Complex64]) -> f64 {

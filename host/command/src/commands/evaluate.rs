@@ -1,6 +1,6 @@
-//! `dermatome evaluate`: how good a skin's images are, everywhere on it.
+//! `dermatome evaluate`: what a skin's board finds and how good its images are, everywhere on it.
 
-use super::{JsonReport, flags::in_flags, interrupt, progress};
+use super::{JsonReport, finding::Finding, flags::in_flags, interrupt, progress};
 use anyhow::Context;
 use dermatome_experiments::evaluate::{
     Evaluation, Length, Options, Watch, evaluate, evaluate_flattened, picture,
@@ -15,14 +15,14 @@ use std::{path::PathBuf, time::Instant};
 /// Map a skin's figures of merit: single targets everywhere, and pairs.
 ///
 /// Each target is a true forward solution on a mesh of its own, with noise and, if wanted, with errors of
-/// the electrodes.
+/// the electrodes. Contacts are those that a board finds with the skin's patch, in the voltages or in the image.
 #[derive(clap::Args)]
 #[command(after_help = "LENGTH is per cent, as in 5%, or has a unit, as in 12mm.
 
 Examples:
   dermatome evaluate models/disc-210mm/skin.toml --png disc.png
   dermatome evaluate models/hemisphere-210mm/skin.toml --flatten
-  dermatome evaluate skin.toml --noise none --diameter 5% --contrast 0.1 --threshold 0
+  dermatome evaluate skin.toml --noise none --diameter 5% --contrast 0.1 --found-in image --threshold 0
   dermatome evaluate skin.toml --noise 50 --electrode-error 3% --impedance-error 20 --json evaluate.json")]
 pub(super) struct Args {
     /// Skin file.
@@ -49,11 +49,14 @@ pub(super) struct Args {
     /// Change the true contact impedances by errors of this standard deviation, per cent: 0 to 200.
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = impedance_error, allow_hyphen_values = true)]
     impedance_error: f64,
-    /// Smallest relative conductivity change that counts as a contact [default: the skin file's].
+    /// What contacts are found in [default: as the skin file says].
+    #[arg(long, value_name = "WHAT")]
+    found_in: Option<Finding>,
+    /// Smallest relative conductivity change that counts as a contact in the image [default: the skin file's].
     #[arg(long, value_name = "CHANGE", value_parser = threshold, allow_hyphen_values = true)]
     threshold: Option<f64>,
-    /// Also image the same frames with the model of the skin without z, as `build --flatten` makes it, and show how
-    /// position and size of contacts differ.
+    /// Also take the same frames through the model of the skin without z, as `build --flatten` makes it, and show how
+    /// contacts differ in position, and in size or strength.
     #[arg(long)]
     flatten: bool,
     /// Draw a map of each figure.
@@ -100,6 +103,7 @@ impl Args {
             seed: self.seed,
             electrode_error: self.electrode_error,
             impedance_error: self.impedance_error / 100.0,
+            found_in: self.found_in.map(Into::into),
             threshold: self.threshold,
         }
     }
@@ -139,12 +143,15 @@ impl Watch for Bar {
 }
 
 /// What sets the options that the library's errors name.
-const FLAGS: [(&str, &str); 5] = [
+const FLAGS: [(&str, &str); 8] = [
     ("`diameter`", "--diameter"),
     ("`spacing`", "--spacing"),
     ("`electrode_error`", "--electrode-error"),
     ("`impedance_error`", "--impedance-error"),
     ("`seed`", "--seed"),
+    ("`found_in`", "--found-in"),
+    ("`threshold`", "--threshold"),
+    ("`contrast`", "--contrast"),
 ];
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
@@ -185,8 +192,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 
 /// What the model of the flattened skin makes of the same frames.
 fn flattened(skin: &Skin, args: &Args, bar: &Bar) -> anyhow::Result<Report> {
-    let model = Model::build(&skin.flattened()?, |_| ())?;
-    let evaluation = evaluate_flattened(skin, &model, &args.options(), bar);
+    let flat = skin.flattened()?;
+    let model = Model::build(&flat, |_| ())?;
+    let evaluation = evaluate_flattened(skin, &flat, &model, &args.options(), bar);
     Ok(Report::new(&evaluation.map_err(|error| in_flags(error, &FLAGS))?))
 }
 
@@ -228,14 +236,22 @@ fn print(told: &Told<'_>) {
         report.spacing_mm,
         report.true_elements,
         told.seed,
-        if report.contacts_found_by == "board" { "board's image, by its code" } else { "f64 image" }
+        found_in(report)
     );
+    if let Some(why) = &report.no_board {
+        say!("no board finds contacts in the voltages: {why}");
+    }
     let rings = || report.rings.iter().chain([&report.total]);
     say!("");
     say!("{:35}{:^28}  {:-^43}", "", "contact from target", " thesis ");
     let header = ["mm", "% of diam.", "PE, % of diam", "RES", "RNG"];
     say!("{:>12} {:>7} {:>6} {:>5}{}", "way to rim", "targets", "missed", "false", headings(&header));
     rings().for_each(|ring| say!("{}", contact_row(ring)));
+    say!("");
+    say!("{:14}{:-^60}", "", " strongest contact ");
+    let [strength, deviation] = ["strength", "deviation, mm"].map(|name| headings(&[name]));
+    say!("{:>12} {:>6}{strength} {:>10}{deviation} {:>12}", "way to rim", "one", "variation", "within 2");
+    rings().for_each(|ring| say!("{}", strongest_row(ring)));
     say!("");
     say!("{:14}{:-^88}", "", " GREIT ");
     let header = ["PE, % of diam", "RES", "SD", "RNG", "AR", "AR/centre's"];
@@ -261,8 +277,21 @@ fn print(told: &Told<'_>) {
         print_flattened(report, flattened);
     }
     say!("columns: mean, and the value farthest from 0 (d': the least); PE is positive towards the centre;");
+    say!("one: exactly one contact; variation: standard deviation of the strengths, % of their mean;");
+    say!(
+        "deviation: what the board states of the place; within 2: contacts off by no more than two of it, %;"
+    );
     say!("never: not told apart even at the largest distance for which there is room");
     say!("{}", summary(report));
+}
+
+/// How contacts were found, in words.
+fn found_in(report: &Report) -> &'static str {
+    match (report.contacts_found_in, report.contacts_found_by) {
+        ("voltages", _) => "voltages, by the board's code after six scans",
+        (_, "board") => "board's image, by its code",
+        _ => "f64 image",
+    }
 }
 
 /// The surface's model beside that of the flattened skin.
@@ -271,9 +300,11 @@ fn print_flattened(report: &Report, flattened: &Report) {
         "the same frames through the model of the flattened skin, its contacts laid onto the skin from above"
     );
     say!("{:12}  {:-^50}  {:-^50}", "", " surface ", " flattened ");
-    let header = ["from target, mm", "area, % of its"];
-    let half = format!(" {:>6} {:>5}  {:^17}  {:^17}", "missed", "false", header[0], header[1]);
-    say!("{:>12} {half} {half}", "way to rim");
+    let halves = [report, flattened].map(|report| {
+        let size = if report.contacts_found_in == "voltages" { "strength" } else { "area, % of its" };
+        format!(" {:>6} {:>5}  {:^17}  {size:^17}", "missed", "false", "from target, mm")
+    });
+    say!("{:>12} {}", "way to rim", halves.join(" "));
     let rings = |report: &Report| report.rings.iter().chain([&report.total]).cloned().collect::<Vec<_>>();
     for (surface, flat) in rings(report).iter().zip(&rings(flattened)) {
         let way = way([surface.from_percent, surface.to_percent]);
@@ -282,9 +313,14 @@ fn print_flattened(report: &Report, flattened: &Report) {
     say!("");
 }
 
+/// Contacts have an area in the image, and in the voltages only a strength.
 fn size_row(ring: &Ring) -> String {
-    let (error, area) = (cells(ring.position_error_mm, 2), cells(ring.contact_area_percent, 0));
-    format!(" {:>6} {:>5}{error:^19}{area:^19}", ring.missed, ring.false_contacts)
+    let error = cells(ring.position_error_mm, 2);
+    let size = match ring.contact_area_percent {
+        None => cells(ring.contact_strength, 2),
+        area => cells(area, 0),
+    };
+    format!(" {:>6} {:>5}{error:^19}{size:^19}", ring.missed, ring.false_contacts)
 }
 
 /// Width of a mean and a largest value.
@@ -316,6 +352,21 @@ fn contact_row(ring: &Ring) -> String {
     ];
     let way = way([ring.from_percent, ring.to_percent]);
     format!("{way:>12} {targets:>7} {missed:>6} {false_contacts:>5}{}", figures.concat())
+}
+
+fn strongest_row(ring: &Ring) -> String {
+    let number = |value: Option<f64>, decimals| {
+        value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
+    };
+    let [strength, deviation] =
+        [ring.contact_strength, ring.stated_deviation_mm].map(|spread| cells(spread, 2));
+    format!(
+        "{:>12} {:>6}{strength} {:>10}{deviation} {:>12}",
+        way([ring.from_percent, ring.to_percent]),
+        ring.exactly_one,
+        number(ring.contact_strength_variation_percent, 1),
+        number(ring.within_two_stated_percent, 1)
+    )
 }
 
 fn greit_row(ring: &Ring) -> String {

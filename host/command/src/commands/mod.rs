@@ -34,6 +34,7 @@ mod drive;
 mod evaluate;
 mod experiment;
 mod export;
+mod finding;
 mod firmware;
 mod flags;
 mod flash;

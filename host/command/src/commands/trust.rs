@@ -1,8 +1,7 @@
 //! `dermatome experiment trust`: what a board says, row by row beside what is asked of it.
 
-use super::{JsonReport, noise::snr, progress};
+use super::{JsonReport, finding::Finding, noise::snr, progress};
 use anyhow::Context;
-use clap::ValueEnum;
 use dermatome_experiments::{
     experiment::{Wanted, shipped_skins},
     trust::{Bench, Figure, Options, ROWS, Row, RowFigures, Verdict, json, run as run_rows},
@@ -41,22 +40,6 @@ pub(super) struct Args {
     found_in: Vec<Finding>,
     #[command(flatten)]
     json: JsonReport,
-}
-
-/// What contacts are found in.
-#[derive(Clone, Copy, ValueEnum)]
-enum Finding {
-    Image,
-    Voltages,
-}
-
-impl From<Finding> for FoundIn {
-    fn from(finding: Finding) -> Self {
-        match finding {
-            Finding::Image => Self::Image,
-            Finding::Voltages => Self::Voltages,
-        }
-    }
 }
 
 fn row(name: &str) -> Result<Row, String> {

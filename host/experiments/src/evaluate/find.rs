@@ -1,5 +1,6 @@
-//! Finding contacts in an image: as the board does where its pixels fit a board, else in f64.
+//! Finding contacts as a board does: in the voltages or in the image.
 
+use super::board::Board;
 use dermatome_model::{metrics::parts::parts, pixels::Pixels};
 use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::{
@@ -8,44 +9,107 @@ use dermatome_shared::{
 };
 use nalgebra::Point3;
 
-/// A contact in an image.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Found {
-    /// Centre, m.
-    pub(super) centre: Point3<f64>,
-    /// Area of its region of interest, m^2.
-    pub(super) area: f64,
+/// What contacts are found in, and by what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FoundBy {
+    /// The voltages, by a board.
+    Voltages,
+    /// The image, by a board's code.
+    Image,
+    /// The f64 image, of more pixels than a board takes.
+    F64Image,
 }
 
-/// Finds the contacts in images of one skin.
-#[derive(Clone, Debug)]
-pub(super) struct Finder<'a> {
+/// A contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// Where it is, m.
+    pub centre: Point3<f64>,
+    /// Area of its region of interest, m^2; none in the voltages, which do not tell it.
+    pub area: Option<f64>,
+    /// Its strength: relative conductivity change.
+    pub strength: f64,
+    /// How sure it is; none in the image.
+    pub evidence: Option<Evidence>,
+}
+
+/// How sure a contact is by what the board says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evidence {
+    /// Standard deviations above the noise.
+    pub significance: f64,
+    /// Standard deviation of its place, m.
+    pub position_deviation: f64,
+}
+
+impl From<&Contact> for Found {
+    fn from(contact: &Contact) -> Self {
+        let evidence = contact.evidence.map(|evidence| Evidence {
+            significance: evidence.significance.into(),
+            position_deviation: evidence.position_deviation.into(),
+        });
+        Self {
+            centre: Point3::from(contact.position.map(f64::from)),
+            area: evidence.is_none().then(|| contact.area.into()),
+            strength: contact.strength.into(),
+            evidence,
+        }
+    }
+}
+
+/// Finds the contacts of one skin.
+#[derive(Debug)]
+pub(super) enum Finder<'a> {
+    Voltages(&'a Board),
+    Image(ImageFinder<'a>),
+}
+
+impl Finder<'_> {
+    /// What it finds them in.
+    #[must_use]
+    pub(super) fn found_by(&self) -> FoundBy {
+        match self {
+            Self::Voltages(_) => FoundBy::Voltages,
+            Self::Image(ImageFinder { board: Some(_), .. }) => FoundBy::Image,
+            Self::Image(_) => FoundBy::F64Image,
+        }
+    }
+}
+
+/// Finds them in images: as a board does where its pixels fit a board, else in f64.
+#[derive(Debug)]
+pub(super) struct ImageFinder<'a> {
     pixels: &'a Pixels,
     board: Option<SurfaceTables>,
     threshold: f64,
 }
 
-impl<'a> Finder<'a> {
+impl<'a> ImageFinder<'a> {
     /// `threshold` is the smallest relative conductivity change that counts.
     #[must_use]
     pub(super) fn new(pixels: &'a Pixels, threshold: f64) -> Self {
         Self { pixels, board: pixels.surface_tables(), threshold }
     }
 
-    /// Whether contacts are found the board's way.
-    #[must_use]
-    pub(super) fn is_board(&self) -> bool {
-        self.board.is_some()
-    }
-
     /// The contacts, strongest first; the image's press is positive.
     #[must_use]
     pub(super) fn contacts(&self, image: &[f64]) -> Vec<Found> {
-        let parts = || parts(image, self.pixels, self.threshold);
         match &self.board {
             Some(tables) => as_board(tables, image, self.threshold),
-            None => parts().iter().map(|part| Found { centre: part.centre, area: part.area }).collect(),
+            None => self.in_f64(image),
         }
+    }
+
+    fn in_f64(&self, image: &[f64]) -> Vec<Found> {
+        let parts = parts(image, self.pixels, self.threshold).into_iter();
+        parts
+            .map(|part| Found {
+                centre: part.centre,
+                area: Some(part.area),
+                strength: part.strength,
+                evidence: None,
+            })
+            .collect()
     }
 }
 
@@ -53,10 +117,5 @@ impl<'a> Finder<'a> {
 fn as_board(tables: &SurfaceTables, image: &[f64], threshold: f64) -> Vec<Found> {
     let codes: Vec<_> = image.iter().map(|&value| RelativeConductivity::from_f64(value)).collect();
     let threshold = RelativeConductivity::from_f64(threshold);
-    let contacts = contact::find(&tables.view(), &codes, threshold);
-    let found = |contact: &Contact| Found {
-        centre: Point3::from(contact.position.map(f64::from)),
-        area: f64::from(contact.area),
-    };
-    contacts.iter().map(found).collect()
+    contact::find(&tables.view(), &codes, threshold).iter().map(Found::from).collect()
 }

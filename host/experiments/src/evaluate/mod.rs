@@ -2,31 +2,38 @@
 //!
 //! Discs of changed conductivity are put on the *true skin* - a mesh of its own, with electrode errors
 //! if asked for - one at a time all over it ([`single`]), and two at decreasing distance ([`pairs`]).
-//! Each is a real forward solution with noise, imaged with the model's reconstruction matrix. What the
-//! images are worth is put together by rings ([`report`]) and drawn ([`picture`]).
+//! Each is a real forward solution with noise, imaged with the model's reconstruction matrix. Contacts are
+//! those that a board with the skin's patch finds, in the voltages or in the image, whichever the skin says
+//! (`find`, `board`). What images and contacts are worth is put together by rings ([`report`]) and drawn
+//! ([`picture`]).
 
+mod board;
 pub(crate) mod electrodes;
 mod find;
 mod length;
 pub mod pairs;
 mod picture;
 pub mod report;
+mod scene;
 pub mod single;
 pub(crate) mod surface;
 mod target;
 
 use dermatome_geometry::mesh::Mesh;
 use dermatome_model::{
-    metrics::detectability::{Detectability, Sought, strength_of},
+    metrics::detectability::{Sought, strength_of},
     model::{Model, ModelError},
-    skin::Skin,
+    quantize::PatchBuildError,
+    skin::{FoundIn, Skin},
 };
 use dermatome_simulate::{TrueSkin, rig::IdealRig};
-use find::Finder;
+pub use find::{Evidence, Found, FoundBy};
+use find::{Finder, ImageFinder};
 pub use length::Length;
 use nalgebra::Point3;
 use pairs::Pair;
 pub use picture::picture;
+use scene::Scene;
 use single::Single;
 use surface::Surface;
 use target::Discs;
@@ -49,7 +56,9 @@ pub struct Options {
     pub electrode_error: Length,
     /// Standard deviation of the contact impedances, a share.
     pub impedance_error: f64,
-    /// Smallest relative conductivity change that counts as a contact; `None` is the skin's own.
+    /// What contacts are found in; `None` is the skin's own.
+    pub found_in: Option<FoundIn>,
+    /// Smallest relative conductivity change that counts as a contact in the image; `None` is the skin's own.
     pub threshold: Option<f64>,
 }
 
@@ -85,10 +94,12 @@ pub struct Evaluation {
     pub target_diameter: f64,
     /// Standard deviation of the electrodes' places, m.
     pub electrode_error: f64,
-    /// Smallest relative conductivity change that counted as a contact.
-    pub threshold: f64,
-    /// Whether contacts were found the board's way, on its grid; else in the f64 image.
-    pub board_contacts: bool,
+    /// Smallest relative conductivity change that counted as a contact; none in the voltages.
+    pub threshold: Option<f64>,
+    /// How contacts were found.
+    pub found_by: FoundBy,
+    /// Why they were found in the image although the skin says the voltages.
+    pub no_board: Option<PatchBuildError>,
     /// Distance of neighbouring places for pairs, m.
     pub pair_spacing: f64,
     /// Step between the distances of pairs, m.
@@ -125,6 +136,9 @@ pub enum EvaluateError {
         /// Why.
         why: &'static str,
     },
+    /// Contacts in the voltages were asked for, and no board takes the model.
+    #[error("`found_in` is voltages, which takes a board: {0}")]
+    NoBoard(#[from] PatchBuildError),
     /// Electrode errors that make electrodes touch.
     #[error(
         "electrodes {first} and {second} of the true skin would touch; allowed: a smaller `electrode_error`, \
@@ -138,19 +152,6 @@ pub enum EvaluateError {
     },
 }
 
-/// Everything that single targets and pairs need.
-struct Scene<'a> {
-    surface: &'a Surface<'a>,
-    rig: IdealRig<'a>,
-    finder: Finder<'a>,
-    model: &'a Model,
-    /// The true skin, if the model is of its flattened one: what is found is laid onto it from above.
-    flattened: Option<&'a TrueSkin>,
-    discs: Discs,
-    spacing: f64,
-    detectability: Option<Detectability>,
-}
-
 /// Tries targets all over `skin`, whose model is `model`.
 pub fn evaluate(
     skin: &Skin,
@@ -158,29 +159,39 @@ pub fn evaluate(
     options: &Options,
     watch: &dyn Watch,
 ) -> Result<Evaluation, EvaluateError> {
-    evaluate_through(skin, model, false, options, watch)
+    evaluate_through(skin, None, model, options, watch)
 }
 
-/// The same with the model of `skin` flattened ([`Skin::flattened`]), on the same true skin and the same frames.
+/// The same through `model`, that of `flattened`, which is `skin` [flattened](Skin::flattened): the same true skin and the
+/// same frames.
 pub fn evaluate_flattened(
     skin: &Skin,
-    flattened: &Model,
+    flattened: &Skin,
+    model: &Model,
     options: &Options,
     watch: &dyn Watch,
 ) -> Result<Evaluation, EvaluateError> {
-    evaluate_through(skin, flattened, true, options, watch)
+    evaluate_through(skin, Some(flattened), model, options, watch)
 }
 
 fn evaluate_through(
     skin: &Skin,
+    flattened: Option<&Skin>,
     model: &Model,
-    is_flattened: bool,
     options: &Options,
     watch: &dyn Watch,
 ) -> Result<Evaluation, EvaluateError> {
     let electrode_error = electrode_error(skin, options)?;
     let true_skin = electrodes::with_errors(skin, electrode_error, options.impedance_error, options.seed)?;
-    let truth = TrueSkin::new(&true_skin)?;
+    let (board, no_board) = board::on(&true_skin, flattened.unwrap_or(skin), model, options)?;
+    let alone;
+    let truth = match &board {
+        Some(board) => board.rig.truth(),
+        None => {
+            alone = TrueSkin::new(&true_skin)?;
+            &alone
+        }
+    };
     let surface = Surface::new(&true_skin.shape, truth.mesh());
     let target_diameter = target_diameter(&surface, options)?;
     let threshold = options.threshold.unwrap_or(skin.contact_threshold);
@@ -188,10 +199,13 @@ fn evaluate_through(
         |snr_db| Sought { radius: target_diameter / 2.0, strength: strength_of(options.contrast), snr_db };
     let scene = Scene {
         surface: &surface,
-        rig: IdealRig::new(&truth, model, options.snr_db, options.seed),
-        finder: Finder::new(&model.pixels, threshold),
+        rig: IdealRig::new(truth, model, options.snr_db, options.seed),
+        finder: match &board {
+            Some(board) => Finder::Voltages(board),
+            None => Finder::Image(ImageFinder::new(&model.pixels, threshold)),
+        },
         model,
-        flattened: is_flattened.then_some(&truth),
+        flattened: flattened.map(|_| truth),
         discs: Discs { radius: target_diameter / 2.0, contrast: options.contrast },
         spacing: spacing(&surface, options)?,
         detectability: options.snr_db.map(|snr_db| model.detectability(&sought(snr_db))),
@@ -206,8 +220,9 @@ fn evaluate_through(
         spacing: scene.spacing,
         target_diameter,
         electrode_error,
-        threshold,
-        board_contacts: scene.finder.is_board(),
+        threshold: board.is_none().then_some(threshold),
+        found_by: scene.finder.found_by(),
+        no_board,
         pair_spacing: pairs::SPARSENESS * scene.spacing,
         pair_step: pairs::STEP * surface.diameter,
         singles,

@@ -1,6 +1,6 @@
 //! Pairs of equal targets at decreasing distance: from where on are two contacts still two?
 
-use super::{Scene, Watch, find::Found};
+use super::{Watch, find::Found, scene::Scene};
 use nalgebra::{Point3, Unit, Vector3};
 use rayon::prelude::*;
 
@@ -108,9 +108,8 @@ impl Tries<'_> {
     /// Whether the two strongest contacts are one for each target.
     fn is_told_apart(&self, middles: &[Point3<f64>; 2], frame: u64) -> bool {
         let change = self.scene.discs.at(self.scene.surface, middles);
-        let image = self.scene.upright(self.scene.rig.measure(&change.conductivity, frame).image);
-        let contacts = self.scene.contacts(&image);
-        let [first, second, ..] = contacts.as_slice() else { return false };
+        let seen = self.scene.see(&change.conductivity, frame);
+        let [first, second, ..] = seen.contacts.as_slice() else { return false };
         let is_of =
             |contact: &Found, middle: Point3<f64>| (contact.centre - middle).norm() < distance(middles) / 2.0;
         let [a, b] = *middles;

@@ -1,6 +1,6 @@
 //! The picture of an evaluation: a map of each figure.
 
-use super::{Evaluation, pairs::Direction, single::Single};
+use super::{Evaluation, FoundBy, pairs::Direction, single::Single};
 use dermatome_view::map::{Panel, Places, Sheet, map_sheet};
 
 /// Maps in a row.
@@ -42,7 +42,11 @@ fn panels_of_singles(evaluation: &Evaluation) -> Vec<Panel> {
     let map = |title: [&str; 2], name, from_zero, value: &dyn Fn(&Single) -> Option<f64>| {
         panel(title, name, SINGLES, evaluation.singles.iter().map(value).collect(), from_zero)
     };
-    let found_by = if evaluation.board_contacts { "contact on the board" } else { "contact in the image" };
+    let found_by = match evaluation.found_by {
+        FoundBy::Voltages => "contact in the voltages",
+        FoundBy::Image => "contact in the board's image",
+        FoundBy::F64Image => "contact in the image",
+    };
     vec![
         map(["position error", found_by], "% of diameter", true, &|single| {
             Some(single.position_error()? * per_cent)
@@ -71,6 +75,9 @@ fn panels_of_singles(evaluation: &Evaluation) -> Vec<Panel> {
         }),
         map(["contacts found", "for one target"], "number", false, &|single| {
             Some(single.contacts.len() as f64)
+        }),
+        map(["strength", "of the strongest contact"], "change", false, &|single| {
+            Some(single.contacts.first()?.strength)
         }),
         map(["d' of a target", "in the voltages of a frame"], "standard deviations", true, &|single| {
             Some(single.detectability?.significance)

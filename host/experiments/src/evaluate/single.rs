@@ -1,6 +1,10 @@
 //! Single targets, one at a time, all over the skin.
 
-use super::{Scene, Watch, find::Found};
+use super::{
+    Watch,
+    find::Found,
+    scene::{Scene, Seen},
+};
 use dermatome_model::metrics::{Target, detectability::AtPlace, greit, thesis};
 use nalgebra::Point3;
 use rayon::prelude::*;
@@ -12,9 +16,9 @@ pub struct Single {
     pub position: Point3<f64>,
     /// How far out it lies: 0 at the deepest place of the skin, 1 at the rim.
     pub normalised_radius: f64,
-    /// Contacts found, m, strongest first.
-    pub contacts: Vec<Point3<f64>>,
-    /// Area of the strongest contact's region of interest over the target's.
+    /// Contacts found, strongest first.
+    pub contacts: Vec<Found>,
+    /// Area of the strongest contact's region of interest over the target's; none in the voltages.
     pub contact_area: Option<f64>,
     /// dV/V, thesis equation 3.2.
     pub relative_voltage_change: f64,
@@ -30,7 +34,19 @@ impl Single {
     /// Distance of the strongest contact from the target, m; `None` if it was missed.
     #[must_use]
     pub fn position_error(&self) -> Option<f64> {
-        self.contacts.first().map(|contact| (contact - self.position).norm())
+        self.contacts.first().map(|contact| (contact.centre - self.position).norm())
+    }
+
+    /// Standard deviation that the board states of the strongest contact's place, m; `None` in the image.
+    #[must_use]
+    pub fn stated_deviation(&self) -> Option<f64> {
+        Some(self.contacts.first()?.evidence?.position_deviation)
+    }
+
+    /// Whether the strongest contact is off by no more than twice of that.
+    #[must_use]
+    pub fn is_as_stated(&self) -> Option<bool> {
+        Some(self.position_error()? <= 2.0 * self.stated_deviation()?)
     }
 }
 
@@ -49,52 +65,24 @@ pub(super) fn try_all(scene: &Scene<'_>, watch: &dyn Watch) -> Vec<Single> {
 
 fn try_one(scene: &Scene<'_>, place: Point3<f64>, frame: u64) -> Single {
     let change = scene.discs.at(scene.surface, &[place]);
-    let measured = scene.rig.measure(&change.conductivity, frame);
-    let image = scene.upright(measured.image);
+    let Seen { measured, contacts } = scene.see(&change.conductivity, frame);
     let target = Target {
         position: scene.seen(change.centre),
         amount: change.amount,
         skin_centre: scene.seen(scene.surface.centre),
     };
-    let contacts = scene.contacts(&image);
     let area = change.amount / scene.discs.contrast.abs();
     Single {
         position: change.centre,
         normalised_radius: scene.surface.normalised_radius(change.centre),
-        contact_area: contacts.first().map(|contact| contact.area / area),
-        contacts: contacts.iter().map(|contact| contact.centre).collect(),
+        contact_area: contacts.first().and_then(|contact| Some(contact.area? / area)),
+        contacts,
         relative_voltage_change: measured.relative_voltage_change,
         detectability: scene
             .detectability
             .as_ref()
             .and_then(|all| all.nearest(scene.seen(change.centre)).copied()),
-        thesis: thesis::figures(&image, &scene.model.pixels, &target),
-        greit: greit::figures(&image, &scene.model.pixels, &target),
-    }
-}
-
-impl Scene<'_> {
-    /// Contacts in an image, on the true skin.
-    pub(super) fn contacts(&self, image: &[f64]) -> Vec<Found> {
-        let mut found = self.finder.contacts(image);
-        if let Some(truth) = self.flattened {
-            found
-                .iter_mut()
-                .for_each(|contact| contact.centre = truth.lay([contact.centre.x, contact.centre.y]));
-        }
-        found
-    }
-
-    /// Where the model has a point of the true skin.
-    fn seen(&self, point: Point3<f64>) -> Point3<f64> {
-        if self.flattened.is_some() { Point3::new(point.x, point.y, 0.0) } else { point }
-    }
-
-    /// An image in which the targets are positive.
-    pub(super) fn upright(&self, mut image: Vec<f64>) -> Vec<f64> {
-        if self.discs.contrast < 0.0 {
-            image.iter_mut().for_each(|value| *value = -*value);
-        }
-        image
+        thesis: thesis::figures(&measured.image, &scene.model.pixels, &target),
+        greit: greit::figures(&measured.image, &scene.model.pixels, &target),
     }
 }

@@ -2,6 +2,10 @@ use super::*;
 use crate::evaluate::report::{Report, Ring, Spread};
 use dermatome_model::skin::{Drive, ImageLayout, Pattern, Shape};
 use dermatome_shared::stimulation::Driven;
+use dermatome_simulate::{
+    Noise, Rig,
+    rig::{Observer, SETTLED},
+};
 use std::{
     path::Path,
     sync::atomic::{AtomicUsize, Ordering},
@@ -34,7 +38,7 @@ fn endless() -> Until {
     Until(usize::MAX, AtomicUsize::new(0))
 }
 
-/// No noise, no errors; about a hundred targets.
+/// No noise, no errors, contacts from the image; about a hundred targets.
 const PLAIN: Options = Options {
     spacing: Some(Length::Share(0.09)),
     diameter: Length::Share(0.15),
@@ -43,12 +47,21 @@ const PLAIN: Options = Options {
     seed: 1,
     electrode_error: Length::Metres(0.0),
     impedance_error: 0.0,
+    found_in: Some(FoundIn::Image),
     threshold: None,
 };
+
+/// As the board has it that the skin file asks for: contacts from the voltages, at its noise.
+const BOARD: Options = Options { snr_db: Some(60.0), found_in: None, ..PLAIN };
 
 fn of(skin: &Skin, options: Options) -> Evaluation {
     let model = Model::build(skin, |_| ()).unwrap();
     evaluate(skin, &model, &options, &endless()).unwrap()
+}
+
+fn shipped(name: &str) -> Skin {
+    let file = format!("{}/../../models/{name}/skin.toml", env!("CARGO_MANIFEST_DIR"));
+    Skin::load(Path::new(&file)).unwrap().made().unwrap()
 }
 
 fn report(skin: &Skin, options: Options) -> Report {
@@ -85,11 +98,82 @@ fn without_noise_targets_are_found_where_they_are_and_the_rings_make_up_the_skin
 #[test]
 fn one_seed_gives_the_same_figures_on_one_thread_or_many() {
     let skin = coarse_disc();
-    let noisy = Options { snr_db: Some(40.0), ..PLAIN };
-    let first = report(&skin, noisy);
-    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    assert_eq!(one_thread.install(|| report(&skin, noisy)), first);
-    assert_ne!(report(&skin, Options { seed: 2, ..noisy }), first);
+    for found_in in [FoundIn::Image, FoundIn::Voltages] {
+        let noisy = Options { snr_db: Some(40.0), found_in: Some(found_in), ..PLAIN };
+        let first = report(&skin, noisy);
+        for threads in [1, 4] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            assert_eq!(pool.install(|| report(&skin, noisy)), first, "{threads} threads");
+        }
+        assert_ne!(report(&skin, Options { seed: 2, ..noisy }), first);
+    }
+}
+
+#[test]
+fn contacts_in_the_voltages_are_those_of_a_tared_board() {
+    let skin = shipped("disc-210mm");
+    let options = Options { spacing: Some(Length::Share(0.2)), seed: 5, ..BOARD };
+    let evaluation = of(&skin, options);
+    assert_eq!(evaluation.found_by, FoundBy::Voltages);
+    let mut board = Observer::new(&skin).unwrap();
+    let mut rig = Rig::new(&skin, &board.patch(), Noise { snr_db: 60.0, seed: 5 }).unwrap();
+    let untouched = rig.truth().conductivity(&[]);
+    board.tare(&rig.tare(&untouched));
+    let surface = Surface::new(&skin.shape, rig.truth().mesh());
+    let discs = Discs { radius: evaluation.target_diameter / 2.0, contrast: 1.0 };
+    let places = surface.places(evaluation.spacing);
+    assert_eq!(places.len(), evaluation.singles.len());
+    for ((number, place), single) in (1..).zip(&places).zip(&evaluation.singles) {
+        let phasors = rig.solve(&discs.at(&surface, &[*place]).conductivity);
+        let frames = rig.numbered_scans(&phasors, SETTLED, number);
+        let seen: Vec<_> = board.glance(&frames).contacts().iter().map(Found::from).collect();
+        assert_eq!(single.contacts, seen, "{place}");
+    }
+    // And of any other noise.
+    let error = |singles: &[Single]| {
+        let errors = singles.iter().filter(|single| single.normalised_radius < 0.8);
+        errors.map(|single| single.position_error().unwrap()).fold(0.0, f64::max)
+    };
+    let other = of(&skin, Options { seed: 6, ..options });
+    assert!(error(&evaluation.singles) < 0.005 && error(&other.singles) < 0.005);
+}
+
+#[test]
+fn a_board_says_how_sure_it_is_and_an_image_how_large_a_contact_is() {
+    let skin = coarse_disc();
+    let (voltages, image) = (report(&skin, BOARD), report(&skin, Options { snr_db: Some(60.0), ..PLAIN }));
+    assert_eq!((voltages.contacts_found_in, image.contacts_found_in), ("voltages", "image"));
+    assert_eq!((voltages.contact_threshold, image.contact_threshold), (None, Some(0.05)));
+    let (of_board, of_image) = (&voltages.total, &image.total);
+    assert!(of_board.within_two_stated_percent.unwrap() > 80.0, "{of_board:?}");
+    assert!(of_board.stated_deviation_mm.is_some() && of_board.contact_area_percent.is_none());
+    assert!(of_image.stated_deviation_mm.is_none() && of_image.within_two_stated_percent.is_none());
+    assert!(of_image.contact_area_percent.is_some());
+    // What images are worth does not depend on where contacts are found.
+    assert_eq!((&of_board.greit, &of_board.thesis), (&of_image.greit, &of_image.thesis));
+    for ring in voltages.rings.iter().filter(|ring| ring.to_percent <= 80.0) {
+        assert_eq!((ring.exactly_one, ring.missed, ring.false_contacts), (ring.targets, 0, 0), "{ring:?}");
+        assert!(ring.contact_strength_variation_percent.unwrap() < 20.0, "{ring:?}");
+    }
+}
+
+#[test]
+fn a_target_at_half_the_depth_that_the_image_misses_is_seen_in_the_voltages() {
+    let skin = shipped("square-50mm");
+    let faint = Options { diameter: Length::Share(0.08), contrast: 0.5, ..BOARD };
+    let [voltages, image] = [FoundIn::Voltages, FoundIn::Image]
+        .map(|found_in| report(&skin, Options { found_in: Some(found_in), ..faint }).total);
+    assert!(10 * image.missed > image.targets, "{image:?}");
+    assert!(50 * voltages.missed < voltages.targets, "{voltages:?}");
+}
+
+#[test]
+fn a_board_without_noise_finds_every_target() {
+    let silent = report(&coarse_disc(), Options { snr_db: None, ..BOARD });
+    for ring in silent.rings.iter().filter(|ring| ring.to_percent <= 80.0) {
+        assert_eq!((ring.missed, ring.false_contacts), (0, 0), "{ring:?}");
+        assert!(ring.position_error_percent.unwrap().max < 5.0, "{ring:?}");
+    }
 }
 
 #[test]
@@ -174,7 +258,7 @@ fn weak_targets_are_missed_unless_the_threshold_is_lowered() {
     let board = report(&skin, weak);
     assert_eq!((board.total.missed, board.total.position_error_mm), (board.total.targets, None));
     let keen = report(&skin, Options { threshold: Some(0.0), ..weak });
-    assert_eq!((keen.total.missed, keen.contact_threshold), (0, 0.0));
+    assert_eq!((keen.total.missed, keen.contact_threshold), (0, Some(0.0)));
     assert!(mean(keen.rings[0].position_error_percent) < 3.0);
     assert_eq!(keen.total.greit, board.total.greit, "figures do not depend on the threshold");
 }
@@ -204,6 +288,33 @@ fn a_sheet_with_capacitance_is_evaluated_too() {
     assert_ne!(complex, real);
     let difference = mean(complex.total.greit.resolution) / mean(real.total.greit.resolution) - 1.0;
     assert!(difference.abs() < 0.05, "{difference}");
+}
+
+#[test]
+fn what_means_nothing_in_the_voltages_is_refused_with_what_to_do() {
+    let skin = coarse_disc();
+    let model = Model::build(&skin, |_| ()).unwrap();
+    let refused = |options: Options| evaluate(&skin, &model, &options, &endless()).unwrap_err().to_string();
+    for (options, option) in [
+        (Options { threshold: Some(0.1), ..BOARD }, "`threshold` cannot be used"),
+        (Options { contrast: -0.5, ..BOARD }, "`contrast` cannot be used"),
+    ] {
+        let words = refused(options);
+        assert!(words.starts_with(option) && words.ends_with("or `found_in` image"), "{words}");
+    }
+}
+
+#[test]
+fn a_model_that_no_board_takes_is_judged_by_its_image_unless_the_voltages_are_asked_for() {
+    let skin = Skin { image: ImageLayout::Elements, edges: coarse_disc().edges.scaled(0.3), ..coarse_disc() };
+    let model = Model::build(&skin, |_| ()).unwrap();
+    let few = Options { spacing: Some(Length::Share(0.5)), ..BOARD };
+    let report = Report::new(&evaluate(&skin, &model, &few, &endless()).unwrap());
+    assert_eq!((report.contacts_found_in, report.contacts_found_by), ("image", "image"));
+    assert!(report.no_board.unwrap().starts_with("`image.pixels` gives"));
+    let asked = Options { found_in: Some(FoundIn::Voltages), ..few };
+    let refused = evaluate(&skin, &model, &asked, &endless()).unwrap_err();
+    assert!(matches!(refused, EvaluateError::NoBoard(PatchBuildError::TooMany { .. })), "{refused}");
 }
 
 /// Half a sphere, electrodes on its equator, imaged on patches.
@@ -245,8 +356,9 @@ fn a_curved_skin_is_evaluated_on_its_surface() {
 }
 
 fn of_flattened(skin: &Skin, options: Options) -> Report {
-    let model = Model::build(&skin.flattened().unwrap(), |_| ()).unwrap();
-    Report::new(&evaluate_flattened(skin, &model, &options, &endless()).unwrap())
+    let flat = skin.flattened().unwrap();
+    let model = Model::build(&flat, |_| ()).unwrap();
+    Report::new(&evaluate_flattened(skin, &flat, &model, &options, &endless()).unwrap())
 }
 
 #[test]
@@ -272,15 +384,28 @@ fn the_model_of_a_flattened_hemisphere_misplaces_contacts_and_shows_other_sizes(
 }
 
 #[test]
+fn the_board_of_a_flattened_hemisphere_misplaces_contacts() {
+    let options = Options { spacing: Some(Length::Share(0.12)), snr_db: Some(80.0), ..BOARD };
+    let (surface, flat) = (report(&hemisphere(), options), of_flattened(&hemisphere(), options));
+    assert_eq!((surface.contacts_found_in, flat.contacts_found_in), ("voltages", "voltages"));
+    let error = |report: &Report| mean(report.total.position_error_mm);
+    assert!(error(&flat) > 2.0 * error(&surface), "{} {}", error(&flat), error(&surface));
+}
+
+#[test]
 fn a_flat_skin_flattened_is_the_same_skin() {
     let skin = coarse_disc();
-    let (flat, surface) = (of_flattened(&skin, PLAIN).total, report(&skin, PLAIN).total);
-    let figures = |ring: &Ring| [mean(ring.position_error_mm), mean(ring.contact_area_percent)];
-    for (flat, surface) in figures(&flat).into_iter().zip(figures(&surface)) {
-        assert!((flat / surface - 1.0).abs() < 1e-9, "{flat} {surface}");
+    for options in [PLAIN, BOARD] {
+        let (flat, surface) = (of_flattened(&skin, options).total, report(&skin, options).total);
+        let figures = |ring: &Ring| [mean(ring.position_error_mm), mean(ring.contact_strength)];
+        for (flat, surface) in figures(&flat).into_iter().zip(figures(&surface)) {
+            assert!((flat / surface - 1.0).abs() < 1e-9, "{flat} {surface}");
+        }
+        let area = |ring: &Ring| ring.contact_area_percent.map(|area| (1e6 * area.mean).round());
+        assert_eq!(area(&flat), area(&surface));
+        assert_eq!((flat.missed, flat.false_contacts), (surface.missed, surface.false_contacts));
+        assert_eq!(flat.greit, surface.greit);
     }
-    assert_eq!((flat.missed, flat.false_contacts), (surface.missed, surface.false_contacts));
-    assert_eq!(flat.greit, surface.greit);
 }
 
 #[test]

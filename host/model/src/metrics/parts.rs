@@ -14,6 +14,8 @@ pub struct Part {
     pub centre: Point3<f64>,
     /// Area, m^2.
     pub area: f64,
+    /// Mean relative conductivity change.
+    pub strength: f64,
     /// Largest relative conductivity change.
     pub peak: f64,
 }
@@ -62,6 +64,6 @@ impl Part {
             area += pixels.areas[pixel];
             peak = peak.max(image[pixel]);
         }
-        Self { centre: on_surface(pixels, Point3::from(sum / weight)), area, peak }
+        Self { centre: on_surface(pixels, Point3::from(sum / weight)), area, strength: weight / area, peak }
     }
 }

@@ -70,8 +70,7 @@ impl<'a> IdealRig<'a> {
 
 impl NumberedNoise {
     fn add_to(&self, voltages: &mut [f64], frame: u64) {
-        let seed = self.seed.wrapping_add(frame.wrapping_mul(0x9E37_79B9_7F4A_7C15));
-        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let mut random = Pcg64Mcg::seed_from_u64(noise::seed_of(self.seed, frame));
         let noise = Normal::new(0.0, self.deviation).expect("a deviation is finite and not negative");
         voltages.iter_mut().for_each(|voltage| *voltage += noise.sample(&mut random));
     }

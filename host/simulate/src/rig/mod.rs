@@ -88,6 +88,21 @@ impl Rig {
         (0..count).map(|_| self.scan(phasors)).collect()
     }
 
+    /// So many scans of it as if they came next, whose noise follows from a number above zero: in any order, on many
+    /// threads. For the rig no time passes.
+    #[must_use]
+    pub fn numbered_scans(&self, phasors: &[Complex64], count: u16, number: u64) -> Vec<Frame> {
+        let mut clock = self.scanner.clock();
+        let frames = self.skin().read_numbered(&self.table, phasors, count, number);
+        frames.into_iter().map(|frame| clock.stamp(frame, &self.table)).collect()
+    }
+
+    /// In-phase voltages among what [`Self::solve`] gave: `[step]`.
+    #[must_use]
+    pub fn in_phase(&self, phasors: &[Complex64]) -> Vec<f64> {
+        phasors[..self.table.steps.len()].iter().map(|voltage| voltage.re).collect()
+    }
+
     /// One scan under these presses.
     pub fn press(&mut self, presses: &[Press]) -> Frame {
         let phasors = self.solve(&self.truth().conductivity(presses));

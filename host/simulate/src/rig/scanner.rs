@@ -30,6 +30,11 @@ impl<I> Scanner<I> {
         &mut self.instrument
     }
 
+    /// Its clock alone, which goes on by itself.
+    pub(super) fn clock(&self) -> Scanner<()> {
+        Scanner { instrument: (), sequence: self.sequence, time: self.time }
+    }
+
     /// Gives a frame its number and time: a period of this table has passed.
     pub fn stamp(&mut self, frame: Frame, table: &ScanTable) -> Frame {
         let sequence = self.sequence;

@@ -26,6 +26,24 @@ fn a_press_is_one_contact_to_an_observer_that_was_tared() {
     assert_eq!(observer.observe(&frame).contacts().to_vec(), glance);
 }
 
+#[test]
+fn numbered_scans_come_next_and_depend_on_their_number_only() {
+    let skin = square();
+    let observer = Observer::new(&skin).unwrap();
+    let noise = Noise { snr_db: 60.0, seed: 1 };
+    let mut rig = Rig::new(&skin, &observer.patch(), noise).unwrap();
+    let pressed = rig.solve(&rig.truth().conductivity(&[Press::finger([0.006, -0.004], 0.006, 1.0)]));
+    rig.scan(&pressed);
+    let [first, second] = [1, 2].map(|number| rig.numbered_scans(&pressed, 3, number));
+    assert_eq!(rig.numbered_scans(&pressed, 3, 1), first);
+    assert_ne!(first[0].codes, second[0].codes);
+    assert_ne!(first[0].codes, first[1].codes);
+    // Noise of its own apart, they are the rig's next frames.
+    let itself = rig.numbered_scans(&pressed, 3, 0);
+    rig.change_noise(noise);
+    assert_eq!(rig.scans(&pressed, 3), itself);
+}
+
 /// Counts its scans.
 struct Counter(i32);
 

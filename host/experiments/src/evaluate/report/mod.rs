@@ -1,11 +1,13 @@
 //! Report: figures of all targets, by rings of the skin. Keys are documented in docs/cli.md.
 
+mod rows;
+
 use super::{
-    Evaluation,
+    Evaluation, FoundBy,
     pairs::{Direction, Pair},
     single::Single,
 };
-use nalgebra::Point3;
+pub use rows::{GreitRow, PairRow, TargetRow, ThesisRow};
 use serde::Serialize;
 
 /// Ways to the rim, per cent, at which one ring ends and the next begins.
@@ -26,10 +28,14 @@ pub struct Report {
     pub electrode_error_mm: f64,
     /// Triangles of the true skin.
     pub true_elements: usize,
-    /// Smallest relative conductivity change that counted as a contact.
-    pub contact_threshold: f64,
-    /// How contacts were found: `board` or `image`.
+    /// Smallest relative conductivity change that counted as a contact; none in the voltages.
+    pub contact_threshold: Option<f64>,
+    /// What contacts were found in: `voltages` or `image`.
+    pub contacts_found_in: &'static str,
+    /// How: `board`, or `image` for the f64 image.
     pub contacts_found_by: &'static str,
+    /// Why no board finds them in the voltages although the skin says so.
+    pub no_board: Option<String>,
     /// Whether all targets were tried.
     pub complete: bool,
     /// All single targets.
@@ -70,12 +76,22 @@ pub struct Ring {
     pub missed: usize,
     /// Contacts beyond one for each target.
     pub false_contacts: usize,
+    /// Those with exactly one contact.
+    pub exactly_one: usize,
     /// Strongest contact to target.
     pub position_error_mm: Option<Spread>,
     /// The same, per cent of the skin's diameter.
     pub position_error_percent: Option<Spread>,
-    /// Area of the strongest contact, per cent of the target's.
+    /// Area of the strongest contact, per cent of the target's; none in the voltages.
     pub contact_area_percent: Option<Spread>,
+    /// Strength of the strongest contact.
+    pub contact_strength: Option<Spread>,
+    /// Its standard deviation from target to target, per cent of the mean.
+    pub contact_strength_variation_percent: Option<f64>,
+    /// Standard deviation that the board states of the strongest contact's place; none in the image.
+    pub stated_deviation_mm: Option<Spread>,
+    /// Strongest contacts that are off by no more than twice of that, per cent.
+    pub within_two_stated_percent: Option<f64>,
     /// dV/V.
     pub relative_voltage_change_percent: Option<Spread>,
     /// What one frame tells at most; none without noise.
@@ -164,80 +180,6 @@ pub struct PairFigures {
     pub distance_percent: Option<Spread>,
 }
 
-/// One single target.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct TargetRow {
-    /// Centre of the target, x, y, z.
-    pub position_mm: [f64; 3],
-    /// Way to the rim.
-    pub way_to_rim_percent: f64,
-    /// Contacts found.
-    pub contacts: usize,
-    /// Strongest contact to target.
-    pub position_error_mm: Option<f64>,
-    /// Area of the strongest contact, per cent of the target's.
-    pub contact_area_percent: Option<f64>,
-    /// dV/V.
-    pub relative_voltage_change_percent: f64,
-    /// d' of what one frame tells.
-    pub significance: Option<f64>,
-    /// Smallest change of conductivity that is detected here, as a linear model sees it.
-    pub smallest_change: Option<f64>,
-    /// Least standard deviation of its place along an axis.
-    pub position_deviation_mm: Option<f64>,
-    /// The thesis' figures.
-    pub thesis: Option<ThesisRow>,
-    /// GREIT's figures.
-    pub greit: Option<GreitRow>,
-}
-
-/// The thesis' figures of one target.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ThesisRow {
-    /// PE along the radius.
-    pub position_error_mm: f64,
-    /// RES.
-    pub resolution: f64,
-    /// RNG.
-    pub ringing: f64,
-    /// Mean of the region of interest.
-    pub strength: f64,
-}
-
-/// GREIT's figures of one target.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct GreitRow {
-    /// PE along the radius.
-    pub position_error_mm: f64,
-    /// RES.
-    pub resolution: f64,
-    /// SD.
-    pub shape_deformation: f64,
-    /// RNG outside the circle.
-    pub ringing: Option<f64>,
-    /// RNG outside the set.
-    pub ringing_of_set: f64,
-    /// Sum of the image.
-    pub amplitude_mm2: f64,
-    /// AR over the target's amplitude.
-    pub amplitude_response: f64,
-}
-
-/// Pairs about one place in one direction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct PairRow {
-    /// Half way between the two, x, y, z.
-    pub middle_mm: [f64; 3],
-    /// Way to the rim.
-    pub way_to_rim_percent: f64,
-    /// `radial` or `across`.
-    pub direction: &'static str,
-    /// Smallest distance told apart.
-    pub distance_mm: Option<f64>,
-    /// Largest distance tried.
-    pub largest_mm: f64,
-}
-
 impl Report {
     /// Sums an evaluation up.
     #[must_use]
@@ -254,7 +196,15 @@ impl Report {
             electrode_error_mm: evaluation.electrode_error * 1e3,
             true_elements: evaluation.mesh.elements.len(),
             contact_threshold: evaluation.threshold,
-            contacts_found_by: if evaluation.board_contacts { "board" } else { "image" },
+            contacts_found_in: match evaluation.found_by {
+                FoundBy::Voltages => "voltages",
+                FoundBy::Image | FoundBy::F64Image => "image",
+            },
+            contacts_found_by: match evaluation.found_by {
+                FoundBy::Voltages | FoundBy::Image => "board",
+                FoundBy::F64Image => "image",
+            },
+            no_board: evaluation.no_board.as_ref().map(ToString::to_string),
             complete: evaluation.complete,
             total: of_ring([0.0, 100.0]),
             rings: rings().map(of_ring).filter(|ring| ring.targets > 0).collect(),
@@ -291,10 +241,24 @@ fn spread(values: impl Iterator<Item = f64>) -> Option<Spread> {
     (count > 0.0).then(|| Spread { mean: sum / count, max })
 }
 
+/// Standard deviation, per cent of the mean.
+fn variation_percent(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
+    let mean = spread(values.clone())?.mean;
+    let variance = spread(values.map(|value| (value - mean).powi(2)))?.mean;
+    Some(100.0 * variance.sqrt() / mean)
+}
+
+/// How many are true, per cent.
+fn share_percent(values: impl Iterator<Item = bool>) -> Option<f64> {
+    Some(spread(values.map(|is_true| if is_true { 100.0 } else { 0.0 }))?.mean)
+}
+
 impl Ring {
     fn new(ends: [f64; 2], singles: &[Single], diameter: f64, central_amplitude: Option<f64>) -> Self {
         let inside: Vec<_> = singles.iter().filter(|single| is_in(ends, single.normalised_radius)).collect();
         let errors = || inside.iter().filter_map(|single| single.position_error());
+        let strengths = || inside.iter().filter_map(|single| Some(single.contacts.first()?.strength));
+        let stated = || inside.iter().filter_map(|single| single.is_as_stated());
         let areas = inside.iter().filter_map(|single| Some(100.0 * single.contact_area?));
         let changes = inside.iter().map(|single| 100.0 * single.relative_voltage_change);
         Self {
@@ -303,9 +267,16 @@ impl Ring {
             targets: inside.len(),
             missed: inside.iter().filter(|single| single.contacts.is_empty()).count(),
             false_contacts: inside.iter().map(|single| single.contacts.len().saturating_sub(1)).sum(),
+            exactly_one: inside.iter().filter(|single| single.contacts.len() == 1).count(),
             position_error_mm: spread(errors().map(|error| error * 1e3)),
             position_error_percent: spread(errors().map(|error| 100.0 * error / diameter)),
             contact_area_percent: spread(areas),
+            contact_strength: spread(strengths()),
+            contact_strength_variation_percent: variation_percent(strengths()),
+            stated_deviation_mm: spread(
+                inside.iter().filter_map(|single| Some(1e3 * single.stated_deviation()?)),
+            ),
+            within_two_stated_percent: share_percent(stated()),
             relative_voltage_change_percent: spread(changes),
             detectability: DetectabilityRing::new(&inside),
             thesis: ThesisRing::new(&inside, diameter),
@@ -382,54 +353,4 @@ impl PairFigures {
             distance_percent: spread(distances().map(|distance| 100.0 * distance / diameter)),
         }
     }
-}
-
-impl TargetRow {
-    fn new(single: &Single) -> Self {
-        Self {
-            position_mm: millimetres(single.position),
-            way_to_rim_percent: 100.0 * single.normalised_radius,
-            contacts: single.contacts.len(),
-            position_error_mm: single.position_error().map(|error| error * 1e3),
-            contact_area_percent: single.contact_area.map(|area| area * 100.0),
-            relative_voltage_change_percent: 100.0 * single.relative_voltage_change,
-            significance: single.detectability.map(|place| place.significance),
-            smallest_change: single.detectability.map(|place| place.smallest),
-            position_deviation_mm: single.detectability.map(|place| place.position_deviation * 1e3),
-            thesis: single.thesis.map(|figures| ThesisRow {
-                position_error_mm: figures.position_error * 1e3,
-                resolution: figures.resolution,
-                ringing: figures.ringing,
-                strength: figures.strength,
-            }),
-            greit: single.greit.map(|figures| GreitRow {
-                position_error_mm: figures.position_error * 1e3,
-                resolution: figures.resolution,
-                shape_deformation: figures.shape_deformation,
-                ringing: figures.ringing,
-                ringing_of_set: figures.ringing_of_set,
-                amplitude_mm2: figures.amplitude * 1e6,
-                amplitude_response: figures.amplitude_response,
-            }),
-        }
-    }
-}
-
-impl PairRow {
-    fn new(pair: &Pair) -> Self {
-        Self {
-            middle_mm: millimetres(pair.middle),
-            way_to_rim_percent: 100.0 * pair.normalised_radius,
-            direction: match pair.direction {
-                Direction::Radial => "radial",
-                Direction::Across => "across",
-            },
-            distance_mm: pair.told_apart.map(|distance| distance * 1e3),
-            largest_mm: pair.largest * 1e3,
-        }
-    }
-}
-
-fn millimetres(point: Point3<f64>) -> [f64; 3] {
-    (point * 1e3).coords.into()
 }
