@@ -25,7 +25,7 @@ pub struct Row {
 }
 
 /// All rows. Each draws from a seed of its place here, so that a new one comes last.
-pub const ROWS: [Row; 19] = [
+pub const ROWS: [Row; 20] = [
     Row { name: "untouched", about: "frames of the untouched skin with a contact", run: untouched::run },
     Row { name: "one", about: "one finger of 4 % of the size, up to 95 % of the radius", run: single::one },
     Row { name: "rim", about: "one finger of 4 % in the outer 5 % of the radius", run: single::rim },
@@ -69,6 +69,11 @@ pub const ROWS: [Row; 19] = [
         run: uneven::run,
     },
     Row { name: "held", about: "one indenter of 8 to 16 % at half depth, held", run: count::held },
+    Row {
+        name: "rest",
+        about: "contacts left by one to three fingers, two seconds after",
+        run: untouched::rest,
+    },
 ];
 
 /// Radius of a finger, share of the size.

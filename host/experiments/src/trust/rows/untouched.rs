@@ -1,9 +1,14 @@
-//! Frames of the untouched skin.
+//! Frames of the untouched skin, and of one whose fingers were lifted.
 
-use crate::trust::{Bench, Figure, Options, Trial, TrustError, figure::poisson_upper};
+use super::WITHIN;
+use crate::trust::{Bench, Figure, Options, Trial, TrustError, Voltages, figure::poisson_upper};
 
 /// False contacts an hour that are allowed.
 const ALLOWED: f64 = 1.0;
+/// Radius and distance of fingers that are lifted, shares of the size, and how long nothing presses behind them, s.
+const RADIUS: f64 = 0.06;
+const APART: f64 = 0.25;
+const REST: f64 = 2.0;
 
 pub(super) fn run(bench: &Bench, options: &Options) -> Result<Vec<Figure>, TrustError> {
     let mut trial = Trial::new(bench, options.first_snr_db(), options.seed)?;
@@ -20,6 +25,36 @@ pub(super) fn run(bench: &Bench, options: &Options) -> Result<Vec<Figure>, Trust
         let hours = options.frames as f64 / bench.frame_rate() / 3600.0;
         figures.push(Figure::share("frames with a contact", snr_db, with_contact, options.frames));
         figures.push(an_hour(begun, hours, snr_db));
+    }
+    Ok(figures)
+}
+
+/// One, two and three fingers in turn, each time followed by a rest: what other rows, which press more often, do not see.
+pub(super) fn rest(bench: &Bench, options: &Options) -> Result<Vec<Figure>, TrustError> {
+    let mut trial = Trial::new(bench, options.first_snr_db(), options.seed)?;
+    let mut places = bench.places(options.seed);
+    let scenes = (0..options.presses).map(|scene| {
+        let fingers = places.draw(1 + scene % 3, &WITHIN, APART)?;
+        Ok(bench.pressed(&fingers, RADIUS, 1.0))
+    });
+    let scenes = scenes.collect::<Result<Vec<_>, TrustError>>()?;
+    let frames = (REST * bench.frame_rate()).ceil() as usize;
+    let mut figures = Vec::new();
+    for &snr_db in &options.snr_db {
+        trial.change_noise(snr_db, options.seed);
+        let is_left = |scene: &Voltages| {
+            trial.press(scene);
+            for _ in 1..frames {
+                trial.see_untouched();
+            }
+            !trial.see_untouched().contacts().is_empty()
+        };
+        let left: Vec<bool> = scenes.iter().map(is_left).collect();
+        let count = left.iter().filter(|is_left| **is_left).count();
+        let longest = left.split(|is_left| !is_left).map(<[bool]>::len).max().unwrap_or(0);
+        let words = format!("contact left {REST} s after");
+        figures.push(Figure::share(words, snr_db, count, left.len()).at_most(0.0, true));
+        figures.push(Figure::new("presses in a row that leave one, most", "", snr_db, longest as f64));
     }
     Ok(figures)
 }

@@ -12,6 +12,10 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use std::collections::BTreeSet;
 
+/// Frames before it is upset.
+const UNTOUCHED: usize = 20;
+/// Frames for which a finger presses in the moment of the upset.
+const AT_ONCE: usize = 12;
 /// How long the board may take to heal, s; then it is pressed for a second, and watched for as long again.
 const HEALS_IN: f64 = 30.0;
 const PRESS: f64 = 1.0;
@@ -42,6 +46,7 @@ struct Said {
     /// Seconds until no contact was left; infinite where one was to the end: `[scene]`.
     healed: Vec<f64>,
     seen: usize,
+    seen_at_once: usize,
 }
 
 pub(super) fn run(bench: &Bench, options: &Options) -> Result<Vec<Figure>, TrustError> {
@@ -87,7 +92,11 @@ fn tried(
     for (place, number) in places.iter().zip(0..) {
         let seed = options.seed.wrapping_add(number);
         match upset(place, seed) {
-            Ok(upset) => said.play(&mut Trial::new(bench, snr_db, seed)?, &upset, CLOSE * bench.size()),
+            Ok(upset) => {
+                let close = CLOSE * bench.size();
+                said.press_at_once(&mut Trial::new(bench, snr_db, seed)?, &upset, close);
+                said.play(&mut Trial::new(bench, snr_db, seed)?, &upset, close);
+            }
             Err(TrustError::Unsuited(why)) => {
                 return Ok(vec![Figure::new(words, "", snr_db, f64::NAN).open(why)]);
             }
@@ -98,8 +107,20 @@ fn tried(
 }
 
 impl Said {
+    /// A finger that comes in the same frame as the upset: the last of some frames decides.
+    fn press_at_once(&mut self, trial: &mut Trial<'_>, upset: &Upset, close: f64) {
+        for _ in 0..UNTOUCHED {
+            trial.see_untouched();
+        }
+        for _ in 1..AT_ONCE {
+            trial.see(&upset.pressed);
+        }
+        let is_seen = is_one_at(trial.see(&upset.pressed).contacts(), &upset.place, close);
+        self.seen_at_once += usize::from(is_seen);
+    }
+
     fn play(&mut self, trial: &mut Trial<'_>, upset: &Upset, close: f64) {
-        for _ in 0..20 {
+        for _ in 0..UNTOUCHED {
             trial.see_untouched();
         }
         self.scenes += 1;
@@ -142,6 +163,7 @@ impl Said {
             healed(name("until no contact is left, longest"), snr_db, &self.healed),
             if flags.is_empty() { flagged } else { flagged.note(flags) },
             seen.at_least(100.0, true),
+            Figure::share(name("press that comes with it seen"), snr_db, self.seen_at_once, self.scenes),
         ]
     }
 }
