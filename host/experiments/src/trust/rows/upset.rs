@@ -21,7 +21,7 @@ const HEALS_IN: f64 = 30.0;
 const PRESS: f64 = 1.0;
 const SCENE: f64 = 61.0;
 /// By how much electrodes slip, m, and the skin is stretched.
-const SLIP: f64 = 1e-3;
+const SLIPS: [f64; 2] = [1e-3, 1e-4];
 const STRETCHES: [f64; 2] = [0.005, 0.02];
 /// Conductivity after a jump over that before.
 const JUMP: f64 = 1.05;
@@ -55,12 +55,15 @@ pub(super) fn run(bench: &Bench, options: &Options) -> Result<Vec<Figure>, Trust
     let mut figures = Vec::new();
     let jump = |place: &Point3<f64>, _| Ok(upset(bench, bench.truth(), *place, JUMP));
     figures.extend(tried(bench, options, "conductivity up by 5 % at once", &places, jump)?);
-    let slipped = |place: &Point3<f64>, seed| {
-        let mut random = Pcg64Mcg::seed_from_u64(seed);
-        let nodes = slip(bench.truth().mesh(), SLIP, &mut random)?;
-        Ok(upset(bench, &bench.truth().moved(bench.skin(), nodes)?, *place, 1.0))
-    };
-    figures.extend(tried(bench, options, "electrodes slipped by 1 mm", &places, slipped)?);
+    for by in SLIPS {
+        let slipped = |place: &Point3<f64>, seed| {
+            let mut random = Pcg64Mcg::seed_from_u64(seed);
+            let nodes = slip(bench.truth().mesh(), by, &mut random)?;
+            Ok(upset(bench, &bench.truth().moved(bench.skin(), nodes)?, *place, 1.0))
+        };
+        let words = format!("electrodes slipped by {} mm", 1e3 * by);
+        figures.extend(tried(bench, options, &words, &places, slipped)?);
+    }
     for by in STRETCHES {
         let stretched = |place: &Point3<f64>, _| {
             let nodes = stretch(&bench.truth().mesh().nodes, by, 0.0);
