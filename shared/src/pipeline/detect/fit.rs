@@ -7,19 +7,15 @@
 use super::{
     MAX_PRESSES, MAX_UNKNOWNS, SUDDEN,
     filter::{self, Look, Norms},
-    known::{Known, KnownFit},
+    known::Known,
     press::{Press, copy},
     spot::{Response, Spot, UNKNOWNS, at},
-    sums::{Data, Sums, each, of_place, quantise, take_out},
+    sums::{Data, Sums, each, quantise, take_out},
     system::System,
 };
 use crate::{
     image::surface::Surface,
-    patch::{
-        PatchView,
-        matrix::GROUP,
-        places::{MAX_KNOWN, Places},
-    },
+    patch::{PatchView, matrix::GROUP, places::Places},
     pipeline::reference::{Changes, DifferenceData},
 };
 use heapless::Vec;
@@ -29,8 +25,6 @@ const ROUNDS: usize = 4;
 /// One of several presses that come in one frame explains more than this share of what is left. Sheets that are stretched by
 /// 2 % leave 5 % to a press.
 const ONE_OF_SEVERAL: f32 = 0.15;
-/// Most unknowns beside known changes.
-const MAX_BESIDE: usize = 2 * UNKNOWNS;
 /// Standard deviation of an offset before anything is measured, distances from place to place.
 const FREE: f32 = 0.7;
 
@@ -51,18 +45,9 @@ impl<'a> Skin<'a> {
     }
 }
 
-/// Known changes that are fitted together with presses.
-pub(super) struct Beside<'a> {
-    pub(super) known: &'a Known,
-    /// What they explain of the data without any press.
-    pub(super) of_data: KnownFit,
-}
-
 /// Some presses, and how well they explain the data.
 pub(super) struct Fit<'a> {
     skin: &'a Skin<'a>,
-    /// All else is then of data and responses without what these explain of them.
-    beside: Option<&'a Beside<'a>>,
     pub(super) presses: Vec<Press, MAX_PRESSES>,
     /// Sum of squares of the data, in units of the noise's variance.
     energy: f32,
@@ -85,8 +70,8 @@ impl Clone for Fit<'_> {
 
     /// Without another on the stack.
     fn clone_from(&mut self, other: &Self) {
-        let Self { skin, beside, presses, energy, explained, measurements, noise } = self;
-        (*skin, *beside, *energy, *explained) = (other.skin, other.beside, other.energy, other.explained);
+        let Self { skin, presses, energy, explained, measurements, noise } = self;
+        (*skin, *energy, *explained) = (other.skin, other.energy, other.explained);
         (*measurements, *noise) = (other.measurements, other.noise);
         copy(&other.presses, presses);
     }
@@ -96,10 +81,9 @@ impl<'a> Fit<'a> {
     /// No presses.
     // Inlined, as moving a list copies all of its room.
     #[inline(always)]
-    pub(super) fn new(skin: &'a Skin<'a>, beside: Option<&'a Beside<'a>>, data: &Data) -> Self {
+    pub(super) fn new(skin: &'a Skin<'a>, data: &Data) -> Self {
         let Data { energy, known, noise, .. } = *data;
-        let energy = energy - beside.map_or(0.0, |beside| beside.of_data.with_slips);
-        Self { skin, beside, presses: Vec::new(), energy, explained: 0.0, measurements: known, noise }
+        Self { skin, presses: Vec::new(), energy, explained: 0.0, measurements: known, noise }
     }
 
     /// Takes presses of the frame before, which are not fitted yet.
@@ -198,8 +182,7 @@ impl<'a> Fit<'a> {
 
     /// Whether there is room for another press.
     pub(super) fn has_room(&self) -> bool {
-        let most = if self.beside.is_some() { MAX_BESIDE } else { MAX_UNKNOWNS };
-        !self.presses.is_full() && self.unknowns() + UNKNOWNS <= most
+        !self.presses.is_full() && self.unknowns() + UNKNOWNS <= MAX_UNKNOWNS
     }
 
     /// What neither presses nor noise explain, in units of one frame's variance.
@@ -235,15 +218,9 @@ impl<'a> Fit<'a> {
 
     /// What is left of the data resembles.
     pub(super) fn look(&self, data: &mut Data, norms: &Norms, known: &Known) -> Look {
-        let (left, energy) = self.left(data, None);
+        let (left, energy) = self.left(data);
         let look = filter::look(&self.skin.places, &left, norms, known);
-        let look = if let Some(beside) = self.beside {
-            let (left, energy) = self.left(data, Some((beside, &look.known)));
-            Look { left: energy, ..filter::look(&self.skin.places, &left, norms, known) }
-        } else {
-            Look { left: energy, ..look }
-        };
-        Look { left: look.left - self.measurements * self.noise, ..look }
+        Look { left: energy - self.measurements * self.noise, ..look }
     }
 
     /// A press where what the others leave resembles one most, if it is above the level. Beside another press it is its
@@ -293,10 +270,9 @@ impl<'a> Fit<'a> {
     }
 
     /// What the presses' responses leave of the data, as it meets responses, and the sum of its squares.
-    #[inline(never)]
-    fn left(&self, data: &mut Data, known: Option<(&Beside<'_>, &KnownFit)>) -> (DifferenceData, f32) {
+    fn left(&self, data: &mut Data) -> (DifferenceData, f32) {
         let Skin { places, common, .. } = self.skin;
-        if self.presses.is_empty() && self.beside.is_none() {
+        if self.presses.is_empty() {
             return (data.codes(places).clone(), self.energy);
         }
         let mut left = Changes::new();
@@ -306,13 +282,6 @@ impl<'a> Fit<'a> {
                 *y -= response;
             }
         });
-        if let Some((beside, fit)) = known {
-            beside.known.add(fit, false, places, |m, change| {
-                if let Some(y) = left.get_mut(m) {
-                    *y -= change;
-                }
-            });
-        }
         take_out(common, &data.weights, &mut left);
         let energy = left.iter().zip(&data.weights).map(|(y, weight)| weight * y * y).sum();
         let mut codes = DifferenceData::default();
@@ -383,42 +352,7 @@ impl<'a> Fit<'a> {
             }
             row = own.end;
         }
-        if let Some(beside) = self.beside {
-            self.take_known_out(beside, &sums.data.weights, system);
-        }
         system.factor()
-    }
-
-    /// Leaves of the normal equations what known changes do not explain.
-    #[inline(never)]
-    fn take_known_out(&self, beside: &Beside<'_>, weights: &[f32], system: &mut System) {
-        let Skin { places, common, .. } = self.skin;
-        let mut parts = [[0.0; MAX_BESIDE]; MAX_KNOWN];
-        for i in 0..places.known().min(MAX_KNOWN) {
-            let mut change = Changes::new();
-            let four = |at| Places::four(places.row(places.count() + i), at);
-            each(places, four, |_, value| change.push(value).unwrap_or(()));
-            take_out(common, weights, &mut change);
-            let mut codes = DifferenceData::default();
-            quantise(places, &change, weights, &mut codes);
-            let mut first = 0;
-            for press in &self.presses {
-                let side = press.spot.of_places(|place| of_place(places, place, &codes));
-                for (unknown, side) in (first..first + press.unknowns()).zip(side) {
-                    if unknown < MAX_BESIDE {
-                        parts[i][unknown] = beside.known.part(i, side, |k| parts[k][unknown]);
-                    }
-                }
-                first += press.unknowns();
-            }
-            for unknown in 0..system.count.min(MAX_BESIDE) {
-                let part = parts[i][unknown];
-                system.right[unknown] -= part * beside.of_data.parts[i];
-                for other in 0..=unknown {
-                    system.matrix[unknown][other] -= part * parts[i][other];
-                }
-            }
-        }
     }
 
     /// Presses that lie nearer to another place go there; says whether any did.

@@ -8,7 +8,7 @@ use super::sums::each;
 use crate::{
     patch::{
         matrix::GROUP,
-        places::{DetectionLayout, MAX_KNOWN, Places},
+        places::{DetectionLayout, MAX_KNOWN, MAX_SMOOTH, Places},
     },
     pipeline::reference::power_of_two,
 };
@@ -94,62 +94,47 @@ impl Known {
 
     /// What they explain of data, by the data's sums with their rows, `[known change]`, without the rows' exponents.
     pub(super) fn fit(&self, places: &Places<'_>, sums: impl Iterator<Item = f32>) -> KnownFit {
+        let factor = &self.factor;
         let mut parts = [0.0; MAX_KNOWN];
         let mut explained = [0.0; 2];
         for (i, sum) in sums.take(places.known().min(MAX_KNOWN)).enumerate() {
-            parts[i] = self.part(i, sum, |k| parts[k]);
+            let known: f32 = (0..i).map(|k| factor[row(i) + k] * parts[k]).sum();
+            let own = factor[row(i) + i];
+            parts[i] = if own > 0.0 { (sum - known) / own } else { 0.0 };
             explained[usize::from(i >= self.smooth)] += parts[i] * parts[i];
         }
-        KnownFit { parts, explained: explained[0], with_slips: explained[0] + explained[1] }
-    }
-
-    /// The next entry of a solution down the factor, by its right side and the entries before.
-    pub(super) fn part(&self, i: usize, right: f32, before: impl Fn(usize) -> f32) -> f32 {
-        let known: f32 = (0..i).map(|k| self.factor[row(i) + k] * before(k)).sum();
-        let own = self.factor[row(i) + i];
-        if own > 0.0 { (right - known) / own } else { 0.0 }
-    }
-
-    /// What known changes add to the data, measurement by measurement: smooth ones, or all.
-    pub(super) fn add(
-        &self,
-        fit: &KnownFit,
-        only_smooth: bool,
-        places: &Places<'_>,
-        add: impl FnMut(usize, f32),
-    ) {
-        let count = if only_smooth { self.smooth } else { MAX_KNOWN }.min(places.known());
-        let mut sizes = fit.parts;
-        for i in (0..count).rev() {
-            let known: f32 = (i + 1..count).map(|k| self.factor[row(k) + i] * sizes[k]).sum();
-            let own = self.factor[row(i) + i];
-            sizes[i] = if own > 0.0 { (sizes[i] - known) / own } else { 0.0 };
+        let mut sizes = [0.0; MAX_SMOOTH];
+        for i in (0..self.smooth.min(MAX_SMOOTH)).rev() {
+            let known: f32 = (i + 1..self.smooth).map(|k| factor[row(k) + i] * sizes[k]).sum();
+            let own = factor[row(i) + i];
+            sizes[i] = if own > 0.0 { (parts[i] - known) / own } else { 0.0 };
         }
-        let four = |at| {
-            let mut sum = [0.0; GROUP];
-            for (row, size) in sizes[..count].iter().enumerate() {
-                let responses = Places::four(places.row(places.count() + row), at);
-                sum.iter_mut().zip(responses).for_each(|(sum, response)| *sum += size * response);
-            }
-            sum
-        };
-        each(places, four, add);
+        KnownFit { smooth: sizes, explained: explained[0], with_slips: explained[0] + explained[1] }
     }
 }
 
 /// The known changes that explain data best.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct KnownFit {
-    /// The data's parts along them, each without what it has in common with those before: `[known change]`.
-    pub(super) parts: [f32; MAX_KNOWN],
+    /// How large each smooth one is, without its row's exponent: `[smooth change]`.
+    smooth: [f32; MAX_SMOOTH],
     /// How much smooth ones explain, in units of one frame's variance.
     pub(super) explained: f32,
     /// The same with electrodes that slip.
     pub(super) with_slips: f32,
 }
 
-impl Default for KnownFit {
-    fn default() -> Self {
-        Self { parts: [0.0; MAX_KNOWN], explained: 0.0, with_slips: 0.0 }
+impl KnownFit {
+    /// What the smooth ones add to the data, measurement by measurement.
+    pub(super) fn add_smooth(&self, places: &Places<'_>, add: impl FnMut(usize, f32)) {
+        let four = |at| {
+            let mut sum = [0.0; GROUP];
+            for (row, size) in self.smooth[..places.known().min(MAX_SMOOTH)].iter().enumerate() {
+                let responses = Places::four(places.row(places.count() + row), at);
+                sum.iter_mut().zip(responses).for_each(|(sum, response)| *sum += size * response);
+            }
+            sum
+        };
+        each(places, four, add);
     }
 }

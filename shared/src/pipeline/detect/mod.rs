@@ -31,7 +31,7 @@ use crate::{
     patch::{PatchView, places::Places},
 };
 use filter::{Look, Norms};
-use fit::{Beside, Fit, Skin};
+use fit::{Fit, Skin};
 use heapless::Vec;
 use known::{Known, KnownFit};
 use press::{Press, Was, copy, root};
@@ -58,9 +58,6 @@ const HEALED: f32 = 1.0;
 pub(super) const NOISY: f32 = 5.0;
 /// After so many frames that presses do not account for, what changed is something else.
 const UNDECIDED: u8 = 20;
-/// After so many, and again each so many frames, presses are looked for beside electrodes that slip.
-const BESIDE_AFTER: u8 = 6;
-const BESIDE_EACH: u8 = 16;
 /// A press of this strength that was none in the frame before came faster than a sheet drifts.
 const SUDDEN: f32 = 0.1;
 /// By so much more, in units of the noise's variance, one explanation is better than another.
@@ -113,8 +110,6 @@ pub struct Detector {
     latest_known: KnownFit,
     /// Whether electrodes have slipped.
     is_slipped: bool,
-    /// Whether presses are fitted together with electrodes that slip.
-    is_beside: bool,
     /// Frames in which a press that comes slowly is taken for a change of the sheet.
     known_pause: u8,
     /// What was lifted not long ago.
@@ -175,7 +170,7 @@ impl Detector {
         self.before.clear();
         self.average.restart();
         (self.unexplained, self.pause, self.known_pause) = (0, 0, 0);
-        (self.is_slipped, self.is_beside, self.is_going, self.lifting) = (false, false, false, None);
+        (self.is_slipped, self.is_going, self.lifting) = (false, false, None);
         self.change = Change::Still;
     }
 
@@ -277,11 +272,7 @@ impl Detector {
         let skin = Skin::of(patch, reference.weights());
         let noise = self.average.variance() + reference.variance();
         self.sums.take(relative, &self.inverse_variances, reference.weights(), noise);
-        let known = self.known.clone();
-        let beside = self
-            .is_beside
-            .then(|| Beside { known: &known, of_data: self.sums.data.known(&patch.places(), &known) });
-        let mut fit = Fit::new(&skin, beside.as_ref(), &self.sums.data);
+        let mut fit = Fit::new(&skin, &self.sums.data);
         fit.begin(&self.presses);
         while !fit.presses.is_empty() {
             let is_fresh = self.average.variance() > FRESH;
@@ -308,22 +299,9 @@ impl Detector {
         } else {
             self.pause -= 1;
         }
-        if self.is_beside {
-            self.change = Change::Pressed;
-        }
         let is_known = self.change == Change::Smooth || self.change == Change::Lifted;
         let is_explained = !self.is_slipped && (is_known || self.is_explained(&fit));
-        self.unexplained = match self.unexplained {
-            _ if is_explained => 0,
-            u8::MAX => u8::MAX - BESIDE_EACH + 1,
-            frames => frames + 1,
-        };
-        if self.is_beside && fit.presses.is_empty() {
-            self.is_beside = false;
-        } else if self.unexplained % BESIDE_EACH == BESIDE_AFTER {
-            self.is_beside = true;
-            fit.presses.clear();
-        }
+        self.unexplained = if is_explained { 0 } else { self.unexplained.saturating_add(1) };
         if self.unexplained > 0 {
             self.change = if self.is_undecided() { Change::Pressed } else { Change::Unlike };
         }
@@ -360,7 +338,8 @@ impl Detector {
             self.is_slipped = self.is_slip(fit, look, look.most.1 * look.most.1);
             return PAUSE;
         };
-        let mut strength = press.strength;
+        let strength = press.strength;
+        let is_sudden = strength >= SUDDEN;
         let mut next = fit.clone();
         let _ = next.presses.push(press);
         next.refine(&mut self.sums, true);
@@ -370,12 +349,6 @@ impl Detector {
             next.refine(&mut self.sums, true);
         }
         let gain = next.explained - fit.explained;
-        if self.is_beside {
-            // What is known explains much of it.
-            let new = next.presses.iter().filter(|press| press.is_new());
-            strength = new.fold(strength, |most, press| most.max(press.strength));
-        }
-        let is_sudden = strength >= SUDDEN;
         self.is_slipped = self.is_slip(fit, look, gain);
         if !self.is_slipped && look.is_of_lift() {
             let by_lift = fit.by_lift(look, &self.norms, &mut self.sums);
@@ -476,8 +449,7 @@ impl Detector {
             |m: usize, change: f32| reference.scales().get(m).map_or(0, |scale| (change / scale) as i64);
         if self.change == Change::PressedAndSmooth {
             differences.fill(0);
-            let add = |m: usize, change| differences[m] += code(m, change);
-            self.known.add(&self.latest_known, true, &patch.places(), add);
+            self.latest_known.add_smooth(&patch.places(), |m, change| differences[m] += code(m, change));
         } else {
             let skin = Skin::of(patch, reference.weights());
             Fit::responses(&skin, &self.presses, &mut |m, change| differences[m] -= code(m, change));

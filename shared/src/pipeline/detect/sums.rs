@@ -1,10 +1,7 @@
 //! Sums over the measurements that a fit is made of: inner products of the responses of presses with each other and with the
 //! data, weighted by the noise. Most presses stay where they were, so that the former are kept from frame to frame.
 
-use super::{
-    known::{Known, KnownFit},
-    spot::{Spot, UNKNOWNS},
-};
+use super::spot::{Spot, UNKNOWNS};
 use crate::{
     limits::MAX_MEASUREMENTS,
     patch::{matrix::GROUP, places::Places},
@@ -71,12 +68,6 @@ impl Scaled {
             }
         }
     }
-}
-
-/// `a' S^-1 y` of a place's response a and data y as they meet responses.
-pub(super) fn of_place(places: &Places<'_>, place: usize, codes: &DifferenceData) -> f32 {
-    let exponent = -i32::from(places.row_exponent(place)) - codes.exponent;
-    reconstruct::product(places.row(place), &codes.codes) as f32 * power_of_two(exponent.clamp(-126, 127))
 }
 
 /// The data of the latest frame, and sums in use lately.
@@ -157,15 +148,9 @@ impl Sums {
 impl Data {
     /// `a' S^-1 y` of the response a at a place.
     fn with(&mut self, places: &Places<'_>, place: usize) -> f32 {
-        of_place(places, place, self.codes(places))
-    }
-
-    /// What known changes explain of them.
-    pub(super) fn known(&mut self, places: &Places<'_>, known: &Known) -> KnownFit {
         let codes = self.codes(places);
-        let scale = power_of_two((-codes.exponent).clamp(-126, 127));
-        let rows = places.count()..places.count() + places.known();
-        known.fit(places, rows.map(|row| reconstruct::product(places.row(row), &codes.codes) as f32 * scale))
+        let exponent = -i32::from(places.row_exponent(place)) - codes.exponent;
+        reconstruct::product(places.row(place), &codes.codes) as f32 * power_of_two(exponent.clamp(-126, 127))
     }
 
     /// The data as they meet responses.
