@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 /// Frames before it is upset.
 const UNTOUCHED: usize = 20;
 /// Frames for which a finger presses in the moment of the upset.
-const AT_ONCE: usize = 12;
+const AT_ONCE: usize = 30;
 /// How long the board may take to heal, s; then it is pressed for a second, and watched for as long again.
 const HEALS_IN: f64 = 30.0;
 const PRESS: f64 = 1.0;
