@@ -1,6 +1,5 @@
 //! Finding contacts as a board does: in the voltages or in the image.
 
-use super::board::Board;
 use dermatome_model::{metrics::parts::parts, pixels::Pixels};
 use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::{
@@ -57,25 +56,6 @@ impl From<&Contact> for Found {
     }
 }
 
-/// Finds the contacts of one skin.
-#[derive(Debug)]
-pub(super) enum Finder<'a> {
-    Voltages(&'a Board),
-    Image(ImageFinder<'a>),
-}
-
-impl Finder<'_> {
-    /// What it finds them in.
-    #[must_use]
-    pub(super) fn found_by(&self) -> FoundBy {
-        match self {
-            Self::Voltages(_) => FoundBy::Voltages,
-            Self::Image(ImageFinder { board: Some(_), .. }) => FoundBy::Image,
-            Self::Image(_) => FoundBy::F64Image,
-        }
-    }
-}
-
 /// Finds them in images: as a board does where its pixels fit a board, else in f64.
 #[derive(Debug)]
 pub(super) struct ImageFinder<'a> {
@@ -89,6 +69,12 @@ impl<'a> ImageFinder<'a> {
     #[must_use]
     pub(super) fn new(pixels: &'a Pixels, threshold: f64) -> Self {
         Self { pixels, board: pixels.surface_tables(), threshold }
+    }
+
+    /// By what it finds them.
+    #[must_use]
+    pub(super) fn found_by(&self) -> FoundBy {
+        if self.board.is_some() { FoundBy::Image } else { FoundBy::F64Image }
     }
 
     /// The contacts, strongest first; the image's press is positive.

@@ -27,13 +27,13 @@ use dermatome_model::{
     skin::{FoundIn, Skin},
 };
 use dermatome_simulate::{TrueSkin, rig::IdealRig};
+use find::ImageFinder;
 pub use find::{Evidence, Found, FoundBy};
-use find::{Finder, ImageFinder};
 pub use length::Length;
 use nalgebra::Point3;
 use pairs::Pair;
 pub use picture::picture;
-use scene::Scene;
+use scene::{Finder, Scene};
 use single::Single;
 use surface::Surface;
 use target::Discs;

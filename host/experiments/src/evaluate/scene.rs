@@ -1,7 +1,8 @@
 //! Scene: a true skin, what measures it, and what finds contacts there.
 
 use super::{
-    find::{Finder, Found},
+    board::Board,
+    find::{Found, FoundBy, ImageFinder},
     surface::Surface,
     target::Discs,
 };
@@ -11,6 +12,24 @@ use dermatome_simulate::{
     rig::{IdealRig, Measured},
 };
 use nalgebra::Point3;
+
+/// Finds the contacts of one skin.
+#[derive(Debug)]
+pub(super) enum Finder<'a> {
+    Voltages(&'a Board),
+    Image(ImageFinder<'a>),
+}
+
+impl Finder<'_> {
+    /// What it finds them in.
+    #[must_use]
+    pub(super) fn found_by(&self) -> FoundBy {
+        match self {
+            Self::Voltages(_) => FoundBy::Voltages,
+            Self::Image(finder) => finder.found_by(),
+        }
+    }
+}
 
 /// Everything that single targets and pairs need.
 pub(super) struct Scene<'a> {
