@@ -314,7 +314,8 @@ impl Detector {
         let is_known = self.change == Change::Smooth || self.change == Change::Lifted;
         let is_explained = !self.is_slipped && (is_known || self.is_explained(&fit));
         self.unexplained = match self.unexplained {
-            _ if is_explained => 0,
+            // Where nothing presses beside them, known changes are still to be mended.
+            _ if is_explained && !(self.is_beside && fit.presses.is_empty()) => 0,
             u8::MAX => u8::MAX - BESIDE_EACH + 1,
             frames => frames + 1,
         };
