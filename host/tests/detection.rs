@@ -227,6 +227,23 @@ fn a_skin_that_is_stretched_or_whose_electrodes_slip_has_no_contact_and_hides_no
 }
 
 #[test]
+fn a_finger_that_comes_as_the_sheet_conducts_better_is_seen() {
+    let figures = figures(&bench("square-210mm"), "upset", &options(&[60.0], 1));
+    assert_eq!(found(&figures, "conductivity up by 5 % at once: press that comes with it seen", 60.0), 100.0);
+}
+
+#[test]
+fn two_seconds_after_fingers_no_contact_is_left() {
+    for name in ["disc-210mm", "hemisphere-210mm-designed"] {
+        let figures = figures(&bench(name), "rest", &options(&[60.0, 50.0], 30));
+        for snr_db in [60.0, 50.0] {
+            assert_eq!(found(&figures, "contact left 2 s after", snr_db), 0.0, "{name} at {snr_db} dB");
+            assert_eq!(found(&figures, "presses in a row that leave one, most", snr_db), 0.0, "{name}");
+        }
+    }
+}
+
+#[test]
 fn a_sheet_that_conducts_better_at_once_has_no_contact() {
     let bench = bench("disc-210mm");
     let mut trial = Trial::new(&bench, 60.0, 15).unwrap();

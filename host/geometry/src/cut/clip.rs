@@ -1,7 +1,7 @@
 //! Cuts a surface along the line where a value is zero.
 
-use super::{closest::on_triangle, error::Wrapped, surface::Surface};
-use crate::mesh::boundary::DisjointSets;
+use super::{error::Wrapped, surface::Surface};
+use crate::mesh::{boundary::DisjointSets, triangle};
 use nalgebra::Point3;
 use std::collections::HashMap;
 
@@ -84,7 +84,7 @@ fn with_seed(points: &[Point3<f64>], faces: &[[usize; 3]], seed: Point3<f64>) ->
 
 /// The face closest to a point.
 pub(super) fn closest_face(surface: &Surface, point: Point3<f64>) -> Option<[usize; 3]> {
-    let distance = |face: &[usize; 3]| (on_triangle(point, surface.corners(*face)) - point).norm();
+    let distance = |face: &[usize; 3]| (triangle::nearest(surface.corners(*face), point) - point).norm();
     surface.faces().min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 

@@ -112,7 +112,7 @@ impl Closest {
         for cell in self.cells(to - around, to + around) {
             let entries = &self.entries[self.starts[cell] as usize..self.starts[cell + 1] as usize];
             for &triangle in entries {
-                let point = on_triangle(to, self.triangles[triangle as usize]);
+                let point = triangle::nearest(self.triangles[triangle as usize], to);
                 let distance = (point - to).norm_squared();
                 if distance <= best.0 {
                     best = (distance, Some(point));
@@ -121,11 +121,6 @@ impl Closest {
         }
         best.1
     }
-}
-
-/// The point of a triangle that is closest to a point.
-pub(super) fn on_triangle(p: Point3<f64>, corners: [Point3<f64>; 3]) -> Point3<f64> {
-    triangle::nearest(corners, p)
 }
 
 #[cfg(test)]
@@ -146,7 +141,7 @@ mod tests {
         ) {
             let closest = Closest::new(corners.iter().copied(), cell);
             let found = (closest.point(to) - to).norm();
-            let distance = |&corners: &[Point3<f64>; 3]| (on_triangle(to, corners) - to).norm();
+            let distance = |&corners: &[Point3<f64>; 3]| (triangle::nearest(corners, to) - to).norm();
             let least = corners.iter().map(distance).fold(f64::INFINITY, f64::min);
             prop_assert!((found - least).abs() < 1e-9, "{found} {least}");
         }
@@ -158,7 +153,7 @@ mod tests {
             let [a, b, c] = corners;
             let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
             let other = a + (b - a) * u + (c - a) * v;
-            prop_assert!((on_triangle(to, corners) - to).norm() <= (other - to).norm() + 1e-9);
+            prop_assert!((triangle::nearest(corners, to) - to).norm() <= (other - to).norm() + 1e-9);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What is cut out of a link, and how far each of its points lies from the cut.
 
 use super::{error::CutError, geodesic, shell::bounds, surface::Surface};
-use crate::outline::Outline;
+use crate::{mesh::triangle, outline::Outline};
 use nalgebra::{Isometry3, Point2, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 /// What is cut out of a link.
@@ -112,7 +112,7 @@ impl Region {
         match self {
             // A way over the surface is not shorter than the straight one.
             Self::Disc { radius } => {
-                (super::closest::on_triangle(seed, *corners) - seed).norm() <= radius * (1.0 + CUT_FINENESS)
+                (triangle::nearest(*corners, seed) - seed).norm() <= radius * (1.0 + CUT_FINENESS)
             }
             Self::Slabs(slabs) => slabs.iter().all(|slab| {
                 let along = corners.map(|corner| slab.normal.dot(&corner.coords));

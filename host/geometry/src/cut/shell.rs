@@ -1,11 +1,10 @@
 //! The part of a link's mesh that a cutout can come from: one shell of it, cleaned and oriented.
 
 use super::{
-    closest::on_triangle,
     error::CutError,
     surface::{Surface, vector_area},
 };
-use crate::mesh::{boundary::DisjointSets, import::Imported, neighbours};
+use crate::mesh::{boundary::DisjointSets, import::Imported, neighbours, triangle};
 use nalgebra::Point3;
 use std::collections::{HashMap, HashSet};
 
@@ -73,7 +72,7 @@ fn nearest(
     for (number, triangle) in triangles.iter().enumerate() {
         let corners = triangle.map(|node| nodes[node]);
         if vector_area(corners).norm() > 0.0 {
-            let point = on_triangle(seed, corners);
+            let point = triangle::nearest(corners, seed);
             let distance = (point - seed).norm();
             if distance < best.0 {
                 best = (distance, Some((number, point)));

@@ -8,8 +8,8 @@ use crate::trust::{
 use nalgebra::{Point3, distance};
 
 /// Radius and distance of several fingers, shares of the size.
-const RADIUS: f64 = 0.06;
-const APART: f64 = 0.25;
+pub(super) const RADIUS: f64 = 0.06;
+pub(super) const APART: f64 = 0.25;
 /// Distances of pairs, shares of the size.
 const DISTANCES: [f64; 5] = [0.1, 0.15, 0.2, 0.25, 0.3];
 /// Pairs are told apart from where so many of them are.

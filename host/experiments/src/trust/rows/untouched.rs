@@ -1,13 +1,14 @@
 //! Frames of the untouched skin, and of one whose fingers were lifted.
 
-use super::WITHIN;
+use super::{
+    WITHIN,
+    count::{APART, RADIUS},
+};
 use crate::trust::{Bench, Figure, Options, Trial, TrustError, Voltages, figure::poisson_upper};
 
 /// False contacts an hour that are allowed.
 const ALLOWED: f64 = 1.0;
-/// Radius and distance of fingers that are lifted, shares of the size, and how long nothing presses behind them, s.
-const RADIUS: f64 = 0.06;
-const APART: f64 = 0.25;
+/// How long nothing presses behind fingers, s.
 const REST: f64 = 2.0;
 
 pub(super) fn run(bench: &Bench, options: &Options) -> Result<Vec<Figure>, TrustError> {

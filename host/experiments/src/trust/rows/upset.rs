@@ -97,8 +97,8 @@ fn tried(
         match upset(place, seed) {
             Ok(upset) => {
                 let close = CLOSE * bench.size();
-                said.press_at_once(&mut Trial::new(bench, snr_db, seed)?, &upset, close);
-                said.play(&mut Trial::new(bench, snr_db, seed)?, &upset, close);
+                said.press_at_once(&mut untouched(bench, snr_db, seed)?, &upset, close);
+                said.play(&mut untouched(bench, snr_db, seed)?, &upset, close);
             }
             Err(TrustError::Unsuited(why)) => {
                 return Ok(vec![Figure::new(words, "", snr_db, f64::NAN).open(why)]);
@@ -109,12 +109,18 @@ fn tried(
     Ok(said.figures(words, snr_db))
 }
 
+/// A board that was tared, and has seen some frames.
+fn untouched(bench: &Bench, snr_db: f64, seed: u64) -> Result<Trial<'_>, TrustError> {
+    let mut trial = Trial::new(bench, snr_db, seed)?;
+    for _ in 0..UNTOUCHED {
+        trial.see_untouched();
+    }
+    Ok(trial)
+}
+
 impl Said {
     /// A finger that comes in the same frame as the upset: the last of some frames decides.
     fn press_at_once(&mut self, trial: &mut Trial<'_>, upset: &Upset, close: f64) {
-        for _ in 0..UNTOUCHED {
-            trial.see_untouched();
-        }
         for _ in 1..AT_ONCE {
             trial.see(&upset.pressed);
         }
@@ -123,9 +129,6 @@ impl Said {
     }
 
     fn play(&mut self, trial: &mut Trial<'_>, upset: &Upset, close: f64) {
-        for _ in 0..UNTOUCHED {
-            trial.see_untouched();
-        }
         self.scenes += 1;
         let begin = trial.time();
         let mut healed = 0.0;
