@@ -129,11 +129,14 @@ fn a_finger_that_stays_and_moves_stays_one_contact_and_goes_when_it_is_lifted() 
 
 #[test]
 fn a_sheet_that_drifts_as_a_whole_has_no_contact_and_hides_none() {
-    let figures = figures(&bench("disc-210mm"), "uniform", &options(&[60.0], 1));
-    for rate in ["+10", "-10"] {
-        let of = |what: &str| found(&figures, &format!("{rate} % a minute: {what}"), 60.0);
-        assert_eq!(of("untouched frames with a contact"), 0.0, "{rate}");
-        assert_eq!(of("pressed frames with exactly one"), 100.0, "{rate}");
+    // Where electrodes lie inside a skin, what its contacts do not follow is not common to all voltages.
+    for name in ["disc-210mm", "hemisphere-210mm-designed"] {
+        let figures = figures(&bench(name), "uniform", &options(&[60.0], 1));
+        for rate in ["+10", "-10"] {
+            let of = |what: &str| found(&figures, &format!("{rate} % a minute: {what}"), 60.0);
+            assert_eq!(of("untouched frames with a contact"), 0.0, "{name}, {rate}");
+            assert_eq!(of("pressed frames with exactly one"), 100.0, "{name}, {rate}");
+        }
     }
 }
 
@@ -212,16 +215,15 @@ fn a_finger_under_the_tare_is_forgotten_in_a_second_once_it_lifts() {
 #[test]
 fn a_skin_that_is_stretched_or_whose_electrodes_slip_has_no_contact_and_hides_none() {
     let stretches = ["stretched by 0.5 %", "stretched by 2 %"];
-    let slip = "electrodes slipped by 1 mm";
-    // One slip in some makes a contact on the disc before it is mended.
-    let square = [&stretches[..], &[slip]].concat();
-    for (name, presses, upsets) in [("disc-210mm", 1, &stretches[..]), ("square-210mm", 100, &square)] {
-        let figures = figures(&bench(name), "upset", &options(&[60.0], presses));
-        for upset in upsets {
+    let slips = ["electrodes slipped by 1 mm", "electrodes slipped by 0.1 mm"];
+    for name in ["disc-210mm", "square-210mm"] {
+        let figures = figures(&bench(name), "upset", &options(&[60.0], 100));
+        for upset in stretches.iter().chain(&slips) {
             let of = |what: &str| found(&figures, &format!("{upset}: {what}"), 60.0);
             assert_eq!(of("frames with a contact"), 0.0, "{name}, {upset}");
             assert_eq!(of("press seen 30 s later"), 100.0, "{name}, {upset}");
-            assert!(*upset != slip || of("frames flagged") > 10.0, "{name}, {upset}");
+            assert_eq!(of("press that comes with it seen"), 100.0, "{name}, {upset}");
+            assert!(*upset != slips[0] || of("frames flagged") > 10.0, "{name}, {upset}");
         }
     }
 }

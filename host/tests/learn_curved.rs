@@ -125,7 +125,7 @@ fn recording(skin: &Skin, count: usize, seed: u64) -> (Recording, Frames) {
     let contacts: Vec<Complex64> = (0..usize::from(skin.electrodes.count))
         .map(|_| Complex64::from(0.18 * normal(&mut random).exp()))
         .collect();
-    let truth = TrueSkin::with_contacts(skin, &contacts, skin.drive.frequency).unwrap();
+    let truth = TrueSkin::with_contacts(skin, &contacts, skin.drive.frequency, 0.0).unwrap();
     let (mesh, steps) = (truth.mesh(), skin.steps());
     let size = half_side(mesh);
     let spots: Vec<(Point3<f64>, f64)> = (0..12)

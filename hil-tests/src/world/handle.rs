@@ -57,7 +57,7 @@ impl Setup {
         if usize::from(electrodes) > LEADS {
             return Err(WorldError::Electrodes { name: skin.name, electrodes });
         }
-        let network = skin_at(&skin, contact_capacitance, skin.drive.frequency)?;
+        let network = skin_at(&skin, contact_capacitance, skin.drive.frequency, 0.0)?;
         Ok(Self { skin: Arc::new(skin), analogue, contact_capacitance, seed, noise: true, network })
     }
 
@@ -159,6 +159,8 @@ struct State {
     conditions: Conditions,
     skin: Arc<SkinNetwork>,
     frequency: f64,
+    /// By which share the skin is longer along x than it was made.
+    stretch: f64,
     drift: Drift,
     script: Option<(Script, Time)>,
     now: Time,
@@ -208,6 +210,7 @@ impl WorldHandle {
             conditions,
             skin: setup.network.clone(),
             frequency: setup.skin.drive.frequency,
+            stretch: 0.0,
             drift: Drift { per_minute: 0.0, since: Time::ZERO, from: 1.0 },
             script: None,
             now: Time::ZERO,
@@ -297,9 +300,20 @@ impl WorldHandle {
             let (value, allowed) = (format!("{frequency} Hz"), "1e3 to 1e6 Hz".to_owned());
             return Err(WorldError::Value { field: "frequency", value, allowed });
         }
+        let stretch = self.state().stretch;
+        self.lay_out(frequency, stretch)
+    }
+
+    /// The skin, with its electrodes, is longer along x by this share from now on; 0 for as it was made.
+    pub fn stretch(&self, by: f64) -> Result<(), WorldError> {
+        let frequency = self.frequency();
+        self.lay_out(frequency, by)
+    }
+
+    fn lay_out(&self, frequency: f64, stretch: f64) -> Result<(), WorldError> {
         let setup = &self.0.setup;
-        let skin = skin_at(&setup.skin, setup.contact_capacitance, frequency)?;
-        self.change(|state| (state.skin, state.frequency) = (skin, frequency));
+        let skin = skin_at(&setup.skin, setup.contact_capacitance, frequency, stretch)?;
+        self.change(|state| (state.skin, state.frequency, state.stretch) = (skin, frequency, stretch));
         Ok(())
     }
 
@@ -453,8 +467,13 @@ impl State {
     }
 }
 
-fn skin_at(skin: &Skin, capacitance: f64, frequency: f64) -> Result<Arc<SkinNetwork>, WorldError> {
-    let network = SkinNetwork::new(skin, capacitance, frequency);
+fn skin_at(
+    skin: &Skin,
+    capacitance: f64,
+    frequency: f64,
+    stretch: f64,
+) -> Result<Arc<SkinNetwork>, WorldError> {
+    let network = SkinNetwork::new(skin, capacitance, frequency, stretch);
     network.map(Arc::new).map_err(|error| WorldError::Skin { name: skin.name.clone(), error })
 }
 

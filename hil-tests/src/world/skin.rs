@@ -42,9 +42,14 @@ struct Solved {
 }
 
 impl SkinNetwork {
-    /// The skin at a frequency, Hz; its contacts have a capacitance, F per metre of electrode, beside the
+    /// The skin at a frequency, Hz, stretched along x by a share; its contacts have a capacitance, F per metre of electrode, beside the
     /// resistance that the skin file gives.
-    pub fn new(skin: &Skin, contact_capacitance: f64, frequency: f64) -> Result<Self, ModelError> {
+    pub fn new(
+        skin: &Skin,
+        contact_capacitance: f64,
+        frequency: f64,
+        stretch: f64,
+    ) -> Result<Self, ModelError> {
         let impedance = |z: &f64| 1.0 / Complex64::new(1.0 / z, TAU * frequency * contact_capacitance);
         let contacts = match &skin.electrodes.model {
             ElectrodeModel::Point => vec![Complex64::default(); usize::from(skin.electrodes.count)],
@@ -53,7 +58,7 @@ impl SkinNetwork {
             }
         };
         Ok(Self {
-            truth: TrueSkin::with_contacts(skin, &contacts, frequency)?,
+            truth: TrueSkin::with_contacts(skin, &contacts, frequency, stretch)?,
             sheet_conductivity: skin.material.sheet_conductivity,
             ground: skin.electrodes.ground,
             solved: Mutex::default(),

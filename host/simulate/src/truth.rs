@@ -60,14 +60,16 @@ impl TrueSkin {
         Ok(Self { mesh, forward, frequency: skin.drive.frequency })
     }
 
-    /// The same with other contacts, and at a frequency, Hz, that need not be the skin file's.
-    /// `contact_impedance`, ohm m, `[electrode]`, is not used by point electrodes.
+    /// The same with other contacts, at a frequency, Hz, that need not be the skin file's, and stretched along x by this
+    /// share. `contact_impedance`, ohm m, `[electrode]`, is not used by point electrodes.
     pub fn with_contacts(
         skin: &Skin,
         contact_impedance: &[Complex64],
         frequency: f64,
+        stretch: f64,
     ) -> Result<Self, ModelError> {
-        let mesh = true_mesh(skin)?;
+        let mut mesh = true_mesh(skin)?;
+        mesh.nodes.iter_mut().for_each(|node| node.x *= 1.0 + stretch);
         let forward = forward_with(skin, &mesh, contact_impedance, frequency)?;
         Ok(Self { mesh, forward, frequency })
     }
@@ -243,7 +245,7 @@ mod tests {
     fn contacts_with_capacitance_turn_the_phase_of_their_own_electrode_only() {
         let skin = square();
         let contacts = vec![Complex64::new(25.0, -12.5); 16];
-        let truth = TrueSkin::with_contacts(&skin, &contacts, 50e3).unwrap();
+        let truth = TrueSkin::with_contacts(&skin, &contacts, 50e3, 0.0).unwrap();
         let transfer = truth.transfer(&truth.conductivity(&[]));
         let voltage = |at: usize, from: usize| {
             (transfer[at][4] - transfer[at][5]) - (transfer[from][4] - transfer[from][5])

@@ -85,6 +85,7 @@ impl Drift {
             Change::Lifted => LIFTED_TIME.min(time_constant),
             Change::PressedAndSmooth => BESIDE_TIME.min(time_constant),
             Change::Pressed => return None,
+            Change::PressedAndSlipped => return Some(1.0),
         };
         if self.pending < FOLLOW_EVERY || time <= 0.0 {
             return None;

@@ -239,7 +239,8 @@ impl PipelineState {
         self.drift.correct(relative, reference.weights(), frame.timestamp_us, drift_time);
         self.detector.average(patch, relative, frame.timestamp_us);
         self.detector.detect(patch, relative, reference);
-        self.flags.insert_if(FrameFlags::UNLIKE_PRESS, self.detector.change() == Change::Unlike);
+        let is_unlike = matches!(self.detector.change(), Change::Unlike | Change::PressedAndSlipped);
+        self.flags.insert_if(FrameFlags::UNLIKE_PRESS, is_unlike);
         self.flags.insert_if(FrameFlags::LIFTED, self.detector.change() == Change::Lifted);
     }
 
@@ -267,7 +268,8 @@ impl PipelineState {
             _ if !patch.header.has_places() && !self.contacts.is_empty() => Change::Pressed,
             change => change,
         };
-        let is_pressed = matches!(change, Change::Pressed | Change::PressedAndSmooth);
+        let is_pressed =
+            matches!(change, Change::Pressed | Change::PressedAndSmooth | Change::PressedAndSlipped);
         if is_pressed {
             self.drift.touch(frame.timestamp_us);
         }
@@ -288,7 +290,10 @@ impl PipelineState {
         let _ = parts.resize(reference.sums().len(), part);
         mask_measurements(patch, self.bad_electrodes, &mut parts);
         reference.follow(patch, differences, &parts);
-        if change == Change::Unlike {
+        if change != Change::PressedAndSlipped {
+            reference.blur(part);
+        }
+        if matches!(change, Change::Unlike | Change::PressedAndSlipped) {
             self.detector.heal(patch, reference);
         }
         if !is_pressed {

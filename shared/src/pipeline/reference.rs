@@ -187,11 +187,14 @@ impl Reference {
         self.set_scales(patch);
     }
 
+    /// It moved this part of the way to a frame, 0 to 1, and has that part of its noise.
+    pub fn blur(&mut self, part: f32) {
+        self.variance = (1.0 - part) * (1.0 - part) * self.variance + part * part;
+    }
+
     /// Moves the reference these parts of the way to a frame that differs from it like that, 0 to 1:
     /// `[measurement]`; not a number moves nothing.
     pub fn follow(&mut self, patch: &PatchView<'_>, differences: &[i64], parts: &[f32]) {
-        let part = parts.iter().copied().fold(0.0, f32::max).min(1.0);
-        self.variance = (1.0 - part) * (1.0 - part) * self.variance + part * part;
         for ((sum, way), part) in self.sums.iter_mut().zip(differences).zip(parts) {
             let part = (part.clamp(0.0, 1.0) * FOLLOW_ONE as f32) as i64;
             // A code has 25 bits, two of them add up, and a tare has 10 bits of frames: 60 bits.

@@ -9,7 +9,7 @@ use crate::rig::Rig;
 use dermatome::{link::Subscription, simulate::Press, skin::FoundIn};
 use dermatome_shared::{
     calibration::{Calibration, CalibrationPoint},
-    contact::Contacts,
+    contact::{Contact, Contacts},
     protocol::{FrameStamp, Selection},
 };
 use rand::{Rng, SeedableRng};
@@ -20,6 +20,9 @@ const PRESSES: usize = 40;
 /// Frames compared with the host's, so few in a second that the line has room for image and codes of each.
 const COMPARED: usize = 100;
 const COMPARED_RATE: f64 = 25.0;
+/// The same frames of a finger that stretches the skin by this share.
+const STRETCHED: usize = 40;
+const STRETCH: f64 = 0.01;
 /// Noise, over that of the parts: 60 dB at the median channel, where the parts alone leave 65.4 dB.
 const NOISE: f64 = 1.86;
 /// Largest normalised radius at which they lie.
@@ -39,7 +42,26 @@ pub(super) fn in_voltages(rig: &Rig) -> Result<String, Failure> {
     session.world.noise(NOISE);
     let three = [[0.05, 0.02], [-0.05, 0.03], [0.0, -0.06]].map(|place| Press::finger(place, 0.0126, 1.0));
     let frames = compare(&mut link, &session.patch(), COMPARED, || session.world.press(&three))?;
-    Ok(format!("{found}; {frames} frames of three as the host finds them, bit for bit"))
+    session.world.press(&[]);
+    let pressed = [0.035, -0.04];
+    let mut stretched = Ok(());
+    let beside = compare(&mut link, &session.patch(), STRETCHED, || {
+        session.world.press(&[Press::finger(pressed, 0.0084, 1.0)]);
+        stretched = session.world.stretch(STRETCH);
+    })?;
+    stretched.map_err(Failure::wrong)?;
+    let mut stream = link.subscribe(Selection { contacts: 1, ..Selection::default() })?;
+    let (_, contacts) = contacts(&mut stream)?;
+    let off = |contact: &Contact| {
+        let [x, y, _] = contact.position.map(f64::from);
+        (x - pressed[0]).hypot(y - pressed[1])
+    };
+    let is_there = matches!(&contacts[..], [one] if off(one) < 0.01);
+    ensure(is_there, || format!("a finger that stretches the skin is found as {contacts:?}"))?;
+    Ok(format!(
+        "{found}; {frames} frames of three as the host finds them, bit for bit, and {beside} of one that stretches the skin by {:.0} %",
+        100.0 * STRETCH
+    ))
 }
 
 fn positions(rig: &Rig, found_in: FoundIn, finger: f64, depth: f64) -> Result<String, Failure> {

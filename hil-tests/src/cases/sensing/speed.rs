@@ -50,6 +50,8 @@ const LOADS: u32 = 6;
 const COMES: usize = 60;
 /// Frames over which rate and load are measured then.
 const WATCHED: u32 = 200;
+/// By this share a finger stretches the skin.
+const STRETCH: f64 = 0.01;
 /// Flash that it may take, of 128 KiB.
 const FLASH_LIMIT: usize = 127 * 1024;
 
@@ -151,6 +153,11 @@ fn measure(rig: &Rig, speed: &Speed) -> Result<String, Failure> {
     })?;
     rate = rate.min(frames);
     loads.push(("by two that move", load));
+    session.world.press(&[PRESS]);
+    session.world.stretch(STRETCH).map_err(Failure::wrong)?;
+    let (frames, load) = watch(&session, &mut stream, |_| {})?;
+    rate = rate.min(frames);
+    loads.push(("stretched as well", load));
     ensure(rate >= speed.least, || format!("{rate:.1} frames a second"))?;
     let said = loads.iter().map(|(name, load)| format!("{name} {:.1} %", 100.0 * load));
     let said = said.collect::<Vec<_>>().join(", ");
@@ -272,6 +279,12 @@ pub(super) fn memory(rig: &Rig) -> Result<String, Failure> {
     let in_voltages = |skin: &mut Skin| skin.contacts_found_in = FoundIn::Voltages;
     let (session, mut link) = Session::open(rig, in_voltages)?;
     tare(&mut link, 20)?;
+    // A finger that moves electrodes takes the longest way.
+    session.world.press(&[PRESS]);
+    session.world.stretch(STRETCH).map_err(Failure::wrong)?;
+    let mut stream = link.subscribe(CONTACTS)?;
+    stamps(&mut stream, 50)?;
+    stream.stop()?;
     session.world.press(&THREE);
     let all = Selection { images: 1, contacts: 1, measurements: 1, health: 1, scope: 1, scope_slot: 3 };
     let mut stream = link.subscribe(all)?;

@@ -33,8 +33,8 @@ const LEARNT: u64 = 50;
 const JUDGES: [u64; 4] = [1, 2, 3, 4];
 /// Seed of the networks' first weights.
 const NETWORK: u64 = 1;
-/// What spoils the measurements, and where contacts are found then: one that comes with slips fits no press in the
-/// voltages, and is none there.
+/// What spoils the measurements, and where contacts are found then: where electrodes slip with each load, what is found in the
+/// voltages does not rise with it.
 const SPOILT: [Spoilt; 2] = [
     Spoilt { name: "noise", artefacts: Artefacts::MOVING, read: strength_in_voltages },
     Spoilt { name: "slips", artefacts: Artefacts::SHEET, read: strength_in_image },
@@ -127,8 +127,8 @@ fn words() -> [String; 2] {
              cycle of one specimen ({STEPS} steps up and down, {HOLD} s each); a second network also from cycles up to three quarters \
              and half. All are judged on {} other specimens, on loops that none of them saw, after an hour's rest and a \
              new tare each. Noise: {}; a reading is the strength of all contacts that the board finds in the voltages, together, \
-             mean of the frames of a load behind the first {SETTLED}. Slips: {}; a contact that comes with slips fits no \
-             press in the voltages and is none there, so a reading is the strength of the strongest contact in the mean image of \
+             mean of the frames of a load behind the first {SETTLED}. Slips: {}; what is found in the voltages \
+             does not rise with the load there, so a reading is the strength of the strongest contact in the mean image of \
              {FRAMES} frames.",
             JUDGES.len(),
             Artefacts::MOVING.words(),

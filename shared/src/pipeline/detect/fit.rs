@@ -7,15 +7,19 @@
 use super::{
     MAX_PRESSES, MAX_UNKNOWNS, SUDDEN,
     filter::{self, Look, Norms},
-    known::Known,
+    known::Parts,
     press::{Press, copy},
-    spot::{Response, Spot, UNKNOWNS, at},
-    sums::{Data, Sums, each, quantise, take_out},
+    spot::{Response, Spot, UNKNOWNS, at, each},
+    sums::{Data, Sums, quantise, take_out},
     system::System,
 };
 use crate::{
     image::surface::Surface,
-    patch::{PatchView, matrix::GROUP, places::Places},
+    patch::{
+        PatchView,
+        matrix::GROUP,
+        places::{MAX_KNOWN, Places},
+    },
     pipeline::reference::{Changes, DifferenceData},
 };
 use heapless::Vec;
@@ -25,6 +29,8 @@ const ROUNDS: usize = 4;
 /// One of several presses that come in one frame explains more than this share of what is left. Sheets that are stretched by
 /// 2 % leave 5 % to a press.
 const ONE_OF_SEVERAL: f32 = 0.15;
+/// Most unknowns beside known changes.
+const MAX_BESIDE: usize = 2 * UNKNOWNS;
 /// Standard deviation of an offset before anything is measured, distances from place to place.
 const FREE: f32 = 0.7;
 
@@ -45,11 +51,26 @@ impl<'a> Skin<'a> {
     }
 }
 
+/// `a' S^-1 b` of what known changes explain of a and b, which have these parts.
+// Of slices, and not inlined: the compiler writes loops of a known length out.
+#[inline(never)]
+fn with_parts(a: &[f32], b: &[f32]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Takes parts out of others.
+#[inline(never)]
+fn take_parts(parts: &mut [f32], others: &[f32]) {
+    parts.iter_mut().zip(others).for_each(|(part, other)| *part -= other);
+}
+
 /// Some presses, and how well they explain the data.
 pub(super) struct Fit<'a> {
     skin: &'a Skin<'a>,
     pub(super) presses: Vec<Press, MAX_PRESSES>,
-    /// Sum of squares of the data, in units of the noise's variance.
+    /// Whether known changes are fitted together with presses.
+    is_beside_known: bool,
+    /// Sum of squares of the data, in units of the noise's variance, less what known changes explain then.
     energy: f32,
     /// What the presses explain of it.
     pub(super) explained: f32,
@@ -70,8 +91,9 @@ impl Clone for Fit<'_> {
 
     /// Without another on the stack.
     fn clone_from(&mut self, other: &Self) {
-        let Self { skin, presses, energy, explained, measurements, noise } = self;
-        (*skin, *energy, *explained) = (other.skin, other.energy, other.explained);
+        let Self { skin, presses, is_beside_known, energy, explained, measurements, noise } = self;
+        (*skin, *is_beside_known) = (other.skin, other.is_beside_known);
+        (*energy, *explained) = (other.energy, other.explained);
         (*measurements, *noise) = (other.measurements, other.noise);
         copy(&other.presses, presses);
     }
@@ -83,7 +105,31 @@ impl<'a> Fit<'a> {
     #[inline(always)]
     pub(super) fn new(skin: &'a Skin<'a>, data: &Data) -> Self {
         let Data { energy, known, noise, .. } = *data;
-        Self { skin, presses: Vec::new(), energy, explained: 0.0, measurements: known, noise }
+        Self {
+            skin,
+            presses: Vec::new(),
+            is_beside_known: false,
+            energy,
+            explained: 0.0,
+            measurements: known,
+            noise,
+        }
+    }
+
+    /// No presses, and known changes beside those to come, of the same data.
+    #[inline(always)]
+    pub(super) fn beside_known(&self, sums: &mut Sums) -> Self {
+        sums.latest_known = sums.of_known(&self.skin.places, &sums.data.values);
+        let mut fit = Self::new(self.skin, &sums.data);
+        fit.energy -= sums.latest_known.with_slips;
+        fit.is_beside_known = true;
+        fit
+    }
+
+    /// Sum of squares of the data, in units of the noise's variance, less what known changes explain of them where they are
+    /// fitted as well.
+    pub(super) fn energy(&self) -> f32 {
+        self.energy
     }
 
     /// Takes presses of the frame before, which are not fitted yet.
@@ -152,6 +198,8 @@ impl<'a> Fit<'a> {
     }
 
     /// The same if so much more were explained.
+    // Once on the board, for all that asks.
+    #[inline(never)]
     fn misfit_after(&self, more: f32) -> f32 {
         let free = (self.measurements - self.unknowns() as f32).max(1.0);
         ((self.energy - self.explained - more) / free).max(self.noise)
@@ -160,6 +208,8 @@ impl<'a> Fit<'a> {
     /// Whether another press of this strength that explains so much more, and leaves this misfit, is asked for. What presses
     /// leave unexplained is noise of a kind: of another one it asks for more. But while they leave most of the data
     /// unexplained, and none was taken away, that may be several others, which came as suddenly.
+    // Once on the board, for all that asks.
+    #[inline(never)]
     pub(super) fn is_asked_for(
         &self,
         look: &Look,
@@ -176,13 +226,16 @@ impl<'a> Fit<'a> {
         more > level * level * if is_one_of_several { self.noise } else { misfit }
     }
 
+    // Once on the board, for all that asks.
+    #[inline(never)]
     fn unknowns(&self) -> usize {
         self.presses.iter().map(Press::unknowns).sum()
     }
 
     /// Whether there is room for another press.
     pub(super) fn has_room(&self) -> bool {
-        !self.presses.is_full() && self.unknowns() + UNKNOWNS <= MAX_UNKNOWNS
+        !self.presses.is_full()
+            && self.unknowns() + UNKNOWNS <= if self.is_beside_known { MAX_BESIDE } else { MAX_UNKNOWNS }
     }
 
     /// What neither presses nor noise explain, in units of one frame's variance.
@@ -201,6 +254,8 @@ impl<'a> Fit<'a> {
     }
 
     /// Whether a press of this strength at a place could be what the standard press of another does not explain.
+    // Once on the board, for all that asks.
+    #[inline(never)]
     fn is_beside(&self, place: usize, strength: f32) -> bool {
         let (here, _) = at(&self.skin.surface, &self.skin.places, place);
         let mut presses = self.presses.iter().filter(|press| !press.is_satellite());
@@ -209,7 +264,9 @@ impl<'a> Fit<'a> {
 
     /// Keeps those of the presses that are strong enough beside the others, and held; the rest is to be fitted anew if
     /// there were others, and says whether there were.
-    pub(super) fn retain(&mut self, is_held: impl Fn(&Press) -> bool) -> bool {
+    // Once on the board, for all that is done with it.
+    #[inline(never)]
+    pub(super) fn retain(&mut self, is_held: &dyn Fn(&Press) -> bool) -> bool {
         let count = self.presses.len();
         let strongest = self.presses.iter().fold(0.0, |most: f32, press| most.max(press.strength));
         self.presses.retain(|press| is_held(press) && press.is_worth(strongest));
@@ -217,9 +274,9 @@ impl<'a> Fit<'a> {
     }
 
     /// What is left of the data resembles.
-    pub(super) fn look(&self, data: &mut Data, norms: &Norms, known: &Known) -> Look {
-        let (left, energy) = self.left(data);
-        let look = filter::look(&self.skin.places, &left, norms, known);
+    pub(super) fn look(&self, sums: &mut Sums, norms: &Norms) -> Look {
+        let (left, energy) = self.left(sums);
+        let look = filter::look(&self.skin.places, &left, norms, &sums.known);
         Look { left: energy - self.measurements * self.noise, ..look }
     }
 
@@ -269,24 +326,51 @@ impl<'a> Fit<'a> {
         each(places, four, add);
     }
 
-    /// What the presses' responses leave of the data, as it meets responses, and the sum of its squares.
-    fn left(&self, data: &mut Data) -> (DifferenceData, f32) {
+    /// What the presses' responses leave of the data, and known changes where they are fitted as well, as it meets responses,
+    /// and the sum of its squares.
+    fn left(&self, sums: &mut Sums) -> (DifferenceData, f32) {
         let Skin { places, common, .. } = self.skin;
-        if self.presses.is_empty() {
-            return (data.codes(places).clone(), self.energy);
+        if self.presses.is_empty() && !self.is_beside_known {
+            return (sums.data.codes(places).clone(), self.energy);
         }
         let mut left = Changes::new();
-        left.extend(data.values.iter().copied());
-        Self::responses(self.skin, &self.presses, &mut |m, response| {
+        left.extend(sums.data.values.iter().copied());
+        let mut take = |m: usize, change: f32| {
             if let Some(y) = left.get_mut(m) {
-                *y -= response;
+                *y -= change;
             }
-        });
-        take_out(common, &data.weights, &mut left);
-        let energy = left.iter().zip(&data.weights).map(|(y, weight)| weight * y * y).sum();
+        };
+        Self::responses(self.skin, &self.presses, &mut take);
+        if self.is_beside_known {
+            sums.known.add(&self.known(sums), false, places, &mut take);
+        }
+        let weights = &sums.data.weights;
+        take_out(common, weights, &mut left);
+        let energy = left.iter().zip(weights).map(|(y, weight)| weight * y * y).sum();
         let mut codes = DifferenceData::default();
-        quantise(places, &left, &data.weights, &mut codes);
+        quantise(places, &left, weights, &mut codes);
         (codes, energy)
+    }
+
+    /// The parts along known changes of what the presses leave of the data.
+    pub(super) fn known(&self, sums: &Sums) -> Parts {
+        let mut left = sums.latest_known.parts;
+        for press in &self.presses {
+            take_parts(&mut left, &self.known_of(sums, press));
+        }
+        left
+    }
+
+    /// The parts along known changes of a press' response.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    fn known_of(&self, sums: &Sums, press: &Press) -> Parts {
+        let Skin { places, common, .. } = self.skin;
+        let mut response = Changes::new();
+        let presses = core::slice::from_ref(press);
+        Self::responses(self.skin, presses, &mut |_, value| response.push(value).unwrap_or(()));
+        take_out(common, &sums.data.weights, &mut response);
+        sums.of_known(places, &response).parts
     }
 
     /// Strengths and offsets of all presses at their places; no presses where they cannot be told apart, and says whether
@@ -352,7 +436,34 @@ impl<'a> Fit<'a> {
             }
             row = own.end;
         }
+        if self.is_beside_known {
+            self.leave_known_out(sums, system);
+        }
         system.factor()
+    }
+
+    /// Leaves of the normal equations what known changes do not explain.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    fn leave_known_out(&self, sums: &Sums, system: &mut System) {
+        let mut all = [[0.0; MAX_KNOWN]; MAX_BESIDE];
+        let mut row = 0;
+        for press in &self.presses {
+            let first = row;
+            for unknown in 0..press.unknowns().min(MAX_BESIDE - first) {
+                all[row] = self.known_of(sums, &press.unit(unknown));
+                // A slope is what the response beside a place has more.
+                if unknown > 0 {
+                    let own = all[first];
+                    take_parts(&mut all[row], &own);
+                }
+                system.right[row] -= with_parts(&all[row], &sums.latest_known.parts);
+                for column in 0..=row {
+                    system.matrix[row][column] -= with_parts(&all[row], &all[column]);
+                }
+                row += 1;
+            }
+        }
     }
 
     /// Presses that lie nearer to another place go there; says whether any did.

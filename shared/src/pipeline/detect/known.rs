@@ -4,11 +4,11 @@
 //! The patch has the responses to them behind those of the places ([`crate::patch::places`]). A press resembles them more or
 //! less; what resembles them clearly more than any press is none.
 
-use super::sums::each;
+use super::spot::each;
 use crate::{
     patch::{
         matrix::GROUP,
-        places::{DetectionLayout, MAX_KNOWN, MAX_SMOOTH, Places},
+        places::{DetectionLayout, MAX_KNOWN, Places},
     },
     pipeline::reference::power_of_two,
 };
@@ -94,47 +94,67 @@ impl Known {
 
     /// What they explain of data, by the data's sums with their rows, `[known change]`, without the rows' exponents.
     pub(super) fn fit(&self, places: &Places<'_>, sums: impl Iterator<Item = f32>) -> KnownFit {
-        let factor = &self.factor;
         let mut parts = [0.0; MAX_KNOWN];
         let mut explained = [0.0; 2];
         for (i, sum) in sums.take(places.known().min(MAX_KNOWN)).enumerate() {
-            let known: f32 = (0..i).map(|k| factor[row(i) + k] * parts[k]).sum();
-            let own = factor[row(i) + i];
-            parts[i] = if own > 0.0 { (sum - known) / own } else { 0.0 };
+            parts[i] = self.part(i, sum, &parts);
             explained[usize::from(i >= self.smooth)] += parts[i] * parts[i];
         }
-        let mut sizes = [0.0; MAX_SMOOTH];
-        for i in (0..self.smooth.min(MAX_SMOOTH)).rev() {
-            let known: f32 = (i + 1..self.smooth).map(|k| factor[row(k) + i] * sizes[k]).sum();
-            let own = factor[row(i) + i];
-            sizes[i] = if own > 0.0 { (parts[i] - known) / own } else { 0.0 };
-        }
-        KnownFit { smooth: sizes, explained: explained[0], with_slips: explained[0] + explained[1] }
+        KnownFit { parts, explained: explained[0], with_slips: explained[0] + explained[1] }
     }
-}
 
-/// The known changes that explain data best.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct KnownFit {
-    /// How large each smooth one is, without its row's exponent: `[smooth change]`.
-    smooth: [f32; MAX_SMOOTH],
-    /// How much smooth ones explain, in units of one frame's variance.
-    pub(super) explained: f32,
-    /// The same with electrodes that slip.
-    pub(super) with_slips: f32,
-}
+    /// The next part, by its sum and the parts before it.
+    fn part(&self, i: usize, sum: f32, parts: &Parts) -> f32 {
+        let factor = &self.factor[row(i)..=row(i) + i];
+        let known: f32 = factor.iter().zip(parts).take(i).map(|(factor, part)| factor * part).sum();
+        if factor[i] > 0.0 { (sum - known) / factor[i] } else { 0.0 }
+    }
 
-impl KnownFit {
-    /// What the smooth ones add to the data, measurement by measurement.
-    pub(super) fn add_smooth(&self, places: &Places<'_>, add: impl FnMut(usize, f32)) {
+    /// What known changes that have these parts add to the data, measurement by measurement: smooth ones, or all.
+    // Once on the board, for all that is done with them.
+    #[inline(never)]
+    pub(super) fn add(
+        &self,
+        parts: &Parts,
+        only_smooth: bool,
+        places: &Places<'_>,
+        add: &mut dyn FnMut(usize, f32),
+    ) {
+        let count = if only_smooth { self.smooth } else { MAX_KNOWN }.min(places.known());
+        let mut sizes = *parts;
+        for i in (0..count).rev() {
+            let known: f32 = (i + 1..count).map(|k| self.factor[row(k) + i] * sizes[k]).sum();
+            let own = self.factor[row(i) + i];
+            sizes[i] = if own > 0.0 { (sizes[i] - known) / own } else { 0.0 };
+        }
         let four = |at| {
             let mut sum = [0.0; GROUP];
-            for (row, size) in self.smooth[..places.known().min(MAX_SMOOTH)].iter().enumerate() {
+            for (row, size) in sizes[..count].iter().enumerate() {
                 let responses = Places::four(places.row(places.count() + row), at);
                 sum.iter_mut().zip(responses).for_each(|(sum, response)| *sum += size * response);
             }
             sum
         };
         each(places, four, add);
+    }
+}
+
+/// Parts of data along known changes, each without what it has in common with those before: `[known change]`. Sums of
+/// their products are what known changes explain, in units of one frame's variance.
+pub(super) type Parts = [f32; MAX_KNOWN];
+
+/// The known changes that explain data best.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct KnownFit {
+    pub(super) parts: Parts,
+    /// How much smooth ones explain, in units of one frame's variance.
+    pub(super) explained: f32,
+    /// The same with electrodes that slip.
+    pub(super) with_slips: f32,
+}
+
+impl Default for KnownFit {
+    fn default() -> Self {
+        Self { parts: [0.0; MAX_KNOWN], explained: 0.0, with_slips: 0.0 }
     }
 }

@@ -11,6 +11,10 @@
 //! The presses of the frame before are fitted to the new one (`fit`); what they leave is searched for another. That takes
 //! most of the time: where there are presses, it is done in the frame after one that was found, and else not in all. A
 //! press that noise, or what the others leave unexplained, accounts for is none.
+//!
+//! Some changes are known to be no press (`known`), but may come with one, as a finger pulls at the sheet. Where presses leave
+//! much for some frames, both are fitted together; the reference takes at once what known changes explain then, so that what
+//! is left of the data is presses.
 
 mod filter;
 mod fit;
@@ -33,7 +37,6 @@ use crate::{
 use filter::{Look, Norms};
 use fit::{Fit, Skin};
 use heapless::Vec;
-use known::{Known, KnownFit};
 use press::{Press, Was, copy, root};
 use sums::Sums;
 
@@ -58,8 +61,24 @@ const HEALED: f32 = 1.0;
 pub(super) const NOISY: f32 = 5.0;
 /// After so many frames that presses do not account for, what changed is something else.
 const UNDECIDED: u8 = 20;
+/// Presses leave more than this share of what they explain where there may be something else beside them.
+const UNSETTLED: f32 = 0.05;
+/// After so many such frames that is looked for, and again in each so many.
+const BESIDE_AFTER: u8 = 6;
+const BESIDE_AGAIN: u8 = 22;
+const BESIDE_EACH: u8 = 64;
+/// Presses beside known changes explain so many times what both leave: what electrodes that slip by half a hundredth of the
+/// skin's size leave, as they change voltages not quite linearly, looks like a press that explains 1.5 times the rest.
+const BESIDE_EXPLAIN: f32 = 2.0;
+/// Where presses alone explain most, this share of what they leave: fingers of 4 % of the size beside slips and stretches
+/// leave up to 0.2 %, and as many presses without them hardly ever less than 2 %.
+const BESIDE_LEAVE: f32 = 0.01;
+/// Where there is a slip and no press, this share.
+const KNOWN_LEAVE: f32 = 0.1;
 /// A press of this strength that was none in the frame before came faster than a sheet drifts.
 const SUDDEN: f32 = 0.1;
+/// A new press' strength alone is as significant as this share of the level: slopes may explain much where it is hardly any.
+const OF_ITS_OWN: f32 = 0.5;
 /// By so much more, in units of the noise's variance, one explanation is better than another.
 const CLEARLY: f32 = 12.0;
 /// And a press that comes slowly than a smooth change, which would be mended; it would not.
@@ -78,6 +97,8 @@ const A_LITTLE_MORE: f32 = 1.2;
 const LIFT_LEAVES: f32 = 0.25;
 /// Frames after a known change in which only a press that comes suddenly is one.
 const KNOWN_PAUSE: u8 = 100;
+/// So long after electrodes slipped, us, as well: what the mend leaves of that is less than noise, and lasts.
+const SLIPPED: u32 = 60_000_000;
 /// Electrodes that slip by a hundredth of the skin's size leave less than this share of what changed unexplained, presses
 /// hardly ever as little: simulated fingers of 3 to 10 % of the size leave at least 0.1 %, in corners, and 10 to 40 % in
 /// most places.
@@ -85,6 +106,8 @@ const SLIP_LEAVES: f32 = 0.005;
 /// And presses leave more of a slip than this share of what they explain, any other one press and smooth changes of the
 /// rest.
 const OTHERS_LEAVE: f32 = 0.15;
+/// The same of one that is being mended.
+const OTHERS_LEAVE_LATER: f32 = 0.05;
 
 /// What detection remembers from frame to frame. For a patch without places it does nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -93,7 +116,6 @@ pub struct Detector {
     /// Inverse variances of the data: `[measurement]`.
     inverse_variances: Changes,
     norms: Norms,
-    known: Known,
     average: Average,
     /// The place whose norm is next to be brought up to date.
     next: usize,
@@ -105,13 +127,15 @@ pub struct Detector {
     before: Vec<Was, MAX_CONTACTS>,
     /// Frames of which they do not account for most, one after the other.
     unexplained: u8,
+    /// Frames of which they leave much, one after the other.
+    unsettled: u8,
     change: Change,
-    /// The known changes that were looked for last.
-    latest_known: KnownFit,
     /// Whether electrodes have slipped.
     is_slipped: bool,
     /// Frames in which a press that comes slowly is taken for a change of the sheet.
     known_pause: u8,
+    /// When electrodes were seen to slip last, in the clock's lower half, us, if that is not long ago.
+    slipped_us: Option<u32>,
     /// What was lifted not long ago.
     lifting: Option<Lifting>,
     /// Frames that are not searched for another press beside them.
@@ -144,6 +168,8 @@ pub enum Change {
     Pressed,
     /// Something presses, and beside it the sheet changes smoothly.
     PressedAndSmooth,
+    /// Something presses, and electrodes slipped at once.
+    PressedAndSlipped,
     /// The sheet, smoothly: some of it is warmer.
     Smooth,
     /// What pressed when the reference was made is gone.
@@ -169,8 +195,8 @@ impl Detector {
         self.presses.clear();
         self.before.clear();
         self.average.restart();
-        (self.unexplained, self.pause, self.known_pause) = (0, 0, 0);
-        (self.is_slipped, self.is_going, self.lifting) = (false, false, None);
+        (self.unexplained, self.unsettled, self.pause, self.known_pause) = (0, 0, 0, 0);
+        (self.is_slipped, self.is_going, self.lifting, self.slipped_us) = (false, false, None, None);
         self.change = Change::Still;
     }
 
@@ -209,7 +235,7 @@ impl Detector {
         if self.next == 0 {
             self.noise.inverse_variances(patch, reference, &mut self.inverse_variances);
             let layout = &patch.header.detection;
-            self.known.take(&places, layout, &self.inverse_variances, reference.weights());
+            self.sums.known.take(&places, layout, &self.inverse_variances, reference.weights());
         }
         self.sums.scaled.set(&places, &self.inverse_variances, reference.weights());
         for place in self.next..self.next + REFRESHED {
@@ -223,7 +249,7 @@ impl Detector {
     /// The reference heals: what is common to all data changes with it, and known changes resemble that.
     pub fn heal(&mut self, patch: &PatchView<'_>, reference: &Reference) {
         let (places, layout) = (patch.places(), &patch.header.detection);
-        self.known.take(&places, layout, &self.inverse_variances, reference.weights());
+        self.sums.known.take(&places, layout, &self.inverse_variances, reference.weights());
         self.sums.clear();
     }
 
@@ -236,7 +262,7 @@ impl Detector {
             self.norms.clear();
             self.norms
                 .extend((0..places.count()).map(|place| filter::norm(&places, place, &self.sums.scaled)));
-            self.known.take(&places, &patch.header.detection, weights, common);
+            self.sums.known.take(&places, &patch.header.detection, weights, common);
             self.next = 0;
         }
     }
@@ -278,20 +304,24 @@ impl Detector {
             let is_fresh = self.average.variance() > FRESH;
             let may_go = self.is_going || self.pause == 0 || !self.is_fast || is_fresh;
             self.is_going = fit.refine(&mut self.sums, may_go);
-            if !fit.retain(|press| press.is_held(level)) {
+            if !fit.retain(&|press| press.is_held(level)) {
                 break;
             }
         }
         self.change = Change::Pressed;
         self.known_pause = self.known_pause.saturating_sub(1);
         self.lifting = self.lifting.filter(|lifting| self.frame_us.wrapping_sub(lifting.latest_us) < LIFTS);
+        self.slipped_us = self.slipped_us.filter(|slipped| self.frame_us.wrapping_sub(*slipped) < SLIPPED);
         if fit.presses.is_empty() || self.pause == 0 {
-            let mut look = fit.look(&mut self.sums.data, &self.norms, &self.known);
+            let mut look = fit.look(&mut self.sums, &self.norms);
             self.pause = self.add_another(&mut fit, &mut look, level);
             self.change = self.judge(&fit, &look, level);
-            self.latest_known = look.known;
-            if self.change == Change::Smooth || self.is_slipped {
+            self.sums.latest_known = look.known;
+            if self.change == Change::Smooth {
                 self.known_pause = KNOWN_PAUSE;
+            }
+            if self.is_slipped {
+                self.slipped_us = Some(self.frame_us);
             }
             if self.change == Change::Lifted && look.is_of_lift() {
                 self.drop_rests(&mut fit, &look, &patch.places());
@@ -302,10 +332,69 @@ impl Detector {
         let is_known = self.change == Change::Smooth || self.change == Change::Lifted;
         let is_explained = !self.is_slipped && (is_known || self.is_explained(&fit));
         self.unexplained = if is_explained { 0 } else { self.unexplained.saturating_add(1) };
+        self.unsettled = match self.unsettled {
+            _ if is_explained && (is_known || self.is_settled(&fit)) => 0,
+            u8::MAX => u8::MAX - BESIDE_EACH + 1,
+            frames => frames + 1,
+        };
         if self.unexplained > 0 {
             self.change = if self.is_undecided() { Change::Pressed } else { Change::Unlike };
         }
         copy(&fit.presses, &mut self.presses);
+        let is_asked = self.unsettled == BESIDE_AFTER || self.unsettled % BESIDE_EACH == BESIDE_AGAIN;
+        // What is told from presses is mended, or each such frame alone would have a contact.
+        if is_asked && patch.header.drift_time > 0.0 {
+            self.look_beside_known(&fit, level);
+        }
+    }
+
+    /// Fits presses together with electrodes that slip and smooth changes of the sheet, where presses alone leave much: a
+    /// finger may move the electrodes that it pulls at. Takes them where they explain the frame far better, and else a slip
+    /// without any where that does.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    fn look_beside_known(&mut self, alone: &Fit<'_>, level: f32) {
+        let looked_for = self.sums.latest_known;
+        let mut fit = alone.beside_known(&mut self.sums);
+        let mut look = fit.look(&mut self.sums, &self.norms);
+        let by_known = look.left;
+        while fit.has_room() {
+            let Some(press) = fit.loudest(&look, &self.norms, level) else { break };
+            let (count, explained) = (fit.presses.len(), fit.explained);
+            let _ = fit.presses.push(press);
+            fit.refine(&mut self.sums, true);
+            if fit.explained - explained < level * level * fit.misfit() {
+                fit.presses.truncate(count);
+                fit.refine(&mut self.sums, true);
+                break;
+            }
+            look = fit.look(&mut self.sums, &self.norms);
+        }
+        // As it is, not by the fit: what known changes explain is not quite known where they are alike.
+        let left = look.left;
+        let is_better = !self.is_explained(alone)
+            || (fit.presses.len() <= alone.presses.len()
+                && left.max(fit.spread()) < BESIDE_LEAVE * alone.unexplained());
+        let is_pressed = fit.explained > BESIDE_EXPLAIN * left
+            && fit.presses.first().is_some_and(|press| press.strength >= SUDDEN);
+        if is_better && is_pressed {
+            self.sums.latest_known.parts = fit.known(&self.sums);
+            copy(&fit.presses, &mut self.presses);
+            self.change = Change::PressedAndSlipped;
+            (self.unexplained, self.unsettled, self.is_slipped) = (0, 0, false);
+            self.average.restart();
+            return;
+        }
+        self.sums.latest_known = looked_for;
+        let by_noise = 3.0 * fit.spread();
+        if by_known < SLIP_LEAVES * alone.energy() + by_noise
+            && by_known.max(by_noise) < KNOWN_LEAVE * alone.unexplained()
+        {
+            self.presses.clear();
+            self.change = Change::Pressed;
+            (self.unexplained, self.is_slipped, self.slipped_us) =
+                (self.unexplained.max(1), true, Some(self.frame_us));
+        }
     }
 
     /// Drops new presses that are rests of what lifts where a fit leaves this: the lifted one was strong, and what it leaves
@@ -324,11 +413,13 @@ impl Detector {
         );
         let rest = SUDDEN.max(share * lifted);
         self.lifting = Some(Lifting { latest_us: self.frame_us, rest, share });
-        fit.retain(|press| !press.is_new() || press.strength >= rest);
+        fit.retain(&|press| !press.is_new() || press.strength >= rest);
     }
 
     /// Adds one press more to the fit, if the data ask for it; says how many frames need not be asked next. Where that is no
     /// press, but one that was lifted, the look has what that explains.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
     fn add_another(&mut self, fit: &mut Fit<'_>, look: &mut Look, level: f32) -> u8 {
         if !fit.has_room() {
             self.is_slipped = false;
@@ -344,7 +435,7 @@ impl Detector {
         let _ = next.presses.push(press);
         next.refine(&mut self.sums, true);
         // It may lie where one of the others was taken to be.
-        let has_gone = next.retain(|_| true);
+        let has_gone = next.retain(&|_| true);
         if has_gone && next.presses.iter().any(Press::is_new) {
             next.refine(&mut self.sums, true);
         }
@@ -361,8 +452,11 @@ impl Detector {
         // What comes slowly may be drift.
         let clearly = look.known.explained + CLEARLY_PRESSED * self.sums.data.noise;
         let is_rest = self.lifting.is_some_and(|lifting| strength < lifting.rest);
-        let is_press = !is_rest && (is_sudden || (self.known_pause == 0 && gain > clearly));
-        if is_more && is_press && !self.is_slipped && next.presses.iter().any(Press::is_new) {
+        let may_be_slow = self.known_pause == 0 && self.slipped_us.is_none();
+        let is_press = !is_rest && (is_sudden || (may_be_slow && gain > clearly));
+        let has_new =
+            next.presses.iter().any(|press| press.is_new() && press.significance > OF_ITS_OWN * level);
+        if is_more && is_press && !self.is_slipped && has_new {
             fit.clone_from(&next);
             (fit.presses.len() / PRESSES_IN_A_FRAME) as u8
         } else {
@@ -379,12 +473,15 @@ impl Detector {
 
     /// Whether electrodes that slip, seen by a look at what a fit leaves, account for that, and one press more, which
     /// explains so much of it, does not, nor do smooth changes.
+    // Once on the board, for all that asks.
+    #[inline(never)]
     fn is_slip(&self, fit: &Fit<'_>, look: &Look, by_press: f32) -> bool {
         let left = look.left;
         // While the reference follows a slip, what is common to all resembles it, and smooth changes what is common.
         let by_smooth = if self.is_slipped { 0.0 } else { look.known.explained };
         let left_by_others = left - by_press.max(look.least.1 * look.least.1).max(by_smooth);
-        left_by_others > (OTHERS_LEAVE * left.max(fit.explained)).max(self.loud(fit))
+        let share = if self.is_slipped { OTHERS_LEAVE_LATER } else { OTHERS_LEAVE };
+        left_by_others > (share * left.max(fit.explained)).max(self.loud(fit))
             && left - look.known.with_slips < SLIP_LEAVES * left + 3.0 * fit.spread()
     }
 
@@ -392,6 +489,11 @@ impl Detector {
     fn loud(&self, fit: &Fit<'_>) -> f32 {
         let deviations = if self.unexplained < UNDECIDED { LOUD } else { HEALED };
         deviations * fit.spread()
+    }
+
+    /// Whether presses leave little but noise.
+    fn is_settled(&self, fit: &Fit<'_>) -> bool {
+        fit.unexplained() <= self.loud(fit).max(UNSETTLED * fit.explained)
     }
 
     /// Whether presses account for most of what noise does not.
@@ -442,17 +544,22 @@ impl Detector {
         self.change
     }
 
-    /// Leaves of differences from a reference, `[measurement]`, what it follows: beside presses what is smooth, and else all
-    /// but what presses explain.
+    /// Leaves of differences from a reference, `[measurement]`, what it follows: beside presses what is smooth, or slips as
+    /// well, and else all but what presses explain.
     pub fn leave_followed(&self, patch: &PatchView<'_>, reference: &Reference, differences: &mut [i64]) {
-        let code =
-            |m: usize, change: f32| reference.scales().get(m).map_or(0, |scale| (change / scale) as i64);
-        if self.change == Change::PressedAndSmooth {
+        let is_known = matches!(self.change, Change::PressedAndSmooth | Change::PressedAndSlipped);
+        let sign = if is_known { 1.0 } else { -1.0 };
+        if is_known {
             differences.fill(0);
-            self.latest_known.add_smooth(&patch.places(), |m, change| differences[m] += code(m, change));
+        }
+        let mut add = |m: usize, change: f32| {
+            differences[m] += reference.scales().get(m).map_or(0, |scale| (sign * change / scale) as i64);
+        };
+        if is_known {
+            let only_smooth = self.change == Change::PressedAndSmooth;
+            self.sums.known.add(&self.sums.latest_known.parts, only_smooth, &patch.places(), &mut add);
         } else {
-            let skin = Skin::of(patch, reference.weights());
-            Fit::responses(&skin, &self.presses, &mut |m, change| differences[m] -= code(m, change));
+            Fit::responses(&Skin::of(patch, reference.weights()), &self.presses, &mut add);
         }
     }
 

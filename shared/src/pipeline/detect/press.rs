@@ -72,6 +72,15 @@ impl Press {
         self.spot.is_far_out(self.offset)
     }
 
+    /// One of strength 1 on its spot, as far beside it along the axis of an unknown as the next places are.
+    pub(super) fn unit(&self, unknown: usize) -> Self {
+        let mut unit = Self::at(self.spot, 1.0);
+        if let Some(offset) = unknown.checked_sub(1).and_then(|axis| unit.offset.get_mut(axis)) {
+            *offset = self.spot.spacing;
+        }
+        unit
+    }
+
     /// What it adds to the data.
     pub(super) fn response<'a>(&self, places: &Places<'a>) -> Response<'a> {
         self.spot.response(places, self.strength, self.offset)
@@ -152,6 +161,8 @@ pub(super) struct Was {
 }
 
 /// Makes a list of presses like others; moving one copies all of its room.
+// Once on the board, for all that is done with it.
+#[inline(never)]
 pub(super) fn copy(from: &[Press], to: &mut Vec<Press, MAX_PRESSES>) {
     to.clear();
     let _ = to.extend_from_slice(from);

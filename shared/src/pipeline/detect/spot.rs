@@ -224,7 +224,24 @@ impl Response<'_> {
     }
 }
 
+/// Gives a sum of rows, known of four columns at a time without their exponents, measurement by measurement.
+pub(super) fn each(
+    places: &Places<'_>,
+    four: impl Fn(usize) -> [f32; GROUP],
+    mut give: impl FnMut(usize, f32),
+) {
+    let mut exponents = places.column_exponents().enumerate();
+    for at in 0.. {
+        for value in four(at) {
+            let Some((m, exponent)) = exponents.next() else { return };
+            give(m, value * power_of_two(-i32::from(exponent)));
+        }
+    }
+}
+
 /// Centre, m, and normal of a place.
+// Once on the board, not wherever it is asked for.
+#[inline(never)]
 pub(super) fn at(surface: &Surface<'_>, places: &Places<'_>, place: usize) -> ([f32; 3], [f32; 3]) {
     let pixel = places.get(place).and_then(|place| surface.pixel(place.pixel.into()));
     pixel.map_or(([0.0; 3], [0.0, 0.0, 1.0]), |pixel| (surface.centre(&pixel), surface.normal(&pixel)))

@@ -1,7 +1,10 @@
 //! Sums over the measurements that a fit is made of: inner products of the responses of presses with each other and with the
 //! data, weighted by the noise. Most presses stay where they were, so that the former are kept from frame to frame.
 
-use super::spot::{Spot, UNKNOWNS};
+use super::{
+    known::{Known, KnownFit},
+    spot::{Spot, UNKNOWNS},
+};
 use crate::{
     limits::MAX_MEASUREMENTS,
     patch::{matrix::GROUP, places::Places},
@@ -76,6 +79,10 @@ pub(super) struct Sums {
     pub(super) data: Data,
     /// Made when asked for.
     pub(super) scaled: Scaled,
+    /// Changes that are no press, under the noise.
+    pub(super) known: Known,
+    /// Those that were looked for last: of the data, or of what presses leave of them.
+    pub(super) latest_known: KnownFit,
     /// By two spots.
     blocks: Kept<Block, KEPT>,
     /// By spot.
@@ -120,6 +127,18 @@ impl Sums {
     pub(super) fn with_data(&mut self, places: &Places<'_>, one: &Spot) -> Side {
         let data = &mut self.data;
         self.sides.get(one.key().into(), || one.of_places(|place| data.with(places, place)))
+    }
+
+    /// What known changes explain of values, `[measurement]`, that come without what is common to all.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    pub(super) fn of_known(&self, places: &Places<'_>, values: &[f32]) -> KnownFit {
+        let mut codes = DifferenceData::default();
+        quantise(places, values, &self.data.weights, &mut codes);
+        let scale = power_of_two((-codes.exponent).clamp(-126, 127));
+        let rows = places.count()..places.count() + places.known();
+        let sums = rows.map(|row| reconstruct::product(places.row(row), &codes.codes) as f32 * scale);
+        self.known.fit(places, sums)
     }
 
     /// `one' S^-1 other`, less what both have in common with a change that is common to all.
@@ -169,21 +188,6 @@ pub(super) fn quantise(places: &Places<'_>, values: &[f32], weights: &[f32], cod
     codes.quantise(&weighted, places.column_exponents());
 }
 
-/// Gives a sum of rows, known of four columns at a time without their exponents, measurement by measurement.
-pub(super) fn each(
-    places: &Places<'_>,
-    four: impl Fn(usize) -> [f32; GROUP],
-    mut give: impl FnMut(usize, f32),
-) {
-    let mut exponents = places.column_exponents().enumerate();
-    for at in 0.. {
-        for value in four(at) {
-            let Some((m, exponent)) = exponents.next() else { return };
-            give(m, value * power_of_two(-i32::from(exponent)));
-        }
-    }
-}
-
 // Not inlined, so that what it needs of the stack is free again for all else.
 #[inline(never)]
 fn block(places: &Places<'_>, scaled: &Scaled, one: &Spot, other: &Spot) -> Block {
@@ -213,6 +217,8 @@ fn block(places: &Places<'_>, scaled: &Scaled, one: &Spot, other: &Spot) -> Bloc
 }
 
 /// Takes the change that is common to all out of others, under these weights: `[measurement]`.
+// Once on the board, for all that is done with it.
+#[inline(never)]
 pub(super) fn take_out(common: &[f32], weights: &[f32], values: &mut [f32]) {
     let (mut of_common, mut of_values) = (0.0, 0.0);
     for ((common, weight), value) in common.iter().zip(weights).zip(&*values) {

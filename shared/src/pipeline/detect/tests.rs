@@ -329,6 +329,58 @@ fn electrodes_that_slip_are_no_contact_and_the_reference_heals() {
 }
 
 #[test]
+fn a_press_that_comes_with_slips_is_found_and_they_are_mended_at_once() {
+    for size in [0.3, 1.0] {
+        let mut trial = Trial::new(1e-4, 20);
+        let slips: Vec<_> = (2..6).map(|change| known_change(&trial.patch(), change, size)).collect();
+        let slip = |m: usize| slips.iter().map(|slip| slip[m]).sum();
+        let mut flagged = 0;
+        for _ in 0..10 {
+            trial.frame(&[(66, 1.0)], slip);
+            flagged += u32::from(trial.state.flags().contains(FrameFlags::UNLIKE_PRESS));
+        }
+        assert_eq!(flagged, 1, "{size}: the frame in which it is told");
+        for _ in 0..500 {
+            let found = trial.contacts();
+            let is_it = matches!(found[..], [(66, strength, _)] if (strength - 1.0).abs() < 0.1);
+            assert!(is_it, "{size}: {found:?}");
+            assert!(trial.frame(&[(66, 1.0)], slip) == Outcome::Image);
+        }
+        // The finger lifts, and the electrodes stay.
+        for frame in 0..200 {
+            trial.frame(&[], slip);
+            assert!(trial.contacts().is_empty(), "{size}, frame {frame}: {:?}", trial.contacts());
+            assert!(!trial.state.flags().contains(FrameFlags::UNLIKE_PRESS), "{size}, frame {frame}");
+        }
+        // They go back, with the finger that comes.
+        for _ in 0..10 {
+            trial.frame(&[(31, 0.8)], |_| 0.0);
+        }
+        let found = trial.contacts();
+        assert!(
+            matches!(found[..], [(31, strength, _)] if (strength - 0.8).abs() < 0.1),
+            "{size}: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn where_a_press_goes_together_with_slips_the_former_reference_is_right_again() {
+    let mut trial = Trial::new(1e-4, 20);
+    let slips: Vec<_> = (2..6).map(|change| known_change(&trial.patch(), change, 1.0)).collect();
+    let slip = |m: usize| slips.iter().map(|slip| slip[m]).sum();
+    let reference = trial.state.reference().unwrap().sums().to_vec();
+    for _ in 0..12 {
+        trial.frame(&[(66, 1.0)], slip);
+    }
+    assert_eq!(trial.contacts().len(), 1);
+    assert_ne!(trial.state.reference().unwrap().sums(), reference);
+    trial.frame(&[], |_| 0.0);
+    assert!(trial.contacts().is_empty());
+    assert_eq!(trial.state.reference().unwrap().sums(), reference);
+}
+
+#[test]
 fn what_no_press_does_is_said_and_mended_in_half_a_minute() {
     let mut trial = Trial::new(1e-4, 20);
     let change = |m: usize| if m.is_multiple_of(2) { 0.03 } else { -0.03 };
