@@ -1,5 +1,6 @@
 //! Faults of the analogue front end and of the skin.
 
+use super::{error::WorldError, skin::LEADS};
 use std::fmt;
 
 /// Address lines of the four multiplexers.
@@ -30,6 +31,32 @@ pub enum Fault {
     DacDead,
     /// The converter's input is at its highest voltage.
     AdcSaturated,
+}
+
+impl Fault {
+    /// Refuses electrodes and lines that there are not.
+    pub(super) fn check(self) -> Result<(), WorldError> {
+        let electrode = |electrode: usize| {
+            let (value, allowed) = (electrode.to_string(), format!("0 to {}", LEADS - 1));
+            let wrong = WorldError::Value { field: "electrode", value, allowed };
+            if electrode < LEADS { Ok(()) } else { Err(wrong) }
+        };
+        match self {
+            Self::ElectrodeOpen(one) | Self::BadContact { electrode: one, .. } => electrode(one),
+            Self::PairShorted(a, b) if a == b => Err(WorldError::Value {
+                field: "pair",
+                value: format!("{a} and {b}"),
+                allowed: "two different electrodes".to_owned(),
+            }),
+            Self::PairShorted(a, b) => electrode(a).and_then(|()| electrode(b)),
+            Self::LineStuck { line, .. } if line >= LINES => Err(WorldError::Value {
+                field: "line",
+                value: line.to_string(),
+                allowed: format!("0 to {}", LINES - 1),
+            }),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl fmt::Display for Fault {

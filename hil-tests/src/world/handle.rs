@@ -1,8 +1,9 @@
 //! Handle: what is done to the skin and to the front end while the emulated board measures, and what is true there.
 
 use super::{
+    error::WorldError,
     expected::{Carrier, Response},
-    fault::{Fault, LINES, stuck},
+    fault::{Fault, stuck},
     multiplexers::selected,
     network::{MINUS, Network, PLUS},
     parameters::Analogue,
@@ -10,7 +11,6 @@ use super::{
 };
 use crate::chip::time::Time;
 use dermatome::{
-    model::ModelError,
     simulate::{Press, Script},
     skin::Skin,
 };
@@ -72,39 +72,6 @@ impl Setup {
         let other = Self::new(skin, self.analogue.clone(), self.contact_capacitance, self.seed)?;
         Ok(Self { noise: self.noise, ..other })
     }
-}
-
-/// Why there is no world.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum WorldError {
-    /// More electrodes than channels.
-    #[error(
-        "skin `{name}` has {electrodes} electrodes; allowed: up to {LEADS}, the channels of a multiplexer"
-    )]
-    Electrodes {
-        /// Name of the skin.
-        name: String,
-        /// Its electrodes.
-        electrodes: u8,
-    },
-    /// The skin has no model.
-    #[error("skin `{name}`: {error}")]
-    Skin {
-        /// Name of the skin.
-        name: String,
-        /// Why.
-        error: ModelError,
-    },
-    /// A value that makes no sense.
-    #[error("`{field}` is {value}; allowed: {allowed}")]
-    Value {
-        /// What.
-        field: &'static str,
-        /// Its value.
-        value: String,
-        /// What it may be.
-        allowed: String,
-    },
 }
 
 /// A handle; all its clones mean the same world.
@@ -266,7 +233,7 @@ impl WorldHandle {
 
     /// Something breaks, as well as what is broken already.
     pub fn inject(&self, fault: Fault) -> Result<(), WorldError> {
-        validate(fault)?;
+        fault.check()?;
         self.change(|state| state.conditions.faults.push(fault));
         Ok(())
     }
@@ -475,27 +442,4 @@ fn skin_at(
 ) -> Result<Arc<SkinNetwork>, WorldError> {
     let network = SkinNetwork::new(skin, capacitance, frequency, stretch);
     network.map(Arc::new).map_err(|error| WorldError::Skin { name: skin.name.clone(), error })
-}
-
-fn validate(fault: Fault) -> Result<(), WorldError> {
-    let electrode = |electrode: usize| {
-        let (value, allowed) = (electrode.to_string(), format!("0 to {}", LEADS - 1));
-        let wrong = WorldError::Value { field: "electrode", value, allowed };
-        if electrode < LEADS { Ok(()) } else { Err(wrong) }
-    };
-    match fault {
-        Fault::ElectrodeOpen(one) | Fault::BadContact { electrode: one, .. } => electrode(one),
-        Fault::PairShorted(a, b) if a == b => Err(WorldError::Value {
-            field: "pair",
-            value: format!("{a} and {b}"),
-            allowed: "two different electrodes".to_owned(),
-        }),
-        Fault::PairShorted(a, b) => electrode(a).and_then(|()| electrode(b)),
-        Fault::LineStuck { line, .. } if line >= LINES => Err(WorldError::Value {
-            field: "line",
-            value: line.to_string(),
-            allowed: format!("0 to {}", LINES - 1),
-        }),
-        _ => Ok(()),
-    }
 }

@@ -11,6 +11,7 @@
 //! is true. [`expected`] computes the demodulated voltage another way, by frequencies, and [`readings`] what a board's
 //! acquisition makes of it. [`Analogue::drawn`] gives front ends as their parts' tolerances make them.
 
+mod error;
 pub mod expected;
 pub mod fault;
 pub mod front_end;
@@ -25,10 +26,11 @@ pub mod readings;
 pub mod skin;
 mod tolerances;
 
+pub use error::WorldError;
 pub use expected::{Carrier, Response};
 pub use fault::Fault;
 pub use front_end::AnalogueWorld;
-pub use handle::{Setup, WorldError, WorldHandle};
+pub use handle::{Setup, WorldHandle};
 pub use parameters::Analogue;
 
 #[cfg(test)]

@@ -42,8 +42,8 @@ struct Solved {
 }
 
 impl SkinNetwork {
-    /// The skin at a frequency, Hz, stretched along x by a share; its contacts have a capacitance, F per metre of electrode, beside the
-    /// resistance that the skin file gives.
+    /// The skin at a frequency, Hz, stretched along x by a share; its contacts have a capacitance, F per metre of
+    /// electrode, beside the resistance that the skin file gives.
     pub fn new(
         skin: &Skin,
         contact_capacitance: f64,

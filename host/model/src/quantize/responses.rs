@@ -10,7 +10,7 @@ use crate::{
 };
 use dermatome_patch::places::FixedPlaces;
 use dermatome_shared::patch::places::{DetectionLayout, MAX_PLACES, PLACE_NEIGHBOURS, Place};
-use faer::{ColMut, ColRef, Mat};
+use faer::{Col, Mat, Scale};
 use nalgebra::{Matrix3, Point3, Vector3};
 
 /// Radius of the standard press, a share of the skin's size.
@@ -20,8 +20,8 @@ fn radius(model: &Model) -> f64 {
     RADIUS * model.pixels.larger_side()
 }
 
-/// Fewest standard deviations that make an even change of the sheet of 10 % one to be told from presses: after a minute of
-/// that a skin with 14 had contacts that stayed, those with up to 5 none.
+/// An even change of the sheet of 10 % that makes more standard deviations of a frame at 60 dB is told from presses: after a
+/// minute of that a skin with 14 had contacts that stayed, those with up to 5 none.
 const LEAST_EVEN: f64 = 8.0;
 /// Noise whose size is measured has longer tails than noise of known size: in 32 hours of frames at 40 dB 2.5 times as many
 /// were false contacts as normal noise makes.
@@ -33,11 +33,12 @@ pub(super) const FEWEST_PLACES: usize = 64;
 pub(super) fn places(skin: &Skin, model: &Model, room: usize) -> Result<FixedPlaces, PatchBuildError> {
     let responses = responses(model);
     let noise = model.relative_noise();
-    let smooth = smooth_responses(model, &noise);
+    let smooth = smooth_responses(model);
+    let even = even_response(model, &noise);
     let slips = slip_responses(model);
     let layout = |places: usize| DetectionLayout {
         places: places as u16,
-        smooth: smooth.ncols() as u8,
+        smooth: (smooth.ncols() + usize::from(even.is_some())) as u8,
         slips: slips.ncols() as u8,
         radius: radius(model) as f32,
         averaging: skin.averaging as f32,
@@ -60,8 +61,8 @@ pub(super) fn places(skin: &Skin, model: &Model, room: usize) -> Result<FixedPla
     // So that the responses in units of the noise are alike in size, and so are the data that they meet.
     let column_exponents = exponents_of(noise.iter().map(|noise| -noise.abs().log2()));
     let rows = chosen.iter().map(|&pixel| responses.col(pixel));
-    let (row_exponents, mantissas) =
-        rounded_rows(rows.chain(smooth.col_iter()).chain(slips.col_iter()), &column_exponents)?;
+    let known = smooth.col_iter().chain(even.iter().map(Col::as_ref)).chain(slips.col_iter());
+    let (row_exponents, mantissas) = rounded_rows(rows.chain(known), &column_exponents)?;
     let places: Vec<_> = (0..chosen.len()).map(place).collect();
     Ok(FixedPlaces::new(layout(places.len()), places, column_exponents, row_exponents, &mantissas))
 }
@@ -90,9 +91,8 @@ fn divided(model: &Model, mut changes: Mat<f64>) -> Mat<f64> {
 }
 
 /// What smooth changes of the sheet change difference data by, `[measurement][change]`: those that grow along the skin's
-/// longest axes, and with the squares and products of the two longest; and the same everywhere where it is not common to all
-/// voltages.
-fn smooth_responses(model: &Model, noise: &[f64]) -> Mat<f64> {
+/// longest axes, and with the squares and products of the two longest.
+fn smooth_responses(model: &Model) -> Mat<f64> {
     let centres = &model.pixels.centres;
     let middle =
         centres.iter().fold(Vector3::zeros(), |sum, centre| sum + centre.coords) / centres.len() as f64;
@@ -106,37 +106,26 @@ fn smooth_responses(model: &Model, noise: &[f64]) -> Mat<f64> {
     let axes = order.map(|axis| eigen.eigenvectors.column(axis) / deviations);
     // A flat skin has no third one.
     let is_flat = eigen.eigenvalues[order[2]] < 1e-6 * longest;
-    let even = if is_flat { 5 } else { 6 };
-    let changes = Mat::from_fn(centres.len(), even + 1, |pixel, change| {
+    let changes = Mat::from_fn(centres.len(), if is_flat { 5 } else { 6 }, |pixel, change| {
         let [u, v, w] = [0, 1, 2].map(|axis| axes[axis].dot(&ways[pixel]));
-        if change == even { 1.0 } else { [u, v, u * u, u * v, v * v, w][change] }
+        [u, v, u * u, u * v, v * v, w][change]
     });
-    let mut responses = divided(model, &model.jacobian * &changes);
-    let measurements = model.measurements();
-    let voltages = Mat::from_fn(noise.len(), 1, |m, _| measurements[m]);
-    take_out(divided(model, voltages).col(0), noise, responses.col_mut(even));
-    let is_common = deviations_of_even(&measurements, responses.col(even), noise) < LEAST_EVEN;
-    responses.resize_with(noise.len(), even + usize::from(!is_common), |_, _| 0.0);
-    responses
+    divided(model, &model.jacobian * &changes)
 }
 
-/// How many standard deviations of a frame's noise an even change of the sheet of 10 % makes beside what is common to all
-/// voltages, at 60 dB: contacts keep their impedances.
-fn deviations_of_even(measurements: &[f64], response: ColRef<'_, f64>, noise: &[f64]) -> f64 {
-    let square = measurements.iter().map(|voltage| voltage * voltage).sum::<f64>();
-    let unit = 1e-3 * (square / measurements.len() as f64).sqrt();
-    let sum = response.iter().zip(noise).map(|(response, noise)| (response / noise).powi(2)).sum::<f64>();
-    0.1 * sum.sqrt() / unit
-}
-
-/// Takes what values have in common with others out of them, against this noise: `[measurement]`.
-fn take_out(common: ColRef<'_, f64>, noise: &[f64], values: ColMut<'_, f64>) {
-    let (mut of_common, mut of_values) = (0.0, 0.0);
-    for (m, noise) in noise.iter().enumerate() {
-        of_common += (common[m] / noise).powi(2);
-        of_values += common[m] * values[m] / (noise * noise);
-    }
-    values.iter_mut().zip(common.iter()).for_each(|(value, common)| *value -= of_values / of_common * common);
+/// What an even change of the sheet changes difference data by beside what is common to all voltages, `[measurement]`, as
+/// contacts keep their impedances; none where that is little.
+fn even_response(model: &Model, noise: &[f64]) -> Option<Col<f64>> {
+    let voltages = model.measurements();
+    let ones = Mat::full(model.pixels.count(), 1, 1.0);
+    let even = divided(model, &model.jacobian * ones);
+    // In units of the noise, as whatever both have in common is by that.
+    let mut even = Col::from_fn(noise.len(), |m| even[(m, 0)] / noise[m]);
+    let common = Col::from_fn(noise.len(), |m| voltages[m] / model.divisors()[m] / noise[m]);
+    even -= Scale(common.transpose() * &even / common.squared_norm_l2()) * &common;
+    // At 60 dB.
+    let deviation = 1e-3 * (voltages.iter().map(|v| v * v).sum::<f64>() / voltages.len() as f64).sqrt();
+    (0.1 * even.norm_l2() > LEAST_EVEN * deviation).then(|| Col::from_fn(noise.len(), |m| even[m] * noise[m]))
 }
 
 /// What the slip of each electrode changes difference data by, `[measurement][electrode]`; none unless all are on the rim.

@@ -94,20 +94,16 @@ impl Known {
 
     /// What they explain of data, by the data's sums with their rows, `[known change]`, without the rows' exponents.
     pub(super) fn fit(&self, places: &Places<'_>, sums: impl Iterator<Item = f32>) -> KnownFit {
+        let factor = &self.factor;
         let mut parts = [0.0; MAX_KNOWN];
         let mut explained = [0.0; 2];
         for (i, sum) in sums.take(places.known().min(MAX_KNOWN)).enumerate() {
-            parts[i] = self.part(i, sum, &parts);
+            let known: f32 = (0..i).map(|k| factor[row(i) + k] * parts[k]).sum();
+            let own = factor[row(i) + i];
+            parts[i] = if own > 0.0 { (sum - known) / own } else { 0.0 };
             explained[usize::from(i >= self.smooth)] += parts[i] * parts[i];
         }
         KnownFit { parts, explained: explained[0], with_slips: explained[0] + explained[1] }
-    }
-
-    /// The next part, by its sum and the parts before it.
-    fn part(&self, i: usize, sum: f32, parts: &Parts) -> f32 {
-        let factor = &self.factor[row(i)..=row(i) + i];
-        let known: f32 = factor.iter().zip(parts).take(i).map(|(factor, part)| factor * part).sum();
-        if factor[i] > 0.0 { (sum - known) / factor[i] } else { 0.0 }
     }
 
     /// What known changes that have these parts add to the data, measurement by measurement: smooth ones, or all.
@@ -144,17 +140,12 @@ impl Known {
 pub(super) type Parts = [f32; MAX_KNOWN];
 
 /// The known changes that explain data best.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct KnownFit {
+    /// The data's parts along them.
     pub(super) parts: Parts,
     /// How much smooth ones explain, in units of one frame's variance.
     pub(super) explained: f32,
     /// The same with electrodes that slip.
     pub(super) with_slips: f32,
-}
-
-impl Default for KnownFit {
-    fn default() -> Self {
-        Self { parts: [0.0; MAX_KNOWN], explained: 0.0, with_slips: 0.0 }
-    }
 }

@@ -16,8 +16,10 @@
 //! much for some frames, both are fitted together; the reference takes at once what known changes explain then, so that what
 //! is left of the data is presses.
 
+mod beside;
 mod filter;
 mod fit;
+mod judge;
 mod known;
 mod press;
 mod spot;
@@ -54,34 +56,18 @@ const FAST: u32 = 5_000;
 const FRESH: f32 = 0.15;
 /// How many presses leave time for a search in each frame.
 const PRESSES_IN_A_FRAME: usize = 3;
-/// Standard deviations of chi square that noise does not leave; and those down to which the reference heals.
+/// Standard deviations of chi square that noise does not leave.
 pub(super) const LOUD: f32 = 8.0;
-const HEALED: f32 = 1.0;
 /// And those that one frame of noise hardly ever has.
 pub(super) const NOISY: f32 = 5.0;
 /// After so many frames that presses do not account for, what changed is something else.
 const UNDECIDED: u8 = 20;
-/// Presses leave more than this share of what they explain where there may be something else beside them.
-const UNSETTLED: f32 = 0.05;
-/// After so many such frames that is looked for, and again in each so many.
-const BESIDE_AFTER: u8 = 6;
-const BESIDE_AGAIN: u8 = 22;
-const BESIDE_EACH: u8 = 64;
-/// Presses beside known changes explain so many times what both leave: what electrodes that slip by half a hundredth of the
-/// skin's size leave, as they change voltages not quite linearly, looks like a press that explains 1.5 times the rest.
-const BESIDE_EXPLAIN: f32 = 2.0;
-/// Where presses alone explain most, this share of what they leave: fingers of 4 % of the size beside slips and stretches
-/// leave up to 0.2 %, and as many presses without them hardly ever less than 2 %.
-const BESIDE_LEAVE: f32 = 0.01;
-/// Where there is a slip and no press, this share.
-const KNOWN_LEAVE: f32 = 0.1;
 /// A press of this strength that was none in the frame before came faster than a sheet drifts.
 const SUDDEN: f32 = 0.1;
 /// A new press' strength alone is as significant as this share of the level: slopes may explain much where it is hardly any.
 const OF_ITS_OWN: f32 = 0.5;
-/// By so much more, in units of the noise's variance, one explanation is better than another.
-const CLEARLY: f32 = 12.0;
-/// And a press that comes slowly than a smooth change, which would be mended; it would not.
+/// By so much more, in units of the noise's variance, a press that comes slowly explains than a smooth change, which would be
+/// mended; it would not.
 const CLEARLY_PRESSED: f32 = 30.0;
 /// How far the linear model of a press is off, beside noise: its position in radii of the standard press, its strength as
 /// a share. Simulated fingers of 4 % of the size lie within two of these in 95 of 100 places on flat skins.
@@ -92,23 +78,10 @@ const MODEL_STRENGTH: f32 = 0.11;
 const LIFTS: u32 = 2_000_000;
 const REST: f32 = 0.75;
 const A_LITTLE_MORE: f32 = 1.2;
-/// One that was lifted leaves less than this share of what one press more does. Near the rim of some skins the opposite of
-/// a press elsewhere explains simulated fingers better than a press does; it left 0.37 to 0.45 of what that left.
-const LIFT_LEAVES: f32 = 0.25;
 /// Frames after a known change in which only a press that comes suddenly is one.
 const KNOWN_PAUSE: u8 = 100;
 /// So long after electrodes slipped, us, as well: what the mend leaves of that is less than noise, and lasts.
 const SLIPPED: u32 = 60_000_000;
-/// Electrodes that slip by a hundredth of the skin's size leave less than this share of what changed unexplained, presses
-/// hardly ever as little: simulated fingers of 3 to 10 % of the size leave at least 0.1 %, in corners, and 10 to 40 % in
-/// most places.
-const SLIP_LEAVES: f32 = 0.005;
-/// And presses leave more of a slip than this share of what they explain, any other one press and smooth changes of the
-/// rest.
-const OTHERS_LEAVE: f32 = 0.15;
-/// The same of one that is being mended.
-const OTHERS_LEAVE_LATER: f32 = 0.05;
-
 /// What detection remembers from frame to frame. For a patch without places it does nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Detector {
@@ -332,68 +305,15 @@ impl Detector {
         let is_known = self.change == Change::Smooth || self.change == Change::Lifted;
         let is_explained = !self.is_slipped && (is_known || self.is_explained(&fit));
         self.unexplained = if is_explained { 0 } else { self.unexplained.saturating_add(1) };
-        self.unsettled = match self.unsettled {
-            _ if is_explained && (is_known || self.is_settled(&fit)) => 0,
-            u8::MAX => u8::MAX - BESIDE_EACH + 1,
-            frames => frames + 1,
-        };
+        let is_settled = is_explained && (is_known || self.is_settled(&fit));
+        self.unsettled = if is_settled { 0 } else { beside::next_after(self.unsettled) };
         if self.unexplained > 0 {
             self.change = if self.is_undecided() { Change::Pressed } else { Change::Unlike };
         }
         copy(&fit.presses, &mut self.presses);
-        let is_asked = self.unsettled == BESIDE_AFTER || self.unsettled % BESIDE_EACH == BESIDE_AGAIN;
         // What is told from presses is mended, or each such frame alone would have a contact.
-        if is_asked && patch.header.drift_time > 0.0 {
+        if beside::is_asked_after(self.unsettled) && patch.header.drift_time > 0.0 {
             self.look_beside_known(&fit, level);
-        }
-    }
-
-    /// Fits presses together with electrodes that slip and smooth changes of the sheet, where presses alone leave much: a
-    /// finger may move the electrodes that it pulls at. Takes them where they explain the frame far better, and else a slip
-    /// without any where that does.
-    // Not inlined, so that what it needs of the stack is free again for all else.
-    #[inline(never)]
-    fn look_beside_known(&mut self, alone: &Fit<'_>, level: f32) {
-        let looked_for = self.sums.latest_known;
-        let mut fit = alone.beside_known(&mut self.sums);
-        let mut look = fit.look(&mut self.sums, &self.norms);
-        let by_known = look.left;
-        while fit.has_room() {
-            let Some(press) = fit.loudest(&look, &self.norms, level) else { break };
-            let (count, explained) = (fit.presses.len(), fit.explained);
-            let _ = fit.presses.push(press);
-            fit.refine(&mut self.sums, true);
-            if fit.explained - explained < level * level * fit.misfit() {
-                fit.presses.truncate(count);
-                fit.refine(&mut self.sums, true);
-                break;
-            }
-            look = fit.look(&mut self.sums, &self.norms);
-        }
-        // As it is, not by the fit: what known changes explain is not quite known where they are alike.
-        let left = look.left;
-        let is_better = !self.is_explained(alone)
-            || (fit.presses.len() <= alone.presses.len()
-                && left.max(fit.spread()) < BESIDE_LEAVE * alone.unexplained());
-        let is_pressed = fit.explained > BESIDE_EXPLAIN * left
-            && fit.presses.first().is_some_and(|press| press.strength >= SUDDEN);
-        if is_better && is_pressed {
-            self.sums.latest_known.parts = fit.known(&self.sums);
-            copy(&fit.presses, &mut self.presses);
-            self.change = Change::PressedAndSlipped;
-            (self.unexplained, self.unsettled, self.is_slipped) = (0, 0, false);
-            self.average.restart();
-            return;
-        }
-        self.sums.latest_known = looked_for;
-        let by_noise = 3.0 * fit.spread();
-        if by_known < SLIP_LEAVES * alone.energy() + by_noise
-            && by_known.max(by_noise) < KNOWN_LEAVE * alone.unexplained()
-        {
-            self.presses.clear();
-            self.change = Change::Pressed;
-            (self.unexplained, self.is_slipped, self.slipped_us) =
-                (self.unexplained.max(1), true, Some(self.frame_us));
         }
     }
 
@@ -461,74 +381,6 @@ impl Detector {
             (fit.presses.len() / PRESSES_IN_A_FRAME) as u8
         } else {
             PAUSE
-        }
-    }
-
-    /// Whether a press that was taken away, which explains so much of what a fit leaves, accounts for all but hardly any of
-    /// that, and one press more, which gains so much, does not, nor do smooth changes.
-    fn is_lift(&self, fit: &Fit<'_>, look: &Look, gain: f32, by_lift: f32) -> bool {
-        by_lift > fit.explained.max(look.known.explained + CLEARLY * self.sums.data.noise)
-            && look.left - by_lift + 3.0 * fit.spread() < LIFT_LEAVES * (look.left - gain)
-    }
-
-    /// Whether electrodes that slip, seen by a look at what a fit leaves, account for that, and one press more, which
-    /// explains so much of it, does not, nor do smooth changes.
-    // Once on the board, for all that asks.
-    #[inline(never)]
-    fn is_slip(&self, fit: &Fit<'_>, look: &Look, by_press: f32) -> bool {
-        let left = look.left;
-        // While the reference follows a slip, what is common to all resembles it, and smooth changes what is common.
-        let by_smooth = if self.is_slipped { 0.0 } else { look.known.explained };
-        let left_by_others = left - by_press.max(look.least.1 * look.least.1).max(by_smooth);
-        let share = if self.is_slipped { OTHERS_LEAVE_LATER } else { OTHERS_LEAVE };
-        left_by_others > (share * left.max(fit.explained)).max(self.loud(fit))
-            && left - look.known.with_slips < SLIP_LEAVES * left + 3.0 * fit.spread()
-    }
-
-    /// What more than noise leaves at least, in units of one frame's variance.
-    fn loud(&self, fit: &Fit<'_>) -> f32 {
-        let deviations = if self.unexplained < UNDECIDED { LOUD } else { HEALED };
-        deviations * fit.spread()
-    }
-
-    /// Whether presses leave little but noise.
-    fn is_settled(&self, fit: &Fit<'_>) -> bool {
-        fit.unexplained() <= self.loud(fit).max(UNSETTLED * fit.explained)
-    }
-
-    /// Whether presses account for most of what noise does not.
-    fn is_explained(&self, fit: &Fit<'_>) -> bool {
-        let left = fit.unexplained();
-        if fit.presses.is_empty() { left <= self.loud(fit) } else { left < fit.explained }
-    }
-
-    /// What changed, if these are the presses and this is what they leave.
-    fn judge(&self, fit: &Fit<'_>, look: &Look, level: f32) -> Change {
-        let noise = self.sums.data.noise;
-        let [most, least] = [look.most.1, look.least.1].map(|z| z * z);
-        let smooth = look.known.explained;
-        let is_clear = |one: f32, other: f32| one > other + CLEARLY * noise;
-        let is_loud = |explained: f32| fit.significance(explained) > level;
-        if !fit.presses.is_empty() {
-            // What is left of presses is like all sorts of things.
-            let is_of_one = 2.0 * least > fit.unexplained() && least > fit.explained;
-            let is_settled = !fit.presses.iter().any(Press::is_new);
-            if is_of_one && is_clear(least, smooth.max(most)) {
-                Change::Lifted
-            } else if is_settled && is_loud(smooth) {
-                Change::PressedAndSmooth
-            } else {
-                Change::Pressed
-            }
-        } else if is_loud(smooth) && is_clear(smooth, most.max(least)) && 2.0 * smooth > look.left {
-            Change::Smooth
-        } else if is_loud(least) && 3.0 * least > look.left && is_clear(least, smooth.max(most)) {
-            Change::Lifted
-        } else if is_loud(most) {
-            // No press was made of it: a rest of what lifts.
-            if self.lifting.is_some() { Change::Lifted } else { Change::Pressed }
-        } else {
-            Change::Still
         }
     }
 
