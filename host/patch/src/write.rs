@@ -3,8 +3,9 @@
 use crate::{matrix::FixedMatrix, places::FixedPlaces, tables::SurfaceTables};
 use dermatome_shared::{
     calibration::Calibration,
+    checksum::crc32,
     hysteresis::PlayOperator,
-    patch::{CRC32, CombinedInto, PatchContents, PatchError, PatchHeader, PatchView},
+    patch::{CombinedInto, PatchContents, PatchError, PatchHeader, PatchView},
     stimulation::Step,
     surface::Pixel,
 };
@@ -122,16 +123,12 @@ pub fn with_calibration(bytes: &[u8], stored: &Stored) -> Result<Vec<u8>, PatchE
 #[must_use]
 pub fn units_crc(patch: &PatchView<'_>) -> u32 {
     let (places, matrix) = (patch.places(), patch.matrix());
-    let mut digest = CRC32.digest();
-    let mut exponents = |exponent: i8| digest.update(&exponent.to_le_bytes());
-    if patch.header.has_places() {
-        places.row_exponents().for_each(&mut exponents);
-        digest.update(places.mantissas());
+    let (exponents, mantissas): (Vec<u8>, _) = if patch.header.has_places() {
+        (places.row_exponents().map(i8::cast_unsigned).collect(), places.mantissas())
     } else {
-        matrix.row_exponents().for_each(&mut exponents);
-        digest.update(matrix.mantissas());
-    }
-    digest.finalize()
+        (matrix.row_exponents().map(i8::cast_unsigned).collect(), matrix.mantissas())
+    };
+    crc32(&[&exponents, mantissas])
 }
 
 /// Centres, m, of what a patch has gains of: of its places, or of its pixels where contacts are found in the image.

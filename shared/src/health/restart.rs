@@ -3,7 +3,7 @@
 //! A [`CrashNote`] lies in memory that a reset leaves alone and that start-up code does not clear.
 //! After power-on it holds anything, so a checksum says whether it is a note.
 
-use crate::patch::CRC32;
+use crate::checksum::crc32;
 use core::fmt::{self, Write};
 use heapless::String;
 use postcard_schema::Schema;
@@ -115,10 +115,7 @@ impl CrashNote {
     }
 
     fn checksum(&self) -> u32 {
-        let mut digest = CRC32.digest();
-        digest.update(&self.length.to_le_bytes());
-        digest.update(&self.text);
-        digest.finalize()
+        crc32(&[&self.length.to_le_bytes(), &self.text])
     }
 }
 

@@ -35,6 +35,7 @@ pub mod places;
 mod play_operators;
 
 use crate::{
+    checksum::crc32,
     contact::{
         calibration::Calibration,
         hysteresis::{PLAY_OPERATOR_BYTES, PlayOperator},
@@ -47,7 +48,6 @@ use crate::{
     limits::{MAX_ELECTRODES, MAX_GRID_SIDE, MAX_MEASUREMENTS, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS},
     units::RelativeConductivity,
 };
-use crc::{CRC_32_ISO_HDLC, Crc};
 pub use error::PatchError;
 use heapless::{String, Vec};
 use matrix::{Matrix, MatrixLayout, MatrixTables};
@@ -59,8 +59,6 @@ use serde::{Deserialize, Serialize};
 pub const MAGIC: [u8; 4] = *b"DSKP";
 /// Version of the layout above.
 pub const FORMAT_VERSION: u16 = 9;
-/// Checksum of patches and packets.
-pub const CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 const PREFIX_BYTES: usize = 12;
 /// The mantissas start at a multiple of this: of what the flash reads at once.
@@ -196,7 +194,7 @@ impl PatchContents<'_> {
         out.get_mut(4..6)?.copy_from_slice(&FORMAT_VERSION.to_le_bytes());
         out.get_mut(6..8)?.copy_from_slice(&u16::try_from(header_bytes).ok()?.to_le_bytes());
         out.get_mut(8..12)?.copy_from_slice(&u32::try_from(total).ok()?.to_le_bytes());
-        let crc = CRC32.checksum(out.get(..end)?);
+        let crc = crc32(&[out.get(..end)?]);
         out.get_mut(end..total)?.copy_from_slice(&crc.to_le_bytes());
         Some(total)
     }
@@ -235,7 +233,7 @@ impl<'a> PatchView<'a> {
     /// Reads and checks everything: use it on bytes from outside.
     pub fn validate(bytes: &'a [u8]) -> Result<Self, PatchError> {
         let view = Self::open(bytes)?;
-        let computed = CRC32.checksum(&bytes[..bytes.len() - CRC_BYTES]);
+        let computed = crc32(&[&bytes[..bytes.len() - CRC_BYTES]]);
         if view.crc() != computed {
             return Err(PatchError::Crc { found: view.crc(), computed });
         }

@@ -1,7 +1,7 @@
 //! Packets: a message in postcard encoding, its CRC-32, COBS framing and a final zero byte.
 
 use super::MAX_PACKET_BYTES;
-use crate::patch::CRC32;
+use crate::checksum::crc32;
 use serde::{Serialize, de::DeserializeOwned};
 
 /// Encodes a message as one packet, its final zero byte included, at the start of `out`.
@@ -13,7 +13,7 @@ pub fn encode<'a, T: Serialize>(message: &T, out: &'a mut [u8]) -> Result<&'a [u
     let mut plain = [0; MAX_PACKET_BYTES];
     let (length, crc) = {
         let message = postcard::to_slice(message, &mut plain).map_err(|_| PacketError::TooLong)?;
-        (message.len(), CRC32.checksum(message))
+        (message.len(), crc32(&[message]))
     };
     let plain = with_crc(&mut plain, length, crc).ok_or(PacketError::TooLong)?;
     let length = cobs::try_encode(plain, out).map_err(|_| PacketError::TooLong)?;
@@ -31,7 +31,7 @@ fn with_crc(plain: &mut [u8], length: usize, crc: u32) -> Option<&[u8]> {
 pub fn decode<T: DeserializeOwned>(packet: &mut [u8]) -> Result<T, PacketError> {
     let length = cobs::decode_in_place(packet).map_err(|_| PacketError::Framing)?;
     let (message, crc) = packet[..length].split_last_chunk::<4>().ok_or(PacketError::Framing)?;
-    if CRC32.checksum(message) != u32::from_le_bytes(*crc) {
+    if crc32(&[message]) != u32::from_le_bytes(*crc) {
         return Err(PacketError::Crc);
     }
     postcard::from_bytes(message).map_err(|_| PacketError::Message)

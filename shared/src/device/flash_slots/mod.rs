@@ -28,8 +28,9 @@ use self::trim::Kept;
 use super::{PatchStore, StoreError};
 use crate::{
     acquire::trim::Trim,
+    checksum::crc32,
     limits::RECORD_BYTES,
-    patch::{self, CRC32, PatchView},
+    patch::{self, PatchView},
     protocol::MAX_CHUNK_BYTES,
 };
 use heapless::Vec;
@@ -235,10 +236,7 @@ fn following(sequence: u32) -> u32 {
 
 fn record(sequence: u32, patch_crc: u32) -> [u8; RECORD_BYTES] {
     let [s0, s1, s2, s3] = sequence.to_le_bytes();
-    let mut digest = CRC32.digest();
-    digest.update(&[s0, s1, s2, s3]);
-    digest.update(&patch_crc.to_le_bytes());
-    let [c0, c1, c2, c3] = digest.finalize().to_le_bytes();
+    let [c0, c1, c2, c3] = crc32(&[&[s0, s1, s2, s3], &patch_crc.to_le_bytes()]).to_le_bytes();
     [s0, s1, s2, s3, c0, c1, c2, c3]
 }
 

@@ -5,9 +5,9 @@
 use super::{ERASED, Flash, NO_SEQUENCE, PAGE_BYTES, WORD_BYTES, following, is_later, record};
 use crate::{
     acquire::trim::{Factor, Trim},
+    checksum::crc32,
     device::StoreError,
     limits::RECORD_BYTES,
-    patch::CRC32,
 };
 
 /// The slots that are the pages.
@@ -35,12 +35,13 @@ pub(super) fn keep(flash: &mut impl Flash, active: Option<&Kept>, trim: &Trim) -
     let sequence = active.map_or(0, |active| following(active.sequence));
     flash.erase(slot, 0)?;
     let words = trim.0.as_flattened().iter().map(word);
-    let mut digest = CRC32.digest();
-    for (word, offset) in words.zip((0..).step_by(WORD_BYTES)) {
-        digest.update(&word);
-        flash.program(slot, offset, word)?;
+    let mut end = 0;
+    for word in words {
+        flash.program(slot, end, word)?;
+        end += WORD_BYTES;
     }
-    flash.program(slot, PAGE_BYTES - RECORD_BYTES, record(sequence, digest.finalize()))?;
+    let crc = crc32(&[flash.slot(slot).get(..end).ok_or(StoreError::Failed)?]);
+    flash.program(slot, PAGE_BYTES - RECORD_BYTES, record(sequence, crc))?;
     let found = kept(flash.slot(slot), slot);
     found.filter(|found| found.trim == *trim).ok_or(StoreError::Failed)
 }
@@ -53,7 +54,7 @@ fn kept(bytes: &[u8], slot: usize) -> Option<Kept> {
     let content = content.get(..length)?;
     let [s0, s1, s2, s3, ..] = *found;
     let sequence = u32::from_le_bytes([s0, s1, s2, s3]);
-    if sequence == NO_SEQUENCE || *found != record(sequence, CRC32.checksum(content)) {
+    if sequence == NO_SEQUENCE || *found != record(sequence, crc32(&[content])) {
         return None;
     }
     let words = content.as_chunks::<WORD_BYTES>().0;

@@ -18,7 +18,7 @@ use crate::{
     patch::{
         PatchView,
         matrix::GROUP,
-        places::{MAX_KNOWN, Places},
+        places::{MAX_KNOWN, PLACE_NEIGHBOURS, Places},
     },
     pipeline::reference::{Changes, DifferenceData},
 };
@@ -31,6 +31,9 @@ const ROUNDS: usize = 4;
 const ONE_OF_SEVERAL: f32 = 0.15;
 /// Most unknowns beside known changes.
 const MAX_BESIDE: usize = 2 * UNKNOWNS;
+/// Two presses for one explain more than this share of what it does beside that: what a press is taken to be like leaves
+/// less of one that is.
+const TWO_FOR_ONE: f32 = 0.02;
 /// Standard deviation of an offset before anything is measured, distances from place to place.
 const FREE: f32 = 0.7;
 
@@ -253,13 +256,18 @@ impl<'a> Fit<'a> {
         libm::sqrtf(explained.max(0.0) / self.noise)
     }
 
-    /// Whether a press of this strength at a place could be what the standard press of another does not explain.
+    /// Whether a press of this strength there could be what the standard press of another does not explain.
     // Once on the board, for all that asks.
     #[inline(never)]
-    fn is_beside(&self, place: usize, strength: f32) -> bool {
-        let (here, _) = at(&self.skin.surface, &self.skin.places, place);
+    fn is_beside(&self, here: [f32; 3], strength: f32) -> bool {
         let mut presses = self.presses.iter().filter(|press| !press.is_satellite());
         presses.any(|press| press.is_joined_by(here, strength, self.skin.radius))
+    }
+
+    /// The strongest press that is no satellite.
+    fn strongest(&self) -> Option<&Press> {
+        let free = self.presses.iter().filter(|press| !press.is_satellite());
+        free.reduce(|most, press| if press.strength > most.strength { press } else { most })
     }
 
     /// Keeps those of the presses that are strong enough beside the others, and held; the rest is to be fitted anew if
@@ -293,8 +301,46 @@ impl<'a> Fit<'a> {
         {
             return None;
         }
-        let spot = if self.is_beside(place, strength) { Spot::fixed } else { Spot::new };
+        let spot =
+            if self.is_beside(at(surface, places, place).0, strength) { Spot::fixed } else { Spot::new };
         Some(Press::at(spot(surface, places, place), strength))
+    }
+
+    /// Takes two presses for the strongest one, where they explain clearly more. Two that are close may be one halfway, and
+    /// what that leaves of them like neither, but like a weak one elsewhere.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    pub(super) fn split(&mut self, sums: &mut Sums, level: f32) {
+        let Skin { places, surface, .. } = self.skin;
+        let more = TWO_FOR_ONE * self.explained;
+        if !self.has_room() || self.unexplained() < more.max(level * level * self.noise) {
+            return;
+        }
+        let Some(whole) = self.strongest() else { return };
+        let mut next = self.clone();
+        let mut best = (0.0, whole.spot.place());
+        for beside in 0..=PLACE_NEIGHBOURS {
+            let place = whole.spot.beside(beside).unwrap_or(best.1);
+            next.clone_from(self);
+            let _ = next.presses.push(Press::at(Spot::new(surface, places, place), whole.size()));
+            if next.solve(sums, &mut System::default()) && next.explained > best.0 {
+                best = (next.explained, place);
+            }
+        }
+        next.refine(sums, true);
+        next.refine(sums, true);
+        if next.retain(&|_| true) {
+            return;
+        }
+        let is_more = next.explained - self.explained > more.max(level * level * next.misfit());
+        let Some(last) = next.presses.pop() else { return };
+        if is_more
+            && next.presses.len() == self.presses.len()
+            && !next.is_beside(last.position, last.strength)
+        {
+            self.clone_from(&next);
+            let _ = self.presses.push(last);
+        }
     }
 
     /// What a press that was taken away, where what is left resembles one most, would explain of it.

@@ -287,7 +287,11 @@ impl Detector {
         self.slipped_us = self.slipped_us.filter(|slipped| self.frame_us.wrapping_sub(*slipped) < SLIPPED);
         if fit.presses.is_empty() || self.pause == 0 {
             let mut look = fit.look(&mut self.sums, &self.norms);
+            let count = fit.presses.len();
             self.pause = self.add_another(&mut fit, &mut look, level);
+            if fit.presses.len() == count && !self.is_slipped && !look.is_of_lift() {
+                fit.split(&mut self.sums, level);
+            }
             self.change = self.judge(&fit, &look, level);
             self.sums.latest_known = look.known;
             if self.change == Change::Smooth {

@@ -99,6 +99,11 @@ impl Spot {
         if self.is_free { &self.round } else { &[] }
     }
 
+    /// One of the places round it.
+    pub(super) fn beside(&self, neighbour: usize) -> Option<usize> {
+        self.round.get(neighbour).map(|&(place, _)| place.into())
+    }
+
     /// A number that no other spot has.
     pub(super) fn key(&self) -> u16 {
         (2 * self.place + usize::from(self.is_fixed())) as u16
