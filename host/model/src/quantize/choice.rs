@@ -1,8 +1,8 @@
 //! Choice: the pixels that are the places where a board looks for a press.
 //!
 //! Between places a board takes the response to a press to change linearly, as the places round the nearest one have it
-//! (`spot` in `shared`). The first half of the places lie each where those before are least like a press, so that they are
-//! closest where presses are easiest told apart, near the electrodes; the others each where the board would miss most.
+//! (`spot` in `shared`). The first places lie each where those before are least like a press, so that they are closest where
+//! presses are easiest told apart, near the electrodes; the others each where the board would miss most.
 
 use crate::pixels::{Pixels, tangents};
 use dermatome_shared::patch::places::PLACE_NEIGHBOURS;
@@ -10,9 +10,9 @@ use faer::Mat;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-/// So much of the places are chosen by likeness. With fewer, two fingers are told apart less often; with more, those at
-/// the rim are found farther off.
-const BY_LIKENESS: f64 = 0.5;
+/// So many places are chosen by likeness. With fewer, two fingers are told apart less often, and a stretched sheet with
+/// electrodes inside has contacts; with more, fingers at the rim are found farther off.
+const BY_LIKENESS: usize = 128;
 /// What is missed counts by its square over this power of the square of the response: neither for its size alone, which is
 /// largest at the electrodes, nor for its share alone.
 const SHARE: f64 = 0.75;
@@ -38,7 +38,7 @@ impl<'a> Candidates<'a> {
         let answering: Vec<usize> =
             (0..self.products.ncols()).filter(|&press| self.square(press) > 0.0).collect();
         let most = most.min(answering.len());
-        let mut chosen = self.least_alike(&answering, (BY_LIKENESS * most as f64).ceil() as usize);
+        let mut chosen = self.least_alike(&answering, BY_LIKENESS.min(most));
         while chosen.len() < most {
             let missed = self.missed(&answering, &chosen);
             let others = answering.iter().zip(missed).filter(|(press, _)| !chosen.contains(press));
@@ -157,4 +157,51 @@ pub(super) fn round(
     let more: Vec<usize> = others.into_iter().filter(|other| !round.contains(other)).collect();
     round.extend(more.into_iter().take(PLACE_NEIGHBOURS - round.len()));
     std::array::from_fn(|n| round[n])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{model::Model, skin::Skin};
+    use std::path::Path;
+
+    fn square() -> Model {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/square-50mm/skin.toml");
+        Model::build(&Skin::load(&file).unwrap().made().unwrap(), |_| ()).unwrap()
+    }
+
+    #[test]
+    fn what_is_linear_in_where_it_lies_is_not_missed_and_what_bends_is() {
+        let Model { pixels, .. } = square();
+        let all: Vec<usize> = (0..pixels.count()).collect();
+        let places: Vec<usize> = all.iter().copied().step_by(3).collect();
+        let most_missed = |bend: f64| {
+            let responses = Mat::from_fn(3, pixels.count(), |m, press| {
+                let [x, y] = [pixels.centres[press].x, pixels.centres[press].y].map(|part| part / 0.05);
+                [1.0, x, y + bend * x * x][m]
+            });
+            let missed = Candidates::new(&pixels, &responses, &[1.0; 3]).missed(&all, &places);
+            missed.into_iter().fold(0.0, f64::max)
+        };
+        assert!(most_missed(0.0) < 1e-12, "{}", most_missed(0.0));
+        assert!(most_missed(3.0) > 1e-6, "{}", most_missed(3.0));
+    }
+
+    #[test]
+    fn places_differ_and_less_is_missed_with_them_than_with_those_that_are_least_alike() {
+        let model = square();
+        let responses = model.pixels.presses(0.045 * model.pixels.larger_side()).responses(&model.jacobian);
+        let candidates = Candidates::new(&model.pixels, &responses, &model.relative_noise());
+        let all: Vec<usize> = (0..model.pixels.count()).collect();
+        let chosen = candidates.choose(256);
+        let mut places = chosen.clone();
+        places.sort_unstable();
+        places.dedup();
+        assert_eq!(places.len(), 256);
+        let most_missed = |places: &[usize]| candidates.missed(&all, places).into_iter().fold(0.0, f64::max);
+        let [least_alike, chosen] =
+            [candidates.least_alike(&all, 256), chosen].map(|places| most_missed(&places));
+        assert!(chosen < least_alike / 4.0, "{chosen}, {least_alike}");
+        assert_eq!(candidates.choose(usize::MAX).len(), model.pixels.count());
+    }
 }

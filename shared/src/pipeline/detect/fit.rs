@@ -34,6 +34,8 @@ const MAX_BESIDE: usize = 2 * UNKNOWNS;
 /// Two presses for one explain more than this share of what it does beside that: what a press is taken to be like leaves
 /// less of one that is.
 const TWO_FOR_ONE: f32 = 0.02;
+/// And leave less than this share of what they do: sheets that are stretched and electrodes that slip leave more.
+const TWO_LEAVE: f32 = 0.05;
 /// Standard deviation of an offset before anything is measured, distances from place to place.
 const FREE: f32 = 0.7;
 
@@ -332,7 +334,8 @@ impl<'a> Fit<'a> {
         if next.retain(&|_| true) {
             return;
         }
-        let is_more = next.explained - self.explained > more.max(level * level * next.misfit());
+        let is_more = next.explained - self.explained > more.max(level * level * next.misfit())
+            && next.unexplained() < TWO_LEAVE * next.explained;
         let Some(last) = next.presses.pop() else { return };
         if is_more
             && next.presses.len() == self.presses.len()

@@ -50,6 +50,9 @@ const MAX_UNKNOWNS: usize = spot::UNKNOWNS * MAX_CONTACTS;
 const REFRESHED: usize = 2;
 /// Frames with presses that are not searched for another, after one in which there was none: it takes long.
 const PAUSE: u8 = 3;
+/// Searches after one in which two presses for one explained no more, before that is asked again of the same presses: it
+/// takes longer still.
+const SPLIT_PAUSE: u8 = 16;
 /// Frames closer than this are fast, us: there is no time to fit all presses twice in each.
 const FAST: u32 = 5_000;
 /// What has just come may move: its data are a mean of so few frames that this is left of their variance.
@@ -107,6 +110,8 @@ pub struct Detector {
     is_slipped: bool,
     /// Frames in which a press that comes slowly is taken for a change of the sheet.
     known_pause: u8,
+    /// Searches of fast frames to come in which no two presses are asked for one.
+    split_pause: u8,
     /// When electrodes were seen to slip last, in the clock's lower half, us, if that is not long ago.
     slipped_us: Option<u32>,
     /// What was lifted not long ago.
@@ -168,7 +173,7 @@ impl Detector {
         self.presses.clear();
         self.before.clear();
         self.average.restart();
-        (self.unexplained, self.unsettled, self.pause, self.known_pause) = (0, 0, 0, 0);
+        (self.unexplained, self.unsettled, self.pause, self.known_pause, self.split_pause) = (0, 0, 0, 0, 0);
         (self.is_slipped, self.is_going, self.lifting, self.slipped_us) = (false, false, None, None);
         self.change = Change::Still;
     }
@@ -289,8 +294,16 @@ impl Detector {
             let mut look = fit.look(&mut self.sums, &self.norms);
             let count = fit.presses.len();
             self.pause = self.add_another(&mut fit, &mut look, level);
-            if fit.presses.len() == count && !self.is_slipped && !look.is_of_lift() {
-                fit.split(&mut self.sums, level);
+            if fit.presses.len() != count {
+                self.split_pause = 0;
+            } else if !self.is_slipped && !look.is_of_lift() {
+                self.split_pause = match self.split_pause.checked_sub(1) {
+                    Some(pause) if self.is_fast => pause,
+                    _ => {
+                        fit.split(&mut self.sums, level);
+                        SPLIT_PAUSE
+                    }
+                };
             }
             self.change = self.judge(&fit, &look, level);
             self.sums.latest_known = look.known;
