@@ -340,6 +340,7 @@ impl<'a> Fit<'a> {
         if is_more
             && next.presses.len() == self.presses.len()
             && !next.is_beside(last.position, last.strength)
+            && !next.strongest().is_some_and(|most| most.is_much_more_than(last.strength))
         {
             self.clone_from(&next);
             let _ = self.presses.push(last);
