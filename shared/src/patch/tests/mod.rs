@@ -248,7 +248,7 @@ pub(crate) fn flat_frame(value: i32) -> Frame {
 
 fn with_valid_crc(mut bytes: std::vec::Vec<u8>) -> std::vec::Vec<u8> {
     let end = bytes.len() - CRC_BYTES;
-    let crc = CRC32.checksum(&bytes[..end]);
+    let crc = crc32(&[&bytes[..end]]);
     bytes[end..].copy_from_slice(&crc.to_le_bytes());
     bytes
 }
