@@ -37,7 +37,6 @@
 extern crate std;
 
 pub mod acquire;
-pub mod checksum;
 pub mod contact;
 pub mod device;
 pub mod drive;

@@ -3,9 +3,8 @@
 use crate::{matrix::FixedMatrix, places::FixedPlaces, tables::SurfaceTables};
 use dermatome_shared::{
     calibration::Calibration,
-    checksum::crc32,
     hysteresis::PlayOperator,
-    patch::{CombinedInto, PatchContents, PatchError, PatchHeader, PatchView},
+    patch::{CombinedInto, PatchContents, PatchError, PatchHeader, PatchView, checksum::crc32},
     stimulation::Step,
     surface::Pixel,
 };

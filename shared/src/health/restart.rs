@@ -3,7 +3,7 @@
 //! A [`CrashNote`] lies in memory that a reset leaves alone and that start-up code does not clear.
 //! After power-on it holds anything, so a checksum says whether it is a note.
 
-use crate::checksum::crc32;
+use crate::patch::checksum::crc32;
 use core::fmt::{self, Write};
 use heapless::String;
 use postcard_schema::Schema;

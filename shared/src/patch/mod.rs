@@ -29,13 +29,13 @@
 //! let the mantissas start at a multiple of eight, where a board reads them fastest; a reader needs none. [`PatchView`]
 //! reads a patch in place, from flash or from a file; [`PatchContents::write`] is its inverse.
 
+pub mod checksum;
 mod error;
 pub mod matrix;
 pub mod places;
 mod play_operators;
 
 use crate::{
-    checksum::crc32,
     contact::{
         calibration::Calibration,
         hysteresis::{PLAY_OPERATOR_BYTES, PlayOperator},
@@ -48,6 +48,7 @@ use crate::{
     limits::{MAX_ELECTRODES, MAX_GRID_SIDE, MAX_MEASUREMENTS, MAX_PATCH_BYTES, MAX_PIXELS, MAX_STEPS},
     units::RelativeConductivity,
 };
+use checksum::crc32;
 pub use error::PatchError;
 use heapless::{String, Vec};
 use matrix::{Matrix, MatrixLayout, MatrixTables};

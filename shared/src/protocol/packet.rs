@@ -1,7 +1,7 @@
 //! Packets: a message in postcard encoding, its CRC-32, COBS framing and a final zero byte.
 
 use super::MAX_PACKET_BYTES;
-use crate::checksum::crc32;
+use crate::patch::checksum::crc32;
 use serde::{Serialize, de::DeserializeOwned};
 
 /// Encodes a message as one packet, its final zero byte included, at the start of `out`.

@@ -170,7 +170,7 @@ pub(super) fn round(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{model::Model, skin::Skin};
+    use crate::{model::Model, quantize::responses::responses, skin::Skin};
     use std::path::Path;
 
     fn square() -> Model {
@@ -198,8 +198,7 @@ mod tests {
     #[test]
     fn places_differ_and_less_is_missed_with_them_than_with_those_that_are_least_alike() {
         let model = square();
-        let responses = model.pixels.presses(0.045 * model.pixels.larger_side()).responses(&model.jacobian);
-        let candidates = Candidates::new(&model.pixels, &responses, &model.relative_noise());
+        let candidates = Candidates::new(&model.pixels, &responses(&model), &model.relative_noise());
         let all: Vec<usize> = (0..model.pixels.count()).collect();
         let chosen = candidates.choose(256);
         let mut places = chosen.clone();

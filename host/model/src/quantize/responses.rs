@@ -79,7 +79,7 @@ fn level(probability: f64) -> f64 {
 }
 
 /// What the standard press on each pixel changes difference data by: `[measurement][pixel]`.
-fn responses(model: &Model) -> Mat<f64> {
+pub(super) fn responses(model: &Model) -> Mat<f64> {
     divided(model, model.pixels.presses(radius(model)).responses(&model.jacobian))
 }
 

@@ -28,9 +28,8 @@ use self::trim::Kept;
 use super::{PatchStore, StoreError};
 use crate::{
     acquire::trim::Trim,
-    checksum::crc32,
     limits::RECORD_BYTES,
-    patch::{self, PatchView},
+    patch::{self, PatchView, checksum::crc32},
     protocol::MAX_CHUNK_BYTES,
 };
 use heapless::Vec;

@@ -5,9 +5,9 @@
 use super::{ERASED, Flash, NO_SEQUENCE, PAGE_BYTES, WORD_BYTES, following, is_later, record};
 use crate::{
     acquire::trim::{Factor, Trim},
-    checksum::crc32,
     device::StoreError,
     limits::RECORD_BYTES,
+    patch::checksum::crc32,
 };
 
 /// The slots that are the pages.
