@@ -6,7 +6,8 @@ use dermatome_shared::{
     frame::Frame,
     image::{Geometry, PixelGrid},
     patch::{
-        CRC32, CombinedInto, Difference, PatchContents, PatchHeader,
+        CombinedInto, Difference, PatchContents, PatchHeader,
+        checksum::crc32,
         matrix::{Interpolation, MatrixTables, coefficient_index},
         places::{DetectionLayout, Place, PlacesTables},
     },
@@ -109,7 +110,7 @@ pub fn repair(mut patch: Vec<u8>) -> Vec<u8> {
     let length = patch.len();
     if length >= 16 {
         patch[8..12].copy_from_slice(&(length as u32).to_le_bytes());
-        let crc = CRC32.checksum(&patch[..length - 4]);
+        let crc = crc32(&[&patch[..length - 4]]);
         patch[length - 4..].copy_from_slice(&crc.to_le_bytes());
     }
     patch
