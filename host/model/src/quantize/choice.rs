@@ -11,9 +11,9 @@ use faer::Mat;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-/// So many places are chosen by likeness. With fewer, two fingers are told apart less often, and a stretched sheet with
-/// electrodes inside has contacts; with more, fingers at the rim are found farther off.
-const BY_LIKENESS: usize = 128;
+/// So many places are chosen by likeness. With 128 a finger was 5 % of the size off at some places, and loads by 1 % more;
+/// with all of them fingers at the rim of flat skins were twice as far off.
+const BY_LIKENESS: usize = 200;
 /// A skin is deaf where a press changes the voltages by less than this share of what the loudest does, by squares: those with
 /// electrodes all over or round a flat sheet have 0.001 and more, hemispheres with electrodes on the rim 0.0002. There a
 /// finger that slides was one contact in 75 to 81 % of frames if places were chosen by what is missed, in 86 to 99 if not.
@@ -108,6 +108,8 @@ impl<'a> Candidates<'a> {
 /// How the response changes round a place, by those at the places round it.
 struct Slopes {
     axes: [Vector3<f64>; 2],
+    /// Mean distance of the places round it, m: presses go no farther from it.
+    spacing: f64,
     /// What the response at each place round it adds to the slopes, 1/m. The place's own takes as much off.
     round: [(usize, [f64; 2]); PLACE_NEIGHBOURS],
 }
@@ -130,12 +132,14 @@ impl Slopes {
             let ([x, y], weight) = (ways[n], weights[n] * inverse);
             (neighbours[n], [weight * (yy * x - xy * y), weight * (xx * y - xy * x)])
         });
-        Self { axes, round }
+        Self { axes, spacing, round }
     }
 
     /// The places whose responses make that of a press so far from this place, with their shares.
     fn shares(&self, place: usize, way: &Vector3<f64>) -> Vec<(usize, f64)> {
         let [x, y] = self.axes.map(|axis| axis.dot(way));
+        let reach = (self.spacing / x.hypot(y)).min(1.0);
+        let [x, y] = [reach * x, reach * y];
         let of_others =
             self.round.iter().map(|&(other, [along_x, along_y])| (other, x * along_x + y * along_y));
         let own = 1.0 - of_others.clone().map(|(_, share)| share).sum::<f64>();
