@@ -101,15 +101,6 @@ fn two_fingers_a_fifth_of_the_size_apart_are_two_contacts() {
     }
 }
 
-#[test]
-fn a_finger_at_the_rim_is_found_there() {
-    for (name, most) in [("disc-210mm", 1.5), ("square-210mm", 2.0), ("saline-215mm", 2.0)] {
-        let figures = figures(&bench(name), "rim", &options(&[60.0], 60));
-        let mean = found(&figures, "position error, mean", 60.0);
-        assert!(mean <= most, "{name}: {mean} %");
-    }
-}
-
 /// Each of them explains little, they resemble a smooth change of the sheet, and one alone is best taken for a press in a corner.
 #[test]
 fn three_fingers_at_once_on_a_square_are_neither_drift_nor_one_press_in_a_corner() {
@@ -242,9 +233,7 @@ fn a_skin_that_is_stretched_or_whose_electrodes_slip_has_no_contact_and_hides_no
             let of = |what: &str| found(&figures, &format!("{upset}: {what}"), 60.0);
             assert_eq!(of("frames with a contact"), 0.0, "{name}, {upset}");
             assert_eq!(of("press seen 30 s later"), 100.0, "{name}, {upset}");
-            // Of twenty ways to slip by 1 mm a finger is missed in two (docs/sensing.md), of these two in one.
-            let least = if *upset == slips[0] { 50.0 } else { 100.0 };
-            assert!(of("press that comes with it seen") >= least, "{name}, {upset}");
+            assert_eq!(of("press that comes with it seen"), 100.0, "{name}, {upset}");
             assert!(*upset != slips[0] || of("frames flagged") > 10.0, "{name}, {upset}");
         }
     }

@@ -1,6 +1,5 @@
 //! Quantize: the f64 reconstruction matrix -> fixed-point patch, with its error report.
 
-mod choice;
 mod interpolation;
 mod responses;
 
