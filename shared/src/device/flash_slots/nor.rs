@@ -26,6 +26,8 @@ pub(super) struct Nor {
     /// In which operation the power fails, and how far that one comes.
     pub(super) cut: Option<(usize, Cut)>,
     pub(super) powered: bool,
+    /// In which operation a double word is programmed wrong, without a word of it.
+    pub(super) wrong: Option<usize>,
     noise: u64,
 }
 
@@ -39,6 +41,7 @@ impl Nor {
             operations: 0,
             cut: None,
             powered: true,
+            wrong: None,
             noise: seed,
         };
         (0..4).for_each(|slot| nor.scramble(slot, 0, lengths[slot]));
@@ -47,7 +50,7 @@ impl Nor {
 
     /// The same flash when the power is back.
     pub(super) fn reboot(mut self) -> Self {
-        (self.operations, self.cut, self.powered) = (0, None, true);
+        (self.operations, self.cut, self.powered, self.wrong) = (0, None, true, None);
         self
     }
 
@@ -108,6 +111,9 @@ impl Flash for Nor {
         );
         if self.operate(slot, offset, WORD_BYTES)? == Cut::After {
             self.slots[slot][offset..offset + WORD_BYTES].copy_from_slice(&word);
+            if self.wrong == Some(self.operations - 1) {
+                self.flip(slot, offset);
+            }
             self.erased[slot][offset / WORD_BYTES] = false;
         }
         self.unless_cut()

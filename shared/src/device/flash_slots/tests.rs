@@ -213,6 +213,20 @@ fn a_trim_that_rots_gives_way_to_the_one_before() {
     }
 }
 
+#[test]
+fn a_trim_that_is_programmed_wrong_does_not_count_now_or_later() {
+    let mut before = open(Nor::new(TEST_SLOT, 1));
+    before.keep_trim(&trim_of(1)).unwrap();
+    for operation in 1..1 + 5 * 7 + 1 {
+        let mut nor = before.flash.clone().reboot();
+        nor.wrong = Some(operation);
+        let mut store = open(nor);
+        assert!(store.keep_trim(&trim_of(2)).is_err(), "{operation}");
+        assert_eq!(store.trim(), Some(trim_of(1)), "{operation}");
+        assert_eq!(open(store.flash.reboot()).trim(), Some(trim_of(1)), "{operation}");
+    }
+}
+
 #[derive(Clone, Debug)]
 enum Deed {
     Begin { patch: usize },

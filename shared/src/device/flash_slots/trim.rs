@@ -35,13 +35,16 @@ pub(super) fn keep(flash: &mut impl Flash, active: Option<&Kept>, trim: &Trim) -
     let sequence = active.map_or(0, |active| following(active.sequence));
     flash.erase(slot, 0)?;
     let words = trim.0.as_flattened().iter().map(word);
-    let mut end = 0;
-    for word in words {
-        flash.program(slot, end, word)?;
-        end += WORD_BYTES;
+    for (word, offset) in words.clone().zip((0..).step_by(WORD_BYTES)) {
+        flash.program(slot, offset, word)?;
     }
-    let crc = crc32(&[flash.slot(slot).get(..end).ok_or(StoreError::Failed)?]);
-    flash.program(slot, PAGE_BYTES - RECORD_BYTES, record(sequence, crc))?;
+    let (content, _) = flash.slot(slot).as_chunks();
+    let content = content.get(..words.len()).ok_or(StoreError::Failed)?;
+    // A page that was programmed wrong does not count.
+    if !words.eq(content.iter().copied()) {
+        return Err(StoreError::Failed);
+    }
+    flash.program(slot, PAGE_BYTES - RECORD_BYTES, record(sequence, crc32(&[content.as_flattened()])))?;
     let found = kept(flash.slot(slot), slot);
     found.filter(|found| found.trim == *trim).ok_or(StoreError::Failed)
 }

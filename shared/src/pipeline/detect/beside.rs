@@ -65,7 +65,7 @@ impl Detector {
         }
         self.sums.latest_known = looked_for;
         let by_noise = 3.0 * fit.spread();
-        if by_known < SLIP_LEAVES * alone.energy() + by_noise
+        if by_known < SLIP_LEAVES * alone.energy + by_noise
             && by_known.max(by_noise) < KNOWN_LEAVE * alone.unexplained()
         {
             self.presses.clear();

@@ -5,11 +5,10 @@
 //! the same until a press goes to another place.
 
 use super::{
-    MAX_PRESSES, MAX_UNKNOWNS, SUDDEN,
-    filter::{self, Look, Norms},
+    MAX_PRESSES, MAX_UNKNOWNS,
     known::Parts,
     press::{Press, copy},
-    spot::{Response, Spot, UNKNOWNS, at, each},
+    spot::{Response, Spot, UNKNOWNS, each},
     sums::{Data, Sums, quantise, take_out},
     system::System,
 };
@@ -18,7 +17,7 @@ use crate::{
     patch::{
         PatchView,
         matrix::GROUP,
-        places::{MAX_KNOWN, PLACE_NEIGHBOURS, Places},
+        places::{MAX_KNOWN, Places},
     },
     pipeline::reference::{Changes, DifferenceData},
 };
@@ -26,25 +25,17 @@ use heapless::Vec;
 
 /// Times that presses go to nearer places.
 const ROUNDS: usize = 4;
-/// One of several presses that come in one frame explains more than this share of what is left. Sheets that are stretched by
-/// 2 % leave 5 % to a press.
-const ONE_OF_SEVERAL: f32 = 0.15;
 /// Most unknowns beside known changes.
 const MAX_BESIDE: usize = 2 * UNKNOWNS;
-/// Two presses for one explain more than this share of what it does beside that: what a press is taken to be like leaves
-/// less of one that is.
-const TWO_FOR_ONE: f32 = 0.02;
-/// And leave less than this share of what they do: sheets that are stretched and electrodes that slip leave more.
-const TWO_LEAVE: f32 = 0.05;
 /// Standard deviation of an offset before anything is measured, distances from place to place.
 const FREE: f32 = 0.7;
 
 /// The skin that presses lie on.
 pub(super) struct Skin<'a> {
-    places: Places<'a>,
-    surface: Surface<'a>,
+    pub(super) places: Places<'a>,
+    pub(super) surface: Surface<'a>,
     /// Radius of the standard press, m.
-    radius: f32,
+    pub(super) radius: f32,
     /// What all voltages changing by their own size would read: `[measurement]`.
     common: &'a [f32],
 }
@@ -71,18 +62,18 @@ fn take_parts(parts: &mut [f32], others: &[f32]) {
 
 /// Some presses, and how well they explain the data.
 pub(super) struct Fit<'a> {
-    skin: &'a Skin<'a>,
+    pub(super) skin: &'a Skin<'a>,
     pub(super) presses: Vec<Press, MAX_PRESSES>,
     /// Whether known changes are fitted together with presses.
     is_beside_known: bool,
     /// Sum of squares of the data, in units of the noise's variance, less what known changes explain then.
-    energy: f32,
+    pub(super) energy: f32,
     /// What the presses explain of it.
     pub(super) explained: f32,
     /// How many measurements say something.
-    measurements: f32,
+    pub(super) measurements: f32,
     /// Variance of the data's noise, that of one frame being 1.
-    noise: f32,
+    pub(super) noise: f32,
 }
 
 impl Clone for Fit<'_> {
@@ -129,12 +120,6 @@ impl<'a> Fit<'a> {
         fit.energy -= sums.latest_known.with_slips;
         fit.is_beside_known = true;
         fit
-    }
-
-    /// Sum of squares of the data, in units of the noise's variance, less what known changes explain of them where they are
-    /// fitted as well.
-    pub(super) fn energy(&self) -> f32 {
-        self.energy
     }
 
     /// Takes presses of the frame before, which are not fitted yet.
@@ -205,30 +190,9 @@ impl<'a> Fit<'a> {
     /// The same if so much more were explained.
     // Once on the board, for all that asks.
     #[inline(never)]
-    fn misfit_after(&self, more: f32) -> f32 {
+    pub(super) fn misfit_after(&self, more: f32) -> f32 {
         let free = (self.measurements - self.unknowns() as f32).max(1.0);
         ((self.energy - self.explained - more) / free).max(self.noise)
-    }
-
-    /// Whether another press of this strength that explains so much more, and leaves this misfit, is asked for. What presses
-    /// leave unexplained is noise of a kind: of another one it asks for more. But while they leave most of the data
-    /// unexplained, and none was taken away, that may be several others, which came as suddenly.
-    // Once on the board, for all that asks.
-    #[inline(never)]
-    pub(super) fn is_asked_for(
-        &self,
-        look: &Look,
-        strength: f32,
-        more: f32,
-        misfit: f32,
-        level: f32,
-    ) -> bool {
-        let left = self.unexplained();
-        let is_one_of_several = left > self.explained
-            && more > ONE_OF_SEVERAL * left
-            && strength >= SUDDEN
-            && look.most.1 > -look.least.1;
-        more > level * level * if is_one_of_several { self.noise } else { misfit }
     }
 
     // Once on the board, for all that asks.
@@ -258,20 +222,6 @@ impl<'a> Fit<'a> {
         libm::sqrtf(explained.max(0.0) / self.noise)
     }
 
-    /// Whether a press of this strength there could be what the standard press of another does not explain.
-    // Once on the board, for all that asks.
-    #[inline(never)]
-    fn is_beside(&self, here: [f32; 3], strength: f32) -> bool {
-        let mut presses = self.presses.iter().filter(|press| !press.is_satellite());
-        presses.any(|press| press.is_joined_by(here, strength, self.skin.radius))
-    }
-
-    /// The strongest press that is no satellite.
-    fn strongest(&self) -> Option<&Press> {
-        let free = self.presses.iter().filter(|press| !press.is_satellite());
-        free.reduce(|most, press| if press.strength > most.strength { press } else { most })
-    }
-
     /// Keeps those of the presses that are strong enough beside the others, and held; the rest is to be fitted anew if
     /// there were others, and says whether there were.
     // Once on the board, for all that is done with it.
@@ -281,82 +231,6 @@ impl<'a> Fit<'a> {
         let strongest = self.presses.iter().fold(0.0, |most: f32, press| most.max(press.strength));
         self.presses.retain(|press| is_held(press) && press.is_worth(strongest));
         self.presses.len() < count
-    }
-
-    /// What is left of the data resembles.
-    pub(super) fn look(&self, sums: &mut Sums, norms: &Norms) -> Look {
-        let (left, energy) = self.left(sums);
-        let look = filter::look(&self.skin.places, &left, norms, &sums.known);
-        Look { left: energy - self.measurements * self.noise, ..look }
-    }
-
-    /// A press where what the others leave resembles one most, if it is above the level. Beside another press it is its
-    /// satellite.
-    pub(super) fn loudest(&self, look: &Look, norms: &Norms, level: f32) -> Option<Press> {
-        let Skin { places, surface, .. } = self.skin;
-        let (place, z) = look.most;
-        let strength = filter::strength(places, place, norms, z);
-        // Fitting its place explains some more, but hardly twice as much.
-        let most = 2.0 * z * z;
-        if self.significance(z * z) <= level
-            || !self.is_asked_for(look, strength, most, self.misfit_after(most), level)
-        {
-            return None;
-        }
-        let spot =
-            if self.is_beside(at(surface, places, place).0, strength) { Spot::fixed } else { Spot::new };
-        Some(Press::at(spot(surface, places, place), strength))
-    }
-
-    /// Takes two presses for the strongest one, where they explain clearly more. Two that are close may be one halfway, and
-    /// what that leaves of them like neither, but like a weak one elsewhere.
-    // Not inlined, so that what it needs of the stack is free again for all else.
-    #[inline(never)]
-    pub(super) fn split(&mut self, sums: &mut Sums, level: f32) {
-        let Skin { places, surface, .. } = self.skin;
-        let more = TWO_FOR_ONE * self.explained;
-        if !self.has_room() || self.unexplained() < more.max(level * level * self.noise) {
-            return;
-        }
-        let Some(whole) = self.strongest() else { return };
-        let mut next = self.clone();
-        let mut best = (0.0, whole.spot.place());
-        for beside in 0..=PLACE_NEIGHBOURS {
-            let place = whole.spot.beside(beside).unwrap_or(best.1);
-            next.clone_from(self);
-            let _ = next.presses.push(Press::at(Spot::new(surface, places, place), whole.size()));
-            if next.solve(sums, &mut System::default()) && next.explained > best.0 {
-                best = (next.explained, place);
-            }
-        }
-        next.refine(sums, true);
-        next.refine(sums, true);
-        if next.retain(&|_| true) {
-            return;
-        }
-        let is_more = next.explained - self.explained > more.max(level * level * next.misfit())
-            && next.unexplained() < TWO_LEAVE * next.explained;
-        let Some(last) = next.presses.pop() else { return };
-        if is_more
-            && next.presses.len() == self.presses.len()
-            && !next.is_beside(last.position, last.strength)
-            && !next.strongest().is_some_and(|most| most.is_much_more_than(last.strength))
-        {
-            self.clone_from(&next);
-            let _ = self.presses.push(last);
-        }
-    }
-
-    /// What a press that was taken away, where what is left resembles one most, would explain of it.
-    // Not inlined, so that what it needs of the stack is free again for all else.
-    #[inline(never)]
-    pub(super) fn by_lift(&self, look: &Look, norms: &Norms, sums: &mut Sums) -> f32 {
-        let Skin { places, surface, .. } = self.skin;
-        let (place, z) = look.least;
-        let mut fit = self.clone();
-        let strength = filter::strength(places, place, norms, z);
-        let _ = fit.presses.push(Press::at(Spot::new(surface, places, place), strength));
-        if fit.solve(sums, &mut System::default()) { fit.explained - self.explained } else { 0.0 }
     }
 
     /// Sum of the presses' responses: `[measurement]`.
@@ -378,7 +252,7 @@ impl<'a> Fit<'a> {
 
     /// What the presses' responses leave of the data, and known changes where they are fitted as well, as it meets responses,
     /// and the sum of its squares.
-    fn left(&self, sums: &mut Sums) -> (DifferenceData, f32) {
+    pub(super) fn left(&self, sums: &mut Sums) -> (DifferenceData, f32) {
         let Skin { places, common, .. } = self.skin;
         if self.presses.is_empty() && !self.is_beside_known {
             return (sums.data.codes(places).clone(), self.energy);
@@ -425,7 +299,7 @@ impl<'a> Fit<'a> {
 
     /// Strengths and offsets of all presses at their places; no presses where they cannot be told apart, and says whether
     /// they can.
-    fn solve(&mut self, sums: &mut Sums, system: &mut System) -> bool {
+    pub(super) fn solve(&mut self, sums: &mut Sums, system: &mut System) -> bool {
         if !self.factor(sums, system) {
             self.presses.clear();
             self.explained = 0.0;

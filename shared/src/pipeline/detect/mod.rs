@@ -8,7 +8,7 @@
 //! A change that is common to all voltages is no press, but drift, and says nothing of where one lies: it is taken out of
 //! data and responses.
 //!
-//! The presses of the frame before are fitted to the new one (`fit`); what they leave is searched for another. That takes
+//! The presses of the frame before are fitted to the new one (`fit`); what they leave is searched for another (`search`). That takes
 //! most of the time: where there are presses, it is done in the frame after one that was found, and else not in all. A
 //! press that noise, or what the others leave unexplained, accounts for is none.
 //!
@@ -22,6 +22,7 @@ mod fit;
 mod judge;
 mod known;
 mod press;
+mod search;
 mod spot;
 mod sums;
 mod system;
