@@ -301,7 +301,7 @@ impl Detector {
                 self.split_pause = match self.split_pause.checked_sub(1) {
                     Some(pause) if self.is_fast => pause,
                     _ => {
-                        fit.split(&mut self.sums, level);
+                        fit.split(&mut self.sums, &self.norms, level);
                         SPLIT_PAUSE
                     }
                 };

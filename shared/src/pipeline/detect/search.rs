@@ -9,7 +9,7 @@ use super::{
     sums::Sums,
     system::System,
 };
-use crate::patch::places::PLACE_NEIGHBOURS;
+use crate::{patch::places::PLACE_NEIGHBOURS, pipeline::reconstruct};
 
 /// One of several presses that come in one frame explains more than this share of what is left. Sheets that are stretched by
 /// 2 % leave 5 % to a press.
@@ -57,6 +57,8 @@ impl Fit<'_> {
     }
 
     /// What is left of the data resembles.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
     pub(super) fn look(&self, sums: &mut Sums, norms: &Norms) -> Look {
         let (left, energy) = self.left(sums);
         let look = filter::look(&self.skin.places, &left, norms, &sums.known);
@@ -85,29 +87,25 @@ impl Fit<'_> {
     /// well that what it leaves is like neither, but like a weak one elsewhere.
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
-    pub(super) fn split(&mut self, sums: &mut Sums, level: f32) {
+    pub(super) fn split(&mut self, sums: &mut Sums, norms: &Norms, level: f32) {
         let Skin { places, surface, .. } = self.skin;
         let more = TWO_FOR_ONE * self.explained;
         if !self.has_room() || self.unexplained() < more.max(level * level * self.noise) {
             return;
         }
         let Some(whole) = self.strongest() else { return };
+        let Some(place) = self.loudest_round(whole, sums, norms) else { return };
         let mut next = self.clone();
-        let mut best = (0.0, whole.spot.place());
-        for beside in 0..=PLACE_NEIGHBOURS {
-            let place = whole.spot.beside(beside).unwrap_or(best.1);
-            next.clone_from(self);
-            let _ = next.presses.push(Press::at(Spot::new(surface, places, place), whole.size()));
-            if next.solve(sums, &mut System::default()) && next.explained > best.0 {
-                best = (next.explained, place);
-            }
-        }
+        let _ = next.presses.push(Press::at(Spot::new(surface, places, place), whole.size()));
         next.refine(sums, true);
+        if next.explained - self.explained < more {
+            return;
+        }
         next.refine(sums, true);
         if next.retain(&|_| true) {
             return;
         }
-        let is_more = next.explained - self.explained > more.max(level * level * next.misfit())
+        let is_more = next.explained - self.explained > level * level * next.misfit()
             && next.unexplained() < TWO_LEAVE * next.explained;
         let Some(last) = next.presses.pop() else { return };
         if is_more
@@ -118,6 +116,19 @@ impl Fit<'_> {
             self.clone_from(&next);
             let _ = self.presses.push(last);
         }
+    }
+
+    /// The place round a press that what is left resembles most.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    fn loudest_round(&self, press: &Press, sums: &mut Sums, norms: &Norms) -> Option<usize> {
+        let (left, _) = self.left(sums);
+        let z = |place: usize| {
+            let product = reconstruct::product(self.skin.places.row(place), &left.codes) as f32;
+            norms.get(place).map_or(0.0, |norm| norm * product)
+        };
+        let round = (0..PLACE_NEIGHBOURS).filter_map(|neighbour| press.spot.beside(neighbour));
+        round.max_by(|a, b| z(*a).total_cmp(&z(*b)))
     }
 
     /// What a press that was taken away, where what is left resembles one most, would explain of it.
