@@ -1,5 +1,6 @@
 //! Quantize: the f64 reconstruction matrix -> fixed-point patch, with its error report.
 
+mod choice;
 mod interpolation;
 mod responses;
 
