@@ -27,9 +27,6 @@ const VARIANCES: [f64; 5] = [0.25, 1.0, 4.0, 16.0, 64.0];
 const OF_READING: f64 = 0.25;
 /// Weight of no field before anything was measured.
 const EVEN: f64 = 0.5;
-/// A field leaves at most this share of the error at places that are left out: some twenty places tell that to a sixth, and
-/// where there is no field one may be better by a fortieth.
-const CLEARLY_BETTER: f64 = 0.95;
 /// A place is odd that is this many usual deviations off, and at least so much, relative; fewest places among which one can
 /// be odd, and at most one in so many.
 const ODD: f64 = 4.0;
@@ -79,7 +76,7 @@ pub enum NoField {
          `contact.found_in` = \"voltages\", or a learnt one"
     )]
     Interpolated,
-    /// Places that are left out are not foretold clearly better.
+    /// Places that are left out are not foretold any better.
     #[error(
         "with one, strengths at a place that was left out would be {with:.1} % off, without {without:.1} %: the presses show \
          none"
@@ -125,7 +122,7 @@ impl Field {
         };
         let Smooth { parts, left_out, .. } = smooth;
         let [without, with] = left_out.map(|deviation| 100.0 * deviation);
-        if with > CLEARLY_BETTER * without {
+        if with >= without {
             return Err(NoField::NoBetter { without, with });
         }
         let mut field = Self { parts, places, mean: 0.0, odd: odd.len(), left_out };
