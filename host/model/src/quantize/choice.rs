@@ -125,7 +125,7 @@ impl<'a> Candidates<'a> {
             fit.columns.iter().map(|(place, shares)| self.products[(*place, press)] * shares).sum();
         let found = inverse * right;
         let left = 1.0 - found.dot(&right) / self.square(press);
-        let off = (spot.within_reach(found.yz() / found.x) - spot.along(way)).norm();
+        let off = (spot.within_reach(found.yz() / found.x) - along(&spot.axes, way)).norm();
         (off / (OFF * self.pixels.larger_side())).powi(2)
             + ((found.x - 1.0) / STRONGER).powi(2)
             + left.max(0.0) / LEFT
@@ -154,21 +154,15 @@ impl Spot {
     /// Least squares, near places counting for more, as `Spot::new` in `shared` has it.
     fn new(centres: &[Point3<f64>], normal: &Vector3<f64>, place: usize) -> Self {
         let axes = tangents(normal);
-        let along = |way: &Vector3<f64>| Vector2::from(axes.map(|axis| axis.dot(way)));
         let neighbours = round(centres, normal, place);
-        let ways = neighbours.map(|other| along(&(centres[other] - centres[place])));
-        let spacing = ways.iter().map(|way| way.norm()).sum::<f64>() / ways.len() as f64;
+        let ways = neighbours.map(|other| along(&axes, &(centres[other] - centres[place])));
+        let spacing = ways.iter().map(Vector2::norm).sum::<f64>() / ways.len() as f64;
         let weighted = ways.map(|way| way / (way.norm_squared() + 0.1 * spacing * spacing));
         let matrix: Matrix2<f64> =
             ways.iter().zip(&weighted).map(|(way, weighted)| weighted * way.transpose()).sum();
         let is_wide = matrix.determinant() > 1e-3 * matrix.m11 * matrix.m22;
         let inverse = matrix.try_inverse().filter(|_| is_wide).unwrap_or_default();
         Self { place, axes, spacing, round: std::array::from_fn(|n| (neighbours[n], inverse * weighted[n])) }
-    }
-
-    /// A way along its axes, m.
-    fn along(&self, way: &Vector3<f64>) -> Vector2<f64> {
-        Vector2::from(self.axes.map(|axis| axis.dot(way)))
     }
 
     /// An offset, no longer than slopes hold for, m.
@@ -183,6 +177,11 @@ impl Spot {
         let others = self.round.iter().map(|(other, shares)| (*other, Vector3::new(0.0, shares.x, shares.y)));
         iter::once(own).chain(others).collect()
     }
+}
+
+/// A way along axes, m.
+fn along(axes: &[Vector3<f64>; 2], way: &Vector3<f64>) -> Vector2<f64> {
+    Vector2::from(axes.map(|axis| axis.dot(way)))
 }
 
 /// The places round one: the closest in each sixth of a turn, then the closest of all the others.
