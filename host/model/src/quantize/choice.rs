@@ -15,7 +15,7 @@ use std::iter;
 
 /// So many places are chosen by likeness. With 208 or fewer a finger held through a drift left a contact on a hemisphere with
 /// electrodes inside, and a moving one lost its number; with all of them fingers at the rim of a disc were 1.7 to 2.3 % of the
-/// size off, not 1.2 to 1.5.
+/// size off, not 1.2 to 1.6.
 const BY_LIKENESS: usize = 240;
 /// A skin is deaf where a press changes the voltages by less than this share of what the loudest does, by squares: those with
 /// electrodes all over or round a flat sheet have 0.001 and more, hemispheres with electrodes on the rim 0.0002. There it
