@@ -101,6 +101,16 @@ fn two_fingers_a_fifth_of_the_size_apart_are_two_contacts() {
     }
 }
 
+/// With all places chosen by likeness they are 1.50 and 2.95 % off.
+#[test]
+fn a_finger_at_the_rim_is_found_there() {
+    for (name, most) in [("disc-210mm", 1.5), ("square-210mm", 2.6)] {
+        let figures = figures(&bench(name), "rim", &options(&[60.0], 60));
+        let mean = found(&figures, "position error, mean", 60.0);
+        assert!(mean <= most, "{name}: {mean} %");
+    }
+}
+
 /// Each of them explains little, they resemble a smooth change of the sheet, and one alone is best taken for a press in a corner.
 #[test]
 fn three_fingers_at_once_on_a_square_are_neither_drift_nor_one_press_in_a_corner() {

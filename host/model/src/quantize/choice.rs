@@ -119,7 +119,7 @@ impl<'a> Candidates<'a> {
 
     /// How wrong the board would be, at this spot, about a press that is so far from it.
     fn wrong_from(&self, spot: &Spot, fit: &Fit, press: usize, way: &Vector3<f64>) -> f64 {
-        // What slopes cannot be told from is not asked of them.
+        // Where slopes cannot be told apart the board has no fit, and another place near does not give it one.
         let Some(inverse) = fit.inverse else { return 0.0 };
         let right: Vector3<f64> =
             fit.columns.iter().map(|(place, shares)| self.products[(*place, press)] * shares).sum();

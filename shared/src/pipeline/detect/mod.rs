@@ -8,9 +8,9 @@
 //! A change that is common to all voltages is no press, but drift, and says nothing of where one lies: it is taken out of
 //! data and responses.
 //!
-//! The presses of the frame before are fitted to the new one (`fit`); what they leave is searched for another (`search`). That takes
-//! most of the time: where there are presses, it is done in the frame after one that was found, and else not in all. A
-//! press that noise, or what the others leave unexplained, accounts for is none.
+//! The presses of the frame before are fitted to the new one (`fit`); what they leave is searched for another (`search`).
+//! That takes most of the time: where there are presses, it is done in the frame after one that was found, and else not in
+//! all. A press that noise, or what the others leave unexplained, accounts for is none.
 //!
 //! Some changes are known to be no press (`known`), but may come with one, as a finger pulls at the sheet. Where presses leave
 //! much for some frames, both are fitted together; the reference takes at once what known changes explain then, so that what
