@@ -59,7 +59,7 @@ use serde::{Deserialize, Serialize};
 /// First bytes of every patch.
 pub const MAGIC: [u8; 4] = *b"DSKP";
 /// Version of the layout above.
-pub const FORMAT_VERSION: u16 = 9;
+pub const FORMAT_VERSION: u16 = 10;
 
 const PREFIX_BYTES: usize = 12;
 /// The mantissas start at a multiple of this: of what the flash reads at once.

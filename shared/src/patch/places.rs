@@ -16,13 +16,20 @@ use serde::{Deserialize, Serialize};
 pub const MAX_PLACES: usize = 256;
 /// Places that each place has for neighbours.
 pub const PLACE_NEIGHBOURS: usize = 6;
+/// Rows that the response round a place is made of: its own, and those of its neighbours.
+pub const PLACE_ROWS: usize = 1 + PLACE_NEIGHBOURS;
+/// How a row's share in that grows with the offset (x, y) from the place, in mean distances of its neighbours: with x, y,
+/// x²/2, xy and y²/2. x goes towards the first neighbour, square to the pixel's normal, and y is square to both.
+pub const SHARE_TERMS: usize = 5;
+/// What shares are counted in.
+pub const SHARE_UNIT: f32 = 1.0 / 32.0;
 /// Most smooth changes.
 pub const MAX_SMOOTH: usize = 8;
 /// Most changes that are known to be no press: smooth ones, and the slip of each electrode.
 pub const MAX_KNOWN: usize = MAX_SMOOTH + MAX_ELECTRODES;
 
-/// Bytes of a place: its pixel and its neighbours.
-const PLACE_BYTES: usize = 2 + PLACE_NEIGHBOURS;
+/// Bytes of a place: its pixel, its neighbours and shares.
+const PLACE_BYTES: usize = 2 + PLACE_NEIGHBOURS + PLACE_ROWS * SHARE_TERMS;
 
 /// How presses are looked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
@@ -67,17 +74,28 @@ pub struct Place {
     pub pixel: u16,
     /// The places round it.
     pub neighbours: [u8; PLACE_NEIGHBOURS],
+    /// What the response round it has of its own row and of theirs, [`SHARE_UNIT`]s: `[row][term]`. At the place it is its own
+    /// row.
+    pub shares: [[i8; SHARE_TERMS]; PLACE_ROWS],
 }
 
 impl Place {
     fn to_bytes(self) -> [u8; PLACE_BYTES] {
-        let [p0, p1] = self.pixel.to_le_bytes();
-        let [a, b, c, d, e, f] = self.neighbours;
-        [p0, p1, a, b, c, d, e, f]
+        let mut bytes = [0; PLACE_BYTES];
+        let shares = self.shares.as_flattened().iter().map(|share| *share as u8);
+        let all = self.pixel.to_le_bytes().into_iter().chain(self.neighbours).chain(shares);
+        bytes.iter_mut().zip(all).for_each(|(byte, value)| *byte = value);
+        bytes
     }
 
-    fn from_bytes([p0, p1, a, b, c, d, e, f]: [u8; PLACE_BYTES]) -> Self {
-        Self { pixel: u16::from_le_bytes([p0, p1]), neighbours: [a, b, c, d, e, f] }
+    fn from_bytes(bytes: &[u8; PLACE_BYTES]) -> Self {
+        let [p0, p1, a, b, c, d, e, f, shares @ ..] = *bytes;
+        let share = |row: usize, term: usize| shares[SHARE_TERMS * row + term] as i8;
+        Self {
+            pixel: u16::from_le_bytes([p0, p1]),
+            neighbours: [a, b, c, d, e, f],
+            shares: core::array::from_fn(|row| core::array::from_fn(|term| share(row, term))),
+        }
     }
 }
 
@@ -137,12 +155,27 @@ impl<'a> Places<'a> {
     /// A place.
     #[must_use]
     pub fn get(&self, place: usize) -> Option<Place> {
-        self.places.get(place).copied().map(Place::from_bytes)
+        self.places.get(place).map(Place::from_bytes)
+    }
+
+    /// The places round one.
+    #[must_use]
+    pub fn neighbours(&self, place: usize) -> [u8; PLACE_NEIGHBOURS] {
+        self.get(place).map_or([0; PLACE_NEIGHBOURS], |place| place.neighbours)
+    }
+
+    /// The places whose rows the response round one is made of, with what each has of it by term, see [`SHARE_TERMS`].
+    pub fn rows_round(&self, place: usize) -> impl Iterator<Item = (usize, [f32; SHARE_TERMS])> + use<'a> {
+        let found = self.get(place);
+        found.into_iter().flat_map(move |Place { neighbours, shares, .. }| {
+            let rows = core::iter::once(place).chain(neighbours.map(usize::from));
+            rows.zip(shares.map(|terms| terms.map(|share| SHARE_UNIT * f32::from(share))))
+        })
     }
 
     /// All places.
     pub fn iter(&self) -> impl Iterator<Item = Place> + use<'a> {
-        self.places.iter().copied().map(Place::from_bytes)
+        self.places.iter().map(Place::from_bytes)
     }
 
     /// Exponents of the columns: `[measurement]`.
@@ -247,8 +280,16 @@ mod tests {
     const LAYOUT: DetectionLayout =
         DetectionLayout { places: 2, level: 5.0, radius: 0.01, smooth: 0, slips: 0, averaging: 0.0 };
 
+    const SHARES: [[i8; SHARE_TERMS]; PLACE_ROWS] = {
+        let mut shares = [[0; SHARE_TERMS]; PLACE_ROWS];
+        shares[0] = [-32, 1, 2, 3, 4];
+        shares[6][4] = 127;
+        shares
+    };
+
     fn tables(pixel: u16, neighbour: u8) -> Vec<u8> {
-        let places = [Place { pixel: 3, neighbours: [1; 6] }, Place { pixel, neighbours: [neighbour; 6] }];
+        let place = |pixel, neighbour| Place { pixel, neighbours: [neighbour; 6], shares: SHARES };
+        let places = [place(3, 1), place(pixel, neighbour)];
         places.iter().flat_map(|place| place.to_bytes()).collect()
     }
 
@@ -260,6 +301,18 @@ mod tests {
             let found = places.check(&LAYOUT, 9);
             assert_eq!(found, if refused { Err(PatchError::Place { place: 1 }) } else { Ok(()) });
         }
+    }
+
+    #[test]
+    fn shares_are_read_as_they_were_written() {
+        let bytes = tables(2, 0);
+        let places = Places::new([&bytes, &[0; 3], &[0; 2], &[0; 32]]);
+        assert_eq!(places.get(1), Some(Place { pixel: 2, neighbours: [0; 6], shares: SHARES }));
+        let round: Vec<_> = places.rows_round(1).collect();
+        assert_eq!(round.len(), PLACE_ROWS);
+        assert_eq!(round[0], (1, [-1.0, 1.0 / 32.0, 2.0 / 32.0, 3.0 / 32.0, 4.0 / 32.0]));
+        assert_eq!(round[6], (0, [0.0, 0.0, 0.0, 0.0, 127.0 / 32.0]));
+        assert_eq!(places.rows_round(2).count(), 0);
     }
 
     #[test]

@@ -19,7 +19,7 @@
 //! | temperature   | ADC1                        | has the chip's sensor                          |
 //! | sensing, DMA  | DMA1 channels 3 to 6        | waveform, multiplexers, amplifier, converter   |
 //! | acquisition   | interrupt of the FMAC       | nothing else uses it; see `board::executor`    |
-//! | patch slots   | flash from 132 KiB on       | the firmware has the part before, see `memory` |
+//! | patch slots   | flash from 136 KiB on       | the firmware has the part before, see `memory` |
 //! | watchdog      | IWDG                        | its clock is its own                           |
 
 mod sensing;
@@ -51,7 +51,7 @@ pub const LINK_BAUD: u32 = 2_000_000;
 pub const CYCLES_PER_MICROSECOND: f32 = 170.0;
 
 /// Where the first patch slot starts, bytes from the start of the flash; the second one follows.
-pub const SLOTS_OFFSET: usize = 132 * 1024;
+pub const SLOTS_OFFSET: usize = 136 * 1024;
 
 /// UART of the link.
 pub type LinkUart = peripherals::LPUART1;

@@ -1,32 +1,19 @@
 //! Choice: the pixels that are the places where a board looks for a press.
 //!
-//! Between places a board takes the response to a press to change linearly, as the places round the nearest one have it
-//! (`spot` in `shared`), so that it is wrong there about where a press is, how strong it is and what it leaves of the data.
-//! The first places lie each where those before are least like a press, so that they are closest where presses are easiest
-//! told apart, near the electrodes; the others each where the board would be most wrong. On skins that are deaf somewhere all
-//! are chosen as the first ones.
+//! Each lies where those before are least like a press, so that they are closest where presses are easiest told apart, near
+//! the electrodes.
 
-use crate::pixels::{Pixels, tangents};
-use dermatome_shared::patch::places::PLACE_NEIGHBOURS;
+use super::shares::Rounds;
+use crate::pixels::Pixels;
+use dermatome_shared::patch::places::{PLACE_NEIGHBOURS, Place};
 use faer::Mat;
-use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
-use rayon::prelude::*;
-use std::iter;
 
-/// So many places are chosen by likeness. With 208 or fewer a finger held through a drift left a contact on a hemisphere with
-/// electrodes inside, and a moving one lost its number; with all of them fingers at the rim of a disc were 1.7 to 2.3 % of the
-/// size off, not 1.2 to 1.6.
-const BY_LIKENESS: usize = 240;
-/// A skin is deaf where a press changes the voltages by less than this share of what the loudest does, by squares: those with
-/// electrodes all over or round a flat sheet have 0.001 and more, hemispheres with electrodes on the rim 0.0002. There it
-/// would be most wrong where little is told from noise: a finger that slides was one contact in 69 to 98 % of frames with 128
-/// places by that, in 74 to 99 without.
-const DEAF: f64 = 0.0005;
-/// Errors that count alike: of the place, share of the skin's size, of the strength, and of the squares of the response that
-/// are not explained.
-const OFF: f64 = 0.01;
-const STRONGER: f64 = 0.05;
-const LEFT: f64 = 0.01;
+/// Where not knowing the place of a press makes the variance of its strength so many times as large, presses of all
+/// strengths look alike: in a corner the response grows many times within the way to the next place. There is no place
+/// there. Disc and rim hemispheres have up to 14 of it, corners of the small square 140 to 200.
+const MOST_INFLATED: f64 = 40.0;
+/// Times that others are chosen for such places.
+const TIMES: usize = 4;
 
 /// Presses on all pixels of a skin.
 pub(super) struct Candidates<'a> {
@@ -44,21 +31,26 @@ impl<'a> Candidates<'a> {
         Self { pixels, products: whitened.transpose() * &whitened }
     }
 
-    /// At most so many pixels.
-    pub(super) fn choose(&self, most: usize) -> Vec<usize> {
-        let answering: Vec<usize> =
+    /// At most so many places; none if there are too few for each to have neighbours.
+    pub(super) fn choose(&self, most: usize) -> Vec<Place> {
+        let mut presses: Vec<usize> =
             (0..self.products.ncols()).filter(|&press| self.square(press) > 0.0).collect();
-        let most = most.min(answering.len());
-        let squares = answering.iter().map(|&press| self.square(press));
-        let loudest = squares.clone().fold(0.0, f64::max);
-        let is_deaf = squares.fold(f64::INFINITY, f64::min) < DEAF * loudest;
-        let mut chosen = self.least_alike(&answering, if is_deaf { most } else { BY_LIKENESS.min(most) });
-        while chosen.len() < most {
-            let wrong = self.wrong(&answering, &chosen);
-            let others = answering.iter().zip(wrong).filter(|(press, _)| !chosen.contains(press));
-            chosen.extend(others.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(press, _)| *press));
+        for time in 0.. {
+            let chosen = self.least_alike(&presses, most);
+            if chosen.len() <= PLACE_NEIGHBOURS {
+                break;
+            }
+            let rounds = Rounds::new(self.pixels, &self.products, &chosen);
+            let places = rounds.places();
+            let inflated = places.iter().enumerate().filter(|(at, place)| rounds.inflation(place, *at) > MOST_INFLATED);
+            let inflated: Vec<usize> = inflated.map(|(at, _)| chosen[at]).collect();
+            let is_enough = inflated.is_empty() || presses.len() - inflated.len() <= PLACE_NEIGHBOURS;
+            if is_enough || time == TIMES {
+                return places;
+            }
+            presses.retain(|press| !inflated.contains(press));
         }
-        chosen
+        Vec::new()
     }
 
     fn square(&self, press: usize) -> f64 {
@@ -85,127 +77,6 @@ impl<'a> Candidates<'a> {
         }
         chosen
     }
-
-    /// How wrong the board would be about each press with these places, in squares of the errors that count alike.
-    fn wrong(&self, presses: &[usize], places: &[usize]) -> Vec<f64> {
-        let centres: Vec<Point3<f64>> = places.iter().map(|&place| self.pixels.centres[place]).collect();
-        let spots: Vec<Spot> = (0..places.len())
-            .into_par_iter()
-            .map(|place| Spot::new(&centres, &self.pixels.normals[places[place]], place))
-            .collect();
-        let fits: Vec<Fit> = spots.par_iter().map(|spot| self.fit_at(spot, places)).collect();
-        let wrong = |&press: &usize| {
-            let at = self.pixels.centres[press];
-            let away = |place: &usize| (centres[*place] - at).norm_squared();
-            let nearest = (0..centres.len()).min_by(|a, b| away(a).total_cmp(&away(b)));
-            let nearest = nearest.expect("there are places");
-            self.wrong_from(&spots[nearest], &fits[nearest], press, &(at - centres[nearest]))
-        };
-        presses.par_iter().map(wrong).collect()
-    }
-
-    /// The normal equations of a press at a spot of these places.
-    fn fit_at(&self, spot: &Spot, places: &[usize]) -> Fit {
-        let columns: Vec<_> =
-            spot.columns().into_iter().map(|(place, shares)| (places[place], shares)).collect();
-        let mut matrix = Matrix3::zeros();
-        for (one, of_one) in &columns {
-            for (other, of_other) in &columns {
-                matrix += self.products[(*one, *other)] * of_one * of_other.transpose();
-            }
-        }
-        Fit { columns, inverse: matrix.try_inverse() }
-    }
-
-    /// How wrong the board would be, at this spot, about a press that is so far from it.
-    fn wrong_from(&self, spot: &Spot, fit: &Fit, press: usize, way: &Vector3<f64>) -> f64 {
-        // Where slopes cannot be told apart the board has no fit, and another place near does not give it one.
-        let Some(inverse) = fit.inverse else { return 0.0 };
-        let right: Vector3<f64> =
-            fit.columns.iter().map(|(place, shares)| self.products[(*place, press)] * shares).sum();
-        let found = inverse * right;
-        let left = 1.0 - found.dot(&right) / self.square(press);
-        let off = (spot.within_reach(found.yz() / found.x) - along(&spot.axes, way)).norm();
-        (off / (OFF * self.pixels.larger_side())).powi(2)
-            + ((found.x - 1.0) / STRONGER).powi(2)
-            + left.max(0.0) / LEFT
-    }
-}
-
-/// What a press at a spot is fitted by.
-struct Fit {
-    /// Places with what their responses have of response and slopes.
-    columns: Vec<(usize, Vector3<f64>)>,
-    /// Inverse of the normal matrix, if there is one.
-    inverse: Option<Matrix3<f64>>,
-}
-
-/// How the response changes round a place, by those at the places round it.
-struct Spot {
-    place: usize,
-    axes: [Vector3<f64>; 2],
-    /// Mean distance of the places round it, m: presses go no farther from it.
-    spacing: f64,
-    /// What the response at each place round it adds to the slopes, 1/m. The place's own takes as much off.
-    round: [(usize, Vector2<f64>); PLACE_NEIGHBOURS],
-}
-
-impl Spot {
-    /// Least squares, near places counting for more, as `Spot::new` in `shared` has it.
-    fn new(centres: &[Point3<f64>], normal: &Vector3<f64>, place: usize) -> Self {
-        let axes = tangents(normal);
-        let neighbours = round(centres, normal, place);
-        let ways = neighbours.map(|other| along(&axes, &(centres[other] - centres[place])));
-        let spacing = ways.iter().map(Vector2::norm).sum::<f64>() / ways.len() as f64;
-        let weighted = ways.map(|way| way / (way.norm_squared() + 0.1 * spacing * spacing));
-        let matrix: Matrix2<f64> =
-            ways.iter().zip(&weighted).map(|(way, weighted)| weighted * way.transpose()).sum();
-        let is_wide = matrix.determinant() > 1e-3 * matrix.m11 * matrix.m22;
-        let inverse = matrix.try_inverse().filter(|_| is_wide).unwrap_or_default();
-        Self { place, axes, spacing, round: std::array::from_fn(|n| (neighbours[n], inverse * weighted[n])) }
-    }
-
-    /// An offset, no longer than slopes hold for, m.
-    fn within_reach(&self, offset: Vector2<f64>) -> Vector2<f64> {
-        offset * (self.spacing / offset.norm()).min(1.0)
-    }
-
-    /// Places with what their responses have of the response here and of its slopes.
-    fn columns(&self) -> Vec<(usize, Vector3<f64>)> {
-        let slopes: Vector2<f64> = self.round.iter().map(|(_, shares)| shares).sum();
-        let own = (self.place, Vector3::new(1.0, -slopes.x, -slopes.y));
-        let others = self.round.iter().map(|(other, shares)| (*other, Vector3::new(0.0, shares.x, shares.y)));
-        iter::once(own).chain(others).collect()
-    }
-}
-
-/// A way along axes, m.
-fn along(axes: &[Vector3<f64>; 2], way: &Vector3<f64>) -> Vector2<f64> {
-    Vector2::from(axes.map(|axis| axis.dot(way)))
-}
-
-/// The places round one: the closest in each sixth of a turn, then the closest of all the others.
-pub(super) fn round(
-    centres: &[Point3<f64>],
-    normal: &Vector3<f64>,
-    place: usize,
-) -> [usize; PLACE_NEIGHBOURS] {
-    let [axis, other_axis] = tangents(normal);
-    let mut others: Vec<usize> = (0..centres.len()).filter(|&other| other != place).collect();
-    let away = |other: &usize| (centres[*other] - centres[place]).norm_squared();
-    others.sort_by(|a, b| away(a).total_cmp(&away(b)));
-    let sector = |other: usize| {
-        let way = centres[other] - centres[place];
-        let turn = way.dot(&other_axis).atan2(way.dot(&axis)) / std::f64::consts::TAU + 0.5;
-        (turn * PLACE_NEIGHBOURS as f64) as usize % PLACE_NEIGHBOURS
-    };
-    let mut round: Vec<usize> = (0..PLACE_NEIGHBOURS)
-        .filter_map(|wanted| others.iter().copied().find(|&other| sector(other) == wanted))
-        .filter(|other| away(other) <= 9.0 * away(&others[0]).max(away(&others[PLACE_NEIGHBOURS - 1])))
-        .collect();
-    let more: Vec<usize> = others.into_iter().filter(|other| !round.contains(other)).collect();
-    round.extend(more.into_iter().take(PLACE_NEIGHBOURS - round.len()));
-    std::array::from_fn(|n| round[n])
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 mod choice;
 mod interpolation;
 mod responses;
+mod shares;
 
 use crate::{
     model::Model,

@@ -5,12 +5,12 @@
 
 use super::{
     PatchBuildError,
-    choice::{Candidates, round},
+    choice::Candidates,
     exponents_of, rounded_rows,
 };
 use crate::{inverse::movement::Movement, metrics::detectability::passing, model::Model, skin::Skin};
 use dermatome_patch::places::FixedPlaces;
-use dermatome_shared::patch::places::{DetectionLayout, MAX_PLACES, PLACE_NEIGHBOURS, Place};
+use dermatome_shared::patch::places::{DetectionLayout, MAX_PLACES};
 use faer::{Col, Mat, Scale};
 use nalgebra::{Matrix3, Vector3};
 
@@ -50,21 +50,15 @@ pub(super) fn places(skin: &Skin, model: &Model, room: usize) -> Result<FixedPla
     if most < FEWEST_PLACES.min(model.pixels.count()) {
         return Err(PatchBuildError::FewPlaces { places: most });
     }
-    let chosen = Candidates::new(&model.pixels, &responses, &noise).choose(most);
-    if chosen.len() <= PLACE_NEIGHBOURS {
+    let places = Candidates::new(&model.pixels, &responses, &noise).choose(most);
+    if places.is_empty() {
         return Ok(FixedPlaces::default());
     }
-    let centres: Vec<_> = chosen.iter().map(|&pixel| model.pixels.centres[pixel]).collect();
-    let place = |place: usize| Place {
-        pixel: chosen[place] as u16,
-        neighbours: round(&centres, &model.pixels.normals[chosen[place]], place).map(|other| other as u8),
-    };
     // So that the responses in units of the noise are alike in size, and so are the data that they meet.
     let column_exponents = exponents_of(noise.iter().map(|noise| -noise.abs().log2()));
-    let rows = chosen.iter().map(|&pixel| responses.col(pixel));
+    let rows = places.iter().map(|place| responses.col(place.pixel.into()));
     let known = smooth.col_iter().chain(even.iter().map(Col::as_ref)).chain(slips.col_iter());
     let (row_exponents, mantissas) = rounded_rows(rows.chain(known), &column_exponents)?;
-    let places: Vec<_> = (0..chosen.len()).map(place).collect();
     Ok(FixedPlaces::new(layout(places.len()), places, column_exponents, row_exponents, &mantissas))
 }
 

@@ -239,7 +239,7 @@ impl<'a> Fit<'a> {
     pub(super) fn responses(skin: &Skin<'_>, presses: &[Press], add: &mut dyn FnMut(usize, f32)) {
         let places = &skin.places;
         let responses: Vec<Response<'_>, MAX_PRESSES> =
-            presses.iter().map(|press| press.response(places)).collect();
+            presses.iter().map(|press| press.spot.response(places, press.solved())).collect();
         let four = |at| {
             let mut sum = [0.0; GROUP];
             for response in &responses {
@@ -280,21 +280,21 @@ impl<'a> Fit<'a> {
     pub(super) fn known(&self, sums: &Sums) -> Parts {
         let mut left = sums.latest_known.parts;
         for press in &self.presses {
-            take_parts(&mut left, &self.known_of(sums, press));
+            take_parts(&mut left, &self.known_of(sums, &press.spot, press.solved()));
         }
         left
     }
 
-    /// The parts along known changes of a press' response.
+    /// The parts along known changes of so much of the response at a spot, and of its slopes.
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
-    fn known_of(&self, sums: &Sums, press: &Press) -> Parts {
+    fn known_of(&self, sums: &Sums, spot: &Spot, unknowns: [f32; UNKNOWNS]) -> Parts {
         let Skin { places, common, .. } = self.skin;
-        let mut response = Changes::new();
-        let presses = core::slice::from_ref(press);
-        Self::responses(self.skin, presses, &mut |_, value| response.push(value).unwrap_or(()));
-        take_out(common, &sums.data.weights, &mut response);
-        sums.of_known(places, &response).parts
+        let mut values = Changes::new();
+        let response = spot.response(places, unknowns);
+        each(places, |at| response.four(at), |_, value| values.push(value).unwrap_or(()));
+        take_out(common, &sums.data.weights, &mut values);
+        sums.of_known(places, &values).parts
     }
 
     /// Strengths and offsets of all presses at their places; no presses where they cannot be told apart, and says whether
@@ -311,8 +311,7 @@ impl<'a> Fit<'a> {
         for press in &mut self.presses {
             press.strength = found[first];
             if !press.is_satellite() {
-                let scale = press.spot.spacing / press.size();
-                press.offset = [1, 2].map(|axis| scale * found[first + axis]);
+                press.offset = press.spot.offset_of(press.size(), [found[first + 1], found[first + 2]]);
             }
             first += press.unknowns();
         }
@@ -373,14 +372,10 @@ impl<'a> Fit<'a> {
         let mut all = [[0.0; MAX_KNOWN]; MAX_BESIDE];
         let mut row = 0;
         for press in &self.presses {
-            let first = row;
-            for unknown in 0..press.unknowns().min(MAX_BESIDE - first) {
-                all[row] = self.known_of(sums, &press.unit(unknown));
-                // A slope is what the response beside a place has more.
-                if unknown > 0 {
-                    let own = all[first];
-                    take_parts(&mut all[row], &own);
-                }
+            for unknown in 0..press.unknowns().min(MAX_BESIDE - row) {
+                let mut unit = [0.0; UNKNOWNS];
+                unit[unknown] = 1.0;
+                all[row] = self.known_of(sums, &press.spot, unit);
                 system.right[row] -= with_parts(&all[row], &sums.latest_known.parts);
                 for column in 0..=row {
                     system.matrix[row][column] -= with_parts(&all[row], &all[column]);
@@ -395,9 +390,8 @@ impl<'a> Fit<'a> {
         let Skin { places, surface, .. } = self.skin;
         let mut moved = false;
         for press in self.presses.iter_mut().filter(|press| !press.is_satellite()) {
-            let place = press.spot.nearest(surface, places, press.offset);
-            if place != press.spot.place() {
-                press.spot = Spot::new(surface, places, place);
+            if let Some(spot) = press.spot.nearest(surface, places, press.offset) {
+                press.spot = spot;
                 moved = true;
             }
         }

@@ -2,9 +2,9 @@
 
 use super::{
     MAX_CONTACTS, MAX_PRESSES, Presses,
-    spot::{Response, Spot, UNKNOWNS},
+    spot::{Spot, UNKNOWNS},
 };
-use crate::{image::surface::square_distance, patch::places::Places};
+use crate::image::surface::square_distance;
 use heapless::Vec;
 
 /// A press that is one stays one until its significance falls below this share of the level.
@@ -29,7 +29,7 @@ const HARDLY_MORE: f32 = 1.2;
 pub(super) struct Press {
     /// The place that it is next to.
     pub(super) spot: Spot,
-    /// Offset from there, m.
+    /// Offset from that place, m.
     pub(super) offset: [f32; 2],
     /// Its centre, m.
     pub(super) position: [f32; 3],
@@ -72,18 +72,9 @@ impl Press {
         self.spot.is_far_out(self.offset)
     }
 
-    /// One of strength 1 on its spot, as far beside it along the axis of an unknown as the next places are.
-    pub(super) fn unit(&self, unknown: usize) -> Self {
-        let mut unit = Self::at(self.spot, 1.0);
-        if let Some(offset) = unknown.checked_sub(1).and_then(|axis| unit.offset.get_mut(axis)) {
-            *offset = self.spot.spacing;
-        }
-        unit
-    }
-
-    /// What it adds to the data.
-    pub(super) fn response<'a>(&self, places: &Places<'a>) -> Response<'a> {
-        self.spot.response(places, self.strength, self.offset)
+    /// Its strength, and that times its offset from its spot.
+    pub(super) fn solved(&self) -> [f32; UNKNOWNS] {
+        self.spot.unknowns_of(self.strength, self.offset)
     }
 
     /// Whether it belongs to another press.

@@ -9,7 +9,7 @@ use super::{
     sums::Sums,
     system::System,
 };
-use crate::{patch::places::PLACE_NEIGHBOURS, pipeline::reconstruct};
+use crate::pipeline::reconstruct;
 
 /// One of several presses that come in one frame explains more than this share of what is left. Sheets that are stretched by
 /// 2 % leave 5 % to a press.
@@ -127,8 +127,8 @@ impl Fit<'_> {
             let product = reconstruct::product(self.skin.places.row(place), &left.codes) as f32;
             norms.get(place).map_or(0.0, |norm| norm * product)
         };
-        let round = (0..PLACE_NEIGHBOURS).filter_map(|neighbour| press.spot.beside(neighbour));
-        round.max_by(|a, b| z(*a).total_cmp(&z(*b)))
+        let round = self.skin.places.neighbours(press.spot.place()).map(usize::from);
+        round.into_iter().max_by(|a, b| z(*a).total_cmp(&z(*b)))
     }
 
     /// What a press that was taken away, where what is left resembles one most, would explain of it.

@@ -4,7 +4,7 @@ use crate::{
     image::surface::{Surface, square_distance},
     patch::{
         matrix::GROUP,
-        places::{PLACE_NEIGHBOURS, Places},
+        places::{PLACE_NEIGHBOURS, PLACE_ROWS, Places},
     },
     pipeline::reference::power_of_two,
 };
@@ -12,6 +12,10 @@ use heapless::Vec;
 
 /// Unknowns of a press: its strength, and strength times offset along two axes.
 pub(super) const UNKNOWNS: usize = 3;
+/// Spots lie this far from each other, distances to the next places.
+const STEP: f32 = 0.5;
+/// A press goes to another spot of its place once it is so far from its own along an axis, distances to the next places.
+const STAYS: f32 = 0.3;
 /// Farthest that a press goes from its place, distances to the next places.
 const FARTHEST: f32 = 1.0;
 /// Ways to the places round one at the skin's border sum up to more than this, their mean length being 1.
@@ -19,26 +23,26 @@ const ONE_SIDED: f32 = 1.2;
 /// A solution that has one so far from its place is none, distances to the next places.
 const FAR_OUT: f32 = 8.0;
 
-/// A place, and the slopes of the response there: round it the response is taken to change linearly with where the press
-/// is, as least squares over the places round it have it.
+/// A place, or one of eight points round it, and how the response changes there: round it the response is taken to change
+/// linearly with where the press is, as the patch has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Spot {
     place: usize,
-    /// Centre, m.
+    /// How far from the place along each axis, [`STEP`]s: -1 to 1.
+    steps: [i8; 2],
+    /// The place's centre, m.
     centre: [f32; 3],
     axes: [[f32; 3]; 2],
-    /// Mean distance of the places round it, m; slopes are for each of it.
+    /// Mean distance of the places round the place, m; slopes are for each of it.
     pub(super) spacing: f32,
     /// Whether the places round it lie on one side, as at the skin's border.
     is_at_border: bool,
     /// Whether presses need not stay on the place.
     is_free: bool,
-    /// What the response at each place round it adds to the slopes. The place's own takes as much off.
-    round: [(u8, [f32; 2]); PLACE_NEIGHBOURS],
 }
 
-/// By neighbour.
-type Round<T> = Vec<T, PLACE_NEIGHBOURS>;
+/// By row that it is made of: a place's own, and those of the places round it.
+type OfRows<T> = Vec<T, PLACE_ROWS>;
 
 impl Spot {
     /// For a press that stays on a place.
@@ -49,34 +53,16 @@ impl Spot {
     /// For a press somewhere round a place.
     pub(super) fn new(surface: &Surface<'_>, places: &Places<'_>, place: usize) -> Self {
         let (centre, normal) = at(surface, places, place);
-        let axes = tangents(normal);
-        let neighbours = places.get(place).map_or([0; PLACE_NEIGHBOURS], |place| place.neighbours);
-        let ways = neighbours.map(|other| {
-            let (there, _) = at(surface, places, other.into());
-            axes.map(|axis| (0..3).map(|part| axis[part] * (there[part] - centre[part])).sum::<f32>())
-        });
+        let neighbours = places.neighbours(place);
+        let axes = axes(normal, minus(at(surface, places, neighbours[0].into()).0, centre));
+        let mut spot = Self { place, centre, axes, is_free: true, ..Self::default() };
+        let ways = neighbours.map(|other| spot.way_to(at(surface, places, other.into()).0));
         let lengths = ways.iter().map(|[x, y]| libm::sqrtf(x * x + y * y));
-        let spacing = (lengths.sum::<f32>() / PLACE_NEIGHBOURS as f32).max(f32::MIN_POSITIVE);
-        let ways = ways.map(|way| way.map(|part| part / spacing));
+        spot.spacing = (lengths.sum::<f32>() / PLACE_NEIGHBOURS as f32).max(f32::MIN_POSITIVE);
         let sum = ways.iter().fold([0.0; 2], |sum, way| [sum[0] + way[0], sum[1] + way[1]]);
-        let is_at_border = sum[0] * sum[0] + sum[1] * sum[1] > ONE_SIDED * ONE_SIDED;
-        // Near ones count for more.
-        let weight = |[x, y]: [f32; 2]| 1.0 / (x * x + y * y + 0.1);
-        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-        for way in ways {
-            let [x, y] = way;
-            xx += weight(way) * x * x;
-            xy += weight(way) * x * y;
-            yy += weight(way) * y * y;
-        }
-        let determinant = xx * yy - xy * xy;
-        let inverse = if determinant > 1e-3 * xx * yy { 1.0 / determinant } else { 0.0 };
-        let shares = ways.map(|way| {
-            let ([x, y], weight) = (way, weight(way) * inverse);
-            [weight * (yy * x - xy * y), weight * (xx * y - xy * x)]
-        });
-        let round = core::array::from_fn(|n| (neighbours[n], shares[n]));
-        Self { place, centre, axes, spacing, is_at_border, is_free: true, round }
+        let one_sided = ONE_SIDED * spot.spacing;
+        spot.is_at_border = sum[0] * sum[0] + sum[1] * sum[1] > one_sided * one_sided;
+        spot
     }
 
     /// One whose presses need not stay on it.
@@ -95,54 +81,90 @@ impl Spot {
         !self.is_free
     }
 
-    fn round(&self) -> &[(u8, [f32; 2])] {
-        if self.is_free { &self.round } else { &[] }
+    /// How far from its place it is, m.
+    fn offset(&self) -> [f32; 2] {
+        self.steps.map(|steps| STEP * self.spacing * f32::from(steps))
     }
 
-    /// One of the places round it.
-    pub(super) fn beside(&self, neighbour: usize) -> Option<usize> {
-        self.round.get(neighbour).map(|&(place, _)| place.into())
+    /// The way from its place to a point, along the axes, m.
+    fn way_to(&self, point: [f32; 3]) -> [f32; 2] {
+        let way = minus(point, self.centre);
+        self.axes.map(|axis| dot(axis, way))
     }
 
     /// A number that no other spot has.
     pub(super) fn key(&self) -> u16 {
-        (2 * self.place + usize::from(self.is_fixed())) as u16
+        let [x, y] = self.steps.map(|steps| (steps + 1) as usize);
+        (2 * (9 * self.place + 3 * x + y) + usize::from(self.is_fixed())) as u16
+    }
+
+    /// How far a press that these unknowns belong to is from its place, m.
+    pub(super) fn offset_of(&self, strength: f32, [x, y]: [f32; 2]) -> [f32; 2] {
+        let [from_x, from_y] = self.offset();
+        let scale = self.spacing / strength;
+        [from_x + scale * x, from_y + scale * y]
+    }
+
+    /// The unknowns of a press that is so far from its place, m.
+    pub(super) fn unknowns_of(&self, strength: f32, [x, y]: [f32; 2]) -> [f32; UNKNOWNS] {
+        if self.is_fixed() {
+            return [strength, 0.0, 0.0];
+        }
+        let [from_x, from_y] = self.offset();
+        let scale = strength / self.spacing;
+        [strength, scale * (x - from_x), scale * (y - from_y)]
+    }
+
+    /// The places whose rows it is made of, with what each has of the response here and of its slopes.
+    // Not inlined: it is asked for here and there.
+    #[inline(never)]
+    fn shares(&self, places: &Places<'_>) -> OfRows<(usize, [f32; UNKNOWNS])> {
+        let mut all = OfRows::new();
+        if self.is_fixed() {
+            let _ = all.push((self.place, [1.0, 0.0, 0.0]));
+            return all;
+        }
+        let [x, y] = self.steps.map(|steps| STEP * f32::from(steps));
+        all.extend(places.rows_round(self.place).map(|(row, [along_x, along_y, xx, xy, yy])| {
+            let slope_x = along_x + xx * x + xy * y;
+            let slope_y = along_y + xy * x + yy * y;
+            let own = if row == self.place { 1.0 } else { 0.0 };
+            // Half of what bends is in the slopes.
+            let here = own + ((along_x + slope_x) * x + (along_y + slope_y) * y) / 2.0;
+            (row, [here, slope_x, slope_y])
+        }));
+        all
     }
 
     /// Something linear in responses, known of each place: of the response at this one, and of its slopes.
-    pub(super) fn of_places(&self, mut value: impl FnMut(usize) -> f32) -> [f32; UNKNOWNS] {
-        let own = value(self.place);
-        let mut found = [own, 0.0, 0.0];
-        for &(other, [x, y]) in self.round() {
-            let more = value(other.into()) - own;
-            found[1] += x * more;
-            found[2] += y * more;
+    pub(super) fn of_places(
+        &self,
+        places: &Places<'_>,
+        mut value: impl FnMut(usize) -> f32,
+    ) -> [f32; UNKNOWNS] {
+        let mut found = [0.0; UNKNOWNS];
+        for (place, shares) in self.shares(places) {
+            let value = value(place);
+            found.iter_mut().zip(shares).for_each(|(found, share)| *found += share * value);
         }
         found
     }
 
     /// Its response and slopes, to be read column by column.
     pub(super) fn columns<'a>(&self, places: &Places<'a>) -> Columns<'a> {
-        let exponent = |place: usize| power_of_two(-i32::from(places.row_exponent(place)));
-        let own_exponent = exponent(self.place);
-        let mut own = [own_exponent, 0.0, 0.0];
-        let round = self.round().iter().map(|&(other, shares)| {
-            own[1] -= shares[0] * own_exponent;
-            own[2] -= shares[1] * own_exponent;
-            (places.row(other.into()), shares.map(|share| share * exponent(other.into())))
-        });
-        Columns { round: round.collect(), own_row: places.row(self.place), own }
+        let of_row = |(place, shares): (usize, [f32; UNKNOWNS])| {
+            let exponent = power_of_two(-i32::from(places.row_exponent(place)));
+            (places.row(place), shares.map(|share| share * exponent))
+        };
+        Columns { rows: self.shares(places).into_iter().map(of_row).collect() }
     }
 
-    /// The response of a press at this offset, m, to be read column by column.
-    pub(super) fn response<'a>(&self, places: &Places<'a>, strength: f32, offset: [f32; 2]) -> Response<'a> {
-        let Columns { own_row, own, round } = self.columns(places);
-        let [x, y] = offset.map(|part| if self.is_fixed() { 0.0 } else { strength * part / self.spacing });
-        Response {
-            own_row,
-            own: strength * own[0] + x * own[1] + y * own[2],
-            round: round.into_iter().map(|(row, shares)| (row, x * shares[0] + y * shares[1])).collect(),
-        }
+    /// So much of the response and of each slope, to be read column by column.
+    pub(super) fn response<'a>(&self, places: &Places<'a>, unknowns: [f32; UNKNOWNS]) -> Response<'a> {
+        let of_row = |(row, shares): (&'a [u8], [f32; UNKNOWNS])| {
+            (row, shares.iter().zip(unknowns).map(|(share, unknown)| share * unknown).sum())
+        };
+        Response { rows: self.columns(places).rows.into_iter().map(of_row).collect() }
     }
 
     /// An offset, no longer than slopes hold for.
@@ -172,36 +194,47 @@ impl Spot {
         }
     }
 
-    /// The place that an offset is nearest to, this one unless another is clearly nearer.
-    pub(super) fn nearest(&self, surface: &Surface<'_>, places: &Places<'_>, offset: [f32; 2]) -> usize {
-        let here = self.point(self.within_reach(offset));
+    /// The spot that an offset is nearest to, if it is not this one and clearly nearer.
+    pub(super) fn nearest(&self, surface: &Surface<'_>, places: &Places<'_>, offset: [f32; 2]) -> Option<Self> {
+        let offset = self.within_reach(offset);
+        let here = self.point(offset);
         let (mut place, mut least) = (self.place, square_distance(here, self.centre));
-        for &(other, _) in self.round() {
+        for other in places.neighbours(self.place) {
             let away = square_distance(here, at(surface, places, other.into()).0);
             if away < 0.9 * least {
                 (place, least) = (other.into(), away);
             }
         }
-        place
+        if place != self.place {
+            let spot = Self::new(surface, places, place);
+            return Some(spot.stepped(spot.way_to(here)));
+        }
+        let stays = STAYS * self.spacing;
+        let is_far = offset.iter().zip(self.offset()).any(|(to, from)| (to - from).abs() > stays);
+        let spot = self.stepped(offset);
+        (is_far && spot.steps != self.steps).then_some(spot)
+    }
+
+    /// The spot of its place that an offset is nearest to.
+    fn stepped(&self, offset: [f32; 2]) -> Self {
+        let steps = offset.map(|part| libm::roundf(part / (STEP * self.spacing)).clamp(-1.0, 1.0) as i8);
+        Self { steps, ..*self }
     }
 }
 
 /// Response and slopes as sums over rows, without the columns' exponents.
 pub(super) struct Columns<'a> {
-    own_row: &'a [u8],
-    own: [f32; UNKNOWNS],
-    round: Round<(&'a [u8], [f32; 2])>,
+    rows: OfRows<(&'a [u8], [f32; UNKNOWNS])>,
 }
 
 impl Columns<'_> {
     /// Of four columns: response and slopes, `[unknown][column]`.
     #[inline(always)]
     pub(super) fn four(&self, four: usize) -> [[f32; GROUP]; UNKNOWNS] {
-        let own = Places::four(self.own_row, four);
-        let mut values = self.own.map(|share| own.map(|own| share * own));
-        for (row, shares) in &self.round {
+        let mut values = [[0.0; GROUP]; UNKNOWNS];
+        for (row, shares) in &self.rows {
             let responses = Places::four(row, four);
-            for (values, share) in values[1..].iter_mut().zip(shares) {
+            for (values, share) in values.iter_mut().zip(shares) {
                 values.iter_mut().zip(responses).for_each(|(value, response)| *value += share * response);
             }
         }
@@ -211,17 +244,15 @@ impl Columns<'_> {
 
 /// One press' response as a sum over rows, without the columns' exponents.
 pub(super) struct Response<'a> {
-    own_row: &'a [u8],
-    own: f32,
-    round: Round<(&'a [u8], f32)>,
+    rows: OfRows<(&'a [u8], f32)>,
 }
 
 impl Response<'_> {
     /// Of four columns.
     #[inline(always)]
     pub(super) fn four(&self, four: usize) -> [f32; GROUP] {
-        let mut values = Places::four(self.own_row, four).map(|response| self.own * response);
-        for (row, share) in &self.round {
+        let mut values = [0.0; GROUP];
+        for (row, share) in &self.rows {
             let responses = Places::four(row, four);
             values.iter_mut().zip(responses).for_each(|(value, response)| *value += share * response);
         }
@@ -252,13 +283,22 @@ pub(super) fn at(surface: &Surface<'_>, places: &Places<'_>, place: usize) -> ([
     pixel.map_or(([0.0; 3], [0.0, 0.0, 1.0]), |pixel| (surface.centre(&pixel), surface.normal(&pixel)))
 }
 
-/// Two unit vectors at right angles to each other and to a unit vector.
-fn tangents([x, y, z]: [f32; 3]) -> [[f32; 3]; 2] {
-    // Duff et al., Building an orthonormal basis, revisited, JCGT 6(1), 2017.
-    let sign = 1.0_f32.copysign(z);
-    let a = -1.0 / (sign + z);
-    let b = x * y * a;
-    [[1.0 + sign * x * x * a, sign * b, -sign * x], [b, sign + y * y * a, -y]]
+/// Two unit vectors at right angles to each other and to a normal, the first of them as a way goes.
+fn axes(normal: [f32; 3], way: [f32; 3]) -> [[f32; 3]; 2] {
+    let up = dot(normal, way);
+    let along = [0, 1, 2].map(|part| way[part] - up * normal[part]);
+    let scale = 1.0 / libm::sqrtf(dot(along, along)).max(f32::MIN_POSITIVE);
+    let [x, y, z] = along.map(|part| scale * part);
+    let [a, b, c] = normal;
+    [[x, y, z], [b * z - c * y, c * x - a * z, a * y - b * x]]
+}
+
+fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [0, 1, 2].map(|part| a[part] - b[part])
+}
+
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]
@@ -266,19 +306,47 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tangents_are_at_right_angles_on_both_sides_of_the_plane() {
+    fn axes_are_at_right_angles_and_the_first_goes_as_the_way_does() {
+        let way = [0.01, 0.02, -0.005];
         for normal in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.6, 0.0, -0.8], [0.48, 0.6, 0.64]] {
-            let [a, b] = tangents(normal);
-            let dot = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f32>();
+            let [a, b] = axes(normal, way);
             for (value, expected) in [
                 (dot(a, a), 1.0),
                 (dot(b, b), 1.0),
                 (dot(a, b), 0.0),
                 (dot(a, normal), 0.0),
                 (dot(b, normal), 0.0),
+                (dot(b, way), 0.0),
             ] {
                 assert!((value - expected).abs() < 1e-6, "{normal:?}: {a:?} {b:?}");
             }
+            assert!(dot(a, way) > 0.0);
         }
+        assert!(axes([0.0, 0.0, 1.0], [0.0; 3]).as_flattened().iter().all(|part| part.is_finite()));
+    }
+
+    #[test]
+    fn a_press_has_the_unknowns_of_its_offset_and_the_other_way_round() {
+        let spot = Spot { spacing: 0.01, steps: [1, -1], ..Spot::free() };
+        assert_eq!(spot.offset(), [0.005, -0.005]);
+        let [strength, x, y] = spot.unknowns_of(2.0, [0.006, -0.002]);
+        assert_eq!(strength, 2.0);
+        assert!((x - 0.2).abs() < 1e-6 && (y - 0.6).abs() < 1e-6, "{x} {y}");
+        let offset = spot.offset_of(2.0, [x, y]);
+        assert!((offset[0] - 0.006).abs() < 1e-8 && (offset[1] + 0.002).abs() < 1e-8, "{offset:?}");
+    }
+
+    #[test]
+    fn spots_of_all_places_have_keys_of_their_own() {
+        let mut keys = std::vec::Vec::new();
+        for place in 0..256 {
+            keys.push(Spot { place, ..Spot::default() }.key());
+            for steps in [-1, 0, 1].into_iter().flat_map(|x| [-1, 0, 1].map(|y| [x, y])) {
+                keys.push(Spot { place, steps, ..Spot::free() }.key());
+            }
+        }
+        keys.sort_unstable();
+        keys.dedup();
+        assert_eq!(keys.len(), 2560);
     }
 }

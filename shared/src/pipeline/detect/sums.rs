@@ -126,7 +126,7 @@ impl Sums {
     /// `one' S^-1 y` of the data y.
     pub(super) fn with_data(&mut self, places: &Places<'_>, one: &Spot) -> Side {
         let data = &mut self.data;
-        self.sides.get(one.key().into(), || one.of_places(|place| data.with(places, place)))
+        self.sides.get(one.key().into(), || one.of_places(places, |place| data.with(places, place)))
     }
 
     /// What known changes explain of values, `[measurement]`, that come without what is common to all.
