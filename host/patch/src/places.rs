@@ -132,7 +132,7 @@ mod tests {
     /// Three places and a smooth change.
     fn places(rows: [[i16; 6]; 4]) -> FixedPlaces {
         let layout = DetectionLayout { smooth: 1, level: 5.0, ..DetectionLayout::default() };
-        let place = |pixel| Place { pixel, neighbours: [0; 6] };
+        let place = |pixel| Place { pixel, neighbours: [0; 6], shares: [[0; 5]; 7] };
         FixedPlaces::new(
             layout,
             vec![place(4), place(2), place(9)],

@@ -67,8 +67,11 @@ pub fn small_patch() -> Vec<u8> {
             averaging: 0.1,
         },
     };
-    let places: [Place; 4] =
-        std::array::from_fn(|n| Place { pixel: n as u16, neighbours: [0, 1, 2, 3, 0, 1] });
+    let places: [Place; 4] = std::array::from_fn(|n| Place {
+        pixel: n as u16,
+        neighbours: [0, 1, 2, 3, 0, 1],
+        shares: [[-40, 25, 3, -2, 1], [10; 5], [20, -20, 127, -127, 0], [5; 5], [0; 5], [0; 5], [5; 5]],
+    });
     let mut responses = [0; 16];
     for row in 0..4 {
         responses[coefficient_index(4, row, 0)] = 9000 - 5000 * row as i16;

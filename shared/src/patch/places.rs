@@ -164,12 +164,14 @@ impl<'a> Places<'a> {
         self.get(place).map_or([0; PLACE_NEIGHBOURS], |place| place.neighbours)
     }
 
-    /// The places whose rows the response round one is made of, with what each has of it by term, see [`SHARE_TERMS`].
-    pub fn rows_round(&self, place: usize) -> impl Iterator<Item = (usize, [f32; SHARE_TERMS])> + use<'a> {
-        let found = self.get(place);
-        found.into_iter().flat_map(move |Place { neighbours, shares, .. }| {
-            let rows = core::iter::once(place).chain(neighbours.map(usize::from));
-            rows.zip(shares.map(|terms| terms.map(|share| SHARE_UNIT * f32::from(share))))
+    /// The places whose rows the response round one is made of, with what each has of it by term, [`SHARE_UNIT`]s, see
+    /// [`SHARE_TERMS`].
+    pub fn rows_round(&self, place: usize) -> impl Iterator<Item = (usize, [i32; SHARE_TERMS])> + use<'a> {
+        self.places.get(place).into_iter().flat_map(move |[_, _, rest @ ..]| {
+            let (neighbours, shares) = rest.split_at(PLACE_NEIGHBOURS);
+            let rows = core::iter::once(place).chain(neighbours.iter().map(|&place| place.into()));
+            let shares = shares.as_chunks().0.iter();
+            rows.zip(shares.map(|terms: &[u8; SHARE_TERMS]| terms.map(|byte| i32::from(byte as i8))))
         })
     }
 
@@ -310,8 +312,8 @@ mod tests {
         assert_eq!(places.get(1), Some(Place { pixel: 2, neighbours: [0; 6], shares: SHARES }));
         let round: Vec<_> = places.rows_round(1).collect();
         assert_eq!(round.len(), PLACE_ROWS);
-        assert_eq!(round[0], (1, [-1.0, 1.0 / 32.0, 2.0 / 32.0, 3.0 / 32.0, 4.0 / 32.0]));
-        assert_eq!(round[6], (0, [0.0, 0.0, 0.0, 0.0, 127.0 / 32.0]));
+        assert_eq!(round[0], (1, [-32, 1, 2, 3, 4]));
+        assert_eq!(round[6], (0, [0, 0, 0, 0, 127]));
         assert_eq!(places.rows_round(2).count(), 0);
     }
 

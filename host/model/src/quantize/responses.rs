@@ -3,11 +3,7 @@
 //! The response to a press is linear: the Jacobian's columns, summed over the pixels under it. Places are chosen among the
 //! pixels ([`super::choice`]).
 
-use super::{
-    PatchBuildError,
-    choice::Candidates,
-    exponents_of, rounded_rows,
-};
+use super::{PatchBuildError, choice::Candidates, exponents_of, rounded_rows};
 use crate::{inverse::movement::Movement, metrics::detectability::passing, model::Model, skin::Skin};
 use dermatome_patch::places::FixedPlaces;
 use dermatome_shared::patch::places::{DetectionLayout, MAX_PLACES};

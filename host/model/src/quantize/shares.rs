@@ -132,11 +132,7 @@ fn axes(normal: &Vector3<f64>, way: &Vector3<f64>) -> [Vector3<f64>; 2] {
 }
 
 /// The places round one: the closest in each sixth of a turn, then the closest of all the others.
-fn round(
-    centres: &[Point3<f64>],
-    normal: &Vector3<f64>,
-    place: usize,
-) -> [usize; PLACE_NEIGHBOURS] {
+fn round(centres: &[Point3<f64>], normal: &Vector3<f64>, place: usize) -> [usize; PLACE_NEIGHBOURS] {
     let [axis, other_axis] = tangents(normal);
     let mut others: Vec<usize> = (0..centres.len()).filter(|&other| other != place).collect();
     let away = |other: &usize| (centres[*other] - centres[place]).norm_squared();
@@ -153,4 +149,73 @@ fn round(
     let more: Vec<usize> = others.into_iter().filter(|other| !round.contains(other)).collect();
     round.extend(more.into_iter().take(PLACE_NEIGHBOURS - round.len()));
     std::array::from_fn(|n| round[n])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{model::Model, quantize::responses::responses, skin::Skin};
+    use std::path::Path;
+
+    fn square() -> Model {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/square-50mm/skin.toml");
+        Model::build(&Skin::load(&file).unwrap().made().unwrap(), |_| ()).unwrap()
+    }
+
+    /// A share of the squares of each response that is left of it, by how it is made of the rows of the place nearest to it,
+    /// with shares or with the place's own row only: `[pixel]`.
+    fn left(model: &Model, responses: &Mat<f64>, has_shares: bool) -> Vec<f64> {
+        let products = responses.transpose() * responses;
+        let places: Vec<usize> = (0..model.pixels.count()).step_by(3).collect();
+        let rounds = Rounds::new(&model.pixels, &products, &places);
+        let made = rounds.places();
+        let centres = &model.pixels.centres;
+        let of_pixel = |pixel: usize| {
+            let away = |place: &usize| (centres[places[*place]] - centres[pixel]).norm_squared();
+            let nearest = (0..places.len()).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap();
+            let rows = rounds.rows(nearest);
+            let way = |to: usize| centres[to] - centres[rows[0]];
+            let axes = axes(&model.pixels.normals[rows[0]], &way(rows[1]));
+            let spacing = rows[1..].iter().map(|&row| way(row).norm()).sum::<f64>() / PLACE_NEIGHBOURS as f64;
+            let terms = terms(axes.map(|axis| axis.dot(&way(pixel)) / spacing));
+            let mut rest = responses.col(pixel) - responses.col(rows[0]);
+            for (row, shares) in rows.iter().zip(made[nearest].shares).filter(|_| has_shares) {
+                let share: f64 = terms.iter().zip(shares).map(|(term, share)| term * f64::from(share)).sum();
+                rest -= faer::Scale(share * f64::from(SHARE_UNIT)) * responses.col(*row);
+            }
+            rest.squared_norm_l2() / responses.col(pixel).squared_norm_l2()
+        };
+        (0..model.pixels.count()).map(of_pixel).collect()
+    }
+
+    #[test]
+    fn responses_that_bend_as_shares_do_are_made_of_the_rows_round_a_place() {
+        let model = square();
+        let responses = Mat::from_fn(6, model.pixels.count(), |m, press| {
+            let [x, y] =
+                [model.pixels.centres[press].x, model.pixels.centres[press].y].map(|part| part / 0.05);
+            [1.0, x, y, x * x, x * y, y * y][m]
+        });
+        let most = |has_shares| left(&model, &responses, has_shares).into_iter().fold(0.0, f64::max);
+        let [with, without] = [true, false].map(most);
+        assert!(with < 2e-5, "{with}");
+        assert!(without > 1e-2, "{without}");
+    }
+
+    #[test]
+    fn shares_leave_hardly_anything_of_a_press_between_places() {
+        let model = square();
+        let noise = model.relative_noise();
+        let mut responses = responses(&model);
+        for (m, noise) in noise.iter().enumerate() {
+            responses.row_mut(m).iter_mut().for_each(|response| *response /= noise);
+        }
+        let mean = |has_shares| {
+            let left = left(&model, &responses, has_shares);
+            left.iter().sum::<f64>() / left.len() as f64
+        };
+        let [with, without] = [true, false].map(mean);
+        assert!(with < 0.02, "{with}");
+        assert!(with < 0.1 * without, "{with} {without}");
+    }
 }

@@ -1,7 +1,7 @@
 //! A patch with places.
 
 use super::*;
-use crate::patch::places::Place;
+use crate::patch::places::{PLACE_NEIGHBOURS, PLACE_ROWS, Place, SHARE_TERMS, SHARE_UNIT};
 
 /// A square of 12 x 12 pixels of 10 mm with a place on each, to which 40 measurements here and there respond: by 0.1 where
 /// they are, less by distance. Smooth changes and slips are told from presses.
@@ -44,7 +44,12 @@ pub(crate) fn patch_with_places(level: f32, averaging: f32) -> std::vec::Vec<u8>
             others.sort_by(|&a, &b| {
                 away(&centres[place], &centres[a]).total_cmp(&away(&centres[place], &centres[b]))
             });
-            Place { pixel: place as u16, neighbours: core::array::from_fn(|n| others[n] as u8) }
+            let round: [_; PLACE_NEIGHBOURS] = core::array::from_fn(|n| centres[others[n]]);
+            Place {
+                pixel: place as u16,
+                neighbours: core::array::from_fn(|n| others[n] as u8),
+                shares: linear(centres[place], round),
+            }
         })
         .collect();
     let (pixels, neighbours) = square(ACROSS).tables();
@@ -73,4 +78,26 @@ pub(crate) fn patch_with_places(level: f32, averaging: f32) -> std::vec::Vec<u8>
         },
         play_operators: &[],
     })
+}
+
+/// Shares of responses that change linearly with the place, by least squares over the places round it.
+fn linear(centre: [f32; 3], round: [[f32; 3]; PLACE_NEIGHBOURS]) -> [[i8; SHARE_TERMS]; PLACE_ROWS] {
+    let ways = round.map(|at| [at[0] - centre[0], at[1] - centre[1]]);
+    let lengths = ways.map(|[x, y]| x.hypot(y));
+    let spacing = lengths.iter().sum::<f32>() / PLACE_NEIGHBOURS as f32;
+    let [along_x, along_y] = ways[0].map(|part| part / lengths[0]);
+    let ways =
+        ways.map(|[x, y]| [along_x * x + along_y * y, along_x * y - along_y * x].map(|part| part / spacing));
+    let sum = |a: usize, b: usize| ways.iter().map(|way| way[a] * way[b]).sum::<f32>();
+    let (xx, xy, yy) = (sum(0, 0), sum(0, 1), sum(1, 1));
+    let determinant = xx * yy - xy * xy;
+    let mut shares = [[0; SHARE_TERMS]; PLACE_ROWS];
+    for (row, [x, y]) in ways.into_iter().enumerate() {
+        for (term, share) in [yy * x - xy * y, xx * y - xy * x].into_iter().enumerate() {
+            let share = (share / determinant / SHARE_UNIT).round() as i8;
+            shares[1 + row][term] = share;
+            shares[0][term] -= share;
+        }
+    }
+    shares
 }

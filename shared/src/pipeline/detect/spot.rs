@@ -4,7 +4,7 @@ use crate::{
     image::surface::{Surface, square_distance},
     patch::{
         matrix::GROUP,
-        places::{PLACE_NEIGHBOURS, PLACE_ROWS, Places},
+        places::{PLACE_NEIGHBOURS, PLACE_ROWS, Places, SHARE_UNIT},
     },
     pipeline::reference::power_of_two,
 };
@@ -12,10 +12,10 @@ use heapless::Vec;
 
 /// Unknowns of a press: its strength, and strength times offset along two axes.
 pub(super) const UNKNOWNS: usize = 3;
-/// Spots lie this far from each other, distances to the next places.
+/// Spots lie this far from each other, distances to the next places; their shares follow in whole numbers.
 const STEP: f32 = 0.5;
 /// A press goes to another spot of its place once it is so far from its own along an axis, distances to the next places.
-const STAYS: f32 = 0.3;
+const STAYS: f32 = 0.35;
 /// Farthest that a press goes from its place, distances to the next places.
 const FARTHEST: f32 = 1.0;
 /// Ways to the places round one at the skin's border sum up to more than this, their mean length being 1.
@@ -124,14 +124,15 @@ impl Spot {
             let _ = all.push((self.place, [1.0, 0.0, 0.0]));
             return all;
         }
-        let [x, y] = self.steps.map(|steps| STEP * f32::from(steps));
+        let [x, y] = self.steps.map(i32::from);
         all.extend(places.rows_round(self.place).map(|(row, [along_x, along_y, xx, xy, yy])| {
-            let slope_x = along_x + xx * x + xy * y;
-            let slope_y = along_y + xy * x + yy * y;
+            // In halves of a share's unit, and in eighths.
+            let slope_x = 2 * along_x + xx * x + xy * y;
+            let slope_y = 2 * along_y + xy * x + yy * y;
+            let more = (2 * along_x + slope_x) * x + (2 * along_y + slope_y) * y;
             let own = if row == self.place { 1.0 } else { 0.0 };
-            // Half of what bends is in the slopes.
-            let here = own + ((along_x + slope_x) * x + (along_y + slope_y) * y) / 2.0;
-            (row, [here, slope_x, slope_y])
+            let here = own + SHARE_UNIT / 8.0 * more as f32;
+            (row, [here, SHARE_UNIT / 2.0 * slope_x as f32, SHARE_UNIT / 2.0 * slope_y as f32])
         }));
         all
     }
@@ -195,7 +196,12 @@ impl Spot {
     }
 
     /// The spot that an offset is nearest to, if it is not this one and clearly nearer.
-    pub(super) fn nearest(&self, surface: &Surface<'_>, places: &Places<'_>, offset: [f32; 2]) -> Option<Self> {
+    pub(super) fn nearest(
+        &self,
+        surface: &Surface<'_>,
+        places: &Places<'_>,
+        offset: [f32; 2],
+    ) -> Option<Self> {
         let offset = self.within_reach(offset);
         let here = self.point(offset);
         let (mut place, mut least) = (self.place, square_distance(here, self.centre));
