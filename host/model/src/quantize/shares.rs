@@ -198,8 +198,9 @@ mod tests {
         });
         let most = |has_shares| left(&model, &responses, has_shares).into_iter().fold(0.0, f64::max);
         let [with, without] = [true, false].map(most);
-        assert!(with < 2e-5, "{with}");
-        assert!(without > 1e-2, "{without}");
+        // Shares are rounded.
+        assert!(with < 2e-3, "{with}");
+        assert!(without > 0.05, "{without}");
     }
 
     #[test]

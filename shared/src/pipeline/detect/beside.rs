@@ -1,6 +1,6 @@
 //! Presses beside changes that are known to be none: a finger may move the electrodes that it pulls at.
 
-use super::{Change, Detector, SUDDEN, fit::Fit, judge::SLIP_LEAVES, press::copy};
+use super::{Change, Detector, SUDDEN, fit::Fit, press::copy};
 
 /// After so many frames of which presses leave much that is looked for, after so many again, and each so many from then on.
 const AFTER: u8 = 6;
@@ -12,8 +12,10 @@ const EXPLAIN: f32 = 2.0;
 /// Where presses alone explain most, this share of what they leave: fingers of 4 % of the size beside slips and stretches
 /// leave up to 0.2 %, and as many presses without them hardly ever less than 2 %.
 const LEAVE: f32 = 0.01;
-/// Where there is a slip and no press, this share.
+/// Where there is a slip and no press, this share, and this one of all: slips of 2 % of the skin's size leave up to 0.8 %, as
+/// they change voltages not quite linearly.
 const KNOWN_LEAVE: f32 = 0.1;
+const KNOWN_LEAVE_OF_ALL: f32 = 0.02;
 
 /// Whether it is looked for after so many frames.
 pub(super) fn is_asked_after(frames: u8) -> bool {
@@ -65,7 +67,7 @@ impl Detector {
         }
         self.sums.latest_known = looked_for;
         let by_noise = 3.0 * fit.spread();
-        if by_known < SLIP_LEAVES * alone.energy + by_noise
+        if by_known < KNOWN_LEAVE_OF_ALL * alone.energy + by_noise
             && by_known.max(by_noise) < KNOWN_LEAVE * alone.unexplained()
         {
             self.presses.clear();

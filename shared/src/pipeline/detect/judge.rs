@@ -14,7 +14,7 @@ const LIFT_LEAVES: f32 = 0.25;
 /// Electrodes that slip by a hundredth of the skin's size leave less than this share of what changed unexplained, presses
 /// hardly ever as little: simulated fingers of 3 to 10 % of the size leave at least 0.1 %, in corners, and 10 to 40 % in
 /// most places.
-pub(super) const SLIP_LEAVES: f32 = 0.005;
+const SLIP_LEAVES: f32 = 0.005;
 /// And presses leave more of a slip than this share of what they explain, any other one press and smooth changes of the
 /// rest.
 const OTHERS_LEAVE: f32 = 0.15;

@@ -325,6 +325,12 @@ impl Detector {
         self.unexplained = if is_explained { 0 } else { self.unexplained.saturating_add(1) };
         let is_settled = is_explained && (is_known || self.is_settled(&fit));
         self.unsettled = if is_settled { 0 } else { beside::next_after(self.unsettled) };
+        for press in &mut fit.presses {
+            press.is_doubtful = !is_explained && (press.is_doubtful || press.is_new());
+        }
+        if self.unexplained >= UNDECIDED {
+            fit.presses.retain(|press| !press.is_doubtful);
+        }
         if self.unexplained > 0 {
             self.change = if self.is_undecided() { Change::Pressed } else { Change::Unlike };
         }

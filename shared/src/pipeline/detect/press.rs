@@ -43,6 +43,8 @@ pub(super) struct Press {
     pub(super) strength_deviation: f32,
     /// By how many standard deviations it is above zero.
     pub(super) significance: f32,
+    /// Whether it came with what presses do not account for, and has not accounted for a frame since.
+    pub(super) is_doubtful: bool,
 }
 
 impl Press {
@@ -57,6 +59,7 @@ impl Press {
             before: 0.0,
             strength_deviation: 0.0,
             significance: 0.0,
+            is_doubtful: false,
         }
     }
 
