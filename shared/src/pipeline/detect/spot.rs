@@ -62,7 +62,8 @@ impl Spot {
         let sum = ways.iter().fold([0.0; 2], |sum, way| [sum[0] + way[0], sum[1] + way[1]]);
         let one_sided = ONE_SIDED * spot.spacing;
         spot.is_at_border = sum[0] * sum[0] + sum[1] * sum[1] > one_sided * one_sided;
-        spot
+        // In a corner presses of all strengths look alike; a step towards the middle they do not.
+        if spot.is_at_border { spot.stepped(sum.map(|part| part / 2.0)) } else { spot }
     }
 
     /// One whose presses need not stay on it.
