@@ -193,14 +193,13 @@ mod tests {
         let model = square();
         let responses = Mat::from_fn(6, model.pixels.count(), |m, press| {
             let [x, y] =
-                [model.pixels.centres[press].x, model.pixels.centres[press].y].map(|part| part / 0.05);
+                [model.pixels.centres[press].x, model.pixels.centres[press].y].map(|part| part / 0.01);
             [1.0, x, y, x * x, x * y, y * y][m]
         });
         let most = |has_shares| left(&model, &responses, has_shares).into_iter().fold(0.0, f64::max);
         let [with, without] = [true, false].map(most);
         // Shares are rounded.
-        assert!(with < 2e-3, "{with}");
-        assert!(without > 0.05, "{without}");
+        assert!(with < 2e-3 && with < 0.05 * without, "{with} {without}");
     }
 
     #[test]
