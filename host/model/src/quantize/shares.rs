@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, Point3, Vector2, Vector3};
 use rayon::prelude::*;
 
 /// Shares of a place's own row and of its neighbours', [`SHARE_UNIT`]s: `[row][term]`.
-pub(super) type Shares = [[i8; SHARE_TERMS]; PLACE_ROWS];
+type Shares = [[i8; SHARE_TERMS]; PLACE_ROWS];
 
 /// Pixels count for `exp(-(d² - n²) / NEAR²)`, d being how far they are from the place and n from the nearest one, in mean
 /// distances of its neighbours: those that are nearest to another place are fitted there.
