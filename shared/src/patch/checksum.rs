@@ -1,9 +1,9 @@
 //! Checksum of patches, packets and whatever the board keeps.
 
-use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
+use crc::{CRC_32_ISO_HDLC, Crc};
 
-/// Without a table, which takes 1 kB of the board's flash.
-const CRC32: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
+/// With a table of 1 kB: without one, images that are streamed cost the board frames.
+static CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// CRC-32/ISO-HDLC of some parts, one after the other.
 // Once on the board, not wherever it is asked for.

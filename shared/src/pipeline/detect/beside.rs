@@ -2,10 +2,11 @@
 
 use super::{Change, Detector, SUDDEN, fit::Fit, press::copy};
 
-/// After so many frames of which presses leave much that is looked for, after so many again, and each so many from then on.
+/// After so many frames of which presses leave much that is looked for, after so many again, and each so many from then on:
+/// no multiple of 8, as that takes long, and so does an image that is streamed every so many frames.
 const AFTER: u8 = 6;
 const AGAIN: u8 = 22;
-const EACH: u8 = 64;
+const EACH: u8 = 61;
 /// Presses beside known changes explain so many times what both leave: what electrodes that slip by half a hundredth of the
 /// skin's size leave, as they change voltages not quite linearly, looks like a press that explains up to 1.8 times the rest.
 const EXPLAIN: f32 = 2.0;
@@ -58,7 +59,7 @@ impl Detector {
         let is_pressed = fit.explained > EXPLAIN * left
             && fit.presses.first().is_some_and(|press| press.strength >= SUDDEN);
         if is_better && is_pressed {
-            self.sums.latest_known.parts = fit.known(&self.sums);
+            self.sums.latest_known.parts = fit.known(&mut self.sums);
             copy(&fit.presses, &mut self.presses);
             self.change = Change::PressedAndSlipped;
             (self.unexplained, self.unsettled, self.is_slipped) = (0, 0, false);

@@ -54,12 +54,6 @@ fn with_parts(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Takes parts out of others.
-#[inline(never)]
-fn take_parts(parts: &mut [f32], others: &[f32]) {
-    parts.iter_mut().zip(others).for_each(|(part, other)| *part -= other);
-}
-
 /// Some presses, and how well they explain the data.
 pub(super) struct Fit<'a> {
     pub(super) skin: &'a Skin<'a>,
@@ -266,7 +260,8 @@ impl<'a> Fit<'a> {
         };
         Self::responses(self.skin, &self.presses, &mut take);
         if self.is_beside_known {
-            sums.known.add(&self.known(sums), false, places, &mut take);
+            let parts = self.known(sums);
+            sums.known.add(&parts, false, places, &mut take);
         }
         let weights = &sums.data.weights;
         take_out(common, weights, &mut left);
@@ -277,24 +272,16 @@ impl<'a> Fit<'a> {
     }
 
     /// The parts along known changes of what the presses leave of the data.
-    pub(super) fn known(&self, sums: &Sums) -> Parts {
+    pub(super) fn known(&self, sums: &mut Sums) -> Parts {
+        let Skin { places, common, .. } = self.skin;
         let mut left = sums.latest_known.parts;
         for press in &self.presses {
-            take_parts(&mut left, &self.known_of(sums, &press.spot, press.solved()));
+            let parts = sums.known_with(places, common, &press.spot);
+            for (unknown, parts) in press.solved().into_iter().zip(parts) {
+                left.iter_mut().zip(parts).for_each(|(left, part)| *left -= unknown * part);
+            }
         }
         left
-    }
-
-    /// The parts along known changes of so much of the response at a spot, and of its slopes.
-    // Not inlined, so that what it needs of the stack is free again for all else.
-    #[inline(never)]
-    fn known_of(&self, sums: &Sums, spot: &Spot, unknowns: [f32; UNKNOWNS]) -> Parts {
-        let Skin { places, common, .. } = self.skin;
-        let mut values = Changes::new();
-        let response = spot.response(places, unknowns);
-        each(places, |at| response.four(at), |_, value| values.push(value).unwrap_or(()));
-        take_out(common, &sums.data.weights, &mut values);
-        sums.of_known(places, &values).parts
     }
 
     /// Strengths and offsets of all presses at their places; no presses where they cannot be told apart, and says whether
@@ -368,14 +355,14 @@ impl<'a> Fit<'a> {
     /// Leaves of the normal equations what known changes do not explain.
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
-    fn leave_known_out(&self, sums: &Sums, system: &mut System) {
+    fn leave_known_out(&self, sums: &mut Sums, system: &mut System) {
+        let Skin { places, common, .. } = self.skin;
         let mut all = [[0.0; MAX_KNOWN]; MAX_BESIDE];
         let mut row = 0;
         for press in &self.presses {
-            for unknown in 0..press.unknowns().min(MAX_BESIDE - row) {
-                let mut unit = [0.0; UNKNOWNS];
-                unit[unknown] = 1.0;
-                all[row] = self.known_of(sums, &press.spot, unit);
+            let parts = sums.known_with(places, common, &press.spot);
+            for parts in parts.iter().take(press.unknowns().min(MAX_BESIDE - row)) {
+                all[row] = *parts;
                 system.right[row] -= with_parts(&all[row], &sums.latest_known.parts);
                 for column in 0..=row {
                     system.matrix[row][column] -= with_parts(&all[row], &all[column]);

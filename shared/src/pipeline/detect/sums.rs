@@ -2,8 +2,8 @@
 //! data, weighted by the noise. Most presses stay where they were, so that the former are kept from frame to frame.
 
 use super::{
-    known::{Known, KnownFit},
-    spot::{Spot, UNKNOWNS},
+    known::{Known, KnownFit, Parts},
+    spot::{Spot, UNKNOWNS, each},
 };
 use crate::{
     limits::MAX_MEASUREMENTS,
@@ -19,6 +19,8 @@ use heapless::Vec;
 const KEPT: usize = 56;
 /// And of presses with the data.
 const KEPT_OF_DATA: usize = 16;
+/// And with known changes, beside which no more presses are fitted.
+const KEPT_OF_KNOWN: usize = 2;
 
 /// Of response and slopes with the data.
 type Side = [f32; UNKNOWNS];
@@ -87,6 +89,7 @@ pub(super) struct Sums {
     blocks: Kept<Block, KEPT>,
     /// By spot.
     sides: Kept<Side, KEPT_OF_DATA>,
+    known_parts: Kept<[Parts; UNKNOWNS], KEPT_OF_KNOWN>,
 }
 
 impl Sums {
@@ -119,6 +122,7 @@ impl Sums {
             self.blocks.clear();
         }
         self.sides.clear();
+        self.known_parts.clear();
         self.scaled.fours.clear();
         codes.codes.clear();
     }
@@ -133,12 +137,29 @@ impl Sums {
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
     pub(super) fn of_known(&self, places: &Places<'_>, values: &[f32]) -> KnownFit {
-        let mut codes = DifferenceData::default();
-        quantise(places, values, &self.data.weights, &mut codes);
-        let scale = power_of_two((-codes.exponent).clamp(-126, 127));
-        let rows = places.count()..places.count() + places.known();
-        let sums = rows.map(|row| reconstruct::product(places.row(row), &codes.codes) as f32 * scale);
-        self.known.fit(places, sums)
+        of_known(&self.known, places, &self.data.weights, values)
+    }
+
+    /// The parts along known changes of the response at a spot, and of its slopes.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    pub(super) fn known_with(
+        &mut self,
+        places: &Places<'_>,
+        common: &[f32],
+        spot: &Spot,
+    ) -> [Parts; UNKNOWNS] {
+        let (known, weights) = (&self.known, &self.data.weights);
+        let parts = |unknown: usize| {
+            let mut unit = [0.0; UNKNOWNS];
+            unit[unknown] = 1.0;
+            let mut values = Changes::new();
+            let response = spot.response(places, unit);
+            each(places, |at| response.four(at), |_, value| values.push(value).unwrap_or(()));
+            take_out(common, weights, &mut values);
+            of_known(known, places, weights, &values).parts
+        };
+        self.known_parts.get(spot.key().into(), || [0, 1, 2].map(parts))
     }
 
     /// `one' S^-1 other`, less what both have in common with a change that is common to all.
@@ -179,6 +200,18 @@ impl Data {
         }
         &self.codes
     }
+}
+
+/// What known changes explain of values under these weights, `[measurement]`.
+// Once on the board, for all that asks.
+#[inline(never)]
+fn of_known(known: &Known, places: &Places<'_>, weights: &[f32], values: &[f32]) -> KnownFit {
+    let mut codes = DifferenceData::default();
+    quantise(places, values, weights, &mut codes);
+    let scale = power_of_two((-codes.exponent).clamp(-126, 127));
+    let rows = places.count()..places.count() + places.known();
+    let sums = rows.map(|row| reconstruct::product(places.row(row), &codes.codes) as f32 * scale);
+    known.fit(places, sums)
 }
 
 /// Values times their inverse variances, `[measurement]`, as they meet responses.
