@@ -20,7 +20,7 @@ use dermatome_model::{
     stimulation,
 };
 use dermatome_patch::{output::write_whole, write::Stored};
-use dermatome_shared::patch::PatchView;
+use dermatome_shared::patch::{PatchView, places::MAX_PLACES};
 use dermatome_view::plot::criterion_svg;
 use serde::Serialize;
 use std::{
@@ -93,6 +93,11 @@ struct PatchReport {
     bytes: usize,
     #[serde(rename = "patch_crc")]
     crc: String,
+    /// Where presses are looked for.
+    places: u16,
+    /// How many pixels would leave room for all places.
+    #[serde(skip)]
+    pixels_for_all_places: Option<usize>,
     fixed_point_error: FixedPointError,
     calibration: CalibrationReport,
 }
@@ -305,7 +310,15 @@ fn write_patch(
         preserved_from: args.preserve_calibration.clone(),
         is_doubtful,
     };
-    Ok(PatchReport { path, bytes: patch.len(), crc: patch_id(view.crc()), fixed_point_error, calibration })
+    Ok(PatchReport {
+        path,
+        bytes: patch.len(),
+        crc: patch_id(view.crc()),
+        places: view.header.detection.places,
+        pixels_for_all_places: quantize::pixels_for_all_places(&view),
+        fixed_point_error,
+        calibration,
+    })
 }
 
 /// Error of voltages on driven electrodes that is worth a warning, %.
@@ -336,6 +349,15 @@ fn warnings(skin: &Skin, mesh: &Quality, patch: Option<&PatchReport>, noise: f64
     let fixed_point = patch.map_or(0.0, |patch| patch.fixed_point_error.measured_percent);
     if fixed_point > WORST_ERROR_PERCENT {
         warnings.push(format!("fixed point costs {fixed_point:.2} % of the image's peak"));
+    }
+    let has_few_places = |patch: &&PatchReport| usize::from(patch.places) * 10 < MAX_PLACES * 9;
+    let few = patch.filter(has_few_places).and_then(|patch| Some((patch, patch.pixels_for_all_places?)));
+    if let Some((patch, pixels)) = few {
+        warnings.push(format!(
+            "the image leaves the patch room for {} places where presses are looked for, {MAX_PLACES} tell better where they \
+             are, and how many: about {pixels} pixels leave room for them (`image.pixels` or `image.columns`)",
+            patch.places
+        ));
     }
     if patch.is_some_and(|patch| patch.calibration.is_doubtful) {
         warnings.push(

@@ -22,7 +22,7 @@ use dermatome_shared::{
     patch::{
         PatchError, PatchHeader, PatchView,
         matrix::{COLUMN_EXPONENTS, INTERPOLATION_EXPONENT, MatrixLayout},
-        places::DetectionLayout,
+        places::{DetectionLayout, MAX_PLACES},
     },
     reconstruct::reconstruct,
     reference::DifferenceData,
@@ -190,6 +190,17 @@ pub fn patch_with(skin: &Skin, model: &Model, stored: &Stored) -> Result<Vec<u8>
         contents.places = responses::places(skin, model, room)?;
     }
     written(&contents, stored)
+}
+
+/// About how many pixels leave a patch room for all places that a board looks for presses at, if there is none for them.
+#[must_use]
+pub fn pixels_for_all_places(patch: &PatchView<'_>) -> Option<usize> {
+    let header = &patch.header;
+    let bytes = |places: u16| DetectionLayout { places, ..header.detection }.bytes(header.measurements);
+    let without_places = patch.bytes().len() - bytes(header.detection.places);
+    let room = MAX_PATCH_BYTES - ROOM_OF_CALIBRATION - bytes(MAX_PLACES as u16);
+    let pixels = usize::from(header.pixels);
+    (header.has_places() && without_places > room).then(|| pixels * room / without_places)
 }
 
 /// The patch of a model whose matrix was learnt from data that the model does not know of: nothing is interpolated, and

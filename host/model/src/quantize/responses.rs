@@ -130,6 +130,8 @@ fn slip_responses(model: &Model) -> Mat<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quantize;
+    use dermatome_shared::patch::PatchView;
     use std::path::Path;
 
     #[test]
@@ -145,6 +147,24 @@ mod tests {
             assert_eq!(in_room(room).unwrap().places, count);
         }
         let Err(PatchBuildError::FewPlaces { places: 0 }) = in_room(1000) else { panic!("there is no room") };
+    }
+
+    #[test]
+    fn where_the_image_takes_the_room_of_places_it_is_known_how_many_pixels_leave_it() {
+        let skin = include_str!("../../../../models/hemisphere-210mm-designed/skin.toml");
+        let patch_of = |pixels: usize| {
+            let text = skin.replace("\npixels = 700 ", &format!("\npixels = {pixels} "));
+            let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap().made().unwrap();
+            quantize::patch(&skin, &Model::build(&skin, |_| ()).unwrap()).unwrap()
+        };
+        let judge = |patch: &[u8]| {
+            let view = PatchView::validate(patch).unwrap();
+            (view.header.detection.places, quantize::pixels_for_all_places(&view))
+        };
+        let (places, pixels) = judge(&patch_of(800));
+        let pixels = pixels.unwrap();
+        assert!(places < 200 && (650..750).contains(&pixels), "{places} {pixels}");
+        assert_eq!(judge(&patch_of(pixels)), (256, None));
     }
 
     #[test]
