@@ -256,15 +256,19 @@ fn a_skin_that_is_stretched_or_whose_electrodes_slip_has_no_contact_and_hides_no
     }
 }
 
-/// Slips of electrodes inside a skin are not known there, and a press explains a third of what a stretch does: a contact that
-/// stayed, as the reference followed all but that.
+/// Where what a stretch does was not known three presses explained it, in one of twenty scenes: contacts that stayed.
 #[test]
-fn a_skin_with_electrodes_inside_that_is_stretched_has_no_contact() {
-    let figures = figures(&bench("hemisphere-210mm-designed"), "upset", &options(&[60.0], 1));
+fn a_skin_with_electrodes_inside_that_is_stretched_has_no_contact_and_hides_none_later() {
+    let figures = figures(
+        &bench("hemisphere-210mm-designed"),
+        "upset",
+        &Options { seed: 9301, ..options(&[60.0], 800) },
+    );
     for upset in ["stretched by 0.5 %", "stretched by 2 %"] {
         let of = |what: &str| found(&figures, &format!("{upset}: {what}"), 60.0);
         assert_eq!(of("frames with a contact"), 0.0, "{upset}");
         assert_eq!(of("press seen 30 s later"), 100.0, "{upset}");
+        assert!(of("press that comes with it seen") >= 50.0, "{upset}");
     }
 }
 

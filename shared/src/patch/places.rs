@@ -42,7 +42,8 @@ pub struct DetectionLayout {
     pub radius: f32,
     /// Smooth changes of the sheet that a press is told from, of no place, in rows behind those of the places.
     pub smooth: u8,
-    /// Electrodes whose slip along the rim a press is told from, in rows behind those.
+    /// Electrodes whose slip along the rim a press is told from, or ways that a skin with others may be stretched, in rows
+    /// behind those.
     pub slips: u8,
     /// Time over which still frames are averaged, s; 0 takes each for itself.
     pub averaging: f32,

@@ -4,11 +4,18 @@
 //! pixels ([`super::choice`]).
 
 use super::{PatchBuildError, choice::Candidates, exponents_of, rounded_rows};
-use crate::{inverse::movement::Movement, metrics::detectability::passing, model::Model, skin::Skin};
+use crate::{
+    inverse::movement::Movement,
+    jacobian::combine_voltages,
+    metrics::detectability::passing,
+    model::{Model, ModelError, forward_model},
+    skin::Skin,
+};
 use dermatome_patch::places::FixedPlaces;
 use dermatome_shared::patch::places::{DetectionLayout, MAX_PLACES};
 use faer::{Col, Mat, Scale};
 use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
 
 /// Radius of the standard press, a share of the skin's size.
 const RADIUS: f64 = 0.045;
@@ -20,6 +27,10 @@ fn radius(model: &Model) -> f64 {
 /// An even change of the sheet of 10 % that makes more standard deviations of a frame at 60 dB is told from presses: after a
 /// minute of that a skin with 14 had contacts that stayed, those with up to 5 none.
 const LEAST_EVEN: f64 = 8.0;
+/// Strain by which the response to a stretch is taken.
+const STRAIN: f64 = 1e-3;
+/// A way of stretching that changes voltages by less than this share of another's says nothing, as across a flat skin.
+const LEAST_STRETCH: f64 = 1e-3;
 /// Noise whose size is measured has longer tails than noise of known size: in 32 hours of frames at 40 dB 2.5 times as many
 /// were false contacts as normal noise makes.
 const TAILS: f64 = 4.0;
@@ -32,7 +43,7 @@ pub(super) fn places(skin: &Skin, model: &Model, room: usize) -> Result<FixedPla
     let noise = model.relative_noise();
     let smooth = smooth_responses(model);
     let even = even_response(model, &noise);
-    let slips = slip_responses(model);
+    let slips = slip_responses(skin, model);
     let layout = |places: usize| DetectionLayout {
         places: places as u16,
         smooth: (smooth.ncols() + usize::from(even.is_some())) as u8,
@@ -119,12 +130,37 @@ fn even_response(model: &Model, noise: &[f64]) -> Option<Col<f64>> {
     (0.1 * even.norm_l2() > LEAST_EVEN * deviation).then(|| Col::from_fn(noise.len(), |m| even[m] * noise[m]))
 }
 
-/// What the slip of each electrode changes difference data by, `[measurement][electrode]`; none unless all are on the rim.
-fn slip_responses(model: &Model) -> Mat<f64> {
+/// What the slip of each electrode changes difference data by, `[measurement][electrode]`, where all are on the rim. Those
+/// inside move two ways, which are more than there is room for: there it is what a stretch of the whole skin does, which
+/// moves them all, `[measurement][way]`.
+fn slip_responses(skin: &Skin, model: &Model) -> Mat<f64> {
     match &model.movement {
         Some(Movement { responses, is_on_rim: true }) => divided(model, responses.clone()),
-        _ => Mat::new(),
+        _ => stretch_responses(skin, model).map_or_else(|_| Mat::new(), |changes| divided(model, changes)),
     }
+}
+
+/// What a stretch of the whole skin changes voltages by, for each strain of space that changes them, as conductivity per
+/// square stays: `[measurement][way]`.
+fn stretch_responses(skin: &Skin, model: &Model) -> Result<Mat<f64>, ModelError> {
+    let voltages = |strain: &Matrix3<f64>| -> Result<Vec<f64>, ModelError> {
+        let mut mesh = model.mesh.clone();
+        mesh.nodes.iter_mut().for_each(|node| *node += strain * node.coords);
+        let conductivity = vec![skin.admittivity().re; mesh.elements.len()];
+        let fields = forward_model::<f64>(skin, &mesh)?.solve(&conductivity)?;
+        Ok(combine_voltages(&fields.voltages(&model.steps), &model.combination))
+    };
+    let of_strain = |(i, j): (usize, usize)| -> Result<Col<f64>, ModelError> {
+        let mut strain = Matrix3::zeros();
+        (strain[(i, j)], strain[(j, i)]) = (STRAIN, STRAIN);
+        let [longer, shorter] = [voltages(&strain)?, voltages(&-strain)?];
+        Ok(Col::from_fn(longer.len(), |m| (longer[m] - shorter[m]) / (2.0 * STRAIN)))
+    };
+    let ways = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
+    let responses: Vec<Col<f64>> = ways.into_par_iter().map(of_strain).collect::<Result<_, _>>()?;
+    let most = responses.iter().map(Col::norm_l2).fold(0.0, f64::max);
+    let known: Vec<&Col<f64>> = responses.iter().filter(|one| one.norm_l2() > LEAST_STRETCH * most).collect();
+    Ok(Mat::from_fn(responses[0].nrows(), known.len(), |m, way| known[way][m]))
 }
 
 #[cfg(test)]
@@ -147,6 +183,33 @@ mod tests {
             assert_eq!(in_room(room).unwrap().places, count);
         }
         let Err(PatchBuildError::FewPlaces { places: 0 }) = in_room(1000) else { panic!("there is no room") };
+    }
+
+    #[test]
+    fn a_stretch_of_a_skin_with_electrodes_inside_is_a_sum_of_known_ones_and_a_flat_skin_has_three() {
+        let text = include_str!("../../../../models/hemisphere-210mm-designed/skin.toml");
+        let skin = Skin::parse(Path::new("skin.toml"), text).unwrap().made().unwrap();
+        let model = Model::build(&skin, |_| ()).unwrap();
+        let known = stretch_responses(&skin, &model).unwrap();
+        assert_eq!((known.nrows(), known.ncols()), (model.jacobian.nrows(), 6));
+        let along = Vector3::new(0.6, -0.7, 0.4).normalize();
+        let mut mesh = model.mesh.clone();
+        mesh.nodes.iter_mut().for_each(|node| *node += along * (0.01 * along.dot(&node.coords)));
+        let conductivity = vec![skin.admittivity().re; mesh.elements.len()];
+        let fields = forward_model::<f64>(&skin, &mesh).unwrap().solve(&conductivity).unwrap();
+        let stretched = combine_voltages(&fields.voltages(&model.steps), &model.combination);
+        let mut left = Col::from_fn(stretched.len(), |m| stretched[m] - model.measurements()[m]);
+        let all = left.norm_l2();
+        for (way, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)].into_iter().enumerate() {
+            left -= Scale(0.01 * along[i] * along[j]) * known.col(way);
+        }
+        // What is left is of second order.
+        assert!(left.norm_l2() < 0.05 * all, "{} of {all}", left.norm_l2());
+
+        let disc = include_str!("../../../../models/disc-210mm/skin.toml");
+        let disc = Skin::parse(Path::new("skin.toml"), disc).unwrap().made().unwrap();
+        let flat = Model::build(&disc, |_| ()).unwrap();
+        assert_eq!(stretch_responses(&disc, &flat).unwrap().ncols(), 3);
     }
 
     #[test]

@@ -1,5 +1,5 @@
 //! Known changes that are no press: smooth ones of the sheet, such as a part of it that warms, and electrodes that slip along
-//! the rim. What they explain of data, beside presses.
+//! the rim, or a stretch of the whole skin where they lie inside it. What they explain of data, beside presses.
 //!
 //! The patch has the responses to them behind those of the places ([`crate::patch::places`]). A press resembles them more or
 //! less; what resembles them clearly more than any press is none.
