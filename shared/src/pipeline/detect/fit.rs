@@ -276,9 +276,9 @@ impl<'a> Fit<'a> {
         let Skin { places, common, .. } = self.skin;
         let mut left = sums.latest_known.parts;
         for press in &self.presses {
-            let parts = sums.known_with(places, common, &press.spot);
-            for (unknown, parts) in press.solved().into_iter().zip(parts) {
-                left.iter_mut().zip(parts).for_each(|(left, part)| *left -= unknown * part);
+            for (unknown, size) in press.solved().into_iter().enumerate().take(press.unknowns()) {
+                let parts = sums.known_with(places, common, &press.spot, unknown);
+                left.iter_mut().zip(parts).for_each(|(left, part)| *left -= size * part);
             }
         }
         left
@@ -360,9 +360,8 @@ impl<'a> Fit<'a> {
         let mut all = [[0.0; MAX_KNOWN]; MAX_BESIDE];
         let mut row = 0;
         for press in &self.presses {
-            let parts = sums.known_with(places, common, &press.spot);
-            for parts in parts.iter().take(press.unknowns().min(MAX_BESIDE - row)) {
-                all[row] = *parts;
+            for unknown in 0..press.unknowns().min(MAX_BESIDE - row) {
+                all[row] = sums.known_with(places, common, &press.spot, unknown);
                 system.right[row] -= with_parts(&all[row], &sums.latest_known.parts);
                 for column in 0..=row {
                     system.matrix[row][column] -= with_parts(&all[row], &all[column]);

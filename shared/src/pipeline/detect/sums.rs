@@ -19,8 +19,8 @@ use heapless::Vec;
 const KEPT: usize = 56;
 /// And of presses with the data.
 const KEPT_OF_DATA: usize = 16;
-/// And with known changes, beside which no more presses are fitted.
-const KEPT_OF_KNOWN: usize = 2;
+/// And with known changes: those of two presses, as no more are fitted beside them.
+const KEPT_OF_KNOWN: usize = 2 * UNKNOWNS;
 
 /// Of response and slopes with the data.
 type Side = [f32; UNKNOWNS];
@@ -89,7 +89,8 @@ pub(super) struct Sums {
     blocks: Kept<Block, KEPT>,
     /// By spot.
     sides: Kept<Side, KEPT_OF_DATA>,
-    known_parts: Kept<[Parts; UNKNOWNS], KEPT_OF_KNOWN>,
+    /// By spot, and which of response and slopes.
+    known_parts: Kept<Parts, KEPT_OF_KNOWN>,
 }
 
 impl Sums {
@@ -140,17 +141,18 @@ impl Sums {
         of_known(&self.known, places, &self.data.weights, values)
     }
 
-    /// The parts along known changes of the response at a spot, and of its slopes.
-    // Not inlined, so that what it needs of the stack is free again for all else.
+    /// The parts along known changes of the response at a spot, or of one of its slopes.
+    // Not inlined, so that what it needs of the stack is free again for all else; one at a time, as that is not much.
     #[inline(never)]
     pub(super) fn known_with(
         &mut self,
         places: &Places<'_>,
         common: &[f32],
         spot: &Spot,
-    ) -> [Parts; UNKNOWNS] {
+        unknown: usize,
+    ) -> Parts {
         let (known, weights) = (&self.known, &self.data.weights);
-        let parts = |unknown: usize| {
+        let make = || {
             let mut unit = [0.0; UNKNOWNS];
             unit[unknown] = 1.0;
             let mut values = Changes::new();
@@ -159,7 +161,7 @@ impl Sums {
             take_out(common, weights, &mut values);
             of_known(known, places, weights, &values).parts
         };
-        self.known_parts.get(spot.key().into(), || [0, 1, 2].map(parts))
+        self.known_parts.get((UNKNOWNS * usize::from(spot.key()) + unknown) as u32, make)
     }
 
     /// `one' S^-1 other`, less what both have in common with a change that is common to all.
