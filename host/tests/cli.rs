@@ -10,6 +10,7 @@ use program::{Desk, TINY, row, shape, tiny_voltages, transcript};
 use std::{
     fs::File,
     net::{SocketAddr, TcpListener},
+    path::Path,
     time::{Duration, Instant},
 };
 
@@ -149,6 +150,23 @@ fn reconstruct_warns_where_the_electrodes_are_numbered_the_other_way_round() {
     // The disc looks the same from behind; the order of the sense pairs does not.
     let done = desk.run(&[&files[..], &["--order", "relative"]].concat()).success();
     assert!(done.err.starts_with("warning: "), "{}", done.err);
+}
+
+#[test]
+fn build_warns_where_the_image_leaves_few_places_and_says_what_leaves_more() {
+    let desk = Desk::empty();
+    let build = |pixels: &str| {
+        let model = "../models/hemisphere-210mm-designed/skin.toml";
+        let skin = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(model)).unwrap();
+        desk.write("skin.toml", skin.replace("\npixels = 700", &format!("\npixels = {pixels}")));
+        let words = desk.run(&["build", "skin.toml", "--json", "b.json"]).success().err;
+        (words, desk.report("b.json")["places"].as_u64().unwrap())
+    };
+    let (words, places) = build("1000");
+    assert!(words.contains(&format!("the image leaves the patch room for {places} places")), "{words}");
+    let pixels = words.split_once("about ").unwrap().1.split_once(' ').unwrap().0;
+    let (words, more) = build(pixels);
+    assert!(words.is_empty() && more > 2 * places && more >= 230, "{pixels} pixels: {more} places, {words}");
 }
 
 #[test]

@@ -321,6 +321,8 @@ fn write_patch(
     })
 }
 
+/// Fewer places than these, nine tenths of all, are worth a warning: with 185 one finger was two in 2 of 100.
+const FEW_PLACES: usize = MAX_PLACES * 9 / 10;
 /// Error of voltages on driven electrodes that is worth a warning, %.
 const DRIVEN_ERROR_PERCENT: f64 = 1.0;
 
@@ -350,13 +352,12 @@ fn warnings(skin: &Skin, mesh: &Quality, patch: Option<&PatchReport>, noise: f64
     if fixed_point > WORST_ERROR_PERCENT {
         warnings.push(format!("fixed point costs {fixed_point:.2} % of the image's peak"));
     }
-    let has_few_places = |patch: &&PatchReport| usize::from(patch.places) * 10 < MAX_PLACES * 9;
-    let few = patch.filter(has_few_places).and_then(|patch| Some((patch, patch.pixels_for_all_places?)));
-    if let Some((patch, pixels)) = few {
+    if let Some(&PatchReport { places, pixels_for_all_places: Some(pixels), .. }) = patch
+        && usize::from(places) < FEW_PLACES
+    {
         warnings.push(format!(
-            "the image leaves the patch room for {} places where presses are looked for, {MAX_PLACES} tell better where they \
-             are, and how many: about {pixels} pixels leave room for them (`image.pixels` or `image.columns`)",
-            patch.places
+            "the image leaves the patch room for {places} places where presses are looked for, {MAX_PLACES} tell better where \
+             they are, and how many: about {pixels} pixels leave room for them (`image.pixels` or `image.columns`)"
         ));
     }
     if patch.is_some_and(|patch| patch.calibration.is_doubtful) {

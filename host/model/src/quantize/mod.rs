@@ -6,7 +6,7 @@ mod responses;
 mod shares;
 
 use crate::{
-    model::Model,
+    model::{Model, ModelError},
     skin::{FoundIn, Skin},
 };
 use dermatome_geometry::{mesh::ElectrodeContact, sheet::ElectrodeModel};
@@ -167,6 +167,9 @@ pub enum PatchBuildError {
         /// Largest relative conductivity.
         peak: f64,
     },
+    /// The model has no solution where the skin is stretched.
+    #[error("stretched a little: {0}")]
+    Stretched(#[from] ModelError),
     /// The patch does not pass its own checks.
     #[error("the skin does not make a valid patch: {0}")]
     Invalid(PatchError),

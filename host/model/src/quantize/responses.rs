@@ -27,8 +27,9 @@ fn radius(model: &Model) -> f64 {
 /// An even change of the sheet of 10 % that makes more standard deviations of a frame at 60 dB is told from presses: after a
 /// minute of that a skin with 14 had contacts that stayed, those with up to 5 none.
 const LEAST_EVEN: f64 = 8.0;
-/// Strain by which the response to a stretch is taken.
+/// Strain by which the response to a stretch is taken, and all kinds of strain, rows and columns of a symmetric tensor.
 const STRAIN: f64 = 1e-3;
+const STRAINS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 /// A way of stretching that changes voltages by less than this share of another's says nothing, as across a flat skin.
 const LEAST_STRETCH: f64 = 1e-3;
 /// Noise whose size is measured has longer tails than noise of known size: in 32 hours of frames at 40 dB 2.5 times as many
@@ -43,7 +44,7 @@ pub(super) fn places(skin: &Skin, model: &Model, room: usize) -> Result<FixedPla
     let noise = model.relative_noise();
     let smooth = smooth_responses(model);
     let even = even_response(model, &noise);
-    let slips = slip_responses(skin, model);
+    let slips = slip_responses(skin, model)?;
     let layout = |places: usize| DetectionLayout {
         places: places as u16,
         smooth: (smooth.ncols() + usize::from(even.is_some())) as u8,
@@ -133,34 +134,35 @@ fn even_response(model: &Model, noise: &[f64]) -> Option<Col<f64>> {
 /// What the slip of each electrode changes difference data by, `[measurement][electrode]`, where all are on the rim. Those
 /// inside move two ways, which are more than there is room for: there it is what a stretch of the whole skin does, which
 /// moves them all, `[measurement][way]`.
-fn slip_responses(skin: &Skin, model: &Model) -> Mat<f64> {
-    match &model.movement {
-        Some(Movement { responses, is_on_rim: true }) => divided(model, responses.clone()),
-        _ => stretch_responses(skin, model).map_or_else(|_| Mat::new(), |changes| divided(model, changes)),
-    }
+fn slip_responses(skin: &Skin, model: &Model) -> Result<Mat<f64>, ModelError> {
+    let changes = match &model.movement {
+        Some(Movement { responses, is_on_rim: true }) => responses.clone(),
+        _ => stretch_responses(skin, model)?,
+    };
+    Ok(divided(model, changes))
 }
 
-/// What a stretch of the whole skin changes voltages by, for each strain of space that changes them, as conductivity per
-/// square stays: `[measurement][way]`.
+/// What a stretch of the whole skin changes voltages by, for each strain of space that changes them: `[measurement][way]`.
 fn stretch_responses(skin: &Skin, model: &Model) -> Result<Mat<f64>, ModelError> {
-    let voltages = |strain: &Matrix3<f64>| -> Result<Vec<f64>, ModelError> {
-        let mut mesh = model.mesh.clone();
-        mesh.nodes.iter_mut().for_each(|node| *node += strain * node.coords);
-        let conductivity = vec![skin.admittivity().re; mesh.elements.len()];
-        let fields = forward_model::<f64>(skin, &mesh)?.solve(&conductivity)?;
-        Ok(combine_voltages(&fields.voltages(&model.steps), &model.combination))
-    };
     let of_strain = |(i, j): (usize, usize)| -> Result<Col<f64>, ModelError> {
         let mut strain = Matrix3::zeros();
         (strain[(i, j)], strain[(j, i)]) = (STRAIN, STRAIN);
-        let [longer, shorter] = [voltages(&strain)?, voltages(&-strain)?];
-        Ok(Col::from_fn(longer.len(), |m| (longer[m] - shorter[m]) / (2.0 * STRAIN)))
+        let [longer, shorter] = [strained(skin, model, &strain)?, strained(skin, model, &-strain)?];
+        Ok((longer - shorter) * Scale(0.5 / STRAIN))
     };
-    let ways = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
-    let responses: Vec<Col<f64>> = ways.into_par_iter().map(of_strain).collect::<Result<_, _>>()?;
+    let responses: Vec<Col<f64>> = STRAINS.into_par_iter().map(of_strain).collect::<Result<_, _>>()?;
     let most = responses.iter().map(Col::norm_l2).fold(0.0, f64::max);
     let known: Vec<&Col<f64>> = responses.iter().filter(|one| one.norm_l2() > LEAST_STRETCH * most).collect();
-    Ok(Mat::from_fn(responses[0].nrows(), known.len(), |m, way| known[way][m]))
+    Ok(Mat::from_fn(model.jacobian.nrows(), known.len(), |m, way| known[way][m]))
+}
+
+/// Voltages of the skin under this strain, as conductivity per square stays: `[measurement]`.
+fn strained(skin: &Skin, model: &Model, strain: &Matrix3<f64>) -> Result<Col<f64>, ModelError> {
+    let mut mesh = model.mesh.clone();
+    mesh.nodes.iter_mut().for_each(|node| *node += strain * node.coords);
+    let conductivity = vec![skin.admittivity().re; mesh.elements.len()];
+    let fields = forward_model::<f64>(skin, &mesh)?.solve(&conductivity)?;
+    Ok(combine_voltages(&fields.voltages(&model.steps), &model.combination).into_iter().collect())
 }
 
 #[cfg(test)]
@@ -193,15 +195,12 @@ mod tests {
         let known = stretch_responses(&skin, &model).unwrap();
         assert_eq!((known.nrows(), known.ncols()), (model.jacobian.nrows(), 6));
         let along = Vector3::new(0.6, -0.7, 0.4).normalize();
-        let mut mesh = model.mesh.clone();
-        mesh.nodes.iter_mut().for_each(|node| *node += along * (0.01 * along.dot(&node.coords)));
-        let conductivity = vec![skin.admittivity().re; mesh.elements.len()];
-        let fields = forward_model::<f64>(&skin, &mesh).unwrap().solve(&conductivity).unwrap();
-        let stretched = combine_voltages(&fields.voltages(&model.steps), &model.combination);
-        let mut left = Col::from_fn(stretched.len(), |m| stretched[m] - model.measurements()[m]);
+        let strain = 0.01 * along * along.transpose();
+        let none = strained(&skin, &model, &Matrix3::zeros()).unwrap();
+        let mut left = strained(&skin, &model, &strain).unwrap() - none;
         let all = left.norm_l2();
-        for (way, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)].into_iter().enumerate() {
-            left -= Scale(0.01 * along[i] * along[j]) * known.col(way);
+        for (way, at) in STRAINS.into_iter().enumerate() {
+            left -= Scale(strain[at]) * known.col(way);
         }
         // What is left is of second order.
         assert!(left.norm_l2() < 0.05 * all, "{} of {all}", left.norm_l2());

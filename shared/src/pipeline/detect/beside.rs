@@ -2,11 +2,12 @@
 
 use super::{Change, Detector, SUDDEN, fit::Fit, press::copy};
 
-/// After so many frames of which presses leave much that is looked for, after so many again, and each so many from then on:
-/// no multiple of 8, as that takes long, and so does an image that is streamed every so many frames.
+/// After so many frames of which presses leave much that is looked for, after so many again, and each so many from then on,
+/// where they are fast or not: about each second. It takes longer than a fast frame.
 const AFTER: u8 = 6;
 const AGAIN: u8 = 22;
 const EACH: u8 = 61;
+const EACH_FAST: u8 = 4 * EACH;
 /// Presses beside known changes explain so many times what both leave: what electrodes that slip by half a hundredth of the
 /// skin's size leave, as they change voltages not quite linearly, looks like a press that explains up to 1.8 times the rest.
 const EXPLAIN: f32 = 2.0;
@@ -18,14 +19,14 @@ const LEAVE: f32 = 0.01;
 const KNOWN_LEAVE: f32 = 0.1;
 const KNOWN_LEAVE_OF_ALL: f32 = 0.02;
 
-/// Whether it is looked for after so many frames.
-pub(super) fn is_asked_after(frames: u8) -> bool {
-    frames == AFTER || frames % EACH == AGAIN
+/// Whether it is looked for after so many frames, fast ones or not.
+pub(super) fn is_asked_after(frames: u8, is_fast: bool) -> bool {
+    frames == AFTER || frames % if is_fast { EACH_FAST } else { EACH } == AGAIN
 }
 
 /// One frame more than so many; the count does not end.
 pub(super) fn next_after(frames: u8) -> u8 {
-    frames.checked_add(1).unwrap_or(u8::MAX - EACH + 1)
+    frames.checked_add(1).unwrap_or(u8::MAX - EACH_FAST + 1)
 }
 
 impl Detector {

@@ -109,7 +109,7 @@ impl<'a> Fit<'a> {
     /// No presses, and known changes beside those to come, of the same data.
     #[inline(always)]
     pub(super) fn beside_known(&self, sums: &mut Sums) -> Self {
-        sums.latest_known = sums.of_known(&self.skin.places, &sums.data.values);
+        sums.latest_known = sums.known_of_data(&self.skin.places);
         let mut fit = Self::new(self.skin, &sums.data);
         fit.energy -= sums.latest_known.with_slips;
         fit.is_beside_known = true;

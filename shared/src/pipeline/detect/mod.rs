@@ -291,8 +291,7 @@ impl Detector {
         self.known_pause = self.known_pause.saturating_sub(1);
         self.lifting = self.lifting.filter(|lifting| self.frame_us.wrapping_sub(lifting.latest_us) < LIFTS);
         self.slipped_us = self.slipped_us.filter(|slipped| self.frame_us.wrapping_sub(*slipped) < SLIPPED);
-        let is_searched = fit.presses.is_empty() || self.pause == 0;
-        if is_searched {
+        if fit.presses.is_empty() || self.pause == 0 {
             let mut look = fit.look(&mut self.sums, &self.norms);
             let count = fit.presses.len();
             self.pause = self.add_another(&mut fit, &mut look, level);
@@ -337,9 +336,9 @@ impl Detector {
         }
         copy(&fit.presses, &mut self.presses);
         // What is told from presses is mended, or each such frame alone would have a contact.
-        if beside::is_asked_after(self.unsettled) && patch.header.drift_time > 0.0 {
-            if is_searched && self.is_fast && !fit.presses.is_empty() {
-                // Both take too long for one frame: it is asked in the next.
+        if beside::is_asked_after(self.unsettled, self.is_fast) && patch.header.drift_time > 0.0 {
+            if self.is_fast && self.pause == PAUSE && !fit.presses.is_empty() {
+                // A search as well takes too long for one frame: it is asked in the next, which has none.
                 self.unsettled -= 1;
             } else {
                 self.look_beside_known(&fit, level);

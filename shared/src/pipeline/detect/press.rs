@@ -186,6 +186,11 @@ fn nearest<'a>(before: &'a [Was], press: &Press) -> Option<&'a Was> {
     before.iter().min_by(|a, b| away(a).total_cmp(&away(b)))
 }
 
+/// Whether two are one press: they are close, or were one.
+fn are_one(before: &[Was], one: &Press, other: &Press, radius: f32) -> bool {
+    one.is_joined_by(other.position, other.strength, radius) || were_one(before, one, other, radius)
+}
+
 /// Whether two are what one of the frame before was: a wide press may be explained by others in each frame.
 fn were_one(before: &[Was], one: &Press, other: &Press, radius: f32) -> bool {
     let reach = HELD_REACH * radius;
@@ -207,19 +212,26 @@ pub(super) fn gathered(presses: &[Press], before: &[Was], radius: f32, found: &m
         let away = |one: &&mut Press| square_distance(one.position, press.position);
         let near = found.iter_mut().min_by(|a, b| away(a).total_cmp(&away(b)));
         match near {
-            Some(near)
-                if press.is_satellite()
-                    || near.is_joined_by(press.position, press.strength, radius)
-                    || were_one(before, near, press, radius) =>
-            {
-                near.take_in(press);
-            }
+            Some(near) if press.is_satellite() || are_one(before, near, press, radius) => near.take_in(press),
             _ => {
                 let _ = found.push(*press);
             }
         }
     }
     sort(found, |press| press.strength);
+    // What they took in may have moved two towards each other.
+    let mut at = 1;
+    while let Some(press) = found.get(at) {
+        match found[..at].iter().position(|one| are_one(before, one, press, radius)) {
+            Some(one) => {
+                let press = found.remove(at);
+                found[one].take_in(&press);
+                sort(found, |press| press.strength);
+                at = 1;
+            }
+            None => at += 1,
+        }
+    }
     let least = LEAST_SHARE * found.first().map_or(0.0, |press| press.strength);
     found.retain(|press| press.strength >= least);
 }
@@ -286,6 +298,14 @@ mod tests {
             of_two = remembered(&one, &of_two, 0.01);
             assert_eq!(gathered(&two, &of_two, 0.01).len(), 2, "two became one, and are two again");
         }
+    }
+
+    #[test]
+    fn what_lies_between_two_makes_them_one_where_it_moves_one_close_enough() {
+        let two = [press(0.0, 1.0), press(0.036, 0.6)];
+        assert_eq!(gathered(&two, &[], 0.01).len(), 2);
+        let found = gathered(&[two[0], two[1], press(0.017, 0.4)], &[], 0.01);
+        assert!(matches!(&found[..], [one] if (one.strength - 2.0).abs() < 1e-6), "{found:?}");
     }
 
     #[test]

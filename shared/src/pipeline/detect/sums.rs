@@ -137,8 +137,8 @@ impl Sums {
     /// What known changes explain of values, `[measurement]`, that come without what is common to all.
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
-    pub(super) fn of_known(&self, places: &Places<'_>, values: &[f32]) -> KnownFit {
-        of_known(&self.known, places, &self.data.weights, values)
+    pub(super) fn known_of_data(&self, places: &Places<'_>) -> KnownFit {
+        of_known(&self.known, places, &self.data.weights, &self.data.values)
     }
 
     /// The parts along known changes of the response at a spot, or of one of its slopes.
