@@ -269,7 +269,7 @@ impl PipelineState {
             change => change,
         };
         let is_pressed =
-            matches!(change, Change::Pressed | Change::PressedAndSmooth | Change::PressedAndSlipped);
+            matches!(change, Change::Pressed | Change::PressedAndDrifted | Change::PressedAndSlipped);
         if is_pressed {
             self.drift.touch(frame.timestamp_us);
         }

@@ -8,15 +8,15 @@ use super::{
     MAX_PRESSES, MAX_UNKNOWNS,
     known::Parts,
     press::{Press, copy},
-    spot::{Response, Spot, UNKNOWNS, each},
-    sums::{Data, Sums, quantise, take_out},
+    spot::{Spot, UNKNOWNS},
+    still,
+    sums::{Data, Sums, energy, quantise, take_out},
     system::System,
 };
 use crate::{
     image::surface::Surface,
     patch::{
         PatchView,
-        matrix::GROUP,
         places::{MAX_KNOWN, Places},
     },
     pipeline::reference::{Changes, DifferenceData},
@@ -37,7 +37,7 @@ pub(super) struct Skin<'a> {
     /// Radius of the standard press, m.
     pub(super) radius: f32,
     /// What all voltages changing by their own size would read: `[measurement]`.
-    common: &'a [f32],
+    pub(super) common: &'a [f32],
 }
 
 impl<'a> Skin<'a> {
@@ -109,7 +109,7 @@ impl<'a> Fit<'a> {
     /// No presses, and known changes beside those to come, of the same data.
     #[inline(always)]
     pub(super) fn beside_known(&self, sums: &mut Sums) -> Self {
-        sums.latest_known = sums.known_of_data(&self.skin.places);
+        sums.latest_known = sums.known_of(&self.skin.places, &sums.data.values);
         let mut fit = Self::new(self.skin, &sums.data);
         fit.energy -= sums.latest_known.with_slips;
         fit.is_beside_known = true;
@@ -227,23 +227,6 @@ impl<'a> Fit<'a> {
         self.presses.len() < count
     }
 
-    /// Sum of the presses' responses: `[measurement]`.
-    // Once on the board, for all that is done with them.
-    #[inline(never)]
-    pub(super) fn responses(skin: &Skin<'_>, presses: &[Press], add: &mut dyn FnMut(usize, f32)) {
-        let places = &skin.places;
-        let responses: Vec<Response<'_>, MAX_PRESSES> =
-            presses.iter().map(|press| press.spot.response(places, press.solved())).collect();
-        let four = |at| {
-            let mut sum = [0.0; GROUP];
-            for response in &responses {
-                sum.iter_mut().zip(response.four(at)).for_each(|(sum, response)| *sum += response);
-            }
-            sum
-        };
-        each(places, four, add);
-    }
-
     /// What the presses' responses leave of the data, and known changes where they are fitted as well, as it meets responses,
     /// and the sum of its squares.
     pub(super) fn left(&self, sums: &mut Sums) -> (DifferenceData, f32) {
@@ -258,14 +241,14 @@ impl<'a> Fit<'a> {
                 *y -= change;
             }
         };
-        Self::responses(self.skin, &self.presses, &mut take);
+        still::responses(places, &still::of(&self.presses), &mut take);
         if self.is_beside_known {
             let parts = self.known(sums);
-            sums.known.add(&parts, false, places, &mut take);
+            sums.known.add(&parts, places, &mut take);
         }
         let weights = &sums.data.weights;
         take_out(common, weights, &mut left);
-        let energy = left.iter().zip(weights).map(|(y, weight)| weight * y * y).sum();
+        let energy = energy(&left, weights);
         let mut codes = DifferenceData::default();
         quantise(places, &left, weights, &mut codes);
         (codes, energy)

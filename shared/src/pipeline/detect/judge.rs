@@ -1,6 +1,6 @@
 //! What changed, by how well presses, a slip, a press that was lifted, and smooth changes of the sheet explain it.
 
-use super::{Change, Detector, LOUD, UNDECIDED, filter::Look, fit::Fit, press::Press};
+use super::{Change, Detector, LOUD, UNDECIDED, filter::Look, fit::Fit};
 
 /// Standard deviations of chi square down to which the reference heals.
 const HEALED: f32 = 1.0;
@@ -70,14 +70,11 @@ impl Detector {
         if !fit.presses.is_empty() {
             // What is left of presses is like all sorts of things.
             let is_of_one = 2.0 * least > fit.unexplained() && least > fit.explained;
-            let is_settled = !fit.presses.iter().any(Press::is_new);
-            if is_of_one && is_clear(least, smooth.max(most)) {
-                Change::Lifted
-            } else if is_settled && is_loud(smooth) {
-                Change::PressedAndSmooth
-            } else {
-                Change::Pressed
-            }
+            if is_of_one && is_clear(least, smooth.max(most)) { Change::Lifted } else { Change::Pressed }
+        } else if self.held.is_rest(0.0, self.frame_us)
+            && (is_loud(most.max(least)) || look.left > self.loud(fit))
+        {
+            Change::Smooth
         } else if is_loud(smooth) && is_clear(smooth, most.max(least)) && 2.0 * smooth > look.left {
             Change::Smooth
         } else if is_loud(least) && 3.0 * least > look.left && is_clear(least, smooth.max(most)) {

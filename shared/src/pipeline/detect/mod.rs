@@ -19,11 +19,13 @@
 mod beside;
 mod filter;
 mod fit;
+mod held;
 mod judge;
 mod known;
 mod press;
 mod search;
 mod spot;
+mod still;
 mod sums;
 mod system;
 
@@ -40,6 +42,7 @@ use crate::{
 use filter::{Look, Norms};
 use fit::{Fit, Skin};
 use heapless::Vec;
+use held::{Held, SLOW};
 use press::{Press, Was, copy, root};
 use sums::Sums;
 
@@ -115,6 +118,9 @@ pub struct Detector {
     split_pause: u8,
     /// When electrodes were seen to slip last, in the clock's lower half, us, if that is not long ago.
     slipped_us: Option<u32>,
+    /// Presses that are held, and how much of what they leave resembles another one.
+    held: Held,
+    resembles: f32,
     /// What was lifted not long ago.
     lifting: Option<Lifting>,
     /// Frames that are not searched for another press beside them.
@@ -145,8 +151,8 @@ pub enum Change {
     Still,
     /// Something presses, or may turn out to.
     Pressed,
-    /// Something presses, and beside it the sheet changes smoothly.
-    PressedAndSmooth,
+    /// Something presses, and beside it the sheet drifts.
+    PressedAndDrifted,
     /// Something presses, and electrodes slipped at once.
     PressedAndSlipped,
     /// The sheet, smoothly: some of it is warmer.
@@ -173,6 +179,7 @@ impl Detector {
     pub fn forget_presses(&mut self) {
         self.presses.clear();
         self.before.clear();
+        self.held.clear();
         self.average.restart();
         (self.unexplained, self.unsettled, self.pause, self.known_pause, self.split_pause) = (0, 0, 0, 0, 0);
         (self.is_slipped, self.is_going, self.lifting, self.slipped_us) = (false, false, None, None);
@@ -253,8 +260,7 @@ impl Detector {
         let measurements = relative.iter().filter(|y| y.is_finite()).count() as f32;
         relative.iter_mut().filter(|y| !y.is_finite()).for_each(|y| *y = 0.0);
         sums::take_out(reference.weights(), weights, relative);
-        let sum: f32 = relative.iter().zip(weights).map(|(y, weight)| weight * y * y).sum();
-        (sum - measurements) / libm::sqrtf(2.0 * measurements.max(1.0))
+        (sums::energy(relative, weights) - measurements) / libm::sqrtf(2.0 * measurements.max(1.0))
     }
 
     /// Takes the mean of relative changes over the frames that are alike instead of those of this time: `[measurement]`.
@@ -283,10 +289,11 @@ impl Detector {
             let is_fresh = self.average.variance() > FRESH;
             let may_go = self.is_going || self.pause == 0 || !self.is_fast || is_fresh;
             self.is_going = fit.refine(&mut self.sums, may_go);
-            if !fit.retain(&|press| press.is_held(level)) {
+            if !fit.retain(&|press| press.is_held(level) && !self.held.has_gone(press)) {
                 break;
             }
         }
+        self.note_left(&fit);
         self.change = Change::Pressed;
         self.known_pause = self.known_pause.saturating_sub(1);
         self.lifting = self.lifting.filter(|lifting| self.frame_us.wrapping_sub(lifting.latest_us) < LIFTS);
@@ -306,6 +313,8 @@ impl Detector {
                     }
                 };
             }
+            let most = look.most.1 * look.most.1;
+            self.resembles = if most > look.known.explained { most } else { 0.0 };
             self.change = self.judge(&fit, &look, level);
             self.sums.latest_known = look.known;
             if self.change == Change::Smooth {
@@ -335,6 +344,9 @@ impl Detector {
             self.change = if self.is_undecided() { Change::Pressed } else { Change::Unlike };
         }
         copy(&fit.presses, &mut self.presses);
+        if self.is_drift(&fit) && self.change == Change::Pressed {
+            self.change = Change::PressedAndDrifted;
+        }
         // What is told from presses is mended, or each such frame alone would have a contact.
         if beside::is_asked_after(self.unsettled, self.is_fast) && patch.header.drift_time > 0.0 {
             if self.is_fast && self.pause == PAUSE && !fit.presses.is_empty() {
@@ -400,9 +412,15 @@ impl Detector {
         let is_more = fit.is_asked_for(look, strength, gain, next.misfit(), level);
         // What comes slowly may be drift.
         let clearly = look.known.explained + CLEARLY_PRESSED * self.sums.data.noise;
-        let is_rest = self.lifting.is_some_and(|lifting| strength < lifting.rest);
+        let is_rest = self.lifting.is_some_and(|lifting| strength < lifting.rest)
+            || (fit.presses.is_empty() && self.held.is_rest(strength, self.frame_us));
         let may_be_slow = self.known_pause == 0 && self.slipped_us.is_none();
-        let is_press = !is_rest && (is_sudden || (may_be_slow && gain > clearly));
+        let is_press = !is_rest
+            && if self.held.is_sudden(self.frame_us) {
+                is_sudden || (may_be_slow && gain > clearly)
+            } else {
+                may_be_slow && gain > clearly.max(SLOW * fit.unexplained())
+            };
         let has_new =
             next.presses.iter().any(|press| press.is_new() && press.significance > OF_ITS_OWN * level);
         if is_more && is_press && !self.is_slipped && has_new {
@@ -428,7 +446,7 @@ impl Detector {
     /// Leaves of differences from a reference, `[measurement]`, what it follows: beside presses what is smooth, or slips as
     /// well, and else all but what presses explain.
     pub fn leave_followed(&self, patch: &PatchView<'_>, reference: &Reference, differences: &mut [i64]) {
-        let is_known = matches!(self.change, Change::PressedAndSmooth | Change::PressedAndSlipped);
+        let is_known = matches!(self.change, Change::PressedAndDrifted | Change::PressedAndSlipped);
         let sign = if is_known { 1.0 } else { -1.0 };
         if is_known {
             differences.fill(0);
@@ -436,11 +454,15 @@ impl Detector {
         let mut add = |m: usize, change: f32| {
             differences[m] += reference.scales().get(m).map_or(0, |scale| (sign * change / scale) as i64);
         };
-        if is_known {
-            let only_smooth = self.change == Change::PressedAndSmooth;
-            self.sums.known.add(&self.sums.latest_known.parts, only_smooth, &patch.places(), &mut add);
-        } else {
-            Fit::responses(&Skin::of(patch, reference.weights()), &self.presses, &mut add);
+        let skin = Skin::of(patch, reference.weights());
+        match self.change {
+            Change::PressedAndDrifted => {
+                self.changed(&skin).into_iter().enumerate().for_each(|(m, change)| add(m, change));
+            }
+            Change::PressedAndSlipped => {
+                self.sums.known.add(&self.sums.latest_known.parts, &skin.places, &mut add);
+            }
+            _ => still::responses(&skin.places, &still::of(&self.presses), &mut add),
         }
     }
 
@@ -475,6 +497,7 @@ impl Detector {
             identity: None,
         };
         let mut presses = Presses::new();
+        press::sort(&mut self.presses);
         press::gathered(&self.presses, &self.before, radius, &mut presses);
         self.before = press::remembered(&presses, &self.before, radius);
         contacts.extend(presses.iter().map(contact));

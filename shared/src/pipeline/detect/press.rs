@@ -181,12 +181,16 @@ pub(super) fn remembered(presses: &[Press], before: &[Was], radius: f32) -> Vec<
 }
 
 /// The one of the frame before that lies nearest to a press.
+// Once on the board, for all that asks.
+#[inline(never)]
 fn nearest<'a>(before: &'a [Was], press: &Press) -> Option<&'a Was> {
     let away = |was: &&Was| press.away_from(was.position);
     before.iter().min_by(|a, b| away(a).total_cmp(&away(b)))
 }
 
 /// Whether two are one press: they are close, or were one.
+// Once on the board, for all that asks.
+#[inline(never)]
 fn are_one(before: &[Was], one: &Press, other: &Press, radius: f32) -> bool {
     one.is_joined_by(other.position, other.strength, radius) || were_one(before, one, other, radius)
 }
@@ -202,13 +206,11 @@ fn were_one(before: &[Was], one: &Press, other: &Press, radius: f32) -> bool {
     })
 }
 
-/// The presses with all that lies beside them taken in, strongest first; `before` are those of the frame before.
+/// Presses, strongest first, with all that lies beside them taken in; `before` are those of the frame before.
 // Into a list that is there, as moving one copies all of its room.
 pub(super) fn gathered(presses: &[Press], before: &[Was], radius: f32, found: &mut Presses) {
-    let mut order: Vec<usize, MAX_PRESSES> = (0..presses.len()).collect();
-    sort(&mut order, |&at| presses[at].strength);
     found.clear();
-    for press in order.iter().map(|&at| &presses[at]) {
+    for press in presses {
         let away = |one: &&mut Press| square_distance(one.position, press.position);
         let near = found.iter_mut().min_by(|a, b| away(a).total_cmp(&away(b)));
         match near {
@@ -218,7 +220,7 @@ pub(super) fn gathered(presses: &[Press], before: &[Was], radius: f32, found: &m
             }
         }
     }
-    sort(found, |press| press.strength);
+    sort(found);
     // What they took in may have moved two towards each other.
     let mut at = 1;
     while let Some(press) = found.get(at) {
@@ -226,7 +228,7 @@ pub(super) fn gathered(presses: &[Press], before: &[Was], radius: f32, found: &m
             Some(one) => {
                 let press = found.remove(at);
                 found[one].take_in(&press);
-                sort(found, |press| press.strength);
+                sort(found);
                 at = 1;
             }
             None => at += 1,
@@ -237,11 +239,13 @@ pub(super) fn gathered(presses: &[Press], before: &[Was], radius: f32, found: &m
 }
 
 /// Strongest first, by insertion: the library's sort takes 1.6 kB of the board's flash, and there are few.
-fn sort<T>(list: &mut [T], strength: impl Fn(&T) -> f32) {
-    for end in 1..list.len() {
+// Once on the board, for all that asks.
+#[inline(never)]
+pub(super) fn sort(presses: &mut [Press]) {
+    for end in 1..presses.len() {
         let mut at = end;
-        while at > 0 && strength(&list[at]) > strength(&list[at - 1]) {
-            list.swap(at, at - 1);
+        while at > 0 && presses[at].strength > presses[at - 1].strength {
+            presses.swap(at, at - 1);
             at -= 1;
         }
     }
@@ -253,7 +257,9 @@ mod tests {
 
     fn gathered(presses: &[Press], before: &[Was], radius: f32) -> Presses {
         let mut found = Presses::new();
-        super::gathered(presses, before, radius, &mut found);
+        let mut presses = presses.to_vec();
+        sort(&mut presses);
+        super::gathered(&presses, before, radius, &mut found);
         found
     }
 

@@ -56,14 +56,22 @@ impl Spot {
         let neighbours = places.neighbours(place);
         let axes = axes(normal, minus(at(surface, places, neighbours[0].into()).0, centre));
         let mut spot = Self { place, centre, axes, is_free: true, ..Self::default() };
-        let ways = neighbours.map(|other| spot.way_to(at(surface, places, other.into()).0));
-        let lengths = ways.iter().map(|[x, y]| libm::sqrtf(x * x + y * y));
-        spot.spacing = (lengths.sum::<f32>() / PLACE_NEIGHBOURS as f32).max(f32::MIN_POSITIVE);
-        let sum = ways.iter().fold([0.0; 2], |sum, way| [sum[0] + way[0], sum[1] + way[1]]);
+        let (sum, length) = spot.ways_to(surface, places, &neighbours);
+        spot.spacing = (length / PLACE_NEIGHBOURS as f32).max(f32::MIN_POSITIVE);
         let one_sided = ONE_SIDED * spot.spacing;
         spot.is_at_border = sum[0] * sum[0] + sum[1] * sum[1] > one_sided * one_sided;
         // In a corner presses of all strengths look alike; a step towards the middle they do not.
         if spot.is_at_border { spot.stepped(sum.map(|part| part / 2.0)) } else { spot }
+    }
+
+    /// Sum of the ways to these places along the axes, and of their lengths, m.
+    // Of a slice, and not inlined: the compiler writes loops of a known length out.
+    #[inline(never)]
+    fn ways_to(&self, surface: &Surface<'_>, places: &Places<'_>, others: &[u8]) -> ([f32; 2], f32) {
+        others.iter().fold(([0.0; 2], 0.0), |(sum, length), &other| {
+            let [x, y] = self.way_to(at(surface, places, other.into()).0);
+            ([sum[0] + x, sum[1] + y], length + libm::sqrtf(x * x + y * y))
+        })
     }
 
     /// One whose presses need not stay on it.
@@ -97,6 +105,13 @@ impl Spot {
     pub(super) fn key(&self) -> u16 {
         let [x, y] = self.steps.map(|steps| (steps + 1) as usize);
         (2 * (9 * self.place + 3 * x + y) + usize::from(self.is_fixed())) as u16
+    }
+
+    /// The spot of a key, for its response: it does not know where it lies.
+    pub(super) fn of_key(key: u16) -> Self {
+        let rest = usize::from(key) / 2;
+        let steps = [rest / 3 % 3, rest % 3].map(|step| step as i8 - 1);
+        Self { place: rest / 9, steps, is_free: key % 2 == 0, ..Self::default() }
     }
 
     /// How far a press that these unknowns belong to is from its place, m.

@@ -3,7 +3,8 @@
 
 use super::{
     known::{Known, KnownFit, Parts},
-    spot::{Spot, UNKNOWNS, each},
+    spot::{Spot, UNKNOWNS},
+    still,
 };
 use crate::{
     limits::MAX_MEASUREMENTS,
@@ -118,7 +119,7 @@ impl Sums {
             *known += if weight > 0.0 { 1.0 } else { 0.0 };
         }
         take_out(common, weights, values);
-        *energy = values.iter().zip(&*weights).map(|(y, weight)| weight * y * y).sum();
+        *energy = self::energy(values, weights);
         if is_other {
             self.blocks.clear();
         }
@@ -137,8 +138,8 @@ impl Sums {
     /// What known changes explain of values, `[measurement]`, that come without what is common to all.
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
-    pub(super) fn known_of_data(&self, places: &Places<'_>) -> KnownFit {
-        of_known(&self.known, places, &self.data.weights, &self.data.values)
+    pub(super) fn known_of(&self, places: &Places<'_>, values: &[f32]) -> KnownFit {
+        of_known(&self.known, places, &self.data.weights, values)
     }
 
     /// The parts along known changes of the response at a spot, or of one of its slopes.
@@ -156,8 +157,8 @@ impl Sums {
             let mut unit = [0.0; UNKNOWNS];
             unit[unknown] = 1.0;
             let mut values = Changes::new();
-            let response = spot.response(places, unit);
-            each(places, |at| response.four(at), |_, value| values.push(value).unwrap_or(()));
+            let mut push = |_, value| values.push(value).unwrap_or(());
+            still::responses(places, &[(spot.key(), unit)], &mut push);
             take_out(common, weights, &mut values);
             of_known(known, places, weights, &values).parts
         };
@@ -264,6 +265,13 @@ pub(super) fn take_out(common: &[f32], weights: &[f32], values: &mut [f32]) {
         let share = of_values / of_common;
         values.iter_mut().zip(common).for_each(|(value, common)| *value -= share * common);
     }
+}
+
+/// Sum of squares of values, `[measurement]`, under these weights.
+// Once on the board, for all that asks.
+#[inline(never)]
+pub(super) fn energy(values: &[f32], weights: &[f32]) -> f32 {
+    values.iter().zip(weights).map(|(y, weight)| weight * y * y).sum()
 }
 
 fn dot(a: &[f32; GROUP], b: &[f32; GROUP]) -> f32 {
