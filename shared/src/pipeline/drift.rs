@@ -83,7 +83,7 @@ impl Drift {
             Change::Smooth => SMOOTH_TIME.min(time_constant),
             Change::Unlike => UNLIKE_TIME.min(time_constant),
             Change::Lifted => LIFTED_TIME.min(time_constant),
-            Change::PressedAndDrifted => BESIDE_TIME.min(time_constant),
+            Change::PressedAndSmooth | Change::PressedAndDrifted => BESIDE_TIME.min(time_constant),
             Change::Pressed => return None,
             Change::PressedAndSlipped => return Some(1.0),
         };

@@ -268,8 +268,7 @@ impl PipelineState {
             _ if !patch.header.has_places() && !self.contacts.is_empty() => Change::Pressed,
             change => change,
         };
-        let is_pressed =
-            matches!(change, Change::Pressed | Change::PressedAndDrifted | Change::PressedAndSlipped);
+        let is_pressed = !matches!(change, Change::Still | Change::Smooth | Change::Unlike | Change::Lifted);
         if is_pressed {
             self.drift.touch(frame.timestamp_us);
         }
@@ -336,6 +335,8 @@ impl PipelineState {
 const UNKNOWN: f32 = f32::NAN;
 
 /// Makes the value of every measurement that needs a bad electrode unknown; says whether there are bad ones.
+// Once on the board, for all that asks.
+#[inline(never)]
 fn mask_measurements(patch: &PatchView<'_>, bad: ElectrodeSet, relative: &mut Changes) -> bool {
     if bad.is_empty() {
         return false;

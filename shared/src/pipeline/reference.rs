@@ -140,6 +140,8 @@ impl Reference {
     /// Differences relative to this reference: `[measurement]`.
     ///
     /// A measurement whose reference is zero cannot be normalised and reads zero.
+    // Once on the board, for all that asks.
+    #[inline(never)]
     pub fn relative_change(&self, differences: &[i64], out: &mut Changes) {
         resize(out, differences.len());
         for ((change, &difference), scale) in out.iter_mut().zip(differences).zip(&self.scales) {

@@ -244,7 +244,7 @@ impl<'a> Fit<'a> {
         still::responses(places, &still::of(&self.presses), &mut take);
         if self.is_beside_known {
             let parts = self.known(sums);
-            sums.known.add(&parts, places, &mut take);
+            sums.known.add(&parts, false, places, &mut take);
         }
         let weights = &sums.data.weights;
         take_out(common, weights, &mut left);

@@ -20,19 +20,20 @@ const STILL: u32 = 1_000_000;
 const EACH: u32 = 100_000;
 /// Presses that move leave less than this share of what has changed.
 const MOVED: f32 = 0.25;
-/// What a press as seen by its place's filter explains more than this share of is one that comes.
-const LIKE_PRESS: f32 = 0.75;
+/// Presses that leave more than this share of what they explain as they come to lie still are wider than the standard one:
+/// what they leave changes with them.
+const WIDE: f32 = 0.2;
 /// Faster than all voltages that change by this share in a second no sheet drifts.
 const FASTEST: f32 = 0.005;
 /// After what presses leave has more than doubled others may come, us: one in each frame.
 const SUDDENLY: u32 = 500_000;
-/// Later ones explain this share of what those that are held leave: theirs is some of it.
-pub(super) const SLOW: f32 = 0.8;
+/// What explains this share of what they leave is another press however slowly it comes, and what explains less drift.
+pub(super) const SLOW: f32 = 0.85;
 
-/// After a press beside which the sheet drifted, so long, us, what is weaker than this share of it is what the drift took of
-/// it.
-const RESTS: u32 = 3_000_000;
-const REST: f32 = 0.3;
+/// After a press beside which the sheet drifted, so long, us, what is weaker than this share of it, and less and less, is
+/// what the drift took of it.
+const RESTS: u32 = 1_500_000;
+const REST: f32 = 0.2;
 
 /// Presses that are held.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,6 +42,7 @@ pub(super) struct Held {
     /// Since when, and when they were looked at last, in the clock's lower half, us.
     since_us: u32,
     looked_us: u32,
+    are_wide: bool,
     /// Root of the energy that had changed then.
     changed: f32,
     /// What presses left in the frame before, and when it last was far more than before, us.
@@ -63,8 +65,16 @@ impl Held {
     }
 
     /// Whether a press of this strength may be a rest of those that went not long ago.
+    // Once on the board, for all that asks.
+    #[inline(never)]
     pub(super) fn is_rest(&self, strength: f32, now_us: u32) -> bool {
-        strength < self.rest && now_us.wrapping_sub(self.pressed_us) < RESTS
+        let since = now_us.wrapping_sub(self.pressed_us);
+        since < RESTS && strength < self.rest * (1.0 - since as f32 / RESTS as f32)
+    }
+
+    /// Whether presses have lain still for long enough.
+    pub(super) fn is_still(&self, now_us: u32) -> bool {
+        !self.are_wide && now_us.wrapping_sub(self.since_us) > STILL
     }
 
     /// Whether what presses leave has jumped not long ago.
@@ -72,15 +82,19 @@ impl Held {
         now_us.wrapping_sub(self.jumped_us) < SUDDENLY
     }
 
+    /// Presses lie still from now on.
+    // Once on the board, for all that asks.
     #[inline(never)]
-    fn begin(&mut self, presses: &[Press], now_us: u32, changed: f32) {
-        self.presses = still::of(presses);
-        (self.since_us, self.looked_us, self.changed) = (now_us, now_us, changed);
+    fn begin(&mut self, fit: &Fit<'_>, now_us: u32) {
+        self.presses = still::of(&fit.presses);
+        (self.since_us, self.looked_us) = (now_us, now_us);
+        let left = fit.unexplained();
+        (self.are_wide, self.changed) = (left > WIDE * fit.explained, libm::sqrtf(left.max(0.0)));
     }
 }
 
 impl Detector {
-    /// Notes what presses of the frame before leave.
+    /// Notes what presses of the frame before leave of this one.
     pub(super) fn note_left(&mut self, fit: &Fit<'_>) {
         let left = fit.unexplained();
         if left > 2.0 * self.held.left.max(LOUD * fit.spread()) || fit.presses.is_empty() {
@@ -110,37 +124,38 @@ impl Detector {
         changed
     }
 
-    /// Whether the sheet drifts beside presses that are held, what they leave resembling another one as much as that.
+    /// Whether the sheet drifts beside presses that are held.
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
     pub(super) fn is_drift(&mut self, fit: &Fit<'_>) -> bool {
         let now = self.frame_us;
         let is_same = self.held.presses.len() == fit.presses.len() && !fit.presses.iter().any(Press::is_new);
-        if !is_same {
-            self.held.begin(&fit.presses, now, 0.0);
+        if !is_same || self.held.are_wide {
+            self.held.begin(fit, now);
             return false;
         }
-        let seconds = now.wrapping_sub(self.held.looked_us);
-        if seconds < EACH {
+        let since = now.wrapping_sub(self.held.looked_us);
+        if since < EACH {
             return false;
         }
         let changed = self.changed(fit.skin);
         let energy = energy(&changed, &self.sums.data.weights) - fit.measurements * fit.noise;
         let root = libm::sqrtf(energy.max(0.0));
-        let fastest = FASTEST * seconds as f32 * 1e-6 * libm::sqrtf(self.sums.scaled.of_common);
+        let fastest = FASTEST * since as f32 * 1e-6 * libm::sqrtf(self.sums.scaled.of_common);
         let is_fast = root - self.held.changed > fastest;
-        let by_smooth = self.sums.known_of(&fit.skin.places, &changed).explained;
-        let has_moved = fit.unexplained() < (MOVED * energy).min(energy - by_smooth);
-        if energy > LOUD * fit.spread() && (is_fast || has_moved) {
-            self.held.begin(&fit.presses, now, libm::sqrtf(fit.unexplained().max(0.0)));
+        (self.held.looked_us, self.held.changed) = (now, root);
+        if energy < LOUD * fit.spread() {
             return false;
         }
-        (self.held.looked_us, self.held.changed) = (now, root);
-        let is_drift = energy > LOUD * fit.spread()
-            && now.wrapping_sub(self.held.since_us) > STILL
-            && self.resembles < LIKE_PRESS * fit.unexplained();
+        let by_smooth = self.sums.known_of(&fit.skin.places, &changed).explained;
+        let left = fit.unexplained();
+        if is_fast || left < (MOVED * energy).min(energy - by_smooth) {
+            self.held.begin(fit, now);
+            return false;
+        }
+        let strongest = fit.presses.iter().fold(0.0, |most: f32, press| most.max(press.strength));
+        let is_drift = strongest >= SUDDEN && self.held.is_still(now) && self.resembles < SLOW;
         if is_drift {
-            let strongest = fit.presses.iter().fold(0.0, |most: f32, press| most.max(press.strength));
             self.held.rest = SUDDEN.max(REST * strongest);
         }
         is_drift

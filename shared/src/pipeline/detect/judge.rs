@@ -1,6 +1,6 @@
 //! What changed, by how well presses, a slip, a press that was lifted, and smooth changes of the sheet explain it.
 
-use super::{Change, Detector, LOUD, UNDECIDED, filter::Look, fit::Fit};
+use super::{Change, Detector, LOUD, UNDECIDED, filter::Look, fit::Fit, press::Press};
 
 /// Standard deviations of chi square down to which the reference heals.
 const HEALED: f32 = 1.0;
@@ -70,7 +70,14 @@ impl Detector {
         if !fit.presses.is_empty() {
             // What is left of presses is like all sorts of things.
             let is_of_one = 2.0 * least > fit.unexplained() && least > fit.explained;
-            if is_of_one && is_clear(least, smooth.max(most)) { Change::Lifted } else { Change::Pressed }
+            let is_settled = !fit.presses.iter().any(Press::is_new);
+            if is_of_one && is_clear(least, smooth.max(most)) {
+                Change::Lifted
+            } else if is_settled && is_loud(smooth) && !self.held.is_still(self.frame_us) {
+                Change::PressedAndSmooth
+            } else {
+                Change::Pressed
+            }
         } else if self.held.is_rest(0.0, self.frame_us)
             && (is_loud(most.max(least)) || look.left > self.loud(fit))
         {

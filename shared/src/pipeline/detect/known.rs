@@ -106,11 +106,17 @@ impl Known {
         KnownFit { parts, explained: explained[0], with_slips: explained[0] + explained[1] }
     }
 
-    /// What known changes that have these parts add to the data, measurement by measurement.
+    /// What known changes that have these parts add to the data, measurement by measurement: smooth ones, or all.
     // Once on the board, for all that is done with them.
     #[inline(never)]
-    pub(super) fn add(&self, parts: &Parts, places: &Places<'_>, add: &mut dyn FnMut(usize, f32)) {
-        let count = MAX_KNOWN.min(places.known());
+    pub(super) fn add(
+        &self,
+        parts: &Parts,
+        only_smooth: bool,
+        places: &Places<'_>,
+        add: &mut dyn FnMut(usize, f32),
+    ) {
+        let count = if only_smooth { self.smooth } else { MAX_KNOWN }.min(places.known());
         let mut sizes = *parts;
         for i in (0..count).rev() {
             let known: f32 = (i + 1..count).map(|k| self.factor[row(k) + i] * sizes[k]).sum();

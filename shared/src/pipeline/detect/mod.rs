@@ -12,6 +12,8 @@
 //! That takes most of the time: where there are presses, it is done in the frame after one that was found, and else not in
 //! all. A press that noise, or what the others leave unexplained, accounts for is none.
 //!
+//! What changes slowly beside presses that are held (`held`) is drift, unless another press explains it, or a move of theirs.
+//!
 //! Some changes are known to be no press (`known`), but may come with one, as a finger pulls at the sheet. Where presses leave
 //! much for some frames, both are fitted together; the reference takes at once what known changes explain then, so that what
 //! is left of the data is presses.
@@ -118,7 +120,7 @@ pub struct Detector {
     split_pause: u8,
     /// When electrodes were seen to slip last, in the clock's lower half, us, if that is not long ago.
     slipped_us: Option<u32>,
-    /// Presses that are held, and how much of what they leave resembles another one.
+    /// Presses that are held, and what share of what they leave resembles another one.
     held: Held,
     resembles: f32,
     /// What was lifted not long ago.
@@ -151,7 +153,9 @@ pub enum Change {
     Still,
     /// Something presses, or may turn out to.
     Pressed,
-    /// Something presses, and beside it the sheet drifts.
+    /// Something presses, and beside it the sheet changes smoothly.
+    PressedAndSmooth,
+    /// Something is held, and beside it the sheet drifts.
     PressedAndDrifted,
     /// Something presses, and electrodes slipped at once.
     PressedAndSlipped,
@@ -301,6 +305,7 @@ impl Detector {
         if fit.presses.is_empty() || self.pause == 0 {
             let mut look = fit.look(&mut self.sums, &self.norms);
             let count = fit.presses.len();
+            self.resembles = look.most.1 * look.most.1 / look.left;
             self.pause = self.add_another(&mut fit, &mut look, level);
             if fit.presses.len() != count {
                 self.split_pause = 0;
@@ -313,8 +318,6 @@ impl Detector {
                     }
                 };
             }
-            let most = look.most.1 * look.most.1;
-            self.resembles = if most > look.known.explained { most } else { 0.0 };
             self.change = self.judge(&fit, &look, level);
             self.sums.latest_known = look.known;
             if self.change == Change::Smooth {
@@ -344,7 +347,7 @@ impl Detector {
             self.change = if self.is_undecided() { Change::Pressed } else { Change::Unlike };
         }
         copy(&fit.presses, &mut self.presses);
-        if self.is_drift(&fit) && self.change == Change::Pressed {
+        if self.is_drift(&fit) && matches!(self.change, Change::Pressed | Change::PressedAndSmooth) {
             self.change = Change::PressedAndDrifted;
         }
         // What is told from presses is mended, or each such frame alone would have a contact.
@@ -386,12 +389,16 @@ impl Detector {
             self.is_slipped = false;
             return PAUSE;
         }
-        let Some(press) = fit.loudest(look, &self.norms, level) else {
-            self.is_slipped = self.is_slip(fit, look, look.most.1 * look.most.1);
+        let by_most = look.most.1 * look.most.1;
+        // What a press has to explain that did not come suddenly; by its place alone it explains half of that.
+        let least = if self.held.is_sudden(self.frame_us) { 0.0 } else { SLOW * fit.unexplained() };
+        let loudest = fit.loudest(look, &self.norms, level).filter(|_| 2.0 * by_most >= least);
+        let Some(press) = loudest else {
+            self.is_slipped = self.is_slip(fit, look, by_most);
             return PAUSE;
         };
         let strength = press.strength;
-        let is_sudden = strength >= SUDDEN;
+        let is_sudden = strength >= SUDDEN && least == 0.0;
         let mut next = fit.clone();
         let _ = next.presses.push(press);
         next.refine(&mut self.sums, true);
@@ -401,6 +408,7 @@ impl Detector {
             next.refine(&mut self.sums, true);
         }
         let gain = next.explained - fit.explained;
+        self.resembles = if gain > look.known.explained { gain / look.left } else { 0.0 };
         self.is_slipped = self.is_slip(fit, look, gain);
         if !self.is_slipped && look.is_of_lift() {
             let by_lift = fit.by_lift(look, &self.norms, &mut self.sums);
@@ -415,12 +423,7 @@ impl Detector {
         let is_rest = self.lifting.is_some_and(|lifting| strength < lifting.rest)
             || (fit.presses.is_empty() && self.held.is_rest(strength, self.frame_us));
         let may_be_slow = self.known_pause == 0 && self.slipped_us.is_none();
-        let is_press = !is_rest
-            && if self.held.is_sudden(self.frame_us) {
-                is_sudden || (may_be_slow && gain > clearly)
-            } else {
-                may_be_slow && gain > clearly.max(SLOW * fit.unexplained())
-            };
+        let is_press = !is_rest && (is_sudden || (may_be_slow && gain > clearly.max(least)));
         let has_new =
             next.presses.iter().any(|press| press.is_new() && press.significance > OF_ITS_OWN * level);
         if is_more && is_press && !self.is_slipped && has_new {
@@ -444,11 +447,14 @@ impl Detector {
     }
 
     /// Leaves of differences from a reference, `[measurement]`, what it follows: beside presses what is smooth, or slips as
-    /// well, and else all but what presses explain.
+    /// well, or all that has changed since they lie where they are, and else all but what presses explain.
     pub fn leave_followed(&self, patch: &PatchView<'_>, reference: &Reference, differences: &mut [i64]) {
-        let is_known = matches!(self.change, Change::PressedAndDrifted | Change::PressedAndSlipped);
-        let sign = if is_known { 1.0 } else { -1.0 };
-        if is_known {
+        let is_beside = matches!(
+            self.change,
+            Change::PressedAndSmooth | Change::PressedAndDrifted | Change::PressedAndSlipped
+        );
+        let sign = if is_beside { 1.0 } else { -1.0 };
+        if is_beside {
             differences.fill(0);
         }
         let mut add = |m: usize, change: f32| {
@@ -459,8 +465,9 @@ impl Detector {
             Change::PressedAndDrifted => {
                 self.changed(&skin).into_iter().enumerate().for_each(|(m, change)| add(m, change));
             }
-            Change::PressedAndSlipped => {
-                self.sums.known.add(&self.sums.latest_known.parts, &skin.places, &mut add);
+            Change::PressedAndSmooth | Change::PressedAndSlipped => {
+                let only_smooth = self.change == Change::PressedAndSmooth;
+                self.sums.known.add(&self.sums.latest_known.parts, only_smooth, &skin.places, &mut add);
             }
             _ => still::responses(&skin.places, &still::of(&self.presses), &mut add),
         }

@@ -1,3 +1,4 @@
+use super::spot;
 use crate::{
     frame::{Frame, FrameFlags},
     patch::{
@@ -10,7 +11,7 @@ use crate::{
 };
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use std::vec::Vec;
+use std::{vec, vec::Vec};
 
 const CODE: f64 = 1e6;
 const LEVEL: f32 = 5.5;
@@ -239,6 +240,51 @@ fn a_press_that_grows_as_slowly_as_drift_is_one() {
     assert!(first.is_some_and(|frame| frame < 600), "{first:?}");
     let found = trial.contacts();
     assert!(matches!(found[..], [(66, strength, _)] if (strength - 1.0).abs() < 0.1), "{found:?}");
+}
+
+/// A press is held while others grow for six seconds; calls back after each frame.
+fn held_while_grow(trial: &mut Trial, grown: &[(usize, f64)], seen: impl Fn(u32, &[(usize, f32, f32)])) {
+    let held = (66, 1.0);
+    for frame in 0..400 {
+        let share = (f64::from(frame) - 75.0).clamp(0.0, 300.0) / 300.0;
+        let mut presses = vec![held];
+        presses.extend(grown.iter().map(|&(place, strength)| (place, share * strength)));
+        trial.frame(&presses, |_| 0.0);
+        seen(frame, &trial.contacts());
+    }
+}
+
+#[test]
+fn a_part_of_the_sheet_that_warms_beside_a_press_that_is_held_is_neither_a_press_nor_a_move() {
+    let mut trial = Trial::new(1e-4, 20);
+    // With a sharp edge, so that no smooth change is all of it.
+    let patch = trial.patch();
+    let (places, surface) = (patch.places(), patch.surface());
+    let is_warm = |place: &usize| {
+        let [x, y, _] = spot::at(&surface, &places, *place).0;
+        x > 0.0 && y > 0.0
+    };
+    let warm: Vec<_> = (0..places.count()).filter(is_warm).map(|place| (place, 0.05)).collect();
+    held_while_grow(&mut trial, &warm, |frame, found| {
+        let is_held = matches!(found[..], [(66, strength, _)] if (strength - 1.0).abs() < 0.05);
+        assert!(is_held, "frame {frame}: {found:?}");
+    });
+    for frame in 0..200 {
+        trial.frame(&warm, |_| 0.0);
+        assert!(trial.contacts().is_empty(), "frame {frame} after it: {:?}", trial.contacts());
+    }
+}
+
+#[test]
+fn another_press_that_grows_as_slowly_beside_one_that_is_held_is_one() {
+    let mut trial = Trial::new(1e-4, 20);
+    held_while_grow(&mut trial, &[(117, 0.6)], |frame, found| {
+        assert!(!found.is_empty() && found[0].0 == 66, "frame {frame}: {found:?}");
+    });
+    let found = trial.contacts();
+    let [one, other] = found[..] else { panic!("{found:?}") };
+    assert!(one.0 == 66 && (one.1 - 1.0).abs() < 0.05, "{one:?}");
+    assert!(other.0 == 117 && (other.1 - 0.6).abs() < 0.06, "{other:?}");
 }
 
 #[test]
