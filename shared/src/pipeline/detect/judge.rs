@@ -67,6 +67,9 @@ impl Detector {
         let smooth = look.known.explained;
         let is_clear = |one: f32, other: f32| one > other + CLEARLY * noise;
         let is_loud = |explained: f32| fit.significance(explained) > level;
+        // What drift took of presses that have gone.
+        let is_rest =
+            self.held.is_rest(0.0, self.frame_us) && (is_loud(most.max(least)) || look.left > self.loud(fit));
         if !fit.presses.is_empty() {
             // What is left of presses is like all sorts of things.
             let is_of_one = 2.0 * least > fit.unexplained() && least > fit.explained;
@@ -78,11 +81,9 @@ impl Detector {
             } else {
                 Change::Pressed
             }
-        } else if self.held.is_rest(0.0, self.frame_us)
-            && (is_loud(most.max(least)) || look.left > self.loud(fit))
+        } else if is_rest
+            || (is_loud(smooth) && is_clear(smooth, most.max(least)) && 2.0 * smooth > look.left)
         {
-            Change::Smooth
-        } else if is_loud(smooth) && is_clear(smooth, most.max(least)) && 2.0 * smooth > look.left {
             Change::Smooth
         } else if is_loud(least) && 3.0 * least > look.left && is_clear(least, smooth.max(most)) {
             Change::Lifted

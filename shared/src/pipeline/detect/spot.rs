@@ -111,7 +111,7 @@ impl Spot {
     pub(super) fn of_key(key: u16) -> Self {
         let rest = usize::from(key) / 2;
         let steps = [rest / 3 % 3, rest % 3].map(|step| step as i8 - 1);
-        Self { place: rest / 9, steps, is_free: key % 2 == 0, ..Self::default() }
+        Self { place: rest / 9, steps, is_free: key.is_multiple_of(2), ..Self::default() }
     }
 
     /// How far a press that these unknowns belong to is from its place, m.
