@@ -10,7 +10,6 @@ use program::{Desk, TINY, row, shape, tiny_voltages, transcript};
 use std::{
     fs::File,
     net::{SocketAddr, TcpListener},
-    path::Path,
     time::{Duration, Instant},
 };
 
@@ -156,8 +155,7 @@ fn reconstruct_warns_where_the_electrodes_are_numbered_the_other_way_round() {
 fn build_warns_where_the_image_leaves_few_places_and_says_what_leaves_more() {
     let desk = Desk::empty();
     let build = |pixels: &str| {
-        let model = "../models/hemisphere-210mm-designed/skin.toml";
-        let skin = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(model)).unwrap();
+        let skin = include_str!("../../models/hemisphere-210mm-designed/skin.toml");
         desk.write("skin.toml", skin.replace("\npixels = 700", &format!("\npixels = {pixels}")));
         let words = desk.run(&["build", "skin.toml", "--json", "b.json"]).success().err;
         (words, desk.report("b.json")["places"].as_u64().unwrap())

@@ -27,8 +27,9 @@ fn radius(model: &Model) -> f64 {
 /// An even change of the sheet of 10 % that makes more standard deviations of a frame at 60 dB is told from presses: after a
 /// minute of that a skin with 14 had contacts that stayed, those with up to 5 none.
 const LEAST_EVEN: f64 = 8.0;
-/// Strain by which the response to a stretch is taken, and all kinds of strain, rows and columns of a symmetric tensor.
+/// Strain by which the response to a stretch is taken.
 const STRAIN: f64 = 1e-3;
+/// All ways to strain space: row and column of a symmetric tensor.
 const STRAINS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 /// A way of stretching that changes voltages by less than this share of another's says nothing, as across a flat skin.
 const LEAST_STRETCH: f64 = 1e-3;

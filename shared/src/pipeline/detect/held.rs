@@ -124,10 +124,10 @@ impl Detector {
         changed
     }
 
-    /// Whether the sheet drifts beside presses that are held.
+    /// Follows presses that are held; says whether the sheet drifts beside them.
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
-    pub(super) fn is_drift(&mut self, fit: &Fit<'_>) -> bool {
+    pub(super) fn follow_held(&mut self, fit: &Fit<'_>) -> bool {
         let now = self.frame_us;
         let is_same = self.held.presses.len() == fit.presses.len() && !fit.presses.iter().any(Press::is_new);
         if !is_same || self.held.are_wide {

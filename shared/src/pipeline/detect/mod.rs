@@ -24,6 +24,7 @@ mod fit;
 mod held;
 mod judge;
 mod known;
+mod lift;
 mod press;
 mod search;
 mod spot;
@@ -39,12 +40,13 @@ use super::{
 use crate::{
     contact::{Contact, Contacts, Evidence},
     limits::MAX_CONTACTS,
-    patch::{PatchView, places::Places},
+    patch::PatchView,
 };
 use filter::{Look, Norms};
 use fit::{Fit, Skin};
 use heapless::Vec;
 use held::{Held, SLOW};
+use lift::{LIFTS, Lifting};
 use press::{Press, Was, copy, root};
 use sums::Sums;
 
@@ -82,11 +84,6 @@ const CLEARLY_PRESSED: f32 = 30.0;
 /// a share. Simulated fingers of 4 % of the size lie within two of these in 95 of 100 places on flat skins.
 const MODEL_POSITION: f32 = 0.3;
 const MODEL_STRENGTH: f32 = 0.11;
-/// While a press lifts that was part of the reference, and so long after, us, a new one that is weaker than this share of
-/// it is a rest of that.
-const LIFTS: u32 = 2_000_000;
-const REST: f32 = 0.75;
-const A_LITTLE_MORE: f32 = 1.2;
 /// Frames after a known change in which only a press that comes suddenly is one.
 const KNOWN_PAUSE: u8 = 100;
 /// So long after electrodes slipped, us, as well: what the mend leaves of that is less than noise, and lasts.
@@ -133,16 +130,6 @@ pub struct Detector {
     /// When the latest frame came, in the clock's lower half, and whether it came fast after the one before.
     frame_us: u32,
     is_fast: bool,
-}
-
-/// A press that was part of the reference lifts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Lifting {
-    /// When it was seen to last, in the clock's lower half, us.
-    latest_us: u32,
-    /// A new press that is weaker is taken for a rest of it, of which that is this share.
-    rest: f32,
-    share: f32,
 }
 
 /// What has changed since the reference was made.
@@ -347,7 +334,7 @@ impl Detector {
             self.change = if self.is_undecided() { Change::Pressed } else { Change::Unlike };
         }
         copy(&fit.presses, &mut self.presses);
-        if self.is_drift(&fit) && matches!(self.change, Change::Pressed | Change::PressedAndSmooth) {
+        if self.follow_held(&fit) && matches!(self.change, Change::Pressed | Change::PressedAndSmooth) {
             self.change = Change::PressedAndDrifted;
         }
         // What is told from presses is mended, or each such frame alone would have a contact.
@@ -359,25 +346,6 @@ impl Detector {
                 self.look_beside_known(&fit, level);
             }
         }
-    }
-
-    /// Drops new presses that are rests of what lifts where a fit leaves this: the lifted one was strong, and what it leaves
-    /// is not quite the opposite of a press. They shrink as the reference is mended.
-    fn drop_rests(&mut self, fit: &mut Fit<'_>, look: &Look, places: &Places<'_>) {
-        let (place, z) = look.least;
-        let lifted = filter::strength(places, place, &self.norms, -z);
-        let share = self.lifting.map_or_else(
-            || {
-                // What comes in its first frame is one, however strong.
-                let new = fit.presses.iter().filter(|press| press.is_new());
-                let strongest = new.fold(0.0, |most: f32, press| most.max(press.strength));
-                REST.max(A_LITTLE_MORE * strongest / lifted)
-            },
-            |lifting| lifting.share,
-        );
-        let rest = SUDDEN.max(share * lifted);
-        self.lifting = Some(Lifting { latest_us: self.frame_us, rest, share });
-        fit.retain(&|press| !press.is_new() || press.strength >= rest);
     }
 
     /// Adds one press more to the fit, if the data ask for it; says how many frames need not be asked next. Where that is no
