@@ -1,13 +1,13 @@
 //! Average: still frames are averaged, and a change opens the average, so that it costs no speed.
 //!
-//! A frame whose differences from the mean are no larger than the noise explains joins it with the weight of one among
-//! those that are in it, up to as many as come in the wanted time; any other one becomes the mean. The test is the sum of
-//! the squares, each in units of its own variance (chi square).
+//! A frame joins the mean with the weight of one among those that are in it, up to as many as come in the wanted time. One
+//! that differs from it by more than noise does is for whoever sees it to [`Average::restart`] from. That test is the sum
+//! of the squares, each in units of its own variance (chi square).
 
 use super::reference::{Changes, resize};
 
 /// A frame opens the average by so many standard deviations of chi square: one in a hundred still frames does.
-const OPENS: f32 = 2.5;
+pub const OPENS: f32 = 2.5;
 
 /// The mean of the latest frames that are alike.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,13 +33,12 @@ impl Average {
         if self.frames < 1.0 { 1.0 } else { self.variance }
     }
 
-    /// Replaces relative changes by their mean over the frames that are alike, `[measurement]`, over a time in seconds.
-    /// Those that are not finite, or without an inverse variance, join no average.
-    pub fn take(&mut self, relative: &mut Changes, inverse_variances: &[f32], now_us: u64, time: f32) {
+    /// Replaces relative changes by their mean over the frames since it began, `[measurement]`, over a time in seconds. Those
+    /// that are not finite join no average.
+    pub fn take(&mut self, relative: &mut Changes, now_us: u64, time: f32) {
         let last_us = core::mem::replace(&mut self.frame_us, now_us);
         let seconds = now_us.saturating_sub(last_us) as f32 * 1e-6;
-        if self.mean.len() != relative.len() || self.frames < 1.0 || self.is_left(relative, inverse_variances)
-        {
+        if self.mean.len() != relative.len() || self.frames < 1.0 {
             resize(&mut self.mean, relative.len());
             self.mean.copy_from_slice(relative);
             (self.frames, self.variance) = (1.0, 1.0);
@@ -55,8 +54,8 @@ impl Average {
         }
     }
 
-    /// Whether a frame differs from the mean by more than noise does.
-    fn is_left(&self, relative: &[f32], inverse_variances: &[f32]) -> bool {
+    /// By how many standard deviations of chi square a frame differs from the mean by more than noise does.
+    pub fn excess(&self, relative: &[f32], inverse_variances: &[f32]) -> f32 {
         let (mut squares, mut count) = (0.0, 0.0);
         for ((value, mean), weight) in relative.iter().zip(&self.mean).zip(inverse_variances) {
             let away = value - mean;
@@ -65,7 +64,7 @@ impl Average {
                 count += 1.0;
             }
         }
-        squares / (1.0 + self.variance()) > count + OPENS * libm::sqrtf(2.0 * count)
+        (squares / (1.0 + self.variance()) - count) / libm::sqrtf(2.0 * count.max(1.0))
     }
 }
 
@@ -95,7 +94,10 @@ mod tests {
             let mut noise = || (0..12).map(|_| self.random.random_range(-0.5..0.5)).sum::<f32>() * NOISE;
             let mut frame: Changes = (0..104).map(|_| change + noise()).collect();
             self.now_us += FRAME_US;
-            self.average.take(&mut frame, &[1.0 / (NOISE * NOISE); 104], self.now_us, time);
+            if self.average.excess(&frame, &[1.0 / (NOISE * NOISE); 104]) > OPENS {
+                self.average.restart();
+            }
+            self.average.take(&mut frame, self.now_us, time);
             let mean = frame.iter().sum::<f32>() / 104.0;
             let square = frame.iter().map(|value| (value - mean) * (value - mean)).sum::<f32>() / 104.0;
             (mean, square.sqrt())
@@ -157,11 +159,11 @@ mod tests {
         let mut average = Average::default();
         for frame in 1..4 {
             let mut values = Changes::from_slice(&[f32::NAN, 1.0]).unwrap();
-            average.take(&mut values, &[1.0; 2], frame * FRAME_US, 1.0);
+            average.take(&mut values, frame * FRAME_US, 1.0);
             assert!(values[0].is_nan() && values[1] == 1.0);
         }
         let mut values = Changes::from_slice(&[0.5, 1.0]).unwrap();
-        average.take(&mut values, &[1.0; 2], 4 * FRAME_US, 1.0);
+        average.take(&mut values, 4 * FRAME_US, 1.0);
         assert_eq!(values[..], [0.5, 1.0]);
     }
 }

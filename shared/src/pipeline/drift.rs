@@ -21,6 +21,11 @@ const REST_US: u64 = 1_000_000;
 const LOOK_EVERY: f32 = 0.02;
 /// The reference follows in steps of at least this long, s.
 const FOLLOW_EVERY: f32 = 0.1;
+/// After a tare or a mend a still skin is averaged further, over this part of its time constant, and so many frames.
+const RIPENS_IN: f32 = 1.0 / 8.0;
+const RIPE_FRAMES: f32 = 256.0;
+/// At fast frames not each of them is taken, but one in this time, s.
+const RIPENS_EVERY: f32 = 0.008;
 /// In this time, s, the reference follows a sheet that changes smoothly.
 const SMOOTH_TIME: f32 = 0.5;
 /// The same beside a press.
@@ -72,12 +77,18 @@ impl Drift {
     }
 
     /// What part of the way to the latest frame the reference goes now, if it does, after such a change; `time_constant`, s,
-    /// is that of an untouched skin.
-    pub fn part(&mut self, change: Change, time_constant: f32) -> Option<f32> {
+    /// is that of an untouched skin, and `variance` that of the reference's noise, that of one frame being 1.
+    pub fn part(&mut self, change: Change, time_constant: f32, variance: f32) -> Option<f32> {
         let time = match change {
+            _ if time_constant <= 0.0 => return None,
             Change::Still if self.rests => {
                 self.pending = 0.0;
                 return None;
+            }
+            Change::Still if self.pending >= RIPENS_EVERY && self.is_unripe(variance, time_constant) => {
+                self.pending = 0.0;
+                // As a mean takes in one frame more.
+                return Some(variance / (1.0 + variance));
             }
             Change::Still => time_constant,
             Change::Smooth => SMOOTH_TIME.min(time_constant),
@@ -87,10 +98,15 @@ impl Drift {
             Change::Pressed => return None,
             Change::PressedAndSlipped => return Some(1.0),
         };
-        if self.pending < FOLLOW_EVERY || time <= 0.0 {
+        if self.pending < FOLLOW_EVERY {
             return None;
         }
         Some((core::mem::take(&mut self.pending) / time).min(1.0))
+    }
+
+    /// Whether the mean of a still skin, of this variance, takes in one frame more.
+    fn is_unripe(&self, variance: f32, time_constant: f32) -> bool {
+        variance > (self.pending / (RIPENS_IN * time_constant)).max(1.0 / RIPE_FRAMES)
     }
 
     /// The reference has moved this part of the way: by as much less is common.
@@ -198,7 +214,7 @@ mod tests {
         let mut drift = touched();
         let mut follows = |now_us| {
             drift.correct(&mut changes(0.0), &WEIGHTS, now_us, TIME_CONSTANT);
-            drift.part(Change::Still, TIME_CONSTANT)
+            drift.part(Change::Still, TIME_CONSTANT, 0.0)
         };
         for now_us in (FRAME_US..1_000_000).step_by(FRAME_US as usize) {
             assert_eq!(follows(now_us), None, "{now_us}");
@@ -214,7 +230,7 @@ mod tests {
         let mut drift = touched();
         let mut follows = |now_us| {
             drift.correct(&mut changes(0.0), &WEIGHTS, now_us, TIME_CONSTANT);
-            drift.part(Change::Still, TIME_CONSTANT)
+            drift.part(Change::Still, TIME_CONSTANT, 0.0)
         };
         assert_eq!(follows(20_000_000), None);
         assert_eq!(follows(40_000_000), Some(1.0), "twice the time constant");
@@ -224,15 +240,35 @@ mod tests {
     fn a_reference_that_is_wrong_does_not_rest_after_a_touch() {
         let mut drift = touched();
         drift.correct(&mut changes(0.0), &WEIGHTS, 200_000, TIME_CONSTANT);
-        let part = drift.part(Change::Smooth, TIME_CONSTANT);
+        let part = drift.part(Change::Smooth, TIME_CONSTANT, 0.0);
         assert!(part.is_some_and(|part| (part - 0.4).abs() < 1e-6), "{part:?}");
+    }
+
+    #[test]
+    fn a_still_skin_is_averaged_further_frame_by_frame_up_to_some_frames_and_some_time() {
+        // 15 s of a time constant of 120 s.
+        for (frame_us, frames) in [(10_000, 256.0), (25_000, 256.0), (100_000, 150.0), (200_000, 75.0)] {
+            let (mut drift, mut variance) = (Drift::default(), 1.0 / 20.0);
+            for frame in 0..=1000_u64 {
+                drift.correct(&mut changes(0.0), &WEIGHTS, frame * frame_us, 120.0);
+                let Some(part) = drift.part(Change::Still, 120.0, variance) else { continue };
+                if frame == 10 {
+                    assert!((part - 1.0 / 31.0).abs() < 1e-4, "{part}: as a mean of 20 frames and 11");
+                }
+                if part < 1.0 / 300.0 {
+                    break;
+                }
+                variance = (1.0 - part) * (1.0 - part) * variance + part * part;
+            }
+            assert!((1.0 / variance - frames).abs() <= 1.5, "{}, not {frames}", 1.0 / variance);
+        }
     }
 
     #[test]
     fn without_a_time_constant_nothing_is_followed_or_taken_out() {
         let (mut drift, mut relative) = (Drift::default(), changes(0.3));
         drift.correct(&mut relative, &WEIGHTS, 1_000_000, 0.0);
-        assert_eq!([Change::Still, Change::Smooth].map(|change| drift.part(change, 0.0)), [None, None]);
+        assert_eq!([Change::Still, Change::Smooth].map(|change| drift.part(change, 0.0, 1.0)), [None, None]);
         assert_eq!(relative, changes(0.3));
     }
 }

@@ -237,7 +237,7 @@ impl PipelineState {
         self.flags.insert_if(FrameFlags::IMPLAUSIBLE, is_implausible(relative));
         let drift_time = patch.header.drift_time;
         self.drift.correct(relative, reference.weights(), frame.timestamp_us, drift_time);
-        self.detector.average(patch, relative, frame.timestamp_us);
+        self.detector.average(patch, relative, reference, frame.timestamp_us);
         self.detector.detect(patch, relative, reference);
         let is_unlike = matches!(self.detector.change(), Change::Unlike | Change::PressedAndSlipped);
         self.flags.insert_if(FrameFlags::UNLIKE_PRESS, is_unlike);
@@ -280,7 +280,9 @@ impl PipelineState {
             self.former.clear();
             self.detector.follow(patch, reference);
         }
-        let Some(part) = self.drift.part(change, patch.header.drift_time) else { return };
+        let Some(part) = self.drift.part(change, patch.header.drift_time, reference.variance()) else {
+            return;
+        };
         if change != Change::Still {
             self.former.keep(reference);
         }

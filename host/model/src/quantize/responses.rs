@@ -51,7 +51,7 @@ pub(super) fn places(skin: &Skin, model: &Model, room: usize) -> Result<FixedPla
         smooth: (smooth.ncols() + usize::from(even.is_some())) as u8,
         slips: slips.ncols() as u8,
         radius: radius(model) as f32,
-        averaging: skin.averaging as f32,
+        averaging: skin.averaging() as f32,
         level: level(skin.false_alarms / (TAILS * 3600.0 * skin.drive.frame_rate * places as f64)) as f32,
     };
     let measurements = noise.len() as u16;

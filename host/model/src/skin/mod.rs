@@ -58,8 +58,8 @@ pub struct Skin<S = Shape> {
     pub contacts_found_in: FoundIn,
     /// False contacts an hour on an untouched skin, where they are found in the voltages.
     pub false_alarms: f64,
-    /// Time over which still frames are averaged there, s; 0 takes each for itself.
-    pub averaging: f64,
+    /// Time over which still frames are averaged there, s; 0 takes each for itself. None: see [`Skin::averaging`].
+    pub averaging: Option<f64>,
     /// Time in which the reference follows the untouched skin, s; 0 for never. None: see [`Skin::drift_time`].
     pub drift_time: Option<f64>,
     /// Pressure by strength of a contact; empty if the skin is not calibrated.
@@ -115,7 +115,17 @@ const DRIFT_TIME: f64 = 30.0;
 /// grow slowly.
 const DRIFT_TIME_OF_VOLTAGES: f64 = 120.0;
 
+/// Time over which still frames are averaged unless the file says another, s, and how many at least.
+const AVERAGING: f64 = 0.16;
+const AVERAGED_FRAMES: f64 = 8.0;
+
 impl<S> Skin<S> {
+    /// Time over which still frames are averaged, s; 0 takes each for itself.
+    #[must_use]
+    pub fn averaging(&self) -> f64 {
+        self.averaging.unwrap_or_else(|| AVERAGING.max(AVERAGED_FRAMES / self.drive.frame_rate))
+    }
+
     /// Time in which the reference follows the untouched skin, s; 0 for never.
     #[must_use]
     pub fn drift_time(&self) -> f64 {

@@ -7,7 +7,7 @@ const HEALED: f32 = 1.0;
 /// Presses leave more than this share of what they explain where there may be something else beside them.
 const UNSETTLED: f32 = 0.05;
 /// By so much more, in units of the noise's variance, one explanation is better than another.
-const CLEARLY: f32 = 12.0;
+pub(super) const CLEARLY: f32 = 12.0;
 /// One that was lifted leaves less than this share of what one press more does. Near the rim of some skins the opposite of
 /// a press elsewhere explains simulated fingers better than a press does; it left 0.37 to 0.45 of what that left.
 const LIFT_LEAVES: f32 = 0.25;
@@ -82,7 +82,10 @@ impl Detector {
                 Change::Pressed
             }
         } else if is_rest
-            || (is_loud(smooth) && is_clear(smooth, most.max(least)) && 2.0 * smooth > look.left)
+            // Smooth changes are several, and explain more of noise than a press.
+            || (is_loud(smooth)
+                && is_clear(smooth, most.max(least) + CLEARLY * noise)
+                && 2.0 * smooth > look.left)
         {
             Change::Smooth
         } else if is_loud(least) && 3.0 * least > look.left && is_clear(least, smooth.max(most)) {

@@ -33,7 +33,7 @@ mod sums;
 mod system;
 
 use super::{
-    average::Average,
+    average::{Average, OPENS},
     noise::Noise,
     reference::{Changes, Reference},
 };
@@ -46,6 +46,7 @@ use filter::{Look, Norms};
 use fit::{Fit, Skin};
 use heapless::Vec;
 use held::{Held, SLOW};
+use judge::CLEARLY;
 use lift::{LIFTS, Lifting};
 use press::{Press, Was, copy, root};
 use sums::Sums;
@@ -63,6 +64,8 @@ const PAUSE: u8 = 3;
 const SPLIT_PAUSE: u8 = 16;
 /// Frames closer than this are fast, us: there is no time to fit all presses twice in each.
 const FAST: u32 = 5_000;
+/// A frame that differs from the average by so many standard deviations of chi square is looked at by itself.
+const MAY_OPEN: f32 = 1.0;
 /// What has just come may move: its data are a mean of so few frames that this is left of their variance.
 const FRESH: f32 = 0.15;
 /// How many presses leave time for a search in each frame.
@@ -77,9 +80,6 @@ const UNDECIDED: u8 = 20;
 const SUDDEN: f32 = 0.1;
 /// A new press' strength alone is as significant as this share of the level: slopes may explain much where it is hardly any.
 const OF_ITS_OWN: f32 = 0.5;
-/// By so much more, in units of the noise's variance, a press that comes slowly explains than a smooth change, which would be
-/// mended; it would not.
-const CLEARLY_PRESSED: f32 = 30.0;
 /// How far the linear model of a press is off, beside noise: its position in radii of the standard press, its strength as
 /// a share. Simulated fingers of 4 % of the size lie within two of these in 95 of 100 places on flat skins.
 const MODEL_POSITION: f32 = 0.3;
@@ -255,12 +255,35 @@ impl Detector {
     }
 
     /// Takes the mean of relative changes over the frames that are alike instead of those of this time: `[measurement]`.
-    pub fn average(&mut self, patch: &PatchView<'_>, relative: &mut Changes, now_us: u64) {
+    pub fn average(
+        &mut self,
+        patch: &PatchView<'_>,
+        relative: &mut Changes,
+        reference: &Reference,
+        now_us: u64,
+    ) {
         self.is_fast = (now_us as u32).wrapping_sub(self.frame_us) < FAST;
         self.frame_us = now_us as u32;
-        if !self.norms.is_empty() {
-            self.average.take(relative, &self.inverse_variances, now_us, patch.header.detection.averaging);
+        if self.norms.is_empty() {
+            return;
         }
+        let excess = self.average.excess(relative, &self.inverse_variances);
+        let may_open = excess > MAY_OPEN && self.presses.is_empty();
+        if excess > OPENS || may_open && self.is_pressed_at_once(patch, relative, reference) {
+            self.average.restart();
+        }
+        self.average.take(relative, now_us, patch.header.detection.averaging);
+    }
+
+    /// Whether something presses an untouched skin in these changes of one frame, `[measurement]`, by itself.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    fn is_pressed_at_once(&mut self, patch: &PatchView<'_>, relative: &[f32], reference: &Reference) -> bool {
+        let skin = Skin::of(patch, reference.weights());
+        self.sums.take(relative, &self.inverse_variances, reference.weights(), 1.0 + reference.variance());
+        let fit = Fit::new(&skin, &self.sums.data);
+        let z = fit.look(&mut self.sums, &self.norms).most.1;
+        fit.significance(z * z) > patch.header.detection.level
     }
 
     /// Looks for presses in relative changes from a reference, `[measurement]`; those that are not finite say nothing.
@@ -310,7 +333,8 @@ impl Detector {
             if self.change == Change::Smooth {
                 self.known_pause = KNOWN_PAUSE;
             }
-            if self.is_slipped {
+            // What noise leaves of a slip that is mended is no other one.
+            if self.is_slipped && look.left > LOUD * fit.spread() {
                 self.slipped_us = Some(self.frame_us);
             }
             if self.change == Change::Lifted && look.is_of_lift() {
@@ -387,7 +411,7 @@ impl Detector {
         }
         let is_more = fit.is_asked_for(look, strength, gain, next.misfit(), level);
         // What comes slowly may be drift.
-        let clearly = look.known.explained + CLEARLY_PRESSED * self.sums.data.noise;
+        let clearly = look.known.explained + CLEARLY * self.sums.data.noise;
         let is_rest = self.lifting.is_some_and(|lifting| strength < lifting.rest)
             || (fit.presses.is_empty() && self.held.is_rest(strength, self.frame_us));
         let may_be_slow = self.known_pause == 0 && self.slipped_us.is_none();

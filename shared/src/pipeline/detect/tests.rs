@@ -32,8 +32,13 @@ impl Trial {
 
     /// The same with still frames averaged over so many seconds.
     fn averaging(averaging: f32, noise: f64, tare: u16) -> Self {
+        Self::with_level(LEVEL, averaging, noise, tare)
+    }
+
+    /// The same with contacts from this level on.
+    fn with_level(level: f32, averaging: f32, noise: f64, tare: u16) -> Self {
         let mut trial = Self {
-            bytes: patch_with_places(LEVEL, averaging),
+            bytes: patch_with_places(level, averaging),
             state: PipelineState::default(),
             random: Pcg64Mcg::seed_from_u64(7),
             noise,
@@ -118,6 +123,20 @@ fn the_louder_the_noise_the_less_significant_is_a_press_until_it_is_none() {
         }
         assert!(trial.found(&[], 300).is_empty());
     }
+}
+
+#[test]
+fn what_one_frame_shows_of_an_untouched_skin_is_found_in_it_although_still_frames_are_averaged() {
+    let [each, averaged] = [0.0, 0.4].map(|averaging| {
+        let mut trial = Trial::with_level(4.2, averaging, 1e-2, 50);
+        let seen = (0..100).filter(|&place| {
+            trial.found(&[], 60);
+            !trial.found(&[(place, 0.3)], 1).is_empty()
+        });
+        seen.count()
+    });
+    // By the sum of its squares alone two in three of these would open the average.
+    assert!(each < 90 && 10 * averaged >= 9 * each, "{averaged}, each frame by itself {each}");
 }
 
 #[test]

@@ -12,6 +12,11 @@ use nalgebra::Point3;
 
 /// Of the limit a board should reach this.
 const SHARE: f64 = 0.85;
+/// Untouched for so long after the tare, s, and so many frames at least after each press: the limit is that of a still
+/// skin.
+const TARED: f64 = 15.0;
+const REST: f64 = 1.5;
+const REST_FRAMES: usize = 40;
 /// Frames of one press.
 const FRAMES: usize = 10;
 /// A contact farther away is not that of the finger, share of the size.
@@ -36,6 +41,7 @@ pub(super) fn run(bench: &Bench, options: &Options) -> Result<Vec<Figure>, Trust
             places.iter().map(|place| (place, bench.pressed(&[*place], FINGER, depth))).collect();
         for &snr_db in &options.snr_db {
             trial.change_noise(snr_db, options.seed);
+            untouched_for(&mut trial, TARED);
             let see = |(place, voltages): &(&Point3<f64>, Voltages)| Seen {
                 limit: limit(bench, &untouched, voltages, snr_db),
                 is_detected: are_detected(&mut trial, place, voltages, NEAR * bench.size()),
@@ -65,10 +71,15 @@ fn are_detected(trial: &mut Trial<'_>, place: &Point3<f64>, voltages: &Voltages,
     let mut see = || trial.see(voltages).contacts().iter().any(|contact| is_at(contact, place, near));
     let first = see();
     let last = (1..FRAMES).map(|_| see()).last().unwrap_or(first);
-    (0..FRAMES).for_each(|_| {
+    untouched_for(trial, REST);
+    [first, last]
+}
+
+fn untouched_for(trial: &mut Trial<'_>, seconds: f64) {
+    let frames = (seconds / trial.period()).ceil() as usize;
+    (0..frames.max(REST_FRAMES)).for_each(|_| {
         trial.see_untouched();
     });
-    [first, last]
 }
 
 fn beside_the_limit(seen: &[Seen], level: f64, depth: f64, snr_db: f64) -> [Figure; 2] {

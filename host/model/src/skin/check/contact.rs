@@ -10,9 +10,7 @@ use dermatome_shared::calibration::{Calibration, CalibrationPoint, MAX_POINTS};
 
 /// False contacts an hour on an untouched skin unless the file says others.
 const FALSE_ALARMS: f64 = 1.0;
-/// Time over which still frames are averaged unless the file says another, s: as long as a reflex takes.
-const AVERAGING: f64 = 0.2;
-/// Longest such time, s.
+/// Longest time over which still frames are averaged, s.
 const LONGEST_AVERAGING: f64 = 10.0;
 /// Longest time in which the reference may follow the untouched skin, s: a day.
 const LONGEST_DRIFT_TIME: f64 = 86_400.0;
@@ -31,10 +29,10 @@ impl Checker<'_> {
         }
     }
 
-    pub(super) fn averaging(&self, written: Option<&Quantity>) -> Result<f64, SkinError> {
-        let Some(written) = written else { return Ok(AVERAGING) };
+    pub(super) fn averaging(&self, written: Option<&Quantity>) -> Result<Option<f64>, SkinError> {
+        let Some(written) = written else { return Ok(None) };
         match quantity::TIME.read(written) {
-            Some(seconds) if (0.0..=LONGEST_AVERAGING).contains(&seconds) => Ok(seconds),
+            Some(seconds) if (0.0..=LONGEST_AVERAGING).contains(&seconds) => Ok(Some(seconds)),
             _ => self.refuse("contact.averaging", written.to_string(), "0 s to 10 s"),
         }
     }
