@@ -253,7 +253,7 @@ mod tests {
                 drift.correct(&mut changes(0.0), &WEIGHTS, frame * frame_us, 120.0);
                 let Some(part) = drift.part(Change::Still, 120.0, variance) else { continue };
                 if frame == 10 {
-                    assert!((part - 1.0 / 31.0).abs() < 1e-4, "{part}: as a mean of 20 frames and 11");
+                    assert!((part - 1.0 / 30.0).abs() < 1e-4, "{part}: as a mean of 20 frames and 10");
                 }
                 if part < 1.0 / 300.0 {
                     break;

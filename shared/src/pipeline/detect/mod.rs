@@ -80,6 +80,9 @@ const UNDECIDED: u8 = 20;
 const SUDDEN: f32 = 0.1;
 /// A new press' strength alone is as significant as this share of the level: slopes may explain much where it is hardly any.
 const OF_ITS_OWN: f32 = 0.5;
+/// By so much more, in units of the noise's variance, a press that comes slowly explains than a smooth change, which would be
+/// mended; it would not. One that explains hardly all of what changed.
+const CLEARLY_PRESSED: f32 = 30.0;
 /// How far the linear model of a press is off, beside noise: its position in radii of the standard press, its strength as
 /// a share. Simulated fingers of 4 % of the size lie within two of these in 95 of 100 places on flat skins.
 const MODEL_POSITION: f32 = 0.3;
@@ -410,11 +413,14 @@ impl Detector {
             }
         }
         let is_more = fit.is_asked_for(look, strength, gain, next.misfit(), level);
-        // What comes slowly may be drift.
-        let clearly = look.known.explained + CLEARLY * self.sums.data.noise;
+        // What comes slowly may be drift, and so may all else while a sheet drifts.
+        let smooth = look.known.explained;
+        let margin = if gain > SLOW * look.left { CLEARLY } else { CLEARLY_PRESSED };
+        let clearly = smooth + margin * self.sums.data.noise;
         let is_rest = self.lifting.is_some_and(|lifting| strength < lifting.rest)
             || (fit.presses.is_empty() && self.held.is_rest(strength, self.frame_us));
         let may_be_slow = self.known_pause == 0 && self.slipped_us.is_none();
+        let is_sudden = is_sudden && (self.known_pause == 0 || gain > smooth);
         let is_press = !is_rest && (is_sudden || (may_be_slow && gain > clearly.max(least)));
         let has_new =
             next.presses.iter().any(|press| press.is_new() && press.significance > OF_ITS_OWN * level);
