@@ -82,10 +82,7 @@ impl Detector {
                 Change::Pressed
             }
         } else if is_rest
-            // Smooth changes are several, and explain more of noise than a press.
-            || (is_loud(smooth)
-                && is_clear(smooth, most.max(least) + CLEARLY * noise)
-                && 2.0 * smooth > look.left)
+            || (is_loud(smooth) && is_clear(smooth, most.max(least)) && 2.0 * smooth > look.left)
         {
             Change::Smooth
         } else if is_loud(least) && 3.0 * least > look.left && is_clear(least, smooth.max(most)) {

@@ -413,14 +413,12 @@ impl Detector {
             }
         }
         let is_more = fit.is_asked_for(look, strength, gain, next.misfit(), level);
-        // What comes slowly may be drift, and so may all else while a sheet drifts.
-        let smooth = look.known.explained;
+        // What comes slowly may be drift.
         let margin = if gain > SLOW * look.left { CLEARLY } else { CLEARLY_PRESSED };
-        let clearly = smooth + margin * self.sums.data.noise;
+        let clearly = look.known.explained + margin * self.sums.data.noise;
         let is_rest = self.lifting.is_some_and(|lifting| strength < lifting.rest)
             || (fit.presses.is_empty() && self.held.is_rest(strength, self.frame_us));
         let may_be_slow = self.known_pause == 0 && self.slipped_us.is_none();
-        let is_sudden = is_sudden && (self.known_pause == 0 || gain > smooth);
         let is_press = !is_rest && (is_sudden || (may_be_slow && gain > clearly.max(least)));
         let has_new =
             next.presses.iter().any(|press| press.is_new() && press.significance > OF_ITS_OWN * level);
