@@ -82,7 +82,7 @@ const MEASURED_TWICE: Speed = Speed {
     images: 0,
     least: 150.0,
     most_load: 0.6,
-    longest_latency: [1.1e-3, 1.4e-3],
+    longest_latency: [1.25e-3, 1.5e-3],
 };
 const MEASURED_ONCE: Speed = Speed {
     reciprocal: Reciprocal::Once,
