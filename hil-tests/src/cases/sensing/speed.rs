@@ -52,7 +52,7 @@ const COMES: usize = 60;
 const WATCHED: u32 = 200;
 /// By this share a finger stretches the skin.
 const STRETCH: f64 = 0.01;
-/// Flash that it may take, of 132 KiB.
+/// Flash that it may take, of 132 KiB: other compilers take some more.
 const FLASH_LIMIT: usize = 132 * 1024 - 512;
 
 /// How a skin is measured, and how fast it has to be.

@@ -25,6 +25,7 @@ mod held;
 mod judge;
 mod known;
 mod lift;
+mod opening;
 mod press;
 mod search;
 mod spot;
@@ -33,7 +34,7 @@ mod sums;
 mod system;
 
 use super::{
-    average::{Average, OPENS},
+    average::Average,
     noise::Noise,
     reference::{Changes, Reference},
 };
@@ -64,8 +65,6 @@ const PAUSE: u8 = 3;
 const SPLIT_PAUSE: u8 = 16;
 /// Frames closer than this are fast, us: there is no time to fit all presses twice in each.
 const FAST: u32 = 5_000;
-/// A frame that differs from the average by so many standard deviations of chi square is looked at by itself.
-const MAY_OPEN: f32 = 1.0;
 /// What has just come may move: its data are a mean of so few frames that this is left of their variance.
 const FRESH: f32 = 0.15;
 /// How many presses leave time for a search in each frame.
@@ -255,38 +254,6 @@ impl Detector {
         relative.iter_mut().filter(|y| !y.is_finite()).for_each(|y| *y = 0.0);
         sums::take_out(reference.weights(), weights, relative);
         (sums::energy(relative, weights) - measurements) / libm::sqrtf(2.0 * measurements.max(1.0))
-    }
-
-    /// Takes the mean of relative changes over the frames that are alike instead of those of this time: `[measurement]`.
-    pub fn average(
-        &mut self,
-        patch: &PatchView<'_>,
-        relative: &mut Changes,
-        reference: &Reference,
-        now_us: u64,
-    ) {
-        self.is_fast = (now_us as u32).wrapping_sub(self.frame_us) < FAST;
-        self.frame_us = now_us as u32;
-        if self.norms.is_empty() {
-            return;
-        }
-        let excess = self.average.excess(relative, &self.inverse_variances);
-        let may_open = excess > MAY_OPEN && self.presses.is_empty();
-        if excess > OPENS || may_open && self.is_pressed_at_once(patch, relative, reference) {
-            self.average.restart();
-        }
-        self.average.take(relative, now_us, patch.header.detection.averaging);
-    }
-
-    /// Whether something presses an untouched skin in these changes of one frame, `[measurement]`, by itself.
-    // Not inlined, so that what it needs of the stack is free again for all else.
-    #[inline(never)]
-    fn is_pressed_at_once(&mut self, patch: &PatchView<'_>, relative: &[f32], reference: &Reference) -> bool {
-        let skin = Skin::of(patch, reference.weights());
-        self.sums.take(relative, &self.inverse_variances, reference.weights(), 1.0 + reference.variance());
-        let fit = Fit::new(&skin, &self.sums.data);
-        let z = fit.look(&mut self.sums, &self.norms).most.1;
-        fit.significance(z * z) > patch.header.detection.level
     }
 
     /// Looks for presses in relative changes from a reference, `[measurement]`; those that are not finite say nothing.
