@@ -133,8 +133,10 @@ impl Curve {
     /// odd number of times, but for the bulges between pieces and chords.
     #[must_use]
     pub fn encloses(&self, point: Point2<f64>) -> bool {
-        self.pieces.iter().fold(false, |inside, piece| {
-            let [from, to] = piece.ends();
+        // Each chord ends where the next begins, to the last bit: the end of a whole circle is its start.
+        let next = self.pieces.iter().cycle().skip(1);
+        self.pieces.iter().zip(next).fold(false, |inside, (piece, next)| {
+            let [from, to] = [piece, next].map(|piece| piece.ends()[0]);
             let straddles = (from.y <= point.y) != (to.y <= point.y);
             let left = (to - from).perp(&(point - from)) > 0.0;
             inside ^ (straddles && left == (to.y > from.y)) ^ piece.bulge_holds(point)

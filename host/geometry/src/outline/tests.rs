@@ -110,6 +110,15 @@ fn areas_and_lengths_are_those_of_the_closed_forms() {
 }
 
 #[test]
+fn what_lies_left_of_a_disc_at_the_height_of_its_middle_is_off_it() {
+    let disc = Curve::circle(Point2::origin(), 0.105);
+    // Rounding puts points of a lattice a hair below the middle.
+    for x in [-0.2, -0.1051, -0.1049, -0.05, 0.05, 0.1049, 0.1051_f64] {
+        assert_eq!(disc.encloses(Point2::new(x, -1e-18)), x.abs() < 0.105, "{x}");
+    }
+}
+
+#[test]
 fn arc_length_starts_where_the_x_axis_leaves_the_sheet() {
     let start = |outline: &Outline| outline.rim_point(0.0);
     assert!((start(&Outline::disc(2.0)) - Point2::new(2.0, 0.0)).norm() < 1e-15);
