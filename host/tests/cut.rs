@@ -135,7 +135,7 @@ fn a_flat_patch_goes_to_a_board_and_is_not_overwritten() {
     desk.run(&["build", "new/skin.toml", "-o", "flat.dermatome"]).success();
     let before = desk.read("new/skin.toml");
     let refused = desk.run(&cut(&[("--radius", "30")])).refused();
-    assert!(refused.contains("new/skin.toml") && refused.contains("--overwrite"), "{refused}");
+    assert!(refused.contains("new/skin.toml") && refused.contains("--force"), "{refused}");
     assert_eq!(desk.read("new/skin.toml"), before);
     desk.run(&[&cut(&[("--radius", "30")])[..], &["--overwrite"]].concat()).success();
     assert_ne!(desk.read("new/skin.toml"), before);

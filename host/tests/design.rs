@@ -38,7 +38,7 @@ fn what_cannot_be_designed_is_refused_before_anything_is_written() {
     let cases: [(&[&str], &str); 6] = [
         (
             &["skin.toml", "--out", "there.toml"],
-            "`there.toml` is there already; allowed: another `--out`, or `--overwrite`",
+            "`there.toml` is there already; allowed: another `--out`, or `--force`",
         ),
         (&["skin.toml", "--electrodes", "5"], "`--electrodes` is 5; allowed: 6 to 16"),
         (&["skin.toml", "--electrodes", "17"], "`--electrodes` is 17; allowed: 6 to 16"),

@@ -1,7 +1,8 @@
-//! The patch of a board as programs own it: what it holds, how it is written, the pose of its skin, and files written
-//! whole or not at all.
+//! The patch of a board as programs own it: what it holds, how it is written, the pose of its skin, files written whole or
+//! not at all, and read up to a bound.
 #![forbid(unsafe_code)]
 
+pub mod input;
 pub mod layout;
 pub mod matrix;
 #[cfg(feature = "files")]

@@ -1,7 +1,9 @@
 //! `dermatome build`: skin file -> reconstruction matrix -> patch file.
 
 use super::{
-    JsonReport, patch_id,
+    JsonReport,
+    outputs::{Kind, Output, patch_file},
+    patch_id,
     preserved::{Preserved, refuse_to_lose},
     progress,
 };
@@ -14,7 +16,7 @@ use dermatome_geometry::mesh::{
 use dermatome_model::{
     inverse::figures::Blur,
     metrics::detectability::{Deaf, LEVEL, Sought},
-    model::{Model, Stage, driven_error},
+    model::{Model, Stage, driven_error, needed_gigabytes},
     quantize::{self, FixedPointError},
     skin::{FoundIn, Skin},
     stimulation,
@@ -42,8 +44,8 @@ pub(super) struct Args {
     #[arg(value_name = "SKIN")]
     skin: PathBuf,
     /// Where to write the patch [default: the skin's name with .dermatome, in this folder].
-    #[arg(short, long, value_name = "PATCH")]
-    output: Option<PathBuf>,
+    #[arg(short, long, value_name = "PATCH", value_parser = Kind::Patch.parser())]
+    output: Option<Output>,
     /// Compute and report only; for skins that no board takes.
     #[arg(long, conflicts_with = "output")]
     no_patch: bool,
@@ -55,8 +57,8 @@ pub(super) struct Args {
     #[arg(long, alias = "keep-calibration", value_name = "PATCH", conflicts_with = "no_patch")]
     preserve_calibration: Option<PathBuf>,
     /// Draw the criterion by which the hyperparameter was chosen, as SVG.
-    #[arg(long, value_name = "FILE")]
-    hyperparameter_plot: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", value_parser = Kind::Svg.parser())]
+    hyperparameter_plot: Option<Output>,
     #[command(flatten)]
     json: JsonReport,
 }
@@ -202,6 +204,9 @@ fn load(args: &Args) -> anyhow::Result<Skin> {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let start = Instant::now();
     let skin = load(args)?;
+    if !args.no_patch {
+        check_drive(args, &skin)?;
+    }
     let preserved = preserved(args, &skin)?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let spinner = progress::spinner();
@@ -251,6 +256,18 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     args.json.write(&report)
 }
 
+/// Fails before the work if no board takes the skin.
+fn check_drive(args: &Args, skin: &Skin) -> anyhow::Result<()> {
+    let allowed = || {
+        format!(
+            "allowed: `--no-patch`, to compute only, in {:.1} GB of memory or more",
+            needed_gigabytes(skin)
+        )
+    };
+    quantize::check_drive(skin)
+        .map_err(|error| anyhow::anyhow!("skin file `{}`: {error}; {}", args.skin.display(), allowed()))
+}
+
 fn write_plot(skin: &Skin, model: &Model, path: &Path) -> anyhow::Result<()> {
     let Some(selection) = &model.selection else {
         bail!(
@@ -259,10 +276,6 @@ fn write_plot(skin: &Skin, model: &Model, path: &Path) -> anyhow::Result<()> {
         );
     };
     Ok(write_whole(path, criterion_svg(&skin.name, selection).as_bytes())?)
-}
-
-fn output(args: &Args, skin: &Skin) -> PathBuf {
-    args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.dermatome", skin.name)))
 }
 
 /// The calibration to keep, if one is asked for. None may get lost.
@@ -274,7 +287,7 @@ fn preserved(args: &Args, skin: &Skin) -> anyhow::Result<Option<Preserved>> {
     let preserved = from.map(|path| Preserved::read(path, &skin.name)).transpose()?;
     let of_file = || Stored::curve(skin.calibration.clone());
     let of_new = preserved.as_ref().map_or_else(of_file, |preserved| preserved.stored.clone());
-    let path = output(args, skin);
+    let path = patch_file(args.output.as_ref(), &skin.name)?;
     let file = path.display();
     let allowed = format!("`--preserve-calibration {file}`, another `--output`, or remove the file");
     refuse_to_lose(&path, &of_new, &allowed)?;
@@ -287,7 +300,7 @@ fn write_patch(
     model: &mut Model,
     preserved: Option<&Preserved>,
 ) -> anyhow::Result<PatchReport> {
-    let path = output(args, skin);
+    let path = patch_file(args.output.as_ref(), &skin.name)?;
     let quantizing = Instant::now();
     let (patch, is_doubtful) = match preserved {
         Some(preserved) => {

@@ -3,6 +3,7 @@
 use super::{
     JsonReport,
     board::open,
+    outputs::{Kind, Output},
     stream::silence_timeout,
     tare::{patch_of, tare_with_spinner},
 };
@@ -13,6 +14,7 @@ use dermatome_frames::calibrate::{
 use dermatome_link::{self as link, Link};
 use dermatome_model::skin::quantity::{AREA, Quantity};
 use dermatome_patch::{
+    input::{self, MAX_PATCH_BYTES},
     output::{check_folder, write_together, write_whole},
     write::{units_crc, with_calibration, with_gains},
 };
@@ -60,8 +62,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "AREA")]
     indenter_area: Option<String>,
     /// Write the calibrated patch here instead of over the old one.
-    #[arg(long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", value_parser = Kind::Patch.parser())]
+    out: Option<Output>,
     /// Store the curve alone: leave hysteresis in.
     #[arg(long)]
     no_compensation: bool,
@@ -69,11 +71,11 @@ pub(super) struct Args {
     #[arg(long)]
     no_field: bool,
     /// Draw readings and curve, as SVG.
-    #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", value_parser = Kind::Svg.parser())]
+    plot: Option<Output>,
     /// Write the readings, as CSV that --readings takes.
-    #[arg(long, value_name = "FILE", conflicts_with = "readings")]
-    save: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", conflicts_with = "readings", value_parser = Kind::Readings.parser())]
+    save: Option<Output>,
     #[command(flatten)]
     json: JsonReport,
 }
@@ -107,11 +109,12 @@ struct FieldReport {
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let path = args.patch.display();
-    let bytes = std::fs::read(&args.patch).with_context(|| format!("cannot read patch `{path}`"))?;
+    let bytes =
+        input::read(&args.patch, MAX_PATCH_BYTES).with_context(|| format!("cannot read patch `{path}`"))?;
     let patch = PatchView::validate(&bytes).with_context(|| format!("`{path}`"))?;
     let indenter_mm2 = args.indenter_area.as_deref().map(|text| indenter_mm2(text, &patch)).transpose()?;
-    let out = args.out.as_ref().unwrap_or(&args.patch);
-    let others = [args.plot.as_ref(), args.save.as_ref(), args.json.json.as_ref()];
+    let out = args.out.as_deref().unwrap_or(&args.patch);
+    let others = [args.plot.as_deref(), args.save.as_deref(), args.json.json.as_deref()];
     for file in others.into_iter().flatten().chain([out]) {
         check_folder(file)?;
     }
@@ -162,9 +165,9 @@ fn field(
 
 /// The patch, and with it picture and report: all of them, or none.
 fn write_all(args: &Args, out: &Path, calibrated: &[u8], fit: &Fit, report: &Report) -> anyhow::Result<()> {
-    let plot = args.plot.as_ref().map(|file| (file, calibrate::svg(&report.skin, &fit.trials, &fit.curve)));
+    let plot = args.plot.as_deref().map(|file| (file, calibrate::svg(&report.skin, &fit.trials, &fit.curve)));
     let json = args.json.text(report)?;
-    let texts = plot.iter().chain(&json).map(|(file, text)| (file.as_path(), text.as_bytes()));
+    let texts = plot.iter().chain(&json).map(|(file, text)| (*file, text.as_bytes()));
     let files: Vec<_> = texts.chain([(out, calibrated)]).collect();
     Ok(write_together(&files)?)
 }

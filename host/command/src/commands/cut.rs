@@ -3,9 +3,10 @@
 use super::{
     JsonReport,
     flags::in_flags,
+    outputs::Folder,
     skin_of_cutout::{Names, skin_file},
 };
-use anyhow::{Context, bail};
+use anyhow::Context;
 use dermatome_frames::recorded::statistics::median;
 use dermatome_geometry::{
     cut::{self, Cutout, Cutter, Region, Request, Slab},
@@ -89,11 +90,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "NAME")]
     frame: Option<String>,
     /// Folder to write to; it is made if it is not there.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
-    /// Replace a skin that is there.
-    #[arg(long)]
-    overwrite: bool,
+    #[arg(long, value_name = "DIR", value_parser = Folder::parser(|name| [SKIN, MESH].contains(&name), None))]
+    out: Folder,
     #[command(flatten)]
     json: JsonReport,
 }
@@ -162,7 +160,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         is_name(&name),
         "`--name` is {name:?}; allowed: 1 to 32 letters, digits, \"-\" or \"_\" (by default it is that of `--out`)"
     );
-    let [skin, mesh] = args.targets()?;
+    let [skin, mesh] = [SKIN, MESH].map(|name| args.out.join(name));
     let mut link = import::read(&args.link, args.weld)?;
     link.scale(unit);
     let read_seconds = start.elapsed().as_secs_f64();
@@ -219,15 +217,6 @@ impl Args {
         }
         let slabs = self.between_planes.iter().map(|text| slab(text, unit));
         Ok(Region::Slabs(slabs.collect::<anyhow::Result<_>>()?))
-    }
-
-    /// The skin file and its mesh, in a folder that is there; refuses those that are there already.
-    fn targets(&self) -> anyhow::Result<[PathBuf; 2]> {
-        let targets = [SKIN, MESH].map(|name| self.out.join(name));
-        if let Some(there) = targets.iter().find(|path| path.exists() && !self.overwrite) {
-            bail!("`{}` is there already; allowed: another `--out`, or `--overwrite`", there.display());
-        }
-        Ok(targets)
     }
 }
 

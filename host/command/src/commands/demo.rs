@@ -1,6 +1,12 @@
 //! `dermatome demo`: the whole chain, from a skin file to contacts, with no hardware.
 
-use super::{JsonReport, interrupt, noise::NoiseOptions, progress, tare::tare_with_spinner};
+use super::{
+    JsonReport, interrupt,
+    noise::NoiseOptions,
+    outputs::{Kind, Output},
+    progress,
+    tare::tare_with_spinner,
+};
 use crate::demo::{self, Figures, FrameRecord, Scorer, Watched};
 use dermatome_link::{self as link, Link};
 use dermatome_model::{model::Model, quantize, skin::Skin};
@@ -15,7 +21,7 @@ use dermatome_simulate::{
 };
 use dermatome_view::live::Live;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Build a patch, flash a simulated board, and watch fingers press its skin.
 ///
@@ -27,8 +33,8 @@ use std::path::{Path, PathBuf};
   dermatome demo --noise-db 40 --seed 3 --json demo.json")]
 pub(super) struct Args {
     /// Picture to write: truth beside image at eight moments.
-    #[arg(long, default_value = "demo.png", value_name = "FILE")]
-    png: PathBuf,
+    #[arg(long, default_value = "demo.png", value_name = "FILE", value_parser = Kind::Png.parser())]
+    png: Output,
     #[command(flatten)]
     noise: NoiseOptions,
     #[command(flatten)]

@@ -4,6 +4,7 @@ use super::{
     JsonReport,
     flags::in_flags,
     noise::snr,
+    outputs::{Kind, Output, by_default},
     progress,
     skin_of_design::{pattern, refuse_weights, skin_file},
 };
@@ -17,7 +18,10 @@ use dermatome_model::{
     },
     skin::{Description, Shape, Skin, is_name},
 };
-use dermatome_patch::output::{check_folder, write_whole};
+use dermatome_patch::{
+    input,
+    output::{check_folder, write_whole},
+};
 use serde::Serialize;
 use std::{
     path::{Path, PathBuf},
@@ -48,14 +52,11 @@ pub(super) struct Args {
     #[arg(long, value_name = "LENGTH", default_value = "4%", allow_hyphen_values = true)]
     radius: Length,
     /// Skin file to write [default: the new name with .toml, in this folder].
-    #[arg(long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", value_parser = Kind::Skin.parser())]
+    out: Option<Output>,
     /// Name of the new skin [default: the skin's name with -designed].
     #[arg(long)]
     name: Option<String>,
-    /// Replace a file that is there.
-    #[arg(long)]
-    overwrite: bool,
     #[command(flatten)]
     json: JsonReport,
 }
@@ -104,7 +105,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let start = Instant::now();
     let in_file = || format!("skin file `{}`", args.skin.display());
     let skin = Skin::load(&args.skin)?.made()?;
-    let text = std::fs::read_to_string(&args.skin).with_context(in_file)?;
+    let text = input::read_text(&args.skin).with_context(in_file)?;
     refuse_weights(&text).with_context(in_file)?;
     let name = args.name(&skin)?;
     let out = args.target(&skin, &name)?;
@@ -153,10 +154,7 @@ impl Args {
 
     /// The file to write: one that is not there yet, where the files that the skin file names are found.
     fn target(&self, skin: &Skin, name: &str) -> anyhow::Result<PathBuf> {
-        let out = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.toml")));
-        if out.exists() && !self.overwrite {
-            bail!("`{}` is there already; allowed: another `--out`, or `--overwrite`", out.display());
-        }
+        let out = by_default("--out", self.out.as_ref(), format!("{name}.toml"), Kind::Skin)?;
         check_folder(&out)?;
         if matches!(skin.shape, Shape::Mesh { .. }) && folder(&out) != folder(&self.skin) {
             bail!(

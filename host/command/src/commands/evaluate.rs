@@ -1,6 +1,13 @@
 //! `dermatome evaluate`: what a skin's board finds and how good its images are, everywhere on it.
 
-use super::{JsonReport, finding::Finding, flags::in_flags, interrupt, progress};
+use super::{
+    JsonReport,
+    finding::Finding,
+    flags::in_flags,
+    interrupt,
+    outputs::{Kind, Output},
+    progress,
+};
 use anyhow::Context;
 use dermatome_experiments::evaluate::{
     Evaluation, Length, Options, Watch, evaluate, evaluate_flattened, picture,
@@ -60,8 +67,8 @@ pub(super) struct Args {
     #[arg(long)]
     flatten: bool,
     /// Draw a map of each figure.
-    #[arg(long, value_name = "FILE")]
-    png: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", value_parser = Kind::Png.parser())]
+    png: Option<Output>,
     #[command(flatten)]
     json: JsonReport,
 }

@@ -1,10 +1,10 @@
 //! `dermatome experiment`: the thesis' experiments on simulated samples, as a page.
 
-use super::{progress, trust};
+use super::{outputs::Folder, progress, trust};
 use anyhow::Context;
 use dermatome_experiments::experiment::{EXPERIMENTS, Experiment, Report, json, named, page, run as run_all};
 use dermatome_patch::output::{OutputFolder, WriteError};
-use std::{path::PathBuf, time::Instant};
+use std::time::Instant;
 
 /// Do the thesis' experiments on simulated samples, as a page beside its figures.
 ///
@@ -24,9 +24,18 @@ pub(super) struct Args {
     #[arg(value_name = "NAME", value_parser = chosen, required = true)]
     name: Option<Chosen>,
     /// Folder for report.html and report.json; made if it is not there.
-    #[arg(long, default_value = "experiments", value_name = "DIR")]
-    out: PathBuf,
+    #[arg(
+        long,
+        default_value = "experiments",
+        value_name = "DIR",
+        value_parser = Folder::parser(|name| [PAGE, FIGURES].contains(&name), Some(FIGURES))
+    )]
+    out: Folder,
 }
+
+/// What is written: the page, and its figures.
+const PAGE: &str = "report.html";
+const FIGURES: &str = "report.json";
 
 /// Experiments that are Dermatome's own.
 #[derive(clap::Subcommand)]
@@ -68,7 +77,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     bar.finish_and_clear();
     reports.iter().for_each(print);
     write(folder, &reports).with_context(|| format!("cannot write to `{}`", args.out.display()))?;
-    say!("page: {}", args.out.join("report.html").display());
+    say!("page: {}", args.out.join(PAGE).display());
     let plural = if reports.len() == 1 { "" } else { "s" };
     say!("{} experiment{plural} in {:.1} s", reports.len(), start.elapsed().as_secs_f64());
     Ok(())
@@ -77,7 +86,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 fn write(folder: OutputFolder, reports: &[Report]) -> Result<(), WriteError> {
     let mut figures = format!("{:#}", json(reports));
     figures.push('\n');
-    folder.write_all(&[("report.html", page(reports).as_bytes()), ("report.json", figures.as_bytes())])
+    folder.write_all(&[(PAGE, page(reports).as_bytes()), (FIGURES, figures.as_bytes())])
 }
 
 fn print(report: &Report) {

@@ -1,10 +1,10 @@
 //! `dermatome export`: a skin's model as files for NumPy, MATLAB, EIDORS and Gmsh.
 
-use super::{JsonReport, progress};
+use super::{JsonReport, outputs::Folder, progress};
 use anyhow::Context;
 use dermatome_frames::interchange::{
     contents::Contents,
-    export::{CONTENTS, Export, GMSH, MATLAB, PLY, STIMULATION, prepare_folder},
+    export::{CONTENTS, Export, GMSH, MATLAB, PLY, STIMULATION, is_exported, prepare_folder},
 };
 use dermatome_model::skin::Skin;
 use std::path::PathBuf;
@@ -25,8 +25,8 @@ pub(super) struct Args {
     #[arg(value_name = "SKIN")]
     skin: PathBuf,
     /// Folder to write to; it is made if it is not there.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    #[arg(long, value_name = "DIR", value_parser = Folder::parser(is_exported, Some(CONTENTS)))]
+    out: Folder,
     #[command(flatten)]
     json: JsonReport,
 }

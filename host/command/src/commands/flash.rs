@@ -3,6 +3,7 @@
 use super::{BoardReport, board::open, progress};
 use anyhow::Context;
 use dermatome_link::{self as link, Link};
+use dermatome_patch::input::{self, MAX_PATCH_BYTES};
 use dermatome_shared::protocol::PatchInfo;
 use dermatome_simulate::port::Port;
 use serde::Serialize;
@@ -39,7 +40,8 @@ struct Report<'a> {
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let path = args.patch.display();
-    let bytes = std::fs::read(&args.patch).with_context(|| format!("cannot read patch `{path}`"))?;
+    let bytes =
+        input::read(&args.patch, MAX_PATCH_BYTES).with_context(|| format!("cannot read patch `{path}`"))?;
     let mut link = open(&args.port)?;
     let started = Instant::now();
     let bar = progress::sending(bytes.len());

@@ -1,6 +1,10 @@
 //! `dermatome forward`: voltages of a skin's stimulation table.
 
-use super::{JsonReport, build::warning_of_driven};
+use super::{
+    JsonReport,
+    build::warning_of_driven,
+    outputs::{Kind, Output},
+};
 use anyhow::{Context, bail};
 use dermatome_frames::{
     array::{Array, Source, npy},
@@ -39,8 +43,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE")]
     conductivity: Option<OsString>,
     /// Write the voltages to this file, .npy or .csv, and do not print them.
-    #[arg(long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", value_parser = Kind::Voltages.parser())]
+    out: Option<Output>,
     #[command(flatten)]
     json: JsonReport,
 }

@@ -2,6 +2,7 @@
 
 use super::{JsonReport, patch_id};
 use anyhow::Context;
+use dermatome_patch::input::{self, MAX_PATCH_BYTES};
 use dermatome_shared::{
     image::PixelGrid,
     patch::{FORMAT_VERSION, PatchHeader, PatchView},
@@ -35,7 +36,8 @@ struct Report {
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let name = || format!("patch file `{}`", args.patch.display());
-    let bytes = std::fs::read(&args.patch).with_context(|| format!("cannot read {}", name()))?;
+    let bytes =
+        input::read(&args.patch, MAX_PATCH_BYTES).with_context(|| format!("cannot read {}", name()))?;
     let patch = PatchView::validate(&bytes).with_context(name)?;
     let exponents = || patch.matrix().row_exponents();
     let report = Report {

@@ -5,6 +5,7 @@ use super::{
     choices::Strength,
     flags::in_flags,
     frame_options::{Flags, FrameOptions},
+    outputs::{Kind, Output, patch_file},
     patch_id,
     preserved::refuse_to_lose,
     progress,
@@ -58,8 +59,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE")]
     reference: Option<OsString>,
     /// Where to write the patch [default: the skin's name with .dermatome, in this folder].
-    #[arg(short, long, value_name = "PATCH")]
-    output: Option<PathBuf>,
+    #[arg(short, long, value_name = "PATCH", value_parser = Kind::Patch.parser())]
+    output: Option<Output>,
     /// Share of the presses kept aside to judge the result, 0 to 0.5.
     #[arg(long, value_name = "SHARE", default_value_t = 0.2, value_parser = share)]
     test: f64,
@@ -101,7 +102,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let in_presses = || format!("presses `{}`", args.presses.display());
     let in_both = || format!("presses `{}` on skin file `{}`", args.presses.display(), args.skin.display());
     let recording = read(args, &skin).with_context(in_presses)?;
-    let path = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.dermatome", skin.name)));
+    let path = patch_file(args.output.as_ref(), &skin.name)?;
     let of_new = Stored::curve(skin.calibration.clone());
     refuse_to_lose(&path, &of_new, "another `--output`, or remove the file and calibrate after learning")?;
     if let WeightChoice::Magnitude = args.weights {

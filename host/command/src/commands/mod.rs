@@ -1,14 +1,15 @@
 //! The command line: arguments in, library calls, words and reports out.
 
 use anyhow::Context;
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use dermatome_link::Link;
 use dermatome_patch::output::write_whole;
 use dermatome_shared::protocol::PatchInfo;
+use outputs::{Kind, Output};
 use serde::Serialize;
 use std::{
     io::{self, Write},
-    path::PathBuf,
+    path::Path,
     process::ExitCode,
 };
 
@@ -45,6 +46,7 @@ pub(crate) mod interrupt;
 mod learn;
 mod link_frame;
 mod noise;
+mod outputs;
 mod preserved;
 mod progress;
 mod reconstruct;
@@ -62,6 +64,9 @@ mod trust;
 #[derive(Parser)]
 #[command(name = "dermatome", version, propagate_version = true, arg_required_else_help = true)]
 struct Cli {
+    /// Replace files that are there, whatever they hold, but never one that the command reads.
+    #[arg(long, global = true, alias = "overwrite", display_order = 900)]
+    force: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -102,7 +107,9 @@ pub fn command() -> clap::Command {
 
 /// Runs the command line; errors go to standard error in full, with exit code 1.
 pub fn main() -> ExitCode {
-    match run(Cli::parse().command) {
+    let matches = command().get_matches();
+    let Cli { command: chosen, .. } = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    match outputs::check(&command(), &matches).and_then(|()| run(chosen)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");
@@ -144,8 +151,8 @@ fn run(command: Command) -> anyhow::Result<()> {
 #[derive(clap::Args)]
 struct JsonReport {
     /// Also write the report as JSON (keys: docs/cli.md).
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", value_parser = Kind::Json.parser())]
+    json: Option<Output>,
 }
 
 impl JsonReport {
@@ -158,7 +165,7 @@ impl JsonReport {
     }
 
     /// The file and its text, if it was asked for: to be written with others.
-    fn text(&self, report: &impl Serialize) -> anyhow::Result<Option<(&PathBuf, String)>> {
+    fn text(&self, report: &impl Serialize) -> anyhow::Result<Option<(&Path, String)>> {
         let Some(path) = &self.json else { return Ok(None) };
         let mut text = serde_json::to_string_pretty(report).context("cannot express the report as JSON")?;
         text.push('\n');

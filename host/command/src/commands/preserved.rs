@@ -1,7 +1,10 @@
 //! Calibrations that are preserved: no new patch silently takes the place of one that was calibrated.
 
 use anyhow::{Context, bail, ensure};
-use dermatome_patch::write::{Stored, have_same_matrix, with_gains_of};
+use dermatome_patch::{
+    input::{self, MAX_PATCH_BYTES},
+    write::{Stored, have_same_matrix, with_gains_of},
+};
 use dermatome_shared::patch::PatchView;
 use std::path::Path;
 
@@ -11,7 +14,7 @@ pub(super) fn refuse_to_lose(path: &Path, of_new: &Stored, allowed: &str) -> any
     if !path.is_file() {
         return Ok(());
     }
-    let Ok(bytes) = std::fs::read(path) else { return Ok(()) };
+    let Ok(bytes) = input::read(path, MAX_PATCH_BYTES) else { return Ok(()) };
     let Ok(patch) = PatchView::validate(&bytes) else { return Ok(()) };
     let old = Stored::of(&patch);
     if old.is_empty() || old == *of_new {
@@ -33,7 +36,8 @@ impl Preserved {
     /// Reads it; its skin must be called `skin`.
     pub(super) fn read(path: &Path, skin: &str) -> anyhow::Result<Self> {
         let file = path.display();
-        let bytes = std::fs::read(path).with_context(|| format!("cannot read patch `{file}`"))?;
+        let bytes =
+            input::read(path, MAX_PATCH_BYTES).with_context(|| format!("cannot read patch `{file}`"))?;
         let patch = PatchView::validate(&bytes).with_context(|| format!("`{file}`"))?;
         let of = &patch.header.skin;
         ensure!(

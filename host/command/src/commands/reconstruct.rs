@@ -4,6 +4,7 @@ use super::{
     JsonReport,
     choices::Polarity,
     frame_options::{Flags, FrameOptions},
+    outputs::{Kind, Output},
 };
 use anyhow::{Context, bail};
 use dermatome_frames::recorded::{
@@ -21,7 +22,10 @@ use dermatome_patch::{layout::Layout, output::write_whole};
 use dermatome_shared::patch::Difference;
 use dermatome_view::sheet::{Panel, Scale, Sheet, reconstruction_sheet};
 use serde::Serialize;
-use std::{ffi::OsString, path::PathBuf};
+use std::{
+    ffi::OsString,
+    path::{Path, PathBuf},
+};
 
 /// Frames shown on screen and in the picture.
 const SHOWN: usize = 20;
@@ -48,8 +52,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE")]
     frames: OsString,
     /// Draw the images.
-    #[arg(long, value_name = "FILE")]
-    png: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", value_parser = Kind::Png.parser())]
+    png: Option<Output>,
     #[command(flatten)]
     options: FrameOptions,
     /// How much each measurement counts: as the skin file says, or in proportion to the square of the
@@ -113,7 +117,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         complex: frames.complex,
         warnings: warnings(&diagnosis, &reference, &frames),
         diagnosis,
-        picture: args.png.clone(),
+        picture: args.png.as_deref().map(Path::to_owned),
         frames: results,
     };
     report.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));

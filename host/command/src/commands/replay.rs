@@ -12,7 +12,10 @@ use dermatome_frames::recorded::{
     replay::{Replay, Times, Untouched},
 };
 use dermatome_link::{contacts::LinkFrame, pose::Pose};
-use dermatome_patch::tables::SurfaceTables;
+use dermatome_patch::{
+    input::{self, MAX_PATCH_BYTES},
+    tables::SurfaceTables,
+};
 use dermatome_shared::{
     contact::Contacts, device::MAX_TARE_FRAMES, patch::PatchView, pipeline::noise::LEAST_FRAMES,
     protocol::FrameStamp, reference::DEFAULT_TARE_FRAMES,
@@ -109,7 +112,8 @@ enum Ended {
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let name = || format!("patch file `{}`", args.patch.display());
-    let bytes = std::fs::read(&args.patch).with_context(|| format!("cannot read {}", name()))?;
+    let bytes =
+        input::read(&args.patch, MAX_PATCH_BYTES).with_context(|| format!("cannot read {}", name()))?;
     let patch = PatchView::validate(&bytes).with_context(name)?;
     let header = &patch.header;
     let surface = || Ok(SurfaceTables::read(&patch));

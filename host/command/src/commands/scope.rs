@@ -1,11 +1,16 @@
 //! `dermatome scope`.
 
-use super::{board::open, interrupt, stream::silence_timeout, tare::patch_of};
+use super::{
+    board::open,
+    interrupt,
+    outputs::{Kind, Output},
+    stream::silence_timeout,
+    tare::patch_of,
+};
 use dermatome_link::scope::capture;
 use dermatome_patch::output::{check_folder, write_whole};
 use dermatome_simulate::port::Port;
 use dermatome_view::trace;
-use std::path::PathBuf;
 
 /// Show the samples behind one voltage, as the converter took them.
 ///
@@ -24,8 +29,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     slot: u16,
     /// Draw the plot into this file instead of on the terminal.
-    #[arg(long, value_name = "FILE")]
-    png: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", value_parser = Kind::Png.parser())]
+    png: Option<Output>,
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {

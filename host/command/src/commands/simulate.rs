@@ -1,6 +1,10 @@
 //! `dermatome simulate`: a board to try everything on, without one.
 
-use super::{JsonReport, interrupt, noise::NoiseOptions};
+use super::{
+    JsonReport, interrupt,
+    noise::NoiseOptions,
+    outputs::{Kind, Output},
+};
 use anyhow::{Context, bail};
 use dermatome_geometry::outline::Outline;
 use dermatome_model::skin::Skin;
@@ -12,7 +16,7 @@ use dermatome_simulate::{
 use serde::Serialize;
 use std::{
     net::{SocketAddr, ToSocketAddrs},
-    path::PathBuf,
+    path::{Path, PathBuf},
     thread,
     time::Duration,
 };
@@ -52,8 +56,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE")]
     material: Option<PathBuf>,
     /// Keep the uploaded patch in this file, as a board keeps it in its flash.
-    #[arg(long, value_name = "FILE")]
-    store: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", value_parser = Kind::Patch.parser())]
+    store: Option<Output>,
     #[command(flatten)]
     json: JsonReport,
 }
@@ -90,7 +94,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let options = BoardOptions {
         listen: address(&args.listen)?,
         electrodes: skin.electrodes.count,
-        store: args.store.clone(),
+        store: args.store.as_deref().map(Path::to_owned),
         max_frames: args.frames,
         ..BoardOptions::default()
     };

@@ -1,6 +1,7 @@
 //! Files of a calibration: the loads that a machine applies, and readings that were taken before.
 
 use super::Reading;
+use dermatome_patch::input;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -51,7 +52,7 @@ pub const TAKEN_IN: &str = "# taken in units ";
 /// In which units of strength readings were taken, if their file says so.
 #[must_use]
 pub fn units_of(path: &Path) -> Option<String> {
-    let text = std::fs::read_to_string(path).ok()?;
+    let text = input::read_text(path).ok()?;
     text.lines().next()?.strip_prefix(TAKEN_IN).map(|id| id.trim().to_owned())
 }
 

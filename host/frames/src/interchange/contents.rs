@@ -133,6 +133,12 @@ impl Contents {
     }
 }
 
+/// Whether a file of this name may be written by an export.
+#[must_use]
+pub fn is_exported(name: &str) -> bool {
+    name.ends_with(".npy") || [CONTENTS, MATLAB, GMSH, PLY, STL, STIMULATION].contains(&name)
+}
+
 /// Name of an array's file.
 pub(super) fn file_name(variable: &Variable<'_>) -> String {
     format!("{}.npy", variable.name)

@@ -4,7 +4,7 @@
 //! ones are averaged; `step_measurement` and `step_sign` lead from there to the columns of the
 //! reconstruction matrix.
 
-pub use super::contents::{CONTENTS, GMSH, MATLAB, PLY, STIMULATION, STL};
+pub use super::contents::{CONTENTS, GMSH, MATLAB, PLY, STIMULATION, STL, is_exported};
 
 use super::{
     contents::{Contents, file_name},

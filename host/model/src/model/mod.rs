@@ -3,6 +3,7 @@
 pub mod design;
 mod driven;
 mod import;
+mod memory;
 mod stages;
 
 pub use crate::inverse::difference::divisors;
@@ -36,6 +37,7 @@ use dermatome_shared::{
 };
 pub use driven::driven_error;
 use faer::{Col, Mat};
+pub use memory::needed_gigabytes;
 use num_complex::Complex64;
 pub use stages::Stage;
 use stages::{StageClock, timed};
@@ -95,6 +97,19 @@ pub enum ModelError {
     /// A curved skin with a pixel grid.
     #[error(transparent)]
     NotFlat(#[from] NotFlat),
+    /// More memory than there is.
+    #[error(
+        "`electrodes.count` and `drive` give {measurements} measurements, whose model takes {needed:.1} GB of memory; allowed \
+         here: {available:.1} GB, as much as is free"
+    )]
+    Memory {
+        /// Measurements after reciprocal steps are averaged.
+        measurements: usize,
+        /// What the model takes, GB.
+        needed: f64,
+        /// What there is, GB.
+        available: f64,
+    },
     /// A pixel that no part of the mesh falls into.
     #[error(
         "no element of the mesh lies in pixel {pixel}: `mesh.edge_length` is too coarse for `image.columns`"
@@ -190,6 +205,7 @@ impl Model {
         keep: &mut dyn FnMut(Solution),
         beside: &mut (dyn FnMut(&Mesh) + Send),
     ) -> Result<Self, ModelError> {
+        memory::check(skin)?;
         let mut clock = StageClock::default();
         let stimulation = skin.stimulation();
 

@@ -182,7 +182,7 @@ pub fn patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
 
 /// The same with this calibration.
 pub fn patch_with(skin: &Skin, model: &Model, stored: &Stored) -> Result<Vec<u8>, PatchBuildError> {
-    let surface = check_limits(model)?;
+    let surface = check_limits(skin, model)?;
     let data = Occurring { presses: presses_of(model), noise: model.relative_noise() };
     let matrix = &model.conductivity_from_difference;
     let interpolated = Interpolated::new(matrix, &model.pixels.centres, &data);
@@ -210,7 +210,7 @@ pub fn pixels_for_all_places(patch: &PatchView<'_>) -> Option<usize> {
 /// contacts are found in the image.
 pub fn learnt_patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
     let skin = &Skin { contacts_found_in: FoundIn::Image, ..skin.clone() };
-    let surface = check_limits(model)?;
+    let surface = check_limits(skin, model)?;
     let stored = Stored::curve(skin.calibration.clone());
     written(&contents(skin, model, surface, &Interpolated::none(model.pixels.count()))?, &stored)
 }
@@ -249,20 +249,35 @@ fn presses_of(model: &Model) -> Mat<f64> {
 }
 
 /// The pixels' tables, if a board can hold all that the model has.
-fn check_limits(model: &Model) -> Result<SurfaceTables, PatchBuildError> {
-    let image = if model.pixels.grid.is_some() { "image.columns" } else { "image.pixels" };
+/// What a skin's electrodes and drive lead to, against what a board takes: known before there is a model.
+pub fn check_drive(skin: &Skin) -> Result<(), PatchBuildError> {
+    let (electrodes, steps) = (usize::from(skin.electrodes.count), skin.steps().len());
     let limits = [
-        ("electrodes.count", "electrodes", model.mesh.electrodes.len(), MAX_ELECTRODES),
-        ("drive.pattern", "steps", model.steps.len(), MAX_STEPS),
-        (image, "pixels", model.pixels.count(), MAX_PIXELS),
-        (image, "entries in lists of neighbours", 2 * model.pixels.neighbours.len(), MAX_NEIGHBOURS),
+        ("electrodes.count", "electrodes", electrodes, MAX_ELECTRODES),
+        ("drive.pattern", "steps", steps, MAX_STEPS),
     ];
+    check_counts(limits)
+}
+
+fn check_counts<const N: usize>(
+    limits: [(&'static str, &'static str, usize, usize); N],
+) -> Result<(), PatchBuildError> {
     match limits.into_iter().find(|&(_, _, count, most)| !(1..=most).contains(&count)) {
         Some((field, what, count, most)) => {
             Err(PatchBuildError::TooMany { field, given: format!("{count} {what}"), most })
         }
-        None => Ok(model.pixels.surface_tables().expect("the limits hold")),
+        None => Ok(()),
     }
+}
+
+fn check_limits(skin: &Skin, model: &Model) -> Result<SurfaceTables, PatchBuildError> {
+    let image = if model.pixels.grid.is_some() { "image.columns" } else { "image.pixels" };
+    check_drive(skin)?;
+    check_counts([
+        (image, "pixels", model.pixels.count(), MAX_PIXELS),
+        (image, "entries in lists of neighbours", 2 * model.pixels.neighbours.len(), MAX_NEIGHBOURS),
+    ])?;
+    Ok(model.pixels.surface_tables().expect("the limits hold"))
 }
 
 /// The header; its counts, its calibration and how presses are looked for are set where it is written.

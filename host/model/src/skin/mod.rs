@@ -19,6 +19,7 @@ use check::Checker;
 pub use check::{is_frame_name, is_name};
 pub use dermatome_geometry::shape::{NotFlat, Shape, electrodes_in_plane};
 use dermatome_geometry::sheet::EdgeLengths;
+use dermatome_patch::input;
 pub use dermatome_patch::pose::Pose;
 use dermatome_shared::{calibration::Calibration, stimulation::Step};
 pub use described::{Described, MeshFile, Placement, UNITS};
@@ -94,7 +95,7 @@ impl Description {
         if path.is_dir() {
             return Err(SkinError::Folder { path: path.to_owned() });
         }
-        let read = std::fs::read_to_string(path);
+        let read = input::read_text(path);
         let text = read.map_err(|reason| SkinError::Read { path: path.to_owned(), reason })?;
         Self::parse(path, &text)
     }

@@ -1,6 +1,9 @@
 //! Patch store of a simulated board: memory, and a file if the patch is to outlive the process.
 
-use dermatome_patch::output::write_whole;
+use dermatome_patch::{
+    input::{self, MAX_PATCH_BYTES},
+    output::write_whole,
+};
 use dermatome_shared::{
     device::{PatchStore, StoreError},
     patch::{PatchError, PatchView},
@@ -58,7 +61,7 @@ impl FilePatchStore {
 }
 
 fn read(path: &Path) -> Result<Option<Vec<u8>>, OpenError> {
-    let bytes = match std::fs::read(path) {
+    let bytes = match input::read(path, MAX_PATCH_BYTES) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(reason) => return Err(OpenError::Read { path: path.to_owned(), reason }),

@@ -15,6 +15,7 @@ mod transducer;
 
 pub use transducer::Transducer;
 
+use dermatome_patch::input;
 use preisach::{Everett, Preisach};
 use std::{
     path::{Path, PathBuf},
@@ -77,7 +78,7 @@ pub struct Scatter {
 impl Material {
     /// Reads a material file.
     pub fn load(path: &Path) -> Result<Self, MaterialError> {
-        let read = std::fs::read_to_string(path);
+        let read = input::read_text(path);
         let text = read.map_err(|reason| MaterialError::Read { path: path.to_owned(), reason })?;
         file::parse(path, &text)
     }
