@@ -20,6 +20,8 @@ const BUSY: f32 = 0.95;
 /// Bytes of stack that must never have been used.
 const LITTLE_STACK: u32 = 512;
 
+const BELOW_ZERO: &str = "contact impedances come out below zero";
+
 /// Health events of some frames.
 #[derive(Clone, Debug, Default)]
 pub struct Watch {
@@ -70,7 +72,13 @@ pub struct Finding {
     /// What.
     pub what: String,
     /// What to do about it.
-    pub advice: &'static str,
+    pub advice: String,
+}
+
+impl Finding {
+    fn new(what: impl Into<String>, advice: &str) -> Self {
+        Self { what: what.into(), advice: advice.to_owned() }
+    }
 }
 
 /// What some frames say.
@@ -96,6 +104,20 @@ pub struct Diagnosis {
     pub free_stack_bytes: Option<u32>,
     /// What is wrong.
     pub findings: Vec<Finding>,
+}
+
+impl Diagnosis {
+    /// Takes back what the electrodes' tests say of contacts that touch badly: where wires are not where the patch takes
+    /// them to be, a test goes through more of the sheet.
+    pub fn distrust_contacts(&mut self) {
+        self.findings.retain(|finding| !finding.what.starts_with(BELOW_ZERO));
+        let high = |electrode: &&mut Electrode| electrode.state == State::High;
+        for electrode in self.electrodes.iter_mut().filter(high) {
+            let said = finding_of_electrode(electrode);
+            self.findings.retain(|finding| Some(finding) != said.as_ref());
+            electrode.state = State::Unknown;
+        }
+    }
 }
 
 /// Streams health for so many frames; fewer if `go_on` says no. Silence for `timeout` is an error.
@@ -139,18 +161,35 @@ impl Watch {
         }
     }
 
+    /// Adds ohms to all contact impedances: `[electrode]`. A board takes from its tests what the sheet adds to them by the
+    /// patch's model, which is too much where the sheet conducts better.
+    pub fn add_to_contacts(&mut self, ohms: &[f32]) {
+        for seen in &mut self.frames {
+            seen.health.contact_impedance.iter_mut().zip(ohms).for_each(|(contact, more)| *contact += more);
+        }
+    }
+
+    /// Whether current flows and no frame says that an electrode is open or shorted.
+    #[must_use]
+    pub fn has_sound_electrodes(&self) -> bool {
+        self.frames.iter().all(|seen| {
+            seen.health.bad_electrodes().is_empty() && !seen.at.flags.contains(FrameFlags::NO_CURRENT)
+        })
+    }
+
     /// What the frames say; none if there are none. Vitals mean nothing on a simulated board.
     #[must_use]
     pub fn diagnosis(&self, is_simulated: bool) -> Option<Diagnosis> {
         let last = self.frames.last()?;
         let electrodes = self.electrodes();
         let mut findings: Vec<Finding> = electrodes.iter().filter_map(finding_of_electrode).collect();
+        findings.extend(self.below_zero());
         findings.extend(self.flags().filter_map(|(flag, words, frames)| self.finding(flag, words, frames)));
         let vitals = (!is_simulated).then_some(last.vitals);
         findings.extend(vitals.iter().flat_map(|vitals| findings_of_vitals(vitals, last.missed)));
         if self.events_lost > 0 {
             let what = format!("{} events were lost on the way", self.events_lost);
-            findings.push(Finding { what, advice: "close other programs, or lower `drive.frame_rate`" });
+            findings.push(Finding::new(what, "close other programs, or lower `drive.frame_rate`"));
         }
         Some(Diagnosis {
             frames: self.frames.len(),
@@ -173,17 +212,29 @@ impl Watch {
         (frames > 0 && us > 0).then(|| f64::from(frames) / (us as f64 * 1e-6))
     }
 
-    fn electrodes(&self) -> Vec<Electrode> {
+    /// Mean contact impedance of each electrode, ohm; none where a test was clipped.
+    fn contacts(&self) -> Vec<Option<f32>> {
         let count = self.frames.iter().map(|seen| seen.health.contact_impedance.len()).max().unwrap_or(0);
         let mean = |electrode: usize| {
             let each = || self.frames.iter().filter_map(|seen| seen.health.contact_impedance.get(electrode));
             let mean = each().sum::<f32>() / each().count().max(1) as f32;
             mean.is_finite().then_some(mean)
         };
-        let means: Vec<Option<f32>> = (0..count).map(mean).collect();
-        let mut sorted: Vec<f32> = means.iter().flatten().copied().collect();
-        sorted.sort_by(f32::total_cmp);
-        let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        (0..count).map(mean).collect()
+    }
+
+    /// Contacts cannot be below zero: the model is not of this sheet.
+    fn below_zero(&self) -> Option<Finding> {
+        let median = median(&self.contacts());
+        let what = format!("{BELOW_ZERO} ({median:.1} ohm)");
+        let advice = "the sheet conducts better than the patch says, or it is another skin's: `dermatome check --skin SKIN` tells";
+        (median < 0.0 && self.has_sound_electrodes()).then(|| Finding::new(what, advice))
+    }
+
+    fn electrodes(&self) -> Vec<Electrode> {
+        let means = self.contacts();
+        let count = means.len();
+        let median = median(&means);
         let ever = |pick: fn(&Health) -> ElectrodeSet| {
             self.frames.iter().fold(ElectrodeSet::default(), |set, seen| set.union(pick(&seen.health)))
         };
@@ -194,7 +245,8 @@ impl Watch {
             e if open.contains(e) => State::Open,
             e if shorted.contains(e) => State::Shorted,
             e if open.contains((e + 1) % count.max(1) as u8) => State::Unknown,
-            _ if ohms.is_some_and(|ohms| ohms > HIGH_RATIO * median) => State::High,
+            // Below zero the sheet's share is unknown, and so is every ratio.
+            _ if median > 0.0 && ohms.is_some_and(|ohms| ohms > HIGH_RATIO * median) => State::High,
             _ => State::Ok,
         };
         let electrode = |(electrode, &ohms): (usize, &Option<f32>)| Electrode {
@@ -220,8 +272,15 @@ impl Watch {
     /// What follows from a flag, unless the electrodes' table says it.
     fn finding(&self, flag: FrameFlags, words: &str, frames: usize) -> Option<Finding> {
         let what = format!("{words} in {frames} of {} frames", self.frames.len());
-        Some(Finding { what, advice: advice(flag)? })
+        Some(Finding::new(what, advice(flag)?))
     }
+}
+
+/// Of those that are known; 0 if none is.
+fn median(ohms: &[Option<f32>]) -> f32 {
+    let mut sorted: Vec<f32> = ohms.iter().flatten().copied().collect();
+    sorted.sort_by(f32::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
 fn finding_of_electrode(electrode: &Electrode) -> Option<Finding> {
@@ -238,14 +297,14 @@ fn finding_of_electrode(electrode: &Electrode) -> Option<Finding> {
             "look for a bridge between its wire or contact and the next",
         ),
     };
-    Some(Finding { what, advice })
+    Some(Finding::new(what, advice))
 }
 
 fn findings_of_vitals(vitals: &Vitals, missed: u32) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut add = |is_so: bool, what: String, advice| {
         if is_so {
-            findings.push(Finding { what, advice });
+            findings.push(Finding::new(what, advice));
         }
     };
     add(
@@ -327,6 +386,29 @@ mod tests {
         clipped.take_contacts(&smaller);
         assert!(!clipped.has_clipped_tests());
         assert_eq!(clipped.diagnosis(false).unwrap().electrodes[2].contact_impedance_ohm, Some(30.0));
+    }
+
+    #[test]
+    fn contacts_below_zero_say_that_the_model_is_not_of_this_sheet_and_blame_no_electrode() {
+        let (mut health, vitals) = healthy();
+        health.contact_impedance = (0..8).map(|electrode| electrode as f32 - 9.0).collect();
+        let mut watch = watch(FrameFlags::default(), &health, vitals, 0);
+        let diagnosis = watch.diagnosis(false).unwrap();
+        assert_eq!(diagnosis.findings.len(), 1, "{diagnosis:?}");
+        assert_eq!(diagnosis.findings[0].what, "contact impedances come out below zero (-5.0 ohm)");
+        assert!(diagnosis.electrodes.iter().all(|electrode| electrode.state == State::Ok));
+        watch.add_to_contacts(&[30.0; 8]);
+        assert_eq!(watch.diagnosis(false).unwrap().findings, []);
+    }
+
+    #[test]
+    fn contacts_are_distrusted_where_wires_are_wrong() {
+        let (mut health, vitals) = healthy();
+        health.contact_impedance[4] = 200.0;
+        let mut diagnosis = watch(FrameFlags::MISSED, &health, vitals, 0).diagnosis(false).unwrap();
+        assert_eq!((diagnosis.findings.len(), diagnosis.electrodes[4].state), (2, State::High));
+        diagnosis.distrust_contacts();
+        assert_eq!((diagnosis.findings.len(), diagnosis.electrodes[4].state), (1, State::Unknown));
     }
 
     #[test]

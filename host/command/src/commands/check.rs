@@ -1,9 +1,15 @@
 //! `dermatome check`.
 
 use super::{
-    BoardReport, JsonReport, board::open, drive::rounded, interrupt, stream::silence_timeout, tare::patch_of,
+    BoardReport, JsonReport,
+    board::open,
+    check_skin::{self, Compared, Model},
+    drive::rounded,
+    interrupt,
+    stream::silence_timeout,
+    tare::patch_of,
 };
-use anyhow::bail;
+use anyhow::{Context, bail};
 use dermatome_link::{
     Link, LinkError,
     health::{self, Diagnosis, State, Watch},
@@ -14,7 +20,7 @@ use dermatome_shared::{
 };
 use dermatome_simulate::port::Port;
 use serde::Serialize;
-use std::time::Duration;
+use std::{path::PathBuf, time::Duration};
 
 /// Frames from which contact impedances are measured with a smaller current.
 const CONTACT_FRAMES: usize = 10;
@@ -27,10 +33,13 @@ const SMALLER_CURRENTS: usize = 3;
 ///
 /// Watches some frames: contact impedance and state of every electrode, reciprocity, what was wrong
 /// with frames, and how the board itself does. Where the current is too large for the electrodes' tests, they
-/// are repeated with a smaller one, and the board tares anew. Exits with code 1 if something is wrong.
+/// are repeated with a smaller one, and the board tares anew. With the skin file its voltages, which must be those of the
+/// untouched skin, are compared with the model's as well: order of the wires, shape, the sheet's conductivity. Exits with
+/// code 1 if something is wrong.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     dermatome check --port /dev/ttyACM0\n  \
+    dermatome check --port /dev/ttyACM0 --skin skin.toml\n  \
     dermatome check --port tcp:127.0.0.1:7000 --json check.json")]
 pub(super) struct Args {
     /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT or sim:SKIN.toml.
@@ -39,6 +48,9 @@ pub(super) struct Args {
     /// Frames to look at.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..))]
     frames: u16,
+    /// Skin file of the skin, which nothing touches: compare voltages and sheet with its model.
+    #[arg(long, value_name = "FILE")]
+    skin: Option<PathBuf>,
     #[command(flatten)]
     json: JsonReport,
 }
@@ -52,12 +64,15 @@ struct Report<'a> {
     contact_amplitude_a: f32,
     #[serde(flatten)]
     diagnosis: Diagnosis,
+    model: Option<Compared>,
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
+    let model = args.skin.as_deref().map(Model::of).transpose()?;
     let mut link = open(&args.port)?;
     let patch = patch_of(&mut link)?;
+    model.as_ref().map_or(Ok(()), |model| model.check_steps(&mut link, &patch))?;
     let info = link.info()?;
     let is_simulated = info.frame_source == FrameSource::Simulated;
     let drive = info.drive.unwrap_or(patch.drive);
@@ -70,9 +85,35 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         link.request(&Request::Drive(Some(drive)))?;
         contact_amplitude_a = measured?;
     }
-    let Some(diagnosis) = watch.diagnosis(is_simulated) else { bail!("stopped before the first frame came") };
+    let compared = match &model {
+        Some(model) if watch.has_sound_electrodes() && !interrupt::requested() => {
+            let front_end = info.front_end.context("this board does not say how many volts its codes are")?;
+            let ohms = f64::from(front_end.volts_per_code / drive.amplitude);
+            let frames = check_skin::frames(&mut link, args.frames.into(), ohms, timeout)?;
+            frames.map(|frames| model.compare(&frames, &patch)).transpose()?
+        }
+        _ => None,
+    };
+    if let Some(compared) = &compared {
+        watch.add_to_contacts(&compared.missing(&link.test_resistances()?));
+    }
+    let Some(mut diagnosis) = watch.diagnosis(is_simulated) else {
+        bail!("stopped before the first frame came")
+    };
+    if let Some(compared) = &compared {
+        if compared.wires_are_wrong {
+            diagnosis.distrust_contacts();
+        }
+        diagnosis.findings.extend(compared.findings.iter().cloned());
+    }
     let board = BoardReport::new(&link, &patch);
-    let report = Report { board, frame_rate_asked: patch.drive.frame_rate, contact_amplitude_a, diagnosis };
+    let report = Report {
+        board,
+        frame_rate_asked: patch.drive.frame_rate,
+        contact_amplitude_a,
+        diagnosis,
+        model: compared,
+    };
     print(&report);
     args.json.write(&report)?;
     match report.diagnosis.findings.len() {
@@ -116,7 +157,8 @@ fn print(report: &Report<'_>) {
         };
         say!("{:>9} {ohms:>21}  {}", electrode.electrode + 1, word(electrode.state));
     }
-    rows(report).iter().for_each(|(name, value)| say!("{name:<18} {value}"));
+    let rows = rows(report).into_iter().chain(report.model.iter().flat_map(Compared::rows));
+    rows.for_each(|(name, value)| say!("{name:<18} {value}"));
     if findings.is_empty() {
         say!("nothing looks wrong");
     }

@@ -25,6 +25,7 @@ mod build;
 mod calibrate;
 mod check;
 mod check_data;
+mod check_skin;
 mod choices;
 mod contact_lines;
 mod cut;

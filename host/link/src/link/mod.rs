@@ -178,6 +178,11 @@ impl Link {
         self.start_of_patch(|patch| patch.steps().collect())
     }
 
+    /// What the sheet adds to each electrode's test by the patch's model, ohm: `[electrode]`; empty if unknown.
+    pub fn test_resistances(&mut self) -> Result<Vec<f32>, LinkError> {
+        self.start_of_patch(|patch| patch.header.test_resistances.to_vec())
+    }
+
     /// Something of the patch in use that lies before its matrix.
     fn start_of_patch<T>(&mut self, read: impl Fn(&PatchView<'_>) -> T) -> Result<T, LinkError> {
         let mut start = Vec::new();
