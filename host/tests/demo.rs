@@ -188,7 +188,7 @@ fn ctrl_c_ends_simulate_without_an_error_even_while_it_streams() {
     let (board, port_of_busy) = desk.board("skin.toml", &[]);
     assert_ne!(port, port_of_busy);
     desk.run(&["flash", "skin.dermatome", "--port", &port_of_busy]).success();
-    let mut stream = desk.start(&["stream", "--port", &port_of_busy]);
+    let mut stream = desk.start(&["stream", "--port", &port_of_busy, "--give-up-after", "0"]);
     stream.line();
     interrupted(board);
     let words = stream.finish_within(Duration::from_secs(10)).refused();

@@ -1,6 +1,6 @@
 //! `dermatome demo`: the whole chain, from a skin file to contacts, with no hardware.
 
-use super::{JsonReport, interrupt, noise::NoiseOptions, progress, tare::tare_with_spinner};
+use super::{JsonReport, board::advised, interrupt, noise::NoiseOptions, progress, tare::tare_with_spinner};
 use crate::demo::{self, Figures, FrameRecord, Scorer, Watched};
 use dermatome_link::{self as link, Link};
 use dermatome_model::{model::Model, quantize, skin::Skin};
@@ -96,7 +96,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     );
 
     let used = flash(&mut link, &patch)?;
-    tare_with_spinner(&mut link, &used, DEFAULT_TARE_FRAMES)?;
+    tare_with_spinner(&mut link, &used, DEFAULT_TARE_FRAMES).map_err(advised)?;
     say!("flashed it and averaged {DEFAULT_TARE_FRAMES} frames of the untouched skin; now watch the fingers");
 
     let layout = &Layout::from(&model.surface()?);

@@ -4,7 +4,7 @@ use anyhow::Context;
 use clap::{CommandFactory, Parser, Subcommand};
 use dermatome_link::Link;
 use dermatome_patch::output::write_whole;
-use dermatome_shared::protocol::PatchInfo;
+use dermatome_shared::protocol::{Identity, PatchInfo};
 use serde::Serialize;
 use std::{
     io::{self, Write},
@@ -177,8 +177,11 @@ struct BoardReport<'a> {
 
 impl<'a> BoardReport<'a> {
     fn new(link: &'a Link, patch: &'a PatchInfo) -> Self {
-        let identity = link.identity();
-        Self { port: link.port(), board: &identity.board, firmware: &identity.firmware, skin: &patch.skin }
+        Self::of(link.port(), link.identity(), patch)
+    }
+
+    fn of(port: &'a str, identity: &'a Identity, patch: &'a PatchInfo) -> Self {
+        Self { port, board: &identity.board, firmware: &identity.firmware, skin: &patch.skin }
     }
 }
 
