@@ -208,3 +208,15 @@ fn simulate_ends_after_its_frames() {
     assert_eq!((&report["port"], &report["skin"]), (&port.into(), &"tiny".into()));
     assert!(report["simulated_elements"].as_u64() > Some(100));
 }
+
+#[cfg(unix)]
+#[test]
+fn a_board_that_other_machines_reach_is_meant_and_warns() {
+    let desk = Desk::with_patch();
+    let words = desk.run(&["simulate", "skin.toml", "--listen", "tcp:0.0.0.0:0"]).refused();
+    assert!(words.contains("--allow-remote"), "{words}");
+    let mut board = desk.start(&["simulate", "skin.toml", "--listen", "tcp:0.0.0.0:0", "--allow-remote"]);
+    board.line();
+    let done = interrupted(board);
+    assert!(done.err.contains("warning: other machines may reach this board at 0.0.0.0:"), "{}", done.err);
+}
