@@ -188,7 +188,7 @@ fn ctrl_c_ends_simulate_without_an_error_even_while_it_streams() {
     let (board, port_of_busy) = desk.board("skin.toml", &[]);
     assert_ne!(port, port_of_busy);
     desk.run(&["flash", "skin.dermatome", "--port", &port_of_busy]).success();
-    let mut stream = desk.start(&["stream", "--port", &port_of_busy]);
+    let mut stream = desk.start(&["stream", "--port", &port_of_busy, "--give-up-after", "0"]);
     stream.line();
     interrupted(board);
     let words = stream.finish_within(Duration::from_secs(10)).refused();
@@ -207,4 +207,16 @@ fn simulate_ends_after_its_frames() {
     let report = desk.report("board.json");
     assert_eq!((&report["port"], &report["skin"]), (&port.into(), &"tiny".into()));
     assert!(report["simulated_elements"].as_u64() > Some(100));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_board_that_other_machines_reach_is_meant_and_warns() {
+    let desk = Desk::with_patch();
+    let words = desk.run(&["simulate", "skin.toml", "--listen", "tcp:0.0.0.0:0"]).refused();
+    assert!(words.contains("--allow-remote"), "{words}");
+    let mut board = desk.start(&["simulate", "skin.toml", "--listen", "tcp:0.0.0.0:0", "--allow-remote"]);
+    board.line();
+    let done = interrupted(board);
+    assert!(done.err.contains("warning: other machines may reach this board at 0.0.0.0:"), "{}", done.err);
 }

@@ -373,7 +373,7 @@ fn a_board_stops_promptly_and_cuts_its_host_off() {
 }
 
 #[test]
-fn a_second_host_waits_until_the_first_has_left() {
+fn a_second_host_is_let_in_when_the_first_leaves_soon() {
     let board = board_with(&small_patch("small", 50.0));
     let address = board.address();
     let first = connect(address).unwrap();
@@ -382,6 +382,30 @@ fn a_second_host_waits_until_the_first_has_left() {
     assert!(!second.is_finished());
     drop(first);
     assert_eq!(second.join().unwrap().unwrap(), "simulated");
+}
+
+#[test]
+fn a_second_host_is_told_that_the_board_is_busy_while_the_first_speaks() {
+    let board = board_with(&small_patch("small", 50.0));
+    let mut first = connect(board.address()).unwrap();
+    let error = connect(board.address()).map(drop).unwrap_err();
+    assert!(matches!(error.kind, LinkErrorKind::TurnedAway), "{error}");
+    assert!(error.to_string().contains("busy"), "{error}");
+    first.info().unwrap();
+}
+
+#[test]
+fn a_second_host_takes_the_place_of_one_that_has_been_silent_for_long() {
+    let options = BoardOptions {
+        patch: Some(small_patch("small", 50.0)),
+        lease: Duration::from_millis(200),
+        ..BoardOptions::default()
+    };
+    let board = SimulatedBoard::start(options, Pressed::new(1)).unwrap();
+    let idle = raw(board.address());
+    let mut link = connect(board.address()).unwrap();
+    assert!(!link.info().unwrap().streaming.any());
+    drop(idle);
 }
 
 #[test]

@@ -72,9 +72,11 @@ fn flash_tare_and_stream_lead_from_an_empty_board_to_contacts() {
         "ended",
         "events_lost",
         "firmware",
+        "frames_dropped",
         "frames_flagged",
         "frames_lost",
         "frames_received",
+        "gaps",
         "images_per_second",
         "link",
         "packets_damaged",
@@ -153,7 +155,8 @@ fn a_board_that_goes_in_mid_stream_is_an_error_with_a_report_of_what_came() {
     let board = board_with(&small_patch("small", 50.0));
     let folder = tempfile::tempdir().unwrap();
     let json = folder.path().join("stream.json");
-    let mut stream = start(&mut dermatome(&["stream", "--json", json.to_str().unwrap()], &board));
+    let arguments = ["stream", "--give-up-after", "0", "--json", json.to_str().unwrap()];
+    let mut stream = start(&mut dermatome(&arguments, &board));
     stream.line();
     board.stop().unwrap();
     let err = stream.finish().refused();
@@ -174,6 +177,19 @@ fn a_board_without_patch_and_a_patch_that_is_none_are_errors() {
     let path = file.path().to_str().unwrap();
     let err = run(&mut dermatome(&["flash", path], &board)).refused();
     assert!(err.contains(path) && err.contains("patch"), "{err}");
+}
+
+#[test]
+fn a_board_that_ends_its_stream_before_the_frames_asked_for_is_an_error() {
+    let options = BoardOptions {
+        patch: Some(small_patch("small", 50.0)),
+        pace: Pace::Unpaced,
+        max_frames: Some(5),
+        ..BoardOptions::default()
+    };
+    let board = SimulatedBoard::start(options, Pressed::new(1)).unwrap();
+    let err = run(&mut dermatome(&["stream", "--frames", "9"], &board)).refused();
+    assert!(err.contains("ended its stream after 5 of 9 frames"), "{err}");
 }
 
 #[test]

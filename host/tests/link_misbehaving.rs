@@ -341,3 +341,68 @@ fn what_came_of_a_frame_is_handed_out_once_the_board_has_been_silent() {
     let totals = Totals { frames: 1, incomplete: 1, parts_missing: 1, ..Totals::default() };
     assert_eq!(stream.totals(), totals);
 }
+
+/// Sends, without end and without a pause, what it makes of the number of the packet.
+struct Endless<F> {
+    bytes: VecDeque<u8>,
+    number: u32,
+    make: F,
+}
+
+impl<F: FnMut(u32) -> Vec<u8>> Read for Endless<F> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.bytes.is_empty() {
+            self.bytes.extend((self.make)(self.number));
+            self.number += 1;
+            thread::sleep(Duration::from_millis(1));
+        }
+        self.bytes.read(buffer)
+    }
+}
+
+impl<F> Write for Endless<F> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        Ok(bytes.len())
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl<F: FnMut(u32) -> Vec<u8> + Send> Transport for Endless<F> {}
+
+#[test]
+fn a_board_that_sends_other_events_than_it_was_asked_for_is_an_error_in_time() {
+    let first = [reply(0, hello(Version::current())), reply(1, Reply::Streaming { first_sequence: 12 })];
+    let tared = |number| packet(&BoardPacket::Event { number, event: Event::Tared { frames: 20 } });
+    let board = Endless { bytes: first.concat().into(), number: 0, make: tared };
+    let mut link = Link::connect("endless", board).unwrap();
+    let mut stream = link.subscribe(CONTACTS).unwrap();
+    let error = stream.next_while(SHORT, || true).unwrap_err();
+    assert!(matches!(error.kind, LinkErrorKind::NoFrame { events: 10.., .. }), "{error}");
+    assert!(error.to_string().contains("but no frame"), "{error}");
+    std::mem::forget(stream);
+}
+
+#[test]
+fn no_more_of_a_patch_is_read_than_its_board_states() {
+    // The length of the whole, in its prefix, says less than what the tables need.
+    let mut patch = square_patch("s", 16, 14, 1.0);
+    patch[8..12].copy_from_slice(&100_u32.to_le_bytes());
+    let asked = Arc::<Mutex<usize>>::default();
+    let count = asked.clone();
+    let address = fake_board(move |request| match request {
+        Request::Hello(_) => Some(hello(Version::current())),
+        Request::ReadPatch { offset } => {
+            let mut asked = count.lock().unwrap();
+            *asked += 1;
+            let rest = patch.iter().copied().cycle().skip(offset as usize);
+            // Never ends by itself: the host must.
+            (*asked < 2000).then(|| Reply::Patch { bytes: rest.take(512).collect() })
+        }
+        other => panic!("sent {other:?}"),
+    });
+    let error = connect(address).unwrap().surface().unwrap_err();
+    assert!(matches!(error.kind, LinkErrorKind::WrongReply { request: "ReadPatch" }), "{error}");
+    assert!(*asked.lock().unwrap() <= MAX_PATCH_BYTES / 512 + 2);
+}

@@ -39,6 +39,15 @@ pub enum LinkErrorKind {
     },
     /// The other end closed the link, or the cable was pulled.
     Cut,
+    /// The other end closed the link before it said who it is, as a board does that serves another host.
+    TurnedAway,
+    /// A board that streams sent no whole frame.
+    NoFrame {
+        /// How long the host waited.
+        timeout: Duration,
+        /// Events that came meanwhile.
+        events: u64,
+    },
     /// Reading or writing failed, for another reason: what the system says.
     Failed(io::Error),
     /// Board and host speak different protocol versions.
@@ -86,6 +95,20 @@ impl LinkError {
         Self { port: port.into(), kind }
     }
 
+    /// Whether it may pass once the port is opened anew: the board was not reached, or not understood. Not so where
+    /// both understood each other and do not agree.
+    #[must_use]
+    pub fn may_pass(&self) -> bool {
+        !matches!(
+            self.kind,
+            LinkErrorKind::ProtocolVersion { .. }
+                | LinkErrorKind::Schema { .. }
+                | LinkErrorKind::Refused(_)
+                | LinkErrorKind::NoFrontEnd
+                | LinkErrorKind::NoCarrier { .. }
+        )
+    }
+
     /// Sorts an error of the system, met on opening `port`.
     pub(crate) fn on_open(port: &str, reason: io::Error) -> Self {
         let kind = match reason.kind() {
@@ -131,6 +154,22 @@ impl fmt::Display for LinkError {
             }
             LinkErrorKind::Open(reason) => write!(f, "cannot open port `{port}`: {reason}"),
             LinkErrorKind::Cut => write!(f, "the link to `{port}` was cut: the board has gone or closed it"),
+            LinkErrorKind::TurnedAway => write!(
+                f,
+                "busy: the board at `{port}` closed the link before it said who it is: it serves another host, or it \
+                 has just gone"
+            ),
+            LinkErrorKind::NoFrame { timeout, events: 0 } => write!(
+                f,
+                "nothing came from the board at `{port}` within {:.1} s, though it says that it streams",
+                timeout.as_secs_f64()
+            ),
+            LinkErrorKind::NoFrame { timeout, events } => write!(
+                f,
+                "{events} events came from the board at `{port}` within {:.1} s, but no frame with what it was to \
+                 stream",
+                timeout.as_secs_f64()
+            ),
             LinkErrorKind::Failed(reason) => write!(f, "port `{port}` failed: {reason}"),
             LinkErrorKind::Refused(refusal) => write!(f, "{refusal} (port `{port}`)"),
             LinkErrorKind::NoAnswer { timeout } => write!(
@@ -175,6 +214,7 @@ impl fmt::Display for LinkError {
         }
     }
 }
+
 fn hexadecimal(bytes: &[u8; 8]) -> String {
     format!("{:016x}", u64::from_be_bytes(*bytes))
 }

@@ -105,13 +105,15 @@ impl Subscription<'_> {
     }
 
     /// The next frame, or `None` if `go_on`, asked while nothing comes, says no. Silence for `timeout` is the error
-    /// [`LinkErrorKind::NoAnswer`].
+    /// [`LinkErrorKind::NoAnswer`]; events that make no frame, for as long and a second at least, are
+    /// [`LinkErrorKind::NoFrame`].
     pub fn next_while(
         &mut self,
         timeout: Duration,
         go_on: impl Fn() -> bool,
     ) -> Result<Option<ScanFrame>, LinkError> {
-        let mut heard = Instant::now();
+        let begun = Instant::now();
+        let (mut heard, mut events) = (begun, 0);
         loop {
             if let Some(frame) = self.assembler.pop() {
                 self.presence.see(&frame);
@@ -123,8 +125,11 @@ impl Subscription<'_> {
             }
             let left = timeout.saturating_sub(heard.elapsed());
             if let Some((number, event)) = self.link.next_event(left.min(POLL))? {
-                heard = Instant::now();
+                (heard, events) = (Instant::now(), events + 1);
                 self.assembler.take(number, event);
+                if !self.assembler.is_ready() && begun.elapsed() >= timeout.max(PARTS_TIMEOUT) {
+                    return Err(self.link.error(LinkErrorKind::NoFrame { timeout, events }));
+                }
             } else if self.link.silence() >= PARTS_TIMEOUT && self.assembler.is_arriving() {
                 self.assembler.finish();
             } else if heard.elapsed() >= timeout {

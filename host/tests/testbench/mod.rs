@@ -1,6 +1,8 @@
 //! A bench for tests: small patches, a seeded frame source, a fake board.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
+pub(crate) mod cable;
+
 use dermatome::{
     link::{Link, LinkError, Port},
     patch::matrix::FixedMatrix,

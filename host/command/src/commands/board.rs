@@ -20,6 +20,11 @@ pub(super) fn advised(error: LinkError) -> anyhow::Error {
     }
 }
 
+/// As [`advised`], for what may be the error of a link.
+pub(super) fn advise(error: anyhow::Error) -> anyhow::Error {
+    error.downcast().map_or_else(|error| error, advised)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

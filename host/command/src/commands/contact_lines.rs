@@ -9,18 +9,19 @@ use dermatome_view::terminal::flags;
 use std::io::{self, ErrorKind, Write};
 
 /// One line of JSON for a frame, in the frame of the link.
-pub(super) fn print_json(frame: &LinkFrame) -> io::Result<()> {
-    let mut out = io::stdout().lock();
-    writeln!(out, "{}", serde_json::to_string(frame)?)?;
-    out.flush()
+pub(super) fn json_line(frame: &LinkFrame) -> serde_json::Result<String> {
+    Ok(serde_json::to_string(frame)? + "\n")
 }
 
 /// One line for each contact, in the skin's frame.
-pub(super) fn print_lines(at: FrameStamp, contacts: &Contacts) -> io::Result<()> {
+pub(super) fn contact_lines(at: FrameStamp, contacts: &Contacts) -> String {
+    contacts.iter().map(|contact| line(at, contact) + "\n").collect()
+}
+
+/// Prints the lines of a frame.
+pub(super) fn print(lines: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
-    for contact in contacts {
-        writeln!(out, "{}", line(at, contact))?;
-    }
+    out.write_all(lines.as_bytes())?;
     out.flush()
 }
 

@@ -1,7 +1,9 @@
 //! `dermatome demo`: the whole chain, from a skin file to contacts, with no hardware.
 
 use super::{
-    JsonReport, interrupt,
+    JsonReport,
+    board::advised,
+    interrupt,
     noise::NoiseOptions,
     outputs::{Kind, Output},
     progress,
@@ -102,7 +104,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     );
 
     let used = flash(&mut link, &patch)?;
-    tare_with_spinner(&mut link, &used, DEFAULT_TARE_FRAMES)?;
+    tare_with_spinner(&mut link, &used, DEFAULT_TARE_FRAMES).map_err(advised)?;
     say!("flashed it and averaged {DEFAULT_TARE_FRAMES} frames of the untouched skin; now watch the fingers");
 
     let layout = &Layout::from(&model.surface()?);

@@ -10,6 +10,8 @@ use std::{
 
 /// Signals within this time count as one.
 const ONE_REQUEST: Duration = Duration::from_millis(500);
+/// How often a sleeper looks whether it should stop.
+const POLL: Duration = Duration::from_millis(20);
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 
@@ -30,4 +32,17 @@ pub(crate) fn install() -> anyhow::Result<()> {
 #[must_use]
 pub(crate) fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
+}
+
+/// Sleeps for `duration`; false if the user asks to stop meanwhile.
+pub(crate) fn sleep(duration: Duration) -> bool {
+    let end = Instant::now() + duration;
+    while !requested() {
+        let left = end.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return true;
+        }
+        std::thread::sleep(left.min(POLL));
+    }
+    false
 }

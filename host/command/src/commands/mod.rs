@@ -4,7 +4,7 @@ use anyhow::Context;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use dermatome_link::Link;
 use dermatome_patch::output::write_whole;
-use dermatome_shared::protocol::PatchInfo;
+use dermatome_shared::protocol::{Identity, PatchInfo};
 use outputs::{Kind, Output};
 use serde::Serialize;
 use std::{
@@ -185,8 +185,11 @@ struct BoardReport<'a> {
 
 impl<'a> BoardReport<'a> {
     fn new(link: &'a Link, patch: &'a PatchInfo) -> Self {
-        let identity = link.identity();
-        Self { port: link.port(), board: &identity.board, firmware: &identity.firmware, skin: &patch.skin }
+        Self::of(link.port(), link.identity(), patch)
+    }
+
+    fn of(port: &'a str, identity: &'a Identity, patch: &'a PatchInfo) -> Self {
+        Self { port, board: &identity.board, firmware: &identity.firmware, skin: &patch.skin }
     }
 }
 

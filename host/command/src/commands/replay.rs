@@ -2,7 +2,7 @@
 
 use super::{
     JsonReport,
-    contact_lines::{is_read, print_json, print_lines},
+    contact_lines::{contact_lines, is_read, json_line, print},
     frame_options::FrameOptions,
     link_frame, patch_id,
 };
@@ -206,8 +206,8 @@ fn reference_frames(args: &Args, untouched: Untouched<'_>) -> usize {
 
 fn show(pose: Option<&Pose>, at: FrameStamp, contacts: &Contacts) -> std::io::Result<()> {
     match pose {
-        Some(pose) => print_json(&LinkFrame::new(pose, at, contacts)),
-        None => print_lines(at, contacts),
+        Some(pose) => print(&json_line(&LinkFrame::new(pose, at, contacts))?),
+        None => print(&contact_lines(at, contacts)),
     }
 }
 

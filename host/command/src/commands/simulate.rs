@@ -41,6 +41,10 @@ pub(super) struct Args {
     /// Where to listen; port 0 takes a free one.
     #[arg(long, default_value = "tcp:127.0.0.1:7000", value_name = "PORT")]
     listen: String,
+    /// Let hosts on other machines in: needed for an address that is not this machine's own (127.0.0.1). Whoever
+    /// reaches it can read the skin and replace its patch.
+    #[arg(long)]
+    allow_remote: bool,
     /// End the stream after this many frames, and the board when its host then leaves.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
@@ -78,6 +82,8 @@ const POLL: Duration = Duration::from_millis(50);
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
+    let listen = address(&args.listen)?;
+    check_reach(listen, args)?;
     let skin = Skin::load(&args.skin)?.made()?;
     let script = script(args, &*skin.shape.from_above()?)?;
     let in_file = || format!("skin file `{}`", args.skin.display());
@@ -92,7 +98,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     }
     let simulated_elements = source.elements();
     let options = BoardOptions {
-        listen: address(&args.listen)?,
+        listen,
         electrodes: skin.electrodes.count,
         store: args.store.as_deref().map(Path::to_owned),
         max_frames: args.frames,
@@ -134,4 +140,19 @@ fn address(listen: &str) -> anyhow::Result<SocketAddr> {
     };
     let mut found = address.to_socket_addrs().with_context(|| format!("cannot find `{listen}`"))?;
     found.next().with_context(|| format!("cannot find `{listen}`"))
+}
+
+/// An address that other machines reach is meant, or it is none.
+fn check_reach(address: SocketAddr, args: &Args) -> anyhow::Result<()> {
+    if address.ip().is_loopback() {
+        return Ok(());
+    }
+    anyhow::ensure!(
+        args.allow_remote,
+        "`--listen` is {}, which other machines may reach, and whoever does so can replace the board's patch: if that \
+         is meant, give `--allow-remote`",
+        args.listen
+    );
+    eprintln!("warning: other machines may reach this board at {address}, and replace its patch");
+    Ok(())
 }

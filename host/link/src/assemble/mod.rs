@@ -135,6 +135,12 @@ impl Assembler {
         self.ready.pop_front()
     }
 
+    /// Whether a frame is complete or over.
+    #[must_use]
+    pub fn is_ready(&self) -> bool {
+        !self.ready.is_empty()
+    }
+
     /// The frame that is arriving is over: nothing more will come.
     pub fn finish(&mut self) {
         let Some(frame) = self.arriving.take() else { return };

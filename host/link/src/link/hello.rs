@@ -13,6 +13,13 @@ const HELLO_ATTEMPTS: u32 = 2;
 
 /// Ends any line noise with a zero byte, then says hello; gives who the board is.
 pub(super) fn hello(wire: &mut Wire) -> Result<Identity, LinkError> {
+    ask(wire).map_err(|error| match error.kind {
+        LinkErrorKind::Cut => wire.error(LinkErrorKind::TurnedAway),
+        _ => error,
+    })
+}
+
+fn ask(wire: &mut Wire) -> Result<Identity, LinkError> {
     wire.send_bytes(&[0])?;
     let request = RequestPacket { sequence: HELLO_SEQUENCE, request: Request::Hello(Version::current()) };
     for _ in 0..HELLO_ATTEMPTS {

@@ -23,7 +23,8 @@ use crate::{
 };
 use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::{
-    patch::{PatchError, PatchView},
+    limits::MAX_PATCH_BYTES,
+    patch::{CombinedInto, PatchError, PatchView},
     protocol::{BoardPacket, Event, Identity, Info, Reply, Request, RequestPacket, Selection},
     stimulation::Step,
 };
@@ -183,13 +184,21 @@ impl Link {
         self.start_of_patch(|patch| patch.header.test_resistances.to_vec())
     }
 
-    /// Something of the patch in use that lies before its matrix.
+    /// Where the code of each step goes: `[step]`; read back from the start of the board's patch.
+    pub fn combination(&mut self) -> Result<Vec<CombinedInto>, LinkError> {
+        self.start_of_patch(|patch| patch.combination().collect())
+    }
+
+    /// Something of the patch in use that lies before its matrix. No more is read than the board states, nor than
+    /// the longest patch has.
     fn start_of_patch<T>(&mut self, read: impl Fn(&PatchView<'_>) -> T) -> Result<T, LinkError> {
         let mut start = Vec::new();
         loop {
             match PatchView::open_start(&start) {
                 Ok((patch, _)) => return Ok(read(&patch)),
-                Err(PatchError::Length { expected, found }) if found < expected => {
+                Err(PatchError::Length { expected, .. })
+                    if start.len() < expected && expected <= MAX_PATCH_BYTES =>
+                {
                     let piece = self.read_patch(start.len() as u32)?;
                     start.extend_from_slice(&piece);
                     if piece.is_empty() {

@@ -7,13 +7,13 @@
 use super::Numbered;
 use dermatome_shared::protocol::{Event, Selection};
 use std::{
-    collections::VecDeque,
+    collections::{BTreeSet, VecDeque},
     time::{Duration, Instant},
 };
 
 /// More than this never wait for one that was overtaken: it is lost.
 const MOST_WAITING: usize = 16;
-/// A number at most so far behind is one that was given up; farther behind, the board has started anew.
+/// A number at most so far behind may be one that was given up; else the board has started anew.
 const MOST_LATE: u32 = 256;
 
 /// Puts events in order.
@@ -21,8 +21,12 @@ const MOST_LATE: u32 = 256;
 pub(super) struct Order {
     /// Both kinds are asked for, so that one can overtake the other.
     is_mixed: bool,
+    /// Number of the first event, since the board started.
+    first: u32,
     /// Number that is due, from the first event on.
     due: Option<u32>,
+    /// Numbers that were given up, and may still come: those at most [`MOST_LATE`] behind.
+    given_up: BTreeSet<u32>,
     /// Events that came ahead of it, ascending.
     waiting: VecDeque<Numbered>,
     /// Since when the first of them waits.
@@ -39,19 +43,38 @@ impl Order {
     /// Takes the event that came; `done` gets all events whose turn it is.
     pub(super) fn take(&mut self, number: u32, event: Event, mut done: impl FnMut(Numbered)) {
         let behind = self.due.map_or(0, |due| due.wrapping_sub(number));
-        if (1..=MOST_LATE).contains(&behind) {
-            self.lost = self.lost.saturating_sub(1);
+        if self.is_late(number, behind) {
             return done((number, event));
         }
         if behind != 0 && behind <= u32::MAX / 2 {
-            self.give_up(&mut done);
-            self.due = None;
+            self.start_anew(&mut done);
         }
-        let due = *self.due.get_or_insert(number);
+        if self.due.is_none() {
+            (self.first, self.due) = (number, Some(number));
+        }
+        let due = self.due.unwrap_or(number);
         let ahead = |number: u32| number.wrapping_sub(due);
         let place = self.waiting.partition_point(|(other, _)| ahead(*other) < ahead(number));
         self.waiting.insert(place, (number, event));
         self.release(Self::is_lost, done);
+    }
+
+    /// Whether the event of this number, so far behind, was overtaken: by events that made it count as lost, which it
+    /// does no more, or by the first one that came.
+    fn is_late(&mut self, number: u32, behind: u32) -> bool {
+        if self.given_up.remove(&number) {
+            self.lost -= 1;
+            return true;
+        }
+        let before_first = self.first.wrapping_sub(number);
+        (1..=MOST_LATE).contains(&behind) && (1..=MOST_WAITING as u32).contains(&before_first)
+    }
+
+    /// The board has started anew, and counts from the beginning.
+    fn start_anew(&mut self, done: impl FnMut(Numbered)) {
+        self.give_up(done);
+        self.due = None;
+        self.given_up.clear();
     }
 
     /// Another selection begins: what waits has waited long enough; `done` gets it.
@@ -80,10 +103,18 @@ impl Order {
                 return;
             }
             self.since = None;
-            self.lost += u64::from(number.wrapping_sub(due));
+            self.count_lost(due, number);
             self.due = Some(number.wrapping_add(1));
             self.waiting.pop_front().into_iter().for_each(&mut done);
         }
+    }
+
+    /// Numbers from `due` up to `next`, which has come, are given up.
+    fn count_lost(&mut self, due: u32, next: u32) {
+        let lost = next.wrapping_sub(due);
+        self.lost += u64::from(lost);
+        self.given_up.retain(|number| next.wrapping_sub(*number) <= MOST_LATE);
+        self.given_up.extend((1..=lost.min(MOST_LATE)).map(|back| next.wrapping_sub(back)));
     }
 
     /// Whether the number that is due can come no more.
@@ -158,6 +189,27 @@ mod tests {
     #[test]
     fn a_board_that_starts_anew_has_lost_nothing() {
         assert_eq!(ordered(&MIXED, &[(5000, true), (5001, false), (0, false), (1, true)]).1, 0);
+    }
+
+    #[test]
+    fn a_board_that_starts_anew_after_few_events_does_not_take_back_what_was_lost_before() {
+        let mut events = vec![(0, false), (5, false)];
+        events.extend((0..4).map(|number| (number, false)));
+        let contacts = Selection { scope: 0, ..MIXED };
+        assert_eq!(ordered(&contacts, &events), (vec![0, 5, 0, 1, 2, 3], 4));
+    }
+
+    #[test]
+    fn an_event_that_comes_twice_takes_back_no_loss() {
+        let events = [(1, false), (4, false), (4, false), (5, false)];
+        let contacts = Selection { scope: 0, ..MIXED };
+        assert_eq!(ordered(&contacts, &events).1, 2);
+    }
+
+    #[test]
+    fn what_the_first_event_overtook_is_no_loss_and_no_new_start() {
+        let contacts = Selection { scope: 0, ..MIXED };
+        assert_eq!(ordered(&contacts, &[(9, false), (8, true), (10, false)]), (vec![9, 8, 10], 0));
     }
 
     proptest! {

@@ -10,10 +10,12 @@
 
 mod client;
 mod for_skin;
+mod next_host;
 pub mod patch_store;
 
 use self::{
     client::{Client, Input},
+    next_host::NextHost,
     patch_store::{FilePatchStore, OpenError},
 };
 use crate::{
@@ -55,6 +57,10 @@ const MAX_BACKLOG: Duration = Duration::from_millis(100);
 /// Longest time between frames; slower frame rates count as this.
 const MAX_PERIOD: Duration = Duration::from_secs(3600);
 
+/// How long a host that says nothing keeps its place when another wants it. One that streams says something every
+/// [`dermatome_shared::device::HOST_INTERVAL_US`].
+pub const DEFAULT_LEASE: Duration = Duration::from_secs(10);
+
 /// How fast frames come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pace {
@@ -81,6 +87,8 @@ pub struct BoardOptions {
     pub pace: Pace,
     /// The board ends its stream after this many streamed frames, and itself when its host leaves.
     pub max_frames: Option<u64>,
+    /// How long a host that says nothing keeps its place when another wants it.
+    pub lease: Duration,
 }
 
 impl Default for BoardOptions {
@@ -92,6 +100,7 @@ impl Default for BoardOptions {
             store: None,
             pace: Pace::default(),
             max_frames: None,
+            lease: DEFAULT_LEASE,
         }
     }
 }
@@ -164,6 +173,8 @@ impl SimulatedBoard {
             started: Instant::now(),
             script_frame: 0,
             frames_left: options.max_frames,
+            lease: options.lease,
+            next_host: NextHost::default(),
         };
         let thread = thread::Builder::new().name("board".to_owned()).spawn(move || worker.run(&listener));
         let thread = thread.map_err(|reason| BoardError::Thread { reason })?;
@@ -242,7 +253,8 @@ fn facts(electrodes: u8, front_end: Option<FrontEnd>) -> BoardFacts {
         frame_source: FrameSource::Simulated,
         front_end,
         started_after: Restart::PowerOn,
-        sees_host_go: true,
+        // A pulled cable closes no connection.
+        sees_host_go: false,
     }
 }
 
@@ -259,28 +271,33 @@ struct Worker {
     script_frame: u64,
     /// Frames that may still be streamed, if there is a limit.
     frames_left: Option<u64>,
+    lease: Duration,
+    next_host: NextHost,
 }
 
 impl Worker {
     fn run(mut self, listener: &TcpListener) {
         while !self.should_stop() && self.frames_left != Some(0) {
-            match listener.accept().and_then(|(stream, _)| Client::new(stream)) {
-                Ok(client) => self.serve(&client),
-                // Nobody there, or gone already.
-                Err(_) => thread::sleep(ACCEPT_INTERVAL),
+            match self.next_host.take(listener).and_then(|stream| Client::new(stream).ok()) {
+                Some(client) => self.serve(&client, listener),
+                None => thread::sleep(ACCEPT_INTERVAL),
             }
         }
     }
 
-    fn serve(&mut self, client: &Client) {
-        let mut due = None;
-        while !self.should_stop() {
+    fn serve(&mut self, client: &Client, listener: &TcpListener) {
+        let (mut due, mut heard) = (None, Instant::now());
+        while !self.should_stop() && !self.next_host.takes_over(listener, heard.elapsed(), self.lease) {
             match client.receive(self.time_to_wait(client, &mut due)) {
-                Input::Request(packet) => self.answer(client, &packet),
+                Input::Request(packet) => {
+                    heard = Instant::now();
+                    self.answer(client, &packet);
+                }
                 Input::Nothing if self.may_scan(client, due) => due = self.scan(client, due),
                 Input::Nothing => {}
                 Input::Gone => break,
             }
+            self.device.check_host(self.uptime_ms());
         }
         self.device.disconnect();
     }

@@ -1,6 +1,7 @@
 //! Display: frames on the terminal, or contacts as lines for a pipe.
 
-use crate::commands::contact_lines::{print_json, print_lines};
+use super::{gap::Gap, lines::Lines};
+use crate::commands::contact_lines::{contact_lines, json_line};
 use dermatome_link::{
     Link, ScanFrame,
     contacts::{LinkFinger, LinkFrame},
@@ -9,6 +10,7 @@ use dermatome_link::{
 use dermatome_model::multi_contact::FittedContact;
 use dermatome_patch::layout::Layout;
 use dermatome_view::{live::Live, terminal::Screen};
+use serde_json::json;
 use std::io;
 
 /// Where frames go, and in whose frame their contacts lie.
@@ -16,9 +18,9 @@ pub(super) enum Display<'a> {
     /// Pictures, drawn in place; contacts on the link, if a skin's pose on one is known.
     Terminal(Box<Live>, Option<&'a Pose>),
     /// One line per contact, in the skin's frame.
-    Lines,
+    Lines(Lines),
     /// One line of JSON per frame, in the frame of the link.
-    LinkFrames(&'a Pose),
+    LinkFrames(Lines, &'a Pose),
 }
 
 impl<'a> Display<'a> {
@@ -34,7 +36,10 @@ impl<'a> Display<'a> {
             let surface = images.then(|| link.surface()).transpose()?;
             return Ok(Self::Terminal(Box::new(Live::new(surface.as_ref().map(Layout::from))), pose));
         }
-        Ok(pose.map_or(Self::Lines, Self::LinkFrames))
+        Ok(match pose {
+            Some(pose) => Self::LinkFrames(Lines::start(dropped_as_json)?, pose),
+            None => Self::Lines(Lines::start(dropped_as_text)?),
+        })
     }
 
     pub(super) fn wants_images(&self) -> bool {
@@ -46,6 +51,31 @@ impl<'a> Display<'a> {
         let is_picture = matches!(self, Self::Terminal(..));
         if let (Some(at), false, false) = (frame.at, is_picture, what.is_empty()) {
             eprintln!("warning: frame {} has flags not seen before: {}", at.sequence, what.join(", "));
+        }
+    }
+
+    /// Shows in lines for somebody else that the board was lost; pictures go on.
+    pub(super) fn gap(&mut self, gap: &Gap) {
+        match self {
+            Self::Terminal(..) => {}
+            Self::Lines(lines) => lines.remark(&gap.line()),
+            Self::LinkFrames(lines, _) => lines.remark(&json!({ "gap": gap }).to_string()),
+        }
+    }
+
+    /// Frames that nobody got, because whoever reads standard output stalled.
+    pub(super) fn dropped(&self) -> u64 {
+        match self {
+            Self::Terminal(..) => 0,
+            Self::Lines(lines) | Self::LinkFrames(lines, _) => lines.dropped(),
+        }
+    }
+
+    /// Nothing more will be shown.
+    pub(super) fn end(&mut self) -> io::Result<()> {
+        match self {
+            Self::Terminal(..) => Ok(()),
+            Self::Lines(lines) | Self::LinkFrames(lines, _) => lines.end(),
         }
     }
 
@@ -63,13 +93,23 @@ impl<'a> Display<'a> {
                 live.draw_if_due(at, &on_link)
             }
             Self::Terminal(live, None) => live.draw_if_due(at, contacts),
-            Self::Lines => print_lines(at, contacts),
-            Self::LinkFrames(pose) => {
+            Self::Lines(_) if contacts.is_empty() => Ok(()),
+            Self::Lines(lines) => lines.frame(contact_lines(at, contacts)),
+            Self::LinkFrames(lines, pose) => {
                 let finger =
                     |finger: &FittedContact| LinkFinger::new(finger.position.into(), finger.strength, pose);
                 let fingers = fingers.map(|all| all.iter().map(finger).collect());
-                print_json(&LinkFrame { fingers, ..LinkFrame::new(pose, at, contacts) })
+                let frame = LinkFrame { fingers, ..LinkFrame::new(pose, at, contacts) };
+                lines.frame(json_line(&frame)?)
             }
         }
     }
+}
+
+fn dropped_as_text(frames: u64) -> String {
+    format!("# {frames} frames dropped: they were not read in time")
+}
+
+fn dropped_as_json(frames: u64) -> String {
+    json!({ "dropped": { "frames": frames } }).to_string()
 }

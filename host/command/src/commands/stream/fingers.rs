@@ -26,7 +26,8 @@ pub(super) struct Fingers {
     fit: MultiContactFit,
     /// The board's reference, in steps of its codes: `[measurement]`.
     reference: Vec<f64>,
-    asked: Instant,
+    /// When it was asked for, unless the board may have another.
+    asked: Option<Instant>,
     rests_until: Instant,
 }
 
@@ -38,7 +39,12 @@ impl Fingers {
         let fit = MultiContactFit::new(skin, &model, settings)?;
         let reference = reference(link, &model)?;
         let now = Instant::now();
-        Ok(Self { model, fit, reference, asked: now, rests_until: now })
+        Ok(Self { model, fit, reference, asked: Some(now), rests_until: now })
+    }
+
+    /// The board may have made a new reference.
+    pub(super) fn forget_reference(&mut self) {
+        self.asked = None;
     }
 
     /// The fingers in a frame, `[step]`, strongest first, in the skin's frame; `None` for a frame that passes
@@ -53,9 +59,9 @@ impl Fingers {
         if begun < self.rests_until {
             return Ok(None);
         }
-        if self.asked.elapsed() > ASK_EVERY {
+        if self.asked.is_none_or(|asked| asked.elapsed() > ASK_EVERY) {
             self.reference = reference(link, &self.model)?;
-            self.asked = Instant::now();
+            self.asked = Some(Instant::now());
         }
         let fingers = self.fit.contacts(&self.difference(codes));
         self.rests_until = Instant::now() + begun.elapsed() / 2;

@@ -2,33 +2,26 @@
 
 mod display;
 mod fingers;
+mod follow;
+mod gap;
+mod lines;
+mod patience;
+mod session;
 mod tally;
+mod untouched;
 
-use super::{
-    BoardReport,
-    board::open,
-    contact_lines::is_read,
-    interrupt, link_frame,
-    tare::{patch_of, tare_with_spinner},
-};
-use dermatome_link::{Link, LinkError, LinkErrorKind, ScanFrame, Subscription};
-use dermatome_shared::{
-    protocol::{PatchInfo, Selection},
-    reference::DEFAULT_TARE_FRAMES,
-};
+pub(super) use patience::silence_timeout;
+
+use super::{BoardReport, board::advise, contact_lines::is_read, interrupt, link_frame};
 use dermatome_simulate::port::Port;
 use display::Display;
 use fingers::Fingers;
+use follow::{Follower, Received};
+use gap::Gap;
 use serde::Serialize;
-use std::{
-    collections::BTreeMap,
-    path::PathBuf,
-    time::{Duration, Instant},
-};
+use session::Session;
+use std::{collections::BTreeMap, path::PathBuf, time::Duration};
 use tally::Tally;
-
-/// Frames that may fail to come before the board is asked whether it still streams.
-const TIMEOUT_FRAMES: f64 = 5.0;
 
 /// Show images and contacts live, or print contacts for a pipe.
 ///
@@ -41,6 +34,10 @@ const TIMEOUT_FRAMES: f64 = 5.0;
 /// lines each frame is one line of JSON with number, position in m and normal of its contacts, and what was
 /// wrong with the frame (docs/cli.md). With --fit as well, it also holds fingers that this computer fits to the
 /// frame's voltages, which tells apart what lies close together or far from all electrodes.
+///
+/// If the board is lost on the way, because it restarts or its cable is pulled, this tries to reach it until it is
+/// back, restores drive and stream, and makes a new reference if the board has none. Then it says how long that took
+/// and about how many frames were missed, also in its output (docs/cli.md).
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     dermatome stream --port /dev/ttyACM0\n  \
@@ -64,6 +61,9 @@ pub(super) struct Args {
     /// Fit fingers of about this radius to the voltages, and print them as JSON with the contacts.
     #[arg(long, alias = "resolve", value_name = "RADIUS", requires = "skin")]
     fit: Option<String>,
+    /// If the board is lost, give up after this time without a frame, with an error; 0 gives up at once.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    give_up_after: Option<Duration>,
     #[command(flatten)]
     json: super::JsonReport,
 }
@@ -92,141 +92,80 @@ struct Report<'a> {
     tared_first: bool,
     frames_received: u64,
     frames_lost: u64,
+    frames_dropped: u64,
     frames_flagged: BTreeMap<&'static str, u64>,
     events_lost: u64,
     packets_damaged: u64,
     images_per_second: Option<f64>,
+    gaps: &'a [Gap],
     ended: Ended,
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let radius = args.fit.as_deref().map(fingers::radius).transpose()?;
     interrupt::install()?;
-    let mut link = open(&args.port)?;
-    let patch = patch_of(&mut link)?;
+    let mut session = Session::open(&args.port)?;
+    let skin = session.patch.skin.clone();
+    let link = session.link()?;
     let path = args.skin.as_deref();
-    let on_link =
-        path.map(|path| link_frame::skin_of(path, &patch.skin, || Ok(link.surface()?))).transpose()?;
+    let on_link = path.map(|path| link_frame::skin_of(path, &skin, || Ok(link.surface()?))).transpose()?;
     let pose = on_link.as_ref().map(|(_, pose)| pose);
-    let tared_first = tare_if_needed(&mut link, &patch)?;
+    let tared_first = session.tare_first().map_err(advise)?;
+    let link = session.link()?;
     let fingers = radius.zip(on_link.as_ref());
-    let mut fingers = fingers.map(|(radius, (skin, _))| Fingers::new(skin, radius, &mut link)).transpose()?;
-    let mut display = Display::new(&mut link, !args.no_image, pose, fingers.is_some())?;
-    let mut tally = Tally::default();
-    let (ended, error) = match follow(args, &mut link, &patch, &mut display, &mut fingers, &mut tally) {
+    let fingers = fingers.map(|(radius, (skin, _))| Fingers::new(skin, radius, link)).transpose()?;
+    let display = Display::new(link, !args.no_image, pose, fingers.is_some())?;
+    let mut follower = Follower::new(args, session, display, fingers);
+    let followed = follower.run();
+    let written = is_read(follower.received.display.end());
+    let outcome = followed.and_then(|ended| Ok(if written? { ended } else { Ended::Pipe }));
+    let (ended, error) = match outcome {
         Ok(ended) => (ended, None),
         Err(error) => (Ended::Error, Some(error)),
     };
+    let port = args.port.to_string();
+    let Follower { session, received: Received { display, tally, gaps, .. }, .. } = &follower;
     if ended != Ended::Pipe {
-        summarise(&tally, &link, ended);
+        summarise(tally, session, gaps, ended);
+        let dropped = display.dropped();
+        if dropped > 0 {
+            eprintln!("{dropped} frames dropped: standard output was not read in time");
+        }
     }
     args.json.write(&Report {
-        board: BoardReport::new(&link, &patch),
+        board: session.report(&port),
         link: pose.map(|pose| pose.link.as_str()),
         tared_first,
         frames_received: tally.received(),
         frames_lost: tally.lost(),
+        frames_dropped: display.dropped(),
         frames_flagged: tally.flagged().collect(),
-        events_lost: link.events_lost(),
-        packets_damaged: link.packets_damaged(),
+        events_lost: session.events_lost(),
+        packets_damaged: session.packets_damaged(),
         images_per_second: tally.per_second(),
+        gaps,
         ended,
     })?;
     error.map_or(Ok(()), Err)
 }
 
-/// Without a reference there are no images: makes one and says so.
-fn tare_if_needed(link: &mut Link, patch: &PatchInfo) -> anyhow::Result<bool> {
-    if link.info()?.tared {
-        return Ok(false);
-    }
-    let frames = DEFAULT_TARE_FRAMES;
-    eprintln!("the board has no reference yet: averaging {frames} frames, do not touch the skin");
-    tare_with_spinner(link, patch, frames)?;
-    Ok(true)
+/// A time as somebody states it, s.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.trim().parse().map_err(|_| "allowed: a number of seconds, 0 or more".to_owned())?;
+    Duration::try_from_secs_f64(seconds).map_err(|_| "allowed: a number of seconds, 0 or more".to_owned())
 }
 
-/// Starts the stream, shows it until it ends, and stops it.
-fn follow(
-    args: &Args,
-    link: &mut Link,
-    patch: &PatchInfo,
-    display: &mut Display,
-    fingers: &mut Option<Fingers>,
-    tally: &mut Tally,
-) -> anyhow::Result<Ended> {
-    let images = u16::from(display.wants_images());
-    let measurements = u16::from(fingers.is_some());
-    let selection = Selection { images, contacts: 1, measurements, ..Selection::default() };
-    let mut stream = link.subscribe(selection)?;
-    let ended = loop {
-        if let Some(ended) = asked_to_end(args, tally) {
-            break ended;
-        }
-        let frame = match next(&mut stream, frame_timeout(patch))? {
-            Next::Frame(frame) => frame,
-            Next::None(ended) => break ended,
-        };
-        let new = tally.count(&frame, stream.totals(), Instant::now());
-        display.warn(&frame, &new);
-        let fingers = match (fingers.as_mut(), &frame.measurements) {
-            (Some(fingers), Some(measurements)) => fingers.of_frame(&measurements.codes, stream.link())?,
-            _ => None,
-        };
-        if !is_read(display.show(&frame, fingers.as_deref()))? {
-            break Ended::Pipe;
-        }
-    };
-    stream.stop()?;
-    Ok(ended)
-}
-
-/// A frame, or why there is none.
-enum Next {
-    Frame(Box<ScanFrame>),
-    None(Ended),
-}
-
-/// Waits for the next frame. A board that is silent for `timeout` is asked whether it still streams.
-fn next(stream: &mut Subscription<'_>, timeout: Duration) -> Result<Next, LinkError> {
-    loop {
-        match stream.next_while(timeout, || !interrupt::requested()) {
-            Ok(Some(frame)) => return Ok(Next::Frame(Box::new(frame))),
-            Ok(None) => return Ok(Next::None(Ended::Interrupt)),
-            Err(LinkError { kind: LinkErrorKind::NoAnswer { .. }, .. }) => {
-                if !stream.link().info()?.streaming.any() {
-                    return Ok(Next::None(Ended::Board));
-                }
-            }
-            Err(error) => return Err(error),
-        }
-    }
-}
-
-fn asked_to_end(args: &Args, tally: &Tally) -> Option<Ended> {
-    if interrupt::requested() {
-        return Some(Ended::Interrupt);
-    }
-    args.frames.is_some_and(|frames| tally.received() >= frames).then_some(Ended::Frames)
-}
-
-/// Longest silence before the board is asked: five frames, and at least a second.
-fn frame_timeout(patch: &PatchInfo) -> Duration {
-    let least = Duration::from_secs(1);
-    let frames = Duration::try_from_secs_f64(TIMEOUT_FRAMES / f64::from(patch.drive.frame_rate));
-    frames.unwrap_or(least).clamp(least, Duration::from_secs(3600))
-}
-
-/// Longest silence where a board must send something: five frames, and at least five seconds.
-pub(super) fn silence_timeout(patch: &PatchInfo) -> Duration {
-    frame_timeout(patch).max(Duration::from_secs(5))
-}
-
-fn summarise(tally: &Tally, link: &Link, ended: Ended) {
+fn summarise(tally: &Tally, session: &Session<'_>, gaps: &[Gap], ended: Ended) {
     let rate = tally.per_second().map_or(String::new(), |rate| format!(", {rate:.1} images per second"));
     let (received, lost) = (tally.received(), tally.lost());
-    let damaged = link.packets_damaged();
+    let damaged = session.packets_damaged();
     eprintln!("{received} frames received, {lost} lost{rate}, {damaged} packets damaged");
+    if !gaps.is_empty() {
+        let seconds: f64 = gaps.iter().map(|gap| gap.seconds).sum();
+        let missed: u64 = gaps.iter().map(|gap| gap.frames_missed).sum();
+        let times = gaps.len();
+        eprintln!("the board was lost {times} time(s), for {seconds:.1} s: about {missed} frames missed");
+    }
     for (words, frames) in tally.flagged() {
         eprintln!(
             "warning: {words} in {frames} frames: their images may not be right (see `dermatome check`)"

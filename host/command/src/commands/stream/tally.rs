@@ -2,7 +2,7 @@
 
 use dermatome_link::{ScanFrame, Totals};
 use dermatome_shared::frame::FrameFlags;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Counts the frames of one stream; those that count have their contacts.
 #[derive(Debug, Default)]
@@ -12,12 +12,25 @@ pub(super) struct Tally {
     without_contacts: u64,
     /// Frames of which nothing came.
     missing: u64,
+    /// Those of streams before this one.
+    missing_before: u64,
     /// Frames with each flag, in the order of [`FrameFlags::ALL`].
     flagged: [u64; FrameFlags::ALL.len()],
     first_and_last: Option<[Instant; 2]>,
+    /// Time from the first to the last frame of each stream before this one, and the frames after their first.
+    before: (Duration, u64),
+    /// Frames of this stream.
+    streamed: u64,
 }
 
 impl Tally {
+    /// The board is asked to stream once more.
+    pub(super) fn begin(&mut self) {
+        self.missing_before += std::mem::take(&mut self.missing);
+        self.before = self.time_and_frames();
+        (self.first_and_last, self.streamed) = (None, 0);
+    }
+
     /// A frame has come; gives what is wrong with it and was not with any before, in words.
     pub(super) fn count(&mut self, frame: &ScanFrame, totals: Totals, now: Instant) -> Vec<&'static str> {
         self.missing = totals.frames_missing;
@@ -34,6 +47,7 @@ impl Tally {
             *count += u64::from(is_set);
         }
         self.received += 1;
+        self.streamed += 1;
         let [first, _] = self.first_and_last.unwrap_or([now; 2]);
         self.first_and_last = Some([first, now]);
         new
@@ -44,7 +58,7 @@ impl Tally {
     }
 
     pub(super) fn lost(&self) -> u64 {
-        self.missing + self.without_contacts
+        self.missing_before + self.missing + self.without_contacts
     }
 
     /// What was wrong with frames, in words, each with the number of frames.
@@ -53,11 +67,17 @@ impl Tally {
         words.into_iter().zip(self.flagged).filter(|&(_, frames)| frames > 0)
     }
 
-    /// Frames per second, from the first to the last; `None` for fewer than two.
+    /// Frames per second, from the first to the last of each stream; `None` for fewer than two.
     pub(super) fn per_second(&self) -> Option<f64> {
-        let [first, last] = self.first_and_last?;
-        let seconds = (last - first).as_secs_f64();
-        (seconds > 0.0).then(|| (self.received - 1) as f64 / seconds)
+        let (time, frames) = self.time_and_frames();
+        let seconds = time.as_secs_f64();
+        (seconds > 0.0).then(|| frames as f64 / seconds)
+    }
+
+    fn time_and_frames(&self) -> (Duration, u64) {
+        let (time, frames) = self.before;
+        let here = self.first_and_last.map_or(Duration::ZERO, |[first, last]| last - first);
+        (time + here, frames + self.streamed.saturating_sub(1))
     }
 }
 
@@ -65,7 +85,6 @@ impl Tally {
 mod tests {
     use super::*;
     use dermatome_shared::{contact::Contacts, protocol::FrameStamp};
-    use std::time::Duration;
 
     fn frame(flags: FrameFlags, contacts: Option<Contacts>) -> ScanFrame {
         let at = Some(FrameStamp { sequence: 7, timestamp_us: 0, flags });
@@ -88,6 +107,9 @@ mod tests {
         assert_eq!(tally.per_second(), Some(2.0));
         assert!(tally.count(&frame(FrameFlags::SATURATED, None), totals, start).is_empty());
         assert_eq!((tally.received(), tally.lost()), (3, 5));
+        tally.begin();
+        tally.count(&frame(FrameFlags::default(), Some(Contacts::new())), Totals::default(), start);
+        assert_eq!((tally.received(), tally.lost()), (4, 5));
     }
 
     #[test]

@@ -1,0 +1,211 @@
+//! Follow: the frames of a stream, through all times in which the board is lost.
+
+use super::{
+    Args, Ended,
+    display::Display,
+    fingers::Fingers,
+    gap::Gap,
+    patience::Patience,
+    session::{Restored, Session, may_pass},
+    tally::Tally,
+};
+use crate::commands::{contact_lines::is_read, interrupt};
+use anyhow::{Context, bail};
+use dermatome_link::{LinkError, LinkErrorKind, ScanFrame, Subscription};
+use dermatome_shared::protocol::Selection;
+use std::time::Instant;
+
+/// Follows a board.
+pub(super) struct Follower<'a> {
+    args: &'a Args,
+    pub(super) session: Session<'a>,
+    pub(super) received: Received<'a>,
+}
+
+/// What has come, and where it goes.
+pub(super) struct Received<'a> {
+    pub(super) display: Display<'a>,
+    fingers: Option<Fingers>,
+    pub(super) tally: Tally,
+    /// Times in which the board was lost, and came back.
+    pub(super) gaps: Vec<Gap>,
+    /// Number of the last frame.
+    sequence: Option<u32>,
+    /// When it came, or the stream began.
+    heard: Instant,
+    /// What the board needed when it was back, until its first frame comes.
+    restored: Option<Restored>,
+}
+
+impl<'a> Follower<'a> {
+    pub(super) fn new(
+        args: &'a Args,
+        session: Session<'a>,
+        display: Display<'a>,
+        fingers: Option<Fingers>,
+    ) -> Self {
+        Self { args, session, received: Received::new(display, fingers) }
+    }
+
+    /// Shows the stream until it ends. A board that is lost is waited for.
+    pub(super) fn run(&mut self) -> anyhow::Result<Ended> {
+        loop {
+            let before = self.received.tally.received();
+            let ended = self.follow();
+            let has_come = self.received.tally.received() > before;
+            let back = match ended {
+                Ok(Ended::Board) if self.may_wait() => match self.begin_again()? {
+                    // It has nothing more to say: it has not even started anew.
+                    Some(restored) if !has_come && !restored.tared => return self.ended_by_board(),
+                    back => back,
+                },
+                Ok(Ended::Board) => return self.ended_by_board(),
+                Ok(ended) => return Ok(ended),
+                Err(error) if may_pass(&error) && self.may_wait() => self.wait_for_board(&error)?,
+                Err(error) => return Err(error),
+            };
+            let Some(restored) = back else { return Ok(Ended::Interrupt) };
+            self.received.begin(restored);
+        }
+    }
+
+    fn may_wait(&self) -> bool {
+        self.session.may_come_back() && self.give_up().is_none_or(|time| Instant::now() < time)
+    }
+
+    /// A board that has ended its stream may have started anew, or not have heard of its host.
+    fn begin_again(&mut self) -> anyhow::Result<Option<Restored>> {
+        match self.session.prepare(self.give_up()) {
+            Err(error) if may_pass(&error) => self.wait_for_board(&error),
+            prepared => prepared,
+        }
+    }
+
+    fn wait_for_board(&mut self, error: &anyhow::Error) -> anyhow::Result<Option<Restored>> {
+        eprintln!("lost the board: {error:#}; trying again");
+        let heard = self.received.heard;
+        let lost = || format!("the board has sent no frame for {:.1} s", heard.elapsed().as_secs_f64());
+        self.session.come_back(self.give_up()).with_context(lost)
+    }
+
+    fn give_up(&self) -> Option<Instant> {
+        self.args.give_up_after.and_then(|time| self.received.heard.checked_add(time))
+    }
+
+    fn ended_by_board(&self) -> anyhow::Result<Ended> {
+        let received = self.received.tally.received();
+        match self.args.frames {
+            Some(frames) => bail!("the board ended its stream after {received} of {frames} frames"),
+            None => Ok(Ended::Board),
+        }
+    }
+
+    /// Starts the stream, shows it until it ends, and stops it.
+    fn follow(&mut self) -> anyhow::Result<Ended> {
+        let (received, rate) = (&mut self.received, self.session.patch.drive.frame_rate);
+        let mut patience = Patience::new(&self.session.patch);
+        let mut stream =
+            self.session.link.as_mut().context("the board is lost")?.subscribe(received.selection())?;
+        let ended = loop {
+            if let Some(ended) = asked_to_end(self.args, &received.tally) {
+                break ended;
+            }
+            let frame = match next(&mut stream, &mut patience)? {
+                Next::Frame(frame) => frame,
+                Next::None(ended) => break ended,
+            };
+            if !received.take(&frame, &mut stream, rate.into())? {
+                break Ended::Pipe;
+            }
+        };
+        stream.stop()?;
+        Ok(ended)
+    }
+}
+
+impl<'a> Received<'a> {
+    fn new(display: Display<'a>, fingers: Option<Fingers>) -> Self {
+        let (tally, heard) = (Tally::default(), Instant::now());
+        Self { display, fingers, tally, gaps: Vec::new(), sequence: None, heard, restored: None }
+    }
+
+    /// The next stream begins, after what the board needed for it.
+    fn begin(&mut self, restored: Restored) {
+        let Restored { drive, tared } = self.restored.unwrap_or_default();
+        self.restored = Some(Restored { drive: drive || restored.drive, tared: tared || restored.tared });
+        self.tally.begin();
+        if let Some(fingers) = &mut self.fingers {
+            fingers.forget_reference();
+        }
+    }
+
+    fn selection(&self) -> Selection {
+        let images = u16::from(self.display.wants_images());
+        let measurements = u16::from(self.fingers.is_some());
+        Selection { images, contacts: 1, measurements, ..Selection::default() }
+    }
+
+    /// Counts and shows a frame; false if nobody reads any more.
+    fn take(
+        &mut self,
+        frame: &ScanFrame,
+        stream: &mut Subscription<'_>,
+        frame_rate: f64,
+    ) -> anyhow::Result<bool> {
+        let new = self.tally.count(frame, stream.totals(), Instant::now());
+        self.display.warn(frame, &new);
+        if let Some(at) = frame.at.filter(|_| frame.contacts.is_some()) {
+            let heard = std::mem::replace(&mut self.heard, Instant::now());
+            let before = self.sequence.replace(at.sequence);
+            if let Some(restored) = self.restored.take() {
+                self.back(Gap::new(before, self.heard - heard, frame_rate, restored));
+            }
+        }
+        let fingers = match (self.fingers.as_mut(), &frame.measurements) {
+            (Some(fingers), Some(measurements)) => fingers.of_frame(&measurements.codes, stream.link())?,
+            _ => None,
+        };
+        Ok(is_read(self.display.show(frame, fingers.as_deref()))?)
+    }
+
+    /// The first frame is there after the board was lost.
+    fn back(&mut self, gap: Gap) {
+        eprintln!("connected again after {:.1} s, about {} frames missed", gap.seconds, gap.frames_missed);
+        self.display.gap(&gap);
+        self.gaps.push(gap);
+    }
+}
+
+/// A frame, or why there is none.
+enum Next {
+    Frame(Box<ScanFrame>),
+    None(Ended),
+}
+
+/// Waits for the next frame. A board that is silent is asked whether it still streams.
+fn next(stream: &mut Subscription<'_>, patience: &mut Patience) -> Result<Next, LinkError> {
+    loop {
+        match stream.next_while(patience.silence, || !interrupt::requested()) {
+            Ok(Some(frame)) => {
+                patience.see(&frame);
+                patience.check(stream.link())?;
+                return Ok(Next::Frame(Box::new(frame)));
+            }
+            Ok(None) => return Ok(Next::None(Ended::Interrupt)),
+            Err(LinkError { kind: LinkErrorKind::NoAnswer { .. }, .. }) => {
+                if !stream.link().info()?.streaming.any() {
+                    return Ok(Next::None(Ended::Board));
+                }
+                patience.check(stream.link())?;
+            }
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+fn asked_to_end(args: &Args, tally: &Tally) -> Option<Ended> {
+    if interrupt::requested() {
+        return Some(Ended::Interrupt);
+    }
+    args.frames.is_some_and(|frames| tally.received() >= frames).then_some(Ended::Frames)
+}

@@ -1,0 +1,98 @@
+//! Untouched: whether a skin whose board has lost its reference looks as it did when it had one.
+//!
+//! What is pressed while a reference is made is not seen later. A board that has started anew cannot know, but this
+//! computer has kept the reference from before. Only firm presses are told: a board that has started anew may measure
+//! with other gains, which are right to a per cent.
+
+use anyhow::{Context, bail};
+use dermatome_link::Link;
+use dermatome_shared::{
+    patch::CombinedInto,
+    protocol::{Reply, Request, Selection},
+    units::AdcCode,
+};
+use std::time::Duration;
+
+/// Frames to look at: fewer than a board takes for a reference by itself.
+const FRAMES: usize = 5;
+/// A voltage that has changed by more, relative, beside what changed all of them, is pressed.
+const PRESSED: f64 = 0.03;
+/// Voltages of less than this of the largest are too small to tell.
+const SMALL: f64 = 0.02;
+
+/// A skin as it was when nothing pressed.
+pub(super) struct Untouched {
+    combination: Vec<CombinedInto>,
+    /// Sums over the steps of each measurement, in codes: `[measurement]`.
+    voltages: Vec<f64>,
+}
+
+impl Untouched {
+    /// By the board's reference.
+    pub(super) fn of(link: &mut Link) -> anyhow::Result<Self> {
+        let combination = link.combination()?;
+        let Reply::Reference { frames, sums } = link.request(&Request::Reference)? else {
+            bail!("`{}` answered a request for its reference with something else", link.port())
+        };
+        let frames = f64::from(frames.max(1));
+        Ok(Self { combination, voltages: sums.iter().map(|sum| *sum as f64 / frames).collect() })
+    }
+
+    /// Whether something presses, by some frames of the board.
+    pub(super) fn is_pressed(&self, link: &mut Link, timeout: Duration) -> anyhow::Result<bool> {
+        let mut stream = link.subscribe(Selection { measurements: 1, ..Selection::default() })?;
+        let mut now = vec![0.0; self.voltages.len()];
+        for _ in 0..FRAMES {
+            let frame = stream.next_while(timeout, || true)?.context("no frame")?;
+            self.add(&frame.measurements.context("no measurements")?.codes, &mut now);
+        }
+        stream.stop()?;
+        now.iter_mut().for_each(|voltage| *voltage /= FRAMES as f64);
+        Ok(self.change(&now) > PRESSED)
+    }
+
+    /// Adds the codes of a frame, `[step]`, to their measurements.
+    fn add(&self, codes: &[AdcCode], sums: &mut [f64]) {
+        for (code, into) in codes.iter().zip(&self.combination) {
+            if let Some(sum) = sums.get_mut(usize::from(into.measurement)) {
+                *sum += f64::from(if into.flipped { -code.0 } else { code.0 });
+            }
+        }
+    }
+
+    /// The largest relative change of a voltage, beside the median one.
+    fn change(&self, now: &[f64]) -> f64 {
+        let largest = self.voltages.iter().fold(0.0_f64, |largest, voltage| largest.max(voltage.abs()));
+        let pairs = self.voltages.iter().zip(now).filter(|(before, _)| before.abs() > SMALL * largest);
+        let mut ratios: Vec<f64> = pairs.map(|(before, now)| now / before).collect();
+        ratios.sort_by(f64::total_cmp);
+        let Some(median) = ratios.get(ratios.len() / 2).filter(|median| **median != 0.0) else { return 0.0 };
+        let ends = ratios.first().into_iter().chain(ratios.last());
+        ends.fold(0.0, |change: f64, ratio| change.max((ratio / median - 1.0).abs()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn skin() -> Untouched {
+        let combination = [(0, false), (1, false), (0, true), (2, false)]
+            .map(|(measurement, flipped)| CombinedInto { measurement, flipped });
+        Untouched { combination: combination.to_vec(), voltages: vec![2000.0, -1000.0, 1.0] }
+    }
+
+    #[test]
+    fn what_changes_all_voltages_is_no_press_and_what_changes_one_is() {
+        let skin = skin();
+        assert!(skin.change(&[2100.0, -1050.0, 7.0]) < 1e-9, "small voltages do not count");
+        assert!((skin.change(&[2000.0, -1100.0, 1.0]) - 1.0 / 11.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn steps_of_a_measurement_are_added_with_their_sign() {
+        let (skin, mut sums) = (skin(), vec![0.0; 3]);
+        skin.add(&[1010, -1000, -990, 1].map(AdcCode), &mut sums);
+        assert_eq!(sums, skin.voltages);
+    }
+}
