@@ -250,7 +250,7 @@ fn presses_of(model: &Model) -> Mat<f64> {
 
 /// The pixels' tables, if a board can hold all that the model has.
 fn check_limits(model: &Model) -> Result<SurfaceTables, PatchBuildError> {
-    let image = if model.pixels.grid.is_some() { "image.columns" } else { "image.pixels" };
+    let image = model.pixels.field();
     let limits = [
         ("electrodes.count", "electrodes", model.mesh.electrodes.len(), MAX_ELECTRODES),
         ("drive.pattern", "steps", model.steps.len(), MAX_STEPS),
