@@ -5,6 +5,7 @@ use crate::program::{
     firmware::Firmware,
     log::{DamagedLog, Log},
 };
+use crate::words::escaped;
 use probe_rs::{
     Core, MemoryInterface, Permissions, Session,
     flashing::{DownloadOptions, FlashProgress, ProgressEvent, ProgressOperation},
@@ -113,7 +114,7 @@ fn found() -> Vec<(DebugProbe, DebugProbeInfo)> {
     let items = Lister::new().list_all_with_access().into_iter();
     let known = items.map(|item| {
         let probe = DebugProbe {
-            name: item.info.identifier.clone(),
+            name: escaped(&item.info.identifier),
             vendor_id: item.info.vendor_id,
             product_id: item.info.product_id,
             serial_number: item.info.serial_number.clone().filter(|serial| !serial.is_empty()),
