@@ -2,7 +2,7 @@
 
 use super::{
     JsonReport,
-    board::open,
+    board::{advised, open},
     stream::silence_timeout,
     tare::{patch_of, tare_with_spinner},
 };
@@ -231,7 +231,7 @@ fn from_board(link: &mut Link, patch: &PatchView<'_>, loads: &Path) -> anyhow::R
         super::patch_id(used.crc),
         super::patch_id(patch.crc())
     );
-    tare_with_spinner(link, &used, DEFAULT_TARE_FRAMES)?;
+    tare_with_spinner(link, &used, DEFAULT_TARE_FRAMES).map_err(advised)?;
     eprintln!("reading {} loads: start the machine now", loads.len());
     let show = |reading: &Reading| {
         eprintln!("{:8.3} kPa  strength {:.5}", reading.pressure_kpa, reading.strength);

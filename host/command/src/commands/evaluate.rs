@@ -1,6 +1,6 @@
 //! `dermatome evaluate`: what a skin's board finds and how good its images are, everywhere on it.
 
-use super::{JsonReport, finding::Finding, flags::in_flags, interrupt, progress};
+use super::{JsonReport, finding::Finding, flags::in_flags, interrupt, noise::seed, progress};
 use anyhow::Context;
 use dermatome_experiments::evaluate::{
     Evaluation, Length, Options, Watch, evaluate, evaluate_flattened, picture,
@@ -32,7 +32,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "DB", default_value = "60", value_parser = noise, allow_hyphen_values = true)]
     noise: Noise,
     /// Seed of noise and errors.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// Diameter of a target; per cent of the skin's diameter.
     #[arg(long, value_name = "LENGTH", default_value = "10%", allow_hyphen_values = true)]

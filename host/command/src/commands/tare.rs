@@ -5,7 +5,7 @@ use super::{
     board::{advised, open},
 };
 use anyhow::Context;
-use dermatome_link::{self as link, Link};
+use dermatome_link::{self as link, Link, LinkError};
 use dermatome_shared::{
     device::MAX_TARE_FRAMES,
     protocol::{FrameSource, PatchInfo, Refusal},
@@ -47,19 +47,19 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let mut link = open(&args.port)?;
     let patch = patch_of(&mut link)?;
     let started = Instant::now();
-    tare_with_spinner(&mut link, &patch, args.frames)?;
+    tare_with_spinner(&mut link, &patch, args.frames).map_err(advised)?;
     let duration_s = started.elapsed().as_secs_f64();
     say!("averaged {} frames of `{}` as its reference", args.frames, patch.skin);
     args.json.write(&Report { board: BoardReport::new(&link, &patch), frames: args.frames, duration_s })
 }
 
 /// A long tare takes as long as its frames.
-pub(super) fn tare_with_spinner(link: &mut Link, patch: &PatchInfo, frames: u16) -> anyhow::Result<()> {
+pub(super) fn tare_with_spinner(link: &mut Link, patch: &PatchInfo, frames: u16) -> Result<(), LinkError> {
     let spinner = super::progress::spinner();
     spinner.set_message(format!("averaging {frames} frames of the untouched skin"));
     let tared = link::tare(link, frames, link::tare_timeout(patch, frames));
     spinner.finish_and_clear();
-    tared.map_err(advised)
+    tared
 }
 
 /// The patch on the board, which it must hold, with the drive in effect. Says so if the board's frames

@@ -6,7 +6,7 @@ mod tally;
 
 use super::{
     BoardReport,
-    board::open,
+    board::{advised, open},
     contact_lines::is_read,
     interrupt, link_frame,
     tare::{patch_of, tare_with_spinner},
@@ -142,7 +142,7 @@ fn tare_if_needed(link: &mut Link, patch: &PatchInfo) -> anyhow::Result<bool> {
     }
     let frames = DEFAULT_TARE_FRAMES;
     eprintln!("the board has no reference yet: averaging {frames} frames, do not touch the skin");
-    tare_with_spinner(link, patch, frames)?;
+    tare_with_spinner(link, patch, frames).map_err(advised)?;
     Ok(true)
 }
 
