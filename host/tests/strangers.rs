@@ -131,13 +131,12 @@ fn refusals_say_what_is_wrong_in_the_users_words() {
     desk.write("frames.csv", ["1"; 40].join(",") + "\n");
     desk.write("header.csv", "pressure,strength\n0,0\n2,0.1\n4,0.2\n");
     let reconstruct = ["reconstruct", "fine.toml", "--reference", "frames.csv", "--frames", "frames.csv"];
-    let cases: [(&[&str], &[&str]); 9] = [
+    let cases: [(&[&str], &[&str]); 8] = [
         (&["build", "half.toml"], &["`half.toml`", "count = 8.5", "expected a whole number"]),
         (&["build", "word.toml"], &["threshold = \"a\"", "expected a number"]),
         (&["build", "rows.toml"], &["table = [[1, 2, 3]]", "rows of four whole numbers"]),
         (&["build", "skin.toml", "-o", "missing/x"], &["error: cannot write `missing/x`"]),
         (&reconstruct, &["`image.columns` makes", "at most 1024"]),
-        (&["devices", "--port", "skin.toml"], &["`skin.toml` is no serial port; allowed"]),
         (
             &["calibrate", "skin.dermatome", "--readings", "header.csv"],
             &["`header.csv`: its first line has no column `pressure_kpa`"],
@@ -161,4 +160,11 @@ fn readings_may_have_semicolons_between_them_and_scope_names_its_electrodes() {
     desk.run(&["calibrate", "skin.dermatome", "--readings", "readings.csv", "--out", "b"]).success();
     let shown = desk.run(&["scope", "--port", "sim:skin.toml", "--slot", "3"]).success();
     assert!(shown.out.contains("step 3, current 1 -> 2, voltage 6 - 7"), "{}", shown.out);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_device_that_is_no_serial_port_is_said_to_be_none() {
+    let error = Desk::empty().run(&["devices", "--port", "/dev/null"]).refused();
+    assert!(error.contains("`/dev/null` is no serial port; allowed"), "{error}");
 }

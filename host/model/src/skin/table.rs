@@ -67,7 +67,7 @@ pub enum TableError {
         expected: u64,
     },
     /// A cell holds something else than the column takes.
-    #[error("line {line}, column `{column}`: {text:?} is {fault}")]
+    #[error("line {line}, column `{column}` is {text:?}; allowed: {allowed}")]
     Cell {
         /// The line, from 1.
         line: u64,
@@ -75,8 +75,8 @@ pub enum TableError {
         column: String,
         /// What the cell holds.
         text: String,
-        /// What is wrong with it.
-        fault: String,
+        /// What it may hold.
+        allowed: String,
     },
     /// Something else is wrong with a line.
     #[error("line {line}: {fault}")]
@@ -189,12 +189,12 @@ fn cell_fault(
     let Some((column, text)) = at.and_then(|at| header.get(at).zip(record.get(at))) else {
         return TableError::Line { line, fault: err.kind().to_string() };
     };
-    let fault = match err.kind() {
-        csv::DeserializeErrorKind::ParseFloat(_) => "no number".into(),
-        csv::DeserializeErrorKind::ParseInt(_) => "no whole number that fits".into(),
+    let allowed = match err.kind() {
+        csv::DeserializeErrorKind::ParseFloat(_) => "a number".into(),
+        csv::DeserializeErrorKind::ParseInt(_) => "a whole number, 0 or above".into(),
         other => other.to_string(),
     };
-    TableError::Cell { line, column: column.to_owned(), text: quoted(text), fault }
+    TableError::Cell { line, column: column.to_owned(), text: quoted(text), allowed }
 }
 
 fn quoted(text: &str) -> String {
@@ -234,10 +234,10 @@ mod tests {
             ("x,y,w\n1,2,3\n", "has the column \"w\" that is unknown"),
             ("x,x,y\n1,2,3\n", "has the column \"x\" twice"),
             ("x,y\n1,2,3\n", "line 2: 3 cells; allowed: 2"),
-            ("x,y\n1,2\none,2\n", "line 3, column `x`: \"one\" is no number"),
-            ("x,y\n,2\n", "line 2, column `x`: \"\" is no number"),
-            ("x;y\n0,5;2\n", "line 2, column `x`: \"0,5\" is no number"),
-            ("x,y\n1,256\n", "line 2, column `y`: \"256\" is no whole number"),
+            ("x,y\n1,2\none,2\n", "line 3, column `x` is \"one\"; allowed: a number"),
+            ("x,y\n,2\n", "line 2, column `x` is \"\"; allowed: a number"),
+            ("x;y\n0,5;2\n", "line 2, column `x` is \"0,5\"; allowed: a number"),
+            ("x,y\n1,256\n", "line 2, column `y` is \"256\"; allowed: a whole number"),
             ("x,y\n1,2\n1,2\n1,2\n1,2\n", "more than 3 rows"),
         ] {
             let error = read_text(text).unwrap_err();
