@@ -136,7 +136,8 @@ fn lattice_points_on_the_borders_of_squares_come_once() {
 fn a_star_of_thousands_of_spikes_is_refused_at_once_and_one_of_a_hundred_is_meshed() {
     let star = |corners: usize| {
         let corner = |i: usize| {
-            let (angle, radius) = (TAU * i as f64 / corners as f64, if i % 2 == 0 { 0.45 } else { 0.5 });
+            let (angle, radius) =
+                (TAU * i as f64 / corners as f64, if i.is_multiple_of(2) { 0.45 } else { 0.5 });
             Point2::new(radius * angle.cos(), radius * angle.sin())
         };
         let outline = Outline::polygon(&(0..corners).map(corner).collect::<Vec<_>>(), &[]).unwrap();

@@ -1,11 +1,13 @@
 //! A board at a debug probe, through the library probe-rs: identify, program, verify, reset, read its log.
 
 use super::{ChipError, ChipIdentity, DebugProbe};
-use crate::program::{
-    firmware::Firmware,
-    log::{DamagedLog, Log},
+use crate::{
+    program::{
+        firmware::Firmware,
+        log::{DamagedLog, Log},
+    },
+    words::escaped,
 };
-use crate::words::escaped;
 use probe_rs::{
     Core, MemoryInterface, Permissions, Session,
     flashing::{DownloadOptions, FlashProgress, ProgressEvent, ProgressOperation},
