@@ -9,6 +9,7 @@ use dermatome::link::{
 use dermatome_shared::{
     MAX_PATCH_BYTES,
     acquire::{FrontEnd, trim::Trim},
+    contact::Contact,
     drive::Drive,
     protocol::{
         BoardPacket, Event, FrameStamp, Info, MAX_PACKET_BYTES, PROTOCOL_VERSION, Refusal, Reply, Request,
@@ -187,6 +188,47 @@ fn an_event_damaged_on_the_way_counts_as_damaged_and_as_lost() {
     assert_eq!(stream.totals(), Totals { frames: 4, frames_missing: 1 + 2, ..Totals::default() });
     let link = stream.link();
     assert_eq!((link.packets_damaged(), link.events_lost()), (1, 1 + 2));
+}
+
+#[test]
+fn a_contact_at_no_number_is_a_damaged_packet_and_never_a_contact() {
+    let at = |sequence| FrameStamp { sequence, timestamp_us: 2, flags: Default::default() };
+    let contact = Contact {
+        position: [0.0; 3],
+        normal: [0.0, 0.0, 1.0],
+        area: 1e-4,
+        strength: 0.1,
+        peak: 0.1,
+        pressure: None,
+        load_area: None,
+        evidence: None,
+        identity: None,
+    };
+    let wrong = [
+        contact,
+        Contact { position: [0.0, f32::NAN, 0.0], ..contact },
+        Contact { strength: f32::INFINITY, ..contact },
+        Contact { pressure: Some(f32::NAN), ..contact },
+    ];
+    let event = |(number, contact): (u32, &Contact)| {
+        let contacts = [*contact].into_iter().collect();
+        packet(&BoardPacket::Event { number, event: Event::Contacts { at: at(number), contacts } })
+    };
+    let health = Event::Health {
+        at: at(4),
+        health: Default::default(),
+        vitals: Default::default(),
+        drift: f32::NAN,
+        missed: 0,
+    };
+    let mut bytes = reply(0, hello(Version::current()));
+    bytes.extend(reply(1, Reply::Streaming { first_sequence: 0 }));
+    bytes.extend((0..).zip(&wrong).flat_map(event));
+    bytes.extend(packet(&BoardPacket::Event { number: 4, event: health }));
+    let mut link = Link::connect("played", Played(bytes.into())).unwrap();
+    let mut stream = link.subscribe(CONTACTS).unwrap();
+    assert_eq!(frames(&mut stream), [0]);
+    assert_eq!(stream.link().packets_damaged(), 4);
 }
 
 #[test]

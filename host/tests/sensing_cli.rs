@@ -142,7 +142,7 @@ fn scope_shows_the_samples_of_a_slot_with_the_lock_ins_fit() {
     let desk = Desk::with_patch();
     let (_board, port) = flashed(&desk);
     let out = desk.run(&["scope", "--port", &port, "--slot", "3"]).success().out;
-    assert!(out.starts_with("slot 3 of `tiny`: step 3\n"), "{out}");
+    assert!(out.starts_with("slot 3 of `tiny`: step 3, current 1 -> 2, voltage 6 - 7\n"), "{out}");
     assert!(out.contains("50 of which 10 settle, 40 per carrier period, 2000000 a second"), "{out}");
     assert!(out.contains("clipped   0 samples") && out.matches('o').count() > 8, "{out}");
     // The board's automatic gain brings a peak to 450 to 900 of 2047 steps.

@@ -177,7 +177,7 @@ fn wrong_values_name_file_field_value_and_what_is_allowed() {
             GOOD,
             "normalised = true",
             "normalised = true\nweights = \"missing.csv\"",
-            &["`inverse.weights`", "missing.csv", "CSV file with the one column weight"],
+            &["`inverse.weights`", "missing.csv", "CSV file with the columns weight"],
         ),
         (GOOD, "columns = 32", "columns = 0", &["`image.columns`", "is 0", "4 to 64"]),
         (GOOD, "columns = 32", "pixels = 3", &["`image.pixels`", "is 3", "elements", "4 to 100000"]),

@@ -1,5 +1,6 @@
 //! Devices: the serial ports of this machine, and which of them look like boards.
 
+use crate::words::escaped;
 use serialport::SerialPortType;
 use std::path::Path;
 
@@ -51,7 +52,7 @@ impl From<serialport::SerialPortInfo> for SerialPort {
             _ => None,
         };
         let text = |pick: fn(&serialport::UsbPortInfo) -> &Option<String>| {
-            usb.as_ref().and_then(|u| pick(u).clone())
+            usb.as_ref().and_then(|usb| pick(usb).as_deref().map(escaped))
         };
         let product = text(|usb| &usb.product);
         let vendor_id = usb.as_ref().map(|usb| usb.vid);

@@ -21,6 +21,8 @@ pub enum LinkErrorKind {
     Permission,
     /// Another program holds it.
     InUse,
+    /// A file or device that is no serial port.
+    NoPort,
     /// Nothing listens at a TCP port.
     ConnectionRefused,
     /// The system could not open it, for another reason: what it says.
@@ -35,7 +37,7 @@ pub enum LinkErrorKind {
         /// How many, while the host waited.
         packets: u64,
         /// What was wrong with the last one.
-        last: PacketError,
+        last: Damage,
     },
     /// The other end closed the link, or the cable was pulled.
     Cut,
@@ -87,6 +89,17 @@ pub enum LinkErrorKind {
         /// Samples per second.
         sample_rate: u32,
     },
+}
+
+/// Why a packet is not used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Damage {
+    /// Its bytes.
+    #[error(transparent)]
+    Packet(PacketError),
+    /// A number in it is none.
+    #[error("a number in a packet is infinite or none (NaN)")]
+    NotANumber,
 }
 
 impl LinkError {
@@ -148,6 +161,9 @@ impl fmt::Display for LinkError {
                 "no permission to open port `{port}` (on Linux, join the group that owns it, most often with \
                  `sudo usermod -aG dialout $USER`, and log in again)"
             ),
+            LinkErrorKind::NoPort => {
+                write!(f, "`{port}` is no serial port; allowed: a serial port, or tcp:HOST:PORT")
+            }
             LinkErrorKind::InUse => write!(f, "port `{port}` is in use by another program"),
             LinkErrorKind::ConnectionRefused => {
                 write!(f, "connection to `{port}` refused: no board listens there")

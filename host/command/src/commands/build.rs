@@ -218,13 +218,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         .with_context(in_file)?;
     let mesh = mesh.expect("a model that is built has a mesh");
     let plot = args.hyperparameter_plot.as_deref();
-    plot.map_or(Ok(()), |path| write_plot(&skin, &model, path)).with_context(in_file)?;
+    plot.map_or(Ok(()), |path| write_plot(&skin, &model, path))?;
     spinner.set_message("patch");
-    let patch = if args.no_patch {
-        None
-    } else {
-        Some(write_patch(args, &skin, &mut model, preserved.as_ref()).with_context(in_file)?)
-    };
+    let patch =
+        if args.no_patch { None } else { Some(write_patch(args, &skin, &mut model, preserved.as_ref())?) };
     spinner.finish_and_clear();
     let (blur, (noise, noise_figure)) =
         rayon::join(|| model.blur(), || (model.image_noise(60.0), model.noise_figure()));
@@ -302,15 +299,8 @@ fn write_patch(
 ) -> anyhow::Result<PatchReport> {
     let path = patch_file(args.output.as_ref(), &skin.name)?;
     let quantizing = Instant::now();
-    let (patch, is_doubtful) = match preserved {
-        Some(preserved) => {
-            let plain = quantize::patch_with(skin, model, &preserved.stored)?;
-            let with_field = preserved.with_field(&plain)?;
-            let is_doubtful = with_field.is_none();
-            (with_field.unwrap_or(plain), is_doubtful)
-        }
-        None => (quantize::patch(skin, model)?, false),
-    };
+    let (patch, is_doubtful) =
+        patch_of(skin, model, preserved).with_context(|| format!("skin file `{}`", args.skin.display()))?;
     let view = PatchView::validate(&patch)?;
     let fixed_point_error = quantize::fixed_point_error(model, &view, quantize::TRIALS)?;
     model.stages.push(Stage { name: "quantize", time: quantizing.elapsed() });
@@ -332,6 +322,15 @@ fn write_patch(
         fixed_point_error,
         calibration,
     })
+}
+
+/// The patch, and whether the calibration that it keeps is doubtful on it.
+fn patch_of(skin: &Skin, model: &Model, preserved: Option<&Preserved>) -> anyhow::Result<(Vec<u8>, bool)> {
+    let Some(preserved) = preserved else { return Ok((quantize::patch(skin, model)?, false)) };
+    let plain = quantize::patch_with(skin, model, &preserved.stored)?;
+    let with_field = preserved.with_field(&plain)?;
+    let is_doubtful = with_field.is_none();
+    Ok((with_field.unwrap_or(plain), is_doubtful))
 }
 
 /// Fewer places than these, nine tenths of all, are worth a warning: with 185 one finger was two in 2 of 100.

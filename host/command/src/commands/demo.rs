@@ -1,16 +1,14 @@
 //! `dermatome demo`: the whole chain, from a skin file to contacts, with no hardware.
 
 use super::{
-    JsonReport,
-    board::advised,
-    interrupt,
+    JsonReport, interrupt,
     noise::NoiseOptions,
     outputs::{Kind, Output},
     progress,
     tare::tare_with_spinner,
 };
 use crate::demo::{self, Figures, FrameRecord, Scorer, Watched};
-use dermatome_link::{self as link, Link};
+use dermatome_link::{self as link, Link, LinkError, LinkErrorKind};
 use dermatome_model::{model::Model, quantize, skin::Skin};
 use dermatome_patch::{
     layout::Layout,
@@ -104,7 +102,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     );
 
     let used = flash(&mut link, &patch)?;
-    tare_with_spinner(&mut link, &used, DEFAULT_TARE_FRAMES).map_err(advised)?;
+    tare_with_spinner(&mut link, &used, DEFAULT_TARE_FRAMES).map_err(|error| advised(error, noise))?;
     say!("flashed it and averaged {DEFAULT_TARE_FRAMES} frames of the untouched skin; now watch the fingers");
 
     let layout = &Layout::from(&model.surface()?);
@@ -132,6 +130,17 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         say!("picture                        {}", args.png.display());
     }
     args.json.write(&report)
+}
+
+/// The error of a link to a board that ends with this command, so that no other can ask it.
+fn advised(error: LinkError, noise: Noise) -> anyhow::Error {
+    match error.kind {
+        LinkErrorKind::NoTare { .. } => anyhow::anyhow!(
+            "{error}: `--noise-db` is {}, so much noise that its frames look like faults; allowed: less, from about 20 on",
+            noise.snr_db
+        ),
+        _ => error.into(),
+    }
 }
 
 /// The same fingers at more noise, unless Ctrl-C comes.

@@ -5,6 +5,7 @@ use super::{
     finding::Finding,
     flags::in_flags,
     interrupt,
+    noise::seed,
     outputs::{Kind, Output},
     progress,
 };
@@ -39,7 +40,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "DB", default_value = "60", value_parser = noise, allow_hyphen_values = true)]
     noise: Noise,
     /// Seed of noise and errors.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// Diameter of a target; per cent of the skin's diameter.
     #[arg(long, value_name = "LENGTH", default_value = "10%", allow_hyphen_values = true)]

@@ -128,7 +128,7 @@ mod with_probe {
 
     fn follow(board: &mut Board, log: &Log) -> anyhow::Result<()> {
         interrupt::install()?;
-        Ok(board.follow(log, interrupt::requested, |line| say!("{line}"))?)
+        Ok(board.follow(log, interrupt::requested, super::super::print_line)?)
     }
 }
 

@@ -5,6 +5,7 @@ use super::{
     choices::Strength,
     flags::in_flags,
     frame_options::{Flags, FrameOptions},
+    noise::seed,
     outputs::{Kind, Output, patch_file},
     patch_id,
     preserved::refuse_to_lose,
@@ -65,7 +66,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "SHARE", default_value_t = 0.2, value_parser = share)]
     test: f64,
     /// Seed of the split.
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    #[arg(long, value_name = "SEED", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// What a press's strength in the image follows: the size of its answer, or its force.
     #[arg(long, value_enum, default_value_t)]

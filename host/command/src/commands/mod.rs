@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-use dermatome_link::Link;
+use dermatome_link::{Link, words::escaped_lines};
 use dermatome_patch::output::write_whole;
 use dermatome_shared::protocol::{Identity, PatchInfo};
 use outputs::{Kind, Output};
@@ -113,7 +113,7 @@ pub fn main() -> ExitCode {
     match outputs::check(&command(), &matches).and_then(|()| run(chosen)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", escaped_lines(&format!("{error:#}")));
             ExitCode::FAILURE
         }
     }
@@ -193,10 +193,15 @@ impl<'a> BoardReport<'a> {
     }
 }
 
-/// Prints a line. Where nobody reads any more (`dermatome ... | head -1`) the command goes on quietly,
+/// Prints a line; names in it that others gave are only words. Where nobody reads any more (`dermatome ... | head -1`) the command goes on quietly,
 /// for it may have files to write; where the line cannot be written for another reason, it ends with
 /// an error.
 fn say(words: std::fmt::Arguments<'_>) {
+    print_line(&escaped_lines(&words.to_string()));
+}
+
+/// The same of words that hold only what they may.
+fn print_line(words: &str) {
     let Err(error) = writeln!(io::stdout(), "{words}") else { return };
     if error.kind() != io::ErrorKind::BrokenPipe {
         eprintln!("error: cannot write to standard output: {error}");

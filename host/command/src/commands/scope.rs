@@ -9,6 +9,7 @@ use super::{
 };
 use dermatome_link::scope::capture;
 use dermatome_patch::output::{check_folder, write_whole};
+use dermatome_shared::stimulation::Step;
 use dermatome_simulate::port::Port;
 use dermatome_view::trace;
 
@@ -41,9 +42,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let info = link.info()?;
     let trace = capture(&mut link, &info, args.slot, silence_timeout(&patch), || !interrupt::requested())?;
     let Some(trace) = trace else { return Ok(()) };
-    let what = match args.slot.checked_sub(patch.steps) {
-        None => format!("step {}", args.slot),
-        Some(electrode) => format!("test of electrode {}", electrode + 1),
+    let steps = link.steps()?;
+    let what = match steps.get(usize::from(args.slot)) {
+        Some(step) => format!("step {}, {}", args.slot, electrodes(*step)),
+        None => format!("test of electrode {}", args.slot.saturating_sub(patch.steps) + 1),
     };
     let title = format!("slot {} of `{}`: {what}", args.slot, patch.skin);
     say!("{title}");
@@ -56,4 +58,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         None => say!("{}", trace::text(&trace).trim_end()),
     }
     Ok(())
+}
+
+/// Electrodes of a step, from 1 as people count them.
+fn electrodes(step: Step) -> String {
+    let [plus, minus, sense_plus, sense_minus] = step.to_bytes().map(|electrode| u16::from(electrode) + 1);
+    format!("current {minus} -> {plus}, voltage {sense_plus} - {sense_minus}")
 }

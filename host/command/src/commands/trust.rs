@@ -1,6 +1,11 @@
 //! `dermatome experiment trust`: what a board says, row by row beside what is asked of it.
 
-use super::{JsonReport, finding::Finding, noise::snr, progress};
+use super::{
+    JsonReport,
+    finding::Finding,
+    noise::{seed, snr},
+    progress,
+};
 use anyhow::Context;
 use dermatome_experiments::{
     experiment::{Wanted, shipped_skins},
@@ -21,7 +26,7 @@ pub(super) struct Args {
     #[arg(value_name = "SKIN")]
     skins: Vec<PathBuf>,
     /// Seed of places and noise.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// Signal-to-noise ratios, dB: 0 to 200; rows in time take the first.
     #[arg(long, value_name = "DB", value_delimiter = ',', default_value = "60,50,40", value_parser = snr)]

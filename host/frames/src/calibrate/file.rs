@@ -1,13 +1,21 @@
 //! Files of a calibration: the loads that a machine applies, and readings that were taken before.
 
 use super::Reading;
+use dermatome_model::skin::table::{self, Columns};
 use dermatome_patch::input;
-use serde::Deserialize;
+use serde::{Deserialize, de::DeserializeOwned};
 use std::path::{Path, PathBuf};
+
+/// Rows of a file at most.
+const MOST_ROWS: usize = 1_000_000;
+const LOADS: Columns<'_> = Columns { required: &["time_s", "pressure_kpa"], optional: &[] };
+const READINGS: Columns<'_> = Columns {
+    required: &["pressure_kpa", "strength"],
+    optional: &["deviation", "area_mm2", "x_mm", "y_mm", "z_mm"],
+};
 
 /// A load that a machine holds until the next one.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Hold {
     /// When it is applied, s after the stream starts.
     pub time_s: f64,
@@ -16,25 +24,20 @@ pub struct Hold {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct Row {
     pressure_kpa: f64,
     strength: f64,
     #[serde(default)]
     deviation: f64,
-    #[serde(default)]
     area_mm2: Option<f64>,
-    #[serde(default)]
     x_mm: Option<f64>,
-    #[serde(default)]
     y_mm: Option<f64>,
-    #[serde(default)]
     z_mm: Option<f64>,
 }
 
 /// Reads loads: CSV with the columns time_s and pressure_kpa, at least three rows, times ascending.
 pub fn read_loads(path: &Path) -> Result<Vec<Hold>, FileError> {
-    let rows: Vec<(u64, Hold)> = rows(path, "numbers in the columns time_s and pressure_kpa")?;
+    let rows: Vec<(u64, Hold)> = rows(path, LOADS)?;
     let mut last = f64::NEG_INFINITY;
     for &(line, Hold { time_s, pressure_kpa }) in &rows {
         if !(time_s.is_finite() && time_s >= 0.0 && time_s > last) {
@@ -59,8 +62,6 @@ pub fn units_of(path: &Path) -> Option<String> {
 /// Reads readings: CSV with the columns pressure_kpa, strength and, if known, deviation, area_mm2, x_mm, y_mm and z_mm, in the
 /// order taken. z of a place whose x and y alone are known is not a number.
 pub fn read_readings(path: &Path) -> Result<Vec<Reading>, FileError> {
-    let allowed =
-        "numbers in the columns pressure_kpa, strength and, if known, deviation, area_mm2, x_mm, y_mm, z_mm";
     let check = |(line, row): (u64, Row)| {
         check_pressure(path, line, row.pressure_kpa)?;
         if !row.strength.is_finite() {
@@ -76,7 +77,7 @@ pub fn read_readings(path: &Path) -> Result<Vec<Reading>, FileError> {
         let Row { pressure_kpa, strength, deviation, area_mm2, .. } = row;
         Ok(Reading { pressure_kpa, strength, deviation, area_mm2, place })
     };
-    rows(path, allowed)?.into_iter().map(check).collect()
+    rows(path, READINGS)?.into_iter().map(check).collect()
 }
 
 /// Where a row says that the skin was pressed.
@@ -111,19 +112,9 @@ fn check_pressure(path: &Path, line: u64, pressure_kpa: f64) -> Result<(), FileE
 }
 
 /// Rows with their lines.
-fn rows<T: for<'de> Deserialize<'de>>(path: &Path, allowed: &str) -> Result<Vec<(u64, T)>, FileError> {
+fn rows<T: DeserializeOwned>(path: &Path, columns: Columns<'_>) -> Result<Vec<(u64, T)>, FileError> {
     let in_file = |message: String| FileError::new(path, message);
-    let open = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(path);
-    let mut reader = open.map_err(|error| in_file(error.to_string()))?;
-    let headers = reader.headers().map_err(|error| in_file(error.to_string()))?.clone();
-    let mut rows = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|error| in_file(error.to_string()))?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let row = record.deserialize(Some(&headers));
-        let row = row.map_err(|error| in_file(format!("line {line}: {error}; allowed: {allowed}")))?;
-        rows.push((line, row));
-    }
+    let rows = table::read(path, columns, MOST_ROWS).map_err(|error| in_file(error.to_string()))?;
     if rows.len() < 3 {
         return Err(in_file(format!("{} rows; allowed: at least three", rows.len())));
     }

@@ -8,6 +8,7 @@ use super::{
     file::{refuse, refuse_text},
     pairing::end_of,
 };
+use dermatome_model::skin::table;
 use std::path::{Path, PathBuf};
 
 /// Columns of a line, where no header names them.
@@ -75,9 +76,10 @@ pub enum RecordingError {
 impl Recording {
     /// Reads the lines of `stream`, with or without a header.
     pub fn read(path: &Path) -> Result<Self, FileError> {
+        let bytes = table::bytes(path).map_err(|error| FileError::new(path, error.to_string()))?;
         let mut open = csv::ReaderBuilder::new();
-        open.delimiter(b'\t').has_headers(false).flexible(true).comment(Some(b'#'));
-        let mut reader = open.from_path(path).map_err(|error| FileError::new(path, error.to_string()))?;
+        open.delimiter(table::delimiter(&bytes)).has_headers(false).flexible(true).comment(Some(b'#'));
+        let mut reader = open.from_reader(&bytes[..]);
         let mut columns: Option<Columns> = None;
         let mut frames: Vec<Frame> = Vec::new();
         for record in reader.records() {

@@ -7,6 +7,7 @@
 
 mod hello;
 mod order;
+mod sound;
 mod tare;
 mod transport;
 mod upload;

@@ -1,6 +1,6 @@
 //! Transport: bytes to a board and back.
 
-use crate::error::LinkError;
+use crate::error::{LinkError, LinkErrorKind};
 use serialport::{ClearBuffer, ErrorKind, SerialPort};
 use std::{
     io::{self, Read, Write},
@@ -26,17 +26,21 @@ impl Transport for Box<dyn SerialPort> {}
 /// Opens a serial port at 2,000,000 baud, 8N1, for this program alone.
 pub(super) fn open_serial(name: &str) -> Result<Box<dyn SerialPort>, LinkError> {
     let port = serialport::new(name, BAUD).timeout(READ_TIMEOUT).open();
-    let port = port.map_err(|error| LinkError::on_open(name, reason(name, error)))?;
+    let port = port.map_err(|error| failed_open(name, error))?;
     // What lies in the buffers was meant for whoever had the port before.
     port.clear(ClearBuffer::All).map_err(|error| LinkError::on_open(name, error.into()))?;
     Ok(port)
 }
 
-/// The `serialport` crate says `NoDevice` both for a port that is missing and for one in use.
-fn reason(name: &str, error: serialport::Error) -> io::Error {
+/// The `serialport` crate says `NoDevice` both for a port that is missing and for one in use, and of what is no terminal
+/// only what Unix calls that.
+fn failed_open(name: &str, error: serialport::Error) -> LinkError {
     match error.kind {
-        ErrorKind::NoDevice if Path::new(name).exists() => io::ErrorKind::ResourceBusy.into(),
-        _ => error.into(),
+        ErrorKind::NoDevice if Path::new(name).exists() => LinkError::new(name, LinkErrorKind::InUse),
+        _ if error.description == "Not a typewriter" || Path::new(name).is_file() => {
+            LinkError::new(name, LinkErrorKind::NoPort)
+        }
+        _ => LinkError::on_open(name, error.into()),
     }
 }
 
@@ -66,7 +70,6 @@ fn connect(address: impl ToSocketAddrs) -> io::Result<TcpStream> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::error::LinkErrorKind;
     use std::net::TcpListener;
 
     #[test]
@@ -84,6 +87,6 @@ mod tests {
     fn a_file_that_is_no_serial_port_is_an_error_of_its_own() {
         let file = tempfile::NamedTempFile::new().unwrap();
         let error = open_serial(file.path().to_str().unwrap()).map(drop).unwrap_err();
-        assert!(matches!(error.kind, LinkErrorKind::Open(_)), "{error}");
+        assert!(matches!(error.kind, LinkErrorKind::NoPort), "{error}");
     }
 }

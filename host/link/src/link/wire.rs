@@ -1,7 +1,7 @@
 //! Wire: packets over a transport.
 
-use super::transport::Transport;
-use crate::error::{LinkError, LinkErrorKind};
+use super::{sound::sound, transport::Transport};
+use crate::error::{Damage, LinkError, LinkErrorKind};
 use dermatome_shared::protocol::{
     BoardPacket, MAX_PACKET_BYTES, PacketError, PacketReader, RequestPacket, encode,
 };
@@ -24,7 +24,7 @@ pub(super) struct Wire {
     /// When the last bytes came.
     heard: Instant,
     damaged: u64,
-    last_damage: PacketError,
+    last_damage: Damage,
 }
 
 impl Wire {
@@ -37,7 +37,7 @@ impl Wire {
             taken: 0,
             heard: Instant::now(),
             damaged: 0,
-            last_damage: PacketError::Framing,
+            last_damage: Damage::Packet(PacketError::Framing),
         }
     }
 
@@ -94,13 +94,13 @@ impl Wire {
     fn next_packet(&mut self) -> Option<BoardPacket> {
         while let Some(&byte) = self.input.get(self.taken) {
             self.taken += 1;
-            match self.reader.push(byte) {
-                Some(Ok(packet)) => return Some(packet),
-                Some(Err(error)) => {
+            let Some(read) = self.reader.push(byte) else { continue };
+            match read.map_err(Damage::Packet).and_then(sound) {
+                Ok(packet) => return Some(packet),
+                Err(damage) => {
                     self.damaged += 1;
-                    self.last_damage = error;
+                    self.last_damage = damage;
                 }
-                None => {}
             }
         }
         None

@@ -1,7 +1,8 @@
 //! A firmware's log: defmt frames, as they come over RTT, become lines of text. Only the ELF has the texts.
 
 use super::firmware::Firmware;
-use defmt_decoder::{DecodeError, StreamDecoder, Table};
+use crate::words::escaped;
+use defmt_decoder::{DecodeError, Frame, StreamDecoder, Table};
 
 /// The log of one firmware: where the board keeps it, and its texts.
 #[derive(Clone)]
@@ -59,7 +60,7 @@ impl Decoder<'_> {
         self.stream.received(bytes);
         loop {
             match self.stream.decode() {
-                Ok(frame) => line(&frame.display(self.in_colour).to_string()),
+                Ok(frame) => line(&words(&frame, self.in_colour)),
                 Err(DecodeError::UnexpectedEof) => return Ok(()),
                 // The next frame starts behind a mark; only this one is lost.
                 Err(DecodeError::Malformed) if self.recovers => line("(a damaged line)"),
@@ -67,4 +68,13 @@ impl Decoder<'_> {
             }
         }
     }
+}
+
+/// Time, level and message of a frame; only the level has a colour, whatever the others hold.
+fn words(frame: &Frame<'_>, in_colour: bool) -> String {
+    let time = frame.display_timestamp().map(|time| format!("{time} ")).unwrap_or_default();
+    let message = frame.display_message().to_string();
+    let all = frame.display(in_colour).to_string();
+    let level = all.strip_prefix(&time).and_then(|rest| rest.strip_suffix(&message)).unwrap_or_default();
+    format!("{}{level}{}", escaped(&time), escaped(&message))
 }

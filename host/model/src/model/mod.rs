@@ -122,8 +122,9 @@ pub enum ModelError {
 
 /// More pixels, or neighbours of pixels, than boards and pictures take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`image.pixels` makes {count} pixels; boards and pictures take at most {MAX_PIXELS}")]
+#[error("`{field}` makes {count} pixels; boards and pictures take at most {MAX_PIXELS}")]
 pub struct TooManyPixels {
+    field: &'static str,
     count: usize,
 }
 
@@ -261,7 +262,9 @@ impl Model {
 
     /// The pixels as boards and pictures know them.
     pub fn surface(&self) -> Result<SurfaceTables, TooManyPixels> {
-        self.pixels.surface_tables().ok_or(TooManyPixels { count: self.pixels.count() })
+        self.pixels
+            .surface_tables()
+            .ok_or(TooManyPixels { field: self.pixels.field(), count: self.pixels.count() })
     }
 
     /// Voltages of the untouched skin after reciprocal steps are averaged: `[measurement]`.

@@ -44,6 +44,12 @@ impl Pixels {
         self.elements.len()
     }
 
+    /// The skin file's field that says how many there are.
+    #[must_use]
+    pub fn field(&self) -> &'static str {
+        if self.grid.is_some() { "image.columns" } else { "image.pixels" }
+    }
+
     /// Larger side of the box round all pixels, m.
     #[must_use]
     pub fn larger_side(&self) -> f64 {

@@ -271,7 +271,7 @@ fn check_counts<const N: usize>(
 }
 
 fn check_limits(skin: &Skin, model: &Model) -> Result<SurfaceTables, PatchBuildError> {
-    let image = if model.pixels.grid.is_some() { "image.columns" } else { "image.pixels" };
+    let image = model.pixels.field();
     check_drive(skin)?;
     check_counts([
         (image, "pixels", model.pixels.count(), MAX_PIXELS),

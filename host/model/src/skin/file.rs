@@ -79,7 +79,7 @@ pub(super) struct MaterialTable {
 
 /// Points in the skin file, coordinates and a number in each row, or the name of a CSV file.
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected rows of coordinates and a number, or the name of a CSV file")]
 pub(super) enum MapTable {
     Inline(Vec<Vec<Quantity>>),
     File(PathBuf),
@@ -106,7 +106,7 @@ fn one() -> i64 {
 }
 
 #[derive(Clone, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number, text with a unit such as \"11 mm\", or a list of them")]
 pub(super) enum OneOrEach {
     One(Quantity),
     Each(Vec<Quantity>),
@@ -142,9 +142,13 @@ pub(super) struct DriveTable {
 
 /// Steps in the skin file (electrodes from 1), or the name of a CSV file (electrodes from 0).
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "expected rows of four whole numbers, drive plus, drive minus, sense plus and sense minus, or the \
+                 name of a CSV file"
+)]
 pub(super) enum StepTable {
-    Inline(Vec<[i64; 4]>),
+    Inline(Vec<Exactly<i64, 4>>),
     File(PathBuf),
 }
 
@@ -166,7 +170,7 @@ pub(super) struct InverseTable {
 
 /// A number, or the name of a criterion.
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number or a word in quotes")]
 pub(super) enum NumberOrWord {
     Number(f64),
     Word(String),
@@ -174,7 +178,7 @@ pub(super) enum NumberOrWord {
 
 /// Weights in the skin file, or a rule, or the name of a CSV file.
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a list of numbers, a word in quotes, or the name of a CSV file")]
 pub(super) enum WeightList {
     Each(Vec<f64>),
     Word(String),
@@ -189,7 +193,7 @@ pub(super) struct ImageTable {
 
 /// `"elements"`, or a number of patches.
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a whole number, or \"elements\"")]
 pub(super) enum PixelCount {
     Count(i64),
     Word(String),

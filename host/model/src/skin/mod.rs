@@ -13,6 +13,8 @@ mod flattened;
 mod inverse;
 mod material;
 pub mod quantity;
+pub mod syntax;
+pub mod table;
 
 use crate::stimulation::Stimulation;
 use check::Checker;
@@ -102,11 +104,11 @@ impl Description {
 
     /// Checks the text of a skin file; `path` is for error messages.
     pub fn parse(path: &Path, text: &str) -> Result<Self, SkinError> {
-        let syntax = |error: toml::de::Error| {
-            let message = error.to_string().trim_end().to_owned();
-            SkinError::Syntax { path: path.to_owned(), message }
+        let refuse = |error: toml::de::Error| SkinError::Syntax {
+            path: path.to_owned(),
+            message: syntax::in_words(&error),
         };
-        Checker { path }.skin(&toml::from_str(text).map_err(syntax)?)
+        Checker { path }.skin(&toml::from_str(text).map_err(refuse)?)
     }
 }
 

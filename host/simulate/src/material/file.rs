@@ -5,7 +5,10 @@ use super::{
     curve::{Loading, Release},
     preisach::Everett,
 };
-use dermatome_model::skin::quantity::{self, Kind, Quantity};
+use dermatome_model::skin::{
+    quantity::{self, Kind, Quantity},
+    syntax::in_words,
+};
 use serde::Deserialize;
 use std::{path::Path, sync::Arc};
 
@@ -57,10 +60,8 @@ struct ScatterTable {
 }
 
 pub(super) fn parse(path: &Path, text: &str) -> Result<Material, MaterialError> {
-    let syntax = |error: toml::de::Error| {
-        let message = error.to_string().trim_end().to_owned();
-        MaterialError::Syntax { path: path.to_owned(), message }
-    };
+    let syntax =
+        |error: toml::de::Error| MaterialError::Syntax { path: path.to_owned(), message: in_words(&error) };
     let file: File = toml::from_str(text).map_err(syntax)?;
     Checker { path }.material(file)
 }

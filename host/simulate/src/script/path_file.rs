@@ -2,10 +2,19 @@
 
 use super::{Moment, Script, ScriptError};
 use dermatome_geometry::outline::Outline;
-use dermatome_model::indenter::{Footprint, Load, Press};
+use dermatome_model::{
+    indenter::{Footprint, Load, Press},
+    skin::table::{self, Columns},
+};
 use serde::Deserialize;
 use std::{collections::BTreeMap, path::Path};
 
+/// Rows of a file at most.
+const MOST_ROWS: usize = 1_000_000;
+const COLUMNS: Columns<'_> = Columns {
+    required: &["time_s", "finger", "x_m", "y_m"],
+    optional: &["radius_m", "shape", "inner_m", "angle_deg", "corners_m", "depth", "pressure_kpa", "force_n"],
+};
 /// Shapes, as the column `shape` names them.
 const SHAPES: &str = "finger, disc, ring, square, corner, polygon";
 
@@ -13,15 +22,10 @@ impl Script {
     /// Reads a script; columns are documented in docs/cli.md.
     pub fn load(path: &Path, outline: &Outline) -> Result<Self, ScriptError> {
         let in_file = |message: String| ScriptError::File { path: path.to_owned(), message };
-        let open = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(path);
-        let mut reader = open.map_err(|error| in_file(error.to_string()))?;
-        let headers = reader.headers().map_err(|error| in_file(error.to_string()))?.clone();
+        let rows: Vec<(u64, Row)> =
+            table::read(path, COLUMNS, MOST_ROWS).map_err(|error| in_file(error.to_string()))?;
         let mut fingers = BTreeMap::<u32, Vec<Moment>>::new();
-        for record in reader.records() {
-            let record = record.map_err(|error| in_file(error.to_string()))?;
-            let line = record.position().map_or(0, csv::Position::line);
-            let row = record.deserialize::<Row>(Some(&headers));
-            let row = row.map_err(|error| in_file(explain(&error, &headers)))?;
+        for (line, row) in rows {
             let moment = row.moment().map_err(|message| in_file(format!("line {line}, {message}")))?;
             fingers.entry(row.finger).or_default().push(moment);
         }
@@ -32,20 +36,7 @@ impl Script {
     }
 }
 
-/// Line, column and what is allowed, where the CSV reader knows them.
-fn explain(error: &csv::Error, headers: &csv::StringRecord) -> String {
-    let csv::ErrorKind::Deserialize { pos: Some(place), err } = error.kind() else {
-        return error.to_string();
-    };
-    let column = err.field().and_then(|index| headers.get(index as usize));
-    let column = column.map_or(String::new(), |column| format!(", column `{column}`"));
-    let allowed = "numbers in the columns time_s, finger (a whole number), x_m, y_m and radius_m, and in one of \
-                   depth, pressure_kpa and force_n";
-    format!("line {}{column}: {}; allowed: {allowed}", place.line(), err.kind())
-}
-
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct Row {
     time_s: f64,
     finger: u32,

@@ -23,6 +23,7 @@ use crate::{
 use nalgebra::Point2;
 use size_field::{SizeField, flattened};
 use skeleton::{Skeleton, Touch};
+use sources::MOST_ACROSS;
 
 /// How the inner points lie: turned and shifted against the axes, so that two meshes of one skin
 /// need not share a node.
@@ -46,6 +47,12 @@ pub enum MeshError {
          `mesh.edge_length`, or electrodes further apart"
     )]
     TooManyNodes,
+    /// More narrow places than the rest could work with.
+    #[error(
+        "the skin is narrow in more than {MOST_ACROSS} places; allowed: a shorter `mesh.edge_length`, or fewer corners, \
+         spikes and notches in `shape.points` and `shape.holes`"
+    )]
+    TooNarrow,
     /// The triangles do not cover the skin.
     #[error(
         "the mesh covers {covered:.9} of the skin's area where 1 is expected; try another mesh.edge_length"

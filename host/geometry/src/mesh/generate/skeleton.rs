@@ -51,7 +51,10 @@ impl<'a> Skeleton<'a> {
     ) -> Result<Self, MeshError> {
         let (edge, paths) = (flattened(edges.skin, sheet), paths(sheet, model, edges.electrodes));
         let mut sources = sources::by_electrodes(sheet, edges.electrodes);
-        paths.iter().for_each(|path| sources.extend(sources::by_path(sheet, path, &paths, edge)));
+        let mut left = sources::MOST_ACROSS;
+        for path in &paths {
+            sources.extend(sources::by_path(sheet, path, &paths, edge, &mut left)?);
+        }
         let size_field = SizeField::new(edge, sources.into_iter());
         let mut skeleton = Self {
             outline: &sheet.outline,

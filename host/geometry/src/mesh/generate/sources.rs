@@ -1,7 +1,7 @@
 //! What asks for short edges before there are any: electrodes, corners close to them, tight bends,
 //! and narrow parts of the sheet.
 
-use super::{paths::Path, size_field::Source};
+use super::{MeshError, paths::Path, size_field::Source};
 use crate::{
     outline::Curve,
     sheet::{Place, Sheet},
@@ -29,8 +29,18 @@ pub(super) fn by_electrodes(sheet: &Sheet, edge: f64) -> Vec<Source> {
     (0..centres.len()).map(source).collect()
 }
 
-/// Edges of a path itself, where others are to be `edge` long.
-pub(super) fn by_path(sheet: &Sheet, path: &Path<'_>, paths: &[Path<'_>], edge: f64) -> Vec<Source> {
+/// Pairs of places across from each other at most. A star of 200 spikes has 39,000 and takes some seconds, one of 500 has
+/// 243,000 and would take minutes.
+pub(super) const MOST_ACROSS: usize = 60_000;
+
+/// Edges of a path itself, where others are to be `edge` long. `left` pairs of places may yet lie across from each other.
+pub(super) fn by_path(
+    sheet: &Sheet,
+    path: &Path<'_>,
+    paths: &[Path<'_>],
+    edge: f64,
+    left: &mut usize,
+) -> Result<Vec<Source>, MeshError> {
     let curve = &*path.curve;
     let mut sources = Vec::new();
     for stretch in &path.stretches {
@@ -39,9 +49,9 @@ pub(super) fn by_path(sheet: &Sheet, path: &Path<'_>, paths: &[Path<'_>], edge: 
     }
     for s in samples(curve, edge) {
         sources.push(Source { at: curve.point(s), size: curve.curvature_radius(s) / 2.0 });
-        sources.extend(by_narrowness(sheet, paths, curve, s, edge));
+        sources.extend(by_narrowness(sheet, paths, curve, s, edge, left)?);
     }
-    sources
+    Ok(sources)
 }
 
 /// Arc lengths to look at: corners, and between them at most half an edge apart.
@@ -57,7 +67,14 @@ fn samples(curve: &Curve, edge: f64) -> Vec<f64> {
 const ROUND_ABOUT: f64 = 4.0;
 
 /// Two edges must fit between a point of a path and what lies across from it.
-fn by_narrowness(sheet: &Sheet, paths: &[Path<'_>], curve: &Curve, s: f64, edge: f64) -> Vec<Source> {
+fn by_narrowness(
+    sheet: &Sheet,
+    paths: &[Path<'_>],
+    curve: &Curve,
+    s: f64,
+    edge: f64,
+    left: &mut usize,
+) -> Result<Vec<Source>, MeshError> {
     let at = curve.point(s);
     // The point itself is as near as rounding has it.
     let range = 1e-9 * curve.length()..2.0 * edge;
@@ -66,11 +83,14 @@ fn by_narrowness(sheet: &Sheet, paths: &[Path<'_>], curve: &Curve, s: f64, edge:
         for foot in other.feet(at).filter(|foot| range.contains(&foot.distance)) {
             let elsewhere = !std::ptr::eq(curve, other);
             let across = elsewhere || curve.along(s, foot.arc_length) > ROUND_ABOUT * foot.distance;
+            if across {
+                *left = left.checked_sub(1).ok_or(MeshError::TooNarrow)?;
+            }
             if across && sheet.outline.depth(nalgebra::center(&at, &foot.point)) > 0.0 {
                 let size = foot.distance / 2.0;
                 sources.extend([at, foot.point].map(|at| Source { at, size }));
             }
         }
     }
-    sources
+    Ok(sources)
 }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::{embedding::Embedding, mesh::soundness::require_sound, outline::Outline, sheet::Place};
 use proptest::prelude::*;
+use std::f64::consts::TAU;
 
 /// A shape about 1 m large, with the largest curvature of its rim, 1/m.
 fn shapes() -> impl Strategy<Value = (Outline, Embedding, f64)> {
@@ -128,4 +129,23 @@ fn lattice_points_on_the_borders_of_squares_come_once() {
         let mesh = generate(&sheet, &ElectrodeModel::Point, edges, Lattice::default());
         assert!(mesh.is_ok(), "{edge}: {:?}", mesh.err());
     }
+}
+
+/// It took minutes, and with 5,000 corners nobody waited for the end.
+#[test]
+fn a_star_of_thousands_of_spikes_is_refused_at_once_and_one_of_a_hundred_is_meshed() {
+    let star = |corners: usize| {
+        let corner = |i: usize| {
+            let (angle, radius) =
+                (TAU * i as f64 / corners as f64, if i.is_multiple_of(2) { 0.45 } else { 0.5 });
+            Point2::new(radius * angle.cos(), radius * angle.sin())
+        };
+        let outline = Outline::polygon(&(0..corners).map(corner).collect::<Vec<_>>(), &[]).unwrap();
+        let places = (0..8).map(|i| Place::Rim(f64::from(i) * outline.perimeter() / 8.0)).collect();
+        let sheet = Sheet { outline, embedding: Embedding::Flat, places };
+        let edges = EdgeLengths { skin: 0.08, electrodes: 0.08 };
+        generate(&sheet, &ElectrodeModel::Point, edges, Lattice::default())
+    };
+    assert!(star(200).is_ok());
+    assert_eq!(star(5000).map(drop), Err(MeshError::TooNarrow));
 }

@@ -1,9 +1,12 @@
 //! A board at a debug probe, through the library probe-rs: identify, program, verify, reset, read its log.
 
 use super::{ChipError, ChipIdentity, DebugProbe};
-use crate::program::{
-    firmware::Firmware,
-    log::{DamagedLog, Log},
+use crate::{
+    program::{
+        firmware::Firmware,
+        log::{DamagedLog, Log},
+    },
+    words::escaped,
 };
 use probe_rs::{
     Core, MemoryInterface, Permissions, Session,
@@ -113,7 +116,7 @@ fn found() -> Vec<(DebugProbe, DebugProbeInfo)> {
     let items = Lister::new().list_all_with_access().into_iter();
     let known = items.map(|item| {
         let probe = DebugProbe {
-            name: item.info.identifier.clone(),
+            name: escaped(&item.info.identifier),
             vendor_id: item.info.vendor_id,
             product_id: item.info.product_id,
             serial_number: item.info.serial_number.clone().filter(|serial| !serial.is_empty()),

@@ -1,20 +1,22 @@
 //! Table `[drive]`.
 
-use super::Checker;
+use super::{Checker, beside::TableField};
 use crate::skin::{
     Drive, Pattern, Reciprocal, SkinError,
-    file::{DriveTable, NumberOrWord, StepTable},
+    file::{DriveTable, Exactly, NumberOrWord, StepTable},
     quantity::{self, Quantity},
+    table::Columns,
 };
 use crate::stimulation::STEP_COLUMNS;
 use dermatome_shared::{
     drive::{Component, GAINS, Gain, MAX_INTEGRATION, MAX_SETTLING},
     stimulation::{Driven, Step},
 };
+use serde::Deserialize;
 use std::path::Path;
 
 /// Steps that a table may hold.
-const MOST_STEPS: usize = u16::MAX as usize;
+pub(super) const MOST_STEPS: usize = u16::MAX as usize;
 
 impl Checker<'_> {
     pub(super) fn drive(&self, table: &DriveTable, electrodes: u8) -> Result<Drive, SkinError> {
@@ -139,7 +141,7 @@ impl Checker<'_> {
             return self.refuse("drive.driven", "given".into(), "nothing (a table lists every step)");
         }
         let (rows, first) = match steps {
-            StepTable::Inline(rows) => (rows.clone(), 1),
+            StepTable::Inline(rows) => (rows.iter().map(|Exactly(row)| *row).collect(), 1),
             StepTable::File(file) => (self.step_file(file)?, 0),
         };
         if !(1..=MOST_STEPS).contains(&rows.len()) {
@@ -165,28 +167,24 @@ impl Checker<'_> {
 
     /// Rows of a CSV file with the columns [`STEP_COLUMNS`], as `export` writes it.
     fn step_file(&self, file: &Path) -> Result<Vec<[i64; 4]>, SkinError> {
-        let path = self.beside(file);
-        let refuse = |why: String| {
-            let allowed = format!("a CSV file with the columns {}", STEP_COLUMNS.join(","));
-            self.refuse("drive.table", format!("{:?}: {why}", file.display().to_string()), &allowed)
-        };
-        let mut reader = match csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(&path) {
-            Ok(reader) => reader,
-            Err(error) => return refuse(error.to_string()),
-        };
-        match reader.headers() {
-            Ok(header) if header.iter().eq(STEP_COLUMNS) => {}
-            Ok(header) => {
-                return refuse(format!(
-                    "its first line is {:?}",
-                    header.iter().collect::<Vec<_>>().join(",")
-                ));
-            }
-            Err(error) => return refuse(error.to_string()),
-        }
-        match reader.deserialize().take(MOST_STEPS + 1).collect() {
-            Ok(rows) => Ok(rows),
-            Err(error) => refuse(error.to_string()),
-        }
+        let rows = self.table(file, &STEP_FILE)?;
+        let cells = |row: StepRow| [row.drive_plus, row.drive_minus, row.sense_plus, row.sense_minus];
+        Ok(rows.into_iter().map(cells).collect())
     }
+}
+
+const STEP_FILE: TableField<'_> = TableField {
+    field: "drive.table",
+    else_allowed: "a list of steps",
+    columns: Columns { required: &STEP_COLUMNS, optional: &[] },
+    most: MOST_STEPS,
+};
+
+/// A row with the columns [`STEP_COLUMNS`].
+#[derive(Deserialize)]
+struct StepRow {
+    drive_plus: i64,
+    drive_minus: i64,
+    sense_plus: i64,
+    sense_minus: i64,
 }

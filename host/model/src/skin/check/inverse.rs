@@ -1,15 +1,26 @@
 //! Table `[inverse]`.
 
-use super::Checker;
+use super::{Checker, beside::TableField, drive::MOST_STEPS};
 use crate::skin::{
     Criterion, Hyperparameter, Inverse, Method, Prior, SkinError, Weights,
     file::{InverseTable, NumberOrWord, WeightList},
+    table::Columns,
 };
 use dermatome_shared::patch::Difference;
+use serde::Deserialize;
 use std::path::Path;
 
-/// Column of a CSV file of weights.
-const WEIGHT_COLUMN: &str = "weight";
+const WEIGHT_FILE: TableField<'_> = TableField {
+    field: "inverse.weights",
+    else_allowed: "\"steps\", \"reference-squared\", a list",
+    columns: Columns { required: &["weight"], optional: &[] },
+    most: MOST_STEPS,
+};
+
+#[derive(Deserialize)]
+struct WeightRow {
+    weight: f64,
+}
 
 impl Checker<'_> {
     pub(super) fn inverse(&self, table: &InverseTable) -> Result<Inverse, SkinError> {
@@ -132,30 +143,10 @@ impl Checker<'_> {
         }
     }
 
-    /// Weights in a CSV file with the one column [`WEIGHT_COLUMN`].
+    /// Weights in a CSV file with the one column `weight`.
     fn weight_file(&self, file: &Path) -> Result<Vec<f64>, SkinError> {
-        let refuse = |why: String| {
-            let allowed = format!(
-                "\"steps\", \"reference-squared\", a list, or a CSV file with the one column {WEIGHT_COLUMN}"
-            );
-            self.refuse_weights(&format!("{}: {why}", file.display()), &allowed)
-        };
-        let mut reader = match csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(self.beside(file)) {
-            Ok(reader) => reader,
-            Err(error) => return refuse(error.to_string()),
-        };
-        match reader.headers() {
-            Ok(header) if header.iter().eq([WEIGHT_COLUMN]) => {}
-            Ok(header) => {
-                return refuse(format!(
-                    "its first line is {:?}",
-                    header.iter().collect::<Vec<_>>().join(",")
-                ));
-            }
-            Err(error) => return refuse(error.to_string()),
-        }
-        let weights = reader.deserialize::<(f64,)>().map(|row| row.map(|(weight,)| weight));
-        weights.collect::<Result<_, _>>().or_else(|error: csv::Error| refuse(error.to_string()))
+        let rows = self.table(file, &WEIGHT_FILE)?;
+        Ok(rows.into_iter().map(|row: WeightRow| row.weight).collect())
     }
 
     fn refuse_weights<T>(&self, value: &str, allowed: &str) -> Result<T, SkinError> {

@@ -1,20 +1,42 @@
 //! Table `[material]`.
 
-use super::Checker;
+use super::{Checker, beside::TableField};
 use crate::skin::{
     ConductivityMap, Material, SkinError,
     file::{MapTable, MaterialTable},
     quantity::{self, Quantity},
+    table::Columns,
 };
 use nalgebra::Point3;
+use serde::Deserialize;
 use std::{ops::RangeInclusive, path::Path};
 
 /// Points of a conductivity map at most.
 const MOST_POINTS: usize = 1000;
 /// How far conductivities may lie from `sheet_conductivity`, as a factor.
 const RATIOS: RangeInclusive<f64> = 0.01..=100.0;
-/// Columns of a map's CSV file.
-const COLUMNS: [&[&str]; 2] = [&["x_m", "y_m", "relative"], &["x_m", "y_m", "z_m", "relative"]];
+
+const MAP_FILE: TableField<'_> = TableField {
+    field: "material.conductivity_map",
+    else_allowed: "rows",
+    columns: Columns { required: &["x_m", "y_m", "relative"], optional: &["z_m"] },
+    most: MOST_POINTS,
+};
+
+/// A row of a map's CSV file.
+#[derive(Deserialize)]
+struct MapRow {
+    x_m: f64,
+    y_m: f64,
+    z_m: Option<f64>,
+    relative: f64,
+}
+
+impl MapRow {
+    fn point(&self) -> (Point3<f64>, f64) {
+        (Point3::new(self.x_m, self.y_m, self.z_m.unwrap_or(0.0)), self.relative)
+    }
+}
 
 impl Checker<'_> {
     pub(super) fn material(&self, table: &MaterialTable) -> Result<Material, SkinError> {
@@ -98,37 +120,17 @@ impl Checker<'_> {
         Ok((point, value))
     }
 
-    /// Rows of a CSV file with [`COLUMNS`].
+    /// Rows of a CSV file with the columns `x_m,y_m,relative`, on a curved skin `z_m` as well.
     fn map_file(&self, file: &Path) -> Result<Vec<(Point3<f64>, f64)>, SkinError> {
-        let refuse = |why: String| {
-            let [flat, curved] = COLUMNS.map(|columns| columns.join(","));
-            let allowed = format!("rows, or a CSV file with the columns {flat} or {curved}");
-            self.refuse_map(format!("{:?}: {why}", file.display().to_string()), &allowed)
-        };
-        let mut reader = match csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(self.beside(file)) {
-            Ok(reader) => reader,
-            Err(error) => return refuse(error.to_string()),
-        };
-        match reader.headers() {
-            Ok(header) if COLUMNS.iter().any(|columns| header.iter().eq(columns.iter().copied())) => {}
-            Ok(header) => {
-                let header: Vec<_> = header.iter().collect();
-                return refuse(format!("its first line is {:?}", header.join(",")));
-            }
-            Err(error) => return refuse(error.to_string()),
-        }
-        let rows = reader.deserialize::<Vec<f64>>().take(MOST_POINTS + 1).collect::<Result<Vec<_>, _>>();
-        let rows = match rows {
-            Ok(rows) => rows,
-            Err(error) => return refuse(error.to_string()),
-        };
-        let point = |row: &Vec<f64>| match row[..] {
-            [x, y, value] => (Point3::new(x, y, 0.0), value),
-            _ => (Point3::new(row[0], row[1], row[2]), row[3]),
-        };
-        match rows.iter().flatten().find(|value| !value.is_finite()) {
-            Some(value) => refuse(format!("{value} in it")),
-            None => Ok(rows.iter().map(point).collect()),
+        let rows: Vec<MapRow> = self.table(file, &MAP_FILE)?;
+        let is_finite =
+            |row: &MapRow| [row.x_m, row.y_m, row.z_m.unwrap_or(0.0)].iter().all(|at| at.is_finite());
+        match rows.iter().find(|row| !is_finite(row)) {
+            Some(MapRow { x_m, y_m, .. }) => self.refuse_map(
+                format!("at {x_m}, {y_m} m in {:?}", file.display().to_string()),
+                "finite coordinates",
+            ),
+            None => Ok(rows.iter().map(MapRow::point).collect()),
         }
     }
 

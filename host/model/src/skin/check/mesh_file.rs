@@ -19,7 +19,7 @@ impl Checker<'_> {
         let described = MeshFile {
             skin_file: self.path.to_owned(),
             written: written.to_owned(),
-            path: self.beside(written),
+            path: self.beside("shape.file", written)?,
             unit,
             weld: file.shape.weld,
             allow_cracks: file.shape.allow_cracks.unwrap_or(false),

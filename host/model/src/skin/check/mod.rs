@@ -1,5 +1,6 @@
 //! Checks a skin file table by table: what a person wrote -> [`Description`].
 
+mod beside;
 mod contact;
 mod drive;
 mod electrodes;
@@ -18,7 +19,7 @@ use super::{
     quantity::{Kind, Quantity},
 };
 use dermatome_geometry::sheet::{EdgeLengths, Sheet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Turns each table into its checked form; knows the file for error messages.
 pub(super) struct Checker<'a> {
@@ -117,11 +118,6 @@ impl Checker<'_> {
             Ok(count) if (min..=max).contains(&usize::from(count)) => Ok(count),
             _ => self.refuse(field, value.to_string(), &format!("{min} to {max}")),
         }
-    }
-
-    /// A file named in the skin file: its path is relative to the skin file's folder.
-    fn beside(&self, file: &Path) -> PathBuf {
-        self.path.parent().unwrap_or(Path::new("")).join(file)
     }
 
     fn refuse<T>(&self, field: &'static str, value: String, allowed: &str) -> Result<T, SkinError> {
