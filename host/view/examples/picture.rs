@@ -4,9 +4,9 @@
 use dermatome_model::{model::Model, skin::Skin};
 use dermatome_patch::layout::Layout;
 use dermatome_view::{
+    canvas::{Ink, Room, Scene, draw, legend},
     plot::criterion_svg,
     sheet::{Panel, Scale, Sheet, reconstruction_sheet},
-    terminal::{Ink, image, legend},
 };
 use std::{error::Error, fs, path::Path};
 
@@ -24,11 +24,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let values = model.image(&change, &model.voltages);
     let maximum = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
     let layout = Layout::from(&model.surface()?);
-    print!(
-        "{}{}",
-        image(&layout, &values, maximum, Ink::from_environment()),
-        legend(maximum, Ink::from_environment())
-    );
+    let scene = Scene { layout: &layout, values: &values, maximum, contacts: &[], electrodes: &[] };
+    let room = Room { columns: 80, rows: 24 };
+    let ink = Ink::from_environment();
+    print!("{}{}", draw(&scene, room, ink), legend(maximum, skin.contact_threshold, ink));
     let panel = Panel { caption: vec!["near electrode 2".to_owned()], values: &values, ..Panel::default() };
     let sheet = Sheet {
         title: &skin.name,

@@ -1,6 +1,7 @@
 //! Views: images and contacts for people.
 #![forbid(unsafe_code)]
 
+pub mod canvas;
 pub mod colour;
 pub mod live;
 pub mod map;

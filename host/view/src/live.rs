@@ -1,8 +1,14 @@
 //! Live: images and contacts drawn in place on the terminal, as fast as eyes follow.
 
-use super::terminal::{self, Ink, Screen};
+use super::{
+    canvas::{self, Ink, Room, Scene},
+    terminal::{self, Screen},
+};
 use dermatome_patch::layout::Layout;
-use dermatome_shared::{contact::Contacts, protocol::FrameStamp};
+use dermatome_shared::{
+    contact::{Contact, Contacts},
+    protocol::FrameStamp,
+};
 use std::{
     io,
     time::{Duration, Instant},
@@ -10,11 +16,11 @@ use std::{
 
 /// Shortest time between two pictures: terminals are slow, and so are eyes.
 const REDRAW_INTERVAL: Duration = Duration::from_millis(40);
-/// The scale follows the largest value at once and sinks by this factor a frame, so that a
-/// released skin fades instead of turning into noise in full colour.
-const SCALE_DECAY: f64 = 0.98;
-/// Smallest full scale: a change of conductivity by 2 %.
-const SCALE_FLOOR: f64 = 0.02;
+/// Full colour, in thresholds of a contact in the image: noise of an untouched skin is a fraction of one, a firm press
+/// has five and more.
+const FULL: f64 = 5.0;
+/// Contacts whose lines have room beside the image, whatever the terminal.
+const FEW: usize = 3;
 
 /// What the terminal shows; nothing where standard output is not one.
 #[derive(Debug)]
@@ -22,47 +28,75 @@ pub struct Live {
     screen: Screen,
     ink: Ink,
     /// `None` if no images are wanted.
-    layout: Option<Layout>,
+    skin: Option<Shown>,
     values: Vec<f64>,
-    scale: f64,
     drawn: Option<Instant>,
 }
 
+/// What a picture of a skin needs beside its images.
+#[derive(Clone, Debug)]
+pub struct Shown {
+    /// Where the pixels lie.
+    pub layout: Layout,
+    /// Relative conductivity change that is a contact in the image.
+    pub threshold: f64,
+    /// Places of the electrodes in the skin's frame, m; empty if unknown.
+    pub electrodes: Vec<[f64; 2]>,
+}
+
 impl Live {
-    /// A view that draws images of this layout, or contacts only.
+    /// A view that draws images of this skin, or contacts only.
     #[must_use]
-    pub fn new(layout: Option<Layout>) -> Self {
+    pub fn new(skin: Option<Shown>) -> Self {
         let (screen, ink) = (Screen::default(), Ink::from_environment());
-        Self { screen, ink, layout, values: Vec::new(), scale: SCALE_FLOOR, drawn: None }
+        Self { screen, ink, skin, values: Vec::new(), drawn: None }
     }
 
     /// Whether images are drawn.
     #[must_use]
     pub fn has_images(&self) -> bool {
-        self.layout.is_some()
+        self.skin.is_some()
     }
 
     /// Keeps an image, `[pixel]`, for the next picture.
     pub fn keep_image(&mut self, values: Vec<f64>) {
         self.values = values;
-        let largest = self.values.iter().fold(0.0_f64, |max, value| max.max(value.abs()));
-        self.scale = largest.max(self.scale * SCALE_DECAY).max(SCALE_FLOOR);
     }
 
-    /// Draws the last image and these contacts, unless the last picture is too recent.
-    pub fn draw_if_due(&mut self, at: FrameStamp, contacts: &Contacts) -> io::Result<()> {
+    /// Draws the last image and the contacts in it, unless the last picture is too recent. `told` is what is said of
+    /// them, in the frame of whoever reads it.
+    pub fn draw_if_due(&mut self, at: FrameStamp, contacts: &Contacts, told: &[Contact]) -> io::Result<()> {
         if self.drawn.is_some_and(|drawn| drawn.elapsed() < REDRAW_INTERVAL) {
             return Ok(());
         }
         self.drawn = Some(Instant::now());
-        let mut text = String::new();
-        if let Some(layout) = &self.layout {
-            text += &terminal::image(layout, &self.values, self.scale, self.ink);
-            text += &terminal::legend(self.scale, self.ink);
-        }
-        let warning = terminal::flags(at.flags);
-        text += &format!("frame {}  {:.2} s  {warning}\n", at.sequence, at.timestamp_us as f64 * 1e-6);
-        text += &terminal::contacts(contacts);
+        let text = self.text(at, contacts, told, self.screen.room());
         self.screen.draw(&text)
     }
+
+    fn text(&self, at: FrameStamp, contacts: &Contacts, told: &[Contact], room: Room) -> String {
+        let warning = terminal::flags(at.flags);
+        let mut words = format!("frame {}  {:.2} s  {warning}\n", at.sequence, at.timestamp_us as f64 * 1e-6);
+        words += &terminal::contacts(told);
+        let Some(skin) = &self.skin else { return words };
+        let maximum = FULL * skin.threshold;
+        // Room for some contacts is kept, so that the picture does not jump as they come.
+        let rows = room.rows.saturating_sub(2 + told.len().max(FEW));
+        let places: Vec<_> = contacts.iter().map(|contact| above(contact.position)).collect();
+        let scene = Scene {
+            layout: &skin.layout,
+            values: &self.values,
+            maximum,
+            contacts: &places,
+            electrodes: &skin.electrodes,
+        };
+        canvas::draw(&scene, Room { rows, ..room }, self.ink)
+            + &canvas::legend(maximum, skin.threshold, self.ink)
+            + &words
+    }
+}
+
+/// A place as it is seen from above.
+fn above([x, y, _]: [f32; 3]) -> [f64; 2] {
+    [x.into(), y.into()]
 }

@@ -19,7 +19,7 @@ use dermatome_simulate::{
     Noise, SimulatedSkin,
     board::{BoardOptions, SimulatedBoard},
 };
-use dermatome_view::live::Live;
+use dermatome_view::live::{Live, Shown};
 use serde::Serialize;
 use std::path::Path;
 
@@ -156,11 +156,16 @@ fn noisier(scorer: &Scorer<'_>, noise: Noise) -> anyhow::Result<Option<Noisier>>
 
 /// Draws the frames as they come, until the last one or Ctrl-C.
 fn show(link: &mut Link, scorer: &Scorer<'_>) -> anyhow::Result<Watched> {
-    let mut live = Live::new(Some(scorer.layout.clone()));
+    let centres = scorer.skin.shape.electrode_centres();
+    let mut live = Live::new(Some(Shown {
+        layout: scorer.layout.clone(),
+        threshold: scorer.skin.contact_threshold,
+        electrodes: centres.iter().map(|centre| [centre.x, centre.y]).collect(),
+    }));
     let draw = |record: &FrameRecord| {
         live.keep_image(record.image.clone());
         // A terminal that cannot be drawn on does not end the demo.
-        let _ = live.draw_if_due(record.at, &record.contacts);
+        let _ = live.draw_if_due(record.at, &record.contacts, &record.contacts);
     };
     let watched = demo::watch(link, scorer, draw, || !interrupt::requested())?;
     let received = watched.records.len();

@@ -9,7 +9,7 @@ use clap::{
     Arg, ArgMatches, Command,
     builder::{PathBufValueParser, TypedValueParser},
 };
-use dermatome_frames::array::Source;
+use dermatome_frames::{array::Source, calibrate::TAKEN_IN};
 use dermatome_shared::patch;
 use dermatome_simulate::port::Port;
 use std::{
@@ -66,7 +66,7 @@ impl Kind {
             Self::Png => &[b"\x89PNG"],
             Self::Svg => &[b"<svg", b"<?xml"],
             Self::Voltages => &[b"\x93NUMPY", b"voltage\n"],
-            Self::Readings => &[b"pressure_kpa,strength"],
+            Self::Readings => &[b"pressure_kpa,strength", TAKEN_IN.as_bytes()],
             Self::Skin => &[],
         };
         beginnings.iter().any(|beginning| bytes.starts_with(beginning))

@@ -180,6 +180,11 @@ impl Link {
         self.start_of_patch(|patch| patch.steps().collect())
     }
 
+    /// Relative conductivity change that is a contact in the image.
+    pub fn contact_threshold(&mut self) -> Result<f64, LinkError> {
+        self.start_of_patch(|patch| patch.header.contact_threshold.to_f64())
+    }
+
     /// What the sheet adds to each electrode's test by the patch's model, ohm: `[electrode]`; empty if unknown.
     pub fn test_resistances(&mut self) -> Result<Vec<f32>, LinkError> {
         self.start_of_patch(|patch| patch.header.test_resistances.to_vec())

@@ -7,9 +7,13 @@ use dermatome_link::{
     contacts::{LinkFinger, LinkFrame},
     pose::Pose,
 };
-use dermatome_model::multi_contact::FittedContact;
+use dermatome_model::{multi_contact::FittedContact, skin::Skin};
 use dermatome_patch::layout::Layout;
-use dermatome_view::{live::Live, terminal::Screen};
+use dermatome_shared::contact::Contacts;
+use dermatome_view::{
+    live::{Live, Shown},
+    terminal::Screen,
+};
 use serde_json::json;
 use std::io;
 
@@ -29,12 +33,14 @@ impl<'a> Display<'a> {
     pub(super) fn new(
         link: &mut Link,
         images: bool,
-        pose: Option<&'a Pose>,
+        on_link: Option<&'a (Skin, Pose)>,
         is_resolved: bool,
     ) -> anyhow::Result<Self> {
+        let pose = on_link.map(|(_, pose)| pose);
         if !is_resolved && Screen::default().is_visible() {
-            let surface = images.then(|| link.surface()).transpose()?;
-            return Ok(Self::Terminal(Box::new(Live::new(surface.as_ref().map(Layout::from))), pose));
+            let skin = on_link.map(|(skin, _)| skin);
+            let shown = images.then(|| shown(link, skin)).transpose()?;
+            return Ok(Self::Terminal(Box::new(Live::new(shown)), pose));
         }
         Ok(match pose {
             Some(pose) => Self::LinkFrames(Lines::start(dropped_as_json)?, pose),
@@ -89,10 +95,10 @@ impl<'a> Display<'a> {
             // Contacts are drawn with their own image.
             Self::Terminal(live, _) if live.has_images() && frame.image.is_none() => Ok(()),
             Self::Terminal(live, Some(pose)) => {
-                let on_link = contacts.iter().map(|contact| pose.contact(contact)).collect();
-                live.draw_if_due(at, &on_link)
+                let on_link: Contacts = contacts.iter().map(|contact| pose.contact(contact)).collect();
+                live.draw_if_due(at, contacts, &on_link)
             }
-            Self::Terminal(live, None) => live.draw_if_due(at, contacts),
+            Self::Terminal(live, None) => live.draw_if_due(at, contacts, contacts),
             Self::Lines(_) if contacts.is_empty() => Ok(()),
             Self::Lines(lines) => lines.frame(contact_lines(at, contacts)),
             Self::LinkFrames(lines, pose) => {
@@ -104,6 +110,16 @@ impl<'a> Display<'a> {
             }
         }
     }
+}
+
+/// What a picture needs of the board's skin; its electrodes are in the skin file alone.
+fn shown(link: &mut Link, skin: Option<&Skin>) -> anyhow::Result<Shown> {
+    let electrodes = skin.map(|skin| skin.shape.electrode_centres()).unwrap_or_default();
+    Ok(Shown {
+        layout: Layout::from(&link.surface()?),
+        threshold: link.contact_threshold()?,
+        electrodes: electrodes.iter().map(|centre| [centre.x, centre.y]).collect(),
+    })
 }
 
 fn dropped_as_text(frames: u64) -> String {

@@ -114,7 +114,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let link = session.link()?;
     let fingers = radius.zip(on_link.as_ref());
     let fingers = fingers.map(|(radius, (skin, _))| Fingers::new(skin, radius, link)).transpose()?;
-    let display = Display::new(link, !args.no_image, pose, fingers.is_some())?;
+    let display = Display::new(link, !args.no_image, on_link.as_ref(), fingers.is_some())?;
     let mut follower = Follower::new(args, session, display, fingers);
     let followed = follower.run();
     let written = is_read(follower.received.display.end());
