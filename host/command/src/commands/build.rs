@@ -255,14 +255,11 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 
 /// Fails before the work if no board takes the skin.
 fn check_drive(args: &Args, skin: &Skin) -> anyhow::Result<()> {
-    let allowed = || {
-        format!(
-            "allowed: `--no-patch`, to compute only, in {:.1} GB of memory or more",
-            needed_gigabytes(skin)
-        )
-    };
+    let gigabytes = needed_gigabytes(skin);
+    let memory = if gigabytes < 0.1 { String::new() } else { format!(", in {gigabytes:.1} GB of memory") };
+    let allowed = format!("allowed: `--no-patch`, to compute only{memory}");
     quantize::check_drive(skin)
-        .map_err(|error| anyhow::anyhow!("skin file `{}`: {error}; {}", args.skin.display(), allowed()))
+        .map_err(|error| anyhow::anyhow!("skin file `{}`: {error}; {allowed}", args.skin.display()))
 }
 
 fn write_plot(skin: &Skin, model: &Model, path: &Path) -> anyhow::Result<()> {
