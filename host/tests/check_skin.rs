@@ -2,46 +2,35 @@
 
 mod program;
 
-use program::Desk;
+use program::{Desk, TINY};
 
 /// A coarse rectangle whose sides tell where its wires begin: 16 electrodes, all of them on the rim.
-const SHEET: &str = r#"
-name = "sheet"
-[shape]
-kind = "rectangle"
-width = "100 mm"
-height = "60 mm"
-[mesh]
-edge_length = "6 mm"
-[material]
-sheet_conductivity = "5.0 mS"
-[electrodes]
-count = 16
-placement = "rim"
-first = "90 deg"
-model = "complete"
-width = "6 mm"
-contact_impedance = "0.18 ohm m"
-[drive]
-pattern = "adjacent"
-reciprocal = "combined"
-frequency = "50 kHz"
-amplitude = "1 mA"
-frame_rate = "50 Hz"
-[inverse]
-prior = "laplace"
-hyperparameter = 0.03
-normalised = true
-[image]
-columns = 16
-[contact]
-threshold = 0.05
-"#;
+fn sheet() -> String {
+    let changes = [
+        ("name = \"tiny\"", "name = \"sheet\""),
+        (DISC, RECTANGLE),
+        ("edge_length = \"8 mm\"", "edge_length = \"6 mm\""),
+        ("5.88 mS", "5.0 mS"),
+        ("count = 8", "count = 16"),
+        ("placement = \"rim\"", "placement = \"rim\"\nfirst = \"90 deg\""),
+        ("width = \"8 mm\"", "width = \"6 mm\""),
+    ];
+    changes.iter().fold(TINY.to_owned(), |text, (line, other)| with(&text, line, other))
+}
+
+const DISC: &str = "kind = \"disc\"\ndiameter = \"100 mm\"";
+const RECTANGLE: &str = "kind = \"rectangle\"\nwidth = \"100 mm\"\nheight = \"60 mm\"";
+
+/// A skin file with a line replaced.
+fn with(text: &str, line: &str, other: &str) -> String {
+    assert!(text.contains(line), "{line}");
+    text.replace(line, other)
+}
 
 /// A desk with the sheet's file and patch.
 fn desk() -> Desk {
     let desk = Desk::empty();
-    desk.write("skin.toml", SHEET);
+    desk.write("skin.toml", sheet());
     desk.run(&["build", "skin.toml", "-o", "skin.dermatome"]).success();
     desk
 }
@@ -63,20 +52,14 @@ fn findings(desk: &Desk, real: &str) -> Vec<String> {
     found
 }
 
-/// The sheet with a line of its file replaced.
-fn with(line: &str, other: &str) -> String {
-    assert!(SHEET.contains(line));
-    SHEET.replace(line, other)
-}
-
 #[test]
 fn a_sheet_of_another_conductivity_is_named_with_its_own_and_no_contact_is_blamed() {
     let desk = desk();
-    assert_eq!(findings(&desk, SHEET), [""; 0]);
+    assert_eq!(findings(&desk, &sheet()), [""; 0]);
     let model = &desk.report("check.json")["model"];
     assert!(model["correlation"].as_f64().unwrap() > 0.99, "{model}");
     for (real, ratio) in [("1.5 mS", "0.3"), ("7.0 mS", "1.4"), ("15.0 mS", "3.0")] {
-        let found = findings(&desk, &with("5.0 mS", real));
+        let found = findings(&desk, &with(&sheet(), "5.0 mS", real));
         assert_eq!(found.len(), 1, "{real}: {found:#?}");
         assert!(found[0].contains(&format!("the sheet conducts {ratio}")), "{real}: {found:#?}");
         let told = desk.report("check.json")["model"]["sheet_conductivity_s"].as_f64().unwrap();
@@ -90,7 +73,7 @@ fn wires_that_begin_elsewhere_are_told_and_no_contact_is_blamed() {
     let desk = desk();
     // Mirrored, a rectangle is the same as begun elsewhere.
     for other in ["first = \"0 deg\"", "first = \"60 deg\"\ndirection = \"counter-clockwise\""] {
-        let found = findings(&desk, &with("first = \"90 deg\"", other));
+        let found = findings(&desk, &with(&sheet(), "first = \"90 deg\"", other));
         assert_eq!(found.len(), 1, "{other}: {found:#?}");
         let words = ["another order fits the model better", "use the wire of electrode", "as the first"];
         assert!(words.iter().all(|words| found[0].contains(words)), "{other}: {found:#?}");
@@ -100,10 +83,7 @@ fn wires_that_begin_elsewhere_are_told_and_no_contact_is_blamed() {
 #[test]
 fn a_skin_of_another_shape_is_told_from_the_one_of_the_file() {
     let desk = desk();
-    let disc = with(
-        "kind = \"rectangle\"\nwidth = \"100 mm\"\nheight = \"60 mm\"",
-        "kind = \"disc\"\ndiameter = \"100 mm\"",
-    );
+    let disc = with(&sheet(), RECTANGLE, DISC);
     let found = findings(&desk, &disc);
     let says = |words: &str| found.iter().any(|found| found.contains(words));
     assert!(says("resemble the model only weakly") || says("of the voltages over"), "{found:#?}");
@@ -113,14 +93,24 @@ fn a_skin_of_another_shape_is_told_from_the_one_of_the_file() {
 #[test]
 fn the_patch_of_another_skin_and_other_steps_are_named() {
     let desk = desk();
-    desk.write("other.toml", SHEET.replace("\"sheet\"", "\"other\""));
+    desk.write("other.toml", sheet().replace("\"sheet\"", "\"other\""));
     let (_board, port) = desk.board("skin.toml", &["--store", "skin.dermatome"]);
     let done = desk.run(&["check", "--port", &port, "--skin", "other.toml", "--frames", "3"]);
     assert!(
         done.out.contains("the board's patch is of `sheet`, skin file `other.toml` is of `other`"),
         "{done:#?}"
     );
-    desk.write("opposite.toml", SHEET.replace("\"adjacent\"", "\"opposite\""));
+    desk.write("opposite.toml", sheet().replace("\"adjacent\"", "\"opposite\""));
     let words = desk.run(&["check", "--port", &port, "--skin", "opposite.toml"]).refused();
     assert!(words.contains("measures other steps than skin file `opposite.toml`"), "{words}");
+}
+
+#[test]
+fn a_skin_of_point_electrodes_is_compared_though_its_contacts_cannot_be_fitted() {
+    let desk = desk();
+    let complete = "model = \"complete\"\nwidth = \"6 mm\"\ncontact_impedance = \"0.18 ohm m\"";
+    desk.write("points.toml", with(&sheet(), complete, "model = \"point\""));
+    let (_board, port) = desk.board("skin.toml", &["--store", "skin.dermatome"]);
+    let done = desk.run(&["check", "--port", &port, "--skin", "points.toml", "--frames", "3"]).success();
+    assert!(done.out.contains("not fitted") && done.out.contains("nothing looks wrong"), "{done:#?}");
 }

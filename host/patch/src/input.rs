@@ -7,7 +7,7 @@ use std::{
 };
 
 /// Most bytes of a file that people write: a skin file, a material, a table.
-pub const MAX_TEXT_BYTES: u64 = 16 << 20;
+pub const MAX_TEXT_BYTES: u64 = 64 << 20;
 /// Most bytes of a patch, several times those of the longest that a board takes.
 pub const MAX_PATCH_BYTES: u64 = 1 << 20;
 

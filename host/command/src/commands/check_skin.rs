@@ -7,7 +7,7 @@ use dermatome_frames::recorded::{
         Expected, check,
         findings::{About, Level},
     },
-    fit::{Fit, fit},
+    fit::{Fit, FitError, fit},
     order::Arrangement,
     read::Frames,
     wording::Wording,
@@ -85,12 +85,8 @@ impl<'a> Model<'a> {
         let mut findings: Vec<Finding> = faults
             .map(|fault| Finding { what: fault.found.clone(), advice: fault.advice.told(&Wires) })
             .collect();
-        let fit = if findings.is_empty() {
-            Some(fit(&self.skin, &frames.mean(), &used).with_context(in_file)?)
-        } else {
-            None
-        };
-        let wires_are_wrong = fit.is_none();
+        let wires_are_wrong = !findings.is_empty();
+        let fit = if wires_are_wrong { None } else { self.fit(frames).with_context(in_file)? };
         findings.extend(self.of_another_skin(patch));
         findings.extend(fit.as_ref().and_then(|fit| left_over(fit).or_else(|| self.off(fit))));
         Ok(Compared {
@@ -102,6 +98,15 @@ impl<'a> Model<'a> {
             wires_are_wrong,
             findings,
         })
+    }
+
+    /// Sheet and contacts; none of a skin whose file or measurements do not tell them.
+    fn fit(&self, frames: &Frames) -> Result<Option<Fit>, FitError> {
+        match fit(&self.skin, &frames.mean(), &Arrangement::default()) {
+            Ok(fit) => Ok(Some(fit)),
+            Err(FitError::PointModel | FitError::TooFew { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
     }
 
     fn of_another_skin(&self, patch: &PatchInfo) -> Option<Finding> {
@@ -141,14 +146,13 @@ impl Compared {
     }
 
     pub(super) fn rows(&self) -> Vec<(&'static str, String)> {
-        let sheet =
-            self.sheet_conductivity_s.map_or("not fitted, as other things are wrong".to_owned(), |found| {
-                format!(
-                    "{:.3} mS per square (skin file {:.3})",
-                    1e3 * found,
-                    1e3 * self.sheet_conductivity_of_file_s
-                )
-            });
+        let sheet = self.sheet_conductivity_s.map_or("not fitted".to_owned(), |found| {
+            format!(
+                "{:.3} mS per square (skin file {:.3})",
+                1e3 * found,
+                1e3 * self.sheet_conductivity_of_file_s
+            )
+        });
         let left = self.unexplained_percent.map(|percent| format!(", which leaves {percent:.2} % over"));
         vec![
             ("model", format!("correlation {:.4}{}", self.correlation, left.unwrap_or_default())),

@@ -10,6 +10,7 @@ use clap::{
     builder::{PathBufValueParser, TypedValueParser},
 };
 use dermatome_frames::{array::Source, calibrate::TAKEN_IN};
+use dermatome_patch::input;
 use dermatome_shared::patch;
 use dermatome_simulate::port::Port;
 use std::{
@@ -204,10 +205,9 @@ pub(super) fn by_default(
 }
 
 fn not_of_kind(name: &str, path: &Path, kind: Kind, or: &str) -> String {
-    let (file, kind) = (path.display(), kind.name());
-    let why =
-        if kind == Kind::Skin.name() { "is there already" } else { "is there, and holds something else" };
-    format!("`{name}` writes {kind}, but `{file}` {why}; allowed: another `{name}`, or {or}")
+    let (file, what) = (path.display(), kind.name());
+    let why = if kind == Kind::Skin { "is there already" } else { "is there, and holds something else" };
+    format!("`{name}` writes {what}, but `{file}` {why}; allowed: another `{name}`, or {or}")
 }
 
 /// A file that is read, and the argument that leads to it.
@@ -247,12 +247,12 @@ fn inputs<'a>(command: &'a Command, matches: &'a ArgMatches) -> Vec<Input<'a>> {
 
 /// Files that a TOML file names, relative to its own folder: a skin's mesh, tables, weights.
 fn named_in(path: &Path) -> Vec<PathBuf> {
-    const MAX_BYTES: u64 = 1 << 20;
     let is_table = path.extension().is_some_and(|ending| ending == "toml");
-    if !is_table || !path.metadata().is_ok_and(|it| it.is_file() && it.len() <= MAX_BYTES) {
+    if !is_table || !path.is_file() {
         return Vec::new();
     }
-    let text = std::fs::read_to_string(path).unwrap_or_default();
+    // What cannot be read tells why when the command reads it.
+    let text = input::read_text(path).unwrap_or_default();
     let Ok(table) = text.parse::<toml_edit::DocumentMut>() else { return Vec::new() };
     let folder = path.parent().unwrap_or(Path::new(""));
     strings(table.as_item()).map(|name| folder.join(name)).filter(|file| file.is_file()).collect()

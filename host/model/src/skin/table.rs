@@ -2,15 +2,10 @@
 //!
 //! An error says line and column, and quotes no more than one short cell: a file that was taken by mistake stays private.
 
+use dermatome_patch::input::{self, MAX_TEXT_BYTES};
 use serde::de::DeserializeOwned;
-use std::{
-    fs::File,
-    io::{self, Read},
-    path::Path,
-};
+use std::{io, path::Path};
 
-/// Bytes of a table at most.
-const MAX_BYTES: u64 = 64 << 20;
 /// Characters of a cell that an error quotes.
 const QUOTED: usize = 40;
 
@@ -29,9 +24,6 @@ pub enum TableError {
     /// It cannot be read.
     #[error("cannot be read: {0}")]
     Read(#[from] io::Error),
-    /// It is too long.
-    #[error("longer than {} MiB; allowed: a table of at most that", MAX_BYTES >> 20)]
-    TooLong,
     /// It has more rows than the caller takes.
     #[error("more than {most} rows; allowed: at most that")]
     TooManyRows {
@@ -99,9 +91,7 @@ pub fn read<T: DeserializeOwned>(
 
 /// What a file of a table holds.
 pub fn bytes(path: &Path) -> Result<Vec<u8>, TableError> {
-    let mut bytes = Vec::new();
-    File::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > MAX_BYTES { Err(TableError::TooLong) } else { Ok(bytes) }
+    Ok(input::read(path, MAX_TEXT_BYTES)?)
 }
 
 fn parse<T: DeserializeOwned>(
