@@ -304,22 +304,6 @@ fn drive_drift_time_and_calibration_reach_the_patch() {
 }
 
 #[test]
-fn still_frames_are_averaged_for_a_time_and_over_eight_at_least_unless_the_file_says_otherwise() {
-    for (rate, averaging, seconds) in [
-        ("400 Hz", "", 0.16),
-        ("50 Hz", "", 0.16),
-        ("4 Hz", "", 2.0),
-        ("4 Hz", "averaging = \"0 s\"", 0.0),
-        ("50 Hz", "averaging = \"1 s\"", 1.0),
-    ] {
-        let text = GOOD.replace("frame_rate = \"50 Hz\"", &format!("frame_rate = \"{rate}\""));
-        let text = text.replace("[contact]", &format!("[contact]\n{averaging}"));
-        let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
-        assert_eq!(skin.averaging(), seconds, "{rate}, {averaging:?}");
-    }
-}
-
-#[test]
 fn unknown_and_missing_fields_are_named_with_their_line() {
     let error = error_of(GOOD, "diameter =", "diametre =");
     assert!(error.contains("diametre") && error.contains("line 7") && error.contains("diameter"), "{error}");

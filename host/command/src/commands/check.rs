@@ -85,8 +85,12 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         link.request(&Request::Drive(Some(drive)))?;
         contact_amplitude_a = measured?;
     }
+    let is_comparable = watch.has_sound_electrodes();
+    if model.is_some() && !is_comparable {
+        eprintln!("not compared with the skin file: first mend what is wrong with electrodes and current");
+    }
     let compared = match &model {
-        Some(model) if watch.has_sound_electrodes() && !interrupt::requested() => {
+        Some(model) if is_comparable && !interrupt::requested() => {
             let front_end = info.front_end.context("this board does not say how many volts its codes are")?;
             let ohms = f64::from(front_end.volts_per_code / drive.amplitude);
             let frames = check_skin::frames(&mut link, args.frames.into(), ohms, timeout)?;

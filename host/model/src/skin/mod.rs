@@ -158,3 +158,26 @@ impl<S> Skin<S> {
         Complex64::new(1.0, TAU * self.drive.frequency * sheet_capacitance / sheet_conductivity)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TINY: &str = include_str!("../../../tests/data/tiny.toml");
+
+    #[test]
+    fn still_frames_are_averaged_for_a_time_and_over_eight_at_least_unless_the_file_says_otherwise() {
+        for (rate, averaging, seconds) in [
+            ("400 Hz", "", 0.16),
+            ("50 Hz", "", 0.16),
+            ("4 Hz", "", 2.0),
+            ("4 Hz", "averaging = \"0 s\"", 0.0),
+            ("50 Hz", "averaging = \"1 s\"", 1.0),
+        ] {
+            let text = TINY.replace("frame_rate = \"50 Hz\"", &format!("frame_rate = \"{rate}\""));
+            let text = text.replace("[contact]", &format!("[contact]\n{averaging}"));
+            let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap();
+            assert_eq!(skin.averaging(), seconds, "{rate}, {averaging:?}");
+        }
+    }
+}
