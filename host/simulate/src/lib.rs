@@ -16,6 +16,7 @@ pub mod script;
 pub mod sheet;
 pub mod skin;
 pub mod truth;
+pub mod wiring;
 
 pub use dermatome_model::indenter::{self, Footprint, Load, Press};
 pub use noise::Noise;
@@ -24,3 +25,4 @@ pub use script::{Script, ScriptError};
 pub use sheet::Sheet;
 pub use skin::SimulatedSkin;
 pub use truth::TrueSkin;
+pub use wiring::{Fault, TimedFault};

@@ -12,6 +12,7 @@ use crate::{
     script::Script,
     sheet::Sheet,
     truth::{LEAST, TrueSkin},
+    wiring::{Fault, TimedFault, Wiring},
 };
 use dermatome_model::{indenter::Press, model::ModelError, skin::Skin};
 use dermatome_shared::{
@@ -33,6 +34,7 @@ pub struct SimulatedSkin {
     truth: TrueSkin,
     script: Script,
     worn: Option<Worn>,
+    faults: Vec<TimedFault>,
     noise: Noise,
     /// Noise of what goes into images, and of all else: so that the first does not depend on the second.
     random: [Pcg64Mcg; 2],
@@ -79,6 +81,7 @@ impl SimulatedSkin {
             truth,
             script,
             worn: None,
+            faults: Vec::new(),
             noise,
             random: random(noise.seed),
             sheet_conductivity: skin.material.sheet_conductivity,
@@ -95,6 +98,12 @@ impl SimulatedSkin {
         Self { worn: Some(Worn { material, seed, sheet, time: 0.0 }), ..self }
     }
 
+    /// Wires it with these faults.
+    #[must_use]
+    pub fn with_faults(self, faults: Vec<TimedFault>) -> Self {
+        Self { faults, ..self }
+    }
+
     /// Elements of the simulation's own mesh.
     #[must_use]
     pub fn elements(&self) -> usize {
@@ -106,6 +115,18 @@ impl SimulatedSkin {
     #[must_use]
     pub fn solve(&self, table: &ScanTable, conductivity: &[f64]) -> Vec<Complex64> {
         self.truth.phasors(conductivity, &table.slots(), table.drive.frequency.into())
+    }
+
+    /// The same where wires have these faults. They depend on the current, as its source has an end.
+    #[must_use]
+    pub fn solve_wired(&self, table: &ScanTable, conductivity: &[f64], faults: &[Fault]) -> Vec<Complex64> {
+        let ohms = 1.0 / self.sheet_conductivity;
+        let transfer = self.truth.transfer(conductivity);
+        let transfer: Vec<Vec<_>> =
+            transfer.iter().map(|row| row.iter().map(|impedance| impedance * ohms).collect()).collect();
+        let current = f64::from(table.drive.amplitude);
+        let volts = Wiring::new(&transfer, faults).volts(&table.slots(), current);
+        volts.into_iter().map(|volts| volts / (ohms * current)).collect()
     }
 
     /// One scan of these phasors, with noise and converter; without number and time.
@@ -157,7 +178,15 @@ impl SimulatedSkin {
     }
 
     fn phasors_at(&mut self, table: &ScanTable, script_time: Option<f64>) -> Vec<Complex64> {
+        let is_there = |fault: &&TimedFault| {
+            fault.from.is_none_or(|from| script_time.is_some_and(|now| now >= from))
+        };
+        let faults: Vec<_> = self.faults.iter().filter(is_there).map(|timed| timed.fault).collect();
         match self.conductivity(script_time) {
+            conductivity if !faults.is_empty() => {
+                let conductivity = conductivity.unwrap_or_else(|| self.truth.conductivity(&[]));
+                self.solve_wired(table, &conductivity, &faults)
+            }
             Some(conductivity) => self.solve(table, &conductivity),
             None => self.untouched_under(table).phasors,
         }

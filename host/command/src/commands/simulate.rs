@@ -9,7 +9,7 @@ use anyhow::{Context, bail};
 use dermatome_geometry::outline::Outline;
 use dermatome_model::skin::Skin;
 use dermatome_simulate::{
-    Press, Script, SimulatedSkin,
+    Press, Script, SimulatedSkin, TimedFault,
     board::{BoardOptions, SimulatedBoard},
     material::Material,
 };
@@ -59,6 +59,10 @@ pub(super) struct Args {
     /// Material file of the sheet, for loads in kPa and N (models/materials).
     #[arg(long, value_name = "FILE")]
     material: Option<PathBuf>,
+    /// What is wrong with its wires: open:3, short:3-4, contact:3+500 (ohm) or exchanged:5-6, from the start or as many
+    /// seconds into the script (open:3@8s). Electrodes count from 1. May be repeated.
+    #[arg(long = "fault", value_name = "FAULT")]
+    faults: Vec<TimedFault>,
     /// Keep the uploaded patch in this file, as a board keeps it in its flash.
     #[arg(long, value_name = "FILE", value_parser = Kind::Patch.parser())]
     store: Option<Output>,
@@ -96,6 +100,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(path) = &args.material {
         source = source.of_material(Material::load(path)?);
     }
+    check_faults(&args.faults, skin.electrodes.count)?;
+    source = source.with_faults(args.faults.clone());
     let simulated_elements = source.elements();
     let options = BoardOptions {
         listen,
@@ -131,6 +137,17 @@ fn script(args: &Args, outline: &Outline) -> anyhow::Result<Script> {
         None if args.press.is_empty() => Ok(Script::round(outline)),
         None => Ok(Script::still(&args.press, outline)?),
     }
+}
+
+/// Faults are of electrodes that the skin has.
+fn check_faults(faults: &[TimedFault], electrodes: u8) -> anyhow::Result<()> {
+    for fault in faults.iter().map(|timed| timed.fault) {
+        let beyond = fault.electrodes().into_iter().find(|&electrode| electrode >= electrodes);
+        if let Some(electrode) = beyond {
+            bail!("`--fault` is {fault}: there is no electrode {}, the skin has {electrodes}", electrode + 1);
+        }
+    }
+    Ok(())
 }
 
 /// Unlike the ports of other commands, this one may be 0.
