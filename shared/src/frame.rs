@@ -21,6 +21,8 @@ pub struct Frame {
     pub codes: Vec<AdcCode, MAX_STEPS>,
     /// The part in quadrature: `[step]`; empty where it is not measured.
     pub quadrature: Vec<AdcCode, MAX_STEPS>,
+    /// Steps with a sample at the end of the converter's range.
+    pub clipped: StepSet,
     /// Voltages of the electrodes' tests ([`crate::acquire::scan::test_step`]): `[electrode]`; empty where they
     /// are not measured.
     pub tests: Vec<ElectrodeTest, MAX_ELECTRODES>,
@@ -31,6 +33,7 @@ impl Frame {
     pub fn copy_from(&mut self, other: &Self) {
         (self.sequence, self.timestamp_us, self.flags) = (other.sequence, other.timestamp_us, other.flags);
         self.clear();
+        self.clipped = other.clipped;
         // Each list has the capacity of the other's.
         let _ = self.codes.extend_from_slice(&other.codes);
         let _ = self.quadrature.extend_from_slice(&other.quadrature);
@@ -42,6 +45,32 @@ impl Frame {
         self.codes.clear();
         self.quadrature.clear();
         self.tests.clear();
+        self.clipped = StepSet::default();
+    }
+}
+
+/// Steps of a scan, one bit each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StepSet([u32; MAX_STEPS / 32]);
+
+impl StepSet {
+    /// Whether it holds the step of this number.
+    #[must_use]
+    pub fn contains(&self, step: usize) -> bool {
+        self.0.get(step / 32).is_some_and(|word| word >> (step % 32) & 1 == 1)
+    }
+
+    /// Adds the step of this number, if a scan can have it.
+    pub fn insert(&mut self, step: usize) {
+        if let Some(word) = self.0.get_mut(step / 32) {
+            *word |= 1 << (step % 32);
+        }
+    }
+
+    /// Whether it holds none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.iter().all(|word| *word == 0)
     }
 }
 
@@ -61,7 +90,7 @@ pub struct ElectrodeTest {
 pub struct FrameFlags(pub u16);
 
 impl FrameFlags {
-    /// At least one sample reached the end of the converter's range.
+    /// A sample that counts reached the end of the converter's range: not one that needs a bad electrode.
     pub const SATURATED: Self = Self(1);
     /// An electrode has no contact.
     pub const OPEN_ELECTRODE: Self = Self(1 << 1);
@@ -75,7 +104,7 @@ impl FrameFlags {
     pub const IMPLAUSIBLE: Self = Self(1 << 5);
     /// The board lost samples between the frame before and this one.
     pub const MISSED: Self = Self(1 << 6);
-    /// Measurements with bad electrodes count as unchanged in the image.
+    /// Measurements with bad electrodes count for nothing; in the image they are what contacts explain.
     pub const MASKED: Self = Self(1 << 7);
     /// The board's chip is hotter than it may be.
     pub const HOT: Self = Self(1 << 8);
@@ -83,9 +112,11 @@ impl FrameFlags {
     pub const UNLIKE_PRESS: Self = Self(1 << 9);
     /// What pressed when the reference was made has been lifted.
     pub const LIFTED: Self = Self(1 << 10);
+    /// An electrode touches worse than when the reference was made.
+    pub const WORSE_CONTACT: Self = Self(1 << 11);
 
     /// Each flag with what it says, in few words.
-    pub const ALL: [(Self, &str); 11] = [
+    pub const ALL: [(Self, &str); 12] = [
         (Self::SATURATED, "saturated"),
         (Self::OPEN_ELECTRODE, "open electrode"),
         (Self::SHORTED_ELECTRODE, "shorted electrode"),
@@ -97,6 +128,7 @@ impl FrameFlags {
         (Self::HOT, "chip too hot"),
         (Self::UNLIKE_PRESS, "changed unlike a press"),
         (Self::LIFTED, "was touched in the tare"),
+        (Self::WORSE_CONTACT, "worse contact"),
     ];
 
     /// What the flags that are set say, in few words.

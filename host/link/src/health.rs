@@ -47,6 +47,8 @@ pub enum State {
     Ok,
     /// It touches worse than most.
     High,
+    /// It touches worse than when the reference was made.
+    Worse,
     /// Its test says nothing: no current flows, or the next electrode, which it needs, is open.
     Unknown,
     /// It has no contact.
@@ -169,7 +171,7 @@ impl Watch {
         }
     }
 
-    /// Whether current flows and no frame says that an electrode is open or shorted.
+    /// Whether current flows and no frame says that an electrode is open or shorted, or touches worse than before.
     #[must_use]
     pub fn has_sound_electrodes(&self) -> bool {
         self.frames.iter().all(|seen| {
@@ -238,13 +240,15 @@ impl Watch {
         let ever = |pick: fn(&Health) -> ElectrodeSet| {
             self.frames.iter().fold(ElectrodeSet::default(), |set, seen| set.union(pick(&seen.health)))
         };
-        let (open, shorted) = (ever(|health| health.open), ever(|health| health.shorted));
+        let [open, shorted, worse] =
+            [ever(|health| health.open), ever(|health| health.shorted), ever(|health| health.worse)];
         let is_dead = self.flags().any(|(flag, ..)| flag == FrameFlags::NO_CURRENT);
         let state = |electrode: u8, ohms: Option<f32>| match electrode {
             _ if is_dead => State::Unknown,
             e if open.contains(e) => State::Open,
             e if shorted.contains(e) => State::Shorted,
             e if open.contains((e + 1) % count.max(1) as u8) => State::Unknown,
+            e if worse.contains(e) => State::Worse,
             // Below zero the sheet's share is unknown, and so is every ratio.
             _ if median > 0.0 && ohms.is_some_and(|ohms| ohms > HIGH_RATIO * median) => State::High,
             _ => State::Ok,
@@ -290,6 +294,10 @@ fn finding_of_electrode(electrode: &Electrode) -> Option<Finding> {
         State::High => (
             format!("electrode {number} touches worse than most"),
             "clean its contact, or press it on harder",
+        ),
+        State::Worse => (
+            format!("electrode {number} touches worse than when the skin was tared"),
+            "clean its contact, or press it on harder; until then nothing that needs it counts",
         ),
         State::Open => (format!("electrode {number} has no contact"), "check its wire, plug and contact"),
         State::Shorted => (
@@ -340,7 +348,7 @@ fn advice(flag: FrameFlags) -> Option<&'static str> {
         }
         FrameFlags::MISSED => Some("lower `drive.frame_rate`, or use fewer `image.columns`"),
         FrameFlags::HOT => Some("let the board cool, and give it air"),
-        // Open and shorted electrodes have findings of their own, and masking follows from them.
+        // Electrodes that are open, shorted or touch worse have findings of their own, and masking follows from them.
         _ => None,
     }
 }
@@ -416,6 +424,7 @@ mod tests {
         let (mut health, vitals) = healthy();
         health.open.insert(2);
         health.shorted.insert(5);
+        health.worse.insert(3);
         health.contact_impedance[1] = 80.0;
         health.contact_impedance[7] = 200.0;
         let vitals = Vitals { load: 0.99, free_stack: 100, ..vitals };
@@ -425,6 +434,7 @@ mod tests {
         for words in [
             "electrode 3 has no contact",
             "electrode 6 is connected to a neighbour",
+            "electrode 4 touches worse than when the skin was tared",
             "electrode 8 touches worse than most",
             "saturated in 5 of 5 frames",
             "not reciprocal in 5 of 5 frames",
@@ -437,7 +447,7 @@ mod tests {
         ] {
             assert!(whats.contains(&words), "{words} not in {whats:?}");
         }
-        assert_eq!(whats.len(), 11);
+        assert_eq!(whats.len(), 12);
     }
 
     #[test]

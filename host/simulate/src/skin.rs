@@ -12,13 +12,13 @@ use crate::{
     script::Script,
     sheet::Sheet,
     truth::{LEAST, TrueSkin},
-    wiring::{Fault, TimedFault, Wiring},
+    wiring::{self, Fault, TimedFault},
 };
 use dermatome_model::{indenter::Press, model::ModelError, skin::Skin};
 use dermatome_shared::{
     acquire::FrontEnd,
     drive::Drive,
-    frame::{ElectrodeTest, Frame, FrameFlags},
+    frame::{ElectrodeTest, Frame},
     protocol::{MAX_SCOPE_SAMPLES, SlotSamples},
     scan::{Timing, test_step},
     stimulation::Step,
@@ -120,13 +120,7 @@ impl SimulatedSkin {
     /// The same where wires have these faults. They depend on the current, as its source has an end.
     #[must_use]
     pub fn solve_wired(&self, table: &ScanTable, conductivity: &[f64], faults: &[Fault]) -> Vec<Complex64> {
-        let ohms = 1.0 / self.sheet_conductivity;
-        let transfer = self.truth.transfer(conductivity);
-        let transfer: Vec<Vec<_>> =
-            transfer.iter().map(|row| row.iter().map(|impedance| impedance * ohms).collect()).collect();
-        let current = f64::from(table.drive.amplitude);
-        let volts = Wiring::new(&transfer, faults).volts(&table.slots(), current);
-        volts.into_iter().map(|volts| volts / (ohms * current)).collect()
+        wiring::phasors(&self.truth, conductivity, table, self.sheet_conductivity, faults)
     }
 
     /// One scan of these phasors, with noise and converter; without number and time.
@@ -178,9 +172,8 @@ impl SimulatedSkin {
     }
 
     fn phasors_at(&mut self, table: &ScanTable, script_time: Option<f64>) -> Vec<Complex64> {
-        let is_there = |fault: &&TimedFault| {
-            fault.from.is_none_or(|from| script_time.is_some_and(|now| now >= from))
-        };
+        let is_there =
+            |fault: &&TimedFault| fault.from.is_none_or(|from| script_time.is_some_and(|now| now >= from));
         let faults: Vec<_> = self.faults.iter().filter(is_there).map(|timed| timed.fault).collect();
         match self.conductivity(script_time) {
             conductivity if !faults.is_empty() => {
@@ -236,13 +229,15 @@ impl Untouched {
         let normal = Normal::new(0.0, self.noise).expect("a standard deviation is finite and not negative");
         let mut frame = Frame::default();
         let (steps, tests) = volts.split_at(self.table.steps.len());
-        for &voltage in steps {
+        for (step, &voltage) in steps.iter().enumerate() {
             let noise = Complex64::new(normal.sample(of_images), normal.sample(of_others));
             let reading = self.converter.read(voltage + noise);
             // A frame holds a code for each step that a patch may have.
             let _ = frame.codes.push(reading.part(self.table.drive.component));
             let _ = frame.quadrature.push(reading.imaginary);
-            frame.flags.insert_if(FrameFlags::SATURATED, reading.is_clipped);
+            if reading.is_clipped {
+                frame.clipped.insert(step);
+            }
         }
         let at_gain_one = self.converter.with_gain(1.0);
         for &voltage in tests {

@@ -4,10 +4,15 @@
 //! current source and the inputs are those of a board: a source that finds no way gives no more than its compliance, and
 //! an input without electrode floats to ground.
 
+use crate::{instrument::ScanTable, truth::TrueSkin};
 use dermatome_shared::stimulation::Step;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
-use std::{fmt, str::FromStr};
+use std::{
+    collections::{HashMap, HashSet},
+    fmt,
+    str::FromStr,
+};
 
 /// Resistance of a short between two leads, ohm.
 const SHORT: f64 = 1.0;
@@ -15,7 +20,8 @@ const SHORT: f64 = 1.0;
 const SWITCH: f64 = 200.0;
 /// From a lead to ground, S: a multiplexer's open switches.
 const LEAK: f64 = 1e-10;
-/// Largest voltage of the current source, V.
+/// Largest voltage of the current source, V; of a skin that needs more without any fault, twice what it needs, as the range
+/// of a simulated converter fits its skin, too.
 const COMPLIANCE: f64 = 3.2;
 
 /// One thing that is wrong; electrodes count from 0.
@@ -118,6 +124,28 @@ impl fmt::Display for Fault {
     }
 }
 
+/// What a scan meets on a sheet of this relative conductivity, `[element]`, where wires have these faults: phasors at unit
+/// current and conductivity, `[slot]`. They depend on the current, as its source has an end; `sheet_conductivity` is in
+/// S per square.
+#[must_use]
+pub fn phasors(
+    truth: &TrueSkin,
+    conductivity: &[f64],
+    table: &ScanTable,
+    sheet_conductivity: f64,
+    faults: &[Fault],
+) -> Vec<Complex64> {
+    let ohms = 1.0 / sheet_conductivity;
+    let in_ohms = |row: &Vec<Complex64>| row.iter().map(|impedance| impedance * ohms).collect();
+    let transfer: Vec<Vec<_>> = truth.transfer(conductivity).iter().map(in_ohms).collect();
+    let current = f64::from(table.drive.amplitude);
+    let slots = table.slots();
+    let needed = Wiring::new(&transfer, &[]).largest_of_source(&slots, current);
+    let compliance = COMPLIANCE.max(2.0 * needed);
+    let volts = Wiring { compliance, ..Wiring::new(&transfer, faults) }.volts(&slots, current);
+    volts.into_iter().map(|volts| volts / (ohms * current)).collect()
+}
+
 /// A skin with its wires.
 #[derive(Clone, Debug)]
 pub struct Wiring {
@@ -125,6 +153,8 @@ pub struct Wiring {
     admittance: DMatrix<Complex64>,
     /// Which lead the board's channel is connected to: `[channel]`.
     leads: Vec<usize>,
+    /// Largest voltage of the source, V.
+    compliance: f64,
 }
 
 impl Wiring {
@@ -132,7 +162,8 @@ impl Wiring {
     /// node ([`crate::TrueSkin::transfer`]); faults of electrodes that it lacks change nothing.
     #[must_use]
     pub fn new(transfer: &[Vec<Complex64>], faults: &[Fault]) -> Self {
-        let mut wiring = Self { admittance: admittance(transfer), leads: (0..transfer.len()).collect() };
+        let leads = (0..transfer.len()).collect();
+        let mut wiring = Self { admittance: admittance(transfer), leads, compliance: COMPLIANCE };
         let has = |electrode: &u8| usize::from(*electrode) < transfer.len();
         for fault in faults.iter().filter(|fault| fault.electrodes().iter().all(has)) {
             wiring.suffer(*fault);
@@ -176,28 +207,35 @@ impl Wiring {
     /// Voltages, V, of a source of this current, A: `[step]`.
     #[must_use]
     pub fn volts(&self, steps: &[Step], current: f64) -> Vec<Complex64> {
-        let mut driven: Option<([usize; 2], DVector<Complex64>)> = None;
-        let mut volts = Vec::with_capacity(steps.len());
-        for step in steps {
+        let mut driven: HashMap<[usize; 2], DVector<Complex64>> = HashMap::new();
+        let voltage = |step: &Step| {
             let [plus, minus, high, low] = step.to_bytes().map(|channel| self.leads[usize::from(channel)]);
-            let known = driven.take().filter(|(drive, _)| *drive == [plus, minus]);
-            let (drive, voltages) =
-                known.unwrap_or_else(|| ([plus, minus], self.driven(plus, minus, current)));
-            volts.push(voltages[high] - voltages[low]);
-            driven = Some((drive, voltages));
-        }
-        volts
+            let volts = driven.entry([plus, minus]).or_insert_with(|| {
+                let (volts, of_source) = self.driven(plus, minus, current);
+                volts * Complex64::from((self.compliance / of_source).min(1.0))
+            });
+            volts[high] - volts[low]
+        };
+        steps.iter().map(voltage).collect()
     }
 
-    /// Voltage of each lead, V, with a current, A, into one and out of another, which is at ground.
-    fn driven(&self, plus: usize, minus: usize, current: f64) -> DVector<Complex64> {
+    /// Largest voltage, V, that a source of this current, A, would need for these steps.
+    fn largest_of_source(&self, steps: &[Step], current: f64) -> f64 {
+        let drives: HashSet<[usize; 2]> =
+            steps.iter().map(|step| [step.drive_plus, step.drive_minus].map(usize::from)).collect();
+        let needed = |[plus, minus]: [usize; 2]| self.driven(plus, minus, current).1;
+        drives.into_iter().map(needed).fold(0.0, f64::max)
+    }
+
+    /// Voltage of each lead, V, with a current, A, into one and out of another, which is at ground; and that of the source.
+    fn driven(&self, plus: usize, minus: usize, current: f64) -> (DVector<Complex64>, f64) {
         let mut admittance = self.admittance.clone();
         admittance[(minus, minus)] += 1.0 / SWITCH;
         let mut into = DVector::zeros(self.leads.len());
         into[plus] = Complex64::from(current);
         let volts = admittance.lu().solve(&into).expect("each lead leaks to ground");
-        let source = volts[plus].norm() + current * SWITCH;
-        volts * Complex64::from((COMPLIANCE / source).min(1.0))
+        let of_source = volts[plus].norm() + current * SWITCH;
+        (volts, of_source)
     }
 }
 
@@ -222,7 +260,6 @@ fn admittance(transfer: &[Vec<Complex64>]) -> DMatrix<Complex64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::TrueSkin;
     use dermatome_model::skin::Skin;
     use std::path::Path;
 
@@ -269,8 +306,7 @@ mod tests {
     #[test]
     fn a_resistance_in_a_lead_adds_its_voltage_to_its_own_test_alone() {
         let trial = Trial::new();
-        let ((healthy, tests), (volts, with)) =
-            (trial.volts(&[]), trial.volts(&[Fault::Contact(6, 500.0)]));
+        let ((healthy, tests), (volts, with)) = (trial.volts(&[]), trial.volts(&[Fault::Contact(6, 500.0)]));
         for (electrode, (before, after)) in tests.iter().zip(&with).enumerate() {
             let expected = if electrode == 6 { 500.0 * CURRENT } else { 0.0 };
             assert!((after - before - expected).abs() < 1e-4, "{electrode}: {before} {after}");

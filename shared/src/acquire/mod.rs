@@ -218,12 +218,13 @@ impl Assembly {
             let part = self.component_of(real, imaginary);
             let _ = self.frame.codes.push(part);
             let _ = self.frame.quadrature.push(imaginary);
+            if peak >= CLIPPED {
+                self.frame.clipped.insert(slot);
+            }
         } else {
             let test = ElectrodeTest { in_phase: real, quadrature: imaginary, is_clipped: peak >= CLIPPED };
             let _ = self.frame.tests.push(test);
         }
-        // A test that is clipped says so itself: its electrode is open.
-        self.frame.flags.insert_if(FrameFlags::SATURATED, slot < self.steps && peak >= CLIPPED);
         if self.peaks.len() < self.slots { Slot::Inner } else { self.finish() }
     }
 

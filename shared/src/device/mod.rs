@@ -213,10 +213,7 @@ impl<S: PatchStore, P: BorrowMut<PipelineState>> Device<S, P> {
         let patch = patch_in_use(&self.store, &self.header)?;
         if self.facts.front_end.is_some() {
             let frequency = self.drive.unwrap_or(patch.header.drive).frequency;
-            let (health, found) = Health::examine(&patch, frequency, frame);
-            self.pipeline.borrow_mut().mask(health.bad_electrodes());
-            self.health = health;
-            frame.flags.insert(found);
+            self.health = pipeline::examine(&patch, self.pipeline.borrow_mut(), frequency, frame);
         }
         let outcome = pipeline::sense(&patch, self.pipeline.borrow_mut(), frame);
         frame.flags.insert(self.pipeline().flags());

@@ -402,9 +402,15 @@ fn a_frame_with_an_open_electrode_is_flagged_and_its_image_masked() {
     ask(&mut device, Request::Tare { frames: 1 });
     events(&mut device, &flat_frame(1000));
     let test = ElectrodeTest { in_phase: AdcCode(1_500_000), ..ElectrodeTest::default() };
-    let mut broken = flat_frame(1500);
+    let mut broken = flat_frame(1200);
     broken.tests = (0..8).map(|_| test).collect();
     broken.tests[3] = ElectrodeTest { in_phase: AdcCode(7_000_000), is_clipped: true, ..test };
+    // What changes with the electrode is no press.
+    for _ in 0..3 {
+        device.process(&mut broken.clone(), Arrival::default(), |_| ());
+        assert!(device.pipeline().image().iter().all(|pixel| pixel.0 == 0));
+    }
+    broken.codes.iter_mut().for_each(|code| code.0 = 1800);
     device.process(&mut broken, Arrival::default(), |_| ());
     assert!(broken.flags.contains(FrameFlags::OPEN_ELECTRODE));
     assert!(broken.flags.contains(FrameFlags::MASKED));

@@ -64,6 +64,12 @@ impl ElectrodeSet {
         Self(self.0 | other.0)
     }
 
+    /// Electrodes of this set that another does not hold.
+    #[must_use]
+    pub const fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
     /// Whether it holds none.
     #[must_use]
     pub const fn is_empty(self) -> bool {
@@ -87,6 +93,8 @@ pub struct Health {
     pub open: ElectrodeSet,
     /// Electrodes connected to a neighbour.
     pub shorted: ElectrodeSet,
+    /// Electrodes that touch worse than when the reference was made.
+    pub worse: ElectrodeSet,
     /// Sum of |v - v exchanged| over sum of |v|, for patches that measure both.
     pub reciprocity_error: Option<f32>,
 }
@@ -120,7 +128,7 @@ impl Health {
     /// Electrodes whose measurements mean nothing.
     #[must_use]
     pub fn bad_electrodes(&self) -> ElectrodeSet {
-        self.open.union(self.shorted)
+        self.open.union(self.shorted).union(self.worse)
     }
 
     fn judge_electrodes(&mut self, tests: &[ElectrodeTest], flags: &mut FrameFlags) {
@@ -219,7 +227,7 @@ fn open_ratio(is_clipped: bool) -> f32 {
 }
 
 /// Square of a test's magnitude.
-fn square(test: &ElectrodeTest) -> f32 {
+pub(crate) fn square(test: &ElectrodeTest) -> f32 {
     let (real, imaginary) = (test.in_phase.0 as f32, test.quadrature.0 as f32);
     real * real + imaginary * imaginary
 }

@@ -273,7 +273,8 @@ impl<'a> PatchView<'a> {
         Self::find_tables(header, bytes, header_bytes, total)
     }
 
-    #[inline(always)]
+    // Once on the board, for all that asks.
+    #[inline(never)]
     fn find_tables(
         header: PatchHeader,
         bytes: &'a [u8],

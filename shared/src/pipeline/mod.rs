@@ -9,6 +9,7 @@ mod former;
 pub mod noise;
 pub mod reconstruct;
 pub mod reference;
+mod wiring;
 
 use crate::{
     contact::{
@@ -18,7 +19,7 @@ use crate::{
     },
     drive::stimulation::Step,
     frame::{Frame, FrameFlags},
-    health::ElectrodeSet,
+    health::{ElectrodeSet, Health},
     image::Image,
     patch::PatchView,
     units::RelativeConductivity,
@@ -28,6 +29,7 @@ use drift::Drift;
 use former::Former;
 use reconstruct::reconstruct;
 use reference::{Changes, DEFAULT_TARE_FRAMES, DifferenceData, Measured, Reference, Tare};
+use wiring::Wiring;
 
 /// A measurement that changes by more than this is more than a press does.
 const IMPLAUSIBLE: f32 = 0.8;
@@ -45,7 +47,7 @@ pub struct PipelineState {
     reference: Option<Reference>,
     former: Former,
     drift: Drift,
-    bad_electrodes: ElectrodeSet,
+    wiring: Wiring,
     flags: FrameFlags,
     /// Relative changes of the latest frame, as contacts and image take them: `[measurement]`.
     relative: Changes,
@@ -78,6 +80,24 @@ pub fn process(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) 
     outcome
 }
 
+/// Looks at a frame's tests and at what is clipped, with a carrier of this `frequency` (Hz): sets the flags that follow, and
+/// masks bad electrodes in this frame and those to come.
+pub fn examine(
+    patch: &PatchView<'_>,
+    state: &mut PipelineState,
+    frequency: f32,
+    frame: &mut Frame,
+) -> Health {
+    let (mut health, found) = Health::examine(patch, frequency, frame);
+    frame.flags.insert(found);
+    health.worse = state.wiring.see(health.bad_electrodes(), &frame.tests);
+    frame.flags.insert_if(FrameFlags::WORSE_CONTACT, !health.worse.is_empty());
+    let counts = |(number, step)| frame.clipped.contains(number) && !needs(step, state.wiring.bad());
+    let is_saturated = !frame.clipped.is_empty() && patch.steps().enumerate().any(counts);
+    frame.flags.insert_if(FrameFlags::SATURATED, is_saturated);
+    health
+}
+
 /// Takes one frame from reference to calibrated contacts, which need no image where the patch has places to look for
 /// them.
 ///
@@ -89,12 +109,16 @@ pub fn sense(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) ->
     state.flags = FrameFlags::default();
     let mut measured = Measured::new();
     reference::combine(patch, frame, &mut measured);
-    state.detector.see(patch, &measured);
+    state.detector.see(patch, &measured, state.wiring.bad());
     if let Some(outcome) = state.average(patch, frame, &measured) {
         return outcome;
     }
     let Some(reference) = &state.reference else { return Outcome::Taring };
     reference.subtract(&mut measured);
+    if state.wiring.is_settling() {
+        state.settle(patch, frame, &mut measured);
+        return Outcome::Image;
+    }
     state.compare(patch, frame, &measured);
     if state.undo_wrong_mend(patch, &mut measured) {
         state.compare(patch, frame, &measured);
@@ -127,7 +151,7 @@ impl PipelineState {
             reference,
             former,
             drift,
-            bad_electrodes,
+            wiring,
             flags,
             relative,
             image,
@@ -137,7 +161,7 @@ impl PipelineState {
             tracker,
         } = self;
         (*tare, *reference, *drift, *places) = (None, None, Drift::default(), Places::default());
-        (*bad_electrodes, *flags) = (ElectrodeSet::default(), FrameFlags::default());
+        (*wiring, *flags) = (Wiring::default(), FrameFlags::default());
         former.clear();
         relative.clear();
         image.clear();
@@ -151,9 +175,10 @@ impl PipelineState {
         self.tare = Some(Tare::new(frames));
     }
 
-    /// Measurements that need these electrodes count as unchanged from now on.
-    pub fn mask(&mut self, bad_electrodes: ElectrodeSet) {
-        self.bad_electrodes = bad_electrodes;
+    /// Electrodes that count for nothing.
+    #[must_use]
+    pub fn bad_electrodes(&self) -> ElectrodeSet {
+        self.wiring.bad()
     }
 
     /// What the latest frame showed to be wrong, beside its own flags.
@@ -184,8 +209,12 @@ impl PipelineState {
         }
         let reference = tare.add(patch, measured);
         self.detector.tare(tare.has_begun());
+        if tare.has_begun() {
+            self.wiring.begin();
+        }
         let Some(reference) = reference else { return Some(Outcome::Taring) };
         self.detector.begin(patch, &reference);
+        self.wiring.keep(&frame.tests);
         (self.tare, self.reference, self.drift) = (None, Some(reference), Drift::default());
         self.places = Places::default();
         self.former.clear();
@@ -205,7 +234,7 @@ impl PipelineState {
         let chi_square = |reference: &Reference, differences: &[i64]| {
             let mut changes = Changes::new();
             reference.relative_change(differences, &mut changes);
-            mask_measurements(patch, self.bad_electrodes, &mut changes);
+            mask_measurements(patch, self.wiring.bad(), UNKNOWN, &mut changes);
             self.detector.chi_square(&mut changes, reference)
         };
         let now = chi_square(reference, differences);
@@ -229,8 +258,8 @@ impl PipelineState {
     fn compare(&mut self, patch: &PatchView<'_>, frame: &Frame, differences: &[i64]) {
         let (Some(reference), relative) = (&self.reference, &mut self.relative) else { return };
         reference.relative_change(differences, relative);
-        let masked = mask_measurements(patch, self.bad_electrodes, relative);
-        self.flags.insert_if(FrameFlags::MASKED, masked);
+        mask_measurements(patch, self.wiring.bad(), UNKNOWN, relative);
+        self.flags.insert_if(FrameFlags::MASKED, !self.wiring.bad().is_empty());
         if frame.flags.contains(FrameFlags::NO_CURRENT) {
             relative.fill(UNKNOWN);
         }
@@ -248,6 +277,9 @@ impl PipelineState {
     // Not inlined, so that what it needs of the stack is free again for all else.
     #[inline(never)]
     fn reconstruct(&mut self, patch: &PatchView<'_>) {
+        if patch.header.has_places() && !self.wiring.bad().is_empty() {
+            self.detector.fill_unknown(patch, &mut self.relative);
+        }
         let mut difference = DifferenceData::default();
         difference.quantise(&self.relative, patch.matrix().column_exponents());
         reconstruct(patch, &difference, &mut self.image);
@@ -286,10 +318,20 @@ impl PipelineState {
         if change != Change::Still {
             self.former.keep(reference);
         }
-        self.detector.leave_followed(patch, reference, differences);
+        self.take_in(patch, differences, change, part);
+        if !is_pressed {
+            self.drift.followed(part);
+        }
+    }
+
+    /// The reference goes this part of the way to a frame that differs from it like that, `[measurement]`, where measurements
+    /// are known, and as far as such a change is no press.
+    fn take_in(&mut self, patch: &PatchView<'_>, differences: &mut [i64], change: Change, part: f32) {
+        let Some(reference) = &mut self.reference else { return };
+        self.detector.leave_followed(patch, reference, change, differences);
         let mut parts = Changes::new();
         let _ = parts.resize(reference.sums().len(), part);
-        mask_measurements(patch, self.bad_electrodes, &mut parts);
+        mask_measurements(patch, self.wiring.bad(), UNKNOWN, &mut parts);
         reference.follow(patch, differences, &parts);
         if change != Change::PressedAndSlipped {
             reference.blur(part);
@@ -297,8 +339,31 @@ impl PipelineState {
         if matches!(change, Change::Unlike | Change::PressedAndSlipped) {
             self.detector.heal(patch, reference);
         }
-        if !is_pressed {
-            self.drift.followed(part);
+    }
+
+    /// The wiring has just changed: the reference takes all that is new beside the presses of the frame before, and there
+    /// are no contacts.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    fn settle(&mut self, patch: &PatchView<'_>, frame: &Frame, differences: &mut [i64]) {
+        self.contacts.clear();
+        let _ = self.relative.resize(differences.len(), 0.0);
+        self.relative.fill(0.0);
+        self.flags.insert_if(FrameFlags::MASKED, !self.wiring.bad().is_empty());
+        if !patch.header.has_places() {
+            self.reconstruct(patch);
+        }
+        if frame.flags.intersects(UNFIT) {
+            return;
+        }
+        self.former.clear();
+        self.detector.begin_anew();
+        self.take_in(patch, differences, Change::Unlike, 1.0);
+        self.drift.followed(1.0);
+        if self.wiring.has_settled()
+            && let Some(reference) = &self.reference
+        {
+            self.detector.judge_noise(patch, reference);
         }
     }
 
@@ -336,20 +401,23 @@ impl PipelineState {
 /// What stands for the value of a measurement that means nothing.
 const UNKNOWN: f32 = f32::NAN;
 
-/// Makes the value of every measurement that needs a bad electrode unknown; says whether there are bad ones.
+/// Gives this value to every measurement that needs a bad electrode.
 // Once on the board, for all that asks.
 #[inline(never)]
-fn mask_measurements(patch: &PatchView<'_>, bad: ElectrodeSet, relative: &mut Changes) -> bool {
+fn mask_measurements(patch: &PatchView<'_>, bad: ElectrodeSet, value: f32, values: &mut [f32]) {
     if bad.is_empty() {
-        return false;
+        return;
     }
-    let needs_bad = |step: Step| step.to_bytes().into_iter().any(|electrode| bad.contains(electrode));
-    for (_, target) in patch.steps().zip(patch.combination()).filter(|&(step, _)| needs_bad(step)) {
-        if let Some(change) = relative.get_mut(usize::from(target.measurement)) {
-            *change = UNKNOWN;
+    for (_, target) in patch.steps().zip(patch.combination()).filter(|&(step, _)| needs(step, bad)) {
+        if let Some(masked) = values.get_mut(usize::from(target.measurement)) {
+            *masked = value;
         }
     }
-    true
+}
+
+/// Whether a step needs one of these electrodes.
+fn needs(step: Step, electrodes: ElectrodeSet) -> bool {
+    step.to_bytes().into_iter().any(|electrode| electrodes.contains(electrode))
 }
 
 fn is_implausible(relative: &[f32]) -> bool {

@@ -53,6 +53,11 @@ impl Noise {
         self.counts = [false, self.counts[0] && !is_first];
     }
 
+    /// Half of the squares of the changes of the frame seen last, `[measurement]`: what is not a number counts for nothing.
+    pub fn latest_mut(&mut self) -> &mut [f32] {
+        &mut self.latest
+    }
+
     /// Forgets what it knows.
     pub fn restart(&mut self) {
         self.variance.clear();
@@ -75,11 +80,16 @@ impl Noise {
             (self.variance, self.frames) = (self.latest.clone(), 0);
         }
         // A jump is no noise. Where noise did become louder, some frames say so.
-        let mean = self.variance.iter().sum::<f32>() / self.variance.len().max(1) as f32;
+        let mean = mean_of_known(self.variance.iter().copied());
         let loudest = if self.is_known() { LOUDEST } else { f32::INFINITY };
         self.frames = (self.frames + 1).min(MOST_FRAMES);
         let part = 1.0 / f32::from(self.frames);
-        for (variance, latest) in self.variance.iter_mut().zip(&self.latest) {
+        for (variance, latest) in
+            self.variance.iter_mut().zip(&self.latest).filter(|(_, new)| new.is_finite())
+        {
+            if variance.is_nan() {
+                *variance = *latest;
+            }
             *variance += part * (latest.min(loudest * variance.max(mean)) - *variance);
         }
     }
@@ -96,24 +106,32 @@ impl Noise {
             }
         }
         let frames = f32::from(reference.frames());
-        let (mut of_one, mut size) = (0.0, 0.0);
-        for ((&variance, &sum), count) in self.variance.iter().zip(reference.sums()).zip(&steps) {
-            of_one += variance / count;
-            size += sum.unsigned_abs() as f32 / (count * frames);
-        }
-        let all = steps.len().max(1) as f32;
-        let floor = FLOOR * size / all;
-        let of_one = (of_one / all).max(floor * floor);
+        let sizes = reference.sums().iter().zip(&steps);
+        let floor =
+            FLOOR * mean_of_known(sizes.map(|(sum, count)| sum.unsigned_abs() as f32 / (count * frames)));
+        let of_one =
+            mean_of_known(self.variance.iter().zip(&steps).map(|(variance, count)| variance / count));
+        let of_one = of_one.max(floor * floor);
         let seen = f32::from(self.frames);
         out.clear();
         for ((m, count), scale) in steps.iter().enumerate().zip(reference.scales()) {
-            let own = self.variance.get(m).copied().unwrap_or(0.0);
+            let own = self.variance.get(m).copied().filter(|own| own.is_finite()).unwrap_or(0.0);
             let codes = (seen * own + PRIOR_FRAMES * of_one * count) / (seen + PRIOR_FRAMES);
             let deviation = scale * frames;
             let variance = codes * deviation * deviation;
             let _ = out.push(if variance > 0.0 && variance.is_finite() { 1.0 / variance } else { 0.0 });
         }
     }
+}
+
+/// Mean of the values that are finite; 0 of none.
+fn mean_of_known(values: impl Iterator<Item = f32>) -> f32 {
+    let (mut sum, mut count) = (0.0, 0.0_f32);
+    for value in values.filter(|value| value.is_finite()) {
+        sum += value;
+        count += 1.0;
+    }
+    sum / count.max(1.0)
 }
 
 #[cfg(test)]

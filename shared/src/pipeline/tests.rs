@@ -117,10 +117,10 @@ fn drift_is_followed_beside_a_bad_electrode_whose_measurements_stay() {
     let bytes = crate::patch::tests::drifting_patch(30.0);
     let patch = PatchView::validate(&bytes).unwrap();
     let mut state = tared(&patch, 1_000_000, 2);
-    state.mask(ElectrodeSet(1 << 3));
+    state.wiring.see(ElectrodeSet(1 << 3), &[]);
     let mut parts = Changes::new();
     parts.resize(patch.header.measurements.into(), 0.0).unwrap();
-    mask_measurements(&patch, ElectrodeSet(1 << 3), &mut parts);
+    mask_measurements(&patch, ElectrodeSet(1 << 3), UNKNOWN, &mut parts);
     let values = drifting(&patch, &mut state, 10.0, [0.0, 300.0], 0.0);
     assert!(values.iter().all(|value| value.abs() < 0.008), "{:?}", values.last());
     assert!(state.contacts().is_empty());

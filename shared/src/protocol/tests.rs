@@ -91,5 +91,5 @@ proptest! {
 #[test]
 fn the_messages_of_this_version_have_their_schema_hash() {
     let schema = std::format!("{:02x?}", Version::current().schema);
-    assert_eq!((PROTOCOL_VERSION, schema.as_str()), (11, "[51, c2, 3f, 52, b6, bb, fe, ff]"));
+    assert_eq!((PROTOCOL_VERSION, schema.as_str()), (12, "[88, b7, ea, f3, 0b, e2, 1d, f3]"));
 }

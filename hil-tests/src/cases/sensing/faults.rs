@@ -15,6 +15,8 @@ use dermatome_shared::{
 
 /// Frames within which a fault has to be flagged.
 const FRAMES: f64 = 2.0;
+/// By how much a contact becomes worse, ohm.
+const WORSE: [u32; 2] = [100, 500];
 /// Flags that say that something is broken.
 const BROKEN: FrameFlags = FrameFlags(
     FrameFlags::SATURATED.0
@@ -22,7 +24,8 @@ const BROKEN: FrameFlags = FrameFlags(
         | FrameFlags::SHORTED_ELECTRODE.0
         | FrameFlags::NO_CURRENT.0
         | FrameFlags::NOT_RECIPROCAL.0
-        | FrameFlags::IMPLAUSIBLE.0,
+        | FrameFlags::IMPLAUSIBLE.0
+        | FrameFlags::WORSE_CONTACT.0,
 );
 
 pub(super) fn all(rig: &Rig) -> Result<String, Failure> {
@@ -43,8 +46,8 @@ pub(super) fn all(rig: &Rig) -> Result<String, Failure> {
     let count = faults.len();
     ensure(missed.is_empty(), || format!("{} of {count} are missed: {}", missed.len(), missed.join(", ")))?;
     Ok(format!(
-        "{count} faults: 16 open, 16 shorted, 32 stuck lines, no current, saturated; the slowest flagged after \
-         {slowest:.2} frames"
+        "{count} faults: 16 open, 16 shorted, 32 worse contacts, 32 stuck lines, no current, saturated; the slowest \
+         flagged after {slowest:.2} frames; no contact while an electrode was faulty, or just mended"
     ))
 }
 
@@ -91,8 +94,11 @@ fn told(link: &mut Link, fault: Fault, failure: &Failure) -> Failure {
 fn every() -> Vec<Fault> {
     let open = (0..16).map(Fault::ElectrodeOpen);
     let shorted = (0..16).map(|electrode| Fault::PairShorted(electrode, (electrode + 1) % 16));
+    let worse = WORSE
+        .into_iter()
+        .flat_map(|ohms| (0..16).map(move |electrode| Fault::BadContact { electrode, ohms }));
     let stuck = (0..16).flat_map(|line| [false, true].map(|high| Fault::LineStuck { line, high }));
-    open.chain(shorted).chain(stuck).chain([Fault::DacDead, Fault::AdcSaturated]).collect()
+    open.chain(shorted).chain(worse).chain(stuck).chain([Fault::DacDead, Fault::AdcSaturated]).collect()
 }
 
 /// Frames that it takes until the fault is flagged, and rightly named; none if it is not in time. Mends it.
@@ -107,8 +113,11 @@ fn flagged(
     session.world.inject(fault).map_err(Failure::wrong)?;
     let broken = session.board.with(|machine| machine.now()).seconds() - session.started(stream.link())?;
     let mut found = None;
+    let is_of_electrodes =
+        matches!(fault, Fault::ElectrodeOpen(_) | Fault::PairShorted(..) | Fault::BadContact { .. });
+    let next = |stream: &mut Subscription<'_>| next_without_contacts(stream, is_of_electrodes);
     for _ in 0..6 {
-        let (at, health) = next_health(stream)?;
+        let (at, health) = next(stream)?;
         let frames = (at.timestamp_us as f64 * 1e-6 - broken) / period;
         if found.is_none() && frames > 0.0 && frames <= FRAMES + 0.3 && says(&health, at.flags, fault) {
             found = Some(frames);
@@ -116,7 +125,7 @@ fn flagged(
     }
     session.world.mend();
     for _ in 0..12 {
-        if !next_health(stream)?.0.flags.intersects(BROKEN) {
+        if !next(stream)?.0.flags.intersects(BROKEN) {
             return Ok(found);
         }
     }
@@ -135,17 +144,23 @@ fn says(health: &Health, flags: FrameFlags, fault: Fault) -> bool {
         Fault::PairShorted(a, b) => health.shorted.contains(a as u8) && health.shorted.contains(b as u8),
         Fault::DacDead => flags.contains(FrameFlags::NO_CURRENT),
         Fault::AdcSaturated => flags.contains(FrameFlags::SATURATED),
-        Fault::LineStuck { .. } | Fault::BadContact { .. } => flags.intersects(BROKEN),
+        Fault::BadContact { electrode, .. } => health.worse.contains(electrode as u8),
+        Fault::LineStuck { .. } => flags.intersects(BROKEN),
     }
 }
 
 fn next_health(stream: &mut Subscription<'_>) -> Result<(FrameStamp, Health), Failure> {
+    next_without_contacts(stream, false)
+}
+
+/// The next frame's health; it has no contacts where no current flows, or ever.
+fn next_without_contacts(stream: &mut Subscription<'_>, ever: bool) -> Result<(FrameStamp, Health), Failure> {
     let mut phantoms = 0;
     let (at, report) = next_with(stream, |frame| {
         let has_no_current = frame.at.is_some_and(|at| at.flags.contains(FrameFlags::NO_CURRENT));
-        phantoms += frame.contacts.filter(|_| has_no_current).map_or(0, |contacts| contacts.len());
+        phantoms += frame.contacts.filter(|_| ever || has_no_current).map_or(0, |contacts| contacts.len());
         frame.health
     })?;
-    ensure(phantoms == 0, || format!("{phantoms} contacts without current"))?;
+    ensure(phantoms == 0, || format!("{phantoms} contacts that are none ({:?})", at.flags))?;
     Ok((at, report.health))
 }

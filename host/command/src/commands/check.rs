@@ -178,6 +178,7 @@ fn word(state: State) -> &'static str {
         State::Unknown => "unknown",
         State::Open => "open",
         State::Shorted => "shorted",
+        State::Worse => "worse than before",
     }
 }
 

@@ -7,7 +7,7 @@ use dermatome_model::{
     model::Model,
     skin::{FoundIn, Shape, Skin},
 };
-use dermatome_simulate::{Press, TrueSkin, instrument::ScanTable, rig::Observer};
+use dermatome_simulate::{Fault, Press, TrueSkin, instrument::ScanTable, rig::Observer, wiring};
 use nalgebra::{Point3, distance};
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
@@ -144,6 +144,19 @@ impl Bench {
     /// The same of another true skin with these electrodes.
     pub(super) fn solve_on(&self, truth: &TrueSkin, conductivity: &[f64]) -> Voltages {
         truth.phasors(conductivity, &self.table.slots(), self.table.drive.frequency.into())
+    }
+
+    /// What a scan meets on a sheet of this relative conductivity, `[element]`, where wires have these faults.
+    #[must_use]
+    pub(super) fn wired(&self, conductivity: &[f64], faults: &[Fault]) -> Voltages {
+        wiring::phasors(&self.truth, conductivity, &self.table, self.skin.material.sheet_conductivity, faults)
+    }
+
+    /// Mean of what the electrodes' tests read untouched, ohm.
+    pub(super) fn test_resistance(&self) -> f64 {
+        let tests = self.untouched().split_off(self.steps());
+        let sum: f64 = tests.iter().map(|voltage| voltage.norm()).sum();
+        sum / tests.len() as f64 / self.skin.material.sheet_conductivity
     }
 
     /// Random places on it.

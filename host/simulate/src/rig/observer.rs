@@ -80,7 +80,7 @@ impl Observer {
     /// What the board makes of the next frame.
     pub fn observe(&mut self, frame: &Frame) -> &PipelineState {
         let patch = PatchView::open(&self.patch).expect("the patch was valid when it was made");
-        pipeline::process(&patch, &mut self.state, frame);
+        take(&patch, &mut self.state, frame);
         &self.state
     }
 
@@ -89,9 +89,7 @@ impl Observer {
     pub fn glance(&self, frames: &[Frame]) -> PipelineState {
         let mut state = self.state.clone();
         let patch = self.patch();
-        frames.iter().for_each(|frame| {
-            pipeline::process(&patch, &mut state, frame);
-        });
+        frames.iter().for_each(|frame| take(&patch, &mut state, frame));
         state
     }
 
@@ -109,4 +107,11 @@ impl Observer {
         let codes: Vec<_> = image.iter().map(|&value| RelativeConductivity::from_f64(value)).collect();
         contact::find(&patch.surface(), &codes, patch.header.contact_threshold).to_vec()
     }
+}
+
+/// As a board takes a frame: looks at its electrodes first.
+fn take(patch: &PatchView<'_>, state: &mut PipelineState, frame: &Frame) {
+    let mut frame = frame.clone();
+    pipeline::examine(patch, state, patch.header.drive.frequency, &mut frame);
+    pipeline::process(patch, state, &frame);
 }

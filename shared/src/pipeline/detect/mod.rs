@@ -34,12 +34,15 @@ mod sums;
 mod system;
 
 use super::{
+    UNKNOWN,
     average::Average,
+    mask_measurements,
     noise::Noise,
     reference::{Changes, Reference},
 };
 use crate::{
     contact::{Contact, Contacts, Evidence},
+    health::ElectrodeSet,
     limits::MAX_CONTACTS,
     patch::PatchView,
 };
@@ -94,6 +97,8 @@ const SLIPPED: u32 = 60_000_000;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Detector {
     noise: Noise,
+    /// Electrodes that count for nothing.
+    bad: ElectrodeSet,
     /// Inverse variances of the data: `[measurement]`.
     inverse_variances: Changes,
     norms: Norms,
@@ -179,10 +184,12 @@ impl Detector {
         self.change = Change::Still;
     }
 
-    /// Takes in a frame's measurements.
-    pub fn see(&mut self, patch: &PatchView<'_>, measured: &[i64]) {
+    /// Takes in a frame's measurements, of which those that need bad electrodes mean nothing.
+    pub fn see(&mut self, patch: &PatchView<'_>, measured: &[i64], bad: ElectrodeSet) {
+        self.bad = bad;
         if patch.header.has_places() {
             self.noise.see(measured);
+            mask_measurements(patch, bad, UNKNOWN, self.noise.latest_mut());
         }
     }
 
@@ -212,7 +219,7 @@ impl Detector {
         }
         let places = patch.places();
         if self.next == 0 {
-            self.noise.inverse_variances(patch, reference, &mut self.inverse_variances);
+            self.weigh(patch, reference);
             let layout = &patch.header.detection;
             self.sums.known.take(&places, layout, &self.inverse_variances, reference.weights());
         }
@@ -233,9 +240,9 @@ impl Detector {
     }
 
     /// Takes the noise as it is known now, if it is; until then there are no norms, and nothing is found.
-    fn judge_noise(&mut self, patch: &PatchView<'_>, reference: &Reference) {
+    pub fn judge_noise(&mut self, patch: &PatchView<'_>, reference: &Reference) {
         if patch.header.has_places() && self.noise.is_known() {
-            self.noise.inverse_variances(patch, reference, &mut self.inverse_variances);
+            self.weigh(patch, reference);
             let (places, weights, common) = (patch.places(), &self.inverse_variances, reference.weights());
             self.sums.scaled.set(&places, weights, common);
             self.norms.clear();
@@ -244,6 +251,20 @@ impl Detector {
             self.sums.known.take(&places, &patch.header.detection, weights, common);
             self.next = 0;
         }
+    }
+
+    /// Takes the noise of what is known.
+    fn weigh(&mut self, patch: &PatchView<'_>, reference: &Reference) {
+        self.noise.inverse_variances(patch, reference, &mut self.inverse_variances);
+        mask_measurements(patch, self.bad, 0.0, &mut self.inverse_variances);
+    }
+
+    /// What has changed is no press, whatever it looks like; those of the frame before stay.
+    pub fn begin_anew(&mut self) {
+        self.held.clear();
+        self.average.restart();
+        (self.unexplained, self.unsettled, self.pause) = (0, 0, 0);
+        self.change = Change::Still;
     }
 
     /// By how many standard deviations of chi square relative changes of one frame, `[measurement]`, without what is common
@@ -409,11 +430,17 @@ impl Detector {
         self.change
     }
 
-    /// Leaves of differences from a reference, `[measurement]`, what it follows: beside presses what is smooth, or slips as
+    /// Leaves of differences from a reference, `[measurement]`, what it follows after such a change: beside presses what is smooth, or slips as
     /// well, or all that has changed since they lie where they are, and else all but what presses explain.
-    pub fn leave_followed(&self, patch: &PatchView<'_>, reference: &Reference, differences: &mut [i64]) {
+    pub fn leave_followed(
+        &self,
+        patch: &PatchView<'_>,
+        reference: &Reference,
+        change: Change,
+        differences: &mut [i64],
+    ) {
         let is_beside = matches!(
-            self.change,
+            change,
             Change::PressedAndSmooth | Change::PressedAndDrifted | Change::PressedAndSlipped
         );
         let sign = if is_beside { 1.0 } else { -1.0 };
@@ -424,16 +451,27 @@ impl Detector {
             differences[m] += reference.scales().get(m).map_or(0, |scale| (sign * change / scale) as i64);
         };
         let skin = Skin::of(patch, reference.weights());
-        match self.change {
+        match change {
             Change::PressedAndDrifted => {
                 self.changed(&skin).into_iter().enumerate().for_each(|(m, change)| add(m, change));
             }
             Change::PressedAndSmooth | Change::PressedAndSlipped => {
-                let only_smooth = self.change == Change::PressedAndSmooth;
+                let only_smooth = change == Change::PressedAndSmooth;
                 self.sums.known.add(&self.sums.latest_known.parts, only_smooth, &skin.places, &mut add);
             }
             _ => still::responses(&skin.places, &still::of(&self.presses), &mut add),
         }
+    }
+
+    /// Replaces relative changes that are not known, `[measurement]`, by what presses explain.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
+    pub fn fill_unknown(&self, patch: &PatchView<'_>, relative: &mut [f32]) {
+        let mut responses = Changes::new();
+        let mut push = |_, response| responses.push(response).unwrap_or(());
+        still::responses(&patch.places(), &still::of(&self.presses), &mut push);
+        let unknown = relative.iter_mut().zip(&responses).filter(|(change, _)| !change.is_finite());
+        unknown.for_each(|(change, response)| *change = *response);
     }
 
     /// Whether the latest frame may turn out to be pressed, although presses do not account for it yet.

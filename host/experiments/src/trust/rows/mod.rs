@@ -2,6 +2,7 @@
 
 mod count;
 mod drift;
+mod faults;
 mod force;
 mod gestures;
 mod limit;
@@ -25,7 +26,7 @@ pub struct Row {
 }
 
 /// All rows. Each draws from a seed of its place here, so that a new one comes last.
-pub const ROWS: [Row; 20] = [
+pub const ROWS: [Row; 21] = [
     Row { name: "untouched", about: "frames of the untouched skin with a contact", run: untouched::run },
     Row { name: "one", about: "one finger of 4 % of the size, up to 95 % of the radius", run: single::one },
     Row { name: "rim", about: "one finger of 4 % in the outer 5 % of the radius", run: single::rim },
@@ -73,6 +74,11 @@ pub const ROWS: [Row; 20] = [
         name: "rest",
         about: "contacts left by one to three fingers, two seconds after",
         run: untouched::rest,
+    },
+    Row {
+        name: "faults",
+        about: "wires that break, or are broken, and a finger on such a skin",
+        run: faults::run,
     },
 ];
 
