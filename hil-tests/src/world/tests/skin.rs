@@ -73,7 +73,7 @@ fn drift_is_interpolated_without_a_step() {
 fn a_script_moves_fingers_in_virtual_time() {
     let handle = handle(ideal());
     let outline = dermatome::outline::Outline::disc(0.105);
-    handle.run_script(dermatome::simulate::Script::round(&outline));
+    handle.run_script(Script::round(&outline));
     let mut world = AnalogueWorld::new(handle.clone());
     world.voltage(2, 16, Time::from_millis(10));
     let first = handle.conditions().touch.presses;
