@@ -110,6 +110,22 @@ fn another_skin_s_patch_is_replaced_and_a_calibrated_one_is_not() {
 }
 
 #[test]
+fn a_bad_contact_is_told_and_no_current_is_lowered_for_it() {
+    let desk = desk();
+    let contacts = (1..=16).map(|electrode| if electrode == 3 { "\"3 ohm m\"" } else { "\"0.18 ohm m\"" });
+    let list = format!("contact_impedance = [{}]", contacts.collect::<Vec<_>>().join(", "));
+    desk.write("real.toml", with(&skin(), "contact_impedance = \"0.18 ohm m\"", &list));
+    let (_board, port) = desk.board("real.toml", &["--path", "presses.csv"]);
+    let done = desk.run(&[&SETUP[..], &[&port]].concat());
+    assert_eq!(done.status.code(), Some(1), "{done:#?}");
+    assert!(done.out.contains("electrode 3 touches worse than most"), "{done:#?}");
+    let report = desk.report("setup.json");
+    assert_eq!(step(&report, "electrodes")["state"], "wrong");
+    assert_eq!(step(&report, "current")["state"], "ok");
+    assert_eq!((&report["ended"], &report["corrected"]), (&"wrong".into(), &false.into()));
+}
+
+#[test]
 fn nobody_to_ask_a_skin_that_is_none_and_presses_that_do_not_come_are_told() {
     let desk = desk();
     let (_board, port) = desk.board("skin.toml", &["--press", "0.02,0,0.006,1"]);

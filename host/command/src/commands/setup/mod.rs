@@ -161,9 +161,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let went = steps::all(&mut bench);
     // What was measured is told, whatever then went wrong.
     let wrong = bench.steps.iter().filter(|step| step.state == State::Wrong).count();
-    let ended = match (&went, wrong, interrupt::requested()) {
-        (Ok(()), 0, false) => "done",
-        (Ok(()), 0, true) => "stopped",
+    let ended = match (&went, wrong) {
+        (Ok(()), _) if interrupt::requested() => "stopped",
+        (Ok(()), 0) => "done",
         _ => "wrong",
     };
     let identity = bench.link.identity().clone();
@@ -183,7 +183,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     went?;
     write(args, &bench)?;
     match (wrong, ended) {
-        (0, "stopped") => say!("stopped"),
+        (_, "stopped") => say!("stopped"),
         (0, _) => say!("done: dermatome stream --port {}", bench.link.port()),
         (1, _) => bail!("one step found something wrong: see above"),
         (many, _) => bail!("{many} steps found something wrong: see above"),

@@ -145,14 +145,14 @@ fn current(bench: &mut Bench<'_>) -> anyhow::Result<bool> {
     let patch = bench.patch()?;
     let (mut used, front_end) = (patch.drive, bench.link.info()?.front_end);
     let before = used.amplitude;
-    let mut is_saturated = true;
+    let (mut is_saturated, mut is_sound) = (true, true);
     for halving in 0..=HALVINGS {
         let timeout = silence_timeout(&patch);
         let watch = health::watch(&mut bench.link, CURRENT_FRAMES, timeout, || !interrupt::requested())?;
         if interrupt::requested() {
             return Ok(false);
         }
-        is_saturated = watch.is_saturated();
+        (is_saturated, is_sound) = (watch.is_saturated(), is_sound && watch.has_sound_electrodes());
         if !is_saturated || halving == HALVINGS {
             break;
         }
@@ -160,6 +160,12 @@ fn current(bench: &mut Bench<'_>) -> anyhow::Result<bool> {
         bench.link.request(&Request::Drive(Some(used)))?;
     }
     let measured = drive::line(&used, front_end.as_ref());
+    if !is_sound && (is_saturated || used.amplitude != before) {
+        bench.link.request(&Request::Drive(None))?;
+        let why = "voltages clip, as they do where an electrode has no contact: first the electrodes";
+        bench.tell(Step::new("current", State::Skipped, why));
+        return Ok(true);
+    }
     if is_saturated {
         bench.link.request(&Request::Drive(None))?;
         let what = "voltages clip, however small the current";
@@ -193,7 +199,7 @@ fn electrodes(bench: &mut Bench<'_>) -> anyhow::Result<bool> {
         let is_fine = step.state == State::Ok;
         bench.tell(step);
         if is_fine || bench.compared.is_some() {
-            return Ok(true);
+            return if bench.is_skipped("current") { current(bench) } else { Ok(true) };
         }
         if bench.person.is_nobody() || !bench.person.says_yes("mended; look again?")? {
             return Ok(false);
@@ -219,10 +225,12 @@ fn look(bench: &mut Bench<'_>) -> anyhow::Result<Option<Step>> {
     }
     let ohms = diagnosis.electrodes.iter().filter_map(|electrode| electrode.contact_impedance_ohm);
     let (least, most) = ohms.fold((f32::INFINITY, 0.0_f32), |(a, b), ohms| (a.min(ohms), b.max(ohms)));
-    let contacts = if least.is_finite() {
-        format!("{} electrodes, contacts of {least:.1} to {most:.1} ohm", diagnosis.electrodes.len())
-    } else {
-        "contacts not measured".to_owned()
+    let count = diagnosis.electrodes.len();
+    let contacts = match (findings.is_empty(), least.is_finite()) {
+        // The table above has them.
+        (false, _) => format!("{count} electrodes"),
+        (true, true) => format!("{count} electrodes, contacts of {least:.1} to {most:.1} ohm"),
+        (true, false) => "contacts not measured".to_owned(),
     };
     let rate =
         diagnosis.frames_per_second.map_or(String::new(), |rate| format!(", {rate:.1} frames a second"));
@@ -315,7 +323,8 @@ impl Built {
 /// Averages the untouched skin.
 fn tare(bench: &mut Bench<'_>) -> anyhow::Result<bool> {
     if !bench.person.says_yes("nothing touches the skin?")? {
-        bench.tell(Step::new("tare", State::Skipped, "not averaged: something touches the skin"));
+        let advice = "lift it, and run this once more";
+        bench.tell(Step::wrong("tare", "not averaged", "something touches the skin", advice));
         return Ok(false);
     }
     let patch = bench.patch()?;
