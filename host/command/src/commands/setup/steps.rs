@@ -11,13 +11,14 @@ use crate::commands::{
     check_skin::Model as Untouched,
     drive, interrupt, patch_id,
     stream::silence_timeout,
-    tare::tare_with_spinner,
+    tare::tare_within,
 };
 use anyhow::Context;
 use dermatome_frames::recorded::order::Arrangement;
 use dermatome_link::{
     LinkErrorKind,
     health::{self, Finding},
+    tare_timeout,
 };
 use dermatome_model::metrics::detectability::Sought;
 use dermatome_shared::{
@@ -32,6 +33,8 @@ const HALVINGS: usize = 6;
 const CURRENT_FRAMES: usize = 5;
 /// Signal-to-noise ratio below which single presses drown, dB.
 const LOW_SNR_DB: f64 = 40.0;
+/// A tare may take so many times as long as the frame rate says: an emulated board on a busy machine does.
+const PATIENCE: u32 = 4;
 /// What takes the place of a signal-to-noise ratio without noise, dB.
 const NO_NOISE_DB: f64 = 200.0;
 
@@ -130,7 +133,9 @@ fn replace(bench: &mut Bench<'_>, why: &str, fits: bool) -> anyhow::Result<bool>
             bench.tell(Step::new("patch", State::Ok, format!("{why}, and has its name and steps: kept")));
             return Ok(true);
         }
-        bench.tell(Step::wrong("patch", why, "not replaced", "`dermatome build`, then `dermatome flash`"));
+        let refused = Step::wrong("patch", why, "not replaced", "`dermatome build`, then `dermatome flash`");
+        let stopped = || Step::new("patch", State::Skipped, why);
+        bench.tell(if interrupt::requested() { stopped() } else { refused });
         return Ok(false);
     }
     bench.flash()?;
@@ -328,7 +333,8 @@ fn tare(bench: &mut Bench<'_>) -> anyhow::Result<bool> {
         return Ok(false);
     }
     let patch = bench.patch()?;
-    match tare_with_spinner(&mut bench.link, &patch, DEFAULT_TARE_FRAMES) {
+    let timeout = PATIENCE * tare_timeout(&patch, DEFAULT_TARE_FRAMES);
+    match tare_within(&mut bench.link, DEFAULT_TARE_FRAMES, timeout) {
         Ok(()) => {
             let measured = format!("averaged {DEFAULT_TARE_FRAMES} frames");
             bench.tell(Step::new("tare", State::Ok, measured));
