@@ -2,7 +2,7 @@
 
 mod program;
 
-use program::{Desk, TINY};
+use program::{Desk, TINY, with};
 
 /// A coarse rectangle whose sides tell where its wires begin: 16 electrodes, all of them on the rim.
 fn sheet() -> String {
@@ -20,12 +20,6 @@ fn sheet() -> String {
 
 const DISC: &str = "kind = \"disc\"\ndiameter = \"100 mm\"";
 const RECTANGLE: &str = "kind = \"rectangle\"\nwidth = \"100 mm\"\nheight = \"60 mm\"";
-
-/// A skin file with a line replaced.
-fn with(text: &str, line: &str, other: &str) -> String {
-    assert!(text.contains(line), "{line}");
-    text.replace(line, other)
-}
 
 /// A desk with the sheet's file and patch.
 fn desk() -> Desk {

@@ -14,7 +14,7 @@ use std::{
 };
 
 /// All commands.
-const COMMANDS: [&str; 24] = [
+const COMMANDS: [&str; 25] = [
     "build",
     "calibrate",
     "check",
@@ -36,6 +36,7 @@ const COMMANDS: [&str; 24] = [
     "reconstruct",
     "replay",
     "scope",
+    "setup",
     "simulate",
     "stream",
     "tare",

@@ -1,19 +1,30 @@
-//! What `run` and `trace` have in common: which firmware, and a board with it.
+//! What commands have in common: which firmware on which board, and an emulated one that has started.
 
 use dermatome::{link::program::firmware, skin::Skin};
 use dermatome_hil::{
     board::VirtualBoard,
     fault::{Fault, What},
-    rig::{Rig, START_TIME, VirtualRig},
+    rig::{Rig, RigError, START_TIME, VirtualRig},
 };
-use std::{error::Error, path::PathBuf, sync::Arc};
+use std::{
+    env,
+    error::Error,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
-/// Which firmware on which emulated board.
+/// Where a checkout keeps the rig of its emulated board.
+const RIG: &str = "hil-tests/rigs/virtual.toml";
+/// The checkout that this program was built in.
+const BUILT_IN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+
+/// Which firmware on which board.
 #[derive(clap::Args)]
 pub(super) struct Firmware {
-    /// Rig file of an emulated board.
-    #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/rigs/virtual.toml"))]
-    rig: PathBuf,
+    /// Rig file: which board [default: hil-tests/rigs/virtual.toml, the emulated one, of the checkout that holds the
+    /// ELF; without `--elf`, this program].
+    #[arg(long)]
+    rig: Option<PathBuf>,
     /// Firmware to run instead of the rig's.
     #[arg(long)]
     elf: Option<PathBuf>,
@@ -21,8 +32,26 @@ pub(super) struct Firmware {
 
 impl Firmware {
     pub(super) fn name(&self) -> String {
-        self.elf.as_ref().unwrap_or(&self.rig).display().to_string()
+        self.elf.clone().unwrap_or_else(|| self.rig_file()).display().to_string()
     }
+
+    /// The rig, its board switched on.
+    pub(super) fn open(&self) -> Result<Rig, RigError> {
+        Rig::open(&self.rig_file(), self.elf.as_deref())
+    }
+
+    /// The rig's file, wherever this program is started.
+    pub(super) fn rig_file(&self) -> PathBuf {
+        let program = env::current_exe().ok();
+        let own = || self.elf.as_deref().and_then(rig_beside).or_else(|| rig_beside(program.as_deref()?));
+        self.rig.clone().or_else(own).unwrap_or_else(|| Path::new(BUILT_IN).join(RIG))
+    }
+}
+
+/// The rig of the checkout that holds this file.
+fn rig_beside(file: &Path) -> Option<PathBuf> {
+    let file = file.canonicalize().ok()?;
+    file.ancestors().map(|folder| folder.join(RIG)).find(|rig| rig.is_file())
 }
 
 /// A board that has started, and its firmware; `skin` takes the place of the one that the rig's board
@@ -32,10 +61,9 @@ pub(super) fn boot(
     keep_trace: bool,
     skin: Option<Skin>,
 ) -> Result<(VirtualBoard, Arc<firmware::Firmware>), Box<dyn Error>> {
-    let Rig::Virtual(VirtualRig { firmware, elf, mut options, .. }) =
-        Rig::open(&firmware.rig, firmware.elf.as_deref())?
-    else {
-        return Err(format!("rig `{}` is a real board; it needs no emulator", firmware.rig.display()).into());
+    let Rig::Virtual(VirtualRig { firmware, elf, mut options, .. }) = firmware.open()? else {
+        let rig = firmware.rig_file();
+        return Err(format!("rig `{}` is a real board; it needs no emulator", rig.display()).into());
     };
     options.keep_trace = keep_trace;
     if let (Some(world), Some(skin)) = (&mut options.world, skin) {
@@ -54,5 +82,32 @@ pub(super) fn check_faults(faults: &[Fault], board: &VirtualBoard) -> Result<(),
             Err(format!("`--fault`: {}, but the rig has no `[world]`", fault.what).into())
         }
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn firmware(rig: Option<&Path>, elf: Option<&Path>) -> Firmware {
+        Firmware { rig: rig.map(Path::to_owned), elf: elf.map(Path::to_owned) }
+    }
+
+    #[test]
+    fn the_rig_is_that_of_the_checkout_that_holds_the_elf() {
+        let checkout = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../target/another-checkout");
+        let elf = checkout.join("firmware/target/dermatome-firmware");
+        for file in [&checkout.join(RIG), &elf] {
+            fs::create_dir_all(file.parent().unwrap()).unwrap();
+            fs::write(file, "").unwrap();
+        }
+        let canonical = |path: PathBuf| path.canonicalize().unwrap();
+        assert_eq!(firmware(None, Some(&elf)).rig_file(), canonical(checkout.join(RIG)));
+        let own = canonical(Path::new(BUILT_IN).join(RIG));
+        assert_eq!(canonical(firmware(None, None).rig_file()), own);
+        let nowhere = firmware(None, Some(Path::new("/no/such/elf")));
+        assert_eq!(canonical(nowhere.rig_file()), own, "an error will name the ELF");
+        assert_eq!(firmware(Some(Path::new("my.toml")), Some(&elf)).rig_file(), Path::new("my.toml"));
     }
 }

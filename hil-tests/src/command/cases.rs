@@ -1,5 +1,6 @@
 //! `cases`: runs the cases against a rig and says of each whether it passes.
 
+use super::boot::Firmware;
 use dermatome_hil::{
     cases::{self, Case},
     rig::{Rig, VirtualRig},
@@ -8,7 +9,6 @@ use std::{
     collections::BTreeMap,
     error::Error,
     panic::{AssertUnwindSafe, catch_unwind},
-    path::PathBuf,
     process::ExitCode,
     sync::{
         atomic::{AtomicUsize, Ordering},
@@ -21,12 +21,8 @@ use std::{
 /// Options of `cases`.
 #[derive(clap::Args)]
 pub(super) struct Cases {
-    /// Rig file: which board.
-    #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/rigs/virtual.toml"))]
-    rig: PathBuf,
-    /// Firmware to run instead of the rig's.
-    #[arg(long)]
-    elf: Option<PathBuf>,
+    #[command(flatten)]
+    firmware: Firmware,
     /// Runs every case twice and compares what happened on the board, by the hash of its trace.
     #[arg(long)]
     twice: bool,
@@ -46,7 +42,7 @@ struct Count {
 
 impl Cases {
     pub(super) fn run(self) -> Result<ExitCode, Box<dyn Error>> {
-        let rig = Rig::open(&self.rig, self.elf.as_deref())?;
+        let rig = self.firmware.open()?;
         let chosen = self.chosen();
         if chosen.is_empty() {
             return Err(format!("no case is called like that: {}", self.names.join(", ")).into());

@@ -10,6 +10,7 @@ macro_rules! say {
 mod boards;
 mod boot;
 mod cases;
+mod fingers;
 mod mutants;
 mod power_cuts;
 mod run;

@@ -3,12 +3,14 @@
 //! Virtual time follows the clock on the wall, as far as the machine is fast enough: a board that
 //! idles takes next to nothing.
 
-use super::boot::{Firmware, boot, check_faults};
+use super::{
+    boot::{Firmware, boot, check_faults},
+    fingers::{Fingers, Pressing},
+};
 use dermatome::{
     link::{self, Link, Port, program::log::Log, trim::Plug},
     model::Model,
     quantize,
-    simulate::Press,
     skin::Skin,
 };
 use dermatome_hil::{
@@ -29,6 +31,8 @@ use std::{
 
 /// Virtual time between two polls of the connection.
 const SLICE: Time = Time::from_millis(1);
+/// The same of a board that is behind the clock on the wall, which has no time for more polls.
+const SLICE_BEHIND: Time = Time::from_millis(5);
 
 /// Options of `run`.
 #[derive(clap::Args)]
@@ -39,11 +43,10 @@ pub(super) struct Run {
     /// it had been flashed before.
     #[arg(long)]
     skin: Option<PathBuf>,
-    /// A finger that rests on the skin: x,y,radius,depth (m, m, m, relative). Can be repeated.
-    #[arg(long = "press", allow_hyphen_values = true)]
-    presses: Vec<Press>,
+    #[command(flatten)]
+    pressing: Pressing,
     /// The test plug of docs/hardware.md takes the place of skin and leads, for `dermatome trim`.
-    #[arg(long, conflicts_with = "presses")]
+    #[arg(long, conflicts_with_all = ["presses", "path", "material"])]
     plug: bool,
     /// Where programs reach the board.
     #[arg(long, default_value = "tcp:127.0.0.1:7000")]
@@ -66,11 +69,11 @@ impl Run {
         let skin = self.skin.as_deref().map(|path| Skin::load(path)?.made()).transpose()?;
         let (board, firmware) = boot(&self.firmware, false, skin.clone())?;
         let log = self.logs.then(|| Log::new(&firmware)).transpose()?;
-        let mut log = log.as_ref().map(|log| LogReader::new(log, io::stderr().is_terminal()));
+        let log = log.as_ref().map(|log| LogReader::new(log, io::stderr().is_terminal()));
         if let Some(skin) = &skin {
             flash(&board, skin)?;
         }
-        press(&board, &self.presses)?;
+        let fingers = self.pressing.fingers(board.world())?;
         if self.plug {
             let world =
                 board.world().ok_or("the rig has no `[world]`, so that there is nowhere to plug it in")?;
@@ -79,37 +82,50 @@ impl Run {
         check_faults(&self.faults, &board)?;
         say!("board         {} (emulated STM32G474RE)", self.firmware.name());
         say!("listening at  tcp:{}   (Ctrl-C stops it)", listener.local_addr()?);
-        serve(&listener, &board, &self.faults, log.as_mut())
+        let faults = Arc::new(Mutex::new(Schedule::new(&shifted(&self.faults, now(&board)))));
+        serve(&listener, Served { board, faults, log, fingers })
     }
 }
 
+/// A board, and what goes on beside it.
+struct Served<'a> {
+    board: VirtualBoard,
+    faults: Arc<Mutex<Schedule>>,
+    log: Option<LogReader<'a>>,
+    fingers: Option<Fingers>,
+}
+
+fn now(board: &VirtualBoard) -> Time {
+    board.with(|machine| machine.now())
+}
+
 /// Runs the board for ever, at the pace of the clock on the wall, and carries its bytes to and from a program.
-fn serve(
-    listener: &TcpListener,
-    board: &VirtualBoard,
-    faults: &[Fault],
-    mut log: Option<&mut LogReader<'_>>,
-) -> Result<ExitCode, Box<dyn Error>> {
+fn serve(listener: &TcpListener, mut served: Served<'_>) -> Result<ExitCode, Box<dyn Error>> {
     listener.set_nonblocking(true)?;
-    let start = board.with(|machine| machine.now());
-    let faults = Arc::new(Mutex::new(Schedule::new(&shifted(faults, start))));
-    let wall = Instant::now();
+    let (start, wall) = (now(&served.board), Instant::now());
     let mut client: Option<TcpStream> = None;
+    let mut slice = SLICE;
     loop {
         if client.is_none() {
             client = accept(listener)?;
         }
-        let (now, sent) = run_slice(board, &faults)?;
+        let Served { board, faults, log, fingers } = &mut served;
+        let (now, sent) = run_slice(board, faults, slice)?;
         for line in log.as_mut().map_or(Ok(Vec::new()), |log| log.lines(board))? {
             eprintln!("{line}");
         }
+        if let Some(fingers) = fingers {
+            fingers.hear_board(&sent);
+        }
         if let Some(stream) = &mut client
-            && !exchange(stream, board, &sent)
+            && !exchange(stream, board, &sent, fingers.as_mut())
         {
             client = None;
             board.with(|machine| machine.chip(|chip| chip.uart.unplug()));
+            fingers.iter_mut().for_each(Fingers::lose_host);
         }
         let ahead = Duration::from_secs_f64(now.since(start).seconds()).saturating_sub(wall.elapsed());
+        slice = if ahead.is_zero() { SLICE_BEHIND } else { SLICE };
         std::thread::sleep(ahead);
     }
 }
@@ -122,17 +138,6 @@ fn shifted(faults: &[Fault], start: Time) -> Vec<Fault> {
         operation => operation,
     };
     faults.iter().map(|fault| Fault { when: shift(fault.when), ..*fault }).collect()
-}
-
-fn press(board: &VirtualBoard, presses: &[Press]) -> Result<(), Box<dyn Error>> {
-    if presses.is_empty() {
-        return Ok(());
-    }
-    let world = board.world().ok_or("the rig has no `[world]`, so that there is no skin to press")?;
-    let outline = world.setup().skin.shape.flat()?;
-    presses.iter().try_for_each(|press| press.check(outline))?;
-    world.press(presses);
-    Ok(())
 }
 
 fn flash(board: &VirtualBoard, skin: &Skin) -> Result<(), Box<dyn Error>> {
@@ -156,10 +161,14 @@ fn accept(listener: &TcpListener) -> io::Result<Option<TcpStream>> {
 }
 
 /// Lets the board run for a while; gives its time and what it has sent, and prints what went wrong.
-fn run_slice(board: &VirtualBoard, faults: &Arc<Mutex<Schedule>>) -> Result<(Time, Vec<u8>), Box<dyn Error>> {
+fn run_slice(
+    board: &VirtualBoard,
+    faults: &Arc<Mutex<Schedule>>,
+    slice: Time,
+) -> Result<(Time, Vec<u8>), Box<dyn Error>> {
     let schedule = faults.clone();
     let (now, sent, happened) = board.with(move |machine| {
-        let deadline = machine.now() + SLICE;
+        let deadline = machine.now() + slice;
         let happened = schedule.lock().unwrap_or_else(PoisonError::into_inner).run(machine, deadline);
         let sent: Vec<u8> =
             machine.chip(|chip| chip.uart.take_sent()).into_iter().map(|(_, byte)| byte).collect();
@@ -172,11 +181,17 @@ fn run_slice(board: &VirtualBoard, faults: &Arc<Mutex<Schedule>>) -> Result<(Tim
 }
 
 /// Carries bytes between a program and the board; says whether the program is still there.
-fn exchange(stream: &mut TcpStream, board: &VirtualBoard, sent: &[u8]) -> bool {
+fn exchange(
+    stream: &mut TcpStream,
+    board: &VirtualBoard,
+    sent: &[u8],
+    fingers: Option<&mut Fingers>,
+) -> bool {
     let mut buffer = [0; 4096];
     match stream.read(&mut buffer) {
         Ok(0) => return false,
         Ok(length) => {
+            fingers.into_iter().for_each(|fingers| fingers.hear_host(&buffer[..length]));
             board.send(Symbol::undamaged(&buffer[..length]));
         }
         Err(error) if error.kind() == ErrorKind::WouldBlock => {}

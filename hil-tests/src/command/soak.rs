@@ -1,17 +1,14 @@
 //! `soak`: faults at random for a long virtual time, and a right state after each.
 
+use super::boot::Firmware;
 use dermatome_hil::{cases, chip::time::Time, fault::parse_time, rig::Rig};
-use std::{error::Error, path::PathBuf, process::ExitCode, time::Instant};
+use std::{error::Error, process::ExitCode, time::Instant};
 
 /// Options of `soak`.
 #[derive(clap::Args)]
 pub(super) struct Soak {
-    /// Rig file of an emulated board.
-    #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/rigs/virtual.toml"))]
-    rig: PathBuf,
-    /// Firmware to run instead of the rig's.
-    #[arg(long)]
-    elf: Option<PathBuf>,
+    #[command(flatten)]
+    firmware: Firmware,
     /// How long, in virtual time.
     #[arg(long = "for", default_value = "3600s", value_parser = parse_time)]
     time: Time,
@@ -25,11 +22,13 @@ pub(super) struct Soak {
 
 impl Soak {
     pub(super) fn run(self) -> Result<ExitCode, Box<dyn Error>> {
-        let rig = Rig::open(&self.rig, self.elf.as_deref())?;
+        let rig = self.firmware.open()?;
         if matches!(rig, Rig::Board { .. }) {
-            return Err(
-                format!("rig `{}` is a real board, to which nothing can happen", self.rig.display()).into()
-            );
+            return Err(format!(
+                "rig `{}` is a real board, to which nothing can happen",
+                self.firmware.rig_file().display()
+            )
+            .into());
         }
         let start = Instant::now();
         let seen = cases::soak(&rig, self.time, self.seed, |what| {

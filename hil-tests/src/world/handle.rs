@@ -7,11 +7,11 @@ use super::{
     multiplexers::selected,
     network::{MINUS, Network, PLUS},
     parameters::Analogue,
-    skin::{LEADS, SkinNetwork, ring},
+    skin::{LEADS, SkinNetwork, Touch, ring},
 };
 use crate::chip::time::Time;
 use dermatome::{
-    simulate::{Press, Script},
+    simulate::{Press, Script, ScriptedSheet, material::Material},
     skin::Skin,
 };
 use num_complex::Complex64;
@@ -129,15 +129,27 @@ struct State {
     /// By which share the skin is longer along x than it was made.
     stretch: f64,
     drift: Drift,
-    script: Option<(Script, Time)>,
+    /// The sheet's, so that pressures and forces change it.
+    material: Option<Material>,
+    script: Option<Playing>,
     now: Time,
+}
+
+/// A script and the sheet that it presses.
+#[derive(Debug)]
+struct Playing {
+    script: Script,
+    since: Time,
+    sheet: Option<ScriptedSheet>,
+    /// Step that the fingers are at.
+    step: Option<u64>,
 }
 
 /// How things are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conditions {
     /// Fingers on the skin.
-    pub presses: Vec<Press>,
+    pub touch: Touch,
     /// Conductivity of the sheet over the skin file's.
     pub scale: f64,
     /// Noise, over that of the parts.
@@ -165,7 +177,7 @@ impl WorldHandle {
     pub fn new(setup: impl Into<Arc<Setup>>) -> Self {
         let setup = setup.into();
         let conditions = Conditions {
-            presses: Vec::new(),
+            touch: Touch::default(),
             scale: 1.0,
             noise: f64::from(u8::from(setup.noise)),
             temperature: 30.0,
@@ -179,6 +191,7 @@ impl WorldHandle {
             frequency: setup.skin.drive.frequency,
             stretch: 0.0,
             drift: Drift { per_minute: 0.0, since: Time::ZERO, from: 1.0 },
+            material: None,
             script: None,
             now: Time::ZERO,
         };
@@ -202,16 +215,23 @@ impl WorldHandle {
     pub fn press(&self, presses: &[Press]) {
         self.change(|state| {
             state.script = None;
-            state.conditions.presses = presses.to_vec();
+            state.conditions.touch = Touch { presses: presses.to_vec(), conductivity: None };
         });
     }
 
-    /// Fingers follow a script from now on.
+    /// Fingers follow a script from now on, on a sheet that was never pressed.
     pub fn run_script(&self, script: Script) {
         self.change(|state| {
-            state.conditions.presses = script.presses(0.0);
-            state.script = Some((script, state.now));
+            let sheet =
+                state.material.clone().map(|material| ScriptedSheet::new(material, self.0.setup.seed));
+            state.script = Some(Playing { script, since: state.now, sheet, step: None });
+            state.play();
         });
+    }
+
+    /// Makes the sheet of a material, so that pressures and forces of the scripts that follow change it.
+    pub fn set_material(&self, material: Material) {
+        self.change(|state| state.material = Some(material));
     }
 
     /// From now on the sheet's conductivity grows by this share of the skin file's in each minute.
@@ -306,7 +326,7 @@ impl WorldHandle {
             let state = self.state();
             (state.skin.clone(), state.conditions.clone())
         };
-        skin.transfer(&conditions.presses, conditions.scale, selected(word))
+        skin.transfer(&conditions.touch, conditions.scale, selected(word))
     }
 
     /// What a lock-in finds at the converter, V: twice the mean of samples times e^(-j omega t), t counted
@@ -381,7 +401,7 @@ impl WorldHandle {
             let analogue = analogue.without_leads();
             Network::new(&analogue, &ring(&ohms), faults, frequency, setup.seed)
         } else {
-            let admittance = skin.admittance(&conditions.presses, conditions.scale);
+            let admittance = skin.admittance(&conditions.touch, conditions.scale);
             Network::new(&analogue, &admittance, faults, frequency, setup.seed)
         };
         let network = Arc::new(network);
@@ -393,14 +413,10 @@ impl WorldHandle {
     pub(super) fn pass(&self, now: Time) {
         let mut state = self.state();
         state.now = now;
-        let (scale, presses) = (state.drifted(), state.scripted());
-        let conditions = &mut state.conditions;
-        let changed = scale != conditions.scale || presses.as_ref().is_some_and(|p| *p != conditions.presses);
-        conditions.scale = scale;
-        if let Some(presses) = presses {
-            conditions.presses = presses;
-        }
-        if changed {
+        let (scale, moves) = (state.drifted(), state.play());
+        let drifts = scale != state.conditions.scale;
+        state.conditions.scale = scale;
+        if drifts || moves {
             self.0.version.fetch_add(1, Ordering::AcqRel);
         }
     }
@@ -427,10 +443,22 @@ impl State {
         ((scale / DRIFT_STEP).round() * DRIFT_STEP).clamp(low, high)
     }
 
-    fn scripted(&self) -> Option<Vec<Press>> {
-        let (script, since) = self.script.as_ref()?;
-        let moment = SCRIPT_STEP * self.now.since(*since).periods(SCRIPT_STEP);
-        Some(script.presses(moment.seconds()))
+    /// Takes the fingers to where the script has them by now; says whether anything changed.
+    fn play(&mut self) -> bool {
+        let Some(Playing { script, since, sheet, step }) = &mut self.script else { return false };
+        let now = self.now.since(*since).periods(SCRIPT_STEP);
+        if step.replace(now) == Some(now) {
+            return false;
+        }
+        let time = (SCRIPT_STEP * now).seconds();
+        let presses = script.presses(time);
+        let touch = match sheet {
+            Some(sheet) => self.skin.touch(sheet, presses, time),
+            None => Touch { presses, conductivity: None },
+        };
+        let changed = touch != self.conditions.touch;
+        self.conditions.touch = touch;
+        changed
     }
 }
 

@@ -5,14 +5,14 @@ use super::multiplexers::Closed;
 use dermatome::{
     model::ModelError,
     sheet::ElectrodeModel,
-    simulate::{Press, TrueSkin},
+    simulate::{Press, ScriptedSheet, TrueSkin},
     skin::Skin,
 };
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 use std::{
     f64::consts::TAU,
-    sync::{Mutex, PoisonError},
+    sync::{Arc, Mutex, PoisonError},
 };
 
 /// Channels of a multiplexer, and so electrodes that the front end can reach.
@@ -25,6 +25,16 @@ const GRID: f64 = 0.005;
 /// have zeros.
 pub type Admittance = [[Complex64; LEADS]; LEADS];
 
+/// What touches a skin, and what its sheet remembers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Touch {
+    /// Fingers on the skin.
+    pub presses: Vec<Press>,
+    /// Relative conductivity of the true skin's elements, `[element]`, where it follows from pressure over time; none: the
+    /// presses alone make it.
+    pub conductivity: Option<Arc<Vec<f64>>>,
+}
+
 /// A skin that presses and drift change.
 #[derive(Debug)]
 pub struct SkinNetwork {
@@ -34,10 +44,10 @@ pub struct SkinNetwork {
     solved: Mutex<Solved>,
 }
 
-/// Impedances under the present presses, at places of the grid.
+/// Impedances under the present touch, at places of the grid.
 #[derive(Debug, Default)]
 struct Solved {
-    presses: Vec<Press>,
+    touch: Touch,
     impedances: Vec<(i32, DMatrix<Complex64>)>,
 }
 
@@ -65,11 +75,10 @@ impl SkinNetwork {
         })
     }
 
-    /// What the leads see under these presses, the sheet's conductivity being `scale` times the skin
-    /// file's.
+    /// What the leads see under this touch, the sheet's conductivity being `scale` times the skin file's.
     #[must_use]
-    pub fn admittance(&self, presses: &[Press], scale: f64) -> Admittance {
-        let grounded = self.impedance(presses, scale).try_inverse();
+    pub fn admittance(&self, touch: &Touch, scale: f64) -> Admittance {
+        let grounded = self.impedance(touch, scale).try_inverse();
         let grounded = grounded.expect("electrodes on one skin have an impedance matrix of full rank");
         expanded(&(grounded * Complex64::from(self.sheet_conductivity)), self.ground)
     }
@@ -77,10 +86,8 @@ impl SkinNetwork {
     /// Voltage between the last two of four electrodes per ampere from the first to the second, ohm: the
     /// forward model itself, nothing inverted or interpolated; electrodes that the skin lacks give zero.
     #[must_use]
-    pub fn transfer(&self, presses: &[Press], scale: f64, closed: Closed) -> Complex64 {
-        let mut conductivity = self.truth.conductivity(presses);
-        conductivity.iter_mut().for_each(|sigma| *sigma *= scale);
-        let transfer = self.truth.transfer(&conductivity);
+    pub fn transfer(&self, touch: &Touch, scale: f64, closed: Closed) -> Complex64 {
+        let transfer = self.truth.transfer(&self.conductivity(touch, scale));
         let channels = closed.map(|channel| channel.map_or(LEADS, usize::from));
         let [drive, sink, plus, minus] = channels;
         if channels.iter().any(|&channel| channel >= transfer.len()) {
@@ -90,13 +97,28 @@ impl SkinNetwork {
         (driven(plus) - driven(minus)) / self.sheet_conductivity
     }
 
+    /// Presses held until a time of the script, s, on a sheet that remembers.
+    #[must_use]
+    pub fn touch(&self, sheet: &mut ScriptedSheet, presses: Vec<Press>, time: f64) -> Touch {
+        let conductivity = sheet.conductivity(&self.truth, &presses, time);
+        Touch { presses, conductivity: Some(conductivity.into()) }
+    }
+
+    /// Of each element, relative to the skin file's: `[element]`.
+    fn conductivity(&self, touch: &Touch, scale: f64) -> Vec<f64> {
+        let of_touch = touch.conductivity.as_deref().cloned();
+        let mut conductivity = of_touch.unwrap_or_else(|| self.truth.conductivity(&touch.presses));
+        conductivity.iter_mut().for_each(|sigma| *sigma *= scale);
+        conductivity
+    }
+
     /// Relative impedances against the ground, without its row and column.
-    fn impedance(&self, presses: &[Press], scale: f64) -> DMatrix<Complex64> {
+    fn impedance(&self, touch: &Touch, scale: f64) -> DMatrix<Complex64> {
         let place = scale.ln() / GRID;
         let (low, share) = (place.floor() as i32, place - place.floor());
         let mut solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
-        if solved.presses != presses {
-            *solved = Solved { presses: presses.to_vec(), impedances: Vec::new() };
+        if solved.touch != *touch {
+            *solved = Solved { touch: touch.clone(), impedances: Vec::new() };
         }
         let below = self.solve(&mut solved, low);
         if share < 1e-9 {
@@ -111,9 +133,7 @@ impl SkinNetwork {
             return known.clone();
         }
         let scale = (f64::from(place) * GRID).exp();
-        let mut conductivity = self.truth.conductivity(&solved.presses);
-        conductivity.iter_mut().for_each(|sigma| *sigma *= scale);
-        let transfer = self.truth.transfer(&conductivity);
+        let transfer = self.truth.transfer(&self.conductivity(&solved.touch, scale));
         let kept: Vec<usize> = (0..transfer.len()).filter(|&electrode| electrode != self.ground).collect();
         // Against the ground's potential, for currents that leave by it.
         let ground = self.ground;

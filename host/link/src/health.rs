@@ -156,6 +156,12 @@ impl Watch {
         tests.any(|ohms| ohms.is_infinite())
     }
 
+    /// Whether voltages of a frame were beyond the converter's range.
+    #[must_use]
+    pub fn is_saturated(&self) -> bool {
+        self.frames.iter().any(|seen| seen.at.flags.contains(FrameFlags::SATURATED))
+    }
+
     /// Takes contact impedances from another watch, whose current was smaller.
     pub fn take_contacts(&mut self, smaller: &Self) {
         for (seen, other) in self.frames.iter_mut().zip(smaller.frames.iter().cycle()) {

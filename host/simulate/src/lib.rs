@@ -22,7 +22,7 @@ pub use dermatome_model::indenter::{self, Footprint, Load, Press};
 pub use noise::Noise;
 pub use rig::Rig;
 pub use script::{Script, ScriptError};
-pub use sheet::Sheet;
+pub use sheet::{ScriptedSheet, Sheet};
 pub use skin::SimulatedSkin;
 pub use truth::TrueSkin;
 pub use wiring::{Fault, TimedFault};

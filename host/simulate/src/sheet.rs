@@ -2,8 +2,9 @@
 
 use crate::{
     material::{Material, Transducer},
-    truth::LEAST,
+    truth::{LEAST, TrueSkin},
 };
+use dermatome_model::indenter::Press;
 use std::collections::BTreeMap;
 
 /// The material of a whole skin.
@@ -36,6 +37,41 @@ impl Sheet {
             conductivity[element] = (1.0 + change).max(LEAST);
         }
         conductivity
+    }
+}
+
+/// A sheet that a script presses; a script that begins anew finds one that was never pressed.
+#[derive(Clone, Debug)]
+pub struct ScriptedSheet {
+    material: Material,
+    seed: u64,
+    sheet: Sheet,
+    /// How far the script has come, s.
+    time: f64,
+}
+
+impl ScriptedSheet {
+    /// A sheet of a material, whose noise follows from `seed`.
+    #[must_use]
+    pub fn new(material: Material, seed: u64) -> Self {
+        let sheet = Sheet::new(&material, seed);
+        Self { material, seed, sheet, time: 0.0 }
+    }
+
+    /// Relative conductivity of each element of `truth` under presses held until a time of the script, s: `[element]`.
+    pub fn conductivity(&mut self, truth: &TrueSkin, presses: &[Press], time: f64) -> Vec<f64> {
+        let pressed = self.respond(&truth.pressure(presses), time);
+        let changed = truth.conductivity(presses);
+        pressed.iter().zip(changed).map(|(a, b)| (a + b - 1.0).max(LEAST)).collect()
+    }
+
+    fn respond(&mut self, pressure: &[f64], time: f64) -> Vec<f64> {
+        if time < self.time {
+            (self.sheet, self.time) = (Sheet::new(&self.material, self.seed), 0.0);
+        }
+        let seconds = time - self.time;
+        self.time = time;
+        self.sheet.respond(pressure, seconds)
     }
 }
 

@@ -10,8 +10,8 @@ use crate::{
     material::Material,
     noise::{self, Noise},
     script::Script,
-    sheet::Sheet,
-    truth::{LEAST, TrueSkin},
+    sheet::ScriptedSheet,
+    truth::TrueSkin,
     wiring::{self, Fault, TimedFault},
 };
 use dermatome_model::{indenter::Press, model::ModelError, skin::Skin};
@@ -33,7 +33,8 @@ use rand_pcg::Pcg64Mcg;
 pub struct SimulatedSkin {
     truth: TrueSkin,
     script: Script,
-    worn: Option<Worn>,
+    /// What of the sheet's changes follows from pressure over time.
+    worn: Option<ScriptedSheet>,
     faults: Vec<TimedFault>,
     noise: Noise,
     /// Noise of what goes into images, and of all else: so that the first does not depend on the second.
@@ -45,16 +46,6 @@ pub struct SimulatedSkin {
     front_end: FrontEnd,
     /// Voltages and noise of the running scan, found on its first frame.
     untouched: Option<Untouched>,
-}
-
-/// A sheet whose changes follow from pressure over time.
-#[derive(Debug)]
-struct Worn {
-    material: Material,
-    seed: u64,
-    sheet: Sheet,
-    /// How far the script has come, s.
-    time: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -94,8 +85,7 @@ impl SimulatedSkin {
     /// Makes the sheet of a material, so that pressures and forces change it.
     #[must_use]
     pub fn of_material(self, material: Material) -> Self {
-        let (seed, sheet) = (self.noise.seed, Sheet::new(&material, self.noise.seed));
-        Self { worn: Some(Worn { material, seed, sheet, time: 0.0 }), ..self }
+        Self { worn: Some(ScriptedSheet::new(material, self.noise.seed)), ..self }
     }
 
     /// Wires it with these faults.
@@ -190,11 +180,7 @@ impl SimulatedSkin {
         let presses = script_time.map(|time| self.script.presses(time)).unwrap_or_default();
         match &mut self.worn {
             None => (!presses.is_empty()).then(|| self.truth.conductivity(&presses)),
-            Some(worn) => {
-                let pressed = worn.respond(&self.truth.pressure(&presses), script_time?);
-                let changed = self.truth.conductivity(&presses);
-                Some(pressed.iter().zip(changed).map(|(a, b)| (a + b - 1.0).max(LEAST)).collect())
-            }
+            Some(worn) => Some(worn.conductivity(&self.truth, &presses, script_time?)),
         }
     }
 
@@ -284,18 +270,6 @@ impl Instrument for SimulatedSkin {
             untouched.converter.samples([before, now], timing, table.drive.gain, &mut noise);
         let samples = samples.into_iter().take(MAX_SCOPE_SAMPLES).collect();
         Some(SlotSamples { slot, gain, settling: timing.settling, samples })
-    }
-}
-
-impl Worn {
-    /// Conductivity at a time of the script; a script that begins anew finds a fresh sheet.
-    fn respond(&mut self, pressure: &[f64], time: f64) -> Vec<f64> {
-        if time < self.time {
-            (self.sheet, self.time) = (Sheet::new(&self.material, self.seed), 0.0);
-        }
-        let seconds = time - self.time;
-        self.time = time;
-        self.sheet.respond(pressure, seconds)
     }
 }
 

@@ -21,6 +21,12 @@ pub(crate) const LIMIT: Duration = Duration::from_secs(180);
 /// A coarse skin of 8 electrodes.
 pub(crate) const TINY: &str = include_str!("../data/tiny.toml");
 
+/// A skin file with a line replaced.
+pub(crate) fn with(text: &str, line: &str, other: &str) -> String {
+    assert!(text.contains(line), "{line}");
+    text.replace(line, other)
+}
+
 /// A folder in which commands run, so that their messages hold no path of this machine.
 pub(crate) struct Desk {
     folder: TempDir,

@@ -3,7 +3,11 @@ use crate::{
     chip::{time::Time, world::World},
     world::{AnalogueWorld, Setup, WorldError, WorldHandle},
 };
-use dermatome::{simulate::Press, skin::Skin};
+use dermatome::{
+    material::Material,
+    simulate::{Footprint, Load, Press, Script, script::Moment},
+    skin::Skin,
+};
 use std::path::Path;
 
 const PRESS: Press = Press::finger([0.03, -0.02], 0.02, 1.0);
@@ -69,15 +73,43 @@ fn drift_is_interpolated_without_a_step() {
 fn a_script_moves_fingers_in_virtual_time() {
     let handle = handle(ideal());
     let outline = dermatome::outline::Outline::disc(0.105);
-    handle.run_script(dermatome::simulate::Script::round(&outline));
+    handle.run_script(Script::round(&outline));
     let mut world = AnalogueWorld::new(handle.clone());
     world.voltage(2, 16, Time::from_millis(10));
-    let first = handle.conditions().presses;
+    let first = handle.conditions().touch.presses;
     world.voltage(2, 16, Time::from_millis(2010));
-    let later = handle.conditions().presses;
+    let later = handle.conditions().touch.presses;
     assert_eq!((first.len(), later.len()), (1, 1));
     // A quarter of the way round.
     assert!(first[0].position[0] > 0.05 && later[0].position[1] > 0.05, "{first:?} {later:?}");
+}
+
+#[test]
+fn a_sheet_of_a_material_answers_to_force_and_remembers_it_until_a_script_begins_anew() {
+    let handle = handle(ideal());
+    handle.set_material(Material::named("sample-1").unwrap());
+    let outline = dermatome::outline::Outline::disc(0.105);
+    let press = |time, force| Moment {
+        time,
+        press: Press::new(Footprint::Disc { radius: 0.02 }, [0.03, -0.02], Load::Force(force)),
+    };
+    // Lifted from two seconds on.
+    let script = Script::new(vec![vec![press(0.0, 40.0), press(2.0, 40.0)], vec![press(3.0, 0.0)]], &outline);
+    let script = script.unwrap();
+    let words = words();
+    let mut world = AnalogueWorld::new(handle.clone());
+    let seen = |world: &mut AnalogueWorld, millis| {
+        world.voltage(2, 16, Time::from_millis(millis));
+        handle.truth(words[3]).norm()
+    };
+    let untouched = seen(&mut world, 10);
+    handle.run_script(script.clone());
+    let [pressed, lifted] = [1500, 2900].map(|millis| seen(&mut world, millis));
+    assert!(pressed < 0.999 * untouched, "{pressed} under load, {untouched} without");
+    assert!(lifted > pressed && lifted < 0.9999 * untouched, "{lifted} afterwards, {untouched} at first");
+    handle.run_script(Script::nobody());
+    let anew = seen(&mut world, 2950);
+    assert!((anew / untouched - 1.0).abs() < 1e-3, "{anew} anew, {untouched} at first");
 }
 
 #[test]

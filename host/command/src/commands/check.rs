@@ -12,11 +12,11 @@ use super::{
 use anyhow::{Context, bail};
 use dermatome_link::{
     Link, LinkError,
-    health::{self, Diagnosis, State, Watch},
+    health::{self, Diagnosis, Electrode, State, Watch},
 };
 use dermatome_shared::{
     drive::Drive,
-    protocol::{FrameSource, Request},
+    protocol::{FrameSource, PatchInfo, Request},
 };
 use dermatome_simulate::port::Port;
 use serde::Serialize;
@@ -60,11 +60,18 @@ struct Report<'a> {
     #[serde(flatten)]
     board: BoardReport<'a>,
     frame_rate_asked: f32,
+    #[serde(flatten)]
+    examined: Examined,
+}
+
+/// What a board's frames say about it and its skin.
+#[derive(Serialize)]
+pub(super) struct Examined {
     /// Current with which contact impedances were measured.
     contact_amplitude_a: f32,
     #[serde(flatten)]
-    diagnosis: Diagnosis,
-    model: Option<Compared>,
+    pub(super) diagnosis: Diagnosis,
+    pub(super) model: Option<Compared>,
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
@@ -73,14 +80,35 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let mut link = open(&args.port)?;
     let patch = patch_of(&mut link)?;
     model.as_ref().map_or(Ok(()), |model| model.check_steps(&mut link, &patch))?;
+    let Some(examined) = examine(&mut link, &patch, model.as_ref(), args.frames.into())? else {
+        bail!("stopped before the first frame came")
+    };
+    let board = BoardReport::new(&link, &patch);
+    let report = Report { board, frame_rate_asked: patch.drive.frame_rate, examined };
+    print(&report);
+    args.json.write(&report)?;
+    match report.examined.diagnosis.findings.len() {
+        0 => Ok(()),
+        1 => bail!("one thing is wrong with the board or its skin: see above"),
+        many => bail!("{many} things are wrong with the board or its skin: see above"),
+    }
+}
+
+/// Watches so many frames, and compares as many with a model; none where Ctrl-C comes before the first.
+pub(super) fn examine(
+    link: &mut Link,
+    patch: &PatchInfo,
+    model: Option<&Model<'_>>,
+    frames: usize,
+) -> anyhow::Result<Option<Examined>> {
     let info = link.info()?;
     let is_simulated = info.frame_source == FrameSource::Simulated;
     let drive = info.drive.unwrap_or(patch.drive);
-    let timeout = silence_timeout(&patch);
-    let mut watch = health::watch(&mut link, args.frames.into(), timeout, || !interrupt::requested())?;
+    let timeout = silence_timeout(patch);
+    let mut watch = health::watch(link, frames, timeout, || !interrupt::requested())?;
     let mut contact_amplitude_a = drive.amplitude;
     if watch.has_clipped_tests() && !interrupt::requested() {
-        let measured = measure_contacts(&mut link, &mut watch, drive, timeout);
+        let measured = measure_contacts(link, &mut watch, drive, timeout);
         // Whatever happened, the current is what it was.
         link.request(&Request::Drive(Some(drive)))?;
         contact_amplitude_a = measured?;
@@ -89,42 +117,26 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     if model.is_some() && !is_comparable {
         eprintln!("not compared with the skin file: first mend what is wrong with electrodes and current");
     }
-    let compared = match &model {
+    let model = match model {
         Some(model) if is_comparable && !interrupt::requested() => {
             let front_end = info.front_end.context("this board does not say how many volts its codes are")?;
             let ohms = f64::from(front_end.volts_per_code / drive.amplitude);
-            let frames = check_skin::frames(&mut link, args.frames.into(), ohms, timeout)?;
-            frames.map(|frames| model.compare(&frames, &patch)).transpose()?
+            let frames = check_skin::frames(link, frames, ohms, timeout)?;
+            frames.map(|frames| model.compare(&frames, patch)).transpose()?
         }
         _ => None,
     };
-    if let Some(compared) = &compared {
+    if let Some(compared) = &model {
         watch.add_to_contacts(&compared.missing(&link.test_resistances()?));
     }
-    let Some(mut diagnosis) = watch.diagnosis(is_simulated) else {
-        bail!("stopped before the first frame came")
-    };
-    if let Some(compared) = &compared {
+    let Some(mut diagnosis) = watch.diagnosis(is_simulated) else { return Ok(None) };
+    if let Some(compared) = &model {
         if compared.wires_are_wrong {
             diagnosis.distrust_contacts();
         }
         diagnosis.findings.extend(compared.findings.iter().cloned());
     }
-    let board = BoardReport::new(&link, &patch);
-    let report = Report {
-        board,
-        frame_rate_asked: patch.drive.frame_rate,
-        contact_amplitude_a,
-        diagnosis,
-        model: compared,
-    };
-    print(&report);
-    args.json.write(&report)?;
-    match report.diagnosis.findings.len() {
-        0 => Ok(()),
-        1 => bail!("one thing is wrong with the board or its skin: see above"),
-        many => bail!("{many} things are wrong with the board or its skin: see above"),
-    }
+    Ok(Some(Examined { contact_amplitude_a, diagnosis, model }))
 }
 
 /// Repeats the electrodes' tests with ever smaller currents until they fit; says with which.
@@ -148,7 +160,20 @@ fn measure_contacts(
 
 /// Electrodes from 1, as people count them.
 fn print(report: &Report<'_>) {
-    let Diagnosis { electrodes, findings, .. } = &report.diagnosis;
+    let Diagnosis { electrodes, findings, .. } = &report.examined.diagnosis;
+    print_electrodes(electrodes);
+    let rows = rows(report).into_iter().chain(report.examined.model.iter().flat_map(Compared::rows));
+    rows.for_each(|(name, value)| say!("{name:<18} {value}"));
+    if findings.is_empty() {
+        say!("nothing looks wrong");
+    }
+    for finding in findings {
+        say!("wrong: {}: {}", finding.what, finding.advice);
+    }
+}
+
+/// A row for each.
+pub(super) fn print_electrodes(electrodes: &[Electrode]) {
     if electrodes.is_empty() {
         say!("this board does not test its electrodes");
     } else {
@@ -160,14 +185,6 @@ fn print(report: &Report<'_>) {
             _ => electrode.contact_impedance_ohm.map_or("too large".to_owned(), |ohms| format!("{ohms:.1}")),
         };
         say!("{:>9} {ohms:>21}  {}", electrode.electrode + 1, word(electrode.state));
-    }
-    let rows = rows(report).into_iter().chain(report.model.iter().flat_map(Compared::rows));
-    rows.for_each(|(name, value)| say!("{name:<18} {value}"));
-    if findings.is_empty() {
-        say!("nothing looks wrong");
-    }
-    for finding in findings {
-        say!("wrong: {}: {}", finding.what, finding.advice);
     }
 }
 
@@ -183,7 +200,7 @@ fn word(state: State) -> &'static str {
 }
 
 fn rows(report: &Report<'_>) -> Vec<(&'static str, String)> {
-    let diagnosis = &report.diagnosis;
+    let Examined { contact_amplitude_a, diagnosis, .. } = &report.examined;
     let percent = |value: f32| format!("{value:.2} %");
     let or = |value: Option<String>, none: &str| value.unwrap_or_else(|| none.to_owned());
     let flags = diagnosis.flags.iter().map(|(words, frames)| format!("{words} ({frames})"));
@@ -192,7 +209,7 @@ fn rows(report: &Report<'_>) -> Vec<(&'static str, String)> {
     let asked = report.frame_rate_asked;
     vec![
         ("frames", format!("{}, {} (asked for {asked})", diagnosis.frames, or(rate, "one only"))),
-        ("contacts tested at", format!("{} mA", rounded(1e3 * report.contact_amplitude_a))),
+        ("contacts tested at", format!("{} mA", rounded(1e3 * contact_amplitude_a))),
         (
             "reciprocity error",
             or(diagnosis.reciprocity_error_percent.map(percent), "not measured by this patch"),

@@ -10,7 +10,7 @@ use dermatome_frames::recorded::{
     fit::{Fit, FitError, fit},
     order::Arrangement,
     read::Frames,
-    wording::Wording,
+    wording::{Advice, Wording},
 };
 use dermatome_link::{Link, LinkError, health::Finding};
 use dermatome_model::skin::Skin;
@@ -44,6 +44,12 @@ pub(super) struct Compared {
     pub(super) wires_are_wrong: bool,
     #[serde(skip)]
     pub(super) findings: Vec<Finding>,
+    /// Where the wires are instead, if the skin's shape tells.
+    #[serde(skip)]
+    pub(super) order: Option<Arrangement>,
+    /// Of the untouched voltages over their noise, root mean square, dB; none without noise.
+    #[serde(skip)]
+    pub(super) snr_db: Option<f64>,
 }
 
 /// A skin file, and what it says of an untouched skin.
@@ -55,7 +61,11 @@ pub(super) struct Model<'a> {
 
 impl<'a> Model<'a> {
     pub(super) fn of(file: &'a Path) -> anyhow::Result<Self> {
-        let skin = Skin::load(file)?.made()?;
+        Self::of_skin(file, Skin::load(file)?.made()?)
+    }
+
+    /// The same of what the file says, or would say.
+    pub(super) fn of_skin(file: &'a Path, skin: Skin) -> anyhow::Result<Self> {
         let expected = Expected::of(&skin).with_context(|| format!("skin file `{}`", file.display()))?;
         Ok(Self { file, skin, expected })
     }
@@ -95,6 +105,8 @@ impl<'a> Model<'a> {
             sheet_conductivity_s: fit.as_ref().map(|fit| fit.sheet_conductivity_s),
             sheet_conductivity_of_file_s: self.skin.material.sheet_conductivity,
             unexplained_percent: fit.as_ref().map(|fit| fit.residual_percent),
+            order: check.findings.iter().find_map(|finding| order(&finding.advice)),
+            snr_db: check.steadiness.and_then(|steadiness| steadiness.snr_db),
             wires_are_wrong,
             findings,
         })
@@ -166,6 +178,14 @@ fn left_over(fit: &Fit) -> Option<Finding> {
         what: format!("the model leaves {:.0} % of the voltages over, whatever sheet and contacts are", fit.residual_percent),
         advice: "check that the skin file's shape and electrodes are those of the skin, and that nothing touches it".to_owned(),
     })
+}
+
+/// The order of the wires that is advised, if it is the only one that fits.
+fn order(advice: &Advice) -> Option<Arrangement> {
+    match advice {
+        Advice::Rearrange(change) if !change.rotation_ambiguous => Some(change.best),
+        _ => None,
+    }
 }
 
 /// Whether such a fault says something of skin and wires that the electrodes' own tests do not.

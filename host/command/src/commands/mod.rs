@@ -53,6 +53,7 @@ mod progress;
 mod reconstruct;
 mod replay;
 mod scope;
+mod setup;
 mod simulate;
 mod skin_of_cutout;
 mod skin_of_design;
@@ -83,6 +84,7 @@ enum Command {
     Tare(tare::Args),
     Stream(stream::Args),
     Calibrate(calibrate::Args),
+    Setup(setup::Args),
     Check(check::Args),
     Scope(scope::Args),
     Drive(drive::Args),
@@ -130,6 +132,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Tare(args) => tare::run(&args),
         Command::Stream(args) => stream::run(&args),
         Command::Calibrate(args) => calibrate::run(&args),
+        Command::Setup(args) => setup::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Scope(args) => scope::run(&args),
         Command::Drive(args) => drive::run(&args),

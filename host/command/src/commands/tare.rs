@@ -13,7 +13,7 @@ use dermatome_shared::{
 };
 use dermatome_simulate::port::Port;
 use serde::Serialize;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Make the skin, as it is now, the reference: nothing may touch it.
 #[derive(clap::Args)]
@@ -55,9 +55,14 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 
 /// A long tare takes as long as its frames.
 pub(super) fn tare_with_spinner(link: &mut Link, patch: &PatchInfo, frames: u16) -> Result<(), LinkError> {
+    tare_within(link, frames, link::tare_timeout(patch, frames))
+}
+
+/// A tare of a board that may be slower than its frame rate says.
+pub(super) fn tare_within(link: &mut Link, frames: u16, timeout: Duration) -> Result<(), LinkError> {
     let spinner = super::progress::spinner();
     spinner.set_message(format!("averaging {frames} frames of the untouched skin"));
-    let tared = link::tare(link, frames, link::tare_timeout(patch, frames));
+    let tared = link::tare(link, frames, timeout);
     spinner.finish_and_clear();
     tared
 }

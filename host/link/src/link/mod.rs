@@ -185,6 +185,13 @@ impl Link {
         self.start_of_patch(|patch| patch.header.contact_threshold.to_f64())
     }
 
+    /// Whether the board's patch was calibrated.
+    pub fn is_calibrated(&mut self) -> Result<bool, LinkError> {
+        self.start_of_patch(|patch| {
+            !patch.header.calibration.points.is_empty() || patch.header.play_operators > 0
+        })
+    }
+
     /// What the sheet adds to each electrode's test by the patch's model, ohm: `[electrode]`; empty if unknown.
     pub fn test_resistances(&mut self) -> Result<Vec<f32>, LinkError> {
         self.start_of_patch(|patch| patch.header.test_resistances.to_vec())
