@@ -56,10 +56,14 @@ pub fn write_together(files: &[(&Path, &[u8])]) -> Result<(), WriteError> {
 
 /// Checks that a file could be written to `path`, before the work whose result it is to hold.
 pub fn check_folder(path: &Path) -> Result<(), WriteError> {
-    let Target::File(target) = Target::of(path) else { return Ok(()) };
-    temporary_file(folder_of(&target))
-        .map(drop)
-        .map_err(|reason| WriteError { path: path.to_owned(), reason })
+    let tried = match Target::of(path) {
+        Target::File(target) => temporary_file(folder_of(&target)).map(drop),
+        Target::InPlace if path.is_dir() => {
+            Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"))
+        }
+        Target::InPlace | Target::StandardOutput => Ok(()),
+    };
+    tried.map_err(|reason| WriteError { path: path.to_owned(), reason })
 }
 
 /// A folder for files that belong together: either all of them are written or none is.

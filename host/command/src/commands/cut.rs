@@ -161,7 +161,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         "`--name` is {name:?}; allowed: 1 to 32 letters, digits, \"-\" or \"_\" (by default it is that of `--out`)"
     );
     let [skin, mesh] = [SKIN, MESH].map(|name| args.out.join(name));
-    let mut link = import::read(&args.link, args.weld)?;
+    let mut link = import::read(&args.link, args.weld).map_err(|error| in_flags(error, &FLAGS))?;
     link.scale(unit);
     let read_seconds = start.elapsed().as_secs_f64();
     let cutting = Instant::now();

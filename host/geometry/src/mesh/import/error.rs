@@ -68,7 +68,7 @@ pub enum Problem {
         what: String,
     },
     /// An unusable welding tolerance.
-    #[error("the welding tolerance is {found}, allowed is {allowed:?} of the bounding box's diagonal")]
+    #[error("`weld` is {found}, allowed is {allowed:?} of the bounding box's diagonal")]
     Tolerance {
         /// What was asked for.
         found: f64,
