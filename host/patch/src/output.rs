@@ -37,7 +37,9 @@ pub fn stream_whole(
         }
         Target::StandardOutput => buffered(&mut io::stdout().lock(), write),
     };
-    written.map_err(|reason| WriteError { path: path.to_owned(), reason })
+    written.map_err(|reason| WriteError { path: path.to_owned(), reason })?;
+    log::debug!("wrote `{}`", path.display());
+    Ok(())
 }
 
 /// Writes files that belong together, so that all of them are written or none is: ordinary files are replaced once

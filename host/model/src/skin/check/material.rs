@@ -53,13 +53,10 @@ impl Checker<'_> {
         let [low, high] = sheet.outline.bounds();
         let (middle, farthest) = (nalgebra::center(&low, &high), FARTHEST * sheet.outline.diameter());
         let is_far = |place: &&Point3<f64>| (place.xy() - middle).norm() > farthest;
-        match map.places().find(is_far) {
-            Some(place) => self.refuse_map(
-                format!("given at {}", show(place)),
-                &format!("places within {:.0} mm of the skin's middle. Are they in m?", farthest * 1e3),
-            ),
-            None => Ok(material),
-        }
+        let far = map.places().find(is_far).map(show);
+        let Some(place) = far else { return Ok(material) };
+        let allowed = format!("places within {:.0} mm of the skin's middle. Are they in m?", farthest * 1e3);
+        self.refuse_map(format!("given at {place}"), &allowed)
     }
 
     fn material(&self, table: &MaterialTable) -> Result<Material, SkinError> {
