@@ -95,6 +95,8 @@ impl Desks {
             std::fs::copy(desk.path(&format!("model/{name}")), desk.path(name)).unwrap();
         }
         std::fs::remove_dir_all(desk.path("model")).unwrap();
+        desk.write("skin.dae", DAE);
+        desk.write("posed.toml", format!("{TINY}{POSE}"));
         let forward = desk.run(&["forward", "skin.toml"]).success().out;
         Self { files: contents(&desk.path("")), forward }
     }
@@ -198,9 +200,21 @@ pub(crate) fn tiny(from: &str, to: &str) -> String {
 
 pub(crate) const READINGS: &str = "pressure_kpa,strength,deviation,area_mm2,x_mm,y_mm,z_mm\n\
 0,0,0.01,100,0,0,0\n2,0.1,0.01,100,0,0,0\n4,0.2,0.01,100,0,0,0\n6,0.3,0.01,100,0,0,0\n";
-pub(crate) const LOADS: &str = "time_s,pressure_kpa\n0,0\n1,5\n2,10\n3,5\n4,0\n";
+pub(crate) const LOADS: &str = "time_s,pressure_kpa\n0,0\n1,3\n2,6\n3,10\n4,5\n5,0\n";
 pub(crate) const PATH: &str = "time_s,finger,x_m,y_m,shape,radius_m,inner_m,angle_deg,corners_m,depth,pressure_kpa,force_n\n\
 0,1,0,0,finger,0.01,,,,0.5,,\n1,1,0.01,0,finger,0.01,,,,0.5,,\n";
+/// A square of 100 mm.
+pub(crate) const DAE: &str = r##"<COLLADA version="1.4.1"><asset><unit meter="1"/><up_axis>Z_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh>
+<source id="s"><float_array id="a" count="12">-5 -5 0 5 -5 0 5 5 0 -5 5 0</float_array>
+<technique_common><accessor source="#a" count="4" stride="3"/></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+<polylist count="1"><input semantic="VERTEX" source="#v" offset="0"/><vcount>4</vcount><p>0 1 2 3</p></polylist>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="w"><node><scale>0.01 0.01 0.01</scale><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#w"/></scene></COLLADA>
+"##;
+const POSE: &str = "[pose]\nlink = \"palm\"\nposition = [0, 0, 0]\norientation = [0, 0, 0, 1]\n";
 const MATERIAL: &str = include_str!("../../../models/materials/sample-1.toml");
 
 /// What `stream` prints: a contact in each of 300 frames of 20 ms, that grows and shrinks again.

@@ -1,6 +1,6 @@
 //! Every file that a command reads: not there, a folder, empty, cut off, garbled, of another kind.
 
-use super::case::{Case, Desks};
+use super::case::{Case, DAE, Desks};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg32;
 
@@ -52,6 +52,7 @@ const READERS: &[(&[&str], &str)] = &[
     (&["cut", "@", "--unit", "mm", "--around", "0,0,0", "--radius", "30", "--out", "new"], "skin.stl"),
     (&["cut", "@", "--unit", "mm", "--around", "0,0,0", "--radius", "30", "--out", "new"], "skin.ply"),
     (&["cut", "@", "--unit", "mm", "--around", "0,0,0", "--radius", "30", "--out", "new"], "skin.msh"),
+    (&["cut", "@", "--around", "0,0,0", "--radius", "30mm", "--out", "new"], "skin.dae"),
 ];
 
 pub(crate) fn cases(desks: &Desks) -> Vec<Case> {
@@ -88,7 +89,7 @@ fn of_reader(desks: &Desks, command: &[&str], sound: &str) -> Vec<Case> {
     garble(&bad, b"PK\x03\x04\x14\x00\x00\x00".to_vec());
     garble(&bad, "<html><body>404 Not Found</body></html>\n".into());
     garble(&bad, "{\"name\": \"tiny\"}\n".into());
-    if matches!(ending, "dermatome" | "toml" | "npy" | "ply" | "msh") {
+    if matches!(ending, "dermatome" | "toml" | "npy" | "ply" | "msh" | "dae") {
         let whole = desks.file(sound);
         for share in [0.1, 0.5, 0.97] {
             garble(&bad, whole[..(whole.len() as f64 * share) as usize].to_vec());
@@ -176,6 +177,15 @@ fn meshes() -> Vec<Case> {
         ("bad.obj", obj.replace("v 90 0 0", "v nan 0 0")),
         ("bad.obj", obj.replace("v 90 0 0", "v 90 0")),
         ("bad.obj", obj.replace("f 1 2 3\n", "")),
+        ("bad.dae", DAE.replace("0 1 2 3</p>", "0 1 2 4</p>")),
+        ("bad.dae", DAE.replace("meter=\"1\"", "meter=\"0\"")),
+        ("bad.dae", DAE.replace("Z_UP", "up")),
+        ("bad.dae", DAE.replace("-5 5 0<", "-5 nan 0<")),
+        ("bad.dae", DAE.replace("count=\"4\"", "count=\"99999999999\"")),
+        ("bad.dae", DAE.replace("#g", "file:///etc/passwd#g")),
+        ("bad.dae", DAE.replace("<node>", "<node id=\"n\"><instance_node url=\"#n\"/>")),
+        ("bad.dae", DAE.replace("</COLLADA>", "")),
+        ("bad.dae", format!("<!DOCTYPE a [<!ENTITY b SYSTEM \"file:///etc/passwd\">]>{DAE}")),
         ("bad.xyz", obj.to_owned()),
         ("bad.step", "ISO-10303-21;\nHEADER;\n".to_owned()),
     ];

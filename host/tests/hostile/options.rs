@@ -29,6 +29,8 @@ const COMMANDS: &[&[&str]] = &[
     &["learn", "skin.toml", "--presses=presses.csv", "--reference=reference.csv"],
     &["export", "skin.toml", "--out=new"],
     &["forward", "skin.toml"],
+    &["completions", "bash"],
+    &["man", "--out=new"],
 ];
 
 /// Options that name a file to read: host/tests/hostile/files.rs tries them.
@@ -79,7 +81,7 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
     Some(match (command, option) {
         ("replay" | "reconstruct", "frames") => return None,
         (_, name) if READ.contains(&name) => return None,
-        ("cut" | "export" | "experiment", "out") => &["", "notes.txt", "notes.txt/new"],
+        ("cut" | "export" | "experiment" | "man", "out") => &["", "notes.txt", "notes.txt/new"],
         ("calibrate" | "design" | "forward", "out") => &["", "-", "folder", "none/x", "notes.txt"],
         (_, name) if WRITTEN.contains(&name) => &["", "-", "folder", "none/x", "notes.txt", "notes.txt/x"],
         (_, "port") => PORTS,
@@ -168,7 +170,7 @@ pub(crate) fn cases() -> Vec<Case> {
 
 /// What else an option needs, and what it does not go with: `[option, needs, goes without]`.
 const COMPANY: &[(&str, &[&str], &[&str])] = &[
-    ("fit", &["--skin=skin.toml"], &[]),
+    ("fit", &["--skin=posed.toml"], &[]),
     ("start", &["--recording=recording.txt", "--loads=loads.csv"], &["--readings=readings.csv"]),
     ("save", &["--recording=recording.txt", "--loads=loads.csv"], &["--readings=readings.csv"]),
     ("port", &["--loads=loads.csv"], &["--readings=readings.csv"]),
@@ -261,6 +263,14 @@ fn pairs() -> Vec<Case> {
         (&["replay", "skin.dermatome", "--frames=frames.csv", "--each"], &["--reference"]),
         (&["replay", "skin.dermatome", "--frames=frames.csv", "--tare=25"], &["25", "24"]),
         (&["experiment", "dividers"], &["dividers"]),
+        (&["completions"], &["<SHELL>"]),
+        (&["completions", "tcsh"], &["tcsh", "fish"]),
+        (&["man"], &["--out"]),
+        (&["cut", "skin.stl", "--around=0,0,0", "--radius=30", "--out=new"], &["--unit", "skin.stl", "inch"]),
+        (
+            &["cut", "skin.dae", "--unit=mm", "--around=0,0,0", "--radius=30mm", "--out=new"],
+            &["--unit", "skin.dae", "1 m"],
+        ),
         (&["experiment", ""], &["''|NAME"]),
         (&["trim", "--port=sim:skin.toml"], &["sim:skin.toml|simulated"]),
         (&["scope", "--port=sim:skin.toml", "--slot=48"], &["slots 0 to 47"]),

@@ -261,9 +261,8 @@ fn lines() -> Vec<(String, String)> {
         let whole = format!("{line}\n");
         let key = line.trim_matches(['[', ']']).split(" =").next().unwrap_or(line);
         let misspelled = line.replacen(key, &format!("{key}x"), 1);
-        // Without its heading, a table's first field is in the table before.
-        let next = TINY.split(&whole).nth(1).and_then(|rest| rest.split(" =").next()).unwrap_or(key);
-        let left_out = if line.starts_with('[') { format!("{key}|{next}") } else { key.to_owned() };
+        // Without its heading, a table's fields are in the table before.
+        let left_out = if line.starts_with('[') { format!("{key}|unknown field") } else { key.to_owned() };
         wrong.push((left_out, tiny(&whole, "")));
         wrong.push((key.to_owned(), tiny(&whole, &whole.repeat(2))));
         wrong.push((format!("{key}x"), tiny(&whole, &format!("{misspelled}\n"))));

@@ -19,7 +19,7 @@ pub(crate) fn cases(desks: &Desks) -> Vec<Case> {
         Table {
             command: &["calibrate", "skin.dermatome", "--readings", "bad.csv", "--out", "new.dermatome"],
             sound: READINGS.to_owned(),
-            right: &[],
+            right: &[("deviation", &[""]), ("area_mm2", &[""]), ("z_mm", &[""])],
             optional: &["deviation", "area_mm2", "z_mm"],
         },
         Table {
@@ -46,7 +46,8 @@ pub(crate) fn cases(desks: &Desks) -> Vec<Case> {
                 ("angle_deg", &[""]),
                 ("corners_m", &[""]),
                 ("pressure_kpa", &[""]),
-                ("force_n", &[""]),
+                // A quote that the file ends in holds nothing.
+                ("force_n", &["", "\""]),
             ],
             optional: &["shape", "inner_m", "angle_deg", "corners_m", "pressure_kpa", "force_n"],
         },
@@ -132,11 +133,9 @@ fn in_skins(desks: &Desks) -> Vec<Case> {
             (format!("{}\n", rows[0].join(",")), ""),
         ];
         for (at, name) in rows[0].iter().enumerate() {
-            texts.extend(
-                CELLS
-                    .iter()
-                    .map(|cell| (changed(&rows, 2, at, cell), if *cell == "\"" { "" } else { "line 3" })),
-            );
+            texts.extend(CELLS.iter().map(|cell| {
+                (changed(&rows, 2, at, cell), if *cell == "\"" { "" } else { "line 3|19 entries" })
+            }));
             texts.push((changed(&rows, 0, at, &format!("{name}x")), name));
             let negative = if field == "conductivity_map" && at < 2 { "-99999" } else { "-1" };
             texts.push((changed(&rows, 2, at, negative), "line 3|-1|-99999"));
@@ -222,9 +221,7 @@ fn recordings(desks: &Desks) -> Vec<Case> {
         }
     }
     let backwards: String = sound.lines().rev().map(|line| format!("{line}\n")).collect();
-    for text in
-        [String::new(), "x\n".to_owned(), backwards, sound.replace('\t', ","), sound.replace('\t', " ")]
-    {
+    for text in [String::new(), "x\n".to_owned(), backwards, sound.replace('\t', " ")] {
         cases.push(Case::refused(command, &["bad.txt"]).with("bad.txt", text));
     }
     cases

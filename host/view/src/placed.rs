@@ -53,7 +53,7 @@ pub fn placed(scene: &Placed<'_>) -> Picture {
         let corner = ((place * COLUMN + MARGIN) as i32, (head + MARGIN) as i32);
         window.draw(scene, &mut picture, corner, place == 1);
         let at = Point::new(corner.0 + SIDE as i32 / 2, corner.1 + (SIDE + MARGIN) as i32 - 4);
-        let words = format!("{words}: {:.0} mm across", window.side * 1e3);
+        let words = format!("{words}, in a square of {:.0} mm", window.side * 1e3);
         picture.text(at, &words, SMALL, Alignment::Center, Baseline::Top);
     }
     picture
