@@ -5,7 +5,9 @@ use clap_complete::{Shell, generate};
 
 /// Print what makes a shell complete commands and options.
 #[derive(clap::Args)]
-#[command(after_help = "To install it for yourself, once, as a file that the shell reads when it starts:
+#[command(after_help = "The shell reads it from a file when it starts.
+
+Examples:
   dermatome completions bash > ~/.local/share/bash-completion/completions/dermatome
   dermatome completions zsh > ~/.zfunc/_dermatome    (with fpath+=~/.zfunc before compinit in ~/.zshrc)
   dermatome completions fish > ~/.config/fish/completions/dermatome.fish

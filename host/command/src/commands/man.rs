@@ -8,9 +8,8 @@ use dermatome_patch::output::OutputFolder;
 
 /// Write the manual pages, one for each command.
 #[derive(clap::Args)]
-#[command(after_help = "To install them for yourself:
+#[command(after_help = "Examples:
   mkdir -p ~/.local/share/man/man1 && dermatome man --out ~/.local/share/man/man1
-then:
   man dermatome-build")]
 pub(super) struct Args {
     /// Folder to write to; it is made if it is not there.

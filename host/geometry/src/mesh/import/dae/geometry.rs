@@ -141,7 +141,7 @@ impl<'a, 'i> Corners<'a, 'i> {
 
     fn nodes(&self, list: Node, nodes: usize) -> Result<Vec<usize>, Problem> {
         let words: Vec<&str> = list.text().unwrap_or_default().split_ascii_whitespace().collect();
-        if words.len() % self.stride != 0 || words.len() / self.stride > 4 * MAX_TRIANGLES {
+        if !words.len().is_multiple_of(self.stride) || words.len() / self.stride > 4 * MAX_TRIANGLES {
             let allowed = format!("{} for each corner", self.stride);
             return Err(wrong(list, "the numbers of <p>", &format!("{} of them", words.len()), &allowed));
         }
@@ -161,7 +161,7 @@ fn flat(lists: Vec<Vec<Vec<usize>>>) -> Vec<Vec<usize>> {
 }
 
 fn in_threes(part: Node, list: &[usize]) -> Result<Vec<Vec<usize>>, Problem> {
-    if list.len() % 3 != 0 {
+    if !list.len().is_multiple_of(3) {
         return Err(wrong(part, "the corners of <triangles>", &list.len().to_string(), "three for each"));
     }
     Ok(list.chunks_exact(3).map(<[usize]>::to_vec).collect())
