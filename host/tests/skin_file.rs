@@ -438,7 +438,7 @@ fn wrong_shapes_name_file_field_value_and_what_is_allowed() {
         ),
         (
             "kind = \"cylinder\"\nradius = inf\nheight = 1\nangle = 1".into(),
-            &["`shape.radius`", "inf", "above zero"],
+            &["`shape.radius`", "inf", "1e-18 to 1e18"],
         ),
         ("kind = \"cylinder\"\nradius = 1\nangle = 1".into(), &["`shape.height`", "missing"]),
         (

@@ -19,6 +19,7 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
         let words = format!("it holds more than {most} bytes, the most that such a file may");
         return Err(io::Error::new(ErrorKind::FileTooLarge, words));
     }
+    log::debug!("read `{}`: {} bytes", path.display(), bytes.len());
     Ok(bytes)
 }
 

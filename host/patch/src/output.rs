@@ -37,7 +37,9 @@ pub fn stream_whole(
         }
         Target::StandardOutput => buffered(&mut io::stdout().lock(), write),
     };
-    written.map_err(|reason| WriteError { path: path.to_owned(), reason })
+    written.map_err(|reason| WriteError { path: path.to_owned(), reason })?;
+    log::debug!("wrote `{}`", path.display());
+    Ok(())
 }
 
 /// Writes files that belong together, so that all of them are written or none is: ordinary files are replaced once
@@ -56,10 +58,14 @@ pub fn write_together(files: &[(&Path, &[u8])]) -> Result<(), WriteError> {
 
 /// Checks that a file could be written to `path`, before the work whose result it is to hold.
 pub fn check_folder(path: &Path) -> Result<(), WriteError> {
-    let Target::File(target) = Target::of(path) else { return Ok(()) };
-    temporary_file(folder_of(&target))
-        .map(drop)
-        .map_err(|reason| WriteError { path: path.to_owned(), reason })
+    let tried = match Target::of(path) {
+        Target::File(target) => temporary_file(folder_of(&target)).map(drop),
+        Target::InPlace if path.is_dir() => {
+            Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"))
+        }
+        Target::InPlace | Target::StandardOutput => Ok(()),
+    };
+    tried.map_err(|reason| WriteError { path: path.to_owned(), reason })
 }
 
 /// A folder for files that belong together: either all of them are written or none is.

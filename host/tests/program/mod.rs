@@ -135,6 +135,10 @@ impl Running {
         line
     }
 
+    pub(crate) fn is_running(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_none()
+    }
+
     /// Nobody reads standard output any more.
     pub(crate) fn close_output(&mut self) {
         self.out = None;

@@ -6,6 +6,7 @@ pub mod colour;
 pub mod live;
 pub mod map;
 pub mod picture;
+pub mod placed;
 pub mod plot;
 pub mod sheet;
 pub mod terminal;

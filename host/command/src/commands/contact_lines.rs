@@ -6,16 +6,38 @@ use dermatome_shared::{
     protocol::FrameStamp,
 };
 use dermatome_view::terminal::flags;
-use std::io::{self, ErrorKind, Write};
+use serde::Serialize;
+use std::{
+    io::{self, ErrorKind, Write},
+    time::{SystemTime, UNIX_EPOCH},
+};
 
-/// One line of JSON for a frame, in the frame of the link.
-pub(super) fn json_line(frame: &LinkFrame) -> serde_json::Result<String> {
-    Ok(serde_json::to_string(frame)? + "\n")
+/// A frame in the frame of the link, and when it came.
+#[derive(Serialize)]
+struct Line<'a> {
+    #[serde(flatten)]
+    frame: &'a LinkFrame,
+    /// By this computer's clock; none of a recording.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    host_time_s: Option<f64>,
+}
+
+/// One line of JSON for a frame, in the frame of the link; `came` is when it came, by this computer's clock.
+pub(super) fn json_line(frame: &LinkFrame, came: Option<SystemTime>) -> serde_json::Result<String> {
+    // Whole microseconds: what a board's time has, and a number of JSON still holds.
+    let host_time_s = came.map(|came| (unix(came) * 1e6).round() / 1e6);
+    Ok(serde_json::to_string(&Line { frame, host_time_s })? + "\n")
 }
 
 /// One line for each contact, in the skin's frame.
-pub(super) fn contact_lines(at: FrameStamp, contacts: &Contacts) -> String {
-    contacts.iter().map(|contact| line(at, contact) + "\n").collect()
+pub(super) fn contact_lines(at: FrameStamp, contacts: &Contacts, came: Option<SystemTime>) -> String {
+    let came = came.map_or(String::new(), |came| format!("\t{:.6}", unix(came)));
+    contacts.iter().map(|contact| line(at, contact) + &came + "\n").collect()
+}
+
+/// Seconds since the start of 1970, UTC.
+fn unix(time: SystemTime) -> f64 {
+    time.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs_f64()
 }
 
 /// Prints the lines of a frame.
@@ -69,6 +91,10 @@ mod tests {
             identity: None,
         };
         assert_eq!(line(at, &contact), "7\t1.250000\t10.000\t-2.000\t0.000\t4.00\t0.500000\t\t\t");
+        let contacts: Contacts = [contact].into_iter().collect();
+        let came = UNIX_EPOCH + std::time::Duration::from_micros(1_700_000_000_123_457);
+        assert!(contact_lines(at, &contacts, Some(came)).ends_with("\t0.500000\t\t\t\t1700000000.123457\n"));
+        assert!(contact_lines(at, &contacts, None).ends_with("\t0.500000\t\t\t\n"));
         let calibrated = Contact { pressure: Some(12.5e3), ..contact };
         let mut flags = FrameFlags::SATURATED;
         flags.insert(FrameFlags::MASKED);

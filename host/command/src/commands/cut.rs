@@ -1,12 +1,12 @@
 //! `dermatome cut`: a skin for a robot's link, cut out of the link's mesh.
 
 use super::{
-    JsonReport,
+    JsonReport, cut_picture,
     flags::in_flags,
-    outputs::Folder,
+    outputs::{Folder, Kind, Output},
     skin_of_cutout::{Names, skin_file},
 };
-use anyhow::Context;
+use anyhow::{Context, bail};
 use dermatome_frames::recorded::statistics::median;
 use dermatome_geometry::{
     cut::{self, Cutout, Cutter, Region, Request, Slab},
@@ -43,17 +43,17 @@ const MESH: &str = "skin.msh";
 #[command(after_help = "Examples:
   dermatome cut forearm.stl --unit mm --around 0,-42,110 --radius 60 --out forearm-skin
   dermatome cut palm.obj --unit m --around 0,0,0.02 --polygon \"-30mm,-20mm,20mm 30mm,-20mm,20mm 0mm,40mm,20mm\" \\
-      --electrodes 12 --width 4mm --out palm-skin
+      --electrodes 12 --width 4mm --out palm-skin --png palm.png
   dermatome cut forearm.stl --unit mm --around 0,-42,110 --between-planes 0,0,1,60,160 \\
       --between-planes 1,0,0,-30,30 --out strip
   dermatome evaluate forearm-skin/skin.toml")]
 pub(super) struct Args {
-    /// Mesh of the link: STL, OBJ, PLY or Gmsh .msh, in the link's frame.
+    /// Mesh of the link: STL, OBJ, PLY, COLLADA .dae or Gmsh .msh, in the link's frame.
     #[arg(value_name = "LINK")]
     link: PathBuf,
-    /// Unit of the link's mesh: m, cm, mm, um or inch.
+    /// Unit of the link's mesh: m, cm, mm, um or inch; a .dae tells it itself.
     #[arg(long)]
-    unit: String,
+    unit: Option<String>,
     /// A point of the patch, on the link or near it; there the patch's frame has its origin.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     around: String,
@@ -92,6 +92,9 @@ pub(super) struct Args {
     /// Folder to write to; it is made if it is not there.
     #[arg(long, value_name = "DIR", value_parser = Folder::parser(|name| [SKIN, MESH].contains(&name), None))]
     out: Folder,
+    /// Draw where on the link the skin lies, with its electrodes.
+    #[arg(long, value_name = "FILE", value_parser = Kind::Png.parser())]
+    png: Option<Output>,
     #[command(flatten)]
     json: JsonReport,
 }
@@ -148,7 +151,13 @@ const FLAGS: [(&str, &str); 10] = [
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let start = Instant::now();
-    let unit = args.unit()?;
+    let (unit, mut link) = match args.unit()? {
+        Some(unit) => (unit, None),
+        None => {
+            let link = args.read()?;
+            (link.unit.with_context(|| args.refuse_unit("missing"))?, Some(link))
+        }
+    };
     let request = args.request(unit)?;
     let frame = named(args.frame.as_deref(), &args.link);
     anyhow::ensure!(
@@ -161,7 +170,13 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         "`--name` is {name:?}; allowed: 1 to 32 letters, digits, \"-\" or \"_\" (by default it is that of `--out`)"
     );
     let [skin, mesh] = [SKIN, MESH].map(|name| args.out.join(name));
-    let mut link = import::read(&args.link, args.weld)?;
+    let mut link = link.take().map_or_else(|| args.read(), Ok)?;
+    if let Some(own) = link.unit.filter(|own| (own / unit - 1.0).abs() > 1e-6) {
+        bail!(
+            "`--unit` is {unit} m, but that of `{}` is {own} m; allowed: the same, or no `--unit`",
+            args.link.display()
+        );
+    }
     link.scale(unit);
     let read_seconds = start.elapsed().as_secs_f64();
     let cutting = Instant::now();
@@ -174,21 +189,33 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let seconds = [read_seconds, cut_seconds, start.elapsed().as_secs_f64()];
     let report = Report::new(name, &link, frame, &patch, seconds, [skin, mesh]);
     print(&report);
+    if let Some(path) = &args.png {
+        write_whole(path, &cut_picture::png(&report.skin, &report.link.frame, &link, &patch)?)?;
+        say!("picture       {}", path.display());
+    }
     args.json.write(&report)
 }
 
 impl Args {
-    /// Metres in the unit of the link's mesh.
-    fn unit(&self) -> anyhow::Result<f64> {
+    fn read(&self) -> anyhow::Result<Imported> {
+        import::read(&self.link, self.weld).map_err(|error| in_flags(error, &FLAGS))
+    }
+
+    /// Metres in the unit of the link's mesh; none if only the file tells it.
+    fn unit(&self) -> anyhow::Result<Option<f64>> {
+        let Some(unit) = &self.unit else { return Ok(None) };
+        let found = UNITS.iter().find(|(name, _)| name == unit);
+        let metres = found.map(|(_, metres)| *metres);
+        metres.map(Some).with_context(|| self.refuse_unit(&format!("{unit:?}")))
+    }
+
+    fn refuse_unit(&self, unit: &str) -> String {
         let names: Vec<_> = UNITS.iter().map(|(name, _)| *name).collect();
-        let found = UNITS.iter().find(|(name, _)| *name == self.unit);
-        found.map(|(_, metres)| *metres).with_context(|| {
-            format!(
-                "`--unit` is {:?}; allowed: {} (the unit of the link's mesh)",
-                self.unit,
-                names.join(", ")
-            )
-        })
+        format!(
+            "`--unit` is {unit}; allowed: {}, the unit of `{}`, which only a .dae tells itself",
+            names.join(", "),
+            self.link.display()
+        )
     }
 
     fn request(&self, unit: f64) -> anyhow::Result<Request> {

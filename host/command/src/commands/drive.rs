@@ -106,7 +106,12 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 
 /// A value that is not allowed.
 fn refuse<T>(option: &str, value: impl std::fmt::Display, allowed: &str) -> anyhow::Result<T> {
-    bail!("`--{option}` is {value}; allowed: {allowed}")
+    bail!("`--{option}` is {}; allowed: {allowed}", shown(&value.to_string()))
+}
+
+/// A value as it is told: one that is empty can be seen.
+fn shown(value: &str) -> &str {
+    if value.is_empty() { "\"\"" } else { value }
 }
 
 impl Change {

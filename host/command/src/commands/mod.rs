@@ -27,8 +27,10 @@ mod check;
 mod check_data;
 mod check_skin;
 mod choices;
+mod completions;
 mod contact_lines;
 mod cut;
+mod cut_picture;
 mod demo;
 mod design;
 mod devices;
@@ -46,6 +48,7 @@ mod inspect;
 pub(crate) mod interrupt;
 mod learn;
 mod link_frame;
+mod man;
 mod noise;
 mod outputs;
 mod preserved;
@@ -61,6 +64,7 @@ mod stream;
 mod tare;
 mod trim;
 mod trust;
+mod verbose;
 
 /// Pressure-sensing robot skin by electrical impedance tomography.
 #[derive(Parser)]
@@ -69,6 +73,9 @@ struct Cli {
     /// Replace files that are there, whatever they hold, but never one that the command reads.
     #[arg(long, global = true, alias = "overwrite", display_order = 900)]
     force: bool,
+    /// Tell step by step what is done, on standard error: files, stages, and what the board is asked.
+    #[arg(short, long, global = true, display_order = 901)]
+    verbose: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -100,6 +107,8 @@ enum Command {
     Learn(learn::Args),
     Export(export::Args),
     Forward(forward::Args),
+    Completions(completions::Args),
+    Man(man::Args),
 }
 
 /// The command line as clap knows it: for its help, completions and manual pages.
@@ -111,7 +120,11 @@ pub fn command() -> clap::Command {
 /// Runs the command line; errors go to standard error in full, with exit code 1.
 pub fn main() -> ExitCode {
     let matches = command().get_matches();
-    let Cli { command: chosen, .. } = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let Cli { command: chosen, verbose, .. } =
+        Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    if verbose {
+        verbose::begin();
+    }
     match outputs::check(&command(), &matches).and_then(|()| run(chosen)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -148,6 +161,8 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Learn(args) => learn::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Forward(args) => forward::run(&args),
+        Command::Completions(args) => completions::run(&args),
+        Command::Man(args) => man::run(&args),
     }
 }
 

@@ -10,7 +10,7 @@ use clap::{
     builder::{PathBufValueParser, TypedValueParser},
 };
 use dermatome_frames::{array::Source, calibrate::TAKEN_IN};
-use dermatome_patch::input;
+use dermatome_patch::{input, output::check_folder};
 use dermatome_shared::patch;
 use dermatome_simulate::port::Port;
 use std::{
@@ -151,6 +151,8 @@ pub(super) fn check(command: &Command, matches: &ArgMatches) -> anyhow::Result<(
     }
     let force = matches.get_flag("force");
     let inputs = inputs(command, matches);
+    // They may be made later, for what is written there.
+    let folders: Vec<&Path> = values::<Folder>(command, matches).map(|(_, folder)| &**folder).collect();
     let mut written: Vec<(String, &Path)> = Vec::new();
     for (arg, output) in values::<Output>(command, matches) {
         let name = shown(arg);
@@ -167,6 +169,10 @@ pub(super) fn check(command: &Command, matches: &ArgMatches) -> anyhow::Result<(
             force || output.kind.may_replace(output),
             not_of_kind(&name, output, output.kind, "`--force`")
         );
+        if !folders.iter().any(|folder| output.parent() == Some(folder)) {
+            // What cannot be written is told now, and not after the work and beside what else was written.
+            check_folder(output)?;
+        }
         written.push((name, output));
     }
     for (arg, folder) in values::<Folder>(command, matches) {

@@ -206,8 +206,8 @@ fn reference_frames(args: &Args, untouched: Untouched<'_>) -> usize {
 
 fn show(pose: Option<&Pose>, at: FrameStamp, contacts: &Contacts) -> std::io::Result<()> {
     match pose {
-        Some(pose) => print(&json_line(&LinkFrame::new(pose, at, contacts))?),
-        None => print(&contact_lines(at, contacts)),
+        Some(pose) => print(&json_line(&LinkFrame::new(pose, at, contacts), None)?),
+        None => print(&contact_lines(at, contacts, None)),
     }
 }
 
@@ -216,13 +216,12 @@ impl Tally {
         self.frames_replayed += 1;
         self.frames_with_contacts += u64::from(!contacts.is_empty());
         self.most_contacts = self.most_contacts.max(contacts.len());
-        for words in at.flags.words() {
-            let count = self.frames_flagged.entry(words).or_default();
-            if *count == 0 {
-                eprintln!("warning: frame {} has flags not seen before: {words}", at.sequence);
-            }
-            *count += 1;
+        let is_new = |words: &&str| !self.frames_flagged.contains_key(words);
+        let new = at.flags.words().filter(is_new).collect::<Vec<_>>().join(", ");
+        if !new.is_empty() {
+            eprintln!("warning: frame {} has flags not seen before: {new}", at.sequence);
         }
+        at.flags.words().for_each(|words| *self.frames_flagged.entry(words).or_default() += 1);
     }
 }
 

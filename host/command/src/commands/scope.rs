@@ -1,17 +1,19 @@
 //! `dermatome scope`.
 
 use super::{
+    BoardReport, JsonReport,
     board::open,
     interrupt,
     outputs::{Kind, Output},
     stream::silence_timeout,
     tare::patch_of,
 };
-use dermatome_link::scope::capture;
+use dermatome_link::scope::{Trace, capture};
 use dermatome_patch::output::{check_folder, write_whole};
 use dermatome_shared::stimulation::Step;
 use dermatome_simulate::port::Port;
 use dermatome_view::trace;
+use serde::Serialize;
 
 /// Show the samples behind one voltage, as the converter took them.
 ///
@@ -32,6 +34,57 @@ pub(super) struct Args {
     /// Draw the plot into this file instead of on the terminal.
     #[arg(long, value_name = "FILE", value_parser = Kind::Png.parser())]
     png: Option<Output>,
+    #[command(flatten)]
+    json: JsonReport,
+}
+
+/// What `scope` tells; keys are documented in docs/cli.md.
+#[derive(Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    board: BoardReport<'a>,
+    slot: u16,
+    /// Of the patch; none in the test of an electrode.
+    step: Option<[u8; 4]>,
+    gain: u8,
+    settling: usize,
+    samples_per_period: usize,
+    samples_per_second: u32,
+    clipped: usize,
+    fit: Option<Sine>,
+    samples: &'a [u16],
+}
+
+/// The sine that the lock-in finds.
+#[derive(Serialize)]
+struct Sine {
+    offset: f64,
+    amplitude: f64,
+    phase_degrees: f64,
+    residual: f64,
+}
+
+impl<'a> Report<'a> {
+    fn new(board: BoardReport<'a>, step: Option<Step>, trace: &'a Trace) -> Self {
+        let fit = trace.fit().map(|fit| Sine {
+            offset: fit.offset,
+            amplitude: fit.amplitude,
+            phase_degrees: fit.phase,
+            residual: fit.residual,
+        });
+        Self {
+            board,
+            slot: trace.slot,
+            step: step.map(Step::to_bytes),
+            gain: trace.gain,
+            settling: trace.settling,
+            samples_per_period: trace.period,
+            samples_per_second: trace.sample_rate,
+            clipped: trace.clipped(),
+            fit,
+            samples: &trace.samples,
+        }
+    }
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
@@ -43,8 +96,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let trace = capture(&mut link, &info, args.slot, silence_timeout(&patch), || !interrupt::requested())?;
     let Some(trace) = trace else { return Ok(()) };
     let steps = link.steps()?;
-    let what = match steps.get(usize::from(args.slot)) {
-        Some(step) => format!("step {}, {}", args.slot, electrodes(*step)),
+    let step = steps.get(usize::from(args.slot)).copied();
+    let what = match step {
+        Some(step) => format!("step {}, {}", args.slot, electrodes(step)),
         None => format!("test of electrode {}", args.slot.saturating_sub(patch.steps) + 1),
     };
     let title = format!("slot {} of `{}`: {what}", args.slot, patch.skin);
@@ -57,7 +111,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         }
         None => say!("{}", trace::text(&trace).trim_end()),
     }
-    Ok(())
+    args.json.write(&Report::new(BoardReport::new(&link, &patch), step, &trace))
 }
 
 /// Electrodes of a step, from 1 as people count them.

@@ -135,7 +135,7 @@ fn script(args: &Args, outline: &Outline) -> anyhow::Result<Script> {
     match &args.path {
         Some(path) => Ok(Script::load(path, outline)?),
         None if args.press.is_empty() => Ok(Script::round(outline)),
-        None => Ok(Script::still(&args.press, outline)?),
+        None => Script::still(&args.press, outline).context("`--press`"),
     }
 }
 
@@ -153,7 +153,7 @@ fn check_faults(faults: &[TimedFault], electrodes: u8) -> anyhow::Result<()> {
 /// Unlike the ports of other commands, this one may be 0.
 fn address(listen: &str) -> anyhow::Result<SocketAddr> {
     let Some(address) = listen.strip_prefix("tcp:") else {
-        bail!("`--listen` is {listen}; allowed: tcp:HOST:PORT");
+        bail!("`--listen` is {listen:?}; allowed: tcp:HOST:PORT");
     };
     let mut found = address.to_socket_addrs().with_context(|| format!("cannot find `{listen}`"))?;
     found.next().with_context(|| format!("cannot find `{listen}`"))

@@ -130,7 +130,9 @@ fn resistance(option: &str, text: &str) -> anyhow::Result<f64> {
     match quantity(text, RESISTANCE) {
         Some(ohms) if (1.0..=1000.0).contains(&ohms) => Ok(ohms.into()),
         _ => {
-            bail!("`--{option}` is {text}; allowed: 1 ohm to 1 kohm, a number in ohm or text in ohm or kohm")
+            bail!(
+                "`--{option}` is {text:?}; allowed: 1 ohm to 1 kohm, a number in ohm or text in ohm or kohm"
+            )
         }
     }
 }

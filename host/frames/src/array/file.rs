@@ -47,6 +47,7 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, ArrayError> {
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(ArrayError::Io)?;
     file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(ArrayError::Io)?;
+    log::debug!("read `{}`: {} bytes", path.display(), bytes.len());
     if bytes.len() as u64 > MAX_BYTES { Err(ArrayError::TooLarge) } else { Ok(bytes) }
 }
 

@@ -49,7 +49,10 @@ impl Slab {
                 Ok(Self { normal, from, to })
             }
             Some(_) => refuse(format!("from {from} m to {to} m"), "finite, the second above the first"),
-            None => refuse("a normal of no length".to_owned(), "a normal with a length"),
+            None => {
+                let [x, y, z] = normal.into();
+                refuse(format!("a normal of {x}, {y}, {z}"), "a normal with a length")
+            }
         }
     }
 

@@ -164,7 +164,7 @@ mod tests {
         Imported {
             nodes: points.iter().map(|&point| point.into()).collect(),
             triangles: triangles.to_vec(),
-            groups: Vec::new(),
+            ..Imported::default()
         }
     }
 

@@ -136,11 +136,17 @@ impl Link {
     /// As [`Self::request`], for what takes a board longer.
     pub fn request_within(&mut self, request: &Request, timeout: Duration) -> Result<Reply, LinkError> {
         let damaged_before = self.wire.damaged();
+        let asked = Instant::now();
         self.send(request)?;
-        let deadline = Instant::now() + timeout;
+        let deadline = asked + timeout;
         while let Some(packet) = self.wire.receive(deadline)? {
             match packet {
                 BoardPacket::Reply { sequence, reply } if sequence == self.last_sequence => {
+                    log::debug!(
+                        "asked {}, answered after {:.1} ms",
+                        name(request),
+                        1e3 * asked.elapsed().as_secs_f64()
+                    );
                     return self.unless_refused(reply);
                 }
                 // A late reply to a request that was given up.
@@ -311,4 +317,9 @@ impl Link {
     pub fn error(&self, kind: LinkErrorKind) -> LinkError {
         self.wire.error(kind)
     }
+}
+/// The name of a request, without what goes with it.
+fn name(request: &Request) -> String {
+    let all = format!("{request:?}");
+    all.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default().to_owned()
 }

@@ -84,6 +84,10 @@ impl Made {
 fn read(file: &MeshFile) -> Result<Imported, SkinError> {
     let mut mesh =
         import::read(&file.path, file.weld).or_else(|error| refuse_file(file, &error.to_string()))?;
+    if let Some(metres) = mesh.unit.filter(|metres| (metres / file.unit - 1.0).abs() > 1e-6) {
+        let allowed = format!("the unit of {:?}, which is {metres} m", file.written.display().to_string());
+        return refuse(file, "shape.unit", format!("{} m", file.unit), &allowed);
+    }
     mesh.scale(file.unit);
     Ok(mesh)
 }

@@ -34,7 +34,9 @@ impl StageClock {
 
     pub(super) fn end(&mut self) {
         if let Some((name, since)) = self.running.take() {
-            self.done.push(Stage { name, time: since.elapsed() });
+            let time = since.elapsed();
+            log::debug!("model, {name}: {:.3} s", time.as_secs_f64());
+            self.done.push(Stage { name, time });
         }
     }
 

@@ -31,6 +31,11 @@ impl ConductivityMap {
         (!points.is_empty() && !twice).then_some(Self { points })
     }
 
+    /// Places that the file tells the conductivity of, m.
+    pub(super) fn places(&self) -> impl Iterator<Item = &Point3<f64>> {
+        self.points.iter().map(|(place, _)| place)
+    }
+
     /// The same seen from above: z is dropped.
     #[must_use]
     pub fn flattened(&self) -> Self {

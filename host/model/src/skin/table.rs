@@ -115,6 +115,7 @@ fn parse<T: DeserializeOwned>(
         let line = record.position().map_or(0, csv::Position::line);
         let row = record.deserialize(Some(&header));
         rows.push((line, row.map_err(|error| cell_fault(&error, line, &header, &record))?));
+        check_finite(line, &header, &record)?;
     }
     Ok(rows)
 }
@@ -166,6 +167,16 @@ fn fault(error: &csv::Error) -> TableError {
         csv::ErrorKind::Utf8 { .. } => TableError::Line { line, fault: "no text in UTF-8".into() },
         _ => TableError::Line { line, fault: error.to_string() },
     }
+}
+
+/// What reads as a number, as "nan" and "1e999" do, is a finite one.
+fn check_finite(line: u64, header: &csv::StringRecord, record: &csv::StringRecord) -> Result<(), TableError> {
+    let is_finite = |text: &str| text.parse::<f64>().map_or(true, f64::is_finite);
+    let Some((column, text)) = header.iter().zip(record).find(|(_, text)| !is_finite(text)) else {
+        return Ok(());
+    };
+    let (column, text) = (column.to_owned(), quoted(text));
+    Err(TableError::Cell { line, column, text, allowed: "a finite number".into() })
 }
 
 fn cell_fault(
@@ -227,6 +238,8 @@ mod tests {
             ("x,y\n1,2\none,2\n", "line 3, column `x` is \"one\"; allowed: a number"),
             ("x,y\n,2\n", "line 2, column `x` is \"\"; allowed: a number"),
             ("x;y\n0,5;2\n", "line 2, column `x` is \"0,5\"; allowed: a number"),
+            ("x,y\n1,2\nnan,2\n", "line 3, column `x` is \"nan\"; allowed: a finite number"),
+            ("x,y\n1e999,2\n", "line 2, column `x` is \"1e999\"; allowed: a finite number"),
             ("x,y\n1,256\n", "line 2, column `y` is \"256\"; allowed: a whole number"),
             ("x,y\n1,2\n1,2\n1,2\n1,2\n", "more than 3 rows"),
         ] {

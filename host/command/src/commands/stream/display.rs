@@ -15,7 +15,7 @@ use dermatome_view::{
     terminal::Screen,
 };
 use serde_json::json;
-use std::io;
+use std::{io, time::SystemTime};
 
 /// Where frames go, and in whose frame their contacts lie.
 pub(super) enum Display<'a> {
@@ -85,8 +85,13 @@ impl<'a> Display<'a> {
         }
     }
 
-    /// Shows a frame, with the fingers that were found in it.
-    pub(super) fn show(&mut self, frame: &ScanFrame, fingers: Option<&[FittedContact]>) -> io::Result<()> {
+    /// Shows a frame that came now, with the fingers that were found in it.
+    pub(super) fn show(
+        &mut self,
+        frame: &ScanFrame,
+        fingers: Option<&[FittedContact]>,
+        now: SystemTime,
+    ) -> io::Result<()> {
         if let (Self::Terminal(live, _), Some(image)) = (&mut *self, &frame.image) {
             live.keep_image(image.values().collect());
         }
@@ -100,13 +105,13 @@ impl<'a> Display<'a> {
             }
             Self::Terminal(live, None) => live.draw_if_due(at, contacts, contacts),
             Self::Lines(_) if contacts.is_empty() => Ok(()),
-            Self::Lines(lines) => lines.frame(contact_lines(at, contacts)),
+            Self::Lines(lines) => lines.frame(contact_lines(at, contacts, Some(now))),
             Self::LinkFrames(lines, pose) => {
                 let finger =
                     |finger: &FittedContact| LinkFinger::new(finger.position.into(), finger.strength, pose);
                 let fingers = fingers.map(|all| all.iter().map(finger).collect());
                 let frame = LinkFrame { fingers, ..LinkFrame::new(pose, at, contacts) };
-                lines.frame(json_line(&frame)?)
+                lines.frame(json_line(&frame, Some(now))?)
             }
         }
     }

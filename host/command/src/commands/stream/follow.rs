@@ -13,7 +13,7 @@ use crate::commands::{contact_lines::is_read, interrupt};
 use anyhow::{Context, bail};
 use dermatome_link::{LinkError, LinkErrorKind, ScanFrame, Subscription};
 use dermatome_shared::protocol::Selection;
-use std::time::Instant;
+use std::time::{Instant, SystemTime};
 
 /// Follows a board.
 pub(super) struct Follower<'a> {
@@ -152,6 +152,7 @@ impl<'a> Received<'a> {
         stream: &mut Subscription<'_>,
         frame_rate: f64,
     ) -> anyhow::Result<bool> {
+        let now = SystemTime::now();
         let new = self.tally.count(frame, stream.totals(), Instant::now());
         self.display.warn(frame, &new);
         if let Some(at) = frame.at.filter(|_| frame.contacts.is_some()) {
@@ -165,7 +166,7 @@ impl<'a> Received<'a> {
             (Some(fingers), Some(measurements)) => fingers.of_frame(&measurements.codes, stream.link())?,
             _ => None,
         };
-        Ok(is_read(self.display.show(frame, fingers.as_deref()))?)
+        Ok(is_read(self.display.show(frame, fingers.as_deref(), now))?)
     }
 
     /// The first frame is there after the board was lost.

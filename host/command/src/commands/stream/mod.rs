@@ -27,8 +27,8 @@ use tally::Tally;
 ///
 /// On a terminal, draws the image and the contacts in place. Otherwise prints one line per contact:
 /// frame sequence, time in s, x, y and z in mm, area in mm2, strength, on a calibrated skin
-/// pressure in kPa and force in N, and what was wrong with the frame, separated by tabs. The summary goes to
-/// standard error.
+/// pressure in kPa and force in N, what was wrong with the frame, and when it came (Unix time in s), separated by
+/// tabs. The summary goes to standard error.
 ///
 /// With --skin, contacts are in the frame of the robot's link that the skin lies on, and instead of such
 /// lines each frame is one line of JSON with number, position in m and normal of its contacts, and what was

@@ -9,7 +9,7 @@ use nalgebra::Point3;
 use std::{fmt::Display, str::FromStr};
 
 /// Coordinates beyond this are refused: their squares and products must stay finite.
-const MAX_COORDINATE: f64 = 1e30;
+pub(super) const MAX_COORDINATE: f64 = 1e30;
 /// Most characters of a wrong field that an error repeats.
 const MAX_SHOWN: usize = 40;
 

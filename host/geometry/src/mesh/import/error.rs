@@ -24,7 +24,7 @@ pub enum Problem {
     #[error("{0}")]
     Io(io::Error),
     /// An unknown ending.
-    #[error("its name must end in .stl, .obj, .ply or .msh")]
+    #[error("its name must end in .stl, .obj, .ply, .dae or .msh")]
     Ending,
     /// The file is too long, or its polygons have too many corners.
     #[error("it holds more than {MAX_BYTES} bytes or {MAX_TRIANGLES} triangles, the most that is read")]
@@ -40,6 +40,14 @@ pub enum Problem {
         found: String,
         /// What may stand there.
         allowed: String,
+    },
+    /// A text that is not of this format.
+    #[error("{place}: {fault}")]
+    Text {
+        /// Where that shows.
+        place: Place,
+        /// What is wrong.
+        fault: String,
     },
     /// The file ends too soon.
     #[error("{place}: the file ends where {field} should be")]
@@ -68,7 +76,7 @@ pub enum Problem {
         what: String,
     },
     /// An unusable welding tolerance.
-    #[error("the welding tolerance is {found}, allowed is {allowed:?} of the bounding box's diagonal")]
+    #[error("`weld` is {found}, allowed is {allowed:?} of the bounding box's diagonal")]
     Tolerance {
         /// What was asked for.
         found: f64,

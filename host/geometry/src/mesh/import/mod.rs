@@ -1,10 +1,11 @@
-//! Meshes from files of other programs: STL, OBJ, PLY and Gmsh's MSH 2.2 and 4.1.
+//! Meshes from files of other programs: STL, OBJ, PLY, COLLADA and Gmsh's MSH 2.2 and 4.1.
 //!
 //! The readers are ours. `stl_io` 0.11 and `tobj` 4.0 say neither line nor offset of a fault, `mshio`
 //! 0.4 reads only MSH 4.1 and panics on some input, `ply-rs-bw` 4.0 alone would not spare the
-//! `cursor` that the other three need.
+//! `cursor` that the other three need. COLLADA is XML, which `roxmltree` reads, and tells the line of every element.
 
 mod cursor;
+mod dae;
 mod error;
 mod msh;
 mod obj;
@@ -34,6 +35,8 @@ pub struct Imported {
     pub triangles: Vec<[usize; 3]>,
     /// Named parts of the mesh; only MSH files have them.
     pub groups: Vec<Group>,
+    /// Metres in the file's unit, where the file says so; only COLLADA does.
+    pub unit: Option<f64>,
 }
 
 /// A physical group of Gmsh. Groups of one name but different dimensions are one group.
@@ -60,6 +63,8 @@ pub enum Format {
     Obj,
     /// Polygon file format, text or binary of either byte order.
     Ply,
+    /// COLLADA 1.4 or 1.5; the axes are turned so that z is up.
+    Dae,
     /// Gmsh 2.2 or 4.1, text or binary of either byte order.
     Msh,
 }
@@ -81,6 +86,7 @@ pub fn parse(format: Format, bytes: &[u8], weld: Option<f64>) -> Result<Imported
         Format::Stl => stl::parse(bytes),
         Format::Obj => obj::parse(bytes),
         Format::Ply => ply::parse(bytes),
+        Format::Dae => dae::parse(bytes),
         Format::Msh => msh::parse(bytes),
     }?;
     if mesh.triangles.is_empty() {
@@ -100,6 +106,7 @@ impl Format {
             Some("stl") => Ok(Self::Stl),
             Some("obj") => Ok(Self::Obj),
             Some("ply") => Ok(Self::Ply),
+            Some("dae") => Ok(Self::Dae),
             Some("msh") => Ok(Self::Msh),
             _ => Err(Problem::Ending),
         }
@@ -110,6 +117,7 @@ impl Imported {
     /// Multiplies all coordinates, as by 0.001 for a file in mm.
     pub fn scale(&mut self, factor: f64) {
         self.nodes.iter_mut().for_each(|node| *node *= factor);
+        self.unit = self.unit.map(|metres| metres / factor);
     }
 
     /// Joins nodes closer than `tolerance` times the bounding box's diagonal, see
@@ -190,6 +198,7 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, Problem> {
         Ok(bytes)
     };
     let bytes = read().map_err(Problem::Io)?;
+    log::debug!("read `{}`: {} bytes", path.display(), bytes.len());
     if bytes.len() as u64 > MAX_BYTES { Err(Problem::TooLarge) } else { Ok(bytes) }
 }
 

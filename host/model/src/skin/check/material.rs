@@ -2,7 +2,7 @@
 
 use super::{Checker, beside::TableField};
 use crate::skin::{
-    ConductivityMap, Material, SkinError,
+    ConductivityMap, Described, Material, SkinError,
     file::{MapTable, MaterialTable},
     quantity::{self, Quantity},
     table::Columns,
@@ -38,8 +38,28 @@ impl MapRow {
     }
 }
 
+/// Places of a map further from the skin's middle than so many times its size are in another unit.
+const FARTHEST: f64 = 10.0;
+
 impl Checker<'_> {
-    pub(super) fn material(&self, table: &MaterialTable) -> Result<Material, SkinError> {
+    /// The material of a skin of this shape.
+    pub(super) fn material_of(
+        &self,
+        table: &MaterialTable,
+        shape: &Described,
+    ) -> Result<Material, SkinError> {
+        let material = self.material(table)?;
+        let (Some(map), Described::Sheet(sheet)) = (&material.map, shape) else { return Ok(material) };
+        let [low, high] = sheet.outline.bounds();
+        let (middle, farthest) = (nalgebra::center(&low, &high), FARTHEST * sheet.outline.diameter());
+        let is_far = |place: &&Point3<f64>| (place.xy() - middle).norm() > farthest;
+        let far = map.places().find(is_far).map(show);
+        let Some(place) = far else { return Ok(material) };
+        let allowed = format!("places within {:.0} mm of the skin's middle. Are they in m?", farthest * 1e3);
+        self.refuse_map(format!("given at {place}"), &allowed)
+    }
+
+    fn material(&self, table: &MaterialTable) -> Result<Material, SkinError> {
         let conductivity = &table.sheet_conductivity;
         let sheet_conductivity =
             self.positive("material.sheet_conductivity", conductivity, quantity::SHEET_CONDUCTIVITY)?;

@@ -31,7 +31,7 @@ impl Checker<'_> {
     /// Name of the file, and length of its unit, m.
     fn file_and_unit<'t>(&self, table: &'t ShapeTable) -> Result<(&'t Path, f64), SkinError> {
         let Some(file) = &table.file else {
-            return self.refuse("shape.file", "missing".into(), "an STL, OBJ, PLY or MSH file");
+            return self.refuse("shape.file", "missing".into(), "an STL, OBJ, PLY, COLLADA or MSH file");
         };
         let units: Vec<_> = UNITS.iter().map(|(name, _)| format!("{name:?}")).collect();
         let Some(unit) = &table.unit else {

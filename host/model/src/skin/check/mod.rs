@@ -19,7 +19,10 @@ use super::{
     quantity::{Kind, Quantity},
 };
 use dermatome_geometry::sheet::{EdgeLengths, Sheet};
-use std::path::Path;
+use std::{ops::RangeInclusive, path::Path};
+
+/// Numbers above zero that the arithmetic of models and boards can take, in SI units; a physical one is well inside.
+const USABLE: RangeInclusive<f64> = 1e-18..=1e18;
 
 /// Turns each table into its checked form; knows the file for error messages.
 pub(super) struct Checker<'a> {
@@ -36,9 +39,9 @@ impl Checker<'_> {
         };
         Ok(Skin {
             name: self.name(&file.name)?,
+            material: self.material_of(&file.material, &shape)?,
             shape,
             edges,
-            material: self.material(&file.material)?,
             drive: self.drive(&file.drive, electrodes.count)?,
             electrodes,
             inverse: self.inverse(&file.inverse)?,
@@ -90,7 +93,11 @@ impl Checker<'_> {
 
     fn positive(&self, field: &'static str, written: &Quantity, kind: Kind) -> Result<f64, SkinError> {
         match kind.read(written) {
-            Some(value) if value > 0.0 && value.is_finite() => Ok(value),
+            Some(value) if value > 0.0 && !USABLE.contains(&value) => {
+                let (least, most) = USABLE.into_inner();
+                self.refuse(field, format!("{value:e}"), &format!("{least:e} to {most:e} ({})", kind.si()))
+            }
+            Some(value) if value > 0.0 => Ok(value),
             _ => {
                 let allowed = format!("a number above zero ({}), or text in {}", kind.si(), kind.units());
                 self.refuse(field, written.to_string(), &allowed)

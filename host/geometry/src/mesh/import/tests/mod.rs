@@ -1,3 +1,4 @@
+mod dae;
 mod hostile;
 mod readers;
 mod round_trips;

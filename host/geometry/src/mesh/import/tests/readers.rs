@@ -135,7 +135,10 @@ fn the_files_ending_tells_the_format_in_any_case() {
     std::fs::write(&path, format!("{SQUARE}f 1 2 3\n")).unwrap();
     assert_eq!(read(&path, None).unwrap().triangles.len(), 1);
     let message = read(&folder.path().join("skin.step"), None).unwrap_err().to_string();
-    assert!(message.ends_with("skin.step`: its name must end in .stl, .obj, .ply or .msh"), "{message}");
+    assert!(
+        message.ends_with("skin.step`: its name must end in .stl, .obj, .ply, .dae or .msh"),
+        "{message}"
+    );
     let message = read(&folder.path().join("none.stl"), None).unwrap_err().to_string();
     assert!(message.contains("none.stl`: ") && message.contains("os error 2"), "{message}");
     assert!(matches!(read(folder.path(), None).unwrap_err().problem, Problem::Ending));
