@@ -43,7 +43,7 @@ pub(super) fn run(bench: &Bench, options: &Options) -> Result<Vec<Figure>, Trust
     let mut figures = Vec::new();
     for &snr_db in &options.snr_db {
         for (words, faults) in kinds(bench) {
-            figures.extend(untouched(bench, options, snr_db, words, &faults)?);
+            figures.extend(untouched(bench, options, snr_db, &words, &faults)?);
         }
         for (off, asked) in OFF {
             figures.extend(touched(bench, options, snr_db, off, asked)?);
@@ -73,7 +73,7 @@ fn untouched(
     bench: &Bench,
     options: &Options,
     snr_db: f64,
-    words: String,
+    words: &str,
     faults: &[Fault],
 ) -> Result<[Figure; 3], TrustError> {
     let (mut arrives, mut goes, mut stays) = (Count::default(), Count::default(), Count::default());
