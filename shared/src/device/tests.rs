@@ -438,3 +438,22 @@ fn a_frame_gets_number_time_and_flags_of_the_board_where_it_is_processed() {
     let seen = events(&mut device, &flat_frame(1000));
     assert!(matches!(seen[0].1, Event::Health { missed: 1, .. }), "{seen:?}");
 }
+
+#[test]
+fn a_contact_that_becomes_worse_after_the_tare_is_told_and_masked() {
+    use crate::{frame::ElectrodeTest, units::AdcCode};
+    let mut device = board_with_a_front_end();
+    let mut frame = flat_frame(1000);
+    frame.tests =
+        (0..8).map(|_| ElectrodeTest { in_phase: AdcCode(1_500_000), ..ElectrodeTest::default() }).collect();
+    ask(&mut device, Request::Tare { frames: 2 });
+    for _ in 0..3 {
+        let mut taken = frame.clone();
+        device.process(&mut taken, Arrival::default(), |_| ());
+        assert_eq!(taken.flags, FrameFlags::default());
+    }
+    frame.tests[5].in_phase = AdcCode(2_200_000);
+    device.process(&mut frame, Arrival::default(), |_| ());
+    assert_eq!(frame.flags, FrameFlags::WORSE_CONTACT.union(FrameFlags::MASKED));
+    assert_eq!(device.health().worse.iter().collect::<Vec<_>>(), [5]);
+}

@@ -30,8 +30,10 @@ pub(super) struct Wiring {
     settling: u8,
     /// Frames since bad electrodes seemed to be good again.
     returning: u8,
-    /// Squares of the tests when the reference was made: `[electrode]`.
-    at_reference: [f32; MAX_ELECTRODES],
+    /// Squares of the tests when the reference was made, upper halves of an `f32`: `[electrode]`.
+    at_reference: [u16; MAX_ELECTRODES],
+    /// Electrodes whose tests were clipped then.
+    clipped: ElectrodeSet,
 }
 
 impl Wiring {
@@ -64,7 +66,9 @@ impl Wiring {
 
     /// The reference is made; these are the tests of its last frame.
     pub(super) fn keep(&mut self, tests: &[ElectrodeTest]) {
-        self.at_reference.iter_mut().zip(tests).for_each(|(before, test)| *before = square(test));
+        let upper_half = |test| (square(test).to_bits() >> 16) as u16;
+        self.at_reference.iter_mut().zip(tests).for_each(|(before, test)| *before = upper_half(test));
+        self.clipped = clipped(tests);
     }
 
     /// Whether the reference takes all that is new in this frame.
@@ -78,23 +82,32 @@ impl Wiring {
         self.settling == 0
     }
 
-    /// Electrodes whose tests have grown, beside those of the others.
+    /// Electrodes whose tests have grown, as far as they show it, beside those of the others.
     fn worse(&self, tests: &[ElectrodeTest]) -> ElectrodeSet {
-        let pairs = || (0..).zip(tests.iter().map(square).zip(&self.at_reference));
+        let before = || self.at_reference.iter().map(|half| f32::from_bits(u32::from(*half) << 16));
+        let pairs = || (0..).zip(tests.iter().map(square).zip(before()));
         let (mut all, mut all_before) = (0.0, 0.0);
         for (_, (size, before)) in pairs().filter(|(electrode, _)| !self.bad.contains(*electrode)) {
             (all, all_before) = (all + size, all_before + before);
         }
         let least = NOTHING * NOTHING * all_before / tests.len() as f32;
-        let mut worse = ElectrodeSet::default();
+        // A test that has come to the end of its range is larger than it reads.
+        let mut worse = clipped(tests).without(self.clipped);
         for (electrode, (size, before)) in pairs() {
             let limit = if self.bad.contains(electrode) { BETTER } else { WORSE };
-            if size * all_before > limit * limit * before * all && *before > least && size > least {
+            if size * all_before > limit * limit * before * all && before > least && size > least {
                 worse.insert(electrode);
             }
         }
         worse
     }
+}
+
+/// Electrodes whose tests are clipped.
+fn clipped(tests: &[ElectrodeTest]) -> ElectrodeSet {
+    let mut set = ElectrodeSet::default();
+    (0..).zip(tests).filter(|(_, test)| test.is_clipped).for_each(|(electrode, _)| set.insert(electrode));
+    set
 }
 
 #[cfg(test)]
@@ -150,6 +163,17 @@ mod tests {
         assert_eq!(see(&mut wiring, 0, one(2_700_000, 2_000_000)).0, 1 << 5);
         assert_eq!(see(&mut wiring, 0, one(1_200_000, 1_000_000)).0, 1 << 5);
         assert_eq!(see(&mut wiring, 0, one(1_050_000, 1_000_000)).0, 0);
+    }
+
+    #[test]
+    fn a_test_that_has_come_to_the_end_of_its_range_has_grown() {
+        let mut wiring = tared();
+        let mut now = tests_of([1_000_000; 8]);
+        now[4] = ElectrodeTest { in_phase: AdcCode(1_100_000), is_clipped: true, ..now[4] };
+        assert_eq!(wiring.see(ElectrodeSet(0), &now).0, 1 << 4);
+        assert_eq!(wiring.see(ElectrodeSet(1 << 4), &now).0, 0, "it is known to be off");
+        wiring.keep(&now);
+        assert_eq!(wiring.see(ElectrodeSet(0), &now).0, 0, "it was so in the tare");
     }
 
     #[test]

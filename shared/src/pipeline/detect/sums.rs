@@ -17,9 +17,9 @@ use crate::{
 use heapless::Vec;
 
 /// How many of presses with each other are kept: those of ten presses.
-const KEPT: usize = 56;
+const KEPT: usize = 55;
 /// And of presses with the data.
-const KEPT_OF_DATA: usize = 16;
+const KEPT_OF_DATA: usize = 13;
 /// And with known changes: those of two presses, as no more are fitted beside them.
 const KEPT_OF_KNOWN: usize = 2 * UNKNOWNS;
 
