@@ -430,8 +430,9 @@ impl Detector {
         self.change
     }
 
-    /// Leaves of differences from a reference, `[measurement]`, what it follows after such a change: beside presses what is smooth, or slips as
-    /// well, or all that has changed since they lie where they are, and else all but what presses explain.
+    /// Leaves of differences from a reference, `[measurement]`, what it follows after such a change: beside presses what is
+    /// smooth, or slips as well, or all that has changed since they lie where they are, and else all but what presses
+    /// explain.
     pub fn leave_followed(
         &self,
         patch: &PatchView<'_>,
