@@ -20,6 +20,9 @@ const BUSY: f32 = 0.95;
 /// Bytes of stack that must never have been used.
 const LITTLE_STACK: u32 = 512;
 
+/// More electrodes than this are seldom bad by themselves.
+const A_FEW: usize = 3;
+
 const BELOW_ZERO: &str = "contact impedances come out below zero";
 
 /// Health events of some frames.
@@ -281,6 +284,11 @@ impl Watch {
 
     /// What follows from a flag, unless the electrodes' table says it.
     fn finding(&self, flag: FrameFlags, words: &str, frames: usize) -> Option<Finding> {
+        let bad = self.frames.iter().map(|seen| seen.health.bad_electrodes().iter().count()).max()?;
+        // What needs a bad electrode is not reciprocal, and counts for nothing; many of them are a multiplexer's.
+        if flag == FrameFlags::NOT_RECIPROCAL && (1..=A_FEW).contains(&bad) {
+            return None;
+        }
         let what = format!("{words} in {frames} of {} frames", self.frames.len());
         Some(Finding::new(what, advice(flag)?))
     }
@@ -433,12 +441,14 @@ mod tests {
         health.worse.insert(3);
         health.contact_impedance[1] = 80.0;
         health.contact_impedance[7] = 200.0;
+        health.open.insert(6);
         let vitals = Vitals { load: 0.99, free_stack: 100, ..vitals };
         let all = FrameFlags::ALL.iter().fold(0, |bits, (flag, _)| bits | flag.0) & !FrameFlags::NO_CURRENT.0;
         let diagnosis = watch(FrameFlags(all), &health, vitals, 3).diagnosis(false).unwrap();
         let whats: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.what.as_str()).collect();
         for words in [
             "electrode 3 has no contact",
+            "electrode 7 has no contact",
             "electrode 6 is connected to a neighbour",
             "electrode 4 touches worse than when the skin was tared",
             "electrode 8 touches worse than most",
@@ -453,7 +463,19 @@ mod tests {
         ] {
             assert!(whats.contains(&words), "{words} not in {whats:?}");
         }
-        assert_eq!(whats.len(), 12);
+        assert_eq!(whats.len(), 13);
+    }
+
+    #[test]
+    fn an_open_electrode_is_no_multiplexer() {
+        let (mut health, vitals) = healthy();
+        let whats = |health: &Health| {
+            let diagnosis = watch(FrameFlags::NOT_RECIPROCAL, health, vitals, 0).diagnosis(false).unwrap();
+            diagnosis.findings.into_iter().map(|finding| finding.what).collect::<Vec<_>>()
+        };
+        assert_eq!(whats(&health), ["not reciprocal in 5 of 5 frames"]);
+        health.open.insert(2);
+        assert_eq!(whats(&health), ["electrode 3 has no contact"]);
     }
 
     #[test]
