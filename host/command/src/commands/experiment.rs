@@ -1,6 +1,6 @@
 //! `dermatome experiment`: the thesis' experiments on simulated samples, as a page.
 
-use super::{outputs::Folder, progress, trust};
+use super::{check_trial, outputs::Folder, progress, trust};
 use anyhow::Context;
 use dermatome_experiments::experiment::{EXPERIMENTS, Experiment, Report, json, named, page, run as run_all};
 use dermatome_patch::output::{OutputFolder, WriteError};
@@ -41,6 +41,7 @@ const FIGURES: &str = "report.json";
 #[derive(clap::Subcommand)]
 enum Other {
     Trust(trust::Args),
+    Check(check_trial::Args),
 }
 
 /// The experiments of a name.
@@ -63,8 +64,10 @@ fn help() -> String {
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    if let Some(Other::Trust(args)) = &args.other {
-        return trust::run(args);
+    match &args.other {
+        Some(Other::Trust(args)) => return trust::run(args),
+        Some(Other::Check(args)) => return check_trial::run(args),
+        None => {}
     }
     let start = Instant::now();
     // The name is required without a subcommand.

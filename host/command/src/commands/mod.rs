@@ -26,6 +26,7 @@ mod calibrate;
 mod check;
 mod check_data;
 mod check_skin;
+mod check_trial;
 mod choices;
 mod completions;
 mod contact_lines;
