@@ -196,7 +196,7 @@ fn places_off_the_skin_and_half_known_ones_are_refused_and_nothing_is_written() 
             "line 3, column `x_mm` is nothing; allowed: a number, or nothing in x_mm, y_mm and z_mm",
         ),
         ("20,0.4,5,", "line 3, column `y_mm` is nothing"),
-        ("20,0.4,inf,5", "line 3, column `x_mm` is inf; allowed: a number"),
+        ("20,0.4,inf,5", "line 3, column `x_mm` is \"inf\"; allowed: a finite number"),
         ("20,0.4,left,5", "line 3, column `x_mm` is \"left\"; allowed: a number"),
     ] {
         desk.write(
