@@ -201,7 +201,8 @@ fn bad_files_name_file_line_column_and_what_is_allowed() {
         );
     }
     std::fs::write(file.path(), "pressure_kpa,strength\n0,0\n5,nan\n0,0\n").unwrap();
-    assert!(read_readings(file.path()).unwrap_err().to_string().contains("`strength` is NaN"));
+    let message = read_readings(file.path()).unwrap_err().to_string();
+    assert!(message.contains("line 3, column `strength` is \"nan\""), "{message}");
 }
 
 /// Loads up and down again, each held for a second.

@@ -155,8 +155,8 @@ mod tests {
             ("0,1,NaN,0,0.01,1\n", "line 2, column `x_m`"),
             ("1,1,0,0,0.01,1\n1,1,0,0,0.01,1\n", "time 1 s"),
             ("NaN,1,0,0,0.01,1\n0,1,0,0,0.01,1\n", "line 2, column `time_s`"),
-            ("0,1,0,0,0.01,1\ninf,1,0,0,0.01,1\n", "time inf s"),
-            ("inf,1,0,0,0.01,1\n", "time inf s"),
+            ("0,1,0,0,0.01,1\ninf,1,0,0,0.01,1\n", "line 3, column `time_s` is \"inf\""),
+            ("inf,1,0,0,0.01,1\n", "line 2, column `time_s` is \"inf\""),
             ("0,one,0,0,0.01,1\n", "finger"),
             ("", "no rows"),
         ] {
