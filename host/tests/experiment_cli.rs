@@ -319,6 +319,39 @@ fn trust_sets_what_a_board_says_beside_what_is_asked_and_one_seed_gives_the_same
 }
 
 #[test]
+fn faults_of_wires_make_no_contact_on_an_untouched_skin() {
+    let desk = Desk::empty();
+    desk.write("skin.toml", program::TINY);
+    let options =
+        ["--rows", "faults", "--snr", "60", "--presses", "1", "--seed", "5", "--json", "trust.json"];
+    desk.run(&[&["experiment", "trust", "skin.toml"], &options[..]].concat()).success();
+    let report = desk.report("trust.json");
+    let figures = report["skins"][0]["rows"][0]["figures"].as_array().unwrap();
+    let untouched: Vec<_> = figures.iter().filter(|figure| figure["at_most"] == 0.0).collect();
+    assert_eq!(untouched.len(), 21, "seven faults, each as it comes, as it goes, and from the start");
+    for figure in untouched {
+        assert!(figure["found"] == 0.0 && figure["of"].as_u64().unwrap() >= 320, "{figure:#}");
+    }
+}
+
+#[test]
+fn check_names_what_is_wrong_with_a_skin_and_blames_no_sound_electrode() {
+    let desk = Desk::empty();
+    desk.write("skin.toml", program::TINY);
+    let options = ["--amplitudes", "100,10", "--seed", "5", "--json", "check.json"];
+    desk.run(&[&["experiment", "check", "skin.toml"], &options[..]].concat()).success();
+    let report = desk.report("check.json");
+    for row in report.as_array().unwrap() {
+        assert_eq!(row["blamed_sound"], 0, "{row:#}");
+        // A disc is the same however its wires are turned.
+        let is_told = !row["wrong"].as_str().unwrap().starts_with("wires ");
+        assert_eq!(row["named"], if is_told { row["tried"].clone() } else { 0.into() }, "{row:#}");
+    }
+    let tried: u64 = report.as_array().unwrap().iter().map(|row| row["tried"].as_u64().unwrap()).sum();
+    assert_eq!(tried, 2 * (1 + 4 * 8 + 2 + 5));
+}
+
+#[test]
 fn rows_and_noises_that_are_not_there_are_refused() {
     let desk = Desk::empty();
     for (arguments, words) in [

@@ -112,6 +112,13 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
+    /// Median contact impedance of the electrodes whose is known, ohm; 0 if none is.
+    #[must_use]
+    pub fn median_contact_ohm(&self) -> f32 {
+        let known: Vec<_> = self.electrodes.iter().map(|electrode| electrode.contact_impedance_ohm).collect();
+        median(&known)
+    }
+
     /// Takes back what the electrodes' tests say of contacts that touch badly: where wires are not where the patch takes
     /// them to be, a test goes through more of the sheet.
     pub fn distrust_contacts(&mut self) {

@@ -105,11 +105,16 @@ impl TrueSkin {
     /// `[electrode][electrode driven]`. `conductivity` as in [`Self::voltages`].
     #[must_use]
     pub fn transfer(&self, conductivity: &[f64]) -> Vec<Vec<Complex64>> {
+        self.transfer_at(conductivity, self.frequency)
+    }
+
+    /// The same for a current of this frequency, Hz.
+    #[must_use]
+    pub fn transfer_at(&self, conductivity: &[f64], frequency: f64) -> Vec<Vec<Complex64>> {
         match &self.forward {
             Forward::Real(model) => transfer(&solve(model, conductivity), Complex64::from),
             Forward::Complex(model, per_hertz) => {
-                let susceptance = per_hertz * self.frequency;
-                transfer(&solve(model, &admittivity(conductivity, susceptance)), |value| value)
+                transfer(&solve(model, &admittivity(conductivity, per_hertz * frequency)), |value| value)
             }
         }
     }

@@ -137,7 +137,8 @@ pub fn phasors(
 ) -> Vec<Complex64> {
     let ohms = 1.0 / sheet_conductivity;
     let in_ohms = |row: &Vec<Complex64>| row.iter().map(|impedance| impedance * ohms).collect();
-    let transfer: Vec<Vec<_>> = truth.transfer(conductivity).iter().map(in_ohms).collect();
+    let transfer = truth.transfer_at(conductivity, table.drive.frequency.into());
+    let transfer: Vec<Vec<_>> = transfer.iter().map(in_ohms).collect();
     let current = f64::from(table.drive.amplitude);
     let slots = table.slots();
     let needed = Wiring::new(&transfer, &[]).largest_of_source(&slots, current);

@@ -175,12 +175,6 @@ impl PipelineState {
         self.tare = Some(Tare::new(frames));
     }
 
-    /// Electrodes that count for nothing.
-    #[must_use]
-    pub fn bad_electrodes(&self) -> ElectrodeSet {
-        self.wiring.bad()
-    }
-
     /// What the latest frame showed to be wrong, beside its own flags.
     #[must_use]
     pub fn flags(&self) -> FrameFlags {

@@ -30,7 +30,7 @@ pub(super) struct Wiring {
     settling: u8,
     /// Frames since bad electrodes seemed to be good again.
     returning: u8,
-    /// Squares of the tests when the reference was made, upper halves of an `f32`: `[electrode]`.
+    /// Squares of the tests when the reference was made, upper halves of an `f32`, as memory is short: `[electrode]`.
     at_reference: [u16; MAX_ELECTRODES],
     /// Electrodes whose tests were clipped then.
     clipped: ElectrodeSet,
@@ -82,7 +82,7 @@ impl Wiring {
         self.settling == 0
     }
 
-    /// Electrodes whose tests have grown, as far as they show it, beside those of the others.
+    /// Electrodes whose tests have grown, as far as they show it, beside those of the others; none before a reference.
     fn worse(&self, tests: &[ElectrodeTest]) -> ElectrodeSet {
         let before = || self.at_reference.iter().map(|half| f32::from_bits(u32::from(*half) << 16));
         let pairs = || (0..).zip(tests.iter().map(square).zip(before()));
@@ -92,7 +92,10 @@ impl Wiring {
         }
         let least = NOTHING * NOTHING * all_before / tests.len() as f32;
         // A test that has come to the end of its range is larger than it reads.
-        let mut worse = clipped(tests).without(self.clipped);
+        let mut worse = ElectrodeSet::default();
+        if all_before > 0.0 {
+            worse = clipped(tests).without(self.clipped);
+        }
         for (electrode, (size, before)) in pairs() {
             let limit = if self.bad.contains(electrode) { BETTER } else { WORSE };
             if size * all_before > limit * limit * before * all && before > least && size > least {
@@ -174,6 +177,7 @@ mod tests {
         assert_eq!(wiring.see(ElectrodeSet(1 << 4), &now).0, 0, "it is known to be off");
         wiring.keep(&now);
         assert_eq!(wiring.see(ElectrodeSet(0), &now).0, 0, "it was so in the tare");
+        assert_eq!(Wiring::default().see(ElectrodeSet(0), &now).0, 0, "nothing is known of before");
     }
 
     #[test]

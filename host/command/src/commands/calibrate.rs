@@ -114,10 +114,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let patch = PatchView::validate(&bytes).with_context(|| format!("`{path}`"))?;
     let indenter_mm2 = args.indenter_area.as_deref().map(|text| indenter_mm2(text, &patch)).transpose()?;
     let out = args.out.as_deref().unwrap_or(&args.patch);
-    let others = [args.plot.as_deref(), args.save.as_deref(), args.json.json.as_deref()];
-    for file in others.into_iter().flatten().chain([out]) {
-        check_folder(file)?;
-    }
+    check_folder(out)?;
     let mut link = args.port.as_ref().map(open).transpose()?;
     let readings = readings(args, link.as_mut(), &patch)?;
     if let Some(file) = &args.save {

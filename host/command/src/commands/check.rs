@@ -83,6 +83,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let Some(examined) = examine(&mut link, &patch, model.as_ref(), args.frames.into())? else {
         bail!("stopped before the first frame came")
     };
+    if model.is_some() && examined.model.is_none() && !interrupt::requested() {
+        eprintln!("not compared with the skin file: first mend what is wrong with electrodes and current");
+    }
     let board = BoardReport::new(&link, &patch);
     let report = Report { board, frame_rate_asked: patch.drive.frame_rate, examined };
     print(&report);
@@ -114,9 +117,6 @@ pub(super) fn examine(
         contact_amplitude_a = measured?;
     }
     let is_comparable = watch.has_sound_electrodes();
-    if model.is_some() && !is_comparable {
-        eprintln!("not compared with the skin file: first mend what is wrong with electrodes and current");
-    }
     let model = match model {
         Some(model) if is_comparable && !interrupt::requested() => {
             let front_end = info.front_end.context("this board does not say how many volts its codes are")?;

@@ -7,9 +7,9 @@ use super::{
     noise::NoiseOptions,
     progress,
     tare::patch_of,
+    trust::skins,
 };
 use anyhow::Context;
-use dermatome_experiments::experiment::shipped_skins;
 use dermatome_link::health::State;
 use dermatome_model::{model::Model as SkinModel, quantize, skin::Skin};
 use dermatome_shared::protocol::Request;
@@ -66,7 +66,6 @@ struct Bench {
 }
 
 /// What is wrong.
-#[derive(Clone, Debug)]
 enum Wrong {
     Nothing,
     Electrode(Fault),
@@ -80,7 +79,6 @@ enum Wrong {
 }
 
 /// What `check` said of it.
-#[derive(Clone, Copy, Default)]
 struct Said {
     is_named: bool,
     blames_sound: bool,
@@ -129,18 +127,12 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 fn benches(args: &Args) -> anyhow::Result<Vec<Bench>> {
-    let skins: Vec<Skin> = if args.skins.is_empty() {
-        shipped_skins()?.into()
-    } else {
-        args.skins.iter().map(|file| Ok(Skin::load(file)?.made()?)).collect::<anyhow::Result<_>>()?
-    };
-    let bench = |skin: Skin| {
-        let in_skin = || format!("skin `{}`", skin.name);
-        let model = SkinModel::build(&skin, |_| ()).with_context(in_skin)?;
-        let patch = quantize::patch(&skin, &model).with_context(in_skin)?;
+    let bench = |(words, skin): (String, Skin)| {
+        let model = SkinModel::build(&skin, |_| ()).with_context(|| words.clone())?;
+        let patch = quantize::patch(&skin, &model).context(words)?;
         Ok(Bench { skin, patch })
     };
-    skins.into_iter().map(bench).collect()
+    skins(&args.skins)?.into_iter().map(bench).collect()
 }
 
 /// What is tried on a skin, by kind.
@@ -194,10 +186,7 @@ fn check(bench: &Bench, benches: &[Bench], wrong: &Wrong, share: f64, noise: Noi
         Wrong::Order(faults) => faults.clone(),
         Wrong::Contact(electrode) => {
             let sound = examined(bench, &bench.skin, Vec::new(), share, noise)?;
-            let mut ohms: Vec<f32> =
-                sound.diagnosis.electrodes.iter().filter_map(|it| it.contact_impedance_ohm).collect();
-            ohms.sort_by(f32::total_cmp);
-            let median = ohms.get(ohms.len() / 2).copied().unwrap_or(1.0);
+            let median = sound.diagnosis.median_contact_ohm();
             vec![Fault::Contact(*electrode, f64::from(WORSE * median))]
         }
         Wrong::Nothing | Wrong::Skin(_) => Vec::new(),

@@ -10,10 +10,7 @@ use super::{
 use crate::demo::{self, Figures, FrameRecord, Scorer, Watched};
 use dermatome_link::{self as link, Link, LinkError, LinkErrorKind};
 use dermatome_model::{model::Model, quantize, skin::Skin};
-use dermatome_patch::{
-    layout::Layout,
-    output::{check_folder, write_whole},
-};
+use dermatome_patch::{layout::Layout, output::write_whole};
 use dermatome_shared::{patch::PatchView, protocol::PatchInfo, reference::DEFAULT_TARE_FRAMES};
 use dermatome_simulate::{
     Noise, SimulatedSkin,
@@ -80,7 +77,6 @@ const NOISIER_DB: f64 = 10.0;
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
-    check_folder(&args.png)?;
     let noise = args.noise.noise();
     let skin = Skin::parse(Path::new(demo::SKIN_PATH), demo::SKIN)?.made()?;
     let spinner = progress::spinner();

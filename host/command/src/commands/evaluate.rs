@@ -15,7 +15,7 @@ use dermatome_experiments::evaluate::{
     report::{PairFigures, PairRing, Report, Ring, Spread},
 };
 use dermatome_model::{model::Model, skin::Skin};
-use dermatome_patch::output::{check_folder, write_whole};
+use dermatome_patch::output::write_whole;
 use indicatif::ProgressBar;
 use serde::Serialize;
 use std::{path::PathBuf, time::Instant};
@@ -165,9 +165,6 @@ const FLAGS: [(&str, &str); 8] = [
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let start = Instant::now();
-    if let Some(path) = &args.png {
-        check_folder(path)?;
-    }
     let skin = Skin::load(&args.skin)?.made()?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let spinner = progress::spinner();

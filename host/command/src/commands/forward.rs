@@ -16,7 +16,7 @@ use dermatome_model::{
     skin::Skin,
     stimulation::{self, PatternReport},
 };
-use dermatome_patch::output::{check_folder, stream_whole, write_whole};
+use dermatome_patch::output::{stream_whole, write_whole};
 use dermatome_shared::stimulation::Step;
 use num_complex::Complex64;
 use serde::Serialize;
@@ -66,7 +66,6 @@ struct Report {
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let out = args.out.as_deref().map(Format::of).transpose()?;
-    args.out.as_deref().map_or(Ok(()), check_folder)?;
     let skin = Skin::load(&args.skin)?.made()?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let mesh = mesh(&skin, 1.0, Lattice::default()).with_context(in_file)?;

@@ -9,7 +9,7 @@ use super::{
     tare::patch_of,
 };
 use dermatome_link::scope::{Trace, capture};
-use dermatome_patch::output::{check_folder, write_whole};
+use dermatome_patch::output::write_whole;
 use dermatome_shared::stimulation::Step;
 use dermatome_simulate::port::Port;
 use dermatome_view::trace;
@@ -89,7 +89,6 @@ impl<'a> Report<'a> {
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
-    args.png.as_deref().map_or(Ok(()), check_folder)?;
     let mut link = open(&args.port)?;
     let patch = patch_of(&mut link)?;
     let info = link.info()?;

@@ -88,7 +88,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 /// Each skin with each of what its contacts are found in.
 fn benches(args: &Args) -> anyhow::Result<Vec<Bench>> {
     let mut benches = Vec::new();
-    for (words, skin) in skins(args)? {
+    for (words, skin) in skins(&args.skins)? {
         let in_file = || words.clone();
         let bench = Bench::new(&skin).with_context(in_file)?;
         if args.found_in.is_empty() {
@@ -102,13 +102,13 @@ fn benches(args: &Args) -> anyhow::Result<Vec<Bench>> {
     Ok(benches)
 }
 
-/// Each skin, and which it is.
-fn skins(args: &Args) -> anyhow::Result<Vec<(String, Skin)>> {
-    if args.skins.is_empty() {
+/// The skins of these files, or the shipped ones, each with which it is.
+pub(super) fn skins(files: &[PathBuf]) -> anyhow::Result<Vec<(String, Skin)>> {
+    if files.is_empty() {
         return Ok(shipped_skins()?.map(|skin| (format!("the shipped {}", skin.name), skin)).into());
     }
     let load = |file: &PathBuf| Ok((format!("skin file `{}`", file.display()), Skin::load(file)?.made()?));
-    args.skins.iter().map(load).collect()
+    files.iter().map(load).collect()
 }
 
 fn words(found_in: FoundIn) -> &'static str {

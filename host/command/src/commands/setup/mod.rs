@@ -16,7 +16,7 @@ use super::{
 use anyhow::bail;
 use bench::Bench;
 use dermatome_link::health::Finding;
-use dermatome_patch::output::{check_folder, write_together};
+use dermatome_patch::output::write_together;
 use dermatome_simulate::port::Port;
 use person::Person;
 use serde::Serialize;
@@ -154,8 +154,6 @@ struct Report<'a> {
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
-    let files = [args.output.as_deref(), args.corrected.as_deref(), args.json.json.as_deref()];
-    files.into_iter().flatten().try_for_each(check_folder)?;
     let person = Person::at_input(args.yes)?;
     let mut bench = Bench::new(args, person)?;
     let went = steps::all(&mut bench);
