@@ -12,8 +12,8 @@ use dermatome_shared::{
     contact::Contact,
     drive::Drive,
     protocol::{
-        BoardPacket, Event, FrameStamp, Info, MAX_PACKET_BYTES, PROTOCOL_VERSION, Refusal, Reply, Request,
-        Selection, Version, encode,
+        BoardPacket, Event, FrameStamp, Info, MAX_PACKET_BYTES, PROTOCOL_VERSION, PacketReader, Refusal,
+        Reply, Request, RequestPacket, Selection, Version, encode,
     },
 };
 use std::{
@@ -24,7 +24,7 @@ use std::{
     thread,
     time::{Duration, Instant},
 };
-use testbench::{connect, fake_board, hello, info, small_patch, square_patch};
+use testbench::{Answer, connect, fake_board, fake_line, hello, info, small_patch, square_patch};
 
 #[test]
 fn a_board_of_another_protocol_version_is_refused_with_both_versions() {
@@ -120,22 +120,43 @@ fn a_patch_that_is_damaged_or_does_not_fit_the_board_is_not_sent() {
     assert!(matches!(error, UploadError::Patch(_)), "{error}");
 }
 
-/// Plays bytes to the host as a board would send them after Hello; swallows what the host says.
-struct Played(VecDeque<u8>);
+/// Plays packets to the host as a board would send them, replies in the host's session; of what the host says it hears
+/// only that number.
+struct Played<P> {
+    packets: P,
+    bytes: VecDeque<u8>,
+    reader: PacketReader,
+    session: u32,
+}
 
-impl Read for Played {
+/// A link to a board that plays these packets.
+fn link_to(packets: impl IntoIterator<Item = Vec<u8>, IntoIter: Send + 'static>) -> Link {
+    let (bytes, reader) = (VecDeque::new(), PacketReader::default());
+    let played = Played { packets: packets.into_iter(), bytes, reader, session: 0 };
+    Link::connect("played", played).unwrap()
+}
+
+impl<P: Iterator<Item = Vec<u8>>> Read for Played<P> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let length = self.0.len().min(buffer.len()).min(7);
-        if length == 0 {
-            return Err(io::ErrorKind::TimedOut.into());
+        if self.bytes.is_empty() {
+            let mut next = self.packets.next().ok_or(io::ErrorKind::TimedOut)?;
+            let mut reader = PacketReader::default();
+            let read = next.iter().find_map(|&byte| reader.push(byte));
+            if let Some(Ok(BoardPacket::Reply { sequence: sequence @ 1..=9, reply: played })) = read {
+                next = reply(self.session | sequence, played);
+            }
+            self.bytes.extend(next);
         }
-        buffer.iter_mut().zip(self.0.drain(..length)).for_each(|(place, byte)| *place = byte);
-        Ok(length)
+        let length = buffer.len().min(7);
+        self.bytes.read(&mut buffer[..length])
     }
 }
 
-impl Write for Played {
+impl<P> Write for Played<P> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        for packet in bytes.iter().filter_map(|&byte| self.reader.push::<RequestPacket>(byte)) {
+            self.session = packet.unwrap().sequence & 0xffff_0000;
+        }
         Ok(bytes.len())
     }
     fn flush(&mut self) -> io::Result<()> {
@@ -143,13 +164,13 @@ impl Write for Played {
     }
 }
 
-impl Transport for Played {}
+impl<P: Iterator<Item = Vec<u8>> + Send> Transport for Played<P> {}
 
 fn packet(message: &BoardPacket) -> Vec<u8> {
     encode(message, &mut [0; MAX_PACKET_BYTES]).unwrap().to_vec()
 }
 
-fn reply(sequence: u16, reply: Reply) -> Vec<u8> {
+fn reply(sequence: u32, reply: Reply) -> Vec<u8> {
     packet(&BoardPacket::Reply { sequence, reply })
 }
 
@@ -182,7 +203,7 @@ fn an_event_damaged_on_the_way_counts_as_damaged_and_as_lost() {
         contacts(2, 2),
         contacts(5, 5),
     ];
-    let mut link = Link::connect("played", Played(bytes.concat().into())).unwrap();
+    let mut link = link_to(bytes);
     let mut stream = link.subscribe(CONTACTS).unwrap();
     assert_eq!(frames(&mut stream), [u32::MAX, 0, 2, 5]);
     assert_eq!(stream.totals(), Totals { frames: 4, frames_missing: 1 + 2, ..Totals::default() });
@@ -221,11 +242,11 @@ fn a_contact_at_no_number_is_a_damaged_packet_and_never_a_contact() {
         drift: f32::NAN,
         missed: 0,
     };
-    let mut bytes = reply(0, hello(Version::current()));
-    bytes.extend(reply(1, Reply::Streaming { first_sequence: 0 }));
-    bytes.extend((0..).zip(&wrong).flat_map(event));
-    bytes.extend(packet(&BoardPacket::Event { number: 4, event: health }));
-    let mut link = Link::connect("played", Played(bytes.into())).unwrap();
+    let mut packets =
+        vec![reply(0, hello(Version::current())), reply(1, Reply::Streaming { first_sequence: 0 })];
+    packets.extend((0..).zip(&wrong).map(event));
+    packets.push(packet(&BoardPacket::Event { number: 4, event: health }));
+    let mut link = link_to(packets);
     let mut stream = link.subscribe(CONTACTS).unwrap();
     assert_eq!(frames(&mut stream), [0]);
     assert_eq!(stream.link().packets_damaged(), 4);
@@ -239,8 +260,44 @@ fn a_late_reply_does_not_pass_for_the_next_one() {
         reply(0, hello(Version::current())),
         reply(1, info(8, 100)),
     ];
-    let mut link = Link::connect("played", Played(bytes.concat().into())).unwrap();
+    let mut link = link_to(bytes);
     assert_eq!(link.info().unwrap().electrodes, 8);
+}
+
+#[test]
+fn a_late_reply_to_another_host_does_not_pass_for_one_to_this() {
+    let bytes = [
+        reply(0, hello(Version::current())),
+        // A host before this one asked so much, too.
+        reply(0x0bad_0001, Reply::Refused(Refusal::NoPatch)),
+        reply(1, info(8, 100)),
+    ];
+    assert_eq!(link_to(bytes).info().unwrap().electrodes, 8);
+}
+
+#[test]
+fn what_changes_nothing_is_asked_again_with_its_number_when_no_answer_comes() {
+    let asked = Arc::<Mutex<Vec<u32>>>::default();
+    let heard = asked.clone();
+    let address = fake_line(move |RequestPacket { sequence, request }| match request {
+        Request::Hello(_) => Answer::Reply(hello(Version::current())),
+        Request::Info | Request::Tare { .. } => {
+            let mut heard = heard.lock().unwrap();
+            heard.push(sequence);
+            if heard.len() == 2 { Answer::Reply(info(8, 100)) } else { Answer::Silence }
+        }
+        other => panic!("sent {other:?}"),
+    });
+    let mut link = connect(address).unwrap();
+    assert_eq!(link.info().unwrap().electrodes, 8);
+    let first = asked.lock().unwrap()[0];
+    assert_eq!(*asked.lock().unwrap(), [first, first]);
+    // A tare would begin anew.
+    assert!(matches!(
+        link.request(&Request::Tare { frames: 9 }).unwrap_err().kind,
+        LinkErrorKind::NoAnswer { .. }
+    ));
+    assert_eq!(*asked.lock().unwrap(), [first, first, first + 1]);
 }
 
 #[test]
@@ -251,7 +308,7 @@ fn events_of_an_earlier_stream_are_forgotten_when_a_new_one_starts() {
         reply(1, Reply::Streaming { first_sequence: 12 }),
         contacts(8, 12),
     ];
-    let mut link = Link::connect("played", Played(bytes.concat().into())).unwrap();
+    let mut link = link_to(bytes);
     let mut stream = link.subscribe(CONTACTS).unwrap();
     assert_eq!((stream.first_sequence(), frames(&mut stream)), (12, vec![12]));
     assert_eq!(stream.totals(), Totals { frames: 1, ..Totals::default() });
@@ -266,7 +323,7 @@ fn a_tare_that_never_ends_is_an_error_and_other_events_are_kept() {
         reply(2, Reply::Done),
         contacts(0, 1),
     ];
-    let mut link = Link::connect("played", Played(bytes.concat().into())).unwrap();
+    let mut link = link_to(bytes);
     let mut stream = link.subscribe(CONTACTS).unwrap();
     let error = tare(stream.link(), 20, Duration::from_millis(30)).unwrap_err();
     assert!(matches!(error.kind, LinkErrorKind::NoTare { frames: 20, .. }), "{error}");
@@ -375,7 +432,7 @@ fn what_came_of_a_frame_is_handed_out_once_the_board_has_been_silent() {
         contacts(0, 12),
         reply(2, Reply::Streaming { first_sequence: 13 }),
     ];
-    let mut link = Link::connect("played", Played(bytes.concat().into())).unwrap();
+    let mut link = link_to(bytes);
     let mut stream = link.subscribe(Selection { contacts: 1, images: 1, ..Selection::default() }).unwrap();
     let frame = stream.next(Duration::from_secs(5)).unwrap().expect("the contacts");
     let at = FrameStamp { sequence: 12, timestamp_us: 2, flags: Default::default() };
@@ -384,41 +441,12 @@ fn what_came_of_a_frame_is_handed_out_once_the_board_has_been_silent() {
     assert_eq!(stream.totals(), totals);
 }
 
-/// Sends, without end and without a pause, what it makes of the number of the packet.
-struct Endless<F> {
-    bytes: VecDeque<u8>,
-    number: u32,
-    make: F,
-}
-
-impl<F: FnMut(u32) -> Vec<u8>> Read for Endless<F> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if self.bytes.is_empty() {
-            self.bytes.extend((self.make)(self.number));
-            self.number += 1;
-            thread::sleep(Duration::from_millis(1));
-        }
-        self.bytes.read(buffer)
-    }
-}
-
-impl<F> Write for Endless<F> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        Ok(bytes.len())
-    }
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-impl<F: FnMut(u32) -> Vec<u8> + Send> Transport for Endless<F> {}
-
 #[test]
 fn a_board_that_sends_other_events_than_it_was_asked_for_is_an_error_in_time() {
     let first = [reply(0, hello(Version::current())), reply(1, Reply::Streaming { first_sequence: 12 })];
     let tared = |number| packet(&BoardPacket::Event { number, event: Event::Tared { frames: 20 } });
-    let board = Endless { bytes: first.concat().into(), number: 0, make: tared };
-    let mut link = Link::connect("endless", board).unwrap();
+    let without_end = (0..).map(tared).inspect(|_| thread::sleep(Duration::from_millis(1)));
+    let mut link = link_to(first.into_iter().chain(without_end));
     let mut stream = link.subscribe(CONTACTS).unwrap();
     let error = stream.next_while(SHORT, || true).unwrap_err();
     assert!(matches!(error.kind, LinkErrorKind::NoFrame { events: 10.., .. }), "{error}");

@@ -41,8 +41,6 @@ pub enum LinkErrorKind {
     },
     /// The other end closed the link, or the cable was pulled.
     Cut,
-    /// The other end closed the link before it said who it is, as a board does that serves another host.
-    TurnedAway,
     /// A board that streams sent no whole frame.
     NoFrame {
         /// How long the host waited.
@@ -112,14 +110,14 @@ impl LinkError {
     /// both understood each other and do not agree.
     #[must_use]
     pub fn may_pass(&self) -> bool {
-        !matches!(
-            self.kind,
+        match &self.kind {
+            LinkErrorKind::Refused(refusal) => *refusal == Refusal::Busy,
             LinkErrorKind::ProtocolVersion { .. }
-                | LinkErrorKind::Schema { .. }
-                | LinkErrorKind::Refused(_)
-                | LinkErrorKind::NoFrontEnd
-                | LinkErrorKind::NoCarrier { .. }
-        )
+            | LinkErrorKind::Schema { .. }
+            | LinkErrorKind::NoFrontEnd
+            | LinkErrorKind::NoCarrier { .. } => false,
+            _ => true,
+        }
     }
 
     /// Sorts an error of the system, met on opening `port`.
@@ -170,11 +168,6 @@ impl fmt::Display for LinkError {
             }
             LinkErrorKind::Open(reason) => write!(f, "cannot open port `{port}`: {reason}"),
             LinkErrorKind::Cut => write!(f, "the link to `{port}` was cut: the board has gone or closed it"),
-            LinkErrorKind::TurnedAway => write!(
-                f,
-                "busy: the board at `{port}` closed the link before it said who it is: it serves another host, or it \
-                 has just gone"
-            ),
             LinkErrorKind::NoFrame { timeout, events: 0 } => write!(
                 f,
                 "nothing came from the board at `{port}` within {:.1} s, though it says that it streams",

@@ -147,8 +147,20 @@ pub(crate) fn raw(address: SocketAddr) -> TcpStream {
     stream
 }
 
+/// What a fake board does with a request.
+pub(crate) enum Answer {
+    Reply(Reply),
+    Silence,
+    Gone,
+}
+
 /// Something that listens and answers requests by `answer`; `None` closes the connection.
 pub(crate) fn fake_board(mut answer: impl FnMut(Request) -> Option<Reply> + Send + 'static) -> SocketAddr {
+    fake_line(move |packet| answer(packet.request).map_or(Answer::Gone, Answer::Reply))
+}
+
+/// As [`fake_board`], by whole packets.
+pub(crate) fn fake_line(mut answer: impl FnMut(RequestPacket) -> Answer + Send + 'static) -> SocketAddr {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap();
     thread::spawn(move || {
@@ -157,8 +169,13 @@ pub(crate) fn fake_board(mut answer: impl FnMut(Request) -> Option<Reply> + Send
         let mut byte = [0];
         while stream.read(&mut byte).is_ok_and(|length| length == 1) {
             let Some(packet) = reader.push::<RequestPacket>(byte[0]) else { continue };
-            let RequestPacket { sequence, request } = packet.unwrap();
-            let Some(reply) = answer(request) else { return };
+            let packet = packet.unwrap();
+            let sequence = packet.sequence;
+            let reply = match answer(packet) {
+                Answer::Reply(reply) => reply,
+                Answer::Silence => continue,
+                Answer::Gone => return,
+            };
             let mut buffer = [0; MAX_PACKET_BYTES];
             let bytes = encode(&BoardPacket::Reply { sequence, reply }, &mut buffer).unwrap();
             stream.write_all(bytes).unwrap();

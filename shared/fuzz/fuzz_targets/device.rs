@@ -103,7 +103,7 @@ impl PatchStore for Memory {
 
 struct Rig {
     device: Device<Memory, PipelineState>,
-    requests: u16,
+    requests: u32,
     events: u32,
 }
 

@@ -29,7 +29,7 @@ use postcard_schema::{Schema, key::hash::fnv1a64};
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages below. Grows with every incompatible change.
-pub const PROTOCOL_VERSION: u16 = 12;
+pub const PROTOCOL_VERSION: u16 = 13;
 /// Longest packet on the wire, with its framing, bytes.
 pub const MAX_PACKET_BYTES: usize = 4096;
 /// Longest piece of a patch in one request, bytes.
@@ -48,8 +48,9 @@ pub const fn schema_hash() -> [u8; 8] {
 /// From the host: one request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct RequestPacket {
-    /// Chosen by the host, repeated in the reply.
-    pub sequence: u16,
+    /// Chosen by the host, repeated in the reply. Its upper half is the number of the host's session, so that no reply
+    /// to one host passes for a reply to the next.
+    pub sequence: u32,
     /// What is asked.
     pub request: Request,
 }
@@ -148,7 +149,7 @@ pub enum BoardPacket {
     /// The answer to one request.
     Reply {
         /// Sequence number of the request.
-        sequence: u16,
+        sequence: u32,
         /// The answer.
         reply: Reply,
     },
@@ -340,6 +341,11 @@ pub enum Refusal {
         /// The last one.
         last: u16,
     },
+    /// Another host is served.
+    #[error(
+        "busy: the board serves another host, and takes the next one when that leaves or has been silent for some seconds"
+    )]
+    Busy,
 }
 
 /// What a board tells unasked.

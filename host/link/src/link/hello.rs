@@ -5,21 +5,14 @@ use crate::error::{LinkError, LinkErrorKind};
 use dermatome_shared::protocol::{BoardPacket, Identity, Refusal, Reply, Request, RequestPacket, Version};
 use std::time::{Duration, Instant};
 
-/// Only Hello carries this number, so that no late reply to an earlier host passes for another.
-pub(super) const HELLO_SEQUENCE: u16 = 0;
+/// Only Hello carries this number, which belongs to no session: all versions understand it.
+const HELLO_SEQUENCE: u32 = 0;
 /// Hello is sent again after this time: a board may have been starting when the first one came.
 const HELLO_TIMEOUT: Duration = Duration::from_secs(1);
 const HELLO_ATTEMPTS: u32 = 2;
 
 /// Ends any line noise with a zero byte, then says hello; gives who the board is.
 pub(super) fn hello(wire: &mut Wire) -> Result<Identity, LinkError> {
-    ask(wire).map_err(|error| match error.kind {
-        LinkErrorKind::Cut => wire.error(LinkErrorKind::TurnedAway),
-        _ => error,
-    })
-}
-
-fn ask(wire: &mut Wire) -> Result<Identity, LinkError> {
     wire.send_bytes(&[0])?;
     let request = RequestPacket { sequence: HELLO_SEQUENCE, request: Request::Hello(Version::current()) };
     for _ in 0..HELLO_ATTEMPTS {

@@ -7,6 +7,7 @@
 
 mod hello;
 mod order;
+mod session;
 mod sound;
 mod tare;
 mod transport;
@@ -29,7 +30,6 @@ use dermatome_shared::{
     protocol::{BoardPacket, Event, Identity, Info, Reply, Request, RequestPacket, Selection},
     stimulation::Step,
 };
-use hello::HELLO_SEQUENCE;
 use order::Order;
 use std::{
     collections::VecDeque,
@@ -41,6 +41,9 @@ use wire::Wire;
 /// Most events kept for a host that asks much and listens little; older ones count as lost.
 const MAX_QUEUED_EVENTS: usize = 4096;
 
+/// After this time without an answer a request is sent again, with the number that it had: it or its reply may be lost.
+const ASK_AGAIN: Duration = Duration::from_millis(500);
+
 /// What others have waited for so long, or what has not come after so much silence, will not come.
 pub(crate) const PARTS_TIMEOUT: Duration = Duration::from_secs(1);
 
@@ -51,7 +54,7 @@ pub(crate) type Numbered = (u32, Event);
 pub struct Link {
     wire: Wire,
     identity: Identity,
-    last_sequence: u16,
+    last_sequence: u32,
     order: Order,
     /// In order.
     events: VecDeque<Numbered>,
@@ -81,7 +84,7 @@ impl Link {
         Ok(Self {
             wire,
             identity,
-            last_sequence: HELLO_SEQUENCE,
+            last_sequence: session::begin(),
             order: Order::default(),
             events: VecDeque::new(),
             events_forgotten: 0,
@@ -139,9 +142,10 @@ impl Link {
         let asked = Instant::now();
         self.send(request)?;
         let deadline = asked + timeout;
-        while let Some(packet) = self.wire.receive(deadline)? {
-            match packet {
-                BoardPacket::Reply { sequence, reply } if sequence == self.last_sequence => {
+        let mut ask_again = asked + ASK_AGAIN;
+        while Instant::now() < deadline {
+            match self.wire.receive(deadline.min(ask_again))? {
+                Some(BoardPacket::Reply { sequence, reply }) if sequence == self.last_sequence => {
                     log::debug!(
                         "asked {}, answered after {:.1} ms",
                         name(request),
@@ -149,9 +153,15 @@ impl Link {
                     );
                     return self.unless_refused(reply);
                 }
-                // A late reply to a request that was given up.
-                BoardPacket::Reply { .. } => {}
-                BoardPacket::Event { number, event } => self.keep(number, event),
+                // A late reply to a request that was given up, or to another host.
+                Some(BoardPacket::Reply { .. }) => {}
+                Some(BoardPacket::Event { number, event }) => self.keep(number, event),
+                None if may_be_repeated(request) => {
+                    self.wire
+                        .send(&RequestPacket { sequence: self.last_sequence, request: request.clone() })?;
+                    ask_again = Instant::now() + ASK_AGAIN;
+                }
+                None => ask_again = deadline,
             }
         }
         Err(self.wire.no_answer(timeout, damaged_before))
@@ -164,7 +174,7 @@ impl Link {
     }
 
     fn send(&mut self, request: &Request) -> Result<(), LinkError> {
-        self.last_sequence = self.last_sequence.checked_add(1).unwrap_or(HELLO_SEQUENCE + 1);
+        self.last_sequence = session::next(self.last_sequence);
         self.wire.send(&RequestPacket { sequence: self.last_sequence, request: request.clone() })
     }
 
@@ -318,6 +328,12 @@ impl Link {
         self.wire.error(kind)
     }
 }
+
+/// Whether a board that gets a request twice is in the same state as after the first.
+fn may_be_repeated(request: &Request) -> bool {
+    matches!(request, Request::Info | Request::ReadPatch { .. } | Request::Reference | Request::Stream(_))
+}
+
 /// The name of a request, without what goes with it.
 fn name(request: &Request) -> String {
     let all = format!("{request:?}");
