@@ -120,19 +120,20 @@ fn a_patch_that_is_damaged_or_does_not_fit_the_board_is_not_sent() {
     assert!(matches!(error, UploadError::Patch(_)), "{error}");
 }
 
-/// Plays packets to the host as a board would send them, replies in the host's session; of what the host says it hears
-/// only that number.
+/// Plays packets to the host as a board would send them, whatever the host says; replies count from the number at which
+/// the host begins.
 struct Played<P> {
     packets: P,
     bytes: VecDeque<u8>,
     reader: PacketReader,
-    session: u32,
+    /// Number of the host's first request but Hello, once that has come.
+    first: Option<u16>,
 }
 
 /// A link to a board that plays these packets.
 fn link_to(packets: impl IntoIterator<Item = Vec<u8>, IntoIter: Send + 'static>) -> Link {
     let (bytes, reader) = (VecDeque::new(), PacketReader::default());
-    let played = Played { packets: packets.into_iter(), bytes, reader, session: 0 };
+    let played = Played { packets: packets.into_iter(), bytes, reader, first: None };
     Link::connect("played", played).unwrap()
 }
 
@@ -142,8 +143,12 @@ impl<P: Iterator<Item = Vec<u8>>> Read for Played<P> {
             let mut next = self.packets.next().ok_or(io::ErrorKind::TimedOut)?;
             let mut reader = PacketReader::default();
             let read = next.iter().find_map(|&byte| reader.push(byte));
-            if let Some(Ok(BoardPacket::Reply { sequence: sequence @ 1..=9, reply: played })) = read {
-                next = reply(self.session | sequence, played);
+            if let (Some(Ok(BoardPacket::Reply { sequence, reply: played })), Some(first)) =
+                (read, self.first)
+            {
+                let number = u32::from(first) - 1 + u32::from(sequence);
+                // As the host does it: none is 0.
+                next = reply((number + (number >> 16)) as u16, played);
             }
             self.bytes.extend(next);
         }
@@ -155,7 +160,8 @@ impl<P: Iterator<Item = Vec<u8>>> Read for Played<P> {
 impl<P> Write for Played<P> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         for packet in bytes.iter().filter_map(|&byte| self.reader.push::<RequestPacket>(byte)) {
-            self.session = packet.unwrap().sequence & 0xffff_0000;
+            let sequence = packet.unwrap().sequence;
+            self.first = self.first.or((sequence > 0).then_some(sequence));
         }
         Ok(bytes.len())
     }
@@ -170,7 +176,7 @@ fn packet(message: &BoardPacket) -> Vec<u8> {
     encode(message, &mut [0; MAX_PACKET_BYTES]).unwrap().to_vec()
 }
 
-fn reply(sequence: u32, reply: Reply) -> Vec<u8> {
+fn reply(sequence: u16, reply: Reply) -> Vec<u8> {
     packet(&BoardPacket::Reply { sequence, reply })
 }
 
@@ -268,8 +274,8 @@ fn a_late_reply_does_not_pass_for_the_next_one() {
 fn a_late_reply_to_another_host_does_not_pass_for_one_to_this() {
     let bytes = [
         reply(0, hello(Version::current())),
-        // A host before this one asked so much, too.
-        reply(0x0bad_0001, Reply::Refused(Refusal::NoPatch)),
+        // A host before this one asked as much, from another number.
+        reply(12_001, Reply::Refused(Refusal::NoPatch)),
         reply(1, info(8, 100)),
     ];
     assert_eq!(link_to(bytes).info().unwrap().electrodes, 8);
@@ -277,7 +283,7 @@ fn a_late_reply_to_another_host_does_not_pass_for_one_to_this() {
 
 #[test]
 fn what_changes_nothing_is_asked_again_with_its_number_when_no_answer_comes() {
-    let asked = Arc::<Mutex<Vec<u32>>>::default();
+    let asked = Arc::<Mutex<Vec<u16>>>::default();
     let heard = asked.clone();
     let address = fake_line(move |RequestPacket { sequence, request }| match request {
         Request::Hello(_) => Answer::Reply(hello(Version::current())),
@@ -297,7 +303,7 @@ fn what_changes_nothing_is_asked_again_with_its_number_when_no_answer_comes() {
         link.request(&Request::Tare { frames: 9 }).unwrap_err().kind,
         LinkErrorKind::NoAnswer { .. }
     ));
-    assert_eq!(*asked.lock().unwrap(), [first, first, first + 1]);
+    assert_eq!(*asked.lock().unwrap(), [first, first, first.checked_add(1).unwrap_or(1)]);
 }
 
 #[test]

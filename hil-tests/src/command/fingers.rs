@@ -140,7 +140,7 @@ impl Overheard {
         *self = Self { has_reference, ..Self::default() };
     }
 
-    fn answer(&mut self, sequence: u32, reply: &Reply) {
+    fn answer(&mut self, sequence: u16, reply: &Reply) {
         let Some(place) = self.asked.iter().position(|packet| packet.sequence == sequence) else { return };
         let Some(RequestPacket { request, .. }) = self.asked.drain(..=place).next_back() else { return };
         match (request, reply) {
@@ -166,7 +166,7 @@ mod tests {
     #[derive(Default)]
     struct Talk {
         line: Overheard,
-        sequence: u32,
+        sequence: u16,
     }
 
     impl Talk {

@@ -119,6 +119,14 @@ impl Diagnosis {
         median(&known)
     }
 
+    /// Puts the cause in the place of what a flag alone says.
+    pub fn explain(&mut self, flag: FrameFlags, cause: Finding) {
+        let words =
+            FrameFlags::ALL.into_iter().find(|(other, _)| *other == flag).map_or("", |(_, words)| words);
+        self.findings.retain(|finding| !finding.what.starts_with(&format!("{words} in ")));
+        self.findings.push(cause);
+    }
+
     /// Takes back what the electrodes' tests say of contacts that touch badly: where wires are not where the patch takes
     /// them to be, a test goes through more of the sheet.
     pub fn distrust_contacts(&mut self) {
@@ -169,7 +177,26 @@ impl Watch {
     /// Whether voltages of a frame were beyond the converter's range.
     #[must_use]
     pub fn is_saturated(&self) -> bool {
-        self.frames.iter().any(|seen| seen.at.flags.contains(FrameFlags::SATURATED))
+        self.has(FrameFlags::SATURATED)
+    }
+
+    /// Whether voltages with drive and sense exchanged differ, and no bad electrode makes them.
+    #[must_use]
+    pub fn is_not_reciprocal(&self) -> bool {
+        self.has(FrameFlags::NOT_RECIPROCAL) && self.has_sound_electrodes()
+    }
+
+    fn has(&self, flag: FrameFlags) -> bool {
+        self.frames.iter().any(|seen| seen.at.flags.contains(flag))
+    }
+
+    /// Whether voltages that count were beyond the converter's range, or the tests of more than a few electrodes: those of
+    /// one that is bad, and of its neighbours, say nothing of the current.
+    #[must_use]
+    pub fn has_too_much_current(&self) -> bool {
+        self.frames
+            .iter()
+            .any(|seen| seen.at.flags.contains(FrameFlags::SATURATED) || clipped_tests(&seen.health) > A_FEW)
     }
 
     /// Takes contact impedances from another watch, whose current was smaller.
@@ -277,7 +304,9 @@ impl Watch {
         means.iter().enumerate().map(electrode).collect()
     }
 
-    fn reciprocity(&self) -> Option<f32> {
+    /// Mean reciprocity error, relative; none if the patch does not measure both ways.
+    #[must_use]
+    pub fn reciprocity(&self) -> Option<f32> {
         let errors: Vec<f32> = self.frames.iter().filter_map(|seen| seen.health.reciprocity_error).collect();
         (!errors.is_empty()).then(|| errors.iter().sum::<f32>() / errors.len() as f32)
     }
@@ -299,6 +328,16 @@ impl Watch {
         let what = format!("{words} in {frames} of {} frames", self.frames.len());
         Some(Finding::new(what, advice(flag)?))
     }
+}
+
+/// Tests that are clipped and pass no current through an electrode that is open or shorted.
+fn clipped_tests(health: &Health) -> usize {
+    let count = health.contact_impedance.len();
+    let bad = health.open.union(health.shorted);
+    let is_sound = |electrode: usize| !bad.contains((electrode % count) as u8);
+    let tests = health.contact_impedance.iter().enumerate();
+    // Current flows out of an electrode and into the next; the one before senses.
+    tests.filter(|(e, ohms)| ohms.is_infinite() && (e + count - 1..=e + count + 1).all(is_sound)).count()
 }
 
 /// Of those that are known; 0 if none is.
@@ -411,10 +450,29 @@ mod tests {
         let mut clipped = watch(FrameFlags::default(), &health, vitals, 0);
         let diagnosis = clipped.diagnosis(false).unwrap();
         assert!(clipped.has_clipped_tests() && diagnosis.findings.is_empty());
+        assert!(!clipped.has_too_much_current(), "one contact alone is bad by itself");
         assert_eq!(diagnosis.electrodes[2].contact_impedance_ohm, None);
         clipped.take_contacts(&smaller);
         assert!(!clipped.has_clipped_tests());
         assert_eq!(clipped.diagnosis(false).unwrap().electrodes[2].contact_impedance_ohm, Some(30.0));
+    }
+
+    #[test]
+    fn a_current_is_too_large_where_voltages_or_many_tests_clip_but_not_beside_a_bad_electrode() {
+        let (healthy, vitals) = healthy();
+        let is_too_large = |flags, health: &Health| watch(flags, health, vitals, 0).has_too_much_current();
+        assert!(!is_too_large(FrameFlags::default(), &healthy));
+        assert!(is_too_large(FrameFlags::SATURATED, &healthy));
+        let clipped = |electrodes: std::ops::Range<usize>| {
+            let mut health = healthy.clone();
+            health.contact_impedance[electrodes].fill(f32::INFINITY);
+            health
+        };
+        assert!(is_too_large(FrameFlags::default(), &clipped(0..4)));
+        assert!(!is_too_large(FrameFlags::default(), &clipped(0..3)));
+        let mut open = clipped(0..5);
+        open.open.insert(1);
+        assert!(!is_too_large(FrameFlags::default(), &open));
     }
 
     #[test]

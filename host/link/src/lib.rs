@@ -6,6 +6,7 @@
 
 pub mod assemble;
 pub mod contacts;
+mod current;
 pub mod devices;
 mod error;
 pub mod health;
@@ -19,6 +20,7 @@ pub mod trim;
 pub mod words;
 
 pub use assemble::{ScanFrame, Totals};
+pub use current::{FittedCurrent, fit_current};
 pub use dermatome_patch::{pose, tables};
 pub use dermatome_shared as shared;
 pub use error::{Damage, LinkError, LinkErrorKind};

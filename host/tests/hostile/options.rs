@@ -121,6 +121,7 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
         ("calibrate", "indenter-area") => &["", "x", "nan", "0", "-1", "4 furlong", "4", "inf"],
         ("drive", "frequency") => &["", "x", "nan", "0", "-1", "5 furlong", "inf", "1 mA"],
         ("drive", "amplitude") => &["", "x", "nan", "-1", "-5%", "5 furlong", "inf", "1 kHz"],
+        (_, "amplitude") => &["", "x", "-1", "AUTO", "0.5 mA"],
         ("drive", "gain") => &["", "x", "0", "3", "128", "-1", "1.5"],
         ("drive", "phase") => &["", "x", "nan", "-1", "361", "inf"],
         ("drive", "settling") => &["", "x", "nan", "-1", "101", "inf"],

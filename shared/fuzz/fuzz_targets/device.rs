@@ -103,7 +103,7 @@ impl PatchStore for Memory {
 
 struct Rig {
     device: Device<Memory, PipelineState>,
-    requests: u32,
+    requests: u16,
     events: u32,
 }
 

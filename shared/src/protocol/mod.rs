@@ -48,9 +48,9 @@ pub const fn schema_hash() -> [u8; 8] {
 /// From the host: one request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct RequestPacket {
-    /// Chosen by the host, repeated in the reply. Its upper half is the number of the host's session, so that no reply
-    /// to one host passes for a reply to the next.
-    pub sequence: u32,
+    /// Chosen by the host, repeated in the reply. A host begins at a number that it draws, so that no reply to the host
+    /// before passes for one to it.
+    pub sequence: u16,
     /// What is asked.
     pub request: Request,
 }
@@ -149,7 +149,7 @@ pub enum BoardPacket {
     /// The answer to one request.
     Reply {
         /// Sequence number of the request.
-        sequence: u32,
+        sequence: u16,
         /// The answer.
         reply: Reply,
     },

@@ -99,7 +99,7 @@ mod tests {
         bytes.iter().filter_map(|&byte| reader.push(byte)).collect()
     }
 
-    fn hello(sequence: u32) -> RequestPacket {
+    fn hello(sequence: u16) -> RequestPacket {
         RequestPacket { sequence, request: Request::Hello(Version::current()) }
     }
 

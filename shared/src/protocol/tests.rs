@@ -91,5 +91,5 @@ proptest! {
 #[test]
 fn the_messages_of_this_version_have_their_schema_hash() {
     let schema = std::format!("{:02x?}", Version::current().schema);
-    assert_eq!((PROTOCOL_VERSION, schema.as_str()), (13, "[e4, 0e, 63, 27, 2b, d4, a9, 39]"));
+    assert_eq!((PROTOCOL_VERSION, schema.as_str()), (13, "[15, 6b, 5b, 96, fc, e1, 64, d0]"));
 }

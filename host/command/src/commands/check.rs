@@ -11,12 +11,15 @@ use super::{
 };
 use anyhow::{Context, bail};
 use dermatome_link::{
-    Link, LinkError,
-    health::{self, Diagnosis, Electrode, State, Watch},
+    FittedCurrent, Link, LinkError, fit_current,
+    health::{self, Diagnosis, Electrode, Finding, State, Watch},
 };
 use dermatome_shared::{
+    acquire::FrontEnd,
     drive::Drive,
+    frame::FrameFlags,
     protocol::{FrameSource, PatchInfo, Request},
+    scan::Timing,
 };
 use dermatome_simulate::port::Port;
 use serde::Serialize;
@@ -28,12 +31,16 @@ const CONTACT_FRAMES: usize = 10;
 const SMALLER: f32 = 0.25;
 /// Smaller currents that are tried.
 const SMALLER_CURRENTS: usize = 3;
+/// Carrier at which the capacitance of leads takes little, Hz.
+const LOW_FREQUENCY: f32 = 12.5e3;
+/// Leads are to blame where the reciprocity error falls to this part of itself there.
+const LEAKS: f32 = 0.5;
 
 /// Look for what is wrong with a board and its skin, and say what to do.
 ///
 /// Watches some frames: contact impedance and state of every electrode, reciprocity, what was wrong
-/// with frames, and how the board itself does. Where the current is too large for the electrodes' tests, they
-/// are repeated with a smaller one, and the board tares anew. With the skin file its voltages, which must be those of the
+/// with frames, and how the board itself does. Where the current is too large for voltages or the electrodes' tests, or
+/// the frequency too high for the leads, it looks with a smaller one, and the board tares anew. With the skin file its voltages, which must be those of the
 /// untouched skin, are compared with the model's as well: order of the wires, shape, the sheet's conductivity. Exits with
 /// code 1 if something is wrong.
 #[derive(clap::Args)]
@@ -97,46 +104,151 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     }
 }
 
-/// Watches so many frames, and compares as many with a model; none where Ctrl-C comes before the first.
+/// Watches so many frames, and compares as many with a model; none where Ctrl-C comes before the first. Where current or
+/// frequency of the drive in effect leave nothing to be seen, others are used, and it is told.
 pub(super) fn examine(
     link: &mut Link,
     patch: &PatchInfo,
     model: Option<&Model<'_>>,
     frames: usize,
 ) -> anyhow::Result<Option<Examined>> {
-    let info = link.info()?;
-    let is_simulated = info.frame_source == FrameSource::Simulated;
-    let drive = info.drive.unwrap_or(patch.drive);
-    let timeout = silence_timeout(patch);
-    let mut watch = health::watch(link, frames, timeout, || !interrupt::requested())?;
-    let mut contact_amplitude_a = drive.amplitude;
-    if watch.has_clipped_tests() && !interrupt::requested() {
-        let measured = measure_contacts(link, &mut watch, drive, timeout);
-        // Whatever happened, the current is what it was.
+    let drive = link.info()?.drive.unwrap_or(patch.drive);
+    let mut examination = Examination { drive, timeout: silence_timeout(patch), findings: Vec::new() };
+    let examined = examination.run(link, patch, model, frames);
+    if examination.is_changed(drive) {
+        // Whatever happened, the drive is what it was.
         link.request(&Request::Drive(Some(drive)))?;
-        contact_amplitude_a = measured?;
     }
-    let is_comparable = watch.has_sound_electrodes();
-    let model = match model {
-        Some(model) if is_comparable && !interrupt::requested() => {
-            let front_end = info.front_end.context("this board does not say how many volts its codes are")?;
-            let ohms = f64::from(front_end.volts_per_code / drive.amplitude);
-            let frames = check_skin::frames(link, frames, ohms, timeout)?;
-            frames.map(|frames| model.compare(&frames, patch)).transpose()?
+    examined
+}
+
+/// An examination under way.
+struct Examination {
+    /// With which voltages are measured by now.
+    drive: Drive,
+    timeout: Duration,
+    /// What is wrong with the drive.
+    findings: Vec<(FrameFlags, Finding)>,
+}
+
+impl Examination {
+    fn run(
+        &mut self,
+        link: &mut Link,
+        patch: &PatchInfo,
+        model: Option<&Model<'_>>,
+        frames: usize,
+    ) -> anyhow::Result<Option<Examined>> {
+        let info = link.info()?;
+        let mut watch = self.watch(link, frames)?;
+        if watch.has_too_much_current() && !interrupt::requested() {
+            watch = self.lower_current(link, watch, frames)?;
         }
-        _ => None,
-    };
-    if let Some(compared) = &model {
-        watch.add_to_contacts(&compared.missing(&link.test_resistances()?));
-    }
-    let Some(mut diagnosis) = watch.diagnosis(is_simulated) else { return Ok(None) };
-    if let Some(compared) = &model {
-        if compared.wires_are_wrong {
-            diagnosis.distrust_contacts();
+        if let Some(front_end) =
+            info.front_end.filter(|_| watch.is_not_reciprocal() && !interrupt::requested())
+        {
+            watch = self.lower_frequency(link, watch, frames, &front_end)?;
         }
-        diagnosis.findings.extend(compared.findings.iter().cloned());
+        let mut contact_amplitude_a = self.drive.amplitude;
+        if watch.has_clipped_tests() && !interrupt::requested() {
+            let measured = measure_contacts(link, &mut watch, self.drive, self.timeout);
+            link.request(&Request::Drive(Some(self.drive)))?;
+            contact_amplitude_a = measured?;
+        }
+        let is_comparable = watch.has_sound_electrodes();
+        let model = match model {
+            Some(model) if is_comparable && !interrupt::requested() => {
+                let front_end =
+                    info.front_end.context("this board does not say how many volts its codes are")?;
+                let ohms = f64::from(front_end.volts_per_code / self.drive.amplitude);
+                let frames = check_skin::frames(link, frames, ohms, self.timeout)?;
+                frames.map(|frames| model.compare(&frames, patch)).transpose()?
+            }
+            _ => None,
+        };
+        if let Some(compared) = &model {
+            watch.add_to_contacts(&compared.missing(&link.test_resistances()?));
+        }
+        let is_simulated = info.frame_source == FrameSource::Simulated;
+        let Some(mut diagnosis) = watch.diagnosis(is_simulated) else { return Ok(None) };
+        for (flag, finding) in self.findings.drain(..) {
+            diagnosis.explain(flag, finding);
+        }
+        if let Some(compared) = &model {
+            if compared.wires_are_wrong {
+                diagnosis.distrust_contacts();
+            }
+            diagnosis.findings.extend(compared.findings.iter().cloned());
+        }
+        Ok(Some(Examined { contact_amplitude_a, diagnosis, model }))
     }
-    Ok(Some(Examined { contact_amplitude_a, diagnosis, model }))
+
+    fn is_changed(&self, drive: Drive) -> bool {
+        self.drive != drive
+    }
+
+    fn watch(&self, link: &mut Link, frames: usize) -> Result<Watch, LinkError> {
+        health::watch(link, frames, self.timeout, || !interrupt::requested())
+    }
+
+    /// Halves a current that is too large for voltages or tests; gives what is seen with the smaller one.
+    fn lower_current(&mut self, link: &mut Link, watch: Watch, frames: usize) -> Result<Watch, LinkError> {
+        let fitted = fit_current(link, self.drive, self.timeout, || !interrupt::requested())?;
+        let Some(fitted) = fitted.filter(FittedCurrent::is_lowered) else { return Ok(watch) };
+        self.drive.amplitude = fitted.amplitude;
+        if watch.is_saturated() {
+            let [before, now] = [fitted.before, fitted.amplitude].map(|amplitude| rounded(1e3 * amplitude));
+            let finding = Finding {
+                what: format!(
+                    "voltages clip at {before} mA, and not at {now} mA, with which all this was measured"
+                ),
+                advice: format!(
+                    "set `drive.amplitude` = \"{now} mA\" in the skin file; `dermatome setup` does that on the board, and \
+                     `stream` and `tare` for as long as it runs"
+                ),
+            };
+            self.findings.push((FrameFlags::SATURATED, finding));
+        }
+        self.watch(link, frames)
+    }
+
+    /// Where voltages are not reciprocal because the leads' capacitance takes much of the current, they are at a lower
+    /// carrier frequency; gives what is seen there.
+    fn lower_frequency(
+        &mut self,
+        link: &mut Link,
+        watch: Watch,
+        frames: usize,
+        front_end: &FrontEnd,
+    ) -> Result<Watch, LinkError> {
+        let before = self.drive;
+        let low = Drive { frequency: LOW_FREQUENCY, ..before };
+        if low.frequency >= before.frequency || Timing::new(&low, front_end.sample_rate).is_none() {
+            return Ok(watch);
+        }
+        self.drive = low;
+        link.request(&Request::Drive(Some(low)))?;
+        let fitted = fit_current(link, low, self.timeout, || !interrupt::requested())?;
+        self.drive.amplitude = fitted.map_or(low.amplitude, |fitted| fitted.amplitude);
+        let lower = self.watch(link, frames)?;
+        let errors = [&watch, &lower].map(|watch| 100.0 * watch.reciprocity().unwrap_or(0.0));
+        if errors[1] > LEAKS * errors[0] {
+            self.drive = before;
+            link.request(&Request::Drive(Some(before)))?;
+            return Ok(watch);
+        }
+        let [high, low] = [before, low].map(|drive| rounded(1e-3 * drive.frequency));
+        let finding = Finding {
+            what: format!(
+                "leads take current that the skin should get: voltages with drive and sense exchanged differ by {:.0} % \
+                 at {high} kHz, by {:.0} % at {low} kHz, at which all this was measured",
+                errors[0], errors[1]
+            ),
+            advice: format!("set `drive.frequency` = \"{low} kHz\" in the skin file, or shorten the leads"),
+        };
+        self.findings.push((FrameFlags::NOT_RECIPROCAL, finding));
+        Ok(lower)
+    }
 }
 
 /// Repeats the electrodes' tests with ever smaller currents until they fit; says with which.

@@ -3,6 +3,8 @@
 use super::{
     BoardReport,
     board::{advised, open},
+    drive::rounded,
+    stream::silence_timeout,
 };
 use anyhow::Context;
 use dermatome_link::{self as link, Link, LinkError};
@@ -16,10 +18,13 @@ use serde::Serialize;
 use std::time::{Duration, Instant};
 
 /// Make the skin, as it is now, the reference: nothing may touch it.
+///
+/// Where the current is too large for the skin or its contacts, so that voltages or the electrodes' tests clip, it is
+/// halved until they do not (`--amplitude auto`); that lasts until the next patch or restart.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     dermatome tare --port /dev/ttyACM0\n  \
-    dermatome tare --port COM5 --frames 100")]
+    dermatome tare --port COM5 --frames 100 --amplitude keep")]
 pub(super) struct Args {
     /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT or sim:SKIN.toml.
     #[arg(long)]
@@ -32,7 +37,26 @@ pub(super) struct Args {
     )]
     frames: u16,
     #[command(flatten)]
+    current: Current,
+    #[command(flatten)]
     json: super::JsonReport,
+}
+
+/// What a command does to the current before it tares.
+#[derive(clap::Args)]
+pub(super) struct Current {
+    /// Lower a current that clips before a tare, or keep it as it is.
+    #[arg(long, value_name = "CHOICE", value_enum, default_value_t)]
+    amplitude: Amplitude,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+enum Amplitude {
+    /// Halved until nothing clips.
+    #[default]
+    Auto,
+    /// As it is.
+    Keep,
 }
 
 #[derive(Serialize)]
@@ -40,17 +64,49 @@ struct Report<'a> {
     #[serde(flatten)]
     board: BoardReport<'a>,
     frames: u16,
+    amplitude_a: f32,
     duration_s: f64,
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let mut link = open(&args.port)?;
-    let patch = patch_of(&mut link)?;
+    let mut patch = patch_of(&mut link)?;
     let started = Instant::now();
+    args.current.fit(&mut link, &mut patch, || true)?;
     tare_with_spinner(&mut link, &patch, args.frames).map_err(advised)?;
     let duration_s = started.elapsed().as_secs_f64();
     say!("averaged {} frames of `{}` as its reference", args.frames, patch.skin);
-    args.json.write(&Report { board: BoardReport::new(&link, &patch), frames: args.frames, duration_s })
+    let (board, amplitude_a) = (BoardReport::new(&link, &patch), patch.drive.amplitude);
+    args.json.write(&Report { board, frames: args.frames, amplitude_a, duration_s })
+}
+
+impl Current {
+    /// Lowers a current that clips, and says so; `patch` then has the drive in effect. Boards that measure nothing keep
+    /// theirs.
+    pub(super) fn fit(
+        &self,
+        link: &mut Link,
+        patch: &mut PatchInfo,
+        go_on: impl Fn() -> bool,
+    ) -> anyhow::Result<()> {
+        if self.amplitude == Amplitude::Keep || link.info()?.front_end.is_none() {
+            return Ok(());
+        }
+        let fitted = link::fit_current(link, patch.drive, silence_timeout(patch), go_on).map_err(advised)?;
+        let Some(fitted) = fitted else { return Ok(()) };
+        patch.drive.amplitude = fitted.amplitude;
+        let milliamperes = |amplitude: f32| rounded(1e3 * amplitude);
+        if fitted.is_lowered() {
+            eprintln!(
+                "{} mA is too much for this skin or its contacts: measuring with {} mA (`dermatome setup` keeps that)",
+                milliamperes(fitted.before),
+                milliamperes(fitted.amplitude)
+            );
+        } else if fitted.clips {
+            eprintln!("warning: voltages clip, however small the current: `dermatome check` says more");
+        }
+        Ok(())
+    }
 }
 
 /// A long tare takes as long as its frames.

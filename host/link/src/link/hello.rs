@@ -5,8 +5,8 @@ use crate::error::{LinkError, LinkErrorKind};
 use dermatome_shared::protocol::{BoardPacket, Identity, Refusal, Reply, Request, RequestPacket, Version};
 use std::time::{Duration, Instant};
 
-/// Only Hello carries this number, which belongs to no session: all versions understand it.
-const HELLO_SEQUENCE: u32 = 0;
+/// Only Hello carries this number.
+pub(super) const HELLO_SEQUENCE: u16 = 0;
 /// Hello is sent again after this time: a board may have been starting when the first one came.
 const HELLO_TIMEOUT: Duration = Duration::from_secs(1);
 const HELLO_ATTEMPTS: u32 = 2;

@@ -7,7 +7,7 @@
 
 mod hello;
 mod order;
-mod session;
+mod sequence;
 mod sound;
 mod tare;
 mod transport;
@@ -54,7 +54,7 @@ pub(crate) type Numbered = (u32, Event);
 pub struct Link {
     wire: Wire,
     identity: Identity,
-    last_sequence: u32,
+    last_sequence: u16,
     order: Order,
     /// In order.
     events: VecDeque<Numbered>,
@@ -84,7 +84,7 @@ impl Link {
         Ok(Self {
             wire,
             identity,
-            last_sequence: session::begin(),
+            last_sequence: sequence::begin(),
             order: Order::default(),
             events: VecDeque::new(),
             events_forgotten: 0,
@@ -174,7 +174,7 @@ impl Link {
     }
 
     fn send(&mut self, request: &Request) -> Result<(), LinkError> {
-        self.last_sequence = session::next(self.last_sequence);
+        self.last_sequence = sequence::next(self.last_sequence);
         self.wire.send(&RequestPacket { sequence: self.last_sequence, request: request.clone() })
     }
 

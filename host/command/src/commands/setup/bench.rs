@@ -1,6 +1,6 @@
 //! Bench: the board, the skin and the person that the steps have in common, and what they can do to the board.
 
-use super::{Args, SmallestPress, State, Step, order, person::Person};
+use super::{Args, SmallestPress, Step, order, person::Person};
 use crate::commands::{board::open, check_skin::Compared, progress, tare::patch_of};
 use anyhow::Context;
 use dermatome_frames::recorded::order::Arrangement;
@@ -65,11 +65,6 @@ impl<'a> Bench<'a> {
         step.print();
         self.steps.retain(|other| other.step != step.step);
         self.steps.push(step);
-    }
-
-    /// Whether a step was left out so far.
-    pub(super) fn is_skipped(&self, name: &str) -> bool {
-        self.steps.iter().any(|step| step.step == name && step.state == State::Skipped)
     }
 
     pub(super) fn in_file(&self) -> String {

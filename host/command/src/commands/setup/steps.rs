@@ -15,22 +15,15 @@ use crate::commands::{
 };
 use anyhow::Context;
 use dermatome_frames::recorded::order::Arrangement;
-use dermatome_link::{
-    LinkErrorKind,
-    health::{self, Finding},
-    tare_timeout,
-};
+use dermatome_link::{FittedCurrent, LinkErrorKind, fit_current, health::Finding, tare_timeout};
 use dermatome_model::metrics::detectability::Sought;
 use dermatome_shared::{
-    protocol::{FrameSource, PROTOCOL_VERSION, Request},
+    drive::Drive,
+    protocol::{FrameSource, PROTOCOL_VERSION},
     reference::DEFAULT_TARE_FRAMES,
 };
 use nalgebra::Point2;
 
-/// How often a current that is too large is halved.
-const HALVINGS: usize = 6;
-/// Frames that show whether it is.
-const CURRENT_FRAMES: usize = 5;
 /// Signal-to-noise ratio below which single presses drown, dB.
 const LOW_SNR_DB: f64 = 40.0;
 /// A tare may take so many times as long as the frame rate says: an emulated board on a busy machine does.
@@ -148,49 +141,29 @@ fn replace(bench: &mut Bench<'_>, why: &str, fits: bool) -> anyhow::Result<bool>
 /// A current that clips is halved until it does not, in the patch as well.
 fn current(bench: &mut Bench<'_>) -> anyhow::Result<bool> {
     let patch = bench.patch()?;
-    let (mut used, front_end) = (patch.drive, bench.link.info()?.front_end);
-    let before = used.amplitude;
-    let (mut is_saturated, mut is_sound) = (true, true);
-    for halving in 0..=HALVINGS {
-        let timeout = silence_timeout(&patch);
-        let watch = health::watch(&mut bench.link, CURRENT_FRAMES, timeout, || !interrupt::requested())?;
-        if interrupt::requested() {
-            return Ok(false);
-        }
-        (is_saturated, is_sound) = (watch.is_saturated(), is_sound && watch.has_sound_electrodes());
-        if !is_saturated || halving == HALVINGS {
-            break;
-        }
-        used.amplitude *= 0.5;
-        bench.link.request(&Request::Drive(Some(used)))?;
-    }
-    let measured = drive::line(&used, front_end.as_ref());
-    if !is_sound && (is_saturated || used.amplitude != before) {
-        bench.link.request(&Request::Drive(None))?;
-        let why = "voltages clip, as they do where an electrode has no contact: first the electrodes";
-        bench.tell(Step::new("current", State::Skipped, why));
-        return Ok(true);
-    }
-    if is_saturated {
-        bench.link.request(&Request::Drive(None))?;
+    let (timeout, front_end) = (silence_timeout(&patch), bench.link.info()?.front_end);
+    let fitted = fit_current(&mut bench.link, patch.drive, timeout, || !interrupt::requested())?;
+    let Some(FittedCurrent { before, amplitude, clips }) = fitted else { return Ok(false) };
+    let measured = drive::line(&Drive { amplitude, ..patch.drive }, front_end.as_ref());
+    if clips {
         let what = "voltages clip, however small the current";
         let advice = "look at one with `dermatome scope`; check the amplifier, its gain and its supply";
         bench.tell(Step::wrong("current", measured, what, advice));
         return Ok(false);
     }
-    bench.amplitude = Some(used.amplitude);
-    if used.amplitude == before {
+    bench.amplitude = Some(amplitude);
+    if amplitude == before {
         bench.tell(Step::new("current", State::Ok, measured));
         return Ok(true);
     }
-    let lower = format!("voltages clip at {:.4} mA, and not at {:.4} mA", 1e3 * before, 1e3 * used.amplitude);
+    let lower = format!("voltages clip at {:.4} mA, and not at {:.4} mA", 1e3 * before, 1e3 * amplitude);
     if bench.may_replace()? && bench.person.says_yes(&format!("{lower}: keep that in the patch?"))? {
-        bench.lower_current(used.amplitude)?;
+        bench.lower_current(amplitude)?;
         bench.tell(Step::new("current", State::Mended, format!("{lower}: {measured}")));
     } else {
         let advice = format!(
             "set `drive.amplitude` = \"{:.4} mA\" in the skin file: this one lasts until the next patch or restart",
-            1e3 * used.amplitude
+            1e3 * amplitude
         );
         bench.tell(Step::wrong("current", measured, lower, advice));
     }
@@ -204,7 +177,7 @@ fn electrodes(bench: &mut Bench<'_>) -> anyhow::Result<bool> {
         let is_fine = step.state == State::Ok;
         bench.tell(step);
         if is_fine || bench.compared.is_some() {
-            return if bench.is_skipped("current") { current(bench) } else { Ok(true) };
+            return Ok(true);
         }
         if bench.person.is_nobody() || !bench.person.says_yes("mended; look again?")? {
             return Ok(false);

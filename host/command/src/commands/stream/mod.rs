@@ -12,7 +12,7 @@ mod untouched;
 
 pub(super) use patience::silence_timeout;
 
-use super::{BoardReport, board::advise, contact_lines::is_read, interrupt, link_frame};
+use super::{BoardReport, board::advise, contact_lines::is_read, interrupt, link_frame, tare::Current};
 use dermatome_simulate::port::Port;
 use display::Display;
 use fingers::Fingers;
@@ -34,6 +34,8 @@ use tally::Tally;
 /// lines each frame is one line of JSON with number, position in m and normal of its contacts, and what was
 /// wrong with the frame (docs/cli.md). With --fit as well, it also holds fingers that this computer fits to the
 /// frame's voltages, which tells apart what lies close together or far from all electrodes.
+///
+/// A board without a reference makes one first; a current that clips is lowered for it.
 ///
 /// If the board is lost on the way, because it restarts or its cable is pulled, this tries to reach it until it is
 /// back, restores drive and stream, and makes a new reference if the board has none. Then it says how long that took
@@ -64,6 +66,8 @@ pub(super) struct Args {
     /// If the board is lost, give up after this time without a frame, with an error; 0 gives up at once.
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     give_up_after: Option<Duration>,
+    #[command(flatten)]
+    current: Current,
     #[command(flatten)]
     json: super::JsonReport,
 }
@@ -110,7 +114,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let path = args.skin.as_deref();
     let on_link = path.map(|path| link_frame::skin_of(path, &skin, || Ok(link.surface()?))).transpose()?;
     let pose = on_link.as_ref().map(|(_, pose)| pose);
-    let tared_first = session.tare_first().map_err(advise)?;
+    let tared_first = session.tare_first(&args.current).map_err(advise)?;
     let link = session.link()?;
     let fingers = radius.zip(on_link.as_ref());
     let fingers = fingers.map(|(radius, (skin, _))| Fingers::new(skin, radius, link)).transpose()?;

@@ -8,7 +8,7 @@ use crate::commands::{
     BoardReport,
     board::open,
     interrupt,
-    tare::{patch_of, tare_with_spinner},
+    tare::{Current, patch_of, tare_with_spinner},
 };
 use anyhow::{Context, bail};
 use dermatome_link::{Link, LinkError};
@@ -145,10 +145,13 @@ impl<'a> Session<'a> {
         Ok(true)
     }
 
-    /// Without a reference there are no images: makes one and says so. What the skin is like then is kept.
-    pub(super) fn tare_first(&mut self) -> anyhow::Result<bool> {
+    /// Without a reference there are no images: makes one, with a current that fits, and says so. What the skin is like
+    /// then is kept.
+    pub(super) fn tare_first(&mut self, current: &Current) -> anyhow::Result<bool> {
         let tared = self.needs_tare()?;
         if tared {
+            let link = self.link.as_mut().context("the board is lost")?;
+            current.fit(link, &mut self.patch, || !interrupt::requested())?;
             self.tare()?;
         }
         // A board that does not tell cannot be compared later.
