@@ -2,7 +2,19 @@
 
 mod program;
 
+use dermatome::{
+    model::Model,
+    quantize,
+    simulate::{
+        Noise, Script, SimulatedSkin,
+        board::{BoardOptions, SimulatedBoard},
+        instrument::{Instrument, ScanTable},
+    },
+    skin::Skin,
+};
+use dermatome_shared::{acquire::FrontEnd, frame::Frame};
 use program::{Desk, TINY, with};
+use std::path::Path;
 
 /// A coarse rectangle whose sides tell where its wires begin: 16 electrodes, all of them on the rim.
 fn sheet() -> String {
@@ -107,4 +119,92 @@ fn a_skin_of_point_electrodes_is_compared_though_its_contacts_cannot_be_fitted()
     let (_board, port) = desk.board("skin.toml", &["--store", "skin.dermatome"]);
     let done = desk.run(&["check", "--port", &port, "--skin", "points.toml", "--frames", "3"]).success();
     assert!(done.out.contains("not fitted") && done.out.contains("nothing looks wrong"), "{done:#?}");
+}
+
+#[test]
+fn a_sheet_that_conducts_a_hundred_times_worse_is_named_and_no_contact_is_blamed() {
+    let found = findings(&desk(), &with(&sheet(), "5.0 mS", "50 uS"));
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert!(found[0].contains("the sheet conducts 0.01 times"), "{found:#?}");
+}
+
+/// A desk with a patch whose gain lets voltages clip, at the skin file's current.
+fn desk_that_clips() -> Desk {
+    let desk = Desk::empty();
+    desk.write("skin.toml", with(&sheet(), "frequency = ", "gain = 8\nfrequency = "));
+    desk.run(&["build", "skin.toml", "-o", "skin.dermatome"]).success();
+    desk
+}
+
+#[test]
+fn a_current_that_clips_is_told_by_check_and_lowered_by_tare_unless_it_is_to_be_kept() {
+    let desk = desk_that_clips();
+    let found = findings(&desk, &sheet());
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert!(found[0].contains("voltages clip at 1 mA, and not at 0.25 mA"), "{found:#?}");
+    let (_board, port) = desk.board("skin.toml", &["--store", "skin.dermatome"]);
+    let kept = desk.run(&["tare", "--port", &port, "--amplitude", "keep"]).refused();
+    assert!(kept.contains("did not average"), "{kept}");
+    let tared = desk.run(&["tare", "--port", &port, "--json", "tare.json"]).success();
+    assert!(
+        tared.err.contains("1 mA is too much for this skin or its contacts: measuring with 0.25 mA"),
+        "{tared:#?}"
+    );
+    assert_eq!(desk.report("tare.json")["amplitude_a"], 0.25e-3_f32);
+}
+
+#[test]
+fn a_stream_that_tares_first_lowers_a_current_that_clips() {
+    let desk = desk_that_clips();
+    let (_board, port) = desk.board("skin.toml", &["--store", "skin.dermatome"]);
+    let stream = |desk: &Desk| {
+        let done = desk.run(&["stream", "--port", &port, "--frames", "5", "--json", "stream.json"]).success();
+        assert_eq!(desk.report("stream.json")["frames_flagged"], serde_json::json!({}));
+        done.err
+    };
+    let first = stream(&desk);
+    assert!(first.contains("1 mA is too much for this skin or its contacts"), "{first}");
+    // It lasts, and a board that has a reference keeps its current.
+    let second = stream(&desk);
+    assert!(!second.contains("too much"), "{second}");
+}
+
+/// A skin whose leads make the voltages of every other pair differ with drive and sense exchanged, above 20 kHz.
+struct Leads(SimulatedSkin);
+
+impl Instrument for Leads {
+    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Frame {
+        let mut frame = self.0.scan(table, script_time);
+        if table.drive.frequency > 20e3 {
+            for (code, step) in frame.codes.iter_mut().zip(&table.steps) {
+                code.0 = if step.drive_plus < step.sense_plus { code.0 / 3 } else { code.0 };
+            }
+        }
+        frame
+    }
+
+    fn front_end(&self) -> Option<FrontEnd> {
+        self.0.front_end()
+    }
+}
+
+#[test]
+fn leads_that_take_current_are_told_from_multiplexers_by_a_lower_frequency() {
+    let desk = desk();
+    let text = sheet();
+    let skin = Skin::parse(Path::new("skin.toml"), &text).unwrap().made().unwrap();
+    let patch = quantize::patch(&skin, &Model::build(&skin, |_| ()).unwrap()).unwrap();
+    let leads = Leads(SimulatedSkin::new(&skin, Script::nobody(), Noise { snr_db: 60.0, seed: 1 }).unwrap());
+    let board =
+        SimulatedBoard::start(BoardOptions { patch: Some(patch), ..BoardOptions::default() }, leads).unwrap();
+    let port = format!("tcp:{}", board.address());
+    let done = desk.run(&["check", "--port", &port, "--skin", "skin.toml", "--frames", "5"]);
+    let wrong: Vec<_> = done.out.lines().filter(|line| line.starts_with("wrong: ")).collect();
+    assert_eq!(wrong.len(), 1, "{done:#?}");
+    assert!(
+        wrong[0].contains("leads take current") && wrong[0].contains("`drive.frequency` = \"12.5 kHz\""),
+        "{wrong:?}"
+    );
+    let drive = desk.run(&["drive", "--port", &port]).success();
+    assert!(drive.out.contains("as the patch says"), "the drive is what it was: {drive:#?}");
 }

@@ -61,7 +61,7 @@ fn flash_tare_and_stream_lead_from_an_empty_board_to_contacts() {
 
     succeed(&mut dermatome(&["tare", "--frames", "4", "--json", json_argument], &board));
     let tare = report(&json);
-    assert_eq!(keys(&tare), ["board", "duration_s", "firmware", "frames", "port", "skin"]);
+    assert_eq!(keys(&tare), ["amplitude_a", "board", "duration_s", "firmware", "frames", "port", "skin"]);
     assert_eq!(tare["frames"], 4);
 
     let arguments = ["stream", "--frames", "60", "--json", json_argument];

@@ -286,11 +286,11 @@ fn what_changes_nothing_is_asked_again_with_its_number_when_no_answer_comes() {
     let asked = Arc::<Mutex<Vec<u16>>>::default();
     let heard = asked.clone();
     let address = fake_line(move |RequestPacket { sequence, request }| match request {
-        Request::Hello(_) => Answer::Reply(hello(Version::current())),
+        Request::Hello(_) => Answer::Reply(hello(Version::current()).into()),
         Request::Info | Request::Tare { .. } => {
             let mut heard = heard.lock().unwrap();
             heard.push(sequence);
-            if heard.len() == 2 { Answer::Reply(info(8, 100)) } else { Answer::Silence }
+            if heard.len() == 2 { Answer::Reply(info(8, 100).into()) } else { Answer::Silence }
         }
         other => panic!("sent {other:?}"),
     });

@@ -6,7 +6,6 @@
 
 pub mod assemble;
 pub mod contacts;
-mod current;
 pub mod devices;
 mod error;
 pub mod health;
@@ -20,10 +19,9 @@ pub mod trim;
 pub mod words;
 
 pub use assemble::{ScanFrame, Totals};
-pub use current::{FittedCurrent, fit_current};
 pub use dermatome_patch::{pose, tables};
 pub use dermatome_shared as shared;
 pub use error::{Damage, LinkError, LinkErrorKind};
 pub use link::{Link, REPLY_TIMEOUT, Transport, UploadError, open, tare, tare_timeout, upload};
 pub use port::{Port, PortError};
-pub use subscription::Subscription;
+pub use subscription::{Subscription, frame_timeout, silence_timeout};

@@ -5,13 +5,33 @@ use crate::{
     error::{LinkError, LinkErrorKind},
     link::{Link, PARTS_TIMEOUT, REPLY_TIMEOUT},
 };
-use dermatome_shared::{device::HOST_INTERVAL_US, protocol::Selection};
+use dermatome_shared::{
+    device::HOST_INTERVAL_US,
+    protocol::{PatchInfo, Selection},
+};
 use std::time::{Duration, Instant};
 
 /// How often whoever waits is asked whether to go on while nothing comes.
 const POLL: Duration = Duration::from_millis(100);
 /// How long a dropped subscription waits for the board to say that it has stopped.
 const DROP_TIMEOUT: Duration = Duration::from_millis(500);
+
+/// Frames that may fail to come before a board is asked whether it still streams.
+const TIMEOUT_FRAMES: f64 = 5.0;
+
+/// Longest silence of a stream before its board is asked: five frames, and at least a second.
+#[must_use]
+pub fn frame_timeout(patch: &PatchInfo) -> Duration {
+    let least = Duration::from_secs(1);
+    let frames = Duration::try_from_secs_f64(TIMEOUT_FRAMES / f64::from(patch.drive.frame_rate));
+    frames.unwrap_or(least).clamp(least, Duration::from_secs(3600))
+}
+
+/// Longest silence where a board must send something: five frames, and at least five seconds.
+#[must_use]
+pub fn silence_timeout(patch: &PatchInfo) -> Duration {
+    frame_timeout(patch).max(Duration::from_secs(5))
+}
 
 /// A stream of frames. The board stops when this is dropped; [`Self::stop`] also says whether it did.
 pub struct Subscription<'a> {

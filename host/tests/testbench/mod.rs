@@ -149,14 +149,16 @@ pub(crate) fn raw(address: SocketAddr) -> TcpStream {
 
 /// What a fake board does with a request.
 pub(crate) enum Answer {
-    Reply(Reply),
+    Reply(Box<Reply>),
     Silence,
     Gone,
 }
 
 /// Something that listens and answers requests by `answer`; `None` closes the connection.
 pub(crate) fn fake_board(mut answer: impl FnMut(Request) -> Option<Reply> + Send + 'static) -> SocketAddr {
-    fake_line(move |packet| answer(packet.request).map_or(Answer::Gone, Answer::Reply))
+    fake_line(move |packet| {
+        answer(packet.request).map_or(Answer::Gone, |reply| Answer::Reply(Box::new(reply)))
+    })
 }
 
 /// As [`fake_board`], by whole packets.
@@ -172,7 +174,7 @@ pub(crate) fn fake_line(mut answer: impl FnMut(RequestPacket) -> Answer + Send +
             let packet = packet.unwrap();
             let sequence = packet.sequence;
             let reply = match answer(packet) {
-                Answer::Reply(reply) => reply,
+                Answer::Reply(reply) => *reply,
                 Answer::Silence => continue,
                 Answer::Gone => return,
             };

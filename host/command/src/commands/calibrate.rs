@@ -4,14 +4,13 @@ use super::{
     JsonReport,
     board::{advised, open},
     outputs::{Kind, Output},
-    stream::silence_timeout,
     tare::{patch_of, tare_with_spinner},
 };
 use anyhow::{Context, bail, ensure};
 use dermatome_frames::calibrate::{
     self, Compensation, CurvePoint, Field, Fit, NoField, Reading, Recording, repeatability,
 };
-use dermatome_link::{self as link, Link};
+use dermatome_link::{self as link, Link, silence_timeout};
 use dermatome_model::skin::quantity::{AREA, Quantity};
 use dermatome_patch::{
     input::{self, MAX_PATCH_BYTES},

@@ -6,13 +6,13 @@ use super::{
     check_skin::{self, Compared, Model},
     drive::rounded,
     interrupt,
-    stream::silence_timeout,
     tare::patch_of,
 };
 use anyhow::{Context, bail};
 use dermatome_link::{
-    FittedCurrent, Link, LinkError, fit_current,
-    health::{self, Diagnosis, Electrode, Finding, State, Watch},
+    Link, LinkError,
+    health::{self, Diagnosis, Electrode, Finding, FittedCurrent, State, Watch, fit_current},
+    silence_timeout,
 };
 use dermatome_shared::{
     acquire::FrontEnd,
@@ -177,6 +177,8 @@ impl Examination {
         if let Some(compared) = &model {
             if compared.wires_are_wrong {
                 diagnosis.distrust_contacts();
+            } else if compared.has_sheet() {
+                diagnosis.know_sheet();
             }
             diagnosis.findings.extend(compared.findings.iter().cloned());
         }
@@ -199,9 +201,7 @@ impl Examination {
         if watch.is_saturated() {
             let [before, now] = [fitted.before, fitted.amplitude].map(|amplitude| rounded(1e3 * amplitude));
             let finding = Finding {
-                what: format!(
-                    "voltages clip at {before} mA, and not at {now} mA, with which all this was measured"
-                ),
+                what: format!("voltages clip at {before} mA, and not at {now} mA"),
                 advice: format!(
                     "set `drive.amplitude` = \"{now} mA\" in the skin file; `dermatome setup` does that on the board, and \
                      `stream` and `tare` for as long as it runs"

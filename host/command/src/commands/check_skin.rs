@@ -157,6 +157,11 @@ impl Compared {
         of_sheet.iter().map(|ohms| ohms * (1.0 - 1.0 / ratio) as f32).collect()
     }
 
+    /// Whether the sheet's conductivity was found.
+    pub(super) fn has_sheet(&self) -> bool {
+        self.sheet_conductivity_s.is_some()
+    }
+
     pub(super) fn rows(&self) -> Vec<(&'static str, String)> {
         let sheet = self.sheet_conductivity_s.map_or("not fitted".to_owned(), |found| {
             format!(

@@ -30,6 +30,7 @@ mod check_trial;
 mod choices;
 mod completions;
 mod contact_lines;
+mod current;
 mod cut;
 mod cut_picture;
 mod demo;

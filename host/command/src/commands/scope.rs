@@ -5,10 +5,12 @@ use super::{
     board::open,
     interrupt,
     outputs::{Kind, Output},
-    stream::silence_timeout,
     tare::patch_of,
 };
-use dermatome_link::scope::{Trace, capture};
+use dermatome_link::{
+    scope::{Trace, capture},
+    silence_timeout,
+};
 use dermatome_patch::output::write_whole;
 use dermatome_shared::stimulation::Step;
 use dermatome_simulate::port::Port;

@@ -10,12 +10,15 @@ use crate::commands::{
     check::{examine, print_electrodes},
     check_skin::Model as Untouched,
     drive, interrupt, patch_id,
-    stream::silence_timeout,
     tare::tare_within,
 };
 use anyhow::Context;
 use dermatome_frames::recorded::order::Arrangement;
-use dermatome_link::{FittedCurrent, LinkErrorKind, fit_current, health::Finding, tare_timeout};
+use dermatome_link::{
+    LinkErrorKind,
+    health::{Finding, FittedCurrent, fit_current},
+    silence_timeout, tare_timeout,
+};
 use dermatome_model::metrics::detectability::Sought;
 use dermatome_shared::{
     drive::Drive,

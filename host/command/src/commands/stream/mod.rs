@@ -10,9 +10,7 @@ mod session;
 mod tally;
 mod untouched;
 
-pub(super) use patience::silence_timeout;
-
-use super::{BoardReport, board::advise, contact_lines::is_read, interrupt, link_frame, tare::Current};
+use super::{BoardReport, board::advise, contact_lines::is_read, current::Current, interrupt, link_frame};
 use dermatome_simulate::port::Port;
 use display::Display;
 use fingers::Fingers;

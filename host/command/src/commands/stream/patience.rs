@@ -1,11 +1,8 @@
 //! Patience: how long to wait for a board that streams.
 
-use dermatome_link::{Link, LinkError, LinkErrorKind, ScanFrame, tare_timeout};
+use dermatome_link::{Link, LinkError, LinkErrorKind, ScanFrame, frame_timeout, tare_timeout};
 use dermatome_shared::{protocol::PatchInfo, reference::DEFAULT_TARE_FRAMES};
 use std::time::{Duration, Instant};
-
-/// Frames that may fail to come before the board is asked whether it still streams.
-const TIMEOUT_FRAMES: f64 = 5.0;
 
 /// How long to wait for frames with contacts.
 pub(super) struct Patience {
@@ -40,16 +37,4 @@ impl Patience {
         }
         Err(link.error(LinkErrorKind::NoFrame { timeout: self.contacts, events: self.without }))
     }
-}
-
-/// Longest silence before the board is asked: five frames, and at least a second.
-fn frame_timeout(patch: &PatchInfo) -> Duration {
-    let least = Duration::from_secs(1);
-    let frames = Duration::try_from_secs_f64(TIMEOUT_FRAMES / f64::from(patch.drive.frame_rate));
-    frames.unwrap_or(least).clamp(least, Duration::from_secs(3600))
-}
-
-/// Longest silence where a board must send something: five frames, and at least five seconds.
-pub(in crate::commands) fn silence_timeout(patch: &PatchInfo) -> Duration {
-    frame_timeout(patch).max(Duration::from_secs(5))
 }

@@ -3,15 +3,16 @@
 //! A board that restarts, or whose cable is pulled, comes back on a new link. It must hold the same patch. What the
 //! stream needs is restored: the drive that was in effect, a reference if the board has none, and the stream itself.
 
-use super::{patience::silence_timeout, untouched::Untouched};
+use super::untouched::Untouched;
 use crate::commands::{
     BoardReport,
     board::open,
+    current::Current,
     interrupt,
-    tare::{Current, patch_of, tare_with_spinner},
+    tare::{patch_of, tare_with_spinner},
 };
 use anyhow::{Context, bail};
-use dermatome_link::{Link, LinkError};
+use dermatome_link::{Link, LinkError, silence_timeout};
 use dermatome_shared::{
     protocol::{Identity, PatchInfo, Request},
     reference::DEFAULT_TARE_FRAMES,

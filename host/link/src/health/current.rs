@@ -3,7 +3,8 @@
 //! A skin file cannot know how well a sheet conducts that its maker changed, nor what its contacts are like. Where the
 //! tests of the electrodes are clipped, a contact that becomes worse is not told from a press.
 
-use crate::{error::LinkError, health, link::Link};
+use super::watch;
+use crate::{error::LinkError, link::Link};
 use dermatome_shared::{drive::Drive, protocol::Request};
 use std::time::Duration;
 
@@ -59,7 +60,7 @@ fn halve(
         if halvings > 0 {
             link.request(&Request::Drive(Some(Drive { amplitude, ..drive })))?;
         }
-        let watch = health::watch(link, FRAMES, timeout, go_on)?;
+        let watch = watch(link, FRAMES, timeout, go_on)?;
         if !go_on() {
             return Ok(None);
         }

@@ -1,5 +1,9 @@
 //! Health: what a board's frames say about electrodes, wiring and the board itself, and what to do.
 
+mod current;
+
+pub use current::{FittedCurrent, fit_current};
+
 use crate::{
     assemble::{HealthReport, ScanFrame},
     error::LinkError,
@@ -127,10 +131,15 @@ impl Diagnosis {
         self.findings.push(cause);
     }
 
+    /// Takes back that contacts below zero tell another sheet: its conductivity is known by other means.
+    pub fn know_sheet(&mut self) {
+        self.findings.retain(|finding| !finding.what.starts_with(BELOW_ZERO));
+    }
+
     /// Takes back what the electrodes' tests say of contacts that touch badly: where wires are not where the patch takes
     /// them to be, a test goes through more of the sheet.
     pub fn distrust_contacts(&mut self) {
-        self.findings.retain(|finding| !finding.what.starts_with(BELOW_ZERO));
+        self.know_sheet();
         let high = |electrode: &&mut Electrode| electrode.state == State::High;
         for electrode in self.electrodes.iter_mut().filter(high) {
             let said = finding_of_electrode(electrode);
