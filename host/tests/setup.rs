@@ -110,6 +110,22 @@ fn another_skin_s_patch_is_replaced_and_a_calibrated_one_is_not() {
 }
 
 #[test]
+fn a_current_that_clips_is_lowered_in_the_patch_and_told_for_the_skin_file() {
+    let desk = desk();
+    desk.write("skin.toml", with(&skin(), "frequency = ", "gain = 64\nfrequency = "));
+    let (_board, port) = desk.board("skin.toml", &["--path", "presses.csv"]);
+    let done = desk.run(&[&SETUP[..], &[&port, "--corrected", "new.toml"]].concat()).success();
+    let report = desk.report("setup.json");
+    assert_eq!(step(&report, "current")["state"], "mended", "{done:#?}");
+    let amplitude = report["amplitude_a"].as_f64().unwrap();
+    assert!((1e-6..0.6e-3).contains(&amplitude) && report["corrected"] == true, "{report:#}");
+    let said = format!("amplitude = \"{:.4} mA\"", 1e3 * amplitude);
+    assert!(String::from_utf8(desk.read("new.toml")).unwrap().contains(&said), "{said}");
+    let drive = desk.run(&["drive", "--port", &port]).success();
+    assert!(drive.out.contains("as the patch says"), "{drive:#?}");
+}
+
+#[test]
 fn a_bad_contact_is_told_and_no_current_is_lowered_for_it() {
     let desk = desk();
     let contacts = (1..=16).map(|electrode| if electrode == 3 { "\"3 ohm m\"" } else { "\"0.18 ohm m\"" });

@@ -141,7 +141,7 @@ fn replace(bench: &mut Bench<'_>, why: &str, fits: bool) -> anyhow::Result<bool>
     Ok(true)
 }
 
-/// A current that clips is halved until it does not, in the patch as well.
+/// A current that is too large for voltages or tests is halved until it is not, in the patch as well.
 fn current(bench: &mut Bench<'_>) -> anyhow::Result<bool> {
     let patch = bench.patch()?;
     let (timeout, front_end) = (silence_timeout(&patch), bench.link.info()?.front_end);
@@ -159,7 +159,11 @@ fn current(bench: &mut Bench<'_>) -> anyhow::Result<bool> {
         bench.tell(Step::new("current", State::Ok, measured));
         return Ok(true);
     }
-    let lower = format!("voltages clip at {:.4} mA, and not at {:.4} mA", 1e3 * before, 1e3 * amplitude);
+    let lower = format!(
+        "voltages or the electrodes' tests clip at {:.4} mA, not at {:.4} mA",
+        1e3 * before,
+        1e3 * amplitude
+    );
     if bench.may_replace()? && bench.person.says_yes(&format!("{lower}: keep that in the patch?"))? {
         bench.lower_current(amplitude)?;
         bench.tell(Step::new("current", State::Mended, format!("{lower}: {measured}")));
