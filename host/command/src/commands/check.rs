@@ -40,8 +40,9 @@ const LEAKS: f32 = 0.5;
 ///
 /// Watches some frames: contact impedance and state of every electrode, reciprocity, what was wrong
 /// with frames, and how the board itself does. Where the current is too large for voltages or the electrodes' tests, or
-/// the frequency too high for the leads, it looks with a smaller one, and the board tares anew. With the skin file its voltages, which must be those of the
-/// untouched skin, are compared with the model's as well: order of the wires, shape, the sheet's conductivity. Exits with
+/// the frequency too high for the leads, it looks with a smaller one, and the board tares anew. With the skin file its
+/// voltages, which must be those of the untouched skin, are compared with the model's as well: order of the wires, shape,
+/// the sheet's conductivity. Exits with
 /// code 1 if something is wrong.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
@@ -115,7 +116,7 @@ pub(super) fn examine(
     let drive = link.info()?.drive.unwrap_or(patch.drive);
     let mut examination = Examination { drive, timeout: silence_timeout(patch), findings: Vec::new() };
     let examined = examination.run(link, patch, model, frames);
-    if examination.is_changed(drive) {
+    if examination.drive != drive {
         // Whatever happened, the drive is what it was.
         link.request(&Request::Drive(Some(drive)))?;
     }
@@ -183,10 +184,6 @@ impl Examination {
             diagnosis.findings.extend(compared.findings.iter().cloned());
         }
         Ok(Some(Examined { contact_amplitude_a, diagnosis, model }))
-    }
-
-    fn is_changed(&self, drive: Drive) -> bool {
-        self.drive != drive
     }
 
     fn watch(&self, link: &mut Link, frames: usize) -> Result<Watch, LinkError> {
