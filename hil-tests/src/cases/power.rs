@@ -253,6 +253,7 @@ impl Starts {
 fn ask(board: &VirtualBoard) -> Result<(Option<u32>, u64), Failure> {
     let started = board.with(|machine| machine.run_until(Time::ZERO + START_TIME));
     started?;
-    let offered = Link::connect("virtual", board.line())?.info()?.patch.map(|patch| patch.crc);
+    let offered =
+        Link::connect("virtual", board.line())?.counting_from(0).info()?.patch.map(|patch| patch.crc);
     Ok((offered, board.with(|machine| machine.chip(|chip| chip.trace.hash()))))
 }

@@ -39,7 +39,7 @@ impl Trace {
         let (board, _) = boot(&self.firmware, true, None)?;
         check_faults(&self.faults, &board)?;
         if let Some(patch) = patch {
-            link::upload(&mut Link::connect("virtual", board.line())?, &patch, |_| ())?;
+            link::upload(&mut Link::connect("virtual", board.line())?.counting_from(0), &patch, |_| ())?;
         }
         let (mut schedule, time) = (Schedule::new(&self.faults), self.time);
         let result = board.with(move |machine| schedule.run(machine, machine.now() + time));

@@ -105,6 +105,13 @@ impl Link {
         Self { _companion: Some(Box::new(companion)), ..self }
     }
 
+    /// The link with requests that count from the one after `sequence`, instead of from a number that is drawn: for boards
+    /// whose every byte is to be the same each time.
+    #[must_use]
+    pub fn counting_from(self, sequence: u16) -> Self {
+        Self { last_sequence: sequence, ..self }
+    }
+
     /// The port as written.
     #[must_use]
     pub fn port(&self) -> &str {
