@@ -8,7 +8,7 @@ use crate::{
     machine::{Halt, Machine, Options},
     world::WorldHandle,
 };
-use dermatome::link::Transport;
+use dermatome::link::{Link, LinkError, Transport};
 use std::{
     collections::VecDeque,
     io::{self, ErrorKind, Read, Write},
@@ -71,6 +71,11 @@ impl VirtualBoard {
     #[must_use]
     pub fn line(&self) -> Line {
         Line { board: self.clone(), waiting: VecDeque::new() }
+    }
+
+    /// A new link to it. Its requests have the same numbers each time, so that a run leaves the same trace.
+    pub fn link(&self) -> Result<Link, LinkError> {
+        Ok(Link::connect("virtual", self.line())?.counting_from(0))
     }
 
     /// The skin and the front end before it, if its rig has them.

@@ -340,7 +340,7 @@ impl Rig {
             Self::Virtual(rig) => {
                 // A person is not faster than a board that starts.
                 let _ = rig.board.run(START_TIME);
-                Ok(Link::connect("virtual", rig.board.line())?.counting_from(0))
+                Ok(rig.board.link()?)
             }
             Self::Board { port, .. } => port::open(port),
         }

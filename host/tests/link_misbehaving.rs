@@ -394,7 +394,7 @@ fn whoever_waits_for_a_silent_board_can_stop_and_so_does_the_board() {
         let started = Instant::now();
         move || started.elapsed() < SHORT
     });
-    assert!(watch.unwrap().diagnosis(false).is_none());
+    assert!(watch.unwrap().diagnosis(false, health::Known::default()).is_none());
     assert_eq!(*told.lock().unwrap(), [HEALTH, Selection::default()]);
 }
 

@@ -16,7 +16,7 @@ use crate::{
     machine::Options,
     rig::{Capability, Rig, START_TIME, VirtualRig},
 };
-use dermatome::link::{self, Link};
+use dermatome::link;
 use dermatome_shared::{limits::FLASH_SLOT_BYTES, patch::PatchView};
 use rand::{SeedableRng, seq::index};
 use rand_pcg::Pcg64;
@@ -253,7 +253,6 @@ impl Starts {
 fn ask(board: &VirtualBoard) -> Result<(Option<u32>, u64), Failure> {
     let started = board.with(|machine| machine.run_until(Time::ZERO + START_TIME));
     started?;
-    let offered =
-        Link::connect("virtual", board.line())?.counting_from(0).info()?.patch.map(|patch| patch.crc);
+    let offered = board.link()?.info()?.patch.map(|patch| patch.crc);
     Ok((offered, board.with(|machine| machine.chip(|chip| chip.trace.hash()))))
 }

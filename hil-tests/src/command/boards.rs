@@ -5,10 +5,7 @@
 
 use super::boot::{Firmware, boot};
 use dermatome::{
-    link::{
-        Link,
-        trim::{self, Measured, Plug, Setting},
-    },
+    link::trim::{self, Measured, Plug, Setting},
     model::Model,
     quantize,
 };
@@ -135,7 +132,7 @@ impl Bench {
     fn new(firmware: &Firmware) -> Result<Self, Box<dyn Error>> {
         let (board, _) = boot(firmware, false, None)?;
         let setup = board.world().ok_or("the rig has no `[world]`")?.setup().clone();
-        let front_end = Link::connect("virtual", board.line())?.counting_from(0).info()?.front_end;
+        let front_end = board.link()?.info()?.front_end;
         let patch = quantize::patch(&setup.skin, &Model::build(&setup.skin, |_| ())?)?;
         let view = PatchView::open(&patch).map_err(|_| "the patch is damaged")?;
         let (steps, drive) = (view.steps().collect(), view.header.drive);

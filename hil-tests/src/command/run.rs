@@ -8,7 +8,7 @@ use super::{
     fingers::{Fingers, Pressing},
 };
 use dermatome::{
-    link::{self, Link, Port, program::log::Log, trim::Plug},
+    link::{self, Port, program::log::Log, trim::Plug},
     model::Model,
     quantize,
     skin::Skin,
@@ -143,7 +143,7 @@ fn shifted(faults: &[Fault], start: Time) -> Vec<Fault> {
 fn flash(board: &VirtualBoard, skin: &Skin) -> Result<(), Box<dyn Error>> {
     let model = Model::build(skin, |_| ())?;
     let patch = quantize::patch(skin, &model)?;
-    link::upload(&mut Link::connect("virtual", board.line())?.counting_from(0), &patch, |_| ())?;
+    link::upload(&mut board.link()?, &patch, |_| ())?;
     Ok(())
 }
 

@@ -1,7 +1,7 @@
 //! `trace`: what happens on the chip, and when.
 
 use super::boot::{Firmware, boot, check_faults};
-use dermatome::link::{self, Link};
+use dermatome::link;
 use dermatome_hil::{
     chip::{time::Time, trace::Event},
     fault::{Fault, Schedule, parse_time},
@@ -39,7 +39,7 @@ impl Trace {
         let (board, _) = boot(&self.firmware, true, None)?;
         check_faults(&self.faults, &board)?;
         if let Some(patch) = patch {
-            link::upload(&mut Link::connect("virtual", board.line())?.counting_from(0), &patch, |_| ())?;
+            link::upload(&mut board.link()?, &patch, |_| ())?;
         }
         let (mut schedule, time) = (Schedule::new(&self.faults), self.time);
         let result = board.with(move |machine| schedule.run(machine, machine.now() + time));

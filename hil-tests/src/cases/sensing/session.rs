@@ -53,7 +53,7 @@ impl Session {
 
     /// Greets the board again, after it has started anew.
     pub(super) fn reconnect(&self) -> Result<Link, Failure> {
-        Ok(Link::connect("virtual", self.board.line())?.counting_from(0))
+        Ok(self.board.link()?)
     }
 
     /// The patch.

@@ -11,7 +11,7 @@ use super::{
 use anyhow::{Context, bail};
 use dermatome_link::{
     Link, LinkError,
-    health::{self, Diagnosis, Electrode, Finding, FittedCurrent, State, Watch, fit_current},
+    health::{self, Diagnosis, Electrode, Finding, FittedCurrent, Known, State, Watch, fit_current},
     silence_timeout,
 };
 use dermatome_shared::{
@@ -40,7 +40,7 @@ const LEAKS: f32 = 0.5;
 ///
 /// Watches some frames: contact impedance and state of every electrode, reciprocity, what was wrong
 /// with frames, and how the board itself does. Where the current is too large for voltages or the electrodes' tests, or
-/// the frequency too high for the leads, it looks with a smaller one, and the board tares anew. With the skin file its
+/// the frequency too high for the leads, they are repeated with a smaller one, and the board tares anew. With the skin file its
 /// voltages, which must be those of the untouched skin, are compared with the model's as well: order of the wires, shape,
 /// the sheet's conductivity. Exits with
 /// code 1 if something is wrong.
@@ -114,7 +114,9 @@ pub(super) fn examine(
     frames: usize,
 ) -> anyhow::Result<Option<Examined>> {
     let drive = link.info()?.drive.unwrap_or(patch.drive);
-    let mut examination = Examination { drive, timeout: silence_timeout(patch), findings: Vec::new() };
+    let timeout = silence_timeout(patch);
+    let mut examination =
+        Examination { drive, timeout, findings: Vec::new(), explained: FrameFlags::default() };
     let examined = examination.run(link, patch, model, frames);
     if examination.drive != drive {
         // Whatever happened, the drive is what it was.
@@ -129,7 +131,9 @@ struct Examination {
     drive: Drive,
     timeout: Duration,
     /// What is wrong with the drive.
-    findings: Vec<(FrameFlags, Finding)>,
+    findings: Vec<Finding>,
+    /// Flags that follow from it.
+    explained: FrameFlags,
 }
 
 impl Examination {
@@ -142,7 +146,7 @@ impl Examination {
     ) -> anyhow::Result<Option<Examined>> {
         let info = link.info()?;
         let mut watch = self.watch(link, frames)?;
-        if watch.has_too_much_current() && !interrupt::requested() {
+        if watch.is_saturated() && !interrupt::requested() {
             watch = self.lower_current(link, watch, frames)?;
         }
         if let Some(front_end) =
@@ -171,18 +175,14 @@ impl Examination {
             watch.add_to_contacts(&compared.missing(&link.test_resistances()?));
         }
         let is_simulated = info.frame_source == FrameSource::Simulated;
-        let Some(mut diagnosis) = watch.diagnosis(is_simulated) else { return Ok(None) };
-        for (flag, finding) in self.findings.drain(..) {
-            diagnosis.explain(flag, finding);
-        }
-        if let Some(compared) = &model {
-            if compared.wires_are_wrong {
-                diagnosis.distrust_contacts();
-            } else if compared.has_sheet() {
-                diagnosis.know_sheet();
-            }
-            diagnosis.findings.extend(compared.findings.iter().cloned());
-        }
+        let known = Known {
+            flags: self.explained,
+            sheet: model.as_ref().is_some_and(Compared::has_sheet),
+            wires: model.as_ref().is_some_and(|compared| compared.wires_are_wrong),
+        };
+        let Some(mut diagnosis) = watch.diagnosis(is_simulated, known) else { return Ok(None) };
+        diagnosis.findings.append(&mut self.findings);
+        diagnosis.findings.extend(model.iter().flat_map(|compared| compared.findings.iter().cloned()));
         Ok(Some(Examined { contact_amplitude_a, diagnosis, model }))
     }
 
@@ -190,22 +190,20 @@ impl Examination {
         health::watch(link, frames, self.timeout, || !interrupt::requested())
     }
 
-    /// Halves a current that is too large for voltages or tests; gives what is seen with the smaller one.
+    /// Halves a current that voltages have no room for; gives what is seen with the smaller one.
     fn lower_current(&mut self, link: &mut Link, watch: Watch, frames: usize) -> Result<Watch, LinkError> {
         let fitted = fit_current(link, self.drive, self.timeout, || !interrupt::requested())?;
         let Some(fitted) = fitted.filter(FittedCurrent::is_lowered) else { return Ok(watch) };
         self.drive.amplitude = fitted.amplitude;
-        if watch.is_saturated() {
-            let [before, now] = [fitted.before, fitted.amplitude].map(|amplitude| rounded(1e3 * amplitude));
-            let finding = Finding {
-                what: format!("voltages clip at {before} mA, and not at {now} mA"),
-                advice: format!(
-                    "set `drive.amplitude` = \"{now} mA\" in the skin file; `dermatome setup` does that on the board, and \
-                     `stream` and `tare` for as long as it runs"
-                ),
-            };
-            self.findings.push((FrameFlags::SATURATED, finding));
-        }
+        let [before, now] = [fitted.before, fitted.amplitude].map(|amplitude| rounded(1e3 * amplitude));
+        self.explained.insert(FrameFlags::SATURATED);
+        self.findings.push(Finding {
+            what: format!("voltages clip at {before} mA, and not at {now} mA"),
+            advice: format!(
+                "set `drive.amplitude` = \"{now} mA\" in the skin file; `dermatome setup` does that on the board, and \
+                 `stream` and `tare` for as long as it runs"
+            ),
+        });
         self.watch(link, frames)
     }
 
@@ -235,15 +233,15 @@ impl Examination {
             return Ok(watch);
         }
         let [high, low] = [before, low].map(|drive| rounded(1e-3 * drive.frequency));
-        let finding = Finding {
+        self.explained.insert(FrameFlags::NOT_RECIPROCAL);
+        self.findings.push(Finding {
             what: format!(
                 "leads take current that the skin should get: voltages with drive and sense exchanged differ by {:.0} % \
                  at {high} kHz, by {:.0} % at {low} kHz, at which all this was measured",
                 errors[0], errors[1]
             ),
             advice: format!("set `drive.frequency` = \"{low} kHz\" in the skin file, or shorten the leads"),
-        };
-        self.findings.push((FrameFlags::NOT_RECIPROCAL, finding));
+        });
         Ok(lower)
     }
 }
