@@ -5,7 +5,7 @@
 //! only a part of it depends on that crate instead: `dermatome-link` talks to a board without a finite-element model.
 #![forbid(unsafe_code)]
 
-pub use dermatome_experiments::{evaluate, experiment, scenes, trust};
+pub use dermatome_experiments::{evaluate, experiment, presses, scenes, trust};
 pub use dermatome_frames::{array, calibrate, interchange, learn, recorded};
 pub use dermatome_geometry::{cut, embedding, mesh, outline, sheet};
 pub use dermatome_link as link;

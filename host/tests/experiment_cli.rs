@@ -352,6 +352,50 @@ fn check_names_what_is_wrong_with_a_skin_and_blames_no_sound_electrode() {
 }
 
 #[test]
+fn presses_are_recorded_to_learn_from() {
+    let desk = Desk::empty();
+    desk.write("skin.toml", program::TINY);
+    let record = ["experiment", "presses", "skin.toml", "--count", "60", "--noise-db", "70", "--seed"];
+    desk.run(&[&record[..], &["3"]].concat()).success();
+    let recorded = desk.read("presses.npz");
+    let learn =
+        ["learn", "skin.toml", "--presses", "presses.npz", "-o", "learnt.dermatome", "--json", "learn.json"];
+    desk.run(&learn).success();
+    let report = desk.report("learn.json");
+    let [learnt, built] = ["test", "model_test"].map(|test| report[test]["median_mm"].as_f64().unwrap());
+    assert!(learnt < built, "{learnt} {built}");
+    let replay = [
+        "replay",
+        "learnt.dermatome",
+        "--frames",
+        "presses.npz:v_pressed",
+        "--reference",
+        "presses.npz:idle",
+    ];
+    let replayed = desk.run(&[&replay[..], &["--rate", "5"]].concat()).success();
+    assert!(replayed.out.lines().count() >= 60, "{}", replayed.out);
+    // The same again, and others with another seed.
+    desk.run(&[&record[..], &["3"]].concat()).success();
+    assert!(desk.read("presses.npz") == recorded);
+    desk.run(&[&record[..], &["4"]].concat()).success();
+    assert!(desk.read("presses.npz") != recorded);
+}
+
+#[test]
+fn a_skin_too_narrow_for_a_finger_is_pressed_in_its_middle() {
+    let desk = Desk::empty();
+    let narrow = program::TINY
+        .replace(
+            "kind = \"disc\"\ndiameter = \"100 mm\"",
+            "kind = \"rectangle\"\nwidth = \"300 mm\"\nheight = \"12 mm\"",
+        )
+        .replace("edge_length = \"8 mm\"", "edge_length = \"3 mm\"");
+    assert!(narrow.contains("300 mm"));
+    desk.write("skin.toml", narrow);
+    desk.run(&["experiment", "presses", "skin.toml", "--count", "5"]).success();
+}
+
+#[test]
 fn rows_and_noises_that_are_not_there_are_refused() {
     let desk = Desk::empty();
     for (arguments, words) in [

@@ -11,16 +11,15 @@ use dermatome::{
         Request, Strength, learn,
         presses::{Positions, Presses, Recording},
     },
-    mesh::{Mesh, neighbours::boundary_edges, triangle},
     model::Model,
-    pixels::samples,
+    presses::{RecordedPresses, of_odd_skin},
     quantize,
     recorded::{
         order::Arrangement,
         read::Frames,
         replay::{Replay, Times, Untouched},
     },
-    simulate::TrueSkin,
+    simulate::Noise,
     skin::Skin,
 };
 use dermatome_shared::{contact::Contacts, patch::PatchView};
@@ -28,19 +27,10 @@ use nalgebra::{Point3, Vector3};
 use num_complex::Complex64;
 use peers::{Features, regression, some_of};
 use program::{Desk, TINY, row, transcript};
-use rand::{Rng, SeedableRng};
-use rand_distr::{Distribution, StandardNormal};
-use rand_pcg::Pcg64Mcg;
 use std::{collections::BTreeSet, f64::consts::TAU, path::Path};
 
 /// Presses that nothing is learnt from.
 const JUDGED: usize = 80;
-/// Frames of the untouched skin.
-const UNTOUCHED: usize = 16;
-
-fn normal(random: &mut Pcg64Mcg) -> f64 {
-    StandardNormal.sample(random)
-}
 
 fn shipped(name: &str) -> Skin {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../models/{name}/skin.toml"));
@@ -95,86 +85,9 @@ fn cut(region: &[&str]) -> Skin {
     Skin::load(&desk.path("skin/skin.toml")).unwrap().made().unwrap()
 }
 
-/// A random point of a mesh, no nearer to its rim than `rim`, m, and the normal there.
-fn place(mesh: &Mesh, rim: f64, random: &mut Pcg64Mcg) -> (Point3<f64>, Vector3<f64>) {
-    let areas: Vec<f64> =
-        (0..mesh.elements.len()).map(|element| triangle::area(mesh.corners(element))).collect();
-    let all: f64 = areas.iter().sum();
-    let edge = boundary_edges(&mesh.elements);
-    loop {
-        let mut left = random.random::<f64>() * all;
-        let element = areas.iter().position(|area| {
-            left -= area;
-            left <= 0.0
-        });
-        let Some(element) = element else { continue };
-        let [a, b, c] = mesh.corners(element);
-        let (u, v): (f64, f64) = (random.random(), random.random());
-        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-        let place = a + (b - a) * u + (c - a) * v;
-        if edge.iter().flatten().all(|&node| (mesh.nodes[node] - place).norm() > rim) {
-            return (place, triangle::normal([a, b, c]));
-        }
-    }
-}
-
-/// Presses of a finger at random places of a skin that is unlike its model, at 60 dB, recorded up to 3 mm off it; and frames
-/// of the untouched skin, whose mean is the presses' reference.
-fn recording(skin: &Skin, count: usize, seed: u64) -> (Recording, Frames) {
-    let mut random = Pcg64Mcg::seed_from_u64(seed);
-    let contacts: Vec<Complex64> = (0..usize::from(skin.electrodes.count))
-        .map(|_| Complex64::from(0.18 * normal(&mut random).exp()))
-        .collect();
-    let truth = TrueSkin::with_contacts(skin, &contacts, skin.drive.frequency, 0.0).unwrap();
-    let (mesh, steps) = (truth.mesh(), skin.steps());
-    let size = half_side(mesh);
-    let spots: Vec<(Point3<f64>, f64)> = (0..12)
-        .map(|_| (place(mesh, 0.0, &mut random).0, if random.random() { 1.1 } else { -1.1 }))
-        .collect();
-    let middles: Vec<Point3<f64>> =
-        (0..mesh.elements.len()).map(|element| triangle::centroid(mesh.corners(element))).collect();
-    let of_sheet = |middle: &Point3<f64>| {
-        let near = |(spot, height): &(Point3<f64>, f64)| {
-            height * (-(middle - spot).norm_squared() / (0.3 * size).powi(2)).exp()
-        };
-        spots.iter().map(near).sum::<f64>().clamp(-1.1, 1.1).exp()
-    };
-    let sheet: Vec<f64> = middles.iter().map(of_sheet).collect();
-    let gains: Vec<f64> = steps.iter().map(|_| (0.2 * normal(&mut random)).exp()).collect();
-    let measure = |conductivity: &[f64], random: &mut Pcg64Mcg| -> Vec<Complex64> {
-        let voltages = truth.voltages(conductivity, &steps);
-        let noise = (voltages.iter().map(|v| v * v).sum::<f64>() / voltages.len() as f64).sqrt() * 1e-3;
-        let value = |(v, gain): (&f64, &f64)| Complex64::from(gain * v + noise * normal(random));
-        voltages.iter().zip(&gains).map(value).collect()
-    };
-    let untouched: Vec<Complex64> = (0..UNTOUCHED).flat_map(|_| measure(&sheet, &mut random)).collect();
-    let radius = 0.08 * size;
-    let (mut values, mut positions) = (Vec::new(), Vec::new());
-    for _ in 0..count {
-        let (at, outwards) = place(mesh, radius, &mut random);
-        let depth = 0.5 * 3f64.powf(random.random());
-        let under = |point: Point3<f64>| (1.0 - ((point - at).norm() / radius).powi(2)).max(0.0).sqrt();
-        let pressed = |(element, (sheet, middle)): (usize, (&f64, &Point3<f64>))| {
-            if (middle - at).norm() > 2.0 * radius {
-                return *sheet;
-            }
-            let (sum, points) = samples(mesh.corners(element))
-                .fold((0.0, 0.0), |(sum, points), point| (sum + under(point), points + 1.0));
-            sheet * (1.0 + depth * sum / points)
-        };
-        let conductivity: Vec<f64> = sheet.iter().zip(&middles).enumerate().map(pressed).collect();
-        values.extend(measure(&conductivity, &mut random));
-        positions.push((at + outwards * random.random_range(-0.003..0.003)).into());
-    }
-    let frames = |values, frames| Frames { values, frames, measurements: steps.len(), complex: false };
-    let untouched = frames(untouched, UNTOUCHED);
-    let recording = Recording {
-        pressed: frames(values, count),
-        unpressed: frames(untouched.mean(), 1),
-        positions: Positions::InSpace(positions),
-        forces: None,
-    };
-    (recording, untouched)
+/// Presses of a finger at 60 dB.
+fn recorded(skin: &Skin, count: usize, seed: u64) -> RecordedPresses {
+    of_odd_skin(skin, count, Noise { snr_db: 60.0, seed }).unwrap()
 }
 
 /// Median and 90 % error, mm.
@@ -197,7 +110,7 @@ struct Odd<'a> {
 impl<'a> Odd<'a> {
     fn new(skin: &'a Skin, count: usize, seed: u64) -> Self {
         let model = Model::build(skin, |_| ()).unwrap();
-        let (recording, untouched) = recording(skin, count, seed);
+        let RecordedPresses { recording, untouched } = recorded(skin, count, seed);
         let presses = recording.on(&model, &Arrangement::default()).unwrap();
         Self { skin, model, recording, untouched, presses }
     }
@@ -333,7 +246,7 @@ fn dome() -> Skin {
 fn presses_are_laid_on_the_nearest_point_of_the_skin() {
     let skin = dome();
     let model = Model::build(&skin, |_| ()).unwrap();
-    let (mut recording, _) = recording(&skin, 3, 1);
+    let mut recording = recorded(&skin, 3, 1).recording;
     // 2 mm above the top, 2 mm beneath a place half way down, and 2 mm below the rim.
     let down = 0.048 / 2f64.sqrt();
     recording.positions = Positions::InSpace(vec![[0.0, 0.0, 0.052], [down, 0.0, down], [0.05, 0.0, -0.002]]);
@@ -362,7 +275,7 @@ fn write_tables(desk: &Desk, recording: &Recording) {
 fn a_learnt_patch_of_a_curved_skin_is_replayed_with_contacts_on_the_skin() {
     let (desk, skin) = (Desk::empty(), dome());
     desk.write("skin.toml", dome_text());
-    let (recording, untouched) = recording(&skin, 60, 2);
+    let RecordedPresses { recording, untouched } = recorded(&skin, 60, 2);
     write_tables(&desk, &recording);
     let rows = |frames: &Frames| {
         let text = |frame: &[Complex64]| row(&frame.iter().map(|value| value.re).collect::<Vec<_>>());
@@ -401,7 +314,7 @@ fn a_learnt_patch_of_a_curved_skin_is_replayed_with_contacts_on_the_skin() {
 fn wrong_presses_on_a_curved_skin_are_refused_with_press_value_and_what_is_allowed() {
     let desk = Desk::empty();
     desk.write("skin.toml", dome_text());
-    write_tables(&desk, &recording(&dome(), 12, 3).0);
+    write_tables(&desk, &recorded(&dome(), 12, 3).recording);
     let table = String::from_utf8(desk.read("presses.csv")).unwrap();
     let lines: Vec<&str> = table.lines().collect();
     let first = |place: &str| {
@@ -434,7 +347,7 @@ fn wrong_presses_on_a_curved_skin_are_refused_with_press_value_and_what_is_allow
 fn presses_without_z_in_an_archive_are_refused_on_a_curved_skin() {
     let skin = dome();
     let model = Model::build(&skin, |_| ()).unwrap();
-    let (mut recording, _) = recording(&skin, 3, 1);
+    let mut recording = recorded(&skin, 3, 1).recording;
     recording.positions = Positions::FromAbove(vec![[0.01, 0.02]; 3]);
     let words = recording.on(&model, &Arrangement::default()).unwrap_err().to_string();
     assert!(words.contains("x and y only") && words.contains("allowed there: x, y and z"), "{words}");

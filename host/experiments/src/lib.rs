@@ -4,6 +4,7 @@
 mod deform;
 pub mod evaluate;
 pub mod experiment;
+pub mod presses;
 pub mod scenes;
 pub mod trust;
 

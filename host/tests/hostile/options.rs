@@ -10,6 +10,7 @@ const COMMANDS: &[&[&str]] = &[
     &["experiment", "divider"],
     &["experiment trust", "skin.toml"],
     &["experiment check", "skin.toml"],
+    &["experiment presses", "skin.toml"],
     &["inspect", "skin.dermatome"],
     &["setup", "--port=sim:skin.toml", "--skin=skin.toml", "--yes"],
     &["flash", "skin.dermatome", "--port=sim:skin.toml"],
@@ -114,6 +115,7 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
         (_, "give-up-after") => &["", "x", "nan", "-1", "1e30"],
         ("calibrate", "start") => NUMBERS,
         ("experiment check", "amplitudes") => &["", "x", "0", "-1", "101", "nan", "50,x"],
+        ("experiment presses", "count") => &["", "x", "0", "-1", "10001", "1.5"],
         ("setup", "press-within") => &["", "x", "nan", "-1", "1e30"],
         ("simulate", "fault") => {
             &["", "open", "open:0", "open:17", "short:3-3", "contact:3+nan", "boom:3", "open:3@x"]

@@ -35,6 +35,8 @@ const SMALLER_CURRENTS: usize = 3;
 const LOW_FREQUENCY: f32 = 12.5e3;
 /// Leads are to blame where the reciprocity error falls to this part of itself there.
 const LEAKS: f32 = 0.5;
+/// Noise explains a reciprocity error up to so many times what it makes on average.
+const NOISE: f64 = 1.5;
 
 /// Look for what is wrong with a board and its skin, and say what to do.
 ///
@@ -149,10 +151,8 @@ impl Examination {
         if watch.is_saturated() && !interrupt::requested() {
             watch = self.lower_current(link, watch, frames)?;
         }
-        if let Some(front_end) =
-            info.front_end.filter(|_| watch.is_not_reciprocal() && !interrupt::requested())
-        {
-            watch = self.lower_frequency(link, watch, frames, &front_end)?;
+        if watch.is_not_reciprocal() && !self.is_noise(link, &watch, frames)? && !interrupt::requested() {
+            watch = self.lower_frequency(link, watch, frames, info.front_end.as_ref())?;
         }
         let mut contact_amplitude_a = self.drive.amplitude;
         if watch.has_clipped_tests() && !interrupt::requested() {
@@ -207,6 +207,27 @@ impl Examination {
         self.watch(link, frames)
     }
 
+    /// Whether noise explains that voltages are not reciprocal.
+    fn is_noise(&mut self, link: &mut Link, watch: &Watch, frames: usize) -> Result<bool, LinkError> {
+        let Some(frames) = check_skin::frames(link, frames, 1.0, self.timeout)? else { return Ok(false) };
+        let noise = check_skin::difference_by_noise(&frames);
+        let error = f64::from(watch.reciprocity().unwrap_or(0.0));
+        if error > NOISE * noise {
+            return Ok(false);
+        }
+        self.explained.insert(FrameFlags::NOT_RECIPROCAL);
+        self.findings.push(Finding {
+            what: format!(
+                "noise is large beside the voltages: with drive and sense exchanged they differ by {:.0} %, as noise \
+                 alone makes them ({:.0} %)",
+                100.0 * error,
+                100.0 * noise
+            ),
+            advice: "raise `dermatome drive --amplitude`, or `--integration`, which costs frames".to_owned(),
+        });
+        Ok(true)
+    }
+
     /// Where voltages are not reciprocal because the leads' capacitance takes much of the current, they are at a lower
     /// carrier frequency; gives what is seen there.
     fn lower_frequency(
@@ -214,8 +235,9 @@ impl Examination {
         link: &mut Link,
         watch: Watch,
         frames: usize,
-        front_end: &FrontEnd,
+        front_end: Option<&FrontEnd>,
     ) -> Result<Watch, LinkError> {
+        let Some(front_end) = front_end else { return Ok(watch) };
         let before = self.drive;
         let low = Drive { frequency: LOW_FREQUENCY, ..before };
         if low.frequency >= before.frequency || Timing::new(&low, front_end.sample_rate).is_none() {

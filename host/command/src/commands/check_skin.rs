@@ -6,6 +6,7 @@ use dermatome_frames::recorded::{
     check::{
         Expected, check,
         findings::{About, Level},
+        signal::noise,
     },
     fit::{Fit, FitError, fit},
     order::Arrangement,
@@ -18,6 +19,7 @@ use dermatome_shared::protocol::{PatchInfo, Selection};
 use num_complex::Complex64;
 use serde::Serialize;
 use std::{
+    f64::consts::PI,
     path::{Path, PathBuf},
     time::Duration,
 };
@@ -217,6 +219,15 @@ pub(super) fn frames(
     }
     stream.stop()?;
     Ok((frames > 0).then_some(Frames { values, frames, measurements, complex: false }))
+}
+
+/// By which part of them measurements, each the mean of a step and the one with drive and sense exchanged, differ between
+/// the two on average where they differ by noise alone.
+pub(super) fn difference_by_noise(frames: &Frames) -> f64 {
+    let size: f64 = frames.mean().iter().map(|value| value.norm()).sum();
+    // The difference has twice the noise of the mean, and the mean of what is so large is less.
+    let mean_of_normal = (2.0 / PI).sqrt();
+    if size > 0.0 { 2.0 * mean_of_normal * noise(frames).iter().sum::<f64>() / size } else { 0.0 }
 }
 
 /// Names wires in advice.

@@ -82,6 +82,23 @@ enum Wrong {
 struct Said {
     is_named: bool,
     blames_sound: bool,
+    /// Its findings.
+    words: Vec<String>,
+}
+
+/// A trial in which something else was named, or nothing.
+#[derive(Serialize)]
+struct Missed {
+    wrong: String,
+    amplitude_percent: f64,
+    findings: Vec<String>,
+}
+
+struct Trial {
+    kind: &'static str,
+    wrong: String,
+    percent: f64,
+    said: Said,
 }
 
 #[derive(Serialize)]
@@ -91,6 +108,7 @@ struct Row {
     tried: usize,
     named: usize,
     blamed_sound: usize,
+    missed: Vec<Missed>,
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
@@ -111,10 +129,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         let try_one = |((kind, wrong), percent): &(&(&'static str, Wrong), f64)| {
             let said = check(bench, &benches, wrong, percent / 100.0, noise)?;
             bar.inc(1);
-            Ok((*kind, said))
+            Ok(Trial { kind, wrong: words(wrong, &benches), percent: *percent, said })
         };
-        let said: anyhow::Result<Vec<_>> = pool.install(|| trials.par_iter().map(try_one).collect());
-        rows.extend(counted(&bench.skin.name, &said?));
+        let trials: anyhow::Result<Vec<_>> = pool.install(|| trials.par_iter().map(try_one).collect());
+        rows.extend(counted(&bench.skin.name, trials?));
     }
     bar.finish_and_clear();
     say!("{:24} {:30} {:>6} {:>9} {:>22}", "skin", "wrong", "tried", "named", "sound electrode blamed");
@@ -160,18 +178,40 @@ fn cases(bench: &Bench, benches: &[Bench]) -> Vec<(&'static str, Wrong)> {
     cases
 }
 
-fn counted(skin: &str, said: &[(&'static str, Said)]) -> Vec<Row> {
+fn counted(skin: &str, trials: Vec<Trial>) -> Vec<Row> {
     let mut rows: Vec<Row> = Vec::new();
-    for (wrong, said) in said {
-        let at = rows.iter().position(|row| row.wrong == *wrong).unwrap_or_else(|| {
-            rows.push(Row { skin: skin.to_owned(), wrong, tried: 0, named: 0, blamed_sound: 0 });
+    for Trial { kind, wrong, percent, said } in trials {
+        let at = rows.iter().position(|row| row.wrong == kind).unwrap_or_else(|| {
+            let skin = skin.to_owned();
+            rows.push(Row { skin, wrong: kind, tried: 0, named: 0, blamed_sound: 0, missed: Vec::new() });
             rows.len() - 1
         });
-        rows[at].tried += 1;
-        rows[at].named += usize::from(said.is_named);
-        rows[at].blamed_sound += usize::from(said.blames_sound);
+        let row = &mut rows[at];
+        row.tried += 1;
+        row.named += usize::from(said.is_named);
+        row.blamed_sound += usize::from(said.blames_sound);
+        if !said.is_named || said.blames_sound {
+            row.missed.push(Missed { wrong, amplitude_percent: percent, findings: said.words });
+        }
     }
     rows
+}
+
+fn words(wrong: &Wrong, benches: &[Bench]) -> String {
+    let of = |electrode: &u8| electrode + 1;
+    match wrong {
+        Wrong::Nothing => "nothing".to_owned(),
+        Wrong::Electrode(fault) => {
+            let electrodes: Vec<String> =
+                fault.electrodes().iter().map(|electrode| of(electrode).to_string()).collect();
+            format!("electrode {}", electrodes.join(" and "))
+        }
+        Wrong::Contact(electrode) => format!("electrode {}", of(electrode)),
+        Wrong::Exchanged(a, b) => format!("wires {} and {}", of(a), of(b)),
+        Wrong::Order(_) => "all wires".to_owned(),
+        Wrong::Sheet(ratio) => format!("conducts {ratio} times as well"),
+        Wrong::Skin(other) => benches[*other].skin.name.clone(),
+    }
 }
 
 /// Checks one board with one thing wrong, at this share of the skin's current.
@@ -237,7 +277,8 @@ fn judged(wrong: &Wrong, faults: &[Fault], examined: &Examined) -> Said {
     };
     let says = |words: &str| diagnosis.findings.iter().any(|finding| finding.what.contains(words));
     let is_named = match wrong {
-        Wrong::Nothing => diagnosis.findings.is_empty(),
+        // Noise is none of the skin's faults, and may well be worth a word.
+        Wrong::Nothing => diagnosis.findings.iter().all(|finding| finding.what.starts_with("noise")),
         Wrong::Electrode(Fault::Open(_)) => in_state(&[State::Open]) == bad,
         Wrong::Electrode(_) => in_state(&[State::Shorted]) == bad,
         Wrong::Contact(_) => in_state(&[State::High, State::Open]) == bad,
@@ -257,5 +298,6 @@ fn judged(wrong: &Wrong, faults: &[Fault], examined: &Examined) -> Said {
         }
         Wrong::Skin(_) => model.as_ref().is_some_and(|compared| !compared.findings.is_empty()),
     };
-    Said { is_named, blames_sound: !blamed.is_subset(&bad) }
+    let words = diagnosis.findings.iter().map(|finding| finding.what.clone()).collect();
+    Said { is_named, blames_sound: !blamed.is_subset(&bad), words }
 }

@@ -54,6 +54,7 @@ mod man;
 mod noise;
 mod outputs;
 mod preserved;
+mod presses;
 mod progress;
 mod reconstruct;
 mod replay;

@@ -32,6 +32,8 @@ pub(super) enum Kind {
     Voltages,
     /// Of a calibration, as CSV.
     Readings,
+    /// An archive of arrays.
+    Presses,
     /// Written by people, so that none that is there is ever replaced unasked.
     Skin,
 }
@@ -55,6 +57,7 @@ impl Kind {
             Self::Svg => "an SVG drawing",
             Self::Voltages => "voltages",
             Self::Readings => "readings",
+            Self::Presses => "an archive of presses",
             Self::Skin => "a skin file",
         }
     }
@@ -68,6 +71,7 @@ impl Kind {
             Self::Svg => &[b"<svg", b"<?xml"],
             Self::Voltages => &[b"\x93NUMPY", b"voltage\n"],
             Self::Readings => &[b"pressure_kpa,strength", TAKEN_IN.as_bytes()],
+            Self::Presses => &[b"PK\x03\x04"],
             Self::Skin => &[],
         };
         beginnings.iter().any(|beginning| bytes.starts_with(beginning))

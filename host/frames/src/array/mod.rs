@@ -1,4 +1,4 @@
-//! Arrays of numbers and their files: NumPy's ([`npy`], `npz`), tables of text (`text`), and MATLAB's ([`mat`]).
+//! Arrays of numbers and their files: NumPy's ([`npy`], [`npz`]), tables of text (`text`), and MATLAB's ([`mat`]).
 //!
 //! An [`Array`] that was read holds its values; one on its way to a file may compute them one by one as they are
 //! written, so that a large matrix is in memory once. [`file::read`] reads whatever file it is given.
@@ -7,7 +7,7 @@ pub mod error;
 pub mod file;
 pub mod mat;
 pub mod npy;
-mod npz;
+pub mod npz;
 mod text;
 
 pub use error::ArrayError;

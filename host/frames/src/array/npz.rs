@@ -7,9 +7,9 @@ use super::{
 };
 use std::{
     fmt,
-    io::{Cursor, Read},
+    io::{self, Cursor, Read},
 };
-use zip::ZipArchive;
+use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 /// What the name of an array's file ends in.
 const SUFFIX: &str = ".npy";
@@ -25,6 +25,16 @@ pub(super) fn parse(bytes: &[u8], key: Option<&str>) -> Result<Array<'static>, A
         return Err(ArrayError::TooLarge);
     }
     Ok(npy::parse(&member)?)
+}
+
+/// Makes an archive of arrays by name, as `numpy.savez_compressed` does.
+pub fn archive(arrays: &[(&str, Array<'_>)]) -> io::Result<Vec<u8>> {
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, array) in arrays {
+        archive.start_file(format!("{name}{SUFFIX}"), SimpleFileOptions::default())?;
+        npy::write(&mut archive, array)?;
+    }
+    Ok(archive.finish()?.into_inner())
 }
 
 fn choose(archive: &mut Archive<'_>, key: Option<&str>) -> Result<String, ArrayError> {

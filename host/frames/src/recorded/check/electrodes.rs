@@ -1,12 +1,8 @@
 //! Electrodes one by one: what all measurements that use them have in common.
 
 use super::{
-    super::{
-        read::Frames,
-        statistics::{median, pearson},
-    },
+    super::statistics::{median, pearson},
     Expected, Readings,
-    signal::noise,
 };
 use dermatome_shared::stimulation::Step;
 use serde::Serialize;
@@ -62,9 +58,9 @@ fn nearly_all(percent: Option<f64>) -> bool {
 }
 
 /// Each electrode: `[electrode]`.
-pub(super) fn check(expected: &Expected, frames: &Frames, readings: &Readings) -> Vec<ElectrodeCheck> {
+pub(super) fn check(expected: &Expected, readings: &Readings) -> Vec<ElectrodeCheck> {
     let off = off(readings);
-    let noisy = noisy(frames, readings);
+    let noisy = noisy(readings);
     let dead: Vec<bool> = (0..readings.measured.len()).map(|step| readings.is_dead(step)).collect();
     let of = |electrode: u8| {
         let drives = |step: &Step| electrode == step.drive_plus || electrode == step.drive_minus;
@@ -117,8 +113,7 @@ fn off(readings: &Readings) -> Vec<bool> {
     residuals.iter().enumerate().map(is_off).collect()
 }
 
-fn noisy(frames: &Frames, readings: &Readings) -> Vec<bool> {
-    let noise = noise(frames, readings);
-    let limit = NOISY * median(noise.iter().copied());
-    noise.iter().map(|&noise| limit > 0.0 && noise > limit).collect()
+fn noisy(readings: &Readings) -> Vec<bool> {
+    let limit = NOISY * median(readings.noise.iter().copied());
+    readings.noise.iter().map(|&noise| limit > 0.0 && noise > limit).collect()
 }

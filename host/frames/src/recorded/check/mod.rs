@@ -39,6 +39,9 @@ use reciprocity::Agreement;
 use serde::Serialize;
 use signal::{Repeats, Saturation, Steadiness};
 
+/// Of a magnitude that is smaller than so many standard errors noise says more than the skin.
+const BLUR: f64 = 3.0;
+
 /// What a skin should measure: its table, and in-phase voltages between any electrodes.
 #[derive(Clone, Debug)]
 pub struct Expected {
@@ -131,12 +134,14 @@ pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<
     let differences = single_ended::differences(expected, frames, used)?;
     let single_ended = differences.is_some();
     let frames = differences.as_ref().unwrap_or(frames);
-    let raw = frames.mean();
-    let offset = offset::find(expected, &raw, used)?;
-    let reference = offset.as_ref().map_or_else(|| raw.clone(), |offset| offset.without(&raw));
+    let mut reference = Reference::of(frames);
+    let offset = offset::find(expected, &reference, used)?;
+    if let Some(offset) = &offset {
+        reference.values = offset.without(&reference.values);
+    }
     let (numbering, wiring) = numbering::find(expected, &reference, used)?;
     let readings = Readings::of(expected, &reference, &wiring)?;
-    let electrodes = electrodes::check(expected, frames, &readings);
+    let electrodes = electrodes::check(expected, &readings);
     let mut check = Check {
         frames: frames.frames,
         measurements: frames.measurements,
@@ -160,11 +165,29 @@ pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<
     Ok(check)
 }
 
+/// Mean of the frames: `[index in a frame]`.
+struct Reference {
+    values: Vec<Complex64>,
+    /// Standard deviation of the noise of one frame, along the mean; 0 where there are too few frames.
+    noise: Vec<f64>,
+    frames: usize,
+}
+
+impl Reference {
+    fn of(frames: &Frames) -> Self {
+        Self { values: frames.mean(), noise: signal::noise(frames), frames: frames.frames }
+    }
+}
+
 /// The reference step by step: `[step]`, in the file's electrode numbers.
 struct Readings {
     /// Index in a frame.
     indices: Vec<usize>,
     measured: Vec<Complex64>,
+    /// Of one frame.
+    noise: Vec<f64>,
+    /// Magnitude that noise alone may give the mean.
+    blur: Vec<f64>,
     /// What the model says of the electrodes behind the file's numbers.
     model: Vec<f64>,
     /// Magnitude up to which a measurement is dead.
@@ -172,11 +195,15 @@ struct Readings {
 }
 
 impl Readings {
-    fn of(expected: &Expected, reference: &[Complex64], wiring: &Wiring) -> Result<Self, OrderError> {
+    fn of(expected: &Expected, reference: &Reference, wiring: &Wiring) -> Result<Self, OrderError> {
         let steps = &expected.steps;
-        let indices = wiring.arrangement.file_indices(steps, expected.electrodes, reference.len())?;
-        let measured: Vec<_> = indices.iter().map(|&index| reference[index]).collect();
+        let indices = wiring.arrangement.file_indices(steps, expected.electrodes, reference.values.len())?;
+        let measured: Vec<_> = indices.iter().map(|&index| reference.values[index]).collect();
+        let noise: Vec<f64> = indices.iter().map(|&index| reference.noise[index]).collect();
+        let blur = BLUR / (reference.frames as f64).sqrt();
         Ok(Self {
+            blur: noise.iter().map(|noise| blur * noise).collect(),
+            noise,
             floor: DEAD * median(measured.iter().map(|value| value.norm())),
             model: steps.iter().map(|&step| expected.voltage(wiring.step(step))).collect(),
             measured,
@@ -192,13 +219,26 @@ impl Readings {
         (0..self.measured.len()).filter(|&step| self.is_dead(step)).collect()
     }
 
-    /// Logarithms of magnitude, model and measured; `None` where one of them is zero.
+    /// What was measured, zero where noise decides the sign.
+    fn clear(&self) -> Vec<Complex64> {
+        let steps = self.measured.iter().zip(&self.blur);
+        steps.map(|(value, &blur)| if value.norm() > blur { *value } else { Complex64::ZERO }).collect()
+    }
+
+    /// Logarithms of magnitude, model and measured, both blurred by the noise; `None` where one of them is zero.
     fn logarithms(&self) -> Vec<Option<(f64, f64)>> {
-        let of_step = |step: usize| {
+        let magnitudes = |step: usize| {
             let (model, measured) = (self.model[step].abs(), self.measured[step].norm());
-            (model > 0.0 && measured > self.floor).then(|| (model.ln(), measured.ln()))
+            (model > 0.0 && measured > self.floor).then_some((model, measured))
         };
-        (0..self.measured.len()).map(of_step).collect()
+        let steps = 0..self.measured.len();
+        let scale = median(steps.clone().filter_map(magnitudes).map(|(model, measured)| measured / model));
+        let of_step = |step: usize| {
+            let (model, measured) = magnitudes(step)?;
+            let blur = self.blur[step];
+            Some((model.hypot(blur / scale).ln(), measured.hypot(blur).ln()))
+        };
+        steps.map(of_step).collect()
     }
 
     /// Logarithm of recorded over model magnitude, against their median: `[step]`.

@@ -5,10 +5,9 @@ use super::{
         diagnose::{RESEMBLING, TIE, another_rotation_ties, best, is_clearly_better},
         order::{Arrangement, OrderError},
     },
-    Expected, Readings,
+    Expected, Readings, Reference,
 };
 use dermatome_shared::stimulation::Step;
-use num_complex::Complex64;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -108,7 +107,7 @@ struct Explanation {
 /// Finds order, rotation, mirror and exchanged electrodes.
 pub(super) fn find(
     expected: &Expected,
-    reference: &[Complex64],
+    reference: &Reference,
     used: Arrangement,
 ) -> Result<(Numbering, Wiring), OrderError> {
     let correlations = correlations(expected, reference, used)?;
@@ -143,7 +142,7 @@ pub(super) fn find(
 /// Every arrangement with its correlation.
 pub(super) fn correlations(
     expected: &Expected,
-    reference: &[Complex64],
+    reference: &Reference,
     used: Arrangement,
 ) -> Result<Vec<(Arrangement, f64)>, OrderError> {
     // What `used` cannot be read as is an error; another order that cannot be is only left out.
@@ -154,14 +153,14 @@ pub(super) fn correlations(
     Ok(all.into_par_iter().filter_map(|arrangement| Some((arrangement, fit(arrangement).ok()?))).collect())
 }
 
-fn fit(expected: &Expected, reference: &[Complex64], wiring: &Wiring) -> Result<f64, OrderError> {
+fn fit(expected: &Expected, reference: &Reference, wiring: &Wiring) -> Result<f64, OrderError> {
     Ok(Readings::of(expected, reference, wiring)?.correlation())
 }
 
 /// Exchanges electrodes one pair after the other, as long as each explains much of what is left.
 fn explain(
     expected: &Expected,
-    reference: &[Complex64],
+    reference: &Reference,
     arrangement: Arrangement,
     correlation: f64,
 ) -> Result<Explanation, OrderError> {
@@ -187,7 +186,7 @@ fn explain(
 /// The exchange that helps most; `None` if none does.
 fn best_exchange(
     expected: &Expected,
-    reference: &[Complex64],
+    reference: &Reference,
     last: &Explanation,
 ) -> Result<Option<Explanation>, OrderError> {
     let suspects = suspects(expected, &Readings::of(expected, reference, &last.wiring)?);

@@ -6,7 +6,7 @@ use super::{
         order::{Arrangement, OrderError},
         statistics::median,
     },
-    Expected, Readings,
+    Expected, Readings, Reference,
     numbering::{Wiring, correlations},
 };
 use num_complex::Complex64;
@@ -42,7 +42,7 @@ impl Offset {
 /// fits best without it.
 pub(super) fn find(
     expected: &Expected,
-    reference: &[Complex64],
+    reference: &Reference,
     used: Arrangement,
 ) -> Result<Option<Offset>, OrderError> {
     let all = correlations(expected, reference, used)?;

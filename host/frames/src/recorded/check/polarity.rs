@@ -21,7 +21,7 @@ pub struct Polarity {
     pub reversed: bool,
     /// Phase of the frames against the model, -180 to 180 degrees; 0 or 180 for real data.
     pub phase_degrees: f64,
-    /// Steps whose signs were compared; weak ones are left out.
+    /// Steps whose signs were compared; weak ones, and those that noise decides, are left out.
     pub compared: usize,
     /// Steps whose sign disagrees with the others'.
     pub disagreements: Vec<usize>,
@@ -35,7 +35,7 @@ impl Polarity {
     pub(super) fn of(expected: &Expected, readings: &Readings) -> Self {
         let map: Vec<_> =
             (0..readings.measured.len()).map(|index| FileIndex { index, flipped: false }).collect();
-        let signs = Signs::compare(&readings.model, &readings.measured, &map);
+        let signs = Signs::compare(&readings.model, &readings.clear(), &map);
         let differ = readings.model.iter().any(|&v| v > 0.0) && readings.model.iter().any(|&v| v < 0.0);
         let mostly = |pair: fn(&Step) -> [u8; 2]| mostly(&expected.steps, &signs.disagreements, pair);
         let along: Complex64 = readings.measured.iter().zip(&readings.model).map(|(v, m)| v * *m).sum();

@@ -37,7 +37,7 @@ impl Steadiness {
             return None;
         }
         let signal = root_mean_square(readings.measured.iter().map(|value| value.norm()));
-        let noise = root_mean_square(noise(frames, readings).into_iter());
+        let noise = root_mean_square(readings.noise.iter().copied());
         let tenth = frames.frames.div_ceil(10);
         let mean = |skip: usize, index: usize| {
             frames.iter().skip(skip).take(tenth).map(|frame| frame[index] / tenth as f64).sum::<Complex64>()
@@ -53,21 +53,18 @@ impl Steadiness {
     }
 }
 
-/// Standard deviation of each step, along the direction of its mean, from the median square of the
-/// difference of frames that follow each other: `[step]`. 0 where there are too few frames.
-pub(super) fn noise(frames: &Frames, readings: &Readings) -> Vec<f64> {
-    let of_step = |(&index, mean): (&usize, &Complex64)| {
+/// Standard deviation of the noise of one frame, along the direction of the mean, from the median square of the
+/// difference of frames that follow each other: `[index in a frame]`. 0 where there are too few frames.
+#[must_use]
+pub fn noise(frames: &Frames) -> Vec<f64> {
+    let of_index = |(index, mean): (usize, &Complex64)| {
         let back = mean.conj() / mean.norm();
         let back = if back.is_finite() { back } else { Complex64::ONE };
         let along = |frame: &[Complex64]| (frame[index] * back).re;
-        let squares = frames
-            .values
-            .chunks_exact(frames.measurements)
-            .zip(frames.iter().skip(1))
-            .map(|(a, b)| (along(b) - along(a)).powi(2));
+        let squares = frames.iter().zip(frames.iter().skip(1)).map(|(a, b)| (along(b) - along(a)).powi(2));
         if frames.frames < FEWEST_FRAMES { 0.0 } else { (median(squares) / MEDIAN_SQUARE / 2.0).sqrt() }
     };
-    readings.indices.par_iter().zip(&readings.measured).map(of_step).collect()
+    frames.mean().par_iter().enumerate().map(of_index).collect()
 }
 
 /// Values at the end of the range.

@@ -6,7 +6,7 @@ use super::{
         order::{Arrangement, OrderError},
         read::Frames,
     },
-    Expected,
+    Expected, Reference,
     numbering::correlations,
 };
 use num_complex::Complex64;
@@ -21,14 +21,12 @@ pub(super) fn differences(
     let Some(distance) = sense_distance(expected).filter(|_| frames.measurements == n * n) else {
         return Ok(None);
     };
-    let fit = |reference: &[Complex64]| -> Result<f64, OrderError> {
-        Ok(best(&correlations(expected, reference, used)?, used).1)
+    let fit = |frames: &Frames| -> Result<f64, OrderError> {
+        Ok(best(&correlations(expected, &Reference::of(frames), used)?, used).1)
     };
-    let mean = frames.mean();
-    let (as_they_are, as_potentials) = (fit(&mean)?, fit(&columns_apart(&mean, n, distance))?);
-    let are_potentials = as_potentials > RESEMBLING.max(as_they_are + CLEARLY_BETTER);
-    Ok(are_potentials
-        .then(|| Frames { values: columns_apart(&frames.values, n, distance), ..frames.clone() }))
+    let apart = Frames { values: columns_apart(&frames.values, n, distance), ..frames.clone() };
+    let (as_they_are, as_potentials) = (fit(frames)?, fit(&apart)?);
+    Ok((as_potentials > RESEMBLING.max(as_they_are + CLEARLY_BETTER)).then_some(apart))
 }
 
 /// Electrodes from the plus to the minus input, where it is the same in all steps.

@@ -103,6 +103,34 @@ fn good_frames_have_nothing_wrong() {
 }
 
 #[test]
+fn exchanged_electrodes_are_named_where_noise_drowns_the_small_voltages() {
+    for seed in 20..40 {
+        let body = adjacent(seed);
+        let [a, b] = [(seed % 16) as u8, ((seed + 1) % 16) as u8];
+        let mut instrument = Instrument::new(&body, PLAIN);
+        instrument.wiring = instrument.wiring.with(Exchange { electrodes: [a, b], role: Role::Both });
+        let clean = instrument.frame();
+        let mean_square = clean.iter().map(Complex64::norm_sqr).sum::<f64>() / clean.len() as f64;
+        let mut random = Pcg64::seed_from_u64(seed);
+        let noise = mean_square.sqrt() * 0.3;
+        let values: Vec<_> = clean
+            .repeat(10)
+            .iter()
+            .map(|value| value + noise * (0..12).map(|_| random.random_range(-0.5..0.5)).sum::<f64>())
+            .collect();
+        let frames = Frames { values, frames: 10, measurements: clean.len(), complex: false };
+        let check = check(&body, &frames, PLAIN).unwrap();
+        // Drive and sense exchanged differ by the noise.
+        let is_of_wires =
+            |about| matches!(about, About::Order | About::Exchange | About::Polarity | About::Electrode);
+        let faults: Vec<_> = check.findings.iter().filter(|it| is_of_wires(it.about)).collect();
+        let [only] = &faults[..] else { panic!("{seed}: {faults:#?}") };
+        let words = format!("electrodes {} and {} seem exchanged", a.min(b) + 1, a.max(b) + 1);
+        assert!(only.found.starts_with(&words), "{seed}: {only:?}");
+    }
+}
+
+#[test]
 fn exchanged_electrodes_are_named_with_the_side_they_are_exchanged_on() {
     let body = adjacent(2);
     for (electrodes, role, words) in [
