@@ -273,9 +273,10 @@ fn advice(flag: FrameFlags) -> Option<&'static str> {
             Some("lower gain or amplitude (`dermatome drive`); `dermatome scope` shows the samples")
         }
         FrameFlags::NO_CURRENT => Some("check the current source, its supply and its wire from the board"),
-        FrameFlags::NOT_RECIPROCAL => {
-            Some("check the multiplexers' address lines; try a longer `dermatome drive --settling`")
-        }
+        FrameFlags::NOT_RECIPROCAL => Some(
+            "check the multiplexers' address lines; on a sheet of many kiloohms per square shorten the leads, which take \
+                 current, or try a lower `dermatome drive --frequency`, or a longer `--settling`",
+        ),
         FrameFlags::IMPLAUSIBLE => {
             Some("tare with nothing on the skin (`dermatome tare`); if it stays, check the wiring")
         }
