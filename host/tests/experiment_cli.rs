@@ -356,7 +356,12 @@ fn presses_are_recorded_to_learn_from() {
     let desk = Desk::empty();
     desk.write("skin.toml", program::TINY);
     let record = ["experiment", "presses", "skin.toml", "--count", "60", "--noise-db", "70", "--seed"];
-    desk.run(&[&record[..], &["3"]].concat()).success();
+    desk.run(&[&record[..], &["3", "--json", "presses.json"]].concat()).success();
+    let report = desk.report("presses.json");
+    assert!(
+        report["presses"] == 60 && report["measurements"] == 40 && report["untouched_frames"] == 16,
+        "{report}"
+    );
     let recorded = desk.read("presses.npz");
     let learn =
         ["learn", "skin.toml", "--presses", "presses.npz", "-o", "learnt.dermatome", "--json", "learn.json"];
@@ -379,6 +384,15 @@ fn presses_are_recorded_to_learn_from() {
     assert!(desk.read("presses.npz") == recorded);
     desk.run(&[&record[..], &["4"]].concat()).success();
     assert!(desk.read("presses.npz") != recorded);
+}
+
+#[test]
+fn presses_go_into_an_archive_only() {
+    let desk = Desk::empty();
+    desk.write("skin.toml", program::TINY);
+    let refused = desk.run(&["experiment", "presses", "skin.toml", "-o", "presses.csv"]).refused();
+    assert!(refused.contains("`presses.csv`; its name must end in .npz"), "{refused}");
+    assert_eq!(desk.files(), ["skin.toml"]);
 }
 
 #[test]

@@ -1,11 +1,12 @@
 //! `dermatome experiment presses`: an archive of simulated presses, to learn from.
 
 use super::{
+    JsonReport,
     noise::NoiseOptions,
     outputs::{Kind, Output},
     progress,
 };
-use anyhow::Context;
+use anyhow::{Context, ensure};
 use dermatome_experiments::presses::{RecordedPresses, of_odd_skin};
 use dermatome_frames::{
     array::{Array, npz},
@@ -14,7 +15,8 @@ use dermatome_frames::{
 };
 use dermatome_model::skin::Skin;
 use dermatome_patch::output::write_whole;
-use std::path::PathBuf;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
 
 /// Array of the frames of the untouched skin, whose mean the reference is.
 const IDLE: &str = "idle";
@@ -46,19 +48,54 @@ pub(super) struct Args {
     count: u16,
     #[command(flatten)]
     noise: NoiseOptions,
+    #[command(flatten)]
+    json: JsonReport,
 }
 
+/// What was recorded; keys are documented in docs/cli.md.
+#[derive(Serialize)]
+struct Report<'a> {
+    skin: &'a str,
+    presses: u16,
+    measurements: usize,
+    untouched_frames: usize,
+    noise_db: f64,
+    seed: u64,
+    file: &'a Path,
+}
+
+/// Values of all presses together, at most.
+const MOST_VALUES: usize = 1 << 24;
+
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let is_archive = args.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
+    ensure!(is_archive, "`--output` is `{}`; its name must end in .npz", args.output.display());
     let skin = Skin::load(&args.skin)?.made()?;
+    let (steps, count) = (skin.steps().len(), usize::from(args.count));
+    ensure!(
+        count * steps <= MOST_VALUES,
+        "`--count` is {count}; allowed: at most {} for the {steps} measurements of `{}`",
+        MOST_VALUES / steps.max(1),
+        skin.name
+    );
+    let noise = args.noise.noise();
     let spinner = progress::spinner();
     spinner.set_message("pressing");
-    let presses = of_odd_skin(&skin, usize::from(args.count), args.noise.noise())
-        .with_context(|| format!("skin file `{}`", args.skin.display()))?;
+    let presses =
+        of_odd_skin(&skin, count, noise).with_context(|| format!("skin file `{}`", args.skin.display()))?;
     write_whole(&args.output, &archive(&presses)?)?;
     spinner.finish_and_clear();
-    say!("presses   {} on a skin like `{}`, and unlike its model", args.count, skin.name);
+    say!("presses   {count} on a skin like `{}`, and unlike its model", skin.name);
     say!("written   {}", args.output.display());
-    Ok(())
+    args.json.write(&Report {
+        skin: &skin.name,
+        presses: args.count,
+        measurements: steps,
+        untouched_frames: presses.untouched.frames,
+        noise_db: noise.snr_db,
+        seed: noise.seed,
+        file: &args.output,
+    })
 }
 
 fn archive(presses: &RecordedPresses) -> anyhow::Result<Vec<u8>> {
