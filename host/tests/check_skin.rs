@@ -208,3 +208,19 @@ fn leads_that_take_current_are_told_from_multiplexers_by_a_lower_frequency() {
     let drive = desk.run(&["drive", "--port", &port]).success();
     assert!(drive.out.contains("as the patch says"), "the drive is what it was: {drive:#?}");
 }
+
+#[test]
+fn noise_is_told_from_multiplexers() {
+    let desk = desk();
+    let (_board, port) =
+        desk.board("skin.toml", &["--store", "skin.dermatome", "--noise-db", "15", "--seed", "3"]);
+    for skin in [&[][..], &["--skin", "skin.toml"]] {
+        let done = desk.run(&[&["check", "--port", &port][..], skin].concat());
+        let wrong: Vec<_> = done.out.lines().filter(|line| line.starts_with("wrong: ")).collect();
+        assert!(
+            wrong.iter().any(|line| line.starts_with("wrong: noise is large beside the voltages")),
+            "{done:#?}"
+        );
+        assert!(!done.out.contains("multiplexers"), "{done:#?}");
+    }
+}

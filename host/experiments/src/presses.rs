@@ -4,9 +4,15 @@ use dermatome_frames::{
     learn::presses::{Positions, Recording},
     recorded::read::Frames,
 };
-use dermatome_geometry::mesh::{Mesh, neighbours::boundary_edges, triangle};
+use dermatome_geometry::{
+    mesh::{Mesh, neighbours::boundary_edges, triangle},
+    sheet::ElectrodeModel,
+};
 use dermatome_model::{inverse::targets::half_side, model::ModelError, pixels::samples, skin::Skin};
-use dermatome_simulate::{Noise, TrueSkin};
+use dermatome_simulate::{
+    Noise, TrueSkin,
+    noise::{root_mean_square, share},
+};
 use nalgebra::{Point3, Vector3};
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
@@ -22,8 +28,6 @@ const SPOT_HEIGHT: f64 = 1.1;
 /// How wide a spot is, and a finger, in halves of the larger side.
 const SPOT_WIDTH: f64 = 0.3;
 const FINGER: f64 = 0.08;
-/// Contact impedances are those of good contacts, ohm m, times a factor whose logarithm has a standard deviation of one.
-const CONTACT: f64 = 0.18;
 /// Standard deviation of the logarithm of a measurement's gain.
 const GAIN: f64 = 0.2;
 /// Places that are tried for one.
@@ -40,8 +44,9 @@ pub struct RecordedPresses {
     pub untouched: Frames,
 }
 
-/// Presses at random places of a skin whose sheet conducts up to three times better or worse from place to place, and whose
-/// contacts and gains are all different; of up to 3 times one depth, recorded up to 3 mm off the skin.
+/// Presses at random places of a skin whose sheet conducts up to three times better or worse from place to place, whose
+/// contact impedances are the skin file's times factors whose logarithms have a standard deviation of one, and whose
+/// measurements have gains of their own; of up to three times one depth, recorded up to 3 mm off the skin.
 pub fn of_odd_skin(skin: &Skin, count: usize, noise: Noise) -> Result<RecordedPresses, ModelError> {
     let mut random = Pcg64Mcg::seed_from_u64(noise.seed);
     let odd = OddSkin::new(skin, noise.snr_db, &mut random)?;
@@ -81,8 +86,13 @@ struct OddSkin {
 
 impl OddSkin {
     fn new(skin: &Skin, snr_db: f64, random: &mut Pcg64Mcg) -> Result<Self, ModelError> {
+        // Point electrodes have none.
+        let own: &[f64] = match &skin.electrodes.model {
+            ElectrodeModel::Complete { contact_impedance, .. } => contact_impedance,
+            ElectrodeModel::Point => &[],
+        };
         let contacts: Vec<Complex64> =
-            (0..skin.electrodes.count).map(|_| Complex64::from(CONTACT * normal(random).exp())).collect();
+            own.iter().map(|contact| Complex64::from(contact * normal(random).exp())).collect();
         let truth = TrueSkin::with_contacts(skin, &contacts, skin.drive.frequency, 0.0)?;
         let mesh = truth.mesh();
         let width = SPOT_WIDTH * half_side(mesh);
@@ -102,8 +112,7 @@ impl OddSkin {
 
     fn measure(&self, conductivity: &[f64], random: &mut Pcg64Mcg) -> Vec<Complex64> {
         let voltages = self.truth.voltages(conductivity, &self.skin.steps());
-        let mean_square = voltages.iter().map(|v| v * v).sum::<f64>() / voltages.len() as f64;
-        let noise = mean_square.sqrt() * 10f64.powf(-self.snr_db / 20.0);
+        let noise = root_mean_square(voltages.iter().copied()) * share(self.snr_db);
         let value = |(v, gain): (&f64, &f64)| Complex64::from(gain * v + noise * normal(random));
         voltages.iter().zip(&self.gains).map(value).collect()
     }

@@ -151,8 +151,16 @@ impl Examination {
         if watch.is_saturated() && !interrupt::requested() {
             watch = self.lower_current(link, watch, frames)?;
         }
-        if watch.is_not_reciprocal() && !self.is_noise(link, &watch, frames)? && !interrupt::requested() {
-            watch = self.lower_frequency(link, watch, frames, info.front_end.as_ref())?;
+        if watch.is_not_reciprocal() && !interrupt::requested() {
+            self.explain_by_noise(link, &watch, frames)?;
+        }
+        let is_explained = self.explained.contains(FrameFlags::NOT_RECIPROCAL);
+        if let Some(front_end) = info.front_end
+            && watch.is_not_reciprocal()
+            && !is_explained
+            && !interrupt::requested()
+        {
+            watch = self.lower_frequency(link, watch, frames, &front_end)?;
         }
         let mut contact_amplitude_a = self.drive.amplitude;
         if watch.has_clipped_tests() && !interrupt::requested() {
@@ -207,13 +215,13 @@ impl Examination {
         self.watch(link, frames)
     }
 
-    /// Whether noise explains that voltages are not reciprocal.
-    fn is_noise(&mut self, link: &mut Link, watch: &Watch, frames: usize) -> Result<bool, LinkError> {
-        let Some(frames) = check_skin::frames(link, frames, 1.0, self.timeout)? else { return Ok(false) };
+    /// Says so where noise is why voltages are not reciprocal.
+    fn explain_by_noise(&mut self, link: &mut Link, watch: &Watch, frames: usize) -> Result<(), LinkError> {
+        let Some(frames) = check_skin::frames(link, frames, 1.0, self.timeout)? else { return Ok(()) };
         let noise = check_skin::difference_by_noise(&frames);
         let error = f64::from(watch.reciprocity().unwrap_or(0.0));
         if error > NOISE * noise {
-            return Ok(false);
+            return Ok(());
         }
         self.explained.insert(FrameFlags::NOT_RECIPROCAL);
         self.findings.push(Finding {
@@ -225,7 +233,7 @@ impl Examination {
             ),
             advice: "raise `dermatome drive --amplitude`, or `--integration`, which costs frames".to_owned(),
         });
-        Ok(true)
+        Ok(())
     }
 
     /// Where voltages are not reciprocal because the leads' capacitance takes much of the current, they are at a lower
@@ -235,9 +243,8 @@ impl Examination {
         link: &mut Link,
         watch: Watch,
         frames: usize,
-        front_end: Option<&FrontEnd>,
+        front_end: &FrontEnd,
     ) -> Result<Watch, LinkError> {
-        let Some(front_end) = front_end else { return Ok(watch) };
         let before = self.drive;
         let low = Drive { frequency: LOW_FREQUENCY, ..before };
         if low.frequency >= before.frequency || Timing::new(&low, front_end.sample_rate).is_none() {

@@ -198,16 +198,15 @@ fn counted(skin: &str, trials: Vec<Trial>) -> Vec<Row> {
 }
 
 fn words(wrong: &Wrong, benches: &[Bench]) -> String {
-    let of = |electrode: &u8| electrode + 1;
     match wrong {
         Wrong::Nothing => "nothing".to_owned(),
         Wrong::Electrode(fault) => {
             let electrodes: Vec<String> =
-                fault.electrodes().iter().map(|electrode| of(electrode).to_string()).collect();
+                fault.electrodes().iter().map(|electrode| (electrode + 1).to_string()).collect();
             format!("electrode {}", electrodes.join(" and "))
         }
-        Wrong::Contact(electrode) => format!("electrode {}", of(electrode)),
-        Wrong::Exchanged(a, b) => format!("wires {} and {}", of(a), of(b)),
+        Wrong::Contact(electrode) => format!("electrode {}", electrode + 1),
+        Wrong::Exchanged(a, b) => format!("wires {} and {}", a + 1, b + 1),
         Wrong::Order(_) => "all wires".to_owned(),
         Wrong::Sheet(ratio) => format!("conducts {ratio} times as well"),
         Wrong::Skin(other) => benches[*other].skin.name.clone(),
