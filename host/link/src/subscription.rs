@@ -110,6 +110,14 @@ impl Subscription<'_> {
         self.assembler.totals()
     }
 
+    /// Streams what another selection names from now on, without an end in between.
+    pub fn reselect(&mut self, selection: Selection) -> Result<(), LinkError> {
+        let assembler = &mut self.assembler;
+        self.link.select(selection, REPLY_TIMEOUT, |(number, event)| assembler.take(number, event))?;
+        self.assembler.reselect(selection);
+        Ok(())
+    }
+
     /// The link, for requests while the stream goes on. One that takes longer than
     /// [`dermatome_shared::device::HOST_TIMEOUT_MS`] ends it.
     pub fn link(&mut self) -> &mut Link {

@@ -4,6 +4,7 @@ use dermatome_shared::{
     acquire::FrontEnd,
     drive::Drive,
     frame::Frame,
+    health::{Health, Vitals},
     patch::PatchView,
     protocol::SlotSamples,
     scan::{Timing, slots},
@@ -24,6 +25,11 @@ pub trait Instrument: Send {
         None
     }
 
+    /// What comes next of a recording that is played instead of measuring; none of an instrument that measures.
+    fn recall(&mut self, _: &ScanTable) -> Option<Recalled> {
+        None
+    }
+
     /// The first samples of one slot of the table; none if it has none to show.
     fn samples(&mut self, _: &ScanTable, _slot: u16, _: Timing, _: Option<f64>) -> Option<SlotSamples> {
         None
@@ -39,6 +45,10 @@ impl<I: Instrument + ?Sized> Instrument for Box<I> {
         (**self).front_end()
     }
 
+    fn recall(&mut self, table: &ScanTable) -> Option<Recalled> {
+        (**self).recall(table)
+    }
+
     fn samples(
         &mut self,
         table: &ScanTable,
@@ -48,6 +58,17 @@ impl<I: Instrument + ?Sized> Instrument for Box<I> {
     ) -> Option<SlotSamples> {
         (**self).samples(table, slot, timing, script_time)
     }
+}
+
+/// What comes next of a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Recalled {
+    /// So many frames from here on become a new reference.
+    Tare(u16),
+    /// A frame, with its time and its flags, and what was found in it then.
+    Frame(Box<(Frame, Health, Vitals)>),
+    /// Nothing more: what is asked for next is its start again.
+    End,
 }
 
 /// What a scan measures, and how.

@@ -1,8 +1,8 @@
 //! Port: where a board is, as people write it, be it a real one or one to simulate.
 
-use crate::board::{SimulationError, board_for_skin};
+use crate::board::{ReplayError, SimulationError, board_for_recording, board_for_skin};
 use dermatome_link::{self as link, Link, LinkError};
-use std::{fmt, path::PathBuf, str::FromStr};
+use std::{fmt, net::Ipv4Addr, path::PathBuf, str::FromStr};
 
 /// Where a board is.
 ///
@@ -16,6 +16,8 @@ pub enum Port {
     Board(link::Port),
     /// The skin file of a board to simulate: `sim:models/disc-210mm/skin.toml`.
     Simulated(PathBuf),
+    /// A recording to play: `replay:run.mcap`.
+    Recorded(PathBuf),
 }
 
 /// Text that names no port.
@@ -23,8 +25,8 @@ pub enum Port {
 pub enum PortError {
     /// None of the known forms.
     #[error(
-        "`{text}` names no port; allowed are a serial port (`/dev/ttyACM0`, `COM5`), `tcp:HOST:PORT` \
-         and `sim:SKIN.toml`"
+        "`{text}` names no port; allowed are a serial port (`/dev/ttyACM0`, `COM5`), `tcp:HOST:PORT`, \
+         `sim:SKIN.toml` and `replay:FILE.mcap`"
     )]
     Unknown {
         /// What was written.
@@ -33,6 +35,12 @@ pub enum PortError {
     /// A board's port, written wrongly.
     #[error(transparent)]
     Board(link::PortError),
+    /// A replay of nothing.
+    #[error("`{text}` names no recording to play; allowed is `replay:FILE.mcap`")]
+    Recorded {
+        /// What was written.
+        text: String,
+    },
     /// A simulated board without a skin file.
     #[error("`{text}` names no skin to simulate; allowed is `sim:SKIN.toml`")]
     Simulated {
@@ -50,12 +58,20 @@ pub enum OpenError {
     /// There is no board to simulate.
     #[error(transparent)]
     Simulation(Box<SimulationError>),
+    /// There is no recording to play.
+    #[error(transparent)]
+    Replay(Box<ReplayError>),
 }
 
 impl FromStr for Port {
     type Err = PortError;
 
     fn from_str(text: &str) -> Result<Self, PortError> {
+        match text.strip_prefix("replay:") {
+            Some("") => return Err(PortError::Recorded { text: text.to_owned() }),
+            Some(path) => return Ok(Self::Recorded(path.into())),
+            None => {}
+        }
         match text.strip_prefix("sim:") {
             Some("") => Err(PortError::Simulated { text: text.to_owned() }),
             Some(path) => Ok(Self::Simulated(path.into())),
@@ -72,6 +88,7 @@ impl fmt::Display for Port {
         match self {
             Self::Board(port) => port.fmt(f),
             Self::Simulated(path) => write!(f, "sim:{}", path.display()),
+            Self::Recorded(path) => write!(f, "replay:{}", path.display()),
         }
     }
 }
@@ -82,6 +99,11 @@ pub fn open(port: &Port) -> Result<Link, OpenError> {
         Port::Board(port) => Ok(link::open(port)?),
         Port::Simulated(path) => {
             let board = board_for_skin(path).map_err(|error| OpenError::Simulation(Box::new(error)))?;
+            Ok(board.connect(port.to_string())?)
+        }
+        Port::Recorded(path) => {
+            let board = board_for_recording(path, None, (Ipv4Addr::LOCALHOST, 0).into());
+            let board = board.map_err(|error| OpenError::Replay(Box::new(error)))?;
             Ok(board.connect(port.to_string())?)
         }
     }
@@ -97,6 +119,7 @@ mod tests {
             ("COM5", Port::Board(link::Port::Serial("COM5".to_owned()))),
             ("tcp:127.0.0.1:7000", Port::Board(link::Port::Tcp("127.0.0.1:7000".to_owned()))),
             ("sim:models/disc/skin.toml", Port::Simulated("models/disc/skin.toml".into())),
+            ("replay:run.mcap", Port::Recorded("run.mcap".into())),
         ];
         for (text, port) in cases {
             assert_eq!(text.parse(), Ok(port.clone()), "{text}");

@@ -200,6 +200,19 @@ impl<S: PatchStore, P: BorrowMut<PipelineState>> Device<S, P> {
         }
     }
 
+    /// Takes a frame of a recording through the pipeline, as [`Self::process`] does one that was measured: with the time and
+    /// the flags that it has, and with the health that was found in it then.
+    pub fn replay(&mut self, frame: &mut Frame, health: Health, mut emit: impl FnMut(&BoardPacket)) {
+        frame.sequence = self.next_frame;
+        self.next_frame = frame.sequence.wrapping_add(1);
+        let Some(patch) = patch_in_use(&self.store, &self.header) else { return };
+        pipeline::recall(self.pipeline.borrow_mut(), &health, frame);
+        let outcome = pipeline::sense(&patch, self.pipeline.borrow_mut(), frame);
+        frame.flags.insert(self.pipeline().flags());
+        self.health = health;
+        self.tell(frame, outcome, &mut emit);
+    }
+
     /// Gives a frame all that it does not bring along: number, time, and the flags of board, wiring and pipeline;
     /// says what the pipeline made of it, with a patch.
     fn finish(&mut self, frame: &mut Frame, arrival: Arrival) -> Option<Outcome> {

@@ -40,6 +40,12 @@ const UNFIT: FrameFlags = FrameFlags::NO_CURRENT.union(FrameFlags::SATURATED);
 /// Nor does it follow such frames. Bad electrodes count for none of their measurements, and may be there.
 const DOUBTFUL: FrameFlags = UNFIT.union(FrameFlags::IMPLAUSIBLE);
 
+/// What [`sense`] itself finds in a frame, beside the frame's own flags.
+const FOUND_LATER: FrameFlags = FrameFlags::IMPLAUSIBLE
+    .union(FrameFlags::MASKED)
+    .union(FrameFlags::UNLIKE_PRESS)
+    .union(FrameFlags::LIFTED);
+
 /// What the pipeline remembers from frame to frame, and its latest results.
 #[derive(Clone, Debug, Default)]
 pub struct PipelineState {
@@ -96,6 +102,12 @@ pub fn examine(
     let is_saturated = !frame.clipped.is_empty() && patch.steps().enumerate().any(counts);
     frame.flags.insert_if(FrameFlags::SATURATED, is_saturated);
     health
+}
+
+/// As [`examine`], for a frame of a recording, whose flags and bad electrodes are known: `health` is what the board found.
+pub fn recall(state: &mut PipelineState, health: &Health, frame: &mut Frame) {
+    state.wiring.take(health.bad_electrodes());
+    frame.flags = frame.flags.without(FOUND_LATER);
 }
 
 /// Takes one frame from reference to calibrated contacts, which need no image where the patch has places to look for

@@ -40,7 +40,12 @@ impl Wiring {
     /// Takes in what a frame says; gives the electrodes that touch worse.
     pub(super) fn see(&mut self, bad: ElectrodeSet, tests: &[ElectrodeTest]) -> ElectrodeSet {
         let worse = self.worse(tests).without(bad);
-        let now = bad.union(worse);
+        self.take(bad.union(worse));
+        worse
+    }
+
+    /// Takes in which electrodes a frame shows to be bad.
+    pub(super) fn take(&mut self, now: ElectrodeSet) {
         let has_changed = core::mem::replace(&mut self.latest, now) != now;
         self.bad = self.bad.union(now);
         self.returning = if has_changed || self.bad == now { 0 } else { self.returning + 1 };
@@ -51,7 +56,6 @@ impl Wiring {
         if has_changed || have_returned {
             self.settling = SETTLES;
         }
-        worse
     }
 
     /// Electrodes that count for nothing.

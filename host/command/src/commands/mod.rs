@@ -52,6 +52,7 @@ mod learn;
 mod link_frame;
 mod man;
 mod noise;
+mod outlets;
 mod outputs;
 mod preserved;
 mod presses;
@@ -64,10 +65,12 @@ mod simulate;
 mod skin_of_cutout;
 mod skin_of_design;
 mod stream;
+mod stream_tare;
 mod tare;
 mod trim;
 mod trust;
 mod verbose;
+mod view;
 
 /// Pressure-sensing robot skin by electrical impedance tomography.
 #[derive(Parser)]
@@ -93,6 +96,7 @@ enum Command {
     Flash(flash::Args),
     Tare(tare::Args),
     Stream(stream::Args),
+    View(view::Args),
     Calibrate(calibrate::Args),
     Setup(setup::Args),
     Check(check::Args),
@@ -147,6 +151,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Flash(args) => flash::run(&args),
         Command::Tare(args) => tare::run(&args),
         Command::Stream(args) => stream::run(&args),
+        Command::View(args) => view::run(&args),
         Command::Calibrate(args) => calibrate::run(&args),
         Command::Setup(args) => setup::run(&args),
         Command::Check(args) => check::run(&args),

@@ -34,6 +34,8 @@ pub(super) enum Kind {
     Readings,
     /// An archive of arrays.
     Presses,
+    /// Of a board, which is not to be had again.
+    Recording,
     /// Written by people, so that none that is there is ever replaced unasked.
     Skin,
 }
@@ -58,6 +60,7 @@ impl Kind {
             Self::Voltages => "voltages",
             Self::Readings => "readings",
             Self::Presses => "an archive of presses",
+            Self::Recording => "a recording",
             Self::Skin => "a skin file",
         }
     }
@@ -72,7 +75,7 @@ impl Kind {
             Self::Voltages => &[b"\x93NUMPY", b"voltage\n"],
             Self::Readings => &[b"pressure_kpa,strength", TAKEN_IN.as_bytes()],
             Self::Presses => &[b"PK\x03\x04"],
-            Self::Skin => &[],
+            Self::Recording | Self::Skin => &[],
         };
         beginnings.iter().any(|beginning| bytes.starts_with(beginning))
     }
@@ -216,7 +219,11 @@ pub(super) fn by_default(
 
 fn not_of_kind(name: &str, path: &Path, kind: Kind, or: &str) -> String {
     let (file, what) = (path.display(), kind.name());
-    let why = if kind == Kind::Skin { "is there already" } else { "is there, and holds something else" };
+    let why = if matches!(kind, Kind::Skin | Kind::Recording) {
+        "is there already"
+    } else {
+        "is there, and holds something else"
+    };
     format!("`{name}` writes {what}, but `{file}` {why}; allowed: another `{name}`, or {or}")
 }
 
@@ -244,7 +251,7 @@ fn inputs<'a>(command: &'a Command, matches: &'a ArgMatches) -> Vec<Input<'a>> {
     let paths = values::<PathBuf>(command, matches).map(|(arg, path)| (arg, path.clone()));
     let sources = values::<OsString>(command, matches).map(|(arg, text)| (arg, Source::new(text).path));
     let skins = values::<Port>(command, matches).filter_map(|(arg, port)| match port {
-        Port::Simulated(skin) => Some((arg, skin.clone())),
+        Port::Simulated(file) | Port::Recorded(file) => Some((arg, file.clone())),
         Port::Board(_) => None,
     });
     let given = paths.chain(sources).chain(skins);

@@ -86,8 +86,7 @@ const POLL: Duration = Duration::from_millis(50);
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
-    let listen = address(&args.listen)?;
-    check_reach(listen, args)?;
+    let listen = Listen::new(&args.listen, args.allow_remote).address()?;
     let skin = Skin::load(&args.skin)?.made()?;
     let script = script(args, &*skin.shape.from_above()?)?;
     let in_file = || format!("skin file `{}`", args.skin.display());
@@ -125,6 +124,11 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         report.port
     );
     args.json.write(&report)?;
+    keep_running(board)
+}
+
+/// Until the board has ended, or the user asks for it.
+pub(super) fn keep_running(board: SimulatedBoard) -> anyhow::Result<()> {
     while !interrupt::requested() && !board.is_finished() {
         thread::sleep(POLL);
     }
@@ -150,26 +154,34 @@ fn check_faults(faults: &[TimedFault], electrodes: u8) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Unlike the ports of other commands, this one may be 0.
-fn address(listen: &str) -> anyhow::Result<SocketAddr> {
-    let Some(address) = listen.strip_prefix("tcp:") else {
-        bail!("`--listen` is {listen:?}; allowed: tcp:HOST:PORT");
-    };
-    let mut found = address.to_socket_addrs().with_context(|| format!("cannot find `{listen}`"))?;
-    found.next().with_context(|| format!("cannot find `{listen}`"))
+/// Where a board is to answer, as people write it.
+pub(super) struct Listen<'a> {
+    text: &'a str,
+    allow_remote: bool,
 }
 
-/// An address that other machines reach is meant, or it is none.
-fn check_reach(address: SocketAddr, args: &Args) -> anyhow::Result<()> {
-    if address.ip().is_loopback() {
-        return Ok(());
+impl<'a> Listen<'a> {
+    pub(super) fn new(text: &'a str, allow_remote: bool) -> Self {
+        Self { text, allow_remote }
     }
-    anyhow::ensure!(
-        args.allow_remote,
-        "`--listen` is {}, which other machines may reach, and whoever does so can replace the board's patch: if that \
-         is meant, give `--allow-remote`",
-        args.listen
-    );
-    eprintln!("warning: other machines may reach this board at {address}, and replace its patch");
-    Ok(())
+
+    /// The address; one that other machines reach must be meant. Unlike the ports of other commands, it may be 0.
+    pub(super) fn address(&self) -> anyhow::Result<SocketAddr> {
+        let text = self.text;
+        let Some(address) = text.strip_prefix("tcp:") else {
+            bail!("`--listen` is {text:?}; allowed: tcp:HOST:PORT");
+        };
+        let mut found = address.to_socket_addrs().with_context(|| format!("cannot find `{text}`"))?;
+        let address = found.next().with_context(|| format!("cannot find `{text}`"))?;
+        if address.ip().is_loopback() {
+            return Ok(address);
+        }
+        anyhow::ensure!(
+            self.allow_remote,
+            "`--listen` is {text}, which other machines may reach, and whoever does so can replace the board's patch: if that \
+             is meant, give `--allow-remote`"
+        );
+        eprintln!("warning: other machines may reach this board at {address}, and replace its patch");
+        Ok(address)
+    }
 }

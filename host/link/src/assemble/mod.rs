@@ -109,6 +109,11 @@ impl Assembler {
         }
     }
 
+    /// Frames have other parts from now on.
+    pub fn reselect(&mut self, selection: Selection) {
+        self.selection = selection;
+    }
+
     /// Takes the next event, with its running number.
     pub fn take(&mut self, number: u32, event: Event) {
         let follows = self.last_number.replace(number) == Some(number.wrapping_sub(1));

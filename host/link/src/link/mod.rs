@@ -27,7 +27,9 @@ use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::{
     limits::MAX_PATCH_BYTES,
     patch::{CombinedInto, PatchError, PatchView},
-    protocol::{BoardPacket, Event, Identity, Info, Reply, Request, RequestPacket, Selection},
+    protocol::{
+        BoardPacket, Event, Identity, Info, MAX_CHUNK_BYTES, Reply, Request, RequestPacket, Selection,
+    },
     stimulation::Step,
 };
 use order::Order;
@@ -223,6 +225,25 @@ impl Link {
     /// Where the code of each step goes: `[step]`; read back from the start of the board's patch.
     pub fn combination(&mut self) -> Result<Vec<CombinedInto>, LinkError> {
         self.start_of_patch(|patch| patch.combination().collect())
+    }
+
+    /// The patch in use, whole, which takes as many requests as it has pieces.
+    pub fn patch(&mut self) -> Result<Vec<u8>, LinkError> {
+        let mut patch = Vec::new();
+        loop {
+            let piece = self.read_patch(patch.len() as u32)?;
+            patch.extend_from_slice(&piece);
+            if piece.len() < MAX_CHUNK_BYTES {
+                break;
+            }
+            if patch.len() > MAX_PATCH_BYTES {
+                return Err(self.wrong_reply("ReadPatch"));
+            }
+        }
+        match PatchView::validate(&patch) {
+            Ok(_) => Ok(patch),
+            Err(_) => Err(self.wrong_reply("ReadPatch")),
+        }
     }
 
     /// Something of the patch in use that lies before its matrix. No more is read than the board states, nor than

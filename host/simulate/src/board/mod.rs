@@ -12,6 +12,7 @@ mod client;
 mod for_skin;
 mod next_host;
 pub mod patch_store;
+mod recorded;
 
 use self::{
     client::{Client, Input},
@@ -19,7 +20,7 @@ use self::{
     patch_store::{FilePatchStore, OpenError},
 };
 use crate::{
-    instrument::{Instrument, ScanTable},
+    instrument::{Instrument, Recalled, ScanTable},
     rig::Scanner,
 };
 use dermatome_link::{Link, LinkError};
@@ -27,6 +28,7 @@ use dermatome_shared::{
     MAX_ELECTRODES,
     acquire::FrontEnd,
     device::{Arrival, BoardFacts, Device, PatchStore},
+    drive::Drive,
     frame::Frame,
     patch::PatchView,
     pipeline::PipelineState,
@@ -34,6 +36,7 @@ use dermatome_shared::{
     restart::Restart,
 };
 pub use for_skin::{DEFAULT_NOISE, SimulationError, board_for_skin};
+pub use recorded::{ReplayError, board_for_recording};
 use std::{
     io::{self, ErrorKind},
     net::{Ipv4Addr, SocketAddr, TcpListener},
@@ -89,6 +92,12 @@ pub struct BoardOptions {
     pub max_frames: Option<u64>,
     /// How long a host that says nothing keeps its place when another wants it.
     pub lease: Duration,
+    /// What it says that it is, and where its frames come from.
+    pub name: &'static str,
+    /// Likewise.
+    pub frame_source: FrameSource,
+    /// How the skin is driven from the start, unless as the patch says.
+    pub drive: Option<Drive>,
 }
 
 impl Default for BoardOptions {
@@ -101,6 +110,9 @@ impl Default for BoardOptions {
             pace: Pace::default(),
             max_frames: None,
             lease: DEFAULT_LEASE,
+            name: "simulated",
+            frame_source: FrameSource::Simulated,
+            drive: None,
         }
     }
 }
@@ -155,17 +167,19 @@ pub struct SimulatedBoard {
 impl SimulatedBoard {
     /// Starts a board with this instrument.
     pub fn start(options: BoardOptions, instrument: impl Instrument + 'static) -> Result<Self, BoardError> {
-        let store = FilePatchStore::open(options.store, options.patch)?;
+        let store = FilePatchStore::open(options.store.clone(), options.patch.clone())?;
         check_electrodes(&store, options.electrodes)?;
         let listener = listen(options.listen)?;
         let address = listener.local_addr().map_err(|reason| listen_error(options.listen, reason))?;
         let stop = Arc::new(AtomicBool::new(false));
+        let facts = facts(&options, instrument.front_end());
+        let mut device = Device::new(facts, store, PipelineState::default());
+        if options.drive.is_some() {
+            let request = Request::Drive(options.drive);
+            let _ = device.handle(&RequestPacket { sequence: 0, request }, 0);
+        }
         let worker = Worker {
-            device: Device::new(
-                facts(options.electrodes, instrument.front_end()),
-                store,
-                PipelineState::default(),
-            ),
+            device,
             table: None,
             scanner: Scanner::new(Box::new(instrument)),
             pace: options.pace,
@@ -242,15 +256,15 @@ fn listen_error(address: SocketAddr, reason: io::Error) -> BoardError {
 }
 
 /// Names too long for their field come out empty; these two are not.
-fn facts(electrodes: u8, front_end: Option<FrontEnd>) -> BoardFacts {
+fn facts(options: &BoardOptions, front_end: Option<FrontEnd>) -> BoardFacts {
     let identity = Identity {
-        board: "simulated".try_into().unwrap_or_default(),
+        board: options.name.try_into().unwrap_or_default(),
         firmware: env!("CARGO_PKG_VERSION").try_into().unwrap_or_default(),
     };
     BoardFacts {
         identity,
-        electrodes,
-        frame_source: FrameSource::Simulated,
+        electrodes: options.electrodes,
+        frame_source: options.frame_source,
         front_end,
         started_after: Restart::PowerOn,
         // A pulled cable closes no connection.
@@ -336,6 +350,10 @@ impl Worker {
         let streamed = !pipeline.is_taring() && pipeline.reference().is_some();
         let Some(table) = self.scan_table() else { return due };
         let script_time = streamed.then_some(self.script_frame as f64 / self.frame_rate());
+        match self.scanner.instrument_mut().recall(&table) {
+            None => {}
+            Some(recalled) => return self.replay(client, recalled, due, period),
+        }
         let mut frame = self.scanner.scan(&table, script_time);
         let arrival = Arrival { timestamp_us: frame.timestamp_us, missed: false };
         self.device.process(&mut frame, arrival, |packet| client.send(packet));
@@ -344,6 +362,36 @@ impl Worker {
             self.count_streamed();
         }
         due.map(|due| (due + period).max(Instant::now().checked_sub(MAX_BACKLOG).unwrap_or(due)))
+    }
+
+    /// Takes what comes next of a recording; gives the time when the next frame is due.
+    fn replay(
+        &mut self,
+        client: &Client,
+        recalled: Recalled,
+        due: Option<Instant>,
+        period: Duration,
+    ) -> Option<Instant> {
+        match recalled {
+            // A host that has asked for a tare has it.
+            Recalled::Tare(_) if self.device.pipeline().is_asked_to_tare() => due,
+            Recalled::Tare(frames) => {
+                let request = Request::Tare { frames };
+                let _ = self.device.handle(&RequestPacket { sequence: 0, request }, self.uptime_ms());
+                due
+            }
+            Recalled::Frame(of) => {
+                let (mut frame, health, vitals) = *of;
+                self.device.set_vitals(vitals);
+                self.device.replay(&mut frame, health, |packet| client.send(packet));
+                due.map(|due| (due + period).max(Instant::now().checked_sub(MAX_BACKLOG).unwrap_or(due)))
+            }
+            Recalled::End => {
+                let request = Request::Stream(Selection::default());
+                let _ = self.device.handle(&RequestPacket { sequence: 0, request }, self.uptime_ms());
+                due
+            }
+        }
     }
 
     /// What is scanned: the patch's slots under the drive in effect, which change with the scan's number.

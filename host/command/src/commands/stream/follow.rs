@@ -9,10 +9,10 @@ use super::{
     session::{Restored, Session, may_pass},
     tally::Tally,
 };
-use crate::commands::{contact_lines::is_read, interrupt};
+use crate::commands::{contact_lines::is_read, interrupt, outlets::Outlets, stream_tare::StreamTare};
 use anyhow::{Context, bail};
 use dermatome_link::{LinkError, LinkErrorKind, ScanFrame, Subscription};
-use dermatome_shared::protocol::Selection;
+use dermatome_shared::{drive::Drive, protocol::Selection};
 use std::time::{Instant, SystemTime};
 
 /// Follows a board.
@@ -35,6 +35,9 @@ pub(super) struct Received<'a> {
     heard: Instant,
     /// What the board needed when it was back, until its first frame comes.
     restored: Option<Restored>,
+    /// Where frames go beside.
+    pub(super) outlets: Option<Outlets>,
+    tare: StreamTare,
 }
 
 impl<'a> Follower<'a> {
@@ -43,8 +46,9 @@ impl<'a> Follower<'a> {
         session: Session<'a>,
         display: Display<'a>,
         fingers: Option<Fingers>,
+        outlets: Option<Outlets>,
     ) -> Self {
-        Self { args, session, received: Received::new(display, fingers) }
+        Self { args, session, received: Received::new(display, fingers, outlets) }
     }
 
     /// Shows the stream until it ends. A board that is lost is waited for.
@@ -102,7 +106,7 @@ impl<'a> Follower<'a> {
 
     /// Starts the stream, shows it until it ends, and stops it.
     fn follow(&mut self) -> anyhow::Result<Ended> {
-        let (received, rate) = (&mut self.received, self.session.patch.drive.frame_rate);
+        let (received, drive) = (&mut self.received, self.session.patch.drive);
         let mut patience = Patience::new(&self.session.patch);
         let mut stream =
             self.session.link.as_mut().context("the board is lost")?.subscribe(received.selection())?;
@@ -114,7 +118,7 @@ impl<'a> Follower<'a> {
                 Next::Frame(frame) => frame,
                 Next::None(ended) => break ended,
             };
-            if !received.take(&frame, &mut stream, rate.into())? {
+            if !received.take(&frame, &mut stream, drive)? {
                 break Ended::Pipe;
             }
         };
@@ -124,9 +128,11 @@ impl<'a> Follower<'a> {
 }
 
 impl<'a> Received<'a> {
-    fn new(display: Display<'a>, fingers: Option<Fingers>) -> Self {
+    fn new(display: Display<'a>, fingers: Option<Fingers>, outlets: Option<Outlets>) -> Self {
         let (tally, heard) = (Tally::default(), Instant::now());
-        Self { display, fingers, tally, gaps: Vec::new(), sequence: None, heard, restored: None }
+        let tare = if outlets.is_some() { StreamTare::Wanted } else { StreamTare::No };
+        let (gaps, sequence, restored) = (Vec::new(), None, None);
+        Self { display, fingers, tally, gaps, sequence, heard, restored, outlets, tare }
     }
 
     /// The next stream begins, after what the board needed for it.
@@ -134,15 +140,19 @@ impl<'a> Received<'a> {
         let Restored { drive, tared } = self.restored.unwrap_or_default();
         self.restored = Some(Restored { drive: drive || restored.drive, tared: tared || restored.tared });
         self.tally.begin();
+        if restored.tared && self.outlets.is_some() {
+            self.tare = StreamTare::Wanted;
+        }
         if let Some(fingers) = &mut self.fingers {
             fingers.forget_reference();
         }
     }
 
     fn selection(&self) -> Selection {
-        let images = u16::from(self.display.wants_images());
-        let measurements = u16::from(self.fingers.is_some());
-        Selection { images, contacts: 1, measurements, ..Selection::default() }
+        let is_recorded = u16::from(self.outlets.is_some());
+        let images = is_recorded.max(self.display.wants_images().into());
+        let measurements = is_recorded.max(self.fingers.is_some().into());
+        Selection { images, contacts: 1, measurements, health: is_recorded, ..Selection::default() }
     }
 
     /// Counts and shows a frame; false if nobody reads any more.
@@ -150,16 +160,24 @@ impl<'a> Received<'a> {
         &mut self,
         frame: &ScanFrame,
         stream: &mut Subscription<'_>,
-        frame_rate: f64,
+        drive: Drive,
     ) -> anyhow::Result<bool> {
         let now = SystemTime::now();
+        if let Some(outlets) = &mut self.outlets {
+            let is_averaged = self.tare.see(frame, stream.link(), outlets, drive)?;
+            outlets.frame(frame, None);
+            outlets.warn();
+            if is_averaged {
+                return Ok(true);
+            }
+        }
         let new = self.tally.count(frame, stream.totals(), Instant::now());
         self.display.warn(frame, &new);
         if let Some(at) = frame.at.filter(|_| frame.contacts.is_some()) {
             let heard = std::mem::replace(&mut self.heard, Instant::now());
             let before = self.sequence.replace(at.sequence);
             if let Some(restored) = self.restored.take() {
-                self.back(Gap::new(before, self.heard - heard, frame_rate, restored));
+                self.back(Gap::new(before, self.heard - heard, drive.frame_rate.into(), restored));
             }
         }
         let fingers = match (self.fingers.as_mut(), &frame.measurements) {

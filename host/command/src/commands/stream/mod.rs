@@ -10,7 +10,14 @@ mod session;
 mod tally;
 mod untouched;
 
-use super::{BoardReport, board::advise, contact_lines::is_read, current::Current, interrupt, link_frame};
+use super::{
+    BoardReport,
+    board::advise,
+    contact_lines::is_read,
+    current::Current,
+    interrupt, link_frame,
+    outlets::{Outlets, Record, recorded_in_words},
+};
 use dermatome_simulate::port::Port;
 use display::Display;
 use fingers::Fingers;
@@ -43,6 +50,7 @@ use tally::Tally;
     dermatome stream --port /dev/ttyACM0\n  \
     dermatome stream --port tcp:127.0.0.1:7000 --frames 500 --json stream.json\n  \
     dermatome stream --port COM5 --no-image | tee contacts.tsv\n  \
+    dermatome stream --port COM5 --record run.mcap\n  \
     dermatome stream --port /dev/ttyACM0 --skin forearm/skin.toml | my-robot\n  \
     dermatome stream --port /dev/ttyACM0 --skin head/skin.toml --fit '12 mm' | my-robot")]
 pub(super) struct Args {
@@ -66,6 +74,8 @@ pub(super) struct Args {
     give_up_after: Option<Duration>,
     #[command(flatten)]
     current: Current,
+    #[command(flatten)]
+    record: Record,
     #[command(flatten)]
     json: super::JsonReport,
 }
@@ -114,17 +124,25 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let pose = on_link.as_ref().map(|(_, pose)| pose);
     let tared_first = session.tare_first(&args.current).map_err(advise)?;
     let link = session.link()?;
+    let outlets = args.record.begin(link, path, pose)?;
     let fingers = radius.zip(on_link.as_ref());
     let fingers = fingers.map(|(radius, (skin, _))| Fingers::new(skin, radius, link)).transpose()?;
     let display = Display::new(link, !args.no_image, on_link.as_ref(), fingers.is_some())?;
-    let mut follower = Follower::new(args, session, display, fingers);
+    let mut follower = Follower::new(args, session, display, fingers, outlets);
     let followed = follower.run();
     let written = is_read(follower.received.display.end());
     let outcome = followed.and_then(|ended| Ok(if written? { ended } else { Ended::Pipe }));
-    let (ended, error) = match outcome {
+    let (ended, mut error) = match outcome {
         Ok(ended) => (ended, None),
         Err(error) => (Ended::Error, Some(error)),
     };
+    let recorded = follower.received.outlets.as_mut().map_or(Ok(None), Outlets::finish_recording);
+    match recorded {
+        Ok(recorded) => {
+            recorded.iter().for_each(|(file, recorded)| eprintln!("{}", recorded_in_words(file, recorded)));
+        }
+        Err(failed) => error = error.or(Some(failed)),
+    }
     let port = args.port.to_string();
     let Follower { session, received: Received { display, tally, gaps, .. }, .. } = &follower;
     if ended != Ended::Pipe {

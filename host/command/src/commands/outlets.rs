@@ -1,0 +1,257 @@
+//! Outlets: where a board's frames go beside this command's own output: into a recording, and to whoever looks on.
+
+use super::outputs::{Kind, Output};
+use anyhow::Context;
+use dermatome_link::{Link, ScanFrame, pose::Pose};
+use dermatome_messages::{
+    Packed, Topic, cdr,
+    clock::now_ns,
+    dermatome::{Reference, Status},
+    frame::{Outlook, Place, ScopeTiming},
+    scene::Scene,
+    skin::{Look, skin},
+};
+use dermatome_page::Server;
+use dermatome_recording::{
+    session::Session,
+    write::{Recorded, Recorder},
+};
+use dermatome_shared::{
+    drive::Drive,
+    patch::PatchView,
+    protocol::{FrameSource, PROTOCOL_VERSION},
+    scan::Timing,
+};
+use std::path::Path;
+
+/// Records what the board sends.
+#[derive(clap::Args)]
+pub(super) struct Record {
+    /// Record all frames to this file: raw, images and contacts, with patch and settings (MCAP). It begins with a new
+    /// reference, so that `replay` makes the same of it bit for bit; nothing may touch the skin then.
+    #[arg(long, value_name = "FILE.mcap", value_parser = Kind::Recording.parser())]
+    record: Option<Output>,
+}
+
+impl Record {
+    /// Begins the recording, if there is to be one, of what `link` leads to.
+    pub(super) fn begin(
+        &self,
+        link: &mut Link,
+        skin_file: Option<&Path>,
+        pose: Option<&Pose>,
+    ) -> anyhow::Result<Option<Outlets>> {
+        let Some(file) = &self.record else { return Ok(None) };
+        let text = skin_file.map(std::fs::read_to_string).transpose();
+        let session = session(link, text.context("cannot read the skin file once more")?)?;
+        let mut outlets = Outlets::new(&session, pose, &Look::default())?;
+        outlets.record(file, &session)?;
+        Ok(Some(outlets))
+    }
+}
+
+impl Record {
+    /// The file, if there is to be one.
+    pub(super) fn file(&self) -> Option<&Path> {
+        self.record.as_deref()
+    }
+}
+
+/// What a recording of the board at this link is of.
+pub(super) fn session(link: &mut Link, skin_file: Option<String>) -> anyhow::Result<Session> {
+    let info = link.info()?;
+    let patch = link.patch()?;
+    let skin = PatchView::validate(&patch).context("the board's patch")?.header.skin.as_str().to_owned();
+    let identity = link.identity();
+    Ok(Session {
+        skin,
+        board: identity.board.as_str().to_owned(),
+        firmware: identity.firmware.as_str().to_owned(),
+        frame_source: match info.frame_source {
+            FrameSource::Skin => "skin",
+            FrameSource::Simulated => "simulated",
+            FrameSource::Synthetic => "synthetic",
+        }
+        .to_owned(),
+        port: link.port().to_owned(),
+        protocol: PROTOCOL_VERSION,
+        host: env!("CARGO_PKG_VERSION").to_owned(),
+        patch,
+        skin_file,
+    })
+}
+
+/// A reference that the board was asked for, until its first frame comes.
+#[derive(Clone, Copy, Debug)]
+struct Asked {
+    frames: u16,
+    drive: Drive,
+}
+
+/// Where frames go.
+pub(super) struct Outlets {
+    outlook: Outlook,
+    scene: Scene,
+    /// What holds for good: shape of the skin, place on its link.
+    lasting: Vec<Packed>,
+    recorder: Option<Recorder>,
+    server: Option<Server>,
+    asked: Option<Asked>,
+    has_warned: bool,
+}
+
+impl Outlets {
+    /// Of a board with this session's patch, whose skin lies so and looks so.
+    pub(super) fn new(session: &Session, pose: Option<&Pose>, look: &Look) -> anyhow::Result<Self> {
+        let board = format!("{} {}", session.board, session.firmware);
+        let mut outlets = Self {
+            outlook: Outlook::default(),
+            scene: Scene::new(Place::default(), Vec::new(), board.clone()),
+            lasting: Vec::new(),
+            recorder: None,
+            server: None,
+            asked: None,
+            has_warned: false,
+        };
+        let patch = PatchView::validate(&session.patch).context("the board's patch")?;
+        outlets.show_patch(&patch, pose, look, board);
+        Ok(outlets)
+    }
+
+    /// Images are those of this patch from now on.
+    pub(super) fn show_patch(
+        &mut self,
+        patch: &PatchView<'_>,
+        pose: Option<&Pose>,
+        look: &Look,
+        board: String,
+    ) {
+        let name = patch.header.skin.as_str();
+        let place = Place::of(name, pose);
+        let now = now_ns();
+        let shape = skin(patch, look, &place, now);
+        let centres = shape.pixel_centres.chunks_exact(3).map(|at| [at[0], at[1], at[2]]).collect();
+        self.scene = Scene::new(place.clone(), centres, board);
+        self.outlook.place = place;
+        self.lasting = vec![Packed::now(Topic::Skin, now, cdr::encode(&shape))];
+        self.lasting.extend(self.scene.transform(name, now));
+        for packed in self.lasting.clone() {
+            self.send(packed);
+        }
+    }
+
+    /// Samples of the scope lie so in time.
+    pub(super) fn time_scope(&mut self, drive: &Drive, sample_rate: u32) {
+        self.outlook.scope = Timing::new(drive, sample_rate).map_or(ScopeTiming::default(), |timing| {
+            ScopeTiming { settling: timing.settling, period: timing.period, sample_rate }
+        });
+    }
+
+    /// Those who look on are told from now on.
+    pub(super) fn serve(&mut self, server: Server) {
+        for packed in self.lasting.clone() {
+            server.publish(packed);
+        }
+        self.server = Some(server);
+    }
+
+    pub(super) fn server(&self) -> Option<&Server> {
+        self.server.as_ref()
+    }
+
+    /// Gives the server back, for another board.
+    pub(super) fn take_server(&mut self) -> Option<Server> {
+        self.server.take()
+    }
+
+    /// Begins to record.
+    pub(super) fn record(&mut self, file: &Path, session: &Session) -> anyhow::Result<()> {
+        let mut recorder = Recorder::create(file, session)?;
+        recorder.record(self.lasting.clone());
+        (self.recorder, self.has_warned) = (Some(recorder), false);
+        Ok(())
+    }
+
+    pub(super) fn recorder(&self) -> Option<&Recorder> {
+        self.recorder.as_ref()
+    }
+
+    /// Ends the recording, if there is one: gives its file and what is in it.
+    pub(super) fn finish_recording(&mut self) -> anyhow::Result<Option<(String, Recorded)>> {
+        let Some(recorder) = self.recorder.take() else { return Ok(None) };
+        let file = recorder.path().display().to_string();
+        Ok(Some((file, recorder.finish()?)))
+    }
+
+    /// The board was asked to average so many frames into a new reference.
+    pub(super) fn tare_begins(&mut self, frames: u16, drive: Drive) {
+        self.asked = Some(Asked { frames, drive });
+    }
+
+    /// Takes a frame that has come now; `shown`, if it is another, is what those see who look on.
+    pub(super) fn frame(&mut self, frame: &ScanFrame, shown: Option<&ScanFrame>) {
+        let now = now_ns();
+        // While it averages, a board has raw codes and no contacts.
+        if let Some(at) = frame.at.filter(|_| frame.measurements.is_some() && frame.contacts.is_none())
+            && let Some(Asked { frames, drive }) = self.asked.take()
+        {
+            let header = self.outlook.place.header(now);
+            let reference = Reference::new(header, at.sequence, frames, &drive);
+            self.send(Packed::now(Topic::Reference, now, cdr::encode(&reference)));
+        }
+        let (is_recorded, server) = (self.recorder.is_some(), self.server.as_ref());
+        let is_looked_at = |topic| server.is_some_and(|server| server.wants(topic));
+        let wants = |topic| is_recorded || shown.is_none() && is_looked_at(topic);
+        let mut messages = self.outlook.messages(frame, now, wants);
+        let drawn = [Topic::Pressure, Topic::Markers, Topic::Diagnostics];
+        if is_recorded || drawn.into_iter().any(is_looked_at) {
+            messages.extend(self.scene.messages(shown.unwrap_or(frame), now));
+        }
+        if let Some(recorder) = &mut self.recorder {
+            recorder.record(messages.clone());
+        }
+        let Some(server) = &self.server else { return };
+        if let Some(shown) = shown {
+            messages.retain(|packed| drawn.contains(&packed.topic));
+            messages.extend(self.outlook.messages(shown, now, |topic| server.wants(topic)));
+        }
+        messages.into_iter().for_each(|packed| server.publish(packed));
+    }
+
+    /// Tells how the session stands.
+    pub(super) fn status(&mut self, status: Status) {
+        let now = now_ns();
+        let status = Status { header: self.outlook.place.header(now), ..status };
+        self.send(Packed::now(Topic::Status, now, cdr::encode(&status)));
+    }
+
+    /// Says once if the recording has ended early; the stream goes on.
+    pub(super) fn warn(&mut self) {
+        let Some(recorder) = self.recorder.as_ref().filter(|_| !self.has_warned) else { return };
+        if let Some(reason) = recorder.recorded().failure {
+            self.has_warned = true;
+            let file = recorder.path().display();
+            eprintln!("warning: the recording `{file}` has ended: {reason}; all else goes on");
+        }
+    }
+
+    fn send(&mut self, packed: Packed) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.record(vec![packed.clone()]);
+        }
+        if let Some(server) = &self.server {
+            server.publish(packed);
+        }
+    }
+}
+
+/// What a recording holds, in words.
+pub(super) fn recorded_in_words(file: &str, recorded: &Recorded) -> String {
+    let Recorded { frames, bytes, dropped, .. } = recorded;
+    let lost = if *dropped > 0 {
+        format!(", {dropped} messages dropped: the disk was too slow")
+    } else {
+        String::new()
+    };
+    format!("recorded {frames} frames to {file}, {:.1} MB{lost}", *bytes as f64 / 1e6)
+}

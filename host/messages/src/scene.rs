@@ -1,0 +1,194 @@
+//! Scene: frames as messages that other programs draw without knowing a skin.
+
+use crate::{
+    cdr,
+    frame::Place,
+    standard::{
+        Color, DiagnosticArray, DiagnosticStatus, KeyValue, Marker, MarkerArray, Point, PointCloud2,
+        PointField, Pose as RosPose, Quaternion, TfMessage, TransformStamped,
+    },
+    topic::{Packed, Topic},
+};
+use dermatome_link::ScanFrame;
+use dermatome_shared::{contact::Contacts, frame::FrameFlags};
+use std::f32::consts::FRAC_1_PI;
+
+/// Least time between two scenes, ns: 30 a second are enough to look at.
+const PERIOD: u64 = 1_000_000_000 / 30;
+/// Least time between two diagnostics, ns.
+const DIAGNOSTICS_PERIOD: u64 = 1_000_000_000;
+/// Length of the arrow of a contact of strength 1, as a part of the skin's size.
+const ARROW: f64 = 0.5;
+
+/// Makes scenes of frames, not more often than one looks at them.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    place: Place,
+    /// m: `[pixel][x, y, z]`.
+    centres: Vec<[f32; 3]>,
+    /// m
+    size: f64,
+    board: String,
+    drawn: u64,
+    diagnosed: u64,
+    flags: FrameFlags,
+}
+
+impl Scene {
+    /// Of a skin with these centres of its pixels, m, in the frame of its place, at a board that is called so.
+    #[must_use]
+    pub fn new(place: Place, centres: Vec<[f32; 3]>, board: String) -> Self {
+        let extent = |axis: usize| {
+            let along = centres.iter().map(|centre| f64::from(centre[axis]));
+            let low = along.clone().fold(f64::INFINITY, f64::min);
+            along.fold(f64::NEG_INFINITY, f64::max) - low
+        };
+        let size = (0..3).map(extent).fold(0.0, f64::max);
+        Self { place, centres, size, board, drawn: 0, diagnosed: 0, flags: FrameFlags::default() }
+    }
+
+    /// Where the skin lies on its link: a transform that holds for good; none where that is not known.
+    #[must_use]
+    pub fn transform(&self, skin: &str, now_ns: u64) -> Option<Packed> {
+        let pose = self.place.pose.as_ref()?;
+        let [x, y, z, w] = pose.orientation;
+        let transform = RosPose { position: pose.position.into(), orientation: Quaternion { x, y, z, w } };
+        let header = self.place.header(now_ns);
+        let stamped = TransformStamped { header, child_frame_id: skin.to_owned(), transform };
+        let bytes = cdr::encode(&TfMessage { transforms: vec![stamped] });
+        Some(Packed::now(Topic::Transforms, now_ns, bytes))
+    }
+
+    /// The scene of a frame, if the last one is old enough.
+    pub fn messages(&mut self, frame: &ScanFrame, now_ns: u64) -> Vec<Packed> {
+        let mut packed = Vec::new();
+        let Some(at) = frame.at else { return packed };
+        let mut put = |topic, bytes| packed.push(Packed::now(topic, now_ns, bytes));
+        self.flags.insert(at.flags);
+        if now_ns.saturating_sub(self.diagnosed) >= DIAGNOSTICS_PERIOD {
+            self.diagnosed = now_ns;
+            put(Topic::Diagnostics, cdr::encode(&self.diagnostics(frame, now_ns)));
+            self.flags = FrameFlags::default();
+        }
+        let Some(contacts) = &frame.contacts else { return packed };
+        if now_ns.saturating_sub(self.drawn) < PERIOD {
+            return packed;
+        }
+        self.drawn = now_ns;
+        put(Topic::Markers, cdr::encode(&self.markers(contacts, now_ns)));
+        if let Some(image) = &frame.image {
+            put(Topic::Pressure, cdr::encode(&self.cloud(image.values(), now_ns)));
+        }
+        packed
+    }
+
+    /// An image as points x, y, z (m) and `change` (relative conductivity).
+    fn cloud(&self, values: impl Iterator<Item = f64>, now_ns: u64) -> PointCloud2 {
+        let field = |(name, place): (&str, u32)| PointField {
+            name: name.to_owned(),
+            offset: 4 * place,
+            datatype: 7,
+            count: 1,
+        };
+        let numbers = self.centres.iter().zip(values).flat_map(|(centre, value)| {
+            let [x, y, z] = *centre;
+            [x, y, z, value as f32]
+        });
+        let width = self.centres.len() as u32;
+        PointCloud2 {
+            header: self.place.header(now_ns),
+            height: 1,
+            width,
+            fields: ["x", "y", "z", "change"].into_iter().zip(0..).map(field).collect(),
+            is_bigendian: false,
+            point_step: 16,
+            row_step: 16 * width,
+            data: numbers.flat_map(f32::to_le_bytes).collect(),
+            is_dense: true,
+        }
+    }
+
+    /// Contacts, each a sphere as large as it, an arrow along its normal and a text.
+    fn markers(&self, contacts: &Contacts, now_ns: u64) -> MarkerArray {
+        let header = self.place.header(now_ns);
+        let marker = |ns: &str, id: usize, kind: i32| Marker {
+            header: header.clone(),
+            ns: ns.to_owned(),
+            id: id as i32,
+            kind,
+            pose: RosPose::default(),
+            color: Color { r: 0.9, g: 0.35, b: 0.1, a: 0.8 },
+            frame_locked: true,
+            ..Marker::default()
+        };
+        let clear = Marker { action: 3, ..marker("contacts", 0, 2) };
+        let each = contacts.iter().map(|contact| self.place.contact(contact)).enumerate();
+        let drawn = each.flat_map(|(id, contact)| {
+            let radius = f64::from((contact.area * FRAC_1_PI).sqrt());
+            let position: Point = contact.position.into();
+            let length = ARROW * self.size * f64::from(contact.strength.clamp(0.0, 1.0));
+            let tip = [0, 1, 2]
+                .map(|axis| f64::from(contact.position[axis]) + length * f64::from(contact.normal[axis]));
+            let sphere = Marker {
+                pose: RosPose { position, ..RosPose::default() },
+                scale: [2.0 * radius; 3].into(),
+                ..marker("contacts", id, 2)
+            };
+            // An arrow points at the skin: from outside to where it is pressed.
+            let arrow = Marker {
+                points: vec![tip.into(), position],
+                scale: [0.01 * self.size, 0.025 * self.size, 0.0].into(),
+                ..marker("forces", id, 0)
+            };
+            let text = Marker {
+                pose: RosPose { position: tip.into(), ..RosPose::default() },
+                scale: [0.0, 0.0, 0.05 * self.size].into(),
+                text: words(&contact),
+                color: Color { r: 1.0, g: 1.0, b: 1.0, a: 1.0 },
+                ..marker("texts", id, 9)
+            };
+            [sphere, arrow, text]
+        });
+        MarkerArray { markers: std::iter::once(clear).chain(drawn).collect() }
+    }
+
+    fn diagnostics(&self, frame: &ScanFrame, now_ns: u64) -> DiagnosticArray {
+        let problems: Vec<&str> = self.flags.words().collect();
+        let message = if problems.is_empty() { "all is well".to_owned() } else { problems.join(", ") };
+        let value = |key: &str, value: String| KeyValue { key: key.to_owned(), value };
+        let mut values = Vec::new();
+        if let Some(report) = &frame.health {
+            let electrodes = |set: dermatome_shared::health::ElectrodeSet| {
+                let names: Vec<String> = set.iter().map(|electrode| (electrode + 1).to_string()).collect();
+                names.join(" ")
+            };
+            values.push(value("open electrodes", electrodes(report.health.open)));
+            values.push(value("shorted electrodes", electrodes(report.health.shorted)));
+            values.push(value("worse electrodes", electrodes(report.health.worse)));
+            values.push(value("CPU load", format!("{:.3}", report.vitals.load)));
+            values.push(value("drift", format!("{:.6}", report.drift)));
+            values.push(value("samples missed", report.missed.to_string()));
+            let temperature = report.vitals.temperature;
+            values.extend(temperature.map(|celsius| value("temperature", format!("{celsius:.1}"))));
+        }
+        let status = DiagnosticStatus {
+            level: u8::from(!problems.is_empty()),
+            name: format!("dermatome: {}", self.place.frame_id),
+            message,
+            hardware_id: self.board.clone(),
+            values,
+        };
+        DiagnosticArray { header: self.place.header(now_ns), status: vec![status] }
+    }
+}
+
+/// A contact in words: number, kPa and N, or its strength.
+fn words(contact: &dermatome_shared::contact::Contact) -> String {
+    let number = contact.identity.map_or(String::new(), |identity| format!("#{} ", identity.number));
+    let load = match (contact.pressure, contact.force()) {
+        (Some(pressure), Some(force)) => format!("{:.1} kPa {force:.2} N", pressure * 1e-3),
+        (Some(pressure), None) => format!("{:.1} kPa", pressure * 1e-3),
+        _ => format!("{:.2}", contact.strength),
+    };
+    number + &load
+}

@@ -1,0 +1,124 @@
+//! Topics: what is told under which name.
+
+use crate::schema::{self, Schema};
+use std::sync::Arc;
+
+/// Something that is told again and again under one name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Topic {
+    /// Pixels, electrodes and shape of the skin.
+    Skin,
+    /// How the session stands.
+    Status,
+    /// New references.
+    Reference,
+    /// Raw codes.
+    Measurements,
+    /// Electrodes, current, board.
+    Health,
+    /// Images.
+    Image,
+    /// Contacts.
+    Contacts,
+    /// Samples of one slot.
+    Scope,
+    /// Where the skin lies on its link, for programs that know ROS' messages.
+    Transforms,
+    /// Images as points, likewise.
+    Pressure,
+    /// Contacts as spheres, arrows and texts, likewise.
+    Markers,
+    /// Status and health in words, likewise.
+    Diagnostics,
+}
+
+/// How a message is encoded.
+pub const ENCODING: &str = "cdr";
+/// How a schema is written.
+pub const SCHEMA_ENCODING: &str = "ros2msg";
+
+impl Topic {
+    /// All of them; a topic's place here is its number.
+    pub const ALL: [Self; 12] = [
+        Self::Skin,
+        Self::Status,
+        Self::Reference,
+        Self::Measurements,
+        Self::Health,
+        Self::Image,
+        Self::Contacts,
+        Self::Scope,
+        Self::Transforms,
+        Self::Pressure,
+        Self::Markers,
+        Self::Diagnostics,
+    ];
+
+    /// Its number.
+    #[must_use]
+    pub fn index(self) -> usize {
+        Self::ALL.iter().position(|topic| *topic == self).unwrap_or_default()
+    }
+
+    /// Its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        self.about().0
+    }
+
+    /// The type of its messages.
+    #[must_use]
+    pub const fn schema(self) -> &'static Schema {
+        self.about().1
+    }
+
+    /// The topic of this name.
+    #[must_use]
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|topic| topic.name() == name)
+    }
+
+    /// Whether the latest message holds until the next: those who come later get it as well.
+    #[must_use]
+    pub const fn is_lasting(self) -> bool {
+        matches!(self, Self::Skin | Self::Status | Self::Transforms)
+    }
+
+    const fn about(self) -> (&'static str, &'static Schema) {
+        match self {
+            Self::Skin => ("/dermatome/skin", &schema::SKIN),
+            Self::Status => ("/dermatome/status", &schema::STATUS),
+            Self::Reference => ("/dermatome/reference", &schema::REFERENCE),
+            Self::Measurements => ("/dermatome/measurements", &schema::MEASUREMENTS),
+            Self::Health => ("/dermatome/health", &schema::HEALTH),
+            Self::Image => ("/dermatome/image", &schema::IMAGE),
+            Self::Contacts => ("/dermatome/contacts", &schema::CONTACT_ARRAY),
+            Self::Scope => ("/dermatome/scope", &schema::SCOPE),
+            Self::Transforms => ("/tf_static", &schema::TF_MESSAGE),
+            Self::Pressure => ("/dermatome/pressure", &schema::POINT_CLOUD),
+            Self::Markers => ("/dermatome/markers", &schema::MARKER_ARRAY),
+            Self::Diagnostics => ("/diagnostics", &schema::DIAGNOSTIC_ARRAY),
+        }
+    }
+}
+
+/// A message as bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Packed {
+    /// Of what.
+    pub topic: Topic,
+    /// When it came, by the host's clock, ns since 1970.
+    pub log_time: u64,
+    /// What it is about happened then, likewise.
+    pub publish_time: u64,
+    /// CDR.
+    pub bytes: Arc<[u8]>,
+}
+
+impl Packed {
+    /// Of what is so now, ns since 1970.
+    #[must_use]
+    pub fn now(topic: Topic, now_ns: u64, bytes: Vec<u8>) -> Self {
+        Self { topic, log_time: now_ns, publish_time: now_ns, bytes: bytes.into() }
+    }
+}

@@ -1,0 +1,162 @@
+//! Foxglove: the messages of its WebSocket protocol, as far as this server speaks it (subprotocols `foxglove.sdk.v1` and,
+//! for older programs, `foxglove.websocket.v1`, whose messages here are the same).
+
+use dermatome_messages::{
+    Topic, schema,
+    topic::{ENCODING, SCHEMA_ENCODING},
+};
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+/// Subprotocols, the best first.
+pub(crate) const SUBPROTOCOLS: [&str; 2] = ["foxglove.sdk.v1", "foxglove.websocket.v1"];
+
+/// Something that a client can ask for, in JSON both ways.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Service {
+    /// Its name: `/dermatome/tare`.
+    pub name: &'static str,
+    /// JSON schema of the request.
+    pub request: &'static str,
+}
+
+/// What clients say in text; what this server does not know is no error.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "op", rename_all = "camelCase")]
+pub(crate) enum Said {
+    Subscribe {
+        subscriptions: Vec<Subscription>,
+    },
+    #[serde(rename_all = "camelCase")]
+    Unsubscribe {
+        subscription_ids: Vec<u32>,
+    },
+    #[serde(other)]
+    Other,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct Subscription {
+    pub(crate) id: u32,
+    pub(crate) channel_id: u64,
+}
+
+/// A client's request to a service.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Request {
+    pub(crate) service: u32,
+    pub(crate) call: u32,
+    pub(crate) encoding: String,
+    pub(crate) payload: Vec<u8>,
+}
+
+/// Channels count from 1: the topic's number and one more.
+pub(crate) fn topic_of(channel: u64) -> Option<Topic> {
+    let index = usize::try_from(channel.checked_sub(1)?).ok()?;
+    Topic::ALL.get(index).copied()
+}
+
+pub(crate) fn server_info(name: &str, session: &str) -> String {
+    json!({
+        "op": "serverInfo",
+        "name": name,
+        "capabilities": ["services"],
+        "supportedEncodings": ["json"],
+        "metadata": {},
+        "sessionId": session,
+    })
+    .to_string()
+}
+
+pub(crate) fn advertise() -> String {
+    let channel = |topic: &Topic| {
+        json!({
+            "id": topic.index() + 1,
+            "topic": topic.name(),
+            "encoding": ENCODING,
+            "schemaName": topic.schema().name,
+            "schema": schema::definition(topic.schema()),
+            "schemaEncoding": SCHEMA_ENCODING,
+        })
+    };
+    json!({ "op": "advertise", "channels": Topic::ALL.iter().map(channel).collect::<Vec<_>>() }).to_string()
+}
+
+pub(crate) fn advertise_services(services: &[Service]) -> String {
+    let response = json!({ "type": "object" }).to_string();
+    let about = |(id, service): (usize, &Service)| {
+        let part = |name: &str, schema: &str| json!({ "encoding": "json", "schemaName": name, "schemaEncoding": "jsonschema", "schema": schema });
+        json!({
+            "id": id,
+            "name": service.name,
+            "type": service.name,
+            "request": part("Request", service.request),
+            "response": part("Response", &response),
+        })
+    };
+    let services: Vec<Value> = services.iter().enumerate().map(about).collect();
+    json!({ "op": "advertiseServices", "services": services }).to_string()
+}
+
+pub(crate) fn failure(service: u32, call: u32, message: &str) -> String {
+    json!({ "op": "serviceCallFailure", "serviceId": service, "callId": call, "message": message })
+        .to_string()
+}
+
+pub(crate) fn warning(message: &str) -> String {
+    json!({ "op": "status", "level": 1, "message": message }).to_string()
+}
+
+/// What stands before a message's own bytes.
+pub(crate) fn message_head(subscription: u32, log_time: u64) -> [u8; 13] {
+    let mut head = [1; 13];
+    head[1..5].copy_from_slice(&subscription.to_le_bytes());
+    head[5..].copy_from_slice(&log_time.to_le_bytes());
+    head
+}
+
+pub(crate) fn response(service: u32, call: u32, payload: &[u8]) -> Vec<u8> {
+    let encoding = b"json";
+    let numbers = [service, call, encoding.len() as u32].map(u32::to_le_bytes);
+    [&[3], numbers.as_flattened(), encoding, payload].concat()
+}
+
+/// A request to a service; none if the bytes are something else.
+pub(crate) fn request(bytes: &[u8]) -> Option<Request> {
+    let (2, rest) = bytes.split_first().map(|(op, rest)| (*op, rest))? else { return None };
+    let number = |at: usize| Some(u32::from_le_bytes(rest.get(at..at + 4)?.try_into().ok()?));
+    let (service, call, length) = (number(0)?, number(4)?, number(8)? as usize);
+    let rest = rest.get(12..)?;
+    let encoding = std::str::from_utf8(rest.get(..length)?).ok()?.to_owned();
+    Some(Request { service, call, encoding, payload: rest[length..].to_vec() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_request_is_read_and_half_of_one_is_not() {
+        let bytes = [&[2, 3, 0, 0, 0, 7, 0, 0, 0, 4, 0, 0, 0][..], b"json{}"].concat();
+        let read = request(&bytes).unwrap();
+        assert_eq!((read.service, read.call, read.encoding.as_str()), (3, 7, "json"));
+        assert_eq!(read.payload, b"{}");
+        for length in 0..bytes.len() - 2 {
+            assert_eq!(request(&bytes[..length]), None, "{length}");
+        }
+        let endless = [2, 3, 0, 0, 0, 7, 0, 0, 0, 255, 255, 255, 255];
+        assert_eq!(request(&endless), None);
+    }
+
+    #[test]
+    fn what_clients_say_is_read_and_what_is_not_known_is_no_error() {
+        let text = r#"{"op":"subscribe","subscriptions":[{"id":5,"channelId":1}]}"#;
+        assert!(matches!(serde_json::from_str(text), Ok(Said::Subscribe { .. })));
+        let text = r#"{"op":"unsubscribe","subscriptionIds":[5]}"#;
+        assert!(matches!(serde_json::from_str(text), Ok(Said::Unsubscribe { .. })));
+        assert!(matches!(serde_json::from_str(r#"{"op":"getParameters","id":"x"}"#), Ok(Said::Other)));
+        assert_eq!(topic_of(1), Some(Topic::ALL[0]));
+        assert_eq!((topic_of(0), topic_of(99)), (None, None));
+    }
+}

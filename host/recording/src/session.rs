@@ -1,0 +1,66 @@
+//! Session: what a recording is of.
+
+use std::collections::BTreeMap;
+
+/// Name of the MCAP metadata record that makes a file one of ours.
+pub(crate) const METADATA: &str = "dermatome";
+/// Names of the attachments.
+pub(crate) const PATCH: &str = "patch.dermatome";
+pub(crate) const SKIN_FILE: &str = "skin.toml";
+
+/// What a recording is of.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Session {
+    /// Name of the skin.
+    pub skin: String,
+    /// Kind of board.
+    pub board: String,
+    /// Version of its firmware.
+    pub firmware: String,
+    /// Where its frames came from: skin, simulated or synthetic.
+    pub frame_source: String,
+    /// The port that it was at.
+    pub port: String,
+    /// Version of the protocol that it spoke.
+    pub protocol: u16,
+    /// Version of the program that recorded.
+    pub host: String,
+    /// The patch that the board used, whole.
+    pub patch: Vec<u8>,
+    /// Text of the skin file, where it was known.
+    pub skin_file: Option<String>,
+}
+
+impl Session {
+    pub(crate) fn metadata(&self) -> BTreeMap<String, String> {
+        let Self { skin, board, firmware, frame_source, port, protocol, host, .. } = self;
+        let protocol = protocol.to_string();
+        [
+            ("skin", skin),
+            ("board", board),
+            ("firmware", firmware),
+            ("frame_source", frame_source),
+            ("port", port),
+            ("protocol", &protocol),
+            ("host", host),
+        ]
+        .map(|(key, value)| (key.to_owned(), value.clone()))
+        .into()
+    }
+
+    /// Of a metadata record; what it does not hold stays empty, and its attachments follow.
+    pub(crate) fn of_metadata(metadata: &BTreeMap<String, String>) -> Self {
+        let text = |key: &str| metadata.get(key).cloned().unwrap_or_default();
+        Self {
+            skin: text("skin"),
+            board: text("board"),
+            firmware: text("firmware"),
+            frame_source: text("frame_source"),
+            port: text("port"),
+            protocol: text("protocol").parse().unwrap_or(0),
+            host: text("host"),
+            patch: Vec::new(),
+            skin_file: None,
+        }
+    }
+}
