@@ -416,3 +416,10 @@ fn print(report: &Report) {
     );
     say!("written       {}, {}", report.files[0].display(), report.files[1].display());
 }
+
+/// Metres in a unit.
+pub(super) fn metres(unit: &str) -> Result<f64, String> {
+    let found = UNITS.iter().find(|(name, _)| *name == unit);
+    let names = || UNITS.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+    found.map(|(_, metres)| *metres).ok_or_else(|| format!("allowed: {}", names()))
+}

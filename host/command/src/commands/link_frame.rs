@@ -19,26 +19,38 @@ pub(super) fn skin_of(
     of_patch: &str,
     pixels: impl FnOnce() -> anyhow::Result<SurfaceTables>,
 ) -> anyhow::Result<(Skin, Pose)> {
-    let file = path.display();
     let skin = Skin::load(path)?.made()?;
     let Some(pose) = skin.pose.clone() else {
         bail!(
-            "skin file `{file}`: `pose` is missing; allowed: a table `[pose]` as `dermatome cut` writes it"
+            "skin file `{}`: `pose` is missing; allowed: a table `[pose]` as `dermatome cut` writes it",
+            path.display()
         );
     };
+    check(path, &skin, of_patch, pixels)?;
+    Ok((skin, pose))
+}
+
+/// Whether the skin in `path` is that of a patch with this name and these pixels.
+pub(super) fn check(
+    path: &Path,
+    skin: &Skin,
+    of_patch: &str,
+    pixels: impl FnOnce() -> anyhow::Result<SurfaceTables>,
+) -> anyhow::Result<()> {
+    let file = path.display();
     let name = &skin.name;
     ensure!(
         name == of_patch,
         "skin file `{file}`: `name` is {name:?}; allowed: {of_patch:?}, the skin of the patch"
     );
     let in_patch = pixels()?;
-    let in_file = surface(&skin).with_context(|| format!("skin file `{file}`"))?;
+    let in_file = surface(skin).with_context(|| format!("skin file `{file}`"))?;
     ensure!(
         in_file.is_some_and(|in_file| is_same(&in_file, &in_patch)),
         "skin file `{file}`: its pixels do not lie where those of the patch do, so neither would contacts: give the skin file \
          that the patch was built from, or build it anew"
     );
-    Ok((skin, pose))
+    Ok(())
 }
 
 /// Where the pixels of a skin lie; nothing where they are more than a board takes.

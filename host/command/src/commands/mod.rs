@@ -65,7 +65,6 @@ mod simulate;
 mod skin_of_cutout;
 mod skin_of_design;
 mod stream;
-mod stream_tare;
 mod tare;
 mod trim;
 mod trust;

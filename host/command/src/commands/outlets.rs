@@ -2,7 +2,7 @@
 
 use super::outputs::{Kind, Output};
 use anyhow::Context;
-use dermatome_link::{Link, ScanFrame, pose::Pose};
+use dermatome_link::{Link, LinkError, ScanFrame, pose::Pose};
 use dermatome_messages::{
     Packed, Topic, cdr,
     clock::now_ns,
@@ -13,13 +13,17 @@ use dermatome_messages::{
 };
 use dermatome_page::Server;
 use dermatome_recording::{
+    frames::{Item, RecordedFrame},
     session::Session,
     write::{Recorded, Recorder},
 };
 use dermatome_shared::{
+    device::MAX_TARE_FRAMES,
     drive::Drive,
+    frame::FrameFlags,
     patch::PatchView,
-    protocol::{FrameSource, PROTOCOL_VERSION},
+    protocol::{FrameSource, PROTOCOL_VERSION, Request},
+    reference::DEFAULT_TARE_FRAMES,
     scan::Timing,
 };
 use std::path::Path;
@@ -81,11 +85,39 @@ pub(super) fn session(link: &mut Link, skin_file: Option<String>) -> anyhow::Res
     })
 }
 
-/// A reference that the board was asked for, until its first frame comes.
-#[derive(Clone, Copy, Debug)]
-struct Asked {
-    frames: u16,
-    drive: Drive,
+/// Frames that a board averages: they come without contacts, and which of them make the reference shows in the end. A
+/// board takes the last ones that are fit for it.
+#[derive(Debug, Default)]
+struct Averaging {
+    /// How many the board was asked to average; none if it has begun by itself.
+    asked: Option<u16>,
+    /// Those that have come, with their messages.
+    frames: Vec<(RecordedFrame, Vec<Packed>)>,
+}
+
+/// No reference is made of frames with these flags.
+const UNFIT: FrameFlags = FrameFlags::NO_CURRENT.union(FrameFlags::SATURATED);
+/// Most frames that wait for the end of a tare: beyond, the oldest are of no use.
+const MOST_AVERAGED: usize = 2 * MAX_TARE_FRAMES as usize;
+
+impl Averaging {
+    /// Takes a frame without contacts.
+    fn wait(&mut self, frame: RecordedFrame, messages: Vec<Packed>) {
+        if self.frames.len() == MOST_AVERAGED {
+            self.frames.remove(0);
+        }
+        self.frames.push((frame, messages));
+    }
+
+    /// The tare is over: how many frames it took, and the place of the first of them; none if they did not all come.
+    fn end(&mut self) -> Option<(u16, usize)> {
+        let wanted = self.asked.unwrap_or(DEFAULT_TARE_FRAMES);
+        let is_fit = |(frame, _): &(RecordedFrame, Vec<Packed>)| !frame.at.flags.intersects(UNFIT);
+        let fit = self.frames.iter().enumerate().rev().filter(|(_, frame)| is_fit(frame));
+        let first = fit.map(|(place, _)| place).nth(usize::from(wanted).checked_sub(1)?)?;
+        self.asked = None;
+        Some((wanted, first))
+    }
 }
 
 /// Where frames go.
@@ -96,26 +128,42 @@ pub(super) struct Outlets {
     lasting: Vec<Packed>,
     recorder: Option<Recorder>,
     server: Option<Server>,
-    asked: Option<Asked>,
+    averaging: Averaging,
+    /// How the skin is driven.
+    drive: Option<Drive>,
+    /// The last reference and the frames that it was made of, for other patches.
+    tare: Vec<Item>,
     has_warned: bool,
 }
 
 impl Outlets {
     /// Of a board with this session's patch, whose skin lies so and looks so.
     pub(super) fn new(session: &Session, pose: Option<&Pose>, look: &Look) -> anyhow::Result<Self> {
-        let board = format!("{} {}", session.board, session.firmware);
-        let mut outlets = Self {
+        let mut outlets = Self::empty();
+        let patch = PatchView::validate(&session.patch).context("the board's patch")?;
+        outlets.drive = Some(patch.header.drive);
+        outlets.show_patch(&patch, pose, look, format!("{} {}", session.board, session.firmware));
+        Ok(outlets)
+    }
+
+    /// Of a board that is not there yet.
+    fn empty() -> Self {
+        Self {
             outlook: Outlook::default(),
-            scene: Scene::new(Place::default(), Vec::new(), board.clone()),
+            scene: Scene::new(Place::default(), Vec::new(), String::new()),
             lasting: Vec::new(),
             recorder: None,
             server: None,
-            asked: None,
+            averaging: Averaging::default(),
+            drive: None,
+            tare: Vec::new(),
             has_warned: false,
-        };
-        let patch = PatchView::validate(&session.patch).context("the board's patch")?;
-        outlets.show_patch(&patch, pose, look, board);
-        Ok(outlets)
+        }
+    }
+
+    /// For those who look on, while there is no board.
+    pub(super) fn serving(server: Server) -> Self {
+        Self { server: Some(server), ..Self::empty() }
     }
 
     /// Images are those of this patch from now on.
@@ -140,8 +188,10 @@ impl Outlets {
         }
     }
 
-    /// Samples of the scope lie so in time.
-    pub(super) fn time_scope(&mut self, drive: &Drive, sample_rate: u32) {
+    /// The skin is driven like this, and, where the board takes samples, so many a second.
+    pub(super) fn drive(&mut self, drive: &Drive, sample_rate: Option<u32>) {
+        self.drive = Some(*drive);
+        let Some(sample_rate) = sample_rate else { return };
         self.outlook.scope = Timing::new(drive, sample_rate).map_or(ScopeTiming::default(), |timing| {
             ScopeTiming { settling: timing.settling, period: timing.period, sample_rate }
         });
@@ -159,11 +209,6 @@ impl Outlets {
         self.server.as_ref()
     }
 
-    /// Gives the server back, for another board.
-    pub(super) fn take_server(&mut self) -> Option<Server> {
-        self.server.take()
-    }
-
     /// Begins to record.
     pub(super) fn record(&mut self, file: &Path, session: &Session) -> anyhow::Result<()> {
         let mut recorder = Recorder::create(file, session)?;
@@ -178,27 +223,38 @@ impl Outlets {
 
     /// Ends the recording, if there is one: gives its file and what is in it.
     pub(super) fn finish_recording(&mut self) -> anyhow::Result<Option<(String, Recorded)>> {
-        let Some(recorder) = self.recorder.take() else { return Ok(None) };
+        let waiting = std::mem::take(&mut self.averaging.frames);
+        let Some(mut recorder) = self.recorder.take() else { return Ok(None) };
+        waiting.into_iter().for_each(|(_, messages)| recorder.record(messages));
         let file = recorder.path().display().to_string();
         Ok(Some((file, recorder.finish()?)))
     }
 
+    /// Asks a board that streams, raw codes and contacts among others, for a new reference, whose frames come with the others.
+    pub(super) fn tare(&mut self, link: &mut Link) -> Result<(), LinkError> {
+        link.request(&Request::Tare { frames: DEFAULT_TARE_FRAMES })?;
+        self.tare_begins(DEFAULT_TARE_FRAMES);
+        Ok(())
+    }
+
     /// The board was asked to average so many frames into a new reference.
-    pub(super) fn tare_begins(&mut self, frames: u16, drive: Drive) {
-        self.asked = Some(Asked { frames, drive });
+    pub(super) fn tare_begins(&mut self, frames: u16) {
+        self.averaging.asked = Some(frames);
+    }
+
+    /// Whether a reference that was asked for is still being made.
+    pub(super) fn is_taring(&self) -> bool {
+        self.averaging.asked.is_some()
+    }
+
+    /// The last reference and the frames that it was made of.
+    pub(super) fn last_tare(&self) -> &[Item] {
+        &self.tare
     }
 
     /// Takes a frame that has come now; `shown`, if it is another, is what those see who look on.
     pub(super) fn frame(&mut self, frame: &ScanFrame, shown: Option<&ScanFrame>) {
         let now = now_ns();
-        // While it averages, a board has raw codes and no contacts.
-        if let Some(at) = frame.at.filter(|_| frame.measurements.is_some() && frame.contacts.is_none())
-            && let Some(Asked { frames, drive }) = self.asked.take()
-        {
-            let header = self.outlook.place.header(now);
-            let reference = Reference::new(header, at.sequence, frames, &drive);
-            self.send(Packed::now(Topic::Reference, now, cdr::encode(&reference)));
-        }
         let (is_recorded, server) = (self.recorder.is_some(), self.server.as_ref());
         let is_looked_at = |topic| server.is_some_and(|server| server.wants(topic));
         let wants = |topic| is_recorded || shown.is_none() && is_looked_at(topic);
@@ -207,8 +263,21 @@ impl Outlets {
         if is_recorded || drawn.into_iter().any(is_looked_at) {
             messages.extend(self.scene.messages(shown.unwrap_or(frame), now));
         }
-        if let Some(recorder) = &mut self.recorder {
-            recorder.record(messages.clone());
+        // While it averages, a board has raw codes and no contacts.
+        let is_averaged = frame.measurements.is_some() && frame.contacts.is_none();
+        match RecordedFrame::of(frame, now).filter(|_| is_averaged) {
+            Some(averaged) => {
+                let kept = if is_recorded { messages.clone() } else { Vec::new() };
+                self.averaging.wait(averaged, kept);
+            }
+            None => {
+                if frame.contacts.is_some() && !self.averaging.frames.is_empty() {
+                    self.tared(now);
+                }
+                if let Some(recorder) = &mut self.recorder {
+                    recorder.record(messages.clone());
+                }
+            }
         }
         let Some(server) = &self.server else { return };
         if let Some(shown) = shown {
@@ -216,6 +285,29 @@ impl Outlets {
             messages.extend(self.outlook.messages(shown, now, |topic| server.wants(topic)));
         }
         messages.into_iter().for_each(|packed| server.publish(packed));
+    }
+
+    /// The board has a new reference: which frames it is made of is known now, and they are recorded.
+    fn tared(&mut self, now: u64) {
+        let made = self.averaging.end();
+        let frames = std::mem::take(&mut self.averaging.frames);
+        self.tare.clear();
+        for (place, (frame, messages)) in frames.into_iter().enumerate() {
+            if let Some((count, first)) = made
+                && let Some(drive) = self.drive.filter(|_| place == first)
+            {
+                let header = self.outlook.place.header(now);
+                let reference = Reference::new(header, frame.at.sequence, count, &drive);
+                self.send(Packed::now(Topic::Reference, now, cdr::encode(&reference)));
+                self.tare.push(Item::Reference(reference));
+            }
+            if let Some(recorder) = &mut self.recorder {
+                recorder.record(messages);
+            }
+            if !self.tare.is_empty() {
+                self.tare.push(Item::Frame(Box::new(frame)));
+            }
+        }
     }
 
     /// Tells how the session stands.

@@ -147,7 +147,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     }
 }
 
-fn read_patch(path: &std::path::Path) -> anyhow::Result<(Vec<u8>, String)> {
+pub(in crate::commands) fn read_patch(path: &std::path::Path) -> anyhow::Result<(Vec<u8>, String)> {
     let name = format!("patch file `{}`", path.display());
     let bytes = input::read(path, MAX_PATCH_BYTES).with_context(|| format!("cannot read {name}"))?;
     Ok((bytes, name))

@@ -73,7 +73,8 @@ pub(super) fn run(args: &Args, path: &Path, patch: Option<(Vec<u8>, String)>) ->
     while let Some(item) = frames.next()? {
         let played = player.take(&item).with_context(file)?;
         if let (Some(outlets), Item::Reference(reference)) = (&mut outlets, &item) {
-            outlets.tare_begins(reference.frames, reference.drive());
+            outlets.drive(&reference.drive(), None);
+            outlets.tare_begins(reference.frames);
         }
         has_reference |= matches!(item, Item::Reference(_));
         let Item::Frame(recorded) = item else { continue };

@@ -9,10 +9,10 @@ use super::{
     session::{Restored, Session, may_pass},
     tally::Tally,
 };
-use crate::commands::{contact_lines::is_read, interrupt, outlets::Outlets, stream_tare::StreamTare};
+use crate::commands::{contact_lines::is_read, interrupt, outlets::Outlets};
 use anyhow::{Context, bail};
 use dermatome_link::{LinkError, LinkErrorKind, ScanFrame, Subscription};
-use dermatome_shared::{drive::Drive, protocol::Selection};
+use dermatome_shared::protocol::Selection;
 use std::time::{Instant, SystemTime};
 
 /// Follows a board.
@@ -37,7 +37,8 @@ pub(super) struct Received<'a> {
     restored: Option<Restored>,
     /// Where frames go beside.
     pub(super) outlets: Option<Outlets>,
-    tare: StreamTare,
+    /// Whether a new reference is to be made in the stream, for a recording.
+    is_to_tare: bool,
 }
 
 impl<'a> Follower<'a> {
@@ -110,6 +111,11 @@ impl<'a> Follower<'a> {
         let mut patience = Patience::new(&self.session.patch);
         let mut stream =
             self.session.link.as_mut().context("the board is lost")?.subscribe(received.selection())?;
+        if let Some(outlets) = received.outlets.as_mut().filter(|_| std::mem::take(&mut received.is_to_tare))
+        {
+            outlets.drive(&drive, None);
+            outlets.tare(stream.link())?;
+        }
         let ended = loop {
             if let Some(ended) = asked_to_end(self.args, &received.tally) {
                 break ended;
@@ -118,7 +124,7 @@ impl<'a> Follower<'a> {
                 Next::Frame(frame) => frame,
                 Next::None(ended) => break ended,
             };
-            if !received.take(&frame, &mut stream, drive)? {
+            if !received.take(&frame, &mut stream, drive.frame_rate.into())? {
                 break Ended::Pipe;
             }
         };
@@ -130,9 +136,9 @@ impl<'a> Follower<'a> {
 impl<'a> Received<'a> {
     fn new(display: Display<'a>, fingers: Option<Fingers>, outlets: Option<Outlets>) -> Self {
         let (tally, heard) = (Tally::default(), Instant::now());
-        let tare = if outlets.is_some() { StreamTare::Wanted } else { StreamTare::No };
+        let is_to_tare = outlets.is_some();
         let (gaps, sequence, restored) = (Vec::new(), None, None);
-        Self { display, fingers, tally, gaps, sequence, heard, restored, outlets, tare }
+        Self { display, fingers, tally, gaps, sequence, heard, restored, outlets, is_to_tare }
     }
 
     /// The next stream begins, after what the board needed for it.
@@ -140,9 +146,7 @@ impl<'a> Received<'a> {
         let Restored { drive, tared } = self.restored.unwrap_or_default();
         self.restored = Some(Restored { drive: drive || restored.drive, tared: tared || restored.tared });
         self.tally.begin();
-        if restored.tared && self.outlets.is_some() {
-            self.tare = StreamTare::Wanted;
-        }
+        self.is_to_tare |= restored.tared && self.outlets.is_some();
         if let Some(fingers) = &mut self.fingers {
             fingers.forget_reference();
         }
@@ -160,11 +164,11 @@ impl<'a> Received<'a> {
         &mut self,
         frame: &ScanFrame,
         stream: &mut Subscription<'_>,
-        drive: Drive,
+        frame_rate: f64,
     ) -> anyhow::Result<bool> {
         let now = SystemTime::now();
         if let Some(outlets) = &mut self.outlets {
-            let is_averaged = self.tare.see(frame, stream.link(), outlets, drive)?;
+            let is_averaged = outlets.is_taring() && frame.contacts.is_none();
             outlets.frame(frame, None);
             outlets.warn();
             if is_averaged {
@@ -177,7 +181,7 @@ impl<'a> Received<'a> {
             let heard = std::mem::replace(&mut self.heard, Instant::now());
             let before = self.sequence.replace(at.sequence);
             if let Some(restored) = self.restored.take() {
-                self.back(Gap::new(before, self.heard - heard, drive.frame_rate.into(), restored));
+                self.back(Gap::new(before, self.heard - heard, frame_rate, restored));
             }
         }
         let fingers = match (self.fingers.as_mut(), &frame.measurements) {

@@ -6,7 +6,7 @@ mod follow;
 mod gap;
 mod lines;
 mod patience;
-mod session;
+pub(super) mod session;
 mod tally;
 mod untouched;
 

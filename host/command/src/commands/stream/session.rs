@@ -34,13 +34,13 @@ const POLL: Duration = Duration::from_millis(20);
 const LOOK_AGAIN: Duration = Duration::from_millis(300);
 
 /// A board, its link, and what was lost with links before.
-pub(super) struct Session<'a> {
+pub(in crate::commands) struct Session<'a> {
     port: &'a Port,
     /// None while the board is lost.
-    pub(super) link: Option<Link>,
+    pub(in crate::commands) link: Option<Link>,
     identity: Identity,
     /// With the drive that was in effect when the session began.
-    pub(super) patch: PatchInfo,
+    pub(in crate::commands) patch: PatchInfo,
     /// The skin by its reference when the session began.
     untouched: Option<Untouched>,
     events_lost: u64,
@@ -56,7 +56,7 @@ pub(super) struct Restored {
 
 impl<'a> Session<'a> {
     /// Opens the port for the first time.
-    pub(super) fn open(port: &'a Port) -> anyhow::Result<Self> {
+    pub(in crate::commands) fn open(port: &'a Port) -> anyhow::Result<Self> {
         let mut link = open(port)?;
         let patch = patch_of(&mut link)?;
         let identity = link.identity().clone();
@@ -65,12 +65,12 @@ impl<'a> Session<'a> {
     }
 
     /// The link, unless the board is lost.
-    pub(super) fn link(&mut self) -> anyhow::Result<&mut Link> {
+    pub(in crate::commands) fn link(&mut self) -> anyhow::Result<&mut Link> {
         self.link.as_mut().context("the board is lost")
     }
 
     /// Whether the board may come back: a simulated one lives as long as its link.
-    pub(super) fn may_come_back(&self) -> bool {
+    pub(in crate::commands) fn may_come_back(&self) -> bool {
         matches!(self.port, Port::Board(_))
     }
 
@@ -78,7 +78,7 @@ impl<'a> Session<'a> {
         self.events_lost + self.link.as_ref().map_or(0, Link::events_lost)
     }
 
-    pub(super) fn packets_damaged(&self) -> u64 {
+    pub(in crate::commands) fn packets_damaged(&self) -> u64 {
         self.packets_damaged + self.link.as_ref().map_or(0, Link::packets_damaged)
     }
 

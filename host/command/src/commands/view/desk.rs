@@ -1,0 +1,627 @@
+//! Desk: a board and all that the page asks of it.
+//!
+//! One thread holds the link: it takes frames as they come, gives them to the page and the recording, and between two
+//! frames does what was asked. A board that is lost, or was never there, is tried again until it answers.
+
+use super::{
+    Args,
+    calls::{
+        self, CALIBRATE, CHECK, Change, DRIVE, Index, PATCH, RECORD, Readings, SCOPE, Slot, Start, TARE,
+        THRESHOLD, Value,
+    },
+    look::Source,
+    numbers::{Numbers, signal_to_noise},
+    prepared::Prepared,
+};
+use crate::commands::{
+    board::advise,
+    check,
+    check_skin::Model,
+    drive::rounded,
+    interrupt,
+    outlets::{Outlets, recorded_in_words, session},
+    outputs::{Kind, by_default},
+    stream::session::Session as Board,
+};
+use anyhow::{Context, bail, ensure};
+use dermatome_frames::calibrate::{Fit, Reading};
+use dermatome_link::{self as link, ScanFrame, Subscription, frame_timeout, pose::Pose};
+use dermatome_messages::{clock::now_ns, dermatome::Status, skin::Look};
+use dermatome_page::{Call, Server};
+use dermatome_patch::{output::write_whole, write::with_calibration};
+use dermatome_recording::session::Session;
+use dermatome_shared::{
+    drive::{Drive, Gain},
+    patch::PatchView,
+    protocol::{Refusal, Request, Selection},
+    stimulation::Step,
+};
+use dermatome_simulate::port::Port;
+use serde_json::{Value as Json, json};
+use std::{
+    collections::VecDeque,
+    path::Path,
+    time::{Duration, Instant},
+};
+
+/// How often the page is told how the session stands.
+const STATUS_PERIOD: Duration = Duration::from_millis(500);
+/// Time until a board is tried again.
+const PAUSE: Duration = Duration::from_millis(500);
+/// Longest the desk waits for a frame without looking who asks for something.
+const LOOK: Duration = Duration::from_millis(20);
+/// Frames that `check` looks at.
+const CHECKED_FRAMES: usize = 20;
+/// Bytes a second that a serial port leaves for raw codes and images: of its 200,000, what contacts and health need not.
+const SERIAL_BYTES: f64 = 150e3;
+
+/// A board and its page.
+pub(in crate::commands) struct Desk<'a> {
+    args: &'a Args,
+    patches: &'a [PatchView<'a>],
+    look: Source,
+    outlets: Outlets,
+    status: Status,
+    told: Instant,
+    numbers: Numbers,
+    /// Which patch makes the images: the board's, or one of `patches` from 1 on.
+    chosen: usize,
+    prepared: Option<Prepared<'a>>,
+    threshold: f32,
+    slot: Option<u16>,
+    /// The drive that was asked for, for a board that comes back without it.
+    drive: Option<Drive>,
+    /// Who waits for a reference.
+    waiting: VecDeque<Call>,
+    /// Whether the recording that `--record` asks for has begun.
+    has_recorded: bool,
+}
+
+/// What a desk knows of the board that is there.
+struct Present {
+    session: Session,
+    pose: Option<Pose>,
+    look: Look,
+    steps: Vec<Step>,
+    largest_amplitude: f32,
+    sample_rate: Option<u32>,
+}
+
+/// Why a stream was left.
+enum Left {
+    /// The user asks to stop.
+    Interrupt,
+    /// The board has ended it, or has another patch.
+    Anew,
+    /// Something is to be done that takes the link alone.
+    Do(Call),
+}
+
+impl<'a> Desk<'a> {
+    /// With other patches that stand ready, and what is known of the skin.
+    pub(in crate::commands) fn new(
+        args: &'a Args,
+        patches: &'a [PatchView<'a>],
+        look: Source,
+        server: Server,
+    ) -> Self {
+        let state = if args.port.is_some() { "no_board" } else { "ended" };
+        let port = args.port.as_ref().map_or(String::new(), Port::to_string);
+        let unknown = f32::NAN;
+        Self {
+            args,
+            patches,
+            look,
+            outlets: Outlets::serving(server),
+            status: Status {
+                state: state.to_owned(),
+                port,
+                signal_to_noise: unknown,
+                progress: unknown,
+                ..Status::default()
+            },
+            told: Instant::now(),
+            numbers: Numbers::default(),
+            chosen: 0,
+            prepared: None,
+            threshold: 0.0,
+            slot: None,
+            drive: None,
+            waiting: VecDeque::new(),
+            has_recorded: false,
+        }
+    }
+
+    /// Until the user asks to stop.
+    pub(in crate::commands) fn run(mut self) -> anyhow::Result<()> {
+        let Some(port) = &self.args.port else {
+            self.state(
+                "ended",
+                "no board was named",
+                "start again with `--port`, such as `dermatome view --port /dev/ttyACM0`, or open a recording",
+            );
+            while self.wait(STATUS_PERIOD, "there is no board") {}
+            return Ok(());
+        };
+        while !interrupt::requested() {
+            let attended = match Board::open(port) {
+                Ok(board) => self.attend(board),
+                Err(error) => Err(error),
+            };
+            match attended {
+                Ok(()) => {}
+                Err(error) if is_fatal(&error, port) => {
+                    self.end()?;
+                    return Err(advise(error));
+                }
+                Err(error) => self.explain(&error),
+            }
+            self.numbers.begin();
+            self.refuse_waiting("the board is lost");
+            self.wait(PAUSE, "the board does not answer");
+        }
+        self.end()
+    }
+
+    /// Ends the recording, and says what is in it.
+    fn end(&mut self) -> anyhow::Result<()> {
+        let recorded = self.outlets.finish_recording()?;
+        recorded.iter().for_each(|(file, recorded)| eprintln!("{}", recorded_in_words(file, recorded)));
+        Ok(())
+    }
+
+    /// Says why there is no stream.
+    fn explain(&mut self, error: &anyhow::Error) {
+        let words = format!("{error:#}");
+        let was_there = self.numbers.frames > 0;
+        if matches!(error.downcast_ref(), Some(Refusal::NoPatch)) {
+            let advice = format!("send it one: `dermatome flash SKIN.dermatome --port {}`", self.status.port);
+            self.state("no_patch", "the board holds no patch, so that it cannot measure", &advice);
+        } else if was_there {
+            self.state("lost", &words, "plug it in again; the page goes on by itself when it answers");
+        } else {
+            self.state(
+                "no_board",
+                &words,
+                "plug the board in, and close other programs that use its port; `dermatome devices` lists the ports",
+            );
+        }
+    }
+
+    fn state(&mut self, state: &str, text: &str, advice: &str) {
+        let status = &mut self.status;
+        if [&status.state, &status.text, &status.advice] != [state, text, advice] {
+            log::info!("{state}: {text}");
+            (status.state, status.text, status.advice) =
+                (state.to_owned(), text.to_owned(), advice.to_owned());
+            self.tell();
+        }
+    }
+
+    /// Tells the page how the session stands.
+    fn tell(&mut self) {
+        self.told = Instant::now();
+        let status = &mut self.status;
+        status.warnings = self.numbers.warnings();
+        status.frames = self.numbers.frames;
+        status.frames_lost = self.numbers.lost();
+        status.frames_per_second = self.numbers.per_second();
+        status.patch = self.chosen as u16;
+        let recorder = self.outlets.recorder();
+        let recorded = recorder.map(|recorder| recorder.recorded()).unwrap_or_default();
+        status.recording = recorder.map_or(String::new(), |recorder| recorder.path().display().to_string());
+        (status.recorded_bytes, status.recorded_frames) = (recorded.bytes, recorded.frames);
+        status.warnings.extend(recorded.failure.map(|reason| format!("the recording has ended: {reason}")));
+        let status = status.clone();
+        self.outlets.status(status);
+    }
+
+    /// Waits for so long and refuses all that is asked meanwhile; false if the user asks to stop.
+    fn wait(&mut self, time: Duration, why_not: &str) -> bool {
+        let until = Instant::now() + time;
+        while Instant::now() < until && interrupt::sleep(LOOK) {
+            while let Some(call) = self.outlets.server().and_then(Server::call) {
+                match call.service {
+                    RECORD => self.stop_recording(call),
+                    _ => call.answer(Err(why_not.to_owned())),
+                }
+            }
+        }
+        self.tell();
+        !interrupt::requested()
+    }
+
+    fn refuse_waiting(&mut self, why: &str) {
+        self.waiting.drain(..).for_each(|call| call.answer(Err(why.to_owned())));
+    }
+
+    /// Serves a board until it is lost.
+    fn attend(&mut self, mut board: Board<'_>) -> anyhow::Result<()> {
+        let present = self.greet(&mut board)?;
+        loop {
+            match self.stream(&mut board, &present)? {
+                Left::Interrupt | Left::Anew => return Ok(()),
+                Left::Do(call) if call.service == CHECK => {
+                    let found = self.check(&mut board);
+                    call.answer(found.map_err(|error| format!("{error:#}")));
+                }
+                Left::Do(call) => {
+                    let done = self.calibrate(&call, &mut board, &present);
+                    let has_changed = done.is_ok();
+                    call.answer(done.map_err(|error| format!("{error:#}")));
+                    if has_changed {
+                        return Ok(());
+                    }
+                }
+            }
+        }
+    }
+
+    /// Gets to know a board that has just answered, and makes it ready.
+    fn greet(&mut self, board: &mut Board<'_>) -> anyhow::Result<Present> {
+        let text = self.look.text();
+        let link = board.link()?;
+        let session = session(link, text)?;
+        let info = link.info()?;
+        if let Some(drive) = self.drive.filter(|drive| Some(*drive) != info.drive) {
+            link.request(&Request::Drive(Some(drive)))?;
+            board.patch.drive = drive;
+        }
+        if !board.link()?.info()?.tared {
+            let Board { link, patch, .. } = board;
+            let link = link.as_mut().context("the board is lost")?;
+            self.args.current.fit(link, patch, || !interrupt::requested())?;
+        }
+        let (pose, look) = self.look.on(&session)?;
+        let patch = PatchView::validate(&session.patch).context("the board's patch")?;
+        let steps = patch.steps().collect();
+        let front_end = info.front_end;
+        let present = Present {
+            pose,
+            look,
+            steps,
+            largest_amplitude: front_end.map_or(0.0, |front_end| front_end.full_scale_current),
+            sample_rate: front_end.map(|front_end| front_end.sample_rate),
+            session,
+        };
+        self.show_board(&present, board);
+        Ok(present)
+    }
+
+    /// The page shows this board from now on.
+    fn show_board(&mut self, present: &Present, board: &Board<'_>) {
+        let Session { board: kind, firmware, skin, .. } = &present.session;
+        let name = |patch: &PatchView<'_>| format!("{} {:#010x}", patch.header.skin, patch.crc());
+        let named = self.args.patch.iter().zip(self.patches).map(|(path, patch)| {
+            let file = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+            file.unwrap_or_else(|| name(patch))
+        });
+        let patches = std::iter::once(format!("{skin} (on the board)")).chain(named).collect();
+        let status = &mut self.status;
+        (status.board, status.firmware, status.skin) = (kind.clone(), firmware.clone(), skin.clone());
+        (status.patch_crc, status.patches) = (board.patch.crc, patches);
+        status.largest_amplitude = present.largest_amplitude;
+        self.show_drive(&board.patch.drive, present);
+        self.show_patch(present);
+    }
+
+    fn show_drive(&mut self, drive: &Drive, present: &Present) {
+        self.outlets.drive(drive, present.sample_rate);
+        let status = &mut self.status;
+        (status.frequency, status.amplitude, status.frame_rate) =
+            (drive.frequency, drive.amplitude, drive.frame_rate);
+        status.gain = match drive.gain {
+            Gain::Automatic => 0,
+            Gain::Fixed(gain) => gain,
+        };
+    }
+
+    /// The page shows the skin of the chosen patch.
+    fn show_patch(&mut self, present: &Present) {
+        let Session { board, firmware, patch, .. } = &present.session;
+        let own = PatchView::validate(patch).ok();
+        let chosen = self.chosen.checked_sub(1).and_then(|index| self.patches.get(index)).or(own.as_ref());
+        if let Some(chosen) = chosen {
+            self.outlets.show_patch(
+                chosen,
+                present.pose.as_ref(),
+                &present.look,
+                format!("{board} {firmware}"),
+            );
+        }
+    }
+
+    fn selection(&self, board: &Board<'_>) -> Selection {
+        let patch = &board.patch;
+        let is_serial = matches!(&self.args.port, Some(Port::Board(link::Port::Serial(_))));
+        let is_raw =
+            !is_serial || self.outlets.recorder().is_some() || self.chosen > 0 || !self.patches.is_empty();
+        // postcard: up to four bytes a code, and about two a pixel.
+        let raw = if is_raw { 7.0 * f64::from(patch.steps) } else { 0.0 };
+        let left = SERIAL_BYTES / f64::from(patch.drive.frame_rate) - raw;
+        let every = (2.2 * f64::from(patch.pixels) / left.max(1.0)).ceil().clamp(1.0, 20.0);
+        Selection {
+            images: if is_serial { every as u16 } else { 1 },
+            contacts: 1,
+            measurements: is_raw.into(),
+            health: 1,
+            scope: self.slot.is_some().into(),
+            scope_slot: self.slot.unwrap_or(0),
+        }
+    }
+
+    /// Shows a stream until it ends or is left.
+    fn stream(&mut self, board: &mut Board<'_>, present: &Present) -> anyhow::Result<Left> {
+        if let Some(file) = self.args.record.file().filter(|_| !self.has_recorded) {
+            self.outlets.record(file, &present.session)?;
+            self.has_recorded = true;
+        }
+        let selection = self.selection(board);
+        let (silence, damaged) = (frame_timeout(&board.patch), board.packets_damaged());
+        let Board { link, patch, .. } = board;
+        let mut stream = link.as_mut().context("the board is lost")?.subscribe(selection)?;
+        let wants_tare = self.outlets.recorder().is_some() || !self.patches.is_empty();
+        if wants_tare {
+            self.outlets.tare(stream.link())?;
+        }
+        let mut heard = Instant::now();
+        let left = loop {
+            if interrupt::requested() {
+                break Left::Interrupt;
+            }
+            match stream.next(LOOK)? {
+                Some(frame) => {
+                    heard = Instant::now();
+                    self.take(&frame, stream.totals().frames_missing);
+                }
+                None if heard.elapsed() > silence => {
+                    if !stream.link().info()?.streaming.any() {
+                        break Left::Anew;
+                    }
+                    ensure!(
+                        heard.elapsed() < 3 * silence,
+                        "the board says that it streams, and sends no frame"
+                    );
+                }
+                None => {}
+            }
+            if self.told.elapsed() >= STATUS_PERIOD {
+                self.status.packets_damaged = damaged + stream.link().packets_damaged();
+                self.tell();
+                self.outlets.warn();
+            }
+            if let Some(call) = self.outlets.server().and_then(Server::call) {
+                match call.service {
+                    CHECK | CALIBRATE => break Left::Do(call),
+                    TARE => {
+                        self.outlets.tare(stream.link())?;
+                        self.waiting.push_back(call);
+                    }
+                    _ => {
+                        let done = self.answer(&call, &mut stream, &mut patch.drive, present);
+                        let wanted = self.selection_of(selection);
+                        call.answer(done.map_err(|error| format!("{error:#}")));
+                        stream.reselect(wanted)?;
+                        self.tell();
+                    }
+                }
+            }
+        };
+        if !matches!(left, Left::Anew) {
+            stream.stop()?;
+        }
+        Ok(left)
+    }
+
+    /// What is streamed, after something was asked.
+    fn selection_of(&self, before: Selection) -> Selection {
+        let is_raw = self.outlets.recorder().is_some() || self.chosen > 0;
+        Selection {
+            measurements: before.measurements.max(is_raw.into()),
+            scope: self.slot.is_some().into(),
+            scope_slot: self.slot.unwrap_or(0),
+            ..before
+        }
+    }
+
+    /// A frame has come.
+    fn take(&mut self, frame: &ScanFrame, missing: u64) {
+        self.numbers.count(frame, missing);
+        let was_taring = self.outlets.is_taring();
+        let shown = self.shown(frame);
+        self.outlets.frame(frame, shown.as_ref());
+        if frame.contacts.is_some() {
+            self.state("live", "", "");
+        } else if frame.measurements.is_some() || frame.health.is_some() {
+            self.state(
+                "taring",
+                "the board averages the untouched skin",
+                "do not touch the skin until it is done; if it takes long, look at `check`",
+            );
+        }
+        if was_taring && !self.outlets.is_taring() {
+            self.status.signal_to_noise = signal_to_noise(self.outlets.last_tare()).unwrap_or(f32::NAN);
+            self.waiting.drain(..).for_each(|call| call.answer(Ok(json!({}))));
+            self.prepared = None;
+        }
+    }
+
+    /// The frame that those see who look on, where it is not the board's own.
+    fn shown(&mut self, frame: &ScanFrame) -> Option<ScanFrame> {
+        let mut shown = None;
+        if let Some(prepared) = &mut self.prepared {
+            match prepared.frame(frame, now_ns()) {
+                Ok(frame) => shown = Some(frame),
+                Err(error) => log::warn!("{error:#}"),
+            }
+        }
+        if self.threshold > 0.0 {
+            let mut weaker = shown.unwrap_or_else(|| frame.clone());
+            if let Some(contacts) = &mut weaker.contacts {
+                contacts.retain(|contact| contact.strength >= self.threshold);
+            }
+            shown = Some(weaker);
+        }
+        shown
+    }
+
+    /// Does what was asked between two frames.
+    fn answer(
+        &mut self,
+        call: &Call,
+        stream: &mut Subscription<'_>,
+        drive: &mut Drive,
+        present: &Present,
+    ) -> anyhow::Result<Json> {
+        match call.service {
+            DRIVE => {
+                let wanted = calls::request::<Change>(call)?.of(drive)?;
+                stream.link().request(&Request::Drive(Some(wanted)))?;
+                (*drive, self.drive) = (wanted, Some(wanted));
+                self.show_drive(&wanted, present);
+                self.outlets.tare(stream.link())?;
+                Ok(json!({}))
+            }
+            PATCH => {
+                let Index { index } = calls::request(call)?;
+                ensure!(
+                    index <= self.patches.len(),
+                    "`index` is {index}; allowed: 0 to {}",
+                    self.patches.len()
+                );
+                self.choose(index, present)?;
+                Ok(json!({}))
+            }
+            THRESHOLD => {
+                let Value { value } = calls::request(call)?;
+                ensure!((0.0..=100.0).contains(&value), "`value` is {value}; allowed: 0 to 100");
+                self.threshold = value;
+                Ok(json!({}))
+            }
+            SCOPE => {
+                let Slot { slot } = calls::request(call)?;
+                ensure!(present.sample_rate.is_some() || slot.is_none(), "this board has no samples to show");
+                let last = present.steps.len() + usize::from(stream.link().info()?.electrodes);
+                let is_there = slot.is_none_or(|slot| usize::from(slot) < last);
+                ensure!(is_there, "`slot` is {}; allowed: 0 to {}", slot.unwrap_or(0), last - 1);
+                self.slot = slot;
+                Ok(json!({}))
+            }
+            RECORD => {
+                let Start { start } = calls::request(call)?;
+                if !start {
+                    return self.stopped();
+                }
+                ensure!(self.outlets.recorder().is_none(), "a recording is under way");
+                let file = recording_name(&present.session.skin);
+                self.outlets.record(Path::new(&file), &present.session)?;
+                // Raw codes must come from the first frame of the tare on.
+                stream.reselect(self.selection_of(Selection { measurements: 1, ..self.plain() }))?;
+                self.outlets.tare(stream.link())?;
+                Ok(json!({ "file": file }))
+            }
+            other => bail!("there is no service `{other}`"),
+        }
+    }
+
+    /// What a page needs at least.
+    fn plain(&self) -> Selection {
+        Selection { images: 1, contacts: 1, health: 1, ..Selection::default() }
+    }
+
+    /// Images are made with another patch from the next frame on.
+    fn choose(&mut self, index: usize, present: &Present) -> anyhow::Result<()> {
+        let patch = index.checked_sub(1).and_then(|index| self.patches.get(index));
+        let tare = self.outlets.last_tare();
+        self.prepared = patch.map(|patch| Prepared::new(patch, &present.steps, tare)).transpose()?;
+        self.chosen = index;
+        self.show_patch(present);
+        Ok(())
+    }
+
+    fn stopped(&mut self) -> anyhow::Result<Json> {
+        let Some((file, recorded)) = self.outlets.finish_recording()? else {
+            bail!("nothing is being recorded")
+        };
+        eprintln!("{}", recorded_in_words(&file, &recorded));
+        Ok(json!({ "file": file, "bytes": recorded.bytes, "frames": recorded.frames }))
+    }
+
+    /// Ends the recording, with or without a board.
+    fn stop_recording(&mut self, call: Call) {
+        let done = match calls::request::<Start>(&call) {
+            Ok(Start { start: false }) => self.stopped().map_err(|error| format!("{error:#}")),
+            Ok(_) => Err("there is no board to record".to_owned()),
+            Err(error) => Err(format!("{error:#}")),
+        };
+        call.answer(done);
+    }
+
+    /// Looks for what is wrong, as `check` does.
+    fn check(&mut self, board: &mut Board<'_>) -> anyhow::Result<Json> {
+        self.state("taring", "looking at the board and its skin", "do not touch the skin until it is done");
+        let model = self.args.skin.as_deref().map(Model::of).transpose()?;
+        let patch = board.patch.clone();
+        let link = board.link()?;
+        let examined = check::examine(link, &patch, model.as_ref(), CHECKED_FRAMES)?;
+        let examined = examined.context("stopped before the first frame came")?;
+        let findings: Vec<Json> = examined
+            .diagnosis
+            .findings
+            .iter()
+            .map(|finding| json!({ "level": "fault", "found": finding.what, "advice": finding.advice }))
+            .collect();
+        let summary = match findings.len() {
+            0 => "nothing is wrong with the board or its skin".to_owned(),
+            1 => "one thing is wrong".to_owned(),
+            many => format!("{many} things are wrong"),
+        };
+        Ok(json!({ "summary": [summary], "findings": findings }))
+    }
+
+    /// Fits a curve to readings, and gives the board the calibrated patch.
+    fn calibrate(&mut self, call: &Call, board: &mut Board<'_>, present: &Present) -> anyhow::Result<Json> {
+        let Readings { readings } = calls::request(call)?;
+        let is_number = |read: &calls::Read| {
+            (0.0..1e6).contains(&read.pressure_kpa) && (0.0..1e3).contains(&read.strength)
+        };
+        ensure!(readings.iter().all(is_number), "allowed: pressures (kPa) and strengths of 0 or more");
+        let reading = |read: &calls::Read| Reading {
+            pressure_kpa: read.pressure_kpa,
+            strength: read.strength,
+            deviation: 0.0,
+            area_mm2: None,
+            place: None,
+        };
+        let readings: Vec<Reading> = readings.iter().map(reading).collect();
+        let fit = Fit::new(&readings, None, false).context("the readings")?;
+        let calibrated = with_calibration(&present.session.patch, &fit.stored())?;
+        let default = format!("{}-calibrated.dermatome", present.session.skin);
+        let file = by_default("calibrate", None, default, Kind::Patch)?;
+        write_whole(&file, &calibrated)?;
+        link::upload(board.link()?, &calibrated, |_| ())
+            .context("the calibrated patch was written, but not sent")?;
+        let points = fit.calibration.points.len();
+        let least =
+            rounded(readings.iter().map(|read| read.pressure_kpa).fold(f64::INFINITY, f64::min) as f32);
+        let most = rounded(readings.iter().map(|read| read.pressure_kpa).fold(0.0, f64::max) as f32);
+        let file = file.display().to_string();
+        let text = format!(
+            "calibrated from {least} to {most} kPa, {points} points; the board has it, and {file} too"
+        );
+        Ok(json!({ "text": text, "file": file }))
+    }
+}
+
+/// Whether no second attempt helps: there is no board to wait for.
+fn is_fatal(error: &anyhow::Error, port: &Port) -> bool {
+    !matches!(port, Port::Board(_)) && error.downcast_ref::<link::LinkError>().is_none()
+}
+
+/// A file for a recording, in this folder: the skin and the first number that is free.
+fn recording_name(skin: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
+    let plain: String = skin.chars().map(|c| if is_plain(c) { c } else { '_' }).collect();
+    let mut names = (1_u32..).map(|number| format!("{plain}-{number}.mcap"));
+    names.find(|name| !Path::new(name).exists()).unwrap_or_default()
+}
