@@ -8,6 +8,8 @@ import { build } from "esbuild";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const assets = join(here, "..", "assets");
+// What a package has bundled into itself already.
+const EMBEDDED = { "@foxglove/rosmsg": ["md5-typescript", "moo", "nearley"] };
 const LICENCES = "The licences of the libraries in this file are in licences.txt beside it.";
 
 const options = {
@@ -39,7 +41,8 @@ await writeFile(join(assets, "licences.txt"), await licences([script, style]));
 
 // The licence of each package of which the bundles hold something.
 async function licences(results) {
-  const packages = new Set(results.flatMap(({ metafile }) => Object.values(metafile.outputs).flatMap(packagesOf)));
+  const direct = results.flatMap(({ metafile }) => Object.values(metafile.outputs).flatMap(packagesOf));
+  const packages = new Set(direct.flatMap((name) => [name, ...(EMBEDDED[name] ?? [])]));
   const texts = await Promise.all([...packages].sort().map(licenceOf));
   return `app.js and app.css contain parts of these packages.\n\n${texts.join("\n")}`;
 }

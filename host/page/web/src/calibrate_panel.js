@@ -1,7 +1,7 @@
 // The guided calibration: readings of a known pressure against the strength of the strongest contact, and the fit.
 
 import { byId, eachChild, element, setText } from "./element.js";
-import { number, withUnit } from "./words.js";
+import { number, strengthText, withUnit } from "./words.js";
 
 const READING_MS = 500;
 const LEAST_FRAMES = 3;
@@ -97,7 +97,7 @@ function pressuresOf(readings) {
 
 function showReadings(session, readings, remove) {
   eachChild(byId("readings"), readings, makeRow, (row, { pressure, strength, spread }, index) => {
-    const texts = [withUnit(pressure, "kPa", 4), number(strength), `± ${number(spread, 2)}`];
+    const texts = [withUnit(pressure, "kPa", 4), strengthText(strength), `± ${number(spread, 2)}`];
     texts.forEach((text, i) => setText(row.children[i], text));
     const button = row.lastChild.firstChild;
     button.setAttribute("aria-label", `Remove the reading at ${pressure} kPa`);
@@ -120,7 +120,7 @@ function hintOf(session, readings) {
 
 function showStrongest(contacts) {
   const strongest = contacts?.contacts[0];
-  setText(byId("strongest"), strongest ? `Strongest contact now: ${number(strongest.strength)}` : "No contact now.");
+  setText(byId("strongest"), strongest ? `Strongest contact now: ${strengthText(strongest.strength)}` : "No contact now.");
 }
 
 function showCalibrated(skin) {

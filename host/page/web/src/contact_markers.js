@@ -2,6 +2,7 @@
 // is strong.
 
 import {
+  CircleGeometry,
   ConeGeometry,
   CylinderGeometry,
   DoubleSide,
@@ -14,10 +15,13 @@ import {
 } from "three";
 
 const Z = new Vector3(0, 0, 1);
-const HALO = new RingGeometry(0.86, 1.06, 48);
-const RING = new RingGeometry(0.91, 1.01, 48);
+const HALO = new RingGeometry(0.9, 1.05, 64);
+const RING = new RingGeometry(0.94, 1.01, 64);
 const SHAFT = new CylinderGeometry(0.035, 0.035, 0.8, 10).translate(0, 0.4, 0).rotateX(Math.PI / 2);
 const HEAD = new ConeGeometry(0.1, 0.2, 14).translate(0, 0.9, 0).rotateX(Math.PI / 2);
+const DOT = new CircleGeometry(0.16, 24);
+// Towards the camera an arrow is seen from its end only: a dot is shown in its place.
+const END_ON_COSINE = 0.93;
 const ARROW_COLOUR = 0xe4572e;
 const LONGEST = 0.55;
 const SHORTEST = 0.08;
@@ -47,9 +51,11 @@ export class ContactMarkers {
 
   /** Contacts on the side that is turned away are paler. */
   face(camera) {
-    for (const { group, materials, normal } of this.markers) {
-      const isAway = normal.dot(camera.position.clone().sub(group.position)) < 0;
-      for (const material of materials) material.opacity = isAway ? 0.25 : 1;
+    for (const { group, arrow, dot, materials, normal } of this.markers) {
+      const cosine = normal.dot(camera.position.clone().sub(group.position).normalize());
+      for (const material of materials) material.opacity = cosine < 0 ? 0.25 : 1;
+      dot.visible = Math.abs(cosine) > END_ON_COSINE;
+      arrow.visible = !dot.visible;
     }
   }
 
@@ -57,10 +63,11 @@ export class ContactMarkers {
     const flat = (color) =>
       new MeshBasicMaterial({ color, side: DoubleSide, transparent: true, depthTest: false, depthWrite: false });
     const materials = [flat(0x10151c), flat(0xffffff), flat(ARROW_COLOUR)];
-    const ring = new Group().add(ordered(HALO, materials[0], 10), ordered(RING, materials[1], 11));
+    const dot = ordered(DOT, materials[2], 12);
+    const ring = new Group().add(ordered(HALO, materials[0], 10), ordered(RING, materials[1], 11), dot);
     const arrow = new Group().add(ordered(SHAFT, materials[2], 12), ordered(HEAD, materials[2], 12));
     const group = new Group().add(ring, arrow);
-    this.markers.push({ group, ring, arrow, materials, normal: new Vector3(0, 0, 1) });
+    this.markers.push({ group, ring, arrow, dot, materials, normal: new Vector3(0, 0, 1) });
     this.group.add(group);
   }
 

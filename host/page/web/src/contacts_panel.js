@@ -2,7 +2,7 @@
 
 import { byId, eachChild, element, setText } from "./element.js";
 import { totalLoad } from "./plots.js";
-import { bytes, contactName, forceText, number, withUnit } from "./words.js";
+import { bytes, contactName, forceText, number, strengthText, withUnit } from "./words.js";
 
 const REDRAW_MS = 100;
 
@@ -31,9 +31,9 @@ function showContacts({ contacts, skin, status }) {
   const isCalibrated = skin?.is_calibrated ?? false;
   showPairs(byId("figures"), [
     ["Contacts", contacts ? list.length : "–"],
-    isCalibrated ? ["Force", forceText(totalLoad(list, true))] : ["Strength", contacts ? number(totalLoad(list, false)) : "–"],
+    isCalibrated ? ["Force", forceText(totalLoad(list, true))] : ["Strength", contacts ? strengthText(totalLoad(list, false)) : "–"],
     ["Frames/s", number(status?.frames_per_second ?? NaN)],
-    ["Signal to noise", withUnit(status?.signal_to_noise ?? NaN, "dB", 2)],
+    ["Signal/noise", withUnit(status?.signal_to_noise ?? NaN, "dB", 2)],
   ]);
   byId("no-contacts").hidden = list.length > 0;
   setText(byId("no-contacts"), contacts ? "Nothing touches the skin." : "No contacts have come yet.");
@@ -49,11 +49,11 @@ function updateRow(row, contact) {
   const place = [position.x, position.y, position.z].map((metres) => (metres * 1000).toFixed(1)).join(", ");
   const texts = [
     contactName(contact),
-    number(strength),
-    withUnit(pressure / 1e3, "kPa"),
-    forceText(force),
-    withUnit(area * 1e4, "cm²"),
-    `${place} mm`,
+    strengthText(strength),
+    number(pressure / 1e3),
+    number(force),
+    number(area * 1e4),
+    place,
   ];
   texts.forEach((text, i) => setText(row.children[i], text));
 }

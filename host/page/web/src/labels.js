@@ -109,8 +109,9 @@ function outwardAt(place, { isFlat, centre, normal, radius }) {
 function electrodeMark({ number, state, colour }) {
   const { shape, sign, word } = STATES[state];
   const mark = svg("g", { class: `electrode is-${state}` }, SHAPES[shape]());
-  if (colour && state !== "open" && state !== "shorted") mark.firstChild.style.fill = colour;
-  const isDark = colour && luminance(colour) < 0.45;
+  const isFilled = colour && state !== "open" && state !== "shorted";
+  if (isFilled) mark.firstChild.style.fill = colour;
+  const isDark = isFilled && luminance(colour) < 0.45;
   const text = svg("text", { class: isDark ? "on-dark" : "on-light" });
   text.textContent = number;
   const title = svg("title");

@@ -7,10 +7,9 @@ import { Labels } from "./labels.js";
 import { pixelValues } from "./messages.js";
 import { Scale, nextStep } from "./scale.js";
 import { Scene } from "./scene.js";
-import { number } from "./words.js";
 
 const DRAWN_CHANGES = ["skin", "image", "contacts", "health", "view", "look", "new"];
-const TICKS = 4;
+const MOST_TICKS = 6;
 const RULER_POINTS = 110;
 
 export class Picture {
@@ -26,7 +25,7 @@ export class Picture {
     this.scene = this.openScene(keepsPixels);
     if (!this.scene) return;
     this.labels = new Labels(byId("labels"), this.scene);
-    new ResizeObserver(() => this.resize()).observe(byId("view"));
+    new ResizeObserver(() => this.resize()).observe(this.canvas);
     session.listen((changes) => this.update(changes));
   }
 
@@ -40,7 +39,7 @@ export class Picture {
   }
 
   resize() {
-    const { clientWidth, clientHeight } = byId("view");
+    const { clientWidth, clientHeight } = this.canvas;
     if (clientWidth === 0 || clientHeight === 0) return;
     this.scene.resize(clientWidth, clientHeight, window.devicePixelRatio);
     this.session.changed("view");
@@ -117,7 +116,8 @@ export class Picture {
     this.scene.draw();
     const isViewNew = changes.has("view") || changes.has("skin");
     this.labels.place(isViewNew);
-    if (isViewNew) this.showRuler();
+    byId("view-foot").hidden = !this.scene.frame;
+    if (isViewNew && this.scene.frame) this.showRuler();
     this.showColourBar(low, high);
     this.framesDrawn++;
     if (changes.has("image") && this.session.shown.image) {
@@ -131,17 +131,32 @@ export class Picture {
     this.barKey = key;
     byId("bar-colours").style.background = gradientOf(this.map);
     setText(byId("bar-mode"), this.scale.isAutomatic ? "auto" : "fixed");
-    const ticks = Array.from({ length: TICKS + 1 }, (_, i) => high - ((high - low) * i) / TICKS);
-    eachChild(byId("bar-ticks"), ticks, () => element("li"), (item, tick) => setText(item, number(tick, 2)));
+    eachChild(byId("bar-ticks"), ticksOf(low, high), () => element("li"), (item, { text, value }) => {
+      setText(item, text);
+      item.style.bottom = `${(100 * (value - low)) / (high - low)}%`;
+    });
   }
 
   showRuler() {
     const pointsPerMetre = this.scene.pointsPerMetre();
     const length = nextStep(RULER_POINTS / pointsPerMetre, false);
     byId("ruler").style.width = `${length * pointsPerMetre}px`;
-    setText(byId("ruler-text"), length < 1 ? `${number(length * 1000)} mm` : `${number(length)} m`);
+    setText(byId("ruler-text"), length < 1 ? `${round(length * 1000)} mm` : `${round(length)} m`);
     byId("axes").replaceChildren(...axisLines(this.scene.axes()));
   }
+}
+
+/** Round values from low to high, with as many decimals as their step has. */
+export function ticksOf(low, high) {
+  const step = nextStep((high - low) / MOST_TICKS, true);
+  const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  const first = Math.ceil(low / step - 1e-9);
+  const count = Math.floor(high / step + 1e-9) - first + 1;
+  return Array.from({ length: count }, (_, i) => ({ value: (first + i) * step, text: ((first + i) * step).toFixed(decimals) }));
+}
+
+function round(value) {
+  return Number(value.toPrecision(2));
 }
 
 // Those that point away are drawn first.

@@ -2,14 +2,16 @@
 
 import uPlot from "uplot";
 
-import { byId, element } from "./element.js";
+import { byId, element, setText } from "./element.js";
 import { History, SPAN_S } from "./history.js";
+import { number } from "./words.js";
 
 const REDRAW_MS = 100;
 const HEIGHT = 118;
 
 const QUANTITIES = [
-  { name: "load", title: "Total force, N", least: 1 },
+  { name: "force", title: "Total force, N", least: 1 },
+  { name: "strength", title: "Total strength", least: 0.1 },
   { name: "count", title: "Contacts", least: 2, isCount: true },
   { name: "rate", title: "Frames a second", least: 10 },
   { name: "noise", title: "Signal to noise, dB", least: 20 },
@@ -29,8 +31,8 @@ export class Plots {
   }
 
   makePlot({ title, least, isCount }) {
-    const heading = element("h3", {}, title);
-    const box = element("figure", { className: "plot" }, heading);
+    const now = element("output");
+    const box = element("figure", { className: "plot" }, element("h3", {}, title, now));
     byId("plots").append(box);
     const plot = new uPlot(
       {
@@ -45,7 +47,7 @@ export class Plots {
       [[], []],
       box,
     );
-    return { plot, heading };
+    return { plot, box, now };
   }
 
   setSeen(isSeen) {
@@ -83,8 +85,10 @@ export class Plots {
   addContacts({ contacts }) {
     const time = this.timeOf("contacts");
     const isCalibrated = this.session.shown.skin?.is_calibrated ?? contacts.some(({ force }) => Number.isFinite(force));
-    this.plots[0].heading.textContent = isCalibrated ? "Total force, N" : "Total strength";
-    this.history.add("load", time, totalLoad(contacts, isCalibrated));
+    this.plots[0].box.hidden = !isCalibrated;
+    this.plots[1].box.hidden = isCalibrated;
+    this.history.add("force", time, totalLoad(contacts, true));
+    this.history.add("strength", time, totalLoad(contacts, false));
     this.history.add("count", time, contacts.length);
   }
 
@@ -107,7 +111,10 @@ export class Plots {
     this.drawn = performance.now();
     QUANTITIES.forEach(({ name }, i) => {
       const { times, values } = this.history.of(name);
-      this.plots[i].plot.setData([times.map((time) => time - this.now), values]);
+      const { plot, box, now } = this.plots[i];
+      if (box.hidden) return;
+      plot.setData([times.map((time) => time - this.now), values]);
+      setText(now, number(values.at(-1) ?? NaN));
     });
   }
 }

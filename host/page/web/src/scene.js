@@ -13,7 +13,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 import { ContactMarkers } from "./contact_markers.js";
 import { SkinSurface, linkMesh } from "./skin_surface.js";
-import { fittingDistance, turn, viewpointOf, zoom } from "./viewpoint.js";
+import { fitting, turn, viewpointOf, zoom } from "./viewpoint.js";
 
 const MOST_PIXELS_PER_POINT = 2;
 
@@ -86,19 +86,13 @@ export class Scene {
   /** The view in which all of the skin is seen. */
   resetView() {
     if (!this.surface) return;
-    const { centre } = this.frame;
-    const { up, direction } = viewpointOf(this.frame);
-    this.camera.up.copy(up);
-    this.camera.position.copy(centre).addScaledVector(direction, fittingDistance(this.camera, this.viewRadius()));
-    this.replaceControls(centre);
+    const viewpoint = viewpointOf(this.frame);
+    const { target, position } = fitting(this.camera, this.surface.geometry.attributes.position.array, viewpoint, Boolean(this.link));
+    this.camera.up.copy(viewpoint.up);
+    this.camera.position.copy(position);
+    this.replaceControls(target);
     this.isFitted = true;
     this.onView();
-  }
-
-  viewRadius() {
-    const { centre, radius } = this.frame;
-    const ball = this.link?.geometry.boundingSphere;
-    return ball ? Math.max(radius, Math.min(2 * radius, ball.center.distanceTo(centre) + ball.radius)) : radius;
   }
 
   // The controls keep the direction that was up when they were made.
@@ -142,8 +136,10 @@ export class Scene {
 
   // Near and far as close to the skin as they may be, for the depth's resolution.
   setDepths() {
-    const distance = this.camera.position.distanceTo(this.frame.centre);
-    const reach = this.viewRadius() * 1.6;
+    const { centre, radius } = this.frame;
+    const distance = this.camera.position.distanceTo(centre);
+    const ball = this.link?.geometry.boundingSphere;
+    const reach = 1.6 * Math.max(radius, ball ? ball.center.distanceTo(centre) + ball.radius : 0);
     this.camera.near = Math.max(distance - reach, distance * 0.01);
     this.camera.far = distance + reach;
     this.camera.updateProjectionMatrix();

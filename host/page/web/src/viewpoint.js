@@ -3,7 +3,9 @@
 import { Spherical, Vector3 } from "three";
 
 const TILT = (40 * Math.PI) / 180;
-const MARGIN = 1.12;
+// Room for the electrodes' numbers around the skin; a link around it is seen a little as well.
+const MARGIN = 1.14;
+const MARGIN_WITH_LINK = 1.4;
 
 /** The direction that is up on the screen, and the one in which the camera stands, both of length 1. */
 export function viewpointOf({ normal, isFlat }) {
@@ -23,11 +25,41 @@ function upOf(normal) {
   return up.addScaledVector(normal, -up.dot(normal)).normalize();
 }
 
-/** The distance at which a ball of `radius` fills the narrower side of the picture. */
-export function fittingDistance(camera, radius) {
-  const vertical = (camera.fov * Math.PI) / 360;
-  const horizontal = Math.atan(Math.tan(vertical) * camera.aspect);
-  return (radius * MARGIN) / Math.sin(Math.min(vertical, horizontal));
+/**
+ * Where the camera stands and looks at, so that all of `vertices` (x, y, z each) just fill the picture when it looks from
+ * `direction` with `up` upwards.
+ */
+export function fitting(camera, vertices, { up, direction }, hasLink) {
+  const margin = hasLink ? MARGIN_WITH_LINK : MARGIN;
+  const right = new Vector3().crossVectors(up, direction).normalize();
+  const axes = [right, new Vector3().crossVectors(direction, right), direction];
+  const [across, along, towards] = axes.map((axis) => extentAlong(vertices, axis));
+  const target = new Vector3();
+  [across, along, towards].forEach(([low, high], i) => target.addScaledVector(axes[i], (low + high) / 2));
+  const vertical = Math.tan((camera.fov * Math.PI) / 360);
+  const tangents = [vertical * camera.aspect, vertical];
+  let distance = 0;
+  forEachVertex(vertices, (vertex) => {
+    vertex.sub(target);
+    const nearer = vertex.dot(direction);
+    tangents.forEach((tangent, i) => (distance = Math.max(distance, (Math.abs(vertex.dot(axes[i])) * margin) / tangent + nearer)));
+  });
+  return { target, position: target.clone().addScaledVector(direction, distance || 1) };
+}
+
+function extentAlong(vertices, axis) {
+  let [low, high] = [Infinity, -Infinity];
+  forEachVertex(vertices, (vertex) => {
+    const place = vertex.dot(axis);
+    low = Math.min(low, place);
+    high = Math.max(high, place);
+  });
+  return [low, high];
+}
+
+function forEachVertex(vertices, visit) {
+  const vertex = new Vector3();
+  for (let i = 0; i + 2 < vertices.length; i += 3) visit(vertex.fromArray(vertices, i));
 }
 
 /** Turns the camera about its target by angles, sideways and upwards. */

@@ -46,7 +46,12 @@ export function clock(seconds) {
 export function contactLabel(contact) {
   const name = contactName(contact);
   if (Number.isFinite(contact.force)) return `${name} ${withUnit(contact.pressure / 1e3, "kPa")} ${forceText(contact.force)}`;
-  return `${name} strength ${number(contact.strength)}`;
+  return `${name} strength ${strengthText(contact.strength)}`;
+}
+
+/** A strength, a relative change, always with the same decimals. */
+export function strengthText(strength) {
+  return Number.isFinite(strength) ? strength.toFixed(3) : DASH;
 }
 
 export function contactName(contact) {
