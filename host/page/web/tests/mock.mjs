@@ -209,7 +209,7 @@ export class Mock {
 
   sendFrame() {
     this.sequence++;
-    if (this.status.state !== "live" || this.isQuiet) return;
+    if (this.status.state !== "live" || this.isQuiet || !this.skin) return;
     for (const [topic, body] of this.frame(this.sequence)) this.send(topic, this.message(body));
   }
 
