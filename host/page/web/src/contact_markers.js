@@ -17,13 +17,13 @@ import {
 const Z = new Vector3(0, 0, 1);
 const HALO = new RingGeometry(0.9, 1.05, 64);
 const RING = new RingGeometry(0.94, 1.01, 64);
-const SHAFT = new CylinderGeometry(0.035, 0.035, 0.8, 10).translate(0, 0.4, 0).rotateX(Math.PI / 2);
-const HEAD = new ConeGeometry(0.1, 0.2, 14).translate(0, 0.9, 0).rotateX(Math.PI / 2);
+const SHAFT = new CylinderGeometry(0.025, 0.025, 0.8, 10).translate(0, 0.4, 0).rotateX(Math.PI / 2);
+const HEAD = new ConeGeometry(0.075, 0.2, 14).translate(0, 0.9, 0).rotateX(Math.PI / 2);
 const DOT = new CircleGeometry(0.16, 24);
 // Towards the camera an arrow is seen from its end only: a dot is shown in its place.
 const END_ON_COSINE = 0.93;
 const ARROW_COLOUR = 0xe4572e;
-const LONGEST = 0.55;
+const LONGEST = 0.45;
 const SHORTEST = 0.08;
 
 export class ContactMarkers {

@@ -44,6 +44,15 @@ export function decode(schema, bytes) {
   return readerOf(schema).readMessage(bytes.slice());
 }
 
+/** Throws where the parts of a Skin message do not fit together, as in a file that another program wrote. */
+export function checkSkin({ vertices, triangles, vertex_pixels: pixels, electrodes, link_vertices: linkVertices, link_triangles: linkTriangles }) {
+  const fits = (places, corners) => places.length % 3 === 0 && corners.length % 3 === 0 && corners.every((corner) => corner < places.length / 3);
+  const isFinite = [vertices, electrodes, linkVertices].every((places) => places.every(Number.isFinite));
+  if (!fits(vertices, triangles) || !fits(linkVertices, linkTriangles) || pixels.length * 3 !== vertices.length || !isFinite) {
+    throw new Error("the skin's vertices, triangles and pixels do not fit together");
+  }
+}
+
 /** Relative conductivity change of each pixel of an Image, into `values` if that is long enough. */
 export function pixelValues(image, values) {
   const { mantissas, exponent } = image;

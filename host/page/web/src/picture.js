@@ -25,6 +25,8 @@ export class Picture {
     this.scene = this.openScene(keepsPixels);
     if (!this.scene) return;
     this.labels = new Labels(byId("labels"), this.scene);
+    this.canvas.addEventListener("webglcontextlost", () => session.failed("The browser has lost the graphics card. The picture comes back by itself, or when the page is reloaded."));
+    this.canvas.addEventListener("webglcontextrestored", () => session.failed(""));
     new ResizeObserver(() => this.resize()).observe(this.canvas);
     session.listen((changes) => this.update(changes));
   }

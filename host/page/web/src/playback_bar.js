@@ -7,7 +7,8 @@ import { colour, totalLoad } from "./plots.js";
 import { openRecording } from "./recording.js";
 import { clock } from "./words.js";
 
-const OVERVIEW_BINS = 400;
+const MOST_BINS = 400;
+const BINS_A_SECOND = 20;
 // The overview is read in steps of this length, between which the page draws.
 const READ_MS = 12;
 
@@ -45,7 +46,7 @@ export class PlaybackBar {
     setText(byId("said-actions"), `Opening ${file.name}`);
     try {
       const recording = await openRecording(file, file.name);
-      this.overview = new Float32Array(OVERVIEW_BINS);
+      this.overview = new Float32Array(Math.max(1, Math.min(MOST_BINS, Math.round(recording.duration * BINS_A_SECOND))));
       this.session.openPlayer(recording);
       setText(byId("said-actions"), "");
       this.readOverview(recording);
@@ -62,7 +63,6 @@ export class PlaybackBar {
   show() {
     const { player } = this.session;
     byId("playback").hidden = !player;
-    byId("open").disabled = Boolean(player);
     if (!player) return;
     const { recording } = player;
     setText(byId("play"), player.isPlaying ? "Pause" : "Play");
@@ -97,7 +97,7 @@ export class PlaybackBar {
 
   addToOverview({ start, duration }, time, contacts) {
     const share = duration > 0 ? Number(time - start) / 1e9 / duration : 0;
-    const bin = Math.min(OVERVIEW_BINS - 1, Math.floor(share * OVERVIEW_BINS));
+    const bin = Math.min(this.overview.length - 1, Math.floor(share * this.overview.length));
     this.overview[bin] = Math.max(this.overview[bin], totalLoad(contacts, false));
   }
 
@@ -109,7 +109,7 @@ export class PlaybackBar {
     const greatest = Math.max(...this.overview) || 1;
     const context = canvas.getContext("2d");
     context.fillStyle = colour("--overview");
-    const width = canvas.width / OVERVIEW_BINS;
+    const width = canvas.width / this.overview.length;
     this.overview.forEach((load, bin) => {
       const height = (load / greatest) * canvas.height;
       context.fillRect(bin * width, canvas.height - height, width + 0.5, height);

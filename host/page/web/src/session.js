@@ -3,7 +3,7 @@
 
 import { Connection, addressOf } from "./connection.js";
 import { Latest } from "./latest.js";
-import { TOPIC, decode } from "./messages.js";
+import { TOPIC, checkSkin, decode } from "./messages.js";
 import { Player } from "./player.js";
 
 const LIVE_TOPICS = [TOPIC.skin, TOPIC.status, TOPIC.image, TOPIC.contacts, TOPIC.health];
@@ -138,14 +138,26 @@ export class Session {
     for (const message of this.latest.take((topic) => !this.isHeld || !HELD_TOPICS.has(topic))) this.show(message);
     const { changes } = this;
     this.changes = new Set();
-    for (const listener of this.listeners) listener(changes);
+    for (const listener of this.listeners) this.tell(listener, changes);
     if (changes.has("image")) this.noteLatency();
+  }
+
+  // A view that fails does not keep the others from what is new.
+  tell(listener, changes) {
+    try {
+      listener(changes);
+    } catch (error) {
+      console.error(error);
+      this.failed(`A part of the page failed (${error.message}). Reload it.`);
+    }
   }
 
   show({ topic, schema, bytes, logTime }) {
     const name = NAMES[topic];
     try {
-      this.shown[name] = decode(schema, bytes);
+      const message = decode(schema, bytes);
+      if (name === "skin") checkSkin(message);
+      this.shown[name] = message;
       this.times[name] = logTime;
       if (name === "status" && !this.player) this.liveStatus = this.shown.status;
       this.changes.add(name);
@@ -161,6 +173,7 @@ export class Session {
   }
 
   failed(text) {
+    if (text === this.fault) return;
     this.fault = text;
     this.changed("connection");
   }
