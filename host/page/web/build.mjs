@@ -22,12 +22,25 @@ const options = {
   target: ["chrome111", "firefox115", "safari16.4"],
 };
 
+// `import text from "worker:FILE"`: the bundle of src/FILE as text, for a worker made of a blob.
+const workers = {
+  name: "workers",
+  setup({ onResolve, onLoad }) {
+    onResolve({ filter: /^worker:/ }, ({ path }) => ({ path: path.slice("worker:".length), namespace: "worker" }));
+    onLoad({ filter: /.*/, namespace: "worker" }, async ({ path }) => {
+      const { outputFiles } = await build({ ...options, entryPoints: [join("src", path)], format: "iife", write: false });
+      return { contents: outputFiles[0].text, loader: "text" };
+    });
+  },
+};
+
 await mkdir(assets, { recursive: true });
 const script = await build({
   ...options,
   entryPoints: ["src/main.js"],
   outfile: join(assets, "app.js"),
   format: "esm",
+  plugins: [workers],
   banner: { js: `/* ${LICENCES} */` },
 });
 const style = await build({

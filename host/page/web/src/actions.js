@@ -18,14 +18,14 @@ export function actions(session) {
   byId("tare").addEventListener("click", tare);
   byId("record").addEventListener("click", record);
   session.listen((changes) => {
-    if (["status", "liveStatus", "connection", "player", "new"].some((name) => changes.has(name))) show(session);
+    if (["status", "liveStatus", "program", "player", "new"].some((name) => changes.has(name))) show(session);
   });
   return { tare, record };
 }
 
 function show(session) {
   const status = session.liveStatus;
-  const isRecording = Boolean(status?.recording) && session.connection.isOpen;
+  const isRecording = Boolean(status?.recording) && session.program.isOpen;
   byId("tare").disabled = !session.offers("/dermatome/tare");
   byId("record").disabled = !session.offers("/dermatome/record");
   byId("record").setAttribute("aria-pressed", String(isRecording));

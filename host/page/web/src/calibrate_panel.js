@@ -30,7 +30,7 @@ export function calibratePanel(session) {
   session.listen((changes) => {
     if (changes.has("contacts") || changes.has("new")) showStrongest(session.shown.contacts);
     if (changes.has("skin") || changes.has("new")) showCalibrated(session.shown.skin);
-    if (changes.has("connection") || changes.has("player")) show();
+    if (changes.has("program") || changes.has("player")) show();
   });
   show();
 }

@@ -6,6 +6,10 @@ export class Latest {
     this.waiting = new Map();
   }
 
+  get isEmpty() {
+    return this.waiting.size === 0;
+  }
+
   put(topic, schema, bytes, logTime) {
     this.waiting.set(topic, { topic, schema, bytes, logTime });
   }

@@ -22,7 +22,7 @@ const session = new Session(location);
 const picture = new Picture(session, { keepsPixels: new URLSearchParams(location.search).has("test") });
 const { tare, record } = actions(session);
 
-statusView(session, (action) => (action === "tare" ? tare() : session.connection.retryNow()));
+statusView(session, (action) => (action === "tare" ? tare() : session.program.retryNow()));
 settingsPanel(session, picture);
 calibratePanel(session);
 new PlaybackBar(session);
@@ -80,4 +80,4 @@ session.listen((changes) => {
 setUpTheme([...document.querySelectorAll("input[name=theme]")], () => session.changed("look"));
 setUpTestHook(session, picture, tabs);
 tabs.select("contacts");
-session.changed("connection");
+session.changed("program");

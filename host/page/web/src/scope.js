@@ -62,7 +62,7 @@ export class ScopeView {
   update(changes) {
     if (changes.has("new")) this.slot = null;
     if (changes.has("skin")) this.listSlots();
-    if (changes.has("skin") || changes.has("connection")) this.watch();
+    if (changes.has("skin") || changes.has("program")) this.watch();
     if (changes.has("look")) this.plot.redraw(false, true);
     if (changes.has("scope") && this.isSeen) this.draw();
   }

@@ -1,10 +1,11 @@
 // What the page knows: the newest message of each topic, from the program or from a recording, and when to draw. All
 // messages go one way: `Latest` keeps the newest, one animation frame decodes it, and the views show it.
 
-import { Connection, addressOf } from "./connection.js";
+import { addressOf } from "./connection.js";
 import { Latest } from "./latest.js";
 import { TOPIC, checkSkin, decode } from "./messages.js";
 import { Player } from "./player.js";
+import { Program } from "./program.js";
 
 const LIVE_TOPICS = [TOPIC.skin, TOPIC.status, TOPIC.image, TOPIC.contacts, TOPIC.health];
 const HELD_TOPICS = new Set([TOPIC.image, TOPIC.contacts, TOPIC.health, TOPIC.scope]);
@@ -26,10 +27,11 @@ export class Session {
     this.fault = "";
     this.imageCame = 0;
     this.latencies = [];
-    this.connection = new Connection(addressOf(location), {
+    this.program = new Program(addressOf(location), {
       message: (...message) => this.fromProgram(...message),
       session: () => this.begin(),
-      change: () => this.changed("connection"),
+      change: () => this.changed("program"),
+      failed: (text) => this.failed(text),
     });
     this.subscribe();
     setInterval(() => this.watch(), 500);
@@ -51,12 +53,12 @@ export class Session {
 
   call(service, request = {}) {
     if (this.player) return Promise.reject(new Error("A recording is shown. Close it to control the skin."));
-    return this.connection.call(service, request);
+    return this.program.call(service, request);
   }
 
   /** Whether the live skin can be controlled with this service. */
   offers(service) {
-    return this.connection.isOpen && !this.player && this.connection.offers(service);
+    return this.program.isOpen && !this.player && this.program.offers(service);
   }
 
   hold(isHeld) {
@@ -66,7 +68,7 @@ export class Session {
 
   /** Whether a live image should have come, and none has for some time. */
   get isStale() {
-    const isLive = !this.player && !this.isHeld && this.connection.isOpen && this.shown.status?.state === "live";
+    const isLive = !this.player && !this.isHeld && this.program.isOpen && this.shown.status?.state === "live";
     return isLive && !document.hidden && performance.now() - this.imageCame > STALE_MS;
   }
 
@@ -98,8 +100,8 @@ export class Session {
 
   // While a recording is shown only the program's status is followed. Subscribing again brings the skin again.
   subscribe() {
-    for (const topic of LIVE_TOPICS) this.connection.want(topic, !this.player || topic === TOPIC.status);
-    this.connection.want(TOPIC.scope, this.isScopeWanted && !this.player);
+    for (const topic of LIVE_TOPICS) this.program.want(topic, !this.player || topic === TOPIC.status);
+    this.program.want(TOPIC.scope, this.isScopeWanted && !this.player);
     if (!this.player && this.liveStatus) this.shown.status = this.liveStatus;
   }
 
@@ -175,11 +177,11 @@ export class Session {
   failed(text) {
     if (text === this.fault) return;
     this.fault = text;
-    this.changed("connection");
+    this.changed("program");
   }
 
   watch() {
-    if (this.isStale !== this.wasStale) this.changed("connection");
+    if (this.isStale !== this.wasStale) this.changed("program");
     this.wasStale = this.isStale;
   }
 }

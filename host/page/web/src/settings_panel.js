@@ -18,7 +18,7 @@ export function settingsPanel(session, picture) {
   thresholdForm(session);
   const look = lookForms(session, picture);
   session.listen((changes) => {
-    if (["status", "connection", "player", "new"].some((name) => changes.has(name))) {
+    if (["status", "program", "player", "new"].some((name) => changes.has(name))) {
       enable(session);
       if (session.shown.status) [drive, patch].forEach((show) => show(session.shown.status));
     }

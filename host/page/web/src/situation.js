@@ -11,9 +11,9 @@ const SHOWS_IMAGES = new Set(["live", "replaying"]);
  */
 export function situationOf(session) {
   if (session.player) return ofRecording(session);
-  if (!session.connection.isOpen) return ofNoProgram(session.connection);
+  if (!session.program.isOpen) return ofNoProgram(session.program);
   const { status, skin } = session.shown;
-  if (session.connection.silence > 0) return ofSilence(session.connection.silence);
+  if (session.program.silence > 0) return ofSilence(session.program.silence);
   if (!status) return waiting("Connected to the program", "It has not yet said how the skin is.");
   if (!SHOWS_IMAGES.has(status.state)) return ofStatus(status);
   if (!skin) return waiting("Waiting for the skin's shape", status.text);
@@ -33,10 +33,10 @@ function ofRecording({ player, shown, fault }) {
   };
 }
 
-function ofNoProgram(connection) {
-  if (!connection.everOpen && connection.attempts === 0) return waiting("Connecting to the program", "");
-  const seconds = Math.ceil((connection.retryAt - performance.now()) / 1000);
-  const next = connection.retryAt > 0 && seconds > 0 ? `The next attempt is in ${seconds} s.` : "Trying now.";
+function ofNoProgram(program) {
+  if (!program.everOpen && program.attempts === 0) return waiting("Connecting to the program", "");
+  const seconds = Math.ceil((program.retryAt - performance.now()) / 1000);
+  const next = program.retryAt > 0 && seconds > 0 ? `The next attempt is in ${seconds} s.` : "Trying now.";
   return {
     level: "bad",
     word: "No program",
@@ -76,9 +76,9 @@ function waiting(text, advice) {
 /** The warnings of a session, in words, each once. */
 export function warningsOf(session) {
   const { status } = session.shown;
-  const notices = session.player ? [] : [...session.connection.notices.values()].filter(({ level }) => level > 0);
+  const notices = session.player ? [] : session.program.notices.filter(({ level }) => level > 0);
   const stale = session.isStale ? ["No new image has come for some seconds, although the program says that the skin is live."] : [];
-  const isConnected = session.player || session.connection.isOpen;
+  const isConnected = session.player || session.program.isOpen;
   const ofStatus = isConnected ? (status?.warnings ?? []) : [];
   const texts = [session.fault, ...stale, ...ofStatus, ...notices.map(({ message }) => message)];
   return [...new Set(texts.filter((text) => text))];

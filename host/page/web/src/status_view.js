@@ -10,7 +10,7 @@ export function statusView(session, act) {
   const button = byId("situation-action");
   button.addEventListener("click", () => act(button.dataset.action));
   session.listen((changes) => {
-    if (["status", "connection", "player", "skin", "new", "held"].some((name) => changes.has(name))) show(session, button);
+    if (["status", "program", "player", "skin", "new", "held"].some((name) => changes.has(name))) show(session, button);
   });
 }
 

@@ -18,10 +18,10 @@ export function setUpTestHook(session, picture, tabs) {
 }
 
 function stateOf(session, picture, tabs) {
-  const { player, connection, shown } = session;
+  const { player, program, shown } = session;
   return {
-    isOpen: connection.isOpen,
-    sessionId: connection.sessionId,
+    isOpen: program.isOpen,
+    sessionId: program.sessionId,
     state: shown.status?.state,
     skin: shown.skin?.name,
     isFlat: picture.scene?.frame?.isFlat,
