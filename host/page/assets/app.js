@@ -1,1 +1,4291 @@
+/* The licences of the libraries in this file are in licences.txt beside it. */
+var ky=Object.create;var dp=Object.defineProperty;var zy=Object.getOwnPropertyDescriptor;var Hy=Object.getOwnPropertyNames;var Vy=Object.getPrototypeOf,Gy=Object.prototype.hasOwnProperty;var si=(n,t)=>()=>{try{return t||n((t={exports:{}}).exports,t),t.exports}catch(e){throw t=0,e}};var Wy=(n,t,e,i)=>{if(t&&typeof t=="object"||typeof t=="function")for(let s of Hy(t))!Gy.call(n,s)&&s!==e&&dp(n,s,{get:()=>t[s],enumerable:!(i=zy(t,s))||i.enumerable});return n};var pp=(n,t,e)=>(e=n!=null?ky(Vy(n)):{},Wy(t||!n||!n.__esModule?dp(e,"default",{value:n,enumerable:!0}):e,n));var og=si((BR,rg)=>{(()=>{var n={91:((s,r)=>{"use strict";Object.defineProperty(r,"__esModule",{value:!0}),r.buildRos2Type=B;let o=String.raw`(?<type>[a-zA-Z0-9_/]+)`,a=String.raw`(?:<=(?<stringBound>\d+))`,l=String.raw`(?:(?<unboundedArray>\[\])|\[(?<arrayLength>\d+)\]|\[<=(?<arrayBound>\d+)\])`,c=String.raw`(?<name>[a-zA-Z0-9_]+)`,h=String.raw`'(?:\\.|[^'\\])*'|"(?:\\.|[^"\\])*"`,f=String.raw`(?:${h}|(?:\\.|[^\s'"#\\])(?:\\.|[^#\\])*)`,u=String.raw`(?:${h}|(?:\\.|[^\s'"\],#\\])(?:\\.|[^\],#\\])*)`,d=String.raw`\s*=\s*(?<constantValue>${f}?)`,p=String.raw`\[(?:${u},)*${u}?\]`,_=String.raw`(?<defaultValue>${p}|${f})`,m=String.raw`(?:#.*)`,g=new RegExp(String.raw`^${o}${a}?${l}?\s+${c}(?:${d}|\s+${_})?\s*${m}?$`),v=String.raw`\\(?<char>['"abfnrtv\\])|\\(?<oct>[0-7]{1,3})|\\x(?<hex2>[a-fA-F0-9]{2})|\\u(?<hex4>[a-fA-F0-9]{4})|\\U(?<hex8>[a-fA-F0-9]{8})`,T=["bool","byte","char","float32","float64","int8","uint8","int16","uint16","int32","uint32","int64","uint64","string","wstring","time","duration","builtin_interfaces/Time","builtin_interfaces/Duration","builtin_interfaces/msg/Time","builtin_interfaces/msg/Duration"];function S(F,R,U){let $=BigInt(F);if($<R||$>U)throw new Error(`Number ${F} out of range [${R}, ${U}]`);return $}function C(F,R,U){let $=parseInt(F);if(Number.isNaN($))throw new Error(`Invalid numeric literal: ${F}`);if($<R||$>U)throw new Error(`Number ${F} out of range [${R}, ${U}]`);return $}let E=new RegExp(u,"y"),y=/\s*(,)\s*|\s*$/y;function M(F,R){if(!R.startsWith("[")||!R.endsWith("]"))throw new Error("Array must start with [ and end with ]");let U=R.substring(1,R.length-1);if(F==="string"||F==="wstring"){let $=[],G=0;for(;G<U.length;){if(U[G]===",")throw new Error("Expected array element before comma");E.lastIndex=G;let ct=E.exec(U);if(ct&&($.push(V(ct[0])),G=E.lastIndex),y.lastIndex=G,ct=y.exec(U),!ct)throw new Error("Expected comma or end of array");if(!ct[1])break;G=y.lastIndex}return $}return U.split(",").map($=>N(F,$.trim()))}function V(F){let R="",U=F;for(let $ of["'",'"'])if(F.startsWith($)){if(!F.endsWith($))throw new Error(`Expected terminating ${$} in string literal: ${F}`);R=$,U=F.substring($.length,F.length-$.length);break}if(!new RegExp(String.raw`^(?:[^\\${R}]|${v})*$`).test(U)==null)throw new Error(`Invalid string literal: ${U}`);return U.replace(new RegExp(v,"g"),(...$)=>{let{char:G,oct:ct,hex2:I,hex4:k,hex8:q}=$[$.length-1],et=I??k??q;if(G!=null)return{"'":"'",'"':'"',a:"\x07",b:"\b",f:"\f",n:`
+`,r:"\r",t:"	",v:"\v","\\":"\\"}[G];if(ct!=null)return String.fromCodePoint(parseInt(ct,8));if(et!=null)return String.fromCodePoint(parseInt(et,16));throw new Error("Expected exactly one matched group")})}function N(F,R){switch(F){case"bool":if(["true","True","1"].includes(R))return!0;if(["false","False","0"].includes(R))return!1;break;case"float32":case"float64":{let U=parseFloat(R);if(!Number.isNaN(U))return U;break}case"int8":return C(R,-128,127);case"uint8":return C(R,0,255);case"int16":return C(R,-32768,32767);case"uint16":return C(R,0,65535);case"int32":return C(R,-2147483648,2147483647);case"uint32":return C(R,0,4294967295);case"int64":return S(R,~0x7fffffffffffffffn,0x7fffffffffffffffn);case"uint64":return S(R,0n,0xffffffffffffffffn);case"string":case"wstring":return V(R)}throw new Error(`Invalid literal of type ${F}: ${R}`)}function L(F){switch(F){case"char":return"uint8";case"byte":return"uint8";case"builtin_interfaces/Time":case"builtin_interfaces/msg/Time":return"time";case"builtin_interfaces/Duration":case"builtin_interfaces/msg/Duration":return"duration"}return F}function B(F){let R=[],U;for(let{line:$}of F){let G;if(!$.startsWith("#"))if(G=/^MSG: ([^ ]+)\s*(?:#.+)?$/.exec($)){U=G[1];continue}else if(G=g.exec($)){let{type:ct,stringBound:I,unboundedArray:k,arrayLength:q,arrayBound:et,name:nt,constantValue:Y,defaultValue:at}=G.groups,ut=L(ct);if(I!=null&&ut!=="string"&&ut!=="wstring")throw new Error(`Invalid string bound for type ${ut}`);if(Y!=null){if(!/^[A-Z](?:_?[A-Z0-9]+)*$/.test(nt))throw new Error(`Invalid constant name: ${nt}`)}else if(!/^[a-z](?:_?[a-z0-9]+)*$/.test(nt))throw new Error(`Invalid field name: ${nt}`);let dt=!T.includes(ut),ot=k!=null||q!=null||et!=null;R.push({name:nt,type:ut,isComplex:Y!=null?dt||void 0:dt,isConstant:Y!=null||void 0,isArray:Y!=null?ot||void 0:ot,arrayLength:q!=null?parseInt(q):void 0,arrayUpperBound:et!=null?parseInt(et):void 0,upperBound:I!=null?parseInt(I):void 0,defaultValue:at!=null?ot?M(ut,at.trim()):N(ut,at.trim()):void 0,value:Y!=null?N(ut,Y.trim()):void 0,valueText:Y?.trim()})}else throw new Error(`Could not parse line: '${$}'`)}return{name:U,definitions:R}}}),155:(function(s,r,o){"use strict";var a=this&&this.__createBinding||(Object.create?(function(c,h,f,u){u===void 0&&(u=f);var d=Object.getOwnPropertyDescriptor(h,f);(!d||("get"in d?!h.__esModule:d.writable||d.configurable))&&(d={enumerable:!0,get:function(){return h[f]}}),Object.defineProperty(c,u,d)}):(function(c,h,f,u){u===void 0&&(u=f),c[u]=h[f]})),l=this&&this.__exportStar||function(c,h){for(var f in c)f!=="default"&&!Object.prototype.hasOwnProperty.call(h,f)&&a(h,c,f)};Object.defineProperty(r,"__esModule",{value:!0}),l(o(498),r),l(o(900),r)}),425:((s,r,o)=>{"use strict";Object.defineProperty(r,"__esModule",{value:!0}),r.md5=c;let a=o(479),l=new Set(["int8","uint8","int16","uint16","int32","uint32","int64","uint64","float32","float64","string","bool","char","byte","time","duration"]);function c(u){if(u.length===0)throw new Error("Cannot produce md5sum for empty msgDefs");let d=new Map;for(let _ of u)_.name!=null&&d.set(_.name,_);let p=u[0];return h(p,d)}function h(u,d){let p="",_=u.definitions.filter(({isConstant:g})=>g),m=u.definitions.filter(({isConstant:g})=>g==null||!g);for(let g of _)p+=`${g.type} ${g.name}=${g.valueText??String(g.value)}
+`;for(let g of m)if(f(g.type)){let v=g.arrayLength!=null?String(g.arrayLength):"",T=g.isArray===!0?`[${v}]`:"";p+=`${g.type}${T} ${g.name}
+`}else{let v=d.get(g.type);if(v==null)throw new Error(`Missing definition for submessage type "${g.type}"`);let T=h(v,d);p+=`${T} ${g.name}
+`}return p=p.trimEnd(),a.Md5.init(p)}function f(u){return l.has(u)}}),479:((s,r,o)=>{"use strict";o.r(r),o.d(r,{Md5:()=>a});var a=(function(){function l(){}return l.AddUnsigned=function(c,h){var f,u,d,p,_;return d=c&2147483648,p=h&2147483648,f=c&1073741824,u=h&1073741824,_=(c&1073741823)+(h&1073741823),f&u?_^2147483648^d^p:f|u?_&1073741824?_^3221225472^d^p:_^1073741824^d^p:_^d^p},l.FF=function(c,h,f,u,d,p,_){return c=this.AddUnsigned(c,this.AddUnsigned(this.AddUnsigned(this.F(h,f,u),d),_)),this.AddUnsigned(this.RotateLeft(c,p),h)},l.GG=function(c,h,f,u,d,p,_){return c=this.AddUnsigned(c,this.AddUnsigned(this.AddUnsigned(this.G(h,f,u),d),_)),this.AddUnsigned(this.RotateLeft(c,p),h)},l.HH=function(c,h,f,u,d,p,_){return c=this.AddUnsigned(c,this.AddUnsigned(this.AddUnsigned(this.H(h,f,u),d),_)),this.AddUnsigned(this.RotateLeft(c,p),h)},l.II=function(c,h,f,u,d,p,_){return c=this.AddUnsigned(c,this.AddUnsigned(this.AddUnsigned(this.I(h,f,u),d),_)),this.AddUnsigned(this.RotateLeft(c,p),h)},l.ConvertToWordArray=function(c){for(var h,f=c.length,u=f+8,d=(u-u%64)/64,p=(d+1)*16,_=Array(p-1),m=0,g=0;g<f;)h=(g-g%4)/4,m=g%4*8,_[h]=_[h]|c.charCodeAt(g)<<m,g++;return h=(g-g%4)/4,m=g%4*8,_[h]=_[h]|128<<m,_[p-2]=f<<3,_[p-1]=f>>>29,_},l.WordToHex=function(c){var h="",f="",u,d;for(d=0;d<=3;d++)u=c>>>d*8&255,f="0"+u.toString(16),h=h+f.substr(f.length-2,2);return h},l.Utf8Encode=function(c){var h="",f;c=c.replace(/\r\n/g,`
+`);for(var u=0;u<c.length;u++)f=c.charCodeAt(u),f<128?h+=String.fromCharCode(f):f>127&&f<2048?(h+=String.fromCharCode(f>>6|192),h+=String.fromCharCode(f&63|128)):(h+=String.fromCharCode(f>>12|224),h+=String.fromCharCode(f>>6&63|128),h+=String.fromCharCode(f&63|128));return h},l.init=function(c){var h;for(typeof c!="string"&&(c=JSON.stringify(c)),this._string=this.Utf8Encode(c),this.x=this.ConvertToWordArray(this._string),this.a=1732584193,this.b=4023233417,this.c=2562383102,this.d=271733878,this.k=0;this.k<this.x.length;this.k+=16)this.AA=this.a,this.BB=this.b,this.CC=this.c,this.DD=this.d,this.a=this.FF(this.a,this.b,this.c,this.d,this.x[this.k],this.S11,3614090360),this.d=this.FF(this.d,this.a,this.b,this.c,this.x[this.k+1],this.S12,3905402710),this.c=this.FF(this.c,this.d,this.a,this.b,this.x[this.k+2],this.S13,606105819),this.b=this.FF(this.b,this.c,this.d,this.a,this.x[this.k+3],this.S14,3250441966),this.a=this.FF(this.a,this.b,this.c,this.d,this.x[this.k+4],this.S11,4118548399),this.d=this.FF(this.d,this.a,this.b,this.c,this.x[this.k+5],this.S12,1200080426),this.c=this.FF(this.c,this.d,this.a,this.b,this.x[this.k+6],this.S13,2821735955),this.b=this.FF(this.b,this.c,this.d,this.a,this.x[this.k+7],this.S14,4249261313),this.a=this.FF(this.a,this.b,this.c,this.d,this.x[this.k+8],this.S11,1770035416),this.d=this.FF(this.d,this.a,this.b,this.c,this.x[this.k+9],this.S12,2336552879),this.c=this.FF(this.c,this.d,this.a,this.b,this.x[this.k+10],this.S13,4294925233),this.b=this.FF(this.b,this.c,this.d,this.a,this.x[this.k+11],this.S14,2304563134),this.a=this.FF(this.a,this.b,this.c,this.d,this.x[this.k+12],this.S11,1804603682),this.d=this.FF(this.d,this.a,this.b,this.c,this.x[this.k+13],this.S12,4254626195),this.c=this.FF(this.c,this.d,this.a,this.b,this.x[this.k+14],this.S13,2792965006),this.b=this.FF(this.b,this.c,this.d,this.a,this.x[this.k+15],this.S14,1236535329),this.a=this.GG(this.a,this.b,this.c,this.d,this.x[this.k+1],this.S21,4129170786),this.d=this.GG(this.d,this.a,this.b,this.c,this.x[this.k+6],this.S22,3225465664),this.c=this.GG(this.c,this.d,this.a,this.b,this.x[this.k+11],this.S23,643717713),this.b=this.GG(this.b,this.c,this.d,this.a,this.x[this.k],this.S24,3921069994),this.a=this.GG(this.a,this.b,this.c,this.d,this.x[this.k+5],this.S21,3593408605),this.d=this.GG(this.d,this.a,this.b,this.c,this.x[this.k+10],this.S22,38016083),this.c=this.GG(this.c,this.d,this.a,this.b,this.x[this.k+15],this.S23,3634488961),this.b=this.GG(this.b,this.c,this.d,this.a,this.x[this.k+4],this.S24,3889429448),this.a=this.GG(this.a,this.b,this.c,this.d,this.x[this.k+9],this.S21,568446438),this.d=this.GG(this.d,this.a,this.b,this.c,this.x[this.k+14],this.S22,3275163606),this.c=this.GG(this.c,this.d,this.a,this.b,this.x[this.k+3],this.S23,4107603335),this.b=this.GG(this.b,this.c,this.d,this.a,this.x[this.k+8],this.S24,1163531501),this.a=this.GG(this.a,this.b,this.c,this.d,this.x[this.k+13],this.S21,2850285829),this.d=this.GG(this.d,this.a,this.b,this.c,this.x[this.k+2],this.S22,4243563512),this.c=this.GG(this.c,this.d,this.a,this.b,this.x[this.k+7],this.S23,1735328473),this.b=this.GG(this.b,this.c,this.d,this.a,this.x[this.k+12],this.S24,2368359562),this.a=this.HH(this.a,this.b,this.c,this.d,this.x[this.k+5],this.S31,4294588738),this.d=this.HH(this.d,this.a,this.b,this.c,this.x[this.k+8],this.S32,2272392833),this.c=this.HH(this.c,this.d,this.a,this.b,this.x[this.k+11],this.S33,1839030562),this.b=this.HH(this.b,this.c,this.d,this.a,this.x[this.k+14],this.S34,4259657740),this.a=this.HH(this.a,this.b,this.c,this.d,this.x[this.k+1],this.S31,2763975236),this.d=this.HH(this.d,this.a,this.b,this.c,this.x[this.k+4],this.S32,1272893353),this.c=this.HH(this.c,this.d,this.a,this.b,this.x[this.k+7],this.S33,4139469664),this.b=this.HH(this.b,this.c,this.d,this.a,this.x[this.k+10],this.S34,3200236656),this.a=this.HH(this.a,this.b,this.c,this.d,this.x[this.k+13],this.S31,681279174),this.d=this.HH(this.d,this.a,this.b,this.c,this.x[this.k],this.S32,3936430074),this.c=this.HH(this.c,this.d,this.a,this.b,this.x[this.k+3],this.S33,3572445317),this.b=this.HH(this.b,this.c,this.d,this.a,this.x[this.k+6],this.S34,76029189),this.a=this.HH(this.a,this.b,this.c,this.d,this.x[this.k+9],this.S31,3654602809),this.d=this.HH(this.d,this.a,this.b,this.c,this.x[this.k+12],this.S32,3873151461),this.c=this.HH(this.c,this.d,this.a,this.b,this.x[this.k+15],this.S33,530742520),this.b=this.HH(this.b,this.c,this.d,this.a,this.x[this.k+2],this.S34,3299628645),this.a=this.II(this.a,this.b,this.c,this.d,this.x[this.k],this.S41,4096336452),this.d=this.II(this.d,this.a,this.b,this.c,this.x[this.k+7],this.S42,1126891415),this.c=this.II(this.c,this.d,this.a,this.b,this.x[this.k+14],this.S43,2878612391),this.b=this.II(this.b,this.c,this.d,this.a,this.x[this.k+5],this.S44,4237533241),this.a=this.II(this.a,this.b,this.c,this.d,this.x[this.k+12],this.S41,1700485571),this.d=this.II(this.d,this.a,this.b,this.c,this.x[this.k+3],this.S42,2399980690),this.c=this.II(this.c,this.d,this.a,this.b,this.x[this.k+10],this.S43,4293915773),this.b=this.II(this.b,this.c,this.d,this.a,this.x[this.k+1],this.S44,2240044497),this.a=this.II(this.a,this.b,this.c,this.d,this.x[this.k+8],this.S41,1873313359),this.d=this.II(this.d,this.a,this.b,this.c,this.x[this.k+15],this.S42,4264355552),this.c=this.II(this.c,this.d,this.a,this.b,this.x[this.k+6],this.S43,2734768916),this.b=this.II(this.b,this.c,this.d,this.a,this.x[this.k+13],this.S44,1309151649),this.a=this.II(this.a,this.b,this.c,this.d,this.x[this.k+4],this.S41,4149444226),this.d=this.II(this.d,this.a,this.b,this.c,this.x[this.k+11],this.S42,3174756917),this.c=this.II(this.c,this.d,this.a,this.b,this.x[this.k+2],this.S43,718787259),this.b=this.II(this.b,this.c,this.d,this.a,this.x[this.k+9],this.S44,3951481745),this.a=this.AddUnsigned(this.a,this.AA),this.b=this.AddUnsigned(this.b,this.BB),this.c=this.AddUnsigned(this.c,this.CC),this.d=this.AddUnsigned(this.d,this.DD);return h=this.WordToHex(this.a)+this.WordToHex(this.b)+this.WordToHex(this.c)+this.WordToHex(this.d),h.toLowerCase()},l.x=Array(),l.S11=7,l.S12=12,l.S13=17,l.S14=22,l.S21=5,l.S22=9,l.S23=14,l.S24=20,l.S31=4,l.S32=11,l.S33=16,l.S34=23,l.S41=6,l.S42=10,l.S43=15,l.S44=21,l.RotateLeft=function(c,h){return c<<h|c>>>32-h},l.F=function(c,h,f){return c&h|~c&f},l.G=function(c,h,f){return c&f|h&~f},l.H=function(c,h,f){return c^h^f},l.I=function(c,h,f){return h^(c|~f)},l})()}),498:((s,r)=>{"use strict";Object.defineProperty(r,"__esModule",{value:!0})}),662:(function(s){(function(r,o){s.exports?s.exports=o():r.nearley=o()})(this,function(){function r(d,p,_){return this.id=++r.highestId,this.name=d,this.symbols=p,this.postprocess=_,this}r.highestId=0,r.prototype.toString=function(d){var p=typeof d>"u"?this.symbols.map(u).join(" "):this.symbols.slice(0,d).map(u).join(" ")+" ● "+this.symbols.slice(d).map(u).join(" ");return this.name+" → "+p};function o(d,p,_,m){this.rule=d,this.dot=p,this.reference=_,this.data=[],this.wantedBy=m,this.isComplete=this.dot===d.symbols.length}o.prototype.toString=function(){return"{"+this.rule.toString(this.dot)+"}, from: "+(this.reference||0)},o.prototype.nextState=function(d){var p=new o(this.rule,this.dot+1,this.reference,this.wantedBy);return p.left=this,p.right=d,p.isComplete&&(p.data=p.build(),p.right=void 0),p},o.prototype.build=function(){var d=[],p=this;do d.push(p.right.data),p=p.left;while(p.left);return d.reverse(),d},o.prototype.finish=function(){this.rule.postprocess&&(this.data=this.rule.postprocess(this.data,this.reference,h.fail))};function a(d,p){this.grammar=d,this.index=p,this.states=[],this.wants={},this.scannable=[],this.completed={}}a.prototype.process=function(d){for(var p=this.states,_=this.wants,m=this.completed,g=0;g<p.length;g++){var v=p[g];if(v.isComplete){if(v.finish(),v.data!==h.fail){for(var T=v.wantedBy,S=T.length;S--;){var C=T[S];this.complete(C,v)}if(v.reference===this.index){var E=v.rule.name;(this.completed[E]=this.completed[E]||[]).push(v)}}}else{var E=v.rule.symbols[v.dot];if(typeof E!="string"){this.scannable.push(v);continue}if(_[E]){if(_[E].push(v),m.hasOwnProperty(E))for(var y=m[E],S=0;S<y.length;S++){var M=y[S];this.complete(v,M)}}else _[E]=[v],this.predict(E)}}},a.prototype.predict=function(d){for(var p=this.grammar.byName[d]||[],_=0;_<p.length;_++){var m=p[_],g=this.wants[d],v=new o(m,0,this.index,g);this.states.push(v)}},a.prototype.complete=function(d,p){var _=d.nextState(p);this.states.push(_)};function l(d,p){this.rules=d,this.start=p||this.rules[0].name;var _=this.byName={};this.rules.forEach(function(m){_.hasOwnProperty(m.name)||(_[m.name]=[]),_[m.name].push(m)})}l.fromCompiled=function(m,p){var _=m.Lexer;m.ParserStart&&(p=m.ParserStart,m=m.ParserRules);var m=m.map(function(v){return new r(v.name,v.symbols,v.postprocess)}),g=new l(m,p);return g.lexer=_,g};function c(){this.reset("")}c.prototype.reset=function(d,p){this.buffer=d,this.index=0,this.line=p?p.line:1,this.lastLineBreak=p?-p.col:0},c.prototype.next=function(){if(this.index<this.buffer.length){var d=this.buffer[this.index++];return d===`
+`&&(this.line+=1,this.lastLineBreak=this.index),{value:d}}},c.prototype.save=function(){return{line:this.line,col:this.index-this.lastLineBreak}},c.prototype.formatError=function(d,p){var _=this.buffer;if(typeof _=="string"){var m=_.split(`
+`).slice(Math.max(0,this.line-5),this.line),g=_.indexOf(`
+`,this.index);g===-1&&(g=_.length);var v=this.index-this.lastLineBreak,T=String(this.line).length;return p+=" at line "+this.line+" col "+v+`:
 
+`,p+=m.map(function(C,E){return S(this.line-m.length+E+1,T)+" "+C},this).join(`
+`),p+=`
+`+S("",T+v)+`^
+`,p}else return p+" at index "+(this.index-1);function S(C,E){var y=String(C);return Array(E-y.length+1).join(" ")+y}};function h(d,p,_){if(d instanceof l)var m=d,_=p;else var m=l.fromCompiled(d,p);this.grammar=m,this.options={keepHistory:!1,lexer:m.lexer||new c};for(var g in _||{})this.options[g]=_[g];this.lexer=this.options.lexer,this.lexerState=void 0;var v=new a(m,0),T=this.table=[v];v.wants[m.start]=[],v.predict(m.start),v.process(),this.current=0}h.fail={},h.prototype.feed=function(d){var p=this.lexer;p.reset(d,this.lexerState);for(var _;;){try{if(_=p.next(),!_)break}catch(L){var T=new a(this.grammar,this.current+1);this.table.push(T);var m=new Error(this.reportLexerError(L));throw m.offset=this.current,m.token=L.token,m}var g=this.table[this.current];this.options.keepHistory||delete this.table[this.current-1];var v=this.current+1,T=new a(this.grammar,v);this.table.push(T);for(var S=_.text!==void 0?_.text:_.value,C=p.constructor===c?_.value:_,E=g.scannable,y=E.length;y--;){var M=E[y],V=M.rule.symbols[M.dot];if(V.test?V.test(C):V.type?V.type===_.type:V.literal===S){var N=M.nextState({data:C,token:_,isToken:!0,reference:v-1});T.states.push(N)}}if(T.process(),T.states.length===0){var m=new Error(this.reportError(_));throw m.offset=this.current,m.token=_,m}this.options.keepHistory&&(g.lexerState=p.save()),this.current++}return g&&(this.lexerState=p.save()),this.results=this.finish(),this},h.prototype.reportLexerError=function(d){var p,_,m=d.token;return m?(p="input "+JSON.stringify(m.text[0])+" (lexer error)",_=this.lexer.formatError(m,"Syntax error")):(p="input (lexer error)",_=d.message),this.reportErrorCommon(_,p)},h.prototype.reportError=function(d){var p=(d.type?d.type+" token: ":"")+JSON.stringify(d.value!==void 0?d.value:d),_=this.lexer.formatError(d,"Syntax error");return this.reportErrorCommon(_,p)},h.prototype.reportErrorCommon=function(d,p){var _=[];_.push(d);var m=this.table.length-2,g=this.table[m],v=g.states.filter(function(S){var C=S.rule.symbols[S.dot];return C&&typeof C!="string"});if(v.length===0)_.push("Unexpected "+p+`. I did not expect any more input. Here is the state of my parse table:
+`),this.displayStateStack(g.states,_);else{_.push("Unexpected "+p+`. Instead, I was expecting to see one of the following:
+`);var T=v.map(function(S){return this.buildFirstStateStack(S,[])||[S]},this);T.forEach(function(S){var C=S[0],E=C.rule.symbols[C.dot],y=this.getSymbolDisplay(E);_.push("A "+y+" based on:"),this.displayStateStack(S,_)},this)}return _.push(""),_.join(`
+`)},h.prototype.displayStateStack=function(d,p){for(var _,m=0,g=0;g<d.length;g++){var v=d[g],T=v.rule.toString(v.dot);T===_?m++:(m>0&&p.push("    ^ "+m+" more lines identical to this"),m=0,p.push("    "+T)),_=T}},h.prototype.getSymbolDisplay=function(d){return f(d)},h.prototype.buildFirstStateStack=function(d,p){if(p.indexOf(d)!==-1)return null;if(d.wantedBy.length===0)return[d];var _=d.wantedBy[0],m=[d].concat(p),g=this.buildFirstStateStack(_,m);return g===null?null:[d].concat(g)},h.prototype.save=function(){var d=this.table[this.current];return d.lexerState=this.lexerState,d},h.prototype.restore=function(d){var p=d.index;this.current=p,this.table[p]=d,this.table.splice(p+1),this.lexerState=d.lexerState,this.results=this.finish()},h.prototype.rewind=function(d){if(!this.options.keepHistory)throw new Error("set option `keepHistory` to enable rewinding");this.restore(this.table[d])},h.prototype.finish=function(){var d=[],p=this.grammar.start,_=this.table[this.table.length-1];return _.states.forEach(function(m){m.rule.name===p&&m.dot===m.rule.symbols.length&&m.reference===0&&m.data!==h.fail&&d.push(m)}),d.map(function(m){return m.data})};function f(d){var p=typeof d;if(p==="string")return d;if(p==="object"){if(d.literal)return JSON.stringify(d.literal);if(d instanceof RegExp)return"character matching "+d;if(d.type)return d.type+" token";if(d.test)return"token matching "+String(d.test);throw new Error("Unknown symbol type: "+d)}}function u(d){var p=typeof d;if(p==="string")return d;if(p==="object"){if(d.literal)return JSON.stringify(d.literal);if(d instanceof RegExp)return d.toString();if(d.type)return"%"+d.type;if(d.test)return"<"+String(d.test)+">";throw new Error("Unknown symbol type: "+d)}}return{Parser:h,Grammar:l,Rule:r}})}),666:((s,r,o)=>{(function(){function a(u){return u[0]}let c=o(694).compile({space:{match:/\s+/,lineBreaks:!0},number:/-?(?:[0-9]|[1-9][0-9]+)(?:\.[0-9]+)?(?:[eE][-+]?[0-9]+)?\b/,comment:/#[^\n]*/,"[":"[","]":"]",assignment:/=[^\n]*/,fieldOrType:/[a-zA-Z_][a-zA-Z0-9_]*(?:\/[a-zA-Z][a-zA-Z0-9_]*)?/});function h(u){return u.reduce((d,p)=>({...d,...p}),{})}var f={Lexer:c,ParserRules:[{name:"main$ebnf$1",symbols:["comment"],postprocess:a},{name:"main$ebnf$1",symbols:[],postprocess:function(u){return null}},{name:"main",symbols:["_","boolType","arrayType","__","field","_","main$ebnf$1","simple"],postprocess:function(u){return h(u)}},{name:"main$ebnf$2",symbols:["comment"],postprocess:a},{name:"main$ebnf$2",symbols:[],postprocess:function(u){return null}},{name:"main",symbols:["_","bigintType","arrayType","__","field","_","main$ebnf$2","simple"],postprocess:function(u){return h(u)}},{name:"main$ebnf$3",symbols:["comment"],postprocess:a},{name:"main$ebnf$3",symbols:[],postprocess:function(u){return null}},{name:"main",symbols:["_","numericType","arrayType","__","field","_","main$ebnf$3","simple"],postprocess:function(u){return h(u)}},{name:"main$ebnf$4",symbols:["comment"],postprocess:a},{name:"main$ebnf$4",symbols:[],postprocess:function(u){return null}},{name:"main",symbols:["_","stringType","arrayType","__","field","_","main$ebnf$4","simple"],postprocess:function(u){return h(u)}},{name:"main$ebnf$5",symbols:["comment"],postprocess:a},{name:"main$ebnf$5",symbols:[],postprocess:function(u){return null}},{name:"main",symbols:["_","timeType","arrayType","__","field","_","main$ebnf$5","simple"],postprocess:function(u){return h(u)}},{name:"main$ebnf$6",symbols:["comment"],postprocess:a},{name:"main$ebnf$6",symbols:[],postprocess:function(u){return null}},{name:"main",symbols:["_","customType","arrayType","__","field","_","main$ebnf$6","complex"],postprocess:function(u){return h(u)}},{name:"main$ebnf$7",symbols:["comment"],postprocess:a},{name:"main$ebnf$7",symbols:[],postprocess:function(u){return null}},{name:"main",symbols:["_","boolType","__","constantField","_","boolConstantValue","_","main$ebnf$7"],postprocess:function(u){return h(u)}},{name:"main$ebnf$8",symbols:["comment"],postprocess:a},{name:"main$ebnf$8",symbols:[],postprocess:function(u){return null}},{name:"main",symbols:["_","bigintType","__","constantField","_","bigintConstantValue","_","main$ebnf$8"],postprocess:function(u){return h(u)}},{name:"main$ebnf$9",symbols:["comment"],postprocess:a},{name:"main$ebnf$9",symbols:[],postprocess:function(u){return null}},{name:"main",symbols:["_","numericType","__","constantField","_","numericConstantValue","_","main$ebnf$9"],postprocess:function(u){return h(u)}},{name:"main$ebnf$10",symbols:["comment"],postprocess:a},{name:"main$ebnf$10",symbols:[],postprocess:function(u){return null}},{name:"main",symbols:["_","stringType","__","constantField","_","stringConstantValue","_","main$ebnf$10"],postprocess:function(u){return h(u)}},{name:"main",symbols:["comment"],postprocess:function(u){return null}},{name:"main",symbols:["blankLine"],postprocess:function(u){return null}},{name:"boolType",symbols:[{literal:"bool"}],postprocess:function(u){return{type:u[0].value}}},{name:"bigintType$subexpression$1",symbols:[{literal:"int64"}]},{name:"bigintType$subexpression$1",symbols:[{literal:"uint64"}]},{name:"bigintType",symbols:["bigintType$subexpression$1"],postprocess:function(u){return{type:u[0][0].value}}},{name:"numericType$subexpression$1",symbols:[{literal:"byte"}]},{name:"numericType$subexpression$1",symbols:[{literal:"char"}]},{name:"numericType$subexpression$1",symbols:[{literal:"float32"}]},{name:"numericType$subexpression$1",symbols:[{literal:"float64"}]},{name:"numericType$subexpression$1",symbols:[{literal:"int8"}]},{name:"numericType$subexpression$1",symbols:[{literal:"uint8"}]},{name:"numericType$subexpression$1",symbols:[{literal:"int16"}]},{name:"numericType$subexpression$1",symbols:[{literal:"uint16"}]},{name:"numericType$subexpression$1",symbols:[{literal:"int32"}]},{name:"numericType$subexpression$1",symbols:[{literal:"uint32"}]},{name:"numericType",symbols:["numericType$subexpression$1"],postprocess:function(u){return{type:u[0][0].value}}},{name:"stringType",symbols:[{literal:"string"}],postprocess:function(u){return{type:u[0].value}}},{name:"timeType$subexpression$1",symbols:[{literal:"time"}]},{name:"timeType$subexpression$1",symbols:[{literal:"duration"}]},{name:"timeType",symbols:["timeType$subexpression$1"],postprocess:function(u){return{type:u[0][0].value}}},{name:"customType",symbols:[c.has("fieldOrType")?{type:"fieldOrType"}:fieldOrType],postprocess:function(u,d,p){let _=["bool","byte","char","float32","float64","int8","uint8","int16","uint16","int32","uint32","int64","uint64","string","time","duration"],m=u[0].value;return _.includes(m)?p:{type:m}}},{name:"arrayType",symbols:[{literal:"["},"_",{literal:"]"}],postprocess:function(u){return{isArray:!0}}},{name:"arrayType",symbols:[{literal:"["},"_","number","_",{literal:"]"}],postprocess:function(u){return{isArray:!0,arrayLength:u[2]}}},{name:"arrayType",symbols:["_"],postprocess:function(u){return{isArray:!1}}},{name:"field",symbols:[c.has("fieldOrType")?{type:"fieldOrType"}:fieldOrType],postprocess:function(u,d,p){let _=u[0].value;return _.match(/^[a-zA-Z][a-zA-Z0-9_]*$/)==null?p:{name:_}}},{name:"constantField",symbols:[c.has("fieldOrType")?{type:"fieldOrType"}:fieldOrType],postprocess:function(u,d,p){let _=u[0].value;return _.match(/^[a-zA-Z_][a-zA-Z0-9_]*$/)==null?p:{name:_,isConstant:!0}}},{name:"boolConstantValue",symbols:["assignment"],postprocess:function(u,d,p){let _=u[0].split("#")[0].trim();return _==="True"||_==="1"?{value:!0,valueText:_}:_==="False"||_==="0"?{value:!1,valueText:_}:p}},{name:"numericConstantValue",symbols:["assignment"],postprocess:function(u,d,p){let _=u[0].split("#")[0].trim(),m=parseFloat(_);return isNaN(m)?p:{value:m,valueText:_}}},{name:"bigintConstantValue",symbols:["assignment"],postprocess:function(u,d,p){let _=u[0].split("#")[0].trim();try{return{value:BigInt(_),valueText:_}}catch{return p}}},{name:"stringConstantValue",symbols:["assignment"],postprocess:function(u){return{value:u[0],valueText:u[0]}}},{name:"bool$subexpression$1",symbols:[{literal:"True"}]},{name:"bool$subexpression$1",symbols:[{literal:"1"}]},{name:"bool",symbols:["bool$subexpression$1"],postprocess:function(u){return!0}},{name:"bool$subexpression$2",symbols:[{literal:"False"}]},{name:"bool$subexpression$2",symbols:[{literal:"0"}]},{name:"bool",symbols:["bool$subexpression$2"],postprocess:function(u){return!1}},{name:"number",symbols:[c.has("number")?{type:"number"}:number],postprocess:function(u){return parseFloat(u[0].value)}},{name:"assignment",symbols:[c.has("assignment")?{type:"assignment"}:assignment],postprocess:function(u){return u[0].value.substr(1).trim()}},{name:"comment",symbols:[c.has("comment")?{type:"comment"}:comment],postprocess:function(u){return null}},{name:"blankLine",symbols:["_"],postprocess:function(u){return null}},{name:"_$subexpression$1",symbols:[]},{name:"_$subexpression$1",symbols:[c.has("space")?{type:"space"}:space]},{name:"_",symbols:["_$subexpression$1"],postprocess:function(u){return null}},{name:"__",symbols:[c.has("space")?{type:"space"}:space],postprocess:function(u){return null}},{name:"simple",symbols:[],postprocess:function(){return{isComplex:!1}}},{name:"complex",symbols:[],postprocess:function(){return{isComplex:!0}}}],ParserStart:"main"};typeof s.exports<"u"?s.exports=f:window.grammar=f})()}),694:(function(s,r){var o,a,l;(function(c,h){a=[],o=h,l=typeof o=="function"?o.apply(r,a):o,l!==void 0&&(s.exports=l)})(this,function(){"use strict";var c=Object.prototype.hasOwnProperty,h=Object.prototype.toString,f=typeof new RegExp().sticky=="boolean";function u(I){return I&&h.call(I)==="[object RegExp]"}function d(I){return I&&typeof I=="object"&&!u(I)&&!Array.isArray(I)}function p(I){return I.replace(/[-\/\\^$*+?.()|[\]{}]/g,"\\$&")}function _(I){var k=new RegExp("|"+I);return k.exec("").length-1}function m(I){return"("+I+")"}function g(I){if(!I.length)return"(?!)";var k=I.map(function(q){return"(?:"+q+")"}).join("|");return"(?:"+k+")"}function v(I){if(typeof I=="string")return"(?:"+p(I)+")";if(u(I)){if(I.ignoreCase)throw new Error("RegExp /i flag not allowed");if(I.global)throw new Error("RegExp /g flag is implied");if(I.sticky)throw new Error("RegExp /y flag is implied");if(I.multiline)throw new Error("RegExp /m flag is implied");return I.source}else throw new Error("Not a pattern: "+I)}function T(I,k){return I.length>k?I:Array(k-I.length+1).join(" ")+I}function S(I,k){for(var q=I.length,et=0;;){var nt=I.lastIndexOf(`
+`,q-1);if(nt===-1||(et++,q=nt,et===k)||q===0)break}var Y=et<k?0:q+1;return I.substring(Y).split(`
+`)}function C(I){for(var k=Object.getOwnPropertyNames(I),q=[],et=0;et<k.length;et++){var nt=k[et],Y=I[nt],at=[].concat(Y);if(nt==="include"){for(var ut=0;ut<at.length;ut++)q.push({include:at[ut]});continue}var dt=[];at.forEach(function(ot){d(ot)?(dt.length&&q.push(y(nt,dt)),q.push(y(nt,ot)),dt=[]):dt.push(ot)}),dt.length&&q.push(y(nt,dt))}return q}function E(I){for(var k=[],q=0;q<I.length;q++){var et=I[q];if(et.include){for(var nt=[].concat(et.include),Y=0;Y<nt.length;Y++)k.push({include:nt[Y]});continue}if(!et.type)throw new Error("Rule has no type: "+JSON.stringify(et));k.push(y(et.type,et))}return k}function y(I,k){if(d(k)||(k={match:k}),k.include)throw new Error("Matching rules cannot also include states");var q={defaultType:I,lineBreaks:!!k.error||!!k.fallback,pop:!1,next:null,push:null,error:!1,fallback:!1,value:null,type:null,shouldThrow:!1};for(var et in k)c.call(k,et)&&(q[et]=k[et]);if(typeof q.type=="string"&&I!==q.type)throw new Error("Type transform cannot be a string (type '"+q.type+"' for token '"+I+"')");var nt=q.match;return q.match=Array.isArray(nt)?nt:nt?[nt]:[],q.match.sort(function(Y,at){return u(Y)&&u(at)?0:u(at)?-1:u(Y)?1:at.length-Y.length}),q}function M(I){return Array.isArray(I)?E(I):C(I)}var V=y("error",{lineBreaks:!0,shouldThrow:!0});function N(I,k){for(var q=null,et=Object.create(null),nt=!0,Y=null,at=[],ut=[],dt=0;dt<I.length;dt++)I[dt].fallback&&(nt=!1);for(var dt=0;dt<I.length;dt++){var ot=I[dt];if(ot.include)throw new Error("Inheritance is not allowed in stateless lexers");if(ot.error||ot.fallback){if(q)throw!ot.fallback==!q.fallback?new Error("Multiple "+(ot.fallback?"fallback":"error")+" rules not allowed (for token '"+ot.defaultType+"')"):new Error("fallback and error are mutually exclusive (for token '"+ot.defaultType+"')");q=ot}var Lt=ot.match.slice();if(nt)for(;Lt.length&&typeof Lt[0]=="string"&&Lt[0].length===1;){var Yt=Lt.shift();et[Yt.charCodeAt(0)]=ot}if(ot.pop||ot.push||ot.next){if(!k)throw new Error("State-switching options are not allowed in stateless lexers (for token '"+ot.defaultType+"')");if(ot.fallback)throw new Error("State-switching options are not allowed on fallback tokens (for token '"+ot.defaultType+"')")}if(Lt.length!==0){nt=!1,at.push(ot);for(var Ut=0;Ut<Lt.length;Ut++){var ne=Lt[Ut];if(u(ne)){if(Y===null)Y=ne.unicode;else if(Y!==ne.unicode&&ot.fallback===!1)throw new Error("If one rule is /u then all must be")}}var ie=g(Lt.map(v)),$t=new RegExp(ie);if($t.test(""))throw new Error("RegExp matches empty string: "+$t);var Ie=_(ie);if(Ie>0)throw new Error("RegExp has capture groups: "+$t+`
+Use (?: … ) instead`);if(!ot.lineBreaks&&$t.test(`
+`))throw new Error("Rule should declare lineBreaks: "+$t);ut.push(m(ie))}}var be=q&&q.fallback,Ve=f&&!be?"ym":"gm",Me=f||be?"":"|";Y===!0&&(Ve+="u");var hn=new RegExp(g(ut)+Me,Ve);return{regexp:hn,groups:at,fast:et,error:q||V}}function L(I){var k=N(M(I));return new U({start:k},"start")}function B(I,k,q){var et=I&&(I.push||I.next);if(et&&!q[et])throw new Error("Missing state '"+et+"' (in token '"+I.defaultType+"' of state '"+k+"')");if(I&&I.pop&&+I.pop!=1)throw new Error("pop must be 1 (in token '"+I.defaultType+"' of state '"+k+"')")}function F(I,k){var q=I.$all?M(I.$all):[];delete I.$all;var et=Object.getOwnPropertyNames(I);k||(k=et[0]);for(var nt=Object.create(null),Y=0;Y<et.length;Y++){var at=et[Y];nt[at]=M(I[at]).concat(q)}for(var Y=0;Y<et.length;Y++)for(var at=et[Y],ut=nt[at],dt=Object.create(null),ot=0;ot<ut.length;ot++){var Lt=ut[ot];if(Lt.include){var Yt=[ot,1];if(Lt.include!==at&&!dt[Lt.include]){dt[Lt.include]=!0;var Ut=nt[Lt.include];if(!Ut)throw new Error("Cannot include nonexistent state '"+Lt.include+"' (in state '"+at+"')");for(var ne=0;ne<Ut.length;ne++){var ie=Ut[ne];ut.indexOf(ie)===-1&&Yt.push(ie)}}ut.splice.apply(ut,Yt),ot--}}for(var $t=Object.create(null),Y=0;Y<et.length;Y++){var at=et[Y];$t[at]=N(nt[at],!0)}for(var Y=0;Y<et.length;Y++){for(var Ie=et[Y],be=$t[Ie],Ve=be.groups,ot=0;ot<Ve.length;ot++)B(Ve[ot],Ie,$t);for(var Me=Object.getOwnPropertyNames(be.fast),ot=0;ot<Me.length;ot++)B(be.fast[Me[ot]],Ie,$t)}return new U($t,k)}function R(I){for(var k=typeof Map<"u",q=k?new Map:Object.create(null),et=Object.getOwnPropertyNames(I),nt=0;nt<et.length;nt++){var Y=et[nt],at=I[Y],ut=Array.isArray(at)?at:[at];ut.forEach(function(dt){if(typeof dt!="string")throw new Error("keyword must be string (in keyword '"+Y+"')");k?q.set(dt,Y):q[dt]=Y})}return function(dt){return k?q.get(dt):q[dt]}}var U=function(I,k){this.startState=k,this.states=I,this.buffer="",this.stack=[],this.reset()};U.prototype.reset=function(I,k){return this.buffer=I||"",this.index=0,this.line=k?k.line:1,this.col=k?k.col:1,this.queuedToken=k?k.queuedToken:null,this.queuedText=k?k.queuedText:"",this.queuedThrow=k?k.queuedThrow:null,this.setState(k?k.state:this.startState),this.stack=k&&k.stack?k.stack.slice():[],this},U.prototype.save=function(){return{line:this.line,col:this.col,state:this.state,stack:this.stack.slice(),queuedToken:this.queuedToken,queuedText:this.queuedText,queuedThrow:this.queuedThrow}},U.prototype.setState=function(I){if(!(!I||this.state===I)){this.state=I;var k=this.states[I];this.groups=k.groups,this.error=k.error,this.re=k.regexp,this.fast=k.fast}},U.prototype.popState=function(){this.setState(this.stack.pop())},U.prototype.pushState=function(I){this.stack.push(this.state),this.setState(I)};var $=f?function(I,k){return I.exec(k)}:function(I,k){var q=I.exec(k);return q[0].length===0?null:q};U.prototype._getGroup=function(I){for(var k=this.groups.length,q=0;q<k;q++)if(I[q+1]!==void 0)return this.groups[q];throw new Error("Cannot find token type for matched text")};function G(){return this.value}if(U.prototype.next=function(){var I=this.index;if(this.queuedGroup){var k=this._token(this.queuedGroup,this.queuedText,I);return this.queuedGroup=null,this.queuedText="",k}var q=this.buffer;if(I!==q.length){var at=this.fast[q.charCodeAt(I)];if(at)return this._token(at,q.charAt(I),I);var et=this.re;et.lastIndex=I;var nt=$(et,q),Y=this.error;if(nt==null)return this._token(Y,q.slice(I,q.length),I);var at=this._getGroup(nt),ut=nt[0];return Y.fallback&&nt.index!==I?(this.queuedGroup=at,this.queuedText=ut,this._token(Y,q.slice(I,nt.index),I)):this._token(at,ut,I)}},U.prototype._token=function(I,k,q){var et=0;if(I.lineBreaks){var nt=/\n/g,Y=1;if(k===`
+`)et=1;else for(;nt.exec(k);)et++,Y=nt.lastIndex}var at={type:typeof I.type=="function"&&I.type(k)||I.defaultType,value:typeof I.value=="function"?I.value(k):k,text:k,toString:G,offset:q,lineBreaks:et,line:this.line,col:this.col},ut=k.length;if(this.index+=ut,this.line+=et,et!==0?this.col=ut-Y+1:this.col+=ut,I.shouldThrow){var dt=new Error(this.formatError(at,"invalid syntax"));throw dt}return I.pop?this.popState():I.push?this.pushState(I.push):I.next&&this.setState(I.next),at},typeof Symbol<"u"&&Symbol.iterator){var ct=function(I){this.lexer=I};ct.prototype.next=function(){var I=this.lexer.next();return{value:I,done:!I}},ct.prototype[Symbol.iterator]=function(){return this},U.prototype[Symbol.iterator]=function(){return new ct(this)}}return U.prototype.formatError=function(I,k){if(I==null)var q=this.buffer.slice(this.index),I={text:q,offset:this.index,lineBreaks:q.indexOf(`
+`)===-1?0:1,line:this.line,col:this.col};var et=2,nt=Math.max(I.line-et,1),Y=I.line+et,at=String(Y).length,ut=S(this.buffer,this.line-I.line+et+1).slice(0,5),dt=[];dt.push(k+" at line "+I.line+" col "+I.col+":"),dt.push("");for(var ot=0;ot<ut.length;ot++){var Lt=ut[ot],Yt=nt+ot;dt.push(T(String(Yt),at)+"  "+Lt),Yt===I.line&&dt.push(T("",at+I.col+1)+"^")}return dt.join(`
+`)},U.prototype.clone=function(){return new U(this.states,this.state)},U.prototype.has=function(I){return!0},{compile:L,states:F,error:Object.freeze({error:!0}),fallback:Object.freeze({fallback:!0}),keywords:R}})}),812:((s,r)=>{"use strict";Object.defineProperty(r,"__esModule",{value:!0}),r.stringify=o;function o(l){let c="";for(let h=0;h<l.length;h++){let f=l[h],u=f.definitions.filter(({isConstant:p})=>p),d=f.definitions.filter(({isConstant:p})=>p==null||!p);h>0&&(c+=`
+================================================================================
+`,c+=`MSG: ${f.name??""}
+`);for(let p of u)c+=`${p.type} ${p.name} = ${p.valueText??String(p.value)}
+`;if(d.length>0){c.length>0&&(c+=`
+`);for(let p of d){let _=p.upperBound!=null?`<=${p.upperBound}`:"",m=p.arrayLength!=null?String(p.arrayLength):p.arrayUpperBound!=null?`<=${p.arrayUpperBound}`:"",g=p.isArray===!0?`[${m}]`:"",v=p.defaultValue!=null?` ${a(p.defaultValue)}`:"";c+=`${p.type}${_}${g} ${p.name}${v}
+`}}}return c.trimEnd()}function a(l){return Array.isArray(l)?`[${l.map(c=>typeof c=="bigint"?c.toString():JSON.stringify(c)).join(", ")}]`:typeof l=="bigint"?l.toString():JSON.stringify(l)}}),881:(function(s,r,o){"use strict";var a=this&&this.__createBinding||(Object.create?(function(c,h,f,u){u===void 0&&(u=f);var d=Object.getOwnPropertyDescriptor(h,f);(!d||("get"in d?!h.__esModule:d.writable||d.configurable))&&(d={enumerable:!0,get:function(){return h[f]}}),Object.defineProperty(c,u,d)}):(function(c,h,f,u){u===void 0&&(u=f),c[u]=h[f]})),l=this&&this.__exportStar||function(c,h){for(var f in c)f!=="default"&&!Object.prototype.hasOwnProperty.call(h,f)&&a(h,c,f)};Object.defineProperty(r,"__esModule",{value:!0}),l(o(425),r),l(o(954),r),l(o(812),r)}),900:((s,r)=>{"use strict";Object.defineProperty(r,"__esModule",{value:!0}),r.isMsgDefFieldEqual=a,r.isMsgDefEqual=l;function o(c,h){if(Array.isArray(c)&&Array.isArray(h)){if(c.length!==h.length)return!1;for(let f=0;f<c.length;f++)if(c[f]!==h[f])return!1;return!0}return c===h}function a(c,h){return c.type===h.type&&c.name===h.name&&(c.isComplex??!1)===(h.isComplex??!1)&&c.enumType===h.enumType&&(c.isArray??!1)===(h.isArray??!1)&&c.arrayLength===h.arrayLength&&(c.isConstant??!1)===(h.isConstant??!1)&&c.value===h.value&&c.valueText===h.valueText&&c.upperBound===h.upperBound&&c.arrayUpperBound===h.arrayUpperBound&&(c.deprecated??!1)===(h.deprecated??!1)&&o(c.defaultValue,h.defaultValue)}function l(c,h){return(c.name==null||h.name==null||c.name===h.name)&&c.definitions.length===h.definitions.length&&c.definitions.every((f,u)=>a(f,h.definitions[u]))}}),954:(function(s,r,o){"use strict";var a=this&&this.__importDefault||function(T){return T&&T.__esModule?T:{default:T}};Object.defineProperty(r,"__esModule",{value:!0}),r.parse=d,r.fixupTypes=p,r.normalizeType=v;let l=o(155),c=o(662),h=o(91),f=a(o(666)),u=c.Grammar.fromCompiled(f.default);function d(T,S={}){let C=T.split(`
+`).map(N=>N.trim()).filter(N=>N),E=[],y=[];C.forEach(N=>{N.startsWith("#")||(N.startsWith("==")?(y.push(S.ros2===!0?(0,h.buildRos2Type)(E):_(E,u)),E=[]):E.push({line:N}))}),y.push(S.ros2===!0?(0,h.buildRos2Type)(E):_(E,u));let M=[],V=y.filter(N=>M.find(L=>(0,l.isMsgDefEqual)(N,L))?!1:M.push(N));return S.skipTypeFixup!==!0&&p(V),V}function p(T){T.forEach(({definitions:S,name:C})=>{S.forEach(E=>{if(E.isComplex===!0){let y=C?.split("/").slice(0,-1).join("/"),M=g(T,E.type,y).name;if(M==null)throw new Error(`Missing type definition for ${E.type}`);E.type=M}})})}function _(T,S){let C=[],E;return T.forEach(({line:y})=>{if(y.startsWith("MSG:")){let[L,B]=m(y);E=B?.trim();return}let M=new c.Parser(S);M.feed(y);let V=M.finish();if(V.length===0)throw new Error(`Could not parse line: '${y}'`);if(V.length>1)throw new Error(`Ambiguous line: '${y}'`);let N=V[0];N!=null&&(N.type=v(N.type),C.push(N))}),{name:E,definitions:C}}function m(T){return T.replace(/#.*/gi,"").split(" ").filter(S=>S)}function g(T,S,C){let E=T.filter(y=>{let M=y.name??"";return S.length===0?M.length===0:S.includes("/")?M===S:S==="Header"?M==="std_msgs/Header":C?M===`${C}/${S}`:M.endsWith(`/${S}`)});if(E[0]==null)throw new Error(`Expected 1 top level type definition for '${S}' but found ${E.length}`);if(E.length>1)throw new Error(`Cannot unambiguously determine fully-qualified type name for '${S}'`);return E[0]}function v(T){return T==="char"?"uint8":T==="byte"?"int8":T}})},t={};function e(s){var r=t[s];if(r!==void 0)return r.exports;var o=t[s]={exports:{}};return n[s].call(o.exports,o,o.exports,e),o.exports}e.d=(s,r)=>{for(var o in r)e.o(r,o)&&!e.o(s,o)&&Object.defineProperty(s,o,{enumerable:!0,get:r[o]})},e.o=(s,r)=>Object.prototype.hasOwnProperty.call(s,r),e.r=s=>{typeof Symbol<"u"&&Symbol.toStringTag&&Object.defineProperty(s,Symbol.toStringTag,{value:"Module"}),Object.defineProperty(s,"__esModule",{value:!0})};var i=e(881);rg.exports=i})()});var Ul=si(ra=>{"use strict";Object.defineProperty(ra,"__esModule",{value:!0});ra.EncapsulationKind=void 0;var gS;(function(n){n[n.CDR_BE=0]="CDR_BE",n[n.CDR_LE=1]="CDR_LE",n[n.PL_CDR_BE=2]="PL_CDR_BE",n[n.PL_CDR_LE=3]="PL_CDR_LE",n[n.CDR2_BE=16]="CDR2_BE",n[n.CDR2_LE=17]="CDR2_LE",n[n.PL_CDR2_BE=18]="PL_CDR2_BE",n[n.PL_CDR2_LE=19]="PL_CDR2_LE",n[n.DELIMITED_CDR2_BE=20]="DELIMITED_CDR2_BE",n[n.DELIMITED_CDR2_LE=21]="DELIMITED_CDR2_LE",n[n.RTPS_CDR2_BE=6]="RTPS_CDR2_BE",n[n.RTPS_CDR2_LE=7]="RTPS_CDR2_LE",n[n.RTPS_DELIMITED_CDR2_BE=8]="RTPS_DELIMITED_CDR2_BE",n[n.RTPS_DELIMITED_CDR2_LE=9]="RTPS_DELIMITED_CDR2_LE",n[n.RTPS_PL_CDR2_BE=10]="RTPS_PL_CDR2_BE",n[n.RTPS_PL_CDR2_LE=11]="RTPS_PL_CDR2_LE"})(gS=ra.EncapsulationKind||(ra.EncapsulationKind={}))});var lf=si(Fl=>{"use strict";Object.defineProperty(Fl,"__esModule",{value:!0});Fl.getEncapsulationKindInfo=void 0;var wn=Ul(),_S=n=>{let t=n>wn.EncapsulationKind.PL_CDR_LE,e=n===wn.EncapsulationKind.CDR_LE||n===wn.EncapsulationKind.PL_CDR_LE||n===wn.EncapsulationKind.CDR2_LE||n===wn.EncapsulationKind.PL_CDR2_LE||n===wn.EncapsulationKind.DELIMITED_CDR2_LE||n===wn.EncapsulationKind.RTPS_CDR2_LE||n===wn.EncapsulationKind.RTPS_PL_CDR2_LE||n===wn.EncapsulationKind.RTPS_DELIMITED_CDR2_LE,i=n===wn.EncapsulationKind.DELIMITED_CDR2_BE||n===wn.EncapsulationKind.DELIMITED_CDR2_LE||n===wn.EncapsulationKind.RTPS_DELIMITED_CDR2_BE||n===wn.EncapsulationKind.RTPS_DELIMITED_CDR2_LE,s=n===wn.EncapsulationKind.PL_CDR2_BE||n===wn.EncapsulationKind.PL_CDR2_LE||n===wn.EncapsulationKind.RTPS_PL_CDR2_BE||n===wn.EncapsulationKind.RTPS_PL_CDR2_LE,r=n===wn.EncapsulationKind.PL_CDR_BE||n===wn.EncapsulationKind.PL_CDR_LE;return{isCDR2:t,littleEndian:e,usesDelimiterHeader:i||s,usesMemberHeader:s||r}};Fl.getEncapsulationKindInfo=_S});var cf=si(Bl=>{"use strict";Object.defineProperty(Bl,"__esModule",{value:!0});Bl.isBigEndian=void 0;var ag=new Uint8Array(4),yS=new Uint32Array(ag.buffer);yS[0]=1;function xS(){return ag[3]===1}Bl.isBigEndian=xS});var hf=si(to=>{"use strict";Object.defineProperty(to,"__esModule",{value:!0});to.lengthCodeToObjectSizes=to.getLengthCodeForObjectSize=void 0;function vS(n){let t;switch(n){case 1:t=0;break;case 2:t=1;break;case 4:t=2;break;case 8:t=3;break}if(t==null){if(n>4294967295)throw Error(`Object size ${n} for EMHEADER too large without specifying length code. Max size is ${4294967295}`);t=4}return t}to.getLengthCodeForObjectSize=vS;to.lengthCodeToObjectSizes={0:1,1:2,2:4,3:8}});var uf=si(eo=>{"use strict";Object.defineProperty(eo,"__esModule",{value:!0});eo.SENTINEL_PID=eo.EXTENDED_PID=void 0;eo.EXTENDED_PID=16129;eo.SENTINEL_PID=16130});var lg=si(kl=>{"use strict";Object.defineProperty(kl,"__esModule",{value:!0});kl.CdrReader=void 0;var SS=lf(),bS=cf(),MS=hf(),oa=uf(),wS=new TextDecoder("utf8"),ff=class n{constructor(t){if(this.origin=0,t.byteLength<4)throw new Error(`Invalid CDR data size ${t.byteLength}, must contain at least a 4-byte header`);this.view=new DataView(t.buffer,t.byteOffset,t.byteLength);let e=this.kind,{isCDR2:i,littleEndian:s,usesDelimiterHeader:r,usesMemberHeader:o}=(0,SS.getEncapsulationKindInfo)(e);this.usesDelimiterHeader=r,this.usesMemberHeader=o,this.littleEndian=s,this.hostLittleEndian=!(0,bS.isBigEndian)(),this.isCDR2=i,this.eightByteAlignment=i?4:8,this.origin=4,this.offset=4}get kind(){return this.view.getUint8(1)}get decodedBytes(){return this.offset}get byteLength(){return this.view.byteLength}int8(){let t=this.view.getInt8(this.offset);return this.offset+=1,t}uint8(){let t=this.view.getUint8(this.offset);return this.offset+=1,t}int16(){this.align(2);let t=this.view.getInt16(this.offset,this.littleEndian);return this.offset+=2,t}uint16(){this.align(2);let t=this.view.getUint16(this.offset,this.littleEndian);return this.offset+=2,t}int32(){this.align(4);let t=this.view.getInt32(this.offset,this.littleEndian);return this.offset+=4,t}uint32(){this.align(4);let t=this.view.getUint32(this.offset,this.littleEndian);return this.offset+=4,t}int64(){this.align(this.eightByteAlignment);let t=this.view.getBigInt64(this.offset,this.littleEndian);return this.offset+=8,t}uint64(){this.align(this.eightByteAlignment);let t=this.view.getBigUint64(this.offset,this.littleEndian);return this.offset+=8,t}uint16BE(){this.align(2);let t=this.view.getUint16(this.offset,!1);return this.offset+=2,t}uint32BE(){this.align(4);let t=this.view.getUint32(this.offset,!1);return this.offset+=4,t}uint64BE(){this.align(this.eightByteAlignment);let t=this.view.getBigUint64(this.offset,!1);return this.offset+=8,t}float32(){this.align(4);let t=this.view.getFloat32(this.offset,this.littleEndian);return this.offset+=4,t}float64(){this.align(this.eightByteAlignment);let t=this.view.getFloat64(this.offset,this.littleEndian);return this.offset+=8,t}string(t){let e=t??this.uint32();if(e<=1)return this.offset+=e,"";let i=new Uint8Array(this.view.buffer,this.view.byteOffset+this.offset,e-1),s=wS.decode(i);return this.offset+=e,s}dHeader(){return this.uint32()}emHeader(){return this.isCDR2?this.memberHeaderV2():this.memberHeaderV1()}memberHeaderV1(){this.align(4);let t=this.uint16(),e=(t&16384)>>14===1,i=(t&32768)>>15===1,s=(t&16383)===oa.EXTENDED_PID;if((t&16383)===oa.SENTINEL_PID)return this.uint16(),{id:oa.SENTINEL_PID,objectSize:0,mustUnderstand:!1,readSentinelHeader:!0};if((t&16383)>oa.SENTINEL_PID||i)throw new Error(`Unsupported parameter ID header ${t.toString(16)}`);s&&this.uint16();let a=s?this.uint32():t&16383,l=s?this.uint32():this.uint16();return this.resetOrigin(),{id:a,objectSize:l,mustUnderstand:e}}resetOrigin(){this.origin=this.offset}isPresentFlag(){if(!this.isCDR2)throw new Error("isPresentFlag is only supported for CDR2");return!!this.uint8()}sentinelHeader(){return this.isCDR2?!1:(this.align(4),(this.uint16()&16383)===oa.SENTINEL_PID?(this.uint16(),!0):!1)}memberHeaderV2(){let t=this.uint32(),e=Math.abs((t&2147483648)>>31)===1,i=(t&1879048192)>>28,s=t&268435455,r=this.emHeaderObjectSize(i);return{mustUnderstand:e,id:s,objectSize:r,lengthCode:i}}emHeaderObjectSize(t){switch(t){case 0:case 1:case 2:case 3:return MS.lengthCodeToObjectSizes[t];case 4:case 5:return this.uint32();case 6:return 4*this.uint32();case 7:return 8*this.uint32();default:throw new Error(`Invalid length code ${t} in EMHEADER at offset ${this.offset-4}`)}}sequenceLength(){return this.uint32()}int8Array(t=this.sequenceLength()){let e=new Int8Array(this.view.buffer,this.view.byteOffset+this.offset,t);return this.offset+=t,e}uint8Array(t=this.sequenceLength()){let e=new Uint8Array(this.view.buffer,this.view.byteOffset+this.offset,t);return this.offset+=t,e}int16Array(t=this.sequenceLength()){return this.typedArray(Int16Array,"getInt16",t)}uint16Array(t=this.sequenceLength()){return this.typedArray(Uint16Array,"getUint16",t)}int32Array(t=this.sequenceLength()){return this.typedArray(Int32Array,"getInt32",t)}uint32Array(t=this.sequenceLength()){return this.typedArray(Uint32Array,"getUint32",t)}int64Array(t=this.sequenceLength()){return this.typedArray(BigInt64Array,"getBigInt64",t,this.eightByteAlignment)}uint64Array(t=this.sequenceLength()){return this.typedArray(BigUint64Array,"getBigUint64",t,this.eightByteAlignment)}float32Array(t=this.sequenceLength()){return this.typedArray(Float32Array,"getFloat32",t)}float64Array(t=this.sequenceLength()){return this.typedArray(Float64Array,"getFloat64",t,this.eightByteAlignment)}stringArray(t=this.sequenceLength()){let e=[];for(let i=0;i<t;i++)e.push(this.string());return e}seek(t){let e=this.offset+t;if(e<4||e>this.view.byteLength)throw new Error(`seek(${t}) failed, ${e} is outside the data range`);this.offset=e}seekTo(t){if(t<4||t>this.view.byteLength)throw new Error(`seekTo(${t}) failed, value is outside the data range`);this.offset=t}clone(){let t=new n(this.view);return t.offset=this.offset,t.origin=this.origin,t}limit(t){let e=this.offset+t;if(e<=this.view.byteLength)this.view=new DataView(this.view.buffer,this.view.byteOffset,e);else throw new RangeError(`length ${t} exceeds byte length of view`)}isAtEnd(){return this.offset>=this.view.byteLength}align(t){let e=(this.offset-this.origin)%t;e>0&&(this.offset+=t-e)}typedArray(t,e,i,s=t.BYTES_PER_ELEMENT){if(i===0)return new t;this.align(s);let r=this.view.byteOffset+this.offset;if(this.littleEndian!==this.hostLittleEndian)return this.typedArraySlow(t,e,i);if(r%t.BYTES_PER_ELEMENT===0){let o=new t(this.view.buffer,r,i);return this.offset+=t.BYTES_PER_ELEMENT*i,o}else return this.typedArrayUnaligned(t,e,i)}typedArrayUnaligned(t,e,i){if(i<10)return this.typedArraySlow(t,e,i);let s=t.BYTES_PER_ELEMENT*i,r=new Uint8Array(s);return r.set(new Uint8Array(this.view.buffer,this.view.byteOffset+this.offset,s)),this.offset+=s,new t(r.buffer,r.byteOffset,i)}typedArraySlow(t,e,i){let s=new t(i),r=this.offset;for(let o=0;o<i;o++)s[o]=this.view[e](r,this.littleEndian),r+=t.BYTES_PER_ELEMENT;return this.offset=r,s}};kl.CdrReader=ff});var cg=si(zl=>{"use strict";Object.defineProperty(zl,"__esModule",{value:!0});zl.CdrSizeCalculator=void 0;var df=class{constructor(){this.offset=4}get size(){return this.offset}int8(){return this.incrementAndReturn(1)}uint8(){return this.incrementAndReturn(1)}int16(){return this.incrementAndReturn(2)}uint16(){return this.incrementAndReturn(2)}int32(){return this.incrementAndReturn(4)}uint32(){return this.incrementAndReturn(4)}int64(){return this.incrementAndReturn(8)}uint64(){return this.incrementAndReturn(8)}float32(){return this.incrementAndReturn(4)}float64(){return this.incrementAndReturn(8)}string(t){return this.uint32(),this.offset+=t+1,this.offset}sequenceLength(){return this.uint32()}incrementAndReturn(t){let e=(this.offset-4)%t;return e>0&&(this.offset+=t-e),this.offset+=t,this.offset}};zl.CdrSizeCalculator=df});var fg=si(Hl=>{"use strict";Object.defineProperty(Hl,"__esModule",{value:!0});Hl.CdrWriter=void 0;var ES=Ul(),AS=lf(),TS=cf(),hg=hf(),ug=uf(),CS=new TextEncoder,aa=class n{constructor(t={}){t.buffer!=null?this.buffer=t.buffer:t.size!=null?this.buffer=new ArrayBuffer(t.size):this.buffer=new ArrayBuffer(n.DEFAULT_CAPACITY);let e=t.kind??ES.EncapsulationKind.CDR_LE,{isCDR2:i,littleEndian:s}=(0,AS.getEncapsulationKindInfo)(e);this.isCDR2=i,this.littleEndian=s,this.hostLittleEndian=!(0,TS.isBigEndian)(),this.eightByteAlignment=i?4:8,this.array=new Uint8Array(this.buffer),this.view=new DataView(this.buffer),this.resizeIfNeeded(4),this.view.setUint8(0,0),this.view.setUint8(1,e),this.view.setUint16(2,0,!1),this.offset=4,this.origin=4}get data(){return new Uint8Array(this.buffer,0,this.offset)}get size(){return this.offset}get kind(){return this.view.getUint8(1)}int8(t){return this.resizeIfNeeded(1),this.view.setInt8(this.offset,t),this.offset+=1,this}uint8(t){return this.resizeIfNeeded(1),this.view.setUint8(this.offset,t),this.offset+=1,this}int16(t){return this.align(2),this.view.setInt16(this.offset,t,this.littleEndian),this.offset+=2,this}uint16(t){return this.align(2),this.view.setUint16(this.offset,t,this.littleEndian),this.offset+=2,this}int32(t){return this.align(4),this.view.setInt32(this.offset,t,this.littleEndian),this.offset+=4,this}uint32(t){return this.align(4),this.view.setUint32(this.offset,t,this.littleEndian),this.offset+=4,this}int64(t){return this.align(this.eightByteAlignment,8),this.view.setBigInt64(this.offset,t,this.littleEndian),this.offset+=8,this}uint64(t){return this.align(this.eightByteAlignment,8),this.view.setBigUint64(this.offset,t,this.littleEndian),this.offset+=8,this}uint16BE(t){return this.align(2),this.view.setUint16(this.offset,t,!1),this.offset+=2,this}uint32BE(t){return this.align(4),this.view.setUint32(this.offset,t,!1),this.offset+=4,this}uint64BE(t){return this.align(this.eightByteAlignment,8),this.view.setBigUint64(this.offset,t,!1),this.offset+=8,this}float32(t){return this.align(4),this.view.setFloat32(this.offset,t,this.littleEndian),this.offset+=4,this}float64(t){return this.align(this.eightByteAlignment,8),this.view.setFloat64(this.offset,t,this.littleEndian),this.offset+=8,this}string(t,e=!0){let i=t.length;return e&&this.uint32(i+1),this.resizeIfNeeded(i+1),CS.encodeInto(t,new Uint8Array(this.buffer,this.offset,i)),this.view.setUint8(this.offset+i,0),this.offset+=i+1,this}dHeader(t){let e=t;return this.uint32(e),this}emHeader(t,e,i,s){return this.isCDR2?this.memberHeaderV2(t,e,i,s):this.memberHeaderV1(t,e,i)}memberHeaderV1(t,e,i){this.align(4);let s=t?16384:0;if(e>16128||i>65535){let o=s|ug.EXTENDED_PID;this.uint16(o),this.uint16(8),this.uint32(e),this.uint32(i)}else{let o=s|e;this.uint16(o);let a=i&65535;this.uint16(a)}return this.resetOrigin(),this}resetOrigin(){this.origin=this.offset}presentFlag(t){if(!this.isCDR2)throw new Error("presentFlag is only supported for CDR2");return this.uint8(t?1:0),this}sentinelHeader(){return this.isCDR2||(this.align(4),this.uint16(ug.SENTINEL_PID),this.uint16(0)),this}memberHeaderV2(t,e,i,s){if(e>268435455)throw Error(`Member ID ${e} is too large. Max value is 268435455`);let r=t?1<<31:0,o=s??(0,hg.getLengthCodeForObjectSize)(i),a=r|o<<28|e;switch(this.uint32(a),o){case 0:case 1:case 2:case 3:{let l=hg.lengthCodeToObjectSizes[o];if(i!==l)throw new Error(`Cannot write a length code ${o} header with an object size not equal to ${l}`);break}case 4:case 5:this.uint32(i);break;case 6:if(i%4!==0)throw new Error("Cannot write a length code 6 header with an object size that is not a multiple of 4");this.uint32(i>>2);break;case 7:if(i%8!==0)throw new Error("Cannot write a length code 7 header with an object size that is not a multiple of 8");this.uint32(i>>3);break;default:throw new Error(`Unexpected length code ${o}`)}return this}sequenceLength(t){return this.uint32(t)}int8Array(t,e){return e===!0&&this.sequenceLength(t.length),this.resizeIfNeeded(t.length),this.array.set(t,this.offset),this.offset+=t.length,this}uint8Array(t,e){return e===!0&&this.sequenceLength(t.length),this.resizeIfNeeded(t.length),this.array.set(t,this.offset),this.offset+=t.length,this}int16Array(t,e){if(e===!0&&this.sequenceLength(t.length),t instanceof Int16Array&&this.littleEndian===this.hostLittleEndian&&t.length>=n.BUFFER_COPY_THRESHOLD)this.align(t.BYTES_PER_ELEMENT,t.byteLength),this.array.set(new Uint8Array(t.buffer,t.byteOffset,t.byteLength),this.offset),this.offset+=t.byteLength;else for(let i of t)this.int16(i);return this}uint16Array(t,e){if(e===!0&&this.sequenceLength(t.length),t instanceof Uint16Array&&this.littleEndian===this.hostLittleEndian&&t.length>=n.BUFFER_COPY_THRESHOLD)this.align(t.BYTES_PER_ELEMENT,t.byteLength),this.array.set(new Uint8Array(t.buffer,t.byteOffset,t.byteLength),this.offset),this.offset+=t.byteLength;else for(let i of t)this.uint16(i);return this}int32Array(t,e){if(e===!0&&this.sequenceLength(t.length),t instanceof Int32Array&&this.littleEndian===this.hostLittleEndian&&t.length>=n.BUFFER_COPY_THRESHOLD)this.align(t.BYTES_PER_ELEMENT,t.byteLength),this.array.set(new Uint8Array(t.buffer,t.byteOffset,t.byteLength),this.offset),this.offset+=t.byteLength;else for(let i of t)this.int32(i);return this}uint32Array(t,e){if(e===!0&&this.sequenceLength(t.length),t instanceof Uint32Array&&this.littleEndian===this.hostLittleEndian&&t.length>=n.BUFFER_COPY_THRESHOLD)this.align(t.BYTES_PER_ELEMENT,t.byteLength),this.array.set(new Uint8Array(t.buffer,t.byteOffset,t.byteLength),this.offset),this.offset+=t.byteLength;else for(let i of t)this.uint32(i);return this}int64Array(t,e){if(e===!0&&this.sequenceLength(t.length),t instanceof BigInt64Array&&this.littleEndian===this.hostLittleEndian&&t.length>=n.BUFFER_COPY_THRESHOLD)this.align(t.BYTES_PER_ELEMENT,t.byteLength),this.array.set(new Uint8Array(t.buffer,t.byteOffset,t.byteLength),this.offset),this.offset+=t.byteLength;else for(let i of t)this.int64(BigInt(i));return this}uint64Array(t,e){if(e===!0&&this.sequenceLength(t.length),t instanceof BigUint64Array&&this.littleEndian===this.hostLittleEndian&&t.length>=n.BUFFER_COPY_THRESHOLD)this.align(t.BYTES_PER_ELEMENT,t.byteLength),this.array.set(new Uint8Array(t.buffer,t.byteOffset,t.byteLength),this.offset),this.offset+=t.byteLength;else for(let i of t)this.uint64(BigInt(i));return this}float32Array(t,e){if(e===!0&&this.sequenceLength(t.length),t instanceof Float32Array&&this.littleEndian===this.hostLittleEndian&&t.length>=n.BUFFER_COPY_THRESHOLD)this.align(t.BYTES_PER_ELEMENT,t.byteLength),this.array.set(new Uint8Array(t.buffer,t.byteOffset,t.byteLength),this.offset),this.offset+=t.byteLength;else for(let i of t)this.float32(i);return this}float64Array(t,e){if(e===!0&&this.sequenceLength(t.length),t instanceof Float64Array&&this.littleEndian===this.hostLittleEndian&&t.length>=n.BUFFER_COPY_THRESHOLD)this.align(t.BYTES_PER_ELEMENT,t.byteLength),this.array.set(new Uint8Array(t.buffer,t.byteOffset,t.byteLength),this.offset),this.offset+=t.byteLength;else for(let i of t)this.float64(i);return this}align(t,e=t){let i=(this.offset-this.origin)%t,s=i>0?t-i:0;this.resizeIfNeeded(s+e),this.array.fill(0,this.offset,this.offset+s),this.offset+=s}resizeIfNeeded(t){let e=this.offset+t;if(this.buffer.byteLength<e){let i=this.buffer.byteLength*2,s=i>e?i:e;this.resize(s)}}resize(t){if(this.buffer.byteLength>=t)return;let e=new ArrayBuffer(t),i=new Uint8Array(e);i.set(this.array),this.buffer=e,this.array=i,this.view=new DataView(e)}};Hl.CdrWriter=aa;aa.DEFAULT_CAPACITY=16;aa.BUFFER_COPY_THRESHOLD=10});var pf=si(rs=>{"use strict";var RS=rs&&rs.__createBinding||(Object.create?(function(n,t,e,i){i===void 0&&(i=e),Object.defineProperty(n,i,{enumerable:!0,get:function(){return t[e]}})}):(function(n,t,e,i){i===void 0&&(i=e),n[i]=t[e]})),Vl=rs&&rs.__exportStar||function(n,t){for(var e in n)e!=="default"&&!Object.prototype.hasOwnProperty.call(t,e)&&RS(t,n,e)};Object.defineProperty(rs,"__esModule",{value:!0});Vl(lg(),rs);Vl(cg(),rs);Vl(fg(),rs);Vl(Ul(),rs)});var gf=si(mf=>{"use strict";Object.defineProperty(mf,"__esModule",{value:!0});mf.messageDefinitionHasDataFields=IS;function IS(n){return n.some(t=>t.isConstant!==!0)}});var xg=si(Ws=>{"use strict";var os=Ws&&Ws.__classPrivateFieldGet||function(n,t,e,i){if(e==="a"&&!i)throw new TypeError("Private accessor was defined without a getter");if(typeof t=="function"?n!==t||!i:!t.has(n))throw new TypeError("Cannot read private member from an object whose class did not declare it");return e==="m"?i:e==="a"?i.call(n):i?i.value:t.get(n)},la=Ws&&Ws.__classPrivateFieldSet||function(n,t,e,i,s){if(i==="m")throw new TypeError("Private method is not writable");if(i==="a"&&!s)throw new TypeError("Private accessor was defined without a setter");if(typeof t=="function"?n!==t||!s:!t.has(n))throw new TypeError("Cannot write private member to an object whose class did not declare it");return i==="a"?s.call(n,e):s?s.value=e:t.set(n,e),e},ha,Gl,$l,ca,Wl,ua,mg;Object.defineProperty(Ws,"__esModule",{value:!0});Ws.MessageReader=void 0;var PS=pf(),LS=gf(),_f=class{lastReadHadTrailingBytes(){return os(this,Wl,"f")}lastReadByteLength(){return os(this,ca,"f")}constructor(t,e={}){ha.add(this),Gl.set(this,void 0),$l.set(this,void 0),ca.set(this,0),Wl.set(this,!1),ua.set(this,void 0);let{timeType:i="sec,nanosec"}=e,s=t.find(r=>!DS(r));if(s==null)throw new Error("MessageReader initialized with no root MessageDefinition");la(this,Gl,s.definitions,"f"),la(this,$l,new Map(t.map(r=>[r.name??"",r.definitions])),"f"),la(this,ua,i==="sec,nsec","f")}readMessage(t){let e=new PS.CdrReader(t),i=os(this,ha,"m",mg).call(this,os(this,Gl,"f"),e);return la(this,ca,e.decodedBytes,"f"),la(this,Wl,os(this,ca,"f")<t.byteLength,"f"),i}};Ws.MessageReader=_f;Gl=new WeakMap,$l=new WeakMap,ca=new WeakMap,Wl=new WeakMap,ua=new WeakMap,ha=new WeakSet,mg=function n(t,e){let i={};if(!(0,LS.messageDefinitionHasDataFields)(t))return e.uint8(),i;for(let s of t)if(s.isConstant!==!0)if(s.isComplex===!0){let r=os(this,$l,"f").get(s.type);if(r==null)throw new Error(`Unrecognized complex type ${s.type}`);if(s.isArray===!0){let o=s.arrayLength??e.sequenceLength(),a=[];for(let l=0;l<o;l++)a.push(os(this,ha,"m",n).call(this,r,e));i[s.name]=a}else i[s.name]=os(this,ha,"m",n).call(this,r,e)}else if(s.isArray===!0){let r=(os(this,ua,"f")?OS:_g).get(s.type);if(r==null)throw new Error(`Unrecognized primitive array type ${s.type}[]`);let o=s.arrayLength??e.sequenceLength();i[s.name]=r(e,o)}else{let r=(os(this,ua,"f")?NS:gg).get(s.type);if(r==null)throw new Error(`Unrecognized primitive type ${s.type}`);i[s.name]=r(e)}return i};function DS(n){return n.definitions.length>0&&n.definitions.every(t=>t.isConstant)}var gg=new Map([["bool",n=>!!n.int8()],["int8",n=>n.int8()],["uint8",n=>n.uint8()],["int16",n=>n.int16()],["uint16",n=>n.uint16()],["int32",n=>n.int32()],["uint32",n=>n.uint32()],["int64",n=>n.int64()],["uint64",n=>n.uint64()],["float32",n=>n.float32()],["float64",n=>n.float64()],["string",n=>n.string()],["wstring",yg],["time",n=>({sec:n.int32(),nanosec:n.uint32()})],["duration",n=>({sec:n.int32(),nanosec:n.uint32()})]]),NS=new Map([...gg,["time",n=>({sec:n.int32(),nsec:n.uint32()})],["duration",n=>({sec:n.int32(),nsec:n.uint32()})]]),_g=new Map([["bool",US],["int8",(n,t)=>n.int8Array(t)],["uint8",(n,t)=>n.uint8Array(t)],["int16",(n,t)=>n.int16Array(t)],["uint16",(n,t)=>n.uint16Array(t)],["int32",(n,t)=>n.int32Array(t)],["uint32",(n,t)=>n.uint32Array(t)],["int64",(n,t)=>n.int64Array(t)],["uint64",(n,t)=>n.uint64Array(t)],["float32",(n,t)=>n.float32Array(t)],["float64",(n,t)=>n.float64Array(t)],["string",FS],["wstring",yg],["time",pg],["duration",pg]]),OS=new Map([..._g,["time",dg],["duration",dg]]);function US(n,t){let e=new Array(t);for(let i=0;i<t;i++)e[i]=!!n.int8();return e}function FS(n,t){let e=new Array(t);for(let i=0;i<t;i++)e[i]=n.string();return e}function dg(n,t){let e=new Array(t);for(let i=0;i<t;i++){let s=n.int32(),r=n.uint32();e[i]={sec:s,nsec:r}}return e}function pg(n,t){let e=new Array(t);for(let i=0;i<t;i++){let s=n.int32(),r=n.uint32();e[i]={sec:s,nanosec:r}}return e}function yg(){throw new Error("wstring is implementation-defined and therefore not supported")}});var Cg=si($s=>{"use strict";var vg=$s&&$s.__classPrivateFieldSet||function(n,t,e,i,s){if(i==="m")throw new TypeError("Private method is not writable");if(i==="a"&&!s)throw new TypeError("Private accessor was defined without a setter");if(typeof t=="function"?n!==t||!s:!t.has(n))throw new TypeError("Cannot write private member to an object whose class did not declare it");return i==="a"?s.call(n,e):s?s.value=e:t.set(n,e),e},Ln=$s&&$s.__classPrivateFieldGet||function(n,t,e,i){if(e==="a"&&!i)throw new TypeError("Private accessor was defined without a getter");if(typeof t=="function"?n!==t||!i:!t.has(n))throw new TypeError("Cannot read private member from an object whose class did not declare it");return e==="m"?i:e==="a"?i.call(n):i?i.value:t.get(n)},Fn,pa,ql,Eg,Ag,fa,Xl,Sg,bg;Object.defineProperty($s,"__esModule",{value:!0});$s.MessageWriter=void 0;var BS=pf(),Mg=gf(),kS=new Map([["bool",1],["int8",1],["uint8",1],["int16",2],["uint16",2],["int32",4],["uint32",4],["int64",8],["uint64",8],["float32",4],["float64",8],["time",8],["duration",8]]),zS=new Map([["bool",GS],["int8",WS],["uint8",Tg],["int16",$S],["uint16",XS],["int32",qS],["uint32",YS],["int64",ZS],["uint64",KS],["float32",JS],["float64",jS],["string",QS],["time",Yl],["duration",Yl],["wstring",vf]]),HS=new Map([["bool",tb],["int8",eb],["uint8",nb],["int16",ib],["uint16",sb],["int32",rb],["uint32",ob],["int64",ab],["uint64",lb],["float32",cb],["float64",hb],["string",ub],["time",wg],["duration",wg],["wstring",vf]]);function vf(){throw new Error("wstring is implementation-defined and therefore not supported")}var xf=class{constructor(t){Fn.add(this),pa.set(this,void 0),ql.set(this,void 0);let e=t.find(i=>!VS(i));if(e==null)throw new Error("MessageReader initialized with no root MessageDefinition");vg(this,pa,e.definitions,"f"),vg(this,ql,new Map(t.map(i=>[i.name??"",i.definitions])),"f")}calculateByteSize(t){return Ln(this,Fn,"m",Eg).call(this,Ln(this,pa,"f"),t,4)}writeMessage(t,e){let i=new BS.CdrWriter({buffer:e,size:e?void 0:this.calculateByteSize(t)});return Ln(this,Fn,"m",Ag).call(this,Ln(this,pa,"f"),t,i),i.data}};$s.MessageWriter=xf;pa=new WeakMap,ql=new WeakMap,Fn=new WeakSet,Eg=function n(t,e,i){let s=e,r=i;if(!(0,Mg.messageDefinitionHasDataFields)(t))return i+Ln(this,Fn,"m",Xl).call(this,"uint8");for(let o of t){if(o.isConstant===!0)continue;let a=s?.[o.name];if(o.isArray===!0){let l=o.arrayLength??yf(a),h=Array.isArray(a)||ArrayBuffer.isView(a)?a:[];if(o.arrayLength==null&&(r+=da(r,4),r+=4),o.isComplex===!0){let f=Ln(this,Fn,"m",fa).call(this,o.type);for(let u=0;u<l;u++){let d=h[u]??{};r=Ln(this,Fn,"m",n).call(this,f,d,r)}}else if(o.type==="string")for(let f=0;f<l;f++){let u=h[f]??"";r+=da(r,4),r+=4+u.length+1}else{let f=Ln(this,Fn,"m",Xl).call(this,o.type),u=o.type==="time"||o.type==="duration"?4:f;r+=da(r,u),r+=f*l}}else if(o.isComplex===!0){let l=Ln(this,Fn,"m",fa).call(this,o.type),c=a??{};r=Ln(this,Fn,"m",n).call(this,l,c,r)}else if(o.type==="string"){let l=typeof a=="string"?a:"";r+=da(r,4),r+=4+l.length+1}else{let l=Ln(this,Fn,"m",Xl).call(this,o.type),c=o.type==="time"||o.type==="duration"?4:l;r+=da(r,c),r+=l}}return r},Ag=function n(t,e,i){let s=e;if(!(0,Mg.messageDefinitionHasDataFields)(t)){Tg(0,0,i);return}for(let r of t){if(r.isConstant===!0)continue;let o=s?.[r.name];if(r.isArray===!0){let a=r.arrayLength??yf(o),c=Array.isArray(o)||ArrayBuffer.isView(o)?o:[];if(r.arrayLength==null&&i.sequenceLength(a),r.arrayLength!=null&&o!=null){let h=yf(o);if(h!==r.arrayLength)throw new Error(`Expected ${r.arrayLength} items for fixed-length array field ${r.name} but received ${h}`)}if(r.isComplex===!0){let h=Ln(this,Fn,"m",fa).call(this,r.type);for(let f=0;f<a;f++){let u=c[f]??{};Ln(this,Fn,"m",n).call(this,h,u,i)}}else Ln(this,Fn,"m",bg).call(this,r.type)(o,r.defaultValue,i,r.arrayLength)}else if(r.isComplex===!0){let a=Ln(this,Fn,"m",fa).call(this,r.type),l=o??{};Ln(this,Fn,"m",n).call(this,a,l,i)}else Ln(this,Fn,"m",Sg).call(this,r.type)(o,r.defaultValue,i)}},fa=function(t){let e=Ln(this,ql,"f").get(t);if(e==null)throw new Error(`Unrecognized complex type ${t}`);return e},Xl=function(t){let e=kS.get(t);if(e==null)throw t==="wstring"&&vf(),new Error(`Unrecognized primitive type ${t}`);return e},Sg=function(t){let e=zS.get(t);if(e==null)throw new Error(`Unrecognized primitive type ${t}`);return e},bg=function(t){let e=HS.get(t);if(e==null)throw new Error(`Unrecognized primitive type ${t}[]`);return e};function VS(n){return n.definitions.length>0&&n.definitions.every(t=>t.isConstant)}function yf(n){let t=n?.length;return typeof t=="number"?t:0}function GS(n,t,e){let i=typeof n=="boolean"?n:t??!1;e.int8(i?1:0)}function WS(n,t,e){e.int8(typeof n=="number"?n:t??0)}function Tg(n,t,e){e.uint8(typeof n=="number"?n:t??0)}function $S(n,t,e){e.int16(typeof n=="number"?n:t??0)}function XS(n,t,e){e.uint16(typeof n=="number"?n:t??0)}function qS(n,t,e){e.int32(typeof n=="number"?n:t??0)}function YS(n,t,e){e.uint32(typeof n=="number"?n:t??0)}function ZS(n,t,e){typeof n=="bigint"?e.int64(n):typeof n=="number"?e.int64(BigInt(n)):e.int64(t??0n)}function KS(n,t,e){typeof n=="bigint"?e.uint64(n):typeof n=="number"?e.uint64(BigInt(n)):e.uint64(t??0n)}function JS(n,t,e){e.float32(typeof n=="number"?n:t??0)}function jS(n,t,e){e.float64(typeof n=="number"?n:t??0)}function QS(n,t,e){e.string(typeof n=="string"?n:t??"")}function Yl(n,t,e){if(n==null){e.int32(0),e.uint32(0);return}let i=n;e.int32(i.sec??0),e.uint32(i.nsec??i.nanosec??0)}function tb(n,t,e,i){if(Array.isArray(n)){let s=new Int8Array(n);e.int8Array(s)}else e.int8Array(t??new Int8Array(i??0).fill(0))}function eb(n,t,e,i){if(n instanceof Int8Array)e.int8Array(n);else if(Array.isArray(n)){let s=new Int8Array(n);e.int8Array(s)}else e.int8Array(t??new Int8Array(i??0).fill(0))}function nb(n,t,e,i){if(n instanceof Uint8Array)e.uint8Array(n);else if(n instanceof Uint8ClampedArray)e.uint8Array(new Uint8Array(n));else if(Array.isArray(n)){let s=new Uint8Array(n);e.uint8Array(s)}else e.uint8Array(t??new Uint8Array(i??0).fill(0))}function ib(n,t,e,i){if(n instanceof Int16Array)e.int16Array(n);else if(Array.isArray(n)){let s=new Int16Array(n);e.int16Array(s)}else e.int16Array(t??new Int16Array(i??0).fill(0))}function sb(n,t,e,i){if(n instanceof Uint16Array)e.uint16Array(n);else if(Array.isArray(n)){let s=new Uint16Array(n);e.uint16Array(s)}else e.uint16Array(t??new Uint16Array(i??0).fill(0))}function rb(n,t,e,i){if(n instanceof Int32Array)e.int32Array(n);else if(Array.isArray(n)){let s=new Int32Array(n);e.int32Array(s)}else e.int32Array(t??new Int32Array(i??0).fill(0))}function ob(n,t,e,i){if(n instanceof Uint32Array)e.uint32Array(n);else if(Array.isArray(n)){let s=new Uint32Array(n);e.uint32Array(s)}else e.uint32Array(t??new Uint32Array(i??0).fill(0))}function ab(n,t,e,i){if(n instanceof BigInt64Array)e.int64Array(n);else if(Array.isArray(n)){let s=new BigInt64Array(n);e.int64Array(s)}else e.int64Array(t??new BigInt64Array(i??0).fill(0n))}function lb(n,t,e,i){if(n instanceof BigUint64Array)e.uint64Array(n);else if(Array.isArray(n)){let s=new BigUint64Array(n);e.uint64Array(s)}else e.uint64Array(t??new BigUint64Array(i??0).fill(0n))}function cb(n,t,e,i){if(n instanceof Float32Array)e.float32Array(n);else if(Array.isArray(n)){let s=new Float32Array(n);e.float32Array(s)}else e.float32Array(t??new Float32Array(i??0).fill(0))}function hb(n,t,e,i){if(n instanceof Float64Array)e.float64Array(n);else if(Array.isArray(n)){let s=new Float64Array(n);e.float64Array(s)}else e.float64Array(t??new Float64Array(i??0).fill(0))}function ub(n,t,e,i){if(Array.isArray(n))for(let s of n)e.string(typeof s=="string"?s:"");else{let s=t??new Array(i??0).fill("");for(let r of s)e.string(r)}}function wg(n,t,e,i){if(Array.isArray(n))for(let s of n)Yl(s,void 0,e);else{let s=new Array(i).fill(void 0);for(let r of s)Yl(r,void 0,e)}}function da(n,t){let e=(n-4)%t;return e>0?t-e:0}});var Ig=si(Xs=>{"use strict";var fb=Xs&&Xs.__createBinding||(Object.create?(function(n,t,e,i){i===void 0&&(i=e);var s=Object.getOwnPropertyDescriptor(t,e);(!s||("get"in s?!t.__esModule:s.writable||s.configurable))&&(s={enumerable:!0,get:function(){return t[e]}}),Object.defineProperty(n,i,s)}):(function(n,t,e,i){i===void 0&&(i=e),n[i]=t[e]})),Rg=Xs&&Xs.__exportStar||function(n,t){for(var e in n)e!=="default"&&!Object.prototype.hasOwnProperty.call(t,e)&&fb(t,n,e)};Object.defineProperty(Xs,"__esModule",{value:!0});Rg(xg(),Xs);Rg(Cg(),Xs)});function Q(n){return document.getElementById(n)}function Zt(n,t={},...e){let i=document.createElement(n);for(let[s,r]of Object.entries(t))s.includes("-")||s==="role"||s==="for"?i.setAttribute(s,r):i[s]=r;return i.append(...e.map(s=>s instanceof Node?s:document.createTextNode(String(s)))),i}function ri(n,t={},...e){let i=document.createElementNS("http://www.w3.org/2000/svg",n);for(let[s,r]of Object.entries(t))i.setAttribute(s,r);return i.append(...e),i}function Gt(n,t){n.textContent!==t&&(n.textContent=t)}function Fi(n,t,e,i){for(;n.children.length>t.length;)n.lastElementChild.remove();for(;n.children.length<t.length;)n.append(e());t.forEach((s,r)=>i(n.children[r],s,r))}function an(n,t=3){if(!Number.isFinite(n))return"–";if(n===0)return"0";let e=Math.abs(n);return e>=10**t?Math.round(n).toString():e<1e-4?n.toExponential(1):n.toFixed(Math.max(0,t-1-Math.floor(Math.log10(e))))}function zs(n,t,e=3){return Number.isFinite(n)?`${an(n,e)} ${t}`:"–"}function Zo(n){return n===1/0?"above range":Number.isFinite(n)?n>=1e6?`${an(n/1e6)} MΩ`:n>=1e3?`${an(n/1e3)} kΩ`:`${an(n)} Ω`:"–"}function dl(n){let t=Number(n);if(t<1e3)return`${t} B`;let[e,i]=t<1e6?[1e3,"kB"]:t<1e9?[1e6,"MB"]:[1e9,"GB"];return`${(t/e).toFixed(1)} ${i}`}function pl(n){let t=Math.max(0,Math.round(n*1e3)),e=(o,a)=>String(o).padStart(a,"0"),i=Math.floor(t/36e5),s=Math.floor(t/6e4)%60,r=`${e(Math.floor(t/1e3)%60,2)}.${e(t%1e3,3)}`;return i>0?`${i}:${e(s,2)}:${r}`:`${s}:${r}`}function mp(n){let t=Au(n);return Number.isFinite(n.force)?`${t} ${zs(n.pressure/1e3,"kPa")} ${Tu(n.force)}`:`${t} strength ${dr(n.strength)}`}function dr(n){return Number.isFinite(n)?n.toFixed(3):"–"}function Au(n){return n.is_tracked?`#${n.id}`:"new"}function Tu(n){return Number.isFinite(n)?`${n.toFixed(n<10?2:1)} N`:"–"}var Cu={no_board:{word:"No board",level:"bad"},no_patch:{word:"No patch",level:"bad"},not_tared:{word:"Not tared",level:"warn"},taring:{word:"Taring",level:"warn"},live:{word:"Live",level:"good"},lost:{word:"Lost",level:"bad"},replaying:{word:"Replay",level:"good"},ended:{word:"Ended",level:"warn"}};function gp(n){let t=Q("said-actions"),e=(r,o,a)=>(r.setAttribute("aria-busy","true"),n.call(o,a).then(()=>Gt(t,""),l=>Gt(t,l.message)).finally(()=>r.removeAttribute("aria-busy"))),i=()=>e(Q("tare"),"/dermatome/tare",{}),s=()=>e(Q("record"),"/dermatome/record",{start:!n.liveStatus?.recording});return Q("tare").addEventListener("click",i),Q("record").addEventListener("click",s),n.listen(r=>{["status","liveStatus","program","player","new"].some(o=>r.has(o))&&$y(n)}),{tare:i,record:s}}function $y(n){let t=n.liveStatus,e=!!t?.recording&&n.program.isOpen;Q("tare").disabled=!n.offers("/dermatome/tare"),Q("record").disabled=!n.offers("/dermatome/record"),Q("record").setAttribute("aria-pressed",String(e)),Gt(Q("record-word"),e?"Stop":"Record");let i=Q("recording-line");i.hidden=!e,e&&Gt(i,`Recording to ${t.recording}: ${dl(t.recorded_bytes)}, ${t.recorded_frames} frames`)}var Xy=500,qy=3,yp=3,_p=1e4;function xp(n){let t=[],e=()=>jy(n,t,i),i=s=>{t.splice(s,1),e()};Q("reading-form").addEventListener("submit",s=>{s.preventDefault(),Yy(n).then(r=>{t.push(r),Gt(Q("said-reading"),""),e()},r=>Gt(Q("said-reading"),r.message))}),Q("calibrate").addEventListener("click",()=>Jy(n,t)),n.listen(s=>{(s.has("contacts")||s.has("new"))&&ex(n.shown.contacts),(s.has("skin")||s.has("new"))&&nx(n.shown.skin),(s.has("program")||s.has("player"))&&e()}),e()}async function Yy(n){let t=Q("pressure").value.trim()===""?NaN:Number(Q("pressure").value);if(!(t>0&&t<=_p))throw new Error(`Type the pressure first: a number above 0, up to ${_p} kPa.`);if(n.player)throw new Error("A recording is shown. Close it to take readings of the skin.");let e=Q("take-reading");e.disabled=!0,Gt(Q("said-reading"),"Reading. Keep the pressure steady.");let i=await Zy(n,Xy).finally(()=>e.disabled=!1);return{pressure:t,...Ky(i)}}function Zy(n,t){let e=[],i=n.listen(s=>{let r=n.shown.contacts?.contacts[0];s.has("contacts")&&r&&e.push(r.strength)});return new Promise(s=>setTimeout(s,t,e)).finally(i)}function Ky(n){let t=n.filter(Number.isFinite);if(t.length<qy)throw new Error("No contact was seen in that half second. Press on the skin, hold it, and take the reading again.");let e=t.reduce((s,r)=>s+r,0)/t.length,i=t.reduce((s,r)=>s+(r-e)**2,0)/(t.length-1);return{strength:e,spread:Math.sqrt(i)}}async function Jy(n,t){let e=Q("said-calibrate"),i=Q("calibrate");i.disabled=!0,Gt(e,"Fitting."),e.dataset.kind="progress";try{let s={readings:t.map(({pressure:a,strength:l})=>({pressure_kpa:a,strength:l}))},{text:r="Calibrated.",file:o}=await n.call("/dermatome/calibrate",s);e.dataset.kind="good",Gt(e,o?`${r} Written to ${o}.`:r)}catch(s){e.dataset.kind="error",Gt(e,s.message)}i.disabled=!vp(n,t)}function vp(n,t){return Sp(t)>=yp&&n.offers("/dermatome/calibrate")}function Sp(n){return new Set(n.map(({pressure:t})=>t)).size}function jy(n,t,e){Fi(Q("readings"),t,Qy,(i,{pressure:s,strength:r,spread:o},a)=>{[zs(s,"kPa",4),dr(r),`± ${an(o,2)}`].forEach((h,f)=>Gt(i.children[f],h));let c=i.lastChild.firstChild;c.setAttribute("aria-label",`Remove the reading at ${s} kPa`),c.onclick=()=>e(a)}),Q("calibrate").disabled=!vp(n,t),Gt(Q("calibrate-hint"),tx(n,t))}function Qy(){let n=Zt("button",{type:"button",className:"small"},"Remove");return Zt("tr",{},Zt("td"),Zt("td"),Zt("td"),Zt("td",{},n))}function tx(n,t){let e=yp-Sp(t);return e>0?`${e} more, each at another pressure.`:n.offers("/dermatome/calibrate")?"":"The program does not offer to calibrate now."}function ex(n){let t=n?.contacts[0];Gt(Q("strongest"),t?`Strongest contact now: ${dr(t.strength)}`:"No contact now.")}function nx(n){let t=n?.is_calibrated?"The patch in use is calibrated: contacts have kPa and N.":"The patch in use is not calibrated: contacts have a strength, but no kPa.";Gt(Q("calibrated"),n?t:"No skin is known yet.")}var ix=["#440154","#472d7b","#3b528b","#2c728e","#21918c","#28ae80","#5ec962","#addc30","#fde725"],sx=["#00224e","#213d6b","#4d556b","#6c6e72","#8e8978","#b8a769","#e1cc55","#fee838"];var pr={viridis:{title:"Viridis",points:ix.map(bp),isDiverging:!1},cividis:{title:"Cividis",points:sx.map(bp),isDiverging:!1},diverging:{title:"Blue–red, zero in the middle",points:rx(),isDiverging:!0}};function rx(){let n=t=>[1,.75,.5,.25].map(e=>ox(e,t));return[...n(255),[.97,0,0],...n(40).reverse()]}function ox(n,t){let e=.145*Math.sin(Math.PI*Math.min(1,.25+n*.5)),i=t*Math.PI/180;return[.97-.62*n,e*n**.5*Math.cos(i),e*n**.5*Math.sin(i)]}function Ko(n,t){let{points:e}=pr[n],i=Math.min(1,Math.max(0,t))*(e.length-1),s=Math.min(e.length-2,Math.floor(i)),r=i-s;return ax(e[s].map((o,a)=>o+(e[s+1][a]-o)*r))}function Mp(n){let t=new Uint8Array(1024);for(let e=0;e<256;e++)t.set([...Ko(n,e/255),255],e*4);return t}function ml([n,t,e]){return`rgb(${n}, ${t}, ${e})`}function wp(n,t="to top"){let e=Array.from({length:17},(i,s)=>ml(Ko(n,s/16)));return`linear-gradient(${t}, ${e.join(", ")})`}function bp(n){let[t,e,i]=[1,3,5].map(a=>lx(parseInt(n.slice(a,a+2),16)/255)),s=Math.cbrt(.4122214708*t+.5363325363*e+.0514459929*i),r=Math.cbrt(.2119034982*t+.6806995451*e+.1073969566*i),o=Math.cbrt(.0883024619*t+.2817188376*e+.6299787005*i);return[.2104542553*s+.793617785*r-.0040720468*o,1.9779984951*s-2.428592205*r+.4505937099*o,.0259040371*s+.7827717662*r-.808675766*o]}function ax([n,t,e]){let i=(n+.3963377774*t+.2158037573*e)**3,s=(n-.1055613458*t-.0638541728*e)**3,r=(n-.0894841775*t-1.291485548*e)**3;return[4.0767416621*i-3.3077115913*s+.2309699292*r,-1.2684380046*i+2.6097574011*s-.3413193965*r,-.0041960863*i-.7034186147*s+1.707614701*r].map(o=>Math.round(255*Math.min(1,Math.max(0,cx(o)))))}function lx(n){return n<=.04045?n/12.92:((n+.055)/1.055)**2.4}function cx(n){return n<=.0031308?12.92*n:1.055*Math.max(0,n)**(1/2.4)-.055}var hx="uplot",ux="u-hz",fx="u-vt",dx="u-title",px="u-wrap",mx="u-under",gx="u-over",_x="u-axis",_r="u-off",yx="u-select",xx="u-cursor-x",vx="u-cursor-y",Sx="u-cursor-pt",bx="u-legend",Mx="u-live",wx="u-inline",Ex="u-series",Ax="u-marker",Ep="u-label",Tx="u-value",jo="width",Qo="height";var Ap="bottom",Wr="left",Ru="right",Xu="#000",Tp=Xu+"0",Iu="mousemove",Cp="mousedown",Pu="mouseup",Rp="mouseenter",Ip="mouseleave",Pp="dblclick",Cx="resize",Rx="scroll",Lp="change",vl="dppxchange",qu="--",Jr=typeof window<"u",Uu=Jr?document:null,Xr=Jr?window:null,Ix=Jr?navigator:null,Ce,gl;function Fu(){let n=devicePixelRatio;Ce!=n&&(Ce=n,gl&&ku(Lp,gl,Fu),gl=matchMedia(`(min-resolution: ${Ce-.001}dppx) and (max-resolution: ${Ce+.001}dppx)`),yr(Lp,gl,Fu),Xr.dispatchEvent(new CustomEvent(vl)))}function pi(n,t){if(t!=null){let e=n.classList;!e.contains(t)&&e.add(t)}}function Bu(n,t){let e=n.classList;e.contains(t)&&e.remove(t)}function qe(n,t,e){n.style[t]=e+"px"}function Bi(n,t,e,i){let s=Uu.createElement(n);return t!=null&&pi(s,t),e?.insertBefore(s,i),s}function Ti(n,t){return Bi("div",n,t)}var Dp=new WeakMap;function ss(n,t,e,i,s){let r="translate("+t+"px,"+e+"px)",o=Dp.get(n);r!=o&&(n.style.transform=r,Dp.set(n,r),t<0||e<0||t>i||e>s?pi(n,_r):Bu(n,_r))}var Np=new WeakMap;function Op(n,t,e){let i=t+e,s=Np.get(n);i!=s&&(Np.set(n,i),n.style.background=t,n.style.borderColor=e)}var Up=new WeakMap;function Fp(n,t,e,i){let s=t+""+e,r=Up.get(n);s!=r&&(Up.set(n,s),n.style.height=e+"px",n.style.width=t+"px",n.style.marginLeft=i?-t/2+"px":0,n.style.marginTop=i?-e/2+"px":0)}var Yu={passive:!0},Px={...Yu,capture:!0};function yr(n,t,e,i){t.addEventListener(n,e,i?Px:Yu)}function ku(n,t,e,i){t.removeEventListener(n,e,Yu)}Jr&&Fu();function ki(n,t,e,i){let s;e=e||0,i=i||t.length-1;let r=i<=2147483647;for(;i-e>1;)s=r?e+i>>1:mi((e+i)/2),t[s]<n?e=s:i=s;return n-t[e]<=t[i]-n?e:i}function um(n){return(e,i,s)=>{let r=-1,o=-1;for(let a=i;a<=s;a++)if(n(e[a])){r=a;break}for(let a=s;a>=i;a--)if(n(e[a])){o=a;break}return[r,o]}}var fm=n=>n!=null,dm=n=>n!=null&&n>0,Ml=um(fm),Lx=um(dm);function Dx(n,t,e,i=0,s=!1){let r=s?Lx:Ml,o=s?dm:fm;[t,e]=r(n,t,e);let a=n[t],l=n[t];if(t>-1)if(i==1)a=n[t],l=n[e];else if(i==-1)a=n[e],l=n[t];else for(let c=t;c<=e;c++){let h=n[c];o(h)&&(h<a?a=h:h>l&&(l=h))}return[a??ze,l??-ze]}function wl(n,t,e,i){let s=zp(n),r=zp(t);n==t&&(s==-1?(n*=e,t/=e):(n/=e,t*=e));let o=e==10?ys:pm,a=s==1?mi:Ci,l=r==1?Ci:mi,c=a(o(bn(n))),h=l(o(bn(t))),f=qr(e,c),u=qr(e,h);return e==10&&(c<0&&(f=He(f,-c)),h<0&&(u=He(u,-h))),i||e==2?(n=f*s,t=u*r):(n=ym(n,f),t=El(t,u)),[n,t]}function Zu(n,t,e,i){let s=wl(n,t,e,i);return n==0&&(s[0]=0),t==0&&(s[1]=0),s}var Ku=.1,Bp={mode:3,pad:Ku},ea={pad:0,soft:null,mode:0},Nx={min:ea,max:ea};function Sl(n,t,e,i){return Al(e)?kp(n,t,e):(ea.pad=e,ea.soft=i?0:null,ea.mode=i?3:0,kp(n,t,Nx))}function Ae(n,t){return n??t}function Ox(n,t,e){for(t=Ae(t,0),e=Ae(e,n.length-1);t<=e;){if(n[t]!=null)return!0;t++}return!1}function kp(n,t,e){let i=e.min,s=e.max,r=Ae(i.pad,0),o=Ae(s.pad,0),a=Ae(i.hard,-ze),l=Ae(s.hard,ze),c=Ae(i.soft,ze),h=Ae(s.soft,-ze),f=Ae(i.mode,0),u=Ae(s.mode,0),d=t-n,p=ys(d),_=Kn(bn(n),bn(t)),m=ys(_),g=bn(m-p);(d<1e-24||g>10)&&(d=0,(n==0||t==0)&&(d=1e-24,f==2&&c!=ze&&(r=0),u==2&&h!=-ze&&(o=0)));let v=d||_||1e3,T=ys(v),S=qr(10,mi(T)),C=v*(d==0?n==0?.1:1:r),E=He(ym(n-C,S/10),24),y=n>=c&&(f==1||f==3&&E<=c||f==2&&E>=c)?c:ze,M=Kn(a,E<y&&n>=y?y:zi(y,E)),V=v*(d==0?t==0?.1:1:o),N=He(El(t+V,S/10),24),L=t<=h&&(u==1||u==3&&N>=h||u==2&&N<=h)?h:-ze,B=zi(l,N>L&&t<=L?L:Kn(L,N));return M==B&&M==0&&(B=100),[M,B]}var Ux=new Intl.NumberFormat(Jr?Ix.language:"en-US"),Ju=n=>Ux.format(n),gi=Math,xl=gi.PI,bn=gi.abs,mi=gi.floor,Sn=gi.round,Ci=gi.ceil,zi=gi.min,Kn=gi.max,qr=gi.pow,zp=gi.sign,ys=gi.log10,pm=gi.log2,Fx=(n,t=1)=>gi.sinh(n)*t,Lu=(n,t=1)=>gi.asinh(n/t),ze=1/0;function Hp(n){return(ys((n^n>>31)-(n>>31))|0)+1}function zu(n,t,e){return zi(Kn(n,t),e)}function mm(n){return typeof n=="function"}function ye(n){return mm(n)?n:()=>n}var Bx=()=>{},gm=n=>n,_m=(n,t)=>t,kx=n=>null,Vp=n=>!0,Gp=(n,t)=>n==t,zx=/\.\d*?(?=9{6,}|0{6,})/gm,xr=n=>{if(vm(n)||Vs.has(n))return n;let t=`${n}`,e=t.match(zx);if(e==null)return n;let i=e[0].length-1;if(t.indexOf("e-")!=-1){let[s,r]=t.split("e");return+`${xr(s)}e${r}`}return He(n,i)};function mr(n,t){return xr(He(xr(n/t))*t)}function El(n,t){return xr(Ci(xr(n/t))*t)}function ym(n,t){return xr(mi(xr(n/t))*t)}function He(n,t=0){if(vm(n))return n;let e=10**t,i=n*e*(1+Number.EPSILON);return Sn(i)/e}var Vs=new Map;function xm(n){return((""+n).split(".")[1]||"").length}function ia(n,t,e,i){let s=[],r=i.map(xm);for(let o=t;o<e;o++){let a=bn(o),l=He(qr(n,o),a);for(let c=0;c<i.length;c++){let h=n==10?+`${i[c]}e${o}`:i[c]*l,f=(o>=0?0:a)+(o>=r[c]?0:r[c]),u=n==10?h:He(h,f);s.push(u),Vs.set(u,f)}}return s}var na={},ju=[],Yr=[null,null],Hs=Array.isArray,vm=Number.isInteger,Hx=n=>n===void 0;function Wp(n){return typeof n=="string"}function Al(n){let t=!1;if(n!=null){let e=n.constructor;t=e==null||e==Object}return t}function Vx(n){return n!=null&&typeof n=="object"}var Gx=Object.getPrototypeOf(Uint8Array),Sm="__proto__";function Zr(n,t=Al){let e;if(Hs(n)){let i=n.find(s=>s!=null);if(Hs(i)||t(i)){e=Array(n.length);for(let s=0;s<n.length;s++)e[s]=Zr(n[s],t)}else e=n.slice()}else if(n instanceof Gx)e=n.slice();else if(t(n)){e={};for(let i in n)i!=Sm&&(e[i]=Zr(n[i],t))}else e=n;return e}function gn(n){let t=arguments;for(let e=1;e<t.length;e++){let i=t[e];for(let s in i)s!=Sm&&(Al(n[s])?gn(n[s],Zr(i[s])):n[s]=Zr(i[s]))}return n}var Wx=0,$x=1,Xx=2;function qx(n,t,e){for(let i=0,s,r=-1;i<t.length;i++){let o=t[i];if(o>r){for(s=o-1;s>=0&&n[s]==null;)n[s--]=null;for(s=o+1;s<e&&n[s]==null;)n[r=s++]=null}}}function Yx(n,t){if(Jx(n)){let o=n[0].slice();for(let a=1;a<n.length;a++)o.push(...n[a].slice(1));return jx(o[0])||(o=Kx(o)),o}let e=new Set;for(let o=0;o<n.length;o++){let l=n[o][0],c=l.length;for(let h=0;h<c;h++)e.add(l[h])}let i=[Array.from(e).sort((o,a)=>o-a)],s=i[0].length,r=new Map;for(let o=0;o<s;o++)r.set(i[0][o],o);for(let o=0;o<n.length;o++){let a=n[o],l=a[0];for(let c=1;c<a.length;c++){let h=a[c],f=Array(s).fill(void 0),u=t?t[o][c]:$x,d=[];for(let p=0;p<h.length;p++){let _=h[p],m=r.get(l[p]);_===null?u!=Wx&&(f[m]=_,u==Xx&&d.push(m)):f[m]=_}qx(f,d,s),i.push(f)}}return i}var Zx=typeof queueMicrotask>"u"?n=>Promise.resolve().then(n):queueMicrotask;function Kx(n){let t=n[0],e=t.length,i=Array(e);for(let r=0;r<i.length;r++)i[r]=r;i.sort((r,o)=>t[r]-t[o]);let s=[];for(let r=0;r<n.length;r++){let o=n[r],a=Array(e);for(let l=0;l<e;l++)a[l]=o[i[l]];s.push(a)}return s}function Jx(n){let t=n[0][0],e=t.length;for(let i=1;i<n.length;i++){let s=n[i][0];if(s.length!=e)return!1;if(s!=t){for(let r=0;r<e;r++)if(s[r]!=t[r])return!1}}return!0}function jx(n,t=100){let e=n.length;if(e<=1)return!0;let i=0,s=e-1;for(;i<=s&&n[i]==null;)i++;for(;s>=i&&n[s]==null;)s--;if(s<=i)return!0;let r=Kn(1,mi((s-i+1)/t));for(let o=n[i],a=i+r;a<=s;a+=r){let l=n[a];if(l!=null){if(l<=o)return!1;o=l}}return!0}var bm=["January","February","March","April","May","June","July","August","September","October","November","December"],Mm=["Sunday","Monday","Tuesday","Wednesday","Thursday","Friday","Saturday"];function wm(n){return n.slice(0,3)}var Qx=Mm.map(wm),tv=bm.map(wm),ev={MMMM:bm,MMM:tv,WWWW:Mm,WWW:Qx};function Jo(n){return(n<10?"0":"")+n}function nv(n){return(n<10?"00":n<100?"0":"")+n}var iv={YYYY:n=>n.getFullYear(),YY:n=>(n.getFullYear()+"").slice(2),MMMM:(n,t)=>t.MMMM[n.getMonth()],MMM:(n,t)=>t.MMM[n.getMonth()],MM:n=>Jo(n.getMonth()+1),M:n=>n.getMonth()+1,DD:n=>Jo(n.getDate()),D:n=>n.getDate(),WWWW:(n,t)=>t.WWWW[n.getDay()],WWW:(n,t)=>t.WWW[n.getDay()],HH:n=>Jo(n.getHours()),H:n=>n.getHours(),h:n=>{let t=n.getHours();return t==0?12:t>12?t-12:t},AA:n=>n.getHours()>=12?"PM":"AM",aa:n=>n.getHours()>=12?"pm":"am",a:n=>n.getHours()>=12?"p":"a",mm:n=>Jo(n.getMinutes()),m:n=>n.getMinutes(),ss:n=>Jo(n.getSeconds()),s:n=>n.getSeconds(),fff:n=>nv(n.getMilliseconds())};function Qu(n,t){t=t||ev;let e=[],i=/\{([a-z]+)\}|[^{]+/gi,s;for(;s=i.exec(n);)e.push(s[0][0]=="{"?iv[s[1]]:s[0]);return r=>{let o="";for(let a=0;a<e.length;a++)o+=typeof e[a]=="string"?e[a]:e[a](r,t);return o}}var sv=new Intl.DateTimeFormat().resolvedOptions().timeZone;function rv(n,t){let e;return t=="UTC"||t=="Etc/UTC"?e=new Date(+n+n.getTimezoneOffset()*6e4):t==sv?e=n:(e=new Date(n.toLocaleString("en-US",{timeZone:t})),e.setMilliseconds(n.getMilliseconds())),e}var Em=n=>n%1==0,bl=[1,2,2.5,5],ov=ia(10,-32,0,bl),Am=ia(10,0,32,bl),av=Am.filter(Em),gr=ov.concat(Am),tf=`
+`,Tm="{YYYY}",$p=tf+Tm,Cm="{M}/{D}",ta=tf+Cm,_l=ta+"/{YY}",Rm="{aa}",lv="{h}:{mm}",$r=lv+Rm,Xp=tf+$r,qp=":{ss}",Pe=null;function Im(n){let t=n*1e3,e=t*60,i=e*60,s=i*24,r=s*30,o=s*365,l=(n==1?ia(10,0,3,bl).filter(Em):ia(10,-3,0,bl)).concat([t,t*5,t*10,t*15,t*30,e,e*5,e*10,e*15,e*30,i,i*2,i*3,i*4,i*6,i*8,i*12,s,s*2,s*3,s*4,s*5,s*6,s*7,s*8,s*9,s*10,s*15,r,r*2,r*3,r*4,r*6,o,o*2,o*5,o*10,o*25,o*50,o*100]),c=[[o,Tm,Pe,Pe,Pe,Pe,Pe,Pe,1],[s*28,"{MMM}",$p,Pe,Pe,Pe,Pe,Pe,1],[s,Cm,$p,Pe,Pe,Pe,Pe,Pe,1],[i,"{h}"+Rm,_l,Pe,ta,Pe,Pe,Pe,1],[e,$r,_l,Pe,ta,Pe,Pe,Pe,1],[t,qp,_l+" "+$r,Pe,ta+" "+$r,Pe,Xp,Pe,1],[n,qp+".{fff}",_l+" "+$r,Pe,ta+" "+$r,Pe,Xp,Pe,1]];function h(f){return(u,d,p,_,m,g)=>{let v=[],T=m>=o,S=m>=r&&m<o,C=f(p),E=He(C*n,3),y=Du(C.getFullYear(),T?0:C.getMonth(),S||T?1:C.getDate()),M=He(y*n,3);if(S||T){let V=S?m/r:0,N=T?m/o:0,L=E==M?E:He(Du(y.getFullYear()+N,y.getMonth()+V,1)*n,3),B=new Date(Sn(L/n)),F=B.getFullYear(),R=B.getMonth();for(let U=0;L<=_;U++){let $=Du(F+N*U,R+V*U,1),G=$-f(He($*n,3));L=He((+$+G)*n,3),L<=_&&v.push(L)}}else{let V=m>=s?s:m,N=mi(p)-mi(E),L=M+N+El(E-M,V);v.push(L);let B=f(L),F=B.getHours()+B.getMinutes()/e+B.getSeconds()/i,R=m/i,U=u.axes[d]._space,$=g/U;for(;L=He(L+m,n==1?0:3),!(L>_);)if(R>1){let G=mi(He(F+R,6))%24,k=f(L).getHours()-G;k>1&&(k=-1),L-=k*i,F=(F+R)%24;let q=v[v.length-1];He((L-q)/m,3)*$>=.7&&v.push(L)}else v.push(L)}return v}}return[l,c,h]}var[cv,hv,uv]=Im(1),[fv,dv,pv]=Im(.001);ia(2,-53,53,[1]);function Yp(n,t){return n.map(e=>e.map((i,s)=>s==0||s==8||i==null?i:t(s==1||e[8]==0?i:e[1]+i)))}function Zp(n,t){return(e,i,s,r,o)=>{let a=t.find(p=>o>=p[0])||t[t.length-1],l,c,h,f,u,d;return i.map(p=>{let _=n(p),m=_.getFullYear(),g=_.getMonth(),v=_.getDate(),T=_.getHours(),S=_.getMinutes(),C=_.getSeconds(),E=m!=l&&a[2]||g!=c&&a[3]||v!=h&&a[4]||T!=f&&a[5]||S!=u&&a[6]||C!=d&&a[7]||a[1];return l=m,c=g,h=v,f=T,u=S,d=C,E(_)})}}function mv(n,t){let e=Qu(t);return(i,s,r,o,a)=>s.map(l=>e(n(l)))}function Du(n,t,e){return new Date(n,t,e)}function Kp(n,t){return t(n)}var gv="{YYYY}-{MM}-{DD} {h}:{mm}{aa}";function Jp(n,t){return(e,i,s,r)=>r==null?qu:t(n(i))}function _v(n,t){let e=n.series[t];return e.width?e.stroke(n,t):e.points.width?e.points.stroke(n,t):null}function yv(n,t){return n.series[t].fill(n,t)}var xv={show:!0,live:!0,isolate:!1,mount:Bx,markers:{show:!0,width:2,stroke:_v,fill:yv,dash:"solid"},idx:null,idxs:null,values:[]};function vv(n,t){let e=n.cursor.points,i=Ti(),s=e.size(n,t);qe(i,jo,s),qe(i,Qo,s);let r=s/-2;qe(i,"marginLeft",r),qe(i,"marginTop",r);let o=e.width(n,t,s);return o&&qe(i,"borderWidth",o),i}function Sv(n,t){let e=n.series[t].points;return e._fill||e._stroke}function bv(n,t){let e=n.series[t].points;return e._stroke||e._fill}function Mv(n,t){return n.series[t].points.size}var Nu=[0,0];function wv(n,t,e){return Nu[0]=t,Nu[1]=e,Nu}function yl(n,t,e,i=!0){return s=>{s.button==0&&(!i||s.target==t)&&e(s)}}function Ou(n,t,e,i=!0){return s=>{(!i||s.target==t)&&e(s)}}var Ev={show:!0,x:!0,y:!0,lock:!1,move:wv,points:{one:!1,show:vv,size:Mv,width:0,stroke:bv,fill:Sv},bind:{mousedown:yl,mouseup:yl,click:yl,dblclick:yl,mousemove:Ou,mouseleave:Ou,mouseenter:Ou},drag:{setScale:!0,x:!0,y:!1,dist:0,uni:null,click:(n,t)=>{t.stopPropagation(),t.stopImmediatePropagation()},_x:!1,_y:!1},focus:{dist:(n,t,e,i,s)=>i-s,prox:-1,bias:0},hover:{skip:[void 0],prox:null,bias:0},left:-10,top:-10,idx:null,dataIdx:null,idxs:null,event:null},Pm={show:!0,stroke:"rgba(0,0,0,0.07)",width:2},ef=gn({},Pm,{filter:_m}),Lm=gn({},ef,{size:10}),Dm=gn({},Pm,{show:!1}),nf='12px system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, "Noto Sans", sans-serif, "Apple Color Emoji", "Segoe UI Emoji", "Segoe UI Symbol", "Noto Color Emoji"',Nm="bold "+nf,Om=1.5,jp={show:!0,scale:"x",stroke:Xu,space:50,gap:5,alignTo:1,size:50,labelGap:0,labelSize:30,labelFont:Nm,side:2,grid:ef,ticks:Lm,border:Dm,font:nf,lineGap:Om,rotate:0},Av="Value",Tv="Time",Qp={show:!0,scale:"x",auto:!1,sorted:1,min:ze,max:-ze,idxs:[]};function Cv(n,t,e,i,s){return t.map(r=>r==null?"":Ju(r))}function Rv(n,t,e,i,s,r,o){let a=[],l=Vs.get(s)||0;e=o?e:He(El(e,s),l);for(let c=e;c<=i;c=He(c+s,l))a.push(Object.is(c,-0)?0:c);return a}function Hu(n,t,e,i,s,r,o){let a=[],l=n.scales[n.axes[t].scale].log,c=l==10?ys:pm,h=mi(c(e));s=qr(l,h),l==10&&(s=gr[ki(s,gr)]);let f=e,u=s*l;l==10&&(u=gr[ki(u,gr)]);do a.push(f),f=f+s,l==10&&!Vs.has(f)&&(f=He(f,Vs.get(s))),f>=u&&(s=f,u=s*l,l==10&&(u=gr[ki(u,gr)]));while(f<=i);return a}function Iv(n,t,e,i,s,r,o){let l=n.scales[n.axes[t].scale].asinh,c=i>l?Hu(n,t,Kn(l,e),i,s):[l],h=i>=0&&e<=0?[0]:[];return(e<-l?Hu(n,t,Kn(l,-i),-e,s):[l]).reverse().map(u=>-u).concat(h,c)}var Um=/./,Pv=/[12357]/,Lv=/[125]/,tm=/1/,Vu=(n,t,e,i)=>n.map((s,r)=>t==4&&s==0||r%i==0&&e.test(s.toExponential()[s<0?1:0])?s:null);function Dv(n,t,e,i,s){let r=n.axes[e],o=r.scale,a=n.scales[o],l=n.valToPos,c=r._space,h=l(10,o),f=l(9,o)-h>=c?Um:l(7,o)-h>=c?Pv:l(5,o)-h>=c?Lv:tm;if(f==tm){let u=bn(l(1,o)-h);if(u<c)return Vu(t.slice().reverse(),a.distr,f,Ci(c/u)).reverse()}return Vu(t,a.distr,f,1)}function Nv(n,t,e,i,s){let r=n.axes[e],o=r.scale,a=r._space,l=n.valToPos,c=bn(l(1,o)-l(2,o));return c<a?Vu(t.slice().reverse(),3,Um,Ci(a/c)).reverse():t}function Ov(n,t,e,i){return i==null?qu:t==null?"":Ju(t)}var em={show:!0,scale:"y",stroke:Xu,space:30,gap:5,alignTo:1,size:50,labelGap:0,labelSize:30,labelFont:Nm,side:3,grid:ef,ticks:Lm,border:Dm,font:nf,lineGap:Om,rotate:0};function Uv(n,t){let e=3+(n||1)*2;return He(e*t,3)}function Fv(n,t){let{scale:e,idxs:i}=n.series[0],s=n._data[0],r=n.valToPos(s[i[0]],e,!0),o=n.valToPos(s[i[1]],e,!0),a=bn(o-r),l=n.series[t],c=a/(l.points.space*Ce);return i[1]-i[0]<=c}var nm={scale:null,auto:!0,sorted:0,min:ze,max:-ze},Fm=(n,t,e,i,s)=>s,im={show:!0,auto:!0,sorted:0,gaps:Fm,alpha:1,facets:[gn({},nm,{scale:"x"}),gn({},nm,{scale:"y"})]},sm={scale:"y",auto:!0,sorted:0,show:!0,spanGaps:!1,gaps:Fm,alpha:1,points:{show:Fv,filter:null},values:null,min:ze,max:-ze,idxs:[],path:null,clip:null};function Bv(n,t,e,i,s){return e/10}var Bm={time:!0,auto:!0,distr:1,log:10,asinh:1,min:null,max:null,dir:1,ori:0},kv=gn({},Bm,{time:!1,ori:1}),rm={};function km(n,t){let e=rm[n];return e||(e={key:n,plots:[],sub(i){e.plots.push(i)},unsub(i){e.plots=e.plots.filter(s=>s!=i)},pub(i,s,r,o,a,l,c){for(let h=0;h<e.plots.length;h++)e.plots[h]!=s&&e.plots[h].pub(i,s,r,o,a,l,c)}},n!=null&&(rm[n]=e)),e}var Kr=1,Gu=2;function vr(n,t,e){let i=n.mode,s=n.series[t],r=i==2?n._data[t]:n._data,o=n.scales,a=n.bbox,l=r[0],c=i==2?r[1]:r[t],h=i==2?o[s.facets[0].scale]:o[n.series[0].scale],f=i==2?o[s.facets[1].scale]:o[s.scale],u=a.left,d=a.top,p=a.width,_=a.height,m=n.valToPosH,g=n.valToPosV;return h.ori==0?e(s,l,c,h,f,m,g,u,d,p,_,Cl,jr,Il,Hm,Gm):e(s,l,c,h,f,g,m,d,u,_,p,Rl,Qr,of,Vm,Wm)}function sf(n,t){let e=0,i=0,s=Ae(n.bands,ju);for(let r=0;r<s.length;r++){let o=s[r];o.series[0]==t?e=o.dir:o.series[1]==t&&(o.dir==1?i|=1:i|=2)}return[e,i==1?-1:i==2?1:i==3?2:0]}function zv(n,t,e,i,s){let r=n.mode,o=n.series[t],a=r==2?o.facets[1].scale:o.scale,l=n.scales[a];return s==-1?l.min:s==1?l.max:l.distr==3?l.dir==1?l.min:l.max:0}function xs(n,t,e,i,s,r){return vr(n,t,(o,a,l,c,h,f,u,d,p,_,m)=>{let g=o.pxRound,v=c.dir*(c.ori==0?1:-1),T=c.ori==0?jr:Qr,S,C;v==1?(S=e,C=i):(S=i,C=e);let E=g(f(a[S],c,_,d)),y=g(u(l[S],h,m,p)),M=g(f(a[C],c,_,d)),V=g(u(r==1?h.max:h.min,h,m,p)),N=new Path2D(s);return T(N,M,V),T(N,E,V),T(N,E,y),N})}function Tl(n,t,e,i,s,r){let o=null;if(n.length>0){o=new Path2D;let a=t==0?Il:of,l=e;for(let f=0;f<n.length;f++){let u=n[f];if(u[1]>u[0]){let d=u[0]-l;d>0&&a(o,l,i,d,i+r),l=u[1]}}let c=e+s-l,h=10;c>0&&a(o,l,i-h/2,c,i+r+h)}return o}function Hv(n,t,e){let i=n[n.length-1];i&&i[0]==t?i[1]=e:n.push([t,e])}function rf(n,t,e,i,s,r,o){let a=[],l=n.length;for(let c=s==1?e:i;c>=e&&c<=i;c+=s)if(t[c]===null){let f=c,u=c;if(s==1)for(;++c<=i&&t[c]===null;)u=c;else for(;--c>=e&&t[c]===null;)u=c;let d=r(n[f]),p=u==f?d:r(n[u]),_=f-s;d=o<=0&&_>=0&&_<l?r(n[_]):d;let g=u+s;p=o>=0&&g>=0&&g<l?r(n[g]):p,p>=d&&a.push([d,p])}return a}function om(n){return n==0?gm:n==1?Sn:t=>mr(t,n)}function zm(n){let t=n==0?Cl:Rl,e=n==0?(s,r,o,a,l,c)=>{s.arcTo(r,o,a,l,c)}:(s,r,o,a,l,c)=>{s.arcTo(o,r,l,a,c)},i=n==0?(s,r,o,a,l)=>{s.rect(r,o,a,l)}:(s,r,o,a,l)=>{s.rect(o,r,l,a)};return(s,r,o,a,l,c=0,h=0)=>{c==0&&h==0?i(s,r,o,a,l):(c=zi(c,a/2,l/2),h=zi(h,a/2,l/2),t(s,r+c,o),e(s,r+a,o,r+a,o+l,c),e(s,r+a,o+l,r,o+l,h),e(s,r,o+l,r,o,h),e(s,r,o,r+a,o,c),s.closePath())}}var Cl=(n,t,e)=>{n.moveTo(t,e)},Rl=(n,t,e)=>{n.moveTo(e,t)},jr=(n,t,e)=>{n.lineTo(t,e)},Qr=(n,t,e)=>{n.lineTo(e,t)},Il=zm(0),of=zm(1),Hm=(n,t,e,i,s,r)=>{n.arc(t,e,i,s,r)},Vm=(n,t,e,i,s,r)=>{n.arc(e,t,i,s,r)},Gm=(n,t,e,i,s,r,o)=>{n.bezierCurveTo(t,e,i,s,r,o)},Wm=(n,t,e,i,s,r,o)=>{n.bezierCurveTo(e,t,s,i,o,r)};function $m(n){return(t,e,i,s,r)=>vr(t,e,(o,a,l,c,h,f,u,d,p,_,m)=>{let{pxRound:g,points:v}=o,T,S;c.ori==0?(T=Cl,S=Hm):(T=Rl,S=Vm);let C=He(v.width*Ce,3),E=(v.size-v.width)/2*Ce,y=He(E*2,3),M=new Path2D,V=new Path2D,{left:N,top:L,width:B,height:F}=t.bbox;Il(V,N-y,L-y,B+y*2,F+y*2);let R=U=>{if(l[U]!=null){let $=g(f(a[U],c,_,d)),G=g(u(l[U],h,m,p));T(M,$+E,G),S(M,$,G,E,0,xl*2)}};if(r)r.forEach(R);else for(let U=i;U<=s;U++)R(U);return{stroke:C>0?M:null,fill:M,clip:V,flags:Kr|Gu}})}function Xm(n){return(t,e,i,s,r,o)=>{i!=s&&(r!=i&&o!=i&&n(t,e,i),r!=s&&o!=s&&n(t,e,s),n(t,e,o))}}var Vv=Xm(jr),Gv=Xm(Qr);function qm(n){let t=Ae(n?.alignGaps,0);return(e,i,s,r)=>vr(e,i,(o,a,l,c,h,f,u,d,p,_,m)=>{[s,r]=Ml(l,s,r);let g=o.pxRound,v=F=>g(f(F,c,_,d)),T=F=>g(u(F,h,m,p)),S,C;c.ori==0?(S=jr,C=Vv):(S=Qr,C=Gv);let E=c.dir*(c.ori==0?1:-1),y={stroke:new Path2D,fill:null,clip:null,band:null,gaps:null,flags:Kr},M=y.stroke,V=!1;if(r-s>=_*4){let F=nt=>e.posToVal(nt,c.key,!0),R=null,U=null,$,G,ct,I=v(a[E==1?s:r]),k=v(a[s]),q=v(a[r]),et=F(E==1?k+1:q-1);for(let nt=E==1?s:r;nt>=s&&nt<=r;nt+=E){let Y=a[nt],ut=(E==1?Y<et:Y>et)?I:v(Y),dt=l[nt];ut==I?dt!=null?(G=dt,R==null?(S(M,ut,T(G)),$=R=U=G):G<R?R=G:G>U&&(U=G)):dt===null&&(V=!0):(R!=null&&C(M,I,T(R),T(U),T($),T(G)),dt!=null?(G=dt,S(M,ut,T(G)),R=U=$=G):(R=U=null,dt===null&&(V=!0)),I=ut,et=F(I+E))}R!=null&&R!=U&&ct!=I&&C(M,I,T(R),T(U),T($),T(G))}else for(let F=E==1?s:r;F>=s&&F<=r;F+=E){let R=l[F];R===null?V=!0:R!=null&&S(M,v(a[F]),T(R))}let[L,B]=sf(e,i);if(o.fill!=null||L!=0){let F=y.fill=new Path2D(M),R=o.fillTo(e,i,o.min,o.max,L),U=T(R),$=v(a[s]),G=v(a[r]);E==-1&&([G,$]=[$,G]),S(F,G,U),S(F,$,U)}if(!o.spanGaps){let F=[];V&&F.push(...rf(a,l,s,r,E,v,t)),y.gaps=F=o.gaps(e,i,s,r,F),y.clip=Tl(F,c.ori,d,p,_,m)}return B!=0&&(y.band=B==2?[xs(e,i,s,r,M,-1),xs(e,i,s,r,M,1)]:xs(e,i,s,r,M,B)),y})}function Wv(n){let t=Ae(n.align,1),e=Ae(n.ascDesc,!1),i=Ae(n.alignGaps,0),s=Ae(n.extend,!1);return(r,o,a,l)=>vr(r,o,(c,h,f,u,d,p,_,m,g,v,T)=>{[a,l]=Ml(f,a,l);let S=c.pxRound,{left:C,width:E}=r.bbox,y=k=>S(p(k,u,v,m)),M=k=>S(_(k,d,T,g)),V=u.ori==0?jr:Qr,N={stroke:new Path2D,fill:null,clip:null,band:null,gaps:null,flags:Kr},L=N.stroke,B=u.dir*(u.ori==0?1:-1),F=M(f[B==1?a:l]),R=y(h[B==1?a:l]),U=R,$=R;s&&t==-1&&($=C,V(L,$,F)),V(L,R,F);for(let k=B==1?a:l;k>=a&&k<=l;k+=B){let q=f[k];if(q==null)continue;let et=y(h[k]),nt=M(q);t==1?V(L,et,F):V(L,U,nt),V(L,et,nt),F=nt,U=et}let G=U;s&&t==1&&(G=C+E,V(L,G,F));let[ct,I]=sf(r,o);if(c.fill!=null||ct!=0){let k=N.fill=new Path2D(L),q=c.fillTo(r,o,c.min,c.max,ct),et=M(q);V(k,G,et),V(k,$,et)}if(!c.spanGaps){let k=[];k.push(...rf(h,f,a,l,B,y,i));let q=c.width*Ce/2,et=e||t==1?q:-q,nt=e||t==-1?-q:q;k.forEach(Y=>{Y[0]+=et,Y[1]+=nt}),N.gaps=k=c.gaps(r,o,a,l,k),N.clip=Tl(k,u.ori,m,g,v,T)}return I!=0&&(N.band=I==2?[xs(r,o,a,l,L,-1),xs(r,o,a,l,L,1)]:xs(r,o,a,l,L,I)),N})}function am(n,t,e,i,s,r,o=ze){if(n.length>1){let a=null;for(let l=0,c=1/0;l<n.length;l++)if(t[l]!==void 0){if(a!=null){let h=bn(n[l]-n[a]);h<c&&(c=h,o=bn(e(n[l],i,s,r)-e(n[a],i,s,r)))}a=l}}return o}function $v(n){n=n||na;let t=Ae(n.size,[.6,ze,1]),e=n.align||0,i=n.gap||0,s=n.radius;s=s==null?[0,0]:typeof s=="number"?[s,0]:s;let r=ye(s),o=1-t[0],a=Ae(t[1],ze),l=Ae(t[2],1),c=Ae(n.disp,na),h=Ae(n.each,d=>{}),{fill:f,stroke:u}=c;return(d,p,_,m)=>vr(d,p,(g,v,T,S,C,E,y,M,V,N,L)=>{let B=g.pxRound,F=e,R=i*Ce,U=a*Ce,$=l*Ce,G,ct;S.ori==0?[G,ct]=r(d,p):[ct,G]=r(d,p);let I=S.dir*(S.ori==0?1:-1),k=S.ori==0?Il:of,q=S.ori==0?h:(Rt,Jt,le,wt,ke,Vt,qt)=>{h(Rt,Jt,le,ke,wt,qt,Vt)},et=Ae(d.bands,ju).find(Rt=>Rt.series[0]==p),nt=et!=null?et.dir:0,Y=g.fillTo(d,p,g.min,g.max,nt),at=B(y(Y,C,L,V)),ut,dt,ot,Lt=N,Yt=B(g.width*Ce),Ut=!1,ne=null,ie=null,$t=null,Ie=null;f!=null&&(Yt==0||u!=null)&&(Ut=!0,ne=f.values(d,p,_,m),ie=new Map,new Set(ne).forEach(Rt=>{Rt!=null&&ie.set(Rt,new Path2D)}),Yt>0&&($t=u.values(d,p,_,m),Ie=new Map,new Set($t).forEach(Rt=>{Rt!=null&&Ie.set(Rt,new Path2D)})));let{x0:be,size:Ve}=c;if(be!=null&&Ve!=null){F=1,v=be.values(d,p,_,m),be.unit==2&&(v=v.map(le=>d.posToVal(M+le*N,S.key,!0)));let Rt=Ve.values(d,p,_,m);Ve.unit==2?dt=Rt[0]*N:dt=E(Rt[0],S,N,M)-E(0,S,N,M),Lt=am(v,T,E,S,N,M,Lt),ot=Lt-dt+R}else Lt=am(v,T,E,S,N,M,Lt),ot=Lt*o+R,dt=Lt-ot;ot<1&&(ot=0),Yt>=dt/2&&(Yt=0),ot<5&&(B=gm);let Me=ot>0,hn=Lt-ot-(Me?Yt:0);dt=B(zu(hn,$,U)),ut=(F==0?dt/2:F==I?0:dt)-F*I*((F==0?R/2:0)+(Me?Yt/2:0));let Se={stroke:null,fill:null,clip:null,band:null,gaps:null,flags:0},xn=Ut?null:new Path2D,en=null;if(et!=null)en=d.data[et.series[1]];else{let{y0:Rt,y1:Jt}=c;Rt!=null&&Jt!=null&&(T=Jt.values(d,p,_,m),en=Rt.values(d,p,_,m))}let un=G*dt,H=ct*dt;for(let Rt=I==1?_:m;Rt>=_&&Rt<=m;Rt+=I){let Jt=T[Rt];if(Jt==null)continue;if(en!=null){let K=en[Rt]??0;if(Jt-K==0)continue;at=y(K,C,L,V)}let le=S.distr!=2||c!=null?v[Rt]:Rt,wt=E(le,S,N,M),ke=y(Ae(Jt,Y),C,L,V),Vt=B(wt-ut),qt=B(Kn(ke,at)),P=B(zi(ke,at)),b=qt-P;if(Jt!=null){let K=Jt<0?H:un,gt=Jt<0?un:H;Ut?(Yt>0&&$t[Rt]!=null&&k(Ie.get($t[Rt]),Vt,P+mi(Yt/2),dt,Kn(0,b-Yt),K,gt),ne[Rt]!=null&&k(ie.get(ne[Rt]),Vt,P+mi(Yt/2),dt,Kn(0,b-Yt),K,gt)):k(xn,Vt,P+mi(Yt/2),dt,Kn(0,b-Yt),K,gt),q(d,p,Rt,Vt-Yt/2,P,dt+Yt,b)}}return Yt>0?Se.stroke=Ut?Ie:xn:Ut||(Se._fill=g.width==0?g._fill:g._stroke??g._fill,Se.width=0),Se.fill=Ut?ie:xn,Se})}function Xv(n,t){let e=Ae(t?.alignGaps,0);return(i,s,r,o)=>vr(i,s,(a,l,c,h,f,u,d,p,_,m,g)=>{[r,o]=Ml(c,r,o);let v=a.pxRound,T=G=>v(u(G,h,m,p)),S=G=>v(d(G,f,g,_)),C,E,y;h.ori==0?(C=Cl,y=jr,E=Gm):(C=Rl,y=Qr,E=Wm);let M=h.dir*(h.ori==0?1:-1),V=T(l[M==1?r:o]),N=V,L=[],B=[];for(let G=M==1?r:o;G>=r&&G<=o;G+=M)if(c[G]!=null){let I=l[G],k=T(I);L.push(N=k),B.push(S(c[G]))}let F={stroke:n(L,B,C,y,E,v),fill:null,clip:null,band:null,gaps:null,flags:Kr},R=F.stroke,[U,$]=sf(i,s);if(a.fill!=null||U!=0){let G=F.fill=new Path2D(R),ct=a.fillTo(i,s,a.min,a.max,U),I=S(ct);y(G,N,I),y(G,V,I)}if(!a.spanGaps){let G=[];G.push(...rf(l,c,r,o,M,T,e)),F.gaps=G=a.gaps(i,s,r,o,G),F.clip=Tl(G,h.ori,p,_,m,g)}return $!=0&&(F.band=$==2?[xs(i,s,r,o,R,-1),xs(i,s,r,o,R,1)]:xs(i,s,r,o,R,$)),F})}function qv(n){return Xv(Yv,n)}function Yv(n,t,e,i,s,r){let o=n.length;if(o<2)return null;let a=new Path2D;if(e(a,n[0],t[0]),o==2)i(a,n[1],t[1]);else{let l=Array(o),c=Array(o-1),h=Array(o-1),f=Array(o-1);for(let u=0;u<o-1;u++)h[u]=t[u+1]-t[u],f[u]=n[u+1]-n[u],c[u]=h[u]/f[u];l[0]=c[0];for(let u=1;u<o-1;u++)c[u]===0||c[u-1]===0||c[u-1]>0!=c[u]>0?l[u]=0:(l[u]=3*(f[u-1]+f[u])/((2*f[u]+f[u-1])/c[u-1]+(f[u]+2*f[u-1])/c[u]),isFinite(l[u])||(l[u]=0));l[o-1]=c[o-2];for(let u=0;u<o-1;u++)s(a,n[u]+f[u]/3,t[u]+l[u]*f[u]/3,n[u+1]-f[u]/3,t[u+1]-l[u+1]*f[u]/3,n[u+1],t[u+1])}return a}var Wu=new Set;function lm(){for(let n of Wu)n.syncRect(!0)}Jr&&(yr(Cx,Xr,lm),yr(Rx,Xr,lm,!0),yr(vl,Xr,()=>{Mn.pxRatio=Ce}));var Zv=qm(),Kv=$m();function cm(n,t,e,i){return(i?[n[0],n[1]].concat(n.slice(2)):[n[0]].concat(n.slice(1))).map((r,o)=>$u(r,o,t,e))}function Jv(n,t){return n.map((e,i)=>i==0?{}:gn({},t,e))}function $u(n,t,e,i){return gn({},t==0?e:i,n)}function Ym(n,t,e){return t==null?Yr:[t,e]}var jv=Ym;function Qv(n,t,e){return t==null?Yr:Sl(t,e,Ku,!0)}function Zm(n,t,e,i){return t==null?Yr:wl(t,e,n.scales[i].log,!1)}var tS=Zm;function Km(n,t,e,i){return t==null?Yr:Zu(t,e,n.scales[i].log,!1)}var eS=Km;function nS(n,t,e,i,s){let r=Kn(Hp(n),Hp(t)),o=t-n,a=ki(s/i*o,e);do{let l=e[a],c=i*l/o;if(c>=s&&r+(l<5?Vs.get(l):0)<=17)return[l,c]}while(++a<e.length);return[0,0]}function hm(n){let t,e;return n=n.replace(/(\d+)px/,(i,s)=>(t=Sn((e=+s)*Ce))+"px"),[n,t,e]}function iS(n){n.show&&[n.font,n.labelFont].forEach(t=>{let e=He(t[2]*Ce,1);t[0]=t[0].replace(/[0-9.]+px/,e+"px"),t[1]=e})}function Mn(n,t,e){let i={mode:Ae(n.mode,1)},s=i.mode;function r(x,w,D,O){let X=w.valToPct(x);return O+D*(w.dir==-1?1-X:X)}function o(x,w,D,O){let X=w.valToPct(x);return O+D*(w.dir==-1?X:1-X)}function a(x,w,D,O){return w.ori==0?r(x,w,D,O):o(x,w,D,O)}i.valToPosH=r,i.valToPosV=o;let l=!1;i.status=0;let c=i.root=Ti(hx);if(n.id!=null&&(c.id=n.id),pi(c,n.class),n.title){let x=Ti(dx,c);x.textContent=n.title}let h=Bi("canvas"),f=i.ctx=h.getContext("2d"),u=Ti(px,c);yr("click",u,x=>{x.target===p&&(We!=kr||Ke!=zr)&&Un.click(i,x)},!0);let d=i.under=Ti(mx,u);u.appendChild(h);let p=i.over=Ti(gx,u);n=Zr(n);let _=+Ae(n.pxAlign,1),m=om(_);(n.plugins||[]).forEach(x=>{x.opts&&(n=x.opts(i,n)||n)});let g=n.ms||.001,v=i.series=s==1?cm(n.series||[],Qp,sm,!1):Jv(n.series||[null],im),T=i.axes=cm(n.axes||[],jp,em,!0),S=i.scales={},C=i.bands=n.bands||[];C.forEach(x=>{x.fill=ye(x.fill||null),x.dir=Ae(x.dir,-1)});let E=s==2?v[1].facets[0].scale:v[0].scale,y={axes:gs,series:pe},M=(n.drawOrder||["axes","series"]).map(x=>y[x]);function V(x){let w=x.distr==3?D=>ys(D>0?D:x.clamp(i,D,x.min,x.max,x.key)):x.distr==4?D=>Lu(D,x.asinh):x.distr==100?D=>x.fwd(D):D=>D;return D=>{let O=w(D),{_min:X,_max:tt}=x,pt=tt-X;return(O-X)/pt}}function N(x){let w=S[x];if(w==null){let D=(n.scales||na)[x]||na;if(D.from!=null){N(D.from);let O=gn({},S[D.from],D,{key:x});O.valToPct=V(O),S[x]=O}else{w=S[x]=gn({},x==E?Bm:kv,D),w.key=x;let O=w.time,X=w.range,tt=Hs(X);if((x!=E||s==2&&!O)&&(tt&&(X[0]==null||X[1]==null)&&(X={min:X[0]==null?Bp:{mode:1,hard:X[0],soft:X[0]},max:X[1]==null?Bp:{mode:1,hard:X[1],soft:X[1]}},tt=!1),!tt&&Al(X))){let pt=X;X=(_t,bt,Nt)=>bt==null?Yr:Sl(bt,Nt,pt)}w.range=ye(X||(O?jv:x==E?w.distr==3?tS:w.distr==4?eS:Ym:w.distr==3?Zm:w.distr==4?Km:Qv)),w.auto=ye(tt?!1:w.auto),w.clamp=ye(w.clamp||Bv),w._min=w._max=null,w.valToPct=V(w)}}}N("x"),N("y"),s==1&&v.forEach(x=>{N(x.scale)}),T.forEach(x=>{N(x.scale)});for(let x in n.scales)N(x);let L=S[E],B=L.distr,F,R;L.ori==0?(pi(c,ux),F=r,R=o):(pi(c,fx),F=o,R=r);let U={};for(let x in S){let w=S[x];(w.min!=null||w.max!=null)&&(U[x]={min:w.min,max:w.max},w.min=w.max=null)}let $=n.tzDate||(x=>new Date(Sn(x/g))),G=n.fmtDate||Qu,ct=g==1?uv($):pv($),I=Zp($,Yp(g==1?hv:dv,G)),k=Jp($,Kp(gv,G)),q=[],et=i.legend=gn({},xv,n.legend),nt=i.cursor=gn({},Ev,{drag:{y:s==2}},n.cursor),Y=et.show,at=nt.show,ut=et.markers;et.idxs=q,ut.width=ye(ut.width),ut.dash=ye(ut.dash),ut.stroke=ye(ut.stroke),ut.fill=ye(ut.fill);let dt,ot,Lt,Yt=[],Ut=[],ne,ie=!1,$t={};if(et.live){let x=v[1]?v[1].values:null;ie=x!=null,ne=ie?x(i,1,0):{_:0};for(let w in ne)$t[w]=qu}if(Y)if(dt=Bi("table",bx,c),Lt=Bi("tbody",null,dt),et.mount(i,dt),ie){ot=Bi("thead",null,dt,Lt);let x=Bi("tr",null,ot);Bi("th",null,x);for(var Ie in ne)Bi("th",Ep,x).textContent=Ie}else pi(dt,wx),et.live&&pi(dt,Mx);let be={show:!0},Ve={show:!1};function Me(x,w){if(w==0&&(ie||!et.live||s==2))return Yr;let D=[],O=Bi("tr",Ex,Lt,Lt.childNodes[w]);pi(O,x.class),x.show||pi(O,_r);let X=Bi("th",null,O);if(ut.show){let _t=Ti(Ax,X);if(w>0){let bt=ut.width(i,w);bt&&(_t.style.border=bt+"px "+ut.dash(i,w)+" "+ut.stroke(i,w)),_t.style.background=ut.fill(i,w)}}let tt=Ti(Ep,X);x.label instanceof HTMLElement?tt.appendChild(x.label):tt.textContent=x.label,w>0&&(ut.show||(tt.style.color=x.width>0?ut.stroke(i,w):ut.fill(i,w)),Se("click",X,_t=>{if(nt._lock)return;te(_t);let bt=v.indexOf(x);if((_t.ctrlKey||_t.metaKey)!=et.isolate){let Nt=v.some((Ot,Bt)=>Bt>0&&Bt!=bt&&Ot.show);v.forEach((Ot,Bt)=>{Bt>0&&ts(Bt,Nt?Bt==bt?be:Ve:be,!0,mn.setSeries)})}else ts(bt,{show:!x.show},!0,mn.setSeries)},!1),ee&&Se(Rp,X,_t=>{nt._lock||(te(_t),ts(v.indexOf(x),Vr,!0,mn.setSeries))},!1));for(var pt in ne){let _t=Bi("td",Tx,O);_t.textContent="--",D.push(_t)}return[O,D]}let hn=new Map;function Se(x,w,D,O=!0){let X=hn.get(w)||{},tt=nt.bind[x](i,w,D,O);tt&&(yr(x,w,X[x]=tt),hn.set(w,X))}function xn(x,w,D){let O=hn.get(w)||{};for(let X in O)(x==null||X==x)&&(ku(X,w,O[X]),delete O[X]);x==null&&hn.delete(w)}let en=0,un=0,H=0,Rt=0,Jt=0,le=0,wt=Jt,ke=le,Vt=H,qt=Rt,P=0,b=0,K=0,gt=0;i.bbox={};let ft=!1,vt=!1,St=!1,st=!1,lt=!1,yt=!1;function z(x,w,D){(D||x!=i.width||w!=i.height)&&ht(x,w),he(!1),St=!0,vt=!0,zn()}function ht(x,w){i.width=en=H=x,i.height=un=Rt=w,Jt=le=0,Mt(),Wt();let D=i.bbox;P=D.left=mr(Jt*Ce,.5),b=D.top=mr(le*Ce,.5),K=D.width=mr(H*Ce,.5),gt=D.height=mr(Rt*Ce,.5)}let rt=3;function Et(){let x=!1,w=0;for(;!x;){w++;let D=Ur(w),O=Qi(w);x=w==rt||D&&O,x||(ht(i.width,i.height),vt=!0)}}function xt({width:x,height:w}){z(x,w)}i.setSize=xt;function Mt(){let x=!1,w=!1,D=!1,O=!1;T.forEach((X,tt)=>{if(X.show&&X._show){let{side:pt,_size:_t}=X,bt=pt%2,Nt=X.label!=null?X.labelSize:0,Ot=_t+Nt;Ot>0&&(bt?(H-=Ot,pt==3?(Jt+=Ot,O=!0):D=!0):(Rt-=Ot,pt==0?(le+=Ot,x=!0):w=!0))}}),Ji[0]=x,Ji[1]=D,Ji[2]=w,Ji[3]=O,H-=Ni[1]+Ni[3],Jt+=Ni[3],Rt-=Ni[2]+Ni[0],le+=Ni[0]}function Wt(){let x=Jt+H,w=le+Rt,D=Jt,O=le;function X(tt,pt){switch(tt){case 1:return x+=pt,x-pt;case 2:return w+=pt,w-pt;case 3:return D-=pt,D+pt;case 0:return O-=pt,O+pt}}T.forEach((tt,pt)=>{if(tt.show&&tt._show){let _t=tt.side;tt._pos=X(_t,tt._size),tt.label!=null&&(tt._lpos=X(_t,tt.labelSize))}})}if(nt.dataIdx==null){let x=nt.hover,w=x.skip=new Set(x.skip??[]);w.add(void 0);let D=x.prox=ye(x.prox),O=x.bias??=0;nt.dataIdx=(X,tt,pt,_t)=>{if(tt==0)return pt;let bt=pt,Nt=D(X,tt,pt,_t)??ze,Ot=Nt>=0&&Nt<ze,Bt=L.ori==0?H:Rt,ae=nt.left,Te=t[0],Ee=t[tt];if(w.has(Ee[pt])){bt=null;let ge=null,Qt=null,Xt;if(O==0||O==-1)for(Xt=pt;ge==null&&Xt-- >0;)w.has(Ee[Xt])||(ge=Xt);if(O==0||O==1)for(Xt=pt;Qt==null&&Xt++<Ee.length;)w.has(Ee[Xt])||(Qt=Xt);if(ge!=null||Qt!=null)if(Ot){let Xe=ge==null?-1/0:F(Te[ge],L,Bt,0),rn=Qt==null?1/0:F(Te[Qt],L,Bt,0),Pn=ae-Xe,Be=rn-ae;Pn<=Be?Pn<=Nt&&(bt=ge):Be<=Nt&&(bt=Qt)}else bt=Qt==null?ge:ge==null?Qt:pt-ge<=Qt-pt?ge:Qt}else Ot&&bn(ae-F(Te[pt],L,Bt,0))>Nt&&(bt=null);return bt}}let te=x=>{nt.event=x};nt.idxs=q,nt._lock=!1;let mt=nt.points;mt.show=ye(mt.show),mt.size=ye(mt.size),mt.stroke=ye(mt.stroke),mt.width=ye(mt.width),mt.fill=ye(mt.fill);let kt=i.focus=gn({},n.focus||{alpha:.3},nt.focus),ee=kt.prox>=0,Ct=ee&&mt.one,ce=[],Ge=[],$n=[];function Ho(x,w){let D=mt.show(i,w);if(D instanceof HTMLElement)return pi(D,Sx),pi(D,x.class),ss(D,-10,-10,H,Rt),p.insertBefore(D,ce[w]),D}function Dr(x,w){if(s==1||w>0){let D=s==1&&S[x.scale].time,O=x.value;x.value=D?Wp(O)?Jp($,Kp(O,G)):O||k:O||Ov,x.label=x.label||(D?Tv:Av)}if(Ct||w>0){x.width=x.width==null?1:x.width,x.paths=x.paths||Zv||kx,x.fillTo=ye(x.fillTo||zv),x.pxAlign=+Ae(x.pxAlign,_),x.pxRound=om(x.pxAlign),x.stroke=ye(x.stroke||null),x.fill=ye(x.fill||null),x._stroke=x._fill=x._paths=x._focus=null;let D=Uv(Kn(1,x.width),1),O=x.points=gn({},{size:D,width:Kn(1,D*.2),stroke:x.stroke,space:D*2,paths:Kv,_stroke:null,_fill:null},x.points);O.show=ye(O.show),O.filter=ye(O.filter),O.fill=ye(O.fill),O.stroke=ye(O.stroke),O.paths=ye(O.paths),O.pxAlign=x.pxAlign}if(Y){let D=Me(x,w);Yt.splice(w,0,D[0]),Ut.splice(w,0,D[1]),et.values.push(null)}if(at){q.splice(w,0,null);let D=null;Ct?w==0&&(D=Ho(x,w)):w>0&&(D=Ho(x,w)),ce.splice(w,0,D),Ge.splice(w,0,0),$n.splice(w,0,0)}In("addSeries",w)}function gu(x,w){w=w??v.length,x=s==1?$u(x,w,Qp,sm):$u(x,w,{},im),v.splice(w,0,x),Dr(v[w],w)}i.addSeries=gu;function cl(x){if(v.splice(x,1),Y){et.values.splice(x,1),Ut.splice(x,1);let w=Yt.splice(x,1)[0];xn(null,w.firstChild),w.remove()}at&&(q.splice(x,1),ce.splice(x,1)[0].remove(),Ge.splice(x,1),$n.splice(x,1)),In("delSeries",x)}i.delSeries=cl;let Ji=[!1,!1,!1,!1];function ds(x,w){if(x._show=x.show,x.show){let D=x.side%2,O=S[x.scale];O==null&&(x.scale=D?v[1].scale:E,O=S[x.scale]);let X=O.time;x.size=ye(x.size),x.space=ye(x.space),x.rotate=ye(x.rotate),Hs(x.incrs)&&x.incrs.forEach(pt=>{!Vs.has(pt)&&Vs.set(pt,xm(pt))}),x.incrs=ye(x.incrs||(O.distr==2?av:X?g==1?cv:fv:gr)),x.splits=ye(x.splits||(X&&O.distr==1?ct:O.distr==3?Hu:O.distr==4?Iv:Rv)),x.stroke=ye(x.stroke),x.grid.stroke=ye(x.grid.stroke),x.ticks.stroke=ye(x.ticks.stroke),x.border.stroke=ye(x.border.stroke);let tt=x.values;x.values=Hs(tt)&&!Hs(tt[0])?ye(tt):X?Hs(tt)?Zp($,Yp(tt,G)):Wp(tt)?mv($,tt):tt||I:tt||Cv,x.filter=ye(x.filter||(O.distr>=3&&O.log==10?Dv:O.distr==3&&O.log==2?Nv:_m)),x.font=hm(x.font),x.labelFont=hm(x.labelFont),x._size=x.size(i,null,w,0),x._space=x._rotate=x._incrs=x._found=x._splits=x._values=null,x._size>0&&(Ji[w]=!0,x._el=Ti(_x,u))}}function ps(x,w,D,O){let[X,tt,pt,_t]=D,bt=w%2,Nt=0;return bt==0&&(_t||tt)&&(Nt=w==0&&!X||w==2&&!pt?Sn(jp.size/3):0),bt==1&&(X||pt)&&(Nt=w==1&&!tt||w==3&&!_t?Sn(em.size/2):0),Nt}let Vo=i.padding=(n.padding||[ps,ps,ps,ps]).map(x=>ye(Ae(x,ps))),Ni=i._padding=Vo.map((x,w)=>x(i,w,Ji,0)),nn,ln=null,cn=null,ji=s==1?v[0].idxs:null,hi=null,Ns=!1;function Go(x,w){if(t=x??[],i.data=i._data=t,s==2){nn=0;for(let D=1;D<v.length;D++)nn+=t[D][0].length}else{t.length==0&&(i.data=i._data=t=[[]]),hi=t[0],nn=hi.length;let D=t;if(B==2){D=t.slice();let O=D[0]=Array(nn);for(let X=0;X<nn;X++)O[X]=X}i._data=t=D}if(he(!0),In("setData"),B==2&&(St=!0),w!==!1){let D=L;D.auto(i,Ns)?Wo():Fs(E,D.min,D.max),st=st||nt.left>=0,yt=!0,zn()}}i.setData=Go;function Wo(){Ns=!0;let x,w;s==1&&(nn>0?(ln=ji[0]=0,cn=ji[1]=nn-1,x=t[0][ln],w=t[0][cn],B==2?(x=ln,w=cn):x==w&&(B==3?[x,w]=wl(x,x,L.log,!1):B==4?[x,w]=Zu(x,x,L.log,!1):L.time?w=x+Sn(86400/g):[x,w]=Sl(x,w,Ku,!0))):(ln=ji[0]=x=null,cn=ji[1]=w=null)),Fs(E,x,w)}let Nr,Os,Or,A,W,it,J,j,At,It;function Tt(x,w,D,O,X,tt){x??=Tp,D??=ju,O??="butt",X??=Tp,tt??="round",x!=Nr&&(f.strokeStyle=Nr=x),X!=Os&&(f.fillStyle=Os=X),w!=Or&&(f.lineWidth=Or=w),tt!=W&&(f.lineJoin=W=tt),O!=it&&(f.lineCap=it=O),D!=A&&f.setLineDash(A=D)}function Pt(x,w,D,O){w!=Os&&(f.fillStyle=Os=w),x!=J&&(f.font=J=x),D!=j&&(f.textAlign=j=D),O!=At&&(f.textBaseline=At=O)}function Ht(x,w,D,O,X=0){if(O.length>0&&x.auto(i,Ns)&&(w==null||w.min==null)){let tt=Ae(ln,0),pt=Ae(cn,O.length-1),_t=D.min==null?Dx(O,tt,pt,X,x.distr==3):[D.min,D.max];x.min=zi(x.min,D.min=_t[0]),x.max=Kn(x.max,D.max=_t[1])}}let se={min:null,max:null};function de(){for(let O in S){let X=S[O];U[O]==null&&(X.min==null||U[E]!=null&&X.auto(i,Ns))&&(U[O]=se)}for(let O in S){let X=S[O];U[O]==null&&X.from!=null&&U[X.from]!=null&&(U[O]=se)}U[E]!=null&&he(!0);let x={};for(let O in U){let X=U[O];if(X!=null){let tt=x[O]=Zr(S[O],Vx);if(X.min!=null)gn(tt,X);else if(O!=E||s==2)if(nn==0&&tt.from==null){let pt=tt.range(i,null,null,O);tt.min=pt[0],tt.max=pt[1]}else tt.min=ze,tt.max=-ze}}if(nn>0){v.forEach((O,X)=>{if(s==1){let tt=O.scale,pt=U[tt];if(pt==null)return;let _t=x[tt];if(X==0){let bt=_t.range(i,_t.min,_t.max,tt);_t.min=bt[0],_t.max=bt[1],ln=ki(_t.min,t[0]),cn=ki(_t.max,t[0]),cn-ln>1&&(t[0][ln]<_t.min&&ln++,t[0][cn]>_t.max&&cn--),O.min=hi[ln],O.max=hi[cn]}else O.show&&O.auto&&Ht(_t,pt,O,t[X],O.sorted);O.idxs[0]=ln,O.idxs[1]=cn}else if(X>0&&O.show&&O.auto){let[tt,pt]=O.facets,_t=tt.scale,bt=pt.scale,[Nt,Ot]=t[X],Bt=x[_t],ae=x[bt];Bt!=null&&Ht(Bt,U[_t],tt,Nt,tt.sorted),ae!=null&&Ht(ae,U[bt],pt,Ot,pt.sorted),O.min=pt.min,O.max=pt.max}});for(let O in x){let X=x[O],tt=U[O];if(X.from==null&&(tt==null||tt.min==null)){let pt=X.range(i,X.min==ze?null:X.min,X.max==-ze?null:X.max,O);X.min=pt[0],X.max=pt[1]}}}for(let O in x){let X=x[O];if(X.from!=null){let tt=x[X.from];if(tt.min==null)X.min=X.max=null;else{let pt=X.range(i,tt.min,tt.max,O);X.min=pt[0],X.max=pt[1]}}}let w={},D=!1;for(let O in x){let X=x[O],tt=S[O];if(tt.min!=X.min||tt.max!=X.max){tt.min=X.min,tt.max=X.max;let pt=tt.distr;tt._min=pt==3?ys(tt.min):pt==4?Lu(tt.min,tt.asinh):pt==100?tt.fwd(tt.min):tt.min,tt._max=pt==3?ys(tt.max):pt==4?Lu(tt.max,tt.asinh):pt==100?tt.fwd(tt.max):tt.max,w[O]=D=!0}}if(D){v.forEach((O,X)=>{s==2?X>0&&w.y&&(O._paths=null):w[O.scale]&&(O._paths=null)});for(let O in w)St=!0,In("setScale",O);at&&nt.left>=0&&(st=yt=!0)}for(let O in U)U[O]=null}function zt(x){let w=zu(ln-1,0,nn-1),D=zu(cn+1,0,nn-1);for(;x[w]==null&&w>0;)w--;for(;x[D]==null&&D<nn-1;)D++;return[w,D]}function pe(){if(nn>0){let x=v.some(w=>w._focus)&&It!=kt.alpha;x&&(f.globalAlpha=It=kt.alpha),v.forEach((w,D)=>{if(D>0&&w.show&&(Qe(D,!1),Qe(D,!0),w._paths==null)){let O=It;It!=w.alpha&&(f.globalAlpha=It=w.alpha);let X=s==2?[0,t[D][0].length-1]:zt(t[D]);w._paths=w.paths(i,D,X[0],X[1]),It!=O&&(f.globalAlpha=It=O)}}),v.forEach((w,D)=>{if(D>0&&w.show){let O=It;It!=w.alpha&&(f.globalAlpha=It=w.alpha),w._paths!=null&&Ne(D,!1);{let X=w._paths!=null?w._paths.gaps:null,tt=w.points.show(i,D,ln,cn,X),pt=w.points.filter(i,D,tt,X);(tt||pt)&&(w.points._paths=w.points.paths(i,D,ln,cn,pt),Ne(D,!0))}It!=O&&(f.globalAlpha=It=O),In("drawSeries",D)}}),x&&(f.globalAlpha=It=1)}}function Qe(x,w){let D=w?v[x].points:v[x];D._stroke=D.stroke(i,x),D._fill=D.fill(i,x)}function Ne(x,w){let D=w?v[x].points:v[x],{stroke:O,fill:X,clip:tt,flags:pt,_stroke:_t=D._stroke,_fill:bt=D._fill,_width:Nt=D.width}=D._paths;Nt=He(Nt*Ce,3);let Ot=null,Bt=Nt%2/2;w&&bt==null&&(bt=Nt>0?"#fff":_t);let ae=D.pxAlign==1&&Bt>0;if(ae&&f.translate(Bt,Bt),!w){let Te=P-Nt/2,Ee=b-Nt/2,ge=K+Nt,Qt=gt+Nt;Ot=new Path2D,Ot.rect(Te,Ee,ge,Qt)}w?Ft(_t,Nt,D.dash,D.cap,bt,O,X,pt,tt):Oe(x,_t,Nt,D.dash,D.cap,bt,O,X,pt,Ot,tt),ae&&f.translate(-Bt,-Bt)}function Oe(x,w,D,O,X,tt,pt,_t,bt,Nt,Ot){let Bt=!1;bt!=0&&C.forEach((ae,Te)=>{if(ae.series[0]==x){let Ee=v[ae.series[1]],ge=t[ae.series[1]],Qt=(Ee._paths||na).band;Hs(Qt)&&(Qt=ae.dir==1?Qt[0]:Qt[1]);let Xt,Xe=null;Ee.show&&Qt&&Ox(ge,ln,cn)?(Xe=ae.fill(i,Te)||tt,Xt=Ee._paths.clip):Qt=null,Ft(w,D,O,X,Xe,pt,_t,bt,Nt,Ot,Xt,Qt),Bt=!0}}),Bt||Ft(w,D,O,X,tt,pt,_t,bt,Nt,Ot)}let vn=Kr|Gu;function Ft(x,w,D,O,X,tt,pt,_t,bt,Nt,Ot,Bt){Tt(x,w,D,O,X),(bt||Nt||Bt)&&(f.save(),bt&&f.clip(bt),Nt&&f.clip(Nt)),Bt?(_t&vn)==vn?(f.clip(Bt),Ot&&f.clip(Ot),_e(X,pt),fn(x,tt,w)):_t&Gu?(_e(X,pt),f.clip(Bt),fn(x,tt,w)):_t&Kr&&(f.save(),f.clip(Bt),Ot&&f.clip(Ot),_e(X,pt),f.restore(),fn(x,tt,w)):(_e(X,pt),fn(x,tt,w)),(bt||Nt||Bt)&&f.restore()}function fn(x,w,D){D>0&&(w instanceof Map?w.forEach((O,X)=>{f.strokeStyle=Nr=X,f.stroke(O)}):w!=null&&x&&f.stroke(w))}function _e(x,w){w instanceof Map?w.forEach((D,O)=>{f.fillStyle=Os=O,f.fill(D)}):w!=null&&x&&f.fill(w)}function ms(x,w,D,O){let X=T[x],tt;if(O<=0)tt=[0,0];else{let pt=X._space=X.space(i,x,w,D,O),_t=X._incrs=X.incrs(i,x,w,D,O,pt);tt=nS(w,D,_t,O,pt)}return X._found=tt}function dn(x,w,D,O,X,tt,pt,_t,bt,Nt){let Ot=pt%2/2;_==1&&f.translate(Ot,Ot),Tt(_t,pt,bt,Nt,_t),f.beginPath();let Bt,ae,Te,Ee,ge=X+(O==0||O==3?-tt:tt);D==0?(ae=X,Ee=ge):(Bt=X,Te=ge);for(let Qt=0;Qt<x.length;Qt++)w[Qt]!=null&&(D==0?Bt=Te=x[Qt]:ae=Ee=x[Qt],f.moveTo(Bt,ae),f.lineTo(Te,Ee));f.stroke(),_==1&&f.translate(-Ot,-Ot)}function Ur(x){let w=!0;return T.forEach((D,O)=>{if(!D.show)return;let X=S[D.scale];if(X.min==null){D._show&&(w=!1,D._show=!1,he(!1));return}else D._show||(w=!1,D._show=!0,he(!1));let tt=D.side,pt=tt%2,{min:_t,max:bt}=X,[Nt,Ot]=ms(O,_t,bt,pt==0?H:Rt);if(Ot==0)return;let Bt=X.distr==2,ae=D._splits=D.splits(i,O,_t,bt,Nt,Ot,Bt),Te=X.distr==2?ae.map(Xt=>hi[Xt]):ae,Ee=X.distr==2?hi[ae[1]]-hi[ae[0]]:Nt,ge=D._values=D.values(i,D.filter(i,Te,O,Ot,Ee),O,Ot,Ee);D._rotate=tt==2?D.rotate(i,ge,O,Ot):0;let Qt=D._size;D._size=Ci(D.size(i,ge,O,x)),Qt!=null&&D._size!=Qt&&(w=!1)}),w}function Qi(x){let w=!0;return Vo.forEach((D,O)=>{let X=D(i,O,Ji,x);X!=Ni[O]&&(w=!1),Ni[O]=X}),w}function gs(){for(let x=0;x<T.length;x++){let w=T[x];if(!w.show||!w._show)continue;let D=w.side,O=D%2,X,tt,pt=w.stroke(i,x),_t=D==0||D==3?-1:1,[bt,Nt]=w._found;if(w.label!=null){let Yn=w.labelGap*_t,di=Sn((w._lpos+Yn)*Ce);Pt(w.labelFont[0],pt,"center",D==2?"top":Ap),f.save(),O==1?(X=tt=0,f.translate(di,Sn(b+gt/2)),f.rotate((D==3?-xl:xl)/2)):(X=Sn(P+K/2),tt=di);let fr=mm(w.label)?w.label(i,x,bt,Nt):w.label;f.fillText(fr,X,tt),f.restore()}if(Nt==0)continue;let Ot=S[w.scale],Bt=O==0?K:gt,ae=O==0?P:b,Te=w._splits,Ee=Ot.distr==2?Te.map(Yn=>hi[Yn]):Te,ge=Ot.distr==2?hi[Te[1]]-hi[Te[0]]:bt,Qt=w.ticks,Xt=w.border,Xe=Qt.show?Qt.size:0,rn=Sn(Xe*Ce),Pn=Sn((w.alignTo==2?w._size-Xe-w.gap:w.gap)*Ce),Be=w._rotate*-xl/180,on=m(w._pos*Ce),ui=(rn+Pn)*_t,qn=on+ui;tt=O==0?qn:0,X=O==1?qn:0;let Ei=w.font[0],Oi=w.align==1?Wr:w.align==2?Ru:Be>0?Wr:Be<0?Ru:O==0?"center":D==3?Ru:Wr,ns=Be||O==1?"middle":D==2?"top":Ap;Pt(Ei,pt,Oi,ns);let fi=w.font[1]*w.lineGap,Ai=Te.map(Yn=>m(a(Yn,Ot,Bt,ae))),Ui=w._values;for(let Yn=0;Yn<Ui.length;Yn++){let di=Ui[Yn];if(di!=null){O==0?X=Ai[Yn]:tt=Ai[Yn],di=""+di;let fr=di.indexOf(`
+`)==-1?[di]:di.split(/\n/gm);for(let Zn=0;Zn<fr.length;Zn++){let fp=fr[Zn];Be?(f.save(),f.translate(X,tt+Zn*fi),f.rotate(Be),f.fillText(fp,0,0),f.restore()):f.fillText(fp,X,tt+Zn*fi)}}}Qt.show&&dn(Ai,Qt.filter(i,Ee,x,Nt,ge),O,D,on,rn,He(Qt.width*Ce,3),Qt.stroke(i,x),Qt.dash,Qt.cap);let is=w.grid;is.show&&dn(Ai,is.filter(i,Ee,x,Nt,ge),O,O==0?2:1,O==0?b:P,O==0?gt:K,He(is.width*Ce,3),is.stroke(i,x),is.dash,is.cap),Xt.show&&dn([on],[1],O==0?1:0,O==0?1:2,O==1?b:P,O==1?gt:K,He(Xt.width*Ce,3),Xt.stroke(i,x),Xt.dash,Xt.cap)}In("drawAxes")}function he(x){v.forEach((w,D)=>{D>0&&(w._paths=null,x&&(s==1?(w.min=null,w.max=null):w.facets.forEach(O=>{O.min=null,O.max=null})))})}let sn=!1,Xn=!1,Ue=[];function pn(){Xn=!1;for(let x=0;x<Ue.length;x++)In(...Ue[x]);Ue.length=0}function zn(){sn||(Zx(Yd),sn=!0)}function hl(x,w=!1){sn=!0,Xn=w,x(i),Yd(),w&&Ue.length>0&&queueMicrotask(pn)}i.batch=hl;function Yd(){if(ft&&(de(),ft=!1),St&&(Et(),St=!1),vt){if(qe(d,Wr,Jt),qe(d,"top",le),qe(d,jo,H),qe(d,Qo,Rt),qe(p,Wr,Jt),qe(p,"top",le),qe(p,jo,H),qe(p,Qo,Rt),qe(u,jo,en),qe(u,Qo,un),h.width=Sn(en*Ce),h.height=Sn(un*Ce),T.forEach(({_el:x,_show:w,_size:D,_pos:O,side:X})=>{if(x!=null)if(w){let tt=X===3||X===0?D:0,pt=X%2==1;qe(x,pt?"left":"top",O-tt),qe(x,pt?"width":"height",D),qe(x,pt?"top":"left",pt?le:Jt),qe(x,pt?"height":"width",pt?Rt:H),Bu(x,_r)}else pi(x,_r)}),Nr=Os=Or=W=it=J=j=At=A=null,It=1,qo(!0),Jt!=wt||le!=ke||H!=Vt||Rt!=qt){he(!1);let x=H/Vt,w=Rt/qt;if(at&&!st&&nt.left>=0){nt.left*=x,nt.top*=w,Fr&&ss(Fr,Sn(nt.left),0,H,Rt),Br&&ss(Br,0,Sn(nt.top),H,Rt);for(let D=0;D<ce.length;D++){let O=ce[D];O!=null&&(Ge[D]*=x,$n[D]*=w,ss(O,Ci(Ge[D]),Ci($n[D]),H,Rt))}}if($e.show&&!lt&&$e.left>=0&&$e.width>0){$e.left*=x,$e.width*=x,$e.top*=w,$e.height*=w;for(let D in bu)qe(Hr,D,$e[D])}wt=Jt,ke=le,Vt=H,qt=Rt}In("setSize"),vt=!1}en>0&&un>0&&(f.clearRect(0,0,h.width,h.height),In("drawClear"),M.forEach(x=>x()),In("draw")),$e.show&&lt&&(ul($e),lt=!1),at&&st&&(ur(null,!0,!1),st=!1),et.show&&et.live&&yt&&(vu(),yt=!1),l||(l=!0,i.status=1,In("ready")),Ns=!1,sn=!1}i.redraw=(x,w)=>{St=w||!1,x!==!1?Fs(E,L.min,L.max):zn()};function _u(x,w){let D=S[x];if(D.from==null){if(nn==0){let O=D.range(i,w.min,w.max,x);w.min=O[0],w.max=O[1]}if(w.min>w.max){let O=w.min;w.min=w.max,w.max=O}if(nn>1&&w.min!=null&&w.max!=null&&w.max-w.min<1e-16)return;x==E&&D.distr==2&&nn>0&&(w.min=ki(w.min,t[0]),w.max=ki(w.max,t[0]),w.min==w.max&&w.max++),U[x]=w,ft=!0,zn()}}i.setScale=_u;let yu,xu,Fr,Br,Zd,Kd,kr,zr,Jd,jd,We,Ke,Us=!1,Un=nt.drag,Cn=Un.x,Rn=Un.y;at&&(nt.x&&(yu=Ti(xx,p)),nt.y&&(xu=Ti(vx,p)),L.ori==0?(Fr=yu,Br=xu):(Fr=xu,Br=yu),We=nt.left,Ke=nt.top);let $e=i.select=gn({show:!0,over:!0,left:0,width:0,top:0,height:0},n.select),Hr=$e.show?Ti(yx,$e.over?p:d):null;function ul(x,w){if($e.show){for(let D in x)$e[D]=x[D],D in bu&&qe(Hr,D,x[D]);w!==!1&&In("setSelect")}}i.setSelect=ul;function Ty(x){if(v[x].show)Y&&Bu(Yt[x],_r);else if(Y&&pi(Yt[x],_r),at){let D=Ct?ce[0]:ce[x];D!=null&&ss(D,-10,-10,H,Rt)}}function Fs(x,w,D){_u(x,{min:w,max:D})}function ts(x,w,D,O){w.focus!=null&&Ly(x),w.show!=null&&v.forEach((X,tt)=>{tt>0&&(x==tt||x==null)&&(X.show=w.show,Ty(tt),s==2?(Fs(X.facets[0].scale,null,null),Fs(X.facets[1].scale,null,null)):Fs(X.scale,null,null),zn())}),D!==!1&&In("setSeries",x,w),O&&Yo("setSeries",i,x,w)}i.setSeries=ts;function Cy(x,w){gn(C[x],w)}function Ry(x,w){x.fill=ye(x.fill||null),x.dir=Ae(x.dir,-1),w=w??C.length,C.splice(w,0,x)}function Iy(x){x==null?C.length=0:C.splice(x,1)}i.addBand=Ry,i.setBand=Cy,i.delBand=Iy;function Py(x,w){v[x].alpha=w,at&&ce[x]!=null&&(ce[x].style.opacity=w),Y&&Yt[x]&&(Yt[x].style.opacity=w)}let _s,Bs,hr,Vr={focus:!0};function Ly(x){if(x!=hr){let w=x==null,D=kt.alpha!=1;v.forEach((O,X)=>{if(s==1||X>0){let tt=w||X==0||X==x;O._focus=w?null:tt,D&&Py(X,tt?1:kt.alpha)}}),hr=x,D&&zn()}}Y&&ee&&Se(Ip,dt,x=>{nt._lock||(te(x),hr!=null&&ts(null,Vr,!0,mn.setSeries))});function es(x,w,D){let O=S[w];D&&(x=x/Ce-(O.ori==1?le:Jt));let X=H;O.ori==1&&(X=Rt,x=X-x),O.dir==-1&&(x=X-x);let tt=O._min,pt=O._max,_t=x/X,bt=tt+(pt-tt)*_t,Nt=O.distr;return Nt==3?qr(10,bt):Nt==4?Fx(bt,O.asinh):Nt==100?O.bwd(bt):bt}function Dy(x,w){let D=es(x,E,w);return ki(D,t[0],ln,cn)}i.valToIdx=x=>ki(x,t[0]),i.posToIdx=Dy,i.posToVal=es,i.valToPos=(x,w,D)=>S[w].ori==0?r(x,S[w],D?K:H,D?P:0):o(x,S[w],D?gt:Rt,D?b:0),i.setCursor=(x,w,D)=>{We=x.left,Ke=x.top,ur(null,w,D)};function Qd(x,w){qe(Hr,Wr,$e.left=x),qe(Hr,jo,$e.width=w)}function tp(x,w){qe(Hr,"top",$e.top=x),qe(Hr,Qo,$e.height=w)}let $o=L.ori==0?Qd:tp,Xo=L.ori==1?Qd:tp;function Ny(){if(Y&&et.live)for(let x=s==2?1:0;x<v.length;x++){if(x==0&&ie)continue;let w=et.values[x],D=0;for(let O in w)Ut[x][D++].firstChild.nodeValue=w[O]}}function vu(x,w){if(x!=null&&(x.idxs?x.idxs.forEach((D,O)=>{q[O]=D}):Hx(x.idx)||q.fill(x.idx),et.idx=q[0]),Y&&et.live){for(let D=0;D<v.length;D++)(D>0||s==1&&!ie)&&Oy(D,q[D]);Ny()}yt=!1,w!==!1&&In("setLegend")}i.setLegend=vu;function Oy(x,w){let D=v[x],O=x==0&&B==2?hi:t[x],X;ie?X=D.values(i,x,w)??$t:(X=D.value(i,w==null?null:O[w],x,w),X=X==null?$t:{_:X}),et.values[x]=X}function ur(x,w,D){Jd=We,jd=Ke,[We,Ke]=nt.move(i,We,Ke),nt.left=We,nt.top=Ke,at&&(Fr&&ss(Fr,Sn(We),0,H,Rt),Br&&ss(Br,0,Sn(Ke),H,Rt));let O,X=ln>cn;_s=ze,Bs=null;let tt=L.ori==0?H:Rt,pt=L.ori==1?H:Rt;if(We<0||nn==0||X){O=nt.idx=null;for(let _t=0;_t<v.length;_t++){let bt=ce[_t];bt!=null&&ss(bt,-10,-10,H,Rt)}ee&&ts(null,Vr,!0,x==null&&mn.setSeries),et.live&&(q.fill(O),yt=!0)}else{let _t,bt,Nt;s==1&&(_t=L.ori==0?We:Ke,bt=es(_t,E),O=nt.idx=ki(bt,t[0],ln,cn),Nt=F(t[0][O],L,tt,0));let Ot=-10,Bt=-10,ae=0,Te=0,Ee=!0,ge="",Qt="";for(let Xt=s==2?1:0;Xt<v.length;Xt++){let Xe=v[Xt],rn=q[Xt],Pn=rn==null?null:s==1?t[Xt][rn]:t[Xt][1][rn],Be=nt.dataIdx(i,Xt,O,bt),on=Be==null?null:s==1?t[Xt][Be]:t[Xt][1][Be];if(yt=yt||on!=Pn||Be!=rn,q[Xt]=Be,Xt>0&&Xe.show){let ui=Be==null?-10:Be==O?Nt:F(s==1?t[0][Be]:t[Xt][0][Be],L,tt,0),qn=on==null?-10:R(on,s==1?S[Xe.scale]:S[Xe.facets[1].scale],pt,0);if(ee&&on!=null){let Ei=L.ori==1?We:Ke,Oi=bn(kt.dist(i,Xt,Be,qn,Ei));if(Oi<_s){let ns=kt.bias;if(ns!=0){let fi=es(Ei,Xe.scale),Ai=on>=0?1:-1,Ui=fi>=0?1:-1;Ui==Ai&&(Ui==1?ns==1?on>=fi:on<=fi:ns==1?on<=fi:on>=fi)&&(_s=Oi,Bs=Xt)}else _s=Oi,Bs=Xt}}if(yt||Ct){let Ei,Oi;L.ori==0?(Ei=ui,Oi=qn):(Ei=qn,Oi=ui);let ns,fi,Ai,Ui,is,Yn,di=!0,fr=mt.bbox;if(fr!=null){di=!1;let Zn=fr(i,Xt);Ai=Zn.left,Ui=Zn.top,ns=Zn.width,fi=Zn.height}else Ai=Ei,Ui=Oi,ns=fi=mt.size(i,Xt);if(Yn=mt.fill(i,Xt),is=mt.stroke(i,Xt),Ct)Xt==Bs&&_s<=kt.prox&&(Ot=Ai,Bt=Ui,ae=ns,Te=fi,Ee=di,ge=Yn,Qt=is);else{let Zn=ce[Xt];Zn!=null&&(Ge[Xt]=Ai,$n[Xt]=Ui,Fp(Zn,ns,fi,di),Op(Zn,Yn,is),ss(Zn,Ci(Ai),Ci(Ui),H,Rt))}}}}if(Ct){let Xt=kt.prox,Xe=hr==null?_s<=Xt:_s>Xt||Bs!=hr;if(yt||Xe){let rn=ce[0];rn!=null&&(Ge[0]=Ot,$n[0]=Bt,Fp(rn,ae,Te,Ee),Op(rn,ge,Qt),ss(rn,Ci(Ot),Ci(Bt),H,Rt))}}}if($e.show&&Us)if(x!=null){let[_t,bt]=mn.scales,[Nt,Ot]=mn.match,[Bt,ae]=x.cursor.sync.scales,Te=x.cursor.drag;if(Cn=Te._x,Rn=Te._y,Cn||Rn){let{left:Ee,top:ge,width:Qt,height:Xt}=x.select,Xe=x.scales[Bt].ori,rn=x.posToVal,Pn,Be,on,ui,qn,Ei=_t!=null&&Nt(_t,Bt),Oi=bt!=null&&Ot(bt,ae);Ei&&Cn?(Xe==0?(Pn=Ee,Be=Qt):(Pn=ge,Be=Xt),on=S[_t],ui=F(rn(Pn,Bt),on,tt,0),qn=F(rn(Pn+Be,Bt),on,tt,0),$o(zi(ui,qn),bn(qn-ui))):$o(0,tt),Oi&&Rn?(Xe==1?(Pn=Ee,Be=Qt):(Pn=ge,Be=Xt),on=S[bt],ui=R(rn(Pn,ae),on,pt,0),qn=R(rn(Pn+Be,ae),on,pt,0),Xo(zi(ui,qn),bn(qn-ui))):Xo(0,pt)}else Mu()}else{let _t=bn(Jd-Zd),bt=bn(jd-Kd);if(L.ori==1){let ae=_t;_t=bt,bt=ae}Cn=Un.x&&_t>=Un.dist,Rn=Un.y&&bt>=Un.dist;let Nt=Un.uni;Nt!=null?Cn&&Rn&&(Cn=_t>=Nt,Rn=bt>=Nt,!Cn&&!Rn&&(bt>_t?Rn=!0:Cn=!0)):Un.x&&Un.y&&(Cn||Rn)&&(Cn=Rn=!0);let Ot,Bt;Cn&&(L.ori==0?(Ot=kr,Bt=We):(Ot=zr,Bt=Ke),$o(zi(Ot,Bt),bn(Bt-Ot)),Rn||Xo(0,pt)),Rn&&(L.ori==1?(Ot=kr,Bt=We):(Ot=zr,Bt=Ke),Xo(zi(Ot,Bt),bn(Bt-Ot)),Cn||$o(0,tt)),!Cn&&!Rn&&($o(0,0),Xo(0,0))}if(Un._x=Cn,Un._y=Rn,x==null){if(D){if(up!=null){let[_t,bt]=mn.scales;mn.values[0]=_t!=null?es(L.ori==0?We:Ke,_t):null,mn.values[1]=bt!=null?es(L.ori==1?We:Ke,bt):null}Yo(Iu,i,We,Ke,H,Rt,O)}if(ee){let _t=D&&mn.setSeries,bt=kt.prox;hr==null?_s<=bt&&ts(Bs,Vr,!0,_t):_s>bt?ts(null,Vr,!0,_t):Bs!=hr&&ts(Bs,Vr,!0,_t)}}yt&&(et.idx=O,vu()),w!==!1&&In("setCursor")}let ks=null;Object.defineProperty(i,"rect",{get(){return ks==null&&qo(!1),ks}});function qo(x=!1){x?ks=null:(ks=p.getBoundingClientRect(),In("syncRect",ks))}function ep(x,w,D,O,X,tt,pt){nt._lock||Us&&x!=null&&x.movementX==0&&x.movementY==0||(Su(x,w,D,O,X,tt,pt,!1,x!=null),x!=null?ur(null,!0,!0):ur(w,!0,!1))}function Su(x,w,D,O,X,tt,pt,_t,bt){if(ks==null&&qo(!1),te(x),x!=null)D=x.clientX-ks.left,O=x.clientY-ks.top;else{if(D<0||O<0){We=-10,Ke=-10;return}let[Nt,Ot]=mn.scales,Bt=w.cursor.sync,[ae,Te]=Bt.values,[Ee,ge]=Bt.scales,[Qt,Xt]=mn.match,Xe=w.axes[0].side%2==1,rn=L.ori==0?H:Rt,Pn=L.ori==1?H:Rt,Be=Xe?tt:X,on=Xe?X:tt,ui=Xe?O:D,qn=Xe?D:O;if(Ee!=null?D=Qt(Nt,Ee)?a(ae,S[Nt],rn,0):-10:D=rn*(ui/Be),ge!=null?O=Xt(Ot,ge)?a(Te,S[Ot],Pn,0):-10:O=Pn*(qn/on),L.ori==1){let Ei=D;D=O,O=Ei}}bt&&(w==null||w.cursor.event.type==Iu)&&((D<=1||D>=H-1)&&(D=mr(D,H)),(O<=1||O>=Rt-1)&&(O=mr(O,Rt))),_t?(Zd=D,Kd=O,[kr,zr]=nt.move(i,D,O)):(We=D,Ke=O)}let bu={width:0,height:0,left:0,top:0};function Mu(){ul(bu,!1)}let np,ip,sp,rp;function op(x,w,D,O,X,tt,pt){Us=!0,Cn=Rn=Un._x=Un._y=!1,Su(x,w,D,O,X,tt,pt,!0,!1),x!=null&&(Se(Pu,Uu,ap,!1),Yo(Cp,i,kr,zr,H,Rt,null));let{left:_t,top:bt,width:Nt,height:Ot}=$e;np=_t,ip=bt,sp=Nt,rp=Ot}function ap(x,w,D,O,X,tt,pt){Us=Un._x=Un._y=!1,Su(x,w,D,O,X,tt,pt,!1,!0);let{left:_t,top:bt,width:Nt,height:Ot}=$e,Bt=Nt>0||Ot>0,ae=np!=_t||ip!=bt||sp!=Nt||rp!=Ot;if(Bt&&ae&&ul($e),Un.setScale&&Bt&&ae){let Te=_t,Ee=Nt,ge=bt,Qt=Ot;if(L.ori==1&&(Te=bt,Ee=Ot,ge=_t,Qt=Nt),Cn&&Fs(E,es(Te,E),es(Te+Ee,E)),Rn)for(let Xt in S){let Xe=S[Xt];Xt!=E&&Xe.from==null&&Xe.min!=ze&&Fs(Xt,es(ge+Qt,Xt),es(ge,Xt))}Mu()}else nt.lock&&(nt._lock=!nt._lock,ur(w,!0,x!=null));x!=null&&(xn(Pu,Uu),Yo(Pu,i,We,Ke,H,Rt,null))}function Uy(x,w,D,O,X,tt,pt){if(nt._lock)return;te(x);let _t=Us;if(Us){let bt=!0,Nt=!0,Ot=10,Bt,ae;L.ori==0?(Bt=Cn,ae=Rn):(Bt=Rn,ae=Cn),Bt&&ae&&(bt=We<=Ot||We>=H-Ot,Nt=Ke<=Ot||Ke>=Rt-Ot),Bt&&bt&&(We=We<kr?0:H),ae&&Nt&&(Ke=Ke<zr?0:Rt),ur(null,!0,!0),Us=!1}We=-10,Ke=-10,q.fill(null),ur(null,!0,!0),_t&&(Us=_t)}function lp(x,w,D,O,X,tt,pt){nt._lock||(te(x),Wo(),Mu(),x!=null&&Yo(Pp,i,We,Ke,H,Rt,null))}function cp(){T.forEach(iS),z(i.width,i.height,!0)}yr(vl,Xr,cp);let Gr={};Gr.mousedown=op,Gr.mousemove=ep,Gr.mouseup=ap,Gr.dblclick=lp,Gr.setSeries=(x,w,D,O)=>{let X=mn.match[2];D=X(i,w,D),D!=-1&&ts(D,O,!0,!1)},at&&(Se(Cp,p,op),Se(Iu,p,ep),Se(Rp,p,x=>{te(x),qo(!1)}),Se(Ip,p,Uy),Se(Pp,p,lp),Wu.add(i),i.syncRect=qo);let fl=i.hooks=n.hooks||{};function In(x,w,D){Xn?Ue.push([x,w,D]):x in fl&&fl[x].forEach(O=>{O.call(null,i,w,D)})}(n.plugins||[]).forEach(x=>{for(let w in x.hooks)fl[w]=(fl[w]||[]).concat(x.hooks[w])});let hp=(x,w,D)=>D,mn=gn({key:null,setSeries:!1,filters:{pub:Vp,sub:Vp},scales:[E,v[1]?v[1].scale:null],match:[Gp,Gp,hp],values:[null,null]},nt.sync);mn.match.length==2&&mn.match.push(hp),nt.sync=mn;let up=mn.key,wu=km(up);function Yo(x,w,D,O,X,tt,pt){mn.filters.pub(x,w,D,O,X,tt,pt)&&wu.pub(x,w,D,O,X,tt,pt)}wu.sub(i);function Fy(x,w,D,O,X,tt,pt){mn.filters.sub(x,w,D,O,X,tt,pt)&&Gr[x](null,w,D,O,X,tt,pt)}i.pub=Fy;function By(){wu.unsub(i),Wu.delete(i),hn.clear(),ku(vl,Xr,cp),c.remove(),dt?.remove(),In("destroy")}i.destroy=By;function Eu(){In("init",n,t),Go(t||n.data,!1),U[E]?_u(E,U[E]):Wo(),lt=$e.show&&($e.width>0||$e.height>0),st=yt=!0,z(n.width,n.height)}return v.forEach(Dr),T.forEach(ds),e?e instanceof HTMLElement?(e.appendChild(c),Eu()):e(i,Eu):Eu(),i}Mn.assign=gn;Mn.fmtNum=Ju;Mn.rangeNum=Sl;Mn.rangeLog=wl;Mn.rangeAsinh=Zu;Mn.orient=vr;Mn.pxRatio=Ce;Mn.join=Yx;Mn.fmtDate=Qu,Mn.tzDate=rv;Mn.sync=km;{Mn.addGap=Hv,Mn.clipGaps=Tl;let n=Mn.paths={points:$m};n.linear=qm,n.stepped=Wv,n.bars=$v,n.spline=qv}var Pl=class{constructor(){this.series=new Map}add(t,e,i){let s=this.of(t),r=s.times.length-1;if(r>=0&&e<s.times[r]-.05)this.clear(t);else if(r>=0&&e-s.starts<.05)return this.merge(s,r,i);s.starts=e,s.times.push(e),s.values.push(Number.isFinite(i)?i:null),this.forgetBefore(s,e-60)}of(t){return this.series.has(t)||this.series.set(t,{times:[],values:[],starts:0}),this.series.get(t)}clear(t){let e=t===void 0?[...this.series.keys()]:[t];for(let i of e)Object.assign(this.of(i),{starts:0}).times.length=this.of(i).values.length=0}merge(t,e,i){let s=t.values[e];Number.isFinite(i)&&(s===null||Math.abs(i)>Math.abs(s))&&(t.values[e]=i)}forgetBefore({times:t,values:e},i){let s=0;for(;t[s]<i;)s++;s!==0&&(t.splice(0,s),e.splice(0,s))}};var sS=100,jm=118,Qm=[{name:"force",title:"Total force, N",least:1},{name:"strength",title:"Total strength",least:.1},{name:"count",title:"Contacts",least:2,isCount:!0},{name:"rate",title:"Frames a second",least:10},{name:"noise",title:"Signal to noise, dB",least:20},{name:"lost",title:"Frames lost a second",least:1}],Ll=class{constructor(t){this.session=t,this.history=new Pl,this.now=0,this.isSeen=!1,this.drawn=0,this.plots=Qm.map(e=>this.makePlot(e)),t.listen(e=>this.update(e)),new ResizeObserver(()=>this.resize()).observe(Q("plots"))}makePlot({title:t,least:e,isCount:i}){let s=Zt("output"),r=Zt("figure",{className:"plot"},Zt("h3",{},t,s));return Q("plots").append(r),{plot:new Mn({width:300,height:jm,legend:{show:!1},cursor:{y:!1,drag:{x:!1,y:!1}},scales:{x:{time:!1,range:()=>[-60,0]},y:{range:(a,l,c)=>rS(l,c,e)}},axes:[sa({values:(a,l)=>l.map(c=>`${c} s`),size:26}),sa({size:44,space:28,...oS(i)})],series:[{},{stroke:()=>Gs("--accent"),width:1.5,points:{show:!1},spanGaps:!1}]},[[],[]],r),box:r,now:s}}setSeen(t){this.isSeen=t,t&&this.resize()}resize(){let t=Q("plots").clientWidth;if(!(!this.isSeen||t===0)){for(let{plot:e}of this.plots)e.setSize({width:t,height:jm});this.draw()}}update(t){t.has("new")&&this.restart(),t.has("contacts")&&this.session.shown.contacts&&this.addContacts(this.session.shown.contacts),t.has("status")&&this.session.shown.status&&this.addStatus(this.session.shown.status),t.has("look")&&this.plots.forEach(({plot:e})=>e.redraw(!1,!0)),this.isSeen&&performance.now()-this.drawn>sS&&this.draw()}restart(){this.history.clear(),this.lostBefore=void 0,this.now=0}timeOf(t){let e=Number(this.session.times[t])/1e9;return this.now=Math.abs(e-this.now)>60?e:Math.max(this.now,e),e}addContacts({contacts:t}){let e=this.timeOf("contacts"),i=this.session.shown.skin?.is_calibrated??t.some(({force:s})=>Number.isFinite(s));this.plots[0].box.hidden=!i,this.plots[1].box.hidden=i,this.history.add("force",e,Sr(t,!0)),this.history.add("strength",e,Sr(t,!1)),this.history.add("count",e,t.length)}addStatus(t){let e=this.timeOf("status"),i=Number(t.frames_lost);this.history.add("rate",e,t.frames_per_second),this.history.add("noise",e,t.signal_to_noise),this.history.add("lost",e,this.lostRate(e,i)),this.lostBefore={time:e,lost:i}}lostRate(t,e){let i=this.lostBefore;return!i||t<=i.time||e<i.lost?0:(e-i.lost)/(t-i.time)}draw(){this.drawn=performance.now(),Qm.forEach(({name:t},e)=>{let{times:i,values:s}=this.history.of(t),{plot:r,box:o,now:a}=this.plots[e];o.hidden||(r.setData([i.map(l=>l-this.now),s]),Gt(a,an(s.at(-1)??NaN)))})}};function Sr(n,t){return n.reduce((e,{force:i,strength:s})=>e+(t?i:s),0)}function rS(n,t,e){return n===null||t===null?[0,e]:[Math.min(0,n),Math.max(e,t*1.1)]}function oS(n){return n?{incrs:[1,2,5,10,20,50]}:{}}function sa(n){let t={stroke:()=>Gs("--line"),width:1};return{stroke:()=>Gs("--muted"),grid:t,ticks:{...t,size:4},font:"11px system-ui, sans-serif",...n}}function Gs(n){return getComputedStyle(document.documentElement).getPropertyValue(n).trim()}var aS=100;function tg(n){let t=!1,e=0,i=r=>{if(!t)return;(r.has("status")||r.has("skin")||r.has("new"))&&uS(n);let o=performance.now()-e>aS;!r.has("new")&&!(o&&(r.has("contacts")||r.has("status")))||(e=performance.now(),lS(n.shown))};return n.listen(i),{setSeen:r=>{t=r,i(new Set(["new"]))}}}function lS({contacts:n,skin:t,status:e}){let i=n?.contacts??[],s=t?.is_calibrated??!1;Dl(Q("figures"),[["Contacts",n?i.length:"–"],s?["Force",Tu(Sr(i,!0))]:["Strength",n?dr(Sr(i,!1)):"–"],["Frames/s",an(e?.frames_per_second??NaN)],["Signal/noise",zs(e?.signal_to_noise??NaN,"dB",2)]]),Q("no-contacts").hidden=i.length>0,Gt(Q("no-contacts"),n?"Nothing touches the skin.":"No contacts have come yet."),Fi(Q("contact-rows"),i,cS,hS)}function cS(){return Zt("tr",{},Zt("th",{scope:"row"}),...Array.from({length:5},()=>Zt("td")))}function hS(n,t){let{position:e,area:i,strength:s,pressure:r,force:o}=t,a=[e.x,e.y,e.z].map(c=>(c*1e3).toFixed(1)).join(", ");[Au(t),dr(s),an(r/1e3),an(o),an(i*1e4),a].forEach((c,h)=>Gt(n.children[h],c))}function uS({shown:{status:n,skin:t}}){Dl(Q("session"),n?fS(n,t):[])}function fS(n,t){let e=n.patch_crc?n.patch_crc.toString(16).padStart(8,"0"):"–";return[["Skin",n.skin||t?.name||"–"],["Board",[n.board,n.firmware&&`firmware ${n.firmware}`].filter(Boolean).join(", ")||"–"],["Port",n.port||"–"],["Patch",`${n.patches[n.patch]??"–"} (${e})`],["Drive",af(n)],["Frames",`${n.frames}, lost ${n.frames_lost}; damaged packets ${n.packets_damaged}`],["Calibrated",t?t.is_calibrated?"yes: kPa and N":"no: strength only":"–"],...n.recording?[["Recording",`${n.recording}, ${dl(n.recorded_bytes)}`]]:[]]}function af({frequency:n,amplitude:t,gain:e,frame_rate:i}){let s=e>0?`gain ${e}`:"gain automatic";return`${zs(n/1e3,"kHz")}, ${zs(t*1e3,"mA")}, ${s}, ${zs(i,"frames/s")}`}function Dl(n,t){Fi(n,t,()=>Zt("div",{},Zt("dt"),Zt("dd")),(e,[i,s])=>{Gt(e.firstChild,i),Gt(e.lastChild,String(s))})}var eg="cividis",dS=1,Nl={open:{word:"no contact",shape:"square",sign:"×"},shorted:{word:"connected to a neighbour",shape:"diamond",sign:"="},worse:{word:"touches worse than in the tare",shape:"triangle",sign:"!"},sound:{word:"sound",shape:"circle",sign:""},unknown:{word:"not tested",shape:"circle",sign:""}};function Ol(n,t){let e=ng(t?.contact_impedance??[]);return Array.from({length:n},(i,s)=>{let r=t?.contact_impedance[s]??NaN;return{number:s+1,impedance:r,state:pS(s,t),colour:mS(r,e)}})}function pS(n,t){let e=i=>i>>n&1;return t?e(t.open)?"open":e(t.shorted)?"shorted":e(t.worse)?"worse":t.contact_impedance.length>0?"sound":"unknown":"unknown"}function ng(n){let t=[...n].filter(r=>Number.isFinite(r)&&r>0).map(Math.log10);if(t.length===0)return;let[e,i]=[Math.min(...t),Math.max(...t)],s=Math.max(0,dS-(i-e))/2;return[e-s,i+s]}function mS(n,t){if(!(!t||!(n>0)))return Number.isFinite(n)?ml(Ko(eg,(Math.log10(n)-t[0])/(t[1]-t[0]))):ml(Ko(eg,1))}function ig(n){let t=ng(n?.contact_impedance??[]);return t?`Dots on the skin: dark ${Zo(10**t[0])}, light ${Zo(10**t[1])}. Square ×: no contact. Diamond =: connected to a neighbour. Triangle !: worse than in the tare.`:"Contact impedances are not measured."}function sg(n){return[["Temperature",Number.isFinite(n.temperature)?`${an(n.temperature)} °C`:"not measured"],["CPU load",`${Math.round(n.load*100)} %`],["Free stack",`${n.free_stack} bytes`],["Drift taken out",`${an(n.drift*100,2)} %`],["Reciprocity error",Number.isFinite(n.reciprocity_error)?`${an(n.reciprocity_error*100,2)} %`:"not measured"],["Samples missed",`${n.missed} times`]]}var Lg=pp(og(),1),Dg=pp(Ig(),1),we={skin:"/dermatome/skin",status:"/dermatome/status",image:"/dermatome/image",contacts:"/dermatome/contacts",health:"/dermatome/health",scope:"/dermatome/scope"},db=["saturated","an electrode without contact","electrodes connected to each other","no current","not reciprocal","implausible","samples missed","electrodes masked","board hot","unlike a press","skin lifted","an electrode touches worse than in the tare"],Pg=new Map;function pb(n){let t=Pg.get(n);return t||(t=new Dg.MessageReader((0,Lg.parse)(n,{ros2:!0})),Pg.set(n,t)),t}function ma(n,t){return pb(n).readMessage(t.slice())}function Ng({vertices:n,triangles:t,vertex_pixels:e,electrodes:i,link_vertices:s,link_triangles:r}){let o=(l,c)=>l.length%3===0&&c.length%3===0&&c.every(h=>h<l.length/3),a=[n,i,s].every(l=>l.every(Number.isFinite));if(!o(n,t)||!o(s,r)||e.length*3!==n.length||!a)throw new Error("the skin's vertices, triangles and pixels do not fit together")}function Og(n,t){let{mantissas:e,exponent:i}=n;t?.length!==e.length&&(t=new Float32Array(e.length));let s=2**-i;for(let r=0;r<e.length;r++)t[r]=e[r]*s;return t}function Ug(n){return db.filter((t,e)=>n&1<<e)}var mb=250;function Fg(n){let t=!1,e=0,i=r=>{let o=performance.now()-e>mb&&(r.has("health")||r.has("skin"));!t||!(o||r.has("new"))||(e=performance.now(),gb(n.shown))};return n.listen(i),xb(n),{setSeen:r=>{t=r,i(new Set(["new"]))}}}function gb({skin:n,health:t}){let e=Math.max((n?.electrodes.length??0)/3,t?.contact_impedance.length??0);Gt(Q("electrode-legend"),e>0?ig(t):"No skin is known yet."),Fi(Q("electrode-rows"),Ol(e,t),_b,yb);let i=t?Ug(t.flags):[];Dl(Q("health"),t?[...sg(t),["Latest frame",i.join(", ")||"sound"]]:[])}function _b(){let n=Zt("span",{className:"swatch","aria-hidden":"true"});return Zt("tr",{},Zt("th",{scope:"row"}),Zt("td",{},n,Zt("span")),Zt("td"))}function yb(n,{number:t,impedance:e,state:i,colour:s}){let{word:r,sign:o}=Nl[i];n.dataset.state=i,Gt(n.children[0],String(t)),n.children[1].firstChild.style.background=s??"transparent",Gt(n.children[1].lastChild,Zo(e)),Gt(n.children[2],o?`${o} ${r}`:r)}function xb(n){let t=Q("check"),e=Q("said-check"),i=!1,s=()=>t.disabled=i||!n.offers("/dermatome/check");n.listen(s),t.addEventListener("click",async()=>{i=!0,s(),Q("check-result").replaceChildren(),Gt(e,"Checking. Do not touch the skin."),e.dataset.kind="progress";try{vb(await n.call("/dermatome/check")),Gt(e,"")}catch(r){e.dataset.kind="error",Gt(e,r.message)}i=!1,s(),Gt(t,"Check again")})}function vb({summary:n=[],findings:t=[]}){let e=n.map(r=>Zt("p",{},r)),i=t.map(({level:r,found:o,advice:a})=>Zt("li",{"data-level":r==="fault"?"fault":"note"},Zt("strong",{},`${r==="fault"?"Fault":"Note"}: ${o}`),Zt("span",{},a??""))),s=i.length>0?Zt("ul",{className:"findings"},...i):Zt("p",{className:"good"},"Nothing wrong was found.");Q("check-result").replaceChildren(...e,s)}var Hi=[{name:"contacts",title:"Contacts"},{name:"plots",title:"Plots"},{name:"settings",title:"Settings"},{name:"electrodes",title:"Electrodes"},{name:"calibrate",title:"Calibrate"},{name:"scope",title:"Scope"}],Zl=class{constructor(t){this.onSelect=t,this.selected=void 0,Q("tabs").append(...Hi.map((e,i)=>this.makeTab(e,i))),Q("tabs").addEventListener("keydown",e=>this.move(e));for(let{name:e}of Hi)Q(`panel-${e}`).setAttribute("role","tabpanel"),Q(`panel-${e}`).setAttribute("aria-labelledby",`tab-${e}`)}makeTab({name:t,title:e},i){let s=Zt("button",{type:"button",id:`tab-${t}`,role:"tab","aria-controls":`panel-${t}`,title:`${e} (${i+1})`},e);return s.addEventListener("click",()=>this.select(t)),s}select(t){this.selected=t;for(let{name:e}of Hi){let i=Q(`tab-${e}`);i.setAttribute("aria-selected",String(e===t)),i.tabIndex=e===t?0:-1,Q(`panel-${e}`).hidden=e!==t}this.onSelect(t)}move(t){let e={ArrowLeft:-1,ArrowRight:1}[t.key];if(!e)return;t.preventDefault(),t.stopPropagation();let i=Hi.findIndex(({name:r})=>r===this.selected),s=Hi[(i+e+Hi.length)%Hi.length].name;this.select(s),Q(`tab-${s}`).focus()}};var Bg=Math.PI/36,kg=1.1;function Hg(n,t){let e=Q("help"),i=Sb(n,t);bb(i),Q("help-button").addEventListener("click",()=>e.showModal()),e.addEventListener("click",s=>s.target===e&&e.close()),addEventListener("keydown",s=>{if(s.key==="?"&&!zg(s.target))return s.preventDefault(),e.open?e.close():e.showModal();if(e.open||zg(s.target)||s.ctrlKey||s.metaKey||s.altKey)return;let r=i.find(({matches:o})=>o(s));r&&(s.preventDefault(),r.act(s))})}function Sb(n,t){let e=a=>l=>l.key.toLowerCase()===a&&!l.shiftKey,i=a=>a.key===" "&&!(a.target instanceof HTMLButtonElement),s={ArrowLeft:[-1,0],ArrowRight:[1,0],ArrowUp:[0,-1],ArrowDown:[0,1]},r=a=>a.target===Q("canvas"),o=a=>n.player&&!a.shiftKey&&["ArrowLeft","ArrowRight"].includes(a.key);return[{name:"t",does:"Tare",matches:e("t"),act:t.tare},{name:"r",does:"Start or stop recording",matches:e("r"),act:t.record},{name:"Space",does:"Hold the picture; play or pause a recording",matches:i,act:t.hold},{name:"← →",does:"Previous or next frame of a recording",matches:o,act:a=>t.step(a.key==="ArrowRight")},{name:"o",does:"Open a recording",matches:e("o"),act:t.open},{name:"c",does:"Next colour map",matches:e("c"),act:t.map},{name:"a",does:"Colour scale: automatic or fixed",matches:e("a"),act:t.automatic},{name:"[ ]",does:"Colour scale: smaller or larger",matches:({key:a})=>a==="["||a==="]",act:({key:a})=>t.scale(a==="]")},{name:"e",does:"Show or hide electrodes",matches:e("e"),act:t.electrodes},{name:"v",does:"Show all of the skin",matches:e("v"),act:t.reset},{name:"Arrows",does:"On the picture: turn it (with Shift while a recording is shown)",matches:a=>r(a)&&a.key in s,act:({key:a})=>t.turn(s[a][0]*Bg,s[a][1]*Bg)},{name:"+ −",does:"On the picture: nearer or farther",matches:a=>r(a)&&["+","=","-"].includes(a.key),act:({key:a})=>t.zoom(a==="-"?kg:1/kg)},{name:`1 – ${Hi.length}`,does:"Panels, from left to right",matches:({key:a})=>a>="1"&&a<=String(Hi.length),act:({key:a})=>t.panel(Hi[a-1].name)},{name:"?",does:"This help",matches:()=>!1},{name:"Esc",does:"Close this help",matches:()=>!1}]}function bb(n){let t=n.map(({name:e,does:i})=>Zt("div",{},Zt("dt",{},Zt("kbd",{},e)),Zt("dd",{},i)));Q("keys").replaceChildren(...t)}function zg(n){return n instanceof HTMLSelectElement||n instanceof HTMLTextAreaElement?!0:n instanceof HTMLInputElement&&!["checkbox","radio","range","file"].includes(n.type)}var rr={LEFT:0,MIDDLE:1,RIGHT:2,ROTATE:0,DOLLY:1,PAN:2},or={ROTATE:0,PAN:1,DOLLY_PAN:2,DOLLY_ROTATE:3},g0=0,Zf=1,_0=2;var Ya=1,y0=2,Io=3,ar=0,ei=1,ni=2,Cr=0,Po=1,Kf=2,Jf=3,jf=4,x0=5;var Rr=100,v0=101,S0=102,b0=103,M0=104,w0=200,E0=201,A0=202,T0=203,Qf=204,td=205,C0=206,R0=207,I0=208,P0=209,L0=210,D0=211,N0=212,O0=213,U0=214,vc=0,Sc=1,bc=2,_o=3,Mc=4,wc=5,Ec=6,Ac=7,jc=0,F0=1,B0=2,cs=0,ed=1,nd=2,id=3,sd=4,rd=5,od=6,ad=7;var ld=300,Ir=301,Lo=302,Qc=303,th=304,Tc=1e3,ls=1001,Cc=1002,Nn=1003,k0=1004;var Za=1005;var Bn=1006,eh=1007;var Is=1008;var li=1009,cd=1010,hd=1011,Do=1012,nh=1013,Xi=1014,qi=1015,Yi=1016,ih=1017,sh=1018,Pr=1020,ud=35902,fd=35899,dd=1021,pd=1022,Zi=1023,As=1026,Ps=1027,md=1028,rh=1029,lr=1030,oh=1031;var ah=1033,Ka=33776,Ja=33777,ja=33778,Qa=33779,lh=35840,ch=35841,hh=35842,uh=35843,fh=36196,dh=37492,ph=37496,mh=37488,gh=37489,tl=37490,_h=37491,yh=37808,xh=37809,vh=37810,Sh=37811,bh=37812,Mh=37813,wh=37814,Eh=37815,Ah=37816,Th=37817,Ch=37818,Rh=37819,Ih=37820,Ph=37821,Lh=36492,Dh=36494,Nh=36495,Oh=36283,Uh=36284,el=36285,Fh=36286;var wa=2300,Rc=2301,yc=2302,Vf=2303,Gf=2400,Wf=2401,$f=2402;var z0=3200;var Bh=0,H0=1,Ls="",xi="srgb",Ea="srgb-linear",Aa="linear",Le="srgb";var xc=7680;var V0=519,G0=512,W0=513,$0=514,gd=515,X0=516,q0=517,_d=518,yd=519,Y0=35044;var xd="300 es",Ii=2e3,yo=2001;function Mb(n){for(let t=n.length-1;t>=0;--t)if(n[t]>=65535)return!0;return!1}function wb(n){return ArrayBuffer.isView(n)&&!(n instanceof DataView)}function Ta(n){return document.createElementNS("http://www.w3.org/1999/xhtml",n)}function Z0(){let n=Ta("canvas");return n.style.display="block",n}var Vg={},xo=null;function vd(...n){let t="THREE."+n.shift();xo?xo("log",t,...n):console.log(t,...n)}function K0(n){let t=n[0];if(typeof t=="string"&&t.startsWith("TSL:")){let e=n[1];e&&e.isStackTrace?n[0]+=" "+e.getLocation():n[1]='Stack trace not available. Enable "THREE.Node.captureStackTrace" to capture stack traces.'}return n}function Kt(...n){n=K0(n);let t="THREE."+n.shift();if(xo)xo("warn",t,...n);else{let e=n[0];e&&e.isStackTrace?console.warn(e.getError(t)):console.warn(t,...n)}}function re(...n){n=K0(n);let t="THREE."+n.shift();if(xo)xo("error",t,...n);else{let e=n[0];e&&e.isStackTrace?console.error(e.getError(t)):console.error(t,...n)}}function Sa(...n){let t=n.join(" ");t in Vg||(Vg[t]=!0,Kt(...n))}function J0(n,t,e){return new Promise(function(i,s){function r(){switch(n.clientWaitSync(t,n.SYNC_FLUSH_COMMANDS_BIT,0)){case n.WAIT_FAILED:s();break;case n.TIMEOUT_EXPIRED:setTimeout(r,e);break;default:i()}}setTimeout(r,e)})}var j0={[vc]:vc,[bc]:Ec,[Mc]:Mc,[_o]:wc,[Sc]:Sc,[Ec]:bc,[Ac]:Ac,[wc]:_o},$i=class{addEventListener(t,e){this._listeners===void 0&&(this._listeners={});let i=this._listeners;i[t]===void 0&&(i[t]=[]),i[t].indexOf(e)===-1&&i[t].push(e)}hasEventListener(t,e){let i=this._listeners;return i===void 0?!1:i[t]!==void 0&&i[t].indexOf(e)!==-1}removeEventListener(t,e){let i=this._listeners;if(i===void 0)return;let s=i[t];if(s!==void 0){let r=s.indexOf(e);r!==-1&&s.splice(r,1)}}dispatchEvent(t){let e=this._listeners;if(e===void 0)return;let i=e[t.type];if(i!==void 0){t.target=this;let s=i.slice(0);for(let r=0,o=s.length;r<o;r++)s[r].call(this,t);t.target=null}}},Hn=["00","01","02","03","04","05","06","07","08","09","0a","0b","0c","0d","0e","0f","10","11","12","13","14","15","16","17","18","19","1a","1b","1c","1d","1e","1f","20","21","22","23","24","25","26","27","28","29","2a","2b","2c","2d","2e","2f","30","31","32","33","34","35","36","37","38","39","3a","3b","3c","3d","3e","3f","40","41","42","43","44","45","46","47","48","49","4a","4b","4c","4d","4e","4f","50","51","52","53","54","55","56","57","58","59","5a","5b","5c","5d","5e","5f","60","61","62","63","64","65","66","67","68","69","6a","6b","6c","6d","6e","6f","70","71","72","73","74","75","76","77","78","79","7a","7b","7c","7d","7e","7f","80","81","82","83","84","85","86","87","88","89","8a","8b","8c","8d","8e","8f","90","91","92","93","94","95","96","97","98","99","9a","9b","9c","9d","9e","9f","a0","a1","a2","a3","a4","a5","a6","a7","a8","a9","aa","ab","ac","ad","ae","af","b0","b1","b2","b3","b4","b5","b6","b7","b8","b9","ba","bb","bc","bd","be","bf","c0","c1","c2","c3","c4","c5","c6","c7","c8","c9","ca","cb","cc","cd","ce","cf","d0","d1","d2","d3","d4","d5","d6","d7","d8","d9","da","db","dc","dd","de","df","e0","e1","e2","e3","e4","e5","e6","e7","e8","e9","ea","eb","ec","ed","ee","ef","f0","f1","f2","f3","f4","f5","f6","f7","f8","f9","fa","fb","fc","fd","fe","ff"],Gg=1234567,ba=Math.PI/180,vo=180/Math.PI;function No(){let n=Math.random()*4294967295|0,t=Math.random()*4294967295|0,e=Math.random()*4294967295|0,i=Math.random()*4294967295|0;return(Hn[n&255]+Hn[n>>8&255]+Hn[n>>16&255]+Hn[n>>24&255]+"-"+Hn[t&255]+Hn[t>>8&255]+"-"+Hn[t>>16&15|64]+Hn[t>>24&255]+"-"+Hn[e&63|128]+Hn[e>>8&255]+"-"+Hn[e>>16&255]+Hn[e>>24&255]+Hn[i&255]+Hn[i>>8&255]+Hn[i>>16&255]+Hn[i>>24&255]).toLowerCase()}function me(n,t,e){return Math.max(t,Math.min(e,n))}function Sd(n,t){return(n%t+t)%t}function Eb(n,t,e,i,s){return i+(n-t)*(s-i)/(e-t)}function Ab(n,t,e){return n!==t?(e-n)/(t-n):0}function Ma(n,t,e){return(1-e)*n+e*t}function Tb(n,t,e,i){return Ma(n,t,1-Math.exp(-e*i))}function Cb(n,t=1){return t-Math.abs(Sd(n,t*2)-t)}function Rb(n,t,e){return n<=t?0:n>=e?1:(n=(n-t)/(e-t),n*n*(3-2*n))}function Ib(n,t,e){return n<=t?0:n>=e?1:(n=(n-t)/(e-t),n*n*n*(n*(n*6-15)+10))}function Pb(n,t){return n+Math.floor(Math.random()*(t-n+1))}function Lb(n,t){return n+Math.random()*(t-n)}function Db(n){return n*(.5-Math.random())}function Nb(n){n!==void 0&&(Gg=n);let t=Gg+=1831565813;return t=Math.imul(t^t>>>15,t|1),t^=t+Math.imul(t^t>>>7,t|61),((t^t>>>14)>>>0)/4294967296}function Ob(n){return n*ba}function Ub(n){return n*vo}function Fb(n){return n>0&&Number.isInteger(n)&&2**Math.round(Math.log2(n))===n}function Bb(n){return Math.pow(2,Math.ceil(Math.log(n)/Math.LN2))}function bd(n){return Math.pow(2,Math.floor(Math.log(n)/Math.LN2))}function kb(n,t,e,i,s){let r=Math.cos,o=Math.sin,a=r(e/2),l=o(e/2),c=r((t+i)/2),h=o((t+i)/2),f=r((t-i)/2),u=o((t-i)/2),d=r((i-t)/2),p=o((i-t)/2);switch(s){case"XYX":n.set(a*h,l*f,l*u,a*c);break;case"YZY":n.set(l*u,a*h,l*f,a*c);break;case"ZXZ":n.set(l*f,l*u,a*h,a*c);break;case"XZX":n.set(a*h,l*p,l*d,a*c);break;case"YXY":n.set(l*d,a*h,l*p,a*c);break;case"ZYZ":n.set(l*p,l*d,a*h,a*c);break;default:Kt("MathUtils: .setQuaternionFromProperEuler() encountered an unknown order: "+s)}}function Md(n){switch(n.constructor){case Uint32Array:return 4294967295;case Uint16Array:return 65535;case Uint8Array:case Uint8ClampedArray:return 255;case Int32Array:return 2147483647;case Int16Array:return 32767;case Int8Array:return 127;default:return}}function Q0(n,t){if(t.constructor===Float32Array)return n;let e=Md(t);if(e===void 0)throw new Error("THREE.MathUtils: Invalid component type.");return Math.max(n/e,-1)}function t_(n,t){if(t.constructor===Float32Array)return n;let e=Md(t);if(e===void 0)throw new Error("THREE.MathUtils: Invalid component type.");return Math.round(n*e)}var wd={DEG2RAD:ba,RAD2DEG:vo,generateUUID:No,clamp:me,euclideanModulo:Sd,mapLinear:Eb,inverseLerp:Ab,lerp:Ma,damp:Tb,pingpong:Cb,smoothstep:Rb,smootherstep:Ib,randInt:Pb,randFloat:Lb,randFloatSpread:Db,seededRandom:Nb,degToRad:Ob,radToDeg:Ub,isPowerOfTwo:Fb,ceilPowerOfTwo:Bb,floorPowerOfTwo:bd,setQuaternionFromProperEuler:kb,normalize:t_,denormalize:Q0},jt=class{static{this.prototype.isVector2=!0}constructor(t=0,e=0){this.x=t,this.y=e}get width(){return this.x}set width(t){this.x=t}get height(){return this.y}set height(t){this.y=t}set(t,e){return this.x=t,this.y=e,this}setScalar(t){return this.x=t,this.y=t,this}setX(t){return this.x=t,this}setY(t){return this.y=t,this}setComponent(t,e){switch(t){case 0:this.x=e;break;case 1:this.y=e;break;default:throw new Error("THREE.Vector2: index is out of range: "+t)}return this}getComponent(t){switch(t){case 0:return this.x;case 1:return this.y;default:throw new Error("THREE.Vector2: index is out of range: "+t)}}clone(){return new this.constructor(this.x,this.y)}copy(t){return this.x=t.x,this.y=t.y,this}add(t){return this.x+=t.x,this.y+=t.y,this}addScalar(t){return this.x+=t,this.y+=t,this}addVectors(t,e){return this.x=t.x+e.x,this.y=t.y+e.y,this}addScaledVector(t,e){return this.x+=t.x*e,this.y+=t.y*e,this}sub(t){return this.x-=t.x,this.y-=t.y,this}subScalar(t){return this.x-=t,this.y-=t,this}subVectors(t,e){return this.x=t.x-e.x,this.y=t.y-e.y,this}multiply(t){return this.x*=t.x,this.y*=t.y,this}multiplyScalar(t){return this.x*=t,this.y*=t,this}divide(t){return this.x/=t.x,this.y/=t.y,this}divideScalar(t){return this.multiplyScalar(1/t)}applyMatrix3(t){let e=this.x,i=this.y,s=t.elements;return this.x=s[0]*e+s[3]*i+s[6],this.y=s[1]*e+s[4]*i+s[7],this}min(t){return this.x=Math.min(this.x,t.x),this.y=Math.min(this.y,t.y),this}max(t){return this.x=Math.max(this.x,t.x),this.y=Math.max(this.y,t.y),this}clamp(t,e){return this.x=me(this.x,t.x,e.x),this.y=me(this.y,t.y,e.y),this}clampScalar(t,e){return this.x=me(this.x,t,e),this.y=me(this.y,t,e),this}clampLength(t,e){let i=this.length();return this.divideScalar(i||1).multiplyScalar(me(i,t,e))}floor(){return this.x=Math.floor(this.x),this.y=Math.floor(this.y),this}ceil(){return this.x=Math.ceil(this.x),this.y=Math.ceil(this.y),this}round(){return this.x=Math.round(this.x),this.y=Math.round(this.y),this}roundToZero(){return this.x=Math.trunc(this.x),this.y=Math.trunc(this.y),this}negate(){return this.x=-this.x,this.y=-this.y,this}dot(t){return this.x*t.x+this.y*t.y}cross(t){return this.x*t.y-this.y*t.x}lengthSq(){return this.x*this.x+this.y*this.y}length(){return Math.sqrt(this.x*this.x+this.y*this.y)}manhattanLength(){return Math.abs(this.x)+Math.abs(this.y)}normalize(){return this.divideScalar(this.length()||1)}angle(){return Math.atan2(-this.y,-this.x)+Math.PI}angleTo(t){let e=Math.sqrt(this.lengthSq()*t.lengthSq());if(e===0)return Math.PI/2;let i=this.dot(t)/e;return Math.acos(me(i,-1,1))}distanceTo(t){return Math.sqrt(this.distanceToSquared(t))}distanceToSquared(t){let e=this.x-t.x,i=this.y-t.y;return e*e+i*i}manhattanDistanceTo(t){return Math.abs(this.x-t.x)+Math.abs(this.y-t.y)}setLength(t){return this.normalize().multiplyScalar(t)}lerp(t,e){return this.x+=(t.x-this.x)*e,this.y+=(t.y-this.y)*e,this}lerpVectors(t,e,i){return this.x=t.x+(e.x-t.x)*i,this.y=t.y+(e.y-t.y)*i,this}equals(t){return t.x===this.x&&t.y===this.y}fromArray(t,e=0){return this.x=t[e],this.y=t[e+1],this}toArray(t=[],e=0){return t[e]=this.x,t[e+1]=this.y,t}fromBufferAttribute(t,e){return this.x=t.getX(e),this.y=t.getY(e),this}rotateAround(t,e){let i=Math.cos(e),s=Math.sin(e),r=this.x-t.x,o=this.y-t.y;return this.x=r*i-o*s+t.x,this.y=r*s+o*i+t.y,this}random(){return this.x=Math.random(),this.y=Math.random(),this}*[Symbol.iterator](){yield this.x,yield this.y}},jn=class{constructor(t=0,e=0,i=0,s=1){this.isQuaternion=!0,this._x=t,this._y=e,this._z=i,this._w=s}static slerpFlat(t,e,i,s,r,o,a){let l=i[s+0],c=i[s+1],h=i[s+2],f=i[s+3],u=r[o+0],d=r[o+1],p=r[o+2],_=r[o+3];if(f!==_||l!==u||c!==d||h!==p){let m=l*u+c*d+h*p+f*_;m<0&&(u=-u,d=-d,p=-p,_=-_,m=-m);let g=1-a;if(m<.9995){let v=Math.acos(m),T=Math.sin(v);g=Math.sin(g*v)/T,a=Math.sin(a*v)/T,l=l*g+u*a,c=c*g+d*a,h=h*g+p*a,f=f*g+_*a}else{l=l*g+u*a,c=c*g+d*a,h=h*g+p*a,f=f*g+_*a;let v=1/Math.sqrt(l*l+c*c+h*h+f*f);l*=v,c*=v,h*=v,f*=v}}t[e]=l,t[e+1]=c,t[e+2]=h,t[e+3]=f}static multiplyQuaternionsFlat(t,e,i,s,r,o){let a=i[s],l=i[s+1],c=i[s+2],h=i[s+3],f=r[o],u=r[o+1],d=r[o+2],p=r[o+3];return t[e]=a*p+h*f+l*d-c*u,t[e+1]=l*p+h*u+c*f-a*d,t[e+2]=c*p+h*d+a*u-l*f,t[e+3]=h*p-a*f-l*u-c*d,t}get x(){return this._x}set x(t){this._x=t,this._onChangeCallback()}get y(){return this._y}set y(t){this._y=t,this._onChangeCallback()}get z(){return this._z}set z(t){this._z=t,this._onChangeCallback()}get w(){return this._w}set w(t){this._w=t,this._onChangeCallback()}set(t,e,i,s){return this._x=t,this._y=e,this._z=i,this._w=s,this._onChangeCallback(),this}clone(){return new this.constructor(this._x,this._y,this._z,this._w)}copy(t){return this._x=t.x,this._y=t.y,this._z=t.z,this._w=t.w,this._onChangeCallback(),this}setFromEuler(t,e=!0){let i=t._x,s=t._y,r=t._z,o=t._order,a=Math.cos,l=Math.sin,c=a(i/2),h=a(s/2),f=a(r/2),u=l(i/2),d=l(s/2),p=l(r/2);switch(o){case"XYZ":this._x=u*h*f+c*d*p,this._y=c*d*f-u*h*p,this._z=c*h*p+u*d*f,this._w=c*h*f-u*d*p;break;case"YXZ":this._x=u*h*f+c*d*p,this._y=c*d*f-u*h*p,this._z=c*h*p-u*d*f,this._w=c*h*f+u*d*p;break;case"ZXY":this._x=u*h*f-c*d*p,this._y=c*d*f+u*h*p,this._z=c*h*p+u*d*f,this._w=c*h*f-u*d*p;break;case"ZYX":this._x=u*h*f-c*d*p,this._y=c*d*f+u*h*p,this._z=c*h*p-u*d*f,this._w=c*h*f+u*d*p;break;case"YZX":this._x=u*h*f+c*d*p,this._y=c*d*f+u*h*p,this._z=c*h*p-u*d*f,this._w=c*h*f-u*d*p;break;case"XZY":this._x=u*h*f-c*d*p,this._y=c*d*f-u*h*p,this._z=c*h*p+u*d*f,this._w=c*h*f+u*d*p;break;default:Kt("Quaternion: .setFromEuler() encountered an unknown order: "+o)}return e===!0&&this._onChangeCallback(),this}setFromAxisAngle(t,e){let i=e/2,s=Math.sin(i);return this._x=t.x*s,this._y=t.y*s,this._z=t.z*s,this._w=Math.cos(i),this._onChangeCallback(),this}setFromRotationMatrix(t){let e=t.elements,i=e[0],s=e[4],r=e[8],o=e[1],a=e[5],l=e[9],c=e[2],h=e[6],f=e[10],u=i+a+f;if(u>0){let d=.5/Math.sqrt(u+1);this._w=.25/d,this._x=(h-l)*d,this._y=(r-c)*d,this._z=(o-s)*d}else if(i>a&&i>f){let d=2*Math.sqrt(1+i-a-f);this._w=(h-l)/d,this._x=.25*d,this._y=(s+o)/d,this._z=(r+c)/d}else if(a>f){let d=2*Math.sqrt(1+a-i-f);this._w=(r-c)/d,this._x=(s+o)/d,this._y=.25*d,this._z=(l+h)/d}else{let d=2*Math.sqrt(1+f-i-a);this._w=(o-s)/d,this._x=(r+c)/d,this._y=(l+h)/d,this._z=.25*d}return this._onChangeCallback(),this}setFromUnitVectors(t,e){let i=t.dot(e)+1;return i<1e-8?(i=0,Math.abs(t.x)>Math.abs(t.z)?(this._x=-t.y,this._y=t.x,this._z=0,this._w=i):(this._x=0,this._y=-t.z,this._z=t.y,this._w=i)):(this._x=t.y*e.z-t.z*e.y,this._y=t.z*e.x-t.x*e.z,this._z=t.x*e.y-t.y*e.x,this._w=i),this.normalize()}angleTo(t){return 2*Math.acos(Math.abs(me(this.dot(t),-1,1)))}rotateTowards(t,e){let i=this.angleTo(t);if(i===0)return this;let s=Math.min(1,e/i);return this.slerp(t,s),this}identity(){return this.set(0,0,0,1)}invert(){return this.conjugate()}conjugate(){return this._x*=-1,this._y*=-1,this._z*=-1,this._onChangeCallback(),this}dot(t){return this._x*t._x+this._y*t._y+this._z*t._z+this._w*t._w}lengthSq(){return this._x*this._x+this._y*this._y+this._z*this._z+this._w*this._w}length(){return Math.sqrt(this._x*this._x+this._y*this._y+this._z*this._z+this._w*this._w)}normalize(){let t=this.length();return t===0?(this._x=0,this._y=0,this._z=0,this._w=1):(t=1/t,this._x=this._x*t,this._y=this._y*t,this._z=this._z*t,this._w=this._w*t),this._onChangeCallback(),this}multiply(t){return this.multiplyQuaternions(this,t)}premultiply(t){return this.multiplyQuaternions(t,this)}multiplyQuaternions(t,e){let i=t._x,s=t._y,r=t._z,o=t._w,a=e._x,l=e._y,c=e._z,h=e._w;return this._x=i*h+o*a+s*c-r*l,this._y=s*h+o*l+r*a-i*c,this._z=r*h+o*c+i*l-s*a,this._w=o*h-i*a-s*l-r*c,this._onChangeCallback(),this}slerp(t,e){let i=t._x,s=t._y,r=t._z,o=t._w,a=this.dot(t);a<0&&(i=-i,s=-s,r=-r,o=-o,a=-a);let l=1-e;if(a<.9995){let c=Math.acos(a),h=Math.sin(c);l=Math.sin(l*c)/h,e=Math.sin(e*c)/h,this._x=this._x*l+i*e,this._y=this._y*l+s*e,this._z=this._z*l+r*e,this._w=this._w*l+o*e,this._onChangeCallback()}else this._x=this._x*l+i*e,this._y=this._y*l+s*e,this._z=this._z*l+r*e,this._w=this._w*l+o*e,this.normalize();return this}slerpQuaternions(t,e,i){return this.copy(t).slerp(e,i)}random(){let t=2*Math.PI*Math.random(),e=2*Math.PI*Math.random(),i=Math.random(),s=Math.sqrt(1-i),r=Math.sqrt(i);return this.set(s*Math.sin(t),s*Math.cos(t),r*Math.sin(e),r*Math.cos(e))}equals(t){return t._x===this._x&&t._y===this._y&&t._z===this._z&&t._w===this._w}fromArray(t,e=0){return this._x=t[e],this._y=t[e+1],this._z=t[e+2],this._w=t[e+3],this._onChangeCallback(),this}toArray(t=[],e=0){return t[e]=this._x,t[e+1]=this._y,t[e+2]=this._z,t[e+3]=this._w,t}fromBufferAttribute(t,e){return this._x=t.getX(e),this._y=t.getY(e),this._z=t.getZ(e),this._w=t.getW(e),this._onChangeCallback(),this}toJSON(){return this.toArray()}_onChange(t){return this._onChangeCallback=t,this}_onChangeCallback(){}*[Symbol.iterator](){yield this._x,yield this._y,yield this._z,yield this._w}},Z=class{static{this.prototype.isVector3=!0}constructor(t=0,e=0,i=0){this.x=t,this.y=e,this.z=i}set(t,e,i){return i===void 0&&(i=this.z),this.x=t,this.y=e,this.z=i,this}setScalar(t){return this.x=t,this.y=t,this.z=t,this}setX(t){return this.x=t,this}setY(t){return this.y=t,this}setZ(t){return this.z=t,this}setComponent(t,e){switch(t){case 0:this.x=e;break;case 1:this.y=e;break;case 2:this.z=e;break;default:throw new Error("THREE.Vector3: index is out of range: "+t)}return this}getComponent(t){switch(t){case 0:return this.x;case 1:return this.y;case 2:return this.z;default:throw new Error("THREE.Vector3: index is out of range: "+t)}}clone(){return new this.constructor(this.x,this.y,this.z)}copy(t){return this.x=t.x,this.y=t.y,this.z=t.z,this}add(t){return this.x+=t.x,this.y+=t.y,this.z+=t.z,this}addScalar(t){return this.x+=t,this.y+=t,this.z+=t,this}addVectors(t,e){return this.x=t.x+e.x,this.y=t.y+e.y,this.z=t.z+e.z,this}addScaledVector(t,e){return this.x+=t.x*e,this.y+=t.y*e,this.z+=t.z*e,this}sub(t){return this.x-=t.x,this.y-=t.y,this.z-=t.z,this}subScalar(t){return this.x-=t,this.y-=t,this.z-=t,this}subVectors(t,e){return this.x=t.x-e.x,this.y=t.y-e.y,this.z=t.z-e.z,this}multiply(t){return this.x*=t.x,this.y*=t.y,this.z*=t.z,this}multiplyScalar(t){return this.x*=t,this.y*=t,this.z*=t,this}multiplyVectors(t,e){return this.x=t.x*e.x,this.y=t.y*e.y,this.z=t.z*e.z,this}applyEuler(t){return this.applyQuaternion(Wg.setFromEuler(t))}applyAxisAngle(t,e){return this.applyQuaternion(Wg.setFromAxisAngle(t,e))}applyMatrix3(t){let e=this.x,i=this.y,s=this.z,r=t.elements;return this.x=r[0]*e+r[3]*i+r[6]*s,this.y=r[1]*e+r[4]*i+r[7]*s,this.z=r[2]*e+r[5]*i+r[8]*s,this}applyNormalMatrix(t){return this.applyMatrix3(t).normalize()}applyMatrix4(t){let e=this.x,i=this.y,s=this.z,r=t.elements,o=1/(r[3]*e+r[7]*i+r[11]*s+r[15]);return this.x=(r[0]*e+r[4]*i+r[8]*s+r[12])*o,this.y=(r[1]*e+r[5]*i+r[9]*s+r[13])*o,this.z=(r[2]*e+r[6]*i+r[10]*s+r[14])*o,this}applyQuaternion(t){let e=this.x,i=this.y,s=this.z,r=t.x,o=t.y,a=t.z,l=t.w,c=2*(o*s-a*i),h=2*(a*e-r*s),f=2*(r*i-o*e);return this.x=e+l*c+o*f-a*h,this.y=i+l*h+a*c-r*f,this.z=s+l*f+r*h-o*c,this}project(t){return this.applyMatrix4(t.matrixWorldInverse).applyMatrix4(t.projectionMatrix)}unproject(t){return this.applyMatrix4(t.projectionMatrixInverse).applyMatrix4(t.matrixWorld)}transformDirection(t){let e=this.x,i=this.y,s=this.z,r=t.elements;return this.x=r[0]*e+r[4]*i+r[8]*s,this.y=r[1]*e+r[5]*i+r[9]*s,this.z=r[2]*e+r[6]*i+r[10]*s,this.normalize()}divide(t){return this.x/=t.x,this.y/=t.y,this.z/=t.z,this}divideScalar(t){return this.multiplyScalar(1/t)}min(t){return this.x=Math.min(this.x,t.x),this.y=Math.min(this.y,t.y),this.z=Math.min(this.z,t.z),this}max(t){return this.x=Math.max(this.x,t.x),this.y=Math.max(this.y,t.y),this.z=Math.max(this.z,t.z),this}clamp(t,e){return this.x=me(this.x,t.x,e.x),this.y=me(this.y,t.y,e.y),this.z=me(this.z,t.z,e.z),this}clampScalar(t,e){return this.x=me(this.x,t,e),this.y=me(this.y,t,e),this.z=me(this.z,t,e),this}clampLength(t,e){let i=this.length();return this.divideScalar(i||1).multiplyScalar(me(i,t,e))}floor(){return this.x=Math.floor(this.x),this.y=Math.floor(this.y),this.z=Math.floor(this.z),this}ceil(){return this.x=Math.ceil(this.x),this.y=Math.ceil(this.y),this.z=Math.ceil(this.z),this}round(){return this.x=Math.round(this.x),this.y=Math.round(this.y),this.z=Math.round(this.z),this}roundToZero(){return this.x=Math.trunc(this.x),this.y=Math.trunc(this.y),this.z=Math.trunc(this.z),this}negate(){return this.x=-this.x,this.y=-this.y,this.z=-this.z,this}dot(t){return this.x*t.x+this.y*t.y+this.z*t.z}lengthSq(){return this.x*this.x+this.y*this.y+this.z*this.z}length(){return Math.sqrt(this.x*this.x+this.y*this.y+this.z*this.z)}manhattanLength(){return Math.abs(this.x)+Math.abs(this.y)+Math.abs(this.z)}normalize(){return this.divideScalar(this.length()||1)}setLength(t){return this.normalize().multiplyScalar(t)}lerp(t,e){return this.x+=(t.x-this.x)*e,this.y+=(t.y-this.y)*e,this.z+=(t.z-this.z)*e,this}lerpVectors(t,e,i){return this.x=t.x+(e.x-t.x)*i,this.y=t.y+(e.y-t.y)*i,this.z=t.z+(e.z-t.z)*i,this}cross(t){return this.crossVectors(this,t)}crossVectors(t,e){let i=t.x,s=t.y,r=t.z,o=e.x,a=e.y,l=e.z;return this.x=s*l-r*a,this.y=r*o-i*l,this.z=i*a-s*o,this}projectOnVector(t){let e=t.lengthSq();if(e===0)return this.set(0,0,0);let i=t.dot(this)/e;return this.copy(t).multiplyScalar(i)}projectOnPlane(t){return Sf.copy(this).projectOnVector(t),this.sub(Sf)}reflect(t){return this.sub(Sf.copy(t).multiplyScalar(2*this.dot(t)))}angleTo(t){let e=Math.sqrt(this.lengthSq()*t.lengthSq());if(e===0)return Math.PI/2;let i=this.dot(t)/e;return Math.acos(me(i,-1,1))}distanceTo(t){return Math.sqrt(this.distanceToSquared(t))}distanceToSquared(t){let e=this.x-t.x,i=this.y-t.y,s=this.z-t.z;return e*e+i*i+s*s}manhattanDistanceTo(t){return Math.abs(this.x-t.x)+Math.abs(this.y-t.y)+Math.abs(this.z-t.z)}setFromSpherical(t){return this.setFromSphericalCoords(t.radius,t.phi,t.theta)}setFromSphericalCoords(t,e,i){let s=Math.sin(e)*t;return this.x=s*Math.sin(i),this.y=Math.cos(e)*t,this.z=s*Math.cos(i),this}setFromCylindrical(t){return this.setFromCylindricalCoords(t.radius,t.theta,t.y)}setFromCylindricalCoords(t,e,i){return this.x=t*Math.sin(e),this.y=i,this.z=t*Math.cos(e),this}setFromMatrixPosition(t){let e=t.elements;return this.x=e[12],this.y=e[13],this.z=e[14],this}setFromMatrixScale(t){let e=this.setFromMatrixColumn(t,0).length(),i=this.setFromMatrixColumn(t,1).length(),s=this.setFromMatrixColumn(t,2).length();return this.x=e,this.y=i,this.z=s,this}setFromMatrixColumn(t,e){return this.fromArray(t.elements,e*4)}setFromMatrix3Column(t,e){return this.fromArray(t.elements,e*3)}setFromEuler(t){return this.x=t._x,this.y=t._y,this.z=t._z,this}setFromColor(t){return this.x=t.r,this.y=t.g,this.z=t.b,this}equals(t){return t.x===this.x&&t.y===this.y&&t.z===this.z}fromArray(t,e=0){return this.x=t[e],this.y=t[e+1],this.z=t[e+2],this}toArray(t=[],e=0){return t[e]=this.x,t[e+1]=this.y,t[e+2]=this.z,t}fromBufferAttribute(t,e){return this.x=t.getX(e),this.y=t.getY(e),this.z=t.getZ(e),this}random(){return this.x=Math.random(),this.y=Math.random(),this.z=Math.random(),this}randomDirection(){let t=Math.random()*Math.PI*2,e=Math.random()*2-1,i=Math.sqrt(1-e*e);return this.x=i*Math.cos(t),this.y=e,this.z=i*Math.sin(t),this}*[Symbol.iterator](){yield this.x,yield this.y,yield this.z}},Sf=new Z,Wg=new jn,oe=class{static{this.prototype.isMatrix3=!0}constructor(t,e,i,s,r,o,a,l,c){this.elements=[1,0,0,0,1,0,0,0,1],t!==void 0&&this.set(t,e,i,s,r,o,a,l,c)}set(t,e,i,s,r,o,a,l,c){let h=this.elements;return h[0]=t,h[1]=s,h[2]=a,h[3]=e,h[4]=r,h[5]=l,h[6]=i,h[7]=o,h[8]=c,this}identity(){return this.set(1,0,0,0,1,0,0,0,1),this}copy(t){let e=this.elements,i=t.elements;return e[0]=i[0],e[1]=i[1],e[2]=i[2],e[3]=i[3],e[4]=i[4],e[5]=i[5],e[6]=i[6],e[7]=i[7],e[8]=i[8],this}extractBasis(t,e,i){return t.setFromMatrix3Column(this,0),e.setFromMatrix3Column(this,1),i.setFromMatrix3Column(this,2),this}setFromMatrix4(t){let e=t.elements;return this.set(e[0],e[4],e[8],e[1],e[5],e[9],e[2],e[6],e[10]),this}multiply(t){return this.multiplyMatrices(this,t)}premultiply(t){return this.multiplyMatrices(t,this)}multiplyMatrices(t,e){let i=t.elements,s=e.elements,r=this.elements,o=i[0],a=i[3],l=i[6],c=i[1],h=i[4],f=i[7],u=i[2],d=i[5],p=i[8],_=s[0],m=s[3],g=s[6],v=s[1],T=s[4],S=s[7],C=s[2],E=s[5],y=s[8];return r[0]=o*_+a*v+l*C,r[3]=o*m+a*T+l*E,r[6]=o*g+a*S+l*y,r[1]=c*_+h*v+f*C,r[4]=c*m+h*T+f*E,r[7]=c*g+h*S+f*y,r[2]=u*_+d*v+p*C,r[5]=u*m+d*T+p*E,r[8]=u*g+d*S+p*y,this}multiplyScalar(t){let e=this.elements;return e[0]*=t,e[3]*=t,e[6]*=t,e[1]*=t,e[4]*=t,e[7]*=t,e[2]*=t,e[5]*=t,e[8]*=t,this}determinant(){let t=this.elements,e=t[0],i=t[1],s=t[2],r=t[3],o=t[4],a=t[5],l=t[6],c=t[7],h=t[8];return e*o*h-e*a*c-i*r*h+i*a*l+s*r*c-s*o*l}invert(){let t=this.elements,e=t[0],i=t[1],s=t[2],r=t[3],o=t[4],a=t[5],l=t[6],c=t[7],h=t[8],f=h*o-a*c,u=a*l-h*r,d=c*r-o*l,p=e*f+i*u+s*d;if(p===0)return this.set(0,0,0,0,0,0,0,0,0);let _=1/p;return t[0]=f*_,t[1]=(s*c-h*i)*_,t[2]=(a*i-s*o)*_,t[3]=u*_,t[4]=(h*e-s*l)*_,t[5]=(s*r-a*e)*_,t[6]=d*_,t[7]=(i*l-c*e)*_,t[8]=(o*e-i*r)*_,this}transpose(){let t,e=this.elements;return t=e[1],e[1]=e[3],e[3]=t,t=e[2],e[2]=e[6],e[6]=t,t=e[5],e[5]=e[7],e[7]=t,this}getNormalMatrix(t){return this.setFromMatrix4(t).invert().transpose()}transposeIntoArray(t){let e=this.elements;return t[0]=e[0],t[1]=e[3],t[2]=e[6],t[3]=e[1],t[4]=e[4],t[5]=e[7],t[6]=e[2],t[7]=e[5],t[8]=e[8],this}setUvTransform(t,e,i,s,r,o,a){let l=Math.cos(r),c=Math.sin(r);return this.set(i*l,i*c,-i*(l*o+c*a)+o+t,-s*c,s*l,-s*(-c*o+l*a)+a+e,0,0,1),this}scale(t,e){return Sa("Matrix3: .scale() is deprecated. Use .makeScale() instead."),this.premultiply(bf.makeScale(t,e)),this}rotate(t){return Sa("Matrix3: .rotate() is deprecated. Use .makeRotation() instead."),this.premultiply(bf.makeRotation(-t)),this}translate(t,e){return Sa("Matrix3: .translate() is deprecated. Use .makeTranslation() instead."),this.premultiply(bf.makeTranslation(t,e)),this}makeTranslation(t,e){return t.isVector2?this.set(1,0,t.x,0,1,t.y,0,0,1):this.set(1,0,t,0,1,e,0,0,1),this}makeRotation(t){let e=Math.cos(t),i=Math.sin(t);return this.set(e,-i,0,i,e,0,0,0,1),this}makeScale(t,e){return this.set(t,0,0,0,e,0,0,0,1),this}equals(t){let e=this.elements,i=t.elements;for(let s=0;s<9;s++)if(e[s]!==i[s])return!1;return!0}fromArray(t,e=0){for(let i=0;i<9;i++)this.elements[i]=t[i+e];return this}toArray(t=[],e=0){let i=this.elements;return t[e]=i[0],t[e+1]=i[1],t[e+2]=i[2],t[e+3]=i[3],t[e+4]=i[4],t[e+5]=i[5],t[e+6]=i[6],t[e+7]=i[7],t[e+8]=i[8],t}clone(){return new this.constructor().fromArray(this.elements)}},bf=new oe,$g=new oe().set(.4123908,.3575843,.1804808,.212639,.7151687,.0721923,.0193308,.1191948,.9505322),Xg=new oe().set(3.2409699,-1.5373832,-.4986108,-.9692436,1.8759675,.0415551,.0556301,-.203977,1.0569715);function zb(){let n={enabled:!0,workingColorSpace:Ea,spaces:{},convert:function(s,r,o){return this.enabled===!1||r===o||!r||!o||(this.spaces[r].transfer===Le&&(s.r=Es(s.r),s.g=Es(s.g),s.b=Es(s.b)),this.spaces[r].primaries!==this.spaces[o].primaries&&(s.applyMatrix3(this.spaces[r].toXYZ),s.applyMatrix3(this.spaces[o].fromXYZ)),this.spaces[o].transfer===Le&&(s.r=go(s.r),s.g=go(s.g),s.b=go(s.b))),s},workingToColorSpace:function(s,r){return this.convert(s,this.workingColorSpace,r)},colorSpaceToWorking:function(s,r){return this.convert(s,r,this.workingColorSpace)},getPrimaries:function(s){return this.spaces[s].primaries},getTransfer:function(s){return s===Ls?Aa:this.spaces[s].transfer},getToneMappingMode:function(s){return this.spaces[s].outputColorSpaceConfig.toneMappingMode||"standard"},getLuminanceCoefficients:function(s,r=this.workingColorSpace){return s.fromArray(this.spaces[r].luminanceCoefficients)},define:function(s){Object.assign(this.spaces,s)},_getMatrix:function(s,r,o){return s.copy(this.spaces[o].fromXYZ).multiply(this.spaces[r].toXYZ)},_getDrawingBufferColorSpace:function(s){return this.spaces[s].outputColorSpaceConfig.drawingBufferColorSpace},_getUnpackColorSpace:function(s=this.workingColorSpace){return this.spaces[s].workingColorSpaceConfig.unpackColorSpace}},t=[.64,.33,.3,.6,.15,.06],e=[.2126,.7152,.0722],i=[.3127,.329];return n.define({[Ea]:{primaries:t,whitePoint:i,transfer:Aa,toXYZ:$g,fromXYZ:Xg,luminanceCoefficients:e,workingColorSpaceConfig:{unpackColorSpace:xi},outputColorSpaceConfig:{drawingBufferColorSpace:xi}},[xi]:{primaries:t,whitePoint:i,transfer:Le,toXYZ:$g,fromXYZ:Xg,luminanceCoefficients:e,outputColorSpaceConfig:{drawingBufferColorSpace:xi}}}),n}var xe=zb();function Es(n){return n<.04045?n*.0773993808:Math.pow(n*.9478672986+.0521327014,2.4)}function go(n){return n<.0031308?n*12.92:1.055*Math.pow(n,.41666)-.055}var no,Ic=class{static getDataURL(t,e="image/png"){if(/^data:/i.test(t.src)||typeof HTMLCanvasElement>"u")return t.src;let i;if(t instanceof HTMLCanvasElement)i=t;else{no===void 0&&(no=Ta("canvas")),no.width=t.width,no.height=t.height;let s=no.getContext("2d");t instanceof ImageData?s.putImageData(t,0,0):s.drawImage(t,0,0,t.width,t.height),i=no}return i.toDataURL(e)}static sRGBToLinear(t){if(typeof HTMLImageElement<"u"&&t instanceof HTMLImageElement||typeof HTMLCanvasElement<"u"&&t instanceof HTMLCanvasElement||typeof ImageBitmap<"u"&&t instanceof ImageBitmap){let e=Ta("canvas");e.width=t.width,e.height=t.height;let i=e.getContext("2d");i.drawImage(t,0,0,t.width,t.height);let s=i.getImageData(0,0,t.width,t.height),r=s.data;for(let o=0;o<r.length;o++)r[o]=Es(r[o]/255)*255;return i.putImageData(s,0,0),e}else if(t.data){let e=t.data.slice(0);for(let i=0;i<e.length;i++)e instanceof Uint8Array||e instanceof Uint8ClampedArray?e[i]=Math.floor(Es(e[i]/255)*255):e[i]=Es(e[i]);return{data:e,width:t.width,height:t.height}}else return Kt("ImageUtils.sRGBToLinear(): Unsupported image type. No color space conversion applied."),t}},Hb=0,So=class{constructor(t=null){this.isTextureSource=!0,Object.defineProperty(this,"id",{value:Hb++}),this.uuid=No(),this.data=t,this.dataReady=!0,this.version=0}getSize(t){let e=this.data;return typeof HTMLVideoElement<"u"&&e instanceof HTMLVideoElement?t.set(e.videoWidth,e.videoHeight,0):typeof VideoFrame<"u"&&e instanceof VideoFrame?t.set(e.displayWidth,e.displayHeight,0):e!==null?t.set(e.width||0,e.height||0,e.depth||0):t.set(0,0,0),t}set needsUpdate(t){t===!0&&this.version++}toJSON(t){let e=t===void 0||typeof t=="string";if(!e&&t.images[this.uuid]!==void 0)return t.images[this.uuid];let i={uuid:this.uuid,url:""},s=this.data;if(s!==null){let r;if(Array.isArray(s)){r=[];for(let o=0,a=s.length;o<a;o++)s[o].isDataTexture?r.push(Mf(s[o].image)):r.push(Mf(s[o]))}else r=Mf(s);i.url=r}return e||(t.images[this.uuid]=i),i}};function Mf(n){return typeof HTMLImageElement<"u"&&n instanceof HTMLImageElement||typeof HTMLCanvasElement<"u"&&n instanceof HTMLCanvasElement||typeof ImageBitmap<"u"&&n instanceof ImageBitmap?Ic.getDataURL(n):n.data?{data:Array.from(n.data),width:n.width,height:n.height,type:n.data.constructor.name}:(Kt("Texture: Unable to serialize Texture."),{})}var Vb=0,wf=new Z,ai=class n extends $i{constructor(t=n.DEFAULT_IMAGE,e=n.DEFAULT_MAPPING,i=ls,s=ls,r=Bn,o=Is,a=Zi,l=li,c=n.DEFAULT_ANISOTROPY,h=Ls){super(),this.isTexture=!0,Object.defineProperty(this,"id",{value:Vb++}),this.uuid=No(),this.name="",this.source=new So(t),this.mipmaps=[],this.mapping=e,this.channel=0,this.wrapS=i,this.wrapT=s,this.magFilter=r,this.minFilter=o,this.anisotropy=c,this.format=a,this.internalFormat=null,this.type=l,this.offset=new jt(0,0),this.repeat=new jt(1,1),this.center=new jt(0,0),this.rotation=0,this.matrixAutoUpdate=!0,this.matrix=new oe,this.generateMipmaps=!0,this.mipmapsAutoUpdate=!0,this.premultiplyAlpha=!1,this.flipY=!0,this.unpackAlignment=4,this.colorSpace=h,this.userData={},this.updateRanges=[],this.version=0,this.onUpdate=null,this.renderTarget=null,this.isRenderTargetTexture=!1,this.isArrayTexture=!!(t&&t.depth&&t.depth>1),this.pmremVersion=0,this.isPMREMTexture=!1,this.normalized=!1}get width(){return this.source.getSize(wf).x}get height(){return this.source.getSize(wf).y}get depth(){return this.source.getSize(wf).z}get image(){return this.source.data}set image(t){this.source.data=t}updateMatrix(){this.matrix.setUvTransform(this.offset.x,this.offset.y,this.repeat.x,this.repeat.y,this.rotation,this.center.x,this.center.y)}addUpdateRange(t,e){this.updateRanges.push({start:t,count:e})}clearUpdateRanges(){this.updateRanges.length=0}clone(){return new this.constructor().copy(this)}copy(t){return this.name=t.name,this.source=t.source,this.mipmaps=t.mipmaps.slice(0),this.mapping=t.mapping,this.channel=t.channel,this.wrapS=t.wrapS,this.wrapT=t.wrapT,this.magFilter=t.magFilter,this.minFilter=t.minFilter,this.anisotropy=t.anisotropy,this.format=t.format,this.internalFormat=t.internalFormat,this.type=t.type,this.normalized=t.normalized,this.offset.copy(t.offset),this.repeat.copy(t.repeat),this.center.copy(t.center),this.rotation=t.rotation,this.matrixAutoUpdate=t.matrixAutoUpdate,this.matrix.copy(t.matrix),this.generateMipmaps=t.generateMipmaps,this.mipmapsAutoUpdate=t.mipmapsAutoUpdate,this.premultiplyAlpha=t.premultiplyAlpha,this.flipY=t.flipY,this.unpackAlignment=t.unpackAlignment,this.colorSpace=t.colorSpace,this.renderTarget=t.renderTarget,this.isRenderTargetTexture=t.isRenderTargetTexture,this.isPMREMTexture=t.isPMREMTexture,this.isArrayTexture=t.isArrayTexture,this.userData=JSON.parse(JSON.stringify(t.userData)),this.needsUpdate=!0,this}setValues(t){for(let e in t){let i=t[e];if(i===void 0){Kt(`Texture.setValues(): parameter '${e}' has value of undefined.`);continue}let s=this[e];if(s===void 0){Kt(`Texture.setValues(): property '${e}' does not exist.`);continue}s&&i&&s.isVector2&&i.isVector2||s&&i&&s.isVector3&&i.isVector3||s&&i&&s.isMatrix3&&i.isMatrix3?s.copy(i):this[e]=i}}toJSON(t){let e=t===void 0||typeof t=="string";if(!e&&t.textures[this.uuid]!==void 0)return t.textures[this.uuid];let i={metadata:{version:4.7,type:"Texture",generator:"Texture.toJSON"},uuid:this.uuid,name:this.name,image:this.source.toJSON(t).uuid,mapping:this.mapping,channel:this.channel,repeat:[this.repeat.x,this.repeat.y],offset:[this.offset.x,this.offset.y],center:[this.center.x,this.center.y],rotation:this.rotation,wrap:[this.wrapS,this.wrapT],format:this.format,internalFormat:this.internalFormat,type:this.type,normalized:this.normalized,colorSpace:this.colorSpace,minFilter:this.minFilter,magFilter:this.magFilter,anisotropy:this.anisotropy,flipY:this.flipY,generateMipmaps:this.generateMipmaps,mipmapsAutoUpdate:this.mipmapsAutoUpdate,premultiplyAlpha:this.premultiplyAlpha,unpackAlignment:this.unpackAlignment};return Object.keys(this.userData).length>0&&(i.userData=this.userData),e||(t.textures[this.uuid]=i),i}dispose(){this.dispatchEvent({type:"dispose"})}transformUv(t){if(this.mapping!==ld)return t;if(t.applyMatrix3(this.matrix),t.x<0||t.x>1)switch(this.wrapS){case Tc:t.x=t.x-Math.floor(t.x);break;case ls:t.x=t.x<0?0:1;break;case Cc:Math.abs(Math.floor(t.x)%2)===1?t.x=Math.ceil(t.x)-t.x:t.x=t.x-Math.floor(t.x);break}if(t.y<0||t.y>1)switch(this.wrapT){case Tc:t.y=t.y-Math.floor(t.y);break;case ls:t.y=t.y<0?0:1;break;case Cc:Math.abs(Math.floor(t.y)%2)===1?t.y=Math.ceil(t.y)-t.y:t.y=t.y-Math.floor(t.y);break}return this.flipY&&(t.y=1-t.y),t}set needsUpdate(t){t===!0&&(this.version++,this.source.needsUpdate=!0)}set needsPMREMUpdate(t){t===!0&&this.pmremVersion++}};ai.DEFAULT_IMAGE=null;ai.DEFAULT_MAPPING=ld;ai.DEFAULT_ANISOTROPY=1;var Je=class{static{this.prototype.isVector4=!0}constructor(t=0,e=0,i=0,s=1){this.x=t,this.y=e,this.z=i,this.w=s}get width(){return this.z}set width(t){this.z=t}get height(){return this.w}set height(t){this.w=t}set(t,e,i,s){return this.x=t,this.y=e,this.z=i,this.w=s,this}setScalar(t){return this.x=t,this.y=t,this.z=t,this.w=t,this}setX(t){return this.x=t,this}setY(t){return this.y=t,this}setZ(t){return this.z=t,this}setW(t){return this.w=t,this}setComponent(t,e){switch(t){case 0:this.x=e;break;case 1:this.y=e;break;case 2:this.z=e;break;case 3:this.w=e;break;default:throw new Error("THREE.Vector4: index is out of range: "+t)}return this}getComponent(t){switch(t){case 0:return this.x;case 1:return this.y;case 2:return this.z;case 3:return this.w;default:throw new Error("THREE.Vector4: index is out of range: "+t)}}clone(){return new this.constructor(this.x,this.y,this.z,this.w)}copy(t){return this.x=t.x,this.y=t.y,this.z=t.z,this.w=t.w!==void 0?t.w:1,this}add(t){return this.x+=t.x,this.y+=t.y,this.z+=t.z,this.w+=t.w,this}addScalar(t){return this.x+=t,this.y+=t,this.z+=t,this.w+=t,this}addVectors(t,e){return this.x=t.x+e.x,this.y=t.y+e.y,this.z=t.z+e.z,this.w=t.w+e.w,this}addScaledVector(t,e){return this.x+=t.x*e,this.y+=t.y*e,this.z+=t.z*e,this.w+=t.w*e,this}sub(t){return this.x-=t.x,this.y-=t.y,this.z-=t.z,this.w-=t.w,this}subScalar(t){return this.x-=t,this.y-=t,this.z-=t,this.w-=t,this}subVectors(t,e){return this.x=t.x-e.x,this.y=t.y-e.y,this.z=t.z-e.z,this.w=t.w-e.w,this}multiply(t){return this.x*=t.x,this.y*=t.y,this.z*=t.z,this.w*=t.w,this}multiplyScalar(t){return this.x*=t,this.y*=t,this.z*=t,this.w*=t,this}applyMatrix4(t){let e=this.x,i=this.y,s=this.z,r=this.w,o=t.elements;return this.x=o[0]*e+o[4]*i+o[8]*s+o[12]*r,this.y=o[1]*e+o[5]*i+o[9]*s+o[13]*r,this.z=o[2]*e+o[6]*i+o[10]*s+o[14]*r,this.w=o[3]*e+o[7]*i+o[11]*s+o[15]*r,this}divide(t){return this.x/=t.x,this.y/=t.y,this.z/=t.z,this.w/=t.w,this}divideScalar(t){return this.multiplyScalar(1/t)}setAxisAngleFromQuaternion(t){this.w=2*Math.acos(t.w);let e=Math.sqrt(1-t.w*t.w);return e<1e-4?(this.x=1,this.y=0,this.z=0):(this.x=t.x/e,this.y=t.y/e,this.z=t.z/e),this}setAxisAngleFromRotationMatrix(t){let e,i,s,r,l=t.elements,c=l[0],h=l[4],f=l[8],u=l[1],d=l[5],p=l[9],_=l[2],m=l[6],g=l[10];if(Math.abs(h-u)<.01&&Math.abs(f-_)<.01&&Math.abs(p-m)<.01){if(Math.abs(h+u)<.1&&Math.abs(f+_)<.1&&Math.abs(p+m)<.1&&Math.abs(c+d+g-3)<.1)return this.set(1,0,0,0),this;e=Math.PI;let T=(c+1)/2,S=(d+1)/2,C=(g+1)/2,E=(h+u)/4,y=(f+_)/4,M=(p+m)/4;return T>S&&T>C?T<.01?(i=0,s=.707106781,r=.707106781):(i=Math.sqrt(T),s=E/i,r=y/i):S>C?S<.01?(i=.707106781,s=0,r=.707106781):(s=Math.sqrt(S),i=E/s,r=M/s):C<.01?(i=.707106781,s=.707106781,r=0):(r=Math.sqrt(C),i=y/r,s=M/r),this.set(i,s,r,e),this}let v=Math.sqrt((m-p)*(m-p)+(f-_)*(f-_)+(u-h)*(u-h));return Math.abs(v)<.001&&(v=1),this.x=(m-p)/v,this.y=(f-_)/v,this.z=(u-h)/v,this.w=Math.acos((c+d+g-1)/2),this}setFromMatrixPosition(t){let e=t.elements;return this.x=e[12],this.y=e[13],this.z=e[14],this.w=e[15],this}min(t){return this.x=Math.min(this.x,t.x),this.y=Math.min(this.y,t.y),this.z=Math.min(this.z,t.z),this.w=Math.min(this.w,t.w),this}max(t){return this.x=Math.max(this.x,t.x),this.y=Math.max(this.y,t.y),this.z=Math.max(this.z,t.z),this.w=Math.max(this.w,t.w),this}clamp(t,e){return this.x=me(this.x,t.x,e.x),this.y=me(this.y,t.y,e.y),this.z=me(this.z,t.z,e.z),this.w=me(this.w,t.w,e.w),this}clampScalar(t,e){return this.x=me(this.x,t,e),this.y=me(this.y,t,e),this.z=me(this.z,t,e),this.w=me(this.w,t,e),this}clampLength(t,e){let i=this.length();return this.divideScalar(i||1).multiplyScalar(me(i,t,e))}floor(){return this.x=Math.floor(this.x),this.y=Math.floor(this.y),this.z=Math.floor(this.z),this.w=Math.floor(this.w),this}ceil(){return this.x=Math.ceil(this.x),this.y=Math.ceil(this.y),this.z=Math.ceil(this.z),this.w=Math.ceil(this.w),this}round(){return this.x=Math.round(this.x),this.y=Math.round(this.y),this.z=Math.round(this.z),this.w=Math.round(this.w),this}roundToZero(){return this.x=Math.trunc(this.x),this.y=Math.trunc(this.y),this.z=Math.trunc(this.z),this.w=Math.trunc(this.w),this}negate(){return this.x=-this.x,this.y=-this.y,this.z=-this.z,this.w=-this.w,this}dot(t){return this.x*t.x+this.y*t.y+this.z*t.z+this.w*t.w}lengthSq(){return this.x*this.x+this.y*this.y+this.z*this.z+this.w*this.w}length(){return Math.sqrt(this.x*this.x+this.y*this.y+this.z*this.z+this.w*this.w)}manhattanLength(){return Math.abs(this.x)+Math.abs(this.y)+Math.abs(this.z)+Math.abs(this.w)}normalize(){return this.divideScalar(this.length()||1)}setLength(t){return this.normalize().multiplyScalar(t)}lerp(t,e){return this.x+=(t.x-this.x)*e,this.y+=(t.y-this.y)*e,this.z+=(t.z-this.z)*e,this.w+=(t.w-this.w)*e,this}lerpVectors(t,e,i){return this.x=t.x+(e.x-t.x)*i,this.y=t.y+(e.y-t.y)*i,this.z=t.z+(e.z-t.z)*i,this.w=t.w+(e.w-t.w)*i,this}equals(t){return t.x===this.x&&t.y===this.y&&t.z===this.z&&t.w===this.w}fromArray(t,e=0){return this.x=t[e],this.y=t[e+1],this.z=t[e+2],this.w=t[e+3],this}toArray(t=[],e=0){return t[e]=this.x,t[e+1]=this.y,t[e+2]=this.z,t[e+3]=this.w,t}fromBufferAttribute(t,e){return this.x=t.getX(e),this.y=t.getY(e),this.z=t.getZ(e),this.w=t.getW(e),this}random(){return this.x=Math.random(),this.y=Math.random(),this.z=Math.random(),this.w=Math.random(),this}*[Symbol.iterator](){yield this.x,yield this.y,yield this.z,yield this.w}},Pc=class extends $i{constructor(t=1,e=1,i={}){super(),i=Object.assign({generateMipmaps:!1,internalFormat:null,minFilter:Bn,depthBuffer:!0,stencilBuffer:!1,resolveColorBuffer:!0,resolveDepthBuffer:!0,resolveStencilBuffer:!0,storeMultisampledColorBuffer:!0,storeMultisampledDepthBuffer:!0,storeMultisampledStencilBuffer:!0,depthTexture:null,samples:0,count:1,depth:1,multiview:!1,useArrayDepthTexture:!1},i),this.isRenderTarget=!0,this.width=t,this.height=e,this.depth=i.depth,this.scissor=new Je(0,0,t,e),this.scissorTest=!1,this.viewport=new Je(0,0,t,e),this.textures=[];let s=i.count;for(let r=0;r<s;r++)this.textures[r]=new ai({width:t,height:e,depth:i.depth}),this.textures[r].isRenderTargetTexture=!0,this.textures[r].renderTarget=this;this._setTextureOptions(i),this.depthBuffer=i.depthBuffer,this.stencilBuffer=i.stencilBuffer,this.resolveColorBuffer=i.resolveColorBuffer,this.resolveDepthBuffer=i.resolveDepthBuffer,this.resolveStencilBuffer=i.resolveStencilBuffer,this.storeMultisampledColorBuffer=i.storeMultisampledColorBuffer,this.storeMultisampledDepthBuffer=i.storeMultisampledDepthBuffer,this.storeMultisampledStencilBuffer=i.storeMultisampledStencilBuffer,this._depthTexture=null,this.depthTexture=i.depthTexture,this.samples=i.samples,this.multiview=i.multiview,this.useArrayDepthTexture=i.useArrayDepthTexture}_setTextureOptions(t={}){let e={minFilter:Bn,generateMipmaps:!1,flipY:!1,internalFormat:null};t.mapping!==void 0&&(e.mapping=t.mapping),t.wrapS!==void 0&&(e.wrapS=t.wrapS),t.wrapT!==void 0&&(e.wrapT=t.wrapT),t.wrapR!==void 0&&(e.wrapR=t.wrapR),t.magFilter!==void 0&&(e.magFilter=t.magFilter),t.minFilter!==void 0&&(e.minFilter=t.minFilter),t.format!==void 0&&(e.format=t.format),t.type!==void 0&&(e.type=t.type),t.anisotropy!==void 0&&(e.anisotropy=t.anisotropy),t.colorSpace!==void 0&&(e.colorSpace=t.colorSpace),t.flipY!==void 0&&(e.flipY=t.flipY),t.generateMipmaps!==void 0&&(e.generateMipmaps=t.generateMipmaps),t.mipmapsAutoUpdate!==void 0&&(e.mipmapsAutoUpdate=t.mipmapsAutoUpdate),t.internalFormat!==void 0&&(e.internalFormat=t.internalFormat);for(let i=0;i<this.textures.length;i++)this.textures[i].setValues(e)}get texture(){return this.textures[0]}set texture(t){this.textures[0]=t}set depthTexture(t){this._depthTexture!==null&&this._depthTexture.renderTarget===this&&(this._depthTexture.renderTarget=null),t!==null&&t.renderTarget===null&&(t.renderTarget=this),this._depthTexture=t}get depthTexture(){return this._depthTexture}setSize(t,e,i=1){if(this.width!==t||this.height!==e||this.depth!==i){this.width=t,this.height=e,this.depth=i;for(let s=0,r=this.textures.length;s<r;s++)this.textures[s].image.width=t,this.textures[s].image.height=e,this.textures[s].image.depth=i,this.textures[s].isData3DTexture!==!0&&(this.textures[s].isArrayTexture=this.textures[s].image.depth>1);this.dispose()}this.viewport.set(0,0,t,e),this.scissor.set(0,0,t,e)}clone(){return new this.constructor().copy(this)}copy(t){this.width=t.width,this.height=t.height,this.depth=t.depth,this.scissor.copy(t.scissor),this.scissorTest=t.scissorTest,this.viewport.copy(t.viewport),this.textures.length=0;for(let e=0,i=t.textures.length;e<i;e++){this.textures[e]=t.textures[e].clone(),this.textures[e].isRenderTargetTexture=!0,this.textures[e].renderTarget=this;let s=Object.assign({},t.textures[e].image);this.textures[e].source=new So(s)}if(this.depthBuffer=t.depthBuffer,this.stencilBuffer=t.stencilBuffer,this.resolveColorBuffer=t.resolveColorBuffer,this.resolveDepthBuffer=t.resolveDepthBuffer,this.resolveStencilBuffer=t.resolveStencilBuffer,this.storeMultisampledColorBuffer=t.storeMultisampledColorBuffer,this.storeMultisampledDepthBuffer=t.storeMultisampledDepthBuffer,this.storeMultisampledStencilBuffer=t.storeMultisampledStencilBuffer,t.depthTexture!==null)if(t.depthTexture.renderTarget===t){let e=t.depthTexture.clone();e.renderTarget=null,this.depthTexture=e}else this.depthTexture=t.depthTexture;else this.depthTexture=null;return this.samples=t.samples,this.multiview=t.multiview,this.useArrayDepthTexture=t.useArrayDepthTexture,this}dispose(){this.dispatchEvent({type:"dispose"})}},Si=class extends Pc{constructor(t=1,e=1,i={}){super(t,e,i),this.isWebGLRenderTarget=!0}},Ca=class extends ai{constructor(t=null,e=1,i=1,s=1){super(null),this.isDataArrayTexture=!0,this.image={data:t,width:e,height:i,depth:s},this.magFilter=Nn,this.minFilter=Nn,this.wrapR=ls,this.generateMipmaps=!1,this.flipY=!1,this.unpackAlignment=1,this.layerUpdates=new Set}copy(t){return super.copy(t),this.wrapR=t.wrapR,this}addLayerUpdate(t){this.layerUpdates.add(t)}clearLayerUpdates(){this.layerUpdates.clear()}};var Lc=class extends ai{constructor(t=null,e=1,i=1,s=1){super(null),this.isData3DTexture=!0,this.image={data:t,width:e,height:i,depth:s},this.magFilter=Nn,this.minFilter=Nn,this.wrapR=ls,this.generateMipmaps=!1,this.flipY=!1,this.unpackAlignment=1}copy(t){return super.copy(t),this.wrapR=t.wrapR,this}};var Ze=class n{static{this.prototype.isMatrix4=!0}constructor(t,e,i,s,r,o,a,l,c,h,f,u,d,p,_,m){this.elements=[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],t!==void 0&&this.set(t,e,i,s,r,o,a,l,c,h,f,u,d,p,_,m)}set(t,e,i,s,r,o,a,l,c,h,f,u,d,p,_,m){let g=this.elements;return g[0]=t,g[4]=e,g[8]=i,g[12]=s,g[1]=r,g[5]=o,g[9]=a,g[13]=l,g[2]=c,g[6]=h,g[10]=f,g[14]=u,g[3]=d,g[7]=p,g[11]=_,g[15]=m,this}identity(){return this.set(1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1),this}clone(){return new n().fromArray(this.elements)}copy(t){let e=this.elements,i=t.elements;return e[0]=i[0],e[1]=i[1],e[2]=i[2],e[3]=i[3],e[4]=i[4],e[5]=i[5],e[6]=i[6],e[7]=i[7],e[8]=i[8],e[9]=i[9],e[10]=i[10],e[11]=i[11],e[12]=i[12],e[13]=i[13],e[14]=i[14],e[15]=i[15],this}copyPosition(t){let e=this.elements,i=t.elements;return e[12]=i[12],e[13]=i[13],e[14]=i[14],this}setFromMatrix3(t){let e=t.elements;return this.set(e[0],e[3],e[6],0,e[1],e[4],e[7],0,e[2],e[5],e[8],0,0,0,0,1),this}extractBasis(t,e,i){return this.determinantAffine()===0?(t.set(1,0,0),e.set(0,1,0),i.set(0,0,1),this):(t.setFromMatrixColumn(this,0),e.setFromMatrixColumn(this,1),i.setFromMatrixColumn(this,2),this)}makeBasis(t,e,i){return this.set(t.x,e.x,i.x,0,t.y,e.y,i.y,0,t.z,e.z,i.z,0,0,0,0,1),this}extractRotation(t){if(t.determinantAffine()===0)return this.identity();let e=this.elements,i=t.elements,s=1/io.setFromMatrixColumn(t,0).length(),r=1/io.setFromMatrixColumn(t,1).length(),o=1/io.setFromMatrixColumn(t,2).length();return e[0]=i[0]*s,e[1]=i[1]*s,e[2]=i[2]*s,e[3]=0,e[4]=i[4]*r,e[5]=i[5]*r,e[6]=i[6]*r,e[7]=0,e[8]=i[8]*o,e[9]=i[9]*o,e[10]=i[10]*o,e[11]=0,e[12]=0,e[13]=0,e[14]=0,e[15]=1,this}makeRotationFromEuler(t){let e=this.elements,i=t.x,s=t.y,r=t.z,o=Math.cos(i),a=Math.sin(i),l=Math.cos(s),c=Math.sin(s),h=Math.cos(r),f=Math.sin(r);if(t.order==="XYZ"){let u=o*h,d=o*f,p=a*h,_=a*f;e[0]=l*h,e[4]=-l*f,e[8]=c,e[1]=d+p*c,e[5]=u-_*c,e[9]=-a*l,e[2]=_-u*c,e[6]=p+d*c,e[10]=o*l}else if(t.order==="YXZ"){let u=l*h,d=l*f,p=c*h,_=c*f;e[0]=u+_*a,e[4]=p*a-d,e[8]=o*c,e[1]=o*f,e[5]=o*h,e[9]=-a,e[2]=d*a-p,e[6]=_+u*a,e[10]=o*l}else if(t.order==="ZXY"){let u=l*h,d=l*f,p=c*h,_=c*f;e[0]=u-_*a,e[4]=-o*f,e[8]=p+d*a,e[1]=d+p*a,e[5]=o*h,e[9]=_-u*a,e[2]=-o*c,e[6]=a,e[10]=o*l}else if(t.order==="ZYX"){let u=o*h,d=o*f,p=a*h,_=a*f;e[0]=l*h,e[4]=p*c-d,e[8]=u*c+_,e[1]=l*f,e[5]=_*c+u,e[9]=d*c-p,e[2]=-c,e[6]=a*l,e[10]=o*l}else if(t.order==="YZX"){let u=o*l,d=o*c,p=a*l,_=a*c;e[0]=l*h,e[4]=_-u*f,e[8]=p*f+d,e[1]=f,e[5]=o*h,e[9]=-a*h,e[2]=-c*h,e[6]=d*f+p,e[10]=u-_*f}else if(t.order==="XZY"){let u=o*l,d=o*c,p=a*l,_=a*c;e[0]=l*h,e[4]=-f,e[8]=c*h,e[1]=u*f+_,e[5]=o*h,e[9]=d*f-p,e[2]=p*f-d,e[6]=a*h,e[10]=_*f+u}return e[3]=0,e[7]=0,e[11]=0,e[12]=0,e[13]=0,e[14]=0,e[15]=1,this}makeRotationFromQuaternion(t){return this.compose(Gb,t,Wb)}lookAt(t,e,i){let s=this.elements;return _i.subVectors(t,e),_i.lengthSq()===0&&(_i.z=1),_i.normalize(),qs.crossVectors(i,_i),qs.lengthSq()===0&&(Math.abs(i.z)===1?_i.x+=1e-4:_i.z+=1e-4,_i.normalize(),qs.crossVectors(i,_i)),qs.normalize(),Kl.crossVectors(_i,qs),s[0]=qs.x,s[4]=Kl.x,s[8]=_i.x,s[1]=qs.y,s[5]=Kl.y,s[9]=_i.y,s[2]=qs.z,s[6]=Kl.z,s[10]=_i.z,this}multiply(t){return this.multiplyMatrices(this,t)}premultiply(t){return this.multiplyMatrices(t,this)}multiplyMatrices(t,e){let i=t.elements,s=e.elements,r=this.elements,o=i[0],a=i[4],l=i[8],c=i[12],h=i[1],f=i[5],u=i[9],d=i[13],p=i[2],_=i[6],m=i[10],g=i[14],v=i[3],T=i[7],S=i[11],C=i[15],E=s[0],y=s[4],M=s[8],V=s[12],N=s[1],L=s[5],B=s[9],F=s[13],R=s[2],U=s[6],$=s[10],G=s[14],ct=s[3],I=s[7],k=s[11],q=s[15];return r[0]=o*E+a*N+l*R+c*ct,r[4]=o*y+a*L+l*U+c*I,r[8]=o*M+a*B+l*$+c*k,r[12]=o*V+a*F+l*G+c*q,r[1]=h*E+f*N+u*R+d*ct,r[5]=h*y+f*L+u*U+d*I,r[9]=h*M+f*B+u*$+d*k,r[13]=h*V+f*F+u*G+d*q,r[2]=p*E+_*N+m*R+g*ct,r[6]=p*y+_*L+m*U+g*I,r[10]=p*M+_*B+m*$+g*k,r[14]=p*V+_*F+m*G+g*q,r[3]=v*E+T*N+S*R+C*ct,r[7]=v*y+T*L+S*U+C*I,r[11]=v*M+T*B+S*$+C*k,r[15]=v*V+T*F+S*G+C*q,this}multiplyScalar(t){let e=this.elements;return e[0]*=t,e[4]*=t,e[8]*=t,e[12]*=t,e[1]*=t,e[5]*=t,e[9]*=t,e[13]*=t,e[2]*=t,e[6]*=t,e[10]*=t,e[14]*=t,e[3]*=t,e[7]*=t,e[11]*=t,e[15]*=t,this}determinant(){let t=this.elements,e=t[0],i=t[4],s=t[8],r=t[12],o=t[1],a=t[5],l=t[9],c=t[13],h=t[2],f=t[6],u=t[10],d=t[14],p=t[3],_=t[7],m=t[11],g=t[15],v=l*d-c*u,T=a*d-c*f,S=a*u-l*f,C=o*d-c*h,E=o*u-l*h,y=o*f-a*h;return e*(_*v-m*T+g*S)-i*(p*v-m*C+g*E)+s*(p*T-_*C+g*y)-r*(p*S-_*E+m*y)}determinantAffine(){let t=this.elements,e=t[0],i=t[4],s=t[8],r=t[1],o=t[5],a=t[9],l=t[2],c=t[6],h=t[10];return e*(o*h-a*c)-i*(r*h-a*l)+s*(r*c-o*l)}transpose(){let t=this.elements,e;return e=t[1],t[1]=t[4],t[4]=e,e=t[2],t[2]=t[8],t[8]=e,e=t[6],t[6]=t[9],t[9]=e,e=t[3],t[3]=t[12],t[12]=e,e=t[7],t[7]=t[13],t[13]=e,e=t[11],t[11]=t[14],t[14]=e,this}setPosition(t,e,i){let s=this.elements;return t.isVector3?(s[12]=t.x,s[13]=t.y,s[14]=t.z):(s[12]=t,s[13]=e,s[14]=i),this}invert(){let t=this.elements,e=t[0],i=t[1],s=t[2],r=t[3],o=t[4],a=t[5],l=t[6],c=t[7],h=t[8],f=t[9],u=t[10],d=t[11],p=t[12],_=t[13],m=t[14],g=t[15],v=e*a-i*o,T=e*l-s*o,S=e*c-r*o,C=i*l-s*a,E=i*c-r*a,y=s*c-r*l,M=h*_-f*p,V=h*m-u*p,N=h*g-d*p,L=f*m-u*_,B=f*g-d*_,F=u*g-d*m,R=v*F-T*B+S*L+C*N-E*V+y*M;if(R===0)return this.set(0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0);let U=1/R;return t[0]=(a*F-l*B+c*L)*U,t[1]=(s*B-i*F-r*L)*U,t[2]=(_*y-m*E+g*C)*U,t[3]=(u*E-f*y-d*C)*U,t[4]=(l*N-o*F-c*V)*U,t[5]=(e*F-s*N+r*V)*U,t[6]=(m*S-p*y-g*T)*U,t[7]=(h*y-u*S+d*T)*U,t[8]=(o*B-a*N+c*M)*U,t[9]=(i*N-e*B-r*M)*U,t[10]=(p*E-_*S+g*v)*U,t[11]=(f*S-h*E-d*v)*U,t[12]=(a*V-o*L-l*M)*U,t[13]=(e*L-i*V+s*M)*U,t[14]=(_*T-p*C-m*v)*U,t[15]=(h*C-f*T+u*v)*U,this}scale(t){let e=this.elements,i=t.x,s=t.y,r=t.z;return e[0]*=i,e[4]*=s,e[8]*=r,e[1]*=i,e[5]*=s,e[9]*=r,e[2]*=i,e[6]*=s,e[10]*=r,e[3]*=i,e[7]*=s,e[11]*=r,this}getMaxScaleOnAxis(){let t=this.elements,e=t[0]*t[0]+t[1]*t[1]+t[2]*t[2],i=t[4]*t[4]+t[5]*t[5]+t[6]*t[6],s=t[8]*t[8]+t[9]*t[9]+t[10]*t[10];return Math.sqrt(Math.max(e,i,s))}makeTranslation(t,e,i){return t.isVector3?this.set(1,0,0,t.x,0,1,0,t.y,0,0,1,t.z,0,0,0,1):this.set(1,0,0,t,0,1,0,e,0,0,1,i,0,0,0,1),this}makeRotationX(t){let e=Math.cos(t),i=Math.sin(t);return this.set(1,0,0,0,0,e,-i,0,0,i,e,0,0,0,0,1),this}makeRotationY(t){let e=Math.cos(t),i=Math.sin(t);return this.set(e,0,i,0,0,1,0,0,-i,0,e,0,0,0,0,1),this}makeRotationZ(t){let e=Math.cos(t),i=Math.sin(t);return this.set(e,-i,0,0,i,e,0,0,0,0,1,0,0,0,0,1),this}makeRotationAxis(t,e){let i=Math.cos(e),s=Math.sin(e),r=1-i,o=t.x,a=t.y,l=t.z,c=r*o,h=r*a;return this.set(c*o+i,c*a-s*l,c*l+s*a,0,c*a+s*l,h*a+i,h*l-s*o,0,c*l-s*a,h*l+s*o,r*l*l+i,0,0,0,0,1),this}makeScale(t,e,i){return this.set(t,0,0,0,0,e,0,0,0,0,i,0,0,0,0,1),this}makeShear(t,e,i,s,r,o){return this.set(1,i,r,0,t,1,o,0,e,s,1,0,0,0,0,1),this}compose(t,e,i){let s=this.elements,r=e._x,o=e._y,a=e._z,l=e._w,c=r+r,h=o+o,f=a+a,u=r*c,d=r*h,p=r*f,_=o*h,m=o*f,g=a*f,v=l*c,T=l*h,S=l*f,C=i.x,E=i.y,y=i.z;return s[0]=(1-(_+g))*C,s[1]=(d+S)*C,s[2]=(p-T)*C,s[3]=0,s[4]=(d-S)*E,s[5]=(1-(u+g))*E,s[6]=(m+v)*E,s[7]=0,s[8]=(p+T)*y,s[9]=(m-v)*y,s[10]=(1-(u+_))*y,s[11]=0,s[12]=t.x,s[13]=t.y,s[14]=t.z,s[15]=1,this}decompose(t,e,i){let s=this.elements;t.x=s[12],t.y=s[13],t.z=s[14];let r=this.determinantAffine();if(r===0)return i.set(1,1,1),e.identity(),this;let o=io.set(s[0],s[1],s[2]).length(),a=io.set(s[4],s[5],s[6]).length(),l=io.set(s[8],s[9],s[10]).length();r<0&&(o=-o),Vi.copy(this);let c=1/o,h=1/a,f=1/l;return Vi.elements[0]*=c,Vi.elements[1]*=c,Vi.elements[2]*=c,Vi.elements[4]*=h,Vi.elements[5]*=h,Vi.elements[6]*=h,Vi.elements[8]*=f,Vi.elements[9]*=f,Vi.elements[10]*=f,e.setFromRotationMatrix(Vi),i.x=o,i.y=a,i.z=l,this}makePerspective(t,e,i,s,r,o,a=Ii,l=!1){let c=this.elements,h=2*r/(e-t),f=2*r/(i-s),u=(e+t)/(e-t),d=(i+s)/(i-s),p,_;if(l)p=r/(o-r),_=o*r/(o-r);else if(a===Ii)p=-(o+r)/(o-r),_=-2*o*r/(o-r);else if(a===yo)p=-o/(o-r),_=-o*r/(o-r);else throw new Error("THREE.Matrix4.makePerspective(): Invalid coordinate system: "+a);return c[0]=h,c[4]=0,c[8]=u,c[12]=0,c[1]=0,c[5]=f,c[9]=d,c[13]=0,c[2]=0,c[6]=0,c[10]=p,c[14]=_,c[3]=0,c[7]=0,c[11]=-1,c[15]=0,this}makeOrthographic(t,e,i,s,r,o,a=Ii,l=!1){let c=this.elements,h=2/(e-t),f=2/(i-s),u=-(e+t)/(e-t),d=-(i+s)/(i-s),p,_;if(l)p=1/(o-r),_=o/(o-r);else if(a===Ii)p=-2/(o-r),_=-(o+r)/(o-r);else if(a===yo)p=-1/(o-r),_=-r/(o-r);else throw new Error("THREE.Matrix4.makeOrthographic(): Invalid coordinate system: "+a);return c[0]=h,c[4]=0,c[8]=0,c[12]=u,c[1]=0,c[5]=f,c[9]=0,c[13]=d,c[2]=0,c[6]=0,c[10]=p,c[14]=_,c[3]=0,c[7]=0,c[11]=0,c[15]=1,this}equals(t){let e=this.elements,i=t.elements;for(let s=0;s<16;s++)if(e[s]!==i[s])return!1;return!0}fromArray(t,e=0){for(let i=0;i<16;i++)this.elements[i]=t[i+e];return this}toArray(t=[],e=0){let i=this.elements;return t[e]=i[0],t[e+1]=i[1],t[e+2]=i[2],t[e+3]=i[3],t[e+4]=i[4],t[e+5]=i[5],t[e+6]=i[6],t[e+7]=i[7],t[e+8]=i[8],t[e+9]=i[9],t[e+10]=i[10],t[e+11]=i[11],t[e+12]=i[12],t[e+13]=i[13],t[e+14]=i[14],t[e+15]=i[15],t}},io=new Z,Vi=new Ze,Gb=new Z(0,0,0),Wb=new Z(1,1,1),qs=new Z,Kl=new Z,_i=new Z,qg=new Ze,Yg=new jn,Ts=class n{constructor(t=0,e=0,i=0,s=n.DEFAULT_ORDER){this.isEuler=!0,this._x=t,this._y=e,this._z=i,this._order=s}get x(){return this._x}set x(t){this._x=t,this._onChangeCallback()}get y(){return this._y}set y(t){this._y=t,this._onChangeCallback()}get z(){return this._z}set z(t){this._z=t,this._onChangeCallback()}get order(){return this._order}set order(t){this._order=t,this._onChangeCallback()}set(t,e,i,s=this._order){return this._x=t,this._y=e,this._z=i,this._order=s,this._onChangeCallback(),this}clone(){return new this.constructor(this._x,this._y,this._z,this._order)}copy(t){return this._x=t._x,this._y=t._y,this._z=t._z,this._order=t._order,this._onChangeCallback(),this}setFromRotationMatrix(t,e=this._order,i=!0){let s=t.elements,r=s[0],o=s[4],a=s[8],l=s[1],c=s[5],h=s[9],f=s[2],u=s[6],d=s[10];switch(e){case"XYZ":this._y=Math.asin(me(a,-1,1)),Math.abs(a)<.9999999?(this._x=Math.atan2(-h,d),this._z=Math.atan2(-o,r)):(this._x=Math.atan2(u,c),this._z=0);break;case"YXZ":this._x=Math.asin(-me(h,-1,1)),Math.abs(h)<.9999999?(this._y=Math.atan2(a,d),this._z=Math.atan2(l,c)):(this._y=Math.atan2(-f,r),this._z=0);break;case"ZXY":this._x=Math.asin(me(u,-1,1)),Math.abs(u)<.9999999?(this._y=Math.atan2(-f,d),this._z=Math.atan2(-o,c)):(this._y=0,this._z=Math.atan2(l,r));break;case"ZYX":this._y=Math.asin(-me(f,-1,1)),Math.abs(f)<.9999999?(this._x=Math.atan2(u,d),this._z=Math.atan2(l,r)):(this._x=0,this._z=Math.atan2(-o,c));break;case"YZX":this._z=Math.asin(me(l,-1,1)),Math.abs(l)<.9999999?(this._x=Math.atan2(-h,c),this._y=Math.atan2(-f,r)):(this._x=0,this._y=Math.atan2(a,d));break;case"XZY":this._z=Math.asin(-me(o,-1,1)),Math.abs(o)<.9999999?(this._x=Math.atan2(u,c),this._y=Math.atan2(a,r)):(this._x=Math.atan2(-h,d),this._y=0);break;default:Kt("Euler: .setFromRotationMatrix() encountered an unknown order: "+e)}return this._order=e,i===!0&&this._onChangeCallback(),this}setFromQuaternion(t,e,i){return qg.makeRotationFromQuaternion(t),this.setFromRotationMatrix(qg,e,i)}setFromVector3(t,e=this._order){return this.set(t.x,t.y,t.z,e)}reorder(t){return Yg.setFromEuler(this),this.setFromQuaternion(Yg,t)}equals(t){return t._x===this._x&&t._y===this._y&&t._z===this._z&&t._order===this._order}fromArray(t){return this._x=t[0],this._y=t[1],this._z=t[2],t[3]!==void 0&&(this._order=t[3]),this._onChangeCallback(),this}toArray(t=[],e=0){return t[e]=this._x,t[e+1]=this._y,t[e+2]=this._z,t[e+3]=this._order,t}_onChange(t){return this._onChangeCallback=t,this}_onChangeCallback(){}*[Symbol.iterator](){yield this._x,yield this._y,yield this._z,yield this._order}};Ts.DEFAULT_ORDER="XYZ";var Ra=class{constructor(){this.mask=1}set(t){this.mask=(1<<t|0)>>>0}enable(t){this.mask|=1<<t|0}enableAll(){this.mask=-1}toggle(t){this.mask^=1<<t|0}disable(t){this.mask&=~(1<<t|0)}disableAll(){this.mask=0}test(t){return(this.mask&t.mask)!==0}isEnabled(t){return(this.mask&(1<<t|0))!==0}},$b=0,Zg=new Z,so=new jn,vs=new Ze,Jl=new Z,ga=new Z,Xb=new Z,qb=new jn,Kg=new Z(1,0,0),Jg=new Z(0,1,0),jg=new Z(0,0,1),Qg={type:"added"},Yb={type:"removed"},ro={type:"childadded",child:null},Ef={type:"childremoved",child:null},kn=class n extends $i{constructor(){super(),this.isObject3D=!0,Object.defineProperty(this,"id",{value:$b++}),this.uuid=No(),this.name="",this.type="Object3D",this.parent=null,this.children=[],this.up=n.DEFAULT_UP.clone();let t=new Z,e=new Ts,i=new jn,s=new Z(1,1,1);function r(){i.setFromEuler(e,!1)}function o(){e.setFromQuaternion(i,void 0,!1)}e._onChange(r),i._onChange(o),Object.defineProperties(this,{position:{configurable:!0,enumerable:!0,value:t},rotation:{configurable:!0,enumerable:!0,value:e},quaternion:{configurable:!0,enumerable:!0,value:i},scale:{configurable:!0,enumerable:!0,value:s},modelViewMatrix:{value:new Ze},normalMatrix:{value:new oe}}),this.matrix=new Ze,this.matrixWorld=new Ze,this.matrixAutoUpdate=n.DEFAULT_MATRIX_AUTO_UPDATE,this.matrixWorldAutoUpdate=n.DEFAULT_MATRIX_WORLD_AUTO_UPDATE,this.matrixWorldNeedsUpdate=!1,this.layers=new Ra,this.visible=!0,this.castShadow=!1,this.receiveShadow=!1,this.frustumCulled=!0,this.renderOrder=0,this.animations=[],this.customDepthMaterial=void 0,this.customDistanceMaterial=void 0,this.static=!1,this.userData={},this.pivot=null}onBeforeShadow(){}onAfterShadow(){}onBeforeRender(){}onAfterRender(){}applyMatrix4(t){this.matrixAutoUpdate&&this.updateMatrix(),this.matrix.premultiply(t),this.matrix.decompose(this.position,this.quaternion,this.scale),this.pivot!==null&&this.position.copy(this.pivot).applyMatrix4(this.matrix).sub(this.pivot)}applyQuaternion(t){return this.quaternion.premultiply(t),this}setRotationFromAxisAngle(t,e){this.quaternion.setFromAxisAngle(t,e)}setRotationFromEuler(t){this.quaternion.setFromEuler(t,!0)}setRotationFromMatrix(t){this.quaternion.setFromRotationMatrix(t)}setRotationFromQuaternion(t){this.quaternion.copy(t)}rotateOnAxis(t,e){return so.setFromAxisAngle(t,e),this.quaternion.multiply(so),this}rotateOnWorldAxis(t,e){return so.setFromAxisAngle(t,e),this.quaternion.premultiply(so),this}rotateX(t){return this.rotateOnAxis(Kg,t)}rotateY(t){return this.rotateOnAxis(Jg,t)}rotateZ(t){return this.rotateOnAxis(jg,t)}translateOnAxis(t,e){return Zg.copy(t).applyQuaternion(this.quaternion),this.position.add(Zg.multiplyScalar(e)),this}translateX(t){return this.translateOnAxis(Kg,t)}translateY(t){return this.translateOnAxis(Jg,t)}translateZ(t){return this.translateOnAxis(jg,t)}localToWorld(t){return this.updateWorldMatrix(!0,!1),t.applyMatrix4(this.matrixWorld)}worldToLocal(t){return this.updateWorldMatrix(!0,!1),t.applyMatrix4(vs.copy(this.matrixWorld).invert())}lookAt(t,e,i){t.isVector3?Jl.copy(t):Jl.set(t,e,i);let s=this.parent;this.updateWorldMatrix(!0,!1),ga.setFromMatrixPosition(this.matrixWorld),this.isCamera||this.isLight?vs.lookAt(ga,Jl,this.up):vs.lookAt(Jl,ga,this.up),this.quaternion.setFromRotationMatrix(vs),s&&(vs.extractRotation(s.matrixWorld),so.setFromRotationMatrix(vs),this.quaternion.premultiply(so.invert()))}add(t){if(arguments.length>1){for(let e=0;e<arguments.length;e++)this.add(arguments[e]);return this}return t===this?(re("Object3D.add: object can't be added as a child of itself.",t),this):(t&&t.isObject3D?(t.removeFromParent(),t.parent=this,this.children.push(t),t.dispatchEvent(Qg),ro.child=t,this.dispatchEvent(ro),ro.child=null):re("Object3D.add: object not an instance of THREE.Object3D.",t),this)}remove(t){if(arguments.length>1){for(let i=0;i<arguments.length;i++)this.remove(arguments[i]);return this}let e=this.children.indexOf(t);return e!==-1&&(t.parent=null,this.children.splice(e,1),t.dispatchEvent(Yb),Ef.child=t,this.dispatchEvent(Ef),Ef.child=null),this}removeFromParent(){let t=this.parent;return t!==null&&t.remove(this),this}clear(){return this.remove(...this.children)}attach(t){return this.updateWorldMatrix(!0,!1),vs.copy(this.matrixWorld).invert(),t.parent!==null&&(t.parent.updateWorldMatrix(!0,!1),vs.multiply(t.parent.matrixWorld)),t.applyMatrix4(vs),t.removeFromParent(),t.parent=this,this.children.push(t),t.updateWorldMatrix(!1,!0),t.dispatchEvent(Qg),ro.child=t,this.dispatchEvent(ro),ro.child=null,this}getObjectById(t){return this.getObjectByProperty("id",t)}getObjectByName(t){return this.getObjectByProperty("name",t)}getObjectByProperty(t,e){if(this[t]===e)return this;for(let i=0,s=this.children.length;i<s;i++){let o=this.children[i].getObjectByProperty(t,e);if(o!==void 0)return o}}getObjectsByProperty(t,e,i=[]){this[t]===e&&i.push(this);let s=this.children;for(let r=0,o=s.length;r<o;r++)s[r].getObjectsByProperty(t,e,i);return i}getWorldPosition(t){return this.updateWorldMatrix(!0,!1),t.setFromMatrixPosition(this.matrixWorld)}getWorldQuaternion(t){return this.updateWorldMatrix(!0,!1),this.matrixWorld.decompose(ga,t,Xb),t}getWorldScale(t){return this.updateWorldMatrix(!0,!1),this.matrixWorld.decompose(ga,qb,t),t}getWorldDirection(t){this.updateWorldMatrix(!0,!1);let e=this.matrixWorld.elements;return t.set(e[8],e[9],e[10]).normalize()}raycast(){}intersectsFrustum(){return!0}traverse(t){t(this);let e=this.children;for(let i=0,s=e.length;i<s;i++)e[i].traverse(t)}traverseVisible(t){if(this.visible===!1)return;t(this);let e=this.children;for(let i=0,s=e.length;i<s;i++)e[i].traverseVisible(t)}traverseAncestors(t){let e=this.parent;e!==null&&(t(e),e.traverseAncestors(t))}updateMatrix(){this.matrix.compose(this.position,this.quaternion,this.scale);let t=this.pivot;if(t!==null){let e=t.x,i=t.y,s=t.z,r=this.matrix.elements;r[12]+=e-r[0]*e-r[4]*i-r[8]*s,r[13]+=i-r[1]*e-r[5]*i-r[9]*s,r[14]+=s-r[2]*e-r[6]*i-r[10]*s}this.matrixWorldNeedsUpdate=!0}updateMatrixWorld(t){this.matrixAutoUpdate&&this.updateMatrix(),(this.matrixWorldNeedsUpdate||t)&&(this.matrixWorldAutoUpdate===!0&&(this.parent===null?this.matrixWorld.copy(this.matrix):this.matrixWorld.multiplyMatrices(this.parent.matrixWorld,this.matrix)),this.matrixWorldNeedsUpdate=!1,t=!0);let e=this.children;for(let i=0,s=e.length;i<s;i++)e[i].updateMatrixWorld(t)}updateWorldMatrix(t,e,i=!1){let s=this.parent;if(t===!0&&s!==null&&s.updateWorldMatrix(!0,!1),this.matrixAutoUpdate&&this.updateMatrix(),(this.matrixWorldNeedsUpdate||i)&&(this.matrixWorldAutoUpdate===!0&&(this.parent===null?this.matrixWorld.copy(this.matrix):this.matrixWorld.multiplyMatrices(this.parent.matrixWorld,this.matrix)),this.matrixWorldNeedsUpdate=!1,i=!0),e===!0){let r=this.children;for(let o=0,a=r.length;o<a;o++)r[o].updateWorldMatrix(!1,!0,i)}}toJSON(t){let e=t===void 0||typeof t=="string",i={};e&&(t={geometries:{},materials:{},textures:{},images:{},shapes:{},skeletons:{},animations:{},nodes:{}},i.metadata={version:4.7,type:"Object",generator:"Object3D.toJSON"});let s={};s.uuid=this.uuid,s.type=this.type,s.name=this.name,s.castShadow=this.castShadow,s.receiveShadow=this.receiveShadow,s.visible=this.visible,s.frustumCulled=this.frustumCulled,s.renderOrder=this.renderOrder,s.static=this.static,s.matrixAutoUpdate=this.matrixAutoUpdate,Object.keys(this.userData).length>0&&(s.userData=this.userData),s.layers=this.layers.mask,s.matrix=this.matrix.toArray(),s.up=this.up.toArray(),this.pivot!==null&&(s.pivot=this.pivot.toArray()),this.morphTargetDictionary!==void 0&&(s.morphTargetDictionary=Object.assign({},this.morphTargetDictionary)),this.morphTargetInfluences!==void 0&&(s.morphTargetInfluences=this.morphTargetInfluences.slice()),this.isInstancedMesh&&(s.type="InstancedMesh",s.count=this.count,s.instanceMatrix=this.instanceMatrix.toJSON(),this.instanceColor!==null&&(s.instanceColor=this.instanceColor.toJSON())),this.isBatchedMesh&&(s.type="BatchedMesh",s.perObjectFrustumCulled=this.perObjectFrustumCulled,s.sortObjects=this.sortObjects,s.drawRanges=this._drawRanges,s.reservedRanges=this._reservedRanges,s.geometryInfo=this._geometryInfo.map(a=>({...a,boundingBox:a.boundingBox?a.boundingBox.toJSON():void 0,boundingSphere:a.boundingSphere?a.boundingSphere.toJSON():void 0})),s.instanceInfo=this._instanceInfo.map(a=>({...a})),s.availableInstanceIds=this._availableInstanceIds.slice(),s.availableGeometryIds=this._availableGeometryIds.slice(),s.nextIndexStart=this._nextIndexStart,s.nextVertexStart=this._nextVertexStart,s.geometryCount=this._geometryCount,s.maxInstanceCount=this._maxInstanceCount,s.maxVertexCount=this._maxVertexCount,s.maxIndexCount=this._maxIndexCount,s.geometryInitialized=this._geometryInitialized,s.matricesTexture=this._matricesTexture.toJSON(t),s.indirectTexture=this._indirectTexture.toJSON(t),this._colorsTexture!==null&&(s.colorsTexture=this._colorsTexture.toJSON(t)),this.boundingSphere!==null&&(s.boundingSphere=this.boundingSphere.toJSON()),this.boundingBox!==null&&(s.boundingBox=this.boundingBox.toJSON()));function r(a,l){return a[l.uuid]===void 0&&(a[l.uuid]=l.toJSON(t)),l.uuid}if(this.isScene)this.background&&(this.background.isColor?s.background=this.background.toJSON():this.background.isTexture&&(s.background=this.background.toJSON(t).uuid)),this.environment&&this.environment.isTexture&&this.environment.isRenderTargetTexture!==!0&&(s.environment=this.environment.toJSON(t).uuid);else if(this.isMesh||this.isLine||this.isPoints){s.geometry=r(t.geometries,this.geometry);let a=this.geometry.parameters;if(a!==void 0&&a.shapes!==void 0){let l=a.shapes;if(Array.isArray(l))for(let c=0,h=l.length;c<h;c++){let f=l[c];r(t.shapes,f)}else r(t.shapes,l)}}if(this.isSkinnedMesh&&(s.bindMode=this.bindMode,s.bindMatrix=this.bindMatrix.toArray(),this.skeleton!==void 0&&(r(t.skeletons,this.skeleton),s.skeleton=this.skeleton.uuid)),this.material!==void 0)if(Array.isArray(this.material)){let a=[];for(let l=0,c=this.material.length;l<c;l++)a.push(r(t.materials,this.material[l]));s.material=a}else s.material=r(t.materials,this.material);if(this.children.length>0){s.children=[];for(let a=0;a<this.children.length;a++)s.children.push(this.children[a].toJSON(t).object)}if(this.animations.length>0){s.animations=[];for(let a=0;a<this.animations.length;a++){let l=this.animations[a];s.animations.push(r(t.animations,l))}}if(e){let a=o(t.geometries),l=o(t.materials),c=o(t.textures),h=o(t.images),f=o(t.shapes),u=o(t.skeletons),d=o(t.animations),p=o(t.nodes);a.length>0&&(i.geometries=a),l.length>0&&(i.materials=l),c.length>0&&(i.textures=c),h.length>0&&(i.images=h),f.length>0&&(i.shapes=f),u.length>0&&(i.skeletons=u),d.length>0&&(i.animations=d),p.length>0&&(i.nodes=p)}return i.object=s,i;function o(a){let l=[];for(let c in a){let h=a[c];delete h.metadata,l.push(h)}return l}}clone(t){return new this.constructor().copy(this,t)}copy(t,e=!0){if(this.name=t.name,this.up.copy(t.up),this.position.copy(t.position),this.rotation.order=t.rotation.order,this.quaternion.copy(t.quaternion),this.scale.copy(t.scale),this.pivot=t.pivot!==null?t.pivot.clone():null,this.matrix.copy(t.matrix),this.matrixWorld.copy(t.matrixWorld),this.matrixAutoUpdate=t.matrixAutoUpdate,this.matrixWorldAutoUpdate=t.matrixWorldAutoUpdate,this.matrixWorldNeedsUpdate=t.matrixWorldNeedsUpdate,this.layers.mask=t.layers.mask,this.visible=t.visible,this.castShadow=t.castShadow,this.receiveShadow=t.receiveShadow,this.frustumCulled=t.frustumCulled,this.renderOrder=t.renderOrder,this.static=t.static,this.animations=t.animations.slice(),this.userData=JSON.parse(JSON.stringify(t.userData)),e===!0)for(let i=0;i<t.children.length;i++){let s=t.children[i];this.add(s.clone())}return this}dispose(){this.dispatchEvent({type:"dispose"})}};kn.DEFAULT_UP=new Z(0,1,0);kn.DEFAULT_MATRIX_AUTO_UPDATE=!0;kn.DEFAULT_MATRIX_WORLD_AUTO_UPDATE=!0;var Pi=class extends kn{constructor(){super(),this.isGroup=!0,this.type="Group"}},Zb={type:"move"},bo=class{constructor(){this._targetRay=null,this._grip=null,this._hand=null}getHandSpace(){return this._hand===null&&(this._hand=new Pi,this._hand.matrixAutoUpdate=!1,this._hand.visible=!1,this._hand.joints={},this._hand.inputState={pinching:!1}),this._hand}getTargetRaySpace(){return this._targetRay===null&&(this._targetRay=new Pi,this._targetRay.matrixAutoUpdate=!1,this._targetRay.visible=!1,this._targetRay.hasLinearVelocity=!1,this._targetRay.linearVelocity=new Z,this._targetRay.hasAngularVelocity=!1,this._targetRay.angularVelocity=new Z),this._targetRay}getGripSpace(){return this._grip===null&&(this._grip=new Pi,this._grip.matrixAutoUpdate=!1,this._grip.visible=!1,this._grip.hasLinearVelocity=!1,this._grip.linearVelocity=new Z,this._grip.hasAngularVelocity=!1,this._grip.angularVelocity=new Z,this._grip.eventsEnabled=!1),this._grip}dispatchEvent(t){return this._targetRay!==null&&this._targetRay.dispatchEvent(t),this._grip!==null&&this._grip.dispatchEvent(t),this._hand!==null&&this._hand.dispatchEvent(t),this}connect(t){if(t&&t.hand){let e=this._hand;if(e)for(let i of t.hand.values())this._getHandJoint(e,i)}return this.dispatchEvent({type:"connected",data:t}),this}disconnect(t){return this.dispatchEvent({type:"disconnected",data:t}),this._targetRay!==null&&(this._targetRay.visible=!1),this._grip!==null&&(this._grip.visible=!1),this._hand!==null&&(this._hand.visible=!1),this}update(t,e,i){let s=null,r=null,o=null,a=this._targetRay,l=this._grip,c=this._hand;if(t&&e.session.visibilityState!=="visible-blurred"){if(c&&t.hand){o=!0;for(let _ of t.hand.values()){let m=e.getJointPose(_,i),g=this._getHandJoint(c,_);m!==null&&(g.matrix.fromArray(m.transform.matrix),g.matrix.decompose(g.position,g.quaternion,g.scale),g.matrixWorldNeedsUpdate=!0,g.jointRadius=m.radius),g.visible=m!==null}let h=c.joints["index-finger-tip"],f=c.joints["thumb-tip"],u=h.position.distanceTo(f.position),d=.02,p=.005;c.inputState.pinching&&u>d+p?(c.inputState.pinching=!1,this.dispatchEvent({type:"pinchend",handedness:t.handedness,target:this})):!c.inputState.pinching&&u<=d-p&&(c.inputState.pinching=!0,this.dispatchEvent({type:"pinchstart",handedness:t.handedness,target:this}))}else l!==null&&t.gripSpace&&(r=e.getPose(t.gripSpace,i),r!==null&&(l.matrix.fromArray(r.transform.matrix),l.matrix.decompose(l.position,l.quaternion,l.scale),l.matrixWorldNeedsUpdate=!0,r.linearVelocity?(l.hasLinearVelocity=!0,l.linearVelocity.copy(r.linearVelocity)):l.hasLinearVelocity=!1,r.angularVelocity?(l.hasAngularVelocity=!0,l.angularVelocity.copy(r.angularVelocity)):l.hasAngularVelocity=!1,l.eventsEnabled&&l.dispatchEvent({type:"gripUpdated",data:t,target:this})));a!==null&&(s=e.getPose(t.targetRaySpace,i),s===null&&r!==null&&(s=r),s!==null&&(a.matrix.fromArray(s.transform.matrix),a.matrix.decompose(a.position,a.quaternion,a.scale),a.matrixWorldNeedsUpdate=!0,s.linearVelocity?(a.hasLinearVelocity=!0,a.linearVelocity.copy(s.linearVelocity)):a.hasLinearVelocity=!1,s.angularVelocity?(a.hasAngularVelocity=!0,a.angularVelocity.copy(s.angularVelocity)):a.hasAngularVelocity=!1,this.dispatchEvent(Zb)))}return a!==null&&(a.visible=s!==null),l!==null&&(l.visible=r!==null),c!==null&&(c.visible=o!==null),this}_getHandJoint(t,e){if(t.joints[e.jointName]===void 0){let i=new Pi;i.matrixAutoUpdate=!1,i.visible=!1,t.joints[e.jointName]=i,t.add(i)}return t.joints[e.jointName]}},e_={aliceblue:15792383,antiquewhite:16444375,aqua:65535,aquamarine:8388564,azure:15794175,beige:16119260,bisque:16770244,black:0,blanchedalmond:16772045,blue:255,blueviolet:9055202,brown:10824234,burlywood:14596231,cadetblue:6266528,chartreuse:8388352,chocolate:13789470,coral:16744272,cornflowerblue:6591981,cornsilk:16775388,crimson:14423100,cyan:65535,darkblue:139,darkcyan:35723,darkgoldenrod:12092939,darkgray:11119017,darkgreen:25600,darkgrey:11119017,darkkhaki:12433259,darkmagenta:9109643,darkolivegreen:5597999,darkorange:16747520,darkorchid:10040012,darkred:9109504,darksalmon:15308410,darkseagreen:9419919,darkslateblue:4734347,darkslategray:3100495,darkslategrey:3100495,darkturquoise:52945,darkviolet:9699539,deeppink:16716947,deepskyblue:49151,dimgray:6908265,dimgrey:6908265,dodgerblue:2003199,firebrick:11674146,floralwhite:16775920,forestgreen:2263842,fuchsia:16711935,gainsboro:14474460,ghostwhite:16316671,gold:16766720,goldenrod:14329120,gray:8421504,green:32768,greenyellow:11403055,grey:8421504,honeydew:15794160,hotpink:16738740,indianred:13458524,indigo:4915330,ivory:16777200,khaki:15787660,lavender:15132410,lavenderblush:16773365,lawngreen:8190976,lemonchiffon:16775885,lightblue:11393254,lightcoral:15761536,lightcyan:14745599,lightgoldenrodyellow:16448210,lightgray:13882323,lightgreen:9498256,lightgrey:13882323,lightpink:16758465,lightsalmon:16752762,lightseagreen:2142890,lightskyblue:8900346,lightslategray:7833753,lightslategrey:7833753,lightsteelblue:11584734,lightyellow:16777184,lime:65280,limegreen:3329330,linen:16445670,magenta:16711935,maroon:8388608,mediumaquamarine:6737322,mediumblue:205,mediumorchid:12211667,mediumpurple:9662683,mediumseagreen:3978097,mediumslateblue:8087790,mediumspringgreen:64154,mediumturquoise:4772300,mediumvioletred:13047173,midnightblue:1644912,mintcream:16121850,mistyrose:16770273,moccasin:16770229,navajowhite:16768685,navy:128,oldlace:16643558,olive:8421376,olivedrab:7048739,orange:16753920,orangered:16729344,orchid:14315734,palegoldenrod:15657130,palegreen:10025880,paleturquoise:11529966,palevioletred:14381203,papayawhip:16773077,peachpuff:16767673,peru:13468991,pink:16761035,plum:14524637,powderblue:11591910,purple:8388736,rebeccapurple:6697881,red:16711680,rosybrown:12357519,royalblue:4286945,saddlebrown:9127187,salmon:16416882,sandybrown:16032864,seagreen:3050327,seashell:16774638,sienna:10506797,silver:12632256,skyblue:8900331,slateblue:6970061,slategray:7372944,slategrey:7372944,snow:16775930,springgreen:65407,steelblue:4620980,tan:13808780,teal:32896,thistle:14204888,tomato:16737095,turquoise:4251856,violet:15631086,wheat:16113331,white:16777215,whitesmoke:16119285,yellow:16776960,yellowgreen:10145074},Ys={h:0,s:0,l:0},jl={h:0,s:0,l:0};function Af(n,t,e){return e<0&&(e+=1),e>1&&(e-=1),e<1/6?n+(t-n)*6*e:e<1/2?t:e<2/3?n+(t-n)*6*(2/3-e):n}var ue=class{constructor(t,e,i){return this.isColor=!0,this.r=1,this.g=1,this.b=1,this.set(t,e,i)}set(t,e,i){if(e===void 0&&i===void 0){let s=t;s&&s.isColor?this.copy(s):typeof s=="number"?this.setHex(s):typeof s=="string"&&this.setStyle(s)}else this.setRGB(t,e,i);return this}setScalar(t){return this.r=t,this.g=t,this.b=t,this}setHex(t,e=xi){return t=Math.floor(t),this.r=(t>>16&255)/255,this.g=(t>>8&255)/255,this.b=(t&255)/255,xe.colorSpaceToWorking(this,e),this}setRGB(t,e,i,s=xe.workingColorSpace){return this.r=t,this.g=e,this.b=i,xe.colorSpaceToWorking(this,s),this}setHSL(t,e,i,s=xe.workingColorSpace){if(t=Sd(t,1),e=me(e,0,1),i=me(i,0,1),e===0)this.r=this.g=this.b=i;else{let r=i<=.5?i*(1+e):i+e-i*e,o=2*i-r;this.r=Af(o,r,t+1/3),this.g=Af(o,r,t),this.b=Af(o,r,t-1/3)}return xe.colorSpaceToWorking(this,s),this}setStyle(t,e=xi){function i(r){r!==void 0&&parseFloat(r)<1&&Kt("Color: Alpha component of "+t+" will be ignored.")}let s;if(s=/^(\w+)\(([^\)]*)\)/.exec(t)){let r,o=s[1],a=s[2];switch(o){case"rgb":case"rgba":if(r=/^\s*(\d+)\s*,\s*(\d+)\s*,\s*(\d+)\s*(?:,\s*(\d+(?:\.\d+)?|\.\d+)\s*)?$/.exec(a))return i(r[4]),this.setRGB(Math.min(255,parseInt(r[1],10))/255,Math.min(255,parseInt(r[2],10))/255,Math.min(255,parseInt(r[3],10))/255,e);if(r=/^\s*(\d+(?:\.\d+)?|\.\d+)\%\s*,\s*(\d+(?:\.\d+)?|\.\d+)\%\s*,\s*(\d+(?:\.\d+)?|\.\d+)\%\s*(?:,\s*(\d+(?:\.\d+)?|\.\d+)\s*)?$/.exec(a))return i(r[4]),this.setRGB(Math.min(100,parseFloat(r[1]))/100,Math.min(100,parseFloat(r[2]))/100,Math.min(100,parseFloat(r[3]))/100,e);break;case"hsl":case"hsla":if(r=/^\s*([+-]?(?:\d+(?:\.\d+)?|\.\d+))\s*,\s*(\d+(?:\.\d+)?|\.\d+)\%\s*,\s*(\d+(?:\.\d+)?|\.\d+)\%\s*(?:,\s*(\d+(?:\.\d+)?|\.\d+)\s*)?$/.exec(a))return i(r[4]),this.setHSL(parseFloat(r[1])/360,parseFloat(r[2])/100,parseFloat(r[3])/100,e);break;default:Kt("Color: Unknown color model "+t)}}else if(s=/^\#([A-Fa-f\d]+)$/.exec(t)){let r=s[1],o=r.length;if(o===3)return this.setRGB(parseInt(r.charAt(0),16)/15,parseInt(r.charAt(1),16)/15,parseInt(r.charAt(2),16)/15,e);if(o===6)return this.setHex(parseInt(r,16),e);Kt("Color: Invalid hex color "+t)}else if(t&&t.length>0)return this.setColorName(t,e);return this}setColorName(t,e=xi){let i=e_[t.toLowerCase()];return i!==void 0?this.setHex(i,e):Kt("Color: Unknown color "+t),this}clone(){return new this.constructor(this.r,this.g,this.b)}copy(t){return this.r=t.r,this.g=t.g,this.b=t.b,this}copySRGBToLinear(t){return this.r=Es(t.r),this.g=Es(t.g),this.b=Es(t.b),this}copyLinearToSRGB(t){return this.r=go(t.r),this.g=go(t.g),this.b=go(t.b),this}convertSRGBToLinear(){return this.copySRGBToLinear(this),this}convertLinearToSRGB(){return this.copyLinearToSRGB(this),this}getHex(t=xi){return xe.workingToColorSpace(Vn.copy(this),t),Math.round(me(Vn.r*255,0,255))*65536+Math.round(me(Vn.g*255,0,255))*256+Math.round(me(Vn.b*255,0,255))}getHexString(t=xi){return("000000"+this.getHex(t).toString(16)).slice(-6)}getHSL(t,e=xe.workingColorSpace){xe.workingToColorSpace(Vn.copy(this),e);let i=Vn.r,s=Vn.g,r=Vn.b,o=Math.max(i,s,r),a=Math.min(i,s,r),l,c,h=(a+o)/2;if(a===o)l=0,c=0;else{let f=o-a;switch(c=h<=.5?f/(o+a):f/(2-o-a),o){case i:l=(s-r)/f+(s<r?6:0);break;case s:l=(r-i)/f+2;break;case r:l=(i-s)/f+4;break}l/=6}return t.h=l,t.s=c,t.l=h,t}getRGB(t,e=xe.workingColorSpace){return xe.workingToColorSpace(Vn.copy(this),e),t.r=Vn.r,t.g=Vn.g,t.b=Vn.b,t}getStyle(t=xi){xe.workingToColorSpace(Vn.copy(this),t);let e=Vn.r,i=Vn.g,s=Vn.b;return t!==xi?`color(${t} ${e.toFixed(3)} ${i.toFixed(3)} ${s.toFixed(3)})`:`rgb(${Math.round(e*255)},${Math.round(i*255)},${Math.round(s*255)})`}offsetHSL(t,e,i){return this.getHSL(Ys),this.setHSL(Ys.h+t,Ys.s+e,Ys.l+i)}add(t){return this.r+=t.r,this.g+=t.g,this.b+=t.b,this}addColors(t,e){return this.r=t.r+e.r,this.g=t.g+e.g,this.b=t.b+e.b,this}addScalar(t){return this.r+=t,this.g+=t,this.b+=t,this}sub(t){return this.r=Math.max(0,this.r-t.r),this.g=Math.max(0,this.g-t.g),this.b=Math.max(0,this.b-t.b),this}multiply(t){return this.r*=t.r,this.g*=t.g,this.b*=t.b,this}multiplyScalar(t){return this.r*=t,this.g*=t,this.b*=t,this}lerp(t,e){return this.r+=(t.r-this.r)*e,this.g+=(t.g-this.g)*e,this.b+=(t.b-this.b)*e,this}lerpColors(t,e,i){return this.r=t.r+(e.r-t.r)*i,this.g=t.g+(e.g-t.g)*i,this.b=t.b+(e.b-t.b)*i,this}lerpHSL(t,e){this.getHSL(Ys),t.getHSL(jl);let i=Ma(Ys.h,jl.h,e),s=Ma(Ys.s,jl.s,e),r=Ma(Ys.l,jl.l,e);return this.setHSL(i,s,r),this}setFromVector3(t){return this.r=t.x,this.g=t.y,this.b=t.z,this}applyMatrix3(t){let e=this.r,i=this.g,s=this.b,r=t.elements;return this.r=r[0]*e+r[3]*i+r[6]*s,this.g=r[1]*e+r[4]*i+r[7]*s,this.b=r[2]*e+r[5]*i+r[8]*s,this}equals(t){return t.r===this.r&&t.g===this.g&&t.b===this.b}fromArray(t,e=0){return this.r=t[e],this.g=t[e+1],this.b=t[e+2],this}toArray(t=[],e=0){return t[e]=this.r,t[e+1]=this.g,t[e+2]=this.b,t}fromBufferAttribute(t,e){return this.r=t.getX(e),this.g=t.getY(e),this.b=t.getZ(e),this}toJSON(){return this.getHex()}*[Symbol.iterator](){yield this.r,yield this.g,yield this.b}},Vn=new ue;ue.NAMES=e_;var Ia=class extends kn{constructor(){super(),this.isScene=!0,this.type="Scene",this.background=null,this.environment=null,this.fog=null,this.backgroundBlurriness=0,this.backgroundIntensity=1,this.backgroundRotation=new Ts,this.environmentIntensity=1,this.environmentRotation=new Ts,this.overrideMaterial=null,typeof __THREE_DEVTOOLS__<"u"&&__THREE_DEVTOOLS__.dispatchEvent(new CustomEvent("observe",{detail:this}))}copy(t,e){return super.copy(t,e),this.background=t.background!==null?t.background.clone():null,this.environment=t.environment!==null?t.environment.clone():null,this.fog=t.fog!==null?t.fog.clone():null,this.backgroundBlurriness=t.backgroundBlurriness,this.backgroundIntensity=t.backgroundIntensity,this.backgroundRotation.copy(t.backgroundRotation),this.environmentIntensity=t.environmentIntensity,this.environmentRotation.copy(t.environmentRotation),this.overrideMaterial=t.overrideMaterial!==null?t.overrideMaterial.clone():null,this.matrixAutoUpdate=t.matrixAutoUpdate,this}toJSON(t){let e=super.toJSON(t);return this.fog!==null&&(e.object.fog=this.fog.toJSON()),e.object.backgroundBlurriness=this.backgroundBlurriness,e.object.backgroundIntensity=this.backgroundIntensity,e.object.backgroundRotation=this.backgroundRotation.toArray(),e.object.environmentIntensity=this.environmentIntensity,e.object.environmentRotation=this.environmentRotation.toArray(),e}},Gi=new Z,Ss=new Z,Tf=new Z,bs=new Z,oo=new Z,ao=new Z,t0=new Z,Cf=new Z,Rf=new Z,If=new Z,Pf=new Je,Lf=new Je,Df=new Je,js=class n{constructor(t=new Z,e=new Z,i=new Z){this.a=t,this.b=e,this.c=i}static getNormal(t,e,i,s){s.subVectors(i,e),Gi.subVectors(t,e),s.cross(Gi);let r=s.lengthSq();return r>0?s.multiplyScalar(1/Math.sqrt(r)):s.set(0,0,0)}static getBarycoord(t,e,i,s,r){Gi.subVectors(s,e),Ss.subVectors(i,e),Tf.subVectors(t,e);let o=Gi.dot(Gi),a=Gi.dot(Ss),l=Gi.dot(Tf),c=Ss.dot(Ss),h=Ss.dot(Tf),f=o*c-a*a;if(f===0)return r.set(0,0,0),null;let u=1/f,d=(c*l-a*h)*u,p=(o*h-a*l)*u;return r.set(1-d-p,p,d)}static containsPoint(t,e,i,s){return this.getBarycoord(t,e,i,s,bs)===null?!1:bs.x>=0&&bs.y>=0&&bs.x+bs.y<=1}static getInterpolation(t,e,i,s,r,o,a,l){return this.getBarycoord(t,e,i,s,bs)===null?(l.x=0,l.y=0,"z"in l&&(l.z=0),"w"in l&&(l.w=0),null):(l.setScalar(0),l.addScaledVector(r,bs.x),l.addScaledVector(o,bs.y),l.addScaledVector(a,bs.z),l)}static getInterpolatedAttribute(t,e,i,s,r,o){return Pf.setScalar(0),Lf.setScalar(0),Df.setScalar(0),Pf.fromBufferAttribute(t,e),Lf.fromBufferAttribute(t,i),Df.fromBufferAttribute(t,s),o.setScalar(0),o.addScaledVector(Pf,r.x),o.addScaledVector(Lf,r.y),o.addScaledVector(Df,r.z),o}static isFrontFacing(t,e,i,s){return Gi.subVectors(i,e),Ss.subVectors(t,e),Gi.cross(Ss).dot(s)<0}set(t,e,i){return this.a.copy(t),this.b.copy(e),this.c.copy(i),this}setFromPointsAndIndices(t,e,i,s){return this.a.copy(t[e]),this.b.copy(t[i]),this.c.copy(t[s]),this}setFromAttributeAndIndices(t,e,i,s){return this.a.fromBufferAttribute(t,e),this.b.fromBufferAttribute(t,i),this.c.fromBufferAttribute(t,s),this}clone(){return new this.constructor().copy(this)}copy(t){return this.a.copy(t.a),this.b.copy(t.b),this.c.copy(t.c),this}getArea(){return Gi.subVectors(this.c,this.b),Ss.subVectors(this.a,this.b),Gi.cross(Ss).length()*.5}getMidpoint(t){return t.addVectors(this.a,this.b).add(this.c).multiplyScalar(1/3)}getNormal(t){return n.getNormal(this.a,this.b,this.c,t)}getPlane(t){return t.setFromCoplanarPoints(this.a,this.b,this.c)}getBarycoord(t,e){return n.getBarycoord(t,this.a,this.b,this.c,e)}getInterpolation(t,e,i,s,r){return n.getInterpolation(t,this.a,this.b,this.c,e,i,s,r)}containsPoint(t){return n.containsPoint(t,this.a,this.b,this.c)}isFrontFacing(t){return n.isFrontFacing(this.a,this.b,this.c,t)}intersectsBox(t){return t.intersectsTriangle(this)}closestPointToPoint(t,e){let i=this.a,s=this.b,r=this.c,o,a;oo.subVectors(s,i),ao.subVectors(r,i),Cf.subVectors(t,i);let l=oo.dot(Cf),c=ao.dot(Cf);if(l<=0&&c<=0)return e.copy(i);Rf.subVectors(t,s);let h=oo.dot(Rf),f=ao.dot(Rf);if(h>=0&&f<=h)return e.copy(s);let u=l*f-h*c;if(u<=0&&l>=0&&h<=0&&l-h>0)return o=l/(l-h),e.copy(i).addScaledVector(oo,o);If.subVectors(t,r);let d=oo.dot(If),p=ao.dot(If);if(p>=0&&d<=p)return e.copy(r);let _=d*c-l*p;if(_<=0&&c>=0&&p<=0)return a=c/(c-p),e.copy(i).addScaledVector(ao,a);let m=h*p-d*f;if(m<=0&&f-h>=0&&d-p>=0)return t0.subVectors(r,s),a=(f-h)/(f-h+(d-p)),e.copy(s).addScaledVector(t0,a);let g=1/(m+_+u);return o=_*g,a=u*g,e.copy(i).addScaledVector(oo,o).addScaledVector(ao,a)}equals(t){return t.a.equals(this.a)&&t.b.equals(this.b)&&t.c.equals(this.c)}},Qs=class{constructor(t=new Z(1/0,1/0,1/0),e=new Z(-1/0,-1/0,-1/0)){this.isBox3=!0,this.min=t,this.max=e}set(t,e){return this.min.copy(t),this.max.copy(e),this}setFromArray(t){this.makeEmpty();for(let e=0,i=t.length;e<i;e+=3)this.expandByPoint(Wi.fromArray(t,e));return this}setFromBufferAttribute(t){this.makeEmpty();for(let e=0,i=t.count;e<i;e++)this.expandByPoint(Wi.fromBufferAttribute(t,e));return this}setFromPoints(t){this.makeEmpty();for(let e=0,i=t.length;e<i;e++)this.expandByPoint(t[e]);return this}setFromCenterAndSize(t,e){let i=Wi.copy(e).multiplyScalar(.5);return this.min.copy(t).sub(i),this.max.copy(t).add(i),this}setFromObject(t,e=!1){return this.makeEmpty(),this.expandByObject(t,e)}clone(){return new this.constructor().copy(this)}copy(t){return this.min.copy(t.min),this.max.copy(t.max),this}makeEmpty(){return this.min.x=this.min.y=this.min.z=1/0,this.max.x=this.max.y=this.max.z=-1/0,this}isEmpty(){return this.max.x<this.min.x||this.max.y<this.min.y||this.max.z<this.min.z}getCenter(t){return this.isEmpty()?t.set(0,0,0):t.addVectors(this.min,this.max).multiplyScalar(.5)}getSize(t){return this.isEmpty()?t.set(0,0,0):t.subVectors(this.max,this.min)}expandByPoint(t){return this.min.min(t),this.max.max(t),this}expandByVector(t){return this.min.sub(t),this.max.add(t),this}expandByScalar(t){return this.min.addScalar(-t),this.max.addScalar(t),this}expandByObject(t,e=!1){t.updateWorldMatrix(!1,!1);let i=t.geometry;if(i!==void 0){let r=i.getAttribute("position");if(e===!0&&r!==void 0&&t.isInstancedMesh!==!0&&t.isBatchedMesh!==!0)for(let o=0,a=r.count;o<a;o++)t.isMesh===!0?t.getVertexPosition(o,Wi):Wi.fromBufferAttribute(r,o),Wi.applyMatrix4(t.matrixWorld),this.expandByPoint(Wi);else t.boundingBox!==void 0?(t.boundingBox===null&&t.computeBoundingBox(),Ql.copy(t.boundingBox)):(i.boundingBox===null&&i.computeBoundingBox(),Ql.copy(i.boundingBox)),Ql.applyMatrix4(t.matrixWorld),this.union(Ql)}let s=t.children;for(let r=0,o=s.length;r<o;r++)this.expandByObject(s[r],e);return this}containsPoint(t){return t.x>=this.min.x&&t.x<=this.max.x&&t.y>=this.min.y&&t.y<=this.max.y&&t.z>=this.min.z&&t.z<=this.max.z}containsBox(t){return this.min.x<=t.min.x&&t.max.x<=this.max.x&&this.min.y<=t.min.y&&t.max.y<=this.max.y&&this.min.z<=t.min.z&&t.max.z<=this.max.z}getParameter(t,e){return e.set((t.x-this.min.x)/(this.max.x-this.min.x),(t.y-this.min.y)/(this.max.y-this.min.y),(t.z-this.min.z)/(this.max.z-this.min.z))}intersectsBox(t){return t.max.x>=this.min.x&&t.min.x<=this.max.x&&t.max.y>=this.min.y&&t.min.y<=this.max.y&&t.max.z>=this.min.z&&t.min.z<=this.max.z}intersectsSphere(t){return this.clampPoint(t.center,Wi),Wi.distanceToSquared(t.center)<=t.radius*t.radius}intersectsPlane(t){let e,i;return t.normal.x>0?(e=t.normal.x*this.min.x,i=t.normal.x*this.max.x):(e=t.normal.x*this.max.x,i=t.normal.x*this.min.x),t.normal.y>0?(e+=t.normal.y*this.min.y,i+=t.normal.y*this.max.y):(e+=t.normal.y*this.max.y,i+=t.normal.y*this.min.y),t.normal.z>0?(e+=t.normal.z*this.min.z,i+=t.normal.z*this.max.z):(e+=t.normal.z*this.max.z,i+=t.normal.z*this.min.z),e<=-t.constant&&i>=-t.constant}intersectsTriangle(t){if(this.isEmpty())return!1;this.getCenter(_a),tc.subVectors(this.max,_a),lo.subVectors(t.a,_a),co.subVectors(t.b,_a),ho.subVectors(t.c,_a),Zs.subVectors(co,lo),Ks.subVectors(ho,co),br.subVectors(lo,ho);let e=[0,-Zs.z,Zs.y,0,-Ks.z,Ks.y,0,-br.z,br.y,Zs.z,0,-Zs.x,Ks.z,0,-Ks.x,br.z,0,-br.x,-Zs.y,Zs.x,0,-Ks.y,Ks.x,0,-br.y,br.x,0];return!Nf(e,lo,co,ho,tc)||(e=[1,0,0,0,1,0,0,0,1],!Nf(e,lo,co,ho,tc))?!1:(ec.crossVectors(Zs,Ks),e=[ec.x,ec.y,ec.z],Nf(e,lo,co,ho,tc))}clampPoint(t,e){return e.copy(t).clamp(this.min,this.max)}distanceToPoint(t){return this.clampPoint(t,Wi).distanceTo(t)}getBoundingSphere(t){return this.isEmpty()?t.makeEmpty():(this.getCenter(t.center),t.radius=this.getSize(Wi).length()*.5),t}intersect(t){return this.min.max(t.min),this.max.min(t.max),this.isEmpty()&&this.makeEmpty(),this}union(t){return this.min.min(t.min),this.max.max(t.max),this}applyMatrix4(t){return this.isEmpty()?this:(Ms[0].set(this.min.x,this.min.y,this.min.z).applyMatrix4(t),Ms[1].set(this.min.x,this.min.y,this.max.z).applyMatrix4(t),Ms[2].set(this.min.x,this.max.y,this.min.z).applyMatrix4(t),Ms[3].set(this.min.x,this.max.y,this.max.z).applyMatrix4(t),Ms[4].set(this.max.x,this.min.y,this.min.z).applyMatrix4(t),Ms[5].set(this.max.x,this.min.y,this.max.z).applyMatrix4(t),Ms[6].set(this.max.x,this.max.y,this.min.z).applyMatrix4(t),Ms[7].set(this.max.x,this.max.y,this.max.z).applyMatrix4(t),this.setFromPoints(Ms),this)}translate(t){return this.min.add(t),this.max.add(t),this}equals(t){return t.min.equals(this.min)&&t.max.equals(this.max)}toJSON(){return{min:this.min.toArray(),max:this.max.toArray()}}fromJSON(t){return this.min.fromArray(t.min),this.max.fromArray(t.max),this}},Ms=[new Z,new Z,new Z,new Z,new Z,new Z,new Z,new Z],Wi=new Z,Ql=new Qs,lo=new Z,co=new Z,ho=new Z,Zs=new Z,Ks=new Z,br=new Z,_a=new Z,tc=new Z,ec=new Z,Mr=new Z;function Nf(n,t,e,i,s){for(let r=0,o=n.length-3;r<=o;r+=3){Mr.fromArray(n,r);let a=s.x*Math.abs(Mr.x)+s.y*Math.abs(Mr.y)+s.z*Math.abs(Mr.z),l=t.dot(Mr),c=e.dot(Mr),h=i.dot(Mr);if(Math.max(-Math.max(l,c,h),Math.min(l,c,h))>a)return!1}return!0}var _n=new Z,nc=new jt,Kb=0,oi=class extends $i{constructor(t,e,i=!1){if(super(),Array.isArray(t))throw new TypeError("THREE.BufferAttribute: array should be a Typed Array.");this.isBufferAttribute=!0,Object.defineProperty(this,"id",{value:Kb++}),this.name="",this.array=t,this.itemSize=e,this.count=t!==void 0?t.length/e:0,this.normalized=i,this.usage=Y0,this.updateRanges=[],this.gpuType=qi,this.version=0,this._normalizationScale=t!==void 0?Md(t):void 0}onUploadCallback(){}set needsUpdate(t){t===!0&&this.version++}setUsage(t){return this.usage=t,this}addUpdateRange(t,e){this.updateRanges.push({start:t,count:e})}clearUpdateRanges(){this.updateRanges.length=0}copy(t){return this.name=t.name,this.array=new t.array.constructor(t.array),this.itemSize=t.itemSize,this.count=t.count,this.normalized=t.normalized,this.usage=t.usage,this.gpuType=t.gpuType,this._normalizationScale=t._normalizationScale,this}copyAt(t,e,i){t*=this.itemSize,i*=e.itemSize;for(let s=0,r=this.itemSize;s<r;s++)this.array[t+s]=e.array[i+s];return this}copyArray(t){return this.array.set(t),this}applyMatrix3(t){if(this.itemSize===2)for(let e=0,i=this.count;e<i;e++)nc.fromBufferAttribute(this,e),nc.applyMatrix3(t),this.setXY(e,nc.x,nc.y);else if(this.itemSize===3)for(let e=0,i=this.count;e<i;e++)_n.fromBufferAttribute(this,e),_n.applyMatrix3(t),this.setXYZ(e,_n.x,_n.y,_n.z);return this}applyMatrix4(t){for(let e=0,i=this.count;e<i;e++)_n.fromBufferAttribute(this,e),_n.applyMatrix4(t),this.setXYZ(e,_n.x,_n.y,_n.z);return this}applyNormalMatrix(t){for(let e=0,i=this.count;e<i;e++)_n.fromBufferAttribute(this,e),_n.applyNormalMatrix(t),this.setXYZ(e,_n.x,_n.y,_n.z);return this}transformDirection(t){for(let e=0,i=this.count;e<i;e++)_n.fromBufferAttribute(this,e),_n.transformDirection(t),this.setXYZ(e,_n.x,_n.y,_n.z);return this}set(t,e=0){return this.array.set(t,e),this}getComponent(t,e){let i=this.array[t*this.itemSize+e];return this.normalized&&(i=this._denormalize(i)),i}setComponent(t,e,i){return this.normalized&&(i=this._normalize(i)),this.array[t*this.itemSize+e]=i,this}getX(t){let e=this.array[t*this.itemSize];return this.normalized&&(e=this._denormalize(e)),e}setX(t,e){return this.normalized&&(e=this._normalize(e)),this.array[t*this.itemSize]=e,this}getY(t){let e=this.array[t*this.itemSize+1];return this.normalized&&(e=this._denormalize(e)),e}setY(t,e){return this.normalized&&(e=this._normalize(e)),this.array[t*this.itemSize+1]=e,this}getZ(t){let e=this.array[t*this.itemSize+2];return this.normalized&&(e=this._denormalize(e)),e}setZ(t,e){return this.normalized&&(e=this._normalize(e)),this.array[t*this.itemSize+2]=e,this}getW(t){let e=this.array[t*this.itemSize+3];return this.normalized&&(e=this._denormalize(e)),e}setW(t,e){return this.normalized&&(e=this._normalize(e)),this.array[t*this.itemSize+3]=e,this}setXY(t,e,i){return t*=this.itemSize,this.normalized&&(e=this._normalize(e),i=this._normalize(i)),this.array[t+0]=e,this.array[t+1]=i,this}setXYZ(t,e,i,s){return t*=this.itemSize,this.normalized&&(e=this._normalize(e),i=this._normalize(i),s=this._normalize(s)),this.array[t+0]=e,this.array[t+1]=i,this.array[t+2]=s,this}setXYZW(t,e,i,s,r){return t*=this.itemSize,this.normalized&&(e=this._normalize(e),i=this._normalize(i),s=this._normalize(s),r=this._normalize(r)),this.array[t+0]=e,this.array[t+1]=i,this.array[t+2]=s,this.array[t+3]=r,this}onUpload(t){return this.onUploadCallback=t,this}clone(){return new this.constructor(this.array,this.itemSize).copy(this)}toJSON(){let t={itemSize:this.itemSize,type:this.array.constructor.name,array:Array.from(this.array),normalized:this.normalized};return t.name=this.name,t.usage=this.usage,t.gpuType=this.gpuType,t}dispose(){this.dispatchEvent({type:"dispose"})}_denormalize(t){let e=this._normalizationScale;return e!==void 0?Math.max(t/e,-1):Q0(t,this.array)}_normalize(t){let e=this._normalizationScale;return e!==void 0?Math.round(t*e):t_(t,this.array)}};var Pa=class extends oi{constructor(t,e,i){super(new Uint16Array(t),e,i)}};var La=class extends oi{constructor(t,e,i){super(new Uint32Array(t),e,i)}};var tn=class extends oi{constructor(t,e,i){super(new Float32Array(t),e,i)}},Jb=new Qs,ya=new Z,Of=new Z,Ar=class{constructor(t=new Z,e=-1){this.isSphere=!0,this.center=t,this.radius=e}set(t,e){return this.center.copy(t),this.radius=e,this}setFromPoints(t,e){let i=this.center;e!==void 0?i.copy(e):Jb.setFromPoints(t).getCenter(i);let s=0;for(let r=0,o=t.length;r<o;r++)s=Math.max(s,i.distanceToSquared(t[r]));return this.radius=Math.sqrt(s),this}copy(t){return this.center.copy(t.center),this.radius=t.radius,this}isEmpty(){return this.radius<0}makeEmpty(){return this.center.set(0,0,0),this.radius=-1,this}containsPoint(t){return t.distanceToSquared(this.center)<=this.radius*this.radius}distanceToPoint(t){return t.distanceTo(this.center)-this.radius}intersectsSphere(t){let e=this.radius+t.radius;return t.center.distanceToSquared(this.center)<=e*e}intersectsBox(t){return t.intersectsSphere(this)}intersectsPlane(t){return Math.abs(t.distanceToPoint(this.center))<=this.radius}clampPoint(t,e){let i=this.center.distanceToSquared(t);return e.copy(t),i>this.radius*this.radius&&(e.sub(this.center).normalize(),e.multiplyScalar(this.radius).add(this.center)),e}getBoundingBox(t){return this.isEmpty()?(t.makeEmpty(),t):(t.set(this.center,this.center),t.expandByScalar(this.radius),t)}applyMatrix4(t){return this.center.applyMatrix4(t),this.radius=this.radius*t.getMaxScaleOnAxis(),this}translate(t){return this.center.add(t),this}expandByPoint(t){if(this.isEmpty())return this.center.copy(t),this.radius=0,this;ya.subVectors(t,this.center);let e=ya.lengthSq();if(e>this.radius*this.radius){let i=Math.sqrt(e),s=(i-this.radius)*.5;this.center.addScaledVector(ya,s/i),this.radius+=s}return this}union(t){return t.isEmpty()?this:this.isEmpty()?(this.copy(t),this):(this.center.equals(t.center)===!0?this.radius=Math.max(this.radius,t.radius):(Of.subVectors(t.center,this.center).setLength(t.radius),this.expandByPoint(ya.copy(t.center).add(Of)),this.expandByPoint(ya.copy(t.center).sub(Of))),this)}equals(t){return t.center.equals(this.center)&&t.radius===this.radius}clone(){return new this.constructor().copy(this)}toJSON(){return{radius:this.radius,center:this.center.toArray()}}fromJSON(t){return this.radius=t.radius,this.center.fromArray(t.center),this}},jb=0,Ri=new Ze,Uf=new kn,uo=new Z,yi=new Qs,xa=new Qs,Dn=new Z,Qn=class n extends $i{constructor(){super(),this.isBufferGeometry=!0,Object.defineProperty(this,"id",{value:jb++}),this.uuid=No(),this.name="",this.type="BufferGeometry",this.index=null,this.indirect=null,this.indirectOffset=0,this.attributes={},this.morphAttributes={},this.morphTargetsRelative=!1,this.groups=[],this.boundingBox=null,this.boundingSphere=null,this.drawRange={start:0,count:1/0},this.userData={},this._transformed=!1}getIndex(){return this.index}setIndex(t){return Array.isArray(t)?this.index=new(Mb(t)?La:Pa)(t,1):this.index=t,this}setIndirect(t,e=0){return this.indirect=t,this.indirectOffset=e,this}getIndirect(){return this.indirect}getAttribute(t){return this.attributes[t]}setAttribute(t,e){return this.attributes[t]=e,this}deleteAttribute(t){return delete this.attributes[t],this}hasAttribute(t){return this.attributes[t]!==void 0}addGroup(t,e,i=0){this.groups.push({start:t,count:e,materialIndex:i})}clearGroups(){this.groups=[]}setDrawRange(t,e){this.drawRange.start=t,this.drawRange.count=e}applyMatrix4(t){let e=this.attributes.position;e!==void 0&&(e.applyMatrix4(t),e.needsUpdate=!0);let i=this.attributes.normal;if(i!==void 0){let r=new oe().getNormalMatrix(t);i.applyNormalMatrix(r),i.needsUpdate=!0}let s=this.attributes.tangent;return s!==void 0&&(s.transformDirection(t),s.needsUpdate=!0),this.boundingBox!==null&&this.computeBoundingBox(),this.boundingSphere!==null&&this.computeBoundingSphere(),this._transformed=!0,this}applyQuaternion(t){return Ri.makeRotationFromQuaternion(t),this.applyMatrix4(Ri),this}rotateX(t){return Ri.makeRotationX(t),this.applyMatrix4(Ri),this}rotateY(t){return Ri.makeRotationY(t),this.applyMatrix4(Ri),this}rotateZ(t){return Ri.makeRotationZ(t),this.applyMatrix4(Ri),this}translate(t,e,i){return Ri.makeTranslation(t,e,i),this.applyMatrix4(Ri),this}scale(t,e,i){return Ri.makeScale(t,e,i),this.applyMatrix4(Ri),this}lookAt(t){return Uf.lookAt(t),Uf.updateMatrix(),this.applyMatrix4(Uf.matrix),this}center(){return this.computeBoundingBox(),this.boundingBox.getCenter(uo).negate(),this.translate(uo.x,uo.y,uo.z),this}setFromPoints(t){let e=this.getAttribute("position");if(e===void 0){let i=[];for(let s=0,r=t.length;s<r;s++){let o=t[s];i.push(o.x,o.y,o.z||0)}this.setAttribute("position",new tn(i,3))}else{let i=Math.min(t.length,e.count);for(let s=0;s<i;s++){let r=t[s];e.setXYZ(s,r.x,r.y,r.z||0)}t.length>e.count&&Kt("BufferGeometry: Buffer size too small for points data. Use .dispose() and create a new geometry."),e.needsUpdate=!0}return this}computeBoundingBox(){this.boundingBox===null&&(this.boundingBox=new Qs);let t=this.attributes.position,e=this.morphAttributes.position;if(t&&t.isGLBufferAttribute){re("BufferGeometry.computeBoundingBox(): GLBufferAttribute requires a manual bounding box.",this),this.boundingBox.set(new Z(-1/0,-1/0,-1/0),new Z(1/0,1/0,1/0));return}if(t!==void 0){if(this.boundingBox.setFromBufferAttribute(t),e)for(let i=0,s=e.length;i<s;i++){let r=e[i];yi.setFromBufferAttribute(r),this.morphTargetsRelative?(Dn.addVectors(this.boundingBox.min,yi.min),this.boundingBox.expandByPoint(Dn),Dn.addVectors(this.boundingBox.max,yi.max),this.boundingBox.expandByPoint(Dn)):(this.boundingBox.expandByPoint(yi.min),this.boundingBox.expandByPoint(yi.max))}}else this.boundingBox.makeEmpty();(isNaN(this.boundingBox.min.x)||isNaN(this.boundingBox.min.y)||isNaN(this.boundingBox.min.z))&&re('BufferGeometry.computeBoundingBox(): Computed min/max have NaN values. The "position" attribute is likely to have NaN values.',this)}computeBoundingSphere(){this.boundingSphere===null&&(this.boundingSphere=new Ar);let t=this.attributes.position,e=this.morphAttributes.position;if(t&&t.isGLBufferAttribute){re("BufferGeometry.computeBoundingSphere(): GLBufferAttribute requires a manual bounding sphere.",this),this.boundingSphere.set(new Z,1/0);return}if(t){let i=this.boundingSphere.center;if(yi.setFromBufferAttribute(t),e)for(let r=0,o=e.length;r<o;r++){let a=e[r];xa.setFromBufferAttribute(a),this.morphTargetsRelative?(Dn.addVectors(yi.min,xa.min),yi.expandByPoint(Dn),Dn.addVectors(yi.max,xa.max),yi.expandByPoint(Dn)):(yi.expandByPoint(xa.min),yi.expandByPoint(xa.max))}yi.getCenter(i);let s=0;for(let r=0,o=t.count;r<o;r++)Dn.fromBufferAttribute(t,r),s=Math.max(s,i.distanceToSquared(Dn));if(e)for(let r=0,o=e.length;r<o;r++){let a=e[r],l=this.morphTargetsRelative;for(let c=0,h=a.count;c<h;c++)Dn.fromBufferAttribute(a,c),l&&(uo.fromBufferAttribute(t,c),Dn.add(uo)),s=Math.max(s,i.distanceToSquared(Dn))}this.boundingSphere.radius=Math.sqrt(s),isNaN(this.boundingSphere.radius)&&re('BufferGeometry.computeBoundingSphere(): Computed radius is NaN. The "position" attribute is likely to have NaN values.',this)}}computeTangents(){let t=this.index,e=this.attributes;if(t===null||e.position===void 0||e.normal===void 0||e.uv===void 0){re("BufferGeometry: .computeTangents() failed. Missing required attributes (index, position, normal or uv)");return}let i=e.position,s=e.normal,r=e.uv,o=this.getAttribute("tangent");(o===void 0||o.count!==i.count)&&(o=new oi(new Float32Array(4*i.count),4),this.setAttribute("tangent",o));let a=[],l=[],c=new Uint8Array(i.count);for(let V=0;V<i.count;V++)a[V]=new Z,l[V]=new Z;let h=new Z,f=new Z,u=new Z,d=new jt,p=new jt,_=new jt,m=new Z,g=new Z;function v(V,N,L){c[V]=c[N]=c[L]=1,h.fromBufferAttribute(i,V),f.fromBufferAttribute(i,N),u.fromBufferAttribute(i,L),d.fromBufferAttribute(r,V),p.fromBufferAttribute(r,N),_.fromBufferAttribute(r,L),f.sub(h),u.sub(h),p.sub(d),_.sub(d);let B=1/(p.x*_.y-_.x*p.y);isFinite(B)&&(m.copy(f).multiplyScalar(_.y).addScaledVector(u,-p.y).multiplyScalar(B),g.copy(u).multiplyScalar(p.x).addScaledVector(f,-_.x).multiplyScalar(B),a[V].add(m),a[N].add(m),a[L].add(m),l[V].add(g),l[N].add(g),l[L].add(g))}let T=this.groups;T.length===0&&(T=[{start:0,count:t.count}]);for(let V=0,N=T.length;V<N;++V){let L=T[V],B=L.start,F=L.count;for(let R=B,U=B+F;R<U;R+=3)v(t.getX(R+0),t.getX(R+1),t.getX(R+2))}let S=new Z,C=new Z,E=new Z,y=new Z;function M(V){E.fromBufferAttribute(s,V),y.copy(E);let N=a[V];S.copy(N),S.sub(E.multiplyScalar(E.dot(N))).normalize(),C.crossVectors(y,N);let B=C.dot(l[V])<0?-1:1;o.setXYZW(V,S.x,S.y,S.z,B)}for(let V=0,N=i.count;V<N;++V)c[V]&&M(V);this._transformed=!0}computeVertexNormals(){let t=this.index,e=this.getAttribute("position");if(e!==void 0){let i=this.getAttribute("normal");if(i===void 0||i.count!==e.count)i=new oi(new Float32Array(e.count*3),3),this.setAttribute("normal",i);else for(let u=0,d=i.count;u<d;u++)i.setXYZ(u,0,0,0);let s=new Z,r=new Z,o=new Z,a=new Z,l=new Z,c=new Z,h=new Z,f=new Z;if(t)for(let u=0,d=t.count;u<d;u+=3){let p=t.getX(u+0),_=t.getX(u+1),m=t.getX(u+2);s.fromBufferAttribute(e,p),r.fromBufferAttribute(e,_),o.fromBufferAttribute(e,m),h.subVectors(o,r),f.subVectors(s,r),h.cross(f),a.fromBufferAttribute(i,p),l.fromBufferAttribute(i,_),c.fromBufferAttribute(i,m),a.add(h),l.add(h),c.add(h),i.setXYZ(p,a.x,a.y,a.z),i.setXYZ(_,l.x,l.y,l.z),i.setXYZ(m,c.x,c.y,c.z)}else for(let u=0,d=e.count;u<d;u+=3)s.fromBufferAttribute(e,u+0),r.fromBufferAttribute(e,u+1),o.fromBufferAttribute(e,u+2),h.subVectors(o,r),f.subVectors(s,r),h.cross(f),i.setXYZ(u+0,h.x,h.y,h.z),i.setXYZ(u+1,h.x,h.y,h.z),i.setXYZ(u+2,h.x,h.y,h.z);this.normalizeNormals(),i.needsUpdate=!0}}normalizeNormals(){let t=this.attributes.normal;for(let e=0,i=t.count;e<i;e++)Dn.fromBufferAttribute(t,e),Dn.normalize(),t.setXYZ(e,Dn.x,Dn.y,Dn.z)}toNonIndexed(){function t(a,l){let c=a.array,h=a.itemSize,f=a.normalized,u=new c.constructor(l.length*h),d=0,p=0;for(let _=0,m=l.length;_<m;_++){a.isInterleavedBufferAttribute?d=l[_]*a.data.stride+a.offset:d=l[_]*h;for(let g=0;g<h;g++)u[p++]=c[d++]}return new oi(u,h,f)}if(this.index===null)return Kt("BufferGeometry.toNonIndexed(): BufferGeometry is already non-indexed."),this;let e=new n,i=this.index.array,s=this.attributes;for(let a in s){let l=s[a],c=t(l,i);e.setAttribute(a,c)}let r=this.morphAttributes;for(let a in r){let l=[],c=r[a];for(let h=0,f=c.length;h<f;h++){let u=c[h],d=t(u,i);l.push(d)}e.morphAttributes[a]=l}e.morphTargetsRelative=this.morphTargetsRelative;let o=this.groups;for(let a=0,l=o.length;a<l;a++){let c=o[a];e.addGroup(c.start,c.count,c.materialIndex)}return e}toJSON(){let t={metadata:{version:4.7,type:"BufferGeometry",generator:"BufferGeometry.toJSON"}};if(t.uuid=this.uuid,t.type=this.parameters!==void 0&&this._transformed===!0?"BufferGeometry":this.type,t.name=this.name,Object.keys(this.userData).length>0&&(t.userData=this.userData),this.parameters!==void 0&&this._transformed!==!0){let l=this.parameters;for(let c in l)l[c]!==void 0&&(t[c]=l[c]);return t}t.data={attributes:{}};let e=this.index;e!==null&&(t.data.index={type:e.array.constructor.name,array:Array.prototype.slice.call(e.array)});let i=this.attributes;for(let l in i){let c=i[l];t.data.attributes[l]=c.toJSON(t.data)}let s={},r=!1;for(let l in this.morphAttributes){let c=this.morphAttributes[l],h=[];for(let f=0,u=c.length;f<u;f++){let d=c[f];h.push(d.toJSON(t.data))}h.length>0&&(s[l]=h,r=!0)}r&&(t.data.morphAttributes=s,t.data.morphTargetsRelative=this.morphTargetsRelative);let o=this.groups;o.length>0&&(t.data.groups=JSON.parse(JSON.stringify(o)));let a=this.boundingSphere;return a!==null&&(t.data.boundingSphere=a.toJSON()),t}clone(){return new this.constructor().copy(this)}copy(t){this.index=null,this.attributes={},this.morphAttributes={},this.groups=[],this.boundingBox=null,this.boundingSphere=null;let e={};this.name=t.name;let i=t.index;i!==null&&this.setIndex(i.clone());let s=t.attributes;for(let c in s){let h=s[c];this.setAttribute(c,h.clone(e))}let r=t.morphAttributes;for(let c in r){let h=[],f=r[c];for(let u=0,d=f.length;u<d;u++)h.push(f[u].clone(e));this.morphAttributes[c]=h}this.morphTargetsRelative=t.morphTargetsRelative;let o=t.groups;for(let c=0,h=o.length;c<h;c++){let f=o[c];this.addGroup(f.start,f.count,f.materialIndex)}let a=t.boundingBox;a!==null&&(this.boundingBox=a.clone());let l=t.boundingSphere;return l!==null&&(this.boundingSphere=l.clone()),this.drawRange.start=t.drawRange.start,this.drawRange.count=t.drawRange.count,this.userData=t.userData,this._transformed=t._transformed,this}dispose(){this.dispatchEvent({type:"dispose"})}};var Ff=new Z,Qb=new Z,tM=new oe,vi=class{constructor(t=new Z(1,0,0),e=0){this.isPlane=!0,this.normal=t,this.constant=e}set(t,e){return this.normal.copy(t),this.constant=e,this}setComponents(t,e,i,s){return this.normal.set(t,e,i),this.constant=s,this}setFromNormalAndCoplanarPoint(t,e){return this.normal.copy(t),this.constant=-e.dot(this.normal),this}setFromCoplanarPoints(t,e,i){let s=Ff.subVectors(i,e).cross(Qb.subVectors(t,e)).normalize();return this.setFromNormalAndCoplanarPoint(s,t),this}copy(t){return this.normal.copy(t.normal),this.constant=t.constant,this}normalize(){let t=1/this.normal.length();return this.normal.multiplyScalar(t),this.constant*=t,this}negate(){return this.constant*=-1,this.normal.negate(),this}distanceToPoint(t){return this.normal.dot(t)+this.constant}distanceToSphere(t){return this.distanceToPoint(t.center)-t.radius}projectPoint(t,e){return e.copy(t).addScaledVector(this.normal,-this.distanceToPoint(t))}intersectLine(t,e,i=!0){let s=t.delta(Ff),r=this.normal.dot(s);if(r===0)return this.distanceToPoint(t.start)===0?e.copy(t.start):null;let o=-(t.start.dot(this.normal)+this.constant)/r;return i===!0&&(o<0||o>1)?null:e.copy(t.start).addScaledVector(s,o)}intersectsLine(t){let e=this.distanceToPoint(t.start),i=this.distanceToPoint(t.end);return e<0&&i>0||i<0&&e>0}intersectsBox(t){return t.intersectsPlane(this)}intersectsSphere(t){return t.intersectsPlane(this)}coplanarPoint(t){return t.copy(this.normal).multiplyScalar(-this.constant)}applyMatrix4(t,e){let i=e||tM.getNormalMatrix(t),s=this.coplanarPoint(Ff).applyMatrix4(t),r=this.normal.applyMatrix3(i).normalize();return this.constant=-s.dot(r),this}translate(t){return this.constant-=t.dot(this.normal),this}equals(t){return t.normal.equals(this.normal)&&t.constant===this.constant}clone(){return new this.constructor().copy(this)}toJSON(){return{normal:this.normal.toArray(),constant:this.constant}}fromJSON(t){return this.normal.fromArray(t.normal),this.constant=t.constant,this}},eM=0,Cs=class extends $i{constructor(){super(),this.isMaterial=!0,Object.defineProperty(this,"id",{value:eM++}),this.uuid=No(),this.name="",this.type="Material",this.blending=Po,this.side=ar,this.vertexColors=!1,this.opacity=1,this.transparent=!1,this.alphaHash=!1,this.blendSrc=Qf,this.blendDst=td,this.blendEquation=Rr,this.blendSrcAlpha=null,this.blendDstAlpha=null,this.blendEquationAlpha=null,this.blendColor=new ue(0,0,0),this.blendAlpha=0,this.depthFunc=_o,this.depthTest=!0,this.depthWrite=!0,this.stencilWriteMask=255,this.stencilFunc=V0,this.stencilRef=0,this.stencilFuncMask=255,this.stencilFail=xc,this.stencilZFail=xc,this.stencilZPass=xc,this.stencilWrite=!1,this.clippingPlanes=null,this.clipIntersection=!1,this.clipShadows=!1,this.shadowSide=null,this.colorWrite=!0,this.precision=null,this.polygonOffset=!1,this.polygonOffsetFactor=0,this.polygonOffsetUnits=0,this.dithering=!1,this.alphaToCoverage=!1,this.premultipliedAlpha=!1,this.forceSinglePass=!1,this.allowOverride=!0,this.visible=!0,this.toneMapped=!0,this.userData={},this.version=0,this._alphaTest=0}get alphaTest(){return this._alphaTest}set alphaTest(t){this._alphaTest>0!=t>0&&this.version++,this._alphaTest=t}onBeforeRender(){}onBeforeCompile(){}customProgramCacheKey(){return this.onBeforeCompile.toString()}setValues(t){if(t!==void 0)for(let e in t){let i=t[e];if(i===void 0){Kt(`Material: parameter '${e}' has value of undefined.`);continue}let s=this[e];if(s===void 0){Kt(`Material: '${e}' is not a property of THREE.${this.type}.`);continue}s&&s.isColor?s.set(i):s&&s.isVector2&&i&&i.isVector2||s&&s.isEuler&&i&&i.isEuler||s&&s.isVector3&&i&&i.isVector3?s.copy(i):this[e]=i}}toJSON(t){let e=t===void 0||typeof t=="string";e&&(t={textures:{},images:{}});let i={metadata:{version:4.7,type:"Material",generator:"Material.toJSON"}};i.uuid=this.uuid,i.type=this.type,i.blending=this.blending,i.side=this.side,i.shadowSide=this.shadowSide,i.vertexColors=this.vertexColors,i.opacity=this.opacity,i.transparent=this.transparent,i.blendSrc=this.blendSrc,i.blendDst=this.blendDst,i.blendEquation=this.blendEquation,i.blendSrcAlpha=this.blendSrcAlpha,i.blendDstAlpha=this.blendDstAlpha,i.blendEquationAlpha=this.blendEquationAlpha,i.blendColor=this.blendColor.getHex(),i.blendAlpha=this.blendAlpha,i.depthFunc=this.depthFunc,i.depthTest=this.depthTest,i.depthWrite=this.depthWrite,i.colorWrite=this.colorWrite,i.clipIntersection=this.clipIntersection,i.clipShadows=this.clipShadows,i.stencilWriteMask=this.stencilWriteMask,i.stencilFunc=this.stencilFunc,i.stencilRef=this.stencilRef,i.stencilFuncMask=this.stencilFuncMask,i.stencilFail=this.stencilFail,i.stencilZFail=this.stencilZFail,i.stencilZPass=this.stencilZPass,i.stencilWrite=this.stencilWrite,i.polygonOffset=this.polygonOffset,i.polygonOffsetFactor=this.polygonOffsetFactor,i.polygonOffsetUnits=this.polygonOffsetUnits,i.dithering=this.dithering,i.alphaTest=this.alphaTest,i.alphaHash=this.alphaHash,i.alphaToCoverage=this.alphaToCoverage,i.premultipliedAlpha=this.premultipliedAlpha,i.forceSinglePass=this.forceSinglePass,i.allowOverride=this.allowOverride,i.visible=this.visible,i.toneMapped=this.toneMapped,i.name=this.name,this.color&&this.color.isColor&&(i.color=this.color.getHex()),this.roughness!==void 0&&(i.roughness=this.roughness),this.metalness!==void 0&&(i.metalness=this.metalness),this.sheen!==void 0&&(i.sheen=this.sheen),this.sheenColor&&this.sheenColor.isColor&&(i.sheenColor=this.sheenColor.getHex()),this.sheenRoughness!==void 0&&(i.sheenRoughness=this.sheenRoughness),this.emissive&&this.emissive.isColor&&(i.emissive=this.emissive.getHex()),this.emissiveIntensity!==void 0&&(i.emissiveIntensity=this.emissiveIntensity),this.specular&&this.specular.isColor&&(i.specular=this.specular.getHex()),this.specularIntensity!==void 0&&(i.specularIntensity=this.specularIntensity),this.specularColor&&this.specularColor.isColor&&(i.specularColor=this.specularColor.getHex()),this.shininess!==void 0&&(i.shininess=this.shininess),this.clearcoat!==void 0&&(i.clearcoat=this.clearcoat),this.clearcoatRoughness!==void 0&&(i.clearcoatRoughness=this.clearcoatRoughness),this.diffuseRoughness!==void 0&&(i.diffuseRoughness=this.diffuseRoughness),this.diffuseRoughnessMap&&this.diffuseRoughnessMap.isTexture&&(i.diffuseRoughnessMap=this.diffuseRoughnessMap.toJSON(t).uuid),this.clearcoatMap&&this.clearcoatMap.isTexture&&(i.clearcoatMap=this.clearcoatMap.toJSON(t).uuid),this.clearcoatRoughnessMap&&this.clearcoatRoughnessMap.isTexture&&(i.clearcoatRoughnessMap=this.clearcoatRoughnessMap.toJSON(t).uuid),this.clearcoatNormalMap&&this.clearcoatNormalMap.isTexture&&(i.clearcoatNormalMap=this.clearcoatNormalMap.toJSON(t).uuid,i.clearcoatNormalScale=this.clearcoatNormalScale.toArray()),this.sheenColorMap&&this.sheenColorMap.isTexture&&(i.sheenColorMap=this.sheenColorMap.toJSON(t).uuid),this.sheenRoughnessMap&&this.sheenRoughnessMap.isTexture&&(i.sheenRoughnessMap=this.sheenRoughnessMap.toJSON(t).uuid),this.dispersion!==void 0&&(i.dispersion=this.dispersion),this.retroreflectivity!==void 0&&(i.retroreflectivity=this.retroreflectivity),this.iridescence!==void 0&&(i.iridescence=this.iridescence),this.iridescenceIOR!==void 0&&(i.iridescenceIOR=this.iridescenceIOR),this.iridescenceThicknessMinimum!==void 0&&(i.iridescenceThicknessMinimum=this.iridescenceThicknessMinimum),this.iridescenceThicknessMaximum!==void 0&&(i.iridescenceThicknessMaximum=this.iridescenceThicknessMaximum),this.iridescenceMap&&this.iridescenceMap.isTexture&&(i.iridescenceMap=this.iridescenceMap.toJSON(t).uuid),this.iridescenceThicknessMap&&this.iridescenceThicknessMap.isTexture&&(i.iridescenceThicknessMap=this.iridescenceThicknessMap.toJSON(t).uuid),this.anisotropy!==void 0&&(i.anisotropy=this.anisotropy),this.anisotropyRotation!==void 0&&(i.anisotropyRotation=this.anisotropyRotation),this.anisotropyMap&&this.anisotropyMap.isTexture&&(i.anisotropyMap=this.anisotropyMap.toJSON(t).uuid),this.map&&this.map.isTexture&&(i.map=this.map.toJSON(t).uuid),this.matcap&&this.matcap.isTexture&&(i.matcap=this.matcap.toJSON(t).uuid),this.alphaMap&&this.alphaMap.isTexture&&(i.alphaMap=this.alphaMap.toJSON(t).uuid),this.lightMap&&this.lightMap.isTexture&&(i.lightMap=this.lightMap.toJSON(t).uuid,i.lightMapIntensity=this.lightMapIntensity),this.aoMap&&this.aoMap.isTexture&&(i.aoMap=this.aoMap.toJSON(t).uuid,i.aoMapIntensity=this.aoMapIntensity),this.bumpMap&&this.bumpMap.isTexture&&(i.bumpMap=this.bumpMap.toJSON(t).uuid,i.bumpScale=this.bumpScale),this.normalMap&&this.normalMap.isTexture&&(i.normalMap=this.normalMap.toJSON(t).uuid,i.normalMapType=this.normalMapType,i.normalScale=this.normalScale.toArray()),this.displacementMap&&this.displacementMap.isTexture&&(i.displacementMap=this.displacementMap.toJSON(t).uuid,i.displacementScale=this.displacementScale,i.displacementBias=this.displacementBias),this.roughnessMap&&this.roughnessMap.isTexture&&(i.roughnessMap=this.roughnessMap.toJSON(t).uuid),this.metalnessMap&&this.metalnessMap.isTexture&&(i.metalnessMap=this.metalnessMap.toJSON(t).uuid),this.emissiveMap&&this.emissiveMap.isTexture&&(i.emissiveMap=this.emissiveMap.toJSON(t).uuid),this.specularMap&&this.specularMap.isTexture&&(i.specularMap=this.specularMap.toJSON(t).uuid),this.specularIntensityMap&&this.specularIntensityMap.isTexture&&(i.specularIntensityMap=this.specularIntensityMap.toJSON(t).uuid),this.specularColorMap&&this.specularColorMap.isTexture&&(i.specularColorMap=this.specularColorMap.toJSON(t).uuid),this.envMap&&this.envMap.isTexture&&(i.envMap=this.envMap.toJSON(t).uuid,this.combine!==void 0&&(i.combine=this.combine)),this.envMapRotation!==void 0&&(i.envMapRotation=this.envMapRotation.toArray()),this.envMapIntensity!==void 0&&(i.envMapIntensity=this.envMapIntensity),this.reflectivity!==void 0&&(i.reflectivity=this.reflectivity),this.refractionRatio!==void 0&&(i.refractionRatio=this.refractionRatio),this.gradientMap&&this.gradientMap.isTexture&&(i.gradientMap=this.gradientMap.toJSON(t).uuid),this.transmission!==void 0&&(i.transmission=this.transmission),this.transmissionMap&&this.transmissionMap.isTexture&&(i.transmissionMap=this.transmissionMap.toJSON(t).uuid),this.thickness!==void 0&&(i.thickness=this.thickness),this.thicknessMap&&this.thicknessMap.isTexture&&(i.thicknessMap=this.thicknessMap.toJSON(t).uuid),this.attenuationDistance!==void 0&&(i.attenuationDistance=this.attenuationDistance),this.attenuationColor!==void 0&&(i.attenuationColor=this.attenuationColor.getHex()),this.size!==void 0&&(i.size=this.size),this.sizeAttenuation!==void 0&&(i.sizeAttenuation=this.sizeAttenuation),Array.isArray(this.clippingPlanes)&&this.clippingPlanes.length>0&&(i.clippingPlanes=this.clippingPlanes.map(r=>r.toJSON())),this.rotation!==void 0&&(i.rotation=this.rotation),this.depthPacking!==void 0&&(i.depthPacking=this.depthPacking),this.linewidth!==void 0&&(i.linewidth=this.linewidth),this.linecap!==void 0&&(i.linecap=this.linecap),this.linejoin!==void 0&&(i.linejoin=this.linejoin),this.dashSize!==void 0&&(i.dashSize=this.dashSize),this.gapSize!==void 0&&(i.gapSize=this.gapSize),this.scale!==void 0&&(i.scale=this.scale),this.wireframe!==void 0&&(i.wireframe=this.wireframe),this.wireframeLinewidth!==void 0&&(i.wireframeLinewidth=this.wireframeLinewidth),this.wireframeLinecap!==void 0&&(i.wireframeLinecap=this.wireframeLinecap),this.wireframeLinejoin!==void 0&&(i.wireframeLinejoin=this.wireframeLinejoin),this.flatShading!==void 0&&(i.flatShading=this.flatShading),this.fog!==void 0&&(i.fog=this.fog),Object.keys(this.userData).length>0&&(i.userData=this.userData);function s(r){let o=[];for(let a in r){let l=r[a];delete l.metadata,o.push(l)}return o}if(e){let r=s(t.textures),o=s(t.images);r.length>0&&(i.textures=r),o.length>0&&(i.images=o)}return i}fromJSON(t,e){if(t.uuid!==void 0&&(this.uuid=t.uuid),t.name!==void 0&&(this.name=t.name),t.color!==void 0&&this.color!==void 0&&this.color.setHex(t.color),t.roughness!==void 0&&(this.roughness=t.roughness),t.metalness!==void 0&&(this.metalness=t.metalness),t.sheen!==void 0&&(this.sheen=t.sheen),t.sheenColor!==void 0&&(this.sheenColor=new ue().setHex(t.sheenColor)),t.sheenRoughness!==void 0&&(this.sheenRoughness=t.sheenRoughness),t.emissive!==void 0&&this.emissive!==void 0&&this.emissive.setHex(t.emissive),t.specular!==void 0&&this.specular!==void 0&&this.specular.setHex(t.specular),t.specularIntensity!==void 0&&(this.specularIntensity=t.specularIntensity),t.specularColor!==void 0&&this.specularColor!==void 0&&this.specularColor.setHex(t.specularColor),t.shininess!==void 0&&(this.shininess=t.shininess),t.clearcoat!==void 0&&(this.clearcoat=t.clearcoat),t.clearcoatRoughness!==void 0&&(this.clearcoatRoughness=t.clearcoatRoughness),t.diffuseRoughness!==void 0&&(this.diffuseRoughness=t.diffuseRoughness),t.dispersion!==void 0&&(this.dispersion=t.dispersion),t.retroreflectivity!==void 0&&(this.retroreflectivity=t.retroreflectivity),t.iridescence!==void 0&&(this.iridescence=t.iridescence),t.iridescenceIOR!==void 0&&(this.iridescenceIOR=t.iridescenceIOR),t.iridescenceThicknessMinimum!==void 0&&(this.iridescenceThicknessMinimum=t.iridescenceThicknessMinimum),t.iridescenceThicknessMaximum!==void 0&&(this.iridescenceThicknessMaximum=t.iridescenceThicknessMaximum),t.iridescenceThicknessRange!==void 0&&(this.iridescenceThicknessMinimum=t.iridescenceThicknessRange[0],this.iridescenceThicknessMaximum=t.iridescenceThicknessRange[1]),t.transmission!==void 0&&(this.transmission=t.transmission),t.thickness!==void 0&&(this.thickness=t.thickness),t.attenuationDistance!==void 0&&(this.attenuationDistance=t.attenuationDistance),t.attenuationColor!==void 0&&this.attenuationColor!==void 0&&this.attenuationColor.setHex(t.attenuationColor),t.anisotropy!==void 0&&(this.anisotropy=t.anisotropy),t.anisotropyRotation!==void 0&&(this.anisotropyRotation=t.anisotropyRotation),t.fog!==void 0&&(this.fog=t.fog),t.flatShading!==void 0&&(this.flatShading=t.flatShading),t.blending!==void 0&&(this.blending=t.blending),t.combine!==void 0&&(this.combine=t.combine),t.side!==void 0&&(this.side=t.side),t.shadowSide!==void 0&&(this.shadowSide=t.shadowSide),t.opacity!==void 0&&(this.opacity=t.opacity),t.transparent!==void 0&&(this.transparent=t.transparent),t.alphaTest!==void 0&&(this.alphaTest=t.alphaTest),t.alphaHash!==void 0&&(this.alphaHash=t.alphaHash),t.depthFunc!==void 0&&(this.depthFunc=t.depthFunc),t.depthTest!==void 0&&(this.depthTest=t.depthTest),t.depthWrite!==void 0&&(this.depthWrite=t.depthWrite),t.colorWrite!==void 0&&(this.colorWrite=t.colorWrite),t.clippingPlanes!==void 0&&(this.clippingPlanes=t.clippingPlanes.map(i=>new vi().fromJSON(i))),t.clipIntersection!==void 0&&(this.clipIntersection=t.clipIntersection),t.clipShadows!==void 0&&(this.clipShadows=t.clipShadows),t.depthPacking!==void 0&&(this.depthPacking=t.depthPacking),t.blendSrc!==void 0&&(this.blendSrc=t.blendSrc),t.blendDst!==void 0&&(this.blendDst=t.blendDst),t.blendEquation!==void 0&&(this.blendEquation=t.blendEquation),t.blendSrcAlpha!==void 0&&(this.blendSrcAlpha=t.blendSrcAlpha),t.blendDstAlpha!==void 0&&(this.blendDstAlpha=t.blendDstAlpha),t.blendEquationAlpha!==void 0&&(this.blendEquationAlpha=t.blendEquationAlpha),t.blendColor!==void 0&&this.blendColor!==void 0&&this.blendColor.setHex(t.blendColor),t.blendAlpha!==void 0&&(this.blendAlpha=t.blendAlpha),t.stencilWriteMask!==void 0&&(this.stencilWriteMask=t.stencilWriteMask),t.stencilFunc!==void 0&&(this.stencilFunc=t.stencilFunc),t.stencilRef!==void 0&&(this.stencilRef=t.stencilRef),t.stencilFuncMask!==void 0&&(this.stencilFuncMask=t.stencilFuncMask),t.stencilFail!==void 0&&(this.stencilFail=t.stencilFail),t.stencilZFail!==void 0&&(this.stencilZFail=t.stencilZFail),t.stencilZPass!==void 0&&(this.stencilZPass=t.stencilZPass),t.stencilWrite!==void 0&&(this.stencilWrite=t.stencilWrite),t.wireframe!==void 0&&(this.wireframe=t.wireframe),t.wireframeLinewidth!==void 0&&(this.wireframeLinewidth=t.wireframeLinewidth),t.wireframeLinecap!==void 0&&(this.wireframeLinecap=t.wireframeLinecap),t.wireframeLinejoin!==void 0&&(this.wireframeLinejoin=t.wireframeLinejoin),t.rotation!==void 0&&(this.rotation=t.rotation),t.linewidth!==void 0&&(this.linewidth=t.linewidth),t.linecap!==void 0&&(this.linecap=t.linecap),t.linejoin!==void 0&&(this.linejoin=t.linejoin),t.dashSize!==void 0&&(this.dashSize=t.dashSize),t.gapSize!==void 0&&(this.gapSize=t.gapSize),t.scale!==void 0&&(this.scale=t.scale),t.polygonOffset!==void 0&&(this.polygonOffset=t.polygonOffset),t.polygonOffsetFactor!==void 0&&(this.polygonOffsetFactor=t.polygonOffsetFactor),t.polygonOffsetUnits!==void 0&&(this.polygonOffsetUnits=t.polygonOffsetUnits),t.dithering!==void 0&&(this.dithering=t.dithering),t.alphaToCoverage!==void 0&&(this.alphaToCoverage=t.alphaToCoverage),t.premultipliedAlpha!==void 0&&(this.premultipliedAlpha=t.premultipliedAlpha),t.forceSinglePass!==void 0&&(this.forceSinglePass=t.forceSinglePass),t.allowOverride!==void 0&&(this.allowOverride=t.allowOverride),t.visible!==void 0&&(this.visible=t.visible),t.toneMapped!==void 0&&(this.toneMapped=t.toneMapped),t.userData!==void 0&&(this.userData=t.userData),t.vertexColors!==void 0&&(typeof t.vertexColors=="number"?this.vertexColors=t.vertexColors>0:this.vertexColors=t.vertexColors),t.size!==void 0&&(this.size=t.size),t.sizeAttenuation!==void 0&&(this.sizeAttenuation=t.sizeAttenuation),t.map!==void 0&&(this.map=e[t.map]||null),t.matcap!==void 0&&(this.matcap=e[t.matcap]||null),t.alphaMap!==void 0&&(this.alphaMap=e[t.alphaMap]||null),t.bumpMap!==void 0&&(this.bumpMap=e[t.bumpMap]||null),t.bumpScale!==void 0&&(this.bumpScale=t.bumpScale),t.normalMap!==void 0&&(this.normalMap=e[t.normalMap]||null),t.normalMapType!==void 0&&(this.normalMapType=t.normalMapType),t.normalScale!==void 0){let i=t.normalScale;Array.isArray(i)===!1&&(i=[i,i]),this.normalScale=new jt().fromArray(i)}return t.displacementMap!==void 0&&(this.displacementMap=e[t.displacementMap]||null),t.displacementScale!==void 0&&(this.displacementScale=t.displacementScale),t.displacementBias!==void 0&&(this.displacementBias=t.displacementBias),t.roughnessMap!==void 0&&(this.roughnessMap=e[t.roughnessMap]||null),t.metalnessMap!==void 0&&(this.metalnessMap=e[t.metalnessMap]||null),t.emissiveMap!==void 0&&(this.emissiveMap=e[t.emissiveMap]||null),t.emissiveIntensity!==void 0&&(this.emissiveIntensity=t.emissiveIntensity),t.specularMap!==void 0&&(this.specularMap=e[t.specularMap]||null),t.specularIntensityMap!==void 0&&(this.specularIntensityMap=e[t.specularIntensityMap]||null),t.specularColorMap!==void 0&&(this.specularColorMap=e[t.specularColorMap]||null),t.envMap!==void 0&&(this.envMap=e[t.envMap]||null),t.envMapRotation!==void 0&&this.envMapRotation.fromArray(t.envMapRotation),t.envMapIntensity!==void 0&&(this.envMapIntensity=t.envMapIntensity),t.reflectivity!==void 0&&(this.reflectivity=t.reflectivity),t.refractionRatio!==void 0&&(this.refractionRatio=t.refractionRatio),t.lightMap!==void 0&&(this.lightMap=e[t.lightMap]||null),t.lightMapIntensity!==void 0&&(this.lightMapIntensity=t.lightMapIntensity),t.aoMap!==void 0&&(this.aoMap=e[t.aoMap]||null),t.aoMapIntensity!==void 0&&(this.aoMapIntensity=t.aoMapIntensity),t.gradientMap!==void 0&&(this.gradientMap=e[t.gradientMap]||null),t.clearcoatMap!==void 0&&(this.clearcoatMap=e[t.clearcoatMap]||null),t.clearcoatRoughnessMap!==void 0&&(this.clearcoatRoughnessMap=e[t.clearcoatRoughnessMap]||null),t.clearcoatNormalMap!==void 0&&(this.clearcoatNormalMap=e[t.clearcoatNormalMap]||null),t.clearcoatNormalScale!==void 0&&(this.clearcoatNormalScale=new jt().fromArray(t.clearcoatNormalScale)),t.diffuseRoughnessMap!==void 0&&(this.diffuseRoughnessMap=e[t.diffuseRoughnessMap]||null),t.iridescenceMap!==void 0&&(this.iridescenceMap=e[t.iridescenceMap]||null),t.iridescenceThicknessMap!==void 0&&(this.iridescenceThicknessMap=e[t.iridescenceThicknessMap]||null),t.transmissionMap!==void 0&&(this.transmissionMap=e[t.transmissionMap]||null),t.thicknessMap!==void 0&&(this.thicknessMap=e[t.thicknessMap]||null),t.anisotropyMap!==void 0&&(this.anisotropyMap=e[t.anisotropyMap]||null),t.sheenColorMap!==void 0&&(this.sheenColorMap=e[t.sheenColorMap]||null),t.sheenRoughnessMap!==void 0&&(this.sheenRoughnessMap=e[t.sheenRoughnessMap]||null),this}clone(){return new this.constructor().copy(this)}copy(t){this.name=t.name,this.blending=t.blending,this.side=t.side,this.vertexColors=t.vertexColors,this.opacity=t.opacity,this.transparent=t.transparent,this.blendSrc=t.blendSrc,this.blendDst=t.blendDst,this.blendEquation=t.blendEquation,this.blendSrcAlpha=t.blendSrcAlpha,this.blendDstAlpha=t.blendDstAlpha,this.blendEquationAlpha=t.blendEquationAlpha,this.blendColor.copy(t.blendColor),this.blendAlpha=t.blendAlpha,this.depthFunc=t.depthFunc,this.depthTest=t.depthTest,this.depthWrite=t.depthWrite,this.stencilWriteMask=t.stencilWriteMask,this.stencilFunc=t.stencilFunc,this.stencilRef=t.stencilRef,this.stencilFuncMask=t.stencilFuncMask,this.stencilFail=t.stencilFail,this.stencilZFail=t.stencilZFail,this.stencilZPass=t.stencilZPass,this.stencilWrite=t.stencilWrite;let e=t.clippingPlanes,i=null;if(e!==null){let s=e.length;i=new Array(s);for(let r=0;r!==s;++r)i[r]=e[r].clone()}return this.clippingPlanes=i,this.clipIntersection=t.clipIntersection,this.clipShadows=t.clipShadows,this.shadowSide=t.shadowSide,this.colorWrite=t.colorWrite,this.precision=t.precision,this.polygonOffset=t.polygonOffset,this.polygonOffsetFactor=t.polygonOffsetFactor,this.polygonOffsetUnits=t.polygonOffsetUnits,this.dithering=t.dithering,this.alphaTest=t.alphaTest,this.alphaHash=t.alphaHash,this.alphaToCoverage=t.alphaToCoverage,this.premultipliedAlpha=t.premultipliedAlpha,this.forceSinglePass=t.forceSinglePass,this.allowOverride=t.allowOverride,this.visible=t.visible,this.toneMapped=t.toneMapped,this.userData=JSON.parse(JSON.stringify(t.userData)),this}dispose(){this.dispatchEvent({type:"dispose"})}set needsUpdate(t){t===!0&&this.version++}};var ws=new Z,Bf=new Z,ic=new Z,sc=new Z,Tr=class{constructor(t=new Z,e=new Z(0,0,-1)){this.origin=t,this.direction=e}set(t,e){return this.origin.copy(t),this.direction.copy(e),this}copy(t){return this.origin.copy(t.origin),this.direction.copy(t.direction),this}at(t,e){return e.copy(this.origin).addScaledVector(this.direction,t)}lookAt(t){return this.direction.copy(t).sub(this.origin).normalize(),this}recast(t){return this.origin.copy(this.at(t,ws)),this}closestPointToPoint(t,e){e.subVectors(t,this.origin);let i=e.dot(this.direction);return i<0?e.copy(this.origin):e.copy(this.origin).addScaledVector(this.direction,i)}distanceToPoint(t){return Math.sqrt(this.distanceSqToPoint(t))}distanceSqToPoint(t){let e=ws.subVectors(t,this.origin).dot(this.direction);return e<0?this.origin.distanceToSquared(t):(ws.copy(this.origin).addScaledVector(this.direction,e),ws.distanceToSquared(t))}distanceSqToSegment(t,e,i,s){Bf.copy(t).add(e).multiplyScalar(.5),ic.copy(e).sub(t).normalize(),sc.copy(this.origin).sub(Bf);let r=t.distanceTo(e)*.5,o=-this.direction.dot(ic),a=sc.dot(this.direction),l=-sc.dot(ic),c=sc.lengthSq(),h=Math.abs(1-o*o),f,u,d,p;if(h>0)if(f=o*l-a,u=o*a-l,p=r*h,f>=0)if(u>=-p)if(u<=p){let _=1/h;f*=_,u*=_,d=f*(f+o*u+2*a)+u*(o*f+u+2*l)+c}else u=r,f=Math.max(0,-(o*u+a)),d=-f*f+u*(u+2*l)+c;else u=-r,f=Math.max(0,-(o*u+a)),d=-f*f+u*(u+2*l)+c;else u<=-p?(f=Math.max(0,-(-o*r+a)),u=f>0?-r:Math.min(Math.max(-r,-l),r),d=-f*f+u*(u+2*l)+c):u<=p?(f=0,u=Math.min(Math.max(-r,-l),r),d=u*(u+2*l)+c):(f=Math.max(0,-(o*r+a)),u=f>0?r:Math.min(Math.max(-r,-l),r),d=-f*f+u*(u+2*l)+c);else u=o>0?-r:r,f=Math.max(0,-(o*u+a)),d=-f*f+u*(u+2*l)+c;return i&&i.copy(this.origin).addScaledVector(this.direction,f),s&&s.copy(Bf).addScaledVector(ic,u),d}intersectSphere(t,e){if(t.radius<0)return null;ws.subVectors(t.center,this.origin);let i=ws.dot(this.direction),s=ws.dot(ws)-i*i,r=t.radius*t.radius;if(s>r)return null;let o=Math.sqrt(r-s),a=i-o,l=i+o;return l<0?null:a<0?this.at(l,e):this.at(a,e)}intersectsSphere(t){return t.radius<0?!1:this.distanceSqToPoint(t.center)<=t.radius*t.radius}distanceToPlane(t){let e=t.normal.dot(this.direction);if(e===0)return t.distanceToPoint(this.origin)===0?0:null;let i=-(this.origin.dot(t.normal)+t.constant)/e;return i>=0?i:null}intersectPlane(t,e){let i=this.distanceToPlane(t);return i===null?null:this.at(i,e)}intersectsPlane(t){let e=t.distanceToPoint(this.origin);return e===0||t.normal.dot(this.direction)*e<0}intersectBox(t,e){let i,s,r,o,a,l,c=1/this.direction.x,h=1/this.direction.y,f=1/this.direction.z,u=this.origin;return c>=0?(i=(t.min.x-u.x)*c,s=(t.max.x-u.x)*c):(i=(t.max.x-u.x)*c,s=(t.min.x-u.x)*c),h>=0?(r=(t.min.y-u.y)*h,o=(t.max.y-u.y)*h):(r=(t.max.y-u.y)*h,o=(t.min.y-u.y)*h),i>o||r>s||((r>i||isNaN(i))&&(i=r),(o<s||isNaN(s))&&(s=o),f>=0?(a=(t.min.z-u.z)*f,l=(t.max.z-u.z)*f):(a=(t.max.z-u.z)*f,l=(t.min.z-u.z)*f),i>l||a>s)||((a>i||i!==i)&&(i=a),(l<s||s!==s)&&(s=l),s<0)?null:this.at(i>=0?i:s,e)}intersectsBox(t){return this.intersectBox(t,ws)!==null}intersectTriangle(t,e,i,s,r){let o=this.origin,a=this.direction,l=a.x,c=a.y,h=a.z,f=t.x-o.x,u=t.y-o.y,d=t.z-o.z,p=e.x-o.x,_=e.y-o.y,m=e.z-o.z,g=i.x-o.x,v=i.y-o.y,T=i.z-o.z,S=Math.abs(l),C=Math.abs(c),E=Math.abs(h),y,M,V,N,L,B,F,R,U,$,G,ct;if(S>=C&&S>=E?(V=l,B=f,U=p,ct=g,l>=0?(y=c,M=h,N=u,L=d,F=_,R=m,$=v,G=T):(y=h,M=c,N=d,L=u,F=m,R=_,$=T,G=v)):C>=E?(V=c,B=u,U=_,ct=v,c>=0?(y=h,M=l,N=d,L=f,F=m,R=p,$=T,G=g):(y=l,M=h,N=f,L=d,F=p,R=m,$=g,G=T)):(V=h,B=d,U=m,ct=T,h>=0?(y=l,M=c,N=f,L=u,F=p,R=_,$=g,G=v):(y=c,M=l,N=u,L=f,F=_,R=p,$=v,G=g)),V===0)return null;let I=y/V,k=M/V,q=1/V,et=N-I*B,nt=L-k*B,Y=F-I*U,at=R-k*U,ut=$-I*ct,dt=G-k*ct,ot=ut*at-dt*Y,Lt=et*dt-nt*ut,Yt=Y*nt-at*et;if(s){if(ot<0||Lt<0||Yt<0)return null}else if((ot<0||Lt<0||Yt<0)&&(ot>0||Lt>0||Yt>0))return null;let Ut=ot+Lt+Yt;if(Ut===0)return null;let ne=q*(ot*B+Lt*U+Yt*ct);return(Ut>0?ne<0:ne>0)?null:this.at(ne/Ut,r)}applyMatrix4(t){return this.origin.applyMatrix4(t),this.direction.transformDirection(t),this}equals(t){return t.origin.equals(this.origin)&&t.direction.equals(this.direction)}clone(){return new this.constructor().copy(this)}},Mo=class extends Cs{constructor(t){super(),this.isMeshBasicMaterial=!0,this.type="MeshBasicMaterial",this.color=new ue(16777215),this.map=null,this.lightMap=null,this.lightMapIntensity=1,this.aoMap=null,this.aoMapIntensity=1,this.specularMap=null,this.alphaMap=null,this.envMap=null,this.envMapRotation=new Ts,this.combine=jc,this.reflectivity=1,this.refractionRatio=.98,this.wireframe=!1,this.wireframeLinewidth=1,this.wireframeLinecap="round",this.wireframeLinejoin="round",this.fog=!0,this.setValues(t)}copy(t){return super.copy(t),this.color.copy(t.color),this.map=t.map,this.lightMap=t.lightMap,this.lightMapIntensity=t.lightMapIntensity,this.aoMap=t.aoMap,this.aoMapIntensity=t.aoMapIntensity,this.specularMap=t.specularMap,this.alphaMap=t.alphaMap,this.envMap=t.envMap,this.envMapRotation.copy(t.envMapRotation),this.combine=t.combine,this.reflectivity=t.reflectivity,this.refractionRatio=t.refractionRatio,this.wireframe=t.wireframe,this.wireframeLinewidth=t.wireframeLinewidth,this.wireframeLinecap=t.wireframeLinecap,this.wireframeLinejoin=t.wireframeLinejoin,this.fog=t.fog,this}},e0=new Ze,wr=new Tr,rc=new Ar,n0=new Z,oc=new Z,ac=new Z,lc=new Z,kf=new Z,cc=new Z,i0=new Z,hc=new Z,ti=class extends kn{constructor(t=new Qn,e=new Mo){super(),this.isMesh=!0,this.type="Mesh",this.geometry=t,this.material=e,this.morphTargetDictionary=void 0,this.morphTargetInfluences=void 0,this.count=1,this.updateMorphTargets()}copy(t,e){return super.copy(t,e),t.morphTargetInfluences!==void 0?this.morphTargetInfluences=t.morphTargetInfluences.slice():this.morphTargetInfluences=void 0,t.morphTargetDictionary!==void 0?this.morphTargetDictionary=Object.assign({},t.morphTargetDictionary):this.morphTargetDictionary=void 0,this.material=Array.isArray(t.material)?t.material.slice():t.material,this.geometry=t.geometry,this}updateMorphTargets(){let e=this.geometry.morphAttributes,i=Object.keys(e);if(i.length>0){let s=e[i[0]];if(s!==void 0){this.morphTargetInfluences=[],this.morphTargetDictionary={};for(let r=0,o=s.length;r<o;r++){let a=s[r].name||String(r);this.morphTargetInfluences.push(0),this.morphTargetDictionary[a]=r}}}}getVertexPosition(t,e){let i=this.geometry,s=i.attributes.position,r=i.morphAttributes.position,o=i.morphTargetsRelative;e.fromBufferAttribute(s,t);let a=this.morphTargetInfluences;if(r&&a){cc.set(0,0,0);for(let l=0,c=r.length;l<c;l++){let h=a[l],f=r[l];h!==0&&(kf.fromBufferAttribute(f,t),o?cc.addScaledVector(kf,h):cc.addScaledVector(kf.sub(e),h))}e.add(cc)}return e}intersectsFrustum(t){return t.intersectsObject(this)}raycast(t,e){let i=this.geometry,s=this.material,r=this.matrixWorld;s!==void 0&&(i.boundingSphere===null&&i.computeBoundingSphere(),rc.copy(i.boundingSphere),rc.applyMatrix4(r),wr.copy(t.ray).recast(t.near),!(rc.containsPoint(wr.origin)===!1&&(wr.intersectSphere(rc,n0)===null||wr.origin.distanceToSquared(n0)>(t.far-t.near)**2))&&(e0.copy(r).invert(),wr.copy(t.ray).applyMatrix4(e0),!(i.boundingBox!==null&&wr.intersectsBox(i.boundingBox)===!1)&&this._computeIntersections(t,e,wr)))}_computeIntersections(t,e,i){let s,r=this.geometry,o=this.material,a=r.index,l=r.attributes.position,c=r.attributes.uv,h=r.attributes.uv1,f=r.attributes.normal,u=r.groups,d=r.drawRange;if(a!==null)if(Array.isArray(o))for(let p=0,_=u.length;p<_;p++){let m=u[p],g=o[m.materialIndex],v=Math.max(m.start,d.start),T=Math.min(a.count,Math.min(m.start+m.count,d.start+d.count));for(let S=v,C=T;S<C;S+=3){let E=a.getX(S),y=a.getX(S+1),M=a.getX(S+2);s=uc(this,g,t,i,c,h,f,E,y,M),s&&(s.faceIndex=Math.floor(S/3),s.face.materialIndex=m.materialIndex,e.push(s))}}else{let p=Math.max(0,d.start),_=Math.min(a.count,d.start+d.count);for(let m=p,g=_;m<g;m+=3){let v=a.getX(m),T=a.getX(m+1),S=a.getX(m+2);s=uc(this,o,t,i,c,h,f,v,T,S),s&&(s.faceIndex=Math.floor(m/3),e.push(s))}}else if(l!==void 0)if(Array.isArray(o))for(let p=0,_=u.length;p<_;p++){let m=u[p],g=o[m.materialIndex],v=Math.max(m.start,d.start),T=Math.min(l.count,Math.min(m.start+m.count,d.start+d.count));for(let S=v,C=T;S<C;S+=3){let E=S,y=S+1,M=S+2;s=uc(this,g,t,i,c,h,f,E,y,M),s&&(s.faceIndex=Math.floor(S/3),s.face.materialIndex=m.materialIndex,e.push(s))}}else{let p=Math.max(0,d.start),_=Math.min(l.count,d.start+d.count);for(let m=p,g=_;m<g;m+=3){let v=m,T=m+1,S=m+2;s=uc(this,o,t,i,c,h,f,v,T,S),s&&(s.faceIndex=Math.floor(m/3),e.push(s))}}}};function nM(n,t,e,i,s,r,o,a){let l;if(t.side===ei?l=i.intersectTriangle(o,r,s,!0,a):l=i.intersectTriangle(s,r,o,t.side===ar,a),l===null)return null;hc.copy(a),hc.applyMatrix4(n.matrixWorld);let c=e.ray.origin.distanceTo(hc);return c<e.near||c>e.far?null:{distance:c,point:hc.clone(),object:n}}function uc(n,t,e,i,s,r,o,a,l,c){n.getVertexPosition(a,oc),n.getVertexPosition(l,ac),n.getVertexPosition(c,lc);let h=nM(n,t,e,i,oc,ac,lc,i0);if(h){let f=new Z;js.getBarycoord(i0,oc,ac,lc,f),s&&(h.uv=js.getInterpolatedAttribute(s,a,l,c,f,new jt)),r&&(h.uv1=js.getInterpolatedAttribute(r,a,l,c,f,new jt)),o&&(h.normal=js.getInterpolatedAttribute(o,a,l,c,f,new Z),h.normal.dot(i.direction)>0&&h.normal.multiplyScalar(-1));let u={a,b:l,c,normal:new Z,materialIndex:0};js.getNormal(oc,ac,lc,u.normal),h.face=u,h.barycoord=f}return h}var wo=class extends ai{constructor(t=null,e=1,i=1,s,r,o,a,l,c=Nn,h=Nn,f,u){super(null,o,a,l,c,h,s,r,f,u),this.isDataTexture=!0,this.image={data:t,width:e,height:i},this.generateMipmaps=!1,this.flipY=!1,this.unpackAlignment=1}};var Er=new Ar,iM=new jt(.5,.5),fc=new Z,tr=class{constructor(t=new vi,e=new vi,i=new vi,s=new vi,r=new vi,o=new vi){this.planes=[t,e,i,s,r,o]}set(t,e,i,s,r,o){let a=this.planes;return a[0].copy(t),a[1].copy(e),a[2].copy(i),a[3].copy(s),a[4].copy(r),a[5].copy(o),this}copy(t){let e=this.planes;for(let i=0;i<6;i++)e[i].copy(t.planes[i]);return this}setFromProjectionMatrix(t,e=Ii,i=!1){let s=this.planes,r=t.elements,o=r[0],a=r[1],l=r[2],c=r[3],h=r[4],f=r[5],u=r[6],d=r[7],p=r[8],_=r[9],m=r[10],g=r[11],v=r[12],T=r[13],S=r[14],C=r[15];if(s[0].setComponents(c-o,d-h,g-p,C-v).normalize(),s[1].setComponents(c+o,d+h,g+p,C+v).normalize(),s[2].setComponents(c+a,d+f,g+_,C+T).normalize(),s[3].setComponents(c-a,d-f,g-_,C-T).normalize(),i)s[4].setComponents(l,u,m,S).normalize(),s[5].setComponents(c-l,d-u,g-m,C-S).normalize();else if(s[4].setComponents(c-l,d-u,g-m,C-S).normalize(),e===Ii)s[5].setComponents(c+l,d+u,g+m,C+S).normalize();else if(e===yo)s[5].setComponents(l,u,m,S).normalize();else throw new Error("THREE.Frustum.setFromProjectionMatrix(): Invalid coordinate system: "+e);return this}intersectsObject(t){if(t.boundingSphere!==void 0)t.boundingSphere===null&&t.computeBoundingSphere(),Er.copy(t.boundingSphere).applyMatrix4(t.matrixWorld);else{let e=t.geometry;e.boundingSphere===null&&e.computeBoundingSphere(),Er.copy(e.boundingSphere).applyMatrix4(t.matrixWorld)}return this.intersectsSphere(Er)}intersectsSprite(t){Er.center.set(0,0,0);let e=iM.distanceTo(t.center);return Er.radius=.7071067811865476+e,Er.applyMatrix4(t.matrixWorld),this.intersectsSphere(Er)}intersectsSphere(t){let e=this.planes,i=t.center,s=-t.radius;for(let r=0;r<6;r++)if(e[r].distanceToPoint(i)<s)return!1;return!0}intersectsBox(t){let e=this.planes;for(let i=0;i<6;i++){let s=e[i];if(fc.x=s.normal.x>0?t.max.x:t.min.x,fc.y=s.normal.y>0?t.max.y:t.min.y,fc.z=s.normal.z>0?t.max.z:t.min.z,s.distanceToPoint(fc)<0)return!1}return!0}containsPoint(t){let e=this.planes;for(let i=0;i<6;i++)if(e[i].distanceToPoint(t)<0)return!1;return!0}clone(){return new this.constructor().copy(this)}},s0=new Ze,Dc=class n{constructor(){this.coordinateSystem=Ii,this._frustums=[],this._count=0}setFromArrayCamera(t){let e=t.cameras,i=this._frustums;for(let s=0;s<e.length;s++){let r=e[s];s0.multiplyMatrices(r.projectionMatrix,r.matrixWorldInverse),i[s]===void 0&&(i[s]=new tr),i[s].setFromProjectionMatrix(s0,r.coordinateSystem,r.reversedDepth)}return this._count=e.length,this}getFrustum(t){return this._frustums[t]}intersectsObject(t){let e=this._frustums;for(let i=0;i<this._count;i++)if(e[i].intersectsObject(t))return!0;return!1}intersectsSprite(t){let e=this._frustums;for(let i=0;i<this._count;i++)if(e[i].intersectsSprite(t))return!0;return!1}intersectsSphere(t){let e=this._frustums;for(let i=0;i<this._count;i++)if(e[i].intersectsSphere(t))return!0;return!1}intersectsBox(t){let e=this._frustums;for(let i=0;i<this._count;i++)if(e[i].intersectsBox(t))return!0;return!1}containsPoint(t){let e=this._frustums;for(let i=0;i<this._count;i++)if(e[i].containsPoint(t))return!0;return!1}copy(t){this.coordinateSystem=t.coordinateSystem;let e=this._frustums,i=t._frustums;for(let s=0;s<t._count;s++)e[s]===void 0&&(e[s]=new tr),e[s].copy(i[s]);return this._count=t._count,this}clone(){return new n().copy(this)}};var Eo=class extends Cs{constructor(t){super(),this.isLineBasicMaterial=!0,this.type="LineBasicMaterial",this.color=new ue(16777215),this.map=null,this.linewidth=1,this.linecap="round",this.linejoin="round",this.fog=!0,this.setValues(t)}copy(t){return super.copy(t),this.color.copy(t.color),this.map=t.map,this.linewidth=t.linewidth,this.linecap=t.linecap,this.linejoin=t.linejoin,this.fog=t.fog,this}},Nc=new Z,Oc=new Z,r0=new Ze,va=new Tr,dc=new Ar,zf=new Z,o0=new Z,Uc=class extends kn{constructor(t=new Qn,e=new Eo){super(),this.isLine=!0,this.type="Line",this.geometry=t,this.material=e,this.morphTargetDictionary=void 0,this.morphTargetInfluences=void 0,this.updateMorphTargets()}copy(t,e){return super.copy(t,e),t.morphTargetInfluences!==void 0?this.morphTargetInfluences=t.morphTargetInfluences.slice():this.morphTargetInfluences=void 0,t.morphTargetDictionary!==void 0?this.morphTargetDictionary=Object.assign({},t.morphTargetDictionary):this.morphTargetDictionary=void 0,this.material=Array.isArray(t.material)?t.material.slice():t.material,this.geometry=t.geometry,this}computeLineDistances(){let t=this.geometry;if(t.index===null){let e=t.attributes.position,i=[0];for(let s=1,r=e.count;s<r;s++)Nc.fromBufferAttribute(e,s-1),Oc.fromBufferAttribute(e,s),i[s]=i[s-1],i[s]+=Nc.distanceTo(Oc);t.setAttribute("lineDistance",new tn(i,1))}else Kt("Line.computeLineDistances(): Computation only possible with non-indexed BufferGeometry.");return this}intersectsFrustum(t){return t.intersectsObject(this)}raycast(t,e){let i=this.geometry,s=this.matrixWorld,r=t.params.Line.threshold,o=i.drawRange;if(i.boundingSphere===null&&i.computeBoundingSphere(),dc.copy(i.boundingSphere),dc.applyMatrix4(s),dc.radius+=r,t.ray.intersectsSphere(dc)===!1)return;r0.copy(s).invert(),va.copy(t.ray).applyMatrix4(r0);let a=r/((this.scale.x+this.scale.y+this.scale.z)/3),l=a*a,c=this.isLineSegments?2:1,h=i.index,u=i.attributes.position;if(h!==null){let d=Math.max(0,o.start),p=Math.min(h.count,o.start+o.count);for(let _=d,m=p-1;_<m;_+=c){let g=h.getX(_),v=h.getX(_+1),T=pc(this,t,va,l,g,v,_);T&&e.push(T)}if(this.isLineLoop){let _=h.getX(p-1),m=h.getX(d),g=pc(this,t,va,l,_,m,p-1);g&&e.push(g)}}else{let d=Math.max(0,o.start),p=Math.min(u.count,o.start+o.count);for(let _=d,m=p-1;_<m;_+=c){let g=pc(this,t,va,l,_,_+1,_);g&&e.push(g)}if(this.isLineLoop){let _=pc(this,t,va,l,p-1,d,p-1);_&&e.push(_)}}}updateMorphTargets(){let e=this.geometry.morphAttributes,i=Object.keys(e);if(i.length>0){let s=e[i[0]];if(s!==void 0){this.morphTargetInfluences=[],this.morphTargetDictionary={};for(let r=0,o=s.length;r<o;r++){let a=s[r].name||String(r);this.morphTargetInfluences.push(0),this.morphTargetDictionary[a]=r}}}}};function pc(n,t,e,i,s,r,o){let a=n.geometry.attributes.position;if(Nc.fromBufferAttribute(a,s),Oc.fromBufferAttribute(a,r),e.distanceSqToSegment(Nc,Oc,zf,o0)>i)return;zf.applyMatrix4(n.matrixWorld);let c=t.ray.origin.distanceTo(zf);if(!(c<t.near||c>t.far))return{distance:c,point:o0.clone().applyMatrix4(n.matrixWorld),index:o,face:null,faceIndex:null,barycoord:null,object:n}}var a0=new Z,l0=new Z,Da=class extends Uc{constructor(t,e){super(t,e),this.isLineSegments=!0,this.type="LineSegments"}computeLineDistances(){let t=this.geometry;if(t.index===null){let e=t.attributes.position,i=[];for(let s=0,r=e.count;s<r;s+=2)a0.fromBufferAttribute(e,s),l0.fromBufferAttribute(e,s+1),i[s]=s===0?0:i[s-1],i[s+1]=i[s]+a0.distanceTo(l0);t.setAttribute("lineDistance",new tn(i,1))}else Kt("LineSegments.computeLineDistances(): Computation only possible with non-indexed BufferGeometry.");return this}};var Na=class extends ai{constructor(t=[],e=Ir,i,s,r,o,a,l,c,h){super(t,e,i,s,r,o,a,l,c,h),this.isCubeTexture=!0,this.flipY=!1}get images(){return this.image}set images(t){this.image=t}};var Rs=class extends ai{constructor(t,e,i=Xi,s,r,o,a=Nn,l=Nn,c,h=As,f=1){if(h!==As&&h!==Ps)throw new Error("THREE.DepthTexture: format must be either THREE.DepthFormat or THREE.DepthStencilFormat");let u={width:t,height:e,depth:f};super(u,s,r,o,a,l,h,i,c),this.isDepthTexture=!0,this.flipY=!1,this.generateMipmaps=!1,this.compareFunction=null}copy(t){return super.copy(t),this.source=new So(Object.assign({},t.image)),this.compareFunction=t.compareFunction,this}toJSON(t){let e=super.toJSON(t);return e.compareFunction=this.compareFunction,e}},Oa=class extends Rs{constructor(t,e=Xi,i=Ir,s,r,o=Nn,a=Nn,l,c=As){let h={width:t,height:t,depth:1},f=[h,h,h,h,h,h];super(t,t,e,i,s,r,o,a,l,c),this.image=f,this.isCubeDepthTexture=!0,this.isCubeTexture=!0}get images(){return this.image}set images(t){this.image=t}},Ua=class extends ai{constructor(t=null){super(),this.sourceTexture=t,this.isExternalTexture=!0}copy(t){return super.copy(t),this.sourceTexture=t.sourceTexture,this}},Ao=class n extends Qn{constructor(t=1,e=1,i=1,s=1,r=1,o=1){super(),this.type="BoxGeometry",this.parameters={width:t,height:e,depth:i,widthSegments:s,heightSegments:r,depthSegments:o};let a=this;s=Math.floor(s),r=Math.floor(r),o=Math.floor(o);let l=[],c=[],h=[],f=[],u=0,d=0;p("z","y","x",-1,-1,i,e,t,o,r,0),p("z","y","x",1,-1,i,e,-t,o,r,1),p("x","z","y",1,1,t,i,e,s,o,2),p("x","z","y",1,-1,t,i,-e,s,o,3),p("x","y","z",1,-1,t,e,i,s,r,4),p("x","y","z",-1,-1,t,e,-i,s,r,5),this.setIndex(l),this.setAttribute("position",new tn(c,3)),this.setAttribute("normal",new tn(h,3)),this.setAttribute("uv",new tn(f,2));function p(_,m,g,v,T,S,C,E,y,M,V){let N=S/y,L=C/M,B=S/2,F=C/2,R=E/2,U=y+1,$=M+1,G=0,ct=0,I=new Z;for(let k=0;k<$;k++){let q=k*L-F;for(let et=0;et<U;et++){let nt=et*N-B;I[_]=nt*v,I[m]=q*T,I[g]=R,c.push(I.x,I.y,I.z),I[_]=0,I[m]=0,I[g]=E>0?1:-1,h.push(I.x,I.y,I.z),f.push(et/y),f.push(1-k/M),G+=1}}for(let k=0;k<M;k++)for(let q=0;q<y;q++){let et=u+q+U*k,nt=u+q+U*(k+1),Y=u+(q+1)+U*(k+1),at=u+(q+1)+U*k;l.push(et,nt,at),l.push(nt,Y,at),ct+=6}a.addGroup(d,ct,V),d+=ct,u+=G}}copy(t){return super.copy(t),this.parameters=Object.assign({},t.parameters),this}static fromJSON(t){return new n(t.width,t.height,t.depth,t.widthSegments,t.heightSegments,t.depthSegments)}};var Fa=class n extends Qn{constructor(t=1,e=32,i=0,s=Math.PI*2){super(),this.type="CircleGeometry",this.parameters={radius:t,segments:e,thetaStart:i,thetaLength:s},e=Math.max(3,e);let r=[],o=[],a=[],l=[],c=new Z,h=new jt;o.push(0,0,0),a.push(0,0,1),l.push(.5,.5);for(let f=0,u=3;f<=e;f++,u+=3){let d=i+f/e*s;c.x=t*Math.cos(d),c.y=t*Math.sin(d),o.push(c.x,c.y,c.z),a.push(0,0,1),h.x=(o[u]/t+1)/2,h.y=(o[u+1]/t+1)/2,l.push(h.x,h.y)}for(let f=1;f<=e;f++)r.push(f,f+1,0);this.setIndex(r),this.setAttribute("position",new tn(o,3)),this.setAttribute("normal",new tn(a,3)),this.setAttribute("uv",new tn(l,2))}copy(t){return super.copy(t),this.parameters=Object.assign({},t.parameters),this}static fromJSON(t){return new n(t.radius,t.segments,t.thetaStart,t.thetaLength)}},To=class n extends Qn{constructor(t=1,e=1,i=1,s=32,r=1,o=!1,a=0,l=Math.PI*2){super(),this.type="CylinderGeometry",this.parameters={radiusTop:t,radiusBottom:e,height:i,radialSegments:s,heightSegments:r,openEnded:o,thetaStart:a,thetaLength:l};let c=this;s=Math.floor(s),r=Math.floor(r);let h=[],f=[],u=[],d=[],p=0,_=[],m=i/2,g=0;v(),o===!1&&(t>0&&T(!0),e>0&&T(!1)),this.setIndex(h),this.setAttribute("position",new tn(f,3)),this.setAttribute("normal",new tn(u,3)),this.setAttribute("uv",new tn(d,2));function v(){let S=new Z,C=new Z,E=0,y=(e-t)/i;for(let M=0;M<=r;M++){let V=[],N=M/r,L=N*(e-t)+t;for(let B=0;B<=s;B++){let F=B/s,R=F*l+a,U=Math.sin(R),$=Math.cos(R);C.x=L*U,C.y=-N*i+m,C.z=L*$,f.push(C.x,C.y,C.z),S.set(U,y,$).normalize(),u.push(S.x,S.y,S.z),d.push(F,1-N),V.push(p++)}_.push(V)}for(let M=0;M<s;M++)for(let V=0;V<r;V++){let N=_[V][M],L=_[V+1][M],B=_[V+1][M+1],F=_[V][M+1];(t>0||V!==0)&&(h.push(N,L,F),E+=3),(e>0||V!==r-1)&&(h.push(L,B,F),E+=3)}c.addGroup(g,E,0),g+=E}function T(S){let C=p,E=new jt,y=new Z,M=0,V=S===!0?t:e,N=S===!0?1:-1;for(let B=1;B<=s;B++)f.push(0,m*N,0),u.push(0,N,0),d.push(.5,.5),p++;let L=p;for(let B=0;B<=s;B++){let R=B/s*l+a,U=Math.cos(R),$=Math.sin(R);y.x=V*$,y.y=m*N,y.z=V*U,f.push(y.x,y.y,y.z),u.push(0,N,0),E.x=U*.5+.5,E.y=$*.5*N+.5,d.push(E.x,E.y),p++}for(let B=0;B<s;B++){let F=C+B,R=L+B;S===!0?h.push(R,R+1,F):h.push(R+1,R,F),M+=3}c.addGroup(g,M,S===!0?1:2),g+=M}}copy(t){return super.copy(t),this.parameters=Object.assign({},t.parameters),this}static fromJSON(t){return new n(t.radiusTop,t.radiusBottom,t.height,t.radialSegments,t.heightSegments,t.openEnded,t.thetaStart,t.thetaLength)}},Ba=class n extends To{constructor(t=1,e=1,i=32,s=1,r=!1,o=0,a=Math.PI*2){super(0,t,e,i,s,r,o,a),this.type="ConeGeometry",this.parameters={radius:t,height:e,radialSegments:i,heightSegments:s,openEnded:r,thetaStart:o,thetaLength:a}}static fromJSON(t){return new n(t.radius,t.height,t.radialSegments,t.heightSegments,t.openEnded,t.thetaStart,t.thetaLength)}};var ka=class n extends Qn{constructor(t=1,e=1,i=1,s=1){super(),this.type="PlaneGeometry",this.parameters={width:t,height:e,widthSegments:i,heightSegments:s};let r=t/2,o=e/2,a=Math.floor(i),l=Math.floor(s),c=a+1,h=l+1,f=t/a,u=e/l,d=[],p=[],_=[],m=[];for(let g=0;g<h;g++){let v=g*u-o;for(let T=0;T<c;T++){let S=T*f-r;p.push(S,-v,0),_.push(0,0,1),m.push(T/a),m.push(1-g/l)}}for(let g=0;g<l;g++)for(let v=0;v<a;v++){let T=v+c*g,S=v+c*(g+1),C=v+1+c*(g+1),E=v+1+c*g;d.push(T,S,E),d.push(S,C,E)}this.setIndex(d),this.setAttribute("position",new tn(p,3)),this.setAttribute("normal",new tn(_,3)),this.setAttribute("uv",new tn(m,2))}copy(t){return super.copy(t),this.parameters=Object.assign({},t.parameters),this}static fromJSON(t){return new n(t.width,t.height,t.widthSegments,t.heightSegments)}},Co=class n extends Qn{constructor(t=.5,e=1,i=32,s=1,r=0,o=Math.PI*2){super(),this.type="RingGeometry",this.parameters={innerRadius:t,outerRadius:e,thetaSegments:i,phiSegments:s,thetaStart:r,thetaLength:o},i=Math.max(3,i),s=Math.max(1,s);let a=[],l=[],c=[],h=[],f=t,u=(e-t)/s,d=new Z,p=new jt;for(let _=0;_<=s;_++){for(let m=0;m<=i;m++){let g=r+m/i*o;d.x=f*Math.cos(g),d.y=f*Math.sin(g),l.push(d.x,d.y,d.z),c.push(0,0,1),p.x=(d.x/e+1)/2,p.y=(d.y/e+1)/2,h.push(p.x,p.y)}f+=u}for(let _=0;_<s;_++){let m=_*(i+1);for(let g=0;g<i;g++){let v=g+m,T=v,S=v+i+1,C=v+i+2,E=v+1;a.push(T,S,E),a.push(S,C,E)}}this.setIndex(a),this.setAttribute("position",new tn(l,3)),this.setAttribute("normal",new tn(c,3)),this.setAttribute("uv",new tn(h,2))}copy(t){return super.copy(t),this.parameters=Object.assign({},t.parameters),this}static fromJSON(t){return new n(t.innerRadius,t.outerRadius,t.thetaSegments,t.phiSegments,t.thetaStart,t.thetaLength)}};function Lr(n){let t={};for(let e in n){t[e]={};for(let i in n[e]){let s=n[e][i];if(c0(s))s.isRenderTargetTexture?(Kt("UniformsUtils: Textures of render targets cannot be cloned via cloneUniforms() or mergeUniforms()."),t[e][i]=null):t[e][i]=s.clone();else if(Array.isArray(s))if(c0(s[0])){let r=[];for(let o=0,a=s.length;o<a;o++)r[o]=s[o].clone();t[e][i]=r}else t[e][i]=s.slice();else t[e][i]=s}}return t}function Gn(n){let t={};for(let e=0;e<n.length;e++){let i=Lr(n[e]);for(let s in i)t[s]=i[s]}return t}function c0(n){return n&&(n.isColor||n.isMatrix3||n.isMatrix4||n.isVector2||n.isVector3||n.isVector4||n.isTexture||n.isQuaternion)}function sM(n){let t=[];for(let e=0;e<n.length;e++)t.push(n[e].clone());return t}function Ed(n){let t=n.getRenderTarget();return t===null?n.outputColorSpace:t.isXRRenderTarget===!0?t.texture.colorSpace:xe.workingColorSpace}var n_={clone:Lr,merge:Gn},rM=`void main() {
+	gl_Position = projectionMatrix * modelViewMatrix * vec4( position, 1.0 );
+}`,oM=`void main() {
+	gl_FragColor = vec4( 1.0, 0.0, 0.0, 1.0 );
+}`,Li=class extends Cs{constructor(t){super(),this.isShaderMaterial=!0,this.type="ShaderMaterial",this.defines={},this.uniforms={},this.uniformsGroups=[],this.vertexShader=rM,this.fragmentShader=oM,this.linewidth=1,this.wireframe=!1,this.wireframeLinewidth=1,this.fog=!1,this.lights=!1,this.clipping=!1,this.forceSinglePass=!0,this.extensions={clipCullDistance:!1,multiDraw:!1},this.defaultAttributeValues={color:[1,1,1],uv:[0,0],uv1:[0,0]},this.index0AttributeName=void 0,this.uniformsNeedUpdate=!1,this.glslVersion=null,t!==void 0&&this.setValues(t)}copy(t){return super.copy(t),this.fragmentShader=t.fragmentShader,this.vertexShader=t.vertexShader,this.uniforms=Lr(t.uniforms),this.uniformsGroups=sM(t.uniformsGroups),this.defines=Object.assign({},t.defines),this.wireframe=t.wireframe,this.wireframeLinewidth=t.wireframeLinewidth,this.fog=t.fog,this.lights=t.lights,this.clipping=t.clipping,this.extensions=Object.assign({},t.extensions),this.glslVersion=t.glslVersion,this.defaultAttributeValues=Object.assign({},t.defaultAttributeValues),this.index0AttributeName=t.index0AttributeName,this.uniformsNeedUpdate=t.uniformsNeedUpdate,this}toJSON(t){let e=super.toJSON(t);e.glslVersion=this.glslVersion,e.uniforms={};for(let s in this.uniforms){let o=this.uniforms[s].value;o&&o.isTexture?e.uniforms[s]={type:"t",value:o.toJSON(t).uuid}:o&&o.isColor?e.uniforms[s]={type:"c",value:o.getHex()}:o&&o.isVector2?e.uniforms[s]={type:"v2",value:o.toArray()}:o&&o.isVector3?e.uniforms[s]={type:"v3",value:o.toArray()}:o&&o.isVector4?e.uniforms[s]={type:"v4",value:o.toArray()}:o&&o.isMatrix3?e.uniforms[s]={type:"m3",value:o.toArray()}:o&&o.isMatrix4?e.uniforms[s]={type:"m4",value:o.toArray()}:e.uniforms[s]={value:o}}Object.keys(this.defines).length>0&&(e.defines=this.defines),e.vertexShader=this.vertexShader,e.fragmentShader=this.fragmentShader,e.lights=this.lights,e.clipping=this.clipping;let i={};for(let s in this.extensions)this.extensions[s]===!0&&(i[s]=!0);return Object.keys(i).length>0&&(e.extensions=i),e}fromJSON(t,e){if(super.fromJSON(t,e),t.uniforms!==void 0)for(let i in t.uniforms){let s=t.uniforms[i];switch(this.uniforms[i]={},s.type){case"t":this.uniforms[i].value=e[s.value]||null;break;case"c":this.uniforms[i].value=new ue().setHex(s.value);break;case"v2":this.uniforms[i].value=new jt().fromArray(s.value);break;case"v3":this.uniforms[i].value=new Z().fromArray(s.value);break;case"v4":this.uniforms[i].value=new Je().fromArray(s.value);break;case"m3":this.uniforms[i].value=new oe().fromArray(s.value);break;case"m4":this.uniforms[i].value=new Ze().fromArray(s.value);break;default:this.uniforms[i].value=s.value}}if(t.defines!==void 0&&(this.defines=t.defines),t.vertexShader!==void 0&&(this.vertexShader=t.vertexShader),t.fragmentShader!==void 0&&(this.fragmentShader=t.fragmentShader),t.glslVersion!==void 0&&(this.glslVersion=t.glslVersion),t.extensions!==void 0)for(let i in t.extensions)this.extensions[i]=t.extensions[i];return t.lights!==void 0&&(this.lights=t.lights),t.clipping!==void 0&&(this.clipping=t.clipping),this}},Fc=class extends Li{constructor(t){super(t),this.isRawShaderMaterial=!0,this.type="RawShaderMaterial"}};var za=class extends Cs{constructor(t){super(),this.isMeshLambertMaterial=!0,this.type="MeshLambertMaterial",this.color=new ue(16777215),this.map=null,this.lightMap=null,this.lightMapIntensity=1,this.aoMap=null,this.aoMapIntensity=1,this.emissive=new ue(0),this.emissiveIntensity=1,this.emissiveMap=null,this.bumpMap=null,this.bumpScale=1,this.normalMap=null,this.normalMapType=Bh,this.normalScale=new jt(1,1),this.displacementMap=null,this.displacementScale=1,this.displacementBias=0,this.specularMap=null,this.alphaMap=null,this.envMap=null,this.envMapRotation=new Ts,this.combine=jc,this.reflectivity=1,this.envMapIntensity=1,this.refractionRatio=.98,this.wireframe=!1,this.wireframeLinewidth=1,this.wireframeLinecap="round",this.wireframeLinejoin="round",this.flatShading=!1,this.fog=!0,this.setValues(t)}copy(t){return super.copy(t),this.color.copy(t.color),this.map=t.map,this.lightMap=t.lightMap,this.lightMapIntensity=t.lightMapIntensity,this.aoMap=t.aoMap,this.aoMapIntensity=t.aoMapIntensity,this.emissive.copy(t.emissive),this.emissiveMap=t.emissiveMap,this.emissiveIntensity=t.emissiveIntensity,this.bumpMap=t.bumpMap,this.bumpScale=t.bumpScale,this.normalMap=t.normalMap,this.normalMapType=t.normalMapType,this.normalScale.copy(t.normalScale),this.displacementMap=t.displacementMap,this.displacementScale=t.displacementScale,this.displacementBias=t.displacementBias,this.specularMap=t.specularMap,this.alphaMap=t.alphaMap,this.envMap=t.envMap,this.envMapRotation.copy(t.envMapRotation),this.combine=t.combine,this.reflectivity=t.reflectivity,this.envMapIntensity=t.envMapIntensity,this.refractionRatio=t.refractionRatio,this.wireframe=t.wireframe,this.wireframeLinewidth=t.wireframeLinewidth,this.wireframeLinecap=t.wireframeLinecap,this.wireframeLinejoin=t.wireframeLinejoin,this.flatShading=t.flatShading,this.fog=t.fog,this}},Bc=class extends Cs{constructor(t){super(),this.isMeshDepthMaterial=!0,this.type="MeshDepthMaterial",this.depthPacking=z0,this.map=null,this.alphaMap=null,this.displacementMap=null,this.displacementScale=1,this.displacementBias=0,this.wireframe=!1,this.wireframeLinewidth=1,this.setValues(t)}copy(t){return super.copy(t),this.depthPacking=t.depthPacking,this.map=t.map,this.alphaMap=t.alphaMap,this.displacementMap=t.displacementMap,this.displacementScale=t.displacementScale,this.displacementBias=t.displacementBias,this.wireframe=t.wireframe,this.wireframeLinewidth=t.wireframeLinewidth,this}},kc=class extends Cs{constructor(t){super(),this.isMeshDistanceMaterial=!0,this.type="MeshDistanceMaterial",this.map=null,this.alphaMap=null,this.displacementMap=null,this.displacementScale=1,this.displacementBias=0,this.setValues(t)}copy(t){return super.copy(t),this.map=t.map,this.alphaMap=t.alphaMap,this.displacementMap=t.displacementMap,this.displacementScale=t.displacementScale,this.displacementBias=t.displacementBias,this}};function fo(n,t){return!n||n.constructor===t?n:typeof t.BYTES_PER_ELEMENT=="number"?new t(n):Array.prototype.slice.call(n)}function mc(n){return n!==void 0&&n.inTangents!==void 0&&n.outTangents!==void 0}var er=class{constructor(t,e,i,s){this.parameterPositions=t,this._cachedIndex=0,this.resultBuffer=s!==void 0?s:new e.constructor(i),this.sampleValues=e,this.valueSize=i,this.settings=null,this.DefaultSettings_={}}evaluate(t){let e=this.parameterPositions,i=this._cachedIndex,s=e[i],r=e[i-1];n:{t:{let o;e:{i:if(!(t<s)){for(let a=i+2;;){if(s===void 0){if(t<r)break i;return i=e.length,this._cachedIndex=i,this.copySampleValue_(i-1)}if(i===a)break;if(r=s,s=e[++i],t<s)break t}o=e.length;break e}if(!(t>=r)){let a=e[1];t<a&&(i=2,r=a);for(let l=i-2;;){if(r===void 0)return this._cachedIndex=0,this.copySampleValue_(0);if(i===l)break;if(s=r,r=e[--i-1],t>=r)break t}o=i,i=0;break e}break n}for(;i<o;){let a=i+o>>>1;t<e[a]?o=a:i=a+1}if(s=e[i],r=e[i-1],r===void 0)return this._cachedIndex=0,this.copySampleValue_(0);if(s===void 0)return i=e.length,this._cachedIndex=i,this.copySampleValue_(i-1)}this._cachedIndex=i,this.intervalChanged_(i,r,s)}return this.interpolate_(i,r,t,s)}getSettings_(){return this.settings||this.DefaultSettings_}copySampleValue_(t){let e=this.resultBuffer,i=this.sampleValues,s=this.valueSize,r=t*s;for(let o=0;o!==s;++o)e[o]=i[r+o];return e}interpolate_(){throw new Error("THREE.Interpolant: Call to abstract method.")}intervalChanged_(){}},zc=class extends er{constructor(t,e,i,s){super(t,e,i,s),this._weightPrev=-0,this._offsetPrev=-0,this._weightNext=-0,this._offsetNext=-0,this.DefaultSettings_={endingStart:Gf,endingEnd:Gf}}intervalChanged_(t,e,i){let s=this.parameterPositions,r=t-2,o=t+1,a=s[r],l=s[o];if(a===void 0)switch(this.getSettings_().endingStart){case Wf:r=t,a=2*e-i;break;case $f:r=s.length-2,a=e+s[r]-s[r+1];break;default:r=t,a=i}if(l===void 0)switch(this.getSettings_().endingEnd){case Wf:o=t,l=2*i-e;break;case $f:o=1,l=i+s[1]-s[0];break;default:o=t-1,l=e}let c=(i-e)*.5,h=this.valueSize;this._weightPrev=c/(e-a),this._weightNext=c/(l-i),this._offsetPrev=r*h,this._offsetNext=o*h}interpolate_(t,e,i,s){let r=this.resultBuffer,o=this.sampleValues,a=this.valueSize,l=t*a,c=l-a,h=this._offsetPrev,f=this._offsetNext,u=this._weightPrev,d=this._weightNext,p=(i-e)/(s-e),_=p*p,m=_*p,g=-u*m+2*u*_-u*p,v=(1+u)*m+(-1.5-2*u)*_+(-.5+u)*p+1,T=(-1-d)*m+(1.5+d)*_+.5*p,S=d*m-d*_;for(let C=0;C!==a;++C)r[C]=g*o[h+C]+v*o[c+C]+T*o[l+C]+S*o[f+C];return r}},Hc=class extends er{constructor(t,e,i,s){super(t,e,i,s)}interpolate_(t,e,i,s){let r=this.resultBuffer,o=this.sampleValues,a=this.valueSize,l=t*a,c=l-a,h=(i-e)/(s-e),f=1-h;for(let u=0;u!==a;++u)r[u]=o[c+u]*f+o[l+u]*h;return r}},Vc=class extends er{constructor(t,e,i,s){super(t,e,i,s)}interpolate_(t){return this.copySampleValue_(t-1)}},Gc=class extends er{interpolate_(t,e,i,s){let r=this.resultBuffer,o=this.sampleValues,a=this.valueSize,l=t*a,c=l-a,h=this.inTangents,f=this.outTangents;if(!h||!f){let p=(i-e)/(s-e),_=1-p;for(let m=0;m!==a;++m)r[m]=o[c+m]*_+o[l+m]*p;return r}let u=a*2,d=t-1;for(let p=0;p!==a;++p){let _=o[c+p],m=o[l+p],g=d*u+p*2,v=f[g],T=f[g+1],S=t*u+p*2,C=h[S],E=h[S+1],y=lM(i,e,v,C,s);r[p]=i_(y,_,T,E,m)}return r}};function i_(n,t,e,i,s){let r=1-n;return r*r*r*t+3*r*r*n*e+3*r*n*n*i+n*n*n*s}function aM(n,t,e,i,s){let r=1-n;return 3*r*r*(e-t)+6*r*n*(i-e)+3*n*n*(s-i)}function lM(n,t,e,i,s){let r=(n-t)/(s-t);for(let o=0;o<8;o++){let a=i_(r,t,e,i,s)-n;if(Math.abs(a)<1e-10)break;let l=aM(r,t,e,i,s);if(Math.abs(l)<1e-10)break;r=Math.max(0,Math.min(1,r-a/l))}return r}var bi=class{constructor(t,e,i,s){if(t===void 0)throw new Error("THREE.KeyframeTrack: track name is undefined");if(e===void 0||e.length===0)throw new Error("THREE.KeyframeTrack: no keyframes in track named "+t);this.name=t,this.times=fo(e,this.TimeBufferType),this.values=fo(i,this.ValueBufferType),this.setInterpolation(s||this.DefaultInterpolation)}static toJSON(t){let e=t.constructor,i;if(e.toJSON!==this.toJSON)i=e.toJSON(t);else{i={name:t.name,times:fo(t.times,Array),values:fo(t.values,Array)};let s=t.getInterpolation();s!==t.DefaultInterpolation&&(i.interpolation=s),mc(t.settings)&&(i.settings={inTangents:fo(t.settings.inTangents,Array),outTangents:fo(t.settings.outTangents,Array)})}return i.type=t.ValueTypeName,i}InterpolantFactoryMethodDiscrete(t){return new Vc(this.times,this.values,this.getValueSize(),t)}InterpolantFactoryMethodLinear(t){return new Hc(this.times,this.values,this.getValueSize(),t)}InterpolantFactoryMethodSmooth(t){return new zc(this.times,this.values,this.getValueSize(),t)}InterpolantFactoryMethodBezier(t){let e=new Gc(this.times,this.values,this.getValueSize(),t);return this.settings&&(e.inTangents=this.settings.inTangents,e.outTangents=this.settings.outTangents),e}setInterpolation(t){let e;switch(t){case wa:e=this.InterpolantFactoryMethodDiscrete;break;case Rc:e=this.InterpolantFactoryMethodLinear;break;case yc:e=this.InterpolantFactoryMethodSmooth;break;case Vf:e=this.InterpolantFactoryMethodBezier;break}if(e===void 0){let i="unsupported interpolation for "+this.ValueTypeName+" keyframe track named "+this.name;if(this.createInterpolant===void 0)if(t!==this.DefaultInterpolation)this.setInterpolation(this.DefaultInterpolation);else throw new Error(i);return Kt("KeyframeTrack:",i),this}return this.createInterpolant=e,this}getInterpolation(){switch(this.createInterpolant){case this.InterpolantFactoryMethodDiscrete:return wa;case this.InterpolantFactoryMethodLinear:return Rc;case this.InterpolantFactoryMethodSmooth:return yc;case this.InterpolantFactoryMethodBezier:return Vf}}getValueSize(){return this.values.length/this.times.length}shift(t){if(t!==0){let e=this.times;for(let i=0,s=e.length;i!==s;++i)e[i]+=t;mc(this.settings)&&(h0(this.settings.inTangents,t),h0(this.settings.outTangents,t))}return this}scale(t){if(t!==1){let e=this.times;for(let i=0,s=e.length;i!==s;++i)e[i]*=t;mc(this.settings)&&(u0(this.settings.inTangents,t),u0(this.settings.outTangents,t))}return this}trim(t,e){let i=this.times,s=i.length,r=0,o=s-1;for(;r!==s&&i[r]<t;)++r;for(;o!==-1&&i[o]>e;)--o;if(++o,r!==0||o!==s){r>=o&&(o=Math.max(o,1),r=o-1);let a=this.getValueSize();this.times=i.slice(r,o),this.values=this.values.slice(r*a,o*a)}return this}validate(){let t=!0,e=this.getValueSize();e-Math.floor(e)!==0&&(re("KeyframeTrack: Invalid value size in track.",this),t=!1);let i=this.times,s=this.values,r=i.length;r===0&&(re("KeyframeTrack: Track is empty.",this),t=!1);let o=null;for(let a=0;a!==r;a++){let l=i[a];if(typeof l=="number"&&isNaN(l)){re("KeyframeTrack: Time is not a valid number.",this,a,l),t=!1;break}if(o!==null&&o>l){re("KeyframeTrack: Out of order keys.",this,a,l,o),t=!1;break}o=l}if(s!==void 0&&wb(s))for(let a=0,l=s.length;a!==l;++a){let c=s[a];if(isNaN(c)){re("KeyframeTrack: Value is not a valid number.",this,a,c),t=!1;break}}return t}optimize(){let t=this.times.slice(),e=this.values.slice(),i=this.getValueSize(),s=this.getInterpolation()===yc,r=t.length-1,o=1;for(let a=1;a<r;++a){let l=!1,c=t[a],h=t[a+1];if(c!==h&&(a!==1||c!==t[0]))if(s)l=!0;else{let f=a*i,u=f-i,d=f+i;for(let p=0;p!==i;++p){let _=e[f+p];if(_!==e[u+p]||_!==e[d+p]){l=!0;break}}}if(l){if(a!==o){t[o]=t[a];let f=a*i,u=o*i;for(let d=0;d!==i;++d)e[u+d]=e[f+d]}++o}}if(r>0){t[o]=t[r];for(let a=r*i,l=o*i,c=0;c!==i;++c)e[l+c]=e[a+c];++o}return o!==t.length?(this.times=t.slice(0,o),this.values=e.slice(0,o*i)):(this.times=t,this.values=e),this}clone(){let t=this.times.slice(),e=this.values.slice(),i=this.constructor,s=new i(this.name,t,e);return s.createInterpolant=this.createInterpolant,mc(this.settings)&&(s.settings={inTangents:this.settings.inTangents.slice(),outTangents:this.settings.outTangents.slice()}),s}};function h0(n,t){for(let e=0,i=n.length;e!==i;e+=2)n[e]+=t}function u0(n,t){for(let e=0,i=n.length;e!==i;e+=2)n[e]*=t}bi.prototype.ValueTypeName="";bi.prototype.TimeBufferType=Float32Array;bi.prototype.ValueBufferType=Float32Array;bi.prototype.DefaultInterpolation=Rc;var nr=class extends bi{constructor(t,e,i){super(t,e,i)}};nr.prototype.ValueTypeName="bool";nr.prototype.ValueBufferType=Array;nr.prototype.DefaultInterpolation=wa;nr.prototype.InterpolantFactoryMethodLinear=void 0;nr.prototype.InterpolantFactoryMethodSmooth=void 0;var Wc=class extends bi{constructor(t,e,i,s){super(t,e,i,s)}};Wc.prototype.ValueTypeName="color";var $c=class extends bi{constructor(t,e,i,s){super(t,e,i,s)}};$c.prototype.ValueTypeName="number";var Xc=class extends er{constructor(t,e,i,s){super(t,e,i,s)}interpolate_(t,e,i,s){let r=this.resultBuffer,o=this.sampleValues,a=this.valueSize,l=(i-e)/(s-e),c=t*a;for(let h=c+a;c!==h;c+=4)jn.slerpFlat(r,0,o,c-a,o,c,l);return r}},Ha=class extends bi{constructor(t,e,i,s){super(t,e,i,s)}InterpolantFactoryMethodLinear(t){return new Xc(this.times,this.values,this.getValueSize(),t)}};Ha.prototype.ValueTypeName="quaternion";Ha.prototype.InterpolantFactoryMethodSmooth=void 0;var ir=class extends bi{constructor(t,e,i){super(t,e,i)}};ir.prototype.ValueTypeName="string";ir.prototype.ValueBufferType=Array;ir.prototype.DefaultInterpolation=wa;ir.prototype.InterpolantFactoryMethodLinear=void 0;ir.prototype.InterpolantFactoryMethodSmooth=void 0;var qc=class extends bi{constructor(t,e,i,s){super(t,e,i,s)}};qc.prototype.ValueTypeName="vector";var Yc=class{constructor(t,e,i){let s=this,r=!1,o=0,a=0,l,c=[];this.onStart=void 0,this.onLoad=t,this.onProgress=e,this.onError=i,this._abortController=null,this.itemStart=function(h){a++,r===!1&&s.onStart!==void 0&&s.onStart(h,o,a),r=!0},this.itemEnd=function(h){o++,s.onProgress!==void 0&&s.onProgress(h,o,a),o===a&&(r=!1,s.onLoad!==void 0&&s.onLoad())},this.itemError=function(h){s.onError!==void 0&&s.onError(h)},this.resolveURL=function(h){return h=h.normalize("NFC"),l?l(h):h},this.setURLModifier=function(h){return l=h,this},this.addHandler=function(h,f){return c.push(h,f),this},this.removeHandler=function(h){let f=c.indexOf(h);return f!==-1&&c.splice(f,2),this},this.getHandler=function(h){for(let f=0,u=c.length;f<u;f+=2){let d=c[f],p=c[f+1];if(d.global&&(d.lastIndex=0),d.test(h))return p}return null},this.abort=function(){return this.abortController.abort(),this._abortController=null,this}}get abortController(){return this._abortController||(this._abortController=new AbortController),this._abortController}},s_=new Yc,Zc=class{constructor(t){this.manager=t!==void 0?t:s_,this.crossOrigin="anonymous",this.withCredentials=!1,this.path="",this.resourcePath="",this.requestHeader={},this.priority="auto",this.cache="default",typeof __THREE_DEVTOOLS__<"u"&&__THREE_DEVTOOLS__.dispatchEvent(new CustomEvent("observe",{detail:this}))}load(){}loadAsync(t,e){let i=this;return new Promise(function(s,r){i.load(t,s,e,r)})}parse(){}setCrossOrigin(t){return this.crossOrigin=t,this}setWithCredentials(t){return this.withCredentials=t,this}setPath(t){return this.path=t,this}setResourcePath(t){return this.resourcePath=t,this}setRequestHeader(t){return this.requestHeader=t,this}setPriority(t){return this.priority=t,this}setCache(t){return this.cache=t,this}abort(){return this}};Zc.DEFAULT_MATERIAL_NAME="__DEFAULT";var Va=class extends kn{static registerNode(t){this.prototype._lightNode=t}constructor(t,e=1){super(),this.isLight=!0,this.type="Light",this.color=new ue(t),this.intensity=e}copy(t,e){return super.copy(t,e),this.color.copy(t.color),this.intensity=t.intensity,this}toJSON(t){let e=super.toJSON(t);return e.object.color=this.color.getHex(),e.object.intensity=this.intensity,e}},Ga=class extends Va{constructor(t,e,i){super(t,i),this.isHemisphereLight=!0,this.type="HemisphereLight",this.position.copy(kn.DEFAULT_UP),this.updateMatrix(),this.groundColor=new ue(e)}copy(t,e){return super.copy(t,e),this.groundColor.copy(t.groundColor),this}toJSON(t){let e=super.toJSON(t);return e.object.groundColor=this.groundColor.getHex(),e}},Hf=new Ze,f0=new Z,d0=new Z,Kc=class{constructor(t){this.camera=t,this.intensity=1,this.bias=0,this.biasNode=null,this.normalBias=0,this.radius=1,this.blurSamples=8,this.mapSize=new jt(512,512),this.mapType=li,this.map=null,this.mapPass=null,this.matrix=new Ze,this.autoUpdate=!0,this.needsUpdate=!1,this._frustum=new tr,this._frameExtents=new jt(1,1),this._viewportCount=1,this._viewports=[new Je(0,0,1,1)]}getViewportCount(){return this._viewportCount}getCamera(){return this.camera}getFrustum(){return this._frustum}updateMatrices(t){let e=this.camera;f0.setFromMatrixPosition(t.matrixWorld),e.position.copy(f0),d0.setFromMatrixPosition(t.target.matrixWorld),e.lookAt(d0),e.updateMatrixWorld(),this._updateMatrix(e,this.matrix,this._frustum)}_updateMatrix(t,e,i,s){Hf.multiplyMatrices(t.projectionMatrix,t.matrixWorldInverse),i.setFromProjectionMatrix(Hf,t.coordinateSystem,t.reversedDepth);let r=this._frameExtents,o=s?s.z/r.x:1,a=s?s.w/r.y:1,l=s?s.x/r.x:0,c=s?s.y/r.y:0;t.coordinateSystem===yo||t.reversedDepth?e.set(.5*o,0,0,.5*o+l,0,.5*a,0,.5*a+c,0,0,1,0,0,0,0,1):e.set(.5*o,0,0,.5*o+l,0,.5*a,0,.5*a+c,0,0,.5,.5,0,0,0,1),e.multiply(Hf)}getViewport(t){return this._viewports[t]}getFrameExtents(){return this._frameExtents}dispose(){this.map&&this.map.dispose(),this.mapPass&&this.mapPass.dispose()}copy(t){return this.camera=t.camera.clone(),this.intensity=t.intensity,this.bias=t.bias,this.radius=t.radius,this.autoUpdate=t.autoUpdate,this.needsUpdate=t.needsUpdate,this.normalBias=t.normalBias,this.blurSamples=t.blurSamples,this.mapSize.copy(t.mapSize),this.mapType=t.mapType,this.biasNode=t.biasNode,this}clone(){return new this.constructor().copy(this)}toJSON(){let t={};return t.intensity=this.intensity,t.bias=this.bias,t.normalBias=this.normalBias,t.radius=this.radius,t.blurSamples=this.blurSamples,t.mapSize=this.mapSize.toArray(),t.mapType=this.mapType,t.camera=this.camera.toJSON(!1).object,delete t.camera.matrix,t}},gc=new Z,_c=new jn,as=new Z,Wa=class extends kn{constructor(){super(),this.isCamera=!0,this.type="Camera",this.matrixWorldInverse=new Ze,this.projectionMatrix=new Ze,this.projectionMatrixInverse=new Ze,this.coordinateSystem=Ii,this._reversedDepth=!1}get reversedDepth(){return this._reversedDepth}copy(t,e){return super.copy(t,e),this.matrixWorldInverse.copy(t.matrixWorldInverse),this.projectionMatrix.copy(t.projectionMatrix),this.projectionMatrixInverse.copy(t.projectionMatrixInverse),this.coordinateSystem=t.coordinateSystem,this}getWorldDirection(t){return super.getWorldDirection(t).negate()}updateMatrixWorld(t){super.updateMatrixWorld(t),this.matrixWorld.decompose(gc,_c,as),as.x===1&&as.y===1&&as.z===1?this.matrixWorldInverse.copy(this.matrixWorld).invert():this.matrixWorldInverse.compose(gc,_c,as.set(1,1,1)).invert()}updateWorldMatrix(t,e,i=!1){super.updateWorldMatrix(t,e,i),this.matrixWorld.decompose(gc,_c,as),as.x===1&&as.y===1&&as.z===1?this.matrixWorldInverse.copy(this.matrixWorld).invert():this.matrixWorldInverse.compose(gc,_c,as.set(1,1,1)).invert()}clone(){return new this.constructor().copy(this)}},Js=new Z,p0=new jt,m0=new jt,Jn=class extends Wa{constructor(t=50,e=1,i=.1,s=2e3){super(),this.isPerspectiveCamera=!0,this.type="PerspectiveCamera",this.fov=t,this.zoom=1,this.near=i,this.far=s,this.focus=10,this.aspect=e,this.view=null,this.filmGauge=35,this.filmOffset=0,this.updateProjectionMatrix()}copy(t,e){return super.copy(t,e),this.fov=t.fov,this.zoom=t.zoom,this.near=t.near,this.far=t.far,this.focus=t.focus,this.aspect=t.aspect,this.view=t.view===null?null:Object.assign({},t.view),this.filmGauge=t.filmGauge,this.filmOffset=t.filmOffset,this}setFocalLength(t){let e=.5*this.getFilmHeight()/t;this.fov=vo*2*Math.atan(e),this.updateProjectionMatrix()}getFocalLength(){let t=Math.tan(ba*.5*this.fov);return .5*this.getFilmHeight()/t}getEffectiveFOV(){return vo*2*Math.atan(Math.tan(ba*.5*this.fov)/this.zoom)}getFilmWidth(){return this.filmGauge*Math.min(this.aspect,1)}getFilmHeight(){return this.filmGauge/Math.max(this.aspect,1)}getViewBounds(t,e,i){Js.set(-1,-1,.5).applyMatrix4(this.projectionMatrixInverse),e.set(Js.x,Js.y).multiplyScalar(-t/Js.z),Js.set(1,1,.5).applyMatrix4(this.projectionMatrixInverse),i.set(Js.x,Js.y).multiplyScalar(-t/Js.z)}getViewSize(t,e){return this.getViewBounds(t,p0,m0),e.subVectors(m0,p0)}setViewOffset(t,e,i,s,r,o){this.aspect=t/e,this.view===null&&(this.view={enabled:!0,fullWidth:1,fullHeight:1,offsetX:0,offsetY:0,width:1,height:1}),this.view.enabled=!0,this.view.fullWidth=t,this.view.fullHeight=e,this.view.offsetX=i,this.view.offsetY=s,this.view.width=r,this.view.height=o,this.updateProjectionMatrix()}clearViewOffset(){this.view!==null&&(this.view.enabled=!1),this.updateProjectionMatrix()}updateProjectionMatrix(){let t=this.near,e=t*Math.tan(ba*.5*this.fov)/this.zoom,i=2*e,s=this.aspect*i,r=-.5*s,o=this.view;if(this.view!==null&&this.view.enabled){let l=o.fullWidth,c=o.fullHeight;r+=o.offsetX*s/l,e-=o.offsetY*i/c,s*=o.width/l,i*=o.height/c}let a=this.filmOffset;a!==0&&(r+=t*a/this.getFilmWidth()),this.projectionMatrix.makePerspective(r,r+s,e,e-i,t,this.far,this.coordinateSystem,this.reversedDepth),this.projectionMatrixInverse.copy(this.projectionMatrix).invert()}toJSON(t){let e=super.toJSON(t);return e.object.fov=this.fov,e.object.zoom=this.zoom,e.object.near=this.near,e.object.far=this.far,e.object.focus=this.focus,e.object.aspect=this.aspect,this.view!==null&&(e.object.view=Object.assign({},this.view)),e.object.filmGauge=this.filmGauge,e.object.filmOffset=this.filmOffset,e}};var $a=class extends Wa{constructor(t=-1,e=1,i=1,s=-1,r=.1,o=2e3){super(),this.isOrthographicCamera=!0,this.type="OrthographicCamera",this.zoom=1,this.view=null,this.left=t,this.right=e,this.top=i,this.bottom=s,this.near=r,this.far=o,this.updateProjectionMatrix()}copy(t,e){return super.copy(t,e),this.left=t.left,this.right=t.right,this.top=t.top,this.bottom=t.bottom,this.near=t.near,this.far=t.far,this.zoom=t.zoom,this.view=t.view===null?null:Object.assign({},t.view),this}setViewOffset(t,e,i,s,r,o){this.view===null&&(this.view={enabled:!0,fullWidth:1,fullHeight:1,offsetX:0,offsetY:0,width:1,height:1}),this.view.enabled=!0,this.view.fullWidth=t,this.view.fullHeight=e,this.view.offsetX=i,this.view.offsetY=s,this.view.width=r,this.view.height=o,this.updateProjectionMatrix()}clearViewOffset(){this.view!==null&&(this.view.enabled=!1),this.updateProjectionMatrix()}updateProjectionMatrix(){let t=(this.right-this.left)/(2*this.zoom),e=(this.top-this.bottom)/(2*this.zoom),i=(this.right+this.left)/2,s=(this.top+this.bottom)/2,r=i-t,o=i+t,a=s+e,l=s-e;if(this.view!==null&&this.view.enabled){let c=(this.right-this.left)/this.view.fullWidth/this.zoom,h=(this.top-this.bottom)/this.view.fullHeight/this.zoom;r+=c*this.view.offsetX,o=r+c*this.view.width,a-=h*this.view.offsetY,l=a-h*this.view.height}this.projectionMatrix.makeOrthographic(r,o,a,l,this.near,this.far,this.coordinateSystem,this.reversedDepth),this.projectionMatrixInverse.copy(this.projectionMatrix).invert()}toJSON(t){let e=super.toJSON(t);return e.object.zoom=this.zoom,e.object.left=this.left,e.object.right=this.right,e.object.top=this.top,e.object.bottom=this.bottom,e.object.near=this.near,e.object.far=this.far,this.view!==null&&(e.object.view=Object.assign({},this.view)),e}},Xf=class extends Kc{constructor(){super(new $a(-5,5,5,-5,.5,500)),this.isDirectionalLightShadow=!0}},Xa=class extends Va{constructor(t,e){super(t,e),this.isDirectionalLight=!0,this.type="DirectionalLight",this.position.copy(kn.DEFAULT_UP),this.updateMatrix(),this.target=new kn,this.shadow=new Xf}dispose(){super.dispose(),this.shadow.dispose()}copy(t){return super.copy(t),this.target=t.target.clone(),this.shadow=t.shadow.clone(),this}toJSON(t){let e=super.toJSON(t);return e.object.shadow=this.shadow.toJSON(),e.object.target=this.target.uuid,e}};var po=-90,mo=1,Ro=class extends kn{constructor(t,e,i){super(),this.type="CubeCamera",this.renderTarget=i,this.coordinateSystem=null,this.activeMipmapLevel=0;let s=new Jn(po,mo,t,e);s.layers=this.layers,this.add(s);let r=new Jn(po,mo,t,e);r.layers=this.layers,this.add(r);let o=new Jn(po,mo,t,e);o.layers=this.layers,this.add(o);let a=new Jn(po,mo,t,e);a.layers=this.layers,this.add(a);let l=new Jn(po,mo,t,e);l.layers=this.layers,this.add(l);let c=new Jn(po,mo,t,e);c.layers=this.layers,this.add(c)}updateCoordinateSystem(){let t=this.coordinateSystem,e=this.children.concat(),[i,s,r,o,a,l]=e;for(let c of e)this.remove(c);if(t===Ii)i.up.set(0,1,0),i.lookAt(1,0,0),s.up.set(0,1,0),s.lookAt(-1,0,0),r.up.set(0,0,-1),r.lookAt(0,1,0),o.up.set(0,0,1),o.lookAt(0,-1,0),a.up.set(0,1,0),a.lookAt(0,0,1),l.up.set(0,1,0),l.lookAt(0,0,-1);else if(t===yo)i.up.set(0,-1,0),i.lookAt(-1,0,0),s.up.set(0,-1,0),s.lookAt(1,0,0),r.up.set(0,0,1),r.lookAt(0,1,0),o.up.set(0,0,-1),o.lookAt(0,-1,0),a.up.set(0,-1,0),a.lookAt(0,0,1),l.up.set(0,-1,0),l.lookAt(0,0,-1);else throw new Error("THREE.CubeCamera.updateCoordinateSystem(): Invalid coordinate system: "+t);for(let c of e)this.add(c),c.updateMatrixWorld()}update(t,e){this.parent===null&&this.updateMatrixWorld();let{renderTarget:i,activeMipmapLevel:s}=this;this.coordinateSystem!==t.coordinateSystem&&(this.coordinateSystem=t.coordinateSystem,this.updateCoordinateSystem());let[r,o,a,l,c,h]=this.children,f=t.getRenderTarget(),u=t.getActiveCubeFace(),d=t.getActiveMipmapLevel(),p=t.xr.enabled;t.xr.enabled=!1;let _=i.texture.mipmapsAutoUpdate;i.texture.mipmapsAutoUpdate=!1;let m=!1;t.isWebGLRenderer===!0?m=t.state.buffers.depth.getReversed():m=t.reversedDepthBuffer,t.setRenderTarget(i,0,s),m&&t.autoClear===!1&&t.clearDepth(),t.render(e,r),t.setRenderTarget(i,1,s),m&&t.autoClear===!1&&t.clearDepth(),t.render(e,o),t.setRenderTarget(i,2,s),m&&t.autoClear===!1&&t.clearDepth(),t.render(e,a),t.setRenderTarget(i,3,s),m&&t.autoClear===!1&&t.clearDepth(),t.render(e,l),t.setRenderTarget(i,4,s),m&&t.autoClear===!1&&t.clearDepth(),t.render(e,c),i.texture.mipmapsAutoUpdate=_,t.setRenderTarget(i,5,s),m&&t.autoClear===!1&&t.clearDepth(),t.render(e,h),t.setRenderTarget(f,u,d),t.xr.enabled=p,i.texture.needsPMREMUpdate=!0}},Jc=class extends Jn{constructor(t=[]){super(),this.isArrayCamera=!0,this.isMultiViewCamera=!1,this.cameras=t,this.perCameraFrustumCulled=!1}};var Ad="\\[\\]\\.:\\/",cM=new RegExp("["+Ad+"]","g"),Td="[^"+Ad+"]",hM="[^"+Ad.replace("\\.","")+"]",uM=/((?:WC+[\/:])*)/.source.replace("WC",Td),fM=/(WCOD+)?/.source.replace("WCOD",hM),dM=/(?:\.(WC+)(?:\[(.+)\])?)?/.source.replace("WC",Td),pM=/\.(WC+)(?:\[(.+)\])?/.source.replace("WC",Td),mM=new RegExp("^"+uM+fM+dM+pM+"$"),gM=["material","materials","bones","map"],qf=class{constructor(t,e,i){let s=i||Ye.parseTrackName(e);this._targetGroup=t,this._bindings=t.subscribe_(e,s)}getValue(t,e){this.bind();let i=this._targetGroup.nCachedObjects_,s=this._bindings[i];s!==void 0&&s.getValue(t,e)}setValue(t,e){let i=this._bindings;for(let s=this._targetGroup.nCachedObjects_,r=i.length;s!==r;++s)i[s].setValue(t,e)}bind(){let t=this._bindings;for(let e=this._targetGroup.nCachedObjects_,i=t.length;e!==i;++e)t[e].bind()}unbind(){let t=this._bindings;for(let e=this._targetGroup.nCachedObjects_,i=t.length;e!==i;++e)t[e].unbind()}},Ye=class n{constructor(t,e,i){this.path=e,this.parsedPath=i||n.parseTrackName(e),this.node=n.findNode(t,this.parsedPath.nodeName),this.rootNode=t,this.getValue=this._getValue_unbound,this.setValue=this._setValue_unbound}static create(t,e,i){return t&&t.isAnimationObjectGroup?new n.Composite(t,e,i):new n(t,e,i)}static sanitizeNodeName(t){return t.replace(/\s/g,"_").replace(cM,"")}static parseTrackName(t){let e=mM.exec(t);if(e===null)throw new Error("THREE.PropertyBinding: Cannot parse trackName: "+t);let i={nodeName:e[2],objectName:e[3],objectIndex:e[4],propertyName:e[5],propertyIndex:e[6]},s=i.nodeName&&i.nodeName.lastIndexOf(".");if(s!==void 0&&s!==-1){let r=i.nodeName.substring(s+1);gM.indexOf(r)!==-1&&(i.nodeName=i.nodeName.substring(0,s),i.objectName=r)}if(i.propertyName===null||i.propertyName.length===0)throw new Error("THREE.PropertyBinding: can not parse propertyName from trackName: "+t);return i}static findNode(t,e){if(e===void 0||e===""||e==="."||e===-1||e===t.name||e===t.uuid)return t;if(t.skeleton){let i=t.skeleton.getBoneByName(e);if(i!==void 0)return i}if(t.children){let i=function(r){for(let o=0;o<r.length;o++){let a=r[o];if(a.name===e||a.uuid===e)return a;let l=i(a.children);if(l)return l}return null},s=i(t.children);if(s)return s}return null}_getValue_unavailable(){}_setValue_unavailable(){}_getValue_direct(t,e){t[e]=this.targetObject[this.propertyName]}_getValue_array(t,e){let i=this.resolvedProperty;for(let s=0,r=i.length;s!==r;++s)t[e++]=i[s]}_getValue_arrayElement(t,e){t[e]=this.resolvedProperty[this.propertyIndex]}_getValue_toArray(t,e){this.resolvedProperty.toArray(t,e)}_setValue_direct(t,e){this.targetObject[this.propertyName]=t[e]}_setValue_direct_setNeedsUpdate(t,e){this.targetObject[this.propertyName]=t[e],this.targetObject.needsUpdate=!0}_setValue_direct_setMatrixWorldNeedsUpdate(t,e){this.targetObject[this.propertyName]=t[e],this.targetObject.matrixWorldNeedsUpdate=!0}_setValue_array(t,e){let i=this.resolvedProperty;for(let s=0,r=i.length;s!==r;++s)i[s]=t[e++]}_setValue_array_setNeedsUpdate(t,e){let i=this.resolvedProperty;for(let s=0,r=i.length;s!==r;++s)i[s]=t[e++];this.targetObject.needsUpdate=!0}_setValue_array_setMatrixWorldNeedsUpdate(t,e){let i=this.resolvedProperty;for(let s=0,r=i.length;s!==r;++s)i[s]=t[e++];this.targetObject.matrixWorldNeedsUpdate=!0}_setValue_arrayElement(t,e){this.resolvedProperty[this.propertyIndex]=t[e]}_setValue_arrayElement_setNeedsUpdate(t,e){this.resolvedProperty[this.propertyIndex]=t[e],this.targetObject.needsUpdate=!0}_setValue_arrayElement_setMatrixWorldNeedsUpdate(t,e){this.resolvedProperty[this.propertyIndex]=t[e],this.targetObject.matrixWorldNeedsUpdate=!0}_setValue_fromArray(t,e){this.resolvedProperty.fromArray(t,e)}_setValue_fromArray_setNeedsUpdate(t,e){this.resolvedProperty.fromArray(t,e),this.targetObject.needsUpdate=!0}_setValue_fromArray_setMatrixWorldNeedsUpdate(t,e){this.resolvedProperty.fromArray(t,e),this.targetObject.matrixWorldNeedsUpdate=!0}_getValue_unbound(t,e){this.bind(),this.getValue(t,e)}_setValue_unbound(t,e){this.bind(),this.setValue(t,e)}bind(){let t=this.node,e=this.parsedPath,i=e.objectName,s=e.propertyName,r=e.propertyIndex;if(t||(t=n.findNode(this.rootNode,e.nodeName),this.node=t),this.getValue=this._getValue_unavailable,this.setValue=this._setValue_unavailable,!t){Kt("PropertyBinding: No target node found for track: "+this.path+".");return}if(i){let c=e.objectIndex;switch(i){case"materials":if(!t.material){re("PropertyBinding: Can not bind to material as node does not have a material.",this);return}if(!t.material.materials){re("PropertyBinding: Can not bind to material.materials as node.material does not have a materials array.",this);return}t=t.material.materials;break;case"bones":if(!t.skeleton){re("PropertyBinding: Can not bind to bones as node does not have a skeleton.",this);return}t=t.skeleton.bones;for(let h=0;h<t.length;h++)if(t[h].name===c){c=h;break}break;case"map":if("map"in t){t=t.map;break}if(!t.material){re("PropertyBinding: Can not bind to material as node does not have a material.",this);return}if(!t.material.map){re("PropertyBinding: Can not bind to material.map as node.material does not have a map.",this);return}t=t.material.map;break;default:if(t[i]===void 0){re("PropertyBinding: Can not bind to objectName of node undefined.",this);return}t=t[i]}if(c!==void 0){if(t[c]===void 0){re("PropertyBinding: Trying to bind to objectIndex of objectName, but is undefined.",this,t);return}t=t[c]}}let o=t[s];if(o===void 0){let c=e.nodeName;re("PropertyBinding: Trying to update property for track: "+c+"."+s+" but it wasn't found.",t);return}let a=this.Versioning.None;this.targetObject=t,t.isMaterial===!0?a=this.Versioning.NeedsUpdate:t.isObject3D===!0&&(a=this.Versioning.MatrixWorldNeedsUpdate);let l=this.BindingType.Direct;if(r!==void 0){if(s==="morphTargetInfluences"){if(!t.geometry){re("PropertyBinding: Can not bind to morphTargetInfluences because node does not have a geometry.",this);return}if(!t.geometry.morphAttributes){re("PropertyBinding: Can not bind to morphTargetInfluences because node does not have a geometry.morphAttributes.",this);return}t.morphTargetDictionary[r]!==void 0&&(r=t.morphTargetDictionary[r])}l=this.BindingType.ArrayElement,this.resolvedProperty=o,this.propertyIndex=r}else o.fromArray!==void 0&&o.toArray!==void 0?(l=this.BindingType.HasFromToArray,this.resolvedProperty=o):Array.isArray(o)?(l=this.BindingType.EntireArray,this.resolvedProperty=o):this.propertyName=s;this.getValue=this.GetterByBindingType[l],this.setValue=this.SetterByBindingTypeAndVersioning[l][a]}unbind(){this.node=null,this.getValue=this._getValue_unbound,this.setValue=this._setValue_unbound}};Ye.Composite=qf;Ye.prototype.BindingType={Direct:0,EntireArray:1,ArrayElement:2,HasFromToArray:3};Ye.prototype.Versioning={None:0,NeedsUpdate:1,MatrixWorldNeedsUpdate:2};Ye.prototype.GetterByBindingType=[Ye.prototype._getValue_direct,Ye.prototype._getValue_array,Ye.prototype._getValue_arrayElement,Ye.prototype._getValue_toArray];Ye.prototype.SetterByBindingTypeAndVersioning=[[Ye.prototype._setValue_direct,Ye.prototype._setValue_direct_setNeedsUpdate,Ye.prototype._setValue_direct_setMatrixWorldNeedsUpdate],[Ye.prototype._setValue_array,Ye.prototype._setValue_array_setNeedsUpdate,Ye.prototype._setValue_array_setMatrixWorldNeedsUpdate],[Ye.prototype._setValue_arrayElement,Ye.prototype._setValue_arrayElement_setNeedsUpdate,Ye.prototype._setValue_arrayElement_setMatrixWorldNeedsUpdate],[Ye.prototype._setValue_fromArray,Ye.prototype._setValue_fromArray_setNeedsUpdate,Ye.prototype._setValue_fromArray_setMatrixWorldNeedsUpdate]];var hI=new Float32Array(1);var sr=class{constructor(t=1,e=0,i=0){this.radius=t,this.phi=e,this.theta=i}set(t,e,i){return this.radius=t,this.phi=e,this.theta=i,this}copy(t){return this.radius=t.radius,this.phi=t.phi,this.theta=t.theta,this}makeSafe(){return this.phi=me(this.phi,1e-6,Math.PI-1e-6),this}setFromVector3(t){return this.setFromCartesianCoords(t.x,t.y,t.z)}setFromCartesianCoords(t,e,i){return this.radius=Math.sqrt(t*t+e*e+i*i),this.radius===0?(this.theta=0,this.phi=0):(this.theta=Math.atan2(t,i),this.phi=Math.acos(me(e/this.radius,-1,1))),this}clone(){return new this.constructor().copy(this)}};var Yf=class{static{this.prototype.isMatrix2=!0}constructor(t,e,i,s){this.elements=[1,0,0,1],t!==void 0&&this.set(t,e,i,s)}identity(){return this.set(1,0,0,1),this}fromArray(t,e=0){for(let i=0;i<4;i++)this.elements[i]=t[i+e];return this}set(t,e,i,s){let r=this.elements;return r[0]=t,r[2]=e,r[1]=i,r[3]=s,this}};var qa=class extends $i{constructor(t,e=null){super(),this.object=t,this.domElement=e,this.enabled=!0,this.state=-1,this.keys={},this.mouseButtons={LEFT:null,MIDDLE:null,RIGHT:null},this.touches={ONE:null,TWO:null}}connect(t){this.domElement!==null&&this.disconnect(),this.domElement=t}disconnect(){}dispose(){}update(){}};function Cd(n,t,e,i){let s=_M(i);switch(e){case dd:return n*t;case md:return n*t/s.components*s.byteLength;case rh:return n*t/s.components*s.byteLength;case lr:return n*t*2/s.components*s.byteLength;case oh:return n*t*2/s.components*s.byteLength;case pd:return n*t*3/s.components*s.byteLength;case Zi:return n*t*4/s.components*s.byteLength;case ah:return n*t*4/s.components*s.byteLength;case Ka:case Ja:return Math.floor((n+3)/4)*Math.floor((t+3)/4)*8;case ja:case Qa:return Math.floor((n+3)/4)*Math.floor((t+3)/4)*16;case ch:case uh:return Math.max(n,16)*Math.max(t,8)/4;case lh:case hh:return Math.max(n,8)*Math.max(t,8)/2;case fh:case dh:case mh:case gh:return Math.floor((n+3)/4)*Math.floor((t+3)/4)*8;case ph:case tl:case _h:return Math.floor((n+3)/4)*Math.floor((t+3)/4)*16;case yh:return Math.floor((n+3)/4)*Math.floor((t+3)/4)*16;case xh:return Math.floor((n+4)/5)*Math.floor((t+3)/4)*16;case vh:return Math.floor((n+4)/5)*Math.floor((t+4)/5)*16;case Sh:return Math.floor((n+5)/6)*Math.floor((t+4)/5)*16;case bh:return Math.floor((n+5)/6)*Math.floor((t+5)/6)*16;case Mh:return Math.floor((n+7)/8)*Math.floor((t+4)/5)*16;case wh:return Math.floor((n+7)/8)*Math.floor((t+5)/6)*16;case Eh:return Math.floor((n+7)/8)*Math.floor((t+7)/8)*16;case Ah:return Math.floor((n+9)/10)*Math.floor((t+4)/5)*16;case Th:return Math.floor((n+9)/10)*Math.floor((t+5)/6)*16;case Ch:return Math.floor((n+9)/10)*Math.floor((t+7)/8)*16;case Rh:return Math.floor((n+9)/10)*Math.floor((t+9)/10)*16;case Ih:return Math.floor((n+11)/12)*Math.floor((t+9)/10)*16;case Ph:return Math.floor((n+11)/12)*Math.floor((t+11)/12)*16;case Lh:case Dh:case Nh:return Math.ceil(n/4)*Math.ceil(t/4)*16;case Oh:case Uh:return Math.ceil(n/4)*Math.ceil(t/4)*8;case el:case Fh:return Math.ceil(n/4)*Math.ceil(t/4)*16}throw new Error(`Unable to determine texture byte length for ${e} format.`)}function _M(n){switch(n){case li:case cd:return{byteLength:1,components:1};case Do:case hd:case Yi:return{byteLength:2,components:1};case ih:case sh:return{byteLength:2,components:4};case Xi:case nh:case qi:return{byteLength:4,components:1};case ud:case fd:return{byteLength:4,components:3}}throw new Error(`THREE.TextureUtils: Unknown texture type ${n}.`)}typeof __THREE_DEVTOOLS__<"u"&&__THREE_DEVTOOLS__.dispatchEvent(new CustomEvent("register",{detail:{revision:"187"}}));typeof window<"u"&&(window.__THREE__?Kt("WARNING: Multiple instances of Three.js being imported."):window.__THREE__="187");function A_(){let n=null,t=!1,e=null,i=null;function s(r,o){i=n.requestAnimationFrame(s),e(r,o)}return{start:function(){t!==!0&&e!==null&&n!==null&&(i=n.requestAnimationFrame(s),t=!0)},stop:function(){n!==null&&n.cancelAnimationFrame(i),t=!1},setAnimationLoop:function(r){e=r},setContext:function(r){n=r}}}function xM(n){let t=new WeakMap;function e(a,l){let c=a.array,h=a.usage,f=c.byteLength,u=n.createBuffer();n.bindBuffer(l,u),n.bufferData(l,c,h),a.onUploadCallback();let d;if(c instanceof Float32Array)d=n.FLOAT;else if(typeof Float16Array<"u"&&c instanceof Float16Array)d=n.HALF_FLOAT;else if(c instanceof Uint16Array)a.isFloat16BufferAttribute?d=n.HALF_FLOAT:d=n.UNSIGNED_SHORT;else if(c instanceof Int16Array)d=n.SHORT;else if(c instanceof Uint32Array)d=n.UNSIGNED_INT;else if(c instanceof Int32Array)d=n.INT;else if(c instanceof Int8Array)d=n.BYTE;else if(c instanceof Uint8Array)d=n.UNSIGNED_BYTE;else if(c instanceof Uint8ClampedArray)d=n.UNSIGNED_BYTE;else throw new Error("THREE.WebGLAttributes: Unsupported buffer data format: "+c);return{buffer:u,type:d,bytesPerElement:c.BYTES_PER_ELEMENT,version:a.version,size:f}}function i(a,l,c){let h=l.array,f=l.updateRanges;if(n.bindBuffer(c,a),f.length===0)n.bufferSubData(c,0,h);else{f.sort((d,p)=>d.start-p.start);let u=0;for(let d=1;d<f.length;d++){let p=f[u],_=f[d];_.start<=p.start+p.count+1?p.count=Math.max(p.count,_.start+_.count-p.start):(++u,f[u]=_)}f.length=u+1;for(let d=0,p=f.length;d<p;d++){let _=f[d];n.bufferSubData(c,_.start*h.BYTES_PER_ELEMENT,h,_.start,_.count)}l.clearUpdateRanges()}l.onUploadCallback()}function s(a){return a.isInterleavedBufferAttribute&&(a=a.data),t.get(a)}function r(a){a.isInterleavedBufferAttribute&&(a=a.data);let l=t.get(a);l&&(n.deleteBuffer(l.buffer),t.delete(a))}function o(a,l){if(a.isInterleavedBufferAttribute&&(a=a.data),a.isGLBufferAttribute){let h=t.get(a);(!h||h.version<a.version)&&t.set(a,{buffer:a.buffer,type:a.type,bytesPerElement:a.elementSize,version:a.version});return}let c=t.get(a);if(c===void 0)t.set(a,e(a,l));else if(c.version<a.version){if(c.size!==a.array.byteLength)throw new Error("THREE.WebGLAttributes: The size of the buffer attribute's array buffer does not match the original size. Resizing buffer attributes is not supported.");i(c.buffer,a,l),c.version=a.version}}return{get:s,remove:r,update:o}}var vM=`#ifdef USE_ALPHAHASH
+	if ( diffuseColor.a < getAlphaHashThreshold( vPosition ) ) discard;
+#endif`,SM=`#ifdef USE_ALPHAHASH
+	const float ALPHA_HASH_SCALE = 0.05;
+	float hash2D( vec2 value ) {
+		return fract( 1.0e4 * sin( 17.0 * value.x + 0.1 * value.y ) * ( 0.1 + abs( sin( 13.0 * value.y + value.x ) ) ) );
+	}
+	float hash3D( vec3 value ) {
+		return hash2D( vec2( hash2D( value.xy ), value.z ) );
+	}
+	float getAlphaHashThreshold( vec3 position ) {
+		float maxDeriv = max(
+			length( dFdx( position.xyz ) ),
+			length( dFdy( position.xyz ) )
+		);
+		float pixScale = 1.0 / ( ALPHA_HASH_SCALE * maxDeriv );
+		vec2 pixScales = vec2(
+			exp2( floor( log2( pixScale ) ) ),
+			exp2( ceil( log2( pixScale ) ) )
+		);
+		vec2 alpha = vec2(
+			hash3D( floor( pixScales.x * position.xyz ) ),
+			hash3D( floor( pixScales.y * position.xyz ) )
+		);
+		float lerpFactor = fract( log2( pixScale ) );
+		float x = ( 1.0 - lerpFactor ) * alpha.x + lerpFactor * alpha.y;
+		float a = min( lerpFactor, 1.0 - lerpFactor );
+		vec3 cases = vec3(
+			x * x / ( 2.0 * a * ( 1.0 - a ) ),
+			( x - 0.5 * a ) / ( 1.0 - a ),
+			1.0 - ( ( 1.0 - x ) * ( 1.0 - x ) / ( 2.0 * a * ( 1.0 - a ) ) )
+		);
+		float threshold = ( x < ( 1.0 - a ) )
+			? ( ( x < a ) ? cases.x : cases.y )
+			: cases.z;
+		return clamp( threshold , 1.0e-6, 1.0 );
+	}
+#endif`,bM=`#ifdef USE_ALPHAMAP
+	diffuseColor.a *= texture2D( alphaMap, vAlphaMapUv ).g;
+#endif`,MM=`#ifdef USE_ALPHAMAP
+	uniform sampler2D alphaMap;
+#endif`,wM=`#ifdef USE_ALPHATEST
+	#ifdef ALPHA_TO_COVERAGE
+	diffuseColor.a = smoothstep( alphaTest, alphaTest + fwidth( diffuseColor.a ), diffuseColor.a );
+	if ( diffuseColor.a == 0.0 ) discard;
+	#else
+	if ( diffuseColor.a < alphaTest ) discard;
+	#endif
+#endif`,EM=`#ifdef USE_ALPHATEST
+	uniform float alphaTest;
+#endif`,AM=`#ifdef USE_AOMAP
+	float ambientOcclusion = ( texture2D( aoMap, vAoMapUv ).r - 1.0 ) * aoMapIntensity + 1.0;
+	reflectedLight.indirectDiffuse *= ambientOcclusion;
+	#if defined( USE_CLEARCOAT ) 
+		clearcoatSpecularIndirect *= ambientOcclusion;
+	#endif
+	#if defined( USE_SHEEN ) 
+		sheenSpecularIndirect *= ambientOcclusion;
+	#endif
+	#if defined( USE_ENVMAP ) && defined( STANDARD )
+		float dotNV = saturate( dot( geometryNormal, geometryViewDir ) );
+		reflectedLight.indirectSpecular *= computeSpecularOcclusion( dotNV, ambientOcclusion, material.roughness );
+	#endif
+#endif`,TM=`#ifdef USE_AOMAP
+	uniform sampler2D aoMap;
+	uniform float aoMapIntensity;
+#endif`,CM=`#ifdef USE_BATCHING
+	#if ! defined( GL_ANGLE_multi_draw )
+	#define gl_DrawID _gl_DrawID
+	uniform int _gl_DrawID;
+	#endif
+	uniform highp sampler2D batchingTexture;
+	uniform highp usampler2D batchingIdTexture;
+	mat4 getBatchingMatrix( const in float i ) {
+		int size = textureSize( batchingTexture, 0 ).x;
+		int j = int( i ) * 4;
+		int x = j % size;
+		int y = j / size;
+		vec4 v1 = texelFetch( batchingTexture, ivec2( x, y ), 0 );
+		vec4 v2 = texelFetch( batchingTexture, ivec2( x + 1, y ), 0 );
+		vec4 v3 = texelFetch( batchingTexture, ivec2( x + 2, y ), 0 );
+		vec4 v4 = texelFetch( batchingTexture, ivec2( x + 3, y ), 0 );
+		return mat4( v1, v2, v3, v4 );
+	}
+	float getIndirectIndex( const in int i ) {
+		int size = textureSize( batchingIdTexture, 0 ).x;
+		int x = i % size;
+		int y = i / size;
+		return float( texelFetch( batchingIdTexture, ivec2( x, y ), 0 ).r );
+	}
+#endif
+#ifdef USE_BATCHING_COLOR
+	uniform sampler2D batchingColorTexture;
+	vec4 getBatchingColor( const in float i ) {
+		int size = textureSize( batchingColorTexture, 0 ).x;
+		int j = int( i );
+		int x = j % size;
+		int y = j / size;
+		return texelFetch( batchingColorTexture, ivec2( x, y ), 0 );
+	}
+#endif`,RM=`#ifdef USE_BATCHING
+	mat4 batchingMatrix = getBatchingMatrix( getIndirectIndex( gl_DrawID ) );
+#endif`,IM=`vec3 transformed = vec3( position );
+#ifdef USE_ALPHAHASH
+	vPosition = vec3( position );
+#endif`,PM=`vec3 objectNormal = vec3( normal );
+#ifdef USE_TANGENT
+	vec3 objectTangent = vec3( tangent.xyz );
+#endif`,LM=`float G_BlinnPhong_Implicit( ) {
+	return 0.25;
+}
+float D_BlinnPhong( const in float shininess, const in float dotNH ) {
+	return RECIPROCAL_PI * ( shininess * 0.5 + 1.0 ) * pow( dotNH, shininess );
+}
+vec3 BRDF_BlinnPhong( const in vec3 lightDir, const in vec3 viewDir, const in vec3 normal, const in vec3 specularColor, const in float shininess ) {
+	vec3 halfDir = normalize( lightDir + viewDir );
+	float dotNH = saturate( dot( normal, halfDir ) );
+	float dotVH = saturate( dot( viewDir, halfDir ) );
+	vec3 F = F_Schlick( specularColor, 1.0, dotVH );
+	float G = G_BlinnPhong_Implicit( );
+	float D = D_BlinnPhong( shininess, dotNH );
+	return F * ( G * D );
+} // validated`,DM=`#ifdef USE_IRIDESCENCE
+	const mat3 XYZ_TO_REC709 = mat3(
+		 3.2404542, -0.9692660,  0.0556434,
+		-1.5371385,  1.8760108, -0.2040259,
+		-0.4985314,  0.0415560,  1.0572252
+	);
+	vec3 Fresnel0ToIor( vec3 fresnel0 ) {
+		vec3 sqrtF0 = sqrt( fresnel0 );
+		return ( vec3( 1.0 ) + sqrtF0 ) / ( vec3( 1.0 ) - sqrtF0 );
+	}
+	vec3 IorToFresnel0( vec3 transmittedIor, float incidentIor ) {
+		return pow2( ( transmittedIor - vec3( incidentIor ) ) / ( transmittedIor + vec3( incidentIor ) ) );
+	}
+	float IorToFresnel0( float transmittedIor, float incidentIor ) {
+		return pow2( ( transmittedIor - incidentIor ) / ( transmittedIor + incidentIor ));
+	}
+	vec3 evalSensitivity( float OPD, vec3 shift ) {
+		float phase = 2.0 * PI * OPD * 1.0e-9;
+		vec3 val = vec3( 5.4856e-13, 4.4201e-13, 5.2481e-13 );
+		vec3 pos = vec3( 1.6810e+06, 1.7953e+06, 2.2084e+06 );
+		vec3 var = vec3( 4.3278e+09, 9.3046e+09, 6.6121e+09 );
+		vec3 xyz = val * sqrt( 2.0 * PI * var ) * cos( pos * phase + shift ) * exp( - pow2( phase ) * var );
+		xyz.x += 9.7470e-14 * sqrt( 2.0 * PI * 4.5282e+09 ) * cos( 2.2399e+06 * phase + shift[ 0 ] ) * exp( - 4.5282e+09 * pow2( phase ) );
+		xyz /= 1.0685e-7;
+		vec3 rgb = XYZ_TO_REC709 * xyz;
+		return rgb;
+	}
+	vec3 evalIridescence( float outsideIOR, float eta2, float cosTheta1, float thinFilmThickness, vec3 baseF0 ) {
+		vec3 I;
+		float iridescenceIOR = mix( outsideIOR, eta2, smoothstep( 0.0, 0.03, thinFilmThickness ) );
+		float sinTheta2Sq = pow2( outsideIOR / iridescenceIOR ) * ( 1.0 - pow2( cosTheta1 ) );
+		float cosTheta2Sq = 1.0 - sinTheta2Sq;
+		if ( cosTheta2Sq < 0.0 ) {
+			return vec3( 1.0 );
+		}
+		float cosTheta2 = sqrt( cosTheta2Sq );
+		float R0 = IorToFresnel0( iridescenceIOR, outsideIOR );
+		float R12 = F_Schlick( R0, 1.0, cosTheta1 );
+		float T121 = 1.0 - R12;
+		float phi12 = 0.0;
+		if ( iridescenceIOR < outsideIOR ) phi12 = PI;
+		float phi21 = PI - phi12;
+		vec3 baseIOR = Fresnel0ToIor( clamp( baseF0, 0.0, 0.9999 ) );		vec3 R1 = IorToFresnel0( baseIOR, iridescenceIOR );
+		vec3 R23 = F_Schlick( R1, 1.0, cosTheta2 );
+		vec3 phi23 = vec3( 0.0 );
+		if ( baseIOR[ 0 ] < iridescenceIOR ) phi23[ 0 ] = PI;
+		if ( baseIOR[ 1 ] < iridescenceIOR ) phi23[ 1 ] = PI;
+		if ( baseIOR[ 2 ] < iridescenceIOR ) phi23[ 2 ] = PI;
+		float OPD = 2.0 * iridescenceIOR * thinFilmThickness * cosTheta2;
+		vec3 phi = vec3( phi21 ) + phi23;
+		vec3 R123 = clamp( R12 * R23, 1e-5, 0.9999 );
+		vec3 r123 = sqrt( R123 );
+		vec3 Rs = pow2( T121 ) * R23 / ( vec3( 1.0 ) - R123 );
+		vec3 C0 = R12 + Rs;
+		I = C0;
+		vec3 Cm = Rs - T121;
+		for ( int m = 1; m <= 2; ++ m ) {
+			Cm *= r123;
+			vec3 Sm = 2.0 * evalSensitivity( float( m ) * OPD, float( m ) * phi );
+			I += Cm * Sm;
+		}
+		return max( I, vec3( 0.0 ) );
+	}
+#endif`,NM=`#ifdef USE_BUMPMAP
+	uniform sampler2D bumpMap;
+	uniform float bumpScale;
+	vec2 dHdxy_fwd() {
+		vec2 dSTdx = dFdx( vBumpMapUv );
+		vec2 dSTdy = dFdy( vBumpMapUv );
+		float Hll = bumpScale * texture2D( bumpMap, vBumpMapUv ).x;
+		float dBx = bumpScale * texture2D( bumpMap, vBumpMapUv + dSTdx ).x - Hll;
+		float dBy = bumpScale * texture2D( bumpMap, vBumpMapUv + dSTdy ).x - Hll;
+		return vec2( dBx, dBy );
+	}
+	vec3 perturbNormalArb( vec3 surf_pos, vec3 surf_norm, vec2 dHdxy, float faceDirection ) {
+		vec3 vSigmaX = normalize( dFdx( surf_pos.xyz ) );
+		vec3 vSigmaY = normalize( dFdy( surf_pos.xyz ) );
+		vec3 vN = surf_norm;
+		vec3 R1 = cross( vSigmaY, vN );
+		vec3 R2 = cross( vN, vSigmaX );
+		float fDet = dot( vSigmaX, R1 ) * faceDirection;
+		vec3 vGrad = sign( fDet ) * ( dHdxy.x * R1 + dHdxy.y * R2 );
+		return normalize( abs( fDet ) * surf_norm - vGrad );
+	}
+#endif`,OM=`#if NUM_CLIPPING_PLANES > 0
+	vec4 plane;
+	#ifdef ALPHA_TO_COVERAGE
+		float distanceToPlane, distanceGradient;
+		float clipOpacity = 1.0;
+		#pragma unroll_loop_start
+		for ( int i = 0; i < UNION_CLIPPING_PLANES; i ++ ) {
+			plane = clippingPlanes[ i ];
+			distanceToPlane = - dot( vClipPosition, plane.xyz ) + plane.w;
+			distanceGradient = fwidth( distanceToPlane ) / 2.0;
+			clipOpacity *= smoothstep( - distanceGradient, distanceGradient, distanceToPlane );
+			if ( clipOpacity == 0.0 ) discard;
+		}
+		#pragma unroll_loop_end
+		#if UNION_CLIPPING_PLANES < NUM_CLIPPING_PLANES
+			float unionClipOpacity = 1.0;
+			#pragma unroll_loop_start
+			for ( int i = UNION_CLIPPING_PLANES; i < NUM_CLIPPING_PLANES; i ++ ) {
+				plane = clippingPlanes[ i ];
+				distanceToPlane = - dot( vClipPosition, plane.xyz ) + plane.w;
+				distanceGradient = fwidth( distanceToPlane ) / 2.0;
+				unionClipOpacity *= 1.0 - smoothstep( - distanceGradient, distanceGradient, distanceToPlane );
+			}
+			#pragma unroll_loop_end
+			clipOpacity *= 1.0 - unionClipOpacity;
+		#endif
+		diffuseColor.a *= clipOpacity;
+		if ( diffuseColor.a == 0.0 ) discard;
+	#else
+		#pragma unroll_loop_start
+		for ( int i = 0; i < UNION_CLIPPING_PLANES; i ++ ) {
+			plane = clippingPlanes[ i ];
+			if ( dot( vClipPosition, plane.xyz ) > plane.w ) discard;
+		}
+		#pragma unroll_loop_end
+		#if UNION_CLIPPING_PLANES < NUM_CLIPPING_PLANES
+			bool clipped = true;
+			#pragma unroll_loop_start
+			for ( int i = UNION_CLIPPING_PLANES; i < NUM_CLIPPING_PLANES; i ++ ) {
+				plane = clippingPlanes[ i ];
+				clipped = ( dot( vClipPosition, plane.xyz ) > plane.w ) && clipped;
+			}
+			#pragma unroll_loop_end
+			if ( clipped ) discard;
+		#endif
+	#endif
+#endif`,UM=`#if NUM_CLIPPING_PLANES > 0
+	varying vec3 vClipPosition;
+	uniform vec4 clippingPlanes[ NUM_CLIPPING_PLANES ];
+#endif`,FM=`#if NUM_CLIPPING_PLANES > 0
+	varying vec3 vClipPosition;
+#endif`,BM=`#if NUM_CLIPPING_PLANES > 0
+	vClipPosition = - mvPosition.xyz;
+#endif`,kM=`#if defined( USE_COLOR ) || defined( USE_COLOR_ALPHA )
+	diffuseColor *= vColor;
+#endif`,zM=`#if defined( USE_COLOR ) || defined( USE_COLOR_ALPHA )
+	varying vec4 vColor;
+#endif`,HM=`#if defined( USE_COLOR ) || defined( USE_COLOR_ALPHA ) || defined( USE_INSTANCING_COLOR ) || defined( USE_BATCHING_COLOR )
+	varying vec4 vColor;
+#endif`,VM=`#if defined( USE_COLOR ) || defined( USE_COLOR_ALPHA ) || defined( USE_INSTANCING_COLOR ) || defined( USE_BATCHING_COLOR )
+	vColor = vec4( 1.0 );
+#endif
+#ifdef USE_COLOR_ALPHA
+	vColor *= color;
+#elif defined( USE_COLOR )
+	vColor.rgb *= color;
+#endif
+#ifdef USE_INSTANCING_COLOR
+	vColor.rgb *= instanceColor.rgb;
+#endif
+#ifdef USE_BATCHING_COLOR
+	vColor *= getBatchingColor( getIndirectIndex( gl_DrawID ) );
+#endif`,GM=`#define PI 3.141592653589793
+#define PI2 6.283185307179586
+#define PI_HALF 1.5707963267948966
+#define RECIPROCAL_PI 0.3183098861837907
+#define RECIPROCAL_PI2 0.15915494309189535
+#define EPSILON 1e-6
+#ifndef saturate
+#define saturate( a ) clamp( a, 0.0, 1.0 )
+#endif
+#define whiteComplement( a ) ( 1.0 - saturate( a ) )
+float pow2( const in float x ) { return x*x; }
+vec3 pow2( const in vec3 x ) { return x*x; }
+float pow3( const in float x ) { return x*x*x; }
+float pow4( const in float x ) { float x2 = x*x; return x2*x2; }
+float max3( const in vec3 v ) { return max( max( v.x, v.y ), v.z ); }
+float average( const in vec3 v ) { return dot( v, vec3( 0.3333333 ) ); }
+highp float rand( const in vec2 uv ) {
+	const highp float a = 12.9898, b = 78.233, c = 43758.5453;
+	highp float dt = dot( uv.xy, vec2( a,b ) ), sn = mod( dt, PI );
+	return fract( sin( sn ) * c );
+}
+#ifdef HIGH_PRECISION
+	float precisionSafeLength( vec3 v ) { return length( v ); }
+#else
+	float precisionSafeLength( vec3 v ) {
+		float maxComponent = max3( abs( v ) );
+		return length( v / maxComponent ) * maxComponent;
+	}
+#endif
+struct IncidentLight {
+	vec3 color;
+	vec3 direction;
+	bool visible;
+};
+struct ReflectedLight {
+	vec3 directDiffuse;
+	vec3 directSpecular;
+	vec3 indirectDiffuse;
+	vec3 indirectSpecular;
+};
+#ifdef USE_ALPHAHASH
+	varying vec3 vPosition;
+#endif
+vec3 transformDirection( in vec3 dir, in mat4 matrix ) {
+	return normalize( ( matrix * vec4( dir, 0.0 ) ).xyz );
+}
+#define inverseTransformDirection transformDirectionByInverseViewMatrix
+vec3 transformNormalByInverseViewMatrix( in vec3 normal, in mat4 viewMatrix ) {
+	return normalize( ( vec4( normal, 0.0 ) * viewMatrix ).xyz );
+}
+vec3 transformDirectionByInverseViewMatrix( in vec3 dir, in mat4 viewMatrix ) {
+	return normalize( ( vec4( dir, 0.0 ) * viewMatrix ).xyz );
+}
+bool isPerspectiveMatrix( mat4 m ) {
+	return m[ 2 ][ 3 ] == - 1.0;
+}
+vec2 equirectUv( in vec3 dir ) {
+	float u = atan( dir.z, dir.x ) * RECIPROCAL_PI2 + 0.5;
+	float v = asin( clamp( dir.y, - 1.0, 1.0 ) ) * RECIPROCAL_PI + 0.5;
+	return vec2( u, v );
+}
+vec3 BRDF_Lambert( const in vec3 diffuseColor ) {
+	return RECIPROCAL_PI * diffuseColor;
+}
+vec3 F_Schlick( const in vec3 f0, const in float f90, const in float dotVH ) {
+	float fresnel = exp2( ( - 5.55473 * dotVH - 6.98316 ) * dotVH );
+	return f0 * ( 1.0 - fresnel ) + ( f90 * fresnel );
+}
+float F_Schlick( const in float f0, const in float f90, const in float dotVH ) {
+	float fresnel = exp2( ( - 5.55473 * dotVH - 6.98316 ) * dotVH );
+	return f0 * ( 1.0 - fresnel ) + ( f90 * fresnel );
+} // validated`,WM=`vec3 transformedNormal = objectNormal;
+#ifdef USE_TANGENT
+	vec3 transformedTangent = objectTangent;
+#endif
+#ifdef USE_BATCHING
+	mat3 bm = mat3( batchingMatrix );
+	transformedNormal /= vec3( dot( bm[ 0 ], bm[ 0 ] ), dot( bm[ 1 ], bm[ 1 ] ), dot( bm[ 2 ], bm[ 2 ] ) );
+	transformedNormal = bm * transformedNormal;
+	#ifdef USE_TANGENT
+		transformedTangent = bm * transformedTangent;
+	#endif
+#endif
+#ifdef USE_INSTANCING
+	mat3 im = mat3( instanceMatrix );
+	transformedNormal /= vec3( dot( im[ 0 ], im[ 0 ] ), dot( im[ 1 ], im[ 1 ] ), dot( im[ 2 ], im[ 2 ] ) );
+	transformedNormal = im * transformedNormal;
+	#ifdef USE_TANGENT
+		transformedTangent = im * transformedTangent;
+	#endif
+#endif
+transformedNormal = normalMatrix * transformedNormal;
+#ifdef FLIP_SIDED
+	transformedNormal = - transformedNormal;
+#endif
+#ifdef USE_TANGENT
+	transformedTangent = ( modelViewMatrix * vec4( transformedTangent, 0.0 ) ).xyz;
+#endif`,$M=`#ifdef USE_DISPLACEMENTMAP
+	uniform sampler2D displacementMap;
+	uniform float displacementScale;
+	uniform float displacementBias;
+#endif`,XM=`#ifdef USE_DISPLACEMENTMAP
+	transformed += normalize( objectNormal ) * ( texture2D( displacementMap, vDisplacementMapUv ).x * displacementScale + displacementBias );
+#endif`,qM=`#ifdef USE_EMISSIVEMAP
+	vec4 emissiveColor = texture2D( emissiveMap, vEmissiveMapUv );
+	#ifdef DECODE_VIDEO_TEXTURE_EMISSIVE
+		emissiveColor = sRGBTransferEOTF( emissiveColor );
+	#endif
+	totalEmissiveRadiance *= emissiveColor.rgb;
+#endif`,YM=`#ifdef USE_EMISSIVEMAP
+	uniform sampler2D emissiveMap;
+#endif`,ZM="gl_FragColor = linearToOutputTexel( gl_FragColor );",KM=`vec4 LinearTransferOETF( in vec4 value ) {
+	return value;
+}
+vec4 sRGBTransferEOTF( in vec4 value ) {
+	return vec4( mix( pow( value.rgb * 0.9478672986 + vec3( 0.0521327014 ), vec3( 2.4 ) ), value.rgb * 0.0773993808, vec3( lessThanEqual( value.rgb, vec3( 0.04045 ) ) ) ), value.a );
+}
+vec4 sRGBTransferOETF( in vec4 value ) {
+	return vec4( mix( pow( value.rgb, vec3( 0.41666 ) ) * 1.055 - vec3( 0.055 ), value.rgb * 12.92, vec3( lessThanEqual( value.rgb, vec3( 0.0031308 ) ) ) ), value.a );
+}`,JM=`#ifdef USE_ENVMAP
+	#ifdef ENV_WORLDPOS
+		vec3 cameraToFrag;
+		if ( isOrthographic ) {
+			cameraToFrag = normalize( vec3( - viewMatrix[ 0 ][ 2 ], - viewMatrix[ 1 ][ 2 ], - viewMatrix[ 2 ][ 2 ] ) );
+		} else {
+			cameraToFrag = normalize( vWorldPosition - cameraPosition );
+		}
+		vec3 worldNormal = transformNormalByInverseViewMatrix( normal, viewMatrix );
+		#ifdef ENVMAP_MODE_REFLECTION
+			vec3 reflectVec = reflect( cameraToFrag, worldNormal );
+		#else
+			vec3 reflectVec = refract( cameraToFrag, worldNormal, refractionRatio );
+		#endif
+	#else
+		vec3 reflectVec = vReflect;
+	#endif
+	#ifdef ENVMAP_TYPE_CUBE
+		vec4 envColor = textureCube( envMap, envMapRotation * reflectVec );
+		#ifdef ENVMAP_BLENDING_MULTIPLY
+			outgoingLight = mix( outgoingLight, outgoingLight * envColor.xyz, specularStrength * reflectivity );
+		#elif defined( ENVMAP_BLENDING_MIX )
+			outgoingLight = mix( outgoingLight, envColor.xyz, specularStrength * reflectivity );
+		#elif defined( ENVMAP_BLENDING_ADD )
+			outgoingLight += envColor.xyz * specularStrength * reflectivity;
+		#endif
+	#endif
+#endif`,jM=`#ifdef USE_ENVMAP
+	uniform float envMapIntensity;
+	uniform mat3 envMapRotation;
+	uniform samplerCube envMap;
+	#ifdef ENVMAP_TYPE_PMREM
+		float roughnessToMip( const in float roughness ) {
+			float r = clamp( roughness, 0.0, 1.0 );
+			return ENVMAP_MAX_LOD * r * ( 2.0 - r );
+		}
+	#endif
+#endif`,QM=`#ifdef USE_ENVMAP
+	uniform float reflectivity;
+	#if defined( USE_BUMPMAP ) || defined( USE_NORMALMAP ) || defined( PHONG ) || defined( LAMBERT )
+		#define ENV_WORLDPOS
+	#endif
+	#ifdef ENV_WORLDPOS
+		varying vec3 vWorldPosition;
+		uniform float refractionRatio;
+	#else
+		varying vec3 vReflect;
+	#endif
+#endif`,tw=`#ifdef USE_ENVMAP
+	#if defined( USE_BUMPMAP ) || defined( USE_NORMALMAP ) || defined( PHONG ) || defined( LAMBERT )
+		#define ENV_WORLDPOS
+	#endif
+	#ifdef ENV_WORLDPOS
+		
+		varying vec3 vWorldPosition;
+	#else
+		varying vec3 vReflect;
+		uniform float refractionRatio;
+	#endif
+#endif`,ew=`#ifdef USE_ENVMAP
+	#ifdef ENV_WORLDPOS
+		vWorldPosition = worldPosition.xyz;
+	#else
+		vec3 cameraToVertex;
+		if ( isOrthographic ) {
+			cameraToVertex = normalize( vec3( - viewMatrix[ 0 ][ 2 ], - viewMatrix[ 1 ][ 2 ], - viewMatrix[ 2 ][ 2 ] ) );
+		} else {
+			cameraToVertex = normalize( worldPosition.xyz - cameraPosition );
+		}
+		vec3 worldNormal = transformNormalByInverseViewMatrix( transformedNormal, viewMatrix );
+		#ifdef ENVMAP_MODE_REFLECTION
+			vReflect = reflect( cameraToVertex, worldNormal );
+		#else
+			vReflect = refract( cameraToVertex, worldNormal, refractionRatio );
+		#endif
+	#endif
+#endif`,nw=`#ifdef USE_FOG
+	vFogDepth = - mvPosition.z;
+#endif`,iw=`#ifdef USE_FOG
+	varying float vFogDepth;
+#endif`,sw=`#ifdef USE_FOG
+	#ifdef FOG_EXP2
+		float fogFactor = 1.0 - exp( - fogDensity * fogDensity * vFogDepth * vFogDepth );
+	#else
+		float fogFactor = smoothstep( fogNear, fogFar, vFogDepth );
+	#endif
+	gl_FragColor.rgb = mix( gl_FragColor.rgb, fogColor, fogFactor );
+#endif`,rw=`#ifdef USE_FOG
+	uniform vec3 fogColor;
+	varying float vFogDepth;
+	#ifdef FOG_EXP2
+		uniform float fogDensity;
+	#else
+		uniform float fogNear;
+		uniform float fogFar;
+	#endif
+#endif`,ow=`#ifdef USE_GRADIENTMAP
+	uniform sampler2D gradientMap;
+#endif
+vec3 getGradientIrradiance( vec3 normal, vec3 lightDirection ) {
+	float dotNL = dot( normal, lightDirection );
+	vec2 coord = vec2( dotNL * 0.5 + 0.5, 0.0 );
+	#ifdef USE_GRADIENTMAP
+		return vec3( texture2D( gradientMap, coord ).r );
+	#else
+		vec2 fw = fwidth( coord ) * 0.5;
+		return mix( vec3( 0.7 ), vec3( 1.0 ), smoothstep( 0.7 - fw.x, 0.7 + fw.x, coord.x ) );
+	#endif
+}`,aw=`#ifdef USE_LIGHTMAP
+	uniform sampler2D lightMap;
+	uniform float lightMapIntensity;
+#endif`,lw=`LambertMaterial material;
+material.diffuseColor = diffuseColor.rgb;
+material.specularStrength = specularStrength;`,cw=`varying vec3 vViewPosition;
+struct LambertMaterial {
+	vec3 diffuseColor;
+	float specularStrength;
+};
+void RE_Direct_Lambert( const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in LambertMaterial material, inout ReflectedLight reflectedLight ) {
+	float dotNL = saturate( dot( geometryNormal, directLight.direction ) );
+	vec3 irradiance = dotNL * directLight.color;
+	reflectedLight.directDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+}
+void RE_IndirectDiffuse_Lambert( const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in LambertMaterial material, inout ReflectedLight reflectedLight ) {
+	reflectedLight.indirectDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+}
+#define RE_Direct				RE_Direct_Lambert
+#define RE_IndirectDiffuse		RE_IndirectDiffuse_Lambert`,hw=`uniform bool receiveShadow;
+uniform vec3 ambientLightColor;
+#if defined( USE_LIGHT_PROBES )
+	uniform vec3 lightProbe[ 9 ];
+#endif
+vec3 shGetIrradianceAt( in vec3 normal, in vec3 shCoefficients[ 9 ] ) {
+	float x = normal.x, y = normal.y, z = normal.z;
+	vec3 result = shCoefficients[ 0 ] * 0.886227;
+	result += shCoefficients[ 1 ] * 2.0 * 0.511664 * y;
+	result += shCoefficients[ 2 ] * 2.0 * 0.511664 * z;
+	result += shCoefficients[ 3 ] * 2.0 * 0.511664 * x;
+	result += shCoefficients[ 4 ] * 2.0 * 0.429043 * x * y;
+	result += shCoefficients[ 5 ] * 2.0 * 0.429043 * y * z;
+	result += shCoefficients[ 6 ] * ( 0.743125 * z * z - 0.247708 );
+	result += shCoefficients[ 7 ] * 2.0 * 0.429043 * x * z;
+	result += shCoefficients[ 8 ] * 0.429043 * ( x * x - y * y );
+	return result;
+}
+vec3 getLightProbeIrradiance( const in vec3 lightProbe[ 9 ], const in vec3 normal ) {
+	vec3 worldNormal = transformNormalByInverseViewMatrix( normal, viewMatrix );
+	vec3 irradiance = shGetIrradianceAt( worldNormal, lightProbe );
+	return irradiance;
+}
+vec3 getAmbientLightIrradiance( const in vec3 ambientLightColor ) {
+	vec3 irradiance = ambientLightColor;
+	return irradiance;
+}
+float getDistanceAttenuation( const in float lightDistance, const in float cutoffDistance, const in float decayExponent ) {
+	float distanceFalloff = 1.0 / max( pow( lightDistance, decayExponent ), 0.01 );
+	if ( cutoffDistance > 0.0 ) {
+		distanceFalloff *= pow2( saturate( 1.0 - pow4( lightDistance / cutoffDistance ) ) );
+	}
+	return distanceFalloff;
+}
+float getSpotAttenuation( const in float coneCosine, const in float penumbraCosine, const in float angleCosine ) {
+	return smoothstep( coneCosine, penumbraCosine, angleCosine );
+}
+#if NUM_SUN_LIGHTS > 0
+	struct SunLight {
+		vec3 direction;
+		vec3 color;
+	};
+	uniform SunLight sunLights[ NUM_SUN_LIGHTS ];
+	void getSunLightInfo( const in SunLight sunLight, out IncidentLight light ) {
+		light.color = sunLight.color;
+		light.direction = sunLight.direction;
+		light.visible = true;
+	}
+#endif
+#if NUM_DIR_LIGHTS > 0
+	struct DirectionalLight {
+		vec3 direction;
+		vec3 color;
+	};
+	uniform DirectionalLight directionalLights[ NUM_DIR_LIGHTS ];
+	void getDirectionalLightInfo( const in DirectionalLight directionalLight, out IncidentLight light ) {
+		light.color = directionalLight.color;
+		light.direction = directionalLight.direction;
+		light.visible = true;
+	}
+#endif
+#if NUM_POINT_LIGHTS > 0
+	struct PointLight {
+		vec3 position;
+		vec3 color;
+		float distance;
+		float decay;
+	};
+	uniform PointLight pointLights[ NUM_POINT_LIGHTS ];
+	void getPointLightInfo( const in PointLight pointLight, const in vec3 geometryPosition, out IncidentLight light ) {
+		vec3 lVector = pointLight.position - geometryPosition;
+		light.direction = normalize( lVector );
+		float lightDistance = length( lVector );
+		light.color = pointLight.color;
+		light.color *= getDistanceAttenuation( lightDistance, pointLight.distance, pointLight.decay );
+		light.visible = ( light.color != vec3( 0.0 ) );
+	}
+#endif
+#if NUM_SPOT_LIGHTS > 0
+	struct SpotLight {
+		vec3 position;
+		vec3 direction;
+		vec3 color;
+		float distance;
+		float decay;
+		float coneCos;
+		float penumbraCos;
+	};
+	uniform SpotLight spotLights[ NUM_SPOT_LIGHTS ];
+	void getSpotLightInfo( const in SpotLight spotLight, const in vec3 geometryPosition, out IncidentLight light ) {
+		vec3 lVector = spotLight.position - geometryPosition;
+		light.direction = normalize( lVector );
+		float angleCos = dot( light.direction, spotLight.direction );
+		float spotAttenuation = getSpotAttenuation( spotLight.coneCos, spotLight.penumbraCos, angleCos );
+		if ( spotAttenuation > 0.0 ) {
+			float lightDistance = length( lVector );
+			light.color = spotLight.color * spotAttenuation;
+			light.color *= getDistanceAttenuation( lightDistance, spotLight.distance, spotLight.decay );
+			light.visible = ( light.color != vec3( 0.0 ) );
+		} else {
+			light.color = vec3( 0.0 );
+			light.visible = false;
+		}
+	}
+#endif
+#if NUM_RECT_AREA_LIGHTS > 0
+	struct RectAreaLight {
+		vec3 color;
+		vec3 position;
+		vec3 halfWidth;
+		vec3 halfHeight;
+	};
+	uniform sampler2D ltc_1;	uniform sampler2D ltc_2;
+	uniform RectAreaLight rectAreaLights[ NUM_RECT_AREA_LIGHTS ];
+#endif
+#if NUM_HEMI_LIGHTS > 0
+	struct HemisphereLight {
+		vec3 direction;
+		vec3 skyColor;
+		vec3 groundColor;
+	};
+	uniform HemisphereLight hemisphereLights[ NUM_HEMI_LIGHTS ];
+	vec3 getHemisphereLightIrradiance( const in HemisphereLight hemiLight, const in vec3 normal ) {
+		float dotNL = dot( normal, hemiLight.direction );
+		float hemiDiffuseWeight = 0.5 * dotNL + 0.5;
+		vec3 irradiance = mix( hemiLight.groundColor, hemiLight.skyColor, hemiDiffuseWeight );
+		return irradiance;
+	}
+#endif
+#include <lightprobes_pars_fragment>`,uw=`#ifdef USE_ENVMAP
+	vec3 getIBLIrradiance( const in vec3 normal ) {
+		#ifdef ENVMAP_TYPE_PMREM
+			vec3 worldNormal = transformNormalByInverseViewMatrix( normal, viewMatrix );
+			vec4 envMapColor = textureLod( envMap, envMapRotation * worldNormal, ENVMAP_MAX_LOD );
+			return PI * envMapColor.rgb * envMapIntensity;
+		#else
+			return vec3( 0.0 );
+		#endif
+	}
+	vec3 getIBLRadiance( const in vec3 viewDir, const in vec3 normal, const in float roughness ) {
+		#ifdef ENVMAP_TYPE_PMREM
+			vec3 reflectVec = reflect( - viewDir, normal );
+			reflectVec = normalize( mix( reflectVec, normal, pow4( roughness ) ) );
+			reflectVec = transformDirectionByInverseViewMatrix( reflectVec, viewMatrix );
+			vec4 envMapColor = textureLod( envMap, envMapRotation * reflectVec, roughnessToMip( roughness ) );
+			return envMapColor.rgb * envMapIntensity;
+		#else
+			return vec3( 0.0 );
+		#endif
+	}
+	#ifdef USE_RETROREFLECTION
+		vec3 getIBLRetroRadiance( const in vec3 viewDir, const in vec3 normal, const in float roughness ) {
+			#ifdef ENVMAP_TYPE_PMREM
+				vec3 retroVec = normalize( mix( viewDir, normal, pow4( roughness ) ) );
+				retroVec = transformDirectionByInverseViewMatrix( retroVec, viewMatrix );
+				vec4 envMapColor = textureLod( envMap, envMapRotation * retroVec, roughnessToMip( roughness ) );
+				return envMapColor.rgb * envMapIntensity;
+			#else
+				return vec3( 0.0 );
+			#endif
+		}
+	#endif
+	#ifdef USE_ANISOTROPY
+		vec3 getIBLAnisotropyRadiance( const in vec3 viewDir, const in vec3 normal, const in float roughness, const in vec3 bitangent, const in float anisotropy ) {
+			#ifdef ENVMAP_TYPE_PMREM
+				vec3 bentNormal = cross( bitangent, viewDir );
+				bentNormal = normalize( cross( bentNormal, bitangent ) );
+				bentNormal = normalize( mix( bentNormal, normal, pow2( pow2( 1.0 - anisotropy * ( 1.0 - roughness ) ) ) ) );
+				return getIBLRadiance( viewDir, bentNormal, roughness );
+			#else
+				return vec3( 0.0 );
+			#endif
+		}
+		#ifdef USE_RETROREFLECTION
+			vec3 getIBLAnisotropyRetroRadiance( const in vec3 viewDir, const in vec3 normal, const in float roughness, const in vec3 bitangent, const in float anisotropy ) {
+				#ifdef ENVMAP_TYPE_PMREM
+					vec3 bentNormal = cross( bitangent, viewDir );
+					bentNormal = normalize( cross( bentNormal, bitangent ) );
+					bentNormal = normalize( mix( bentNormal, normal, pow2( pow2( 1.0 - anisotropy * ( 1.0 - roughness ) ) ) ) );
+					return getIBLRetroRadiance( viewDir, bentNormal, roughness );
+				#else
+					return vec3( 0.0 );
+				#endif
+			}
+		#endif
+	#endif
+#endif`,fw=`ToonMaterial material;
+material.diffuseColor = diffuseColor.rgb;`,dw=`varying vec3 vViewPosition;
+struct ToonMaterial {
+	vec3 diffuseColor;
+};
+void RE_Direct_Toon( const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in ToonMaterial material, inout ReflectedLight reflectedLight ) {
+	vec3 irradiance = getGradientIrradiance( geometryNormal, directLight.direction ) * directLight.color;
+	reflectedLight.directDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+}
+void RE_IndirectDiffuse_Toon( const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in ToonMaterial material, inout ReflectedLight reflectedLight ) {
+	reflectedLight.indirectDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+}
+#define RE_Direct				RE_Direct_Toon
+#define RE_IndirectDiffuse		RE_IndirectDiffuse_Toon`,pw=`BlinnPhongMaterial material;
+material.diffuseColor = diffuseColor.rgb;
+material.specularColor = specular;
+material.specularShininess = shininess;
+material.specularStrength = specularStrength;`,mw=`varying vec3 vViewPosition;
+struct BlinnPhongMaterial {
+	vec3 diffuseColor;
+	vec3 specularColor;
+	float specularShininess;
+	float specularStrength;
+};
+void RE_Direct_BlinnPhong( const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in BlinnPhongMaterial material, inout ReflectedLight reflectedLight ) {
+	float dotNL = saturate( dot( geometryNormal, directLight.direction ) );
+	vec3 irradiance = dotNL * directLight.color;
+	reflectedLight.directDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+	reflectedLight.directSpecular += irradiance * BRDF_BlinnPhong( directLight.direction, geometryViewDir, geometryNormal, material.specularColor, material.specularShininess ) * material.specularStrength;
+}
+void RE_IndirectDiffuse_BlinnPhong( const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in BlinnPhongMaterial material, inout ReflectedLight reflectedLight ) {
+	reflectedLight.indirectDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+}
+#define RE_Direct				RE_Direct_BlinnPhong
+#define RE_IndirectDiffuse		RE_IndirectDiffuse_BlinnPhong`,gw=`PhysicalMaterial material;
+material.diffuseColor = diffuseColor.rgb;
+material.diffuseContribution = diffuseColor.rgb * ( 1.0 - metalnessFactor );
+material.metalness = metalnessFactor;
+vec3 dxy = max( abs( dFdx( nonPerturbedNormal ) ), abs( dFdy( nonPerturbedNormal ) ) );
+float geometryRoughness = max( max( dxy.x, dxy.y ), dxy.z );
+material.roughness = max( roughnessFactor, 0.045 );
+material.roughness += geometryRoughness;
+material.roughness = min( material.roughness, 1.0 );
+#ifdef USE_DIFFUSE_ROUGHNESS
+	float diffuseRoughnessFactor = diffuseRoughness;
+	#ifdef USE_DIFFUSE_ROUGHNESSMAP
+		diffuseRoughnessFactor *= texture2D( diffuseRoughnessMap, vDiffuseRoughnessMapUv ).r;
+	#endif
+	material.diffuseRoughness = saturate( diffuseRoughnessFactor );
+#endif
+#ifdef IOR
+	material.ior = ior;
+	#ifdef USE_SPECULAR
+		float specularIntensityFactor = specularIntensity;
+		vec3 specularColorFactor = specularColor;
+		#ifdef USE_SPECULAR_COLORMAP
+			specularColorFactor *= texture2D( specularColorMap, vSpecularColorMapUv ).rgb;
+		#endif
+		#ifdef USE_SPECULAR_INTENSITYMAP
+			specularIntensityFactor *= texture2D( specularIntensityMap, vSpecularIntensityMapUv ).a;
+		#endif
+		material.specularF90 = mix( specularIntensityFactor, 1.0, metalnessFactor );
+	#else
+		float specularIntensityFactor = 1.0;
+		vec3 specularColorFactor = vec3( 1.0 );
+		material.specularF90 = 1.0;
+	#endif
+	material.specularColor = min( pow2( ( material.ior - 1.0 ) / ( material.ior + 1.0 ) ) * specularColorFactor, vec3( 1.0 ) ) * specularIntensityFactor;
+	material.specularColorBlended = mix( material.specularColor, diffuseColor.rgb, metalnessFactor );
+#else
+	material.specularColor = vec3( 0.04 );
+	material.specularColorBlended = mix( material.specularColor, diffuseColor.rgb, metalnessFactor );
+	material.specularF90 = 1.0;
+#endif
+#ifdef USE_CLEARCOAT
+	material.clearcoat = clearcoat;
+	material.clearcoatRoughness = clearcoatRoughness;
+	material.clearcoatF0 = vec3( 0.04 );
+	material.clearcoatF90 = 1.0;
+	#ifdef USE_CLEARCOATMAP
+		material.clearcoat *= texture2D( clearcoatMap, vClearcoatMapUv ).x;
+	#endif
+	#ifdef USE_CLEARCOAT_ROUGHNESSMAP
+		material.clearcoatRoughness *= texture2D( clearcoatRoughnessMap, vClearcoatRoughnessMapUv ).y;
+	#endif
+	material.clearcoat = saturate( material.clearcoat );	material.clearcoatRoughness = max( material.clearcoatRoughness, 0.045 );
+	material.clearcoatRoughness += geometryRoughness;
+	material.clearcoatRoughness = min( material.clearcoatRoughness, 1.0 );
+#endif
+#ifdef USE_DISPERSION
+	material.dispersion = dispersion;
+#endif
+#ifdef USE_RETROREFLECTION
+	material.retroreflectivity = retroreflectivity;
+#endif
+#ifdef USE_IRIDESCENCE
+	material.iridescence = iridescence;
+	material.iridescenceIOR = iridescenceIOR;
+	#ifdef USE_IRIDESCENCEMAP
+		material.iridescence *= texture2D( iridescenceMap, vIridescenceMapUv ).r;
+	#endif
+	#ifdef USE_IRIDESCENCE_THICKNESSMAP
+		material.iridescenceThickness = (iridescenceThicknessMaximum - iridescenceThicknessMinimum) * texture2D( iridescenceThicknessMap, vIridescenceThicknessMapUv ).g + iridescenceThicknessMinimum;
+	#else
+		material.iridescenceThickness = iridescenceThicknessMaximum;
+	#endif
+#endif
+#ifdef USE_SHEEN
+	material.sheenColor = sheenColor;
+	#ifdef USE_SHEEN_COLORMAP
+		material.sheenColor *= texture2D( sheenColorMap, vSheenColorMapUv ).rgb;
+	#endif
+	material.sheenRoughness = clamp( sheenRoughness, 0.0001, 1.0 );
+	#ifdef USE_SHEEN_ROUGHNESSMAP
+		material.sheenRoughness *= texture2D( sheenRoughnessMap, vSheenRoughnessMapUv ).a;
+	#endif
+#endif
+#ifdef USE_ANISOTROPY
+	#ifdef USE_ANISOTROPYMAP
+		mat2 anisotropyMat = mat2( anisotropyVector.x, anisotropyVector.y, - anisotropyVector.y, anisotropyVector.x );
+		vec3 anisotropyPolar = texture2D( anisotropyMap, vAnisotropyMapUv ).rgb;
+		vec2 anisotropyV = anisotropyMat * normalize( 2.0 * anisotropyPolar.rg - vec2( 1.0 ) ) * anisotropyPolar.b;
+	#else
+		vec2 anisotropyV = anisotropyVector;
+	#endif
+	material.anisotropy = length( anisotropyV );
+	if( material.anisotropy == 0.0 ) {
+		anisotropyV = vec2( 1.0, 0.0 );
+	} else {
+		anisotropyV /= material.anisotropy;
+		material.anisotropy = saturate( material.anisotropy );
+	}
+	material.alphaT = mix( pow2( material.roughness ), 1.0, pow2( material.anisotropy ) );
+	material.anisotropyT = tbn[ 0 ] * anisotropyV.x + tbn[ 1 ] * anisotropyV.y;
+	material.anisotropyB = tbn[ 1 ] * anisotropyV.x - tbn[ 0 ] * anisotropyV.y;
+#endif`,_w=`uniform sampler2D dfgLUT;
+struct PhysicalMaterial {
+	vec3 diffuseColor;
+	vec3 diffuseContribution;
+	vec3 specularColor;
+	vec3 specularColorBlended;
+	float roughness;
+	float metalness;
+	float specularF90;
+	float dispersion;
+	vec2 dfg;
+	vec3 multiScatteringCompensation;
+	#ifdef USE_DIFFUSE_ROUGHNESS
+		float diffuseRoughness;
+	#endif
+	#ifdef USE_RETROREFLECTION
+		float retroreflectivity;
+	#endif
+	#ifdef USE_CLEARCOAT
+		float clearcoat;
+		float clearcoatRoughness;
+		vec3 clearcoatF0;
+		float clearcoatF90;
+	#endif
+	#ifdef USE_IRIDESCENCE
+		float iridescence;
+		float iridescenceIOR;
+		float iridescenceThickness;
+		vec3 iridescenceFresnel;
+		vec3 iridescenceF0Dielectric;
+		vec3 iridescenceF0Metallic;
+	#endif
+	#ifdef USE_SHEEN
+		vec3 sheenColor;
+		float sheenRoughness;
+	#endif
+	#ifdef IOR
+		float ior;
+	#endif
+	#ifdef USE_TRANSMISSION
+		float transmission;
+		float transmissionAlpha;
+		float thickness;
+		float attenuationDistance;
+		vec3 attenuationColor;
+	#endif
+	#ifdef USE_ANISOTROPY
+		float anisotropy;
+		float alphaT;
+		vec3 anisotropyT;
+		vec3 anisotropyB;
+	#endif
+};
+vec3 clearcoatSpecularDirect = vec3( 0.0 );
+vec3 clearcoatSpecularIndirect = vec3( 0.0 );
+vec3 sheenSpecularDirect = vec3( 0.0 );
+vec3 sheenSpecularIndirect = vec3(0.0 );
+vec3 Schlick_to_F0( const in vec3 f, const in float f90, const in float dotVH ) {
+    float x = clamp( 1.0 - dotVH, 0.0, 1.0 );
+    float x2 = x * x;
+    float x5 = clamp( x * x2 * x2, 0.0, 0.9999 );
+    return ( f - vec3( f90 ) * x5 ) / ( 1.0 - x5 );
+}
+#ifdef USE_DIFFUSE_ROUGHNESS
+	const float EON_EPSILON = 1e-7;
+	float FON_DirectionalAlbedo( const in float mu, const in float roughness, const in float A ) {
+		float muComp = 1.0 - mu;
+		float gOverPi = muComp * ( 0.0571085289 + muComp * ( 0.491881867 + muComp * ( - 0.332181442 + muComp * 0.0714429953 ) ) );
+		return A * ( 1.0 + roughness * gOverPi );
+	}
+	vec3 BRDF_EON( const in vec3 lightDir, const in vec3 viewDir, const in vec3 normal, const in vec3 diffuseColor, const in float roughness ) {
+		vec3 rho = saturate( diffuseColor );
+		if ( roughness <= EON_EPSILON ) return BRDF_Lambert( rho );
+		float dotNL = saturate( dot( normal, lightDir ) );
+		float dotNV = saturate( dot( normal, viewDir ) );
+		float s = dot( lightDir, viewDir ) - dotNL * dotNV;
+		float sOverT = ( s > 0.0 ) ? s / max( max( dotNL, dotNV ), EON_EPSILON ) : s;
+		float A = 1.0 / ( 1.0 + ( 0.5 - 2.0 / ( 3.0 * PI ) ) * roughness );
+		vec3 singleScatter = rho * RECIPROCAL_PI * A * ( 1.0 + roughness * sOverT );
+		float averageAlbedo = A * ( 1.0 + ( 2.0 / 3.0 - 28.0 / ( 15.0 * PI ) ) * roughness );
+		float albedoV = FON_DirectionalAlbedo( dotNV, roughness, A );
+		float albedoL = FON_DirectionalAlbedo( dotNL, roughness, A );
+		vec3 rhoMultiScatter = rho * rho * averageAlbedo / max( vec3( EON_EPSILON ), vec3( 1.0 ) - rho * ( 1.0 - averageAlbedo ) );
+		vec3 multiScatter = rhoMultiScatter * RECIPROCAL_PI
+			* max( EON_EPSILON, 1.0 - albedoV )
+			* max( EON_EPSILON, 1.0 - albedoL )
+			/ max( EON_EPSILON, 1.0 - averageAlbedo );
+		return singleScatter + multiScatter;
+	}
+	vec3 EON_DirectionalAlbedo( const in vec3 diffuseColor, const in float roughness, const in float dotNV ) {
+		vec3 rho = saturate( diffuseColor );
+		if ( roughness <= EON_EPSILON ) return rho;
+		float A = 1.0 / ( 1.0 + ( 0.5 - 2.0 / ( 3.0 * PI ) ) * roughness );
+		float directionalAlbedo = FON_DirectionalAlbedo( dotNV, roughness, A );
+		float averageAlbedo = A * ( 1.0 + ( 2.0 / 3.0 - 28.0 / ( 15.0 * PI ) ) * roughness );
+		vec3 rhoMultiScatter = rho * rho * averageAlbedo / max( vec3( EON_EPSILON ), vec3( 1.0 ) - rho * ( 1.0 - averageAlbedo ) );
+		return rho * directionalAlbedo + rhoMultiScatter * ( 1.0 - directionalAlbedo );
+	}
+#endif
+float V_GGX_SmithCorrelated( const in float alpha, const in float dotNL, const in float dotNV ) {
+	float a2 = pow2( alpha );
+	float gv = dotNL * sqrt( a2 + ( 1.0 - a2 ) * pow2( dotNV ) );
+	float gl = dotNV * sqrt( a2 + ( 1.0 - a2 ) * pow2( dotNL ) );
+	return 0.5 / max( gv + gl, EPSILON );
+}
+float D_GGX( const in float alpha, const in float dotNH ) {
+	float a2 = pow2( alpha );
+	float denom = pow2( dotNH ) * ( a2 - 1.0 ) + 1.0;
+	return RECIPROCAL_PI * a2 / pow2( denom );
+}
+#ifdef USE_ANISOTROPY
+	float V_GGX_SmithCorrelated_Anisotropic( const in float alphaT, const in float alphaB, const in float dotTV, const in float dotBV, const in float dotTL, const in float dotBL, const in float dotNV, const in float dotNL ) {
+		float gv = dotNL * length( vec3( alphaT * dotTV, alphaB * dotBV, dotNV ) );
+		float gl = dotNV * length( vec3( alphaT * dotTL, alphaB * dotBL, dotNL ) );
+		return 0.5 / max( gv + gl, EPSILON );
+	}
+	float D_GGX_Anisotropic( const in float alphaT, const in float alphaB, const in float dotNH, const in float dotTH, const in float dotBH ) {
+		float a2 = alphaT * alphaB;
+		highp vec3 v = vec3( alphaB * dotTH, alphaT * dotBH, a2 * dotNH );
+		highp float v2 = dot( v, v );
+		float w2 = a2 / v2;
+		return RECIPROCAL_PI * a2 * pow2 ( w2 );
+	}
+#endif
+#ifdef USE_CLEARCOAT
+	vec3 BRDF_GGX_Clearcoat( const in vec3 lightDir, const in vec3 viewDir, const in vec3 normal, const in PhysicalMaterial material) {
+		vec3 f0 = material.clearcoatF0;
+		float f90 = material.clearcoatF90;
+		float roughness = max( material.clearcoatRoughness, 0.045 );
+		float alpha = pow2( roughness );
+		vec3 halfDir = normalize( lightDir + viewDir );
+		float dotNL = saturate( dot( normal, lightDir ) );
+		float dotNV = saturate( dot( normal, viewDir ) );
+		float dotNH = saturate( dot( normal, halfDir ) );
+		float dotVH = saturate( dot( viewDir, halfDir ) );
+		vec3 F = F_Schlick( f0, f90, dotVH );
+		float V = V_GGX_SmithCorrelated( alpha, dotNL, dotNV );
+		float D = D_GGX( alpha, dotNH );
+		return F * ( V * D );
+	}
+#endif
+vec3 BRDF_GGX( const in vec3 lightDir, const in vec3 viewDir, const in vec3 normal, const in PhysicalMaterial material ) {
+	vec3 f0 = material.specularColorBlended;
+	float f90 = material.specularF90;
+	float roughness = max( material.roughness, 0.045 );
+	float alpha = pow2( roughness );
+	vec3 halfDir = normalize( lightDir + viewDir );
+	float dotNL = saturate( dot( normal, lightDir ) );
+	float dotNV = saturate( dot( normal, viewDir ) );
+	float dotNH = saturate( dot( normal, halfDir ) );
+	float dotVH = saturate( dot( viewDir, halfDir ) );
+	vec3 F = F_Schlick( f0, f90, dotVH );
+	#ifdef USE_IRIDESCENCE
+		F = mix( F, material.iridescenceFresnel, material.iridescence );
+	#endif
+	#ifdef USE_ANISOTROPY
+		float dotTL = dot( material.anisotropyT, lightDir );
+		float dotTV = dot( material.anisotropyT, viewDir );
+		float dotTH = dot( material.anisotropyT, halfDir );
+		float dotBL = dot( material.anisotropyB, lightDir );
+		float dotBV = dot( material.anisotropyB, viewDir );
+		float dotBH = dot( material.anisotropyB, halfDir );
+		float alphaT = max( material.alphaT, alpha );
+		float V = V_GGX_SmithCorrelated_Anisotropic( alphaT, alpha, dotTV, dotBV, dotTL, dotBL, dotNV, dotNL );
+		float D = D_GGX_Anisotropic( alphaT, alpha, dotNH, dotTH, dotBH );
+	#else
+		float V = V_GGX_SmithCorrelated( alpha, dotNL, dotNV );
+		float D = D_GGX( alpha, dotNH );
+	#endif
+	return F * ( V * D );
+}
+vec2 LTC_Uv( const in vec3 N, const in vec3 V, const in float roughness ) {
+	const float LUT_SIZE = 64.0;
+	const float LUT_SCALE = ( LUT_SIZE - 1.0 ) / LUT_SIZE;
+	const float LUT_BIAS = 0.5 / LUT_SIZE;
+	float dotNV = saturate( dot( N, V ) );
+	vec2 uv = vec2( roughness, sqrt( 1.0 - dotNV ) );
+	uv = uv * LUT_SCALE + LUT_BIAS;
+	return uv;
+}
+float LTC_ClippedSphereFormFactor( const in vec3 f ) {
+	float l = length( f );
+	return max( ( l * l + f.z ) / ( l + 1.0 ), 0.0 );
+}
+vec3 LTC_EdgeVectorFormFactor( const in vec3 v1, const in vec3 v2 ) {
+	float x = dot( v1, v2 );
+	float y = abs( x );
+	float a = 0.8543985 + ( 0.4965155 + 0.0145206 * y ) * y;
+	float b = 3.4175940 + ( 4.1616724 + y ) * y;
+	float v = a / b;
+	float theta_sintheta = ( x > 0.0 ) ? v : 0.5 * inversesqrt( max( 1.0 - x * x, 1e-7 ) ) - v;
+	return cross( v1, v2 ) * theta_sintheta;
+}
+vec3 LTC_Evaluate( const in vec3 N, const in vec3 V, const in vec3 P, const in mat3 mInv, const in vec3 rectCoords[ 4 ] ) {
+	vec3 v1 = rectCoords[ 1 ] - rectCoords[ 0 ];
+	vec3 v2 = rectCoords[ 3 ] - rectCoords[ 0 ];
+	vec3 lightNormal = cross( v1, v2 );
+	if( dot( lightNormal, P - rectCoords[ 0 ] ) < 0.0 ) return vec3( 0.0 );
+	vec3 T1, T2;
+	T1 = normalize( V - N * dot( V, N ) );
+	T2 = - cross( N, T1 );
+	mat3 mat = mInv * transpose( mat3( T1, T2, N ) );
+	vec3 coords[ 4 ];
+	coords[ 0 ] = mat * ( rectCoords[ 0 ] - P );
+	coords[ 1 ] = mat * ( rectCoords[ 1 ] - P );
+	coords[ 2 ] = mat * ( rectCoords[ 2 ] - P );
+	coords[ 3 ] = mat * ( rectCoords[ 3 ] - P );
+	coords[ 0 ] = normalize( coords[ 0 ] );
+	coords[ 1 ] = normalize( coords[ 1 ] );
+	coords[ 2 ] = normalize( coords[ 2 ] );
+	coords[ 3 ] = normalize( coords[ 3 ] );
+	vec3 vectorFormFactor = vec3( 0.0 );
+	vectorFormFactor += LTC_EdgeVectorFormFactor( coords[ 0 ], coords[ 1 ] );
+	vectorFormFactor += LTC_EdgeVectorFormFactor( coords[ 1 ], coords[ 2 ] );
+	vectorFormFactor += LTC_EdgeVectorFormFactor( coords[ 2 ], coords[ 3 ] );
+	vectorFormFactor += LTC_EdgeVectorFormFactor( coords[ 3 ], coords[ 0 ] );
+	float result = LTC_ClippedSphereFormFactor( vectorFormFactor );
+	return vec3( result );
+}
+#if defined( USE_SHEEN )
+float D_Charlie( float roughness, float dotNH ) {
+	float alpha = pow2( roughness );
+	float invAlpha = 1.0 / alpha;
+	float cos2h = dotNH * dotNH;
+	float sin2h = max( 1.0 - cos2h, 0.0078125 );
+	return ( 2.0 + invAlpha ) * pow( sin2h, invAlpha * 0.5 ) / ( 2.0 * PI );
+}
+float V_Neubelt( float dotNV, float dotNL ) {
+	return saturate( 1.0 / ( 4.0 * ( dotNL + dotNV - dotNL * dotNV ) ) );
+}
+vec3 BRDF_Sheen( const in vec3 lightDir, const in vec3 viewDir, const in vec3 normal, vec3 sheenColor, const in float sheenRoughness ) {
+	vec3 halfDir = normalize( lightDir + viewDir );
+	float dotNL = saturate( dot( normal, lightDir ) );
+	float dotNV = saturate( dot( normal, viewDir ) );
+	float dotNH = saturate( dot( normal, halfDir ) );
+	float D = D_Charlie( sheenRoughness, dotNH );
+	float V = V_Neubelt( dotNV, dotNL );
+	return sheenColor * ( D * V );
+}
+#endif
+float IBLSheenBRDF( const in vec3 normal, const in vec3 viewDir, const in float roughness ) {
+	float dotNV = saturate( dot( normal, viewDir ) );
+	float r2 = roughness * roughness;
+	float rInv = 1.0 / ( roughness + 0.1 );
+	float a = -1.9362 + 1.0678 * roughness + 0.4573 * r2 - 0.8469 * rInv;
+	float b = -0.6014 + 0.5538 * roughness - 0.4670 * r2 - 0.1255 * rInv;
+	float DG = exp( a * dotNV + b );
+	return saturate( DG );
+}
+vec3 EnvironmentBRDF( const in vec3 normal, const in vec3 viewDir, const in vec3 specularColor, const in float specularF90, const in float roughness ) {
+	float dotNV = saturate( dot( normal, viewDir ) );
+	vec2 fab = texture2D( dfgLUT, vec2( roughness, dotNV ) ).rg;
+	return specularColor * fab.x + specularF90 * fab.y;
+}
+#ifdef USE_IRIDESCENCE
+void computeMultiscatteringIridescence( const in vec2 fab, const in vec3 specularColor, const in float specularF90, const in float iridescence, const in vec3 iridescenceF0, inout vec3 singleScatter, inout vec3 multiScatter ) {
+#else
+void computeMultiscattering( const in vec2 fab, const in vec3 specularColor, const in float specularF90, inout vec3 singleScatter, inout vec3 multiScatter ) {
+#endif
+	#ifdef USE_IRIDESCENCE
+		vec3 Fr = mix( specularColor, iridescenceF0, iridescence );
+	#else
+		vec3 Fr = specularColor;
+	#endif
+	vec3 FssEss = Fr * fab.x + specularF90 * fab.y;
+	float Ess = fab.x + fab.y;
+	float Ems = 1.0 - Ess;
+	vec3 Favg = Fr + ( 1.0 - Fr ) * 0.047619;	vec3 Fms = FssEss * Favg / ( 1.0 - Ems * Favg );
+	singleScatter += FssEss;
+	multiScatter += Fms * Ems;
+}
+#if NUM_RECT_AREA_LIGHTS > 0
+	void RE_Direct_RectArea_Physical( const in RectAreaLight rectAreaLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material, inout ReflectedLight reflectedLight ) {
+		vec3 normal = geometryNormal;
+		vec3 viewDir = geometryViewDir;
+		vec3 position = geometryPosition;
+		vec3 lightPos = rectAreaLight.position;
+		vec3 halfWidth = rectAreaLight.halfWidth;
+		vec3 halfHeight = rectAreaLight.halfHeight;
+		vec3 lightColor = rectAreaLight.color;
+		float roughness = material.roughness;
+		vec3 rectCoords[ 4 ];
+		rectCoords[ 0 ] = lightPos + halfWidth - halfHeight;		rectCoords[ 1 ] = lightPos - halfWidth - halfHeight;
+		rectCoords[ 2 ] = lightPos - halfWidth + halfHeight;
+		rectCoords[ 3 ] = lightPos + halfWidth + halfHeight;
+		vec2 uv = LTC_Uv( normal, viewDir, roughness );
+		vec4 t1 = texture2D( ltc_1, uv );
+		vec4 t2 = texture2D( ltc_2, uv );
+		mat3 mInv = mat3(
+			vec3( t1.x, 0, t1.y ),
+			vec3(    0, 1,    0 ),
+			vec3( t1.z, 0, t1.w )
+		);
+		vec3 fresnel = ( material.specularColorBlended * t2.x + ( material.specularF90 - material.specularColorBlended ) * t2.y );
+		reflectedLight.directSpecular += lightColor * fresnel * LTC_Evaluate( normal, viewDir, position, mInv, rectCoords );
+		reflectedLight.directDiffuse += lightColor * material.diffuseContribution * LTC_Evaluate( normal, viewDir, position, mat3( 1.0 ), rectCoords );
+		#ifdef USE_CLEARCOAT
+			vec3 Ncc = geometryClearcoatNormal;
+			vec2 uvClearcoat = LTC_Uv( Ncc, viewDir, material.clearcoatRoughness );
+			vec4 t1Clearcoat = texture2D( ltc_1, uvClearcoat );
+			vec4 t2Clearcoat = texture2D( ltc_2, uvClearcoat );
+			mat3 mInvClearcoat = mat3(
+				vec3( t1Clearcoat.x, 0, t1Clearcoat.y ),
+				vec3(             0, 1,             0 ),
+				vec3( t1Clearcoat.z, 0, t1Clearcoat.w )
+			);
+			vec3 fresnelClearcoat = material.clearcoatF0 * t2Clearcoat.x + ( material.clearcoatF90 - material.clearcoatF0 ) * t2Clearcoat.y;
+			clearcoatSpecularDirect += lightColor * fresnelClearcoat * LTC_Evaluate( Ncc, viewDir, position, mInvClearcoat, rectCoords );
+		#endif
+	}
+#endif
+void RE_Direct_Physical( const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material, inout ReflectedLight reflectedLight ) {
+	float dotNL = saturate( dot( geometryNormal, directLight.direction ) );
+	vec3 irradiance = dotNL * directLight.color;
+	#ifdef USE_CLEARCOAT
+		float dotNLcc = saturate( dot( geometryClearcoatNormal, directLight.direction ) );
+		vec3 ccIrradiance = dotNLcc * directLight.color;
+		clearcoatSpecularDirect += ccIrradiance * BRDF_GGX_Clearcoat( directLight.direction, geometryViewDir, geometryClearcoatNormal, material );
+	#endif
+	#ifdef USE_SHEEN
+ 
+ 		sheenSpecularDirect += irradiance * BRDF_Sheen( directLight.direction, geometryViewDir, geometryNormal, material.sheenColor, material.sheenRoughness );
+ 
+ 		float sheenAlbedoV = IBLSheenBRDF( geometryNormal, geometryViewDir, material.sheenRoughness );
+ 		float sheenAlbedoL = IBLSheenBRDF( geometryNormal, directLight.direction, material.sheenRoughness );
+ 
+ 		float sheenEnergyComp = 1.0 - max3( material.sheenColor ) * max( sheenAlbedoV, sheenAlbedoL );
+ 
+ 		irradiance *= sheenEnergyComp;
+ 
+ 	#endif
+	vec3 specularBRDF = BRDF_GGX( directLight.direction, geometryViewDir, geometryNormal, material );
+	#ifdef USE_RETROREFLECTION
+		vec3 retroViewDir = reflect( - geometryViewDir, geometryNormal );
+		vec3 retroSpecularBRDF = BRDF_GGX( directLight.direction, retroViewDir, geometryNormal, material );
+		specularBRDF = mix( specularBRDF, retroSpecularBRDF, saturate( material.retroreflectivity ) );
+	#endif
+	reflectedLight.directSpecular += irradiance * specularBRDF * material.multiScatteringCompensation;
+	vec3 halfDir = normalize( directLight.direction + geometryViewDir );
+	float dotVH = saturate( dot( geometryViewDir, halfDir ) );
+	vec3 F = F_Schlick( material.specularColor, material.specularF90, dotVH );
+	#ifdef USE_RETROREFLECTION
+		vec3 retroHalfDir = normalize( directLight.direction + retroViewDir );
+		float dotRetroVH = saturate( dot( retroViewDir, retroHalfDir ) );
+		vec3 retroF = F_Schlick( material.specularColor, material.specularF90, dotRetroVH );
+		F = mix( F, retroF, saturate( material.retroreflectivity ) );
+	#endif
+	#ifdef USE_DIFFUSE_ROUGHNESS
+		vec3 diffuseBRDF = BRDF_EON( directLight.direction, geometryViewDir, geometryNormal, material.diffuseColor, material.diffuseRoughness ) * ( 1.0 - material.metalness );
+	#else
+		vec3 diffuseBRDF = BRDF_Lambert( material.diffuseContribution );
+	#endif
+	reflectedLight.directDiffuse += irradiance * diffuseBRDF * ( 1.0 - F );
+}
+void RE_IndirectDiffuse_Physical( const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material, inout ReflectedLight reflectedLight ) {
+	vec3 singleScattering = vec3( 0.0 );
+	vec3 multiScattering = vec3( 0.0 );
+	#ifdef USE_IRIDESCENCE
+		computeMultiscatteringIridescence( material.dfg, material.specularColor, material.specularF90, material.iridescence, material.iridescenceF0Dielectric, singleScattering, multiScattering );
+	#else
+		computeMultiscattering( material.dfg, material.specularColor, material.specularF90, singleScattering, multiScattering );
+	#endif
+	#ifdef USE_DIFFUSE_ROUGHNESS
+		float dotNV = saturate( dot( geometryNormal, geometryViewDir ) );
+		vec3 diffuseAlbedo = EON_DirectionalAlbedo( material.diffuseColor, material.diffuseRoughness, dotNV ) * ( 1.0 - material.metalness );
+		vec3 diffuse = irradiance * RECIPROCAL_PI * diffuseAlbedo * ( 1.0 - singleScattering - multiScattering );
+	#else
+		vec3 diffuse = irradiance * BRDF_Lambert( material.diffuseContribution ) * ( 1.0 - singleScattering - multiScattering );
+	#endif
+	#ifdef USE_SHEEN
+		float sheenAlbedo = IBLSheenBRDF( geometryNormal, geometryViewDir, material.sheenRoughness );
+		sheenSpecularIndirect += irradiance * material.sheenColor * sheenAlbedo * RECIPROCAL_PI;
+		float sheenEnergyComp = 1.0 - max3( material.sheenColor ) * sheenAlbedo;
+		diffuse *= sheenEnergyComp;
+	#endif
+	reflectedLight.indirectDiffuse += diffuse;
+}
+void RE_IndirectSpecular_Physical( const in vec3 radiance, const in vec3 irradiance, const in vec3 clearcoatRadiance, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
+	#ifdef USE_CLEARCOAT
+		clearcoatSpecularIndirect += clearcoatRadiance * EnvironmentBRDF( geometryClearcoatNormal, geometryViewDir, material.clearcoatF0, material.clearcoatF90, material.clearcoatRoughness );
+	#endif
+	#ifdef USE_SHEEN
+		sheenSpecularIndirect += irradiance * material.sheenColor * IBLSheenBRDF( geometryNormal, geometryViewDir, material.sheenRoughness ) * RECIPROCAL_PI;
+ 	#endif
+	vec3 singleScatteringDielectric = vec3( 0.0 );
+	vec3 multiScatteringDielectric = vec3( 0.0 );
+	vec3 singleScatteringMetallic = vec3( 0.0 );
+	vec3 multiScatteringMetallic = vec3( 0.0 );
+	#ifdef USE_IRIDESCENCE
+		computeMultiscatteringIridescence( material.dfg, material.specularColor, material.specularF90, material.iridescence, material.iridescenceF0Dielectric, singleScatteringDielectric, multiScatteringDielectric );
+		computeMultiscatteringIridescence( material.dfg, material.diffuseColor, material.specularF90, material.iridescence, material.iridescenceF0Metallic, singleScatteringMetallic, multiScatteringMetallic );
+	#else
+		computeMultiscattering( material.dfg, material.specularColor, material.specularF90, singleScatteringDielectric, multiScatteringDielectric );
+		computeMultiscattering( material.dfg, material.diffuseColor, material.specularF90, singleScatteringMetallic, multiScatteringMetallic );
+	#endif
+	vec3 singleScattering = mix( singleScatteringDielectric, singleScatteringMetallic, material.metalness );
+	vec3 multiScattering = mix( multiScatteringDielectric, multiScatteringMetallic, material.metalness );
+	vec3 totalScatteringDielectric = singleScatteringDielectric + multiScatteringDielectric;
+	#ifdef USE_DIFFUSE_ROUGHNESS
+		float dotNV = saturate( dot( geometryNormal, geometryViewDir ) );
+		vec3 diffuse = EON_DirectionalAlbedo( material.diffuseColor, material.diffuseRoughness, dotNV ) * ( 1.0 - material.metalness ) * ( 1.0 - totalScatteringDielectric );
+	#else
+		vec3 diffuse = material.diffuseContribution * ( 1.0 - totalScatteringDielectric );
+	#endif
+	vec3 cosineWeightedIrradiance = irradiance * RECIPROCAL_PI;
+	vec3 indirectSpecular = radiance * singleScattering;
+	indirectSpecular += multiScattering * cosineWeightedIrradiance;
+	vec3 indirectDiffuse = diffuse * cosineWeightedIrradiance;
+	#ifdef USE_SHEEN
+		float sheenAlbedo = IBLSheenBRDF( geometryNormal, geometryViewDir, material.sheenRoughness );
+		float sheenEnergyComp = 1.0 - max3( material.sheenColor ) * sheenAlbedo;
+		indirectSpecular *= sheenEnergyComp;
+		indirectDiffuse *= sheenEnergyComp;
+	#endif
+	reflectedLight.indirectSpecular += indirectSpecular;
+	reflectedLight.indirectDiffuse += indirectDiffuse;
+}
+#define RE_Direct				RE_Direct_Physical
+#define RE_Direct_RectArea		RE_Direct_RectArea_Physical
+#define RE_IndirectDiffuse		RE_IndirectDiffuse_Physical
+#define RE_IndirectSpecular		RE_IndirectSpecular_Physical
+float computeSpecularOcclusion( const in float dotNV, const in float ambientOcclusion, const in float roughness ) {
+	return saturate( pow( dotNV + ambientOcclusion, exp2( - 16.0 * roughness - 1.0 ) ) - 1.0 + ambientOcclusion );
+}`,yw=`
+vec3 geometryPosition = - vViewPosition;
+vec3 geometryNormal = normal;
+vec3 geometryViewDir = ( isOrthographic ) ? vec3( 0, 0, 1 ) : normalize( vViewPosition );
+vec3 geometryClearcoatNormal = vec3( 0.0 );
+#ifdef USE_CLEARCOAT
+	geometryClearcoatNormal = clearcoatNormal;
+#endif
+#ifdef USE_IRIDESCENCE
+	float dotNVi = saturate( dot( normal, geometryViewDir ) );
+	if ( material.iridescenceThickness == 0.0 ) {
+		material.iridescence = 0.0;
+	} else {
+		material.iridescence = saturate( material.iridescence );
+	}
+	if ( material.iridescence > 0.0 ) {
+		vec3 iridescenceFresnelDielectric = evalIridescence( 1.0, material.iridescenceIOR, dotNVi, material.iridescenceThickness, material.specularColor );
+		vec3 iridescenceFresnelMetallic = evalIridescence( 1.0, material.iridescenceIOR, dotNVi, material.iridescenceThickness, material.diffuseColor );
+		material.iridescenceFresnel = mix( iridescenceFresnelDielectric, iridescenceFresnelMetallic, material.metalness );
+		material.iridescenceF0Dielectric = Schlick_to_F0( iridescenceFresnelDielectric, 1.0, dotNVi );
+		material.iridescenceF0Metallic = Schlick_to_F0( iridescenceFresnelMetallic, 1.0, dotNVi );
+	}
+#endif
+#ifdef STANDARD
+	float dotNVms = saturate( dot( geometryNormal, geometryViewDir ) );
+	material.dfg = texture2D( dfgLUT, vec2( material.roughness, dotNVms ) ).rg;
+	#if ( NUM_SUN_LIGHTS > 0 || NUM_DIR_LIGHTS > 0 || NUM_POINT_LIGHTS > 0 || NUM_SPOT_LIGHTS > 0 )
+		float EssMs = material.dfg.x + material.dfg.y;
+		material.multiScatteringCompensation = 1.0 + material.specularColorBlended * ( 1.0 / EssMs - 1.0 );
+	#endif
+#endif
+IncidentLight directLight;
+#if ( NUM_POINT_LIGHTS > 0 ) && defined( RE_Direct )
+	PointLight pointLight;
+	#if defined( USE_SHADOWMAP ) && NUM_POINT_LIGHT_SHADOWS > 0
+	PointLightShadow pointLightShadow;
+	#endif
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_POINT_LIGHTS; i ++ ) {
+		pointLight = pointLights[ i ];
+		getPointLightInfo( pointLight, geometryPosition, directLight );
+		#if defined( USE_SHADOWMAP ) && ( UNROLLED_LOOP_INDEX < NUM_POINT_LIGHT_SHADOWS ) && ( defined( SHADOWMAP_TYPE_PCF ) || defined( SHADOWMAP_TYPE_BASIC ) )
+		pointLightShadow = pointLightShadows[ i ];
+		directLight.color *= ( directLight.visible && receiveShadow ) ? getPointShadow( pointShadowMap[ i ], pointLightShadow.shadowMapSize, pointLightShadow.shadowIntensity, pointLightShadow.shadowBias, pointLightShadow.shadowRadius, vPointShadowCoord[ i ], pointLightShadow.shadowCameraNear, pointLightShadow.shadowCameraFar ) : 1.0;
+		#endif
+		RE_Direct( directLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+	}
+	#pragma unroll_loop_end
+#endif
+#if ( NUM_SPOT_LIGHTS > 0 ) && defined( RE_Direct )
+	SpotLight spotLight;
+	vec4 spotColor;
+	vec3 spotLightCoord;
+	bool inSpotLightMap;
+	#if defined( USE_SHADOWMAP ) && NUM_SPOT_LIGHT_SHADOWS > 0
+	SpotLightShadow spotLightShadow;
+	#endif
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_SPOT_LIGHTS; i ++ ) {
+		spotLight = spotLights[ i ];
+		getSpotLightInfo( spotLight, geometryPosition, directLight );
+		#if ( UNROLLED_LOOP_INDEX < NUM_SPOT_LIGHT_SHADOWS_WITH_MAPS )
+		#define SPOT_LIGHT_MAP_INDEX UNROLLED_LOOP_INDEX
+		#elif ( UNROLLED_LOOP_INDEX < NUM_SPOT_LIGHT_SHADOWS )
+		#define SPOT_LIGHT_MAP_INDEX NUM_SPOT_LIGHT_MAPS
+		#else
+		#define SPOT_LIGHT_MAP_INDEX ( UNROLLED_LOOP_INDEX - NUM_SPOT_LIGHT_SHADOWS + NUM_SPOT_LIGHT_SHADOWS_WITH_MAPS )
+		#endif
+		#if ( SPOT_LIGHT_MAP_INDEX < NUM_SPOT_LIGHT_MAPS )
+			spotLightCoord = vSpotLightCoord[ i ].xyz / vSpotLightCoord[ i ].w;
+			inSpotLightMap = all( lessThan( abs( spotLightCoord * 2. - 1. ), vec3( 1.0 ) ) );
+			spotColor = texture2D( spotLightMap[ SPOT_LIGHT_MAP_INDEX ], spotLightCoord.xy );
+			directLight.color = inSpotLightMap ? directLight.color * spotColor.rgb : directLight.color;
+		#endif
+		#undef SPOT_LIGHT_MAP_INDEX
+		#if defined( USE_SHADOWMAP ) && ( UNROLLED_LOOP_INDEX < NUM_SPOT_LIGHT_SHADOWS )
+		spotLightShadow = spotLightShadows[ i ];
+		directLight.color *= ( directLight.visible && receiveShadow ) ? getShadow( spotShadowMap[ i ], spotLightShadow.shadowMapSize, spotLightShadow.shadowIntensity, spotLightShadow.shadowBias, spotLightShadow.shadowRadius, vSpotLightCoord[ i ] ) : 1.0;
+		#endif
+		RE_Direct( directLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+	}
+	#pragma unroll_loop_end
+#endif
+#if ( NUM_SUN_LIGHTS > 0 ) && defined( RE_Direct )
+	SunLight sunLight;
+	#if defined( USE_SHADOWMAP ) && NUM_SUN_LIGHT_SHADOWS > 0
+	SunLightShadow sunLightShadow;
+	#endif
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_SUN_LIGHTS; i ++ ) {
+		sunLight = sunLights[ i ];
+		getSunLightInfo( sunLight, directLight );
+		#if defined( USE_SHADOWMAP ) && ( UNROLLED_LOOP_INDEX < NUM_SUN_LIGHT_SHADOWS )
+		sunLightShadow = sunLightShadows[ i ];
+		directLight.color *= ( directLight.visible && receiveShadow ) ? getSunShadow( sunShadowMap[ i ], sunLightShadow, UNROLLED_LOOP_INDEX ) : 1.0;
+		#endif
+		RE_Direct( directLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+	}
+	#pragma unroll_loop_end
+#endif
+#if ( NUM_DIR_LIGHTS > 0 ) && defined( RE_Direct )
+	DirectionalLight directionalLight;
+	#if defined( USE_SHADOWMAP ) && NUM_DIR_LIGHT_SHADOWS > 0
+	DirectionalLightShadow directionalLightShadow;
+	#endif
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_DIR_LIGHTS; i ++ ) {
+		directionalLight = directionalLights[ i ];
+		getDirectionalLightInfo( directionalLight, directLight );
+		#if defined( USE_SHADOWMAP ) && ( UNROLLED_LOOP_INDEX < NUM_DIR_LIGHT_SHADOWS )
+		directionalLightShadow = directionalLightShadows[ i ];
+		directLight.color *= ( directLight.visible && receiveShadow ) ? getShadow( directionalShadowMap[ i ], directionalLightShadow.shadowMapSize, directionalLightShadow.shadowIntensity, directionalLightShadow.shadowBias, directionalLightShadow.shadowRadius, vDirectionalShadowCoord[ i ] ) : 1.0;
+		#endif
+		RE_Direct( directLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+	}
+	#pragma unroll_loop_end
+#endif
+#if ( NUM_RECT_AREA_LIGHTS > 0 ) && defined( RE_Direct_RectArea )
+	RectAreaLight rectAreaLight;
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_RECT_AREA_LIGHTS; i ++ ) {
+		rectAreaLight = rectAreaLights[ i ];
+		RE_Direct_RectArea( rectAreaLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+	}
+	#pragma unroll_loop_end
+#endif
+#if defined( RE_IndirectDiffuse )
+	vec3 iblIrradiance = vec3( 0.0 );
+	vec3 irradiance = getAmbientLightIrradiance( ambientLightColor );
+	#if defined( USE_LIGHT_PROBES )
+		irradiance += getLightProbeIrradiance( lightProbe, geometryNormal );
+	#endif
+	#if ( NUM_HEMI_LIGHTS > 0 )
+		#pragma unroll_loop_start
+		for ( int i = 0; i < NUM_HEMI_LIGHTS; i ++ ) {
+			irradiance += getHemisphereLightIrradiance( hemisphereLights[ i ], geometryNormal );
+		}
+		#pragma unroll_loop_end
+	#endif
+	#if NUM_LIGHT_PROBE_GRIDS > 0
+		vec3 probeWorldPos = ( ( vec4( geometryPosition, 1.0 ) - viewMatrix[ 3 ] ) * viewMatrix ).xyz;
+		vec3 probeWorldNormal = transformNormalByInverseViewMatrix( geometryNormal, viewMatrix );
+		int probeGrid = - 1;
+		#pragma unroll_loop_start
+		for ( int i = 0; i < NUM_LIGHT_PROBE_GRIDS; i ++ ) {
+			if ( isInsideLightProbeGrid( probeWorldPos, probeWorldNormal, probesMin[ i ], probesMax[ i ], probesResolution[ i ] ) ) probeGrid = UNROLLED_LOOP_INDEX;
+		}
+		#pragma unroll_loop_end
+		#pragma unroll_loop_start
+		for ( int i = 0; i < NUM_LIGHT_PROBE_GRIDS; i ++ ) {
+			if ( probeGrid == UNROLLED_LOOP_INDEX ) irradiance += getLightProbeGridIrradiance( probesSH[ i ], probesMin[ i ], probesMax[ i ], probesResolution[ i ], probeWorldPos, probeWorldNormal );
+		}
+		#pragma unroll_loop_end
+	#endif
+#endif
+#if defined( RE_IndirectSpecular )
+	vec3 radiance = vec3( 0.0 );
+	vec3 clearcoatRadiance = vec3( 0.0 );
+#endif`,xw=`#if defined( RE_IndirectDiffuse )
+	#ifdef USE_LIGHTMAP
+		vec4 lightMapTexel = texture2D( lightMap, vLightMapUv );
+		vec3 lightMapIrradiance = lightMapTexel.rgb * lightMapIntensity;
+		irradiance += lightMapIrradiance;
+	#endif
+	#if defined( USE_ENVMAP ) && defined( ENVMAP_TYPE_PMREM )
+		#if defined( STANDARD ) || defined( LAMBERT ) || defined( PHONG )
+			iblIrradiance += getIBLIrradiance( geometryNormal );
+		#endif
+	#endif
+#endif
+#if defined( USE_ENVMAP ) && defined( RE_IndirectSpecular )
+	#ifdef USE_ANISOTROPY
+		vec3 iblRadiance = getIBLAnisotropyRadiance( geometryViewDir, geometryNormal, material.roughness, material.anisotropyB, material.anisotropy );
+	#else
+		vec3 iblRadiance = getIBLRadiance( geometryViewDir, geometryNormal, material.roughness );
+	#endif
+	#ifdef USE_RETROREFLECTION
+		#ifdef USE_ANISOTROPY
+			vec3 retroIBLRadiance = getIBLAnisotropyRetroRadiance( geometryViewDir, geometryNormal, material.roughness, material.anisotropyB, material.anisotropy );
+		#else
+			vec3 retroIBLRadiance = getIBLRetroRadiance( geometryViewDir, geometryNormal, material.roughness );
+		#endif
+		iblRadiance = mix( iblRadiance, retroIBLRadiance, saturate( material.retroreflectivity ) );
+	#endif
+	radiance += iblRadiance;
+	#ifdef USE_CLEARCOAT
+		clearcoatRadiance += getIBLRadiance( geometryViewDir, geometryClearcoatNormal, material.clearcoatRoughness );
+	#endif
+#endif`,vw=`#if defined( RE_IndirectDiffuse )
+	#if defined( LAMBERT ) || defined( PHONG )
+		irradiance += iblIrradiance;
+	#endif
+	RE_IndirectDiffuse( irradiance, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+#endif
+#if defined( RE_IndirectSpecular )
+	RE_IndirectSpecular( radiance, iblIrradiance, clearcoatRadiance, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+#endif`,Sw=`#if NUM_LIGHT_PROBE_GRIDS > 0
+uniform highp sampler3D probesSH[ NUM_LIGHT_PROBE_GRIDS ];
+uniform vec3 probesMin[ NUM_LIGHT_PROBE_GRIDS ];
+uniform vec3 probesMax[ NUM_LIGHT_PROBE_GRIDS ];
+uniform vec3 probesResolution[ NUM_LIGHT_PROBE_GRIDS ];
+bool isInsideLightProbeGrid( vec3 worldPos, vec3 worldNormal, vec3 probesMin, vec3 probesMax, vec3 probesResolution ) {
+	vec3 spacing = ( probesMax - probesMin ) / probesResolution;
+	vec3 samplePos = worldPos + worldNormal * spacing * 0.5;
+	vec3 margin = spacing * 0.01;
+	return all( greaterThanEqual( samplePos, probesMin - margin ) ) && all( lessThanEqual( samplePos, probesMax + margin ) );
+}
+vec3 getLightProbeGridIrradiance( highp sampler3D probesSH, vec3 probesMin, vec3 probesMax, vec3 probesResolution, vec3 worldPos, vec3 worldNormal ) {
+	vec3 res = probesResolution;
+	vec3 gridRange = probesMax - probesMin;
+	vec3 probeSpacing = gridRange / res;
+	vec3 samplePos = worldPos + worldNormal * probeSpacing * 0.5;
+	vec3 uvw = clamp( ( samplePos - probesMin ) / gridRange, 0.5 / res, 1.0 - 0.5 / res );
+	float nz          = res.z;
+	float paddedSlices = nz + 2.0;
+	float atlasDepth  = 7.0 * paddedSlices;
+	float uvZBase     = uvw.z * nz + 1.0;
+	vec4 s0 = texture( probesSH, vec3( uvw.xy, ( uvZBase                       ) / atlasDepth ) );
+	vec4 s1 = texture( probesSH, vec3( uvw.xy, ( uvZBase +       paddedSlices   ) / atlasDepth ) );
+	vec4 s2 = texture( probesSH, vec3( uvw.xy, ( uvZBase + 2.0 * paddedSlices   ) / atlasDepth ) );
+	vec4 s3 = texture( probesSH, vec3( uvw.xy, ( uvZBase + 3.0 * paddedSlices   ) / atlasDepth ) );
+	vec4 s4 = texture( probesSH, vec3( uvw.xy, ( uvZBase + 4.0 * paddedSlices   ) / atlasDepth ) );
+	vec4 s5 = texture( probesSH, vec3( uvw.xy, ( uvZBase + 5.0 * paddedSlices   ) / atlasDepth ) );
+	vec4 s6 = texture( probesSH, vec3( uvw.xy, ( uvZBase + 6.0 * paddedSlices   ) / atlasDepth ) );
+	vec3 c0 = s0.xyz;
+	vec3 c1 = vec3( s0.w, s1.xy );
+	vec3 c2 = vec3( s1.zw, s2.x );
+	vec3 c3 = s2.yzw;
+	vec3 c4 = s3.xyz;
+	vec3 c5 = vec3( s3.w, s4.xy );
+	vec3 c6 = vec3( s4.zw, s5.x );
+	vec3 c7 = s5.yzw;
+	vec3 c8 = s6.xyz;
+	float x = worldNormal.x, y = worldNormal.y, z = worldNormal.z;
+	vec3 result = c0 * 0.886227;
+	result += c1 * 2.0 * 0.511664 * y;
+	result += c2 * 2.0 * 0.511664 * z;
+	result += c3 * 2.0 * 0.511664 * x;
+	result += c4 * 2.0 * 0.429043 * x * y;
+	result += c5 * 2.0 * 0.429043 * y * z;
+	result += c6 * ( 0.743125 * z * z - 0.247708 );
+	result += c7 * 2.0 * 0.429043 * x * z;
+	result += c8 * 0.429043 * ( x * x - y * y );
+	return max( result, vec3( 0.0 ) );
+}
+#endif`,bw=`#if defined( USE_LOGARITHMIC_DEPTH_BUFFER )
+	gl_FragDepth = vIsPerspective == 0.0 ? gl_FragCoord.z : log2( vFragDepth ) * logDepthBufFC * 0.5;
+#endif`,Mw=`#if defined( USE_LOGARITHMIC_DEPTH_BUFFER )
+	uniform float logDepthBufFC;
+	varying float vFragDepth;
+	varying float vIsPerspective;
+#endif`,ww=`#ifdef USE_LOGARITHMIC_DEPTH_BUFFER
+	varying float vFragDepth;
+	varying float vIsPerspective;
+#endif`,Ew=`#ifdef USE_LOGARITHMIC_DEPTH_BUFFER
+	vFragDepth = 1.0 + gl_Position.w;
+	vIsPerspective = float( isPerspectiveMatrix( projectionMatrix ) );
+#endif`,Aw=`#ifdef USE_MAP
+	vec4 sampledDiffuseColor = texture2D( map, vMapUv );
+	#ifdef DECODE_VIDEO_TEXTURE
+		sampledDiffuseColor = sRGBTransferEOTF( sampledDiffuseColor );
+	#endif
+	diffuseColor *= sampledDiffuseColor;
+#endif`,Tw=`#ifdef USE_MAP
+	uniform sampler2D map;
+#endif`,Cw=`#if defined( USE_MAP ) || defined( USE_ALPHAMAP )
+	#if defined( USE_POINTS_UV )
+		vec2 uv = vUv;
+	#else
+		vec2 uv = ( uvTransform * vec3( gl_PointCoord.x, 1.0 - gl_PointCoord.y, 1 ) ).xy;
+	#endif
+#endif
+#ifdef USE_MAP
+	diffuseColor *= texture2D( map, uv );
+#endif
+#ifdef USE_ALPHAMAP
+	diffuseColor.a *= texture2D( alphaMap, uv ).g;
+#endif`,Rw=`#if defined( USE_POINTS_UV )
+	varying vec2 vUv;
+#else
+	#if defined( USE_MAP ) || defined( USE_ALPHAMAP )
+		uniform mat3 uvTransform;
+	#endif
+#endif
+#ifdef USE_MAP
+	uniform sampler2D map;
+#endif
+#ifdef USE_ALPHAMAP
+	uniform sampler2D alphaMap;
+#endif`,Iw=`float metalnessFactor = metalness;
+#ifdef USE_METALNESSMAP
+	vec4 texelMetalness = texture2D( metalnessMap, vMetalnessMapUv );
+	metalnessFactor *= texelMetalness.b;
+#endif`,Pw=`#ifdef USE_METALNESSMAP
+	uniform sampler2D metalnessMap;
+#endif`,Lw=`#ifdef USE_INSTANCING_MORPH
+	float morphTargetInfluences[ MORPHTARGETS_COUNT ];
+	float morphTargetBaseInfluence = texelFetch( morphTexture, ivec2( 0, gl_InstanceID ), 0 ).r;
+	for ( int i = 0; i < MORPHTARGETS_COUNT; i ++ ) {
+		morphTargetInfluences[i] =  texelFetch( morphTexture, ivec2( i + 1, gl_InstanceID ), 0 ).r;
+	}
+#endif`,Dw=`#if defined( USE_MORPHCOLORS )
+	#if defined( USE_COLOR_ALPHA )
+		vColor *= morphTargetBaseInfluence;
+	#elif defined( USE_COLOR )
+		vColor.rgb *= morphTargetBaseInfluence;
+	#endif
+	for ( int i = 0; i < MORPHTARGETS_COUNT; i ++ ) {
+		#if defined( USE_COLOR_ALPHA )
+			if ( morphTargetInfluences[ i ] != 0.0 ) vColor += getMorph( gl_VertexID, i, 2 ) * morphTargetInfluences[ i ];
+		#elif defined( USE_COLOR )
+			if ( morphTargetInfluences[ i ] != 0.0 ) vColor.rgb += getMorph( gl_VertexID, i, 2 ).rgb * morphTargetInfluences[ i ];
+		#endif
+	}
+#endif`,Nw=`#ifdef USE_MORPHNORMALS
+	objectNormal *= morphTargetBaseInfluence;
+	for ( int i = 0; i < MORPHTARGETS_COUNT; i ++ ) {
+		if ( morphTargetInfluences[ i ] != 0.0 ) objectNormal += getMorph( gl_VertexID, i, 1 ).xyz * morphTargetInfluences[ i ];
+	}
+#endif`,Ow=`#ifdef USE_MORPHTARGETS
+	#ifndef USE_INSTANCING_MORPH
+		uniform float morphTargetBaseInfluence;
+		uniform float morphTargetInfluences[ MORPHTARGETS_COUNT ];
+	#endif
+	uniform sampler2DArray morphTargetsTexture;
+	uniform ivec2 morphTargetsTextureSize;
+	vec4 getMorph( const in int vertexIndex, const in int morphTargetIndex, const in int offset ) {
+		int texelIndex = vertexIndex * MORPHTARGETS_TEXTURE_STRIDE + offset;
+		int y = texelIndex / morphTargetsTextureSize.x;
+		int x = texelIndex - y * morphTargetsTextureSize.x;
+		ivec3 morphUV = ivec3( x, y, morphTargetIndex );
+		return texelFetch( morphTargetsTexture, morphUV, 0 );
+	}
+#endif`,Uw=`#ifdef USE_MORPHTARGETS
+	transformed *= morphTargetBaseInfluence;
+	for ( int i = 0; i < MORPHTARGETS_COUNT; i ++ ) {
+		if ( morphTargetInfluences[ i ] != 0.0 ) transformed += getMorph( gl_VertexID, i, 0 ).xyz * morphTargetInfluences[ i ];
+	}
+#endif`,Fw=`float faceDirection = gl_FrontFacing ? 1.0 : - 1.0;
+#ifdef FLAT_SHADED
+	vec3 fdx = dFdx( vViewPosition );
+	vec3 fdy = dFdy( vViewPosition );
+	vec3 normal = normalize( cross( fdx, fdy ) );
+#else
+	vec3 normal = normalize( vNormal );
+	#ifdef DOUBLE_SIDED
+		normal *= faceDirection;
+	#endif
+#endif
+#if defined( USE_NORMALMAP_TANGENTSPACE ) || defined( USE_CLEARCOAT_NORMALMAP ) || defined( USE_ANISOTROPY )
+	#ifdef USE_TANGENT
+		mat3 tbn = mat3( normalize( vTangent ), normalize( vBitangent ), normal );
+	#else
+		mat3 tbn = getTangentFrame( - vViewPosition, normal,
+		#if defined( USE_NORMALMAP )
+			vNormalMapUv
+		#elif defined( USE_CLEARCOAT_NORMALMAP )
+			vClearcoatNormalMapUv
+		#else
+			vUv
+		#endif
+		);
+	#endif
+	#ifdef DOUBLE_SIDED
+		tbn[0] *= faceDirection;
+		tbn[1] *= faceDirection;
+	#endif
+#endif
+#ifdef USE_CLEARCOAT_NORMALMAP
+	#ifdef USE_TANGENT
+		mat3 tbn2 = mat3( normalize( vTangent ), normalize( vBitangent ), normal );
+	#else
+		mat3 tbn2 = getTangentFrame( - vViewPosition, normal, vClearcoatNormalMapUv );
+	#endif
+	#ifdef DOUBLE_SIDED
+		tbn2[0] *= faceDirection;
+		tbn2[1] *= faceDirection;
+	#endif
+#endif
+vec3 nonPerturbedNormal = normal;`,Bw=`#ifdef USE_NORMALMAP_OBJECTSPACE
+	normal = texture2D( normalMap, vNormalMapUv ).xyz * 2.0 - 1.0;
+	#ifdef FLIP_SIDED
+		normal = - normal;
+	#endif
+	#ifdef DOUBLE_SIDED
+		normal = normal * faceDirection;
+	#endif
+	normal = normalize( normalMatrix * normal );
+#elif defined( USE_NORMALMAP_TANGENTSPACE )
+	vec3 mapN = texture2D( normalMap, vNormalMapUv ).xyz * 2.0 - 1.0;
+	#if defined( USE_PACKED_NORMALMAP )
+		mapN = vec3( mapN.xy, sqrt( saturate( 1.0 - dot( mapN.xy, mapN.xy ) ) ) );
+	#endif
+	mapN.xy *= normalScale;
+	normal = normalize( tbn * mapN );
+#elif defined( USE_BUMPMAP )
+	normal = perturbNormalArb( - vViewPosition, normal, dHdxy_fwd(), faceDirection );
+#endif`,kw=`#ifndef FLAT_SHADED
+	varying vec3 vNormal;
+	#ifdef USE_TANGENT
+		varying vec3 vTangent;
+		varying vec3 vBitangent;
+	#endif
+#endif`,zw=`#ifndef FLAT_SHADED
+	varying vec3 vNormal;
+	#ifdef USE_TANGENT
+		varying vec3 vTangent;
+		varying vec3 vBitangent;
+	#endif
+#endif`,Hw=`#ifndef FLAT_SHADED
+	vNormal = normalize( transformedNormal );
+	#ifdef USE_TANGENT
+		vTangent = normalize( transformedTangent );
+		vBitangent = normalize( cross( vNormal, vTangent ) * tangent.w );
+		#ifdef FLIP_SIDED
+			vBitangent = - vBitangent;
+		#endif
+	#endif
+#endif`,Vw=`#ifdef USE_NORMALMAP
+	uniform sampler2D normalMap;
+	uniform vec2 normalScale;
+#endif
+#ifdef USE_NORMALMAP_OBJECTSPACE
+	uniform mat3 normalMatrix;
+#endif
+#if ! defined ( USE_TANGENT ) && ( defined ( USE_NORMALMAP_TANGENTSPACE ) || defined ( USE_CLEARCOAT_NORMALMAP ) || defined( USE_ANISOTROPY ) )
+	mat3 getTangentFrame( vec3 eye_pos, vec3 surf_norm, vec2 uv ) {
+		vec3 q0 = dFdx( eye_pos.xyz );
+		vec3 q1 = dFdy( eye_pos.xyz );
+		vec2 st0 = dFdx( uv.st );
+		vec2 st1 = dFdy( uv.st );
+		vec3 N = surf_norm;
+		vec3 q1perp = cross( q1, N );
+		vec3 q0perp = cross( N, q0 );
+		vec3 T = q1perp * st0.x + q0perp * st1.x;
+		vec3 B = q1perp * st0.y + q0perp * st1.y;
+		float det = max( dot( T, T ), dot( B, B ) );
+		float scale = ( det == 0.0 ) ? 0.0 : inversesqrt( det );
+		return mat3( T * scale, B * scale, N );
+	}
+#endif`,Gw=`#ifdef USE_CLEARCOAT
+	vec3 clearcoatNormal = nonPerturbedNormal;
+#endif`,Ww=`#ifdef USE_CLEARCOAT_NORMALMAP
+	vec3 clearcoatMapN = texture2D( clearcoatNormalMap, vClearcoatNormalMapUv ).xyz * 2.0 - 1.0;
+	clearcoatMapN.xy *= clearcoatNormalScale;
+	clearcoatNormal = normalize( tbn2 * clearcoatMapN );
+#endif`,$w=`#ifdef USE_CLEARCOATMAP
+	uniform sampler2D clearcoatMap;
+#endif
+#ifdef USE_CLEARCOAT_NORMALMAP
+	uniform sampler2D clearcoatNormalMap;
+	uniform vec2 clearcoatNormalScale;
+#endif
+#ifdef USE_CLEARCOAT_ROUGHNESSMAP
+	uniform sampler2D clearcoatRoughnessMap;
+#endif`,Xw=`#ifdef USE_IRIDESCENCEMAP
+	uniform sampler2D iridescenceMap;
+#endif
+#ifdef USE_IRIDESCENCE_THICKNESSMAP
+	uniform sampler2D iridescenceThicknessMap;
+#endif`,qw=`#ifdef OPAQUE
+diffuseColor.a = 1.0;
+#endif
+#ifdef USE_TRANSMISSION
+diffuseColor.a *= material.transmissionAlpha;
+#endif
+gl_FragColor = vec4( outgoingLight, diffuseColor.a );`,Yw=`vec3 packNormalToRGB( const in vec3 normal ) {
+	return normalize( normal ) * 0.5 + 0.5;
+}
+vec3 unpackRGBToNormal( const in vec3 rgb ) {
+	return 2.0 * rgb.xyz - 1.0;
+}
+const float PackUpscale = 256. / 255.;const float UnpackDownscale = 255. / 256.;const float ShiftRight8 = 1. / 256.;
+const float Inv255 = 1. / 255.;
+const vec4 PackFactors = vec4( 1.0, 256.0, 256.0 * 256.0, 256.0 * 256.0 * 256.0 );
+const vec2 UnpackFactors2 = vec2( UnpackDownscale, 1.0 / PackFactors.g );
+const vec3 UnpackFactors3 = vec3( UnpackDownscale / PackFactors.rg, 1.0 / PackFactors.b );
+const vec4 UnpackFactors4 = vec4( UnpackDownscale / PackFactors.rgb, 1.0 / PackFactors.a );
+vec4 packDepthToRGBA( const in float v ) {
+	if( v <= 0.0 )
+		return vec4( 0., 0., 0., 0. );
+	if( v >= 1.0 )
+		return vec4( 1., 1., 1., 1. );
+	float vuf;
+	float af = modf( v * PackFactors.a, vuf );
+	float bf = modf( vuf * ShiftRight8, vuf );
+	float gf = modf( vuf * ShiftRight8, vuf );
+	return vec4( vuf * Inv255, gf * PackUpscale, bf * PackUpscale, af );
+}
+vec3 packDepthToRGB( const in float v ) {
+	if( v <= 0.0 )
+		return vec3( 0., 0., 0. );
+	if( v >= 1.0 )
+		return vec3( 1., 1., 1. );
+	float vuf;
+	float bf = modf( v * PackFactors.b, vuf );
+	float gf = modf( vuf * ShiftRight8, vuf );
+	return vec3( vuf * Inv255, gf * PackUpscale, bf );
+}
+vec2 packDepthToRG( const in float v ) {
+	if( v <= 0.0 )
+		return vec2( 0., 0. );
+	if( v >= 1.0 )
+		return vec2( 1., 1. );
+	float vuf;
+	float gf = modf( v * 256., vuf );
+	return vec2( vuf * Inv255, gf );
+}
+float unpackRGBAToDepth( const in vec4 v ) {
+	return dot( v, UnpackFactors4 );
+}
+float unpackRGBToDepth( const in vec3 v ) {
+	return dot( v, UnpackFactors3 );
+}
+float unpackRGToDepth( const in vec2 v ) {
+	return v.r * UnpackFactors2.r + v.g * UnpackFactors2.g;
+}
+vec4 pack2HalfToRGBA( const in vec2 v ) {
+	vec4 r = vec4( v.x, fract( v.x * 255.0 ), v.y, fract( v.y * 255.0 ) );
+	return vec4( r.x - r.y / 255.0, r.y, r.z - r.w / 255.0, r.w );
+}
+vec2 unpackRGBATo2Half( const in vec4 v ) {
+	return vec2( v.x + ( v.y / 255.0 ), v.z + ( v.w / 255.0 ) );
+}
+float viewZToOrthographicDepth( const in float viewZ, const in float near, const in float far ) {
+	return ( viewZ + near ) / ( near - far );
+}
+float orthographicDepthToViewZ( const in float depth, const in float near, const in float far ) {
+	#ifdef USE_REVERSED_DEPTH_BUFFER
+	
+		return depth * ( far - near ) - far;
+	#else
+		return depth * ( near - far ) - near;
+	#endif
+}
+float viewZToPerspectiveDepth( const in float viewZ, const in float near, const in float far ) {
+	return ( ( near + viewZ ) * far ) / ( ( far - near ) * viewZ );
+}
+float perspectiveDepthToViewZ( const in float depth, const in float near, const in float far ) {
+	
+	#ifdef USE_REVERSED_DEPTH_BUFFER
+		return ( near * far ) / ( ( near - far ) * depth - near );
+	#else
+		return ( near * far ) / ( ( far - near ) * depth - far );
+	#endif
+}`,Zw=`#ifdef PREMULTIPLIED_ALPHA
+	gl_FragColor.rgb *= gl_FragColor.a;
+#endif`,Kw=`vec4 mvPosition = vec4( transformed, 1.0 );
+#ifdef USE_BATCHING
+	mvPosition = batchingMatrix * mvPosition;
+#endif
+#ifdef USE_INSTANCING
+	mvPosition = instanceMatrix * mvPosition;
+#endif
+mvPosition = modelViewMatrix * mvPosition;
+gl_Position = projectionMatrix * mvPosition;`,Jw=`#ifdef DITHERING
+	gl_FragColor.rgb = dithering( gl_FragColor.rgb );
+#endif`,jw=`#ifdef DITHERING
+	vec3 dithering( vec3 color ) {
+		float grid_position = rand( gl_FragCoord.xy );
+		vec3 dither_shift_RGB = vec3( 0.25 / 255.0, -0.25 / 255.0, 0.25 / 255.0 );
+		dither_shift_RGB = mix( 2.0 * dither_shift_RGB, -2.0 * dither_shift_RGB, grid_position );
+		return color + dither_shift_RGB;
+	}
+#endif`,Qw=`float roughnessFactor = roughness;
+#ifdef USE_ROUGHNESSMAP
+	vec4 texelRoughness = texture2D( roughnessMap, vRoughnessMapUv );
+	roughnessFactor *= texelRoughness.g;
+#endif`,tE=`#ifdef USE_ROUGHNESSMAP
+	uniform sampler2D roughnessMap;
+#endif`,eE=`#if NUM_SPOT_LIGHT_COORDS > 0
+	varying vec4 vSpotLightCoord[ NUM_SPOT_LIGHT_COORDS ];
+#endif
+#if NUM_SPOT_LIGHT_MAPS > 0
+	uniform sampler2D spotLightMap[ NUM_SPOT_LIGHT_MAPS ];
+#endif
+#ifdef USE_SHADOWMAP
+	#if NUM_SUN_LIGHT_SHADOWS > 0
+		#define SUN_LIGHT_CASCADES 2
+		#if defined( SHADOWMAP_TYPE_PCF )
+			uniform sampler2DShadow sunShadowMap[ NUM_SUN_LIGHT_SHADOWS ];
+		#else
+			uniform sampler2D sunShadowMap[ NUM_SUN_LIGHT_SHADOWS ];
+		#endif
+		uniform mat4 sunShadowMatrix[ NUM_SUN_LIGHT_SHADOWS * SUN_LIGHT_CASCADES ];
+		uniform vec4 sunShadowCascade[ NUM_SUN_LIGHT_SHADOWS * SUN_LIGHT_CASCADES ];
+		varying vec4 vSunShadowWorldPosition;
+		varying vec3 vSunShadowWorldNormal;
+		struct SunLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+		};
+		uniform SunLightShadow sunLightShadows[ NUM_SUN_LIGHT_SHADOWS ];
+	#endif
+	#if NUM_DIR_LIGHT_SHADOWS > 0
+		#if defined( SHADOWMAP_TYPE_PCF )
+			uniform sampler2DShadow directionalShadowMap[ NUM_DIR_LIGHT_SHADOWS ];
+		#else
+			uniform sampler2D directionalShadowMap[ NUM_DIR_LIGHT_SHADOWS ];
+		#endif
+		varying vec4 vDirectionalShadowCoord[ NUM_DIR_LIGHT_SHADOWS ];
+		struct DirectionalLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+		};
+		uniform DirectionalLightShadow directionalLightShadows[ NUM_DIR_LIGHT_SHADOWS ];
+	#endif
+	#if NUM_SPOT_LIGHT_SHADOWS > 0
+		#if defined( SHADOWMAP_TYPE_PCF )
+			uniform sampler2DShadow spotShadowMap[ NUM_SPOT_LIGHT_SHADOWS ];
+		#else
+			uniform sampler2D spotShadowMap[ NUM_SPOT_LIGHT_SHADOWS ];
+		#endif
+		struct SpotLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+		};
+		uniform SpotLightShadow spotLightShadows[ NUM_SPOT_LIGHT_SHADOWS ];
+	#endif
+	#if NUM_POINT_LIGHT_SHADOWS > 0
+		#if defined( SHADOWMAP_TYPE_PCF )
+			uniform samplerCubeShadow pointShadowMap[ NUM_POINT_LIGHT_SHADOWS ];
+		#elif defined( SHADOWMAP_TYPE_BASIC )
+			uniform samplerCube pointShadowMap[ NUM_POINT_LIGHT_SHADOWS ];
+		#endif
+		varying vec4 vPointShadowCoord[ NUM_POINT_LIGHT_SHADOWS ];
+		struct PointLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+			float shadowCameraNear;
+			float shadowCameraFar;
+		};
+		uniform PointLightShadow pointLightShadows[ NUM_POINT_LIGHT_SHADOWS ];
+	#endif
+	#if defined( SHADOWMAP_TYPE_PCF )
+		float interleavedGradientNoise( vec2 position ) {
+			return fract( 52.9829189 * fract( dot( position, vec2( 0.06711056, 0.00583715 ) ) ) );
+		}
+		vec2 vogelDiskSample( int sampleIndex, int samplesCount, float phi ) {
+			const float goldenAngle = 2.399963229728653;
+			float r = sqrt( ( float( sampleIndex ) + 0.5 ) / float( samplesCount ) );
+			float theta = float( sampleIndex ) * goldenAngle + phi;
+			return vec2( cos( theta ), sin( theta ) ) * r;
+		}
+	#endif
+	#if defined( SHADOWMAP_TYPE_PCF )
+		float getShadow( sampler2DShadow shadowMap, vec2 shadowMapSize, float shadowIntensity, float shadowBias, float shadowRadius, vec4 shadowCoord ) {
+			float shadow = 1.0;
+			shadowCoord.xyz /= shadowCoord.w;
+			#ifdef USE_REVERSED_DEPTH_BUFFER
+				shadowCoord.z -= shadowBias;
+			#else
+				shadowCoord.z += shadowBias;
+			#endif
+			bool inFrustum = shadowCoord.x >= 0.0 && shadowCoord.x <= 1.0 && shadowCoord.y >= 0.0 && shadowCoord.y <= 1.0;
+			bool frustumTest = inFrustum && shadowCoord.z <= 1.0;
+			if ( frustumTest ) {
+				vec2 texelSize = vec2( 1.0 ) / shadowMapSize;
+				vec2 radius = shadowRadius * texelSize;
+				float phi = interleavedGradientNoise( gl_FragCoord.xy ) * PI2;
+				shadow = (
+					texture( shadowMap, vec3( shadowCoord.xy + vogelDiskSample( 0, 5, phi ) * radius, shadowCoord.z ) ) +
+					texture( shadowMap, vec3( shadowCoord.xy + vogelDiskSample( 1, 5, phi ) * radius, shadowCoord.z ) ) +
+					texture( shadowMap, vec3( shadowCoord.xy + vogelDiskSample( 2, 5, phi ) * radius, shadowCoord.z ) ) +
+					texture( shadowMap, vec3( shadowCoord.xy + vogelDiskSample( 3, 5, phi ) * radius, shadowCoord.z ) ) +
+					texture( shadowMap, vec3( shadowCoord.xy + vogelDiskSample( 4, 5, phi ) * radius, shadowCoord.z ) )
+				) * 0.2;
+			}
+			return mix( 1.0, shadow, shadowIntensity );
+		}
+	#elif defined( SHADOWMAP_TYPE_VSM )
+		float getShadow( sampler2D shadowMap, vec2 shadowMapSize, float shadowIntensity, float shadowBias, float shadowRadius, vec4 shadowCoord ) {
+			float shadow = 1.0;
+			shadowCoord.xyz /= shadowCoord.w;
+			#ifdef USE_REVERSED_DEPTH_BUFFER
+				shadowCoord.z -= shadowBias;
+			#else
+				shadowCoord.z += shadowBias;
+			#endif
+			bool inFrustum = shadowCoord.x >= 0.0 && shadowCoord.x <= 1.0 && shadowCoord.y >= 0.0 && shadowCoord.y <= 1.0;
+			bool frustumTest = inFrustum && shadowCoord.z <= 1.0;
+			if ( frustumTest ) {
+				vec2 distribution = texture2D( shadowMap, shadowCoord.xy ).rg;
+				float mean = distribution.x;
+				float variance = distribution.y * distribution.y;
+				#ifdef USE_REVERSED_DEPTH_BUFFER
+					float hard_shadow = step( mean, shadowCoord.z );
+				#else
+					float hard_shadow = step( shadowCoord.z, mean );
+				#endif
+				
+				if ( hard_shadow == 1.0 ) {
+					shadow = 1.0;
+				} else {
+					variance = max( variance, 0.0000001 );
+					float d = shadowCoord.z - mean;
+					float p_max = variance / ( variance + d * d );
+					p_max = clamp( ( p_max - 0.3 ) / 0.65, 0.0, 1.0 );
+					shadow = max( hard_shadow, p_max );
+				}
+			}
+			return mix( 1.0, shadow, shadowIntensity );
+		}
+	#else
+		float getShadow( sampler2D shadowMap, vec2 shadowMapSize, float shadowIntensity, float shadowBias, float shadowRadius, vec4 shadowCoord ) {
+			float shadow = 1.0;
+			shadowCoord.xyz /= shadowCoord.w;
+			#ifdef USE_REVERSED_DEPTH_BUFFER
+				shadowCoord.z -= shadowBias;
+			#else
+				shadowCoord.z += shadowBias;
+			#endif
+			bool inFrustum = shadowCoord.x >= 0.0 && shadowCoord.x <= 1.0 && shadowCoord.y >= 0.0 && shadowCoord.y <= 1.0;
+			bool frustumTest = inFrustum && shadowCoord.z <= 1.0;
+			if ( frustumTest ) {
+				float depth = texture2D( shadowMap, shadowCoord.xy ).r;
+				#ifdef USE_REVERSED_DEPTH_BUFFER
+					shadow = step( depth, shadowCoord.z );
+				#else
+					shadow = step( shadowCoord.z, depth );
+				#endif
+			}
+			return mix( 1.0, shadow, shadowIntensity );
+		}
+	#endif
+	#if NUM_SUN_LIGHT_SHADOWS > 0
+		float getSunShadow(
+			#if defined( SHADOWMAP_TYPE_PCF )
+				sampler2DShadow shadowMap,
+			#else
+				sampler2D shadowMap,
+			#endif
+			SunLightShadow sunLightShadow,
+			int shadowIndex
+		) {
+			vec4 shadowWorldPosition = vec4( vSunShadowWorldPosition.xyz + vSunShadowWorldNormal * sunLightShadow.shadowNormalBias, 1.0 );
+			float viewDepth = vSunShadowWorldPosition.w;
+			int cascadeOffset = shadowIndex * SUN_LIGHT_CASCADES;
+			float shadow = 1.0;
+			for ( int i = SUN_LIGHT_CASCADES - 1; i >= 0; i -- ) {
+				vec4 cascade = sunShadowCascade[ cascadeOffset + i ];
+				if ( viewDepth >= cascade.x && viewDepth < cascade.y ) {
+					float cascadeShadow = getShadow(
+						shadowMap,
+						sunLightShadow.shadowMapSize,
+						sunLightShadow.shadowIntensity,
+						sunLightShadow.shadowBias,
+						sunLightShadow.shadowRadius,
+						sunShadowMatrix[ cascadeOffset + i ] * shadowWorldPosition
+					);
+					shadow = mix( cascadeShadow, shadow, smoothstep( cascade.z, cascade.y, viewDepth ) );
+				}
+			}
+			return shadow;
+		}
+	#endif
+	#if NUM_POINT_LIGHT_SHADOWS > 0
+	#if defined( SHADOWMAP_TYPE_PCF )
+	float getPointShadow( samplerCubeShadow shadowMap, vec2 shadowMapSize, float shadowIntensity, float shadowBias, float shadowRadius, vec4 shadowCoord, float shadowCameraNear, float shadowCameraFar ) {
+		float shadow = 1.0;
+		vec3 lightToPosition = shadowCoord.xyz;
+		vec3 bd3D = normalize( lightToPosition );
+		vec3 absVec = abs( lightToPosition );
+		float viewSpaceZ = max( max( absVec.x, absVec.y ), absVec.z );
+		if ( viewSpaceZ - shadowCameraFar <= 0.0 && viewSpaceZ - shadowCameraNear >= 0.0 ) {
+			float lightDistance = length( lightToPosition );
+			float depthRange = shadowCameraFar - shadowCameraNear;
+			#ifdef USE_REVERSED_DEPTH_BUFFER
+				float depthA = - shadowCameraNear / depthRange - shadowBias;
+				float depthB = shadowCameraNear * shadowCameraFar / ( depthRange * lightDistance );
+			#else
+				float depthA = shadowCameraFar / depthRange + shadowBias;
+				float depthB = - shadowCameraNear * shadowCameraFar / ( depthRange * lightDistance );
+			#endif
+			float texelSize = shadowRadius / shadowMapSize.x;
+			vec3 absDir = abs( bd3D );
+			vec3 tangent = absDir.x > absDir.z ? vec3( 0.0, 1.0, 0.0 ) : vec3( 1.0, 0.0, 0.0 );
+			tangent = normalize( cross( bd3D, tangent ) );
+			vec3 bitangent = cross( bd3D, tangent );
+			float phi = interleavedGradientNoise( gl_FragCoord.xy ) * PI2;
+			shadow = 0.0;
+			for ( int i = 0; i < 5; i ++ ) {
+				vec2 offset = vogelDiskSample( i, 5, phi );
+				vec3 direction = bd3D + ( tangent * offset.x + bitangent * offset.y ) * texelSize;
+				vec3 absDirection = abs( direction );
+				float dp = depthA + depthB / max( max( absDirection.x, absDirection.y ), absDirection.z );
+				shadow += texture( shadowMap, vec4( direction, dp ) );
+			}
+			shadow *= 0.2;
+		}
+		return mix( 1.0, shadow, shadowIntensity );
+	}
+	#elif defined( SHADOWMAP_TYPE_BASIC )
+	float getPointShadow( samplerCube shadowMap, vec2 shadowMapSize, float shadowIntensity, float shadowBias, float shadowRadius, vec4 shadowCoord, float shadowCameraNear, float shadowCameraFar ) {
+		float shadow = 1.0;
+		vec3 lightToPosition = shadowCoord.xyz;
+		vec3 absVec = abs( lightToPosition );
+		float viewSpaceZ = max( max( absVec.x, absVec.y ), absVec.z );
+		if ( viewSpaceZ - shadowCameraFar <= 0.0 && viewSpaceZ - shadowCameraNear >= 0.0 ) {
+			float dp = ( shadowCameraFar * ( viewSpaceZ - shadowCameraNear ) ) / ( viewSpaceZ * ( shadowCameraFar - shadowCameraNear ) );
+			dp += shadowBias;
+			vec3 bd3D = normalize( lightToPosition );
+			float depth = textureCube( shadowMap, bd3D ).r;
+			#ifdef USE_REVERSED_DEPTH_BUFFER
+				depth = 1.0 - depth;
+			#endif
+			shadow = step( dp, depth );
+		}
+		return mix( 1.0, shadow, shadowIntensity );
+	}
+	#endif
+	#endif
+#endif`,nE=`#if NUM_SPOT_LIGHT_COORDS > 0
+	uniform mat4 spotLightMatrix[ NUM_SPOT_LIGHT_COORDS ];
+	varying vec4 vSpotLightCoord[ NUM_SPOT_LIGHT_COORDS ];
+#endif
+#ifdef USE_SHADOWMAP
+	#if NUM_SUN_LIGHT_SHADOWS > 0
+		varying vec4 vSunShadowWorldPosition;
+		varying vec3 vSunShadowWorldNormal;
+	#endif
+	#if NUM_DIR_LIGHT_SHADOWS > 0
+		uniform mat4 directionalShadowMatrix[ NUM_DIR_LIGHT_SHADOWS ];
+		varying vec4 vDirectionalShadowCoord[ NUM_DIR_LIGHT_SHADOWS ];
+		struct DirectionalLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+		};
+		uniform DirectionalLightShadow directionalLightShadows[ NUM_DIR_LIGHT_SHADOWS ];
+	#endif
+	#if NUM_SPOT_LIGHT_SHADOWS > 0
+		struct SpotLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+		};
+		uniform SpotLightShadow spotLightShadows[ NUM_SPOT_LIGHT_SHADOWS ];
+	#endif
+	#if NUM_POINT_LIGHT_SHADOWS > 0
+		uniform mat4 pointShadowMatrix[ NUM_POINT_LIGHT_SHADOWS ];
+		varying vec4 vPointShadowCoord[ NUM_POINT_LIGHT_SHADOWS ];
+		struct PointLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+			float shadowCameraNear;
+			float shadowCameraFar;
+		};
+		uniform PointLightShadow pointLightShadows[ NUM_POINT_LIGHT_SHADOWS ];
+	#endif
+#endif`,iE=`#if ( defined( USE_SHADOWMAP ) && ( NUM_DIR_LIGHT_SHADOWS > 0 || NUM_SUN_LIGHT_SHADOWS > 0 || NUM_POINT_LIGHT_SHADOWS > 0 ) ) || ( NUM_SPOT_LIGHT_COORDS > 0 )
+	#ifdef HAS_NORMAL
+		vec3 shadowWorldNormal = transformNormalByInverseViewMatrix( transformedNormal, viewMatrix );
+	#else
+		vec3 shadowWorldNormal = vec3( 0.0 );
+	#endif
+	vec4 shadowWorldPosition;
+#endif
+#if defined( USE_SHADOWMAP )
+	#if NUM_SUN_LIGHT_SHADOWS > 0
+		vSunShadowWorldPosition = vec4( worldPosition.xyz, - mvPosition.z );
+		vSunShadowWorldNormal = shadowWorldNormal;
+	#endif
+	#if NUM_DIR_LIGHT_SHADOWS > 0
+		#pragma unroll_loop_start
+		for ( int i = 0; i < NUM_DIR_LIGHT_SHADOWS; i ++ ) {
+			shadowWorldPosition = worldPosition + vec4( shadowWorldNormal * directionalLightShadows[ i ].shadowNormalBias, 0 );
+			vDirectionalShadowCoord[ i ] = directionalShadowMatrix[ i ] * shadowWorldPosition;
+		}
+		#pragma unroll_loop_end
+	#endif
+	#if NUM_POINT_LIGHT_SHADOWS > 0
+		#pragma unroll_loop_start
+		for ( int i = 0; i < NUM_POINT_LIGHT_SHADOWS; i ++ ) {
+			shadowWorldPosition = worldPosition + vec4( shadowWorldNormal * pointLightShadows[ i ].shadowNormalBias, 0 );
+			vPointShadowCoord[ i ] = pointShadowMatrix[ i ] * shadowWorldPosition;
+		}
+		#pragma unroll_loop_end
+	#endif
+#endif
+#if NUM_SPOT_LIGHT_COORDS > 0
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_SPOT_LIGHT_COORDS; i ++ ) {
+		shadowWorldPosition = worldPosition;
+		#if ( defined( USE_SHADOWMAP ) && UNROLLED_LOOP_INDEX < NUM_SPOT_LIGHT_SHADOWS )
+			shadowWorldPosition.xyz += shadowWorldNormal * spotLightShadows[ i ].shadowNormalBias;
+		#endif
+		vSpotLightCoord[ i ] = spotLightMatrix[ i ] * shadowWorldPosition;
+	}
+	#pragma unroll_loop_end
+#endif`,sE=`float getShadowMask() {
+	float shadow = 1.0;
+	#ifdef USE_SHADOWMAP
+	#if NUM_SUN_LIGHT_SHADOWS > 0
+	SunLightShadow sunLight;
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_SUN_LIGHT_SHADOWS; i ++ ) {
+		sunLight = sunLightShadows[ i ];
+		shadow *= receiveShadow ? getSunShadow( sunShadowMap[ i ], sunLight, UNROLLED_LOOP_INDEX ) : 1.0;
+	}
+	#pragma unroll_loop_end
+	#endif
+	#if NUM_DIR_LIGHT_SHADOWS > 0
+	DirectionalLightShadow directionalLight;
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_DIR_LIGHT_SHADOWS; i ++ ) {
+		directionalLight = directionalLightShadows[ i ];
+		shadow *= receiveShadow ? getShadow( directionalShadowMap[ i ], directionalLight.shadowMapSize, directionalLight.shadowIntensity, directionalLight.shadowBias, directionalLight.shadowRadius, vDirectionalShadowCoord[ i ] ) : 1.0;
+	}
+	#pragma unroll_loop_end
+	#endif
+	#if NUM_SPOT_LIGHT_SHADOWS > 0
+	SpotLightShadow spotLight;
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_SPOT_LIGHT_SHADOWS; i ++ ) {
+		spotLight = spotLightShadows[ i ];
+		shadow *= receiveShadow ? getShadow( spotShadowMap[ i ], spotLight.shadowMapSize, spotLight.shadowIntensity, spotLight.shadowBias, spotLight.shadowRadius, vSpotLightCoord[ i ] ) : 1.0;
+	}
+	#pragma unroll_loop_end
+	#endif
+	#if NUM_POINT_LIGHT_SHADOWS > 0 && ( defined( SHADOWMAP_TYPE_PCF ) || defined( SHADOWMAP_TYPE_BASIC ) )
+	PointLightShadow pointLight;
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_POINT_LIGHT_SHADOWS; i ++ ) {
+		pointLight = pointLightShadows[ i ];
+		shadow *= receiveShadow ? getPointShadow( pointShadowMap[ i ], pointLight.shadowMapSize, pointLight.shadowIntensity, pointLight.shadowBias, pointLight.shadowRadius, vPointShadowCoord[ i ], pointLight.shadowCameraNear, pointLight.shadowCameraFar ) : 1.0;
+	}
+	#pragma unroll_loop_end
+	#endif
+	#endif
+	return shadow;
+}`,rE=`#ifdef USE_SKINNING
+	mat4 boneMatX = getBoneMatrix( skinIndex.x );
+	mat4 boneMatY = getBoneMatrix( skinIndex.y );
+	mat4 boneMatZ = getBoneMatrix( skinIndex.z );
+	mat4 boneMatW = getBoneMatrix( skinIndex.w );
+#endif`,oE=`#ifdef USE_SKINNING
+	uniform mat4 bindMatrix;
+	uniform mat4 bindMatrixInverse;
+	uniform highp sampler2D boneTexture;
+	mat4 getBoneMatrix( const in float i ) {
+		int size = textureSize( boneTexture, 0 ).x;
+		int j = int( i ) * 4;
+		int x = j % size;
+		int y = j / size;
+		vec4 v1 = texelFetch( boneTexture, ivec2( x, y ), 0 );
+		vec4 v2 = texelFetch( boneTexture, ivec2( x + 1, y ), 0 );
+		vec4 v3 = texelFetch( boneTexture, ivec2( x + 2, y ), 0 );
+		vec4 v4 = texelFetch( boneTexture, ivec2( x + 3, y ), 0 );
+		return mat4( v1, v2, v3, v4 );
+	}
+#endif`,aE=`#ifdef USE_SKINNING
+	vec4 skinVertex = bindMatrix * vec4( transformed, 1.0 );
+	vec4 skinned = vec4( 0.0 );
+	skinned += boneMatX * skinVertex * skinWeight.x;
+	skinned += boneMatY * skinVertex * skinWeight.y;
+	skinned += boneMatZ * skinVertex * skinWeight.z;
+	skinned += boneMatW * skinVertex * skinWeight.w;
+	transformed = ( bindMatrixInverse * skinned ).xyz;
+#endif`,lE=`#ifdef USE_SKINNING
+	mat4 skinMatrix = mat4( 0.0 );
+	skinMatrix += skinWeight.x * boneMatX;
+	skinMatrix += skinWeight.y * boneMatY;
+	skinMatrix += skinWeight.z * boneMatZ;
+	skinMatrix += skinWeight.w * boneMatW;
+	skinMatrix = bindMatrixInverse * skinMatrix * bindMatrix;
+	objectNormal = vec4( skinMatrix * vec4( objectNormal, 0.0 ) ).xyz;
+	#ifdef USE_TANGENT
+		objectTangent = vec4( skinMatrix * vec4( objectTangent, 0.0 ) ).xyz;
+	#endif
+#endif`,cE=`float specularStrength;
+#ifdef USE_SPECULARMAP
+	vec4 texelSpecular = texture2D( specularMap, vSpecularMapUv );
+	specularStrength = texelSpecular.r;
+#else
+	specularStrength = 1.0;
+#endif`,hE=`#ifdef USE_SPECULARMAP
+	uniform sampler2D specularMap;
+#endif`,uE=`#if defined( TONE_MAPPING )
+	gl_FragColor.rgb = toneMapping( gl_FragColor.rgb );
+#endif`,fE=`#ifndef saturate
+#define saturate( a ) clamp( a, 0.0, 1.0 )
+#endif
+uniform float toneMappingExposure;
+vec3 LinearToneMapping( vec3 color ) {
+	return saturate( toneMappingExposure * color );
+}
+vec3 ReinhardToneMapping( vec3 color ) {
+	color *= toneMappingExposure;
+	return saturate( color / ( vec3( 1.0 ) + color ) );
+}
+vec3 CineonToneMapping( vec3 color ) {
+	color *= toneMappingExposure;
+	color = max( vec3( 0.0 ), color - 0.004 );
+	return pow( ( color * ( 6.2 * color + 0.5 ) ) / ( color * ( 6.2 * color + 1.7 ) + 0.06 ), vec3( 2.2 ) );
+}
+vec3 RRTAndODTFit( vec3 v ) {
+	vec3 a = v * ( v + 0.0245786 ) - 0.000090537;
+	vec3 b = v * ( 0.983729 * v + 0.4329510 ) + 0.238081;
+	return a / b;
+}
+vec3 ACESFilmicToneMapping( vec3 color ) {
+	const mat3 ACESInputMat = mat3(
+		vec3( 0.59719, 0.07600, 0.02840 ),		vec3( 0.35458, 0.90834, 0.13383 ),
+		vec3( 0.04823, 0.01566, 0.83777 )
+	);
+	const mat3 ACESOutputMat = mat3(
+		vec3(  1.60475, -0.10208, -0.00327 ),		vec3( -0.53108,  1.10813, -0.07276 ),
+		vec3( -0.07367, -0.00605,  1.07602 )
+	);
+	color *= toneMappingExposure / 0.6;
+	color = ACESInputMat * color;
+	color = RRTAndODTFit( color );
+	color = ACESOutputMat * color;
+	return saturate( color );
+}
+const mat3 LINEAR_REC2020_TO_LINEAR_SRGB = mat3(
+	vec3( 1.6605, - 0.1246, - 0.0182 ),
+	vec3( - 0.5876, 1.1329, - 0.1006 ),
+	vec3( - 0.0728, - 0.0083, 1.1187 )
+);
+const mat3 LINEAR_SRGB_TO_LINEAR_REC2020 = mat3(
+	vec3( 0.6274, 0.0691, 0.0164 ),
+	vec3( 0.3293, 0.9195, 0.0880 ),
+	vec3( 0.0433, 0.0113, 0.8956 )
+);
+vec3 agxDefaultContrastApprox( vec3 x ) {
+	vec3 x2 = x * x;
+	vec3 x4 = x2 * x2;
+	return + 15.5 * x4 * x2
+		- 40.14 * x4 * x
+		+ 31.96 * x4
+		- 6.868 * x2 * x
+		+ 0.4298 * x2
+		+ 0.1191 * x
+		- 0.00232;
+}
+vec3 AgXToneMapping( vec3 color ) {
+	const mat3 AgXInsetMatrix = mat3(
+		vec3( 0.856627153315983, 0.137318972929847, 0.11189821299995 ),
+		vec3( 0.0951212405381588, 0.761241990602591, 0.0767994186031903 ),
+		vec3( 0.0482516061458583, 0.101439036467562, 0.811302368396859 )
+	);
+	const mat3 AgXOutsetMatrix = mat3(
+		vec3( 1.1271005818144368, - 0.1413297634984383, - 0.14132976349843826 ),
+		vec3( - 0.11060664309660323, 1.157823702216272, - 0.11060664309660294 ),
+		vec3( - 0.016493938717834573, - 0.016493938717834257, 1.2519364065950405 )
+	);
+	const float AgxMinEv = - 12.47393;	const float AgxMaxEv = 4.026069;
+	color *= toneMappingExposure;
+	color = LINEAR_SRGB_TO_LINEAR_REC2020 * color;
+	color = AgXInsetMatrix * color;
+	color = max( color, 1e-10 );	color = log2( color );
+	color = ( color - AgxMinEv ) / ( AgxMaxEv - AgxMinEv );
+	color = clamp( color, 0.0, 1.0 );
+	color = agxDefaultContrastApprox( color );
+	color = AgXOutsetMatrix * color;
+	color = pow( max( vec3( 0.0 ), color ), vec3( 2.2 ) );
+	color = LINEAR_REC2020_TO_LINEAR_SRGB * color;
+	color = clamp( color, 0.0, 1.0 );
+	return color;
+}
+vec3 NeutralToneMapping( vec3 color ) {
+	const float StartCompression = 0.8 - 0.04;
+	const float Desaturation = 0.15;
+	color *= toneMappingExposure;
+	float x = min( color.r, min( color.g, color.b ) );
+	float offset = x < 0.08 ? x - 6.25 * x * x : 0.04;
+	color -= offset;
+	float peak = max( color.r, max( color.g, color.b ) );
+	if ( peak < StartCompression ) return color;
+	float d = 1. - StartCompression;
+	float newPeak = 1. - d * d / ( peak + d - StartCompression );
+	color *= newPeak / peak;
+	float g = 1. - 1. / ( Desaturation * ( peak - newPeak ) + 1. );
+	return mix( color, vec3( newPeak ), g );
+}
+vec3 CustomToneMapping( vec3 color ) { return color; }`,dE=`#ifdef USE_TRANSMISSION
+	material.transmission = transmission;
+	material.transmissionAlpha = 1.0;
+	material.thickness = thickness;
+	material.attenuationDistance = attenuationDistance;
+	material.attenuationColor = attenuationColor;
+	#ifdef USE_TRANSMISSIONMAP
+		material.transmission *= texture2D( transmissionMap, vTransmissionMapUv ).r;
+	#endif
+	#ifdef USE_THICKNESSMAP
+		material.thickness *= texture2D( thicknessMap, vThicknessMapUv ).g;
+	#endif
+	vec3 pos = vWorldPosition;
+	vec3 v = normalize( cameraPosition - pos );
+	vec3 n = transformNormalByInverseViewMatrix( normal, viewMatrix );
+	vec4 transmitted = getIBLVolumeRefraction(
+		n, v, material.roughness, material.diffuseContribution, material.specularColorBlended, material.specularF90,
+		pos, modelMatrix, viewMatrix, projectionMatrix, material.dispersion, material.ior, material.thickness,
+		material.attenuationColor, material.attenuationDistance );
+	material.transmissionAlpha = mix( material.transmissionAlpha, transmitted.a, material.transmission );
+	totalDiffuse = mix( totalDiffuse, transmitted.rgb, material.transmission );
+#endif`,pE=`#ifdef USE_TRANSMISSION
+	uniform float transmission;
+	uniform float thickness;
+	uniform float attenuationDistance;
+	uniform vec3 attenuationColor;
+	#ifdef USE_TRANSMISSIONMAP
+		uniform sampler2D transmissionMap;
+	#endif
+	#ifdef USE_THICKNESSMAP
+		uniform sampler2D thicknessMap;
+	#endif
+	uniform vec2 transmissionSamplerSize;
+	uniform sampler2D transmissionSamplerMap;
+	uniform mat4 modelMatrix;
+	uniform mat4 projectionMatrix;
+	varying vec3 vWorldPosition;
+	float w0( float a ) {
+		return ( 1.0 / 6.0 ) * ( a * ( a * ( - a + 3.0 ) - 3.0 ) + 1.0 );
+	}
+	float w1( float a ) {
+		return ( 1.0 / 6.0 ) * ( a *  a * ( 3.0 * a - 6.0 ) + 4.0 );
+	}
+	float w2( float a ){
+		return ( 1.0 / 6.0 ) * ( a * ( a * ( - 3.0 * a + 3.0 ) + 3.0 ) + 1.0 );
+	}
+	float w3( float a ) {
+		return ( 1.0 / 6.0 ) * ( a * a * a );
+	}
+	float g0( float a ) {
+		return w0( a ) + w1( a );
+	}
+	float g1( float a ) {
+		return w2( a ) + w3( a );
+	}
+	float h0( float a ) {
+		return - 1.0 + w1( a ) / ( w0( a ) + w1( a ) );
+	}
+	float h1( float a ) {
+		return 1.0 + w3( a ) / ( w2( a ) + w3( a ) );
+	}
+	vec4 bicubic( sampler2D tex, vec2 uv, vec4 texelSize, float lod ) {
+		uv = uv * texelSize.zw + 0.5;
+		vec2 iuv = floor( uv );
+		vec2 fuv = fract( uv );
+		float g0x = g0( fuv.x );
+		float g1x = g1( fuv.x );
+		float h0x = h0( fuv.x );
+		float h1x = h1( fuv.x );
+		float h0y = h0( fuv.y );
+		float h1y = h1( fuv.y );
+		vec2 p0 = ( vec2( iuv.x + h0x, iuv.y + h0y ) - 0.5 ) * texelSize.xy;
+		vec2 p1 = ( vec2( iuv.x + h1x, iuv.y + h0y ) - 0.5 ) * texelSize.xy;
+		vec2 p2 = ( vec2( iuv.x + h0x, iuv.y + h1y ) - 0.5 ) * texelSize.xy;
+		vec2 p3 = ( vec2( iuv.x + h1x, iuv.y + h1y ) - 0.5 ) * texelSize.xy;
+		return g0( fuv.y ) * ( g0x * textureLod( tex, p0, lod ) + g1x * textureLod( tex, p1, lod ) ) +
+			g1( fuv.y ) * ( g0x * textureLod( tex, p2, lod ) + g1x * textureLod( tex, p3, lod ) );
+	}
+	vec4 textureBicubic( sampler2D sampler, vec2 uv, float lod ) {
+		vec2 fLodSize = vec2( textureSize( sampler, int( lod ) ) );
+		vec2 cLodSize = vec2( textureSize( sampler, int( lod + 1.0 ) ) );
+		vec2 fLodSizeInv = 1.0 / fLodSize;
+		vec2 cLodSizeInv = 1.0 / cLodSize;
+		vec4 fSample = bicubic( sampler, uv, vec4( fLodSizeInv, fLodSize ), floor( lod ) );
+		vec4 cSample = bicubic( sampler, uv, vec4( cLodSizeInv, cLodSize ), ceil( lod ) );
+		return mix( fSample, cSample, fract( lod ) );
+	}
+	vec3 getVolumeTransmissionRay( const in vec3 n, const in vec3 v, const in float thickness, const in float ior, const in mat4 modelMatrix ) {
+		vec3 refractionVector = refract( - v, normalize( n ), 1.0 / ior );
+		vec3 modelScale;
+		modelScale.x = length( vec3( modelMatrix[ 0 ].xyz ) );
+		modelScale.y = length( vec3( modelMatrix[ 1 ].xyz ) );
+		modelScale.z = length( vec3( modelMatrix[ 2 ].xyz ) );
+		return normalize( refractionVector ) * thickness * modelScale;
+	}
+	float applyIorToRoughness( const in float roughness, const in float ior ) {
+		return roughness * clamp( ior * 2.0 - 2.0, 0.0, 1.0 );
+	}
+	vec4 getTransmissionSample( const in vec2 fragCoord, const in float roughness, const in float ior ) {
+		float lod = log2( transmissionSamplerSize.x ) * applyIorToRoughness( roughness, ior );
+		return textureBicubic( transmissionSamplerMap, fragCoord.xy, lod );
+	}
+	vec3 volumeAttenuation( const in float transmissionDistance, const in vec3 attenuationColor, const in float attenuationDistance ) {
+		if ( isinf( attenuationDistance ) ) {
+			return vec3( 1.0 );
+		} else {
+			vec3 attenuationCoefficient = -log( attenuationColor ) / attenuationDistance;
+			vec3 transmittance = exp( - attenuationCoefficient * transmissionDistance );			return transmittance;
+		}
+	}
+	vec4 getIBLVolumeRefraction( const in vec3 n, const in vec3 v, const in float roughness, const in vec3 diffuseColor,
+		const in vec3 specularColor, const in float specularF90, const in vec3 position, const in mat4 modelMatrix,
+		const in mat4 viewMatrix, const in mat4 projMatrix, const in float dispersion, const in float ior, const in float thickness,
+		const in vec3 attenuationColor, const in float attenuationDistance ) {
+		vec4 transmittedLight;
+		vec3 transmittance;
+		#ifdef USE_DISPERSION
+			float halfSpread = ( ior - 1.0 ) * 0.025 * dispersion;
+			vec3 iors = vec3( ior - halfSpread, ior, ior + halfSpread );
+			for ( int i = 0; i < 3; i ++ ) {
+				vec3 transmissionRay = getVolumeTransmissionRay( n, v, thickness, iors[ i ], modelMatrix );
+				vec3 refractedRayExit = position + transmissionRay;
+				vec4 ndcPos = projMatrix * viewMatrix * vec4( refractedRayExit, 1.0 );
+				vec2 refractionCoords = ndcPos.xy / ndcPos.w;
+				refractionCoords += 1.0;
+				refractionCoords /= 2.0;
+				vec4 transmissionSample = getTransmissionSample( refractionCoords, roughness, iors[ i ] );
+				transmittedLight[ i ] = transmissionSample[ i ];
+				transmittedLight.a += transmissionSample.a;
+				transmittance[ i ] = diffuseColor[ i ] * volumeAttenuation( length( transmissionRay ), attenuationColor, attenuationDistance )[ i ];
+			}
+			transmittedLight.a /= 3.0;
+		#else
+			vec3 transmissionRay = getVolumeTransmissionRay( n, v, thickness, ior, modelMatrix );
+			vec3 refractedRayExit = position + transmissionRay;
+			vec4 ndcPos = projMatrix * viewMatrix * vec4( refractedRayExit, 1.0 );
+			vec2 refractionCoords = ndcPos.xy / ndcPos.w;
+			refractionCoords += 1.0;
+			refractionCoords /= 2.0;
+			transmittedLight = getTransmissionSample( refractionCoords, roughness, ior );
+			transmittance = diffuseColor * volumeAttenuation( length( transmissionRay ), attenuationColor, attenuationDistance );
+		#endif
+		vec3 attenuatedColor = transmittance * transmittedLight.rgb;
+		vec3 F = EnvironmentBRDF( n, v, specularColor, specularF90, roughness );
+		float transmittanceFactor = ( transmittance.r + transmittance.g + transmittance.b ) / 3.0;
+		return vec4( ( 1.0 - F ) * attenuatedColor, 1.0 - ( 1.0 - transmittedLight.a ) * transmittanceFactor );
+	}
+#endif`,mE=`#if defined( USE_UV ) || defined( USE_ANISOTROPY )
+	varying vec2 vUv;
+#endif
+#ifdef USE_MAP
+	varying vec2 vMapUv;
+#endif
+#ifdef USE_ALPHAMAP
+	varying vec2 vAlphaMapUv;
+#endif
+#ifdef USE_LIGHTMAP
+	varying vec2 vLightMapUv;
+#endif
+#ifdef USE_AOMAP
+	varying vec2 vAoMapUv;
+#endif
+#ifdef USE_BUMPMAP
+	varying vec2 vBumpMapUv;
+#endif
+#ifdef USE_NORMALMAP
+	varying vec2 vNormalMapUv;
+#endif
+#ifdef USE_EMISSIVEMAP
+	varying vec2 vEmissiveMapUv;
+#endif
+#ifdef USE_METALNESSMAP
+	varying vec2 vMetalnessMapUv;
+#endif
+#ifdef USE_ROUGHNESSMAP
+	varying vec2 vRoughnessMapUv;
+#endif
+#ifdef USE_DIFFUSE_ROUGHNESSMAP
+	varying vec2 vDiffuseRoughnessMapUv;
+#endif
+#ifdef USE_ANISOTROPYMAP
+	varying vec2 vAnisotropyMapUv;
+#endif
+#ifdef USE_CLEARCOATMAP
+	varying vec2 vClearcoatMapUv;
+#endif
+#ifdef USE_CLEARCOAT_NORMALMAP
+	varying vec2 vClearcoatNormalMapUv;
+#endif
+#ifdef USE_CLEARCOAT_ROUGHNESSMAP
+	varying vec2 vClearcoatRoughnessMapUv;
+#endif
+#ifdef USE_IRIDESCENCEMAP
+	varying vec2 vIridescenceMapUv;
+#endif
+#ifdef USE_IRIDESCENCE_THICKNESSMAP
+	varying vec2 vIridescenceThicknessMapUv;
+#endif
+#ifdef USE_SHEEN_COLORMAP
+	varying vec2 vSheenColorMapUv;
+#endif
+#ifdef USE_SHEEN_ROUGHNESSMAP
+	varying vec2 vSheenRoughnessMapUv;
+#endif
+#ifdef USE_SPECULARMAP
+	varying vec2 vSpecularMapUv;
+#endif
+#ifdef USE_SPECULAR_COLORMAP
+	varying vec2 vSpecularColorMapUv;
+#endif
+#ifdef USE_SPECULAR_INTENSITYMAP
+	varying vec2 vSpecularIntensityMapUv;
+#endif
+#ifdef USE_TRANSMISSIONMAP
+	uniform mat3 transmissionMapTransform;
+	varying vec2 vTransmissionMapUv;
+#endif
+#ifdef USE_THICKNESSMAP
+	uniform mat3 thicknessMapTransform;
+	varying vec2 vThicknessMapUv;
+#endif`,gE=`#if defined( USE_UV ) || defined( USE_ANISOTROPY )
+	varying vec2 vUv;
+#endif
+#ifdef USE_MAP
+	uniform mat3 mapTransform;
+	varying vec2 vMapUv;
+#endif
+#ifdef USE_ALPHAMAP
+	uniform mat3 alphaMapTransform;
+	varying vec2 vAlphaMapUv;
+#endif
+#ifdef USE_LIGHTMAP
+	uniform mat3 lightMapTransform;
+	varying vec2 vLightMapUv;
+#endif
+#ifdef USE_AOMAP
+	uniform mat3 aoMapTransform;
+	varying vec2 vAoMapUv;
+#endif
+#ifdef USE_BUMPMAP
+	uniform mat3 bumpMapTransform;
+	varying vec2 vBumpMapUv;
+#endif
+#ifdef USE_NORMALMAP
+	uniform mat3 normalMapTransform;
+	varying vec2 vNormalMapUv;
+#endif
+#ifdef USE_DISPLACEMENTMAP
+	uniform mat3 displacementMapTransform;
+	varying vec2 vDisplacementMapUv;
+#endif
+#ifdef USE_EMISSIVEMAP
+	uniform mat3 emissiveMapTransform;
+	varying vec2 vEmissiveMapUv;
+#endif
+#ifdef USE_METALNESSMAP
+	uniform mat3 metalnessMapTransform;
+	varying vec2 vMetalnessMapUv;
+#endif
+#ifdef USE_ROUGHNESSMAP
+	uniform mat3 roughnessMapTransform;
+	varying vec2 vRoughnessMapUv;
+#endif
+#ifdef USE_DIFFUSE_ROUGHNESSMAP
+	uniform mat3 diffuseRoughnessMapTransform;
+	varying vec2 vDiffuseRoughnessMapUv;
+#endif
+#ifdef USE_ANISOTROPYMAP
+	uniform mat3 anisotropyMapTransform;
+	varying vec2 vAnisotropyMapUv;
+#endif
+#ifdef USE_CLEARCOATMAP
+	uniform mat3 clearcoatMapTransform;
+	varying vec2 vClearcoatMapUv;
+#endif
+#ifdef USE_CLEARCOAT_NORMALMAP
+	uniform mat3 clearcoatNormalMapTransform;
+	varying vec2 vClearcoatNormalMapUv;
+#endif
+#ifdef USE_CLEARCOAT_ROUGHNESSMAP
+	uniform mat3 clearcoatRoughnessMapTransform;
+	varying vec2 vClearcoatRoughnessMapUv;
+#endif
+#ifdef USE_SHEEN_COLORMAP
+	uniform mat3 sheenColorMapTransform;
+	varying vec2 vSheenColorMapUv;
+#endif
+#ifdef USE_SHEEN_ROUGHNESSMAP
+	uniform mat3 sheenRoughnessMapTransform;
+	varying vec2 vSheenRoughnessMapUv;
+#endif
+#ifdef USE_IRIDESCENCEMAP
+	uniform mat3 iridescenceMapTransform;
+	varying vec2 vIridescenceMapUv;
+#endif
+#ifdef USE_IRIDESCENCE_THICKNESSMAP
+	uniform mat3 iridescenceThicknessMapTransform;
+	varying vec2 vIridescenceThicknessMapUv;
+#endif
+#ifdef USE_SPECULARMAP
+	uniform mat3 specularMapTransform;
+	varying vec2 vSpecularMapUv;
+#endif
+#ifdef USE_SPECULAR_COLORMAP
+	uniform mat3 specularColorMapTransform;
+	varying vec2 vSpecularColorMapUv;
+#endif
+#ifdef USE_SPECULAR_INTENSITYMAP
+	uniform mat3 specularIntensityMapTransform;
+	varying vec2 vSpecularIntensityMapUv;
+#endif
+#ifdef USE_TRANSMISSIONMAP
+	uniform mat3 transmissionMapTransform;
+	varying vec2 vTransmissionMapUv;
+#endif
+#ifdef USE_THICKNESSMAP
+	uniform mat3 thicknessMapTransform;
+	varying vec2 vThicknessMapUv;
+#endif`,_E=`#if defined( USE_UV ) || defined( USE_ANISOTROPY )
+	vUv = vec3( uv, 1 ).xy;
+#endif
+#ifdef USE_MAP
+	vMapUv = ( mapTransform * vec3( MAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_ALPHAMAP
+	vAlphaMapUv = ( alphaMapTransform * vec3( ALPHAMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_LIGHTMAP
+	vLightMapUv = ( lightMapTransform * vec3( LIGHTMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_AOMAP
+	vAoMapUv = ( aoMapTransform * vec3( AOMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_BUMPMAP
+	vBumpMapUv = ( bumpMapTransform * vec3( BUMPMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_NORMALMAP
+	vNormalMapUv = ( normalMapTransform * vec3( NORMALMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_DISPLACEMENTMAP
+	vDisplacementMapUv = ( displacementMapTransform * vec3( DISPLACEMENTMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_EMISSIVEMAP
+	vEmissiveMapUv = ( emissiveMapTransform * vec3( EMISSIVEMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_METALNESSMAP
+	vMetalnessMapUv = ( metalnessMapTransform * vec3( METALNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_ROUGHNESSMAP
+	vRoughnessMapUv = ( roughnessMapTransform * vec3( ROUGHNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_DIFFUSE_ROUGHNESSMAP
+	vDiffuseRoughnessMapUv = ( diffuseRoughnessMapTransform * vec3( DIFFUSE_ROUGHNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_ANISOTROPYMAP
+	vAnisotropyMapUv = ( anisotropyMapTransform * vec3( ANISOTROPYMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_CLEARCOATMAP
+	vClearcoatMapUv = ( clearcoatMapTransform * vec3( CLEARCOATMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_CLEARCOAT_NORMALMAP
+	vClearcoatNormalMapUv = ( clearcoatNormalMapTransform * vec3( CLEARCOAT_NORMALMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_CLEARCOAT_ROUGHNESSMAP
+	vClearcoatRoughnessMapUv = ( clearcoatRoughnessMapTransform * vec3( CLEARCOAT_ROUGHNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_IRIDESCENCEMAP
+	vIridescenceMapUv = ( iridescenceMapTransform * vec3( IRIDESCENCEMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_IRIDESCENCE_THICKNESSMAP
+	vIridescenceThicknessMapUv = ( iridescenceThicknessMapTransform * vec3( IRIDESCENCE_THICKNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_SHEEN_COLORMAP
+	vSheenColorMapUv = ( sheenColorMapTransform * vec3( SHEEN_COLORMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_SHEEN_ROUGHNESSMAP
+	vSheenRoughnessMapUv = ( sheenRoughnessMapTransform * vec3( SHEEN_ROUGHNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_SPECULARMAP
+	vSpecularMapUv = ( specularMapTransform * vec3( SPECULARMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_SPECULAR_COLORMAP
+	vSpecularColorMapUv = ( specularColorMapTransform * vec3( SPECULAR_COLORMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_SPECULAR_INTENSITYMAP
+	vSpecularIntensityMapUv = ( specularIntensityMapTransform * vec3( SPECULAR_INTENSITYMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_TRANSMISSIONMAP
+	vTransmissionMapUv = ( transmissionMapTransform * vec3( TRANSMISSIONMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_THICKNESSMAP
+	vThicknessMapUv = ( thicknessMapTransform * vec3( THICKNESSMAP_UV, 1 ) ).xy;
+#endif`,yE=`#if defined( USE_ENVMAP ) || defined( DISTANCE ) || defined ( USE_SHADOWMAP ) || defined ( USE_TRANSMISSION ) || NUM_SPOT_LIGHT_COORDS > 0
+	vec4 worldPosition = vec4( transformed, 1.0 );
+	#ifdef USE_BATCHING
+		worldPosition = batchingMatrix * worldPosition;
+	#endif
+	#ifdef USE_INSTANCING
+		worldPosition = instanceMatrix * worldPosition;
+	#endif
+	worldPosition = modelMatrix * worldPosition;
+#endif`,xE=`varying vec2 vUv;
+uniform mat3 uvTransform;
+void main() {
+	vUv = ( uvTransform * vec3( uv, 1 ) ).xy;
+	gl_Position = vec4( position.xy, 1.0, 1.0 );
+}`,vE=`uniform sampler2D t2D;
+uniform float backgroundIntensity;
+varying vec2 vUv;
+void main() {
+	vec4 texColor = texture2D( t2D, vUv );
+	#ifdef DECODE_VIDEO_TEXTURE
+		texColor = vec4( mix( pow( texColor.rgb * 0.9478672986 + vec3( 0.0521327014 ), vec3( 2.4 ) ), texColor.rgb * 0.0773993808, vec3( lessThanEqual( texColor.rgb, vec3( 0.04045 ) ) ) ), texColor.w );
+	#endif
+	texColor.rgb *= backgroundIntensity;
+	gl_FragColor = texColor;
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+}`,SE=`varying vec3 vWorldDirection;
+#include <common>
+void main() {
+	vWorldDirection = transformDirection( position, modelMatrix );
+	#include <begin_vertex>
+	#include <project_vertex>
+	gl_Position.z = gl_Position.w;
+}`,bE=`uniform float backgroundBlurriness;
+uniform float backgroundIntensity;
+uniform mat3 backgroundRotation;
+varying vec3 vWorldDirection;
+#include <envmap_common_pars_fragment>
+void main() {
+	#ifdef ENVMAP_TYPE_PMREM
+		vec4 texColor = textureLod( envMap, backgroundRotation * vWorldDirection, roughnessToMip( backgroundBlurriness ) );
+	#else
+		vec4 texColor = textureCube( envMap, backgroundRotation * vWorldDirection );
+	#endif
+	texColor.rgb *= backgroundIntensity;
+	gl_FragColor = texColor;
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+}`,ME=`varying vec3 vWorldDirection;
+#include <common>
+void main() {
+	vWorldDirection = transformDirection( position, modelMatrix );
+	#include <begin_vertex>
+	#include <project_vertex>
+	gl_Position.z = gl_Position.w;
+}`,wE=`uniform samplerCube tCube;
+uniform float tFlip;
+uniform float opacity;
+varying vec3 vWorldDirection;
+void main() {
+	vec4 texColor = textureCube( tCube, vec3( tFlip * vWorldDirection.x, vWorldDirection.yz ) );
+	gl_FragColor = texColor;
+	gl_FragColor.a *= opacity;
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+}`,EE=`#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+varying vec2 vHighPrecisionZW;
+void main() {
+	#include <uv_vertex>
+	#include <batching_vertex>
+	#include <skinbase_vertex>
+	#include <morphinstance_vertex>
+	#ifdef USE_DISPLACEMENTMAP
+		#include <beginnormal_vertex>
+		#include <morphnormal_vertex>
+		#include <skinnormal_vertex>
+	#endif
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	vHighPrecisionZW = gl_Position.zw;
+}`,AE=`#if DEPTH_PACKING == 3200
+	uniform float opacity;
+#endif
+#include <common>
+#include <packing>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+varying vec2 vHighPrecisionZW;
+void main() {
+	vec4 diffuseColor = vec4( 1.0 );
+	#include <clipping_planes_fragment>
+	#if DEPTH_PACKING == 3200
+		diffuseColor.a = opacity;
+	#endif
+	#include <map_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <logdepthbuf_fragment>
+	#ifdef USE_REVERSED_DEPTH_BUFFER
+		float fragCoordZ = vHighPrecisionZW[ 0 ] / vHighPrecisionZW[ 1 ];
+	#else
+		float fragCoordZ = 0.5 * vHighPrecisionZW[ 0 ] / vHighPrecisionZW[ 1 ] + 0.5;
+	#endif
+	#if DEPTH_PACKING == 3200
+		gl_FragColor = vec4( vec3( 1.0 - fragCoordZ ), opacity );
+	#elif DEPTH_PACKING == 3201
+		gl_FragColor = packDepthToRGBA( fragCoordZ );
+	#elif DEPTH_PACKING == 3202
+		gl_FragColor = vec4( packDepthToRGB( fragCoordZ ), 1.0 );
+	#elif DEPTH_PACKING == 3203
+		gl_FragColor = vec4( packDepthToRG( fragCoordZ ), 0.0, 1.0 );
+	#endif
+}`,TE=`#define DISTANCE
+varying vec3 vWorldPosition;
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <batching_vertex>
+	#include <skinbase_vertex>
+	#include <morphinstance_vertex>
+	#ifdef USE_DISPLACEMENTMAP
+		#include <beginnormal_vertex>
+		#include <morphnormal_vertex>
+		#include <skinnormal_vertex>
+	#endif
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <worldpos_vertex>
+	#include <clipping_planes_vertex>
+	vWorldPosition = worldPosition.xyz;
+}`,CE=`#define DISTANCE
+uniform vec3 referencePosition;
+uniform float nearDistance;
+uniform float farDistance;
+varying vec3 vWorldPosition;
+#include <common>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( 1.0 );
+	#include <clipping_planes_fragment>
+	#include <map_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	float dist = length( vWorldPosition - referencePosition );
+	dist = ( dist - nearDistance ) / ( farDistance - nearDistance );
+	dist = saturate( dist );
+	gl_FragColor = vec4( dist, 0.0, 0.0, 1.0 );
+}`,RE=`varying vec3 vWorldDirection;
+#include <common>
+void main() {
+	vWorldDirection = transformDirection( position, modelMatrix );
+	#include <begin_vertex>
+	#include <project_vertex>
+}`,IE=`uniform sampler2D tEquirect;
+varying vec3 vWorldDirection;
+#include <common>
+void main() {
+	vec3 direction = normalize( vWorldDirection );
+	vec2 sampleUV = equirectUv( direction );
+	gl_FragColor = texture2D( tEquirect, sampleUV );
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+}`,PE=`uniform float scale;
+attribute float lineDistance;
+varying float vLineDistance;
+#include <common>
+#include <uv_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	vLineDistance = scale * lineDistance;
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	#include <fog_vertex>
+}`,LE=`uniform vec3 diffuse;
+uniform float opacity;
+uniform float dashSize;
+uniform float totalSize;
+varying float vLineDistance;
+#include <common>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <fog_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	if ( mod( vLineDistance, totalSize ) > dashSize ) {
+		discard;
+	}
+	vec3 outgoingLight = vec3( 0.0 );
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	outgoingLight = diffuseColor.rgb;
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+}`,DE=`#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <envmap_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#if defined ( USE_ENVMAP ) || defined ( USE_SKINNING )
+		#include <beginnormal_vertex>
+		#include <morphnormal_vertex>
+		#include <skinbase_vertex>
+		#include <skinnormal_vertex>
+		#include <defaultnormal_vertex>
+	#endif
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	#include <worldpos_vertex>
+	#include <envmap_vertex>
+	#include <fog_vertex>
+}`,NE=`uniform vec3 diffuse;
+uniform float opacity;
+#ifndef FLAT_SHADED
+	varying vec3 vNormal;
+#endif
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <aomap_pars_fragment>
+#include <lightmap_pars_fragment>
+#include <envmap_common_pars_fragment>
+#include <envmap_pars_fragment>
+#include <fog_pars_fragment>
+#include <specularmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <specularmap_fragment>
+	ReflectedLight reflectedLight = ReflectedLight( vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ) );
+	#ifdef USE_LIGHTMAP
+		vec4 lightMapTexel = texture2D( lightMap, vLightMapUv );
+		reflectedLight.indirectDiffuse += lightMapTexel.rgb * lightMapIntensity * RECIPROCAL_PI;
+	#else
+		reflectedLight.indirectDiffuse += vec3( 1.0 );
+	#endif
+	#include <aomap_fragment>
+	reflectedLight.indirectDiffuse *= diffuseColor.rgb;
+	vec3 outgoingLight = reflectedLight.indirectDiffuse;
+	#include <envmap_fragment>
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,OE=`#define LAMBERT
+varying vec3 vViewPosition;
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <envmap_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <shadowmap_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	vViewPosition = - mvPosition.xyz;
+	#include <worldpos_vertex>
+	#include <envmap_vertex>
+	#include <shadowmap_vertex>
+	#include <fog_vertex>
+}`,UE=`#define LAMBERT
+uniform vec3 diffuse;
+uniform vec3 emissive;
+uniform float opacity;
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <aomap_pars_fragment>
+#include <lightmap_pars_fragment>
+#include <emissivemap_pars_fragment>
+#include <envmap_common_pars_fragment>
+#include <envmap_pars_fragment>
+#include <envmap_physical_pars_fragment>
+#include <fog_pars_fragment>
+#include <bsdfs>
+#include <lights_pars_begin>
+#include <normal_pars_fragment>
+#include <lights_lambert_pars_fragment>
+#include <shadowmap_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <specularmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	ReflectedLight reflectedLight = ReflectedLight( vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ) );
+	vec3 totalEmissiveRadiance = emissive;
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <specularmap_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	#include <emissivemap_fragment>
+	#include <lights_lambert_fragment>
+	#include <lights_fragment_begin>
+	#include <lights_fragment_maps>
+	#include <lights_fragment_end>
+	#include <aomap_fragment>
+	vec3 outgoingLight = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse + totalEmissiveRadiance;
+	#include <envmap_fragment>
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,FE=`#define MATCAP
+varying vec3 vViewPosition;
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <color_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <fog_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	#include <fog_vertex>
+	vViewPosition = - mvPosition.xyz;
+}`,BE=`#define MATCAP
+uniform vec3 diffuse;
+uniform float opacity;
+uniform sampler2D matcap;
+varying vec3 vViewPosition;
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <fog_pars_fragment>
+#include <normal_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	vec3 viewDir = normalize( vViewPosition );
+	vec3 x = normalize( vec3( viewDir.z, 0.0, - viewDir.x ) );
+	vec3 y = cross( viewDir, x );
+	vec2 uv = vec2( dot( x, normal ), dot( y, normal ) ) * 0.495 + 0.5;
+	#ifdef USE_MATCAP
+		vec4 matcapColor = texture2D( matcap, uv );
+	#else
+		vec4 matcapColor = vec4( vec3( mix( 0.2, 0.8, uv.y ) ), 1.0 );
+	#endif
+	vec3 outgoingLight = diffuseColor.rgb * matcapColor.rgb;
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,kE=`#define NORMAL
+#if defined( FLAT_SHADED ) || defined( USE_BUMPMAP ) || defined( USE_NORMALMAP_TANGENTSPACE )
+	varying vec3 vViewPosition;
+#endif
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphinstance_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+#if defined( FLAT_SHADED ) || defined( USE_BUMPMAP ) || defined( USE_NORMALMAP_TANGENTSPACE )
+	vViewPosition = - mvPosition.xyz;
+#endif
+}`,zE=`#define NORMAL
+uniform float opacity;
+#if defined( FLAT_SHADED ) || defined( USE_BUMPMAP ) || defined( USE_NORMALMAP_TANGENTSPACE )
+	varying vec3 vViewPosition;
+#endif
+#include <uv_pars_fragment>
+#include <normal_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( 0.0, 0.0, 0.0, opacity );
+	#include <clipping_planes_fragment>
+	#include <logdepthbuf_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	gl_FragColor = vec4( normalize( normal ) * 0.5 + 0.5, diffuseColor.a );
+	#ifdef OPAQUE
+		gl_FragColor.a = 1.0;
+	#endif
+}`,HE=`#define PHONG
+varying vec3 vViewPosition;
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <envmap_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <shadowmap_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphinstance_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	vViewPosition = - mvPosition.xyz;
+	#include <worldpos_vertex>
+	#include <envmap_vertex>
+	#include <shadowmap_vertex>
+	#include <fog_vertex>
+}`,VE=`#define PHONG
+uniform vec3 diffuse;
+uniform vec3 emissive;
+uniform vec3 specular;
+uniform float shininess;
+uniform float opacity;
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <aomap_pars_fragment>
+#include <lightmap_pars_fragment>
+#include <emissivemap_pars_fragment>
+#include <envmap_common_pars_fragment>
+#include <envmap_pars_fragment>
+#include <envmap_physical_pars_fragment>
+#include <fog_pars_fragment>
+#include <bsdfs>
+#include <lights_pars_begin>
+#include <normal_pars_fragment>
+#include <lights_phong_pars_fragment>
+#include <shadowmap_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <specularmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	ReflectedLight reflectedLight = ReflectedLight( vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ) );
+	vec3 totalEmissiveRadiance = emissive;
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <specularmap_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	#include <emissivemap_fragment>
+	#include <lights_phong_fragment>
+	#include <lights_fragment_begin>
+	#include <lights_fragment_maps>
+	#include <lights_fragment_end>
+	#include <aomap_fragment>
+	vec3 outgoingLight = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse + reflectedLight.directSpecular + reflectedLight.indirectSpecular + totalEmissiveRadiance;
+	#include <envmap_fragment>
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,GE=`#define STANDARD
+varying vec3 vViewPosition;
+#ifdef USE_TRANSMISSION
+	varying vec3 vWorldPosition;
+#endif
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <shadowmap_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	vViewPosition = - mvPosition.xyz;
+	#include <worldpos_vertex>
+	#include <shadowmap_vertex>
+	#include <fog_vertex>
+#ifdef USE_TRANSMISSION
+	vWorldPosition = worldPosition.xyz;
+#endif
+}`,WE=`#define STANDARD
+#ifdef PHYSICAL
+	#define IOR
+	#define USE_SPECULAR
+#endif
+uniform vec3 diffuse;
+uniform vec3 emissive;
+uniform float roughness;
+uniform float metalness;
+uniform float opacity;
+#ifdef IOR
+	uniform float ior;
+#endif
+#ifdef USE_SPECULAR
+	uniform float specularIntensity;
+	uniform vec3 specularColor;
+	#ifdef USE_SPECULAR_COLORMAP
+		uniform sampler2D specularColorMap;
+	#endif
+	#ifdef USE_SPECULAR_INTENSITYMAP
+		uniform sampler2D specularIntensityMap;
+	#endif
+#endif
+#ifdef USE_CLEARCOAT
+	uniform float clearcoat;
+	uniform float clearcoatRoughness;
+#endif
+#ifdef USE_DIFFUSE_ROUGHNESS
+	uniform float diffuseRoughness;
+	#ifdef USE_DIFFUSE_ROUGHNESSMAP
+		uniform sampler2D diffuseRoughnessMap;
+	#endif
+#endif
+#ifdef USE_DISPERSION
+	uniform float dispersion;
+#endif
+#ifdef USE_RETROREFLECTION
+	uniform float retroreflectivity;
+#endif
+#ifdef USE_IRIDESCENCE
+	uniform float iridescence;
+	uniform float iridescenceIOR;
+	uniform float iridescenceThicknessMinimum;
+	uniform float iridescenceThicknessMaximum;
+#endif
+#ifdef USE_SHEEN
+	uniform vec3 sheenColor;
+	uniform float sheenRoughness;
+	#ifdef USE_SHEEN_COLORMAP
+		uniform sampler2D sheenColorMap;
+	#endif
+	#ifdef USE_SHEEN_ROUGHNESSMAP
+		uniform sampler2D sheenRoughnessMap;
+	#endif
+#endif
+#ifdef USE_ANISOTROPY
+	uniform vec2 anisotropyVector;
+	#ifdef USE_ANISOTROPYMAP
+		uniform sampler2D anisotropyMap;
+	#endif
+#endif
+varying vec3 vViewPosition;
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <aomap_pars_fragment>
+#include <lightmap_pars_fragment>
+#include <emissivemap_pars_fragment>
+#include <iridescence_fragment>
+#include <envmap_common_pars_fragment>
+#include <envmap_physical_pars_fragment>
+#include <fog_pars_fragment>
+#include <lights_pars_begin>
+#include <normal_pars_fragment>
+#include <lights_physical_pars_fragment>
+#include <transmission_pars_fragment>
+#include <shadowmap_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <clearcoat_pars_fragment>
+#include <iridescence_pars_fragment>
+#include <roughnessmap_pars_fragment>
+#include <metalnessmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	ReflectedLight reflectedLight = ReflectedLight( vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ) );
+	vec3 totalEmissiveRadiance = emissive;
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <roughnessmap_fragment>
+	#include <metalnessmap_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	#include <clearcoat_normal_fragment_begin>
+	#include <clearcoat_normal_fragment_maps>
+	#include <emissivemap_fragment>
+	#include <lights_physical_fragment>
+	#include <lights_fragment_begin>
+	#include <lights_fragment_maps>
+	#include <lights_fragment_end>
+	#include <aomap_fragment>
+	vec3 totalDiffuse = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse;
+	vec3 totalSpecular = reflectedLight.directSpecular + reflectedLight.indirectSpecular;
+	#include <transmission_fragment>
+	vec3 outgoingLight = totalDiffuse + totalSpecular + totalEmissiveRadiance;
+	#ifdef USE_SHEEN
+ 
+		outgoingLight = outgoingLight + sheenSpecularDirect + sheenSpecularIndirect;
+ 
+ 	#endif
+	#ifdef USE_CLEARCOAT
+		float dotNVcc = saturate( dot( geometryClearcoatNormal, geometryViewDir ) );
+		vec3 Fcc = F_Schlick( material.clearcoatF0, material.clearcoatF90, dotNVcc );
+		outgoingLight = outgoingLight * ( 1.0 - material.clearcoat * Fcc ) + ( clearcoatSpecularDirect + clearcoatSpecularIndirect ) * material.clearcoat;
+	#endif
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,$E=`#define TOON
+varying vec3 vViewPosition;
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <shadowmap_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	vViewPosition = - mvPosition.xyz;
+	#include <worldpos_vertex>
+	#include <shadowmap_vertex>
+	#include <fog_vertex>
+}`,XE=`#define TOON
+uniform vec3 diffuse;
+uniform vec3 emissive;
+uniform float opacity;
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <aomap_pars_fragment>
+#include <lightmap_pars_fragment>
+#include <emissivemap_pars_fragment>
+#include <gradientmap_pars_fragment>
+#include <fog_pars_fragment>
+#include <bsdfs>
+#include <lights_pars_begin>
+#include <normal_pars_fragment>
+#include <lights_toon_pars_fragment>
+#include <shadowmap_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	ReflectedLight reflectedLight = ReflectedLight( vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ) );
+	vec3 totalEmissiveRadiance = emissive;
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	#include <emissivemap_fragment>
+	#include <lights_toon_fragment>
+	#include <lights_fragment_begin>
+	#include <lights_fragment_maps>
+	#include <lights_fragment_end>
+	#include <aomap_fragment>
+	vec3 outgoingLight = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse + totalEmissiveRadiance;
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,qE=`uniform float size;
+uniform float scale;
+#include <common>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+#ifdef USE_POINTS_UV
+	varying vec2 vUv;
+	uniform mat3 uvTransform;
+#endif
+void main() {
+	#ifdef USE_POINTS_UV
+		vUv = ( uvTransform * vec3( uv, 1 ) ).xy;
+	#endif
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <project_vertex>
+	gl_PointSize = size;
+	#ifdef USE_SIZEATTENUATION
+		bool isPerspective = isPerspectiveMatrix( projectionMatrix );
+		if ( isPerspective ) gl_PointSize *= ( scale / - mvPosition.z );
+	#endif
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	#include <worldpos_vertex>
+	#include <fog_vertex>
+}`,YE=`uniform vec3 diffuse;
+uniform float opacity;
+#include <common>
+#include <color_pars_fragment>
+#include <map_particle_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <fog_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	vec3 outgoingLight = vec3( 0.0 );
+	#include <logdepthbuf_fragment>
+	#include <map_particle_fragment>
+	#include <color_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	outgoingLight = diffuseColor.rgb;
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+}`,ZE=`#include <common>
+#include <batching_pars_vertex>
+#include <fog_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <shadowmap_pars_vertex>
+void main() {
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphinstance_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <worldpos_vertex>
+	#include <shadowmap_vertex>
+	#include <fog_vertex>
+}`,KE=`uniform vec3 color;
+uniform float opacity;
+#include <common>
+#include <fog_pars_fragment>
+#include <bsdfs>
+#include <lights_pars_begin>
+#include <logdepthbuf_pars_fragment>
+#include <shadowmap_pars_fragment>
+#include <shadowmask_pars_fragment>
+void main() {
+	#include <logdepthbuf_fragment>
+	gl_FragColor = vec4( color, opacity * ( 1.0 - getShadowMask() ) );
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+}`,JE=`uniform float rotation;
+uniform vec2 center;
+#include <common>
+#include <uv_pars_vertex>
+#include <fog_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	vec4 mvPosition = modelViewMatrix[ 3 ];
+	vec2 scale = vec2( length( modelMatrix[ 0 ].xyz ), length( modelMatrix[ 1 ].xyz ) );
+	#ifndef USE_SIZEATTENUATION
+		bool isPerspective = isPerspectiveMatrix( projectionMatrix );
+		if ( isPerspective ) scale *= - mvPosition.z;
+	#endif
+	vec2 alignedPosition = ( position.xy - ( center - vec2( 0.5 ) ) ) * scale;
+	vec2 rotatedPosition;
+	rotatedPosition.x = cos( rotation ) * alignedPosition.x - sin( rotation ) * alignedPosition.y;
+	rotatedPosition.y = sin( rotation ) * alignedPosition.x + cos( rotation ) * alignedPosition.y;
+	mvPosition.xy += rotatedPosition;
+	gl_Position = projectionMatrix * mvPosition;
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	#include <fog_vertex>
+}`,jE=`uniform vec3 diffuse;
+uniform float opacity;
+#include <common>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <fog_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	vec3 outgoingLight = vec3( 0.0 );
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	outgoingLight = diffuseColor.rgb;
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+}`,fe={alphahash_fragment:vM,alphahash_pars_fragment:SM,alphamap_fragment:bM,alphamap_pars_fragment:MM,alphatest_fragment:wM,alphatest_pars_fragment:EM,aomap_fragment:AM,aomap_pars_fragment:TM,batching_pars_vertex:CM,batching_vertex:RM,begin_vertex:IM,beginnormal_vertex:PM,bsdfs:LM,iridescence_fragment:DM,bumpmap_pars_fragment:NM,clipping_planes_fragment:OM,clipping_planes_pars_fragment:UM,clipping_planes_pars_vertex:FM,clipping_planes_vertex:BM,color_fragment:kM,color_pars_fragment:zM,color_pars_vertex:HM,color_vertex:VM,common:GM,defaultnormal_vertex:WM,displacementmap_pars_vertex:$M,displacementmap_vertex:XM,emissivemap_fragment:qM,emissivemap_pars_fragment:YM,colorspace_fragment:ZM,colorspace_pars_fragment:KM,envmap_fragment:JM,envmap_common_pars_fragment:jM,envmap_pars_fragment:QM,envmap_pars_vertex:tw,envmap_physical_pars_fragment:uw,envmap_vertex:ew,fog_vertex:nw,fog_pars_vertex:iw,fog_fragment:sw,fog_pars_fragment:rw,gradientmap_pars_fragment:ow,lightmap_pars_fragment:aw,lights_lambert_fragment:lw,lights_lambert_pars_fragment:cw,lights_pars_begin:hw,lights_toon_fragment:fw,lights_toon_pars_fragment:dw,lights_phong_fragment:pw,lights_phong_pars_fragment:mw,lights_physical_fragment:gw,lights_physical_pars_fragment:_w,lights_fragment_begin:yw,lights_fragment_maps:xw,lights_fragment_end:vw,lightprobes_pars_fragment:Sw,logdepthbuf_fragment:bw,logdepthbuf_pars_fragment:Mw,logdepthbuf_pars_vertex:ww,logdepthbuf_vertex:Ew,map_fragment:Aw,map_pars_fragment:Tw,map_particle_fragment:Cw,map_particle_pars_fragment:Rw,metalnessmap_fragment:Iw,metalnessmap_pars_fragment:Pw,morphinstance_vertex:Lw,morphcolor_vertex:Dw,morphnormal_vertex:Nw,morphtarget_pars_vertex:Ow,morphtarget_vertex:Uw,normal_fragment_begin:Fw,normal_fragment_maps:Bw,normal_pars_fragment:kw,normal_pars_vertex:zw,normal_vertex:Hw,normalmap_pars_fragment:Vw,clearcoat_normal_fragment_begin:Gw,clearcoat_normal_fragment_maps:Ww,clearcoat_pars_fragment:$w,iridescence_pars_fragment:Xw,opaque_fragment:qw,packing:Yw,premultiplied_alpha_fragment:Zw,project_vertex:Kw,dithering_fragment:Jw,dithering_pars_fragment:jw,roughnessmap_fragment:Qw,roughnessmap_pars_fragment:tE,shadowmap_pars_fragment:eE,shadowmap_pars_vertex:nE,shadowmap_vertex:iE,shadowmask_pars_fragment:sE,skinbase_vertex:rE,skinning_pars_vertex:oE,skinning_vertex:aE,skinnormal_vertex:lE,specularmap_fragment:cE,specularmap_pars_fragment:hE,tonemapping_fragment:uE,tonemapping_pars_fragment:fE,transmission_fragment:dE,transmission_pars_fragment:pE,uv_pars_fragment:mE,uv_pars_vertex:gE,uv_vertex:_E,worldpos_vertex:yE,background_vert:xE,background_frag:vE,backgroundCube_vert:SE,backgroundCube_frag:bE,cube_vert:ME,cube_frag:wE,depth_vert:EE,depth_frag:AE,distance_vert:TE,distance_frag:CE,equirect_vert:RE,equirect_frag:IE,linedashed_vert:PE,linedashed_frag:LE,meshbasic_vert:DE,meshbasic_frag:NE,meshlambert_vert:OE,meshlambert_frag:UE,meshmatcap_vert:FE,meshmatcap_frag:BE,meshnormal_vert:kE,meshnormal_frag:zE,meshphong_vert:HE,meshphong_frag:VE,meshphysical_vert:GE,meshphysical_frag:WE,meshtoon_vert:$E,meshtoon_frag:XE,points_vert:qE,points_frag:YE,shadow_vert:ZE,shadow_frag:KE,sprite_vert:JE,sprite_frag:jE},Dt={common:{diffuse:{value:new ue(16777215)},opacity:{value:1},map:{value:null},mapTransform:{value:new oe},alphaMap:{value:null},alphaMapTransform:{value:new oe},alphaTest:{value:0}},specularmap:{specularMap:{value:null},specularMapTransform:{value:new oe}},envmap:{envMap:{value:null},envMapRotation:{value:new oe},reflectivity:{value:1},ior:{value:1.5},refractionRatio:{value:.98},dfgLUT:{value:null}},aomap:{aoMap:{value:null},aoMapIntensity:{value:1},aoMapTransform:{value:new oe}},lightmap:{lightMap:{value:null},lightMapIntensity:{value:1},lightMapTransform:{value:new oe}},bumpmap:{bumpMap:{value:null},bumpMapTransform:{value:new oe},bumpScale:{value:1}},normalmap:{normalMap:{value:null},normalMapTransform:{value:new oe},normalScale:{value:new jt(1,1)}},displacementmap:{displacementMap:{value:null},displacementMapTransform:{value:new oe},displacementScale:{value:1},displacementBias:{value:0}},emissivemap:{emissiveMap:{value:null},emissiveMapTransform:{value:new oe}},metalnessmap:{metalnessMap:{value:null},metalnessMapTransform:{value:new oe}},roughnessmap:{roughnessMap:{value:null},roughnessMapTransform:{value:new oe}},gradientmap:{gradientMap:{value:null}},fog:{fogDensity:{value:25e-5},fogNear:{value:1},fogFar:{value:2e3},fogColor:{value:new ue(16777215)}},lights:{ambientLightColor:{value:[]},lightProbe:{value:[]},sunLights:{value:[],properties:{direction:{},color:{}}},sunLightShadows:{value:[],properties:{shadowIntensity:1,shadowBias:{},shadowNormalBias:{},shadowRadius:{},shadowMapSize:{}}},sunShadowMatrix:{value:[]},sunShadowCascade:{value:[]},directionalLights:{value:[],properties:{direction:{},color:{}}},directionalLightShadows:{value:[],properties:{shadowIntensity:1,shadowBias:{},shadowNormalBias:{},shadowRadius:{},shadowMapSize:{}}},directionalShadowMatrix:{value:[]},spotLights:{value:[],properties:{color:{},position:{},direction:{},distance:{},coneCos:{},penumbraCos:{},decay:{}}},spotLightShadows:{value:[],properties:{shadowIntensity:1,shadowBias:{},shadowNormalBias:{},shadowRadius:{},shadowMapSize:{}}},spotLightMap:{value:[]},spotLightMatrix:{value:[]},pointLights:{value:[],properties:{color:{},position:{},decay:{},distance:{}}},pointLightShadows:{value:[],properties:{shadowIntensity:1,shadowBias:{},shadowNormalBias:{},shadowRadius:{},shadowMapSize:{},shadowCameraNear:{},shadowCameraFar:{}}},pointShadowMatrix:{value:[]},hemisphereLights:{value:[],properties:{direction:{},skyColor:{},groundColor:{}}},rectAreaLights:{value:[],properties:{color:{},position:{},width:{},height:{}}},ltc_1:{value:null},ltc_2:{value:null},probesSH:{value:[]},probesMin:{value:[]},probesMax:{value:[]},probesResolution:{value:[]}},points:{diffuse:{value:new ue(16777215)},opacity:{value:1},size:{value:1},scale:{value:1},map:{value:null},alphaMap:{value:null},alphaMapTransform:{value:new oe},alphaTest:{value:0},uvTransform:{value:new oe}},sprite:{diffuse:{value:new ue(16777215)},opacity:{value:1},center:{value:new jt(.5,.5)},rotation:{value:0},map:{value:null},mapTransform:{value:new oe},alphaMap:{value:null},alphaMapTransform:{value:new oe},alphaTest:{value:0}}},us={basic:{uniforms:Gn([Dt.common,Dt.specularmap,Dt.envmap,Dt.aomap,Dt.lightmap,Dt.fog]),vertexShader:fe.meshbasic_vert,fragmentShader:fe.meshbasic_frag},lambert:{uniforms:Gn([Dt.common,Dt.specularmap,Dt.envmap,Dt.aomap,Dt.lightmap,Dt.emissivemap,Dt.bumpmap,Dt.normalmap,Dt.displacementmap,Dt.fog,Dt.lights,{emissive:{value:new ue(0)},envMapIntensity:{value:1}}]),vertexShader:fe.meshlambert_vert,fragmentShader:fe.meshlambert_frag},phong:{uniforms:Gn([Dt.common,Dt.specularmap,Dt.envmap,Dt.aomap,Dt.lightmap,Dt.emissivemap,Dt.bumpmap,Dt.normalmap,Dt.displacementmap,Dt.fog,Dt.lights,{emissive:{value:new ue(0)},specular:{value:new ue(1118481)},shininess:{value:30},envMapIntensity:{value:1}}]),vertexShader:fe.meshphong_vert,fragmentShader:fe.meshphong_frag},standard:{uniforms:Gn([Dt.common,Dt.envmap,Dt.aomap,Dt.lightmap,Dt.emissivemap,Dt.bumpmap,Dt.normalmap,Dt.displacementmap,Dt.roughnessmap,Dt.metalnessmap,Dt.fog,Dt.lights,{emissive:{value:new ue(0)},roughness:{value:1},metalness:{value:0},envMapIntensity:{value:1}}]),vertexShader:fe.meshphysical_vert,fragmentShader:fe.meshphysical_frag},toon:{uniforms:Gn([Dt.common,Dt.aomap,Dt.lightmap,Dt.emissivemap,Dt.bumpmap,Dt.normalmap,Dt.displacementmap,Dt.gradientmap,Dt.fog,Dt.lights,{emissive:{value:new ue(0)}}]),vertexShader:fe.meshtoon_vert,fragmentShader:fe.meshtoon_frag},matcap:{uniforms:Gn([Dt.common,Dt.bumpmap,Dt.normalmap,Dt.displacementmap,Dt.fog,{matcap:{value:null}}]),vertexShader:fe.meshmatcap_vert,fragmentShader:fe.meshmatcap_frag},points:{uniforms:Gn([Dt.points,Dt.fog]),vertexShader:fe.points_vert,fragmentShader:fe.points_frag},dashed:{uniforms:Gn([Dt.common,Dt.fog,{scale:{value:1},dashSize:{value:1},totalSize:{value:2}}]),vertexShader:fe.linedashed_vert,fragmentShader:fe.linedashed_frag},depth:{uniforms:Gn([Dt.common,Dt.displacementmap]),vertexShader:fe.depth_vert,fragmentShader:fe.depth_frag},normal:{uniforms:Gn([Dt.common,Dt.bumpmap,Dt.normalmap,Dt.displacementmap,{opacity:{value:1}}]),vertexShader:fe.meshnormal_vert,fragmentShader:fe.meshnormal_frag},sprite:{uniforms:Gn([Dt.sprite,Dt.fog]),vertexShader:fe.sprite_vert,fragmentShader:fe.sprite_frag},background:{uniforms:{uvTransform:{value:new oe},t2D:{value:null},backgroundIntensity:{value:1}},vertexShader:fe.background_vert,fragmentShader:fe.background_frag},backgroundCube:{uniforms:{envMap:{value:null},backgroundBlurriness:{value:0},backgroundIntensity:{value:1},backgroundRotation:{value:new oe}},vertexShader:fe.backgroundCube_vert,fragmentShader:fe.backgroundCube_frag},cube:{uniforms:{tCube:{value:null},tFlip:{value:-1},opacity:{value:1}},vertexShader:fe.cube_vert,fragmentShader:fe.cube_frag},equirect:{uniforms:{tEquirect:{value:null}},vertexShader:fe.equirect_vert,fragmentShader:fe.equirect_frag},distance:{uniforms:Gn([Dt.common,Dt.displacementmap,{referencePosition:{value:new Z},nearDistance:{value:1},farDistance:{value:1e3}}]),vertexShader:fe.distance_vert,fragmentShader:fe.distance_frag},shadow:{uniforms:Gn([Dt.lights,Dt.fog,{color:{value:new ue(0)},opacity:{value:1}}]),vertexShader:fe.shadow_vert,fragmentShader:fe.shadow_frag}};us.physical={uniforms:Gn([us.standard.uniforms,{clearcoat:{value:0},clearcoatMap:{value:null},clearcoatMapTransform:{value:new oe},clearcoatNormalMap:{value:null},clearcoatNormalMapTransform:{value:new oe},clearcoatNormalScale:{value:new jt(1,1)},clearcoatRoughness:{value:0},clearcoatRoughnessMap:{value:null},clearcoatRoughnessMapTransform:{value:new oe},diffuseRoughness:{value:0},diffuseRoughnessMap:{value:null},diffuseRoughnessMapTransform:{value:new oe},dispersion:{value:0},retroreflectivity:{value:0},iridescence:{value:0},iridescenceMap:{value:null},iridescenceMapTransform:{value:new oe},iridescenceIOR:{value:1.3},iridescenceThicknessMinimum:{value:100},iridescenceThicknessMaximum:{value:400},iridescenceThicknessMap:{value:null},iridescenceThicknessMapTransform:{value:new oe},sheen:{value:0},sheenColor:{value:new ue(0)},sheenColorMap:{value:null},sheenColorMapTransform:{value:new oe},sheenRoughness:{value:1},sheenRoughnessMap:{value:null},sheenRoughnessMapTransform:{value:new oe},transmission:{value:0},transmissionMap:{value:null},transmissionMapTransform:{value:new oe},transmissionSamplerSize:{value:new jt},transmissionSamplerMap:{value:null},thickness:{value:0},thicknessMap:{value:null},thicknessMapTransform:{value:new oe},attenuationDistance:{value:0},attenuationColor:{value:new ue(0)},specularColor:{value:new ue(1,1,1)},specularColorMap:{value:null},specularColorMapTransform:{value:new oe},specularIntensity:{value:1},specularIntensityMap:{value:null},specularIntensityMapTransform:{value:new oe},anisotropyVector:{value:new jt},anisotropyMap:{value:null},anisotropyMapTransform:{value:new oe}}]),vertexShader:fe.meshphysical_vert,fragmentShader:fe.meshphysical_frag};var kh={r:0,b:0,g:0},QE=new Ze,T_=new oe;T_.set(-1,0,0,0,1,0,0,0,1);function tA(n,t,e,i,s,r){let o=new ue(0),a=s===!0?0:1,l,c,h=null,f=0,u=null;function d(v){let T=v.isScene===!0?v.background:null;if(T&&T.isTexture){let S=v.backgroundBlurriness>0;T=t.get(T,S)}return T}function p(v){let T=!1,S=d(v);S===null?m(o,a):S&&S.isColor&&(m(S,1),T=!0);let C=n.xr.getEnvironmentBlendMode();C==="additive"?e.buffers.color.setClear(0,0,0,1,r):C==="alpha-blend"&&e.buffers.color.setClear(0,0,0,0,r),(n.autoClear||T)&&(e.buffers.depth.setTest(!0),e.buffers.depth.setMask(!0),e.buffers.color.setMask(!0),n.clear(n.autoClearColor,n.autoClearDepth,n.autoClearStencil))}function _(v,T){let S=d(T);S&&S.isCubeTexture?(c===void 0&&(c=new ti(new Ao(1,1,1),new Li({name:"BackgroundCubeMaterial",uniforms:Lr(us.backgroundCube.uniforms),vertexShader:us.backgroundCube.vertexShader,fragmentShader:us.backgroundCube.fragmentShader,side:ei,depthTest:!1,depthWrite:!1,fog:!1,allowOverride:!1})),c.geometry.deleteAttribute("normal"),c.geometry.deleteAttribute("uv"),c.onBeforeRender=function(C,E,y){this.matrixWorld.copyPosition(y.matrixWorld)},Object.defineProperty(c.material,"envMap",{get:function(){return this.uniforms.envMap.value}}),i.update(c)),c.material.uniforms.envMap.value=S,c.material.uniforms.backgroundBlurriness.value=T.backgroundBlurriness,c.material.uniforms.backgroundIntensity.value=T.backgroundIntensity,c.material.uniforms.backgroundRotation.value.setFromMatrix4(QE.makeRotationFromEuler(T.backgroundRotation)).transpose(),S.isRenderTargetTexture===!1&&c.material.uniforms.backgroundRotation.value.premultiply(T_),c.material.toneMapped=xe.getTransfer(S.colorSpace)!==Le,(h!==S||f!==S.version||u!==n.toneMapping)&&(c.material.needsUpdate=!0,h=S,f=S.version,u=n.toneMapping),c.layers.enableAll(),v.unshift(c,c.geometry,c.material,0,0,null)):S&&S.isTexture&&(l===void 0&&(l=new ti(new ka(2,2),new Li({name:"BackgroundMaterial",uniforms:Lr(us.background.uniforms),vertexShader:us.background.vertexShader,fragmentShader:us.background.fragmentShader,side:ar,depthTest:!1,depthWrite:!1,fog:!1,allowOverride:!1})),l.geometry.deleteAttribute("normal"),Object.defineProperty(l.material,"map",{get:function(){return this.uniforms.t2D.value}}),i.update(l)),l.material.uniforms.t2D.value=S,l.material.uniforms.backgroundIntensity.value=T.backgroundIntensity,l.material.toneMapped=xe.getTransfer(S.colorSpace)!==Le,S.matrixAutoUpdate===!0&&S.updateMatrix(),l.material.uniforms.uvTransform.value.copy(S.matrix),(h!==S||f!==S.version||u!==n.toneMapping)&&(l.material.needsUpdate=!0,h=S,f=S.version,u=n.toneMapping),l.layers.enableAll(),v.unshift(l,l.geometry,l.material,0,0,null))}function m(v,T){v.getRGB(kh,Ed(n)),e.buffers.color.setClear(kh.r,kh.g,kh.b,T,r)}function g(){c!==void 0&&(c.geometry.dispose(),c.material.dispose(),c=void 0),l!==void 0&&(l.geometry.dispose(),l.material.dispose(),l=void 0)}return{getClearColor:function(){return o},setClearColor:function(v,T=1){o.set(v),a=T,m(o,a)},getClearAlpha:function(){return a},setClearAlpha:function(v){a=v,m(o,a)},render:p,addToRenderList:_,dispose:g}}function eA(n,t){let e=n.getParameter(n.MAX_VERTEX_ATTRIBS),i={},s=u(null),r=s,o=!1;function a(L,B,F,R,U){let $=!1,G=f(L,R,F,B);r!==G&&(r=G,c(r.object)),$=d(L,R,F,U),$&&p(L,R,F,U),U!==null&&t.update(U,n.ELEMENT_ARRAY_BUFFER),($||o)&&(o=!1,S(L,B,F,R),U!==null&&n.bindBuffer(n.ELEMENT_ARRAY_BUFFER,t.get(U).buffer))}function l(){return n.createVertexArray()}function c(L){return n.bindVertexArray(L)}function h(L){return n.deleteVertexArray(L)}function f(L,B,F,R){let U=R.wireframe===!0,$=i[B.id];$===void 0&&($={},i[B.id]=$);let G=L.isInstancedMesh===!0?L.id:0,ct=$[G];ct===void 0&&(ct={},$[G]=ct);let I=ct[F.id];I===void 0&&(I={},ct[F.id]=I);let k=I[U];return k===void 0&&(k=u(l()),I[U]=k),k}function u(L){let B=[],F=[],R=[];for(let U=0;U<e;U++)B[U]=0,F[U]=0,R[U]=0;return{geometry:null,program:null,wireframe:!1,newAttributes:B,enabledAttributes:F,attributeDivisors:R,object:L,attributes:{},index:null}}function d(L,B,F,R){let U=r.attributes,$=B.attributes,G=0,ct=F.getAttributes();for(let I in ct)if(ct[I].location>=0){let q=U[I],et=$[I];if(et===void 0&&(I==="instanceMatrix"&&L.instanceMatrix&&(et=L.instanceMatrix),I==="instanceColor"&&L.instanceColor&&(et=L.instanceColor)),q===void 0||q.attribute!==et||et&&q.data!==et.data)return!0;G++}return r.attributesNum!==G||r.index!==R}function p(L,B,F,R){let U={},$=B.attributes,G=0,ct=F.getAttributes();for(let I in ct)if(ct[I].location>=0){let q=$[I];q===void 0&&(I==="instanceMatrix"&&L.instanceMatrix&&(q=L.instanceMatrix),I==="instanceColor"&&L.instanceColor&&(q=L.instanceColor));let et={};et.attribute=q,q&&q.data&&(et.data=q.data),U[I]=et,G++}r.attributes=U,r.attributesNum=G,r.index=R}function _(){let L=r.newAttributes;for(let B=0,F=L.length;B<F;B++)L[B]=0}function m(L){g(L,0)}function g(L,B){let F=r.newAttributes,R=r.enabledAttributes,U=r.attributeDivisors;F[L]=1,R[L]===0&&(n.enableVertexAttribArray(L),R[L]=1),U[L]!==B&&(n.vertexAttribDivisor(L,B),U[L]=B)}function v(){let L=r.newAttributes,B=r.enabledAttributes;for(let F=0,R=B.length;F<R;F++)B[F]!==L[F]&&(n.disableVertexAttribArray(F),B[F]=0)}function T(L,B,F,R,U,$,G){G===!0?n.vertexAttribIPointer(L,B,F,U,$):n.vertexAttribPointer(L,B,F,R,U,$)}function S(L,B,F,R){_();let U=R.attributes,$=F.getAttributes(),G=B.defaultAttributeValues;for(let ct in $){let I=$[ct];if(I.location>=0){let k=U[ct];if(k===void 0&&(ct==="instanceMatrix"&&L.instanceMatrix&&(k=L.instanceMatrix),ct==="instanceColor"&&L.instanceColor&&(k=L.instanceColor)),k!==void 0){let q=k.normalized,et=k.itemSize,nt=t.get(k);if(nt===void 0)continue;let Y=nt.buffer,at=nt.type,ut=nt.bytesPerElement,dt=at===n.INT||at===n.UNSIGNED_INT||k.gpuType===nh;if(k.isInterleavedBufferAttribute){let ot=k.data,Lt=ot.isInterleavedBuffer===!0?ot.stride:ot.itemSize,Yt=k.offset;if(ot.isInstancedInterleavedBuffer||ot.isInstancedBufferAttribute){for(let Ut=0;Ut<I.locationSize;Ut++)g(I.location+Ut,ot.meshPerAttribute);L.isInstancedMesh!==!0&&R._maxInstanceCount===void 0&&(R._maxInstanceCount=ot.meshPerAttribute*ot.count)}else for(let Ut=0;Ut<I.locationSize;Ut++)m(I.location+Ut);n.bindBuffer(n.ARRAY_BUFFER,Y);for(let Ut=0;Ut<I.locationSize;Ut++)T(I.location+Ut,et/I.locationSize,at,q,Lt*ut,(Yt+et/I.locationSize*Ut)*ut,dt)}else{if(k.isInstancedBufferAttribute){for(let ot=0;ot<I.locationSize;ot++)g(I.location+ot,k.meshPerAttribute);L.isInstancedMesh!==!0&&R._maxInstanceCount===void 0&&(R._maxInstanceCount=k.meshPerAttribute*k.count)}else for(let ot=0;ot<I.locationSize;ot++)m(I.location+ot);n.bindBuffer(n.ARRAY_BUFFER,Y);for(let ot=0;ot<I.locationSize;ot++)T(I.location+ot,et/I.locationSize,at,q,et*ut,et/I.locationSize*ot*ut,dt)}}else if(G!==void 0){let q=G[ct];if(q!==void 0)switch(q.length){case 2:n.vertexAttrib2fv(I.location,q);break;case 3:n.vertexAttrib3fv(I.location,q);break;case 4:n.vertexAttrib4fv(I.location,q);break;default:n.vertexAttrib1fv(I.location,q)}}}}v()}function C(){V();for(let L in i){let B=i[L];for(let F in B){let R=B[F];for(let U in R){let $=R[U];for(let G in $)h($[G].object),delete $[G];delete R[U]}}delete i[L]}}function E(L){if(i[L.id]===void 0)return;let B=i[L.id];for(let F in B){let R=B[F];for(let U in R){let $=R[U];for(let G in $)h($[G].object),delete $[G];delete R[U]}}delete i[L.id]}function y(L){for(let B in i){let F=i[B];for(let R in F){let U=F[R];if(U[L.id]===void 0)continue;let $=U[L.id];for(let G in $)h($[G].object),delete $[G];delete U[L.id]}}}function M(L){for(let B in i){let F=i[B],R=L.isInstancedMesh===!0?L.id:0,U=F[R];if(U!==void 0){for(let $ in U){let G=U[$];for(let ct in G)h(G[ct].object),delete G[ct];delete U[$]}delete F[R],Object.keys(F).length===0&&delete i[B]}}}function V(){N(),o=!0,r!==s&&(r=s,c(r.object))}function N(){s.geometry=null,s.program=null,s.wireframe=!1}return{setup:a,reset:V,resetDefaultState:N,dispose:C,releaseStatesOfGeometry:E,releaseStatesOfObject:M,releaseStatesOfProgram:y,initAttributes:_,enableAttribute:m,disableUnusedAttributes:v}}function nA(n,t,e){let i;function s(l){i=l}function r(l,c){n.drawArrays(i,l,c),e.update(c,i,1)}function o(l,c,h){h!==0&&(n.drawArraysInstanced(i,l,c,h),e.update(c,i,h))}function a(l,c,h){if(h===0)return;t.get("WEBGL_multi_draw").multiDrawArraysWEBGL(i,l,0,c,0,h);let u=0;for(let d=0;d<h;d++)u+=c[d];e.update(u,i,1)}this.setMode=s,this.render=r,this.renderInstances=o,this.renderMultiDraw=a}function iA(n,t,e,i){let s;function r(){if(s!==void 0)return s;if(t.has("EXT_texture_filter_anisotropic")===!0){let y=t.get("EXT_texture_filter_anisotropic");s=n.getParameter(y.MAX_TEXTURE_MAX_ANISOTROPY_EXT)}else s=0;return s}function o(y){return!(y!==Zi&&i.convert(y)!==n.getParameter(n.IMPLEMENTATION_COLOR_READ_FORMAT))}function a(y){let M=y===Yi&&(t.has("EXT_color_buffer_half_float")||t.has("EXT_color_buffer_float"));return!(y!==li&&y!==qi&&!M&&i.convert(y)!==n.getParameter(n.IMPLEMENTATION_COLOR_READ_TYPE))}function l(y){if(y==="highp"){if(n.getShaderPrecisionFormat(n.VERTEX_SHADER,n.HIGH_FLOAT).precision>0&&n.getShaderPrecisionFormat(n.FRAGMENT_SHADER,n.HIGH_FLOAT).precision>0)return"highp";y="mediump"}return y==="mediump"&&n.getShaderPrecisionFormat(n.VERTEX_SHADER,n.MEDIUM_FLOAT).precision>0&&n.getShaderPrecisionFormat(n.FRAGMENT_SHADER,n.MEDIUM_FLOAT).precision>0?"mediump":"lowp"}let c=e.precision!==void 0?e.precision:"highp",h=l(c);h!==c&&(Kt("WebGLRenderer:",c,"not supported, using",h,"instead."),c=h);let f=e.reversedDepthBuffer===!0&&t.has("EXT_clip_control"),u=e.logarithmicDepthBuffer===!0&&f===!1;e.reversedDepthBuffer===!0&&f===!1&&Kt("WebGLRenderer: Unable to use reversed depth buffer due to missing EXT_clip_control extension. Fallback to default depth buffer."),e.logarithmicDepthBuffer===!0&&f===!0&&Kt("WebGLRenderer: Logarithmic depth buffer is ignored when reversed depth buffer is enabled.");let d=n.getParameter(n.MAX_TEXTURE_IMAGE_UNITS),p=n.getParameter(n.MAX_VERTEX_TEXTURE_IMAGE_UNITS),_=n.getParameter(n.MAX_TEXTURE_SIZE),m=n.getParameter(n.MAX_CUBE_MAP_TEXTURE_SIZE),g=n.getParameter(n.MAX_VERTEX_ATTRIBS),v=n.getParameter(n.MAX_VERTEX_UNIFORM_VECTORS),T=n.getParameter(n.MAX_VARYING_VECTORS),S=n.getParameter(n.MAX_FRAGMENT_UNIFORM_VECTORS),C=n.getParameter(n.MAX_SAMPLES),E=n.getParameter(n.SAMPLES);return{isWebGL2:!0,getMaxAnisotropy:r,getMaxPrecision:l,textureFormatReadable:o,textureTypeReadable:a,precision:c,logarithmicDepthBuffer:u,reversedDepthBuffer:f,maxTextures:d,maxVertexTextures:p,maxTextureSize:_,maxCubemapSize:m,maxAttributes:g,maxVertexUniforms:v,maxVaryings:T,maxFragmentUniforms:S,maxSamples:C,samples:E}}function sA(n){let t=this,e=null,i=0,s=!1,r=!1,o=new vi,a=new oe,l={value:null,needsUpdate:!1};this.uniform=l,this.numPlanes=0,this.numIntersection=0,this.init=function(f,u){let d=f.length!==0||u||i!==0||s;return s=u,i=f.length,d},this.beginShadows=function(){r=!0,h(null)},this.endShadows=function(){r=!1},this.setGlobalState=function(f,u){e=h(f,u,0)},this.setState=function(f,u,d){let p=f.clippingPlanes,_=f.clipIntersection,m=f.clipShadows,g=n.get(f);if(!s||p===null||p.length===0||r&&!m)r?h(null):c();else{let v=r?0:i,T=v*4,S=g.clippingState||null;l.value=S,S=h(p,u,T,d);for(let C=0;C!==T;++C)S[C]=e[C];g.clippingState=S,this.numIntersection=_?this.numPlanes:0,this.numPlanes+=v}};function c(){l.value!==e&&(l.value=e,l.needsUpdate=i>0),t.numPlanes=i,t.numIntersection=0}function h(f,u,d,p){let _=f!==null?f.length:0,m=null;if(_!==0){if(m=l.value,p!==!0||m===null){let g=d+_*4,v=u.matrixWorldInverse;a.getNormalMatrix(v),(m===null||m.length<g)&&(m=new Float32Array(g));for(let T=0,S=d;T!==_;++T,S+=4)o.copy(f[T]).applyMatrix4(v,a),o.normal.toArray(m,S),m[S+3]=o.constant}l.value=m,l.needsUpdate=!0}return t.numPlanes=_,t.numIntersection=0,m}}var sl=class extends Si{constructor(t=1,e={}){super(t,t,e),this.isWebGLCubeRenderTarget=!0;let i={width:t,height:t,depth:1},s=[i,i,i,i,i,i];this.texture=new Na(s),this._setTextureOptions(e),this.texture.isRenderTargetTexture=!0}fromEquirectangularTexture(t,e){this.texture.type=e.type,this.texture.colorSpace=e.colorSpace,this.texture.generateMipmaps=e.generateMipmaps,this.texture.minFilter=e.minFilter,this.texture.magFilter=e.magFilter;let i={uniforms:{tEquirect:{value:null}},vertexShader:`
+
+				varying vec3 vWorldDirection;
+
+				vec3 transformDirection( in vec3 dir, in mat4 matrix ) {
+
+					return normalize( ( matrix * vec4( dir, 0.0 ) ).xyz );
+
+				}
+
+				void main() {
+
+					vWorldDirection = transformDirection( position, modelMatrix );
+
+					#include <begin_vertex>
+					#include <project_vertex>
+
+				}
+			`,fragmentShader:`
+
+				uniform sampler2D tEquirect;
+
+				varying vec3 vWorldDirection;
+
+				#include <common>
+
+				void main() {
+
+					vec3 direction = normalize( vWorldDirection );
+
+					vec2 sampleUV = equirectUv( direction );
+
+					gl_FragColor = texture2D( tEquirect, sampleUV );
+
+				}
+			`},s=new Ao(5,5,5),r=new Li({name:"CubemapFromEquirect",uniforms:Lr(i.uniforms),vertexShader:i.vertexShader,fragmentShader:i.fragmentShader,side:ei,blending:Cr});r.uniforms.tEquirect.value=e;let o=new ti(s,r),a=e.minFilter;return e.minFilter===Is&&(e.minFilter=Bn),new Ro(1,10,this).update(t,o),e.minFilter=a,o.geometry.dispose(),o.material.dispose(),this}clear(t,e=!0,i=!0,s=!0){let r=t.getRenderTarget();for(let o=0;o<6;o++)t.setRenderTarget(this,o),t.clear(e,i,s);t.setRenderTarget(r)}},r_=256,rA=3,oA=20,C_=256,R_=16,aA=3,lA=new Z,cA=new ue,Hh=class n{constructor(t){this._renderer=t,this._cubeSize=0,this._sourceTarget=null,this._cubeCamera=new Ro(1,10,null),this._boxMesh=new ti(new Ao(5,5,5),null),this._cubemapMaterial=null,this._equirectMaterial=null,this._blurMaterial=null,this._ggxMaterial=null,this._integrationMaterial=null}fromScene(t,e=0,i=.1,s=100,r={}){let{size:o=256,position:a=lA}=r,l=this._renderer;this._setSize(o);let c=this._allocateTarget(),h=this._getSourceTarget(!0);e>0&&(h.texture.mipmapsAutoUpdate=!1);let f=l.autoClear,u=l.autoClearColor,d=l.autoClearDepth,p=l.autoClearStencil,_=t.background;l.autoClear=!0,l.autoClearColor=!0,l.autoClearDepth=!0,l.autoClearStencil=!0,_===null&&(t.background=l.getClearColor(cA));let m=new Ro(i,s,h);return m.position.copy(a),m.update(l,t),l.autoClear=f,l.autoClearColor=u,l.autoClearDepth=d,l.autoClearStencil=p,t.background=_,e>0&&(h.texture.mipmapsAutoUpdate=!0,this._blur(c,e)),this._applyPMREM(c),c}fromEquirectangular(t,e=null){return this._fromTexture(t,e)}fromCubemap(t,e=null){return this._fromTexture(t,e)}compileCubemapShader(){this._cubemapMaterial===null&&(this._cubemapMaterial=l_(),this._compileMaterial(this._cubemapMaterial))}compileEquirectangularShader(){this._equirectMaterial===null&&(this._equirectMaterial=a_(),this._compileMaterial(this._equirectMaterial))}dispose(){this._sourceTarget!==null&&this._sourceTarget.dispose(),this._cubemapMaterial!==null&&this._cubemapMaterial.dispose(),this._equirectMaterial!==null&&this._equirectMaterial.dispose(),this._blurMaterial!==null&&this._blurMaterial.dispose(),this._ggxMaterial!==null&&this._ggxMaterial.dispose(),this._integrationMaterial!==null&&this._integrationMaterial.dispose(),this._boxMesh.geometry.dispose()}static lodToRoughness(t,e){return e>0?1-Math.sqrt(1-t/e):0}_setSize(t){this._cubeSize=Math.max(r_,bd(t))}_fromTexture(t,e){t.mapping===Ir||t.mapping===Lo?this._setSize(t.image.length===0?r_:t.image[0].width||t.image[0].image.width):this._setSize(t.image.width/4);let i=e||this._allocateTarget();return this._textureToCubemap(t),this._applyPMREM(i),i}_allocateTarget(){let t=this._cubeSize,e=o_(t,!1,!1),i=Math.log2(t)-rA;for(let s=0;s<=i;s++)e.texture.mipmaps.push({width:t>>s,height:t>>s});return e.texture.name="PMREM",e.texture.isPMREMTexture=!0,e}_getSourceTarget(t=!1){let e=this._cubeSize,i=this._sourceTarget;return(i===null||i.width!==e||t&&i.depthBuffer===!1)&&(i!==null&&i.dispose(),this._sourceTarget=o_(e,!0,t)),this._sourceTarget}_compileMaterial(t){this._boxMesh.material=t,this._renderer.compile(this._boxMesh,this._cubeCamera.children[0])}_renderCube(t,e,i){let s=this._boxMesh,r=this._cubeCamera;s.material=i,r.renderTarget=t,r.activeMipmapLevel=e;let o=t.width>>e;t.viewport.set(0,0,o,o),r.update(this._renderer,s),t.viewport.set(0,0,t.width,t.height)}_textureToCubemap(t){let e;t.mapping===Ir||t.mapping===Lo?(this._cubemapMaterial===null&&(this._cubemapMaterial=l_()),e=this._cubemapMaterial,e.uniforms.flipEnvMap.value=t.isRenderTargetTexture===!1?-1:1):(this._equirectMaterial===null&&(this._equirectMaterial=a_()),e=this._equirectMaterial),e.uniforms.envMap.value=t,this._renderCube(this._getSourceTarget(),0,e)}_applyPMREM(t){this._ggxMaterial===null&&(this._ggxMaterial=hA(),this._integrationMaterial=uA());let e=this._cubeSize,i=t.texture.mipmaps.length-1,s=this._ggxMaterial.uniforms;s.envMap.value=this._sourceTarget.texture;let r=this._integrationMaterial.uniforms;r.envMap.value=this._sourceTarget.texture,r.sourceLod.value=Math.log2(e/R_);for(let o=0;o<=i;o++){let a=n.lodToRoughness(o,i);if(o>i-aA)r.roughness.value=a,this._renderCube(t,o,this._integrationMaterial);else{let l=a>0?Math.log2(e)+.5*Math.log2(6/(C_*Math.pow(a,4)))+.5:0;s.roughness.value=a,s.lodBias.value=l,this._renderCube(t,o,this._ggxMaterial)}}}_blur(t,e){this._blurMaterial===null&&(this._blurMaterial=fA());let i=this._blurMaterial,s=i.uniforms,r=this._sourceTarget;s.sigma.value=Math.min(e,Math.PI)/Math.SQRT2,s.envMap.value=r.texture,this._renderCube(t,0,i),s.envMap.value=t.texture,this._renderCube(r,0,i)}};function o_(n,t,e){return new sl(n,{minFilter:Is,generateMipmaps:t,type:Yi,colorSpace:Ea,depthBuffer:e})}function rl(n,t,e){return new Li({name:n,uniforms:t,vertexShader:fe.cube_vert,fragmentShader:e,side:ei,blending:Cr,depthTest:!1,depthWrite:!1})}function hA(){return rl("PMREMGGXConvolution",{envMap:{value:null},roughness:{value:0},lodBias:{value:0}},`
+
+		#define GGX_SAMPLES ${C_}u
+
+		varying vec3 vWorldDirection;
+
+		uniform samplerCube envMap;
+		uniform float roughness;
+		uniform float lodBias;
+
+		#include <common>
+
+		// Van der Corput radical inverse
+		float radicalInverse_VdC( uint bits ) {
+
+			bits = ( bits << 16u ) | ( bits >> 16u );
+			bits = ( ( bits & 0x55555555u ) << 1u ) | ( ( bits & 0xAAAAAAAAu ) >> 1u );
+			bits = ( ( bits & 0x33333333u ) << 2u ) | ( ( bits & 0xCCCCCCCCu ) >> 2u );
+			bits = ( ( bits & 0x0F0F0F0Fu ) << 4u ) | ( ( bits & 0xF0F0F0F0u ) >> 4u );
+			bits = ( ( bits & 0x00FF00FFu ) << 8u ) | ( ( bits & 0xFF00FF00u ) >> 8u );
+			return float( bits ) * 2.3283064365386963e-10; // / 0x100000000
+
+		}
+
+		// Hammersley sequence
+		vec2 hammersley( uint i, uint N ) {
+
+			return vec2( float( i ) / float( N ), radicalInverse_VdC( i ) );
+
+		}
+
+		void main() {
+
+			vec3 N = normalize( vWorldDirection );
+
+			// For very low roughness, just sample the environment directly
+			if ( roughness < 0.001 ) {
+
+				gl_FragColor = vec4( textureLod( envMap, N, 0.0 ).rgb, 1.0 );
+				return;
+
+			}
+
+			float alpha = roughness * roughness;
+			float alpha2 = alpha * alpha;
+
+			// Tangent space basis for VNDF sampling
+			vec3 up = abs( N.z ) < 0.999 ? vec3( 0.0, 0.0, 1.0 ) : vec3( 1.0, 0.0, 0.0 );
+			vec3 tangent = normalize( cross( up, N ) );
+			vec3 bitangent = cross( N, tangent );
+
+			vec3 prefilteredColor = vec3( 0.0 );
+			float totalWeight = 0.0;
+
+			for ( uint i = 0u; i < GGX_SAMPLES; i ++ ) {
+
+				vec2 Xi = hammersley( i, GGX_SAMPLES );
+
+				// With V = N, sample the reflected direction directly.
+				float invQ = 1.0 / ( 1.0 - Xi.x + alpha2 * Xi.x );
+				float NdotL = ( 1.0 - Xi.x - alpha2 * Xi.x ) * invQ;
+
+				if ( NdotL > 0.0 ) {
+
+					float phi = 2.0 * PI * Xi.y;
+					float sinTheta = 2.0 * alpha * sqrt( Xi.x * ( 1.0 - Xi.x ) ) * invQ;
+					vec3 L = N * NdotL + ( tangent * cos( phi ) + bitangent * sin( phi ) ) * sinTheta;
+
+					// Match the source mip to the sample's solid angle. The terms
+					// independent of the sample are precomputed in lodBias.
+					float d = alpha2 * invQ;
+					float lod = max( log2( d ) + lodBias, 0.0 );
+
+					// Weight by NdotL for the split-sum approximation
+					prefilteredColor += textureLod( envMap, L, lod ).rgb * NdotL;
+					totalWeight += NdotL;
+
+				}
+
+			}
+
+			gl_FragColor = vec4( prefilteredColor / totalWeight, 1.0 );
+
+		}
+	`)}function uA(){return rl("PMREMGGXIntegration",{envMap:{value:null},roughness:{value:0},sourceLod:{value:0},sourceSize:{value:R_}},`
+
+		varying vec3 vWorldDirection;
+
+		uniform samplerCube envMap;
+		uniform float roughness;
+		uniform float sourceLod;
+		uniform int sourceSize;
+
+		void main() {
+
+			vec3 N = normalize( vWorldDirection );
+
+			float alpha = roughness * roughness;
+			float alpha2 = alpha * alpha;
+
+			float texelSize = 2.0 / float( sourceSize );
+
+			vec3 prefilteredColor = vec3( 0.0 );
+			float totalWeight = 0.0;
+
+			// Pair opposite texels: only the one in N's hemisphere contributes.
+			for ( int face = 0; face < 3; face ++ ) {
+
+				for ( int y = 0; y < sourceSize; y ++ ) {
+
+					for ( int x = 0; x < sourceSize; x ++ ) {
+
+						vec2 uv = ( vec2( x, y ) + 0.5 ) * texelSize - 1.0;
+						vec3 texelDirection = face == 0 ? vec3( 1.0, uv ) : ( face == 1 ? vec3( uv.x, 1.0, uv.y ) : vec3( uv, 1.0 ) );
+
+						float invDistance = inversesqrt( 1.0 + dot( uv, uv ) );
+						float NdotL = dot( N, texelDirection );
+						texelDirection *= NdotL < 0.0 ? - 1.0 : 1.0;
+						NdotL = abs( NdotL ) * invDistance;
+
+						// With V = N, NdotH squared is ( 1 + NdotL ) / 2. Common factors
+						// in the GGX distribution and texel solid angle cancel when normalized.
+						float d = 1.0 + alpha2 + ( alpha2 - 1.0 ) * NdotL;
+						float weight = NdotL * invDistance * invDistance * invDistance / ( d * d );
+
+						prefilteredColor += textureLod( envMap, texelDirection, sourceLod ).rgb * weight;
+						totalWeight += weight;
+
+					}
+
+				}
+
+			}
+
+			gl_FragColor = vec4( prefilteredColor / totalWeight, 1.0 );
+
+		}
+	`)}function fA(){return rl("PMREMSphericalGaussianBlur",{envMap:{value:null},sigma:{value:0}},`
+
+		#define SAMPLES ${oA}
+		#define GOLDEN_ANGLE 2.39996322973
+
+		varying vec3 vWorldDirection;
+
+		uniform samplerCube envMap;
+		uniform float sigma;
+
+		#include <common>
+
+		void main() {
+
+			vec3 outputDirection = normalize( vWorldDirection );
+
+			vec3 up = abs( outputDirection.z ) < 0.999 ? vec3( 0.0, 0.0, 1.0 ) : vec3( 1.0, 0.0, 0.0 );
+			vec3 tangent = normalize( cross( up, outputDirection ) );
+			vec3 bitangent = cross( outputDirection, tangent );
+
+			// Truncate the kernel at three standard deviations or at the antipode.
+			float thetaMax = min( 3.0 * sigma, PI );
+			float truncation = 1.0 - exp( - 0.5 * thetaMax * thetaMax / ( sigma * sigma ) );
+
+			vec3 accumColor = vec3( 0.0 );
+			float accumWeight = 0.0;
+
+			for ( int i = 0; i < SAMPLES; i ++ ) {
+
+				// Stratified inverse-CDF sampling of the Gaussian, placed on a golden-angle spiral.
+				float stratum = ( float( i ) + 0.5 ) / float( SAMPLES );
+				float theta = sigma * sqrt( - 2.0 * log( 1.0 - stratum * truncation ) );
+				float phi = float( i ) * GOLDEN_ANGLE;
+
+				vec3 offset = cos( phi ) * tangent + sin( phi ) * bitangent;
+				vec3 sampleDirection = cos( theta ) * outputDirection + sin( theta ) * offset;
+
+				// Correct the planar sample density to solid angle.
+				float weight = sin( theta ) / theta;
+
+				accumColor += weight * textureLod( envMap, sampleDirection, 0.0 ).rgb;
+				accumWeight += weight;
+
+			}
+
+			gl_FragColor = vec4( accumColor / accumWeight, 1.0 );
+
+		}
+	`)}function a_(){return rl("PMREMEquirectangularToCubemap",{envMap:{value:null}},`
+
+		varying vec3 vWorldDirection;
+
+		uniform sampler2D envMap;
+
+		#include <common>
+
+		void main() {
+
+			// Average four subpixel samples to preserve small, bright features.
+			vec3 direction = normalize( vWorldDirection );
+			vec3 dx = dFdx( direction ) * 0.25;
+			vec3 dy = dFdy( direction ) * 0.25;
+
+			vec3 color = textureLod( envMap, equirectUv( normalize( direction - dx - dy ) ), 0.0 ).rgb;
+			color += textureLod( envMap, equirectUv( normalize( direction + dx - dy ) ), 0.0 ).rgb;
+			color += textureLod( envMap, equirectUv( normalize( direction - dx + dy ) ), 0.0 ).rgb;
+			color += textureLod( envMap, equirectUv( normalize( direction + dx + dy ) ), 0.0 ).rgb;
+			gl_FragColor = vec4( color * 0.25, 1.0 );
+
+		}
+	`)}function l_(){return rl("PMREMCubemapToCubemap",{envMap:{value:null},flipEnvMap:{value:-1}},`
+
+		varying vec3 vWorldDirection;
+
+		uniform samplerCube envMap;
+		uniform float flipEnvMap;
+
+		void main() {
+
+			gl_FragColor = vec4( textureCube( envMap, vec3( flipEnvMap * vWorldDirection.x, vWorldDirection.yz ) ).rgb, 1.0 );
+
+		}
+	`)}function dA(n){let t=new WeakMap,e=new WeakMap,i=null;function s(u,d=!1){return u==null?null:d?o(u):r(u)}function r(u){if(u&&u.isTexture){let d=u.mapping;if(d===Qc||d===th)if(t.has(u)){let p=t.get(u).texture;return a(p,u.mapping)}else{let p=u.image;if(p&&p.height>0){let _=new sl(p.height);return _.fromEquirectangularTexture(n,u),t.set(u,_),u.addEventListener("dispose",c),a(_.texture,u.mapping)}else return null}}return u}function o(u){if(u&&u.isTexture&&u.isPMREMTexture!==!0){let d=u.mapping,p=d===Qc||d===th,_=d===Ir||d===Lo;if(p||_){let m=e.get(u),g=m!==void 0?m.texture.pmremVersion:0;if(u.isRenderTargetTexture&&u.pmremVersion!==g)return i===null&&(i=new Hh(n)),m=p?i.fromEquirectangular(u,m):i.fromCubemap(u,m),m.texture.pmremVersion=u.pmremVersion,e.set(u,m),m.texture;if(m!==void 0)return m.texture;{let v=u.image;return p&&v&&v.height>0||_&&v&&l(v)?(i===null&&(i=new Hh(n)),m=p?i.fromEquirectangular(u):i.fromCubemap(u),m.texture.pmremVersion=u.pmremVersion,e.set(u,m),u.addEventListener("dispose",h),m.texture):null}}}return u}function a(u,d){return d===Qc?u.mapping=Ir:d===th&&(u.mapping=Lo),u}function l(u){let d=0,p=6;for(let _=0;_<p;_++)u[_]!==void 0&&d++;return d===p}function c(u){let d=u.target;d.removeEventListener("dispose",c);let p=t.get(d);p!==void 0&&(t.delete(d),p.dispose())}function h(u){let d=u.target;d.removeEventListener("dispose",h);let p=e.get(d);p!==void 0&&(e.delete(d),p.dispose())}function f(){t=new WeakMap,e=new WeakMap,i!==null&&(i.dispose(),i=null)}return{get:s,dispose:f}}function pA(n){let t={};function e(i){if(t[i]!==void 0)return t[i];let s=n.getExtension(i);return t[i]=s,s}return{has:function(i){return e(i)!==null},init:function(){e("EXT_color_buffer_float"),e("WEBGL_clip_cull_distance"),e("OES_texture_float_linear"),e("EXT_color_buffer_half_float"),e("WEBGL_multisampled_render_to_texture"),e("WEBGL_render_shared_exponent")},get:function(i){let s=e(i);return s===null&&Sa("WebGLRenderer: "+i+" extension not supported."),s}}}function mA(n,t,e,i){let s={},r=new WeakMap,o=new FinalizationRegistry(p=>delete s[p]);function a(p){l(p.target)}function l(p){p.index!==null&&t.remove(p.index);for(let m in p.attributes)t.remove(p.attributes[m]);p.removeEventListener("dispose",a),delete s[p.id],o.unregister(p);let _=r.get(p);_&&(t.remove(_),r.delete(p)),i.releaseStatesOfGeometry(p),p.isInstancedBufferGeometry===!0&&delete p._maxInstanceCount,e.memory.geometries--}function c(p,_){return s[_.id]!==void 0||(_.addEventListener("dispose",a),s[_.id]=new WeakRef(_),o.register(_,_.id,_),e.memory.geometries++),_}function h(p){let _=p.attributes;for(let m in _)t.update(_[m],n.ARRAY_BUFFER)}function f(p){let _=p.index,m=p.attributes.position,g=0;if(m===void 0)return;let v=_!==null?_.array.length:m.array.length/3-1,T=m.count>=65535?La:Pa,S=new T(Math.ceil(v/3)*6,1),C=S.array;if(_!==null){let y=_.array;g=_.version;for(let M=0,V=0;M<v;M+=3){let N=y[M+0],L=y[M+1],B=y[M+2];C[V++]=N,C[V++]=L,C[V++]=L,C[V++]=B,C[V++]=B,C[V++]=N}}else{g=m.version;for(let y=0,M=0;y<v;y+=3){let V=y+0,N=y+1,L=y+2;C[M++]=V,C[M++]=N,C[M++]=N,C[M++]=L,C[M++]=L,C[M++]=V}}S.version=g;let E=r.get(p);E&&t.remove(E),r.set(p,S)}function u(p){let _=r.get(p);if(_){let m=p.index;m!==null&&_.version<m.version&&f(p)}else f(p);return r.get(p)}function d(){for(let p in s){let _=s[p].deref();_!==void 0&&l(_)}}return{get:c,update:h,getWireframeAttribute:u,dispose:d}}function gA(n,t,e){let i;function s(f){i=f}let r,o;function a(f){r=f.type,o=f.bytesPerElement}function l(f,u){n.drawElements(i,u,r,f*o),e.update(u,i,1)}function c(f,u,d){d!==0&&(n.drawElementsInstanced(i,u,r,f*o,d),e.update(u,i,d))}function h(f,u,d){if(d===0)return;t.get("WEBGL_multi_draw").multiDrawElementsWEBGL(i,u,0,r,f,0,d);let _=0;for(let m=0;m<d;m++)_+=u[m];e.update(_,i,1)}this.setMode=s,this.setIndex=a,this.render=l,this.renderInstances=c,this.renderMultiDraw=h}function _A(n){let t={geometries:0,textures:0},e={frame:0,calls:0,triangles:0,points:0,lines:0};function i(r,o,a){switch(e.calls++,o){case n.TRIANGLES:e.triangles+=a*(r/3);break;case n.LINES:e.lines+=a*(r/2);break;case n.LINE_STRIP:e.lines+=a*(r-1);break;case n.LINE_LOOP:e.lines+=a*r;break;case n.POINTS:e.points+=a*r;break;default:re("WebGLInfo: Unknown draw mode:",o);break}}function s(){e.calls=0,e.triangles=0,e.points=0,e.lines=0}return{memory:t,render:e,programs:null,autoReset:!0,reset:s,update:i}}function yA(n,t,e){let i=new WeakMap,s=new Je;function r(o,a,l){let c=o.morphTargetInfluences,h=a.morphAttributes.position||a.morphAttributes.normal||a.morphAttributes.color,f=h!==void 0?h.length:0,u=i.get(a);if(u===void 0||u.count!==f){let V=function(){y.dispose(),i.delete(a),a.removeEventListener("dispose",V)};u!==void 0&&u.texture.dispose();let d=a.morphAttributes.position!==void 0,p=a.morphAttributes.normal!==void 0,_=a.morphAttributes.color!==void 0,m=a.morphAttributes.position||[],g=a.morphAttributes.normal||[],v=a.morphAttributes.color||[],T=0;d===!0&&(T=1),p===!0&&(T=2),_===!0&&(T=3);let S=a.attributes.position.count*T,C=1;S>t.maxTextureSize&&(C=Math.ceil(S/t.maxTextureSize),S=t.maxTextureSize);let E=new Float32Array(S*C*4*f),y=new Ca(E,S,C,f);y.type=qi,y.needsUpdate=!0;let M=T*4;for(let N=0;N<f;N++){let L=m[N],B=g[N],F=v[N],R=S*C*4*N;for(let U=0;U<L.count;U++){let $=U*M;d===!0&&(s.fromBufferAttribute(L,U),E[R+$+0]=s.x,E[R+$+1]=s.y,E[R+$+2]=s.z,E[R+$+3]=0),p===!0&&(s.fromBufferAttribute(B,U),E[R+$+4]=s.x,E[R+$+5]=s.y,E[R+$+6]=s.z,E[R+$+7]=0),_===!0&&(s.fromBufferAttribute(F,U),E[R+$+8]=s.x,E[R+$+9]=s.y,E[R+$+10]=s.z,E[R+$+11]=F.itemSize===4?s.w:1)}}u={count:f,texture:y,size:new jt(S,C)},i.set(a,u),a.addEventListener("dispose",V)}if(o.isInstancedMesh===!0&&o.morphTexture!==null)l.getUniforms().setValue(n,"morphTexture",o.morphTexture,e);else{let d=0;for(let _=0;_<c.length;_++)d+=c[_];let p=a.morphTargetsRelative?1:1-d;l.getUniforms().setValue(n,"morphTargetBaseInfluence",p),l.getUniforms().setValue(n,"morphTargetInfluences",c)}l.getUniforms().setValue(n,"morphTargetsTexture",u.texture,e),l.getUniforms().setValue(n,"morphTargetsTextureSize",u.size)}return{update:r}}function xA(n,t,e,i,s){let r=new WeakMap;function o(c){let h=s.render.frame,f=c.geometry,u=t.get(c,f);if(r.get(u)!==h&&(t.update(u),r.set(u,h)),c.isInstancedMesh&&(c.hasEventListener("dispose",l)===!1&&c.addEventListener("dispose",l),r.get(c)!==h&&(e.update(c.instanceMatrix,n.ARRAY_BUFFER),c.instanceColor!==null&&e.update(c.instanceColor,n.ARRAY_BUFFER),r.set(c,h))),c.isSkinnedMesh){let d=c.skeleton;r.get(d)!==h&&(d.update(),r.set(d,h))}return u}function a(){r=new WeakMap}function l(c){let h=c.target;h.removeEventListener("dispose",l),i.releaseStatesOfObject(h),e.remove(h.instanceMatrix),h.instanceColor!==null&&e.remove(h.instanceColor)}return{update:o,dispose:a}}var vA={[ed]:"LINEAR_TONE_MAPPING",[nd]:"REINHARD_TONE_MAPPING",[id]:"CINEON_TONE_MAPPING",[sd]:"ACES_FILMIC_TONE_MAPPING",[od]:"AGX_TONE_MAPPING",[ad]:"NEUTRAL_TONE_MAPPING",[rd]:"CUSTOM_TONE_MAPPING"};function SA(n,t,e,i,s,r){let o=new Si(t,e,{type:n,depthBuffer:s,stencilBuffer:r,samples:i?4:0,storeMultisampledDepthBuffer:!1,storeMultisampledStencilBuffer:!1,resolveDepthBuffer:!1,resolveStencilBuffer:!1}),a=null,l=null,c=null,h=new Qn;h.setAttribute("position",new tn([-1,3,0,-1,-1,0,3,-1,0],3)),h.setAttribute("uv",new tn([0,2,0,0,2,0],2));let f=new Fc({uniforms:{tDiffuse:{value:null}},vertexShader:`
+			precision highp float;
+
+			uniform mat4 modelViewMatrix;
+			uniform mat4 projectionMatrix;
+
+			attribute vec3 position;
+			attribute vec2 uv;
+
+			varying vec2 vUv;
+
+			void main() {
+				vUv = uv;
+				gl_Position = projectionMatrix * modelViewMatrix * vec4( position, 1.0 );
+			}`,fragmentShader:`
+			precision highp float;
+
+			uniform sampler2D tDiffuse;
+
+			varying vec2 vUv;
+
+			#include <tonemapping_pars_fragment>
+			#include <colorspace_pars_fragment>
+
+			void main() {
+				gl_FragColor = texture2D( tDiffuse, vUv );
+
+				#ifdef LINEAR_TONE_MAPPING
+					gl_FragColor.rgb = LinearToneMapping( gl_FragColor.rgb );
+				#elif defined( REINHARD_TONE_MAPPING )
+					gl_FragColor.rgb = ReinhardToneMapping( gl_FragColor.rgb );
+				#elif defined( CINEON_TONE_MAPPING )
+					gl_FragColor.rgb = CineonToneMapping( gl_FragColor.rgb );
+				#elif defined( ACES_FILMIC_TONE_MAPPING )
+					gl_FragColor.rgb = ACESFilmicToneMapping( gl_FragColor.rgb );
+				#elif defined( AGX_TONE_MAPPING )
+					gl_FragColor.rgb = AgXToneMapping( gl_FragColor.rgb );
+				#elif defined( NEUTRAL_TONE_MAPPING )
+					gl_FragColor.rgb = NeutralToneMapping( gl_FragColor.rgb );
+				#elif defined( CUSTOM_TONE_MAPPING )
+					gl_FragColor.rgb = CustomToneMapping( gl_FragColor.rgb );
+				#endif
+
+				#ifdef SRGB_TRANSFER
+					gl_FragColor = sRGBTransferOETF( gl_FragColor );
+				#endif
+			}`,depthTest:!1,depthWrite:!1}),u=new ti(h,f),d=new $a(-1,1,1,-1,0,1),p=null,_=null,m=!1,g,v=null,T=[],S=!1;this.setSize=function(C,E){o.setSize(C,E),a!==null&&a.setSize(C,E),l!==null&&l.setSize(C,E);for(let y=0;y<T.length;y++){let M=T[y];M.setSize&&M.setSize(C,E)}},this.setEffects=function(C){T=C,S=T.length>0&&T[0].isRenderPass===!0;let E=o.width,y=o.height;T.length>0&&a===null&&(a=new Si(E,y,{type:Yi,depthBuffer:!1,stencilBuffer:!1}),l=new Si(E,y,{type:Yi,depthBuffer:!1,stencilBuffer:!1}));let M=s===!0&&T.some(V=>V.needsDepthTexture===!0);M!==(o.depthTexture!==null)&&(M===!0&&c===null&&(c=new Rs(E,y),r===!0&&(c.format=Ps,c.type=Pr)),o.dispose(),o.depthTexture=M?c:null,o.resolveDepthBuffer=M,o.storeMultisampledDepthBuffer=M);for(let V=0;V<T.length;V++){let N=T[V];N.setSize&&N.setSize(E,y),M&&N.needsDepthTexture===!0&&N.setDepthTexture&&N.setDepthTexture(c)}},this.begin=function(C,E){if(m||C.toneMapping===cs&&T.length===0)return!1;if(v=E,E!==null){let y=E.width,M=E.height;(o.width!==y||o.height!==M)&&this.setSize(y,M)}return S===!1&&C.setRenderTarget(o),g=C.toneMapping,C.toneMapping=cs,!0},this.hasRenderPass=function(){return S},this.end=function(C,E){C.toneMapping=g,m=!0;let y=o,M=a;for(let V=0;V<T.length;V++){let N=T[V];N.enabled!==!1&&(N.render(C,M,y,E),N.needsSwap!==!1&&(y=M,M=M===a?l:a))}if(p!==C.outputColorSpace||_!==C.toneMapping){p=C.outputColorSpace,_=C.toneMapping,f.defines={},xe.getTransfer(p)===Le&&(f.defines.SRGB_TRANSFER="");let V=vA[_];V&&(f.defines[V]=""),f.needsUpdate=!0}f.uniforms.tDiffuse.value=y.texture,C.setRenderTarget(v),C.render(u,d),v=null,m=!1},this.isCompositing=function(){return m},this.dispose=function(){o.dispose(),a!==null&&a.dispose(),l!==null&&l.dispose(),h.dispose(),f.dispose()}}var I_=new ai,P_=new Rs(1,1),L_=new Oa(1),D_=new Ca,N_=new Lc,O_=new Na,c_=[],h_=[],u_=new Float32Array(16),f_=new Float32Array(9),d_=new Float32Array(4);function Uo(n,t,e){let i=n[0];if(i<=0||i>0)return n;let s=t*e,r=c_[s];if(r===void 0&&(r=new Float32Array(s),c_[s]=r),t!==0){i.toArray(r,0);for(let o=1,a=0;o!==t;++o)a+=e,n[o].toArray(r,a)}return r}function En(n,t){if(n.length!==t.length)return!1;for(let e=0,i=n.length;e<i;e++)if(n[e]!==t[e])return!1;return!0}function An(n,t){for(let e=0,i=t.length;e<i;e++)n[e]=t[e]}function Gh(n,t){let e=h_[t];e===void 0&&(e=new Int32Array(t),h_[t]=e);for(let i=0;i!==t;++i)e[i]=n.allocateTextureUnit();return e}function bA(n,t){let e=this.cache;e[0]!==t&&(n.uniform1f(this.addr,t),e[0]=t)}function MA(n,t){let e=this.cache;if(t.x!==void 0)(e[0]!==t.x||e[1]!==t.y)&&(n.uniform2f(this.addr,t.x,t.y),e[0]=t.x,e[1]=t.y);else{if(En(e,t))return;n.uniform2fv(this.addr,t),An(e,t)}}function wA(n,t){let e=this.cache;if(t.x!==void 0)(e[0]!==t.x||e[1]!==t.y||e[2]!==t.z)&&(n.uniform3f(this.addr,t.x,t.y,t.z),e[0]=t.x,e[1]=t.y,e[2]=t.z);else if(t.r!==void 0)(e[0]!==t.r||e[1]!==t.g||e[2]!==t.b)&&(n.uniform3f(this.addr,t.r,t.g,t.b),e[0]=t.r,e[1]=t.g,e[2]=t.b);else{if(En(e,t))return;n.uniform3fv(this.addr,t),An(e,t)}}function EA(n,t){let e=this.cache;if(t.x!==void 0)(e[0]!==t.x||e[1]!==t.y||e[2]!==t.z||e[3]!==t.w)&&(n.uniform4f(this.addr,t.x,t.y,t.z,t.w),e[0]=t.x,e[1]=t.y,e[2]=t.z,e[3]=t.w);else{if(En(e,t))return;n.uniform4fv(this.addr,t),An(e,t)}}function AA(n,t){let e=this.cache,i=t.elements;if(i===void 0){if(En(e,t))return;n.uniformMatrix2fv(this.addr,!1,t),An(e,t)}else{if(En(e,i))return;d_.set(i),n.uniformMatrix2fv(this.addr,!1,d_),An(e,i)}}function TA(n,t){let e=this.cache,i=t.elements;if(i===void 0){if(En(e,t))return;n.uniformMatrix3fv(this.addr,!1,t),An(e,t)}else{if(En(e,i))return;f_.set(i),n.uniformMatrix3fv(this.addr,!1,f_),An(e,i)}}function CA(n,t){let e=this.cache,i=t.elements;if(i===void 0){if(En(e,t))return;n.uniformMatrix4fv(this.addr,!1,t),An(e,t)}else{if(En(e,i))return;u_.set(i),n.uniformMatrix4fv(this.addr,!1,u_),An(e,i)}}function RA(n,t){let e=this.cache;e[0]!==t&&(n.uniform1i(this.addr,t),e[0]=t)}function IA(n,t){let e=this.cache;if(t.x!==void 0)(e[0]!==t.x||e[1]!==t.y)&&(n.uniform2i(this.addr,t.x,t.y),e[0]=t.x,e[1]=t.y);else{if(En(e,t))return;n.uniform2iv(this.addr,t),An(e,t)}}function PA(n,t){let e=this.cache;if(t.x!==void 0)(e[0]!==t.x||e[1]!==t.y||e[2]!==t.z)&&(n.uniform3i(this.addr,t.x,t.y,t.z),e[0]=t.x,e[1]=t.y,e[2]=t.z);else{if(En(e,t))return;n.uniform3iv(this.addr,t),An(e,t)}}function LA(n,t){let e=this.cache;if(t.x!==void 0)(e[0]!==t.x||e[1]!==t.y||e[2]!==t.z||e[3]!==t.w)&&(n.uniform4i(this.addr,t.x,t.y,t.z,t.w),e[0]=t.x,e[1]=t.y,e[2]=t.z,e[3]=t.w);else{if(En(e,t))return;n.uniform4iv(this.addr,t),An(e,t)}}function DA(n,t){let e=this.cache;e[0]!==t&&(n.uniform1ui(this.addr,t),e[0]=t)}function NA(n,t){let e=this.cache;if(t.x!==void 0)(e[0]!==t.x||e[1]!==t.y)&&(n.uniform2ui(this.addr,t.x,t.y),e[0]=t.x,e[1]=t.y);else{if(En(e,t))return;n.uniform2uiv(this.addr,t),An(e,t)}}function OA(n,t){let e=this.cache;if(t.x!==void 0)(e[0]!==t.x||e[1]!==t.y||e[2]!==t.z)&&(n.uniform3ui(this.addr,t.x,t.y,t.z),e[0]=t.x,e[1]=t.y,e[2]=t.z);else{if(En(e,t))return;n.uniform3uiv(this.addr,t),An(e,t)}}function UA(n,t){let e=this.cache;if(t.x!==void 0)(e[0]!==t.x||e[1]!==t.y||e[2]!==t.z||e[3]!==t.w)&&(n.uniform4ui(this.addr,t.x,t.y,t.z,t.w),e[0]=t.x,e[1]=t.y,e[2]=t.z,e[3]=t.w);else{if(En(e,t))return;n.uniform4uiv(this.addr,t),An(e,t)}}function Wh(n){return n.version===0&&(n.compareFunction=yd,n.needsUpdate=!0),n}function FA(n,t,e){let i=this.cache,s=e.allocateTextureUnit();i[0]!==s&&(n.uniform1i(this.addr,s),i[0]=s);let r;this.type===n.SAMPLER_2D_SHADOW?r=Wh(P_):r=I_,e.setTexture2D(t||r,s)}function BA(n,t,e){let i=this.cache,s=e.allocateTextureUnit();i[0]!==s&&(n.uniform1i(this.addr,s),i[0]=s),e.setTexture3D(t||N_,s)}function kA(n,t,e){let i=this.cache,s=e.allocateTextureUnit();i[0]!==s&&(n.uniform1i(this.addr,s),i[0]=s);let r;this.type===n.SAMPLER_CUBE_SHADOW?r=Wh(L_):r=O_,e.setTextureCube(t||r,s)}function zA(n,t,e){let i=this.cache,s=e.allocateTextureUnit();i[0]!==s&&(n.uniform1i(this.addr,s),i[0]=s),e.setTexture2DArray(t||D_,s)}function HA(n){switch(n){case 5126:return bA;case 35664:return MA;case 35665:return wA;case 35666:return EA;case 35674:return AA;case 35675:return TA;case 35676:return CA;case 5124:case 35670:return RA;case 35667:case 35671:return IA;case 35668:case 35672:return PA;case 35669:case 35673:return LA;case 5125:return DA;case 36294:return NA;case 36295:return OA;case 36296:return UA;case 35678:case 36198:case 36298:case 36306:case 35682:return FA;case 35679:case 36299:case 36307:return BA;case 35680:case 36300:case 36308:case 36293:return kA;case 36289:case 36303:case 36311:case 36292:return zA}}function VA(n,t){n.uniform1fv(this.addr,t)}function GA(n,t){let e=Uo(t,this.size,2);n.uniform2fv(this.addr,e)}function WA(n,t){let e=Uo(t,this.size,3);n.uniform3fv(this.addr,e)}function $A(n,t){let e=Uo(t,this.size,4);n.uniform4fv(this.addr,e)}function XA(n,t){let e=Uo(t,this.size,4);n.uniformMatrix2fv(this.addr,!1,e)}function qA(n,t){let e=Uo(t,this.size,9);n.uniformMatrix3fv(this.addr,!1,e)}function YA(n,t){let e=Uo(t,this.size,16);n.uniformMatrix4fv(this.addr,!1,e)}function ZA(n,t){n.uniform1iv(this.addr,t)}function KA(n,t){n.uniform2iv(this.addr,t)}function JA(n,t){n.uniform3iv(this.addr,t)}function jA(n,t){n.uniform4iv(this.addr,t)}function QA(n,t){n.uniform1uiv(this.addr,t)}function t1(n,t){n.uniform2uiv(this.addr,t)}function e1(n,t){n.uniform3uiv(this.addr,t)}function n1(n,t){n.uniform4uiv(this.addr,t)}function i1(n,t,e){let i=this.cache,s=t.length,r=Gh(e,s);En(i,r)||(n.uniform1iv(this.addr,r),An(i,r));let o;this.type===n.SAMPLER_2D_SHADOW?o=Wh(P_):o=I_;for(let a=0;a!==s;++a)e.setTexture2D(t[a]||o,r[a])}function s1(n,t,e){let i=this.cache,s=t.length,r=Gh(e,s);En(i,r)||(n.uniform1iv(this.addr,r),An(i,r));for(let o=0;o!==s;++o)e.setTexture3D(t[o]||N_,r[o])}function r1(n,t,e){let i=this.cache,s=t.length,r=Gh(e,s);En(i,r)||(n.uniform1iv(this.addr,r),An(i,r));let o;this.type===n.SAMPLER_CUBE_SHADOW?o=Wh(L_):o=O_;for(let a=0;a!==s;++a)e.setTextureCube(t[a]||o,r[a])}function o1(n,t,e){let i=this.cache,s=t.length,r=Gh(e,s);En(i,r)||(n.uniform1iv(this.addr,r),An(i,r));for(let o=0;o!==s;++o)e.setTexture2DArray(t[o]||D_,r[o])}function a1(n){switch(n){case 5126:return VA;case 35664:return GA;case 35665:return WA;case 35666:return $A;case 35674:return XA;case 35675:return qA;case 35676:return YA;case 5124:case 35670:return ZA;case 35667:case 35671:return KA;case 35668:case 35672:return JA;case 35669:case 35673:return jA;case 5125:return QA;case 36294:return t1;case 36295:return e1;case 36296:return n1;case 35678:case 36198:case 36298:case 36306:case 35682:return i1;case 35679:case 36299:case 36307:return s1;case 35680:case 36300:case 36308:case 36293:return r1;case 36289:case 36303:case 36311:case 36292:return o1}}var Pd=class{constructor(t,e,i){this.id=t,this.addr=i,this.cache=[],this.type=e.type,this.setValue=HA(e.type)}},Ld=class{constructor(t,e,i){this.id=t,this.addr=i,this.cache=[],this.type=e.type,this.size=e.size,this.setValue=a1(e.type)}},Dd=class{constructor(t){this.id=t,this.seq=[],this.map={}}setValue(t,e,i){let s=this.seq;for(let r=0,o=s.length;r!==o;++r){let a=s[r];a.setValue(t,e[a.id],i)}}},Rd=/(\w+)(\])?(\[|\.)?/g;function p_(n,t){n.seq.push(t),n.map[t.id]=t}function l1(n,t,e){let i=n.name,s=i.length;for(Rd.lastIndex=0;;){let r=Rd.exec(i),o=Rd.lastIndex,a=r[1],l=r[2]==="]",c=r[3];if(l&&(a=a|0),c===void 0||c==="["&&o+2===s){p_(e,c===void 0?new Pd(a,n,t):new Ld(a,n,t));break}else{let f=e.map[a];f===void 0&&(f=new Dd(a),p_(e,f)),e=f}}}var Oo=class{constructor(t,e){this.seq=[],this.map={};let i=t.getProgramParameter(e,t.ACTIVE_UNIFORMS);for(let o=0;o<i;++o){let a=t.getActiveUniform(e,o),l=t.getUniformLocation(e,a.name);l1(a,l,this)}let s=[],r=[];for(let o of this.seq)o.type===t.SAMPLER_2D_SHADOW||o.type===t.SAMPLER_CUBE_SHADOW||o.type===t.SAMPLER_2D_ARRAY_SHADOW?s.push(o):r.push(o);s.length>0&&(this.seq=s.concat(r))}setValue(t,e,i,s){let r=this.map[e];r!==void 0&&r.setValue(t,i,s)}setOptional(t,e,i){let s=e[i];s!==void 0&&this.setValue(t,i,s)}static upload(t,e,i,s){for(let r=0,o=e.length;r!==o;++r){let a=e[r],l=i[a.id];l.needsUpdate!==!1&&a.setValue(t,l.value,s)}}static seqWithValue(t,e){let i=[];for(let s=0,r=t.length;s!==r;++s){let o=t[s];o.id in e&&i.push(o)}return i}};function m_(n,t,e){let i=n.createShader(t);return n.shaderSource(i,e),n.compileShader(i),i}var c1=37297,h1=0;function u1(n,t){let e=n.split(`
+`),i=[],s=Math.max(t-6,0),r=Math.min(t+6,e.length);for(let o=s;o<r;o++){let a=o+1;i.push(`${a===t?">":" "} ${a}: ${e[o]}`)}return i.join(`
+`)}var g_=new oe;function f1(n){xe._getMatrix(g_,xe.workingColorSpace,n);let t=`mat3( ${g_.elements.map(e=>e.toFixed(4))} )`;switch(xe.getTransfer(n)){case Aa:return[t,"LinearTransferOETF"];case Le:return[t,"sRGBTransferOETF"];default:return Kt("WebGLProgram: Unsupported color space: ",n),[t,"LinearTransferOETF"]}}function __(n,t,e){let i=n.getShaderParameter(t,n.COMPILE_STATUS),r=(n.getShaderInfoLog(t)||"").trim();if(i&&r==="")return"";let o=/ERROR: 0:(\d+)/.exec(r);if(o){let a=parseInt(o[1]);return e.toUpperCase()+`
+
+`+r+`
+
+`+u1(n.getShaderSource(t),a)}else return r}function d1(n,t){let e=f1(t);return[`vec4 ${n}( vec4 value ) {`,`	return ${e[1]}( vec4( ${e[0]} * value.rgb, value.a ) );`,"}"].join(`
+`)}var p1={[ed]:"Linear",[nd]:"Reinhard",[id]:"Cineon",[sd]:"ACESFilmic",[od]:"AgX",[ad]:"Neutral",[rd]:"Custom"};function m1(n,t){let e=p1[t];return e===void 0?(Kt("WebGLProgram: Unsupported toneMapping:",t),"vec3 "+n+"( vec3 color ) { return LinearToneMapping( color ); }"):"vec3 "+n+"( vec3 color ) { return "+e+"ToneMapping( color ); }"}var zh=new Z;function g1(){xe.getLuminanceCoefficients(zh);let n=zh.x.toFixed(4),t=zh.y.toFixed(4),e=zh.z.toFixed(4);return["float luminance( const in vec3 rgb ) {",`	const vec3 weights = vec3( ${n}, ${t}, ${e} );`,"	return dot( weights, rgb );","}"].join(`
+`)}function _1(n){return[n.extensionClipCullDistance?"#extension GL_ANGLE_clip_cull_distance : require":"",n.extensionMultiDraw?"#extension GL_ANGLE_multi_draw : require":""].filter(il).join(`
+`)}function y1(n){let t=[];for(let e in n){let i=n[e];i!==!1&&t.push("#define "+e+" "+i)}return t.join(`
+`)}function x1(n,t){let e={},i=n.getProgramParameter(t,n.ACTIVE_ATTRIBUTES);for(let s=0;s<i;s++){let r=n.getActiveAttrib(t,s),o=r.name,a=1;r.type===n.FLOAT_MAT2&&(a=2),r.type===n.FLOAT_MAT3&&(a=3),r.type===n.FLOAT_MAT4&&(a=4),e[o]={type:r.type,location:n.getAttribLocation(t,o),locationSize:a}}return e}function il(n){return n!==""}function y_(n,t){let e=t.numSpotLightShadows+t.numSpotLightMaps-t.numSpotLightShadowsWithMaps;return n.replace(/NUM_SUN_LIGHTS/g,t.numSunLights).replace(/NUM_DIR_LIGHTS/g,t.numDirLights).replace(/NUM_SPOT_LIGHTS/g,t.numSpotLights).replace(/NUM_SPOT_LIGHT_MAPS/g,t.numSpotLightMaps).replace(/NUM_SPOT_LIGHT_COORDS/g,e).replace(/NUM_RECT_AREA_LIGHTS/g,t.numRectAreaLights).replace(/NUM_POINT_LIGHTS/g,t.numPointLights).replace(/NUM_HEMI_LIGHTS/g,t.numHemiLights).replace(/NUM_SUN_LIGHT_SHADOWS/g,t.numSunLightShadows).replace(/NUM_DIR_LIGHT_SHADOWS/g,t.numDirLightShadows).replace(/NUM_SPOT_LIGHT_SHADOWS_WITH_MAPS/g,t.numSpotLightShadowsWithMaps).replace(/NUM_SPOT_LIGHT_SHADOWS/g,t.numSpotLightShadows).replace(/NUM_POINT_LIGHT_SHADOWS/g,t.numPointLightShadows).replace(/NUM_LIGHT_PROBE_GRIDS/g,t.numLightProbeGrids)}function x_(n,t){return n.replace(/NUM_CLIPPING_PLANES/g,t.numClippingPlanes).replace(/UNION_CLIPPING_PLANES/g,t.numClippingPlanes-t.numClipIntersection)}var v1=/^[ \t]*#include +<([\w\d./]+)>/gm;function Nd(n){return n.replace(v1,S1)}function S1(n,t){let e=fe[t];if(e===void 0)throw new Error("THREE.WebGLProgram: Can not resolve #include <"+t+">");return Nd(e)}var b1=/#pragma unroll_loop_start\s+for\s*\(\s*int\s+i\s*=\s*(\d+)\s*;\s*i\s*<\s*(\d+)\s*;\s*i\s*\+\+\s*\)\s*{([\s\S]+?)}\s+#pragma unroll_loop_end/g;function v_(n){return n.replace(b1,M1)}function M1(n,t,e,i){let s="";for(let r=parseInt(t);r<parseInt(e);r++)s+=i.replace(/\[\s*i\s*\]/g,"[ "+r+" ]").replace(/UNROLLED_LOOP_INDEX/g,r);return s}function S_(n){let t=`precision ${n.precision} float;
+	precision ${n.precision} int;
+	precision ${n.precision} sampler2D;
+	precision ${n.precision} samplerCube;
+	precision ${n.precision} sampler3D;
+	precision ${n.precision} sampler2DArray;
+	precision ${n.precision} sampler2DShadow;
+	precision ${n.precision} samplerCubeShadow;
+	precision ${n.precision} sampler2DArrayShadow;
+	precision ${n.precision} isampler2D;
+	precision ${n.precision} isampler3D;
+	precision ${n.precision} isamplerCube;
+	precision ${n.precision} isampler2DArray;
+	precision ${n.precision} usampler2D;
+	precision ${n.precision} usampler3D;
+	precision ${n.precision} usamplerCube;
+	precision ${n.precision} usampler2DArray;
+	`;return n.precision==="highp"?t+=`
+#define HIGH_PRECISION`:n.precision==="mediump"?t+=`
+#define MEDIUM_PRECISION`:n.precision==="lowp"&&(t+=`
+#define LOW_PRECISION`),t}var w1={[Ya]:"SHADOWMAP_TYPE_PCF",[Io]:"SHADOWMAP_TYPE_VSM"};function E1(n){return w1[n.shadowMapType]||"SHADOWMAP_TYPE_BASIC"}var A1={[Lo]:"ENVMAP_MODE_REFRACTION"};function T1(n){return n.envMap===!1?"ENVMAP_MODE_REFLECTION":A1[n.envMapMode]||"ENVMAP_MODE_REFLECTION"}var C1={[jc]:"ENVMAP_BLENDING_MULTIPLY",[F0]:"ENVMAP_BLENDING_MIX",[B0]:"ENVMAP_BLENDING_ADD"};function R1(n){return n.envMap===!1?"ENVMAP_BLENDING_NONE":C1[n.combine]||"ENVMAP_BLENDING_NONE"}function I1(n,t,e,i){let s=n.getContext(),r=e.defines,o=e.vertexShader,a=e.fragmentShader,l=E1(e),c=e.envMapPMREM===!0?"ENVMAP_TYPE_PMREM":"ENVMAP_TYPE_CUBE",h=T1(e),f=R1(e),u=_1(e),d=y1(r),p=s.createProgram(),_,m,g=e.glslVersion?"#version "+e.glslVersion+`
+`:"";e.isRawShaderMaterial?(_=["#define SHADER_TYPE "+e.shaderType,"#define SHADER_NAME "+e.shaderName,d].filter(il).join(`
+`),_.length>0&&(_+=`
+`),m=["#define SHADER_TYPE "+e.shaderType,"#define SHADER_NAME "+e.shaderName,d].filter(il).join(`
+`),m.length>0&&(m+=`
+`)):(_=[S_(e),"#define SHADER_TYPE "+e.shaderType,"#define SHADER_NAME "+e.shaderName,d,e.extensionClipCullDistance?"#define USE_CLIP_DISTANCE":"",e.batching?"#define USE_BATCHING":"",e.batchingColor?"#define USE_BATCHING_COLOR":"",e.instancing?"#define USE_INSTANCING":"",e.instancingColor?"#define USE_INSTANCING_COLOR":"",e.instancingMorph?"#define USE_INSTANCING_MORPH":"",e.useFog&&e.fog?"#define USE_FOG":"",e.useFog&&e.fogExp2?"#define FOG_EXP2":"",e.map?"#define USE_MAP":"",e.envMap?"#define USE_ENVMAP":"",e.envMap?"#define "+h:"",e.lightMap?"#define USE_LIGHTMAP":"",e.aoMap?"#define USE_AOMAP":"",e.bumpMap?"#define USE_BUMPMAP":"",e.normalMap?"#define USE_NORMALMAP":"",e.normalMapObjectSpace?"#define USE_NORMALMAP_OBJECTSPACE":"",e.normalMapTangentSpace?"#define USE_NORMALMAP_TANGENTSPACE":"",e.displacementMap?"#define USE_DISPLACEMENTMAP":"",e.emissiveMap?"#define USE_EMISSIVEMAP":"",e.anisotropy?"#define USE_ANISOTROPY":"",e.anisotropyMap?"#define USE_ANISOTROPYMAP":"",e.clearcoatMap?"#define USE_CLEARCOATMAP":"",e.clearcoatRoughnessMap?"#define USE_CLEARCOAT_ROUGHNESSMAP":"",e.clearcoatNormalMap?"#define USE_CLEARCOAT_NORMALMAP":"",e.diffuseRoughnessMap?"#define USE_DIFFUSE_ROUGHNESSMAP":"",e.iridescenceMap?"#define USE_IRIDESCENCEMAP":"",e.iridescenceThicknessMap?"#define USE_IRIDESCENCE_THICKNESSMAP":"",e.specularMap?"#define USE_SPECULARMAP":"",e.specularColorMap?"#define USE_SPECULAR_COLORMAP":"",e.specularIntensityMap?"#define USE_SPECULAR_INTENSITYMAP":"",e.roughnessMap?"#define USE_ROUGHNESSMAP":"",e.metalnessMap?"#define USE_METALNESSMAP":"",e.alphaMap?"#define USE_ALPHAMAP":"",e.alphaHash?"#define USE_ALPHAHASH":"",e.transmission?"#define USE_TRANSMISSION":"",e.transmissionMap?"#define USE_TRANSMISSIONMAP":"",e.thicknessMap?"#define USE_THICKNESSMAP":"",e.sheenColorMap?"#define USE_SHEEN_COLORMAP":"",e.sheenRoughnessMap?"#define USE_SHEEN_ROUGHNESSMAP":"",e.mapUv?"#define MAP_UV "+e.mapUv:"",e.alphaMapUv?"#define ALPHAMAP_UV "+e.alphaMapUv:"",e.lightMapUv?"#define LIGHTMAP_UV "+e.lightMapUv:"",e.aoMapUv?"#define AOMAP_UV "+e.aoMapUv:"",e.emissiveMapUv?"#define EMISSIVEMAP_UV "+e.emissiveMapUv:"",e.bumpMapUv?"#define BUMPMAP_UV "+e.bumpMapUv:"",e.normalMapUv?"#define NORMALMAP_UV "+e.normalMapUv:"",e.displacementMapUv?"#define DISPLACEMENTMAP_UV "+e.displacementMapUv:"",e.metalnessMapUv?"#define METALNESSMAP_UV "+e.metalnessMapUv:"",e.roughnessMapUv?"#define ROUGHNESSMAP_UV "+e.roughnessMapUv:"",e.anisotropyMapUv?"#define ANISOTROPYMAP_UV "+e.anisotropyMapUv:"",e.clearcoatMapUv?"#define CLEARCOATMAP_UV "+e.clearcoatMapUv:"",e.clearcoatNormalMapUv?"#define CLEARCOAT_NORMALMAP_UV "+e.clearcoatNormalMapUv:"",e.clearcoatRoughnessMapUv?"#define CLEARCOAT_ROUGHNESSMAP_UV "+e.clearcoatRoughnessMapUv:"",e.diffuseRoughnessMapUv?"#define DIFFUSE_ROUGHNESSMAP_UV "+e.diffuseRoughnessMapUv:"",e.iridescenceMapUv?"#define IRIDESCENCEMAP_UV "+e.iridescenceMapUv:"",e.iridescenceThicknessMapUv?"#define IRIDESCENCE_THICKNESSMAP_UV "+e.iridescenceThicknessMapUv:"",e.sheenColorMapUv?"#define SHEEN_COLORMAP_UV "+e.sheenColorMapUv:"",e.sheenRoughnessMapUv?"#define SHEEN_ROUGHNESSMAP_UV "+e.sheenRoughnessMapUv:"",e.specularMapUv?"#define SPECULARMAP_UV "+e.specularMapUv:"",e.specularColorMapUv?"#define SPECULAR_COLORMAP_UV "+e.specularColorMapUv:"",e.specularIntensityMapUv?"#define SPECULAR_INTENSITYMAP_UV "+e.specularIntensityMapUv:"",e.transmissionMapUv?"#define TRANSMISSIONMAP_UV "+e.transmissionMapUv:"",e.thicknessMapUv?"#define THICKNESSMAP_UV "+e.thicknessMapUv:"",e.vertexTangents&&e.flatShading===!1?"#define USE_TANGENT":"",e.vertexNormals?"#define HAS_NORMAL":"",e.vertexColors?"#define USE_COLOR":"",e.vertexAlphas?"#define USE_COLOR_ALPHA":"",e.vertexUv1s?"#define USE_UV1":"",e.vertexUv2s?"#define USE_UV2":"",e.vertexUv3s?"#define USE_UV3":"",e.pointsUvs?"#define USE_POINTS_UV":"",e.flatShading?"#define FLAT_SHADED":"",e.skinning?"#define USE_SKINNING":"",e.morphTargets?"#define USE_MORPHTARGETS":"",e.morphNormals&&e.flatShading===!1?"#define USE_MORPHNORMALS":"",e.morphColors?"#define USE_MORPHCOLORS":"",e.morphTargetsCount>0?"#define MORPHTARGETS_TEXTURE_STRIDE "+e.morphTextureStride:"",e.morphTargetsCount>0?"#define MORPHTARGETS_COUNT "+e.morphTargetsCount:"",e.doubleSided?"#define DOUBLE_SIDED":"",e.flipSided?"#define FLIP_SIDED":"",e.shadowMapEnabled?"#define USE_SHADOWMAP":"",e.shadowMapEnabled?"#define "+l:"",e.sizeAttenuation?"#define USE_SIZEATTENUATION":"",e.numLightProbes>0?"#define USE_LIGHT_PROBES":"",e.logarithmicDepthBuffer?"#define USE_LOGARITHMIC_DEPTH_BUFFER":"",e.reversedDepthBuffer?"#define USE_REVERSED_DEPTH_BUFFER":"","uniform mat4 modelMatrix;","uniform mat4 modelViewMatrix;","uniform mat4 projectionMatrix;","uniform mat4 viewMatrix;","uniform mat3 normalMatrix;","uniform vec3 cameraPosition;","uniform bool isOrthographic;","#ifdef USE_INSTANCING","	attribute mat4 instanceMatrix;","#endif","#ifdef USE_INSTANCING_COLOR","	attribute vec3 instanceColor;","#endif","#ifdef USE_INSTANCING_MORPH","	uniform sampler2D morphTexture;","#endif","attribute vec3 position;","attribute vec3 normal;","attribute vec2 uv;","#ifdef USE_UV1","	attribute vec2 uv1;","#endif","#ifdef USE_UV2","	attribute vec2 uv2;","#endif","#ifdef USE_UV3","	attribute vec2 uv3;","#endif","#ifdef USE_TANGENT","	attribute vec4 tangent;","#endif","#if defined( USE_COLOR_ALPHA )","	attribute vec4 color;","#elif defined( USE_COLOR )","	attribute vec3 color;","#endif","#ifdef USE_SKINNING","	attribute vec4 skinIndex;","	attribute vec4 skinWeight;","#endif",`
+`].filter(il).join(`
+`),m=[S_(e),"#define SHADER_TYPE "+e.shaderType,"#define SHADER_NAME "+e.shaderName,d,e.useFog&&e.fog?"#define USE_FOG":"",e.useFog&&e.fogExp2?"#define FOG_EXP2":"",e.alphaToCoverage?"#define ALPHA_TO_COVERAGE":"",e.map?"#define USE_MAP":"",e.matcap?"#define USE_MATCAP":"",e.envMap?"#define USE_ENVMAP":"",e.envMap?"#define "+c:"",e.envMap?"#define "+h:"",e.envMap?"#define "+f:"",e.envMapPMREM?"#define ENVMAP_MAX_LOD "+e.envMapMaxLod+".0":"",e.envMapPMREM?"#define ENVMAP_SIZE "+e.envMapSize+".0":"",e.lightMap?"#define USE_LIGHTMAP":"",e.aoMap?"#define USE_AOMAP":"",e.bumpMap?"#define USE_BUMPMAP":"",e.normalMap?"#define USE_NORMALMAP":"",e.normalMapObjectSpace?"#define USE_NORMALMAP_OBJECTSPACE":"",e.normalMapTangentSpace?"#define USE_NORMALMAP_TANGENTSPACE":"",e.packedNormalMap?"#define USE_PACKED_NORMALMAP":"",e.emissiveMap?"#define USE_EMISSIVEMAP":"",e.anisotropy?"#define USE_ANISOTROPY":"",e.anisotropyMap?"#define USE_ANISOTROPYMAP":"",e.clearcoat?"#define USE_CLEARCOAT":"",e.clearcoatMap?"#define USE_CLEARCOATMAP":"",e.clearcoatRoughnessMap?"#define USE_CLEARCOAT_ROUGHNESSMAP":"",e.clearcoatNormalMap?"#define USE_CLEARCOAT_NORMALMAP":"",e.diffuseRoughness?"#define USE_DIFFUSE_ROUGHNESS":"",e.diffuseRoughnessMap?"#define USE_DIFFUSE_ROUGHNESSMAP":"",e.dispersion?"#define USE_DISPERSION":"",e.retroreflection?"#define USE_RETROREFLECTION":"",e.iridescence?"#define USE_IRIDESCENCE":"",e.iridescenceMap?"#define USE_IRIDESCENCEMAP":"",e.iridescenceThicknessMap?"#define USE_IRIDESCENCE_THICKNESSMAP":"",e.specularMap?"#define USE_SPECULARMAP":"",e.specularColorMap?"#define USE_SPECULAR_COLORMAP":"",e.specularIntensityMap?"#define USE_SPECULAR_INTENSITYMAP":"",e.roughnessMap?"#define USE_ROUGHNESSMAP":"",e.metalnessMap?"#define USE_METALNESSMAP":"",e.alphaMap?"#define USE_ALPHAMAP":"",e.alphaTest?"#define USE_ALPHATEST":"",e.alphaHash?"#define USE_ALPHAHASH":"",e.sheen?"#define USE_SHEEN":"",e.sheenColorMap?"#define USE_SHEEN_COLORMAP":"",e.sheenRoughnessMap?"#define USE_SHEEN_ROUGHNESSMAP":"",e.transmission?"#define USE_TRANSMISSION":"",e.transmissionMap?"#define USE_TRANSMISSIONMAP":"",e.thicknessMap?"#define USE_THICKNESSMAP":"",e.vertexTangents&&e.flatShading===!1?"#define USE_TANGENT":"",e.vertexColors||e.instancingColor?"#define USE_COLOR":"",e.vertexAlphas||e.batchingColor?"#define USE_COLOR_ALPHA":"",e.vertexUv1s?"#define USE_UV1":"",e.vertexUv2s?"#define USE_UV2":"",e.vertexUv3s?"#define USE_UV3":"",e.pointsUvs?"#define USE_POINTS_UV":"",e.gradientMap?"#define USE_GRADIENTMAP":"",e.flatShading?"#define FLAT_SHADED":"",e.doubleSided?"#define DOUBLE_SIDED":"",e.flipSided?"#define FLIP_SIDED":"",e.shadowMapEnabled?"#define USE_SHADOWMAP":"",e.shadowMapEnabled?"#define "+l:"",e.premultipliedAlpha?"#define PREMULTIPLIED_ALPHA":"",e.numLightProbes>0?"#define USE_LIGHT_PROBES":"",e.decodeVideoTexture?"#define DECODE_VIDEO_TEXTURE":"",e.decodeVideoTextureEmissive?"#define DECODE_VIDEO_TEXTURE_EMISSIVE":"",e.logarithmicDepthBuffer?"#define USE_LOGARITHMIC_DEPTH_BUFFER":"",e.reversedDepthBuffer?"#define USE_REVERSED_DEPTH_BUFFER":"","uniform mat4 viewMatrix;","uniform vec3 cameraPosition;","uniform bool isOrthographic;",e.toneMapping!==cs?"#define TONE_MAPPING":"",e.toneMapping!==cs?fe.tonemapping_pars_fragment:"",e.toneMapping!==cs?m1("toneMapping",e.toneMapping):"",e.dithering?"#define DITHERING":"",e.opaque?"#define OPAQUE":"",fe.colorspace_pars_fragment,d1("linearToOutputTexel",e.outputColorSpace),g1(),e.useDepthPacking?"#define DEPTH_PACKING "+e.depthPacking:"",`
+`].filter(il).join(`
+`)),o=Nd(o),o=y_(o,e),o=x_(o,e),a=Nd(a),a=y_(a,e),a=x_(a,e),o=v_(o),a=v_(a),e.isRawShaderMaterial!==!0&&(g=`#version 300 es
+`,_=[u,"#define attribute in","#define varying out","#define texture2D texture"].join(`
+`)+`
+`+_,m=["#define varying in",e.glslVersion===xd?"":"layout(location = 0) out highp vec4 pc_fragColor;",e.glslVersion===xd?"":"#define gl_FragColor pc_fragColor","#define gl_FragDepthEXT gl_FragDepth","#define texture2D texture","#define textureCube texture","#define texture2DProj textureProj","#define texture2DLodEXT textureLod","#define texture2DProjLodEXT textureProjLod","#define textureCubeLodEXT textureLod","#define texture2DGradEXT textureGrad","#define texture2DProjGradEXT textureProjGrad","#define textureCubeGradEXT textureGrad"].join(`
+`)+`
+`+m);let v=g+_+o,T=g+m+a,S=m_(s,s.VERTEX_SHADER,v),C=m_(s,s.FRAGMENT_SHADER,T);s.attachShader(p,S),s.attachShader(p,C),e.index0AttributeName!==void 0?s.bindAttribLocation(p,0,e.index0AttributeName):e.hasPositionAttribute===!0&&s.bindAttribLocation(p,0,"position"),s.linkProgram(p);function E(N){if(n.debug.checkShaderErrors){let L=s.getProgramInfoLog(p)||"",B=s.getShaderInfoLog(S)||"",F=s.getShaderInfoLog(C)||"",R=L.trim(),U=B.trim(),$=F.trim(),G=!0,ct=!0;if(s.getProgramParameter(p,s.LINK_STATUS)===!1)if(G=!1,typeof n.debug.onShaderError=="function")n.debug.onShaderError(s,p,S,C);else{let I=__(s,S,"vertex"),k=__(s,C,"fragment");re("WebGLProgram: Shader Error "+s.getError()+" - VALIDATE_STATUS "+s.getProgramParameter(p,s.VALIDATE_STATUS)+`
+
+Material Name: `+N.name+`
+Material Type: `+N.type+`
+
+Program Info Log: `+R+`
+`+I+`
+`+k)}else R!==""?Kt("WebGLProgram: Program Info Log:",R):(U===""||$==="")&&(ct=!1);ct&&(N.diagnostics={runnable:G,programLog:R,vertexShader:{log:U,prefix:_},fragmentShader:{log:$,prefix:m}})}s.deleteShader(S),s.deleteShader(C),y=new Oo(s,p),M=x1(s,p)}let y;this.getUniforms=function(){return y===void 0&&E(this),y};let M;this.getAttributes=function(){return M===void 0&&E(this),M};let V=e.rendererExtensionParallelShaderCompile===!1;return this.isReady=function(){return V===!1&&(V=s.getProgramParameter(p,c1)),V},this.destroy=function(){i.releaseStatesOfProgram(this),s.deleteProgram(p),this.program=void 0},this.type=e.shaderType,this.name=e.shaderName,this.id=h1++,this.cacheKey=t,this.usedTimes=1,this.program=p,this.vertexShader=S,this.fragmentShader=C,this}var P1=0,Od=class{constructor(){this.shaderCache=new Map,this.materialCache=new Map}update(t,e,i){let s=this._getShaderCacheForMaterial(t);return s.has(e)===!1&&(s.add(e),e.usedTimes++),s.has(i)===!1&&(s.add(i),i.usedTimes++),this}remove(t){let e=this.materialCache.get(t);for(let i of e)i.usedTimes--,i.usedTimes===0&&this.shaderCache.delete(i.code);return this.materialCache.delete(t),this}getVertexShaderStage(t){return this._getShaderStage(t.vertexShader)}getFragmentShaderStage(t){return this._getShaderStage(t.fragmentShader)}dispose(){this.shaderCache.clear(),this.materialCache.clear()}_getShaderCacheForMaterial(t){let e=this.materialCache,i=e.get(t);return i===void 0&&(i=new Set,e.set(t,i)),i}_getShaderStage(t){let e=this.shaderCache,i=e.get(t);return i===void 0&&(i=new Ud(t),e.set(t,i)),i}},Ud=class{constructor(t){this.id=P1++,this.code=t,this.usedTimes=0}};function L1(n){return n===lr||n===tl||n===el}function D1(n,t,e,i,s,r){let o=new Ra,a=new Od,l=new Set,c=[],h=new Map,f=i.logarithmicDepthBuffer,u={MeshDepthMaterial:"depth",MeshDistanceMaterial:"distance",MeshNormalMaterial:"normal",MeshBasicMaterial:"basic",MeshLambertMaterial:"lambert",MeshPhongMaterial:"phong",MeshToonMaterial:"toon",MeshStandardMaterial:"physical",MeshPhysicalMaterial:"physical",MeshMatcapMaterial:"matcap",LineBasicMaterial:"basic",LineDashedMaterial:"dashed",PointsMaterial:"points",ShadowMaterial:"shadow",SpriteMaterial:"sprite"};function d(y){return l.add(y),y===0?"uv":`uv${y}`}function p(y,M,V,N,L,B){let F=N.fog,R=L.geometry,U=y.isMeshStandardMaterial||y.isMeshLambertMaterial||y.isMeshPhongMaterial?N.environment:null,$=y.isMeshStandardMaterial||y.isMeshLambertMaterial&&!y.envMap||y.isMeshPhongMaterial&&!y.envMap,G=t.get(y.envMap||U,$),ct=u[y.type],I=i.precision;y.precision!==null&&(I=i.getMaxPrecision(y.precision),I!==y.precision&&Kt("WebGLProgram.getParameters:",y.precision,"not supported, using",I,"instead."));let k=R.morphAttributes.position||R.morphAttributes.normal||R.morphAttributes.color,q=k!==void 0?k.length:0,et=0;R.morphAttributes.position!==void 0&&(et=1),R.morphAttributes.normal!==void 0&&(et=2),R.morphAttributes.color!==void 0&&(et=3);let nt,Y,at,ut;if(ct){let Ct=us[ct];nt=Ct.vertexShader,Y=Ct.fragmentShader}else{nt=y.vertexShader,Y=y.fragmentShader;let Ct=a.getVertexShaderStage(y),ce=a.getFragmentShaderStage(y);a.update(y,Ct,ce),at=Ct.id,ut=ce.id}let dt=n.getRenderTarget(),ot=n.state.buffers.depth.getReversed(),Lt=L.isInstancedMesh===!0,Yt=L.isBatchedMesh===!0,Ut=!!y.map,ne=!!y.matcap,ie=!!G,$t=ie&&G.isPMREMTexture===!0,Ie=!!y.aoMap,be=!!y.lightMap,Ve=!!y.bumpMap&&y.wireframe===!1,Me=!!y.normalMap,hn=!!y.displacementMap,Se=!!y.emissiveMap,xn=!!y.metalnessMap,en=!!y.roughnessMap,un=y.anisotropy>0,H=y.clearcoat>0,Rt=y.diffuseRoughness>0,Jt=y.dispersion>0,le=y.retroreflectivity>0,wt=y.iridescence>0,ke=y.sheen>0,Vt=y.transmission>0,qt=un&&!!y.anisotropyMap,P=H&&!!y.clearcoatMap,b=H&&!!y.clearcoatNormalMap,K=H&&!!y.clearcoatRoughnessMap,gt=Rt&&!!y.diffuseRoughnessMap,ft=wt&&!!y.iridescenceMap,vt=wt&&!!y.iridescenceThicknessMap,St=ke&&!!y.sheenColorMap,st=ke&&!!y.sheenRoughnessMap,lt=!!y.specularMap,yt=!!y.specularColorMap,z=!!y.specularIntensityMap,ht=Vt&&!!y.transmissionMap,rt=Vt&&!!y.thicknessMap,Et=!!y.gradientMap,xt=!!y.alphaMap,Mt=y.alphaTest>0,Wt=!!y.alphaHash,te=!!y.extensions,mt=cs;y.toneMapped&&(dt===null||dt.isXRRenderTarget===!0)&&(mt=n.toneMapping);let kt=$t?G.isCompressedCubeTexture?G.image[0].mipmaps:G.mipmaps:null,ee={shaderID:ct,shaderType:y.type,shaderName:y.name,vertexShader:nt,fragmentShader:Y,defines:y.defines,customVertexShaderID:at,customFragmentShaderID:ut,isRawShaderMaterial:y.isRawShaderMaterial===!0,glslVersion:y.glslVersion,precision:I,batching:Yt,batchingColor:Yt&&L._colorsTexture!==null,instancing:Lt,instancingColor:Lt&&L.instanceColor!==null,instancingMorph:Lt&&L.morphTexture!==null,outputColorSpace:dt===null?n.outputColorSpace:dt.isXRRenderTarget===!0?dt.texture.colorSpace:xe.workingColorSpace,alphaToCoverage:!!y.alphaToCoverage,map:Ut,matcap:ne,envMap:ie,envMapMode:ie&&G.mapping,envMapPMREM:$t,envMapMaxLod:$t?kt.length-1:null,envMapSize:$t?kt[0].width:null,aoMap:Ie,lightMap:be,bumpMap:Ve,normalMap:Me,displacementMap:hn,emissiveMap:Se,normalMapObjectSpace:Me&&y.normalMapType===H0,normalMapTangentSpace:Me&&y.normalMapType===Bh,packedNormalMap:Me&&y.normalMapType===Bh&&L1(y.normalMap.format),metalnessMap:xn,roughnessMap:en,anisotropy:un,anisotropyMap:qt,clearcoat:H,clearcoatMap:P,clearcoatNormalMap:b,clearcoatRoughnessMap:K,diffuseRoughness:Rt,diffuseRoughnessMap:gt,dispersion:Jt,retroreflection:le,iridescence:wt,iridescenceMap:ft,iridescenceThicknessMap:vt,sheen:ke,sheenColorMap:St,sheenRoughnessMap:st,specularMap:lt,specularColorMap:yt,specularIntensityMap:z,transmission:Vt,transmissionMap:ht,thicknessMap:rt,gradientMap:Et,opaque:y.transparent===!1&&y.blending===Po&&y.alphaToCoverage===!1,alphaMap:xt,alphaTest:Mt,alphaHash:Wt,combine:y.combine,mapUv:Ut&&d(y.map.channel),aoMapUv:Ie&&d(y.aoMap.channel),lightMapUv:be&&d(y.lightMap.channel),bumpMapUv:Ve&&d(y.bumpMap.channel),normalMapUv:Me&&d(y.normalMap.channel),displacementMapUv:hn&&d(y.displacementMap.channel),emissiveMapUv:Se&&d(y.emissiveMap.channel),metalnessMapUv:xn&&d(y.metalnessMap.channel),roughnessMapUv:en&&d(y.roughnessMap.channel),anisotropyMapUv:qt&&d(y.anisotropyMap.channel),clearcoatMapUv:P&&d(y.clearcoatMap.channel),clearcoatNormalMapUv:b&&d(y.clearcoatNormalMap.channel),clearcoatRoughnessMapUv:K&&d(y.clearcoatRoughnessMap.channel),diffuseRoughnessMapUv:gt&&d(y.diffuseRoughnessMap.channel),iridescenceMapUv:ft&&d(y.iridescenceMap.channel),iridescenceThicknessMapUv:vt&&d(y.iridescenceThicknessMap.channel),sheenColorMapUv:St&&d(y.sheenColorMap.channel),sheenRoughnessMapUv:st&&d(y.sheenRoughnessMap.channel),specularMapUv:lt&&d(y.specularMap.channel),specularColorMapUv:yt&&d(y.specularColorMap.channel),specularIntensityMapUv:z&&d(y.specularIntensityMap.channel),transmissionMapUv:ht&&d(y.transmissionMap.channel),thicknessMapUv:rt&&d(y.thicknessMap.channel),alphaMapUv:xt&&d(y.alphaMap.channel),vertexTangents:!!R.attributes.tangent&&(Me||un),vertexNormals:!!R.attributes.normal,vertexColors:y.vertexColors,vertexAlphas:y.vertexColors===!0&&!!R.attributes.color&&R.attributes.color.itemSize===4,pointsUvs:L.isPoints===!0&&!!R.attributes.uv&&(Ut||xt),fog:!!F,useFog:y.fog===!0,fogExp2:!!F&&F.isFogExp2,flatShading:y.wireframe===!1&&(y.flatShading===!0||R.attributes.normal===void 0&&Me===!1&&(y.isMeshLambertMaterial||y.isMeshPhongMaterial||y.isMeshStandardMaterial||y.isMeshPhysicalMaterial)),sizeAttenuation:y.sizeAttenuation===!0,logarithmicDepthBuffer:f,reversedDepthBuffer:ot,skinning:L.isSkinnedMesh===!0,hasPositionAttribute:R.attributes.position!==void 0,morphTargets:R.morphAttributes.position!==void 0,morphNormals:R.morphAttributes.normal!==void 0,morphColors:R.morphAttributes.color!==void 0,morphTargetsCount:q,morphTextureStride:et,numSunLights:M.sun.length,numDirLights:M.directional.length,numPointLights:M.point.length,numSpotLights:M.spot.length,numSpotLightMaps:M.spotLightMap.length,numRectAreaLights:M.rectArea.length,numHemiLights:M.hemi.length,numSunLightShadows:M.sunShadowMap.length,numDirLightShadows:M.directionalShadowMap.length,numPointLightShadows:M.pointShadowMap.length,numSpotLightShadows:M.spotShadowMap.length,numSpotLightShadowsWithMaps:M.numSpotLightShadowsWithMaps,numLightProbes:M.numLightProbes,numLightProbeGrids:B.filter(Ct=>Ct.texture!==null).length,numClippingPlanes:r.numPlanes,numClipIntersection:r.numIntersection,dithering:y.dithering,shadowMapEnabled:n.shadowMap.enabled&&V.length>0,shadowMapType:n.shadowMap.type,toneMapping:mt,decodeVideoTexture:Ut&&y.map.isVideoTexture===!0&&xe.getTransfer(y.map.colorSpace)===Le,decodeVideoTextureEmissive:Se&&y.emissiveMap.isVideoTexture===!0&&xe.getTransfer(y.emissiveMap.colorSpace)===Le,premultipliedAlpha:y.premultipliedAlpha,doubleSided:y.side===ni,flipSided:y.side===ei,useDepthPacking:y.depthPacking>=0,depthPacking:y.depthPacking||0,index0AttributeName:y.index0AttributeName,extensionClipCullDistance:te&&y.extensions.clipCullDistance===!0&&e.has("WEBGL_clip_cull_distance"),extensionMultiDraw:(te&&y.extensions.multiDraw===!0||Yt)&&e.has("WEBGL_multi_draw"),rendererExtensionParallelShaderCompile:e.has("KHR_parallel_shader_compile"),customProgramCacheKey:y.customProgramCacheKey()};return ee.vertexUv1s=l.has(1),ee.vertexUv2s=l.has(2),ee.vertexUv3s=l.has(3),l.clear(),ee}function _(y){let M=[];if(y.shaderID?M.push(y.shaderID):(M.push(y.customVertexShaderID),M.push(y.customFragmentShaderID)),y.defines!==void 0)for(let V in y.defines)M.push(V),M.push(y.defines[V]);return y.isRawShaderMaterial===!1&&(m(M,y),g(M,y),M.push(n.outputColorSpace)),M.push(y.customProgramCacheKey),M.join()}function m(y,M){y.push(M.precision),y.push(M.outputColorSpace),y.push(M.envMapMode),y.push(M.envMapPMREM),y.push(M.envMapMaxLod),y.push(M.envMapSize),y.push(M.mapUv),y.push(M.alphaMapUv),y.push(M.lightMapUv),y.push(M.aoMapUv),y.push(M.bumpMapUv),y.push(M.normalMapUv),y.push(M.displacementMapUv),y.push(M.emissiveMapUv),y.push(M.metalnessMapUv),y.push(M.roughnessMapUv),y.push(M.anisotropyMapUv),y.push(M.clearcoatMapUv),y.push(M.clearcoatNormalMapUv),y.push(M.clearcoatRoughnessMapUv),y.push(M.diffuseRoughnessMapUv),y.push(M.iridescenceMapUv),y.push(M.iridescenceThicknessMapUv),y.push(M.sheenColorMapUv),y.push(M.sheenRoughnessMapUv),y.push(M.specularMapUv),y.push(M.specularColorMapUv),y.push(M.specularIntensityMapUv),y.push(M.transmissionMapUv),y.push(M.thicknessMapUv),y.push(M.combine),y.push(M.fogExp2),y.push(M.sizeAttenuation),y.push(M.morphTargetsCount),y.push(M.numSunLights),y.push(M.numDirLights),y.push(M.numPointLights),y.push(M.numSpotLights),y.push(M.numSpotLightMaps),y.push(M.numHemiLights),y.push(M.numRectAreaLights),y.push(M.numSunLightShadows),y.push(M.numDirLightShadows),y.push(M.numPointLightShadows),y.push(M.numSpotLightShadows),y.push(M.numSpotLightShadowsWithMaps),y.push(M.numLightProbes),y.push(M.numLightProbeGrids),y.push(M.shadowMapType),y.push(M.toneMapping),y.push(M.numClippingPlanes),y.push(M.numClipIntersection),y.push(M.depthPacking)}function g(y,M){o.disableAll(),M.instancing&&o.enable(0),M.instancingColor&&o.enable(1),M.instancingMorph&&o.enable(2),M.matcap&&o.enable(3),M.envMap&&o.enable(4),M.normalMapObjectSpace&&o.enable(5),M.normalMapTangentSpace&&o.enable(6),M.clearcoat&&o.enable(7),M.iridescence&&o.enable(8),M.alphaTest&&o.enable(9),M.vertexColors&&o.enable(10),M.vertexAlphas&&o.enable(11),M.vertexUv1s&&o.enable(12),M.vertexUv2s&&o.enable(13),M.vertexUv3s&&o.enable(14),M.vertexTangents&&o.enable(15),M.anisotropy&&o.enable(16),M.alphaHash&&o.enable(17),M.batching&&o.enable(18),M.dispersion&&o.enable(19),M.retroreflection&&o.enable(24),M.diffuseRoughness&&o.enable(25),M.batchingColor&&o.enable(20),M.gradientMap&&o.enable(21),M.packedNormalMap&&o.enable(22),M.vertexNormals&&o.enable(23),y.push(o.mask),o.disableAll(),M.fog&&o.enable(0),M.useFog&&o.enable(1),M.flatShading&&o.enable(2),M.logarithmicDepthBuffer&&o.enable(3),M.reversedDepthBuffer&&o.enable(4),M.skinning&&o.enable(5),M.morphTargets&&o.enable(6),M.morphNormals&&o.enable(7),M.morphColors&&o.enable(8),M.premultipliedAlpha&&o.enable(9),M.shadowMapEnabled&&o.enable(10),M.doubleSided&&o.enable(11),M.flipSided&&o.enable(12),M.useDepthPacking&&o.enable(13),M.dithering&&o.enable(14),M.transmission&&o.enable(15),M.sheen&&o.enable(16),M.opaque&&o.enable(17),M.pointsUvs&&o.enable(18),M.decodeVideoTexture&&o.enable(19),M.decodeVideoTextureEmissive&&o.enable(20),M.alphaToCoverage&&o.enable(21),M.numLightProbeGrids>0&&o.enable(22),M.hasPositionAttribute&&o.enable(23),y.push(o.mask)}function v(y){let M=u[y.type],V;if(M){let N=us[M];V=n_.clone(N.uniforms)}else V=y.uniforms;return V}function T(y,M){let V=h.get(M);return V!==void 0?++V.usedTimes:(V=new I1(n,M,y,s),c.push(V),h.set(M,V)),V}function S(y){if(--y.usedTimes===0){let M=c.indexOf(y);c[M]=c[c.length-1],c.pop(),h.delete(y.cacheKey),y.destroy()}}function C(y){a.remove(y)}function E(){a.dispose()}return{getParameters:p,getProgramCacheKey:_,getUniforms:v,acquireProgram:T,releaseProgram:S,releaseShaderCache:C,programs:c,dispose:E}}function N1(){let n=new WeakMap;function t(o){return n.has(o)}function e(o){let a=n.get(o);return a===void 0&&(a={},n.set(o,a)),a}function i(o){n.delete(o)}function s(o,a,l){n.get(o)[a]=l}function r(){n=new WeakMap}return{has:t,get:e,remove:i,update:s,dispose:r}}function O1(n,t){return n.groupOrder!==t.groupOrder?n.groupOrder-t.groupOrder:n.renderOrder!==t.renderOrder?n.renderOrder-t.renderOrder:n.material.id!==t.material.id?n.material.id-t.material.id:n.materialVariant!==t.materialVariant?n.materialVariant-t.materialVariant:n.z!==t.z?n.z-t.z:n.id-t.id}function b_(n,t){return n.groupOrder!==t.groupOrder?n.groupOrder-t.groupOrder:n.renderOrder!==t.renderOrder?n.renderOrder-t.renderOrder:n.z!==t.z?t.z-n.z:n.id-t.id}function M_(){let n=[],t=0,e=[],i=[],s=[];function r(){t=0,e.length=0,i.length=0,s.length=0}function o(u){let d=0;return u.isInstancedMesh&&(d+=2),u.isSkinnedMesh&&(d+=1),d}function a(u,d,p,_,m,g){let v=n[t];return v===void 0?(v={id:u.id,object:u,geometry:d,material:p,materialVariant:o(u),groupOrder:_,renderOrder:u.renderOrder,z:m,group:g},n[t]=v):(v.id=u.id,v.object=u,v.geometry=d,v.material=p,v.materialVariant=o(u),v.groupOrder=_,v.renderOrder=u.renderOrder,v.z=m,v.group=g),t++,v}function l(u,d,p,_,m,g,v){v.reversedDepth===!0&&(m=-m);let T=a(u,d,p,_,m,g);p.transmission>0?i.push(T):p.transparent===!0?s.push(T):e.push(T)}function c(u,d,p,_,m,g){let v=a(u,d,p,_,m,g);p.transmission>0?i.unshift(v):p.transparent===!0?s.unshift(v):e.unshift(v)}function h(u,d){e.length>1&&e.sort(u||O1),i.length>1&&i.sort(d||b_),s.length>1&&s.sort(d||b_)}function f(){for(let u=t,d=n.length;u<d;u++){let p=n[u];if(p.id===null)break;p.id=null,p.object=null,p.geometry=null,p.material=null,p.group=null}}return{opaque:e,transmissive:i,transparent:s,init:r,push:l,unshift:c,finish:f,sort:h}}function U1(){let n=new WeakMap;function t(i,s){let r=n.get(i),o;return r===void 0?(o=new M_,n.set(i,[o])):s>=r.length?(o=new M_,r.push(o)):o=r[s],o}function e(){n=new WeakMap}return{get:t,dispose:e}}function F1(){let n={};return{get:function(t){if(n[t.id]!==void 0)return n[t.id];let e;switch(t.type){case"SunLight":case"DirectionalLight":e={direction:new Z,color:new ue};break;case"SpotLight":e={position:new Z,direction:new Z,color:new ue,distance:0,coneCos:0,penumbraCos:0,decay:0};break;case"PointLight":e={position:new Z,color:new ue,distance:0,decay:0};break;case"HemisphereLight":e={direction:new Z,skyColor:new ue,groundColor:new ue};break;case"RectAreaLight":e={color:new ue,position:new Z,halfWidth:new Z,halfHeight:new Z};break}return n[t.id]=e,e}}}function B1(){let n={};return{get:function(t){if(n[t.id]!==void 0)return n[t.id];let e;switch(t.type){case"SunLight":case"DirectionalLight":e={shadowIntensity:1,shadowBias:0,shadowNormalBias:0,shadowRadius:1,shadowMapSize:new jt};break;case"SpotLight":e={shadowIntensity:1,shadowBias:0,shadowNormalBias:0,shadowRadius:1,shadowMapSize:new jt};break;case"PointLight":e={shadowIntensity:1,shadowBias:0,shadowNormalBias:0,shadowRadius:1,shadowMapSize:new jt,shadowCameraNear:1,shadowCameraFar:1e3};break}return n[t.id]=e,e}}}var k1=0;function z1(n,t){return(t.castShadow?2:0)-(n.castShadow?2:0)+(t.map?1:0)-(n.map?1:0)}function H1(n){let t=new F1,e=B1(),i={version:0,hash:{sunLength:-1,directionalLength:-1,pointLength:-1,spotLength:-1,rectAreaLength:-1,hemiLength:-1,numSunShadows:-1,numDirectionalShadows:-1,numPointShadows:-1,numSpotShadows:-1,numSpotMaps:-1,numLightProbes:-1},ambient:[0,0,0],probe:[],sun:[],sunShadow:[],sunShadowMap:[],sunShadowMatrix:[],sunShadowCascade:[],directional:[],directionalShadow:[],directionalShadowMap:[],directionalShadowMatrix:[],spot:[],spotLightMap:[],spotShadow:[],spotShadowMap:[],spotLightMatrix:[],rectArea:[],rectAreaLTC1:null,rectAreaLTC2:null,point:[],pointShadow:[],pointShadowMap:[],pointShadowMatrix:[],hemi:[],numSpotLightShadowsWithMaps:0,numLightProbes:0};for(let c=0;c<9;c++)i.probe.push(new Z);let s=new Z,r=new Ze,o=new Ze;function a(c){let h=0,f=0,u=0;for(let B=0;B<9;B++)i.probe[B].set(0,0,0);let d=0,p=0,_=0,m=0,g=0,v=0,T=0,S=0,C=0,E=0,y=0,M=0,V=0,N=0;c.sort(z1);for(let B=0,F=c.length;B<F;B++){let R=c[B],U=R.color,$=R.intensity,G=R.distance,ct=null;if(R.shadow&&R.shadow.map&&(R.shadow.map.texture.format===lr?ct=R.shadow.map.texture:ct=R.shadow.map.depthTexture||R.shadow.map.texture),R.isAmbientLight)h+=U.r*$,f+=U.g*$,u+=U.b*$;else if(R.isLightProbe){for(let I=0;I<9;I++)i.probe[I].addScaledVector(R.sh.coefficients[I],$);N++}else if(R.isSunLight){let I=t.get(R);if(I.color.copy(R.color).multiplyScalar(R.intensity),R.castShadow){let k=R.shadow,q=e.get(R);q.shadowIntensity=k.intensity,q.shadowBias=k.bias,q.shadowNormalBias=k.normalBias,q.shadowRadius=k.radius,q.shadowMapSize.copy(k.mapSize).multiply(k.getFrameExtents()),i.sunShadow[p]=q,i.sunShadowMap[p]=ct;let et=k.getViewportCount();for(let nt=0;nt<et;nt++)i.sunShadowMatrix[_+nt]=k.getMatrix(nt),i.sunShadowCascade[_+nt]=k._cascadeData[nt];_+=et,p++}i.sun[d]=I,d++}else if(R.isDirectionalLight){let I=t.get(R);if(I.color.copy(R.color).multiplyScalar(R.intensity),R.castShadow){let k=R.shadow,q=e.get(R);q.shadowIntensity=k.intensity,q.shadowBias=k.bias,q.shadowNormalBias=k.normalBias,q.shadowRadius=k.radius,q.shadowMapSize=k.mapSize,i.directionalShadow[m]=q,i.directionalShadowMap[m]=ct,i.directionalShadowMatrix[m]=R.shadow.matrix,C++}i.directional[m]=I,m++}else if(R.isSpotLight){let I=t.get(R);I.position.setFromMatrixPosition(R.matrixWorld),I.color.copy(U).multiplyScalar($),I.distance=G,I.coneCos=Math.cos(R.angle),I.penumbraCos=Math.cos(R.angle*(1-R.penumbra)),I.decay=R.decay,i.spot[v]=I;let k=R.shadow;if(R.map&&(i.spotLightMap[M]=R.map,M++,k.updateMatrices(R),R.castShadow&&V++),i.spotLightMatrix[v]=k.matrix,R.castShadow){let q=e.get(R);q.shadowIntensity=k.intensity,q.shadowBias=k.bias,q.shadowNormalBias=k.normalBias,q.shadowRadius=k.radius,q.shadowMapSize=k.mapSize,i.spotShadow[v]=q,i.spotShadowMap[v]=ct,y++}v++}else if(R.isRectAreaLight){let I=t.get(R);I.color.copy(U).multiplyScalar($),I.halfWidth.set(R.width*.5,0,0),I.halfHeight.set(0,R.height*.5,0),i.rectArea[T]=I,T++}else if(R.isPointLight){let I=t.get(R);if(I.color.copy(R.color).multiplyScalar(R.intensity),I.distance=R.distance,I.decay=R.decay,R.castShadow){let k=R.shadow,q=e.get(R);q.shadowIntensity=k.intensity,q.shadowBias=k.bias,q.shadowNormalBias=k.normalBias,q.shadowRadius=k.radius,q.shadowMapSize=k.mapSize,q.shadowCameraNear=k.camera.near,q.shadowCameraFar=k.camera.far,i.pointShadow[g]=q,i.pointShadowMap[g]=ct,i.pointShadowMatrix[g]=R.shadow.matrix,E++}i.point[g]=I,g++}else if(R.isHemisphereLight){let I=t.get(R);I.skyColor.copy(R.color).multiplyScalar($),I.groundColor.copy(R.groundColor).multiplyScalar($),i.hemi[S]=I,S++}}T>0&&(n.has("OES_texture_float_linear")===!0?(i.rectAreaLTC1=Dt.LTC_FLOAT_1,i.rectAreaLTC2=Dt.LTC_FLOAT_2):(i.rectAreaLTC1=Dt.LTC_HALF_1,i.rectAreaLTC2=Dt.LTC_HALF_2)),i.ambient[0]=h,i.ambient[1]=f,i.ambient[2]=u;let L=i.hash;(L.sunLength!==d||L.directionalLength!==m||L.pointLength!==g||L.spotLength!==v||L.rectAreaLength!==T||L.hemiLength!==S||L.numSunShadows!==p||L.numDirectionalShadows!==C||L.numPointShadows!==E||L.numSpotShadows!==y||L.numSpotMaps!==M||L.numLightProbes!==N)&&(i.sun.length=d,i.directional.length=m,i.spot.length=v,i.rectArea.length=T,i.point.length=g,i.hemi.length=S,i.sunShadow.length=p,i.sunShadowMap.length=p,i.sunShadowMatrix.length=_,i.sunShadowCascade.length=_,i.directionalShadow.length=C,i.directionalShadowMap.length=C,i.directionalShadowMatrix.length=C,i.pointShadow.length=E,i.pointShadowMap.length=E,i.pointShadowMatrix.length=E,i.spotShadow.length=y,i.spotShadowMap.length=y,i.spotLightMatrix.length=y+M-V,i.spotLightMap.length=M,i.numSpotLightShadowsWithMaps=V,i.numLightProbes=N,L.sunLength=d,L.directionalLength=m,L.pointLength=g,L.spotLength=v,L.rectAreaLength=T,L.hemiLength=S,L.numSunShadows=p,L.numDirectionalShadows=C,L.numPointShadows=E,L.numSpotShadows=y,L.numSpotMaps=M,L.numLightProbes=N,i.version=k1++)}function l(c,h){let f=0,u=0,d=0,p=0,_=0,m=0,g=h.matrixWorldInverse;for(let v=0,T=c.length;v<T;v++){let S=c[v];if(S.isSunLight){let C=i.sun[f];C.direction.setFromMatrixPosition(S.matrixWorld),C.direction.transformDirection(g),f++}else if(S.isDirectionalLight){let C=i.directional[u];C.direction.setFromMatrixPosition(S.matrixWorld),s.setFromMatrixPosition(S.target.matrixWorld),C.direction.sub(s),C.direction.transformDirection(g),u++}else if(S.isSpotLight){let C=i.spot[p];C.position.setFromMatrixPosition(S.matrixWorld),C.position.applyMatrix4(g),C.direction.setFromMatrixPosition(S.matrixWorld),s.setFromMatrixPosition(S.target.matrixWorld),C.direction.sub(s),C.direction.transformDirection(g),p++}else if(S.isRectAreaLight){let C=i.rectArea[_];C.position.setFromMatrixPosition(S.matrixWorld),C.position.applyMatrix4(g),o.identity(),r.copy(S.matrixWorld),r.premultiply(g),o.extractRotation(r),C.halfWidth.set(S.width*.5,0,0),C.halfHeight.set(0,S.height*.5,0),C.halfWidth.applyMatrix4(o),C.halfHeight.applyMatrix4(o),_++}else if(S.isPointLight){let C=i.point[d];C.position.setFromMatrixPosition(S.matrixWorld),C.position.applyMatrix4(g),d++}else if(S.isHemisphereLight){let C=i.hemi[m];C.direction.setFromMatrixPosition(S.matrixWorld),C.direction.transformDirection(g),m++}}}return{setup:a,setupView:l,state:i}}function w_(n){let t=new H1(n),e=[],i=[],s=[];function r(f){h.camera=f,e.length=0,i.length=0,s.length=0}function o(f){f.isLightProbeGrid?s.push(f):e.push(f)}function a(f){i.push(f)}function l(){t.setup(e),s.sort((f,u)=>f.priority-u.priority||f.id-u.id)}function c(f){t.setupView(e,f)}let h={lightsArray:e,shadowsArray:i,lightProbeGridArray:s,camera:null,lights:t,transmissionRenderTarget:{},textureUnits:0};return{init:r,state:h,setupLights:l,setupLightsView:c,pushLight:o,pushShadow:a}}function V1(n){let t=new WeakMap;function e(s,r=0){let o=t.get(s),a;return o===void 0?(a=new w_(n),t.set(s,[a])):r>=o.length?(a=new w_(n),o.push(a)):a=o[r],a}function i(){t=new WeakMap}return{get:e,dispose:i}}var G1=`void main() {
+	gl_Position = vec4( position, 1.0 );
+}`,W1=`uniform sampler2D shadow_pass;
+uniform vec2 resolution;
+uniform float radius;
+void main() {
+	const float samples = float( VSM_SAMPLES );
+	float mean = 0.0;
+	float squared_mean = 0.0;
+	float uvStride = samples <= 1.0 ? 0.0 : 2.0 / ( samples - 1.0 );
+	float uvStart = samples <= 1.0 ? 0.0 : - 1.0;
+	for ( float i = 0.0; i < samples; i ++ ) {
+		float uvOffset = uvStart + i * uvStride;
+		#ifdef HORIZONTAL_PASS
+			vec2 distribution = texture2D( shadow_pass, ( gl_FragCoord.xy + vec2( uvOffset, 0.0 ) * radius ) / resolution ).rg;
+			mean += distribution.x;
+			squared_mean += distribution.y * distribution.y + distribution.x * distribution.x;
+		#else
+			float depth = texture2D( shadow_pass, ( gl_FragCoord.xy + vec2( 0.0, uvOffset ) * radius ) / resolution ).r;
+			mean += depth;
+			squared_mean += depth * depth;
+		#endif
+	}
+	mean = mean / samples;
+	squared_mean = squared_mean / samples;
+	float std_dev = sqrt( max( 0.0, squared_mean - mean * mean ) );
+	gl_FragColor = vec4( mean, std_dev, 0.0, 1.0 );
+}`,$1=[new Z(1,0,0),new Z(-1,0,0),new Z(0,1,0),new Z(0,-1,0),new Z(0,0,1),new Z(0,0,-1)],X1=[new Z(0,-1,0),new Z(0,-1,0),new Z(0,0,1),new Z(0,0,-1),new Z(0,-1,0),new Z(0,-1,0)],E_=new Ze,nl=new Z,Id=new Z;function q1(n,t,e){let i=new tr,s=new jt,r=new jt,o=new Je,a=new Bc,l=new kc,c={},h=e.maxTextureSize,f={[ar]:ei,[ei]:ar,[ni]:ni},u=new Li({defines:{VSM_SAMPLES:8},uniforms:{shadow_pass:{value:null},resolution:{value:new jt},radius:{value:4}},vertexShader:G1,fragmentShader:W1}),d=u.clone();d.defines.HORIZONTAL_PASS=1;let p=new Qn;p.setAttribute("position",new oi(new Float32Array([-1,-1,.5,3,-1,.5,-1,3,.5]),3));let _=new ti(p,u),m=this;this.enabled=!1,this.autoUpdate=!0,this.needsUpdate=!1,this.type=Ya;let g=this.type;this.render=function(E,y,M){if(m.enabled===!1||m.autoUpdate===!1&&m.needsUpdate===!1||E.length===0)return;this.type===y0&&(Kt("WebGLShadowMap: PCFSoftShadowMap has been removed. Using PCFShadowMap instead."),this.type=Ya);let V=n.getRenderTarget(),N=n.getActiveCubeFace(),L=n.getActiveMipmapLevel(),B=n.state;B.setBlending(Cr),B.buffers.depth.getReversed()===!0?B.buffers.color.setClear(0,0,0,0):B.buffers.color.setClear(1,1,1,1),B.buffers.depth.setTest(!0),B.setScissorTest(!1);let F=g!==this.type;F&&y.traverse(function(R){R.material&&(Array.isArray(R.material)?R.material.forEach(U=>U.needsUpdate=!0):R.material.needsUpdate=!0)});for(let R=0,U=E.length;R<U;R++){let $=E[R],G=$.shadow;if(G===void 0){Kt("WebGLShadowMap:",$,"has no shadow.");continue}if(G.autoUpdate===!1&&G.needsUpdate===!1)continue;s.copy(G.mapSize);let ct=G.getFrameExtents();s.multiply(ct),r.copy(G.mapSize),(s.x>h||s.y>h)&&(s.x>h&&(r.x=Math.floor(h/ct.x),s.x=r.x*ct.x,G.mapSize.x=r.x),s.y>h&&(r.y=Math.floor(h/ct.y),s.y=r.y*ct.y,G.mapSize.y=r.y));let I=n.state.buffers.depth.getReversed();if(G.camera._reversedDepth=I,G.map===null||F===!0){if(G.map!==null&&(G.map.depthTexture!==null&&(G.map.depthTexture.dispose(),G.map.depthTexture=null),G.map.dispose()),this.type===Io){if($.isPointLight){Kt("WebGLShadowMap: VSM shadow maps are not supported for PointLights. Use PCF or BasicShadowMap instead.");continue}G.map=new Si(s.x,s.y,{format:lr,type:Yi,minFilter:Bn,magFilter:Bn,generateMipmaps:!1}),G.map.texture.name=$.name+".shadowMap",G.map.depthTexture=new Rs(s.x,s.y,qi),G.map.depthTexture.name=$.name+".shadowMapDepth",G.map.depthTexture.format=As,G.map.depthTexture.compareFunction=null,G.map.depthTexture.minFilter=Nn,G.map.depthTexture.magFilter=Nn}else $.isPointLight?(G.map=new sl(s.x),G.map.depthTexture=new Oa(s.x,Xi)):(G.map=new Si(s.x,s.y),G.map.depthTexture=new Rs(s.x,s.y,Xi)),G.map.depthTexture.name=$.name+".shadowMap",G.map.depthTexture.format=As,this.type===Ya?(G.map.depthTexture.compareFunction=I?_d:gd,G.map.depthTexture.minFilter=Bn,G.map.depthTexture.magFilter=Bn):(G.map.depthTexture.compareFunction=null,G.map.depthTexture.minFilter=Nn,G.map.depthTexture.magFilter=Nn);G.camera.updateProjectionMatrix()}G.map.isWebGLCubeRenderTarget!==!0&&(G.map.width!==s.x||G.map.height!==s.y)&&G.map.setSize(s.x,s.y);let k=G.map.isWebGLCubeRenderTarget?6:G.getViewportCount();$.isPointLight!==!0&&G.updateMatrices($,M);let q=(G.camera.layers.mask&4294967294)!==0?G.camera.layers:M.layers;for(let et=0;et<k;et++){let nt=G.getCamera(et);if($.isPointLight){let Y=G.camera,at=G.matrix,ut=$.distance||Y.far;ut!==Y.far&&(Y.far=ut,Y.updateProjectionMatrix()),nl.setFromMatrixPosition($.matrixWorld),Y.position.copy(nl),Id.copy(Y.position),Id.add($1[et]),Y.up.copy(X1[et]),Y.lookAt(Id),Y.updateMatrixWorld(),at.makeTranslation(-nl.x,-nl.y,-nl.z),E_.multiplyMatrices(Y.projectionMatrix,Y.matrixWorldInverse),G._frustum.setFromProjectionMatrix(E_,Y.coordinateSystem,Y.reversedDepth)}if(G.map.isWebGLCubeRenderTarget)n.setRenderTarget(G.map,et),n.clear();else{et===0&&(n.setRenderTarget(G.map),n.clear());let Y=G.getViewport(et);o.set(r.x*Y.x,r.y*Y.y,r.x*Y.z,r.y*Y.w),B.viewport(o)}i=G.getFrustum(et),S(y,M,nt,$,q,this.type)}G.isPointLightShadow!==!0&&this.type===Io&&v(G,M),G.needsUpdate=!1}g=this.type,m.needsUpdate=!1,n.setRenderTarget(V,N,L)};function v(E,y){let M=t.update(_);u.defines.VSM_SAMPLES!==E.blurSamples&&(u.defines.VSM_SAMPLES=E.blurSamples,d.defines.VSM_SAMPLES=E.blurSamples,u.needsUpdate=!0,d.needsUpdate=!0),E.mapPass===null?E.mapPass=new Si(s.x,s.y,{format:lr,type:Yi}):(E.mapPass.width!==E.map.width||E.mapPass.height!==E.map.height)&&E.mapPass.setSize(E.map.width,E.map.height),u.uniforms.shadow_pass.value=E.map.depthTexture,u.uniforms.resolution.value.set(E.map.width,E.map.height),u.uniforms.radius.value=E.radius,n.setRenderTarget(E.mapPass),n.clear(),n.renderBufferDirect(y,null,M,u,_,null),d.uniforms.shadow_pass.value=E.mapPass.texture,d.uniforms.resolution.value.set(E.map.width,E.map.height),d.uniforms.radius.value=E.radius,n.setRenderTarget(E.map),n.clear(),n.renderBufferDirect(y,null,M,d,_,null)}function T(E,y,M,V){let N=null,L=M.isPointLight===!0?E.customDistanceMaterial:E.customDepthMaterial;if(L!==void 0)N=L;else if(N=M.isPointLight===!0?l:a,n.localClippingEnabled&&y.clipShadows===!0&&Array.isArray(y.clippingPlanes)&&y.clippingPlanes.length!==0||y.displacementMap&&y.displacementScale!==0||y.alphaMap&&y.alphaTest>0||y.map&&y.alphaTest>0||y.alphaToCoverage===!0){let B=N.uuid,F=y.uuid,R=c[B];R===void 0&&(R={},c[B]=R);let U=R[F];U===void 0&&(U=N.clone(),R[F]=U,y.addEventListener("dispose",C)),N=U}if(N.visible=y.visible,N.wireframe=y.wireframe,V===Io?N.side=y.shadowSide!==null?y.shadowSide:y.side:N.side=y.shadowSide!==null?y.shadowSide:f[y.side],N.alphaMap=y.alphaMap,N.alphaTest=y.alphaToCoverage===!0?.5:y.alphaTest,N.map=y.map,N.clipShadows=y.clipShadows,N.clippingPlanes=y.clippingPlanes,N.clipIntersection=y.clipIntersection,N.displacementMap=y.displacementMap,N.displacementScale=y.displacementScale,N.displacementBias=y.displacementBias,N.wireframeLinewidth=y.wireframeLinewidth,N.linewidth=y.linewidth,M.isPointLight===!0&&N.isMeshDistanceMaterial===!0){let B=n.properties.get(N);B.light=M}return N}function S(E,y,M,V,N,L){if(E.visible===!1)return;if(E.layers.test(N)&&(E.isMesh||E.isLine||E.isPoints)&&(E.castShadow||E.receiveShadow&&L===Io)&&(!E.frustumCulled||E.intersectsFrustum(i))){E.modelViewMatrix.multiplyMatrices(M.matrixWorldInverse,E.matrixWorld);let R=t.update(E),U=E.material;if(Array.isArray(U)){let $=R.groups;for(let G=0,ct=$.length;G<ct;G++){let I=$[G],k=U[I.materialIndex];if(k&&k.visible){let q=T(E,k,V,L);E.onBeforeShadow(n,E,y,M,R,q,I),n.renderBufferDirect(M,null,R,q,E,I),E.onAfterShadow(n,E,y,M,R,q,I)}}}else if(U.visible){let $=T(E,U,V,L);E.onBeforeShadow(n,E,y,M,R,$,null),n.renderBufferDirect(M,null,R,$,E,null),E.onAfterShadow(n,E,y,M,R,$,null)}}let F=E.children;for(let R=0,U=F.length;R<U;R++)S(F[R],y,M,V,N,L)}function C(E){E.target.removeEventListener("dispose",C);for(let M in c){let V=c[M],N=E.target.uuid;N in V&&(V[N].dispose(),delete V[N])}}}function Y1(n,t){function e(){let z=!1,ht=new Je,rt=null,Et=new Je(0,0,0,0);return{setMask:function(xt){rt!==xt&&!z&&(n.colorMask(xt,xt,xt,xt),rt=xt)},setLocked:function(xt){z=xt},setClear:function(xt,Mt,Wt,te,mt){mt===!0&&(xt*=te,Mt*=te,Wt*=te),ht.set(xt,Mt,Wt,te),Et.equals(ht)===!1&&(n.clearColor(xt,Mt,Wt,te),Et.copy(ht))},reset:function(){z=!1,rt=null,Et.set(-1,0,0,0)}}}function i(){let z=!1,ht=!1,rt=null,Et=null,xt=null;return{setReversed:function(Mt){if(ht!==Mt){let Wt=t.get("EXT_clip_control");Mt?Wt.clipControlEXT(Wt.LOWER_LEFT_EXT,Wt.ZERO_TO_ONE_EXT):Wt.clipControlEXT(Wt.LOWER_LEFT_EXT,Wt.NEGATIVE_ONE_TO_ONE_EXT),ht=Mt;let te=xt;xt=null,this.setClear(te)}},getReversed:function(){return ht},setTest:function(Mt){Mt?ot(n.DEPTH_TEST):Lt(n.DEPTH_TEST)},setMask:function(Mt){rt!==Mt&&!z&&(n.depthMask(Mt),rt=Mt)},setFunc:function(Mt){if(ht&&(Mt=j0[Mt]),Et!==Mt){switch(Mt){case vc:n.depthFunc(n.NEVER);break;case Sc:n.depthFunc(n.ALWAYS);break;case bc:n.depthFunc(n.LESS);break;case _o:n.depthFunc(n.LEQUAL);break;case Mc:n.depthFunc(n.EQUAL);break;case wc:n.depthFunc(n.GEQUAL);break;case Ec:n.depthFunc(n.GREATER);break;case Ac:n.depthFunc(n.NOTEQUAL);break;default:n.depthFunc(n.LEQUAL)}Et=Mt}},setLocked:function(Mt){z=Mt},setClear:function(Mt){xt!==Mt&&(xt=Mt,ht&&(Mt=1-Mt),n.clearDepth(Mt))},reset:function(){z=!1,rt=null,Et=null,xt=null,ht=!1}}}function s(){let z=!1,ht=null,rt=null,Et=null,xt=null,Mt=null,Wt=null,te=null,mt=null;return{setTest:function(kt){z||(kt?ot(n.STENCIL_TEST):Lt(n.STENCIL_TEST))},setMask:function(kt){ht!==kt&&!z&&(n.stencilMask(kt),ht=kt)},setFunc:function(kt,ee,Ct){(rt!==kt||Et!==ee||xt!==Ct)&&(n.stencilFunc(kt,ee,Ct),rt=kt,Et=ee,xt=Ct)},setOp:function(kt,ee,Ct){(Mt!==kt||Wt!==ee||te!==Ct)&&(n.stencilOp(kt,ee,Ct),Mt=kt,Wt=ee,te=Ct)},setLocked:function(kt){z=kt},setClear:function(kt){mt!==kt&&(n.clearStencil(kt),mt=kt)},reset:function(){z=!1,ht=null,rt=null,Et=null,xt=null,Mt=null,Wt=null,te=null,mt=null}}}let r=new e,o=new i,a=new s,l={},c=new WeakMap,h={},f={},u={},d=new WeakMap,p=[],_=null,m=!1,g=null,v=null,T=null,S=null,C=null,E=null,y=null,M=new ue(0,0,0),V=0,N=!1,L=null,B=null,F=null,R=null,U=null,$=n.getParameter(n.MAX_COMBINED_TEXTURE_IMAGE_UNITS),G=!1,ct=0,I=n.getParameter(n.VERSION);I.indexOf("WebGL")!==-1?(ct=parseFloat(/^WebGL (\d)/.exec(I)[1]),G=ct>=1):I.indexOf("OpenGL ES")!==-1&&(ct=parseFloat(/^OpenGL ES (\d)/.exec(I)[1]),G=ct>=2);let k=null,q={},et=n.getParameter(n.SCISSOR_BOX),nt=n.getParameter(n.VIEWPORT),Y=new Je().fromArray(et),at=new Je().fromArray(nt);function ut(z,ht,rt,Et){let xt=new Uint8Array(4),Mt=n.createTexture();n.bindTexture(z,Mt),n.texParameteri(z,n.TEXTURE_MIN_FILTER,n.NEAREST),n.texParameteri(z,n.TEXTURE_MAG_FILTER,n.NEAREST);for(let Wt=0;Wt<rt;Wt++)z===n.TEXTURE_3D||z===n.TEXTURE_2D_ARRAY?n.texImage3D(ht,0,n.RGBA,1,1,Et,0,n.RGBA,n.UNSIGNED_BYTE,xt):n.texImage2D(ht+Wt,0,n.RGBA,1,1,0,n.RGBA,n.UNSIGNED_BYTE,xt);return Mt}let dt={};dt[n.TEXTURE_2D]=ut(n.TEXTURE_2D,n.TEXTURE_2D,1),dt[n.TEXTURE_CUBE_MAP]=ut(n.TEXTURE_CUBE_MAP,n.TEXTURE_CUBE_MAP_POSITIVE_X,6),dt[n.TEXTURE_2D_ARRAY]=ut(n.TEXTURE_2D_ARRAY,n.TEXTURE_2D_ARRAY,1,1),dt[n.TEXTURE_3D]=ut(n.TEXTURE_3D,n.TEXTURE_3D,1,1),r.setClear(0,0,0,1),o.setClear(1),a.setClear(0),ot(n.DEPTH_TEST),o.setFunc(_o),Ve(!1),Me(Zf),ot(n.CULL_FACE),Ie(Cr);function ot(z){h[z]!==!0&&(n.enable(z),h[z]=!0)}function Lt(z){h[z]!==!1&&(n.disable(z),h[z]=!1)}function Yt(z,ht){return u[z]!==ht?(n.bindFramebuffer(z,ht),u[z]=ht,z===n.DRAW_FRAMEBUFFER&&(u[n.FRAMEBUFFER]=ht),z===n.FRAMEBUFFER&&(u[n.DRAW_FRAMEBUFFER]=ht),!0):!1}function Ut(z,ht){let rt=p,Et=!1;if(z){rt=d.get(ht),rt===void 0&&(rt=[],d.set(ht,rt));let xt=z.textures;if(rt.length!==xt.length||rt[0]!==n.COLOR_ATTACHMENT0){for(let Mt=0,Wt=xt.length;Mt<Wt;Mt++)rt[Mt]=n.COLOR_ATTACHMENT0+Mt;rt.length=xt.length,Et=!0}}else rt[0]!==n.BACK&&(rt[0]=n.BACK,Et=!0);Et&&n.drawBuffers(rt)}function ne(z){return _!==z?(n.useProgram(z),_=z,!0):!1}let ie={[Rr]:n.FUNC_ADD,[v0]:n.FUNC_SUBTRACT,[S0]:n.FUNC_REVERSE_SUBTRACT};ie[b0]=n.MIN,ie[M0]=n.MAX;let $t={[w0]:n.ZERO,[E0]:n.ONE,[A0]:n.SRC_COLOR,[Qf]:n.SRC_ALPHA,[L0]:n.SRC_ALPHA_SATURATE,[I0]:n.DST_COLOR,[C0]:n.DST_ALPHA,[T0]:n.ONE_MINUS_SRC_COLOR,[td]:n.ONE_MINUS_SRC_ALPHA,[P0]:n.ONE_MINUS_DST_COLOR,[R0]:n.ONE_MINUS_DST_ALPHA,[D0]:n.CONSTANT_COLOR,[N0]:n.ONE_MINUS_CONSTANT_COLOR,[O0]:n.CONSTANT_ALPHA,[U0]:n.ONE_MINUS_CONSTANT_ALPHA};function Ie(z,ht,rt,Et,xt,Mt,Wt,te,mt,kt){if(z===Cr){m===!0&&(Lt(n.BLEND),m=!1);return}if(m===!1&&(ot(n.BLEND),m=!0),z!==x0){if(z!==g||kt!==N){if((v!==Rr||C!==Rr)&&(n.blendEquation(n.FUNC_ADD),v=Rr,C=Rr),kt)switch(z){case Po:n.blendFuncSeparate(n.ONE,n.ONE_MINUS_SRC_ALPHA,n.ONE,n.ONE_MINUS_SRC_ALPHA);break;case Kf:n.blendFunc(n.ONE,n.ONE);break;case Jf:n.blendFuncSeparate(n.ZERO,n.ONE_MINUS_SRC_COLOR,n.ZERO,n.ONE);break;case jf:n.blendFuncSeparate(n.DST_COLOR,n.ONE_MINUS_SRC_ALPHA,n.ZERO,n.ONE);break;default:re("WebGLState: Invalid blending: ",z);break}else switch(z){case Po:n.blendFuncSeparate(n.SRC_ALPHA,n.ONE_MINUS_SRC_ALPHA,n.ONE,n.ONE_MINUS_SRC_ALPHA);break;case Kf:n.blendFuncSeparate(n.SRC_ALPHA,n.ONE,n.ONE,n.ONE);break;case Jf:re("WebGLState: SubtractiveBlending requires material.premultipliedAlpha = true");break;case jf:re("WebGLState: MultiplyBlending requires material.premultipliedAlpha = true");break;default:re("WebGLState: Invalid blending: ",z);break}T=null,S=null,E=null,y=null,M.set(0,0,0),V=0,g=z,N=kt}return}xt=xt||ht,Mt=Mt||rt,Wt=Wt||Et,(ht!==v||xt!==C)&&(n.blendEquationSeparate(ie[ht],ie[xt]),v=ht,C=xt),(rt!==T||Et!==S||Mt!==E||Wt!==y)&&(n.blendFuncSeparate($t[rt],$t[Et],$t[Mt],$t[Wt]),T=rt,S=Et,E=Mt,y=Wt),(te.equals(M)===!1||mt!==V)&&(n.blendColor(te.r,te.g,te.b,mt),M.copy(te),V=mt),g=z,N=!1}function be(z,ht){z.side===ni?Lt(n.CULL_FACE):ot(n.CULL_FACE);let rt=z.side===ei;ht&&(rt=!rt),Ve(rt),z.blending===Po&&z.transparent===!1?Ie(Cr):Ie(z.blending,z.blendEquation,z.blendSrc,z.blendDst,z.blendEquationAlpha,z.blendSrcAlpha,z.blendDstAlpha,z.blendColor,z.blendAlpha,z.premultipliedAlpha),o.setFunc(z.depthFunc),o.setTest(z.depthTest),o.setMask(z.depthWrite),r.setMask(z.colorWrite);let Et=z.stencilWrite;a.setTest(Et),Et&&(a.setMask(z.stencilWriteMask),a.setFunc(z.stencilFunc,z.stencilRef,z.stencilFuncMask),a.setOp(z.stencilFail,z.stencilZFail,z.stencilZPass)),Se(z.polygonOffset,z.polygonOffsetFactor,z.polygonOffsetUnits),z.alphaToCoverage===!0?ot(n.SAMPLE_ALPHA_TO_COVERAGE):Lt(n.SAMPLE_ALPHA_TO_COVERAGE)}function Ve(z){L!==z&&(z?n.frontFace(n.CW):n.frontFace(n.CCW),L=z)}function Me(z){z!==g0?(ot(n.CULL_FACE),z!==B&&(z===Zf?n.cullFace(n.BACK):z===_0?n.cullFace(n.FRONT):n.cullFace(n.FRONT_AND_BACK))):Lt(n.CULL_FACE),B=z}function hn(z){z!==F&&(G&&n.lineWidth(z),F=z)}function Se(z,ht,rt){z?(ot(n.POLYGON_OFFSET_FILL),(R!==ht||U!==rt)&&(R=ht,U=rt,o.getReversed()&&(ht=-ht,rt=-rt),n.polygonOffset(ht,rt))):Lt(n.POLYGON_OFFSET_FILL)}function xn(z){z?ot(n.SCISSOR_TEST):Lt(n.SCISSOR_TEST)}function en(z){z===void 0&&(z=n.TEXTURE0+$-1),k!==z&&(n.activeTexture(z),k=z)}function un(z,ht,rt){rt===void 0&&(k===null?rt=n.TEXTURE0+$-1:rt=k);let Et=q[rt];Et===void 0&&(Et={type:void 0,texture:void 0},q[rt]=Et),(Et.type!==z||Et.texture!==ht)&&(k!==rt&&(n.activeTexture(rt),k=rt),n.bindTexture(z,ht||dt[z]),Et.type=z,Et.texture=ht)}function H(){let z=q[k];z!==void 0&&z.type!==void 0&&(n.bindTexture(z.type,null),z.type=void 0,z.texture=void 0)}function Rt(){try{n.compressedTexImage2D(...arguments)}catch(z){re("WebGLState:",z)}}function Jt(){try{n.compressedTexImage3D(...arguments)}catch(z){re("WebGLState:",z)}}function le(){try{n.texSubImage2D(...arguments)}catch(z){re("WebGLState:",z)}}function wt(){try{n.texSubImage3D(...arguments)}catch(z){re("WebGLState:",z)}}function ke(){try{n.compressedTexSubImage2D(...arguments)}catch(z){re("WebGLState:",z)}}function Vt(){try{n.compressedTexSubImage3D(...arguments)}catch(z){re("WebGLState:",z)}}function qt(){try{n.texStorage2D(...arguments)}catch(z){re("WebGLState:",z)}}function P(){try{n.texStorage3D(...arguments)}catch(z){re("WebGLState:",z)}}function b(){try{n.texImage2D(...arguments)}catch(z){re("WebGLState:",z)}}function K(){try{n.texImage3D(...arguments)}catch(z){re("WebGLState:",z)}}function gt(z){return f[z]!==void 0?f[z]:n.getParameter(z)}function ft(z,ht){f[z]!==ht&&(n.pixelStorei(z,ht),f[z]=ht)}function vt(z){Y.equals(z)===!1&&(n.scissor(z.x,z.y,z.z,z.w),Y.copy(z))}function St(z){at.equals(z)===!1&&(n.viewport(z.x,z.y,z.z,z.w),at.copy(z))}function st(z,ht){let rt=c.get(ht);rt===void 0&&(rt=new WeakMap,c.set(ht,rt));let Et=rt.get(z);Et===void 0&&(Et=n.getUniformBlockIndex(ht,z.name),n.uniformBlockBinding(ht,Et,Et),rt.set(z,Et))}function lt(z,ht,rt){let xt=c.get(ht).get(z);l[xt]!==rt&&(n.bindBufferBase(n.UNIFORM_BUFFER,xt,rt),l[xt]=rt)}function yt(){n.disable(n.BLEND),n.disable(n.CULL_FACE),n.disable(n.DEPTH_TEST),n.disable(n.POLYGON_OFFSET_FILL),n.disable(n.SCISSOR_TEST),n.disable(n.STENCIL_TEST),n.disable(n.SAMPLE_ALPHA_TO_COVERAGE),n.blendEquation(n.FUNC_ADD),n.blendFunc(n.ONE,n.ZERO),n.blendFuncSeparate(n.ONE,n.ZERO,n.ONE,n.ZERO),n.blendColor(0,0,0,0),n.colorMask(!0,!0,!0,!0),n.clearColor(0,0,0,0),n.depthMask(!0),n.depthFunc(n.LESS),o.setReversed(!1),n.clearDepth(1),n.stencilMask(4294967295),n.stencilFunc(n.ALWAYS,0,4294967295),n.stencilOp(n.KEEP,n.KEEP,n.KEEP),n.clearStencil(0),n.cullFace(n.BACK),n.frontFace(n.CCW),n.polygonOffset(0,0),n.activeTexture(n.TEXTURE0),n.bindFramebuffer(n.FRAMEBUFFER,null),n.bindFramebuffer(n.DRAW_FRAMEBUFFER,null),n.bindFramebuffer(n.READ_FRAMEBUFFER,null),n.useProgram(null),n.lineWidth(1),n.scissor(0,0,n.canvas.width,n.canvas.height),n.viewport(0,0,n.canvas.width,n.canvas.height),n.pixelStorei(n.PACK_ALIGNMENT,4),n.pixelStorei(n.UNPACK_ALIGNMENT,4),n.pixelStorei(n.UNPACK_FLIP_Y_WEBGL,!1),n.pixelStorei(n.UNPACK_PREMULTIPLY_ALPHA_WEBGL,!1),n.pixelStorei(n.UNPACK_COLORSPACE_CONVERSION_WEBGL,n.BROWSER_DEFAULT_WEBGL),n.pixelStorei(n.PACK_ROW_LENGTH,0),n.pixelStorei(n.PACK_SKIP_PIXELS,0),n.pixelStorei(n.PACK_SKIP_ROWS,0),n.pixelStorei(n.UNPACK_ROW_LENGTH,0),n.pixelStorei(n.UNPACK_IMAGE_HEIGHT,0),n.pixelStorei(n.UNPACK_SKIP_PIXELS,0),n.pixelStorei(n.UNPACK_SKIP_ROWS,0),n.pixelStorei(n.UNPACK_SKIP_IMAGES,0),h={},f={},k=null,q={},u={},l={},d=new WeakMap,p=[],_=null,m=!1,g=null,v=null,T=null,S=null,C=null,E=null,y=null,M=new ue(0,0,0),V=0,N=!1,L=null,B=null,F=null,R=null,U=null,Y.set(0,0,n.canvas.width,n.canvas.height),at.set(0,0,n.canvas.width,n.canvas.height),r.reset(),o.reset(),a.reset()}return{buffers:{color:r,depth:o,stencil:a},enable:ot,disable:Lt,bindFramebuffer:Yt,drawBuffers:Ut,useProgram:ne,setBlending:Ie,setMaterial:be,setFlipSided:Ve,setCullFace:Me,setLineWidth:hn,setPolygonOffset:Se,setScissorTest:xn,activeTexture:en,bindTexture:un,unbindTexture:H,compressedTexImage2D:Rt,compressedTexImage3D:Jt,texImage2D:b,texImage3D:K,pixelStorei:ft,getParameter:gt,updateUBOMapping:st,uniformBlockBinding:lt,texStorage2D:qt,texStorage3D:P,texSubImage2D:le,texSubImage3D:wt,compressedTexSubImage2D:ke,compressedTexSubImage3D:Vt,scissor:vt,viewport:St,reset:yt}}function Z1(n,t,e,i,s,r,o){let a=t.has("WEBGL_multisampled_render_to_texture")?t.get("WEBGL_multisampled_render_to_texture"):null,l=typeof navigator>"u"?!1:/OculusBrowser/g.test(navigator.userAgent),c=new jt,h=new WeakMap,f=new Set,u,d=new WeakMap,p=new Set,_=new FinalizationRegistry(P=>p.delete(P)),m=!1;try{m=typeof OffscreenCanvas<"u"&&new OffscreenCanvas(1,1).getContext("2d")!==null}catch{}function g(P,b){return m?new OffscreenCanvas(P,b):Ta("canvas")}function v(P,b,K){let gt=1,ft=qt(P);if((ft.width>K||ft.height>K)&&(gt=K/Math.max(ft.width,ft.height)),gt<1)if(typeof HTMLImageElement<"u"&&P instanceof HTMLImageElement||typeof HTMLCanvasElement<"u"&&P instanceof HTMLCanvasElement||typeof ImageBitmap<"u"&&P instanceof ImageBitmap||typeof VideoFrame<"u"&&P instanceof VideoFrame){let vt=Math.floor(gt*ft.width),St=Math.floor(gt*ft.height);u===void 0&&(u=g(vt,St));let st=b?g(vt,St):u;return st.width=vt,st.height=St,st.getContext("2d").drawImage(P,0,0,vt,St),Kt("WebGLRenderer: Texture has been resized from ("+ft.width+"x"+ft.height+") to ("+vt+"x"+St+")."),st}else return"data"in P&&Kt("WebGLRenderer: Image in DataTexture is too big ("+ft.width+"x"+ft.height+")."),P;return P}function T(P){return P.generateMipmaps}function S(P){n.generateMipmap(P)}function C(P){return P.isWebGLCubeRenderTarget?n.TEXTURE_CUBE_MAP:P.isWebGL3DRenderTarget?n.TEXTURE_3D:P.isWebGLArrayRenderTarget||P.isCompressedArrayTexture?n.TEXTURE_2D_ARRAY:n.TEXTURE_2D}function E(P,b,K,gt,ft,vt=!1){if(P!==null){if(n[P]!==void 0)return n[P];Kt("WebGLRenderer: Attempt to use non-existing WebGL internal format '"+P+"'")}let St;gt&&(St=t.get("EXT_texture_norm16"),St||Kt("WebGLRenderer: Unable to use normalized textures without EXT_texture_norm16 extension"));let st=b;if(b===n.RED&&(K===n.FLOAT&&(st=n.R32F),K===n.HALF_FLOAT&&(st=n.R16F),K===n.UNSIGNED_BYTE&&(st=n.R8),K===n.UNSIGNED_SHORT&&St&&(st=St.R16_EXT),K===n.SHORT&&St&&(st=St.R16_SNORM_EXT)),b===n.RED_INTEGER&&(K===n.UNSIGNED_BYTE&&(st=n.R8UI),K===n.UNSIGNED_SHORT&&(st=n.R16UI),K===n.UNSIGNED_INT&&(st=n.R32UI),K===n.BYTE&&(st=n.R8I),K===n.SHORT&&(st=n.R16I),K===n.INT&&(st=n.R32I)),b===n.RG&&(K===n.FLOAT&&(st=n.RG32F),K===n.HALF_FLOAT&&(st=n.RG16F),K===n.UNSIGNED_BYTE&&(st=n.RG8),K===n.UNSIGNED_SHORT&&St&&(st=St.RG16_EXT),K===n.SHORT&&St&&(st=St.RG16_SNORM_EXT)),b===n.RG_INTEGER&&(K===n.UNSIGNED_BYTE&&(st=n.RG8UI),K===n.UNSIGNED_SHORT&&(st=n.RG16UI),K===n.UNSIGNED_INT&&(st=n.RG32UI),K===n.BYTE&&(st=n.RG8I),K===n.SHORT&&(st=n.RG16I),K===n.INT&&(st=n.RG32I)),b===n.RGB_INTEGER&&(K===n.UNSIGNED_BYTE&&(st=n.RGB8UI),K===n.UNSIGNED_SHORT&&(st=n.RGB16UI),K===n.UNSIGNED_INT&&(st=n.RGB32UI),K===n.BYTE&&(st=n.RGB8I),K===n.SHORT&&(st=n.RGB16I),K===n.INT&&(st=n.RGB32I)),b===n.RGBA_INTEGER&&(K===n.UNSIGNED_BYTE&&(st=n.RGBA8UI),K===n.UNSIGNED_SHORT&&(st=n.RGBA16UI),K===n.UNSIGNED_INT&&(st=n.RGBA32UI),K===n.BYTE&&(st=n.RGBA8I),K===n.SHORT&&(st=n.RGBA16I),K===n.INT&&(st=n.RGBA32I)),b===n.RGB&&(K===n.UNSIGNED_SHORT&&St&&(st=St.RGB16_EXT),K===n.SHORT&&St&&(st=St.RGB16_SNORM_EXT),K===n.UNSIGNED_INT_5_9_9_9_REV&&(st=n.RGB9_E5),K===n.UNSIGNED_INT_10F_11F_11F_REV&&(st=n.R11F_G11F_B10F)),b===n.RGBA){let lt=vt?Aa:xe.getTransfer(ft);K===n.FLOAT&&(st=n.RGBA32F),K===n.HALF_FLOAT&&(st=n.RGBA16F),K===n.UNSIGNED_BYTE&&(st=lt===Le?n.SRGB8_ALPHA8:n.RGBA8),K===n.UNSIGNED_SHORT&&St&&(st=St.RGBA16_EXT),K===n.SHORT&&St&&(st=St.RGBA16_SNORM_EXT),K===n.UNSIGNED_SHORT_4_4_4_4&&(st=n.RGBA4),K===n.UNSIGNED_SHORT_5_5_5_1&&(st=n.RGB5_A1)}return(st===n.R16F||st===n.R32F||st===n.RG16F||st===n.RG32F||st===n.RGBA16F||st===n.RGBA32F)&&t.get("EXT_color_buffer_float"),st}function y(P,b){let K;return P?b===null||b===Xi||b===Pr?K=n.DEPTH24_STENCIL8:b===qi?K=n.DEPTH32F_STENCIL8:b===Do&&(K=n.DEPTH24_STENCIL8,Kt("DepthTexture: 16 bit depth attachment is not supported with stencil. Using 24-bit attachment.")):b===null||b===Xi||b===Pr?K=n.DEPTH_COMPONENT24:b===qi?K=n.DEPTH_COMPONENT32F:b===Do&&(K=n.DEPTH_COMPONENT16),K}function M(P,b){return T(P)===!0||P.isFramebufferTexture&&P.minFilter!==Nn&&P.minFilter!==Bn?Math.log2(Math.max(b.width,b.height))+1:P.mipmaps.length>0?P.mipmaps.length:P.isCompressedTexture&&Array.isArray(P.image)?b.mipmaps.length:1}function V(P){let b=new WeakRef(P);i.get(P).__ref=b,p.add(b),_.register(P,b,b)}function N(P){let b=i.get(P).__ref;b!==void 0&&(p.delete(b),_.unregister(b))}function L(P){F(P.target)}function B(P){R(P.target)}function F(P){P.removeEventListener("dispose",L),N(P),$(P),P.isVideoTexture&&h.delete(P),P.isHTMLTexture&&f.delete(P)}function R(P){P.removeEventListener("dispose",B),N(P),ct(P)}function U(){for(let P of p){let b=P.deref();b!==void 0&&(b.isRenderTarget===!0?R(b):F(b))}p.clear(),f.clear()}function $(P){let b=i.get(P);if(b.__webglInit===void 0)return;let K=P.source,gt=d.get(K);if(gt){let ft=gt[b.__cacheKey];ft.usedTimes--,ft.usedTimes===0&&G(P),Object.keys(gt).length===0&&d.delete(K)}i.remove(P)}function G(P){let b=i.get(P);n.deleteTexture(b.__webglTexture);let K=P.source,gt=d.get(K);delete gt[b.__cacheKey],o.memory.textures--}function ct(P){let b=i.get(P);b.__depthDisposeCallback&&b.__depthDisposeCallback();let K=P.depthTexture;if(K&&K.renderTarget===P&&F(K),P.isWebGLCubeRenderTarget)for(let ft=0;ft<6;ft++){if(Array.isArray(b.__webglFramebuffer[ft]))for(let vt=0;vt<b.__webglFramebuffer[ft].length;vt++)n.deleteFramebuffer(b.__webglFramebuffer[ft][vt]);else n.deleteFramebuffer(b.__webglFramebuffer[ft]);b.__webglDepthbuffer&&n.deleteRenderbuffer(b.__webglDepthbuffer[ft])}else{if(Array.isArray(b.__webglFramebuffer))for(let ft=0;ft<b.__webglFramebuffer.length;ft++)n.deleteFramebuffer(b.__webglFramebuffer[ft]);else n.deleteFramebuffer(b.__webglFramebuffer);if(b.__webglDepthbuffer&&n.deleteRenderbuffer(b.__webglDepthbuffer),b.__webglMultisampledFramebuffer&&n.deleteFramebuffer(b.__webglMultisampledFramebuffer),b.__webglColorRenderbuffer)for(let ft=0;ft<b.__webglColorRenderbuffer.length;ft++)b.__webglColorRenderbuffer[ft]&&n.deleteRenderbuffer(b.__webglColorRenderbuffer[ft]);b.__webglDepthRenderbuffer&&n.deleteRenderbuffer(b.__webglDepthRenderbuffer)}let gt=P.textures;for(let ft=0,vt=gt.length;ft<vt;ft++){let St=i.get(gt[ft]);St.__webglTexture&&(n.deleteTexture(St.__webglTexture),o.memory.textures--),i.remove(gt[ft])}i.remove(P)}let I=0;function k(){I=0}function q(){return I}function et(P){I=P}function nt(){let P=I;return P>=s.maxTextures&&Kt("WebGLTextures: Trying to use "+(P+1)+" texture units while this GPU supports only "+s.maxTextures),I+=1,P}function Y(P){let b=[];return b.push(P.wrapS),b.push(P.wrapT),b.push(P.wrapR||0),b.push(P.magFilter),b.push(P.minFilter),b.push(P.anisotropy),b.push(P.internalFormat),b.push(P.format),b.push(P.type),b.push(P.generateMipmaps),b.push(P.mipmapsAutoUpdate),b.push(P.premultiplyAlpha),b.push(P.flipY),b.push(P.unpackAlignment),b.push(P.colorSpace),b.join()}function at(P,b){let K=i.get(P);if(P.isVideoTexture&&ke(P),P.isRenderTargetTexture===!1&&P.isExternalTexture!==!0&&P.version>0&&K.__version!==P.version){let gt=P.image;if(gt===null)Kt("WebGLRenderer: Texture marked for update but no image data found.");else if(gt.complete===!1)Kt("WebGLRenderer: Texture marked for update but image is incomplete");else{be(K,P,b);return}}else P.isExternalTexture&&(K.__webglTexture=P.sourceTexture?P.sourceTexture:null);e.bindTexture(n.TEXTURE_2D,K.__webglTexture,n.TEXTURE0+b)}function ut(P,b){let K=i.get(P);if(P.isRenderTargetTexture===!1&&P.version>0&&K.__version!==P.version){be(K,P,b);return}else P.isExternalTexture&&(K.__webglTexture=P.sourceTexture?P.sourceTexture:null);e.bindTexture(n.TEXTURE_2D_ARRAY,K.__webglTexture,n.TEXTURE0+b)}function dt(P,b){let K=i.get(P);if(P.isRenderTargetTexture===!1&&P.version>0&&K.__version!==P.version){be(K,P,b);return}e.bindTexture(n.TEXTURE_3D,K.__webglTexture,n.TEXTURE0+b)}function ot(P,b){let K=i.get(P);if(P.version>0&&K.__version!==P.version){Ve(K,P,b);return}e.bindTexture(n.TEXTURE_CUBE_MAP,K.__webglTexture,n.TEXTURE0+b)}let Lt={[Tc]:n.REPEAT,[ls]:n.CLAMP_TO_EDGE,[Cc]:n.MIRRORED_REPEAT},Yt={[Nn]:n.NEAREST,[k0]:n.NEAREST_MIPMAP_NEAREST,[Za]:n.NEAREST_MIPMAP_LINEAR,[Bn]:n.LINEAR,[eh]:n.LINEAR_MIPMAP_NEAREST,[Is]:n.LINEAR_MIPMAP_LINEAR},Ut={[G0]:n.NEVER,[yd]:n.ALWAYS,[W0]:n.LESS,[gd]:n.LEQUAL,[$0]:n.EQUAL,[_d]:n.GEQUAL,[X0]:n.GREATER,[q0]:n.NOTEQUAL};function ne(P,b){if(b.type===qi&&t.has("OES_texture_float_linear")===!1&&(b.magFilter===Bn||b.magFilter===eh||b.magFilter===Za||b.magFilter===Is||b.minFilter===Bn||b.minFilter===eh||b.minFilter===Za||b.minFilter===Is)&&Kt("WebGLRenderer: Unable to use linear filtering with floating point textures. OES_texture_float_linear not supported on this device."),n.texParameteri(P,n.TEXTURE_WRAP_S,Lt[b.wrapS]),n.texParameteri(P,n.TEXTURE_WRAP_T,Lt[b.wrapT]),(P===n.TEXTURE_3D||P===n.TEXTURE_2D_ARRAY)&&n.texParameteri(P,n.TEXTURE_WRAP_R,Lt[b.wrapR]),n.texParameteri(P,n.TEXTURE_MAG_FILTER,Yt[b.magFilter]),n.texParameteri(P,n.TEXTURE_MIN_FILTER,Yt[b.minFilter]),b.compareFunction&&(n.texParameteri(P,n.TEXTURE_COMPARE_MODE,n.COMPARE_REF_TO_TEXTURE),n.texParameteri(P,n.TEXTURE_COMPARE_FUNC,Ut[b.compareFunction])),t.has("EXT_texture_filter_anisotropic")===!0){if(b.magFilter===Nn||b.minFilter!==Za&&b.minFilter!==Is||b.type===qi&&t.has("OES_texture_float_linear")===!1)return;if(b.anisotropy>1||i.get(b).__currentAnisotropy){let K=t.get("EXT_texture_filter_anisotropic");n.texParameterf(P,K.TEXTURE_MAX_ANISOTROPY_EXT,Math.min(b.anisotropy,s.getMaxAnisotropy())),i.get(b).__currentAnisotropy=b.anisotropy}}}function ie(P,b){let K=!1;P.__webglInit===void 0&&(P.__webglInit=!0,b.addEventListener("dispose",L),V(b));let gt=b.source,ft=d.get(gt);ft===void 0&&(ft={},d.set(gt,ft));let vt=Y(b);if(vt!==P.__cacheKey){ft[vt]===void 0&&(ft[vt]={texture:n.createTexture(),usedTimes:0},o.memory.textures++,K=!0),ft[vt].usedTimes++;let St=ft[P.__cacheKey];St!==void 0&&(ft[P.__cacheKey].usedTimes--,St.usedTimes===0&&G(b)),P.__cacheKey=vt,P.__webglTexture=ft[vt].texture}return K}function $t(P,b,K){return Math.floor(Math.floor(P/K)/b)}function Ie(P,b,K,gt){let vt=P.updateRanges;if(vt.length===0)e.texSubImage2D(n.TEXTURE_2D,0,0,0,b.width,b.height,K,gt,b.data);else{vt.sort((z,ht)=>z.start-ht.start);let St=0;for(let z=1;z<vt.length;z++){let ht=vt[St],rt=vt[z],Et=ht.start+ht.count,xt=$t(rt.start,b.width,4),Mt=$t(ht.start,b.width,4);rt.start<=Et+1&&xt===Mt&&$t(rt.start+rt.count-1,b.width,4)===xt?ht.count=Math.max(ht.count,rt.start+rt.count-ht.start):(++St,vt[St]=rt)}vt.length=St+1;let st=e.getParameter(n.UNPACK_ROW_LENGTH),lt=e.getParameter(n.UNPACK_SKIP_PIXELS),yt=e.getParameter(n.UNPACK_SKIP_ROWS);e.pixelStorei(n.UNPACK_ROW_LENGTH,b.width);for(let z=0,ht=vt.length;z<ht;z++){let rt=vt[z],Et=Math.floor(rt.start/4),xt=Math.ceil(rt.count/4),Mt=Et%b.width,Wt=Math.floor(Et/b.width),te=xt,mt=1;e.pixelStorei(n.UNPACK_SKIP_PIXELS,Mt),e.pixelStorei(n.UNPACK_SKIP_ROWS,Wt),e.texSubImage2D(n.TEXTURE_2D,0,Mt,Wt,te,mt,K,gt,b.data)}P.clearUpdateRanges(),e.pixelStorei(n.UNPACK_ROW_LENGTH,st),e.pixelStorei(n.UNPACK_SKIP_PIXELS,lt),e.pixelStorei(n.UNPACK_SKIP_ROWS,yt)}}function be(P,b,K){let gt=n.TEXTURE_2D;(b.isDataArrayTexture||b.isCompressedArrayTexture)&&(gt=n.TEXTURE_2D_ARRAY),b.isData3DTexture&&(gt=n.TEXTURE_3D);let ft=ie(P,b),vt=b.source;e.bindTexture(gt,P.__webglTexture,n.TEXTURE0+K);let St=i.get(vt);if(vt.version!==St.__version||ft===!0){if(e.activeTexture(n.TEXTURE0+K),(typeof ImageBitmap<"u"&&b.image instanceof ImageBitmap)===!1){let mt=xe.getPrimaries(xe.workingColorSpace),kt=b.colorSpace===Ls?null:xe.getPrimaries(b.colorSpace),ee=b.colorSpace===Ls||mt===kt?n.NONE:n.BROWSER_DEFAULT_WEBGL;e.pixelStorei(n.UNPACK_FLIP_Y_WEBGL,b.flipY),e.pixelStorei(n.UNPACK_PREMULTIPLY_ALPHA_WEBGL,b.premultiplyAlpha),e.pixelStorei(n.UNPACK_COLORSPACE_CONVERSION_WEBGL,ee)}e.pixelStorei(n.UNPACK_ALIGNMENT,b.unpackAlignment);let lt=v(b.image,!1,s.maxTextureSize);lt=Vt(b,lt);let yt=r.convert(b.format,b.colorSpace),z=r.convert(b.type),ht=E(b.internalFormat,yt,z,b.normalized,b.colorSpace,b.isVideoTexture);ne(gt,b);let rt,Et=b.mipmaps,xt=b.isVideoTexture!==!0,Mt=St.__version===void 0||ft===!0,Wt=vt.dataReady,te=M(b,lt);if(b.isDepthTexture)ht=y(b.format===Ps,b.type),Mt&&(xt?e.texStorage2D(n.TEXTURE_2D,1,ht,lt.width,lt.height):e.texImage2D(n.TEXTURE_2D,0,ht,lt.width,lt.height,0,yt,z,null));else if(b.isDataTexture)if(Et.length>0){xt&&Mt&&e.texStorage2D(n.TEXTURE_2D,te,ht,Et[0].width,Et[0].height);for(let mt=0,kt=Et.length;mt<kt;mt++)rt=Et[mt],xt?Wt&&e.texSubImage2D(n.TEXTURE_2D,mt,0,0,rt.width,rt.height,yt,z,rt.data):e.texImage2D(n.TEXTURE_2D,mt,ht,rt.width,rt.height,0,yt,z,rt.data);b.generateMipmaps=!1}else xt?(Mt&&e.texStorage2D(n.TEXTURE_2D,te,ht,lt.width,lt.height),Wt&&Ie(b,lt,yt,z)):e.texImage2D(n.TEXTURE_2D,0,ht,lt.width,lt.height,0,yt,z,lt.data);else if(b.isCompressedTexture)if(b.isCompressedArrayTexture){xt&&Mt&&e.texStorage3D(n.TEXTURE_2D_ARRAY,te,ht,Et[0].width,Et[0].height,lt.depth);for(let mt=0,kt=Et.length;mt<kt;mt++)if(rt=Et[mt],b.format!==Zi)if(yt!==null)if(xt){if(Wt)if(b.layerUpdates.size>0){let ee=Cd(rt.width,rt.height,b.format,b.type);for(let Ct of b.layerUpdates){let ce=rt.data.subarray(Ct*ee/rt.data.BYTES_PER_ELEMENT,(Ct+1)*ee/rt.data.BYTES_PER_ELEMENT);e.compressedTexSubImage3D(n.TEXTURE_2D_ARRAY,mt,0,0,Ct,rt.width,rt.height,1,yt,ce)}}else e.compressedTexSubImage3D(n.TEXTURE_2D_ARRAY,mt,0,0,0,rt.width,rt.height,lt.depth,yt,rt.data)}else e.compressedTexImage3D(n.TEXTURE_2D_ARRAY,mt,ht,rt.width,rt.height,lt.depth,0,rt.data,0,0);else Kt("WebGLRenderer: Attempt to load unsupported compressed texture format in .uploadTexture()");else xt?Wt&&e.texSubImage3D(n.TEXTURE_2D_ARRAY,mt,0,0,0,rt.width,rt.height,lt.depth,yt,z,rt.data):e.texImage3D(n.TEXTURE_2D_ARRAY,mt,ht,rt.width,rt.height,lt.depth,0,yt,z,rt.data);b.layerUpdates.size>0&&b.clearLayerUpdates()}else{xt&&Mt&&e.texStorage2D(n.TEXTURE_2D,te,ht,Et[0].width,Et[0].height);for(let mt=0,kt=Et.length;mt<kt;mt++)rt=Et[mt],b.format!==Zi?yt!==null?xt?Wt&&e.compressedTexSubImage2D(n.TEXTURE_2D,mt,0,0,rt.width,rt.height,yt,rt.data):e.compressedTexImage2D(n.TEXTURE_2D,mt,ht,rt.width,rt.height,0,rt.data):Kt("WebGLRenderer: Attempt to load unsupported compressed texture format in .uploadTexture()"):xt?Wt&&e.texSubImage2D(n.TEXTURE_2D,mt,0,0,rt.width,rt.height,yt,z,rt.data):e.texImage2D(n.TEXTURE_2D,mt,ht,rt.width,rt.height,0,yt,z,rt.data)}else if(b.isDataArrayTexture)if(xt){if(Mt&&e.texStorage3D(n.TEXTURE_2D_ARRAY,te,ht,lt.width,lt.height,lt.depth),Wt)if(b.layerUpdates.size>0){let mt=Cd(lt.width,lt.height,b.format,b.type);for(let kt of b.layerUpdates){let ee=lt.data.subarray(kt*mt/lt.data.BYTES_PER_ELEMENT,(kt+1)*mt/lt.data.BYTES_PER_ELEMENT);e.texSubImage3D(n.TEXTURE_2D_ARRAY,0,0,0,kt,lt.width,lt.height,1,yt,z,ee)}b.clearLayerUpdates()}else e.texSubImage3D(n.TEXTURE_2D_ARRAY,0,0,0,0,lt.width,lt.height,lt.depth,yt,z,lt.data)}else e.texImage3D(n.TEXTURE_2D_ARRAY,0,ht,lt.width,lt.height,lt.depth,0,yt,z,lt.data);else if(b.isData3DTexture)xt?(Mt&&e.texStorage3D(n.TEXTURE_3D,te,ht,lt.width,lt.height,lt.depth),Wt&&e.texSubImage3D(n.TEXTURE_3D,0,0,0,0,lt.width,lt.height,lt.depth,yt,z,lt.data)):e.texImage3D(n.TEXTURE_3D,0,ht,lt.width,lt.height,lt.depth,0,yt,z,lt.data);else if(b.isFramebufferTexture){if(Mt)if(xt)e.texStorage2D(n.TEXTURE_2D,te,ht,lt.width,lt.height);else{let mt=lt.width,kt=lt.height;for(let ee=0;ee<te;ee++)e.texImage2D(n.TEXTURE_2D,ee,ht,mt,kt,0,yt,z,null),mt>>=1,kt>>=1}}else if(b.isHTMLTexture){if("texElementImage2D"in n){let mt=n.canvas;if(mt.hasAttribute("layoutsubtree")||mt.setAttribute("layoutsubtree","true"),lt.parentNode!==mt){mt.appendChild(lt),f.add(b),mt.onpaint=kt=>{let ee=kt.changedElements;for(let Ct of f)ee.includes(Ct.image)&&(Ct.needsUpdate=!0)},mt.requestPaint();return}if(n.texElementImage2D.length===3)n.texElementImage2D(n.TEXTURE_2D,n.RGBA8,lt);else{let ee=n.RGBA,Ct=n.RGBA,ce=n.UNSIGNED_BYTE;n.texElementImage2D(n.TEXTURE_2D,0,ee,Ct,ce,lt)}n.texParameteri(n.TEXTURE_2D,n.TEXTURE_MIN_FILTER,n.LINEAR),n.texParameteri(n.TEXTURE_2D,n.TEXTURE_WRAP_S,n.CLAMP_TO_EDGE),n.texParameteri(n.TEXTURE_2D,n.TEXTURE_WRAP_T,n.CLAMP_TO_EDGE)}}else if(Et.length>0){if(xt&&Mt){let mt=qt(Et[0]);e.texStorage2D(n.TEXTURE_2D,te,ht,mt.width,mt.height)}for(let mt=0,kt=Et.length;mt<kt;mt++)rt=Et[mt],xt?Wt&&e.texSubImage2D(n.TEXTURE_2D,mt,0,0,yt,z,rt):e.texImage2D(n.TEXTURE_2D,mt,ht,yt,z,rt);b.generateMipmaps=!1}else if(xt){if(Mt){let mt=qt(lt);e.texStorage2D(n.TEXTURE_2D,te,ht,mt.width,mt.height)}Wt&&e.texSubImage2D(n.TEXTURE_2D,0,0,0,yt,z,lt)}else e.texImage2D(n.TEXTURE_2D,0,ht,yt,z,lt);T(b)&&b.mipmapsAutoUpdate===!0&&S(gt),St.__version=vt.version,b.onUpdate&&b.onUpdate(b)}P.__version=b.version}function Ve(P,b,K){if(b.image.length!==6)return;let gt=ie(P,b),ft=b.source;e.bindTexture(n.TEXTURE_CUBE_MAP,P.__webglTexture,n.TEXTURE0+K);let vt=i.get(ft);if(ft.version!==vt.__version||gt===!0){e.activeTexture(n.TEXTURE0+K);let St=xe.getPrimaries(xe.workingColorSpace),st=b.colorSpace===Ls?null:xe.getPrimaries(b.colorSpace),lt=b.colorSpace===Ls||St===st?n.NONE:n.BROWSER_DEFAULT_WEBGL;e.pixelStorei(n.UNPACK_FLIP_Y_WEBGL,b.flipY),e.pixelStorei(n.UNPACK_PREMULTIPLY_ALPHA_WEBGL,b.premultiplyAlpha),e.pixelStorei(n.UNPACK_ALIGNMENT,b.unpackAlignment),e.pixelStorei(n.UNPACK_COLORSPACE_CONVERSION_WEBGL,lt);let yt=b.isCompressedTexture||b.image[0].isCompressedTexture,z=b.image[0]&&b.image[0].isDataTexture,ht=[];for(let Ct=0;Ct<6;Ct++)!yt&&!z?ht[Ct]=v(b.image[Ct],!0,s.maxCubemapSize):ht[Ct]=z?b.image[Ct].image:b.image[Ct],ht[Ct]=Vt(b,ht[Ct]);let rt=ht[0],Et=r.convert(b.format,b.colorSpace),xt=r.convert(b.type),Mt=E(b.internalFormat,Et,xt,b.normalized,b.colorSpace),Wt=b.isVideoTexture!==!0,te=vt.__version===void 0||gt===!0,mt=ft.dataReady,kt=M(b,rt);ne(n.TEXTURE_CUBE_MAP,b);let ee;if(b.isDepthTexture){if(Mt=y(b.format===Ps,b.type),te)if(Wt)e.texStorage2D(n.TEXTURE_CUBE_MAP,1,Mt,rt.width,rt.height);else for(let Ct=0;Ct<6;Ct++)e.texImage2D(n.TEXTURE_CUBE_MAP_POSITIVE_X+Ct,0,Mt,rt.width,rt.height,0,Et,xt,null)}else if(yt){Wt&&te&&e.texStorage2D(n.TEXTURE_CUBE_MAP,kt,Mt,rt.width,rt.height);for(let Ct=0;Ct<6;Ct++){ee=ht[Ct].mipmaps;for(let ce=0;ce<ee.length;ce++){let Ge=ee[ce];b.format!==Zi?Et!==null?Wt?mt&&e.compressedTexSubImage2D(n.TEXTURE_CUBE_MAP_POSITIVE_X+Ct,ce,0,0,Ge.width,Ge.height,Et,Ge.data):e.compressedTexImage2D(n.TEXTURE_CUBE_MAP_POSITIVE_X+Ct,ce,Mt,Ge.width,Ge.height,0,Ge.data):Kt("WebGLRenderer: Attempt to load unsupported compressed texture format in .setTextureCube()"):Wt?mt&&e.texSubImage2D(n.TEXTURE_CUBE_MAP_POSITIVE_X+Ct,ce,0,0,Ge.width,Ge.height,Et,xt,Ge.data):e.texImage2D(n.TEXTURE_CUBE_MAP_POSITIVE_X+Ct,ce,Mt,Ge.width,Ge.height,0,Et,xt,Ge.data)}}}else{if(ee=b.mipmaps,Wt&&te){ee.length>0&&kt++;let Ct=qt(ht[0]);e.texStorage2D(n.TEXTURE_CUBE_MAP,kt,Mt,Ct.width,Ct.height)}for(let Ct=0;Ct<6;Ct++)if(z){Wt?mt&&e.texSubImage2D(n.TEXTURE_CUBE_MAP_POSITIVE_X+Ct,0,0,0,ht[Ct].width,ht[Ct].height,Et,xt,ht[Ct].data):e.texImage2D(n.TEXTURE_CUBE_MAP_POSITIVE_X+Ct,0,Mt,ht[Ct].width,ht[Ct].height,0,Et,xt,ht[Ct].data);for(let ce=0;ce<ee.length;ce++){let $n=ee[ce].image[Ct].image;Wt?mt&&e.texSubImage2D(n.TEXTURE_CUBE_MAP_POSITIVE_X+Ct,ce+1,0,0,$n.width,$n.height,Et,xt,$n.data):e.texImage2D(n.TEXTURE_CUBE_MAP_POSITIVE_X+Ct,ce+1,Mt,$n.width,$n.height,0,Et,xt,$n.data)}}else{Wt?mt&&e.texSubImage2D(n.TEXTURE_CUBE_MAP_POSITIVE_X+Ct,0,0,0,Et,xt,ht[Ct]):e.texImage2D(n.TEXTURE_CUBE_MAP_POSITIVE_X+Ct,0,Mt,Et,xt,ht[Ct]);for(let ce=0;ce<ee.length;ce++){let Ge=ee[ce];Wt?mt&&e.texSubImage2D(n.TEXTURE_CUBE_MAP_POSITIVE_X+Ct,ce+1,0,0,Et,xt,Ge.image[Ct]):e.texImage2D(n.TEXTURE_CUBE_MAP_POSITIVE_X+Ct,ce+1,Mt,Et,xt,Ge.image[Ct])}}}T(b)&&b.mipmapsAutoUpdate===!0&&S(n.TEXTURE_CUBE_MAP),vt.__version=ft.version,b.onUpdate&&b.onUpdate(b)}P.__version=b.version}function Me(P,b,K,gt,ft,vt){let St=r.convert(K.format,K.colorSpace),st=r.convert(K.type),lt=E(K.internalFormat,St,st,K.normalized,K.colorSpace),yt=i.get(b),z=i.get(K);if(z.__renderTarget=b,!yt.__hasExternalTextures){let ht=Math.max(1,b.width>>vt),rt=Math.max(1,b.height>>vt);ft===n.TEXTURE_3D||ft===n.TEXTURE_2D_ARRAY?e.texImage3D(ft,vt,lt,ht,rt,b.depth,0,St,st,null):e.texImage2D(ft,vt,lt,ht,rt,0,St,st,null)}e.bindFramebuffer(n.FRAMEBUFFER,P),wt(b)?a.framebufferTexture2DMultisampleEXT(n.FRAMEBUFFER,gt,ft,z.__webglTexture,0,le(b)):(ft===n.TEXTURE_2D||ft>=n.TEXTURE_CUBE_MAP_POSITIVE_X&&ft<=n.TEXTURE_CUBE_MAP_NEGATIVE_Z)&&n.framebufferTexture2D(n.FRAMEBUFFER,gt,ft,z.__webglTexture,vt),e.bindFramebuffer(n.FRAMEBUFFER,null)}function hn(P,b,K){if(n.bindRenderbuffer(n.RENDERBUFFER,P),b.depthBuffer){let gt=b.depthTexture,ft=gt&&gt.isDepthTexture?gt.type:null,vt=y(b.stencilBuffer,ft),St=b.stencilBuffer?n.DEPTH_STENCIL_ATTACHMENT:n.DEPTH_ATTACHMENT;wt(b)?a.renderbufferStorageMultisampleEXT(n.RENDERBUFFER,le(b),vt,b.width,b.height):K?n.renderbufferStorageMultisample(n.RENDERBUFFER,le(b),vt,b.width,b.height):n.renderbufferStorage(n.RENDERBUFFER,vt,b.width,b.height),n.framebufferRenderbuffer(n.FRAMEBUFFER,St,n.RENDERBUFFER,P)}else{let gt=b.textures;for(let ft=0;ft<gt.length;ft++){let vt=gt[ft],St=r.convert(vt.format,vt.colorSpace),st=r.convert(vt.type),lt=E(vt.internalFormat,St,st,vt.normalized,vt.colorSpace);wt(b)?a.renderbufferStorageMultisampleEXT(n.RENDERBUFFER,le(b),lt,b.width,b.height):K?n.renderbufferStorageMultisample(n.RENDERBUFFER,le(b),lt,b.width,b.height):n.renderbufferStorage(n.RENDERBUFFER,lt,b.width,b.height)}}n.bindRenderbuffer(n.RENDERBUFFER,null)}function Se(P,b,K){let gt=b.isWebGLCubeRenderTarget===!0;if(e.bindFramebuffer(n.FRAMEBUFFER,P),!(b.depthTexture&&b.depthTexture.isDepthTexture))throw new Error("THREE.WebGLTextures: renderTarget.depthTexture must be an instance of THREE.DepthTexture.");let ft=i.get(b.depthTexture);ft.__renderTarget=b;let vt=gt?b.depthTexture.image[0]:b.depthTexture.image;(!ft.__webglTexture||vt.width!==b.width||vt.height!==b.height)&&(vt.width=b.width,vt.height=b.height,b.depthTexture.needsUpdate=!0),gt?ot(b.depthTexture,0):at(b.depthTexture,0);let St=ft.__webglTexture,st=le(b),lt=gt?n.TEXTURE_CUBE_MAP_POSITIVE_X+K:n.TEXTURE_2D,yt=b.depthTexture.format===Ps?n.DEPTH_STENCIL_ATTACHMENT:n.DEPTH_ATTACHMENT;if(b.depthTexture.format===As)wt(b)?a.framebufferTexture2DMultisampleEXT(n.FRAMEBUFFER,yt,lt,St,0,st):n.framebufferTexture2D(n.FRAMEBUFFER,yt,lt,St,0);else if(b.depthTexture.format===Ps)wt(b)?a.framebufferTexture2DMultisampleEXT(n.FRAMEBUFFER,yt,lt,St,0,st):n.framebufferTexture2D(n.FRAMEBUFFER,yt,lt,St,0);else throw new Error("THREE.WebGLTextures: Unknown depthTexture format.")}function xn(P){let b=i.get(P),K=P.isWebGLCubeRenderTarget===!0;if(b.__boundDepthTexture!==P.depthTexture){let gt=P.depthTexture;if(b.__depthDisposeCallback&&b.__depthDisposeCallback(),gt){let ft=()=>{delete b.__boundDepthTexture,delete b.__depthDisposeCallback,gt.removeEventListener("dispose",ft)};gt.addEventListener("dispose",ft),b.__depthDisposeCallback=ft}b.__boundDepthTexture=gt}if(P.depthTexture&&!b.__autoAllocateDepthBuffer)if(K)for(let gt=0;gt<6;gt++)Se(b.__webglFramebuffer[gt],P,gt);else P.texture.mipmaps.length>0?Se(b.__webglFramebuffer[0],P,0):Se(b.__webglFramebuffer,P,0);else if(K){b.__webglDepthbuffer=[];for(let gt=0;gt<6;gt++)if(e.bindFramebuffer(n.FRAMEBUFFER,b.__webglFramebuffer[gt]),b.__webglDepthbuffer[gt]===void 0)b.__webglDepthbuffer[gt]=n.createRenderbuffer(),hn(b.__webglDepthbuffer[gt],P,!1);else{let ft=P.stencilBuffer?n.DEPTH_STENCIL_ATTACHMENT:n.DEPTH_ATTACHMENT,vt=b.__webglDepthbuffer[gt];n.bindRenderbuffer(n.RENDERBUFFER,vt),n.framebufferRenderbuffer(n.FRAMEBUFFER,ft,n.RENDERBUFFER,vt)}}else if(P.texture.mipmaps.length>0?e.bindFramebuffer(n.FRAMEBUFFER,b.__webglFramebuffer[0]):e.bindFramebuffer(n.FRAMEBUFFER,b.__webglFramebuffer),b.__webglDepthbuffer===void 0)b.__webglDepthbuffer=n.createRenderbuffer(),hn(b.__webglDepthbuffer,P,!1);else{let ft=P.stencilBuffer?n.DEPTH_STENCIL_ATTACHMENT:n.DEPTH_ATTACHMENT,vt=b.__webglDepthbuffer;n.bindRenderbuffer(n.RENDERBUFFER,vt),n.framebufferRenderbuffer(n.FRAMEBUFFER,ft,n.RENDERBUFFER,vt)}e.bindFramebuffer(n.FRAMEBUFFER,null)}function en(P,b,K){let gt=i.get(P);b!==void 0&&Me(gt.__webglFramebuffer,P,P.texture,n.COLOR_ATTACHMENT0,n.TEXTURE_2D,0),K!==void 0&&xn(P)}function un(P){let b=P.texture,K=i.get(P),gt=i.get(b);P.addEventListener("dispose",B),V(P);let ft=P.textures,vt=P.isWebGLCubeRenderTarget===!0,St=ft.length>1;if(St||(gt.__webglTexture===void 0&&(gt.__webglTexture=n.createTexture()),gt.__version=b.version,o.memory.textures++),vt){K.__webglFramebuffer=[];for(let st=0;st<6;st++)if(b.mipmaps.length>0){K.__webglFramebuffer[st]=[];for(let lt=0;lt<b.mipmaps.length;lt++)K.__webglFramebuffer[st][lt]=n.createFramebuffer()}else K.__webglFramebuffer[st]=n.createFramebuffer()}else{if(b.mipmaps.length>0){K.__webglFramebuffer=[];for(let st=0;st<b.mipmaps.length;st++)K.__webglFramebuffer[st]=n.createFramebuffer()}else K.__webglFramebuffer=n.createFramebuffer();if(St)for(let st=0,lt=ft.length;st<lt;st++){let yt=i.get(ft[st]);yt.__webglTexture===void 0&&(yt.__webglTexture=n.createTexture(),o.memory.textures++)}if(P.samples>0&&wt(P)===!1){K.__webglMultisampledFramebuffer=n.createFramebuffer(),K.__webglColorRenderbuffer=[],e.bindFramebuffer(n.FRAMEBUFFER,K.__webglMultisampledFramebuffer);for(let st=0;st<ft.length;st++){let lt=ft[st];K.__webglColorRenderbuffer[st]=n.createRenderbuffer(),n.bindRenderbuffer(n.RENDERBUFFER,K.__webglColorRenderbuffer[st]);let yt=r.convert(lt.format,lt.colorSpace),z=r.convert(lt.type),ht=E(lt.internalFormat,yt,z,lt.normalized,lt.colorSpace,P.isXRRenderTarget===!0),rt=le(P);n.renderbufferStorageMultisample(n.RENDERBUFFER,rt,ht,P.width,P.height),n.framebufferRenderbuffer(n.FRAMEBUFFER,n.COLOR_ATTACHMENT0+st,n.RENDERBUFFER,K.__webglColorRenderbuffer[st])}n.bindRenderbuffer(n.RENDERBUFFER,null),P.depthBuffer&&(K.__webglDepthRenderbuffer=n.createRenderbuffer(),hn(K.__webglDepthRenderbuffer,P,!0)),e.bindFramebuffer(n.FRAMEBUFFER,null)}}if(vt){e.bindTexture(n.TEXTURE_CUBE_MAP,gt.__webglTexture),ne(n.TEXTURE_CUBE_MAP,b);for(let st=0;st<6;st++)if(b.mipmaps.length>0)for(let lt=0;lt<b.mipmaps.length;lt++)Me(K.__webglFramebuffer[st][lt],P,b,n.COLOR_ATTACHMENT0,n.TEXTURE_CUBE_MAP_POSITIVE_X+st,lt);else Me(K.__webglFramebuffer[st],P,b,n.COLOR_ATTACHMENT0,n.TEXTURE_CUBE_MAP_POSITIVE_X+st,0);T(b)?S(n.TEXTURE_CUBE_MAP):b.mipmaps.length>0&&n.texParameteri(n.TEXTURE_CUBE_MAP,n.TEXTURE_MAX_LEVEL,b.mipmaps.length-1),e.unbindTexture()}else if(St){for(let st=0,lt=ft.length;st<lt;st++){let yt=ft[st],z=i.get(yt),ht=n.TEXTURE_2D;(P.isWebGL3DRenderTarget||P.isWebGLArrayRenderTarget)&&(ht=P.isWebGL3DRenderTarget?n.TEXTURE_3D:n.TEXTURE_2D_ARRAY),e.bindTexture(ht,z.__webglTexture),ne(ht,yt),Me(K.__webglFramebuffer,P,yt,n.COLOR_ATTACHMENT0+st,ht,0),T(yt)&&S(ht)}e.unbindTexture()}else{let st=n.TEXTURE_2D;if((P.isWebGL3DRenderTarget||P.isWebGLArrayRenderTarget)&&(st=P.isWebGL3DRenderTarget?n.TEXTURE_3D:n.TEXTURE_2D_ARRAY),e.bindTexture(st,gt.__webglTexture),ne(st,b),b.mipmaps.length>0)for(let lt=0;lt<b.mipmaps.length;lt++)Me(K.__webglFramebuffer[lt],P,b,n.COLOR_ATTACHMENT0,st,lt);else Me(K.__webglFramebuffer,P,b,n.COLOR_ATTACHMENT0,st,0);T(b)?S(st):b.mipmaps.length>0&&n.texParameteri(st,n.TEXTURE_MAX_LEVEL,b.mipmaps.length-1),e.unbindTexture()}P.depthBuffer&&xn(P)}function H(P){let b=P.textures;for(let K=0,gt=b.length;K<gt;K++){let ft=b[K];if(T(ft)&&ft.mipmapsAutoUpdate===!0){let vt=C(P),St=i.get(ft).__webglTexture;e.bindTexture(vt,St),S(vt),e.unbindTexture()}}}let Rt=[];function Jt(P){if(P.samples>0){if(wt(P)===!1){let b=P.textures,K=P.width,gt=P.height,ft=n.COLOR_BUFFER_BIT,vt=P.stencilBuffer?n.DEPTH_STENCIL_ATTACHMENT:n.DEPTH_ATTACHMENT,St=i.get(P),st=b.length>1;if(st)for(let yt=0;yt<b.length;yt++)e.bindFramebuffer(n.FRAMEBUFFER,St.__webglMultisampledFramebuffer),n.framebufferRenderbuffer(n.FRAMEBUFFER,n.COLOR_ATTACHMENT0+yt,n.RENDERBUFFER,null),e.bindFramebuffer(n.FRAMEBUFFER,St.__webglFramebuffer),n.framebufferTexture2D(n.DRAW_FRAMEBUFFER,n.COLOR_ATTACHMENT0+yt,n.TEXTURE_2D,null,0);e.bindFramebuffer(n.READ_FRAMEBUFFER,St.__webglMultisampledFramebuffer),P.texture.mipmaps.length>0?e.bindFramebuffer(n.DRAW_FRAMEBUFFER,St.__webglFramebuffer[0]):e.bindFramebuffer(n.DRAW_FRAMEBUFFER,St.__webglFramebuffer);for(let yt=0;yt<b.length;yt++){if(P.resolveDepthBuffer&&(P.depthBuffer&&(ft|=n.DEPTH_BUFFER_BIT),P.stencilBuffer&&P.resolveStencilBuffer&&(ft|=n.STENCIL_BUFFER_BIT)),st){n.framebufferRenderbuffer(n.READ_FRAMEBUFFER,n.COLOR_ATTACHMENT0,n.RENDERBUFFER,St.__webglColorRenderbuffer[yt]);let z=i.get(b[yt]).__webglTexture;n.framebufferTexture2D(n.DRAW_FRAMEBUFFER,n.COLOR_ATTACHMENT0,n.TEXTURE_2D,z,0)}n.blitFramebuffer(0,0,K,gt,0,0,K,gt,ft,n.NEAREST),l===!0&&(Rt.length=0,Rt.push(n.COLOR_ATTACHMENT0+yt),P.depthBuffer&&P.storeMultisampledDepthBuffer===!1&&Rt.push(vt),n.invalidateFramebuffer(n.READ_FRAMEBUFFER,Rt))}if(e.bindFramebuffer(n.READ_FRAMEBUFFER,null),e.bindFramebuffer(n.DRAW_FRAMEBUFFER,null),st)for(let yt=0;yt<b.length;yt++){e.bindFramebuffer(n.FRAMEBUFFER,St.__webglMultisampledFramebuffer),n.framebufferRenderbuffer(n.FRAMEBUFFER,n.COLOR_ATTACHMENT0+yt,n.RENDERBUFFER,St.__webglColorRenderbuffer[yt]);let z=i.get(b[yt]).__webglTexture;e.bindFramebuffer(n.FRAMEBUFFER,St.__webglFramebuffer),n.framebufferTexture2D(n.DRAW_FRAMEBUFFER,n.COLOR_ATTACHMENT0+yt,n.TEXTURE_2D,z,0)}e.bindFramebuffer(n.DRAW_FRAMEBUFFER,St.__webglMultisampledFramebuffer)}else if(P.depthBuffer&&P.storeMultisampledDepthBuffer===!1&&l){let b=P.stencilBuffer?n.DEPTH_STENCIL_ATTACHMENT:n.DEPTH_ATTACHMENT;n.invalidateFramebuffer(n.DRAW_FRAMEBUFFER,[b])}}}function le(P){return Math.min(s.maxSamples,P.samples)}function wt(P){let b=i.get(P);return P.samples>0&&t.has("WEBGL_multisampled_render_to_texture")===!0&&b.__useRenderToTexture!==!1}function ke(P){let b=o.render.frame;h.get(P)!==b&&(h.set(P,b),P.update())}function Vt(P,b){let K=P.colorSpace,gt=P.format,ft=P.type;return P.isCompressedTexture===!0||P.isVideoTexture===!0||K!==Ea&&K!==Ls&&(xe.getTransfer(K)===Le?(gt!==Zi||ft!==li)&&Kt("WebGLTextures: sRGB encoded textures have to use RGBAFormat and UnsignedByteType."):re("WebGLTextures: Unsupported texture color space:",K)),b}function qt(P){return typeof HTMLImageElement<"u"&&P instanceof HTMLImageElement?(c.width=P.naturalWidth||P.width,c.height=P.naturalHeight||P.height):typeof VideoFrame<"u"&&P instanceof VideoFrame?(c.width=P.displayWidth,c.height=P.displayHeight):(c.width=P.width,c.height=P.height),c}this.allocateTextureUnit=nt,this.resetTextureUnits=k,this.getTextureUnits=q,this.setTextureUnits=et,this.setTexture2D=at,this.setTexture2DArray=ut,this.setTexture3D=dt,this.setTextureCube=ot,this.rebindTextures=en,this.setupRenderTarget=un,this.updateRenderTargetMipmap=H,this.updateMultisampleRenderTarget=Jt,this.setupDepthRenderbuffer=xn,this.setupFrameBufferTexture=Me,this.useMultisampledRTT=wt,this.dispose=U}function K1(n,t){function e(i,s=Ls){let r,o=xe.getTransfer(s);if(i===li)return n.UNSIGNED_BYTE;if(i===ih)return n.UNSIGNED_SHORT_4_4_4_4;if(i===sh)return n.UNSIGNED_SHORT_5_5_5_1;if(i===ud)return n.UNSIGNED_INT_5_9_9_9_REV;if(i===fd)return n.UNSIGNED_INT_10F_11F_11F_REV;if(i===cd)return n.BYTE;if(i===hd)return n.SHORT;if(i===Do)return n.UNSIGNED_SHORT;if(i===nh)return n.INT;if(i===Xi)return n.UNSIGNED_INT;if(i===qi)return n.FLOAT;if(i===Yi)return n.HALF_FLOAT;if(i===dd)return n.ALPHA;if(i===pd)return n.RGB;if(i===Zi)return n.RGBA;if(i===As)return n.DEPTH_COMPONENT;if(i===Ps)return n.DEPTH_STENCIL;if(i===md)return n.RED;if(i===rh)return n.RED_INTEGER;if(i===lr)return n.RG;if(i===oh)return n.RG_INTEGER;if(i===ah)return n.RGBA_INTEGER;if(i===Ka||i===Ja||i===ja||i===Qa)if(o===Le)if(r=t.get("WEBGL_compressed_texture_s3tc_srgb"),r!==null){if(i===Ka)return r.COMPRESSED_SRGB_S3TC_DXT1_EXT;if(i===Ja)return r.COMPRESSED_SRGB_ALPHA_S3TC_DXT1_EXT;if(i===ja)return r.COMPRESSED_SRGB_ALPHA_S3TC_DXT3_EXT;if(i===Qa)return r.COMPRESSED_SRGB_ALPHA_S3TC_DXT5_EXT}else return null;else if(r=t.get("WEBGL_compressed_texture_s3tc"),r!==null){if(i===Ka)return r.COMPRESSED_RGB_S3TC_DXT1_EXT;if(i===Ja)return r.COMPRESSED_RGBA_S3TC_DXT1_EXT;if(i===ja)return r.COMPRESSED_RGBA_S3TC_DXT3_EXT;if(i===Qa)return r.COMPRESSED_RGBA_S3TC_DXT5_EXT}else return null;if(i===lh||i===ch||i===hh||i===uh)if(r=t.get("WEBGL_compressed_texture_pvrtc"),r!==null){if(i===lh)return r.COMPRESSED_RGB_PVRTC_4BPPV1_IMG;if(i===ch)return r.COMPRESSED_RGB_PVRTC_2BPPV1_IMG;if(i===hh)return r.COMPRESSED_RGBA_PVRTC_4BPPV1_IMG;if(i===uh)return r.COMPRESSED_RGBA_PVRTC_2BPPV1_IMG}else return null;if(i===fh||i===dh||i===ph||i===mh||i===gh||i===tl||i===_h)if(r=t.get("WEBGL_compressed_texture_etc"),r!==null){if(i===fh||i===dh)return o===Le?r.COMPRESSED_SRGB8_ETC2:r.COMPRESSED_RGB8_ETC2;if(i===ph)return o===Le?r.COMPRESSED_SRGB8_ALPHA8_ETC2_EAC:r.COMPRESSED_RGBA8_ETC2_EAC;if(i===mh)return r.COMPRESSED_R11_EAC;if(i===gh)return r.COMPRESSED_SIGNED_R11_EAC;if(i===tl)return r.COMPRESSED_RG11_EAC;if(i===_h)return r.COMPRESSED_SIGNED_RG11_EAC}else return null;if(i===yh||i===xh||i===vh||i===Sh||i===bh||i===Mh||i===wh||i===Eh||i===Ah||i===Th||i===Ch||i===Rh||i===Ih||i===Ph)if(r=t.get("WEBGL_compressed_texture_astc"),r!==null){if(i===yh)return o===Le?r.COMPRESSED_SRGB8_ALPHA8_ASTC_4x4_KHR:r.COMPRESSED_RGBA_ASTC_4x4_KHR;if(i===xh)return o===Le?r.COMPRESSED_SRGB8_ALPHA8_ASTC_5x4_KHR:r.COMPRESSED_RGBA_ASTC_5x4_KHR;if(i===vh)return o===Le?r.COMPRESSED_SRGB8_ALPHA8_ASTC_5x5_KHR:r.COMPRESSED_RGBA_ASTC_5x5_KHR;if(i===Sh)return o===Le?r.COMPRESSED_SRGB8_ALPHA8_ASTC_6x5_KHR:r.COMPRESSED_RGBA_ASTC_6x5_KHR;if(i===bh)return o===Le?r.COMPRESSED_SRGB8_ALPHA8_ASTC_6x6_KHR:r.COMPRESSED_RGBA_ASTC_6x6_KHR;if(i===Mh)return o===Le?r.COMPRESSED_SRGB8_ALPHA8_ASTC_8x5_KHR:r.COMPRESSED_RGBA_ASTC_8x5_KHR;if(i===wh)return o===Le?r.COMPRESSED_SRGB8_ALPHA8_ASTC_8x6_KHR:r.COMPRESSED_RGBA_ASTC_8x6_KHR;if(i===Eh)return o===Le?r.COMPRESSED_SRGB8_ALPHA8_ASTC_8x8_KHR:r.COMPRESSED_RGBA_ASTC_8x8_KHR;if(i===Ah)return o===Le?r.COMPRESSED_SRGB8_ALPHA8_ASTC_10x5_KHR:r.COMPRESSED_RGBA_ASTC_10x5_KHR;if(i===Th)return o===Le?r.COMPRESSED_SRGB8_ALPHA8_ASTC_10x6_KHR:r.COMPRESSED_RGBA_ASTC_10x6_KHR;if(i===Ch)return o===Le?r.COMPRESSED_SRGB8_ALPHA8_ASTC_10x8_KHR:r.COMPRESSED_RGBA_ASTC_10x8_KHR;if(i===Rh)return o===Le?r.COMPRESSED_SRGB8_ALPHA8_ASTC_10x10_KHR:r.COMPRESSED_RGBA_ASTC_10x10_KHR;if(i===Ih)return o===Le?r.COMPRESSED_SRGB8_ALPHA8_ASTC_12x10_KHR:r.COMPRESSED_RGBA_ASTC_12x10_KHR;if(i===Ph)return o===Le?r.COMPRESSED_SRGB8_ALPHA8_ASTC_12x12_KHR:r.COMPRESSED_RGBA_ASTC_12x12_KHR}else return null;if(i===Lh||i===Dh||i===Nh)if(r=t.get("EXT_texture_compression_bptc"),r!==null){if(i===Lh)return o===Le?r.COMPRESSED_SRGB_ALPHA_BPTC_UNORM_EXT:r.COMPRESSED_RGBA_BPTC_UNORM_EXT;if(i===Dh)return r.COMPRESSED_RGB_BPTC_SIGNED_FLOAT_EXT;if(i===Nh)return r.COMPRESSED_RGB_BPTC_UNSIGNED_FLOAT_EXT}else return null;if(i===Oh||i===Uh||i===el||i===Fh)if(r=t.get("EXT_texture_compression_rgtc"),r!==null){if(i===Oh)return r.COMPRESSED_RED_RGTC1_EXT;if(i===Uh)return r.COMPRESSED_SIGNED_RED_RGTC1_EXT;if(i===el)return r.COMPRESSED_RED_GREEN_RGTC2_EXT;if(i===Fh)return r.COMPRESSED_SIGNED_RED_GREEN_RGTC2_EXT}else return null;return i===Pr?n.UNSIGNED_INT_24_8:n[i]!==void 0?n[i]:null}return{convert:e}}var J1=`
+void main() {
+
+	gl_Position = vec4( position, 1.0 );
+
+}`,j1=`
+uniform sampler2DArray depthColor;
+uniform float depthWidth;
+uniform float depthHeight;
+
+void main() {
+
+	vec2 coord = vec2( gl_FragCoord.x / depthWidth, gl_FragCoord.y / depthHeight );
+
+	if ( coord.x >= 1.0 ) {
+
+		gl_FragDepth = texture( depthColor, vec3( coord.x - 1.0, coord.y, 1 ) ).r;
+
+	} else {
+
+		gl_FragDepth = texture( depthColor, vec3( coord.x, coord.y, 0 ) ).r;
+
+	}
+
+}`,Fd=class{constructor(){this.texture=null,this.mesh=null,this.depthNear=0,this.depthFar=0}init(t,e){if(this.texture===null){let i=new Ua(t.texture);(t.depthNear!==e.depthNear||t.depthFar!==e.depthFar)&&(this.depthNear=t.depthNear,this.depthFar=t.depthFar),this.texture=i}}getMesh(t){if(this.texture!==null&&this.mesh===null){let e=t.cameras[0].viewport,i=new Li({vertexShader:J1,fragmentShader:j1,uniforms:{depthColor:{value:this.texture},depthWidth:{value:e.z},depthHeight:{value:e.w}}});this.mesh=new ti(new ka(20,20),i)}return this.mesh}reset(){this.texture=null,this.mesh=null}getDepthTexture(){return this.texture}},Bd=class extends $i{constructor(t,e){super();let i=this,s=null,r=1,o=null,a="local-floor",l=1,c=null,h=null,f=null,u=null,d=null,p=null,_=typeof XRWebGLBinding<"u",m=new Fd,g={},v=e.getContextAttributes(),T=null,S=null,C=[],E=[],y=new jt,M=null,V=null,N=new Jn;N.viewport=new Je;let L=new Jn;L.viewport=new Je;let B=[N,L],F=new Jc,R=null,U=null;this.cameraAutoUpdate=!0,this.enabled=!1,this.isPresenting=!1,this.getController=function(Y){let at=C[Y];return at===void 0&&(at=new bo,C[Y]=at),at.getTargetRaySpace()},this.getControllerGrip=function(Y){let at=C[Y];return at===void 0&&(at=new bo,C[Y]=at),at.getGripSpace()},this.getHand=function(Y){let at=C[Y];return at===void 0&&(at=new bo,C[Y]=at),at.getHandSpace()};function $(Y){let at=E.indexOf(Y.inputSource);if(at===-1)return;let ut=C[at];ut!==void 0&&(ut.update(Y.inputSource,Y.frame,c||o),ut.dispatchEvent({type:Y.type,data:Y.inputSource}))}function G(){s.removeEventListener("select",$),s.removeEventListener("selectstart",$),s.removeEventListener("selectend",$),s.removeEventListener("squeeze",$),s.removeEventListener("squeezestart",$),s.removeEventListener("squeezeend",$),s.removeEventListener("end",G),s.removeEventListener("inputsourceschange",ct);for(let Y=0;Y<C.length;Y++){let at=E[Y];at!==null&&(E[Y]=null,C[Y].disconnect(at))}R=null,U=null,m.reset();for(let Y in g)delete g[Y];if(t.setRenderTarget(T),d=null,u=null,f=null,s=null,S=null,nt.stop(),i.isPresenting=!1,t.setPixelRatio(M),t.setSize(y.width,y.height,!1),V!==null){let Y=V.camera;Y.fov=V.fov,Y.zoom=V.zoom,Y.updateProjectionMatrix(),V=null}i.dispatchEvent({type:"sessionend"})}this.setFramebufferScaleFactor=function(Y){r=Y,i.isPresenting===!0&&Kt("WebXRManager: Cannot change framebuffer scale while presenting.")},this.setReferenceSpaceType=function(Y){a=Y,i.isPresenting===!0&&Kt("WebXRManager: Cannot change reference space type while presenting.")},this.getReferenceSpace=function(){return c||o},this.setReferenceSpace=function(Y){c=Y},this.getBaseLayer=function(){return u!==null?u:d},this.getBinding=function(){return f===null&&_&&(f=new XRWebGLBinding(s,e)),f},this.getFrame=function(){return p},this.getSession=function(){return s},this.setSession=async function(Y){if(s=Y,s!==null){if(T=t.getRenderTarget(),s.addEventListener("select",$),s.addEventListener("selectstart",$),s.addEventListener("selectend",$),s.addEventListener("squeeze",$),s.addEventListener("squeezestart",$),s.addEventListener("squeezeend",$),s.addEventListener("end",G),s.addEventListener("inputsourceschange",ct),v.xrCompatible!==!0&&await e.makeXRCompatible(),M=t.getPixelRatio(),t.getSize(y),_&&"createProjectionLayer"in XRWebGLBinding.prototype){let ut=null,dt=null,ot=null;v.depth&&(ot=v.stencil?e.DEPTH24_STENCIL8:e.DEPTH_COMPONENT24,ut=v.stencil?Ps:As,dt=v.stencil?Pr:Xi);let Lt={colorFormat:e.RGBA8,depthFormat:ot,scaleFactor:r};f=this.getBinding(),u=f.createProjectionLayer(Lt),s.updateRenderState({layers:[u]}),t.setPixelRatio(1),t.setSize(u.textureWidth,u.textureHeight,!1),S=new Si(u.textureWidth,u.textureHeight,{format:Zi,type:li,depthTexture:new Rs(u.textureWidth,u.textureHeight,dt,void 0,void 0,void 0,void 0,void 0,void 0,ut),stencilBuffer:v.stencil,colorSpace:t.outputColorSpace,samples:v.antialias?4:0,resolveDepthBuffer:u.ignoreDepthValues===!1,resolveStencilBuffer:u.ignoreDepthValues===!1,storeMultisampledDepthBuffer:u.ignoreDepthValues===!1,storeMultisampledStencilBuffer:u.ignoreDepthValues===!1})}else{let ut={antialias:v.antialias,alpha:!0,depth:v.depth,stencil:v.stencil,framebufferScaleFactor:r};d=new XRWebGLLayer(s,e,ut),s.updateRenderState({baseLayer:d}),t.setPixelRatio(1),t.setSize(d.framebufferWidth,d.framebufferHeight,!1),S=new Si(d.framebufferWidth,d.framebufferHeight,{format:Zi,type:li,colorSpace:t.outputColorSpace,stencilBuffer:v.stencil,resolveDepthBuffer:d.ignoreDepthValues===!1,resolveStencilBuffer:d.ignoreDepthValues===!1,storeMultisampledDepthBuffer:d.ignoreDepthValues===!1,storeMultisampledStencilBuffer:d.ignoreDepthValues===!1})}S.isXRRenderTarget=!0,this.setFoveation(l),c=null,o=await s.requestReferenceSpace(a),nt.setContext(s),nt.start(),i.isPresenting=!0,i.dispatchEvent({type:"sessionstart"})}},this.getEnvironmentBlendMode=function(){if(s!==null)return s.environmentBlendMode},this.getDepthTexture=function(){return m.getDepthTexture()};function ct(Y){for(let at=0;at<Y.removed.length;at++){let ut=Y.removed[at],dt=E.indexOf(ut);dt>=0&&(E[dt]=null,C[dt].disconnect(ut))}for(let at=0;at<Y.added.length;at++){let ut=Y.added[at],dt=E.indexOf(ut);if(dt===-1){for(let Lt=0;Lt<C.length;Lt++)if(Lt>=E.length){E.push(ut),dt=Lt;break}else if(E[Lt]===null){E[Lt]=ut,dt=Lt;break}if(dt===-1)break}let ot=C[dt];ot&&ot.connect(ut)}}function I(Y,at){at===null?Y.matrixWorld.copy(Y.matrix):Y.matrixWorld.multiplyMatrices(at.matrixWorld,Y.matrix),Y.matrixWorldInverse.copy(Y.matrixWorld).invert()}this.updateCamera=function(Y){if(s===null)return;let at=Y.near,ut=Y.far;m.texture!==null&&(m.depthNear>0&&(at=m.depthNear),m.depthFar>0&&(ut=m.depthFar)),F.near=L.near=N.near=at,F.far=L.far=N.far=ut,(R!==F.near||U!==F.far)&&(s.updateRenderState({depthNear:F.near,depthFar:F.far}),R=F.near,U=F.far),F.layers.mask=Y.layers.mask|6,N.layers.mask=F.layers.mask&-5,L.layers.mask=F.layers.mask&-3;let dt=Y.parent,ot=F.cameras;I(F,dt);for(let Lt=0;Lt<ot.length;Lt++)I(ot[Lt],dt);F.projectionMatrix.copy(N.projectionMatrix),F.projectionMatrixInverse.copy(N.projectionMatrixInverse),V===null&&Y.isPerspectiveCamera&&(V={camera:Y,fov:Y.fov,zoom:Y.zoom}),k(Y,F,dt)};function k(Y,at,ut){ut===null?Y.matrix.copy(at.matrixWorld):(Y.matrix.copy(ut.matrixWorld),Y.matrix.invert(),Y.matrix.multiply(at.matrixWorld)),Y.matrix.decompose(Y.position,Y.quaternion,Y.scale),Y.updateMatrixWorld(!0),Y.projectionMatrix.copy(at.projectionMatrix),Y.projectionMatrixInverse.copy(at.projectionMatrixInverse),Y.isPerspectiveCamera&&(Y.fov=vo*2*Math.atan(1/Y.projectionMatrix.elements[5]),Y.zoom=1)}this.getCamera=function(){return F},this.getFoveation=function(){if(!(u===null&&d===null))return l},this.setFoveation=function(Y){l=Y,u!==null&&(u.fixedFoveation=Y),d!==null&&d.fixedFoveation!==void 0&&(d.fixedFoveation=Y)},this.hasDepthSensing=function(){return m.texture!==null},this.getDepthSensingMesh=function(){return m.getMesh(F)},this.getCameraTexture=function(Y){return g[Y]};let q=null;function et(Y,at){if(h=at.getViewerPose(c||o),p=at,h!==null){let ut=h.views;d!==null&&(t.setRenderTargetFramebuffer(S,d.framebuffer),t.setRenderTarget(S));let dt=!1;ut.length!==F.cameras.length&&(F.cameras.length=0,dt=!0);for(let Ut=0;Ut<ut.length;Ut++){let ne=ut[Ut],ie=null;if(d!==null)ie=d.getViewport(ne);else{let Ie=f.getViewSubImage(u,ne);ie=Ie.viewport,Ut===0&&(t.setRenderTargetTextures(S,Ie.colorTexture,Ie.depthStencilTexture),t.setRenderTarget(S))}let $t=B[Ut];$t===void 0&&($t=new Jn,$t.layers.enable(Ut),$t.viewport=new Je,B[Ut]=$t),$t.matrix.fromArray(ne.transform.matrix),$t.matrix.decompose($t.position,$t.quaternion,$t.scale),$t.projectionMatrix.fromArray(ne.projectionMatrix),$t.projectionMatrixInverse.copy($t.projectionMatrix).invert(),$t.viewport.set(ie.x,ie.y,ie.width,ie.height),Ut===0&&(F.matrix.copy($t.matrix),F.matrix.decompose(F.position,F.quaternion,F.scale)),dt===!0&&F.cameras.push($t)}let ot=s.enabledFeatures;if(ot&&ot.includes("depth-sensing")&&s.depthUsage=="gpu-optimized"&&_){f=i.getBinding();let Ut=f.getDepthInformation(ut[0]);Ut&&Ut.isValid&&Ut.texture&&m.init(Ut,s.renderState)}if(ot&&ot.includes("camera-access")&&_){t.state.unbindTexture(),f=i.getBinding();for(let Ut=0;Ut<ut.length;Ut++){let ne=ut[Ut].camera;if(ne){let ie=g[ne];ie||(ie=new Ua,g[ne]=ie);let $t=f.getCameraImage(ne);ie.sourceTexture=$t}}}}for(let ut=0;ut<C.length;ut++){let dt=E[ut],ot=C[ut];dt!==null&&ot!==void 0&&ot.update(dt,at,c||o)}q&&q(Y,at),at.detectedPlanes&&i.dispatchEvent({type:"planesdetected",data:at}),p=null}let nt=new A_;nt.setAnimationLoop(et),this.setAnimationLoop=function(Y){q=Y},this.dispose=function(){}}},Q1=new Ze,U_=new oe;U_.set(-1,0,0,0,1,0,0,0,1);function tT(n,t){function e(m,g){m.matrixAutoUpdate===!0&&m.updateMatrix(),g.value.copy(m.matrix)}function i(m,g){g.color.getRGB(m.fogColor.value,Ed(n)),g.isFog?(m.fogNear.value=g.near,m.fogFar.value=g.far):g.isFogExp2&&(m.fogDensity.value=g.density)}function s(m,g,v,T,S){g.isNodeMaterial?g.uniformsNeedUpdate=!1:g.isMeshBasicMaterial?r(m,g):g.isMeshLambertMaterial?(r(m,g),g.envMap&&(m.envMapIntensity.value=g.envMapIntensity)):g.isMeshToonMaterial?(r(m,g),f(m,g)):g.isMeshPhongMaterial?(r(m,g),h(m,g),g.envMap&&(m.envMapIntensity.value=g.envMapIntensity)):g.isMeshStandardMaterial?(r(m,g),u(m,g),g.isMeshPhysicalMaterial&&d(m,g,S)):g.isMeshMatcapMaterial?(r(m,g),p(m,g)):g.isMeshDepthMaterial?r(m,g):g.isMeshDistanceMaterial?(r(m,g),_(m,g)):g.isMeshNormalMaterial?r(m,g):g.isLineBasicMaterial?(o(m,g),g.isLineDashedMaterial&&a(m,g)):g.isPointsMaterial?l(m,g,v,T):g.isSpriteMaterial?c(m,g):g.isShadowMaterial?(m.color.value.copy(g.color),m.opacity.value=g.opacity):g.isShaderMaterial&&(g.uniformsNeedUpdate=!1)}function r(m,g){m.opacity.value=g.opacity,g.color&&m.diffuse.value.copy(g.color),g.emissive&&m.emissive.value.copy(g.emissive).multiplyScalar(g.emissiveIntensity),g.map&&(m.map.value=g.map,e(g.map,m.mapTransform)),g.alphaMap&&(m.alphaMap.value=g.alphaMap,e(g.alphaMap,m.alphaMapTransform)),g.bumpMap&&(m.bumpMap.value=g.bumpMap,e(g.bumpMap,m.bumpMapTransform),m.bumpScale.value=g.bumpScale,g.side===ei&&(m.bumpScale.value*=-1)),g.normalMap&&(m.normalMap.value=g.normalMap,e(g.normalMap,m.normalMapTransform),m.normalScale.value.copy(g.normalScale),g.side===ei&&m.normalScale.value.negate()),g.displacementMap&&(m.displacementMap.value=g.displacementMap,e(g.displacementMap,m.displacementMapTransform),m.displacementScale.value=g.displacementScale,m.displacementBias.value=g.displacementBias),g.emissiveMap&&(m.emissiveMap.value=g.emissiveMap,e(g.emissiveMap,m.emissiveMapTransform)),g.specularMap&&(m.specularMap.value=g.specularMap,e(g.specularMap,m.specularMapTransform)),g.alphaTest>0&&(m.alphaTest.value=g.alphaTest);let v=t.get(g),T=v.envMap,S=v.envMapRotation;T&&(m.envMap.value=T,m.envMapRotation.value.setFromMatrix4(Q1.makeRotationFromEuler(S)).transpose(),T.isCubeTexture&&T.isRenderTargetTexture===!1&&m.envMapRotation.value.premultiply(U_),m.reflectivity.value=g.reflectivity,m.ior.value=g.ior,m.refractionRatio.value=g.refractionRatio),g.lightMap&&(m.lightMap.value=g.lightMap,m.lightMapIntensity.value=g.lightMapIntensity,e(g.lightMap,m.lightMapTransform)),g.aoMap&&(m.aoMap.value=g.aoMap,m.aoMapIntensity.value=g.aoMapIntensity,e(g.aoMap,m.aoMapTransform))}function o(m,g){m.diffuse.value.copy(g.color),m.opacity.value=g.opacity,g.map&&(m.map.value=g.map,e(g.map,m.mapTransform))}function a(m,g){m.dashSize.value=g.dashSize,m.totalSize.value=g.dashSize+g.gapSize,m.scale.value=g.scale}function l(m,g,v,T){m.diffuse.value.copy(g.color),m.opacity.value=g.opacity,m.size.value=g.size*v,m.scale.value=T*.5,g.map&&(m.map.value=g.map,e(g.map,m.uvTransform)),g.alphaMap&&(m.alphaMap.value=g.alphaMap,e(g.alphaMap,m.alphaMapTransform)),g.alphaTest>0&&(m.alphaTest.value=g.alphaTest)}function c(m,g){m.diffuse.value.copy(g.color),m.opacity.value=g.opacity,m.rotation.value=g.rotation,g.map&&(m.map.value=g.map,e(g.map,m.mapTransform)),g.alphaMap&&(m.alphaMap.value=g.alphaMap,e(g.alphaMap,m.alphaMapTransform)),g.alphaTest>0&&(m.alphaTest.value=g.alphaTest)}function h(m,g){m.specular.value.copy(g.specular),m.shininess.value=Math.max(g.shininess,1e-4)}function f(m,g){g.gradientMap&&(m.gradientMap.value=g.gradientMap)}function u(m,g){m.metalness.value=g.metalness,g.metalnessMap&&(m.metalnessMap.value=g.metalnessMap,e(g.metalnessMap,m.metalnessMapTransform)),m.roughness.value=g.roughness,g.roughnessMap&&(m.roughnessMap.value=g.roughnessMap,e(g.roughnessMap,m.roughnessMapTransform)),g.envMap&&(m.envMapIntensity.value=g.envMapIntensity)}function d(m,g,v){m.ior.value=g.ior,g.diffuseRoughness>0&&(m.diffuseRoughness.value=g.diffuseRoughness,g.diffuseRoughnessMap&&(m.diffuseRoughnessMap.value=g.diffuseRoughnessMap,e(g.diffuseRoughnessMap,m.diffuseRoughnessMapTransform))),g.sheen>0&&(m.sheenColor.value.copy(g.sheenColor).multiplyScalar(g.sheen),m.sheenRoughness.value=g.sheenRoughness,g.sheenColorMap&&(m.sheenColorMap.value=g.sheenColorMap,e(g.sheenColorMap,m.sheenColorMapTransform)),g.sheenRoughnessMap&&(m.sheenRoughnessMap.value=g.sheenRoughnessMap,e(g.sheenRoughnessMap,m.sheenRoughnessMapTransform))),g.clearcoat>0&&(m.clearcoat.value=g.clearcoat,m.clearcoatRoughness.value=g.clearcoatRoughness,g.clearcoatMap&&(m.clearcoatMap.value=g.clearcoatMap,e(g.clearcoatMap,m.clearcoatMapTransform)),g.clearcoatRoughnessMap&&(m.clearcoatRoughnessMap.value=g.clearcoatRoughnessMap,e(g.clearcoatRoughnessMap,m.clearcoatRoughnessMapTransform)),g.clearcoatNormalMap&&(m.clearcoatNormalMap.value=g.clearcoatNormalMap,e(g.clearcoatNormalMap,m.clearcoatNormalMapTransform),m.clearcoatNormalScale.value.copy(g.clearcoatNormalScale),g.side===ei&&m.clearcoatNormalScale.value.negate())),g.dispersion>0&&(m.dispersion.value=g.dispersion),g.retroreflectivity>0&&(m.retroreflectivity.value=g.retroreflectivity),g.iridescence>0&&(m.iridescence.value=g.iridescence,m.iridescenceIOR.value=g.iridescenceIOR,m.iridescenceThicknessMinimum.value=g.iridescenceThicknessMinimum,m.iridescenceThicknessMaximum.value=g.iridescenceThicknessMaximum,g.iridescenceMap&&(m.iridescenceMap.value=g.iridescenceMap,e(g.iridescenceMap,m.iridescenceMapTransform)),g.iridescenceThicknessMap&&(m.iridescenceThicknessMap.value=g.iridescenceThicknessMap,e(g.iridescenceThicknessMap,m.iridescenceThicknessMapTransform))),g.transmission>0&&(m.transmission.value=g.transmission,m.transmissionSamplerMap.value=v.texture,m.transmissionSamplerSize.value.set(v.width,v.height),g.transmissionMap&&(m.transmissionMap.value=g.transmissionMap,e(g.transmissionMap,m.transmissionMapTransform)),m.thickness.value=g.thickness,g.thicknessMap&&(m.thicknessMap.value=g.thicknessMap,e(g.thicknessMap,m.thicknessMapTransform)),m.attenuationDistance.value=g.attenuationDistance,m.attenuationColor.value.copy(g.attenuationColor)),g.anisotropy>0&&(m.anisotropyVector.value.set(g.anisotropy*Math.cos(g.anisotropyRotation),g.anisotropy*Math.sin(g.anisotropyRotation)),g.anisotropyMap&&(m.anisotropyMap.value=g.anisotropyMap,e(g.anisotropyMap,m.anisotropyMapTransform))),m.specularIntensity.value=g.specularIntensity,m.specularColor.value.copy(g.specularColor),g.specularColorMap&&(m.specularColorMap.value=g.specularColorMap,e(g.specularColorMap,m.specularColorMapTransform)),g.specularIntensityMap&&(m.specularIntensityMap.value=g.specularIntensityMap,e(g.specularIntensityMap,m.specularIntensityMapTransform))}function p(m,g){g.matcap&&(m.matcap.value=g.matcap)}function _(m,g){let v=t.get(g).light;m.referencePosition.value.setFromMatrixPosition(v.matrixWorld),m.nearDistance.value=v.shadow.camera.near,m.farDistance.value=v.shadow.camera.far}return{refreshFogUniforms:i,refreshMaterialUniforms:s}}function eT(n,t,e,i){let s={},r={};function o(v,T){let S=T.program;i.uniformBlockBinding(v,S,s[v.id])}function a(v,T){let S=s[v.id];S===void 0&&(p(v),S=l(v),s[v.id]=S,v.addEventListener("dispose",m));let C=T.program;i.updateUBOMapping(v,C);let E=t.render.frame;r[v.id]!==E&&(c(v),r[v.id]=E)}function l(v){let T=n.createBuffer(),S=v.__size,C=v.usage;return n.bindBuffer(n.UNIFORM_BUFFER,T),n.bufferData(n.UNIFORM_BUFFER,S,C),n.bindBuffer(n.UNIFORM_BUFFER,null),T}function c(v){let T=s[v.id],S=v.uniforms,C=v.__cache;n.bindBuffer(n.UNIFORM_BUFFER,T);for(let E=0,y=S.length;E<y;E++){let M=S[E];if(Array.isArray(M))for(let V=0,N=M.length;V<N;V++)h(M[V],E,V,C);else h(M,E,0,C)}n.bindBuffer(n.UNIFORM_BUFFER,null)}function h(v,T,S,C){if(u(v,T,S,C)===!0){let E=v.__offset,y=v.value;if(Array.isArray(y)){let M=0;for(let V=0;V<y.length;V++){let N=y[V],L=_(N,!0);f(N,v.__data,M),M+=L.storage/Float32Array.BYTES_PER_ELEMENT}}else f(y,v.__data,0);n.bufferSubData(n.UNIFORM_BUFFER,E,v.__data)}}function f(v,T,S){typeof v=="number"||typeof v=="boolean"?T[S]=v:v.isMatrix3?(T[S]=v.elements[0],T[S+1]=v.elements[1],T[S+2]=v.elements[2],T[S+3]=0,T[S+4]=v.elements[3],T[S+5]=v.elements[4],T[S+6]=v.elements[5],T[S+7]=0,T[S+8]=v.elements[6],T[S+9]=v.elements[7],T[S+10]=v.elements[8],T[S+11]=0):ArrayBuffer.isView(v)?T.set(v.subarray(0,T.length-S),S):v.toArray(T,S)}function u(v,T,S,C){let E=v.value,y=T+"_"+S;if(Array.isArray(E)){C[y]===void 0&&(C[y]=[]);let M=C[y],V=!1;for(let N=0;N<E.length;N++)d(E[N],M,N)===!0&&(V=!0);return V}return d(E,C,y)}function d(v,T,S){if(T[S]===void 0)return typeof v=="number"||typeof v=="boolean"?T[S]=v:ArrayBuffer.isView(v)?T[S]=v.slice():T[S]=v.clone(),!0;{let C=T[S];if(typeof v=="number"||typeof v=="boolean"){if(C!==v)return T[S]=v,!0}else{if(ArrayBuffer.isView(v))return!0;if(C.equals(v)===!1)return C.copy(v),!0}}return!1}function p(v){let T=v.uniforms,S=0,C=16;for(let y=0,M=T.length;y<M;y++){let V=Array.isArray(T[y])?T[y]:[T[y]];for(let N=0,L=V.length;N<L;N++){let B=V[N],F=Array.isArray(B.value)?B.value:[B.value],R=Array.isArray(T[y])||Array.isArray(B.value),U=S;for(let G=0,ct=F.length;G<ct;G++){let I=F[G],k=_(I,R),q=S%C,et=q%k.boundary,nt=q+et;S+=et,nt!==0&&C-nt<k.storage&&(S+=C-nt),G===0&&(U=S),S+=k.storage}let $=B.type==="int"?Int32Array:B.type==="uint"?Uint32Array:Float32Array;B.__data=new $((S-U)/Float32Array.BYTES_PER_ELEMENT),B.__offset=U}}let E=S%C;return E>0&&(S+=C-E),v.__size=S,v.__cache={},this}function _(v,T){let S={boundary:0,storage:0};return typeof v=="number"||typeof v=="boolean"?(S.boundary=4,S.storage=4):v.isVector2?(S.boundary=8,S.storage=8):v.isVector3||v.isColor?(S.boundary=16,S.storage=12):v.isVector4?(S.boundary=16,S.storage=16):v.isMatrix3?(S.boundary=16,S.storage=48):v.isMatrix4?(S.boundary=16,S.storage=64):v.isTexture?Kt("WebGLRenderer: Texture samplers can not be part of an uniforms group."):ArrayBuffer.isView(v)?(S.boundary=16,S.storage=v.byteLength):Kt("WebGLRenderer: Unsupported uniform value type.",v),T===!0&&(S.boundary=16,S.storage=Math.ceil(S.storage/16)*16),S}function m(v){let T=v.target;T.removeEventListener("dispose",m),n.deleteBuffer(s[T.id]),delete s[T.id],delete r[T.id]}function g(){for(let v in s)n.deleteBuffer(s[v]);s={},r={}}return{bind:o,update:a,dispose:g}}var nT=new Uint16Array([12469,15057,12620,14925,13266,14620,13807,14376,14323,13990,14545,13625,14713,13328,14840,12882,14931,12528,14996,12233,15039,11829,15066,11525,15080,11295,15085,10976,15082,10705,15073,10495,13880,14564,13898,14542,13977,14430,14158,14124,14393,13732,14556,13410,14702,12996,14814,12596,14891,12291,14937,11834,14957,11489,14958,11194,14943,10803,14921,10506,14893,10278,14858,9960,14484,14039,14487,14025,14499,13941,14524,13740,14574,13468,14654,13106,14743,12678,14818,12344,14867,11893,14889,11509,14893,11180,14881,10751,14852,10428,14812,10128,14765,9754,14712,9466,14764,13480,14764,13475,14766,13440,14766,13347,14769,13070,14786,12713,14816,12387,14844,11957,14860,11549,14868,11215,14855,10751,14825,10403,14782,10044,14729,9651,14666,9352,14599,9029,14967,12835,14966,12831,14963,12804,14954,12723,14936,12564,14917,12347,14900,11958,14886,11569,14878,11247,14859,10765,14828,10401,14784,10011,14727,9600,14660,9289,14586,8893,14508,8533,15111,12234,15110,12234,15104,12216,15092,12156,15067,12010,15028,11776,14981,11500,14942,11205,14902,10752,14861,10393,14812,9991,14752,9570,14682,9252,14603,8808,14519,8445,14431,8145,15209,11449,15208,11451,15202,11451,15190,11438,15163,11384,15117,11274,15055,10979,14994,10648,14932,10343,14871,9936,14803,9532,14729,9218,14645,8742,14556,8381,14461,8020,14365,7603,15273,10603,15272,10607,15267,10619,15256,10631,15231,10614,15182,10535,15118,10389,15042,10167,14963,9787,14883,9447,14800,9115,14710,8665,14615,8318,14514,7911,14411,7507,14279,7198,15314,9675,15313,9683,15309,9712,15298,9759,15277,9797,15229,9773,15166,9668,15084,9487,14995,9274,14898,8910,14800,8539,14697,8234,14590,7790,14479,7409,14367,7067,14178,6621,15337,8619,15337,8631,15333,8677,15325,8769,15305,8871,15264,8940,15202,8909,15119,8775,15022,8565,14916,8328,14804,8009,14688,7614,14569,7287,14448,6888,14321,6483,14088,6171,15350,7402,15350,7419,15347,7480,15340,7613,15322,7804,15287,7973,15229,8057,15148,8012,15046,7846,14933,7611,14810,7357,14682,7069,14552,6656,14421,6316,14251,5948,14007,5528,15356,5942,15356,5977,15353,6119,15348,6294,15332,6551,15302,6824,15249,7044,15171,7122,15070,7050,14949,6861,14818,6611,14679,6349,14538,6067,14398,5651,14189,5311,13935,4958,15359,4123,15359,4153,15356,4296,15353,4646,15338,5160,15311,5508,15263,5829,15188,6042,15088,6094,14966,6001,14826,5796,14678,5543,14527,5287,14377,4985,14133,4586,13869,4257,15360,1563,15360,1642,15358,2076,15354,2636,15341,3350,15317,4019,15273,4429,15203,4732,15105,4911,14981,4932,14836,4818,14679,4621,14517,4386,14359,4156,14083,3795,13808,3437,15360,122,15360,137,15358,285,15355,636,15344,1274,15322,2177,15281,2765,15215,3223,15120,3451,14995,3569,14846,3567,14681,3466,14511,3305,14344,3121,14037,2800,13753,2467,15360,0,15360,1,15359,21,15355,89,15346,253,15325,479,15287,796,15225,1148,15133,1492,15008,1749,14856,1882,14685,1886,14506,1783,14324,1608,13996,1398,13702,1183]),hs=null;function iT(){return hs===null&&(hs=new wo(nT,16,16,lr,Yi),hs.name="DFG_LUT",hs.minFilter=Bn,hs.magFilter=Bn,hs.wrapS=ls,hs.wrapT=ls,hs.generateMipmaps=!1,hs.needsUpdate=!0),hs}var Vh=class{constructor(t={}){let{canvas:e=Z0(),context:i=null,depth:s=!0,stencil:r=!1,alpha:o=!1,antialias:a=!1,premultipliedAlpha:l=!0,preserveDrawingBuffer:c=!1,powerPreference:h="default",failIfMajorPerformanceCaveat:f=!1,reversedDepthBuffer:u=!1,outputBufferType:d=li}=t;this.isWebGLRenderer=!0;let p;if(i!==null){if(typeof WebGLRenderingContext<"u"&&i instanceof WebGLRenderingContext)throw new Error("THREE.WebGLRenderer: WebGL 1 is not supported since r163.");p=i.getContextAttributes().alpha}else p=o;let _=d,m=new Set([ah,oh,rh]),g=new Set([li,Xi,Do,Pr,ih,sh]),v=new Uint32Array(4),T=new Int32Array(4),S={textures:[],min:[],max:[],resolution:[]},C=null,E=null,y=[],M=[],V=null;this.domElement=e,this.debug={checkShaderErrors:!0,diagnostics:{keywords:!1},onShaderError:null},this.autoClear=!0,this.autoClearColor=!0,this.autoClearDepth=!0,this.autoClearStencil=!0,this.sortObjects=!0,this.clippingPlanes=[],this.localClippingEnabled=!1,this.toneMapping=cs,this.toneMappingExposure=1,this.transmissionResolutionScale=1;let N=this,L=!1,B=null,F=null,R=null,U=null;this._outputColorSpace=xi;let $=0,G=0,ct=null,I=-1,k=null,q=new Je,et=new Je,nt=null,Y=new ue(0),at=0,ut=e.width,dt=e.height,ot=1,Lt=null,Yt=null,Ut=new Je(0,0,ut,dt),ne=new Je(0,0,ut,dt),ie=!1,$t=new tr,Ie=new Dc,be=!1,Ve=!1,Me=new Ze,hn=new Z,Se=new Je,xn={background:null,fog:null,environment:null,overrideMaterial:null,isScene:!0},en=!1;function un(){return ct===null?ot:1}let H=i;function Rt(A,W){return e.getContext(A,W)}let Jt,le,wt,ke,Vt,qt,P,b,K,gt,ft,vt,St,st,lt,yt,z,ht,rt,Et,xt,Mt,Wt;try{let A={alpha:!0,depth:s,stencil:r,antialias:a,premultipliedAlpha:l,preserveDrawingBuffer:c,powerPreference:h,failIfMajorPerformanceCaveat:f};if("setAttribute"in e&&e.setAttribute("data-engine",`three.js r${"187"}`),e.addEventListener("webglcontextlost",kt,!1),e.addEventListener("webglcontextrestored",ee,!1),e.addEventListener("webglcontextcreationerror",Ct,!1),H===null){let W="webgl2";if(H=Rt(W,A),H===null)throw Rt(W)?new Error("THREE.WebGLRenderer: Error creating WebGL context with your selected attributes."):new Error("THREE.WebGLRenderer: Error creating WebGL context.")}te()}catch(A){throw e.removeEventListener("webglcontextlost",kt,!1),e.removeEventListener("webglcontextrestored",ee,!1),e.removeEventListener("webglcontextcreationerror",Ct,!1),re("WebGLRenderer: "+A.message),A}function te(){Jt=new pA(H),Jt.init(),xt=new K1(H,Jt),le=new iA(H,Jt,t,xt),wt=new Y1(H,Jt),le.reversedDepthBuffer&&u&&wt.buffers.depth.setReversed(!0),F=H.createFramebuffer(),R=H.createFramebuffer(),U=H.createFramebuffer(),ke=new _A(H),Vt=new N1,qt=new Z1(H,Jt,wt,Vt,le,xt,ke),P=new dA(N),b=new xM(H),Mt=new eA(H,b),K=new mA(H,b,ke,Mt),gt=new xA(H,K,b,Mt,ke),ht=new yA(H,le,qt),lt=new sA(Vt),ft=new D1(N,P,Jt,le,Mt,lt),vt=new tT(N,Vt),St=new U1,st=new V1(Jt),z=new tA(N,P,wt,gt,p,l),yt=new q1(N,gt,le),Wt=new eT(H,ke,le,wt),rt=new nA(H,Jt,ke),Et=new gA(H,Jt,ke),ke.programs=ft.programs,N.capabilities=le,N.extensions=Jt,N.properties=Vt,N.renderLists=St,N.shadowMap=yt,N.state=wt,N.info=ke}_!==li&&(V=new SA(_,e.width,e.height,a,s,r));let mt=new Bd(N,H);this.xr=mt,this.getContext=function(){return H},this.getContextAttributes=function(){return H.getContextAttributes()},this.forceContextLoss=function(){let A=Jt.get("WEBGL_lose_context");A&&A.loseContext()},this.forceContextRestore=function(){let A=Jt.get("WEBGL_lose_context");A&&A.restoreContext()},this.getPixelRatio=function(){return ot},this.setPixelRatio=function(A){A!==void 0&&(ot=A,this.setSize(ut,dt,!1))},this.getSize=function(A){return A.set(ut,dt)},this.setSize=function(A,W,it=!0){if(mt.isPresenting){Kt("WebGLRenderer: Can't change size while VR device is presenting.");return}ut=A,dt=W,e.width=Math.floor(A*ot),e.height=Math.floor(W*ot),it===!0&&(e.style.width=A+"px",e.style.height=W+"px"),V!==null&&V.setSize(e.width,e.height),this.setViewport(0,0,A,W)},this.getDrawingBufferSize=function(A){return A.set(ut*ot,dt*ot).floor()},this.setDrawingBufferSize=function(A,W,it){ut=A,dt=W,ot=it,e.width=Math.floor(A*it),e.height=Math.floor(W*it),this.setViewport(0,0,A,W)},this.setEffects=function(A){if(_===li){re("WebGLRenderer: setEffects() requires outputBufferType set to HalfFloatType or FloatType.");return}if(A){for(let W=0;W<A.length;W++)if(A[W].isOutputPass===!0){Kt("WebGLRenderer: OutputPass is not needed in setEffects(). Tone mapping and color space conversion are applied automatically.");break}}V.setEffects(A||[])},this.getCurrentViewport=function(A){return A.copy(q)},this.getViewport=function(A){return A.copy(Ut)},this.setViewport=function(A,W,it,J){A.isVector4?Ut.set(A.x,A.y,A.z,A.w):Ut.set(A,W,it,J),wt.viewport(q.copy(Ut).multiplyScalar(un()).round())},this.getScissor=function(A){return A.copy(ne)},this.setScissor=function(A,W,it,J){A.isVector4?ne.set(A.x,A.y,A.z,A.w):ne.set(A,W,it,J),wt.scissor(et.copy(ne).multiplyScalar(un()).round())},this.getScissorTest=function(){return ie},this.setScissorTest=function(A){wt.setScissorTest(ie=A)},this.setOpaqueSort=function(A){Lt=A},this.setTransparentSort=function(A){Yt=A},this.getClearColor=function(A){return A.copy(z.getClearColor())},this.setClearColor=function(){z.setClearColor(...arguments)},this.getClearAlpha=function(){return z.getClearAlpha()},this.setClearAlpha=function(){z.setClearAlpha(...arguments)},this.clear=function(A=!0,W=!0,it=!0){let J=0;if(A){let j=!1;if(ct!==null){let At=ct.texture.format;j=m.has(At)}if(j){let At=ct.texture.type,It=g.has(At),Tt=z.getClearColor(),Pt=z.getClearAlpha(),Ht=Tt.r,se=Tt.g,de=Tt.b;It?(v[0]=Ht,v[1]=se,v[2]=de,v[3]=Pt,H.clearBufferuiv(H.COLOR,0,v)):(T[0]=Ht,T[1]=se,T[2]=de,T[3]=Pt,H.clearBufferiv(H.COLOR,0,T))}else J|=H.COLOR_BUFFER_BIT}W&&(J|=H.DEPTH_BUFFER_BIT,this.state.buffers.depth.setMask(!0)),it&&(J|=H.STENCIL_BUFFER_BIT,this.state.buffers.stencil.setMask(4294967295)),J!==0&&H.clear(J)},this.clearColor=function(){this.clear(!0,!1,!1)},this.clearDepth=function(){this.clear(!1,!0,!1)},this.clearStencil=function(){this.clear(!1,!1,!0)},this.setNodesHandler=function(A){A.setRenderer(this),B=A},this.dispose=function(){e.removeEventListener("webglcontextlost",kt,!1),e.removeEventListener("webglcontextrestored",ee,!1),e.removeEventListener("webglcontextcreationerror",Ct,!1),z.dispose(),St.dispose(),st.dispose(),qt.dispose(),Vt.dispose(),P.dispose(),gt.dispose(),K.dispose(),Mt.dispose(),Wt.dispose(),ft.dispose(),mt.dispose(),mt.removeEventListener("sessionstart",cl),mt.removeEventListener("sessionend",Ji),ds.stop()};function kt(A){A.preventDefault(),vd("WebGLRenderer: Context Lost."),L=!0}function ee(){vd("WebGLRenderer: Context Restored."),L=!1;let A=ke.autoReset,W=yt.enabled,it=yt.autoUpdate,J=yt.needsUpdate,j=yt.type;te(),ke.autoReset=A,yt.enabled=W,yt.autoUpdate=it,yt.needsUpdate=J,yt.type=j}function Ct(A){re("WebGLRenderer: A WebGL context could not be created. Reason: ",A.statusMessage)}function ce(A){let W=A.target;W.removeEventListener("dispose",ce),Ge(W)}function Ge(A){$n(A),Vt.remove(A)}function $n(A){let W=Vt.get(A).programs;W!==void 0&&(W.forEach(function(it){ft.releaseProgram(it)}),A.isShaderMaterial&&ft.releaseShaderCache(A))}this.renderBufferDirect=function(A,W,it,J,j,At){W===null&&(W=xn);let It=j.isMesh&&j.matrixWorld.determinantAffine()<0,Tt=Wo(A,W,it,J,j);wt.setMaterial(J,It);let Pt=it.index,Ht=1;if(J.wireframe===!0){if(Pt=K.getWireframeAttribute(it),Pt===void 0)return;Ht=2}let se=it.drawRange,de=it.attributes.position,zt=se.start*Ht,pe=(se.start+se.count)*Ht;At!==null&&(zt=Math.max(zt,At.start*Ht),pe=Math.min(pe,(At.start+At.count)*Ht)),Pt!==null?(zt=Math.max(zt,0),pe=Math.min(pe,Pt.count)):de!=null&&(zt=Math.max(zt,0),pe=Math.min(pe,de.count));let Qe=pe-zt;if(Qe<0||Qe===1/0)return;Mt.setup(j,J,Tt,it,Pt);let Ne,Oe=rt;if(Pt!==null&&(Ne=b.get(Pt),Oe=Et,Oe.setIndex(Ne)),j.isMesh)J.wireframe===!0?(wt.setLineWidth(J.wireframeLinewidth*un()),Oe.setMode(H.LINES)):Oe.setMode(H.TRIANGLES);else if(j.isLine){let vn=J.linewidth;vn===void 0&&(vn=1),wt.setLineWidth(vn*un()),j.isLineSegments?Oe.setMode(H.LINES):j.isLineLoop?Oe.setMode(H.LINE_LOOP):Oe.setMode(H.LINE_STRIP)}else j.isPoints?Oe.setMode(H.POINTS):j.isSprite&&Oe.setMode(H.TRIANGLES);if(j.isBatchedMesh)if(Jt.get("WEBGL_multi_draw"))Oe.renderMultiDraw(j._multiDrawStarts,j._multiDrawCounts,j._multiDrawCount);else{let vn=j._multiDrawStarts,Ft=j._multiDrawCounts,fn=j._multiDrawCount,_e=Pt?b.get(Pt).bytesPerElement:1,ms=Vt.get(J).currentProgram.getUniforms();for(let dn=0;dn<fn;dn++)ms.setValue(H,"_gl_DrawID",dn),Oe.render(vn[dn]/_e,Ft[dn])}else if(j.isInstancedMesh)Oe.renderInstances(zt,Qe,j.count);else if(it.isInstancedBufferGeometry){let vn=it._maxInstanceCount!==void 0?it._maxInstanceCount:1/0,Ft=Math.min(it.instanceCount,vn);Oe.renderInstances(zt,Qe,Ft)}else Oe.render(zt,Qe)};function Ho(A,W,it,J){B!==null&&A.isNodeMaterial&&B.setObject(J,A),be===!0&&lt.setState(A,it,!1),A.transparent===!0&&A.side===ni&&A.forceSinglePass===!1?(A.side=ei,A.needsUpdate=!0,ji(A,W,J),A.side=ar,A.needsUpdate=!0,ji(A,W,J),A.side=ni):ji(A,W,J)}this.compile=function(A,W,it=null){it===null&&(it=A),B!==null&&B.renderStart(A,W,it),E=st.get(it),E.init(W),M.push(E),it.traverseVisible(function(j){j.isLight&&j.layers.test(W.layers)&&(E.pushLight(j),j.castShadow&&E.pushShadow(j))}),A!==it&&A.traverseVisible(function(j){j.isLight&&j.layers.test(W.layers)&&(E.pushLight(j),j.castShadow&&E.pushShadow(j))}),E.setupLights(),B!==null&&B.updateLights(E.state.lightsArray),Ve=this.localClippingEnabled,be=lt.init(this.clippingPlanes,Ve),be===!0&&lt.setGlobalState(this.clippingPlanes,W),B!==null&&yt.render(E.state.shadowsArray,it,W);let J=new Set;return A.traverse(function(j){if(!(j.isMesh||j.isPoints||j.isLine||j.isSprite))return;let At=j.material;if(At)if(Array.isArray(At))for(let It=0;It<At.length;It++){let Tt=At[It];Ho(Tt,it,W,j),J.add(Tt)}else Ho(At,it,W,j),J.add(At)}),E=M.pop(),B!==null&&B.renderEnd(),J},this.compileAsync=function(A,W,it=null){let J=this.compile(A,W,it);return new Promise(j=>{function At(){if(J.forEach(function(It){let Pt=Vt.get(It).currentProgram;(Pt===void 0||Pt.isReady())&&J.delete(It)}),J.size===0){j(A);return}setTimeout(At,10)}Jt.get("KHR_parallel_shader_compile")!==null?At():setTimeout(At,10)})};let Dr=null;function gu(A){Dr&&Dr(A)}function cl(){ds.stop()}function Ji(){ds.start()}let ds=new A_;ds.setAnimationLoop(gu),typeof self<"u"&&ds.setContext(self),this.setAnimationLoop=function(A){Dr=A,mt.setAnimationLoop(A),A===null?ds.stop():ds.start()},mt.addEventListener("sessionstart",cl),mt.addEventListener("sessionend",Ji),this.render=function(A,W){if(W!==void 0&&W.isCamera!==!0){re("WebGLRenderer.render: camera is not an instance of THREE.Camera.");return}if(L===!0)return;B!==null&&B.renderStart(A,W);let it=mt.enabled===!0&&mt.isPresenting===!0,J=V!==null&&(ct===null||it)&&V.begin(N,ct);if(A.matrixWorldAutoUpdate===!0&&A.updateMatrixWorld(),W.parent===null&&W.matrixWorldAutoUpdate===!0&&W.updateMatrixWorld(),mt.enabled===!0&&mt.isPresenting===!0&&(V===null||V.isCompositing()===!1)&&(mt.cameraAutoUpdate===!0&&mt.updateCamera(W),W=mt.getCamera()),A.isScene===!0&&A.onBeforeRender(N,A,W,ct),E=st.get(A,M.length),E.init(W),E.state.textureUnits=qt.getTextureUnits(),M.push(E),Me.multiplyMatrices(W.projectionMatrix,W.matrixWorldInverse),W.isArrayCamera?Ie.setFromArrayCamera(W):$t.setFromProjectionMatrix(Me,Ii,W.reversedDepth),Ve=this.localClippingEnabled,be=lt.init(this.clippingPlanes,Ve),C=St.get(A,y.length),C.init(),y.push(C),this.info.render.frame++,mt.enabled===!0&&mt.isPresenting===!0){let It=N.xr.getDepthSensingMesh();It!==null&&ps(It,W,-1/0,N.sortObjects)}ps(A,W,0,N.sortObjects),C.finish(),B!==null&&B.updateLights(E.state.lightsArray),N.sortObjects===!0&&C.sort(Lt,Yt),en=mt.enabled===!1||mt.isPresenting===!1||mt.hasDepthSensing()===!1,en&&z.addToRenderList(C,A),this.info.autoReset===!0&&this.info.reset(),be===!0&&lt.beginShadows();let j=E.state.shadowsArray;if(yt.render(j,A,W),be===!0&&lt.endShadows(),(J&&V.hasRenderPass())===!1){let It=C.opaque,Tt=C.transmissive;if(E.setupLights(),W.isArrayCamera){let Pt=W.cameras;if(Tt.length>0)for(let Ht=0,se=Pt.length;Ht<se;Ht++){let de=Pt[Ht];Ni(It,Tt,A,de)}en&&z.render(A);for(let Ht=0,se=Pt.length;Ht<se;Ht++){let de=Pt[Ht];Vo(C,A,de,de.viewport)}}else Tt.length>0&&Ni(It,Tt,A,W),en&&z.render(A),Vo(C,A,W)}ct!==null&&G===0&&(qt.updateMultisampleRenderTarget(ct),qt.updateRenderTargetMipmap(ct)),J&&V.end(N),A.isScene===!0&&A.onAfterRender(N,A,W),Mt.resetDefaultState(),I=-1,k=null,M.pop(),M.length>0?(E=M[M.length-1],qt.setTextureUnits(E.state.textureUnits),be===!0&&lt.setGlobalState(N.clippingPlanes,E.state.camera)):E=null,y.pop(),y.length>0?C=y[y.length-1]:C=null,B!==null&&B.renderEnd()};function ps(A,W,it,J){if(A.visible===!1)return;if(A.layers.test(W.layers)){if(A.isGroup)it=A.renderOrder;else if(A.isLOD)A.autoUpdate===!0&&A.update(W);else if(A.isLight)E.pushLight(A),A.castShadow&&E.pushShadow(A);else if(A.isSprite){let It=W.isArrayCamera?Ie:$t;if(!A.frustumCulled||A.intersectsFrustum(It)){J&&Se.setFromMatrixPosition(A.matrixWorld).applyMatrix4(Me);let Tt=gt.update(A),Pt=A.material;Pt.visible&&C.push(A,Tt,Pt,it,Se.z,null,W)}}else if(A.isMesh||A.isLine||A.isPoints){let It=W.isArrayCamera?Ie:$t;if(!A.frustumCulled||A.intersectsFrustum(It)){let Tt=gt.update(A),Pt=A.material;if(J&&(A.boundingSphere!==void 0?(A.boundingSphere===null&&A.computeBoundingSphere(),Se.copy(A.boundingSphere.center)):(Tt.boundingSphere===null&&Tt.computeBoundingSphere(),Se.copy(Tt.boundingSphere.center)),Se.applyMatrix4(A.matrixWorld).applyMatrix4(Me)),Array.isArray(Pt)){let Ht=Tt.groups;for(let se=0,de=Ht.length;se<de;se++){let zt=Ht[se],pe=Pt[zt.materialIndex];pe&&pe.visible&&C.push(A,Tt,pe,it,Se.z,zt,W)}}else Pt.visible&&C.push(A,Tt,Pt,it,Se.z,null,W)}}}let At=A.children;for(let It=0,Tt=At.length;It<Tt;It++)ps(At[It],W,it,J)}function Vo(A,W,it,J){let{opaque:j,transmissive:At,transparent:It}=A;E.setupLightsView(it),be===!0&&lt.setGlobalState(N.clippingPlanes,it),J&&wt.viewport(q.copy(J)),j.length>0&&nn(j,W,it),At.length>0&&nn(At,W,it),It.length>0&&nn(It,W,it),wt.buffers.depth.setTest(!0),wt.buffers.depth.setMask(!0),wt.buffers.color.setMask(!0),wt.setPolygonOffset(!1)}function Ni(A,W,it,J){if((it.isScene===!0?it.overrideMaterial:null)!==null)return;if(E.state.transmissionRenderTarget[J.id]===void 0){let zt=Jt.has("EXT_color_buffer_half_float")||Jt.has("EXT_color_buffer_float");E.state.transmissionRenderTarget[J.id]=new Si(1,1,{generateMipmaps:!0,type:zt?Yi:li,minFilter:Is,samples:Math.max(4,le.samples),stencilBuffer:r,resolveDepthBuffer:!1,resolveStencilBuffer:!1,storeMultisampledDepthBuffer:!1,storeMultisampledStencilBuffer:!1,colorSpace:xe.workingColorSpace})}let At=E.state.transmissionRenderTarget[J.id],It=J.viewport||q;At.setSize(It.z*N.transmissionResolutionScale,It.w*N.transmissionResolutionScale);let Tt=N.getRenderTarget(),Pt=N.getActiveCubeFace(),Ht=N.getActiveMipmapLevel();N.setRenderTarget(At),N.getClearColor(Y),at=N.getClearAlpha(),at<1&&N.setClearColor(16777215,.5),N.clear(),en&&z.render(it);let se=N.toneMapping;N.toneMapping=cs;let de=J.viewport;if(J.viewport!==void 0&&(J.viewport=void 0),E.setupLightsView(J),be===!0&&lt.setGlobalState(N.clippingPlanes,J),nn(A,it,J),qt.updateMultisampleRenderTarget(At),qt.updateRenderTargetMipmap(At),Jt.has("WEBGL_multisampled_render_to_texture")===!1){let zt=!1;for(let pe=0,Qe=W.length;pe<Qe;pe++){let Ne=W[pe],{object:Oe,geometry:vn,material:Ft,group:fn}=Ne;if(Ft.side===ni&&Oe.layers.test(J.layers)){let _e=Ft.side;Ft.side=ei,Ft.needsUpdate=!0,ln(Oe,it,J,vn,Ft,fn),Ft.side=_e,Ft.needsUpdate=!0,zt=!0}}zt===!0&&(qt.updateMultisampleRenderTarget(At),qt.updateRenderTargetMipmap(At))}N.setRenderTarget(Tt,Pt,Ht),N.setClearColor(Y,at),de!==void 0&&(J.viewport=de),N.toneMapping=se}function nn(A,W,it){let J=W.isScene===!0?W.overrideMaterial:null;for(let j=0,At=A.length;j<At;j++){let It=A[j],{object:Tt,geometry:Pt,group:Ht}=It,se=It.material;se.allowOverride===!0&&J!==null&&(se=J),Tt.layers.test(it.layers)&&ln(Tt,W,it,Pt,se,Ht)}}function ln(A,W,it,J,j,At){B!==null&&j.isNodeMaterial&&B.setObject(A,j),A.onBeforeRender(N,W,it,J,j,At),A.modelViewMatrix.multiplyMatrices(it.matrixWorldInverse,A.matrixWorld),A.normalMatrix.getNormalMatrix(A.modelViewMatrix),j.onBeforeRender(N,W,it,J,A,At),j.transparent===!0&&j.side===ni&&j.forceSinglePass===!1?(j.side=ei,j.needsUpdate=!0,N.renderBufferDirect(it,W,J,j,A,At),j.side=ar,j.needsUpdate=!0,N.renderBufferDirect(it,W,J,j,A,At),j.side=ni):N.renderBufferDirect(it,W,J,j,A,At),A.onAfterRender(N,W,it,J,j,At)}function cn(A){let W=0;for(let it of A)it.texture!==null&&W++;return W}function ji(A,W,it){W.isScene!==!0&&(W=xn);let J=Vt.get(A),j=E.state.lights,At=E.state.shadowsArray,It=j.state.version,Tt=ft.getParameters(A,j.state,At,W,it,E.state.lightProbeGridArray),Pt=ft.getProgramCacheKey(Tt),Ht=J.programs;J.environment=A.isMeshStandardMaterial||A.isMeshLambertMaterial||A.isMeshPhongMaterial?W.environment:null,J.fog=W.fog;let se=A.isMeshStandardMaterial||A.isMeshLambertMaterial&&!A.envMap||A.isMeshPhongMaterial&&!A.envMap;J.envMap=P.get(A.envMap||J.environment,se),J.envMapRotation=J.environment!==null&&A.envMap===null?W.environmentRotation:A.envMapRotation,Ht===void 0&&(A.addEventListener("dispose",ce),Ht=new Map,J.programs=Ht,J.programVariants=new Map);let de=Ht.get(Pt);if(de!==void 0){if(J.currentProgram===de&&J.lightsStateVersion===It)return Go(A,Tt),de}else Tt.uniforms=ft.getUniforms(A),B!==null&&A.isNodeMaterial&&B.build(A,it,Tt),A.onBeforeCompile(Tt,N),de=ft.acquireProgram(Tt,Pt),Ht.set(Pt,de),J.uniforms=Tt.uniforms;let zt=J.uniforms;return(!A.isShaderMaterial&&!A.isRawShaderMaterial||A.clipping===!0)&&(zt.clippingPlanes=lt.uniform),Go(A,Tt),J.needsLights=Os(A),J.lightsStateVersion=It,J.needsLights&&(zt.ambientLightColor.value=j.state.ambient,zt.lightProbe.value=j.state.probe,zt.sunLights.value=j.state.sun,zt.sunLightShadows.value=j.state.sunShadow,zt.directionalLights.value=j.state.directional,zt.directionalLightShadows.value=j.state.directionalShadow,zt.spotLights.value=j.state.spot,zt.spotLightShadows.value=j.state.spotShadow,zt.rectAreaLights.value=j.state.rectArea,zt.ltc_1.value=j.state.rectAreaLTC1,zt.ltc_2.value=j.state.rectAreaLTC2,zt.pointLights.value=j.state.point,zt.pointLightShadows.value=j.state.pointShadow,zt.hemisphereLights.value=j.state.hemi,zt.sunShadowMatrix.value=j.state.sunShadowMatrix,zt.sunShadowCascade.value=j.state.sunShadowCascade,zt.directionalShadowMatrix.value=j.state.directionalShadowMatrix,zt.spotLightMatrix.value=j.state.spotLightMatrix,zt.spotLightMap.value=j.state.spotLightMap,zt.pointShadowMatrix.value=j.state.pointShadowMatrix),J.numLightProbeGrids=cn(E.state.lightProbeGridArray),J.currentProgram=de,J.uniformsList=null,de}function hi(A,W,it,J,j){let At=Vt.get(A),It=At.currentProgram.id+","+J+","+j,Tt=At.programVariants.get(It);return Tt===void 0?(Tt=ji(A,W,it),At.programVariants.set(It,Tt)):(At.currentProgram=Tt,At.uniformsList=null,At.outputColorSpace=J,At.toneMapping=j),Tt}function Ns(A){if(A.uniformsList===null){let W=A.currentProgram.getUniforms();A.uniformsList=Oo.seqWithValue(W.seq,A.uniforms)}return A.uniformsList}function Go(A,W){let it=Vt.get(A);it.outputColorSpace=W.outputColorSpace,it.batching=W.batching,it.batchingColor=W.batchingColor,it.instancing=W.instancing,it.instancingColor=W.instancingColor,it.instancingMorph=W.instancingMorph,it.skinning=W.skinning,it.morphTargets=W.morphTargets,it.morphNormals=W.morphNormals,it.morphColors=W.morphColors,it.morphTargetsCount=W.morphTargetsCount,it.numClippingPlanes=W.numClippingPlanes,it.numIntersection=W.numClipIntersection,it.vertexAlphas=W.vertexAlphas,it.vertexTangents=W.vertexTangents,it.toneMapping=W.toneMapping}function Wo(A,W,it,J,j){W.isScene!==!0&&(W=xn),qt.resetTextureUnits();let At=W.fog,It=J.isMeshStandardMaterial||J.isMeshLambertMaterial||J.isMeshPhongMaterial?W.environment:null,Tt=ct===null?N.outputColorSpace:ct.isXRRenderTarget===!0?ct.texture.colorSpace:xe.workingColorSpace,Pt=J.isMeshStandardMaterial||J.isMeshLambertMaterial&&!J.envMap||J.isMeshPhongMaterial&&!J.envMap,Ht=P.get(J.envMap||It,Pt),se=J.vertexColors===!0&&!!it.attributes.color&&it.attributes.color.itemSize===4,de=!!it.attributes.tangent&&(!!J.normalMap||J.anisotropy>0),zt=!!it.morphAttributes.position,pe=!!it.morphAttributes.normal,Qe=!!it.morphAttributes.color,Ne=cs;J.toneMapped&&(ct===null||ct.isXRRenderTarget===!0)&&(Ne=N.toneMapping);let Oe=it.morphAttributes.position||it.morphAttributes.normal||it.morphAttributes.color,vn=Oe!==void 0?Oe.length:0,Ft=Vt.get(J),fn=E.state.lights;if(be===!0&&(Ve===!0||A!==k)){let Ue=A===k&&J.id===I;lt.setState(J,A,Ue)}let _e=!1,ms=!1;J.version===Ft.__version?Ft.needsLights&&Ft.lightsStateVersion!==fn.state.version||j.isBatchedMesh&&Ft.batching===!1||!j.isBatchedMesh&&Ft.batching===!0||j.isBatchedMesh&&Ft.batchingColor===!0&&j._colorsTexture===null||j.isBatchedMesh&&Ft.batchingColor===!1&&j._colorsTexture!==null||j.isInstancedMesh&&Ft.instancing===!1||!j.isInstancedMesh&&Ft.instancing===!0||j.isSkinnedMesh&&Ft.skinning===!1||!j.isSkinnedMesh&&Ft.skinning===!0||j.isInstancedMesh&&Ft.instancingColor===!0&&j.instanceColor===null||j.isInstancedMesh&&Ft.instancingColor===!1&&j.instanceColor!==null||j.isInstancedMesh&&Ft.instancingMorph===!0&&j.morphTexture===null||j.isInstancedMesh&&Ft.instancingMorph===!1&&j.morphTexture!==null||Ft.envMap!==Ht||J.fog===!0&&Ft.fog!==At||Ft.numClippingPlanes!==void 0&&(Ft.numClippingPlanes!==lt.numPlanes||Ft.numIntersection!==lt.numIntersection)||Ft.vertexAlphas!==se||Ft.vertexTangents!==de||Ft.morphTargets!==zt||Ft.morphNormals!==pe||Ft.morphColors!==Qe||Ft.morphTargetsCount!==vn||Ft.numLightProbeGrids!==cn(E.state.lightProbeGridArray)?_e=!0:(Ft.outputColorSpace!==Tt||Ft.toneMapping!==Ne)&&(ms=!0):(_e=!0,Ft.__version=J.version);let dn=Ft.currentProgram;(_e===!0||ms===!0)&&(dn=ms===!0?hi(J,W,j,Tt,Ne):ji(J,W,j),B&&J.isNodeMaterial&&B.onUpdateProgram(J,dn,Ft));let Ur=!1,Qi=!1,gs=!1,he=dn.getUniforms(),sn=Ft.uniforms;if(wt.useProgram(dn.program)&&(Ur=!0,Qi=!0,gs=!0),J.id!==I&&(I=J.id,Qi=!0),Ur||k!==A){wt.buffers.depth.getReversed()&&A.reversedDepth!==!0&&(A._reversedDepth=!0,A.updateProjectionMatrix()),he.setValue(H,"projectionMatrix",A.projectionMatrix),he.setValue(H,"viewMatrix",A.matrixWorldInverse);let pn=he.map.cameraPosition;pn!==void 0&&pn.setValue(H,hn.setFromMatrixPosition(A.matrixWorld)),le.logarithmicDepthBuffer&&he.setValue(H,"logDepthBufFC",2/(Math.log(A.far+1)/Math.LN2)),(J.isMeshPhongMaterial||J.isMeshToonMaterial||J.isMeshLambertMaterial||J.isMeshBasicMaterial||J.isMeshStandardMaterial||J.isShaderMaterial)&&he.setValue(H,"isOrthographic",A.isOrthographicCamera===!0),k!==A&&(k=A,Qi=!0,gs=!0)}if(Ft.needsLights&&(fn.state.sunShadowMap.length>0&&he.setValue(H,"sunShadowMap",fn.state.sunShadowMap,qt),fn.state.directionalShadowMap.length>0&&he.setValue(H,"directionalShadowMap",fn.state.directionalShadowMap,qt),fn.state.spotShadowMap.length>0&&he.setValue(H,"spotShadowMap",fn.state.spotShadowMap,qt),fn.state.pointShadowMap.length>0&&he.setValue(H,"pointShadowMap",fn.state.pointShadowMap,qt)),j.isSkinnedMesh){he.setOptional(H,j,"bindMatrix"),he.setOptional(H,j,"bindMatrixInverse");let Ue=j.skeleton;Ue&&(Ue.boneTexture===null&&Ue.computeBoneTexture(),he.setValue(H,"boneTexture",Ue.boneTexture,qt))}j.isBatchedMesh&&(he.setOptional(H,j,"batchingTexture"),he.setValue(H,"batchingTexture",j._matricesTexture,qt),he.setOptional(H,j,"batchingIdTexture"),he.setValue(H,"batchingIdTexture",j._indirectTexture,qt),he.setOptional(H,j,"batchingColorTexture"),j._colorsTexture!==null&&he.setValue(H,"batchingColorTexture",j._colorsTexture,qt));let Xn=it.morphAttributes;if((Xn.position!==void 0||Xn.normal!==void 0||Xn.color!==void 0)&&ht.update(j,it,dn),(Qi||Ft.receiveShadow!==j.receiveShadow)&&(Ft.receiveShadow=j.receiveShadow,he.setValue(H,"receiveShadow",j.receiveShadow)),(J.isMeshStandardMaterial||J.isMeshLambertMaterial||J.isMeshPhongMaterial)&&J.envMap===null&&W.environment!==null&&(sn.envMapIntensity.value=W.environmentIntensity),sn.dfgLUT!==void 0&&(sn.dfgLUT.value=iT()),Qi){if(he.setValue(H,"toneMappingExposure",N.toneMappingExposure),Ft.needsLights&&Nr(sn,gs),At&&J.fog===!0&&vt.refreshFogUniforms(sn,At),vt.refreshMaterialUniforms(sn,J,ot,dt,E.state.transmissionRenderTarget[A.id]),Ft.needsLights&&Ft.numLightProbeGrids>0){let Ue=S,pn=0;for(let zn of E.state.lightProbeGridArray)zn.texture!==null&&(Ue.textures[pn]=zn.texture,Ue.min[pn]=zn.boundingBox.min,Ue.max[pn]=zn.boundingBox.max,Ue.resolution[pn]=zn.resolution,pn++);for(let zn in Ue)Ue[zn].length=pn;sn.probesSH.value=Ue.textures,sn.probesMin.value=Ue.min,sn.probesMax.value=Ue.max,sn.probesResolution.value=Ue.resolution}Oo.upload(H,Ns(Ft),sn,qt)}if(J.isShaderMaterial&&J.uniformsNeedUpdate===!0&&(Oo.upload(H,Ns(Ft),sn,qt),J.uniformsNeedUpdate=!1),J.isSpriteMaterial&&he.setValue(H,"center",j.center),he.setValue(H,"modelViewMatrix",j.modelViewMatrix),he.setValue(H,"normalMatrix",j.normalMatrix),he.setValue(H,"modelMatrix",j.matrixWorld),J.uniformsGroups!==void 0){let Ue=J.uniformsGroups;for(let pn=0,zn=Ue.length;pn<zn;pn++){let hl=Ue[pn];Wt.update(hl,dn),Wt.bind(hl,dn)}}return dn}function Nr(A,W){A.ambientLightColor.needsUpdate=W,A.lightProbe.needsUpdate=W,A.sunLights.needsUpdate=W,A.sunLightShadows.needsUpdate=W,A.directionalLights.needsUpdate=W,A.directionalLightShadows.needsUpdate=W,A.pointLights.needsUpdate=W,A.pointLightShadows.needsUpdate=W,A.spotLights.needsUpdate=W,A.spotLightShadows.needsUpdate=W,A.rectAreaLights.needsUpdate=W,A.hemisphereLights.needsUpdate=W}function Os(A){return A.isMeshLambertMaterial||A.isMeshToonMaterial||A.isMeshPhongMaterial||A.isMeshStandardMaterial||A.isShadowMaterial||A.isShaderMaterial&&A.lights===!0}this.getActiveCubeFace=function(){return $},this.getActiveMipmapLevel=function(){return G},this.getRenderTarget=function(){return ct},this.setRenderTargetTextures=function(A,W,it){let J=Vt.get(A);J.__autoAllocateDepthBuffer=A.resolveDepthBuffer===!1,J.__autoAllocateDepthBuffer===!1&&(J.__useRenderToTexture=!1),Vt.get(A.texture).__webglTexture=W,Vt.get(A.depthTexture).__webglTexture=J.__autoAllocateDepthBuffer?void 0:it,J.__hasExternalTextures=!0},this.setRenderTargetFramebuffer=function(A,W){let it=Vt.get(A);it.__webglFramebuffer=W,it.__useDefaultFramebuffer=W===void 0},this.setRenderTarget=function(A,W=0,it=0){ct=A,$=W,G=it;let J=null,j=!1,At=!1;if(A){let Tt=Vt.get(A);if(Tt.__useDefaultFramebuffer!==void 0){wt.bindFramebuffer(H.FRAMEBUFFER,Tt.__webglFramebuffer),q.copy(A.viewport),et.copy(A.scissor),nt=A.scissorTest,wt.viewport(q),wt.scissor(et),wt.setScissorTest(nt),I=-1;return}else if(Tt.__webglFramebuffer===void 0)qt.setupRenderTarget(A);else if(Tt.__hasExternalTextures)qt.rebindTextures(A,Vt.get(A.texture).__webglTexture,Vt.get(A.depthTexture).__webglTexture);else if(A.depthBuffer){let se=A.depthTexture;if(Tt.__boundDepthTexture!==se){if(se!==null&&Vt.has(se)&&(A.width!==se.image.width||A.height!==se.image.height))throw new Error("THREE.WebGLRenderer: Attached DepthTexture is initialized to the incorrect size.");qt.setupDepthRenderbuffer(A)}}let Pt=A.texture;(Pt.isData3DTexture||Pt.isDataArrayTexture||Pt.isCompressedArrayTexture)&&(At=!0);let Ht=Vt.get(A).__webglFramebuffer;A.isWebGLCubeRenderTarget?(Array.isArray(Ht[W])?J=Ht[W][it]:J=Ht[W],j=!0):A.samples>0&&qt.useMultisampledRTT(A)===!1?J=Vt.get(A).__webglMultisampledFramebuffer:Array.isArray(Ht)?J=Ht[it]:J=Ht,q.copy(A.viewport),et.copy(A.scissor),nt=A.scissorTest}else q.copy(Ut).multiplyScalar(ot).floor(),et.copy(ne).multiplyScalar(ot).floor(),nt=ie;if(it!==0&&(J=F),wt.bindFramebuffer(H.FRAMEBUFFER,J)&&wt.drawBuffers(A,J),wt.viewport(q),wt.scissor(et),wt.setScissorTest(nt),j){let Tt=Vt.get(A.texture);H.framebufferTexture2D(H.FRAMEBUFFER,H.COLOR_ATTACHMENT0,H.TEXTURE_CUBE_MAP_POSITIVE_X+W,Tt.__webglTexture,it)}else if(At){let Tt=W;for(let Pt=0;Pt<A.textures.length;Pt++){let Ht=Vt.get(A.textures[Pt]);H.framebufferTextureLayer(H.FRAMEBUFFER,H.COLOR_ATTACHMENT0+Pt,Ht.__webglTexture,it,Tt)}}else if(A!==null&&it!==0){let Tt=Vt.get(A.texture);H.framebufferTexture2D(H.FRAMEBUFFER,H.COLOR_ATTACHMENT0,H.TEXTURE_2D,Tt.__webglTexture,it)}I=-1};function Or(A){let W=Vt.get(A);return(W.__readFormat!==A.format||W.__readType!==A.type)&&(W.__readFormat=A.format,W.__readType=A.type,W.__formatReadable=le.textureFormatReadable(A.format),W.__typeReadable=le.textureTypeReadable(A.type)),W}this.readRenderTargetPixels=function(A,W,it,J,j,At,It,Tt=0){if(!(A&&A.isWebGLRenderTarget)){re("WebGLRenderer.readRenderTargetPixels: renderTarget is not THREE.WebGLRenderTarget.");return}let Pt=Vt.get(A).__webglFramebuffer;if(A.isWebGLCubeRenderTarget&&It!==void 0&&(Pt=Pt[It],Array.isArray(Pt)&&(Pt=Pt[0])),Pt){wt.bindFramebuffer(H.FRAMEBUFFER,Pt);try{let Ht=A.textures[Tt],se=Ht.format,de=Ht.type;A.textures.length>1&&H.readBuffer(H.COLOR_ATTACHMENT0+Tt);let zt=Or(Ht);if(zt.__formatReadable===!1){re("WebGLRenderer.readRenderTargetPixels: renderTarget is not in RGBA or implementation defined format.");return}if(zt.__typeReadable===!1){re("WebGLRenderer.readRenderTargetPixels: renderTarget is not in UnsignedByteType or implementation defined type.");return}W>=0&&W<=A.width-J&&it>=0&&it<=A.height-j&&H.readPixels(W,it,J,j,xt.convert(se),xt.convert(de),At)}finally{let Ht=ct!==null?Vt.get(ct).__webglFramebuffer:null;wt.bindFramebuffer(H.FRAMEBUFFER,Ht)}}},this.readRenderTargetPixelsAsync=async function(A,W,it,J,j,At,It,Tt=0){if(!(A&&A.isWebGLRenderTarget))throw new Error("THREE.WebGLRenderer.readRenderTargetPixels: renderTarget is not THREE.WebGLRenderTarget.");let Pt=Vt.get(A).__webglFramebuffer;if(A.isWebGLCubeRenderTarget&&It!==void 0&&(Pt=Pt[It],Array.isArray(Pt)&&(Pt=Pt[0])),Pt)if(W>=0&&W<=A.width-J&&it>=0&&it<=A.height-j){wt.bindFramebuffer(H.FRAMEBUFFER,Pt);let Ht=A.textures[Tt],se=Ht.format,de=Ht.type;A.textures.length>1&&H.readBuffer(H.COLOR_ATTACHMENT0+Tt);let zt=Or(Ht);if(zt.__formatReadable===!1)throw new Error("THREE.WebGLRenderer.readRenderTargetPixelsAsync: renderTarget is not in RGBA or implementation defined format.");if(zt.__typeReadable===!1)throw new Error("THREE.WebGLRenderer.readRenderTargetPixelsAsync: renderTarget is not in UnsignedByteType or implementation defined type.");let pe=H.createBuffer();H.bindBuffer(H.PIXEL_PACK_BUFFER,pe),H.bufferData(H.PIXEL_PACK_BUFFER,At.byteLength,H.STREAM_READ),H.readPixels(W,it,J,j,xt.convert(se),xt.convert(de),0),H.bindBuffer(H.PIXEL_PACK_BUFFER,null);let Qe=ct!==null?Vt.get(ct).__webglFramebuffer:null;wt.bindFramebuffer(H.FRAMEBUFFER,Qe);let Ne=H.fenceSync(H.SYNC_GPU_COMMANDS_COMPLETE,0);return H.flush(),await J0(H,Ne,4),H.bindBuffer(H.PIXEL_PACK_BUFFER,pe),H.getBufferSubData(H.PIXEL_PACK_BUFFER,0,At),H.bindBuffer(H.PIXEL_PACK_BUFFER,null),H.deleteBuffer(pe),H.deleteSync(Ne),At}else throw new Error("THREE.WebGLRenderer.readRenderTargetPixelsAsync: requested read bounds are out of range.")},this.copyFramebufferToTexture=function(A,W=null,it=0){let J=Math.pow(2,-it),j=Math.floor(A.image.width*J),At=Math.floor(A.image.height*J),It=W!==null?W.x:0,Tt=W!==null?W.y:0;qt.setTexture2D(A,0),H.copyTexSubImage2D(H.TEXTURE_2D,it,0,0,It,Tt,j,At),wt.unbindTexture()},this.copyTextureToTexture=function(A,W,it=null,J=null,j=0,At=0){let It,Tt,Pt,Ht,se,de,zt,pe,Qe,Ne=A.isCompressedTexture?A.mipmaps[At]:A.image;if(it!==null)It=it.max.x-it.min.x,Tt=it.max.y-it.min.y,Pt=it.isBox3?it.max.z-it.min.z:1,Ht=it.min.x,se=it.min.y,de=it.isBox3?it.min.z:0;else{let he=Math.pow(2,-j);It=Math.floor(Ne.width*he),Tt=Math.floor(Ne.height*he),A.isDataArrayTexture?Pt=Ne.depth:A.isData3DTexture?Pt=Math.floor(Ne.depth*he):Pt=1,Ht=0,se=0,de=0}J!==null?(zt=J.x,pe=J.y,Qe=J.z):(zt=0,pe=0,Qe=0);let Oe=xt.convert(W.format),vn=xt.convert(W.type),Ft;W.isData3DTexture?(qt.setTexture3D(W,0),Ft=H.TEXTURE_3D):W.isDataArrayTexture||W.isCompressedArrayTexture?(qt.setTexture2DArray(W,0),Ft=H.TEXTURE_2D_ARRAY):(qt.setTexture2D(W,0),Ft=H.TEXTURE_2D),wt.activeTexture(H.TEXTURE0),wt.pixelStorei(H.UNPACK_FLIP_Y_WEBGL,W.flipY),wt.pixelStorei(H.UNPACK_PREMULTIPLY_ALPHA_WEBGL,W.premultiplyAlpha),wt.pixelStorei(H.UNPACK_ALIGNMENT,W.unpackAlignment);let fn=wt.getParameter(H.UNPACK_ROW_LENGTH),_e=wt.getParameter(H.UNPACK_IMAGE_HEIGHT),ms=wt.getParameter(H.UNPACK_SKIP_PIXELS),dn=wt.getParameter(H.UNPACK_SKIP_ROWS),Ur=wt.getParameter(H.UNPACK_SKIP_IMAGES);wt.pixelStorei(H.UNPACK_ROW_LENGTH,Ne.width),wt.pixelStorei(H.UNPACK_IMAGE_HEIGHT,Ne.height),wt.pixelStorei(H.UNPACK_SKIP_PIXELS,Ht),wt.pixelStorei(H.UNPACK_SKIP_ROWS,se),wt.pixelStorei(H.UNPACK_SKIP_IMAGES,de);let Qi=A.isDataArrayTexture||A.isData3DTexture,gs=W.isDataArrayTexture||W.isData3DTexture;if(A.isDepthTexture){let he=Vt.get(A),sn=Vt.get(W),Xn=Vt.get(he.__renderTarget),Ue=Vt.get(sn.__renderTarget);wt.bindFramebuffer(H.READ_FRAMEBUFFER,Xn.__webglFramebuffer),wt.bindFramebuffer(H.DRAW_FRAMEBUFFER,Ue.__webglFramebuffer);for(let pn=0;pn<Pt;pn++)Qi&&(H.framebufferTextureLayer(H.READ_FRAMEBUFFER,H.COLOR_ATTACHMENT0,Vt.get(A).__webglTexture,j,de+pn),H.framebufferTextureLayer(H.DRAW_FRAMEBUFFER,H.COLOR_ATTACHMENT0,Vt.get(W).__webglTexture,At,Qe+pn)),H.blitFramebuffer(Ht,se,Ht+It,se+Tt,zt,pe,zt+It,pe+Tt,H.DEPTH_BUFFER_BIT,H.NEAREST);wt.bindFramebuffer(H.READ_FRAMEBUFFER,null),wt.bindFramebuffer(H.DRAW_FRAMEBUFFER,null)}else if(j!==0||A.isRenderTargetTexture||Vt.has(A)){let he=Vt.get(A),sn=Vt.get(W);wt.bindFramebuffer(H.READ_FRAMEBUFFER,R),wt.bindFramebuffer(H.DRAW_FRAMEBUFFER,U);for(let Xn=0;Xn<Pt;Xn++)Qi?H.framebufferTextureLayer(H.READ_FRAMEBUFFER,H.COLOR_ATTACHMENT0,he.__webglTexture,j,de+Xn):H.framebufferTexture2D(H.READ_FRAMEBUFFER,H.COLOR_ATTACHMENT0,H.TEXTURE_2D,he.__webglTexture,j),gs?H.framebufferTextureLayer(H.DRAW_FRAMEBUFFER,H.COLOR_ATTACHMENT0,sn.__webglTexture,At,Qe+Xn):H.framebufferTexture2D(H.DRAW_FRAMEBUFFER,H.COLOR_ATTACHMENT0,H.TEXTURE_2D,sn.__webglTexture,At),j!==0?H.blitFramebuffer(Ht,se,Ht+It,se+Tt,zt,pe,zt+It,pe+Tt,H.COLOR_BUFFER_BIT,H.NEAREST):gs?H.copyTexSubImage3D(Ft,At,zt,pe,Qe+Xn,Ht,se,It,Tt):H.copyTexSubImage2D(Ft,At,zt,pe,Ht,se,It,Tt);wt.bindFramebuffer(H.READ_FRAMEBUFFER,null),wt.bindFramebuffer(H.DRAW_FRAMEBUFFER,null)}else gs?A.isDataTexture||A.isData3DTexture?H.texSubImage3D(Ft,At,zt,pe,Qe,It,Tt,Pt,Oe,vn,Ne.data):W.isCompressedArrayTexture?H.compressedTexSubImage3D(Ft,At,zt,pe,Qe,It,Tt,Pt,Oe,Ne.data):H.texSubImage3D(Ft,At,zt,pe,Qe,It,Tt,Pt,Oe,vn,Ne):A.isDataTexture?H.texSubImage2D(H.TEXTURE_2D,At,zt,pe,It,Tt,Oe,vn,Ne.data):A.isCompressedTexture?H.compressedTexSubImage2D(H.TEXTURE_2D,At,zt,pe,Ne.width,Ne.height,Oe,Ne.data):H.texSubImage2D(H.TEXTURE_2D,At,zt,pe,It,Tt,Oe,vn,Ne);wt.pixelStorei(H.UNPACK_ROW_LENGTH,fn),wt.pixelStorei(H.UNPACK_IMAGE_HEIGHT,_e),wt.pixelStorei(H.UNPACK_SKIP_PIXELS,ms),wt.pixelStorei(H.UNPACK_SKIP_ROWS,dn),wt.pixelStorei(H.UNPACK_SKIP_IMAGES,Ur),At===0&&W.generateMipmaps===!0&&W.mipmapsAutoUpdate===!0&&H.generateMipmap(Ft),wt.unbindTexture()},this.initRenderTarget=function(A){Vt.get(A).__webglFramebuffer===void 0&&qt.setupRenderTarget(A)},this.initTexture=function(A){A.isCubeTexture?qt.setTextureCube(A,0):A.isData3DTexture?qt.setTexture3D(A,0):A.isDataArrayTexture||A.isCompressedArrayTexture?qt.setTexture2DArray(A,0):qt.setTexture2D(A,0),wt.unbindTexture()},this.resetState=function(){$=0,G=0,ct=null,wt.reset(),Mt.reset()},typeof __THREE_DEVTOOLS__<"u"&&__THREE_DEVTOOLS__.dispatchEvent(new CustomEvent("observe",{detail:this}))}get coordinateSystem(){return Ii}get outputColorSpace(){return this._outputColorSpace}set outputColorSpace(t){this._outputColorSpace=t;let e=this.getContext();e.drawingBufferColorSpace=xe._getDrawingBufferColorSpace(t),e.unpackColorSpace=xe._getUnpackColorSpace()}};var F_=new Z(0,0,1),sT=new Co(.9,1.05,64),rT=new Co(.94,1.01,64),oT=new To(.025,.025,.8,10).translate(0,.4,0).rotateX(Math.PI/2),aT=new Ba(.075,.2,14).translate(0,.9,0).rotateX(Math.PI/2),lT=new Fa(.16,24),cT=.93,hT=14964526,uT=.45,B_=.08,$h=class{constructor(){this.group=new Pi,this.markers=[],this.greatest=0}show(t,e){for(;this.markers.length<t.length;)this.add();this.greatest=Math.max(this.greatest,...t.map(k_)),this.markers.forEach((i,s)=>{i.group.visible=s<t.length,i.group.visible&&this.place(i,t[s],e)})}reset(){this.greatest=0,this.show([],1)}face(t){for(let{group:e,arrow:i,dot:s,materials:r,normal:o}of this.markers){let a=o.dot(t.position.clone().sub(e.position).normalize());for(let l of r)l.opacity=a<0?.25:1;s.visible=Math.abs(a)>cT,i.visible=!s.visible}}add(){let t=a=>new Mo({color:a,side:ni,transparent:!0,depthTest:!1,depthWrite:!1}),e=[t(1053980),t(16777215),t(hT)],i=ol(lT,e[2],12),s=new Pi().add(ol(sT,e[0],10),ol(rT,e[1],11),i),r=new Pi().add(ol(oT,e[2],12),ol(aT,e[2],12)),o=new Pi().add(s,r);this.markers.push({group:o,ring:s,arrow:r,dot:i,materials:e,normal:new Z(0,0,1)}),this.group.add(o)}place(t,e,i){let{group:s,ring:r,arrow:o,normal:a}=t;s.position.copy(e.position),a.copy(e.normal),a.lengthSq()>.01||a.copy(F_),s.quaternion.copy(new jn().setFromUnitVectors(F_,a.normalize())),r.scale.setScalar(kd(e,i));let l=this.greatest>0?k_(e)/this.greatest:0;o.scale.setScalar(i*(B_+(uT-B_)*l))}};function kd(n,t){let e=Math.sqrt(n.area/Math.PI);return Number.isFinite(e)&&e>0?Math.max(e,t*.02):t*.05}function k_(n){let t=Number.isFinite(n.force)?n.force:n.strength;return Number.isFinite(t)?Math.max(0,t):0}function ol(n,t,e){let i=new ti(n,t);return i.renderOrder=e,i}var qh=22,fT=6,Xh=4,dT={circle:()=>ri("circle",{r:9}),square:()=>ri("rect",{x:-9,y:-9,width:18,height:18}),diamond:()=>ri("path",{d:"M0,-13 L13,0 L0,13 L-13,0 Z"}),triangle:()=>ri("path",{d:"M0,-14 L13,9 L-13,9 Z"})},Yh=class{constructor(t,e){this.scene=e,this.contactLayer=Zt("div"),this.electrodeLayer=ri("svg"),t.append(this.electrodeLayer,this.contactLayer),this.contacts=[],this.electrodes=[],this.outward=[]}setElectrodes(t,e){let i=t.length/3;this.electrodes=Array.from({length:i},(s,r)=>new Z().fromArray(t,3*r)),this.outward=this.electrodes.map(s=>pT(s,e)),this.electrodeLayer.replaceChildren(),this.states=""}showElectrodes(t){let e=JSON.stringify(t.map(({state:i,colour:s})=>[i,s]));e!==this.states&&(this.states=e,this.electrodeLayer.replaceChildren(...t.map(mT)),this.placeElectrodes())}showContacts(t){for(this.contacts=t;this.contactLayer.children.length<t.length;)this.contactLayer.append(Zt("span",{className:"contact"}));[...this.contactLayer.children].forEach((e,i)=>{e.hidden=i>=t.length,e.hidden||Gt(e,mp(t[i]))})}setShown({contacts:t,electrodes:e}){this.contactLayer.hidden=!t,this.electrodeLayer.style.display=e?"":"none"}place(t){t&&this.placeElectrodes(),this.placeContacts()}placeElectrodes(){[...this.electrodeLayer.children].forEach((t,e)=>{let[i,s]=this.scene.project(this.electrodes[e]);t.setAttribute("transform",`translate(${i.toFixed(1)},${s.toFixed(1)})`);let r=this.outward[e]!==void 0&&!this.scene.faces(this.electrodes[e],this.outward[e]);t.classList.toggle("is-away",r)})}placeContacts(){let{clientWidth:t,clientHeight:e}=this.scene.canvas,i=[],s=this.contacts.map((r,o)=>this.wantedPlace(r,this.contactLayer.children[o]));for(let r of s.sort((o,a)=>o.y-a.y)){r.x=z_(r.x,Xh,t-r.width-Xh),r.y=z_(r.y,Xh,e-qh-Xh);for(let o of i)_T(r,o)&&(r.y=o.y+qh+2);i.push(r),r.node.style.transform=`translate(${r.x.toFixed(1)}px,${r.y.toFixed(1)}px)`}}wantedPlace(t,e){let{scene:i}=this,[s,r]=i.project(t.position),o=kd(t,i.frame?.radius??1)*i.pointsPerMetre(),a=e.textContent.length*7+14;return e.classList.toggle("is-away",!i.faces(t.position,new Z().copy(t.normal))),{node:e,width:a,x:s-a/2,y:r-o-qh-fT}}};function pT(n,{isFlat:t,centre:e,normal:i,radius:s}){if(!t)return n.clone().sub(e).addScaledVector(i,s*.5).normalize()}function mT({number:n,state:t,colour:e}){let{shape:i,sign:s,word:r}=Nl[t],o=ri("g",{class:`electrode is-${t}`},dT[i]()),a=e&&t!=="open"&&t!=="shorted";a&&(o.firstChild.style.fill=e);let l=a&&gT(e)<.45,c=ri("text",{class:l?"on-dark":"on-light"});c.textContent=n;let h=ri("title");if(h.textContent=`Electrode ${n}: ${r}`,o.append(c,h),s){let f=ri("text",{class:"sign",x:15,y:-9});f.textContent=s,o.append(f)}return o}function gT(n){let[t,e,i]=n.match(/\d+/g).map(Number);return(.299*t+.587*e+.114*i)/255}function _T(n,t){return n.x<t.x+t.width&&t.x<n.x+n.width&&Math.abs(n.y-t.y)<qh}function z_(n,t,e){return Math.max(t,Math.min(e,n))}var Zh=class{constructor(){this.isAutomatic=!0,this.fixed=.2,this.held=0,this.threshold=NaN,this.time=void 0}get maximum(){return this.isAutomatic?Math.max(this.held,this.least):this.fixed}get least(){return this.threshold>0?this.threshold*2:.001}follow(t,e){let i=this.time===void 0?1/0:Math.abs(e-this.time);this.held*=Math.exp(-i/2),this.time=e;for(let s of t)Math.abs(s)>this.held&&(this.held=Math.abs(s))}setAutomatic(t){t||(this.fixed=yT(this.maximum)),this.isAutomatic=t}setFixed(t){this.isAutomatic=!1,this.fixed=t}step(t){this.setFixed(Kh(this.maximum,t))}};function yT(n){return Number(n.toPrecision(2))}function Kh(n,t){let e=10**Math.floor(Math.log10(n)),i=[.1,.2,.5,1,2,5,10,20].map(r=>Number((r*e).toPrecision(2))),s=n*1e-6;return t?i.find(r=>r>n+s):i.findLast(r=>r<n-s)}var H_={type:"change"},Hd={type:"start"},G_={type:"end"},Jh=new Tr,V_=new vi,xT=Math.cos(70*wd.DEG2RAD),Tn=new Z,ci=2*Math.PI,Re={NONE:-1,ROTATE:0,DOLLY:1,PAN:2,TOUCH_ROTATE:3,TOUCH_PAN:4,TOUCH_DOLLY_PAN:5,TOUCH_DOLLY_ROTATE:6},zd=1e-6,jh=class extends qa{constructor(t,e=null){super(t,e),this.state=Re.NONE,this.target=new Z,this.cursor=new Z,this.minDistance=0,this.maxDistance=1/0,this.minZoom=0,this.maxZoom=1/0,this.minTargetRadius=0,this.maxTargetRadius=1/0,this.minPolarAngle=0,this.maxPolarAngle=Math.PI,this.minAzimuthAngle=-1/0,this.maxAzimuthAngle=1/0,this.enableDamping=!1,this.dampingFactor=.05,this.enableZoom=!0,this.zoomSpeed=1,this.enableRotate=!0,this.rotateSpeed=1,this.keyRotateSpeed=1,this.enablePan=!0,this.panSpeed=1,this.screenSpacePanning=!0,this.keyPanSpeed=7,this.zoomToCursor=!1,this.autoRotate=!1,this.autoRotateSpeed=2,this.keys={LEFT:"ArrowLeft",UP:"ArrowUp",RIGHT:"ArrowRight",BOTTOM:"ArrowDown"},this.mouseButtons={LEFT:rr.ROTATE,MIDDLE:rr.DOLLY,RIGHT:rr.PAN},this.touches={ONE:or.ROTATE,TWO:or.DOLLY_PAN},this.target0=this.target.clone(),this.position0=this.object.position.clone(),this.zoom0=this.object.zoom,this._cursorStyle="auto",this._domElementKeyEvents=null,this._lastPosition=new Z,this._lastQuaternion=new jn,this._lastTargetPosition=new Z,this._quat=new jn().setFromUnitVectors(t.up,new Z(0,1,0)),this._quatInverse=this._quat.clone().invert(),this._spherical=new sr,this._sphericalDelta=new sr,this._scale=1,this._panOffset=new Z,this._rotateStart=new jt,this._rotateEnd=new jt,this._rotateDelta=new jt,this._panStart=new jt,this._panEnd=new jt,this._panDelta=new jt,this._dollyStart=new jt,this._dollyEnd=new jt,this._dollyDelta=new jt,this._dollyDirection=new Z,this._mouse=new jt,this._performCursorZoom=!1,this._pointers=[],this._pointerPositions={},this._controlActive=!1,this._onPointerMove=ST.bind(this),this._onPointerDown=vT.bind(this),this._onPointerUp=bT.bind(this),this._onContextMenu=RT.bind(this),this._onMouseWheel=ET.bind(this),this._onKeyDown=AT.bind(this),this._onTouchStart=TT.bind(this),this._onTouchMove=CT.bind(this),this._onMouseDown=MT.bind(this),this._onMouseMove=wT.bind(this),this._interceptControlDown=IT.bind(this),this._interceptControlUp=PT.bind(this),this.domElement!==null&&this.connect(this.domElement),this.update()}set cursorStyle(t){this._cursorStyle=t,t==="grab"?this.domElement.style.cursor="grab":this.domElement.style.cursor="auto"}get cursorStyle(){return this._cursorStyle}connect(t){super.connect(t),this.domElement.addEventListener("pointerdown",this._onPointerDown),this.domElement.addEventListener("pointercancel",this._onPointerUp),this.domElement.addEventListener("contextmenu",this._onContextMenu),this.domElement.addEventListener("wheel",this._onMouseWheel,{passive:!1}),this.domElement.ownerDocument.addEventListener("keydown",this._interceptControlDown,{passive:!0,capture:!0}),this.domElement.style.touchAction="none"}disconnect(){this.state=Re.NONE,this.domElement.removeEventListener("pointerdown",this._onPointerDown),this.domElement.ownerDocument.removeEventListener("pointermove",this._onPointerMove),this.domElement.ownerDocument.removeEventListener("pointerup",this._onPointerUp),this.domElement.removeEventListener("pointercancel",this._onPointerUp),this.domElement.removeEventListener("wheel",this._onMouseWheel),this.domElement.removeEventListener("contextmenu",this._onContextMenu),this.stopListenToKeyEvents(),this.domElement.ownerDocument.removeEventListener("keydown",this._interceptControlDown,{capture:!0}),this.domElement.ownerDocument.removeEventListener("keyup",this._interceptControlUp,{capture:!0}),this._controlActive=!1,this._pointers.length=0,this._pointerPositions={},this.domElement.style.touchAction="",this.domElement.style.cursor="auto"}dispose(){this.disconnect()}getPolarAngle(){return this._spherical.phi}getAzimuthalAngle(){return this._spherical.theta}getDistance(){return this.object.position.distanceTo(this.target)}listenToKeyEvents(t){t.addEventListener("keydown",this._onKeyDown),this._domElementKeyEvents=t}stopListenToKeyEvents(){this._domElementKeyEvents!==null&&(this._domElementKeyEvents.removeEventListener("keydown",this._onKeyDown),this._domElementKeyEvents=null)}saveState(){this.target0.copy(this.target),this.position0.copy(this.object.position),this.zoom0=this.object.zoom}reset(){this.target.copy(this.target0),this.object.position.copy(this.position0),this.object.zoom=this.zoom0,this.object.updateProjectionMatrix(),this.dispatchEvent(H_),this.update(),this.state=Re.NONE}pan(t,e){this._pan(t,e),this.update()}dollyIn(t){this._dollyIn(t),this.update()}dollyOut(t){this._dollyOut(t),this.update()}rotateLeft(t){this._rotateLeft(t),this.update()}rotateUp(t){this._rotateUp(t),this.update()}update(t=null){let e=this.object.position;Tn.copy(e).sub(this.target),Tn.applyQuaternion(this._quat),this._spherical.setFromVector3(Tn),this.autoRotate&&this.state===Re.NONE&&this._rotateLeft(this._getAutoRotationAngle(t)),this.enableDamping?(this._spherical.theta+=this._sphericalDelta.theta*this.dampingFactor,this._spherical.phi+=this._sphericalDelta.phi*this.dampingFactor):(this._spherical.theta+=this._sphericalDelta.theta,this._spherical.phi+=this._sphericalDelta.phi);let i=this.minAzimuthAngle,s=this.maxAzimuthAngle;isFinite(i)&&isFinite(s)&&(i<-Math.PI?i+=ci:i>Math.PI&&(i-=ci),s<-Math.PI?s+=ci:s>Math.PI&&(s-=ci),i<=s?this._spherical.theta=Math.max(i,Math.min(s,this._spherical.theta)):this._spherical.theta=this._spherical.theta>(i+s)/2?Math.max(i,this._spherical.theta):Math.min(s,this._spherical.theta)),this._spherical.phi=Math.max(this.minPolarAngle,Math.min(this.maxPolarAngle,this._spherical.phi)),this._spherical.makeSafe(),this.enableDamping===!0?this.target.addScaledVector(this._panOffset,this.dampingFactor):this.target.add(this._panOffset),this.target.sub(this.cursor),this.target.clampLength(this.minTargetRadius,this.maxTargetRadius),this.target.add(this.cursor);let r=!1;if(this.zoomToCursor&&this._performCursorZoom||this.object.isOrthographicCamera)this._spherical.radius=this._clampDistance(this._spherical.radius);else{let o=this._spherical.radius;this._spherical.radius=this._clampDistance(this._spherical.radius*this._scale),r=o!=this._spherical.radius}if(Tn.setFromSpherical(this._spherical),Tn.applyQuaternion(this._quatInverse),e.copy(this.target).add(Tn),this.object.lookAt(this.target),this.enableDamping===!0?(this._sphericalDelta.theta*=1-this.dampingFactor,this._sphericalDelta.phi*=1-this.dampingFactor,this._panOffset.multiplyScalar(1-this.dampingFactor)):(this._sphericalDelta.set(0,0,0),this._panOffset.set(0,0,0)),this.zoomToCursor&&this._performCursorZoom){let o=null;if(this.object.isPerspectiveCamera){let a=Tn.length();o=this._clampDistance(a*this._scale);let l=a-o;this.object.position.addScaledVector(this._dollyDirection,l),this.object.updateMatrixWorld(),r=!!l}else if(this.object.isOrthographicCamera){let a=new Z(this._mouse.x,this._mouse.y,0);a.unproject(this.object);let l=this.object.zoom;this.object.zoom=Math.max(this.minZoom,Math.min(this.maxZoom,this.object.zoom/this._scale)),this.object.updateProjectionMatrix(),r=l!==this.object.zoom;let c=new Z(this._mouse.x,this._mouse.y,0);c.unproject(this.object),this.object.position.sub(c).add(a),this.object.updateMatrixWorld(),o=Tn.length()}else console.warn("WARNING: OrbitControls.js encountered an unknown camera type - zoom to cursor disabled."),this.zoomToCursor=!1;o!==null&&(this.screenSpacePanning?this.target.set(0,0,-1).transformDirection(this.object.matrix).multiplyScalar(o).add(this.object.position):(Jh.origin.copy(this.object.position),Jh.direction.set(0,0,-1).transformDirection(this.object.matrix),Math.abs(this.object.up.dot(Jh.direction))<xT?this.object.lookAt(this.target):(V_.setFromNormalAndCoplanarPoint(this.object.up,this.target),Jh.intersectPlane(V_,this.target))))}else if(this.object.isOrthographicCamera){let o=this.object.zoom;this.object.zoom=Math.max(this.minZoom,Math.min(this.maxZoom,this.object.zoom/this._scale)),o!==this.object.zoom&&(this.object.updateProjectionMatrix(),r=!0)}return this._scale=1,this._performCursorZoom=!1,r||this._lastPosition.distanceToSquared(this.object.position)>zd||8*(1-this._lastQuaternion.dot(this.object.quaternion))>zd||this._lastTargetPosition.distanceToSquared(this.target)>zd?(this.dispatchEvent(H_),this._lastPosition.copy(this.object.position),this._lastQuaternion.copy(this.object.quaternion),this._lastTargetPosition.copy(this.target),!0):!1}_getAutoRotationAngle(t){return t!==null?ci/60*this.autoRotateSpeed*t:ci/60/60*this.autoRotateSpeed}_getZoomScale(t){let e=Math.abs(t*.01);return Math.pow(.95,this.zoomSpeed*e)}_rotateLeft(t){this._sphericalDelta.theta-=t}_rotateUp(t){this._sphericalDelta.phi-=t}_panLeft(t,e){Tn.setFromMatrixColumn(e,0),Tn.multiplyScalar(-t),this._panOffset.add(Tn)}_panUp(t,e){this.screenSpacePanning===!0?Tn.setFromMatrixColumn(e,1):(Tn.setFromMatrixColumn(e,0),Tn.crossVectors(this.object.up,Tn)),Tn.multiplyScalar(t),this._panOffset.add(Tn)}_pan(t,e){let i=this.domElement;if(this.object.isPerspectiveCamera){let s=this.object.position;Tn.copy(s).sub(this.target);let r=Tn.length();r*=Math.tan(this.object.fov/2*Math.PI/180),this._panLeft(2*t*r/i.clientHeight,this.object.matrix),this._panUp(2*e*r/i.clientHeight,this.object.matrix)}else this.object.isOrthographicCamera?(this._panLeft(t*(this.object.right-this.object.left)/this.object.zoom/i.clientWidth,this.object.matrix),this._panUp(e*(this.object.top-this.object.bottom)/this.object.zoom/i.clientHeight,this.object.matrix)):(console.warn("WARNING: OrbitControls.js encountered an unknown camera type - pan disabled."),this.enablePan=!1)}_dollyOut(t){this.object.isPerspectiveCamera||this.object.isOrthographicCamera?this._scale/=t:(console.warn("WARNING: OrbitControls.js encountered an unknown camera type - dolly/zoom disabled."),this.enableZoom=!1)}_dollyIn(t){this.object.isPerspectiveCamera||this.object.isOrthographicCamera?this._scale*=t:(console.warn("WARNING: OrbitControls.js encountered an unknown camera type - dolly/zoom disabled."),this.enableZoom=!1)}_updateZoomParameters(t,e){if(!this.zoomToCursor)return;this._performCursorZoom=!0;let i=this.domElement.getBoundingClientRect(),s=t-i.left,r=e-i.top,o=i.width,a=i.height;this._mouse.x=s/o*2-1,this._mouse.y=-(r/a)*2+1,this._dollyDirection.set(this._mouse.x,this._mouse.y,1).unproject(this.object).sub(this.object.position).normalize()}_clampDistance(t){return Math.max(this.minDistance,Math.min(this.maxDistance,t))}_handleMouseDownRotate(t){this._rotateStart.set(t.clientX,t.clientY)}_handleMouseDownDolly(t){this._updateZoomParameters(t.clientX,t.clientY),this._dollyStart.set(t.clientX,t.clientY)}_handleMouseDownPan(t){this._panStart.set(t.clientX,t.clientY)}_handleMouseMoveRotate(t){this._rotateEnd.set(t.clientX,t.clientY),this._rotateDelta.subVectors(this._rotateEnd,this._rotateStart).multiplyScalar(this.rotateSpeed);let e=this.domElement;this._rotateLeft(ci*this._rotateDelta.x/e.clientHeight),this._rotateUp(ci*this._rotateDelta.y/e.clientHeight),this._rotateStart.copy(this._rotateEnd),this.update()}_handleMouseMoveDolly(t){this._dollyEnd.set(t.clientX,t.clientY),this._dollyDelta.subVectors(this._dollyEnd,this._dollyStart),this._dollyDelta.y>0?this._dollyOut(this._getZoomScale(this._dollyDelta.y)):this._dollyDelta.y<0&&this._dollyIn(this._getZoomScale(this._dollyDelta.y)),this._dollyStart.copy(this._dollyEnd),this.zoomToCursor&&(this._performCursorZoom=!0,this._dollyDirection.set(this._mouse.x,this._mouse.y,1).unproject(this.object).sub(this.object.position).normalize()),this.update()}_handleMouseMovePan(t){this._panEnd.set(t.clientX,t.clientY),this._panDelta.subVectors(this._panEnd,this._panStart).multiplyScalar(this.panSpeed),this._pan(this._panDelta.x,this._panDelta.y),this._panStart.copy(this._panEnd),this.update()}_handleMouseWheel(t){this._updateZoomParameters(t.clientX,t.clientY),t.deltaY<0?this._dollyIn(this._getZoomScale(t.deltaY)):t.deltaY>0&&this._dollyOut(this._getZoomScale(t.deltaY)),this.update()}_handleKeyDown(t){let e=!1;switch(t.code){case this.keys.UP:t.ctrlKey||t.metaKey||t.shiftKey?this.enableRotate&&this._rotateUp(ci*this.keyRotateSpeed/this.domElement.clientHeight):this.enablePan&&this._pan(0,this.keyPanSpeed),e=!0;break;case this.keys.BOTTOM:t.ctrlKey||t.metaKey||t.shiftKey?this.enableRotate&&this._rotateUp(-ci*this.keyRotateSpeed/this.domElement.clientHeight):this.enablePan&&this._pan(0,-this.keyPanSpeed),e=!0;break;case this.keys.LEFT:t.ctrlKey||t.metaKey||t.shiftKey?this.enableRotate&&this._rotateLeft(ci*this.keyRotateSpeed/this.domElement.clientHeight):this.enablePan&&this._pan(this.keyPanSpeed,0),e=!0;break;case this.keys.RIGHT:t.ctrlKey||t.metaKey||t.shiftKey?this.enableRotate&&this._rotateLeft(-ci*this.keyRotateSpeed/this.domElement.clientHeight):this.enablePan&&this._pan(-this.keyPanSpeed,0),e=!0;break}e&&(t.preventDefault(),this.update())}_handleTouchStartRotate(t){if(this._pointers.length===1)this._rotateStart.set(t.pageX,t.pageY);else{let e=this._getSecondPointerPosition(t),i=.5*(t.pageX+e.x),s=.5*(t.pageY+e.y);this._rotateStart.set(i,s)}}_handleTouchStartPan(t){if(this._pointers.length===1)this._panStart.set(t.pageX,t.pageY);else{let e=this._getSecondPointerPosition(t),i=.5*(t.pageX+e.x),s=.5*(t.pageY+e.y);this._panStart.set(i,s)}}_handleTouchStartDolly(t){let e=this._getSecondPointerPosition(t),i=t.pageX-e.x,s=t.pageY-e.y,r=Math.sqrt(i*i+s*s);this._dollyStart.set(0,r)}_handleTouchStartDollyPan(t){this.enableZoom&&this._handleTouchStartDolly(t),this.enablePan&&this._handleTouchStartPan(t)}_handleTouchStartDollyRotate(t){this.enableZoom&&this._handleTouchStartDolly(t),this.enableRotate&&this._handleTouchStartRotate(t)}_handleTouchMoveRotate(t){if(this._pointers.length==1)this._rotateEnd.set(t.pageX,t.pageY);else{let i=this._getSecondPointerPosition(t),s=.5*(t.pageX+i.x),r=.5*(t.pageY+i.y);this._rotateEnd.set(s,r)}this._rotateDelta.subVectors(this._rotateEnd,this._rotateStart).multiplyScalar(this.rotateSpeed);let e=this.domElement;this._rotateLeft(ci*this._rotateDelta.x/e.clientHeight),this._rotateUp(ci*this._rotateDelta.y/e.clientHeight),this._rotateStart.copy(this._rotateEnd)}_handleTouchMovePan(t){if(this._pointers.length===1)this._panEnd.set(t.pageX,t.pageY);else{let e=this._getSecondPointerPosition(t),i=.5*(t.pageX+e.x),s=.5*(t.pageY+e.y);this._panEnd.set(i,s)}this._panDelta.subVectors(this._panEnd,this._panStart).multiplyScalar(this.panSpeed),this._pan(this._panDelta.x,this._panDelta.y),this._panStart.copy(this._panEnd)}_handleTouchMoveDolly(t){let e=this._getSecondPointerPosition(t),i=t.pageX-e.x,s=t.pageY-e.y,r=Math.sqrt(i*i+s*s);this._dollyEnd.set(0,r),this._dollyDelta.set(0,Math.pow(this._dollyEnd.y/this._dollyStart.y,this.zoomSpeed)),this._dollyOut(this._dollyDelta.y),this._dollyStart.copy(this._dollyEnd);let o=(t.pageX+e.x)*.5,a=(t.pageY+e.y)*.5;this._updateZoomParameters(o,a)}_handleTouchMoveDollyPan(t){this.enableZoom&&this._handleTouchMoveDolly(t),this.enablePan&&this._handleTouchMovePan(t)}_handleTouchMoveDollyRotate(t){this.enableZoom&&this._handleTouchMoveDolly(t),this.enableRotate&&this._handleTouchMoveRotate(t)}_addPointer(t){this._pointers.push(t.pointerId)}_removePointer(t){delete this._pointerPositions[t.pointerId];for(let e=0;e<this._pointers.length;e++)if(this._pointers[e]==t.pointerId){this._pointers.splice(e,1);return}}_isTrackingPointer(t){for(let e=0;e<this._pointers.length;e++)if(this._pointers[e]==t.pointerId)return!0;return!1}_trackPointer(t){let e=this._pointerPositions[t.pointerId];e===void 0&&(e=new jt,this._pointerPositions[t.pointerId]=e),e.set(t.pageX,t.pageY)}_getSecondPointerPosition(t){let e=t.pointerId===this._pointers[0]?this._pointers[1]:this._pointers[0];return this._pointerPositions[e]}_customWheelEvent(t){let e=t.deltaMode,i={clientX:t.clientX,clientY:t.clientY,deltaY:t.deltaY};switch(e){case 1:i.deltaY*=16;break;case 2:i.deltaY*=100;break}return t.ctrlKey&&!this._controlActive&&(i.deltaY*=10),i}};function vT(n){this.enabled!==!1&&(this._pointers.length===0&&(this.domElement.setPointerCapture(n.pointerId),this.domElement.ownerDocument.addEventListener("pointermove",this._onPointerMove),this.domElement.ownerDocument.addEventListener("pointerup",this._onPointerUp)),!this._isTrackingPointer(n)&&(this._addPointer(n),n.pointerType==="touch"?this._onTouchStart(n):this._onMouseDown(n),this._cursorStyle==="grab"&&(this.domElement.style.cursor="grabbing")))}function ST(n){this.enabled!==!1&&(n.pointerType==="touch"?this._onTouchMove(n):this._onMouseMove(n))}function bT(n){switch(this._removePointer(n),this._pointers.length){case 0:this.domElement.releasePointerCapture(n.pointerId),this.domElement.ownerDocument.removeEventListener("pointermove",this._onPointerMove),this.domElement.ownerDocument.removeEventListener("pointerup",this._onPointerUp),this.dispatchEvent(G_),this.state=Re.NONE,this._cursorStyle==="grab"&&(this.domElement.style.cursor="grab");break;case 1:let t=this._pointers[0],e=this._pointerPositions[t];this._onTouchStart({pointerId:t,pageX:e.x,pageY:e.y});break}}function MT(n){let t;switch(n.button){case 0:t=this.mouseButtons.LEFT;break;case 1:t=this.mouseButtons.MIDDLE;break;case 2:t=this.mouseButtons.RIGHT;break;default:t=-1}switch(t){case rr.DOLLY:if(this.enableZoom===!1)return;this._handleMouseDownDolly(n),this.state=Re.DOLLY;break;case rr.ROTATE:if(n.ctrlKey||n.metaKey||n.shiftKey){if(this.enablePan===!1)return;this._handleMouseDownPan(n),this.state=Re.PAN}else{if(this.enableRotate===!1)return;this._handleMouseDownRotate(n),this.state=Re.ROTATE}break;case rr.PAN:if(n.ctrlKey||n.metaKey||n.shiftKey){if(this.enableRotate===!1)return;this._handleMouseDownRotate(n),this.state=Re.ROTATE}else{if(this.enablePan===!1)return;this._handleMouseDownPan(n),this.state=Re.PAN}break;default:this.state=Re.NONE}this.state!==Re.NONE&&this.dispatchEvent(Hd)}function wT(n){switch(this.state){case Re.ROTATE:if(this.enableRotate===!1)return;this._handleMouseMoveRotate(n);break;case Re.DOLLY:if(this.enableZoom===!1)return;this._handleMouseMoveDolly(n);break;case Re.PAN:if(this.enablePan===!1)return;this._handleMouseMovePan(n);break}}function ET(n){this.enabled===!1||this.enableZoom===!1||this.state!==Re.NONE||(n.preventDefault(),this.dispatchEvent(Hd),this._handleMouseWheel(this._customWheelEvent(n)),this.dispatchEvent(G_))}function AT(n){this.enabled!==!1&&this._handleKeyDown(n)}function TT(n){switch(this._trackPointer(n),this._pointers.length){case 1:switch(this.touches.ONE){case or.ROTATE:if(this.enableRotate===!1){this.state=Re.NONE;break}this._handleTouchStartRotate(n),this.state=Re.TOUCH_ROTATE;break;case or.PAN:if(this.enablePan===!1){this.state=Re.NONE;break}this._handleTouchStartPan(n),this.state=Re.TOUCH_PAN;break;default:this.state=Re.NONE}break;case 2:switch(this.touches.TWO){case or.DOLLY_PAN:if(this.enableZoom===!1&&this.enablePan===!1)return;this._handleTouchStartDollyPan(n),this.state=Re.TOUCH_DOLLY_PAN;break;case or.DOLLY_ROTATE:if(this.enableZoom===!1&&this.enableRotate===!1)return;this._handleTouchStartDollyRotate(n),this.state=Re.TOUCH_DOLLY_ROTATE;break;default:this.state=Re.NONE}break;default:this.state=Re.NONE}this.state!==Re.NONE&&this.dispatchEvent(Hd)}function CT(n){switch(this._trackPointer(n),this.state){case Re.TOUCH_ROTATE:if(this.enableRotate===!1)return;this._handleTouchMoveRotate(n),this.update();break;case Re.TOUCH_PAN:if(this.enablePan===!1)return;this._handleTouchMovePan(n),this.update();break;case Re.TOUCH_DOLLY_PAN:if(this.enableZoom===!1&&this.enablePan===!1)return;this._handleTouchMoveDollyPan(n),this.update();break;case Re.TOUCH_DOLLY_ROTATE:if(this.enableZoom===!1&&this.enableRotate===!1)return;this._handleTouchMoveDollyRotate(n),this.update();break;default:this.state=Re.NONE}}function RT(n){this.enabled!==!1&&n.preventDefault()}function IT(n){n.key==="Control"&&(this._controlActive=!0,this.domElement.ownerDocument.addEventListener("keyup",this._interceptControlUp,{passive:!0,capture:!0}))}function PT(n){n.key==="Control"&&(this._controlActive=!1,this.domElement.ownerDocument.removeEventListener("keyup",this._interceptControlUp,{passive:!0,capture:!0}))}var W_=-1e30,LT=`
+attribute float value;
+varying float shownValue;
+varying vec3 viewNormal;
+void main() {
+  shownValue = value;
+  viewNormal = normalMatrix * normal;
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+}`,DT=`
+uniform sampler2D map;
+uniform vec2 range;
+uniform vec3 blank;
+uniform float shading;
+varying float shownValue;
+varying vec3 viewNormal;
+void main() {
+  float share = clamp((shownValue - range.x) / (range.y - range.x), 0.0, 1.0);
+  vec3 colour = shownValue < -1e20 ? blank : texture2D(map, vec2((share * 255.0 + 0.5) / 256.0, 0.5)).rgb;
+  float light = mix(1.0, 0.72 + 0.28 * abs(normalize(viewNormal).z), shading);
+  gl_FragColor = vec4(colour * light, 1.0);
+}`,Qh=class{constructor(t){this.pixels=t.vertex_pixels,this.geometry=X_(t.vertices,t.triangles),this.values=new Float32Array(t.vertices.length/3).fill(W_),this.geometry.setAttribute("value",new oi(this.values,1)),this.frame=UT(this.geometry),this.material=NT(this.frame.isFlat),this.mesh=new ti(this.geometry,this.material),this.outline=BT(this.geometry),this.objects=[this.mesh,this.outline]}show(t){let{pixels:e}=this;for(let i=0;i<this.values.length;i++){let s=t?.[e[i]];this.values[i]=Number.isFinite(s)?s:W_}this.geometry.attributes.value.needsUpdate=!0}setColours(t,e,i){let{map:s,range:r}=this.material.uniforms;t!==s.value?.image.data&&(s.value?.dispose(),s.value=OT(t)),r.value=[e,i]}setTheme({blank:t,line:e}){this.material.uniforms.blank.value=t,this.outline.material.color.setRGB(...e)}dispose(){this.material.uniforms.map.value?.dispose();for(let t of[this.geometry,this.material,this.outline.geometry,this.outline.material])t.dispose()}};function $_(n){if(n.link_triangles.length===0)return;let t=X_(n.link_vertices,n.link_triangles),e={polygonOffset:!0,polygonOffsetFactor:2,polygonOffsetUnits:8};return new ti(t,new za({color:9147293,side:ni,...e}))}function X_(n,t){let e=new Qn;return e.setAttribute("position",new oi(Float32Array.from(n),3)),e.setIndex(new oi(Uint32Array.from(t),1)),e.computeVertexNormals(),e.computeBoundingSphere(),e}function NT(n){return new Li({vertexShader:LT,fragmentShader:DT,side:ni,uniforms:{map:{value:null},range:{value:[0,1]},blank:{value:[.5,.5,.5]},shading:{value:n?0:1}}})}function OT(n){let t=new wo(n,n.length/4,1);return t.magFilter=t.minFilter=Bn,t.needsUpdate=!0,t}function UT(n){let{center:t,radius:e}=n.boundingSphere,i=new Z,s=0;FT(n,(a,l,c)=>{let h=l.sub(a).cross(c.sub(a));s+=h.length(),i.add(h)});let r=s>0?i.length()/s:0,o=r>.05?i.normalize():new Z(0,0,1);return{centre:t.clone(),radius:e||1,normal:o,isFlat:r>.995}}function FT({index:n,attributes:{position:t}},e){let i=s=>new Z().fromBufferAttribute(t,n.getX(s));for(let s=0;s+2<n.count;s+=3)e(i(s),i(s+1),i(s+2))}function BT({index:n,attributes:{position:t}}){let e=new Map,i=Uint32Array.from({length:t.count},(a,l)=>{let c=[t.getX(l),t.getY(l),t.getZ(l)].map(h=>Math.round(h*1e6)).join();return e.has(c)||e.set(c,l),e.get(c)}),s=new Map;for(let a=0;a+2<n.count;a+=3){let l=[0,1,2].map(c=>i[n.getX(a+c)]);for(let[c,h]of[[0,1],[1,2],[2,0]]){let f=[l[c],l[h]].sort((d,p)=>d-p),u=f[0]*t.count+f[1];s.set(u,s.has(u)?void 0:f)}}let o=[...s.values()].filter(a=>a!==void 0).flat().map(a=>new Z().fromBufferAttribute(t,a));return new Da(new Qn().setFromPoints(o),new Eo)}var Vd=40*Math.PI/180,kT=1.14,zT=1.4;function q_({normal:n,isFlat:t}){let e=HT(n);if(t)return{up:e,direction:n.clone()};let i=new Z(0,0,1),s=new Z().crossVectors(e,n).normalize(),r=n.clone().multiplyScalar(Math.cos(Vd)).addScaledVector(e,-Math.sin(Vd));return Math.abs(n.z)<.5&&r.copy(n).addScaledVector(i,Math.tan(Vd/2)),{up:i,direction:r.addScaledVector(s,.35).normalize()}}function HT(n){let t=Math.abs(n.z)>.7?new Z(0,1,0):new Z(0,0,1);return t.addScaledVector(n,-t.dot(n)).normalize()}function Y_(n,t,{up:e,direction:i},s){let r=s?zT:kT,o=new Z().crossVectors(e,i).normalize(),a=[o,new Z().crossVectors(i,o),i],[l,c,h]=a.map(_=>VT(t,_)),f=new Z;[l,c,h].forEach(([_,m],g)=>f.addScaledVector(a[g],(_+m)/2));let u=Math.tan(n.fov*Math.PI/360),d=[u*n.aspect,u],p=0;return Z_(t,_=>{_.sub(f);let m=_.dot(i);d.forEach((g,v)=>p=Math.max(p,Math.abs(_.dot(a[v]))*r/g+m))}),{target:f,position:f.clone().addScaledVector(i,p||1)}}function VT(n,t){let[e,i]=[1/0,-1/0];return Z_(n,s=>{let r=s.dot(t);e=Math.min(e,r),i=Math.max(i,r)}),[e,i]}function Z_(n,t){let e=new Z;for(let i=0;i+2<n.length;i+=3)t(e.fromArray(n,i))}function K_(n,t,e){let{object:i,target:s}=n,r=new Z(0,1,0),o=i.position.clone().sub(s),a=new sr,l=i.quaternion.clone().setFromUnitVectors(i.up,r);a.setFromVector3(o.applyQuaternion(l)),a.theta+=t,a.phi+=e,a.makeSafe(),i.position.setFromSpherical(a).applyQuaternion(l.clone().invert()).add(s),n.update()}function J_(n,t){let{object:e,target:i}=n;e.position.sub(i).multiplyScalar(t).add(i),n.update()}var GT=2,tu=class{constructor(t,{keepsPixels:e,onView:i}){this.renderer=new Vh({canvas:t,alpha:!0,antialias:!0,powerPreference:"low-power",preserveDrawingBuffer:e}),this.canvas=t,this.onView=i,this.camera=new Jn(32,1,.01,10),this.objects=new Ia,this.markers=new $h,this.objects.add(this.markers.group,new Ga(16777215,6317678,1.6),this.camera),WT(this.camera),this.theme=void 0,this.surface=void 0,this.link=void 0,this.isFitted=!0}get frame(){return this.surface?.frame}setSkin(t){this.removeSkin(),this.surface=new Qh(t),this.link=$_(t),this.objects.add(...this.surface.objects,...this.link?[this.link]:[]),this.markers.reset(),this.theme&&this.setTheme(this.theme),this.resetView()}removeSkin(){this.surface&&(this.objects.remove(...this.surface.objects),this.surface.dispose(),this.link&&this.removeLink(),this.surface=void 0,this.markers.reset())}removeLink(){this.objects.remove(this.link),this.link.geometry.dispose(),this.link.material.dispose(),this.link=void 0}setTheme(t){this.theme=t,this.surface?.setTheme({blank:t.blank,line:new ue().setRGB(...t.line,"srgb").toArray()})}showLink(t){this.link&&(this.link.visible=t)}showContacts(t){this.markers.show(t,this.frame?.radius??1)}resetView(){if(!this.surface)return;let t=q_(this.frame),{target:e,position:i}=Y_(this.camera,this.surface.geometry.attributes.position.array,t,!!this.link);this.camera.up.copy(t.up),this.camera.position.copy(i),this.replaceControls(e),this.isFitted=!0,this.onView()}replaceControls(t){this.controls?.dispose(),this.controls=new jh(this.camera,this.canvas),this.controls.target.copy(t),this.controls.minDistance=this.frame.radius*.2,this.controls.maxDistance=this.frame.radius*30,this.controls.update(),this.controls.addEventListener("change",()=>this.moved())}moved(){this.isFitted=!1,this.onView()}turn(t,e){this.controls&&K_(this.controls,t,e)}zoom(t){this.controls&&J_(this.controls,t)}resize(t,e,i){this.renderer.setPixelRatio(Math.min(i,GT)),this.renderer.setSize(t,e,!1),this.camera.aspect=t/e,this.camera.updateProjectionMatrix(),this.isFitted?this.resetView():this.onView()}draw(){this.surface&&this.setDepths(),this.markers.face(this.camera),this.renderer.render(this.objects,this.camera)}setDepths(){let{centre:t,radius:e}=this.frame,i=this.camera.position.distanceTo(t),s=this.link?.geometry.boundingSphere,r=1.6*Math.max(e,s?s.center.distanceTo(t)+s.radius:0);this.camera.near=Math.max(i-r,i*.01),this.camera.far=i+r,this.camera.updateProjectionMatrix(),this.camera.updateMatrixWorld()}project({x:t,y:e,z:i}){let s=new Z(t,e,i).project(this.camera);return[(s.x+1)/2*this.canvas.clientWidth,(1-s.y)/2*this.canvas.clientHeight]}faces(t,e){return new Z().copy(this.camera.position).sub(t).dot(e)>0}pointsPerMetre(){let t=this.camera.position.distanceTo(this.controls?.target??new Z);return this.canvas.clientHeight/(2*t*Math.tan(this.camera.fov*Math.PI/360))}axes(){let t=this.camera.matrixWorldInverse;return[[1,0,0],[0,1,0],[0,0,1]].map(e=>new Z(...e).transformDirection(t).toArray())}};function WT(n){let t=new Xa(16777215,1.4);t.position.set(.3,.5,1),n.add(t,t.target)}var $T=["skin","image","contacts","health","view","look","new"],XT=6,qT=110,eu=class{constructor(t,{keepsPixels:e}){this.session=t,this.scale=new Zh,this.map="viridis",this.shows={contacts:!0,electrodes:!0,link:!0},this.values=void 0,this.framesDrawn=0,this.lastDrawnDeviceTime=0,this.canvas=Q("canvas"),this.scene=this.openScene(e),this.scene&&(this.labels=new Yh(Q("labels"),this.scene),this.canvas.addEventListener("webglcontextlost",()=>t.failed("The browser has lost the graphics card. The picture comes back by itself, or when the page is reloaded.")),this.canvas.addEventListener("webglcontextrestored",()=>t.failed("")),new ResizeObserver(()=>this.resize()).observe(this.canvas),t.listen(i=>this.update(i)))}openScene(t){try{return new tu(this.canvas,{keepsPixels:t,onView:()=>this.session.changed("view")})}catch{this.session.failed("The picture needs WebGL, which this browser does not offer. Numbers and plots work without it.");return}}resize(){let{clientWidth:t,clientHeight:e}=this.canvas;t===0||e===0||(this.scene.resize(t,e,window.devicePixelRatio),this.session.changed("view"))}setMap(t){this.map=t,this.table=void 0,this.session.changed("look")}setShown(t){Object.assign(this.shows,t),this.session.changed("look")}get range(){let{maximum:t}=this.scale;return[pr[this.map].isDiverging?-t:0,t]}update(t){if(!$T.some(i=>t.has(i)))return;let{shown:e}=this.session;(t.has("skin")||t.has("new"))&&this.showSkin(e.skin),t.has("image")&&this.showImage(e.image),t.has("contacts")&&this.showContacts(e.contacts?.contacts??[]),(t.has("health")||t.has("skin"))&&this.showHealth(e),(t.has("look")||t.has("skin"))&&this.showLook(),this.draw(t)}showSkin(t){if(this.values=void 0,!t)return this.showContacts([]),this.labels.setElectrodes([],{}),this.scene.removeSkin();this.scale.threshold=t.contact_threshold,this.scene.setSkin(t),this.labels.setElectrodes(t.electrodes,this.scene.frame),this.session.shown.image&&this.showImage(this.session.shown.image)}showImage(t){if(!t)return this.scene.surface?.show(void 0);this.values=Og(t,this.values),this.scale.follow(this.values,Number(t.device_time_us)/1e6),this.scene.surface?.show(this.values)}showContacts(t){this.scene.showContacts(this.shows.contacts?t:[]),this.labels.showContacts(t)}showHealth({skin:t,health:e}){t&&this.labels.showElectrodes(Ol(t.electrodes.length/3,e))}showLook(){this.labels.setShown(this.shows),this.scene.showLink(this.shows.link),this.scene.setTheme(KT()),this.showContacts(this.session.shown.contacts?.contacts??[])}draw(t){this.table??=Mp(this.map);let[e,i]=this.range;this.scene.surface?.setColours(this.table,e,i),this.scene.draw();let s=t.has("view")||t.has("skin");this.labels.place(s),Q("view-foot").hidden=!this.scene.frame,s&&this.scene.frame&&this.showRuler(),this.showColourBar(e,i),this.framesDrawn++,t.has("image")&&this.session.shown.image&&(this.lastDrawnDeviceTime=Number(this.session.shown.image.device_time_us))}showColourBar(t,e){let i=[this.map,t,e,this.scale.isAutomatic].join();i!==this.barKey&&(this.barKey=i,Q("bar-colours").style.background=wp(this.map),Gt(Q("bar-mode"),this.scale.isAutomatic?"auto":"fixed"),Fi(Q("bar-ticks"),YT(t,e),()=>Zt("li"),(s,{text:r,value:o})=>{Gt(s,r),s.style.bottom=`${100*(o-t)/(e-t)}%`}))}showRuler(){let t=this.scene.pointsPerMetre(),e=Kh(qT/t,!1);Q("ruler").style.width=`${e*t}px`,Gt(Q("ruler-text"),e<1?`${j_(e*1e3)} mm`:`${j_(e)} m`),Q("axes").replaceChildren(...ZT(this.scene.axes()))}};function YT(n,t){let e=Kh((t-n)/XT,!0),i=Math.max(0,-Math.floor(Math.log10(e)+1e-9)),s=Math.ceil(n/e-1e-9),r=Math.floor(t/e+1e-9)-s+1;return Array.from({length:r},(o,a)=>({value:(s+a)*e,text:((s+a)*e).toFixed(i)}))}function j_(n){return Number(n.toPrecision(2))}function ZT(n){return n.map(([e,i,s],r)=>({right:e,up:i,towards:s,name:"xyz"[r]})).sort((e,i)=>e.towards-i.towards).map(({right:e,up:i,name:s})=>{let r=ri("text",{x:e*25,y:-i*25});return r.textContent=s,ri("g",{},ri("line",{x2:e*17,y2:-i*17}),r)})}function KT(){let n=getComputedStyle(document.documentElement),t=e=>n.getPropertyValue(e).trim().split(/\s+/).map(i=>Number(i)/255);return{blank:t("--skin-blank"),line:t("--skin-line")}}var Q_=[.1,.25,.5,1,2,4],JT=[we.skin,we.status,we.image,we.contacts,we.health,we.scope],jT=16,nu=class{constructor(t,e){this.recording=t,this.on=e,this.position=t.start,this.speed=1,this.isPlaying=!1,this.shown=new Map,this.wanted=void 0,this.isSeeking=!1,this.seek(this.position)}get seconds(){return Number(this.position-this.recording.start)/1e9}get isAtEnd(){return this.position>=this.recording.end}setSpeed(t){this.speed=t,this.on.change()}play(){this.isPlaying||(this.isAtEnd&&this.seek(this.recording.start),this.isPlaying=!0,this.ticked=performance.now(),this.timer=setInterval(()=>this.tick(),jT),this.on.change())}pause(){clearInterval(this.timer),this.isPlaying=!1,this.on.change()}toggle(){this.isPlaying?this.pause():this.play()}close(){clearInterval(this.timer),this.isPlaying=!1,this.isClosed=!0}seekSeconds(t){return this.seek(this.recording.start+BigInt(Math.round(t*1e9)))}async step(t){this.pause();let e=await this.recording.neighbour(this.position,t);e!==void 0&&await this.seek(e)}tick(){let t=performance.now(),e=BigInt(Math.round((t-this.ticked)*1e6*this.speed));this.ticked=t,!this.isSeeking&&(this.seek(this.position+e).catch(()=>this.pause()),this.isAtEnd&&this.pause())}async seek(t){let{start:e,end:i}=this.recording;if(this.position=t<e?e:t>i?i:t,this.wanted=this.position,this.on.change(),!this.isSeeking){this.isSeeking=!0;try{for(;this.wanted!==void 0&&!this.isClosed;)await this.showWanted()}catch(s){this.pause(),this.on.error(s)}finally{this.isSeeking=!1}}}async showWanted(){let t=this.wanted;this.wanted=void 0;let e=await this.recording.at(t,JT);if(!this.isClosed)for(let i of e)this.shown.get(i.topic)!==i&&(this.shown.set(i.topic,i),this.on.message(i.topic,i.schema,i.bytes,i.logTime))}};function QT({polynomial:n,numTables:t}){let e=new Uint32Array(256*t);for(let i=0;i<256;i++){let s=i;s=(s&1)*n^s>>>1,s=(s&1)*n^s>>>1,s=(s&1)*n^s>>>1,s=(s&1)*n^s>>>1,s=(s&1)*n^s>>>1,s=(s&1)*n^s>>>1,s=(s&1)*n^s>>>1,s=(s&1)*n^s>>>1,e[i]=s}for(let i=256;i<e.length;i++){let s=e[i-256];e[i]=e[s&255]^s>>>8}return e}var fs=QT({polynomial:3988292384,numTables:8});function iu(){return-1}function al(n,t){let e=t.byteLength,i=new DataView(t.buffer,t.byteOffset,e),s=n,r=0,o=-i.byteOffset&3;for(;r<o&&r<e;r++)s=fs[(s^i.getUint8(r))&255]^s>>>8;if(r===e)return s;r=o;let a=e-r;for(;a>=8;r+=8,a-=8){s^=i.getUint32(r,!0);let l=i.getUint32(r+4,!0);s=fs[0*256+(l>>>24&255)]^fs[1*256+(l>>>16&255)]^fs[2*256+(l>>>8&255)]^fs[3*256+(l>>>0&255)]^fs[4*256+(s>>>24&255)]^fs[5*256+(s>>>16&255)]^fs[6*256+(s>>>8&255)]^fs[7*256+(s>>>0&255)]}for(let l=r;l<e;l++)s=fs[(s^i.getUint8(l))&255]^s>>>8;return s}function su(n){return(n^-1)>>>0}function Ds(n){return su(al(iu(),n))}var Fe=function(n,t,e,i){function s(r){return r instanceof e?r:new e(function(o){o(r)})}return new(e||(e=Promise))(function(r,o){function a(h){try{c(i.next(h))}catch(f){o(f)}}function l(h){try{c(i.throw(h))}catch(f){o(f)}}function c(h){h.done?r(h.value):s(h.value).then(a,l)}c((i=i.apply(n,t||[])).next())})},De=function(n,t){var e={label:0,sent:function(){if(r[0]&1)throw r[1];return r[1]},trys:[],ops:[]},i,s,r,o=Object.create((typeof Iterator=="function"?Iterator:Object).prototype);return o.next=a(0),o.throw=a(1),o.return=a(2),typeof Symbol=="function"&&(o[Symbol.iterator]=function(){return this}),o;function a(c){return function(h){return l([c,h])}}function l(c){if(i)throw new TypeError("Generator is already executing.");for(;o&&(o=0,c[0]&&(e=0)),e;)try{if(i=1,s&&(r=c[0]&2?s.return:c[0]?s.throw||((r=s.return)&&r.call(s),0):s.next)&&!(r=r.call(s,c[1])).done)return r;switch(s=0,r&&(c=[c[0]&2,r.value]),c[0]){case 0:case 1:r=c;break;case 4:return e.label++,{value:c[1],done:!1};case 5:e.label++,s=c[1],c=[0];continue;case 7:c=e.ops.pop(),e.trys.pop();continue;default:if(r=e.trys,!(r=r.length>0&&r[r.length-1])&&(c[0]===6||c[0]===2)){e=0;continue}if(c[0]===3&&(!r||c[1]>r[0]&&c[1]<r[3])){e.label=c[1];break}if(c[0]===6&&e.label<r[1]){e.label=r[1],r=c;break}if(r&&e.label<r[2]){e.label=r[2],e.ops.push(c);break}r[2]&&e.ops.pop(),e.trys.pop();continue}c=t.call(n,e)}catch(h){c=[6,h],s=0}finally{i=r=0}if(c[0]&5)throw c[1];return{value:c[0]?c[1]:void 0,done:!0}}},Mi=function(n,t){var e=typeof Symbol=="function"&&n[Symbol.iterator];if(!e)return n;var i=e.call(n),s,r=[],o;try{for(;(t===void 0||t-- >0)&&!(s=i.next()).done;)r.push(s.value)}catch(a){o={error:a}}finally{try{s&&!s.done&&(e=i.return)&&e.call(i)}finally{if(o)throw o.error}}return r},Di=function(n,t,e){if(e||arguments.length===2)for(var i=0,s=t.length,r;i<s;i++)(r||!(i in t))&&(r||(r=Array.prototype.slice.call(t,0,i)),r[i]=t[i]);return n.concat(r||Array.prototype.slice.call(t))},ty=function(n){var t=typeof Symbol=="function"&&Symbol.iterator,e=t&&n[t],i=0;if(e)return e.call(n);if(n&&typeof n.length=="number")return{next:function(){return n&&i>=n.length&&(n=void 0),{value:n&&n[i++],done:!n}}};throw new TypeError(t?"Object is not iterable.":"Symbol.iterator is not defined.")},g3=(function(){function n(t){t===void 0&&(t=n.minComparator);var e=this;this.compare=t,this.heapArray=[],this._limit=0,this.offer=this.add,this.element=this.peek,this.poll=this.pop,this._invertedCompare=function(i,s){return e.compare(i,s).then(function(r){return-1*r})}}return n.getChildrenIndexOf=function(t){return[t*2+1,t*2+2]},n.getParentIndexOf=function(t){if(t<=0)return-1;var e=t%2?1:2;return Math.floor((t-e)/2)},n.getSiblingIndexOf=function(t){if(t<=0)return-1;var e=t%2?1:-1;return t+e},n.minComparator=function(t,e){return Fe(this,void 0,void 0,function(){return De(this,function(i){return t>e?[2,1]:t<e?[2,-1]:[2,0]})})},n.maxComparator=function(t,e){return Fe(this,void 0,void 0,function(){return De(this,function(i){return e>t?[2,1]:e<t?[2,-1]:[2,0]})})},n.minComparatorNumber=function(t,e){return Fe(this,void 0,void 0,function(){return De(this,function(i){return[2,t-e]})})},n.maxComparatorNumber=function(t,e){return Fe(this,void 0,void 0,function(){return De(this,function(i){return[2,e-t]})})},n.defaultIsEqual=function(t,e){return Fe(this,void 0,void 0,function(){return De(this,function(i){return[2,t===e]})})},n.print=function(t){function e(h){var f=n.getParentIndexOf(h);return Math.floor(Math.log2(f+1))}function i(h,f){for(var u="";f>0;--f)u+=h;return u}for(var s=0,r=[],o=e(t.length-1)+2,a=0;s<t.length;){var l=e(s)+1;s===0&&(l=0);var c=String(t.get(s));c.length>a&&(a=c.length),r[l]=r[l]||[],r[l].push(c),s+=1}return r.map(function(h,f){var u=Math.pow(2,o-f)-1;return i(" ",Math.floor(u/2)*a)+h.map(function(d){var p=(a-d.length)/2;return i(" ",Math.ceil(p))+d+i(" ",Math.floor(p))}).join(i(" ",u*a))}).join(`
+`)},n.heapify=function(t,e){return Fe(this,void 0,void 0,function(){var i;return De(this,function(s){switch(s.label){case 0:return i=new n(e),i.heapArray=t,[4,i.init()];case 1:return s.sent(),[2,i]}})})},n.heappop=function(t,e){var i=new n(e);return i.heapArray=t,i.pop()},n.heappush=function(t,e,i){return Fe(this,void 0,void 0,function(){var s;return De(this,function(r){switch(r.label){case 0:return s=new n(i),s.heapArray=t,[4,s.push(e)];case 1:return r.sent(),[2]}})})},n.heappushpop=function(t,e,i){var s=new n(i);return s.heapArray=t,s.pushpop(e)},n.heapreplace=function(t,e,i){var s=new n(i);return s.heapArray=t,s.replace(e)},n.heaptop=function(t,e,i){e===void 0&&(e=1);var s=new n(i);return s.heapArray=t,s.top(e)},n.heapbottom=function(t,e,i){e===void 0&&(e=1);var s=new n(i);return s.heapArray=t,s.bottom(e)},n.nlargest=function(t,e,i){return Fe(this,void 0,void 0,function(){var s;return De(this,function(r){switch(r.label){case 0:return s=new n(i),s.heapArray=Di([],Mi(e),!1),[4,s.init()];case 1:return r.sent(),[2,s.top(t)]}})})},n.nsmallest=function(t,e,i){return Fe(this,void 0,void 0,function(){var s;return De(this,function(r){switch(r.label){case 0:return s=new n(i),s.heapArray=Di([],Mi(e),!1),[4,s.init()];case 1:return r.sent(),[2,s.bottom(t)]}})})},n.prototype.add=function(t){return Fe(this,void 0,void 0,function(){return De(this,function(e){switch(e.label){case 0:return[4,this._sortNodeUp(this.heapArray.push(t)-1)];case 1:return e.sent(),this._applyLimit(),[2,!0]}})})},n.prototype.addAll=function(t){return Fe(this,void 0,void 0,function(){var e,i,s;return De(this,function(r){switch(r.label){case 0:e=this.length,(s=this.heapArray).push.apply(s,Di([],Mi(t),!1)),i=this.length,r.label=1;case 1:return e<i?[4,this._sortNodeUp(e)]:[3,4];case 2:r.sent(),r.label=3;case 3:return++e,[3,1];case 4:return this._applyLimit(),[2,!0]}})})},n.prototype.bottom=function(){return Fe(this,arguments,void 0,function(t){return t===void 0&&(t=1),De(this,function(e){return this.heapArray.length===0||t<=0?[2,[]]:this.heapArray.length===1?[2,[this.heapArray[0]]]:t>=this.heapArray.length?[2,Di([],Mi(this.heapArray),!1)]:[2,this._bottomN_push(~~t)]})})},n.prototype.check=function(){return Fe(this,void 0,void 0,function(){var t,e,i,s,r,o,a,l,c;return De(this,function(h){switch(h.label){case 0:t=0,h.label=1;case 1:if(!(t<this.heapArray.length))return[3,10];e=this.heapArray[t],i=this.getChildrenOf(t),h.label=2;case 2:h.trys.push([2,7,8,9]),s=(l=void 0,ty(i)),r=s.next(),h.label=3;case 3:return r.done?[3,6]:(o=r.value,[4,this.compare(e,o)]);case 4:if(h.sent()>0)return[2,e];h.label=5;case 5:return r=s.next(),[3,3];case 6:return[3,9];case 7:return a=h.sent(),l={error:a},[3,9];case 8:try{r&&!r.done&&(c=s.return)&&c.call(s)}finally{if(l)throw l.error}return[7];case 9:return++t,[3,1];case 10:return[2]}})})},n.prototype.clear=function(){this.heapArray=[]},n.prototype.clone=function(){var t=new n(this.comparator());return t.heapArray=this.toArray(),t._limit=this._limit,t},n.prototype.comparator=function(){return this.compare},n.prototype.contains=function(t){return Fe(this,arguments,void 0,function(e,i){var s,r,o,a,l,c;return i===void 0&&(i=n.defaultIsEqual),De(this,function(h){switch(h.label){case 0:h.trys.push([0,5,6,7]),s=ty(this.heapArray),r=s.next(),h.label=1;case 1:return r.done?[3,4]:(o=r.value,[4,i(o,e)]);case 2:if(h.sent())return[2,!0];h.label=3;case 3:return r=s.next(),[3,1];case 4:return[3,7];case 5:return a=h.sent(),l={error:a},[3,7];case 6:try{r&&!r.done&&(c=s.return)&&c.call(s)}finally{if(l)throw l.error}return[7];case 7:return[2,!1]}})})},n.prototype.init=function(t){return Fe(this,void 0,void 0,function(){var e;return De(this,function(i){switch(i.label){case 0:t&&(this.heapArray=Di([],Mi(t),!1)),e=n.getParentIndexOf(this.length-1),i.label=1;case 1:return e>=0?[4,this._sortNodeDown(e)]:[3,4];case 2:i.sent(),i.label=3;case 3:return--e,[3,1];case 4:return this._applyLimit(),[2]}})})},n.prototype.isEmpty=function(){return this.length===0},n.prototype.leafs=function(){if(this.heapArray.length===0)return[];var t=n.getParentIndexOf(this.heapArray.length-1);return this.heapArray.slice(t+1)},Object.defineProperty(n.prototype,"length",{get:function(){return this.heapArray.length},enumerable:!1,configurable:!0}),Object.defineProperty(n.prototype,"limit",{get:function(){return this._limit},set:function(t){this._limit=~~t,this._applyLimit()},enumerable:!1,configurable:!0}),n.prototype.peek=function(){return this.heapArray[0]},n.prototype.pop=function(){return Fe(this,void 0,void 0,function(){var t;return De(this,function(e){return t=this.heapArray.pop(),this.length>0&&t!==void 0?[2,this.replace(t)]:[2,t]})})},n.prototype.push=function(){for(var t=[],e=0;e<arguments.length;e++)t[e]=arguments[e];return Fe(this,void 0,void 0,function(){return De(this,function(i){return t.length<1?[2,!1]:t.length===1?[2,this.add(t[0])]:[2,this.addAll(t)]})})},n.prototype.pushpop=function(t){return Fe(this,void 0,void 0,function(){var e;return De(this,function(i){switch(i.label){case 0:return[4,this.compare(this.heapArray[0],t)];case 1:return i.sent()<0?(e=Mi([this.heapArray[0],t],2),t=e[0],this.heapArray[0]=e[1],[4,this._sortNodeDown(0)]):[3,3];case 2:i.sent(),i.label=3;case 3:return[2,t]}})})},n.prototype.remove=function(t){return Fe(this,arguments,void 0,function(e,i){var s,r,o,a=this;return i===void 0&&(i=n.defaultIsEqual),De(this,function(l){switch(l.label){case 0:return this.heapArray.length?e!==void 0?[3,2]:[4,this.pop()]:[2,!1];case 1:return l.sent(),[2,!0];case 2:s=[0],l.label=3;case 3:return s.length?(r=s.shift(),[4,i(this.heapArray[r],e)]):[3,13];case 4:return l.sent()?r!==0?[3,6]:[4,this.pop()]:[3,11];case 5:return l.sent(),[3,10];case 6:return r!==this.heapArray.length-1?[3,7]:(this.heapArray.pop(),[3,10]);case 7:return this.heapArray.splice(r,1,this.heapArray.pop()),[4,this._sortNodeUp(r)];case 8:return l.sent(),[4,this._sortNodeDown(r)];case 9:l.sent(),l.label=10;case 10:return[2,!0];case 11:o=n.getChildrenIndexOf(r).filter(function(c){return c<a.heapArray.length}),s.push.apply(s,Di([],Mi(o),!1)),l.label=12;case 12:return[3,3];case 13:return[2,!1]}})})},n.prototype.replace=function(t){return Fe(this,void 0,void 0,function(){var e;return De(this,function(i){switch(i.label){case 0:return e=this.heapArray[0],this.heapArray[0]=t,[4,this._sortNodeDown(0)];case 1:return i.sent(),[2,e]}})})},n.prototype.size=function(){return this.length},n.prototype.top=function(){return Fe(this,arguments,void 0,function(t){return t===void 0&&(t=1),De(this,function(e){return this.heapArray.length===0||t<=0?[2,[]]:this.heapArray.length===1||t===1?[2,[this.heapArray[0]]]:t>=this.heapArray.length?[2,Di([],Mi(this.heapArray),!1)]:[2,this._topN_push(~~t)]})})},n.prototype.toArray=function(){return Di([],Mi(this.heapArray),!1)},n.prototype.toString=function(){return this.heapArray.toString()},n.prototype.get=function(t){return this.heapArray[t]},n.prototype.getChildrenOf=function(t){var e=this;return n.getChildrenIndexOf(t).map(function(i){return e.heapArray[i]}).filter(function(i){return i!==void 0})},n.prototype.getParentOf=function(t){var e=n.getParentIndexOf(t);return this.heapArray[e]},n.prototype[Symbol.iterator]=function(){return De(this,function(t){switch(t.label){case 0:return this.length?[4,this.pop()]:[3,2];case 1:return t.sent(),[3,0];case 2:return[2]}})},n.prototype.iterator=function(){return this},n.prototype._applyLimit=function(){if(this._limit&&this._limit<this.heapArray.length)for(var t=this.heapArray.length-this._limit;t;)this.heapArray.pop(),--t},n.prototype._bottomN_push=function(t){return Fe(this,void 0,void 0,function(){var e,i,s,r,a,o,a;return De(this,function(l){switch(l.label){case 0:return e=new n(this.compare),e.limit=t,e.heapArray=this.heapArray.slice(-t),[4,e.init()];case 1:for(l.sent(),i=this.heapArray.length-1-t,s=n.getParentIndexOf(i),r=[],a=i;a>s;--a)r.push(a);o=this.heapArray,l.label=2;case 2:return r.length?(a=r.shift(),[4,this.compare(o[a],e.peek())]):[3,6];case 3:return l.sent()>0?[4,e.replace(o[a])]:[3,5];case 4:l.sent(),a%2&&r.push(n.getParentIndexOf(a)),l.label=5;case 5:return[3,2];case 6:return[2,e.toArray()]}})})},n.prototype._moveNode=function(t,e){var i=this.heapArray[t];this.heapArray[t]=this.heapArray[e],this.heapArray[e]=i},n.prototype._sortNodeDown=function(t){return Fe(this,void 0,void 0,function(){var e,i,s,r,o,a,l;return De(this,function(c){switch(c.label){case 0:e=this.heapArray.length,i=t,s=this.heapArray[t],r=2*t+1,c.label=1;case 1:return r<e?(o=r+1,l=o>=e,l?[3,3]:[4,this.compare(this.heapArray[r],this.heapArray[o])]):[3,5];case 2:l=c.sent()<0,c.label=3;case 3:return a=l?r:o,[4,this.compare(this.heapArray[a],s)];case 4:if(c.sent()<0)this.heapArray[t]=this.heapArray[a],t=a,r=2*t+1;else return[3,5];return[3,1];case 5:return t!==i&&(this.heapArray[t]=s),[2]}})})},n.prototype._sortNodeUp=function(t){return Fe(this,void 0,void 0,function(){var e,i,s;return De(this,function(r){switch(r.label){case 0:e=this.heapArray[t],i=t,r.label=1;case 1:return t>0?(s=n.getParentIndexOf(t),[4,this.compare(e,this.heapArray[s])]):[3,3];case 2:if(r.sent()<0)this.heapArray[t]=this.heapArray[s],t=s;else return[3,3];return[3,1];case 3:return t!==i&&(this.heapArray[t]=e),[2]}})})},n.prototype._topN_push=function(t){return Fe(this,void 0,void 0,function(){var e,i,s,r;return De(this,function(o){switch(o.label){case 0:e=new n(this._invertedCompare),e.limit=t,i=[0],s=this.heapArray,o.label=1;case 1:return i.length?(r=i.shift(),r<s.length?e.length<t?[4,e.push(s[r])]:[3,3]:[3,6]):[3,7];case 2:return o.sent(),i.push.apply(i,Di([],Mi(n.getChildrenIndexOf(r)),!1)),[3,6];case 3:return[4,this.compare(s[r],e.peek())];case 4:return o.sent()<0?[4,e.replace(s[r])]:[3,6];case 5:o.sent(),i.push.apply(i,Di([],Mi(n.getChildrenIndexOf(r)),!1)),o.label=6;case 6:return[3,1];case 7:return[2,e.toArray()]}})})},n.prototype._topN_fill=function(t){return Fe(this,void 0,void 0,function(){var e,i,s,r,o,o;return De(this,function(a){switch(a.label){case 0:return e=this.heapArray,i=new n(this._invertedCompare),i.limit=t,i.heapArray=e.slice(0,t),[4,i.init()];case 1:for(a.sent(),s=n.getParentIndexOf(t-1)+1,r=[],o=s;o<t;++o)r.push.apply(r,Di([],Mi(n.getChildrenIndexOf(o).filter(function(l){return l<e.length})),!1));(t-1)%2&&r.push(t),a.label=2;case 2:return r.length?(o=r.shift(),o<e.length?[4,this.compare(e[o],i.peek())]:[3,5]):[3,6];case 3:return a.sent()<0?[4,i.replace(e[o])]:[3,5];case 4:a.sent(),r.push.apply(r,Di([],Mi(n.getChildrenIndexOf(o)),!1)),a.label=5;case 5:return[3,2];case 6:return[2,i.toArray()]}})})},n.prototype._topN_heap=function(t){return Fe(this,void 0,void 0,function(){var e,i,s,r,o;return De(this,function(a){switch(a.label){case 0:e=this.clone(),i=[],s=0,a.label=1;case 1:return s<t?(o=(r=i).push,[4,e.pop()]):[3,4];case 2:o.apply(r,[a.sent()]),a.label=3;case 3:return++s,[3,1];case 4:return[2,i]}})})},n.prototype._topIdxOf=function(t){return Fe(this,void 0,void 0,function(){var e,i,s,r;return De(this,function(o){switch(o.label){case 0:if(!t.length)return[2,-1];e=0,i=t[e],s=1,o.label=1;case 1:return s<t.length?[4,this.compare(t[s],i)]:[3,4];case 2:r=o.sent(),r<0&&(e=s,i=t[s]),o.label=3;case 3:return++s,[3,1];case 4:return[2,e]}})})},n.prototype._topOf=function(){for(var t=[],e=0;e<arguments.length;e++)t[e]=arguments[e];return Fe(this,void 0,void 0,function(){var i;return De(this,function(s){switch(s.label){case 0:return i=new n(this.compare),[4,i.init(t)];case 1:return s.sent(),[2,i.peek()]}})})},n})(),tC=function(n,t){var e={label:0,sent:function(){if(r[0]&1)throw r[1];return r[1]},trys:[],ops:[]},i,s,r,o=Object.create((typeof Iterator=="function"?Iterator:Object).prototype);return o.next=a(0),o.throw=a(1),o.return=a(2),typeof Symbol=="function"&&(o[Symbol.iterator]=function(){return this}),o;function a(c){return function(h){return l([c,h])}}function l(c){if(i)throw new TypeError("Generator is already executing.");for(;o&&(o=0,c[0]&&(e=0)),e;)try{if(i=1,s&&(r=c[0]&2?s.return:c[0]?s.throw||((r=s.return)&&r.call(s),0):s.next)&&!(r=r.call(s,c[1])).done)return r;switch(s=0,r&&(c=[c[0]&2,r.value]),c[0]){case 0:case 1:r=c;break;case 4:return e.label++,{value:c[1],done:!1};case 5:e.label++,s=c[1],c=[0];continue;case 7:c=e.ops.pop(),e.trys.pop();continue;default:if(r=e.trys,!(r=r.length>0&&r[r.length-1])&&(c[0]===6||c[0]===2)){e=0;continue}if(c[0]===3&&(!r||c[1]>r[0]&&c[1]<r[3])){e.label=c[1];break}if(c[0]===6&&e.label<r[1]){e.label=r[1],r=c;break}if(r&&e.label<r[2]){e.label=r[2],e.ops.push(c);break}r[2]&&e.ops.pop(),e.trys.pop();continue}c=t.call(n,e)}catch(h){c=[6,h],s=0}finally{i=r=0}if(c[0]&5)throw c[1];return{value:c[0]?c[1]:void 0,done:!0}}},Wn=function(n,t){var e=typeof Symbol=="function"&&n[Symbol.iterator];if(!e)return n;var i=e.call(n),s,r=[],o;try{for(;(t===void 0||t-- >0)&&!(s=i.next()).done;)r.push(s.value)}catch(a){o={error:a}}finally{try{s&&!s.done&&(e=i.return)&&e.call(i)}finally{if(o)throw o.error}}return r},ii=function(n,t,e){if(e||arguments.length===2)for(var i=0,s=t.length,r;i<s;i++)(r||!(i in t))&&(r||(r=Array.prototype.slice.call(t,0,i)),r[i]=t[i]);return n.concat(r||Array.prototype.slice.call(t))};var ey=(function(){function n(t){t===void 0&&(t=n.minComparator);var e=this;this.compare=t,this.heapArray=[],this._limit=0,this.offer=this.add,this.element=this.peek,this.poll=this.pop,this.removeAll=this.clear,this._invertedCompare=function(i,s){return-1*e.compare(i,s)}}return n.getChildrenIndexOf=function(t){return[t*2+1,t*2+2]},n.getParentIndexOf=function(t){return t<=0?-1:t-1>>1},n.getSiblingIndexOf=function(t){if(t<=0)return-1;var e=t%2?1:-1;return t+e},n.minComparator=function(t,e){return t>e?1:t<e?-1:0},n.maxComparator=function(t,e){return e>t?1:e<t?-1:0},n.minComparatorNumber=function(t,e){return t-e},n.maxComparatorNumber=function(t,e){return e-t},n.defaultIsEqual=function(t,e){return t===e},n.print=function(t){function e(h){var f=n.getParentIndexOf(h);return Math.floor(Math.log2(f+1))}function i(h,f){for(var u="";f>0;--f)u+=h;return u}for(var s=0,r=[],o=e(t.length-1)+2,a=0;s<t.length;){var l=e(s)+1;s===0&&(l=0);var c=String(t.get(s));c.length>a&&(a=c.length),r[l]=r[l]||[],r[l].push(c),s+=1}return r.map(function(h,f){var u=Math.pow(2,o-f)-1;return i(" ",Math.floor(u/2)*a)+h.map(function(d){var p=(a-d.length)/2;return i(" ",Math.ceil(p))+d+i(" ",Math.floor(p))}).join(i(" ",u*a))}).join(`
+`)},n.heapify=function(t,e){var i=new n(e);return i.heapArray=t,i.init(),i},n.heappop=function(t,e){var i=new n(e);return i.heapArray=t,i.pop()},n.heappush=function(t,e,i){var s=new n(i);s.heapArray=t,s.push(e)},n.heappushpop=function(t,e,i){var s=new n(i);return s.heapArray=t,s.pushpop(e)},n.heapreplace=function(t,e,i){var s=new n(i);return s.heapArray=t,s.replace(e)},n.heaptop=function(t,e,i){e===void 0&&(e=1);var s=new n(i);return s.heapArray=t,s.top(e)},n.heapbottom=function(t,e,i){e===void 0&&(e=1);var s=new n(i);return s.heapArray=t,s.bottom(e)},n.nlargest=function(t,e,i){var s=new n(i);return s.heapArray=ii([],Wn(e),!1),s.init(),s.top(t)},n.nsmallest=function(t,e,i){var s=new n(i);return s.heapArray=ii([],Wn(e),!1),s.init(),s.bottom(t)},n.prototype.add=function(t){return this._sortNodeUp(this.heapArray.push(t)-1),this._applyLimit(),!0},n.prototype.addAll=function(t){var e,i=this.length;(e=this.heapArray).push.apply(e,ii([],Wn(t),!1));for(var s=this.length;i<s;++i)this._sortNodeUp(i);return this._applyLimit(),!0},n.prototype.bottom=function(t){return t===void 0&&(t=1),this.heapArray.length===0||t<=0?[]:this.heapArray.length===1?[this.heapArray[0]]:t>=this.heapArray.length?ii([],Wn(this.heapArray),!1):this._bottomN_push(~~t)},n.prototype.check=function(){var t=this;return this.heapArray.find(function(e,i){return!!t.getChildrenOf(i).find(function(s){return t.compare(e,s)>0})})},n.prototype.clear=function(){this.heapArray=[]},n.prototype.clone=function(){var t=new n(this.comparator());return t.heapArray=this.toArray(),t._limit=this._limit,t},n.prototype.comparator=function(){return this.compare},n.prototype.contains=function(t,e){return e===void 0&&(e=n.defaultIsEqual),this.indexOf(t,e)!==-1},n.prototype.init=function(t){t&&(this.heapArray=ii([],Wn(t),!1));for(var e=n.getParentIndexOf(this.length-1);e>=0;--e)this._sortNodeDown(e);this._applyLimit()},n.prototype.isEmpty=function(){return this.length===0},n.prototype.indexOf=function(t,e){if(e===void 0&&(e=n.defaultIsEqual),this.heapArray.length===0)return-1;for(var i=[],s=0;s<this.heapArray.length;){var r=this.heapArray[s];if(e(r,t))return s;this.compare(r,t)<=0&&i.push.apply(i,ii([],Wn(n.getChildrenIndexOf(s)),!1)),s=i.shift()||this.heapArray.length}return-1},n.prototype.indexOfEvery=function(t,e){if(e===void 0&&(e=n.defaultIsEqual),this.heapArray.length===0)return[];for(var i=[],s=[],r=0;r<this.heapArray.length;){var o=this.heapArray[r];e(o,t)?(s.push(r),i.push.apply(i,ii([],Wn(n.getChildrenIndexOf(r)),!1))):this.compare(o,t)<=0&&i.push.apply(i,ii([],Wn(n.getChildrenIndexOf(r)),!1)),r=i.shift()||this.heapArray.length}return s},n.prototype.leafs=function(){if(this.heapArray.length===0)return[];var t=n.getParentIndexOf(this.heapArray.length-1);return this.heapArray.slice(t+1)},Object.defineProperty(n.prototype,"length",{get:function(){return this.heapArray.length},enumerable:!1,configurable:!0}),Object.defineProperty(n.prototype,"limit",{get:function(){return this._limit},set:function(t){t<0||isNaN(t)?this._limit=0:this._limit=~~t,this._applyLimit()},enumerable:!1,configurable:!0}),n.prototype.setLimit=function(t){return this.limit=t,t<0||isNaN(t)?NaN:this._limit},n.prototype.peek=function(){return this.heapArray[0]},n.prototype.pop=function(){var t=this.heapArray.pop();return this.length>0&&t!==void 0?this.replace(t):t},n.prototype.push=function(){for(var t=[],e=0;e<arguments.length;e++)t[e]=arguments[e];return t.length<1?!1:t.length===1?this.add(t[0]):this.addAll(t)},n.prototype.pushpop=function(t){var e;return this.compare(this.heapArray[0],t)<0&&(e=Wn([this.heapArray[0],t],2),t=e[0],this.heapArray[0]=e[1],this._sortNodeDown(0)),t},n.prototype.remove=function(t,e){var i=this;if(e===void 0&&(e=n.defaultIsEqual),!this.heapArray.length)return!1;if(t===void 0)return this.pop(),!0;for(var s=[0];s.length;){var r=s.shift();if(e(this.heapArray[r],t))return r===0?this.pop():r===this.heapArray.length-1?this.heapArray.pop():(this.heapArray.splice(r,1,this.heapArray.pop()),this._sortNodeUp(r),this._sortNodeDown(r)),!0;if(this.compare(this.heapArray[r],t)<=0){var o=n.getChildrenIndexOf(r).filter(function(a){return a<i.heapArray.length});s.push.apply(s,ii([],Wn(o),!1))}}return!1},n.prototype.replace=function(t){var e=this.heapArray[0];return this.heapArray[0]=t,this._sortNodeDown(0),e},n.prototype.size=function(){return this.length},n.prototype.top=function(t){return t===void 0&&(t=1),this.heapArray.length===0||t<=0?[]:this.heapArray.length===1||t===1?[this.heapArray[0]]:t>=this.heapArray.length?ii([],Wn(this.heapArray),!1):this._topN_push(~~t)},n.prototype.toArray=function(){return ii([],Wn(this.heapArray),!1)},n.prototype.toString=function(){return this.heapArray.toString()},n.prototype.get=function(t){return this.heapArray[t]},n.prototype.getChildrenOf=function(t){var e=this;return n.getChildrenIndexOf(t).map(function(i){return e.heapArray[i]}).filter(function(i){return i!==void 0})},n.prototype.getParentOf=function(t){var e=n.getParentIndexOf(t);return this.heapArray[e]},n.prototype[Symbol.iterator]=function(){return tC(this,function(t){switch(t.label){case 0:return this.length?[4,this.pop()]:[3,2];case 1:return t.sent(),[3,0];case 2:return[2]}})},n.prototype.iterator=function(){return this.toArray()},n.prototype._applyLimit=function(){if(this._limit>0&&this._limit<this.heapArray.length)for(var t=this.heapArray.length-this._limit;t;)this.heapArray.pop(),--t},n.prototype._bottomN_push=function(t){var e=new n(this.compare);e.limit=t,e.heapArray=this.heapArray.slice(-t),e.init();for(var i=this.heapArray.length-1-t,s=n.getParentIndexOf(i),r=[],o=i;o>s;--o)r.push(o);for(var a=this.heapArray;r.length;){var o=r.shift();this.compare(a[o],e.peek())>0&&(e.replace(a[o]),o%2&&r.push(n.getParentIndexOf(o)))}return e.toArray()},n.prototype._moveNode=function(t,e){var i=this.heapArray[t];this.heapArray[t]=this.heapArray[e],this.heapArray[e]=i},n.prototype._sortNodeDown=function(t){for(var e=this.heapArray.length,i=t,s=this.heapArray[t],r=2*t+1;r<e;){var o=r+1,a=o>=e||this.compare(this.heapArray[r],this.heapArray[o])<0?r:o;if(this.compare(this.heapArray[a],s)<0)this.heapArray[t]=this.heapArray[a],t=a,r=2*t+1;else break}t!==i&&(this.heapArray[t]=s)},n.prototype._sortNodeUp=function(t){for(var e=this.heapArray[t],i=t;t>0;){var s=n.getParentIndexOf(t);if(this.compare(e,this.heapArray[s])<0)this.heapArray[t]=this.heapArray[s],t=s;else break}t!==i&&(this.heapArray[t]=e)},n.prototype._topN_push=function(t){var e=new n(this._invertedCompare);e.limit=t;for(var i=[0],s=this.heapArray;i.length;){var r=i.shift();r<s.length&&(e.length<t?(e.push(s[r]),i.push.apply(i,ii([],Wn(n.getChildrenIndexOf(r)),!1))):this.compare(s[r],e.peek())<0&&(e.replace(s[r]),i.push.apply(i,ii([],Wn(n.getChildrenIndexOf(r)),!1))))}return e.toArray()},n.prototype._topN_fill=function(t){var e=this.heapArray,i=new n(this._invertedCompare);i.limit=t,i.heapArray=e.slice(0,t),i.init();for(var s=n.getParentIndexOf(t-1)+1,r=[],o=s;o<t;++o)r.push.apply(r,ii([],Wn(n.getChildrenIndexOf(o).filter(function(a){return a<e.length})),!1));for((t-1)%2&&r.push(t);r.length;){var o=r.shift();o<e.length&&this.compare(e[o],i.peek())<0&&(i.replace(e[o]),r.push.apply(r,ii([],Wn(n.getChildrenIndexOf(o)),!1)))}return i.toArray()},n.prototype._topN_heap=function(t){for(var e=this.clone(),i=[],s=0;s<t;++s)i.push(e.pop());return i},n.prototype._topIdxOf=function(t){if(!t.length)return-1;for(var e=0,i=t[e],s=1;s<t.length;++s){var r=this.compare(t[s],i);r<0&&(e=s,i=t[s])}return e},n.prototype._topOf=function(){for(var t=[],e=0;e<arguments.length;e++)t[e]=arguments[e];var i=new n(this.compare);return i.init(t),i.peek()},n})();var ru=class{#t;#n=new Map;#r;#e=0;#s;constructor(t,e){this.#t=t,this.#r=e}async size(){return this.#s==null&&(this.#s=await this.#t.size()),this.#s}async read(t,e,i){let s=Number(e),r=this.#n.get(t);if(r!=null&&r.byteLength>=s)return r.byteLength===s?r:r.subarray(0,s);let o=await this.#t.read(t,e,i);if(this.#e+o.byteLength<=this.#r){let a=new Uint8Array(o);return this.#n.set(t,a),this.#e+=a.byteLength,a}return o}};var ny=typeof DataView.prototype.getBigUint64=="function"?DataView.prototype.getBigUint64:function(n,t){let e=t===!0?this.getUint32(n,t):this.getUint32(n+4,t),i=t===!0?this.getUint32(n+4,t):this.getUint32(n,t);return BigInt(i)<<32n|BigInt(e)};var eC=new TextDecoder,On=class{#t;#n;offset;constructor(t,e=0){this.#t=t,this.#n=new Uint8Array(t.buffer,t.byteOffset,t.byteLength),this.offset=e}reset(t,e=0){this.#t=t,this.#n=new Uint8Array(t.buffer,t.byteOffset,t.byteLength),this.offset=e}bytesRemaining(){return this.#n.length-this.offset}uint8(){let t=this.#t.getUint8(this.offset);return this.offset+=1,t}uint16(){let t=this.#t.getUint16(this.offset,!0);return this.offset+=2,t}uint32(){let t=this.#t.getUint32(this.offset,!0);return this.offset+=4,t}uint64(){let t=ny.call(this.#t,this.offset,!0);return this.offset+=8,t}string(){let t=this.uint32();if(t===0)return"";if(t>this.bytesRemaining())throw new Error(`String length ${t} exceeds bounds of buffer`);return eC.decode(this.u8ArrayBorrow(t))}keyValuePairs(t,e){let i=this.uint32();if(this.offset+i>this.#t.byteLength)throw new Error(`Key-value pairs length ${i} exceeds bounds of buffer`);let s=[],r=this.offset+i;try{for(;this.offset<r;)s.push([t(this),e(this)])}catch(o){throw new Error(`Error reading key-value pairs: ${o.message}`)}if(this.offset!==r)throw new Error(`Key-value pairs length (${this.offset-r+i}) greater than expected (${i})`);return s}map(t,e){let i=this.uint32();if(this.offset+i>this.#t.byteLength)throw new Error(`Map length ${i} exceeds bounds of buffer`);let s=new Map,r=this.offset+i;try{for(;this.offset<r;){let o=t(this),a=e(this),l=s.get(o);if(l!=null)throw new Error(`Duplicate key ${String(o)} (${String(l)} vs ${String(a)})`);s.set(o,a)}}catch(o){throw new Error(`Error reading map: ${o.message}`)}if(this.offset!==r)throw new Error(`Map length (${this.offset-r+i}) greater than expected (${i})`);return s}u8ArrayBorrow(t){let e=this.#n.subarray(this.offset,this.offset+t);return this.offset+=t,e}u8ArrayCopy(t){let e=this.#n.slice(this.offset,this.offset+t);return this.offset+=t,e}};var yn=Object.freeze([137,77,67,65,80,48,13,10]),ve;(function(n){n[n.MIN=1]="MIN",n[n.HEADER=1]="HEADER",n[n.FOOTER=2]="FOOTER",n[n.SCHEMA=3]="SCHEMA",n[n.CHANNEL=4]="CHANNEL",n[n.MESSAGE=5]="MESSAGE",n[n.CHUNK=6]="CHUNK",n[n.MESSAGE_INDEX=7]="MESSAGE_INDEX",n[n.CHUNK_INDEX=8]="CHUNK_INDEX",n[n.ATTACHMENT=9]="ATTACHMENT",n[n.ATTACHMENT_INDEX=10]="ATTACHMENT_INDEX",n[n.STATISTICS=11]="STATISTICS",n[n.METADATA=12]="METADATA",n[n.METADATA_INDEX=13]="METADATA_INDEX",n[n.SUMMARY_OFFSET=14]="SUMMARY_OFFSET",n[n.DATA_END=15]="DATA_END",n[n.MAX=15]="MAX"})(ve||(ve={}));function Fo(n){if(n.bytesRemaining()<yn.length)return;let t=n.u8ArrayBorrow(yn.length);if(!yn.every((e,i)=>e===t[i]))throw new Error(`Expected MCAP magic '${yn.map(e=>e.toString(16).padStart(2,"0")).join(" ")}', found '${Array.from(t,(e,i)=>t[i].toString(16).padStart(2,"0")).join(" ")}'`);return{specVersion:"0"}}function wi(n,t=!1){if(n.bytesRemaining()<9)return;let i=n.offset,s=n.uint8(),r=n.uint64();if(r>Number.MAX_SAFE_INTEGER)throw new Error(`Record content length ${r} is too large`);let o=Number(r);if(n.bytesRemaining()<o){n.offset=i;return}let a;switch(s){case ve.HEADER:a=sC(n,o);break;case ve.FOOTER:a=rC(n,o);break;case ve.SCHEMA:a=oC(n,o);break;case ve.CHANNEL:a=aC(n,o);break;case ve.MESSAGE:a=lC(n,o);break;case ve.CHUNK:a=cC(n,o);break;case ve.MESSAGE_INDEX:a=hC(n,o);break;case ve.CHUNK_INDEX:a=uC(n,o);break;case ve.ATTACHMENT:a=fC(n,o,t);break;case ve.ATTACHMENT_INDEX:a=dC(n,o);break;case ve.STATISTICS:a=pC(n,o);break;case ve.METADATA:a=mC(n,o);break;case ve.METADATA_INDEX:a=gC(n,o);break;case ve.SUMMARY_OFFSET:a=_C(n,o);break;case ve.DATA_END:a=yC(n,o);break;default:a=iC(n,o,s);break}return n.offset=i+9+o,a}function iC(n,t,e){let i=n.u8ArrayBorrow(t);return{type:"Unknown",opcode:e,data:i}}function sC(n,t){let e=n.offset,i=n.string(),s=n.string();return n.offset=e+t,{type:"Header",profile:i,library:s}}function rC(n,t){let e=n.offset,i=n.uint64(),s=n.uint64(),r=n.uint32();return n.offset=e+t,{type:"Footer",summaryStart:i,summaryOffsetStart:s,summaryCrc:r}}function oC(n,t){let e=n.offset,i=n.uint16(),s=n.string(),r=n.string(),o=n.uint32(),a=n.offset;if(t-(a-e)<o)throw new Error(`Schema data length ${o} exceeds bounds of record`);let l=n.u8ArrayCopy(o);return n.offset=e+t,{type:"Schema",id:i,encoding:r,name:s,data:l}}function aC(n,t){let e=n.offset,i=n.uint16(),s=n.uint16(),r=n.string(),o=n.string(),a=n.map(l=>l.string(),l=>l.string());return n.offset=e+t,{type:"Channel",id:i,schemaId:s,topic:r,messageEncoding:o,metadata:a}}function lC(n,t){let i=n.uint16(),s=n.uint32(),r=n.uint64(),o=n.uint64(),a=n.u8ArrayCopy(t-22);return{type:"Message",channelId:i,sequence:s,logTime:r,publishTime:o,data:a}}function cC(n,t){let e=n.offset,i=n.uint64(),s=n.uint64(),r=n.uint64(),o=n.uint32(),a=n.string(),l=Number(n.uint64()),h=n.offset-e;if(l+h>t)throw new Error("Chunk records length exceeds remaining record size");let f=n.u8ArrayCopy(l);return n.offset=e+t,{type:"Chunk",messageStartTime:i,messageEndTime:s,compression:a,uncompressedSize:r,uncompressedCrc:o,records:f}}function hC(n,t){let e=n.offset,i=n.uint16(),s=n.keyValuePairs(r=>r.uint64(),r=>r.uint64());return n.offset=e+t,{type:"MessageIndex",channelId:i,records:s}}function uC(n,t){let e=n.offset,i=n.uint64(),s=n.uint64(),r=n.uint64(),o=n.uint64(),a=n.map(u=>u.uint16(),u=>u.uint64()),l=n.uint64(),c=n.string(),h=n.uint64(),f=n.uint64();return n.offset=e+t,{type:"ChunkIndex",messageStartTime:i,messageEndTime:s,chunkStartOffset:r,chunkLength:o,messageIndexOffsets:a,messageIndexLength:l,compression:c,compressedSize:h,uncompressedSize:f}}function fC(n,t,e){let i=n.offset,s=n.uint64(),r=n.uint64(),o=n.string(),a=n.string(),l=n.uint64();if(BigInt(n.offset)+l>Number.MAX_SAFE_INTEGER)throw new Error(`Attachment too large: ${l}`);if(n.offset+Number(l)+4>i+t)throw new Error(`Attachment data length ${l} exceeds bounds of record`);let c=n.u8ArrayCopy(Number(l)),h=n.offset-i,f=n.uint32();if(e&&f!==0){n.offset=i;let u=n.u8ArrayBorrow(h),d=Ds(u);if(n.offset=i+h+4,d!==f)throw new Error(`Attachment CRC32 mismatch: expected ${f}, actual ${d}`)}return n.offset=i+t,{type:"Attachment",logTime:s,createTime:r,name:o,mediaType:a,data:c}}function dC(n,t){let e=n.offset,i=n.uint64(),s=n.uint64(),r=n.uint64(),o=n.uint64(),a=n.uint64(),l=n.string(),c=n.string();return n.offset=e+t,{type:"AttachmentIndex",offset:i,length:s,logTime:r,createTime:o,dataSize:a,name:l,mediaType:c}}function pC(n,t){let e=n.offset,i=n.uint64(),s=n.uint16(),r=n.uint32(),o=n.uint32(),a=n.uint32(),l=n.uint32(),c=n.uint64(),h=n.uint64(),f=n.map(u=>u.uint16(),u=>u.uint64());return n.offset=e+t,{type:"Statistics",messageCount:i,schemaCount:s,channelCount:r,attachmentCount:o,metadataCount:a,chunkCount:l,messageStartTime:c,messageEndTime:h,channelMessageCounts:f}}function mC(n,t){let e=n.offset,i=n.string(),s=n.map(r=>r.string(),r=>r.string());return n.offset=e+t,{type:"Metadata",metadata:s,name:i}}function gC(n,t){let e=n.offset,i=n.uint64(),s=n.uint64(),r=n.string();return n.offset=e+t,{type:"MetadataIndex",offset:i,length:s,name:r}}function _C(n,t){let e=n.offset,i=n.uint8(),s=n.uint64(),r=n.uint64();return n.offset=e+t,{type:"SummaryOffset",groupOpcode:i,groupStart:s,groupLength:r}}function yC(n,t){let e=n.offset,i=n.uint32();return n.offset=e+t,{type:"DataEnd",dataSectionCrc:i}}function iy(n,t,e){let i=0,s=n.length;if(s===0)return 0;let r=e(t);for(;i<s;){let o=i+s>>>1;e(n[o][0])<r?i=o+1:s=o}return s}function sy(n,t,e){let i=0,s=n.length;if(s===0)return 0;let r=e(t);for(;i<s;){let o=i+s>>>1;e(n[o][0])<=r?i=o+1:s=o}return s}var ou=class{chunkIndex;#t;#n;#r;#e;#s;#i;#a=0;constructor(t){if(this.chunkIndex=t.chunkIndex,this.#t=t.relevantChannels,this.#n=t.startTime,this.#r=t.endTime,this.#e=t.reverse,this.#s=t.readFullMessageIndexRange??!1,this.chunkIndex.messageIndexLength===0n&&(this.chunkIndex.messageStartTime!==0n||this.chunkIndex.messageEndTime!==0n))throw new Error("Encountered a chunk index without message indexes and non-zero start and end times")}compare(t){if(this.#e!==t.#e)throw new Error("Cannot compare a reversed ChunkCursor to a non-reversed ChunkCursor");let e=Number(this.#o()-t.#o());return e===0&&(e=Number(this.chunkIndex.chunkStartOffset-t.chunkIndex.chunkStartOffset)),this.#e?-e:e}hasMoreMessages(){if(this.#i==null)throw new Error("loadMessageIndexes() must be called before hasMore()");return this.#a<this.#i.length}popMessage(){if(this.#i==null)throw new Error("loadMessageIndexes() must be called before popMessage()");if(this.#a>=this.#i.length)throw new Error(`Unexpected popMessage() call when no more messages are available, in chunk at offset ${this.chunkIndex.chunkStartOffset}`);return this.#i[this.#a++]}hasMessageIndexes(){return this.#i!=null}async loadMessageIndexes(t,e){let i=this.#e,s,r,o=this.#s;for(let[S,C]of this.chunkIndex.messageIndexOffsets)(s==null||C<s)&&(s=C),(o||!this.#t||this.#t.has(S))&&(r==null||C<r)&&(r=C);if(s==null||r==null){this.#i=[];return}let a=s+this.chunkIndex.messageIndexLength,l=await t.read(r,a-r,e),c=new DataView(l.buffer,l.byteOffset,l.byteLength),h=new On(c),f=[],u;for(;u=wi(h,!0);)u.type==="MessageIndex"&&(u.records.length===0||this.#t&&!this.#t.has(u.channelId)||f.push(u.records));if(h.bytesRemaining()!==0)throw new Error(`${h.bytesRemaining()} bytes remaining in message index section`);if(this.#i=f.flat().sort(([S,C],[E,y])=>{let M=Number(S-E);return M===0&&(M=Number(C-y)),M}),i&&this.#i.reverse(),this.#i.length===0)return;let[d]=this.#i[0];if(d<this.chunkIndex.messageStartTime)throw new Error(`Chunk at offset ${this.chunkIndex.chunkStartOffset} contains a message with logTime (${d}) earlier than chunk messageStartTime (${this.chunkIndex.messageStartTime})`);let[p]=this.#i[this.#i.length-1];if(p>this.chunkIndex.messageEndTime)throw new Error(`Chunk at offset ${this.chunkIndex.chunkStartOffset} contains a message with logTime (${p}) later than chunk messageEndTime (${this.chunkIndex.messageEndTime})`);let _=i?this.#r:this.#n,m=i?this.#n:this.#r,g=i?S=>-S:S=>S,v,T;_!=null&&(v=iy(this.#i,_,g)),m!=null&&(T=sy(this.#i,m,g)),(v!=null||T!=null)&&(this.#i=this.#i.slice(v,T))}#o(){return this.#i!=null&&this.#i.length>0&&this.#a<this.#i.length?this.#i[this.#a][0]:this.#e?this.chunkIndex.messageEndTime:this.chunkIndex.messageStartTime}};var Bo=class n{chunkIndexes;attachmentIndexes;metadataIndexes=[];channelsById;schemasById;statistics;summaryOffsetsByOpcode;header;footer;dataEndOffset;dataSectionCrc;#t;#n;#r;#e;#s;#i;#a;constructor(t){this.#t=t.readable,this.chunkIndexes=t.chunkIndexes,this.attachmentIndexes=t.attachmentIndexes,this.metadataIndexes=t.metadataIndexes,this.statistics=t.statistics,this.#r=t.decompressHandlers,this.channelsById=t.channelsById,this.schemasById=t.schemasById,this.summaryOffsetsByOpcode=t.summaryOffsetsByOpcode,this.header=t.header,this.footer=t.footer,this.dataEndOffset=t.dataEndOffset,this.dataSectionCrc=t.dataSectionCrc;let e=t.messageIndexCacheSizeBytes??0;this.#n=e>0?new ru(this.#t,e):this.#t;for(let i of t.chunkIndexes)(this.#e==null||i.messageStartTime<this.#e)&&(this.#e=i.messageStartTime),(this.#s==null||i.messageEndTime>this.#s)&&(this.#s=i.messageEndTime);for(let i of t.attachmentIndexes)(this.#i==null||i.logTime<this.#i)&&(this.#i=i.logTime),(this.#a==null||i.logTime>this.#a)&&(this.#a=i.logTime)}#o(t){return new Error(`${t} [library=${this.header.library}]`)}static async Initialize({readable:t,decompressHandlers:e,messageIndexCacheSizeBytes:i,readOptions:s}){let r=await t.size(),o,a;{let B=await t.read(0n,BigInt(yn.length+1+8),s),F=new DataView(B.buffer,B.byteOffset,B.byteLength);Fo(new On(F));let R=F.getBigUint64(yn.length+1,!0),U=1n+8n+R,$=await t.read(BigInt(yn.length),U,s);a=BigInt(yn.length)+U;let G=new On(new DataView($.buffer,$.byteOffset,$.byteLength)),ct=wi(G,!0);if(ct?.type!=="Header")throw new Error(`Unable to read header at beginning of file; found ${ct?.type??"nothing"}`);if(G.bytesRemaining()!==0)throw new Error(`${G.bytesRemaining()} bytes remaining after parsing header`);o=ct}function l(B){return new Error(`${B} [library=${o.library}]`)}let c,h;{let B=BigInt(yn.length+1+8+4+4),F=BigInt(29+yn.length);if(r<B+F)throw l(`File size (${r}) is too small to be valid MCAP`);c=r-F;let R=await t.read(c,F,s);h=new DataView(R.buffer,R.byteOffset,R.byteLength)}try{Fo(new On(h,h.byteLength-yn.length))}catch(B){throw l(B.message)}let f;{let B=new On(h),F=wi(B,!0);if(F?.type!=="Footer")throw l(`Unable to read footer from end of file (offset ${c}); found ${F?.type??"nothing"}`);if(B.bytesRemaining()!==yn.length)throw l(`${B.bytesRemaining()-yn.length} bytes remaining after parsing footer`);f=F}if(f.summaryStart===0n)throw l("File is not indexed");let u=new Uint8Array(25);u.set(new Uint8Array(h.buffer,h.byteOffset,u.byteLength));let d=1n+8n+4n,p=f.summaryStart-d;if(p<a)throw l(`Expected DataEnd position (summary start ${f.summaryStart} - ${d} = ${p}) to be after Header end offset (${a})`);let _=await t.read(p,c-p,s);if(f.summaryCrc!==0){let B=iu();if(B=al(B,_.subarray(Number(d))),B=al(B,u),B=su(B),B!==f.summaryCrc)throw l(`Incorrect summary CRC ${B} (expected ${f.summaryCrc})`)}let m=new DataView(_.buffer,_.byteOffset,_.byteLength),g=new On(m),v=new Map,T=new Map,S=[],C=[],E=[],y=new Map,M,V,N=!0,L;for(;L=wi(g,!0);){if(N&&L.type!=="DataEnd")throw l(`Expected DataEnd record to precede summary section, but found ${L.type}`);switch(N=!1,L.type){case"Schema":T.set(L.id,L);break;case"Channel":v.set(L.id,L);break;case"ChunkIndex":S.push(L);break;case"AttachmentIndex":C.push(L);break;case"MetadataIndex":E.push(L);break;case"Statistics":if(M)throw l("Duplicate Statistics record");M=L;break;case"SummaryOffset":y.set(L.groupOpcode,L);break;case"DataEnd":V=L.dataSectionCrc===0?void 0:L.dataSectionCrc;break;case"Header":case"Footer":case"Message":case"Chunk":case"MessageIndex":case"Attachment":case"Metadata":throw l(`${L.type} record not allowed in index section`);case"Unknown":break}}if(g.bytesRemaining()!==0)throw l(`${g.bytesRemaining()} bytes remaining in index section`);return new n({readable:t,chunkIndexes:S,attachmentIndexes:C,metadataIndexes:E,statistics:M,decompressHandlers:e,channelsById:v,schemasById:T,summaryOffsetsByOpcode:y,header:o,footer:f,dataEndOffset:p,dataSectionCrc:V,messageIndexCacheSizeBytes:i})}async*readMessages(t={}){let{topics:e,startTime:i=this.#e,endTime:s=this.#s,reverse:r=!1,validateCrcs:o,readOptions:a}=t;if(i==null||s==null)return;let l;if(e){l=new Set;for(let _ of this.channelsById.values())e.includes(_.topic)&&l.add(_.id)}let c=new ey((_,m)=>_.compare(m)),h=!0,f,u=this.#n!==this.#t;for(let _ of this.chunkIndexes)_.messageStartTime<=s&&_.messageEndTime>=i&&(c.push(new ou({chunkIndex:_,relevantChannels:l,startTime:i,endTime:s,reverse:r,readFullMessageIndexRange:u})),h&&f!=null&&(h=_.messageStartTime>=f),f=_.messageEndTime);let d=new Map,p=new On(new DataView(new ArrayBuffer(0)));for(let _;_=c.peek();){if(!_.hasMessageIndexes()){await _.loadMessageIndexes(this.#n,a),_.hasMoreMessages()?c.replace(_):c.pop();continue}let m=d.get(_.chunkIndex.chunkStartOffset);m||(m=await this.#l(_.chunkIndex,{validateCrcs:o??!0,readOptions:a}),d.set(_.chunkIndex.chunkStartOffset,m));let[g,v]=_.popMessage();if(v>=BigInt(m.byteLength))throw this.#o(`Message offset beyond chunk bounds (log time ${g}, offset ${v}, chunk data length ${m.byteLength}) in chunk at offset ${_.chunkIndex.chunkStartOffset}`);p.reset(m,Number(v));let T=wi(p,o??!0);if(!T)throw this.#o(`Unable to parse record at offset ${v} in chunk at offset ${_.chunkIndex.chunkStartOffset}`);if(T.type!=="Message")throw this.#o(`Unexpected record type ${T.type} in message index (time ${g}, offset ${v} in chunk at offset ${_.chunkIndex.chunkStartOffset})`);if(T.logTime!==g)throw this.#o(`Message log time ${T.logTime} did not match message index entry (${g} at offset ${v} in chunk at offset ${_.chunkIndex.chunkStartOffset})`);yield T,_.hasMoreMessages()?h||c.replace(_):(c.pop(),d.delete(_.chunkIndex.chunkStartOffset))}}async*readMetadata(t={}){let{name:e,readOptions:i}=t;for(let s of this.metadataIndexes){if(e!=null&&s.name!==e)continue;let r=await this.#t.read(s.offset,s.length,i),o=new On(new DataView(r.buffer,r.byteOffset,r.byteLength)),a=wi(o,!1);if(a?.type!=="Metadata")throw this.#o(`Metadata data at offset ${s.offset} does not point to metadata record (found ${String(a?.type)})`);yield a}}async*readAttachments(t={}){let{name:e,mediaType:i,startTime:s=this.#i,endTime:r=this.#a,validateCrcs:o,readOptions:a}=t;if(!(s==null||r==null))for(let l of this.attachmentIndexes){if(e!=null&&l.name!==e||i!=null&&l.mediaType!==i||l.logTime>r||l.logTime<s)continue;let c=await this.#t.read(l.offset,l.length,a),h=new On(new DataView(c.buffer,c.byteOffset,c.byteLength)),f=wi(h,o??!0);if(f?.type!=="Attachment")throw this.#o(`Attachment data at offset ${l.offset} does not point to attachment record (found ${String(f?.type)})`);yield f}}async#l(t,e){let i=await this.#t.read(t.chunkStartOffset,t.chunkLength,e?.readOptions),s=new On(new DataView(i.buffer,i.byteOffset,i.byteLength)),r=wi(s,e?.validateCrcs??!0);if(r?.type!=="Chunk")throw this.#o(`Chunk start offset ${t.chunkStartOffset} does not point to chunk record (found ${String(r?.type)})`);let o=r,a=o.records;if(o.compression!==""&&a.byteLength>0){let l=this.#r?.[o.compression];if(!l)throw this.#o(`Unsupported compression ${o.compression}`);a=l(a,o.uncompressedSize)}if(o.uncompressedCrc!==0&&e?.validateCrcs!==!1){let l=Ds(a);if(l!==o.uncompressedCrc)throw this.#o(`Incorrect chunk CRC ${l} (expected ${o.uncompressedCrc})`)}return new DataView(a.buffer,a.byteOffset,a.byteLength)}};var ko=class{#t=new ArrayBuffer(yn.length*2);#n=new DataView(this.#t,0,0);#r=new On(this.#n);#e;#s;#i;#a;#o=!1;#l=this.#u();#c=new Map;constructor({includeChunks:t=!1,decompressHandlers:e={},validateCrcs:i=!0,noMagicPrefix:s=!1}={}){this.#s=t,this.#e=e,this.#i=i,this.#a=s}done(){return this.#o}bytesRemaining(){return this.#r.bytesRemaining()}append(t){if(this.#o)throw new Error("Already done reading");this.#h(t)}#h(t){let e=this.#r.offset,i=this.#n.byteLength-e,s=i+t.byteLength;if(s<=this.#t.byteLength)if(this.#n.byteOffset+this.#n.byteLength+t.byteLength<=this.#t.byteLength)new Uint8Array(this.#t,this.#n.byteOffset).set(t,this.#n.byteLength),this.#n=new DataView(this.#t,this.#n.byteOffset,this.#n.byteLength+t.byteLength),this.#r.reset(this.#n,this.#r.offset);else{let r=new Uint8Array(this.#t,this.#n.byteOffset+e,i),o=new Uint8Array(this.#t);o.set(r,0),o.set(t,r.byteLength),this.#n=new DataView(this.#t,0,r.byteLength+t.byteLength),this.#r.reset(this.#n)}else{this.#t=new ArrayBuffer(s*2);let r=new Uint8Array(this.#t),o=new Uint8Array(this.#n.buffer,this.#n.byteOffset+e,i);r.set(o,0),r.set(t,o.byteLength),this.#n=new DataView(this.#t,0,o.byteLength+t.byteLength),this.#r.reset(this.#n)}}nextRecord(){if(this.#o)return;let t=this.#l.next();if(t.value?.type==="Channel"){let e=this.#c.get(t.value.id);if(this.#c.set(t.value.id,t.value),e&&!xC(e,t.value))throw new Error(`Channel record for id ${t.value.id} (topic: ${t.value.topic}) differs from previous channel record of the same id.`)}else if(t.value?.type==="Message"){let e=t.value.channelId;if(!this.#c.get(e))throw new Error(`Encountered message on channel ${e} without prior channel record`)}return t.done===!0&&(this.#o=!0),t.value}*#u(){if(!this.#a){let i;for(;i=Fo(this.#r),!i;)yield}let t;function e(i){return new Error(`${i} ${t?`[library=${t.library}]`:"[no header]"}`)}for(;;){let i;for(;i=wi(this.#r,this.#i),!i;)yield;switch(i.type){case"Header":if(t)throw new Error(`Duplicate Header record: library=${t.library} profile=${t.profile} vs. library=${i.library} profile=${i.profile}`);t=i,yield i;break;case"Unknown":case"Schema":case"Channel":case"Message":case"MessageIndex":case"ChunkIndex":case"Attachment":case"AttachmentIndex":case"Statistics":case"Metadata":case"MetadataIndex":case"SummaryOffset":case"DataEnd":yield i;break;case"Chunk":{this.#s&&(yield i);let s=i.records;if(i.compression!==""&&s.byteLength>0){let l=this.#e[i.compression];if(!l)throw e(`Unsupported compression ${i.compression}`);s=l(s,i.uncompressedSize)}if(this.#i&&i.uncompressedCrc!==0){let l=Ds(s);if(l!==i.uncompressedCrc)throw e(`Incorrect chunk CRC ${l} (expected ${i.uncompressedCrc})`)}let r=new DataView(s.buffer,s.byteOffset,s.byteLength),o=new On(r),a;for(;a=wi(o,this.#i);)switch(a.type){case"Header":case"Footer":case"Chunk":case"MessageIndex":case"ChunkIndex":case"Attachment":case"AttachmentIndex":case"Statistics":case"Metadata":case"MetadataIndex":case"SummaryOffset":case"DataEnd":throw e(`${a.type} record not allowed inside a chunk`);case"Unknown":case"Schema":case"Channel":case"Message":yield a;break}if(o.bytesRemaining()!==0)throw e(`${o.bytesRemaining()} bytes remaining in chunk`);break}case"Footer":try{let s;for(;s=Fo(this.#r),!s;)yield}catch(s){throw e(s.message)}if(this.#r.bytesRemaining()!==0)throw e(`${this.#r.bytesRemaining()} bytes remaining after MCAP footer and trailing magic`);return i}}}};function xC(n,t){if(!(n.id===t.id&&n.messageEncoding===t.messageEncoding&&n.schemaId===t.schemaId&&n.topic===t.topic&&n.metadata.size===t.metadata.size))return!1;for(let[e,i]of n.metadata.entries()){let s=t.metadata.get(e);if(i!==s)return!1}return!0}var au=class{#t=new Uint8Array(4096);#n;#r=new TextEncoder;#e=0;constructor(){this.#n=new DataView(this.#t.buffer)}get length(){return this.#e}get buffer(){return this.#t.slice(0,this.#e)}bufferView(t,e){return new Uint8Array(this.#t.buffer,t,e)}int8(t){return this.#s(1),this.#n.setInt8(this.#e,t),this.#e+=1,this}uint8(t){return this.#s(1),this.#n.setUint8(this.#e,t),this.#e+=1,this}int16(t){return this.#s(2),this.#n.setInt16(this.#e,t,!0),this.#e+=2,this}uint16(t){return this.#s(2),this.#n.setUint16(this.#e,t,!0),this.#e+=2,this}int32(t){return this.#s(4),this.#n.setInt32(this.#e,t,!0),this.#e+=4,this}uint32(t){return this.#s(4),this.#n.setUint32(this.#e,t,!0),this.#e+=4,this}int64(t){return this.#s(8),this.#n.setBigInt64(this.#e,t,!0),this.#e+=8,this}uint64(t){return this.#s(8),this.#n.setBigUint64(this.#e,t,!0),this.#e+=8,this}string(t){let e=this.#r.encode(t);return this.#s(e.byteLength+4),this.uint32(e.length),this.#t.set(e,this.#e),this.#e+=e.length,this}bytes(t){return this.#s(t.byteLength),this.#t.set(t,this.#e),this.#e+=t.length,this}tupleArray(t,e,i){let s=this.#e;this.uint32(0);for(let[a,l]of i)t.call(this,a),e.call(this,l);let r=this.#e;this.#e=s;let o=r-s-4;return this.uint32(o),this.#e=r,this}seek(t){return this.#i(t),this.#e=t,this}reset(){return this.#e=0,this}#s(t){this.#i(this.#e+t)}#i(t){if(t>this.#t.byteLength){let e=Math.max(this.#t.byteLength*1.5,t),i=new Uint8Array(e);i.set(this.#t),this.#t=i,this.#n=new DataView(this.#t.buffer)}}};var cr=class{options;#t=new au;constructor(t){this.options=t}get length(){return this.#t.length}get buffer(){return this.#t.buffer}reset(){this.#t.reset()}writeMagic(){this.#t.bytes(new Uint8Array(yn))}writeHeader(t){this.#t.uint8(ve.HEADER);let e=this.#t.length;this.#t.uint64(0n).string(t.profile).string(t.library),this.options?.padRecords===!0&&this.#t.uint8(1).uint8(255).uint8(255);let i=this.#t.length;return this.#t.seek(e).uint64(BigInt(i-e-8)).seek(i),BigInt(i-e+1)}writeFooter(t){return this.#t.uint8(ve.FOOTER).uint64(20n).uint64(t.summaryStart).uint64(t.summaryOffsetStart).uint32(t.summaryCrc),20n}writeSchema(t){this.#t.uint8(ve.SCHEMA);let e=this.#t.length;this.#t.uint64(0n).uint16(t.id).string(t.name).string(t.encoding).uint32(t.data.byteLength).bytes(t.data),this.options?.padRecords===!0&&this.#t.uint8(1).uint8(255).uint8(255);let i=this.#t.length;return this.#t.seek(e).uint64(BigInt(i-e-8)).seek(i),BigInt(i-e+1)}writeChannel(t){this.#t.uint8(ve.CHANNEL);let e=this.#t.length;this.#t.uint64(0n).uint16(t.id).uint16(t.schemaId).string(t.topic).string(t.messageEncoding).tupleArray(s=>this.#t.string(s),s=>this.#t.string(s),t.metadata),this.options?.padRecords===!0&&this.#t.uint8(1).uint8(255).uint8(255);let i=this.#t.length;return this.#t.seek(e).uint64(BigInt(i-e-8)).seek(i),BigInt(i-e+1)}writeMessage(t){this.#t.uint8(ve.MESSAGE);let e=this.#t.length;this.#t.uint64(0n).uint16(t.channelId).uint32(t.sequence).uint64(t.logTime).uint64(t.publishTime).bytes(t.data);let i=this.#t.length;this.#t.seek(e).uint64(BigInt(i-e-8)).seek(i)}writeAttachment(t){this.#t.uint8(ve.ATTACHMENT);let e=this.#t.length;this.#t.uint64(0n);let i=this.#t.length;this.#t.uint64(t.logTime).uint64(t.createTime).string(t.name).string(t.mediaType).uint64(BigInt(t.data.byteLength)).bytes(t.data),this.#t.uint32(Ds(this.#t.bufferView(i,this.#t.length-i))),this.options?.padRecords===!0&&this.#t.uint8(1).uint8(255).uint8(255);let s=this.#t.length;return this.#t.seek(e).uint64(BigInt(s-e-8)).seek(s),BigInt(s-e+1)}writeAttachmentIndex(t){this.#t.uint8(ve.ATTACHMENT_INDEX);let e=this.#t.length;this.#t.uint64(0n).uint64(t.offset).uint64(t.length).uint64(t.logTime).uint64(t.createTime).uint64(t.dataSize).string(t.name).string(t.mediaType),this.options?.padRecords===!0&&this.#t.uint8(1).uint8(255).uint8(255);let i=this.#t.length;return this.#t.seek(e).uint64(BigInt(i-e-8)).seek(i),BigInt(i-e+1)}writeChunk(t){this.#t.uint8(ve.CHUNK);let e=this.#t.length;this.#t.uint64(0n).uint64(t.messageStartTime).uint64(t.messageEndTime).uint64(t.uncompressedSize).uint32(t.uncompressedCrc).string(t.compression).uint64(BigInt(t.records.byteLength)).bytes(t.records);let i=this.#t.length;return this.#t.seek(e).uint64(BigInt(i-e-8)).seek(i),BigInt(i-e+1)}writeChunkIndex(t){this.#t.uint8(ve.CHUNK_INDEX);let e=this.#t.length;this.#t.uint64(0n).uint64(t.messageStartTime).uint64(t.messageEndTime).uint64(t.chunkStartOffset).uint64(t.chunkLength).uint32(t.messageIndexOffsets.size*10);for(let[s,r]of t.messageIndexOffsets)this.#t.uint16(s).uint64(r);this.#t.uint64(t.messageIndexLength).string(t.compression).uint64(t.compressedSize).uint64(t.uncompressedSize),this.options?.padRecords===!0&&this.#t.uint8(1).uint8(255).uint8(255);let i=this.#t.length;return this.#t.seek(e).uint64(BigInt(i-e-8)).seek(i),BigInt(i-e+1)}writeMessageIndex(t){this.#t.uint8(ve.MESSAGE_INDEX);let e=this.#t.length,i=t.records.length*16;this.#t.uint64(0n).uint16(t.channelId).uint32(i);for(let r of t.records)this.#t.uint64(r[0]).uint64(r[1]);this.options?.padRecords===!0&&this.#t.uint8(1).uint8(255).uint8(255);let s=this.#t.length;return this.#t.seek(e).uint64(BigInt(s-e-8)).seek(s),BigInt(s-e+1)}writeMetadata(t){this.#t.uint8(ve.METADATA);let e=this.#t.length;this.#t.uint64(0n).string(t.name).tupleArray(s=>this.#t.string(s),s=>this.#t.string(s),t.metadata),this.options?.padRecords===!0&&this.#t.uint8(1).uint8(255).uint8(255);let i=this.#t.length;return this.#t.seek(e).uint64(BigInt(i-e-8)).seek(i),BigInt(i-e+1)}writeMetadataIndex(t){this.#t.uint8(ve.METADATA_INDEX);let e=this.#t.length;this.#t.uint64(0n).uint64(t.offset).uint64(t.length).string(t.name),this.options?.padRecords===!0&&this.#t.uint8(1).uint8(255).uint8(255);let i=this.#t.length;return this.#t.seek(e).uint64(BigInt(i-e-8)).seek(i),BigInt(i-e+1)}writeSummaryOffset(t){this.#t.uint8(ve.SUMMARY_OFFSET);let e=this.#t.length;this.#t.uint64(0n).uint8(t.groupOpcode).uint64(t.groupStart).uint64(t.groupLength),this.options?.padRecords===!0&&this.#t.uint8(1).uint8(255).uint8(255);let i=this.#t.length;return this.#t.seek(e).uint64(BigInt(i-e-8)).seek(i),BigInt(i-e+1)}writeStatistics(t){this.#t.uint8(ve.STATISTICS);let e=this.#t.length;this.#t.uint64(0n).uint64(t.messageCount).uint16(t.schemaCount).uint32(t.channelCount).uint32(t.attachmentCount).uint32(t.metadataCount).uint32(t.chunkCount).uint64(t.messageStartTime).uint64(t.messageEndTime).tupleArray(s=>this.#t.uint16(s),s=>this.#t.uint64(s),t.channelMessageCounts),this.options?.padRecords===!0&&this.#t.uint8(1).uint8(255).uint8(255);let i=this.#t.length;return this.#t.seek(e).uint64(BigInt(i-e-8)).seek(i),BigInt(i-e+1)}writeDataEnd(t){return this.#t.uint8(ve.DATA_END).uint64(4n).uint32(t.dataSectionCrc),4n}};var vC="2.2.2",SC=`mcap-typescript/${vC}`;function ry(n,t){let e=new DataView(n.buffer,n.byteOffset,n.byteLength),i=new Uint8Array(t),s=MC(e),r=wC(s),o=0;for(;;){let a=e.getUint32(r,!0);if(r+=4,a===0)break;let l=a&2147483647,c=n.subarray(r,r+l);if(c.length!==l)throw new Error("LZ4: the last block is cut");o=a&2147483648?oy(c,i,o):EC(c,i,o),r+=l+(s.hasBlockSum?4:0)}if(o!==t)throw new Error(`LZ4: ${o} bytes where ${t} are expected`);return i}function MC(n){if(n.getUint32(0,!0)!==407708164)throw new Error("LZ4: not a frame");let t=n.getUint8(4);if(t>>6!==1)throw new Error("LZ4: a version that is not known");if(t&1)throw new Error("LZ4: a dictionary is needed");return{hasBlockSum:(t&16)!==0,hasSize:(t&8)!==0}}function wC({hasSize:n}){return 6+(n?8:0)+1}function oy(n,t,e){if(e+n.length>t.length)throw new Error("LZ4: more bytes than expected");return t.set(n,e),e+n.length}function EC(n,t,e){let i=0,s=r=>{if(r!==15)return r;let o;do{if(i>=n.length)throw new Error("LZ4: a length is cut");r+=o=n[i++]}while(o===255);return r};for(;i<n.length;){let r=n[i++],o=s(r>>4);if(i+o>n.length)throw new Error("LZ4: literals are cut");if(e=oy(n.subarray(i,i+o),t,e),i+=o,i===n.length)break;if(i+2>n.length)throw new Error("LZ4: an offset is cut");let a=n[i]|n[i+1]<<8;i+=2,e=AC(t,e,a,s(r&15)+4)}return e}function AC(n,t,e,i){if(e===0||e>t)throw new Error("LZ4: a match before the start");if(t+i>n.length)throw new Error("LZ4: more bytes than expected");if(e>=i)n.copyWithin(t,t-e,t-e+i);else for(let s=0;s<i;s++)n[t+s]=n[t+s-e];return t+i}var Gd=[137,77,67,65,80,48,13,10],zo=9,TC=6,CC=32,RC=6,IC={lz4:(n,t)=>ry(n,Number(t))};async function ay(n,t){await PC(n);let e=await LC(n)??await DC(n),i=new Wd(n,t,e);return i.check(),i}var Wd=class{constructor(t,e,{chunks:i,schemas:s,channels:r,isCut:o}){Object.assign(this,{blob:t,name:e,chunks:i,schemas:s,channels:r,isCut:o}),this.chunks.sort((a,l)=>Number(a.start-l.start)),this.held=new Map}get start(){return this.chunks[0].start}get end(){return this.chunks.reduce((t,e)=>e.end>t?e.end:t,this.start)}get duration(){return Number(this.end-this.start)/1e9}check(){if(this.chunks.length===0)throw new Error("The recording is empty: it was cut before its first chunk was written, or nothing was recorded.");let t=new Set(this.channelsOf(Object.values(we)).map(e=>e.topic));if(!t.has(we.image)&&!t.has(we.contacts))throw new Error("The file holds no images or contacts of a skin (no topic /dermatome/image): another program wrote it.")}async at(t,e){return(await Promise.all(e.map(s=>this.lastOf(s,t)))).filter(s=>s!==void 0)}async lastOf(t,e){let i=this.chunksOf(t);for(let s of i.filter(({start:r})=>r<=e).reverse()){let o=((await this.messagesOf(s)).get(t)??[]).findLast(({logTime:a})=>a<=e);if(o)return o}if(!(t!==we.skin||i.length===0))return(await this.messagesOf(i[0])).get(t)?.[0]}async neighbour(t,e){let i=this.chunksOf(we.image).length>0?we.image:we.contacts,s=this.chunksOf(i).filter(({start:r,end:o})=>e?o>t:r<t);for(let r of e?s:s.reverse()){let o=(await this.messagesOf(r)).get(i)??[],a=e?o.find(({logTime:l})=>l>t):o.findLast(({logTime:l})=>l<t);if(a)return a.logTime}}async*walk(t){for(let e of this.chunks){let i=await this.messagesOf(e);yield t.flatMap(s=>i.get(s)??[])}}channelsOf(t){return[...this.channels.values()].filter(e=>t.includes(e.topic))}chunksOf(t){let e=this.channelsOf([t]).map(i=>i.id);return this.chunks.filter(i=>e.some(s=>i.channelIds.has(s)))}messagesOf(t){let i=this.held.get(t)??this.readMessages(t);return this.held.delete(t),this.held.set(t,i),this.held.size>RC&&this.held.delete(this.held.keys().next().value),i}async readMessages(t){let e=new Map;for(let i of await this.recordsOf(t)){if(i.type!=="Message")continue;let{topic:s,schemaId:r}=this.channels.get(i.channelId),o={topic:s,schema:this.schemaText(r),bytes:i.data,logTime:i.logTime};e.has(s)||e.set(s,[]),e.get(s).push(o)}for(let i of e.values())i.sort((s,r)=>Number(s.logTime-r.logTime));return e}async recordsOf({offset:t,length:e}){let i=new cr;for(let s of this.schemas.values())i.writeSchema(s);for(let s of this.channels.values())i.writeChannel(s);return ly([i.buffer,await ll(this.blob,t,e)])}schemaText(t){return new TextDecoder().decode(this.schemas.get(t)?.data)}};async function PC(n){if(n.size===0)throw new Error("The file is empty.");let t=await ll(n,0,Math.min(n.size,Gd.length));if(Gd.some((e,i)=>t[i]!==e))throw new Error("The file is not MCAP. Recordings of `dermatome view` end in .mcap.")}async function LC(n){let t={size:async()=>BigInt(n.size),read:(e,i)=>ll(n,Number(e),Number(i))};try{let e=await Bo.Initialize({readable:t}),i=e.chunkIndexes.map(r=>({offset:Number(r.chunkStartOffset),length:Number(r.chunkLength),start:r.messageStartTime,end:r.messageEndTime,channelIds:new Set(r.messageIndexOffsets.keys())}));return e.channelsById.size>0&&i.every(({channelIds:r})=>r.size>0)?{chunks:i,schemas:e.schemasById,channels:e.channelsById,isCut:!1}:void 0}catch{return}}async function DC(n){let t={chunks:[],schemas:new Map,channels:new Map,isCut:!0},e=Gd.length;for(;e+zo<=n.size;){let i=cy(await ll(n,e,zo)),s=zo+Number(i.getBigUint64(1,!0));if(e+s>n.size||i.getUint8(0)===TC&&!await NC(t,n,e,s))break;e+=s}return t}async function NC(n,t,e,i){let s=await ll(t,e,i);if(i<zo+CC)return!1;let r=cy(s.subarray(zo,zo+16)),o=new cr;for(let l of n.channels.values())o.writeChannel(l);let a=new Set;try{for(let l of ly([o.buffer,s]))l.type==="Schema"&&n.schemas.set(l.id,l),l.type==="Channel"&&n.channels.set(l.id,l),l.type==="Message"&&a.add(l.channelId)}catch{return!1}return n.chunks.push({offset:e,length:i,start:r.getBigUint64(0,!0),end:r.getBigUint64(8,!0),channelIds:a}),!0}function ly(n){let t=new ko({noMagicPrefix:!0,decompressHandlers:IC});for(let i of n)t.append(i);let e=[];for(let i;i=t.nextRecord();)e.push(i);return e}async function ll(n,t,e){return new Uint8Array(await n.slice(t,t+e).arrayBuffer())}function cy(n){return new DataView(n.buffer,n.byteOffset,n.byteLength)}var OC=400,UC=20,FC=12,lu=class{constructor(t){this.session=t,this.overview=void 0,Q("speed").append(...Q_.map(e=>Zt("option",{value:e},`${e} ×`))),this.connectControls(),BC(e=>this.open(e)),t.listen(e=>{(e.has("player")||e.has("new"))&&this.show(),e.has("look")&&this.drawOverview()}),new ResizeObserver(()=>this.drawOverview()).observe(Q("overview"))}connectControls(){let t=e=>()=>this.session.player&&e(this.session.player);Q("play").addEventListener("click",t(e=>e.toggle())),Q("step-back").addEventListener("click",t(e=>e.step(!1))),Q("step-on").addEventListener("click",t(e=>e.step(!0))),Q("speed").addEventListener("change",t(e=>e.setSpeed(Number(Q("speed").value)))),Q("position").addEventListener("input",t(e=>e.seekSeconds(Number(Q("position").value)))),Q("close-recording").addEventListener("click",()=>this.close()),Q("open").addEventListener("click",()=>Q("file").click()),Q("file").addEventListener("change",e=>{let[i]=e.target.files;e.target.value="",i&&this.open(i)})}async open(t){Gt(Q("said-actions"),`Opening ${t.name}`);try{let e=await ay(t,t.name);this.overview=new Float32Array(Math.max(1,Math.min(OC,Math.round(e.duration*UC)))),this.session.openPlayer(e),Gt(Q("said-actions"),""),this.readOverview(e)}catch(e){Gt(Q("said-actions"),`${t.name} cannot be shown. ${e.message}`)}}close(){this.session.closePlayer(),Q("open").focus()}show(){let{player:t}=this.session;if(Q("playback").hidden=!t,!t)return;let{recording:e}=t;Gt(Q("play"),t.isPlaying?"Pause":"Play"),Gt(Q("playback-name"),e.name),Q("position").max=String(e.duration),Q("position").value=String(t.seconds),Q("position").setAttribute("aria-valuetext",pl(t.seconds)),Q("speed").value=String(t.speed),Gt(Q("time"),`${pl(t.seconds)} / ${pl(e.duration)}`)}async readOverview(t){let e=()=>this.session.player?.recording===t,i=performance.now();try{for await(let s of t.walk([we.contacts]))for(let{schema:r,bytes:o,logTime:a}of s){if(!e())return;this.addToOverview(t,a,ma(r,o).contacts),!(performance.now()-i<FC)&&(this.drawOverview(),await new Promise(l=>setTimeout(l)),i=performance.now())}}catch(s){console.warn("the overview of the recording is not complete:",s.message)}this.drawOverview()}addToOverview({start:t,duration:e},i,s){let r=e>0?Number(i-t)/1e9/e:0,o=Math.min(this.overview.length-1,Math.floor(r*this.overview.length));this.overview[o]=Math.max(this.overview[o],Sr(s,!1))}drawOverview(){let t=Q("overview");if(!this.overview||!this.session.player||t.clientWidth===0)return;t.width=t.clientWidth*devicePixelRatio,t.height=t.clientHeight*devicePixelRatio;let e=Math.max(...this.overview)||1,i=t.getContext("2d");i.fillStyle=Gs("--overview");let s=t.width/this.overview.length;this.overview.forEach((r,o)=>{let a=r/e*t.height;i.fillRect(o*s,t.height-a,s+.5,a)})}};function BC(n){let t=i=>i.dataTransfer?.types.includes("Files"),e=i=>Q("drop").hidden=!i;addEventListener("dragover",i=>{t(i)&&(i.preventDefault(),e(!0))}),addEventListener("dragleave",i=>i.relatedTarget===null&&e(!1)),addEventListener("drop",i=>{if(!t(i))return;i.preventDefault(),e(!1);let[s]=i.dataTransfer.files;s&&n(s)})}var hy=280,$d=4095,cu=class{constructor(t){this.session=t,this.isSeen=!1,this.slot=null,this.plot=this.makePlot(),Q("slot").addEventListener("change",()=>this.watch()),t.listen(e=>this.update(e)),new ResizeObserver(()=>this.resize()).observe(Q("scope-plot"))}makePlot(){return new Mn({width:300,height:hy,legend:{show:!1},cursor:{drag:{x:!0,y:!1}},scales:{x:{time:!1},y:{range:[0,$d+1]}},axes:[sa({label:"ms",labelSize:18,size:30}),sa({size:48})],series:[{},{stroke:()=>Gs("--accent"),width:1.25,points:{show:!1}}],hooks:{drawClear:[t=>this.shadeSettling(t)]}},[[],[]],Q("scope-plot"))}setSeen(t){t!==this.isSeen&&(this.isSeen=t,this.session.wantScope(t),t&&this.resize(),this.watch())}watch(){let t=this.isSeen&&Q("slot").value!==""?Number(Q("slot").value):null;t===this.slot||!this.session.offers("/dermatome/scope")||(this.slot=t,this.session.call("/dermatome/scope",{slot:t}).then(()=>Gt(Q("said-scope"),""),e=>{this.slot=null,Gt(Q("said-scope"),e.message)}))}update(t){t.has("new")&&(this.slot=null),t.has("skin")&&this.listSlots(),(t.has("skin")||t.has("program"))&&this.watch(),t.has("look")&&this.plot.redraw(!1,!0),t.has("scope")&&this.isSeen&&this.draw()}listSlots(){let{skin:t}=this.session.shown;if(!t)return;let e=Q("slot").value||"0",i=Array.from({length:t.steps.length/4},(o,a)=>kC(t.steps,a)),s=Array.from({length:t.electrodes.length/3},(o,a)=>`test of electrode ${a+1}`),r=[...i,...s].map((o,a)=>Zt("option",{value:a},`${a}: ${o}`));Q("slot").replaceChildren(...r),Q("slot").value=Number(e)<r.length?e:"0"}resize(){let t=Q("scope-plot").clientWidth;t>0&&this.plot.setSize({width:t,height:hy})}draw(){let{scope:t}=this.session.shown;if(!t)return this.plot.setData([[],[]]);let e=1e3/t.sample_rate,i=Array.from(t.samples,(s,r)=>r*e);this.plot.setData([i,t.samples]),Gt(Q("scope-text"),zC(t))}shadeSettling(t){let{scope:e}=this.session.shown;if(!e?.settling)return;let i=t.valToPos(e.settling*1e3/e.sample_rate,"x",!0),{ctx:s,bbox:r}=t;s.save(),s.fillStyle=Gs("--shade"),s.fillRect(r.left,r.top,Math.max(0,i-r.left),r.height),s.restore()}};function kC(n,t){let[e,i,s,r]=n.subarray(4*t,4*t+4).map(o=>o+1);return`current ${e} to ${i}, voltage ${s} to ${r}`}function zC({slot:n,gain:t,settling:e,period:i,sample_rate:s,samples:r}){let[o,a]=[Math.min(...r),Math.max(...r)],l=o===0||a===$d?" It reaches the converter's limit: lower the gain or the amplitude.":"";return`Slot ${n}, gain ${t}: codes ${o} to ${a} of 0 to ${$d}. ${an(s/i/1e3)} kHz carrier, ${an(s/1e6)} MS/s, ${i} samples a period. The first ${e} samples (shaded) are left out while the voltage settles.${l}`}function uy(n){let t=n.protocol==="https:"?"wss":"ws",e=new URLSearchParams(n.search).get("token");return`${t}://${n.host}/${e===null?"":`?token=${encodeURIComponent(e)}`}`}var hu=class{constructor(){this.waiting=new Map}get isEmpty(){return this.waiting.size===0}put(t,e,i,s){this.waiting.set(t,{topic:t,schema:e,bytes:i,logTime:s})}take(t=()=>!0){let e=[...this.waiting.values()].filter(({topic:i})=>t(i));for(let{topic:i}of e)this.waiting.delete(i);return e}clear(){this.waiting.clear()}};var fy=`(()=>{var g="foxglove.sdk.v1";function m(n){let e=new DataView(n);switch(e.getUint8(0)){case 1:return{op:"message",subscriptionId:e.getUint32(1,!0),logTime:e.getBigUint64(5,!0),bytes:new Uint8Array(n,13)};case 2:return{op:"time",time:e.getBigUint64(1,!0)};case 3:return k(e,n);default:return}}function k(n,e){let t=n.getUint32(9,!0);return{op:"serviceResponse",serviceId:n.getUint32(1,!0),callId:n.getUint32(5,!0),payload:JSON.parse(new TextDecoder().decode(new Uint8Array(e,13+t)))}}function S(n,e,t){let s=new TextEncoder().encode("json"),r=new TextEncoder().encode(JSON.stringify(t)),i=new Uint8Array(13+s.length+r.length),o=new DataView(i.buffer);return o.setUint8(0,2),o.setUint32(1,n,!0),o.setUint32(5,e,!0),o.setUint32(9,s.length,!0),i.set(s,13),i.set(r,13+s.length),i}var E=[250,500,1e3,2e3,4e3,5e3],v=3e3,I=15e3,T={"/dermatome/check":12e4,"/dermatome/calibrate":12e4,"/dermatome/patch":6e4},O=15e3,a=class{constructor(e,t){this.url=e,this.on=t,this.isOpen=!1,this.everOpen=!1,this.attempts=0,this.retryAt=0,this.sessionId=void 0,this.notices=new Map,this.wanted=new Set,this.nextCall=1,this.nextSubscription=0,this.forget(),setInterval(()=>this.watch(),500),this.open()}get silence(){let e=performance.now()-this.heard;return this.isOpen&&e>v?e:0}offers(e){return this.services.has(e)}want(e,t){t!==this.wanted.has(e)&&(t?this.wanted.add(e):this.wanted.delete(e),this.matchSubscriptions())}call(e,t){let s=this.services.get(e);if(s===void 0)return Promise.reject(new Error(this.whyNot()));let r=this.nextCall++,i=new Promise((o,l)=>{let w=setTimeout(()=>this.settle(r,b=>b.reject(new Error("The program did not answer in time."))),T[e]??O);this.calls.set(r,{resolve:o,reject:l,timer:w})});return this.socket.send(S(s,r,t)),i.then(U)}whyNot(){return this.isOpen?"The program does not offer that.":"The program does not answer."}retryNow(){this.isOpen||this.socket?.readyState===WebSocket.CONNECTING||(clearTimeout(this.timer),this.open())}open(){this.retryAt=0;let e=new WebSocket(this.url,[g]);e.binaryType="arraybuffer",e.onopen=()=>this.opened(),e.onmessage=t=>this.received(t.data),e.onclose=()=>e===this.socket&&this.closed(),this.socket=e}opened(){this.isOpen=!0,this.everOpen=!0,this.attempts=0,this.heard=performance.now(),this.on.change()}closed(){this.isOpen=!1;for(let t of[...this.calls.keys()])this.settle(t,s=>s.reject(new Error("The program went away before it answered.")));this.forget();let e=E[Math.min(this.attempts++,E.length-1)];this.retryAt=performance.now()+e,this.timer=setTimeout(()=>this.open(),e),this.on.change()}forget(){this.channels=new Map,this.subscriptions=new Map,this.services=new Map,this.calls=new Map,this.notices.clear(),this.heard=performance.now()}watch(){if(!this.isOpen)return this.retryAt&&this.on.change();let e=performance.now()-this.heard;e>I?this.drop():e>v&&this.on.change()}drop(){let{socket:e}=this;this.socket=void 0,e.close(),this.closed()}received(e){let t=this.silence>0;this.heard=performance.now();try{typeof e=="string"?this.readText(JSON.parse(e)):this.readFrame(m(e))}catch(s){console.warn("a frame of the program could not be read:",s.message)}t&&this.on.change()}readFrame(e){if(e?.op==="message"){let t=this.subscriptions.get(e.subscriptionId);t&&this.on.message(t.topic,t.schema,e.bytes,e.logTime)}else e?.op==="serviceResponse"&&this.settle(e.callId,t=>t.resolve(e.payload))}readText(e){let t={serverInfo:()=>this.begin(e.sessionId),advertise:()=>e.channels.forEach(s=>this.channels.set(s.id,s)),unadvertise:()=>e.channelIds.forEach(s=>this.removeChannel(s)),advertiseServices:()=>e.services.forEach(s=>this.services.set(s.name,s.id)),unadvertiseServices:()=>e.serviceIds.forEach(s=>this.removeService(s)),serviceCallFailure:()=>this.settle(e.callId,s=>s.reject(new Error(e.message))),status:()=>this.notices.set(e.id??e.message,e),removeStatus:()=>e.statusIds.forEach(s=>this.notices.delete(s))}[e.op];t&&(t(),this.matchSubscriptions(),this.on.change())}begin(e){e!==this.sessionId&&this.on.session(),this.sessionId=e}removeChannel(e){this.channels.delete(e);for(let[t,s]of this.subscriptions)s.id===e&&this.subscriptions.delete(t)}removeService(e){for(let[t,s]of this.services)s===e&&this.services.delete(t)}matchSubscriptions(){if(!this.isOpen)return;let e=i=>i.encoding==="cdr"&&i.schemaEncoding==="ros2msg",t=new Set([...this.subscriptions.values()].map(i=>i.id)),r=[...this.channels.values()].filter(i=>this.wanted.has(i.topic)&&e(i)&&!t.has(i.id)).map(i=>({id:this.nextSubscription++,channelId:i.id,channel:i}));for(let{id:i,channel:o}of r)this.subscriptions.set(i,o);r.length>0&&this.send({op:"subscribe",subscriptions:r.map(({id:i,channelId:o})=>({id:i,channelId:o}))}),this.dropUnwanted()}dropUnwanted(){let e=[...this.subscriptions].filter(([,t])=>!this.wanted.has(t.topic));if(e.length!==0){for(let[t]of e)this.subscriptions.delete(t);this.send({op:"unsubscribe",subscriptionIds:e.map(([t])=>t)})}}send(e){this.socket.send(JSON.stringify(e))}settle(e,t){let s=this.calls.get(e);s&&(clearTimeout(s.timer),this.calls.delete(e),t(s))}};function U(n){if(n?.ok===!0)return n;throw new Error(n?.error||"The program refused without saying why.")}var h=class{constructor(){this.waiting=new Map}get isEmpty(){return this.waiting.size===0}put(e,t,s,r){this.waiting.set(e,{topic:e,schema:t,bytes:s,logTime:r})}take(e=()=>!0){let t=[...this.waiting.values()].filter(({topic:s})=>e(s));for(let{topic:s}of t)this.waiting.delete(s);return t}clear(){this.waiting.clear()}};var M=3,d=new h,c,u=!1,p=!1,R={open:({url:n})=>c=new a(n,{message:C,session:A,change:N}),want:({topic:n,isWanted:e})=>c.want(n,e),retry:()=>c.retryNow(),taken:()=>{u=!1,y()},call:({id:n,service:e,request:t})=>c.call(e,t).then(s=>postMessage({kind:"answer",id:n,answer:s}),s=>postMessage({kind:"answer",id:n,error:s.message}))};onmessage=({data:n})=>R[n.kind](n);function C(n,e,t,s){d.put(n,e,t,s),y()}function y(){u||p||d.isEmpty||(p=!0,setTimeout(x,M))}function x(){p=!1;let n=d.take();n.length!==0&&(u=!0,postMessage({kind:"messages",messages:n},n.map(({bytes:e})=>e.buffer)))}function A(){d.clear(),postMessage({kind:"session"})}function N(){let{isOpen:n,everOpen:e,attempts:t,retryAt:s,sessionId:r,silence:i,services:o,notices:l}=c,f=s>0?s-performance.now():0;postMessage({kind:"state",state:{isOpen:n,everOpen:e,attempts:t,retryIn:f,sessionId:r,silence:i},services:[...o.keys()],notices:[...l.values()]})}})();
+`;var uu=class{constructor(t,e){this.on=e,this.isOpen=!1,this.everOpen=!1,this.attempts=0,this.retryAt=0,this.silence=0,this.sessionId=void 0,this.services=new Set,this.notices=[],this.calls=new Map,this.nextCall=1,this.worker=VC(),this.worker.onmessage=({data:i})=>this.told(i),this.worker.onerror=i=>e.failed(`The page's connection failed (${i.message}). Reload it.`),this.worker.postMessage({kind:"open",url:t})}offers(t){return this.services.has(t)}want(t,e){this.worker.postMessage({kind:"want",topic:t,isWanted:e})}retryNow(){this.worker.postMessage({kind:"retry"})}call(t,e){let i=this.nextCall++;return this.worker.postMessage({kind:"call",id:i,service:t,request:e}),new Promise((s,r)=>this.calls.set(i,{resolve:s,reject:r}))}told(t){({messages:()=>this.take(t.messages),state:()=>this.setState(t),session:()=>this.on.session(),answer:()=>this.settle(t)})[t.kind]()}take(t){this.worker.postMessage({kind:"taken"});for(let{topic:e,schema:i,bytes:s,logTime:r}of t)this.on.message(e,i,s,r)}setState({state:{retryIn:t,...e},services:i,notices:s}){Object.assign(this,e,{notices:s,services:new Set(i)}),this.retryAt=t>0?performance.now()+t:0,this.on.change()}settle({id:t,answer:e,error:i}){let{resolve:s,reject:r}=this.calls.get(t);this.calls.delete(t),i===void 0?s(e):r(new Error(i))}};function VC(){let n=URL.createObjectURL(new Blob([fy],{type:"text/javascript"})),t=new Worker(n);return URL.revokeObjectURL(n),t}var GC=[we.skin,we.status,we.image,we.contacts,we.health],WC=new Set([we.image,we.contacts,we.health,we.scope]),$C=Object.fromEntries(Object.entries(we).map(([n,t])=>[t,n])),XC=2e3,qC=2e3,fu=class{constructor(t){this.listeners=[],this.changes=new Set,this.latest=new hu,this.shown={},this.times={},this.liveStatus=void 0,this.player=void 0,this.isHeld=!1,this.isScopeWanted=!1,this.fault="",this.imageCame=0,this.latencies=[],this.program=new uu(uy(t),{message:(...e)=>this.fromProgram(...e),session:()=>this.begin(),change:()=>this.changed("program"),failed:e=>this.failed(e)}),this.subscribe(),setInterval(()=>this.watch(),500)}listen(t){return this.listeners.push(t),()=>this.listeners=this.listeners.filter(e=>e!==t)}changed(t){this.changes.size===0&&requestAnimationFrame(()=>this.frame()),this.changes.add(t)}call(t,e={}){return this.player?Promise.reject(new Error("A recording is shown. Close it to control the skin.")):this.program.call(t,e)}offers(t){return this.program.isOpen&&!this.player&&this.program.offers(t)}hold(t){this.isHeld=t,this.changed("held")}get isStale(){return!this.player&&!this.isHeld&&this.program.isOpen&&this.shown.status?.state==="live"&&!document.hidden&&performance.now()-this.imageCame>XC}wantScope(t){this.isScopeWanted=t,this.subscribe()}openPlayer(t){this.player?.close(),this.forget(),this.isHeld=!1,this.player=new nu(t,{message:(...e)=>this.receive(...e),change:()=>this.changed("player"),error:e=>this.failed(`The recording cannot be read here: ${e.message}.`)}),this.subscribe(),this.changed("player")}closePlayer(){this.player?.close(),this.player=void 0,this.forget(),this.subscribe(),this.changed("player")}subscribe(){for(let t of GC)this.program.want(t,!this.player||t===we.status);this.program.want(we.scope,this.isScopeWanted&&!this.player),!this.player&&this.liveStatus&&(this.shown.status=this.liveStatus)}begin(){this.liveStatus=void 0,this.player||this.forget()}forget(){this.latest.clear(),this.shown={},this.times={},this.fault="",this.imageCame=performance.now();for(let t of Object.keys(we))this.changed(t);this.changed("new")}fromProgram(t,e,i,s){this.player&&t===we.status&&this.followStatus(e,i),this.player||this.receive(t,e,i,s)}followStatus(t,e){this.liveStatus=ma(t,e),this.changed("liveStatus")}receive(t,e,i,s){t===we.image&&(this.imageCame=performance.now()),this.latest.put(t,e,i,s),this.changed("messages")}frame(){for(let e of this.latest.take(i=>!this.isHeld||!WC.has(i)))this.show(e);let{changes:t}=this;this.changes=new Set;for(let e of this.listeners)this.tell(e,t);t.has("image")&&this.noteLatency()}tell(t,e){try{t(e)}catch(i){console.error(i),this.failed(`A part of the page failed (${i.message}). Reload it.`)}}show({topic:t,schema:e,bytes:i,logTime:s}){let r=$C[t];try{let o=ma(e,i);r==="skin"&&Ng(o),this.shown[r]=o,this.times[r]=s,r==="status"&&!this.player&&(this.liveStatus=this.shown.status),this.changes.add(r)}catch(o){this.failed(`A message of ${t} cannot be read (${o.message}). Reload the page: the program may be newer.`)}}noteLatency(){this.player||this.times.image===void 0||(this.latencies.push(performance.timeOrigin+performance.now()-Number(this.times.image)/1e6),this.latencies.length>qC&&this.latencies.shift())}failed(t){t!==this.fault&&(this.fault=t,this.changed("program"))}watch(){this.isStale!==this.wasStale&&this.changed("program"),this.wasStale=this.isStale}};var YC=[12.5,20,50,100,200],ZC=[0,1,2,4,8,16,32,64];function py(n,t){du(Q("frequency"),YC.map(r=>[r*1e3,`${r} kHz`])),du(Q("gain"),ZC.map(r=>[r,r===0?"automatic":String(r)])),du(Q("map"),Object.entries(pr).map(([r,{title:o}])=>[r,o]));let e=JC(n),i=tR(n);QC(n);let s=eR(n,t);n.listen(r=>{["status","program","player","new"].some(o=>r.has(o))&&(KC(n),n.shown.status&&[e,i].forEach(o=>o(n.shown.status))),(r.has("look")||r.has("image"))&&s()}),s()}function KC(n){let t={"drive-form":"drive","threshold-form":"threshold","patch-form":"patch"};for(let[e,i]of Object.entries(t)){let s=n.offers(`/dermatome/${i}`);for(let r of Q(e).elements)r.tagName!=="OUTPUT"&&(r.disabled=!s)}}function JC(n){let t=Q("drive-form"),e=!1;return t.addEventListener("input",()=>e=!0),t.addEventListener("submit",i=>{i.preventDefault();let s=jC(Q("amplitude"),n.shown.status?.largest_amplitude*1e3);if(s.error)return Gt(Q("said-drive"),s.error);let r={frequency_hz:Number(Q("frequency").value),amplitude_ma:s.value,gain:Number(Q("gain").value)};pu(n,"drive",r).then(o=>o&&(e=!1))}),i=>{Gt(Q("drive-now"),`In effect: ${af(i)}.`),Q("amplitude").max=String(mu(i.largest_amplitude*1e3)),!(e||t.contains(document.activeElement))&&(dy(Q("frequency"),Math.round(i.frequency),`${an(i.frequency/1e3)} kHz`),Q("amplitude").value=mu(i.amplitude*1e3),dy(Q("gain"),i.gain,String(i.gain)))}}function jC(n,t){let e=n.value.trim()===""?NaN:Number(n.value);return e>0?t>0&&e>t*1.0001?{error:`The board drives ${mu(t)} mA at most.`}:{value:e}:{error:"The amplitude is a number above 0, in mA."}}function QC(n){Q("threshold-form").addEventListener("submit",t=>{t.preventDefault();let e=Q("threshold").value.trim()===""?NaN:Number(Q("threshold").value);if(!(e>=0))return Gt(Q("said-threshold"),"The strength is a number from 0, such as 0.05.");pu(n,"threshold",{value:e})}),Q("threshold-default").addEventListener("click",()=>{Q("threshold").value="",pu(n,"threshold",{value:0})}),n.listen(t=>{let e=n.shown.skin?.contact_threshold;t.has("skin")&&e>0&&(Q("threshold").placeholder=String(mu(e)))})}function tR(n){let t=Q("patch");Q("patch-form").addEventListener("submit",i=>i.preventDefault()),t.addEventListener("change",()=>pu(n,"patch",{index:Number(t.value)}));let e="";return i=>{let s=JSON.stringify(i.patches);s!==e&&du(t,i.patches.map((r,o)=>[o,r])),e=s,document.activeElement!==t&&(t.value=String(i.patch))}}async function pu(n,t,e){let i=Q(`said-${t}`);try{return await n.call(`/dermatome/${t}`,e),Gt(i,""),!0}catch(s){return Gt(i,s.message),!1}}function eR(n,t){let{scale:e}=t,i=()=>n.changed("look");Q("colour-form").addEventListener("submit",s=>s.preventDefault()),Q("map").addEventListener("change",()=>t.setMap(Q("map").value)),Q("scale-automatic").addEventListener("change",s=>{e.setAutomatic(s.target.checked),i()}),Q("scale-maximum").addEventListener("change",s=>{let r=Number(s.target.value);r>0&&e.setFixed(r),i()});for(let s of["contacts","electrodes","link"])Q(`show-${s}`).addEventListener("change",r=>t.setShown({[s]:r.target.checked}));return()=>nR(t)}function nR({map:n,scale:t,shows:e}){Q("map").value=n,Q("scale-automatic").checked=t.isAutomatic,document.activeElement!==Q("scale-maximum")&&(Q("scale-maximum").value=Number(t.maximum.toPrecision(2)));for(let[i,s]of Object.entries(e))Q(`show-${i}`).checked=s}function du(n,t){n.replaceChildren(...t.map(([e,i])=>Zt("option",{value:e},i)))}function dy(n,t,e){[...n.options].some(s=>s.value===String(t))||n.append(Zt("option",{value:t},e)),n.value=String(t)}function mu(n){return Number(Number(n).toPrecision(4))}var iR=new Set(["live","replaying"]);function my(n){if(n.player)return sR(n);if(!n.program.isOpen)return rR(n.program);let{status:t,skin:e}=n.shown;return n.program.silence>0?oR(n.program.silence):t?iR.has(t.state)?e?lR(t):Xd("Waiting for the skin's shape",t.text):aR(t):Xd("Connected to the program","It has not yet said how the skin is.")}function sR({player:n,shown:t,fault:e}){let{recording:i}=n,s=i.isCut?"The file was cut: it is shown up to its last whole chunk.":"",r=!t.skin&&!e;return{level:"off",word:"Recording",text:r?"The skin's shape is not in the recording, or not yet read":i.name,advice:s,covers:r}}function rR(n){if(!n.everOpen&&n.attempts===0)return Xd("Connecting to the program","");let t=Math.ceil((n.retryAt-performance.now())/1e3);return{level:"bad",word:"No program",text:"The program `dermatome view` does not answer",advice:`Start it again in a terminal, if it has ended; this page connects by itself. ${n.retryAt>0&&t>0?`The next attempt is in ${t} s.`:"Trying now."}`,covers:!0,action:"retry"}}function oR(n){return{level:"warn",word:"Silent",text:`The program has said nothing for ${Math.round(n/1e3)} s`,advice:"It may be busy, or the machine was asleep. If it goes on, look at its terminal.",covers:!1}}function aR(n){let{word:t,level:e}=Cu[n.state]??{word:n.state,level:"warn"},i=n.state==="not_tared"?"tare":void 0;return{level:e,word:t,text:n.text||t,advice:n.advice,covers:!0,action:i}}function lR(n){let{word:t,level:e}=Cu[n.state],i=Number.isFinite(n.progress)?` (${Math.round(n.progress*100)} %)`:"";return{level:e,word:t,text:`${n.text}${i}`,advice:n.advice,covers:!1}}function Xd(n,t){return{level:"off",word:"Waiting",text:n,advice:t,covers:!0}}function gy(n){let{status:t}=n.shown,e=n.player?[]:n.program.notices.filter(({level:a})=>a>0),i=n.isStale?["No new image has come for some seconds, although the program says that the skin is live."]:[],r=n.player||n.program.isOpen?t?.warnings??[]:[],o=[n.fault,...i,...r,...e.map(({message:a})=>a)];return[...new Set(o.filter(a=>a))]}var _y={tare:"Tare",retry:"Try now"};function yy(n,t){let e=Q("situation-action");e.addEventListener("click",()=>t(e.dataset.action)),n.listen(i=>{["status","program","player","skin","new","held"].some(s=>i.has(s))&&cR(n,e)})}function cR(n,t){let e=my(n),i=Q("state");Gt(i,e.word),i.dataset.level=e.level,Gt(Q("status-text"),e.text),Q("status-text").title=e.advice,Q("situation").hidden=!e.covers,Q("view").classList.toggle("is-dimmed",e.covers),Gt(Q("situation-text"),e.text),Gt(Q("situation-advice"),e.advice),t.hidden=!(e.action in _y),t.dataset.action=e.action??"",Gt(t,_y[e.action]??""),Q("held").hidden=!n.isHeld||e.covers,hR(n,e)}function hR(n,{covers:t,advice:e}){let i=gy(n).map(s=>({text:s,kind:"warning"}));!t&&e&&i.push({text:e,kind:"hint"}),Fi(Q("banners"),i,()=>Zt("li"),(s,{text:r,kind:o})=>{s.dataset.kind=o,Gt(s,r)})}function xy(n,t,e){window.dermatome=Object.freeze({state:()=>uR(n,t,e),get framesDrawn(){return t.framesDrawn},get lastDrawnDeviceTime(){return t.lastDrawnDeviceTime},get latencies(){return[...n.latencies]},project:(i,s,r)=>t.scene.project({x:i,y:s,z:r})})}function uR(n,t,e){let{player:i,program:s,shown:r}=n;return{isOpen:s.isOpen,sessionId:s.sessionId,state:r.status?.state,skin:r.skin?.name,isFlat:t.scene?.frame?.isFlat,sequence:r.image?.sequence,contacts:(r.contacts?.contacts??[]).map(({id:o,force:a,strength:l,position:c})=>({id:o,force:a,strength:l,position:c})),isHeld:n.isHeld,panel:e.selected,map:t.map,range:t.range,isScaleAutomatic:t.scale.isAutomatic,theme:document.documentElement.dataset.theme,recording:i&&{seconds:i.seconds,duration:i.recording.duration,isPlaying:i.isPlaying,isCut:i.recording.isCut}}}var vy="dermatome-theme";function by(n,t){let e=matchMedia("(prefers-color-scheme: dark)"),i=o=>{let a=o==="dark"||o==="system"&&e.matches;document.documentElement.dataset.theme=a?"dark":"light",t()},s=()=>n.find(o=>o.checked)?.value??"system",r=Sy();for(let o of n)o.checked=o.value===r,o.addEventListener("change",()=>i(Sy(s())));e.addEventListener("change",()=>i(s())),i(s())}function Sy(n){try{return n!==void 0&&localStorage.setItem(vy,n),n??localStorage.getItem(vy)??"system"}catch{return n??"system"}}var je=new fu(location),Ki=new eu(je,{keepsPixels:new URLSearchParams(location.search).has("test")}),{tare:wy,record:fR}=gp(je);yy(je,n=>n==="tare"?wy():je.program.retryNow());py(je,Ki);xp(je);new lu(je);var dR={contacts:tg(je),plots:new Ll(je),electrodes:Fg(je),scope:new cu(je)},qd=new Zl(n=>{for(let[t,e]of Object.entries(dR))e.setSeen(t===n)});function Ey(){je.player?je.player.toggle():je.hold(!je.isHeld)}function Ay(){let n=Object.keys(pr);Ki.setMap(n[(n.indexOf(Ki.map)+1)%n.length])}function My(n){n(Ki.scale),je.changed("look")}Hg(je,{tare:wy,record:fR,hold:Ey,step:n=>je.player?.step(n),open:()=>Q("open").click(),map:Ay,automatic:()=>My(n=>n.setAutomatic(!n.isAutomatic)),scale:n=>My(t=>t.step(n)),electrodes:()=>Ki.setShown({electrodes:!Ki.shows.electrodes}),reset:()=>Ki.scene?.resetView(),turn:(n,t)=>Ki.scene?.turn(n,t),zoom:n=>Ki.scene?.zoom(n),panel:n=>qd.select(n)});Q("pause").addEventListener("click",Ey);Q("next-map").addEventListener("click",Ay);Q("reset-view").addEventListener("click",()=>Ki.scene?.resetView());je.listen(n=>{!n.has("held")&&!n.has("player")&&!n.has("new")||(Q("pause").setAttribute("aria-pressed",String(je.isHeld)),Q("pause").disabled=!!je.player)});by([...document.querySelectorAll("input[name=theme]")],()=>je.changed("look"));xy(je,Ki,qd);qd.select("contacts");je.changed("program");
+/*! Bundled license information:
+
+three/build/three.core.js:
+three/build/three.module.js:
+  (**
+   * @license
+   * Copyright 2010-2026 Three.js Authors
+   * SPDX-License-Identifier: MIT
+   *)
+*/

@@ -1,0 +1,187 @@
+// What the page knows: the newest message of each topic, from the program or from a recording, and when to draw. All
+// messages go one way: `Latest` keeps the newest, one animation frame decodes it, and the views show it.
+
+import { addressOf } from "./connection.js";
+import { Latest } from "./latest.js";
+import { TOPIC, checkSkin, decode } from "./messages.js";
+import { Player } from "./player.js";
+import { Program } from "./program.js";
+
+const LIVE_TOPICS = [TOPIC.skin, TOPIC.status, TOPIC.image, TOPIC.contacts, TOPIC.health];
+const HELD_TOPICS = new Set([TOPIC.image, TOPIC.contacts, TOPIC.health, TOPIC.scope]);
+const NAMES = Object.fromEntries(Object.entries(TOPIC).map(([name, topic]) => [topic, name]));
+const STALE_MS = 2000;
+const LATENCIES_KEPT = 2000;
+
+export class Session {
+  constructor(location) {
+    this.listeners = [];
+    this.changes = new Set();
+    this.latest = new Latest();
+    this.shown = {};
+    this.times = {};
+    this.liveStatus = undefined;
+    this.player = undefined;
+    this.isHeld = false;
+    this.isScopeWanted = false;
+    this.fault = "";
+    this.imageCame = 0;
+    this.latencies = [];
+    this.program = new Program(addressOf(location), {
+      message: (...message) => this.fromProgram(...message),
+      session: () => this.begin(),
+      change: () => this.changed("program"),
+      failed: (text) => this.failed(text),
+    });
+    this.subscribe();
+    setInterval(() => this.watch(), 500);
+  }
+
+  /**
+   * Calls `listener(changes)` once for each animation frame in which something changed, with the names of what did.
+   * Returns what ends that.
+   */
+  listen(listener) {
+    this.listeners.push(listener);
+    return () => (this.listeners = this.listeners.filter((other) => other !== listener));
+  }
+
+  changed(name) {
+    if (this.changes.size === 0) requestAnimationFrame(() => this.frame());
+    this.changes.add(name);
+  }
+
+  call(service, request = {}) {
+    if (this.player) return Promise.reject(new Error("A recording is shown. Close it to control the skin."));
+    return this.program.call(service, request);
+  }
+
+  /** Whether the live skin can be controlled with this service. */
+  offers(service) {
+    return this.program.isOpen && !this.player && this.program.offers(service);
+  }
+
+  hold(isHeld) {
+    this.isHeld = isHeld;
+    this.changed("held");
+  }
+
+  /** Whether a live image should have come, and none has for some time. */
+  get isStale() {
+    const isLive = !this.player && !this.isHeld && this.program.isOpen && this.shown.status?.state === "live";
+    return isLive && !document.hidden && performance.now() - this.imageCame > STALE_MS;
+  }
+
+  wantScope(isWanted) {
+    this.isScopeWanted = isWanted;
+    this.subscribe();
+  }
+
+  openPlayer(recording) {
+    this.player?.close();
+    this.forget();
+    this.isHeld = false;
+    this.player = new Player(recording, {
+      message: (...message) => this.receive(...message),
+      change: () => this.changed("player"),
+      error: (error) => this.failed(`The recording cannot be read here: ${error.message}.`),
+    });
+    this.subscribe();
+    this.changed("player");
+  }
+
+  closePlayer() {
+    this.player?.close();
+    this.player = undefined;
+    this.forget();
+    this.subscribe();
+    this.changed("player");
+  }
+
+  // While a recording is shown only the program's status is followed. Subscribing again brings the skin again.
+  subscribe() {
+    for (const topic of LIVE_TOPICS) this.program.want(topic, !this.player || topic === TOPIC.status);
+    this.program.want(TOPIC.scope, this.isScopeWanted && !this.player);
+    if (!this.player && this.liveStatus) this.shown.status = this.liveStatus;
+  }
+
+  begin() {
+    this.liveStatus = undefined;
+    if (!this.player) this.forget();
+  }
+
+  forget() {
+    this.latest.clear();
+    this.shown = {};
+    this.times = {};
+    this.fault = "";
+    this.imageCame = performance.now();
+    for (const name of Object.keys(TOPIC)) this.changed(name);
+    this.changed("new");
+  }
+
+  fromProgram(topic, schema, bytes, logTime) {
+    if (this.player && topic === TOPIC.status) this.followStatus(schema, bytes);
+    if (!this.player) this.receive(topic, schema, bytes, logTime);
+  }
+
+  followStatus(schema, bytes) {
+    this.liveStatus = decode(schema, bytes);
+    this.changed("liveStatus");
+  }
+
+  receive(topic, schema, bytes, logTime) {
+    if (topic === TOPIC.image) this.imageCame = performance.now();
+    this.latest.put(topic, schema, bytes, logTime);
+    this.changed("messages");
+  }
+
+  frame() {
+    for (const message of this.latest.take((topic) => !this.isHeld || !HELD_TOPICS.has(topic))) this.show(message);
+    const { changes } = this;
+    this.changes = new Set();
+    for (const listener of this.listeners) this.tell(listener, changes);
+    if (changes.has("image")) this.noteLatency();
+  }
+
+  // A view that fails does not keep the others from what is new.
+  tell(listener, changes) {
+    try {
+      listener(changes);
+    } catch (error) {
+      console.error(error);
+      this.failed(`A part of the page failed (${error.message}). Reload it.`);
+    }
+  }
+
+  show({ topic, schema, bytes, logTime }) {
+    const name = NAMES[topic];
+    try {
+      const message = decode(schema, bytes);
+      if (name === "skin") checkSkin(message);
+      this.shown[name] = message;
+      this.times[name] = logTime;
+      if (name === "status" && !this.player) this.liveStatus = this.shown.status;
+      this.changes.add(name);
+    } catch (error) {
+      this.failed(`A message of ${topic} cannot be read (${error.message}). Reload the page: the program may be newer.`);
+    }
+  }
+
+  noteLatency() {
+    if (this.player || this.times.image === undefined) return;
+    this.latencies.push(performance.timeOrigin + performance.now() - Number(this.times.image) / 1e6);
+    if (this.latencies.length > LATENCIES_KEPT) this.latencies.shift();
+  }
+
+  failed(text) {
+    if (text === this.fault) return;
+    this.fault = text;
+    this.changed("program");
+  }
+
+  watch() {
+    if (this.isStale !== this.wasStale) this.changed("program");
+    this.wasStale = this.isStale;
+  }
+}
