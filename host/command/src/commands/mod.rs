@@ -52,7 +52,7 @@ mod learn;
 mod link_frame;
 mod man;
 mod noise;
-mod outlets;
+pub(crate) mod outlets;
 mod outputs;
 mod preserved;
 mod presses;
