@@ -157,8 +157,8 @@ fn of_numbers(desks: &Desks) -> Vec<Case> {
     let readers: [(&[&str], &str); 7] = [
         (&["reconstruct", "skin.toml", "--reference", "reference.csv", "--frames", "bad.csv"], "frames.csv"),
         (&["reconstruct", "skin.toml", "--reference", "bad.csv", "--frames", "frames.csv"], "reference.csv"),
-        (&["replay", "skin.dermatome", "--frames", "bad.csv"], "frames.csv"),
-        (&["replay", "skin.dermatome", "--frames", "frames.csv", "--times", "bad.csv"], "times.csv"),
+        (&["replay", "bad.csv", "--patch", "skin.dermatome"], "frames.csv"),
+        (&["replay", "frames.csv", "--patch", "skin.dermatome", "--times", "bad.csv"], "times.csv"),
         (&["check-data", "skin.toml", "bad.csv"], "frames.csv"),
         (&["learn", "skin.toml", "--presses", "bad.csv", "--reference", "reference.csv"], "presses.csv"),
         (&["forward", "skin.toml", "--conductivity", "bad.csv"], "ones.csv"),
