@@ -89,10 +89,10 @@ class Recording {
     return undefined;
   }
 
-  /** All messages of `topics`, chunk by chunk. */
+  /** All messages of `topics`, chunk by chunk; chunks that are read for it are not held. */
   async *walk(topics) {
     for (const chunk of this.chunks) {
-      const messages = await this.messagesOf(chunk);
+      const messages = await (this.held.get(chunk) ?? this.readMessages(chunk));
       yield topics.flatMap((topic) => messages.get(topic) ?? []);
     }
   }

@@ -23,6 +23,7 @@ function show(session, button) {
   byId("status-text").title = situation.advice;
   byId("situation").hidden = !situation.covers;
   byId("view").classList.toggle("is-dimmed", situation.covers);
+  byId("panel-contacts").classList.toggle("is-dimmed", situation.covers && situation.action === "retry");
   setText(byId("situation-text"), situation.text);
   setText(byId("situation-advice"), situation.advice);
   button.hidden = !(situation.action in ACTIONS);

@@ -268,7 +268,7 @@ describe("controls", () => {
       await page.waitForTimeout(2500);
       const now = await page.locator(".plot:not([hidden]) output").allTextContents();
       assert.equal(now.length, 5);
-      assert.equal(now[1], "2.00");
+      assert.equal(now[1], "2");
       assert.equal(now[2], "400");
       await screenshot(page, "plots-dark");
     }));
@@ -465,6 +465,26 @@ describe("recordings", () => {
     });
   });
 
+  test("the plots show the minute before the position, wherever one scrubs", async () => {
+    const buffer = await record({ seconds: 6, rate: 50 });
+    await withPage({}, async ({ page }) => {
+      await untilDrawn(page);
+      await open(page, buffer);
+      await until(page, () => window.dermatome.state().recording);
+      await page.keyboard.press("2");
+      for (const seconds of ["5", "2", "4"]) {
+        await page.locator("#position").fill(seconds);
+        await page.waitForTimeout(500);
+        const [plotted, shown] = await page.evaluate(() => [
+          Number(document.querySelector(".plot:not([hidden]) output").textContent),
+          window.dermatome.state().contacts.reduce((sum, { strength }) => sum + strength, 0),
+        ]);
+        assert.ok(Math.abs(plotted - shown) < 0.01, `at ${seconds} s: ${plotted} and ${shown}`);
+      }
+      await screenshot(page, "recording-plots-light");
+    });
+  });
+
   test("a recording that was cut is shown up to its last whole chunk", async () => {
     const whole = await record({ seconds: 3, rate: 100 });
     await withPage({}, async ({ page }) => {
@@ -513,6 +533,25 @@ describe("recordings", () => {
       });
     });
   }
+});
+
+describe("browsers", () => {
+  test("without WebGL: it is said, and numbers come all the same", async () => {
+    const mock = await new Mock().listen();
+    const context = await browser.newContext();
+    const page = await context.newPage();
+    await page.addInitScript(() => {
+      const getContext = HTMLCanvasElement.prototype.getContext;
+      HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+        return kind.startsWith("webgl") ? null : getContext.call(this, kind, ...rest);
+      };
+    });
+    await page.goto(mock.url);
+    await until(page, () => document.querySelector("#contact-rows tr"));
+    assert.match(await page.textContent("#banners"), /needs WebGL/);
+    await context.close();
+    await mock.close();
+  });
 });
 
 describe("look", () => {
