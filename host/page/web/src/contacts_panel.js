@@ -27,7 +27,8 @@ export function contactsPanel(session) {
 }
 
 function showContacts({ contacts, skin, status }) {
-  const list = contacts?.contacts ?? [];
+  // By number, so that rows stay where they are while one contact or the other is stronger.
+  const list = (contacts?.contacts ?? []).slice().sort((a, b) => a.id - b.id);
   const isCalibrated = skin?.is_calibrated ?? false;
   showPairs(byId("figures"), [
     ["Contacts", contacts ? list.length : "–"],

@@ -21,6 +21,7 @@ function show(session, button) {
   badge.dataset.level = situation.level;
   setText(byId("status-text"), situation.text);
   byId("status-text").title = situation.advice;
+  document.title = `${session.shown.skin?.name ?? situation.word} – Dermatome`;
   byId("situation").hidden = !situation.covers;
   byId("view").classList.toggle("is-dimmed", situation.covers);
   byId("panel-contacts").classList.toggle("is-dimmed", situation.covers && situation.action === "retry");

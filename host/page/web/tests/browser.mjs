@@ -31,8 +31,8 @@ function isWrong(message) {
 }
 
 /** Waits until `condition`, run in the page, is true. */
-export function until(page, condition, argument) {
-  return page.waitForFunction(condition, argument, { timeout: 15000 });
+export function until(page, condition, argument, timeout = 15000) {
+  return page.waitForFunction(condition, argument, { timeout });
 }
 
 /** Waits until images are drawn. */
