@@ -36,13 +36,19 @@ export class PlaybackBar {
   }
 
   async open(file) {
-    setText(byId("said-actions"), `Opening ${file.name}`);
+    const said = byId("said-actions");
+    const say = (text, kind) => {
+      said.dataset.kind = kind;
+      setText(said, text);
+    };
+    say(`Opening ${file.name}.`, "progress");
     try {
-      const recording = await openRecording(file, file.name);
+      const onProgress = (share) => say(`${file.name} was cut; reading what is there: ${Math.round(share * 100)} %.`, "progress");
+      const recording = await openRecording(file, file.name, onProgress);
       this.session.openPlayer(recording);
-      setText(byId("said-actions"), "");
+      say("", "progress");
     } catch (error) {
-      setText(byId("said-actions"), `${file.name} cannot be shown. ${error.message}`);
+      say(`${file.name} cannot be shown. ${error.message}`, "error");
     }
   }
 

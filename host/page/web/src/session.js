@@ -81,6 +81,7 @@ export class Session {
 
   openPlayer(recording) {
     this.endPlayer();
+    this.stopScope();
     this.forget();
     this.isHeld = false;
     this.recorded = new RecordedHistory(recording, () => this.changed("recorded"));
@@ -98,6 +99,11 @@ export class Session {
     this.forget();
     this.subscribe();
     this.changed("player");
+  }
+
+  // The board need not sample a slot that is not looked at; it does not matter here whether the program can be told.
+  stopScope() {
+    if (this.isScopeWanted) this.program.call("/dermatome/scope", { slot: null }).catch(() => {});
   }
 
   endPlayer() {

@@ -10,11 +10,11 @@ import { createInterface } from "node:readline";
 import { fileURLToPath } from "node:url";
 import { after, before, describe, test } from "node:test";
 
-import { launch, openPage, screenshot, until, untilDrawn } from "./browser.mjs";
+import { launch, missing, openPage, screenshot, until, untilDrawn } from "./browser.mjs";
 
 const PROGRAM = process.env.DERMATOME;
 const SKIN = fileURLToPath(new URL("../../../../models/disc-210mm/skin.toml", import.meta.url));
-const skip = PROGRAM ? false : "not run: DERMATOME does not name the program";
+const skip = PROGRAM ? missing : "not run: DERMATOME does not name the program";
 const START_MS = 60000;
 
 /** Starts the program in `folder`, and tells its address. `end` ends it. */

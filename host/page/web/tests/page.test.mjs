@@ -1,18 +1,20 @@
 // The page in a browser against the mock of the program.
 
 import assert from "node:assert/strict";
-import { after, before, describe, test } from "node:test";
+import { after, before, describe, test as testOf } from "node:test";
 
 import { colourAt } from "../src/colour.js";
-import { colourAtPlace, launch, openPage, screenshot, until, untilDrawn } from "./browser.mjs";
+import { colourAtPlace, launch, missing, openPage, screenshot, until, untilDrawn } from "./browser.mjs";
 import { Mock } from "./mock.mjs";
 import { imageOf, quantised } from "./press.mjs";
 import { record } from "./recordings.mjs";
 import { disc, hemisphere } from "./skins.mjs";
 
 let browser;
-before(async () => (browser = await launch()));
-after(() => browser.close());
+before(async () => missing || (browser = await launch()));
+after(() => browser?.close());
+
+const test = (name, act) => testOf(name, { skip: missing }, act);
 
 /** Runs `act({ page, mock, errors })` on a page against a mock; nothing may have gone wrong in the page. */
 async function withPage({ mock: mockOptions = {}, prepare, ...options }, act) {
@@ -388,10 +390,14 @@ describe("what is said", () => {
   });
 
   test("warnings are banners, each once", () =>
-    withPage({ prepare: (mock) => mock.set({ warnings: ["Electrode 4 has no contact.", "The board is hot."] }) }, async ({ page }) => {
+    withPage({ prepare: (mock) => mock.set({ warnings: ["Electrode 4 has no contact.", "The board is hot."] }) }, async ({ page, mock }) => {
       await untilDrawn(page);
       assert.deepEqual(await page.locator("#banners li").allTextContents(), ["Electrode 4 has no contact.", "The board is hot."]);
       await screenshot(page, "warnings-light");
+      mock.set({ warnings: ["The board is hot."] });
+      await page.waitForTimeout(1000);
+      assert.equal(await page.locator("#banners li").count(), 2, "a warning stays for some seconds");
+      await until(page, () => document.querySelectorAll("#banners li").length === 1);
     }));
 
   test("images that stop coming are noticed", () =>
