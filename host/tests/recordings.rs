@@ -58,7 +58,8 @@ fn contacts_on_a_link_are_replayed_as_they_were_recorded() {
 #[test]
 fn another_patch_makes_another_image_of_the_same_frames() {
     let desk = recorded(&[]);
-    desk.write("smooth.toml", TINY.replace("hyperparameter = 0.03", "hyperparameter = 0.3"));
+    let smooth = TINY.replace("hyperparameter = 0.03", "hyperparameter = 0.3");
+    desk.write("smooth.toml", smooth.replace("[contact]", "[contact]\nfound_in = \"image\""));
     desk.run(&["build", "smooth.toml", "-o", "smooth.dermatome"]).success();
     let by_patch = ["replay", "run.mcap", "--patch", "smooth.dermatome"];
     let done =
@@ -68,13 +69,13 @@ fn another_patch_makes_another_image_of_the_same_frames() {
     assert_ne!(report["recorded_with"], report["patch_crc"]);
     assert_eq!(report["same"], serde_json::Value::Null);
     let by_skin = desk.run(&["replay", "run.mcap", "--skin", "smooth.toml"]).success();
-    assert_eq!(by_skin.out, done.out, "the patch is built of the skin file");
+    assert!(by_skin.out == done.out, "the patch is built of the skin file");
     let own = desk.run(&["replay", "run.mcap"]).success();
-    assert_ne!(own.out, done.out);
+    assert!(own.out != done.out);
     // What the other patch made of it was recorded, and is replayed like any recording.
     let again = desk.run(&["replay", "smooth.mcap"]).success();
     assert!(again.err.contains("bit for bit"), "{}", again.err);
-    assert_eq!(again.out, done.out);
+    assert!(again.out == done.out);
 }
 
 #[test]

@@ -160,7 +160,8 @@ fn a_program_sees_skin_images_contacts_and_status_and_tares() {
 #[test]
 fn drive_threshold_and_patches_change_what_is_seen() {
     let desk = Desk::with_patch();
-    desk.write("smooth.toml", program::TINY.replace("hyperparameter = 0.03", "hyperparameter = 0.3"));
+    let smooth = program::TINY.replace("hyperparameter = 0.03", "hyperparameter = 0.3");
+    desk.write("smooth.toml", smooth.replace("[contact]", "[contact]\nfound_in = \"image\""));
     desk.run(&["build", "smooth.toml", "-o", "smooth.dermatome"]).success();
     let (_view, address) = view(&desk, &["--port", "sim:skin.toml", "--patch", "smooth.dermatome"]);
     let mut client = Client::connect(&address);
@@ -172,7 +173,7 @@ fn drive_threshold_and_patches_change_what_is_seen() {
     let driven: Status = client.next(status, |status: &Status| status.gain == 2 && status.state == "live");
     assert!((driven.amplitude - 0.5e-3).abs() < 1e-9);
     for (service, request, words) in [
-        ("/dermatome/drive", json!({ "amplitude_ma": 1e9 }), "does not"),
+        ("/dermatome/drive", json!({ "amplitude_ma": 1e9 }), "cannot drive"),
         ("/dermatome/drive", json!({ "gain": 3 }), "gain"),
         ("/dermatome/drive", json!({ "voltage": 3 }), "voltage"),
         ("/dermatome/patch", json!({ "index": 2 }), "allowed: 0 to 1"),
@@ -296,7 +297,8 @@ fn a_client_that_sends_rubbish_harms_nobody() {
     ] {
         rude.socket.send(message).unwrap();
     }
-    get(&address, "\x16\x03\x01 nonsense\r\n\r\n");
+    let mut other = TcpStream::connect(&address).unwrap();
+    other.write_all(b"\x16\x03\x01 another protocol\r\n\r\n").unwrap();
     let mut client = Client::connect(&address);
     let status = client.subscribe(Topic::Status);
     client.next(status, |status: &Status| status.state == "live");
