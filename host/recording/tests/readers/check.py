@@ -1,0 +1,313 @@
+"""Recordings of the program, read by programs of others: they find what the program printed meanwhile.
+
+    check.py PROGRAM
+
+Needs the packages of requirements.txt, and Node with those of host/page/web.
+"""
+
+import json
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+from mcap.exceptions import McapError
+from mcap.reader import SeekingReader
+from rosbags.rosbag2 import Reader, ReaderError
+from rosbags.typesys import Stores, get_typestore
+
+import readers
+
+MODEL = Path(__file__).parents[4] / "models" / "square-50mm" / "skin.toml"
+# A third of a turn about the diagonal, and a shift.
+POSE = '\n[pose]\nlink = "wrist_3"\nposition = ["120 mm", -0.03, "0.5 m"]\norientation = [0.5, 0.5, 0.5, 0.5]\n'
+FRAMES = 100
+PATCH_MAGIC = b"DSKP"
+TYPES = {
+    "/dermatome/skin": "dermatome_msgs/msg/Skin",
+    "/dermatome/status": "dermatome_msgs/msg/Status",
+    "/dermatome/reference": "dermatome_msgs/msg/Reference",
+    "/dermatome/measurements": "dermatome_msgs/msg/Measurements",
+    "/dermatome/health": "dermatome_msgs/msg/Health",
+    "/dermatome/image": "dermatome_msgs/msg/Image",
+    "/dermatome/contacts": "dermatome_msgs/msg/ContactArray",
+    "/dermatome/scope": "dermatome_msgs/msg/Scope",
+    "/tf_static": "tf2_msgs/msg/TFMessage",
+    "/dermatome/pressure": "sensor_msgs/msg/PointCloud2",
+    "/dermatome/markers": "visualization_msgs/msg/MarkerArray",
+    "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
+}
+# The releases of ROS 2 whose messages ours are.
+RELEASES = [Stores.ROS2_JAZZY, Stores.ROS2_KILTED, Stores.LATEST]
+STANDARD = get_typestore(Stores.ROS2_JAZZY)
+
+
+class Desk:
+    """A folder with a recording of a simulated skin that lies on a robot's link, and what the program printed."""
+
+    def __init__(self, program):
+        self.folder = tempfile.TemporaryDirectory(prefix="dermatome-readers-")
+        self.path = Path(self.folder.name)
+        self.skin_file = self.path / "skin.toml"
+        self.skin_file.write_text(MODEL.read_text() + POSE)
+        self.whole = self.path / "whole.mcap"
+        options = ["--port", f"sim:{self.skin_file}", "--skin", self.skin_file, "--record", self.whole]
+        ran = subprocess.run(
+            [program, "stream", *options, "--frames", str(FRAMES)],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+        )
+        assert ran.returncode == 0, ran.stderr
+        self.printed = [json.loads(line) for line in ran.stdout.splitlines()]
+
+    def cut(self, length):
+        """The first bytes of the recording, as a file."""
+        path = self.path / f"cut-{length}.mcap"
+        path.write_bytes(self.whole.read_bytes()[:length])
+        return path
+
+
+def setUpModule():
+    global desk, content
+    desk = Desk(PROGRAM)
+    content = readers.mcap_by_index(desk.whole)
+
+
+def tearDownModule():
+    desk.folder.cleanup()
+
+
+def summary():
+    with desk.whole.open("rb") as file:
+        return SeekingReader(file).get_summary()
+
+
+def narrow(values):
+    """As single precision, in which the board gives them."""
+    return [np.float32(value) for value in values]
+
+
+def place(point):
+    return narrow([point["x"], point["y"], point["z"]])
+
+
+def difference(found, wanted, where=""):
+    """Where two messages, or more, first differ; none where they are the same."""
+    if isinstance(found, dict) and isinstance(wanted, dict) and found.keys() == wanted.keys():
+        pairs = [(f"{where}.{key}", found[key], wanted[key]) for key in wanted]
+    elif isinstance(found, list) and isinstance(wanted, list) and len(found) == len(wanted):
+        pairs = [(f"{where}[{at}]", *pair) for at, pair in enumerate(zip(found, wanted))]
+    else:
+        return None if found == wanted else f"{where}: {str(found):.200} instead of {str(wanted):.200}"
+    differences = (difference(left, right, inner) for inner, left, right in pairs)
+    return next(filter(None, differences), None)
+
+
+def without_numbers(messages):
+    return {topic: [[time, message] for _, time, message in of_topic] for topic, of_topic in messages.items()}
+
+
+class WholeRecording(unittest.TestCase):
+    """A recording that ended as it was meant to."""
+
+    def test_every_reader_finds_the_same_in_it(self):
+        ways = {
+            "mcap, from its start on": readers.mcap_from_start(desk.whole),
+            "@mcap/core, from its start on": readers.node("stream", desk.whole),
+            "@mcap/core, by its index": readers.node("index", desk.whole),
+        }
+        for way, found in ways.items():
+            with self.subTest(way):
+                self.assertIsNone(difference(vars(found), vars(content)))
+
+    def test_rosbags_finds_the_same_messages(self):
+        found = readers.rosbags_by_index(desk.whole)
+        self.assertEqual(found.types, {topic: [name, "MSG", "cdr"] for topic, name in TYPES.items()})
+        messages, wanted = without_numbers(found.messages), without_numbers(content.messages)
+        self.assertIsNone(difference(messages, wanted))
+
+    def test_topics_have_their_types(self):
+        self.assertEqual(content.types, {topic: [name, "ros2msg", "cdr"] for topic, name in TYPES.items()})
+        with desk.whole.open("rb") as file:
+            self.assertEqual(SeekingReader(file).get_header().profile, "ros2")
+
+    def test_its_index_counts_what_is_in_it(self):
+        channels, statistics = summary().channels, summary().statistics
+        counts = {channels[id].topic: count for id, count in statistics.channel_message_counts.items()}
+        found = {topic: len(messages) for topic, messages in content.messages.items() if messages}
+        self.assertEqual(counts, found)
+
+    def test_messages_on_a_topic_are_numbered(self):
+        for topic, messages in content.messages.items():
+            self.assertEqual([number for number, _, _ in messages], list(range(len(messages))), topic)
+
+    def test_every_frame_is_there_once_from_the_reference_on(self):
+        [reference] = content.of("/dermatome/reference")
+        frames = content.of("/dermatome/measurements")
+        first, count = reference["first_sequence"], reference["frames"] + FRAMES
+        self.assertEqual([frame["sequence"] for frame in frames], list(range(first, first + count)))
+        last = desk.printed[-1]["sequence"]
+        self.assertEqual(frames[-1]["sequence"], last)
+        [skin] = content.of("/dermatome/skin")
+        for frame in frames:
+            self.assertEqual(len(frame["in_phase"]), len(skin["steps"]) // 4)
+
+    def test_images_have_each_pixel_of_the_skin(self):
+        [skin] = content.of("/dermatome/skin")
+        images = content.of("/dermatome/image")
+        self.assertEqual(len(skin["pixel_areas"]), 28 * 28)
+        self.assertEqual({len(image["mantissas"]) for image in images}, {28 * 28})
+        printed = [frame["sequence"] for frame in desk.printed]
+        self.assertEqual([image["sequence"] for image in images], printed)
+
+    def test_contacts_are_those_that_the_program_printed(self):
+        recorded = content.of("/dermatome/contacts")
+        self.assertEqual(len(recorded), len(desk.printed))
+        for frame, printed in zip(recorded, desk.printed):
+            self.assertEqual(frame["sequence"], printed["sequence"])
+            self.assertEqual(frame["header"]["frame_id"], "wrist_3")
+            self.assertEqual(len(frame["contacts"]), len(printed["contacts"]))
+            for contact, shown in zip(frame["contacts"], printed["contacts"]):
+                self.assertEqual(contact["id"], shown["id"])
+                self.assertEqual(place(contact["position"]), narrow(shown["position_m"]))
+                self.assertEqual(place(contact["normal"]), narrow(shown["normal"]))
+                self.assertEqual(place(contact["velocity"]), narrow(shown["velocity_m_s"]))
+                self.assertEqual(np.float32(contact["strength"]), np.float32(shown["strength"]))
+                self.assertEqual(contact["pressure"], "nan")
+        self.assertTrue(any(frame["contacts"] for frame in recorded))
+
+    def test_points_are_the_pixels_of_the_image_that_came_with_them(self):
+        [skin] = content.of("/dermatome/skin")
+        centres = np.array(skin["pixel_centres"], np.float32).reshape(-1, 3)
+        images = {time: image for _, time, image in content.messages["/dermatome/image"]}
+        clouds = content.messages["/dermatome/pressure"]
+        self.assertGreater(len(clouds), 10)
+        for _, time, cloud in clouds:
+            fields = [(field["name"], field["offset"], field["datatype"]) for field in cloud["fields"]]
+            self.assertEqual(fields, [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("change", 12, 7)])
+            self.assertEqual((cloud["height"], cloud["width"], cloud["point_step"]), (1, len(centres), 16))
+            points = np.frombuffer(bytes(cloud["data"]), "<f4").reshape(-1, 4)
+            image = images[time]
+            change = np.array(image["mantissas"]) * 2.0 ** -image["exponent"]
+            np.testing.assert_array_equal(points[:, :3], centres)
+            np.testing.assert_array_equal(points[:, 3], change.astype(np.float32))
+
+    def test_each_contact_is_a_sphere_an_arrow_and_a_text(self):
+        contacts = {time: frame["contacts"] for _, time, frame in content.messages["/dermatome/contacts"]}
+        for _, time, array in content.messages["/dermatome/markers"]:
+            clear, *drawn = array["markers"]
+            self.assertEqual(clear["action"], 3)
+            self.assertEqual([marker["type"] for marker in drawn], [2, 0, 9] * len(contacts[time]))
+            for contact, sphere, arrow, text in zip(contacts[time], drawn[::3], drawn[1::3], drawn[2::3]):
+                self.assertEqual(sphere["pose"]["position"], contact["position"])
+                self.assertEqual(arrow["points"][1], contact["position"])
+                self.assertTrue(text["text"].startswith(f"#{contact['id']} "))
+
+    def test_the_skin_lies_where_its_file_says(self):
+        [message] = content.of("/tf_static")
+        [stamped] = message["transforms"]
+        self.assertEqual(stamped["header"]["frame_id"], "wrist_3")
+        self.assertEqual(stamped["child_frame_id"], "square-50mm")
+        self.assertEqual(stamped["transform"]["translation"], {"x": 0.12, "y": -0.03, "z": 0.5})
+        self.assertEqual(stamped["transform"]["rotation"], {"x": 0.5, "y": 0.5, "z": 0.5, "w": 0.5})
+
+    def test_diagnostics_say_that_all_is_well(self):
+        for array in content.of("/diagnostics"):
+            [status] = array["status"]
+            self.assertEqual((status["level"], status["message"]), (0, "all is well"))
+            self.assertEqual(status["name"], "dermatome: wrist_3")
+            self.assertIn({"key": "open electrodes", "value": ""}, status["values"])
+
+    def test_patch_and_skin_file_are_in_it(self):
+        with desk.whole.open("rb") as file:
+            attached = {item.name: item for item in SeekingReader(file).iter_attachments()}
+        self.assertEqual(list(attached), ["patch.dermatome", "skin.toml"])
+        patch = attached["patch.dermatome"].data
+        self.assertTrue(patch.startswith(PATCH_MAGIC), patch[:8])
+        self.assertGreater(len(patch), 100_000)
+        self.assertEqual(attached["skin.toml"].data, desk.skin_file.read_bytes())
+
+    def test_it_tells_what_it_is_of(self):
+        metadata = content.metadata["dermatome"]
+        self.assertEqual(metadata["skin"], "square-50mm")
+        self.assertEqual(metadata["frame_source"], "simulated")
+        self.assertEqual(metadata["port"], f"sim:{desk.skin_file}")
+
+
+class StandardTypes(unittest.TestCase):
+    """What we call by ROS' names is what ROS calls so."""
+
+    def test_their_definitions_are_those_of_ros(self):
+        with Reader(desk.whole) as reader:
+            ours = readers.types_of(reader)
+        shared = [name for name in ours.fielddefs if not name.startswith("dermatome_msgs/")]
+        self.assertEqual(len(shared), 21)
+        for release in RELEASES:
+            theirs = get_typestore(release)
+            for name in shared:
+                with self.subTest(release=release.value, type=name):
+                    self.assertEqual(ours.hash_rihs01(name), theirs.hash_rihs01(name))
+                    constants, _ = ours.fielddefs[name]
+                    self.assertEqual(constants, theirs.fielddefs[name][0])
+
+    def test_their_messages_are_what_ros_writes_bit_for_bit(self):
+        types = set()
+        with Reader(desk.whole) as reader:
+            for connection, _, data in reader.messages():
+                if connection.msgtype in STANDARD.types:
+                    types.add(connection.msgtype)
+                    message = STANDARD.deserialize_cdr(data, connection.msgtype)
+                    self.assertEqual(STANDARD.serialize_cdr(message, connection.msgtype), data)
+        self.assertEqual(types, {name for name in TYPES.values() if not name.startswith("dermatome_msgs/")})
+
+    def test_messages_of_our_own_are_encoded_as_ros_would(self):
+        with Reader(desk.whole) as reader:
+            ours = readers.types_of(reader)
+            for connection, _, data in reader.messages():
+                message = ours.deserialize_cdr(data, connection.msgtype)
+                self.assertEqual(ours.serialize_cdr(message, connection.msgtype), data, connection.topic)
+
+
+class CutRecording(unittest.TestCase):
+    """A recording whose end is missing: read from its start on, by those who can."""
+
+    def test_without_its_last_1000_bytes_all_messages_are_there(self):
+        cut = desk.cut(desk.whole.stat().st_size - 1000)
+        for found in [readers.mcap_from_start(cut), readers.node("stream", cut)]:
+            self.assertFalse(found.is_whole)
+            found.is_whole = True
+            self.assertIsNone(difference(vars(found), vars(content)))
+
+    def test_cut_in_the_middle_it_ends_with_its_last_whole_chunk(self):
+        length = desk.whole.stat().st_size * 3 // 5
+        chunks = summary().chunk_indexes
+        whole = [chunk for chunk in chunks if chunk.chunk_start_offset + chunk.chunk_length <= length]
+        self.assertTrue(0 < len(whole) < len(chunks))
+        cut = desk.cut(length)
+        found, by_node = readers.mcap_from_start(cut), readers.node("stream", cut)
+        self.assertIsNone(difference(vars(found), vars(by_node)))
+        self.assertFalse(found.is_whole)
+        end = max(chunk.message_end_time for chunk in whole)
+        frames = [frame for frame in content.messages["/dermatome/measurements"] if frame[1] <= end]
+        self.assertIsNone(difference(found.messages["/dermatome/measurements"], frames))
+        self.assertEqual(found.attachments, content.attachments)
+
+    def test_those_who_need_the_index_refuse_it(self):
+        cut = desk.cut(desk.whole.stat().st_size - 1000)
+        with self.assertRaises((McapError, struct.error)):
+            readers.mcap_by_index(cut)
+        with self.assertRaises(ReaderError):
+            readers.rosbags_by_index(cut)
+        with self.assertRaises(ValueError):
+            readers.node("index", cut)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    PROGRAM = Path(sys.argv.pop(1)).resolve()
+    unittest.main()
