@@ -13,8 +13,12 @@ pub use dermatome_link::{health, scope};
 pub use dermatome_model::{
     forward, inverse, jacobian, metrics, model, multi_contact, pixels, prior, quantize, skin, stimulation,
 };
+pub use dermatome_messages as messages;
+#[cfg(feature = "command")]
+pub use dermatome_page as page;
 pub use dermatome_patch as patch;
 pub use dermatome_patch::output;
+pub use dermatome_recording as recording;
 pub use dermatome_shared as shared;
 pub use dermatome_simulate as simulate;
 pub use dermatome_simulate::material;

@@ -16,6 +16,8 @@ const COMMANDS: &[&[&str]] = &[
     &["flash", "skin.dermatome", "--port=sim:skin.toml"],
     &["tare", "--port=sim:skin.toml"],
     &["stream", "--port=sim:skin.toml", "--frames=1"],
+    // Ends at the wrong value, or because its port is no board.
+    &["view", "--port=replay:notes.txt", "--no-browser", "--listen=127.0.0.1:0"],
     &["calibrate", "skin.dermatome", "--readings=readings.csv", "--out=new.dermatome"],
     &["check", "--port=sim:skin.toml"],
     &["scope", "--port=sim:skin.toml"],
@@ -50,11 +52,13 @@ const READ: &[&str] = &[
     "presses",
     "conductivity",
     "skin",
+    "patch",
+    "link-mesh",
     "elf",
 ];
 /// Options that name a file to write.
 const WRITTEN: &[&str] =
-    &["png", "json", "output", "corrected", "hyperparameter-plot", "plot", "save", "store"];
+    &["png", "json", "output", "corrected", "hyperparameter-plot", "plot", "save", "store", "record"];
 
 /// No number, of whatever kind.
 const NUMBERS: &[&str] = &["", "x", "nan", "inf", "1e999", "1,5", "0x10", "1 2"];
@@ -74,6 +78,9 @@ const PORTS: &[&str] = &[
     "sim:none.toml",
     "sim:notes.txt",
     "sim:folder",
+    "replay:",
+    "replay:none.mcap",
+    "replay:notes.txt",
     "/dev/none",
     "/dev/null",
     "COM99",
@@ -89,7 +96,11 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
         ("calibrate" | "design" | "forward", "out") => &["", "-", "folder", "none/x", "notes.txt"],
         (_, name) if WRITTEN.contains(&name) => &["", "-", "folder", "none/x", "notes.txt", "notes.txt/x"],
         (_, "port") => PORTS,
-        ("simulate", "listen") => {
+        ("view", "listen") => &["", "abc", "127.0.0.1", "127.0.0.1:99999", "localhost:1", "8.8.8.8:1"],
+        ("view", "token") => &["", "short", "with space", "a&b=cdefgh"],
+        ("view", "allow-origin") => &["", "x", "*", "ftp://x", "https://", "https://a/b", "https://*"],
+        ("view", "unit") => &["", "x", "MM", "furlong", "mm "],
+        ("replay", "listen") | ("simulate", "listen") => {
             &["", "abc", "tcp:", "tcp:1", "tcp:127.0.0.1:99999", "tcp:8.8.8.8:1", "COM1"]
         }
         (_, "noise-db") | ("evaluate" | "design", "noise") => DB,
