@@ -2,11 +2,13 @@
 
 use super::{
     super::{
-        diagnose::{LEAST_FIT, RESEMBLING, first_few, is_clearly_better},
+        diagnose::{LEAST_FIT, RESEMBLING, first_few},
         wording::{Advice, Rearrangement},
     },
     Check, Expected,
+    gain::PairGain,
     numbering::{Exchange, Numbering, Role},
+    reading::Misplacement,
     reciprocity::Agreement,
 };
 use serde::Serialize;
@@ -53,12 +55,22 @@ pub enum About {
     Resemblance,
     /// Potentials instead of differences.
     SingleEnded,
+    /// Rows and columns of a square the other way round.
+    Transposed,
+    /// Values that begin late in the frame or in its rows.
+    Shift,
+    /// Exchanged drives.
+    Rows,
+    /// Exchanged columns of a square.
+    Columns,
     /// Exchanged electrodes.
     Exchange,
     /// Signs.
     Polarity,
     /// A constant in every value.
     Offset,
+    /// A pair that reads too much or too little.
+    Gain,
     /// An electrode that is off or noisy.
     Electrode,
     /// Measurements that are zero.
@@ -81,8 +93,10 @@ pub enum About {
 pub(super) fn all(expected: &Expected, check: &Check) -> Vec<Finding> {
     let mut findings: Vec<Finding> =
         [single_ended(check), order(expected, check), offset(check)].into_iter().flatten().collect();
+    findings.extend(misplaced(check));
     findings.extend(exchanged(check));
     findings.extend(polarity(check));
+    findings.extend(gains(check));
     findings.extend(electrodes(check));
     findings.extend(dead(check));
     findings.extend(agreement(check));
@@ -102,7 +116,7 @@ fn note(about: About, found: String, advice: impl Into<Advice>) -> Finding {
 fn order(expected: &Expected, check: &Check) -> Option<Finding> {
     let numbering = &check.numbering;
     let before = numbering.correlation;
-    if numbering.best != numbering.used && is_clearly_better(numbering.best_correlation, before) {
+    if numbering.best != numbering.used {
         let can_be_read =
             numbering.best.index_map(&expected.steps, expected.electrodes(), check.measurements).is_ok();
         let Numbering { used, best, rotation_ambiguous, .. } = *numbering;
@@ -150,14 +164,79 @@ fn single_ended(check: &Check) -> Option<Finding> {
     check.single_ended.then(|| fault(About::SingleEnded, found.to_owned(), advice))
 }
 
+fn misplaced(check: &Check) -> impl Iterator<Item = Finding> + '_ {
+    check.misplaced.iter().map(|&misplacement| misplacement_found(check, misplacement))
+}
+
+fn misplacement_found(check: &Check, misplacement: Misplacement) -> Finding {
+    let fit = format!(
+        "(correlation {:.3} instead of {:.3})",
+        check.numbering.exchanged_correlation, check.plain_correlation
+    );
+    match misplacement {
+        Misplacement::Transposed => fault(
+            About::Transposed,
+            format!("the square is transposed: its rows are sense pairs and its columns are drives {fit}"),
+            "exchange rows and columns of each frame",
+        ),
+        Misplacement::Shifted(by) => {
+            let late = (by * 2 > check.measurements).then(|| check.measurements - by);
+            let found = match late {
+                Some(early) => format!("the frame begins {early} values too early: its first {early} are at its end {fit}"),
+                None => format!("the frame begins {by} values late: its last {by} are at its start {fit}"),
+            };
+            fault(About::Shift, found, format!("begin each frame with its value {by} (counted from 0)"))
+        }
+        Misplacement::ColumnsShifted(by) => fault(
+            About::Shift,
+            format!("each drive's values begin {by} columns late and go on at the row's start {fit}"),
+            format!("begin each row with its column {by} (counted from 0)"),
+        ),
+        Misplacement::Rows([a, b]) => {
+            let [a, b] = [a + 1, b + 1];
+            fault(
+                About::Rows,
+                format!("the values of drives {a} and {b} are in each other's place {fit}"),
+                format!("exchange rows {a} and {b} of each frame, all values of a drive"),
+            )
+        }
+        Misplacement::Columns([a, b]) => {
+            let [a, b] = [a + 1, b + 1];
+            fault(
+                About::Columns,
+                format!("columns {a} and {b} of the square are in each other's place {fit}"),
+                format!("exchange the two columns, or the channels of these sense pairs"),
+            )
+        }
+    }
+}
+
+fn gains(check: &Check) -> impl Iterator<Item = Finding> + '_ {
+    check.gains.iter().map(|&PairGain { electrodes: [a, b], drives, gain }| {
+        let (pair, advice) = if drives {
+            ("drive", "check the current of this drive and the contacts of its electrodes")
+        } else {
+            ("sense", "check the gain of its channel; normalised differences do not depend on it")
+        };
+        let [a, b] = [a, b].map(person);
+        fault(About::Gain, format!("{pair} pair {a}-{b} reads {gain:.2} times what it should, throughout"), advice)
+    })
+}
+
 fn offset(check: &Check) -> Option<Finding> {
     let offset = check.offset.as_ref()?;
+    let imaginary = if offset.imaginary == 0.0 { String::new() } else { format!("{:+.4}i", offset.imaginary) };
     let found = format!(
-        "every value seems to hold an offset of {:.4}, {:.0} % of the middle value (correlation {:.3} \
-         without it instead of {:.3})",
+        "every value seems to hold an offset of {:.4}{imaginary}, {:.0} % of the middle value without it (correlation \
+         {:.3} without it instead of {:.3})",
         offset.value, offset.share_percent, offset.correlation, offset.correlation_before
     );
-    Some(fault(About::Offset, found, Advice::Subtract(offset.value)))
+    let advice = if offset.imaginary == 0.0 {
+        Advice::Subtract(offset.value)
+    } else {
+        "subtract it from every value before".into()
+    };
+    Some(fault(About::Offset, found, advice))
 }
 
 fn exchanged(check: &Check) -> impl Iterator<Item = Finding> + '_ {
