@@ -17,13 +17,14 @@ use rayon::prelude::*;
 /// Causes that are looked for.
 const MOST_CAUSES: usize = 5;
 /// A cause that touches every step leaves at most this share,
-const LEAVES: f64 = 0.8;
+const LEAVES: f64 = 0.85;
 /// and so much less.
-const LESS: f64 = 0.02;
+const LESS: f64 = 0.005;
 /// A cause that touches some steps leaves at most this share in the middle one of them,
 const LEAVES_THERE: f64 = 0.5;
-/// and so much less over all steps.
-const LESS_WITH_SOME: f64 = 0.01;
+/// and so much less in each of them on average, and over all steps.
+const LESS_THERE: f64 = 0.06;
+const LESS_WITH_SOME: f64 = 0.002;
 /// What is left may differ by so much, and by this share, between explanations that are as good as each other.
 const TIE: f64 = 0.004;
 const TIE_SHARE: f64 = 0.03;
@@ -35,6 +36,9 @@ const MOST_ROWS: usize = 64;
 const MOST_SHIFTS: usize = 2048;
 /// Least offset that is one, as a share of the median magnitude without it.
 const LEAST_OFFSET: f64 = 0.2;
+
+/// Step of the rank between explanations of which one is simpler.
+const SIMPLER: usize = 10_000;
 
 /// A way to read the frame, and how like the model it is then.
 #[derive(Clone, Debug)]
@@ -78,6 +82,13 @@ fn best(comparison: &Comparison<'_>, last: &Explained) -> Option<Explained> {
         enough.then_some((candidate.rank, Explained { reading: candidate.reading, likeness }))
     };
     let good: Vec<_> = tried.into_par_iter().filter_map(explains).collect();
+    if std::env::var("DEBUG_CAUSES").is_ok() {
+        let mut all: Vec<(f64, f64, bool, Reading)> = candidates(comparison, last).into_iter().filter_map(|c| { let l = comparison.of(&c.reading).ok()?; let (ok, b) = if c.is_global { (l.cost() < LEAVES * last.likeness.cost() - LESS, 0.0) } else { (explains_some(comparison, last, &c.reading, &l), 1.0) }; Some((l.cost(), b, ok, c.reading)) }).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut text = format!("left {:.3} + {:.3}\n", last.likeness.scatter, last.likeness.bias);
+        for (c, b, ok, r) in all.iter().take(4) { text += &format!("   {c:.3} {b} {ok} {:?} {:?} {:?} off {} pot {:?}\n", r.arrangement(), r.exchanged, r.misplaced, r.offset, r.potentials); }
+        eprintln!("{text}");
+    }
     let least = good.iter().map(|(_, it)| it.likeness.cost()).min_by(f64::total_cmp)?;
     let as_good = good.into_iter().filter(|(_, it)| ties(it.likeness.cost(), least));
     as_good.min_by(|a, b| a.0.cmp(&b.0).then(a.1.likeness.cost().total_cmp(&b.1.likeness.cost()))).map(|it| it.1)
@@ -90,7 +101,8 @@ pub(super) fn ties(cost: f64, least: f64) -> bool {
 
 /// Whether a cause explains most of what is unlike in the steps that it touches.
 fn explains_some(comparison: &Comparison<'_>, last: &Explained, reading: &Reading, likeness: &Likeness) -> bool {
-    if likeness.cost() > last.likeness.cost() - LESS_WITH_SOME {
+    let less = last.likeness.cost() - likeness.cost();
+    if less < LESS_WITH_SOME {
         return false;
     }
     let (expected, found) = (comparison.expected, comparison.reference.values.len());
@@ -102,7 +114,8 @@ fn explains_some(comparison: &Comparison<'_>, last: &Explained, reading: &Readin
     };
     let touched: Vec<usize> = (0..expected.steps.len()).filter(touched).collect();
     let middle = |likeness: &Likeness| median(touched.iter().map(|&step| likeness.residuals[step].abs()));
-    middle(likeness) < LEAVES_THERE * middle(&last.likeness)
+    let share = touched.len() as f64 / expected.steps.len() as f64;
+    less > LESS_THERE * share && middle(likeness) < LEAVES_THERE * middle(&last.likeness)
 }
 
 fn candidates(comparison: &Comparison<'_>, last: &Explained) -> Vec<Candidate> {
@@ -114,46 +127,46 @@ fn candidates(comparison: &Comparison<'_>, last: &Explained) -> Vec<Candidate> {
     for arrangement in Arrangement::all(expected.electrodes) {
         let rank = changes(arrangement, reading.arrangement());
         if rank > 0 {
-            global(reading.rearranged(arrangement, expected.electrodes), rank);
+            global(reading.rearranged(arrangement, expected.electrodes), rank * SIMPLER);
         }
     }
     let is_square = found == n * n;
     let distance = sense_distance(&expected.steps, expected.electrodes).filter(|_| is_square);
     if reading.potentials.is_none() && reading.offset == Complex64::ZERO {
         if let Some(offset) = offset(comparison, reading) {
-            global(Reading { offset, ..reading.clone() }, 1);
+            global(Reading { offset, ..reading.clone() }, SIMPLER);
         }
         if distance.is_some() {
-            global(Reading { potentials: distance, ..reading.clone() }, 1);
+            global(Reading { potentials: distance, ..reading.clone() }, SIMPLER);
         }
     }
     let misplaced = |misplacement: Misplacement| reading.with_misplaced(misplacement);
     if is_square && !reading.misplaced.contains(&Misplacement::Transposed) {
         let transposed = misplaced(Misplacement::Transposed);
-        global(transposed.clone(), 1);
+        global(transposed.clone(), SIMPLER);
         for sense in [SenseOrder::Absolute, SenseOrder::Relative] {
             let arrangement = Arrangement { sense, ..reading.arrangement() };
             let potentials = distance.filter(|_| reading.offset == Complex64::ZERO);
             if sense != reading.arrangement().sense {
-                global(transposed.rearranged(arrangement, expected.electrodes), 2);
+                global(transposed.rearranged(arrangement, expected.electrodes), 2 * SIMPLER);
             } else if potentials.is_some() && reading.potentials.is_none() {
-                global(Reading { potentials, ..transposed.clone() }, 2);
+                global(Reading { potentials, ..transposed.clone() }, 2 * SIMPLER);
             }
         }
     }
     let is_shifted = |it: &Misplacement| matches!(it, Misplacement::Shifted(_) | Misplacement::ColumnsShifted(_));
     if found <= MOST_SHIFTS && !reading.misplaced.iter().any(is_shifted) {
-        (1..found).for_each(|by| global(misplaced(Misplacement::Shifted(by)), 3));
+        (1..found).for_each(|by| global(misplaced(Misplacement::Shifted(by)), 3 * SIMPLER + by.min(found - by)));
         if is_square {
-            (1..n).for_each(|by| global(misplaced(Misplacement::ColumnsShifted(by)), 2));
+            (1..n).for_each(|by| global(misplaced(Misplacement::ColumnsShifted(by)), 2 * SIMPLER + by.min(n - by)));
         }
     }
     let mut local = |reading: Reading, rank: usize| candidates.push(Candidate { reading, rank, is_global: false });
     if rows.common_length().is_some() && rows.count() <= MOST_ROWS {
         for (a, b) in pairs(rows.count()) {
-            local(misplaced(Misplacement::Rows([a, b])), 3);
+            local(misplaced(Misplacement::Rows([a, b])), 3 * SIMPLER);
             if is_square {
-                local(misplaced(Misplacement::Columns([a, b])), 3);
+                local(misplaced(Misplacement::Columns([a, b])), 3 * SIMPLER);
             }
         }
     }
@@ -161,7 +174,7 @@ fn candidates(comparison: &Comparison<'_>, last: &Explained) -> Vec<Candidate> {
     for (i, j) in pairs(suspects.len()) {
         let [a, b] = [suspects[i], suspects[j]];
         for role in [Role::Both, Role::Drive, Role::Sense] {
-            local(reading.with_exchange(Exchange { electrodes: [a.min(b), a.max(b)], role }), 2);
+            local(reading.with_exchange(Exchange { electrodes: [a.min(b), a.max(b)], role }), 2 * SIMPLER);
         }
     }
     candidates
@@ -219,14 +232,16 @@ fn offset(comparison: &Comparison<'_>, reading: &Reading) -> Option<Complex64> {
     let magnitudes: Vec<f64> = model.iter().map(|m| m.abs()).collect();
     let unsigned = linear(&values, &magnitudes, &likeness.unknown);
     let mut best: Option<(f64, Complex64)> = None;
-    for fitted in [signed, unsigned].into_iter().flatten() {
+    let model_has_signs = model.iter().any(|&m| m > 0.0) && model.iter().any(|&m| m < 0.0);
+    let fits = [(signed, model_has_signs), (unsigned, false)];
+    for (fitted, is_signed) in fits.into_iter().filter_map(|(fitted, is_signed)| Some((fitted?, is_signed))) {
         for share in [0.8, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2] {
             let offset = real_if_nearly(fitted * share);
             let rest: Vec<Complex64> = values.iter().map(|y| y - offset).collect();
             let size = median(rest.iter().map(|y| y.norm()));
             // Counts of a converter that all lie above their zero go on doing so.
             let stays = rest.iter().zip(&values).filter(|(rest, y)| (rest.re > 0.0) == (y.re > 0.0)).count();
-            if offset.norm() < LEAST_OFFSET * size || (all_of_one_sign && stays * 100 < 95 * values.len()) {
+            if offset.norm() < LEAST_OFFSET * size || (all_of_one_sign && !is_signed && stays * 100 < 95 * values.len()) {
                 continue;
             }
             let Ok(likeness) = comparison.of(&Reading { offset, ..reading.clone() }) else { continue };

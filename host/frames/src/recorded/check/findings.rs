@@ -15,6 +15,8 @@ use serde::Serialize;
 
 /// Median error between steps that must agree which is a fault, %; saline tanks reach 5.
 const DISAGREEMENT_PERCENT: f64 = 10.0;
+/// Mean logarithm of measured over expected from which on frames are unlike the model.
+const UNLIKE: f64 = 0.3;
 /// A single pair is worth a word from so many times the median error on.
 const OUTSTANDING: f64 = 5.0;
 /// Signal-to-noise ratio below which single presses drown, dB.
@@ -138,7 +140,7 @@ fn order(expected: &Expected, check: &Check) -> Option<Finding> {
             format!("another order fits the model better (correlation {best:.3} instead of {before:.3})");
         return Some(fault(About::Order, found, advice));
     }
-    (check.sound_correlation < RESEMBLING).then(|| resemblance(numbering))
+    (check.sound_correlation < RESEMBLING && check.left > UNLIKE).then(|| resemblance(numbering))
 }
 
 /// Says how little the frames resemble the model.
@@ -212,14 +214,19 @@ fn misplacement_found(check: &Check, misplacement: Misplacement) -> Finding {
 }
 
 fn gains(check: &Check) -> impl Iterator<Item = Finding> + '_ {
-    check.gains.iter().map(|&PairGain { electrodes: [a, b], drives, gain }| {
-        let (pair, advice) = if drives {
-            ("drive", "check the current of this drive and the contacts of its electrodes")
-        } else {
-            ("sense", "check the gain of its channel; normalised differences do not depend on it")
-        };
+    check.gains.iter().map(|&PairGain { electrodes: [a, b], drives, gain, ambiguous }| {
         let [a, b] = [a, b].map(person);
-        fault(About::Gain, format!("{pair} pair {a}-{b} reads {gain:.2} times what it should, throughout"), advice)
+        let side = if drives { "drive" } else { "sense" };
+        let mut found = format!("{side} pair {a}-{b} reads {gain:.2} times what it should, throughout");
+        if ambiguous {
+            found += &format!(" (or drive pair {b}-{a} {:.2} times: reciprocity does not tell)", 1.0 / gain);
+        }
+        let advice = match (drives, ambiguous) {
+            (_, true) => "check the gain of its sense channel, and the current of its drive",
+            (true, _) => "check the current of this drive",
+            (false, _) => "check the gain of its channel",
+        };
+        fault(About::Gain, found, advice)
     })
 }
 

@@ -25,7 +25,7 @@ const PLACE_ERROR: f64 = 0.05;
 /// Errors of an instrument, as a share of its largest value.
 const FLOOR: f64 = 0.001;
 /// A step that senses a driven electrode has its contact in it, of which the model knows little.
-const CONTACT_ERROR: f64 = 0.5;
+const CONTACT_ERROR: f64 = 1.0;
 /// No step counts for more.
 const MOST: f64 = 2.0;
 /// Steps that a class needs.
@@ -143,7 +143,7 @@ fn gain(measured: &[f64], model: &[f64]) -> f64 {
 }
 
 /// Steps whose electrodes lie the same distances round from where the current leaves.
-fn classes(steps: &[Step], electrodes: u8) -> Vec<Vec<usize>> {
+pub(super) fn classes(steps: &[Step], electrodes: u8) -> Vec<Vec<usize>> {
     let n = u16::from(electrodes.max(1));
     let ahead = |electrode: u8, of: u8| (u16::from(electrode) + n - u16::from(of) % n) % n;
     let mut classes: BTreeMap<[u16; 3], Vec<usize>> = BTreeMap::new();

@@ -51,6 +51,9 @@ use signal::{Repeats, Saturation, Steadiness};
 /// Of a magnitude that is smaller than so many standard errors noise says more than the skin.
 const BLUR: f64 = 3.0;
 
+/// A voltage of the model whose magnitude, with the blur, is so many times the blur has a certain sign.
+const CLEAR: f64 = 2.0;
+
 /// What a skin should measure: its table, and in-phase voltages between any electrodes.
 #[derive(Clone, Debug)]
 pub struct Expected {
@@ -152,6 +155,8 @@ pub struct Check {
     pub saturation: Option<Saturation>,
     /// Frames that come more than once.
     pub repeats: Repeats,
+    /// What is left unlike the model: mean magnitude of the logarithm of measured over expected.
+    pub left: f64,
     /// What looks wrong, and what to change; whoever shows it says which settings do that.
     #[serde(skip)]
     pub findings: Vec<Finding>,
@@ -167,6 +172,7 @@ pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<
     let single_ended = apart.is_some();
     let frames = apart.as_ref().unwrap_or(frames);
     let readings = Readings::of(expected, frames, last)?;
+    let wired: Vec<Step> = expected.steps.iter().map(|&step| last.reading.wiring.step(step)).collect();
     let electrodes = electrodes::check(expected, &readings);
     let mut check = Check {
         frames: frames.frames,
@@ -175,10 +181,10 @@ pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<
         square: frames.measurements != expected.steps.len(),
         polarity: Polarity::of(expected, &readings),
         sound_correlation: electrodes::sound_correlation(expected, &readings, &electrodes),
-        electrodes,
+        electrodes: electrodes.clone(),
         dead_steps: readings.dead(),
-        reciprocity: Agreement::of(&expected.steps, &readings, &[Repetition::Reciprocal]),
-        reversal: Agreement::of(&expected.steps, &readings, &[Repetition::Reversed, Repetition::Identical]),
+        reciprocity: Agreement::of(&wired, &readings, &[Repetition::Reciprocal]),
+        reversal: Agreement::of(&wired, &readings, &[Repetition::Reversed, Repetition::Identical]),
         steadiness: Steadiness::of(frames, &readings),
         saturation: Saturation::of(frames, &readings),
         repeats: Repeats::of(frames),
@@ -187,11 +193,22 @@ pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<
         plain_correlation: causes[0].likeness.correlation(),
         misplaced: last.reading.misplaced.clone(),
         offset: Offset::of(&causes),
-        gains: gain::find(expected, &readings),
+        gains: gains_of_sound(&electrodes, gain::find(expected, &wired, &readings)),
+        left: last.likeness.cost(),
         findings: Vec::new(),
     };
     check.findings = findings::all(expected, &check);
     Ok(check)
+}
+
+/// Pairs of which no electrode is off.
+fn gains_of_sound(electrodes: &[ElectrodeCheck], mut gains: Vec<PairGain>) -> Vec<PairGain> {
+    let is_off = |&electrode: &u8| {
+        let electrode = electrodes[usize::from(electrode)];
+        electrode.drive_is_off() || electrode.sense_is_off()
+    };
+    gains.retain(|gain| !gain.electrodes.iter().any(is_off));
+    gains
 }
 
 /// Mean of the frames: `[index in a frame]`.
@@ -265,10 +282,18 @@ impl Readings {
         (0..self.measured.len()).filter(|&step| self.is_dead(step)).collect()
     }
 
-    /// What was measured, zero where neither noise nor the model's errors leave the sign certain.
+    /// Whether neither noise nor the model's errors leave the sign of a step uncertain.
+    fn is_clear(&self, step: usize) -> bool {
+        let (model, measured) = self.logarithms[step];
+        let blur = self.blur[step];
+        // Logarithms are of magnitudes together with the blur.
+        self.measured[step].norm() > blur && (model - measured).exp() * self.measured[step].norm().hypot(blur) > CLEAR * blur
+    }
+
+    /// What was measured, zero where the sign is not certain.
     fn clear(&self) -> Vec<Complex64> {
-        let steps = self.measured.iter().zip(&self.blur);
-        steps.map(|(value, &blur)| if value.norm() > blur { *value } else { Complex64::ZERO }).collect()
+        let value = |step: usize| if self.is_clear(step) { self.measured[step] } else { Complex64::ZERO };
+        (0..self.measured.len()).map(value).collect()
     }
 }
 
