@@ -34,6 +34,17 @@ const SUSPECTS: usize = 20;
 const MOST_ROWS: usize = 64;
 /// Places by which a frame may begin late.
 const MOST_SHIFTS: usize = 2048;
+/// Shares of the fitted offset that are tried.
+const SHARES: [f64; 8] = [0.8, 0.9, 0.95, 0.98, 1.0, 1.05, 1.1, 1.2];
+/// Share of the values that may turn their sign when an offset is taken out of values of one sign.
+const MOST_TURNED: f64 = 0.05;
+/// Of how far the middle step is from the model an offset leaves this share.
+const MUCH_NEARER: f64 = 0.5;
+/// Error of the model that a fit of the offset expects, share of a voltage.
+const MODEL_ERROR: f64 = 0.1;
+/// Times the middle step's distance from which on steps count less than half.
+const ROBUST: f64 = 2.0;
+const ROUNDS: usize = 20;
 /// Least offset that is one, as a share of the median magnitude without it.
 const LEAST_OFFSET: f64 = 0.2;
 
@@ -51,8 +62,27 @@ pub(super) struct Explained {
 struct Candidate {
     reading: Reading,
     rank: usize,
-    /// Whether it touches every step.
-    is_global: bool,
+    shows: Shows,
+}
+
+/// Where a cause shows.
+#[derive(Clone, Copy)]
+enum Shows {
+    /// In every step and its class; it leaves at most this share.
+    InBias(f64),
+    /// In every step against others of its class.
+    InScatter,
+    /// In some steps against others of their class.
+    InSome,
+}
+
+/// A candidate that explains enough, with what it leaves as a share of what was left.
+struct Good {
+    leaves: f64,
+    /// What was left.
+    of: f64,
+    rank: usize,
+    explained: Explained,
 }
 
 /// Finds the causes, one after the other: the reading without any, and after each.
@@ -71,27 +101,35 @@ pub(super) fn find(comparison: &Comparison<'_>, used: Arrangement) -> Result<Vec
 
 /// The candidate that leaves the least, if any explains enough.
 fn best(comparison: &Comparison<'_>, last: &Explained) -> Option<Explained> {
-    let tried = candidates(comparison, last);
-    let explains = |candidate: Candidate| {
-        let likeness = comparison.of(&candidate.reading).ok()?;
-        let enough = if candidate.is_global {
-            likeness.cost() < LEAVES * last.likeness.cost() - LESS
-        } else {
-            explains_some(comparison, last, &candidate.reading, &likeness)
-        };
-        enough.then_some((candidate.rank, Explained { reading: candidate.reading, likeness }))
+    let good: Vec<_> = candidates(comparison, last)
+        .into_par_iter()
+        .filter_map(|candidate| good(comparison, last, candidate))
+        .collect();
+    let least = good.iter().map(|it| it.leaves).min_by(f64::total_cmp)?;
+    let as_good = good.into_iter().filter(|it| ties(it.leaves * it.of, least * it.of));
+    let simplest = as_good.min_by(|a, b| a.rank.cmp(&b.rank).then(a.leaves.total_cmp(&b.leaves)));
+    simplest.map(|it| it.explained)
+}
+
+fn good(comparison: &Comparison<'_>, last: &Explained, candidate: Candidate) -> Option<Good> {
+    let Candidate { reading, rank, shows } = candidate;
+    let likeness = comparison.of(&reading).ok()?;
+    let (before, after, is_enough) = match shows {
+        Shows::InBias(share) => {
+            let (before, after) = (last.likeness.cost(), likeness.cost());
+            (before, after, after < share * before - LESS)
+        }
+        Shows::InScatter => {
+            let (before, after) = (last.likeness.disorder(), likeness.disorder());
+            (before, after, after < LEAVES * before - LESS)
+        }
+        Shows::InSome => {
+            let (before, after) = (last.likeness.disorder(), likeness.disorder());
+            (before, after, explains_some(comparison, last, &reading, &likeness))
+        }
     };
-    let good: Vec<_> = tried.into_par_iter().filter_map(explains).collect();
-    if std::env::var("DEBUG_CAUSES").is_ok() {
-        let mut all: Vec<(f64, f64, bool, Reading)> = candidates(comparison, last).into_iter().filter_map(|c| { let l = comparison.of(&c.reading).ok()?; let (ok, b) = if c.is_global { (l.cost() < LEAVES * last.likeness.cost() - LESS, 0.0) } else { (explains_some(comparison, last, &c.reading, &l), 1.0) }; Some((l.cost(), b, ok, c.reading)) }).collect();
-        all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut text = format!("left {:.3} + {:.3}\n", last.likeness.scatter, last.likeness.bias);
-        for (c, b, ok, r) in all.iter().take(4) { text += &format!("   {c:.3} {b} {ok} {:?} {:?} {:?} off {} pot {:?}\n", r.arrangement(), r.exchanged, r.misplaced, r.offset, r.potentials); }
-        eprintln!("{text}");
-    }
-    let least = good.iter().map(|(_, it)| it.likeness.cost()).min_by(f64::total_cmp)?;
-    let as_good = good.into_iter().filter(|(_, it)| ties(it.likeness.cost(), least));
-    as_good.min_by(|a, b| a.0.cmp(&b.0).then(a.1.likeness.cost().total_cmp(&b.1.likeness.cost()))).map(|it| it.1)
+    let explained = Explained { reading, likeness };
+    is_enough.then_some(Good { leaves: after / before, of: before, rank, explained })
 }
 
 /// Whether what is left is as little as the least.
@@ -101,7 +139,7 @@ pub(super) fn ties(cost: f64, least: f64) -> bool {
 
 /// Whether a cause explains most of what is unlike in the steps that it touches.
 fn explains_some(comparison: &Comparison<'_>, last: &Explained, reading: &Reading, likeness: &Likeness) -> bool {
-    let less = last.likeness.cost() - likeness.cost();
+    let less = last.likeness.disorder() - likeness.disorder();
     if less < LESS_WITH_SOME {
         return false;
     }
@@ -123,50 +161,54 @@ fn candidates(comparison: &Comparison<'_>, last: &Explained) -> Vec<Candidate> {
     let (n, reading) = (usize::from(expected.electrodes), &last.reading);
     let rows = Rows::of(&expected.steps, n, found);
     let mut candidates = Vec::new();
-    let mut global = |reading: Reading, rank: usize| candidates.push(Candidate { reading, rank, is_global: true });
+    let mut add = |reading: Reading, rank: usize, shows: Shows| candidates.push(Candidate { reading, rank, shows });
     for arrangement in Arrangement::all(expected.electrodes) {
         let rank = changes(arrangement, reading.arrangement());
         if rank > 0 {
-            global(reading.rearranged(arrangement, expected.electrodes), rank * SIMPLER);
+            add(reading.rearranged(arrangement, expected.electrodes), rank * SIMPLER, Shows::InScatter);
         }
     }
     let is_square = found == n * n;
     let distance = sense_distance(&expected.steps, expected.electrodes).filter(|_| is_square);
     if reading.potentials.is_none() && reading.offset == Complex64::ZERO {
-        if let Some(offset) = offset(comparison, reading) {
-            global(Reading { offset, ..reading.clone() }, SIMPLER);
+        if let Some((offset, leaves)) = offset(comparison, reading) {
+            add(Reading { offset, ..reading.clone() }, SIMPLER, Shows::InBias(leaves));
         }
         if distance.is_some() {
-            global(Reading { potentials: distance, ..reading.clone() }, SIMPLER);
+            add(Reading { potentials: distance, ..reading.clone() }, SIMPLER, Shows::InBias(LEAVES));
         }
     }
     let misplaced = |misplacement: Misplacement| reading.with_misplaced(misplacement);
     if is_square && !reading.misplaced.contains(&Misplacement::Transposed) {
         let transposed = misplaced(Misplacement::Transposed);
-        global(transposed.clone(), SIMPLER);
+        add(transposed.clone(), SIMPLER, Shows::InScatter);
         for sense in [SenseOrder::Absolute, SenseOrder::Relative] {
             let arrangement = Arrangement { sense, ..reading.arrangement() };
             let potentials = distance.filter(|_| reading.offset == Complex64::ZERO);
             if sense != reading.arrangement().sense {
-                global(transposed.rearranged(arrangement, expected.electrodes), 2 * SIMPLER);
+                add(transposed.rearranged(arrangement, expected.electrodes), 2 * SIMPLER, Shows::InScatter);
             } else if potentials.is_some() && reading.potentials.is_none() {
-                global(Reading { potentials, ..transposed.clone() }, 2 * SIMPLER);
+                add(Reading { potentials, ..transposed.clone() }, 2 * SIMPLER, Shows::InBias(LEAVES));
             }
         }
     }
     let is_shifted = |it: &Misplacement| matches!(it, Misplacement::Shifted(_) | Misplacement::ColumnsShifted(_));
     if found <= MOST_SHIFTS && !reading.misplaced.iter().any(is_shifted) {
-        (1..found).for_each(|by| global(misplaced(Misplacement::Shifted(by)), 3 * SIMPLER + by.min(found - by)));
+        for by in 1..found {
+            add(misplaced(Misplacement::Shifted(by)), 3 * SIMPLER + by.min(found - by), Shows::InScatter);
+        }
         if is_square {
-            (1..n).for_each(|by| global(misplaced(Misplacement::ColumnsShifted(by)), 2 * SIMPLER + by.min(n - by)));
+            for by in 1..n {
+                add(misplaced(Misplacement::ColumnsShifted(by)), 3 * SIMPLER + by.min(n - by), Shows::InScatter);
+            }
         }
     }
-    let mut local = |reading: Reading, rank: usize| candidates.push(Candidate { reading, rank, is_global: false });
+    let mut add_some = |reading: Reading, rank: usize| add(reading, rank * SIMPLER, Shows::InSome);
     if rows.common_length().is_some() && rows.count() <= MOST_ROWS {
         for (a, b) in pairs(rows.count()) {
-            local(misplaced(Misplacement::Rows([a, b])), 3 * SIMPLER);
+            add_some(misplaced(Misplacement::Rows([a, b])), 3);
             if is_square {
-                local(misplaced(Misplacement::Columns([a, b])), 3 * SIMPLER);
+                add_some(misplaced(Misplacement::Columns([a, b])), 3);
             }
         }
     }
@@ -174,7 +216,7 @@ fn candidates(comparison: &Comparison<'_>, last: &Explained) -> Vec<Candidate> {
     for (i, j) in pairs(suspects.len()) {
         let [a, b] = [suspects[i], suspects[j]];
         for role in [Role::Both, Role::Drive, Role::Sense] {
-            local(reading.with_exchange(Exchange { electrodes: [a.min(b), a.max(b)], role }), 2 * SIMPLER);
+            add_some(reading.with_exchange(Exchange { electrodes: [a.min(b), a.max(b)], role }), 2);
         }
     }
     candidates
@@ -217,36 +259,39 @@ fn suspects(comparison: &Comparison<'_>, last: &Explained) -> Vec<u8> {
     electrodes
 }
 
-/// The offset with which the model's voltages explain the frame best, if it is large enough.
+/// The offset with which the model's voltages explain the frame best, if it is large enough, and the share that must not
+/// be left with it.
 ///
-/// Least squares of y = g m + c, each step weighed by what the model does not know of it; steps that fit badly count
-/// less.
-fn offset(comparison: &Comparison<'_>, reading: &Reading) -> Option<Complex64> {
+/// Logarithms of values that a large offset makes alike say little. Where the middle step is much nearer to g m + c than to
+/// g m it is enough that they are not worse.
+fn offset(comparison: &Comparison<'_>, reading: &Reading) -> Option<(Complex64, f64)> {
     let (expected, reference) = (comparison.expected, comparison.reference);
     let places = reading.places(&expected.steps, expected.electrodes, reference.values.len()).ok()?;
     let values: Vec<Complex64> = places.iter().map(|&(place, _)| reference.values[place]).collect();
-    let likeness = comparison.of(reading).ok()?;
+    let unknown = comparison.of(reading).ok()?.unknown;
     let model: Vec<f64> = expected.steps.iter().map(|&step| expected.voltage(reading.wiring.step(step))).collect();
-    let all_of_one_sign = values.iter().all(|y| y.re > 0.0 && y.im == 0.0) || values.iter().all(|y| y.re < 0.0 && y.im == 0.0);
-    let signed = linear(&values, &model, &likeness.unknown);
     let magnitudes: Vec<f64> = model.iter().map(|m| m.abs()).collect();
-    let unsigned = linear(&values, &magnitudes, &likeness.unknown);
-    let mut best: Option<(f64, Complex64)> = None;
-    let model_has_signs = model.iter().any(|&m| m > 0.0) && model.iter().any(|&m| m < 0.0);
-    let fits = [(signed, model_has_signs), (unsigned, false)];
-    for (fitted, is_signed) in fits.into_iter().filter_map(|(fitted, is_signed)| Some((fitted?, is_signed))) {
-        for share in [0.8, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2] {
+    let has_signs = model.iter().any(|&m| m > 0.0) && model.iter().any(|&m| m < 0.0);
+    let one_sign = !values.iter().any(|y| y.im != 0.0)
+        && (values.iter().all(|y| y.re > 0.0) || values.iter().all(|y| y.re < 0.0));
+    let mut best: Option<(f64, (Complex64, f64))> = None;
+    for (model, has_signs) in [(&model, has_signs), (&magnitudes, false)] {
+        let plain = linear(&values, model, &unknown, false);
+        let Some(((_, without), (fitted, with))) = plain.zip(linear(&values, model, &unknown, true)) else { continue };
+        for share in SHARES {
             let offset = real_if_nearly(fitted * share);
             let rest: Vec<Complex64> = values.iter().map(|y| y - offset).collect();
             let size = median(rest.iter().map(|y| y.norm()));
-            // Counts of a converter that all lie above their zero go on doing so.
-            let stays = rest.iter().zip(&values).filter(|(rest, y)| (rest.re > 0.0) == (y.re > 0.0)).count();
-            if offset.norm() < LEAST_OFFSET * size || (all_of_one_sign && !is_signed && stays * 100 < 95 * values.len()) {
+            // Counts of a converter that all lie on one side of zero go on doing so, mostly.
+            let turned = rest.iter().zip(&values).filter(|(rest, y)| (rest.re > 0.0) != (y.re > 0.0)).count();
+            let is_turned = one_sign && !has_signs && turned as f64 > MOST_TURNED * values.len() as f64;
+            if offset.norm() < LEAST_OFFSET * size || is_turned {
                 continue;
             }
             let Ok(likeness) = comparison.of(&Reading { offset, ..reading.clone() }) else { continue };
+            let leaves = if with < MUCH_NEARER * without { 1.0 } else { LEAVES };
             if best.is_none_or(|(cost, _)| likeness.cost() < cost) {
-                best = Some((likeness.cost(), offset));
+                best = Some((likeness.cost(), (offset, leaves)));
             }
         }
     }
@@ -257,31 +302,38 @@ fn real_if_nearly(offset: Complex64) -> Complex64 {
     if offset.im.abs() < 0.2 * offset.re.abs() { offset.re.into() } else { offset }
 }
 
-/// c of y = g m + c.
-fn linear(values: &[Complex64], model: &[f64], unknown: &[f64]) -> Option<Complex64> {
-    let mut weights: Vec<f64> =
-        model.iter().zip(unknown).map(|(m, d)| 1.0 / (d * d + (0.1 * m).powi(2)).max(f64::MIN_POSITIVE)).collect();
-    let first = weights.clone();
+/// c of y = g m + c, or without one, and how far the middle step is from that.
+///
+/// Least squares, each step weighed by what the model does not know of it; steps that fit badly count less.
+fn linear(values: &[Complex64], model: &[f64], unknown: &[f64], offset: bool) -> Option<(Complex64, f64)> {
+    let weight = |(m, d): (&f64, &f64)| 1.0 / (d * d + (MODEL_ERROR * m).powi(2)).max(f64::MIN_POSITIVE);
+    let first: Vec<f64> = model.iter().zip(unknown).map(weight).collect();
+    let mut weights = first.clone();
     let mut found = None;
-    for _ in 0..20 {
+    for _ in 0..ROUNDS {
         let (mut s, mut sm, mut smm) = (0.0, 0.0, 0.0);
         let (mut sy, mut smy) = (Complex64::ZERO, Complex64::ZERO);
         for ((y, m), w) in values.iter().zip(model).zip(&weights) {
             (s, sm, smm) = (s + w, sm + w * m, smm + w * m * m);
             (sy, smy) = (sy + y * *w, smy + y * (w * m));
         }
-        let determinant = s * smm - sm * sm;
-        let g = (smy * s - sy * sm) / determinant;
-        let c = (sy * smm - smy * sm) / determinant;
+        let (g, c) = if offset {
+            let determinant = s * smm - sm * sm;
+            ((smy * s - sy * sm) / determinant, (sy * smm - smy * sm) / determinant)
+        } else {
+            (smy / smm, Complex64::ZERO)
+        };
         if !g.is_finite() || !c.is_finite() {
             return found;
         }
-        found = Some(c);
-        let left: Vec<f64> = values.iter().zip(model).zip(&first).map(|((y, m), w)| (y - g * m - c).norm() * w.sqrt()).collect();
-        let scale = 2.0 * median(left.iter().copied());
-        if scale == 0.0 {
+        let steps = values.iter().zip(model).zip(&first);
+        let left: Vec<f64> = steps.map(|((y, m), w)| (y - g * m - c).norm() * w.sqrt()).collect();
+        let middle = median(left.iter().copied());
+        found = Some((c, middle));
+        if middle == 0.0 {
             break;
         }
+        let scale = ROBUST * middle;
         weights = first.iter().zip(&left).map(|(w, r)| w / (1.0 + (r / scale).powi(2))).collect();
     }
     found

@@ -15,8 +15,12 @@ use serde::Serialize;
 
 /// Median error between steps that must agree which is a fault, %; saline tanks reach 5.
 const DISAGREEMENT_PERCENT: f64 = 10.0;
-/// Mean logarithm of measured over expected from which on frames are unlike the model.
-const UNLIKE: f64 = 0.3;
+/// Mean logarithm of measured over expected from which on frames are unlike the model: between steps that are the same
+/// but for a turn, and of such steps together.
+const UNLIKE: f64 = 0.25;
+const UNLIKE_TOGETHER: f64 = 0.4;
+/// Share of signs that may disagree where no pair is reversed.
+const SIGNS: f64 = 0.02;
 /// A single pair is worth a word from so many times the median error on.
 const OUTSTANDING: f64 = 5.0;
 /// Signal-to-noise ratio below which single presses drown, dB.
@@ -140,7 +144,7 @@ fn order(expected: &Expected, check: &Check) -> Option<Finding> {
             format!("another order fits the model better (correlation {best:.3} instead of {before:.3})");
         return Some(fault(About::Order, found, advice));
     }
-    (check.sound_correlation < RESEMBLING && check.left > UNLIKE).then(|| resemblance(numbering))
+    (check.sound_correlation < RESEMBLING && (check.scatter > UNLIKE || check.bias > UNLIKE_TOGETHER)).then(|| resemblance(numbering))
 }
 
 /// Says how little the frames resemble the model.
@@ -189,11 +193,15 @@ fn misplacement_found(check: &Check, misplacement: Misplacement) -> Finding {
             };
             fault(About::Shift, found, format!("begin each frame with its value {by} (counted from 0)"))
         }
-        Misplacement::ColumnsShifted(by) => fault(
-            About::Shift,
-            format!("each drive's values begin {by} columns late and go on at the row's start {fit}"),
-            format!("begin each row with its column {by} (counted from 0)"),
-        ),
+        Misplacement::ColumnsShifted(by) => {
+            let columns = check.measurements.isqrt();
+            let when = if 2 * by > columns { format!("{} columns early", columns - by) } else { format!("{by} columns late") };
+            fault(
+                About::Shift,
+                format!("each drive's values begin {when} and go on at the row's other end {fit}"),
+                format!("begin each row with its column {by} (counted from 0)"),
+            )
+        }
         Misplacement::Rows([a, b]) => {
             let [a, b] = [a + 1, b + 1];
             fault(
@@ -315,7 +323,9 @@ fn polarity(check: &Check) -> Vec<Finding> {
             polarity.compared,
             first_few(&polarity.disagreements)
         );
-        findings.push(fault(About::Polarity, found, "check the direction of the sense pairs"));
+        let advice = "check the direction of the sense pairs";
+        let many = polarity.disagreements.len() as f64 > SIGNS * polarity.compared as f64;
+        findings.push(if many { fault(About::Polarity, found, advice) } else { note(About::Polarity, found, advice) });
     }
     findings
 }

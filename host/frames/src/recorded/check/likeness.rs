@@ -26,6 +26,10 @@ const PLACE_ERROR: f64 = 0.05;
 const FLOOR: f64 = 0.001;
 /// A step that senses a driven electrode has its contact in it, of which the model knows little.
 const CONTACT_ERROR: f64 = 1.0;
+/// An offset that was found is known to this share.
+const OFFSET_ERROR: f64 = 0.03;
+/// Share of the bias that counts where the scatter tells.
+const BIAS: f64 = 0.4;
 /// No step counts for more.
 const MOST: f64 = 2.0;
 /// Steps that a class needs.
@@ -51,8 +55,15 @@ pub(super) struct Likeness {
 }
 
 impl Likeness {
+    /// What is left, where the classes' medians may tell: an offset, potentials.
     pub(super) fn cost(&self) -> f64 {
         self.scatter + self.bias
+    }
+
+    /// What is left, where it shows in the scatter: places and wires. The bias of a body that is unlike the model must not
+    /// hide it.
+    pub(super) fn disorder(&self) -> f64 {
+        self.scatter + BIAS * self.bias
     }
 
     /// Correlation of log magnitudes, where one below what the model does not know counts as about that.
@@ -94,6 +105,7 @@ impl<'a> Comparison<'a> {
         let largest = model.iter().fold(0.0, |a: f64, m| a.max(m.abs()));
         let gain = gain(&measured, &model);
         measured.iter_mut().for_each(|y| *y /= gain);
+        let offset = OFFSET_ERROR * reading.offset.norm();
         let unknown: Vec<f64> = steps
             .iter()
             .zip(&model)
@@ -101,7 +113,9 @@ impl<'a> Comparison<'a> {
             .map(|((&step, m), blur)| {
                 let contact = if step.senses_driven() { CONTACT_ERROR * m } else { 0.0 };
                 let place = PLACE_ERROR * expected.slope(step);
-                (place.powi(2) + contact.powi(2) + (blur / gain).powi(2) + (FLOOR * largest).powi(2)).sqrt()
+                let floor = FLOOR * largest;
+                let instrument = blur.hypot(offset) / gain;
+                [place, contact, floor, instrument].iter().map(|error| error * error).sum::<f64>().sqrt()
             })
             .collect();
         let signed: Vec<(f64, f64)> = (0..model.len())

@@ -155,8 +155,11 @@ pub struct Check {
     pub saturation: Option<Saturation>,
     /// Frames that come more than once.
     pub repeats: Repeats,
-    /// What is left unlike the model: mean magnitude of the logarithm of measured over expected.
-    pub left: f64,
+    /// What is left unlike the model: mean magnitude of the logarithm of measured over expected, between steps that are
+    /// the same but for a turn,
+    pub scatter: f64,
+    /// and of all such steps together.
+    pub bias: f64,
     /// What looks wrong, and what to change; whoever shows it says which settings do that.
     #[serde(skip)]
     pub findings: Vec<Finding>,
@@ -194,7 +197,8 @@ pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<
         misplaced: last.reading.misplaced.clone(),
         offset: Offset::of(&causes),
         gains: gains_of_sound(&electrodes, gain::find(expected, &wired, &readings)),
-        left: last.likeness.cost(),
+        scatter: last.likeness.scatter,
+        bias: last.likeness.bias,
         findings: Vec::new(),
     };
     check.findings = findings::all(expected, &check);

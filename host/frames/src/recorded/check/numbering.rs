@@ -119,7 +119,7 @@ fn another_rotation_ties(comparison: &Comparison<'_>, last: &Explained) -> bool 
     let others = (0..electrodes).filter(|&rotation| rotation != arrangement.rotation);
     let ties = |rotation: u8| {
         let reading = last.reading.rearranged(Arrangement { rotation, ..arrangement }, electrodes);
-        comparison.of(&reading).is_ok_and(|other| causes::ties(other.cost(), last.likeness.cost()))
+        comparison.of(&reading).is_ok_and(|other| causes::ties(other.disorder(), last.likeness.disorder()))
     };
     others.into_iter().any(ties)
 }
