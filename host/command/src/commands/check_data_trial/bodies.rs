@@ -47,11 +47,8 @@ fn set(
     let (expected, real) = (Expected::of(&as_filed)?, Expected::of(&real)?);
     let snr_db: f64 = random.random_range(30.0..60.0);
     let gains: Vec<f64> = (0..electrodes).map(|_| normal(random, GAIN).exp()).collect();
-    let clean: Vec<f64> = real
-        .steps
-        .iter()
-        .map(|&step| real.voltage(step) * gains[usize::from(step.sense_plus)])
-        .collect();
+    let clean: Vec<f64> =
+        real.steps.iter().map(|&step| real.voltage(step) * gains[usize::from(step.sense_plus)]).collect();
     let size = (clean.iter().map(|v| v * v).sum::<f64>() / clean.len() as f64).sqrt();
     let noise = size * 10f64.powf(-snr_db / 20.0);
     let values = (0..FRAMES)

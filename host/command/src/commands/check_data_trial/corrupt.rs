@@ -67,12 +67,24 @@ pub(super) fn corruptions(
 
 fn orders(whole: &Whole<'_>, spoilt: &mut Vec<Spoilt>) {
     let relative = Arrangement { sense: SenseOrder::Relative, ..Arrangement::default() };
-    spoilt.push(("sense pairs counted from the driven one", Wrong::Order(relative), whole.in_order(relative, whole.square)));
+    spoilt.push((
+        "sense pairs counted from the driven one",
+        Wrong::Order(relative),
+        whole.in_order(relative, whole.square),
+    ));
     if !whole.square {
-        spoilt.push(("full square counted from the driven pair", Wrong::Order(relative), whole.in_order(relative, true)));
+        spoilt.push((
+            "full square counted from the driven pair",
+            Wrong::Order(relative),
+            whole.in_order(relative, true),
+        ));
         let mut empty = whole.clone();
         empty.clear_unmeasured();
-        spoilt.push(("full square counted from the driven pair", Wrong::Order(relative), empty.in_order(relative, true)));
+        spoilt.push((
+            "full square counted from the driven pair",
+            Wrong::Order(relative),
+            empty.in_order(relative, true),
+        ));
     }
     for (rotation, mirrored) in [(1, false), (0, true), (3, true)] {
         let made = Arrangement { rotation, mirrored, ..Arrangement::default() };
@@ -163,7 +175,11 @@ fn electrodes(whole: &Whole<'_>, random: &mut Pcg64Mcg, spoilt: &mut Vec<Spoilt>
     let n = whole.cyclic.n;
     for _ in 0..2 {
         let electrode = random.random_range(0..n);
-        spoilt.push(("an electrode open", Wrong::Open(electrode as u8), whole.open(electrode, random).file(whole.square)));
+        spoilt.push((
+            "an electrode open",
+            Wrong::Open(electrode as u8),
+            whole.open(electrode, random).file(whole.square),
+        ));
     }
     if whole.values.len() >= 10 {
         let electrode = random.random_range(0..n);
@@ -176,7 +192,11 @@ fn electrodes(whole: &Whole<'_>, random: &mut Pcg64Mcg, spoilt: &mut Vec<Spoilt>
 const OFFSETS: [f64; 5] = [0.5, 1.0, 2.0, 3.0, -1.0];
 
 fn offsets(expected: &Expected, frames: &Frames, spoilt: &mut Vec<Spoilt>) {
-    let Ok(map) = Arrangement::default().index_map(&expected.steps, expected.electrodes(), frames.measurements) else { return };
+    let Ok(map) =
+        Arrangement::default().index_map(&expected.steps, expected.electrodes(), frames.measurements)
+    else {
+        return;
+    };
     let mean = frames.mean();
     let size = median(map.iter().map(|place| mean[place.index].norm()));
     // Magnitudes have no room below zero.
@@ -222,7 +242,9 @@ impl<'a> Whole<'a> {
     fn of(expected: &'a Expected, frames: &Frames) -> Option<Self> {
         let cyclic = Cyclic::of(expected)?;
         let n = cyclic.n;
-        let map = Arrangement::default().index_map(&expected.steps, expected.electrodes(), frames.measurements).ok()?;
+        let map = Arrangement::default()
+            .index_map(&expected.steps, expected.electrodes(), frames.measurements)
+            .ok()?;
         let model: Vec<f64> = expected.steps.iter().map(|&step| expected.voltage(step)).collect();
         let magnitudes = frames.values.iter().all(|value| value.im == 0.0 && value.re >= 0.0)
             && model.iter().any(|&m| m < 0.0);
@@ -236,7 +258,8 @@ impl<'a> Whole<'a> {
                 (0..n * n).map(|place| gain * expected.voltage(cyclic.step(place / n, place % n))).collect();
             for ((step, place), m) in expected.steps.iter().zip(&map).zip(&model) {
                 let sign = if magnitudes { m.signum() } else { 1.0 };
-                whole[usize::from(step.drive_minus) * n + usize::from(step.sense_plus)] = frame[place.index] * sign;
+                whole[usize::from(step.drive_minus) * n + usize::from(step.sense_plus)] =
+                    frame[place.index] * sign;
             }
             for (row, values) in whole.chunks_exact_mut(n).enumerate() {
                 close(values, |column| expected.steps.contains(&cyclic.step(row, column)));
@@ -274,7 +297,8 @@ impl<'a> Whole<'a> {
 
     fn clear_unmeasured(&mut self) {
         let n = self.cyclic.n;
-        let unmeasured: Vec<usize> = (0..n * n).filter(|place| !self.is_measured(place / n, place % n)).collect();
+        let unmeasured: Vec<usize> =
+            (0..n * n).filter(|place| !self.is_measured(place / n, place % n)).collect();
         for whole in &mut self.values {
             unmeasured.iter().for_each(|&place| whole[place] = Complex64::ZERO);
         }
@@ -292,11 +316,14 @@ impl<'a> Whole<'a> {
             for place in 0..n * n {
                 let Step { drive_plus, drive_minus, sense_plus, sense_minus } =
                     self.cyclic.step(place / n, place % n);
-                let [dp, dm, sp, sm] = [drive_plus, drive_minus, sense_plus, sense_minus].map(|e| on_skin(e.into()));
+                let [dp, dm, sp, sm] =
+                    [drive_plus, drive_minus, sense_plus, sense_minus].map(|e| on_skin(e.into()));
                 // Mirrored pairs lie the other way round.
                 let ahead = |a: usize, b: usize| (b + n - a) % n;
-                let (row, drive_sign) = if ahead(dm, dp) == self.cyclic.drive { (dm, 1.0) } else { (dp, -1.0) };
-                let (column, sense_sign) = if ahead(sp, sm) == self.cyclic.sense { (sp, 1.0) } else { (sm, -1.0) };
+                let (row, drive_sign) =
+                    if ahead(dm, dp) == self.cyclic.drive { (dm, 1.0) } else { (dp, -1.0) };
+                let (column, sense_sign) =
+                    if ahead(sp, sm) == self.cyclic.sense { (sp, 1.0) } else { (sm, -1.0) };
                 turned[place] = whole[row * n + column] * drive_sign * sense_sign;
             }
         }
@@ -307,10 +334,19 @@ impl<'a> Whole<'a> {
     fn exchanged(&self, exchange: Exchange) -> Option<Self> {
         let Cyclic { n, drive, sense } = self.cyclic;
         let [a, b] = exchange.electrodes.map(usize::from);
-        let wire = |k: usize| if k == a { b } else if k == b { a } else { k };
+        let wire = |k: usize| {
+            if k == a {
+                b
+            } else if k == b {
+                a
+            } else {
+                k
+            }
+        };
         let mut exchanged = self.clone();
         if exchange.role != Role::Drive {
-            let sums: Option<Vec<_>> = (0..n).map(|k| chain(wire(k), wire((k + sense) % n), sense, n)).collect();
+            let sums: Option<Vec<_>> =
+                (0..n).map(|k| chain(wire(k), wire((k + sense) % n), sense, n)).collect();
             let sums = sums?;
             for whole in &mut exchanged.values {
                 for row in whole.chunks_exact_mut(n) {
@@ -322,7 +358,8 @@ impl<'a> Whole<'a> {
             }
         }
         if exchange.role != Role::Sense {
-            let sums: Option<Vec<_>> = (0..n).map(|k| chain(wire(k), wire((k + drive) % n), drive, n)).collect();
+            let sums: Option<Vec<_>> =
+                (0..n).map(|k| chain(wire(k), wire((k + drive) % n), drive, n)).collect();
             let sums = sums?;
             for whole in &mut exchanged.values {
                 let old = whole.clone();
@@ -355,7 +392,8 @@ impl<'a> Whole<'a> {
         for whole in &mut potentials.values {
             for row in whole.chunks_exact_mut(n) {
                 let old = row.to_vec();
-                let against_first = sums.iter().map(|sum| sum.iter().map(|&(pair, sign)| old[pair] * sign).sum());
+                let against_first =
+                    sums.iter().map(|sum| sum.iter().map(|&(pair, sign)| old[pair] * sign).sum());
                 let against_first: Vec<Complex64> = against_first.collect();
                 let mean: Complex64 = against_first.iter().sum::<Complex64>() / n as f64;
                 row.iter_mut().zip(against_first).for_each(|(value, potential)| *value = potential - mean);
@@ -454,6 +492,7 @@ fn close(row: &mut [Complex64], is_measured: impl Fn(usize) -> bool) {
 fn gain(mean: &[Complex64], places: &[usize], model: &[f64]) -> Complex64 {
     let size = median(places.iter().zip(model).map(|(&place, m)| (mean[place] / m).norm()));
     let along: Complex64 = places.iter().zip(model).map(|(&place, m)| mean[place] * *m).sum();
-    let along = if mean.iter().all(|value| value.im == 0.0 && value.re >= 0.0) { Complex64::ONE } else { along };
+    let along =
+        if mean.iter().all(|value| value.im == 0.0 && value.re >= 0.0) { Complex64::ONE } else { along };
     Complex64::from_polar(size, along.arg())
 }

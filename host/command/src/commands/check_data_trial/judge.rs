@@ -32,8 +32,15 @@ pub(super) enum Wrong {
     Potentials,
     /// Potentials, and the square is transposed.
     TransposedPotentials,
-    Gain { pair: [u8; 2], drives: bool, gain: f64 },
-    Reversed { pair: [u8; 2], drives: bool },
+    Gain {
+        pair: [u8; 2],
+        drives: bool,
+        gain: f64,
+    },
+    Reversed {
+        pair: [u8; 2],
+        drives: bool,
+    },
     Open(u8),
     Noisy(u8),
     Clipped,
@@ -119,7 +126,10 @@ pub(super) fn others(wrong: &Wrong, check: &Check, known: &[About]) -> Vec<About
         Wrong::Clipped => &[About::Saturation],
     };
     let faults = check.findings.iter().filter(|finding| finding.level == Level::Fault);
-    faults.map(|finding| finding.about).filter(|about| !meant.contains(about) && !known.contains(about)).collect()
+    faults
+        .map(|finding| finding.about)
+        .filter(|about| !meant.contains(about) && !known.contains(about))
+        .collect()
 }
 
 impl fmt::Display for Wrong {

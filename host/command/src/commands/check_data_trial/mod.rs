@@ -9,7 +9,10 @@ use anyhow::{Context, ensure};
 use bodies::bodies;
 use corrupt::corruptions;
 use dermatome_frames::recorded::{
-    check::{Check, Expected, check, findings::{About, Level}},
+    check::{
+        Check, Expected, check,
+        findings::{About, Level},
+    },
     order::Arrangement,
     read::{Frames, Source},
 };
@@ -133,7 +136,8 @@ fn tried(set: &Set, seed: u64, bar: &indicatif::ProgressBar) -> anyhow::Result<V
     let good = check(&set.expected, &set.frames, set.arrangement)?;
     let mut trials = vec![trial(set, GOOD, &Wrong::Nothing, &good, &[])];
     // Faults of the frames as they are stay when more is wrong with them.
-    let known: Vec<_> = good.findings.iter().filter(|it| it.level == Level::Fault).map(|it| it.about).collect();
+    let known: Vec<_> =
+        good.findings.iter().filter(|it| it.level == Level::Fault).map(|it| it.about).collect();
     let spoilt = corruptions(&set.expected, &set.frames, set.arrangement, &mut random);
     bar.inc_length(spoilt.len() as u64);
     let try_one = |(kind, wrong, frames): &(&'static str, Wrong, Frames)| {
@@ -145,13 +149,7 @@ fn tried(set: &Set, seed: u64, bar: &indicatif::ProgressBar) -> anyhow::Result<V
     Ok(trials)
 }
 
-fn trial(
-    set: &Set,
-    kind: &'static str,
-    wrong: &Wrong,
-    check: &Check,
-    known: &[About],
-) -> Trial {
+fn trial(set: &Set, kind: &'static str, wrong: &Wrong, check: &Check, known: &[About]) -> Trial {
     let others = judge::others(wrong, check, known);
     Trial {
         set: set.name.clone(),

@@ -5,7 +5,11 @@
 //! explain most of what is unlike in them.
 
 use super::{
-    super::{order::{Arrangement, OrderError, SenseOrder}, statistics::median},
+    super::{
+        diagnose::LEAST_FIT,
+        order::{Arrangement, OrderError, SenseOrder},
+        statistics::median,
+    },
     likeness::{Comparison, Likeness},
     numbering::{Exchange, Role},
     reading::{Misplacement, Reading, Rows},
@@ -121,15 +125,33 @@ fn good(comparison: &Comparison<'_>, last: &Explained, candidate: Candidate) -> 
         }
         Shows::InScatter => {
             let (before, after) = (last.likeness.disorder(), likeness.disorder());
-            (before, after, after < LEAVES * before - LESS)
+            let (all_before, all_after) = (last.likeness.cost(), likeness.cost());
+            let is_less = |after: f64, before: f64| after < LEAVES * before - LESS;
+            let neither_is_more = after <= before && all_after <= all_before;
+            (before, after, is_less(after, before) || (neither_is_more && is_less(all_after, all_before)))
         }
         Shows::InSome => {
             let (before, after) = (last.likeness.disorder(), likeness.disorder());
             (before, after, explains_some(comparison, last, &reading, &likeness))
         }
     };
+    // Where nothing fits the model only the order and whole rows may be told, from what steps have in common.
+    let fits = likeness.correlation() >= LEAST_FIT;
+    if !is_enough || !(fits || is_of_order(last, &reading)) {
+        return None;
+    }
     let explained = Explained { reading, likeness };
-    is_enough.then_some(Good { leaves: after / before, of: before, rank, explained })
+    Some(Good { leaves: after / before, of: before, rank, explained })
+}
+
+/// Whether a reading has another order of the sense pairs, or rows in other places, and all else is the same.
+fn is_of_order(last: &Explained, reading: &Reading) -> bool {
+    let is_told = |it: &Misplacement| matches!(it, Misplacement::Rows(_) | Misplacement::Transposed);
+    let last = &last.reading;
+    let others =
+        Arrangement { sense: last.arrangement().sense, ..reading.arrangement() } == last.arrangement();
+    let wires = reading.exchanged == last.exchanged && reading.potentials == last.potentials;
+    others && wires && reading.offset == last.offset && reading.misplaced.iter().all(is_told)
 }
 
 /// Whether what is left is as little as the least.
@@ -138,7 +160,12 @@ pub(super) fn ties(cost: f64, least: f64) -> bool {
 }
 
 /// Whether a cause explains most of what is unlike in the steps that it touches.
-fn explains_some(comparison: &Comparison<'_>, last: &Explained, reading: &Reading, likeness: &Likeness) -> bool {
+fn explains_some(
+    comparison: &Comparison<'_>,
+    last: &Explained,
+    reading: &Reading,
+    likeness: &Likeness,
+) -> bool {
     let less = last.likeness.disorder() - likeness.disorder();
     if less < LESS_WITH_SOME {
         return false;
@@ -161,7 +188,8 @@ fn candidates(comparison: &Comparison<'_>, last: &Explained) -> Vec<Candidate> {
     let (n, reading) = (usize::from(expected.electrodes), &last.reading);
     let rows = Rows::of(&expected.steps, n, found);
     let mut candidates = Vec::new();
-    let mut add = |reading: Reading, rank: usize, shows: Shows| candidates.push(Candidate { reading, rank, shows });
+    let mut add =
+        |reading: Reading, rank: usize, shows: Shows| candidates.push(Candidate { reading, rank, shows });
     for arrangement in Arrangement::all(expected.electrodes) {
         let rank = changes(arrangement, reading.arrangement());
         if rank > 0 {
@@ -192,14 +220,19 @@ fn candidates(comparison: &Comparison<'_>, last: &Explained) -> Vec<Candidate> {
             }
         }
     }
-    let is_shifted = |it: &Misplacement| matches!(it, Misplacement::Shifted(_) | Misplacement::ColumnsShifted(_));
+    let is_shifted =
+        |it: &Misplacement| matches!(it, Misplacement::Shifted(_) | Misplacement::ColumnsShifted(_));
     if found <= MOST_SHIFTS && !reading.misplaced.iter().any(is_shifted) {
         for by in 1..found {
             add(misplaced(Misplacement::Shifted(by)), 3 * SIMPLER + by.min(found - by), Shows::InScatter);
         }
         if is_square {
             for by in 1..n {
-                add(misplaced(Misplacement::ColumnsShifted(by)), 3 * SIMPLER + by.min(n - by), Shows::InScatter);
+                add(
+                    misplaced(Misplacement::ColumnsShifted(by)),
+                    3 * SIMPLER + by.min(n - by),
+                    Shows::InScatter,
+                );
             }
         }
     }
@@ -227,7 +260,10 @@ fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
 }
 
 fn changes(a: Arrangement, b: Arrangement) -> usize {
-    [a.sense != b.sense, a.rotation != b.rotation, a.mirrored != b.mirrored].iter().filter(|&&set| set).count()
+    [a.sense != b.sense, a.rotation != b.rotation, a.mirrored != b.mirrored]
+        .iter()
+        .filter(|&&set| set)
+        .count()
 }
 
 /// Electrodes from the plus to the minus input, where it is the same in all steps.
@@ -269,7 +305,8 @@ fn offset(comparison: &Comparison<'_>, reading: &Reading) -> Option<(Complex64, 
     let places = reading.places(&expected.steps, expected.electrodes, reference.values.len()).ok()?;
     let values: Vec<Complex64> = places.iter().map(|&(place, _)| reference.values[place]).collect();
     let unknown = comparison.of(reading).ok()?.unknown;
-    let model: Vec<f64> = expected.steps.iter().map(|&step| expected.voltage(reading.wiring.step(step))).collect();
+    let model: Vec<f64> =
+        expected.steps.iter().map(|&step| expected.voltage(reading.wiring.step(step))).collect();
     let magnitudes: Vec<f64> = model.iter().map(|m| m.abs()).collect();
     let has_signs = model.iter().any(|&m| m > 0.0) && model.iter().any(|&m| m < 0.0);
     let one_sign = !values.iter().any(|y| y.im != 0.0)
@@ -277,7 +314,9 @@ fn offset(comparison: &Comparison<'_>, reading: &Reading) -> Option<(Complex64, 
     let mut best: Option<(f64, (Complex64, f64))> = None;
     for (model, has_signs) in [(&model, has_signs), (&magnitudes, false)] {
         let plain = linear(&values, model, &unknown, false);
-        let Some(((_, without), (fitted, with))) = plain.zip(linear(&values, model, &unknown, true)) else { continue };
+        let Some(((_, without), (fitted, with))) = plain.zip(linear(&values, model, &unknown, true)) else {
+            continue;
+        };
         for share in SHARES {
             let offset = real_if_nearly(fitted * share);
             let rest: Vec<Complex64> = values.iter().map(|y| y - offset).collect();

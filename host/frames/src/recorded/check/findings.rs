@@ -144,7 +144,8 @@ fn order(expected: &Expected, check: &Check) -> Option<Finding> {
             format!("another order fits the model better (correlation {best:.3} instead of {before:.3})");
         return Some(fault(About::Order, found, advice));
     }
-    (check.sound_correlation < RESEMBLING && (check.scatter > UNLIKE || check.bias > UNLIKE_TOGETHER)).then(|| resemblance(numbering))
+    (check.sound_correlation < RESEMBLING && (check.scatter > UNLIKE || check.bias > UNLIKE_TOGETHER))
+        .then(|| resemblance(numbering))
 }
 
 /// Says how little the frames resemble the model.
@@ -188,14 +189,20 @@ fn misplacement_found(check: &Check, misplacement: Misplacement) -> Finding {
         Misplacement::Shifted(by) => {
             let late = (by * 2 > check.measurements).then(|| check.measurements - by);
             let found = match late {
-                Some(early) => format!("the frame begins {early} values too early: its first {early} are at its end {fit}"),
+                Some(early) => format!(
+                    "the frame begins {early} values too early: its first {early} are at its end {fit}"
+                ),
                 None => format!("the frame begins {by} values late: its last {by} are at its start {fit}"),
             };
             fault(About::Shift, found, format!("begin each frame with its value {by} (counted from 0)"))
         }
         Misplacement::ColumnsShifted(by) => {
             let columns = check.measurements.isqrt();
-            let when = if 2 * by > columns { format!("{} columns early", columns - by) } else { format!("{by} columns late") };
+            let when = if 2 * by > columns {
+                format!("{} columns early", columns - by)
+            } else {
+                format!("{by} columns late")
+            };
             fault(
                 About::Shift,
                 format!("each drive's values begin {when} and go on at the row's other end {fit}"),
@@ -240,7 +247,8 @@ fn gains(check: &Check) -> impl Iterator<Item = Finding> + '_ {
 
 fn offset(check: &Check) -> Option<Finding> {
     let offset = check.offset.as_ref()?;
-    let imaginary = if offset.imaginary == 0.0 { String::new() } else { format!("{:+.4}i", offset.imaginary) };
+    let imaginary =
+        if offset.imaginary == 0.0 { String::new() } else { format!("{:+.4}i", offset.imaginary) };
     let found = format!(
         "every value seems to hold an offset of {:.4}{imaginary}, {:.0} % of the middle value without it (correlation \
          {:.3} without it instead of {:.3})",
@@ -325,7 +333,11 @@ fn polarity(check: &Check) -> Vec<Finding> {
         );
         let advice = "check the direction of the sense pairs";
         let many = polarity.disagreements.len() as f64 > SIGNS * polarity.compared as f64;
-        findings.push(if many { fault(About::Polarity, found, advice) } else { note(About::Polarity, found, advice) });
+        findings.push(if many {
+            fault(About::Polarity, found, advice)
+        } else {
+            note(About::Polarity, found, advice)
+        });
     }
     findings
 }

@@ -54,8 +54,11 @@ pub(super) fn find(expected: &Expected, wired: &[Step], readings: &Readings) -> 
     if reciprocal.len() < 4 {
         let of = |gains: &Gains, drives: bool| -> Vec<PairGain> {
             let found = outstanding(gains, LEAST_BY_MODEL.ln(), OUTSTANDING_BY_MODEL);
-            let pair = |(electrodes, gain): ([u8; 2], f64)| {
-                PairGain { electrodes, drives, gain: gain.exp(), ambiguous: false }
+            let pair = |(electrodes, gain): ([u8; 2], f64)| PairGain {
+                electrodes,
+                drives,
+                gain: gain.exp(),
+                ambiguous: false,
             };
             found.into_iter().map(pair).collect()
         };

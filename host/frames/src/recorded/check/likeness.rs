@@ -14,7 +14,11 @@
 //! the median of e over each such class is the bias, what is left is the scatter. Exchanged wires, rows and columns
 //! show in the scatter, an offset in the bias.
 
-use super::{super::statistics::{median, pearson}, Expected, Reference, reading::Reading};
+use super::{
+    super::statistics::{median, pearson},
+    Expected, Reference,
+    reading::Reading,
+};
 use crate::recorded::order::OrderError;
 use dermatome_shared::stimulation::Step;
 use num_complex::Complex64;
@@ -127,11 +131,14 @@ impl<'a> Comparison<'a> {
         let along: f64 = signed.iter().map(|(y, m)| y.clamp(-1.0, 1.0) * m.clamp(-1.0, 1.0)).sum();
         let sign = if along < 0.0 { -1.0 } else { 1.0 };
         measured.iter_mut().for_each(|y| *y *= sign);
-        let mut residuals: Vec<f64> =
-            signed.iter().map(|(y, m)| (sign * y - m).clamp(-MOST, MOST)).collect();
+        let mut residuals: Vec<f64> = signed.iter().map(|(y, m)| (sign * y - m).clamp(-MOST, MOST)).collect();
         let mut bias = 0.0;
         for class in &self.classes {
-            let middle = if class.len() < LEAST_CLASS { 0.0 } else { median(class.iter().map(|&step| residuals[step])) };
+            let middle = if class.len() < LEAST_CLASS {
+                0.0
+            } else {
+                median(class.iter().map(|&step| residuals[step]))
+            };
             bias += middle.abs() * class.len() as f64;
             class.iter().for_each(|&step| residuals[step] -= middle);
         }

@@ -26,6 +26,7 @@ use super::{
     read::Frames,
     statistics::median,
 };
+use causes::Explained;
 use dermatome_geometry::mesh::Lattice;
 use dermatome_model::{
     forward::{Admittivity, Fields},
@@ -34,7 +35,6 @@ use dermatome_model::{
     stimulation::Repetition,
 };
 use dermatome_shared::stimulation::Step;
-use causes::Explained;
 use electrodes::ElectrodeCheck;
 use findings::Finding;
 use gain::PairGain;
@@ -171,7 +171,8 @@ pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<
     let comparison = Comparison::new(expected, &reference);
     let causes = causes::find(&comparison, used)?;
     let last = &causes[causes.len() - 1];
-    let apart = last.reading.potentials.map(|_| reading::apart(expected, frames, &last.reading)).transpose()?;
+    let apart =
+        last.reading.potentials.map(|_| reading::apart(expected, frames, &last.reading)).transpose()?;
     let single_ended = apart.is_some();
     let frames = apart.as_ref().unwrap_or(frames);
     let readings = Readings::of(expected, frames, last)?;
@@ -265,7 +266,8 @@ impl Readings {
         let reference = Reference::of(frames);
         let places = reading.places(&expected.steps, expected.electrodes, frames.measurements)?;
         let indices: Vec<usize> = places.into_iter().map(|(place, _)| place).collect();
-        let measured: Vec<_> = indices.iter().map(|&index| reference.values[index] - reading.offset).collect();
+        let measured: Vec<_> =
+            indices.iter().map(|&index| reference.values[index] - reading.offset).collect();
         Ok(Self {
             blur: likeness.unknown.iter().map(|unknown| unknown * likeness.gain).collect(),
             noise: indices.iter().map(|&index| reference.noise[index]).collect(),
@@ -291,7 +293,8 @@ impl Readings {
         let (model, measured) = self.logarithms[step];
         let blur = self.blur[step];
         // Logarithms are of magnitudes together with the blur.
-        self.measured[step].norm() > blur && (model - measured).exp() * self.measured[step].norm().hypot(blur) > CLEAR * blur
+        self.measured[step].norm() > blur
+            && (model - measured).exp() * self.measured[step].norm().hypot(blur) > CLEAR * blur
     }
 
     /// What was measured, zero where the sign is not certain.

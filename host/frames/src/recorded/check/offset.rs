@@ -22,7 +22,8 @@ impl Offset {
     /// The one that was found, if any.
     pub(super) fn of(found: &[Explained]) -> Option<Self> {
         let is_offset = |it: &Explained| it.reading.offset.norm() > 0.0;
-        let (before, after) = (found.iter().rfind(|it| !is_offset(it))?, found.iter().find(|it| is_offset(it))?);
+        let (before, after) =
+            (found.iter().rfind(|it| !is_offset(it))?, found.iter().find(|it| is_offset(it))?);
         let offset = after.reading.offset;
         let magnitude = median(after.likeness.measured.iter().map(|value| value.abs())) * after.likeness.gain;
         Some(Self {
