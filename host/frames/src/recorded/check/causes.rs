@@ -44,6 +44,16 @@ const SHARES: [f64; 8] = [0.8, 0.9, 0.95, 0.98, 1.0, 1.05, 1.1, 1.2];
 const MOST_TURNED: f64 = 0.05;
 /// Of how far the middle step is from the model an offset leaves this share.
 const MUCH_NEARER: f64 = 0.5;
+/// An offset leaves this share of what is missing to a straight line, less this.
+const STRAIGHTER: f64 = 0.75;
+const LEAST_STRAIGHTER: f64 = 0.001;
+/// Share of the median magnitude without it from which on an offset hides the logarithms, and by how much the
+/// correlation may be less then.
+const LARGE_OFFSET: f64 = 1.5;
+const MOST_BENT: f64 = 0.06;
+/// Offsets that are tried besides those fitted: so many steps up and down, each the median magnitude over the other number.
+const GRID: i32 = 40;
+const GRID_STEPS: f64 = 20.0;
 /// Error of the model that a fit of the offset expects, share of a voltage.
 const MODEL_ERROR: f64 = 0.1;
 /// Times the middle step's distance from which on steps count less than half.
@@ -121,7 +131,7 @@ fn good(comparison: &Comparison<'_>, last: &Explained, candidate: Candidate) -> 
     let (before, after, is_enough) = match shows {
         Shows::InBias(share) => {
             let (before, after) = (last.likeness.cost(), likeness.cost());
-            (before, after, after < share * before - LESS)
+            (before, after, after < share * before - LESS || share > 1.0)
         }
         Shows::InScatter => {
             let (before, after) = (last.likeness.disorder(), likeness.disorder());
@@ -298,8 +308,10 @@ fn suspects(comparison: &Comparison<'_>, last: &Explained) -> Vec<u8> {
 /// The offset with which the model's voltages explain the frame best, if it is large enough, and the share that must not
 /// be left with it.
 ///
-/// Logarithms of values that a large offset makes alike say little. Where the middle step is much nearer to g m + c than to
-/// g m it is enough that they are not worse.
+/// A body that is unlike the model, such as a tank that is deeper than its electrodes, makes the logarithms of voltages a
+/// steeper or flatter line of the model's; an offset bends the line, so the offset is taken that makes it straightest.
+/// Logarithms of values that a large offset makes alike say little: there it is enough that the middle step is much nearer
+/// to g m + c than to g m.
 fn offset(comparison: &Comparison<'_>, reading: &Reading) -> Option<(Complex64, f64)> {
     let (expected, reference) = (comparison.expected, comparison.reference);
     let places = reading.places(&expected.steps, expected.electrodes, reference.values.len()).ok()?;
@@ -311,30 +323,33 @@ fn offset(comparison: &Comparison<'_>, reading: &Reading) -> Option<(Complex64, 
     let has_signs = model.iter().any(|&m| m > 0.0) && model.iter().any(|&m| m < 0.0);
     let one_sign = !values.iter().any(|y| y.im != 0.0)
         && (values.iter().all(|y| y.re > 0.0) || values.iter().all(|y| y.re < 0.0));
-    let mut best: Option<(f64, (Complex64, f64))> = None;
+    let plain_correlation = comparison.of(reading).ok()?.correlation();
+    let size = median(values.iter().map(|y| y.norm()));
+    let mut best: Option<(f64, Complex64)> = None;
     for (model, has_signs) in [(&model, has_signs), (&magnitudes, false)] {
         let plain = linear(&values, model, &unknown, false);
-        let Some(((_, without), (fitted, with))) = plain.zip(linear(&values, model, &unknown, true)) else {
-            continue;
-        };
-        for share in SHARES {
-            let offset = real_if_nearly(fitted * share);
+        let Some(((_, without), (fitted, with))) = plain.zip(linear(&values, model, &unknown, true)) else { continue };
+        let shares = SHARES.into_iter().map(|share| real_if_nearly(fitted * share));
+        let grid = (-GRID..=GRID).map(|step| Complex64::from(size * f64::from(step) / GRID_STEPS));
+        for offset in shares.chain(grid) {
             let rest: Vec<Complex64> = values.iter().map(|y| y - offset).collect();
-            let size = median(rest.iter().map(|y| y.norm()));
+            let share = offset.norm() / median(rest.iter().map(|y| y.norm()));
             // Counts of a converter that all lie on one side of zero go on doing so, mostly.
             let turned = rest.iter().zip(&values).filter(|(rest, y)| (rest.re > 0.0) != (y.re > 0.0)).count();
             let is_turned = one_sign && !has_signs && turned as f64 > MOST_TURNED * values.len() as f64;
-            if offset.norm() < LEAST_OFFSET * size || is_turned {
+            if share < LEAST_OFFSET || is_turned {
                 continue;
             }
             let Ok(likeness) = comparison.of(&Reading { offset, ..reading.clone() }) else { continue };
-            let leaves = if with < MUCH_NEARER * without { 1.0 } else { LEAVES };
-            if best.is_none_or(|(cost, _)| likeness.cost() < cost) {
-                best = Some((likeness.cost(), (offset, leaves)));
+            let correlation = likeness.correlation();
+            let is_straighter = 1.0 - correlation < STRAIGHTER * (1.0 - plain_correlation) - LEAST_STRAIGHTER;
+            let is_nearer = share > LARGE_OFFSET && with < MUCH_NEARER * without && correlation > plain_correlation - MOST_BENT;
+            if (is_straighter || is_nearer) && best.is_none_or(|(most, _)| correlation > most) {
+                best = Some((correlation, offset));
             }
         }
     }
-    best.map(|(_, offset)| offset)
+    best.map(|(_, offset)| (offset, 1.0 + LESS))
 }
 
 fn real_if_nearly(offset: Complex64) -> Complex64 {

@@ -49,8 +49,9 @@ type Gains = BTreeMap<[u8; 2], Vec<f64>>;
 /// Looks for them in what is left once everything else is explained; `wired` are the steps as their wires are.
 pub(super) fn find(expected: &Expected, wired: &[Step], readings: &Readings) -> Vec<PairGain> {
     let logarithms: Vec<f64> = readings.logarithms.iter().map(|(model, measured)| measured - model).collect();
-    let (rows, columns) = (by_model(expected, &logarithms, true), by_model(expected, &logarithms, false));
-    let reciprocal = by_reciprocity(wired, readings);
+    let by_model = |drives: bool| by_model(expected, wired, &logarithms, drives);
+    let (rows, columns) = (by_model(true), by_model(false));
+    let reciprocal = by_reciprocity(expected, wired, readings);
     if reciprocal.len() < 4 {
         let of = |gains: &Gains, drives: bool| -> Vec<PairGain> {
             let found = outstanding(gains, LEAST_BY_MODEL.ln(), OUTSTANDING_BY_MODEL);
@@ -92,11 +93,11 @@ fn spread(gains: &Gains) -> f64 {
 }
 
 /// By how much more each pair reads than the model says, step by step, without what all steps like it share.
-fn by_model(expected: &Expected, logarithms: &[f64], drives: bool) -> Gains {
+fn by_model(expected: &Expected, wired: &[Step], logarithms: &[f64], drives: bool) -> Gains {
     let mut gains = Gains::new();
     for class in super::likeness::classes(&expected.steps, expected.electrodes) {
         let middle = median(class.iter().map(|&step| logarithms[step]));
-        for step in class {
+        for step in class.into_iter().filter(|&step| is_known(expected.steps[step], wired[step])) {
             let Step { drive_plus, drive_minus, sense_plus, sense_minus } = expected.steps[step];
             let pair = if drives { [drive_plus, drive_minus] } else { [sense_plus, sense_minus] };
             gains.entry(pair).or_default().push(logarithms[step] - middle);
@@ -105,15 +106,21 @@ fn by_model(expected: &Expected, logarithms: &[f64], drives: bool) -> Gains {
     gains
 }
 
+/// Whether a step measures no contact that it was not meant to, through exchanged wires.
+fn is_known(step: Step, wired: Step) -> bool {
+    step == wired || !wired.senses_driven()
+}
+
 /// By how much more each pair reads than when it drives, with each other pair.
-fn by_reciprocity(wired: &[Step], readings: &Readings) -> Gains {
+fn by_reciprocity(expected: &Expected, wired: &[Step], readings: &Readings) -> Gains {
     let mut gains = Gains::new();
     let size = |step: usize| readings.measured[step].norm().hypot(readings.blur[step]).ln();
     for (one, other, _) in pairs_alike(wired) {
         let sense = |step: usize| [wired[step].sense_plus, wired[step].sense_minus];
         let drive = |step: usize| [wired[step].drive_plus, wired[step].drive_minus];
         let same = |a: [u8; 2], b: [u8; 2]| a == b || a == [b[1], b[0]];
-        if readings.is_dead(one) || readings.is_dead(other) || !same(sense(one), drive(other)) {
+        let is_known = |step: usize| is_known(expected.steps[step], wired[step]);
+        if !is_known(one) || !is_known(other) || readings.is_dead(one) || readings.is_dead(other) || !same(sense(one), drive(other)) {
             continue;
         }
         let more = size(one) - size(other);

@@ -197,7 +197,7 @@ pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<
         plain_correlation: causes[0].likeness.correlation(),
         misplaced: last.reading.misplaced.clone(),
         offset: Offset::of(&causes),
-        gains: gains_of_sound(&electrodes, gain::find(expected, &wired, &readings)),
+        gains: gains_of_sound(&electrodes, last, gain::find(expected, &wired, &readings)),
         scatter: last.likeness.scatter,
         bias: last.likeness.bias,
         findings: Vec::new(),
@@ -206,11 +206,18 @@ pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<
     Ok(check)
 }
 
-/// Pairs of which no electrode is off.
-fn gains_of_sound(electrodes: &[ElectrodeCheck], mut gains: Vec<PairGain>) -> Vec<PairGain> {
+/// Pairs of which no electrode is off or exchanged with another.
+fn gains_of_sound(
+    electrodes: &[ElectrodeCheck],
+    explained: &Explained,
+    mut gains: Vec<PairGain>,
+) -> Vec<PairGain> {
+    let exchanged = &explained.reading.exchanged;
+
     let is_off = |&electrode: &u8| {
         let electrode = electrodes[usize::from(electrode)];
-        electrode.drive_is_off() || electrode.sense_is_off()
+        let is_exchanged = exchanged.iter().any(|it| it.electrodes.contains(&electrode.electrode));
+        electrode.drive_is_off() || electrode.sense_is_off() || is_exchanged
     };
     gains.retain(|gain| !gain.electrodes.iter().any(is_off));
     gains
