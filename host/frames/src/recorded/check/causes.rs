@@ -44,16 +44,13 @@ const SHARES: [f64; 8] = [0.8, 0.9, 0.95, 0.98, 1.0, 1.05, 1.1, 1.2];
 const MOST_TURNED: f64 = 0.05;
 /// Of how far the middle step is from the model an offset leaves this share.
 const MUCH_NEARER: f64 = 0.5;
-/// An offset leaves this share of what is missing to a straight line, less this.
-const STRAIGHTER: f64 = 0.75;
-const LEAST_STRAIGHTER: f64 = 0.001;
-/// Share of the median magnitude without it from which on an offset hides the logarithms, and by how much the
-/// correlation may be less then.
+/// A small offset leaves this share of what is missing to a straight line.
+const STRAIGHTER: f64 = 0.9;
+/// Shares of the median magnitude without it up to which an offset is small, and from which on it hides the logarithms.
+const HALF: f64 = 0.5;
 const LARGE_OFFSET: f64 = 1.5;
+/// By how much an offset may lower the correlation.
 const MOST_BENT: f64 = 0.06;
-/// Offsets that are tried besides those fitted: so many steps up and down, each the median magnitude over the other number.
-const GRID: i32 = 40;
-const GRID_STEPS: f64 = 20.0;
 /// Error of the model that a fit of the offset expects, share of a voltage.
 const MODEL_ERROR: f64 = 0.1;
 /// Times the middle step's distance from which on steps count less than half.
@@ -309,29 +306,26 @@ fn suspects(comparison: &Comparison<'_>, last: &Explained) -> Vec<u8> {
 /// be left with it.
 ///
 /// A body that is unlike the model, such as a tank that is deeper than its electrodes, makes the logarithms of voltages a
-/// steeper or flatter line of the model's; an offset bends the line, so the offset is taken that makes it straightest.
-/// Logarithms of values that a large offset makes alike say little: there it is enough that the middle step is much nearer
-/// to g m + c than to g m.
+/// steeper or flatter line of the model's; an offset bends the line, so a small one must make it straighter. Logarithms of
+/// values that a large offset makes alike say little: there it is enough that the middle step is much nearer to g m + c
+/// than to g m.
 fn offset(comparison: &Comparison<'_>, reading: &Reading) -> Option<(Complex64, f64)> {
     let (expected, reference) = (comparison.expected, comparison.reference);
     let places = reading.places(&expected.steps, expected.electrodes, reference.values.len()).ok()?;
     let values: Vec<Complex64> = places.iter().map(|&(place, _)| reference.values[place]).collect();
-    let unknown = comparison.of(reading).ok()?.unknown;
+    let plain = comparison.of(reading).ok()?;
+    let unknown = &plain.unknown;
     let model: Vec<f64> =
         expected.steps.iter().map(|&step| expected.voltage(reading.wiring.step(step))).collect();
     let magnitudes: Vec<f64> = model.iter().map(|m| m.abs()).collect();
     let has_signs = model.iter().any(|&m| m > 0.0) && model.iter().any(|&m| m < 0.0);
     let one_sign = !values.iter().any(|y| y.im != 0.0)
         && (values.iter().all(|y| y.re > 0.0) || values.iter().all(|y| y.re < 0.0));
-    let plain_correlation = comparison.of(reading).ok()?.correlation();
-    let size = median(values.iter().map(|y| y.norm()));
     let mut best: Option<(f64, Complex64)> = None;
     for (model, has_signs) in [(&model, has_signs), (&magnitudes, false)] {
-        let plain = linear(&values, model, &unknown, false);
-        let Some(((_, without), (fitted, with))) = plain.zip(linear(&values, model, &unknown, true)) else { continue };
-        let shares = SHARES.into_iter().map(|share| real_if_nearly(fitted * share));
-        let grid = (-GRID..=GRID).map(|step| Complex64::from(size * f64::from(step) / GRID_STEPS));
-        for offset in shares.chain(grid) {
+        let lines = [false, true].map(|offset| linear(&values, model, unknown, offset));
+        let [Some((_, without)), Some((fitted, with))] = lines else { continue };
+        for offset in SHARES.map(|share| real_if_nearly(fitted * share)) {
             let rest: Vec<Complex64> = values.iter().map(|y| y - offset).collect();
             let share = offset.norm() / median(rest.iter().map(|y| y.norm()));
             // Counts of a converter that all lie on one side of zero go on doing so, mostly.
@@ -342,10 +336,13 @@ fn offset(comparison: &Comparison<'_>, reading: &Reading) -> Option<(Complex64, 
             }
             let Ok(likeness) = comparison.of(&Reading { offset, ..reading.clone() }) else { continue };
             let correlation = likeness.correlation();
-            let is_straighter = 1.0 - correlation < STRAIGHTER * (1.0 - plain_correlation) - LEAST_STRAIGHTER;
-            let is_nearer = share > LARGE_OFFSET && with < MUCH_NEARER * without && correlation > plain_correlation - MOST_BENT;
-            if (is_straighter || is_nearer) && best.is_none_or(|(most, _)| correlation > most) {
-                best = Some((correlation, offset));
+            let is_straighter = 1.0 - correlation < STRAIGHTER * (1.0 - plain.correlation());
+            let is_bent = correlation < plain.correlation() - MOST_BENT;
+            let is_less = likeness.cost() < LEAVES * plain.cost() - LESS;
+            let is_nearer = share > LARGE_OFFSET && with < MUCH_NEARER * without && likeness.cost() < plain.cost();
+            let is_one = !is_bent && (is_nearer || is_less && (is_straighter || share > HALF));
+            if is_one && best.is_none_or(|(least, _)| likeness.cost() < least) {
+                best = Some((likeness.cost(), offset));
             }
         }
     }
