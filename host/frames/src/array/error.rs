@@ -159,7 +159,9 @@ pub enum SciospecError {
         found: String,
     },
     /// Not an injection.
-    #[error("line {line} is {found:?}; allowed are two different electrodes from 1, and then a line of voltages")]
+    #[error(
+        "line {line} is {found:?}; allowed are two different electrodes from 1, and then a line of voltages"
+    )]
     Injection {
         /// Line, from 1.
         line: usize,

@@ -1,6 +1,9 @@
 //! Files of numbers: which array of which file, and reading it by what its name says it holds.
 
-use super::{Array, ArrayError, MAX_BYTES, MAX_VALUES, Numbers, Values, get, mat_read, npy, npz, sciospec, show_shape, text};
+use super::{
+    Array, ArrayError, MAX_BYTES, MAX_VALUES, Numbers, Values, get, mat_read, npy, npz, sciospec, show_shape,
+    text,
+};
 use std::{
     ffi::OsStr,
     fmt,
@@ -58,7 +61,8 @@ fn read_folder(folder: &Path) -> Result<Array<'static>, ArrayError> {
     for path in &paths {
         let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let in_folder = |problem| ArrayError::InFolder { file: file.clone(), problem: Box::new(problem) };
-        let array = read_bytes(path).and_then(|bytes| Content::Sciospec.parse(&bytes, None)).map_err(in_folder)?;
+        let array =
+            read_bytes(path).and_then(|bytes| Content::Sciospec.parse(&bytes, None)).map_err(in_folder)?;
         let expected = shape.get_or_insert_with(|| array.shape.clone());
         if array.shape != *expected {
             let (found, expected) = (show_shape(&array.shape), show_shape(expected));

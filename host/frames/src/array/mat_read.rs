@@ -26,7 +26,10 @@ type Element<'a> = (u32, &'a [u8]);
 
 /// Reads the matrix `key`, or the only one.
 pub(super) fn parse(bytes: &[u8], key: Option<&str>) -> Result<Array<'static>, ArrayError> {
-    if bytes.starts_with(b"MATLAB 7.3") || bytes.starts_with(b"\x89HDF") || bytes.get(512..516) == Some(b"\x89HDF") {
+    if bytes.starts_with(b"MATLAB 7.3")
+        || bytes.starts_with(b"\x89HDF")
+        || bytes.get(512..516) == Some(b"\x89HDF")
+    {
         return Err(MatError::Version73.into());
     }
     let big_endian = match bytes.get(124..128) {
@@ -52,7 +55,9 @@ pub(super) fn parse(bytes: &[u8], key: Option<&str>) -> Result<Array<'static>, A
         } else {
             (kind, data)
         };
-        if kind == MATRIX && let Some(matrix) = Matrix::read(data, big_endian, key)? {
+        if kind == MATRIX
+            && let Some(matrix) = Matrix::read(data, big_endian, key)?
+        {
             matrices.push(matrix);
         }
     }
@@ -73,10 +78,10 @@ fn choose(mut matrices: Vec<Matrix>, key: Option<&str>) -> Result<Array<'static>
     };
     let at = match key {
         _ if matrices.is_empty() => return Err(ArrayError::NoArrays),
-        Some(key) => matrices.iter().position(|it| it.name == key).ok_or_else(|| ArrayError::NoKey {
-            key: key.to_owned(),
-            arrays: list(&matrices),
-        })?,
+        Some(key) => matrices
+            .iter()
+            .position(|it| it.name == key)
+            .ok_or_else(|| ArrayError::NoKey { key: key.to_owned(), arrays: list(&matrices) })?,
         None if matrices.len() > 1 => return Err(ArrayError::SeveralArrays { arrays: list(&matrices) }),
         None => 0,
     };
@@ -171,7 +176,9 @@ fn word(bytes: [u8; 4], big_endian: bool) -> u32 {
 
 fn integers(element: Element<'_>, big_endian: bool) -> Result<Vec<usize>, MatError> {
     let sides = numbers(element, big_endian)?;
-    let side = |side: &f64| (*side >= 0.0 && side.fract() == 0.0 && *side <= MAX_VALUES as f64).then_some(*side as usize);
+    let side = |side: &f64| {
+        (*side >= 0.0 && side.fract() == 0.0 && *side <= MAX_VALUES as f64).then_some(*side as usize)
+    };
     sides.iter().map(side).collect::<Option<_>>().ok_or(MatError::Damaged)
 }
 
@@ -183,7 +190,11 @@ fn numbers((kind, data): Element<'_>, big_endian: bool) -> Result<Vec<f64>, MatE
                 .map(|bytes| {
                     let mut value = [0; size_of::<$type>()];
                     value.copy_from_slice(bytes);
-                    if big_endian { <$type>::from_be_bytes(value) as f64 } else { <$type>::from_le_bytes(value) as f64 }
+                    if big_endian {
+                        <$type>::from_be_bytes(value) as f64
+                    } else {
+                        <$type>::from_le_bytes(value) as f64
+                    }
                 })
                 .collect()
         };

@@ -29,7 +29,11 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Array<'static>, ArrayError> {
     let at = if header == 9 { 6 } else { 7 };
     let frequencies = lines.get(at).and_then(|line| line.trim().parse::<f64>().ok()).unwrap_or(0.0);
     if frequencies != 1.0 {
-        return Err(SciospecError::Frequencies { line: at + 1, found: shortened(lines.get(at).unwrap_or(&"")) }.into());
+        return Err(SciospecError::Frequencies {
+            line: at + 1,
+            found: shortened(lines.get(at).unwrap_or(&"")),
+        }
+        .into());
     }
     let head = &lines[..header.min(lines.len())];
     let channels = channels(head)?;
@@ -49,7 +53,8 @@ fn channels(header: &[&str]) -> Result<Option<Vec<usize>>, SciospecError> {
     };
     let wrong = || SciospecError::Channels { line: index + 1, found: shortened(line) };
     let cells = line[CHANNELS.len()..].split(',');
-    let numbers: Option<Vec<usize>> = cells.map(|cell| cell.trim().parse().ok().filter(|&it| it > 0)).collect();
+    let numbers: Option<Vec<usize>> =
+        cells.map(|cell| cell.trim().parse().ok().filter(|&it| it > 0)).collect();
     numbers.map(Some).ok_or_else(wrong)
 }
 
@@ -69,7 +74,11 @@ fn row(
     let &(line, values) = lines.get(1).ok_or_else(wrong)?;
     let mut parts = Vec::new();
     for (column, cell) in values.split_whitespace().enumerate() {
-        let value: f64 = cell.parse().map_err(|_| SciospecError::Number { line, column: column + 1, found: shortened(cell) })?;
+        let value: f64 = cell.parse().map_err(|_| SciospecError::Number {
+            line,
+            column: column + 1,
+            found: shortened(cell),
+        })?;
         parts.push(value);
     }
     let (pairs, rest) = parts.as_chunks::<2>();
@@ -79,7 +88,8 @@ fn row(
         return Err(count);
     }
     let Some(channels) = channels else { return Ok((first, all)) };
-    let chosen: Option<Vec<Complex64>> = channels.iter().map(|channel| all.get(channel - 1).copied()).collect();
+    let chosen: Option<Vec<Complex64>> =
+        channels.iter().map(|channel| all.get(channel - 1).copied()).collect();
     chosen.map(|chosen| (first, chosen)).ok_or(count)
 }
 

@@ -45,7 +45,11 @@ fn after_data_line(bytes: &[u8]) -> Option<&[u8]> {
 }
 
 /// One frame of the rows' real and imaginary parts, over a current.
-fn phasors(table: Table, [real, imaginary]: [usize; 2], current: Option<usize>) -> Result<Array<'static>, ArrayError> {
+fn phasors(
+    table: Table,
+    [real, imaginary]: [usize; 2],
+    current: Option<usize>,
+) -> Result<Array<'static>, ArrayError> {
     if table.rows > 0 && table.columns <= real.max(imaginary) {
         return Err(ArrayError::Row { line: 1, found: table.columns, expected: real.max(imaginary) + 1 });
     }
@@ -104,7 +108,10 @@ fn has_decimal_commas(line: &[u8]) -> bool {
         is_digit(at.checked_sub(1)) && is_digit(Some(at + 1))
     };
     let cells: Vec<&[u8]> = line.split(|byte| *byte == b' ').filter(|cell| !cell.is_empty()).collect();
-    cells.len() > 1 && !line.contains(&b';') && !line.contains(&b'\t') && cells.iter().all(|cell| is_number(cell))
+    cells.len() > 1
+        && !line.contains(&b';')
+        && !line.contains(&b'\t')
+        && cells.iter().all(|cell| is_number(cell))
 }
 
 /// Cells of a row: repeated blanks separate once, and a separator at the end adds nothing.
@@ -143,10 +150,8 @@ impl Table {
         }
         for (column, cell) in cells.iter().enumerate() {
             let with_point = decimal_commas.then(|| cell.replace(',', "."));
-            let (value, complex) = number(with_point.as_deref().unwrap_or(cell)).ok_or_else(|| ArrayError::Cell {
-                line,
-                column: column + 1,
-                text: cell.chars().take(40).collect(),
+            let (value, complex) = number(with_point.as_deref().unwrap_or(cell)).ok_or_else(|| {
+                ArrayError::Cell { line, column: column + 1, text: cell.chars().take(40).collect() }
             })?;
             self.values.push(value);
             self.complex |= complex;

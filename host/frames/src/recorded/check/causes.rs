@@ -8,13 +8,13 @@ use super::{
     super::{
         diagnose::LEAST_FIT,
         order::{Arrangement, OrderError, SenseOrder},
+        read::sense_distance,
         statistics::median,
     },
     likeness::{Comparison, Likeness},
     numbering::{Exchange, Role},
     reading::{Misplacement, Reading, Rows},
 };
-use dermatome_shared::stimulation::Step;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -273,14 +273,6 @@ fn changes(a: Arrangement, b: Arrangement) -> usize {
         .count()
 }
 
-/// Electrodes from the plus to the minus input, where it is the same in all steps.
-fn sense_distance(steps: &[Step], electrodes: u8) -> Option<usize> {
-    let n = u16::from(electrodes);
-    let distance = |step: &Step| (u16::from(step.sense_minus) + n - u16::from(step.sense_plus)) % n;
-    let first = distance(steps.first()?);
-    steps.iter().all(|step| distance(step) == first).then_some(usize::from(first))
-}
-
 /// Electrodes whose steps fit worst.
 fn suspects(comparison: &Comparison<'_>, last: &Explained) -> Vec<u8> {
     let expected = comparison.expected;
@@ -339,7 +331,8 @@ fn offset(comparison: &Comparison<'_>, reading: &Reading) -> Option<(Complex64, 
             let is_straighter = 1.0 - correlation < STRAIGHTER * (1.0 - plain.correlation());
             let is_bent = correlation < plain.correlation() - MOST_BENT;
             let is_less = likeness.cost() < LEAVES * plain.cost() - LESS;
-            let is_nearer = share > LARGE_OFFSET && with < MUCH_NEARER * without && likeness.cost() < plain.cost();
+            let is_nearer =
+                share > LARGE_OFFSET && with < MUCH_NEARER * without && likeness.cost() < plain.cost();
             let is_one = !is_bent && (is_nearer || is_less && (is_straighter || share > HALF));
             if is_one && best.is_none_or(|(least, _)| likeness.cost() < least) {
                 best = Some((likeness.cost(), offset));

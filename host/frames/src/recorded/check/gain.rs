@@ -120,7 +120,12 @@ fn by_reciprocity(expected: &Expected, wired: &[Step], readings: &Readings) -> G
         let drive = |step: usize| [wired[step].drive_plus, wired[step].drive_minus];
         let same = |a: [u8; 2], b: [u8; 2]| a == b || a == [b[1], b[0]];
         let is_known = |step: usize| is_known(expected.steps[step], wired[step]);
-        if !is_known(one) || !is_known(other) || readings.is_dead(one) || readings.is_dead(other) || !same(sense(one), drive(other)) {
+        if !is_known(one)
+            || !is_known(other)
+            || readings.is_dead(one)
+            || readings.is_dead(other)
+            || !same(sense(one), drive(other))
+        {
             continue;
         }
         let more = size(one) - size(other);
