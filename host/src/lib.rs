@@ -10,10 +10,10 @@ pub use dermatome_frames::{array, calibrate, interchange, learn, recorded};
 pub use dermatome_geometry::{cut, embedding, mesh, outline, sheet};
 pub use dermatome_link as link;
 pub use dermatome_link::{health, scope};
+pub use dermatome_messages as messages;
 pub use dermatome_model::{
     forward, inverse, jacobian, metrics, model, multi_contact, pixels, prior, quantize, skin, stimulation,
 };
-pub use dermatome_messages as messages;
 #[cfg(feature = "command")]
 pub use dermatome_page as page;
 pub use dermatome_patch as patch;

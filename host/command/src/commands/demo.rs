@@ -12,11 +12,15 @@ use super::{
     view::{Desk, Source, Task, open_browser, start},
 };
 use crate::demo::{self, Figures, FrameRecord, Scorer, Watched};
-use dermatome_link::{self as link, Link, LinkError, LinkErrorKind};
+use dermatome_link::{self as link, Link, LinkError, LinkErrorKind, ScanFrame};
 use dermatome_model::{model::Model, quantize, skin::Skin};
 use dermatome_page::{Server, ServerError, gate::Gate};
 use dermatome_patch::{layout::Layout, output::write_whole};
-use dermatome_shared::{patch::PatchView, protocol::PatchInfo, reference::DEFAULT_TARE_FRAMES};
+use dermatome_shared::{
+    patch::PatchView,
+    protocol::{PatchInfo, Selection},
+    reference::DEFAULT_TARE_FRAMES,
+};
 use dermatome_simulate::{
     Noise, Script, SimulatedSkin,
     board::{BoardOptions, SimulatedBoard},
@@ -232,7 +236,7 @@ fn noisier(scorer: &Scorer<'_>, noise: Noise) -> anyhow::Result<Option<Noisier>>
 }
 
 /// Draws the frames as they come, until the last one or Ctrl-C.
-fn show(link: &mut Link, scorer: &Scorer<'_>, outlets: Option<&mut Outlets>) -> anyhow::Result<Watched> {
+fn show(link: &mut Link, scorer: &Scorer<'_>, mut outlets: Option<&mut Outlets>) -> anyhow::Result<Watched> {
     let centres = scorer.skin.shape.electrode_centres();
     let mut live = Live::new(Some(Shown {
         layout: scorer.layout.clone(),
@@ -244,7 +248,21 @@ fn show(link: &mut Link, scorer: &Scorer<'_>, outlets: Option<&mut Outlets>) -> 
         // A terminal that cannot be drawn on does not end the demo.
         let _ = live.draw_if_due(record.at, &record.contacts, &record.contacts);
     };
-    let watched = demo::watch(link, scorer, outlets, draw, || !interrupt::requested())?;
+    let raw = u16::from(outlets.is_some());
+    let selection =
+        Selection { images: 1, contacts: 1, measurements: raw, health: raw, ..Selection::default() };
+    let mut stream = link.subscribe(selection)?;
+    if let Some(outlets) = &mut outlets {
+        // The board has no reference yet: it makes one in the stream, before the fingers come.
+        outlets.tare(stream.link())?;
+    }
+    let counts = |frame: &ScanFrame| {
+        outlets.as_mut().is_none_or(|outlets| {
+            outlets.frame(frame, None);
+            !outlets.is_taring()
+        })
+    };
+    let watched = demo::watch(stream, scorer, counts, draw, || !interrupt::requested())?;
     let received = watched.records.len();
     if received < demo::FRAMES as usize {
         say!("stopped after {received} of {} frames", demo::FRAMES);

@@ -53,7 +53,7 @@ mod learn;
 mod link_frame;
 mod man;
 mod noise;
-pub(crate) mod outlets;
+mod outlets;
 mod outputs;
 mod preserved;
 mod presses;

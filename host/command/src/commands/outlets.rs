@@ -30,7 +30,7 @@ use std::path::Path;
 
 /// Records what the board sends.
 #[derive(clap::Args)]
-pub(crate) struct Record {
+pub(super) struct Record {
     /// Record all frames to this file: raw, images and contacts, with patch and settings (MCAP). It begins with a new
     /// reference, so that `replay` makes the same of it bit for bit; nothing may touch the skin then.
     #[arg(long, value_name = "FILE.mcap", value_parser = Kind::Recording.parser())]
@@ -39,7 +39,7 @@ pub(crate) struct Record {
 
 impl Record {
     /// Begins the recording, if there is to be one, of what `link` leads to.
-    pub(crate) fn begin(
+    pub(super) fn begin(
         &self,
         link: &mut Link,
         skin_file: Option<&Path>,
@@ -56,13 +56,13 @@ impl Record {
 
 impl Record {
     /// The file, if there is to be one.
-    pub(crate) fn file(&self) -> Option<&Path> {
+    pub(super) fn file(&self) -> Option<&Path> {
         self.record.as_deref()
     }
 }
 
 /// What a recording of the board at this link is of.
-pub(crate) fn session(link: &mut Link, skin_file: Option<String>) -> anyhow::Result<Session> {
+pub(super) fn session(link: &mut Link, skin_file: Option<String>) -> anyhow::Result<Session> {
     let info = link.info()?;
     let patch = link.patch()?;
     let skin = PatchView::validate(&patch).context("the board's patch")?.header.skin.as_str().to_owned();
@@ -121,7 +121,7 @@ impl Averaging {
 }
 
 /// Where frames go.
-pub(crate) struct Outlets {
+pub(super) struct Outlets {
     outlook: Outlook,
     scene: Scene,
     /// What holds for good: shape of the skin, place on its link.
@@ -138,7 +138,7 @@ pub(crate) struct Outlets {
 
 impl Outlets {
     /// Of a board with this session's patch, whose skin lies so and looks so.
-    pub(crate) fn new(session: &Session, pose: Option<&Pose>, look: &Look) -> anyhow::Result<Self> {
+    pub(super) fn new(session: &Session, pose: Option<&Pose>, look: &Look) -> anyhow::Result<Self> {
         let mut outlets = Self::empty();
         let patch = PatchView::validate(&session.patch).context("the board's patch")?;
         outlets.drive = Some(patch.header.drive);
@@ -162,12 +162,12 @@ impl Outlets {
     }
 
     /// For those who look on, while there is no board.
-    pub(crate) fn serving(server: Server) -> Self {
+    pub(super) fn serving(server: Server) -> Self {
         Self { server: Some(server), ..Self::empty() }
     }
 
     /// Images are those of this patch from now on.
-    pub(crate) fn show_patch(
+    pub(super) fn show_patch(
         &mut self,
         patch: &PatchView<'_>,
         pose: Option<&Pose>,
@@ -189,7 +189,7 @@ impl Outlets {
     }
 
     /// The skin is driven like this, and, where the board takes samples, so many a second.
-    pub(crate) fn drive(&mut self, drive: &Drive, sample_rate: Option<u32>) {
+    pub(super) fn drive(&mut self, drive: &Drive, sample_rate: Option<u32>) {
         self.drive = Some(*drive);
         let Some(sample_rate) = sample_rate else { return };
         self.outlook.scope = Timing::new(drive, sample_rate).map_or(ScopeTiming::default(), |timing| {
@@ -198,7 +198,7 @@ impl Outlets {
     }
 
     /// Those who look on are told from now on.
-    pub(crate) fn serve(&mut self, server: Server) {
+    pub(super) fn serve(&mut self, server: Server) {
         for packed in self.lasting.clone() {
             server.publish(packed);
         }
@@ -206,28 +206,28 @@ impl Outlets {
     }
 
     /// The server, for another board.
-    pub(crate) fn into_server(self) -> Option<Server> {
+    pub(super) fn into_server(self) -> Option<Server> {
         self.server
     }
 
-    pub(crate) fn server(&self) -> Option<&Server> {
+    pub(super) fn server(&self) -> Option<&Server> {
         self.server.as_ref()
     }
 
     /// Begins to record.
-    pub(crate) fn record(&mut self, file: &Path, session: &Session) -> anyhow::Result<()> {
+    pub(super) fn record(&mut self, file: &Path, session: &Session) -> anyhow::Result<()> {
         let mut recorder = Recorder::create(file, session)?;
         recorder.record(self.lasting.clone());
         (self.recorder, self.has_warned) = (Some(recorder), false);
         Ok(())
     }
 
-    pub(crate) fn recorder(&self) -> Option<&Recorder> {
+    pub(super) fn recorder(&self) -> Option<&Recorder> {
         self.recorder.as_ref()
     }
 
     /// Ends the recording, if there is one: gives its file and what is in it.
-    pub(crate) fn finish_recording(&mut self) -> anyhow::Result<Option<(String, Recorded)>> {
+    pub(super) fn finish_recording(&mut self) -> anyhow::Result<Option<(String, Recorded)>> {
         let waiting = std::mem::take(&mut self.averaging.frames);
         let Some(mut recorder) = self.recorder.take() else { return Ok(None) };
         waiting.into_iter().for_each(|(_, messages)| recorder.record(messages));
@@ -236,30 +236,30 @@ impl Outlets {
     }
 
     /// Asks a board that streams, raw codes and contacts among others, for a new reference, whose frames come with the others.
-    pub(crate) fn tare(&mut self, link: &mut Link) -> Result<(), LinkError> {
+    pub(super) fn tare(&mut self, link: &mut Link) -> Result<(), LinkError> {
         link.request(&Request::Tare { frames: DEFAULT_TARE_FRAMES })?;
         self.tare_begins(DEFAULT_TARE_FRAMES);
         Ok(())
     }
 
     /// The board was asked to average so many frames into a new reference.
-    pub(crate) fn tare_begins(&mut self, frames: u16) {
+    pub(super) fn tare_begins(&mut self, frames: u16) {
         self.averaging.asked = Some(frames);
     }
 
     /// Whether a reference that was asked for is still being made.
-    pub(crate) fn is_taring(&self) -> bool {
+    pub(super) fn is_taring(&self) -> bool {
         self.averaging.asked.is_some()
     }
 
     /// The last reference and the frames that it was made of.
-    pub(crate) fn last_tare(&self) -> &[Item] {
+    pub(super) fn last_tare(&self) -> &[Item] {
         &self.tare
     }
 
     /// Takes a frame that has come now; `shown`, if it is another, is what those see who look on. Says whether the board has
     /// a new reference with it.
-    pub(crate) fn frame(&mut self, frame: &ScanFrame, shown: Option<&ScanFrame>) -> bool {
+    pub(super) fn frame(&mut self, frame: &ScanFrame, shown: Option<&ScanFrame>) -> bool {
         let now = now_ns();
         let (is_recorded, server) = (self.recorder.is_some(), self.server.as_ref());
         let is_looked_at = |topic| server.is_some_and(|server| server.wants(topic));
@@ -319,14 +319,14 @@ impl Outlets {
     }
 
     /// Tells how the session stands.
-    pub(crate) fn status(&mut self, status: Status) {
+    pub(super) fn status(&mut self, status: Status) {
         let now = now_ns();
         let status = Status { header: self.outlook.place.header(now), ..status };
         self.send(Packed::now(Topic::Status, now, cdr::encode(&status)));
     }
 
     /// Says once if the recording has ended early; the stream goes on.
-    pub(crate) fn warn(&mut self) {
+    pub(super) fn warn(&mut self) {
         let Some(recorder) = self.recorder.as_ref().filter(|_| !self.has_warned) else { return };
         if let Some(reason) = recorder.recorded().failure {
             self.has_warned = true;
@@ -346,7 +346,7 @@ impl Outlets {
 }
 
 /// What a recording holds, in words.
-pub(crate) fn recorded_in_words(file: &str, recorded: &Recorded) -> String {
+pub(super) fn recorded_in_words(file: &str, recorded: &Recorded) -> String {
     let Recorded { frames, bytes, dropped, .. } = recorded;
     let lost = if *dropped > 0 {
         format!(", {dropped} messages dropped: the disk was too slow")

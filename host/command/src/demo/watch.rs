@@ -1,9 +1,7 @@
 //! Watches a board's stream and scores its frames.
 
 use super::{FRAMES, FrameRecord, Scorer};
-use crate::commands::outlets::Outlets;
-use dermatome_link::{Link, LinkError, ScanFrame};
-use dermatome_shared::protocol::Selection;
+use dermatome_link::{LinkError, ScanFrame, Subscription};
 use std::time::{Duration, Instant};
 
 /// A board that is silent for so long has a fault.
@@ -29,35 +27,22 @@ impl Watched {
     }
 }
 
-/// Streams until the demo's last frame has come, or `go_on` says no; `show` sees each complete frame. The board has no
-/// reference where its frames also go to `outlets`: it makes one in the stream, before the fingers come.
+/// Follows a stream until the demo's last frame has come, or `go_on` says no. `counts` sees each frame, and says whether it is
+/// one of the demo's, whose fingers come with the first that counts; `show` sees each of these that is complete.
 pub(crate) fn watch(
-    link: &mut Link,
+    mut stream: Subscription<'_>,
     scorer: &Scorer<'_>,
-    mut outlets: Option<&mut Outlets>,
+    mut counts: impl FnMut(&ScanFrame) -> bool,
     mut show: impl FnMut(&FrameRecord),
     go_on: impl Fn() -> bool,
 ) -> Result<Watched, LinkError> {
-    let raw = u16::from(outlets.is_some());
-    let selection =
-        Selection { images: 1, contacts: 1, measurements: raw, health: raw, ..Selection::default() };
-    let mut stream = link.subscribe(selection)?;
-    let mut first_sequence = outlets.is_none().then(|| stream.first_sequence());
-    if let Some(outlets) = &mut outlets {
-        outlets.tare(stream.link())?;
-    }
+    let mut first_sequence = None;
     let mut watched = Watched::default();
     let mut next = 0;
     while next < FRAMES {
         let Some(frame) = stream.next_while(SILENCE, &go_on)? else { break };
         let now = Instant::now();
-        if let Some(outlets) = &mut outlets {
-            outlets.frame(&frame, None);
-            if outlets.is_taring() {
-                continue;
-            }
-        }
-        let Some(at) = frame.at else { continue };
+        let Some(at) = frame.at.filter(|_| counts(&frame)) else { continue };
         let first_sequence = *first_sequence.get_or_insert(at.sequence);
         let Some(record) = record(frame, first_sequence, scorer) else { continue };
         watched.first.get_or_insert(now);
