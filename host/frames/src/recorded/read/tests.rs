@@ -121,7 +121,7 @@ fn a_first_line_is_a_header_only_if_it_names_every_column() {
     assert_eq!(read("v_0,_x,Kanal 3\n1,2,3\n").unwrap(), [1.0, 2.0, 3.0]);
     assert_eq!(read("\"v0\",\"v1\"\n1,2\n").unwrap(), [1.0, 2.0]);
     for (text, cell) in [
-        ("1,5;2,5\n1;2\n", "line 1, column 1: `1,5`"),
+        ("1,5,5;2,5\n1;2\n", "line 1, column 1: `1,5,5`"),
         ("-;-\n1;2\n", "line 1, column 1: `-`"),
         (",\n1,2\n", "line 1, column 1: ``"),
         ("a,2\n1,2\n", "line 1, column 1: `a`"),
