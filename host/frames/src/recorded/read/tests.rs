@@ -326,7 +326,8 @@ fn a_table_of_phasors_is_one_frame() {
 #[test]
 fn potentials_become_differences_and_columns_frames() {
     let steps: Vec<Step> =
-        dermatome_shared::stimulation::pattern(4, 1, 1, dermatome_shared::stimulation::Driven::Measured).collect();
+        dermatome_shared::stimulation::pattern(4, 1, 1, dermatome_shared::stimulation::Driven::Measured)
+            .collect();
     let square = parse(Content::Npy, &c_npy(&[1, 4, 4], &[1.0, 3.0, 6.0, 10.0].repeat(4))).unwrap();
     let apart = square.clone().apart(&steps, 4).unwrap();
     assert_eq!(real(&apart)[..4], [-2.0, -3.0, -4.0, 9.0]);
@@ -361,7 +362,17 @@ fn valid_files() -> Vec<Vec<u8>> {
     let eit = b"9\nsetup\n2025\n1\n1\n0\n1\n0.1\n1\n1 2\n1 2 3 4\n2 1\n5 6 7 8\n".to_vec();
     let phasors = b"Channel : 2\nData\n1 2\n3 4\n".to_vec();
     let get = [&b"---Draeger EIT-Software---\n\n\n"[..], &[0; 1024]].concat();
-    vec![array.clone(), npz_bytes(&[("v", array)]), several, table, matrices(false), matrices(true), eit, phasors, get]
+    vec![
+        array.clone(),
+        npz_bytes(&[("v", array)]),
+        several,
+        table,
+        matrices(false),
+        matrices(true),
+        eit,
+        phasors,
+        get,
+    ]
 }
 
 proptest! {
