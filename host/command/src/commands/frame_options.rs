@@ -55,7 +55,11 @@ impl FrameOptions {
     /// Reads frames of so many electrodes and steps.
     pub(super) fn read_of(&self, source: &Source, electrodes: u8, steps: usize) -> Result<Frames, ReadError> {
         let frames = read(source)?;
-        let frames = if self.transpose { frames.transposed() } else { frames };
+        let square = usize::from(electrodes).pow(2);
+        let fits = |length: usize| length == steps || length == square;
+        let is_matlab = source.path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mat"));
+        let is_turned = is_matlab && !fits(frames.measurements) && fits(frames.frames);
+        let frames = if self.transpose || is_turned { frames.transposed() } else { frames };
         Ok(frames.with_square(electrodes, steps).minus(self.offset))
     }
 }
