@@ -10,11 +10,15 @@ pub use dermatome_frames::{array, calibrate, interchange, learn, recorded};
 pub use dermatome_geometry::{cut, embedding, mesh, outline, sheet};
 pub use dermatome_link as link;
 pub use dermatome_link::{health, scope};
+pub use dermatome_messages as messages;
 pub use dermatome_model::{
     forward, inverse, jacobian, metrics, model, multi_contact, pixels, prior, quantize, skin, stimulation,
 };
+#[cfg(feature = "command")]
+pub use dermatome_page as page;
 pub use dermatome_patch as patch;
 pub use dermatome_patch::output;
+pub use dermatome_recording as recording;
 pub use dermatome_shared as shared;
 pub use dermatome_simulate as simulate;
 pub use dermatome_simulate::material;

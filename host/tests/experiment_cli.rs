@@ -369,14 +369,8 @@ fn presses_are_recorded_to_learn_from() {
     let report = desk.report("learn.json");
     let [learnt, built] = ["test", "model_test"].map(|test| report[test]["median_mm"].as_f64().unwrap());
     assert!(learnt < built, "{learnt} {built}");
-    let replay = [
-        "replay",
-        "learnt.dermatome",
-        "--frames",
-        "presses.npz:v_pressed",
-        "--reference",
-        "presses.npz:idle",
-    ];
+    let replay =
+        ["replay", "presses.npz:v_pressed", "--patch", "learnt.dermatome", "--reference", "presses.npz:idle"];
     let replayed = desk.run(&[&replay[..], &["--rate", "5"]].concat()).success();
     assert!(replayed.out.lines().count() >= 60, "{}", replayed.out);
     // The same again, and others with another seed.

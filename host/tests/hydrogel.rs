@@ -16,7 +16,7 @@ use dermatome::{
     recorded::{
         order::{Arrangement, SenseOrder},
         read::{Frames, Source, read},
-        reconstruct::{Polarity, reconstruct},
+        reconstruct::{Polarity, Reference, reconstruct},
         weights::by_magnitude,
     },
     skin::{Skin, Weights},
@@ -126,7 +126,8 @@ fn places(model: &Model, untouched: &Frames, pressed: &Frames) -> Vec<[f64; 2]> 
     let pairs = untouched.iter().zip(pressed.iter());
     pairs
         .map(|(before, during)| {
-            let results = reconstruct(model, &single(before), &single(during), &PLAIN, Polarity::Down);
+            let results =
+                reconstruct(model, Reference::Mean(&single(before)), &single(during), &PLAIN, Polarity::Down);
             place(&centres, &results.unwrap()[0].image)
         })
         .collect()

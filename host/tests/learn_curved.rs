@@ -293,7 +293,7 @@ fn a_learnt_patch_of_a_curved_skin_is_replayed_with_contacts_on_the_skin() {
     let [learnt, built] = ["test", "model_test"].map(|test| report[test]["median_mm"].as_f64().unwrap());
     assert!(learnt < 0.7 * built, "{learnt} {built}");
     let replay =
-        ["replay", "dome.dermatome", "--frames", "touch.csv", "--reference", "untouched.csv", "--rate", "50"];
+        ["replay", "touch.csv", "--patch", "dome.dermatome", "--reference", "untouched.csv", "--rate", "50"];
     let done = desk.run(&replay).success();
     let Positions::InSpace(places) = &recording.positions else { panic!("no places in space") };
     let (mut seen, mut near) = (BTreeSet::new(), 0);

@@ -14,7 +14,7 @@ use dermatome::{
         diagnose::{Diagnosis, diagnose},
         order::{Arrangement, SenseOrder},
         read::{Frames, Source, read},
-        reconstruct::{FrameResult, Polarity, reconstruct},
+        reconstruct::{FrameResult, Polarity, Reference, reconstruct},
         wording::Plain,
     },
     skin::Skin,
@@ -99,7 +99,7 @@ fn images(reference: &Frames, frames: &Frames) -> Vec<FrameResult> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/disc-210mm/skin.toml");
     let skin = Skin::load(&path).unwrap().made().unwrap();
     let model = Model::build(&skin, |_| ()).unwrap();
-    reconstruct(&model, reference, frames, &PLAIN, Polarity::Auto).unwrap()
+    reconstruct(&model, Reference::Mean(reference), frames, &PLAIN, Polarity::Auto).unwrap()
 }
 
 /// Centre of the strongest object as shares of the radius.

@@ -77,7 +77,7 @@ fn a_recorded_finger_is_found_in_the_frames_in_which_it_pressed() {
     let desk = Desk::with_patch();
     recorded(&desk);
     let done =
-        desk.run(&["replay", "skin.dermatome", "--frames", "run.csv", "--json", "replay.json"]).success();
+        desk.run(&["replay", "run.csv", "--patch", "skin.dermatome", "--json", "replay.json"]).success();
     let found = contacts(&done.out);
     let frames: Vec<f64> = found.iter().map(|contact| contact[0]).collect();
     assert_eq!(frames, (20..30).map(f64::from).collect::<Vec<_>>());
@@ -104,7 +104,7 @@ fn times_of_the_recording_count_and_a_rate_is_taken_as_given() {
         text
     });
     desk.write("times.csv", times);
-    let replay = ["replay", "skin.dermatome", "--frames", "run.csv"];
+    let replay = ["replay", "run.csv", "--patch", "skin.dermatome"];
     let timed = desk.run(&[&replay[..], &["--times", "times.csv", "--json", "r.json"]].concat()).success();
     let found = contacts(&timed.out);
     assert_eq!(found.first().map(|contact| contact[..2].to_vec()), Some(vec![20.0, 102.0]));
@@ -121,7 +121,7 @@ fn with_the_skins_pose_each_frame_is_a_line_of_json_in_the_links_frame() {
     desk.write("skin.toml", format!("{TINY}{POSE}"));
     desk.run(&["build", "skin.toml", "-o", "skin.dermatome"]).success();
     recorded(&desk);
-    let replay = ["replay", "skin.dermatome", "--frames", "run.csv", "--rate", "50"];
+    let replay = ["replay", "run.csv", "--patch", "skin.dermatome", "--rate", "50"];
     let plain = contacts(&desk.run(&replay).success().out);
     let done = desk.run(&[&replay[..], &["--skin", "skin.toml"]].concat()).success();
     let frames: Vec<Value> = done.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
@@ -165,9 +165,9 @@ fn presses_learnt_from_are_replayed_each_against_its_own_reference() {
     for each in [&["--each"][..], &[]] {
         let replay = [
             "replay",
-            "tiny.dermatome",
-            "--frames",
             "frames.csv",
+            "--patch",
+            "tiny.dermatome",
             "--reference",
             "idle.csv",
             "--json",
@@ -193,14 +193,13 @@ fn what_cannot_be_replayed_is_refused_by_file_and_value() {
     desk.write("zero.csv", row(&[0.0; 40]));
     desk.write("backwards.csv", (0..40).rev().map(|frame| format!("{frame}\n")).collect::<String>());
     desk.write("few.csv", "1\n2\n3\n");
-    let replay =
-        |more: &[&'static str]| [&["replay", "skin.dermatome", "--frames", "run.csv"], more].concat();
+    let replay = |more: &[&'static str]| [&["replay", "run.csv", "--patch", "skin.dermatome"], more].concat();
     let commands: Vec<Vec<&str>> = vec![
-        vec!["replay", "none.dermatome", "--frames", "run.csv"],
-        vec!["replay", "skin.toml", "--frames", "run.csv"],
-        vec!["replay", "skin.dermatome", "--frames", "none.csv"],
-        vec!["replay", "skin.dermatome", "--frames", "short.csv", "--tare", "1"],
-        vec!["replay", "skin.dermatome", "--frames", "idle.csv"],
+        vec!["replay", "run.csv", "--patch", "none.dermatome"],
+        vec!["replay", "run.csv", "--patch", "skin.toml"],
+        vec!["replay", "none.csv", "--patch", "skin.dermatome"],
+        vec!["replay", "short.csv", "--patch", "skin.dermatome", "--tare", "1"],
+        vec!["replay", "idle.csv", "--patch", "skin.dermatome"],
         replay(&["--tare", "40"]),
         replay(&["--reference", "short.csv"]),
         replay(&["--reference", "zero.csv"]),
@@ -233,7 +232,7 @@ fn a_patch_learnt_from_real_presses_finds_real_touches_in_recordings() {
         let files = ["pressed", "unpressed"].map(|part| format!("{REAL}:{key}{part}"));
         let [frames, reference] = &files;
         let arguments =
-            ["replay", "hydrogel.dermatome", "--frames", frames, "--reference", reference, "--each"];
+            ["replay", frames, "--patch", "hydrogel.dermatome", "--reference", reference, "--each"];
         contacts(&desk.run(&arguments).success().out)
     };
     let of_frames = |found: &[[f64; 4]]| {

@@ -18,7 +18,7 @@ fn files_without_end_are_refused_with_the_most_that_is_read() {
         &["flash", "/dev/zero", "--port", "sim:skin.toml"],
         &["calibrate", "/dev/zero", "--readings", "none.csv"],
         &["build", "skin.toml", "-o", "new", "--preserve-calibration", "/dev/zero"],
-        &["replay", "/dev/zero", "--frames", "none.csv"],
+        &["replay", "none.csv", "--patch", "/dev/zero"],
     ];
     for case in cases {
         let words = desk.run(case).refused();

@@ -6,7 +6,7 @@ use dermatome_frames::recorded::{
     diagnose::diagnose,
     order::Arrangement,
     read::{Source, read},
-    reconstruct::{Polarity, reconstruct},
+    reconstruct::{Polarity, Reference, reconstruct},
     wording::Plain,
 };
 use dermatome_model::{model::Model, skin::Skin};
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let diagnosis = diagnose(&model.steps, skin.electrodes.count, &model.voltages, &reference.mean(), order)?;
     println!("{}: correlation of the reference with the model {:.3}", skin.name, diagnosis.correlation);
     diagnosis.warnings(&Plain).iter().for_each(|warning| println!("warning: {warning}"));
-    for result in reconstruct(&model, &reference, &frames, &order, Polarity::Auto)? {
+    for result in reconstruct(&model, Reference::Mean(&reference), &frames, &order, Polarity::Auto)? {
         println!("frame {}: {} pixels, peak {:+.3}", result.frame, result.image.len(), result.peak);
         for object in result.objects {
             println!("    object at {:+.1} mm, {:+.1} mm", object.x_mm, object.y_mm);

@@ -17,6 +17,9 @@ fn parse(ending: &str, bytes: &[u8], key: Option<&str>) -> Option<Frames> {
     assert!(frames.values.iter().all(|value| value.is_finite()));
     assert!(frames.mean().len() == frames.measurements && frames.iter().len() == frames.frames);
     let values = frames.values.len();
+    let turned = frames.clone().transposed();
+    assert_eq!((turned.frames, turned.measurements), (frames.measurements, frames.frames));
+    assert_eq!(turned.transposed(), frames);
     let frames = frames.with_square(4, 8);
     assert_eq!(frames.frames * frames.measurements, values);
     Some(frames)
@@ -31,11 +34,15 @@ fn with_prefix(text: &[u8]) -> Vec<u8> {
 
 fuzz_target!(|input: (u8, &[u8])| {
     let (kind, bytes) = input;
-    match kind % 5 {
+    match kind % 9 {
         0 => drop(parse("npy", bytes, None)),
         1 => drop(parse("npy", &with_prefix(bytes), None)),
         2 => drop(parse("npz", bytes, None)),
         3 => drop(parse("npz", bytes, Some("frames"))),
+        4 => drop(parse("mat", bytes, None)),
+        5 => drop(parse("mat", bytes, Some("v"))),
+        6 => drop(parse("eit", bytes, None)),
+        7 => drop(parse("get", bytes, None)),
         _ => drop(parse("csv", bytes, None)),
     }
 });

@@ -173,3 +173,54 @@ impl<'a> Player<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dermatome_shared::frame::FrameFlags;
+
+    fn step(electrodes: [u8; 4]) -> Step {
+        Step::from_bytes(electrodes)
+    }
+
+    fn frame(codes: &[i32]) -> RecordedFrame {
+        let codes = codes.iter().map(|code| AdcCode(*code)).collect();
+        RecordedFrame {
+            at: FrameStamp { sequence: 5, timestamp_us: 9, flags: FrameFlags::default() },
+            log_time: 0,
+            codes: Some([codes, Vec::new()]),
+            health: None,
+            image: None,
+            contacts: None,
+        }
+    }
+
+    #[test]
+    fn codes_are_found_by_their_electrodes_either_way_round_and_by_reciprocity() {
+        let recorded = [step([0, 1, 2, 3]), step([1, 2, 4, 5]), step([2, 3, 0, 1])];
+        let wanted = [
+            step([1, 2, 4, 5]),
+            step([1, 2, 5, 4]),
+            step([2, 1, 5, 4]),
+            step([4, 5, 1, 2]),
+            step([4, 5, 2, 1]),
+            step([2, 3, 0, 1]),
+        ];
+        let map = StepMap::new(&recorded, &wanted).unwrap();
+        let taken = map.take(&frame(&[10, 20, 30])).unwrap();
+        let codes: Vec<i32> = taken.codes.iter().map(|code| code.0).collect();
+        assert_eq!(codes, [20, -20, 20, 20, -20, 30], "its own step comes before its twin");
+        assert_eq!((taken.sequence, taken.timestamp_us), (5, 9));
+    }
+
+    #[test]
+    fn a_step_that_was_not_measured_is_named() {
+        let error =
+            StepMap::new(&[step([0, 1, 2, 3])], &[step([0, 1, 2, 3]), step([0, 1, 3, 4])]).unwrap_err();
+        assert_eq!(error, PlayError::Step { step: 1, electrodes: [1, 2, 4, 5] });
+        let map = StepMap::new(&[step([0, 1, 2, 3])], &[step([0, 1, 2, 3])]).unwrap();
+        assert_eq!(map.take(&frame(&[1, 2])), Err(PlayError::Length { sequence: 5, found: 2, steps: 1 }));
+        let none = RecordedFrame { codes: None, ..frame(&[]) };
+        assert_eq!(map.take(&none), Err(PlayError::NotRaw(5)));
+    }
+}

@@ -68,7 +68,7 @@ pub enum Ending {
 /// A recording, from its start on.
 pub struct Recording {
     path: PathBuf,
-    file: File,
+    source: Box<dyn Read + Send>,
     /// Bytes of the file, and how many of them were read.
     length: u64,
     position: u64,
@@ -92,15 +92,21 @@ impl Recording {
 
     /// Opens a file and reads what it is of.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
+        let opened = File::open(path).and_then(|file| Ok((file.metadata()?.len(), file)));
+        let (length, file) =
+            opened.map_err(|error| ReadError { path: path.to_owned(), problem: Problem::Io(error) })?;
+        Self::of(path, Box::new(file), length)
+    }
+
+    /// Reads what the bytes of `source`, about `length` of them, are of; `path` is for errors.
+    pub fn of(path: &Path, source: Box<dyn Read + Send>, length: u64) -> Result<Self, ReadError> {
         let refuse = |problem| ReadError { path: path.to_owned(), problem };
-        let file = File::open(path).map_err(|error| refuse(Problem::Io(error)))?;
-        let length = file.metadata().map_err(|error| refuse(Problem::Io(error)))?.len();
         let options = LinearReaderOptions::default()
             .with_prevalidate_chunk_crcs(true)
             .with_record_length_limit(LONGEST_RECORD);
         let mut recording = Self {
             path: path.to_owned(),
-            file,
+            source,
             length,
             position: 0,
             reader: LinearReader::new_with_options(options),
@@ -109,9 +115,6 @@ impl Recording {
             ahead: VecDeque::new(),
             ending: Ending::Unknown,
         };
-        if !Self::is_one(path) {
-            return Err(refuse(Problem::NotMcap));
-        }
         let mut is_ours = false;
         // Metadata and patch come before the first message.
         while let Some(record) = recording.record()? {
@@ -128,8 +131,10 @@ impl Recording {
         match (is_ours, recording.session.patch.is_empty()) {
             (true, false) => Ok(recording),
             (true, true) => Err(refuse(Problem::NoPatch)),
-            (false, _) if recording.ending == Ending::Cut => Err(refuse(Problem::NotMcap)),
-            (false, _) => Err(refuse(Problem::NotOurs)),
+            (false, _) if recording.ending == Ending::Whole || !recording.ahead.is_empty() => {
+                Err(refuse(Problem::NotOurs))
+            }
+            (false, _) => Err(refuse(Problem::NotMcap)),
         }
     }
 
@@ -190,7 +195,7 @@ impl Recording {
             };
             match event {
                 LinearReadEvent::ReadRequest(wanted) => {
-                    let read = self.file.read(self.reader.insert(wanted));
+                    let read = self.source.read(self.reader.insert(wanted));
                     let read = read.map_err(|error| self.refuse(Problem::Io(error)))?;
                     self.position += read as u64;
                     self.reader.notify_read(read);

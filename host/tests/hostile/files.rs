@@ -16,7 +16,7 @@ const READERS: &[(&[&str], &str)] = &[
     (&["reconstruct", "@", "--reference", "reference.csv", "--frames", "frames.csv"], "skin.toml"),
     (&["check-data", "@", "frames.csv"], "skin.toml"),
     (&["learn", "@", "--presses", "presses.csv", "--reference", "reference.csv"], "skin.toml"),
-    (&["replay", "skin.dermatome", "--frames", "frames.csv", "--skin", "@"], "skin.toml"),
+    (&["replay", "frames.csv", "--patch", "skin.dermatome", "--skin", "@"], "skin.toml"),
     (&["stream", "--port", "sim:skin.toml", "--frames", "1", "--skin", "@"], "skin.toml"),
     (&["check", "--port", "sim:skin.toml", "--skin", "@"], "skin.toml"),
     (&["devices", "--port", "sim:@"], "skin.toml"),
@@ -26,14 +26,14 @@ const READERS: &[(&[&str], &str)] = &[
     (&["inspect", "@"], "skin.dermatome"),
     (&["flash", "@", "--port", "sim:skin.toml"], "skin.dermatome"),
     (&["calibrate", "@", "--readings", "readings.csv", "--out", "new.dermatome"], "skin.dermatome"),
-    (&["replay", "@", "--frames", "frames.csv"], "skin.dermatome"),
+    (&["replay", "frames.csv", "--patch", "@"], "skin.dermatome"),
     (&["build", "skin.toml", "-o", "new.dermatome", "--preserve-calibration", "@"], "skin.dermatome"),
     (&["simulate", "skin.toml", "--listen", "tcp:127.0.0.1:0", "--store", "@"], "skin.dermatome"),
     (&["reconstruct", "skin.toml", "--reference", "reference.csv", "--frames", "@"], "frames.csv"),
     (&["reconstruct", "skin.toml", "--reference", "@", "--frames", "frames.csv"], "frames.csv"),
-    (&["replay", "skin.dermatome", "--frames", "@"], "frames.csv"),
-    (&["replay", "skin.dermatome", "--frames", "frames.csv", "--reference", "@"], "frames.csv"),
-    (&["replay", "skin.dermatome", "--frames", "frames.csv", "--times", "@"], "times.csv"),
+    (&["replay", "@", "--patch", "skin.dermatome"], "frames.csv"),
+    (&["replay", "frames.csv", "--patch", "skin.dermatome", "--reference", "@"], "frames.csv"),
+    (&["replay", "frames.csv", "--patch", "skin.dermatome", "--times", "@"], "times.csv"),
     (&["check-data", "skin.toml", "@"], "frames.csv"),
     (&["learn", "skin.toml", "--presses", "@", "--reference", "reference.csv"], "presses.csv"),
     (&["learn", "skin.toml", "--presses", "presses.csv", "--reference", "@"], "frames.csv"),
@@ -126,7 +126,7 @@ fn arrays(desks: &Desks) -> Vec<Case> {
     ];
     let readers: [&[&str]; 3] = [
         &["forward", "skin.toml", "--conductivity", "bad.npy"],
-        &["replay", "skin.dermatome", "--frames", "bad.npy"],
+        &["replay", "bad.npy", "--patch", "skin.dermatome"],
         &["check-data", "skin.toml", "bad.npy"],
     ];
     let mut cases = Vec::new();

@@ -16,6 +16,8 @@ const COMMANDS: &[&[&str]] = &[
     &["flash", "skin.dermatome", "--port=sim:skin.toml"],
     &["tare", "--port=sim:skin.toml"],
     &["stream", "--port=sim:skin.toml", "--frames=1"],
+    // Ends at the wrong value, or because its port is no board.
+    &["view", "--port=replay:notes.txt", "--no-browser", "--listen=127.0.0.1:0"],
     &["calibrate", "skin.dermatome", "--readings=readings.csv", "--out=new.dermatome"],
     &["check", "--port=sim:skin.toml"],
     &["scope", "--port=sim:skin.toml"],
@@ -25,7 +27,7 @@ const COMMANDS: &[&[&str]] = &[
     &["devices"],
     &["firmware"],
     &["reconstruct", "skin.toml", "--reference=reference.csv", "--frames=frames.csv"],
-    &["replay", "skin.dermatome", "--frames=frames.csv"],
+    &["replay", "frames.csv", "--patch=skin.dermatome"],
     &["check-data", "skin.toml", "frames.csv"],
     &["cut", "skin.stl", "--unit=mm", "--around=0,0,0", "--radius=30", "--out=new"],
     &["design", "skin.toml"],
@@ -50,11 +52,13 @@ const READ: &[&str] = &[
     "presses",
     "conductivity",
     "skin",
+    "patch",
+    "link-mesh",
     "elf",
 ];
 /// Options that name a file to write.
 const WRITTEN: &[&str] =
-    &["png", "json", "output", "corrected", "hyperparameter-plot", "plot", "save", "store"];
+    &["png", "json", "output", "corrected", "hyperparameter-plot", "plot", "save", "store", "record"];
 
 /// No number, of whatever kind.
 const NUMBERS: &[&str] = &["", "x", "nan", "inf", "1e999", "1,5", "0x10", "1 2"];
@@ -74,6 +78,9 @@ const PORTS: &[&str] = &[
     "sim:none.toml",
     "sim:notes.txt",
     "sim:folder",
+    "replay:",
+    "replay:none.mcap",
+    "replay:notes.txt",
     "/dev/none",
     "/dev/null",
     "COM99",
@@ -89,7 +96,11 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
         ("calibrate" | "design" | "forward", "out") => &["", "-", "folder", "none/x", "notes.txt"],
         (_, name) if WRITTEN.contains(&name) => &["", "-", "folder", "none/x", "notes.txt", "notes.txt/x"],
         (_, "port") => PORTS,
-        ("simulate", "listen") => {
+        ("view", "listen") => &["", "abc", "127.0.0.1", "127.0.0.1:99999", "localhost:1", "8.8.8.8:1"],
+        ("view", "token") => &["", "short", "with space", "a&b=cdefgh"],
+        ("view", "allow-origin") => &["", "x", "*", "ftp://x", "https://", "https://a/b", "https://*"],
+        ("view", "unit") => &["", "x", "MM", "furlong", "mm "],
+        ("replay", "listen") | ("simulate", "listen") => {
             &["", "abc", "tcp:", "tcp:1", "tcp:127.0.0.1:99999", "tcp:8.8.8.8:1", "COM1"]
         }
         (_, "noise-db") | ("evaluate" | "design", "noise") => DB,
@@ -271,8 +282,8 @@ fn pairs() -> Vec<Case> {
         (&["build", "skin.toml", "--no-patch", "--output=x"], &["--no-patch", "--output"]),
         (&["build", "skin.toml", "--seed=1"], &["--seed"]),
         (&["build", "skin.toml", "--json=a", "--json=b"], &["--json"]),
-        (&["replay", "skin.dermatome", "--frames=frames.csv", "--each"], &["--reference"]),
-        (&["replay", "skin.dermatome", "--frames=frames.csv", "--tare=25"], &["25", "24"]),
+        (&["replay", "frames.csv", "--patch=skin.dermatome", "--each"], &["--reference"]),
+        (&["replay", "frames.csv", "--patch=skin.dermatome", "--tare=25"], &["25", "24"]),
         (&["experiment", "dividers"], &["dividers"]),
         (&["completions"], &["<SHELL>"]),
         (&["completions", "tcsh"], &["tcsh", "fish"]),

@@ -56,7 +56,27 @@ pub(crate) fn cases(desks: &Desks) -> Vec<Case> {
     cases.extend(in_skins(desks));
     cases.extend(of_numbers(desks));
     cases.extend(recordings(desks));
+    cases.extend(of_instruments());
     cases
+}
+
+/// Files of other instruments that hold no frames.
+fn of_instruments() -> Vec<Case> {
+    let files: [(&str, &str, &str); 9] = [
+        ("bad.mat", "", "MATLAB"),
+        ("bad.mat", "MATLAB 7.3 MAT-file", "-v7"),
+        ("bad.mat", "MATLAB 5.0 MAT-file", "MATLAB"),
+        ("bad.eit", "", "line 1"),
+        ("bad.eit", "99\n1\n", "frequencies"),
+        ("bad.eit", "9\na\nb\n1\n1\n0\n1\n1\n1\n1 1\n", "line 10"),
+        ("bad.get", "", "1024"),
+        ("bad.get", "---Draeger EIT-Software---\n", "header"),
+        ("bad.txt", "Vr Vi I\n1 2 0\n", "current"),
+    ];
+    let case = |(name, text, words): &(&'static str, &str, &'static str)| {
+        Case::refused(&["check-data", "skin.toml", name], &[name, words]).with(name, (*text).to_owned())
+    };
+    files.iter().map(case).collect()
 }
 
 impl Table {
@@ -157,8 +177,8 @@ fn of_numbers(desks: &Desks) -> Vec<Case> {
     let readers: [(&[&str], &str); 7] = [
         (&["reconstruct", "skin.toml", "--reference", "reference.csv", "--frames", "bad.csv"], "frames.csv"),
         (&["reconstruct", "skin.toml", "--reference", "bad.csv", "--frames", "frames.csv"], "reference.csv"),
-        (&["replay", "skin.dermatome", "--frames", "bad.csv"], "frames.csv"),
-        (&["replay", "skin.dermatome", "--frames", "frames.csv", "--times", "bad.csv"], "times.csv"),
+        (&["replay", "bad.csv", "--patch", "skin.dermatome"], "frames.csv"),
+        (&["replay", "frames.csv", "--patch", "skin.dermatome", "--times", "bad.csv"], "times.csv"),
         (&["check-data", "skin.toml", "bad.csv"], "frames.csv"),
         (&["learn", "skin.toml", "--presses", "bad.csv", "--reference", "reference.csv"], "presses.csv"),
         (&["forward", "skin.toml", "--conductivity", "bad.csv"], "ones.csv"),

@@ -64,7 +64,7 @@ const SOUND: &[&[&str]] = &[
     &["stream", "--port=sim:skin.toml", "--frames=1", "--skin=posed.toml", "--fit=5mm"],
     &["forward", "skin.toml", "--conductivity=conductivity.npy"],
     &["reconstruct", "skin.toml", "--reference=reference.csv", "--frames=frames.csv"],
-    &["replay", "skin.dermatome", "--frames=frames.csv", "--times=times.csv", "--skin=posed.toml"],
+    &["replay", "frames.csv", "--patch=skin.dermatome", "--times=times.csv", "--skin=posed.toml"],
     &["check-data", "skin.toml", "frames.csv"],
     &["learn", "skin.toml", "--presses=presses.csv", "--reference=reference.csv", "-o", "new.dermatome"],
     &["calibrate", "skin.dermatome", "--readings=readings.csv", "--out=new.dermatome"],

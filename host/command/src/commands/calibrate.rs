@@ -3,6 +3,7 @@
 use super::{
     JsonReport,
     board::{advised, open},
+    outlets::{Outlets, Record, recorded_in_words},
     outputs::{Kind, Output},
     tare::{patch_of, tare_with_spinner},
 };
@@ -10,14 +11,16 @@ use anyhow::{Context, bail, ensure};
 use dermatome_frames::calibrate::{
     self, Compensation, CurvePoint, Field, Fit, NoField, Reading, Recording, repeatability,
 };
-use dermatome_link::{self as link, Link, silence_timeout};
+use dermatome_link::{self as link, Link, ScanFrame, silence_timeout};
 use dermatome_model::skin::quantity::{AREA, Quantity};
 use dermatome_patch::{
     input::{self, MAX_PATCH_BYTES},
     output::{check_folder, write_together, write_whole},
     write::{units_crc, with_calibration, with_gains},
 };
-use dermatome_shared::{hysteresis::PlayOperator, patch::PatchView, reference::DEFAULT_TARE_FRAMES};
+use dermatome_shared::{
+    hysteresis::PlayOperator, patch::PatchView, protocol::Selection, reference::DEFAULT_TARE_FRAMES,
+};
 use dermatome_simulate::port::Port;
 use serde::Serialize;
 use std::{
@@ -75,6 +78,8 @@ pub(super) struct Args {
     /// Write the readings, as CSV that --readings takes.
     #[arg(long, value_name = "FILE", conflicts_with = "readings", value_parser = Kind::Readings.parser())]
     save: Option<Output>,
+    #[command(flatten)]
+    record: Record,
     #[command(flatten)]
     json: JsonReport,
 }
@@ -186,7 +191,7 @@ fn indenter_mm2(text: &str, patch: &PatchView<'_>) -> anyhow::Result<f64> {
 
 fn readings(args: &Args, link: Option<&mut Link>, patch: &PatchView<'_>) -> anyhow::Result<Vec<Reading>> {
     match (link, &args.loads, &args.recording, &args.readings) {
-        (Some(link), Some(loads), ..) => from_board(link, patch, loads),
+        (Some(link), Some(loads), ..) => from_board(args, link, patch, loads),
         (_, Some(loads), Some(recording), _) => {
             let (loads, recording) = (calibrate::read_loads(loads)?, Recording::read(recording)?);
             Ok(recording.readings(&loads, args.start)?)
@@ -220,7 +225,12 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 /// Tares, then reads while the machine loads the skin.
-fn from_board(link: &mut Link, patch: &PatchView<'_>, loads: &Path) -> anyhow::Result<Vec<Reading>> {
+fn from_board(
+    args: &Args,
+    link: &mut Link,
+    patch: &PatchView<'_>,
+    loads: &Path,
+) -> anyhow::Result<Vec<Reading>> {
     let loads = calibrate::read_loads(loads)?;
     let used = patch_of(link)?;
     ensure!(
@@ -231,11 +241,33 @@ fn from_board(link: &mut Link, patch: &PatchView<'_>, loads: &Path) -> anyhow::R
         super::patch_id(patch.crc())
     );
     tare_with_spinner(link, &used, DEFAULT_TARE_FRAMES).map_err(advised)?;
-    eprintln!("reading {} loads: start the machine now", loads.len());
     let show = |reading: &Reading| {
         eprintln!("{:8.3} kPa  strength {:.5}", reading.pressure_kpa, reading.strength);
     };
-    Ok(calibrate::measure(link, &loads, silence_timeout(&used), show)?)
+    let mut outlets = args.record.begin(link, None, None)?;
+    let is_raw = u16::from(outlets.is_some());
+    let (images, measurements, health) = (is_raw, is_raw, is_raw);
+    let mut stream =
+        link.subscribe(Selection { images, contacts: 1, measurements, health, ..Selection::default() })?;
+    if let Some(outlets) = &mut outlets {
+        outlets.drive(&used.drive, None);
+        outlets.tare(stream.link())?;
+    }
+    let mut has_begun = false;
+    let counts = |frame: &ScanFrame| {
+        let counts = outlets.as_mut().is_none_or(|outlets| {
+            outlets.frame(frame, None);
+            !outlets.is_taring()
+        });
+        if counts && !std::mem::replace(&mut has_begun, true) {
+            eprintln!("reading {} loads: start the machine now", loads.len());
+        }
+        counts
+    };
+    let readings = calibrate::measure(stream, &loads, silence_timeout(&used), counts, show);
+    let recorded = outlets.as_mut().map_or(Ok(None), Outlets::finish_recording)?;
+    recorded.iter().for_each(|(file, recorded)| eprintln!("{}", recorded_in_words(file, recorded)));
+    Ok(readings?)
 }
 
 fn csv(readings: &[Reading], patch: &PatchView<'_>) -> String {

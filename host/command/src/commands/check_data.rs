@@ -125,7 +125,7 @@ fn hint(skin: &Skin, frames: &Frames) -> String {
         return String::new();
     }
     if fits(frames.frames) {
-        return format!(" ({} columns of {}: transpose it)", frames.measurements, frames.frames);
+        return format!(" ({} columns of {}: --transpose)", frames.measurements, frames.frames);
     }
     match &patterns_of_length(electrodes, frames.measurements)[..] {
         [] => String::new(),

@@ -5,7 +5,7 @@ use dermatome_link::{Link, health::fit_current, silence_timeout};
 use dermatome_shared::protocol::PatchInfo;
 
 /// What a command does to the current before it tares.
-#[derive(clap::Args)]
+#[derive(Default, clap::Args)]
 pub(super) struct Current {
     /// Lower a current that clips before a tare, or keep it as it is.
     #[arg(long, value_name = "CHOICE", value_enum, default_value_t)]

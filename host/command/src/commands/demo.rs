@@ -1,24 +1,33 @@
 //! `dermatome demo`: the whole chain, from a skin file to contacts, with no hardware.
 
 use super::{
-    JsonReport, interrupt,
+    JsonReport,
+    current::Current,
+    interrupt,
     noise::NoiseOptions,
+    outlets::{Outlets, Record, recorded_in_words, session},
     outputs::{Kind, Output},
     progress,
     tare::tare_with_spinner,
+    view::{Desk, Source, Task, open_browser, start},
 };
 use crate::demo::{self, Figures, FrameRecord, Scorer, Watched};
-use dermatome_link::{self as link, Link, LinkError, LinkErrorKind};
+use dermatome_link::{self as link, Link, LinkError, LinkErrorKind, ScanFrame};
 use dermatome_model::{model::Model, quantize, skin::Skin};
+use dermatome_page::{Server, ServerError, gate::Gate};
 use dermatome_patch::{layout::Layout, output::write_whole};
-use dermatome_shared::{patch::PatchView, protocol::PatchInfo, reference::DEFAULT_TARE_FRAMES};
+use dermatome_shared::{
+    patch::PatchView,
+    protocol::{PatchInfo, Selection},
+    reference::DEFAULT_TARE_FRAMES,
+};
 use dermatome_simulate::{
-    Noise, SimulatedSkin,
+    Noise, Script, SimulatedSkin,
     board::{BoardOptions, SimulatedBoard},
 };
 use dermatome_view::live::{Live, Shown};
 use serde::Serialize;
-use std::path::Path;
+use std::{net::Ipv4Addr, path::Path};
 
 /// Build a patch, flash a simulated board, and watch fingers press its skin.
 ///
@@ -32,6 +41,14 @@ pub(super) struct Args {
     /// Picture to write: truth beside image at eight moments.
     #[arg(long, default_value = "demo.png", value_name = "FILE", value_parser = Kind::Png.parser())]
     png: Output,
+    /// Show the demo on the page of `view` as well, and keep the page open with a finger going round until Ctrl-C.
+    #[arg(long)]
+    view: bool,
+    /// With --view: do not open the browser.
+    #[arg(long, requires = "view")]
+    no_browser: bool,
+    #[command(flatten)]
+    record: Record,
     #[command(flatten)]
     noise: NoiseOptions,
     #[command(flatten)]
@@ -98,12 +115,18 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     );
 
     let used = flash(&mut link, &patch)?;
-    tare_with_spinner(&mut link, &used, DEFAULT_TARE_FRAMES).map_err(|error| advised(error, noise))?;
+    let mut outlets = outlets(args, &mut link, &skin)?;
+    if outlets.is_none() {
+        tare_with_spinner(&mut link, &used, DEFAULT_TARE_FRAMES).map_err(|error| advised(error, noise))?;
+    }
     say!("flashed it and averaged {DEFAULT_TARE_FRAMES} frames of the untouched skin; now watch the fingers");
 
     let layout = &Layout::from(&model.surface()?);
     let scorer = Scorer { skin: &skin, outline, model: &model, layout, script: &script };
-    let watched = show(&mut link, &scorer)?;
+    let watched = show(&mut link, &scorer, outlets.as_mut()).map_err(|error| advise(error, noise))?;
+    drop(link);
+    let recorded = outlets.as_mut().map_or(Ok(None), Outlets::finish_recording)?;
+    recorded.iter().for_each(|(file, recorded)| say!("{}", recorded_in_words(file, recorded)));
     let noisier = if interrupt::requested() { None } else { noisier(&scorer, noise)? };
     let report = Report {
         skin: skin.name.clone(),
@@ -125,8 +148,70 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         write_whole(&args.png, &demo::picture(&scorer, &watched.records)?)?;
         say!("picture                        {}", args.png.display());
     }
-    args.json.write(&report)
+    args.json.write(&report)?;
+    match outlets.and_then(Outlets::into_server) {
+        Some(server) => stay(server, &skin, patch, noise),
+        None => {
+            say!("see it in 3D                   dermatome demo --view");
+            Ok(())
+        }
+    }
 }
+
+/// Where frames go beside the terminal: to the page, and into a recording.
+fn outlets(args: &Args, link: &mut Link, skin: &Skin) -> anyhow::Result<Option<Outlets>> {
+    if !args.view && args.record.file().is_none() {
+        return Ok(None);
+    }
+    let session = session(link, Some(demo::SKIN.to_owned()))?;
+    let look = Source::of_skin(Path::new(demo::SKIN_PATH), skin.clone());
+    let (pose, look) = look.on(&session)?;
+    let mut outlets = Outlets::new(&session, pose.as_ref(), &look)?;
+    if let Some(file) = args.record.file() {
+        outlets.record(file, &session)?;
+    }
+    if args.view {
+        let server = serve()?;
+        say!("the page is at {}", server.url());
+        if !args.no_browser {
+            open_browser(&server);
+        }
+        outlets.serve(server);
+    }
+    Ok(Some(outlets))
+}
+
+/// A server at the usual address, or at a free one where another program has that.
+fn serve() -> Result<Server, ServerError> {
+    let at = |port| Gate { listen: (Ipv4Addr::LOCALHOST, port).into(), token: None, origins: Vec::new() };
+    match start(at(USUAL_PORT)) {
+        Err(ServerError::PortInUse(_)) => start(at(0)),
+        started => started,
+    }
+}
+
+/// Keeps the page open with another board, on whose skin a finger goes round.
+fn stay(server: Server, skin: &Skin, patch: Vec<u8>, noise: Noise) -> anyhow::Result<()> {
+    say!("the page stays open with a finger going round, until Ctrl-C: {}", server.url());
+    let script = Script::round(&*skin.shape.from_above()?);
+    let source = SimulatedSkin::new(skin, script, noise)?;
+    let options =
+        BoardOptions { electrodes: skin.electrodes.count, patch: Some(patch), ..BoardOptions::default() };
+    let board = SimulatedBoard::start(options, source)?;
+    let port = format!("tcp:{}", board.address()).parse()?;
+    let look = Source::of_skin(Path::new(demo::SKIN_PATH), skin.clone());
+    let current = Current::default();
+    let task = Task { port: Some(&port), patches: &[], look, skin: None, record: None, current: &current };
+    Desk::new(task, server).run()
+}
+
+/// As [`advised`], for what may be the error of a link.
+fn advise(error: anyhow::Error, noise: Noise) -> anyhow::Error {
+    error.downcast().map_or_else(|error| error, |error| advised(error, noise))
+}
+
+/// Where the page is, unless another program is.
+const USUAL_PORT: u16 = 8765;
 
 /// The error of a link to a board that ends with this command, so that no other can ask it.
 fn advised(error: LinkError, noise: Noise) -> anyhow::Error {
@@ -151,7 +236,7 @@ fn noisier(scorer: &Scorer<'_>, noise: Noise) -> anyhow::Result<Option<Noisier>>
 }
 
 /// Draws the frames as they come, until the last one or Ctrl-C.
-fn show(link: &mut Link, scorer: &Scorer<'_>) -> anyhow::Result<Watched> {
+fn show(link: &mut Link, scorer: &Scorer<'_>, mut outlets: Option<&mut Outlets>) -> anyhow::Result<Watched> {
     let centres = scorer.skin.shape.electrode_centres();
     let mut live = Live::new(Some(Shown {
         layout: scorer.layout.clone(),
@@ -163,7 +248,21 @@ fn show(link: &mut Link, scorer: &Scorer<'_>) -> anyhow::Result<Watched> {
         // A terminal that cannot be drawn on does not end the demo.
         let _ = live.draw_if_due(record.at, &record.contacts, &record.contacts);
     };
-    let watched = demo::watch(link, scorer, draw, || !interrupt::requested())?;
+    let raw = u16::from(outlets.is_some());
+    let selection =
+        Selection { images: 1, contacts: 1, measurements: raw, health: raw, ..Selection::default() };
+    let mut stream = link.subscribe(selection)?;
+    if let Some(outlets) = &mut outlets {
+        // The board has no reference yet: it makes one in the stream, before the fingers come.
+        outlets.tare(stream.link())?;
+    }
+    let counts = |frame: &ScanFrame| {
+        outlets.as_mut().is_none_or(|outlets| {
+            outlets.frame(frame, None);
+            !outlets.is_taring()
+        })
+    };
+    let watched = demo::watch(stream, scorer, counts, draw, || !interrupt::requested())?;
     let received = watched.records.len();
     if received < demo::FRAMES as usize {
         say!("stopped after {received} of {} frames", demo::FRAMES);

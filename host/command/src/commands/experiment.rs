@@ -1,6 +1,6 @@
 //! `dermatome experiment`: the thesis' experiments on simulated samples, as a page.
 
-use super::{check_trial, outputs::Folder, presses, progress, trust};
+use super::{check_data_trial, check_trial, outputs::Folder, presses, progress, trust};
 use anyhow::Context;
 use dermatome_experiments::experiment::{EXPERIMENTS, Experiment, Report, json, named, page, run as run_all};
 use dermatome_patch::output::{OutputFolder, WriteError};
@@ -42,6 +42,7 @@ const FIGURES: &str = "report.json";
 enum Other {
     Trust(trust::Args),
     Check(check_trial::Args),
+    CheckData(check_data_trial::Args),
     Presses(presses::Args),
 }
 
@@ -68,6 +69,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     match &args.other {
         Some(Other::Trust(args)) => return trust::run(args),
         Some(Other::Check(args)) => return check_trial::run(args),
+        Some(Other::CheckData(args)) => return check_data_trial::run(args),
         Some(Other::Presses(args)) => return presses::run(args),
         None => {}
     }

@@ -1,6 +1,7 @@
 //! Options that say how a file of measured frames is to be read.
 
 use super::choices::SenseOrder;
+use anyhow::Context;
 use dermatome_frames::recorded::{
     order::{self, Arrangement},
     read::{Frames, ReadError, Source, read},
@@ -23,6 +24,12 @@ pub(super) struct FrameOptions {
     /// Subtract this from every value first, as from raw counts of a converter.
     #[arg(long, value_name = "VALUE", default_value_t = 0.0, value_parser = finite, allow_hyphen_values = true)]
     offset: f64,
+    /// The square holds the potential of each electrode instead of the difference of each pair; Sciospec's always does.
+    #[arg(long)]
+    single_ended: bool,
+    /// Each column of the file is a frame; a MATLAB file is turned round by itself if only that fits.
+    #[arg(long)]
+    transpose: bool,
 }
 
 impl FrameOptions {
@@ -35,13 +42,25 @@ impl FrameOptions {
     }
 
     /// Reads frames of a skin.
-    pub(super) fn read(&self, source: &Source, skin: &Skin) -> Result<Frames, ReadError> {
-        self.read_of(source, skin.electrodes.count, skin.steps().len())
+    pub(super) fn read(&self, source: &Source, skin: &Skin) -> anyhow::Result<Frames> {
+        let steps = skin.steps();
+        let frames = self.read_of(source, skin.electrodes.count, steps.len())?;
+        if !self.single_ended && !source.holds_potentials() {
+            return Ok(frames);
+        }
+        let apart = frames.apart(&steps, skin.electrodes.count);
+        apart.with_context(|| format!("`{source}` as potentials of electrodes"))
     }
 
     /// Reads frames of so many electrodes and steps.
     pub(super) fn read_of(&self, source: &Source, electrodes: u8, steps: usize) -> Result<Frames, ReadError> {
-        Ok(read(source)?.with_square(electrodes, steps).minus(self.offset))
+        let frames = read(source)?;
+        let square = usize::from(electrodes).pow(2);
+        let fits = |length: usize| length == steps || length == square;
+        let is_matlab = source.path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mat"));
+        let is_turned = is_matlab && !fits(frames.measurements) && fits(frames.frames);
+        let frames = if self.transpose || is_turned { frames.transposed() } else { frames };
+        Ok(frames.with_square(electrodes, steps).minus(self.offset))
     }
 }
 

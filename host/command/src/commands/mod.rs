@@ -25,6 +25,7 @@ mod build;
 mod calibrate;
 mod check;
 mod check_data;
+mod check_data_trial;
 mod check_skin;
 mod check_trial;
 mod choices;

@@ -205,6 +205,11 @@ impl Outlets {
         self.server = Some(server);
     }
 
+    /// The server, for another board.
+    pub(super) fn into_server(self) -> Option<Server> {
+        self.server
+    }
+
     pub(super) fn server(&self) -> Option<&Server> {
         self.server.as_ref()
     }
@@ -252,8 +257,9 @@ impl Outlets {
         &self.tare
     }
 
-    /// Takes a frame that has come now; `shown`, if it is another, is what those see who look on.
-    pub(super) fn frame(&mut self, frame: &ScanFrame, shown: Option<&ScanFrame>) {
+    /// Takes a frame that has come now; `shown`, if it is another, is what those see who look on. Says whether the board has
+    /// a new reference with it.
+    pub(super) fn frame(&mut self, frame: &ScanFrame, shown: Option<&ScanFrame>) -> bool {
         let now = now_ns();
         let (is_recorded, server) = (self.recorder.is_some(), self.server.as_ref());
         let is_looked_at = |topic| server.is_some_and(|server| server.wants(topic));
@@ -265,13 +271,14 @@ impl Outlets {
         }
         // While it averages, a board has raw codes and no contacts.
         let is_averaged = frame.measurements.is_some() && frame.contacts.is_none();
+        let is_tared = frame.contacts.is_some() && !self.averaging.frames.is_empty();
         match RecordedFrame::of(frame, now).filter(|_| is_averaged) {
             Some(averaged) => {
                 let kept = if is_recorded { messages.clone() } else { Vec::new() };
                 self.averaging.wait(averaged, kept);
             }
             None => {
-                if frame.contacts.is_some() && !self.averaging.frames.is_empty() {
+                if is_tared {
                     self.tared(now);
                 }
                 if let Some(recorder) = &mut self.recorder {
@@ -279,12 +286,13 @@ impl Outlets {
                 }
             }
         }
-        let Some(server) = &self.server else { return };
+        let Some(server) = &self.server else { return is_tared };
         if let Some(shown) = shown {
             messages.retain(|packed| drawn.contains(&packed.topic));
             messages.extend(self.outlook.messages(shown, now, |topic| server.wants(topic)));
         }
         messages.into_iter().for_each(|packed| server.publish(packed));
+        is_tared
     }
 
     /// The board has a new reference: which frames it is made of is known now, and they are recorded.

@@ -10,12 +10,17 @@ use anyhow::{Context, bail};
 use dermatome_frames::recorded::{
     diagnose::{Diagnosis, diagnose},
     read::{Frames, Source},
-    reconstruct::{FrameResult, evenly_spaced, reconstruct},
+    reconstruct::{Changes, FrameResult, Reference, evenly_spaced, reconstruct},
+    statistics::median,
     weights::by_magnitude,
 };
 use dermatome_model::{
     model::Model,
-    skin::{Skin, Weights, electrodes_in_plane},
+    multi_contact::{FittedContact, MultiContactFit, Settings},
+    skin::{
+        Skin, Weights, electrodes_in_plane,
+        quantity::{LENGTH, Quantity},
+    },
     stimulation::Stimulation,
 };
 use dermatome_patch::{layout::Layout, output::write_whole};
@@ -33,21 +38,33 @@ const SHOWN: usize = 20;
 /// Reconstruct frames measured by another instrument.
 #[derive(clap::Args)]
 #[command(
-    after_help = "FILE is .npy, .npz (as FILE.npz:KEY where it holds several arrays) or .csv, with one \
-frame per row: real or complex voltages of the skin's drive pattern, or the full square of all drives and \
-all sense pairs.
+    after_help = "FILE is .npy, .npz or .mat (version 7 or older; as FILE:KEY where it holds several arrays), .csv or .txt, \
+with one frame per row: real or complex voltages of the skin's drive pattern, or the full square of all drives and \
+all sense pairs. Or Sciospec's .eit, a frame each (a folder of them is a recording), or .get of older lung \
+instruments.
 
 Examples:
   dermatome reconstruct tank.toml --reference run.npz:empty --frames run.npz:cup --png cup.png
-  dermatome reconstruct skin.toml --reference idle.csv --frames press.csv --order relative --json press.json"
+  dermatome reconstruct skin.toml --reference idle.csv --frames press.csv --order relative --json press.json
+  dermatome reconstruct skin.toml --reference idle.csv --frames press.csv --fit 6mm"
 )]
 pub(super) struct Args {
     /// Skin file.
     #[arg(value_name = "SKIN")]
     skin: PathBuf,
     /// Frames of the untouched skin; several are averaged.
-    #[arg(long, value_name = "FILE")]
-    reference: OsString,
+    #[arg(long, value_name = "FILE", required_unless_present = "differences")]
+    reference: Option<OsString>,
+    /// Each frame has a reference of its own, the one of its number.
+    #[arg(long, requires = "reference")]
+    each: bool,
+    /// The frames are differences to a reference already; for a skin file without `normalised`. The image has a scale of its
+    /// own then.
+    #[arg(long, conflicts_with = "reference")]
+    differences: bool,
+    /// Also fit fingers of this radius to each frame's voltages, strongest first: such as 6mm.
+    #[arg(long, alias = "resolve", value_name = "RADIUS")]
+    fit: Option<String>,
     /// Frames to reconstruct.
     #[arg(long, value_name = "FILE")]
     frames: OsString,
@@ -57,9 +74,10 @@ pub(super) struct Args {
     #[command(flatten)]
     options: FrameOptions,
     /// How much each measurement counts: as the skin file says, or in proportion to the square of the
-    /// measured reference, for instruments whose errors are of one size (normalised data only).
-    #[arg(long, value_enum, default_value_t)]
-    weights: WeightChoice,
+    /// measured reference, for instruments whose errors are of one size (normalised data only) [default: skin, but
+    /// magnitude where ratios to nearly zero voltages would make the image].
+    #[arg(long, value_enum)]
+    weights: Option<WeightChoice>,
     /// Look for a conductivity that rises, that falls, or for whichever change is the strongest.
     #[arg(long, value_enum, default_value_t)]
     polarity: Polarity,
@@ -68,7 +86,8 @@ pub(super) struct Args {
 }
 
 /// Where the weights of measurements come from.
-#[derive(Clone, Copy, Default, clap::ValueEnum)]
+#[derive(Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub(super) enum WeightChoice {
     /// From the skin file.
     #[default]
@@ -81,51 +100,157 @@ pub(super) enum WeightChoice {
 #[derive(Serialize)]
 struct Report {
     skin: PathBuf,
-    reference_file: String,
+    reference_file: Option<String>,
     reference_frames: usize,
+    weights: WeightChoice,
     frames_file: String,
     measurements: usize,
     complex: bool,
-    diagnosis: Diagnosis,
+    diagnosis: Option<Diagnosis>,
     warnings: Vec<String>,
     picture: Option<PathBuf>,
     frames: Vec<FrameResult>,
+    /// Fingers in each frame, if they were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fingers: Option<Vec<Vec<Finger>>>,
+}
+
+/// A finger fitted to a frame's voltages.
+#[derive(Serialize)]
+struct Finger {
+    x_mm: f64,
+    y_mm: f64,
+    z_mm: f64,
+    strength: f64,
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let (reference_source, frames_source) = (Source::new(&args.reference), Source::new(&args.frames));
+    let frames_source = Source::new(&args.frames);
+    let reference_source = args.reference.as_deref().map(Source::new);
     let mut skin = Skin::load(&args.skin)?.made()?;
-    let reference = args.options.read(&reference_source, &skin)?;
-    if let WeightChoice::Magnitude = args.weights {
-        weigh_by_magnitude(&mut skin, &reference, &args.options)
-            .with_context(|| format!("`{reference_source}`"))?;
-    }
+    let radius = args.fit.as_deref().map(radius_of_finger).transpose()?;
+    let reference = reference_source.as_ref().map(|source| args.options.read(source, &skin)).transpose()?;
     let frames = args.options.read(&frames_source, &skin)?;
+    let arrangement = args.options.arrangement();
+    let chosen = match (&reference, args.weights) {
+        (_, Some(chosen)) => chosen,
+        (Some(reference), None) if has_ratios_to_nothing(&skin, reference, &args.options) => {
+            WeightChoice::Magnitude
+        }
+        _ => WeightChoice::Skin,
+    };
+    if let (WeightChoice::Magnitude, Some(reference)) = (chosen, &reference) {
+        let in_reference = || reference_source.as_ref().map_or(String::new(), |source| format!("`{source}`"));
+        weigh_by_magnitude(&mut skin, reference, &args.options).with_context(in_reference)?;
+    } else if chosen == WeightChoice::Magnitude {
+        bail!(
+            "--weights is `magnitude`, and with --differences there is no reference; allowed: --weights skin"
+        );
+    }
     let model =
         Model::build(&skin, |_| ()).with_context(|| format!("skin file `{}`", args.skin.display()))?;
-    let arrangement = args.options.arrangement();
-    let results = reconstruct(&model, &reference, &frames, &arrangement, args.polarity.into())
-        .with_context(|| format!("`{reference_source}` and `{frames_source}`"))?;
-    let diagnosis =
-        diagnose(&model.steps, skin.electrodes.count, &model.voltages, &reference.mean(), arrangement)?;
+    let against = match &reference {
+        None => Reference::Subtracted,
+        Some(reference) if args.each => Reference::Each(reference),
+        Some(reference) => Reference::Mean(reference),
+    };
+    let in_files = || {
+        let reference = reference_source.as_ref().map_or(String::new(), |source| format!("`{source}` and "));
+        format!("{reference}`{frames_source}`")
+    };
+    let results =
+        reconstruct(&model, against, &frames, &arrangement, args.polarity.into()).with_context(in_files)?;
+    let fingers = radius.map(|radius| -> anyhow::Result<_> {
+        let changes = Changes::of(&model, against, &frames, &arrangement).with_context(in_files)?;
+        fingers(&skin, &model, &changes, radius)
+    });
+    let diagnosis = reference.as_ref().map(|reference| {
+        diagnose(&model.steps, skin.electrodes.count, &model.voltages, &reference.mean(), arrangement)
+    });
+    let diagnosis = diagnosis.transpose()?;
+    let mut warnings = match (&diagnosis, &reference) {
+        (Some(diagnosis), Some(reference)) => warnings(diagnosis, reference, &frames),
+        _ => Vec::new(),
+    };
+    if args.weights.is_none() && chosen == WeightChoice::Magnitude {
+        warnings.push(
+            "some voltages of the reference are nearly zero, and ratios to them would make the image: measurements \
+             count by the square of their magnitude (--weights skin: as the skin file says)"
+                .to_owned(),
+        );
+    }
     let report = Report {
         skin: args.skin.clone(),
-        reference_file: reference_source.to_string(),
-        reference_frames: reference.frames,
+        reference_file: reference_source.as_ref().map(ToString::to_string),
+        reference_frames: reference.as_ref().map_or(0, |reference| reference.frames),
+        weights: chosen,
         frames_file: frames_source.to_string(),
         measurements: frames.measurements,
         complex: frames.complex,
-        warnings: warnings(&diagnosis, &reference, &frames),
+        warnings,
         diagnosis,
         picture: args.png.as_deref().map(Path::to_owned),
         frames: results,
+        fingers: fingers.transpose()?,
     };
     report.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     say!("{}", table(&report.frames).trim_end());
+    report.fingers.iter().for_each(|fingers| print_fingers(fingers));
     if let Some(path) = &args.png {
         write_whole(path, &picture(&skin, &model, &report)?)?;
     }
     args.json.write(&report)
+}
+
+/// Share of the median magnitude below which a voltage is nearly zero, and the share of all that must be.
+const NEARLY_ZERO: f64 = 0.1;
+const SOME: f64 = 0.02;
+
+/// Whether some voltages of a reference are nearly zero, where ratios to them are taken and count as much as others.
+fn has_ratios_to_nothing(skin: &Skin, reference: &Frames, options: &FrameOptions) -> bool {
+    let steps = skin.steps();
+    let map = options.arrangement().index_map(&steps, skin.electrodes.count, reference.measurements);
+    let Ok(map) = map else { return false };
+    let mean = reference.mean();
+    let sizes: Vec<f64> = map.iter().map(|place| mean[place.index].norm()).collect();
+    let limit = NEARLY_ZERO * median(sizes.iter().copied());
+    let small = sizes.iter().filter(|&&size| size < limit).count();
+    skin.inverse.difference == Difference::Normalised
+        && matches!(skin.inverse.weights, Weights::Steps)
+        && small as f64 > SOME * sizes.len() as f64
+}
+
+/// The radius of a finger as somebody states it, m.
+fn radius_of_finger(text: &str) -> anyhow::Result<f64> {
+    let quantity = text.trim().parse().map_or_else(|_| Quantity::Text(text.to_owned()), Quantity::Number);
+    let read = LENGTH.read(&quantity).filter(|radius| *radius > 0.0 && radius.is_finite());
+    read.with_context(|| {
+        format!("`--fit` is {text:?}; allowed: a number above zero (m), or a number with {}", LENGTH.units())
+    })
+}
+
+/// Fingers of one radius, m, in each frame.
+fn fingers(skin: &Skin, model: &Model, changes: &Changes, radius: f64) -> anyhow::Result<Vec<Vec<Finger>>> {
+    let settings = Settings { radius, snr_db: skin.inverse.noise_db };
+    let fit = MultiContactFit::new(skin, model, settings)?;
+    let of_frame = |difference: Vec<f64>| {
+        let finger = |it: FittedContact| {
+            let [x_mm, y_mm, z_mm] = [it.position.x, it.position.y, it.position.z].map(|side| side * 1e3);
+            Finger { x_mm, y_mm, z_mm, strength: it.strength }
+        };
+        fit.contacts(&difference).into_iter().map(finger).collect()
+    };
+    Ok(changes.difference_data(model).map(of_frame).collect())
+}
+
+fn print_fingers(frames: &[Vec<Finger>]) {
+    for frame in evenly_spaced(frames.len(), SHOWN) {
+        let of_frame = frames[frame].iter().map(|it| {
+            format!("({:.1}, {:.1}, {:.1}) mm strength {:+.3}", it.x_mm, it.y_mm, it.z_mm, it.strength)
+        });
+        let words: Vec<String> = of_frame.collect();
+        say!("fingers {frame:>6}  {}", if words.is_empty() { "none".to_owned() } else { words.join(", ") });
+    }
 }
 
 pub(super) fn weigh_by_magnitude(
@@ -190,7 +315,13 @@ fn picture(skin: &Skin, model: &Model, report: &Report) -> anyhow::Result<Vec<u8
     let shown = evenly_spaced(report.frames.len(), SHOWN);
     let panels = shown.iter().map(|&index| panel(&report.frames[index])).collect();
     let rim = electrodes_in_plane(&skin.shape);
-    let layout = Layout::from(&model.surface()?);
+    let surface = model.surface();
+    let grid = model.pixels.grid.as_ref();
+    let layout = match (&surface, grid) {
+        (Ok(surface), _) => Layout::from(surface),
+        (Err(_), Some(grid)) => Layout::from(grid),
+        (Err(error), None) => return Err(error.clone()).context("--png"),
+    };
     let scale = Scale::RELATIVE;
     let sheet =
         Sheet { title: &report.frames_file, layout: &layout, electrodes: &rim, scale, columns: 5, panels };

@@ -1,8 +1,7 @@
 //! Watches a board's stream and scores its frames.
 
 use super::{FRAMES, FrameRecord, Scorer};
-use dermatome_link::{Link, LinkError, ScanFrame};
-use dermatome_shared::protocol::Selection;
+use dermatome_link::{LinkError, ScanFrame, Subscription};
 use std::time::{Duration, Instant};
 
 /// A board that is silent for so long has a fault.
@@ -28,21 +27,23 @@ impl Watched {
     }
 }
 
-/// Streams until the demo's last frame has come, or `go_on` says no; `show` sees each complete frame.
+/// Follows a stream until the demo's last frame has come, or `go_on` says no. `counts` sees each frame, and says whether it is
+/// one of the demo's, whose fingers come with the first that counts; `show` sees each of these that is complete.
 pub(crate) fn watch(
-    link: &mut Link,
+    mut stream: Subscription<'_>,
     scorer: &Scorer<'_>,
+    mut counts: impl FnMut(&ScanFrame) -> bool,
     mut show: impl FnMut(&FrameRecord),
     go_on: impl Fn() -> bool,
 ) -> Result<Watched, LinkError> {
-    let selection = Selection { images: 1, contacts: 1, ..Selection::default() };
-    let mut stream = link.subscribe(selection)?;
-    let first_sequence = stream.first_sequence();
+    let mut first_sequence = None;
     let mut watched = Watched::default();
     let mut next = 0;
     while next < FRAMES {
         let Some(frame) = stream.next_while(SILENCE, &go_on)? else { break };
         let now = Instant::now();
+        let Some(at) = frame.at.filter(|_| counts(&frame)) else { continue };
+        let first_sequence = *first_sequence.get_or_insert(at.sequence);
         let Some(record) = record(frame, first_sequence, scorer) else { continue };
         watched.first.get_or_insert(now);
         watched.last = Some(now);

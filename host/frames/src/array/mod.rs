@@ -1,13 +1,17 @@
-//! Arrays of numbers and their files: NumPy's ([`npy`], [`npz`]), tables of text (`text`), and MATLAB's ([`mat`]).
+//! Arrays of numbers and their files: NumPy's ([`npy`], [`npz`]), tables of text (`text`), MATLAB's ([`mat`], `mat_read`),
+//! and those of instruments (`sciospec`, `get`).
 //!
 //! An [`Array`] that was read holds its values; one on its way to a file may compute them one by one as they are
 //! written, so that a large matrix is in memory once. [`file::read`] reads whatever file it is given.
 
 pub mod error;
 pub mod file;
+mod get;
 pub mod mat;
+mod mat_read;
 pub mod npy;
 pub mod npz;
+mod sciospec;
 mod text;
 
 pub use error::ArrayError;

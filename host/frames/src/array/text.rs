@@ -2,7 +2,12 @@
 //!
 //! A header names every column: each cell starts with a letter or an underscore and reads as no
 //! number, and no name comes twice. Any other first line is numbers, and what is none of them in it
-//! is an error: a frame with decimal commas or gaps must not pass for a header.
+//! is an error: a frame with gaps must not pass for a header. Where something else separates cells, a comma in a number
+//! is a decimal comma.
+//!
+//! A table with the columns Vr, Vi and perhaps I, in any letters, is one frame, a measurement a row: Vr + i Vi, over I. So is
+//! what follows a line `Data` after lines with colons, as instruments of the IIRC write it: real and imaginary part in the
+//! first two columns.
 
 use super::{Array, ArrayError, MAX_VALUES, Numbers, Values};
 use num_complex::Complex64;
@@ -11,7 +16,58 @@ use std::{collections::HashSet, str::FromStr};
 /// Reads a table whose cells are separated by semicolons, tabs, commas or blanks: the first of these
 /// found in its first line.
 pub(super) fn parse(bytes: &[u8]) -> Result<Array<'static>, ArrayError> {
+    if let Some(data) = after_data_line(bytes) {
+        return phasors(read(data)?.1, [0, 1], None);
+    }
+    let (header, table) = read(bytes)?;
+    let column = |name: &str| header.iter().position(|cell| cell.eq_ignore_ascii_case(name));
+    match (column("Vr"), column("Vi")) {
+        (Some(real), Some(imaginary)) => phasors(table, [real, imaginary], column("I")),
+        _ => Ok(table.into_array()),
+    }
+}
+
+/// What follows a line `Data`, if all before it are empty or have a colon, and one has.
+fn after_data_line(bytes: &[u8]) -> Option<&[u8]> {
+    let mut rest = bytes;
+    let mut colons = false;
+    loop {
+        let end = rest.iter().position(|&byte| byte == b'\n')?;
+        let (line, next) = (rest[..end].trim_ascii(), &rest[end + 1..]);
+        match line {
+            b"Data" if colons => return Some(next),
+            [] => {}
+            line if line.contains(&b':') => colons = true,
+            _ => return None,
+        }
+        rest = next;
+    }
+}
+
+/// One frame of the rows' real and imaginary parts, over a current.
+fn phasors(
+    table: Table,
+    [real, imaginary]: [usize; 2],
+    current: Option<usize>,
+) -> Result<Array<'static>, ArrayError> {
+    if table.rows > 0 && table.columns <= real.max(imaginary) {
+        return Err(ArrayError::Row { line: 1, found: table.columns, expected: real.max(imaginary) + 1 });
+    }
+    let row = |(index, row): (usize, &[Complex64])| {
+        let current = current.map_or(1.0, |column| row[column].re);
+        let voltage = Complex64::new(row[real].re, row[imaginary].re);
+        let line = table.first_line + index as u64;
+        if current == 0.0 { Err(ArrayError::NoCurrent { line }) } else { Ok(voltage / current) }
+    };
+    let rows = table.values.chunks_exact(table.columns.max(1)).enumerate();
+    let values: Vec<Complex64> = rows.map(row).collect::<Result<_, _>>()?;
+    Ok(Array { shape: vec![1, values.len()], values: Values::Complex(Numbers::Stored(values)) })
+}
+
+/// The names of the first line, if it has any, and the numbers.
+fn read(bytes: &[u8]) -> Result<(Vec<String>, Table), ArrayError> {
     let delimiter = delimiter(bytes);
+    let mut header = Vec::new();
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
@@ -24,18 +80,38 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Array<'static>, ArrayError> {
         let record = record.map_err(|error| ArrayError::Table(error.to_string()))?;
         let line = record.position().map_or(0, csv::Position::line);
         let cells: Vec<&str> = cells(&record, delimiter);
-        if row > 0 || !is_header(&cells) {
-            table.add(line, &cells)?;
+        if row == 0 && is_header(&cells) {
+            header = cells.iter().map(|&cell| cell.to_owned()).collect();
+        } else {
+            table.add(line, &cells, delimiter != b',')?;
         }
     }
-    Ok(table.into_array())
+    Ok((header, table))
 }
 
 fn delimiter(bytes: &[u8]) -> u8 {
     let mut lines = bytes.split(|&byte| byte == b'\n' || byte == b'\r');
     let is_content = |line: &&[u8]| line.first() != Some(&b'#') && !line.trim_ascii().is_empty();
     let first = lines.find(is_content).unwrap_or_default();
+    if has_decimal_commas(first) {
+        return b' ';
+    }
     *[b';', b'\t', b','].iter().find(|&delimiter| first.contains(delimiter)).unwrap_or(&b' ')
+}
+
+/// Whether blanks separate the numbers of a line, several, each of which has one comma between digits.
+fn has_decimal_commas(line: &[u8]) -> bool {
+    let is_number = |cell: &[u8]| {
+        let mut commas = cell.iter().enumerate().filter(|(_, byte)| **byte == b',').map(|(at, _)| at);
+        let (Some(at), None) = (commas.next(), commas.next()) else { return false };
+        let is_digit = |at: Option<usize>| at.and_then(|at| cell.get(at)).is_some_and(u8::is_ascii_digit);
+        is_digit(at.checked_sub(1)) && is_digit(Some(at + 1))
+    };
+    let cells: Vec<&[u8]> = line.split(|byte| *byte == b' ').filter(|cell| !cell.is_empty()).collect();
+    cells.len() > 1
+        && !line.contains(&b';')
+        && !line.contains(&b'\t')
+        && cells.iter().all(|cell| is_number(cell))
 }
 
 /// Cells of a row: repeated blanks separate once, and a separator at the end adds nothing.
@@ -61,18 +137,21 @@ struct Table {
     rows: usize,
     columns: usize,
     complex: bool,
+    first_line: u64,
 }
 
 impl Table {
-    fn add(&mut self, line: u64, cells: &[&str]) -> Result<(), ArrayError> {
+    fn add(&mut self, line: u64, cells: &[&str], decimal_commas: bool) -> Result<(), ArrayError> {
         if cells.is_empty() {
             return Ok(());
         }
+        if self.rows == 0 {
+            self.first_line = line;
+        }
         for (column, cell) in cells.iter().enumerate() {
-            let (value, complex) = number(cell).ok_or_else(|| ArrayError::Cell {
-                line,
-                column: column + 1,
-                text: cell.chars().take(40).collect(),
+            let with_point = decimal_commas.then(|| cell.replace(',', "."));
+            let (value, complex) = number(with_point.as_deref().unwrap_or(cell)).ok_or_else(|| {
+                ArrayError::Cell { line, column: column + 1, text: cell.chars().take(40).collect() }
             })?;
             self.values.push(value);
             self.complex |= complex;

@@ -4,25 +4,29 @@ use super::{
     Hold, Reading,
     pairing::{NoFrames, Pairing, Strongest},
 };
-use dermatome_link::{Link, LinkError};
-use dermatome_shared::{contact::Contact, protocol::Selection};
+use dermatome_link::{LinkError, ScanFrame, Subscription};
+use dermatome_shared::contact::Contact;
 use std::time::Duration;
 
-/// Streams contacts while the loads are applied, the first frame at time 0, and pairs them with the loads.
+/// Pairs the contacts of a stream with the loads that are applied meanwhile, the first frame at time 0.
 ///
-/// `progress` hears of each reading; silence for `timeout` ends it with an error.
+/// `counts` sees each frame, and says whether it counts; `progress` hears of each reading; silence for `timeout` ends it
+/// with an error.
 pub fn measure(
-    link: &mut Link,
+    mut stream: Subscription<'_>,
     loads: &[Hold],
     timeout: Duration,
+    mut counts: impl FnMut(&ScanFrame) -> bool,
     mut progress: impl FnMut(&Reading),
 ) -> Result<Vec<Reading>, MeasureError> {
-    let mut stream = link.subscribe(Selection { contacts: 1, ..Selection::default() })?;
     let mut pairing = Pairing::new(loads);
     let mut start = None;
     while !pairing.is_complete() {
         let silence = MeasureError::Silence { seconds: timeout.as_secs_f64() };
         let frame = stream.next(timeout)?.ok_or(silence)?;
+        if !counts(&frame) {
+            continue;
+        }
         let (Some(at), Some(contacts)) = (frame.at, frame.contacts) else { continue };
         let since_start = at.timestamp_us.checked_sub(*start.get_or_insert(at.timestamp_us));
         let time = since_start.ok_or(MeasureError::Restarted)? as f64 * 1e-6;

@@ -15,8 +15,9 @@ pub enum SenseOrder {
     /// By electrode number, as in EIDORS: the canonical order.
     #[default]
     Absolute,
-    /// From the electrode where current leaves, and round from there: the first pair is the first one
-    /// behind it that the pattern measures.
+    /// From the electrode where current leaves, and round from there, as with EIDORS' `rotate_meas`: a frame of the
+    /// pattern's steps begins each drive with the first pair behind that electrode which the pattern measures, a full
+    /// square with the one that begins at that electrode.
     Relative,
 }
 
@@ -204,11 +205,10 @@ fn square_indices(steps: &[Step], electrodes: u8, sense: SenseOrder) -> Result<V
     let mut indices = Vec::with_capacity(steps.len());
     let mut taken = HashSet::with_capacity(steps.len());
     for drive in drives(steps) {
-        let first = drive.iter().map(|step| offset(step, electrodes)).min().unwrap_or(0);
         for step in drive {
             let column = match sense {
                 SenseOrder::Absolute => step.sense_plus,
-                SenseOrder::Relative => offset(step, electrodes) - first,
+                SenseOrder::Relative => offset(step, electrodes),
             };
             let index = usize::from(step.drive_minus) * usize::from(electrodes) + usize::from(column);
             if !taken.insert(index) {
@@ -255,10 +255,10 @@ mod tests {
         assert_eq!(map[..3].iter().map(|found| found.index).collect::<Vec<_>>(), [2, 3, 4]);
         assert_eq!(map[13].index, 16 + 3);
         let relative = arrangement(true, 0, false).index_map(&adjacent(), 16, 256).unwrap();
-        assert_eq!(relative[0].index, 0);
-        // Drive 3 (4 to 3): step with sense pair 5 comes first, pair 0 after 11 others.
+        assert_eq!(relative[0].index, 2);
+        // Drive 3 (4 to 3): pair 3 itself comes first, pair 0 after 12 others.
         let step = adjacent().iter().position(|s| s.drive_minus == 3 && s.sense_plus == 0).unwrap();
-        assert_eq!(relative[step].index, 3 * 16 + 11);
+        assert_eq!(relative[step].index, 3 * 16 + 13);
     }
 
     #[test]

@@ -10,7 +10,10 @@ export function actions(session) {
     button.setAttribute("aria-busy", "true");
     return session.call(service, request).then(
       () => setText(said, ""),
-      (error) => setText(said, error.message),
+      (error) => {
+        said.dataset.kind = "error";
+        setText(said, error.message);
+      },
     ).finally(() => button.removeAttribute("aria-busy"));
   };
   const tare = () => run(byId("tare"), "/dermatome/tare", {});

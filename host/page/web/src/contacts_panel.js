@@ -1,7 +1,7 @@
 // The panel of contacts: the figures of the moment, a row for each contact, and what session this is.
 
 import { byId, eachChild, element, setText } from "./element.js";
-import { totalLoad } from "./plots.js";
+import { totalForce, totalStrength } from "./history.js";
 import { bytes, contactName, forceText, number, strengthText, withUnit } from "./words.js";
 
 const REDRAW_MS = 100;
@@ -27,11 +27,12 @@ export function contactsPanel(session) {
 }
 
 function showContacts({ contacts, skin, status }) {
-  const list = contacts?.contacts ?? [];
+  // By number, so that rows stay where they are while one contact or the other is stronger.
+  const list = (contacts?.contacts ?? []).slice().sort((a, b) => a.id - b.id);
   const isCalibrated = skin?.is_calibrated ?? false;
   showPairs(byId("figures"), [
     ["Contacts", contacts ? list.length : "–"],
-    isCalibrated ? ["Force", forceText(totalLoad(list, true))] : ["Strength", contacts ? strengthText(totalLoad(list, false)) : "–"],
+    isCalibrated ? ["Force", forceText(totalForce(list))] : ["Strength", contacts ? strengthText(totalStrength(list)) : "–"],
     ["Frames/s", number(status?.frames_per_second ?? NaN)],
     ["Signal/noise", withUnit(status?.signal_to_noise ?? NaN, "dB", 2)],
   ]);

@@ -5,6 +5,8 @@ import { number, ohm } from "./words.js";
 
 const MAP = "cividis";
 const LEAST_DECADES = 1;
+// Colours change in steps, so that noise does not make the dots anew with each frame.
+const STEPS = 24;
 
 /** How each state is drawn and called: worst first. */
 export const STATES = {
@@ -45,7 +47,8 @@ export function impedanceRange(impedances) {
 function colourOf(impedance, range) {
   if (!range || !(impedance > 0)) return undefined;
   if (!Number.isFinite(impedance)) return css(colourAt(MAP, 1));
-  return css(colourAt(MAP, (Math.log10(impedance) - range[0]) / (range[1] - range[0])));
+  const share = (Math.log10(impedance) - range[0]) / (range[1] - range[0]);
+  return css(colourAt(MAP, Math.round(share * STEPS) / STEPS));
 }
 
 /** What the colours mean, in words. */

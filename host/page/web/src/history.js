@@ -1,47 +1,92 @@
-// What the time plots show: for each quantity, its values of the last minute. In each bin of time only the extreme value
-// is kept, so that a short press is seen although there may be 400 frames a second.
+// What the time plots show: for each quantity, its values of the last minute, or of a whole recording. In each bin of
+// time only the extreme value is kept, so that a short press is seen although there may be 400 frames a second.
 
 export const SPAN_S = 60;
 const BIN_S = 0.05;
 
 export class History {
-  constructor() {
+  constructor(span = SPAN_S) {
+    this.span = span;
+    this.clear();
+  }
+
+  clear() {
     this.series = new Map();
+    this.lostBefore = undefined;
   }
 
-  /** Adds `value` at `time` (s). Going back in time, as in a recording, begins anew. */
-  add(name, time, value) {
-    const points = this.of(name);
-    const last = points.times.length - 1;
-    if (last >= 0 && time < points.times[last] - BIN_S) this.clear(name);
-    else if (last >= 0 && time - points.starts < BIN_S) return this.merge(points, last, value);
-    points.starts = time;
-    points.times.push(time);
-    points.values.push(Number.isFinite(value) ? value : null);
-    this.forgetBefore(points, time - SPAN_S);
-  }
-
-  /** `{ times, values }`, values null where they are not known. */
+  /** `{ times, values }`: times in s, values null where they are not known. */
   of(name) {
     if (!this.series.has(name)) this.series.set(name, { times: [], values: [], starts: 0 });
     return this.series.get(name);
   }
 
-  clear(name) {
-    const names = name === undefined ? [...this.series.keys()] : [name];
-    for (const each of names) Object.assign(this.of(each), { starts: 0 }).times.length = this.of(each).values.length = 0;
+  addContacts(time, contacts) {
+    this.add("force", time, totalForce(contacts));
+    this.add("strength", time, totalStrength(contacts));
+    this.add("count", time, contacts.length);
   }
 
-  merge(points, last, value) {
-    const held = points.values[last];
-    if (Number.isFinite(value) && (held === null || Math.abs(value) > Math.abs(held))) points.values[last] = value;
+  addStatus(time, status) {
+    const lost = Number(status.frames_lost);
+    this.add("rate", time, status.frames_per_second);
+    this.add("noise", time, status.signal_to_noise);
+    this.add("lost", time, this.lostRate(time, lost));
+    this.lostBefore = { time, lost };
   }
 
-  forgetBefore({ times, values }, time) {
-    let count = 0;
-    while (times[count] < time) count++;
-    if (count === 0) return;
-    times.splice(0, count);
-    values.splice(0, count);
+  lostRate(time, lost) {
+    const before = this.lostBefore;
+    if (!before || time <= before.time || lost < before.lost) return 0;
+    return (lost - before.lost) / (time - before.time);
   }
+
+  /** Adds `value` at `time` (s). Going back in time begins anew. */
+  add(name, time, value) {
+    const points = this.of(name);
+    const last = points.times.length - 1;
+    if (last >= 0 && time < points.times[last] - BIN_S) points.times.length = points.values.length = 0;
+    else if (last >= 0 && time - points.starts < BIN_S) return merge(points, last, value);
+    points.starts = time;
+    points.times.push(time);
+    points.values.push(Number.isFinite(value) ? value : null);
+    forgetBefore(points, time - this.span);
+  }
+
+  /** The part of a series within the span that ends at `time`. */
+  before(name, time) {
+    const { times, values } = this.of(name);
+    const [first, end] = [firstAfter(times, time - SPAN_S), firstAfter(times, time)];
+    return { times: times.slice(first, end), values: values.slice(first, end) };
+  }
+}
+
+export function totalForce(contacts) {
+  return contacts.reduce((sum, { force }) => sum + force, 0);
+}
+
+export function totalStrength(contacts) {
+  return contacts.reduce((sum, { strength }) => sum + strength, 0);
+}
+
+function merge({ values }, last, value) {
+  const held = values[last];
+  if (Number.isFinite(value) && (held === null || Math.abs(value) > Math.abs(held))) values[last] = value;
+}
+
+function forgetBefore({ times, values }, time) {
+  const count = times.findIndex((other) => other >= time);
+  if (count <= 0) return;
+  times.splice(0, count);
+  values.splice(0, count);
+}
+
+function firstAfter(times, time) {
+  let [low, high] = [0, times.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (times[middle] > time) high = middle;
+    else low = middle + 1;
+  }
+  return low;
 }

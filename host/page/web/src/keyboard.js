@@ -6,7 +6,7 @@ import { PANELS } from "./tabs.js";
 const TURN = Math.PI / 36;
 const ZOOM = 1.1;
 
-/** `commands` by name: tare, record, hold, step, map, automatic, scale, reset, electrodes, open, turn, zoom, panel. */
+/** `commands` by name: tare, record, hold, step, map, automatic, scale, reset, electrodes, open, dismiss, turn, zoom, panel. */
 export function setUpKeyboard(session, commands) {
   const help = byId("help");
   const keys = keysOf(session, commands);
@@ -35,7 +35,7 @@ function keysOf(session, commands) {
   return [
     { name: "t", does: "Tare", matches: isPlain("t"), act: commands.tare },
     { name: "r", does: "Start or stop recording", matches: isPlain("r"), act: commands.record },
-    { name: "Space", does: "Hold the picture; play or pause a recording", matches: isSpace, act: commands.hold },
+    { name: "Space", does: "Pause the picture; play or pause a recording", matches: isSpace, act: commands.hold },
     { name: "← →", does: "Previous or next frame of a recording", matches: isStep, act: (event) => commands.step(event.key === "ArrowRight") },
     { name: "o", does: "Open a recording", matches: isPlain("o"), act: commands.open },
     { name: "c", does: "Next colour map", matches: isPlain("c"), act: commands.map },
@@ -47,7 +47,7 @@ function keysOf(session, commands) {
     { name: "+ −", does: "On the picture: nearer or farther", matches: (event) => onPicture(event) && ["+", "=", "-"].includes(event.key), act: ({ key }) => commands.zoom(key === "-" ? ZOOM : 1 / ZOOM) },
     { name: `1 – ${PANELS.length}`, does: "Panels, from left to right", matches: ({ key }) => key >= "1" && key <= String(PANELS.length), act: ({ key }) => commands.panel(PANELS[key - 1].name) },
     { name: "?", does: "This help", matches: () => false },
-    { name: "Esc", does: "Close this help", matches: () => false },
+    { name: "Esc", does: "Close this help or a message", matches: isPlain("escape"), act: commands.dismiss },
   ];
 }
 

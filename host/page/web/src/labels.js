@@ -78,12 +78,12 @@ export class Labels {
 
   // Above its ring, inside the picture; higher ones first, lower ones give way downwards.
   placeContacts() {
-    const { clientWidth, clientHeight } = this.scene.canvas;
+    const [width, height] = this.scene.size;
     const placed = [];
     const wanted = this.contacts.map((contact, i) => this.wantedPlace(contact, this.contactLayer.children[i]));
     for (const label of wanted.sort((a, b) => a.y - b.y)) {
-      label.x = clamp(label.x, EDGE, clientWidth - label.width - EDGE);
-      label.y = clamp(label.y, EDGE, clientHeight - LABEL_HEIGHT - EDGE);
+      label.x = clamp(label.x, EDGE, width - label.width - EDGE);
+      label.y = clamp(label.y, EDGE, height - LABEL_HEIGHT - EDGE);
       for (const other of placed) if (overlap(label, other)) label.y = other.y + LABEL_HEIGHT + 2;
       placed.push(label);
       label.node.style.transform = `translate(${label.x.toFixed(1)}px,${label.y.toFixed(1)}px)`;

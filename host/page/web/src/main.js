@@ -5,7 +5,7 @@ import { calibratePanel } from "./calibrate_panel.js";
 import { MAPS } from "./colour.js";
 import { contactsPanel } from "./contacts_panel.js";
 import { electrodesPanel } from "./electrodes_panel.js";
-import { byId } from "./element.js";
+import { byId, setText } from "./element.js";
 import { setUpKeyboard } from "./keyboard.js";
 import { Picture } from "./picture.js";
 import { PlaybackBar } from "./playback_bar.js";
@@ -58,6 +58,7 @@ setUpKeyboard(session, {
   hold,
   step: (isForward) => session.player?.step(isForward),
   open: () => byId("open").click(),
+  dismiss: () => setText(byId("said-actions"), ""),
   map: nextMap,
   automatic: () => changeScale((scale) => scale.setAutomatic(!scale.isAutomatic)),
   scale: (isUp) => changeScale((scale) => scale.step(isUp)),

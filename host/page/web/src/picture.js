@@ -25,8 +25,8 @@ export class Picture {
     this.scene = this.openScene(keepsPixels);
     if (!this.scene) return;
     this.labels = new Labels(byId("labels"), this.scene);
-    this.canvas.addEventListener("webglcontextlost", () => session.failed("The browser has lost the graphics card. The picture comes back by itself, or when the page is reloaded."));
-    this.canvas.addEventListener("webglcontextrestored", () => session.failed(""));
+    this.canvas.addEventListener("webglcontextlost", () => session.lacks("The browser has lost the graphics card. The picture comes back by itself, or when the page is reloaded."));
+    this.canvas.addEventListener("webglcontextrestored", () => session.lacks(""));
     new ResizeObserver(() => this.resize()).observe(this.canvas);
     session.listen((changes) => this.update(changes));
   }
@@ -35,7 +35,7 @@ export class Picture {
     try {
       return new Scene(this.canvas, { keepsPixels, onView: () => this.session.changed("view") });
     } catch {
-      this.session.failed("The picture needs WebGL, which this browser does not offer. Numbers and plots work without it.");
+      this.session.lacks("The picture needs WebGL, which this browser does not offer. Numbers and plots work without it.");
       return undefined;
     }
   }

@@ -1,27 +1,20 @@
 // The bar under the picture while a recording is shown: position, play, speed, frame by frame; and how a file is opened.
 
 import { byId, element, setText } from "./element.js";
-import { TOPIC, decode } from "./messages.js";
 import { SPEEDS } from "./player.js";
-import { colour, totalLoad } from "./plots.js";
+import { colour } from "./plots.js";
 import { openRecording } from "./recording.js";
 import { clock } from "./words.js";
-
-const MOST_BINS = 400;
-const BINS_A_SECOND = 20;
-// The overview is read in steps of this length, between which the page draws.
-const READ_MS = 12;
 
 export class PlaybackBar {
   constructor(session) {
     this.session = session;
-    this.overview = undefined;
     byId("speed").append(...SPEEDS.map((speed) => element("option", { value: speed }, `${speed} ×`)));
     this.connectControls();
     setUpDrop((file) => this.open(file));
     session.listen((changes) => {
       if (changes.has("player") || changes.has("new")) this.show();
-      if (changes.has("look")) this.drawOverview();
+      if (changes.has("look") || changes.has("recorded")) this.drawOverview();
     });
     new ResizeObserver(() => this.drawOverview()).observe(byId("overview"));
   }
@@ -43,15 +36,19 @@ export class PlaybackBar {
   }
 
   async open(file) {
-    setText(byId("said-actions"), `Opening ${file.name}`);
+    const said = byId("said-actions");
+    const say = (text, kind) => {
+      said.dataset.kind = kind;
+      setText(said, text);
+    };
+    say(`Opening ${file.name}.`, "progress");
     try {
-      const recording = await openRecording(file, file.name);
-      this.overview = new Float32Array(Math.max(1, Math.min(MOST_BINS, Math.round(recording.duration * BINS_A_SECOND))));
+      const onProgress = (share) => say(`${file.name} was cut; reading what is there: ${Math.round(share * 100)} %.`, "progress");
+      const recording = await openRecording(file, file.name, onProgress);
       this.session.openPlayer(recording);
-      setText(byId("said-actions"), "");
-      this.readOverview(recording);
+      say("", "progress");
     } catch (error) {
-      setText(byId("said-actions"), `${file.name} cannot be shown. ${error.message}`);
+      say(`${file.name} cannot be shown. ${error.message}`, "error");
     }
   }
 
@@ -75,46 +72,31 @@ export class PlaybackBar {
   }
 
   // How strongly the skin was pressed over the whole recording, behind the slider.
-  async readOverview(recording) {
-    const isShown = () => this.session.player?.recording === recording;
-    let began = performance.now();
-    try {
-      for await (const messages of recording.walk([TOPIC.contacts])) {
-        for (const { schema, bytes, logTime } of messages) {
-          if (!isShown()) return;
-          this.addToOverview(recording, logTime, decode(schema, bytes).contacts);
-          if (performance.now() - began < READ_MS) continue;
-          this.drawOverview();
-          await new Promise((resolve) => setTimeout(resolve));
-          began = performance.now();
-        }
-      }
-    } catch (error) {
-      console.warn("the overview of the recording is not complete:", error.message);
-    }
-    this.drawOverview();
-  }
-
-  addToOverview({ start, duration }, time, contacts) {
-    const share = duration > 0 ? Number(time - start) / 1e9 / duration : 0;
-    const bin = Math.min(this.overview.length - 1, Math.floor(share * this.overview.length));
-    this.overview[bin] = Math.max(this.overview[bin], totalLoad(contacts, false));
-  }
-
   drawOverview() {
     const canvas = byId("overview");
-    if (!this.overview || !this.session.player || canvas.clientWidth === 0) return;
+    const { player, recorded } = this.session;
+    if (!player || canvas.clientWidth === 0) return;
     canvas.width = canvas.clientWidth * devicePixelRatio;
     canvas.height = canvas.clientHeight * devicePixelRatio;
-    const greatest = Math.max(...this.overview) || 1;
+    const { times, values } = recorded.history.of("strength");
+    const columns = extremes(times, values, Number(player.recording.start) / 1e9, player.recording.duration, canvas.width);
+    const greatest = Math.max(...columns) || 1;
     const context = canvas.getContext("2d");
     context.fillStyle = colour("--overview");
-    const width = canvas.width / this.overview.length;
-    this.overview.forEach((load, bin) => {
-      const height = (load / greatest) * canvas.height;
-      context.fillRect(bin * width, canvas.height - height, width + 0.5, height);
-    });
+    columns.forEach((load, x) => context.fillRect(x, canvas.height, 1, (-load / greatest) * canvas.height));
   }
+}
+
+// The greatest value in each of `count` columns; one without a value repeats the one before it, up to the last value.
+function extremes(times, values, start, duration, count) {
+  const columns = new Float32Array(count).fill(-1);
+  const columnOf = (time) => Math.max(0, Math.min(count - 1, Math.floor(((time - start) / duration) * count)));
+  times.forEach((time, i) => (columns[columnOf(time)] = Math.max(columns[columnOf(time)], values[i] ?? 0)));
+  const end = times.length > 0 ? columnOf(times.at(-1)) : 0;
+  return columns.map((value, x) => {
+    if (value < 0) columns[x] = x > 0 && x <= end ? columns[x - 1] : 0;
+    return columns[x];
+  });
 }
 
 // A file may be dropped anywhere on the page.

@@ -65,14 +65,20 @@ export class Plots {
   update(changes) {
     if (changes.has("new")) this.restart();
     if (changes.has("contacts") && this.session.shown.contacts) this.addContacts(this.session.shown.contacts);
-    if (changes.has("status") && this.session.shown.status) this.addStatus(this.session.shown.status);
+    if (changes.has("status") && this.session.shown.status) this.history.addStatus(this.timeOf("status"), this.session.shown.status);
     if (changes.has("look")) this.plots.forEach(({ plot }) => plot.redraw(false, true));
     if (this.isSeen && performance.now() - this.drawn > REDRAW_MS) this.draw();
+    else if (this.isSeen && this.session.player) this.drawLater();
+  }
+
+  // While a recording stands still nothing else comes that would draw its last position.
+  drawLater() {
+    clearTimeout(this.later);
+    this.later = setTimeout(() => this.session.player && this.draw(), REDRAW_MS);
   }
 
   restart() {
     this.history.clear();
-    this.lostBefore = undefined;
     this.now = 0;
   }
 
@@ -83,45 +89,25 @@ export class Plots {
   }
 
   addContacts({ contacts }) {
-    const time = this.timeOf("contacts");
     const isCalibrated = this.session.shown.skin?.is_calibrated ?? contacts.some(({ force }) => Number.isFinite(force));
     this.plots[0].box.hidden = !isCalibrated;
     this.plots[1].box.hidden = isCalibrated;
-    this.history.add("force", time, totalLoad(contacts, true));
-    this.history.add("strength", time, totalLoad(contacts, false));
-    this.history.add("count", time, contacts.length);
-  }
-
-  addStatus(status) {
-    const time = this.timeOf("status");
-    const lost = Number(status.frames_lost);
-    this.history.add("rate", time, status.frames_per_second);
-    this.history.add("noise", time, status.signal_to_noise);
-    this.history.add("lost", time, this.lostRate(time, lost));
-    this.lostBefore = { time, lost };
-  }
-
-  lostRate(time, lost) {
-    const before = this.lostBefore;
-    if (!before || time <= before.time || lost < before.lost) return 0;
-    return (lost - before.lost) / (time - before.time);
+    this.history.addContacts(this.timeOf("contacts"), contacts);
   }
 
   draw() {
     this.drawn = performance.now();
-    QUANTITIES.forEach(({ name }, i) => {
-      const { times, values } = this.history.of(name);
-      const { plot, box, now } = this.plots[i];
+    const { player, recorded } = this.session;
+    const now = player ? Number(player.position) / 1e9 : this.now;
+    QUANTITIES.forEach(({ name, isCount }, i) => {
+      const { times, values } = player ? recorded.history.before(name, now) : this.history.of(name);
+      const { plot, box, now: latest } = this.plots[i];
       if (box.hidden) return;
-      plot.setData([times.map((time) => time - this.now), values]);
-      setText(now, number(values.at(-1) ?? NaN));
+      plot.setData([times.map((time) => time - now), values]);
+      const value = values.at(-1) ?? NaN;
+      setText(latest, isCount && Number.isFinite(value) ? String(value) : number(value));
     });
   }
-}
-
-/** Force of all contacts, or their strength where the skin is not calibrated. */
-export function totalLoad(contacts, isCalibrated) {
-  return contacts.reduce((sum, { force, strength }) => sum + (isCalibrated ? force : strength), 0);
 }
 
 // From zero where all is above it, and never so narrow that noise fills the plot.

@@ -17,10 +17,13 @@ const decompressHandlers = {
   lz4: (bytes, size) => decompressFrame(bytes, Number(size)),
 };
 
-/** Opens `blob`. Throws an error in words where it is no recording of a skin. */
-export async function openRecording(blob, name) {
+/**
+ * Opens `blob`. Throws an error in words where it is no recording of a skin. `onProgress(share)` is called while the
+ * index of a file that was cut is made, for which all of it is read.
+ */
+export async function openRecording(blob, name, onProgress = () => {}) {
   await checkMagic(blob);
-  const index = (await readIndex(blob)) ?? (await makeIndex(blob));
+  const index = (await readIndex(blob)) ?? (await makeIndex(blob, onProgress));
   const recording = new Recording(blob, name, index);
   recording.check();
   return recording;
@@ -89,10 +92,10 @@ class Recording {
     return undefined;
   }
 
-  /** All messages of `topics`, chunk by chunk. */
+  /** All messages of `topics`, chunk by chunk; chunks that are read for it are not held. */
   async *walk(topics) {
     for (const chunk of this.chunks) {
-      const messages = await this.messagesOf(chunk);
+      const messages = await (this.held.get(chunk) ?? this.readMessages(chunk));
       yield topics.flatMap((topic) => messages.get(topic) ?? []);
     }
   }
@@ -173,7 +176,7 @@ async function readIndex(blob) {
 }
 
 // Walks the file from record to record and reads each chunk once, up to the last one that is whole.
-async function makeIndex(blob) {
+async function makeIndex(blob, onProgress) {
   const index = { chunks: [], schemas: new Map(), channels: new Map(), isCut: true };
   let offset = MAGIC.length;
   while (offset + RECORD_HEADER <= blob.size) {
@@ -182,6 +185,7 @@ async function makeIndex(blob) {
     if (offset + length > blob.size) break;
     if (header.getUint8(0) === CHUNK && !(await addChunk(index, blob, offset, length))) break;
     offset += length;
+    onProgress(offset / blob.size);
   }
   return index;
 }

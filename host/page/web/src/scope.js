@@ -43,6 +43,7 @@ export class ScopeView {
     this.isSeen = isSeen;
     this.session.wantScope(isSeen);
     if (isSeen) this.resize();
+    if (isSeen) this.draw();
     this.watch();
   }
 

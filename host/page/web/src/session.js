@@ -6,6 +6,7 @@ import { Latest } from "./latest.js";
 import { TOPIC, checkSkin, decode } from "./messages.js";
 import { Player } from "./player.js";
 import { Program } from "./program.js";
+import { RecordedHistory } from "./recorded_history.js";
 
 const LIVE_TOPICS = [TOPIC.skin, TOPIC.status, TOPIC.image, TOPIC.contacts, TOPIC.health];
 const HELD_TOPICS = new Set([TOPIC.image, TOPIC.contacts, TOPIC.health, TOPIC.scope]);
@@ -25,6 +26,7 @@ export class Session {
     this.isHeld = false;
     this.isScopeWanted = false;
     this.fault = "";
+    this.lack = "";
     this.imageCame = 0;
     this.latencies = [];
     this.program = new Program(addressOf(location), {
@@ -78,9 +80,11 @@ export class Session {
   }
 
   openPlayer(recording) {
-    this.player?.close();
+    this.endPlayer();
+    this.stopScope();
     this.forget();
     this.isHeld = false;
+    this.recorded = new RecordedHistory(recording, () => this.changed("recorded"));
     this.player = new Player(recording, {
       message: (...message) => this.receive(...message),
       change: () => this.changed("player"),
@@ -91,11 +95,21 @@ export class Session {
   }
 
   closePlayer() {
-    this.player?.close();
-    this.player = undefined;
+    this.endPlayer();
     this.forget();
     this.subscribe();
     this.changed("player");
+  }
+
+  // The board need not sample a slot that is not looked at; it does not matter here whether the program can be told.
+  stopScope() {
+    if (this.isScopeWanted) this.program.call("/dermatome/scope", { slot: null }).catch(() => {});
+  }
+
+  endPlayer() {
+    this.player?.close();
+    this.recorded?.close();
+    this.player = this.recorded = undefined;
   }
 
   // While a recording is shown only the program's status is followed. Subscribing again brings the skin again.
@@ -172,6 +186,12 @@ export class Session {
     if (this.player || this.times.image === undefined) return;
     this.latencies.push(performance.timeOrigin + performance.now() - Number(this.times.image) / 1e6);
     if (this.latencies.length > LATENCIES_KEPT) this.latencies.shift();
+  }
+
+  /** What the browser lacks, as long as the page is open. */
+  lacks(text) {
+    this.lack = text;
+    this.changed("program");
   }
 
   failed(text) {

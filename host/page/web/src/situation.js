@@ -80,6 +80,6 @@ export function warningsOf(session) {
   const stale = session.isStale ? ["No new image has come for some seconds, although the program says that the skin is live."] : [];
   const isConnected = session.player || session.program.isOpen;
   const ofStatus = isConnected ? (status?.warnings ?? []) : [];
-  const texts = [session.fault, ...stale, ...ofStatus, ...notices.map(({ message }) => message)];
+  const texts = [session.lack, session.fault, ...stale, ...ofStatus, ...notices.map(({ message }) => message)];
   return [...new Set(texts.filter((text) => text))];
 }

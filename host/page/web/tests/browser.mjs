@@ -1,6 +1,6 @@
 // The browser of the tests: Debian's Chromium without a window, and what they ask of a page.
 
-import { mkdirSync } from "node:fs";
+import { existsSync, mkdirSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
 
@@ -8,6 +8,9 @@ const PROGRAM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 // WebGL on the CPU; no sandbox, as tests may run as root in a container.
 const FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 const SCREENSHOTS = fileURLToPath(new URL("../../../../target/page-screenshots/", import.meta.url));
+
+/** Why tests that need the browser are not run; false where it is there. */
+export const missing = existsSync(PROGRAM) ? false : `not run: there is no ${PROGRAM} (apt-get install chromium)`;
 
 export function launch() {
   return chromium.launch({ executablePath: PROGRAM, args: FLAGS });
@@ -31,8 +34,8 @@ function isWrong(message) {
 }
 
 /** Waits until `condition`, run in the page, is true. */
-export function until(page, condition, argument) {
-  return page.waitForFunction(condition, argument, { timeout: 15000 });
+export function until(page, condition, argument, timeout = 15000) {
+  return page.waitForFunction(condition, argument, { timeout });
 }
 
 /** Waits until images are drawn. */

@@ -89,7 +89,7 @@ export class Mock {
   }
 
   welcome(socket, request) {
-    const client = { socket, subscriptions: new Map(), url: request.url };
+    const client = { socket, subscriptions: new Map(), url: request.url, origin: request.headers.origin };
     this.clients.add(client);
     socket.on("close", () => this.clients.delete(client));
     socket.on("message", (data, isBinary) => (isBinary ? this.called(client, data) : this.told(client, JSON.parse(data))));

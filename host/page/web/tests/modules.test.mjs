@@ -152,6 +152,15 @@ describe("history", () => {
     history.add("force", 6, NaN);
     assert.deepEqual(history.of("force").values, [3, null]);
   });
+
+  test("of a whole recording, the minute before any time; loss is a rate", () => {
+    const history = new History(Infinity);
+    for (let i = 0; i <= 300; i++) history.addStatus(i, { frames_lost: BigInt(2 * i), frames_per_second: 50, signal_to_noise: NaN });
+    assert.deepEqual(history.before("lost", 200.5).times.length, 60);
+    assert.deepEqual(history.before("lost", 200.5).times.at(-1), 200);
+    assert.deepEqual(history.before("lost", 200.5).values.at(-1), 2);
+    assert.deepEqual(history.before("noise", 3).values, [null, null, null, null]);
+  });
 });
 
 describe("words", () => {

@@ -10,11 +10,13 @@ use dermatome_frames::recorded::{
 use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::{device::MAX_TARE_FRAMES, patch::PatchView, pipeline::noise::LEAST_FRAMES};
 use serde::Serialize;
+use std::path::Path;
 
 /// What `replay` tells of them; keys are documented in docs/cli.md.
 #[derive(Serialize)]
 struct Report<'a> {
-    patch: String,
+    /// None where it was built of the skin file.
+    patch: Option<&'a Path>,
     patch_crc: String,
     skin: &'a str,
     link: Option<&'a str>,
@@ -80,7 +82,7 @@ pub(super) fn run(args: &Args, bytes: &[u8], name: &str) -> anyhow::Result<()> {
     }
     let tally = counted.end();
     args.json.write(&Report {
-        patch: name.to_owned(),
+        patch: args.patch.as_deref(),
         patch_crc: patch_id(patch.crc()),
         skin: &header.skin,
         link: pose.map(|pose| pose.link.as_str()),

@@ -4,7 +4,6 @@
 //! frames does what was asked. A board that is lost, or was never there, is tried again until it answers.
 
 use super::{
-    Args,
     calls::{
         self, CALIBRATE, CHECK, Change, DRIVE, Index, PATCH, RECORD, Readings, SCOPE, Slot, Start, TARE,
         THRESHOLD, Value,
@@ -17,6 +16,7 @@ use crate::commands::{
     board::advise,
     check,
     check_skin::Model,
+    current::Current,
     drive::rounded,
     interrupt,
     outlets::{Outlets, recorded_in_words, session},
@@ -55,11 +55,25 @@ const CHECKED_FRAMES: usize = 20;
 /// Bytes a second that a serial port leaves for raw codes and images: of its 200,000, what contacts and health need not.
 const SERIAL_BYTES: f64 = 150e3;
 
+/// What a desk is to do.
+pub(in crate::commands) struct Task<'a> {
+    /// Where the board is; none for recordings alone.
+    pub(in crate::commands) port: Option<&'a Port>,
+    /// Other patches that stand ready, with their names.
+    pub(in crate::commands) patches: &'a [(String, PatchView<'a>)],
+    /// What is known of the skin.
+    pub(in crate::commands) look: Source,
+    /// Skin file to check the board against.
+    pub(in crate::commands) skin: Option<&'a Path>,
+    /// File to record to.
+    pub(in crate::commands) record: Option<&'a Path>,
+    /// What to do about a current that clips.
+    pub(in crate::commands) current: &'a Current,
+}
+
 /// A board and its page.
 pub(in crate::commands) struct Desk<'a> {
-    args: &'a Args,
-    patches: &'a [PatchView<'a>],
-    look: Source,
+    task: Task<'a>,
     outlets: Outlets,
     status: Status,
     told: Instant,
@@ -98,20 +112,13 @@ enum Left {
 }
 
 impl<'a> Desk<'a> {
-    /// With other patches that stand ready, and what is known of the skin.
-    pub(in crate::commands) fn new(
-        args: &'a Args,
-        patches: &'a [PatchView<'a>],
-        look: Source,
-        server: Server,
-    ) -> Self {
-        let state = if args.port.is_some() { "no_board" } else { "ended" };
-        let port = args.port.as_ref().map_or(String::new(), Port::to_string);
+    /// For those who look on at this server.
+    pub(in crate::commands) fn new(task: Task<'a>, server: Server) -> Self {
+        let state = if task.port.is_some() { "no_board" } else { "ended" };
+        let port = task.port.map_or(String::new(), Port::to_string);
         let unknown = f32::NAN;
         Self {
-            args,
-            patches,
-            look,
+            task,
             outlets: Outlets::serving(server),
             status: Status {
                 state: state.to_owned(),
@@ -134,7 +141,7 @@ impl<'a> Desk<'a> {
 
     /// Until the user asks to stop.
     pub(in crate::commands) fn run(mut self) -> anyhow::Result<()> {
-        let Some(port) = &self.args.port else {
+        let Some(port) = self.task.port else {
             self.state(
                 "ended",
                 "no board was named",
@@ -259,7 +266,7 @@ impl<'a> Desk<'a> {
 
     /// Gets to know a board that has just answered, and makes it ready.
     fn greet(&mut self, board: &mut Board<'_>) -> anyhow::Result<Present> {
-        let text = self.look.text();
+        let text = self.task.look.text();
         let link = board.link()?;
         let session = session(link, text)?;
         let info = link.info()?;
@@ -270,9 +277,9 @@ impl<'a> Desk<'a> {
         if !board.link()?.info()?.tared {
             let Board { link, patch, .. } = board;
             let link = link.as_mut().context("the board is lost")?;
-            self.args.current.fit(link, patch, || !interrupt::requested())?;
+            self.task.current.fit(link, patch, || !interrupt::requested())?;
         }
-        let (pose, look) = self.look.on(&session)?;
+        let (pose, look) = self.task.look.on(&session)?;
         let patch = PatchView::validate(&session.patch).context("the board's patch")?;
         let steps = patch.steps().collect();
         let front_end = info.front_end;
@@ -291,11 +298,7 @@ impl<'a> Desk<'a> {
     /// The page shows this board from now on.
     fn show_board(&mut self, present: &Present, board: &Board<'_>) {
         let Session { board: kind, firmware, skin, .. } = &present.session;
-        let name = |patch: &PatchView<'_>| format!("{} {:#010x}", patch.header.skin, patch.crc());
-        let named = self.args.patch.iter().zip(self.patches).map(|(path, patch)| {
-            let file = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-            file.unwrap_or_else(|| name(patch))
-        });
+        let named = self.task.patches.iter().map(|(name, _)| name.clone());
         let patches = std::iter::once(format!("{skin} (on the board)")).chain(named).collect();
         let status = &mut self.status;
         (status.board, status.firmware, status.skin) = (kind.clone(), firmware.clone(), skin.clone());
@@ -320,7 +323,8 @@ impl<'a> Desk<'a> {
     fn show_patch(&mut self, present: &Present) {
         let Session { board, firmware, patch, .. } = &present.session;
         let own = PatchView::validate(patch).ok();
-        let chosen = self.chosen.checked_sub(1).and_then(|index| self.patches.get(index)).or(own.as_ref());
+        let chosen = self.chosen.checked_sub(1).and_then(|index| self.task.patches.get(index));
+        let chosen = chosen.map(|(_, patch)| patch).or(own.as_ref());
         if let Some(chosen) = chosen {
             self.outlets.show_patch(
                 chosen,
@@ -333,9 +337,11 @@ impl<'a> Desk<'a> {
 
     fn selection(&self, board: &Board<'_>) -> Selection {
         let patch = &board.patch;
-        let is_serial = matches!(&self.args.port, Some(Port::Board(link::Port::Serial(_))));
-        let is_raw =
-            !is_serial || self.outlets.recorder().is_some() || self.chosen > 0 || !self.patches.is_empty();
+        let is_serial = matches!(self.task.port, Some(Port::Board(link::Port::Serial(_))));
+        let is_raw = !is_serial
+            || self.outlets.recorder().is_some()
+            || self.chosen > 0
+            || !self.task.patches.is_empty();
         // postcard: up to four bytes a code, and about two a pixel.
         let raw = if is_raw { 7.0 * f64::from(patch.steps) } else { 0.0 };
         let left = SERIAL_BYTES / f64::from(patch.drive.frame_rate) - raw;
@@ -352,7 +358,7 @@ impl<'a> Desk<'a> {
 
     /// Shows a stream until it ends or is left.
     fn stream(&mut self, board: &mut Board<'_>, present: &Present) -> anyhow::Result<Left> {
-        if let Some(file) = self.args.record.file().filter(|_| !self.has_recorded) {
+        if let Some(file) = self.task.record.filter(|_| !self.has_recorded) {
             self.outlets.record(file, &present.session)?;
             self.has_recorded = true;
         }
@@ -360,7 +366,7 @@ impl<'a> Desk<'a> {
         let (silence, damaged) = (frame_timeout(&board.patch), board.packets_damaged());
         let Board { link, patch, .. } = board;
         let mut stream = link.as_mut().context("the board is lost")?.subscribe(selection)?;
-        let wants_tare = self.outlets.recorder().is_some() || !self.patches.is_empty();
+        let wants_tare = self.outlets.recorder().is_some() || !self.task.patches.is_empty();
         if wants_tare {
             self.outlets.tare(stream.link())?;
         }
@@ -427,9 +433,8 @@ impl<'a> Desk<'a> {
     /// A frame has come.
     fn take(&mut self, frame: &ScanFrame, missing: u64) {
         self.numbers.count(frame, missing);
-        let was_taring = self.outlets.is_taring();
         let shown = self.shown(frame);
-        self.outlets.frame(frame, shown.as_ref());
+        let is_tared = self.outlets.frame(frame, shown.as_ref());
         if frame.contacts.is_some() {
             self.state("live", "", "");
         } else if frame.measurements.is_some() || frame.health.is_some() {
@@ -439,10 +444,22 @@ impl<'a> Desk<'a> {
                 "do not touch the skin until it is done; if it takes long, look at `check`",
             );
         }
-        if was_taring && !self.outlets.is_taring() {
-            self.status.signal_to_noise = signal_to_noise(self.outlets.last_tare()).unwrap_or(f32::NAN);
+        if is_tared {
+            self.tared();
+        }
+    }
+
+    /// The board has a new reference.
+    fn tared(&mut self) {
+        let tare = self.outlets.last_tare();
+        self.status.signal_to_noise = signal_to_noise(tare).unwrap_or(f32::NAN);
+        if let Some(prepared) = &mut self.prepared
+            && let Err(error) = prepared.tare(tare)
+        {
+            log::warn!("{error:#}");
+        }
+        if !self.outlets.is_taring() {
             self.waiting.drain(..).for_each(|call| call.answer(Ok(json!({}))));
-            self.prepared = None;
         }
     }
 
@@ -485,9 +502,9 @@ impl<'a> Desk<'a> {
             PATCH => {
                 let Index { index } = calls::request(call)?;
                 ensure!(
-                    index <= self.patches.len(),
+                    index <= self.task.patches.len(),
                     "`index` is {index}; allowed: 0 to {}",
-                    self.patches.len()
+                    self.task.patches.len()
                 );
                 self.choose(index, present)?;
                 Ok(json!({}))
@@ -531,9 +548,9 @@ impl<'a> Desk<'a> {
 
     /// Images are made with another patch from the next frame on.
     fn choose(&mut self, index: usize, present: &Present) -> anyhow::Result<()> {
-        let patch = index.checked_sub(1).and_then(|index| self.patches.get(index));
+        let patch = index.checked_sub(1).and_then(|index| self.task.patches.get(index));
         let tare = self.outlets.last_tare();
-        self.prepared = patch.map(|patch| Prepared::new(patch, &present.steps, tare)).transpose()?;
+        self.prepared = patch.map(|(_, patch)| Prepared::new(patch, &present.steps, tare)).transpose()?;
         self.chosen = index;
         self.show_patch(present);
         Ok(())
@@ -560,7 +577,7 @@ impl<'a> Desk<'a> {
     /// Looks for what is wrong, as `check` does.
     fn check(&mut self, board: &mut Board<'_>) -> anyhow::Result<Json> {
         self.state("taring", "looking at the board and its skin", "do not touch the skin until it is done");
-        let model = self.args.skin.as_deref().map(Model::of).transpose()?;
+        let model = self.task.skin.map(Model::of).transpose()?;
         let patch = board.patch.clone();
         let link = board.link()?;
         let examined = check::examine(link, &patch, model.as_ref(), CHECKED_FRAMES)?;

@@ -17,7 +17,7 @@ use dermatome_simulate::port::Port;
 use std::path::{Path, PathBuf};
 
 /// Where it is known from.
-pub(super) struct Source {
+pub(in crate::commands) struct Source {
     /// The skin file, with its name.
     skin: Option<(PathBuf, Skin)>,
     /// Whether somebody gave it, so that it must fit.
@@ -40,7 +40,7 @@ impl Source {
     }
 
     /// For a skin file that is known.
-    pub(super) fn of_skin(path: &Path, skin: Skin) -> Self {
+    pub(in crate::commands) fn of_skin(path: &Path, skin: Skin) -> Self {
         Self { skin: Some((path.to_owned(), skin)), is_given: false, link: None }
     }
 
@@ -51,7 +51,7 @@ impl Source {
     }
 
     /// Of the skin of a session's patch: where it lies, and what it looks like.
-    pub(super) fn on(&self, session: &Session) -> anyhow::Result<(Option<Pose>, Look)> {
+    pub(in crate::commands) fn on(&self, session: &Session) -> anyhow::Result<(Option<Pose>, Look)> {
         let Some((path, skin)) = &self.skin else { return Ok((None, Look::default())) };
         let patch = PatchView::validate(&session.patch).context("the board's patch")?;
         let pixels = || Ok(SurfaceTables::read(&patch));

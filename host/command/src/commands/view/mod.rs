@@ -6,15 +6,16 @@ mod look;
 mod numbers;
 mod prepared;
 
-use super::{current::Current, cut, interrupt, outlets::Record, replay::read_patch, say};
+use super::{current::Current, cut, interrupt, outlets::Record, replay::read_patch};
 use anyhow::{Context, ensure};
 use dermatome_page::{
-    Options, Server,
+    Options, Server, ServerError,
     gate::{Gate, random_text},
 };
 use dermatome_shared::patch::PatchView;
 use dermatome_simulate::port::Port;
-pub(super) use desk::Desk;
+pub(super) use desk::{Desk, Task};
+pub(super) use look::Source;
 use std::{net::SocketAddr, path::PathBuf};
 
 /// Show a skin on a page in the browser: pressure in 3D, contacts, electrodes, plots, and the controls to tune it.
@@ -87,11 +88,25 @@ fn origin(text: &str) -> Result<String, &'static str> {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let patches = args.patch.iter().map(|path| read_patch(path)).collect::<anyhow::Result<Vec<_>>>()?;
-    let views = patches.iter().map(|(bytes, name)| PatchView::validate(bytes).with_context(|| name.clone()));
-    let views = views.collect::<anyhow::Result<Vec<_>>>()?;
-    let look = look::Source::of(args)?;
+    let patches = patches.iter().zip(&args.patch).map(named).collect::<anyhow::Result<Vec<_>>>()?;
+    let task = Task {
+        port: args.port.as_ref(),
+        patches: &patches,
+        look: Source::of(args)?,
+        skin: args.skin.as_deref(),
+        record: args.record.file(),
+        current: &args.current,
+    };
     let server = serve(args)?;
-    Desk::new(args, &views, look, server).run()
+    Desk::new(task, server).run()
+}
+
+/// A patch with the name of its file.
+fn named<'a>(
+    ((bytes, name), path): (&'a (Vec<u8>, String), &PathBuf),
+) -> anyhow::Result<(String, PatchView<'a>)> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok((stem, PatchView::validate(bytes).with_context(|| name.clone())?))
 }
 
 /// Starts the server, prints the page's address and opens the browser.
@@ -109,17 +124,27 @@ fn serve(args: &Args) -> anyhow::Result<Server> {
             Some(random_text().context("the system has no randomness for a token; give `--token`")?)
         }
     };
-    let gate = Gate { listen, token, origins: args.allow_origin.clone() };
-    let options = Options { gate, name: "dermatome".to_owned(), services: &calls::SERVICES };
-    let server = Server::start(options)?;
-    say(format_args!("{}", server.url()));
+    let server = start(Gate { listen, token, origins: args.allow_origin.clone() })?;
+    say!("{}", server.url());
     if !is_local {
         eprintln!(
             "other computers come in with the token in this address; whoever has it can drive the board"
         );
     }
-    if !args.no_browser && open::that_detached(server.url()).is_err() {
-        eprintln!("no browser was found: open the address above");
+    if !args.no_browser {
+        open_browser(&server);
     }
     Ok(server)
+}
+
+/// A server of the page, for those who come through the gate.
+pub(super) fn start(gate: Gate) -> Result<Server, ServerError> {
+    Server::start(Options { gate, name: "dermatome".to_owned(), services: &calls::SERVICES })
+}
+
+/// Shows the page in the browser, if there is one.
+pub(super) fn open_browser(server: &Server) {
+    if open::that_detached(server.url()).is_err() {
+        eprintln!("no browser was found: open the address above");
+    }
 }

@@ -16,11 +16,15 @@ pub(super) struct Prepared<'a> {
 impl<'a> Prepared<'a> {
     /// Begins with the frames of the board's last tare, `tare`, measured in these steps.
     pub(super) fn new(patch: &'a PatchView<'a>, steps: &[Step], tare: &[Item]) -> anyhow::Result<Self> {
-        let mut player = Player::new(patch, steps)?;
-        tare.iter()
-            .try_for_each(|item| player.take(item).map(drop))
-            .context("the frames of the last tare")?;
-        Ok(Self { player })
+        let mut prepared = Self { player: Player::new(patch, steps)? };
+        prepared.tare(tare)?;
+        Ok(prepared)
+    }
+
+    /// Makes its reference of the frames of a tare.
+    pub(super) fn tare(&mut self, tare: &[Item]) -> anyhow::Result<()> {
+        let mut items = tare.iter();
+        items.try_for_each(|item| self.player.take(item).map(drop)).context("the frames of the last tare")
     }
 
     /// The frame as a board with this patch would have sent it: without image and contacts before a reference.

@@ -89,8 +89,9 @@ pub(super) fn sound_correlation(
         !drives.iter().any(|&e| electrodes[e].drive_is_off())
             && !senses.iter().any(|&e| electrodes[e].sense_is_off())
     };
-    let steps = expected.steps.iter().zip(readings.logarithms());
-    let points: Vec<_> = steps.filter(|(step, _)| is_sound(step)).filter_map(|(_, point)| point).collect();
+    let alive = |(index, step): &(usize, &Step)| is_sound(step) && !readings.is_dead(*index);
+    let steps = expected.steps.iter().enumerate().filter(alive);
+    let points: Vec<_> = steps.map(|(index, _)| readings.logarithms[index]).collect();
     pearson(&points)
 }
 
@@ -104,12 +105,10 @@ fn share(steps: &[Step], flags: &[bool], uses: &dyn Fn(&Step) -> bool) -> Option
 
 /// Steps far from the model, or zero.
 fn off(readings: &Readings) -> Vec<bool> {
-    let residuals = readings.residuals();
-    let deviation = DEVIATION * median(residuals.iter().flatten().map(|residual| residual.abs()));
+    let residuals = &readings.residuals;
+    let deviation = DEVIATION * median(residuals.iter().map(|residual| residual.abs()));
     let limit = OFF_FACTOR.ln().max(OFF_DEVIATIONS * deviation);
-    let is_off = |(step, residual): (usize, &Option<f64>)| {
-        residual.map_or_else(|| readings.is_dead(step), |residual| residual.abs() > limit)
-    };
+    let is_off = |(step, residual): (usize, &f64)| readings.is_dead(step) || residual.abs() > limit;
     residuals.iter().enumerate().map(is_off).collect()
 }
 

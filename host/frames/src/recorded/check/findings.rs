@@ -2,17 +2,25 @@
 
 use super::{
     super::{
-        diagnose::{LEAST_FIT, RESEMBLING, first_few, is_clearly_better},
+        diagnose::{LEAST_FIT, RESEMBLING, first_few},
         wording::{Advice, Rearrangement},
     },
     Check, Expected,
+    gain::PairGain,
     numbering::{Exchange, Numbering, Role},
+    reading::Misplacement,
     reciprocity::Agreement,
 };
 use serde::Serialize;
 
 /// Median error between steps that must agree which is a fault, %; saline tanks reach 5.
 const DISAGREEMENT_PERCENT: f64 = 10.0;
+/// Mean logarithm of measured over expected from which on frames are unlike the model: between steps that are the same
+/// but for a turn, and of such steps together.
+const UNLIKE: f64 = 0.25;
+const UNLIKE_TOGETHER: f64 = 0.4;
+/// Share of signs that may disagree where no pair is reversed.
+const SIGNS: f64 = 0.02;
 /// A single pair is worth a word from so many times the median error on.
 const OUTSTANDING: f64 = 5.0;
 /// Signal-to-noise ratio below which single presses drown, dB.
@@ -53,12 +61,22 @@ pub enum About {
     Resemblance,
     /// Potentials instead of differences.
     SingleEnded,
+    /// Rows and columns of a square the other way round.
+    Transposed,
+    /// Values that begin late in the frame or in its rows.
+    Shift,
+    /// Exchanged drives.
+    Rows,
+    /// Exchanged columns of a square.
+    Columns,
     /// Exchanged electrodes.
     Exchange,
     /// Signs.
     Polarity,
     /// A constant in every value.
     Offset,
+    /// A pair that reads too much or too little.
+    Gain,
     /// An electrode that is off or noisy.
     Electrode,
     /// Measurements that are zero.
@@ -81,8 +99,10 @@ pub enum About {
 pub(super) fn all(expected: &Expected, check: &Check) -> Vec<Finding> {
     let mut findings: Vec<Finding> =
         [single_ended(check), order(expected, check), offset(check)].into_iter().flatten().collect();
+    findings.extend(misplaced(check));
     findings.extend(exchanged(check));
     findings.extend(polarity(check));
+    findings.extend(gains(check));
     findings.extend(electrodes(check));
     findings.extend(dead(check));
     findings.extend(agreement(check));
@@ -102,7 +122,7 @@ fn note(about: About, found: String, advice: impl Into<Advice>) -> Finding {
 fn order(expected: &Expected, check: &Check) -> Option<Finding> {
     let numbering = &check.numbering;
     let before = numbering.correlation;
-    if numbering.best != numbering.used && is_clearly_better(numbering.best_correlation, before) {
+    if numbering.best != numbering.used {
         let can_be_read =
             numbering.best.index_map(&expected.steps, expected.electrodes(), check.measurements).is_ok();
         let Numbering { used, best, rotation_ambiguous, .. } = *numbering;
@@ -124,7 +144,8 @@ fn order(expected: &Expected, check: &Check) -> Option<Finding> {
             format!("another order fits the model better (correlation {best:.3} instead of {before:.3})");
         return Some(fault(About::Order, found, advice));
     }
-    (check.sound_correlation < RESEMBLING).then(|| resemblance(numbering))
+    (check.sound_correlation < RESEMBLING && (check.scatter > UNLIKE || check.bias > UNLIKE_TOGETHER))
+        .then(|| resemblance(numbering))
 }
 
 /// Says how little the frames resemble the model.
@@ -150,14 +171,95 @@ fn single_ended(check: &Check) -> Option<Finding> {
     check.single_ended.then(|| fault(About::SingleEnded, found.to_owned(), advice))
 }
 
+fn misplaced(check: &Check) -> impl Iterator<Item = Finding> + '_ {
+    check.misplaced.iter().map(|&misplacement| misplacement_found(check, misplacement))
+}
+
+fn misplacement_found(check: &Check, misplacement: Misplacement) -> Finding {
+    let fit = format!(
+        "(correlation {:.3} instead of {:.3})",
+        check.numbering.exchanged_correlation, check.plain_correlation
+    );
+    match misplacement {
+        Misplacement::Transposed => fault(
+            About::Transposed,
+            format!("the square is transposed: its rows are sense pairs and its columns are drives {fit}"),
+            "exchange rows and columns of each frame",
+        ),
+        Misplacement::Shifted(by) => {
+            let late = (by * 2 > check.measurements).then(|| check.measurements - by);
+            let found = match late {
+                Some(early) => format!(
+                    "the frame begins {early} values too early: its first {early} are at its end {fit}"
+                ),
+                None => format!("the frame begins {by} values late: its last {by} are at its start {fit}"),
+            };
+            fault(About::Shift, found, format!("begin each frame with its value {by} (counted from 0)"))
+        }
+        Misplacement::ColumnsShifted(by) => {
+            let columns = check.measurements.isqrt();
+            let when = if 2 * by > columns {
+                format!("{} columns early", columns - by)
+            } else {
+                format!("{by} columns late")
+            };
+            fault(
+                About::Shift,
+                format!("each drive's values begin {when} and go on at the row's other end {fit}"),
+                format!("begin each row with its column {by} (counted from 0)"),
+            )
+        }
+        Misplacement::Rows([a, b]) => {
+            let [a, b] = [a + 1, b + 1];
+            fault(
+                About::Rows,
+                format!("the values of drives {a} and {b} are in each other's place {fit}"),
+                format!("exchange rows {a} and {b} of each frame, all values of a drive"),
+            )
+        }
+        Misplacement::Columns([a, b]) => {
+            let [a, b] = [a + 1, b + 1];
+            fault(
+                About::Columns,
+                format!("columns {a} and {b} of the square are in each other's place {fit}"),
+                format!("exchange the two columns, or the channels of these sense pairs"),
+            )
+        }
+    }
+}
+
+fn gains(check: &Check) -> impl Iterator<Item = Finding> + '_ {
+    check.gains.iter().map(|&PairGain { electrodes: [a, b], drives, gain, ambiguous }| {
+        let [a, b] = [a, b].map(person);
+        let side = if drives { "drive" } else { "sense" };
+        let mut found = format!("{side} pair {a}-{b} reads {gain:.2} times what it should, throughout");
+        if ambiguous {
+            found += &format!(" (or drive pair {b}-{a} {:.2} times: reciprocity does not tell)", 1.0 / gain);
+        }
+        let advice = match (drives, ambiguous) {
+            (_, true) => "check the gain of its sense channel, and the current of its drive",
+            (true, _) => "check the current of this drive",
+            (false, _) => "check the gain of its channel",
+        };
+        fault(About::Gain, found, advice)
+    })
+}
+
 fn offset(check: &Check) -> Option<Finding> {
     let offset = check.offset.as_ref()?;
+    let imaginary =
+        if offset.imaginary == 0.0 { String::new() } else { format!("{:+.4}i", offset.imaginary) };
     let found = format!(
-        "every value seems to hold an offset of {:.4}, {:.0} % of the middle value (correlation {:.3} \
-         without it instead of {:.3})",
+        "every value seems to hold an offset of {:.4}{imaginary}, {:.0} % of the middle value without it (correlation \
+         {:.3} without it instead of {:.3})",
         offset.value, offset.share_percent, offset.correlation, offset.correlation_before
     );
-    Some(fault(About::Offset, found, Advice::Subtract(offset.value)))
+    let advice = if offset.imaginary == 0.0 {
+        Advice::Subtract(offset.value)
+    } else {
+        "subtract it from every value before".into()
+    };
+    Some(fault(About::Offset, found, advice))
 }
 
 fn exchanged(check: &Check) -> impl Iterator<Item = Finding> + '_ {
@@ -229,7 +331,13 @@ fn polarity(check: &Check) -> Vec<Finding> {
             polarity.compared,
             first_few(&polarity.disagreements)
         );
-        findings.push(fault(About::Polarity, found, "check the direction of the sense pairs"));
+        let advice = "check the direction of the sense pairs";
+        let many = polarity.disagreements.len() as f64 > SIGNS * polarity.compared as f64;
+        findings.push(if many {
+            fault(About::Polarity, found, advice)
+        } else {
+            note(About::Polarity, found, advice)
+        });
     }
     findings
 }

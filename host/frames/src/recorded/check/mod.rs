@@ -2,25 +2,31 @@
 //!
 //! The file is taken to hold the skin's stimulation table, or the full square, in its own electrode
 //! numbers. The model's voltage of any pairs follows from the transfer impedances of the electrodes,
-//! so any numbering can be tried, whatever the table: [`numbering`] tries other orders, rotations,
-//! mirroring and exchanged electrodes. Then [`offset`], [`polarity`], [`electrodes`], [`reciprocity`]
-//! and [`signal`] look for faults of the instrument, and [`findings`] puts it all in words.
+//! so any numbering can be tried, whatever the table. A [`reading`] says how the file is read; [`likeness`] how
+//! like the model the frame is then; [`causes`] looks for what makes it more like: other orders, rotations, mirroring,
+//! exchanged electrodes, an offset, potentials, values in other places of the frame. Then [`polarity`],
+//! [`electrodes`], [`gain`], [`reciprocity`] and [`signal`] look for faults of the instrument, and [`findings`] puts
+//! it all in words.
 
+mod causes;
 pub mod electrodes;
 pub mod findings;
+pub mod gain;
+mod likeness;
 pub mod numbering;
 pub mod offset;
 pub mod polarity;
+pub mod reading;
 pub mod reciprocity;
 pub mod signal;
-mod single_ended;
 
 use super::{
     diagnose::DEAD,
     order::{Arrangement, OrderError},
     read::Frames,
-    statistics::{median, pearson},
+    statistics::median,
 };
+use causes::Explained;
 use dermatome_geometry::mesh::Lattice;
 use dermatome_model::{
     forward::{Admittivity, Fields},
@@ -31,16 +37,22 @@ use dermatome_model::{
 use dermatome_shared::stimulation::Step;
 use electrodes::ElectrodeCheck;
 use findings::Finding;
+use gain::PairGain;
+use likeness::Comparison;
 use num_complex::Complex64;
-use numbering::{Numbering, Wiring};
+use numbering::Numbering;
 use offset::Offset;
 use polarity::Polarity;
+use reading::Misplacement;
 use reciprocity::Agreement;
 use serde::Serialize;
 use signal::{Repeats, Saturation, Steadiness};
 
 /// Of a magnitude that is smaller than so many standard errors noise says more than the skin.
 const BLUR: f64 = 3.0;
+
+/// A voltage of the model whose magnitude, with the blur, is so many times the blur has a certain sign.
+const CLEAR: f64 = 2.0;
 
 /// What a skin should measure: its table, and in-phase voltages between any electrodes.
 #[derive(Clone, Debug)]
@@ -79,6 +91,19 @@ impl Expected {
         let at = |at: usize, driven: usize| self.transfer[at * usize::from(self.electrodes) + driven];
         (at(sp, dp) - at(sp, dm)) - (at(sm, dp) - at(sm, dm))
     }
+
+    /// By how much the voltage of a step would change if each of its electrodes lay where its neighbours are, half the
+    /// way between them: the root of the sum of squares.
+    fn slope(&self, step: Step) -> f64 {
+        let n = usize::from(self.electrodes);
+        let at = |at: usize, driven: usize| self.transfer[at * n + driven];
+        let [dp, dm, sp, sm] = step.to_bytes().map(usize::from);
+        let sensed = |e: usize| at(e, dp) - at(e, dm);
+        let driven = |e: usize| at(sp, e) - at(sm, e);
+        let across = |of: &dyn Fn(usize) -> f64, e: usize| (of((e + 1) % n) - of((e + n - 1) % n)) / 2.0;
+        let squares = [across(&sensed, sp), across(&sensed, sm), across(&driven, dp), across(&driven, dm)];
+        squares.iter().map(|change| change * change).sum::<f64>().sqrt()
+    }
 }
 
 fn solve<T: Admittivity>(skin: &Skin, admittivity: T) -> Result<Expected, ModelError> {
@@ -102,12 +127,18 @@ pub struct Check {
     pub square: bool,
     /// Whether the square holds potentials of electrodes; all else is about their differences then.
     pub single_ended: bool,
+    /// Correlation of log magnitudes with the model as the file is read, before anything is explained.
+    pub plain_correlation: f64,
     /// Order and electrode numbers.
     pub numbering: Numbering,
     /// Signs.
     pub polarity: Polarity,
+    /// What stands in other places of the frame than where it belongs.
+    pub misplaced: Vec<Misplacement>,
     /// A constant in every value.
     pub offset: Option<Offset>,
+    /// Pairs that read too much or too little throughout.
+    pub gains: Vec<PairGain>,
     /// Each electrode: `[electrode]`.
     pub electrodes: Vec<ElectrodeCheck>,
     /// Correlation of log magnitudes with the model without the electrodes that are off.
@@ -124,6 +155,11 @@ pub struct Check {
     pub saturation: Option<Saturation>,
     /// Frames that come more than once.
     pub repeats: Repeats,
+    /// What is left unlike the model: mean magnitude of the logarithm of measured over expected, between steps that are
+    /// the same but for a turn,
+    pub scatter: f64,
+    /// and of all such steps together.
+    pub bias: f64,
     /// What looks wrong, and what to change; whoever shows it says which settings do that.
     #[serde(skip)]
     pub findings: Vec<Finding>,
@@ -131,16 +167,16 @@ pub struct Check {
 
 /// Checks frames of an untouched skin, or of one that is touched here and there, as `used` reads them.
 pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<Check, OrderError> {
-    let differences = single_ended::differences(expected, frames, used)?;
-    let single_ended = differences.is_some();
-    let frames = differences.as_ref().unwrap_or(frames);
-    let mut reference = Reference::of(frames);
-    let offset = offset::find(expected, &reference, used)?;
-    if let Some(offset) = &offset {
-        reference.values = offset.without(&reference.values);
-    }
-    let (numbering, wiring) = numbering::find(expected, &reference, used)?;
-    let readings = Readings::of(expected, &reference, &wiring)?;
+    let reference = Reference::of(frames);
+    let comparison = Comparison::new(expected, &reference);
+    let causes = causes::find(&comparison, used)?;
+    let last = &causes[causes.len() - 1];
+    let apart =
+        last.reading.potentials.map(|_| reading::apart(expected, frames, &last.reading)).transpose()?;
+    let single_ended = apart.is_some();
+    let frames = apart.as_ref().unwrap_or(frames);
+    let readings = Readings::of(expected, frames, last)?;
+    let wired: Vec<Step> = expected.steps.iter().map(|&step| last.reading.wiring.step(step)).collect();
     let electrodes = electrodes::check(expected, &readings);
     let mut check = Check {
         frames: frames.frames,
@@ -149,20 +185,42 @@ pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<
         square: frames.measurements != expected.steps.len(),
         polarity: Polarity::of(expected, &readings),
         sound_correlation: electrodes::sound_correlation(expected, &readings, &electrodes),
-        electrodes,
+        electrodes: electrodes.clone(),
         dead_steps: readings.dead(),
-        reciprocity: Agreement::of(&expected.steps, &readings, &[Repetition::Reciprocal]),
-        reversal: Agreement::of(&expected.steps, &readings, &[Repetition::Reversed, Repetition::Identical]),
+        reciprocity: Agreement::of(&wired, &readings, &[Repetition::Reciprocal]),
+        reversal: Agreement::of(&wired, &readings, &[Repetition::Reversed, Repetition::Identical]),
         steadiness: Steadiness::of(frames, &readings),
         saturation: Saturation::of(frames, &readings),
         repeats: Repeats::of(frames),
         single_ended,
-        numbering,
-        offset,
+        numbering: Numbering::of(&comparison, last, used)?,
+        plain_correlation: causes[0].likeness.correlation(),
+        misplaced: last.reading.misplaced.clone(),
+        offset: Offset::of(&causes),
+        gains: gains_of_sound(&electrodes, last, gain::find(expected, &wired, &readings)),
+        scatter: last.likeness.scatter,
+        bias: last.likeness.bias,
         findings: Vec::new(),
     };
     check.findings = findings::all(expected, &check);
     Ok(check)
+}
+
+/// Pairs of which no electrode is off or exchanged with another.
+fn gains_of_sound(
+    electrodes: &[ElectrodeCheck],
+    explained: &Explained,
+    mut gains: Vec<PairGain>,
+) -> Vec<PairGain> {
+    let exchanged = &explained.reading.exchanged;
+
+    let is_off = |&electrode: &u8| {
+        let electrode = electrodes[usize::from(electrode)];
+        let is_exchanged = exchanged.iter().any(|it| it.electrodes.contains(&electrode.electrode));
+        electrode.drive_is_off() || electrode.sense_is_off() || is_exchanged
+    };
+    gains.retain(|gain| !gain.electrodes.iter().any(is_off));
+    gains
 }
 
 /// Mean of the frames: `[index in a frame]`.
@@ -170,42 +228,60 @@ struct Reference {
     values: Vec<Complex64>,
     /// Standard deviation of the noise of one frame, along the mean; 0 where there are too few frames.
     noise: Vec<f64>,
-    frames: usize,
+    /// Times that noise is what it may well add to the mean.
+    blur: f64,
 }
 
 impl Reference {
     fn of(frames: &Frames) -> Self {
-        Self { values: frames.mean(), noise: signal::noise(frames), frames: frames.frames }
+        let blur = BLUR / (frames.frames as f64).sqrt();
+        Self { values: frames.mean(), noise: signal::noise(frames), blur }
+    }
+
+    /// The value in a place, minus another one or an offset, and what noise may add to it.
+    fn value(&self, place: usize, other: Option<usize>, offset: Complex64) -> (Complex64, f64) {
+        let blur = |place: usize| self.blur * self.noise[place];
+        match other {
+            Some(other) => (self.values[place] - self.values[other], blur(place).hypot(blur(other))),
+            None => (self.values[place] - offset, blur(place)),
+        }
     }
 }
 
-/// The reference step by step: `[step]`, in the file's electrode numbers.
+/// The reference step by step, read as explained: `[step]`, in the file's electrode numbers.
 struct Readings {
     /// Index in a frame.
     indices: Vec<usize>,
     measured: Vec<Complex64>,
     /// Of one frame.
     noise: Vec<f64>,
-    /// Magnitude that noise alone may give the mean.
+    /// Magnitude below which neither size nor sign say much.
     blur: Vec<f64>,
     /// What the model says of the electrodes behind the file's numbers.
     model: Vec<f64>,
+    /// Signed logarithm of measured over model, without what its class has in common.
+    residuals: Vec<f64>,
+    /// Logarithms of magnitude, model and measured.
+    logarithms: Vec<(f64, f64)>,
     /// Magnitude up to which a measurement is dead.
     floor: f64,
 }
 
 impl Readings {
-    fn of(expected: &Expected, reference: &Reference, wiring: &Wiring) -> Result<Self, OrderError> {
-        let steps = &expected.steps;
-        let indices = wiring.arrangement.file_indices(steps, expected.electrodes, reference.values.len())?;
-        let measured: Vec<_> = indices.iter().map(|&index| reference.values[index]).collect();
-        let noise: Vec<f64> = indices.iter().map(|&index| reference.noise[index]).collect();
-        let blur = BLUR / (reference.frames as f64).sqrt();
+    fn of(expected: &Expected, frames: &Frames, explained: &Explained) -> Result<Self, OrderError> {
+        let Explained { reading, likeness } = explained;
+        let reference = Reference::of(frames);
+        let places = reading.places(&expected.steps, expected.electrodes, frames.measurements)?;
+        let indices: Vec<usize> = places.into_iter().map(|(place, _)| place).collect();
+        let measured: Vec<_> =
+            indices.iter().map(|&index| reference.values[index] - reading.offset).collect();
         Ok(Self {
-            blur: noise.iter().map(|noise| blur * noise).collect(),
-            noise,
+            blur: likeness.unknown.iter().map(|unknown| unknown * likeness.gain).collect(),
+            noise: indices.iter().map(|&index| reference.noise[index]).collect(),
             floor: DEAD * median(measured.iter().map(|value| value.norm())),
-            model: steps.iter().map(|&step| expected.voltage(wiring.step(step))).collect(),
+            model: expected.steps.iter().map(|&step| expected.voltage(reading.wiring.step(step))).collect(),
+            residuals: likeness.residuals.clone(),
+            logarithms: likeness.logarithms().collect(),
             measured,
             indices,
         })
@@ -219,41 +295,19 @@ impl Readings {
         (0..self.measured.len()).filter(|&step| self.is_dead(step)).collect()
     }
 
-    /// What was measured, zero where noise decides the sign.
+    /// Whether neither noise nor the model's errors leave the sign of a step uncertain.
+    fn is_clear(&self, step: usize) -> bool {
+        let (model, measured) = self.logarithms[step];
+        let blur = self.blur[step];
+        // Logarithms are of magnitudes together with the blur.
+        self.measured[step].norm() > blur
+            && (model - measured).exp() * self.measured[step].norm().hypot(blur) > CLEAR * blur
+    }
+
+    /// What was measured, zero where the sign is not certain.
     fn clear(&self) -> Vec<Complex64> {
-        let steps = self.measured.iter().zip(&self.blur);
-        steps.map(|(value, &blur)| if value.norm() > blur { *value } else { Complex64::ZERO }).collect()
-    }
-
-    /// Logarithms of magnitude, model and measured, both blurred by the noise; `None` where one of them is zero.
-    fn logarithms(&self) -> Vec<Option<(f64, f64)>> {
-        let magnitudes = |step: usize| {
-            let (model, measured) = (self.model[step].abs(), self.measured[step].norm());
-            (model > 0.0 && measured > self.floor).then_some((model, measured))
-        };
-        let steps = 0..self.measured.len();
-        let scale = median(steps.clone().filter_map(magnitudes).map(|(model, measured)| measured / model));
-        let of_step = |step: usize| {
-            let (model, measured) = magnitudes(step)?;
-            let blur = self.blur[step];
-            Some((model.hypot(blur / scale).ln(), measured.hypot(blur).ln()))
-        };
-        steps.map(of_step).collect()
-    }
-
-    /// Logarithm of recorded over model magnitude, against their median: `[step]`.
-    fn residuals(&self) -> Vec<Option<f64>> {
-        let ratios: Vec<_> = self
-            .logarithms()
-            .into_iter()
-            .map(|pair| pair.map(|(model, measured)| measured - model))
-            .collect();
-        let median = median(ratios.iter().flatten().copied());
-        ratios.into_iter().map(|ratio| ratio.map(|ratio| ratio - median)).collect()
-    }
-
-    fn correlation(&self) -> f64 {
-        pearson(&self.logarithms().into_iter().flatten().collect::<Vec<_>>())
+        let value = |step: usize| if self.is_clear(step) { self.measured[step] } else { Complex64::ZERO };
+        (0..self.measured.len()).map(value).collect()
     }
 }
 

@@ -1,22 +1,13 @@
 //! Which electrode of the skin each electrode of the file is.
 
 use super::{
-    super::{
-        diagnose::{RESEMBLING, TIE, another_rotation_ties, best, is_clearly_better},
-        order::{Arrangement, OrderError},
-    },
-    Expected, Readings, Reference,
+    super::order::{Arrangement, OrderError},
+    causes::{self, Explained},
+    likeness::Comparison,
+    reading::Reading,
 };
 use dermatome_shared::stimulation::Step;
-use rayon::prelude::*;
 use serde::Serialize;
-
-/// Exchanged electrodes that are looked for.
-const MOST_EXCHANGES: usize = 4;
-/// Electrodes that are tried against each other: those that fit worst.
-const SUSPECTS: usize = 16;
-/// An exchange must explain this share of what is unexplained.
-const EXPLAINED: f64 = 0.5;
 
 /// What the reference says about the order and the numbers of a file's electrodes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -96,133 +87,39 @@ impl Wiring {
     }
 }
 
-/// A wiring, the exchanges that led to it, and how well it fits.
-#[derive(Clone)]
-struct Explanation {
-    wiring: Wiring,
-    exchanged: Vec<Exchange>,
-    correlation: f64,
+impl Numbering {
+    /// Of a frame that is read as explained; correlations are with everything else that was found.
+    pub(super) fn of(
+        comparison: &Comparison<'_>,
+        explained: &Explained,
+        used: Arrangement,
+    ) -> Result<Self, OrderError> {
+        let electrodes = comparison.expected.electrodes;
+        let best = explained.reading.arrangement();
+        let as_wired = Reading { exchanged: Vec::new(), ..explained.reading.clone() };
+        let correlation = |arrangement: Arrangement| -> Result<f64, OrderError> {
+            Ok(comparison.of(&as_wired.rearranged(arrangement, electrodes))?.correlation())
+        };
+        Ok(Self {
+            used,
+            correlation: correlation(used)?,
+            best,
+            best_correlation: correlation(best)?,
+            rotation_ambiguous: another_rotation_ties(comparison, explained),
+            exchanged: explained.reading.exchanged.clone(),
+            exchanged_correlation: explained.likeness.correlation(),
+        })
+    }
 }
 
-/// Finds order, rotation, mirror and exchanged electrodes.
-pub(super) fn find(
-    expected: &Expected,
-    reference: &Reference,
-    used: Arrangement,
-) -> Result<(Numbering, Wiring), OrderError> {
-    let correlations = correlations(expected, reference, used)?;
-    let of = |wanted: Arrangement| correlations.iter().find(|(a, _)| *a == wanted).map_or(0.0, |(_, c)| *c);
-    let (best, best_correlation) = best(&correlations, used);
-    let correlation = of(used);
-    let taken = if is_clearly_better(best_correlation, correlation) { best } else { used };
-    let explain = |arrangement| explain(expected, reference, arrangement, of(arrangement));
-    let mut explanation = explain(taken)?;
-    if taken != used {
-        // The simpler explanation: electrodes exchanged, but nothing turned round.
-        let plain = explain(used)?;
-        explanation = if plain.correlation > explanation.correlation - TIE { plain } else { explanation };
-    }
-    let best = if explanation.exchanged.is_empty() { best } else { explanation.wiring.arrangement };
-    let numbering = Numbering {
-        used,
-        correlation,
-        best,
-        best_correlation: of(best),
-        rotation_ambiguous: another_rotation_ties(&correlations, best),
-        exchanged_correlation: if explanation.exchanged.is_empty() {
-            of(best)
-        } else {
-            explanation.correlation
-        },
-        exchanged: explanation.exchanged,
+/// Whether another rotation explains the frame as well.
+fn another_rotation_ties(comparison: &Comparison<'_>, last: &Explained) -> bool {
+    let electrodes = comparison.expected.electrodes;
+    let arrangement = last.reading.arrangement();
+    let others = (0..electrodes).filter(|&rotation| rotation != arrangement.rotation);
+    let ties = |rotation: u8| {
+        let reading = last.reading.rearranged(Arrangement { rotation, ..arrangement }, electrodes);
+        comparison.of(&reading).is_ok_and(|other| causes::ties(other.disorder(), last.likeness.disorder()))
     };
-    Ok((numbering, explanation.wiring))
-}
-
-/// Every arrangement with its correlation.
-pub(super) fn correlations(
-    expected: &Expected,
-    reference: &Reference,
-    used: Arrangement,
-) -> Result<Vec<(Arrangement, f64)>, OrderError> {
-    // What `used` cannot be read as is an error; another order that cannot be is only left out.
-    let fit =
-        |arrangement: Arrangement| fit(expected, reference, &Wiring::new(arrangement, expected.electrodes));
-    fit(used)?;
-    let all: Vec<_> = Arrangement::all(expected.electrodes).collect();
-    Ok(all.into_par_iter().filter_map(|arrangement| Some((arrangement, fit(arrangement).ok()?))).collect())
-}
-
-fn fit(expected: &Expected, reference: &Reference, wiring: &Wiring) -> Result<f64, OrderError> {
-    Ok(Readings::of(expected, reference, wiring)?.correlation())
-}
-
-/// Exchanges electrodes one pair after the other, as long as each explains much of what is left.
-fn explain(
-    expected: &Expected,
-    reference: &Reference,
-    arrangement: Arrangement,
-    correlation: f64,
-) -> Result<Explanation, OrderError> {
-    let wiring = Wiring::new(arrangement, expected.electrodes);
-    let mut explanation = Explanation { wiring, exchanged: Vec::new(), correlation };
-    let mut last = explanation.clone();
-    let unexplained = |explanation: &Explanation| 1.0 - explanation.correlation;
-    for _ in 0..MOST_EXCHANGES {
-        if unexplained(&last) < TIE {
-            break;
-        }
-        let Some(next) = best_exchange(expected, reference, &last)? else { break };
-        last = next;
-        let much = unexplained(&last) < EXPLAINED * unexplained(&explanation)
-            && last.correlation > explanation.correlation + TIE;
-        if much && last.correlation > RESEMBLING {
-            explanation = last.clone();
-        }
-    }
-    Ok(explanation)
-}
-
-/// The exchange that helps most; `None` if none does.
-fn best_exchange(
-    expected: &Expected,
-    reference: &Reference,
-    last: &Explanation,
-) -> Result<Option<Explanation>, OrderError> {
-    let suspects = suspects(expected, &Readings::of(expected, reference, &last.wiring)?);
-    let mut best: Option<Explanation> = None;
-    for (i, &a) in suspects.iter().enumerate() {
-        for &b in &suspects[..i] {
-            for role in [Role::Both, Role::Drive, Role::Sense] {
-                let exchange = Exchange { electrodes: [a.min(b), a.max(b)], role };
-                let wiring = last.wiring.with(exchange);
-                let correlation = fit(expected, reference, &wiring)?;
-                if correlation > best.as_ref().unwrap_or(last).correlation + 1e-9 {
-                    let exchanged = [&last.exchanged[..], &[exchange]].concat();
-                    best = Some(Explanation { wiring, exchanged, correlation });
-                }
-            }
-        }
-    }
-    Ok(best)
-}
-
-/// Electrodes whose steps fit worst.
-fn suspects(expected: &Expected, readings: &Readings) -> Vec<u8> {
-    let mut sums = vec![(0.0, 0_u32); usize::from(expected.electrodes)];
-    for (step, residual) in expected.steps.iter().zip(readings.residuals()) {
-        for electrode in step.to_bytes() {
-            let (sum, count) = &mut sums[usize::from(electrode)];
-            *sum += residual.unwrap_or(0.0).abs();
-            *count += 1;
-        }
-    }
-    let mean = |electrode: &u8| {
-        let (sum, count) = sums[usize::from(*electrode)];
-        sum / f64::from(count.max(1))
-    };
-    let mut electrodes: Vec<u8> = (0..expected.electrodes).collect();
-    electrodes.sort_by(|a, b| mean(b).total_cmp(&mean(a)));
-    electrodes.truncate(SUSPECTS);
-    electrodes
+    others.into_iter().any(ties)
 }

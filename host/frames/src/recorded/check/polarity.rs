@@ -37,7 +37,8 @@ impl Polarity {
             (0..readings.measured.len()).map(|index| FileIndex { index, flipped: false }).collect();
         let signs = Signs::compare(&readings.model, &readings.clear(), &map);
         let differ = readings.model.iter().any(|&v| v > 0.0) && readings.model.iter().any(|&v| v < 0.0);
-        let mostly = |pair: fn(&Step) -> [u8; 2]| mostly(&expected.steps, &signs.disagreements, pair);
+        let clear: Vec<bool> = (0..readings.measured.len()).map(|step| readings.is_clear(step)).collect();
+        let mostly = |pair: fn(&Step) -> [u8; 2]| mostly(&expected.steps, &clear, &signs.disagreements, pair);
         let along: Complex64 = readings.measured.iter().zip(&readings.model).map(|(v, m)| v * *m).sum();
         Self {
             magnitudes_only: signs.magnitudes_only && differ,
@@ -51,10 +52,11 @@ impl Polarity {
     }
 }
 
-/// Pairs nearly all of whose steps are among `chosen`.
-fn mostly(steps: &[Step], chosen: &[usize], pair: fn(&Step) -> [u8; 2]) -> Vec<[u8; 2]> {
+/// Pairs nearly all of whose steps with a clear sign are among `chosen`.
+fn mostly(steps: &[Step], clear: &[bool], chosen: &[usize], pair: fn(&Step) -> [u8; 2]) -> Vec<[u8; 2]> {
     let mut counts: BTreeMap<[u8; 2], [usize; 2]> = BTreeMap::new();
-    steps.iter().for_each(|step| counts.entry(pair(step)).or_default()[0] += 1);
+    let of_clear = steps.iter().zip(clear).filter(|(_, clear)| **clear);
+    of_clear.for_each(|(step, _)| counts.entry(pair(step)).or_default()[0] += 1);
     chosen.iter().for_each(|&step| counts.entry(pair(&steps[step])).or_default()[1] += 1);
     let mostly = |[all, chosen]: [usize; 2]| all >= 3 && chosen as f64 >= MOSTLY * all as f64;
     counts.into_iter().filter(|(_, counts)| mostly(*counts)).map(|(pair, _)| pair).collect()

@@ -26,7 +26,8 @@ pub struct PairError {
     pub step: usize,
     /// The other one.
     pub other: usize,
-    /// Difference of magnitudes over their mean, 0 to 200 %. Signs are left to the polarity.
+    /// Difference of magnitudes over their mean, 0 to 200 %, of small ones over what the model does not know of them. Signs
+    /// are left to the polarity.
     pub error_percent: f64,
 }
 
@@ -55,6 +56,7 @@ impl Agreement {
 fn error(readings: &Readings, step: usize, other: usize) -> f64 {
     let (a, b) = (readings.measured[step], readings.measured[other]);
     let difference = (a - b).norm().min((a + b).norm());
-    let mean = (a.norm() + b.norm()) / 2.0;
+    let blur = readings.blur[step].min(readings.blur[other]);
+    let mean = ((a.norm() + b.norm()) / 2.0).hypot(blur);
     if mean > 0.0 { 100.0 * difference / mean } else { 0.0 }
 }

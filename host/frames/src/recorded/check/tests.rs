@@ -2,7 +2,7 @@ use super::*;
 use crate::recorded::{
     check::{
         findings::{About, Level},
-        numbering::{Exchange, Role},
+        numbering::{Exchange, Role, Wiring},
     },
     diagnose::TIE,
     order::SenseOrder,

@@ -3,6 +3,7 @@
 pub use crate::array::Source;
 
 use crate::array::{Array, ArrayError, file, show_shape};
+use dermatome_shared::stimulation::Step;
 use num_complex::Complex64;
 
 /// Recorded frames, and whether they carry a phase.
@@ -36,6 +37,28 @@ impl Frames {
         }
     }
 
+    /// Columns as frames instead of rows.
+    #[must_use]
+    pub fn transposed(self) -> Self {
+        let Self { frames, measurements, .. } = self;
+        let values = (0..measurements).flat_map(|m| (0..frames).map(move |frame| frame * measurements + m));
+        let values = values.map(|place| self.values[place]).collect();
+        Self { values, frames: measurements, measurements: frames, complex: self.complex }
+    }
+
+    /// Differences of the pairs that a skin senses, from full squares of electrode potentials: `[drive][sense plus]`.
+    pub fn apart(self, steps: &[Step], electrodes: u8) -> Result<Self, PotentialsError> {
+        let n = usize::from(electrodes);
+        if self.measurements != n * n {
+            return Err(PotentialsError::Length { found: self.measurements, square: n * n });
+        }
+        let distance = sense_distance(steps, electrodes).ok_or(PotentialsError::Distances)?;
+        let in_row = |row: &[Complex64]| -> Vec<Complex64> {
+            (0..n).map(|column| row[column] - row[(column + distance) % n]).collect()
+        };
+        Ok(Self { values: self.values.chunks_exact(n).flat_map(in_row).collect(), ..self })
+    }
+
     /// Subtracts a constant from every value.
     #[must_use]
     pub fn minus(mut self, offset: f64) -> Self {
@@ -49,6 +72,31 @@ impl Frames {
         let mean_of = |m: usize| self.iter().map(|frame| frame[m] / self.frames as f64).sum();
         (0..self.measurements).map(mean_of).collect()
     }
+}
+
+/// Why frames are not potentials of a skin's electrodes.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PotentialsError {
+    /// Not full squares.
+    #[error("frames hold {found} values each; allowed are {square}: every drive with every electrode")]
+    Length {
+        /// Values in a frame.
+        found: usize,
+        /// Electrodes squared.
+        square: usize,
+    },
+    /// A table of pairs.
+    #[error("the skin's sense pairs are not all equally far apart; allowed: a pattern, or differences")]
+    Distances,
+}
+
+/// Electrodes from the plus to the minus input, where it is the same in all steps.
+#[must_use]
+pub fn sense_distance(steps: &[Step], electrodes: u8) -> Option<usize> {
+    let n = u16::from(electrodes.max(1));
+    let distance = |step: &Step| (u16::from(step.sense_minus) + n - u16::from(step.sense_plus)) % n;
+    let first = distance(steps.first()?);
+    steps.iter().all(|step| distance(step) == first).then_some(usize::from(first))
 }
 
 /// Frames could not be read from a file.

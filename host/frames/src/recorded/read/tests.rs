@@ -1,5 +1,5 @@
 use super::*;
-use crate::array::file::Content;
+use crate::array::{file::Content, mat};
 use npyz::WriterBuilder;
 use proptest::prelude::*;
 use std::{
@@ -121,7 +121,7 @@ fn a_first_line_is_a_header_only_if_it_names_every_column() {
     assert_eq!(read("v_0,_x,Kanal 3\n1,2,3\n").unwrap(), [1.0, 2.0, 3.0]);
     assert_eq!(read("\"v0\",\"v1\"\n1,2\n").unwrap(), [1.0, 2.0]);
     for (text, cell) in [
-        ("1,5;2,5\n1;2\n", "line 1, column 1: `1,5`"),
+        ("1,5,5;2,5\n1;2\n", "line 1, column 1: `1,5,5`"),
         ("-;-\n1;2\n", "line 1, column 1: `-`"),
         (",\n1,2\n", "line 1, column 1: ``"),
         ("a,2\n1,2\n", "line 1, column 1: `a`"),
@@ -243,8 +243,99 @@ fn only_a_colon_after_npz_starts_a_key() {
 fn errors_name_the_file() {
     let error = read(&Source::new(OsStr::new("nowhere/run.npz:v"))).unwrap_err().to_string();
     assert!(error.starts_with("cannot read frames from `nowhere/run.npz:v`: "), "{error}");
-    let ending = read(&Source::new(OsStr::new("run.mat"))).unwrap_err().to_string();
-    assert!(ending.contains("must end in .npy, .npz, .csv or .txt"), "{ending}");
+    let ending = read(&Source::new(OsStr::new("run.xls"))).unwrap_err().to_string();
+    assert!(ending.contains("must end in .npy, .npz, .csv, .txt, .mat, .eit or .get"), "{ending}");
+}
+
+/// A MATLAB file of matrices, perhaps each compressed.
+fn mat_bytes(arrays: &[(&str, Array<'_>)], compressed: bool) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    mat::write_header(&mut bytes).unwrap();
+    for (name, array) in arrays {
+        let mut element = Vec::new();
+        mat::write_array(&mut element, name, array).unwrap();
+        if compressed {
+            let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
+            io::Write::write_all(&mut encoder, &element).unwrap();
+            let stream = encoder.finish().unwrap();
+            element = [&15_u32.to_le_bytes()[..], &(stream.len() as u32).to_le_bytes(), &stream].concat();
+        }
+        bytes.extend(element);
+    }
+    bytes
+}
+
+#[test]
+fn columns_of_a_matlab_matrix_are_frames() {
+    let frames = || Array::table(3, 2, |measurement, frame| (10 * frame + measurement) as f64);
+    for compressed in [false, true] {
+        let read = parse(Content::Mat, &mat_bytes(&[("vv", frames())], compressed)).unwrap();
+        assert_eq!((read.frames, read.measurements), (2, 3));
+        assert_eq!(real(&read), [0.0, 1.0, 2.0, 10.0, 11.0, 12.0]);
+        let complex = Array::table(2, 1, |row, _| Complex64::new(row as f64, -1.0));
+        let several = mat_bytes(&[("vv", frames()), ("z", complex)], compressed);
+        assert!(problem(Content::Mat, &several).contains("`vv` (2, 3), `z` (2,)"));
+        let chosen = frames_of(Content::Mat.parse(&several, Some("z")).unwrap()).unwrap();
+        assert_eq!(chosen.values, [Complex64::new(0.0, -1.0), Complex64::new(1.0, -1.0)]);
+        let missing = Content::Mat.parse(&several, Some("v")).err().unwrap().to_string();
+        assert!(missing.contains("no array `v`"), "{missing}");
+        let cut = &several[..several.len() - 9];
+        assert!(problem(Content::Mat, cut).contains("truncated or damaged"));
+    }
+}
+
+#[test]
+fn matlab_files_of_version_7_3_are_refused_with_what_to_do() {
+    let hdf = [vec![0; 512], b"\x89HDF\r\n\x1a\n".to_vec()].concat();
+    for bytes in [b"MATLAB 7.3 MAT-file, Platform".to_vec(), hdf] {
+        let refused = problem(Content::Mat, &bytes);
+        assert!(refused.contains("7.3") && refused.contains("'-v7'"), "{refused}");
+    }
+    assert!(problem(Content::Mat, b"junk").contains("not a MATLAB file"));
+}
+
+#[test]
+fn decimal_commas_are_read_where_something_else_separates_cells() {
+    let read = |text: &str| real(&parse(Content::Table, text.as_bytes()).unwrap());
+    let expected = [1.5, -2.25, 3.0, 4e-3];
+    for text in ["1,5;-2,25\n3;4e-3", "1,5\t-2,25\n3,0\t4,0e-3", "1,5 -2,25\n3,0 4,0e-3"] {
+        assert_eq!(read(text), expected, "{text}");
+    }
+    assert_eq!(read("1,5,2\n"), [1.0, 5.0, 2.0]);
+    assert_eq!(read("1, 5, 2\n"), [1.0, 5.0, 2.0]);
+    let twice = problem(Content::Table, b"1,5;1,2,3\n");
+    assert!(twice.contains("line 1, column 2: `1,2,3`"), "{twice}");
+}
+
+#[test]
+fn a_table_of_phasors_is_one_frame() {
+    let table = parse(Content::Table, b"n\tVr\tVi\tI\n1\t2\t4\t2\n2\t-3\t0\t1\n").unwrap();
+    assert_eq!((table.frames, table.measurements, table.complex), (1, 2, true));
+    assert_eq!(table.values, [Complex64::new(1.0, 2.0), Complex64::new(-3.0, 0.0)]);
+    let plain = parse(Content::Table, b"Vr;Vi\n1,5;2\n").unwrap();
+    assert_eq!(plain.values, [Complex64::new(1.5, 2.0)]);
+    let none = problem(Content::Table, b"Vr,Vi,I\n1,2,1\n1,2,0\n");
+    assert!(none.contains("line 3: the current I is zero"), "{none}");
+    let instrument = b"Channel : 2\nFrequency : 10kHz\n\nData\n1 2 9 9\n3 4 9 9\n5 6 9 9\n7 8 9 9\n";
+    let read = parse(Content::Table, instrument).unwrap();
+    assert_eq!((read.frames, read.measurements), (1, 4));
+    assert_eq!(read.values[3], Complex64::new(7.0, 8.0));
+    assert!(parse(Content::Table, b"a : b\nData\n1\n").is_err());
+}
+
+#[test]
+fn potentials_become_differences_and_columns_frames() {
+    let steps: Vec<Step> =
+        dermatome_shared::stimulation::pattern(4, 1, 1, dermatome_shared::stimulation::Driven::Measured)
+            .collect();
+    let square = parse(Content::Npy, &c_npy(&[1, 4, 4], &[1.0, 3.0, 6.0, 10.0].repeat(4))).unwrap();
+    let apart = square.clone().apart(&steps, 4).unwrap();
+    assert_eq!(real(&apart)[..4], [-2.0, -3.0, -4.0, 9.0]);
+    let error = square.apart(&steps, 5).unwrap_err().to_string();
+    assert!(error.contains("16") && error.contains("25"), "{error}");
+    let turned = parse(Content::Table, b"1,2\n3,4\n5,6\n").unwrap().transposed();
+    assert_eq!((turned.frames, turned.measurements), (2, 3));
+    assert_eq!(real(&turned), [1.0, 3.0, 5.0, 2.0, 4.0, 6.0]);
 }
 
 #[test]
@@ -257,6 +348,9 @@ fn parse_as_everything(bytes: &[u8]) {
     let _ = parse(Content::Npy, bytes);
     let _ = parse(Content::Table, bytes);
     let _ = parse(Content::Npz, bytes);
+    let _ = parse(Content::Mat, bytes);
+    let _ = parse(Content::Sciospec, bytes);
+    let _ = parse(Content::Get, bytes);
     let _ = Content::Npz.parse(bytes, Some("v")).map(frames_of);
 }
 
@@ -264,7 +358,21 @@ fn valid_files() -> Vec<Vec<u8>> {
     let array = c_npy(&[2, 2, 2], &[Complex64::new(1.0, -1.0); 8]);
     let several = npz_bytes(&[("v", array.clone()), ("w", c_npy(&[3], &[1_i16, 2, 3]))]);
     let table = b"# x\na,b\n1.5,2+1j\n-3e2,4\n".to_vec();
-    vec![array.clone(), npz_bytes(&[("v", array)]), several, table]
+    let matrices = |compressed| mat_bytes(&[("v", Array::table(2, 2, |row, _| row as f64))], compressed);
+    let eit = b"9\nsetup\n2025\n1\n1\n0\n1\n0.1\n1\n1 2\n1 2 3 4\n2 1\n5 6 7 8\n".to_vec();
+    let phasors = b"Channel : 2\nData\n1 2\n3 4\n".to_vec();
+    let get = [&b"---Draeger EIT-Software---\n\n\n"[..], &[0; 1024]].concat();
+    vec![
+        array.clone(),
+        npz_bytes(&[("v", array)]),
+        several,
+        table,
+        matrices(false),
+        matrices(true),
+        eit,
+        phasors,
+        get,
+    ]
 }
 
 proptest! {
@@ -279,7 +387,7 @@ proptest! {
 
     #[test]
     fn no_damage_makes_the_readers_panic(
-        file in 0..4_usize,
+        file in 0..9_usize,
         damage in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
         cut in prop::option::of(any::<prop::sample::Index>()),
     ) {

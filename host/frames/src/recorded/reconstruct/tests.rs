@@ -31,7 +31,7 @@ impl Toy {
         used: &Arrangement,
         polarity: Polarity,
     ) -> Result<Vec<FrameResult>, ReconstructError> {
-        reconstruct(&self.model, reference, frames, used, polarity)
+        reconstruct(&self.model, Reference::Mean(reference), frames, used, polarity)
     }
 
     /// Voltages with an object of this conductivity change at x, y.

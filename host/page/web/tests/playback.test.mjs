@@ -1,0 +1,110 @@
+// Recordings in a browser.
+
+import assert from "node:assert/strict";
+import { describe } from "node:test";
+
+import { openPage, screenshot, until, untilDrawn } from "./browser.mjs";
+import { Mock } from "./mock.mjs";
+import { record } from "./recordings.mjs";
+import { hemisphere } from "./skins.mjs";
+import { shared, state, test, text, withPage } from "./with_page.mjs";
+
+describe("recordings", () => {
+  const open = (page, buffer, name = "press.mcap") => page.setInputFiles("#file", { name, mimeType: "", buffer });
+
+  test("a recording is shown, scrubbed, stepped and closed", async () => {
+    const buffer = await record({ seconds: 3, rate: 100, mock: new Mock({ skin: hemisphere(), rate: 100 }) });
+    await withPage({}, async ({ page }) => {
+      await untilDrawn(page);
+      await open(page, buffer);
+      await until(page, () => window.dermatome.state().skin === "mock-hemisphere");
+      assert.equal(await text(page, "state"), "Recording");
+      const duration = (await state(page)).recording.duration;
+      assert.ok(Math.abs(duration - 2.99) < 1e-6, `duration ${duration}`);
+      await page.locator("#position").fill("1.5");
+      await until(page, () => window.dermatome.state().sequence === 150);
+      await page.keyboard.press("ArrowRight");
+      await until(page, () => window.dermatome.state().sequence === 151);
+      await page.keyboard.press("ArrowLeft");
+      await page.keyboard.press("ArrowLeft");
+      await until(page, () => window.dermatome.state().sequence === 149);
+      assert.match(await text(page, "time"), /^0:01\.490 \/ 0:02\.990$/);
+      await screenshot(page, "recording-light");
+      await page.keyboard.press(" ");
+      await until(page, () => window.dermatome.state().sequence > 180);
+      assert.equal(await page.isDisabled("#tare"), true);
+      await page.click("#close-recording");
+      await until(page, () => window.dermatome.state().skin === "mock-disc" && window.dermatome.state().sequence > 0);
+      assert.equal(await text(page, "state"), "Live");
+    });
+  });
+
+  test("the plots show the minute before the position, wherever one scrubs", async () => {
+    const buffer = await record({ seconds: 6, rate: 50 });
+    await withPage({}, async ({ page }) => {
+      await untilDrawn(page);
+      await open(page, buffer);
+      await until(page, () => window.dermatome.state().recording);
+      await page.keyboard.press("2");
+      for (const seconds of ["5", "2", "4"]) {
+        await page.locator("#position").fill(seconds);
+        await page.waitForTimeout(500);
+        const [plotted, shown] = await page.evaluate(() => [
+          Number(document.querySelector(".plot:not([hidden]) output").textContent),
+          window.dermatome.state().contacts.reduce((sum, { strength }) => sum + strength, 0),
+        ]);
+        assert.ok(Math.abs(plotted - shown) < 0.01, `at ${seconds} s: ${plotted} and ${shown}`);
+      }
+      await screenshot(page, "recording-plots-light");
+    });
+  });
+
+  test("a recording that was cut is shown up to its last whole chunk", async () => {
+    const whole = await record({ seconds: 3, rate: 100 });
+    await withPage({}, async ({ page }) => {
+      await open(page, whole.subarray(0, Math.floor(whole.length * 0.6)));
+      await until(page, () => window.dermatome.state().recording?.isCut && window.dermatome.state().sequence === 0);
+      const { duration } = (await state(page)).recording;
+      assert.ok(duration > 1 && duration < 2, `duration ${duration}`);
+      assert.match(await text(page, "banners"), /The file was cut/);
+    });
+  });
+
+  test("a file is opened where it is dropped, also without the program", async () => {
+    const buffer = await record({ seconds: 1, rate: 50 });
+    const mock = await new Mock().listen();
+    const { page, errors, close } = await openPage(shared.browser, mock.url);
+    await untilDrawn(page);
+    await mock.close();
+    const transfer = await page.evaluateHandle((bytes) => {
+      const transfer = new DataTransfer();
+      transfer.items.add(new File([Uint8Array.from(bytes)], "dropped.mcap"));
+      return transfer;
+    }, [...buffer]);
+    await page.dispatchEvent("body", "drop", { dataTransfer: transfer });
+    await until(page, () => window.dermatome.state().recording && window.dermatome.state().sequence === 0);
+    assert.equal(await text(page, "playback-name"), "dropped.mcap");
+    assert.deepEqual(errors, []);
+    await close();
+  });
+
+  const wrong = [
+    ["no MCAP", Buffer.from("PK\u0003\u0004 this is a zip file"), /photo\.mcap cannot be shown\. The file is not MCAP/],
+    ["empty", Buffer.alloc(0), /The file is empty/],
+    ["of another program", undefined, /no images or contacts/],
+    ["cut before the first chunk", null, /The recording is empty/],
+  ];
+  for (const [what, given, words] of wrong) {
+    test(`a file that is ${what}: words`, async () => {
+      const whole = await record({ seconds: 0.1, topics: ["/dermatome/measurements", "/dermatome/status"] });
+      const buffer = given === undefined ? whole : (given ?? whole.subarray(0, 60));
+      await withPage({}, async ({ page }) => {
+        await untilDrawn(page);
+        await open(page, buffer, "photo.mcap");
+        await until(page, () => document.getElementById("said-actions").textContent.includes("cannot be shown"));
+        assert.match(await text(page, "said-actions"), words);
+        assert.equal((await state(page)).recording, undefined);
+      });
+    });
+  }
+});
