@@ -8,8 +8,8 @@ use super::judge::{Wrong, alike};
 use dermatome_frames::recorded::{
     check::{
         Expected,
-        numbering::{Exchange, Role},
         reading::Misplacement,
+        wiring::{Exchange, Role},
     },
     order::{Arrangement, SenseOrder},
     read::Frames,

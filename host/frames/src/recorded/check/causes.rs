@@ -12,8 +12,8 @@ use super::{
         statistics::median,
     },
     likeness::{Comparison, Likeness},
-    numbering::{Exchange, Role},
     reading::{Misplacement, Reading, Rows},
+    wiring::{Exchange, Role},
 };
 use num_complex::Complex64;
 use rayon::prelude::*;

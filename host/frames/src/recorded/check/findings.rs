@@ -7,9 +7,10 @@ use super::{
     },
     Check, Expected,
     gain::PairGain,
-    numbering::{Exchange, Numbering, Role},
+    numbering::Numbering,
     reading::Misplacement,
     reciprocity::Agreement,
+    wiring::{Exchange, Role},
 };
 use serde::Serialize;
 
