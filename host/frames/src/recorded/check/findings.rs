@@ -223,7 +223,7 @@ fn misplacement_found(check: &Check, misplacement: Misplacement) -> Finding {
             fault(
                 About::Columns,
                 format!("columns {a} and {b} of the square are in each other's place {fit}"),
-                format!("exchange the two columns, or the channels of these sense pairs"),
+                "exchange the two columns, or the channels of these sense pairs",
             )
         }
     }
