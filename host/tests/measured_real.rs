@@ -9,7 +9,7 @@ use dermatome::{
         check::{
             Check, Expected, check as check_frames,
             findings::{About, Level},
-            numbering::{Exchange, Role},
+            wiring::{Exchange, Role},
         },
         diagnose::{Diagnosis, diagnose},
         order::{Arrangement, SenseOrder},

@@ -3,7 +3,7 @@
 use crate::{
     foxglove::{self, SUBPROTOCOLS, Said},
     outbox::{Letter, Outbox},
-    server::{Answer, Call, Room},
+    room::{Answer, Call, Room},
 };
 use std::{
     io::{self, Read, Write},

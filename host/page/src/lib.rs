@@ -13,7 +13,9 @@ mod foxglove;
 pub mod gate;
 mod http;
 mod outbox;
+mod room;
 mod server;
 
 pub use foxglove::Service;
-pub use server::{Call, Options, Server, ServerError};
+pub use room::Call;
+pub use server::{Options, Server, ServerError};

@@ -113,6 +113,7 @@ impl Desks {
         let start = Instant::now();
         let arguments: Vec<_> = case.arguments.iter().map(String::as_str).collect();
         let mut child = desk.start(&arguments);
+        child.read_output();
         let end = wait(&mut child);
         let time = start.elapsed();
         let fault = match end {

@@ -95,6 +95,10 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
         ("cut" | "export" | "experiment" | "man", "out") => &["", "notes.txt", "notes.txt/new"],
         ("calibrate" | "design" | "forward", "out") => &["", "-", "folder", "none/x", "notes.txt"],
         (_, name) if WRITTEN.contains(&name) => &["", "-", "folder", "none/x", "notes.txt", "notes.txt/x"],
+        // A board that is not there is waited for.
+        ("view", "port") => {
+            &["", "abc", "tcp:", "sim:none.toml", "replay:", "replay:none.mcap", "replay:notes.txt"]
+        }
         (_, "port") => PORTS,
         ("view", "listen") => &["", "abc", "127.0.0.1", "127.0.0.1:99999", "localhost:1", "8.8.8.8:1"],
         ("view", "token") => &["", "short", "with space", "a&b=cdefgh"],
@@ -122,7 +126,7 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
             &["", "a b", "ä", "../x", "abcdefghijklmnopqrstuvwxyzabcdefg", "a\u{1b}[2J"]
         }
         ("cut", "frame") => &["", "a b", "ä", "a\nb"],
-        ("stream", "fit") => LENGTHS,
+        ("stream" | "reconstruct", "fit") => LENGTHS,
         (_, "give-up-after") => &["", "x", "nan", "-1", "1e30"],
         ("calibrate", "start") => NUMBERS,
         ("experiment check", "amplitudes") => &["", "x", "0", "-1", "101", "nan", "50,x"],
@@ -203,7 +207,7 @@ const COMPANY: &[(&str, &[&str], &[&str])] = &[
 
 fn with(path: &[&str], rest: &[&str], option: &str, value: &str) -> Case {
     let given = format!("--{option}={value}");
-    let company = COMPANY.iter().filter(|(name, ..)| *name == option);
+    let company = COMPANY.iter().filter(|(name, ..)| *name == option && path != ["reconstruct"]);
     let (_, needs, without) = company.fold(("", &[][..], &[][..]), |_, found| *found);
     let goes = without.is_empty() || rest.iter().any(|word| without.contains(word));
     let needs = if goes { needs } else { &[] };
@@ -228,7 +232,8 @@ fn told(value: &str) -> String {
         "0mm" => "0.00 mm|0mm".to_owned(),
         "1e9" => "1000000000|1e9".to_owned(),
         _ => {
-            let whole = shown.strip_prefix("sim:").filter(|file| !file.is_empty()).unwrap_or(shown);
+            let file = shown.strip_prefix("sim:").or_else(|| shown.strip_prefix("replay:"));
+            let whole = file.filter(|file| !file.is_empty()).unwrap_or(shown);
             let pieces = shown.split([',', ' ']).map(|piece| if piece.is_empty() { "''" } else { piece });
             [whole].into_iter().chain(pieces).collect::<Vec<_>>().join("|")
         }

@@ -107,6 +107,8 @@ pub(crate) struct Running {
     what: String,
     child: Child,
     out: Option<BufReader<std::process::ChildStdout>>,
+    /// What reads standard output as it comes.
+    reads: Option<JoinHandle<String>>,
     err: Option<JoinHandle<String>>,
 }
 
@@ -115,7 +117,7 @@ impl Running {
         let mut child = command.spawn().unwrap();
         let out = child.stdout.take().map(BufReader::new);
         let err = child.stderr.take().map(collect);
-        Self { what: format!("{command:?}"), child, out, err }
+        Self { what: format!("{command:?}"), child, out, reads: None, err }
     }
 
     /// The next line of standard output, which must come within [`LIMIT`].
@@ -137,6 +139,11 @@ impl Running {
 
     pub(crate) fn is_running(&mut self) -> bool {
         self.child.try_wait().unwrap().is_none()
+    }
+
+    /// Reads standard output from now on as it comes: a pipe holds 64 KiB, and whoever writes more waits.
+    pub(crate) fn read_output(&mut self) {
+        self.reads = self.out.take().map(collect);
     }
 
     /// Nobody reads standard output any more.
@@ -162,7 +169,9 @@ impl Running {
     }
 
     pub(crate) fn finish_within(mut self, limit: Duration) -> Done {
-        let out = self.out.take().map(collect);
+        if self.reads.is_none() {
+            self.read_output();
+        }
         let started = Instant::now();
         let status = loop {
             match self.child.try_wait().unwrap() {
@@ -176,7 +185,7 @@ impl Running {
         };
         let text =
             |thread: Option<JoinHandle<String>>| thread.map_or_else(String::new, |t| t.join().unwrap());
-        Done { status, out: text(out), err: text(self.err.take()) }
+        Done { status, out: text(self.reads.take()), err: text(self.err.take()) }
     }
 }
 

@@ -1,10 +1,10 @@
 //! Options that say how a file of measured frames is to be read.
 
 use super::choices::SenseOrder;
-use anyhow::Context;
+use anyhow::{Context, bail};
 use dermatome_frames::recorded::{
     order::{self, Arrangement},
-    read::{Frames, ReadError, Source, read},
+    read::{Frames, Problem, ReadError, Source, read},
     wording::Wording,
 };
 use dermatome_model::skin::Skin;
@@ -44,7 +44,7 @@ impl FrameOptions {
     /// Reads frames of a skin.
     pub(super) fn read(&self, source: &Source, skin: &Skin) -> anyhow::Result<Frames> {
         let steps = skin.steps();
-        let frames = self.read_of(source, skin.electrodes.count, steps.len())?;
+        let frames = self.read_plain(source, skin.electrodes.count, steps.len())?;
         if !self.single_ended && !source.holds_potentials() {
             return Ok(frames);
         }
@@ -52,8 +52,26 @@ impl FrameOptions {
         apart.with_context(|| format!("`{source}` as potentials of electrodes"))
     }
 
-    /// Reads frames of so many electrodes and steps.
+    /// Presses are read as they are.
+    pub(super) fn refuse_for_presses(&self) -> anyhow::Result<()> {
+        let given = [(self.single_ended, "--single-ended"), (self.transpose, "--transpose")];
+        match given.iter().find(|(given, _)| *given) {
+            Some((_, option)) => {
+                bail!("{option} is not for presses; allowed: differences of pairs, a press a row")
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Reads frames of so many electrodes and steps, which are no potentials.
     pub(super) fn read_of(&self, source: &Source, electrodes: u8, steps: usize) -> Result<Frames, ReadError> {
+        if self.single_ended || source.holds_potentials() {
+            return Err(ReadError { file: source.to_string(), problem: Problem::Potentials });
+        }
+        self.read_plain(source, electrodes, steps)
+    }
+
+    fn read_plain(&self, source: &Source, electrodes: u8, steps: usize) -> Result<Frames, ReadError> {
         let frames = read(source)?;
         let square = usize::from(electrodes).pow(2);
         let fits = |length: usize| length == steps || length == square;

@@ -99,6 +99,7 @@ struct Report {
 const TURNED: f64 = 8.0;
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    args.options.refuse_for_presses()?;
     let mut skin = Skin::load(&args.skin)?.made()?;
     let in_presses = || format!("presses `{}`", args.presses.display());
     let in_both = || format!("presses `{}` on skin file `{}`", args.presses.display(), args.skin.display());

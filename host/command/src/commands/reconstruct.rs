@@ -320,7 +320,7 @@ fn picture(skin: &Skin, model: &Model, report: &Report) -> anyhow::Result<Vec<u8
     let layout = match (&surface, grid) {
         (Ok(surface), _) => Layout::from(surface),
         (Err(_), Some(grid)) => Layout::from(grid),
-        (Err(error), None) => return Err(error.clone()).context("--png"),
+        (Err(error), None) => return Err(*error).context("--png"),
     };
     let scale = Scale::RELATIVE;
     let sheet =

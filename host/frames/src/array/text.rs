@@ -17,12 +17,12 @@ use std::{collections::HashSet, str::FromStr};
 /// found in its first line.
 pub(super) fn parse(bytes: &[u8]) -> Result<Array<'static>, ArrayError> {
     if let Some(data) = after_data_line(bytes) {
-        return phasors(read(data)?.1, [0, 1], None);
+        return phasors(&read(data)?.1, [0, 1], None);
     }
     let (header, table) = read(bytes)?;
     let column = |name: &str| header.iter().position(|cell| cell.eq_ignore_ascii_case(name));
     match (column("Vr"), column("Vi")) {
-        (Some(real), Some(imaginary)) => phasors(table, [real, imaginary], column("I")),
+        (Some(real), Some(imaginary)) => phasors(&table, [real, imaginary], column("I")),
         _ => Ok(table.into_array()),
     }
 }
@@ -46,7 +46,7 @@ fn after_data_line(bytes: &[u8]) -> Option<&[u8]> {
 
 /// One frame of the rows' real and imaginary parts, over a current.
 fn phasors(
-    table: Table,
+    table: &Table,
     [real, imaginary]: [usize; 2],
     current: Option<usize>,
 ) -> Result<Array<'static>, ArrayError> {

@@ -8,8 +8,8 @@ use super::judge::{Wrong, alike};
 use dermatome_frames::recorded::{
     check::{
         Expected,
-        numbering::{Exchange, Role},
         reading::Misplacement,
+        wiring::{Exchange, Role},
     },
     order::{Arrangement, SenseOrder},
     read::Frames,
@@ -313,7 +313,7 @@ impl<'a> Whole<'a> {
         };
         let mut turned = self.clone();
         for (turned, whole) in turned.values.iter_mut().zip(&self.values) {
-            for place in 0..n * n {
+            for (place, turned) in turned.iter_mut().enumerate() {
                 let Step { drive_plus, drive_minus, sense_plus, sense_minus } =
                     self.cyclic.step(place / n, place % n);
                 let [dp, dm, sp, sm] =
@@ -324,7 +324,7 @@ impl<'a> Whole<'a> {
                     if ahead(dm, dp) == self.cyclic.drive { (dm, 1.0) } else { (dp, -1.0) };
                 let (column, sense_sign) =
                     if ahead(sp, sm) == self.cyclic.sense { (sp, 1.0) } else { (sm, -1.0) };
-                turned[place] = whole[row * n + column] * drive_sign * sense_sign;
+                *turned = whole[row * n + column] * drive_sign * sense_sign;
             }
         }
         turned.file(self.square)
@@ -408,7 +408,7 @@ impl<'a> Whole<'a> {
         let mut open = self.clone();
         let size = median(open.values[0].iter().map(|value| value.norm()));
         for whole in &mut open.values {
-            for place in 0..n * n {
+            for (place, value) in whole.iter_mut().enumerate() {
                 let step = self.cyclic.step(place / n, place % n);
                 let is = |a: u8, b: u8| usize::from(a) == electrode || usize::from(b) == electrode;
                 let of = if is(step.drive_plus, step.drive_minus) {
@@ -418,7 +418,7 @@ impl<'a> Whole<'a> {
                 } else {
                     continue;
                 };
-                whole[place] = Complex64::from(of * size * random.random_range(-1.0..1.0));
+                *value = Complex64::from(of * size * random.random_range(-1.0..1.0));
             }
         }
         open
@@ -430,9 +430,9 @@ impl<'a> Whole<'a> {
         let mut noisy = self.clone();
         let size = median(noisy.values[0].iter().map(|value| value.norm()));
         for whole in &mut noisy.values {
-            for place in 0..n * n {
+            for (place, value) in whole.iter_mut().enumerate() {
                 if self.cyclic.step(place / n, place % n).to_bytes().map(usize::from).contains(&electrode) {
-                    whole[place] += size * random.random_range(-0.5..0.5);
+                    *value += size * random.random_range(-0.5..0.5);
                 }
             }
         }
@@ -471,7 +471,7 @@ impl Cyclic {
 /// Pairs (k, k + distance), with signs, whose differences add up to that from one electrode to another.
 fn chain(from: usize, to: usize, distance: usize, n: usize) -> Option<Vec<(usize, f64)>> {
     let ahead = (0..n).find(|&count| (from + count * distance) % n == to)?;
-    let around = (0..=n).skip(1).find(|&count| count * distance % n == 0)?;
+    let around = (0..=n).skip(1).find(|&count| (count * distance).is_multiple_of(n))?;
     if ahead * 2 <= around {
         Some((0..ahead).map(|count| ((from + count * distance) % n, 1.0)).collect())
     } else {

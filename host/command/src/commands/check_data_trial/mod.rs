@@ -22,7 +22,10 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::{ffi::OsString, path::PathBuf};
+use std::{
+    ffi::OsString,
+    path::{Path, PathBuf},
+};
 
 /// Try `check-data` on frames that are spoilt on purpose, each in one way.
 ///
@@ -115,7 +118,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     args.json.write(&report)
 }
 
-fn recorded(args: &Args, path: &PathBuf) -> anyhow::Result<Vec<Set>> {
+fn recorded(args: &Args, path: &Path) -> anyhow::Result<Vec<Set>> {
     ensure!(!args.files.is_empty(), "a skin file is given and no FILE; allowed: at least one");
     let skin = Skin::load(path)?.made()?;
     let expected = Expected::of(&skin).with_context(|| format!("skin file `{}`", path.display()))?;

@@ -133,10 +133,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         }
     };
     if let Some(text) = &args.listen.listen {
+        let listen = Listen::new(text, args.listen.allow_remote).address()?;
         if !is_recording {
             bail!("`--listen` plays recordings (.mcap), and `{}` is none", path.display());
         }
-        let listen = Listen::new(text, args.listen.allow_remote).address()?;
         let board = board_for_recording(&path, patch.map(|(bytes, _)| bytes), listen)?;
         say!("`{}` listens at tcp:{}", path.display(), board.address());
         return keep_running(board);

@@ -12,8 +12,8 @@ use super::{
         statistics::median,
     },
     likeness::{Comparison, Likeness},
-    numbering::{Exchange, Role},
     reading::{Misplacement, Reading, Rows},
+    wiring::{Exchange, Role},
 };
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -80,11 +80,11 @@ struct Candidate {
 #[derive(Clone, Copy)]
 enum Shows {
     /// In every step and its class; it leaves at most this share.
-    InBias(f64),
+    Bias(f64),
     /// In every step against others of its class.
-    InScatter,
+    Scatter,
     /// In some steps against others of their class.
-    InSome,
+    Part,
 }
 
 /// A candidate that explains enough, with what it leaves as a share of what was left.
@@ -126,18 +126,18 @@ fn good(comparison: &Comparison<'_>, last: &Explained, candidate: Candidate) -> 
     let Candidate { reading, rank, shows } = candidate;
     let likeness = comparison.of(&reading).ok()?;
     let (before, after, is_enough) = match shows {
-        Shows::InBias(share) => {
+        Shows::Bias(share) => {
             let (before, after) = (last.likeness.cost(), likeness.cost());
             (before, after, after < share * before - LESS || share > 1.0)
         }
-        Shows::InScatter => {
+        Shows::Scatter => {
             let (before, after) = (last.likeness.disorder(), likeness.disorder());
             let (all_before, all_after) = (last.likeness.cost(), likeness.cost());
             let is_less = |after: f64, before: f64| after < LEAVES * before - LESS;
             let neither_is_more = after <= before && all_after <= all_before;
             (before, after, is_less(after, before) || (neither_is_more && is_less(all_after, all_before)))
         }
-        Shows::InSome => {
+        Shows::Part => {
             let (before, after) = (last.likeness.disorder(), likeness.disorder());
             (before, after, explains_some(comparison, last, &reading, &likeness))
         }
@@ -200,30 +200,30 @@ fn candidates(comparison: &Comparison<'_>, last: &Explained) -> Vec<Candidate> {
     for arrangement in Arrangement::all(expected.electrodes) {
         let rank = changes(arrangement, reading.arrangement());
         if rank > 0 {
-            add(reading.rearranged(arrangement, expected.electrodes), rank * SIMPLER, Shows::InScatter);
+            add(reading.rearranged(arrangement, expected.electrodes), rank * SIMPLER, Shows::Scatter);
         }
     }
     let is_square = found == n * n;
     let distance = sense_distance(&expected.steps, expected.electrodes).filter(|_| is_square);
     if reading.potentials.is_none() && reading.offset == Complex64::ZERO {
         if let Some((offset, leaves)) = offset(comparison, reading) {
-            add(Reading { offset, ..reading.clone() }, SIMPLER, Shows::InBias(leaves));
+            add(Reading { offset, ..reading.clone() }, SIMPLER, Shows::Bias(leaves));
         }
         if distance.is_some() {
-            add(Reading { potentials: distance, ..reading.clone() }, SIMPLER, Shows::InBias(LEAVES));
+            add(Reading { potentials: distance, ..reading.clone() }, SIMPLER, Shows::Bias(LEAVES));
         }
     }
     let misplaced = |misplacement: Misplacement| reading.with_misplaced(misplacement);
     if is_square && !reading.misplaced.contains(&Misplacement::Transposed) {
         let transposed = misplaced(Misplacement::Transposed);
-        add(transposed.clone(), SIMPLER, Shows::InScatter);
+        add(transposed.clone(), SIMPLER, Shows::Scatter);
         for sense in [SenseOrder::Absolute, SenseOrder::Relative] {
             let arrangement = Arrangement { sense, ..reading.arrangement() };
             let potentials = distance.filter(|_| reading.offset == Complex64::ZERO);
             if sense != reading.arrangement().sense {
-                add(transposed.rearranged(arrangement, expected.electrodes), 2 * SIMPLER, Shows::InScatter);
+                add(transposed.rearranged(arrangement, expected.electrodes), 2 * SIMPLER, Shows::Scatter);
             } else if potentials.is_some() && reading.potentials.is_none() {
-                add(Reading { potentials, ..transposed.clone() }, 2 * SIMPLER, Shows::InBias(LEAVES));
+                add(Reading { potentials, ..transposed.clone() }, 2 * SIMPLER, Shows::Bias(LEAVES));
             }
         }
     }
@@ -231,19 +231,19 @@ fn candidates(comparison: &Comparison<'_>, last: &Explained) -> Vec<Candidate> {
         |it: &Misplacement| matches!(it, Misplacement::Shifted(_) | Misplacement::ColumnsShifted(_));
     if found <= MOST_SHIFTS && !reading.misplaced.iter().any(is_shifted) {
         for by in 1..found {
-            add(misplaced(Misplacement::Shifted(by)), 3 * SIMPLER + by.min(found - by), Shows::InScatter);
+            add(misplaced(Misplacement::Shifted(by)), 3 * SIMPLER + by.min(found - by), Shows::Scatter);
         }
         if is_square {
             for by in 1..n {
                 add(
                     misplaced(Misplacement::ColumnsShifted(by)),
                     3 * SIMPLER + by.min(n - by),
-                    Shows::InScatter,
+                    Shows::Scatter,
                 );
             }
         }
     }
-    let mut add_some = |reading: Reading, rank: usize| add(reading, rank * SIMPLER, Shows::InSome);
+    let mut add_some = |reading: Reading, rank: usize| add(reading, rank * SIMPLER, Shows::Part);
     if rows.common_length().is_some() && rows.count() <= MOST_ROWS {
         for (a, b) in pairs(rows.count()) {
             add_some(misplaced(Misplacement::Rows([a, b])), 3);

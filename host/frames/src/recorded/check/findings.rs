@@ -7,9 +7,10 @@ use super::{
     },
     Check, Expected,
     gain::PairGain,
-    numbering::{Exchange, Numbering, Role},
+    numbering::Numbering,
     reading::Misplacement,
     reciprocity::Agreement,
+    wiring::{Exchange, Role},
 };
 use serde::Serialize;
 
@@ -222,7 +223,7 @@ fn misplacement_found(check: &Check, misplacement: Misplacement) -> Finding {
             fault(
                 About::Columns,
                 format!("columns {a} and {b} of the square are in each other's place {fit}"),
-                format!("exchange the two columns, or the channels of these sense pairs"),
+                "exchange the two columns, or the channels of these sense pairs",
             )
         }
     }

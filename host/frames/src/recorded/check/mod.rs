@@ -19,6 +19,7 @@ pub mod polarity;
 pub mod reading;
 pub mod reciprocity;
 pub mod signal;
+pub mod wiring;
 
 use super::{
     diagnose::DEAD,

@@ -6,7 +6,7 @@ use super::{
         read::Frames,
     },
     Expected,
-    numbering::{Exchange, Wiring},
+    wiring::{Exchange, Wiring},
 };
 use dermatome_shared::stimulation::Step;
 use num_complex::Complex64;

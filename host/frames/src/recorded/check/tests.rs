@@ -2,7 +2,7 @@ use super::*;
 use crate::recorded::{
     check::{
         findings::{About, Level},
-        numbering::{Exchange, Role, Wiring},
+        wiring::{Exchange, Role, Wiring},
     },
     diagnose::TIE,
     order::SenseOrder,

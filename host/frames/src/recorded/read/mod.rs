@@ -130,6 +130,9 @@ pub enum Problem {
         /// The array's shape.
         shape: String,
     },
+    /// Potentials of electrodes where only differences can be used.
+    #[error("it holds potentials of electrodes; allowed here are differences of the skin's pairs")]
+    Potentials,
     /// A measurement that is no number.
     #[error("frame {frame}, measurement {measurement} (counted from 0) is {value}, not a finite number")]
     NotFinite {

@@ -157,6 +157,12 @@ impl Changes {
         arrangement: &Arrangement,
     ) -> Result<Self, ReconstructError> {
         let electrodes = model.mesh.electrodes.len() as u8;
+        if let Reference::Mean(it) | Reference::Each(it) = reference
+            && it.measurements != frames.measurements
+        {
+            let (frames, reference) = (frames.measurements, it.measurements);
+            return Err(ReconstructError::Lengths { frames, reference });
+        }
         let map = arrangement.index_map(&model.steps, electrodes, frames.measurements)?;
         let references: Vec<Vec<Complex64>> = match reference {
             Reference::Subtracted if model.difference == Difference::Normalised => {
@@ -177,10 +183,6 @@ impl Changes {
             }
             Reference::Each(reference) => reference.iter().map(<[Complex64]>::to_vec).collect(),
         };
-        let length = references.first().map_or(0, Vec::len);
-        if length != frames.measurements {
-            return Err(ReconstructError::Lengths { frames: frames.measurements, reference: length });
-        }
         let alive = |mut reference: Vec<Complex64>| {
             let floor = dead_below(&reference, &map);
             // A dead measurement is exactly zero, and so is left out of the image.

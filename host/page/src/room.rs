@@ -1,0 +1,221 @@
+//! Room: what all connections share, and what clients ask for.
+
+use crate::{
+    foxglove::{self, Service},
+    outbox::{Letter, Outbox},
+};
+use dermatome_messages::{Packed, Topic};
+use serde_json::{Value, json};
+use std::{
+    collections::HashMap,
+    io::{self, ErrorKind},
+    net::{Shutdown, TcpStream},
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicBool, AtomicUsize, Ordering},
+        mpsc::Sender,
+    },
+};
+
+/// What a client asks for. Whoever takes it answers it; dropped, it is answered with an error.
+#[derive(Debug)]
+pub struct Call {
+    /// Name of the service.
+    pub service: &'static str,
+    /// What was sent along.
+    pub request: Value,
+    pub(crate) answer: Answer,
+}
+
+impl Call {
+    /// Answers: with what there is to say, or why it was not done.
+    pub fn answer(mut self, result: Result<Value, String>) {
+        self.answer.send(result);
+    }
+}
+
+/// Where an answer goes.
+#[derive(Debug)]
+pub(crate) struct Answer {
+    outbox: Arc<Outbox>,
+    service: u32,
+    call: u32,
+    is_sent: bool,
+}
+
+impl Answer {
+    pub(crate) fn new(outbox: Arc<Outbox>, service: u32, call: u32) -> Self {
+        Self { outbox, service, call, is_sent: false }
+    }
+
+    fn send(&mut self, result: Result<Value, String>) {
+        self.is_sent = true;
+        let content = match result {
+            Ok(Value::Object(mut content)) => {
+                content.insert("ok".to_owned(), true.into());
+                Value::Object(content)
+            }
+            Ok(_) => json!({ "ok": true }),
+            Err(error) => json!({ "ok": false, "error": error }),
+        };
+        let payload = content.to_string();
+        self.outbox.put(Letter::Binary(foxglove::response(self.service, self.call, payload.as_bytes())));
+    }
+}
+
+impl Drop for Answer {
+    fn drop(&mut self) {
+        if !self.is_sent {
+            self.send(Err("nobody does that now".to_owned()));
+        }
+    }
+}
+
+/// What all connections share.
+pub(crate) struct Room {
+    pub(crate) name: String,
+    pub(crate) session: String,
+    pub(crate) services: &'static [Service],
+    calls: Mutex<Sender<Call>>,
+    inside: Mutex<Inside>,
+    /// Subscriptions: `[topic]`.
+    subscribers: [AtomicUsize; Topic::ALL.len()],
+    pub(crate) connections: AtomicUsize,
+    pub(crate) is_closed: AtomicBool,
+}
+
+#[derive(Default)]
+struct Inside {
+    clients: HashMap<u64, Inhabitant>,
+    next: u64,
+    lasting: HashMap<Topic, (u64, Arc<[u8]>)>,
+    dropped: u64,
+}
+
+struct Inhabitant {
+    outbox: Arc<Outbox>,
+    stream: TcpStream,
+    /// By the client's numbers.
+    subscriptions: HashMap<u32, Topic>,
+}
+
+impl Room {
+    pub(crate) fn new(
+        name: String,
+        session: String,
+        services: &'static [Service],
+        calls: Sender<Call>,
+    ) -> Self {
+        Self {
+            name,
+            session,
+            services,
+            calls: Mutex::new(calls),
+            inside: Mutex::default(),
+            subscribers: Default::default(),
+            connections: AtomicUsize::new(0),
+            is_closed: AtomicBool::new(false),
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Inside> {
+        self.inside.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(crate) fn publish(&self, packed: Packed) {
+        let Packed { topic, log_time, bytes, .. } = packed;
+        if !self.wants(topic) && !topic.is_lasting() {
+            return;
+        }
+        let mut inside = self.lock();
+        if topic.is_lasting() {
+            inside.lasting.insert(topic, (log_time, bytes.clone()));
+        }
+        for client in inside.clients.values() {
+            for (&subscription, _) in client.subscriptions.iter().filter(|(_, of)| **of == topic) {
+                let bytes = bytes.clone();
+                client.outbox.put(Letter::Message { topic, subscription, log_time, bytes });
+            }
+        }
+    }
+
+    pub(crate) fn call(&self, call: Call) {
+        let calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
+        // Where nobody takes calls any more it is dropped, and so answered.
+        let _ = calls.send(call);
+    }
+
+    /// Lets a client in; gives its number.
+    pub(crate) fn enter(&self, outbox: Arc<Outbox>, stream: &TcpStream) -> io::Result<u64> {
+        let stream = stream.try_clone()?;
+        let mut inside = self.lock();
+        if self.is_closed.load(Ordering::Relaxed) {
+            return Err(ErrorKind::ConnectionAborted.into());
+        }
+        inside.next += 1;
+        let number = inside.next;
+        inside.clients.insert(number, Inhabitant { outbox, stream, subscriptions: HashMap::new() });
+        Ok(number)
+    }
+
+    pub(crate) fn leave(&self, client: u64) {
+        let mut inside = self.lock();
+        if let Some(gone) = inside.clients.remove(&client) {
+            inside.dropped += gone.outbox.dropped();
+            gone.subscriptions.values().for_each(|topic| self.count(*topic, false));
+        }
+    }
+
+    pub(crate) fn subscribe(&self, client: u64, subscription: u32, topic: Topic) {
+        let mut inside = self.lock();
+        let latest = inside.lasting.get(&topic).cloned();
+        let Some(client) = inside.clients.get_mut(&client) else { return };
+        if let Some(before) = client.subscriptions.insert(subscription, topic) {
+            self.count(before, false);
+        }
+        self.count(topic, true);
+        if let Some((log_time, bytes)) = latest {
+            client.outbox.put(Letter::Message { topic, subscription, log_time, bytes });
+        }
+    }
+
+    pub(crate) fn unsubscribe(&self, client: u64, subscription: u32) {
+        let mut inside = self.lock();
+        let gone =
+            inside.clients.get_mut(&client).and_then(|client| client.subscriptions.remove(&subscription));
+        gone.into_iter().for_each(|topic| self.count(topic, false));
+    }
+
+    fn count(&self, topic: Topic, comes: bool) {
+        let count = &self.subscribers[topic.index()];
+        if comes {
+            count.fetch_add(1, Ordering::Relaxed);
+        } else {
+            count.fetch_sub(1, Ordering::Relaxed);
+        }
+    }
+
+    /// Whether somebody subscribes to a topic.
+    pub(crate) fn wants(&self, topic: Topic) -> bool {
+        self.subscribers[topic.index()].load(Ordering::Relaxed) > 0
+    }
+
+    /// Clients that are there.
+    pub(crate) fn clients(&self) -> usize {
+        self.lock().clients.len()
+    }
+
+    /// Messages that clients did not get, because they were too slow.
+    pub(crate) fn dropped(&self) -> u64 {
+        let inside = self.lock();
+        inside.dropped + inside.clients.values().map(|client| client.outbox.dropped()).sum::<u64>()
+    }
+
+    pub(crate) fn close(&self) {
+        self.is_closed.store(true, Ordering::Relaxed);
+        for client in self.lock().clients.values() {
+            client.outbox.close();
+            let _ = client.stream.shutdown(Shutdown::Both);
+        }
+    }
+}
