@@ -142,6 +142,20 @@ fn in_words(error: &McapError) -> String {
     }
 }
 
+/// How `ros2 bag play` is to publish a topic, as MCAP's profile of ROS 2 asks for: what lasts goes to those who come
+/// later as well, without which nobody hears of `/tf_static`.
+fn channel_metadata(topic: Topic) -> BTreeMap<String, String> {
+    // Of ROS' numbers: keep the last; reliable; transient local or volatile; alive by itself; without end.
+    let (depth, durability) = if topic.is_lasting() { (1, 1) } else { (10, 2) };
+    let endless = "{sec: 9223372036, nsec: 854775807}";
+    let profile = format!(
+        "- {{history: 1, depth: {depth}, reliability: 1, durability: {durability}, deadline: {endless}, \
+         lifespan: {endless}, liveliness: 1, liveliness_lease_duration: {endless}, \
+         avoid_ros_namespace_conventions: false}}"
+    );
+    [("offered_qos_profiles".to_owned(), profile)].into()
+}
+
 /// The file: after the first error it takes nothing more.
 struct Disk {
     file: File,
@@ -222,7 +236,7 @@ impl Tape {
             let schema = topic.schema();
             let text = schema::definition(schema);
             let schema = writer.add_schema(schema.name, SCHEMA_ENCODING, text.as_bytes())?;
-            channels.push((writer.add_channel(schema, topic.name(), ENCODING, &BTreeMap::new())?, 0));
+            channels.push((writer.add_channel(schema, topic.name(), ENCODING, &channel_metadata(topic))?, 0));
         }
         writer.flush()?;
         let mut tape = Self { writer, file, state, channels, whole: 0, flushed: Instant::now() };

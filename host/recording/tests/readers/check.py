@@ -135,6 +135,15 @@ class WholeRecording(unittest.TestCase):
         with desk.whole.open("rb") as file:
             self.assertEqual(SeekingReader(file).get_header().profile, "ros2")
 
+    def test_what_lasts_is_published_again_to_those_who_come_later(self):
+        lasting = {"/dermatome/skin", "/dermatome/status", "/tf_static"}
+        with Reader(desk.whole) as reader:
+            for connection in reader.connections:
+                [quality] = connection.ext.offered_qos_profiles
+                self.assertEqual(quality.reliability.name, "RELIABLE")
+                durability = "TRANSIENT_LOCAL" if connection.topic in lasting else "VOLATILE"
+                self.assertEqual(quality.durability.name, durability, connection.topic)
+
     def test_its_index_counts_what_is_in_it(self):
         channels, statistics = summary().channels, summary().statistics
         counts = {channels[id].topic: count for id, count in statistics.channel_message_counts.items()}
