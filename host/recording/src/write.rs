@@ -238,7 +238,6 @@ impl Tape {
             let schema = writer.add_schema(schema.name, SCHEMA_ENCODING, text.as_bytes())?;
             channels.push((writer.add_channel(schema, topic.name(), ENCODING, &channel_metadata(topic))?, 0));
         }
-        writer.flush()?;
         let mut tape = Self { writer, file, state, channels, whole: 0, flushed: Instant::now() };
         tape.mark_whole()?;
         Ok(tape)

@@ -217,7 +217,12 @@ impl Outlets {
     /// Begins to record.
     pub(super) fn record(&mut self, file: &Path, session: &Session) -> anyhow::Result<()> {
         let mut recorder = Recorder::create(file, session)?;
-        recorder.record(self.lasting.clone());
+        // What lasts is known from the recording's first moment on.
+        let now = now_ns();
+        let lasting = self.lasting.iter();
+        recorder.record(
+            lasting.map(|packed| Packed { log_time: now, publish_time: now, ..packed.clone() }).collect(),
+        );
         (self.recorder, self.has_warned) = (Some(recorder), false);
         Ok(())
     }
@@ -279,7 +284,7 @@ impl Outlets {
             }
             None => {
                 if is_tared {
-                    self.tared(now);
+                    self.tared();
                 }
                 if let Some(recorder) = &mut self.recorder {
                     recorder.record(messages.clone());
@@ -296,7 +301,7 @@ impl Outlets {
     }
 
     /// The board has a new reference: which frames it is made of is known now, and they are recorded.
-    fn tared(&mut self, now: u64) {
+    fn tared(&mut self) {
         let made = self.averaging.end();
         let frames = std::mem::take(&mut self.averaging.frames);
         self.tare.clear();
@@ -304,9 +309,10 @@ impl Outlets {
             if let Some((count, first)) = made
                 && let Some(drive) = self.drive.filter(|_| place == first)
             {
-                let header = self.outlook.place.header(now);
+                // Those who sort by time find it before its frames.
+                let header = self.outlook.place.header(frame.log_time);
                 let reference = Reference::new(header, frame.at.sequence, count, &drive);
-                self.send(Packed::now(Topic::Reference, now, cdr::encode(&reference)));
+                self.send(Packed::now(Topic::Reference, frame.log_time, cdr::encode(&reference)));
                 self.tare.push(Item::Reference(reference));
             }
             if let Some(recorder) = &mut self.recorder {

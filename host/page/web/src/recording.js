@@ -161,7 +161,9 @@ async function readIndex(blob) {
   };
   try {
     const reader = await McapIndexedReader.Initialize({ readable });
-    const chunks = reader.chunkIndexes.map((chunk) => ({
+    // A chunk without messages holds channels only, and no times.
+    const withMessages = reader.chunkIndexes.filter((chunk) => chunk.messageIndexOffsets.size > 0);
+    const chunks = withMessages.map((chunk) => ({
       offset: Number(chunk.chunkStartOffset),
       length: Number(chunk.chunkLength),
       start: chunk.messageStartTime,
@@ -207,7 +209,8 @@ async function addChunk(index, blob, offset, length) {
   } catch {
     return false;
   }
-  index.chunks.push({ offset, length, start: times.getBigUint64(0, true), end: times.getBigUint64(8, true), channelIds });
+  const [start, end] = [times.getBigUint64(0, true), times.getBigUint64(8, true)];
+  if (channelIds.size > 0) index.chunks.push({ offset, length, start, end, channelIds });
   return true;
 }
 
