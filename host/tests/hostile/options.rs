@@ -111,7 +111,7 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
             &["", "a b", "ä", "../x", "abcdefghijklmnopqrstuvwxyzabcdefg", "a\u{1b}[2J"]
         }
         ("cut", "frame") => &["", "a b", "ä", "a\nb"],
-        ("stream", "fit") => LENGTHS,
+        ("stream" | "reconstruct", "fit") => LENGTHS,
         (_, "give-up-after") => &["", "x", "nan", "-1", "1e30"],
         ("calibrate", "start") => NUMBERS,
         ("experiment check", "amplitudes") => &["", "x", "0", "-1", "101", "nan", "50,x"],
