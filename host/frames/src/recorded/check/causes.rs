@@ -6,7 +6,7 @@
 
 use super::{
     super::{
-        diagnose::LEAST_FIT,
+        diagnose::{LEAST_FIT, RESEMBLING},
         order::{Arrangement, OrderError, SenseOrder},
         read::sense_distance,
         statistics::median,
@@ -328,7 +328,8 @@ fn offset(comparison: &Comparison<'_>, reading: &Reading) -> Option<(Complex64, 
             }
             let Ok(likeness) = comparison.of(&Reading { offset, ..reading.clone() }) else { continue };
             let correlation = likeness.correlation();
-            let is_straighter = 1.0 - correlation < STRAIGHTER * (1.0 - plain.correlation());
+            let is_straighter =
+                correlation > RESEMBLING && 1.0 - correlation < STRAIGHTER * (1.0 - plain.correlation());
             let is_bent = correlation < plain.correlation() - MOST_BENT;
             let is_less = likeness.cost() < LEAVES * plain.cost() - LESS;
             let is_nearer =
