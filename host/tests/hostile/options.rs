@@ -207,7 +207,9 @@ const COMPANY: &[(&str, &[&str], &[&str])] = &[
 
 fn with(path: &[&str], rest: &[&str], option: &str, value: &str) -> Case {
     let given = format!("--{option}={value}");
-    let company = COMPANY.iter().filter(|(name, ..)| *name == option && path != ["reconstruct"]);
+    // A board's frames need its skin beside them; recorded ones come with it.
+    let alone = (path, option) == (&["reconstruct"], "fit");
+    let company = COMPANY.iter().filter(|(name, ..)| *name == option && !alone);
     let (_, needs, without) = company.fold(("", &[][..], &[][..]), |_, found| *found);
     let goes = without.is_empty() || rest.iter().any(|word| without.contains(word));
     let needs = if goes { needs } else { &[] };
