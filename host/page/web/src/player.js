@@ -18,7 +18,15 @@ export class Player {
     this.shown = new Map();
     this.wanted = undefined;
     this.isSeeking = false;
-    this.seek(this.position);
+    this.showFirst();
+  }
+
+  // A recording begins with the frames of a tare, which have no images: what is there first is what is looked for.
+  async showFirst() {
+    await this.seek(this.recording.start);
+    const isUntouched = this.position === this.recording.start && !this.isPlaying && !this.isClosed;
+    const first = isUntouched && (await this.recording.neighbour(this.recording.start - 1n, true).catch(() => undefined));
+    if (first && this.position === this.recording.start) await this.seek(first);
   }
 
   /** Seconds since the start. */
