@@ -18,7 +18,7 @@ fuzz_target!(|bytes: &[u8]| {
     let steps: Vec<_> = patch.iter().flat_map(|patch| patch.steps()).collect();
     let mut player = patch.as_ref().and_then(|patch| Player::new(patch, &steps).ok());
     let mut frames = Frames::of(recording);
-    while let Ok(Some(item)) = frames.next() {
+    while let Ok(Some(item)) = frames.next_item() {
         if let Item::Frame(frame) = &item {
             let _ = frame.raw();
         }

@@ -2,7 +2,7 @@
 
 use crate::{dermatome::Skin, frame::Place};
 use dermatome_patch::tables::SurfaceTables;
-use dermatome_shared::{patch::PatchView, surface::Surface};
+use dermatome_shared::{patch::PatchView, stimulation::Step, surface::Surface};
 use std::collections::HashMap;
 
 /// A surface of triangles.
@@ -50,7 +50,7 @@ pub fn skin(patch: &PatchView<'_>, look: &Look, place: &Place, time_ns: u64) -> 
         pixel_centres: on_link(&centres),
         pixel_areas: surface.pixels().map(|pixel| surface.area(&pixel)).collect(),
         electrodes: on_link(&look.electrodes),
-        steps: patch.steps().flat_map(|step| step.to_bytes()).collect(),
+        steps: patch.steps().flat_map(Step::to_bytes).collect(),
         link_vertices: link.vertices.iter().flatten().map(|value| *value as f32).collect(),
         link_triangles: link.triangles.concat(),
         contact_threshold: header.contact_threshold.to_f64() as f32,

@@ -132,7 +132,7 @@ fn read_all(reader: &mut WebSocket<ReadHalf>, room: &Room, client: u64, outbox: 
             Ok(Message::Text(text)) => match serde_json::from_str(&text) {
                 Ok(said) => hear(said, room, client, outbox),
                 Err(error) => {
-                    outbox.put(Letter::Text(foxglove::warning(&format!("not understood: {error}"))))
+                    outbox.put(Letter::Text(foxglove::warning(&format!("not understood: {error}"))));
                 }
             },
             Ok(Message::Binary(bytes)) => call(&bytes, room, outbox),

@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let steps: Vec<_> = patch.steps().collect();
     let mut player = Player::new(&patch, &steps)?;
     let mut frames = Frames::of(recording);
-    while let Some(item) = frames.next()? {
+    while let Some(item) = frames.next_item()? {
         let (Item::Frame(frame), Some(played)) = (&item, player.take(&item)?) else { continue };
         let strongest = played.contacts.first().map(|contact| (contact.position, contact.strength));
         println!("{}: {strongest:?}", frame.at.sequence);

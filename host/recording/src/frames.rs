@@ -102,7 +102,7 @@ impl Frames {
     }
 
     /// The next reference or frame; none at the end.
-    pub fn next(&mut self) -> Result<Option<Item>, ReadError> {
+    pub fn next_item(&mut self) -> Result<Option<Item>, ReadError> {
         if let Some(item) = self.next.take() {
             return Ok(Some(item));
         }

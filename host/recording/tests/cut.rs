@@ -98,7 +98,7 @@ fn read(bytes: Vec<u8>) -> Result<(Vec<u32>, bool, Ending), Problem> {
     let recording = Recording::of(Path::new("run.mcap"), Box::new(Cursor::new(bytes)), length);
     let mut frames = Frames::of(recording.map_err(|error| error.problem)?);
     let (mut sequences, mut has_reference) = (Vec::new(), false);
-    while let Some(item) = frames.next().map_err(|error| error.problem)? {
+    while let Some(item) = frames.next_item().map_err(|error| error.problem)? {
         match item {
             Item::Reference(reference) => has_reference = reference.frames == 20,
             Item::Frame(frame) => sequences.push(frame.at.sequence),

@@ -167,12 +167,12 @@ pub struct SimulatedBoard {
 impl SimulatedBoard {
     /// Starts a board with this instrument.
     pub fn start(options: BoardOptions, instrument: impl Instrument + 'static) -> Result<Self, BoardError> {
-        let store = FilePatchStore::open(options.store.clone(), options.patch.clone())?;
+        let facts = facts(&options, instrument.front_end());
+        let store = FilePatchStore::open(options.store, options.patch)?;
         check_electrodes(&store, options.electrodes)?;
         let listener = listen(options.listen)?;
         let address = listener.local_addr().map_err(|reason| listen_error(options.listen, reason))?;
         let stop = Arc::new(AtomicBool::new(false));
-        let facts = facts(&options, instrument.front_end());
         let mut device = Device::new(facts, store, PipelineState::default());
         if options.drive.is_some() {
             let request = Request::Drive(options.drive);

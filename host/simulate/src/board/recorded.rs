@@ -121,7 +121,7 @@ impl Tape {
             self.frames = Some(frames);
             return Ok(Some(reference));
         };
-        let item = frames.next()?;
+        let item = frames.next_item()?;
         if item.is_none() {
             self.frames = None;
         }
@@ -160,7 +160,7 @@ impl Tape {
 fn from_reference(recording: Recording) -> Result<(Frames, Item), ReplayError> {
     let path = recording.path().to_owned();
     let mut frames = Frames::of(recording);
-    while let Some(item) = frames.next()? {
+    while let Some(item) = frames.next_item()? {
         if matches!(item, Item::Reference(_)) {
             return Ok((frames, item));
         }

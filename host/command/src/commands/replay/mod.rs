@@ -143,7 +143,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     }
     match patch {
         Some((bytes, name)) if !is_recording => others::run(args, &bytes, &name),
-        patch => recorded::run(args, &path, patch),
+        patch => recorded::run(args, &path, patch.as_ref()),
     }
 }
 

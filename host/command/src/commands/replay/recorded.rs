@@ -54,12 +54,12 @@ struct Same {
     frames_missing: u64,
 }
 
-pub(super) fn run(args: &Args, path: &Path, patch: Option<(Vec<u8>, String)>) -> anyhow::Result<()> {
+pub(super) fn run(args: &Args, path: &Path, patch: Option<&(Vec<u8>, String)>) -> anyhow::Result<()> {
     let recording = Recording::open(path)?;
     let session = recording.session().clone();
     let file = || format!("recording `{}`", path.display());
     let own = PatchView::validate(&session.patch).with_context(|| format!("{}: its patch", file()))?;
-    let other = patch.as_ref().map(|(bytes, name)| PatchView::validate(bytes).with_context(|| name.clone()));
+    let other = patch.map(|(bytes, name)| PatchView::validate(bytes).with_context(|| name.clone()));
     let other = other.transpose()?;
     let used = other.as_ref().unwrap_or(&own);
     let recorded_pose = pose_of(&session)?;
@@ -70,7 +70,7 @@ pub(super) fn run(args: &Args, path: &Path, patch: Option<(Vec<u8>, String)>) ->
     let mut same = (own.crc() == used.crc()).then(Same::default);
     let (mut counted, mut before, mut has_reference, mut last) = (Counted::default(), 0, false, None);
     let mut frames = Frames::of(recording);
-    while let Some(item) = frames.next()? {
+    while let Some(item) = frames.next_item()? {
         let played = player.take(&item).with_context(file)?;
         if let (Some(outlets), Item::Reference(reference)) = (&mut outlets, &item) {
             outlets.drive(&reference.drive(), None);

@@ -29,7 +29,7 @@ use dermatome_link::{self as link, ScanFrame, Subscription, frame_timeout, pose:
 use dermatome_messages::{clock::now_ns, dermatome::Status, skin::Look};
 use dermatome_page::{Call, Server};
 use dermatome_patch::{output::write_whole, write::with_calibration};
-use dermatome_recording::session::Session;
+use dermatome_recording::{session::Session, write::Recorder};
 use dermatome_shared::{
     drive::{Drive, Gain},
     patch::PatchView,
@@ -215,7 +215,7 @@ impl<'a> Desk<'a> {
         status.frames_per_second = self.numbers.per_second();
         status.patch = self.chosen as u16;
         let recorder = self.outlets.recorder();
-        let recorded = recorder.map(|recorder| recorder.recorded()).unwrap_or_default();
+        let recorded = recorder.map(Recorder::recorded).unwrap_or_default();
         status.recording = recorder.map_or(String::new(), |recorder| recorder.path().display().to_string());
         (status.recorded_bytes, status.recorded_frames) = (recorded.bytes, recorded.frames);
         status.warnings.extend(recorded.failure.map(|reason| format!("the recording has ended: {reason}")));
