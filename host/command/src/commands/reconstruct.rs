@@ -5,6 +5,7 @@ use super::{
     choices::Polarity,
     frame_options::{Flags, FrameOptions},
     outputs::{Kind, Output},
+    stream::fingers::radius,
 };
 use anyhow::{Context, bail};
 use dermatome_frames::recorded::{
@@ -17,10 +18,7 @@ use dermatome_frames::recorded::{
 use dermatome_model::{
     model::Model,
     multi_contact::{FittedContact, MultiContactFit, Settings},
-    skin::{
-        Skin, Weights, electrodes_in_plane,
-        quantity::{LENGTH, Quantity},
-    },
+    skin::{Skin, Weights, electrodes_in_plane},
     stimulation::Stimulation,
 };
 use dermatome_patch::{layout::Layout, output::write_whole};
@@ -128,7 +126,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let frames_source = Source::new(&args.frames);
     let reference_source = args.reference.as_deref().map(Source::new);
     let mut skin = Skin::load(&args.skin)?.made()?;
-    let radius = args.fit.as_deref().map(radius_of_finger).transpose()?;
+    let radius = args.fit.as_deref().map(radius).transpose()?;
     let reference = reference_source.as_ref().map(|source| args.options.read(source, &skin)).transpose()?;
     let frames = args.options.read(&frames_source, &skin)?;
     let arrangement = args.options.arrangement();
@@ -218,15 +216,6 @@ fn has_ratios_to_nothing(skin: &Skin, reference: &Frames, options: &FrameOptions
     skin.inverse.difference == Difference::Normalised
         && matches!(skin.inverse.weights, Weights::Steps)
         && small as f64 > SOME * sizes.len() as f64
-}
-
-/// The radius of a finger as somebody states it, m.
-fn radius_of_finger(text: &str) -> anyhow::Result<f64> {
-    let quantity = text.trim().parse().map_or_else(|_| Quantity::Text(text.to_owned()), Quantity::Number);
-    let read = LENGTH.read(&quantity).filter(|radius| *radius > 0.0 && radius.is_finite());
-    read.with_context(|| {
-        format!("`--fit` is {text:?}; allowed: a number above zero (m), or a number with {}", LENGTH.units())
-    })
 }
 
 /// Fingers of one radius, m, in each frame.

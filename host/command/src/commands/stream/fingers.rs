@@ -93,7 +93,7 @@ fn reference(link: &mut Link, model: &Model) -> anyhow::Result<Vec<f64>> {
 }
 
 /// The radius of a finger as somebody states it, m.
-pub(super) fn radius(text: &str) -> anyhow::Result<f64> {
+pub(in crate::commands) fn radius(text: &str) -> anyhow::Result<f64> {
     let quantity = text.trim().parse().map_or_else(|_| Quantity::Text(text.to_owned()), Quantity::Number);
     let read = LENGTH.read(&quantity).filter(|radius| *radius > 0.0 && radius.is_finite());
     read.with_context(|| {

@@ -1,7 +1,7 @@
 //! `dermatome stream`.
 
 mod display;
-mod fingers;
+pub(super) mod fingers;
 mod follow;
 mod gap;
 mod lines;
