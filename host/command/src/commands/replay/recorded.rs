@@ -7,7 +7,7 @@ use crate::commands::{
     patch_id,
 };
 use anyhow::Context;
-use dermatome_link::{ScanFrame, assemble::Measurements, pose::Pose};
+use dermatome_link::{ScanFrame, assemble::Measurements, pose::Pose, words::escaped_lines};
 use dermatome_messages::skin::Look;
 use dermatome_model::skin::{Description, Skin};
 use dermatome_patch::tables::SurfaceTables;
@@ -199,6 +199,8 @@ impl Same {
 }
 
 fn tell(session: &Session, before: u64, ending: &Ending, same: Option<&Same>) {
+    // A file's names are only words.
+    let board = escaped_lines(&session.board);
     if before > 0 {
         eprintln!("{before} frames before the first reference were left out");
     }
@@ -212,8 +214,7 @@ fn tell(session: &Session, before: u64, ending: &Ending, same: Option<&Same>) {
     };
     match first_to_differ {
         None => eprintln!(
-            "the same as {} sent, bit for bit: {images_compared} images, contacts of {contacts_compared} frames",
-            session.board
+            "the same as {board} sent, bit for bit: {images_compared} images, contacts of {contacts_compared} frames"
         ),
         Some(sequence) => {
             let why = if *frames_missing > 0 {
@@ -221,7 +222,7 @@ fn tell(session: &Session, before: u64, ending: &Ending, same: Option<&Same>) {
             } else {
                 "another version of this program recorded it, or the board did".to_owned()
             };
-            eprintln!("from frame {sequence} on it differs from what {} sent: {why}", session.board);
+            eprintln!("from frame {sequence} on it differs from what {board} sent: {why}");
         }
     }
 }
