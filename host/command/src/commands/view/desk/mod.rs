@@ -80,6 +80,8 @@ pub(in crate::commands) struct Desk<'a> {
     waiting: VecDeque<Call>,
     /// Whether the recording that `--record` asks for has begun.
     has_recorded: bool,
+    /// Whether the board that is there has no reference yet.
+    needs_reference: bool,
 }
 
 /// What a desk knows of the board that is there.
@@ -127,6 +129,7 @@ impl<'a> Desk<'a> {
             drive: None,
             waiting: VecDeque::new(),
             has_recorded: false,
+            needs_reference: false,
         }
     }
 
@@ -265,7 +268,8 @@ impl<'a> Desk<'a> {
             link.request(&Request::Drive(Some(drive)))?;
             board.patch.drive = drive;
         }
-        if !board.link()?.info()?.tared {
+        self.needs_reference = !board.link()?.info()?.tared;
+        if self.needs_reference {
             let Board { link, patch, .. } = board;
             let link = link.as_mut().context("the board is lost")?;
             self.task.current.fit(link, patch, || !interrupt::requested())?;
@@ -357,7 +361,9 @@ impl<'a> Desk<'a> {
         let (silence, damaged) = (frame_timeout(&board.patch), board.packets_damaged());
         let Board { link, patch, .. } = board;
         let mut stream = link.as_mut().context("the board is lost")?.subscribe(selection)?;
-        let wants_tare = self.outlets.recorder().is_some() || !self.task.patches.is_empty();
+        // One that the board began by itself may have taken frames before this stream.
+        let is_needed = std::mem::take(&mut self.needs_reference);
+        let wants_tare = is_needed || self.outlets.recorder().is_some() || !self.task.patches.is_empty();
         if wants_tare {
             self.outlets.tare(stream.link())?;
         }
