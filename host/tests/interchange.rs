@@ -347,7 +347,8 @@ fn conductivity_files_that_do_not_fit_are_refused_by_name() {
     assert!(refused("minus.csv", "1,2,-3+1j\n").contains("element 2"));
     assert!(refused("nan.csv", "1,nan,1\n").contains("element 1"));
     assert!(refused("word.csv", "1,one,1\n").contains("`one` is not a number"));
-    assert!(refused("skin.mat", "").contains("must end in .npy"));
+    assert!(refused("skin.obj", "").contains("must end in .npy"));
+    assert!(refused("skin.mat", "").contains("not a MATLAB file"));
     assert!(conductivity::read(&Source::new(OsStr::new("nowhere.npy")), 3).is_err());
     let good = folder.path().join("good.csv");
     std::fs::write(&good, "conductivity\n1\n0.5\n(2+0.25j)\n").unwrap();

@@ -247,7 +247,8 @@ fn candidates(comparison: &Comparison<'_>, last: &Explained) -> Vec<Candidate> {
     if rows.common_length().is_some() && rows.count() <= MOST_ROWS {
         for (a, b) in pairs(rows.count()) {
             add_some(misplaced(Misplacement::Rows([a, b])), 3);
-            if is_square {
+            // Columns of potentials are electrodes: those in each other's place are exchanged wires.
+            if is_square && reading.potentials.is_none() {
                 add_some(misplaced(Misplacement::Columns([a, b])), 3);
             }
         }

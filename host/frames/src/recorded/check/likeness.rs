@@ -70,9 +70,11 @@ impl Likeness {
         self.scatter + BIAS * self.bias
     }
 
-    /// Correlation of log magnitudes, where one below what the model does not know counts as about that.
+    /// Correlation of log magnitudes, where one below what the model does not know counts as about that; a value that is
+    /// not there says nothing.
     pub(super) fn correlation(&self) -> f64 {
-        pearson(&self.logarithms().collect::<Vec<_>>())
+        let there = self.logarithms().zip(&self.measured).filter(|(_, measured)| **measured != 0.0);
+        pearson(&there.map(|(logarithms, _)| logarithms).collect::<Vec<_>>())
     }
 
     /// Logarithms of magnitude, model and measured: `[step]`.

@@ -264,7 +264,8 @@ impl<'a> Desk<'a> {
         let link = board.link()?;
         let session = session(link, text)?;
         let info = link.info()?;
-        if let Some(drive) = self.drive.filter(|drive| Some(*drive) != info.drive) {
+        let is_same_skin = session.skin == self.status.skin;
+        if let Some(drive) = self.drive.filter(|drive| is_same_skin && Some(*drive) != info.drive) {
             link.request(&Request::Drive(Some(drive)))?;
             board.patch.drive = drive;
         }
