@@ -2,6 +2,10 @@
 
 mod program;
 
+use dermatome::recording::{
+    frames::{Frames, Item},
+    read::Recording,
+};
 use program::{Desk, TINY};
 
 const POSE: &str = "\n[pose]\nlink = \"palm\"\nposition = [1, 2, \"3 m\"]\norientation = [0, 0, 0.7071067811865476, 0.7071067811865476]\n";
@@ -76,6 +80,19 @@ fn another_patch_makes_another_image_of_the_same_frames() {
     let again = desk.run(&["replay", "smooth.mcap"]).success();
     assert!(again.err.contains("bit for bit"), "{}", again.err);
     assert!(again.out == done.out);
+    let of_own = times(&desk, "run.mcap");
+    assert!(of_own.len() > 160 && of_own.ends_with(&times(&desk, "smooth.mcap")), "frames keep their times");
+}
+
+/// Sequence of each frame, and when it came.
+fn times(desk: &Desk, name: &str) -> Vec<(u32, u64)> {
+    let mut frames = Frames::of(Recording::open(&desk.path(name)).unwrap());
+    let items = std::iter::from_fn(|| frames.next_item().unwrap());
+    let time = |item: Item| match item {
+        Item::Frame(frame) => Some((frame.at.sequence, frame.log_time)),
+        Item::Reference(_) => None,
+    };
+    items.filter_map(time).collect()
 }
 
 #[test]
@@ -168,6 +185,10 @@ fn the_demo_and_a_calibration_are_recorded_and_replayed() {
     let calibrate = ["calibrate", "skin.dermatome", "--port", "sim:skin.toml", "--loads", "loads.csv"];
     // Whether these loads make a curve is another matter: they were recorded.
     desk.run(&[&calibrate[..], &["--record", "loads.mcap", "--save", "readings.csv"]].concat());
-    let done = desk.run(&["replay", "loads.mcap"]).success();
-    assert!(done.err.contains("bit for bit"), "{}", done.err);
+    desk.run(&["demo", "--record", "demo.mcap"]).success();
+    for (file, least) in [("loads.mcap", 50), ("demo.mcap", 300)] {
+        let done = desk.run(&["replay", file, "--json", "r.json"]).success();
+        assert!(done.err.contains("bit for bit"), "{}", done.err);
+        assert!(desk.report("r.json")["same"]["images_compared"].as_u64() >= Some(least), "{file}");
+    }
 }

@@ -139,6 +139,21 @@ pub struct Reference {
     pub component: u8,
 }
 
+/// A gain as messages tell it: 0 where it is automatic.
+#[must_use]
+pub fn number_of_gain(gain: Gain) -> u8 {
+    match gain {
+        Gain::Automatic => 0,
+        Gain::Fixed(gain) => gain,
+    }
+}
+
+/// The gain of such a number.
+#[must_use]
+pub fn gain_of_number(number: u8) -> Gain {
+    if number == 0 { Gain::Automatic } else { Gain::Fixed(number) }
+}
+
 impl Reference {
     /// Of frames from this one on, driven like this.
     #[must_use]
@@ -153,10 +168,7 @@ impl Reference {
             phase: drive.phase,
             settling: drive.settling,
             integration: drive.integration,
-            gain: match drive.gain {
-                Gain::Automatic => 0,
-                Gain::Fixed(gain) => gain,
-            },
+            gain: number_of_gain(drive.gain),
             component: match drive.component {
                 Component::Real => 0,
                 Component::Imaginary => 1,
@@ -175,7 +187,7 @@ impl Reference {
             phase: self.phase,
             settling: self.settling,
             integration: self.integration,
-            gain: if self.gain == 0 { Gain::Automatic } else { Gain::Fixed(self.gain) },
+            gain: gain_of_number(self.gain),
             component: match self.component {
                 0 => Component::Real,
                 1 => Component::Imaginary,
@@ -290,6 +302,4 @@ pub struct Status {
     pub recorded_bytes: u64,
     /// Frames in it.
     pub recorded_frames: u64,
-    /// 0 to 1, or NaN.
-    pub progress: f32,
 }

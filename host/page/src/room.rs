@@ -89,7 +89,6 @@ struct Inside {
     clients: HashMap<u64, Inhabitant>,
     next: u64,
     lasting: HashMap<Topic, (u64, Arc<[u8]>)>,
-    dropped: u64,
 }
 
 struct Inhabitant {
@@ -161,7 +160,7 @@ impl Room {
     pub(crate) fn leave(&self, client: u64) {
         let mut inside = self.lock();
         if let Some(gone) = inside.clients.remove(&client) {
-            inside.dropped += gone.outbox.dropped();
+            log::debug!("a client has gone; {} messages gave way to newer ones", gone.outbox.dropped());
             gone.subscriptions.values().for_each(|topic| self.count(*topic, false));
         }
     }
@@ -198,17 +197,6 @@ impl Room {
     /// Whether somebody subscribes to a topic.
     pub(crate) fn wants(&self, topic: Topic) -> bool {
         self.subscribers[topic.index()].load(Ordering::Relaxed) > 0
-    }
-
-    /// Clients that are there.
-    pub(crate) fn clients(&self) -> usize {
-        self.lock().clients.len()
-    }
-
-    /// Messages that clients did not get, because they were too slow.
-    pub(crate) fn dropped(&self) -> u64 {
-        let inside = self.lock();
-        inside.dropped + inside.clients.values().map(|client| client.outbox.dropped()).sum::<u64>()
     }
 
     pub(crate) fn close(&self) {

@@ -83,12 +83,6 @@ impl Server {
         Ok(Self { gate, room, calls, acceptor: Some(acceptor) })
     }
 
-    /// Where it listens.
-    #[must_use]
-    pub fn address(&self) -> SocketAddr {
-        self.gate.listen
-    }
-
     /// The page's address, with the token.
     #[must_use]
     pub fn url(&self) -> String {
@@ -111,18 +105,6 @@ impl Server {
     #[must_use]
     pub fn call(&self) -> Option<Call> {
         self.calls.try_recv().ok()
-    }
-
-    /// Clients that are there.
-    #[must_use]
-    pub fn clients(&self) -> usize {
-        self.room.clients()
-    }
-
-    /// Messages that clients did not get, because they were too slow.
-    #[must_use]
-    pub fn dropped(&self) -> u64 {
-        self.room.dropped()
     }
 }
 

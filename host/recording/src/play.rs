@@ -125,6 +125,12 @@ impl<'a> Player<'a> {
         Ok(Self { patch, map, state: Box::default(), has_begun: false, before: None })
     }
 
+    /// Whether there was a reference.
+    #[must_use]
+    pub fn has_begun(&self) -> bool {
+        self.has_begun
+    }
+
     /// Takes what a recording holds; gives what a board would have said of a frame: nothing before a reference.
     pub fn take(&mut self, item: &Item) -> Result<Option<Played>, PlayError> {
         match item {

@@ -8,7 +8,7 @@ use mcap::{
     sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions},
 };
 use std::{
-    collections::{HashMap, VecDeque},
+    collections::{BTreeMap, HashMap, VecDeque},
     fs::File,
     io::{self, Read},
     path::{Path, PathBuf},
@@ -110,7 +110,7 @@ impl Recording {
             length,
             position: 0,
             reader: LinearReader::new_with_options(options),
-            session: Session::default(),
+            session: Session::of_metadata(&BTreeMap::new()),
             topics: HashMap::new(),
             ahead: VecDeque::new(),
             ending: Ending::Unknown,
@@ -148,6 +148,12 @@ impl Recording {
     #[must_use]
     pub fn session(&self) -> &Session {
         &self.session
+    }
+
+    /// When its first message came, ns since 1970; 0 where there is none. To be asked before any is taken.
+    #[must_use]
+    pub fn begun(&self) -> u64 {
+        self.ahead.front().map_or(0, |packed| packed.log_time)
     }
 
     /// How it ends, once all of it was read.

@@ -1,5 +1,6 @@
 //! Session: what a recording is of.
 
+use dermatome_shared::protocol::FrameSource;
 use std::collections::BTreeMap;
 
 /// Name of the MCAP metadata record that makes a file one of ours.
@@ -8,8 +9,15 @@ pub(crate) const METADATA: &str = "dermatome";
 pub(crate) const PATCH: &str = "patch.dermatome";
 pub(crate) const SKIN_FILE: &str = "skin.toml";
 
+/// Where frames come from, as a file says it.
+const SOURCES: [(FrameSource, &str); 3] = [
+    (FrameSource::Simulated, "simulated"),
+    (FrameSource::Skin, "skin"),
+    (FrameSource::Synthetic, "synthetic"),
+];
+
 /// What a recording is of.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Session {
     /// Name of the skin.
     pub skin: String,
@@ -17,8 +25,8 @@ pub struct Session {
     pub board: String,
     /// Version of its firmware.
     pub firmware: String,
-    /// Where its frames came from: skin, simulated or synthetic.
-    pub frame_source: String,
+    /// Where its frames came from.
+    pub frame_source: FrameSource,
     /// The port that it was at.
     pub port: String,
     /// Version of the protocol that it spoke.
@@ -35,11 +43,13 @@ impl Session {
     pub(crate) fn metadata(&self) -> BTreeMap<String, String> {
         let Self { skin, board, firmware, frame_source, port, protocol, host, .. } = self;
         let protocol = protocol.to_string();
+        let (_, frame_source) =
+            SOURCES.iter().find(|(source, _)| source == frame_source).unwrap_or(&SOURCES[0]);
         [
             ("skin", skin),
             ("board", board),
             ("firmware", firmware),
-            ("frame_source", frame_source),
+            ("frame_source", &(*frame_source).to_owned()),
             ("port", port),
             ("protocol", &protocol),
             ("host", host),
@@ -51,11 +61,13 @@ impl Session {
     /// Of a metadata record; what it does not hold stays empty, and its attachments follow.
     pub(crate) fn of_metadata(metadata: &BTreeMap<String, String>) -> Self {
         let text = |key: &str| metadata.get(key).cloned().unwrap_or_default();
+        let source = text("frame_source");
+        let (frame_source, _) = SOURCES.iter().find(|(_, name)| *name == source).unwrap_or(&SOURCES[0]);
         Self {
             skin: text("skin"),
             board: text("board"),
             firmware: text("firmware"),
-            frame_source: text("frame_source"),
+            frame_source: *frame_source,
             port: text("port"),
             protocol: text("protocol").parse().unwrap_or(0),
             host: text("host"),

@@ -68,6 +68,7 @@ pub struct Recorder {
     batches: Option<SyncSender<Vec<Packed>>>,
     writer: Option<JoinHandle<()>>,
     state: Arc<Mutex<Recorded>>,
+    waits: bool,
 }
 
 impl Recorder {
@@ -81,7 +82,14 @@ impl Recorder {
         let writer = thread::Builder::new().name("recorder".to_owned());
         let writer =
             writer.spawn(move || tape.write_all(&waiting)).map_err(|error| refuse(error.to_string()))?;
-        Ok(Self { path: path.to_owned(), batches: Some(batches), writer: Some(writer), state })
+        Ok(Self { path: path.to_owned(), batches: Some(batches), writer: Some(writer), state, waits: false })
+    }
+
+    /// The same, which waits for a slow disk instead of dropping messages: for those that do not come from a board.
+    #[must_use]
+    pub fn waiting(mut self) -> Self {
+        self.waits = true;
+        self
     }
 
     /// The file.
@@ -93,7 +101,10 @@ impl Recorder {
     /// Takes messages that belong together. They are in the file within a second or so.
     pub fn record(&mut self, messages: Vec<Packed>) {
         let Some(batches) = &self.batches else { return };
-        if let Err(TrySendError::Full(messages)) = batches.try_send(messages) {
+        if self.waits {
+            // Where it has ended early, its state says why.
+            let _ = batches.send(messages);
+        } else if let Err(TrySendError::Full(messages)) = batches.try_send(messages) {
             self.state().dropped += messages.len() as u64;
         }
     }

@@ -15,7 +15,7 @@ use dermatome_recording::{
 use dermatome_shared::{
     drive::Drive,
     frame::FrameFlags,
-    protocol::{FrameStamp, PackedImage},
+    protocol::{FrameSource, FrameStamp, PackedImage},
     units::AdcCode,
 };
 use proptest::prelude::*;
@@ -30,7 +30,7 @@ fn session() -> Session {
         skin: "palm".to_owned(),
         board: "simulated".to_owned(),
         firmware: "0.1.0".to_owned(),
-        frame_source: "simulated".to_owned(),
+        frame_source: FrameSource::Synthetic,
         port: "sim:skin.toml".to_owned(),
         protocol: 13,
         host: "0.1.0".to_owned(),
@@ -142,6 +142,18 @@ fn cut_before_its_patch_and_other_files_are_refused_in_words() {
     assert!(matches!(problem(&bytes[..8]), Problem::NotMcap));
     let refused = (8..700).filter(|length| read(bytes[..*length].to_vec()).is_err()).count();
     assert!(refused > 100, "{refused}");
+}
+
+#[test]
+fn what_does_not_come_from_a_board_waits_for_the_disk() {
+    const FRAMES: u32 = 20_000;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut recorder = Recorder::create(&path, &session()).unwrap().waiting();
+    let messages = Outlook::new(Place::of("palm", None)).messages(&frame(1), 1, |_| true);
+    (0..FRAMES).for_each(|_| recorder.record(messages.clone()));
+    let recorded = recorder.finish().unwrap();
+    assert_eq!((recorded.frames, recorded.dropped), (FRAMES.into(), 0));
 }
 
 proptest! {

@@ -36,7 +36,7 @@ const IMPLAUSIBLE: f32 = 0.8;
 /// A press near an electrode may do that to some measurements: to one in this many.
 const IMPLAUSIBLE_SHARE: usize = 8;
 /// No reference is made of such frames.
-const UNFIT: FrameFlags = FrameFlags::NO_CURRENT.union(FrameFlags::SATURATED);
+pub const UNFIT: FrameFlags = FrameFlags::NO_CURRENT.union(FrameFlags::SATURATED);
 /// Nor does it follow such frames. Bad electrodes count for none of their measurements, and may be there.
 const DOUBTFUL: FrameFlags = UNFIT.union(FrameFlags::IMPLAUSIBLE);
 

@@ -20,9 +20,9 @@ use dermatome_recording::{
 use dermatome_shared::{
     device::MAX_TARE_FRAMES,
     drive::Drive,
-    frame::FrameFlags,
     patch::PatchView,
-    protocol::{FrameSource, PROTOCOL_VERSION, Request},
+    pipeline::UNFIT,
+    protocol::{PROTOCOL_VERSION, Request},
     reference::DEFAULT_TARE_FRAMES,
     scan::Timing,
 };
@@ -52,9 +52,7 @@ impl Record {
         outlets.record(file, &session)?;
         Ok(Some(outlets))
     }
-}
 
-impl Record {
     /// The file, if there is to be one.
     pub(super) fn file(&self) -> Option<&Path> {
         self.record.as_deref()
@@ -71,12 +69,7 @@ pub(super) fn session(link: &mut Link, skin_file: Option<String>) -> anyhow::Res
         skin,
         board: identity.board.as_str().to_owned(),
         firmware: identity.firmware.as_str().to_owned(),
-        frame_source: match info.frame_source {
-            FrameSource::Skin => "skin",
-            FrameSource::Simulated => "simulated",
-            FrameSource::Synthetic => "synthetic",
-        }
-        .to_owned(),
+        frame_source: info.frame_source,
         port: link.port().to_owned(),
         protocol: PROTOCOL_VERSION,
         host: env!("CARGO_PKG_VERSION").to_owned(),
@@ -95,8 +88,6 @@ struct Averaging {
     frames: Vec<(RecordedFrame, Vec<Packed>)>,
 }
 
-/// No reference is made of frames with these flags.
-const UNFIT: FrameFlags = FrameFlags::NO_CURRENT.union(FrameFlags::SATURATED);
 /// Most frames that wait for the end of a tare: beyond, the oldest are of no use.
 const MOST_AVERAGED: usize = 2 * MAX_TARE_FRAMES as usize;
 
@@ -216,15 +207,18 @@ impl Outlets {
 
     /// Begins to record.
     pub(super) fn record(&mut self, file: &Path, session: &Session) -> anyhow::Result<()> {
-        let mut recorder = Recorder::create(file, session)?;
+        self.record_from(Recorder::create(file, session)?, now_ns());
+        Ok(())
+    }
+
+    /// Records to what has just begun, from this time on, ns since 1970.
+    pub(super) fn record_from(&mut self, mut recorder: Recorder, time: u64) {
         // What lasts is known from the recording's first moment on.
-        let now = now_ns();
         let lasting = self.lasting.iter();
         recorder.record(
-            lasting.map(|packed| Packed { log_time: now, publish_time: now, ..packed.clone() }).collect(),
+            lasting.map(|packed| Packed { log_time: time, publish_time: time, ..packed.clone() }).collect(),
         );
         (self.recorder, self.has_warned) = (Some(recorder), false);
-        Ok(())
     }
 
     pub(super) fn recorder(&self) -> Option<&Recorder> {
@@ -265,7 +259,11 @@ impl Outlets {
     /// Takes a frame that has come now; `shown`, if it is another, is what those see who look on. Says whether the board has
     /// a new reference with it.
     pub(super) fn frame(&mut self, frame: &ScanFrame, shown: Option<&ScanFrame>) -> bool {
-        let now = now_ns();
+        self.frame_of(frame, shown, now_ns())
+    }
+
+    /// The same of a frame that came at this time, ns since 1970.
+    pub(super) fn frame_of(&mut self, frame: &ScanFrame, shown: Option<&ScanFrame>, now: u64) -> bool {
         let (is_recorded, server) = (self.recorder.is_some(), self.server.as_ref());
         let is_looked_at = |topic| server.is_some_and(|server| server.wants(topic));
         let wants = |topic| is_recorded || shown.is_none() && is_looked_at(topic);
@@ -276,15 +274,15 @@ impl Outlets {
         }
         // While it averages, a board has raw codes and no contacts.
         let is_averaged = frame.measurements.is_some() && frame.contacts.is_none();
-        let is_tared = frame.contacts.is_some() && !self.averaging.frames.is_empty();
+        let mut is_tared = false;
         match RecordedFrame::of(frame, now).filter(|_| is_averaged) {
             Some(averaged) => {
                 let kept = if is_recorded { messages.clone() } else { Vec::new() };
                 self.averaging.wait(averaged, kept);
             }
             None => {
-                if is_tared {
-                    self.tared();
+                if frame.contacts.is_some() && !self.averaging.frames.is_empty() {
+                    is_tared = self.end_of_tare();
                 }
                 if let Some(recorder) = &mut self.recorder {
                     recorder.record(messages.clone());
@@ -300,11 +298,14 @@ impl Outlets {
         is_tared
     }
 
-    /// The board has a new reference: which frames it is made of is known now, and they are recorded.
-    fn tared(&mut self) {
+    /// Contacts have come again: whether a new reference was made, and of which frames, is known now, and they are recorded.
+    /// Else it was a frame whose contacts were lost.
+    fn end_of_tare(&mut self) -> bool {
         let made = self.averaging.end();
         let frames = std::mem::take(&mut self.averaging.frames);
-        self.tare.clear();
+        if made.is_some() {
+            self.tare.clear();
+        }
         for (place, (frame, messages)) in frames.into_iter().enumerate() {
             if let Some((count, first)) = made
                 && let Some(drive) = self.drive.filter(|_| place == first)
@@ -318,10 +319,11 @@ impl Outlets {
             if let Some(recorder) = &mut self.recorder {
                 recorder.record(messages);
             }
-            if !self.tare.is_empty() {
+            if made.is_some_and(|(_, first)| place >= first) {
                 self.tare.push(Item::Frame(Box::new(frame)));
             }
         }
+        made.is_some()
     }
 
     /// Tells how the session stands.

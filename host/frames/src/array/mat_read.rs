@@ -1,5 +1,7 @@
 //! Reading matrices of MATLAB's MAT-files, level 5, compressed or not; [`super::mat`] says how they are laid out.
 //!
+//! The reader is ours: the crate `matfile` (0.5) inflates without a limit.
+//!
 //! A compressed element holds one other element as a zlib stream. Values of a matrix may be stored in a smaller type
 //! than its class. Axes are turned round: what MATLAB stores column after column is read as rows, so that the frames
 //! of `vv(measurement, frame)`, as EIDORS keeps them, are rows here.

@@ -2,9 +2,6 @@
 
 import { STATES } from "./words.js";
 
-// States in which images come.
-const SHOWS_IMAGES = new Set(["live", "replaying"]);
-
 /**
  * `{ level, word, text, advice, covers, action }` of a session: `covers` where it is said in the middle of the picture,
  * `action` "tare" or "retry" where a button helps.
@@ -15,7 +12,7 @@ export function situationOf(session) {
   const { status, skin } = session.shown;
   if (session.program.silence > 0) return ofSilence(session.program.silence);
   if (!status) return waiting("Connected to the program", "It has not yet said how the skin is.");
-  if (!SHOWS_IMAGES.has(status.state)) return ofStatus(status);
+  if (status.state !== "live") return ofStatus(status);
   if (!skin) return waiting("Waiting for the skin's shape", status.text);
   return ofImages(status);
 }
@@ -65,8 +62,7 @@ function ofStatus(status) {
 
 function ofImages(status) {
   const { word, level } = STATES[status.state];
-  const share = Number.isFinite(status.progress) ? ` (${Math.round(status.progress * 100)} %)` : "";
-  return { level, word, text: `${status.text}${share}`, advice: status.advice, covers: false };
+  return { level, word, text: status.text, advice: status.advice, covers: false };
 }
 
 function waiting(text, advice) {

@@ -70,6 +70,5 @@ export const STATES = {
   taring: { word: "Taring", level: "warn" },
   live: { word: "Live", level: "good" },
   lost: { word: "Lost", level: "bad" },
-  replaying: { word: "Replay", level: "good" },
   ended: { word: "Ended", level: "warn" },
 };

@@ -287,7 +287,6 @@ function usualStatus(skin, rate) {
     recording: "",
     recorded_bytes: 0n,
     recorded_frames: 0n,
-    progress: NaN,
   };
 }
 

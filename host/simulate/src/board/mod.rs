@@ -376,8 +376,7 @@ impl Worker {
             // A host that has asked for a tare has it.
             Recalled::Tare(_) if self.device.pipeline().is_asked_to_tare() => due,
             Recalled::Tare(frames) => {
-                let request = Request::Tare { frames };
-                let _ = self.device.handle(&RequestPacket { sequence: 0, request }, self.uptime_ms());
+                self.tell_itself(Request::Tare { frames });
                 due
             }
             Recalled::Frame(of) => {
@@ -387,8 +386,7 @@ impl Worker {
                 due.map(|due| (due + period).max(Instant::now().checked_sub(MAX_BACKLOG).unwrap_or(due)))
             }
             Recalled::End => {
-                let request = Request::Stream(Selection::default());
-                let _ = self.device.handle(&RequestPacket { sequence: 0, request }, self.uptime_ms());
+                self.tell_itself(Request::Stream(Selection::default()));
                 due
             }
         }
@@ -441,9 +439,13 @@ impl Worker {
 
     fn end_stream_if_over(&mut self) {
         if self.frames_left == Some(0) && self.device.streaming().any() {
-            let request = Request::Stream(Selection::default());
-            let _ = self.device.handle(&RequestPacket { sequence: 0, request }, self.uptime_ms());
+            self.tell_itself(Request::Stream(Selection::default()));
         }
+    }
+
+    /// What no host asks for.
+    fn tell_itself(&mut self, request: Request) {
+        let _ = self.device.handle(&RequestPacket { sequence: 0, request }, self.uptime_ms());
     }
 
     fn uptime_ms(&self) -> u64 {

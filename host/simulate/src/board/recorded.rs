@@ -63,7 +63,7 @@ pub fn board_for_recording(
     let wanted: Vec<Step> = view.steps().collect();
     StepMap::new(&tape.recorded, &wanted)
         .map_err(|reason| ReplayError::Steps { path: path.to_owned(), reason })?;
-    let (electrodes, drive) = (view.header.electrodes, Drive { ..tape.drive });
+    let (electrodes, drive) = (view.header.electrodes, tape.drive);
     let options = BoardOptions {
         listen,
         electrodes,
@@ -95,17 +95,12 @@ impl Tape {
     fn open(path: &Path) -> Result<(Self, Vec<u8>, FrameSource), ReplayError> {
         let recording = Recording::open(path)?;
         let session = recording.session();
-        let (patch, source) = (session.patch.clone(), session.frame_source.clone());
+        let (patch, source) = (session.patch.clone(), session.frame_source);
         let refuse = |reason| ReplayError::Patch { path: path.to_owned(), reason };
         let recorded = PatchView::validate(&patch).map_err(refuse)?.steps().collect();
         let (frames, reference) = from_reference(recording)?;
         let Item::Reference(of) = &reference else { return Err(ReplayError::NoReference(path.to_owned())) };
         let drive = of.drive();
-        let source = match source.as_str() {
-            "skin" => FrameSource::Skin,
-            "synthetic" => FrameSource::Synthetic,
-            _ => FrameSource::Simulated,
-        };
         let (path, frames) = (path.to_owned(), Some(frames));
         let tape = Self { path, frames, ahead: Some(reference), recorded, drive, map: None };
         Ok((tape, patch, source))

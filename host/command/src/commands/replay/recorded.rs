@@ -16,6 +16,7 @@ use dermatome_recording::{
     play::{Played, Player},
     read::{Ending, Recording},
     session::Session,
+    write::Recorder,
 };
 use dermatome_shared::{contact::Contacts, patch::PatchView};
 use serde::Serialize;
@@ -66,9 +67,10 @@ pub(super) fn run(args: &Args, path: &Path, patch: Option<&(Vec<u8>, String)>) -
     let pose = pose(args, used)?;
     let steps: Vec<_> = own.steps().collect();
     let mut player = Player::new(used, &steps).with_context(file)?;
-    let mut outlets = outlets(args, &session, used, pose.as_ref().or(recorded_pose.as_ref()))?;
+    let pose_of_places = pose.as_ref().or(recorded_pose.as_ref());
+    let mut outlets = outlets(args, &session, used, pose_of_places, recording.begun())?;
     let mut same = (own.crc() == used.crc()).then(Same::default);
-    let (mut counted, mut before, mut has_reference, mut last) = (Counted::default(), 0, false, None);
+    let (mut counted, mut before, mut last) = (Counted::default(), 0, None);
     let mut frames = Frames::of(recording);
     while let Some(item) = frames.next_item()? {
         let played = player.take(&item).with_context(file)?;
@@ -76,14 +78,13 @@ pub(super) fn run(args: &Args, path: &Path, patch: Option<&(Vec<u8>, String)>) -
             outlets.drive(&reference.drive(), None);
             outlets.tare_begins(reference.frames);
         }
-        has_reference |= matches!(item, Item::Reference(_));
         let Item::Frame(recorded) = item else { continue };
-        before += u64::from(!has_reference);
+        before += u64::from(!player.has_begun());
         if let Some(same) = &mut same {
             same.follow(&mut last, recorded.at.sequence);
         }
-        if let Some(outlets) = outlets.as_mut().filter(|_| has_reference) {
-            outlets.frame(&scan_frame(&recorded, played.as_ref()), None);
+        if let Some(outlets) = outlets.as_mut().filter(|_| player.has_begun()) {
+            outlets.frame_of(&scan_frame(&recorded, played.as_ref()), None, recorded.log_time);
         }
         let Some(played) = played else {
             if interrupt::requested() {
@@ -139,12 +140,13 @@ fn pose(args: &Args, patch: &PatchView<'_>) -> anyhow::Result<Option<Pose>> {
     }
 }
 
-/// Where the replay is recorded, if it is.
+/// Where the replay is recorded, if it is; what is recorded has begun then, ns since 1970.
 fn outlets(
     args: &Args,
     session: &Session,
     patch: &PatchView<'_>,
     pose: Option<&Pose>,
+    begun: u64,
 ) -> anyhow::Result<Option<Outlets>> {
     let Some(file) = args.record.file() else { return Ok(None) };
     let session = Session {
@@ -153,7 +155,7 @@ fn outlets(
         ..session.clone()
     };
     let mut outlets = Outlets::new(&session, pose, &Look::default())?;
-    outlets.record(file, &session)?;
+    outlets.record_from(Recorder::create(file, &session)?.waiting(), begun);
     Ok(Some(outlets))
 }
 

@@ -1,8 +1,9 @@
 //! Calls: what the page can ask for.
 
 use anyhow::{Context, ensure};
+use dermatome_messages::dermatome::gain_of_number;
 use dermatome_page::{Call, Service};
-use dermatome_shared::drive::{Drive, Gain};
+use dermatome_shared::drive::Drive;
 use serde::{Deserialize, de::DeserializeOwned};
 
 /// A service without a request.
@@ -107,11 +108,7 @@ impl Change {
         let mut drive = *drive;
         drive.frequency = self.frequency_hz.unwrap_or(drive.frequency);
         drive.amplitude = self.amplitude_ma.map_or(drive.amplitude, |milliamperes| milliamperes * 1e-3);
-        drive.gain = match self.gain {
-            None => drive.gain,
-            Some(0) => Gain::Automatic,
-            Some(gain) => Gain::Fixed(gain),
-        };
+        drive.gain = self.gain.map_or(drive.gain, gain_of_number);
         let checked = drive.check();
         ensure!(checked.is_ok(), "allowed: {}", checked.err().unwrap_or_default());
         Ok(drive)
@@ -121,6 +118,7 @@ impl Change {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dermatome_shared::drive::Gain;
 
     #[test]
     fn a_drive_is_changed_only_where_it_was_asked_and_what_is_not_allowed_is_named() {

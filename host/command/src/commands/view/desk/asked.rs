@@ -20,10 +20,7 @@ use dermatome_frames::calibrate::{Fit, Reading};
 use dermatome_link::{self as link, Subscription};
 use dermatome_page::Call;
 use dermatome_patch::{output::write_whole, write::with_calibration};
-use dermatome_shared::{
-    drive::Drive,
-    protocol::{Request, Selection},
-};
+use dermatome_shared::protocol::{PatchInfo, Request};
 use serde_json::{Value as Json, json};
 use std::path::Path;
 
@@ -36,14 +33,14 @@ impl Desk<'_> {
         &mut self,
         call: &Call,
         stream: &mut Subscription<'_>,
-        drive: &mut Drive,
+        patch: &mut PatchInfo,
         present: &Present,
     ) -> anyhow::Result<Json> {
         match call.service {
             DRIVE => {
-                let wanted = calls::request::<Change>(call)?.of(drive)?;
+                let wanted = calls::request::<Change>(call)?.of(&patch.drive)?;
                 stream.link().request(&Request::Drive(Some(wanted)))?;
-                (*drive, self.drive) = (wanted, Some(wanted));
+                (patch.drive, self.drive) = (wanted, Some(wanted));
                 self.show_drive(&wanted, present);
                 self.outlets.tare(stream.link())?;
                 Ok(json!({}))
@@ -82,17 +79,12 @@ impl Desk<'_> {
                 let file = recording_name(&present.session.skin);
                 self.outlets.record(Path::new(&file), &present.session)?;
                 // Raw codes must come from the first frame of the tare on.
-                stream.reselect(self.selection_of(Selection { measurements: 1, ..self.plain() }))?;
+                stream.reselect(self.selection(patch))?;
                 self.outlets.tare(stream.link())?;
                 Ok(json!({ "file": file }))
             }
             other => bail!("there is no service `{other}`"),
         }
-    }
-
-    /// What a page needs at least.
-    fn plain(&self) -> Selection {
-        Selection { images: 1, contacts: 1, health: 1, ..Selection::default() }
     }
 
     /// Images are made with another patch from the next frame on.

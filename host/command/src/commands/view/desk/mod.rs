@@ -20,13 +20,17 @@ use crate::commands::{
 };
 use anyhow::{Context, ensure};
 use dermatome_link::{self as link, ScanFrame, frame_timeout, pose::Pose};
-use dermatome_messages::{clock::now_ns, dermatome::Status, skin::Look};
+use dermatome_messages::{
+    clock::now_ns,
+    dermatome::{Status, number_of_gain},
+    skin::Look,
+};
 use dermatome_page::{Call, Server};
 use dermatome_recording::{session::Session, write::Recorder};
 use dermatome_shared::{
-    drive::{Drive, Gain},
+    drive::Drive,
     patch::PatchView,
-    protocol::{Refusal, Request, Selection},
+    protocol::{PatchInfo, Refusal, Request, Selection},
     stimulation::Step,
 };
 use dermatome_simulate::port::Port;
@@ -80,8 +84,9 @@ pub(in crate::commands) struct Desk<'a> {
     waiting: VecDeque<Call>,
     /// Whether the recording that `--record` asks for has begun.
     has_recorded: bool,
-    /// Whether the board that is there has no reference yet.
-    needs_reference: bool,
+    /// Whether the next stream begins with a new reference. A board that comes back with the one that it had keeps it:
+    /// something may press.
+    wants_tare: bool,
 }
 
 /// What a desk knows of the board that is there.
@@ -109,17 +114,12 @@ impl<'a> Desk<'a> {
     pub(in crate::commands) fn new(task: Task<'a>, server: Server) -> Self {
         let state = if task.port.is_some() { "no_board" } else { "ended" };
         let port = task.port.map_or(String::new(), Port::to_string);
-        let unknown = f32::NAN;
+        // Other patches begin with the frames of a tare.
+        let wants_tare = !task.patches.is_empty();
         Self {
             task,
             outlets: Outlets::serving(server),
-            status: Status {
-                state: state.to_owned(),
-                port,
-                signal_to_noise: unknown,
-                progress: unknown,
-                ..Status::default()
-            },
+            status: Status { state: state.to_owned(), port, signal_to_noise: f32::NAN, ..Status::default() },
             told: Instant::now(),
             numbers: Numbers::default(),
             chosen: 0,
@@ -129,7 +129,7 @@ impl<'a> Desk<'a> {
             drive: None,
             waiting: VecDeque::new(),
             has_recorded: false,
-            needs_reference: false,
+            wants_tare,
         }
     }
 
@@ -269,8 +269,9 @@ impl<'a> Desk<'a> {
             link.request(&Request::Drive(Some(drive)))?;
             board.patch.drive = drive;
         }
-        self.needs_reference = !board.link()?.info()?.tared;
-        if self.needs_reference {
+        if !board.link()?.info()?.tared {
+            // One that the board begins by itself may take frames before the stream.
+            self.wants_tare = true;
             let Board { link, patch, .. } = board;
             let link = link.as_mut().context("the board is lost")?;
             self.task.current.fit(link, patch, || !interrupt::requested())?;
@@ -309,10 +310,7 @@ impl<'a> Desk<'a> {
         let status = &mut self.status;
         (status.frequency, status.amplitude, status.frame_rate) =
             (drive.frequency, drive.amplitude, drive.frame_rate);
-        status.gain = match drive.gain {
-            Gain::Automatic => 0,
-            Gain::Fixed(gain) => gain,
-        };
+        status.gain = number_of_gain(drive.gain);
     }
 
     /// The page shows the skin of the chosen patch.
@@ -331,8 +329,8 @@ impl<'a> Desk<'a> {
         }
     }
 
-    fn selection(&self, board: &Board<'_>) -> Selection {
-        let patch = &board.patch;
+    /// What is streamed of a board with this patch: on a serial line no more than it carries.
+    fn selection(&self, patch: &PatchInfo) -> Selection {
         let is_serial = matches!(self.task.port, Some(Port::Board(link::Port::Serial(_))));
         let is_raw = !is_serial
             || self.outlets.recorder().is_some()
@@ -356,16 +354,12 @@ impl<'a> Desk<'a> {
     fn stream(&mut self, board: &mut Board<'_>, present: &Present) -> anyhow::Result<Left> {
         if let Some(file) = self.task.record.filter(|_| !self.has_recorded) {
             self.outlets.record(file, &present.session)?;
-            self.has_recorded = true;
+            (self.has_recorded, self.wants_tare) = (true, true);
         }
-        let selection = self.selection(board);
         let (silence, damaged) = (frame_timeout(&board.patch), board.packets_damaged());
         let Board { link, patch, .. } = board;
-        let mut stream = link.as_mut().context("the board is lost")?.subscribe(selection)?;
-        // One that the board began by itself may have taken frames before this stream.
-        let is_needed = std::mem::take(&mut self.needs_reference);
-        let wants_tare = is_needed || self.outlets.recorder().is_some() || !self.task.patches.is_empty();
-        if wants_tare {
+        let mut stream = link.as_mut().context("the board is lost")?.subscribe(self.selection(patch))?;
+        if std::mem::take(&mut self.wants_tare) {
             self.outlets.tare(stream.link())?;
         }
         let mut heard = Instant::now();
@@ -402,10 +396,9 @@ impl<'a> Desk<'a> {
                         self.waiting.push_back(call);
                     }
                     _ => {
-                        let done = self.answer(&call, &mut stream, &mut patch.drive, present);
-                        let wanted = self.selection_of(selection);
+                        let done = self.answer(&call, &mut stream, patch, present);
                         call.answer(done.map_err(|error| format!("{error:#}")));
-                        stream.reselect(wanted)?;
+                        stream.reselect(self.selection(patch))?;
                         self.tell();
                     }
                 }
@@ -417,17 +410,6 @@ impl<'a> Desk<'a> {
         Ok(left)
     }
 
-    /// What is streamed, after something was asked.
-    fn selection_of(&self, before: Selection) -> Selection {
-        let is_raw = self.outlets.recorder().is_some() || self.chosen > 0;
-        Selection {
-            measurements: before.measurements.max(is_raw.into()),
-            scope: self.slot.is_some().into(),
-            scope_slot: self.slot.unwrap_or(0),
-            ..before
-        }
-    }
-
     /// A frame has come.
     fn take(&mut self, frame: &ScanFrame, missing: u64) {
         self.numbers.count(frame, missing);
@@ -435,11 +417,17 @@ impl<'a> Desk<'a> {
         let is_tared = self.outlets.frame(frame, shown.as_ref());
         if frame.contacts.is_some() {
             self.state("live", "", "");
-        } else if frame.measurements.is_some() || frame.health.is_some() {
+        } else if self.outlets.is_taring() {
             self.state(
                 "taring",
                 "the board averages the untouched skin",
                 "do not touch the skin until it is done; if it takes long, look at `check`",
+            );
+        } else if frame.measurements.is_some() || frame.health.is_some() {
+            self.state(
+                "not_tared",
+                "the board has no reference: it makes one as soon as the skin is steady",
+                "do not touch the skin; if it takes long, look at `check`",
             );
         }
         if is_tared {
