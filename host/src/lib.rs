@@ -22,4 +22,5 @@ pub use dermatome_recording as recording;
 pub use dermatome_shared as shared;
 pub use dermatome_simulate as simulate;
 pub use dermatome_simulate::material;
+pub use dermatome_urdf as urdf;
 pub use dermatome_view as view;

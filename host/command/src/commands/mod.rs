@@ -52,6 +52,8 @@ pub(crate) mod interrupt;
 mod learn;
 mod link_frame;
 mod man;
+mod mjcf;
+mod mount;
 mod noise;
 mod outlets;
 mod outputs;
@@ -69,6 +71,7 @@ mod stream;
 mod tare;
 mod trim;
 mod trust;
+mod urdf;
 mod verbose;
 mod view;
 
@@ -110,6 +113,8 @@ enum Command {
     Replay(replay::Args),
     CheckData(check_data::Args),
     Cut(cut::Args),
+    Urdf(urdf::Args),
+    Mjcf(mjcf::Args),
     Design(design::Args),
     Learn(learn::Args),
     Export(export::Args),
@@ -165,6 +170,8 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Replay(args) => replay::run(&args),
         Command::CheckData(args) => check_data::run(&args),
         Command::Cut(args) => cut::run(&args),
+        Command::Urdf(args) => urdf::run(&args),
+        Command::Mjcf(args) => mjcf::run(&args),
         Command::Design(args) => design::run(&args),
         Command::Learn(args) => learn::run(&args),
         Command::Export(args) => export::run(&args),
