@@ -97,6 +97,11 @@ impl Desks {
         std::fs::remove_dir_all(desk.path("model")).unwrap();
         desk.write("skin.dae", DAE);
         desk.write("posed.toml", format!("{TINY}{POSE}"));
+        desk.write("robot.urdf", "<robot name=\"r\">\n  <link name=\"palm\"/>\n</robot>\n");
+        desk.write(
+            "robot.xml",
+            "<mujoco>\n  <worldbody>\n    <body name=\"palm\"/>\n  </worldbody>\n</mujoco>\n",
+        );
         let forward = desk.run(&["forward", "skin.toml"]).success().out;
         Self { files: contents(&desk.path("")), forward }
     }

@@ -30,6 +30,9 @@ const COMMANDS: &[&[&str]] = &[
     &["replay", "frames.csv", "--patch=skin.dermatome"],
     &["check-data", "skin.toml", "frames.csv"],
     &["cut", "skin.stl", "--unit=mm", "--around=0,0,0", "--radius=30", "--out=new"],
+    &["urdf add", "robot.urdf", "posed.toml"],
+    &["urdf check", "robot.urdf"],
+    &["mjcf add", "robot.xml", "posed.toml"],
     &["design", "skin.toml"],
     &["learn", "skin.toml", "--presses=presses.csv", "--reference=reference.csv"],
     &["export", "skin.toml", "--out=new"],
@@ -58,7 +61,7 @@ const READ: &[&str] = &[
 ];
 /// Options that name a file to write.
 const WRITTEN: &[&str] =
-    &["png", "json", "output", "corrected", "hyperparameter-plot", "plot", "save", "store", "record"];
+    &["png", "json", "output", "corrected", "hyperparameter-plot", "plot", "save", "store", "record", "mesh"];
 
 /// No number, of whatever kind.
 const NUMBERS: &[&str] = &["", "x", "nan", "inf", "1e999", "1,5", "0x10", "1 2"];
@@ -125,6 +128,12 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
         ("design" | "cut", "name") => {
             &["", "a b", "ä", "../x", "abcdefghijklmnopqrstuvwxyzabcdefg", "a\u{1b}[2J"]
         }
+        ("urdf add" | "mjcf add", "name" | "mesh-uri") => &[""],
+        ("urdf add", "link") | ("mjcf add", "body") => &["", "none", "Palm", "a\u{1b}[2J"],
+        ("urdf add" | "mjcf add", "thickness") => {
+            &["", "x", "nan", "0", "0mm", "-1mm", "5 furlong", "1 m", "1e999"]
+        }
+        ("mjcf add", "taxels") => &["", "x", "-1", "1.5", "1025"],
         ("cut", "frame") => &["", "a b", "ä", "a\nb"],
         ("stream" | "reconstruct", "fit") => LENGTHS,
         (_, "give-up-after") => &["", "x", "nan", "-1", "1e30"],
@@ -286,6 +295,14 @@ fn pairs() -> Vec<Case> {
         (&["drive", "--port=sim:skin.toml", "--patch", "--gain=1"], &["--patch", "--gain"]),
         (&["trim", "--port=tcp:127.0.0.1:1", "--forget", "--first=1"], &["--forget", "--first"]),
         (&["simulate", "skin.toml", "--press=0,0,0.01,1", "--path=path.csv"], &["--press", "--path"]),
+        (&["simulate", "skin.toml", "--live", "--path=path.csv"], &["--live", "--path"]),
+        (&["simulate", "skin.toml", "--live", "--press=0,0,0.01,1"], &["--live", "--press"]),
+        (&["urdf", "remove"], &["remove"]),
+        (&["urdf", "add", "robot.urdf"], &["<SKIN>"]),
+        (&["urdf", "add", "robot.urdf", "skin.toml"], &["`skin.toml`", "pose"]),
+        (&["urdf", "add", "robot.xml", "posed.toml"], &["robot.xml", "<mujoco>", "<robot>"]),
+        (&["urdf", "check", "robot.urdf", "posed.toml"], &["robot.urdf"]),
+        (&["mjcf", "add", "robot.urdf", "posed.toml"], &["robot.urdf", "<robot>", "<mujoco>"]),
         (&["build", "skin.toml", "--no-patch", "--output=x"], &["--no-patch", "--output"]),
         (&["build", "skin.toml", "--seed=1"], &["--seed"]),
         (&["build", "skin.toml", "--json=a", "--json=b"], &["--json"]),
@@ -309,8 +326,10 @@ fn pairs() -> Vec<Case> {
 
 /// A command that is new is tried too.
 fn check_all_are_tried(commands: &[String]) {
-    let is_tried =
-        |name: &&String| name.as_str() == "help" || COMMANDS.iter().any(|words| words[0] == name.as_str());
+    let is_tried = |name: &&String| {
+        name.as_str() == "help"
+            || COMMANDS.iter().any(|words| words[0].split(' ').next() == Some(name.as_str()))
+    };
     let missing: Vec<_> = commands.iter().filter(|name| !is_tried(name)).collect();
     assert!(missing.is_empty(), "commands that are not tried: {missing:?}");
 }

@@ -31,7 +31,7 @@ pub enum DescriptionError {
         what: String,
     },
     /// A link or body is not there.
-    #[error("there is no {kind} {name:?}; allowed: {allowed}")]
+    #[error("there is no {kind} {name:?}; allowed for `{kind}`: {allowed}")]
     Absent {
         /// What it would be.
         kind: &'static str,
@@ -49,7 +49,9 @@ pub enum DescriptionError {
         name: String,
     },
     /// Something else has a name that the skin needs.
-    #[error("line {line}: there is a {kind} {name:?} already, which is not this skin's; allowed: another `name`")]
+    #[error(
+        "line {line}: there is a {kind} {name:?} already, which is not this skin's; allowed: another `name`"
+    )]
     Taken {
         /// Where.
         line: u32,
@@ -59,7 +61,9 @@ pub enum DescriptionError {
         name: String,
     },
     /// Something lies on the skin that is to be replaced.
-    #[error("line {line}: {kind} {name:?} holds more than the skin, which would go with it; allowed: to move that elsewhere first")]
+    #[error(
+        "line {line}: {kind} {name:?} holds more than the skin, which would go with it; allowed: to move that elsewhere first"
+    )]
     Inhabited {
         /// Where.
         line: u32,

@@ -73,7 +73,9 @@ pub fn add(
         gone.iter().for_each(|node| edits.remove(*node));
     }
     let is_left = |node: &Node<'_, '_>| !node.ancestors().any(|outer| gone.contains(&outer));
-    let named = |name: &str| model.descendants().filter(is_left).find(|it| clashes(*it) && it.attribute("name") == Some(name));
+    let named = |name: &str| {
+        model.descendants().filter(is_left).find(|it| clashes(*it) && it.attribute("name") == Some(name))
+    };
     if let Some(other) = named(mount.frame).or_else(|| named(mount.skin)) {
         let name = other.attribute("name").unwrap_or_default().to_owned();
         return Err(DescriptionError::Taken { line: line(other), kind: kind(other), name });
@@ -92,7 +94,9 @@ pub fn add(
     Ok(edits.made())
 }
 
-fn root_of<'a, 'input>(document: &'a roxmltree::Document<'input>) -> Result<Node<'a, 'input>, DescriptionError> {
+fn root_of<'a, 'input>(
+    document: &'a roxmltree::Document<'input>,
+) -> Result<Node<'a, 'input>, DescriptionError> {
     let root = document.root_element();
     if is(root, "mujoco") || is(root, "mujocoinclude") {
         return Ok(root);
@@ -102,7 +106,8 @@ fn root_of<'a, 'input>(document: &'a roxmltree::Document<'input>) -> Result<Node
 }
 
 fn absent(model: Node<'_, '_>, name: &str, there: &str) -> DescriptionError {
-    let includes = model.descendants().filter(|node| is(*node, "include")).filter_map(|it| it.attribute("file"));
+    let includes =
+        model.descendants().filter(|node| is(*node, "include")).filter_map(|it| it.attribute("file"));
     let includes: Vec<_> = includes.collect();
     let elsewhere = match includes.len() {
         0 => String::new(),
@@ -114,7 +119,9 @@ fn absent(model: Node<'_, '_>, name: &str, there: &str) -> DescriptionError {
 /// The touch sensor of a skin.
 fn sensor_of<'a, 'input>(model: Node<'a, 'input>, skin: &str) -> Option<Node<'a, 'input>> {
     let touch = model.descendants().filter(|node| is(*node, "touch"));
-    touch.into_iter().find(|node| node.attribute("name") == Some(skin) && node.attribute("site") == Some(skin))
+    touch
+        .into_iter()
+        .find(|node| node.attribute("name") == Some(skin) && node.attribute("site") == Some(skin))
 }
 
 /// All of a skin: its body, its sensors and its mesh, and sections that hold nothing else.
@@ -139,14 +146,17 @@ fn of_skin<'a, 'input>(
     };
     let parts: Vec<_> = model.descendants().filter(is_its).collect();
     let sections = parts.iter().filter_map(|part| part.parent());
-    let is_whole = |section: &Node<'_, '_>| section.children().filter(Node::is_element).all(|node| is_its(&node));
+    let is_whole =
+        |section: &Node<'_, '_>| section.children().filter(Node::is_element).all(|node| is_its(&node));
     Ok(sections.filter(is_whole).chain(parts.iter().copied()).chain([body]).collect())
 }
 
 /// Names that a skin needs: MuJoCo has a space of names for each kind of element.
 fn clashes(node: Node<'_, '_>) -> bool {
     let in_section = |name: &str| node.parent().is_some_and(|parent| is(parent, name));
-    ["body", "geom", "site"].iter().any(|kind| is(node, kind)) || in_section("sensor") || in_section("asset") && is(node, "mesh")
+    ["body", "geom", "site"].iter().any(|kind| is(node, kind))
+        || in_section("sensor")
+        || in_section("asset") && is(node, "mesh")
 }
 
 fn kind(node: Node<'_, '_>) -> &'static str {
@@ -184,7 +194,9 @@ fn rest_lines(mount: &Mount<'_>, taxels: &Spread) -> Vec<String> {
         "<sensor>".to_owned(),
         format!(r#"  <touch name="{skin}" site="{skin}"/>"#),
     ];
-    lines.extend((0..taxels.points.len()).map(|at| format!(r#"  <touch name="{skin}_{at}" site="{skin}_{at}"/>"#)));
+    lines.extend(
+        (0..taxels.points.len()).map(|at| format!(r#"  <touch name="{skin}_{at}" site="{skin}_{at}"/>"#)),
+    );
     lines.push("</sensor>".to_owned());
     lines
 }
@@ -199,8 +211,10 @@ mod tests {
                          </worldbody>\n  <sensor>\n    <clock/>\n  </sensor>\n</mujoco>\n";
 
     fn made(text: &str, on: &str, taxels: usize, replace: bool) -> Result<String, DescriptionError> {
-        let pose = Pose { link: "base".into(), position: [0.1, 0.0, -0.25], orientation: [0.5, 0.5, 0.5, 0.5] };
-        let mount = Mount { skin: "palm", frame: "palm", on, pose: &pose, mesh: "palm.stl", frame_rate: 50.0 };
+        let pose =
+            Pose { link: "base".into(), position: [0.1, 0.0, -0.25], orientation: [0.5, 0.5, 0.5, 0.5] };
+        let mount =
+            Mount { skin: "palm", frame: "palm", on, pose: &pose, mesh: "palm.stl", frame_rate: 50.0 };
         let zone = Zone { middle: Point3::origin(), half_size: Vector3::new(0.1, 0.1, 0.003) };
         let taxels = Spread { points: vec![Point3::new(0.01, 0.0, 0.0); taxels], radius: 0.02 };
         add(text, &mount, zone, &taxels, replace)
@@ -211,11 +225,15 @@ mod tests {
         for on in ["base", "hand", WORLD] {
             let text = made(MODEL, on, 0, false).unwrap();
             let document = parse(&text).unwrap();
-            let skin = document.descendants().find(|it| is(*it, "body") && it.attribute("name") == Some("palm"));
+            let skin =
+                document.descendants().find(|it| is(*it, "body") && it.attribute("name") == Some("palm"));
             let holder = skin.unwrap().parent().unwrap();
             assert_eq!(holder.attribute("name").unwrap_or(WORLD), on, "{text}");
-            let added = |line: &&str| !["palm", "<asset>", "</asset>", "<sensor>", "</sensor>"].iter().any(|it| line.contains(it));
-            let left: Vec<_> = text.lines().filter(added).filter(|line| *line != "      </body>" || on == "hand").collect();
+            let added = |line: &&str| {
+                !["palm", "<asset>", "</asset>", "<sensor>", "</sensor>"].iter().any(|it| line.contains(it))
+            };
+            let left: Vec<_> =
+                text.lines().filter(added).filter(|line| *line != "      </body>" || on == "hand").collect();
             assert!(left.len() >= MODEL.lines().count() - 3, "{text}");
             assert!(text.contains("pos=\"0.1 0 -0.25\" quat=\"0.5 0.5 0.5 0.5\""), "{text}");
         }
@@ -225,7 +243,10 @@ mod tests {
     #[test]
     fn the_same_skin_again_is_refused_or_replaced() {
         let once = made(MODEL, "base", 3, false).unwrap();
-        assert!(matches!(made(&once, "base", 0, false), Err(DescriptionError::Skin { line: 24, .. })), "{once}");
+        assert!(
+            matches!(made(&once, "base", 0, false), Err(DescriptionError::Skin { line: 24, .. })),
+            "{once}"
+        );
         assert_eq!(made(&once, "base", 3, true).unwrap(), once);
         assert_eq!(made(&once, "base", 0, true), made(MODEL, "base", 0, false));
         let moved = made(&once, WORLD, 0, true).unwrap();
@@ -233,8 +254,11 @@ mod tests {
         let shared = once.replace("<touch name=\"palm\"", "<gyro site=\"palm\"/><touch name=\"palm\"");
         let replaced = made(&shared, "base", 0, true).unwrap();
         assert!(replaced.contains("<gyro") && replaced.matches("<touch").count() == 1, "{replaced}");
-        let held = once.replace("group=\"4\"/>\n      </body>", "group=\"4\"/>\n<body name=\"tip\"/>\n      </body>");
-        assert!(held != once && matches!(made(&held, "base", 0, true), Err(DescriptionError::Inhabited { .. })));
+        let held = once
+            .replace("group=\"4\"/>\n      </body>", "group=\"4\"/>\n<body name=\"tip\"/>\n      </body>");
+        assert!(
+            held != once && matches!(made(&held, "base", 0, true), Err(DescriptionError::Inhabited { .. }))
+        );
     }
 
     #[test]
@@ -243,13 +267,21 @@ mod tests {
         for (text, on, expected) in [
             ("no".to_owned(), "base", "it is no XML"),
             ("<robot/>".to_owned(), "base", "<robot>; allowed: <mujoco>"),
-            (MODEL.to_owned(), "arm", "no body \"arm\"; allowed: \"base\", \"hand\", \"world\""),
-            (with("<include file=\"arm.xml\"/>"), "arm", "\"world\" (others are in \"arm.xml\", which it includes)"),
+            (MODEL.to_owned(), "arm", "no body \"arm\"; allowed for `body`: \"base\", \"hand\", \"world\""),
+            (
+                with("<include file=\"arm.xml\"/>"),
+                "arm",
+                "\"world\" (others are in \"arm.xml\", which it includes)",
+            ),
             (with("<site name=\"palm\"/>"), "base", "line 6: there is a site \"palm\" already"),
             (with("<geom name=\"palm\"/>"), "base", "a geom \"palm\" already"),
             (MODEL.replace("hand", "palm"), "base", "a body \"palm\" already"),
             (MODEL.replace("<clock", "<clock name=\"palm\""), "base", "a sensor \"palm\" already"),
-            (MODEL.replace("<sensor>", "<asset><mesh name=\"palm\"/></asset><sensor>"), "base", "a mesh \"palm\" already"),
+            (
+                MODEL.replace("<sensor>", "<asset><mesh name=\"palm\"/></asset><sensor>"),
+                "base",
+                "a mesh \"palm\" already",
+            ),
         ] {
             let error = made(&text, on, 0, false).unwrap_err().to_string();
             assert!(error.contains(expected), "{expected}: {error}");

@@ -63,7 +63,8 @@ mod tests {
 
     #[test]
     fn what_is_written_leads_back_to_the_same_place_at_every_attitude() {
-        let steps: Vec<f64> = (-4..=4).map(|i| f64::from(i) * PI / 4.0).chain([0.3, FRAC_PI_2 - 1e-7]).collect();
+        let steps: Vec<f64> =
+            (-4..=4).map(|i| f64::from(i) * PI / 4.0).chain([0.3, FRAC_PI_2 - 1e-7]).collect();
         for &roll in &steps {
             for &pitch in &steps {
                 for &yaw in &steps {
@@ -83,6 +84,9 @@ mod tests {
 
     #[test]
     fn numbers_are_short_and_have_no_minus_zero() {
-        assert_eq!(numbers([0.0, -0.0, 1.0, -1e-12, 0.1 + 0.2, 1e-9, -120.5]), "0 0 1 0 0.3 0.000000001 -120.5");
+        assert_eq!(
+            numbers([0.0, -0.0, 1.0, -1e-12, 0.1 + 0.2, 1e-9, -120.5]),
+            "0 0 1 0 0.3 0.000000001 -120.5"
+        );
     }
 }

@@ -49,7 +49,8 @@ impl Surface {
             elements.iter_mut().for_each(|element| element.swap(1, 2));
             normals.iter_mut().for_each(|normal| *normal = -*normal);
         }
-        let normals = normals.into_iter().map(|normal| normal.try_normalize(0.0).unwrap_or_default()).collect();
+        let normals =
+            normals.into_iter().map(|normal| normal.try_normalize(0.0).unwrap_or_default()).collect();
         Self { nodes: mesh.nodes.clone(), elements, normals }
     }
 
@@ -81,7 +82,8 @@ impl Surface {
     /// So many points, each new one as far from those before as any: the first is in the middle.
     #[must_use]
     pub fn spread(&self, count: usize) -> Spread {
-        let middle = self.nodes.iter().map(|node| node.coords).sum::<Vector3<f64>>() / self.nodes.len().max(1) as f64;
+        let middle =
+            self.nodes.iter().map(|node| node.coords).sum::<Vector3<f64>>() / self.nodes.len().max(1) as f64;
         let from_middle = |node: &&Point3<f64>| (node.coords - middle).norm();
         let first = self.nodes.iter().min_by(|a, b| from_middle(a).total_cmp(&from_middle(b)));
         let Some(mut next) = first.copied().filter(|_| count > 0) else { return Spread::default() };
@@ -145,7 +147,11 @@ mod tests {
         };
         let corners = (0..side * across).filter(|at| at % side < across);
         let elements = corners.flat_map(|at| [[at, at + 1, at + side], [at + 1, at + side, at + side + 1]]);
-        Mesh { nodes: (0..side * side).map(point).collect(), elements: elements.collect(), electrodes: Vec::new() }
+        Mesh {
+            nodes: (0..side * side).map(point).collect(),
+            elements: elements.collect(),
+            electrodes: Vec::new(),
+        }
     }
 
     /// Volume of a closed body by the divergence theorem; it is right only if every triangle faces outward.
@@ -163,7 +169,8 @@ mod tests {
             let mesh = net(6, height);
             let slab = Surface::of(&mesh).slab(1e-3);
             assert!(boundary_edges(&slab.elements).is_empty());
-            let area: f64 = (0..mesh.elements.len()).map(|element| triangle::area(mesh.corners(element))).sum();
+            let area: f64 =
+                (0..mesh.elements.len()).map(|element| triangle::area(mesh.corners(element))).sum();
             let found = volume(&slab);
             assert!((found / (area * 1e-3) - 1.0).abs() < 0.01, "{found} of {area}");
             let [low, high] = [f64::INFINITY, f64::NEG_INFINITY];

@@ -2,7 +2,7 @@
 
 use super::{
     JsonReport,
-    mount::{Options, in_file},
+    mount::{Options, Report, in_file},
 };
 use dermatome_urdf::mjcf::{self, Zone};
 use std::path::PathBuf;
@@ -63,12 +63,13 @@ pub(super) fn run(Args { what: What::Add(args) }: &Args) -> anyhow::Result<()> {
     let zone = Zone::round(&mounting.slab);
     let robot = mjcf::add(&mounting.text, &mounting.mount(), zone, &taxels, mounting.replace);
     mounting.write(&robot.map_err(|error| in_file(&args.robot, error))?)?;
-    let report = mounting.report();
+    let bulge_mm = mounting.surface.bulge() * 1e3;
+    let report = Report { bulge_mm: Some(bulge_mm), ..mounting.report() };
     report.print("body");
-    if report.bulge_mm > BULGE_MM {
+    if bulge_mm > BULGE_MM {
         eprintln!(
-            "warning: MuJoCo collides a mesh's convex hull, which reaches {:.1} mm beyond this skin: there it is touched too early",
-            report.bulge_mm
+            "warning: MuJoCo collides a mesh's convex hull, which reaches {bulge_mm:.1} mm beyond this skin: there it is \
+             touched too early"
         );
     }
     args.json.write(&report)

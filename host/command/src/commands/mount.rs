@@ -23,7 +23,8 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// What sets the parameters that the library's errors name.
-const FLAGS: [(&str, &str); 2] = [("`replace`", "`--replace`"), ("`name`", "`--name`")];
+const FLAGS: [(&str, &str); 4] =
+    [("`replace`", "`--replace`"), ("`name`", "`--name`"), ("`link`", "`--link`"), ("`body`", "`--body`")];
 
 #[derive(clap::Args)]
 pub(super) struct Options {
@@ -77,8 +78,9 @@ pub(super) struct Report<'a> {
     thickness_mm: f64,
     triangles: usize,
     mesh_uri: &'a str,
-    /// What a simulator that collides hulls adds to the skin.
-    pub(super) bulge_mm: f64,
+    /// What a simulator that collides hulls adds to the skin; none where nobody asks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) bulge_mm: Option<f64>,
     files: [&'a Path; 2],
 }
 
@@ -116,7 +118,8 @@ impl Options {
         let frame = self.name.as_deref().unwrap_or(&of_file.name).to_owned();
         ensure!(!frame.is_empty(), "`--name` is \"\"; allowed: a name");
         let (mesh_path, uri) = self.mesh_of(&out, folder.as_deref().unwrap_or(""), &frame)?;
-        let mesh = mesh(&of_file, 1.0, Lattice::default()).with_context(|| format!("skin file `{}`", skin.display()))?;
+        let mesh = mesh(&of_file, 1.0, Lattice::default())
+            .with_context(|| format!("skin file `{}`", skin.display()))?;
         let surface = Surface::of(&mesh);
         Ok(Mounting {
             slab: surface.slab(thickness),
@@ -138,12 +141,21 @@ impl Options {
         let text = &self.thickness;
         let read = LENGTH.read(&Quantity::Text(text.clone()));
         read.filter(|length| *length > 0.0 && *length <= 0.1).with_context(|| {
-            format!("`--thickness` is {text:?}; allowed: a length above zero, at most 100 mm, with {}", LENGTH.units())
+            format!(
+                "`--thickness` is {text:?}; allowed: a length above zero, at most 100 mm, with {}",
+                LENGTH.units()
+            )
         })
     }
 
     /// The mesh's file, and its name in the robot.
     fn mesh_of(&self, robot: &Path, folder: &str, frame: &str) -> anyhow::Result<(PathBuf, String)> {
+        let is_ordinary = robot.is_file() || !robot.exists();
+        ensure!(
+            is_ordinary || self.mesh.is_some(),
+            "`{}` is no ordinary file, beside which the mesh could lie; allowed: to say where, by `--mesh`",
+            robot.display()
+        );
         let base = robot.parent().unwrap_or(Path::new("")).join(folder);
         let name: String =
             frame.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
@@ -162,7 +174,9 @@ impl Options {
 
 /// The path of a file from a folder on, or its whole path if it is not in there.
 fn relative(path: &Path, base: &Path) -> anyhow::Result<String> {
-    let absolute = |path: &Path| std::path::absolute(path).with_context(|| format!("no such path: `{}`", path.display()));
+    let absolute = |path: &Path| {
+        std::path::absolute(path).with_context(|| format!("no such path: `{}`", path.display()))
+    };
     let whole = absolute(path)?;
     let base = if base == Path::new("") { absolute(Path::new("."))? } else { absolute(base)? };
     Ok(whole.strip_prefix(&base).unwrap_or(&whole).to_string_lossy().into_owned())
@@ -196,7 +210,7 @@ impl Mounting {
             thickness_mm: self.thickness * 1e3,
             triangles: self.slab.elements.len(),
             mesh_uri: &self.uri,
-            bulge_mm: self.surface.bulge() * 1e3,
+            bulge_mm: None,
             files: [&self.out, &self.mesh],
         }
     }
@@ -213,7 +227,12 @@ impl Report<'_> {
         let [x, y, z] = self.position_m;
         say!("skin          {} lies on {kind} {}, its own frame is {}", self.skin, self.link, self.frame);
         say!("pose          xyz {x:.6} {y:.6} {z:.6} m in {}", self.link);
-        say!("mesh          {} triangles, {:.3} mm thick, {}", self.triangles, self.thickness_mm, self.mesh_uri);
+        say!(
+            "mesh          {} triangles, {:.3} mm thick, {}",
+            self.triangles,
+            self.thickness_mm,
+            self.mesh_uri
+        );
         say!("written       {}, {}", self.files[0].display(), self.files[1].display());
     }
 }

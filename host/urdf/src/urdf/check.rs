@@ -89,7 +89,11 @@ pub struct Checked {
 }
 
 /// Checks a robot.
-pub fn check(text: &str, places: &Places<'_>, expected: &[Expected<'_>]) -> Result<Checked, DescriptionError> {
+pub fn check(
+    text: &str,
+    places: &Places<'_>,
+    expected: &[Expected<'_>],
+) -> Result<Checked, DescriptionError> {
     let document = parse(text)?;
     let robot = root_of(&document)?;
     let mut check = Check { robot, places, findings: Vec::new() };
@@ -154,7 +158,9 @@ impl<'a, 'input> Check<'a, 'input> {
                 None => self.error(joint, format!("joint {name:?} names no {which} link")),
                 Some(link) if !self.links().any(|it| it == link) => {
                     let allowed = names(self.links());
-                    let message = format!("the {which} of joint {name:?} is {link:?}, which is no link; allowed: {allowed}");
+                    let message = format!(
+                        "the {which} of joint {name:?} is {link:?}, which is no link; allowed: {allowed}"
+                    );
                     self.error(joint, message);
                 }
                 Some(_) => {}
@@ -169,9 +175,14 @@ impl<'a, 'input> Check<'a, 'input> {
     fn tree(&mut self) -> Option<String> {
         let mut parents: BTreeMap<&str, &str> = BTreeMap::new();
         for joint in children(self.robot, "joint") {
-            let (Some(parent), Some(child)) = (link_in(joint, "parent"), link_in(joint, "child")) else { continue };
+            let (Some(parent), Some(child)) = (link_in(joint, "parent"), link_in(joint, "child")) else {
+                continue;
+            };
             if let Some(other) = parents.insert(child, parent) {
-                self.error(joint, format!("link {child:?} has two parents, {other:?} and {parent:?}; allowed: one"));
+                self.error(
+                    joint,
+                    format!("link {child:?} has two parents, {other:?} and {parent:?}; allowed: one"),
+                );
             }
         }
         let links: BTreeSet<&str> = self.links().collect();
@@ -188,7 +199,8 @@ impl<'a, 'input> Check<'a, 'input> {
             [root] if circle.is_empty() => return Some(root.to_owned()),
             [_] => {}
             _ => {
-                let message = format!("no joint holds {}; allowed: one such link, the root", names(roots.into_iter()));
+                let message =
+                    format!("no joint holds {}; allowed: one such link, the root", names(roots.into_iter()));
                 self.find(Level::Error, None, message);
             }
         }
@@ -233,7 +245,10 @@ impl<'a, 'input> Check<'a, 'input> {
         let frame = link_in(sensor, "parent").unwrap_or_default();
         let Some(link) = named(self.robot, "link", frame).next() else {
             let allowed = names(self.links());
-            self.error(sensor, format!("skin {skin:?} has the link {frame:?}, which is not there; allowed: {allowed}"));
+            self.error(
+                sensor,
+                format!("skin {skin:?} has the link {frame:?}, which is not there; allowed: {allowed}"),
+            );
             return None;
         };
         let joint = joints_onto(self.robot, frame).next();
@@ -248,11 +263,21 @@ impl<'a, 'input> Check<'a, 'input> {
             (Some(_), None) => None,
         };
         let off_link_mm = off_link.map(|off| off * 1e3);
-        Some(OnRobot { skin: skin.to_owned(), frame: frame.to_owned(), link: on.map(str::to_owned), off_link_mm })
+        Some(OnRobot {
+            skin: skin.to_owned(),
+            frame: frame.to_owned(),
+            link: on.map(str::to_owned),
+            off_link_mm,
+        })
     }
 
     /// A skin is where its file says, with its own mesh, and on its link; how far it is off the link's meshes, m.
-    fn lies_right(&mut self, joint: Node<'a, 'input>, link: Node<'a, 'input>, file: &Expected<'_>) -> Option<f64> {
+    fn lies_right(
+        &mut self,
+        joint: Node<'a, 'input>,
+        link: Node<'a, 'input>,
+        file: &Expected<'_>,
+    ) -> Option<f64> {
         let skin = file.name;
         if let Some(kind) = joint.attribute("type").filter(|kind| *kind != "fixed") {
             self.error(joint, format!("the joint of skin {skin:?} is {kind:?}; allowed: \"fixed\""));
@@ -316,7 +341,8 @@ impl<'a, 'input> Check<'a, 'input> {
         let least = read.iter().map(|mesh| off(place, mesh)).min_by(f64::total_cmp)?;
         if least > FAR {
             let name = on.attribute("name").unwrap_or_default();
-            let mut message = format!("skin {:?} is up to {:.1} mm off the mesh of {name:?}", file.name, least * 1e3);
+            let mut message =
+                format!("skin {:?} is up to {:.1} mm off the mesh of {name:?}", file.name, least * 1e3);
             // As it is where the skin was cut out of a mesh that the link shows elsewhere than at its own origin.
             let as_cut = read.iter().map(|mesh| (mesh.0.origin * place, mesh));
             if let Some((right, _)) = as_cut.into_iter().find(|(right, mesh)| off(right, mesh) < FAR) {

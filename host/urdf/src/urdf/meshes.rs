@@ -96,7 +96,8 @@ impl MeshUse<'_> {
 /// The farthest that any of some points is from a mesh, m.
 pub(super) fn farthest(points: impl Iterator<Item = Point3<f64>>, triangles: &[[Point3<f64>; 3]]) -> f64 {
     let away = |point: Point3<f64>| {
-        let squares = triangles.iter().map(|corners| (triangle::nearest(*corners, point) - point).norm_squared());
+        let squares =
+            triangles.iter().map(|corners| (triangle::nearest(*corners, point) - point).norm_squared());
         squares.fold(f64::INFINITY, f64::min).sqrt()
     };
     points.map(away).fold(0.0, f64::max)

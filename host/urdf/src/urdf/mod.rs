@@ -146,7 +146,8 @@ mod tests {
         let renamed = add(&once, &Mount { frame: "hand", ..mount(&pose, "base") }, true).unwrap();
         assert_eq!(renamed.matches("palm\"").count(), 2, "{renamed}");
         let mut held = once.clone();
-        let camera = "<link name='c'/><joint name='j' type='fixed'><parent link='palm'/><child link='c'/></joint>";
+        let camera =
+            "<link name='c'/><joint name='j' type='fixed'><parent link='palm'/><child link='c'/></joint>";
         held.insert_str(held.find("</robot>").unwrap(), camera);
         add(&held, &mount(&pose, "base"), true).unwrap();
         let refused = add(&held, &Mount { frame: "hand", ..mount(&pose, "base") }, true).unwrap_err();
@@ -169,8 +170,8 @@ mod tests {
                 "<robot xmlns:xacro='http://www.ros.org/wiki/xacro'>\n<xacro:arm/></robot>".to_owned(),
                 "line 2: <xacro:arm> is xacro",
             ),
-            (robot("").replace("base", "torso"), "no link \"base\"; allowed: \"torso\""),
-            ("<robot name='r'/>".to_owned(), "no link \"base\"; allowed: none"),
+            (robot("").replace("base", "torso"), "no link \"base\"; allowed for `link`: \"torso\""),
+            ("<robot name='r'/>".to_owned(), "no link \"base\"; allowed for `link`: none"),
             ("<!DOCTYPE a [<!ENTITY b 'c'>]><robot/>".to_owned(), "it is no XML: XML with DTD"),
         ] {
             let error = add(&text, &mount(&pose, "base"), false).unwrap_err().to_string();

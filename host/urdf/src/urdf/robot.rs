@@ -7,7 +7,9 @@ use crate::{
 use roxmltree::{Document, Node};
 
 /// The robot; a file of another kind, or one that makes a robot, is refused.
-pub(super) fn root_of<'a, 'input>(document: &'a Document<'input>) -> Result<Node<'a, 'input>, DescriptionError> {
+pub(super) fn root_of<'a, 'input>(
+    document: &'a Document<'input>,
+) -> Result<Node<'a, 'input>, DescriptionError> {
     let root = document.root_element();
     if !is(root, "robot") {
         let found = root.tag_name().name().to_owned();
@@ -70,7 +72,7 @@ pub(super) fn triple(node: Node<'_, '_>, name: &str, default: f64) -> Result<[f6
     let Some(text) = node.attribute(name) else { return Ok([default; 3]) };
     let numbers = text.split_whitespace().map(|piece| piece.parse().ok().filter(|it: &f64| it.is_finite()));
     let numbers: Option<Vec<f64>> = numbers.collect();
-    numbers
-        .and_then(|numbers| numbers.try_into().ok())
-        .ok_or_else(|| format!("`{name}` of <{}> is {text:?}; allowed: three numbers", node.tag_name().name()))
+    numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| {
+        format!("`{name}` of <{}> is {text:?}; allowed: three numbers", node.tag_name().name())
+    })
 }

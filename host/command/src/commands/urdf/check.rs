@@ -41,7 +41,11 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let skins = args.skins.iter().map(|path| read_skin(path)).collect::<anyhow::Result<Vec<_>>>()?;
     let expected: Vec<_> =
         skins.iter().map(|(skin, pose, mesh)| Expected { name: &skin.name, pose, mesh }).collect();
-    let packages: Vec<PathBuf> = PACKAGES.into_iter().filter_map(std::env::var_os).flat_map(|paths| std::env::split_paths(&paths).collect::<Vec<_>>()).collect();
+    let packages: Vec<PathBuf> = PACKAGES
+        .into_iter()
+        .filter_map(std::env::var_os)
+        .flat_map(|paths| std::env::split_paths(&paths).collect::<Vec<_>>())
+        .collect();
     let places = Places { folder: args.robot.parent().unwrap_or(Path::new("")), packages: &packages };
     let checked = check(&text, &places, &expected).map_err(|error| in_file(&args.robot, error))?;
     print(&checked);
@@ -55,7 +59,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 
 fn read_skin(path: &Path) -> anyhow::Result<(Skin, Pose, Mesh)> {
     let (skin, pose) = on_link(path)?;
-    let mesh = mesh(&skin, 1.0, Lattice::default()).with_context(|| format!("skin file `{}`", path.display()))?;
+    let mesh =
+        mesh(&skin, 1.0, Lattice::default()).with_context(|| format!("skin file `{}`", path.display()))?;
     Ok((skin, pose, mesh))
 }
 
