@@ -27,9 +27,14 @@ TOUCHED = 0.008
 STIFFNESS, DAMPING = 2000, 20
 
 
+def body_of(model, skin):
+    """The skin's own body, which may have another name."""
+    return int(model.site(skin).bodyid[0])
+
+
 def contacts(model, data, skin):
-    """What touches the skin's body: for each other body the centre of pressure in the skin's frame, m, and the normal force, N."""
-    body = model.body(skin).id
+    """What touches the skin: for each other body the centre of pressure in the skin's frame, m, and the normal force, N."""
+    body = body_of(model, skin)
     turn, origin = data.xmat[body].reshape(3, 3), data.xpos[body]
     found = {}
     for at, contact in enumerate(data.contact[: data.ncon]):
@@ -47,10 +52,10 @@ def contacts(model, data, skin):
 
 def in_link(model, skin, place):
     """A place of the skin's frame in that of the body it lies on."""
-    body = model.body(skin)
+    body = body_of(model, skin)
     turned = np.zeros(3)
-    mujoco.mju_rotVecQuat(turned, place, body.quat)
-    return turned + body.pos
+    mujoco.mju_rotVecQuat(turned, place, model.body_quat[body])
+    return turned + model.body_pos[body]
 
 
 class Board:
@@ -111,7 +116,7 @@ def with_finger(file, skin):
     model = spec.compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    body = model.body(skin).id
+    body = body_of(model, skin)
     finger = spec.worldbody.add_body(name="finger", pos=data.xpos[body], quat=data.xquat[body], gravcomp=1)
     finger.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.012, 0, 0], mass=0.05, contype=1, conaffinity=1)
     for axis, name in zip(np.eye(3), "xyz"):

@@ -132,7 +132,7 @@ fn a_skin_that_was_cut_out_of_a_mesh_shown_elsewhere_is_told_its_place() {
     let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/hemisphere-210mm/hemisphere.stl");
     std::fs::copy(mesh, desk.path("dome.stl")).unwrap();
     let cut =
-        ["--unit", "mm", "--around", "0,-74,74", "--radius", "40", "--edge-length", "4", "--out", "skin"];
+        ["--unit", "mm", "--around", "0,-74,74", "--radius", "40", "--edge-length", "1.8", "--out", "skin"];
     desk.run(&[&["cut", "dome.stl"], &cut[..]].concat()).success();
     let robot = |origin: &str| {
         format!(

@@ -2,10 +2,26 @@
 
 use crate::DescriptionError;
 use roxmltree::{Document, Node};
-use std::ops::Range;
+use std::{borrow::Cow, ops::Range};
 
 /// What an inner line is indented by where a file does not show it.
 const STEP: &str = "  ";
+
+/// The text as XML that can be read: prefixes that nothing declares (`<sensor:camera>`, which robots of Gazebo's first years
+/// have, and ROS' readers do not mind) are part of the name instead. All else is where it was.
+pub(crate) fn readable(text: &str) -> Cow<'_, str> {
+    let mut readable = Cow::Borrowed(text);
+    while let Err(roxmltree::Error::UnknownNamespace(prefix, _)) = Document::parse(&readable) {
+        let places = ["<", "</", " ", "\t", "\n"]
+            .map(|before| [":", "_"].map(|after| format!("{before}{prefix}{after}")));
+        let plain = places.iter().fold(readable.to_string(), |text, [from, to]| text.replace(from, to));
+        if plain == readable {
+            break;
+        }
+        readable = Cow::Owned(plain);
+    }
+    readable
+}
 
 /// Reads XML.
 pub(crate) fn parse(text: &str) -> Result<Document<'_>, DescriptionError> {
@@ -162,6 +178,16 @@ mod tests {
             let mut edits = Edits::new(text);
             edits.remove(document.descendants().find(|node| is(*node, "b")).unwrap());
             assert_eq!(edits.made(), expected);
+        }
+    }
+
+    #[test]
+    fn prefixes_that_nothing_declares_are_read_where_they_stand() {
+        let text = "<a xmlns:c='u'>\n<b:x b:y='b:z'\tb:w='1'><c:d/></b:x><e:f/></a>";
+        assert_eq!(readable(text), "<a xmlns:c='u'>\n<b_x b_y='b:z'\tb_w='1'><c:d/></b_x><e_f/></a>");
+        assert!(parse(&readable(text)).is_ok());
+        for other in ["<a/>", "<a", "<a b='c:d'/>", "<a><b:></a>"] {
+            assert_eq!(readable(other), other);
         }
     }
 

@@ -9,7 +9,7 @@
 
 use crate::{
     DescriptionError, Mount,
-    edit::{Edits, children, escaped, is, line, parse},
+    edit::{Edits, children, escaped, is, line, parse, readable},
     error::names,
     place::{number, numbers, pos_quat},
     slab::Spread,
@@ -44,7 +44,8 @@ impl Zone {
 
 /// The folder of a model's mesh files, relative to its own, if the model says so.
 pub fn mesh_folder(text: &str) -> Result<Option<String>, DescriptionError> {
-    let document = parse(text)?;
+    let readable = readable(text);
+    let document = parse(&readable)?;
     let model = root_of(&document)?;
     let said = |name: &str| {
         let compilers = model.descendants().filter(|node| is(*node, "compiler"));
@@ -61,7 +62,8 @@ pub fn add(
     taxels: &Spread,
     replace: bool,
 ) -> Result<String, DescriptionError> {
-    let document = parse(text)?;
+    let readable = readable(text);
+    let document = parse(&readable)?;
     let model = root_of(&document)?;
     let mut edits = Edits::new(text);
     let mut gone = Vec::new();

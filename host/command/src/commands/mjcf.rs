@@ -2,7 +2,7 @@
 
 use super::{
     JsonReport,
-    mount::{Options, Report, in_file},
+    mount::{Options, in_file},
 };
 use dermatome_urdf::mjcf::{self, Zone};
 use std::path::PathBuf;
@@ -64,7 +64,8 @@ pub(super) fn run(Args { what: What::Add(args) }: &Args) -> anyhow::Result<()> {
     let robot = mjcf::add(&mounting.text, &mounting.mount(), zone, &taxels, mounting.replace);
     mounting.write(&robot.map_err(|error| in_file(&args.robot, error))?)?;
     let bulge_mm = mounting.surface.bulge() * 1e3;
-    let report = Report { bulge_mm: Some(bulge_mm), ..mounting.report() };
+    let mut report = mounting.report();
+    report.bulge_mm = Some(bulge_mm);
     report.print("body");
     if bulge_mm > BULGE_MM {
         eprintln!(

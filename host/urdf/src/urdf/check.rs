@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     DescriptionError,
-    edit::{children, line, parse},
+    edit::{children, line, parse, readable},
     error::names,
     link_from_skin,
     place::xyz_rpy,
@@ -94,13 +94,15 @@ pub fn check(
     places: &Places<'_>,
     expected: &[Expected<'_>],
 ) -> Result<Checked, DescriptionError> {
-    let document = parse(text)?;
+    let readable = readable(text);
+    let document = parse(&readable)?;
     let robot = root_of(&document)?;
-    let mut check = Check { robot, places, findings: Vec::new() };
+    let mut check = Check { robot, places, findings: Vec::new(), unknown: BTreeMap::new() };
     ["link", "joint"].into_iter().for_each(|kind| check.names_are_unique(kind));
     children(robot, "joint").for_each(|joint| check.joint(joint));
     let root = check.tree();
     children(robot, "link").for_each(|link| check.link(link, root.as_deref()));
+    check.packages();
     let skins = children(robot, "sensor").filter(|sensor| is_skin(*sensor));
     let skins = skins.filter_map(|sensor| check.skin(sensor, expected)).collect();
     expected.iter().for_each(|skin| check.is_there(skin, &skins));
@@ -118,6 +120,8 @@ struct Check<'a, 'input> {
     robot: Node<'a, 'input>,
     places: &'a Places<'a>,
     findings: Vec<Finding>,
+    /// Packages that are not to be found, and how many files are in them.
+    unknown: BTreeMap<String, usize>,
 }
 
 impl<'a, 'input> Check<'a, 'input> {
@@ -218,11 +222,10 @@ impl<'a, 'input> Check<'a, 'input> {
         for uri in files {
             match self.places.file(uri) {
                 Ok(path) if path.is_file() => {}
-                Ok(path) => self.error(link, format!("link {name:?}: there is no file `{}` ({uri})", path.display())),
-                Err(Unknown::Package(package)) => self.warn(
-                    link,
-                    format!("link {name:?}: package {package:?} is neither around this file nor known to ROS here, so {uri} was not looked for"),
-                ),
+                Ok(path) => {
+                    self.error(link, format!("link {name:?}: there is no file `{}` ({uri})", path.display()))
+                }
+                Err(Unknown::Package(package)) => *self.unknown.entry(package).or_default() += 1,
                 Err(Unknown::Scheme(scheme)) => {
                     self.warn(link, format!("link {name:?}: {uri} was not looked for, as it is by {scheme}"));
                 }
@@ -236,6 +239,17 @@ impl<'a, 'input> Check<'a, 'input> {
         let is_moved = joints_onto(self.robot, name).any(|joint| joint.attribute("type") != Some("fixed"));
         if is_moved && root != Some(name) && children(link, "inertial").next().is_none() {
             self.warn(link, format!("link {name:?} moves and has no `inertial`: Gazebo leaves it out"));
+        }
+    }
+
+    /// Packages that links name are there.
+    fn packages(&mut self) {
+        for (package, files) in std::mem::take(&mut self.unknown) {
+            let message = format!(
+                "package {package:?} is neither around this file nor known to ROS here, so its {files} mesh files were not \
+                 looked for"
+            );
+            self.find(Level::Warning, None, message);
         }
     }
 

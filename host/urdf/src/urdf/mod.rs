@@ -13,7 +13,7 @@ mod robot;
 
 use crate::{
     DescriptionError, Mount,
-    edit::{Edits, children, escaped, line, parse},
+    edit::{Edits, children, escaped, line, parse, readable},
     place::{number, xyz_rpy},
 };
 use robot::{is_skin, joints_onto, joints_under, named, root_of};
@@ -22,7 +22,8 @@ use roxmltree::Node;
 /// The text of a robot with a skin on it. One of that name that is there already is refused, or replaced: its link with
 /// all that is in it, its joint and its sensor.
 pub fn add(text: &str, mount: &Mount<'_>, replace: bool) -> Result<String, DescriptionError> {
-    let document = parse(text)?;
+    let readable = readable(text);
+    let document = parse(&readable)?;
     let robot = root_of(&document)?;
     let mut edits = Edits::new(text);
     let mut gone = Vec::new();

@@ -72,7 +72,7 @@ def setUpModule():
         (place / "hemisphere.stl").write_bytes(LINK.read_bytes())
     (desk / "arm.urdf").write_text(URDF)
     (desk / "arm.xml").write_text(MJCF)
-    region = ["--around", "0,-74,74", "--radius", "50", "--edge-length", "3"]
+    region = ["--around", "0,-74,74", "--radius", "50", "--edge-length", "2.3"]
     run(PROGRAM, "cut", LINK, "--unit", "mm", *region, "--frame", "dome", "--out", SKIN, "--json", "cut.json")
     cut = json.loads((desk / "cut.json").read_text())
     run(PROGRAM, "urdf", "add", "arm.urdf", f"{SKIN}/skin.toml", "-o", "skin.urdf")
