@@ -86,6 +86,8 @@ fn a_robot_is_checked_with_its_skins() {
         ("moved", "0.01 -0.02 0.3", "0.011 -0.02 0.3"),
         ("turned", "rpy=\"1.570796327 0", "rpy=\"1.570796327 0.01"),
         ("words", "0.01 -0.02 0.3", "0.01 left"),
+        ("no-limit", "<limit effort=\"1\" velocity=\"1\"/>", ""),
+        ("kind", "\"revolute\"", "\"hinge\""),
         ("loose", "type=\"fixed\"", "type=\"continuous\""),
         ("no-mesh", "tiny.stl", "none.stl"),
         ("package", "tiny.stl", "package://none/tiny.stl"),
@@ -104,8 +106,8 @@ fn a_robot_is_checked_with_its_skins() {
     // As it is where the size of a skin was changed since.
     desk.write("larger.toml", format!("{TINY}{POSE}").replace("\"100 mm\"", "\"104 mm\""));
     let names = [
-        "hand", "moved", "turned", "words", "loose", "no-mesh", "package", "nowhere", "no-skin", "parts",
-        "circle",
+        "hand", "moved", "turned", "words", "no-limit", "kind", "loose", "no-mesh", "package", "nowhere",
+        "no-skin", "parts", "circle",
     ];
     let files = names.map(|name| format!("{name}.urdf"));
     let mut commands: Vec<_> = files.iter().map(|file| vec!["urdf", "check", file, "skin.toml"]).collect();
@@ -198,7 +200,7 @@ fn errors_of_robots() {
     desk.run(&["urdf", "add", "hand.urdf", "skin.toml", "-o", "there.urdf"]).success();
     desk.write(
         "arm.urdf.xacro",
-        "<robot name=\"a\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n  <xacro:arm/>\n</robot>\n",
+        "<robot name=\"a\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n  <xacro:include filename=\"arm.xacro\"/>\n</robot>\n",
     );
     desk.write("cut.urdf", &ROBOT[..150]);
     desk.write("latin.urdf", b"<?xml version=\"1.0\" encoding=\"latin1\"?>\n<robot name=\"\xe4\"/>\n");
@@ -253,7 +255,7 @@ fn urdfdom_reads_the_robot_with_its_skin() {
             assert!(read.status.success() && said.contains("child(1):  tiny"), "{said}");
         }
         Err(error) => {
-            println!("not run: check_urdf ({error}); ./test installs it, and has other programs read it too")
+            println!("not run: check_urdf ({error}); ./test installs it, and has other programs read it too");
         }
     }
 }

@@ -49,7 +49,7 @@ pub fn mesh_folder(text: &str) -> Result<Option<String>, DescriptionError> {
     let model = root_of(&document)?;
     let said = |name: &str| {
         let compilers = model.descendants().filter(|node| is(*node, "compiler"));
-        compilers.filter_map(|compiler| compiler.attribute(name)).last().map(str::to_owned)
+        compilers.filter_map(|compiler| compiler.attribute(name)).next_back().map(str::to_owned)
     };
     Ok(said("meshdir").or_else(|| said("assetdir")))
 }
@@ -147,7 +147,7 @@ fn of_skin<'a, 'input>(
         _ => false,
     };
     let parts: Vec<_> = model.descendants().filter(is_its).collect();
-    let sections = parts.iter().filter_map(|part| part.parent());
+    let sections = parts.iter().filter_map(Node::parent);
     let is_whole =
         |section: &Node<'_, '_>| section.children().filter(Node::is_element).all(|node| is_its(&node));
     Ok(sections.filter(is_whole).chain(parts.iter().copied()).chain([body]).collect())

@@ -34,7 +34,8 @@ use std::{
   dermatome simulate models/disc-210mm/skin.toml --listen tcp:127.0.0.1:7000
   dermatome simulate models/disc-210mm/skin.toml --press 0.03,-0.02,0.012,1 --noise-db 50 --seed 7
   dermatome simulate models/square-50mm/skin.toml --path fingers.csv --store board.dermatome
-  python3 presses.py | dermatome simulate models/disc-210mm/skin.toml --live --material models/materials/sample-1.toml
+  python3 presses.py | dermatome simulate models/disc-210mm/skin.toml --live \\
+      --material models/materials/sample-1.toml
 then, in another terminal:
   dermatome flash disc-210mm.dermatome --port tcp:127.0.0.1:7000
   dermatome stream --port tcp:127.0.0.1:7000")]

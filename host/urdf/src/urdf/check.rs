@@ -26,6 +26,11 @@ const FAR: f64 = 5e-3;
 /// A skin's mesh file that is off it by more, m, is that of another skin.
 const OTHER_MESH: f64 = 1e-4;
 
+/// Kinds of joints.
+const KINDS: [&str; 6] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
+/// Those that need a limit.
+const LIMITED: [&str; 2] = ["revolute", "prismatic"];
+
 /// What a skin's file says of it.
 #[derive(Clone, Debug)]
 pub struct Expected<'a> {
@@ -104,7 +109,7 @@ pub fn check(
     children(robot, "link").for_each(|link| check.link(link, root.as_deref()));
     check.packages();
     let skins = children(robot, "sensor").filter(|sensor| is_skin(*sensor));
-    let skins = skins.filter_map(|sensor| check.skin(sensor, expected)).collect();
+    let skins: Vec<_> = skins.filter_map(|sensor| check.skin(sensor, expected)).collect();
     expected.iter().for_each(|skin| check.is_there(skin, &skins));
     Ok(Checked {
         robot: robot.attribute("name").unwrap_or_default().to_owned(),
@@ -173,6 +178,14 @@ impl<'a, 'input> Check<'a, 'input> {
         if let Err(message) = origin(joint) {
             self.error(joint, format!("joint {name:?}: {message}"));
         }
+        let kind = joint.attribute("type").unwrap_or_default();
+        if !KINDS.contains(&kind) {
+            let allowed = names(KINDS.into_iter());
+            self.error(joint, format!("the `type` of joint {name:?} is {kind:?}; allowed: {allowed}"));
+        }
+        if LIMITED.contains(&kind) && children(joint, "limit").next().is_none() {
+            self.error(joint, format!("joint {name:?} is {kind} and has no `limit`"));
+        }
     }
 
     /// Links and joints make one tree; its root.
@@ -223,7 +236,7 @@ impl<'a, 'input> Check<'a, 'input> {
             match self.places.file(uri) {
                 Ok(path) if path.is_file() => {}
                 Ok(path) => {
-                    self.error(link, format!("link {name:?}: there is no file `{}` ({uri})", path.display()))
+                    self.error(link, format!("link {name:?}: there is no file `{}` ({uri})", path.display()));
                 }
                 Err(Unknown::Package(package)) => *self.unknown.entry(package).or_default() += 1,
                 Err(Unknown::Scheme(scheme)) => {
@@ -374,7 +387,7 @@ impl<'a, 'input> Check<'a, 'input> {
     }
 
     /// The skin of a file is on the robot.
-    fn is_there(&mut self, skin: &Expected<'_>, there: &Vec<OnRobot>) {
+    fn is_there(&mut self, skin: &Expected<'_>, there: &[OnRobot]) {
         let name = skin.name;
         let is_named = children(self.robot, "sensor").any(|sensor| sensor.attribute("name") == Some(name));
         if !is_named {

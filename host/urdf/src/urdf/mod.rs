@@ -168,8 +168,8 @@ mod tests {
             (robot("<sensor name='palm'><camera/></sensor>"), "a sensor \"palm\" already"),
             (robot("\n<link name='${side}'/>"), "line 2: name=\"${side}\" is xacro"),
             (
-                "<robot xmlns:xacro='http://www.ros.org/wiki/xacro'>\n<xacro:arm/></robot>".to_owned(),
-                "line 2: <xacro:arm> is xacro",
+                "<robot xmlns:xacro='http://www.ros.org/wiki/xacro'>\n<xacro:include filename='arm'/></robot>".to_owned(),
+                "line 2: <xacro:include> is xacro",
             ),
             (robot("").replace("base", "torso"), "no link \"base\"; allowed for `link`: \"torso\""),
             ("<robot name='r'/>".to_owned(), "no link \"base\"; allowed for `link`: none"),

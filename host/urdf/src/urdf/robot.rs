@@ -21,10 +21,14 @@ pub(super) fn root_of<'a, 'input>(
     }
 }
 
+/// What makes something; calls of what is nowhere made are left over in some robots, and do nothing.
+const XACRO: [&str; 6] = ["include", "macro", "property", "arg", "if", "unless"];
+
 /// What shows that an element is xacro: its name, or a value that is yet to be computed.
 fn xacro(node: Node<'_, '_>) -> Option<(u32, String)> {
     let name = node.tag_name();
-    if node.is_element() && name.namespace().is_some_and(|space| space.contains("xacro")) {
+    let is_xacro = || name.namespace().is_some_and(|space| space.contains("xacro"));
+    if node.is_element() && XACRO.contains(&name.name()) && is_xacro() {
         return Some((line(node), format!("<xacro:{}>", name.name())));
     }
     let is_computed = |value: &str| value.contains("${") || value.contains("$(");
