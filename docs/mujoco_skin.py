@@ -23,6 +23,8 @@ import numpy as np
 
 # Radius of the skin that a finger touches, m, which MuJoCo's contacts, being points, do not tell.
 TOUCHED = 0.008
+# Relative change of the conductivity in the middle of what is touched, for each newton, on a sheet of no material.
+CHANGE = 0.2
 # Of the guide that holds the finger, N/m and N s/m.
 STIFFNESS, DAMPING = 2000, 20
 
@@ -33,7 +35,7 @@ def body_of(model, skin):
 
 
 def contacts(model, data, skin):
-    """What touches the skin: for each other body the centre of pressure in the skin's frame, m, and the normal force, N."""
+    """What touches the skin: for each other body where, m, in the skin's frame, and with which normal force, N."""
     body = body_of(model, skin)
     turn, origin = data.xmat[body].reshape(3, 3), data.xpos[body]
     found = {}
@@ -59,19 +61,25 @@ def in_link(model, skin, place):
 
 
 class Board:
-    """A simulated board whose skin is pressed by what `press` says, and the frames that it streams."""
+    """A simulated board whose skin is pressed by what `press` says, and the frames that it streams.
 
-    def __init__(self, skin_file, material, program="dermatome"):
-        self.frame, self.frames = {"contacts": []}, 0
-        simulate = [program, "simulate", skin_file, "--listen", "tcp:127.0.0.1:0", "--live", "--material", material]
-        self.simulated = subprocess.Popen(simulate, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    A material, as in models/materials, has a memory, as a real one: touches leave weak contacts behind for minutes.
+    """
+
+    def __init__(self, skin_file, material=None, program="dermatome"):
+        self.frame, self.frames, self.has_material = {"contacts": []}, 0, material is not None
+        simulate = [program, "simulate", skin_file, "--listen", "tcp:127.0.0.1:0", "--live"]
+        of_material = ["--material", material] if material else []
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+        self.simulated = subprocess.Popen([*simulate, *of_material], **pipes)
         said = self.simulated.stdout.readline()
         if " listens at " not in said:
             sys.exit("the board did not start")
         port = said.split(" listens at ")[1].strip()
         with tempfile.TemporaryDirectory() as folder:
             patch = Path(folder) / "skin.dermatome"
-            for command in [["build", skin_file, "-o", patch], ["flash", patch, "--port", port], ["tare", "--port", port]]:
+            at_port = ["--port", port]
+            for command in [["build", skin_file, "-o", patch], ["flash", patch, *at_port], ["tare", *at_port]]:
                 subprocess.run([program, *command], check=True, stdout=subprocess.DEVNULL)
         stream = [program, "stream", "--port", port, "--skin", skin_file]
         self.stream = subprocess.Popen(stream, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True)
@@ -85,9 +93,8 @@ class Board:
 
     def press(self, touches):
         """Presses with these places, m, in the skin's frame, and forces, N, and nothing else, from now on."""
-        presses = [
-            {"x_m": place[0], "y_m": place[1], "radius_m": TOUCHED, "force_n": force} for place, force in touches
-        ]
+        load = lambda force: {"force_n": force} if self.has_material else {"depth": CHANGE * force}
+        presses = [{"x_m": x, "y_m": y, "radius_m": TOUCHED, **load(force)} for (x, y, _), force in touches]
         self.simulated.stdin.write(json.dumps({"presses": presses}) + "\n")
         self.simulated.stdin.flush()
 
@@ -144,8 +151,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("model", type=Path, help="MJCF file with the skin")
     parser.add_argument("skin", type=Path, help="skin file")
-    material = Path(__file__).parents[1] / "models" / "materials" / "sample-3-single.toml"
-    parser.add_argument("--material", type=Path, default=material, help="material of the simulated sheet")
+    parser.add_argument("--material", type=Path, help="of the simulated sheet, one of models/materials")
     parser.add_argument("--program", default="dermatome")
     parser.add_argument("--force", type=float, default=3.0, help="with which the finger presses, N")
     parser.add_argument("--json", type=Path, help="also write what was found there")
@@ -175,7 +181,8 @@ def main():
         where, force = touches[0]
         where = in_link(model, skin, where)
         apart = None if felt is None else float(np.linalg.norm(felt - where))
-        found.append({"touched_m": where.tolist(), "force_n": force, "felt_m": None if felt is None else felt.tolist(), "apart_m": apart})
+        seen = None if felt is None else felt.tolist()
+        found.append({"touched_m": where.tolist(), "force_n": force, "felt_m": seen, "apart_m": apart})
         shown = lambda place: " ".join(f"{1e3 * value:8.2f}" for value in place)
         seen = "nothing" if felt is None else f"{shown(felt)}   {1e3 * apart:8.2f}"
         print(f"{shown(where)}   {force:8.2f}   {seen}", flush=True)
