@@ -227,6 +227,7 @@ fn errors_of_robots() {
         add(&["hand.urdf", "skin.toml", "-o", "none/out.urdf"]),
         add(&["hand.urdf", "skin.toml", "-o", "skin.toml", "--force"]),
         add(&["hand.urdf", "skin.toml", "-o", "/dev/null"]),
+        add(&["/dev/stdin", "skin.toml"]),
         add(&["there.urdf", "skin.toml"]),
         vec!["urdf", "check", "none.urdf"],
         vec!["urdf", "check", "hand.xml"],

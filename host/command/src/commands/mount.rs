@@ -109,7 +109,7 @@ impl Options {
         let folder = folder(&text).map_err(|error| in_file(robot, error))?;
         let out = self.output.as_deref().unwrap_or(robot).to_owned();
         ensure!(
-            self.output.is_some() || robot.is_file(),
+            self.output.is_some() || is_ordinary(robot),
             "`{}` is no ordinary file, so the skin cannot be added to it; allowed: to write elsewhere, by `--output`",
             robot.display()
         );
@@ -150,9 +150,8 @@ impl Options {
 
     /// The mesh's file, and its name in the robot.
     fn mesh_of(&self, robot: &Path, folder: &str, frame: &str) -> anyhow::Result<(PathBuf, String)> {
-        let is_ordinary = robot.is_file() || !robot.exists();
         ensure!(
-            is_ordinary || self.mesh.is_some(),
+            is_ordinary(robot) || self.mesh.is_some(),
             "`{}` is no ordinary file, beside which the mesh could lie; allowed: to say where, by `--mesh`",
             robot.display()
         );
@@ -170,6 +169,12 @@ impl Options {
         };
         Ok((path, uri))
     }
+}
+
+/// Whether a path is that of an ordinary file, or of none yet. What /dev/stdin leads to may be one: another name for it.
+fn is_ordinary(path: &Path) -> bool {
+    let is_stream = ["/dev", "/proc"].iter().any(|folder| path.starts_with(folder));
+    !is_stream && (path.is_file() || !path.exists())
 }
 
 /// The path of a file from a folder on, or its whole path if it is not in there.
