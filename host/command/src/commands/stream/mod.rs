@@ -8,7 +8,6 @@ mod lines;
 mod patience;
 pub(super) mod session;
 mod tally;
-mod untouched;
 
 use super::{
     BoardReport,

@@ -4,8 +4,10 @@
 //! computer has kept the reference from before. Only firm presses are told: a board that has started anew may measure
 //! with other gains, which are right to a per cent.
 
-use anyhow::{Context, bail};
-use dermatome_link::Link;
+use crate::{
+    error::{LinkError, LinkErrorKind},
+    link::Link,
+};
 use dermatome_shared::{
     patch::CombinedInto,
     protocol::{Reply, Request, Selection},
@@ -21,7 +23,8 @@ const PRESSED: f64 = 0.03;
 const SMALL: f64 = 0.02;
 
 /// A skin as it was when nothing pressed.
-pub(super) struct Untouched {
+#[derive(Clone, Debug)]
+pub struct Untouched {
     combination: Vec<CombinedInto>,
     /// Sums over the steps of each measurement, in codes: `[measurement]`.
     voltages: Vec<f64>,
@@ -29,22 +32,24 @@ pub(super) struct Untouched {
 
 impl Untouched {
     /// By the board's reference.
-    pub(super) fn of(link: &mut Link) -> anyhow::Result<Self> {
+    pub fn of(link: &mut Link) -> Result<Self, LinkError> {
         let combination = link.combination()?;
         let Reply::Reference { frames, sums } = link.request(&Request::Reference)? else {
-            bail!("`{}` answered a request for its reference with something else", link.port())
+            return Err(link.error(LinkErrorKind::WrongReply { request: "Reference" }));
         };
         let frames = f64::from(frames.max(1));
         Ok(Self { combination, voltages: sums.iter().map(|sum| *sum as f64 / frames).collect() })
     }
 
     /// Whether something presses, by some frames of the board.
-    pub(super) fn is_pressed(&self, link: &mut Link, timeout: Duration) -> anyhow::Result<bool> {
+    pub fn is_pressed(&self, link: &mut Link, timeout: Duration) -> Result<bool, LinkError> {
         let mut stream = link.subscribe(Selection { measurements: 1, ..Selection::default() })?;
         let mut now = vec![0.0; self.voltages.len()];
         for _ in 0..FRAMES {
-            let frame = stream.next_while(timeout, || true)?.context("no frame")?;
-            self.add(&frame.measurements.context("no measurements")?.codes, &mut now);
+            let frame = stream.next_while(timeout, || true)?;
+            if let Some(measurements) = frame.and_then(|frame| frame.measurements) {
+                self.add(&measurements.codes, &mut now);
+            }
         }
         stream.stop()?;
         now.iter_mut().for_each(|voltage| *voltage /= FRAMES as f64);
