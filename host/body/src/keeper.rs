@@ -40,7 +40,16 @@ pub enum Told {
     /// How the board stands now.
     State(State),
     /// The board holds this patch, which is of the skin: frames from now on are of it.
-    Patch(Box<SurfaceTables>),
+    Patch {
+        /// As the board has it.
+        bytes: Vec<u8>,
+        /// Its pixels.
+        tables: Box<SurfaceTables>,
+        /// Kind and firmware of the board.
+        board: String,
+        /// How the skin is driven.
+        drive: Box<Drive>,
+    },
     /// A frame.
     Frame {
         /// As it came.
@@ -292,7 +301,10 @@ impl Board {
             return Err(Trouble::OtherPixels);
         }
         self.known = Some(patch.crc);
-        (self.tell)(Told::Patch(Box::new(tables)));
+        let identity = link.identity();
+        let board = format!("{} {}", identity.board, identity.firmware);
+        let drive = Box::new(self.drive.unwrap_or(patch.drive));
+        (self.tell)(Told::Patch { bytes, tables: Box::new(tables), board, drive });
         Ok(())
     }
 

@@ -97,6 +97,11 @@ impl Desks {
         std::fs::remove_dir_all(desk.path("model")).unwrap();
         desk.write("skin.dae", DAE);
         desk.write("posed.toml", format!("{TINY}{POSE}"));
+        // Of a board that is none.
+        desk.write(
+            "robot.toml",
+            "name = \"arm\"\n[[patches]]\nskin = \"posed.toml\"\nport = \"replay:notes.txt\"\n",
+        );
         let forward = desk.run(&["forward", "skin.toml"]).success().out;
         Self { files: contents(&desk.path("")), forward }
     }

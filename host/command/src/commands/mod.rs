@@ -37,6 +37,7 @@ mod cut_picture;
 mod demo;
 mod design;
 mod devices;
+mod doors;
 mod drive;
 mod evaluate;
 mod experiment;

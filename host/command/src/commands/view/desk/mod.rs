@@ -71,6 +71,7 @@ pub(in crate::commands) struct Task<'a> {
 /// A board and its page.
 pub(in crate::commands) struct Desk<'a> {
     task: Task<'a>,
+    server: Server,
     outlets: Outlets,
     status: Status,
     told: Instant,
@@ -122,7 +123,8 @@ impl<'a> Desk<'a> {
         let wants_tare = !task.patches.is_empty();
         Self {
             task,
-            outlets: Outlets::serving(server),
+            outlets: Outlets::telling(server.speaker(0)),
+            server,
             status: Status { state: state.to_owned(), port, signal_to_noise: f32::NAN, ..Status::default() },
             told: Instant::now(),
             numbers: Numbers::default(),
@@ -226,7 +228,7 @@ impl<'a> Desk<'a> {
     fn wait(&mut self, time: Duration, why_not: &str) -> bool {
         let until = Instant::now() + time;
         while Instant::now() < until && interrupt::sleep(LOOK) {
-            while let Some(call) = self.outlets.server().and_then(Server::call) {
+            while let Some(call) = self.server.call() {
                 match call.service {
                     RECORD => self.stop_recording(call),
                     TARE if self.status.state == "not_tared" => self.waiting.push_back(call),
@@ -421,7 +423,7 @@ impl<'a> Desk<'a> {
                 self.tell();
                 self.outlets.warn();
             }
-            if let Some(call) = self.outlets.server().and_then(Server::call) {
+            if let Some(call) = self.server.call() {
                 match call.service {
                     CHECK | CALIBRATE => break Left::Do(call),
                     TARE => {
