@@ -274,7 +274,12 @@ impl Board {
         }
         self.has_come = true;
         loop {
-            if !link.info()?.tared {
+            let info = link.info()?;
+            let is_lost = match self.untouched.as_ref().filter(|(crc, _)| *crc == patch.crc) {
+                Some((_, untouched)) => untouched.is_lost(&info, &mut link)?,
+                None => !info.tared,
+            };
+            if is_lost {
                 if let Some(stop) = self.wait_untouched(&mut link, &patch)? {
                     return Ok(stop);
                 }

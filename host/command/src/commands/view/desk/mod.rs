@@ -277,13 +277,20 @@ impl<'a> Desk<'a> {
             link.request(&Request::Drive(Some(drive)))?;
             board.patch.drive = drive;
         }
-        if board.link()?.info()?.tared {
-            self.untouched = Untouched::of(board.link()?).ok().map(|untouched| (board.patch.crc, untouched));
+        let crc = board.patch.crc;
+        let link = board.link()?;
+        let now = link.info()?;
+        let is_lost = match self.untouched.as_ref().filter(|(of, _)| *of == crc) {
+            Some((_, untouched)) => untouched.is_lost(&now, link)?,
+            None => !now.tared,
+        };
+        if !is_lost {
+            self.untouched = Untouched::of(link).ok().map(|untouched| (crc, untouched));
         } else {
             // One that the board begins by itself may take frames before the stream.
             self.wants_tare = true;
             self.wait_untouched(board)?;
-            let Board { link, patch, .. } = board;
+            let Board { link, patch, .. } = &mut *board;
             let link = link.as_mut().context("the board is lost")?;
             self.task.current.fit(link, patch, || !interrupt::requested())?;
         }
