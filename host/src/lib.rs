@@ -5,6 +5,7 @@
 //! only a part of it depends on that crate instead: `dermatome-link` talks to a board without a finite-element model.
 #![forbid(unsafe_code)]
 
+pub use dermatome_body as body;
 pub use dermatome_experiments::{evaluate, experiment, presses, scenes, trust};
 pub use dermatome_frames::{array, calibrate, interchange, learn, recorded};
 pub use dermatome_geometry::{cut, embedding, mesh, outline, sheet};

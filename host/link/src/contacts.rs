@@ -86,7 +86,9 @@ impl LinkFrame {
 }
 
 impl LinkContact {
-    fn new(contact: Contact) -> Self {
+    /// A contact that is in the link's frame already.
+    #[must_use]
+    pub fn new(contact: Contact) -> Self {
         let Contact { identity, evidence, .. } = contact;
         Self {
             id: identity.map(|identity| identity.number),

@@ -102,6 +102,11 @@ impl Desks {
             "robot.xml",
             "<mujoco>\n  <worldbody>\n    <body name=\"palm\"/>\n  </worldbody>\n</mujoco>\n",
         );
+        // Of a board that is none.
+        desk.write(
+            "robot.toml",
+            "name = \"arm\"\n[[patches]]\nskin = \"posed.toml\"\nport = \"replay:notes.txt\"\n",
+        );
         let forward = desk.run(&["forward", "skin.toml"]).success().out;
         Self { files: contents(&desk.path("")), forward }
     }

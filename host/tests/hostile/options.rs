@@ -18,6 +18,7 @@ const COMMANDS: &[&[&str]] = &[
     &["stream", "--port=sim:skin.toml", "--frames=1"],
     // Ends at the wrong value, or because its port is no board.
     &["view", "--port=replay:notes.txt", "--no-browser", "--listen=127.0.0.1:0"],
+    &["serve", "robot.toml", "--no-browser"],
     &["calibrate", "skin.dermatome", "--readings=readings.csv", "--out=new.dermatome"],
     &["check", "--port=sim:skin.toml"],
     &["scope", "--port=sim:skin.toml"],
@@ -103,9 +104,13 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
             &["", "abc", "tcp:", "sim:none.toml", "replay:", "replay:none.mcap", "replay:notes.txt"]
         }
         (_, "port") => PORTS,
-        ("view", "listen") => &["", "abc", "127.0.0.1", "127.0.0.1:99999", "localhost:1", "8.8.8.8:1"],
-        ("view", "token") => &["", "short", "with space", "a&b=cdefgh"],
-        ("view", "allow-origin") => &["", "x", "*", "ftp://x", "https://", "https://a/b", "https://*"],
+        ("view" | "serve", "listen") => {
+            &["", "abc", "127.0.0.1", "127.0.0.1:99999", "localhost:1", "8.8.8.8:1"]
+        }
+        ("view" | "serve", "token") => &["", "short", "with space", "a&b=cdefgh"],
+        ("view" | "serve", "allow-origin") => {
+            &["", "x", "*", "ftp://x", "https://", "https://a/b", "https://*"]
+        }
         ("view", "unit") => &["", "x", "MM", "furlong", "mm "],
         ("replay", "listen") | ("simulate", "listen") => {
             &["", "abc", "tcp:", "tcp:1", "tcp:127.0.0.1:99999", "tcp:8.8.8.8:1", "COM1"]
@@ -136,6 +141,7 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
         ("mjcf add", "taxels") => &["", "x", "-1", "1.5", "1025"],
         ("cut", "frame") => &["", "a b", "ä", "a\nb"],
         ("stream" | "reconstruct", "fit") => LENGTHS,
+        ("serve", "duration") => &["", "x", "nan", "-1", "1e30"],
         (_, "give-up-after") => &["", "x", "nan", "-1", "1e30"],
         ("calibrate", "start") => NUMBERS,
         ("experiment check", "amplitudes") => &["", "x", "0", "-1", "101", "nan", "50,x"],

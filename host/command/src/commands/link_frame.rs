@@ -1,17 +1,10 @@
 //! The link's frame: which pose contacts of a patch's skin have on a robot.
 
 use anyhow::{Context, bail, ensure};
-use dermatome_geometry::mesh::Lattice;
-use dermatome_model::{
-    model::{mesh, pixels_on},
-    skin::{Pose, Skin},
-};
+use dermatome_body::surface;
+use dermatome_model::skin::{Pose, Skin};
 use dermatome_patch::tables::SurfaceTables;
-use nalgebra::Point3;
 use std::path::Path;
-
-/// How far a pixel of the patch may lie from where the skin file has it, m.
-const SAME_PLACE: f64 = 1e-4;
 
 /// The skin in `path`, which must be that of a patch with this name and these pixels, and its pose.
 pub(super) fn skin_of(
@@ -50,23 +43,11 @@ pub(super) fn check(
         "skin file `{file}`: `name` is {name:?}; allowed: {of_patch:?}, the skin of the patch"
     );
     let in_patch = pixels()?;
-    let in_file = surface(skin).with_context(|| format!("skin file `{file}`"))?;
+    let in_file = surface::of_skin(skin).with_context(|| format!("skin file `{file}`"))?;
     ensure!(
-        in_file.is_some_and(|in_file| is_same(&in_file, &in_patch)),
+        in_file.is_some_and(|in_file| surface::is_same(&in_file, &in_patch)),
         "skin file `{file}`: its pixels do not lie where those of the patch do, so neither would contacts: give the skin file \
          that the patch was built from, or build it anew"
     );
     Ok(())
-}
-
-/// Where the pixels of a skin lie; nothing where they are more than a board takes.
-fn surface(skin: &Skin) -> anyhow::Result<Option<SurfaceTables>> {
-    let mesh = mesh(skin, 1.0, Lattice::default())?;
-    Ok(pixels_on(skin, &mesh)?.surface_tables())
-}
-
-fn is_same(a: &SurfaceTables, b: &SurfaceTables) -> bool {
-    let apart = |a: [f64; 3], b: [f64; 3]| (Point3::from(a) - Point3::from(b)).norm();
-    let is_near = a.centres().zip(b.centres()).all(|(a, b)| apart(a, b) < SAME_PLACE);
-    a.pixels.len() == b.pixels.len() && is_near
 }

@@ -37,6 +37,7 @@ mod cut_picture;
 mod demo;
 mod design;
 mod devices;
+mod doors;
 mod drive;
 mod evaluate;
 mod experiment;
@@ -50,6 +51,7 @@ mod frame_options;
 mod inspect;
 pub(crate) mod interrupt;
 mod learn;
+mod lines;
 mod link_frame;
 mod man;
 mod mjcf;
@@ -63,6 +65,7 @@ mod progress;
 mod reconstruct;
 mod replay;
 mod scope;
+mod serve;
 mod setup;
 mod simulate;
 mod skin_of_cutout;
@@ -100,6 +103,7 @@ enum Command {
     Tare(tare::Args),
     Stream(stream::Args),
     View(view::Args),
+    Serve(serve::Args),
     Calibrate(calibrate::Args),
     Setup(setup::Args),
     Check(check::Args),
@@ -157,6 +161,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Tare(args) => tare::run(&args),
         Command::Stream(args) => stream::run(&args),
         Command::View(args) => view::run(&args),
+        Command::Serve(args) => serve::run(&args),
         Command::Calibrate(args) => calibrate::run(&args),
         Command::Setup(args) => setup::run(&args),
         Command::Check(args) => check::run(&args),

@@ -18,8 +18,9 @@ use std::{
     time::Duration,
 };
 
-/// Most events that wait for the host.
-const MAX_EVENTS: usize = 64;
+/// Most events that wait for the host: a sixth of a second at 400 frames/s. A board's own hardware sends while this
+/// computer is busy; the thread that stands for it must wait for its turn.
+const MAX_EVENTS: usize = 256;
 /// Room that one frame needs: tared, contacts, health, measurements, image, scope.
 const EVENTS_OF_A_FRAME: usize = 6;
 /// Most replies that wait: a host that asks this much without listening is cut off.

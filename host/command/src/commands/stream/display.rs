@@ -1,7 +1,10 @@
 //! Display: frames on the terminal, or contacts as lines for a pipe.
 
-use super::{gap::Gap, lines::Lines};
-use crate::commands::contact_lines::{contact_lines, json_line};
+use super::gap::Gap;
+use crate::commands::{
+    contact_lines::{contact_lines, json_line},
+    lines::Lines,
+};
 use dermatome_link::{
     Link, ScanFrame,
     contacts::{LinkFinger, LinkFrame},

@@ -4,11 +4,9 @@ mod display;
 pub(super) mod fingers;
 mod follow;
 mod gap;
-mod lines;
 mod patience;
 pub(super) mod session;
 mod tally;
-mod untouched;
 
 use super::{
     BoardReport,
@@ -170,7 +168,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 /// A time as somebody states it, s.
-fn seconds(text: &str) -> Result<Duration, String> {
+pub(super) fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.trim().parse().map_err(|_| "allowed: a number of seconds, 0 or more".to_owned())?;
     Duration::try_from_secs_f64(seconds).map_err(|_| "allowed: a number of seconds, 0 or more".to_owned())
 }

@@ -3,7 +3,6 @@
 //! A board that restarts, or whose cable is pulled, comes back on a new link. It must hold the same patch. What the
 //! stream needs is restored: the drive that was in effect, a reference if the board has none, and the stream itself.
 
-use super::untouched::Untouched;
 use crate::commands::{
     BoardReport,
     board::open,
@@ -12,7 +11,7 @@ use crate::commands::{
     tare::{patch_of, tare_with_spinner},
 };
 use anyhow::{Context, bail};
-use dermatome_link::{Link, LinkError, silence_timeout};
+use dermatome_link::{Link, LinkError, Untouched, silence_timeout};
 use dermatome_shared::{
     protocol::{Identity, PatchInfo, Request},
     reference::DEFAULT_TARE_FRAMES,
@@ -184,7 +183,12 @@ impl<'a> Session<'a> {
     }
 
     fn needs_tare(&mut self) -> anyhow::Result<bool> {
-        Ok(!self.link()?.info()?.tared)
+        let link = self.link.as_mut().context("the board is lost")?;
+        let info = link.info()?;
+        Ok(match &self.untouched {
+            Some(untouched) => untouched.is_lost(&info, link)?,
+            None => !info.tared,
+        })
     }
 
     fn tare(&mut self) -> anyhow::Result<()> {

@@ -19,7 +19,7 @@ use crate::commands::{
     stream::session::Session as Board,
 };
 use anyhow::{Context, ensure};
-use dermatome_link::{self as link, ScanFrame, frame_timeout, pose::Pose};
+use dermatome_link::{self as link, ScanFrame, Untouched, frame_timeout, pose::Pose, silence_timeout};
 use dermatome_messages::{
     clock::now_ns,
     dermatome::{Status, number_of_gain},
@@ -45,6 +45,8 @@ use std::{
 const STATUS_PERIOD: Duration = Duration::from_millis(500);
 /// Time until a board is tried again.
 const PAUSE: Duration = Duration::from_millis(500);
+/// How often a skin that is pressed is looked at again.
+const LOOK_AGAIN: Duration = Duration::from_millis(300);
 /// Longest the desk waits for a frame without looking who asks for something.
 const LOOK: Duration = Duration::from_millis(20);
 /// Bytes a second that a serial port leaves for raw codes and images: of its 200,000, what contacts and health need not.
@@ -69,6 +71,7 @@ pub(in crate::commands) struct Task<'a> {
 /// A board and its page.
 pub(in crate::commands) struct Desk<'a> {
     task: Task<'a>,
+    server: Server,
     outlets: Outlets,
     status: Status,
     told: Instant,
@@ -82,6 +85,8 @@ pub(in crate::commands) struct Desk<'a> {
     drive: Option<Drive>,
     /// Who waits for a reference.
     waiting: VecDeque<Call>,
+    /// The skin by the last reference, and the id of the patch that it belongs to.
+    untouched: Option<(u32, Untouched)>,
     /// Whether the recording that `--record` asks for has begun.
     has_recorded: bool,
     /// Whether the next stream begins with a new reference. A board that comes back with the one that it had keeps it:
@@ -118,7 +123,8 @@ impl<'a> Desk<'a> {
         let wants_tare = !task.patches.is_empty();
         Self {
             task,
-            outlets: Outlets::serving(server),
+            outlets: Outlets::telling(server.speaker(0)),
+            server,
             status: Status { state: state.to_owned(), port, signal_to_noise: f32::NAN, ..Status::default() },
             told: Instant::now(),
             numbers: Numbers::default(),
@@ -128,6 +134,7 @@ impl<'a> Desk<'a> {
             slot: None,
             drive: None,
             waiting: VecDeque::new(),
+            untouched: None,
             has_recorded: false,
             wants_tare,
         }
@@ -221,9 +228,10 @@ impl<'a> Desk<'a> {
     fn wait(&mut self, time: Duration, why_not: &str) -> bool {
         let until = Instant::now() + time;
         while Instant::now() < until && interrupt::sleep(LOOK) {
-            while let Some(call) = self.outlets.server().and_then(Server::call) {
+            while let Some(call) = self.server.call() {
                 match call.service {
                     RECORD => self.stop_recording(call),
+                    TARE if self.status.state == "not_tared" => self.waiting.push_back(call),
                     _ => call.answer(Err(why_not.to_owned())),
                 }
             }
@@ -269,10 +277,20 @@ impl<'a> Desk<'a> {
             link.request(&Request::Drive(Some(drive)))?;
             board.patch.drive = drive;
         }
-        if !board.link()?.info()?.tared {
+        let crc = board.patch.crc;
+        let link = board.link()?;
+        let now = link.info()?;
+        let is_lost = match self.untouched.as_ref().filter(|(of, _)| *of == crc) {
+            Some((_, untouched)) => untouched.is_lost(&now, link)?,
+            None => !now.tared,
+        };
+        if !is_lost {
+            self.untouched = Untouched::of(link).ok().map(|untouched| (crc, untouched));
+        } else {
             // One that the board begins by itself may take frames before the stream.
             self.wants_tare = true;
-            let Board { link, patch, .. } = board;
+            self.wait_untouched(board)?;
+            let Board { link, patch, .. } = &mut *board;
             let link = link.as_mut().context("the board is lost")?;
             self.task.current.fit(link, patch, || !interrupt::requested())?;
         }
@@ -290,6 +308,27 @@ impl<'a> Desk<'a> {
         };
         self.show_board(&present, board);
         Ok(present)
+    }
+
+    /// A board that has lost its reference waits for a skin that nothing presses, or until the page asks for a tare all
+    /// the same.
+    fn wait_untouched(&mut self, board: &mut Board<'_>) -> anyhow::Result<()> {
+        let patch = &board.patch;
+        let Some((_, untouched)) = self.untouched.clone().filter(|(crc, _)| *crc == patch.crc) else {
+            return Ok(());
+        };
+        let timeout = silence_timeout(patch);
+        while self.waiting.is_empty() && untouched.is_pressed(board.link()?, timeout)? {
+            self.state(
+                "not_tared",
+                "the board has lost its reference, and something presses on the skin, or it has changed",
+                "free the skin: the board makes its new reference then; or tare now, and what presses is not seen",
+            );
+            if !self.wait(LOOK_AGAIN, "the board has no reference") {
+                break;
+            }
+        }
+        Ok(())
     }
 
     /// The page shows this board from now on.
@@ -370,7 +409,10 @@ impl<'a> Desk<'a> {
             match stream.next(LOOK)? {
                 Some(frame) => {
                     heard = Instant::now();
-                    self.take(&frame, stream.totals().frames_missing);
+                    if self.take(&frame, stream.totals().frames_missing) {
+                        let untouched = Untouched::of(stream.link()).ok();
+                        self.untouched = untouched.map(|untouched| (patch.crc, untouched));
+                    }
                 }
                 None if heard.elapsed() > silence => {
                     if !stream.link().info()?.streaming.any() {
@@ -388,7 +430,7 @@ impl<'a> Desk<'a> {
                 self.tell();
                 self.outlets.warn();
             }
-            if let Some(call) = self.outlets.server().and_then(Server::call) {
+            if let Some(call) = self.server.call() {
                 match call.service {
                     CHECK | CALIBRATE => break Left::Do(call),
                     TARE => {
@@ -410,8 +452,8 @@ impl<'a> Desk<'a> {
         Ok(left)
     }
 
-    /// A frame has come.
-    fn take(&mut self, frame: &ScanFrame, missing: u64) {
+    /// A frame has come. Says whether the board has a new reference with it.
+    fn take(&mut self, frame: &ScanFrame, missing: u64) -> bool {
         self.numbers.count(frame, missing);
         let shown = self.shown(frame);
         let is_tared = self.outlets.frame(frame, shown.as_ref());
@@ -433,6 +475,7 @@ impl<'a> Desk<'a> {
         if is_tared {
             self.tared();
         }
+        is_tared
     }
 
     /// The board has a new reference.

@@ -24,7 +24,7 @@ const MOST_WAITING: usize = 1024;
 const LAST_WAIT: Duration = Duration::from_secs(2);
 
 /// Standard output, one text for each frame.
-pub(super) struct Lines {
+pub(in crate::commands) struct Lines {
     /// None once it has ended.
     texts: Option<SyncSender<Text>>,
     writer: Option<JoinHandle<io::Result<()>>>,
@@ -42,7 +42,7 @@ struct Text {
 
 impl Lines {
     /// Starts to write; `remark` makes a line of the number of frames that were dropped.
-    pub(super) fn start(remark: fn(u64) -> String) -> io::Result<Self> {
+    pub(in crate::commands) fn start(remark: fn(u64) -> String) -> io::Result<Self> {
         let (texts, waiting) = sync_channel(MOST_WAITING);
         let dropped = Arc::<AtomicU64>::default();
         let counted = dropped.clone();
@@ -52,18 +52,18 @@ impl Lines {
     }
 
     /// Frames that nobody got because the reader stalled.
-    pub(super) fn dropped(&self) -> u64 {
+    pub(in crate::commands) fn dropped(&self) -> u64 {
         self.dropped.load(Ordering::Relaxed)
     }
 
     /// Writes a line in front of the next frame.
-    pub(super) fn remark(&mut self, line: &str) {
+    pub(in crate::commands) fn remark(&mut self, line: &str) {
         self.remarks.push_str(line);
         self.remarks.push('\n');
     }
 
     /// Writes the lines of a frame, or drops them if too many wait. The error is that of writing earlier ones.
-    pub(super) fn frame(&mut self, frame: String) -> io::Result<()> {
+    pub(in crate::commands) fn frame(&mut self, frame: String) -> io::Result<()> {
         let Some(texts) = &self.texts else { return Err(io::ErrorKind::BrokenPipe.into()) };
         let text = Text { remarks: mem::take(&mut self.remarks), frame, made: Instant::now() };
         match texts.try_send(text) {
@@ -78,7 +78,7 @@ impl Lines {
     }
 
     /// Writes what waits, as far as the reader takes it.
-    pub(super) fn end(&mut self) -> io::Result<()> {
+    pub(in crate::commands) fn end(&mut self) -> io::Result<()> {
         self.texts = None;
         let Some(writer) = self.writer.take() else { return Ok(()) };
         let started = Instant::now();

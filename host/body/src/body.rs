@@ -1,0 +1,159 @@
+//! Body: what all keepers tell, as one view.
+
+use crate::{
+    contact::{SkinContact, Wrench, on_link},
+    file::Patch,
+    keeper::{Phase, State, Told},
+    placed::PlacedSkin,
+};
+use dermatome_link::ScanFrame;
+use dermatome_messages::clock::{Clock, Jitter};
+use dermatome_shared::{frame::FrameFlags, protocol::FrameStamp};
+
+/// What one of the keepers told: its patch's place in the body file.
+pub type Update = (usize, Told);
+
+/// A robot's skins as they are now.
+pub struct Body {
+    senses: Vec<Sense>,
+}
+
+/// One skin as it is now.
+#[derive(Debug)]
+pub struct Sense {
+    /// Its name on this body.
+    pub name: String,
+    /// The link that it lies on.
+    pub link: String,
+    /// How its board stands.
+    pub state: State,
+    /// The last frame's contacts; none while they would be stale.
+    pub report: Option<Report>,
+    /// Frames that have come.
+    pub frames: u64,
+    /// Frames that have not come, in this stream and those before.
+    pub missing: u64,
+    /// Times that the board was lost.
+    pub losses: u64,
+    patch: Patch,
+    skin: Option<PlacedSkin>,
+    clock: Clock,
+    /// Frames that had not come when this stream began.
+    missing_before: u64,
+}
+
+/// The contacts of one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// The frame.
+    pub at: FrameStamp,
+    /// When the scan ended, by this computer's clock, ns since 1970.
+    pub time_ns: u64,
+    /// When the frame came, likewise.
+    pub received_ns: u64,
+    /// In the link's frame, strongest first.
+    pub contacts: Vec<SkinContact>,
+}
+
+impl Report {
+    /// Whether nothing is known to be wrong with the contacts: no fault of board, electrodes or reference.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        let harmless = FrameFlags::MISSED.0;
+        self.at.flags.0 & !harmless == 0
+    }
+}
+
+impl Body {
+    /// Of these patches, none of whose boards has been heard of.
+    #[must_use]
+    pub fn new(patches: &[Patch]) -> Self {
+        let sense = |patch: &Patch| Sense {
+            name: patch.name.clone(),
+            link: patch.pose.link.clone(),
+            state: State { phase: Phase::NoBoard, text: String::new() },
+            report: None,
+            frames: 0,
+            missing: 0,
+            losses: 0,
+            patch: patch.clone(),
+            skin: None,
+            clock: Clock::default(),
+            missing_before: 0,
+        };
+        Self { senses: patches.iter().map(sense).collect() }
+    }
+
+    /// The skins, as in the body file.
+    #[must_use]
+    pub fn senses(&self) -> &[Sense] {
+        &self.senses
+    }
+
+    /// Takes what a keeper told; gives the frame's contacts, where it was one with contacts. `None` is also what it gives
+    /// for a frame that came without them.
+    pub fn take(&mut self, (index, told): Update) -> Option<&Report> {
+        let sense = self.senses.get_mut(index)?;
+        match told {
+            Told::State(state) => {
+                sense.stand(state);
+                None
+            }
+            Told::Patch { tables, .. } => {
+                sense.skin = Some(PlacedSkin::new(&tables, &sense.patch.pose));
+                None
+            }
+            Told::Frame { frame, received_ns, missing } => {
+                sense.frames += 1;
+                sense.missing = sense.missing_before + missing;
+                sense.frame(&frame, received_ns)
+            }
+        }
+    }
+
+    /// What presses on a link, about its origin; none where no skin on it reports, or tells forces.
+    #[must_use]
+    pub fn wrench(&self, link: &str) -> Option<Wrench> {
+        let on_link = self.senses.iter().filter(|sense| sense.link == link);
+        let reports = on_link.filter_map(|sense| sense.report.as_ref());
+        let mut wrenches = reports.filter_map(Report::wrench);
+        let first = wrenches.next()?;
+        Some(wrenches.fold(first, Wrench::and))
+    }
+}
+
+impl Report {
+    /// What its contacts do to the link, about its origin; none where one of them has no force.
+    #[must_use]
+    pub fn wrench(&self) -> Option<Wrench> {
+        let mut wrenches = self.contacts.iter().map(SkinContact::on_link);
+        wrenches.try_fold(Wrench::default(), |sum, wrench| Some(sum.and(wrench?)))
+    }
+}
+
+impl Sense {
+    /// How late frames come.
+    #[must_use]
+    pub fn jitter(&self) -> Option<Jitter> {
+        self.clock.jitter()
+    }
+
+    fn stand(&mut self, state: State) {
+        if state.phase != Phase::Live {
+            self.losses += u64::from(state.phase == Phase::Lost && self.state.phase != Phase::Lost);
+            // What a board said before is over.
+            self.report = None;
+        } else if self.state.phase != Phase::Live {
+            self.missing_before = self.missing;
+        }
+        self.state = state;
+    }
+
+    fn frame(&mut self, frame: &ScanFrame, received_ns: u64) -> Option<&Report> {
+        let (at, contacts) = (frame.at?, frame.contacts.as_ref()?);
+        let contacts = on_link(self.skin.as_ref()?, contacts, frame.image.as_ref());
+        let time_ns = self.clock.host_time(at.timestamp_us, received_ns);
+        self.report = Some(Report { at, time_ns, received_ns, contacts });
+        self.report.as_ref()
+    }
+}

@@ -1,0 +1,394 @@
+//! Keeper: holds one board, whatever happens to it.
+//!
+//! A thread of its own opens the port, makes sure that the board holds this skin's patch, gives it back the drive and the
+//! reference that it had, and streams. A board that is lost is tried again until it answers; one that has lost its
+//! reference gets a new one once nothing presses. What it does, and what comes, it [tells](Told).
+
+use crate::{file::Patch, surface::is_same};
+use dermatome_link::{
+    Link, LinkError, LinkErrorKind, ScanFrame, Untouched, frame_timeout, silence_timeout,
+    tables::SurfaceTables, tare, tare_timeout,
+};
+use dermatome_messages::clock::now_ns;
+use dermatome_shared::{
+    drive::Drive,
+    patch::{PatchError, PatchView},
+    protocol::{PatchInfo, Request, Selection},
+    reference::DEFAULT_TARE_FRAMES,
+};
+use dermatome_simulate::port::{OpenError, Port, open};
+use std::{
+    io,
+    sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel},
+    thread::{self, JoinHandle},
+    time::{Duration, Instant},
+};
+
+/// Time until a board is tried again, which doubles up to the longest.
+const FIRST_PAUSE: Duration = Duration::from_millis(50);
+const LONGEST_PAUSE: Duration = Duration::from_millis(500);
+/// Longest a keeper waits for a frame without looking what it is asked.
+const LOOK: Duration = Duration::from_millis(20);
+/// How often a skin that is pressed is looked at again.
+const LOOK_AGAIN: Duration = Duration::from_millis(300);
+/// Time without a contact after which a tare begins that waits for it.
+const FREE: Duration = Duration::from_millis(500);
+
+/// What a keeper tells.
+#[derive(Debug)]
+pub enum Told {
+    /// How the board stands now.
+    State(State),
+    /// The board holds this patch, which is of the skin: frames from now on are of it.
+    Patch {
+        /// As the board has it.
+        bytes: Vec<u8>,
+        /// Its pixels.
+        tables: Box<SurfaceTables>,
+        /// Kind and firmware of the board.
+        board: String,
+        /// How the skin is driven.
+        drive: Box<Drive>,
+    },
+    /// A frame.
+    Frame {
+        /// As it came.
+        frame: Box<ScanFrame>,
+        /// When, by this computer's clock, ns since 1970.
+        received_ns: u64,
+        /// Frames of this stream that have not come.
+        missing: u64,
+    },
+}
+
+/// How a board stands.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct State {
+    /// In one word.
+    pub phase: Phase,
+    /// Why, in words; empty where there is nothing to say.
+    pub text: String,
+}
+
+/// How a board stands, in one word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Phase {
+    /// It has not answered yet.
+    NoBoard,
+    /// It answered before.
+    Lost,
+    /// It holds no patch.
+    NoPatch,
+    /// It holds another skin's patch.
+    OtherPatch,
+    /// It has no reference, and something presses.
+    NotTared,
+    /// It averages the untouched skin.
+    Taring,
+    /// It sends contacts.
+    Live,
+    /// It is not tried again.
+    Ended,
+}
+
+/// What a keeper may be asked.
+#[derive(Debug)]
+enum Asked {
+    Tare,
+    Drive(Box<Drive>),
+    Stop,
+}
+
+/// Holds a board until it is dropped.
+pub struct Keeper {
+    asked: Sender<Asked>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Keeper {
+    /// Begins to hold the board of this patch of a body, whose skin has these pixels, and to tell what happens.
+    pub fn start(
+        patch: &Patch,
+        surface: SurfaceTables,
+        selection: Selection,
+        tell: impl FnMut(Told) + Send + 'static,
+    ) -> io::Result<Self> {
+        let (asked, receiver) = channel();
+        let board = Board {
+            port: patch.port.clone(),
+            skin: patch.skin.name.clone(),
+            surface,
+            selection,
+            asked: receiver,
+            tell: Box::new(tell),
+            known: None,
+            drive: None,
+            untouched: None,
+            has_come: false,
+            wants_tare: false,
+        };
+        let thread = thread::Builder::new().name(patch.name.clone()).spawn(move || board.keep())?;
+        Ok(Self { asked, thread: Some(thread) })
+    }
+
+    /// Asks for a new reference, which is made once nothing presses.
+    pub fn tare(&self) {
+        self.ask(Asked::Tare);
+    }
+
+    /// Drives the skin like this from now on, and after every restart of the board.
+    pub fn drive(&self, drive: Drive) {
+        self.ask(Asked::Drive(Box::new(drive)));
+    }
+
+    /// Asks it to end, which dropping it waits for.
+    pub fn stop(&self) {
+        self.ask(Asked::Stop);
+    }
+
+    fn ask(&self, asked: Asked) {
+        // Fails if the keeper has ended, which it has told.
+        let _ = self.asked.send(asked);
+    }
+}
+
+impl Drop for Keeper {
+    fn drop(&mut self) {
+        self.stop();
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Why a board does not stream.
+#[derive(Debug, thiserror::Error)]
+enum Trouble {
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    #[error(transparent)]
+    Open(OpenError),
+    #[error("the board holds no patch: send it one with `dermatome flash`")]
+    NoPatch,
+    #[error("the board's patch: {0}")]
+    Patch(PatchError),
+    #[error(
+        "the board holds a patch for `{0}`, not for this skin: send it the right one with `dermatome flash`"
+    )]
+    OtherSkin(String),
+    #[error(
+        "the board's patch has its pixels elsewhere than the skin file: build it anew and send it with `dermatome flash`"
+    )]
+    OtherPixels,
+}
+
+/// A keeper's thread is to end.
+struct Stop;
+
+struct Board {
+    port: Port,
+    /// Name of the skin.
+    skin: String,
+    surface: SurfaceTables,
+    selection: Selection,
+    asked: Receiver<Asked>,
+    tell: Box<dyn FnMut(Told) + Send>,
+    /// Id of the patch that was found to be of this skin.
+    known: Option<u32>,
+    /// How the skin is to be driven: as it was first found, or as it was asked for.
+    drive: Option<Drive>,
+    /// The skin by its last reference, of the patch with this id.
+    untouched: Option<(u32, Untouched)>,
+    has_come: bool,
+    wants_tare: bool,
+}
+
+impl Board {
+    fn keep(mut self) {
+        let mut pause = FIRST_PAUSE;
+        loop {
+            let begun = Instant::now();
+            match self.attend() {
+                Ok(Stop) => break,
+                Err(trouble) => {
+                    let is_over =
+                        matches!(&trouble, Trouble::Open(error) if !matches!(error, OpenError::Link(_)));
+                    self.explain(&trouble);
+                    if is_over {
+                        break;
+                    }
+                }
+            }
+            if begun.elapsed() > LONGEST_PAUSE {
+                pause = FIRST_PAUSE;
+            }
+            if self.pause(pause).is_some() {
+                break;
+            }
+            pause = (2 * pause).min(LONGEST_PAUSE);
+        }
+    }
+
+    fn state(&mut self, phase: Phase, text: impl Into<String>) {
+        (self.tell)(Told::State(State { phase, text: text.into() }));
+    }
+
+    fn explain(&mut self, trouble: &Trouble) {
+        let phase = match trouble {
+            Trouble::NoPatch => Phase::NoPatch,
+            Trouble::Patch(_) | Trouble::OtherSkin(_) | Trouble::OtherPixels => Phase::OtherPatch,
+            Trouble::Open(OpenError::Simulation(_) | OpenError::Replay(_)) => Phase::Ended,
+            Trouble::Link(_) | Trouble::Open(_) if self.has_come => Phase::Lost,
+            Trouble::Link(_) | Trouble::Open(_) => Phase::NoBoard,
+        };
+        self.state(phase, trouble.to_string());
+    }
+
+    /// Waits, and takes what is asked meanwhile.
+    fn pause(&mut self, time: Duration) -> Option<Stop> {
+        let until = Instant::now() + time;
+        loop {
+            match self.asked.recv_timeout(until.saturating_duration_since(Instant::now())) {
+                Ok(Asked::Tare) => self.wants_tare = true,
+                Ok(Asked::Drive(drive)) => self.drive = Some(*drive),
+                Ok(Asked::Stop) | Err(RecvTimeoutError::Disconnected) => return Some(Stop),
+                Err(RecvTimeoutError::Timeout) => return None,
+            }
+        }
+    }
+
+    /// Holds a board until it is lost.
+    fn attend(&mut self) -> Result<Stop, Trouble> {
+        let mut link = open(&self.port).map_err(|error| match error {
+            OpenError::Link(error) => Trouble::Link(error),
+            other => Trouble::Open(other),
+        })?;
+        let info = link.info()?;
+        let mut patch = info.patch.ok_or(Trouble::NoPatch)?;
+        self.greet(&mut link, &patch)?;
+        let drive = *self.drive.get_or_insert(patch.drive);
+        if patch.drive != drive {
+            link.request(&Request::Drive(Some(drive)))?;
+            patch.drive = drive;
+        }
+        self.has_come = true;
+        loop {
+            let info = link.info()?;
+            let is_lost = match self.untouched.as_ref().filter(|(crc, _)| *crc == patch.crc) {
+                Some((_, untouched)) => untouched.is_lost(&info, &mut link)?,
+                None => !info.tared,
+            };
+            if is_lost {
+                if let Some(stop) = self.wait_untouched(&mut link, &patch)? {
+                    return Ok(stop);
+                }
+                self.make_reference(&mut link, &patch)?;
+            }
+            self.untouched = Some((patch.crc, Untouched::of(&mut link)?));
+            if let Some(stop) = self.stream(&mut link, &mut patch)? {
+                return Ok(stop);
+            }
+        }
+    }
+
+    /// Makes sure that the board's patch is of this skin.
+    fn greet(&mut self, link: &mut Link, patch: &PatchInfo) -> Result<(), Trouble> {
+        if self.known == Some(patch.crc) {
+            return Ok(());
+        }
+        if patch.skin.as_str() != self.skin {
+            return Err(Trouble::OtherSkin(patch.skin.as_str().to_owned()));
+        }
+        let bytes = link.patch()?;
+        let tables = SurfaceTables::read(&PatchView::validate(&bytes).map_err(Trouble::Patch)?);
+        if !is_same(&tables, &self.surface) {
+            return Err(Trouble::OtherPixels);
+        }
+        self.known = Some(patch.crc);
+        let identity = link.identity();
+        let board = format!("{} {}", identity.board, identity.firmware);
+        let drive = Box::new(self.drive.unwrap_or(patch.drive));
+        (self.tell)(Told::Patch { bytes, tables: Box::new(tables), board, drive });
+        Ok(())
+    }
+
+    /// A board that has lost its reference waits until nothing presses, by the reference that it had.
+    fn wait_untouched(&mut self, link: &mut Link, patch: &PatchInfo) -> Result<Option<Stop>, LinkError> {
+        let Some((_, untouched)) = self.untouched.clone().filter(|(crc, _)| *crc == patch.crc) else {
+            return Ok(None);
+        };
+        let mut is_said = false;
+        while untouched.is_pressed(link, silence_timeout(patch))? {
+            if !std::mem::replace(&mut is_said, true) {
+                self.state(
+                    Phase::NotTared,
+                    "something presses on the skin: its new reference waits until it is free",
+                );
+            }
+            if let Some(stop) = self.pause(LOOK_AGAIN) {
+                return Ok(Some(stop));
+            }
+        }
+        Ok(None)
+    }
+
+    fn make_reference(&mut self, link: &mut Link, patch: &PatchInfo) -> Result<(), LinkError> {
+        self.state(Phase::Taring, "averaging the untouched skin");
+        tare(link, DEFAULT_TARE_FRAMES, tare_timeout(patch, DEFAULT_TARE_FRAMES))
+    }
+
+    /// Streams until it is to stop, or to make a reference.
+    fn stream(&mut self, link: &mut Link, patch: &mut PatchInfo) -> Result<Option<Stop>, LinkError> {
+        let silence = frame_timeout(patch);
+        let mut stream = link.subscribe(self.selection)?;
+        self.state(Phase::Live, "");
+        let (mut heard, mut touched) = (Instant::now(), Instant::now());
+        let mut is_said = false;
+        loop {
+            while let Ok(asked) = self.asked.try_recv() {
+                match asked {
+                    Asked::Tare => self.wants_tare = true,
+                    Asked::Drive(drive) => {
+                        stream.link().request(&Request::Drive(Some(*drive)))?;
+                        (self.drive, patch.drive, self.wants_tare) = (Some(*drive), *drive, true);
+                    }
+                    Asked::Stop => {
+                        stream.stop()?;
+                        return Ok(Some(Stop));
+                    }
+                }
+            }
+            if self.wants_tare && touched.elapsed() >= FREE {
+                self.wants_tare = false;
+                stream.stop()?;
+                self.make_reference(link, patch)?;
+                return Ok(None);
+            }
+            let Some(frame) = stream.next(LOOK)? else {
+                if heard.elapsed() > silence {
+                    let error = LinkErrorKind::NoAnswer { timeout: silence };
+                    // It may have started anew on the same link.
+                    return if stream.link().info()?.streaming.any() {
+                        Err(stream.link().error(error))
+                    } else {
+                        Ok(None)
+                    };
+                }
+                continue;
+            };
+            heard = Instant::now();
+            if frame.contacts.as_ref().is_some_and(|contacts| !contacts.is_empty()) {
+                touched = heard;
+            }
+            if self.wants_tare && touched == heard && !std::mem::replace(&mut is_said, true) {
+                self.state(
+                    Phase::Live,
+                    "something presses on the skin: its new reference waits until it is free",
+                );
+            }
+            let missing = stream.totals().frames_missing;
+            (self.tell)(Told::Frame { frame: Box::new(frame), received_ns: now_ns(), missing });
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Lines of JSON: one for each frame, and for each change of a board.
+
+use dermatome_body::{
+    Sense,
+    contact::{SkinContact, Wrench},
+    keeper::State,
+};
+use dermatome_link::contacts::LinkContact;
+use serde::Serialize;
+
+/// The contacts of a frame, and what presses on their link.
+#[derive(Serialize)]
+struct FrameLine<'a> {
+    patch: &'a str,
+    link: &'a str,
+    sequence: u32,
+    /// When the scan ended, s since 1970, by this computer's clock.
+    time_s: f64,
+    /// By the board's.
+    device_time_s: f64,
+    /// Whether nothing is known to be wrong.
+    valid: bool,
+    flags: Vec<&'static str>,
+    contacts: Vec<ContactLine<'a>>,
+    /// Of all skins on the link, about its origin.
+    wrench: Option<WrenchLine>,
+}
+
+#[derive(Serialize)]
+struct ContactLine<'a> {
+    #[serde(flatten)]
+    contact: LinkContact,
+    geometric_centre_m: [f64; 3],
+    /// What it does to the link, about its centre of pressure.
+    wrench: Option<WrenchLine>,
+    pixels: &'a [u16],
+}
+
+#[derive(Serialize)]
+struct WrenchLine {
+    force_n: [f64; 3],
+    moment_n_m: [f64; 3],
+}
+
+#[derive(Serialize)]
+struct StateLine<'a> {
+    patch: &'a str,
+    link: &'a str,
+    state: &'a State,
+}
+
+impl From<Wrench> for WrenchLine {
+    fn from(wrench: Wrench) -> Self {
+        Self { force_n: wrench.force, moment_n_m: wrench.moment }
+    }
+}
+
+/// The last frame of a skin, and what presses on its link, as a line.
+pub(super) fn frame(sense: &Sense, wrench: Option<Wrench>) -> serde_json::Result<String> {
+    let Some(report) = &sense.report else { return Ok(String::new()) };
+    let contact = |it: &'_ SkinContact| -> LinkContact { LinkContact::new(it.contact) };
+    let line = FrameLine {
+        patch: &sense.name,
+        link: &sense.link,
+        sequence: report.at.sequence,
+        time_s: report.time_ns as f64 * 1e-9,
+        device_time_s: report.at.timestamp_us as f64 * 1e-6,
+        valid: report.is_valid(),
+        flags: report.at.flags.words().collect(),
+        contacts: report
+            .contacts
+            .iter()
+            .map(|it| ContactLine {
+                contact: contact(it),
+                geometric_centre_m: it.geometric_centre,
+                wrench: it.wrench.map(WrenchLine::from),
+                pixels: &it.pixels,
+            })
+            .collect(),
+        wrench: wrench.map(WrenchLine::from),
+    };
+    Ok(serde_json::to_string(&line)? + "\n")
+}
+
+/// A change of a board, as a line without its end.
+pub(super) fn state(sense: &Sense, state: &State) -> serde_json::Result<String> {
+    serde_json::to_string(&StateLine { patch: &sense.name, link: &sense.link, state })
+}
+
+/// Frames that nobody read in time, as a line without its end.
+pub(super) fn dropped(frames: u64) -> String {
+    format!("{{\"frames_dropped\":{frames}}}")
+}

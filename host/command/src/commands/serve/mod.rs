@@ -1,0 +1,291 @@
+//! `dermatome serve`: all boards of a robot at once.
+
+mod lines;
+mod onlookers;
+mod table;
+
+use super::{contact_lines::is_read, doors::Doors, interrupt, lines::Lines, view::look_of};
+use anyhow::{Context, bail};
+use dermatome_body::{
+    Body, Sense,
+    file::{BodyFile, Patch},
+    keeper::{Keeper, Phase, Told},
+    surface,
+};
+use dermatome_link::tables::SurfaceTables;
+use dermatome_messages::skin::Look;
+use dermatome_shared::protocol::Selection;
+use dermatome_view::terminal::Screen;
+use onlookers::Onlookers;
+use serde::Serialize;
+use std::{
+    collections::HashMap,
+    net::SocketAddr,
+    path::PathBuf,
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+        mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel},
+    },
+    time::{Duration, Instant},
+};
+
+/// Most that waits to be taken, a quarter of a second of 32 boards at 400 frames/s.
+const MOST_WAITING: usize = 4096;
+/// Longest wait without looking for Ctrl-C.
+const LOOK: Duration = Duration::from_millis(20);
+/// How often the table is drawn.
+const DRAWN: Duration = Duration::from_millis(500);
+
+/// Run all boards of a robot: contacts of every skin in its link's frame, and what presses on each link.
+///
+/// Each board is kept for itself: one that is lost, or was never there, is tried again until it answers, and gets back the
+/// drive and the reference that it had. It never gets a new reference while something presses. Times are by this
+/// computer's clock.
+///
+/// Prints one line of JSON for each frame and for each change of a board (docs/serve.md); on a terminal a table instead.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  dermatome serve robot.toml
+  dermatome serve robot.toml | python3 controller.py
+  dermatome serve robot.toml --duration 60 --json report.json > contacts.jsonl
+
+The body file (docs/serve.md) names the skins:
+  name = \"arm\"
+  [[patches]]
+  skin = \"forearm-skin/skin.toml\"
+  port = \"/dev/ttyACM0\"")]
+pub(super) struct Args {
+    /// Body file: robot.toml.
+    #[arg(value_name = "BODY")]
+    body: PathBuf,
+    /// Do not fetch images: contacts come without active pixels, moments and geometric centres.
+    #[arg(long)]
+    no_images: bool,
+    /// Stop after so many seconds, instead of at Ctrl-C.
+    #[arg(long, value_name = "SECONDS", value_parser = super::stream::seconds)]
+    duration: Option<Duration>,
+    /// Make new references first, once nothing presses; else only boards without one get one.
+    #[arg(long)]
+    tare: bool,
+    /// Also serve the page, and the Foxglove WebSocket protocol for other programs, at this address: 127.0.0.1:8765. The page
+    /// shows one skin at a time.
+    #[arg(long, value_name = "HOST:PORT")]
+    listen: Option<SocketAddr>,
+    #[command(flatten)]
+    doors: Doors,
+    #[command(flatten)]
+    json: super::JsonReport,
+}
+
+/// What became of one skin.
+#[derive(Serialize)]
+struct PatchTotals<'a> {
+    patch: &'a str,
+    link: &'a str,
+    state: Phase,
+    text: &'a str,
+    frames: u64,
+    frames_missing: u64,
+    losses: u64,
+    jitter_median_ms: Option<f64>,
+    jitter_largest_ms: Option<f64>,
+    clock_skew_ppm: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    body: &'a str,
+    seconds: f64,
+    patches: Vec<PatchTotals<'a>>,
+    /// Of what came from boards, more than could be taken.
+    frames_dropped: u64,
+    /// Of lines that nobody read in time.
+    lines_dropped: u64,
+}
+
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    interrupt::install()?;
+    let file = BodyFile::load(&args.body)?;
+    let (surfaces, looks) = skins(&file.patches)?;
+    let onlookers = args.listen.map(|listen| {
+        let looks = file.patches.iter().map(|patch| looks[&patch.path].clone()).collect();
+        Onlookers::open(&args.doors, listen, &file, looks)
+    });
+    let (sender, told) = sync_channel(MOST_WAITING);
+    let dropped = Arc::<AtomicU64>::default();
+    let keepers = file.patches.iter().enumerate().map(|(index, patch)| {
+        let surface = surfaces[&patch.path].clone();
+        let keeper =
+            Keeper::start(patch, surface, selection(args), teller(index, sender.clone(), dropped.clone()));
+        keeper.with_context(|| format!("cannot start a thread for `{}`", patch.name))
+    });
+    let keepers = keepers.collect::<anyhow::Result<Vec<_>>>()?;
+    drop(sender);
+    if args.tare {
+        keepers.iter().for_each(Keeper::tare);
+    }
+    let mut served = Served::new(&file, &keepers, onlookers.transpose()?)?;
+    let begun = Instant::now();
+    let ended = served.serve(&told, || {
+        interrupt::requested() || args.duration.is_some_and(|duration| begun.elapsed() >= duration)
+    });
+    let seconds = begun.elapsed().as_secs_f64();
+    // Nobody takes what they tell any more.
+    drop(told);
+    keepers.iter().for_each(Keeper::stop);
+    let written = served.end();
+    let senses = served.body.senses();
+    senses.iter().for_each(|sense| eprintln!("{}", table::summary(sense)));
+    args.json.write(&Report {
+        body: &file.name,
+        seconds,
+        patches: senses.iter().map(totals).collect(),
+        frames_dropped: dropped.load(Ordering::Relaxed),
+        lines_dropped: served.lines.as_ref().map_or(0, Lines::dropped),
+    })?;
+    ended?;
+    written
+}
+
+fn selection(args: &Args) -> Selection {
+    let images = u16::from(!args.no_images);
+    Selection { images, contacts: 1, ..Selection::default() }
+}
+
+/// Something of each skin file.
+type OfSkins<T> = HashMap<PathBuf, T>;
+
+/// Where the pixels of each skin file lie, and what the skin looks like.
+fn skins(patches: &[Patch]) -> anyhow::Result<(OfSkins<SurfaceTables>, OfSkins<Look>)> {
+    let (mut surfaces, mut looks) = (HashMap::new(), HashMap::new());
+    for Patch { path, skin, .. } in patches {
+        if surfaces.contains_key(path) {
+            continue;
+        }
+        let name = || format!("skin file `{}`", path.display());
+        let skin = skin.clone().made()?;
+        let Some(surface) = surface::of_skin(&skin).with_context(name)? else {
+            bail!("{}: its image has more pixels than a board takes", name())
+        };
+        surfaces.insert(path.clone(), surface);
+        looks.insert(path.clone(), look_of(&skin)?);
+    }
+    Ok((surfaces, looks))
+}
+
+/// Passes on what a keeper tells; a frame that finds no room is dropped and counted.
+fn teller(
+    index: usize,
+    sender: SyncSender<(usize, Told)>,
+    dropped: Arc<AtomicU64>,
+) -> impl FnMut(Told) + Send + 'static {
+    move |told| {
+        let is_frame = matches!(told, Told::Frame { .. });
+        let sent = if is_frame {
+            sender.try_send((index, told))
+        } else {
+            sender.send((index, told)).map_err(|error| TrySendError::Disconnected(error.0))
+        };
+        if let Err(TrySendError::Full(_)) = sent {
+            dropped.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+/// The body and where its contacts go.
+struct Served<'a> {
+    file: &'a BodyFile,
+    keepers: &'a [Keeper],
+    body: Body,
+    onlookers: Option<Onlookers>,
+    /// Standard output, unless it is a terminal.
+    lines: Option<Lines>,
+    screen: Screen,
+    drawn: Instant,
+}
+
+impl<'a> Served<'a> {
+    fn new(file: &'a BodyFile, keepers: &'a [Keeper], onlookers: Option<Onlookers>) -> anyhow::Result<Self> {
+        let screen = Screen::default();
+        let lines = if screen.is_visible() { None } else { Some(Lines::start(lines::dropped)?) };
+        let drawn = Instant::now();
+        let body = Body::new(&file.patches);
+        Ok(Self { file, keepers, body, onlookers, lines, screen, drawn })
+    }
+
+    /// Takes what keepers tell until it is to stop, or nobody reads any more.
+    fn serve(&mut self, told: &Receiver<(usize, Told)>, is_over: impl Fn() -> bool) -> anyhow::Result<()> {
+        while !is_over() {
+            let update = match told.recv_timeout(LOOK) {
+                Ok(update) => Some(update),
+                Err(RecvTimeoutError::Timeout) => None,
+                Err(RecvTimeoutError::Disconnected) => bail!("no board can be tried again"),
+            };
+            if let Some(update) = update
+                && !self.take(update)?
+            {
+                return Ok(());
+            }
+            if let Some(onlookers) = &mut self.onlookers {
+                onlookers.answer(self.keepers);
+                onlookers.tell_states(self.body.senses());
+            }
+            if self.lines.is_none() && self.drawn.elapsed() >= DRAWN {
+                self.drawn = Instant::now();
+                self.screen.draw(&table::table(&self.file.name, self.body.senses()))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes what a keeper told; false if nobody reads any more.
+    fn take(&mut self, (index, told): (usize, Told)) -> anyhow::Result<bool> {
+        let state = match &told {
+            Told::State(state) => Some(state.clone()),
+            _ => None,
+        };
+        if let Some(onlookers) = &mut self.onlookers {
+            onlookers.tell(index, &self.file.patches[index], &told);
+        }
+        let before = self.body.senses()[index].state.clone();
+        let has_frame = self.body.take((index, told)).is_some();
+        let sense = &self.body.senses()[index];
+        let Some(lines) = &mut self.lines else {
+            return Ok(true);
+        };
+        if let Some(state) = state.filter(|state| *state != before) {
+            lines.remark(&lines::state(sense, &state)?);
+            return Ok(is_read(lines.frame(String::new()))?);
+        }
+        if !has_frame {
+            return Ok(true);
+        }
+        let line = lines::frame(sense, self.body.wrench(&sense.link))?;
+        Ok(is_read(lines.frame(line))?)
+    }
+
+    fn end(&mut self) -> anyhow::Result<()> {
+        if let Some(lines) = &mut self.lines {
+            is_read(lines.end())?;
+        }
+        Ok(())
+    }
+}
+
+fn totals(sense: &Sense) -> PatchTotals<'_> {
+    let jitter = sense.jitter();
+    let ms = |ns: u64| ns as f64 * 1e-6;
+    PatchTotals {
+        patch: &sense.name,
+        link: &sense.link,
+        state: sense.state.phase,
+        text: &sense.state.text,
+        frames: sense.frames,
+        frames_missing: sense.missing,
+        losses: sense.losses,
+        jitter_median_ms: jitter.map(|jitter| ms(jitter.median_ns)),
+        jitter_largest_ms: jitter.map(|jitter| ms(jitter.largest_ns)),
+        clock_skew_ppm: jitter.map(|jitter| jitter.skew * 1e6),
+    }
+}
