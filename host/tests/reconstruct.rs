@@ -152,7 +152,7 @@ fn differences_without_a_reference_show_what_the_frames_against_it_show() {
     for (alone, against) in found(&alone).iter().zip(found(&against)) {
         assert!((0..3).all(|i| (alone[i] - against[i]).abs() < 1e-4), "{alone:?} {against:?}");
     }
-    let [alone_fit, against_fit] = [&alone, &against].map(|report| fitted(report));
+    let [alone_fit, against_fit] = [&alone, &against].map(fitted);
     for (alone, against) in alone_fit.iter().flatten().zip(against_fit.iter().flatten()) {
         assert!((0..3).all(|i| (alone[i] - against[i]).abs() < 1e-3), "{alone:?} {against:?}");
     }

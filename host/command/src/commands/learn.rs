@@ -144,7 +144,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 fn read(args: &Args, skin: &Skin) -> anyhow::Result<Recording> {
-    let of_reference = |name: &OsString| args.options.read(&Source::new(name), skin);
+    let of_reference = |name: &OsString| args.options.read(&Source::new(name), &skin.steps(), skin.electrodes.count);
     let reference: Option<Frames> = args.reference.as_ref().map(of_reference).transpose()?;
     Recording::read(&args.presses, reference, args.options.offset(), skin)
         .map_err(|error| in_flags(error, &[("as a reference of their own", "with --reference")]))

@@ -57,6 +57,7 @@ mod man;
 mod noise;
 mod outlets;
 mod outputs;
+mod playing;
 mod preserved;
 mod presses;
 mod progress;
