@@ -7,6 +7,7 @@ use dermatome::{
     simulate::{Press, TrueSkin},
     skin::Skin,
 };
+use dermatome_shared::stimulation::Step;
 use insta::{Settings, assert_snapshot};
 use program::{Desk, Running, TINY, row, shape, tiny_voltages, transcript};
 use rand::{Rng, SeedableRng};
@@ -306,6 +307,51 @@ fn a_board_that_plays_presses_compares_each_with_its_own_reference() {
     let (_board, port) = playing(&desk, &[&each[..], &["--rate", "100"]].concat());
     let done = desk.run(&["stream", "--port", &port, "--frames", "12"]).success();
     assert_eq!(places(&done.out), replayed);
+}
+
+/// The full square of electrode potentials that make these differences, a drive after the other.
+fn potentials(differences: &[f64], steps: &[Step]) -> Vec<f64> {
+    let mut square = vec![0.0; 64];
+    for drive in 0..8 {
+        let of_pair = |plus: usize| {
+            let is_it = |step: &Step| {
+                usize::from(step.drive_minus) == drive && usize::from(step.sense_plus) == plus % 8
+            };
+            steps.iter().position(is_it).map(|step| differences[step])
+        };
+        // Pairs that touch driven electrodes are not measured; the others follow one another round the skin.
+        let first = (0..8).find(|&plus| of_pair(plus).is_some() && of_pair(plus + 7).is_none()).unwrap();
+        let mut potential = 1.0;
+        for plus in first..first + 8 {
+            square[drive * 8 + plus % 8] = potential;
+            potential -= of_pair(plus).unwrap_or(0.0);
+        }
+    }
+    square
+}
+
+#[test]
+fn potentials_of_electrodes_are_replayed_as_their_differences() {
+    let desk = Desk::with_patch();
+    recorded(&desk);
+    let steps = Bench::new(1).skin.steps();
+    let of_line = |line: &str| {
+        let differences: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let square = potentials(&differences, &steps);
+        square.iter().map(|value| format!("{value:.15e}")).collect::<Vec<_>>().join(",") + "\n"
+    };
+    let text = String::from_utf8(desk.read("run.csv")).unwrap();
+    desk.write("potentials.csv", text.lines().map(of_line).collect::<String>());
+    let replay = |file: &str, more: &[&str]| {
+        let command = ["replay", file, "--patch", "skin.dermatome", "--rate", "50"];
+        contacts(&desk.run(&[&command[..], more].concat()).success().out)
+    };
+    let (differences, potentials) = (replay("run.csv", &[]), replay("potentials.csv", &["--single-ended"]));
+    assert!(differences.len() >= 10);
+    assert_eq!(potentials.len(), differences.len());
+    for (a, b) in potentials.iter().zip(&differences) {
+        assert!((0..4).all(|field| (a[field] - b[field]).abs() < 2e-3), "{a:?} {b:?}");
+    }
 }
 
 /// A board that plays what a replay would print, and its port.

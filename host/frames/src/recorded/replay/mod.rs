@@ -15,7 +15,7 @@ use super::{
     order::{Arrangement, FileIndex, OrderError},
     read::Frames,
 };
-use dermatome_messages::{clock::now_ns, dermatome::Reference, frame::Place};
+use dermatome_messages::{clock::now_ns, dermatome::Reference, standard::Header};
 use dermatome_recording::frames::{Item, RecordedFrame};
 use dermatome_shared::{
     device::MAX_TARE_FRAMES,
@@ -223,27 +223,21 @@ impl<'a> Replay<'a> {
     fn tare(&mut self, frames: &Frames, which: Range<usize>) -> Result<(), ReplayError> {
         let rows: Vec<&[Complex64]> = frames.iter().skip(which.start).take(which.len()).collect();
         self.factors = factors(self.patch, &self.map, &rows).ok_or(ReplayError::NoVoltage(which.start))?;
-        let number = |place: usize| match self.untouched {
-            Untouched::Each(_) => 2 * self.next,
-            _ => place,
+        let at = |place: usize| match self.untouched {
+            Untouched::First(_) => Place { number: place, others: 0 },
+            Untouched::Apart(_) => Place { number: 0, others: place },
+            Untouched::Each(_) => Place { number: self.next, others: self.next },
         };
-        let recorded = |(place, row): (usize, &&[Complex64])| {
-            let time = match self.untouched {
-                Untouched::First(_) => self.times[place],
-                Untouched::Apart(_) => self.times[0] + self.period * place as f64,
-                Untouched::Each(_) => self.times[self.next] + self.period * self.next as f64,
-            };
-            Item::Frame(Box::new(self.frame(number(place), time, row)))
-        };
-        let of_tare: Vec<Item> = rows.iter().enumerate().map(recorded).collect();
-        let header = Place::default().header(self.begun);
-        let reference = Reference::new(header, number(0) as u32, rows.len() as u16, &self.drive());
+        let frame = |(place, row): (usize, &&[Complex64])| Item::Frame(Box::new(self.frame(at(place), row)));
+        let of_tare: Vec<Item> = rows.iter().enumerate().map(frame).collect();
+        let header = Header::default();
+        let reference = Reference::new(header, at(0).sequence(), rows.len() as u16, &self.drive());
         self.waiting.extend([Item::Reference(reference)].into_iter().chain(of_tare));
         Ok(())
     }
 
-    /// A frame as a board would have measured it, the one of this number and time (s) among all.
-    fn frame(&self, number: usize, time: f64, row: &[Complex64]) -> RecordedFrame {
+    /// A frame as a board would have measured it.
+    fn frame(&self, place: Place, row: &[Complex64]) -> RecordedFrame {
         let mut flags = FrameFlags::default();
         let mut code = |(place, factor): (&FileIndex, &Complex64)| {
             let code = (row[place.index] * factor).re.round();
@@ -251,7 +245,8 @@ impl<'a> Replay<'a> {
             AdcCode(code.clamp(-END, END) as i32)
         };
         let codes = self.map.iter().zip(&self.factors).map(&mut code).collect();
-        let at = FrameStamp { sequence: number as u32, timestamp_us: microseconds(time), flags };
+        let time = self.times[place.number] + self.period * place.others as f64;
+        let at = FrameStamp { sequence: place.sequence(), timestamp_us: microseconds(time), flags };
         let since = at.timestamp_us.saturating_sub(microseconds(self.times[0]));
         RecordedFrame {
             at,
@@ -273,7 +268,7 @@ impl Iterator for Replay<'_> {
         }
         let (number, frames) = (self.next, self.frames);
         let row = frames.iter().nth(number)?;
-        let before = match self.untouched {
+        let others = match self.untouched {
             Untouched::First(_) => 0,
             Untouched::Apart(others) => averaged(others),
             Untouched::Each(others) => {
@@ -285,10 +280,22 @@ impl Iterator for Replay<'_> {
             }
         };
         self.next += 1;
-        let time = self.times[number] + self.period * before as f64;
-        let frame = Item::Frame(Box::new(self.frame(number + before, time, row)));
+        let frame = Item::Frame(Box::new(self.frame(Place { number, others }, row)));
         self.waiting.push_back(frame);
         self.waiting.pop_front().map(Ok)
+    }
+}
+
+/// Where a frame is: how many frames of the file and of others come before it.
+#[derive(Clone, Copy)]
+struct Place {
+    number: usize,
+    others: usize,
+}
+
+impl Place {
+    fn sequence(self) -> u32 {
+        (self.number + self.others) as u32
     }
 }
 
