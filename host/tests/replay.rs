@@ -295,6 +295,9 @@ fn a_board_that_plays_others_frames_sends_what_replay_prints() {
     desk.run(&["tare", "--port", &port]).success();
     let devices = desk.run(&["devices", "--port", &port]).success();
     assert!(devices.out.contains("replay") && devices.out.contains("200"), "{}", devices.out);
+    // Nobody knows the stack of a board that there is not.
+    let check = desk.run(&["check", "--port", &port]);
+    assert!(check.out.contains("free stack") && !check.out.contains("never used"), "{check:?}");
 }
 
 #[test]
