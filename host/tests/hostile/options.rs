@@ -314,6 +314,21 @@ fn pairs() -> Vec<Case> {
         (&["build", "skin.toml", "--json=a", "--json=b"], &["--json"]),
         (&["replay", "frames.csv", "--patch=skin.dermatome", "--each"], &["--reference"]),
         (&["replay", "frames.csv", "--patch=skin.dermatome", "--tare=25"], &["25", "24"]),
+        (
+            &["replay", "frames.csv", "--patch=skin.dermatome", "--listen=tcp:127.0.0.1:0", "--tare=25"],
+            &["25", "24"],
+        ),
+        (
+            &[
+                "replay",
+                "frames.csv",
+                "--patch=skin.dermatome",
+                "--listen=tcp:127.0.0.1:0",
+                "--record=new.mcap",
+            ],
+            &["--listen", "--record"],
+        ),
+        (&["learn", "skin.toml", "--presses=presses.csv", "--each"], &["--reference"]),
         (&["experiment", "dividers"], &["dividers"]),
         (&["completions"], &["<SHELL>"]),
         (&["completions", "tcsh"], &["tcsh", "fish"]),

@@ -59,6 +59,7 @@ mod mount;
 mod noise;
 mod outlets;
 mod outputs;
+mod playing;
 mod preserved;
 mod presses;
 mod progress;

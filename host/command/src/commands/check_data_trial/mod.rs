@@ -124,7 +124,7 @@ fn recorded(args: &Args, path: &Path) -> anyhow::Result<Vec<Set>> {
     let expected = Expected::of(&skin).with_context(|| format!("skin file `{}`", path.display()))?;
     let set = |file: &OsString| {
         let source = Source::new(file);
-        let frames = args.options.read(&source, &skin)?;
+        let frames = args.options.read(&source, &skin.steps(), skin.electrodes.count)?;
         let arrangement = args.options.arrangement();
         arrangement
             .index_map(&expected.steps, expected.electrodes(), frames.measurements)
