@@ -22,6 +22,9 @@ use shared::{
 };
 use std::{path::PathBuf, sync::Arc};
 
+// Python shows defaults only where they are numbers as such.
+const _: () = assert!(DEFAULT_TARE_FRAMES == 20 && DEFAULT_NOISE.snr_db == 60.0 && DEFAULT_NOISE.seed == 1);
+
 /// Opens a board: `/dev/ttyACM0`, `COM5`, `tcp:HOST:PORT`, `sim:SKIN.toml` or `replay:RUN.mcap`.
 ///
 /// A simulated board holds the skin's patch; while it streams a finger goes round on the skin. A replay plays a recording
@@ -40,7 +43,7 @@ pub(crate) fn open(py: Python<'_>, port: &str) -> PyResult<Board> {
 /// change of conductivity; `script` names a CSV file of moving ones (docs/cli.md); without either a finger goes round. A
 /// tare sees the untouched skin. `paced=False` gives frames as fast as they are solved and taken.
 #[pyfunction]
-#[pyo3(signature = (skin, presses=None, *, script=None, noise_db=DEFAULT_NOISE.snr_db, seed=DEFAULT_NOISE.seed, paced=true))]
+#[pyo3(signature = (skin, presses=None, *, script=None, noise_db=60.0, seed=1, paced=true))]
 pub(crate) fn simulate(
     py: Python<'_>,
     skin: SkinOrPath,
@@ -152,7 +155,7 @@ impl Board {
     }
 
     /// Makes the skin, as it is now, the reference, from so many frames: nothing may touch it.
-    #[pyo3(signature = (frames=DEFAULT_TARE_FRAMES))]
+    #[pyo3(signature = (frames=20))]
     fn tare(&self, py: Python<'_>, frames: u16) -> PyResult<()> {
         self.ask(py, move |link| {
             let patch = used(link)?;

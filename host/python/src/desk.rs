@@ -6,7 +6,7 @@
 
 use crate::{
     error::raised,
-    waiting::{POLL, receive},
+    waiting::{POLL, receive, receive_until},
 };
 use dermatome_link::{
     Link, LinkError, LinkErrorKind, ScanFrame, Subscription, frame_timeout, silence_timeout,
@@ -21,11 +21,13 @@ use std::{
         mpsc::{Receiver, Sender, TryRecvError, channel},
     },
     thread,
-    time::{Instant, SystemTime},
+    time::{Duration, Instant, SystemTime},
 };
 
 /// Most frames that wait for Python: five seconds of a fast board.
 const MOST_WAITING: usize = 2048;
+/// How long whoever closes a port waits for it: longer than a board takes to end its stream.
+const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// What is done with the link.
 enum Order {
@@ -98,11 +100,12 @@ impl Desk {
         Ok(queue)
     }
 
-    /// Closes the port.
+    /// Closes the port. A board that is still at something, whose answer nobody awaits, is left to it.
     pub(crate) fn close(&self, py: Python<'_>) -> PyResult<()> {
         let (sender, ended) = channel();
         if self.order(Order::Close(sender)).is_ok() {
-            receive(py, ended)?;
+            let asked = Instant::now();
+            receive_until(py, ended, || asked.elapsed() > CLOSE_TIMEOUT)?;
         }
         Ok(())
     }

@@ -45,11 +45,11 @@ pub(crate) struct Health {
     /// ohm: float32 [electrode]; empty where it is not measured.
     contact_impedance: Py<PyArray1<f32>>,
     /// Electrodes without contact, from 0.
-    open: Vec<u8>,
+    open: Vec<u16>,
     /// Electrodes connected to a neighbour, from 0.
-    shorted: Vec<u8>,
+    shorted: Vec<u16>,
     /// Electrodes that touch worse than when the reference was made, from 0.
-    worse: Vec<u8>,
+    worse: Vec<u16>,
     /// How much voltages with drive and sense exchanged differ, relative.
     reciprocity_error: Option<f32>,
     /// Of the chip, degrees Celsius.
@@ -140,7 +140,7 @@ impl Frame {
 impl Health {
     fn new(py: Python<'_>, report: &HealthReport) -> Self {
         let HealthReport { health, vitals, drift, .. } = report;
-        let electrodes = |set: ElectrodeSet| set.iter().collect();
+        let electrodes = |set: ElectrodeSet| set.iter().map(u16::from).collect();
         Self {
             contact_impedance: list(py, health.contact_impedance.to_vec()).unbind(),
             open: electrodes(health.open),

@@ -25,7 +25,6 @@ use num_complex::Complex64;
 use numpy::{PyArray1, PyArray2};
 use pyo3::{exceptions::PyValueError, prelude::*};
 use std::{
-    ffi::OsString,
     path::{Path, PathBuf},
     sync::{Arc, OnceLock},
 };
@@ -434,8 +433,8 @@ impl Pose {
 ///
 /// Reads .npy, .npz and .mat (`FILE.npz:KEY`), .csv, .txt, .get, Sciospec's .eit and folders of those.
 #[pyfunction]
-pub(crate) fn read_frames(py: Python<'_>, path: OsString) -> PyResult<Bound<'_, PyAny>> {
-    let read = compute(py, move || read::read(&Source::new(&path)))?;
+pub(crate) fn read_frames(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyAny>> {
+    let read = compute(py, move || read::read(&Source::new(path.as_os_str())))?;
     let Frames { values, measurements, complex, .. } = read.map_err(raised)?;
     if complex {
         return Ok(table(py, values, measurements)?.into_any());

@@ -12,7 +12,16 @@ use std::{
 pub(crate) const POLL: Duration = Duration::from_millis(50);
 
 /// Waits for what another thread sends; none if that has ended without it.
-pub(crate) fn receive<T: Send>(py: Python<'_>, mut from: Receiver<T>) -> PyResult<Option<T>> {
+pub(crate) fn receive<T: Send>(py: Python<'_>, from: Receiver<T>) -> PyResult<Option<T>> {
+    receive_until(py, from, || false)
+}
+
+/// The same, and none as well once `is_enough`.
+pub(crate) fn receive_until<T: Send>(
+    py: Python<'_>,
+    mut from: Receiver<T>,
+    is_enough: impl Fn() -> bool,
+) -> PyResult<Option<T>> {
     loop {
         let received;
         (from, received) = py.detach(move || {
@@ -21,8 +30,8 @@ pub(crate) fn receive<T: Send>(py: Python<'_>, mut from: Receiver<T>) -> PyResul
         });
         match received {
             Ok(received) => return Ok(Some(received)),
-            Err(RecvTimeoutError::Timeout) => py.check_signals()?,
-            Err(RecvTimeoutError::Disconnected) => return Ok(None),
+            Err(RecvTimeoutError::Timeout) if !is_enough() => py.check_signals()?,
+            Err(_) => return Ok(None),
         }
     }
 }

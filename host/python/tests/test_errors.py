@@ -105,7 +105,7 @@ def test_a_closed_board_says_so() -> None:
 def test_what_a_simulated_board_cannot_be() -> None:
     with pytest.raises(dermatome.Error, match="press field `radius` is -1"):
         dermatome.simulate(SQUARE, [(0, 0, -1, 1)])
-    with pytest.raises(ValueError, match="noise_db is -1.0; allowed: 0 to 200 dB"):
+    with pytest.raises(ValueError, match="noise_db is -1; allowed: 0 to 200 dB"):
         dermatome.simulate(SQUARE, noise_db=-1)
     with pytest.raises(ValueError, match="exclude each other"):
         dermatome.simulate(SQUARE, [], script="fingers.csv")

@@ -155,7 +155,7 @@ def test_difference_data_and_images_are_those_of_the_documentation(disc: dermato
     several = model.image(np.stack([reference, frame]), reference)
     assert np.array_equal(several[1], image) and not several[0].any()
     with pytest.raises(ValueError, match="frame has 104 steps, the skin 208"):
-        model.image(v, r)
+        model.image(v, reference)
 
 
 def test_frames_of_others_become_the_image_that_the_program_finds(disc: dermatome.Skin, tmp_path: Path) -> None:

@@ -9,6 +9,32 @@ import numpy as np
 import numpy.typing as npt
 from typing_extensions import Self, TypeAlias
 
+__all__ = [
+    "CONTACT",
+    "FRAME",
+    "NO_CODE",
+    "Arrays",
+    "Board",
+    "Drive",
+    "Error",
+    "Frame",
+    "Health",
+    "Info",
+    "Mesh",
+    "Model",
+    "Patch",
+    "Pose",
+    "Recording",
+    "RecordingIterator",
+    "Skin",
+    "Stream",
+    "__version__",
+    "open",
+    "pattern",
+    "read_frames",
+    "simulate",
+]
+
 _Path: TypeAlias = str | PathLike[str]
 _Floats: TypeAlias = npt.NDArray[np.float64]
 _Singles: TypeAlias = npt.NDArray[np.float32]
