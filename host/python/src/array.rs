@@ -2,9 +2,7 @@
 
 use faer::Mat;
 use num_complex::Complex64;
-use numpy::{
-    Element, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods, dtype,
-};
+use numpy::{Element, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods, dtype};
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
 
 /// Numbers in a row.
@@ -76,9 +74,12 @@ pub(crate) fn one_or_each<T: Element + Copy>(
     count: usize,
 ) -> PyResult<Vec<T>> {
     match array_of::<T>(any) {
-        Ok(array) if array.ndim() == 0 => {
-            Ok(array.readonly().as_array().iter().flat_map(|number| std::iter::repeat_n(*number, count)).collect())
-        }
+        Ok(array) if array.ndim() == 0 => Ok(array
+            .readonly()
+            .as_array()
+            .iter()
+            .flat_map(|number| std::iter::repeat_n(*number, count))
+            .collect()),
         _ => numbers(any, what),
     }
 }

@@ -72,7 +72,8 @@ pub(crate) fn simulate(
         let words = |error: &dyn std::fmt::Display| error.to_string();
         let has_presses = presses.is_some();
         let outline = skin.shape.from_above().map_err(|error| words(&error))?;
-        let presses = presses.iter().flatten().map(|&[x, y, radius, depth]| Press::finger([x, y], radius, depth));
+        let presses =
+            presses.iter().flatten().map(|&[x, y, radius, depth]| Press::finger([x, y], radius, depth));
         let script = match (script, presses.collect::<Vec<_>>()) {
             (Some(path), _) => Script::load(&path, &outline),
             (None, resting) if has_presses => Script::still(&resting, &outline),
@@ -195,10 +196,13 @@ impl Board {
             [images, contacts, measurements, health].map(|is_wanted| if is_wanted { every } else { 0 });
         let selection = Selection { images, contacts, measurements, health, ..Selection::default() };
         if !selection.any() {
-            return Err(PyValueError::new_err("a stream of nothing; allowed: one part at least, and every >= 1"));
+            return Err(PyValueError::new_err(
+                "a stream of nothing; allowed: one part at least, and every >= 1",
+            ));
         }
         let patch = self.ask(py, used)?;
-        let pose = skin.map(|skin| skin.load(py)?.pose_on(&patch.skin)).transpose()?;
+        let pixels = || self.ask(py, Link::surface);
+        let pose = skin.map(|skin| skin.load(py)?.pose_on(py, &patch.skin, pixels)).transpose()?;
         Ok(Stream { queue: self.desk.stream(selection, patch)?, pose, _desk: self.desk.clone() })
     }
 
@@ -422,7 +426,9 @@ impl Drive {
 fn component_of(word: &str) -> PyResult<Component> {
     let found = COMPONENTS.iter().find(|(name, _)| *name == word).map(|(_, component)| *component);
     found.ok_or_else(|| {
-        PyValueError::new_err(format!("component is {word:?}; allowed: \"real\", \"imaginary\" or \"magnitude\""))
+        PyValueError::new_err(format!(
+            "component is {word:?}; allowed: \"real\", \"imaginary\" or \"magnitude\""
+        ))
     })
 }
 

@@ -50,12 +50,15 @@ impl Mesh {
             _ => rows_of::<f64, 3>(nodes, "nodes")?.into_iter().map(Point3::from).collect(),
         };
         if let Some(node) = nodes.iter().position(|node| !node.iter().all(|value| value.is_finite())) {
-            return Err(PyValueError::new_err(format!("node {node} lies nowhere; allowed: finite numbers, in m")));
+            return Err(PyValueError::new_err(format!(
+                "node {node} lies nowhere; allowed: finite numbers, in m"
+            )));
         }
         let known = Known { nodes: nodes.len() };
         let elements = known.rows("elements", &rows_of::<i64, 3>(elements, "elements")?)?;
         let rim = boundary_edges(&elements);
-        let electrodes = electrodes.iter().map(|given| known.electrode(given, &rim)).collect::<PyResult<_>>()?;
+        let electrodes =
+            electrodes.iter().map(|given| known.electrode(given, &rim)).collect::<PyResult<_>>()?;
         Ok(Self { mesh: Arc::new(Triangles { nodes, elements, electrodes }) })
     }
 
@@ -108,9 +111,10 @@ impl Mesh {
     ) -> PyResult<Bound<'py, PyAny>> {
         let problem = self.problem(steps, conductivity, contact_impedance)?;
         let solved = compute(py, move || {
-            problem.solve(|problem, fields| fields.voltages(&problem.steps), |problem, fields| {
-                fields.voltages(&problem.steps)
-            })
+            problem.solve(
+                |problem, fields| fields.voltages(&problem.steps),
+                |problem, fields| fields.voltages(&problem.steps),
+            )
         })?;
         Ok(match solved.map_err(raised)? {
             Solved::Real(voltages) => list(py, voltages).into_any(),
@@ -251,14 +255,17 @@ impl Known {
             Some(_) => Err(PyValueError::new_err("an electrode has edges of 2 or triangles of 3 nodes")),
             None => {
                 let nodes = numbers::<i64>(given, "nodes of an electrode")?;
-                let nodes = nodes.into_iter().map(|node| self.node(WHAT, node)).collect::<PyResult<Vec<_>>>()?;
+                let nodes =
+                    nodes.into_iter().map(|node| self.node(WHAT, node)).collect::<PyResult<Vec<_>>>()?;
                 if let [node] = nodes[..] {
                     return Ok(ElectrodeContact::Node(node));
                 }
                 let is_under = |edge: &&[usize; 2]| edge.iter().all(|node| nodes.contains(node));
                 let edges: Vec<_> = rim.iter().filter(is_under).copied().collect();
                 if edges.is_empty() {
-                    return Err(PyValueError::new_err("no edge of the rim lies between the nodes of an electrode"));
+                    return Err(PyValueError::new_err(
+                        "no edge of the rim lies between the nodes of an electrode",
+                    ));
                 }
                 Ok(ElectrodeContact::Edges(edges))
             }

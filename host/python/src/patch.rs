@@ -53,7 +53,9 @@ impl Patch {
         let grid = self.header.grid?;
         let cell = |steps: i16, most: u8| usize::try_from((steps - 1) / 2).ok().filter(|&n| n < most.into());
         let pixels = self.surface.pixels.iter();
-        pixels.map(|pixel| Some([cell(-pixel.centre[1], grid.rows)?, cell(pixel.centre[0], grid.columns)?])).collect()
+        pixels
+            .map(|pixel| Some([cell(-pixel.centre[1], grid.rows)?, cell(pixel.centre[0], grid.columns)?]))
+            .collect()
     }
 }
 

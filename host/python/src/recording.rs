@@ -226,7 +226,8 @@ impl Arrays {
         let frames = frames_of(py, &columns)?.unbind();
         let contacts = if wanted.contacts { Some(contacts_of(py, &columns)?.unbind()) } else { None };
         let Columns { steps, pixels, in_phase, quadrature, images, .. } = columns;
-        let codes = |codes| if wanted.codes { table(py, codes, steps).map(|of| Some(of.unbind())) } else { Ok(None) };
+        let codes =
+            |codes| if wanted.codes { table(py, codes, steps).map(|of| Some(of.unbind())) } else { Ok(None) };
         Ok(Self {
             frames,
             measurements: codes(in_phase)?,

@@ -13,7 +13,7 @@ use dermatome_frames::{
     recorded::read::{self, Frames},
 };
 use dermatome_geometry::mesh::Lattice;
-use dermatome_link::pose;
+use dermatome_link::{pose, tables::SurfaceTables};
 use dermatome_model::{
     model::{self, Model as Built, ModelError, Solution},
     quantize,
@@ -25,6 +25,7 @@ use num_complex::Complex64;
 use numpy::{PyArray1, PyArray2};
 use pyo3::{exceptions::PyValueError, prelude::*};
 use std::{
+    fmt::Display,
     path::{Path, PathBuf},
     sync::{Arc, OnceLock},
 };
@@ -87,17 +88,22 @@ impl Loaded {
         patch.map_err(|error| of_skin_file(&self.path)(&error))
     }
 
-    /// Its pose, where it is the skin of a patch with this name.
-    pub(crate) fn pose_on(&self, of_patch: &str) -> PyResult<pose::Pose> {
-        let refuse = |words: String| Err(of_skin_file(&self.path)(&words));
-        if self.skin.name != of_patch {
-            let name = &self.skin.name;
-            return refuse(format!("`name` is {name:?}; allowed: {of_patch:?}, the skin of the patch"));
-        }
-        match &self.skin.pose {
-            Some(pose) => Ok(pose.clone()),
-            None => refuse("`pose` is missing; allowed: a table `[pose]` as `dermatome cut` writes it".to_owned()),
-        }
+    /// Its pose, where it is the skin of a patch with this name and these pixels.
+    pub(crate) fn pose_on(
+        self: &Arc<Self>,
+        py: Python<'_>,
+        of_patch: &str,
+        pixels: impl FnOnce() -> PyResult<SurfaceTables>,
+    ) -> PyResult<pose::Pose> {
+        let refuse = |words: &dyn Display| of_skin_file(&self.path)(words);
+        let Some(pose) = &self.skin.pose else {
+            return Err(refuse(&"`pose` is missing; allowed: a table `[pose]` as `dermatome cut` writes it"));
+        };
+        check_name(&self.skin, of_patch).map_err(|error| refuse(&error))?;
+        let (this, pixels) = (self.clone(), pixels()?);
+        let checked = compute(py, move || check_pixels(&this.skin, &pixels))?;
+        checked.map_err(|error| refuse(&error))?;
+        Ok(pose.clone())
     }
 }
 
@@ -373,7 +379,9 @@ impl Model {
         frames: &Bound<'py, PyAny>,
         reference: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.each_frame(frames, reference, |change, reference| self.built().difference_data(change, reference))
+        self.each_frame(frames, reference, |change, reference| {
+            self.built().difference_data(change, reference)
+        })
     }
 
     /// Images of voltages against a reference, both by steps in any one unit: relative conductivity change, [pixel], or
@@ -419,7 +427,11 @@ impl Pose {
     }
 
     /// Points of the skin's frame in the link's, m: float64 [point][x, y, z].
-    fn points<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn points<'py>(
+        &self,
+        py: Python<'py>,
+        points: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         rows(py, rows_of::<f64, 3>(points, "points")?.into_iter().map(|point| self.pose.point(point)))
     }
 

@@ -166,8 +166,14 @@ def test_contacts_are_in_the_frame_of_the_link_where_the_skin_lies(tmp_path_fact
         [there] = skin.pose.points([[0.01, 0.005, 0.0]])
         assert np.linalg.norm(contacts[0]["position"] - there) < 0.002
         assert contacts[0]["normal"] == pytest.approx([1, 0, 0], abs=1e-6)
-        with pytest.raises(dermatome.Error, match='`name` is "disc-210mm"; allowed: "square-50mm"'):
+        with pytest.raises(dermatome.Error, match="`pose` is missing"):
             board.stream(skin=DISC)
+        path.write_text(DISC.read_text() + POSE)
+        with pytest.raises(dermatome.Error, match='`name` is "disc-210mm"; allowed: "square-50mm"'):
+            board.stream(skin=path)
+        path.write_text(SQUARE.read_text().replace("columns = 28", "columns = 24") + POSE)
+        with pytest.raises(dermatome.Error, match="its pixels do not lie where those of the patch do"):
+            board.stream(skin=path)
 
 
 def test_a_finger_goes_round_and_other_threads_run_meanwhile() -> None:

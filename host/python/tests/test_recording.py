@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from conftest import Recorded, run
 from mcap.reader import SeekingReader
+from mcap.writer import CompressionType, Writer
 from mcap_ros2.decoder import DecoderFactory
 
 import dermatome
@@ -20,6 +22,53 @@ def messages(path: Path, topic: str) -> list[Any]:
     with path.open("rb") as file:
         reader = SeekingReader(file, decoder_factories=[DecoderFactory()])
         return [message for *_, message in reader.iter_decoded_messages(topics=[topic])]
+
+
+@pytest.fixture(scope="module")
+def long(recorded: Recorded, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The messages of a recording fifty times over."""
+    path = tmp_path_factory.mktemp("long") / "long.mcap"
+    with recorded.path.open("rb") as source, path.open("wb") as target:
+        reader = SeekingReader(source)
+        writer = Writer(target, chunk_size=512 * 1024, compression=CompressionType.LZ4)
+        writer.start("", "")
+        for metadata in reader.iter_metadata():
+            writer.add_metadata(metadata.name, metadata.metadata)
+        for item in reader.iter_attachments():
+            writer.add_attachment(item.create_time, item.log_time, item.name, item.media_type, item.data)
+        summary = reader.get_summary()
+        assert summary is not None
+        schemas = {
+            number: writer.register_schema(schema.name, schema.encoding, schema.data)
+            for number, schema in summary.schemas.items()
+        }
+        channels = {
+            number: writer.register_channel(channel.topic, channel.message_encoding, schemas[channel.schema_id])
+            for number, channel in summary.channels.items()
+        }
+        messages = [message for *_, message in reader.iter_messages()]
+        for message in messages * 50:
+            writer.add_message(
+                channels[message.channel_id], message.log_time, message.data, message.publish_time, message.sequence
+            )
+        writer.finish()
+    return path
+
+
+def test_more_than_20_000_frames_a_second_become_arrays(recorded: Recorded, long: Path) -> None:
+    """Of the processor's time, which does not depend on what else runs; benches/throughput.py measures by the clock."""
+    recording = dermatome.Recording(long)
+
+    def seconds() -> float:
+        begun = time.process_time()
+        recording.read()
+        return time.process_time() - begun
+
+    images = recording.images()
+    assert len(images) == 50 * len(dermatome.Recording(recorded.path).times()) == 6000
+    rate = len(images) / min(seconds() for _ in range(5))
+    print(f"{rate:,.0f} frames per second")
+    assert rate > 20_000
 
 
 def test_arrays_have_a_row_for_each_frame(recorded: Recorded) -> None:

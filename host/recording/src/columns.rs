@@ -38,9 +38,13 @@ impl Columns {
     /// For frames that were recorded with this patch; columns of parts that are not wanted stay empty.
     #[must_use]
     pub fn new(patch: &PatchView<'_>, wanted: Parts) -> Self {
+        Self::of(patch.header.steps.into(), patch.header.pixels.into(), wanted)
+    }
+
+    fn of(steps: usize, pixels: usize, wanted: Parts) -> Self {
         Self {
-            steps: patch.header.steps.into(),
-            pixels: patch.header.pixels.into(),
+            steps,
+            pixels,
             at: Vec::new(),
             log_times: Vec::new(),
             references: Vec::new(),
@@ -105,5 +109,54 @@ fn put_codes(column: &mut Vec<i32>, codes: Option<&Vec<AdcCode>>, steps: usize) 
     match codes {
         Some(codes) => column.extend(codes.iter().map(|code| code.0)),
         None => column.resize(column.len() + steps, NO_CODE),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dermatome_shared::protocol::PackedImage;
+
+    fn frame(sequence: u32, codes: Option<[&[i32]; 2]>, image: Option<i16>) -> Item {
+        let list = |codes: &[i32]| codes.iter().copied().map(AdcCode).collect();
+        Item::Frame(Box::new(RecordedFrame {
+            at: FrameStamp { sequence, timestamp_us: 20, flags: Default::default() },
+            log_time: 7,
+            codes: codes.map(|codes| codes.map(list)),
+            health: None,
+            image: image
+                .map(|mantissa| PackedImage { exponent: 3, mantissas: [mantissa].into_iter().collect() }),
+            contacts: None,
+        }))
+    }
+
+    #[test]
+    fn each_frame_has_a_row_and_what_it_does_not_hold_says_so() {
+        let mut columns = Columns::of(2, 1, Parts::ALL);
+        columns.take(&frame(1, Some([&[5, -6], &[]]), None)).unwrap();
+        columns.take(&Item::Reference(Default::default())).unwrap();
+        columns.take(&frame(2, None, Some(4))).unwrap();
+        columns.take(&frame(3, Some([&[7, 8], &[9, 10]]), Some(-4))).unwrap();
+        assert_eq!(columns.in_phase, [5, -6, NO_CODE, NO_CODE, 7, 8]);
+        assert_eq!(columns.quadrature, [NO_CODE, NO_CODE, NO_CODE, NO_CODE, 9, 10]);
+        assert!(columns.images[0].is_nan());
+        assert_eq!(columns.images[1..], [0.5, -0.5]);
+        assert_eq!(columns.references, [0, 1, 1]);
+        assert_eq!(columns.at.iter().map(|at| at.sequence).collect::<Vec<_>>(), [1, 2, 3]);
+    }
+
+    #[test]
+    fn columns_that_nobody_wants_stay_empty() {
+        let mut columns = Columns::of(2, 1, Parts::NONE);
+        columns.take(&frame(1, Some([&[5, -6], &[]]), Some(4))).unwrap();
+        assert_eq!((columns.at.len(), columns.in_phase.len(), columns.images.len()), (1, 0, 0));
+    }
+
+    #[test]
+    fn a_frame_that_the_patch_does_not_fit_is_refused_and_named() {
+        let mut columns = Columns::of(2, 1, Parts::ALL);
+        let problem = columns.take(&frame(9, Some([&[1, 2, 3], &[]]), None)).unwrap_err();
+        assert_eq!(problem.to_string(), "frame 9 holds 3 codes; its patch has 2");
+        assert!(columns.at.is_empty());
     }
 }
