@@ -85,7 +85,7 @@ impl Frame {
             received: came.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs_f64(),
             codes: frame.measurements.as_ref().map(|codes| [&codes.codes, &codes.quadrature]),
             image: frame.image.as_ref(),
-            contacts: frame.contacts.as_deref().map(|contacts| &contacts[..]),
+            contacts: frame.contacts.as_deref(),
             health: frame.health.as_ref(),
             pose,
         };

@@ -4,11 +4,13 @@
 //! for a board or computes for long does so without the interpreter's lock, and looks for Ctrl-C meanwhile ([`waiting`]).
 //! Types as Python's checkers see them stand in `package/dermatome/_native.pyi`; `./test` compares both.
 #![forbid(unsafe_code)]
+#![expect(clippy::needless_pass_by_value, reason = "PyO3 hands what Python gives over by value")]
 
 mod array;
 mod board;
 mod contact;
 mod desk;
+mod drive;
 mod error;
 mod frame;
 mod mesh;
@@ -23,7 +25,8 @@ use pyo3::prelude::*;
 mod _native {
     #[pymodule_export]
     use crate::{
-        board::{Board, Drive, Info, Stream, open, simulate},
+        board::{Board, Info, Stream, open, simulate},
+        drive::Drive,
         error::Error,
         frame::{Frame, Health},
         mesh::{Mesh, pattern},

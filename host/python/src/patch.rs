@@ -2,7 +2,7 @@
 
 use crate::{
     array::{list, numbers, rows, table},
-    board::Drive,
+    drive::Drive,
     error::raised,
 };
 use dermatome_patch::{
@@ -10,7 +10,10 @@ use dermatome_patch::{
     output::write_whole,
     tables::SurfaceTables,
 };
-use dermatome_shared::patch::{PatchError, PatchHeader, PatchView};
+use dermatome_shared::{
+    patch::{PatchError, PatchHeader, PatchView},
+    stimulation::Step,
+};
 use numpy::{PyArray1, PyArray2};
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyBytes};
 use std::path::{Path, PathBuf};
@@ -114,7 +117,7 @@ impl Patch {
     /// Stimulation table: uint8 [step][drive plus, drive minus, sense plus, sense minus], electrodes from 0.
     #[getter]
     fn steps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u8>>> {
-        rows(py, self.view()?.steps().map(|step| step.to_bytes()))
+        rows(py, self.view()?.steps().map(Step::to_bytes))
     }
 
     /// Centres of the pixels in the skin's frame, m: float64 [pixel][x, y, z].
