@@ -8,7 +8,6 @@
 
 mod array;
 mod board;
-mod contact;
 mod desk;
 mod drive;
 mod error;
@@ -35,7 +34,7 @@ mod _native {
         skin::{Model, Pose, Skin, read_frames},
     };
 
-    use crate::{contact::contact_type, recording::frame_type};
+    use crate::{frame::contact_type, recording::frame_type};
     use pyo3::prelude::*;
 
     #[pymodule_init]

@@ -3,9 +3,8 @@
 use crate::{
     array::{Records, list, record_type, table},
     board::source_in_words,
-    contact::{contacts, seconds},
     error::raised,
-    frame::Frame,
+    frame::{Frame, contacts, seconds},
     patch::Patch,
     skin::Skin,
 };

@@ -2,8 +2,9 @@
 
 from collections.abc import Iterator, Sequence
 from os import PathLike
+from pathlib import Path
 from types import TracebackType
-from typing import Any, Final, Literal, final
+from typing import Final, Literal, final
 
 import numpy as np
 import numpy.typing as npt
@@ -221,7 +222,7 @@ class Health:
 class Recording:
     def __new__(cls, path: _Path) -> Self: ...
     @property
-    def path(self) -> Any: ...
+    def path(self) -> Path: ...
     @property
     def patch(self) -> Patch: ...
     @property

@@ -1,9 +1,10 @@
 //! Frame: one scan of a skin, as Python sees it.
 
-use crate::{
-    array::list,
-    contact::{contacts, seconds},
-};
+mod contact;
+
+pub(crate) use contact::{contact_type, contacts, seconds};
+
+use crate::array::list;
 use dermatome_link::{ScanFrame, assemble::HealthReport, pose::Pose};
 use dermatome_recording::frames::RecordedFrame;
 use dermatome_shared::{
