@@ -19,12 +19,17 @@ EIDORS = ROOT / "host" / "tests" / "data" / "eidors"
 POSE = '\n[pose]\nlink = "wrist_3"\nposition = ["120 mm", -0.03, "0.5 m"]\norientation = [0.5, 0.5, 0.5, 0.5]\n'
 
 
-def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    """Runs the program `dermatome`."""
-    program = os.environ.get("DERMATOME")
-    if program is None:
+def program() -> str:
+    """The program `dermatome`."""
+    path = os.environ.get("DERMATOME")
+    if path is None:
         pytest.skip("not run: DERMATOME names no program")
-    return subprocess.run([program, *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True)
+    return path
+
+
+def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    """Runs the program."""
+    return subprocess.run([program(), *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True)
 
 
 @dataclass

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import itertools
+import subprocess
 import threading
 import time
 from typing import Any
 
 import numpy as np
 import pytest
-from conftest import DISC, POSE, SQUARE, Recorded
+from conftest import DISC, POSE, SQUARE, Recorded, program
 from numpy.typing import NDArray
 
 import dermatome
@@ -113,6 +114,27 @@ def test_a_patch_is_flashed(tmp_path_factory: pytest.TempPathFactory) -> None:
         board.flash(path)
         assert (board.info.skin, board.info.patch_crc) == ("square-50mm", patch.crc)
         board.flash(dermatome.Patch.load(path))
+
+
+def test_a_board_of_another_process_is_reached_by_tcp_and_says_when_it_has_gone(disc: dermatome.Skin) -> None:
+    arguments = ["simulate", str(DISC), "--listen", "tcp:127.0.0.1:0", "--press", "0.04,0.03,0.0126,1"]
+    with subprocess.Popen([program(), *arguments], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        port = process.stdout.readline().split()[-1]
+        with dermatome.open(port) as board:
+            assert board.info.skin is None
+            with pytest.raises(dermatome.Error, match=f"the board holds no patch.*{port}"):
+                board.tare()
+            board.flash(disc.build_patch())
+            board.tare()
+            stream = board.stream()
+            frames = list(itertools.islice(stream, 30))
+            contacts = frames[-1].contacts
+            assert contacts is not None and len(contacts) == 1
+            assert np.linalg.norm(contacts[0]["position"] - [0.04, 0.03, 0]) < 0.003
+            process.kill()
+            with pytest.raises(dermatome.Error, match=f"the link to `{port}` was cut"):
+                list(stream)
 
 
 def test_the_drive_is_changed_and_given_back() -> None:

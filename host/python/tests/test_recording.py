@@ -51,7 +51,7 @@ def long(recorded: Recorded, tmp_path_factory: pytest.TempPathFactory) -> Path:
             writer.add_message(
                 channels[message.channel_id], message.log_time, message.data, message.publish_time, message.sequence
             )
-        writer.finish()
+        writer.finish()  # type: ignore[no-untyped-call]
     return path
 
 
