@@ -31,7 +31,7 @@ const LESS_WITH_SOME: f64 = 0.002;
 const TIE: f64 = 0.004;
 const TIE_SHARE: f64 = 0.03;
 /// Lines are as straight as each other up to this factor.
-const LINE_TIE: f64 = 1.1;
+const LINE_TIE: f64 = 1.05;
 /// Electrodes that are tried against each other: those that fit worst.
 const SUSPECTS: usize = 20;
 /// Rows that are tried against each other.

@@ -41,6 +41,8 @@ const LEAST_EQUATIONS: usize = 3;
 /// Errors of the rest of the instrument: a share of a voltage, and of the middle one.
 const ERROR: f64 = 0.1;
 const FLOOR: f64 = 0.3;
+/// And of a pair's line, for whose slope the large voltages count.
+const FLOOR_OF_LINES: f64 = 2.0;
 /// Times the middle error from which on an equation counts less than half.
 const ROBUST: f64 = 2.0;
 const ROUNDS: usize = 20;
@@ -144,6 +146,7 @@ fn found_as_scanned(comparison: &Comparison<'_>, reading: &Reading) -> Vec<(Read
 pub(super) fn again(comparison: &Comparison<'_>, reading: &Reading) -> Option<Reading> {
     let (apart, kept) = (reading.channels.differ(), reading.channels.kept > 0.0);
     let equations = Equations::of(comparison, reading).filter(|_| apart || kept)?;
+    let kept = kept && equations.solve(apart, true)?.0.kept >= LEAST_KEPT;
     let (mut channels, _) = equations.solve(apart, kept)?;
     if apart {
         equations.straighten(&mut channels, reading.offset.re);
@@ -157,6 +160,8 @@ struct Equations {
     /// Sense pairs of the steps.
     pairs: Vec<[u8; 2]>,
     rows: Vec<Equation>,
+    /// What is added to scales where slopes are sought.
+    floor: f64,
 }
 
 struct Equation {
@@ -214,7 +219,12 @@ impl Equations {
             .collect();
         let is_real = reference.values.iter().all(|value| value.im == 0.0);
         let enough = rows.len() >= LEAST_EQUATIONS * (pairs.len() + 1);
-        (is_real && enough).then_some(Self { scan: reading.channels.scan, pairs, rows })
+        (is_real && enough).then_some(Self {
+            scan: reading.channels.scan,
+            pairs,
+            rows,
+            floor: ERROR * FLOOR_OF_LINES * middle,
+        })
     }
 
     /// Middle reciprocity error as a frame is read.
@@ -308,7 +318,7 @@ impl Equations {
         };
         let of_row = |row: &Equation| {
             let at = row.pairs.iter().position(|&it| it == pair)?;
-            Some((settled(row, 1 - at) * row.sign, settled(row, at), 1.0 / row.scale))
+            Some((settled(row, 1 - at) * row.sign, settled(row, at), 1.0 / (row.scale + self.floor)))
         };
         let points: Vec<(f64, f64, f64)> = self.rows.iter().filter_map(of_row).collect();
         let mut weights: Vec<f64> = points.iter().map(|point| point.2 * point.2).collect();

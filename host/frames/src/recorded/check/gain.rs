@@ -43,6 +43,15 @@ pub struct PairGain {
     pub ambiguous: bool,
 }
 
+impl PairGain {
+    /// Whether a step drives or senses the pair: of clipped values no gain may be told.
+    pub(super) fn is_of(&self, step: Step) -> bool {
+        let Step { drive_plus, drive_minus, sense_plus, sense_minus } = step;
+        let pairs = [[drive_plus, drive_minus], [sense_plus, sense_minus]];
+        pairs.iter().any(|&[a, b]| self.electrodes == [a, b] || self.electrodes == [b, a])
+    }
+}
+
 /// Logarithms of gains of one pair.
 type Gains = BTreeMap<[u8; 2], Vec<f64>>;
 

@@ -211,6 +211,10 @@ pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<
         bias: last.likeness.bias,
         findings: Vec::new(),
     };
+    if let Some(saturation) = &check.saturation {
+        let clipped: Vec<Step> = saturation.steps.iter().map(|&step| wired[step]).collect();
+        check.gains.retain(|gain| !clipped.iter().any(|step| gain.is_of(*step)));
+    }
     check.findings = findings::all(expected, &check);
     Ok(check)
 }

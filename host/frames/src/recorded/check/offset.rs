@@ -15,8 +15,8 @@ pub(super) const LEAVES: f64 = 0.85;
 pub(super) const LESS: f64 = 0.005;
 /// Shares of the fitted offset that are tried.
 const SHARES: [f64; 8] = [0.8, 0.9, 0.95, 0.98, 1.0, 1.05, 1.1, 1.2];
-/// And of one in values that it makes nearly alike.
-const CLOSE_SHARES: [f64; 7] = [0.94, 0.96, 0.98, 0.99, 1.0, 1.01, 1.02];
+/// By how many times the median magnitude without it a large offset is tried apart from the fitted one.
+const STEPS: [f64; 7] = [-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3];
 /// Share of the values that may turn their sign when an offset is taken out of values of one sign.
 const MOST_TURNED: f64 = 0.05;
 /// And of a large offset, beside which exchanged wires may turn some.
@@ -89,28 +89,28 @@ pub(super) fn found(comparison: &Comparison<'_>, reading: &Reading) -> Option<Re
         let is_nearer = line.is_large() && likeness.cost() < plain.cost();
         !is_bent && (is_nearer || is_less && (is_straighter || line.share > HALF))
     };
-    best(comparison, reading, &plain, &SHARES, MOST_TURNED, is_one)
+    best(comparison, reading, &plain, MOST_TURNED, is_one)
 }
 
 /// One that is so large that the frame tells no order as long as it is there.
 pub(super) fn large(comparison: &Comparison<'_>, reading: &Reading) -> Option<Reading> {
     let plain = comparison.of(reading).ok()?;
-    best(comparison, reading, &plain, &SHARES, MOST_TURNED_OF_LARGE, |line, _| line.is_large())
+    best(comparison, reading, &plain, MOST_TURNED_OF_LARGE, |line, _| line.is_large())
 }
 
 /// The same reading with the offset fitted anew, if it has one or its channels were found to differ.
 pub(super) fn again(comparison: &Comparison<'_>, reading: &Reading) -> Option<Reading> {
     let plain = comparison.of(reading).ok()?;
-    let better = best(comparison, reading, &plain, &CLOSE_SHARES, MOST_TURNED_OF_LARGE, |_, likeness| likeness.cost() < plain.cost());
+    let better = best(comparison, reading, &plain, MOST_TURNED_OF_LARGE, |_, likeness| likeness.cost() < plain.cost());
     better.filter(|_| reading.offset != Complex64::ZERO)
 }
 
 /// How straight a line of the model's voltages a frame is with an offset.
 #[derive(Clone, Copy)]
 pub(super) struct Line {
-    /// How far steps are from it on average, over what may be expected,
+    /// How far steps are from it on average, as a share of how far they are from none,
     pub(super) mean: f64,
-    /// and the middle one.
+    /// and the middle one, over what may be expected.
     left: f64,
     /// The same without an offset.
     without: f64,
@@ -159,6 +159,11 @@ fn models(comparison: &Comparison<'_>, reading: &Reading) -> [(Vec<f64>, bool); 
     [(model, has_signs), (magnitudes, false)]
 }
 
+/// Shares of the fitted offset that are tried, of an offset of this share.
+fn shares(of: f64) -> Vec<f64> {
+    if of > LARGE_OFFSET { STEPS.iter().map(|step| 1.0 + step / of).collect() } else { SHARES.to_vec() }
+}
+
 /// An offset's share of the median magnitude without it.
 fn share(values: &[Complex64], offset: Complex64) -> f64 {
     offset.norm() / median(values.iter().map(|y| (y - offset).norm()))
@@ -169,7 +174,6 @@ fn best(
     comparison: &Comparison<'_>,
     reading: &Reading,
     plain: &Likeness,
-    shares: &[f64],
     most_turned: f64,
     is_one: impl Fn(&Line, &Likeness) -> bool,
 ) -> Option<Reading> {
@@ -180,7 +184,8 @@ fn best(
     for (model, has_signs) in models(comparison, reading) {
         let lines = [false, true].map(|offset| linear(&values, &model, &plain.unknown, offset));
         let [Some(without), Some(with)] = lines else { continue };
-        for offset in shares.iter().map(|share| real_if_nearly(with.offset * share)) {
+        for factor in shares(share(&values, real_if_nearly(with.offset))) {
+            let offset = real_if_nearly(with.offset * factor);
             let share = share(&values, offset);
             // Counts of a converter that all lie on one side of zero go on doing so, mostly.
             let turned = values.iter().filter(|y| ((*y - offset).re > 0.0) != (y.re > 0.0)).count();
@@ -210,7 +215,7 @@ struct Fitted {
     offset: Complex64,
     /// How far the middle step is from it,
     middle: f64,
-    /// and all steps on average.
+    /// and all steps on average, as a share of how far they are from their middle.
     mean: f64,
 }
 
@@ -221,6 +226,8 @@ fn linear(values: &[Complex64], model: &[f64], unknown: &[f64], offset: bool) ->
     let weight = |(m, d): (&f64, &f64)| 1.0 / (d * d + (MODEL_ERROR * m).powi(2)).max(f64::MIN_POSITIVE);
     let first: Vec<f64> = model.iter().zip(unknown).map(weight).collect();
     let mut weights = first.clone();
+    let middle_value =
+        Complex64::new(median(values.iter().map(|y| y.re)), median(values.iter().map(|y| y.im)));
     let mut found = None;
     for _ in 0..ROUNDS {
         let (mut s, mut sm, mut smm) = (0.0, 0.0, 0.0);
@@ -241,7 +248,9 @@ fn linear(values: &[Complex64], model: &[f64], unknown: &[f64], offset: bool) ->
         let steps = values.iter().zip(model).zip(&first);
         let left: Vec<f64> = steps.map(|((y, m), w)| (y - g * m - c).norm() * w.sqrt()).collect();
         let middle = median(left.iter().copied());
-        let mean = left.iter().sum::<f64>() / left.len() as f64;
+        let apart = |y: &Complex64| if offset { (y - middle_value).norm() } else { y.norm() };
+        let spread: f64 = values.iter().zip(&first).map(|(y, w)| apart(y) * w.sqrt()).sum();
+        let mean = left.iter().sum::<f64>() / spread.max(f64::MIN_POSITIVE);
         found = Some(Fitted { offset: c, middle, mean });
         if middle == 0.0 {
             break;
