@@ -104,6 +104,9 @@ fn refined(comparison: &Comparison<'_>, explained: Explained) -> Explained {
 }
 
 fn instrument_again(comparison: &Comparison<'_>, reading: Reading) -> Reading {
+    if reading.channels == Channels::default() {
+        return reading;
+    }
     let reading = channels::again(comparison, &reading).unwrap_or(reading);
     offset::again(comparison, &reading).unwrap_or(reading)
 }
@@ -115,6 +118,17 @@ fn best(comparison: &Comparison<'_>, last: &Explained) -> Option<Explained> {
         let likeness = comparison.of(&reading).ok()?;
         return Some(Explained { reading, likeness });
     }
+    // Values that begin one late hold all of the one before: channels are for what nothing else explains.
+    let (of_channels, others): (Vec<_>, Vec<_>) =
+        candidates.into_iter().partition(|it| matches!(it.shows, Shows::Reciprocity(_)));
+    least_of(comparison, last, others).or_else(|| least_of(comparison, last, of_channels))
+}
+
+fn least_of(
+    comparison: &Comparison<'_>,
+    last: &Explained,
+    candidates: Vec<Candidate>,
+) -> Option<Explained> {
     let good: Vec<_> = candidates
         .into_par_iter()
         .filter_map(|candidate| good(comparison, last, candidate))
@@ -142,12 +156,12 @@ fn hidden_by_offset(
         .into_par_iter()
         .filter_map(|(reading, rank)| Some((reading, rank, offset::line(comparison, reading)?)))
         .collect();
-    let holds_offset = lines.first().is_some_and(|(_, rank, line)| *rank == 0 && line.is_large());
+    let holds_offset = lines.first().is_some_and(|(_, rank, line)| *rank == 0 && line.hides());
     let least = lines.iter().map(|(_, _, line)| line.mean).min_by(f64::total_cmp)?;
     let as_good = lines.into_iter().filter(|(_, _, line)| line.mean <= LINE_TIE * least);
     let (reading, _, line) =
         as_good.min_by(|a, b| a.1.cmp(&b.1).then(a.2.mean.total_cmp(&b.2.mean)))?;
-    if line.is_large() {
+    if line.hides() {
         offset::large(comparison, reading)
     } else {
         // Differences of potentials do not hold it.
@@ -161,7 +175,7 @@ fn may_hold_offset(reading: &Reading) -> bool {
 
 fn good(comparison: &Comparison<'_>, last: &Explained, candidate: Candidate) -> Option<Good> {
     let Candidate { mut reading, rank, shows } = candidate;
-    if matches!(shows, Shows::Scatter | Shows::Part) && reading.channels != Channels::default() {
+    if matches!(shows, Shows::Scatter | Shows::Part) {
         reading = instrument_again(comparison, reading);
     }
     let likeness = comparison.of(&reading).ok()?;

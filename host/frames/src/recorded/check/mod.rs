@@ -185,6 +185,8 @@ pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<
     let wired: Vec<Step> = expected.steps.iter().map(|&step| last.reading.wiring.step(step)).collect();
     let electrodes = electrodes::check(expected, &readings);
     let slopes = &last.reading.channels.gains;
+    let channels = Some(last.reading.channels.clone()).filter(|it| it.are_worth_a_word(&last.likeness));
+    let channels = channels.unwrap_or_default();
     let mut check = Check {
         frames: frames.frames,
         measurements: frames.measurements,
@@ -204,8 +206,8 @@ pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<
         plain_correlation: causes[0].likeness.correlation(),
         misplaced: last.reading.misplaced.clone(),
         offset: Offset::of(&causes),
-        channel_offsets: last.reading.channels.offsets(last.reading.offset.re),
-        kept_percent: 100.0 * last.reading.channels.kept,
+        channel_offsets: channels.offsets(last.reading.offset.re),
+        kept_percent: 100.0 * channels.kept,
         gains: gains_of_sound(&electrodes, last, gain::find(expected, &wired, &readings, slopes)),
         scatter: last.likeness.scatter,
         bias: last.likeness.bias,

@@ -15,7 +15,7 @@ pub(super) const LEAVES: f64 = 0.85;
 pub(super) const LESS: f64 = 0.005;
 /// Shares of the fitted offset that are tried.
 const SHARES: [f64; 8] = [0.8, 0.9, 0.95, 0.98, 1.0, 1.05, 1.1, 1.2];
-/// By how many times the median magnitude without it a large offset is tried apart from the fitted one.
+/// By how many times the median magnitude without it an offset that hides it is tried apart from the fitted one.
 const STEPS: [f64; 7] = [-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3];
 /// Share of the values that may turn their sign when an offset is taken out of values of one sign.
 const MOST_TURNED: f64 = 0.05;
@@ -28,6 +28,8 @@ const STRAIGHTER: f64 = 0.9;
 /// Shares of the median magnitude without it up to which an offset is small, and from which on it hides the logarithms.
 const HALF: f64 = 0.5;
 const LARGE_OFFSET: f64 = 1.5;
+/// And from which on it hides the order.
+const HIDING: f64 = 5.0;
 /// By how much an offset may lower the correlation.
 const MOST_BENT: f64 = 0.06;
 /// Error of the model that a fit of the offset expects, share of a voltage.
@@ -95,7 +97,7 @@ pub(super) fn found(comparison: &Comparison<'_>, reading: &Reading) -> Option<Re
 /// One that is so large that the frame tells no order as long as it is there.
 pub(super) fn large(comparison: &Comparison<'_>, reading: &Reading) -> Option<Reading> {
     let plain = comparison.of(reading).ok()?;
-    best(comparison, reading, &plain, MOST_TURNED_OF_LARGE, |line, _| line.is_large())
+    best(comparison, reading, &plain, MOST_TURNED_OF_LARGE, |line, _| line.hides())
 }
 
 /// The same reading with the offset fitted anew, if it has one or its channels were found to differ.
@@ -120,8 +122,13 @@ pub(super) struct Line {
 
 impl Line {
     /// Whether the offset is so large that logarithms say little.
-    pub(super) fn is_large(&self) -> bool {
+    fn is_large(&self) -> bool {
         self.share > LARGE_OFFSET && self.left < MUCH_NEARER * self.without
+    }
+
+    /// Whether it is so large that the frame tells no order as long as it is there.
+    pub(super) fn hides(&self) -> bool {
+        self.share > HIDING && self.is_large()
     }
 }
 
@@ -161,7 +168,7 @@ fn models(comparison: &Comparison<'_>, reading: &Reading) -> [(Vec<f64>, bool); 
 
 /// Shares of the fitted offset that are tried, of an offset of this share.
 fn shares(of: f64) -> Vec<f64> {
-    if of > LARGE_OFFSET { STEPS.iter().map(|step| 1.0 + step / of).collect() } else { SHARES.to_vec() }
+    if of > HIDING { STEPS.iter().map(|step| 1.0 + step / of).collect() } else { SHARES.to_vec() }
 }
 
 /// An offset's share of the median magnitude without it.
