@@ -218,7 +218,8 @@ fn signal(expected: &Expected, frames: &Frames, spoilt: &mut Vec<Spoilt>) {
         return;
     }
     let places = places(expected, frames);
-    let of_frame = |frame: &[Complex64]| places.iter().fold(0.0, |most: f64, &place| most.max(frame[place].re.abs()));
+    let of_frame =
+        |frame: &[Complex64]| places.iter().fold(0.0, |most: f64, &place| most.max(frame[place].re.abs()));
     let largest = frames.iter().map(of_frame).fold(0.0, f64::max);
     let limit = 0.8 * largest;
     let mut clipped = frames.clone();

@@ -9,7 +9,6 @@ use super::{JsonReport, frame_options::FrameOptions, noise::seed, progress};
 use anyhow::{Context, ensure};
 use bodies::bodies;
 use corrupt::corruptions;
-use instrument::Instrument;
 use dermatome_frames::recorded::{
     check::{
         Check, Expected, check,
@@ -19,6 +18,7 @@ use dermatome_frames::recorded::{
     read::{Frames, Source},
 };
 use dermatome_model::skin::Skin;
+use instrument::Instrument;
 use judge::Wrong;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
@@ -153,8 +153,7 @@ fn tried(set: &Set, seed: u64, known: &[About], bar: &indicatif::ProgressBar) ->
     let known: Vec<_> =
         good.findings.iter().filter(|it| it.level == Level::Fault).map(|it| it.about).collect();
     let instrument = Instrument::of(&good, &set.frames);
-    let spoilt =
-        corruptions(&set.expected, &set.frames, set.arrangement, instrument.as_ref(), &mut random);
+    let spoilt = corruptions(&set.expected, &set.frames, set.arrangement, instrument.as_ref(), &mut random);
     bar.inc_length(spoilt.len() as u64);
     let try_one = |(kind, wrong, frames): &(&'static str, Wrong, Frames)| {
         let check = check(&set.expected, frames, set.arrangement)?;

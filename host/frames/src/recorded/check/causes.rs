@@ -124,15 +124,9 @@ fn best(comparison: &Comparison<'_>, last: &Explained) -> Option<Explained> {
     least_of(comparison, last, others).or_else(|| least_of(comparison, last, of_channels))
 }
 
-fn least_of(
-    comparison: &Comparison<'_>,
-    last: &Explained,
-    candidates: Vec<Candidate>,
-) -> Option<Explained> {
-    let good: Vec<_> = candidates
-        .into_par_iter()
-        .filter_map(|candidate| good(comparison, last, candidate))
-        .collect();
+fn least_of(comparison: &Comparison<'_>, last: &Explained, candidates: Vec<Candidate>) -> Option<Explained> {
+    let good: Vec<_> =
+        candidates.into_par_iter().filter_map(|candidate| good(comparison, last, candidate)).collect();
     let least = good.iter().map(|it| it.leaves).min_by(f64::total_cmp)?;
     let as_good = good.into_iter().filter(|it| ties(it.leaves * it.of, least * it.of));
     let simplest = as_good.min_by(|a, b| a.rank.cmp(&b.rank).then(a.leaves.total_cmp(&b.leaves)));
@@ -159,8 +153,7 @@ fn hidden_by_offset(
     let holds_offset = lines.first().is_some_and(|(_, rank, line)| *rank == 0 && line.hides());
     let least = lines.iter().map(|(_, _, line)| line.mean).min_by(f64::total_cmp)?;
     let as_good = lines.into_iter().filter(|(_, _, line)| line.mean <= LINE_TIE * least);
-    let (reading, _, line) =
-        as_good.min_by(|a, b| a.1.cmp(&b.1).then(a.2.mean.total_cmp(&b.2.mean)))?;
+    let (reading, _, line) = as_good.min_by(|a, b| a.1.cmp(&b.1).then(a.2.mean.total_cmp(&b.2.mean)))?;
     if line.hides() {
         offset::large(comparison, reading)
     } else {

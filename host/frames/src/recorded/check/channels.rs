@@ -98,7 +98,8 @@ impl Channels {
 
     /// The offsets with what they have in common.
     pub(super) fn offsets(&self, common: f64) -> Vec<ChannelOffset> {
-        let offset = |(&electrodes, apart): (&[u8; 2], &f64)| ChannelOffset { electrodes, value: common + apart };
+        let offset =
+            |(&electrodes, apart): (&[u8; 2], &f64)| ChannelOffset { electrodes, value: common + apart };
         self.apart.iter().map(offset).collect()
     }
 
@@ -131,12 +132,15 @@ pub(super) fn found(comparison: &Comparison<'_>, reading: &Reading) -> Vec<(Read
 fn found_as_scanned(comparison: &Comparison<'_>, reading: &Reading) -> Vec<(Reading, f64)> {
     let Some(equations) = Equations::of(comparison, reading) else { return Vec::new() };
     let now = equations.error(reading);
-    let fit = |apart: bool, kept: bool| equations.solve(apart, kept).map(|(channels, error)| (channels, error / now));
+    let fit = |apart: bool, kept: bool| {
+        equations.solve(apart, kept).map(|(channels, error)| (channels, error / now))
+    };
     let (has_apart, keeps) = (reading.channels.differ(), reading.channels.kept > 0.0);
     let apart = fit(true, keeps).filter(|_| !has_apart);
     let kept = fit(has_apart, true).filter(|_| !keeps);
     let alone = [&apart, &kept].into_iter().flatten().map(|(_, leaves)| *leaves).fold(1.0, f64::min);
-    let both = fit(true, true).filter(|(_, leaves)| !has_apart && !keeps && *leaves < LEAVES_OF_BOTH.min(LEAVES * alone));
+    let both = fit(true, true)
+        .filter(|(_, leaves)| !has_apart && !keeps && *leaves < LEAVES_OF_BOTH.min(LEAVES * alone));
     let alone = [apart, kept].into_iter().flatten().filter(|(_, leaves)| *leaves < LEAVES);
     let with = |(channels, leaves)| (Reading { channels, ..reading.clone() }, leaves);
     alone.chain(both).map(with).collect()
@@ -274,7 +278,8 @@ impl Equations {
             weights = left.map(|left| 1.0 / (1.0 + (left / scale).powi(2)));
         }
         let share = if kept { found[offsets] } else { 0.0 };
-        if !(share.is_finite() && found.iter().all(|it| it.is_finite()) && (0.0..MOST_KEPT).contains(&share)) {
+        if !(share.is_finite() && found.iter().all(|it| it.is_finite()) && (0.0..MOST_KEPT).contains(&share))
+        {
             return None;
         }
         let all = found.rows(0, offsets).map(|offset| offset / (1.0 - share));
@@ -341,7 +346,8 @@ impl Equations {
             found = Some((slope, y - slope * x));
             let left = |point: &(f64, f64, f64)| (point.1 - y - slope * (point.0 - x)).abs() * point.2;
             let scale = (ROBUST * median(points.iter().map(left))).max(f64::MIN_POSITIVE);
-            weights = points.iter().map(|it| (it.2 / (1.0 + (left(it) / scale).powi(2)).sqrt()).powi(2)).collect();
+            weights =
+                points.iter().map(|it| (it.2 / (1.0 + (left(it) / scale).powi(2)).sqrt()).powi(2)).collect();
         }
         found
     }

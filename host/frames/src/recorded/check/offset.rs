@@ -103,7 +103,8 @@ pub(super) fn large(comparison: &Comparison<'_>, reading: &Reading) -> Option<Re
 /// The same reading with the offset fitted anew, if it has one or its channels were found to differ.
 pub(super) fn again(comparison: &Comparison<'_>, reading: &Reading) -> Option<Reading> {
     let plain = comparison.of(reading).ok()?;
-    let better = best(comparison, reading, &plain, MOST_TURNED_OF_LARGE, |_, likeness| likeness.cost() < plain.cost());
+    let better =
+        best(comparison, reading, &plain, MOST_TURNED_OF_LARGE, |_, likeness| likeness.cost() < plain.cost());
     better.filter(|_| reading.offset != Complex64::ZERO)
 }
 
@@ -139,7 +140,12 @@ pub(super) fn line(comparison: &Comparison<'_>, reading: &Reading) -> Option<Lin
     let of_model = |model: &Vec<f64>| {
         let without = linear(&values, model, &plain.unknown, false)?;
         if reading.potentials.is_some() {
-            return Some(Line { left: without.middle, mean: without.mean, without: without.middle, share: 0.0 });
+            return Some(Line {
+                left: without.middle,
+                mean: without.mean,
+                without: without.middle,
+                share: 0.0,
+            });
         }
         let with = linear(&values, model, &plain.unknown, true)?;
         let share = share(&values, real_if_nearly(with.offset));

@@ -91,11 +91,8 @@ fn good_frames_of_a_body_that_the_model_knows_only_roughly_blame_no_channel() {
         let (body, model) = bodies(seed);
         let mut random = Pcg64::seed_from_u64(seed);
         let gains: Vec<f64> = (0..16).map(|_| 1.0 + random.random_range(-0.03..0.03)).collect();
-        let clean: Vec<f64> = body
-            .steps
-            .iter()
-            .map(|&step| body.voltage(step) * gains[usize::from(step.sense_plus)])
-            .collect();
+        let clean: Vec<f64> =
+            body.steps.iter().map(|&step| body.voltage(step) * gains[usize::from(step.sense_plus)]).collect();
         let none = Adds { common: 0.0, apart: 0.0, kept: 0.0 };
         let found = check(&model, &recorded(&body, &clean, none, seed).0, PLAIN).unwrap();
         assert_eq!(faults(&found), [], "{seed}: {:#?}", found.findings);
