@@ -1,6 +1,5 @@
 //! Placed skin: the pixels of a board's patch in the frame of the link that it lies on.
 
-use crate::contact::square_distance;
 use dermatome_link::{pose::Pose, tables::SurfaceTables};
 
 /// A skin's pixels on its link.
@@ -42,4 +41,8 @@ impl PlacedSkin {
     pub(crate) fn neighbours(&self, pixel: usize) -> impl Iterator<Item = usize> + '_ {
         self.neighbours[pixel].iter().map(|&pixel| usize::from(pixel))
     }
+}
+
+pub(crate) fn square_distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum()
 }

@@ -16,14 +16,12 @@ pub mod program;
 pub mod scope;
 mod subscription;
 pub mod trim;
-mod untouched;
 pub mod words;
 
 pub use assemble::{ScanFrame, Totals};
 pub use dermatome_patch::{pose, tables};
 pub use dermatome_shared as shared;
 pub use error::{Damage, LinkError, LinkErrorKind};
-pub use link::{Link, REPLY_TIMEOUT, Transport, UploadError, open, tare, tare_timeout, upload};
+pub use link::{Link, REPLY_TIMEOUT, Transport, Untouched, UploadError, open, tare, tare_timeout, upload};
 pub use port::{Port, PortError};
 pub use subscription::{Subscription, frame_timeout, silence_timeout};
-pub use untouched::Untouched;

@@ -11,11 +11,13 @@ mod sequence;
 mod sound;
 mod tare;
 mod transport;
+mod untouched;
 mod upload;
 mod wire;
 
 pub use tare::{tare, tare_timeout};
 pub use transport::Transport;
+pub use untouched::Untouched;
 pub use upload::{UploadError, upload};
 pub use wire::REPLY_TIMEOUT;
 

@@ -4,10 +4,8 @@
 //! made one by itself, but this computer has kept the reference from before. Only firm presses are told: a board that has started anew may measure
 //! with other gains, which are right to a per cent.
 
-use crate::{
-    error::{LinkError, LinkErrorKind},
-    link::Link,
-};
+use super::Link;
+use crate::error::{LinkError, LinkErrorKind};
 use dermatome_shared::{
     patch::CombinedInto,
     protocol::{Info, Reply, Request, Selection},
