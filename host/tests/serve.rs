@@ -141,17 +141,19 @@ fn contacts_come_on_their_links_and_one_bad_board_stops_no_other() {
     assert_eq!(state("unreadable")["phase"], "ended");
     let frames: Vec<&Value> = lines.iter().filter(|line| line["contacts"].is_array()).collect();
     assert!(frames.iter().all(|line| line["patch"] == "palm" && line["link"] == "palm"), "{}", done.out);
-    let touched = frames.iter().filter(|line| !line["contacts"].as_array().unwrap().is_empty());
-    let contact = &touched.last().unwrap()["contacts"][0];
+    let mut touched = frames.iter().filter(|line| !line["contacts"].as_array().unwrap().is_empty());
+    let contact = &touched.next_back().unwrap()["contacts"][0];
     // The skin's height on its link.
     assert!((contact["position_m"][2].as_f64().unwrap() - 0.04).abs() < 1e-6, "{contact}");
     assert!(!contact["pixels"].as_array().unwrap().is_empty(), "{contact}");
     let report = desk.report("report.json");
     assert_eq!(report["patches"][0]["frames"], frames.len() as u64, "{report:#}");
     assert_eq!(report["patches"][0]["frames_missing"], 0, "{report:#}");
-    let times = frames.iter().map(|line| line["time_s"].as_f64().unwrap());
+    let mut times = frames.iter().map(|line| line["time_s"].as_f64().unwrap());
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_secs_f64();
-    assert!(times.clone().is_sorted() && times.last().is_some_and(|time| (now - 60.0..now).contains(&time)));
+    assert!(
+        times.clone().is_sorted() && times.next_back().is_some_and(|time| (now - 60.0..now).contains(&time))
+    );
 }
 
 #[cfg(target_os = "linux")]

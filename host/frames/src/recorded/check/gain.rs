@@ -104,7 +104,7 @@ pub(super) fn find(
 /// Pairs whose slope stands out, with its logarithm against the others'.
 pub(super) fn outstanding_slopes(slopes: &BTreeMap<[u8; 2], f64>) -> Vec<([u8; 2], f64)> {
     let slopes = slopes.iter().map(|(pair, slope)| (*pair, *slope)).collect();
-    outstanding_middles(slopes, LEAST.ln(), OUTSTANDING, |_, _| true)
+    outstanding_middles(&slopes, LEAST.ln(), OUTSTANDING, |_, _| true)
 }
 
 /// Median gain of a pair, whichever way round it is.
@@ -166,7 +166,7 @@ fn outstanding(gains: &Gains, least: f64, deviations: f64) -> Vec<([u8; 2], f64)
     let enough = gains.iter().filter(|(_, gains)| gains.len() >= LEAST_STEPS);
     let middles: Vec<_> = enough.map(|(pair, gains)| (*pair, median(gains.iter().copied()))).collect();
     let middle = median(middles.iter().map(|(_, gain)| *gain));
-    outstanding_middles(middles, least, deviations, |pair, gain| {
+    outstanding_middles(&middles, least, deviations, |pair, gain| {
         let gains = &gains[pair];
         let alike = gains.iter().filter(|it| (*it - middle) * gain > 0.0).count();
         alike as f64 >= MOSTLY * gains.len() as f64
@@ -174,7 +174,7 @@ fn outstanding(gains: &Gains, least: f64, deviations: f64) -> Vec<([u8; 2], f64)
 }
 
 fn outstanding_middles(
-    middles: Vec<([u8; 2], f64)>,
+    middles: &[([u8; 2], f64)],
     least: f64,
     deviations: f64,
     is_throughout: impl Fn(&[u8; 2], f64) -> bool,

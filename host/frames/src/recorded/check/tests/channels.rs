@@ -20,7 +20,7 @@ fn bodies(seed: u64) -> (Expected, Expected) {
 /// Frames of voltages `[step]` as such an instrument records them, and the offsets of its channels.
 fn recorded(body: &Expected, clean: &[f64], adds: Adds, seed: u64) -> (Frames, Vec<f64>) {
     let mut random = Pcg64::seed_from_u64(seed);
-    let size = crate::recorded::statistics::median(clean.iter().map(|value| value.abs()));
+    let size = median(clean.iter().map(|value| value.abs()));
     let offsets: Vec<f64> = (0..16)
         .map(|_| {
             let normal: f64 = (0..12).map(|_| random.random_range(-0.5..0.5)).sum();
@@ -77,7 +77,7 @@ fn offsets_of_channels_and_what_is_kept_of_the_value_before_are_measured() {
                 values.iter().map(|value| value - mean).collect::<Vec<_>>()
             };
             let told: Vec<f64> = found.channel_offsets.iter().map(|it| it.value).collect();
-            let size = crate::recorded::statistics::median(voltages(&body).into_iter().map(f64::abs));
+            let size = median(voltages(&body).into_iter().map(f64::abs));
             for (told, offset) in spread(&told).iter().zip(spread(&offsets)) {
                 assert!((told - offset).abs() < 0.05 * size, "{case}, {seed}: {told} instead of {offset}");
             }
