@@ -103,7 +103,7 @@ pub(super) fn find(
 
 /// Pairs whose slope stands out, with its logarithm against the others'.
 pub(super) fn outstanding_slopes(slopes: &BTreeMap<[u8; 2], f64>) -> Vec<([u8; 2], f64)> {
-    let slopes = slopes.iter().map(|(pair, slope)| (*pair, *slope)).collect();
+    let slopes: Vec<_> = slopes.iter().map(|(pair, slope)| (*pair, *slope)).collect();
     outstanding_middles(&slopes, LEAST.ln(), OUTSTANDING, |_, _| true)
 }
 
