@@ -1,6 +1,6 @@
-//! Messages of package `dermatome_msgs`; what fields mean stands in `msg/*.msg`.
+//! Messages of package `dermatome_msgs`; what fields mean stands in `dermatome_msgs/msg/*.msg`.
 
-use crate::standard::{Header, Point};
+use crate::standard::{Header, Point, Wrench};
 use dermatome_shared::drive::{Component, Drive, Gain};
 use serde::{Deserialize, Serialize};
 
@@ -83,6 +83,40 @@ pub struct ContactArray {
     pub stamp: Stamp,
     /// Strongest first.
     pub contacts: Vec<Contact>,
+}
+
+/// dermatome_msgs/msg/SkinContact
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SkinContact {
+    /// As the board gives it, in the link's frame.
+    pub contact: Contact,
+    /// m
+    pub geometric_centre: Point,
+    /// Whether the next field means anything.
+    pub has_wrench: bool,
+    /// What it does to the link, about its centre of pressure.
+    pub wrench: Wrench,
+    /// Of the image.
+    pub pixels: Vec<u16>,
+}
+
+/// dermatome_msgs/msg/SkinContactArray
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SkinContactArray {
+    /// When the scan ended, and the link.
+    pub header: Header,
+    /// The skin's name on its robot.
+    pub patch: String,
+    /// Running number of the frame since the board started.
+    pub sequence: u32,
+    /// When the scan ended, us of the board's clock.
+    pub device_time_us: u64,
+    /// Bits of [`dermatome_shared::frame::FrameFlags`].
+    pub flags: u16,
+    /// Whether nothing is known to be wrong.
+    pub valid: bool,
+    /// Strongest first.
+    pub contacts: Vec<SkinContact>,
 }
 
 /// dermatome_msgs/msg/Health
