@@ -4,7 +4,7 @@
 //! resultant on a curved skin, its moment and which pixels are active, follows from the image of the same frame: each
 //! pixel takes its share by its conductivity change times its area, along its own normal.
 
-use crate::placed::PlacedSkin;
+use crate::placed::{PlacedSkin, square_distance};
 use dermatome_shared::{
     contact::{Contact, Contacts},
     protocol::PackedImage,
@@ -127,7 +127,7 @@ fn spread_over(skin: &PlacedSkin, contact: Contact, pixels: Vec<u16>, image: &[f
     SkinContact { wrench: contact.force().map(pushed), geometric_centre, pixels, contact }
 }
 
-pub(crate) fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|axis| a[axis] + b[axis])
 }
 
@@ -137,8 +137,4 @@ fn scale(a: [f64; 3], by: f64) -> [f64; 3] {
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-pub(crate) fn square_distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum()
 }

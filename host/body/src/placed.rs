@@ -1,14 +1,14 @@
 //! Placed skin: the pixels of a board's patch in the frame of the link that it lies on.
 
-use crate::contact::square_distance;
 use dermatome_link::{pose::Pose, tables::SurfaceTables};
 
 /// A skin's pixels on its link.
 #[derive(Clone, Debug)]
 pub struct PlacedSkin {
-    pub(crate) pose: Pose,
+    /// Where it lies on its link.
+    pub pose: Pose,
     /// m: `[pixel]`.
-    pub(crate) centres: Vec<[f64; 3]>,
+    pub centres: Vec<[f64; 3]>,
     /// Outward, unit length: `[pixel]`.
     pub(crate) normals: Vec<[f64; 3]>,
     /// m^2: `[pixel]`.
@@ -42,4 +42,8 @@ impl PlacedSkin {
     pub(crate) fn neighbours(&self, pixel: usize) -> impl Iterator<Item = usize> + '_ {
         self.neighbours[pixel].iter().map(|&pixel| usize::from(pixel))
     }
+}
+
+pub(crate) fn square_distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum()
 }
