@@ -337,3 +337,35 @@ pub struct Status {
     /// Frames in it.
     pub recorded_frames: u64,
 }
+
+/// dermatome_msgs/srv/Drive_Request
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DriveRequest {
+    /// Hz, or NaN.
+    pub frequency: f32,
+    /// A, or NaN.
+    pub amplitude: f32,
+    /// 1/s, or NaN.
+    pub frame_rate: f32,
+    /// 0: automatic; 255: as it is.
+    pub gain: u8,
+}
+
+impl DriveRequest {
+    /// What asks for no change.
+    pub const AS_IT_IS: Self =
+        Self { frequency: f32::NAN, amplitude: f32::NAN, frame_rate: f32::NAN, gain: u8::MAX };
+
+    /// This drive with the changes that are asked for.
+    #[must_use]
+    pub fn of(&self, drive: &Drive) -> Drive {
+        let or = |wanted: f32, before: f32| if wanted.is_nan() { before } else { wanted };
+        Drive {
+            frequency: or(self.frequency, drive.frequency),
+            amplitude: or(self.amplitude, drive.amplitude),
+            frame_rate: or(self.frame_rate, drive.frame_rate),
+            gain: if self.gain == u8::MAX { drive.gain } else { gain_of_number(self.gain) },
+            ..*drive
+        }
+    }
+}

@@ -1,6 +1,8 @@
 //! `dermatome serve`: all boards of a robot at once.
 
 mod lines;
+#[cfg_attr(not(feature = "ros"), path = "without_ros.rs")]
+mod ros;
 mod table;
 
 use super::{contact_lines::is_read, interrupt, lines::Lines};
@@ -14,6 +16,7 @@ use dermatome_body::{
 use dermatome_link::tables::SurfaceTables;
 use dermatome_shared::protocol::Selection;
 use dermatome_view::terminal::Screen;
+use ros::Ros;
 use serde::Serialize;
 use std::{
     collections::HashMap,
@@ -30,6 +33,8 @@ use std::{
 const MOST_WAITING: usize = 4096;
 /// Longest wait without looking for Ctrl-C.
 const LOOK: Duration = Duration::from_millis(20);
+/// Of so many frames one tells the board's health, where diagnostics tell it.
+const HEALTH_EVERY: u16 = 25;
 /// How often the table is drawn.
 const DRAWN: Duration = Duration::from_millis(500);
 
@@ -45,6 +50,7 @@ const DRAWN: Duration = Duration::from_millis(500);
   dermatome serve robot.toml
   dermatome serve robot.toml | python3 controller.py
   dermatome serve robot.toml --duration 60 --json report.json > contacts.jsonl
+  ROS_DOMAIN_ID=7 dermatome serve robot.toml --ros
 
 The body file (docs/robot.md) names the skins:
   name = \"arm\"
@@ -64,6 +70,12 @@ pub(super) struct Args {
     /// Make new references first, once nothing presses; else only boards without one get one.
     #[arg(long)]
     tare: bool,
+    /// Be a node of ROS 2 too (docs/ros.md), in a program built with `--features ros`.
+    #[arg(long)]
+    ros: bool,
+    /// Domain of ROS 2: 0 to 232, instead of what ROS_DOMAIN_ID says.
+    #[arg(long, value_name = "N", requires = "ros", value_parser = clap::value_parser!(u16).range(0..=232))]
+    domain: Option<u16>,
     #[command(flatten)]
     json: super::JsonReport,
 }
@@ -98,6 +110,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let file = BodyFile::load(&args.body)?;
     let surfaces = surfaces(&file.patches)?;
+    let ros = args.ros.then(|| Ros::start(&file, args.domain)).transpose()?;
     let (sender, told) = sync_channel(MOST_WAITING);
     let dropped = Arc::<AtomicU64>::default();
     let keepers = file.patches.iter().enumerate().map(|(index, patch)| {
@@ -111,9 +124,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     if args.tare {
         keepers.iter().for_each(Keeper::tare);
     }
-    let mut served = Served::new(&file)?;
+    let mut served = Served::new(&file, ros)?;
     let begun = Instant::now();
-    let ended = served.serve(&told, || {
+    let ended = served.serve(&told, &keepers, || {
         interrupt::requested() || args.duration.is_some_and(|duration| begun.elapsed() >= duration)
     });
     let seconds = begun.elapsed().as_secs_f64();
@@ -137,7 +150,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 
 fn selection(args: &Args) -> Selection {
     let images = u16::from(!args.no_images);
-    Selection { images, contacts: 1, ..Selection::default() }
+    let health = if args.ros { HEALTH_EVERY } else { 0 };
+    Selection { images, contacts: 1, health, ..Selection::default() }
 }
 
 /// Where the pixels of each skin file lie.
@@ -187,18 +201,24 @@ struct Served<'a> {
     lines: Option<Lines>,
     screen: Screen,
     drawn: Instant,
+    ros: Option<Ros>,
 }
 
 impl<'a> Served<'a> {
-    fn new(file: &'a BodyFile) -> anyhow::Result<Self> {
+    fn new(file: &'a BodyFile, ros: Option<Ros>) -> anyhow::Result<Self> {
         let screen = Screen::default();
         let lines = if screen.is_visible() { None } else { Some(Lines::start(lines::dropped)?) };
         let drawn = Instant::now();
-        Ok(Self { file, body: Body::new(&file.patches), lines, screen, drawn })
+        Ok(Self { file, body: Body::new(&file.patches), lines, screen, drawn, ros })
     }
 
     /// Takes what keepers tell until it is to stop, or nobody reads any more.
-    fn serve(&mut self, told: &Receiver<(usize, Told)>, is_over: impl Fn() -> bool) -> anyhow::Result<()> {
+    fn serve(
+        &mut self,
+        told: &Receiver<(usize, Told)>,
+        keepers: &[Keeper],
+        is_over: impl Fn() -> bool,
+    ) -> anyhow::Result<()> {
         while !is_over() {
             let update = match told.recv_timeout(LOOK) {
                 Ok(update) => Some(update),
@@ -209,6 +229,9 @@ impl<'a> Served<'a> {
                 && !self.take(update)?
             {
                 return Ok(());
+            }
+            if let Some(ros) = &mut self.ros {
+                ros.attend(&self.body, keepers);
             }
             if self.lines.is_none() && self.drawn.elapsed() >= DRAWN {
                 self.drawn = Instant::now();
@@ -225,7 +248,11 @@ impl<'a> Served<'a> {
             _ => None,
         };
         let before = self.body.senses()[index].state.clone();
+        let news = self.ros.as_ref().map(|ros| ros.news(&told));
         let has_frame = self.body.take((index, told)).is_some();
+        if let (Some(ros), Some(news)) = (&mut self.ros, news) {
+            ros.tell(&self.body, index, &news);
+        }
         let sense = &self.body.senses()[index];
         let Some(lines) = &mut self.lines else {
             return Ok(true);
@@ -242,6 +269,9 @@ impl<'a> Served<'a> {
     }
 
     fn end(&mut self) -> anyhow::Result<()> {
+        if let Some(ros) = &mut self.ros {
+            ros.end(&self.body);
+        }
         if let Some(lines) = &mut self.lines {
             is_read(lines.end())?;
         }
