@@ -5,6 +5,7 @@
 //! only a part of it depends on that crate instead: `dermatome-link` talks to a board without a finite-element model.
 #![forbid(unsafe_code)]
 
+pub use dermatome_body as body;
 pub use dermatome_experiments::{evaluate, experiment, presses, scenes, trust};
 pub use dermatome_frames::{array, calibrate, interchange, learn, recorded};
 pub use dermatome_geometry::{cut, embedding, mesh, outline, sheet};
@@ -22,4 +23,5 @@ pub use dermatome_recording as recording;
 pub use dermatome_shared as shared;
 pub use dermatome_simulate as simulate;
 pub use dermatome_simulate::material;
+pub use dermatome_urdf as urdf;
 pub use dermatome_view as view;

@@ -42,8 +42,10 @@ fn help_of_the_program_and_of_every_command() {
         assert!(help.contains("Examples:"), "{command}");
         filtered(|| assert_snapshot!(format!("help_{command}"), help));
     }
-    let trust = desk.run(&["experiment", "trust", "--help"]).success().out;
-    filtered(|| assert_snapshot!("help_experiment-trust", trust));
+    for [command, inner] in [["experiment", "trust"], ["urdf", "add"], ["urdf", "check"], ["mjcf", "add"]] {
+        let help = desk.run(&[command, inner, "--help"]).success().out;
+        filtered(|| assert_snapshot!(format!("help_{command}-{inner}"), help));
+    }
 }
 
 #[test]

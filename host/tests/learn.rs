@@ -13,7 +13,10 @@ use dermatome::{
         responses::Responses,
     },
     model::Model,
-    recorded::{order::Arrangement, read::Frames},
+    recorded::{
+        order::Arrangement,
+        read::{Frames, Source, read},
+    },
     simulate::{Press, TrueSkin},
     skin::Skin,
 };
@@ -171,17 +174,18 @@ fn spots_are_found_where_the_press_is_also_near_the_edge() {
     }
 }
 
-#[test]
-fn an_archive_of_presses_is_read_as_it_was_written() {
-    let written = recording(&true_tiny(), 12, 10);
-    let desk = Desk::empty();
+/// The archive `presses.npz`.
+fn write_archive(desk: &Desk, recording: &Recording) {
+    let Recording { pressed, unpressed, positions, forces } = recording;
     let mut archive = npyz::npz::NpzWriter::new(File::create(desk.path("presses.npz")).unwrap());
     let real = |frames: &Frames| frames.values.iter().map(|value| value.re).collect::<Vec<_>>();
+    let shape = |frames: &Frames| vec![frames.frames as u64, frames.measurements as u64];
+    let count = pressed.frames as u64;
     let arrays = [
-        ("v_pressed", vec![12, 40], real(&written.pressed)),
-        ("v_unpressed", vec![40], real(&written.unpressed)),
-        ("positions_m", vec![12, 2], written.positions.from_above().concat()),
-        ("force_n", vec![12], written.forces.clone().unwrap()),
+        ("v_pressed", shape(pressed), real(pressed)),
+        ("v_unpressed", shape(unpressed), real(unpressed)),
+        ("positions_m", vec![count, 2], positions.from_above().concat()),
+        ("force_n", vec![count], forces.clone().unwrap()),
     ];
     for (name, shape, values) in arrays {
         let array = archive.array(name, Default::default()).unwrap().default_dtype().shape(&shape);
@@ -189,7 +193,13 @@ fn an_archive_of_presses_is_read_as_it_was_written() {
         array.extend(values).unwrap();
         array.finish().unwrap();
     }
-    drop(archive);
+}
+
+#[test]
+fn an_archive_of_presses_is_read_as_it_was_written() {
+    let written = recording(&true_tiny(), 12, 10);
+    let desk = Desk::empty();
+    write_archive(&desk, &written);
     let path = desk.path("presses.npz");
     assert_eq!(Recording::read(&path, None, 0.0, &tiny().0).unwrap(), written);
     let shifted = Recording::read(&path, None, 0.5, &tiny().0).unwrap();
@@ -277,6 +287,94 @@ fn what_learn_prints_and_reports() {
     desk.run(&["inspect", "tiny.dermatome"]).success();
 }
 
+/// Presses whose baseline is another one each time: every measurement by another share of 5 %.
+fn drifting(count: usize) -> Recording {
+    let mut recording = recording(&true_tiny(), count, 9);
+    let steps = recording.pressed.measurements;
+    recording.unpressed = recording.unpressed.for_each_of(count);
+    let mut random = Pcg64Mcg::seed_from_u64(10);
+    for (pressed, unpressed) in recording.pressed.values.iter_mut().zip(&mut recording.unpressed.values) {
+        let unit: f64 = StandardNormal.sample(&mut random);
+        *pressed *= 1.0 + 0.05 * unit;
+        *unpressed *= 1.0 + 0.05 * unit;
+    }
+    assert_eq!(recording.unpressed.values.len(), count * steps);
+    recording
+}
+
+fn table(frames: &Frames) -> String {
+    let text = |frame: &[Complex64]| row(&frame.iter().map(|value| value.re).collect::<Vec<_>>());
+    frames.iter().map(text).collect()
+}
+
+#[test]
+fn presses_of_a_table_are_learnt_from_each_against_its_own_reference() {
+    let desk = Desk::empty();
+    desk.write("skin.toml", TINY);
+    let recording = drifting(80);
+    write_tables(&desk, &recording);
+    desk.write("before.csv", table(&recording.unpressed));
+    let learn = |more: &[&str]| {
+        let command = ["learn", "skin.toml", "--presses", "presses.csv", "--json", "learn.json"];
+        desk.run(&[&command[..], more].concat()).success();
+        let report = desk.report("learn.json");
+        ["test", "validation"].map(|part| report[part]["median_mm"].as_f64().unwrap())
+    };
+    let own = learn(&["--reference", "before.csv", "--each"]);
+    let patch = desk.read("tiny.dermatome");
+    let one = learn(&["--reference", "before.csv", "--force"]);
+    println!("median errors of test and cross-validation: own references {own:.2?}, one {one:.2?} mm");
+    assert!(own[0] < 3.0 && own[1] < 3.0, "{own:?}");
+    assert!(one[0] > 2.5 * own[0] && one[1] > 2.5 * own[1], "{one:?} {own:?}");
+    // An archive that holds them teaches the same.
+    let before = read(&Source { path: desk.path("before.csv"), key: None }).unwrap();
+    let as_table = Recording::read(&desk.path("presses.csv"), Some(before), 0.0, &tiny().0).unwrap();
+    write_archive(&desk, &as_table);
+    desk.run(&["learn", "skin.toml", "--presses", "presses.npz", "-o", "archive.dermatome"]).success();
+    assert!(desk.read("archive.dermatome") == patch, "an archive's own references");
+}
+
+#[test]
+fn what_learn_records_is_its_presses_through_the_learnt_patch() {
+    let desk = Desk::empty();
+    desk.write("skin.toml", TINY);
+    let recording = drifting(40);
+    write_tables(&desk, &recording);
+    desk.write("before.csv", table(&recording.unpressed));
+    desk.write("pressed.csv", table(&recording.pressed));
+    let learn = ["learn", "skin.toml", "--presses", "presses.csv", "--reference", "before.csv", "--each"];
+    let done = desk.run(&[&learn[..], &["--record", "presses.mcap"]].concat()).success();
+    assert!(done.err.contains("recorded 80 frames to presses.mcap"), "{}", done.err);
+    let replayed = desk.run(&["replay", "presses.mcap", "--json", "replay.json"]).success();
+    assert!(replayed.err.contains("bit for bit: 40 images, contacts of 40 frames"), "{}", replayed.err);
+    let contacts = |out: &str| -> Vec<String> {
+        // Frames are numbered anew, and come at another time.
+        out.lines().map(|line| line.split('\t').skip(2).take(7).collect::<Vec<_>>().join(" ")).collect()
+    };
+    let of_others =
+        ["replay", "pressed.csv", "--patch", "tiny.dermatome", "--reference", "before.csv", "--each"];
+    let direct = contacts(&desk.run(&of_others).success().out);
+    assert!(direct.len() >= 38, "{}", direct.len());
+    assert_eq!(contacts(&replayed.out), direct);
+    let session = dermatome::recording::read::Recording::open(&desk.path("presses.mcap")).unwrap();
+    let session = session.session();
+    assert_eq!(session.patch, desk.read("tiny.dermatome"));
+    assert_eq!((session.skin_file.as_deref(), session.port.as_str()), (Some(TINY), "presses.csv"));
+    // With one reference for all, each press comes after that.
+    desk.write("one.csv", table(&recording.unpressed.averaged()));
+    let one =
+        ["learn", "skin.toml", "--presses", "presses.csv", "--reference", "one.csv", "-o", "one.dermatome"];
+    let done = desk.run(&[&one[..], &["--record", "one.mcap"]].concat()).success();
+    assert!(done.err.contains("recorded 80 frames to one.mcap"), "{}", done.err);
+    assert!(desk.run(&["replay", "one.mcap"]).success().err.contains("bit for bit"));
+    // The page takes it as a board's.
+    let mut view =
+        desk.start(&["view", "--port", "replay:presses.mcap", "--no-browser", "--listen", "127.0.0.1:0"]);
+    assert!(view.line().contains("http://127.0.0.1:"));
+    let streamed = desk.run(&["stream", "--port", "replay:presses.mcap", "--frames", "40"]).success();
+    assert_eq!(contacts(&streamed.out), direct);
+}
+
 #[test]
 fn wrong_presses_are_refused_with_press_value_and_what_is_allowed() {
     let desk = Desk::empty();
@@ -315,6 +413,10 @@ fn wrong_presses_are_refused_with_press_value_and_what_is_allowed() {
     .to_vec();
     commands.push(learn("presses.csv", &[]));
     commands.push(learn("presses.csv", &["--reference", "idle.csv", "--test", "0.9"]));
+    commands.push(learn("presses.csv", &["--reference", "idle.csv", "--each"]));
+    commands.push(learn("presses.csv", &["--each"]));
+    commands.push(learn("presses.csv", &["--reference", "idle.csv", "--record", "skin.toml"]));
+    commands.push(learn("presses.csv", &["--reference", "idle.csv", "--record", "none/presses.mcap"]));
     let commands: Vec<&[&str]> = commands.iter().map(Vec::as_slice).collect();
     assert_snapshot!("errors_learn", transcript(&desk, &commands));
     assert!(!desk.files().contains(&"tiny.dermatome".to_owned()));

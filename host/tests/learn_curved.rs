@@ -19,6 +19,7 @@ use dermatome::{
         read::Frames,
         replay::{Replay, Times, Untouched},
     },
+    recording::play::Player,
     simulate::Noise,
     skin::Skin,
 };
@@ -122,7 +123,9 @@ impl<'a> Odd<'a> {
         let untouched = Untouched::Apart(&self.untouched);
         let replay =
             Replay::new(patch, &held, untouched, &Arrangement::default(), &Times::Rate(50.0)).unwrap();
-        replay.last().unwrap().unwrap().1
+        let steps: Vec<_> = patch.steps().collect();
+        let mut player = Player::new(patch, &steps).unwrap();
+        replay.filter_map(|item| player.take(&item.unwrap()).unwrap()).last().unwrap().contacts
     }
 
     /// Errors of the strongest contacts of the judged presses, and the share of these that are not one contact.

@@ -167,7 +167,10 @@ fn what_is_no_recording_is_refused_in_words() {
         (vec!["replay", "text.mcap"], "no recording"),
         (vec!["replay", "none.mcap"], "no recording"),
         (vec!["replay", "start.mcap"], "before the patch"),
-        (vec!["replay", "text.mcap", "--listen", "tcp:127.0.0.1:0", "--patch", "skin.dermatome"], "is none"),
+        (
+            vec!["replay", "text.mcap", "--listen", "tcp:127.0.0.1:0", "--patch", "skin.dermatome"],
+            "must end in",
+        ),
         (vec!["stream", "--port", "replay:none.mcap"], "none.mcap"),
         (vec!["stream", "--port", "replay:text.mcap"], "no MCAP file"),
         (vec!["replay", "run.mcap", "--patch", "skin.toml"], "skin.toml"),

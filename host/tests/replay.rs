@@ -7,8 +7,9 @@ use dermatome::{
     simulate::{Press, TrueSkin},
     skin::Skin,
 };
+use dermatome_shared::stimulation::Step;
 use insta::{Settings, assert_snapshot};
-use program::{Desk, TINY, row, shape, tiny_voltages, transcript};
+use program::{Desk, Running, TINY, row, shape, tiny_voltages, transcript};
 use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
@@ -182,6 +183,186 @@ fn presses_learnt_from_are_replayed_each_against_its_own_reference() {
         println!("{each:?}: {} contacts of 60 presses, median error {:.2} mm", found.len(), errors[30]);
         assert!((58..=62).contains(&found.len()) && errors[30] < 2.5, "{} {:.2}", found.len(), errors[30]);
     }
+}
+
+/// Contacts without number and time of their frames, which a board counts for itself.
+fn places(out: &str) -> Vec<String> {
+    out.lines().map(|line| line.split('\t').skip(2).take(7).collect::<Vec<_>>().join(" ")).collect()
+}
+
+/// A patch that finds contacts in the image, presses that drift, and their references.
+fn drifting(desk: &Desk) {
+    let text = TINY.replace("[contact]", "[contact]\nfound_in = \"image\"");
+    desk.write("skin.toml", text);
+    desk.run(&["build", "skin.toml", "-o", "skin.dermatome"]).success();
+    let mut bench = Bench::new(4);
+    let (mut pressed, mut before) = (String::new(), String::new());
+    for press in 0..12 {
+        let angle = f64::from(press) * 0.5;
+        let place = [0.025 * angle.cos(), 0.025 * angle.sin()];
+        let drift = |text: &str| {
+            let value = |(m, cell): (usize, &str)| {
+                cell.parse::<f64>().unwrap() * (1.0 + 0.1 * (f64::from(press) * 7.0 + m as f64).sin())
+            };
+            row(&text.trim().split(',').enumerate().map(value).collect::<Vec<_>>())
+        };
+        pressed += &drift(&bench.frames(&[Press::finger(place, 0.01, 1.0)], 1));
+        before += &drift(&bench.frames(&[], 1));
+    }
+    desk.write("pressed.csv", pressed);
+    desk.write("before.csv", before);
+}
+
+#[test]
+fn what_a_replay_of_others_frames_records_is_replayed_bit_for_bit() {
+    let desk = Desk::with_patch();
+    recorded(&desk);
+    desk.write("idle.csv", Bench::new(5).frames(&[], 30));
+    let replay =
+        ["replay", "run.csv", "--patch", "skin.dermatome", "--rate", "20", "--record", "run.mcap", "--force"];
+    for more in [&[][..], &["--reference", "idle.csv"]] {
+        let done = desk.run(&[&replay[..], more].concat()).success();
+        assert!(done.err.contains("frames to run.mcap"), "{}", done.err);
+        let again = desk.run(&["replay", "run.mcap", "--json", "again.json"]).success();
+        assert!(again.err.contains("bit for bit"), "{}", again.err);
+        assert_eq!(places(&again.out), places(&done.out));
+        assert!(done.out.lines().count() >= 10, "{}", done.out);
+        let report = desk.report("again.json");
+        let frames = if more.is_empty() { 20 } else { 40 };
+        assert_eq!(
+            (&report["same"]["images_compared"], &report["frames_before_reference"]),
+            (&frames.into(), &0.into())
+        );
+        assert_eq!((&report["recorded_at"], &report["is_whole"]), (&"run.csv".into(), &true.into()));
+        if more.is_empty() {
+            assert_eq!(again.out, done.out, "numbers and times are those of the file");
+        }
+    }
+}
+
+#[test]
+fn presses_each_with_its_reference_are_recorded_and_replayed_bit_for_bit() {
+    let desk = Desk::empty();
+    drifting(&desk);
+    let replay = [
+        "replay",
+        "pressed.csv",
+        "--patch",
+        "skin.dermatome",
+        "--reference",
+        "before.csv",
+        "--each",
+        "--record",
+        "run.mcap",
+    ];
+    let done = desk.run(&replay).success();
+    assert!(done.out.lines().count() >= 12, "{}", done.out);
+    let again = desk.run(&["replay", "run.mcap", "--json", "again.json"]).success();
+    assert!(again.err.contains("bit for bit"), "{}", again.err);
+    assert_eq!(places(&again.out), places(&done.out));
+    assert_eq!(desk.report("again.json")["same"]["images_compared"], 12);
+}
+
+#[test]
+fn a_recording_of_others_frames_on_a_link_holds_its_pose() {
+    let desk = Desk::empty();
+    desk.write("skin.toml", format!("{TINY}{POSE}"));
+    desk.run(&["build", "skin.toml", "-o", "skin.dermatome"]).success();
+    recorded(&desk);
+    for skin in [&["--patch", "skin.dermatome", "--skin", "skin.toml"][..], &["--skin", "skin.toml"]] {
+        let replay =
+            [&["replay", "run.csv", "--rate", "50", "--record", "run.mcap", "--force"][..], skin].concat();
+        let done = desk.run(&replay).success();
+        assert!(done.out.lines().next().unwrap().contains("\"link\":\"palm\""), "{}", done.out);
+        let again = desk.run(&["replay", "run.mcap", "--skin", "skin.toml"]).success();
+        assert!(again.err.contains("bit for bit"), "{}", again.err);
+        assert_eq!(again.out, done.out);
+    }
+}
+
+#[test]
+fn a_board_that_plays_others_frames_sends_what_replay_prints() {
+    let desk = Desk::with_patch();
+    recorded(&desk);
+    let plain = ["replay", "run.csv", "--patch", "skin.dermatome", "--rate", "200"];
+    let replayed = places(&desk.run(&plain).success().out);
+    assert!(replayed.len() >= 10);
+    let (_board, port) = playing(&desk, &plain);
+    let done = desk.run(&["stream", "--port", &port, "--frames", "20"]).success();
+    assert_eq!(places(&done.out), replayed);
+    // Behind its end it begins anew, and other commands work on it as well.
+    desk.run(&["stream", "--port", &port, "--frames", "60"]).success();
+    desk.run(&["tare", "--port", &port]).success();
+    let devices = desk.run(&["devices", "--port", &port]).success();
+    assert!(devices.out.contains("replay") && devices.out.contains("200"), "{}", devices.out);
+    // Nobody knows the stack of a board that there is not.
+    let check = desk.run(&["check", "--port", &port]);
+    assert!(check.out.contains("free stack") && !check.out.contains("never used"), "{check:?}");
+}
+
+#[test]
+fn a_board_that_plays_presses_compares_each_with_its_own_reference() {
+    let desk = Desk::empty();
+    drifting(&desk);
+    let each = ["replay", "pressed.csv", "--skin", "skin.toml", "--reference", "before.csv", "--each"];
+    let replayed = places(&desk.run(&each).success().out);
+    assert!(replayed.len() >= 12);
+    let (_board, port) = playing(&desk, &[&each[..], &["--rate", "100"]].concat());
+    let done = desk.run(&["stream", "--port", &port, "--frames", "12"]).success();
+    assert_eq!(places(&done.out), replayed);
+}
+
+/// The full square of electrode potentials that make these differences, a drive after the other.
+fn potentials(differences: &[f64], steps: &[Step]) -> Vec<f64> {
+    let mut square = vec![0.0; 64];
+    for drive in 0..8 {
+        let of_pair = |plus: usize| {
+            let is_it = |step: &Step| {
+                usize::from(step.drive_minus) == drive && usize::from(step.sense_plus) == plus % 8
+            };
+            steps.iter().position(is_it).map(|step| differences[step])
+        };
+        // Pairs that touch driven electrodes are not measured; the others follow one another round the skin.
+        let first = (0..8).find(|&plus| of_pair(plus).is_some() && of_pair(plus + 7).is_none()).unwrap();
+        let mut potential = 1.0;
+        for plus in first..first + 8 {
+            square[drive * 8 + plus % 8] = potential;
+            potential -= of_pair(plus).unwrap_or(0.0);
+        }
+    }
+    square
+}
+
+#[test]
+fn potentials_of_electrodes_are_replayed_as_their_differences() {
+    let desk = Desk::with_patch();
+    recorded(&desk);
+    let steps = Bench::new(1).skin.steps();
+    let of_line = |line: &str| {
+        let differences: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let square = potentials(&differences, &steps);
+        square.iter().map(|value| format!("{value:.15e}")).collect::<Vec<_>>().join(",") + "\n"
+    };
+    let text = String::from_utf8(desk.read("run.csv")).unwrap();
+    desk.write("potentials.csv", text.lines().map(of_line).collect::<String>());
+    let replay = |file: &str, more: &[&str]| {
+        let command = ["replay", file, "--patch", "skin.dermatome", "--rate", "50"];
+        contacts(&desk.run(&[&command[..], more].concat()).success().out)
+    };
+    let (differences, potentials) = (replay("run.csv", &[]), replay("potentials.csv", &["--single-ended"]));
+    assert!(differences.len() >= 10);
+    assert_eq!(potentials.len(), differences.len());
+    for (a, b) in potentials.iter().zip(&differences) {
+        assert!((0..4).all(|field| (a[field] - b[field]).abs() < 2e-3), "{a:?} {b:?}");
+    }
+}
+
+/// A board that plays what a replay would print, and its port.
+fn playing(desk: &Desk, replay: &[&str]) -> (Running, String) {
+    let mut board = desk.start(&[replay, &["--listen", "tcp:127.0.0.1:0"]].concat());
+    let line = board.line();
+    let port = line.trim().rsplit(' ').next().unwrap().to_owned();
+    (board, port)
 }
 
 #[test]

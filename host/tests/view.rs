@@ -2,12 +2,18 @@
 //! (host/page/web/tests).
 
 mod program;
+mod testbench;
 
+use dermatome::simulate::{
+    board::{BoardOptions, SimulatedBoard},
+    instrument::{Instrument, ScanTable},
+};
 use dermatome_messages::{
     Topic, cdr,
     dermatome::{ContactArray, Image, Skin, Status},
 };
-use program::{Desk, Running};
+use dermatome_shared::frame::Frame;
+use program::{Desk, Running, TINY};
 use serde_json::{Value, json};
 use std::{
     collections::HashMap,
@@ -15,6 +21,7 @@ use std::{
     net::TcpStream,
     time::{Duration, Instant},
 };
+use testbench::{Pressed, UNTOUCHED, small_patch};
 use tungstenite::{
     Message, WebSocket, client::IntoClientRequest, handshake::client::Response, http::HeaderValue,
 };
@@ -80,7 +87,11 @@ impl Client {
 
     /// Subscribes to a topic, under the number of its channel.
     fn subscribe(&mut self, topic: Topic) -> u32 {
-        let channel = self.channels[topic.name()];
+        self.subscribe_to(topic.name())
+    }
+
+    fn subscribe_to(&mut self, name: &str) -> u32 {
+        let channel = self.channels[name];
         let text = json!({ "op": "subscribe", "subscriptions": [{ "id": channel, "channelId": channel }] });
         self.socket.send(Message::text(text.to_string())).unwrap();
         channel as u32
@@ -162,7 +173,7 @@ fn a_program_sees_skin_images_contacts_and_status_and_tares() {
 #[test]
 fn drive_threshold_and_patches_change_what_is_seen() {
     let desk = Desk::with_patch();
-    let smooth = program::TINY.replace("hyperparameter = 0.03", "hyperparameter = 0.3");
+    let smooth = TINY.replace("hyperparameter = 0.03", "hyperparameter = 0.3");
     desk.write("smooth.toml", smooth.replace("[contact]", "[contact]\nfound_in = \"image\""));
     desk.run(&["build", "smooth.toml", "-o", "smooth.dermatome"]).success();
     let (_view, address) = view(&desk, &["--port", "sim:skin.toml", "--patch", "smooth.dermatome"]);
@@ -305,4 +316,82 @@ fn a_client_that_sends_rubbish_harms_nobody() {
     let status = client.subscribe(Topic::Status);
     client.next(status, |status: &Status| status.state == "live");
     assert!(view.is_running());
+}
+
+/// A skin on which a finger lies for its board's first scans.
+struct Held {
+    skin: Pressed,
+    scans: u32,
+}
+
+impl Instrument for Held {
+    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Frame {
+        let mut frame = self.skin.scan(table, script_time);
+        self.scans = self.scans.saturating_sub(1);
+        frame.codes[3].0 += if self.scans > 0 { UNTOUCHED / 10 } else { 0 };
+        frame
+    }
+}
+
+#[test]
+fn a_board_that_comes_back_pressed_gets_no_reference_until_it_is_free_or_one_is_asked_for() {
+    for (scans, is_asked) in [(60, false), (u32::MAX, true)] {
+        let desk = Desk::empty();
+        let options = BoardOptions { patch: Some(small_patch("small", 50.0)), ..BoardOptions::default() };
+        let first = SimulatedBoard::start(options.clone(), Pressed::new(1)).unwrap();
+        let at = first.address();
+        let (_view, address) = view(&desk, &["--port", &format!("tcp:{at}")]);
+        let mut client = Client::connect(&address);
+        let status = client.subscribe(Topic::Status);
+        // The reference is read once it is made.
+        client.next(status, |status: &Status| status.state == "live" && status.frames > 40);
+        first.stop().unwrap();
+        let options = BoardOptions { listen: at, ..options };
+        let _second = SimulatedBoard::start(options, Held { skin: Pressed::new(2), scans }).unwrap();
+        let told = client.next(status, |status: &Status| status.state == "not_tared");
+        assert!(told.text.contains("something presses on the skin"), "{told:?}");
+        if is_asked {
+            assert_eq!(client.call("/dermatome/tare", &json!({}))["ok"], true);
+        }
+        client.next(status, |status: &Status| status.state == "live");
+    }
+}
+
+#[test]
+fn a_robot_s_skins_have_a_space_each() {
+    let desk = Desk::with_patch();
+    desk.write("other.toml", TINY.replace("name = \"tiny\"", "name = \"other\""));
+    let patch = |name: &str, file: &str| {
+        format!(
+            "[[patches]]\nname = \"{name}\"\nskin = \"{file}\"\nport = \"sim:{file}\"\nlink = \"{name}_link\"\n\
+             position = [\"0 mm\", \"0 mm\", \"40 mm\"]\norientation = [0, 0, 0, 1]\n"
+        )
+    };
+    let text = format!("name = \"arm\"\n{}{}", patch("palm", "skin.toml"), patch("elbow", "other.toml"));
+    desk.write("robot.toml", text);
+    // A port that was free a moment ago.
+    let listen = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let mut serve = desk.start(&["serve", "robot.toml", "--listen", &listen.to_string(), "--no-browser"]);
+    serve.read_output();
+    let started = Instant::now();
+    while TcpStream::connect(listen).is_err() {
+        assert!(started.elapsed() < program::LIMIT && serve.is_running());
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let mut client = Client::connect(&listen.to_string());
+    let skins = [("palm", "tiny"), ("elbow", "other")];
+    for (patch, name) in skins {
+        let (skin, contacts) = (format!("/arm/{patch}/skin"), format!("/arm/{patch}/contacts"));
+        let (skin, contacts) = (client.subscribe_to(&skin), client.subscribe_to(&contacts));
+        let skin: Skin = client.next(skin, |_| true);
+        assert_eq!((skin.name.as_str(), skin.header.frame_id), (name, format!("{patch}_link")));
+        let array: ContactArray = client.next(contacts, |array: &ContactArray| !array.contacts.is_empty());
+        assert!((array.contacts[0].position.z - 0.04).abs() < 1e-6, "{array:?}");
+    }
+    let status = client.subscribe_to("/arm/elbow/status");
+    client.next(status, |status: &Status| status.state == "live");
+    assert_eq!(client.call("/arm/elbow/tare", &json!({}))["ok"], true);
+    let drive = client.call("/arm/palm/drive", &json!({ "amplitude_ma": -1 }));
+    assert!(drive["error"].as_str().unwrap().contains("allowed"), "{drive}");
+    assert!(!client.services.contains_key("/arm/palm/record"));
 }

@@ -111,7 +111,7 @@ impl Body {
                 sense.stand(state);
                 None
             }
-            Told::Patch(tables) => {
+            Told::Patch { tables, .. } => {
                 sense.skin = Some(PlacedSkin::new(&tables, &sense.patch.pose));
                 None
             }

@@ -138,3 +138,180 @@ fn scale(a: [f64; 3], by: f64) -> [f64; 3] {
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::placed::PlacedSkin;
+    use dermatome_link::{pose::Pose, tables::SurfaceTables};
+    use dermatome_shared::surface::{Pixel, SurfaceScale};
+    use proptest::prelude::*;
+
+    const SIDE: usize = 7;
+
+    /// A sheet of 7 x 7 pixels of 1 mm, round a cylinder about y of this radius where there is one.
+    fn sheet(radius: Option<f64>, pose: &Pose) -> PlacedSkin {
+        let step = 1e-6;
+        let mut neighbours = Vec::new();
+        let pixels: Vec<Pixel> = (0..SIDE * SIDE)
+            .map(|pixel| {
+                let (row, column) = (pixel / SIDE, pixel % SIDE);
+                let near = |a: usize, b: usize| a.abs_diff(b);
+                let touch = |&other: &usize| near(other / SIDE, row) + near(other % SIDE, column) == 1;
+                neighbours.extend((0..SIDE * SIDE).filter(touch).map(|pixel| pixel as u16));
+                let (along, y) = ((column as f64 - 3.0) * 1e-3, (row as f64 - 3.0) * 1e-3);
+                let (centre, normal) = radius.map_or(([along, y, 0.0], [0.0, 0.0, 1.0]), |radius| {
+                    let (sin, cos) = (along / radius).sin_cos();
+                    ([radius * sin, y, radius * (cos - 1.0)], [sin, 0.0, cos])
+                });
+                Pixel {
+                    centre: centre.map(|value| (value / step).round() as i16),
+                    neighbours_end: neighbours.len() as u16,
+                    normal: normal.map(|part: f64| (part * 127.0).round() as i8),
+                    area: 1,
+                }
+            })
+            .collect();
+        let scale = SurfaceScale { origin: [0.0; 3], step: step as f32, area: 1e-6 };
+        PlacedSkin::new(&SurfaceTables::of(scale, None, pixels, neighbours), pose)
+    }
+
+    fn on_palm() -> Pose {
+        Pose { link: "palm".to_owned(), position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0] }
+    }
+
+    fn contact(position: [f32; 3], force: Option<f32>) -> Contact {
+        Contact {
+            position,
+            normal: [0.0, 0.0, 1.0],
+            area: 9e-6,
+            strength: 0.5,
+            peak: 1.0,
+            pressure: force.map(|force| force / 9e-6),
+            load_area: force.map(|_| 9e-6),
+            evidence: None,
+            identity: None,
+        }
+    }
+
+    fn image(value: impl Fn(usize, usize) -> i16) -> PackedImage {
+        PackedImage {
+            exponent: 10,
+            mantissas: (0..SIDE * SIDE).map(|pixel| value(pixel / SIDE, pixel % SIDE)).collect(),
+        }
+    }
+
+    /// The middle nine pixels.
+    fn middle(row: usize, column: usize) -> i16 {
+        if row.abs_diff(3) <= 1 && column.abs_diff(3) <= 1 { 800 } else { 20 }
+    }
+
+    fn contacts(list: &[Contact]) -> Contacts {
+        list.iter().copied().collect()
+    }
+
+    fn length(v: [f64; 3]) -> f64 {
+        v.iter().map(|part| part * part).sum::<f64>().sqrt()
+    }
+
+    #[test]
+    fn a_press_on_a_flat_skin_pushes_against_its_normal_without_a_moment() {
+        let found = on_link(
+            &sheet(None, &on_palm()),
+            &contacts(&[contact([0.0; 3], Some(2.0))]),
+            Some(&image(middle)),
+        );
+        let [found] = found.as_slice() else { panic!("{found:?}") };
+        assert_eq!(found.pixels, [16, 17, 18, 23, 24, 25, 30, 31, 32]);
+        let wrench = found.wrench.unwrap();
+        assert!(
+            length(add(wrench.force, [0.0, 0.0, 2.0])) < 1e-6 && length(wrench.moment) < 1e-9,
+            "{wrench:?}"
+        );
+        assert!(length(found.geometric_centre) < 1e-9, "{found:?}");
+    }
+
+    #[test]
+    fn a_press_round_a_cylinder_loses_what_its_sides_push_against_each_other() {
+        let found = on_link(
+            &sheet(Some(2e-3), &on_palm()),
+            &contacts(&[contact([0.0; 3], Some(2.0))]),
+            Some(&image(middle)),
+        );
+        let force = found[0].wrench.unwrap().force;
+        // A third each at -0.5, 0 and 0.5 rad.
+        let expected = 2.0 * (1.0 + 2.0 * 0.5_f64.cos()) / 3.0;
+        assert!(force[0].abs() < 0.01 && (force[2] + expected).abs() < 0.01, "{force:?}");
+    }
+
+    #[test]
+    fn a_press_beside_its_centre_of_pressure_turns_the_link() {
+        let beside = contact([1e-3, 0.0, 0.0], Some(2.0));
+        let found = on_link(&sheet(None, &on_palm()), &contacts(&[beside]), Some(&image(middle)));
+        let wrench = found[0].wrench.unwrap();
+        // 2 N down, 1 mm towards -x of the centre: r x F = (-1e-3, 0, 0) x (0, 0, -2) = (0, -2e-3, 0).
+        assert!(length(add(wrench.moment, [0.0, 2e-3, 0.0])) < 1e-8, "{wrench:?}");
+        assert!(length(found[0].on_link().unwrap().moment) < 1e-8, "it acts at the origin");
+    }
+
+    #[test]
+    fn contacts_on_the_same_pixels_share_them_by_distance_and_others_stay_out() {
+        let ridge = |row: usize, column: usize| match (row, column) {
+            (3, 0..=2) => 900,
+            (3, 3) => 400,
+            (3, 4..=6) => 800,
+            // An island that no contact is of.
+            (0, 0) => 700,
+            _ => 0,
+        };
+        let both = [contact([-2e-3, 0.0, 0.0], None), contact([2e-3, 0.0, 0.0], None)];
+        let found = on_link(&sheet(None, &on_palm()), &contacts(&both), Some(&image(ridge)));
+        let row = 3 * SIDE as u16;
+        assert_eq!(found[0].pixels[..3], [row, row + 1, row + 2]);
+        assert_eq!(found[1].pixels[found[1].pixels.len() - 3..], [row + 4, row + 5, row + 6]);
+        assert_eq!(found[0].pixels.len() + found[1].pixels.len(), 7);
+        assert!(found.iter().all(|contact| contact.wrench.is_none()));
+    }
+
+    #[test]
+    fn without_an_image_the_board_s_own_numbers_remain() {
+        let skin = sheet(None, &on_palm());
+        for image in [None, Some(PackedImage { exponent: 10, mantissas: [1, 2, 3].into_iter().collect() })] {
+            let found = on_link(&skin, &contacts(&[contact([1e-3, 0.0, 0.0], Some(2.0))]), image.as_ref());
+            assert!(found[0].pixels.is_empty());
+            assert!(length(add(found[0].geometric_centre, [-1e-3, 0.0, 0.0])) < 1e-9);
+            assert_eq!(found[0].wrench.unwrap().force, [0.0, 0.0, -2.0]);
+        }
+    }
+
+    proptest! {
+        /// Wherever the skin lies and whatever its image, the resultant is that of the pixels' forces.
+        #[test]
+        fn the_wrench_on_the_link_is_the_sum_over_the_pixels(
+            values in prop::collection::vec(-100_i16..1000, SIDE * SIDE),
+            x in -3e-3_f32..3e-3,
+            y in -3e-3_f32..3e-3,
+            radius in 3e-3..0.1,
+            turn in -3.0..3.0,
+            position in prop::array::uniform3(-0.5..0.5),
+        ) {
+            let (sin, cos) = (f64::sin(turn / 2.0), f64::cos(turn / 2.0));
+            let pose = Pose { position, orientation: [0.6 * sin, 0.0, 0.8 * sin, cos], ..on_palm() };
+            let skin = sheet(Some(radius), &pose);
+            let image = PackedImage { exponent: 10, mantissas: values.as_slice().try_into().unwrap() };
+            let found = on_link(&skin, &contacts(&[contact([x, y, 0.0], Some(2.0))]), Some(&image));
+            let wrench = found[0].on_link().unwrap();
+            prop_assert!(length(wrench.force) <= 2.0 + 1e-6);
+            if !found[0].pixels.is_empty() {
+                let weight = |pixel: usize| f64::from(values[pixel]);
+                let all: f64 = found[0].pixels.iter().map(|&pixel| weight(usize::from(pixel))).sum();
+                let moment = found[0].pixels.iter().map(|&pixel| usize::from(pixel)).fold([0.0; 3], |sum, pixel| {
+                    let force = scale(skin.normals[pixel], -2.0 * weight(pixel) / all);
+                    add(sum, cross(skin.centres[pixel], force))
+                });
+                // The skin's places are whole micrometres, the contact's single precision.
+                prop_assert!(length(add(moment, scale(wrench.moment, -1.0))) < 1e-6, "{moment:?} {wrench:?}");
+            }
+        }
+    }
+}

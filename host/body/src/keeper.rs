@@ -41,7 +41,14 @@ pub enum Told {
     /// How the board stands now.
     State(State),
     /// The board holds this patch, which is of the skin: frames from now on are of it.
-    Patch(Box<SurfaceTables>),
+    Patch {
+        /// As the board has it.
+        bytes: Vec<u8>,
+        /// Its pixels.
+        tables: Box<SurfaceTables>,
+        /// Kind and firmware of the board.
+        board: String,
+    },
     /// The board drives its skin like this.
     Driven(Box<Driven>),
     /// The board refused to drive it as it was asked to: why, in words.
@@ -274,7 +281,12 @@ impl Board {
         }
         self.has_come = true;
         loop {
-            if !link.info()?.tared {
+            let info = link.info()?;
+            let is_lost = match self.untouched.as_ref().filter(|(crc, _)| *crc == patch.crc) {
+                Some((_, untouched)) => untouched.is_lost(&info, &mut link)?,
+                None => !info.tared,
+            };
+            if is_lost {
                 if let Some(stop) = self.wait_untouched(&mut link, &patch)? {
                     return Ok(stop);
                 }
@@ -324,7 +336,9 @@ impl Board {
             return Err(Trouble::OtherPixels);
         }
         self.known = Some(patch.crc);
-        (self.tell)(Told::Patch(Box::new(tables)));
+        let identity = link.identity();
+        let board = format!("{} {}", identity.board, identity.firmware);
+        (self.tell)(Told::Patch { bytes, tables: Box::new(tables), board });
         Ok(())
     }
 

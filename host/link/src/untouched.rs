@@ -1,7 +1,7 @@
 //! Untouched: whether a skin whose board has lost its reference looks as it did when it had one.
 //!
-//! What is pressed while a reference is made is not seen later. A board that has started anew cannot know, but this
-//! computer has kept the reference from before. Only firm presses are told: a board that has started anew may measure
+//! What is pressed while a reference is made is not seen later. A board that has started anew cannot know, and may have
+//! made one by itself, but this computer has kept the reference from before. Only firm presses are told: a board that has started anew may measure
 //! with other gains, which are right to a per cent.
 
 use crate::{
@@ -10,10 +10,10 @@ use crate::{
 };
 use dermatome_shared::{
     patch::CombinedInto,
-    protocol::{Reply, Request, Selection},
+    protocol::{Info, Reply, Request, Selection},
     units::AdcCode,
 };
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Frames to look at: fewer than a board takes for a reference by itself.
 const FRAMES: usize = 5;
@@ -25,6 +25,8 @@ const SMALL: f64 = 0.02;
 /// A skin as it was when nothing pressed.
 #[derive(Clone, Debug)]
 pub struct Untouched {
+    /// When the board was known to have this reference.
+    at: Instant,
     combination: Vec<CombinedInto>,
     /// Sums over the steps of each measurement, in codes: `[measurement]`.
     voltages: Vec<f64>,
@@ -38,7 +40,15 @@ impl Untouched {
             return Err(link.error(LinkErrorKind::WrongReply { request: "Reference" }));
         };
         let frames = f64::from(frames.max(1));
-        Ok(Self { combination, voltages: sums.iter().map(|sum| *sum as f64 / frames).collect() })
+        let voltages = sums.iter().map(|sum| *sum as f64 / frames).collect();
+        Ok(Self { at: Instant::now(), combination, voltages })
+    }
+
+    /// Whether the board, which says this of itself, needs another reference: it has none, or it has started anew and made
+    /// one while something pressed.
+    pub fn is_lost(&self, info: &Info, link: &mut Link) -> Result<bool, LinkError> {
+        let has_restarted = Duration::from_millis(info.uptime_ms) < self.at.elapsed();
+        Ok(!info.tared || has_restarted && self.change(&Self::of(link)?.voltages) > PRESSED)
     }
 
     /// Whether something presses, by some frames of the board.
@@ -84,7 +94,8 @@ mod tests {
     fn skin() -> Untouched {
         let combination = [(0, false), (1, false), (0, true), (2, false)]
             .map(|(measurement, flipped)| CombinedInto { measurement, flipped });
-        Untouched { combination: combination.to_vec(), voltages: vec![2000.0, -1000.0, 1.0] }
+        let voltages = vec![2000.0, -1000.0, 1.0];
+        Untouched { at: Instant::now(), combination: combination.to_vec(), voltages }
     }
 
     #[test]

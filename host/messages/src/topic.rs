@@ -66,6 +66,16 @@ impl Topic {
         self.about().0
     }
 
+    /// Its name for one of several skins: what begins with `/dermatome` for a single one begins with `/` and the skin's
+    /// space, such as `arm/palm`. What all skins tell under one name stays.
+    #[must_use]
+    pub fn name_in(self, space: &str) -> String {
+        match self.name().strip_prefix("/dermatome/") {
+            Some(rest) => format!("/{space}/{rest}"),
+            None => self.name().to_owned(),
+        }
+    }
+
     /// The type of its messages.
     #[must_use]
     pub const fn schema(self) -> &'static Schema {

@@ -65,8 +65,8 @@ pub(crate) fn serve(stream: TcpStream, room: &Arc<Room>) -> io::Result<()> {
     let outbox = Arc::new(Outbox::default());
     for text in [
         foxglove::server_info(&room.name, &room.session),
-        foxglove::advertise(),
-        foxglove::advertise_services(room.services),
+        foxglove::advertise(&room.spaces),
+        foxglove::advertise_services(room.services, &room.spaces),
     ] {
         outbox.put(Letter::Text(text));
     }
@@ -147,8 +147,8 @@ fn hear(said: Said, room: &Room, client: u64, outbox: &Outbox) {
     match said {
         Said::Subscribe { subscriptions } => {
             for subscription in subscriptions {
-                match foxglove::topic_of(subscription.channel_id) {
-                    Some(topic) => room.subscribe(client, subscription.id, topic),
+                match foxglove::channel_of(subscription.channel_id, room.spaces.len()) {
+                    Some(channel) => room.subscribe(client, subscription.id, channel),
                     None => {
                         let words = format!("there is no channel {}", subscription.channel_id);
                         outbox.put(Letter::Text(foxglove::warning(&words)));
@@ -171,7 +171,9 @@ fn call(bytes: &[u8], room: &Room, outbox: &Arc<Outbox>) {
     let refuse = |words: &str| {
         outbox.put(Letter::Text(foxglove::failure(request.service, request.call, words)));
     };
-    let Some(service) = room.services.get(request.service as usize) else {
+    let service = room.services.get(request.service as usize % room.services.len().max(1));
+    let space = request.service as usize / room.services.len().max(1);
+    let Some(service) = service.filter(|_| space < room.spaces.len()) else {
         return refuse("there is no such service");
     };
     let payload = if request.payload.is_empty() { b"{}" } else { request.payload.as_slice() };
@@ -181,5 +183,5 @@ fn call(bytes: &[u8], room: &Room, outbox: &Arc<Outbox>) {
         Err(error) => return refuse(&format!("the request is no JSON: {error}")),
     };
     let answer = Answer::new(outbox.clone(), request.service, request.call);
-    room.call(Call { service: service.name, request: content, answer });
+    room.call(Call { space, service: service.name, request: content, answer });
 }

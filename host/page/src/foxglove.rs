@@ -51,10 +51,26 @@ pub(crate) struct Request {
     pub(crate) payload: Vec<u8>,
 }
 
-/// Channels count from 1: the topic's number and one more.
-pub(crate) fn topic_of(channel: u64) -> Option<Topic> {
-    let index = usize::try_from(channel.checked_sub(1)?).ok()?;
-    Topic::ALL.get(index).copied()
+/// What clients subscribe to: a topic of one of the spaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Channel {
+    /// Number of the space.
+    pub(crate) space: usize,
+    pub(crate) topic: Topic,
+}
+
+impl Channel {
+    /// Its number among all channels, space by space, from 0.
+    pub(crate) fn index(self) -> usize {
+        self.space * Topic::ALL.len() + self.topic.index()
+    }
+}
+
+/// The channel that a client names, where there are so many spaces; clients count from 1.
+pub(crate) fn channel_of(id: u64, spaces: usize) -> Option<Channel> {
+    let index = usize::try_from(id.checked_sub(1)?).ok()?;
+    let (space, topic) = (index / Topic::ALL.len(), index % Topic::ALL.len());
+    (space < spaces).then(|| Channel { space, topic: Topic::ALL[topic] })
 }
 
 pub(crate) fn server_info(name: &str, session: &str) -> String {
@@ -69,33 +85,38 @@ pub(crate) fn server_info(name: &str, session: &str) -> String {
     .to_string()
 }
 
-pub(crate) fn advertise() -> String {
-    let channel = |topic: &Topic| {
-        json!({
-            "id": topic.index() + 1,
-            "topic": topic.name(),
-            "encoding": ENCODING,
-            "schemaName": topic.schema().name,
-            "schema": schema::definition(topic.schema()),
-            "schemaEncoding": SCHEMA_ENCODING,
+pub(crate) fn advertise(spaces: &[String]) -> String {
+    let of_space = |(space, name): (usize, &String)| {
+        Topic::ALL.map(|topic| {
+            json!({
+                "id": Channel { space, topic }.index() + 1,
+                "topic": topic.name_in(name),
+                "encoding": ENCODING,
+                "schemaName": topic.schema().name,
+                "schema": schema::definition(topic.schema()),
+                "schemaEncoding": SCHEMA_ENCODING,
+            })
         })
     };
-    json!({ "op": "advertise", "channels": Topic::ALL.iter().map(channel).collect::<Vec<_>>() }).to_string()
+    let channels: Vec<Value> = spaces.iter().enumerate().flat_map(of_space).collect();
+    json!({ "op": "advertise", "channels": channels }).to_string()
 }
 
-pub(crate) fn advertise_services(services: &[Service]) -> String {
+pub(crate) fn advertise_services(services: &[Service], spaces: &[String]) -> String {
     let response = json!({ "type": "object" }).to_string();
-    let about = |(id, service): (usize, &Service)| {
+    let all = spaces.iter().flat_map(|space| services.iter().map(move |service| (space, service)));
+    let about = |(id, (space, service)): (usize, (&String, &Service))| {
+        let name = service.name.replacen("dermatome", space, 1);
         let part = |name: &str, schema: &str| json!({ "encoding": "json", "schemaName": name, "schemaEncoding": "jsonschema", "schema": schema });
         json!({
             "id": id,
-            "name": service.name,
+            "name": name,
             "type": service.name,
             "request": part("Request", service.request),
             "response": part("Response", &response),
         })
     };
-    let services: Vec<Value> = services.iter().enumerate().map(about).collect();
+    let services: Vec<Value> = all.enumerate().map(about).collect();
     json!({ "op": "advertiseServices", "services": services }).to_string()
 }
 
@@ -156,7 +177,9 @@ mod tests {
         let text = r#"{"op":"unsubscribe","subscriptionIds":[5]}"#;
         assert!(matches!(serde_json::from_str(text), Ok(Said::Unsubscribe { .. })));
         assert!(matches!(serde_json::from_str(r#"{"op":"getParameters","id":"x"}"#), Ok(Said::Other)));
-        assert_eq!(topic_of(1), Some(Topic::ALL[0]));
-        assert_eq!((topic_of(0), topic_of(99)), (None, None));
+        assert_eq!(channel_of(1, 1), Some(Channel { space: 0, topic: Topic::ALL[0] }));
+        assert_eq!((channel_of(0, 1), channel_of(99, 2)), (None, None));
+        let all = 1..=2 * Topic::ALL.len() as u64;
+        assert!(all.clone().all(|id| channel_of(id, 2).unwrap().index() as u64 + 1 == id));
     }
 }

@@ -1,6 +1,6 @@
 //! The page of `dermatome view`, and what it looks at: a server of the Foxglove WebSocket protocol on the same port.
 //!
-//! A [`dermatome_messages::Packed`] message -> [`Server::publish`] -> the outbox of each client that subscribes to its
+//! A [`dermatome_messages::Packed`] message -> [`Speaker::publish`] -> the outbox of each client that subscribes to its
 //! topic -> the client, ours or another program (Foxglove, Lichtblick). What clients ask for comes as [`Call`]s.
 //!
 //! Who may come in is decided at the [`gate`]: this computer alone unless a token is set, and of browsers no page but our
@@ -18,4 +18,4 @@ mod server;
 
 pub use foxglove::Service;
 pub use room::Call;
-pub use server::{Options, Server, ServerError};
+pub use server::{Options, Server, ServerError, Speaker};

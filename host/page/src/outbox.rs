@@ -1,23 +1,23 @@
 //! Outbox: what waits to be sent to one client.
 //!
-//! A client that is slower than a board gets the newest: of each topic only so many messages wait, and older ones give way.
+//! A client that is slower than a board gets the newest: of each channel only so many messages wait, and older ones give way.
 
-use dermatome_messages::Topic;
+use crate::foxglove::Channel;
 use std::{
     collections::VecDeque,
     sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
 };
 
-/// Messages of one topic that wait.
-const MOST_OF_A_TOPIC: usize = 8;
+/// Messages of one channel that wait.
+const MOST_OF_A_CHANNEL: usize = 8;
 /// Texts and answers that wait: whoever asks for more and reads none of it is cut off.
 const MOST_TEXTS: usize = 1024;
 
 /// Something to send.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Letter {
-    /// A message of a topic, under the client's number for it.
-    Message { topic: Topic, subscription: u32, log_time: u64, bytes: Arc<[u8]> },
+    /// A message of a channel, under the client's number for it.
+    Message { channel: Channel, subscription: u32, log_time: u64, bytes: Arc<[u8]> },
     /// JSON.
     Text(String),
     /// An answer.
@@ -49,8 +49,8 @@ impl Outbox {
             return;
         }
         match &letter {
-            Letter::Message { topic, subscription, .. } => {
-                waiting.make_room(*topic, *subscription);
+            Letter::Message { channel, subscription, .. } => {
+                waiting.make_room(*channel, *subscription);
             }
             _ => waiting.texts += 1,
         }
@@ -89,9 +89,9 @@ impl Outbox {
 }
 
 impl Waiting {
-    fn make_room(&mut self, wanted: Topic, of: u32) {
-        let is_such = |letter: &Letter| matches!(letter, Letter::Message { topic, subscription, .. } if *topic == wanted && *subscription == of);
-        if self.letters.iter().filter(|letter| is_such(letter)).count() >= MOST_OF_A_TOPIC
+    fn make_room(&mut self, wanted: Channel, of: u32) {
+        let is_such = |letter: &Letter| matches!(letter, Letter::Message { channel, subscription, .. } if *channel == wanted && *subscription == of);
+        if self.letters.iter().filter(|letter| is_such(letter)).count() >= MOST_OF_A_CHANNEL
             && let Some(oldest) = self.letters.iter().position(is_such)
         {
             self.letters.remove(oldest);
@@ -103,9 +103,11 @@ impl Waiting {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dermatome_messages::Topic;
 
     fn message(topic: Topic, log_time: u64) -> Letter {
-        Letter::Message { topic, subscription: 1, log_time, bytes: Arc::new([]) }
+        let channel = Channel { space: 0, topic };
+        Letter::Message { channel, subscription: 1, log_time, bytes: Arc::new([]) }
     }
 
     #[test]
@@ -115,10 +117,10 @@ mod tests {
         outbox.put(message(Topic::Skin, 1));
         (0..1000).for_each(|time| outbox.put(message(Topic::Image, time)));
         let letters = outbox.take().unwrap();
-        assert_eq!(letters.len(), 2 + MOST_OF_A_TOPIC);
+        assert_eq!(letters.len(), 2 + MOST_OF_A_CHANNEL);
         assert_eq!(letters[1], message(Topic::Skin, 1));
         assert_eq!(letters.back(), Some(&message(Topic::Image, 999)));
-        assert_eq!(outbox.dropped(), 1000 - MOST_OF_A_TOPIC as u64);
+        assert_eq!(outbox.dropped(), 1000 - MOST_OF_A_CHANNEL as u64);
         outbox.close();
         assert_eq!(outbox.take(), None);
     }

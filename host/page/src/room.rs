@@ -1,7 +1,7 @@
 //! Room: what all connections share, and what clients ask for.
 
 use crate::{
-    foxglove::{self, Service},
+    foxglove::{self, Channel, Service},
     outbox::{Letter, Outbox},
 };
 use dermatome_messages::{Packed, Topic};
@@ -20,7 +20,9 @@ use std::{
 /// What a client asks for. Whoever takes it answers it; dropped, it is answered with an error.
 #[derive(Debug)]
 pub struct Call {
-    /// Name of the service.
+    /// Number of the skin's space.
+    pub space: usize,
+    /// Name of the service, as of a single skin.
     pub service: &'static str,
     /// What was sent along.
     pub request: Value,
@@ -78,8 +80,10 @@ pub(crate) struct Room {
     pub(crate) services: &'static [Service],
     calls: Mutex<Sender<Call>>,
     inside: Mutex<Inside>,
-    /// Subscriptions: `[topic]`.
-    subscribers: [AtomicUsize; Topic::ALL.len()],
+    /// Names of the skins' spaces.
+    pub(crate) spaces: Vec<String>,
+    /// Subscriptions: `[channel]`.
+    subscribers: Vec<AtomicUsize>,
     pub(crate) connections: AtomicUsize,
     pub(crate) is_closed: AtomicBool,
 }
@@ -88,14 +92,14 @@ pub(crate) struct Room {
 struct Inside {
     clients: HashMap<u64, Inhabitant>,
     next: u64,
-    lasting: HashMap<Topic, (u64, Arc<[u8]>)>,
+    lasting: HashMap<Channel, (u64, Arc<[u8]>)>,
 }
 
 struct Inhabitant {
     outbox: Arc<Outbox>,
     stream: TcpStream,
     /// By the client's numbers.
-    subscriptions: HashMap<u32, Topic>,
+    subscriptions: HashMap<u32, Channel>,
 }
 
 impl Room {
@@ -103,15 +107,17 @@ impl Room {
         name: String,
         session: String,
         services: &'static [Service],
+        spaces: Vec<String>,
         calls: Sender<Call>,
     ) -> Self {
         Self {
+            subscribers: (0..spaces.len() * Topic::ALL.len()).map(|_| AtomicUsize::new(0)).collect(),
+            spaces,
             name,
             session,
             services,
             calls: Mutex::new(calls),
             inside: Mutex::default(),
-            subscribers: Default::default(),
             connections: AtomicUsize::new(0),
             is_closed: AtomicBool::new(false),
         }
@@ -121,19 +127,20 @@ impl Room {
         self.inside.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub(crate) fn publish(&self, packed: Packed) {
+    pub(crate) fn publish(&self, space: usize, packed: Packed) {
         let Packed { topic, log_time, bytes, .. } = packed;
-        if !self.wants(topic) && !topic.is_lasting() {
+        let channel = Channel { space, topic };
+        if !self.wants(channel) && !topic.is_lasting() {
             return;
         }
         let mut inside = self.lock();
         if topic.is_lasting() {
-            inside.lasting.insert(topic, (log_time, bytes.clone()));
+            inside.lasting.insert(channel, (log_time, bytes.clone()));
         }
         for client in inside.clients.values() {
-            for (&subscription, _) in client.subscriptions.iter().filter(|(_, of)| **of == topic) {
+            for (&subscription, _) in client.subscriptions.iter().filter(|(_, of)| **of == channel) {
                 let bytes = bytes.clone();
-                client.outbox.put(Letter::Message { topic, subscription, log_time, bytes });
+                client.outbox.put(Letter::Message { channel, subscription, log_time, bytes });
             }
         }
     }
@@ -161,20 +168,20 @@ impl Room {
         let mut inside = self.lock();
         if let Some(gone) = inside.clients.remove(&client) {
             log::debug!("a client has gone; {} messages gave way to newer ones", gone.outbox.dropped());
-            gone.subscriptions.values().for_each(|topic| self.count(*topic, false));
+            gone.subscriptions.values().for_each(|channel| self.count(*channel, false));
         }
     }
 
-    pub(crate) fn subscribe(&self, client: u64, subscription: u32, topic: Topic) {
+    pub(crate) fn subscribe(&self, client: u64, subscription: u32, channel: Channel) {
         let mut inside = self.lock();
-        let latest = inside.lasting.get(&topic).cloned();
+        let latest = inside.lasting.get(&channel).cloned();
         let Some(client) = inside.clients.get_mut(&client) else { return };
-        if let Some(before) = client.subscriptions.insert(subscription, topic) {
+        if let Some(before) = client.subscriptions.insert(subscription, channel) {
             self.count(before, false);
         }
-        self.count(topic, true);
+        self.count(channel, true);
         if let Some((log_time, bytes)) = latest {
-            client.outbox.put(Letter::Message { topic, subscription, log_time, bytes });
+            client.outbox.put(Letter::Message { channel, subscription, log_time, bytes });
         }
     }
 
@@ -182,11 +189,11 @@ impl Room {
         let mut inside = self.lock();
         let gone =
             inside.clients.get_mut(&client).and_then(|client| client.subscriptions.remove(&subscription));
-        gone.into_iter().for_each(|topic| self.count(topic, false));
+        gone.into_iter().for_each(|channel| self.count(channel, false));
     }
 
-    fn count(&self, topic: Topic, comes: bool) {
-        let count = &self.subscribers[topic.index()];
+    fn count(&self, channel: Channel, comes: bool) {
+        let count = &self.subscribers[channel.index()];
         if comes {
             count.fetch_add(1, Ordering::Relaxed);
         } else {
@@ -194,9 +201,9 @@ impl Room {
         }
     }
 
-    /// Whether somebody subscribes to a topic.
-    pub(crate) fn wants(&self, topic: Topic) -> bool {
-        self.subscribers[topic.index()].load(Ordering::Relaxed) > 0
+    /// Whether somebody subscribes to a channel.
+    pub(crate) fn wants(&self, channel: Channel) -> bool {
+        self.subscribers[channel.index()].load(Ordering::Relaxed) > 0
     }
 
     pub(crate) fn close(&self) {

@@ -2,7 +2,7 @@
 
 use crate::{
     client,
-    foxglove::Service,
+    foxglove::{Channel, Service},
     gate::{Gate, random_text},
     http::{self, Head},
     room::{Call, Room},
@@ -32,8 +32,10 @@ pub struct Options {
     pub gate: Gate,
     /// What programs show as its name.
     pub name: String,
-    /// What clients can ask for.
+    /// What clients can ask for, of each space.
     pub services: &'static [Service],
+    /// A space for each skin, which its topics and services are named after: `dermatome` for a single one.
+    pub spaces: Vec<String>,
 }
 
 /// Why there is no server.
@@ -58,10 +60,30 @@ pub struct Server {
     acceptor: Option<JoinHandle<()>>,
 }
 
+/// Tells those who look on what is so in one space, as long as its server runs.
+#[derive(Clone)]
+pub struct Speaker {
+    room: Arc<Room>,
+    space: usize,
+}
+
+impl Speaker {
+    /// Sends a message to all that subscribe to its topic; those who come later get the last one of a lasting topic.
+    pub fn publish(&self, packed: Packed) {
+        self.room.publish(self.space, packed);
+    }
+
+    /// Whether somebody subscribes to a topic.
+    #[must_use]
+    pub fn wants(&self, topic: Topic) -> bool {
+        self.room.wants(Channel { space: self.space, topic })
+    }
+}
+
 impl Server {
     /// Starts to listen.
     pub fn start(options: Options) -> Result<Self, ServerError> {
-        let Options { mut gate, name, services } = options;
+        let Options { mut gate, name, services, spaces } = options;
         let at = gate.listen;
         if !at.ip().is_loopback() && gate.token.is_none() {
             return Err(ServerError::NoToken(at));
@@ -76,7 +98,7 @@ impl Server {
         let (sender, calls) = channel();
         // Without the system's randomness a session is told from the one before by time alone.
         let session = random_text().unwrap_or_else(|| now_ns().to_string());
-        let room = Arc::new(Room::new(name, session, services, sender));
+        let room = Arc::new(Room::new(name, session, services, spaces, sender));
         let (guarded, open_room) = (gate.clone(), room.clone());
         let acceptor = thread::Builder::new().name("page".to_owned());
         let acceptor = acceptor.spawn(move || accept_all(&listener, &guarded, &open_room)).map_err(failed)?;
@@ -90,15 +112,15 @@ impl Server {
         format!("http://{}/{token}", self.gate.listen)
     }
 
-    /// Sends a message to all that subscribe to its topic; those who come later get the last one of a lasting topic.
-    pub fn publish(&self, packed: Packed) {
-        self.room.publish(packed);
-    }
-
-    /// Whether somebody subscribes to a topic.
+    /// Tells what is to be told in a space, by its number.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such space.
     #[must_use]
-    pub fn wants(&self, topic: Topic) -> bool {
-        self.room.wants(topic)
+    pub fn speaker(&self, space: usize) -> Speaker {
+        assert!(space < self.room.spaces.len(), "space {space}");
+        Speaker { room: self.room.clone(), space }
     }
 
     /// What clients ask for, in order; none if nobody asks.

@@ -80,9 +80,30 @@ impl RecordedFrame {
     }
 }
 
+/// Parts of frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parts {
+    /// Raw codes.
+    pub codes: bool,
+    /// Health.
+    pub health: bool,
+    /// Images.
+    pub images: bool,
+    /// Contacts.
+    pub contacts: bool,
+}
+
+impl Parts {
+    /// All of them.
+    pub const ALL: Self = Self { codes: true, health: true, images: true, contacts: true };
+    /// None: which frames there are, and when.
+    pub const NONE: Self = Self { codes: false, health: false, images: false, contacts: false };
+}
+
 /// The frames of a recording.
 pub struct Frames {
     recording: Recording,
+    wanted: Parts,
     arriving: Option<Box<RecordedFrame>>,
     /// What came after the frame that was given last.
     next: Option<Item>,
@@ -92,7 +113,13 @@ impl Frames {
     /// Of a recording from its start on.
     #[must_use]
     pub fn of(recording: Recording) -> Self {
-        Self { recording, arriving: None, next: None }
+        Self { recording, wanted: Parts::ALL, arriving: None, next: None }
+    }
+
+    /// With these parts alone: the others stay none, and their messages are not decoded.
+    #[must_use]
+    pub fn only(self, wanted: Parts) -> Self {
+        Self { wanted, ..self }
     }
 
     /// The recording.
@@ -117,7 +144,7 @@ impl Frames {
                 self.next = Some(reference);
                 return Ok(Some(Item::Frame(frame)));
             }
-            let Some((stamp, part)) = part(&packed).map_err(damaged)? else { continue };
+            let Some((stamp, part)) = part(&packed, self.wanted).map_err(damaged)? else { continue };
             let is_new = self.arriving.as_ref().is_none_or(|frame| frame.at != stamp.at());
             let begun = || Box::new(RecordedFrame::new(&stamp, packed.log_time));
             let complete = if is_new { self.arriving.replace(begun()) } else { None };
@@ -138,26 +165,32 @@ enum Part {
     Health(Health),
     Image(Image),
     Contacts(ContactArray),
+    /// One that is not wanted.
+    Other,
 }
 
-fn part(packed: &Packed) -> Result<Option<(Stamp, Part)>, cdr::CdrError> {
+fn part(packed: &Packed, wanted: Parts) -> Result<Option<(Stamp, Part)>, cdr::CdrError> {
     let bytes = &packed.bytes;
     Ok(match packed.topic {
-        Topic::Measurements => {
+        Topic::Measurements if wanted.codes => {
             let message: Measurements = cdr::decode(bytes)?;
             Some((message.stamp.clone(), Part::Measurements(message)))
         }
-        Topic::Health => {
+        Topic::Health if wanted.health => {
             let message: Health = cdr::decode(bytes)?;
             Some((message.stamp.clone(), Part::Health(message)))
         }
-        Topic::Image => {
+        Topic::Image if wanted.images => {
             let message: Image = cdr::decode(bytes)?;
             Some((message.stamp.clone(), Part::Image(message)))
         }
-        Topic::Contacts => {
+        Topic::Contacts if wanted.contacts => {
             let message: ContactArray = cdr::decode(bytes)?;
             Some((message.stamp.clone(), Part::Contacts(message)))
+        }
+        // Each begins with the frame that it belongs to.
+        Topic::Measurements | Topic::Health | Topic::Image | Topic::Contacts => {
+            Some((cdr::decode(bytes)?, Part::Other))
         }
         _ => None,
     })
@@ -172,6 +205,7 @@ impl Part {
             }
             Self::Health(message) => frame.health = Some(report(&message)),
             Self::Image(message) => frame.image = message.packed(),
+            Self::Other => {}
             Self::Contacts(message) => {
                 frame.contacts = Some(
                     message.contacts.iter().map(dermatome_messages::dermatome::Contact::contact).collect(),

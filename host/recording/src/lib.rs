@@ -4,6 +4,7 @@
 //! which is a board's own pipeline: the same bits where patch and frames are the same.
 #![forbid(unsafe_code)]
 
+pub mod columns;
 pub mod frames;
 pub mod play;
 pub mod read;

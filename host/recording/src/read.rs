@@ -50,6 +50,21 @@ pub enum Problem {
         /// Why.
         reason: String,
     },
+    /// A frame that its patch does not fit.
+    #[error("frame {sequence} holds {found} {what}; its patch has {expected}")]
+    Size {
+        /// Which frame.
+        sequence: u32,
+        /// Of what.
+        what: &'static str,
+        /// How many it holds.
+        found: usize,
+        /// How many it should hold.
+        expected: usize,
+    },
+    /// Its patch is of another version of this program, or damaged.
+    #[error("its patch: {0}")]
+    Patch(dermatome_shared::patch::PatchError),
 }
 
 /// How a recording ends.
@@ -181,7 +196,9 @@ impl Recording {
         Ok(None)
     }
 
-    pub(crate) fn refuse(&self, problem: Problem) -> ReadError {
+    /// The error of something that is wrong with it.
+    #[must_use]
+    pub fn refuse(&self, problem: Problem) -> ReadError {
         ReadError { path: self.path.clone(), problem }
     }
 

@@ -24,7 +24,7 @@ impl News {
     pub fn of(told: &Told) -> Self {
         match told {
             Told::State(state) => Self::State(state.clone()),
-            Told::Patch(_) => Self::Patch,
+            Told::Patch { .. } => Self::Patch,
             Told::Driven(driven) => Self::Driven(driven.drive),
             Told::NotDriven(why) => Self::NotDriven(why.clone()),
             Told::Frame { .. } => Self::Frame,

@@ -21,7 +21,7 @@ pub mod wiring;
 pub use dermatome_model::indenter::{self, Footprint, Load, Press};
 pub use noise::Noise;
 pub use rig::Rig;
-pub use script::{Script, ScriptError};
+pub use script::{Hand, HandError, Script, ScriptError};
 pub use sheet::{ScriptedSheet, Sheet};
 pub use skin::SimulatedSkin;
 pub use truth::TrueSkin;

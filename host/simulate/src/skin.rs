@@ -9,7 +9,7 @@ use crate::{
     instrument::{Instrument, ScanTable},
     material::Material,
     noise::{self, Noise},
-    script::Script,
+    script::{Hand, Script},
     sheet::ScriptedSheet,
     truth::TrueSkin,
     wiring::{self, Fault, TimedFault},
@@ -33,6 +33,8 @@ use rand_pcg::Pcg64Mcg;
 pub struct SimulatedSkin {
     truth: TrueSkin,
     script: Script,
+    /// Presses beside the script.
+    hand: Hand,
     /// What of the sheet's changes follows from pressure over time.
     worn: Option<ScriptedSheet>,
     faults: Vec<TimedFault>,
@@ -71,6 +73,7 @@ impl SimulatedSkin {
         Ok(Self {
             truth,
             script,
+            hand: Hand::default(),
             worn: None,
             faults: Vec::new(),
             noise,
@@ -86,6 +89,12 @@ impl SimulatedSkin {
     #[must_use]
     pub fn of_material(self, material: Material) -> Self {
         Self { worn: Some(ScriptedSheet::new(material, self.noise.seed)), ..self }
+    }
+
+    /// Lets a hand press it as well, while there is a script to be played.
+    #[must_use]
+    pub fn pressed_by(self, hand: Hand) -> Self {
+        Self { hand, ..self }
     }
 
     /// Wires it with these faults.
@@ -177,7 +186,8 @@ impl SimulatedSkin {
 
     /// Relative conductivity of each element at a time of the script; `None` where it is all 1.
     fn conductivity(&mut self, script_time: Option<f64>) -> Option<Vec<f64>> {
-        let presses = script_time.map(|time| self.script.presses(time)).unwrap_or_default();
+        let now = |time| [self.script.presses(time), self.hand.presses()].concat();
+        let presses = script_time.map(now).unwrap_or_default();
         match &mut self.worn {
             None => (!presses.is_empty()).then(|| self.truth.conductivity(&presses)),
             Some(worn) => Some(worn.conductivity(&self.truth, &presses, script_time?)),

@@ -97,6 +97,16 @@ impl Desks {
         std::fs::remove_dir_all(desk.path("model")).unwrap();
         desk.write("skin.dae", DAE);
         desk.write("posed.toml", format!("{TINY}{POSE}"));
+        desk.write("robot.urdf", "<robot name=\"r\">\n  <link name=\"palm\"/>\n</robot>\n");
+        desk.write(
+            "robot.xml",
+            "<mujoco>\n  <worldbody>\n    <body name=\"palm\"/>\n  </worldbody>\n</mujoco>\n",
+        );
+        // Of a board that is none.
+        desk.write(
+            "robot.toml",
+            "name = \"arm\"\n[[patches]]\nskin = \"posed.toml\"\nport = \"replay:notes.txt\"\n",
+        );
         let forward = desk.run(&["forward", "skin.toml"]).success().out;
         Self { files: contents(&desk.path("")), forward }
     }

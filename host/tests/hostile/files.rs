@@ -53,6 +53,12 @@ const READERS: &[(&[&str], &str)] = &[
     (&["cut", "@", "--unit", "mm", "--around", "0,0,0", "--radius", "30", "--out", "new"], "skin.ply"),
     (&["cut", "@", "--unit", "mm", "--around", "0,0,0", "--radius", "30", "--out", "new"], "skin.msh"),
     (&["cut", "@", "--around", "0,0,0", "--radius", "30mm", "--out", "new"], "skin.dae"),
+    (&["urdf", "add", "@", "posed.toml"], "robot.urdf"),
+    (&["urdf", "add", "robot.urdf", "@"], "posed.toml"),
+    (&["urdf", "check", "@"], "robot.urdf"),
+    (&["urdf", "check", "robot.urdf", "@"], "posed.toml"),
+    (&["mjcf", "add", "@", "posed.toml"], "robot.xml"),
+    (&["mjcf", "add", "robot.xml", "@"], "posed.toml"),
 ];
 
 pub(crate) fn cases(desks: &Desks) -> Vec<Case> {

@@ -18,6 +18,7 @@ const COMMANDS: &[&[&str]] = &[
     &["stream", "--port=sim:skin.toml", "--frames=1"],
     // Ends at the wrong value, or because its port is no board.
     &["view", "--port=replay:notes.txt", "--no-browser", "--listen=127.0.0.1:0"],
+    &["serve", "robot.toml", "--no-browser"],
     &["calibrate", "skin.dermatome", "--readings=readings.csv", "--out=new.dermatome"],
     &["check", "--port=sim:skin.toml"],
     &["scope", "--port=sim:skin.toml"],
@@ -30,6 +31,9 @@ const COMMANDS: &[&[&str]] = &[
     &["replay", "frames.csv", "--patch=skin.dermatome"],
     &["check-data", "skin.toml", "frames.csv"],
     &["cut", "skin.stl", "--unit=mm", "--around=0,0,0", "--radius=30", "--out=new"],
+    &["urdf add", "robot.urdf", "posed.toml"],
+    &["urdf check", "robot.urdf"],
+    &["mjcf add", "robot.xml", "posed.toml"],
     &["design", "skin.toml"],
     &["learn", "skin.toml", "--presses=presses.csv", "--reference=reference.csv"],
     &["export", "skin.toml", "--out=new"],
@@ -58,7 +62,7 @@ const READ: &[&str] = &[
 ];
 /// Options that name a file to write.
 const WRITTEN: &[&str] =
-    &["png", "json", "output", "corrected", "hyperparameter-plot", "plot", "save", "store", "record"];
+    &["png", "json", "output", "corrected", "hyperparameter-plot", "plot", "save", "store", "record", "mesh"];
 
 /// No number, of whatever kind.
 const NUMBERS: &[&str] = &["", "x", "nan", "inf", "1e999", "1,5", "0x10", "1 2"];
@@ -100,9 +104,13 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
             &["", "abc", "tcp:", "sim:none.toml", "replay:", "replay:none.mcap", "replay:notes.txt"]
         }
         (_, "port") => PORTS,
-        ("view", "listen") => &["", "abc", "127.0.0.1", "127.0.0.1:99999", "localhost:1", "8.8.8.8:1"],
-        ("view", "token") => &["", "short", "with space", "a&b=cdefgh"],
-        ("view", "allow-origin") => &["", "x", "*", "ftp://x", "https://", "https://a/b", "https://*"],
+        ("view" | "serve", "listen") => {
+            &["", "abc", "127.0.0.1", "127.0.0.1:99999", "localhost:1", "8.8.8.8:1"]
+        }
+        ("view" | "serve", "token") => &["", "short", "with space", "a&b=cdefgh"],
+        ("view" | "serve", "allow-origin") => {
+            &["", "x", "*", "ftp://x", "https://", "https://a/b", "https://*"]
+        }
         ("view", "unit") => &["", "x", "MM", "furlong", "mm "],
         ("replay", "listen") | ("simulate", "listen") => {
             &["", "abc", "tcp:", "tcp:1", "tcp:127.0.0.1:99999", "tcp:8.8.8.8:1", "COM1"]
@@ -125,8 +133,16 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
         ("design" | "cut", "name") => {
             &["", "a b", "ä", "../x", "abcdefghijklmnopqrstuvwxyzabcdefg", "a\u{1b}[2J"]
         }
+        ("urdf add" | "mjcf add", "name" | "mesh-uri") => &[""],
+        ("urdf add", "link") | ("mjcf add", "body") => &["", "none", "Palm", "a\u{1b}[2J"],
+        ("urdf add" | "mjcf add", "thickness") => {
+            &["", "x", "nan", "0", "0mm", "-1mm", "5 furlong", "1 m", "1e999"]
+        }
+        ("mjcf add", "taxels") => &["", "x", "-1", "1.5", "1025"],
         ("cut", "frame") => &["", "a b", "ä", "a\nb"],
         ("stream" | "reconstruct", "fit") => LENGTHS,
+        ("serve", "domain") => &["", "x", "-1", "233", "1.5"],
+        ("serve", "duration") => &["", "x", "nan", "-1", "1e30"],
         (_, "give-up-after") => &["", "x", "nan", "-1", "1e30"],
         ("calibrate", "start") => NUMBERS,
         ("experiment check", "amplitudes") => &["", "x", "0", "-1", "101", "nan", "50,x"],
@@ -286,11 +302,34 @@ fn pairs() -> Vec<Case> {
         (&["drive", "--port=sim:skin.toml", "--patch", "--gain=1"], &["--patch", "--gain"]),
         (&["trim", "--port=tcp:127.0.0.1:1", "--forget", "--first=1"], &["--forget", "--first"]),
         (&["simulate", "skin.toml", "--press=0,0,0.01,1", "--path=path.csv"], &["--press", "--path"]),
+        (&["simulate", "skin.toml", "--live", "--path=path.csv"], &["--live", "--path"]),
+        (&["simulate", "skin.toml", "--live", "--press=0,0,0.01,1"], &["--live", "--press"]),
+        (&["urdf", "remove"], &["remove"]),
+        (&["urdf", "add", "robot.urdf"], &["<SKIN>"]),
+        (&["urdf", "add", "robot.urdf", "skin.toml"], &["`skin.toml`", "pose"]),
+        (&["urdf", "add", "robot.xml", "posed.toml"], &["robot.xml", "<mujoco>", "<robot>"]),
+        (&["urdf", "check", "robot.urdf", "posed.toml"], &["robot.urdf"]),
+        (&["mjcf", "add", "robot.urdf", "posed.toml"], &["robot.urdf", "<robot>", "<mujoco>"]),
         (&["build", "skin.toml", "--no-patch", "--output=x"], &["--no-patch", "--output"]),
         (&["build", "skin.toml", "--seed=1"], &["--seed"]),
         (&["build", "skin.toml", "--json=a", "--json=b"], &["--json"]),
         (&["replay", "frames.csv", "--patch=skin.dermatome", "--each"], &["--reference"]),
         (&["replay", "frames.csv", "--patch=skin.dermatome", "--tare=25"], &["25", "24"]),
+        (
+            &["replay", "frames.csv", "--patch=skin.dermatome", "--listen=tcp:127.0.0.1:0", "--tare=25"],
+            &["25", "24"],
+        ),
+        (
+            &[
+                "replay",
+                "frames.csv",
+                "--patch=skin.dermatome",
+                "--listen=tcp:127.0.0.1:0",
+                "--record=new.mcap",
+            ],
+            &["--listen", "--record"],
+        ),
+        (&["learn", "skin.toml", "--presses=presses.csv", "--each"], &["--reference"]),
         (&["experiment", "dividers"], &["dividers"]),
         (&["completions"], &["<SHELL>"]),
         (&["completions", "tcsh"], &["tcsh", "fish"]),
@@ -309,8 +348,10 @@ fn pairs() -> Vec<Case> {
 
 /// A command that is new is tried too.
 fn check_all_are_tried(commands: &[String]) {
-    let is_tried =
-        |name: &&String| name.as_str() == "help" || COMMANDS.iter().any(|words| words[0] == name.as_str());
+    let is_tried = |name: &&String| {
+        name.as_str() == "help"
+            || COMMANDS.iter().any(|words| words[0].split(' ').next() == Some(name.as_str()))
+    };
     let missing: Vec<_> = commands.iter().filter(|name| !is_tried(name)).collect();
     assert!(missing.is_empty(), "commands that are not tried: {missing:?}");
 }

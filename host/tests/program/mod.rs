@@ -8,7 +8,7 @@ use std::{
     fmt::Write as _,
     io::{BufRead, BufReader, Read},
     path::{Path, PathBuf},
-    process::{Child, Command, ExitStatus, Stdio},
+    process::{Child, ChildStdin, Command, ExitStatus, Stdio},
     sync::mpsc::channel,
     thread::{self, JoinHandle},
     time::{Duration, Instant},
@@ -118,6 +118,13 @@ impl Running {
         let out = child.stdout.take().map(BufReader::new);
         let err = child.stderr.take().map(collect);
         Self { what: format!("{command:?}"), child, out, reads: None, err }
+    }
+
+    /// A process whose standard input is piped, and that input.
+    pub(crate) fn with_input(command: &mut Command) -> (Self, ChildStdin) {
+        let mut running = Self::start(command.stdin(Stdio::piped()));
+        let input = running.child.stdin.take().unwrap();
+        (running, input)
     }
 
     /// The next line of standard output, which must come within [`LIMIT`].

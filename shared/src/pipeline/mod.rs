@@ -382,7 +382,13 @@ impl PipelineState {
     /// Whether somebody asked for the reference that is being averaged.
     #[must_use]
     pub fn is_asked_to_tare(&self) -> bool {
-        self.tare.as_ref().is_some_and(|tare| !tare.is_automatic())
+        self.frames_asked_for().is_some()
+    }
+
+    /// How many frames the reference takes that is being averaged; none if nobody asked for it.
+    #[must_use]
+    pub fn frames_asked_for(&self) -> Option<u16> {
+        self.tare.as_ref().filter(|tare| !tare.is_automatic()).map(Tare::frames)
     }
 
     /// The reference in use.

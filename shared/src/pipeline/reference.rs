@@ -74,6 +74,12 @@ impl Tare {
         self.steady_frames.is_some()
     }
 
+    /// Frames that it takes.
+    #[must_use]
+    pub fn frames(&self) -> u16 {
+        self.remaining.saturating_add(self.reference.frames)
+    }
+
     /// Whether the frame added last was the first, perhaps after others that differed from it.
     #[must_use]
     pub fn has_begun(&self) -> bool {
@@ -84,8 +90,7 @@ impl Tare {
     /// began by itself never does.
     pub fn gives_up(&mut self) -> bool {
         self.unfit = self.unfit.saturating_add(1);
-        let frames = self.remaining.saturating_add(self.reference.frames);
-        !self.is_automatic() && self.unfit / 4 >= frames
+        !self.is_automatic() && self.unfit / 4 >= self.frames()
     }
 
     /// Adds one frame's measurements; gives the finished reference with the last one.

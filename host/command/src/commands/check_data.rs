@@ -90,7 +90,7 @@ const MUCH_LEFT_PERCENT: f64 = 10.0;
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let skin = Skin::load(&args.skin)?.made()?;
     let source = Source::new(&args.file);
-    let frames = args.options.read(&source, &skin)?;
+    let frames = args.options.read(&source, &skin.steps(), skin.electrodes.count)?;
     let expected = Expected::of(&skin).with_context(|| format!("skin file `{}`", args.skin.display()))?;
     let check = check(&expected, &frames, args.options.arrangement())
         .with_context(|| format!("`{source}`{}", hint(&skin, &frames)))?;

@@ -3,13 +3,14 @@
 use super::{
     JsonReport,
     current::Current,
+    doors::open_browser,
     interrupt,
     noise::NoiseOptions,
     outlets::{Outlets, Record, recorded_in_words, session},
     outputs::{Kind, Output},
     progress,
     tare::tare_with_spinner,
-    view::{Desk, Source, Task, open_browser, start},
+    view::{Desk, Source, Task, start},
 };
 use crate::demo::{self, Figures, FrameRecord, Scorer, Watched};
 use dermatome_link::{self as link, Link, LinkError, LinkErrorKind, ScanFrame};
@@ -115,7 +116,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     );
 
     let used = flash(&mut link, &patch)?;
-    let mut outlets = outlets(args, &mut link, &skin)?;
+    let server = args.view.then(|| serve(args)).transpose()?;
+    let mut outlets = outlets(args, &mut link, &skin, server.as_ref())?;
     if outlets.is_none() {
         tare_with_spinner(&mut link, &used, DEFAULT_TARE_FRAMES).map_err(|error| advised(error, noise))?;
     }
@@ -149,7 +151,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         say!("picture                        {}", args.png.display());
     }
     args.json.write(&report)?;
-    match outlets.and_then(Outlets::into_server) {
+    match server {
         Some(server) => stay(server, &skin, patch, noise),
         None => {
             say!("see it in 3D                   dermatome demo --view");
@@ -159,8 +161,13 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 /// Where frames go beside the terminal: to the page, and into a recording.
-fn outlets(args: &Args, link: &mut Link, skin: &Skin) -> anyhow::Result<Option<Outlets>> {
-    if !args.view && args.record.file().is_none() {
+fn outlets(
+    args: &Args,
+    link: &mut Link,
+    skin: &Skin,
+    server: Option<&Server>,
+) -> anyhow::Result<Option<Outlets>> {
+    if server.is_none() && args.record.file().is_none() {
         return Ok(None);
     }
     let session = session(link, Some(demo::SKIN.to_owned()))?;
@@ -170,24 +177,24 @@ fn outlets(args: &Args, link: &mut Link, skin: &Skin) -> anyhow::Result<Option<O
     if let Some(file) = args.record.file() {
         outlets.record(file, &session)?;
     }
-    if args.view {
-        let server = serve()?;
-        say!("the page is at {}", server.url());
-        if !args.no_browser {
-            open_browser(&server);
-        }
-        outlets.serve(server);
+    if let Some(server) = server {
+        outlets.tell(server.speaker(0));
     }
     Ok(Some(outlets))
 }
 
-/// A server at the usual address, or at a free one where another program has that.
-fn serve() -> Result<Server, ServerError> {
+/// A server of the page at the usual address, or at a free one where another program has that.
+fn serve(args: &Args) -> anyhow::Result<Server> {
     let at = |port| Gate { listen: (Ipv4Addr::LOCALHOST, port).into(), token: None, origins: Vec::new() };
-    match start(at(USUAL_PORT)) {
-        Err(ServerError::PortInUse(_)) => start(at(0)),
-        started => started,
+    let server = match start(at(USUAL_PORT)) {
+        Err(ServerError::PortInUse(_)) => start(at(0))?,
+        started => started?,
+    };
+    say!("the page is at {}", server.url());
+    if !args.no_browser {
+        open_browser(&server);
     }
+    Ok(server)
 }
 
 /// Keeps the page open with another board, on whose skin a finger goes round.

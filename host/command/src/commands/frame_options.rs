@@ -4,10 +4,10 @@ use super::choices::SenseOrder;
 use anyhow::{Context, bail};
 use dermatome_frames::recorded::{
     order::{self, Arrangement},
-    read::{Frames, Problem, ReadError, Source, read},
+    read::{Frames, ReadError, Source, read, read_turned},
     wording::Wording,
 };
-use dermatome_model::skin::Skin;
+use dermatome_shared::stimulation::Step;
 
 /// How the file orders its measurements and numbers its electrodes.
 #[derive(clap::Args)]
@@ -41,14 +41,13 @@ impl FrameOptions {
         self.offset
     }
 
-    /// Reads frames of a skin.
-    pub(super) fn read(&self, source: &Source, skin: &Skin) -> anyhow::Result<Frames> {
-        let steps = skin.steps();
-        let frames = self.read_plain(source, skin.electrodes.count, steps.len())?;
+    /// Reads frames of a skin with these steps and so many electrodes.
+    pub(super) fn read(&self, source: &Source, steps: &[Step], electrodes: u8) -> anyhow::Result<Frames> {
+        let frames = self.read_plain(source, electrodes, steps.len())?;
         if !self.single_ended && !source.holds_potentials() {
             return Ok(frames);
         }
-        let apart = frames.apart(&steps, skin.electrodes.count);
+        let apart = frames.apart(steps, electrodes);
         apart.with_context(|| format!("`{source}` as potentials of electrodes"))
     }
 
@@ -63,21 +62,13 @@ impl FrameOptions {
         }
     }
 
-    /// Reads frames of so many electrodes and steps, which are no potentials.
-    pub(super) fn read_of(&self, source: &Source, electrodes: u8, steps: usize) -> Result<Frames, ReadError> {
-        if self.single_ended || source.holds_potentials() {
-            return Err(ReadError { file: source.to_string(), problem: Problem::Potentials });
-        }
-        self.read_plain(source, electrodes, steps)
-    }
-
     fn read_plain(&self, source: &Source, electrodes: u8, steps: usize) -> Result<Frames, ReadError> {
-        let frames = read(source)?;
         let square = usize::from(electrodes).pow(2);
-        let fits = |length: usize| length == steps || length == square;
-        let is_matlab = source.path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mat"));
-        let is_turned = is_matlab && !fits(frames.measurements) && fits(frames.frames);
-        let frames = if self.transpose || is_turned { frames.transposed() } else { frames };
+        let frames = if self.transpose {
+            read(source)?.transposed()
+        } else {
+            read_turned(source, |length| length == steps || length == square)?
+        };
         Ok(frames.with_square(electrodes, steps).minus(self.offset))
     }
 }

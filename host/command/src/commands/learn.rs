@@ -8,11 +8,12 @@ use super::{
     noise::seed,
     outputs::{Kind, Output, patch_file},
     patch_id,
+    playing::{Playing, session_of_others},
     preserved::refuse_to_lose,
     progress,
     reconstruct::{WeightChoice, weigh_by_magnitude},
 };
-use anyhow::Context;
+use anyhow::{Context, bail};
 use dermatome_frames::{
     learn::{
         LearnReport, MOST_TEST, Request,
@@ -22,18 +23,26 @@ use dermatome_frames::{
     },
     recorded::{
         diagnose::diagnose,
-        read::{Frames, Source},
+        read::Source,
+        replay::{Replay, ReplayError, Times, Untouched},
     },
 };
+use dermatome_link::pose::Pose;
 use dermatome_model::{
     model::Model,
     quantize::{self, FixedPointError},
     skin::Skin,
 };
 use dermatome_patch::{output::write_whole, write::Stored};
-use dermatome_shared::patch::PatchView;
+use dermatome_shared::{
+    patch::{Difference, PatchView},
+    stimulation::Step,
+};
 use serde::Serialize;
-use std::{ffi::OsString, path::PathBuf};
+use std::{
+    ffi::OsString,
+    path::{Path, PathBuf},
+};
 
 /// Calibrate a skin's matrix from presses at known places, and write its patch.
 ///
@@ -41,12 +50,13 @@ use std::{ffi::OsString, path::PathBuf};
 /// presses are kept aside and judge the patch in a board's fixed point.
 #[derive(clap::Args)]
 #[command(
-    after_help = "FILE is an .npz archive with the arrays v_pressed [press][measurement], positions_m [press][x, y, z] \
-(without z on a flat skin), v_unpressed (one frame, or one for each press) and perhaps force_n [press]; or a .csv table with one press per \
-row: x and y in metres, on a curved skin z as well, perhaps the force in newtons, then the measurements.
+    after_help = "FILE is an .npz or .mat archive with the arrays v_pressed [press][measurement], positions_m [press][x, y, z] \
+(without z on a flat skin), v_unpressed (one frame, or one for each press) and perhaps force_n [press]; or a table (.csv, .txt, .npy, \
+.mat) with one press per row: x and y in metres, on a curved skin z as well, perhaps the force in newtons, then the measurements.
 
 Examples:
-  dermatome learn skin.toml --presses presses.npz
+  dermatome learn skin.toml --presses presses.npz --record presses.mcap
+  dermatome learn skin.toml --presses presses.csv --reference before.csv --each
   dermatome learn skin.toml --presses presses.csv --reference idle.csv -o calibrated.dermatome --json learn.json"
 )]
 pub(super) struct Args {
@@ -59,9 +69,16 @@ pub(super) struct Args {
     /// Frames of the untouched skin, averaged; without it, v_unpressed of the archive.
     #[arg(long, value_name = "FILE")]
     reference: Option<OsString>,
+    /// Each press has a reference of its own, the one of its number.
+    #[arg(long, requires = "reference")]
+    each: bool,
     /// Where to write the patch [default: the skin's name with .dermatome, in this folder].
     #[arg(short, long, value_name = "PATCH", value_parser = Kind::Patch.parser())]
     output: Option<Output>,
+    /// Record the presses to this file, each by itself after its reference, with what a board with the learnt patch makes of
+    /// them (MCAP).
+    #[arg(long, value_name = "FILE.mcap", value_parser = Kind::Recording.parser())]
+    record: Option<Output>,
     /// Share of the presses kept aside to judge the result, 0 to 0.5.
     #[arg(long, value_name = "SHARE", default_value_t = 0.2, value_parser = share)]
     test: f64,
@@ -110,6 +127,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     if let WeightChoice::Magnitude = args.weights {
         weigh_by_magnitude(&mut skin, &recording.unpressed, &args.options).with_context(in_presses)?;
     }
+    if args.record.is_some() {
+        check_signs(&recording, skin.inverse.difference).context("`--record`").with_context(in_presses)?;
+    }
     let spinner = progress::spinner();
     let in_skin = || format!("skin file `{}`", args.skin.display());
     let model = Model::build(&skin, |stage| spinner.set_message(stage)).with_context(in_skin)?;
@@ -126,6 +146,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         diagnose(&model.steps, electrodes, &model.voltages, &presses.mean_reference, arrangement)?;
     write_whole(&path, &learnt.patch)?;
     spinner.finish_and_clear();
+    if let Some(file) = &args.record {
+        record(args, file, &recording, &view, skin.pose.as_ref()).context("`--record`")?;
+    }
     let mut warnings = diagnosis.warnings(&Flags);
     warnings.extend(doubts(&skin, &learnt.report));
     let report = Report {
@@ -144,10 +167,49 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 fn read(args: &Args, skin: &Skin) -> anyhow::Result<Recording> {
-    let of_reference = |name: &OsString| args.options.read(&Source::new(name), skin);
-    let reference: Option<Frames> = args.reference.as_ref().map(of_reference).transpose()?;
-    Recording::read(&args.presses, reference, args.options.offset(), skin)
-        .map_err(|error| in_flags(error, &[("as a reference of their own", "with --reference")]))
+    let source = args.reference.as_ref().map(|name| Source::new(name));
+    let reference = source
+        .as_ref()
+        .map(|source| args.options.read(source, &skin.steps(), skin.electrodes.count))
+        .transpose()?;
+    let reference = reference.map(|frames| if args.each { frames } else { frames.averaged() });
+    let recording = Recording::read(&args.presses, reference, args.options.offset(), skin)
+        .map_err(|error| in_flags(error, &[("as a reference of their own", "with --reference")]))?;
+    let (presses, references) = (recording.pressed.frames, recording.unpressed.frames);
+    if let Some(source) = source.filter(|_| args.each && references != presses) {
+        bail!(
+            "`{source}` holds {references} references for {presses} presses; allowed with --each: one for each"
+        );
+    }
+    Ok(recording)
+}
+
+/// Whether frames tell a patch all signs that it needs.
+fn check_signs(recording: &Recording, difference: Difference) -> Result<(), ReplayError> {
+    let is_complex = recording.pressed.complex || recording.unpressed.complex;
+    if is_complex && difference == Difference::Plain { Err(ReplayError::Signs) } else { Ok(()) }
+}
+
+/// Records presses as a board with the learnt patch would have sent them.
+fn record(
+    args: &Args,
+    file: &Path,
+    recording: &Recording,
+    patch: &PatchView<'_>,
+    pose: Option<&Pose>,
+) -> anyhow::Result<()> {
+    let Recording { pressed, unpressed, .. } = recording;
+    let before = unpressed.for_each_of(pressed.frames);
+    let times = Times::Rate(patch.header.drive.frame_rate.into());
+    let replay = Replay::new(patch, pressed, Untouched::Each(&before), &args.options.arrangement(), &times)?;
+    let steps: Vec<Step> = patch.steps().collect();
+    let mut playing = Playing::new(patch, &steps)?;
+    let session = session_of_others(patch, args.presses.display().to_string(), Some(&args.skin))?;
+    playing.record(file, &session, pose, replay.begun())?;
+    for item in replay {
+        playing.take(&item?)?;
+    }
+    playing.finish()
 }
 
 /// What the figures say against the result.

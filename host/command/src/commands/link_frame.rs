@@ -12,6 +12,13 @@ pub(super) fn skin_of(
     of_patch: &str,
     pixels: impl FnOnce() -> anyhow::Result<SurfaceTables>,
 ) -> anyhow::Result<(Skin, Pose)> {
+    let (skin, pose) = on_link(path)?;
+    check(path, &skin, of_patch, pixels)?;
+    Ok((skin, pose))
+}
+
+/// The skin in `path`, which must say where it lies, and its pose.
+pub(super) fn on_link(path: &Path) -> anyhow::Result<(Skin, Pose)> {
     let skin = Skin::load(path)?.made()?;
     let Some(pose) = skin.pose.clone() else {
         bail!(
@@ -19,7 +26,6 @@ pub(super) fn skin_of(
             path.display()
         );
     };
-    check(path, &skin, of_patch, pixels)?;
     Ok((skin, pose))
 }
 

@@ -37,6 +37,7 @@ mod cut_picture;
 mod demo;
 mod design;
 mod devices;
+mod doors;
 mod drive;
 mod evaluate;
 mod experiment;
@@ -53,9 +54,12 @@ mod learn;
 mod lines;
 mod link_frame;
 mod man;
+mod mjcf;
+mod mount;
 mod noise;
 mod outlets;
 mod outputs;
+mod playing;
 mod preserved;
 mod presses;
 mod progress;
@@ -71,6 +75,7 @@ mod stream;
 mod tare;
 mod trim;
 mod trust;
+mod urdf;
 mod verbose;
 mod view;
 
@@ -113,6 +118,8 @@ enum Command {
     Replay(replay::Args),
     CheckData(check_data::Args),
     Cut(cut::Args),
+    Urdf(urdf::Args),
+    Mjcf(mjcf::Args),
     Design(design::Args),
     Learn(learn::Args),
     Export(export::Args),
@@ -169,6 +176,8 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Replay(args) => replay::run(&args),
         Command::CheckData(args) => check_data::run(&args),
         Command::Cut(args) => cut::run(&args),
+        Command::Urdf(args) => urdf::run(&args),
+        Command::Mjcf(args) => mjcf::run(&args),
         Command::Design(args) => design::run(&args),
         Command::Learn(args) => learn::run(&args),
         Command::Export(args) => export::run(&args),

@@ -11,7 +11,7 @@ use dermatome_messages::{
     scene::Scene,
     skin::{Look, skin},
 };
-use dermatome_page::Server;
+use dermatome_page::Speaker;
 use dermatome_recording::{
     frames::{Item, RecordedFrame},
     session::Session,
@@ -118,7 +118,7 @@ pub(super) struct Outlets {
     /// What holds for good: shape of the skin, place on its link.
     lasting: Vec<Packed>,
     recorder: Option<Recorder>,
-    server: Option<Server>,
+    speaker: Option<Speaker>,
     averaging: Averaging,
     /// How the skin is driven.
     drive: Option<Drive>,
@@ -144,7 +144,7 @@ impl Outlets {
             scene: Scene::new(Place::default(), Vec::new(), String::new()),
             lasting: Vec::new(),
             recorder: None,
-            server: None,
+            speaker: None,
             averaging: Averaging::default(),
             drive: None,
             tare: Vec::new(),
@@ -153,8 +153,8 @@ impl Outlets {
     }
 
     /// For those who look on, while there is no board.
-    pub(super) fn serving(server: Server) -> Self {
-        Self { server: Some(server), ..Self::empty() }
+    pub(super) fn telling(speaker: Speaker) -> Self {
+        Self { speaker: Some(speaker), ..Self::empty() }
     }
 
     /// Images are those of this patch from now on.
@@ -189,20 +189,11 @@ impl Outlets {
     }
 
     /// Those who look on are told from now on.
-    pub(super) fn serve(&mut self, server: Server) {
+    pub(super) fn tell(&mut self, speaker: Speaker) {
         for packed in self.lasting.clone() {
-            server.publish(packed);
+            speaker.publish(packed);
         }
-        self.server = Some(server);
-    }
-
-    /// The server, for another board.
-    pub(super) fn into_server(self) -> Option<Server> {
-        self.server
-    }
-
-    pub(super) fn server(&self) -> Option<&Server> {
-        self.server.as_ref()
+        self.speaker = Some(speaker);
     }
 
     /// Begins to record.
@@ -264,8 +255,8 @@ impl Outlets {
 
     /// The same of a frame that came at this time, ns since 1970.
     pub(super) fn frame_of(&mut self, frame: &ScanFrame, shown: Option<&ScanFrame>, now: u64) -> bool {
-        let (is_recorded, server) = (self.recorder.is_some(), self.server.as_ref());
-        let is_looked_at = |topic| server.is_some_and(|server| server.wants(topic));
+        let (is_recorded, speaker) = (self.recorder.is_some(), self.speaker.as_ref());
+        let is_looked_at = |topic| speaker.is_some_and(|speaker| speaker.wants(topic));
         let wants = |topic| is_recorded || shown.is_none() && is_looked_at(topic);
         let mut messages = self.outlook.messages(frame, now, wants);
         let drawn = [Topic::Pressure, Topic::Markers, Topic::Diagnostics];
@@ -289,12 +280,12 @@ impl Outlets {
                 }
             }
         }
-        let Some(server) = &self.server else { return is_tared };
+        let Some(speaker) = &self.speaker else { return is_tared };
         if let Some(shown) = shown {
             messages.retain(|packed| drawn.contains(&packed.topic));
-            messages.extend(self.outlook.messages(shown, now, |topic| server.wants(topic)));
+            messages.extend(self.outlook.messages(shown, now, |topic| speaker.wants(topic)));
         }
-        messages.into_iter().for_each(|packed| server.publish(packed));
+        messages.into_iter().for_each(|packed| speaker.publish(packed));
         is_tared
     }
 
@@ -347,8 +338,8 @@ impl Outlets {
         if let Some(recorder) = &mut self.recorder {
             recorder.record(vec![packed.clone()]);
         }
-        if let Some(server) = &self.server {
-            server.publish(packed);
+        if let Some(speaker) = &self.speaker {
+            speaker.publish(packed);
         }
     }
 }

@@ -10,6 +10,7 @@ use clap::{
     builder::{PathBufValueParser, TypedValueParser},
 };
 use dermatome_frames::{array::Source, calibrate::TAKEN_IN};
+use dermatome_geometry::mesh::export::IN_METRES;
 use dermatome_patch::{input, output::check_folder};
 use dermatome_shared::patch;
 use dermatome_simulate::port::Port;
@@ -36,8 +37,12 @@ pub(super) enum Kind {
     Presses,
     /// Of a board, which is not to be had again.
     Recording,
+    /// Of a skin, on a robot.
+    Mesh,
     /// Written by people, so that none that is there is ever replaced unasked.
     Skin,
+    /// The same.
+    Robot,
 }
 
 impl Kind {
@@ -61,7 +66,9 @@ impl Kind {
             Self::Readings => "readings",
             Self::Presses => "an archive of presses",
             Self::Recording => "a recording",
+            Self::Mesh => "a skin's mesh",
             Self::Skin => "a skin file",
+            Self::Robot => "a robot's description",
         }
     }
 
@@ -75,7 +82,8 @@ impl Kind {
             Self::Voltages => &[b"\x93NUMPY", b"voltage\n"],
             Self::Readings => &[b"pressure_kpa,strength", TAKEN_IN.as_bytes()],
             Self::Presses => &[b"PK\x03\x04"],
-            Self::Recording | Self::Skin => &[],
+            Self::Mesh => &[IN_METRES.as_bytes()],
+            Self::Recording | Self::Skin | Self::Robot => &[],
         };
         beginnings.iter().any(|beginning| bytes.starts_with(beginning))
     }
@@ -146,9 +154,9 @@ impl Deref for Folder {
     }
 }
 
-/// Patches that are read and may be replaced by what becomes of them: the argument that is read, the one that is
-/// written.
-const UPDATED: [[&str; 2]; 2] = [["patch", "out"], ["preserve_calibration", "output"]];
+/// Patches and robots that are read and may be replaced by what becomes of them: the argument that is read, the one that
+/// is written.
+const UPDATED: [[&str; 2]; 3] = [["patch", "out"], ["preserve_calibration", "output"], ["robot", "output"]];
 
 /// Checks what a command is to write by its arguments alone, before it does anything.
 pub(super) fn check(command: &Command, matches: &ArgMatches) -> anyhow::Result<()> {
@@ -206,11 +214,11 @@ pub(super) fn patch_file(given: Option<&Output>, skin: &str) -> anyhow::Result<P
 pub(super) fn by_default(
     name: &str,
     given: Option<&Output>,
-    default: String,
+    default: impl Into<PathBuf>,
     kind: Kind,
 ) -> anyhow::Result<PathBuf> {
     let Some(output) = given else {
-        let path = PathBuf::from(default);
+        let path = default.into();
         ensure!(kind.may_replace(&path), not_of_kind(name, &path, kind, "to remove that file"));
         return Ok(path);
     };
@@ -219,7 +227,7 @@ pub(super) fn by_default(
 
 fn not_of_kind(name: &str, path: &Path, kind: Kind, or: &str) -> String {
     let (file, what) = (path.display(), kind.name());
-    let why = if matches!(kind, Kind::Skin | Kind::Recording) {
+    let why = if matches!(kind, Kind::Skin | Kind::Robot | Kind::Recording) {
         "is there already"
     } else {
         "is there, and holds something else"

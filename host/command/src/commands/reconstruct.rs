@@ -127,8 +127,11 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let reference_source = args.reference.as_deref().map(Source::new);
     let mut skin = Skin::load(&args.skin)?.made()?;
     let radius = args.fit.as_deref().map(radius).transpose()?;
-    let reference = reference_source.as_ref().map(|source| args.options.read(source, &skin)).transpose()?;
-    let frames = args.options.read(&frames_source, &skin)?;
+    let reference = reference_source
+        .as_ref()
+        .map(|source| args.options.read(source, &skin.steps(), skin.electrodes.count))
+        .transpose()?;
+    let frames = args.options.read(&frames_source, &skin.steps(), skin.electrodes.count)?;
     let arrangement = args.options.arrangement();
     let chosen = match (&reference, args.weights) {
         (_, Some(chosen)) => chosen,

@@ -1,7 +1,9 @@
 //! `dermatome simulate`: a board to try everything on, without one.
 
 use super::{
-    JsonReport, interrupt,
+    JsonReport,
+    flags::in_flags,
+    interrupt,
     noise::NoiseOptions,
     outputs::{Kind, Output},
 };
@@ -9,15 +11,16 @@ use anyhow::{Context, bail};
 use dermatome_geometry::outline::Outline;
 use dermatome_model::skin::Skin;
 use dermatome_simulate::{
-    Press, Script, SimulatedSkin, TimedFault,
+    Hand, Press, Script, SimulatedSkin, TimedFault,
     board::{BoardOptions, SimulatedBoard},
     material::Material,
 };
 use serde::Serialize;
 use std::{
+    io,
     net::{SocketAddr, ToSocketAddrs},
     path::{Path, PathBuf},
-    thread,
+    thread::{self, JoinHandle},
     time::Duration,
 };
 
@@ -31,6 +34,8 @@ use std::{
   dermatome simulate models/disc-210mm/skin.toml --listen tcp:127.0.0.1:7000
   dermatome simulate models/disc-210mm/skin.toml --press 0.03,-0.02,0.012,1 --noise-db 50 --seed 7
   dermatome simulate models/square-50mm/skin.toml --path fingers.csv --store board.dermatome
+  python3 presses.py | dermatome simulate models/disc-210mm/skin.toml --live \\
+      --material models/materials/sample-1.toml
 then, in another terminal:
   dermatome flash disc-210mm.dermatome --port tcp:127.0.0.1:7000
   dermatome stream --port tcp:127.0.0.1:7000")]
@@ -56,6 +61,10 @@ pub(super) struct Args {
     /// Moving indenters: CSV with the columns time_s,finger,x_m,y_m, a shape and a load (docs/cli.md).
     #[arg(long, value_name = "FILE")]
     path: Option<PathBuf>,
+    /// Press as lines on standard input say, each from then on: {"presses": [{"x_m": 0.01, "y_m": 0, "radius_m": 0.008,
+    /// "force_n": 2}]}, with the columns of a path file as keys. What is beside the skin presses nothing.
+    #[arg(long, conflicts_with_all = ["path", "press"])]
+    live: bool,
     /// Material file of the sheet, for loads in kPa and N (models/materials).
     #[arg(long, value_name = "FILE")]
     material: Option<PathBuf>,
@@ -88,7 +97,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let listen = Listen::new(&args.listen, args.allow_remote).address()?;
     let skin = Skin::load(&args.skin)?.made()?;
-    let script = script(args, &*skin.shape.from_above()?)?;
+    let outline = skin.shape.from_above()?.into_owned();
+    let script = script(args, &outline)?;
     let in_file = || format!("skin file `{}`", args.skin.display());
     let noise = args.noise.noise();
     anyhow::ensure!(
@@ -99,6 +109,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(path) = &args.material {
         source = source.of_material(Material::load(path)?);
     }
+    let hand = Hand::default();
+    source = source.pressed_by(hand.clone());
     check_faults(&args.faults, skin.electrodes.count)?;
     source = source.with_faults(args.faults.clone());
     let simulated_elements = source.elements();
@@ -124,13 +136,47 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         report.port
     );
     args.json.write(&report)?;
-    keep_running(board)
+    let mut told = args.live.then(|| follow(hand, outline, args.material.is_some()));
+    keep_running_while(board, || match told.take_if(|told| told.is_finished()) {
+        Some(told) => told.join().unwrap_or(Ok(())),
+        None => Ok(()),
+    })
 }
+
+/// Presses as standard input tells, to its end; then nothing presses any more.
+fn follow(hand: Hand, outline: Outline, has_material: bool) -> JoinHandle<anyhow::Result<()>> {
+    thread::spawn(move || {
+        for (number, line) in (1..).zip(io::stdin().lines()) {
+            let line = line.context("cannot read standard input")?;
+            let followed = match line.trim() {
+                "" => Ok(()),
+                line => hand.follow(line, &outline, has_material),
+            };
+            followed
+                .map_err(|error| in_flags(error, &FLAGS))
+                .with_context(|| format!("standard input, line {number}"))?;
+        }
+        hand.press(Vec::new());
+        Ok(())
+    })
+}
+
+/// What sets the parameters that the library's errors name.
+const FLAGS: [(&str, &str); 1] = [("`material`", "`--material`")];
 
 /// Until the board has ended, or the user asks for it.
 pub(super) fn keep_running(board: SimulatedBoard) -> anyhow::Result<()> {
+    keep_running_while(board, || Ok(()))
+}
+
+/// The same, or until something goes wrong.
+fn keep_running_while(
+    board: SimulatedBoard,
+    mut is_well: impl FnMut() -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
     while !interrupt::requested() && !board.is_finished() {
         thread::sleep(POLL);
+        is_well()?;
     }
     Ok(board.stop()?)
 }
@@ -138,6 +184,7 @@ pub(super) fn keep_running(board: SimulatedBoard) -> anyhow::Result<()> {
 fn script(args: &Args, outline: &Outline) -> anyhow::Result<Script> {
     match &args.path {
         Some(path) => Ok(Script::load(path, outline)?),
+        None if args.live => Ok(Script::nobody()),
         None if args.press.is_empty() => Ok(Script::round(outline)),
         None => Script::still(&args.press, outline).context("`--press`"),
     }

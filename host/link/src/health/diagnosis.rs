@@ -114,7 +114,9 @@ impl Watch {
         findings.extend(self.below_zero().filter(|_| !known.sheet && !known.wires));
         let flags = self.flags().filter(|(flag, ..)| !known.flags.contains(*flag));
         findings.extend(flags.filter_map(|(flag, words, frames)| self.finding(flag, words, frames)));
-        let vitals = (!is_simulated).then_some(last.vitals);
+        // A board that plays another instrument's frames knows none.
+        let is_known = !is_simulated && last.vitals != Vitals::default();
+        let vitals = is_known.then_some(last.vitals);
         findings.extend(vitals.iter().flat_map(|vitals| findings_of_vitals(vitals, last.missed)));
         if self.events_lost > 0 {
             let what = format!("{} events were lost on the way", self.events_lost);

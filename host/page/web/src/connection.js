@@ -9,6 +9,9 @@ const SILENT_MS = 3000;
 const DEAD_MS = 15000;
 const CALL_MS = { "/dermatome/check": 120000, "/dermatome/calibrate": 120000, "/dermatome/patch": 60000 };
 const USUAL_CALL_MS = 15000;
+const SKIN_SCHEMA = "dermatome_msgs/msg/Skin";
+// Topics and services are named after the space of their skin; the page knows those of a single skin.
+const SINGLE = "/dermatome/";
 
 export class Connection {
   /** `on.message(topic, schema, bytes, logTime)`, `on.session()` where all is new, `on.change()` of what is below. */
@@ -22,6 +25,7 @@ export class Connection {
     this.sessionId = undefined;
     this.notices = new Map();
     this.wanted = new Set();
+    this.chosen = undefined;
     this.nextCall = 1;
     this.nextSubscription = 0;
     this.forget();
@@ -35,8 +39,34 @@ export class Connection {
     return this.isOpen && silence > SILENT_MS ? silence : 0;
   }
 
-  offers(service) {
-    return this.services.has(service);
+  /** Spaces of the skins that the program tells of. */
+  get spaces() {
+    const skins = [...this.channels.values()].filter((channel) => channel.schemaName === SKIN_SCHEMA);
+    return skins.map(({ topic }) => topic.slice(1, topic.lastIndexOf("/")));
+  }
+
+  /** The space that is looked at: the chosen one, or the first. */
+  get space() {
+    const { spaces } = this;
+    return spaces.includes(this.chosen) ? this.chosen : spaces[0];
+  }
+
+  choose(space) {
+    this.chosen = space;
+    this.on.session();
+    this.matchSubscriptions();
+    this.on.change();
+  }
+
+  /** A topic's or service's name as that of a single skin; `undefined` where it is another skin's. */
+  singly(name) {
+    const start = `/${this.space}/`;
+    return name.startsWith(start) ? SINGLE + name.slice(start.length) : undefined;
+  }
+
+  /** Services of the skin that is looked at. */
+  get offered() {
+    return [...this.services.keys()].map((name) => this.singly(name)).filter(Boolean);
   }
 
   want(topic, isWanted) {
@@ -48,7 +78,7 @@ export class Connection {
 
   /** What the service answers; rejects with words. */
   call(service, request) {
-    const id = this.services.get(service);
+    const id = this.services.get(service.replace(SINGLE, `/${this.space}/`));
     if (id === undefined) return Promise.reject(new Error(this.whyNot()));
     const callId = this.nextCall++;
     const answer = new Promise((resolve, reject) => {
@@ -139,7 +169,8 @@ export class Connection {
   readFrame(frame) {
     if (frame?.op === "message") {
       const channel = this.subscriptions.get(frame.subscriptionId);
-      if (channel) this.on.message(channel.topic, channel.schema, frame.bytes, frame.logTime);
+      const topic = channel && this.singly(channel.topic);
+      if (topic) this.on.message(topic, channel.schema, frame.bytes, frame.logTime);
     } else if (frame?.op === "serviceResponse") {
       this.settle(frame.callId, (call) => call.resolve(frame.payload));
     }
@@ -184,7 +215,7 @@ export class Connection {
     const isCdr = (channel) => channel.encoding === "cdr" && channel.schemaEncoding === "ros2msg";
     const held = new Set([...this.subscriptions.values()].map((channel) => channel.id));
     const missing = [...this.channels.values()].filter(
-      (channel) => this.wanted.has(channel.topic) && isCdr(channel) && !held.has(channel.id),
+      (channel) => this.wanted.has(this.singly(channel.topic)) && isCdr(channel) && !held.has(channel.id),
     );
     const subscriptions = missing.map((channel) => ({ id: this.nextSubscription++, channelId: channel.id, channel }));
     for (const { id, channel } of subscriptions) this.subscriptions.set(id, channel);
@@ -195,7 +226,7 @@ export class Connection {
   }
 
   dropUnwanted() {
-    const unwanted = [...this.subscriptions].filter(([, channel]) => !this.wanted.has(channel.topic));
+    const unwanted = [...this.subscriptions].filter(([, channel]) => !this.wanted.has(this.singly(channel.topic)));
     if (unwanted.length === 0) return;
     for (const [id] of unwanted) this.subscriptions.delete(id);
     this.send({ op: "unsubscribe", subscriptionIds: unwanted.map(([id]) => id) });

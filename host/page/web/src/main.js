@@ -13,6 +13,7 @@ import { Plots } from "./plots.js";
 import { ScopeView } from "./scope.js";
 import { Session } from "./session.js";
 import { settingsPanel } from "./settings_panel.js";
+import { skinChoice } from "./skin_choice.js";
 import { statusView } from "./status_view.js";
 import { Tabs } from "./tabs.js";
 import { setUpTestHook } from "./test_hook.js";
@@ -24,6 +25,7 @@ const { tare, record } = actions(session);
 
 statusView(session, (action) => (action === "tare" ? tare() : session.program.retryNow()));
 settingsPanel(session, picture);
+skinChoice(session);
 calibratePanel(session);
 new PlaybackBar(session);
 

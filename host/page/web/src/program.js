@@ -13,6 +13,8 @@ export class Program {
     this.retryAt = 0;
     this.silence = 0;
     this.sessionId = undefined;
+    this.spaces = [];
+    this.space = undefined;
     this.services = new Set();
     this.notices = [];
     this.calls = new Map();
@@ -29,6 +31,11 @@ export class Program {
 
   want(topic, isWanted) {
     this.worker.postMessage({ kind: "want", topic, isWanted });
+  }
+
+  /** Looks at another skin of those that the program tells of. */
+  choose(space) {
+    this.worker.postMessage({ kind: "choose", space });
   }
 
   retryNow() {

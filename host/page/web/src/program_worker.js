@@ -16,6 +16,7 @@ let isGathering = false;
 const orders = {
   open: ({ url }) => (connection = new Connection(url, { message: keep, session: begin, change: tellState })),
   want: ({ topic, isWanted }) => connection.want(topic, isWanted),
+  choose: ({ space }) => connection.choose(space),
   retry: () => connection.retryNow(),
   taken: () => {
     isUnderWay = false;
@@ -55,8 +56,8 @@ function begin() {
 }
 
 function tellState() {
-  const { isOpen, everOpen, attempts, retryAt, sessionId, silence, services, notices } = connection;
+  const { isOpen, everOpen, attempts, retryAt, sessionId, silence, spaces, space, offered, notices } = connection;
   const retryIn = retryAt > 0 ? retryAt - performance.now() : 0;
-  const state = { isOpen, everOpen, attempts, retryIn, sessionId, silence };
-  postMessage({ kind: "state", state, services: [...services.keys()], notices: [...notices.values()] });
+  const state = { isOpen, everOpen, attempts, retryIn, sessionId, silence, spaces, space };
+  postMessage({ kind: "state", state, services: offered, notices: [...notices.values()] });
 }

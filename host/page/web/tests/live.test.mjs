@@ -3,7 +3,7 @@
 
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, statSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { isAbsolute, join } from "node:path";
 import { createInterface } from "node:readline";
@@ -17,12 +17,13 @@ const SKIN = fileURLToPath(new URL("../../../../models/disc-210mm/skin.toml", im
 const skip = PROGRAM ? missing : "not run: DERMATOME does not name the program";
 const START_MS = 60000;
 
-/** Starts the program in `folder`, and tells its address. `end` ends it. */
-async function start(folder, listen = "127.0.0.1:0") {
-  const child = spawn(PROGRAM, ["view", "--port", `sim:${SKIN}`, "--listen", listen, "--no-browser"], { cwd: folder });
+/** Starts the program in `folder`, and tells its address, which it says on `out`. `end` ends it. */
+async function start(folder, listen = "127.0.0.1:0", command = ["view", "--port", `sim:${SKIN}`], out = "stdout") {
+  const child = spawn(PROGRAM, [...command, "--listen", listen, "--no-browser"], { cwd: folder });
   const said = [];
   child.stderr.on("data", (data) => said.push(data));
-  const lines = createInterface({ input: child.stdout })[Symbol.asyncIterator]();
+  if (out !== "stdout") child.stdout.resume();
+  const lines = createInterface({ input: child[out] })[Symbol.asyncIterator]();
   const late = new Promise((_, reject) => setTimeout(reject, START_MS, new Error("no address")).unref());
   const { value } = await Promise.race([lines.next(), late]);
   assert.match(String(value), /^http:\/\/127\.0\.0\.1:\d+\/(\?token=.*)?$/, Buffer.concat(said).toString());
@@ -134,6 +135,54 @@ describe("the program", () => {
     await stateIs(page, "No program");
     program = await start(folder, `127.0.0.1:${program.port}`);
     await stateIs(page, "Live");
+    assert.deepEqual(errors, []);
+    await close();
+  });
+});
+
+const TINY = readFileSync(new URL("../../../tests/data/tiny.toml", import.meta.url), "utf8");
+
+const patch = (name) => `[[patches]]
+name = "${name}"
+skin = "${name}.toml"
+port = "sim:${name}.toml"
+link = "${name}_link"
+position = ["0 mm", "0 mm", "40 mm"]
+orientation = [0, 0, 0, 1]
+`;
+
+describe("a robot's skins", () => {
+  let browser, folder, program;
+  before(async () => {
+    if (skip) return;
+    browser = await launch();
+    folder = mkdtempSync(join(tmpdir(), "dermatome-robot-"));
+    for (const name of ["palm", "elbow"]) {
+      writeFileSync(join(folder, `${name}.toml`), TINY.replace('name = "tiny"', `name = "${name}-skin"`));
+    }
+    writeFileSync(join(folder, "robot.toml"), `name = "arm"\n${patch("palm")}${patch("elbow")}`);
+    program = await start(folder, "127.0.0.1:0", ["serve", "robot.toml"], "stderr");
+  });
+  after(async () => {
+    await program?.end();
+    await browser?.close();
+    if (folder) rmSync(folder, { recursive: true, force: true });
+  });
+
+  test("are shown one at a time, and tared each for itself", { skip }, async () => {
+    const { page, errors, close } = await openPage(browser, program.url);
+    const skin = () => page.evaluate(() => window.dermatome.state().skin);
+    await stateIs(page, "Live");
+    await untilDrawn(page);
+    assert.equal(await skin(), "palm-skin");
+    assert.deepEqual(await page.locator("#skin-choice option").allTextContents(), ["arm/palm", "arm/elbow"]);
+    await page.selectOption("#skin-choice", "arm/elbow");
+    await until(page, () => window.dermatome.state().skin === "elbow-skin", undefined, START_MS);
+    await stateIs(page, "Live");
+    await untilDrawn(page);
+    assert.ok(await page.isEnabled("#tare"));
+    assert.ok(await page.isDisabled("#record"), "not offered for a robot");
+    await screenshot(page, "robot");
     assert.deepEqual(errors, []);
     await close();
   });

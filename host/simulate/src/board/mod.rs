@@ -36,7 +36,7 @@ use dermatome_shared::{
     restart::Restart,
 };
 pub use for_skin::{DEFAULT_NOISE, SimulationError, board_for_skin};
-pub use recorded::{ReplayError, board_for_recording};
+pub use recorded::{ReplayError, board_for_items, board_for_recording};
 use std::{
     io::{self, ErrorKind},
     net::{Ipv4Addr, SocketAddr, TcpListener},
@@ -373,8 +373,12 @@ impl Worker {
         period: Duration,
     ) -> Option<Instant> {
         match recalled {
-            // A host that has asked for a tare has it.
-            Recalled::Tare(_) if self.device.pipeline().is_asked_to_tare() => due,
+            // A host that has asked for a tare has it, unless fewer frames of the recording are untouched.
+            Recalled::Tare(frames)
+                if self.device.pipeline().frames_asked_for().is_some_and(|asked| asked <= frames) =>
+            {
+                due
+            }
             Recalled::Tare(frames) => {
                 self.tell_itself(Request::Tare { frames });
                 due
@@ -383,8 +387,11 @@ impl Worker {
                 let (mut frame, health, vitals) = *of;
                 self.device.set_vitals(vitals);
                 self.device.replay(&mut frame, health, |packet| client.send(packet));
+                self.script_frame += 1;
                 due.map(|due| (due + period).max(Instant::now().checked_sub(MAX_BACKLOG).unwrap_or(due)))
             }
+            // A stream that has just begun has not come to this end, the one before it has.
+            Recalled::End if self.script_frame == 0 => due.map(|due| due + period),
             Recalled::End => {
                 self.tell_itself(Request::Stream(Selection::default()));
                 due

@@ -2,10 +2,12 @@
 
 use super::{BoardError, BoardOptions, SimulatedBoard};
 use crate::instrument::{Instrument, Recalled, ScanTable};
+use dermatome_messages::dermatome::Reference;
 use dermatome_recording::{
     frames::{Frames, Item},
     play::{PlayError, StepMap},
     read::{ReadError, Recording},
+    session::Session,
 };
 use dermatome_shared::{
     drive::Drive,
@@ -17,6 +19,7 @@ use dermatome_shared::{
 use std::{
     net::SocketAddr,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 /// Why a recording is not played.
@@ -33,6 +36,9 @@ pub enum ReplayError {
         /// Why.
         reason: PatchError,
     },
+    /// The patch that frames are to be played with is none.
+    #[error("the patch: {0}")]
+    GivenPatch(PatchError),
     /// The patch to play it with measures what it does not hold.
     #[error("recording `{}`: {reason}", path.display())]
     Steps {
@@ -56,69 +62,94 @@ pub fn board_for_recording(
     patch: Option<Vec<u8>>,
     listen: SocketAddr,
 ) -> Result<SimulatedBoard, ReplayError> {
-    let (tape, session_patch, source) = Tape::open(path)?;
-    let patch = patch.unwrap_or(session_patch);
+    let recording = Recording::open(path)?;
+    let Session { patch: own, frame_source, .. } = recording.session().clone();
+    let (_, reference) = from_reference(recording)?;
     let refuse = |reason| ReplayError::Patch { path: path.to_owned(), reason };
+    let recorded: Vec<Step> = PatchView::validate(&own).map_err(refuse)?.steps().collect();
+    let patch = patch.unwrap_or(own);
     let view = PatchView::validate(&patch).map_err(refuse)?;
     let wanted: Vec<Step> = view.steps().collect();
-    StepMap::new(&tape.recorded, &wanted)
+    StepMap::new(&recorded, &wanted)
         .map_err(|reason| ReplayError::Steps { path: path.to_owned(), reason })?;
-    let (electrodes, drive) = (view.header.electrodes, tape.drive);
+    let file = path.to_owned();
+    let tape = Tape::new(recorded, move || {
+        let (mut frames, reference) = from_reference(Recording::open(&file)?)?;
+        let reference = Item::Reference(reference);
+        let rest = std::iter::from_fn(move || frames.next_item().map_err(ReplayError::from).transpose());
+        Ok(Box::new(std::iter::once(Ok(reference)).chain(rest)))
+    });
+    let electrodes = view.header.electrodes;
+    start(tape, Played { patch, electrodes, frame_source, drive: reference.drive() }, listen)
+}
+
+/// The same of frames that come from no board, as one with `patch` would have recorded them, driven like this.
+pub fn board_for_items(
+    items: Vec<Item>,
+    patch: Vec<u8>,
+    drive: Drive,
+    listen: SocketAddr,
+) -> Result<SimulatedBoard, ReplayError> {
+    let view = PatchView::validate(&patch).map_err(ReplayError::GivenPatch)?;
+    let (electrodes, steps) = (view.header.electrodes, view.steps().collect());
+    let items: Arc<[Item]> = items.into();
+    let tape = Tape::new(steps, move || {
+        let items = items.clone();
+        Ok(Box::new((0..items.len()).map(move |place| Ok(items[place].clone()))))
+    });
+    start(tape, Played { patch, electrodes, frame_source: FrameSource::Skin, drive }, listen)
+}
+
+/// What a board plays with.
+struct Played {
+    patch: Vec<u8>,
+    electrodes: u8,
+    frame_source: FrameSource,
+    drive: Drive,
+}
+
+fn start(tape: Tape, played: Played, listen: SocketAddr) -> Result<SimulatedBoard, ReplayError> {
+    let Played { patch, electrodes, frame_source, drive } = played;
     let options = BoardOptions {
         listen,
         electrodes,
         patch: Some(patch),
         name: "replay",
-        frame_source: source,
+        frame_source,
         drive: Some(drive),
         ..BoardOptions::default()
     };
     Ok(SimulatedBoard::start(options, tape)?)
 }
 
+/// What is played, from its first reference on.
+type Items = Box<dyn Iterator<Item = Result<Item, ReplayError>> + Send>;
+
 /// A recording that is played over and over.
 struct Tape {
-    path: PathBuf,
-    /// None where it has come to its end.
-    frames: Option<Frames>,
-    /// The first reference, which is still to be told.
-    ahead: Option<Item>,
+    rewind: Box<dyn Fn() -> Result<Items, ReplayError> + Send>,
+    /// None where it is at its start.
+    items: Option<Items>,
     /// Steps of the patch that it was recorded with.
     recorded: Vec<Step>,
-    /// How the skin was driven.
-    drive: Drive,
     /// For these steps.
     map: Option<(Vec<Step>, StepMap)>,
 }
 
 impl Tape {
-    fn open(path: &Path) -> Result<(Self, Vec<u8>, FrameSource), ReplayError> {
-        let recording = Recording::open(path)?;
-        let session = recording.session();
-        let (patch, source) = (session.patch.clone(), session.frame_source);
-        let refuse = |reason| ReplayError::Patch { path: path.to_owned(), reason };
-        let recorded = PatchView::validate(&patch).map_err(refuse)?.steps().collect();
-        let (frames, reference) = from_reference(recording)?;
-        let Item::Reference(of) = &reference else { return Err(ReplayError::NoReference(path.to_owned())) };
-        let drive = of.drive();
-        let (path, frames) = (path.to_owned(), Some(frames));
-        let tape = Self { path, frames, ahead: Some(reference), recorded, drive, map: None };
-        Ok((tape, patch, source))
+    fn new(recorded: Vec<Step>, rewind: impl Fn() -> Result<Items, ReplayError> + Send + 'static) -> Self {
+        Self { rewind: Box::new(rewind), items: None, recorded, map: None }
     }
 
     /// What comes next, from the first reference on; none at the end.
     fn next(&mut self) -> Result<Option<Item>, ReplayError> {
-        if let Some(item) = self.ahead.take() {
-            return Ok(Some(item));
-        }
-        let Some(frames) = &mut self.frames else {
-            let (frames, reference) = from_reference(Recording::open(&self.path)?)?;
-            self.frames = Some(frames);
-            return Ok(Some(reference));
+        let items = match &mut self.items {
+            Some(items) => items,
+            none => none.insert((self.rewind)()?),
         };
-        let item = frames.next_item()?;
+        let item = items.next().transpose()?;
         if item.is_none() {
-            self.frames = None;
+            self.items = None;
         }
         Ok(item)
     }
@@ -152,12 +183,12 @@ impl Tape {
 }
 
 /// The frames behind a recording's first reference, and that.
-fn from_reference(recording: Recording) -> Result<(Frames, Item), ReplayError> {
+fn from_reference(recording: Recording) -> Result<(Frames, Reference), ReplayError> {
     let path = recording.path().to_owned();
     let mut frames = Frames::of(recording);
     while let Some(item) = frames.next_item()? {
-        if matches!(item, Item::Reference(_)) {
-            return Ok((frames, item));
+        if let Item::Reference(reference) = item {
+            return Ok((frames, reference));
         }
     }
     Err(ReplayError::NoReference(path))
@@ -172,7 +203,7 @@ impl Instrument for Tape {
     fn recall(&mut self, table: &ScanTable) -> Option<Recalled> {
         Some(self.recalled(table).unwrap_or_else(|error| {
             log::error!("the recording ends here: {error}");
-            self.frames = None;
+            self.items = None;
             Recalled::End
         }))
     }

@@ -1,6 +1,9 @@
 //! Script: where indenters press a simulated skin, and when.
 
+mod hand;
 mod path_file;
+
+pub use hand::{Hand, HandError};
 
 use dermatome_geometry::outline::Outline;
 use dermatome_model::indenter::{Load, Press, PressError};

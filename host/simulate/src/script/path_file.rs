@@ -37,8 +37,12 @@ impl Script {
 }
 
 #[derive(Deserialize)]
-struct Row {
+#[serde(deny_unknown_fields)]
+pub(super) struct Row {
+    // A table has both; a press that is told as it happens has none.
+    #[serde(default)]
     time_s: f64,
+    #[serde(default)]
     finger: u32,
     x_m: f64,
     y_m: f64,
@@ -54,13 +58,16 @@ struct Row {
 
 impl Row {
     fn moment(&self) -> Result<Moment, String> {
-        let press = Press {
+        Ok(Moment { time: self.time_s, press: self.press()? })
+    }
+
+    pub(super) fn press(&self) -> Result<Press, String> {
+        Ok(Press {
             position: [self.x_m, self.y_m],
             angle: self.angle_deg.unwrap_or(0.0).to_radians(),
             footprint: self.footprint()?,
             load: self.load()?,
-        };
-        Ok(Moment { time: self.time_s, press })
+        })
     }
 
     fn footprint(&self) -> Result<Footprint, String> {

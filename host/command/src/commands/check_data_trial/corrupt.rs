@@ -2,9 +2,12 @@
 //!
 //! Exchanged wires add up voltages that were measured: that between two electrodes is the sum of the pairs between
 //! them. Pairs that were not measured, because they touch a driven electrode, are as the model says at the frame's
-//! gain.
+//! gain. What the instrument adds is taken out before and put back after, see [`Instrument`].
 
-use super::judge::{Wrong, alike};
+use super::{
+    instrument::Instrument,
+    judge::{Wrong, alike},
+};
 use dermatome_frames::recorded::{
     check::{
         Expected,
@@ -40,6 +43,8 @@ struct Whole<'a> {
     complex: bool,
     /// Whether the instrument records magnitudes only.
     magnitudes: bool,
+    instrument: Option<&'a Instrument>,
+    /// Voltages.
     values: Vec<Vec<Complex64>>,
 }
 
@@ -48,11 +53,12 @@ pub(super) fn corruptions(
     expected: &Expected,
     frames: &Frames,
     used: Arrangement,
+    instrument: Option<&Instrument>,
     random: &mut Pcg64Mcg,
 ) -> Vec<Spoilt> {
     let mut spoilt = Vec::new();
     let plain = used == Arrangement::default();
-    if let Some(whole) = Whole::of(expected, frames).filter(|_| plain) {
+    if let Some(whole) = Whole::of(expected, frames, instrument).filter(|_| plain) {
         orders(&whole, &mut spoilt);
         misplaced(&whole, random, &mut spoilt);
         wires(&whole, random, &mut spoilt);
@@ -61,7 +67,7 @@ pub(super) fn corruptions(
         electrodes(&whole, random, &mut spoilt);
     }
     offsets(expected, frames, &mut spoilt);
-    signal(frames, &mut spoilt);
+    signal(expected, frames, &mut spoilt);
     spoilt
 }
 
@@ -192,13 +198,8 @@ fn electrodes(whole: &Whole<'_>, random: &mut Pcg64Mcg, spoilt: &mut Vec<Spoilt>
 const OFFSETS: [f64; 5] = [0.5, 1.0, 2.0, 3.0, -1.0];
 
 fn offsets(expected: &Expected, frames: &Frames, spoilt: &mut Vec<Spoilt>) {
-    let Ok(map) =
-        Arrangement::default().index_map(&expected.steps, expected.electrodes(), frames.measurements)
-    else {
-        return;
-    };
     let mean = frames.mean();
-    let size = median(map.iter().map(|place| mean[place.index].norm()));
+    let size = median(places(expected, frames).into_iter().map(|place| mean[place].norm()));
     // Magnitudes have no room below zero.
     let magnitudes = frames.values.iter().all(|value| value.im == 0.0 && value.re >= 0.0);
     for share in OFFSETS.into_iter().filter(|share| *share > 0.0 || !magnitudes) {
@@ -206,11 +207,20 @@ fn offsets(expected: &Expected, frames: &Frames, spoilt: &mut Vec<Spoilt>) {
     }
 }
 
-fn signal(frames: &Frames, spoilt: &mut Vec<Spoilt>) {
+/// Where the steps lie in a frame.
+fn places(expected: &Expected, frames: &Frames) -> Vec<usize> {
+    let map = Arrangement::default().index_map(&expected.steps, expected.electrodes(), frames.measurements);
+    map.map_or(Vec::new(), |map| map.iter().map(|place| place.index).collect())
+}
+
+fn signal(expected: &Expected, frames: &Frames, spoilt: &mut Vec<Spoilt>) {
     if frames.frames < 5 {
         return;
     }
-    let largest = frames.values.iter().fold(0.0, |most: f64, value| most.max(value.re.abs()));
+    let places = places(expected, frames);
+    let of_frame =
+        |frame: &[Complex64]| places.iter().fold(0.0, |most: f64, &place| most.max(frame[place].re.abs()));
+    let largest = frames.iter().map(of_frame).fold(0.0, f64::max);
     let limit = 0.8 * largest;
     let mut clipped = frames.clone();
     clipped.values.iter_mut().for_each(|value| value.re = value.re.clamp(-limit, limit));
@@ -239,7 +249,7 @@ fn moved(frames: &Frames, to: impl Fn(usize) -> usize) -> Frames {
 
 impl<'a> Whole<'a> {
     /// Of a pattern that looks the same from every electrode.
-    fn of(expected: &'a Expected, frames: &Frames) -> Option<Self> {
+    fn of(expected: &'a Expected, frames: &Frames, instrument: Option<&'a Instrument>) -> Option<Self> {
         let cyclic = Cyclic::of(expected)?;
         let n = cyclic.n;
         let map = Arrangement::default()
@@ -252,8 +262,22 @@ impl<'a> Whole<'a> {
         let gain = gain(&frames.mean(), &map.iter().map(|place| place.index).collect::<Vec<_>>(), &model);
         let of_frame = |frame: &[Complex64]| -> Vec<Complex64> {
             if square {
-                return frame.to_vec();
+                let Some(instrument) = instrument else { return frame.to_vec() };
+                let mut whole = instrument.voltages(frame, |place| cyclic.pair(place));
+                (0..n).for_each(|row| cyclic.close_driven(row, &mut whole[row * n..][..n]));
+                return whole;
             }
+            let frame = &instrument.map_or_else(
+                || frame.to_vec(),
+                |instrument| {
+                    let step = |place: usize| map.iter().position(|it| it.index == place).unwrap_or(place);
+                    let pair = |place: usize| {
+                        let Step { sense_plus, sense_minus, .. } = expected.steps[step(place)];
+                        [sense_plus, sense_minus]
+                    };
+                    instrument.voltages(frame, pair)
+                },
+            );
             let mut whole: Vec<Complex64> =
                 (0..n * n).map(|place| gain * expected.voltage(cyclic.step(place / n, place % n))).collect();
             for ((step, place), m) in expected.steps.iter().zip(&map).zip(&model) {
@@ -267,7 +291,7 @@ impl<'a> Whole<'a> {
             whole
         };
         let values = frames.iter().map(of_frame).collect();
-        Some(Self { expected, cyclic, square, complex: frames.complex, magnitudes, values })
+        Some(Self { expected, cyclic, square, complex: frames.complex, magnitudes, instrument, values })
     }
 
     /// As a file holds them, in canonical order.
@@ -283,11 +307,25 @@ impl<'a> Whole<'a> {
             let column = |row: usize, column: usize| if relative { (row + column) % n } else { column };
             let places = (0..n * n).map(|place| (place / n, column(place / n, place % n)));
             let is_kept = |&(row, column): &(usize, usize)| square || self.is_measured(row, column);
+            let whole = self.recorded(whole);
             places.filter(is_kept).map(|(row, column)| stored(whole[row * n + column])).collect()
         };
         let values: Vec<Complex64> = self.values.iter().flat_map(of_frame).collect();
         let frames = self.values.len();
         Frames { measurements: values.len() / frames, values, frames, complex: self.complex }
+    }
+
+    /// What the instrument records of a whole frame.
+    fn recorded(&self, whole: &[Complex64]) -> Vec<Complex64> {
+        let Some(instrument) = self.instrument else { return whole.to_vec() };
+        let n = self.cyclic.n;
+        let is_scanned = |&place: &usize| self.square || self.is_measured(place / n, place % n);
+        let scanned: Vec<usize> = (0..n * n).filter(is_scanned).collect();
+        let voltages: Vec<Complex64> = scanned.iter().map(|&place| whole[place]).collect();
+        let values = instrument.records(&voltages, |index| self.cyclic.pair(scanned[index]));
+        let mut recorded = whole.to_vec();
+        scanned.iter().zip(values).for_each(|(&place, value)| recorded[place] = value);
+        recorded
     }
 
     fn is_measured(&self, row: usize, column: usize) -> bool {
@@ -455,6 +493,21 @@ impl Cyclic {
         let in_order = expected.steps.is_sorted_by_key(|step| (step.drive_minus, step.sense_plus));
         let rows = expected.steps.len().is_multiple_of(n);
         (in_order && rows && expected.steps.iter().all(same)).then_some(cyclic)
+    }
+
+    /// Sense pair of a place of the square.
+    fn pair(self, place: usize) -> [u8; 2] {
+        let Step { sense_plus, sense_minus, .. } = self.step(place / self.n, place % self.n);
+        [sense_plus, sense_minus]
+    }
+
+    /// Makes the voltages round a drive add up to zero by that of the driven pair, which exceeds the range of most
+    /// instruments.
+    fn close_driven(self, row: usize, values: &mut [Complex64]) {
+        if self.drive == self.sense {
+            values[row] = Complex64::ZERO;
+            values[row] = -values.iter().sum::<Complex64>();
+        }
     }
 
     fn step(self, row: usize, column: usize) -> Step {

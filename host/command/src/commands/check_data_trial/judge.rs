@@ -47,8 +47,8 @@ pub(super) enum Wrong {
     Repeated,
 }
 
-/// Whether the check found it.
-pub(super) fn is_named(wrong: &Wrong, check: &Check, expected: &Expected) -> bool {
+/// Whether the check found it; `good` is that of the frames before they were spoilt.
+pub(super) fn is_named(wrong: &Wrong, check: &Check, good: &Check, expected: &Expected) -> bool {
     let numbering = &check.numbering;
     let has = |about: About| check.findings.iter().any(|finding| finding.about == about);
     match wrong {
@@ -65,12 +65,18 @@ pub(super) fn is_named(wrong: &Wrong, check: &Check, expected: &Expected) -> boo
         },
         Wrong::Exchanged(made) => numbering.exchanged == [*made],
         Wrong::Offset(made) => {
-            check.offset.is_some_and(|offset| (offset.value / made - 1.0).abs() < OFFSET_ERROR)
+            let before = good.offset.map_or(0.0, |offset| offset.value);
+            check.offset.is_some_and(|offset| ((offset.value - before) / made - 1.0).abs() < OFFSET_ERROR)
         }
         Wrong::Potentials => check.single_ended,
         Wrong::TransposedPotentials => check.single_ended && check.misplaced == [Misplacement::Transposed],
-        Wrong::Gain { pair, drives, gain } => matches!(&check.gains[..], [only]
-            if is_gain(only, *pair, *drives, *gain)),
+        Wrong::Gain { pair, drives, gain } => {
+            let was_there = |it: &PairGain| {
+                good.gains.iter().any(|was| was.electrodes == it.electrodes && was.drives == it.drives)
+            };
+            let made: Vec<&PairGain> = check.gains.iter().filter(|it| !was_there(it)).collect();
+            matches!(made[..], [only] if is_gain(only, *pair, *drives, *gain))
+        }
         Wrong::Reversed { pair, drives: true } => check.polarity.reversed_drives == [*pair],
         Wrong::Reversed { pair, drives: false } => check.polarity.reversed_senses == [*pair],
         Wrong::Open(electrode) => {

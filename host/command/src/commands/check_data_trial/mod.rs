@@ -2,6 +2,7 @@
 
 mod bodies;
 mod corrupt;
+mod instrument;
 mod judge;
 
 use super::{JsonReport, frame_options::FrameOptions, noise::seed, progress};
@@ -17,6 +18,7 @@ use dermatome_frames::recorded::{
     read::{Frames, Source},
 };
 use dermatome_model::skin::Skin;
+use instrument::Instrument;
 use judge::Wrong;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
@@ -47,6 +49,9 @@ pub(super) struct Args {
     /// Good frames, as `check-data` reads them.
     #[arg(value_name = "FILE")]
     files: Vec<OsString>,
+    /// A fault (`about` of `check-data`) that the files do have, so that it is no false alarm; may be repeated.
+    #[arg(long, value_name = "ABOUT", value_parser = about)]
+    known: Vec<About>,
     /// Seed of what is spoilt, and of simulated bodies.
     #[arg(long, default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
@@ -54,6 +59,10 @@ pub(super) struct Args {
     options: FrameOptions,
     #[command(flatten)]
     json: JsonReport,
+}
+
+fn about(name: &str) -> Result<About, serde_json::Error> {
+    serde_json::from_value(name.into())
 }
 
 /// Good frames of a skin.
@@ -93,6 +102,8 @@ struct Report {
     false_alarms: usize,
     rows: Vec<Row>,
     missed: Vec<Trial>,
+    /// What is found in the frames as they are.
+    as_they_are: Vec<Trial>,
 }
 
 /// Kind of frames as they are.
@@ -107,7 +118,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     bar.set_message("checks");
     let trials: Vec<Trial> = sets
         .iter()
-        .map(|set| tried(set, args.seed, &bar))
+        .map(|set| tried(set, args.seed, &args.known, &bar))
         .collect::<anyhow::Result<Vec<_>>>()?
         .into_iter()
         .flatten()
@@ -124,7 +135,7 @@ fn recorded(args: &Args, path: &Path) -> anyhow::Result<Vec<Set>> {
     let expected = Expected::of(&skin).with_context(|| format!("skin file `{}`", path.display()))?;
     let set = |file: &OsString| {
         let source = Source::new(file);
-        let frames = args.options.read(&source, &skin)?;
+        let frames = args.options.read(&source, &skin.steps(), skin.electrodes.count)?;
         let arrangement = args.options.arrangement();
         arrangement
             .index_map(&expected.steps, expected.electrodes(), frames.measurements)
@@ -134,31 +145,39 @@ fn recorded(args: &Args, path: &Path) -> anyhow::Result<Vec<Set>> {
     args.files.iter().map(set).collect()
 }
 
-fn tried(set: &Set, seed: u64, bar: &indicatif::ProgressBar) -> anyhow::Result<Vec<Trial>> {
+fn tried(set: &Set, seed: u64, known: &[About], bar: &indicatif::ProgressBar) -> anyhow::Result<Vec<Trial>> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let good = check(&set.expected, &set.frames, set.arrangement)?;
-    let mut trials = vec![trial(set, GOOD, &Wrong::Nothing, &good, &[])];
+    let mut trials = vec![trial(set, GOOD, &Wrong::Nothing, &good, &good, known)];
     // Faults of the frames as they are stay when more is wrong with them.
     let known: Vec<_> =
         good.findings.iter().filter(|it| it.level == Level::Fault).map(|it| it.about).collect();
-    let spoilt = corruptions(&set.expected, &set.frames, set.arrangement, &mut random);
+    let instrument = Instrument::of(&good, &set.frames);
+    let spoilt = corruptions(&set.expected, &set.frames, set.arrangement, instrument.as_ref(), &mut random);
     bar.inc_length(spoilt.len() as u64);
     let try_one = |(kind, wrong, frames): &(&'static str, Wrong, Frames)| {
         let check = check(&set.expected, frames, set.arrangement)?;
         bar.inc(1);
-        Ok(trial(set, kind, wrong, &check, &known))
+        Ok(trial(set, kind, wrong, &check, &good, &known))
     };
     trials.extend(spoilt.par_iter().map(try_one).collect::<anyhow::Result<Vec<_>>>()?);
     Ok(trials)
 }
 
-fn trial(set: &Set, kind: &'static str, wrong: &Wrong, check: &Check, known: &[About]) -> Trial {
+fn trial(
+    set: &Set,
+    kind: &'static str,
+    wrong: &Wrong,
+    check: &Check,
+    good: &Check,
+    known: &[About],
+) -> Trial {
     let others = judge::others(wrong, check, known);
     Trial {
         set: set.name.clone(),
         kind,
         wrong: wrong.to_string(),
-        named: judge::is_named(wrong, check, &set.expected) && others.is_empty(),
+        named: judge::is_named(wrong, check, good, &set.expected) && others.is_empty(),
         findings: check.findings.iter().map(|finding| finding.found.clone()).collect(),
     }
 }
@@ -182,7 +201,8 @@ impl Report {
             good_frames: good.len(),
             false_alarms: good.iter().filter(|trial| !trial.named).count(),
             rows,
-            missed: good.into_iter().chain(spoilt).filter(|trial| !trial.named).collect(),
+            missed: spoilt.into_iter().filter(|trial| !trial.named).collect(),
+            as_they_are: good,
         }
     }
 }
@@ -195,7 +215,8 @@ fn print(report: &Report) {
     }
     say!("{:44} {:>6} {:>9}", "all", report.tried, percent(report.named, report.tried));
     say!("faults found in good frames: {} of {} files", report.false_alarms, report.good_frames);
-    for missed in &report.missed {
-        say!("{}: {}\n  {}", missed.set, missed.wrong, missed.findings.join("\n  "));
+    let worth_a_word = report.as_they_are.iter().filter(|trial| !trial.findings.is_empty());
+    for trial in worth_a_word.chain(&report.missed) {
+        say!("{}: {}\n  {}", trial.set, trial.wrong, trial.findings.join("\n  "));
     }
 }

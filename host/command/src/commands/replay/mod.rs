@@ -7,7 +7,7 @@ use super::{
     JsonReport,
     contact_lines::{contact_lines, is_read, json_line, print},
     frame_options::FrameOptions,
-    interrupt,
+    interrupt, link_frame,
     outlets::Record,
     progress,
     simulate::{Listen, keep_running},
@@ -16,14 +16,23 @@ use anyhow::{Context, bail};
 use dermatome_frames::recorded::read::Source;
 use dermatome_link::{contacts::LinkFrame, pose::Pose};
 use dermatome_model::{model::Model, quantize, skin::Skin};
-use dermatome_patch::input::{self, MAX_PATCH_BYTES};
+use dermatome_patch::{
+    input::{self, MAX_PATCH_BYTES},
+    tables::SurfaceTables,
+};
 use dermatome_recording::read::Recording;
 use dermatome_shared::{
-    contact::Contacts, device::MAX_TARE_FRAMES, protocol::FrameStamp, reference::DEFAULT_TARE_FRAMES,
+    contact::Contacts, device::MAX_TARE_FRAMES, patch::PatchView, protocol::FrameStamp,
+    reference::DEFAULT_TARE_FRAMES,
 };
-use dermatome_simulate::board::board_for_recording;
+use dermatome_simulate::board::{SimulatedBoard, board_for_recording};
 use serde::Serialize;
-use std::{collections::BTreeMap, ffi::OsString, path::PathBuf};
+use std::{
+    collections::BTreeMap,
+    ffi::OsString,
+    net::SocketAddr,
+    path::{Path, PathBuf},
+};
 
 /// Run recorded frames through a board's pipeline again: with the patch that they were recorded with, or another one.
 ///
@@ -31,7 +40,9 @@ use std::{collections::BTreeMap, ffi::OsString, path::PathBuf};
 /// image or voltages, contacts and their numbers. With its own patch the same comes out as the board sent, bit for bit, and
 /// the summary says so; with --patch or --skin what a board with that one would have sent.
 ///
-/// Frames of other instruments (.npy, .npz, .csv and others, as `reconstruct` reads them) need --patch or --skin.
+/// Frames of other instruments (.npy, .npz, .csv and others, as `reconstruct` reads them) need --patch or --skin. Where they
+/// are recorded, or a board plays them, untouched frames of another file count as frames before those that are compared with
+/// them.
 /// Prints what `stream` prints for a pipe: one line per contact, or where a skin file with a [pose] is given one line of
 /// JSON per frame, in the frame of the robot's link. The summary goes to standard error.
 #[derive(clap::Args)]
@@ -40,6 +51,7 @@ use std::{collections::BTreeMap, ffi::OsString, path::PathBuf};
   dermatome replay run.mcap --patch learnt.dermatome --record learnt.mcap
   dermatome replay run.mcap --listen tcp:127.0.0.1:7000
   dermatome replay run.npy --patch skin.dermatome --rate 20
+  dermatome replay run.npy --skin skin.toml --rate 20 --listen tcp:127.0.0.1:7000
   dermatome replay run.npz:touch --patch learnt.dermatome --reference run.npz:idle --times run.npz:time_s
   dermatome replay presses.npz:v_pressed --patch learnt.dermatome --reference presses.npz:v_unpressed --each
 A recording is also a port of every other command: dermatome stream --port replay:run.mcap")]
@@ -85,12 +97,19 @@ const OTHERS: &str = "Frames of other instruments";
 /// Where to answer as a board.
 #[derive(clap::Args)]
 struct ListenInstead {
-    /// Instead of printing, answer there as a board that plays the recording: tcp:HOST:PORT; port 0 takes a free one.
+    /// Instead of printing, answer there as a board that plays the frames, over and over: tcp:HOST:PORT; port 0 takes a free
+    /// one.
     #[arg(long, value_name = "PORT", conflicts_with_all = ["record", "json"])]
     listen: Option<String>,
     /// Let hosts on other machines in: needed for an address that is not this machine's own (127.0.0.1).
     #[arg(long, requires = "listen")]
     allow_remote: bool,
+}
+
+impl ListenInstead {
+    fn address(&self) -> anyhow::Result<Option<SocketAddr>> {
+        self.listen.as_deref().map(|text| Listen::new(text, self.allow_remote).address()).transpose()
+    }
 }
 
 /// What became of the frames.
@@ -132,35 +151,50 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
             )
         }
     };
-    if let Some(text) = &args.listen.listen {
-        let listen = Listen::new(text, args.listen.allow_remote).address()?;
-        if !is_recording {
-            bail!("`--listen` plays recordings (.mcap), and `{}` is none", path.display());
+    let listen = args.listen.address()?;
+    match (patch, listen) {
+        (Some((bytes, name)), None) if !is_recording => others::run(args, &bytes, &name),
+        (Some((bytes, name)), Some(listen)) if !is_recording => {
+            keep_listening(&path, others::board(args, bytes, &name, listen)?)
         }
-        let board = board_for_recording(&path, patch.map(|(bytes, _)| bytes), listen)?;
-        say!("`{}` listens at tcp:{}", path.display(), board.address());
-        return keep_running(board);
-    }
-    match patch {
-        Some((bytes, name)) if !is_recording => others::run(args, &bytes, &name),
-        patch => recorded::run(args, &path, patch.as_ref()),
+        (patch, None) => recorded::run(args, &path, patch.as_ref()),
+        (patch, Some(listen)) => {
+            keep_listening(&path, board_for_recording(&path, patch.map(|(bytes, _)| bytes), listen)?)
+        }
     }
 }
 
-pub(in crate::commands) fn read_patch(path: &std::path::Path) -> anyhow::Result<(Vec<u8>, String)> {
+fn keep_listening(path: &Path, board: SimulatedBoard) -> anyhow::Result<()> {
+    say!("`{}` listens at tcp:{}", path.display(), board.address());
+    keep_running(board)
+}
+
+pub(in crate::commands) fn read_patch(path: &Path) -> anyhow::Result<(Vec<u8>, String)> {
     let name = format!("patch file `{}`", path.display());
     let bytes = input::read(path, MAX_PATCH_BYTES).with_context(|| format!("cannot read {name}"))?;
     Ok((bytes, name))
 }
 
 /// The patch of a skin file.
-fn build_patch(path: &std::path::Path) -> anyhow::Result<Vec<u8>> {
+fn build_patch(path: &Path) -> anyhow::Result<Vec<u8>> {
     let skin = Skin::load(path)?.made()?;
     let spinner = progress::spinner();
     let model = Model::build(&skin, |stage| spinner.set_message(stage));
     spinner.finish_and_clear();
     let in_file = || format!("skin file `{}`", path.display());
     quantize::patch(&skin, &model.with_context(in_file)?).with_context(in_file)
+}
+
+/// The pose by which contacts are shown.
+fn pose(args: &Args, patch: &PatchView<'_>) -> anyhow::Result<Option<Pose>> {
+    match &args.skin {
+        None => Ok(None),
+        Some(path) if args.patch.is_some() => {
+            let surface = || Ok(SurfaceTables::read(patch));
+            Ok(Some(link_frame::skin_of(path, &patch.header.skin, surface)?.1))
+        }
+        Some(path) => Ok(Skin::load(path)?.pose),
+    }
 }
 
 fn show(pose: Option<&Pose>, at: FrameStamp, contacts: &Contacts) -> std::io::Result<()> {

@@ -1,22 +1,15 @@
 //! Recordings of our own boards, through the pipeline of their patch or of another one.
 
-use super::{Args, Counted, Tally, show};
-use crate::commands::{
-    interrupt, link_frame,
-    outlets::{Outlets, recorded_in_words},
-    patch_id,
-};
+use super::{Args, Counted, Tally, pose, show};
+use crate::commands::{interrupt, patch_id, playing::Playing};
 use anyhow::Context;
-use dermatome_link::{ScanFrame, assemble::Measurements, pose::Pose, words::escaped_lines};
-use dermatome_messages::skin::Look;
-use dermatome_model::skin::{Description, Skin};
-use dermatome_patch::tables::SurfaceTables;
+use dermatome_link::{pose::Pose, words::escaped_lines};
+use dermatome_model::skin::Description;
 use dermatome_recording::{
     frames::{Frames, Item, RecordedFrame},
-    play::{Played, Player},
+    play::Played,
     read::{Ending, Recording},
     session::Session,
-    write::Recorder,
 };
 use dermatome_shared::{contact::Contacts, patch::PatchView};
 use serde::Serialize;
@@ -66,25 +59,20 @@ pub(super) fn run(args: &Args, path: &Path, patch: Option<&(Vec<u8>, String)>) -
     let recorded_pose = pose_of(&session)?;
     let pose = pose(args, used)?;
     let steps: Vec<_> = own.steps().collect();
-    let mut player = Player::new(used, &steps).with_context(file)?;
-    let pose_of_places = pose.as_ref().or(recorded_pose.as_ref());
-    let mut outlets = outlets(args, &session, used, pose_of_places, recording.begun())?;
+    let mut playing = Playing::new(used, &steps).with_context(file)?;
+    if let Some(file) = args.record.file() {
+        let pose_of_places = pose.as_ref().or(recorded_pose.as_ref());
+        playing.record(file, &of_replay(args, &session, used)?, pose_of_places, recording.begun())?;
+    }
     let mut same = (own.crc() == used.crc()).then(Same::default);
     let (mut counted, mut before, mut last) = (Counted::default(), 0, None);
     let mut frames = Frames::of(recording);
     while let Some(item) = frames.next_item()? {
-        let played = player.take(&item).with_context(file)?;
-        if let (Some(outlets), Item::Reference(reference)) = (&mut outlets, &item) {
-            outlets.drive(&reference.drive(), None);
-            outlets.tare_begins(reference.frames);
-        }
+        let played = playing.take(&item).with_context(file)?;
         let Item::Frame(recorded) = item else { continue };
-        before += u64::from(!player.has_begun());
+        before += u64::from(!playing.has_begun());
         if let Some(same) = &mut same {
             same.follow(&mut last, recorded.at.sequence);
-        }
-        if let Some(outlets) = outlets.as_mut().filter(|_| player.has_begun()) {
-            outlets.frame_of(&scan_frame(&recorded, played.as_ref()), None, recorded.log_time);
         }
         let Some(played) = played else {
             if interrupt::requested() {
@@ -102,10 +90,7 @@ pub(super) fn run(args: &Args, path: &Path, patch: Option<&(Vec<u8>, String)>) -
     let ending = frames.recording().ending().clone();
     let tally = counted.end();
     tell(&session, before, &ending, same.as_ref());
-    if let Some(outlets) = &mut outlets {
-        let written = outlets.finish_recording()?;
-        written.iter().for_each(|(file, recorded)| eprintln!("{}", recorded_in_words(file, recorded)));
-    }
+    playing.finish()?;
     args.json.write(&Report {
         recording: path.display().to_string(),
         recorded_at: &session.port,
@@ -128,49 +113,17 @@ fn pose_of(session: &Session) -> anyhow::Result<Option<Pose>> {
     Ok(Description::parse(Path::new("skin.toml"), text).context("the skin file in the recording")?.pose)
 }
 
-/// The pose by which contacts are shown.
-fn pose(args: &Args, patch: &PatchView<'_>) -> anyhow::Result<Option<Pose>> {
-    match &args.skin {
-        None => Ok(None),
-        Some(path) if args.patch.is_some() => {
-            let surface = || Ok(SurfaceTables::read(patch));
-            Ok(Some(link_frame::skin_of(path, &patch.header.skin, surface)?.1))
-        }
-        Some(path) => Ok(Skin::load(path)?.pose),
-    }
-}
-
-/// Where the replay is recorded, if it is; what is recorded has begun then, ns since 1970.
-fn outlets(
-    args: &Args,
-    session: &Session,
-    patch: &PatchView<'_>,
-    pose: Option<&Pose>,
-    begun: u64,
-) -> anyhow::Result<Option<Outlets>> {
-    let Some(file) = args.record.file() else { return Ok(None) };
-    let session = Session {
+/// What a recording of the replay is of.
+fn of_replay(args: &Args, session: &Session, patch: &PatchView<'_>) -> anyhow::Result<Session> {
+    let given = args.skin.as_deref().map(std::fs::read_to_string).transpose();
+    Ok(Session {
         patch: patch.bytes().to_vec(),
         skin: patch.header.skin.as_str().to_owned(),
+        skin_file: given
+            .context("cannot read the skin file once more")?
+            .or_else(|| session.skin_file.clone()),
         ..session.clone()
-    };
-    let mut outlets = Outlets::new(&session, pose, &Look::default())?;
-    outlets.record_from(Recorder::create(file, &session)?.waiting(), begun);
-    Ok(Some(outlets))
-}
-
-/// A frame as a board with the patch would have sent it.
-fn scan_frame(recorded: &RecordedFrame, played: Option<&Played>) -> ScanFrame {
-    let codes = recorded.codes.clone();
-    let measurements = codes.map(|[codes, quadrature]| Measurements { codes, quadrature });
-    ScanFrame {
-        at: Some(played.map_or(recorded.at, |played| played.at)),
-        measurements,
-        image: played.map(|played| played.image.clone()),
-        contacts: played.map(|played| played.contacts.clone()),
-        health: recorded.health.clone(),
-        ..ScanFrame::default()
-    }
+    })
 }
 
 impl Same {

@@ -1,11 +1,12 @@
 //! `dermatome serve`: all boards of a robot at once.
 
 mod lines;
+mod onlookers;
 #[cfg_attr(not(feature = "ros"), path = "without_ros.rs")]
 mod ros;
 mod table;
 
-use super::{contact_lines::is_read, interrupt, lines::Lines};
+use super::{contact_lines::is_read, doors::Doors, interrupt, lines::Lines, view::look_of};
 use anyhow::{Context, bail};
 use dermatome_body::{
     Body, Sense,
@@ -14,13 +15,16 @@ use dermatome_body::{
     surface,
 };
 use dermatome_link::tables::SurfaceTables;
+use dermatome_messages::skin::Look;
 use dermatome_shared::protocol::Selection;
 use dermatome_view::terminal::Screen;
+use onlookers::Onlookers;
 use ros::Ros;
 use serde::Serialize;
 use std::{
     collections::HashMap,
-    path::{Path, PathBuf},
+    net::SocketAddr,
+    path::PathBuf,
     sync::{
         Arc,
         atomic::{AtomicU64, Ordering},
@@ -44,7 +48,7 @@ const DRAWN: Duration = Duration::from_millis(500);
 /// drive and the reference that it had. It never gets a new reference while something presses. Times are by this
 /// computer's clock.
 ///
-/// Prints one line of JSON for each frame and for each change of a board (docs/robot.md); on a terminal a table instead.
+/// Prints one line of JSON for each frame and for each change of a board (docs/serve.md); on a terminal a table instead.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   dermatome serve robot.toml
@@ -52,7 +56,7 @@ const DRAWN: Duration = Duration::from_millis(500);
   dermatome serve robot.toml --duration 60 --json report.json > contacts.jsonl
   ROS_DOMAIN_ID=7 dermatome serve robot.toml --ros
 
-The body file (docs/robot.md) names the skins:
+The body file (docs/serve.md) names the skins:
   name = \"arm\"
   [[patches]]
   skin = \"forearm-skin/skin.toml\"
@@ -76,6 +80,12 @@ pub(super) struct Args {
     /// Domain of ROS 2: 0 to 232, instead of what ROS_DOMAIN_ID says.
     #[arg(long, value_name = "N", requires = "ros", value_parser = clap::value_parser!(u16).range(0..=232))]
     domain: Option<u16>,
+    /// Also serve the page, and the Foxglove WebSocket protocol for other programs, at this address: 127.0.0.1:8765. The page
+    /// shows one skin at a time.
+    #[arg(long, value_name = "HOST:PORT")]
+    listen: Option<SocketAddr>,
+    #[command(flatten)]
+    doors: Doors,
     #[command(flatten)]
     json: super::JsonReport,
 }
@@ -109,8 +119,12 @@ struct Report<'a> {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let file = BodyFile::load(&args.body)?;
-    let surfaces = surfaces(&file.patches)?;
     let ros = args.ros.then(|| Ros::start(&file, args.domain)).transpose()?;
+    let (surfaces, looks) = skins(&file.patches)?;
+    let onlookers = args.listen.map(|listen| {
+        let looks = file.patches.iter().map(|patch| looks[&patch.path].clone()).collect();
+        Onlookers::open(&args.doors, listen, &file, looks)
+    });
     let (sender, told) = sync_channel(MOST_WAITING);
     let dropped = Arc::<AtomicU64>::default();
     let keepers = file.patches.iter().enumerate().map(|(index, patch)| {
@@ -124,16 +138,15 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     if args.tare {
         keepers.iter().for_each(Keeper::tare);
     }
-    let mut served = Served::new(&file, ros)?;
+    let mut served = Served::new(&file, &keepers, onlookers.transpose()?, ros)?;
     let begun = Instant::now();
-    let ended = served.serve(&told, &keepers, || {
+    let ended = served.serve(&told, || {
         interrupt::requested() || args.duration.is_some_and(|duration| begun.elapsed() >= duration)
     });
     let seconds = begun.elapsed().as_secs_f64();
     // Nobody takes what they tell any more.
     drop(told);
     keepers.iter().for_each(Keeper::stop);
-    drop(keepers);
     let written = served.end();
     let senses = served.body.senses();
     senses.iter().for_each(|sense| eprintln!("{}", table::summary(sense)));
@@ -154,24 +167,25 @@ fn selection(args: &Args) -> Selection {
     Selection { images, contacts: 1, health, ..Selection::default() }
 }
 
-/// Where the pixels of each skin file lie.
-fn surfaces(patches: &[Patch]) -> anyhow::Result<HashMap<PathBuf, SurfaceTables>> {
-    let mut surfaces = HashMap::new();
-    for Patch { path, skin, .. } in patches {
-        if !surfaces.contains_key(path) {
-            let surface = surface_of(path, skin.clone())?;
-            surfaces.insert(path.clone(), surface);
-        }
-    }
-    Ok(surfaces)
-}
+/// Something of each skin file.
+type OfSkins<T> = HashMap<PathBuf, T>;
 
-fn surface_of(path: &Path, skin: dermatome_model::skin::Description) -> anyhow::Result<SurfaceTables> {
-    let name = || format!("skin file `{}`", path.display());
-    match surface::of_skin(&skin.made()?).with_context(name)? {
-        Some(surface) => Ok(surface),
-        None => bail!("{}: its image has more pixels than a board takes", name()),
+/// Where the pixels of each skin file lie, and what the skin looks like.
+fn skins(patches: &[Patch]) -> anyhow::Result<(OfSkins<SurfaceTables>, OfSkins<Look>)> {
+    let (mut surfaces, mut looks) = (HashMap::new(), HashMap::new());
+    for Patch { path, skin, .. } in patches {
+        if surfaces.contains_key(path) {
+            continue;
+        }
+        let name = || format!("skin file `{}`", path.display());
+        let skin = skin.clone().made()?;
+        let Some(surface) = surface::of_skin(&skin).with_context(name)? else {
+            bail!("{}: its image has more pixels than a board takes", name())
+        };
+        surfaces.insert(path.clone(), surface);
+        looks.insert(path.clone(), look_of(&skin)?);
     }
+    Ok((surfaces, looks))
 }
 
 /// Passes on what a keeper tells; a frame that finds no room is dropped and counted.
@@ -196,7 +210,9 @@ fn teller(
 /// The body and where its contacts go.
 struct Served<'a> {
     file: &'a BodyFile,
+    keepers: &'a [Keeper],
     body: Body,
+    onlookers: Option<Onlookers>,
     /// Standard output, unless it is a terminal.
     lines: Option<Lines>,
     screen: Screen,
@@ -205,20 +221,21 @@ struct Served<'a> {
 }
 
 impl<'a> Served<'a> {
-    fn new(file: &'a BodyFile, ros: Option<Ros>) -> anyhow::Result<Self> {
+    fn new(
+        file: &'a BodyFile,
+        keepers: &'a [Keeper],
+        onlookers: Option<Onlookers>,
+        ros: Option<Ros>,
+    ) -> anyhow::Result<Self> {
         let screen = Screen::default();
         let lines = if screen.is_visible() { None } else { Some(Lines::start(lines::dropped)?) };
         let drawn = Instant::now();
-        Ok(Self { file, body: Body::new(&file.patches), lines, screen, drawn, ros })
+        let body = Body::new(&file.patches);
+        Ok(Self { file, keepers, body, onlookers, lines, screen, drawn, ros })
     }
 
     /// Takes what keepers tell until it is to stop, or nobody reads any more.
-    fn serve(
-        &mut self,
-        told: &Receiver<(usize, Told)>,
-        keepers: &[Keeper],
-        is_over: impl Fn() -> bool,
-    ) -> anyhow::Result<()> {
+    fn serve(&mut self, told: &Receiver<(usize, Told)>, is_over: impl Fn() -> bool) -> anyhow::Result<()> {
         while !is_over() {
             let update = match told.recv_timeout(LOOK) {
                 Ok(update) => Some(update),
@@ -231,7 +248,11 @@ impl<'a> Served<'a> {
                 return Ok(());
             }
             if let Some(ros) = &mut self.ros {
-                ros.attend(&self.body, keepers);
+                ros.attend(&self.body, self.keepers);
+            }
+            if let Some(onlookers) = &mut self.onlookers {
+                onlookers.answer(self.keepers);
+                onlookers.tell_states(self.body.senses());
             }
             if self.lines.is_none() && self.drawn.elapsed() >= DRAWN {
                 self.drawn = Instant::now();
@@ -247,6 +268,9 @@ impl<'a> Served<'a> {
             Told::State(state) => Some(state.clone()),
             _ => None,
         };
+        if let Some(onlookers) = &mut self.onlookers {
+            onlookers.tell(index, &self.file.patches[index], &told);
+        }
         let before = self.body.senses()[index].state.clone();
         let news = self.ros.as_ref().map(|ros| ros.news(&told));
         let has_frame = self.body.take((index, told)).is_some();

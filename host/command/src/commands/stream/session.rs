@@ -183,7 +183,12 @@ impl<'a> Session<'a> {
     }
 
     fn needs_tare(&mut self) -> anyhow::Result<bool> {
-        Ok(!self.link()?.info()?.tared)
+        let link = self.link.as_mut().context("the board is lost")?;
+        let info = link.info()?;
+        Ok(match &self.untouched {
+            Some(untouched) => untouched.is_lost(&info, link)?,
+            None => !info.tared,
+        })
     }
 
     fn tare(&mut self) -> anyhow::Result<()> {

@@ -9,13 +9,19 @@ use serde::{Deserialize, de::DeserializeOwned};
 /// A service without a request.
 const NOTHING: &str = r#"{"type":"object","properties":{}}"#;
 
+const OF_TARE: Service = Service { name: TARE, request: NOTHING };
+const OF_DRIVE: Service = Service {
+    name: DRIVE,
+    request: r#"{"type":"object","properties":{"frequency_hz":{"type":"number"},"amplitude_ma":{"type":"number"},"gain":{"type":"integer"}}}"#,
+};
+
+/// What can be asked for of each of a robot's skins.
+pub(in crate::commands) static OF_EACH: [Service; 2] = [OF_TARE, OF_DRIVE];
+
 /// What the page can ask for.
-pub(super) static SERVICES: [Service; 8] = [
-    Service { name: TARE, request: NOTHING },
-    Service {
-        name: DRIVE,
-        request: r#"{"type":"object","properties":{"frequency_hz":{"type":"number"},"amplitude_ma":{"type":"number"},"gain":{"type":"integer"}}}"#,
-    },
+pub(in crate::commands) static SERVICES: [Service; 8] = [
+    OF_TARE,
+    OF_DRIVE,
     Service {
         name: PATCH,
         request: r#"{"type":"object","properties":{"index":{"type":"integer"}},"required":["index"]}"#,
@@ -39,19 +45,19 @@ pub(super) static SERVICES: [Service; 8] = [
     },
 ];
 
-pub(super) const TARE: &str = "/dermatome/tare";
-pub(super) const DRIVE: &str = "/dermatome/drive";
-pub(super) const PATCH: &str = "/dermatome/patch";
-pub(super) const THRESHOLD: &str = "/dermatome/threshold";
-pub(super) const RECORD: &str = "/dermatome/record";
-pub(super) const SCOPE: &str = "/dermatome/scope";
-pub(super) const CHECK: &str = "/dermatome/check";
-pub(super) const CALIBRATE: &str = "/dermatome/calibrate";
+pub(in crate::commands) const TARE: &str = "/dermatome/tare";
+pub(in crate::commands) const DRIVE: &str = "/dermatome/drive";
+pub(in crate::commands) const PATCH: &str = "/dermatome/patch";
+pub(in crate::commands) const THRESHOLD: &str = "/dermatome/threshold";
+pub(in crate::commands) const RECORD: &str = "/dermatome/record";
+pub(in crate::commands) const SCOPE: &str = "/dermatome/scope";
+pub(in crate::commands) const CHECK: &str = "/dermatome/check";
+pub(in crate::commands) const CALIBRATE: &str = "/dermatome/calibrate";
 
 /// What is to change of the drive.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Change {
+pub(in crate::commands) struct Change {
     frequency_hz: Option<f32>,
     amplitude_ma: Option<f32>,
     /// 0: automatic.
@@ -60,51 +66,51 @@ pub(super) struct Change {
 
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Index {
-    pub(super) index: usize,
+pub(in crate::commands) struct Index {
+    pub(in crate::commands) index: usize,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Value {
-    pub(super) value: f32,
+pub(in crate::commands) struct Value {
+    pub(in crate::commands) value: f32,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Start {
-    pub(super) start: bool,
+pub(in crate::commands) struct Start {
+    pub(in crate::commands) start: bool,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Slot {
-    pub(super) slot: Option<u16>,
+pub(in crate::commands) struct Slot {
+    pub(in crate::commands) slot: Option<u16>,
 }
 
 /// What was read while a known pressure pressed.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Read {
-    pub(super) pressure_kpa: f64,
-    pub(super) strength: f64,
+pub(in crate::commands) struct Read {
+    pub(in crate::commands) pressure_kpa: f64,
+    pub(in crate::commands) strength: f64,
 }
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Readings {
-    pub(super) readings: Vec<Read>,
+pub(in crate::commands) struct Readings {
+    pub(in crate::commands) readings: Vec<Read>,
 }
 
 /// The request of a call.
-pub(super) fn request<T: DeserializeOwned>(call: &Call) -> anyhow::Result<T> {
+pub(in crate::commands) fn request<T: DeserializeOwned>(call: &Call) -> anyhow::Result<T> {
     serde_json::from_value(call.request.clone())
         .with_context(|| format!("`{}` was asked wrongly", call.service))
 }
 
 impl Change {
     /// The drive with these changes, checked as far as this computer can.
-    pub(super) fn of(self, drive: &Drive) -> anyhow::Result<Drive> {
+    pub(in crate::commands) fn of(self, drive: &Drive) -> anyhow::Result<Drive> {
         let mut drive = *drive;
         drive.frequency = self.frequency_hz.unwrap_or(drive.frequency);
         drive.amplitude = self.amplitude_ma.map_or(drive.amplitude, |milliamperes| milliamperes * 1e-3);

@@ -60,15 +60,20 @@ impl Source {
             Err(_) => return Ok((None, Look::default())),
             Ok(()) => {}
         }
-        let mesh = mesh(skin, 1.0, Lattice::default())?;
-        let corner = |node: &usize| *node as u32;
-        let surface = Triangles {
-            vertices: mesh.nodes.iter().map(|node| [node.x, node.y, node.z]).collect(),
-            triangles: mesh.elements.iter().map(|element| element.each_ref().map(corner)).collect(),
-        };
-        let electrodes = skin.shape.electrode_centres().iter().map(|at| [at.x, at.y, at.z]).collect();
-        Ok((skin.pose.clone(), Look { surface: Some(surface), electrodes, link: self.link.clone() }))
+        Ok((skin.pose.clone(), Look { link: self.link.clone(), ..look_of(skin)? }))
     }
+}
+
+/// What a skin looks like, by its file.
+pub(in crate::commands) fn look_of(skin: &Skin) -> anyhow::Result<Look> {
+    let mesh = mesh(skin, 1.0, Lattice::default())?;
+    let corner = |node: &usize| *node as u32;
+    let surface = Triangles {
+        vertices: mesh.nodes.iter().map(|node| [node.x, node.y, node.z]).collect(),
+        triangles: mesh.elements.iter().map(|element| element.each_ref().map(corner)).collect(),
+    };
+    let electrodes = skin.shape.electrode_centres().iter().map(|at| [at.x, at.y, at.z]).collect();
+    Ok(Look { surface: Some(surface), electrodes, link: None })
 }
 
 /// The skin file in a recording; none where it names files that are not there.

@@ -167,3 +167,6 @@ impl Presses {
         self.mean_divisors.len()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,7 +3,7 @@
 use super::{FORCES, POSITIONS, PRESSED, Positions, PressError, Recording, UNPRESSED, place::is_flat};
 use crate::{
     array::{ArrayError, Source, file},
-    recorded::read::{Frames, read},
+    recorded::read::{Frames, read, read_turned},
 };
 use dermatome_geometry::{embedding::Embedding, sheet::Sheet};
 use dermatome_model::skin::{Shape, Skin};
@@ -11,27 +11,35 @@ use num_complex::Complex64;
 use std::path::Path;
 
 impl Recording {
-    /// Reads the presses of a file. `reference`, frames that are averaged, goes before the file's own; `offset` is
-    /// subtracted from every measurement. What the columns of a table are, `skin` says: on a flat one x and y, else z too.
+    /// Reads the presses of a file. `reference`, one frame of the untouched skin or one for each press, goes before the file's
+    /// own; `offset` is subtracted from every measurement of the file. What the columns of a table are, `skin` says: on a
+    /// flat one x and y, else z too.
     pub fn read(
         path: &Path,
         reference: Option<Frames>,
         offset: f64,
         skin: &Skin,
     ) -> Result<Self, PressError> {
-        let reference = reference.map(|frames| averaged(&frames));
-        let is_archive = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
-        if is_archive {
-            Self::of_archive(path, reference, offset)
+        let of_key = |key: &str| Source { path: path.into(), key: Some(key.into()) };
+        let is = |ending: &str| path.extension().is_some_and(|it| it.eq_ignore_ascii_case(ending));
+        // A MATLAB file may be either.
+        if is("npz") || is("mat") && file::read(&of_key(PRESSED)).is_ok() {
+            Self::of_archive(path, reference, offset, skin)
         } else {
             Self::of_table(path, reference, offset, skin)
         }
     }
 
-    fn of_archive(path: &Path, reference: Option<Frames>, offset: f64) -> Result<Self, PressError> {
+    fn of_archive(
+        path: &Path,
+        reference: Option<Frames>,
+        offset: f64,
+        skin: &Skin,
+    ) -> Result<Self, PressError> {
         let source = |key: &str| Source { path: path.into(), key: Some(key.into()) };
-        let pressed = read(&source(PRESSED))?.minus(offset);
-        let positions = read(&source(POSITIONS))?;
+        let is_frame = |length: usize| frame_lengths(skin).contains(&length);
+        let pressed = read_turned(&source(PRESSED), is_frame)?.minus(offset);
+        let positions = read_turned(&source(POSITIONS), |columns| matches!(columns, 2 | 3))?;
         check_rows(POSITIONS, positions.frames, pressed.frames)?;
         let positions = match positions.measurements {
             0..2 => return Err(PressError::Coordinates(positions.measurements)),
@@ -40,7 +48,7 @@ impl Recording {
         };
         let unpressed = match reference {
             Some(reference) => reference,
-            None if holds(&source(UNPRESSED)) => read(&source(UNPRESSED))?.minus(offset),
+            None if holds(&source(UNPRESSED)) => read_turned(&source(UNPRESSED), is_frame)?.minus(offset),
             None => return Err(PressError::NoReference { file: path.display().to_string(), archive: true }),
         };
         let forces = if holds(&source(FORCES)) {
@@ -57,14 +65,19 @@ impl Recording {
         offset: f64,
         skin: &Skin,
     ) -> Result<Self, PressError> {
-        let rows = read(&Source { path: path.into(), key: None })?;
-        let (is_flat, columns) = (is_flat_shape(&skin.shape), rows.measurements);
+        let is_flat = is_flat_shape(&skin.shape);
         let (coordinates, names) = if is_flat { (2, "x, y") } else { (3, "x, y, z") };
-        let (steps, square) = (skin.steps().len(), usize::from(skin.electrodes.count).pow(2));
-        let is_frame = |leading: usize| columns == steps + leading || columns == square + leading;
-        let leading = match [coordinates, coordinates + 1].into_iter().find(|&leading| is_frame(leading)) {
+        let [steps, square] = frame_lengths(skin);
+        let is_row =
+            |columns: usize, leading: usize| columns == steps + leading || columns == square + leading;
+        let leading =
+            |columns: usize| [coordinates, coordinates + 1].into_iter().find(|&it| is_row(columns, it));
+        let rows =
+            read_turned(&Source { path: path.into(), key: None }, |columns| leading(columns).is_some())?;
+        let columns = rows.measurements;
+        let leading = match leading(columns) {
             Some(leading) => leading,
-            None if !is_flat && is_frame(2) => return Err(PressError::NoHeight),
+            None if !is_flat && is_row(columns, 2) => return Err(PressError::NoHeight),
             None => return Err(PressError::Columns { columns, coordinates: names, steps, square }),
         };
         let Some(unpressed) = reference else {
@@ -83,8 +96,9 @@ impl Recording {
     }
 }
 
-fn averaged(frames: &Frames) -> Frames {
-    Frames { values: frames.mean(), frames: 1, ..frames.clone() }
+/// Measurements that a frame of a skin may hold: its steps, or the full square.
+fn frame_lengths(skin: &Skin) -> [usize; 2] {
+    [skin.steps().len(), usize::from(skin.electrodes.count).pow(2)]
 }
 
 /// Whether an archive holds an array of this name.

@@ -6,24 +6,22 @@
 
 use super::{
     super::{
-        diagnose::{LEAST_FIT, RESEMBLING},
+        diagnose::LEAST_FIT,
         order::{Arrangement, OrderError, SenseOrder},
         read::sense_distance,
         statistics::median,
     },
+    channels::{self, Channels},
     likeness::{Comparison, Likeness},
-    reading::{Misplacement, Reading, Rows},
+    offset::{self, LEAVES, LESS},
+    reading::{Misplacement, Place, Reading, Rows},
     wiring::{Exchange, Role},
 };
 use num_complex::Complex64;
 use rayon::prelude::*;
 
 /// Causes that are looked for.
-const MOST_CAUSES: usize = 5;
-/// A cause that touches every step leaves at most this share,
-const LEAVES: f64 = 0.85;
-/// and so much less.
-const LESS: f64 = 0.005;
+const MOST_CAUSES: usize = 7;
 /// A cause that touches some steps leaves at most this share in the middle one of them,
 const LEAVES_THERE: f64 = 0.5;
 /// and so much less in each of them on average, and over all steps.
@@ -32,32 +30,14 @@ const LESS_WITH_SOME: f64 = 0.002;
 /// What is left may differ by so much, and by this share, between explanations that are as good as each other.
 const TIE: f64 = 0.004;
 const TIE_SHARE: f64 = 0.03;
+/// Lines are as straight as each other up to this factor.
+const LINE_TIE: f64 = 1.05;
 /// Electrodes that are tried against each other: those that fit worst.
 const SUSPECTS: usize = 20;
 /// Rows that are tried against each other.
 const MOST_ROWS: usize = 64;
 /// Places by which a frame may begin late.
 const MOST_SHIFTS: usize = 2048;
-/// Shares of the fitted offset that are tried.
-const SHARES: [f64; 8] = [0.8, 0.9, 0.95, 0.98, 1.0, 1.05, 1.1, 1.2];
-/// Share of the values that may turn their sign when an offset is taken out of values of one sign.
-const MOST_TURNED: f64 = 0.05;
-/// Of how far the middle step is from the model an offset leaves this share.
-const MUCH_NEARER: f64 = 0.5;
-/// A small offset leaves this share of what is missing to a straight line.
-const STRAIGHTER: f64 = 0.9;
-/// Shares of the median magnitude without it up to which an offset is small, and from which on it hides the logarithms.
-const HALF: f64 = 0.5;
-const LARGE_OFFSET: f64 = 1.5;
-/// By how much an offset may lower the correlation.
-const MOST_BENT: f64 = 0.06;
-/// Error of the model that a fit of the offset expects, share of a voltage.
-const MODEL_ERROR: f64 = 0.1;
-/// Times the middle step's distance from which on steps count less than half.
-const ROBUST: f64 = 2.0;
-const ROUNDS: usize = 20;
-/// Least offset that is one, as a share of the median magnitude without it.
-const LEAST_OFFSET: f64 = 0.2;
 
 /// Step of the rank between explanations of which one is simpler.
 const SIMPLER: usize = 10_000;
@@ -79,12 +59,16 @@ struct Candidate {
 /// Where a cause shows.
 #[derive(Clone, Copy)]
 enum Shows {
-    /// In every step and its class; it leaves at most this share.
-    Bias(f64),
+    /// In every step and its class.
+    Bias,
+    /// The same, as an offset that was found.
+    Offset,
     /// In every step against others of its class.
     Scatter,
     /// In some steps against others of their class.
     Part,
+    /// In steps with drive and sense exchanged, of whose errors it leaves this share.
+    Reciprocity(f64),
 }
 
 /// A candidate that explains enough, with what it leaves as a share of what was left.
@@ -105,30 +89,98 @@ pub(super) fn find(comparison: &Comparison<'_>, used: Arrangement) -> Result<Vec
     for _ in 0..MOST_CAUSES {
         let last = &found[found.len() - 1];
         let Some(next) = best(comparison, last) else { break };
-        found.push(next);
+        found.push(refined(comparison, next));
     }
     Ok(found)
 }
 
+/// With what was found of the instrument before fitted anew.
+fn refined(comparison: &Comparison<'_>, explained: Explained) -> Explained {
+    let reading = instrument_again(comparison, explained.reading.clone());
+    match comparison.of(&reading) {
+        Ok(likeness) => Explained { reading, likeness },
+        Err(_) => explained,
+    }
+}
+
+fn instrument_again(comparison: &Comparison<'_>, reading: Reading) -> Reading {
+    if reading.channels == Channels::default() {
+        return reading;
+    }
+    let reading = channels::again(comparison, &reading).unwrap_or(reading);
+    offset::again(comparison, &reading).unwrap_or(reading)
+}
+
 /// The candidate that leaves the least, if any explains enough.
 fn best(comparison: &Comparison<'_>, last: &Explained) -> Option<Explained> {
-    let good: Vec<_> = candidates(comparison, last)
-        .into_par_iter()
-        .filter_map(|candidate| good(comparison, last, candidate))
-        .collect();
+    let candidates = candidates(comparison, last);
+    if let Some(reading) = hidden_by_offset(comparison, last, &candidates) {
+        let likeness = comparison.of(&reading).ok()?;
+        return Some(Explained { reading, likeness });
+    }
+    // Values that begin one late hold all of the one before: channels are for what nothing else explains.
+    let (of_channels, others): (Vec<_>, Vec<_>) =
+        candidates.into_iter().partition(|it| matches!(it.shows, Shows::Reciprocity(_)));
+    least_of(comparison, last, others).or_else(|| least_of(comparison, last, of_channels))
+}
+
+fn least_of(comparison: &Comparison<'_>, last: &Explained, candidates: Vec<Candidate>) -> Option<Explained> {
+    let good: Vec<_> =
+        candidates.into_par_iter().filter_map(|candidate| good(comparison, last, candidate)).collect();
     let least = good.iter().map(|it| it.leaves).min_by(f64::total_cmp)?;
     let as_good = good.into_iter().filter(|it| ties(it.leaves * it.of, least * it.of));
     let simplest = as_good.min_by(|a, b| a.rank.cmp(&b.rank).then(a.leaves.total_cmp(&b.leaves)));
     simplest.map(|it| it.explained)
 }
 
+/// The order in which a frame is a straight line of the model's voltages with a large offset, which hides all else: with
+/// it the logarithms of all values are alike.
+fn hidden_by_offset(
+    comparison: &Comparison<'_>,
+    last: &Explained,
+    candidates: &[Candidate],
+) -> Option<Reading> {
+    if !may_hold_offset(&last.reading) {
+        return None;
+    }
+    let is_order = |it: &&Candidate| matches!(it.shows, Shows::Scatter | Shows::Bias);
+    let orders = candidates.iter().filter(is_order).map(|it| (&it.reading, it.rank));
+    let orders: Vec<_> = std::iter::once((&last.reading, 0)).chain(orders).collect();
+    let lines: Vec<_> = orders
+        .into_par_iter()
+        .filter_map(|(reading, rank)| Some((reading, rank, offset::line(comparison, reading)?)))
+        .collect();
+    let holds_offset = lines.first().is_some_and(|(_, rank, line)| *rank == 0 && line.hides());
+    let least = lines.iter().map(|(_, _, line)| line.mean).min_by(f64::total_cmp)?;
+    let as_good = lines.into_iter().filter(|(_, _, line)| line.mean <= LINE_TIE * least);
+    let (reading, _, line) = as_good.min_by(|a, b| a.1.cmp(&b.1).then(a.2.mean.total_cmp(&b.2.mean)))?;
+    if line.hides() {
+        offset::large(comparison, reading)
+    } else {
+        // Differences of potentials do not hold it.
+        (holds_offset && reading.potentials.is_some()).then(|| reading.clone())
+    }
+}
+
+fn may_hold_offset(reading: &Reading) -> bool {
+    reading.potentials.is_none() && reading.offset == Complex64::ZERO
+}
+
 fn good(comparison: &Comparison<'_>, last: &Explained, candidate: Candidate) -> Option<Good> {
-    let Candidate { reading, rank, shows } = candidate;
+    let Candidate { mut reading, rank, shows } = candidate;
+    if matches!(shows, Shows::Scatter | Shows::Part) {
+        reading = instrument_again(comparison, reading);
+    }
     let likeness = comparison.of(&reading).ok()?;
     let (before, after, is_enough) = match shows {
-        Shows::Bias(share) => {
+        Shows::Bias | Shows::Offset => {
             let (before, after) = (last.likeness.cost(), likeness.cost());
-            (before, after, after < share * before - LESS || share > 1.0)
+            let is_offset = matches!(shows, Shows::Offset);
+            (before, after, is_offset || after < LEAVES * before - LESS)
+        }
+        Shows::Reciprocity(leaves) => {
+            let before = last.likeness.cost();
+            (before, leaves * before, reading.channels.are_worth_a_word(&likeness))
         }
         Shows::Scatter => {
             let (before, after) = (last.likeness.disorder(), likeness.disorder());
@@ -158,7 +210,8 @@ fn is_of_order(last: &Explained, reading: &Reading) -> bool {
     let others =
         Arrangement { sense: last.arrangement().sense, ..reading.arrangement() } == last.arrangement();
     let wires = reading.exchanged == last.exchanged && reading.potentials == last.potentials;
-    others && wires && reading.offset == last.offset && reading.misplaced.iter().all(is_told)
+    let instrument = reading.offset == last.offset && reading.channels == last.channels;
+    others && wires && instrument && reading.misplaced.iter().all(is_told)
 }
 
 /// Whether what is left is as little as the least.
@@ -181,7 +234,8 @@ fn explains_some(
     let places = |reading: &Reading| reading.places(&expected.steps, expected.electrodes, found);
     let (Ok(before), Ok(after)) = (places(&last.reading), places(reading)) else { return false };
     let touched = |step: &usize| {
-        before[*step] != after[*step]
+        let value = |(place, other): (Place, Option<Place>)| (place.value, other.map(|other| other.value));
+        value(before[*step]) != value(after[*step])
             || last.reading.wiring.step(expected.steps[*step]) != reading.wiring.step(expected.steps[*step])
     };
     let touched: Vec<usize> = (0..expected.steps.len()).filter(touched).collect();
@@ -205,13 +259,17 @@ fn candidates(comparison: &Comparison<'_>, last: &Explained) -> Vec<Candidate> {
     }
     let is_square = found == n * n;
     let distance = sense_distance(&expected.steps, expected.electrodes).filter(|_| is_square);
-    if reading.potentials.is_none() && reading.offset == Complex64::ZERO {
-        if let Some((offset, leaves)) = offset(comparison, reading) {
-            add(Reading { offset, ..reading.clone() }, SIMPLER, Shows::Bias(leaves));
+    if may_hold_offset(reading) {
+        if let Some(with_offset) = offset::found(comparison, reading) {
+            add(with_offset, SIMPLER, Shows::Offset);
         }
         if distance.is_some() {
-            add(Reading { potentials: distance, ..reading.clone() }, SIMPLER, Shows::Bias(LEAVES));
+            add(Reading { potentials: distance, ..reading.clone() }, SIMPLER, Shows::Bias);
         }
+    }
+    for (found, leaves) in channels::found(comparison, reading) {
+        let reading = offset::again(comparison, &found).unwrap_or(found);
+        add(reading, 2 * SIMPLER, Shows::Reciprocity(leaves));
     }
     let misplaced = |misplacement: Misplacement| reading.with_misplaced(misplacement);
     if is_square && !reading.misplaced.contains(&Misplacement::Transposed) {
@@ -223,7 +281,7 @@ fn candidates(comparison: &Comparison<'_>, last: &Explained) -> Vec<Candidate> {
             if sense != reading.arrangement().sense {
                 add(transposed.rearranged(arrangement, expected.electrodes), 2 * SIMPLER, Shows::Scatter);
             } else if potentials.is_some() && reading.potentials.is_none() {
-                add(Reading { potentials, ..transposed.clone() }, 2 * SIMPLER, Shows::Bias(LEAVES));
+                add(Reading { potentials, ..transposed.clone() }, 2 * SIMPLER, Shows::Bias);
             }
         }
     }
@@ -293,94 +351,4 @@ fn suspects(comparison: &Comparison<'_>, last: &Explained) -> Vec<u8> {
     electrodes.sort_by(|a, b| mean(b).total_cmp(&mean(a)));
     electrodes.truncate(SUSPECTS);
     electrodes
-}
-
-/// The offset with which the model's voltages explain the frame best, if it is large enough, and the share that must not
-/// be left with it.
-///
-/// A body that is unlike the model, such as a tank that is deeper than its electrodes, makes the logarithms of voltages a
-/// steeper or flatter line of the model's; an offset bends the line, so a small one must make it straighter. Logarithms of
-/// values that a large offset makes alike say little: there it is enough that the middle step is much nearer to g m + c
-/// than to g m.
-fn offset(comparison: &Comparison<'_>, reading: &Reading) -> Option<(Complex64, f64)> {
-    let (expected, reference) = (comparison.expected, comparison.reference);
-    let places = reading.places(&expected.steps, expected.electrodes, reference.values.len()).ok()?;
-    let values: Vec<Complex64> = places.iter().map(|&(place, _)| reference.values[place]).collect();
-    let plain = comparison.of(reading).ok()?;
-    let unknown = &plain.unknown;
-    let model: Vec<f64> =
-        expected.steps.iter().map(|&step| expected.voltage(reading.wiring.step(step))).collect();
-    let magnitudes: Vec<f64> = model.iter().map(|m| m.abs()).collect();
-    let has_signs = model.iter().any(|&m| m > 0.0) && model.iter().any(|&m| m < 0.0);
-    let one_sign = !values.iter().any(|y| y.im != 0.0)
-        && (values.iter().all(|y| y.re > 0.0) || values.iter().all(|y| y.re < 0.0));
-    let mut best: Option<(f64, Complex64)> = None;
-    for (model, has_signs) in [(&model, has_signs), (&magnitudes, false)] {
-        let lines = [false, true].map(|offset| linear(&values, model, unknown, offset));
-        let [Some((_, without)), Some((fitted, with))] = lines else { continue };
-        for offset in SHARES.map(|share| real_if_nearly(fitted * share)) {
-            let rest: Vec<Complex64> = values.iter().map(|y| y - offset).collect();
-            let share = offset.norm() / median(rest.iter().map(|y| y.norm()));
-            // Counts of a converter that all lie on one side of zero go on doing so, mostly.
-            let turned = rest.iter().zip(&values).filter(|(rest, y)| (rest.re > 0.0) != (y.re > 0.0)).count();
-            let is_turned = one_sign && !has_signs && turned as f64 > MOST_TURNED * values.len() as f64;
-            if share < LEAST_OFFSET || is_turned {
-                continue;
-            }
-            let Ok(likeness) = comparison.of(&Reading { offset, ..reading.clone() }) else { continue };
-            let correlation = likeness.correlation();
-            let is_straighter =
-                correlation > RESEMBLING && 1.0 - correlation < STRAIGHTER * (1.0 - plain.correlation());
-            let is_bent = correlation < plain.correlation() - MOST_BENT;
-            let is_less = likeness.cost() < LEAVES * plain.cost() - LESS;
-            let is_nearer =
-                share > LARGE_OFFSET && with < MUCH_NEARER * without && likeness.cost() < plain.cost();
-            let is_one = !is_bent && (is_nearer || is_less && (is_straighter || share > HALF));
-            if is_one && best.is_none_or(|(least, _)| likeness.cost() < least) {
-                best = Some((likeness.cost(), offset));
-            }
-        }
-    }
-    best.map(|(_, offset)| (offset, 1.0 + LESS))
-}
-
-fn real_if_nearly(offset: Complex64) -> Complex64 {
-    if offset.im.abs() < 0.2 * offset.re.abs() { offset.re.into() } else { offset }
-}
-
-/// c of y = g m + c, or without one, and how far the middle step is from that.
-///
-/// Least squares, each step weighed by what the model does not know of it; steps that fit badly count less.
-fn linear(values: &[Complex64], model: &[f64], unknown: &[f64], offset: bool) -> Option<(Complex64, f64)> {
-    let weight = |(m, d): (&f64, &f64)| 1.0 / (d * d + (MODEL_ERROR * m).powi(2)).max(f64::MIN_POSITIVE);
-    let first: Vec<f64> = model.iter().zip(unknown).map(weight).collect();
-    let mut weights = first.clone();
-    let mut found = None;
-    for _ in 0..ROUNDS {
-        let (mut s, mut sm, mut smm) = (0.0, 0.0, 0.0);
-        let (mut sy, mut smy) = (Complex64::ZERO, Complex64::ZERO);
-        for ((y, m), w) in values.iter().zip(model).zip(&weights) {
-            (s, sm, smm) = (s + w, sm + w * m, smm + w * m * m);
-            (sy, smy) = (sy + y * *w, smy + y * (w * m));
-        }
-        let (g, c) = if offset {
-            let determinant = s * smm - sm * sm;
-            ((smy * s - sy * sm) / determinant, (sy * smm - smy * sm) / determinant)
-        } else {
-            (smy / smm, Complex64::ZERO)
-        };
-        if !g.is_finite() || !c.is_finite() {
-            return found;
-        }
-        let steps = values.iter().zip(model).zip(&first);
-        let left: Vec<f64> = steps.map(|((y, m), w)| (y - g * m - c).norm() * w.sqrt()).collect();
-        let middle = median(left.iter().copied());
-        found = Some((c, middle));
-        if middle == 0.0 {
-            break;
-        }
-        let scale = ROBUST * middle;
-        weights = first.iter().zip(&left).map(|(w, r)| w / (1.0 + (r / scale).powi(2))).collect();
-    }
-    found
 }

@@ -13,8 +13,11 @@ const OFF_FACTOR: f64 = 2.0;
 const OFF_DEVIATIONS: f64 = 5.0;
 /// From a normal distribution's median absolute deviation to its standard deviation.
 const DEVIATION: f64 = 1.4826;
-/// A step is noisy from so many times the median noise on.
+/// A step is noisy from so many times the median noise on,
 const NOISY: f64 = 5.0;
+/// or from so many where nearly no step of other electrodes is.
+const NOISIER: f64 = 2.0;
+const NEARLY_NONE: f64 = 0.1;
 /// Share of an electrode's steps that must be off or noisy; an electrode beside it reaches a half.
 pub(super) const NEARLY_ALL: f64 = 0.75;
 
@@ -60,7 +63,8 @@ fn nearly_all(percent: Option<f64>) -> bool {
 /// Each electrode: `[electrode]`.
 pub(super) fn check(expected: &Expected, readings: &Readings) -> Vec<ElectrodeCheck> {
     let off = off(readings);
-    let noisy = noisy(readings);
+    let noisy = noisier_than(readings, NOISY);
+    let noisier = noisier_than(readings, NOISIER);
     let dead: Vec<bool> = (0..readings.measured.len()).map(|step| readings.is_dead(step)).collect();
     let of = |electrode: u8| {
         let drives = |step: &Step| electrode == step.drive_plus || electrode == step.drive_minus;
@@ -70,7 +74,12 @@ pub(super) fn check(expected: &Expected, readings: &Readings) -> Vec<ElectrodeCh
             electrode,
             drive_off_percent: share(&off, &drives),
             sense_off_percent: share(&off, &senses),
-            noisy_percent: share(&noisy, &|step| drives(step) || senses(step)),
+            noisy_percent: {
+                let uses = |step: &Step| drives(step) || senses(step);
+                let of_others = share(&noisier, &|step| !uses(step)).unwrap_or(0.0);
+                let stands_out = of_others <= 100.0 * NEARLY_NONE;
+                share(if stands_out { &noisier } else { &noisy }, &uses)
+            },
             dead_percent: share(&dead, &|step| drives(step) || senses(step)),
         }
     };
@@ -112,7 +121,7 @@ fn off(readings: &Readings) -> Vec<bool> {
     residuals.iter().enumerate().map(is_off).collect()
 }
 
-fn noisy(readings: &Readings) -> Vec<bool> {
-    let limit = NOISY * median(readings.noise.iter().copied());
+fn noisier_than(readings: &Readings, times: f64) -> Vec<bool> {
+    let limit = times * median(readings.noise.iter().copied());
     readings.noise.iter().map(|&noise| limit > 0.0 && noise > limit).collect()
 }

@@ -6,13 +6,14 @@ use super::{
         wording::{Advice, Rearrangement},
     },
     Check, Expected,
+    channels::ChannelOffset,
     gain::PairGain,
     numbering::Numbering,
     reading::Misplacement,
     reciprocity::Agreement,
     wiring::{Exchange, Role},
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Median error between steps that must agree which is a fault, %; saline tanks reach 5.
 const DISAGREEMENT_PERCENT: f64 = 10.0;
@@ -53,7 +54,7 @@ pub enum Level {
 }
 
 /// What a finding is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum About {
     /// Order of the measurements, rotation, mirror.
@@ -76,6 +77,10 @@ pub enum About {
     Polarity,
     /// A constant in every value.
     Offset,
+    /// An offset of each sense pair's own.
+    ChannelOffsets,
+    /// Values that hold some of the one before.
+    Settling,
     /// A pair that reads too much or too little.
     Gain,
     /// An electrode that is off or noisy.
@@ -99,7 +104,10 @@ pub enum About {
 /// Everything that is worth a word, faults first.
 pub(super) fn all(expected: &Expected, check: &Check) -> Vec<Finding> {
     let mut findings: Vec<Finding> =
-        [single_ended(check), order(expected, check), offset(check)].into_iter().flatten().collect();
+        [single_ended(check), order(expected, check), offset(check), channel_offsets(check), settling(check)]
+            .into_iter()
+            .flatten()
+            .collect();
     findings.extend(misplaced(check));
     findings.extend(exchanged(check));
     findings.extend(polarity(check));
@@ -261,6 +269,33 @@ fn offset(check: &Check) -> Option<Finding> {
         "subtract it from every value before".into()
     };
     Some(fault(About::Offset, found, advice))
+}
+
+fn channel_offsets(check: &Check) -> Option<Finding> {
+    let by_value = |a: &&ChannelOffset, b: &&ChannelOffset| a.value.total_cmp(&b.value);
+    let least = check.channel_offsets.iter().min_by(by_value)?;
+    let most = check.channel_offsets.iter().max_by(by_value)?;
+    let told = |offset: &ChannelOffset| {
+        let [a, b] = offset.electrodes.map(person);
+        format!("{:.4} (pair {a}-{b})", offset.value)
+    };
+    let found = format!(
+        "each sense pair has an offset of its own, {} to {}, as steps with drive and sense exchanged tell",
+        told(least),
+        told(most)
+    );
+    let advice = "subtract from the values of each pair its own, as it is with the current off, or `channel_offsets` of the \
+                  report; differences to a reference do not hold them";
+    Some(fault(About::ChannelOffsets, found, advice))
+}
+
+fn settling(check: &Check) -> Option<Finding> {
+    let kept = check.kept_percent;
+    let found = format!(
+        "each value holds {kept:.0} % of the one measured before it: the instrument does not settle between two"
+    );
+    let advice = "wait longer after the multiplexer has switched, or discard the first samples";
+    (kept > 0.0).then(|| fault(About::Settling, found, advice))
 }
 
 fn exchanged(check: &Check) -> impl Iterator<Item = Finding> + '_ {

@@ -43,11 +43,26 @@ pub struct PairGain {
     pub ambiguous: bool,
 }
 
+impl PairGain {
+    /// Whether a step drives or senses the pair: of clipped values no gain may be told.
+    pub(super) fn is_of(&self, step: Step) -> bool {
+        let Step { drive_plus, drive_minus, sense_plus, sense_minus } = step;
+        let pairs = [[drive_plus, drive_minus], [sense_plus, sense_minus]];
+        pairs.iter().any(|&[a, b]| self.electrodes == [a, b] || self.electrodes == [b, a])
+    }
+}
+
 /// Logarithms of gains of one pair.
 type Gains = BTreeMap<[u8; 2], Vec<f64>>;
 
-/// Looks for them in what is left once everything else is explained; `wired` are the steps as their wires are.
-pub(super) fn find(expected: &Expected, wired: &[Step], readings: &Readings) -> Vec<PairGain> {
+/// Looks for them in what is left once everything else is explained; `wired` are the steps as their wires are, `slopes`
+/// logarithms of by how much more a pair reads than it drives, where channels have offsets.
+pub(super) fn find(
+    expected: &Expected,
+    wired: &[Step],
+    readings: &Readings,
+    slopes: &BTreeMap<[u8; 2], f64>,
+) -> Vec<PairGain> {
     let logarithms: Vec<f64> = readings.logarithms.iter().map(|(model, measured)| measured - model).collect();
     let by_model = |drives: bool| by_model(expected, wired, &logarithms, drives);
     let (rows, columns) = (by_model(true), by_model(false));
@@ -78,7 +93,18 @@ pub(super) fn find(expected: &Expected, wired: &[Step], readings: &Readings) -> 
             PairGain { electrodes, drives: false, gain: gain.exp(), ambiguous }
         }
     };
-    outstanding(&reciprocal, LEAST.ln(), OUTSTANDING).into_iter().map(which).collect()
+    let found = if slopes.is_empty() {
+        outstanding(&reciprocal, LEAST.ln(), OUTSTANDING)
+    } else {
+        outstanding_slopes(slopes)
+    };
+    found.into_iter().map(which).collect()
+}
+
+/// Pairs whose slope stands out, with its logarithm against the others'.
+pub(super) fn outstanding_slopes(slopes: &BTreeMap<[u8; 2], f64>) -> Vec<([u8; 2], f64)> {
+    let slopes = slopes.iter().map(|(pair, slope)| (*pair, *slope)).collect();
+    outstanding_middles(slopes, LEAST.ln(), OUTSTANDING, |_, _| true)
 }
 
 /// Median gain of a pair, whichever way round it is.
@@ -140,13 +166,22 @@ fn outstanding(gains: &Gains, least: f64, deviations: f64) -> Vec<([u8; 2], f64)
     let enough = gains.iter().filter(|(_, gains)| gains.len() >= LEAST_STEPS);
     let middles: Vec<_> = enough.map(|(pair, gains)| (*pair, median(gains.iter().copied()))).collect();
     let middle = median(middles.iter().map(|(_, gain)| *gain));
-    let deviation = DEVIATION * median(middles.iter().map(|(_, gain)| (gain - middle).abs()));
-    let limit = least.max(deviations * deviation);
-    let is_throughout = |pair: &[u8; 2], gain: f64| {
+    outstanding_middles(middles, least, deviations, |pair, gain| {
         let gains = &gains[pair];
         let alike = gains.iter().filter(|it| (*it - middle) * gain > 0.0).count();
         alike as f64 >= MOSTLY * gains.len() as f64
-    };
+    })
+}
+
+fn outstanding_middles(
+    middles: Vec<([u8; 2], f64)>,
+    least: f64,
+    deviations: f64,
+    is_throughout: impl Fn(&[u8; 2], f64) -> bool,
+) -> Vec<([u8; 2], f64)> {
+    let middle = median(middles.iter().map(|(_, gain)| *gain));
+    let deviation = DEVIATION * median(middles.iter().map(|(_, gain)| (gain - middle).abs()));
+    let limit = least.max(deviations * deviation);
     let found: Vec<_> = middles
         .iter()
         .map(|&(pair, gain)| (pair, gain - middle))

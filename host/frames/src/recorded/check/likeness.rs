@@ -99,9 +99,8 @@ impl<'a> Comparison<'a> {
 
     pub(super) fn of(&self, reading: &Reading) -> Result<Likeness, OrderError> {
         let (expected, reference) = (self.expected, self.reference);
-        let places = reading.places(&expected.steps, expected.electrodes, reference.values.len())?;
         let (values, blur): (Vec<Complex64>, Vec<f64>) =
-            places.into_iter().map(|(place, other)| reference.value(place, other, reading.offset)).unzip();
+            reading.values(expected, reference)?.into_iter().unzip();
         let steps: Vec<Step> = expected.steps.iter().map(|&step| reading.wiring.step(step)).collect();
         let mut model: Vec<f64> = steps.iter().map(|&step| expected.voltage(step)).collect();
         let mut measured = along_common_phase(&values);
@@ -111,7 +110,7 @@ impl<'a> Comparison<'a> {
         let largest = model.iter().fold(0.0, |a: f64, m| a.max(m.abs()));
         let gain = gain(&measured, &model);
         measured.iter_mut().for_each(|y| *y /= gain);
-        let offset = OFFSET_ERROR * reading.offset.norm();
+        let offset = reading.channels.error().unwrap_or(OFFSET_ERROR * reading.offset.norm());
         let unknown: Vec<f64> = steps
             .iter()
             .zip(&model)

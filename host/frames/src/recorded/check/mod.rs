@@ -9,6 +9,7 @@
 //! it all in words.
 
 mod causes;
+pub mod channels;
 pub mod electrodes;
 pub mod findings;
 pub mod gain;
@@ -28,6 +29,7 @@ use super::{
     statistics::median,
 };
 use causes::Explained;
+use channels::ChannelOffset;
 use dermatome_geometry::mesh::Lattice;
 use dermatome_model::{
     forward::{Admittivity, Fields},
@@ -44,7 +46,7 @@ use num_complex::Complex64;
 use numbering::Numbering;
 use offset::Offset;
 use polarity::Polarity;
-use reading::Misplacement;
+use reading::{Misplacement, Reading};
 use reciprocity::Agreement;
 use serde::Serialize;
 use signal::{Repeats, Saturation, Steadiness};
@@ -138,6 +140,10 @@ pub struct Check {
     pub misplaced: Vec<Misplacement>,
     /// A constant in every value.
     pub offset: Option<Offset>,
+    /// Offsets of the sense pairs where each has its own, with what they have in common.
+    pub channel_offsets: Vec<ChannelOffset>,
+    /// Share of the value measured before that each value holds, %; 0 where the instrument settles.
+    pub kept_percent: f64,
     /// Pairs that read too much or too little throughout.
     pub gains: Vec<PairGain>,
     /// Each electrode: `[electrode]`.
@@ -172,13 +178,15 @@ pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<
     let comparison = Comparison::new(expected, &reference);
     let causes = causes::find(&comparison, used)?;
     let last = &causes[causes.len() - 1];
-    let apart =
-        last.reading.potentials.map(|_| reading::apart(expected, frames, &last.reading)).transpose()?;
+    let apart = last.reading.potentials.map(|_| reading::apart(expected, frames, &last.reading));
     let single_ended = apart.is_some();
     let frames = apart.as_ref().unwrap_or(frames);
     let readings = Readings::of(expected, frames, last)?;
     let wired: Vec<Step> = expected.steps.iter().map(|&step| last.reading.wiring.step(step)).collect();
     let electrodes = electrodes::check(expected, &readings);
+    let slopes = &last.reading.channels.gains;
+    let channels = Some(last.reading.channels.clone()).filter(|it| it.are_worth_a_word(&last.likeness));
+    let channels = channels.unwrap_or_default();
     let mut check = Check {
         frames: frames.frames,
         measurements: frames.measurements,
@@ -198,11 +206,17 @@ pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<
         plain_correlation: causes[0].likeness.correlation(),
         misplaced: last.reading.misplaced.clone(),
         offset: Offset::of(&causes),
-        gains: gains_of_sound(&electrodes, last, gain::find(expected, &wired, &readings)),
+        channel_offsets: channels.offsets(last.reading.offset.re),
+        kept_percent: 100.0 * channels.kept,
+        gains: gains_of_sound(&electrodes, last, gain::find(expected, &wired, &readings, slopes)),
         scatter: last.likeness.scatter,
         bias: last.likeness.bias,
         findings: Vec::new(),
     };
+    if let Some(saturation) = &check.saturation {
+        let clipped: Vec<Step> = saturation.steps.iter().map(|&step| wired[step]).collect();
+        check.gains.retain(|gain| !clipped.iter().any(|step| gain.is_of(*step)));
+    }
     check.findings = findings::all(expected, &check);
     Ok(check)
 }
@@ -238,15 +252,6 @@ impl Reference {
         let blur = BLUR / (frames.frames as f64).sqrt();
         Self { values: frames.mean(), noise: signal::noise(frames), blur }
     }
-
-    /// The value in a place, minus another one or an offset, and what noise may add to it.
-    fn value(&self, place: usize, other: Option<usize>, offset: Complex64) -> (Complex64, f64) {
-        let blur = |place: usize| self.blur * self.noise[place];
-        match other {
-            Some(other) => (self.values[place] - self.values[other], blur(place).hypot(blur(other))),
-            None => (self.values[place] - offset, blur(place)),
-        }
-    }
 }
 
 /// The reference step by step, read as explained: `[step]`, in the file's electrode numbers.
@@ -273,9 +278,9 @@ impl Readings {
         let Explained { reading, likeness } = explained;
         let reference = Reference::of(frames);
         let places = reading.places(&expected.steps, expected.electrodes, frames.measurements)?;
-        let indices: Vec<usize> = places.into_iter().map(|(place, _)| place).collect();
-        let measured: Vec<_> =
-            indices.iter().map(|&index| reference.values[index] - reading.offset).collect();
+        let indices: Vec<usize> = places.into_iter().map(|(place, _)| place.value).collect();
+        let values = Reading { potentials: None, ..reading.clone() }.values(expected, &reference)?;
+        let measured: Vec<_> = values.into_iter().map(|(value, _)| value).collect();
         Ok(Self {
             blur: likeness.unknown.iter().map(|unknown| unknown * likeness.gain).collect(),
             noise: indices.iter().map(|&index| reference.noise[index]).collect(),

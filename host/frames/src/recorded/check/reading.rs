@@ -2,10 +2,11 @@
 
 use super::{
     super::{
-        order::{Arrangement, OrderError},
+        order::{Arrangement, OrderError, SenseOrder},
         read::Frames,
     },
-    Expected,
+    Expected, Reference,
+    channels::Channels,
     wiring::{Exchange, Wiring},
 };
 use dermatome_shared::stimulation::Step;
@@ -36,6 +37,8 @@ pub(super) struct Reading {
     pub(super) misplaced: Vec<Misplacement>,
     /// What is subtracted from every value.
     pub(super) offset: Complex64,
+    /// What each channel adds besides.
+    pub(super) channels: Channels,
     /// Whether columns of a square are potentials, whose differences so many columns apart are meant.
     pub(super) potentials: Option<usize>,
 }
@@ -47,6 +50,7 @@ impl Reading {
             exchanged: Vec::new(),
             misplaced: Vec::new(),
             offset: Complex64::ZERO,
+            channels: Channels::default(),
             potentials: None,
         }
     }
@@ -80,19 +84,63 @@ impl Reading {
         steps: &[Step],
         electrodes: u8,
         found: usize,
-    ) -> Result<Vec<(usize, Option<usize>)>, OrderError> {
-        let places = self.arrangement().file_indices(steps, electrodes, found)?;
-        let n = usize::from(electrodes);
-        let rows = Rows::of(steps, n, found);
-        let moved = |place: usize| {
-            self.misplaced.iter().rev().fold(place, |place, misplacement| rows.moved(*misplacement, place))
-        };
-        let other = |place: usize, distance: usize| place / n * n + (place % n + distance) % n;
-        Ok(places
-            .into_iter()
-            .map(|place| (moved(place), self.potentials.map(|distance| moved(other(place, distance)))))
-            .collect())
+    ) -> Result<Vec<(Place, Option<Place>)>, OrderError> {
+        let indices = self.arrangement().file_indices(steps, electrodes, found)?;
+        let rows = Rows::of(steps, usize::from(electrodes), found);
+        Ok(indices.into_iter().map(|index| self.place(&rows, usize::from(electrodes), index)).collect())
     }
+
+    /// Where the value of an index lies, and of potentials the one that is to be subtracted.
+    fn place(&self, rows: &Rows, n: usize, index: usize) -> (Place, Option<Place>) {
+        let found = rows.values();
+        let moved = |index: usize| {
+            self.misplaced.iter().rev().fold(index, |index, misplacement| rows.moved(*misplacement, index))
+        };
+        let reordered = found == n * n
+            && self.arrangement().sense == SenseOrder::Relative
+            && self.channels.scan == SenseOrder::Absolute;
+        let before = |index: usize| {
+            if reordered { before_in_absolute_order(index, n) } else { (index + found - 1) % found }
+        };
+        let place = |index: usize| Place { value: moved(index), before: moved(before(index)) };
+        let other = |distance: usize| place(index / n * n + (index % n + distance) % n);
+        (place(index), self.potentials.map(other))
+    }
+
+    /// What each step measured, in the file's unit, and what noise may add to it.
+    pub(super) fn values(
+        &self,
+        expected: &Expected,
+        reference: &Reference,
+    ) -> Result<Vec<(Complex64, f64)>, OrderError> {
+        let places = self.places(&expected.steps, expected.electrodes, reference.values.len())?;
+        let settled = |place: Place| self.channels.settled(place, &reference.values);
+        let blur = |place: Place| reference.blur * reference.noise[place.value];
+        let of_step = |(step, (place, other)): (&Step, (Place, Option<Place>))| {
+            let apart = self.channels.apart([step.sense_plus, step.sense_minus]);
+            match other {
+                Some(other) => (settled(place) - settled(other) - apart, blur(place).hypot(blur(other))),
+                None => (settled(place) - self.offset - apart, blur(place)),
+            }
+        };
+        Ok(expected.steps.iter().zip(places).map(of_step).collect())
+    }
+}
+
+/// Where a value lies in a frame, and the one that was measured before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    pub(super) value: usize,
+    pub(super) before: usize,
+}
+
+/// The place of the value that an instrument measured before, which scans the sense pairs by their numbers, in a square
+/// whose rows were turned later to begin at the driven pair.
+fn before_in_absolute_order(place: usize, n: usize) -> usize {
+    let (row, column) = (place / n, place % n);
+    let scanned = (row * n + (row + column) % n + n * n - 1) % (n * n);
+    let (row, sense) = (scanned / n, scanned % n);
+    row * n + (sense + n - row) % n
 }
 
 /// Rows of a frame, one for each drive.
@@ -153,14 +201,17 @@ impl Rows {
     }
 }
 
-/// Frames of potentials with, in the place of each step, the difference that is meant.
-pub(super) fn apart(expected: &Expected, frames: &Frames, reading: &Reading) -> Result<Frames, OrderError> {
-    let places = reading.places(&expected.steps, expected.electrodes, frames.measurements)?;
+/// Frames of potentials with, in the place of each pair, the difference that is meant.
+pub(super) fn apart(expected: &Expected, frames: &Frames, reading: &Reading) -> Frames {
+    let n = usize::from(expected.electrodes);
+    let rows = Rows::of(&expected.steps, n, frames.measurements);
     let mut values = frames.values.clone();
     for (apart, frame) in values.chunks_exact_mut(frames.measurements).zip(frames.iter()) {
-        for &(place, other) in &places {
-            apart[place] = frame[place] - other.map_or(Complex64::ZERO, |other| frame[other]);
+        for index in 0..frame.len() {
+            let (place, other) = reading.place(&rows, n, index);
+            let other = other.map_or(Complex64::ZERO, |other| frame[other.value]);
+            apart[place.value] = frame[place.value] - other;
         }
     }
-    Ok(Frames { values, ..frames.clone() })
+    Frames { values, ..frames.clone() }
 }

@@ -13,13 +13,23 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use std::f64::consts::{PI, TAU};
 
+mod channels;
+
 /// A homogeneous unit disc with point electrodes at uneven distances, so that no two rotations look
 /// alike: potential -ln(r) / pi, and a contact of its own under each electrode.
 fn disc(electrodes: u8, steps: Vec<Step>, seed: u64) -> Expected {
+    disc_of(electrodes, steps, seed, 0.0)
+}
+
+/// The same with electrodes up to this share of their distance from there.
+fn disc_of(electrodes: u8, steps: Vec<Step>, seed: u64, away: f64) -> Expected {
     let mut random = Pcg64::seed_from_u64(seed);
+    let mut other = Pcg64::seed_from_u64(!seed);
     let places: Vec<[f64; 2]> = (0..electrodes)
         .map(|k| {
-            let angle = TAU / f64::from(electrodes) * (f64::from(k) + random.random_range(-0.3..0.3));
+            let away = away * other.random_range(-1.0..1.0);
+            let place = f64::from(k) + random.random_range(-0.3..0.3) + away;
+            let angle = TAU / f64::from(electrodes) * place;
             [angle.sin(), angle.cos()]
         })
         .collect();

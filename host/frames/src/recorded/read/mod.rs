@@ -66,6 +66,22 @@ impl Frames {
         self
     }
 
+    /// Their mean, as the only frame.
+    #[must_use]
+    pub fn averaged(&self) -> Self {
+        Self { values: self.mean(), frames: 1, ..*self }
+    }
+
+    /// One for each of so many, where there is only one.
+    #[must_use]
+    pub fn for_each_of(&self, frames: usize) -> Self {
+        if self.frames == 1 {
+            Self { values: self.values.repeat(frames), frames, ..*self }
+        } else {
+            self.clone()
+        }
+    }
+
     /// Mean of all frames: `[measurement]`.
     #[must_use]
     pub fn mean(&self) -> Vec<Complex64> {
@@ -130,9 +146,6 @@ pub enum Problem {
         /// The array's shape.
         shape: String,
     },
-    /// Potentials of electrodes where only differences can be used.
-    #[error("it holds potentials of electrodes; allowed here are differences of the skin's pairs")]
-    Potentials,
     /// A measurement that is no number.
     #[error("frame {frame}, measurement {measurement} (counted from 0) is {value}, not a finite number")]
     NotFinite {
@@ -155,6 +168,15 @@ pub fn read(source: &Source) -> Result<Frames, ReadError> {
         .map_err(Problem::from)
         .and_then(frames_of)
         .map_err(|problem| ReadError { file: source.to_string(), problem })
+}
+
+/// The same, with rows and columns of a MATLAB file exchanged where only columns are frames that `fit`, by their length:
+/// MATLAB has no custom.
+pub fn read_turned(source: &Source, fits: impl Fn(usize) -> bool) -> Result<Frames, ReadError> {
+    let frames = read(source)?;
+    let is_matlab = source.path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mat"));
+    let is_turned = is_matlab && !fits(frames.measurements) && fits(frames.frames);
+    Ok(if is_turned { frames.transposed() } else { frames })
 }
 
 fn frames_of(array: Array<'_>) -> Result<Frames, Problem> {

@@ -1,4 +1,4 @@
-//! Recorded frames through a board's own pipeline: what a board with a patch would have said of them.
+//! Frames of other instruments as a board with a patch would have recorded them, for its pipeline.
 //!
 //! A board measures signed codes; files hold volts, counts, magnitudes or complex voltages. So each value v of a step
 //! whose untouched value is r becomes, with the sign s with which the patch adds the step up:
@@ -15,17 +15,19 @@ use super::{
     order::{Arrangement, FileIndex, OrderError},
     read::Frames,
 };
+use dermatome_messages::{clock::now_ns, dermatome::Reference, standard::Header};
+use dermatome_recording::frames::{Item, RecordedFrame};
 use dermatome_shared::{
-    contact::Contacts,
     device::MAX_TARE_FRAMES,
-    frame::{Frame, FrameFlags},
+    drive::Drive,
+    frame::FrameFlags,
     patch::{CombinedInto, Difference, PatchView},
-    pipeline::{Outcome, PipelineState, noise::LEAST_FRAMES, sense},
+    pipeline::noise::LEAST_FRAMES,
     protocol::FrameStamp,
     units::AdcCode,
 };
 use num_complex::Complex64;
-use std::ops::Range;
+use std::{collections::VecDeque, ops::Range};
 
 /// Largest code of the untouched skin.
 const LARGEST: f64 = 8_388_608.0;
@@ -138,22 +140,32 @@ impl Times {
     }
 }
 
-/// Recorded frames on their way through the pipeline of a patch: gives stamp and contacts of each that is not of the
-/// untouched skin. Numbers and times are those of the recording.
+/// Frames of another instrument as a board with a patch would have recorded them: references, and the frames that they are
+/// made of and compared with.
+///
+/// Where untouched frames are not of the recording itself, they come before those that are compared with them, and are
+/// counted as well.
 #[derive(Debug)]
 pub struct Replay<'a> {
     patch: &'a PatchView<'a>,
     frames: &'a Frames,
     untouched: Untouched<'a>,
     map: Vec<FileIndex>,
+    /// s: `[frame]`.
     times: Vec<f64>,
-    steps: Vec<Complex64>,
-    state: Box<PipelineState>,
+    /// Time between frames, s.
+    period: f64,
+    /// When the first of all frames came, ns since 1970.
+    begun: u64,
+    /// What turns values into codes, by the latest reference: `[step]`.
+    factors: Vec<Complex64>,
+    /// What comes before the next frame.
+    waiting: VecDeque<Item>,
     next: usize,
 }
 
 impl<'a> Replay<'a> {
-    /// Checks all that is to be replayed, and averages what is untouched.
+    /// Checks all that is to be replayed, and begins with what is untouched.
     pub fn new(
         patch: &'a PatchView<'a>,
         frames: &'a Frames,
@@ -165,76 +177,137 @@ impl<'a> Replay<'a> {
         let map = arrangement.index_map(&steps, patch.header.electrodes, frames.measurements)?;
         check(patch, frames, untouched)?;
         let times = times.of(frames.frames)?;
-        let (steps, state) = (Vec::new(), Box::default());
-        let mut replay = Self { patch, frames, untouched, map, times, steps, state, next: 0 };
+        let period = period(&times).unwrap_or_else(|| 1.0 / f64::from(patch.header.drive.frame_rate));
+        let (factors, waiting, begun) = (Vec::new(), VecDeque::new(), now_ns());
+        let mut replay =
+            Self { patch, frames, untouched, map, times, period, begun, factors, waiting, next: 0 };
         match untouched {
             Untouched::First(count) => {
-                replay.next = count;
                 replay.tare(frames, 0..count)?;
+                replay.next = count;
             }
             Untouched::Apart(others) => {
-                replay.tare(others, others.frames.saturating_sub(MAX_TARE_FRAMES.into())..others.frames)?;
+                replay.tare(others, others.frames - averaged(others)..others.frames)?;
             }
             Untouched::Each(_) => {}
         }
         Ok(replay)
     }
 
+    /// When the first of all frames came, ns since 1970.
+    #[must_use]
+    pub fn begun(&self) -> u64 {
+        self.begun
+    }
+
+    /// How the skin is driven: as the patch says, with as many frames a second as there are.
+    #[must_use]
+    pub fn drive(&self) -> Drive {
+        Drive { frame_rate: (1.0 / self.period) as f32, ..self.patch.header.drive }
+    }
+
+    /// Number and time that a frame has in its file.
+    #[must_use]
+    pub fn in_file(&self, at: FrameStamp) -> FrameStamp {
+        let sequence = at.sequence as usize;
+        let number = match self.untouched {
+            Untouched::First(_) => sequence,
+            Untouched::Apart(others) => sequence.saturating_sub(averaged(others)),
+            Untouched::Each(_) => sequence / 2,
+        };
+        let time = self.times.get(number).copied().unwrap_or_default();
+        FrameStamp { sequence: number as u32, timestamp_us: microseconds(time), ..at }
+    }
+
     /// Makes some frames, which come just before the next one, the reference.
     fn tare(&mut self, frames: &Frames, which: Range<usize>) -> Result<(), ReplayError> {
         let rows: Vec<&[Complex64]> = frames.iter().skip(which.start).take(which.len()).collect();
-        self.steps = factors(self.patch, &self.map, &rows).ok_or(ReplayError::NoVoltage(which.start))?;
-        self.state.clear();
-        self.state.start_tare(rows.len() as u16);
-        for (row, before) in rows.iter().zip((1..=rows.len()).rev()) {
-            let frame = Frame { timestamp_us: self.board_time(self.next, before), ..self.frame(row) };
-            sense(self.patch, &mut self.state, &frame);
-        }
+        self.factors = factors(self.patch, &self.map, &rows).ok_or(ReplayError::NoVoltage(which.start))?;
+        let at = |place: usize| match self.untouched {
+            Untouched::First(_) => Place { number: place, others: 0 },
+            Untouched::Apart(_) => Place { number: 0, others: place },
+            Untouched::Each(_) => Place { number: self.next, others: self.next },
+        };
+        let frame = |(place, row): (usize, &&[Complex64])| Item::Frame(Box::new(self.frame(at(place), row)));
+        let of_tare: Vec<Item> = rows.iter().enumerate().map(frame).collect();
+        let header = Header::default();
+        let reference = Reference::new(header, at(0).sequence(), rows.len() as u16, &self.drive());
+        self.waiting.extend([Item::Reference(reference)].into_iter().chain(of_tare));
         Ok(())
     }
 
-    /// Time so many frames before one of the recording, which begins so late that all untouched frames come after 0.
-    fn board_time(&self, frame: usize, before: usize) -> u64 {
-        let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
-        let period = (last - first) / (self.times.len() - 1).max(1) as f64;
-        let before = f64::from(MAX_TARE_FRAMES) - before as f64;
-        microseconds(self.times[frame] - first + period * before)
-    }
-
     /// A frame as a board would have measured it.
-    fn frame(&self, row: &[Complex64]) -> Frame {
-        let mut frame = Frame::default();
-        for (place, factor) in self.map.iter().zip(&self.steps) {
+    fn frame(&self, place: Place, row: &[Complex64]) -> RecordedFrame {
+        let mut flags = FrameFlags::default();
+        let mut code = |(place, factor): (&FileIndex, &Complex64)| {
             let code = (row[place.index] * factor).re.round();
-            frame.flags.insert_if(FrameFlags::SATURATED, code.abs() > END);
-            // There are no more steps than a patch has.
-            let _ = frame.codes.push(AdcCode(code.clamp(-END, END) as i32));
+            flags.insert_if(FrameFlags::SATURATED, code.abs() > END);
+            AdcCode(code.clamp(-END, END) as i32)
+        };
+        let codes = self.map.iter().zip(&self.factors).map(&mut code).collect();
+        let time = self.times[place.number] + self.period * place.others as f64;
+        let at = FrameStamp { sequence: place.sequence(), timestamp_us: microseconds(time), flags };
+        let since = at.timestamp_us.saturating_sub(microseconds(self.times[0]));
+        RecordedFrame {
+            at,
+            log_time: self.begun.saturating_add(since.saturating_mul(1000)),
+            codes: Some([codes, Vec::new()]),
+            health: None,
+            image: None,
+            contacts: None,
         }
-        frame
     }
 }
 
 impl Iterator for Replay<'_> {
-    type Item = Result<(FrameStamp, Contacts), ReplayError>;
+    type Item = Result<Item, ReplayError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let number = self.next;
-        let row = self.frames.iter().nth(number)?;
-        if let Untouched::Each(others) = self.untouched
-            && let Err(error) = self.tare(others, number..number + 1)
-        {
-            return Some(Err(error));
+        if let Some(item) = self.waiting.pop_front() {
+            return Some(Ok(item));
         }
+        let (number, frames) = (self.next, self.frames);
+        let row = frames.iter().nth(number)?;
+        let others = match self.untouched {
+            Untouched::First(_) => 0,
+            Untouched::Apart(others) => averaged(others),
+            Untouched::Each(others) => {
+                if let Err(error) = self.tare(others, number..number + 1) {
+                    self.next = self.frames.frames;
+                    return Some(Err(error));
+                }
+                number + 1
+            }
+        };
         self.next += 1;
-        let frame =
-            Frame { sequence: number as u32, timestamp_us: self.board_time(number, 0), ..self.frame(row) };
-        let outcome = sense(self.patch, &mut self.state, &frame);
-        debug_assert_eq!(outcome, Outcome::Image);
-        let flags = frame.flags.union(self.state.flags());
-        let at =
-            FrameStamp { sequence: number as u32, timestamp_us: microseconds(self.times[number]), flags };
-        Some(Ok((at, self.state.contacts().clone())))
+        let frame = Item::Frame(Box::new(self.frame(Place { number, others }, row)));
+        self.waiting.push_back(frame);
+        self.waiting.pop_front().map(Ok)
     }
+}
+
+/// Where a frame is: how many frames of the file and of others come before it.
+#[derive(Clone, Copy)]
+struct Place {
+    number: usize,
+    others: usize,
+}
+
+impl Place {
+    fn sequence(self) -> u32 {
+        (self.number + self.others) as u32
+    }
+}
+
+/// Frames of a reference that are averaged.
+fn averaged(others: &Frames) -> usize {
+    others.frames.min(MAX_TARE_FRAMES.into())
+}
+
+/// Mean time between frames, s; none where they take none.
+fn period(times: &[f64]) -> Option<f64> {
+    let all = times.last()? - times.first()?;
+    Some(all / (times.len() - 1) as f64).filter(|period| *period > 0.0)
 }
 
 fn microseconds(seconds: f64) -> u64 {

@@ -1,7 +1,12 @@
 use super::*;
 use crate::recorded::order::SenseOrder;
 use dermatome_model::{model::Model, quantize, skin::Skin};
-use dermatome_shared::pipeline::process;
+use dermatome_recording::play::Player;
+use dermatome_shared::{
+    contact::Contacts,
+    frame::Frame,
+    pipeline::{Outcome, PipelineState, process},
+};
 use dermatome_simulate::{Noise, Press, rig::Rig};
 use std::path::Path;
 
@@ -77,8 +82,11 @@ fn replayed(
     arrangement: &Arrangement,
 ) -> (Vec<usize>, [f32; 2]) {
     let view = PatchView::validate(&scanned.patch).unwrap();
-    let replay = Replay::new(&view, frames, untouched, arrangement, &Times::Rate(50.0)).unwrap();
-    seen(replay.map(|frame| frame.unwrap()).map(|(at, contacts)| (at.sequence as usize, contacts)))
+    let mut replay = Replay::new(&view, frames, untouched, arrangement, &Times::Rate(50.0)).unwrap();
+    let items: Vec<Item> = replay.by_ref().map(Result::unwrap).collect();
+    let mut player = Player::new(&view, &view.steps().collect::<Vec<_>>()).unwrap();
+    let played = items.iter().filter_map(|item| player.take(item).unwrap());
+    seen(played.map(|it| (replay.in_file(it.at).sequence as usize, it.contacts)))
 }
 
 #[test]
@@ -196,4 +204,36 @@ fn complex_frames_have_no_signs_for_plain_differences() {
     };
     assert_eq!(replay(true), Some(ReplayError::Signs));
     assert_eq!(replay(false), None);
+}
+
+#[test]
+fn numbers_and_times_of_a_board_count_the_untouched_frames_of_another_file() {
+    let scanned = scanned(IN_IMAGE);
+    let view = PatchView::validate(&scanned.patch).unwrap();
+    let all = filed(&scanned, 1.0.into(), &Arrangement::default());
+    let part =
+        |frames: usize| Frames { values: all.values[..frames * all.measurements].to_vec(), frames, ..all };
+    let (three, ten) = (part(3), part(10));
+    let stamps = |untouched: Untouched<'_>| -> Vec<(u32, u64, u32)> {
+        let times = Times::Each(vec![5.0, 5.1, 5.2]);
+        let mut replay = Replay::new(&view, &three, untouched, &Arrangement::default(), &times).unwrap();
+        let items: Vec<Item> = replay.by_ref().map(Result::unwrap).collect();
+        assert!((replay.drive().frame_rate - 10.0).abs() < 1e-3, "{:?}", replay.drive());
+        assert!(matches!(items[0], Item::Reference(_)));
+        let stamp = |item: &Item| match item {
+            Item::Frame(frame) => {
+                assert_eq!(frame.log_time - replay.begun(), (frame.at.timestamp_us - 5_000_000) * 1000);
+                Some((frame.at.sequence, frame.at.timestamp_us, replay.in_file(frame.at).sequence))
+            }
+            Item::Reference(_) => None,
+        };
+        items.iter().filter_map(stamp).collect()
+    };
+    assert_eq!(stamps(Untouched::First(1)), [(0, 5_000_000, 0), (1, 5_100_000, 1), (2, 5_200_000, 2)]);
+    let apart = stamps(Untouched::Apart(&ten));
+    assert_eq!(apart[..2], [(0, 5_000_000, 0), (1, 5_100_000, 0)]);
+    assert_eq!(apart[10..], [(10, 6_000_000, 0), (11, 6_100_000, 1), (12, 6_200_000, 2)]);
+    let each = [(0, 5_000_000, 0), (1, 5_100_000, 0), (2, 5_200_000, 1), (3, 5_300_000, 1)];
+    assert_eq!(stamps(Untouched::Each(&three))[..4], each);
+    assert_eq!(stamps(Untouched::Each(&three))[5], (5, 5_500_000, 2));
 }

@@ -8,7 +8,7 @@ mod stl;
 
 pub use msh::msh;
 pub use ply::{On, PlyError, Scalars, ply};
-pub use stl::stl;
+pub use stl::{IN_METRES, stl, stl_in_metres};
 
 #[cfg(test)]
 mod tests;

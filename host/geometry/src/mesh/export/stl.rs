@@ -1,4 +1,4 @@
-//! Binary STL, in millimetres as CAD programs expect: each triangle with its normal and its three corners.
+//! Binary STL, in millimetres as CAD programs expect, or in metres as robots' descriptions do: each triangle with its normal and its three corners.
 
 use crate::mesh::{Mesh, neighbours::orientation, triangle};
 
@@ -7,7 +7,20 @@ const HEADER_BYTES: usize = 80;
 /// A mesh without its electrodes, as a binary STL file in mm. Coordinates keep single precision.
 #[must_use]
 pub fn stl(mesh: &Mesh) -> Vec<u8> {
-    let mut bytes = b"Dermatome: a skin's mesh, millimetres".to_vec();
+    written(mesh, "Dermatome: a skin's mesh, millimetres", 1e3)
+}
+
+/// How a file of [`stl_in_metres`] begins.
+pub const IN_METRES: &str = "Dermatome: a skin's mesh, metres";
+
+/// The same in metres, for robots' descriptions.
+#[must_use]
+pub fn stl_in_metres(mesh: &Mesh) -> Vec<u8> {
+    written(mesh, IN_METRES, 1.0)
+}
+
+fn written(mesh: &Mesh, header: &str, scale: f64) -> Vec<u8> {
+    let mut bytes = header.as_bytes().to_vec();
     bytes.resize(HEADER_BYTES, 0);
     bytes.extend((mesh.elements.len() as u32).to_le_bytes());
     for (element, sign) in orientation(&mesh.elements).into_iter().enumerate() {
@@ -16,8 +29,8 @@ pub fn stl(mesh: &Mesh) -> Vec<u8> {
             std::mem::swap(&mut b, &mut c);
         }
         let normal = triangle::normal([a, b, c]);
-        let millimetres = [a, b, c].map(|corner| corner.coords * 1e3);
-        for vector in [normal].into_iter().chain(millimetres) {
+        let corners = [a, b, c].map(|corner| corner.coords * scale);
+        for vector in [normal].into_iter().chain(corners) {
             vector.iter().for_each(|part| bytes.extend((*part as f32).to_le_bytes()));
         }
         bytes.extend([0; 2]);

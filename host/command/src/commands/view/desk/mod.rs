@@ -71,6 +71,7 @@ pub(in crate::commands) struct Task<'a> {
 /// A board and its page.
 pub(in crate::commands) struct Desk<'a> {
     task: Task<'a>,
+    server: Server,
     outlets: Outlets,
     status: Status,
     told: Instant,
@@ -122,7 +123,8 @@ impl<'a> Desk<'a> {
         let wants_tare = !task.patches.is_empty();
         Self {
             task,
-            outlets: Outlets::serving(server),
+            outlets: Outlets::telling(server.speaker(0)),
+            server,
             status: Status { state: state.to_owned(), port, signal_to_noise: f32::NAN, ..Status::default() },
             told: Instant::now(),
             numbers: Numbers::default(),
@@ -226,7 +228,7 @@ impl<'a> Desk<'a> {
     fn wait(&mut self, time: Duration, why_not: &str) -> bool {
         let until = Instant::now() + time;
         while Instant::now() < until && interrupt::sleep(LOOK) {
-            while let Some(call) = self.outlets.server().and_then(Server::call) {
+            while let Some(call) = self.server.call() {
                 match call.service {
                     RECORD => self.stop_recording(call),
                     TARE if self.status.state == "not_tared" => self.waiting.push_back(call),
@@ -275,13 +277,20 @@ impl<'a> Desk<'a> {
             link.request(&Request::Drive(Some(drive)))?;
             board.patch.drive = drive;
         }
-        if board.link()?.info()?.tared {
-            self.untouched = Untouched::of(board.link()?).ok().map(|untouched| (board.patch.crc, untouched));
+        let crc = board.patch.crc;
+        let link = board.link()?;
+        let now = link.info()?;
+        let is_lost = match self.untouched.as_ref().filter(|(of, _)| *of == crc) {
+            Some((_, untouched)) => untouched.is_lost(&now, link)?,
+            None => !now.tared,
+        };
+        if !is_lost {
+            self.untouched = Untouched::of(link).ok().map(|untouched| (crc, untouched));
         } else {
             // One that the board begins by itself may take frames before the stream.
             self.wants_tare = true;
             self.wait_untouched(board)?;
-            let Board { link, patch, .. } = board;
+            let Board { link, patch, .. } = &mut *board;
             let link = link.as_mut().context("the board is lost")?;
             self.task.current.fit(link, patch, || !interrupt::requested())?;
         }
@@ -421,7 +430,7 @@ impl<'a> Desk<'a> {
                 self.tell();
                 self.outlets.warn();
             }
-            if let Some(call) = self.outlets.server().and_then(Server::call) {
+            if let Some(call) = self.server.call() {
                 match call.service {
                     CHECK | CALIBRATE => break Left::Do(call),
                     TARE => {
