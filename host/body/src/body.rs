@@ -2,13 +2,17 @@
 
 use crate::{
     contact::{SkinContact, Wrench, on_link},
+    driven::Driven,
     file::Patch,
     keeper::{Phase, State, Told},
     placed::PlacedSkin,
 };
-use dermatome_link::ScanFrame;
+use dermatome_link::{ScanFrame, assemble::HealthReport};
 use dermatome_messages::clock::{Clock, Jitter};
-use dermatome_shared::{frame::FrameFlags, protocol::FrameStamp};
+use dermatome_shared::{
+    frame::FrameFlags,
+    protocol::{FrameStamp, PackedImage},
+};
 
 /// What one of the keepers told: its patch's place in the body file.
 pub type Update = (usize, Told);
@@ -29,6 +33,10 @@ pub struct Sense {
     pub state: State,
     /// The last frame's contacts; none while they would be stale.
     pub report: Option<Report>,
+    /// How its board drives it; none before that is known.
+    pub driven: Option<Driven>,
+    /// What its board said last about electrodes and itself, where it is asked to; none while that would be stale.
+    pub health: Option<HealthReport>,
     /// Frames that have come.
     pub frames: u64,
     /// Frames that have not come, in this stream and those before.
@@ -53,6 +61,8 @@ pub struct Report {
     pub received_ns: u64,
     /// In the link's frame, strongest first.
     pub contacts: Vec<SkinContact>,
+    /// The image that they were found in, where it came as well.
+    pub image: Option<PackedImage>,
 }
 
 impl Report {
@@ -73,6 +83,8 @@ impl Body {
             link: patch.pose.link.clone(),
             state: State { phase: Phase::NoBoard, text: String::new() },
             report: None,
+            driven: None,
+            health: None,
             frames: 0,
             missing: 0,
             losses: 0,
@@ -103,10 +115,15 @@ impl Body {
                 sense.skin = Some(PlacedSkin::new(&tables, &sense.patch.pose));
                 None
             }
+            Told::Driven(driven) => {
+                sense.driven = Some(*driven);
+                None
+            }
+            Told::NotDriven(_) => None,
             Told::Frame { frame, received_ns, missing } => {
                 sense.frames += 1;
                 sense.missing = sense.missing_before + missing;
-                sense.frame(&frame, received_ns)
+                sense.frame(*frame, received_ns)
             }
         }
     }
@@ -138,22 +155,29 @@ impl Sense {
         self.clock.jitter()
     }
 
+    /// Its pixels on its link; none before its board has shown its patch.
+    #[must_use]
+    pub fn placed(&self) -> Option<&PlacedSkin> {
+        self.skin.as_ref()
+    }
+
     fn stand(&mut self, state: State) {
         if state.phase != Phase::Live {
             self.losses += u64::from(state.phase == Phase::Lost && self.state.phase != Phase::Lost);
             // What a board said before is over.
-            self.report = None;
+            (self.report, self.health) = (None, None);
         } else if self.state.phase != Phase::Live {
             self.missing_before = self.missing;
         }
         self.state = state;
     }
 
-    fn frame(&mut self, frame: &ScanFrame, received_ns: u64) -> Option<&Report> {
-        let (at, contacts) = (frame.at?, frame.contacts.as_ref()?);
-        let contacts = on_link(self.skin.as_ref()?, contacts, frame.image.as_ref());
+    fn frame(&mut self, frame: ScanFrame, received_ns: u64) -> Option<&Report> {
+        self.health = frame.health.or_else(|| self.health.take());
+        let (at, contacts, image) = (frame.at?, frame.contacts?, frame.image);
+        let contacts = on_link(self.skin.as_ref()?, &contacts, image.as_ref());
         let time_ns = self.clock.host_time(at.timestamp_us, received_ns);
-        self.report = Some(Report { at, time_ns, received_ns, contacts });
+        self.report = Some(Report { at, time_ns, received_ns, contacts, image });
         self.report.as_ref()
     }
 }

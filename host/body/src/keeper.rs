@@ -4,13 +4,14 @@
 //! reference that it had, and streams. A board that is lost is tried again until it answers; one that has lost its
 //! reference gets a new one once nothing presses. What it does, and what comes, it [tells](Told).
 
-use crate::{file::Patch, surface::is_same};
+use crate::{driven::Driven, file::Patch, surface::is_same};
 use dermatome_link::{
     Link, LinkError, LinkErrorKind, ScanFrame, Untouched, frame_timeout, silence_timeout,
     tables::SurfaceTables, tare, tare_timeout,
 };
 use dermatome_messages::clock::now_ns;
 use dermatome_shared::{
+    acquire::FrontEnd,
     drive::Drive,
     patch::{PatchError, PatchView},
     protocol::{PatchInfo, Request, Selection},
@@ -47,9 +48,11 @@ pub enum Told {
         tables: Box<SurfaceTables>,
         /// Kind and firmware of the board.
         board: String,
-        /// How the skin is driven.
-        drive: Box<Drive>,
     },
+    /// The board drives its skin like this.
+    Driven(Box<Driven>),
+    /// The board refused to drive it as it was asked to: why, in words.
+    NotDriven(String),
     /// A frame.
     Frame {
         /// As it came.
@@ -124,6 +127,7 @@ impl Keeper {
             tell: Box::new(tell),
             known: None,
             drive: None,
+            front_end: None,
             untouched: None,
             has_come: false,
             wants_tare: false,
@@ -198,6 +202,7 @@ struct Board {
     known: Option<u32>,
     /// How the skin is to be driven: as it was first found, or as it was asked for.
     drive: Option<Drive>,
+    front_end: Option<FrontEnd>,
     /// The skin by its last reference, of the patch with this id.
     untouched: Option<(u32, Untouched)>,
     has_come: bool,
@@ -267,10 +272,12 @@ impl Board {
         let info = link.info()?;
         let mut patch = info.patch.ok_or(Trouble::NoPatch)?;
         self.greet(&mut link, &patch)?;
-        let drive = *self.drive.get_or_insert(patch.drive);
-        if patch.drive != drive {
-            link.request(&Request::Drive(Some(drive)))?;
-            patch.drive = drive;
+        self.front_end = info.front_end;
+        // A drive that was asked for before lasts until the board starts anew.
+        patch.drive = info.drive.unwrap_or(patch.drive);
+        match self.drive.filter(|drive| *drive != patch.drive) {
+            Some(drive) => self.change_drive(&mut link, &mut patch, drive)?,
+            None => self.drives(patch.drive),
         }
         self.has_come = true;
         loop {
@@ -292,6 +299,29 @@ impl Board {
         }
     }
 
+    fn drives(&mut self, drive: Drive) {
+        self.drive = Some(drive);
+        (self.tell)(Told::Driven(Box::new(Driven { drive, front_end: self.front_end })));
+    }
+
+    /// Has the skin driven like this; the board may refuse.
+    fn change_drive(
+        &mut self,
+        link: &mut Link,
+        patch: &mut PatchInfo,
+        drive: Drive,
+    ) -> Result<(), LinkError> {
+        match link.request(&Request::Drive(Some(drive))) {
+            Ok(_) => patch.drive = drive,
+            Err(LinkError { kind: LinkErrorKind::Refused(refusal), .. }) => {
+                (self.tell)(Told::NotDriven(refusal.to_string()));
+            }
+            Err(error) => return Err(error),
+        }
+        self.drives(patch.drive);
+        Ok(())
+    }
+
     /// Makes sure that the board's patch is of this skin.
     fn greet(&mut self, link: &mut Link, patch: &PatchInfo) -> Result<(), Trouble> {
         if self.known == Some(patch.crc) {
@@ -308,8 +338,7 @@ impl Board {
         self.known = Some(patch.crc);
         let identity = link.identity();
         let board = format!("{} {}", identity.board, identity.firmware);
-        let drive = Box::new(self.drive.unwrap_or(patch.drive));
-        (self.tell)(Told::Patch { bytes, tables: Box::new(tables), board, drive });
+        (self.tell)(Told::Patch { bytes, tables: Box::new(tables), board });
         Ok(())
     }
 
@@ -350,8 +379,9 @@ impl Board {
                 match asked {
                     Asked::Tare => self.wants_tare = true,
                     Asked::Drive(drive) => {
-                        stream.link().request(&Request::Drive(Some(*drive)))?;
-                        (self.drive, patch.drive, self.wants_tare) = (Some(*drive), *drive, true);
+                        let before = patch.drive;
+                        self.change_drive(stream.link(), patch, *drive)?;
+                        self.wants_tare |= patch.drive != before;
                     }
                     Asked::Stop => {
                         stream.stop()?;

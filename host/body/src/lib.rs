@@ -7,9 +7,11 @@
 
 mod body;
 pub mod contact;
+pub mod driven;
 pub mod file;
 pub mod keeper;
 mod placed;
 pub mod surface;
 
 pub use body::{Body, Report, Sense, Update};
+pub use placed::PlacedSkin;

@@ -5,9 +5,10 @@ use dermatome_link::{pose::Pose, tables::SurfaceTables};
 /// A skin's pixels on its link.
 #[derive(Clone, Debug)]
 pub struct PlacedSkin {
-    pub(crate) pose: Pose,
+    /// Where it lies on its link.
+    pub pose: Pose,
     /// m: `[pixel]`.
-    pub(crate) centres: Vec<[f64; 3]>,
+    pub centres: Vec<[f64; 3]>,
     /// Outward, unit length: `[pixel]`.
     pub(crate) normals: Vec<[f64; 3]>,
     /// m^2: `[pixel]`.

@@ -1,6 +1,6 @@
-//! Messages of package `dermatome_msgs`; what fields mean stands in `msg/*.msg`.
+//! Messages of package `dermatome_msgs`; what fields mean stands in `dermatome_msgs/msg/*.msg`.
 
-use crate::standard::{Header, Point};
+use crate::standard::{Header, Point, Wrench};
 use dermatome_shared::drive::{Component, Drive, Gain};
 use serde::{Deserialize, Serialize};
 
@@ -83,6 +83,40 @@ pub struct ContactArray {
     pub stamp: Stamp,
     /// Strongest first.
     pub contacts: Vec<Contact>,
+}
+
+/// dermatome_msgs/msg/SkinContact
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SkinContact {
+    /// As the board gives it, in the link's frame.
+    pub contact: Contact,
+    /// m
+    pub geometric_centre: Point,
+    /// Whether the next field means anything.
+    pub has_wrench: bool,
+    /// What it does to the link, about its centre of pressure.
+    pub wrench: Wrench,
+    /// Of the image.
+    pub pixels: Vec<u16>,
+}
+
+/// dermatome_msgs/msg/SkinContactArray
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SkinContactArray {
+    /// When the scan ended, and the link.
+    pub header: Header,
+    /// The skin's name on its robot.
+    pub patch: String,
+    /// Running number of the frame since the board started.
+    pub sequence: u32,
+    /// When the scan ended, us of the board's clock.
+    pub device_time_us: u64,
+    /// Bits of [`dermatome_shared::frame::FrameFlags`].
+    pub flags: u16,
+    /// Whether nothing is known to be wrong.
+    pub valid: bool,
+    /// Strongest first.
+    pub contacts: Vec<SkinContact>,
 }
 
 /// dermatome_msgs/msg/Health
@@ -302,4 +336,36 @@ pub struct Status {
     pub recorded_bytes: u64,
     /// Frames in it.
     pub recorded_frames: u64,
+}
+
+/// dermatome_msgs/srv/Drive_Request
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DriveRequest {
+    /// Hz, or NaN.
+    pub frequency: f32,
+    /// A, or NaN.
+    pub amplitude: f32,
+    /// 1/s, or NaN.
+    pub frame_rate: f32,
+    /// 0: automatic; 255: as it is.
+    pub gain: u8,
+}
+
+impl DriveRequest {
+    /// What asks for no change.
+    pub const AS_IT_IS: Self =
+        Self { frequency: f32::NAN, amplitude: f32::NAN, frame_rate: f32::NAN, gain: u8::MAX };
+
+    /// This drive with the changes that are asked for.
+    #[must_use]
+    pub fn of(&self, drive: &Drive) -> Drive {
+        let or = |wanted: f32, before: f32| if wanted.is_nan() { before } else { wanted };
+        Drive {
+            frequency: or(self.frequency, drive.frequency),
+            amplitude: or(self.amplitude, drive.amplitude),
+            frame_rate: or(self.frame_rate, drive.frame_rate),
+            gain: if self.gain == u8::MAX { drive.gain } else { gain_of_number(self.gain) },
+            ..*drive
+        }
+    }
 }

@@ -2,7 +2,7 @@
 //!
 //! A [`dermatome_link::ScanFrame`] -> [`frame::Outlook::messages`] -> [`Packed`] messages, each with its [`Topic`]. They are
 //! encoded as CDR, as ROS 2 does, and described by `ros2msg` text ([`schema::definition`]), so that whoever reads
-//! ROS 2 recordings reads ours. The definitions of package `dermatome_msgs` lie in `msg/` beside this crate's code.
+//! ROS 2 recordings reads ours. The definitions of package `dermatome_msgs` lie in `dermatome_msgs/`, a package for ROS 2, beside this crate's code.
 #![forbid(unsafe_code)]
 
 pub mod cdr;

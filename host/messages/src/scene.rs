@@ -9,8 +9,8 @@ use crate::{
     },
     topic::{Packed, Topic},
 };
-use dermatome_link::ScanFrame;
-use dermatome_shared::{contact::Contacts, frame::FrameFlags};
+use dermatome_link::{ScanFrame, assemble::HealthReport, pose::Pose};
+use dermatome_shared::{contact::Contact, frame::FrameFlags, health::ElectrodeSet, protocol::PackedImage};
 use std::f32::consts::FRAC_1_PI;
 
 /// Least time between two scenes, ns: 30 a second are enough to look at.
@@ -50,11 +50,7 @@ impl Scene {
     /// Where the skin lies on its link: a transform that holds for good; none where that is not known.
     #[must_use]
     pub fn transform(&self, skin: &str, now_ns: u64) -> Option<Packed> {
-        let pose = self.place.pose.as_ref()?;
-        let [x, y, z, w] = pose.orientation;
-        let transform = RosPose { position: pose.position.into(), orientation: Quaternion { x, y, z, w } };
-        let header = self.place.header(now_ns);
-        let stamped = TransformStamped { header, child_frame_id: skin.to_owned(), transform };
+        let stamped = transform(self.place.pose.as_ref()?, skin, now_ns);
         let bytes = cdr::encode(&TfMessage { transforms: vec![stamped] });
         Some(Packed::now(Topic::Transforms, now_ns, bytes))
     }
@@ -75,28 +71,30 @@ impl Scene {
             return packed;
         }
         self.drawn = now_ns;
-        put(Topic::Markers, cdr::encode(&self.markers(contacts, now_ns)));
+        let on_link = contacts.iter().map(|contact| self.place.contact(contact));
+        put(Topic::Markers, cdr::encode(&self.markers(on_link, now_ns)));
         if let Some(image) = &frame.image {
-            put(Topic::Pressure, cdr::encode(&self.cloud(image.values(), now_ns)));
+            put(Topic::Pressure, cdr::encode(&self.cloud(image, now_ns)));
         }
         packed
     }
 
     /// An image as points x, y, z (m) and `change` (relative conductivity).
-    fn cloud(&self, values: impl Iterator<Item = f64>, now_ns: u64) -> PointCloud2 {
+    #[must_use]
+    pub fn cloud(&self, image: &PackedImage, time_ns: u64) -> PointCloud2 {
         let field = |(name, place): (&str, u32)| PointField {
             name: name.to_owned(),
             offset: 4 * place,
             datatype: 7,
             count: 1,
         };
-        let numbers = self.centres.iter().zip(values).flat_map(|(centre, value)| {
+        let numbers = self.centres.iter().zip(image.values()).flat_map(|(centre, value)| {
             let [x, y, z] = *centre;
             [x, y, z, value as f32]
         });
         let width = self.centres.len() as u32;
         PointCloud2 {
-            header: self.place.header(now_ns),
+            header: self.place.header(time_ns),
             height: 1,
             width,
             fields: ["x", "y", "z", "change"].into_iter().zip(0..).map(field).collect(),
@@ -108,9 +106,10 @@ impl Scene {
         }
     }
 
-    /// Contacts, each a sphere as large as it, an arrow along its normal and a text.
-    fn markers(&self, contacts: &Contacts, now_ns: u64) -> MarkerArray {
-        let header = self.place.header(now_ns);
+    /// Contacts in the frame of the place, each a sphere as large as it, an arrow along its normal and a text.
+    #[must_use]
+    pub fn markers(&self, contacts: impl IntoIterator<Item = Contact>, time_ns: u64) -> MarkerArray {
+        let header = self.place.header(time_ns);
         let marker = |ns: &str, id: usize, kind: i32| Marker {
             header: header.clone(),
             ns: ns.to_owned(),
@@ -122,8 +121,7 @@ impl Scene {
             ..Marker::default()
         };
         let clear = Marker { action: 3, ..marker("contacts", 0, 2) };
-        let each = contacts.iter().map(|contact| self.place.contact(contact)).enumerate();
-        let drawn = each.flat_map(|(id, contact)| {
+        let drawn = contacts.into_iter().enumerate().flat_map(|(id, contact)| {
             let radius = f64::from((contact.area * FRAC_1_PI).sqrt());
             let position: Point = contact.position.into();
             let length = ARROW * self.size * f64::from(contact.strength.clamp(0.0, 1.0));
@@ -155,35 +153,49 @@ impl Scene {
     fn diagnostics(&self, frame: &ScanFrame, now_ns: u64) -> DiagnosticArray {
         let problems: Vec<&str> = self.flags.words().collect();
         let message = if problems.is_empty() { "all is well".to_owned() } else { problems.join(", ") };
-        let value = |key: &str, value: String| KeyValue { key: key.to_owned(), value };
-        let mut values = Vec::new();
-        if let Some(report) = &frame.health {
-            let electrodes = |set: dermatome_shared::health::ElectrodeSet| {
-                let names: Vec<String> = set.iter().map(|electrode| (electrode + 1).to_string()).collect();
-                names.join(" ")
-            };
-            values.push(value("open electrodes", electrodes(report.health.open)));
-            values.push(value("shorted electrodes", electrodes(report.health.shorted)));
-            values.push(value("worse electrodes", electrodes(report.health.worse)));
-            values.push(value("CPU load", format!("{:.3}", report.vitals.load)));
-            values.push(value("drift", format!("{:.6}", report.drift)));
-            values.push(value("samples missed", report.missed.to_string()));
-            let temperature = report.vitals.temperature;
-            values.extend(temperature.map(|celsius| value("temperature", format!("{celsius:.1}"))));
-        }
         let status = DiagnosticStatus {
             level: u8::from(!problems.is_empty()),
             name: format!("dermatome: {}", self.place.frame_id),
             message,
             hardware_id: self.board.clone(),
-            values,
+            values: frame.health.as_ref().map(health_values).unwrap_or_default(),
         };
         DiagnosticArray { header: self.place.header(now_ns), status: vec![status] }
     }
 }
 
+/// Where a skin lies on its link.
+#[must_use]
+pub fn transform(pose: &Pose, skin: &str, time_ns: u64) -> TransformStamped {
+    let [x, y, z, w] = pose.orientation;
+    let transform = RosPose { position: pose.position.into(), orientation: Quaternion { x, y, z, w } };
+    let header = Place::of(skin, Some(pose)).header(time_ns);
+    TransformStamped { header, child_frame_id: skin.to_owned(), transform }
+}
+
+/// What a board says about its electrodes and itself.
+#[must_use]
+pub fn health_values(report: &HealthReport) -> Vec<KeyValue> {
+    let value = |key: &str, value: String| KeyValue { key: key.to_owned(), value };
+    let electrodes = |set: ElectrodeSet| {
+        let names: Vec<String> = set.iter().map(|electrode| (electrode + 1).to_string()).collect();
+        names.join(" ")
+    };
+    let mut values = vec![
+        value("open electrodes", electrodes(report.health.open)),
+        value("shorted electrodes", electrodes(report.health.shorted)),
+        value("worse electrodes", electrodes(report.health.worse)),
+        value("CPU load", format!("{:.3}", report.vitals.load)),
+        value("drift", format!("{:.6}", report.drift)),
+        value("samples missed", report.missed.to_string()),
+    ];
+    let temperature = report.vitals.temperature;
+    values.extend(temperature.map(|celsius| value("temperature", format!("{celsius:.1}"))));
+    values
+}
+
 /// A contact in words: number, kPa and N, or its strength.
-fn words(contact: &dermatome_shared::contact::Contact) -> String {
+fn words(contact: &Contact) -> String {
     let number = contact.identity.map_or(String::new(), |identity| format!("#{} ", identity.number));
     let load = match (contact.pressure, contact.force()) {
         (Some(pressure), Some(force)) => format!("{:.1} kPa {force:.2} N", pressure * 1e-3),

@@ -81,7 +81,12 @@ const DIAGNOSTIC_STATUS: Schema = Schema::plain(
     "byte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\nbyte level\nstring name\nstring message\n\
      string hardware_id\ndiagnostic_msgs/KeyValue[] values",
 );
-const CONTACT: Schema = Schema::plain("dermatome_msgs/msg/Contact", include_str!("../msg/Contact.msg"));
+const WRENCH: Schema =
+    Schema::plain("geometry_msgs/msg/Wrench", "geometry_msgs/Vector3 force\ngeometry_msgs/Vector3 torque");
+const SKIN_CONTACT: Schema =
+    Schema::plain("dermatome_msgs/msg/SkinContact", include_str!("../dermatome_msgs/msg/SkinContact.msg"));
+const CONTACT: Schema =
+    Schema::plain("dermatome_msgs/msg/Contact", include_str!("../dermatome_msgs/msg/Contact.msg"));
 
 /// tf2_msgs/msg/TFMessage
 pub const TF_MESSAGE: Schema = Schema::of(
@@ -123,31 +128,61 @@ pub const DIAGNOSTIC_ARRAY: Schema = Schema::of(
 );
 /// dermatome_msgs/msg/Skin
 pub const SKIN: Schema =
-    Schema::of("dermatome_msgs/msg/Skin", include_str!("../msg/Skin.msg"), &[&HEADER, &TIME]);
+    Schema::of("dermatome_msgs/msg/Skin", include_str!("../dermatome_msgs/msg/Skin.msg"), &[&HEADER, &TIME]);
 /// dermatome_msgs/msg/Status
-pub const STATUS: Schema =
-    Schema::of("dermatome_msgs/msg/Status", include_str!("../msg/Status.msg"), &[&HEADER, &TIME]);
+pub const STATUS: Schema = Schema::of(
+    "dermatome_msgs/msg/Status",
+    include_str!("../dermatome_msgs/msg/Status.msg"),
+    &[&HEADER, &TIME],
+);
 /// dermatome_msgs/msg/Reference
-pub const REFERENCE: Schema =
-    Schema::of("dermatome_msgs/msg/Reference", include_str!("../msg/Reference.msg"), &[&HEADER, &TIME]);
+pub const REFERENCE: Schema = Schema::of(
+    "dermatome_msgs/msg/Reference",
+    include_str!("../dermatome_msgs/msg/Reference.msg"),
+    &[&HEADER, &TIME],
+);
 /// dermatome_msgs/msg/Measurements
-pub const MEASUREMENTS: Schema =
-    Schema::of("dermatome_msgs/msg/Measurements", include_str!("../msg/Measurements.msg"), &[&HEADER, &TIME]);
+pub const MEASUREMENTS: Schema = Schema::of(
+    "dermatome_msgs/msg/Measurements",
+    include_str!("../dermatome_msgs/msg/Measurements.msg"),
+    &[&HEADER, &TIME],
+);
 /// dermatome_msgs/msg/Health
-pub const HEALTH: Schema =
-    Schema::of("dermatome_msgs/msg/Health", include_str!("../msg/Health.msg"), &[&HEADER, &TIME]);
+pub const HEALTH: Schema = Schema::of(
+    "dermatome_msgs/msg/Health",
+    include_str!("../dermatome_msgs/msg/Health.msg"),
+    &[&HEADER, &TIME],
+);
 /// dermatome_msgs/msg/Image
-pub const IMAGE: Schema =
-    Schema::of("dermatome_msgs/msg/Image", include_str!("../msg/Image.msg"), &[&HEADER, &TIME]);
+pub const IMAGE: Schema = Schema::of(
+    "dermatome_msgs/msg/Image",
+    include_str!("../dermatome_msgs/msg/Image.msg"),
+    &[&HEADER, &TIME],
+);
 /// dermatome_msgs/msg/ContactArray
 pub const CONTACT_ARRAY: Schema = Schema::of(
     "dermatome_msgs/msg/ContactArray",
-    include_str!("../msg/ContactArray.msg"),
+    include_str!("../dermatome_msgs/msg/ContactArray.msg"),
     &[&HEADER, &TIME, &CONTACT, &POINT, &VECTOR],
 );
+/// dermatome_msgs/msg/SkinContactArray
+pub const SKIN_CONTACT_ARRAY: Schema = Schema::of(
+    "dermatome_msgs/msg/SkinContactArray",
+    include_str!("../dermatome_msgs/msg/SkinContactArray.msg"),
+    &[&HEADER, &TIME, &SKIN_CONTACT, &CONTACT, &POINT, &VECTOR, &WRENCH],
+);
+/// geometry_msgs/msg/WrenchStamped
+pub const WRENCH_STAMPED: Schema = Schema::of(
+    "geometry_msgs/msg/WrenchStamped",
+    "std_msgs/Header header\ngeometry_msgs/Wrench wrench",
+    &[&HEADER, &TIME, &WRENCH, &VECTOR],
+);
 /// dermatome_msgs/msg/Scope
-pub const SCOPE: Schema =
-    Schema::of("dermatome_msgs/msg/Scope", include_str!("../msg/Scope.msg"), &[&HEADER, &TIME]);
+pub const SCOPE: Schema = Schema::of(
+    "dermatome_msgs/msg/Scope",
+    include_str!("../dermatome_msgs/msg/Scope.msg"),
+    &[&HEADER, &TIME],
+);
 
 #[cfg(test)]
 mod tests {
@@ -156,15 +191,16 @@ mod tests {
 
     #[test]
     fn every_type_that_a_definition_names_is_in_it() {
-        for topic in Topic::ALL {
-            let text = definition(topic.schema());
+        let others = [&SKIN_CONTACT_ARRAY, &WRENCH_STAMPED];
+        for schema in Topic::ALL.iter().map(|topic| topic.schema()).chain(others) {
+            let text = definition(schema);
             let fields = text.lines().filter(|line| !line.starts_with('#') && !line.starts_with("MSG: "));
             for line in fields {
                 let kind = line.split_whitespace().next().unwrap_or_default().trim_end_matches("[]");
                 assert!(
                     !kind.contains('/') || text.contains(&format!("MSG: {kind}\n")),
                     "{}: {line}",
-                    topic.name()
+                    schema.name
                 );
             }
         }

@@ -90,6 +90,24 @@ pub struct Pose {
     pub orientation: Quaternion,
 }
 
+/// geometry_msgs/msg/Wrench
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Wrench {
+    /// N
+    pub force: Point,
+    /// N m
+    pub torque: Point,
+}
+
+/// geometry_msgs/msg/WrenchStamped
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct WrenchStamped {
+    /// When and where: the torque is about the origin of this frame.
+    pub header: Header,
+    /// Force and torque.
+    pub wrench: Wrench,
+}
+
 /// geometry_msgs/msg/TransformStamped
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TransformStamped {

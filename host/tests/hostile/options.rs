@@ -141,6 +141,7 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
         ("mjcf add", "taxels") => &["", "x", "-1", "1.5", "1025"],
         ("cut", "frame") => &["", "a b", "ä", "a\nb"],
         ("stream" | "reconstruct", "fit") => LENGTHS,
+        ("serve", "domain") => &["", "x", "-1", "233", "1.5"],
         ("serve", "duration") => &["", "x", "nan", "-1", "1e30"],
         (_, "give-up-after") => &["", "x", "nan", "-1", "1e30"],
         ("calibrate", "start") => NUMBERS,

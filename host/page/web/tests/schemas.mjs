@@ -2,7 +2,7 @@
 
 import { readFileSync } from "node:fs";
 
-const FOLDER = new URL("../../../messages/msg/", import.meta.url);
+const FOLDER = new URL("../../../messages/dermatome_msgs/msg/", import.meta.url);
 const SEPARATOR = "=".repeat(80);
 
 const COMMON = {

@@ -2,6 +2,8 @@
 
 mod lines;
 mod onlookers;
+#[cfg_attr(not(feature = "ros"), path = "without_ros.rs")]
+mod ros;
 mod table;
 
 use super::{contact_lines::is_read, doors::Doors, interrupt, lines::Lines, view::look_of};
@@ -17,6 +19,7 @@ use dermatome_messages::skin::Look;
 use dermatome_shared::protocol::Selection;
 use dermatome_view::terminal::Screen;
 use onlookers::Onlookers;
+use ros::Ros;
 use serde::Serialize;
 use std::{
     collections::HashMap,
@@ -34,6 +37,8 @@ use std::{
 const MOST_WAITING: usize = 4096;
 /// Longest wait without looking for Ctrl-C.
 const LOOK: Duration = Duration::from_millis(20);
+/// Of so many frames one tells the board's health, where diagnostics tell it.
+const HEALTH_EVERY: u16 = 25;
 /// How often the table is drawn.
 const DRAWN: Duration = Duration::from_millis(500);
 
@@ -49,6 +54,7 @@ const DRAWN: Duration = Duration::from_millis(500);
   dermatome serve robot.toml
   dermatome serve robot.toml | python3 controller.py
   dermatome serve robot.toml --duration 60 --json report.json > contacts.jsonl
+  ROS_DOMAIN_ID=7 dermatome serve robot.toml --ros
 
 The body file (docs/serve.md) names the skins:
   name = \"arm\"
@@ -68,6 +74,12 @@ pub(super) struct Args {
     /// Make new references first, once nothing presses; else only boards without one get one.
     #[arg(long)]
     tare: bool,
+    /// Be a node of ROS 2 too (docs/ros.md), in a program built with `--features ros`.
+    #[arg(long)]
+    ros: bool,
+    /// Domain of ROS 2: 0 to 232, instead of what ROS_DOMAIN_ID says.
+    #[arg(long, value_name = "N", requires = "ros", value_parser = clap::value_parser!(u16).range(0..=232))]
+    domain: Option<u16>,
     /// Also serve the page, and the Foxglove WebSocket protocol for other programs, at this address: 127.0.0.1:8765. The page
     /// shows one skin at a time.
     #[arg(long, value_name = "HOST:PORT")]
@@ -107,6 +119,7 @@ struct Report<'a> {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let file = BodyFile::load(&args.body)?;
+    let ros = args.ros.then(|| Ros::start(&file, args.domain)).transpose()?;
     let (surfaces, looks) = skins(&file.patches)?;
     let onlookers = args.listen.map(|listen| {
         let looks = file.patches.iter().map(|patch| looks[&patch.path].clone()).collect();
@@ -125,7 +138,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     if args.tare {
         keepers.iter().for_each(Keeper::tare);
     }
-    let mut served = Served::new(&file, &keepers, onlookers.transpose()?)?;
+    let mut served = Served::new(&file, &keepers, onlookers.transpose()?, ros)?;
     let begun = Instant::now();
     let ended = served.serve(&told, || {
         interrupt::requested() || args.duration.is_some_and(|duration| begun.elapsed() >= duration)
@@ -150,7 +163,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 
 fn selection(args: &Args) -> Selection {
     let images = u16::from(!args.no_images);
-    Selection { images, contacts: 1, ..Selection::default() }
+    let health = if args.ros { HEALTH_EVERY } else { 0 };
+    Selection { images, contacts: 1, health, ..Selection::default() }
 }
 
 /// Something of each skin file.
@@ -203,15 +217,21 @@ struct Served<'a> {
     lines: Option<Lines>,
     screen: Screen,
     drawn: Instant,
+    ros: Option<Ros>,
 }
 
 impl<'a> Served<'a> {
-    fn new(file: &'a BodyFile, keepers: &'a [Keeper], onlookers: Option<Onlookers>) -> anyhow::Result<Self> {
+    fn new(
+        file: &'a BodyFile,
+        keepers: &'a [Keeper],
+        onlookers: Option<Onlookers>,
+        ros: Option<Ros>,
+    ) -> anyhow::Result<Self> {
         let screen = Screen::default();
         let lines = if screen.is_visible() { None } else { Some(Lines::start(lines::dropped)?) };
         let drawn = Instant::now();
         let body = Body::new(&file.patches);
-        Ok(Self { file, keepers, body, onlookers, lines, screen, drawn })
+        Ok(Self { file, keepers, body, onlookers, lines, screen, drawn, ros })
     }
 
     /// Takes what keepers tell until it is to stop, or nobody reads any more.
@@ -226,6 +246,9 @@ impl<'a> Served<'a> {
                 && !self.take(update)?
             {
                 return Ok(());
+            }
+            if let Some(ros) = &mut self.ros {
+                ros.attend(&self.body, self.keepers);
             }
             if let Some(onlookers) = &mut self.onlookers {
                 onlookers.answer(self.keepers);
@@ -249,7 +272,11 @@ impl<'a> Served<'a> {
             onlookers.tell(index, &self.file.patches[index], &told);
         }
         let before = self.body.senses()[index].state.clone();
+        let news = self.ros.as_ref().map(|ros| ros.news(&told));
         let has_frame = self.body.take((index, told)).is_some();
+        if let (Some(ros), Some(news)) = (&mut self.ros, news) {
+            ros.tell(&self.body, index, &news);
+        }
         let sense = &self.body.senses()[index];
         let Some(lines) = &mut self.lines else {
             return Ok(true);
@@ -266,6 +293,9 @@ impl<'a> Served<'a> {
     }
 
     fn end(&mut self) -> anyhow::Result<()> {
+        if let Some(ros) = &mut self.ros {
+            ros.end(&self.body);
+        }
         if let Some(lines) = &mut self.lines {
             is_read(lines.end())?;
         }

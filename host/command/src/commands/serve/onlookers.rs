@@ -74,21 +74,24 @@ impl Onlookers {
     pub(super) fn tell(&mut self, index: usize, patch: &Patch, told: &Told) {
         let Stand { outlets, look, status, drive, .. } = &mut self.stands[index];
         match told {
-            Told::Patch { bytes, board, drive: in_effect, .. } => {
+            Told::Patch { bytes, board, .. } => {
                 // The keeper has looked at it.
                 let Ok(view) = PatchView::validate(bytes) else { return };
                 outlets.show_patch(&view, Some(&patch.pose), look, board.clone());
-                outlets.drive(in_effect, None);
-                *drive = Some(**in_effect);
                 (status.board, status.patch_crc) = (board.clone(), view.crc());
+                status.patches = vec![format!("{} (on the board)", status.skin)];
+            }
+            Told::Driven(driven) => {
+                let in_effect = driven.drive;
+                outlets.drive(&in_effect, None);
+                *drive = Some(in_effect);
                 (status.frequency, status.amplitude) = (in_effect.frequency, in_effect.amplitude);
                 (status.gain, status.frame_rate) = (number_of_gain(in_effect.gain), in_effect.frame_rate);
-                status.patches = vec![format!("{} (on the board)", status.skin)];
             }
             Told::Frame { frame, .. } => {
                 outlets.frame(frame, None);
             }
-            Told::State(_) => {}
+            Told::State(_) | Told::NotDriven(_) => {}
         }
     }
 

@@ -1,0 +1,51 @@
+//! ROS: the body as a node of ROS 2.
+
+use anyhow::Context;
+use dermatome_body::{
+    Body,
+    file::BodyFile,
+    keeper::{Keeper, Told},
+};
+use dermatome_ros::{Asked, Robot, Settings};
+
+pub(super) use dermatome_ros::News;
+
+/// The node.
+pub(super) struct Ros {
+    robot: Robot,
+}
+
+impl Ros {
+    pub(super) fn start(file: &BodyFile, domain: Option<u16>) -> anyhow::Result<Self> {
+        let settings = Settings::from_environment(domain)?;
+        let robot = Robot::start(file, settings).context("`--ros`")?;
+        log::info!("node /{}/dermatome in domain {}", file.name, settings.domain);
+        Ok(Self { robot })
+    }
+
+    /// What a keeper told, before the body takes it.
+    pub(super) fn news(&self, told: &Told) -> News {
+        News::of(told)
+    }
+
+    /// Publishes it, after the body has taken it.
+    pub(super) fn tell(&mut self, body: &Body, index: usize, news: &News) {
+        self.robot.tell(body, index, news);
+    }
+
+    /// Tells that all contacts are over.
+    pub(super) fn end(&mut self, body: &Body) {
+        self.robot.end(body);
+    }
+
+    /// Passes on what services ask for.
+    pub(super) fn attend(&mut self, body: &Body, keepers: &[Keeper]) {
+        for (index, asked) in self.robot.attend(body) {
+            let Some(keeper) = keepers.get(index) else { continue };
+            match asked {
+                Asked::Tare => keeper.tare(),
+                Asked::Drive(drive) => keeper.drive(drive),
+            }
+        }
+    }
+}
