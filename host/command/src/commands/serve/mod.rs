@@ -37,7 +37,7 @@ use std::{
 const MOST_WAITING: usize = 4096;
 /// Longest wait without looking for Ctrl-C.
 const LOOK: Duration = Duration::from_millis(20);
-/// Of so many frames one tells the board's health, where diagnostics tell it.
+/// Of so many frames one tells the board's health, where somebody is told.
 const HEALTH_EVERY: u16 = 25;
 /// How often the table is drawn.
 const DRAWN: Duration = Duration::from_millis(500);
@@ -163,7 +163,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 
 fn selection(args: &Args) -> Selection {
     let images = u16::from(!args.no_images);
-    let health = if args.ros { HEALTH_EVERY } else { 0 };
+    let is_told = args.ros || args.listen.is_some();
+    let health = if is_told { HEALTH_EVERY } else { 0 };
     Selection { images, contacts: 1, health, ..Selection::default() }
 }
 
