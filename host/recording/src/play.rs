@@ -66,14 +66,17 @@ impl StepMap {
     /// For frames with the steps `recorded`, and a patch with `wanted` ones: the same electrodes, either way round, or
     /// drive and sense exchanged, which reads the same by reciprocity.
     pub fn new(recorded: &[Step], wanted: &[Step]) -> Result<Self, PlayError> {
-        let mut places = HashMap::new();
+        if recorded == wanted {
+            let places = (0..recorded.len()).map(|place| (place, false)).collect();
+            return Ok(Self { places, recorded: recorded.len() });
+        }
+        // Where a step is there itself, none that is turned stands for it.
+        let mut places: HashMap<[u8; 4], (usize, bool)> =
+            recorded.iter().enumerate().map(|(place, step)| (step.to_bytes(), (place, false))).collect();
         for (place, step) in recorded.iter().enumerate() {
             let [a, b, c, d] = step.to_bytes();
-            // Where a step is there itself, its exchanged twin does not stand for it.
-            for (pairs, flipped) in
-                [([a, b, c, d], false), ([b, a, d, c], false), ([b, a, c, d], true), ([a, b, d, c], true)]
-            {
-                places.insert(pairs, (place, flipped));
+            for (pairs, flipped) in [([b, a, d, c], false), ([b, a, c, d], true), ([a, b, d, c], true)] {
+                places.entry(pairs).or_insert((place, flipped));
             }
         }
         let of = |(step, wanted): (usize, &Step)| {
@@ -217,6 +220,17 @@ mod tests {
         let codes: Vec<i32> = taken.codes.iter().map(|code| code.0).collect();
         assert_eq!(codes, [20, -20, 20, 20, -20, 30], "its own step comes before its twin");
         assert_eq!((taken.sequence, taken.timestamp_us), (5, 9));
+    }
+
+    #[test]
+    fn steps_that_are_there_either_way_round_stand_for_themselves() {
+        let recorded = [[0, 4, 1, 2], [0, 4, 2, 3], [4, 0, 1, 2], [0, 4, 1, 2]].map(step);
+        let taken = |wanted: &[Step]| -> Vec<i32> {
+            let frame = StepMap::new(&recorded, wanted).unwrap().take(&frame(&[10, 20, -11, 12])).unwrap();
+            frame.codes.iter().map(|code| code.0).collect()
+        };
+        assert_eq!(taken(&recorded), [10, 20, -11, 12]);
+        assert_eq!(taken(&[recorded[2], recorded[1]]), [-11, 20]);
     }
 
     #[test]
