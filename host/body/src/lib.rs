@@ -1,6 +1,6 @@
 //! A robot's body of skins.
 //!
-//! A [`file`] says which skins a robot wears, and where. A [`keeper::Keeper`] each holds one skin's board, through lost
+//! A [`mod@file`] says which skins a robot wears, and where. A [`keeper::Keeper`] each holds one skin's board, through lost
 //! cables and restarts, and tells what it sends; [`Body::take`] makes [`contact::SkinContact`]s of that, in the frames
 //! of the robot's links and by this computer's clock, and sums up what presses on each link ([`contact::Wrench`]).
 #![forbid(unsafe_code)]
