@@ -3,13 +3,9 @@
 mod program;
 mod testbench;
 
-use dermatome::simulate::{
-    board::{BoardOptions, SimulatedBoard},
-    instrument::{Instrument, ScanTable},
-};
+use dermatome::simulate::board::{BoardOptions, SimulatedBoard};
 use dermatome_shared::{
     drive::Drive,
-    frame::Frame,
     protocol::{Info, PatchInfo, Reply, Request, Selection, Version},
 };
 use program::{Desk, Running};
@@ -19,7 +15,7 @@ use std::{
     thread,
     time::{Duration, Instant},
 };
-use testbench::{Pressed, UNTOUCHED, cable::Cable, connect, fake_board, hello, info, small_patch};
+use testbench::{Held, Pressed, cable::Cable, connect, fake_board, hello, info, small_patch};
 
 /// A board at 50 frames a second that holds `patch`, at `listen`.
 fn board_at(listen: SocketAddr, patch: Vec<u8>) -> SimulatedBoard {
@@ -66,21 +62,6 @@ fn a_board_that_was_restarted_streams_on_with_a_new_reference_and_its_drive() {
     assert_eq!(connect(address).unwrap().info().unwrap().drive, Some(drive));
 }
 
-/// A skin on which a finger lies for its board's first scans, also while there is no script.
-struct Held {
-    skin: Pressed,
-    scans: u32,
-}
-
-impl Instrument for Held {
-    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Frame {
-        let mut frame = self.skin.scan(table, script_time);
-        self.scans = self.scans.saturating_sub(1);
-        frame.codes[3].0 += if self.scans > 0 { UNTOUCHED / 10 } else { 0 };
-        frame
-    }
-}
-
 #[test]
 fn a_board_that_was_restarted_makes_no_reference_of_a_skin_that_is_pressed() {
     let desk = Desk::empty();
@@ -90,7 +71,7 @@ fn a_board_that_was_restarted_makes_no_reference_of_a_skin_that_is_pressed() {
     first.stop().unwrap();
     let patch = Some(small_patch("small", 50.0));
     let options = BoardOptions { listen: address, patch, ..BoardOptions::default() };
-    let _second = SimulatedBoard::start(options, Held { skin: Pressed::new(2), scans: 8 }).unwrap();
+    let _second = SimulatedBoard::start(options, Held::new(8)).unwrap();
     let done = stream.finish().success();
     let said = |words| done.err.rfind(words).unwrap_or_else(|| panic!("{words} in {}", done.err));
     assert!(said("something presses on the skin") < said("averaging 20 frames"), "{}", done.err);

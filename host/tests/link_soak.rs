@@ -14,7 +14,7 @@ use dermatome::simulate::{
     instrument::{Instrument, ScanTable},
 };
 use dermatome_shared::frame::Frame;
-use program::{Desk, Running};
+use program::{Desk, memory, number};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use std::{
@@ -128,17 +128,6 @@ impl Seen {
     }
 }
 
-fn number(name: &str, default: u64) -> u64 {
-    std::env::var(name).map_or(default, |text| text.parse().unwrap())
-}
-
-/// Memory of a process that is in use, kB.
-fn memory(stream: &Running) -> u64 {
-    let status = std::fs::read_to_string(format!("/proc/{}/status", stream.id())).unwrap();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
-    line.trim().split(' ').next().unwrap().parse().unwrap()
-}
-
 /// Others connect, some say nothing, some what no board understands.
 fn knock(board: SocketAddr, random: &mut Pcg64) {
     for _ in 0..20 {
@@ -186,7 +175,7 @@ fn a_stream_comes_back_each_time_and_counts_what_is_lost() {
     for event in 0..events {
         (0..CALM_FRAMES).for_each(|_| seen.take(&stream.line()));
         if event == events / 4 {
-            memory_before = memory(&stream);
+            memory_before = memory(stream.id());
         }
         let what = TROUBLES[random.random_range(0..TROUBLES.len())];
         let lasts = Duration::from_millis(random.random_range(20..2500));
@@ -201,7 +190,7 @@ fn a_stream_comes_back_each_time_and_counts_what_is_lost() {
         let (count, longest) = slowest.entry(what).or_default();
         (*count, *longest) = (*count + 1, (*longest).max(recovery));
     }
-    let (memory_after, lasted) = (memory(&stream), started.elapsed());
+    let (memory_after, lasted) = (memory(stream.id()), started.elapsed());
     stream.interrupt();
     let done = stream.finish().success();
     done.out.lines().for_each(|line| seen.take(line));

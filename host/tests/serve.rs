@@ -12,7 +12,9 @@ use dermatome::simulate::{
     instrument::{Instrument, ScanTable},
 };
 use dermatome_shared::frame::Frame;
-use program::{Desk, TINY, transcript, with};
+#[cfg(target_os = "linux")]
+use program::memory;
+use program::{Desk, TINY, number, transcript, with};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use serde_json::Value;
@@ -64,18 +66,6 @@ fn body(skins: &[(String, String)]) -> String {
 
 fn port(address: SocketAddr) -> String {
     format!("tcp:{address}")
-}
-
-fn number(name: &str, default: u64) -> u64 {
-    std::env::var(name).map_or(default, |text| text.parse().unwrap())
-}
-
-/// Number behind a name in a file of `/proc`.
-#[cfg(target_os = "linux")]
-fn memory(id: u32) -> u64 {
-    let status = std::fs::read_to_string(format!("/proc/{id}/status")).unwrap();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
-    line.trim().split(' ').next().unwrap().parse().unwrap()
 }
 
 /// What `serve` has last said of a skin.
@@ -199,12 +189,10 @@ fn cables_are_pulled_at_random_and_contacts_come_back_each_time() {
                 for _ in 0..pulls.div_ceil(8) {
                     thread::sleep(Duration::from_millis(random.random_range(0..300)));
                     cable.pull();
-                    let pulled = Instant::now();
                     thread::sleep(Duration::from_millis(random.random_range(0..600)));
                     cable.plug_in();
                     let again = Instant::now();
                     slowest = slowest.max(touched_after(name, again, RECOVERY));
-                    assert!(again >= pulled);
                 }
                 slowest
             })

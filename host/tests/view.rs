@@ -4,15 +4,11 @@
 mod program;
 mod testbench;
 
-use dermatome::simulate::{
-    board::{BoardOptions, SimulatedBoard},
-    instrument::{Instrument, ScanTable},
-};
+use dermatome::simulate::board::{BoardOptions, SimulatedBoard};
 use dermatome_messages::{
     Topic, cdr,
     dermatome::{ContactArray, Image, Skin, Status},
 };
-use dermatome_shared::frame::Frame;
 use program::{Desk, Running, TINY};
 use serde_json::{Value, json};
 use std::{
@@ -21,7 +17,7 @@ use std::{
     net::TcpStream,
     time::{Duration, Instant},
 };
-use testbench::{Pressed, UNTOUCHED, small_patch};
+use testbench::{Held, Pressed, small_patch};
 use tungstenite::{
     Message, WebSocket, client::IntoClientRequest, handshake::client::Response, http::HeaderValue,
 };
@@ -318,21 +314,6 @@ fn a_client_that_sends_rubbish_harms_nobody() {
     assert!(view.is_running());
 }
 
-/// A skin on which a finger lies for its board's first scans.
-struct Held {
-    skin: Pressed,
-    scans: u32,
-}
-
-impl Instrument for Held {
-    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Frame {
-        let mut frame = self.skin.scan(table, script_time);
-        self.scans = self.scans.saturating_sub(1);
-        frame.codes[3].0 += if self.scans > 0 { UNTOUCHED / 10 } else { 0 };
-        frame
-    }
-}
-
 #[test]
 fn a_board_that_comes_back_pressed_gets_no_reference_until_it_is_free_or_one_is_asked_for() {
     for (scans, is_asked) in [(60, false), (u32::MAX, true)] {
@@ -347,7 +328,7 @@ fn a_board_that_comes_back_pressed_gets_no_reference_until_it_is_free_or_one_is_
         client.next(status, |status: &Status| status.state == "live" && status.frames > 40);
         first.stop().unwrap();
         let options = BoardOptions { listen: at, ..options };
-        let _second = SimulatedBoard::start(options, Held { skin: Pressed::new(2), scans }).unwrap();
+        let _second = SimulatedBoard::start(options, Held::new(scans)).unwrap();
         let told = client.next(status, |status: &Status| status.state == "not_tared");
         assert!(told.text.contains("something presses on the skin"), "{told:?}");
         if is_asked {

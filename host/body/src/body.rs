@@ -7,15 +7,12 @@ use crate::{
     keeper::{Phase, State, Told},
     placed::PlacedSkin,
 };
-use dermatome_link::{ScanFrame, assemble::HealthReport};
+use dermatome_link::{ScanFrame, assemble::HealthReport, pose::Pose};
 use dermatome_messages::clock::{Clock, Jitter};
 use dermatome_shared::{
     frame::FrameFlags,
     protocol::{FrameStamp, PackedImage},
 };
-
-/// What one of the keepers told: its patch's place in the body file.
-pub type Update = (usize, Told);
 
 /// A robot's skins as they are now.
 pub struct Body {
@@ -43,7 +40,7 @@ pub struct Sense {
     pub missing: u64,
     /// Times that the board was lost.
     pub losses: u64,
-    patch: Patch,
+    pose: Pose,
     skin: Option<PlacedSkin>,
     clock: Clock,
     /// Frames that had not come when this stream began.
@@ -88,7 +85,7 @@ impl Body {
             frames: 0,
             missing: 0,
             losses: 0,
-            patch: patch.clone(),
+            pose: patch.pose.clone(),
             skin: None,
             clock: Clock::default(),
             missing_before: 0,
@@ -102,28 +99,28 @@ impl Body {
         &self.senses
     }
 
-    /// Takes what a keeper told; gives the frame's contacts, where it was one with contacts. `None` is also what it gives
-    /// for a frame that came without them.
-    pub fn take(&mut self, (index, told): Update) -> Option<&Report> {
+    /// Takes what the keeper of a patch, by its place in the body file, told; gives the frame's contacts, where it was one
+    /// with contacts.
+    pub fn take(&mut self, index: usize, told: &Told) -> Option<&Report> {
         let sense = self.senses.get_mut(index)?;
         match told {
             Told::State(state) => {
-                sense.stand(state);
+                sense.stand(state.clone());
                 None
             }
             Told::Patch { tables, .. } => {
-                sense.skin = Some(PlacedSkin::new(&tables, &sense.patch.pose));
+                sense.skin = Some(PlacedSkin::new(tables, &sense.pose));
                 None
             }
             Told::Driven(driven) => {
-                sense.driven = Some(*driven);
+                sense.driven = Some(**driven);
                 None
             }
             Told::NotDriven(_) => None,
             Told::Frame { frame, received_ns, missing } => {
                 sense.frames += 1;
                 sense.missing = sense.missing_before + missing;
-                sense.frame(*frame, received_ns)
+                sense.frame(frame, *received_ns)
             }
         }
     }
@@ -172,10 +169,12 @@ impl Sense {
         self.state = state;
     }
 
-    fn frame(&mut self, frame: ScanFrame, received_ns: u64) -> Option<&Report> {
-        self.health = frame.health.or_else(|| self.health.take());
-        let (at, contacts, image) = (frame.at?, frame.contacts?, frame.image);
-        let contacts = on_link(self.skin.as_ref()?, &contacts, image.as_ref());
+    fn frame(&mut self, frame: &ScanFrame, received_ns: u64) -> Option<&Report> {
+        if frame.health.is_some() {
+            self.health.clone_from(&frame.health);
+        }
+        let (at, contacts, image) = (frame.at?, frame.contacts.as_ref()?, frame.image.clone());
+        let contacts = on_link(self.skin.as_ref()?, contacts, image.as_ref());
         let time_ns = self.clock.host_time(at.timestamp_us, received_ns);
         self.report = Some(Report { at, time_ns, received_ns, contacts, image });
         self.report.as_ref()

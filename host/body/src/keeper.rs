@@ -203,8 +203,8 @@ struct Board {
     /// How the skin is to be driven: as it was first found, or as it was asked for.
     drive: Option<Drive>,
     front_end: Option<FrontEnd>,
-    /// The skin by its last reference, of the patch with this id.
-    untouched: Option<(u32, Untouched)>,
+    /// The skin by its last reference.
+    untouched: Option<Untouched>,
     has_come: bool,
     wants_tare: bool,
 }
@@ -281,18 +281,13 @@ impl Board {
         }
         self.has_come = true;
         loop {
-            let info = link.info()?;
-            let is_lost = match self.untouched.as_ref().filter(|(crc, _)| *crc == patch.crc) {
-                Some((_, untouched)) => untouched.is_lost(&info, &mut link)?,
-                None => !info.tared,
-            };
-            if is_lost {
+            if Untouched::is_lost(self.untouched.as_ref(), &mut link, &patch)? {
                 if let Some(stop) = self.wait_untouched(&mut link, &patch)? {
                     return Ok(stop);
                 }
                 self.make_reference(&mut link, &patch)?;
             }
-            self.untouched = Some((patch.crc, Untouched::of(&mut link)?));
+            self.untouched = Some(Untouched::of(&mut link, &patch)?);
             if let Some(stop) = self.stream(&mut link, &mut patch)? {
                 return Ok(stop);
             }
@@ -344,9 +339,7 @@ impl Board {
 
     /// A board that has lost its reference waits until nothing presses, by the reference that it had.
     fn wait_untouched(&mut self, link: &mut Link, patch: &PatchInfo) -> Result<Option<Stop>, LinkError> {
-        let Some((_, untouched)) = self.untouched.clone().filter(|(crc, _)| *crc == patch.crc) else {
-            return Ok(None);
-        };
+        let Some(untouched) = self.untouched.clone().filter(|it| it.is_of(patch)) else { return Ok(None) };
         let mut is_said = false;
         while untouched.is_pressed(link, silence_timeout(patch))? {
             if !std::mem::replace(&mut is_said, true) {

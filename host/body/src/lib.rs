@@ -13,5 +13,5 @@ pub mod keeper;
 mod placed;
 pub mod surface;
 
-pub use body::{Body, Report, Sense, Update};
+pub use body::{Body, Report, Sense};
 pub use placed::PlacedSkin;

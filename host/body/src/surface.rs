@@ -16,6 +16,44 @@ pub fn of_skin(skin: &Skin) -> Result<Option<SurfaceTables>, ModelError> {
     Ok(pixels_on(skin, &mesh)?.surface_tables())
 }
 
+/// Why a patch is not of a skin.
+#[derive(Debug, thiserror::Error)]
+pub enum OtherSkin {
+    /// It has another name.
+    #[error("`name` is {name:?}; allowed: {of_patch:?}, the skin of the patch")]
+    Name {
+        /// The skin file's.
+        name: String,
+        /// The patch's.
+        of_patch: String,
+    },
+    /// It has other pixels.
+    #[error(
+        "its pixels do not lie where those of the patch do, so neither would contacts: give the skin file that the patch was \
+         built from, or build it anew"
+    )]
+    Pixels,
+    /// It has no pixels.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+}
+
+/// Whether a skin has the name that a patch has.
+pub fn check_name(skin: &Skin, of_patch: &str) -> Result<(), OtherSkin> {
+    if skin.name == of_patch {
+        return Ok(());
+    }
+    Err(OtherSkin::Name { name: skin.name.clone(), of_patch: of_patch.to_owned() })
+}
+
+/// Whether a skin has the pixels that a patch has.
+pub fn check_pixels(skin: &Skin, of_patch: &SurfaceTables) -> Result<(), OtherSkin> {
+    if of_skin(skin)?.is_some_and(|of_skin| is_same(&of_skin, of_patch)) {
+        return Ok(());
+    }
+    Err(OtherSkin::Pixels)
+}
+
 /// Whether both have the same pixels in the same places.
 #[must_use]
 pub fn is_same(a: &SurfaceTables, b: &SurfaceTables) -> bool {

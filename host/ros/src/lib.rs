@@ -8,14 +8,12 @@
 
 mod message;
 pub mod names;
-mod news;
 mod node;
 mod robot;
 mod service;
 pub mod settings;
 mod skin;
 
-pub use news::News;
 pub use node::RosError;
 pub use robot::Robot;
 pub use service::Asked;

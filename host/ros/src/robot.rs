@@ -3,13 +3,12 @@
 use crate::{
     message,
     names::{part, same},
-    news::News,
     node::{LASTING, Publishers, RELIABLE, RosError, SENSOR_DATA, publish},
     service::Asked,
     settings::Settings,
     skin::Skin,
 };
-use dermatome_body::{Body, file::BodyFile};
+use dermatome_body::{Body, file::BodyFile, keeper::Told};
 use dermatome_messages::{
     clock::now_ns,
     standard::{DiagnosticArray, Header, TfMessage, Time, WrenchStamped},
@@ -79,10 +78,10 @@ impl Robot {
         })
     }
 
-    /// Publishes what has come of a patch, after the body has taken it.
-    pub fn tell(&mut self, body: &Body, index: usize, news: &News) {
+    /// Publishes what the keeper of a patch told, after the body has taken it.
+    pub fn tell(&mut self, body: &Body, index: usize, told: &Told) {
         let (Some(sense), Some(skin)) = (body.senses().get(index), self.skins.get_mut(index)) else { return };
-        if !skin.tell(sense, news) {
+        if !skin.tell(sense, told) {
             return;
         }
         let Some(link) = self.links.iter_mut().find(|link| link.name == sense.link) else { return };

@@ -1,12 +1,9 @@
 //! Service: tare and drive of a skin, which answer once it is done, or cannot be.
 
-use crate::{
-    news::News,
-    node::{RELIABLE, RosError},
-};
+use crate::node::{RELIABLE, RosError};
 use dermatome_body::{
     Sense,
-    keeper::{Phase, State},
+    keeper::{Phase, State, Told},
 };
 use dermatome_messages::dermatome::{DriveRequest, number_of_gain};
 use dermatome_shared::drive::Drive;
@@ -97,9 +94,9 @@ impl Services {
     }
 
     /// Answers the requests that this decides.
-    pub(crate) fn hear(&mut self, news: &News) {
-        self.tare.hear(news);
-        self.drive.hear(news);
+    pub(crate) fn hear(&mut self, told: &Told) {
+        self.tare.hear(told);
+        self.drive.hear(told);
     }
 }
 
@@ -136,10 +133,10 @@ impl<Request: Message + Clone + 'static> Desk<Request> {
         }
     }
 
-    fn hear(&mut self, news: &News) {
+    fn hear(&mut self, told: &Told) {
         let Self { server, waiting } = self;
         waiting.retain_mut(|(id, awaited)| {
-            let outcome = awaited.outcome(news);
+            let outcome = awaited.outcome(told);
             outcome.map(|outcome| answer(server, *id, outcome)).is_none()
         });
     }
@@ -191,12 +188,12 @@ impl Awaited {
     }
 
     /// What became of it, if this tells.
-    fn outcome(&mut self, news: &News) -> Option<Outcome> {
-        match (self, news) {
-            (_, News::State(state)) if !matches!(state.phase, Phase::Live | Phase::Taring) => {
+    fn outcome(&mut self, told: &Told) -> Option<Outcome> {
+        match (self, told) {
+            (_, Told::State(state)) if !matches!(state.phase, Phase::Live | Phase::Taring) => {
                 Some(Outcome::refused(&state.text))
             }
-            (Self::Reference { has_begun }, News::State(state)) => match state.phase {
+            (Self::Reference { has_begun }, Told::State(state)) => match state.phase {
                 Phase::Taring => {
                     *has_begun = true;
                     None
@@ -204,10 +201,10 @@ impl Awaited {
                 _ if !state.text.is_empty() => Some(Outcome::refused(&state.text)),
                 _ => has_begun.then(|| Outcome::done("the reference is made")),
             },
-            (Self::Drive(wanted), News::Driven(drive)) if drive == wanted => {
-                Some(Outcome::done(in_words(drive)))
+            (Self::Drive(wanted), Told::Driven(driven)) if driven.drive == *wanted => {
+                Some(Outcome::done(in_words(&driven.drive)))
             }
-            (Self::Drive(_), News::NotDriven(why)) => Some(Outcome::refused(why)),
+            (Self::Drive(_), Told::NotDriven(why)) => Some(Outcome::refused(why)),
             _ => None,
         }
     }
@@ -216,9 +213,10 @@ impl Awaited {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dermatome_body::driven::Driven;
 
-    fn state(phase: Phase, text: &str) -> News {
-        News::State(State { phase, text: text.to_owned() })
+    fn state(phase: Phase, text: &str) -> Told {
+        Told::State(State { phase, text: text.to_owned() })
     }
 
     #[test]
@@ -226,7 +224,8 @@ mod tests {
         let mut awaited = Awaited::of(Asked::Tare);
         // The end of one that was under way.
         assert_eq!(awaited.outcome(&state(Phase::Live, "")), None);
-        assert_eq!(awaited.outcome(&News::Frame), None);
+        let frame = Told::Frame { frame: Box::default(), received_ns: 0, missing: 0 };
+        assert_eq!(awaited.outcome(&frame), None);
         assert_eq!(awaited.outcome(&state(Phase::Taring, "averaging the untouched skin")), None);
         let done = Some(Outcome::done("the reference is made"));
         assert_eq!(awaited.outcome(&state(Phase::Live, "")), done);
@@ -246,10 +245,11 @@ mod tests {
     fn a_drive_is_answered_once_the_board_has_it_or_refused_it() {
         let drive = Drive::new(100e3, 1e-3, 50.0);
         let mut awaited = Awaited::of(Asked::Drive(drive));
-        assert_eq!(awaited.outcome(&News::Driven(Drive::new(50e3, 1e-3, 50.0))), None);
-        let outcome = awaited.outcome(&News::Driven(drive)).unwrap();
+        let driven = |drive| Told::Driven(Box::new(Driven { drive, front_end: None }));
+        assert_eq!(awaited.outcome(&driven(Drive::new(50e3, 1e-3, 50.0))), None);
+        let outcome = awaited.outcome(&driven(drive)).unwrap();
         assert_eq!(outcome, Outcome::done("100000 Hz, 0.001 A, 50 frames a second, gain automatic"));
         let refused = Some(Outcome::refused("no"));
-        assert_eq!(awaited.outcome(&News::NotDriven("no".to_owned())), refused);
+        assert_eq!(awaited.outcome(&Told::NotDriven("no".to_owned())), refused);
     }
 }

@@ -3,12 +3,15 @@
 use crate::{
     message,
     names::part,
-    news::News,
     node::{Publishers, RosError, SENSOR_DATA, publish},
     service::{Asked, Services},
     settings::Settings,
 };
-use dermatome_body::{Report, Sense, file::BodyFile, keeper::Phase};
+use dermatome_body::{
+    Report, Sense,
+    file::BodyFile,
+    keeper::{Phase, Told},
+};
 use dermatome_messages::{
     clock::now_ns,
     dermatome::SkinContactArray,
@@ -62,9 +65,9 @@ impl Skin {
     }
 
     /// Publishes what came; whether it changes what presses on the link.
-    pub(crate) fn tell(&mut self, sense: &Sense, news: &News) -> bool {
-        let has_told = match news {
-            News::Frame => match &sense.report {
+    pub(crate) fn tell(&mut self, sense: &Sense, told: &Told) -> bool {
+        let has_told = match told {
+            Told::Frame { .. } => match &sense.report {
                 // A frame that came without contacts leaves the report before.
                 Some(report) if self.last.replace(report.at) != Some(report.at) => {
                     self.frame(sense, report);
@@ -72,19 +75,19 @@ impl Skin {
                 }
                 _ => false,
             },
-            News::Patch => {
+            Told::Patch { .. } => {
                 self.scene = scene(sense);
                 false
             }
-            News::State(state) => {
+            Told::State(state) => {
                 let is_live = state.phase == Phase::Live;
                 let is_over = !is_live && self.end(sense);
                 self.is_live = is_live;
                 is_over
             }
-            News::Driven(_) | News::NotDriven(_) => false,
+            Told::Driven(_) | Told::NotDriven(_) => false,
         };
-        self.services.hear(news);
+        self.services.hear(told);
         has_told
     }
 

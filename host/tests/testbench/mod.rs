@@ -122,6 +122,27 @@ impl Instrument for Pressed {
     }
 }
 
+/// A skin on which a finger lies for its board's first scans, also while there is no script.
+pub(crate) struct Held {
+    skin: Pressed,
+    scans: u32,
+}
+
+impl Held {
+    pub(crate) fn new(scans: u32) -> Self {
+        Self { skin: Pressed::new(2), scans }
+    }
+}
+
+impl Instrument for Held {
+    fn scan(&mut self, table: &ScanTable, script_time: Option<f64>) -> Frame {
+        let mut frame = self.skin.scan(table, script_time);
+        self.scans = self.scans.saturating_sub(1);
+        frame.codes[3].0 += if self.scans > 0 { UNTOUCHED / 10 } else { 0 };
+        frame
+    }
+}
+
 /// An unpaced board without a patch.
 pub(crate) fn empty_board() -> SimulatedBoard {
     let options = BoardOptions { pace: Pace::Unpaced, ..BoardOptions::default() };

@@ -1,6 +1,6 @@
 //! The link's frame: which pose contacts of a patch's skin have on a robot.
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, bail};
 use dermatome_body::surface;
 use dermatome_model::skin::{Pose, Skin};
 use dermatome_patch::tables::SurfaceTables;
@@ -36,18 +36,7 @@ pub(super) fn check(
     of_patch: &str,
     pixels: impl FnOnce() -> anyhow::Result<SurfaceTables>,
 ) -> anyhow::Result<()> {
-    let file = path.display();
-    let name = &skin.name;
-    ensure!(
-        name == of_patch,
-        "skin file `{file}`: `name` is {name:?}; allowed: {of_patch:?}, the skin of the patch"
-    );
-    let in_patch = pixels()?;
-    let in_file = surface::of_skin(skin).with_context(|| format!("skin file `{file}`"))?;
-    ensure!(
-        in_file.is_some_and(|in_file| surface::is_same(&in_file, &in_patch)),
-        "skin file `{file}`: its pixels do not lie where those of the patch do, so neither would contacts: give the skin file \
-         that the patch was built from, or build it anew"
-    );
-    Ok(())
+    let file = || format!("skin file `{}`", path.display());
+    surface::check_name(skin, of_patch).with_context(file)?;
+    surface::check_pixels(skin, &pixels()?).with_context(file)
 }

@@ -8,7 +8,7 @@ use super::Link;
 use crate::error::{LinkError, LinkErrorKind};
 use dermatome_shared::{
     patch::CombinedInto,
-    protocol::{Info, Reply, Request, Selection},
+    protocol::{PatchInfo, Reply, Request, Selection},
     units::AdcCode,
 };
 use std::time::{Duration, Instant};
@@ -23,30 +23,42 @@ const SMALL: f64 = 0.02;
 /// A skin as it was when nothing pressed.
 #[derive(Clone, Debug)]
 pub struct Untouched {
-    /// When the board was known to have this reference.
+    /// When the board was known to have this reference,
     at: Instant,
+    /// and of which patch.
+    crc: u32,
     combination: Vec<CombinedInto>,
     /// Sums over the steps of each measurement, in codes: `[measurement]`.
     voltages: Vec<f64>,
 }
 
 impl Untouched {
-    /// By the board's reference.
-    pub fn of(link: &mut Link) -> Result<Self, LinkError> {
+    /// By the reference of a board with this patch.
+    pub fn of(link: &mut Link, patch: &PatchInfo) -> Result<Self, LinkError> {
         let combination = link.combination()?;
         let Reply::Reference { frames, sums } = link.request(&Request::Reference)? else {
             return Err(link.error(LinkErrorKind::WrongReply { request: "Reference" }));
         };
         let frames = f64::from(frames.max(1));
         let voltages = sums.iter().map(|sum| *sum as f64 / frames).collect();
-        Ok(Self { at: Instant::now(), combination, voltages })
+        Ok(Self { at: Instant::now(), crc: patch.crc, combination, voltages })
     }
 
-    /// Whether the board, which says this of itself, needs another reference: it has none, or it has started anew and made
-    /// one while something pressed.
-    pub fn is_lost(&self, info: &Info, link: &mut Link) -> Result<bool, LinkError> {
-        let has_restarted = Duration::from_millis(info.uptime_ms) < self.at.elapsed();
-        Ok(!info.tared || has_restarted && self.change(&Self::of(link)?.voltages) > PRESSED)
+    /// Whether it is of the skin by this patch.
+    #[must_use]
+    pub fn is_of(&self, patch: &PatchInfo) -> bool {
+        self.crc == patch.crc
+    }
+
+    /// Whether a board with this patch needs another reference: it has none, or it has started anew and made one while
+    /// something pressed, by what it was like `before`.
+    pub fn is_lost(before: Option<&Self>, link: &mut Link, patch: &PatchInfo) -> Result<bool, LinkError> {
+        let info = link.info()?;
+        let Some(before) = before.filter(|before| info.tared && before.is_of(patch)) else {
+            return Ok(!info.tared);
+        };
+        let has_restarted = Duration::from_millis(info.uptime_ms) < before.at.elapsed();
+        Ok(has_restarted && before.change(&Self::of(link, patch)?.voltages) > PRESSED)
     }
 
     /// Whether something presses, by some frames of the board.
@@ -93,7 +105,7 @@ mod tests {
         let combination = [(0, false), (1, false), (0, true), (2, false)]
             .map(|(measurement, flipped)| CombinedInto { measurement, flipped });
         let voltages = vec![2000.0, -1000.0, 1.0];
-        Untouched { at: Instant::now(), combination: combination.to_vec(), voltages }
+        Untouched { at: Instant::now(), crc: 0, combination: combination.to_vec(), voltages }
     }
 
     #[test]

@@ -90,19 +90,9 @@ impl Loaded {
         let Some(pose) = &self.skin.pose else {
             return Err(refuse(&"`pose` is missing; allowed: a table `[pose]` as `dermatome cut` writes it"));
         };
-        if self.skin.name != of_patch {
-            let name = &self.skin.name;
-            return Err(refuse(&format!("`name` is {name:?}; allowed: {of_patch:?}, the skin of the patch")));
-        }
-        let this = self.clone();
-        let of_skin = compute(py, move || surface::of_skin(&this.skin))?.map_err(|error| refuse(&error))?;
-        let pixels = pixels()?;
-        if !of_skin.is_some_and(|of_skin| surface::is_same(&of_skin, &pixels)) {
-            return Err(refuse(
-                &"its pixels do not lie where those of the patch do, so neither would contacts: give the skin file that the \
-                  patch was built from, or build it anew",
-            ));
-        }
+        surface::check_name(&self.skin, of_patch).map_err(|error| refuse(&error))?;
+        let (this, pixels) = (self.clone(), pixels()?);
+        compute(py, move || surface::check_pixels(&this.skin, &pixels))?.map_err(|error| refuse(&error))?;
         Ok(pose.clone())
     }
 }

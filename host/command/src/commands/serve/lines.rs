@@ -49,6 +49,17 @@ struct StateLine<'a> {
     state: &'a State,
 }
 
+impl<'a> ContactLine<'a> {
+    fn of(it: &'a SkinContact) -> Self {
+        Self {
+            contact: LinkContact::new(it.contact),
+            geometric_centre_m: it.geometric_centre,
+            wrench: it.wrench.map(WrenchLine::from),
+            pixels: &it.pixels,
+        }
+    }
+}
+
 impl From<Wrench> for WrenchLine {
     fn from(wrench: Wrench) -> Self {
         Self { force_n: wrench.force, moment_n_m: wrench.moment }
@@ -58,7 +69,6 @@ impl From<Wrench> for WrenchLine {
 /// The last frame of a skin, and what presses on its link, as a line.
 pub(super) fn frame(sense: &Sense, wrench: Option<Wrench>) -> serde_json::Result<String> {
     let Some(report) = &sense.report else { return Ok(String::new()) };
-    let contact = |it: &'_ SkinContact| -> LinkContact { LinkContact::new(it.contact) };
     let line = FrameLine {
         patch: &sense.name,
         link: &sense.link,
@@ -67,24 +77,15 @@ pub(super) fn frame(sense: &Sense, wrench: Option<Wrench>) -> serde_json::Result
         device_time_s: report.at.timestamp_us as f64 * 1e-6,
         valid: report.is_valid(),
         flags: report.at.flags.words().collect(),
-        contacts: report
-            .contacts
-            .iter()
-            .map(|it| ContactLine {
-                contact: contact(it),
-                geometric_centre_m: it.geometric_centre,
-                wrench: it.wrench.map(WrenchLine::from),
-                pixels: &it.pixels,
-            })
-            .collect(),
+        contacts: report.contacts.iter().map(ContactLine::of).collect(),
         wrench: wrench.map(WrenchLine::from),
     };
     Ok(serde_json::to_string(&line)? + "\n")
 }
 
-/// A change of a board, as a line without its end.
-pub(super) fn state(sense: &Sense, state: &State) -> serde_json::Result<String> {
-    serde_json::to_string(&StateLine { patch: &sense.name, link: &sense.link, state })
+/// How a board stands now, as a line without its end.
+pub(super) fn state(sense: &Sense) -> serde_json::Result<String> {
+    serde_json::to_string(&StateLine { patch: &sense.name, link: &sense.link, state: &sense.state })
 }
 
 /// Frames that nobody read in time, as a line without its end.

@@ -15,7 +15,7 @@ use dermatome_body::{
     surface,
 };
 use dermatome_link::tables::SurfaceTables;
-use dermatome_messages::skin::Look;
+use dermatome_model::skin::Skin;
 use dermatome_shared::protocol::Selection;
 use dermatome_view::terminal::Screen;
 use onlookers::Onlookers;
@@ -120,11 +120,13 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let file = BodyFile::load(&args.body)?;
     let ros = args.ros.then(|| Ros::start(&file, args.domain)).transpose()?;
-    let (surfaces, looks) = skins(&file.patches)?;
+    let skins = skins(&file.patches)?;
     let onlookers = args.listen.map(|listen| {
+        let looks = of_each(&skins, look_of)?;
         let looks = file.patches.iter().map(|patch| looks[&patch.path].clone()).collect();
         Onlookers::open(&args.doors, listen, &file, looks)
     });
+    let surfaces = of_each(&skins, surface_of)?;
     let (sender, told) = sync_channel(MOST_WAITING);
     let dropped = Arc::<AtomicU64>::default();
     let keepers = file.patches.iter().enumerate().map(|(index, patch)| {
@@ -171,22 +173,31 @@ fn selection(args: &Args) -> Selection {
 /// Something of each skin file.
 type OfSkins<T> = HashMap<PathBuf, T>;
 
-/// Where the pixels of each skin file lie, and what the skin looks like.
-fn skins(patches: &[Patch]) -> anyhow::Result<(OfSkins<SurfaceTables>, OfSkins<Look>)> {
-    let (mut surfaces, mut looks) = (HashMap::new(), HashMap::new());
+/// The skin of each file.
+fn skins(patches: &[Patch]) -> anyhow::Result<OfSkins<Skin>> {
+    let mut skins = HashMap::new();
     for Patch { path, skin, .. } in patches {
-        if surfaces.contains_key(path) {
-            continue;
+        if !skins.contains_key(path) {
+            skins.insert(path.clone(), skin.clone().made()?);
         }
-        let name = || format!("skin file `{}`", path.display());
-        let skin = skin.clone().made()?;
-        let Some(surface) = surface::of_skin(&skin).with_context(name)? else {
-            bail!("{}: its image has more pixels than a board takes", name())
-        };
-        surfaces.insert(path.clone(), surface);
-        looks.insert(path.clone(), look_of(&skin)?);
     }
-    Ok((surfaces, looks))
+    Ok(skins)
+}
+
+fn of_each<T>(
+    skins: &OfSkins<Skin>,
+    make: impl Fn(&Skin) -> anyhow::Result<T>,
+) -> anyhow::Result<OfSkins<T>> {
+    let made = skins.iter().map(|(path, skin)| {
+        let made = make(skin).with_context(|| format!("skin file `{}`", path.display()));
+        Ok((path.clone(), made?))
+    });
+    made.collect()
+}
+
+/// Where the pixels of a skin lie.
+fn surface_of(skin: &Skin) -> anyhow::Result<SurfaceTables> {
+    surface::of_skin(skin)?.context("its image has more pixels than a board takes")
 }
 
 /// Passes on what a keeper tells; a frame that finds no room is dropped and counted.
@@ -252,7 +263,7 @@ impl<'a> Served<'a> {
                 ros.attend(&self.body, self.keepers);
             }
             if let Some(onlookers) = &mut self.onlookers {
-                onlookers.answer(self.keepers);
+                onlookers.answer(self.keepers, self.body.senses());
                 onlookers.tell_states(self.body.senses());
             }
             if self.lines.is_none() && self.drawn.elapsed() >= DRAWN {
@@ -265,31 +276,24 @@ impl<'a> Served<'a> {
 
     /// Takes what a keeper told; false if nobody reads any more.
     fn take(&mut self, (index, told): (usize, Told)) -> anyhow::Result<bool> {
-        let state = match &told {
-            Told::State(state) => Some(state.clone()),
-            _ => None,
-        };
+        let before = self.body.senses()[index].state.clone();
+        let has_frame = self.body.take(index, &told).is_some();
+        let sense = &self.body.senses()[index];
         if let Some(onlookers) = &mut self.onlookers {
             onlookers.tell(index, &self.file.patches[index], &told);
         }
-        let before = self.body.senses()[index].state.clone();
-        let news = self.ros.as_ref().map(|ros| ros.news(&told));
-        let has_frame = self.body.take((index, told)).is_some();
-        if let (Some(ros), Some(news)) = (&mut self.ros, news) {
-            ros.tell(&self.body, index, &news);
+        if let Some(ros) = &mut self.ros {
+            ros.tell(&self.body, index, &told);
         }
-        let sense = &self.body.senses()[index];
-        let Some(lines) = &mut self.lines else {
+        let Some(lines) = &mut self.lines else { return Ok(true) };
+        let line = if sense.state != before {
+            lines.remark(&lines::state(sense)?);
+            String::new()
+        } else if has_frame {
+            lines::frame(sense, self.body.wrench(&sense.link))?
+        } else {
             return Ok(true);
         };
-        if let Some(state) = state.filter(|state| *state != before) {
-            lines.remark(&lines::state(sense, &state)?);
-            return Ok(is_read(lines.frame(String::new()))?);
-        }
-        if !has_frame {
-            return Ok(true);
-        }
-        let line = lines::frame(sense, self.body.wrench(&sense.link))?;
         Ok(is_read(lines.frame(line))?)
     }
 

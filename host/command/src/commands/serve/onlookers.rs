@@ -16,7 +16,7 @@ use dermatome_messages::{
     skin::Look,
 };
 use dermatome_page::{Call, Server};
-use dermatome_shared::{drive::Drive, patch::PatchView};
+use dermatome_shared::patch::PatchView;
 use serde_json::{Value, json};
 use std::{
     net::SocketAddr,
@@ -38,7 +38,6 @@ struct Stand {
     outlets: Outlets,
     look: Look,
     status: Status,
-    drive: Option<Drive>,
     /// Frames when they were last told.
     frames: u64,
 }
@@ -63,7 +62,6 @@ impl Onlookers {
                 signal_to_noise: f32::NAN,
                 ..Status::default()
             },
-            drive: None,
             frames: 0,
         };
         let stands = file.patches.iter().zip(looks).enumerate().map(stand).collect();
@@ -72,7 +70,7 @@ impl Onlookers {
 
     /// A keeper told something of a patch.
     pub(super) fn tell(&mut self, index: usize, patch: &Patch, told: &Told) {
-        let Stand { outlets, look, status, drive, .. } = &mut self.stands[index];
+        let Stand { outlets, look, status, .. } = &mut self.stands[index];
         match told {
             Told::Patch { bytes, board, .. } => {
                 // The keeper has looked at it.
@@ -84,14 +82,14 @@ impl Onlookers {
             Told::Driven(driven) => {
                 let in_effect = driven.drive;
                 outlets.drive(&in_effect, None);
-                *drive = Some(in_effect);
                 (status.frequency, status.amplitude) = (in_effect.frequency, in_effect.amplitude);
                 (status.gain, status.frame_rate) = (number_of_gain(in_effect.gain), in_effect.frame_rate);
             }
             Told::Frame { frame, .. } => {
                 outlets.frame(frame, None);
             }
-            Told::State(_) | Told::NotDriven(_) => {}
+            Told::NotDriven(why) => status.warnings = vec![format!("the board keeps its drive: {why}")],
+            Told::State(_) => {}
         }
     }
 
@@ -116,26 +114,24 @@ impl Onlookers {
     }
 
     /// Does what they ask for.
-    pub(super) fn answer(&mut self, keepers: &[Keeper]) {
+    pub(super) fn answer(&mut self, keepers: &[Keeper], senses: &[Sense]) {
         while let Some(call) = self.server.call() {
-            let done = self.done(&call, keepers).map_err(|error| format!("{error:#}"));
+            let done = self
+                .done(&call, &keepers[call.space], &senses[call.space])
+                .map_err(|error| format!("{error:#}"));
             call.answer(done);
         }
     }
 
-    fn done(&mut self, call: &Call, keepers: &[Keeper]) -> anyhow::Result<Value> {
-        let (stand, keeper) = (&mut self.stands[call.space], &keepers[call.space]);
+    fn done(&mut self, call: &Call, keeper: &Keeper, sense: &Sense) -> anyhow::Result<Value> {
         match call.service {
             TARE => keeper.tare(),
             DRIVE => {
-                let Some(drive) = stand.drive else { bail!("the board has not answered yet") };
-                let wanted = calls::request::<Change>(call)?.of(&drive)?;
+                let Some(driven) = &sense.driven else { bail!("the board has not answered yet") };
+                let wanted = calls::request::<Change>(call)?.of(&driven.drive)?;
+                driven.check(&wanted)?;
+                self.stands[call.space].status.warnings.clear();
                 keeper.drive(wanted);
-                stand.outlets.drive(&wanted, None);
-                stand.drive = Some(wanted);
-                let status = &mut stand.status;
-                (status.frequency, status.amplitude) = (wanted.frequency, wanted.amplitude);
-                status.gain = number_of_gain(wanted.gain);
             }
             other => bail!("there is no service `{other}`"),
         }

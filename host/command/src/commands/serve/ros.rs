@@ -8,8 +8,6 @@ use dermatome_body::{
 };
 use dermatome_ros::{Asked, Robot, Settings};
 
-pub(super) use dermatome_ros::News;
-
 /// The node.
 pub(super) struct Ros {
     robot: Robot,
@@ -23,14 +21,9 @@ impl Ros {
         Ok(Self { robot })
     }
 
-    /// What a keeper told, before the body takes it.
-    pub(super) fn news(&self, told: &Told) -> News {
-        News::of(told)
-    }
-
-    /// Publishes it, after the body has taken it.
-    pub(super) fn tell(&mut self, body: &Body, index: usize, news: &News) {
-        self.robot.tell(body, index, news);
+    /// Publishes what a keeper told, after the body has taken it.
+    pub(super) fn tell(&mut self, body: &Body, index: usize, told: &Told) {
+        self.robot.tell(body, index, told);
     }
 
     /// Tells that all contacts are over.

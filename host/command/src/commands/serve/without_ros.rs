@@ -7,8 +7,6 @@ use dermatome_body::{
     keeper::{Keeper, Told},
 };
 
-pub(super) enum News {}
-
 /// There is none.
 pub(super) enum Ros {}
 
@@ -19,11 +17,7 @@ impl Ros {
         )
     }
 
-    pub(super) fn news(&self, _: &Told) -> News {
-        match *self {}
-    }
-
-    pub(super) fn tell(&mut self, _: &Body, _: usize, _: &News) {
+    pub(super) fn tell(&mut self, _: &Body, _: usize, _: &Told) {
         match *self {}
     }
 

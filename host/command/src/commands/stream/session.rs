@@ -155,7 +155,8 @@ impl<'a> Session<'a> {
             self.tare()?;
         }
         // A board that does not tell cannot be compared later.
-        self.untouched = Untouched::of(self.link()?).ok();
+        let link = self.link.as_mut().context("the board is lost")?;
+        self.untouched = Untouched::of(link, &self.patch).ok();
         Ok(tared)
     }
 
@@ -184,11 +185,7 @@ impl<'a> Session<'a> {
 
     fn needs_tare(&mut self) -> anyhow::Result<bool> {
         let link = self.link.as_mut().context("the board is lost")?;
-        let info = link.info()?;
-        Ok(match &self.untouched {
-            Some(untouched) => untouched.is_lost(&info, link)?,
-            None => !info.tared,
-        })
+        Ok(Untouched::is_lost(self.untouched.as_ref(), link, &self.patch)?)
     }
 
     fn tare(&mut self) -> anyhow::Result<()> {

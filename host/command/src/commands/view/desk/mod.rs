@@ -4,6 +4,7 @@
 //! frames does what was asked. A board that is lost, or was never there, is tried again until it answers.
 
 mod asked;
+mod greeting;
 
 use super::{
     calls::{CALIBRATE, CHECK, RECORD, TARE},
@@ -15,22 +16,18 @@ use crate::commands::{
     board::advise,
     current::Current,
     interrupt,
-    outlets::{Outlets, recorded_in_words, session},
+    outlets::{Outlets, recorded_in_words},
     stream::session::Session as Board,
 };
 use anyhow::{Context, ensure};
-use dermatome_link::{self as link, ScanFrame, Untouched, frame_timeout, pose::Pose, silence_timeout};
-use dermatome_messages::{
-    clock::now_ns,
-    dermatome::{Status, number_of_gain},
-    skin::Look,
-};
+use dermatome_link::{self as link, ScanFrame, Untouched, frame_timeout, pose::Pose};
+use dermatome_messages::{clock::now_ns, dermatome::Status, skin::Look};
 use dermatome_page::{Call, Server};
 use dermatome_recording::{session::Session, write::Recorder};
 use dermatome_shared::{
     drive::Drive,
     patch::PatchView,
-    protocol::{PatchInfo, Refusal, Request, Selection},
+    protocol::{PatchInfo, Refusal, Selection},
     stimulation::Step,
 };
 use dermatome_simulate::port::Port;
@@ -85,8 +82,8 @@ pub(in crate::commands) struct Desk<'a> {
     drive: Option<Drive>,
     /// Who waits for a reference.
     waiting: VecDeque<Call>,
-    /// The skin by the last reference, and the id of the patch that it belongs to.
-    untouched: Option<(u32, Untouched)>,
+    /// The skin by its last reference.
+    untouched: Option<Untouched>,
     /// Whether the recording that `--record` asks for has begun.
     has_recorded: bool,
     /// Whether the next stream begins with a new reference. A board that comes back with the one that it had keeps it:
@@ -266,108 +263,6 @@ impl<'a> Desk<'a> {
         }
     }
 
-    /// Gets to know a board that has just answered, and makes it ready.
-    fn greet(&mut self, board: &mut Board<'_>) -> anyhow::Result<Present> {
-        let text = self.task.look.text();
-        let link = board.link()?;
-        let session = session(link, text)?;
-        let info = link.info()?;
-        let is_same_skin = session.skin == self.status.skin;
-        if let Some(drive) = self.drive.filter(|drive| is_same_skin && Some(*drive) != info.drive) {
-            link.request(&Request::Drive(Some(drive)))?;
-            board.patch.drive = drive;
-        }
-        let crc = board.patch.crc;
-        let link = board.link()?;
-        let now = link.info()?;
-        let is_lost = match self.untouched.as_ref().filter(|(of, _)| *of == crc) {
-            Some((_, untouched)) => untouched.is_lost(&now, link)?,
-            None => !now.tared,
-        };
-        if !is_lost {
-            self.untouched = Untouched::of(link).ok().map(|untouched| (crc, untouched));
-        } else {
-            // One that the board begins by itself may take frames before the stream.
-            self.wants_tare = true;
-            self.wait_untouched(board)?;
-            let Board { link, patch, .. } = &mut *board;
-            let link = link.as_mut().context("the board is lost")?;
-            self.task.current.fit(link, patch, || !interrupt::requested())?;
-        }
-        let (pose, look) = self.task.look.on(&session)?;
-        let patch = PatchView::validate(&session.patch).context("the board's patch")?;
-        let steps = patch.steps().collect();
-        let front_end = info.front_end;
-        let present = Present {
-            pose,
-            look,
-            steps,
-            largest_amplitude: front_end.map_or(0.0, |front_end| front_end.full_scale_current),
-            sample_rate: front_end.map(|front_end| front_end.sample_rate),
-            session,
-        };
-        self.show_board(&present, board);
-        Ok(present)
-    }
-
-    /// A board that has lost its reference waits for a skin that nothing presses, or until the page asks for a tare all
-    /// the same.
-    fn wait_untouched(&mut self, board: &mut Board<'_>) -> anyhow::Result<()> {
-        let patch = &board.patch;
-        let Some((_, untouched)) = self.untouched.clone().filter(|(crc, _)| *crc == patch.crc) else {
-            return Ok(());
-        };
-        let timeout = silence_timeout(patch);
-        while self.waiting.is_empty() && untouched.is_pressed(board.link()?, timeout)? {
-            self.state(
-                "not_tared",
-                "the board has lost its reference, and something presses on the skin, or it has changed",
-                "free the skin: the board makes its new reference then; or tare now, and what presses is not seen",
-            );
-            if !self.wait(LOOK_AGAIN, "the board has no reference") {
-                break;
-            }
-        }
-        Ok(())
-    }
-
-    /// The page shows this board from now on.
-    fn show_board(&mut self, present: &Present, board: &Board<'_>) {
-        let Session { board: kind, firmware, skin, .. } = &present.session;
-        let named = self.task.patches.iter().map(|(name, _)| name.clone());
-        let patches = std::iter::once(format!("{skin} (on the board)")).chain(named).collect();
-        let status = &mut self.status;
-        (status.board, status.firmware, status.skin) = (kind.clone(), firmware.clone(), skin.clone());
-        (status.patch_crc, status.patches) = (board.patch.crc, patches);
-        status.largest_amplitude = present.largest_amplitude;
-        self.show_drive(&board.patch.drive, present);
-        self.show_patch(present);
-    }
-
-    fn show_drive(&mut self, drive: &Drive, present: &Present) {
-        self.outlets.drive(drive, present.sample_rate);
-        let status = &mut self.status;
-        (status.frequency, status.amplitude, status.frame_rate) =
-            (drive.frequency, drive.amplitude, drive.frame_rate);
-        status.gain = number_of_gain(drive.gain);
-    }
-
-    /// The page shows the skin of the chosen patch.
-    fn show_patch(&mut self, present: &Present) {
-        let Session { board, firmware, patch, .. } = &present.session;
-        let own = PatchView::validate(patch).ok();
-        let chosen = self.chosen.checked_sub(1).and_then(|index| self.task.patches.get(index));
-        let chosen = chosen.map(|(_, patch)| patch).or(own.as_ref());
-        if let Some(chosen) = chosen {
-            self.outlets.show_patch(
-                chosen,
-                present.pose.as_ref(),
-                &present.look,
-                format!("{board} {firmware}"),
-            );
-        }
-    }
-
     /// What is streamed of a board with this patch: on a serial line no more than it carries.
     fn selection(&self, patch: &PatchInfo) -> Selection {
         let is_serial = matches!(self.task.port, Some(Port::Board(link::Port::Serial(_))));
@@ -410,8 +305,7 @@ impl<'a> Desk<'a> {
                 Some(frame) => {
                     heard = Instant::now();
                     if self.take(&frame, stream.totals().frames_missing) {
-                        let untouched = Untouched::of(stream.link()).ok();
-                        self.untouched = untouched.map(|untouched| (patch.crc, untouched));
+                        self.untouched = Untouched::of(stream.link(), patch).ok();
                     }
                 }
                 None if heard.elapsed() > silence => {
