@@ -27,7 +27,7 @@ async fn main(spawner: Spawner) {
     info!("started after {}", Display2Format(&started_after));
     let state = tasks::State::take(board.flash, started_after);
     let signs = VitalSigns::new(board.core.DCB, board.core.DWT);
-    let (orders, frames) = tasks::acquire::start(board.sensing, board.thermometer);
+    let (orders, frames) = tasks::acquire::start(board.sensing, board.thermometer, board.reflex_pins);
     spawner.spawn(tasks::health::run(board.watchdog, signs, state, orders).expect("spawned once"));
     spawner.spawn(tasks::frames::run(state, orders, frames).expect("spawned once"));
     spawner.spawn(tasks::link::run(board.link, state).expect("spawned once"));

@@ -34,8 +34,8 @@ pub use nucleo_g474re::*;
 #[cfg(feature = "nucleo-l496zg")]
 pub use nucleo_l496zg::*;
 
-use dermatome_shared::restart::ResetCauses;
-use embassy_stm32::{Peri, peripherals};
+use dermatome_shared::{patch::reflexes::REFLEX_PINS, restart::ResetCauses};
+use embassy_stm32::{Peri, gpio::Output, peripherals};
 use embassy_time::Duration;
 
 /// The board's hardware, for the tasks to take.
@@ -46,6 +46,8 @@ pub struct Board {
     pub sensing: SensingParts,
     /// The chip's temperature sensor.
     pub thermometer: Thermometer,
+    /// Where reflexes act.
+    pub reflex_pins: ReflexPins,
     /// The chip's flash.
     pub flash: Peri<'static, peripherals::FLASH>,
     /// The watchdog.
@@ -68,6 +70,18 @@ pub struct LinkParts {
     pub tx_dma: Peri<'static, LinkTxDma>,
     /// DMA channel that receives.
     pub rx_dma: Peri<'static, LinkRxDma>,
+}
+
+/// The pins of reflexes, from 1 on: low after a reset, and while a rule is tripped.
+pub struct ReflexPins(pub(in crate::board) [Output<'static>; REFLEX_PINS as usize]);
+
+impl ReflexPins {
+    /// Sets all of them: those whose bit is set are high, the first one's is the lowest.
+    pub fn set(&mut self, high: u8) {
+        for (number, pin) in self.0.iter_mut().enumerate() {
+            pin.set_level((high >> number & 1 == 1).into());
+        }
+    }
 }
 
 /// A programmable amplifier, whose gain the DMA sets.

@@ -3,24 +3,30 @@
 //! It has an executor of its own in an interrupt, so that neither a reconstruction nor the link can
 //! keep it from the samples. What it finds goes to the frames task through a queue.
 //!
+//! The reflexes of the patch look at a frame before all else, and their pins follow.
+//!
 //! A scan is ordered once and then goes on: without a pause where frames are wanted as fast as they
 //! come, else with the front end off between frames. The thermometer has its turn before each, and so a
 //! scan without a pause begins anew now and then.
 
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use core::{
+    cell::RefCell,
+    sync::atomic::{AtomicBool, AtomicU32, Ordering},
+};
 
 use dermatome_firmware::{
-    board::{self, SensingParts, Thermometer, executor},
+    board::{self, ReflexPins, SensingParts, Thermometer, executor},
     drivers::front_end::{FrontEnd, Missed, RAMP_STEPS, Scan, Tables},
 };
 use dermatome_shared::{
     acquire::{Acquisition, SlotSamples},
     device::Arrival,
     frame::Frame,
+    pipeline::reflex::Watch,
 };
 use embassy_futures::select::{Either, select};
 use embassy_sync::{
-    blocking_mutex::raw::CriticalSectionRawMutex,
+    blocking_mutex::{CriticalSectionMutex, raw::CriticalSectionRawMutex},
     mutex::Mutex,
     signal::Signal,
     zerocopy_channel::{Channel, Receiver, Sender},
@@ -40,6 +46,8 @@ const SHORTEST_PAUSE: Duration = Duration::from_millis(2);
 
 /// What the frames task and this one share.
 pub(crate) struct Orders {
+    /// What looks at frames by the patch's reflexes.
+    watch: &'static CriticalSectionMutex<RefCell<Watch>>,
     /// The scan to run; it is changed only while none runs.
     pub(crate) acquisition: Mutex<CriticalSectionRawMutex, Option<Acquisition>>,
     start: Signal<CriticalSectionRawMutex, Order>,
@@ -76,8 +84,9 @@ pub(crate) type Frames = Sender<'static, CriticalSectionRawMutex, Captured>;
 pub(crate) type FramesEnd = Receiver<'static, CriticalSectionRawMutex, Captured>;
 
 impl Orders {
-    pub(crate) const fn new() -> Self {
+    fn new(watch: &'static CriticalSectionMutex<RefCell<Watch>>) -> Self {
         Self {
+            watch,
             acquisition: Mutex::new(None),
             start: Signal::new(),
             stop: Signal::new(),
@@ -86,6 +95,11 @@ impl Orders {
             looks: AtomicU32::new(0),
             temperature: AtomicU32::new(f32::NAN.to_bits()),
         }
+    }
+
+    /// Looks at the watch, or changes it, while no frame is seen.
+    pub(crate) fn with_watch<R>(&self, look: impl FnOnce(&mut Watch) -> R) -> R {
+        self.watch.lock(|watch| look(&mut watch.borrow_mut()))
     }
 
     /// Starts the scan that lies in `acquisition`.
@@ -124,17 +138,23 @@ impl Orders {
 
 /// Starts the task on an executor of its own; gives the way to order scans, and where frames come out.
 /// Can be called once.
-pub(crate) fn start(sensing: SensingParts, thermometer: Thermometer) -> (&'static Orders, FramesEnd) {
+pub(crate) fn start(
+    sensing: SensingParts,
+    thermometer: Thermometer,
+    pins: ReflexPins,
+) -> (&'static Orders, FramesEnd) {
+    static WATCH: CriticalSectionMutex<RefCell<Watch>> =
+        CriticalSectionMutex::new(RefCell::new(Watch::new()));
     static TABLES: Tables = Tables::new();
     static ORDERS: StaticCell<Orders> = StaticCell::new();
     static QUEUE: StaticCell<[Captured; 2]> = StaticCell::new();
     static CHANNEL: StaticCell<Channel<'static, CriticalSectionRawMutex, Captured>> = StaticCell::new();
-    let orders: &'static Orders = ORDERS.init_with(Orders::new);
+    let orders: &'static Orders = ORDERS.init_with(|| Orders::new(&WATCH));
     let queue = QUEUE.init_with(Default::default);
     let (frames, end) = CHANNEL.init_with(|| Channel::new(queue)).split();
     let spawner = executor::start();
     let front_end = FrontEnd::new(sensing, &TABLES);
-    spawner.spawn(run(front_end, thermometer, orders, frames).expect("spawned once"));
+    spawner.spawn(run(front_end, thermometer, pins, orders, frames).expect("spawned once"));
     (orders, end)
 }
 
@@ -143,6 +163,7 @@ pub(crate) fn start(sensing: SensingParts, thermometer: Thermometer) -> (&'stati
 async fn run(
     mut front_end: FrontEnd,
     mut thermometer: Thermometer,
+    mut pins: ReflexPins,
     orders: &'static Orders,
     mut frames: Frames,
 ) -> ! {
@@ -151,9 +172,19 @@ async fn run(
         let order = orders.start.wait().await;
         let mut acquisition = orders.acquisition.lock().await;
         if let Some(acquisition) = acquisition.as_mut() {
-            let mut run = Run { acquisition, frames: &mut frames, orders, is_stopping: false, missed: false };
+            let mut run = Run {
+                acquisition,
+                frames: &mut frames,
+                pins: &mut pins,
+                orders,
+                is_stopping: false,
+                missed: false,
+            };
             run.scan(&mut front_end, &mut thermometer, order).await;
         }
+        // Nobody looks any more.
+        orders.with_watch(Watch::blind);
+        pins.set(0);
         orders.stopped.signal(());
     }
 }
@@ -162,6 +193,7 @@ async fn run(
 struct Run<'a> {
     acquisition: &'a mut Acquisition,
     frames: &'a mut Frames,
+    pins: &'a mut ReflexPins,
     orders: &'static Orders,
     is_stopping: bool,
     /// Whether samples were lost since the frame before.
@@ -216,7 +248,12 @@ impl Run<'_> {
         scan.take(|samples| {
             self.acquisition.push(samples, |frame, scope| {
                 found += 1;
-                send(self.frames, frame, scope, &mut self.missed);
+                let timestamp_us = Instant::now().as_micros();
+                let (reflexes, high) =
+                    self.orders.with_watch(|watch| (watch.see(frame, timestamp_us), watch.high_pins()));
+                self.pins.set(high);
+                let arrival = Arrival { timestamp_us, missed: self.missed, reflexes };
+                self.missed = !send(self.frames, frame, scope, arrival);
             });
         })?;
         if self.acquisition.take_gains_changed() {
@@ -246,20 +283,16 @@ fn wait(missing: Duration) -> Duration {
     }
 }
 
-/// Sends a frame on; one that nobody has time for is lost, and the next one says so.
-fn send(frames: &mut Frames, frame: &Frame, scope: Option<&SlotSamples>, missed: &mut bool) {
-    match frames.try_send() {
-        Some(place) => {
-            place.frame.copy_from(frame);
-            match scope {
-                Some(samples) => place.scope = Some(samples.clone()),
-                // Not one assignment for both, which would copy a kilobyte of nothing.
-                None => place.scope = None,
-            }
-            let timestamp_us = Instant::now().as_micros();
-            place.arrival = Arrival { timestamp_us, missed: core::mem::take(missed) };
-            frames.send_done();
-        }
-        None => *missed = true,
+/// Sends a frame on; one that nobody has time for is lost, which this says.
+fn send(frames: &mut Frames, frame: &Frame, scope: Option<&SlotSamples>, arrival: Arrival) -> bool {
+    let Some(place) = frames.try_send() else { return false };
+    place.frame.copy_from(frame);
+    match scope {
+        Some(samples) => place.scope = Some(samples.clone()),
+        // Not one assignment for both, which would copy a kilobyte of nothing.
+        None => place.scope = None,
     }
+    place.arrival = arrival;
+    frames.send_done();
+    true
 }

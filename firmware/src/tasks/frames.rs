@@ -65,6 +65,7 @@ impl Task {
     async fn prepare(&mut self) -> Option<Order> {
         let purpose = Purpose::now(self.state)?;
         let mut place = self.orders.acquisition.lock().await;
+        self.orders.with_watch(|watch| self.state.device.borrow().begin_watch(watch));
         put_scan(self.state, purpose, &mut place)
     }
 
@@ -78,6 +79,7 @@ impl Task {
                     // An answer may have come first, and a frame of the old scan means nothing to a new one.
                     if Purpose::now(self.state) == purpose {
                         process(self.state, captured, self.scratch);
+                        self.orders.with_watch(|watch| self.state.device.borrow().brief(watch));
                     }
                     self.frames.receive_done();
                     // Where frames come faster than they are computed, others have a turn all the same: the
@@ -120,7 +122,7 @@ fn process(state: &State, captured: &mut Captured, scratch: &mut [u8]) {
             defmt::debug!("event dropped: the link is too slow");
         }
     };
-    device.process(&mut captured.frame, captured.arrival, &mut queue);
+    device.process(&mut captured.frame, core::mem::take(&mut captured.arrival), &mut queue);
     if let Some(samples) = captured.scope.as_ref().filter(|_| device.wants_scope(captured.frame.sequence)) {
         device.show_scope(samples, &mut queue);
     }

@@ -114,6 +114,7 @@ mod patches {
         patch::{
             CombinedInto, Difference, PatchContents, PatchHeader, PatchView,
             matrix::{MOST_OF_ROW, MatrixLayout},
+            reflexes::ReflexTables,
         },
         stimulation::{Driven, Step, pattern},
         units::RelativeConductivity,
@@ -167,6 +168,8 @@ mod patches {
             calibration: Calibration::default(),
             test_resistances: Default::default(),
             play_operators: 0,
+            reflexes: 0,
+            reflex_rows: 0,
             matrix: MatrixLayout::default(),
             detection: Default::default(),
         };
@@ -175,6 +178,7 @@ mod patches {
         let header = PatchHeader { matrix: matrix.tables().layout(), ..header };
         let contents = PatchContents {
             play_operators: &[],
+            reflexes: ReflexTables::default(),
             header: &header,
             steps: &steps,
             combination: &combination,

@@ -16,7 +16,9 @@ use dermatome_shared::{
     drive::Drive,
     frame::Frame,
     image::{Geometry, PixelGrid},
-    patch::{CombinedInto, Difference, PatchContents, PatchHeader, matrix::MatrixLayout},
+    patch::{
+        CombinedInto, Difference, PatchContents, PatchHeader, matrix::MatrixLayout, reflexes::ReflexTables,
+    },
     protocol::{
         self, BoardPacket, Identity, Info, MAX_PACKET_BYTES, PacketReader, Reply, Request, RequestPacket,
         Selection, Version, encode,
@@ -69,6 +71,8 @@ pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32
         calibration: Calibration::default(),
         test_resistances: Default::default(),
         play_operators: 0,
+        reflexes: 0,
+        reflex_rows: 0,
         matrix: MatrixLayout::default(),
         detection: Default::default(),
     };
@@ -80,6 +84,7 @@ pub(crate) fn square_patch(name: &str, electrodes: u8, side: u8, frame_rate: f32
     let header = PatchHeader { matrix: matrix.tables().layout(), ..header };
     let contents = PatchContents {
         play_operators: &[],
+        reflexes: ReflexTables::default(),
         header: &header,
         steps: &steps,
         combination: &combination,

@@ -10,6 +10,7 @@ use dermatome_shared::{
         checksum::crc32,
         matrix::{Interpolation, MatrixTables, coefficient_index},
         places::{DetectionLayout, Place, PlacesTables},
+        reflexes::{Limit, ReflexRow, ReflexRule, ReflexTables},
     },
     stimulation::{Driven, Step, pattern},
     units::{AdcCode, RelativeConductivity},
@@ -57,6 +58,8 @@ pub fn small_patch() -> Vec<u8> {
         calibration: Calibration::default(),
         test_resistances: Default::default(),
         play_operators: 0,
+        reflexes: 0,
+        reflex_rows: 0,
         matrix: matrix.layout(),
         detection: DetectionLayout {
             places: 4,
@@ -79,6 +82,7 @@ pub fn small_patch() -> Vec<u8> {
     }
     let contents = PatchContents {
         play_operators: &[],
+        reflexes: ReflexTables::default(),
         header: &header,
         steps: &steps,
         combination: &combination,

@@ -3,6 +3,7 @@
 //! It knows no executor and no hardware: whoever owns it moves packets and frames.
 
 pub mod flash_slots;
+mod reflexes;
 mod store;
 
 pub use store::{PatchStore, StoreError};
@@ -18,7 +19,7 @@ use crate::{
     health::{HOT, Health, Vitals, restart::Restart},
     limits::MAX_PATCH_BYTES,
     patch::{PatchHeader, PatchView},
-    pipeline::{self, Outcome, PipelineState, reference::Reference},
+    pipeline::{self, Outcome, PipelineState, reference::Reference, reflex::Reflexes},
     protocol::{
         BoardPacket, Event, FrameSource, FrameStamp, Identity, Info, MAX_CHUNK_BYTES, PROTOCOL_VERSION,
         PackedImage, PatchInfo, Refusal, Reply, Request, RequestPacket, Selection, SlotSamples, Version,
@@ -53,12 +54,14 @@ pub const HOST_TIMEOUT_MS: u64 = 30_000;
 pub const HOST_INTERVAL_US: u64 = 5_000_000;
 
 /// What a frame does not know of itself when its last sample has come.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Arrival {
     /// When the scan ended, microseconds of the board's own clock.
     pub timestamp_us: u64,
     /// Whether the board lost samples between the frame before and this one.
     pub missed: bool,
+    /// What the [`Watch`] said of it.
+    pub reflexes: Reflexes,
 }
 
 /// The state of a board. The pipeline's, which is large, may lie elsewhere: a reference to it will do.
@@ -76,6 +79,9 @@ pub struct Device<S, P = PipelineState> {
     health: Health,
     vitals: Vitals,
     missed: u32,
+    /// What the rules said last, and whether the host knows it.
+    reflexes: Reflexes,
+    reflexes_are_told: bool,
     next_frame: u32,
     next_event: u32,
     /// Uptime at the last request.
@@ -110,6 +116,8 @@ impl<S: PatchStore, P: BorrowMut<PipelineState>> Device<S, P> {
             health: Health::default(),
             vitals: Vitals::default(),
             missed: 0,
+            reflexes: Reflexes::default(),
+            reflexes_are_told: false,
             next_frame: 0,
             next_event: 0,
             heard_ms: 0,
@@ -131,10 +139,10 @@ impl<S: PatchStore, P: BorrowMut<PipelineState>> Device<S, P> {
         self.streaming
     }
 
-    /// Whether anybody uses a frame: a tare or a stream is under way. A tare that begins by itself in a stream ends with
-    /// it, so that no current flows for nobody.
+    /// Whether anybody uses a frame: a tare or a stream is under way, or the patch has reflexes. A tare that begins by
+    /// itself in a stream ends with it, so that no current flows for nobody.
     pub fn needs_frames(&self) -> bool {
-        self.pipeline().is_asked_to_tare() || self.streaming.any()
+        self.has_reflexes() || self.pipeline().is_asked_to_tare() || self.streaming.any()
     }
 
     /// How the skin is driven: as the patch says, or as a host asked since.
@@ -195,6 +203,7 @@ impl<S: PatchStore, P: BorrowMut<PipelineState>> Device<S, P> {
 
     /// Finishes one frame, takes it through the pipeline, and hands each event to `emit`, what is urgent first.
     pub fn process(&mut self, frame: &mut Frame, arrival: Arrival, mut emit: impl FnMut(&BoardPacket)) {
+        self.tell_reflexes(frame, &arrival, &mut emit);
         if let Some(outcome) = self.finish(frame, arrival) {
             self.tell(frame, outcome, &mut emit);
         }
@@ -202,7 +211,15 @@ impl<S: PatchStore, P: BorrowMut<PipelineState>> Device<S, P> {
 
     /// Takes a frame of a recording through the pipeline, as [`Self::process`] does one that was measured: with the time and
     /// the flags that it has, and with the health that was found in it then.
-    pub fn replay(&mut self, frame: &mut Frame, health: Health, mut emit: impl FnMut(&BoardPacket)) {
+    pub fn replay(
+        &mut self,
+        frame: &mut Frame,
+        health: Health,
+        reflexes: Reflexes,
+        mut emit: impl FnMut(&BoardPacket),
+    ) {
+        let arrival = Arrival { timestamp_us: frame.timestamp_us, missed: false, reflexes };
+        self.tell_reflexes(frame, &arrival, &mut emit);
         frame.sequence = self.next_frame;
         self.next_frame = frame.sequence.wrapping_add(1);
         let Some(patch) = patch_in_use(&self.store, &self.header) else { return };
@@ -463,6 +480,7 @@ impl<S: PatchStore, P: BorrowMut<PipelineState>> Device<S, P> {
             return Err(Refusal::Slot { last });
         }
         self.streaming = selection;
+        self.reflexes_are_told = false;
         Ok(Reply::Streaming { first_sequence: self.next_frame })
     }
 }

@@ -2,10 +2,12 @@ use super::*;
 use crate::acquire::tests::FRONT_END;
 use crate::patch::{
     Difference,
-    tests::{flat_frame, small_patch},
+    reflexes::Limit,
+    tests::{flat_frame, patch_with_reflexes, row, rule, small_patch},
 };
+use crate::pipeline::reflex::Watch;
 use crate::protocol::MAX_CHUNK_BYTES;
-use std::vec::Vec;
+use std::{vec, vec::Vec};
 
 #[derive(Default)]
 struct Memory {
@@ -430,7 +432,7 @@ fn a_frame_gets_number_time_and_flags_of_the_board_where_it_is_processed() {
     device.process(&mut frame, Arrival::default(), |_| ());
     assert_eq!((frame.sequence, frame.timestamp_us, frame.flags), (0, 0, FrameFlags::HOT));
     frame = Frame { sequence: 77, timestamp_us: 5, ..flat_frame(1000) };
-    device.process(&mut frame, Arrival { timestamp_us: 20_000, missed: true }, |_| ());
+    device.process(&mut frame, Arrival { timestamp_us: 20_000, missed: true, ..Arrival::default() }, |_| ());
     assert_eq!((frame.sequence, frame.timestamp_us), (1, 20_000));
     assert_eq!(frame.flags, FrameFlags::HOT.union(FrameFlags::MISSED));
     let selection = Selection { health: 1, ..Selection::default() };
@@ -456,4 +458,39 @@ fn a_contact_that_becomes_worse_after_the_tare_is_told_and_masked() {
     device.process(&mut frame, Arrival::default(), |_| ());
     assert_eq!(frame.flags, FrameFlags::WORSE_CONTACT.union(FrameFlags::MASKED));
     assert_eq!(device.health().worse.iter().collect::<Vec<_>>(), [5]);
+}
+
+#[test]
+fn a_board_with_reflexes_scans_for_itself_and_tells_what_they_say_when_that_changes() {
+    let bytes = patch_with_reflexes(&[rule(Limit::Strength(0.5))], &[row(&[10.0; 40])]);
+    let stored = Memory { active: Some(bytes), ..Memory::default() };
+    let mut device = Device::new(facts(8), stored, PipelineState::default());
+    let mut watch = Watch::new();
+    assert!(device.needs_frames(), "with no host");
+    device.begin_watch(&mut watch);
+    let mut told = |device: &mut Device<Memory>, code: i32, time: u64| {
+        let mut frame = flat_frame(code);
+        let arrival = Arrival { timestamp_us: time, missed: false, reflexes: watch.see(&frame, time) };
+        let mut told = Vec::new();
+        device.process(&mut frame, arrival, |packet| {
+            if let BoardPacket::Event { event: Event::Reflexes { at, reflexes }, .. } = packet {
+                told.push((at.timestamp_us, reflexes.tripped, reflexes.is_blind));
+            }
+        });
+        device.brief(&mut watch);
+        told
+    };
+    // Blind until a reference is there, which the board makes by itself.
+    let blind: Vec<_> = (0..30).flat_map(|time| told(&mut device, 1000, time)).collect();
+    assert_eq!(blind, [(0, 1, true), (20, 0, false)]);
+    assert_eq!([told(&mut device, 1010, 40), told(&mut device, 1010, 41)], [vec![(40, 1, false)], vec![]]);
+    assert_eq!(told(&mut device, 1000, 42), [(42, 0, false)]);
+    // A host that comes later is told, and now and then again.
+    ask(&mut device, Request::Stream(Selection { contacts: 1, ..Selection::default() }));
+    let again: Vec<_> = (50..150).flat_map(|time| told(&mut device, 1000, time)).collect();
+    assert_eq!(again.first(), Some(&(50, 0, false)));
+    assert!((2..=3).contains(&again.len()), "{again:?}");
+    // Another patch without reflexes ends them.
+    upload_good(&mut device, Difference::Plain);
+    assert!(!device.needs_frames());
 }

@@ -1,6 +1,6 @@
 //! Why bytes are not a usable patch.
 
-use super::FORMAT_VERSION;
+use super::{FORMAT_VERSION, reflexes::REFLEX_PINS};
 use crate::image::surface::SurfaceError;
 
 /// Why bytes are not a usable patch.
@@ -68,6 +68,21 @@ pub enum PatchError {
     PlayOperator {
         /// Index of the operator.
         operator: usize,
+    },
+    /// A reflex is not one that a board can follow, or wants a force of a skin that is not calibrated.
+    #[error(
+        "patch reflex {rule} is none: allowed are limits above zero, a `release` of 0 to 1, `frames` of 1 or more, pins 1 to \
+         {REFLEX_PINS}, and forces where the skin is calibrated"
+    )]
+    ReflexRule {
+        /// Index of the rule.
+        rule: usize,
+    },
+    /// The rows of the reflexes are not those that their rules need.
+    #[error("patch holds wrong rows for its reflexes, which need {rows}")]
+    ReflexRows {
+        /// Rows that the rules need.
+        rows: usize,
     },
     /// A stimulation step names a missing electrode, or one electrode twice in a pair.
     #[error("patch step {step} does not name pairs of two different electrodes")]

@@ -12,6 +12,8 @@
 //! ..      12 * pixels         where the pixels lie, see [`crate::image::surface`]
 //! ..      2 * neighbours      lists of neighbouring pixels
 //! ..      4 * operators       play operators of the hysteresis model: threshold and weight, u16 each
+//! ..      40 * rules          reflexes, see [`reflexes`]
+//! ..      rows * (36 + 4 * m) their rows: area, places, weights of the m measurements, f32
 //! ..      measurements        exponents of the matrix' columns that meet data, i8
 //! ..      from_data           exponents of its rows that meet data, i8
 //! ..      2 * pixels          position of each pixel, u16, see [`matrix`]
@@ -34,6 +36,7 @@ mod error;
 pub mod matrix;
 pub mod places;
 mod play_operators;
+pub mod reflexes;
 
 use crate::{
     contact::{
@@ -54,12 +57,13 @@ use heapless::{String, Vec};
 use matrix::{Matrix, MatrixLayout, MatrixTables};
 use places::{DetectionLayout, MAX_PLACES, MAX_SMOOTH, Places, PlacesTables};
 use postcard_schema::Schema;
+use reflexes::{MAX_REFLEX_ROWS, MAX_REFLEXES, RULE_BYTES, ReflexTables, row_bytes};
 use serde::{Deserialize, Serialize};
 
 /// First bytes of every patch.
 pub const MAGIC: [u8; 4] = *b"DSKP";
 /// Version of the layout above.
-pub const FORMAT_VERSION: u16 = 10;
+pub const FORMAT_VERSION: u16 = 11;
 
 const PREFIX_BYTES: usize = 12;
 /// The mantissas start at a multiple of this: of what the flash reads at once.
@@ -112,6 +116,10 @@ pub struct PatchHeader {
     // Its name in reports stays.
     #[serde(rename = "plays")]
     pub play_operators: u8,
+    /// Rules by which the board acts by itself; 0 has it only sense.
+    pub reflexes: u8,
+    /// Rows of all of them.
+    pub reflex_rows: u8,
     /// How large the parts of the matrix are.
     pub matrix: MatrixLayout,
     /// How presses are looked for in the data.
@@ -165,6 +173,8 @@ pub struct PatchContents<'a> {
     pub places: PlacesTables<'a>,
     /// Play operators of the hysteresis model.
     pub play_operators: &'a [PlayOperator],
+    /// Rules by which the board acts by itself.
+    pub reflexes: ReflexTables<'a>,
 }
 
 impl PatchContents<'_> {
@@ -186,6 +196,7 @@ impl PatchContents<'_> {
         self.pixels.iter().try_for_each(|pixel| put(&pixel.to_bytes()))?;
         self.neighbours.iter().try_for_each(|pixel| put(&pixel.to_le_bytes()))?;
         self.play_operators.iter().try_for_each(|operator| put(&operator.to_bytes()))?;
+        self.reflexes.put(&mut put)?;
         self.matrix.put(&mut put)?;
         self.places.put(&mut put)?;
         let mut mantissas = self.matrix.mantissas.iter().chain(self.places.mantissas);
@@ -228,6 +239,8 @@ pub struct PatchView<'a> {
     matrix: Matrix<'a>,
     places: Places<'a>,
     play_operators: &'a [u8],
+    reflex_rules: &'a [u8],
+    reflex_rows: &'a [u8],
 }
 
 impl<'a> PatchView<'a> {
@@ -243,6 +256,7 @@ impl<'a> PatchView<'a> {
         view.matrix.check()?;
         view.places.check(&view.header.detection, view.header.pixels)?;
         view.check_play_operators()?;
+        view.check_reflexes()?;
         Ok(view)
     }
 
@@ -295,20 +309,34 @@ impl<'a> PatchView<'a> {
         let (pixels, tables) = tables.split_at(sizes[2]);
         let (neighbours, tables) = tables.split_at(sizes[3]);
         let (play_operators, tables) = tables.split_at(sizes[4]);
-        let (column_exponents, tables) = tables.split_at(sizes[5]);
-        let (row_exponents, tables) = tables.split_at(sizes[6]);
-        let (positions, tables) = tables.split_at(sizes[7]);
-        let (interpolations, tables) = tables.split_at(sizes[8]);
-        let (inputs, tables) = tables.split_at(sizes[9]);
-        let (places, tables) = tables.split_at(sizes[10]);
-        let (response_columns, response_rows) = tables.split_at(sizes[11]);
+        let (reflex_rules, tables) = tables.split_at(sizes[5]);
+        let (reflex_rows, tables) = tables.split_at(sizes[6]);
+        let (column_exponents, tables) = tables.split_at(sizes[7]);
+        let (row_exponents, tables) = tables.split_at(sizes[8]);
+        let (positions, tables) = tables.split_at(sizes[9]);
+        let (interpolations, tables) = tables.split_at(sizes[10]);
+        let (inputs, tables) = tables.split_at(sizes[11]);
+        let (places, tables) = tables.split_at(sizes[12]);
+        let (response_columns, response_rows) = tables.split_at(sizes[13]);
         let end = start + sizes[TABLES];
         let mantissas = bytes.get(start..end).unwrap_or_default();
         let responses = bytes.get(end..end + sizes[TABLES + 1]).unwrap_or_default();
         let matrix =
             Matrix::new([column_exponents, row_exponents, positions, interpolations, inputs, mantissas]);
         let places = Places::new([places, response_columns, response_rows, responses]);
-        Ok(Self { header, bytes, steps, combination, pixels, neighbours, play_operators, matrix, places })
+        Ok(Self {
+            header,
+            bytes,
+            steps,
+            combination,
+            pixels,
+            neighbours,
+            play_operators,
+            reflex_rules,
+            reflex_rows,
+            matrix,
+            places,
+        })
     }
 
     /// All bytes of the patch.
@@ -367,6 +395,8 @@ impl<'a> PatchView<'a> {
         range("measurements", header.measurements.into(), 1, MAX_MEASUREMENTS)?;
         range("pixels", header.pixels.into(), 1, MAX_PIXELS)?;
         range("neighbours", header.neighbours.into(), 0, MAX_NEIGHBOURS)?;
+        range("reflexes", header.reflexes.into(), 0, MAX_REFLEXES)?;
+        range("reflex_rows", header.reflex_rows.into(), 0, MAX_REFLEX_ROWS)?;
         range("detection.places", header.detection.places.into(), 0, MAX_PLACES)?;
         range("detection.smooth", header.detection.smooth.into(), 0, MAX_SMOOTH)?;
         range("detection.slips", header.detection.slips.into(), 0, MAX_ELECTRODES)?;
@@ -428,12 +458,14 @@ fn lengths(bytes: &[u8]) -> Result<(usize, usize), PatchError> {
 }
 
 /// Tables before the matrix.
-const TABLES: usize = 13;
+const TABLES: usize = 15;
 
 /// Bytes of the tables, the mantissas of matrix and responses last.
 fn table_sizes(header: &PatchHeader) -> [usize; TABLES + 2] {
     let [steps, pixels, neighbours] = [header.steps, header.pixels, header.neighbours].map(usize::from);
     let play_operators = PLAY_OPERATOR_BYTES * usize::from(header.play_operators);
+    let reflex_rules = RULE_BYTES * usize::from(header.reflexes);
+    let reflex_rows = row_bytes(header.reflex_rows.into(), header.measurements.into());
     let [column_exponents, row_exponents, positions, interpolations, inputs, mantissas] =
         header.matrix.sizes(header.measurements, header.pixels);
     let [places, response_columns, response_rows, responses] = header.detection.sizes(header.measurements);
@@ -443,6 +475,8 @@ fn table_sizes(header: &PatchHeader) -> [usize; TABLES + 2] {
         PIXEL_BYTES * pixels,
         NEIGHBOUR_BYTES * neighbours,
         play_operators,
+        reflex_rules,
+        reflex_rows,
         column_exponents,
         row_exponents,
         positions,

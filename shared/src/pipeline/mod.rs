@@ -9,6 +9,7 @@ mod former;
 pub mod noise;
 pub mod reconstruct;
 pub mod reference;
+pub mod reflex;
 mod wiring;
 
 use crate::{

@@ -22,6 +22,7 @@ use crate::{
     health::{Health, Vitals, restart::Restart},
     image::Image,
     limits::{MAX_MEASUREMENTS, MAX_PIXELS, MAX_STEPS},
+    pipeline::reflex::Reflexes,
     units::{AdcCode, RelativeConductivity},
 };
 use heapless::{String, Vec};
@@ -29,7 +30,7 @@ use postcard_schema::{Schema, key::hash::fnv1a64};
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages below. Grows with every incompatible change.
-pub const PROTOCOL_VERSION: u16 = 13;
+pub const PROTOCOL_VERSION: u16 = 14;
 /// Longest packet on the wire, with its framing, bytes.
 pub const MAX_PACKET_BYTES: usize = 4096;
 /// Longest piece of a patch in one request, bytes.
@@ -394,6 +395,13 @@ pub enum Event {
     },
     /// What the scope saw.
     Scope(SlotSamples),
+    /// What the rules of the patch say: when that changes, when a stream begins, and every 64th frame of it.
+    Reflexes {
+        /// Which frame; its flags are those that it came with.
+        at: FrameStamp,
+        /// What they say.
+        reflexes: Reflexes,
+    },
 }
 
 impl Event {

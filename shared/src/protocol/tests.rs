@@ -91,5 +91,5 @@ proptest! {
 #[test]
 fn the_messages_of_this_version_have_their_schema_hash() {
     let schema = std::format!("{:02x?}", Version::current().schema);
-    assert_eq!((PROTOCOL_VERSION, schema.as_str()), (13, "[15, 6b, 5b, 96, fc, e1, 64, d0]"));
+    assert_eq!((PROTOCOL_VERSION, schema.as_str()), (14, "[26, 23, e7, ae, 10, 51, ef, 7e]"));
 }

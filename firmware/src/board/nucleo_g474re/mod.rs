@@ -20,6 +20,7 @@
 //! | sensing, DMA  | DMA1 channels 3 to 6        | waveform, multiplexers, amplifier, converter   |
 //! | acquisition   | interrupt of the FMAC       | nothing else uses it; see `board::executor`    |
 //! | patch slots   | flash from 136 KiB on       | the firmware has the part before, see `memory` |
+//! | reflexes      | PC0 to PC3                  | low while a rule is tripped                    |
 //! | watchdog      | IWDG                        | its clock is its own                           |
 
 mod sensing;
@@ -30,10 +31,12 @@ use dermatome_shared::restart::ResetCauses;
 use embassy_stm32::{
     Config,
     adc::{Adc, AdcConfig},
-    bind_interrupts, dma, interrupt, pac, peripherals, rcc, usart,
+    bind_interrupts, dma,
+    gpio::{Level, Output, Speed},
+    interrupt, pac, peripherals, rcc, usart,
 };
 
-use super::{Board, LinkParts, Thermometer, executor};
+use super::{Board, LinkParts, ReflexPins, Thermometer, executor};
 
 /// What the board calls itself to a host.
 pub const NAME: &str = "nucleo-g474re";
@@ -122,6 +125,12 @@ pub fn start() -> Board {
             converter_dma: chip.DMA1_CH6,
         },
         thermometer: Thermometer::new(Adc::new(chip.ADC1, AdcConfig::default())),
+        reflex_pins: ReflexPins([
+            Output::new(chip.PC0, Level::Low, Speed::Low),
+            Output::new(chip.PC1, Level::Low, Speed::Low),
+            Output::new(chip.PC2, Level::Low, Speed::Low),
+            Output::new(chip.PC3, Level::Low, Speed::Low),
+        ]),
         flash: chip.FLASH,
         watchdog: chip.IWDG,
         core: cortex_m::Peripherals::take().expect("the board starts once"),

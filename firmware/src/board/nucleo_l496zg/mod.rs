@@ -27,6 +27,7 @@
 //! | samples, DMA  | DMA1 channel 2              | DMA2 channel 4 serves it too, but is taken     |
 //! | acquisition   | interrupt of the LCD        | nothing else uses it; see `board::executor`    |
 //! | patch slots   | flash from 512 KiB on       | the second bank: the core never waits for it   |
+//! | reflexes      | PC0 to PC3                  | low while a rule is tripped                    |
 //! | watchdog      | IWDG                        | its clock is its own                           |
 
 mod sensing;
@@ -34,9 +35,15 @@ mod sensing;
 pub use sensing::*;
 
 use dermatome_shared::restart::ResetCauses;
-use embassy_stm32::{Config, adc::Adc, bind_interrupts, dma, interrupt, pac, peripherals, rcc, usart};
+use embassy_stm32::{
+    Config,
+    adc::Adc,
+    bind_interrupts, dma,
+    gpio::{Level, Output, Speed},
+    interrupt, pac, peripherals, rcc, usart,
+};
 
-use super::{Board, LinkParts, Thermometer, executor};
+use super::{Board, LinkParts, ReflexPins, Thermometer, executor};
 
 /// What the board calls itself to a host.
 pub const NAME: &str = "nucleo-l496zg";
@@ -123,6 +130,12 @@ pub fn start() -> Board {
             converter_dma: chip.DMA1_CH2,
         },
         thermometer: Thermometer::new(thermometer),
+        reflex_pins: ReflexPins([
+            Output::new(chip.PC0, Level::Low, Speed::Low),
+            Output::new(chip.PC1, Level::Low, Speed::Low),
+            Output::new(chip.PC2, Level::Low, Speed::Low),
+            Output::new(chip.PC3, Level::Low, Speed::Low),
+        ]),
         flash: chip.FLASH,
         watchdog: chip.IWDG,
         core: cortex_m::Peripherals::take().expect("the board starts once"),

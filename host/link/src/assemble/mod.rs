@@ -15,6 +15,7 @@ pub use parts::Parts;
 use dermatome_shared::{
     contact::Contacts,
     health::{Health, Vitals},
+    pipeline::reflex::Reflexes,
     protocol::{Event, FrameStamp, PackedImage, Selection, SlotSamples},
     units::AdcCode,
 };
@@ -38,6 +39,8 @@ pub struct ScanFrame {
     pub health: Option<HealthReport>,
     /// Samples of the slot that the scope watches.
     pub scope: Option<SlotSamples>,
+    /// What the patch's reflexes say, as far as the board has told; none without reflexes.
+    pub reflexes: Option<Reflexes>,
     /// Parts that were due and did not come: lost on the way, or not made by the board, which has no image and no
     /// contacts while it tares.
     pub missing: Parts,
@@ -91,6 +94,8 @@ pub struct Assembler {
     arriving: Option<ScanFrame>,
     /// Number of the event that came last.
     last_number: Option<u32>,
+    /// What the reflexes said last.
+    reflexes: Option<Reflexes>,
     ready: VecDeque<ScanFrame>,
     totals: Totals,
 }
@@ -104,6 +109,7 @@ impl Assembler {
             next: first_sequence,
             arriving: None,
             last_number: None,
+            reflexes: None,
             ready: VecDeque::new(),
             totals: Totals::default(),
         }
@@ -132,6 +138,7 @@ impl Assembler {
                 self.add(at, Parts::HEALTH, |frame| frame.health = Some(report));
             }
             Event::Scope(samples) => self.add_samples(samples, follows),
+            Event::Reflexes { reflexes, .. } => self.reflexes = Some(reflexes),
         }
     }
 
@@ -195,7 +202,8 @@ impl Assembler {
         }
         self.next = at.sequence.wrapping_add(1);
         let missing = Parts::due(&self.selection, at.sequence);
-        self.arriving = Some(ScanFrame { at: Some(at), missing, ..ScanFrame::default() });
+        let reflexes = self.reflexes.clone();
+        self.arriving = Some(ScanFrame { at: Some(at), reflexes, missing, ..ScanFrame::default() });
         true
     }
 

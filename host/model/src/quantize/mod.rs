@@ -298,6 +298,8 @@ fn header(skin: &Skin, model: &Model, tables: &SurfaceTables) -> PatchHeader {
         calibration: Calibration::default(),
         test_resistances: test_resistances(skin, model).map(|ohms| ohms as f32).collect(),
         play_operators: 0,
+        reflexes: 0,
+        reflex_rows: 0,
         matrix: MatrixLayout::default(),
         detection: DetectionLayout::default(),
     }

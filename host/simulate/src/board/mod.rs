@@ -31,7 +31,10 @@ use dermatome_shared::{
     drive::Drive,
     frame::Frame,
     patch::PatchView,
-    pipeline::PipelineState,
+    pipeline::{
+        PipelineState,
+        reflex::{Reflexes, Watch},
+    },
     protocol::{FrameSource, Identity, Request, RequestPacket, Selection},
     restart::Restart,
 };
@@ -180,6 +183,8 @@ impl SimulatedBoard {
         }
         let worker = Worker {
             device,
+            watch: Box::default(),
+            watched: None,
             table: None,
             scanner: Scanner::new(Box::new(instrument)),
             pace: options.pace,
@@ -276,6 +281,9 @@ fn facts(options: &BoardOptions, front_end: Option<FrontEnd>) -> BoardFacts {
 struct Worker {
     device: Device<FilePatchStore>,
     scanner: Scanner<Box<dyn Instrument>>,
+    /// Looks at frames by the patch's reflexes, as that of the device's scan of this number.
+    watch: Box<Watch>,
+    watched: Option<u32>,
     /// What is scanned, with the number of the device's scan it was made for.
     table: Option<(u32, ScanTable)>,
     pace: Pace,
@@ -355,13 +363,23 @@ impl Worker {
             Some(recalled) => return self.replay(client, recalled, due, period),
         }
         let mut frame = self.scanner.scan(&table, script_time);
-        let arrival = Arrival { timestamp_us: frame.timestamp_us, missed: false };
+        let reflexes = self.see(&frame);
+        let arrival = Arrival { timestamp_us: frame.timestamp_us, missed: false, reflexes };
         self.device.process(&mut frame, arrival, |packet| client.send(packet));
+        self.device.brief(&mut self.watch);
         self.show_scope(client, &frame, &table, script_time);
         if streamed {
             self.count_streamed();
         }
         due.map(|due| (due + period).max(Instant::now().checked_sub(MAX_BACKLOG).unwrap_or(due)))
+    }
+
+    /// What the patch's reflexes say of a frame.
+    fn see(&mut self, frame: &Frame) -> Reflexes {
+        if self.watched.replace(self.device.scan()) != Some(self.device.scan()) {
+            self.device.begin_watch(&mut self.watch);
+        }
+        self.watch.see(frame, frame.timestamp_us)
     }
 
     /// Takes what comes next of a recording; gives the time when the next frame is due.
@@ -386,7 +404,9 @@ impl Worker {
             Recalled::Frame(of) => {
                 let (mut frame, health, vitals) = *of;
                 self.device.set_vitals(vitals);
-                self.device.replay(&mut frame, health, |packet| client.send(packet));
+                let reflexes = self.see(&frame);
+                self.device.replay(&mut frame, health, reflexes, |packet| client.send(packet));
+                self.device.brief(&mut self.watch);
                 self.script_frame += 1;
                 due.map(|due| (due + period).max(Instant::now().checked_sub(MAX_BACKLOG).unwrap_or(due)))
             }

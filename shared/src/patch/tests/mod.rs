@@ -1,4 +1,5 @@
 mod with_places;
+mod with_reflexes;
 
 use super::{
     matrix::{GROUP, INTERPOLATION_EXPONENT, Interpolation, coefficient_index},
@@ -12,6 +13,7 @@ use crate::{
 };
 use proptest::prelude::*;
 pub(crate) use with_places::patch_with_places;
+pub(crate) use with_reflexes::{patch_with_reflexes, row, rule};
 
 /// A matrix whose parts a test can look at.
 #[derive(Clone)]
@@ -151,6 +153,7 @@ fn bytes_of(
     let header = PatchHeader { matrix: matrix.tables().layout(), ..header };
     written_with(&PatchContents {
         play_operators,
+        reflexes: ReflexTables::default(),
         header: &header,
         steps,
         combination,
@@ -234,6 +237,8 @@ pub(crate) fn patch_with_matrix(
         calibration: Calibration::default(),
         test_resistances: Default::default(),
         play_operators: 0,
+        reflexes: 0,
+        reflex_rows: 0,
         matrix: MatrixLayout::default(),
         detection: Default::default(),
     };

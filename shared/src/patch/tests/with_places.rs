@@ -77,6 +77,7 @@ pub(crate) fn patch_with_places(level: f32, averaging: f32) -> std::vec::Vec<u8>
             mantissas: &mantissas,
         },
         play_operators: &[],
+        reflexes: ReflexTables::default(),
     })
 }
 

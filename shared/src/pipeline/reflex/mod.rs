@@ -1,0 +1,269 @@
+//! Reflex: what a board says about loads by itself, right after the last sample of a frame, by rules in its patch.
+//!
+//! Contacts take milliseconds, as presses are looked for and fitted, and what is learnt on the way decides what is one. A
+//! reflex is one fixed sum instead: the load on a region is a weight for each relative change, which the host has chosen
+//! (`dermatome_model::quantize`). The reference is multiplied in beforehand ([`Watch::brief`]), so that a frame costs one
+//! product for each step and row ([`Watch::see`]):
+//!
+//! ```text
+//! load = sum of weight[m] * (v[m] - reference[m]) / reference[m]  =  sum of factor[step] * code[step] - offset
+//! ```
+//!
+//! Where the sum means nothing the board is *blind*: without a reference, with a bad electrode, at the end of the
+//! converter's range, or without the current that the reference was made with.
+//!
+//! Whoever gets frames first holds the [`Watch`]; whoever takes them through the pipeline briefs it.
+
+use super::{PipelineState, reference::Reference};
+use crate::{
+    frame::Frame,
+    limits::MAX_STEPS,
+    patch::{
+        PatchHeader, PatchView,
+        reflexes::{Limit, MAX_REFLEX_ROWS, MAX_REFLEXES, ReflexRule, strength_of},
+    },
+};
+use heapless::Vec;
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
+
+/// One row more than rules have: it reads how large all voltages are.
+const ROWS: usize = MAX_REFLEX_ROWS + 1;
+/// Mean of all voltages, as a share of the reference's, beyond which they are none of this skin under this current.
+const PLAUSIBLE: core::ops::RangeInclusive<f32> = 0.5..=2.0;
+/// Every so many frames the watch takes the reference as it has become, which follows drift; at once where it is blind.
+const BRIEFING: u32 = 8;
+
+/// What the rules say of one frame.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
+pub struct Reflexes {
+    /// Rules that are tripped: a bit for each, the first one's lowest.
+    pub tripped: u8,
+    /// Whether the loads mean nothing.
+    pub is_blind: bool,
+    /// Loads, in strengths of the standard press, or pressed areas, m^2: `[rule]`.
+    pub values: Vec<f32, MAX_REFLEXES>,
+}
+
+impl Reflexes {
+    /// Whether the rule of this number is tripped.
+    #[must_use]
+    pub fn is_tripped(&self, rule: usize) -> bool {
+        self.tripped.checked_shr(rule as u32).unwrap_or(0) & 1 == 1
+    }
+}
+
+/// Watches frames by a patch's rules.
+#[derive(Clone, Debug)]
+pub struct Watch {
+    rules: Vec<Watched, MAX_REFLEXES>,
+    /// Areas of the cells, m^2: `[row]`.
+    areas: Vec<f32, MAX_REFLEX_ROWS>,
+    /// Steps of a scan; 0 without a reference.
+    steps: usize,
+    /// What a code counts: `[step][row]`, the last row in use for all voltages.
+    factors: [[f32; ROWS]; MAX_STEPS],
+    /// What the reference reads: `[row]`.
+    offsets: [f32; ROWS],
+    /// Whether loads mean something. As all else here it begins as zeros, which take no room in a board's flash.
+    sees: bool,
+}
+
+impl Default for Watch {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Watch {
+    /// One that has no rules.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            rules: Vec::new(),
+            areas: Vec::new(),
+            steps: 0,
+            factors: [[0.0; ROWS]; MAX_STEPS],
+            offsets: [0.0; ROWS],
+            sees: false,
+        }
+    }
+
+    /// Watches by this patch's rules from now on, or by none; blind until it is briefed.
+    pub fn begin(&mut self, patch: Option<&PatchView<'_>>) {
+        self.rules.clear();
+        self.areas.clear();
+        self.blind();
+        if let Some(patch) = patch {
+            self.rules.extend(patch.reflex_rules().map(|rule| Watched::new(&patch.header, &rule)));
+            self.areas.extend(patch.reflex_rows().map(|row| row.area));
+        }
+    }
+
+    /// Whether there are rules.
+    #[must_use]
+    pub fn has_rules(&self) -> bool {
+        !self.rules.is_empty()
+    }
+
+    /// No frames come any more: what was known means nothing.
+    pub fn blind(&mut self) {
+        (self.steps, self.sees) = (0, false);
+    }
+
+    /// Takes over the pipeline's reference and bad electrodes after the frame of this number, unless what it knows will do.
+    pub fn brief(&mut self, patch: &PatchView<'_>, state: &PipelineState, sequence: u32) {
+        if self.has_rules() && (!self.sees || sequence.is_multiple_of(BRIEFING)) {
+            self.take(patch, state);
+        }
+    }
+
+    fn take(&mut self, patch: &PatchView<'_>, state: &PipelineState) {
+        self.blind();
+        let Some(reference) = &state.reference else { return };
+        let size: f32 = reference.weights().iter().map(|weight| weight.abs()).sum();
+        let of_all =
+            |m: usize| reference.weights().get(m).map_or(0.0, |reads| 1.0_f32.copysign(*reads) / size);
+        let all = self.areas.len();
+        for (row, weights) in patch.reflex_rows().take(all).enumerate() {
+            self.set_row(row, patch, reference, |m| weights.weights.get(m));
+        }
+        self.set_row(all, patch, reference, of_all);
+        // All voltages are read as they are, and not as they changed.
+        self.offsets[all] = 0.0;
+        self.steps = patch.header.steps.into();
+        self.sees = state.wiring.bad().is_empty();
+    }
+
+    /// What codes count and the reference reads in a row of these weights of relative changes.
+    fn set_row(
+        &mut self,
+        row: usize,
+        patch: &PatchView<'_>,
+        reference: &Reference,
+        weight: impl Fn(usize) -> f32,
+    ) {
+        let frames = f32::from(reference.frames());
+        self.offsets[row] = reference.weights().iter().enumerate().map(|(m, reads)| weight(m) * reads).sum();
+        for (factors, target) in self.factors.iter_mut().zip(patch.combination()) {
+            let m = usize::from(target.measurement);
+            let scale = reference.scales().get(m).map_or(0.0, |scale| scale * frames);
+            factors[row] = weight(m) * if target.flipped { -scale } else { scale };
+        }
+    }
+
+    /// What the rules say of a frame that ended at this time, us of the board's clock.
+    pub fn see(&mut self, frame: &Frame, timestamp_us: u64) -> Reflexes {
+        if !self.has_rules() {
+            return Reflexes::default();
+        }
+        let loads = self.loads(frame);
+        let is_blind = !self.sees || loads.is_none() || !frame.clipped.is_empty();
+        let loads = loads.unwrap_or_default();
+        let mut reflexes = Reflexes { is_blind, ..Reflexes::default() };
+        let (mut loads, mut areas) = (&loads[..self.areas.len()], &self.areas[..]);
+        for (number, rule) in self.rules.iter_mut().enumerate() {
+            let rows = usize::from(rule.rows).min(loads.len());
+            let value = rule.value(&loads[..rows], &areas[..rows]);
+            (loads, areas) = (&loads[rows..], &areas[rows..]);
+            if rule.follow(value, is_blind, timestamp_us) {
+                reflexes.tripped |= 1 << number;
+            }
+            let _ = reflexes.values.push(value);
+        }
+        reflexes
+    }
+
+    /// Loads, `[row]`; none where the frame is none of the reference's.
+    fn loads(&self, frame: &Frame) -> Option<[f32; ROWS]> {
+        if self.steps == 0 || frame.codes.len() != self.steps {
+            return None;
+        }
+        let mut sums = [0.0; ROWS];
+        let rows = self.areas.len() + 1;
+        for (code, factors) in frame.codes.iter().zip(&self.factors) {
+            let code = code.0 as f32;
+            for (sum, factor) in sums.iter_mut().zip(factors).take(rows) {
+                *sum += code * factor;
+            }
+        }
+        let is_plausible = PLAUSIBLE.contains(&sums[rows - 1]);
+        sums.iter_mut().zip(&self.offsets).for_each(|(sum, offset)| *sum -= offset);
+        (is_plausible && sums.iter().all(|sum| sum.is_finite())).then_some(sums)
+    }
+
+    /// Pins that are high, a bit for each, the first one's lowest: those of rules none of which is tripped.
+    #[must_use]
+    pub fn high_pins(&self) -> u8 {
+        let pins = |tripped: bool| {
+            let rules = self.rules.iter().filter(move |rule| rule.is_tripped == tripped);
+            rules.fold(0, |pins, rule| pins | rule.pin)
+        };
+        pins(false) & !pins(true)
+    }
+}
+
+/// One rule under watch.
+#[derive(Clone, Debug)]
+struct Watched {
+    /// Its pin's bit.
+    pin: u8,
+    rows: u8,
+    limit: f32,
+    /// Below that it is released.
+    release: f32,
+    /// Strength from which a cell is pressed, of a rule about areas.
+    pressed: Option<f32>,
+    frames: u8,
+    hold_us: u64,
+    trips_blind: bool,
+    /// Frames above the limit, one after the other.
+    above: u8,
+    is_tripped: bool,
+    tripped_us: u64,
+}
+
+impl Watched {
+    /// Tripped, until a frame shows that it is not.
+    fn new(header: &PatchHeader, rule: &ReflexRule) -> Self {
+        let (limit, pressed) = match rule.limit {
+            Limit::Strength(strength) => (strength, None),
+            Limit::Force(newtons) => (strength_of(header, newtons), None),
+            Limit::Area { area, strength } => (area, Some(strength)),
+        };
+        Self {
+            pin: 1 << (rule.pin.max(1) - 1),
+            rows: rule.rows,
+            limit,
+            release: rule.release * limit,
+            pressed,
+            frames: rule.frames,
+            hold_us: (rule.hold * 1e6) as u64,
+            trips_blind: rule.trips_blind,
+            above: 0,
+            is_tripped: rule.trips_blind,
+            tripped_us: 0,
+        }
+    }
+
+    fn value(&self, loads: &[f32], areas: &[f32]) -> f32 {
+        let Some(pressed) = self.pressed else { return loads.iter().sum() };
+        loads.iter().zip(areas).filter(|(load, _)| **load >= pressed).map(|(_, area)| area).sum()
+    }
+
+    /// Takes in a frame; says whether it is tripped.
+    fn follow(&mut self, value: f32, is_blind: bool, timestamp_us: u64) -> bool {
+        let is_above = if is_blind { self.trips_blind } else { value >= self.limit };
+        self.above = if is_above { self.above.saturating_add(1) } else { 0 };
+        if self.above >= self.frames || (is_blind && is_above) {
+            (self.is_tripped, self.tripped_us) = (true, timestamp_us);
+        }
+        let is_held = timestamp_us.saturating_sub(self.tripped_us) < self.hold_us;
+        let is_released = !is_blind && value < self.release;
+        self.is_tripped &= is_above || is_held || !is_released;
+        self.is_tripped
+    }
+}
+
+#[cfg(test)]
+mod tests;
