@@ -6,7 +6,7 @@ use heapless::String;
 /// Most rules.
 pub const MAX_REFLEXES: usize = 4;
 /// Most rows, of all rules.
-pub const MAX_REFLEX_ROWS: usize = 6;
+pub const MAX_REFLEX_ROWS: usize = 8;
 /// Pins that rules can have, from 1.
 pub const REFLEX_PINS: u8 = 4;
 /// Longest name of a rule, bytes.
@@ -72,6 +72,8 @@ impl ReflexRule {
         bytes
     }
 
+    // Once on the board, for all that asks.
+    #[inline(never)]
     fn from_bytes(bytes: &[u8; RULE_BYTES]) -> Option<Self> {
         let (name, rest) = bytes.split_first_chunk::<REFLEX_NAME_BYTES>()?;
         let (&[pin, kind, frames, rows, flags, ..], numbers) = rest.split_first_chunk::<8>()?;
@@ -176,15 +178,14 @@ impl<'a> PatchView<'a> {
 
     pub(super) fn check_reflexes(&self) -> Result<(), PatchError> {
         let is_calibrated = force_of(&self.header, 1.0).is_some_and(|force| force > 0.0);
-        let is_right = |rule: &[u8; RULE_BYTES]| {
-            let needs_curve = |rule: &ReflexRule| matches!(rule.limit, Limit::Force(_));
-            ReflexRule::from_bytes(rule)
-                .is_some_and(|rule| rule.is_valid() && (is_calibrated || !needs_curve(&rule)))
-        };
-        if let Some(rule) = self.reflex_rules.as_chunks().0.iter().position(|rule| !is_right(rule)) {
-            return Err(PatchError::ReflexRule { rule });
+        let mut rows = 0;
+        for (number, rule) in self.reflex_rules.as_chunks().0.iter().enumerate() {
+            let rule = ReflexRule::from_bytes(rule)
+                .filter(ReflexRule::is_valid)
+                .filter(|rule| is_calibrated || !matches!(rule.limit, Limit::Force(_)));
+            let Some(rule) = rule else { return Err(PatchError::ReflexRule { rule: number }) };
+            rows += usize::from(rule.rows);
         }
-        let rows = self.reflex_rules().map(|rule| usize::from(rule.rows)).sum::<usize>();
         let is_finite = |row: &ReflexRow<Weights<'_>>| {
             row.area > 0.0 && row.area.is_finite() && row.weights.iter().all(f32::is_finite)
         };
@@ -199,6 +200,8 @@ impl<'a> PatchView<'a> {
 }
 
 /// Force of a standard press of this strength, N, without hysteresis; none where the skin is not calibrated.
+// Once on the board, for all that asks.
+#[inline(never)]
 #[must_use]
 pub fn force_of(header: &PatchHeader, strength: f32) -> Option<f32> {
     let radius = header.detection.radius;

@@ -3,21 +3,28 @@
 //! Contacts take milliseconds, as presses are looked for and fitted, and what is learnt on the way decides what is one. A
 //! reflex is one fixed sum instead: the load on a region is a weight for each relative change, which the host has chosen
 //! (`dermatome_model::quantize`). The reference is multiplied in beforehand ([`Watch::brief`]), so that a frame costs one
-//! product for each step and row ([`Watch::see`]):
+//! product for each step and row ([`Watch::see`]), in whole numbers that lose nothing:
 //!
 //! ```text
-//! load = sum of weight[m] * (v[m] - reference[m]) / reference[m]  =  sum of factor[step] * code[step] - offset
+//! load = sum of weight[m] * (v[m] - reference[m]) / reference[m]
+//!      = unit * (sum of factor[step] * code[step] - offset)
 //! ```
+//!
+//! A factor is a weight over its reference, rounded to 16 bits of the row's largest. The offset is made of the rounded ones,
+//! so that an untouched skin reads nothing; a load is wrong by half a step for each code by which a voltage has changed.
 //!
 //! Where the sum means nothing the board is *blind*: without a reference, with a bad electrode, at the end of the
 //! converter's range, or without the current that the reference was made with.
 //!
 //! Whoever gets frames first holds the [`Watch`]; whoever takes them through the pipeline briefs it.
 
-use super::{PipelineState, reference::Reference};
+use super::{
+    PipelineState,
+    reference::{Changes, Reference},
+};
 use crate::{
     frame::Frame,
-    limits::MAX_STEPS,
+    limits::{MAX_MEASUREMENTS, MAX_STEPS},
     patch::{
         PatchHeader, PatchView,
         reflexes::{Limit, MAX_REFLEX_ROWS, MAX_REFLEXES, ReflexRule, strength_of},
@@ -61,10 +68,12 @@ pub struct Watch {
     areas: Vec<f32, MAX_REFLEX_ROWS>,
     /// Steps of a scan; 0 without a reference.
     steps: usize,
-    /// What a code counts: `[step][row]`, the last row in use for all voltages.
-    factors: [[f32; ROWS]; MAX_STEPS],
+    /// What a code counts: `[step][row]`, the row after those of the rules for all voltages.
+    factors: [[i16; ROWS]; MAX_STEPS],
     /// What the reference reads: `[row]`.
-    offsets: [f32; ROWS],
+    offsets: [i64; ROWS],
+    /// What 1 is worth: `[row]`.
+    units: [f32; ROWS],
     /// Whether loads mean something. As all else here it begins as zeros, which take no room in a board's flash.
     sees: bool,
 }
@@ -83,13 +92,16 @@ impl Watch {
             rules: Vec::new(),
             areas: Vec::new(),
             steps: 0,
-            factors: [[0.0; ROWS]; MAX_STEPS],
-            offsets: [0.0; ROWS],
+            factors: [[0; ROWS]; MAX_STEPS],
+            offsets: [0; ROWS],
+            units: [0.0; ROWS],
             sees: false,
         }
     }
 
     /// Watches by this patch's rules from now on, or by none; blind until it is briefed.
+    // Not inlined, so that what it needs of the stack is free again for all else.
+    #[inline(never)]
     pub fn begin(&mut self, patch: Option<&PatchView<'_>>) {
         self.rules.clear();
         self.areas.clear();
@@ -121,38 +133,48 @@ impl Watch {
     fn take(&mut self, patch: &PatchView<'_>, state: &PipelineState) {
         self.blind();
         let Some(reference) = &state.reference else { return };
-        let size: f32 = reference.weights().iter().map(|weight| weight.abs()).sum();
-        let of_all =
-            |m: usize| reference.weights().get(m).map_or(0.0, |reads| 1.0_f32.copysign(*reads) / size);
         let all = self.areas.len();
-        for (row, weights) in patch.reflex_rows().take(all).enumerate() {
-            self.set_row(row, patch, reference, |m| weights.weights.get(m));
+        let mut weights = Changes::new();
+        for (row, of_row) in patch.reflex_rows().take(all).enumerate() {
+            weights.clear();
+            weights.extend(of_row.weights.iter());
+            self.set_row(row, patch, reference, &weights);
         }
-        self.set_row(all, patch, reference, of_all);
+        let size: f32 = reference.weights().iter().map(|reads| reads.abs()).sum();
+        weights.clear();
+        weights.extend(reference.weights().iter().map(|reads| 1.0_f32.copysign(*reads) / size));
+        self.set_row(all, patch, reference, &weights);
         // All voltages are read as they are, and not as they changed.
-        self.offsets[all] = 0.0;
+        self.offsets[all] = 0;
         self.steps = patch.header.steps.into();
         self.sees = state.wiring.bad().is_empty();
     }
 
-    /// What codes count and the reference reads in a row of these weights of relative changes.
-    fn set_row(
-        &mut self,
-        row: usize,
-        patch: &PatchView<'_>,
-        reference: &Reference,
-        weight: impl Fn(usize) -> f32,
-    ) {
-        let frames = f32::from(reference.frames());
-        self.offsets[row] = reference.weights().iter().enumerate().map(|(m, reads)| weight(m) * reads).sum();
+    /// What codes count and the reference reads in a row of these weights of relative changes: `[measurement]`.
+    // Once on the board, for all rows.
+    #[inline(never)]
+    fn set_row(&mut self, row: usize, patch: &PatchView<'_>, reference: &Reference, weights: &[f32]) {
+        let largest = weights.iter().zip(reference.scales()).map(|(weight, scale)| (weight * scale).abs());
+        let largest = largest.fold(0.0, f32::max);
+        let unit = if largest > 0.0 { largest / f32::from(i16::MAX) } else { 1.0 };
+        let mut rounded = Vec::<i16, MAX_MEASUREMENTS>::new();
+        let factors = weights.iter().zip(reference.scales()).map(|(weight, scale)| weight * scale);
+        rounded.extend(factors.map(|factor| nearest(factor / unit)));
         for (factors, target) in self.factors.iter_mut().zip(patch.combination()) {
-            let m = usize::from(target.measurement);
-            let scale = reference.scales().get(m).map_or(0.0, |scale| scale * frames);
-            factors[row] = weight(m) * if target.flipped { -scale } else { scale };
+            let of_sum = rounded.get(usize::from(target.measurement)).copied().unwrap_or(0);
+            factors[row] = if target.flipped { -of_sum } else { of_sum };
         }
+        // Each sum has 36 bits, a factor 15, and there are 256.
+        let offset: i64 = rounded.iter().zip(reference.sums()).map(|(of, sum)| i64::from(*of) * sum).sum();
+        let frames = i64::from(reference.frames().max(1));
+        // Rounded: less than what one step of the converter counts.
+        self.offsets[row] = offset / frames;
+        self.units[row] = unit * frames as f32;
     }
 
     /// What the rules say of a frame that ended at this time, us of the board's clock.
+    // Not inlined, so that slots within a frame find all they go through in the flash's cache.
+    #[inline(never)]
     pub fn see(&mut self, frame: &Frame, timestamp_us: u64) -> Reflexes {
         if !self.has_rules() {
             return Reflexes::default();
@@ -179,17 +201,15 @@ impl Watch {
         if self.steps == 0 || frame.codes.len() != self.steps {
             return None;
         }
-        let mut sums = [0.0; ROWS];
+        let mut loads = [0.0; ROWS];
         let rows = self.areas.len() + 1;
-        for (code, factors) in frame.codes.iter().zip(&self.factors) {
-            let code = code.0 as f32;
-            for (sum, factor) in sums.iter_mut().zip(factors).take(rows) {
-                *sum += code * factor;
-            }
+        for (row, load) in loads.iter_mut().enumerate().take(rows) {
+            let products = frame.codes.iter().zip(&self.factors);
+            // A code has 26 bits at most: see [`Reference::follow`].
+            let sum: i64 = products.map(|(code, factors)| i64::from(code.0) * i64::from(factors[row])).sum();
+            *load = (sum - self.offsets[row]) as f32 * self.units[row];
         }
-        let is_plausible = PLAUSIBLE.contains(&sums[rows - 1]);
-        sums.iter_mut().zip(&self.offsets).for_each(|(sum, offset)| *sum -= offset);
-        (is_plausible && sums.iter().all(|sum| sum.is_finite())).then_some(sums)
+        PLAUSIBLE.contains(&loads[rows - 1]).then_some(loads)
     }
 
     /// Pins that are high, a bit for each, the first one's lowest: those of rules none of which is tripped.
@@ -201,6 +221,11 @@ impl Watch {
         };
         pins(false) & !pins(true)
     }
+}
+
+/// Nearest whole number of one that fits, halves away from zero.
+fn nearest(value: f32) -> i16 {
+    (value + 0.5_f32.copysign(value)) as i16
 }
 
 /// One rule under watch.
