@@ -9,5 +9,6 @@ pub mod matrix;
 pub mod output;
 pub mod places;
 pub mod pose;
+pub mod reflexes;
 pub mod tables;
 pub mod write;

@@ -1,10 +1,13 @@
 //! Write: the one place where a patch becomes bytes.
 
-use crate::{matrix::FixedMatrix, places::FixedPlaces, tables::SurfaceTables};
+use crate::{matrix::FixedMatrix, places::FixedPlaces, reflexes::Reflexes, tables::SurfaceTables};
 use dermatome_shared::{
     calibration::Calibration,
     hysteresis::PlayOperator,
-    patch::{CombinedInto, PatchContents, PatchError, PatchHeader, PatchView, checksum::crc32},
+    patch::{
+        CombinedInto, PatchContents, PatchError, PatchHeader, PatchView, checksum::crc32,
+        reflexes::ReflexTables,
+    },
     stimulation::Step,
     surface::Pixel,
 };
@@ -58,6 +61,8 @@ pub struct Contents {
     pub matrix: FixedMatrix,
     /// Where presses are looked for.
     pub places: FixedPlaces,
+    /// What the board does by itself.
+    pub reflexes: Reflexes,
 }
 
 impl Contents {
@@ -72,14 +77,17 @@ impl Contents {
             surface: SurfaceTables::read(patch),
             matrix: FixedMatrix::read(&patch.matrix()),
             places: FixedPlaces::read(patch),
+            reflexes: Reflexes::read(patch),
         }
     }
 
     /// The patch with this calibration, checked.
     pub fn write(&self, stored: &Stored) -> Result<Vec<u8>, PatchError> {
         let header = self.header(stored);
+        let rows = self.reflexes.rows();
         let contents = PatchContents {
             play_operators: &stored.play_operators,
+            reflexes: ReflexTables { rules: &self.reflexes.rules, rows: &rows },
             header: &header,
             steps: &self.steps,
             combination: &self.combination,
@@ -108,6 +116,8 @@ impl Contents {
             detection: self.places.layout(),
             calibration: stored.curve.clone(),
             play_operators: stored.play_operators.len() as u8,
+            reflexes: self.reflexes.rules.len() as u8,
+            reflex_rows: self.reflexes.rows.len() as u8,
             ..self.header.clone()
         }
     }
@@ -158,6 +168,7 @@ pub fn with_gains(bytes: &[u8], gains: &[f64]) -> Result<Vec<u8>, PatchError> {
     let mut contents = Contents::read(&patch);
     if patch.header.has_places() {
         contents.places = contents.places.with_gains(gains);
+        contents.reflexes = contents.reflexes.with_gains(gains);
     } else if takes_gains(&patch) {
         contents.matrix = contents.matrix.clone().with_gains(gains).unwrap_or(contents.matrix);
     }

@@ -57,7 +57,7 @@ use heapless::{String, Vec};
 use matrix::{Matrix, MatrixLayout, MatrixTables};
 use places::{DetectionLayout, MAX_PLACES, MAX_SMOOTH, Places, PlacesTables};
 use postcard_schema::Schema;
-use reflexes::{MAX_REFLEX_ROWS, MAX_REFLEXES, RULE_BYTES, ReflexTables, row_bytes};
+use reflexes::{MAX_REFLEXES, RULE_BYTES, ReflexTables, most_reflex_rows, row_bytes};
 use serde::{Deserialize, Serialize};
 
 /// First bytes of every patch.
@@ -396,7 +396,7 @@ impl<'a> PatchView<'a> {
         range("pixels", header.pixels.into(), 1, MAX_PIXELS)?;
         range("neighbours", header.neighbours.into(), 0, MAX_NEIGHBOURS)?;
         range("reflexes", header.reflexes.into(), 0, MAX_REFLEXES)?;
-        range("reflex_rows", header.reflex_rows.into(), 0, MAX_REFLEX_ROWS)?;
+        range("reflex_rows", header.reflex_rows.into(), 0, most_reflex_rows(header.measurements.into()))?;
         range("detection.places", header.detection.places.into(), 0, MAX_PLACES)?;
         range("detection.smooth", header.detection.smooth.into(), 0, MAX_SMOOTH)?;
         range("detection.slips", header.detection.slips.into(), 0, MAX_ELECTRODES)?;

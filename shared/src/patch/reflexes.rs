@@ -6,7 +6,9 @@ use heapless::String;
 /// Most rules.
 pub const MAX_REFLEXES: usize = 4;
 /// Most rows, of all rules.
-pub const MAX_REFLEX_ROWS: usize = 8;
+pub const MAX_REFLEX_ROWS: usize = 16;
+/// Most products for a frame: of all rows, and of one more, with each measurement.
+pub const MAX_REFLEX_PRODUCTS: usize = 2304;
 /// Pins that rules can have, from 1.
 pub const REFLEX_PINS: u8 = 4;
 /// Longest name of a rule, bytes.
@@ -21,9 +23,9 @@ const TRIPS_BLIND: u8 = 1;
 /// What a rule looks at, and its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
-    /// Load on the region, in strengths of the standard press.
+    /// Load on the cell of the region that reads most, in strengths of the standard press.
     Strength(f32),
-    /// Load on the region by the patch's calibration, N.
+    /// The same by the patch's calibration, N.
     Force(f32),
     /// Area of the region's cells that are pressed, m^2: of those that read this strength.
     Area {
@@ -51,7 +53,7 @@ pub struct ReflexRule {
     pub hold: f32,
     /// Whether it trips as well while the board cannot tell.
     pub trips_blind: bool,
-    /// Rows of it: one of a load; of an area one for each cell.
+    /// Rows of it, one for each cell of its region.
     pub rows: u8,
 }
 
@@ -95,10 +97,11 @@ impl ReflexRule {
     fn is_valid(&self) -> bool {
         let is_positive = |value: f32| value > 0.0 && value.is_finite();
         let is_limit = match self.limit {
-            Limit::Strength(limit) | Limit::Force(limit) => is_positive(limit) && self.rows == 1,
-            Limit::Area { area, strength } => is_positive(area) && is_positive(strength) && self.rows >= 1,
+            Limit::Strength(limit) | Limit::Force(limit) => is_positive(limit),
+            Limit::Area { area, strength } => is_positive(area) && is_positive(strength),
         };
         is_limit
+            && self.rows >= 1
             && (1..=REFLEX_PINS).contains(&self.pin)
             && self.frames >= 1
             && (0.0..=1.0).contains(&self.release)
@@ -152,6 +155,13 @@ impl ReflexTables<'_> {
             row.weights.iter().try_for_each(|weight| put(&weight.to_le_bytes()))
         })
     }
+}
+
+/// Most rows of a patch of so many measurements.
+#[must_use]
+pub const fn most_reflex_rows(measurements: usize) -> usize {
+    let rows = (MAX_REFLEX_PRODUCTS / if measurements > 0 { measurements } else { 1 }).saturating_sub(1);
+    if rows < MAX_REFLEX_ROWS { rows } else { MAX_REFLEX_ROWS }
 }
 
 /// Bytes of the table of rows.

@@ -41,6 +41,7 @@ impl Description {
             averaging: self.averaging,
             drift_time: self.drift_time,
             calibration: self.calibration,
+            reflexes: self.reflexes,
             pose: self.pose,
         })
     }

@@ -2,6 +2,7 @@
 
 mod choice;
 mod interpolation;
+mod reflexes;
 mod responses;
 mod shares;
 
@@ -13,6 +14,7 @@ use dermatome_geometry::{mesh::ElectrodeContact, sheet::ElectrodeModel};
 use dermatome_patch::{
     matrix::FixedMatrix,
     places::FixedPlaces,
+    reflexes::Reflexes,
     tables::SurfaceTables,
     write::{Contents, Stored},
 };
@@ -32,6 +34,7 @@ use dermatome_shared::{
 use faer::{Col, ColRef, Mat};
 use interpolation::{Interpolated, Occurring};
 use rand::{Rng, SeedableRng};
+pub use reflexes::{ReflexError, ReflexReport, reflex_reports};
 use responses::FEWEST_PLACES;
 use serde::Serialize;
 
@@ -170,6 +173,9 @@ pub enum PatchBuildError {
     /// The model has no solution where the skin is stretched.
     #[error("stretched a little: {0}")]
     Stretched(#[from] ModelError),
+    /// Reflexes that no board can follow.
+    #[error("{0}")]
+    Reflex(#[from] ReflexError),
     /// The patch does not pass its own checks.
     #[error("the skin does not make a valid patch: {0}")]
     Invalid(PatchError),
@@ -188,10 +194,12 @@ pub fn patch_with(skin: &Skin, model: &Model, stored: &Stored) -> Result<Vec<u8>
     let interpolated = Interpolated::new(matrix, &model.pixels.centres, &data);
     let mut contents = contents(skin, model, surface, &interpolated)?;
     if skin.contacts_found_in == FoundIn::Voltages {
-        let without_places = written(&contents, stored)?.len();
+        let without_places = written(&contents, stored)?.len() + reflexes::bytes(skin, &contents);
         let room = MAX_PATCH_BYTES.saturating_sub(without_places + ROOM_OF_CALIBRATION);
         contents.places = responses::places(skin, model, room)?;
     }
+    contents.reflexes = reflexes::reflexes(skin, model, &contents.places)?;
+    reflexes::check_forces(skin, stored)?;
     written(&contents, stored)
 }
 
@@ -210,6 +218,9 @@ pub fn pixels_for_all_places(patch: &PatchView<'_>) -> Option<usize> {
 /// contacts are found in the image.
 pub fn learnt_patch(skin: &Skin, model: &Model) -> Result<Vec<u8>, PatchBuildError> {
     let skin = &Skin { contacts_found_in: FoundIn::Image, ..skin.clone() };
+    if !skin.reflexes.is_empty() {
+        return Err(ReflexError::FoundInImage.into());
+    }
     let surface = check_limits(skin, model)?;
     let stored = Stored::curve(skin.calibration.clone());
     written(&contents(skin, model, surface, &Interpolated::none(model.pixels.count()))?, &stored)
@@ -229,6 +240,7 @@ fn contents(
         surface,
         matrix: fixed_point(&model.conductivity_from_difference, column_exponents(model), interpolated)?,
         places: FixedPlaces::default(),
+        reflexes: Reflexes::default(),
     })
 }
 

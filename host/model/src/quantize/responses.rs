@@ -20,7 +20,7 @@ use rayon::prelude::*;
 /// Radius of the standard press, a share of the skin's size.
 const RADIUS: f64 = 0.045;
 
-fn radius(model: &Model) -> f64 {
+pub(super) fn radius(model: &Model) -> f64 {
     RADIUS * model.pixels.larger_side()
 }
 
@@ -96,7 +96,7 @@ fn divided(model: &Model, mut changes: Mat<f64>) -> Mat<f64> {
 
 /// What smooth changes of the sheet change difference data by, `[measurement][change]`: those that grow along the skin's
 /// longest axes, and with the squares and products of the two longest.
-fn smooth_responses(model: &Model) -> Mat<f64> {
+pub(super) fn smooth_responses(model: &Model) -> Mat<f64> {
     let centres = &model.pixels.centres;
     let middle =
         centres.iter().fold(Vector3::zeros(), |sum, centre| sum + centre.coords) / centres.len() as f64;
@@ -119,7 +119,7 @@ fn smooth_responses(model: &Model) -> Mat<f64> {
 
 /// What an even change of the sheet changes difference data by beside what is common to all voltages, `[measurement]`, as
 /// contacts keep their impedances; none where that is little.
-fn even_response(model: &Model, noise: &[f64]) -> Option<Col<f64>> {
+pub(super) fn even_response(model: &Model, noise: &[f64]) -> Option<Col<f64>> {
     let voltages = model.measurements();
     let ones = Mat::full(model.pixels.count(), 1, 1.0);
     let even = divided(model, &model.jacobian * ones);
@@ -135,7 +135,7 @@ fn even_response(model: &Model, noise: &[f64]) -> Option<Col<f64>> {
 /// What the slip of each electrode changes difference data by, `[measurement][electrode]`, where all are on the rim. Those
 /// inside move two ways, which are more than there is room for: there it is what a stretch of the whole skin does, which
 /// moves them all, `[measurement][way]`.
-fn slip_responses(skin: &Skin, model: &Model) -> Result<Mat<f64>, ModelError> {
+pub(super) fn slip_responses(skin: &Skin, model: &Model) -> Result<Mat<f64>, ModelError> {
     let changes = match &model.movement {
         Some(Movement { responses, is_on_rim: true }) => responses.clone(),
         _ => stretch_responses(skin, model)?,

@@ -21,6 +21,8 @@ pub(super) struct File {
     pub(super) contact: ContactTable,
     #[serde(default)]
     pub(super) calibration: CalibrationTable,
+    #[serde(default)]
+    pub(super) reflexes: Vec<ReflexTable>,
     pub(super) pose: Option<PoseTable>,
 }
 
@@ -227,6 +229,23 @@ pub(super) struct CalibrationTable {
     pub(super) strength: Vec<f64>,
     pub(super) pressure: Vec<Quantity>,
     pub(super) load_share: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ReflexTable {
+    pub(super) name: String,
+    pub(super) pin: i64,
+    pub(super) force: Option<Quantity>,
+    pub(super) strength: Option<f64>,
+    pub(super) area: Option<Quantity>,
+    pub(super) pressed_above: Option<f64>,
+    pub(super) centre: Option<Vec<Quantity>>,
+    pub(super) radius: Option<Quantity>,
+    pub(super) release: Option<f64>,
+    pub(super) frames: Option<i64>,
+    pub(super) hold: Option<Quantity>,
+    pub(super) when_blind: Option<String>,
 }
 
 #[derive(Deserialize)]

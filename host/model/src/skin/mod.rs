@@ -13,6 +13,7 @@ mod flattened;
 mod inverse;
 mod material;
 pub mod quantity;
+mod reflex;
 pub mod syntax;
 pub mod table;
 
@@ -32,6 +33,7 @@ pub use file::FoundIn;
 pub use inverse::{Criterion, Hyperparameter, Inverse, Method, Prior, Weights};
 pub use material::{ConductivityMap, Interpolation, Material};
 use num_complex::Complex64;
+pub use reflex::{Reflex, Region};
 use std::{f64::consts::TAU, path::Path};
 
 /// One sensor: shape, electrodes, drive, and how to image it.
@@ -67,6 +69,8 @@ pub struct Skin<S = Shape> {
     pub drift_time: Option<f64>,
     /// Pressure by strength of a contact; empty if the skin is not calibrated.
     pub calibration: Calibration,
+    /// What its board does by itself.
+    pub reflexes: Vec<Reflex>,
     /// Where it lies on a robot, if that is known.
     pub pose: Option<Pose>,
 }

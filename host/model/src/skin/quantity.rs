@@ -41,6 +41,8 @@ pub const CAPACITANCE: Kind = Kind(&[("F", 1.0), ("uF", 1e-6), ("nF", 1e-9), ("p
 pub const CONTACT_IMPEDANCE: Kind = Kind(&[("ohm m", 1.0), ("ohm mm", 1e-3), ("kohm m", 1e3)]);
 /// Seconds.
 pub const TIME: Kind = Kind(&[("s", 1.0), ("ms", 1e-3), ("min", 60.0)]);
+/// Newtons.
+pub const FORCE: Kind = Kind(&[("N", 1.0), ("mN", 1e-3), ("kN", 1e3)]);
 /// Pascals.
 pub const PRESSURE: Kind = Kind(&[("Pa", 1.0), ("kPa", 1e3), ("MPa", 1e6)]);
 /// Radians.

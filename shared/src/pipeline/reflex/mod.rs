@@ -1,13 +1,13 @@
 //! Reflex: what a board says about loads by itself, right after the last sample of a frame, by rules in its patch.
 //!
 //! Contacts take milliseconds, as presses are looked for and fitted, and what is learnt on the way decides what is one. A
-//! reflex is one fixed sum instead: the load on a region is a weight for each relative change, which the host has chosen
+//! reflex is one fixed sum instead: the load on a cell of a region is a weight for each relative change, which the host has chosen
 //! (`dermatome_model::quantize`). The reference is multiplied in beforehand ([`Watch::brief`]), so that a frame costs one
-//! product for each step and row ([`Watch::see`]), in whole numbers that lose nothing:
+//! product for each measurement and row ([`Watch::see`]), in whole numbers that lose nothing:
 //!
 //! ```text
 //! load = sum of weight[m] * (v[m] - reference[m]) / reference[m]
-//!      = unit * (sum of factor[step] * code[step] - offset)
+//!      = unit * (sum of factor[m] * sum of codes[m] - offset)
 //! ```
 //!
 //! A factor is a weight over its reference, rounded to 16 bits of the row's largest. The offset is made of the rounded ones,
@@ -26,8 +26,8 @@ use crate::{
     frame::Frame,
     limits::{MAX_MEASUREMENTS, MAX_STEPS},
     patch::{
-        PatchHeader, PatchView,
-        reflexes::{Limit, MAX_REFLEX_ROWS, MAX_REFLEXES, ReflexRule, strength_of},
+        CombinedInto, PatchHeader, PatchView,
+        reflexes::{Limit, MAX_REFLEX_PRODUCTS, MAX_REFLEX_ROWS, MAX_REFLEXES, ReflexRule, strength_of},
     },
 };
 use heapless::Vec;
@@ -66,10 +66,10 @@ pub struct Watch {
     rules: Vec<Watched, MAX_REFLEXES>,
     /// Areas of the cells, m^2: `[row]`.
     areas: Vec<f32, MAX_REFLEX_ROWS>,
-    /// Steps of a scan; 0 without a reference.
-    steps: usize,
-    /// What a code counts: `[step][row]`, the row after those of the rules for all voltages.
-    factors: [[i16; ROWS]; MAX_STEPS],
+    /// Where each step's code goes: `[step]`, none without a reference.
+    combination: Vec<CombinedInto, MAX_STEPS>,
+    /// What a sum of codes counts: `[row][measurement]`, the row after those of the rules for all voltages.
+    factors: Vec<i16, MAX_REFLEX_PRODUCTS>,
     /// What the reference reads: `[row]`.
     offsets: [i64; ROWS],
     /// What 1 is worth: `[row]`.
@@ -91,8 +91,8 @@ impl Watch {
         Self {
             rules: Vec::new(),
             areas: Vec::new(),
-            steps: 0,
-            factors: [[0; ROWS]; MAX_STEPS],
+            combination: Vec::new(),
+            factors: Vec::new(),
             offsets: [0; ROWS],
             units: [0.0; ROWS],
             sees: false,
@@ -120,7 +120,9 @@ impl Watch {
 
     /// No frames come any more: what was known means nothing.
     pub fn blind(&mut self) {
-        (self.steps, self.sees) = (0, false);
+        self.combination.clear();
+        self.factors.clear();
+        self.sees = false;
     }
 
     /// Takes over the pipeline's reference and bad electrodes after the frame of this number, unless what it knows will do.
@@ -138,34 +140,33 @@ impl Watch {
         for (row, of_row) in patch.reflex_rows().take(all).enumerate() {
             weights.clear();
             weights.extend(of_row.weights.iter());
-            self.set_row(row, patch, reference, &weights);
+            self.set_row(row, reference, &weights);
         }
         let size: f32 = reference.weights().iter().map(|reads| reads.abs()).sum();
         weights.clear();
         weights.extend(reference.weights().iter().map(|reads| 1.0_f32.copysign(*reads) / size));
-        self.set_row(all, patch, reference, &weights);
+        self.set_row(all, reference, &weights);
         // All voltages are read as they are, and not as they changed.
         self.offsets[all] = 0;
-        self.steps = patch.header.steps.into();
+        self.combination.extend(patch.combination());
         self.sees = state.wiring.bad().is_empty();
     }
 
     /// What codes count and the reference reads in a row of these weights of relative changes: `[measurement]`.
     // Once on the board, for all rows.
     #[inline(never)]
-    fn set_row(&mut self, row: usize, patch: &PatchView<'_>, reference: &Reference, weights: &[f32]) {
+    fn set_row(&mut self, row: usize, reference: &Reference, weights: &[f32]) {
         let largest = weights.iter().zip(reference.scales()).map(|(weight, scale)| (weight * scale).abs());
         let largest = largest.fold(0.0, f32::max);
         let unit = if largest > 0.0 { largest / f32::from(i16::MAX) } else { 1.0 };
-        let mut rounded = Vec::<i16, MAX_MEASUREMENTS>::new();
-        let factors = weights.iter().zip(reference.scales()).map(|(weight, scale)| weight * scale);
-        rounded.extend(factors.map(|factor| nearest(factor / unit)));
-        for (factors, target) in self.factors.iter_mut().zip(patch.combination()) {
-            let of_sum = rounded.get(usize::from(target.measurement)).copied().unwrap_or(0);
-            factors[row] = if target.flipped { -of_sum } else { of_sum };
+        let mut offset = 0;
+        for ((weight, scale), sum) in weights.iter().zip(reference.scales()).zip(reference.sums()) {
+            let factor = nearest(weight * scale / unit);
+            // Never full: the patch has no more rows than there is room for.
+            let _ = self.factors.push(factor);
+            // Each sum has 36 bits, a factor 15, and there are 256.
+            offset += i64::from(factor) * sum;
         }
-        // Each sum has 36 bits, a factor 15, and there are 256.
-        let offset: i64 = rounded.iter().zip(reference.sums()).map(|(of, sum)| i64::from(*of) * sum).sum();
         let frames = i64::from(reference.frames().max(1));
         // Rounded: less than what one step of the converter counts.
         self.offsets[row] = offset / frames;
@@ -198,16 +199,24 @@ impl Watch {
 
     /// Loads, `[row]`; none where the frame is none of the reference's.
     fn loads(&self, frame: &Frame) -> Option<[f32; ROWS]> {
-        if self.steps == 0 || frame.codes.len() != self.steps {
+        if frame.codes.is_empty() || frame.codes.len() != self.combination.len() {
             return None;
+        }
+        let mut sums = [0_i32; MAX_MEASUREMENTS];
+        for (code, target) in frame.codes.iter().zip(&self.combination) {
+            if let Some(sum) = sums.get_mut(usize::from(target.measurement)) {
+                // A code has 26 bits at most, and more than two steps hardly measure the same.
+                *sum = sum.wrapping_add(if target.flipped { -code.0 } else { code.0 });
+            }
         }
         let mut loads = [0.0; ROWS];
         let rows = self.areas.len() + 1;
-        for (row, load) in loads.iter_mut().enumerate().take(rows) {
-            let products = frame.codes.iter().zip(&self.factors);
-            // A code has 26 bits at most: see [`Reference::follow`].
-            let sum: i64 = products.map(|(code, factors)| i64::from(code.0) * i64::from(factors[row])).sum();
-            *load = (sum - self.offsets[row]) as f32 * self.units[row];
+        let of_row = self.factors.chunks_exact((self.factors.len() / rows).max(1));
+        for (((load, factors), offset), unit) in
+            loads.iter_mut().zip(of_row).zip(&self.offsets).zip(&self.units)
+        {
+            let products = sums.iter().zip(factors).map(|(sum, factor)| i64::from(*sum) * i64::from(*factor));
+            *load = (products.sum::<i64>() - offset) as f32 * unit;
         }
         PLAUSIBLE.contains(&loads[rows - 1]).then_some(loads)
     }
@@ -272,7 +281,7 @@ impl Watched {
     }
 
     fn value(&self, loads: &[f32], areas: &[f32]) -> f32 {
-        let Some(pressed) = self.pressed else { return loads.iter().sum() };
+        let Some(pressed) = self.pressed else { return loads.iter().copied().fold(f32::MIN, f32::max) };
         loads.iter().zip(areas).filter(|(load, _)| **load >= pressed).map(|(_, area)| area).sum()
     }
 

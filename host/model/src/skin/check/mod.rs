@@ -10,6 +10,7 @@ mod material;
 mod mesh_file;
 mod pose;
 pub use pose::is_frame_name;
+mod reflex;
 mod shape;
 
 use super::{
@@ -52,6 +53,7 @@ impl Checker<'_> {
             averaging: self.averaging(file.contact.averaging.as_ref())?,
             drift_time: self.drift_time(file.contact.drift_time.as_ref())?,
             calibration: self.calibration(&file.calibration)?,
+            reflexes: self.reflexes(&file.reflexes)?,
             pose: self.pose(file.pose.as_ref())?,
         })
     }
