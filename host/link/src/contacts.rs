@@ -3,6 +3,7 @@
 use crate::pose::Pose;
 use dermatome_shared::{
     contact::{Contact, Contacts},
+    pipeline::reflex::Reflexes,
     protocol::FrameStamp,
 };
 use serde::Serialize;
@@ -23,6 +24,31 @@ pub struct LinkFrame {
     /// Fingers that were fitted to the scan's voltages; none where nobody looked for them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fingers: Option<Vec<LinkFinger>>,
+    /// What the patch's reflexes say; none without reflexes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reflexes: Option<LinkReflexes>,
+}
+
+/// What a patch's reflexes say.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LinkReflexes {
+    /// Rules that are tripped, from 1.
+    pub tripped: Vec<usize>,
+    /// Whether the board cannot tell.
+    pub blind: bool,
+    /// Loads, in strengths of the standard press, or pressed areas, m^2, when that changed: `[rule]`.
+    pub values: Vec<f32>,
+}
+
+impl From<&Reflexes> for LinkReflexes {
+    fn from(reflexes: &Reflexes) -> Self {
+        let tripped = (0..reflexes.values.len()).filter(|&rule| reflexes.is_tripped(rule));
+        Self {
+            tripped: tripped.map(|rule| rule + 1).collect(),
+            blind: reflexes.is_blind,
+            values: reflexes.values.to_vec(),
+        }
+    }
 }
 
 /// A contact in the link's frame.
@@ -81,6 +107,7 @@ impl LinkFrame {
             link: pose.link.clone(),
             contacts: contacts.iter().map(|contact| LinkContact::new(pose.contact(contact))).collect(),
             fingers: None,
+            reflexes: None,
         }
     }
 }

@@ -3,6 +3,7 @@
 
 mod faults;
 mod presses;
+mod reflex;
 mod session;
 mod sheets;
 mod soak;
@@ -86,6 +87,11 @@ pub(super) const CASES: &[Case] = &[
         name: "the current flows for a host that reads, and no longer than 30 s for one that has gone",
         needs: NEEDS,
         run: host_gone,
+    },
+    Case {
+        name: "a press lets its pin fall within a millisecond of the scan's end, with no host, and so does what blinds",
+        needs: NEEDS,
+        run: reflex::falls_in_time,
     },
     Case { name: "a press is found where it is", needs: NEEDS, run: presses::in_image },
     Case {

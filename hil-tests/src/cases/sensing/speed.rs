@@ -41,7 +41,7 @@ const ROOM: Range<f32> = 15.0..50.0;
 /// In this time the board looks at all of its stack.
 const STACK_LOOKS: Time = Time::from_millis(3000);
 /// Static memory with the stack that the firmware may take, of 128 KiB.
-const LIMIT: usize = 112 * 1024;
+const LIMIT: usize = 118 * 1024;
 /// By how much of time the board may be wrong in what it says of its load: it looks five times a second.
 const LOAD_ERROR: f64 = 0.03;
 /// So many loads of the board's are averaged.

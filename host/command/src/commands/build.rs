@@ -17,7 +17,7 @@ use dermatome_model::{
     inverse::figures::Blur,
     metrics::detectability::{Deaf, LEVEL, Sought},
     model::{Model, Stage, driven_error, needed_gigabytes},
-    quantize::{self, FixedPointError},
+    quantize::{self, FixedPointError, ReflexReport},
     skin::{FoundIn, Skin},
     stimulation,
 };
@@ -102,6 +102,7 @@ struct PatchReport {
     pixels_for_all_places: Option<usize>,
     fixed_point_error: FixedPointError,
     calibration: CalibrationReport,
+    reflexes: Vec<ReflexReport>,
 }
 
 /// What the patch knows of pressure.
@@ -188,6 +189,8 @@ impl DeafReport {
 
 /// The threshold should be this many standard deviations above the noise.
 const NOISE_MARGIN: f64 = 3.0;
+/// A reflex' limit should be this many standard deviations above the noise.
+const LEAST_LIMIT: f64 = 5.0;
 /// Error of fixed point that is worth a warning.
 const WORST_ERROR_PERCENT: f64 = 0.5;
 /// Angle of a triangle that is worth a warning.
@@ -318,6 +321,7 @@ fn write_patch(
         pixels_for_all_places: quantize::pixels_for_all_places(&view),
         fixed_point_error,
         calibration,
+        reflexes: quantize::reflex_reports(skin, model, &view),
     })
 }
 
@@ -376,6 +380,16 @@ fn warnings(skin: &Skin, mesh: &Quality, patch: Option<&PatchReport>, noise: f64
                 .to_owned(),
         );
     }
+    let reflexes = patch.map_or(&[][..], |patch| &patch.reflexes);
+    for reflex in
+        reflexes.iter().filter(|reflex| !reflex.is_area && reflex.limit < LEAST_LIMIT * reflex.noise)
+    {
+        warnings.push(format!(
+            "the reflex {:?} trips by noise: its limit is {:.2}, and a frame's noise at 60 dB {:.3} (standard deviation); raise \
+             the limit, ask for more `frames`, or give it a smaller region",
+            reflex.name, reflex.limit, reflex.noise
+        ));
+    }
     if mesh.smallest_angle_degrees < SHARP_ANGLE_DEGREES {
         warnings.push(format!(
             "the mesh has an angle of {:.1} degrees: an electrode's end lies very close to another or to a corner",
@@ -432,7 +446,17 @@ fn print(report: &Report, stages: &[Stage]) {
     if let Some(from) = preserved_from {
         say!("calibration   {points} points and {plays} play operators, preserved from {}", from.display());
     }
+    patch.reflexes.iter().for_each(print_reflex);
     say!("patch         {} ({} bytes, id {})", patch.path.display(), patch.bytes, patch.crc);
+}
+
+fn print_reflex(reflex: &ReflexReport) {
+    let ReflexReport { name, pin, inside: [least, most], outside, noise, limit, is_area } = reflex;
+    let limit = if *is_area { format!("{:.1} cm2", limit * 1e4) } else { format!("{limit:.2}") };
+    say!(
+        "reflex        {name}, pin {pin}: a load of 1 in its region reads {least:.2} to {most:.2}, one outside at most \
+         {outside:.2}; noise {noise:.3} at 60 dB; limit {limit}"
+    );
 }
 
 fn print_deaf(deaf: &DeafReport) {

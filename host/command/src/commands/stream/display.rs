@@ -7,12 +7,12 @@ use crate::commands::{
 };
 use dermatome_link::{
     Link, ScanFrame,
-    contacts::{LinkFinger, LinkFrame},
+    contacts::{LinkFinger, LinkFrame, LinkReflexes},
     pose::Pose,
 };
 use dermatome_model::{multi_contact::FittedContact, skin::Skin};
 use dermatome_patch::layout::Layout;
-use dermatome_shared::contact::Contacts;
+use dermatome_shared::{contact::Contacts, pipeline::reflex::Reflexes};
 use dermatome_view::{
     live::{Live, Shown},
     terminal::Screen,
@@ -60,6 +60,21 @@ impl<'a> Display<'a> {
         let is_picture = matches!(self, Self::Terminal(..));
         if let (Some(at), false, false) = (frame.at, is_picture, what.is_empty()) {
             eprintln!("warning: frame {} has flags not seen before: {}", at.sequence, what.join(", "));
+        }
+    }
+
+    /// Says that rules trip or release, beside lines.
+    pub(super) fn reflexes(&self, before: Option<&Reflexes>, now: Option<&Reflexes>) {
+        let (Some(now), false) = (now, matches!(self, Self::Terminal(..))) else { return };
+        let state = |reflexes: &Reflexes| (reflexes.tripped, reflexes.is_blind);
+        if before.map(state) == Some(state(now)) {
+            return;
+        }
+        let LinkReflexes { tripped, blind, .. } = now.into();
+        let blind = if blind { ", and the board cannot tell" } else { "" };
+        match &tripped[..] {
+            [] => eprintln!("reflexes: no rule is tripped{blind}"),
+            rules => eprintln!("reflexes: tripped {rules:?}{blind}"),
         }
     }
 
@@ -113,7 +128,8 @@ impl<'a> Display<'a> {
                 let finger =
                     |finger: &FittedContact| LinkFinger::new(finger.position.into(), finger.strength, pose);
                 let fingers = fingers.map(|all| all.iter().map(finger).collect());
-                let frame = LinkFrame { fingers, ..LinkFrame::new(pose, at, contacts) };
+                let reflexes = frame.reflexes.as_ref().map(LinkReflexes::from);
+                let frame = LinkFrame { fingers, reflexes, ..LinkFrame::new(pose, at, contacts) };
                 lines.frame(json_line(&frame, Some(now))?)
             }
         }

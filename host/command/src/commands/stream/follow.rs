@@ -12,7 +12,7 @@ use super::{
 use crate::commands::{contact_lines::is_read, interrupt, outlets::Outlets};
 use anyhow::{Context, bail};
 use dermatome_link::{LinkError, LinkErrorKind, ScanFrame, Subscription};
-use dermatome_shared::protocol::Selection;
+use dermatome_shared::{pipeline::reflex::Reflexes, protocol::Selection};
 use std::time::{Instant, SystemTime};
 
 /// Follows a board.
@@ -29,6 +29,8 @@ pub(super) struct Received<'a> {
     pub(super) tally: Tally,
     /// Times in which the board was lost, and came back.
     pub(super) gaps: Vec<Gap>,
+    /// What reflexes said in the last frame.
+    reflexes: Option<Reflexes>,
     /// Number of the last frame.
     sequence: Option<u32>,
     /// When it came, or the stream began.
@@ -137,8 +139,8 @@ impl<'a> Received<'a> {
     fn new(display: Display<'a>, fingers: Option<Fingers>, outlets: Option<Outlets>) -> Self {
         let (tally, heard) = (Tally::default(), Instant::now());
         let is_to_tare = outlets.is_some();
-        let (gaps, sequence, restored) = (Vec::new(), None, None);
-        Self { display, fingers, tally, gaps, sequence, heard, restored, outlets, is_to_tare }
+        let (gaps, sequence, reflexes, restored) = (Vec::new(), None, None, None);
+        Self { display, fingers, tally, gaps, reflexes, sequence, heard, restored, outlets, is_to_tare }
     }
 
     /// The next stream begins, after what the board needed for it.
@@ -175,6 +177,8 @@ impl<'a> Received<'a> {
                 return Ok(true);
             }
         }
+        self.display.reflexes(self.reflexes.as_ref(), frame.reflexes.as_ref());
+        self.reflexes.clone_from(&frame.reflexes);
         let new = self.tally.count(frame, stream.totals(), Instant::now());
         self.display.warn(frame, &new);
         if let Some(at) = frame.at.filter(|_| frame.contacts.is_some()) {
