@@ -104,7 +104,8 @@ impl Assembler {
             next: first_sequence,
             arriving: None,
             last_number: None,
-            ready: VecDeque::new(),
+            // One event ends two frames at most: the one before, and its own.
+            ready: VecDeque::with_capacity(2),
             totals: Totals::default(),
         }
     }
