@@ -151,3 +151,26 @@ fn noise_on_the_cable_lost_frames_and_a_cut_allocate_nothing() {
     assert_eq!(until(u64::MAX / 2, DERMATOME_CUT), 0);
     assert!(handle.error().contains("was cut"), "{}", handle.error());
 }
+
+/// A handle that goes to the thread that uses it from now on, as is allowed.
+struct Given(Handle);
+
+// SAFETY: nobody else uses it any more.
+unsafe impl Send for Given {}
+
+/// One that is too small ends this program.
+#[test]
+fn a_loop_runs_on_a_thread_with_a_stack_of_128_kib() {
+    let board = paced_board(400.0);
+    let given = Given(Handle::at(board.address()));
+    given.0.start(ALL).unwrap();
+    let run = move || {
+        let Given(handle) = { given };
+        let mut turn = Turn::of(&handle);
+        while turn.frames < 200 {
+            assert_eq!(turn.take(), DERMATOME_OK, "{}", handle.error());
+            std::thread::yield_now();
+        }
+    };
+    std::thread::Builder::new().stack_size(128 << 10).spawn(run).unwrap().join().unwrap();
+}

@@ -74,10 +74,10 @@ fn a_board_that_is_silent_says_so_and_goes_on_when_it_is_heard_again() {
     let handle = Handle::at(cable.address());
     handle.tare(2).unwrap();
     handle.start(Options { silence_ms: 200, ..Options::default() }).unwrap();
-    handle.frame().unwrap();
+    handle.poll_until(|code| code == DERMATOME_FRAME);
     cable.carry(Carries::Later);
     handle.poll_until(|code| code == DERMATOME_SILENT);
-    assert!(handle.error().starts_with("no frame has come for 2"), "{}", handle.error());
+    assert!(handle.error().starts_with("no frame has come for "), "{}", handle.error());
     cable.carry(Carries::All);
     handle.poll_until(|code| code == DERMATOME_FRAME);
     handle.poll_until(|code| code == DERMATOME_OK);
