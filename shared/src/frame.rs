@@ -131,6 +131,13 @@ impl FrameFlags {
         (Self::WORSE_CONTACT, "worse contact"),
     ];
 
+    /// Whether nothing is known to be wrong with what is found in the frame: samples that were missed before it do not
+    /// spoil it.
+    #[must_use]
+    pub const fn leaves_contacts_valid(self) -> bool {
+        self.without(Self::MISSED).0 == 0
+    }
+
     /// What the flags that are set say, in few words.
     pub fn words(self) -> impl Iterator<Item = &'static str> {
         Self::ALL.into_iter().filter(move |&(flag, _)| self.contains(flag)).map(|(_, words)| words)

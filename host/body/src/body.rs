@@ -9,10 +9,7 @@ use crate::{
 };
 use dermatome_link::{ScanFrame, assemble::HealthReport, pose::Pose};
 use dermatome_messages::clock::{Clock, Jitter};
-use dermatome_shared::{
-    frame::FrameFlags,
-    protocol::{FrameStamp, PackedImage},
-};
+use dermatome_shared::protocol::{FrameStamp, PackedImage};
 
 /// A robot's skins as they are now.
 pub struct Body {
@@ -66,8 +63,7 @@ impl Report {
     /// Whether nothing is known to be wrong with the contacts: no fault of board, electrodes or reference.
     #[must_use]
     pub fn is_valid(&self) -> bool {
-        let harmless = FrameFlags::MISSED.0;
-        self.at.flags.0 & !harmless == 0
+        self.at.flags.leaves_contacts_valid()
     }
 }
 

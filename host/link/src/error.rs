@@ -1,13 +1,13 @@
 //! What can go wrong on the way to a board and back.
 
 use dermatome_shared::protocol::{PROTOCOL_VERSION, PacketError, Refusal};
-use std::{fmt, io, time::Duration};
+use std::{fmt, io, sync::Arc, time::Duration};
 
 /// Why a board could not be reached or did not do what was asked.
 #[derive(Debug)]
 pub struct LinkError {
-    /// The port as written.
-    pub port: String,
+    /// The port as written; shared with its link, so that a fault costs no allocation.
+    pub port: Arc<str>,
     /// What went wrong there.
     pub kind: LinkErrorKind,
 }
@@ -102,7 +102,7 @@ pub enum Damage {
 
 impl LinkError {
     /// Something that went wrong at `port`.
-    pub fn new(port: impl Into<String>, kind: LinkErrorKind) -> Self {
+    pub fn new(port: impl Into<Arc<str>>, kind: LinkErrorKind) -> Self {
         Self { port: port.into(), kind }
     }
 
@@ -133,7 +133,7 @@ impl LinkError {
     }
 
     /// Sorts an error of the system, met on reading from or writing to the open `port`, which may take `timeout`.
-    pub(crate) fn on_transfer(port: &str, reason: io::Error, timeout: Duration) -> Self {
+    pub(crate) fn on_transfer(port: Arc<str>, reason: io::Error, timeout: Duration) -> Self {
         let kind = match reason.kind() {
             io::ErrorKind::UnexpectedEof
             | io::ErrorKind::BrokenPipe

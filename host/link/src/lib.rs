@@ -24,4 +24,4 @@ pub use dermatome_shared as shared;
 pub use error::{Damage, LinkError, LinkErrorKind};
 pub use link::{Link, REPLY_TIMEOUT, Transport, Untouched, UploadError, open, tare, tare_timeout, upload};
 pub use port::{Port, PortError};
-pub use subscription::{Subscription, frame_timeout, silence_timeout};
+pub use subscription::{NotBegun, PolledStream, Subscription, frame_timeout, silence_timeout};

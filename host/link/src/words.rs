@@ -8,32 +8,29 @@ const OF_LINES: &[char] = &['"', '\'', '\\', '\n', '\t'];
 /// A name or a line of text, its control characters and those that are not seen as `\u{1b}` and the like.
 #[must_use]
 pub fn escaped(text: &str) -> String {
-    escape(text, HARMLESS)
+    escape(text, HARMLESS).collect()
 }
 
 /// The same for several lines: line ends and tabs stay.
 #[must_use]
 pub fn escaped_lines(text: &str) -> String {
-    escape(text, OF_LINES)
+    escape(text, OF_LINES).collect()
 }
 
 /// The same in no more room than the text may take; what has no room any more is left away.
 pub(crate) fn escaped_within<const N: usize>(text: &heapless::String<N>) -> heapless::String<N> {
     let mut within = heapless::String::new();
     // Fails where the room ends.
-    let _ = escaped(text).chars().try_for_each(|c| within.push(c));
+    let _ = escape(text, HARMLESS).try_for_each(|c| within.push(c));
     within
 }
 
-fn escape(text: &str, kept: &[char]) -> String {
-    let mut all = String::with_capacity(text.len());
-    for piece in text.split_inclusive(kept) {
+fn escape<'a>(text: &'a str, kept: &'static [char]) -> impl Iterator<Item = char> + 'a {
+    text.split_inclusive(kept).flat_map(move |piece| {
         let end = piece.chars().next_back().filter(|last| kept.contains(last));
         let words = end.map_or(piece, |last| &piece[..piece.len() - last.len_utf8()]);
-        all.extend(words.escape_debug());
-        all.extend(end);
-    }
-    all
+        words.escape_debug().chain(end)
+    })
 }
 
 #[cfg(test)]

@@ -110,7 +110,8 @@ impl Assembler {
             arriving: None,
             last_number: None,
             reflexes: None,
-            ready: VecDeque::new(),
+            // One event ends two frames at most: the one before, and its own.
+            ready: VecDeque::with_capacity(2),
             totals: Totals::default(),
         }
     }

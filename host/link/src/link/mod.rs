@@ -45,6 +45,9 @@ use wire::Wire;
 /// Most events kept for a host that asks much and listens little; older ones count as lost.
 const MAX_QUEUED_EVENTS: usize = 4096;
 
+/// Events that come in order at once, at most, if each is fetched.
+const EVENTS_AT_ONCE: usize = 32;
+
 /// After this time without an answer a request is sent again, with the number that it had: it or its reply may be lost.
 const ASK_AGAIN: Duration = Duration::from_millis(500);
 
@@ -53,6 +56,16 @@ pub(crate) const PARTS_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// An event with its running number.
 pub(crate) type Numbered = (u32, Event);
+
+/// What a board has sent.
+pub(crate) enum Arrived {
+    /// An event with its running number, in its turn.
+    Event(u32, Event),
+    /// A reply with the number of its request.
+    Reply(u16, Reply),
+    /// Nothing more so far.
+    Nothing,
+}
 
 /// A link to one board.
 pub struct Link {
@@ -81,7 +94,7 @@ impl Link {
     /// Says hello over `transport` and checks that board and host understand each other.
     /// `port` names the transport in errors.
     pub fn connect(port: impl Into<String>, transport: impl Transport + 'static) -> Result<Self, LinkError> {
-        let mut wire = Wire::new(port.into(), Box::new(transport));
+        let mut wire = Wire::new(port.into().into(), Box::new(transport));
         let identity = hello::hello(&mut wire)?;
         // What came in before was not meant for this link.
         wire.forget_damage();
@@ -90,7 +103,8 @@ impl Link {
             identity,
             last_sequence: sequence::begin(),
             order: Order::default(),
-            events: VecDeque::new(),
+            // As many as come at once when one that others have waited for is there, or is given up.
+            events: VecDeque::with_capacity(EVENTS_AT_ONCE),
             events_forgotten: 0,
             _companion: None,
         })
@@ -288,6 +302,45 @@ impl Link {
             Some(event) => Ok(Some(event)),
             None => self.wait_for(timeout, |_| true),
         }
+    }
+
+    /// From now on a request or an event is not waited for, or is again.
+    pub(crate) fn set_waiting(&mut self, waits: bool) -> Result<(), LinkError> {
+        self.wire.set_waiting(waits)
+    }
+
+    /// What becomes readable when bytes come.
+    #[cfg(unix)]
+    pub(crate) fn descriptor(&self) -> Option<std::os::fd::RawFd> {
+        self.wire.descriptor()
+    }
+
+    /// What has come next; does not wait for anything.
+    pub(crate) fn arrived(&mut self) -> Result<Arrived, LinkError> {
+        while self.events.is_empty() {
+            match self.wire.arrived()? {
+                Some(BoardPacket::Event { number, event }) => self.keep(number, event),
+                Some(BoardPacket::Reply { sequence, reply }) => return Ok(Arrived::Reply(sequence, reply)),
+                None if self.order.waited() < PARTS_TIMEOUT => break,
+                None => {
+                    self.order.give_up(|event| self.events.push_back(event));
+                    break;
+                }
+            }
+        }
+        Ok(self.events.pop_front().map_or(Arrived::Nothing, |(number, event)| Arrived::Event(number, event)))
+    }
+
+    /// Asks, and waits neither for the line to take the request nor for the reply; gives the number of the request.
+    pub(crate) fn begin_to_ask(&mut self, request: &Request) -> Result<u16, LinkError> {
+        self.last_sequence = sequence::next(self.last_sequence);
+        self.wire.begin_to_send(&RequestPacket { sequence: self.last_sequence, request: request.clone() })?;
+        Ok(self.last_sequence)
+    }
+
+    /// Sends more of what [`Self::begin_to_ask`] has begun; says whether all of it is sent.
+    pub(crate) fn flush(&mut self) -> Result<bool, LinkError> {
+        self.wire.flush()
     }
 
     /// Waits for a new event that is `wanted`, and keeps the others.

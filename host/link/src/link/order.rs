@@ -7,7 +7,7 @@
 use super::Numbered;
 use dermatome_shared::protocol::{Event, Selection};
 use std::{
-    collections::{BTreeSet, VecDeque},
+    collections::VecDeque,
     time::{Duration, Instant},
 };
 
@@ -16,8 +16,8 @@ const MOST_WAITING: usize = 16;
 /// A number at most so far behind may be one that was given up; else the board has started anew.
 const MOST_LATE: u32 = 256;
 
-/// Puts events in order.
-#[derive(Debug, Default)]
+/// Puts events in order. Has all the memory that it will need from the beginning.
+#[derive(Debug)]
 pub(super) struct Order {
     /// Both kinds are asked for, so that one can overtake the other.
     is_mixed: bool,
@@ -26,12 +26,27 @@ pub(super) struct Order {
     /// Number that is due, from the first event on.
     due: Option<u32>,
     /// Numbers that were given up, and may still come: those at most [`MOST_LATE`] behind.
-    given_up: BTreeSet<u32>,
+    given_up: Vec<u32>,
     /// Events that came ahead of it, ascending.
     waiting: VecDeque<Numbered>,
     /// Since when the first of them waits.
     since: Option<Instant>,
     lost: u64,
+}
+
+impl Default for Order {
+    fn default() -> Self {
+        Self {
+            is_mixed: false,
+            first: 0,
+            due: None,
+            given_up: Vec::with_capacity(MOST_LATE as usize),
+            // One more comes before the first is given up.
+            waiting: VecDeque::with_capacity(MOST_WAITING + 1),
+            since: None,
+            lost: 0,
+        }
+    }
 }
 
 impl Order {
@@ -62,7 +77,8 @@ impl Order {
     /// Whether the event of this number, so far behind, was overtaken: by events that made it count as lost, which it
     /// does no more, or by the first one that came.
     fn is_late(&mut self, number: u32, behind: u32) -> bool {
-        if self.given_up.remove(&number) {
+        if let Some(place) = self.given_up.iter().position(|other| *other == number) {
+            self.given_up.swap_remove(place);
             self.lost -= 1;
             return true;
         }

@@ -2,12 +2,19 @@
 
 use crate::error::{LinkError, LinkErrorKind};
 use serialport::{ClearBuffer, ErrorKind, SerialPort};
+#[cfg(unix)]
+use std::os::fd::{AsRawFd, RawFd};
 use std::{
     io::{self, Read, Write},
     net::{TcpStream, ToSocketAddrs},
     path::Path,
     time::Duration,
 };
+
+#[cfg(windows)]
+type NativePort = serialport::COMPort;
+#[cfg(unix)]
+type NativePort = serialport::TTYPort;
 
 /// Longest that one read waits for bytes.
 pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(20);
@@ -18,18 +25,75 @@ const BAUD: u32 = 2_000_000;
 ///
 /// A read waits a short time only (20 ms), then fails with `TimedOut` or `WouldBlock`, so that
 /// whoever reads can look at the clock. A read of zero bytes means that the other end has gone.
-pub trait Transport: Read + Write + Send {}
+pub trait Transport: Read + Write + Send {
+    /// Whether reads and writes wait from now on. Where they do not, they fail at once with `WouldBlock` or `TimedOut`.
+    fn set_waiting(&mut self, _waits: bool) -> io::Result<()> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
 
-impl Transport for TcpStream {}
-impl Transport for Box<dyn SerialPort> {}
+    /// What poll(2) says is readable when bytes have come, if the system has it.
+    #[cfg(unix)]
+    fn descriptor(&self) -> Option<RawFd> {
+        None
+    }
+}
+
+impl Transport for TcpStream {
+    fn set_waiting(&mut self, waits: bool) -> io::Result<()> {
+        self.set_nonblocking(!waits)
+    }
+
+    #[cfg(unix)]
+    fn descriptor(&self) -> Option<RawFd> {
+        Some(self.as_raw_fd())
+    }
+}
+
+/// A serial port.
+pub(super) struct Serial {
+    port: NativePort,
+    waits: bool,
+}
+
+impl Read for Serial {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        // The port would allocate to say that nothing has come.
+        if !self.waits && self.port.bytes_to_read()? == 0 {
+            return Err(io::ErrorKind::WouldBlock.into());
+        }
+        self.port.read(buffer)
+    }
+}
+
+impl Write for Serial {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.port.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.port.flush()
+    }
+}
+
+impl Transport for Serial {
+    fn set_waiting(&mut self, waits: bool) -> io::Result<()> {
+        self.waits = waits;
+        Ok(self.port.set_timeout(if waits { READ_TIMEOUT } else { Duration::ZERO })?)
+    }
+
+    #[cfg(unix)]
+    fn descriptor(&self) -> Option<RawFd> {
+        Some(self.port.as_raw_fd())
+    }
+}
 
 /// Opens a serial port at 2,000,000 baud, 8N1, for this program alone.
-pub(super) fn open_serial(name: &str) -> Result<Box<dyn SerialPort>, LinkError> {
-    let port = serialport::new(name, BAUD).timeout(READ_TIMEOUT).open();
+pub(super) fn open_serial(name: &str) -> Result<Serial, LinkError> {
+    let port = serialport::new(name, BAUD).timeout(READ_TIMEOUT).open_native();
     let port = port.map_err(|error| failed_open(name, error))?;
     // What lies in the buffers was meant for whoever had the port before.
     port.clear(ClearBuffer::All).map_err(|error| LinkError::on_open(name, error.into()))?;
-    Ok(port)
+    Ok(Serial { port, waits: true })
 }
 
 /// The `serialport` crate says `NoDevice` both for a port that is missing and for one in use, and of what is no terminal

@@ -7,20 +7,26 @@ use dermatome_shared::protocol::{
 };
 use std::{
     io::{self, ErrorKind},
+    sync::Arc,
     time::{Duration, Instant},
 };
 
 /// How long a board has to answer, and to take what is sent.
 pub const REPLY_TIMEOUT: Duration = Duration::from_secs(2);
 
+/// Most reads for one packet where nobody waits: garbage does not hold anybody up.
+const MOST_READS: usize = 16;
+
 /// Sends and receives packets, and counts the damaged ones.
 pub(super) struct Wire {
-    pub(super) port: String,
+    pub(super) port: Arc<str>,
     transport: Box<dyn Transport>,
     reader: PacketReader,
     /// Bytes received; those before `taken` went into the reader.
     input: Vec<u8>,
     taken: usize,
+    /// Bytes that the transport has not taken yet, where nobody waits for it.
+    unsent: Vec<u8>,
     /// When the last bytes came.
     heard: Instant,
     damaged: u64,
@@ -28,13 +34,14 @@ pub(super) struct Wire {
 }
 
 impl Wire {
-    pub(super) fn new(port: String, transport: Box<dyn Transport>) -> Self {
+    pub(super) fn new(port: Arc<str>, transport: Box<dyn Transport>) -> Self {
         Self {
             port,
             transport,
             reader: PacketReader::default(),
             input: Vec::with_capacity(MAX_PACKET_BYTES),
             taken: 0,
+            unsent: Vec::new(),
             heard: Instant::now(),
             damaged: 0,
             last_damage: Damage::Packet(PacketError::Framing),
@@ -56,13 +63,12 @@ impl Wire {
 
     pub(super) fn send(&mut self, packet: &RequestPacket) -> Result<(), LinkError> {
         let mut buffer = [0; MAX_PACKET_BYTES];
-        let failed = |error| self.error(LinkErrorKind::Failed(io::Error::other(error)));
-        let bytes = encode(packet, &mut buffer).map_err(failed)?;
+        let bytes = self.encoded(packet, &mut buffer)?;
         self.send_bytes(bytes)
     }
 
     pub(super) fn send_bytes(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
-        self.write_all(bytes).map_err(|reason| LinkError::on_transfer(&self.port, reason, REPLY_TIMEOUT))
+        self.write_all(bytes).map_err(|reason| self.failed(reason))
     }
 
     /// The next packet, waiting for it until `deadline`.
@@ -74,8 +80,60 @@ impl Wire {
             if Instant::now() >= deadline {
                 return Ok(None);
             }
-            self.fill().map_err(|reason| LinkError::on_transfer(&self.port, reason, REPLY_TIMEOUT))?;
+            self.fill().map_err(|reason| self.failed(reason))?;
         }
+    }
+
+    /// From now on neither reads nor writes wait, or they do again.
+    pub(super) fn set_waiting(&mut self, waits: bool) -> Result<(), LinkError> {
+        self.transport.set_waiting(waits).map_err(|reason| self.failed(reason))?;
+        if waits {
+            let rest = std::mem::take(&mut self.unsent);
+            return self.send_bytes(&rest);
+        }
+        self.unsent.reserve(MAX_PACKET_BYTES);
+        Ok(())
+    }
+
+    /// What becomes readable when bytes come.
+    #[cfg(unix)]
+    pub(super) fn descriptor(&self) -> Option<std::os::fd::RawFd> {
+        self.transport.descriptor()
+    }
+
+    /// The next packet that has come; does not wait for one.
+    pub(super) fn arrived(&mut self) -> Result<Option<BoardPacket>, LinkError> {
+        for _ in 0..MOST_READS {
+            if let Some(packet) = self.next_packet() {
+                return Ok(Some(packet));
+            }
+            self.fill().map_err(|reason| self.failed(reason))?;
+            if self.input.is_empty() {
+                return Ok(None);
+            }
+        }
+        Ok(self.next_packet())
+    }
+
+    /// Sends what the transport takes now; [`Self::flush`] sends the rest.
+    pub(super) fn begin_to_send(&mut self, packet: &RequestPacket) -> Result<(), LinkError> {
+        let mut buffer = [0; MAX_PACKET_BYTES];
+        let bytes = self.encoded(packet, &mut buffer)?;
+        self.unsent.extend_from_slice(bytes);
+        self.flush().map(drop)
+    }
+
+    /// Sends more of what has begun; says whether all of it is sent.
+    pub(super) fn flush(&mut self) -> Result<bool, LinkError> {
+        while !self.unsent.is_empty() {
+            match self.transport.write(&self.unsent) {
+                Ok(0) => return Err(self.failed(ErrorKind::BrokenPipe.into())),
+                Ok(written) => drop(self.unsent.drain(..written)),
+                Err(error) if !may_retry(&error) => return Err(self.failed(error)),
+                Err(_) => return Ok(false),
+            }
+        }
+        Ok(true)
     }
 
     /// The error for an answer that has not come, with the count of damaged packets from before.
@@ -89,6 +147,15 @@ impl Wire {
     /// Something that went wrong at this port.
     pub(super) fn error(&self, kind: LinkErrorKind) -> LinkError {
         LinkError::new(self.port.clone(), kind)
+    }
+
+    fn encoded<'a>(&self, packet: &RequestPacket, buffer: &'a mut [u8]) -> Result<&'a [u8], LinkError> {
+        let failed = |error| self.error(LinkErrorKind::Failed(io::Error::other(error)));
+        encode(packet, buffer).map_err(failed)
+    }
+
+    fn failed(&self, reason: io::Error) -> LinkError {
+        LinkError::on_transfer(self.port.clone(), reason, REPLY_TIMEOUT)
     }
 
     fn next_packet(&mut self) -> Option<BoardPacket> {

@@ -1,5 +1,9 @@
 //! Subscription: frames of a board as they come, and a stream that ends with whoever reads it.
 
+mod polled;
+
+pub use polled::{NotBegun, PolledStream};
+
 use crate::{
     assemble::{Assembler, ScanFrame, Totals},
     error::{LinkError, LinkErrorKind},
@@ -48,25 +52,27 @@ impl Link {
     /// Read it: a board on a serial line stops after [`dermatome_shared::device::HOST_TIMEOUT_MS`] without a sign of its
     /// host, which [`Subscription::next`] gives.
     pub fn subscribe(&mut self, selection: Selection) -> Result<Subscription<'_>, LinkError> {
-        let mut subscription = Subscription {
+        let first_sequence = self.begin_stream(selection)?;
+        let assembler = Assembler::new(selection, first_sequence);
+        Ok(Subscription {
             link: self,
-            first_sequence: 0,
-            assembler: Assembler::new(selection, 0),
+            first_sequence,
+            assembler,
             presence: Presence::shown(),
             is_stopped: false,
-        };
-        match subscription.link.select(selection, REPLY_TIMEOUT, drop) {
-            Ok(first_sequence) => {
-                subscription.first_sequence = first_sequence;
-                subscription.assembler = Assembler::new(selection, first_sequence);
-                Ok(subscription)
-            }
-            Err(error) => {
-                // The reply may have been lost, and the board may stream: it is told to stop, unless it refused.
-                subscription.is_stopped = matches!(error.kind, LinkErrorKind::Refused(_));
-                Err(error)
-            }
+        })
+    }
+
+    /// Has the board stream; gives the sequence number of the first frame.
+    fn begin_stream(&mut self, selection: Selection) -> Result<u32, LinkError> {
+        let begun = self.select(selection, REPLY_TIMEOUT, drop);
+        if let Err(error) = &begun
+            && !matches!(error.kind, LinkErrorKind::Refused(_))
+        {
+            // The reply may have been lost, and the board may stream. Where the link is cut, it stops by itself.
+            let _ = self.select(Selection::default(), DROP_TIMEOUT, drop);
         }
+        begun
     }
 }
 
