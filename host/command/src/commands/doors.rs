@@ -47,6 +47,7 @@ impl Doors {
         listen: SocketAddr,
         services: &'static [Service],
         spaces: Vec<String>,
+        is_robot: bool,
         say: impl FnOnce(&str),
     ) -> anyhow::Result<Server> {
         let is_local = listen.ip().is_loopback();
@@ -62,7 +63,8 @@ impl Doors {
             }
         };
         let gate = Gate { listen, token, origins: self.allow_origin.clone() };
-        let server = Server::start(Options { gate, name: "dermatome".to_owned(), services, spaces })?;
+        let server =
+            Server::start(Options { gate, name: "dermatome".to_owned(), services, spaces, is_robot })?;
         say(&server.url());
         if !is_local {
             eprintln!(

@@ -10,6 +10,7 @@
 pub mod check;
 mod meshes;
 mod robot;
+pub mod tree;
 
 use crate::{
     DescriptionError, Mount,
