@@ -8,7 +8,7 @@ use dermatome_page::{
 use std::net::SocketAddr;
 
 /// Who else may look on.
-#[derive(clap::Args)]
+#[derive(clap::Args, Default)]
 pub(super) struct Doors {
     /// Let other computers in: needed for an address that is not this machine's own (127.0.0.1). They need the token in the
     /// address that is printed, and whoever has it can drive the board.
@@ -41,6 +41,11 @@ fn origin(text: &str) -> Result<String, &'static str> {
 }
 
 impl Doors {
+    /// For those on this computer.
+    pub(super) fn of_this_computer(no_browser: bool) -> Self {
+        Self { no_browser, ..Self::default() }
+    }
+
     /// Starts the page's server, says where it is, and opens the browser.
     pub(super) fn open(
         &self,
