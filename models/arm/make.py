@@ -125,9 +125,8 @@ def cut(run, folder, skin):
 
 def main():
     program = Path(sys.argv[1]).resolve()
-    folder = Path(sys.argv[2] if len(sys.argv) > 2 else __file__).resolve()
-    folder = folder if folder.is_dir() else folder.parent
-    (folder / "meshes").mkdir(exist_ok=True)
+    folder = Path(sys.argv[2]) if len(sys.argv) > 2 else Path(__file__).parent
+    (folder / "meshes").mkdir(parents=True, exist_ok=True)
 
     def run(*words):
         subprocess.run([program, *words], check=True)
