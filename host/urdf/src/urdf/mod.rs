@@ -10,6 +10,7 @@
 pub mod check;
 mod meshes;
 mod robot;
+mod solids;
 pub mod tree;
 
 use crate::{

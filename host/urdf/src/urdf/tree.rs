@@ -4,6 +4,7 @@ use super::{
     check::{Finding, Level, Places, apart, check},
     meshes::{of_link, origin},
     robot::{is_skin, joints_onto, link_in, root_of, triple},
+    solids,
 };
 use crate::{
     DescriptionError,
@@ -33,7 +34,7 @@ pub struct Robot {
 pub struct Link {
     /// Its name, which is that of its frame.
     pub name: String,
-    /// Triangles of the meshes that it shows and that could be read, in its frame, m.
+    /// Triangles of what it shows, of meshes those that could be read, in its frame, m.
     pub shape: Vec<[Point3<f64>; 3]>,
 }
 
@@ -172,11 +173,13 @@ impl Skin {
 
 fn link(node: Node<'_, '_>, places: &Places<'_>) -> Link {
     let shown = of_link(node, "visual");
-    let triangles = shown.iter().filter_map(|mesh| Some((mesh.origin, mesh.triangles(places)?)));
+    let meshes = shown.iter().filter_map(|mesh| Some((mesh.origin, mesh.triangles(places)?)));
+    let solid = |part| Some((origin(part).ok()?, solids::triangles(solids::geometry(part)?)?));
+    let solids = children(node, "visual").filter_map(solid);
     let placed = |(origin, triangles): (Isometry3<f64>, Vec<[Point3<f64>; 3]>)| {
         triangles.into_iter().map(move |corners| corners.map(|corner| origin * corner))
     };
-    Link { name: attribute(node, "name"), shape: triangles.flat_map(placed).collect() }
+    Link { name: attribute(node, "name"), shape: meshes.chain(solids).flat_map(placed).collect() }
 }
 
 /// One that has been checked.
