@@ -14,7 +14,6 @@ use super::{
     view::{Desk, Source, Task, start},
 };
 use crate::demo::{self, Figures, FrameRecord, Scorer, Watched};
-use anyhow::bail;
 use dermatome_link::{self as link, Link, LinkError, LinkErrorKind, ScanFrame};
 use dermatome_model::{model::Model, quantize, skin::Skin};
 use dermatome_page::{Server, ServerError, gate::Gate};
@@ -60,7 +59,7 @@ pub(super) struct Args {
     #[arg(long, conflicts_with_all = ["png", "record"])]
     robot: bool,
     /// With --robot: serve the page at this address of this computer while the script is played: 127.0.0.1:8765.
-    #[arg(long, value_name = "HOST:PORT", requires = "robot", conflicts_with = "view")]
+    #[arg(long, value_name = "HOST:PORT", requires = "robot", conflicts_with = "view", value_parser = local_address)]
     listen: Option<SocketAddr>,
     /// With --robot: be a node of ROS 2 too (docs/ros.md), in a program built with `--features ros`.
     #[arg(long, requires = "robot")]
@@ -117,7 +116,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let noise = args.noise.noise();
     if args.robot {
-        return demo_robot::run(&args.wishes(noise)?);
+        return demo_robot::run(&args.wishes(noise));
     }
     let skin = Skin::parse(Path::new(demo::SKIN_PATH), demo::SKIN)?.made()?;
     let spinner = progress::spinner();
@@ -184,15 +183,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 impl Args {
-    fn wishes(&self, noise: Noise) -> anyhow::Result<demo_robot::Wishes<'_>> {
-        if let Some(listen) = self.listen.filter(|listen| !listen.ip().is_loopback()) {
-            bail!(
-                "`--listen` is {listen}; allowed: an address of this computer, 127.0.0.1:PORT (others may look on with \
-                 `dermatome serve models/arm/robot.toml --listen {listen} --allow-remote`)"
-            );
-        }
+    fn wishes(&self, noise: Noise) -> demo_robot::Wishes<'_> {
         let usual = || demo_robot::free_address(USUAL_PORT);
-        Ok(demo_robot::Wishes {
+        demo_robot::Wishes {
             noise,
             page: self.listen.or_else(|| self.view.then(usual)),
             no_browser: self.no_browser || !self.view,
@@ -200,8 +193,17 @@ impl Args {
             duration: self.duration,
             stays: self.view,
             json: &self.json,
-        })
+        }
     }
+}
+
+/// An address of this computer: a demo is for nobody else.
+fn local_address(text: &str) -> Result<SocketAddr, String> {
+    let address: SocketAddr = text.parse().map_err(|_| "allowed: 127.0.0.1:PORT".to_owned())?;
+    if address.ip().is_loopback() {
+        return Ok(address);
+    }
+    Err("allowed: an address of this computer, 127.0.0.1:PORT (for others: `serve models/arm/robot.toml --allow-remote`)".to_owned())
 }
 
 /// Where frames go beside the terminal: to the page, and into a recording.
