@@ -40,6 +40,30 @@ fn the_demo_shows_what_it_promises() {
     assert_is_a_picture(&desk.read("shown.png"));
 }
 
+/// Three boards on one processor: what an arm feels does not depend on how fast they are.
+#[test]
+fn an_arm_feels_where_it_is_touched_on_each_of_its_links() {
+    let desk = Desk::empty();
+    let done = desk.run(&["demo", "--robot", "--json", "demo.json"]).success();
+    assert_eq!(done.err, "", "no progress where there is no terminal");
+    assert_eq!(desk.files(), ["demo.json"]);
+    let report = desk.report("demo.json");
+    let mut settings = insta::Settings::clone_current();
+    settings.set_omit_expression(true);
+    settings.bind(|| insta::assert_snapshot!("demo_robot_json", shape(&report)));
+    assert_eq!(number(&report, "/frames_missing"), 0.0, "{report:#}");
+    assert_eq!(number(&report, "/contacts_of_nothing"), 0.0, "{report:#}");
+    let touches = report["touches"].as_array().unwrap();
+    let links: std::collections::BTreeSet<_> =
+        touches.iter().map(|touch| touch["link"].as_str().unwrap()).collect();
+    assert_eq!((touches.len(), links.len()), (8, 3), "{report:#}");
+    for touch in touches {
+        assert_eq!(number(touch, "/frames_felt"), number(touch, "/frames"), "{report:#}");
+        assert!(number(touch, "/frames") >= 25.0 && number(touch, "/error_mm_max") <= 3.0, "{report:#}");
+    }
+    assert!(done.out.contains("touches felt            8 of 8"), "{}", done.out);
+}
+
 /// The PNG decodes, is as large as a picture of eight moments must be, and shows something.
 fn assert_is_a_picture(bytes: &[u8]) {
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();

@@ -47,12 +47,13 @@ impl Scene {
         Self { place, centres, size, board, drawn: 0, diagnosed: 0, flags: FrameFlags::default() }
     }
 
-    /// Where the skin lies on its link: a transform that holds for good; none where that is not known.
+    /// Where the skin, whose frame is called so, lies on its link, and other transforms that hold for good; none where that
+    /// is not known.
     #[must_use]
-    pub fn transform(&self, skin: &str, now_ns: u64) -> Option<Packed> {
+    pub fn transform(&self, skin: &str, others: &[TransformStamped], now_ns: u64) -> Option<Packed> {
         let stamped = transform(self.place.pose.as_ref()?, skin, now_ns);
-        let bytes = cdr::encode(&TfMessage { transforms: vec![stamped] });
-        Some(Packed::now(Topic::Transforms, now_ns, bytes))
+        let transforms = [others, &[stamped]].concat();
+        Some(Packed::now(Topic::Transforms, now_ns, cdr::encode(&TfMessage { transforms })))
     }
 
     /// The scene of a frame, if the last one is old enough.

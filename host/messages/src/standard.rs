@@ -222,7 +222,7 @@ pub struct Marker {
     pub ns: String,
     /// Which.
     pub id: i32,
-    /// 0 arrow, 2 sphere, 9 text that faces the viewer.
+    /// 0 arrow, 2 sphere, 9 text that faces the viewer, 11 triangles.
     pub kind: i32,
     /// 0 add, 2 delete, 3 delete all.
     pub action: i32,

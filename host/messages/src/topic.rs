@@ -30,6 +30,10 @@ pub enum Topic {
     Markers,
     /// Status and health in words, likewise.
     Diagnostics,
+    /// Where links that move are now, of a whole robot.
+    Joints,
+    /// What its links look like.
+    Links,
 }
 
 /// How a message is encoded.
@@ -39,7 +43,7 @@ pub const SCHEMA_ENCODING: &str = "ros2msg";
 
 impl Topic {
     /// All of them; a topic's place here is its number.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Skin,
         Self::Status,
         Self::Reference,
@@ -52,6 +56,8 @@ impl Topic {
         Self::Pressure,
         Self::Markers,
         Self::Diagnostics,
+        Self::Joints,
+        Self::Links,
     ];
 
     /// Its number.
@@ -91,7 +97,13 @@ impl Topic {
     /// Whether the latest message holds until the next: those who come later get it as well.
     #[must_use]
     pub const fn is_lasting(self) -> bool {
-        matches!(self, Self::Skin | Self::Status | Self::Transforms)
+        matches!(self, Self::Skin | Self::Status | Self::Transforms | Self::Joints | Self::Links)
+    }
+
+    /// Whether it is about a whole robot, not about one of its skins.
+    #[must_use]
+    pub const fn is_of_robot(self) -> bool {
+        matches!(self, Self::Joints | Self::Links)
     }
 
     const fn about(self) -> (&'static str, &'static Schema) {
@@ -108,6 +120,8 @@ impl Topic {
             Self::Pressure => ("/dermatome/pressure", &schema::POINT_CLOUD),
             Self::Markers => ("/dermatome/markers", &schema::MARKER_ARRAY),
             Self::Diagnostics => ("/diagnostics", &schema::DIAGNOSTIC_ARRAY),
+            Self::Joints => ("/tf", &schema::TF_MESSAGE),
+            Self::Links => ("/links", &schema::MARKER_ARRAY),
         }
     }
 }

@@ -65,7 +65,7 @@ pub(crate) fn serve(stream: TcpStream, room: &Arc<Room>) -> io::Result<()> {
     let outbox = Arc::new(Outbox::default());
     for text in [
         foxglove::server_info(&room.name, &room.session),
-        foxglove::advertise(&room.spaces),
+        foxglove::advertise(&room.spaces, room.is_robot),
         foxglove::advertise_services(room.services, &room.spaces),
     ] {
         outbox.put(Letter::Text(text));

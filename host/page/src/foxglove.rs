@@ -85,21 +85,26 @@ pub(crate) fn server_info(name: &str, session: &str) -> String {
     .to_string()
 }
 
-pub(crate) fn advertise(spaces: &[String]) -> String {
-    let of_space = |(space, name): (usize, &String)| {
-        Topic::ALL.map(|topic| {
-            json!({
-                "id": Channel { space, topic }.index() + 1,
-                "topic": topic.name_in(name),
-                "encoding": ENCODING,
-                "schemaName": topic.schema().name,
-                "schema": schema::definition(topic.schema()),
-                "schemaEncoding": SCHEMA_ENCODING,
-            })
-        })
-    };
-    let channels: Vec<Value> = spaces.iter().enumerate().flat_map(of_space).collect();
+/// A robot's own topics are told in its first space.
+pub(crate) fn advertise(spaces: &[String], is_robot: bool) -> String {
+    let channels: Vec<Value> = (0..spaces.len())
+        .flat_map(|space| Topic::ALL.map(|topic| Channel { space, topic }))
+        .filter(|channel| !channel.topic.is_of_robot() || is_robot && channel.space == 0)
+        .map(|channel| advertisement(channel, &spaces[channel.space]))
+        .collect();
     json!({ "op": "advertise", "channels": channels }).to_string()
+}
+
+fn advertisement(channel: Channel, space: &str) -> Value {
+    let topic = channel.topic;
+    json!({
+        "id": channel.index() + 1,
+        "topic": topic.name_in(space),
+        "encoding": ENCODING,
+        "schemaName": topic.schema().name,
+        "schema": schema::definition(topic.schema()),
+        "schemaEncoding": SCHEMA_ENCODING,
+    })
 }
 
 pub(crate) fn advertise_services(services: &[Service], spaces: &[String]) -> String {

@@ -82,6 +82,8 @@ pub(crate) struct Room {
     inside: Mutex<Inside>,
     /// Names of the skins' spaces.
     pub(crate) spaces: Vec<String>,
+    /// Whether there are topics of a whole robot.
+    pub(crate) is_robot: bool,
     /// Subscriptions: `[channel]`.
     subscribers: Vec<AtomicUsize>,
     pub(crate) connections: AtomicUsize,
@@ -108,11 +110,13 @@ impl Room {
         session: String,
         services: &'static [Service],
         spaces: Vec<String>,
+        is_robot: bool,
         calls: Sender<Call>,
     ) -> Self {
         Self {
             subscribers: (0..spaces.len() * Topic::ALL.len()).map(|_| AtomicUsize::new(0)).collect(),
             spaces,
+            is_robot,
             name,
             session,
             services,

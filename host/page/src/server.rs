@@ -36,6 +36,8 @@ pub struct Options {
     pub services: &'static [Service],
     /// A space for each skin, which its topics and services are named after: `dermatome` for a single one.
     pub spaces: Vec<String>,
+    /// Whether the first space also tells of a whole robot.
+    pub is_robot: bool,
 }
 
 /// Why there is no server.
@@ -83,7 +85,7 @@ impl Speaker {
 impl Server {
     /// Starts to listen.
     pub fn start(options: Options) -> Result<Self, ServerError> {
-        let Options { mut gate, name, services, spaces } = options;
+        let Options { mut gate, name, services, spaces, is_robot } = options;
         let at = gate.listen;
         if !at.ip().is_loopback() && gate.token.is_none() {
             return Err(ServerError::NoToken(at));
@@ -98,7 +100,7 @@ impl Server {
         let (sender, calls) = channel();
         // Without the system's randomness a session is told from the one before by time alone.
         let session = random_text().unwrap_or_else(|| now_ns().to_string());
-        let room = Arc::new(Room::new(name, session, services, spaces, sender));
+        let room = Arc::new(Room::new(name, session, services, spaces, is_robot, sender));
         let (guarded, open_room) = (gate.clone(), room.clone());
         let acceptor = thread::Builder::new().name("page".to_owned());
         let acceptor = acceptor.spawn(move || accept_all(&listener, &guarded, &open_room)).map_err(failed)?;

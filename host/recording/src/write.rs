@@ -243,7 +243,7 @@ impl Tape {
             writer.attach(&attachment(SKIN_FILE, "application/toml", text.as_bytes()))?;
         }
         let mut channels = Vec::new();
-        for topic in Topic::ALL {
+        for topic in Topic::ALL.into_iter().filter(|topic| !topic.is_of_robot()) {
             let schema = topic.schema();
             let text = schema::definition(schema);
             let schema = writer.add_schema(schema.name, SCHEMA_ENCODING, text.as_bytes())?;
@@ -291,7 +291,8 @@ impl Tape {
     }
 
     fn write(&mut self, packed: &Packed) -> Result<(), McapError> {
-        let (channel_id, sequence) = &mut self.channels[packed.topic.index()];
+        // Those of a robot, which come last, are not recorded: a recording is of one skin.
+        let Some((channel_id, sequence)) = self.channels.get_mut(packed.topic.index()) else { return Ok(()) };
         let header = MessageHeader {
             channel_id: *channel_id,
             sequence: *sequence,

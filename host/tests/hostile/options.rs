@@ -104,7 +104,7 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
             &["", "abc", "tcp:", "sim:none.toml", "replay:", "replay:none.mcap", "replay:notes.txt"]
         }
         (_, "port") => PORTS,
-        ("view" | "serve", "listen") => {
+        ("view" | "serve" | "demo", "listen") => {
             &["", "abc", "127.0.0.1", "127.0.0.1:99999", "localhost:1", "8.8.8.8:1"]
         }
         ("view" | "serve", "token") => &["", "short", "with space", "a&b=cdefgh"],
@@ -142,7 +142,7 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
         ("cut", "frame") => &["", "a b", "ä", "a\nb"],
         ("stream" | "reconstruct", "fit") => LENGTHS,
         ("serve", "domain") => &["", "x", "-1", "233", "1.5"],
-        ("serve", "duration") => &["", "x", "nan", "-1", "1e30"],
+        ("serve" | "demo", "duration") => &["", "x", "nan", "-1", "1e30"],
         (_, "give-up-after") => &["", "x", "nan", "-1", "1e30"],
         ("calibrate", "start") => NUMBERS,
         ("experiment check", "amplitudes") => &["", "x", "0", "-1", "101", "nan", "50,x"],

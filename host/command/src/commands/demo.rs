@@ -3,6 +3,7 @@
 use super::{
     JsonReport,
     current::Current,
+    demo_robot,
     doors::open_browser,
     interrupt,
     noise::NoiseOptions,
@@ -28,7 +29,11 @@ use dermatome_simulate::{
 };
 use dermatome_view::live::{Live, Shown};
 use serde::Serialize;
-use std::{net::Ipv4Addr, path::Path};
+use std::{
+    net::{Ipv4Addr, SocketAddr},
+    path::Path,
+    time::Duration,
+};
 
 /// Build a patch, flash a simulated board, and watch fingers press its skin.
 ///
@@ -37,6 +42,7 @@ use std::{net::Ipv4Addr, path::Path};
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   dermatome demo
+  dermatome demo --robot --view
   dermatome demo --noise-db 40 --seed 3 --json demo.json")]
 pub(super) struct Args {
     /// Picture to write: truth beside image at eight moments.
@@ -48,6 +54,19 @@ pub(super) struct Args {
     /// With --view: do not open the browser.
     #[arg(long, requires = "view")]
     no_browser: bool,
+    /// Show an arm with three skins instead (models/arm), each on a simulated board, served as `serve` does: touched at
+    /// several links at once, and stroked. Fails if a touch is not felt.
+    #[arg(long, conflicts_with_all = ["png", "record"])]
+    robot: bool,
+    /// With --robot: serve the page at this address of this computer while the script is played: 127.0.0.1:8765.
+    #[arg(long, value_name = "HOST:PORT", requires = "robot", conflicts_with = "view", value_parser = local_address)]
+    listen: Option<SocketAddr>,
+    /// With --robot: be a node of ROS 2 too (docs/ros.md), in a program built with `--features ros`.
+    #[arg(long, requires = "robot")]
+    ros: bool,
+    /// With --robot: stop after so many seconds, instead of when the script has been played once, or, with --view, at Ctrl-C.
+    #[arg(long, value_name = "SECONDS", requires = "robot", value_parser = super::stream::seconds)]
+    duration: Option<Duration>,
     #[command(flatten)]
     record: Record,
     #[command(flatten)]
@@ -96,6 +115,9 @@ const NOISIER_DB: f64 = 10.0;
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let noise = args.noise.noise();
+    if args.robot {
+        return demo_robot::run(&args.wishes(noise));
+    }
     let skin = Skin::parse(Path::new(demo::SKIN_PATH), demo::SKIN)?.made()?;
     let spinner = progress::spinner();
     let model = Model::build(&skin, |stage| spinner.set_message(stage))?;
@@ -158,6 +180,30 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
             Ok(())
         }
     }
+}
+
+impl Args {
+    fn wishes(&self, noise: Noise) -> demo_robot::Wishes<'_> {
+        let usual = || demo_robot::free_address(USUAL_PORT);
+        demo_robot::Wishes {
+            noise,
+            page: self.listen.or_else(|| self.view.then(usual)),
+            no_browser: self.no_browser || !self.view,
+            ros: self.ros,
+            duration: self.duration,
+            stays: self.view,
+            json: &self.json,
+        }
+    }
+}
+
+/// An address of this computer: a demo is for nobody else.
+fn local_address(text: &str) -> Result<SocketAddr, String> {
+    let address: SocketAddr = text.parse().map_err(|_| "allowed: 127.0.0.1:PORT".to_owned())?;
+    if address.ip().is_loopback() {
+        return Ok(address);
+    }
+    Err("allowed: an address of this computer, 127.0.0.1:PORT (for others: `serve models/arm/robot.toml --allow-remote`)".to_owned())
 }
 
 /// Where frames go beside the terminal: to the page, and into a recording.

@@ -8,7 +8,7 @@ use dermatome_page::{
 use std::net::SocketAddr;
 
 /// Who else may look on.
-#[derive(clap::Args)]
+#[derive(clap::Args, Default)]
 pub(super) struct Doors {
     /// Let other computers in: needed for an address that is not this machine's own (127.0.0.1). They need the token in the
     /// address that is printed, and whoever has it can drive the board.
@@ -41,12 +41,18 @@ fn origin(text: &str) -> Result<String, &'static str> {
 }
 
 impl Doors {
+    /// For those on this computer.
+    pub(super) fn of_this_computer(no_browser: bool) -> Self {
+        Self { no_browser, ..Self::default() }
+    }
+
     /// Starts the page's server, says where it is, and opens the browser.
     pub(super) fn open(
         &self,
         listen: SocketAddr,
         services: &'static [Service],
         spaces: Vec<String>,
+        is_robot: bool,
         say: impl FnOnce(&str),
     ) -> anyhow::Result<Server> {
         let is_local = listen.ip().is_loopback();
@@ -62,7 +68,8 @@ impl Doors {
             }
         };
         let gate = Gate { listen, token, origins: self.allow_origin.clone() };
-        let server = Server::start(Options { gate, name: "dermatome".to_owned(), services, spaces })?;
+        let server =
+            Server::start(Options { gate, name: "dermatome".to_owned(), services, spaces, is_robot })?;
         say(&server.url());
         if !is_local {
             eprintln!(

@@ -35,6 +35,7 @@ mod current;
 mod cut;
 mod cut_picture;
 mod demo;
+mod demo_robot;
 mod design;
 mod devices;
 mod doors;

@@ -10,6 +10,7 @@ use dermatome_messages::{
     frame::{Outlook, Place, ScopeTiming},
     scene::Scene,
     skin::{Look, skin},
+    standard::TransformStamped,
 };
 use dermatome_page::Speaker;
 use dermatome_recording::{
@@ -119,6 +120,10 @@ pub(super) struct Outlets {
     lasting: Vec<Packed>,
     recorder: Option<Recorder>,
     speaker: Option<Speaker>,
+    /// Name of the skin's frame, where it is not the skin's own.
+    frame: Option<String>,
+    /// Other frames that never move.
+    fixed: Vec<TransformStamped>,
     averaging: Averaging,
     /// How the skin is driven.
     drive: Option<Drive>,
@@ -145,6 +150,8 @@ impl Outlets {
             lasting: Vec::new(),
             recorder: None,
             speaker: None,
+            frame: None,
+            fixed: Vec::new(),
             averaging: Averaging::default(),
             drive: None,
             tare: Vec::new(),
@@ -155,6 +162,11 @@ impl Outlets {
     /// For those who look on, while there is no board.
     pub(super) fn telling(speaker: Speaker) -> Self {
         Self { speaker: Some(speaker), ..Self::empty() }
+    }
+
+    /// The same of one of several skins, whose frame is called so, on a robot that has these other frames that never move.
+    pub(super) fn on_robot(speaker: Speaker, frame: String, fixed: Vec<TransformStamped>) -> Self {
+        Self { frame: Some(frame), fixed, ..Self::telling(speaker) }
     }
 
     /// Images are those of this patch from now on.
@@ -173,7 +185,8 @@ impl Outlets {
         self.scene = Scene::new(place.clone(), centres, board);
         self.outlook.place = place;
         self.lasting = vec![Packed::now(Topic::Skin, now, cdr::encode(&shape))];
-        self.lasting.extend(self.scene.transform(name, now));
+        let frame = self.frame.as_deref().unwrap_or(name);
+        self.lasting.extend(self.scene.transform(frame, &self.fixed, now));
         for packed in self.lasting.clone() {
             self.send(packed);
         }

@@ -1,5 +1,6 @@
 //! The demo: what it plays, and how it scores what it sees. [`crate::commands`] runs and shows it.
 
+pub(crate) mod arm;
 mod noisier;
 mod path;
 mod picture;

@@ -12,6 +12,11 @@ const USUAL_CALL_MS = 15000;
 const SKIN_SCHEMA = "dermatome_msgs/msg/Skin";
 // Topics and services are named after the space of their skin; the page knows those of a single skin.
 const SINGLE = "/dermatome/";
+// Topics of a whole robot, and of each of its skins, that are looked at where all of it is.
+const ROBOT_TOPICS = ["/links", "/tf", "/tf_static"];
+const ROBOT_SKIN_TOPICS = ["/skin", "/image", "/contacts", "/status"];
+/** Stands for all skins of a robot, in place of one's space. */
+export const WHOLE = "*";
 
 export class Connection {
   /** `on.message(topic, schema, bytes, logTime)`, `on.session()` where all is new, `on.change()` of what is below. */
@@ -45,13 +50,32 @@ export class Connection {
     return skins.map(({ topic }) => topic.slice(1, topic.lastIndexOf("/")));
   }
 
-  /** The space that is looked at: the chosen one, or the first. */
+  /** Whether the program tells of a whole robot. */
+  get hasRobot() {
+    return [...this.channels.values()].some(({ topic }) => topic === ROBOT_TOPICS[0]);
+  }
+
+  /** The space that is looked at: the chosen one, or all of the robot, or the first. */
   get space() {
-    const { spaces } = this;
-    return spaces.includes(this.chosen) ? this.chosen : spaces[0];
+    const { spaces, hasRobot } = this;
+    if (spaces.includes(this.chosen)) return this.chosen;
+    return hasRobot ? WHOLE : spaces[0];
+  }
+
+  /** What a topic is called here: as that of a single skin, or, where all of the robot is looked at, by its channel. */
+  nameHere({ id, topic }) {
+    if (this.space !== WHOLE) return this.singly(topic);
+    const ofSkin = this.spaces.some((space) => ROBOT_SKIN_TOPICS.some((end) => topic === `/${space}${end}`));
+    return ofSkin || ROBOT_TOPICS.includes(topic) ? `${id}${topic}` : undefined;
+  }
+
+  isWanted(channel) {
+    return this.space === WHOLE ? this.nameHere(channel) !== undefined : this.wanted.has(this.singly(channel.topic));
   }
 
   choose(space) {
+    // What lasts comes once for each subscription: all are new, also those that both choices have.
+    this.dropSubscriptions([...this.subscriptions.keys()]);
     this.chosen = space;
     this.on.session();
     this.matchSubscriptions();
@@ -169,7 +193,7 @@ export class Connection {
   readFrame(frame) {
     if (frame?.op === "message") {
       const channel = this.subscriptions.get(frame.subscriptionId);
-      const topic = channel && this.singly(channel.topic);
+      const topic = channel && this.nameHere(channel);
       if (topic) this.on.message(topic, channel.schema, frame.bytes, frame.logTime);
     } else if (frame?.op === "serviceResponse") {
       this.settle(frame.callId, (call) => call.resolve(frame.payload));
@@ -215,7 +239,7 @@ export class Connection {
     const isCdr = (channel) => channel.encoding === "cdr" && channel.schemaEncoding === "ros2msg";
     const held = new Set([...this.subscriptions.values()].map((channel) => channel.id));
     const missing = [...this.channels.values()].filter(
-      (channel) => this.wanted.has(this.singly(channel.topic)) && isCdr(channel) && !held.has(channel.id),
+      (channel) => this.isWanted(channel) && isCdr(channel) && !held.has(channel.id),
     );
     const subscriptions = missing.map((channel) => ({ id: this.nextSubscription++, channelId: channel.id, channel }));
     for (const { id, channel } of subscriptions) this.subscriptions.set(id, channel);
@@ -226,10 +250,14 @@ export class Connection {
   }
 
   dropUnwanted() {
-    const unwanted = [...this.subscriptions].filter(([, channel]) => !this.wanted.has(this.singly(channel.topic)));
-    if (unwanted.length === 0) return;
-    for (const [id] of unwanted) this.subscriptions.delete(id);
-    this.send({ op: "unsubscribe", subscriptionIds: unwanted.map(([id]) => id) });
+    const unwanted = [...this.subscriptions].filter(([, channel]) => !this.isWanted(channel));
+    this.dropSubscriptions(unwanted.map(([id]) => id));
+  }
+
+  dropSubscriptions(ids) {
+    if (ids.length === 0) return;
+    for (const id of ids) this.subscriptions.delete(id);
+    this.send({ op: "unsubscribe", subscriptionIds: ids });
   }
 
   send(message) {

@@ -2,7 +2,7 @@
 
 import { byId, eachChild, element, setText } from "./element.js";
 import { totalForce, totalStrength } from "./history.js";
-import { bytes, contactName, forceText, number, strengthText, withUnit } from "./words.js";
+import { STATES, bytes, contactName, forceText, number, strengthText, withUnit } from "./words.js";
 
 const REDRAW_MS = 100;
 
@@ -12,11 +12,12 @@ export function contactsPanel(session) {
   let drawn = 0;
   const update = (changes) => {
     if (!isSeen) return;
-    if (changes.has("status") || changes.has("skin") || changes.has("new")) showSession(session);
+    if (["status", "skin", "new"].some((name) => changes.has(name))) showSession(session);
     const isDue = performance.now() - drawn > REDRAW_MS;
-    if (!changes.has("new") && !(isDue && (changes.has("contacts") || changes.has("status")))) return;
+    if (!changes.has("new") && !(isDue && ["contacts", "status", "robot"].some((name) => changes.has(name)))) return;
     drawn = performance.now();
-    showContacts(session.shown);
+    if (session.isWhole) showRobot(session.robot);
+    else showContacts(session.shown);
   };
   session.listen(update);
   const setSeen = (seen) => {
@@ -41,15 +42,43 @@ function showContacts({ contacts, skin, status }) {
   eachChild(byId("contact-rows"), list, makeRow, updateRow);
 }
 
+// Places are in the frames of the links, as programs get them.
+function showRobot({ contacts, skins }) {
+  const list = contacts.sort((a, b) => a.space.localeCompare(b.space) || a.id - b.id);
+  const rates = [...skins.values()].map(({ status }) => status?.frames_per_second).filter(Number.isFinite);
+  showPairs(byId("figures"), [
+    ["Contacts", list.length],
+    ["Skins", skins.size],
+    ["Least frames/s", rates.length > 0 ? number(Math.min(...rates)) : "–"],
+  ]);
+  byId("no-contacts").hidden = list.length > 0;
+  setText(byId("no-contacts"), "Nothing touches the robot.");
+  eachChild(byId("contact-rows"), list, makeRow, updateRow);
+  showPairs(byId("session"), [...skins].map(([space, { status, contacts: of }]) => [nameOf(space), skinText(status, of)]));
+}
+
+function nameOf(space) {
+  return space.slice(space.indexOf("/") + 1);
+}
+
+function skinText(status, contacts) {
+  const count = contacts?.contacts.length ?? 0;
+  const touches = `${count} ${count === 1 ? "contact" : "contacts"}`;
+  return [STATES[status?.state]?.word ?? "–", touches, status?.text].filter(Boolean).join(", ");
+}
+
 function makeRow() {
   return element("tr", {}, element("th", { scope: "row" }), ...Array.from({ length: 5 }, () => element("td")));
 }
 
 function updateRow(row, contact) {
-  const { position, area, strength, pressure, force } = contact;
-  const place = [position.x, position.y, position.z].map((metres) => (metres * 1000).toFixed(1)).join(", ");
+  const { area, strength, pressure, force, space } = contact;
+  const position = contact.onLink ?? contact.position;
+  // The skin's name takes room.
+  const decimals = space ? 0 : 1;
+  const place = [position.x, position.y, position.z].map((metres) => (metres * 1000).toFixed(decimals)).join(", ");
   const texts = [
-    contactName(contact),
+    space ? `${nameOf(space)} ${contactName(contact)}` : contactName(contact),
     strengthText(strength),
     number(pressure / 1e3),
     number(force),
@@ -59,7 +88,8 @@ function updateRow(row, contact) {
   texts.forEach((text, i) => setText(row.children[i], text));
 }
 
-function showSession({ shown: { status, skin } }) {
+function showSession({ isWhole, shown: { status, skin } }) {
+  setText(byId("session-title"), isWhole ? "Skins" : "Session");
   showPairs(byId("session"), status ? sessionFacts(status, skin) : []);
 }
 

@@ -6,7 +6,7 @@ import { Vector3 } from "three";
 import { ringRadius } from "./contact_markers.js";
 import { element, setText, svg } from "./element.js";
 import { STATES } from "./electrode_states.js";
-import { contactLabel } from "./words.js";
+import { contactLabel, shortLabel } from "./words.js";
 
 const LABEL_HEIGHT = 22;
 const GAP = 6;
@@ -52,7 +52,7 @@ export class Labels {
     while (this.contactLayer.children.length < contacts.length) this.contactLayer.append(element("span", { className: "contact" }));
     [...this.contactLayer.children].forEach((label, i) => {
       label.hidden = i >= contacts.length;
-      if (!label.hidden) setText(label, contactLabel(contacts[i]));
+      if (!label.hidden) setText(label, (contacts[i].space ? shortLabel : contactLabel)(contacts[i]));
     });
   }
 

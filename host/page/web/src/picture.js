@@ -5,10 +5,11 @@ import { byId, eachChild, element, setText, svg } from "./element.js";
 import { electrodeStates } from "./electrode_states.js";
 import { Labels } from "./labels.js";
 import { pixelValues } from "./messages.js";
+import { RobotFigure } from "./robot_figure.js";
 import { Scale, nextStep } from "./scale.js";
 import { Scene } from "./scene.js";
 
-const DRAWN_CHANGES = ["skin", "image", "contacts", "health", "view", "look", "new"];
+const DRAWN_CHANGES = ["skin", "image", "contacts", "health", "view", "look", "new", "robot"];
 const MOST_TICKS = 6;
 const RULER_POINTS = 110;
 
@@ -66,7 +67,9 @@ export class Picture {
 
   update(changes) {
     if (!DRAWN_CHANGES.some((name) => changes.has(name))) return;
-    const { shown } = this.session;
+    const { shown, isWhole } = this.session;
+    if (changes.has("new") || isWhole !== Boolean(this.scene.figure)) this.showWhole(isWhole);
+    if (isWhole && changes.has("robot")) this.showRobot();
     if (changes.has("skin") || changes.has("new")) this.showSkin(shown.skin);
     if (changes.has("image")) this.showImage(shown.image);
     if (changes.has("contacts")) this.showContacts(shown.contacts?.contacts ?? []);
@@ -100,6 +103,33 @@ export class Picture {
     this.labels.showContacts(contacts);
   }
 
+  showWhole(isWhole) {
+    this.scene.setFigure(isWhole ? new RobotFigure() : undefined);
+    this.scene.isFitted = true;
+    byId("view").classList.toggle("is-whole", isWhole);
+  }
+
+  showRobot() {
+    const { robot } = this.session;
+    const { figure } = this.scene;
+    const isOther = figure.follow(robot);
+    const skins = [...robot.skins.values()].map(({ skin }) => skin).filter(Boolean);
+    this.scale.threshold = Math.max(...skins.map(({ contact_threshold: threshold }) => threshold));
+    for (const { values } of figure.skins.values()) if (values) this.scale.follow(values, performance.now() / 1000);
+    robot.news.clear();
+    if (isOther) {
+      this.scene.fitFigure();
+      this.showLook();
+    }
+    this.showContacts(robot.contacts);
+  }
+
+  /** The contacts that are seen. */
+  get contacts() {
+    const { isWhole, robot, shown } = this.session;
+    return isWhole ? robot.contacts : (shown.contacts?.contacts ?? []);
+  }
+
   showHealth({ skin, health }) {
     if (skin) this.labels.showElectrodes(electrodeStates(skin.electrodes.length / 3, health));
   }
@@ -108,15 +138,15 @@ export class Picture {
     this.labels.setShown(this.shows);
     this.scene.showLink(this.shows.link);
     this.scene.setTheme(themeOfScene());
-    this.showContacts(this.session.shown.contacts?.contacts ?? []);
+    this.showContacts(this.contacts);
   }
 
   draw(changes) {
     this.table ??= tableOf(this.map);
     const [low, high] = this.range;
-    this.scene.surface?.setColours(this.table, low, high);
+    for (const surface of this.scene.surfaces) surface.setColours(this.table, low, high);
     this.scene.draw();
-    const isViewNew = changes.has("view") || changes.has("skin");
+    const isViewNew = ["view", "skin", "robot"].some((name) => changes.has(name));
     this.labels.place(isViewNew);
     byId("view-foot").hidden = !this.scene.frame;
     if (isViewNew && this.scene.frame) this.showRuler();

@@ -3,6 +3,8 @@
 
 import source from "worker:program_worker.js";
 
+import { WHOLE } from "./connection.js";
+
 export class Program {
   /** `on.message(topic, schema, bytes, logTime)`, `on.session()` where all is new, `on.change()` of what is below. */
   constructor(url, on) {
@@ -14,6 +16,7 @@ export class Program {
     this.silence = 0;
     this.sessionId = undefined;
     this.spaces = [];
+    this.hasRobot = false;
     this.space = undefined;
     this.services = new Set();
     this.notices = [];
@@ -23,6 +26,11 @@ export class Program {
     this.worker.onmessage = ({ data }) => this.told(data);
     this.worker.onerror = (event) => on.failed(`The page's connection failed (${event.message}). Reload it.`);
     this.worker.postMessage({ kind: "open", url });
+  }
+
+  /** Whether all skins of a robot are looked at. */
+  get isWhole() {
+    return this.space === WHOLE;
   }
 
   offers(service) {

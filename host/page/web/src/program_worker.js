@@ -56,8 +56,8 @@ function begin() {
 }
 
 function tellState() {
-  const { isOpen, everOpen, attempts, retryAt, sessionId, silence, spaces, space, offered, notices } = connection;
+  const { isOpen, everOpen, attempts, retryAt, sessionId, silence, spaces, hasRobot, space, offered, notices } = connection;
   const retryIn = retryAt > 0 ? retryAt - performance.now() : 0;
-  const state = { isOpen, everOpen, attempts, retryIn, sessionId, silence, spaces, space };
+  const state = { isOpen, everOpen, attempts, retryIn, sessionId, silence, spaces, hasRobot, space };
   postMessage({ kind: "state", state, services: offered, notices: [...notices.values()] });
 }

@@ -37,13 +37,32 @@ export class Scene {
     this.theme = undefined;
     this.surface = undefined;
     this.link = undefined;
+    this.figure = undefined;
     this.isFitted = true;
     // In points; the canvas is not asked for it while drawing, which would lay out the page.
     this.size = [1, 1];
   }
 
   get frame() {
-    return this.surface?.frame;
+    return this.figureFrame ?? this.surface?.frame;
+  }
+
+  /** Shows a whole robot in place of a skin, or none where it is undefined. */
+  setFigure(figure) {
+    if (figure === this.figure) return;
+    if (this.figure) this.objects.remove(this.figure.group);
+    this.figure?.dispose();
+    this.figure = figure;
+    this.figureFrame = undefined;
+    if (figure) this.objects.add(figure.group);
+    this.markers.reset();
+  }
+
+  /** The robot has other parts, or reaches farther. */
+  fitFigure() {
+    this.figureFrame = this.figure.frame;
+    if (this.theme) this.setTheme(this.theme);
+    if (this.figureFrame && this.isFitted) this.resetView();
   }
 
   setSkin(skin) {
@@ -72,29 +91,41 @@ export class Scene {
     this.link = undefined;
   }
 
+  /** Those that are seen. */
+  get surfaces() {
+    return this.figure?.surfaces ?? (this.surface ? [this.surface] : []);
+  }
+
   setTheme(theme) {
     this.theme = theme;
-    this.surface?.setTheme({ blank: theme.blank, line: new Color().setRGB(...theme.line, "srgb").toArray() });
+    const line = new Color().setRGB(...theme.line, "srgb").toArray();
+    for (const surface of this.surfaces) surface.setTheme({ blank: theme.blank, line });
   }
 
   showLink(isShown) {
     if (this.link) this.link.visible = isShown;
+    this.figure?.showLinks(isShown);
   }
 
   showContacts(contacts) {
-    this.markers.show(contacts, this.frame?.radius ?? 1);
+    this.markers.show(contacts, this.figure?.skinRadius ?? this.frame?.radius ?? 1);
   }
 
-  /** The view in which all of the skin is seen. */
+  /** The view in which all is seen. */
   resetView() {
-    if (!this.surface) return;
+    if (!this.frame) return;
     const viewpoint = viewpointOf(this.frame);
-    const { target, position } = fitting(this.camera, this.surface.geometry.attributes.position.array, viewpoint, Boolean(this.link));
+    const { target, position } = fitting(this.camera, this.vertices, viewpoint, Boolean(this.link));
     this.camera.up.copy(viewpoint.up);
     this.camera.position.copy(position);
     this.replaceControls(target);
     this.isFitted = true;
     this.onView();
+  }
+
+  // What the view is fitted to.
+  get vertices() {
+    return this.figure?.corners ?? this.surface.geometry.attributes.position.array;
   }
 
   // The controls keep the direction that was up when they were made.
@@ -132,7 +163,7 @@ export class Scene {
   }
 
   draw() {
-    if (this.surface) this.setDepths();
+    if (this.frame) this.setDepths();
     this.markers.face(this.camera);
     this.renderer.render(this.objects, this.camera);
   }

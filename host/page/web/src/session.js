@@ -7,9 +7,11 @@ import { TOPIC, checkSkin, decode } from "./messages.js";
 import { Player } from "./player.js";
 import { Program } from "./program.js";
 import { RecordedHistory } from "./recorded_history.js";
+import { Robot } from "./robot.js";
 
 const LIVE_TOPICS = [TOPIC.skin, TOPIC.status, TOPIC.image, TOPIC.contacts, TOPIC.health];
 const HELD_TOPICS = new Set([TOPIC.image, TOPIC.contacts, TOPIC.health, TOPIC.scope]);
+const HELD_OF_ROBOT = /^\d.*\/(image|contacts|tf)$/;
 const NAMES = Object.fromEntries(Object.entries(TOPIC).map(([name, topic]) => [topic, name]));
 const STALE_MS = 2000;
 const LATENCIES_KEPT = 2000;
@@ -20,6 +22,7 @@ export class Session {
     this.changes = new Set();
     this.latest = new Latest();
     this.shown = {};
+    this.robot = new Robot();
     this.times = {};
     this.liveStatus = undefined;
     this.player = undefined;
@@ -72,6 +75,11 @@ export class Session {
   get isStale() {
     const isLive = !this.player && !this.isHeld && this.program.isOpen && this.shown.status?.state === "live";
     return isLive && !document.hidden && performance.now() - this.imageCame > STALE_MS;
+  }
+
+  /** Whether all skins of a robot are shown at once. */
+  get isWhole() {
+    return this.program.isWhole && !this.player;
   }
 
   wantScope(isWanted) {
@@ -127,6 +135,7 @@ export class Session {
   forget() {
     this.latest.clear();
     this.shown = {};
+    this.robot.clear();
     this.times = {};
     this.fault = "";
     this.imageCame = performance.now();
@@ -151,7 +160,8 @@ export class Session {
   }
 
   frame() {
-    for (const message of this.latest.take((topic) => !this.isHeld || !HELD_TOPICS.has(topic))) this.show(message);
+    const isHeld = (topic) => this.isHeld && (HELD_TOPICS.has(topic) || HELD_OF_ROBOT.test(topic));
+    for (const message of this.latest.take((topic) => !isHeld(topic))) this.show(message);
     const { changes } = this;
     this.changes = new Set();
     for (const listener of this.listeners) this.tell(listener, changes);
@@ -172,6 +182,7 @@ export class Session {
     const name = NAMES[topic];
     try {
       const message = decode(schema, bytes);
+      if (!topic.startsWith("/")) return this.showOfRobot(topic.slice(topic.indexOf("/")), message);
       if (name === "skin") checkSkin(message);
       this.shown[name] = message;
       this.times[name] = logTime;
@@ -180,6 +191,13 @@ export class Session {
     } catch (error) {
       this.failed(`A message of ${topic} cannot be read (${error.message}). Reload the page: the program may be newer.`);
     }
+  }
+
+  // Topics of a whole robot come with the numbers of their channels, as several may have one name.
+  showOfRobot(topic, message) {
+    if (topic.endsWith("/skin")) checkSkin(message);
+    this.robot.take(topic, message);
+    this.changes.add("robot");
   }
 
   noteLatency() {

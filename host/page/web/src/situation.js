@@ -9,8 +9,9 @@ import { STATES } from "./words.js";
 export function situationOf(session) {
   if (session.player) return ofRecording(session);
   if (!session.program.isOpen) return ofNoProgram(session.program);
-  const { status, skin } = session.shown;
   if (session.program.silence > 0) return ofSilence(session.program.silence);
+  if (session.isWhole) return ofRobot(session.robot);
+  const { status, skin } = session.shown;
   if (!status) return waiting("Connected to the program", "It has not yet said how the skin is.");
   if (status.state !== "live") return ofStatus(status);
   if (!skin) return waiting("Waiting for the skin's shape", status.text);
@@ -41,6 +42,23 @@ function ofNoProgram(program) {
     advice: `Start it again in a terminal, if it has ended; this page connects by itself. ${next}`,
     covers: true,
     action: "retry",
+  };
+}
+
+// Skins that are not live are named; one that is is enough to see something.
+function ofRobot({ skins }) {
+  const all = [...skins].filter(([, { status }]) => status);
+  if (all.length === 0) return waiting("Connected to the program", "It has not yet said how the skins are.");
+  const others = all.filter(([, { status }]) => status.state !== "live");
+  const said = others.map(([space, { status }]) => `${space}: ${status.text || (STATES[status.state]?.word ?? status.state)}`);
+  if (others.length === all.length) return waiting("No skin is live yet", said.join("; "));
+  const isAll = others.length === 0;
+  return {
+    level: isAll ? "good" : "warn",
+    word: isAll ? "Live" : `${all.length - others.length} of ${all.length} live`,
+    text: isAll ? `${all.length} skins` : said.join("; "),
+    advice: others.map(([, { status }]) => status.advice).find(Boolean) ?? "",
+    covers: false,
   };
 }
 

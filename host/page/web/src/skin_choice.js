@@ -1,5 +1,6 @@
-// Chooses among the skins of a robot, where the program tells of several.
+// Chooses among the skins of a robot, or all of it, where the program tells of several.
 
+import { WHOLE } from "./connection.js";
 import { byId, eachChild, element, setText } from "./element.js";
 
 export function skinChoice(session) {
@@ -11,11 +12,12 @@ export function skinChoice(session) {
 }
 
 function show({ program, player }, choice) {
-  const { spaces, space } = program;
-  choice.hidden = spaces.length < 2 || Boolean(player);
-  eachChild(choice, spaces, () => element("option"), (option, name) => {
+  const { spaces, hasRobot, space } = program;
+  const names = hasRobot ? [WHOLE, ...spaces] : spaces;
+  choice.hidden = names.length < 2 || Boolean(player);
+  eachChild(choice, names, () => element("option"), (option, name) => {
     option.value = name;
-    setText(option, name);
+    setText(option, name === WHOLE ? "Whole robot" : name);
   });
   if (space !== undefined) choice.value = space;
 }

@@ -90,7 +90,11 @@ export class SkinSurface {
 /** The robot link behind a skin, grey; `undefined` where the skin has none. */
 export function linkMesh(skin) {
   if (skin.link_triangles.length === 0) return undefined;
-  const geometry = geometryOf(skin.link_vertices, skin.link_triangles);
+  return linkOf(geometryOf(skin.link_vertices, skin.link_triangles));
+}
+
+/** A robot link of this shape. */
+export function linkOf(geometry) {
   // The skin lies on it: behind where both are at the same depth.
   const behind = { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8 };
   return new Mesh(geometry, new MeshLambertMaterial({ color: 0x8b939d, side: DoubleSide, ...behind }));

@@ -14,7 +14,7 @@ export function statusView(session, act) {
   button.addEventListener("click", () => act(button.dataset.action));
   session.listen((changes) => {
     if (changes.has("new")) warnedAt.clear();
-    if (["status", "program", "player", "skin", "new", "held"].some((name) => changes.has(name))) show(session, button, warnedAt);
+    if (["status", "program", "player", "skin", "new", "held", "robot"].some((name) => changes.has(name))) show(session, button, warnedAt);
   });
 }
 
@@ -25,7 +25,7 @@ function show(session, button, warnedAt) {
   badge.dataset.level = situation.level;
   setText(byId("status-text"), situation.text);
   byId("status-text").title = situation.advice;
-  document.title = `${session.shown.skin?.name ?? situation.word} – Dermatome`;
+  document.title = `${session.isWhole ? session.program.spaces[0].split("/")[0] : (session.shown.skin?.name ?? situation.word)} – Dermatome`;
   byId("situation").hidden = !situation.covers;
   byId("view").classList.toggle("is-dimmed", situation.covers);
   byId("panel-contacts").classList.toggle("is-dimmed", situation.covers && situation.action === "retry");

@@ -17,6 +17,12 @@ export function setUpTestHook(session, picture, tabs) {
   });
 }
 
+function robotOf(robot, picture) {
+  const contacts = robot.contacts.map(({ space, position, onLink }) => ({ space, position: { ...position }, onLink }));
+  const { figure } = picture.scene;
+  return { contacts, skins: [...(figure?.skins.keys() ?? [])], links: (figure?.links ?? []).map(({ frame }) => frame) };
+}
+
 function stateOf(session, picture, tabs) {
   const { player, program, shown } = session;
   return {
@@ -27,6 +33,7 @@ function stateOf(session, picture, tabs) {
     isFlat: picture.scene?.frame?.isFlat,
     sequence: shown.image?.sequence,
     contacts: (shown.contacts?.contacts ?? []).map(({ id, force, strength, position }) => ({ id, force, strength, position })),
+    robot: session.isWhole ? robotOf(session.robot, picture) : undefined,
     isHeld: session.isHeld,
     panel: tabs.selected,
     map: picture.map,

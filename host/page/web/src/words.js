@@ -49,6 +49,11 @@ export function contactLabel(contact) {
   return `${name} strength ${strengthText(contact.strength)}`;
 }
 
+/** `0.42 N`, or the strength: where there is room for no more. */
+export function shortLabel({ force, strength }) {
+  return Number.isFinite(force) ? forceText(force) : strengthText(strength);
+}
+
 /** A strength, a relative change, always with the same decimals. */
 export function strengthText(strength) {
   return Number.isFinite(strength) ? strength.toFixed(3) : DASH;

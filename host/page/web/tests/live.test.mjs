@@ -10,7 +10,7 @@ import { createInterface } from "node:readline";
 import { fileURLToPath } from "node:url";
 import { after, before, describe, test } from "node:test";
 
-import { launch, missing, openPage, screenshot, until, untilDrawn } from "./browser.mjs";
+import { colourAtPlace, launch, missing, openPage, screenshot, until, untilDrawn } from "./browser.mjs";
 
 const PROGRAM = process.env.DERMATOME;
 const SKIN = fileURLToPath(new URL("../../../../models/disc-210mm/skin.toml", import.meta.url));
@@ -183,6 +183,70 @@ describe("a robot's skins", () => {
     assert.ok(await page.isEnabled("#tare"));
     assert.ok(await page.isDisabled("#record"), "not offered for a robot");
     await screenshot(page, "robot");
+    assert.deepEqual(errors, []);
+    await close();
+  });
+});
+
+const ARM = fileURLToPath(new URL("../../../../models/arm/robot.toml", import.meta.url));
+const SPACES = ["arm/upper_arm", "arm/forearm", "arm/hand"];
+
+describe("a whole robot", () => {
+  let browser, folder, program;
+  before(async () => {
+    if (skip) return;
+    browser = await launch();
+    folder = mkdtempSync(join(tmpdir(), "dermatome-arm-"));
+    program = await start(folder, "127.0.0.1:0", ["serve", ARM], "stderr");
+  });
+  after(async () => {
+    await program?.end();
+    await browser?.close();
+    if (folder) rmSync(folder, { recursive: true, force: true });
+  });
+
+  /** Waits until all skins are touched, and stops the picture. */
+  async function holdTouched(page) {
+    await until(page, (count) => new Set((window.dermatome.state().robot?.contacts ?? []).map(({ space }) => space)).size === count, SPACES.length, START_MS);
+    await page.keyboard.press(" ");
+    await until(page, () => window.dermatome.state().isHeld);
+    await page.waitForTimeout(300);
+    return page.evaluate(() => window.dermatome.state().robot);
+  }
+
+  for (const [name, options] of Object.entries({ light: {}, dark: { colorScheme: "dark" }, phone: { width: 390, height: 844 } })) {
+    test(`shows all skins where their links are, and in each where it is touched: ${name}`, { skip }, async () => {
+      const { page, errors, close } = await openPage(browser, program.url, options);
+      const robot = await holdTouched(page);
+      assert.deepEqual(robot.skins.toSorted(), SPACES.toSorted());
+      assert.deepEqual(robot.links, ["base", "upper_arm", "forearm", "hand"]);
+      await page.waitForTimeout(300);
+      await screenshot(page, `whole-robot-${name}`);
+      await page.evaluate(() => document.getElementById("show-contacts").click());
+      await page.waitForTimeout(300);
+      for (const { space, position } of robot.contacts) {
+        const [red, green, blue] = await colourAtPlace(page, [position.x, position.y, position.z]);
+        // Of viridis, where nothing is a dark violet; the link is grey.
+        assert.ok(green > 90 && green - Math.min(red, blue) > 40, `${space}: ${red}, ${green}, ${blue}`);
+      }
+      assert.deepEqual(errors, []);
+      await close();
+    });
+  }
+
+  test("a skin that is chosen shows its details, and the whole robot comes back", { skip }, async () => {
+    const { page, errors, close } = await openPage(browser, program.url);
+    await until(page, () => document.querySelectorAll("#skin-choice option").length > 1);
+    assert.deepEqual(await page.locator("#skin-choice option").allTextContents(), ["Whole robot", ...SPACES]);
+    await page.selectOption("#skin-choice", "arm/forearm");
+    await until(page, () => window.dermatome.state().skin === "forearm-skin", undefined, START_MS);
+    await untilDrawn(page);
+    assert.equal(await page.locator(".electrode").count(), 16);
+    assert.ok(await page.isEnabled("#tare"));
+    await page.selectOption("#skin-choice", "*");
+    await until(page, (count) => window.dermatome.state().robot?.skins.length === count, SPACES.length, START_MS);
+    assert.equal(await page.locator(".electrode").count(), 0);
+    assert.ok(await page.isDisabled("#tare"), "asks one skin, not all");
     assert.deepEqual(errors, []);
     await close();
   });

@@ -13,11 +13,43 @@ import { Latest } from "../src/latest.js";
 import { decompressFrame } from "../src/lz4.js";
 import { decode, flagWords, pixelValues } from "../src/messages.js";
 import { openRecording } from "../src/recording.js";
+import { Robot } from "../src/robot.js";
 import { Scale, nextStep } from "../src/scale.js";
 import { bytes, clock, contactLabel, number, ohm } from "../src/words.js";
 import { encode } from "./mock.mjs";
 import { record } from "./recordings.mjs";
 import { schemaOf } from "./schemas.mjs";
+
+describe("a robot", () => {
+  const turn = { x: 0, y: 0, z: Math.SQRT1_2, w: Math.SQRT1_2 };
+  const joint = (parent, child, x, rotation = { x: 0, y: 0, z: 0, w: 1 }) => ({
+    header: { frame_id: parent },
+    child_frame_id: child,
+    transform: { translation: { x, y: 0, z: 0 }, rotation },
+  });
+  const contact = { id: 1, position: { x: 0.5, y: 0, z: 0.25 }, normal: { x: 1, y: 0, z: 0 } };
+  const near = (point, expected) => point.toArray().forEach((part, axis) => assert.ok(Math.abs(part - expected[axis]) < 1e-12, `${point.toArray()}`));
+
+  test("contacts of a skin are where its link is, through all joints, whichever topic tells them", () => {
+    const robot = new Robot();
+    robot.take("/arm/palm/contacts", { header: { frame_id: "hand" }, contacts: [contact] });
+    near(robot.contacts[0].position, [0.5, 0, 0.25]);
+    robot.take("/tf_static", { transforms: [joint("base", "arm", 1, turn)] });
+    robot.take("/tf", { transforms: [joint("arm", "hand", 2)] });
+    near(robot.contacts[0].position, [1, 2.5, 0.25]);
+    near(robot.contacts[0].normal, [0, 1, 0]);
+    assert.deepEqual([robot.contacts[0].space, robot.contacts[0].onLink], ["arm/palm", contact.position]);
+    robot.take("/tf", { transforms: [joint("arm", "hand", 3)] });
+    near(robot.contacts[0].position, [1, 3.5, 0.25]);
+    assert.deepEqual([...robot.news], ["contacts arm/palm", "joints"]);
+  });
+
+  test("frames that go in a circle do not hang the page", () => {
+    const robot = new Robot();
+    robot.take("/tf", { transforms: [joint("a", "b", 0), joint("b", "a", 0)] });
+    assert.equal(robot.place("a").elements.every(Number.isFinite), true);
+  });
+});
 
 describe("LZ4", () => {
   // printf 'dermatome %.0s' $(seq 1 40) | lz4 -B4 -BD -BX --content-size | base64 -w0 (lz4 1.9.4)

@@ -1,8 +1,8 @@
 //! Whether a robot hangs together, and has its skins where their files say.
 
-pub use super::meshes::Places;
+pub use super::meshes::{Places, packages_of_ros};
 use super::{
-    meshes::{MeshUse, Unknown, farthest, of_link, origin, some},
+    meshes::{MeshUse, Unknown, all_of_link, farthest, origin, some},
     robot::{is_skin, joints_onto, link_in, named, root_of},
 };
 use crate::{
@@ -17,7 +17,10 @@ use dermatome_patch::pose::Pose;
 use nalgebra::Isometry3;
 use roxmltree::Node;
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt,
+};
 
 /// A joint that is off its skin's pose by more, m or rad, is another place.
 const OFF: f64 = 1e-6;
@@ -61,6 +64,13 @@ pub struct Finding {
     pub line: Option<u32>,
     /// What it is.
     pub message: String,
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.line.map_or(Ok(()), |line| write!(f, "line {line}: "))?;
+        f.write_str(&self.message)
+    }
 }
 
 /// A skin that is on the robot.
@@ -231,7 +241,7 @@ impl<'a, 'input> Check<'a, 'input> {
     /// Its files are there, and it has a mass where one is needed.
     fn link(&mut self, link: Node<'a, 'input>, root: Option<&str>) {
         let name = link.attribute("name").unwrap_or_default();
-        let files: BTreeSet<&str> = of_link(link).iter().map(|mesh| mesh.uri).collect();
+        let files: BTreeSet<&str> = all_of_link(link).iter().map(|mesh| mesh.uri).collect();
         for uri in files {
             match self.places.file(uri) {
                 Ok(path) if path.is_file() => {}
@@ -335,7 +345,7 @@ impl<'a, 'input> Check<'a, 'input> {
     }
 
     fn mesh_is_its_own(&mut self, link: Node<'a, 'input>, file: &Expected<'_>) {
-        for mesh in of_link(link) {
+        for mesh in all_of_link(link) {
             let Some(triangles) = mesh.triangles(self.places) else { continue };
             let off = farthest(some(&file.mesh.nodes).map(|node| mesh.origin.inverse() * node), &triangles);
             if off > OTHER_MESH {
@@ -358,7 +368,7 @@ impl<'a, 'input> Check<'a, 'input> {
         file: &Expected<'_>,
         joint: Node<'_, '_>,
     ) -> Option<f64> {
-        let meshes = of_link(on);
+        let meshes = all_of_link(on);
         let read: Vec<_> =
             meshes.iter().filter_map(|mesh| Some((mesh, mesh.triangles(self.places)?))).collect();
         let off = |place: &Isometry3<f64>, (mesh, triangles): &(&MeshUse<'_>, Vec<_>)| {
@@ -398,6 +408,6 @@ impl<'a, 'input> Check<'a, 'input> {
 }
 
 /// How far apart two places are, m and rad.
-fn apart(a: &Isometry3<f64>, b: &Isometry3<f64>) -> (f64, f64) {
+pub(super) fn apart(a: &Isometry3<f64>, b: &Isometry3<f64>) -> (f64, f64) {
     ((a.translation.vector - b.translation.vector).norm(), a.rotation.angle_to(&b.rotation))
 }

@@ -31,6 +31,16 @@ pub(super) enum Unknown {
     Scheme(String),
 }
 
+/// Where ROS says its packages are.
+const PACKAGES: [&str; 2] = ["AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH"];
+
+/// Folders that hold packages of ROS, by the environment.
+#[must_use]
+pub fn packages_of_ros() -> Vec<PathBuf> {
+    let lists = PACKAGES.into_iter().filter_map(std::env::var_os);
+    lists.flat_map(|list| std::env::split_paths(&list).collect::<Vec<_>>()).collect()
+}
+
 impl Places<'_> {
     /// The file that a URI means, whether it is there or not.
     pub(super) fn file(&self, uri: &str) -> Result<PathBuf, Unknown> {
@@ -63,10 +73,14 @@ pub(super) struct MeshUse<'a> {
     scale: [f64; 3],
 }
 
-/// Those of a link that are well-formed; the others have findings of their own.
-pub(super) fn of_link<'a>(link: Node<'a, '_>) -> Vec<MeshUse<'a>> {
-    let parts = link.children().filter(|part| is(*part, "visual") || is(*part, "collision"));
-    parts.filter_map(of_part).collect()
+/// Those that a link shows and collides with.
+pub(super) fn all_of_link<'a>(link: Node<'a, '_>) -> Vec<MeshUse<'a>> {
+    ["visual", "collision"].into_iter().flat_map(|kind| of_link(link, kind)).collect()
+}
+
+/// Those of one kind that are well-formed; the others have findings of their own.
+pub(super) fn of_link<'a>(link: Node<'a, '_>, kind: &str) -> Vec<MeshUse<'a>> {
+    link.children().filter(|part| is(*part, kind)).filter_map(of_part).collect()
 }
 
 fn of_part<'a>(part: Node<'a, '_>) -> Option<MeshUse<'a>> {

@@ -10,6 +10,8 @@
 pub mod check;
 mod meshes;
 mod robot;
+mod solids;
+pub mod tree;
 
 use crate::{
     DescriptionError, Mount,

@@ -2,6 +2,7 @@
 
 mod lines;
 mod onlookers;
+mod robot;
 #[cfg_attr(not(feature = "ros"), path = "without_ros.rs")]
 mod ros;
 mod table;
@@ -17,6 +18,7 @@ use dermatome_body::{
 use dermatome_link::tables::SurfaceTables;
 use dermatome_model::skin::Skin;
 use dermatome_shared::protocol::Selection;
+use dermatome_urdf::urdf::tree::Joint;
 use dermatome_view::terminal::Screen;
 use onlookers::Onlookers;
 use ros::Ros;
@@ -81,7 +83,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", requires = "ros", value_parser = clap::value_parser!(u16).range(0..=232))]
     domain: Option<u16>,
     /// Also serve the page, and the Foxglove WebSocket protocol for other programs, at this address: 127.0.0.1:8765. The page
-    /// shows one skin at a time.
+    /// shows one skin at a time, or, where the body file names a URDF, the whole robot.
     #[arg(long, value_name = "HOST:PORT")]
     listen: Option<SocketAddr>,
     #[command(flatten)]
@@ -105,8 +107,9 @@ struct PatchTotals<'a> {
     clock_skew_ppm: Option<f64>,
 }
 
+/// What became of a body.
 #[derive(Serialize)]
-struct Report<'a> {
+pub(super) struct Report<'a> {
     body: &'a str,
     seconds: f64,
     patches: Vec<PatchTotals<'a>>,
@@ -116,43 +119,98 @@ struct Report<'a> {
     lines_dropped: u64,
 }
 
+/// How a body is served.
+pub(super) struct Manner<'a> {
+    /// Images come with the contacts.
+    pub(super) images: bool,
+    /// New references come first.
+    pub(super) tare: bool,
+    /// It is a node of ROS, in this domain or that of the environment.
+    pub(super) ros: Option<Option<u16>>,
+    /// The page is there.
+    pub(super) page: Option<(SocketAddr, &'a Doors)>,
+    /// Its lines go to standard output, unless that is a terminal, which gets a table, and a summary to standard error.
+    pub(super) prints: bool,
+}
+
+/// Who follows a body that is served, beside those who look on.
+pub(super) trait Follower {
+    /// Takes what a keeper told of a patch, by its place in the body file, after the body has.
+    fn took(&mut self, index: usize, told: &Told, sense: &Sense);
+
+    /// Where a joint is: rad or m.
+    fn position(&self, joint: &Joint) -> f64 {
+        joint.at_rest()
+    }
+
+    /// Whether it has seen all that it wanted to.
+    fn is_done(&self) -> bool {
+        false
+    }
+}
+
+/// Nobody does.
+struct Nobody;
+
+impl Follower for Nobody {
+    fn took(&mut self, _: usize, _: &Told, _: &Sense) {}
+}
+
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let file = BodyFile::load(&args.body)?;
-    let ros = args.ros.then(|| Ros::start(&file, args.domain)).transpose()?;
+    warn(&file);
+    let manner = Manner {
+        images: !args.no_images,
+        tare: args.tare,
+        ros: args.ros.then_some(args.domain),
+        page: args.listen.map(|listen| (listen, &args.doors)),
+        prints: true,
+    };
+    let is_over = |served| args.duration.is_some_and(|duration| served >= duration);
+    serve(&file, &manner, &mut Nobody, is_over, |report| args.json.write(report))
+}
+
+/// Says what of the robot is worth a look.
+fn warn(file: &BodyFile) {
+    let Some(urdf) = &file.urdf else { return };
+    urdf.robot.warnings.iter().for_each(|warning| eprintln!("warning: `{}`: {warning}", urdf.path.display()));
+}
+/// Serves a body until it is over, by the time that it has been served for, or Ctrl-C comes; then has a report written.
+pub(super) fn serve(
+    file: &BodyFile,
+    manner: &Manner<'_>,
+    follower: &mut dyn Follower,
+    is_over: impl Fn(Duration) -> bool,
+    write: impl FnOnce(&Report<'_>) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let ros = manner.ros.map(|domain| Ros::start(file, domain)).transpose()?;
     let skins = skins(&file.patches)?;
-    let onlookers = args.listen.map(|listen| {
+    let onlookers = manner.page.map(|(listen, doors)| {
         let looks = of_each(&skins, look_of)?;
         let looks = file.patches.iter().map(|patch| looks[&patch.path].clone()).collect();
-        Onlookers::open(&args.doors, listen, &file, looks)
+        Onlookers::open(doors, listen, file, looks)
     });
-    let surfaces = of_each(&skins, surface_of)?;
     let (sender, told) = sync_channel(MOST_WAITING);
     let dropped = Arc::<AtomicU64>::default();
-    let keepers = file.patches.iter().enumerate().map(|(index, patch)| {
-        let surface = surfaces[&patch.path].clone();
-        let keeper =
-            Keeper::start(patch, surface, selection(args), teller(index, sender.clone(), dropped.clone()));
-        keeper.with_context(|| format!("cannot start a thread for `{}`", patch.name))
-    });
-    let keepers = keepers.collect::<anyhow::Result<Vec<_>>>()?;
+    let keepers = keepers(file, &skins, selection(manner), &sender, &dropped)?;
     drop(sender);
-    if args.tare {
+    if manner.tare {
         keepers.iter().for_each(Keeper::tare);
     }
-    let mut served = Served::new(&file, &keepers, onlookers.transpose()?, ros)?;
+    let mut served = Served::new(file, &keepers, onlookers.transpose()?, ros, manner.prints, follower)?;
     let begun = Instant::now();
-    let ended = served.serve(&told, || {
-        interrupt::requested() || args.duration.is_some_and(|duration| begun.elapsed() >= duration)
-    });
+    let ended = served.serve(&told, || interrupt::requested() || is_over(begun.elapsed()));
     let seconds = begun.elapsed().as_secs_f64();
     // Nobody takes what they tell any more.
     drop(told);
     keepers.iter().for_each(Keeper::stop);
     let written = served.end();
     let senses = served.body.senses();
-    senses.iter().for_each(|sense| eprintln!("{}", table::summary(sense)));
-    args.json.write(&Report {
+    if manner.prints {
+        senses.iter().for_each(|sense| eprintln!("{}", table::summary(sense)));
+    }
+    write(&Report {
         body: &file.name,
         seconds,
         patches: senses.iter().map(totals).collect(),
@@ -163,9 +221,25 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     written
 }
 
-fn selection(args: &Args) -> Selection {
-    let images = u16::from(!args.no_images);
-    let is_told = args.ros || args.listen.is_some();
+fn keepers(
+    file: &BodyFile,
+    skins: &OfSkins<Skin>,
+    selection: Selection,
+    sender: &SyncSender<(usize, Told)>,
+    dropped: &Arc<AtomicU64>,
+) -> anyhow::Result<Vec<Keeper>> {
+    let surfaces = of_each(skins, surface_of)?;
+    let keeper = |(index, patch): (usize, &Patch)| {
+        let surface = surfaces[&patch.path].clone();
+        let keeper = Keeper::start(patch, surface, selection, teller(index, sender.clone(), dropped.clone()));
+        keeper.with_context(|| format!("cannot start a thread for `{}`", patch.name))
+    };
+    file.patches.iter().enumerate().map(keeper).collect()
+}
+
+fn selection(manner: &Manner<'_>) -> Selection {
+    let images = u16::from(manner.images);
+    let is_told = manner.ros.is_some() || manner.page.is_some();
     let health = if is_told { HEALTH_EVERY } else { 0 };
     Selection { images, contacts: 1, health, ..Selection::default() }
 }
@@ -230,6 +304,7 @@ struct Served<'a> {
     screen: Screen,
     drawn: Instant,
     ros: Option<Ros>,
+    follower: &'a mut dyn Follower,
 }
 
 impl<'a> Served<'a> {
@@ -238,17 +313,20 @@ impl<'a> Served<'a> {
         keepers: &'a [Keeper],
         onlookers: Option<Onlookers>,
         ros: Option<Ros>,
+        prints: bool,
+        follower: &'a mut dyn Follower,
     ) -> anyhow::Result<Self> {
         let screen = Screen::default();
-        let lines = if screen.is_visible() { None } else { Some(Lines::start(lines::dropped)?) };
+        let has_lines = prints && !screen.is_visible();
+        let lines = if has_lines { Some(Lines::start(lines::dropped)?) } else { None };
         let drawn = Instant::now();
         let body = Body::new(&file.patches);
-        Ok(Self { file, keepers, body, onlookers, lines, screen, drawn, ros })
+        Ok(Self { file, keepers, body, onlookers, lines, screen, drawn, ros, follower })
     }
 
     /// Takes what keepers tell until it is to stop, or nobody reads any more.
     fn serve(&mut self, told: &Receiver<(usize, Told)>, is_over: impl Fn() -> bool) -> anyhow::Result<()> {
-        while !is_over() {
+        while !is_over() && !self.follower.is_done() {
             let update = match told.recv_timeout(LOOK) {
                 Ok(update) => Some(update),
                 Err(RecvTimeoutError::Timeout) => None,
@@ -265,6 +343,7 @@ impl<'a> Served<'a> {
             if let Some(onlookers) = &mut self.onlookers {
                 onlookers.answer(self.keepers, self.body.senses());
                 onlookers.tell_states(self.body.senses());
+                onlookers.tell_joints(|joint| self.follower.position(joint));
             }
             if self.lines.is_none() && self.drawn.elapsed() >= DRAWN {
                 self.drawn = Instant::now();
@@ -285,6 +364,7 @@ impl<'a> Served<'a> {
         if let Some(ros) = &mut self.ros {
             ros.tell(&self.body, index, &told);
         }
+        self.follower.took(index, &told, sense);
         let Some(lines) = &mut self.lines else { return Ok(true) };
         let line = if sense.state != before {
             lines.remark(&lines::state(sense)?);

@@ -1,5 +1,6 @@
 //! Onlookers: the page and other programs, for which each skin has a space of its own.
 
+use super::robot::{Figure, fixed};
 use crate::commands::{
     doors::Doors,
     outlets::Outlets,
@@ -17,6 +18,7 @@ use dermatome_messages::{
 };
 use dermatome_page::{Call, Server};
 use dermatome_shared::patch::PatchView;
+use dermatome_urdf::urdf::tree::Joint;
 use serde_json::{Value, json};
 use std::{
     net::SocketAddr,
@@ -31,6 +33,8 @@ pub(super) struct Onlookers {
     server: Server,
     stands: Vec<Stand>,
     told: Instant,
+    /// The robot, where the body file names its description.
+    figure: Option<Figure>,
 }
 
 /// What they see of one skin.
@@ -52,9 +56,15 @@ impl Onlookers {
     ) -> anyhow::Result<Self> {
         let spaces = file.patches.iter().map(|patch| format!("{}/{}", file.name, patch.name)).collect();
         // Standard output is for lines.
-        let server = doors.open(listen, &OF_EACH, spaces, |url| eprintln!("{url}"))?;
+        let robot = file.urdf.as_ref().map(|urdf| &urdf.robot);
+        let server = doors.open(listen, &OF_EACH, spaces, robot.is_some(), |url| eprintln!("{url}"))?;
+        let fixed = robot.map(fixed).unwrap_or_default();
         let stand = |(index, (patch, look)): (usize, (&Patch, Look))| Stand {
-            outlets: Outlets::telling(server.speaker(index)),
+            outlets: Outlets::on_robot(
+                server.speaker(index),
+                format!("{}/{}", file.name, patch.name),
+                fixed.clone(),
+            ),
             look,
             status: Status {
                 port: patch.port.to_string(),
@@ -65,7 +75,8 @@ impl Onlookers {
             frames: 0,
         };
         let stands = file.patches.iter().zip(looks).enumerate().map(stand).collect();
-        Ok(Self { server, stands, told: Instant::now() })
+        let figure = robot.map(|robot| Figure::show(robot, server.speaker(0)));
+        Ok(Self { server, stands, told: Instant::now(), figure })
     }
 
     /// A keeper told something of a patch.
@@ -110,6 +121,13 @@ impl Onlookers {
             stand.frames = sense.frames;
             let status = status.clone();
             stand.outlets.status(status);
+        }
+    }
+
+    /// Tells, now and then, where the robot's joints are.
+    pub(super) fn tell_joints(&mut self, position: impl Fn(&Joint) -> f64) {
+        if let Some(figure) = &mut self.figure {
+            figure.tell(position);
         }
     }
 

@@ -11,7 +11,7 @@ use dermatome_model::{
     model::mesh,
     skin::{Pose, Skin},
 };
-use dermatome_urdf::urdf::check::{Checked, Expected, Level, Places, check};
+use dermatome_urdf::urdf::check::{Checked, Expected, Level, Places, check, packages_of_ros};
 use std::path::{Path, PathBuf};
 
 /// Check a robot: its links and joints, its mesh files, and its skins.
@@ -33,19 +33,12 @@ pub(super) struct Args {
     json: JsonReport,
 }
 
-/// Where ROS says its packages are.
-const PACKAGES: [&str; 2] = ["AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH"];
-
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let text = read_robot(&args.robot)?;
     let skins = args.skins.iter().map(|path| read_skin(path)).collect::<anyhow::Result<Vec<_>>>()?;
     let expected: Vec<_> =
         skins.iter().map(|(skin, pose, mesh)| Expected { name: &skin.name, pose, mesh }).collect();
-    let packages: Vec<PathBuf> = PACKAGES
-        .into_iter()
-        .filter_map(std::env::var_os)
-        .flat_map(|paths| std::env::split_paths(&paths).collect::<Vec<_>>())
-        .collect();
+    let packages = packages_of_ros();
     let places = Places { folder: args.robot.parent().unwrap_or(Path::new("")), packages: &packages };
     let checked = check(&text, &places, &expected).map_err(|error| in_file(&args.robot, error))?;
     print(&checked);
@@ -77,8 +70,7 @@ fn print(checked: &Checked) {
             Level::Error => "error",
             Level::Warning => "warning",
         };
-        let line = finding.line.map_or(String::new(), |line| format!("line {line}: "));
-        say!("{level:13} {line}{}", finding.message);
+        say!("{level:13} {finding}");
     }
     if checked.findings.is_empty() {
         say!("all is well");

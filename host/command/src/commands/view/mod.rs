@@ -69,7 +69,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         current: &args.current,
     };
     let spaces = vec!["dermatome".to_owned()];
-    let server = args.doors.open(args.listen, &calls::SERVICES, spaces, |url| say!("{url}"))?;
+    let server = args.doors.open(args.listen, &calls::SERVICES, spaces, false, |url| say!("{url}"))?;
     Desk::new(task, server).run()
 }
 
@@ -84,5 +84,5 @@ fn named<'a>(
 /// A server of the page, for those who come through the gate.
 pub(super) fn start(gate: Gate) -> Result<Server, ServerError> {
     let (name, spaces) = ("dermatome".to_owned(), vec!["dermatome".to_owned()]);
-    Server::start(Options { gate, name, services: &calls::SERVICES, spaces })
+    Server::start(Options { gate, name, services: &calls::SERVICES, spaces, is_robot: false })
 }

@@ -1,0 +1,79 @@
+// A whole robot as the page knows it: what its links look like, how frames lie to each other, and the newest of each skin.
+
+import { Matrix4, Quaternion, Vector3 } from "three";
+
+// More frames than that one under the other go in a circle.
+const DEEPEST = 1000;
+
+export class Robot {
+  constructor() {
+    this.clear();
+  }
+
+  clear() {
+    /** Markers of triangles, each in the frame of its link. */
+    this.links = [];
+    /** Of each frame, `{ parent, place }`. */
+    this.joints = new Map();
+    /** Of each space, `{ skin, image, contacts, status }`, each when it has come. */
+    this.skins = new Map();
+    /** What is new since the last time: `links`, `joints`, and `KIND SPACE` of a skin. */
+    this.news = new Set();
+  }
+
+  /** Takes a message of a topic. */
+  take(topic, message) {
+    if (topic === "/links") this.setLinks(message.markers);
+    else if (message.transforms) this.setJoints(message.transforms);
+    else this.setOfSkin(topic, message);
+  }
+
+  setLinks(markers) {
+    this.links = markers;
+    this.news.add("links");
+  }
+
+  setJoints(transforms) {
+    for (const { header, child_frame_id: child, transform } of transforms) {
+      this.joints.set(child, { parent: header.frame_id, place: placeOf(transform) });
+    }
+    this.news.add("joints");
+  }
+
+  setOfSkin(topic, message) {
+    const end = topic.lastIndexOf("/");
+    const [space, kind] = [topic.slice(1, end), topic.slice(end + 1)];
+    this.skins.set(space, { ...this.skins.get(space), [kind]: message });
+    this.news.add(`${kind} ${space}`);
+  }
+
+  /** Takes places of a frame to where they are on the robot: a matrix. */
+  place(frame) {
+    const place = new Matrix4();
+    let joint = this.joints.get(frame);
+    for (let depth = 0; joint && depth < DEEPEST; depth++) {
+      place.premultiply(joint.place);
+      joint = this.joints.get(joint.parent);
+    }
+    return place;
+  }
+
+  /** Contacts of all skins, where they are on the robot, each with its skin's `space` and its place `onLink`. */
+  get contacts() {
+    return [...this.skins].flatMap(([space, { contacts }]) => {
+      const place = contacts && this.place(contacts.header.frame_id);
+      return (contacts?.contacts ?? []).map((contact) => onRobot(contact, place, space));
+    });
+  }
+}
+
+function placeOf({ translation, rotation }) {
+  const turn = new Quaternion(rotation.x, rotation.y, rotation.z, rotation.w);
+  return new Matrix4().compose(new Vector3().copy(translation), turn, new Vector3(1, 1, 1));
+}
+
+function onRobot(contact, place, space) {
+  const position = new Vector3().copy(contact.position).applyMatrix4(place);
+  const normal = new Vector3().copy(contact.normal).transformDirection(place);
+  return { ...contact, position, normal, space, onLink: contact.position };
+}
