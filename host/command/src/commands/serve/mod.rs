@@ -1,12 +1,14 @@
 //! `dermatome serve`: all boards of a robot at once.
 
-mod lines;
+pub(super) mod lines;
 mod onlookers;
 #[cfg_attr(not(feature = "ros"), path = "without_ros.rs")]
 mod ros;
-mod table;
+pub(super) mod table;
+#[cfg_attr(not(feature = "zenoh"), path = "without_zenoh.rs")]
+mod zenoh;
 
-use super::{contact_lines::is_read, doors::Doors, interrupt, lines::Lines, view::look_of};
+use super::{contact_lines::is_read, doors::Doors, interrupt, lines::Lines, network::Network, view::look_of};
 use anyhow::{Context, bail};
 use dermatome_body::{
     Body, Sense,
@@ -32,6 +34,7 @@ use std::{
     },
     time::{Duration, Instant},
 };
+use zenoh::Zenoh;
 
 /// Most that waits to be taken, a quarter of a second of 32 boards at 400 frames/s.
 const MOST_WAITING: usize = 4096;
@@ -55,6 +58,7 @@ const DRAWN: Duration = Duration::from_millis(500);
   dermatome serve robot.toml | python3 controller.py
   dermatome serve robot.toml --duration 60 --json report.json > contacts.jsonl
   ROS_DOMAIN_ID=7 dermatome serve robot.toml --ros
+  dermatome serve left-arm.toml --zenoh --zenoh-connect tcp/192.168.0.10:7447
 
 The body file (docs/serve.md) names the skins:
   name = \"arm\"
@@ -80,6 +84,11 @@ pub(super) struct Args {
     /// Domain of ROS 2: 0 to 232, instead of what ROS_DOMAIN_ID says.
     #[arg(long, value_name = "N", requires = "ros", value_parser = clap::value_parser!(u16).range(0..=232))]
     domain: Option<u16>,
+    /// Also tell other computers, which `dermatome body` joins (docs/zenoh.md), in a program built with `--features zenoh`.
+    #[arg(long)]
+    zenoh: bool,
+    #[command(flatten)]
+    network: Network,
     /// Also serve the page, and the Foxglove WebSocket protocol for other programs, at this address: 127.0.0.1:8765. The page
     /// shows one skin at a time.
     #[arg(long, value_name = "HOST:PORT")]
@@ -120,6 +129,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     interrupt::install()?;
     let file = BodyFile::load(&args.body)?;
     let ros = args.ros.then(|| Ros::start(&file, args.domain)).transpose()?;
+    let zenoh = args.is_on_network().then(|| Zenoh::start(&file, &args.network)).transpose()?;
     let skins = skins(&file.patches)?;
     let onlookers = args.listen.map(|listen| {
         let looks = of_each(&skins, look_of)?;
@@ -140,7 +150,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     if args.tare {
         keepers.iter().for_each(Keeper::tare);
     }
-    let mut served = Served::new(&file, &keepers, onlookers.transpose()?, ros)?;
+    let mut served = Served::new(&file, &keepers, onlookers.transpose()?, ros, zenoh)?;
     let begun = Instant::now();
     let ended = served.serve(&told, || {
         interrupt::requested() || args.duration.is_some_and(|duration| begun.elapsed() >= duration)
@@ -163,9 +173,15 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     written
 }
 
+impl Args {
+    fn is_on_network(&self) -> bool {
+        self.zenoh || self.network.is_given()
+    }
+}
+
 fn selection(args: &Args) -> Selection {
     let images = u16::from(!args.no_images);
-    let is_told = args.ros || args.listen.is_some();
+    let is_told = args.ros || args.is_on_network() || args.listen.is_some();
     let health = if is_told { HEALTH_EVERY } else { 0 };
     Selection { images, contacts: 1, health, ..Selection::default() }
 }
@@ -230,6 +246,7 @@ struct Served<'a> {
     screen: Screen,
     drawn: Instant,
     ros: Option<Ros>,
+    zenoh: Option<Zenoh>,
 }
 
 impl<'a> Served<'a> {
@@ -238,12 +255,13 @@ impl<'a> Served<'a> {
         keepers: &'a [Keeper],
         onlookers: Option<Onlookers>,
         ros: Option<Ros>,
+        zenoh: Option<Zenoh>,
     ) -> anyhow::Result<Self> {
         let screen = Screen::default();
         let lines = if screen.is_visible() { None } else { Some(Lines::start(lines::dropped)?) };
         let drawn = Instant::now();
         let body = Body::new(&file.patches);
-        Ok(Self { file, keepers, body, onlookers, lines, screen, drawn, ros })
+        Ok(Self { file, keepers, body, onlookers, lines, screen, drawn, ros, zenoh })
     }
 
     /// Takes what keepers tell until it is to stop, or nobody reads any more.
@@ -261,6 +279,9 @@ impl<'a> Served<'a> {
             }
             if let Some(ros) = &mut self.ros {
                 ros.attend(&self.body, self.keepers);
+            }
+            if let Some(zenoh) = &mut self.zenoh {
+                zenoh.attend(&self.body);
             }
             if let Some(onlookers) = &mut self.onlookers {
                 onlookers.answer(self.keepers, self.body.senses());
@@ -285,6 +306,9 @@ impl<'a> Served<'a> {
         if let Some(ros) = &mut self.ros {
             ros.tell(&self.body, index, &told);
         }
+        if let Some(zenoh) = &mut self.zenoh {
+            zenoh.tell(&self.body, index, &told);
+        }
         let Some(lines) = &mut self.lines else { return Ok(true) };
         let line = if sense.state != before {
             lines.remark(&lines::state(sense)?);
@@ -300,6 +324,9 @@ impl<'a> Served<'a> {
     fn end(&mut self) -> anyhow::Result<()> {
         if let Some(ros) = &mut self.ros {
             ros.end(&self.body);
+        }
+        if let Some(zenoh) = self.zenoh.take() {
+            zenoh.end();
         }
         if let Some(lines) = &mut self.lines {
             is_read(lines.end())?;
