@@ -24,6 +24,8 @@ use zenoh::{
 
 /// Most that waits to be taken.
 const MOST_WAITING: usize = 8192;
+/// Contacts that have waited for longer are of no use any more.
+const MOST_AGE: Duration = Duration::from_secs(1);
 /// Most that may say they serve a skin.
 const MOST_ALIVE: usize = 4096;
 /// How often computers are asked for their time, and the first times.
@@ -97,7 +99,7 @@ pub struct Listener {
     session: Session,
     robot: String,
     outbox: Outbox,
-    waiting: Receiver<Heard>,
+    waiting: Receiver<(Instant, Heard)>,
     alive: Arc<Alive>,
     /// Of those, what has been told.
     known: BTreeSet<(Space, u64)>,
@@ -134,15 +136,19 @@ impl Alive {
 /// Where callbacks put what they have heard; they wait for nobody.
 #[derive(Clone)]
 struct Outbox {
-    sender: SyncSender<Heard>,
+    sender: SyncSender<(Instant, Heard)>,
     dropped: Arc<AtomicU64>,
 }
 
 impl Outbox {
     fn put(&self, heard: Heard) {
-        if self.sender.try_send(heard).is_err() {
-            self.dropped.fetch_add(1, Ordering::Relaxed);
+        if self.sender.try_send((Instant::now(), heard)).is_err() {
+            self.count_dropped();
         }
+    }
+
+    fn count_dropped(&self) {
+        self.dropped.fetch_add(1, Ordering::Relaxed);
     }
 
     fn hear(&self, sample: &Sample) {
@@ -227,7 +233,7 @@ impl Listener {
         &self.robot
     }
 
-    /// What was heard and found no room.
+    /// What was heard and found no room, or waited too long.
     #[must_use]
     pub fn dropped(&self) -> u64 {
         self.outbox.dropped.load(Ordering::Relaxed)
@@ -237,7 +243,18 @@ impl Listener {
     pub fn next(&mut self, wait: Duration) -> Option<Heard> {
         self.see();
         self.ask_times();
-        self.changed.pop_front().or_else(|| self.waiting.recv_timeout(wait).ok())
+        self.changed.pop_front().or_else(|| self.newest(wait))
+    }
+
+    /// What waits, without contacts that are too old.
+    fn newest(&self, wait: Duration) -> Option<Heard> {
+        loop {
+            let (came, heard) = self.waiting.recv_timeout(wait).ok()?;
+            if came.elapsed() <= MOST_AGE || !matches!(heard, Heard::Contacts { .. }) {
+                return Some(heard);
+            }
+            self.outbox.count_dropped();
+        }
     }
 
     /// Leaves the network.
