@@ -176,3 +176,13 @@ fn a_router_is_killed_and_peers_that_know_each_other_by_it_go_on() {
     assert_eq!(hearing.said("left").phase, "live");
     hearing.end();
 }
+
+#[test]
+fn computers_that_are_told_nothing_find_each_other_by_multicast() {
+    let Some(network) = Network::of(&["head", "left"]) else { return };
+    let desk = desk_of(&["left"]);
+    let _left = network.start(&desk, "left", &["serve", "left.toml", "--zenoh"]);
+    let mut hearing = Hearing::start(network.command(&desk, "head", &["body"]));
+    hearing.wait("left", START, |said| said.phase == "live" && said.frames > 20);
+    hearing.end();
+}
