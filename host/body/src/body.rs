@@ -71,22 +71,31 @@ impl Body {
     /// Of these patches, none of whose boards has been heard of.
     #[must_use]
     pub fn new(patches: &[Patch]) -> Self {
-        let sense = |patch: &Patch| Sense {
-            name: patch.name.clone(),
-            link: patch.pose.link.clone(),
-            state: State { phase: Phase::NoBoard, text: String::new() },
-            report: None,
-            driven: None,
-            health: None,
-            frames: 0,
-            missing: 0,
-            losses: 0,
-            pose: patch.pose.clone(),
-            skin: None,
-            clock: Clock::default(),
-            missing_before: 0,
-        };
+        let sense = |patch: &Patch| Sense::new(patch.name.clone(), patch.pose.clone());
         Self { senses: patches.iter().map(sense).collect() }
+    }
+
+    /// Adds a skin that another computer serves; gives its place among the senses. What it says is told with
+    /// [`Body::stand`] and [`Body::report`].
+    pub fn join(&mut self, name: &str, link: &str) -> usize {
+        let pose = Pose { link: link.to_owned(), position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0] };
+        self.senses.push(Sense::new(name.to_owned(), pose));
+        self.senses.len() - 1
+    }
+
+    /// The board of a skin stands so from now on.
+    pub fn stand(&mut self, index: usize, state: State) {
+        if let Some(sense) = self.senses.get_mut(index) {
+            sense.stand(state);
+        }
+    }
+
+    /// Takes the contacts of a frame as another computer made them; `missing` frames have not come there.
+    pub fn report(&mut self, index: usize, report: Report, missing: u64) {
+        if let Some(sense) = self.senses.get_mut(index) {
+            (sense.frames, sense.missing) = (sense.frames + 1, missing);
+            sense.report = Some(report);
+        }
     }
 
     /// The skins, as in the body file.
@@ -112,7 +121,7 @@ impl Body {
                 sense.driven = Some(**driven);
                 None
             }
-            Told::NotDriven(_) => None,
+            Told::NotDriven(_) | Told::Reference(_) => None,
             Told::Frame { frame, received_ns, missing } => {
                 sense.frames += 1;
                 sense.missing = sense.missing_before + missing;
@@ -142,6 +151,25 @@ impl Report {
 }
 
 impl Sense {
+    /// Of which nothing has been heard.
+    fn new(name: String, pose: Pose) -> Self {
+        Self {
+            name,
+            link: pose.link.clone(),
+            state: State { phase: Phase::NoBoard, text: String::new() },
+            report: None,
+            driven: None,
+            health: None,
+            frames: 0,
+            missing: 0,
+            losses: 0,
+            pose,
+            skin: None,
+            clock: Clock::default(),
+            missing_before: 0,
+        }
+    }
+
     /// How late frames come.
     #[must_use]
     pub fn jitter(&self) -> Option<Jitter> {

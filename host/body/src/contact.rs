@@ -9,10 +9,10 @@ use dermatome_shared::{
     contact::{Contact, Contacts},
     protocol::PackedImage,
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Force and moment.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Wrench {
     /// N
     pub force: [f64; 3],
@@ -21,7 +21,7 @@ pub struct Wrench {
 }
 
 /// A contact on a robot's link.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SkinContact {
     /// As the board gives it, in the link's frame: centre of pressure, normal, area, pressure, identity, and how sure it is.
     pub contact: Contact,

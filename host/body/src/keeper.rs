@@ -53,6 +53,8 @@ pub enum Told {
     Driven(Box<Driven>),
     /// The board refused to drive it as it was asked to: why, in words.
     NotDriven(String),
+    /// The board compares frames with this reference from now on.
+    Reference(Box<Reference>),
     /// A frame.
     Frame {
         /// As it came.
@@ -64,8 +66,17 @@ pub enum Told {
     },
 }
 
+/// What the untouched skin measures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    /// When it was made, by this computer's clock, ns since 1970; none where the board had it before.
+    pub made_ns: Option<u64>,
+    /// In codes: `[measurement]`.
+    pub voltages: Vec<f64>,
+}
+
 /// How a board stands.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct State {
     /// In one word.
     pub phase: Phase,
@@ -74,7 +85,7 @@ pub struct State {
 }
 
 /// How a board stands, in one word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Phase {
     /// It has not answered yet.
@@ -129,6 +140,7 @@ impl Keeper {
             drive: None,
             front_end: None,
             untouched: None,
+            reference_made: None,
             has_come: false,
             wants_tare: false,
         };
@@ -205,6 +217,8 @@ struct Board {
     front_end: Option<FrontEnd>,
     /// The skin by its last reference.
     untouched: Option<Untouched>,
+    /// When that was made, by this computer's clock, ns since 1970; none where it was not made from here.
+    reference_made: Option<u64>,
     has_come: bool,
     wants_tare: bool,
 }
@@ -287,7 +301,7 @@ impl Board {
                 }
                 self.make_reference(&mut link, &patch)?;
             }
-            self.untouched = Some(Untouched::of(&mut link, &patch)?);
+            self.know_reference(Untouched::of(&mut link, &patch)?);
             if let Some(stop) = self.stream(&mut link, &mut patch)? {
                 return Ok(stop);
             }
@@ -357,7 +371,19 @@ impl Board {
 
     fn make_reference(&mut self, link: &mut Link, patch: &PatchInfo) -> Result<(), LinkError> {
         self.state(Phase::Taring, "averaging the untouched skin");
-        tare(link, DEFAULT_TARE_FRAMES, tare_timeout(patch, DEFAULT_TARE_FRAMES))
+        tare(link, DEFAULT_TARE_FRAMES, tare_timeout(patch, DEFAULT_TARE_FRAMES))?;
+        (self.untouched, self.reference_made) = (None, Some(now_ns()));
+        Ok(())
+    }
+
+    /// The board has this reference; one that it had not before was made by somebody else.
+    fn know_reference(&mut self, untouched: Untouched) {
+        if self.untouched.as_ref().is_some_and(|before| before.voltages() != untouched.voltages()) {
+            self.reference_made = None;
+        }
+        let voltages = untouched.voltages().to_vec();
+        self.untouched = Some(untouched);
+        (self.tell)(Told::Reference(Box::new(Reference { made_ns: self.reference_made, voltages })));
     }
 
     /// Streams until it is to stop, or to make a reference.

@@ -19,6 +19,7 @@ const COMMANDS: &[&[&str]] = &[
     // Ends at the wrong value, or because its port is no board.
     &["view", "--port=replay:notes.txt", "--no-browser", "--listen=127.0.0.1:0"],
     &["serve", "robot.toml", "--no-browser"],
+    &["body", "arm"],
     &["calibrate", "skin.dermatome", "--readings=readings.csv", "--out=new.dermatome"],
     &["check", "--port=sim:skin.toml"],
     &["scope", "--port=sim:skin.toml"],
@@ -142,7 +143,10 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
         ("cut", "frame") => &["", "a b", "ä", "a\nb"],
         ("stream" | "reconstruct", "fit") => LENGTHS,
         ("serve", "domain") => &["", "x", "-1", "233", "1.5"],
-        ("serve" | "demo", "duration") => &["", "x", "nan", "-1", "1e30"],
+        // Only a program that is built with Zenoh reads it (host/tests/zenoh).
+        ("serve" | "body", "zenoh-config") => &[],
+        ("serve" | "body", "zenoh-connect" | "zenoh-listen") => &["", "x", "tcp/", "/127.0.0.1:1"],
+        ("serve" | "body" | "demo", "duration") => &["", "x", "nan", "-1", "1e30"],
         (_, "give-up-after") => &["", "x", "nan", "-1", "1e30"],
         ("calibrate", "start") => NUMBERS,
         ("experiment check", "amplitudes") => &["", "x", "0", "-1", "101", "nan", "50,x"],

@@ -94,6 +94,7 @@ fn play(file: &BodyFile, wishes: &Wishes<'_>, audience: &mut Audience) -> anyhow
         images: true,
         tare: false,
         ros: wishes.ros.then_some(None),
+        zenoh: None,
         page: wishes.page.map(|listen| (listen, &doors)),
         prints: false,
     };

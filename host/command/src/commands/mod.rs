@@ -21,6 +21,7 @@ macro_rules! say {
 }
 
 mod board;
+mod body;
 mod build;
 mod calibrate;
 mod check;
@@ -57,6 +58,7 @@ mod link_frame;
 mod man;
 mod mjcf;
 mod mount;
+mod network;
 mod noise;
 mod outlets;
 mod outputs;
@@ -106,6 +108,7 @@ enum Command {
     Stream(stream::Args),
     View(view::Args),
     Serve(serve::Args),
+    Body(body::Args),
     Calibrate(calibrate::Args),
     Setup(setup::Args),
     Check(check::Args),
@@ -164,6 +167,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Stream(args) => stream::run(&args),
         Command::View(args) => view::run(&args),
         Command::Serve(args) => serve::run(&args),
+        Command::Body(args) => body::run(&args),
         Command::Calibrate(args) => calibrate::run(&args),
         Command::Setup(args) => setup::run(&args),
         Command::Check(args) => check::run(&args),

@@ -44,6 +44,12 @@ impl Untouched {
         Ok(Self { at: Instant::now(), crc: patch.crc, combination, voltages })
     }
 
+    /// What it measures, in codes: `[measurement]`.
+    #[must_use]
+    pub fn voltages(&self) -> &[f64] {
+        &self.voltages
+    }
+
     /// Whether it is of the skin by this patch.
     #[must_use]
     pub fn is_of(&self, patch: &PatchInfo) -> bool {

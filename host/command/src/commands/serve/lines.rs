@@ -67,7 +67,7 @@ impl From<Wrench> for WrenchLine {
 }
 
 /// The last frame of a skin, and what presses on its link, as a line.
-pub(super) fn frame(sense: &Sense, wrench: Option<Wrench>) -> serde_json::Result<String> {
+pub(in crate::commands) fn frame(sense: &Sense, wrench: Option<Wrench>) -> serde_json::Result<String> {
     let Some(report) = &sense.report else { return Ok(String::new()) };
     let line = FrameLine {
         patch: &sense.name,
@@ -84,11 +84,11 @@ pub(super) fn frame(sense: &Sense, wrench: Option<Wrench>) -> serde_json::Result
 }
 
 /// How a board stands now, as a line without its end.
-pub(super) fn state(sense: &Sense) -> serde_json::Result<String> {
+pub(in crate::commands) fn state(sense: &Sense) -> serde_json::Result<String> {
     serde_json::to_string(&StateLine { patch: &sense.name, link: &sense.link, state: &sense.state })
 }
 
 /// Frames that nobody read in time, as a line without its end.
-pub(super) fn dropped(frames: u64) -> String {
+pub(in crate::commands) fn dropped(frames: u64) -> String {
     format!("{{\"frames_dropped\":{frames}}}")
 }

@@ -1,13 +1,15 @@
 //! `dermatome serve`: all boards of a robot at once.
 
-mod lines;
+pub(super) mod lines;
 mod onlookers;
 mod robot;
 #[cfg_attr(not(feature = "ros"), path = "without_ros.rs")]
 mod ros;
-mod table;
+pub(super) mod table;
+#[cfg_attr(not(feature = "zenoh"), path = "without_zenoh.rs")]
+mod zenoh;
 
-use super::{contact_lines::is_read, doors::Doors, interrupt, lines::Lines, view::look_of};
+use super::{contact_lines::is_read, doors::Doors, interrupt, lines::Lines, network::Network, view::look_of};
 use anyhow::{Context, bail};
 use dermatome_body::{
     Body, Sense,
@@ -34,6 +36,7 @@ use std::{
     },
     time::{Duration, Instant},
 };
+use zenoh::Zenoh;
 
 /// Most that waits to be taken, a quarter of a second of 32 boards at 400 frames/s.
 const MOST_WAITING: usize = 4096;
@@ -57,6 +60,7 @@ const DRAWN: Duration = Duration::from_millis(500);
   dermatome serve robot.toml | python3 controller.py
   dermatome serve robot.toml --duration 60 --json report.json > contacts.jsonl
   ROS_DOMAIN_ID=7 dermatome serve robot.toml --ros
+  dermatome serve left-arm.toml --zenoh --zenoh-connect tcp/192.168.0.10:7447
 
 The body file (docs/serve.md) names the skins:
   name = \"arm\"
@@ -82,6 +86,11 @@ pub(super) struct Args {
     /// Domain of ROS 2: 0 to 232, instead of what ROS_DOMAIN_ID says.
     #[arg(long, value_name = "N", requires = "ros", value_parser = clap::value_parser!(u16).range(0..=232))]
     domain: Option<u16>,
+    /// Also tell other computers, which `dermatome body` joins (docs/zenoh.md), in a program built with `--features zenoh`.
+    #[arg(long)]
+    zenoh: bool,
+    #[command(flatten)]
+    network: Network,
     /// Also serve the page, and the Foxglove WebSocket protocol for other programs, at this address: 127.0.0.1:8765. The page
     /// shows one skin at a time, or, where the body file names a URDF, the whole robot.
     #[arg(long, value_name = "HOST:PORT")]
@@ -127,6 +136,8 @@ pub(super) struct Manner<'a> {
     pub(super) tare: bool,
     /// It is a node of ROS, in this domain or that of the environment.
     pub(super) ros: Option<Option<u16>>,
+    /// It tells other computers, by these settings.
+    pub(super) zenoh: Option<&'a Network>,
     /// The page is there.
     pub(super) page: Option<(SocketAddr, &'a Doors)>,
     /// Its lines go to standard output, unless that is a terminal, which gets a table, and a summary to standard error.
@@ -164,6 +175,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         images: !args.no_images,
         tare: args.tare,
         ros: args.ros.then_some(args.domain),
+        zenoh: args.is_on_network().then_some(&args.network),
         page: args.listen.map(|listen| (listen, &args.doors)),
         prints: true,
     };
@@ -185,6 +197,7 @@ pub(super) fn serve(
     write: impl FnOnce(&Report<'_>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let ros = manner.ros.map(|domain| Ros::start(file, domain)).transpose()?;
+    let zenoh = manner.zenoh.map(|network| Zenoh::start(file, network)).transpose()?;
     let skins = skins(&file.patches)?;
     let onlookers = manner.page.map(|(listen, doors)| {
         let looks = of_each(&skins, look_of)?;
@@ -198,7 +211,8 @@ pub(super) fn serve(
     if manner.tare {
         keepers.iter().for_each(Keeper::tare);
     }
-    let mut served = Served::new(file, &keepers, onlookers.transpose()?, ros, manner.prints, follower)?;
+    let mut served =
+        Served::new(file, &keepers, onlookers.transpose()?, ros, zenoh, manner.prints, follower)?;
     let begun = Instant::now();
     let ended = served.serve(&told, || interrupt::requested() || is_over(begun.elapsed()));
     let seconds = begun.elapsed().as_secs_f64();
@@ -221,6 +235,12 @@ pub(super) fn serve(
     written
 }
 
+impl Args {
+    fn is_on_network(&self) -> bool {
+        self.zenoh || self.network.is_given()
+    }
+}
+
 fn keepers(
     file: &BodyFile,
     skins: &OfSkins<Skin>,
@@ -239,7 +259,7 @@ fn keepers(
 
 fn selection(manner: &Manner<'_>) -> Selection {
     let images = u16::from(manner.images);
-    let is_told = manner.ros.is_some() || manner.page.is_some();
+    let is_told = manner.ros.is_some() || manner.zenoh.is_some() || manner.page.is_some();
     let health = if is_told { HEALTH_EVERY } else { 0 };
     Selection { images, contacts: 1, health, ..Selection::default() }
 }
@@ -304,6 +324,7 @@ struct Served<'a> {
     screen: Screen,
     drawn: Instant,
     ros: Option<Ros>,
+    zenoh: Option<Zenoh>,
     follower: &'a mut dyn Follower,
 }
 
@@ -313,6 +334,7 @@ impl<'a> Served<'a> {
         keepers: &'a [Keeper],
         onlookers: Option<Onlookers>,
         ros: Option<Ros>,
+        zenoh: Option<Zenoh>,
         prints: bool,
         follower: &'a mut dyn Follower,
     ) -> anyhow::Result<Self> {
@@ -321,7 +343,7 @@ impl<'a> Served<'a> {
         let lines = if has_lines { Some(Lines::start(lines::dropped)?) } else { None };
         let drawn = Instant::now();
         let body = Body::new(&file.patches);
-        Ok(Self { file, keepers, body, onlookers, lines, screen, drawn, ros, follower })
+        Ok(Self { file, keepers, body, onlookers, lines, screen, drawn, ros, zenoh, follower })
     }
 
     /// Takes what keepers tell until it is to stop, or nobody reads any more.
@@ -339,6 +361,9 @@ impl<'a> Served<'a> {
             }
             if let Some(ros) = &mut self.ros {
                 ros.attend(&self.body, self.keepers);
+            }
+            if let Some(zenoh) = &mut self.zenoh {
+                zenoh.attend(&self.body);
             }
             if let Some(onlookers) = &mut self.onlookers {
                 onlookers.answer(self.keepers, self.body.senses());
@@ -364,6 +389,9 @@ impl<'a> Served<'a> {
         if let Some(ros) = &mut self.ros {
             ros.tell(&self.body, index, &told);
         }
+        if let Some(zenoh) = &mut self.zenoh {
+            zenoh.tell(&self.body, index, &told);
+        }
         self.follower.took(index, &told, sense);
         let Some(lines) = &mut self.lines else { return Ok(true) };
         let line = if sense.state != before {
@@ -380,6 +408,9 @@ impl<'a> Served<'a> {
     fn end(&mut self) -> anyhow::Result<()> {
         if let Some(ros) = &mut self.ros {
             ros.end(&self.body);
+        }
+        if let Some(zenoh) = self.zenoh.take() {
+            zenoh.end();
         }
         if let Some(lines) = &mut self.lines {
             is_read(lines.end())?;

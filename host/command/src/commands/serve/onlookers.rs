@@ -100,7 +100,7 @@ impl Onlookers {
                 outlets.frame(frame, None);
             }
             Told::NotDriven(why) => status.warnings = vec![format!("the board keeps its drive: {why}")],
-            Told::State(_) => {}
+            Told::State(_) | Told::Reference(_) => {}
         }
     }
 

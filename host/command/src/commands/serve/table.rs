@@ -5,7 +5,7 @@ use dermatome_link::words::escaped;
 use std::fmt::Write;
 
 /// All skins, a line each.
-pub(super) fn table(body: &str, senses: &[Sense]) -> String {
+pub(in crate::commands) fn table(body: &str, senses: &[Sense]) -> String {
     let width = senses.iter().map(|sense| sense.name.len()).max().unwrap_or(0).max("patch".len());
     let mut text = format!(
         "{body}\n{:width$}  {:10}  {:>8}  {:>7}  {:>9}  contacts\n",
