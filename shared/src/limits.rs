@@ -17,7 +17,7 @@ pub const MAX_GRID_SIDE: usize = 64;
 /// Most contacts reported for one image.
 pub const MAX_CONTACTS: usize = 8;
 /// Bytes of a flash slot of the reference board, the record of its commit included.
-pub const FLASH_SLOT_BYTES: usize = 188 * 1024;
+pub const FLASH_SLOT_BYTES: usize = 184 * 1024;
 /// Bytes of the record of a commit: a double word of flash.
 pub const RECORD_BYTES: usize = 8;
 /// Longest patch a board can hold, bytes: one of its two flash slots, without the record of its commit.

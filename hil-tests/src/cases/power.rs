@@ -88,9 +88,9 @@ pub fn cut_full_size(rig: &Rig, every: NonZeroU64) -> Result<Found, Failure> {
     Ok(found)
 }
 
-/// Two patches of 812 pixels and 104 measurements, as large as a board takes.
+/// Two patches of 808 pixels and 104 measurements, as large as a board takes.
 fn full_size() -> [Vec<u8>; 2] {
-    [23, 24].map(|seed| patches::large(812, seed))
+    [23, 24].map(|seed| patches::large(808, seed))
 }
 
 /// A flash at the moment of a cut.

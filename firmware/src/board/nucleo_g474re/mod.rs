@@ -54,7 +54,7 @@ pub const LINK_BAUD: u32 = 2_000_000;
 pub const CYCLES_PER_MICROSECOND: f32 = 170.0;
 
 /// Where the first patch slot starts, bytes from the start of the flash; the second one follows.
-pub const SLOTS_OFFSET: usize = 136 * 1024;
+pub const SLOTS_OFFSET: usize = 144 * 1024;
 
 /// UART of the link.
 pub type LinkUart = peripherals::LPUART1;

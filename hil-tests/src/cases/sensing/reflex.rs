@@ -15,7 +15,11 @@ use dermatome::{
     simulate::Press,
     skin::{ImageLayout, Reciprocal, Reflex, Region},
 };
-use dermatome_shared::{patch::reflexes::Limit, protocol::Selection};
+use dermatome_shared::{
+    patch::reflexes::Limit,
+    pipeline::reflex::Reflexes,
+    protocol::{BoardPacket, Event, Selection, decode},
+};
 use nalgebra::Point3;
 
 /// Longest time from the last sample of a scan to a pin that falls, s.
@@ -29,15 +33,15 @@ const PLACES: [[f64; 2]; 6] =
     [[0.0, 0.0], [-0.06, 0.03], [0.01, -0.07], [-0.03, -0.05], [0.05, 0.02], [0.06, -0.01]];
 const SECOND: usize = 4;
 
-/// A rule of this limit that holds for no time.
-fn rule(name: &str, pin: u8, region: Region) -> Reflex {
+/// A rule that trips after so many frames and holds for no time.
+fn rule(name: &str, pin: u8, frames: u8, region: Region) -> Reflex {
     Reflex {
         name: name.to_owned(),
         pin,
         limit: Limit::Strength(0.4),
         region,
         release: 0.5,
-        frames: 1,
+        frames,
         hold: 0.0,
         trips_blind: true,
     }
@@ -61,6 +65,24 @@ fn pins(events: &[(Time, TraceEvent)]) -> Vec<(f64, [bool; 2])> {
 /// What happened since it was asked last.
 fn taken(session: &Session) -> Vec<(Time, TraceEvent)> {
     session.board.with(|machine| machine.chip(|chip| chip.trace.take()))
+}
+
+/// What the board said of its reflexes, and when.
+fn told(events: &[(Time, TraceEvent)]) -> impl Iterator<Item = (f64, Reflexes)> + '_ {
+    let mut bytes = Vec::new();
+    events.iter().filter_map(move |&(time, event)| match event {
+        TraceEvent::Sent(0) => match decode::<BoardPacket>(&mut std::mem::take(&mut bytes)) {
+            Ok(BoardPacket::Event { event: Event::Reflexes { reflexes, .. }, .. }) => {
+                Some((time.seconds(), reflexes))
+            }
+            _ => None,
+        },
+        TraceEvent::Sent(byte) => {
+            bytes.push(byte);
+            None
+        }
+        _ => None,
+    })
 }
 
 /// When each scan's last sample was taken, s.
@@ -88,7 +110,11 @@ fn falls(session: &Session, before: &mut [bool; 2], place: usize) -> Result<f64,
     }
     let wanted = [true, place >= SECOND];
     ensure(fallen.map(|time| time.is_some()) == wanted, || {
-        format!("pressed at {:?} m pins fell: {fallen:?}, wanted: {wanted:?}", PLACES[place])
+        let told: Vec<_> = told(&events).collect();
+        format!(
+            "pressed at {:?} m pins fell: {fallen:?}, wanted: {wanted:?}; the board said {told:?}",
+            PLACES[place]
+        )
     })?;
     let late = |time: f64| {
         let end = ends.iter().copied().filter(|&end| end <= time).fold(f64::NEG_INFINITY, f64::max);
@@ -104,8 +130,9 @@ pub(super) fn falls_in_time(rig: &Rig) -> Result<String, Failure> {
         skin.drive.settling = 1.0;
         skin.drive.frame_rate = 10_000.0;
         skin.image = ImageLayout::Grid { columns: 18 };
+        // What comes or goes within a scan is another press in that frame.
         let second = Region::Around { centre: Point3::new(0.055, 0.005, 0.0), radius: 0.03 };
-        skin.reflexes = vec![rule("all", 1, Region::Whole), rule("right", 2, second)];
+        skin.reflexes = vec![rule("all", 1, 1, Region::Whole), rule("right", 2, 2, second)];
     })?;
     session.run(BEGINS)?;
     let mut levels = pins(&taken(&session)).last().map_or([false; 2], |(_, levels)| *levels);

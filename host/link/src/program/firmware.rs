@@ -16,7 +16,7 @@ use std::{
 const FLASH: Range<u64> = 0x0800_0000..0x0808_0000;
 
 /// Where the trim and behind it the patch slots begin; the firmware lies before (`firmware/memory/nucleo-g474re.x`).
-const PATCH_SLOTS: u64 = 0x0802_1000;
+const PATCH_SLOTS: u64 = 0x0802_3000;
 
 /// Addresses that the initial stack pointer may have: just beyond a word of the 128 KiB of RAM.
 const STACK_TOPS: Range<u64> = 0x2000_0008..0x2002_0001;

@@ -12,6 +12,8 @@ use nalgebra::Point3;
 
 /// Share of the limit below which a rule is released unless the file says another.
 const RELEASE: f64 = 0.8;
+/// Frames above the limit that trip it unless the file says: one alone may be of a press that came within the scan.
+const FRAMES: i64 = 2;
 /// How long one stays tripped at least, s, unless the file says.
 const HOLD: f64 = 0.1;
 /// Longest time that it may say, s.
@@ -41,7 +43,7 @@ impl Checker<'_> {
             limit: self.limit(table)?,
             region: self.region(table)?,
             release: self.release(table.release.unwrap_or(RELEASE))?,
-            frames: self.count("reflexes.frames", table.frames.unwrap_or(1), 1, u8::MAX.into())?,
+            frames: self.count("reflexes.frames", table.frames.unwrap_or(FRAMES), 1, u8::MAX.into())?,
             hold: self.hold(table.hold.as_ref())?,
             trips_blind: self.trips_blind(table.when_blind.as_deref())?,
         })
