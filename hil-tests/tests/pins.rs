@@ -13,7 +13,9 @@ fn read(path: &str) -> String {
 fn pins_of(board: &str) -> BTreeSet<String> {
     let files = ["mod.rs", "sensing.rs"].map(|file| format!("{board}/{file}"));
     let source: String = files.iter().map(|file| read(&format!("firmware/src/board/{file}"))).collect();
-    let named = after(&source, "peripherals::").filter(|name| is_pin(name)).map(str::to_owned);
+    // Pins that a type names, and those that the board takes as they are.
+    let taken = ["peripherals::", "chip."].into_iter().flat_map(|prefix| after(&source, prefix));
+    let named = taken.filter(|name| is_pin(name)).map(str::to_owned);
     let ports: BTreeSet<_> = after(&source, "pac::GPIO").collect();
     assert_eq!(ports.len(), 1, "{board}: the multiplexers have one port: {ports:?}");
     let whole = ports.iter().flat_map(|port| (0..16).map(move |bit| format!("P{port}{bit}")));
@@ -88,6 +90,6 @@ fn the_firmware_uses_the_pins_of_the_table_and_no_others() {
 fn the_second_board_uses_another_port_and_its_own_link() {
     let pins = pins_of("nucleo_l496zg");
     let others: Vec<_> = pins.iter().filter(|pin| !pin.starts_with("PF")).map(String::as_str).collect();
-    assert_eq!(others, ["PA4", "PA7", "PC6", "PC8", "PG7", "PG8"]);
+    assert_eq!(others, ["PA4", "PA7", "PC0", "PC1", "PC2", "PC3", "PC6", "PC8", "PG7", "PG8"]);
     assert_eq!(pins.len() - others.len(), 16);
 }

@@ -65,7 +65,7 @@ fn device(selection: Selection) -> (Device<Fixed>, Frame) {
         BoardFacts { identity, electrodes: 16, frame_source, front_end, started_after, sees_host_go: true };
     let mut device = Device::new(facts, Fixed(observer.patch_bytes().to_vec()), PipelineState::default());
     device.handle(&RequestPacket { sequence: 1, request: Request::Tare { frames: 1 } }, 0);
-    device.process(&mut frame(None), Arrival::default(), |_| ());
+    device.process(&mut frame(None), &Arrival::default(), |_| ());
     device.handle(&RequestPacket { sequence: 2, request: Request::Stream(selection) }, 0);
     (device, frame(Some(1.0)))
 }
@@ -75,7 +75,7 @@ fn device(selection: Selection) -> (Device<Fixed>, Frame) {
 fn device_image_and_contacts(bencher: Bencher) {
     let (mut device, mut frame) = device(Selection { images: 1, contacts: 1, ..Selection::default() });
     bencher.counter(ItemsCount::new(1_u32)).bench_local(|| {
-        device.process(black_box(&mut frame), Arrival::default(), |event| _ = black_box(event));
+        device.process(black_box(&mut frame), &Arrival::default(), |event| _ = black_box(event));
     });
 }
 
@@ -89,7 +89,7 @@ fn device_image_and_contacts_encoded(bencher: Bencher) {
     };
     bencher
         .counter(ItemsCount::new(1_u32))
-        .bench_local(|| device.process(black_box(&mut frame), Arrival::default(), &mut send));
+        .bench_local(|| device.process(black_box(&mut frame), &Arrival::default(), &mut send));
 }
 
 /// Skin to reconstruction matrix, 3,940 elements.

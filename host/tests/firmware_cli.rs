@@ -91,8 +91,8 @@ fn a_sound_firmware_goes_where_it_says() {
 fn the_patch_slots_begin_where_the_firmwares_memory_ends() {
     let memory = include_str!("../../firmware/memory/nucleo-g474re.x");
     assert!(memory.contains("FLASH : ORIGIN = 0x08000000, LENGTH = 140K"), "{memory}");
-    assert!(memory.contains("STACK : ORIGIN = 0x20000000, LENGTH = 36352"), "{memory}");
-    assert!(memory.contains("RAM   : ORIGIN = 0x20008E00, LENGTH = 94720"), "{memory}");
+    assert!(memory.contains("STACK : ORIGIN = 0x20000000, LENGTH = 30720"), "{memory}");
+    assert!(memory.contains("RAM   : ORIGIN = 0x20007800, LENGTH = 100352"), "{memory}");
     assert!(Firmware::new(Elf::of_length(140 * 1024).bytes()).is_ok());
     let range = u64::from(FLASH)..0x0802_3001;
     assert_eq!(refused(&Elf::of_length(140 * 1024 + 1)), Fault::PatchSlots { range });

@@ -16,6 +16,8 @@ pub const MAX_PIXELS: usize = 1024;
 pub const MAX_GRID_SIDE: usize = 64;
 /// Most contacts reported for one image.
 pub const MAX_CONTACTS: usize = 8;
+/// Pins that reflexes can have, from 1.
+pub const REFLEX_PINS: u8 = 4;
 /// Bytes of a flash slot of the reference board, the record of its commit included.
 pub const FLASH_SLOT_BYTES: usize = 184 * 1024;
 /// Bytes of the record of a commit: a double word of flash.

@@ -34,7 +34,7 @@ pub use nucleo_g474re::*;
 #[cfg(feature = "nucleo-l496zg")]
 pub use nucleo_l496zg::*;
 
-use dermatome_shared::{patch::reflexes::REFLEX_PINS, restart::ResetCauses};
+use dermatome_shared::{REFLEX_PINS, restart::ResetCauses};
 use embassy_stm32::{Peri, gpio::Output, peripherals};
 use embassy_time::Duration;
 

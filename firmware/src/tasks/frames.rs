@@ -122,7 +122,7 @@ fn process(state: &State, captured: &mut Captured, scratch: &mut [u8]) {
             defmt::debug!("event dropped: the link is too slow");
         }
     };
-    device.process(&mut captured.frame, core::mem::take(&mut captured.arrival), &mut queue);
+    device.process(&mut captured.frame, &captured.arrival, &mut queue);
     if let Some(samples) = captured.scope.as_ref().filter(|_| device.wants_scope(captured.frame.sequence)) {
         device.show_scope(samples, &mut queue);
     }

@@ -6,7 +6,7 @@ use arbitrary::Arbitrary;
 use dermatome_shared::{
     device::{Arrival, BoardFacts, Device, PatchStore, StoreError},
     patch::PatchView,
-    pipeline::PipelineState,
+    pipeline::{PipelineState, reflex::Watch},
     protocol::{
         BoardPacket, FrameSource, Identity, MAX_CHUNK_BYTES, Reply, Request, RequestPacket, Selection,
         Version,
@@ -103,6 +103,8 @@ impl PatchStore for Memory {
 
 struct Rig {
     device: Device<Memory, PipelineState>,
+    watch: Watch,
+    scan: Option<u32>,
     requests: u16,
     events: u32,
 }
@@ -120,7 +122,8 @@ impl Rig {
             started_after,
             sees_host_go: false,
         };
-        Self { device: Device::new(facts, store, PipelineState::default()), requests: 0, events: 0 }
+        let device = Device::new(facts, store, PipelineState::default());
+        Self { device, watch: Watch::new(), scan: None, requests: 0, events: 0 }
     }
 
     fn ask(&mut self, request: Request) -> Reply {
@@ -146,7 +149,13 @@ impl Rig {
     fn process(&mut self, codes: &[i32], steps: usize) {
         let streaming = self.device.streaming();
         let mut seen = Vec::new();
-        self.device.process(&mut frame(steps, codes), Arrival::default(), |packet| seen.push(packet.clone()));
+        if self.scan.replace(self.device.scan()) != Some(self.device.scan()) {
+            self.device.begin_watch(&mut self.watch);
+        }
+        let mut frame = frame(steps, codes);
+        let arrival = Arrival { reflexes: self.watch.see(&frame, 0), ..Arrival::default() };
+        self.device.process(&mut frame, &arrival, |packet| seen.push(packet.clone()));
+        self.device.brief(&mut self.watch);
         for packet in seen {
             let BoardPacket::Event { number, .. } = packet else { panic!("{packet:?} was not asked for") };
             assert_eq!(number, self.events);

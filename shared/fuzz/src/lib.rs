@@ -58,8 +58,8 @@ pub fn small_patch() -> Vec<u8> {
         calibration: Calibration::default(),
         test_resistances: Default::default(),
         play_operators: 0,
-        reflexes: 0,
-        reflex_rows: 0,
+        reflexes: 1,
+        reflex_rows: 2,
         matrix: matrix.layout(),
         detection: DetectionLayout {
             places: 4,
@@ -80,9 +80,24 @@ pub fn small_patch() -> Vec<u8> {
         responses[coefficient_index(4, row, 0)] = 9000 - 5000 * row as i16;
         responses[coefficient_index(4, row, 1)] = 4000 * row as i16;
     }
+    let rule = ReflexRule {
+        name: "fuzz".try_into().unwrap(),
+        pin: 1,
+        limit: Limit::Strength(0.3),
+        release: 0.5,
+        frames: 1,
+        hold: 0.1,
+        trips_blind: true,
+        rows: 2,
+    };
+    let cells = [&[3.0, -1.0], &[-2.0, 5.0]].map(|weights| ReflexRow {
+        area: 1e-4,
+        places: [1; 32],
+        weights: &weights[..],
+    });
     let contents = PatchContents {
         play_operators: &[],
-        reflexes: ReflexTables::default(),
+        reflexes: ReflexTables { rules: &[rule], rows: &cells },
         header: &header,
         steps: &steps,
         combination: &combination,

@@ -202,8 +202,8 @@ impl<S: PatchStore, P: BorrowMut<PipelineState>> Device<S, P> {
     }
 
     /// Finishes one frame, takes it through the pipeline, and hands each event to `emit`, what is urgent first.
-    pub fn process(&mut self, frame: &mut Frame, arrival: Arrival, mut emit: impl FnMut(&BoardPacket)) {
-        self.tell_reflexes(frame, &arrival, &mut emit);
+    pub fn process(&mut self, frame: &mut Frame, arrival: &Arrival, mut emit: impl FnMut(&BoardPacket)) {
+        self.tell_reflexes(frame, arrival, &mut emit);
         if let Some(outcome) = self.finish(frame, arrival) {
             self.tell(frame, outcome, &mut emit);
         }
@@ -232,7 +232,7 @@ impl<S: PatchStore, P: BorrowMut<PipelineState>> Device<S, P> {
 
     /// Gives a frame all that it does not bring along: number, time, and the flags of board, wiring and pipeline;
     /// says what the pipeline made of it, with a patch.
-    fn finish(&mut self, frame: &mut Frame, arrival: Arrival) -> Option<Outcome> {
+    fn finish(&mut self, frame: &mut Frame, arrival: &Arrival) -> Option<Outcome> {
         frame.sequence = self.next_frame;
         self.next_frame = frame.sequence.wrapping_add(1);
         frame.timestamp_us = arrival.timestamp_us;

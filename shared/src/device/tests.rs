@@ -87,7 +87,7 @@ fn upload_good(device: &mut Device<Memory>, difference: Difference) -> u32 {
 
 fn events(device: &mut Device<Memory>, frame: &Frame) -> Vec<(u32, Event)> {
     let mut seen = Vec::new();
-    device.process(&mut frame.clone(), Arrival::default(), |packet| match packet {
+    device.process(&mut frame.clone(), &Arrival::default(), |packet| match packet {
         BoardPacket::Event { number, event } => seen.push((*number, event.clone())),
         BoardPacket::Reply { .. } => panic!("a reply nobody asked for"),
     });
@@ -409,11 +409,11 @@ fn a_frame_with_an_open_electrode_is_flagged_and_its_image_masked() {
     broken.tests[3] = ElectrodeTest { in_phase: AdcCode(7_000_000), is_clipped: true, ..test };
     // What changes with the electrode is no press.
     for _ in 0..3 {
-        device.process(&mut broken.clone(), Arrival::default(), |_| ());
+        device.process(&mut broken.clone(), &Arrival::default(), |_| ());
         assert!(device.pipeline().image().iter().all(|pixel| pixel.0 == 0));
     }
     broken.codes.iter_mut().for_each(|code| code.0 = 1800);
-    device.process(&mut broken, Arrival::default(), |_| ());
+    device.process(&mut broken, &Arrival::default(), |_| ());
     assert!(broken.flags.contains(FrameFlags::OPEN_ELECTRODE));
     assert!(broken.flags.contains(FrameFlags::MASKED));
     assert_eq!(device.health().open.iter().collect::<Vec<_>>(), [3]);
@@ -429,10 +429,10 @@ fn a_frame_gets_number_time_and_flags_of_the_board_where_it_is_processed() {
     device.set_vitals(Vitals { temperature: Some(86.0), ..Vitals::default() });
     ask(&mut device, Request::Tare { frames: 1 });
     let mut frame = flat_frame(1000);
-    device.process(&mut frame, Arrival::default(), |_| ());
+    device.process(&mut frame, &Arrival::default(), |_| ());
     assert_eq!((frame.sequence, frame.timestamp_us, frame.flags), (0, 0, FrameFlags::HOT));
     frame = Frame { sequence: 77, timestamp_us: 5, ..flat_frame(1000) };
-    device.process(&mut frame, Arrival { timestamp_us: 20_000, missed: true, ..Arrival::default() }, |_| ());
+    device.process(&mut frame, &Arrival { timestamp_us: 20_000, missed: true, ..Arrival::default() }, |_| ());
     assert_eq!((frame.sequence, frame.timestamp_us), (1, 20_000));
     assert_eq!(frame.flags, FrameFlags::HOT.union(FrameFlags::MISSED));
     let selection = Selection { health: 1, ..Selection::default() };
@@ -451,11 +451,11 @@ fn a_contact_that_becomes_worse_after_the_tare_is_told_and_masked() {
     ask(&mut device, Request::Tare { frames: 2 });
     for _ in 0..3 {
         let mut taken = frame.clone();
-        device.process(&mut taken, Arrival::default(), |_| ());
+        device.process(&mut taken, &Arrival::default(), |_| ());
         assert_eq!(taken.flags, FrameFlags::default());
     }
     frame.tests[5].in_phase = AdcCode(2_200_000);
-    device.process(&mut frame, Arrival::default(), |_| ());
+    device.process(&mut frame, &Arrival::default(), |_| ());
     assert_eq!(frame.flags, FrameFlags::WORSE_CONTACT.union(FrameFlags::MASKED));
     assert_eq!(device.health().worse.iter().collect::<Vec<_>>(), [5]);
 }
@@ -472,7 +472,7 @@ fn a_board_with_reflexes_scans_for_itself_and_tells_what_they_say_when_that_chan
         let mut frame = flat_frame(code);
         let arrival = Arrival { timestamp_us: time, missed: false, reflexes: watch.see(&frame, time) };
         let mut told = Vec::new();
-        device.process(&mut frame, arrival, |packet| {
+        device.process(&mut frame, &arrival, |packet| {
             if let BoardPacket::Event { event: Event::Reflexes { at, reflexes }, .. } = packet {
                 told.push((at.timestamp_us, reflexes.tripped, reflexes.is_blind));
             }

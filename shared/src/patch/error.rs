@@ -1,7 +1,7 @@
 //! Why bytes are not a usable patch.
 
-use super::{FORMAT_VERSION, reflexes::REFLEX_PINS};
-use crate::image::surface::SurfaceError;
+use super::FORMAT_VERSION;
+use crate::{image::surface::SurfaceError, limits::REFLEX_PINS};
 
 /// Why bytes are not a usable patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

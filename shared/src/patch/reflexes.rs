@@ -1,6 +1,7 @@
 //! Reflexes: rules by which a board acts by itself, and the rows that read a region's load ([`crate::pipeline::reflex`]).
 
 use super::{PatchError, PatchHeader, PatchView, places::MAX_PLACES};
+use crate::limits::REFLEX_PINS;
 use heapless::String;
 
 /// Most rules.
@@ -9,8 +10,6 @@ pub const MAX_REFLEXES: usize = 4;
 pub const MAX_REFLEX_ROWS: usize = 16;
 /// Most products for a frame: of all rows, and of one more, with each measurement.
 pub const MAX_REFLEX_PRODUCTS: usize = 2304;
-/// Pins that rules can have, from 1.
-pub const REFLEX_PINS: u8 = 4;
 /// Longest name of a rule, bytes.
 pub const REFLEX_NAME_BYTES: usize = 16;
 

@@ -350,6 +350,26 @@ pub(super) fn warning_of_driven(error: f64) -> Option<String> {
     })
 }
 
+/// What a reflex does that nobody wants.
+fn warning_of_reflex(reflex: &ReflexReport) -> Option<String> {
+    let ReflexReport { name, limit, noise, largest_cell, .. } = reflex;
+    if reflex.is_area {
+        let (limit, cell) = (limit * 1e4, largest_cell * 1e4);
+        return (limit <= cell).then(|| {
+            format!(
+                "the reflex {name:?} trips by one touch: its limit is {limit:.1} cm2, and areas are counted in whole cells of up \
+                 to {cell:.1} cm2; raise the limit, or have fewer rules or a smaller region"
+            )
+        });
+    }
+    (*limit < LEAST_LIMIT * noise).then(|| {
+        format!(
+            "the reflex {name:?} trips by noise: its limit is {limit:.2}, and a frame's noise at 60 dB {noise:.3} (standard \
+             deviation); raise the limit, ask for more `frames`, or have fewer rules or a smaller region"
+        )
+    })
+}
+
 /// What is allowed, but seldom meant.
 fn warnings(skin: &Skin, mesh: &Quality, patch: Option<&PatchReport>, noise: f64) -> Vec<String> {
     let mut warnings = Vec::new();
@@ -380,16 +400,7 @@ fn warnings(skin: &Skin, mesh: &Quality, patch: Option<&PatchReport>, noise: f64
                 .to_owned(),
         );
     }
-    let reflexes = patch.map_or(&[][..], |patch| &patch.reflexes);
-    for reflex in
-        reflexes.iter().filter(|reflex| !reflex.is_area && reflex.limit < LEAST_LIMIT * reflex.noise)
-    {
-        warnings.push(format!(
-            "the reflex {:?} trips by noise: its limit is {:.2}, and a frame's noise at 60 dB {:.3} (standard deviation); raise \
-             the limit, ask for more `frames`, or give it a smaller region",
-            reflex.name, reflex.limit, reflex.noise
-        ));
-    }
+    warnings.extend(patch.iter().flat_map(|patch| &patch.reflexes).filter_map(warning_of_reflex));
     if mesh.smallest_angle_degrees < SHARP_ANGLE_DEGREES {
         warnings.push(format!(
             "the mesh has an angle of {:.1} degrees: an electrode's end lies very close to another or to a corner",
@@ -451,11 +462,18 @@ fn print(report: &Report, stages: &[Stage]) {
 }
 
 fn print_reflex(reflex: &ReflexReport) {
-    let ReflexReport { name, pin, inside: [least, most], outside, noise, limit, is_area } = reflex;
-    let limit = if *is_area { format!("{:.1} cm2", limit * 1e4) } else { format!("{limit:.2}") };
+    let ReflexReport { name, pin, cells, inside: [least, most], outside, noise, limit, .. } = reflex;
+    if reflex.is_area {
+        say!(
+            "reflex        {name}, pin {pin}: {cells} cells of up to {:.1} cm2; noise {noise:.3} at 60 dB; limit {:.1} cm2",
+            reflex.largest_cell * 1e4,
+            limit * 1e4
+        );
+        return;
+    }
     say!(
-        "reflex        {name}, pin {pin}: a load of 1 in its region reads {least:.2} to {most:.2}, one outside at most \
-         {outside:.2}; noise {noise:.3} at 60 dB; limit {limit}"
+        "reflex        {name}, pin {pin}: in {cells} cells a load of 1 reads {least:.2} to {most:.2}, one outside at most \
+         {outside:.2}; noise {noise:.3} at 60 dB; limit {limit:.2}"
     );
 }
 

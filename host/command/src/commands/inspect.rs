@@ -5,7 +5,10 @@ use anyhow::Context;
 use dermatome_patch::input::{self, MAX_PATCH_BYTES};
 use dermatome_shared::{
     image::PixelGrid,
-    patch::{FORMAT_VERSION, PatchHeader, PatchView},
+    patch::{
+        FORMAT_VERSION, PatchHeader, PatchView,
+        reflexes::{Limit, ReflexRule},
+    },
 };
 use serde::Serialize;
 use std::path::PathBuf;
@@ -32,6 +35,8 @@ struct Report {
     header: PatchHeader,
     smallest_exponent: i8,
     largest_exponent: i8,
+    /// The rules by which the board acts by itself, in words.
+    reflexes: Vec<String>,
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
@@ -47,9 +52,20 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         header: patch.header.clone(),
         smallest_exponent: exponents().min().unwrap_or(0),
         largest_exponent: exponents().max().unwrap_or(0),
+        reflexes: patch.reflex_rules().map(|rule| in_words(&rule)).collect(),
     };
     print(&report);
     args.json.write(&report)
+}
+
+fn in_words(rule: &ReflexRule) -> String {
+    let limit = match rule.limit {
+        Limit::Strength(strength) => format!("a strength of {strength:.3}"),
+        Limit::Force(newtons) => format!("{newtons:.3} N"),
+        Limit::Area { area, strength } => format!("{:.1} cm2 above a strength of {strength:.3}", area * 1e4),
+    };
+    let ReflexRule { name, pin, frames, rows, .. } = rule;
+    format!("{name}, pin {pin}: above {limit}, {frames} frames long, in {rows} cells")
 }
 
 fn print(report: &Report) {
@@ -97,5 +113,6 @@ fn print(report: &Report) {
         ),
         None => say!("calibration   none"),
     }
+    report.reflexes.iter().for_each(|reflex| say!("reflex        {reflex}"));
     say!("matrix        i16, row exponents {} to {}", report.smallest_exponent, report.largest_exponent);
 }

@@ -174,7 +174,7 @@ pub enum PatchBuildError {
     #[error("stretched a little: {0}")]
     Stretched(#[from] ModelError),
     /// Reflexes that no board can follow.
-    #[error("{0}")]
+    #[error(transparent)]
     Reflex(#[from] ReflexError),
     /// The patch does not pass its own checks.
     #[error("the skin does not make a valid patch: {0}")]

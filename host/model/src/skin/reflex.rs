@@ -8,7 +8,7 @@ use nalgebra::Point3;
 pub struct Reflex {
     /// What people call it: 1 to 16 letters, digits, "-" or "_".
     pub name: String,
-    /// The pin that falls, 1 to [`dermatome_shared::patch::reflexes::REFLEX_PINS`].
+    /// The pin that falls, 1 to [`dermatome_shared::REFLEX_PINS`].
     pub pin: u8,
     /// What trips it.
     pub limit: Limit,

@@ -365,7 +365,7 @@ impl Worker {
         let mut frame = self.scanner.scan(&table, script_time);
         let reflexes = self.see(&frame);
         let arrival = Arrival { timestamp_us: frame.timestamp_us, missed: false, reflexes };
-        self.device.process(&mut frame, arrival, |packet| client.send(packet));
+        self.device.process(&mut frame, &arrival, |packet| client.send(packet));
         self.device.brief(&mut self.watch);
         self.show_scope(client, &frame, &table, script_time);
         if streamed {

@@ -106,6 +106,10 @@ pub struct ReflexReport {
     pub limit: f64,
     /// Whether that is an area.
     pub is_area: bool,
+    /// Cells that its region is read in, and the area of the largest, m^2.
+    pub cells: usize,
+    /// Likewise.
+    pub largest_cell: f64,
     /// Least and most that a standard press of strength 1 reads in the region.
     pub inside: [f64; 2],
     /// Most that one reads that lies four of its radii outside, or farther; 0 where there is no outside.
@@ -369,10 +373,11 @@ fn divided(pixels: &[usize], centres: &[Point3<f64>], cells: usize) -> Vec<Vec<u
 #[must_use]
 pub fn reflex_reports(skin: &Skin, model: &Model, patch: &PatchView<'_>) -> Vec<ReflexReport> {
     let (responses, deviations, margin) = (responses(model), deviations(model), MARGIN * radius(model));
-    let mut rows = patch.reflex_rows().map(|row| row.weights.iter().map(f64::from).collect::<Vec<_>>());
+    let mut rows = patch.reflex_rows();
     let report = |(rule, reflex): (ReflexRule, &Reflex)| {
+        let cells: Vec<_> = rows.by_ref().take(rule.rows.into()).collect();
         let weights: Vec<Col<f64>> =
-            rows.by_ref().take(rule.rows.into()).map(|row| Col::from_fn(row.len(), |m| row[m])).collect();
+            cells.iter().map(|row| Col::from_fn(deviations.len(), |m| row.weights.get(m).into())).collect();
         let read = |pixel: usize| {
             weights.iter().map(|row| row.transpose() * responses.col(pixel)).fold(f64::NEG_INFINITY, f64::max)
         };
@@ -395,6 +400,8 @@ pub fn reflex_reports(skin: &Skin, model: &Model, patch: &PatchView<'_>) -> Vec<
             pin: rule.pin,
             limit: limit.into(),
             is_area,
+            cells: cells.len(),
+            largest_cell: cells.iter().map(|row| f64::from(row.area)).fold(0.0, f64::max),
             inside: [inside.clone().fold(f64::INFINITY, f64::min), inside.fold(f64::NEG_INFINITY, f64::max)],
             outside: outside.fold(0.0, f64::max),
             noise: weights.iter().map(noise).fold(0.0, f64::max),

@@ -7,7 +7,10 @@ use crate::skin::{
     quantity::{AREA, FORCE, LENGTH, Quantity, TIME},
     reflex::{Reflex, Region},
 };
-use dermatome_shared::patch::reflexes::{Limit, MAX_REFLEXES, REFLEX_NAME_BYTES, REFLEX_PINS};
+use dermatome_shared::{
+    REFLEX_PINS,
+    patch::reflexes::{Limit, MAX_REFLEXES, REFLEX_NAME_BYTES},
+};
 use nalgebra::Point3;
 
 /// Share of the limit below which a rule is released unless the file says another.
