@@ -82,7 +82,7 @@ fn worst(name: &str, region: Region, seed: u64, radii: f64, depth: f64) -> [f64;
         count += 1;
     }
     eprintln!(
-        "{size}, {region:?}, {radii} radii, {depth}: {least:.2} to {most:.2}, outside {outside:.2}, {count} places"
+        "{name}, {region:?}, {radii} radii, {depth}: {least:.2} to {most:.2}, outside {outside:.2}, {count} places"
     );
     [least, most, outside]
 }

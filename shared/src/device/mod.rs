@@ -60,7 +60,7 @@ pub struct Arrival {
     pub timestamp_us: u64,
     /// Whether the board lost samples between the frame before and this one.
     pub missed: bool,
-    /// What the [`Watch`] said of it.
+    /// What the watch ([`crate::pipeline::reflex`]) said of it.
     pub reflexes: Reflexes,
 }
 

@@ -145,8 +145,8 @@ pub(super) fn falls_in_time(rig: &Rig) -> Result<String, Failure> {
     levels = pins(&taken(&session)).last().map_or(levels, |(_, levels)| *levels);
     ensure(levels == [true; 2], || format!("untouched, with a host, the pins are {levels:?}"))?;
     let mut streamed: f64 = 0.0;
-    for place in 0..PLACES.len() {
-        session.world.press(&[finger(PLACES[place]), finger([-0.04, 0.06]), finger([-0.05, -0.03])]);
+    for (place, at) in PLACES.into_iter().enumerate() {
+        session.world.press(&[finger(at), finger([-0.04, 0.06]), finger([-0.05, -0.03])]);
         stamps(&mut stream, 12)?;
         session.world.press(&[]);
         stamps(&mut stream, 60)?;
@@ -172,15 +172,13 @@ pub(super) fn falls_in_time(rig: &Rig) -> Result<String, Failure> {
 /// Presses at each place in turn, with nobody who asks for frames.
 fn pressed_everywhere(session: &Session, levels: &mut [bool; 2]) -> Result<f64, Failure> {
     let mut latest: f64 = 0.0;
-    for place in 0..PLACES.len() {
-        session.world.press(&[finger(PLACES[place])]);
+    for (place, at) in PLACES.into_iter().enumerate() {
+        session.world.press(&[finger(at)]);
         session.run(PRESSED)?;
         session.world.press(&[]);
         session.run(LIFTED)?;
         latest = latest.max(falls(session, levels, place)?);
-        ensure(*levels == [true; 2], || {
-            format!("after the press at {:?} m the pins are {levels:?}", PLACES[place])
-        })?;
+        ensure(*levels == [true; 2], || format!("after the press at {at:?} m the pins are {levels:?}"))?;
     }
     Ok(latest)
 }
