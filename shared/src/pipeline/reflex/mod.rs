@@ -159,13 +159,13 @@ impl Watch {
         let largest = weights.iter().zip(reference.scales()).map(|(weight, scale)| (weight * scale).abs());
         let largest = largest.fold(0.0, f32::max);
         let unit = if largest > 0.0 { largest / f32::from(i16::MAX) } else { 1.0 };
-        let mut offset = 0;
+        let mut offset = 0_i64;
         for ((weight, scale), sum) in weights.iter().zip(reference.scales()).zip(reference.sums()) {
             let factor = nearest(weight * scale / unit);
             // Never full: the patch has no more rows than there is room for.
             let _ = self.factors.push(factor);
             // Each sum has 36 bits, a factor 15, and there are 256.
-            offset += i64::from(factor) * sum;
+            offset = offset.wrapping_add(i64::from(factor).wrapping_mul(*sum));
         }
         let frames = i64::from(reference.frames().max(1));
         // Rounded: less than what one step of the converter counts.
@@ -205,8 +205,8 @@ impl Watch {
         let mut sums = [0_i32; MAX_MEASUREMENTS];
         for (code, target) in frame.codes.iter().zip(&self.combination) {
             if let Some(sum) = sums.get_mut(usize::from(target.measurement)) {
-                // A code has 26 bits at most, and more than two steps hardly measure the same.
-                *sum = sum.wrapping_add(if target.flipped { -code.0 } else { code.0 });
+                // A measured code has 26 bits at most, and more than two steps hardly measure the same; others mean nothing.
+                *sum = sum.wrapping_add(if target.flipped { code.0.wrapping_neg() } else { code.0 });
             }
         }
         let mut loads = [0.0; ROWS];
@@ -216,7 +216,7 @@ impl Watch {
             loads.iter_mut().zip(of_row).zip(&self.offsets).zip(&self.units)
         {
             let products = sums.iter().zip(factors).map(|(sum, factor)| i64::from(*sum) * i64::from(*factor));
-            *load = (products.sum::<i64>() - offset) as f32 * unit;
+            *load = products.sum::<i64>().wrapping_sub(*offset) as f32 * unit;
         }
         PLAUSIBLE.contains(&loads[rows - 1]).then_some(loads)
     }

@@ -166,3 +166,15 @@ proptest! {
         prop_assert!((f64::from(reflexes.values[0]) - expected).abs() < 0.5 * step * codes + 5e-4, "{reflexes:?} {expected}");
     }
 }
+
+#[test]
+fn codes_that_no_converter_gives_do_no_harm() {
+    let bytes = patch_with_reflexes(&[rule(Limit::Strength(0.5))], &[row(&FIRST)]);
+    let mut watch = briefed(&bytes);
+    for code in [i32::MIN, i32::MAX] {
+        assert!(watch.see(&flat_frame(code), 0).is_blind);
+    }
+    let patch = PatchView::validate(&bytes).unwrap();
+    watch.brief(&patch, &tared(&patch, &flat_frame(i32::MIN)), 0);
+    let _ = watch.see(&flat_frame(i32::MIN), 1);
+}
