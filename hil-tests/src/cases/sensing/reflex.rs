@@ -40,7 +40,7 @@ fn rule(name: &str, pin: u8, frames: u8, region: Region) -> Reflex {
         pin,
         limit: Limit::Strength(0.4),
         region,
-        release: 0.5,
+        release: 0.8,
         frames,
         hold: 0.0,
         trips_blind: true,
