@@ -33,12 +33,12 @@ const PLACES: [[f64; 2]; 6] =
     [[0.0, 0.0], [-0.06, 0.03], [0.01, -0.07], [-0.03, -0.05], [0.05, 0.02], [0.06, -0.01]];
 const SECOND: usize = 4;
 
-/// A rule that trips after so many frames and holds for no time.
+/// A rule well above noise, which is some 0.15 in its worst cell, that trips after so many frames and holds for no time.
 fn rule(name: &str, pin: u8, frames: u8, region: Region) -> Reflex {
     Reflex {
         name: name.to_owned(),
         pin,
-        limit: Limit::Strength(0.4),
+        limit: Limit::Strength(0.8),
         region,
         release: 0.8,
         frames,
@@ -48,7 +48,7 @@ fn rule(name: &str, pin: u8, frames: u8, region: Region) -> Reflex {
 }
 
 fn finger([x, y]: [f64; 2]) -> Press {
-    Press::finger([x, y], 0.012, 0.6)
+    Press::finger([x, y], 0.016, 0.8)
 }
 
 /// Levels of the first two reflex pins through time.
