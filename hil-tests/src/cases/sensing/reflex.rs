@@ -183,10 +183,11 @@ fn pressed_everywhere(session: &Session, levels: &mut [bool; 2]) -> Result<f64, 
     Ok(latest)
 }
 
-/// What breaks lets the pins fall, and so does a core that hangs: how long that takes.
+/// What breaks lets the pins fall, and so does a core that hangs: how long that takes. The electrode comes last: once it is
+/// mended the reference is that of one frame, and pins may stay low.
 fn blinded(session: &Session, levels: &mut [bool; 2]) -> Result<String, Failure> {
     let mut said = Vec::new();
-    for fault in [Fault::ElectrodeOpen(3), Fault::DacDead, Fault::AdcSaturated] {
+    for fault in [Fault::DacDead, Fault::AdcSaturated, Fault::ElectrodeOpen(3)] {
         *levels = pins(&taken(session)).last().map_or(*levels, |(_, levels)| *levels);
         ensure(*levels == [true; 2], || format!("before `{fault}` the pins are {levels:?}"))?;
         let begun = session.board.with(|machine| machine.now()).seconds();
