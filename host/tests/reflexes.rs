@@ -42,7 +42,7 @@ fn watched(name: &str, region: Region, seed: u64) -> (Watched, Vec<Point3<f64>>)
     let state = observer.observe(&rig.press(&[])).clone();
     let mut watch = Watch::new();
     watch.begin(Some(&observer.patch()));
-    watch.brief(&observer.patch(), &state, 0);
+    (0..=observer.patch().reflex_rows().count()).for_each(|_| watch.brief(&observer.patch(), &state));
     let radius = f64::from(observer.patch().header.detection.radius);
     let centres = observer.model().pixels.centres.clone();
     (Watched { rig, watch, radius, time_us: 0 }, centres)

@@ -79,9 +79,8 @@ pub struct Device<S, P = PipelineState> {
     health: Health,
     vitals: Vitals,
     missed: u32,
-    /// What the rules said last, and whether the host knows it.
-    reflexes: Reflexes,
-    reflexes_are_told: bool,
+    /// Rules that are tripped, and whether the board is blind, as the host was told last.
+    reflexes_told: Option<(u8, bool)>,
     next_frame: u32,
     next_event: u32,
     /// Uptime at the last request.
@@ -116,8 +115,7 @@ impl<S: PatchStore, P: BorrowMut<PipelineState>> Device<S, P> {
             health: Health::default(),
             vitals: Vitals::default(),
             missed: 0,
-            reflexes: Reflexes::default(),
-            reflexes_are_told: false,
+            reflexes_told: None,
             next_frame: 0,
             next_event: 0,
             heard_ms: 0,
@@ -480,7 +478,7 @@ impl<S: PatchStore, P: BorrowMut<PipelineState>> Device<S, P> {
             return Err(Refusal::Slot { last });
         }
         self.streaming = selection;
-        self.reflexes_are_told = false;
+        self.reflexes_told = None;
         Ok(Reply::Streaming { first_sequence: self.next_frame })
     }
 }

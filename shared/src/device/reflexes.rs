@@ -19,14 +19,17 @@ impl<S: PatchStore, P: BorrowMut<PipelineState>> Device<S, P> {
 
     /// The watch looks by the patch's rules from now on: when a scan begins.
     pub fn begin_watch(&self, watch: &mut Watch) {
-        watch.begin(self.patch().filter(|_| self.has_reflexes()).as_ref());
+        let patch = if self.has_reflexes() { self.patch() } else { None };
+        watch.begin(patch.as_ref());
         self.brief(watch);
     }
 
     /// Tells the watch what the pipeline knows: after each frame.
     pub fn brief(&self, watch: &mut Watch) {
-        if let Some(patch) = self.patch().filter(|_| watch.has_rules()) {
-            watch.brief(&patch, self.pipeline(), self.next_frame);
+        if watch.has_rules()
+            && let Some(patch) = self.patch()
+        {
+            watch.brief(&patch, self.pipeline());
         }
     }
 
@@ -37,17 +40,17 @@ impl<S: PatchStore, P: BorrowMut<PipelineState>> Device<S, P> {
         arrival: &Arrival,
         emit: &mut impl FnMut(&BoardPacket),
     ) {
-        let (now, before) = (&arrival.reflexes, &self.reflexes);
-        let is_same = (now.tripped, now.is_blind) == (before.tripped, before.is_blind);
+        let reflexes = arrival.reflexes.clone();
+        let now = Some((reflexes.tripped, reflexes.is_blind));
         // Again now and then, as an event may be lost.
         let is_due = self.streaming.any() && self.next_frame.is_multiple_of(REMINDER);
-        if !self.has_reflexes() || is_same && self.reflexes_are_told && !is_due {
+        if !self.has_reflexes() || now == self.reflexes_told && !is_due {
             return;
         }
-        (self.reflexes, self.reflexes_are_told) = (now.clone(), true);
+        self.reflexes_told = now;
         let at =
             FrameStamp { sequence: self.next_frame, timestamp_us: arrival.timestamp_us, flags: frame.flags };
-        let event = Event::Reflexes { at, reflexes: now.clone() };
+        let event = Event::Reflexes { at, reflexes };
         emit(&BoardPacket::Event { number: self.take_number(), event });
     }
 }

@@ -480,9 +480,9 @@ fn a_board_with_reflexes_scans_for_itself_and_tells_what_they_say_when_that_chan
         device.brief(&mut watch);
         told
     };
-    // Blind until a reference is there, which the board makes by itself.
+    // Blind until a reference is there, which the board makes by itself, and has been taken over into both rows.
     let blind: Vec<_> = (0..30).flat_map(|time| told(&mut device, 1000, time)).collect();
-    assert_eq!(blind, [(0, 1, true), (20, 0, false)]);
+    assert_eq!(blind, [(0, 1, true), (21, 0, false)]);
     assert_eq!([told(&mut device, 1010, 40), told(&mut device, 1010, 41)], [vec![(40, 1, false)], vec![]]);
     assert_eq!(told(&mut device, 1000, 42), [(42, 0, false)]);
     // A host that comes later is told, and now and then again.

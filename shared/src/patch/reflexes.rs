@@ -163,6 +163,12 @@ pub const fn most_reflex_rows(measurements: usize) -> usize {
     if rows < MAX_REFLEX_ROWS { rows } else { MAX_REFLEX_ROWS }
 }
 
+/// Bytes of the tables of so many rules and rows in a patch of so many measurements.
+#[must_use]
+pub fn reflex_bytes(rules: usize, rows: usize, measurements: usize) -> usize {
+    RULE_BYTES * rules + row_bytes(rows, measurements)
+}
+
 /// Bytes of the table of rows.
 pub(super) fn row_bytes(rows: usize, measurements: usize) -> usize {
     rows * (ROW_BYTES + 4 * measurements)

@@ -8,6 +8,7 @@ mod session;
 mod sheets;
 mod soak;
 mod speed;
+mod traced;
 mod trim;
 
 pub use soak::{Soaked, soak};

@@ -4,6 +4,7 @@ use super::{
     super::Failure,
     ensure, next_with,
     session::{Session, stamps, tare},
+    traced::{packets, scan_ends, taken},
 };
 use crate::{
     chip::{time::Time, trace::Event as TraceEvent},
@@ -18,7 +19,7 @@ use dermatome::{
 use dermatome_shared::{
     patch::reflexes::Limit,
     pipeline::reflex::Reflexes,
-    protocol::{BoardPacket, Event, Selection, decode},
+    protocol::{BoardPacket, Event, Selection},
 };
 use nalgebra::Point3;
 
@@ -62,43 +63,24 @@ fn pins(events: &[(Time, TraceEvent)]) -> Vec<(f64, [bool; 2])> {
     events.iter().filter_map(of).collect()
 }
 
-/// What happened since it was asked last.
-fn taken(session: &Session) -> Vec<(Time, TraceEvent)> {
-    session.board.with(|machine| machine.chip(|chip| chip.trace.take()))
-}
-
-/// What the board said of its reflexes, and when.
-fn told(events: &[(Time, TraceEvent)]) -> impl Iterator<Item = (f64, Reflexes)> + '_ {
-    let mut bytes = Vec::new();
-    events.iter().filter_map(move |&(time, event)| match event {
-        TraceEvent::Sent(0) => match decode::<BoardPacket>(&mut std::mem::take(&mut bytes)) {
-            Ok(BoardPacket::Event { event: Event::Reflexes { reflexes, .. }, .. }) => {
-                Some((time.seconds(), reflexes))
-            }
-            _ => None,
-        },
-        TraceEvent::Sent(byte) => {
-            bytes.push(byte);
-            None
-        }
+/// What the board said of its reflexes.
+fn told(events: &[(Time, TraceEvent)]) -> Vec<Reflexes> {
+    let of = |(_, packet)| match packet {
+        BoardPacket::Event { event: Event::Reflexes { reflexes, .. }, .. } => Some(reflexes),
         _ => None,
-    })
+    };
+    packets(events).into_iter().filter_map(of).collect()
 }
 
-/// When each scan's last sample was taken, s.
-fn ends(session: &Session, events: &[(Time, TraceEvent)]) -> Vec<f64> {
-    let drive = &session.skin.drive;
-    let slot = (drive.settling + f64::from(drive.integration)) / drive.frequency;
-    // The word of the last slot goes to the multiplexers when that slot begins.
-    let is_end =
-        |(_, event): &&(Time, TraceEvent)| *event == TraceEvent::DmaComplete { controller: 1, channel: 4 };
-    events.iter().filter(is_end).map(|(time, _)| time.seconds() + slot).collect()
+/// Virtual time, s.
+fn now(session: &Session) -> f64 {
+    session.board.with(|machine| machine.now()).seconds()
 }
 
-/// Whether the pins fell that had to, and how long after the end of a scan the first fall of each was, s.
-fn falls(session: &Session, before: &mut [bool; 2], place: usize) -> Result<f64, Failure> {
+/// Whether the pins fell that had to, pressed then, s, and how long after the end of a scan the first fall of each was, s.
+fn falls(session: &Session, before: &mut [bool; 2], place: usize, pressed: f64) -> Result<f64, Failure> {
     let events = taken(session);
-    let ends = ends(session, &events);
+    let ends = scan_ends(session, &events);
     let mut fallen = [None; 2];
     for (time, levels) in pins(&events) {
         for pin in 0..2 {
@@ -110,12 +92,20 @@ fn falls(session: &Session, before: &mut [bool; 2], place: usize) -> Result<f64,
     }
     let wanted = [true, place >= SECOND];
     ensure(fallen.map(|time| time.is_some()) == wanted, || {
-        let told: Vec<_> = told(&events).collect();
+        let told = told(&events);
         format!(
             "pressed at {:?} m pins fell: {fallen:?}, wanted: {wanted:?}; the board said {told:?}",
             PLACES[place]
         )
     })?;
+    // The scan that it comes in may not show a press yet; and the second rule waits for one more.
+    for (time, scans) in fallen.into_iter().zip([2, 3]) {
+        let seen = ends.iter().copied().filter(|&end| end > pressed).nth(scans - 1);
+        let is_late = time.zip(seen).is_some_and(|(time, seen)| time > seen + LONGEST);
+        ensure(!is_late, || {
+            format!("pressed at {pressed} s a pin falls at {time:?} s, later than {scans} scans: {ends:?}")
+        })?;
+    }
     let late = |time: f64| {
         let end = ends.iter().copied().filter(|&end| end <= time).fold(f64::NEG_INFINITY, f64::max);
         time - end
@@ -146,11 +136,12 @@ pub(super) fn falls_in_time(rig: &Rig) -> Result<String, Failure> {
     ensure(levels == [true; 2], || format!("untouched, with a host, the pins are {levels:?}"))?;
     let mut streamed: f64 = 0.0;
     for (place, at) in PLACES.into_iter().enumerate() {
+        let pressed = now(&session);
         session.world.press(&[finger(at), finger([-0.04, 0.06]), finger([-0.05, -0.03])]);
         stamps(&mut stream, 12)?;
         session.world.press(&[]);
         stamps(&mut stream, 60)?;
-        streamed = streamed.max(falls(&session, &mut levels, place)?);
+        streamed = streamed.max(falls(&session, &mut levels, place, pressed)?);
     }
     session.world.press(&[finger(PLACES[0])]);
     let (_, told) = next_with(&mut stream, |frame| frame.reflexes.filter(|told| told.tripped == 1))?;
@@ -173,11 +164,12 @@ pub(super) fn falls_in_time(rig: &Rig) -> Result<String, Failure> {
 fn pressed_everywhere(session: &Session, levels: &mut [bool; 2]) -> Result<f64, Failure> {
     let mut latest: f64 = 0.0;
     for (place, at) in PLACES.into_iter().enumerate() {
+        let pressed = now(session);
         session.world.press(&[finger(at)]);
         session.run(PRESSED)?;
         session.world.press(&[]);
         session.run(LIFTED)?;
-        latest = latest.max(falls(session, levels, place)?);
+        latest = latest.max(falls(session, levels, place, pressed)?);
         ensure(*levels == [true; 2], || format!("after the press at {at:?} m the pins are {levels:?}"))?;
     }
     Ok(latest)
@@ -190,7 +182,7 @@ fn blinded(session: &Session, levels: &mut [bool; 2]) -> Result<String, Failure>
     for fault in [Fault::DacDead, Fault::AdcSaturated, Fault::ElectrodeOpen(3)] {
         *levels = pins(&taken(session)).last().map_or(*levels, |(_, levels)| *levels);
         ensure(*levels == [true; 2], || format!("before `{fault}` the pins are {levels:?}"))?;
-        let begun = session.board.with(|machine| machine.now()).seconds();
+        let begun = now(session);
         session.world.inject(fault).map_err(Failure::wrong)?;
         session.run(PRESSED)?;
         let fallen = pins(&taken(session)).into_iter().find(|(_, levels)| *levels == [false; 2]);
@@ -199,12 +191,16 @@ fn blinded(session: &Session, levels: &mut [bool; 2]) -> Result<String, Failure>
         session.world.mend();
         session.run(BEGINS)?;
     }
-    let begun = session.board.with(|machine| machine.now()).seconds();
+    let begun = now(session);
     session.board.with(|machine| What::Hang.happen(machine))?;
     session.run(Time::from_millis(1500))?;
     let events = taken(session);
     let reset = events.iter().find(|(_, event)| matches!(event, TraceEvent::Reset(_)));
     let (time, _) = reset.ok_or_else(|| Failure::wrong("a core that hangs is not reset"))?;
+    let after = pins(&events).into_iter().find(|(at, _)| *at >= time.seconds());
+    ensure(after.is_some_and(|(_, levels)| levels == [false; 2]), || {
+        format!("a reset leaves the pins at {after:?}")
+    })?;
     said.push(format!("{:.0} ms after the core hangs", 1e3 * (time.seconds() - begun)));
     Ok(format!("both fall {}", said.join(", ")))
 }

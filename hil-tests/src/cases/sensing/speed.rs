@@ -4,9 +4,10 @@ use super::{
     super::{Failure, ensure_complete},
     ensure, next_with,
     session::{Session, stamps, tare},
+    traced::{packets, scan_ends, taken},
 };
 use crate::{
-    chip::{RAM_START, time::Time, trace::Event as TraceEvent},
+    chip::{RAM_START, time::Time},
     rig::Rig,
 };
 use dermatome::{
@@ -16,7 +17,7 @@ use dermatome::{
 };
 use dermatome_shared::{
     health::Vitals,
-    protocol::{BoardPacket, Event, Selection, decode},
+    protocol::{BoardPacket, Event, Selection},
 };
 use std::ops::Range;
 
@@ -132,7 +133,7 @@ fn measure(rig: &Rig, speed: &Speed) -> Result<String, Failure> {
         ("three times", &THREE[..], Some(speed.longest_latency[1])),
         ("twice", &THREE[..2], None),
     ] {
-        session.board.with(|machine| machine.chip(|chip| drop(chip.trace.take())));
+        drop(taken(&session));
         session.world.press(presses);
         stamps(&mut stream, COMES)?;
         watched.push((name, watch(&session, &mut stream, |_| {})?));
@@ -226,46 +227,19 @@ fn load_since(session: &Session, before: [Time; 2]) -> f64 {
 
 /// Longest time from the last sample of a frame to the first byte of its contacts on the line.
 fn latency(session: &Session, link: &mut Link) -> Result<f64, Failure> {
-    let events = session.board.with(|machine| machine.chip(|chip| chip.trace.take()));
-    let drive = &session.skin.drive;
-    let slot = (drive.settling + f64::from(drive.integration)) / drive.frequency;
-    // The word of the last slot goes to the multiplexers when that slot begins.
-    let ends: Vec<f64> = events
-        .iter()
-        .filter(|(_, event)| *event == TraceEvent::DmaComplete { controller: 1, channel: 4 })
-        .map(|(time, _)| time.seconds() + slot)
-        .collect();
+    let events = taken(session);
+    let ends = scan_ends(session, &events);
     let started = session.started(link)?;
     let mut longest: f64 = 0.0;
-    for (sent, timestamp_us) in contact_packets(&events) {
-        let taken = timestamp_us as f64 * 1e-6 + started;
+    for (sent, packet) in packets(&events) {
+        let BoardPacket::Event { event: Event::Contacts { at, .. }, .. } = packet else { continue };
+        let taken = at.timestamp_us as f64 * 1e-6 + started;
         let near = |end: &&f64| (**end - taken).abs();
         let Some(end) = ends.iter().min_by(|a, b| near(a).total_cmp(&near(b))) else { continue };
         longest = longest.max(sent.seconds() - end);
     }
     ensure(longest > 0.0, || "no contacts were sent".to_owned())?;
     Ok(longest)
-}
-
-/// When the first byte of each contacts packet left, and the time stamp in it.
-fn contact_packets(events: &[(Time, TraceEvent)]) -> Vec<(Time, u64)> {
-    let mut packets = Vec::new();
-    let mut bytes: Vec<(Time, u8)> = Vec::new();
-    for &(time, event) in events {
-        let TraceEvent::Sent(byte) = event else { continue };
-        if byte != 0 {
-            bytes.push((time, byte));
-            continue;
-        }
-        let mut packet: Vec<u8> = bytes.iter().map(|&(_, byte)| byte).collect();
-        let contacts = match decode::<BoardPacket>(&mut packet) {
-            Ok(BoardPacket::Event { event: Event::Contacts { at, .. }, .. }) => Some(at.timestamp_us),
-            _ => None,
-        };
-        packets.extend(bytes.first().zip(contacts).map(|(&(time, _), timestamp)| (time, timestamp)));
-        bytes.clear();
-    }
-    packets
 }
 
 /// Uses everything once, and measures what is left.

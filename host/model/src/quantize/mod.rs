@@ -194,7 +194,7 @@ pub fn patch_with(skin: &Skin, model: &Model, stored: &Stored) -> Result<Vec<u8>
     let interpolated = Interpolated::new(matrix, &model.pixels.centres, &data);
     let mut contents = contents(skin, model, surface, &interpolated)?;
     if skin.contacts_found_in == FoundIn::Voltages {
-        let without_places = written(&contents, stored)?.len() + reflexes::bytes(skin, &contents);
+        let without_places = written(&contents, stored)?.len() + reflexes::bytes(skin, model);
         let room = MAX_PATCH_BYTES.saturating_sub(without_places + ROOM_OF_CALIBRATION);
         contents.places = responses::places(skin, model, room)?;
     }

@@ -127,9 +127,14 @@ pub(super) fn even_response(model: &Model, noise: &[f64]) -> Option<Col<f64>> {
     let mut even = Col::from_fn(noise.len(), |m| even[(m, 0)] / noise[m]);
     let common = Col::from_fn(noise.len(), |m| voltages[m] / model.divisors()[m] / noise[m]);
     even -= Scale(common.transpose() * &even / common.squared_norm_l2()) * &common;
-    // At 60 dB.
-    let deviation = 1e-3 * (voltages.iter().map(|v| v * v).sum::<f64>() / voltages.len() as f64).sqrt();
+    let deviation = deviation_at_60_db(model);
     (0.1 * even.norm_l2() > LEAST_EVEN * deviation).then(|| Col::from_fn(noise.len(), |m| even[m] * noise[m]))
+}
+
+/// Standard deviation of noise on a voltage at 60 dB of their root mean square.
+pub(super) fn deviation_at_60_db(model: &Model) -> f64 {
+    let voltages = model.measurements();
+    1e-3 * (voltages.iter().map(|v| v * v).sum::<f64>() / voltages.len() as f64).sqrt()
 }
 
 /// What the slip of each electrode changes difference data by, `[measurement][electrode]`, where all are on the rim. Those

@@ -31,10 +31,7 @@ use dermatome_shared::{
     drive::Drive,
     frame::Frame,
     patch::PatchView,
-    pipeline::{
-        PipelineState,
-        reflex::{Reflexes, Watch},
-    },
+    pipeline::{PipelineState, reflex::Watch},
     protocol::{FrameSource, Identity, Request, RequestPacket, Selection},
     restart::Restart,
 };
@@ -184,7 +181,6 @@ impl SimulatedBoard {
         let worker = Worker {
             device,
             watch: Box::default(),
-            watched: None,
             table: None,
             scanner: Scanner::new(Box::new(instrument)),
             pace: options.pace,
@@ -281,9 +277,8 @@ fn facts(options: &BoardOptions, front_end: Option<FrontEnd>) -> BoardFacts {
 struct Worker {
     device: Device<FilePatchStore>,
     scanner: Scanner<Box<dyn Instrument>>,
-    /// Looks at frames by the patch's reflexes, as that of the device's scan of this number.
+    /// Looks at frames by the patch's reflexes.
     watch: Box<Watch>,
-    watched: Option<u32>,
     /// What is scanned, with the number of the device's scan it was made for.
     table: Option<(u32, ScanTable)>,
     pace: Pace,
@@ -363,7 +358,7 @@ impl Worker {
             Some(recalled) => return self.replay(client, recalled, due, period),
         }
         let mut frame = self.scanner.scan(&table, script_time);
-        let reflexes = self.see(&frame);
+        let reflexes = self.watch.see(&frame, frame.timestamp_us);
         let arrival = Arrival { timestamp_us: frame.timestamp_us, missed: false, reflexes };
         self.device.process(&mut frame, &arrival, |packet| client.send(packet));
         self.device.brief(&mut self.watch);
@@ -372,14 +367,6 @@ impl Worker {
             self.count_streamed();
         }
         due.map(|due| (due + period).max(Instant::now().checked_sub(MAX_BACKLOG).unwrap_or(due)))
-    }
-
-    /// What the patch's reflexes say of a frame.
-    fn see(&mut self, frame: &Frame) -> Reflexes {
-        if self.watched.replace(self.device.scan()) != Some(self.device.scan()) {
-            self.device.begin_watch(&mut self.watch);
-        }
-        self.watch.see(frame, frame.timestamp_us)
     }
 
     /// Takes what comes next of a recording; gives the time when the next frame is due.
@@ -404,7 +391,7 @@ impl Worker {
             Recalled::Frame(of) => {
                 let (mut frame, health, vitals) = *of;
                 self.device.set_vitals(vitals);
-                let reflexes = self.see(&frame);
+                let reflexes = self.watch.see(&frame, frame.timestamp_us);
                 self.device.replay(&mut frame, health, reflexes, |packet| client.send(packet));
                 self.device.brief(&mut self.watch);
                 self.script_frame += 1;
@@ -425,6 +412,7 @@ impl Worker {
         if self.table.as_ref().is_none_or(|(of, _)| *of != number) {
             let table = ScanTable::new(&self.device.patch()?, self.device.drive()?);
             self.table = Some((number, table));
+            self.device.begin_watch(&mut self.watch);
         }
         self.table.as_ref().map(|(_, table)| table.clone())
     }

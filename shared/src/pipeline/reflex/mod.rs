@@ -16,7 +16,8 @@
 //! Where the sum means nothing the board is *blind*: without a reference, with a bad electrode, at the end of the
 //! converter's range, or without the current that the reference was made with.
 //!
-//! Whoever gets frames first holds the [`Watch`]; whoever takes them through the pipeline briefs it.
+//! Whoever gets frames first holds the [`Watch`]; whoever takes them through the pipeline briefs it, of one row after each
+//! frame: all at once would keep a board from its samples.
 
 use super::{
     PipelineState,
@@ -38,9 +39,6 @@ use serde::{Deserialize, Serialize};
 const ROWS: usize = MAX_REFLEX_ROWS + 1;
 /// Mean of all voltages, as a share of the reference's, beyond which they are none of this skin under this current.
 const PLAUSIBLE: core::ops::RangeInclusive<f32> = 0.5..=2.0;
-/// Every so many frames the watch takes the reference as it has become, which follows drift; at once where it is blind.
-const BRIEFING: u32 = 8;
-
 /// What the rules say of one frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Reflexes {
@@ -66,7 +64,7 @@ pub struct Watch {
     rules: Vec<Watched, MAX_REFLEXES>,
     /// Areas of the cells, m^2: `[row]`.
     areas: Vec<f32, MAX_REFLEX_ROWS>,
-    /// Where each step's code goes: `[step]`, none without a reference.
+    /// Where each step's code goes: `[step]`.
     combination: Vec<CombinedInto, MAX_STEPS>,
     /// What a sum of codes counts: `[row][measurement]`, the row after those of the rules for all voltages.
     factors: Vec<i16, MAX_REFLEX_PRODUCTS>,
@@ -74,7 +72,9 @@ pub struct Watch {
     offsets: [i64; ROWS],
     /// What 1 is worth: `[row]`.
     units: [f32; ROWS],
-    /// Whether loads mean something. As all else here it begins as zeros, which take no room in a board's flash.
+    /// The row that is briefed next.
+    next: usize,
+    /// Whether all are. As all else here it begins as zeros, which take no room in a board's flash.
     sees: bool,
 }
 
@@ -95,6 +95,7 @@ impl Watch {
             factors: Vec::new(),
             offsets: [0; ROWS],
             units: [0.0; ROWS],
+            next: 0,
             sees: false,
         }
     }
@@ -105,10 +106,15 @@ impl Watch {
     pub fn begin(&mut self, patch: Option<&PatchView<'_>>) {
         self.rules.clear();
         self.areas.clear();
+        self.combination.clear();
+        self.factors.clear();
         self.blind();
         if let Some(patch) = patch {
             self.rules.extend(patch.reflex_rules().map(|rule| Watched::new(&patch.header, &rule)));
             self.areas.extend(patch.reflex_rows().map(|row| row.area));
+            self.combination.extend(patch.combination());
+            // The patch has no more rows than there is room for.
+            let _ = self.factors.resize((self.areas.len() + 1) * usize::from(patch.header.measurements), 0);
         }
     }
 
@@ -118,54 +124,47 @@ impl Watch {
         !self.rules.is_empty()
     }
 
-    /// No frames come any more: what was known means nothing.
+    /// What was known means nothing: no frames come any more, or an electrode is bad.
     pub fn blind(&mut self) {
-        self.combination.clear();
-        self.factors.clear();
-        self.sees = false;
+        (self.next, self.sees) = (0, false);
     }
 
-    /// Takes over the pipeline's reference and bad electrodes after the frame of this number, unless what it knows will do.
-    pub fn brief(&mut self, patch: &PatchView<'_>, state: &PipelineState, sequence: u32) {
-        if self.has_rules() && (!self.sees || sequence.is_multiple_of(BRIEFING)) {
-            self.take(patch, state);
-        }
-    }
-
-    fn take(&mut self, patch: &PatchView<'_>, state: &PipelineState) {
-        self.blind();
-        let Some(reference) = &state.reference else { return };
-        let all = self.areas.len();
+    /// Takes the reference that the pipeline has now over into the next row; sees once that was done for all.
+    pub fn brief(&mut self, patch: &PatchView<'_>, state: &PipelineState) {
+        let Some(reference) = state.reference.as_ref().filter(|_| state.wiring.bad().is_empty()) else {
+            return self.blind();
+        };
         let mut weights = Changes::new();
-        for (row, of_row) in patch.reflex_rows().take(all).enumerate() {
-            weights.clear();
-            weights.extend(of_row.weights.iter());
-            self.set_row(row, reference, &weights);
+        match patch.reflex_rows().nth(self.next) {
+            Some(row) => {
+                weights.extend(row.weights.iter());
+                self.set_row(self.next, reference, &weights);
+            }
+            None => {
+                let size: f32 = reference.weights().iter().map(|reads| reads.abs()).sum();
+                weights.extend(reference.weights().iter().map(|reads| 1.0_f32.copysign(*reads) / size));
+                self.set_row(self.next, reference, &weights);
+                // All voltages are read as they are, and not as they changed.
+                self.offsets[self.next] = 0;
+            }
         }
-        let size: f32 = reference.weights().iter().map(|reads| reads.abs()).sum();
-        weights.clear();
-        weights.extend(reference.weights().iter().map(|reads| 1.0_f32.copysign(*reads) / size));
-        self.set_row(all, reference, &weights);
-        // All voltages are read as they are, and not as they changed.
-        self.offsets[all] = 0;
-        self.combination.extend(patch.combination());
-        self.sees = state.wiring.bad().is_empty();
+        self.next = (self.next + 1) % (self.areas.len() + 1);
+        self.sees |= self.next == 0;
     }
 
     /// What codes count and the reference reads in a row of these weights of relative changes: `[measurement]`.
     // Once on the board, for all rows.
     #[inline(never)]
     fn set_row(&mut self, row: usize, reference: &Reference, weights: &[f32]) {
-        let largest = weights.iter().zip(reference.scales()).map(|(weight, scale)| (weight * scale).abs());
-        let largest = largest.fold(0.0, f32::max);
+        let products = || weights.iter().zip(reference.scales()).map(|(weight, scale)| weight * scale);
+        let largest = products().map(f32::abs).fold(0.0, f32::max);
         let unit = if largest > 0.0 { largest / f32::from(i16::MAX) } else { 1.0 };
+        let own = self.factors.chunks_exact_mut(weights.len().max(1)).nth(row).unwrap_or_default();
         let mut offset = 0_i64;
-        for ((weight, scale), sum) in weights.iter().zip(reference.scales()).zip(reference.sums()) {
-            let factor = nearest(weight * scale / unit);
-            // Never full: the patch has no more rows than there is room for.
-            let _ = self.factors.push(factor);
+        for ((factor, product), sum) in own.iter_mut().zip(products()).zip(reference.sums()) {
+            *factor = nearest(product / unit);
             // Each sum has 36 bits, a factor 15, and there are 256.
-            offset = offset.wrapping_add(i64::from(factor).wrapping_mul(*sum));
+            offset = offset.wrapping_add(i64::from(*factor).wrapping_mul(*sum));
         }
         let frames = i64::from(reference.frames().max(1));
         // Rounded: less than what one step of the converter counts.
@@ -181,7 +180,7 @@ impl Watch {
             return Reflexes::default();
         }
         let loads = self.loads(frame);
-        let is_blind = !self.sees || loads.is_none() || !frame.clipped.is_empty();
+        let is_blind = loads.is_none() || !frame.clipped.is_empty();
         let loads = loads.unwrap_or_default();
         let mut reflexes = Reflexes { is_blind, ..Reflexes::default() };
         let (mut loads, mut areas) = (&loads[..self.areas.len()], &self.areas[..]);
@@ -199,7 +198,7 @@ impl Watch {
 
     /// Loads, `[row]`; none where the frame is none of the reference's.
     fn loads(&self, frame: &Frame) -> Option<[f32; ROWS]> {
-        if frame.codes.is_empty() || frame.codes.len() != self.combination.len() {
+        if !self.sees || frame.codes.len() != self.combination.len() {
             return None;
         }
         let mut sums = [0_i32; MAX_MEASUREMENTS];

@@ -15,23 +15,17 @@
 
 use super::{
     PatchBuildError,
-    responses::{even_response, radius, responses, slip_responses, smooth_responses},
+    responses::{deviation_at_60_db, even_response, radius, responses, slip_responses, smooth_responses},
 };
 use crate::{
     model::Model,
     skin::{FoundIn, Reflex, Skin},
 };
-use dermatome_patch::{
-    places::FixedPlaces,
-    reflexes::Reflexes,
-    write::{Contents, Stored},
-};
+use dermatome_patch::{places::FixedPlaces, reflexes::Reflexes, write::Stored};
 use dermatome_shared::patch::{
     PatchView,
     places::MAX_PLACES,
-    reflexes::{
-        Limit, MAX_REFLEX_ROWS, REFLEX_NAME_BYTES, ReflexRow, ReflexRule, most_reflex_rows, strength_of,
-    },
+    reflexes::{Limit, ReflexRow, ReflexRule, most_reflex_rows, reflex_bytes, strength_of},
 };
 use faer::{Col, Mat, Side, linalg::solvers::Solve};
 use nalgebra::Point3;
@@ -43,8 +37,6 @@ const DRIFT: f64 = 0.1;
 const SLIP: f64 = 0.005;
 /// Places so far outside, in radii of the standard press, shall read nothing: about as far as such skins tell apart.
 const MARGIN: f64 = 4.0;
-/// Noise that rows are made for, a share of the root mean square of the voltages: 60 dB.
-const NOISE: f64 = 1e-3;
 /// Fewest cells that an area is counted in.
 const FEWEST_CELLS: usize = 2;
 /// Rounds in which places that are read worst come to count more.
@@ -155,10 +147,10 @@ pub(super) fn reflexes(
 }
 
 /// Bytes that the reflexes of a skin take in a patch at most.
-pub(super) fn bytes(skin: &Skin, contents: &Contents) -> usize {
-    let row = 4 + MAX_PLACES / 8 + 4 * contents.matrix.tables().column_exponents.len();
-    let rule = REFLEX_NAME_BYTES + 24;
-    if skin.reflexes.is_empty() { 0 } else { MAX_REFLEX_ROWS * row + skin.reflexes.len() * rule }
+pub(super) fn bytes(skin: &Skin, model: &Model) -> usize {
+    let measurements = model.jacobian.nrows();
+    let rows = if skin.reflexes.is_empty() { 0 } else { most_reflex_rows(measurements) };
+    reflex_bytes(skin.reflexes.len(), rows, measurements)
 }
 
 /// Whether limits in newtons have a calibration that they need.
@@ -336,8 +328,7 @@ impl Wanted {
 
 /// Standard deviations of difference data of one frame at 60 dB: `[measurement]`.
 fn deviations(model: &Model) -> Vec<f64> {
-    let voltages = model.measurements();
-    let deviation = NOISE * (voltages.iter().map(|v| v * v).sum::<f64>() / voltages.len() as f64).sqrt();
+    let deviation = deviation_at_60_db(model);
     model.relative_noise().iter().map(|noise| (deviation * noise).abs()).collect()
 }
 
