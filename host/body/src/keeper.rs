@@ -141,6 +141,7 @@ impl Keeper {
             front_end: None,
             untouched: None,
             reference_made: None,
+            made_now: false,
             has_come: false,
             wants_tare: false,
         };
@@ -219,6 +220,8 @@ struct Board {
     untouched: Option<Untouched>,
     /// When that was made, by this computer's clock, ns since 1970; none where it was not made from here.
     reference_made: Option<u64>,
+    /// Whether one was made that is not known yet.
+    made_now: bool,
     has_come: bool,
     wants_tare: bool,
 }
@@ -372,13 +375,17 @@ impl Board {
     fn make_reference(&mut self, link: &mut Link, patch: &PatchInfo) -> Result<(), LinkError> {
         self.state(Phase::Taring, "averaging the untouched skin");
         tare(link, DEFAULT_TARE_FRAMES, tare_timeout(patch, DEFAULT_TARE_FRAMES))?;
-        (self.untouched, self.reference_made) = (None, Some(now_ns()));
+        self.made_now = true;
         Ok(())
     }
 
     /// The board has this reference; one that it had not before was made by somebody else.
     fn know_reference(&mut self, untouched: Untouched) {
-        if self.untouched.as_ref().is_some_and(|before| before.voltages() != untouched.voltages()) {
+        let is_other =
+            self.untouched.as_ref().is_some_and(|before| before.voltages() != untouched.voltages());
+        if std::mem::take(&mut self.made_now) {
+            self.reference_made = Some(now_ns());
+        } else if is_other {
             self.reference_made = None;
         }
         let voltages = untouched.voltages().to_vec();

@@ -55,7 +55,7 @@ fn a_stranger_is_refused_and_a_computer_of_the_robot_is_heard() {
 
     let without = with(&ours, "connect_certificate: \"certificates/left_arm.pem\",", "");
     let without = with(&without, "connect_private_key: \"certificates/left_arm.key\",", "");
-    let _strangers = [
+    let mut strangers = [
         serve(&desk, "nobody", port, &with(&without, "enable_mtls: true", "enable_mtls: false")),
         // Believes in the true authority and has the certificate of another one for the same name.
         serve(
@@ -68,6 +68,7 @@ fn a_stranger_is_refused_and_a_computer_of_the_robot_is_heard() {
         serve(&desk, "guest", port, &ours.replace("certificates/left_arm.", "certificates/guest.")),
     ];
     thread::sleep(PATIENCE);
+    assert!(strangers.iter_mut().all(Running::is_running), "all have tried the whole time");
     let frames = hearing.said("left_arm").frames;
     hearing.wait("left_arm", START, |said| said.frames > frames);
     hearing.end();

@@ -241,7 +241,9 @@ impl Listener {
 
     /// What was heard next, if anything is within `wait`.
     pub fn next(&mut self, wait: Duration) -> Option<Heard> {
-        self.see();
+        if self.changed.is_empty() {
+            self.see();
+        }
         self.ask_times();
         self.changed.pop_front().or_else(|| self.newest(wait))
     }

@@ -8,7 +8,6 @@ use crate::{
 use dermatome_body::{Report, Sense, keeper::Told};
 use dermatome_link::ScanFrame;
 use dermatome_messages::clock::now_ns;
-use dermatome_shared::protocol::FrameStamp;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use zenoh::{
     Session, Wait,
@@ -37,8 +36,7 @@ pub(crate) struct Outlet {
     health: Counted,
     state: Counted,
     answers: Arc<Mutex<Answers>>,
-    /// The frame whose contacts were told last, and when an image was, ns since 1970.
-    last: Option<FrameStamp>,
+    /// When an image was told last, ns since 1970.
     drawn: u64,
     _queryable: Queryable<()>,
     _alive: LivelinessToken,
@@ -52,7 +50,7 @@ struct Counted {
 }
 
 /// What those are told who ask, as messages.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Answers {
     state: Option<Vec<u8>>,
     skin: Vec<u8>,
@@ -94,7 +92,11 @@ impl Outlet {
         let (asked, keys) = (answers.clone(), Keys::of(space)?);
         let queryable = session
             .declare_queryable(space.of_queries())
-            .callback(move |query| keys.answer(&query, &held(&asked), run))
+            .callback(move |query| {
+                // Whoever asks may be slow: nobody waits for the answers meanwhile.
+                let answers = held(&asked).clone();
+                keys.answer(&query, &answers, run);
+            })
             .wait()?;
         Ok(Self {
             server: server.clone(),
@@ -103,7 +105,6 @@ impl Outlet {
             health: declare(Topic::Health, false)?,
             state: declare(Topic::State, true)?,
             answers,
-            last: None,
             drawn: 0,
             _queryable: queryable,
             // Last, as it says that all else is there.
@@ -120,7 +121,7 @@ impl Outlet {
             }
             Told::Frame { frame, .. } => {
                 self.health(frame);
-                if let Some(report) = sense.report.as_ref().filter(|report| self.last != Some(report.at)) {
+                if let Some(report) = sense.report.as_ref().filter(|report| frame.at == Some(report.at)) {
                     self.frame(report, sense.missing);
                 }
             }
@@ -148,7 +149,6 @@ impl Outlet {
     }
 
     fn frame(&mut self, report: &Report, missing: u64) {
-        self.last = Some(report.at);
         self.contacts.put(encode(&Contacts::new(report, missing)));
         let Some(image) = &report.image else { return };
         if report.received_ns.saturating_sub(self.drawn) >= PERIOD {

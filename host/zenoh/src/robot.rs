@@ -89,8 +89,7 @@ fn centres(sense: &Sense) -> Vec<[f32; 3]> {
 /// A number that no other run of the program has, also where it is told which id to have.
 fn run(session: &Session) -> u64 {
     let id = session.info().zid().wait().to_le_bytes();
-    id.chunks(8)
-        .fold(now_ns(), |run, part| part.iter().fold(run, |run, byte| run.rotate_left(8) ^ u64::from(*byte)))
+    id.iter().fold(now_ns(), |run, byte| run.rotate_left(8) ^ u64::from(*byte))
 }
 
 fn computer() -> String {

@@ -134,6 +134,8 @@ fn sixty_four_skins_at_100_frames_a_second_are_merged_without_loss() {
         listener.dropped(),
         latency[latency.len() / 2].0
     );
+    // Of 6,400: a busy machine is slower.
+    assert!(rate > 1000.0, "{rate}");
     assert_eq!((totals.len(), lost, listener.dropped()), (COMPUTERS * SKINS, 0, 0));
     listener.end();
 }

@@ -148,7 +148,7 @@ impl Reader<'_> {
         let Pose { position, orientation, .. } = skin.pose();
         let allowed = format!(
             "where `{}` has the skin {:?}, which is {:.1} mm and {:.2} degrees off: position = {position:.6?}, \
-             orientation = {orientation:.6?}; or another `urdf add --replace`",
+             orientation = {orientation:.6?}; or add it to the robot anew",
             urdf.path.display(),
             skin.name,
             far * 1e3,

@@ -26,7 +26,7 @@ pub const MOST_SKINS: usize = 1024;
 /// Most runs that may serve one skin.
 const MOST_RUNS: usize = 8;
 /// Nothing heard for so long: three states have not come.
-const SILENT: Duration = Duration::from_millis(3 * PULSE.as_millis() as u64);
+const SILENT: Duration = PULSE.saturating_mul(3);
 /// A run that has started anew is not told from a second one before its predecessor is known to be gone.
 const SECOND: Duration = Duration::from_secs(3);
 /// Most findings that are kept.
@@ -89,7 +89,8 @@ pub struct Totals {
 pub struct Merge {
     body: Body,
     skins: BTreeMap<Space, Skin>,
-    hosts: HashMap<u64, Host>,
+    /// Of the clocks of the computers: by run.
+    offsets: HashMap<u64, Offset>,
     findings: Vec<Finding>,
     /// Findings that [`Merge::take_findings`] has given.
     told: usize,
@@ -112,16 +113,10 @@ struct Skin {
     clock: Option<crate::offset::Answer>,
 }
 
-#[derive(Default)]
-struct Host {
-    computer: String,
-    offset: Offset,
-}
-
 impl Default for Merge {
     fn default() -> Self {
         let body = Body::new(&[]);
-        Self { body, skins: BTreeMap::new(), hosts: HashMap::new(), findings: Vec::new(), told: 0 }
+        Self { body, skins: BTreeMap::new(), offsets: HashMap::new(), findings: Vec::new(), told: 0 }
     }
 }
 
@@ -142,8 +137,8 @@ impl Merge {
             }
             Heard::State { space, stamp, state } => return self.state(&space, stamp, state, now),
             Heard::Clock { run, asked_ns, theirs_ns, answered_ns } => {
-                if let Some(host) = self.hosts.get_mut(&run) {
-                    host.offset.hear(asked_ns, theirs_ns, answered_ns);
+                if let Some(offset) = self.offsets.get_mut(&run) {
+                    offset.hear(asked_ns, theirs_ns, answered_ns);
                 }
             }
             Heard::Unreadable { space, error } => return self.unreadable(&space, &error),
@@ -159,8 +154,11 @@ impl Merge {
             if now.duration_since(heard) < SILENT {
                 continue;
             }
-            let text = format!("nothing is heard from its computer `{}`", skin.computer);
-            changes.extend(lose(&mut self.body, skin.index, text));
+            // A run that has said nothing yet that is understood has nothing to lose.
+            if !skin.computer.is_empty() {
+                let text = format!("nothing is heard from its computer `{}`", skin.computer);
+                changes.extend(lose(&mut self.body, skin.index, text));
+            }
             if let Some((other, _)) = skin.runs.iter().find(|(other, _)| *other != run) {
                 skin.speaker = Some((*other, now));
             }
@@ -199,7 +197,7 @@ impl Merge {
         if skin.runs.len() < MOST_RUNS && !skin.runs.iter().any(|(other, _)| *other == run) {
             skin.runs.push((run, now));
             skin.speaker.get_or_insert((run, now));
-            self.hosts.entry(run).or_default();
+            self.offsets.entry(run).or_default();
         }
     }
 
@@ -213,7 +211,7 @@ impl Merge {
             changes.extend(lose(&mut self.body, skin.index, text));
         }
         if !self.skins.values().any(|skin| skin.runs.iter().any(|(other, _)| *other == run)) {
-            self.hosts.remove(&run);
+            self.offsets.remove(&run);
         }
         changes
     }
@@ -236,7 +234,7 @@ impl Merge {
         if !skin.is_next(stamp) {
             return Vec::new();
         }
-        let clock = self.hosts.get(&stamp.run).and_then(|host| host.offset.best());
+        let clock = self.offsets.get(&stamp.run).and_then(Offset::best);
         let ahead = clock.map_or(0, |clock| clock.ahead);
         let time_ns = message.ended_ns.saturating_add_signed(ahead.saturating_neg());
         if clock.is_some() {
@@ -255,9 +253,6 @@ impl Merge {
         let Some(skin) = self.skins.get_mut(space).filter(|skin| skin.is_served_by(stamp.run)) else {
             return Vec::new();
         };
-        if let Some(host) = self.hosts.get_mut(&stamp.run) {
-            host.computer.clone_from(&state.computer);
-        }
         if skin.hears(stamp.run, now) {
             skin.computer.clone_from(&state.computer);
             return stand(&mut self.body, skin.index, state.phase, state.text, false).into_iter().collect();

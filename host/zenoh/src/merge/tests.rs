@@ -196,6 +196,8 @@ fn a_computer_with_other_messages_is_named_with_both_versions() {
         finding.contains(&theirs.to_string()) && finding.contains(&Version::OURS.to_string()),
         "{finding}"
     );
+    // And stays so, however long.
+    assert_eq!(scene.wait(2.0), []);
     assert_eq!(scene.sense(0).state.text, *finding);
     assert_eq!(scene.merge.totals()[0].unreadable, 2);
 }
@@ -208,7 +210,7 @@ fn strangers_fill_no_memory() {
         scene.take(alive("p0", 1 << 40 | number as u64));
     }
     assert_eq!(scene.merge.body().senses().len(), MOST_SKINS);
-    assert!(scene.merge.hosts.len() <= MOST_SKINS + MOST_RUNS);
+    assert!(scene.merge.offsets.len() <= MOST_SKINS + MOST_RUNS);
     // Of skins that nobody serves nothing is taken.
     let count = scene.merge.body().senses().len();
     scene.take(contacts("unknown", 1, 1, 0));

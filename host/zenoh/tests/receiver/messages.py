@@ -1,4 +1,4 @@
-"""Messages of `dermatome serve --zenoh`, read from postcard's encoding by docs/zenoh.md alone."""
+"""Messages of `dermatome serve --zenoh`, read from postcard's encoding by src/message.rs."""
 
 import struct
 from types import SimpleNamespace

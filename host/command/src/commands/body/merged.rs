@@ -7,7 +7,7 @@ use crate::commands::{
     network::Network,
     serve::{lines, table},
 };
-use anyhow::Context;
+use anyhow::{Context, ensure};
 use dermatome_link::words::escaped;
 use dermatome_view::terminal::Screen;
 use dermatome_zenoh::{
@@ -61,6 +61,7 @@ pub(super) fn run(
     let ended = merged.hear(is_over);
     let written = merged.lines.as_mut().map_or(Ok(true), |lines| is_read(lines.end()));
     let totals = merged.merge.totals();
+    let is_nobody = totals.is_empty();
     totals.iter().for_each(|totals| eprintln!("{}", summary(totals)));
     json.write(&Report {
         body: merged.listener.robot(),
@@ -73,6 +74,7 @@ pub(super) fn run(
     merged.listener.end();
     ended?;
     written?;
+    ensure!(!is_nobody, "no computer serves skins of a robot of that name: it is the one in the body files");
     Ok(())
 }
 

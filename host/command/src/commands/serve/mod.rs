@@ -140,7 +140,8 @@ pub(super) struct Manner<'a> {
     pub(super) zenoh: Option<&'a Network>,
     /// The page is there.
     pub(super) page: Option<(SocketAddr, &'a Doors)>,
-    /// Its lines go to standard output, unless that is a terminal, which gets a table, and a summary to standard error.
+    /// Its lines go to standard output, unless that is a terminal, and a summary to standard error. A terminal has a table in any
+    /// case.
     pub(super) prints: bool,
 }
 
@@ -188,6 +189,7 @@ fn warn(file: &BodyFile) {
     let Some(urdf) = &file.urdf else { return };
     urdf.robot.warnings.iter().for_each(|warning| eprintln!("warning: `{}`: {warning}", urdf.path.display()));
 }
+
 /// Serves a body until it is over, by the time that it has been served for, or Ctrl-C comes; then has a report written.
 pub(super) fn serve(
     file: &BodyFile,
@@ -197,7 +199,6 @@ pub(super) fn serve(
     write: impl FnOnce(&Report<'_>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let ros = manner.ros.map(|domain| Ros::start(file, domain)).transpose()?;
-    let zenoh = manner.zenoh.map(|network| Zenoh::start(file, network)).transpose()?;
     let skins = skins(&file.patches)?;
     let onlookers = manner.page.map(|(listen, doors)| {
         let looks = of_each(&skins, look_of)?;
@@ -211,6 +212,8 @@ pub(super) fn serve(
     if manner.tare {
         keepers.iter().for_each(Keeper::tare);
     }
+    // Last, as others know it from here on.
+    let zenoh = manner.zenoh.map(|network| Zenoh::start(file, network)).transpose()?;
     let mut served =
         Served::new(file, &keepers, onlookers.transpose()?, ros, zenoh, manner.prints, follower)?;
     let begun = Instant::now();
