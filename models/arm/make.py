@@ -120,7 +120,9 @@ def cut(run, folder, skin):
     sizes = ["--width", f"{width:.4f}", "--edge-length", f"{width / EDGES:.4f}"]
     run("cut", mesh, "--unit", "m", f"--around={around}", "--radius", radius, *sizes, "--out", folder / skin, "--force")
     file = folder / skin / "skin.toml"
-    file.write_text(file.read_text().replace('frame_rate = "50 Hz"', f'frame_rate = "{FRAME_RATE} Hz"'))
+    text, usual = file.read_text(), 'frame_rate = "50 Hz"'
+    assert usual in text, file
+    file.write_text(text.replace(usual, f'frame_rate = "{FRAME_RATE} Hz"'))
 
 
 def main():

@@ -9,7 +9,8 @@
  *
  * In the loop, between _start and _stop: dermatome_poll, _wait, _image, _get_counts, _descriptor, _ask_tare, _ask_drive,
  * _answer, and dermatome_place. They allocate nothing and, but for _wait, wait for nothing. (The one exception: a call that
- * finds that a serial port has gone, or takes nothing any more, may allocate some bytes.)
+ * finds that a serial port has gone, or takes nothing any more, may allocate some bytes.) dermatome_flag_words and
+ * dermatome_error may allocate, and do not wait.
  *
  * The library starts no threads. A board is used by one thread at a time, whichever; boards are independent of each other.
  *
@@ -72,8 +73,9 @@
 // The board holds another patch than the one asked for.
 #define DERMATOME_WRONG_PATCH -12
 
-// No frame has come for as long as `silence_ms` says. Polling may go on; a board that has started anew behind a serial
-// adapter sends none until it is told to: stop and start, or close the handle and open the port anew.
+// No frame has come for as long as `silence_ms` says, also while a board makes its reference for longer than that (of 20
+// frames at the start, or of those that were asked for): poll on, as stopping ends that reference. A board that has started
+// anew behind a serial adapter sends none until it is told to: stop and start, or close the handle and open the port anew.
 #define DERMATOME_SILENT -13
 
 // A fault of this library. The handle can only be closed.
@@ -367,7 +369,8 @@ int dermatome_get_counts(struct dermatome_board *board, struct dermatome_counts 
 int dermatome_descriptor(struct dermatome_board *board);
 
 // Asks for a new reference of `frames` frames of the untouched skin, without waiting. `dermatome_answer` says whether the board
-// does it; `counts.tares` grows when it has. Meanwhile there are no contacts.
+// does it; `counts.tares` grows when it has. Meanwhile there are no contacts, and
+// polling may say DERMATOME_SILENT.
 int dermatome_ask_tare(struct dermatome_board *board,
                        uint16_t frames);
 

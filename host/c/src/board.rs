@@ -212,7 +212,9 @@ impl Board {
         if self.stream()?.ask(request)? {
             return Ok(());
         }
-        Err(Failure::State("the last request waits for its answer; fetch it with dermatome_answer"))
+        Err(Failure::State(
+            "an earlier request is still on its way, or its answer waits for dermatome_answer",
+        ))
     }
 
     fn open_link(&mut self) -> Result<&mut Link, Failure> {

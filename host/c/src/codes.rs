@@ -33,8 +33,9 @@ pub const DERMATOME_REFUSED: i32 = -10;
 pub const DERMATOME_NO_PATCH: i32 = -11;
 /// The board holds another patch than the one asked for.
 pub const DERMATOME_WRONG_PATCH: i32 = -12;
-/// No frame has come for as long as `silence_ms` says. Polling may go on; a board that has started anew behind a serial
-/// adapter sends none until it is told to: stop and start, or close the handle and open the port anew.
+/// No frame has come for as long as `silence_ms` says, also while a board makes its reference for longer than that (of 20
+/// frames at the start, or of those that were asked for): poll on, as stopping ends that reference. A board that has started
+/// anew behind a serial adapter sends none until it is told to: stop and start, or close the handle and open the port anew.
 pub const DERMATOME_SILENT: i32 = -13;
 /// A fault of this library. The handle can only be closed.
 pub const DERMATOME_FAULT: i32 = -14;

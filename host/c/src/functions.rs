@@ -12,7 +12,7 @@ use core::{
     fmt, ptr,
 };
 use dermatome_link::shared::frame::FrameFlags;
-use std::{borrow::Cow, ffi::CStr, time::Duration};
+use std::{ffi::CStr, time::Duration};
 
 /// Version of the library, such as "0.1.0".
 #[unsafe(no_mangle)]
@@ -34,9 +34,11 @@ pub extern "C" fn dermatome_code_name(code: c_int) -> *const c_char {
 /// What the flags of a frame say, in words with commas between them, at most `size` bytes with the NUL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dermatome_flag_words(flags: u16, words: *mut c_char, size: usize) -> c_int {
-    let said = FrameFlags(flags).words().collect::<Vec<_>>().join(", ");
-    // SAFETY: as in the head of the header.
-    code(unsafe { put_text(words, size, &said) })
+    code(caught(|| {
+        let said = FrameFlags(flags).words().collect::<Vec<_>>().join(", ");
+        // SAFETY: as in the head of the header.
+        unsafe { put_text(words, size, &said) }
+    }))
 }
 
 /// Opens the port of a board, `/dev/ttyACM0` or `tcp:HOST:PORT`, and makes sure that board and library understand each other:
@@ -57,10 +59,10 @@ pub unsafe extern "C" fn dermatome_open(
         // SAFETY: likewise.
         unsafe { put(board, size_of::<*mut Board>(), "board", Box::into_raw(Box::new(opened))) }
     });
-    let said = opened.as_ref().map_or_else(|failure| Cow::from(failure.to_string()), |()| Cow::from(""));
+    let said: &dyn std::fmt::Display = opened.as_ref().err().map_or(&"", |failure| failure);
     if !words.is_null() {
         // SAFETY: likewise. Where there is no room there are no words.
-        let _ = unsafe { put_text(words, size, &said) };
+        let _ = caught(|| unsafe { put_text(words, size, said) });
     }
     code(opened.map(|()| DERMATOME_OK))
 }
@@ -182,8 +184,7 @@ pub unsafe extern "C" fn dermatome_wait(
 pub unsafe extern "C" fn dermatome_image(board: *mut Board, values: *mut f32, size: usize) -> c_int {
     let read = |board: &mut Board| {
         let image = board.image()?;
-        let step = image.step() as f32;
-        let values_of = image.mantissas.iter().map(|&mantissa| f32::from(mantissa) * step);
+        let values_of = image.values().map(|value| value as f32);
         // SAFETY: as in the head of the header.
         unsafe { put_all(values, size, "pixels", values_of) }
     };
@@ -207,7 +208,8 @@ pub unsafe extern "C" fn dermatome_descriptor(board: *mut Board) -> c_int {
 }
 
 /// Asks for a new reference of `frames` frames of the untouched skin, without waiting. `dermatome_answer` says whether the board
-/// does it; `counts.tares` grows when it has. Meanwhile there are no contacts.
+/// does it; `counts.tares` grows when it has. Meanwhile there are no contacts, and
+/// polling may say DERMATOME_SILENT.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dermatome_ask_tare(board: *mut Board, frames: u16) -> c_int {
     // SAFETY: as in the head of the header.

@@ -450,15 +450,9 @@ impl PackedImage {
         }
     }
 
-    /// What a mantissa of one stands for.
-    #[must_use]
-    pub fn step(&self) -> f64 {
-        1.0 / (1_u64 << self.exponent.clamp(0, 62)) as f64
-    }
-
     /// Relative conductivity of each pixel.
-    pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
-        let step = self.step();
+    pub fn values(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
+        let step = 1.0 / (1_u64 << self.exponent.clamp(0, 62)) as f64;
         self.mantissas.iter().map(move |&mantissa| f64::from(mantissa) * step)
     }
 }

@@ -131,19 +131,19 @@ impl Reader<'_> {
                     let allowed = format!("{:?}, on which `{path}` has the skin {:?}", skin.link, skin.name);
                     return self.refuse(&field("link"), format!("{link:?}"), allowed);
                 }
-                Some(skin) => self.check_place(urdf, skin, &patch.pose, &field("position"))?,
+                // It is worn there; a second one of that file may lie elsewhere.
+                Some(skin)
+                    if patches.iter().any(|it| it.skin.name == skin.name && lies_at(skin, &it.pose)) => {}
+                Some(skin) => return self.refuse_place(urdf, skin, &patch.pose, &field("position")),
                 None => {}
             }
         }
         Ok(())
     }
 
-    /// A patch lies where the robot has its skin.
-    fn check_place(&self, urdf: &Urdf, skin: &Skin, pose: &Pose, field: &str) -> Result<(), BodyError> {
+    /// A patch lies elsewhere than where the robot has its skin.
+    fn refuse_place(&self, urdf: &Urdf, skin: &Skin, pose: &Pose, field: &str) -> Result<(), BodyError> {
         let (far, turned) = skin.off(pose);
-        if far <= SAME_PLACE[0] && turned <= SAME_PLACE[1] {
-            return Ok(());
-        }
         let value = format!("{:?} with orientation {:?}", pose.position, pose.orientation);
         let Pose { position, orientation, .. } = skin.pose();
         let allowed = format!(
@@ -163,6 +163,12 @@ impl Reader<'_> {
         }
         self.refuse(field, format!("{link:?}"), "1 to 64 letters, digits, \"-\", \"_\", \".\" or \"/\"")
     }
+}
+
+/// Whether a pose has a skin where the robot has it.
+fn lies_at(skin: &Skin, pose: &Pose) -> bool {
+    let (far, turned) = skin.off(pose);
+    skin.link == pose.link && far <= SAME_PLACE[0] && turned <= SAME_PLACE[1]
 }
 
 /// The skin of a patch as a robot has it: on the same link, or on one where no patch of that skin lies. A robot has one skin

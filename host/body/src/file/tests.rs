@@ -131,6 +131,15 @@ fn a_body_lies_on_the_links_of_its_robot_where_that_has_its_skins() {
     for (robot, patches, words) in [
         (ROBOT.to_owned(), two.clone(), None),
         (with_skin("palm", "0.001 0.002 0.00304"), two.clone(), None),
+        // Worn twice on one link, of which the robot has one.
+        (
+            with_skin("palm", "0.001 0.002 0.003"),
+            patch("")
+                + &patch(
+                    "name = \"other\"\nlink = \"palm\"\nposition = [0.1, 0, 0]\norientation = [0, 0, 0, 1]\n",
+                ),
+            None,
+        ),
         // The robot has one of the two.
         (with_skin("base", "0.001 0.002 0.003"), two, None),
         (

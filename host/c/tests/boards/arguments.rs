@@ -21,7 +21,16 @@ use std::{
 fn null_is_refused_wherever_something_must_be() {
     let board = board_with(&small_patch("small", 50.0));
     let handle = Handle::at(board.address());
-    handle.start_plainly().unwrap();
+    // SAFETY: null is what is tried.
+    let before = unsafe {
+        [
+            dermatome_get_skin(handle.0, null_mut(), size_of::<Skin>()),
+            dermatome_get_pixels(handle.0, null_mut(), 4 * size_of::<Pixel>()),
+        ]
+    };
+    assert_eq!(before, [DERMATOME_ARGUMENT; 2]);
+    handle.start(Options { images_every: 1, ..Options::default() }).unwrap();
+    while handle.frame().unwrap().has_image == 0 {}
     let (open, mut text, mut no_board) = (handle.0, [1; 8], null_mut());
     let (mut frame, mut contact) = (MaybeUninit::uninit(), Contact::default());
     let pose = Pose { position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0] };
@@ -53,12 +62,13 @@ fn null_is_refused_wherever_something_must_be() {
             dermatome_ask_drive(null_mut(), null(), 0),
             dermatome_answer(null_mut()),
             dermatome_stop(null_mut()),
+            dermatome_image(open, null_mut(), 16),
             dermatome_place(null(), at, at, length),
             dermatome_place(&raw const pose, null(), at, length),
             dermatome_place(&raw const pose, at, null_mut(), length),
         ]
     };
-    assert_eq!(codes, [DERMATOME_ARGUMENT; 26]);
+    assert_eq!(codes, [DERMATOME_ARGUMENT; 27]);
     handle.frame().unwrap();
 }
 

@@ -69,8 +69,7 @@ int main(int argc, char **argv) {
     dermatome_board *board = NULL;
     dermatome_frame frame;
     unsigned long before, inside, contacts = 0, seen = 0, wanted = argc > 2 ? strtoul(argv[2], NULL, 10) : 0;
-    int most_threads = 0;
-    int code = argc > 1 ? dermatome_open(argv[1], &board, NULL, 0) : DERMATOME_ARGUMENT;
+    int now, code = argc > 1 ? dermatome_open(argv[1], &board, NULL, 0) : DERMATOME_ARGUMENT;
     if (code != DERMATOME_OK || (code = dermatome_start(board, &options, sizeof options)) != DERMATOME_OK) {
         return failed(board, code);
     }
@@ -87,8 +86,8 @@ int main(int argc, char **argv) {
             if (frame.has_image && dermatome_image(board, image, sizeof image) < 0) {
                 return failed(board, code);
             }
-            if (seen % 500 == 0) {
-                code = dermatome_ask_tare(board, 5);
+            if (seen % 500 == 0 && (code = dermatome_ask_tare(board, 5)) < 0) {
+                return failed(board, code);
             }
         }
         code = dermatome_answer(board);
@@ -97,9 +96,9 @@ int main(int argc, char **argv) {
         }
     }
     inside = allocations - before;
-    most_threads = threads();
+    now = threads();
     dermatome_close(board);
     printf("%lu frames, %lu contacts: %lu allocations in the loop after %lu before it, %d thread%s\n", seen, contacts,
-           inside, before, most_threads, most_threads == 1 ? "" : "s");
+           inside, before, now, now == 1 ? "" : "s");
     return 0;
 }

@@ -203,7 +203,7 @@ fn local_address(text: &str) -> Result<SocketAddr, String> {
     if address.ip().is_loopback() {
         return Ok(address);
     }
-    Err("allowed: an address of this computer, 127.0.0.1:PORT (for others: `serve models/arm/robot.toml --allow-remote`)".to_owned())
+    Err("allowed: an address of this computer, 127.0.0.1:PORT (for others: `serve models/arm/robot.toml --listen HOST:PORT --allow-remote`)".to_owned())
 }
 
 /// Where frames go beside the terminal: to the page, and into a recording.

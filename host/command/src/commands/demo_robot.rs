@@ -11,9 +11,9 @@ use anyhow::{Context, bail};
 use dermatome_body::{
     Sense,
     file::{BodyFile, Patch},
-    keeper::{Phase, Told},
+    keeper::{Phase, State, Told},
 };
-use dermatome_model::{model::Model, quantize};
+use dermatome_model::{metrics::mean_and_max, model::Model, quantize};
 use dermatome_simulate::{
     Noise, SimulatedSkin,
     board::{BoardOptions, SimulatedBoard},
@@ -84,7 +84,7 @@ pub(super) fn run(wishes: &Wishes<'_>) -> anyhow::Result<()> {
     };
     print(&report);
     wishes.json.write(&report)?;
-    judge(&report, wishes.duration.is_none() && !interrupt::requested())
+    judge(&report, wishes.duration.is_none() && !interrupt::requested(), &audience.trouble)
 }
 
 /// Serves the arm until it is over.
@@ -104,11 +104,14 @@ fn play(file: &BodyFile, wishes: &Wishes<'_>, audience: &mut Audience) -> anyhow
 }
 
 /// An error where touches were not felt; those that never were played are none unless all of the script was to be seen.
-fn judge(report: &Report, is_whole: bool) -> anyhow::Result<()> {
+fn judge(report: &Report, is_whole: bool, trouble: &str) -> anyhow::Result<()> {
     let touches = report.scores.touches.len();
     match report.scores.missed(is_whole) {
         _ if report.frames == 0 && !interrupt::requested() => {
-            bail!("no frame came from the simulated boards")
+            bail!(
+                "no frame came from the simulated boards: {trouble}; `--noise-db` is {}, allowed: from about 20 on",
+                report.noise_db
+            )
         }
         0 => Ok(()),
         missed => bail!("{missed} of {touches} touches were not felt: see above"),
@@ -157,12 +160,16 @@ struct Audience {
     stays: bool,
     /// Frames that have not come: `[patch]`.
     missing: Vec<u64>,
+    /// Why a board was lost last.
+    trouble: String,
 }
 
 impl Follower for Audience {
     fn took(&mut self, index: usize, told: &Told, sense: &Sense) {
         match told {
-            Told::State(state) if state.phase == Phase::Live => self.felt[index].begin(),
+            // A stream begins, and with it the script.
+            Told::Reference(_) => self.felt[index].begin(),
+            Told::State(State { phase: Phase::Lost, text }) => self.trouble.clone_from(text),
             Told::Frame { frame, .. } if frame.contacts.is_some() => {
                 sense.report.iter().for_each(|report| self.felt[index].take(report));
                 self.missing[index] = sense.missing;
@@ -184,7 +191,7 @@ impl Follower for Audience {
 impl Audience {
     fn new(felt: Vec<Felt>, stays: bool) -> Self {
         let missing = vec![0; felt.len()];
-        Self { felt, begun: Instant::now(), stays, missing }
+        Self { felt, begun: Instant::now(), stays, missing, trouble: String::new() }
     }
 
     fn scores(&self, file: &BodyFile) -> Scores {
@@ -206,16 +213,16 @@ fn print(report: &Report) {
     say!("{:10} {:10} {:>22}   {:>12}   error, mm", "skin", "link", "place on the link, mm", "frames felt");
     touches.iter().for_each(|touch| say!("{}", line(touch)));
     say!("");
-    let errors = || touches.iter().filter_map(|touch| Some((touch.error_mm_mean?, touch.error_mm_max?)));
-    let count = errors().count().max(1) as f64;
-    let mean = errors().map(|(mean, _)| mean).sum::<f64>() / count;
-    let worst = errors().map(|(_, worst)| worst).fold(0.0, f64::max);
     say!(
         "touches felt            {} of {}",
         touches.iter().filter(|touch| touch.is_felt()).count(),
         touches.len()
     );
-    say!("place error             mean {mean:.2} mm, worst {worst:.2} mm, in the links' frames");
+    let mean = mean_and_max(touches.iter().filter_map(|touch| touch.error_mm_mean));
+    let worst = mean_and_max(touches.iter().filter_map(|touch| touch.error_mm_max));
+    if let (Some((mean, _)), Some((_, worst))) = (mean, worst) {
+        say!("place error             mean {mean:.2} mm, worst {worst:.2} mm, in the links' frames");
+    }
     say!("contacts of nothing     {contacts_of_nothing}");
     say!("forces                  none: the skins are not calibrated");
 }

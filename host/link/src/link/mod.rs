@@ -199,8 +199,14 @@ impl Link {
     }
 
     fn send(&mut self, request: &Request) -> Result<(), LinkError> {
+        let packet = self.numbered(request);
+        self.wire.send(&packet)
+    }
+
+    /// A request with the next number.
+    fn numbered(&mut self, request: &Request) -> RequestPacket {
         self.last_sequence = sequence::next(self.last_sequence);
-        self.wire.send(&RequestPacket { sequence: self.last_sequence, request: request.clone() })
+        RequestPacket { sequence: self.last_sequence, request: request.clone() }
     }
 
     /// What the board holds and does.
@@ -333,8 +339,8 @@ impl Link {
 
     /// Asks, and waits neither for the line to take the request nor for the reply; gives the number of the request.
     pub(crate) fn begin_to_ask(&mut self, request: &Request) -> Result<u16, LinkError> {
-        self.last_sequence = sequence::next(self.last_sequence);
-        self.wire.begin_to_send(&RequestPacket { sequence: self.last_sequence, request: request.clone() })?;
+        let packet = self.numbered(request);
+        self.wire.begin_to_send(&packet)?;
         Ok(self.last_sequence)
     }
 
@@ -394,7 +400,7 @@ impl Link {
         Ok(first_sequence)
     }
 
-    fn unless_refused(&self, reply: Reply) -> Result<Reply, LinkError> {
+    pub(crate) fn unless_refused(&self, reply: Reply) -> Result<Reply, LinkError> {
         match reply {
             Reply::Refused(refusal) => Err(self.error(LinkErrorKind::Refused(refusal))),
             reply => Ok(reply),

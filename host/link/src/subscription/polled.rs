@@ -4,7 +4,7 @@
 //! long as it takes to read, check and put together what has come, and allocate nothing, with two exceptions: raw codes
 //! (`Selection::measurements`), and a serial port that has gone or takes nothing any more.
 
-use super::Presence;
+use super::{DROP_TIMEOUT, Presence};
 use crate::{
     assemble::{Assembler, ScanFrame, Totals},
     error::{LinkError, LinkErrorKind},
@@ -44,9 +44,16 @@ pub struct NotBegun {
 impl PolledStream {
     /// Has the board stream what `selection` names, instead of what was streamed before; waits for its answer.
     pub fn begin(mut link: Link, selection: Selection) -> Result<Self, NotBegun> {
-        let begun = link.begin_stream(selection).and_then(|first| Ok((first, link.set_waiting(false)?)));
+        let begun = link.begin_stream(selection).and_then(|first| {
+            let polled = link.set_waiting(false);
+            if polled.is_err() {
+                // Where the link is cut, the board stops by itself.
+                let _ = link.select(Selection::default(), DROP_TIMEOUT, drop);
+            }
+            polled.map(|()| first)
+        });
         match begun {
-            Ok((first, ())) => Ok(Self {
+            Ok(first) => Ok(Self {
                 link,
                 assembler: Assembler::new(selection, first),
                 presence: Presence::shown(),
@@ -93,17 +100,15 @@ impl PolledStream {
     /// is none within [`REPLY_TIMEOUT`].
     pub fn answer(&mut self) -> Option<Result<Reply, LinkError>> {
         let asked = self.asked.as_mut()?;
-        let kind = match asked.reply.take() {
-            Some(Reply::Refused(refusal)) => LinkErrorKind::Refused(refusal),
-            Some(reply) => {
-                self.asked = None;
-                return Some(Ok(reply));
-            }
-            None if asked.at.elapsed() >= REPLY_TIMEOUT => LinkErrorKind::NoAnswer { timeout: REPLY_TIMEOUT },
-            None => return None,
-        };
+        let reply = asked.reply.take();
+        if reply.is_none() && asked.at.elapsed() < REPLY_TIMEOUT {
+            return None;
+        }
         self.asked = None;
-        Some(Err(self.link.error(kind)))
+        Some(match reply {
+            Some(reply) => self.link.unless_refused(reply),
+            None => Err(self.link.error(LinkErrorKind::NoAnswer { timeout: REPLY_TIMEOUT })),
+        })
     }
 
     /// Whether something was asked whose reply nobody has fetched.

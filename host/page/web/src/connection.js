@@ -70,7 +70,10 @@ export class Connection {
   }
 
   isWanted(channel) {
-    return this.space === WHOLE ? this.nameHere(channel) !== undefined : this.wanted.has(this.singly(channel.topic));
+    if (this.space !== WHOLE) return this.wanted.has(this.singly(channel.topic));
+    // While a recording is shown only status is followed.
+    const isFollowed = this.wanted.has(`${SINGLE}skin`) || channel.topic.endsWith("/status");
+    return isFollowed && this.nameHere(channel) !== undefined;
   }
 
   choose(space) {

@@ -106,7 +106,6 @@ export class Picture {
   showWhole(isWhole) {
     this.scene.setFigure(isWhole ? new RobotFigure() : undefined);
     this.scene.isFitted = true;
-    byId("view").classList.toggle("is-whole", isWhole);
   }
 
   showRobot() {

@@ -11,6 +11,7 @@ import { fileURLToPath } from "node:url";
 import { after, before, describe, test } from "node:test";
 
 import { colourAtPlace, launch, missing, openPage, screenshot, until, untilDrawn } from "./browser.mjs";
+import { record } from "./recordings.mjs";
 
 const PROGRAM = process.env.DERMATOME;
 const SKIN = fileURLToPath(new URL("../../../../models/disc-210mm/skin.toml", import.meta.url));
@@ -247,6 +248,11 @@ describe("a whole robot", () => {
     await until(page, (count) => window.dermatome.state().robot?.skins.length === count, SPACES.length, START_MS);
     assert.equal(await page.locator(".electrode").count(), 0);
     assert.ok(await page.isDisabled("#tare"), "asks one skin, not all");
+    await page.setInputFiles("#file", { name: "press.mcap", mimeType: "", buffer: await record({ seconds: 1 }) });
+    await until(page, () => window.dermatome.state().recording);
+    await page.click("#close-recording");
+    await until(page, (count) => window.dermatome.state().robot?.skins.length === count, SPACES.length, START_MS);
+    await until(page, () => window.dermatome.state().robot.links.length === 4, undefined, START_MS);
     assert.deepEqual(errors, []);
     await close();
   });

@@ -71,6 +71,11 @@ pub(super) fn joints_under<'a, 'input: 'a>(
     children(robot, "joint").filter(move |joint| link_in(*joint, "parent") == Some(link))
 }
 
+/// The number of an attribute; none where it is not there, or is none.
+pub(super) fn number(node: Node<'_, '_>, name: &str) -> Option<f64> {
+    node.attribute(name)?.trim().parse().ok().filter(|it: &f64| it.is_finite())
+}
+
 /// The three numbers of an attribute; the default where it is not there.
 pub(super) fn triple(node: Node<'_, '_>, name: &str, default: f64) -> Result<[f64; 3], String> {
     let Some(text) = node.attribute(name) else { return Ok([default; 3]) };

@@ -1,6 +1,6 @@
 //! Solids that a link shows without a mesh file: boxes, cylinders and spheres, each turned from a profile.
 
-use super::robot::triple;
+use super::robot::{number, triple};
 use crate::edit::{children, is};
 use nalgebra::{Point3, Vector3};
 use roxmltree::Node;
@@ -12,7 +12,7 @@ const ROUND: usize = 32;
 /// Triangles of a `geometry`, in its own frame, m; none where it is no solid, or not well-formed.
 pub(super) fn triangles(geometry: Node<'_, '_>) -> Option<Vec<[Point3<f64>; 3]>> {
     let solid = geometry.children().find(Node::is_element)?;
-    let length = |name: &str| solid.attribute(name)?.trim().parse::<f64>().ok().filter(|it| it.is_finite());
+    let length = |name: &str| number(solid, name);
     if is(solid, "box") && solid.has_attribute("size") {
         // A prism of four sides whose corners are at 1/2.
         let corner = 0.5_f64.sqrt();

@@ -3,7 +3,7 @@
 use super::{
     check::{Finding, Level, Places, apart, check},
     meshes::{of_link, origin},
-    robot::{is_skin, joints_onto, link_in, root_of, triple},
+    robot::{is_skin, joints_onto, link_in, number, root_of, triple},
     solids,
 };
 use crate::{
@@ -185,7 +185,7 @@ fn link(node: Node<'_, '_>, places: &Places<'_>) -> Link {
 /// One that has been checked.
 fn joint(node: Node<'_, '_>) -> Joint {
     let limit = children(node, "limit").next();
-    let end = |name| limit?.attribute(name)?.trim().parse::<f64>().ok();
+    let end = |name| number(limit?, name);
     let ends = |limit: Node<'_, '_>| {
         let either = limit.has_attribute("lower") || limit.has_attribute("upper");
         either.then(|| [end("lower").unwrap_or(0.0), end("upper").unwrap_or(0.0)])
@@ -285,6 +285,7 @@ mod tests {
         let rest = |limit: &str| robot(&format!("type='revolute'>{limit}")).unwrap().joints[0].at_rest();
         assert_eq!(rest("<limit lower='-1' upper='2'/>"), 0.0);
         assert_eq!(rest("<limit lower='1' upper='2'/>"), 1.5);
+        assert_eq!(rest("<limit lower='nan' upper='inf'/>"), 0.0);
         assert_eq!(rest("<limit effort='1'/>"), 0.0);
     }
 

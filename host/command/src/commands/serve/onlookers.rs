@@ -54,17 +54,15 @@ impl Onlookers {
         file: &BodyFile,
         looks: Vec<Look>,
     ) -> anyhow::Result<Self> {
-        let spaces = file.patches.iter().map(|patch| format!("{}/{}", file.name, patch.name)).collect();
-        // Standard output is for lines.
+        let spaces: Vec<String> =
+            file.patches.iter().map(|patch| format!("{}/{}", file.name, patch.name)).collect();
         let robot = file.urdf.as_ref().map(|urdf| &urdf.robot);
-        let server = doors.open(listen, &OF_EACH, spaces, robot.is_some(), |url| eprintln!("{url}"))?;
+        // Standard output is for lines.
+        let server =
+            doors.open(listen, &OF_EACH, spaces.clone(), robot.is_some(), |url| eprintln!("{url}"))?;
         let fixed = robot.map(fixed).unwrap_or_default();
         let stand = |(index, (patch, look)): (usize, (&Patch, Look))| Stand {
-            outlets: Outlets::on_robot(
-                server.speaker(index),
-                format!("{}/{}", file.name, patch.name),
-                fixed.clone(),
-            ),
+            outlets: Outlets::on_robot(server.speaker(index), spaces[index].clone(), fixed.clone()),
             look,
             status: Status {
                 port: patch.port.to_string(),

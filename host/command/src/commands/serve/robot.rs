@@ -5,7 +5,7 @@ use dermatome_messages::{
     clock::now_ns,
     frame::Place,
     scene::transform,
-    standard::{Color, Marker, MarkerArray, Pose, TfMessage, TransformStamped},
+    standard::{Color, Marker, MarkerArray, TfMessage, TransformStamped},
 };
 use dermatome_page::Speaker;
 use dermatome_urdf::urdf::tree::{Joint, Link, Motion, Robot};
@@ -64,7 +64,6 @@ fn links(robot: &Robot, now: u64) -> MarkerArray {
         header: Place::of(&link.name, None).header(now),
         ns: link.name.clone(),
         kind: TRIANGLES,
-        pose: Pose::default(),
         scale: [1.0; 3].into(),
         color: Color { r: 0.55, g: 0.58, b: 0.62, a: 1.0 },
         frame_locked: true,

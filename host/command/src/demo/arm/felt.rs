@@ -2,6 +2,7 @@
 
 use super::{SECONDS, Trail};
 use dermatome_body::Report;
+use nalgebra::Point3;
 use serde::Serialize;
 
 /// Time after which a contact has to be there, s.
@@ -152,7 +153,7 @@ impl Scores {
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
+    nalgebra::distance(&Point3::from(a), &Point3::from(b))
 }
 
 #[cfg(test)]
@@ -162,7 +163,6 @@ mod tests {
     use dermatome_geometry::outline::Outline;
     use dermatome_link::pose::Pose;
     use dermatome_shared::{contact::Contact, frame::FrameFlags, protocol::FrameStamp};
-    use nalgebra::Point3;
 
     const FRAME_RATE: f64 = 25.0;
 
