@@ -4,9 +4,11 @@
 //! the whole COBS-encoded and ended by a zero byte. The first exchange is `Hello`; the request, its
 //! reply and its refusal for the version keep their encoding for ever, so that any two versions can
 //! tell each other apart.
+//! On a line of several boards a packet has a mark before it: see [`bus`].
 //! Requests carry a sequence number and get exactly one reply with the same number. Events carry
 //! a running number of their own, so that a lost event shows as a gap.
 
+pub mod bus;
 mod packet;
 mod queue;
 
