@@ -131,6 +131,7 @@ impl Keeper {
         let (asked, receiver) = channel();
         let board = Board {
             port: patch.port.clone(),
+            on_line: patch.on_line,
             skin: patch.skin.name.clone(),
             surface,
             selection,
@@ -205,6 +206,8 @@ struct Stop;
 
 struct Board {
     port: Port,
+    /// Boards of the body on its line.
+    on_line: usize,
     /// Name of the skin.
     skin: String,
     surface: SurfaceTables,
@@ -286,6 +289,7 @@ impl Board {
             OpenError::Link(error) => Trouble::Link(error),
             other => Trouble::Open(other),
         })?;
+        link.share_line(self.on_line);
         let info = link.info()?;
         let mut patch = info.patch.ok_or(Trouble::NoPatch)?;
         self.greet(&mut link, &patch)?;
@@ -397,7 +401,7 @@ impl Board {
     fn stream(&mut self, link: &mut Link, patch: &mut PatchInfo) -> Result<Option<Stop>, LinkError> {
         let silence = frame_timeout(patch);
         let mut stream = link.subscribe(self.selection)?;
-        self.state(Phase::Live, "");
+        self.state(Phase::Live, stream.fewer_images(self.selection).unwrap_or_default());
         let (mut heard, mut touched) = (Instant::now(), Instant::now());
         let mut is_said = false;
         loop {

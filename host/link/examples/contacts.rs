@@ -9,8 +9,10 @@ use std::{error::Error, time::Duration};
 const SILENCE: Duration = Duration::from_secs(5);
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let port: Port =
-        std::env::args().nth(1).ok_or("give a port: /dev/ttyACM0, COM5 or tcp:HOST:PORT")?.parse()?;
+    let port: Port = std::env::args()
+        .nth(1)
+        .ok_or("give a port: /dev/ttyACM0, COM5, tcp:HOST:PORT or rs485:LINE#ADDRESS")?
+        .parse()?;
     let mut link = open(&port)?;
     let mut stream = link.subscribe(Selection { contacts: 1, ..Selection::default() })?;
     while let Some(frame) = stream.next(SILENCE)? {

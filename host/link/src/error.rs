@@ -1,5 +1,6 @@
 //! What can go wrong on the way to a board and back.
 
+use crate::link::Overload;
 use dermatome_shared::protocol::{PROTOCOL_VERSION, PacketError, Refusal};
 use std::{fmt, io, sync::Arc, time::Duration};
 
@@ -78,6 +79,8 @@ pub enum LinkErrorKind {
         /// How long the host waited.
         timeout: Duration,
     },
+    /// The line that it shares with other boards does not carry what it was to stream.
+    Overload(Overload),
     /// The board takes no samples that a scope could show.
     NoFrontEnd,
     /// The carrier is not whole samples long.
@@ -114,6 +117,7 @@ impl LinkError {
             LinkErrorKind::Refused(refusal) => *refusal == Refusal::Busy,
             LinkErrorKind::ProtocolVersion { .. }
             | LinkErrorKind::Schema { .. }
+            | LinkErrorKind::Overload(_)
             | LinkErrorKind::NoFrontEnd
             | LinkErrorKind::NoCarrier { .. } => false,
             _ => true,
@@ -199,6 +203,7 @@ impl fmt::Display for LinkError {
                 "the board at `{port}` did not average {frames} frames within {:.1} s",
                 timeout.as_secs_f64()
             ),
+            LinkErrorKind::Overload(overload) => write!(f, "{overload} (port `{port}`)"),
             LinkErrorKind::NoFrontEnd => {
                 write!(f, "the board at `{port}` has no analogue front end: it has no samples to show")
             }

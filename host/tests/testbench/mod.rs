@@ -1,6 +1,7 @@
 //! A bench for tests: small patches, a seeded frame source, a fake board.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
+pub(crate) mod bus;
 pub(crate) mod cable;
 
 use dermatome::{

@@ -7,7 +7,7 @@
 //! [[patches]]
 //! name = "forearm"                  # the skin's, unless it says another
 //! skin = "forearm-skin/skin.toml"
-//! port = "/dev/ttyACM0"             # or COM5, tcp:HOST:PORT, sim:SKIN.toml, replay:FILE.mcap
+//! port = "/dev/ttyACM0"             # or COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS, sim:SKIN.toml, replay:FILE.mcap
 //! link = "forearm_link"             # with position and orientation; else as the skin file's [pose] says
 //! position = ["0 mm", "0 mm", "40 mm"]
 //! orientation = [0, 0, 0, 1]
@@ -17,6 +17,7 @@
 
 mod reader;
 
+use dermatome_link as link;
 use dermatome_model::skin::{Description, Pose, SkinError, quantity::Quantity, syntax};
 use dermatome_patch::input;
 use dermatome_simulate::port::Port;
@@ -70,6 +71,8 @@ pub struct Patch {
     pub skin: Description,
     /// Where its board is.
     pub port: Port,
+    /// Boards of the body on the line of that port, with this one.
+    pub on_line: usize,
     /// Where it lies.
     pub pose: Pose,
 }
@@ -185,7 +188,7 @@ impl BodyFile {
             let value = format!("a list of {count}");
             return reader.refuse("patches", value, format!("1 to {MAX_PATCHES} of them"));
         }
-        let patches: Vec<Patch> = table
+        let mut patches: Vec<Patch> = table
             .patches
             .iter()
             .enumerate()
@@ -209,11 +212,25 @@ impl BodyFile {
                 return reader.refuse(&field(index, "port"), format!("{port:?}"), allowed);
             }
         }
+        count_on_lines(&mut patches);
         let urdf = table.urdf.map(|urdf| reader.urdf(&urdf)).transpose()?;
         if let Some(urdf) = &urdf {
             reader.check_on_robot(urdf, &patches)?;
         }
         Ok(Self { name: table.name, urdf, patches })
+    }
+}
+
+/// How many boards share a line.
+fn count_on_lines(patches: &mut [Patch]) {
+    let line = |patch: &Patch| match &patch.port {
+        Port::Board(link::Port::Bus(line, _)) => Some(line.clone()),
+        _ => None,
+    };
+    let lines: Vec<_> = patches.iter().map(line).collect();
+    for (patch, own) in patches.iter_mut().zip(&lines) {
+        let others = lines.iter().filter(|line| own.is_some() && *line == own);
+        patch.on_line = others.count().max(1);
     }
 }
 

@@ -124,6 +124,27 @@ fn with_skin(link: &str, xyz: &str) -> String {
 }
 
 #[test]
+fn boards_of_a_line_are_counted_and_an_address_is_there_once() {
+    let folder = folder();
+    let body = |ports: &[&str]| {
+        let patches = (0..).zip(ports).map(|(number, port)| {
+            format!("[[patches]]\nname = \"p{number}\"\nskin = \"posed.toml\"\nport = \"{port}\"\n")
+        });
+        parse(&folder, &format!("name = \"arm\"\n{}", patches.collect::<String>()))
+    };
+    let ports = ["rs485:/dev/ttyUSB0#1", "rs485:/dev/ttyUSB1#1", "rs485:/dev/ttyUSB0#2", "/dev/ttyACM0"];
+    let on_line: Vec<_> = body(&ports).unwrap().patches.iter().map(|patch| patch.on_line).collect();
+    assert_eq!(on_line, [2, 1, 2, 1]);
+    let twice = body(&["rs485:/dev/ttyUSB0#1", "rs485:/dev/ttyUSB0#1"]).unwrap_err();
+    assert!(
+        twice.contains("`patches[1].port` is \"rs485:/dev/ttyUSB0#1\"; allowed: a port that no"),
+        "{twice}"
+    );
+    let far = body(&["rs485:/dev/ttyUSB0#16"]).unwrap_err();
+    assert!(far.contains("ADDRESS from 0 to 15"), "{far}");
+}
+
+#[test]
 fn a_body_lies_on_the_links_of_its_robot_where_that_has_its_skins() {
     let folder = folder();
     let patch = |more: &str| format!("[[patches]]\nskin = \"posed.toml\"\nport = \"sim:posed.toml\"\n{more}");

@@ -5,26 +5,30 @@ use super::{
     drive::{self, DriveReport},
 };
 use dermatome_link::{
-    Link,
+    self as link, Line, Link, LinkError, LinkErrorKind,
     devices::{SerialPort, serial_ports},
     program::probe::DebugProbe,
 };
-use dermatome_shared::protocol::{FrameSource, Info};
+use dermatome_shared::protocol::{FrameSource, Info, bus::ADDRESSES};
 use dermatome_simulate::port::Port;
 use serde::Serialize;
-use std::time::Duration;
+use std::{thread, time::Duration};
 
 /// List serial ports and debug probes, or ask one board what it is and holds.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
     dermatome devices\n  \
     dermatome devices --json devices.json\n  \
-    dermatome devices --port /dev/ttyACM0\n\n\
+    dermatome devices --port /dev/ttyACM0\n  \
+    dermatome devices --bus /dev/ttyUSB0\n\n\
     Debug probes are listed by a program built with `--features probe`.")]
 pub(super) struct Args {
-    /// Board to ask, instead of a list: /dev/ttyACM0, COM5, tcp:HOST:PORT or sim:SKIN.toml.
+    /// Board to ask, instead of a list: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS or sim:SKIN.toml.
     #[arg(long)]
     port: Option<Port>,
+    /// Line whose boards to list, each with its address: a serial port or tcp:HOST:PORT.
+    #[arg(long, value_name = "LINE", conflicts_with = "port")]
+    bus: Option<Line>,
     #[command(flatten)]
     json: super::JsonReport,
 }
@@ -33,6 +37,62 @@ pub(super) struct Args {
 struct Report<'a> {
     ports: &'a [SerialPort],
     probes: Option<&'a [DebugProbe]>,
+}
+
+#[derive(Serialize)]
+struct BusReport<'a> {
+    boards: &'a [Found],
+}
+
+/// A board on a line.
+#[derive(Serialize)]
+struct Found {
+    port: String,
+    board: String,
+    firmware: String,
+    skin: Option<String>,
+    /// Why it cannot be used.
+    error: Option<String>,
+}
+
+impl Found {
+    /// None where nobody answers; an error where the line itself fails.
+    fn at(port: link::Port) -> Result<Option<Self>, LinkError> {
+        let asked = link::open(&port).and_then(|mut link| {
+            let identity = link.identity().clone();
+            Ok((identity, link.info()?))
+        });
+        let port = port.to_string();
+        match asked {
+            Ok((identity, info)) => Ok(Some(Self {
+                port,
+                board: identity.board.to_string(),
+                firmware: identity.firmware.to_string(),
+                skin: info.patch.map(|patch| patch.skin.to_string()),
+                error: None,
+            })),
+            Err(error) => match error.kind {
+                LinkErrorKind::NoAnswer { .. } => Ok(None),
+                LinkErrorKind::Damaged { .. }
+                | LinkErrorKind::ProtocolVersion { .. }
+                | LinkErrorKind::Schema { .. } => {
+                    let (board, firmware) = (String::new(), String::new());
+                    Ok(Some(Self { port, board, firmware, skin: None, error: Some(error.to_string()) }))
+                }
+                _ => Err(error),
+            },
+        }
+    }
+
+    fn line(&self) -> String {
+        match (&self.error, &self.skin) {
+            (Some(error), _) => format!("{}  {error}", self.port),
+            (None, Some(skin)) => {
+                format!("{}  {}, firmware {}, patch `{skin}`", self.port, self.board, self.firmware)
+            }
+            (None, None) => format!("{}  {}, firmware {}, no patch", self.port, self.board, self.firmware),
+        }
+    }
 }
 
 /// What a board is, holds and does.
@@ -55,10 +115,28 @@ struct BoardAnswer<'a> {
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    match &args.port {
-        Some(port) => ask(args, port),
-        None => list(args),
+    match (&args.port, &args.bus) {
+        (Some(port), _) => ask(args, port),
+        (None, Some(line)) => ask_all(args, line),
+        (None, None) => list(args),
     }
+}
+
+/// Who answers on a line; all are asked at once, as those that are not there take their time.
+fn ask_all(args: &Args, line: &Line) -> anyhow::Result<()> {
+    let asked = thread::scope(|scope| {
+        let one = |address| scope.spawn(move || Found::at(link::Port::Bus(line.clone(), address)));
+        let all: Vec<_> = (0..ADDRESSES).map(one).collect();
+        all.into_iter().map(|one| one.join().expect("asking does not panic")).collect::<Result<Vec<_>, _>>()
+    })?;
+    let boards: Vec<_> = asked.into_iter().flatten().collect();
+    for board in &boards {
+        say!("{}", board.line());
+    }
+    if boards.is_empty() {
+        say!("no board answers on `{line}`");
+    }
+    args.json.write(&BusReport { boards: &boards })
 }
 
 fn list(args: &Args) -> anyhow::Result<()> {

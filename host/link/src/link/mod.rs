@@ -5,6 +5,7 @@
 //! way at a time. Events that arrive in between are kept, in order.
 //! Nothing is lost silently: see [`Link::events_lost`] and [`Link::packets_damaged`].
 
+mod bus;
 mod hello;
 mod order;
 mod sequence;
@@ -15,6 +16,7 @@ mod untouched;
 mod upload;
 mod wire;
 
+pub use bus::Overload;
 pub use tare::{tare, tare_timeout};
 pub use transport::Transport;
 pub use untouched::Untouched;
@@ -23,8 +25,9 @@ pub use wire::REPLY_TIMEOUT;
 
 use crate::{
     error::{LinkError, LinkErrorKind},
-    port::Port,
+    port::{Line, Port},
 };
+use bus::Demand;
 use dermatome_patch::tables::SurfaceTables;
 use dermatome_shared::{
     limits::MAX_PATCH_BYTES,
@@ -77,6 +80,8 @@ pub struct Link {
     events: VecDeque<Numbered>,
     /// Events of which there were more than are kept.
     events_forgotten: u64,
+    /// Where it is on a line with other boards.
+    place: Option<bus::Place>,
     /// Dropped after the wire, so that a simulated board sees its client leave.
     _companion: Option<Box<dyn Send>>,
 }
@@ -87,6 +92,7 @@ pub fn open(port: &Port) -> Result<Link, LinkError> {
     match port {
         Port::Serial(path) => Link::connect(name, transport::open_serial(path)?),
         Port::Tcp(address) => Link::over_tcp(name, address.as_str()),
+        Port::Bus(line, address) => Link::on_bus(name, line, *address),
     }
 }
 
@@ -106,6 +112,7 @@ impl Link {
             // As many as come at once when one that others have waited for is there, or is given up.
             events: VecDeque::with_capacity(EVENTS_AT_ONCE),
             events_forgotten: 0,
+            place: None,
             _companion: None,
         })
     }
@@ -115,6 +122,13 @@ impl Link {
         let port = port.into();
         let transport = transport::open_tcp(&port, address)?;
         Self::connect(port, transport)
+    }
+
+    /// Opens the line of several boards, unless this program has it open already, and connects to the one at `address`.
+    fn on_bus(port: String, line: &Line, address: u8) -> Result<Self, LinkError> {
+        let seat = bus::take_seat(&port, line, address)?;
+        let place = seat.place();
+        Ok(Self { place: Some(place), ..Self::connect(port, seat)? })
     }
 
     /// The link with something that lives as long as it does and is dropped after it: a simulated board.
@@ -383,6 +397,22 @@ impl Link {
             self.events_forgotten += 1;
         }
         self.order.take(number, event, |event| self.events.push_back(event));
+    }
+
+    /// On a line with others: how many boards it is for, those included that are not open yet.
+    pub fn share_line(&self, boards: usize) {
+        if let Some(place) = &self.place {
+            place.share_with(boards);
+        }
+    }
+
+    /// What of a selection goes over the link: on a line with others, images are left out of frames until it fits.
+    pub(crate) fn fitting(&mut self, selection: Selection) -> Result<Selection, LinkError> {
+        let Some(place) = self.place.clone().filter(|_| selection.any()) else { return Ok(selection) };
+        let info = self.info()?;
+        let Some(patch) = info.patch else { return Ok(selection) };
+        let demand = Demand::of(&patch, &info.drive.unwrap_or(patch.drive));
+        place.fit(selection, &demand).map_err(|overload| self.error(LinkErrorKind::Overload(overload)))
     }
 
     /// Changes what the board streams, within `timeout`; gives the sequence number of the first frame of the new

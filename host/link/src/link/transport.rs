@@ -19,7 +19,7 @@ type NativePort = serialport::TTYPort;
 /// Longest that one read waits for bytes.
 pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(20);
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
-const BAUD: u32 = 2_000_000;
+pub(super) const BAUD: u32 = 2_000_000;
 
 /// A stream of bytes both ways.
 ///

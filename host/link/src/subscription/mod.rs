@@ -41,22 +41,26 @@ pub fn silence_timeout(patch: &PatchInfo) -> Duration {
 pub struct Subscription<'a> {
     link: &'a mut Link,
     first_sequence: u32,
+    selection: Selection,
     assembler: Assembler,
     presence: Presence,
     is_stopped: bool,
 }
 
 impl Link {
-    /// Streams what `selection` names, instead of what was streamed before. A refusal is an error.
+    /// Streams what `selection` names, instead of what was streamed before. A refusal is an error. On a line with other
+    /// boards images come as often as it carries them: see [`Subscription::selection`].
     ///
     /// Read it: a board on a serial line stops after [`dermatome_shared::device::HOST_TIMEOUT_MS`] without a sign of its
     /// host, which [`Subscription::next`] gives.
     pub fn subscribe(&mut self, selection: Selection) -> Result<Subscription<'_>, LinkError> {
+        let selection = self.fitting(selection)?;
         let first_sequence = self.begin_stream(selection)?;
         let assembler = Assembler::new(selection, first_sequence);
         Ok(Subscription {
             link: self,
             first_sequence,
+            selection,
             assembler,
             presence: Presence::shown(),
             is_stopped: false,
@@ -110,6 +114,24 @@ impl Subscription<'_> {
         self.first_sequence
     }
 
+    /// What is streamed.
+    #[must_use]
+    pub fn selection(&self) -> Selection {
+        self.selection
+    }
+
+    /// In words, where a line with other boards does not carry the images of all frames that were `wanted`.
+    #[must_use]
+    pub fn fewer_images(&self, wanted: Selection) -> Option<String> {
+        match (wanted.images, self.selection.images) {
+            (wanted, given) if wanted == given => None,
+            (_, 0) => Some("no images: the line that the board shares does not carry them".to_owned()),
+            (_, every) => Some(format!(
+                "images of one frame in {every}: the line that the board shares carries no more"
+            )),
+        }
+    }
+
     /// What has come so far.
     #[must_use]
     pub fn totals(&self) -> Totals {
@@ -118,9 +140,11 @@ impl Subscription<'_> {
 
     /// Streams what another selection names from now on, without an end in between.
     pub fn reselect(&mut self, selection: Selection) -> Result<(), LinkError> {
+        let selection = self.link.fitting(selection)?;
         let assembler = &mut self.assembler;
         self.link.select(selection, REPLY_TIMEOUT, |(number, event)| assembler.take(number, event))?;
         self.assembler.reselect(selection);
+        self.selection = selection;
         Ok(())
     }
 

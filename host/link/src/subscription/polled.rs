@@ -44,16 +44,17 @@ pub struct NotBegun {
 impl PolledStream {
     /// Has the board stream what `selection` names, instead of what was streamed before; waits for its answer.
     pub fn begin(mut link: Link, selection: Selection) -> Result<Self, NotBegun> {
-        let begun = link.begin_stream(selection).and_then(|first| {
+        let begun = link.fitting(selection).and_then(|selection| {
+            let first = link.begin_stream(selection)?;
             let polled = link.set_waiting(false);
             if polled.is_err() {
                 // Where the link is cut, the board stops by itself.
                 let _ = link.select(Selection::default(), DROP_TIMEOUT, drop);
             }
-            polled.map(|()| first)
+            polled.map(|()| (first, selection))
         });
         match begun {
-            Ok(first) => Ok(Self {
+            Ok((first, selection)) => Ok(Self {
                 link,
                 assembler: Assembler::new(selection, first),
                 presence: Presence::shown(),

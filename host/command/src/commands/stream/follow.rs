@@ -111,8 +111,11 @@ impl<'a> Follower<'a> {
     fn follow(&mut self) -> anyhow::Result<Ended> {
         let (received, drive) = (&mut self.received, self.session.patch.drive);
         let mut patience = Patience::new(&self.session.patch);
-        let mut stream =
-            self.session.link.as_mut().context("the board is lost")?.subscribe(received.selection())?;
+        let wanted = received.selection();
+        let mut stream = self.session.link.as_mut().context("the board is lost")?.subscribe(wanted)?;
+        if let Some(words) = stream.fewer_images(wanted) {
+            eprintln!("warning: {words}");
+        }
         if let Some(outlets) = received.outlets.as_mut().filter(|_| std::mem::take(&mut received.is_to_tare))
         {
             outlets.drive(&drive, None);

@@ -28,7 +28,7 @@ use std::{net::SocketAddr, path::PathBuf};
   dermatome view --port COM5 --patch smooth.dermatome --patch sharp.dermatome
   dermatome view --port replay:run.mcap")]
 pub(super) struct Args {
-    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, sim:SKIN.toml or replay:FILE.mcap. Without it the page opens
+    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS, sim:SKIN.toml or replay:FILE.mcap. Without it the page opens
     /// recordings only.
     #[arg(long)]
     port: Option<Port>,

@@ -265,7 +265,8 @@ impl<'a> Desk<'a> {
 
     /// What is streamed of a board with this patch: on a serial line no more than it carries.
     fn selection(&self, patch: &PatchInfo) -> Selection {
-        let is_serial = matches!(self.task.port, Some(Port::Board(link::Port::Serial(_))));
+        let is_serial =
+            matches!(self.task.port, Some(Port::Board(link::Port::Serial(_) | link::Port::Bus(..))));
         let is_raw = !is_serial
             || self.outlets.recorder().is_some()
             || self.chosen > 0

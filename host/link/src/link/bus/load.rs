@@ -1,0 +1,288 @@
+//! Load: how much of a line boards take, and what of their streams fits.
+
+use super::super::transport::BAUD;
+use dermatome_shared::{
+    contact::{Contact, Evidence, track},
+    drive::Drive,
+    frame::FrameFlags,
+    health::{ElectrodeSet, Health, Vitals},
+    limits::MAX_PIXELS,
+    protocol::{
+        BoardPacket, Event, FrameStamp, MAX_PACKET_BYTES, MAX_SCOPE_SAMPLES, PackedImage, PatchInfo,
+        Selection,
+        bus::{ADDRESSES, TURN_BYTES},
+        encode,
+    },
+};
+use std::time::Duration;
+
+/// Contacts of a frame for which there is room; where there are more, images wait, and then come late or not at all.
+const CONTACTS: usize = 3;
+/// Share of the line that is given away.
+const ROOM: f64 = 0.8;
+/// Turns that a board gets at least, per second.
+const LEAST_TURNS: f64 = 20.0;
+/// Bytes on the line for a turn and its end.
+const TURN_AND_END: f64 = 6.0;
+/// Seconds of the line that a byte takes: ten bits.
+const BYTE: f64 = 10.0 / BAUD as f64;
+/// Postcard's longest code of a step, and index in a scope; bytes.
+const CODE_BYTES: usize = 4;
+const SAMPLE_BYTES: usize = 2;
+/// How long a board takes to answer before one has, s.
+const USUAL_ANSWER: f64 = 1e-3;
+
+/// What the stream of one board can take of a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::link) struct Demand {
+    frame_rate: f64,
+    pixels: usize,
+    steps: usize,
+    electrodes: usize,
+}
+
+/// Boards of a line that together say more than it carries.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the line does not carry what {boards} boards say: contacts and what else was asked for take {:.0} % of its time, allowed \
+     are {:.0} % (lower frame rates, fewer boards on it, or every second frame)", 100.0 * load, 100.0 * ROOM
+)]
+pub struct Overload {
+    /// Boards that share the line.
+    pub boards: usize,
+    /// Share of the line's time, above 0.
+    pub load: f64,
+}
+
+impl Demand {
+    /// Of a board with this patch, whose skin is driven like this.
+    pub(in crate::link) fn of(patch: &PatchInfo, drive: &Drive) -> Self {
+        Self {
+            frame_rate: f64::from(drive.frame_rate),
+            pixels: patch.pixels.into(),
+            steps: patch.steps.into(),
+            electrodes: patch.electrodes.into(),
+        }
+    }
+
+    /// Bytes per second of all but images.
+    fn fixed(&self, selection: &Selection) -> f64 {
+        let per_frame =
+            |every: u16, bytes: usize| if every > 0 { bytes as f64 / f64::from(every) } else { 0.0 };
+        let codes = 2 * CODE_BYTES * self.steps;
+        let scope = SAMPLE_BYTES * MAX_SCOPE_SAMPLES;
+        self.frame_rate
+            * (per_frame(selection.contacts, packet_bytes(&contacts()))
+                + per_frame(selection.health, packet_bytes(&health(self.electrodes)))
+                + per_frame(selection.measurements, packet_bytes(&tared()) + codes)
+                + per_frame(selection.scope, packet_bytes(&tared()) + scope))
+    }
+
+    /// Bytes per second of images of every frame.
+    fn images(&self) -> f64 {
+        self.frame_rate * packet_bytes(&image(self.pixels)) as f64
+    }
+}
+
+/// Who has been given how much of a line.
+#[derive(Clone, Debug)]
+pub(super) struct Shares {
+    /// Boards that the line is for.
+    pub(super) boards: usize,
+    given: [Option<Given>; ADDRESSES as usize],
+    /// How long boards take to answer, s: the mean of late.
+    answer: f64,
+}
+
+/// Bytes per second of one board.
+#[derive(Clone, Copy, Debug, Default)]
+struct Given {
+    fixed: f64,
+    images: f64,
+}
+
+impl Default for Shares {
+    fn default() -> Self {
+        Self { boards: 0, given: [None; ADDRESSES as usize], answer: USUAL_ANSWER }
+    }
+}
+
+impl Shares {
+    /// A board has answered so long after it was given the line.
+    pub(super) fn answered(&mut self, after: Duration) {
+        self.answer += (after.as_secs_f64() - self.answer) / 16.0;
+    }
+
+    pub(super) fn leave(&mut self, address: u8) {
+        self.given[usize::from(address)] = None;
+    }
+
+    /// What of a selection fits. All but images of all boards comes first, those included that have not asked yet, which are
+    /// taken to be alike; images share what is left.
+    pub(super) fn fit(
+        &mut self,
+        address: u8,
+        selection: Selection,
+        demand: &Demand,
+    ) -> Result<Selection, Overload> {
+        self.leave(address);
+        let own = demand.fixed(&selection);
+        let others = self.given.iter().flatten();
+        let known = others.clone().count() + 1;
+        let boards = self.boards.max(known);
+        let taken: f64 = others.clone().map(|it| self.load(it.fixed + it.images)).sum();
+        let fixed: f64 = others.map(|it| self.load(it.fixed)).sum::<f64>() + self.load(own);
+        if fixed > ROOM {
+            return Err(Overload { boards: known, load: fixed });
+        }
+        let to_come = (boards - known) as f64 * self.load(own);
+        let fair = (ROOM - fixed - to_come) / boards as f64;
+        let left = (ROOM - taken - self.load(own) - to_come).min(fair);
+        let all = demand.images();
+        let rate = |every: u16| if every > 0 { all / f64::from(every) } else { 0.0 };
+        let fits = |every: &u16| self.load(own + rate(*every)) - self.load(own) <= left;
+        let images =
+            if selection.images == 0 { 0 } else { (selection.images..=1000).find(fits).unwrap_or(0) };
+        self.given[usize::from(address)] = Some(Given { fixed: own, images: rate(images) });
+        Ok(Selection { images, ..selection })
+    }
+
+    /// Share of the line's time that a board takes which says so many bytes per second.
+    fn load(&self, bytes: f64) -> f64 {
+        let turns = LEAST_TURNS.max(bytes / TURN_BYTES as f64);
+        BYTE * (bytes + TURN_AND_END * turns) + self.answer * turns
+    }
+}
+
+/// Bytes of an event on the line, with its mark.
+fn packet_bytes(event: &Event) -> usize {
+    let packet = BoardPacket::Event { number: u32::MAX, event: event.clone() };
+    // What is too long for a packet is not sent.
+    encode(&packet, &mut [0; MAX_PACKET_BYTES]).map_or(MAX_PACKET_BYTES, <[u8]>::len) + 1
+}
+
+/// The latest frame that there can be: numbers take the more bytes the larger they are.
+fn stamp() -> FrameStamp {
+    FrameStamp { sequence: u32::MAX, timestamp_us: u64::MAX, flags: FrameFlags(u16::MAX) }
+}
+
+fn tared() -> Event {
+    Event::Scope(Default::default())
+}
+
+fn contacts() -> Event {
+    let evidence = Evidence { significance: 1.0, position_deviation: 1.0, strength_deviation: 1.0 };
+    let identity = track::Identity {
+        number: u32::MAX,
+        velocity: [1.0; 3],
+        merged: Some(u32::MAX),
+        split_from: Some(u32::MAX),
+    };
+    let contact = Contact {
+        position: [1.0; 3],
+        normal: [1.0; 3],
+        area: 1.0,
+        strength: 1.0,
+        peak: 1.0,
+        pressure: Some(1.0),
+        load_area: Some(1.0),
+        evidence: Some(evidence),
+        identity: Some(identity),
+    };
+    Event::Contacts { at: stamp(), contacts: (0..CONTACTS).map(|_| contact).collect() }
+}
+
+fn health(electrodes: usize) -> Event {
+    let all = ElectrodeSet(u16::MAX);
+    let health = Health {
+        contact_impedance: (0..electrodes).map(|_| 1.0).collect(),
+        open: all,
+        shorted: all,
+        worse: all,
+        reciprocity_error: Some(1.0),
+    };
+    let vitals = Vitals { temperature: Some(1.0), load: 1.0, free_stack: u32::MAX };
+    Event::Health { at: stamp(), health, vitals, drift: 1.0, missed: u32::MAX }
+}
+
+fn image(pixels: usize) -> Event {
+    let mantissas = (0..pixels.min(MAX_PIXELS)).map(|_| i16::MAX).collect();
+    Event::Image { at: stamp(), image: PackedImage { exponent: 20, mantissas } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DEMAND: Demand = Demand { frame_rate: 100.0, pixels: 812, steps: 208, electrodes: 16 };
+    const BOTH: Selection =
+        Selection { images: 1, contacts: 1, measurements: 0, health: 0, scope: 0, scope_slot: 0 };
+
+    fn line(boards: usize) -> Shares {
+        Shares { boards, ..Shares::default() }
+    }
+
+    #[test]
+    fn a_board_alone_has_more_images_than_each_of_four_and_contacts_of_every_frame() {
+        let alone = line(1).fit(0, BOTH, &DEMAND).unwrap();
+        let mut shared = line(4);
+        let four: Vec<_> = (0..4).map(|address| shared.fit(address, BOTH, &DEMAND).unwrap()).collect();
+        assert!(four.iter().all(|it| *it == Selection { images: four[0].images, ..BOTH }), "{four:?}");
+        assert!((2..5).contains(&alone.images) && four[0].images > 4 * alone.images, "{alone:?}, {four:?}");
+    }
+
+    #[test]
+    fn boards_that_are_alike_and_known_never_have_more_than_the_line_in_whatever_order_they_ask_and_leave() {
+        for boards in 1..=16_u8 {
+            let mut shares = line(boards.into());
+            let demand = Demand { frame_rate: 40.0, ..DEMAND };
+            let mut refused = 0;
+            for turn in 0..200_usize {
+                let address = ((turn * 7 + turn / 16) % usize::from(boards)) as u8;
+                match turn % 5 {
+                    0 if turn < 150 => shares.leave(address),
+                    _ => refused += usize::from(shares.fit(address, BOTH, &demand).is_err()),
+                }
+                let given = shares.given.iter().flatten();
+                let total: f64 = given.map(|it| shares.load(it.fixed + it.images)).sum();
+                assert!(total <= ROOM + 1e-9, "{total} of {boards} after {turn}");
+            }
+            let all = f64::from(boards) * shares.load(demand.fixed(&BOTH));
+            assert_eq!(refused > 0, all > ROOM, "{boards}: {refused}");
+        }
+    }
+
+    #[test]
+    fn contacts_of_boards_that_nobody_spoke_of_still_fit_or_are_refused() {
+        let (mut shares, slow) = (line(0), Demand { frame_rate: 20.0, ..DEMAND });
+        for address in 0..ADDRESSES {
+            let demand = if address % 3 == 0 { slow } else { DEMAND };
+            let _ = shares.fit(address, BOTH, &demand);
+            let fixed: f64 = shares.given.iter().flatten().map(|it| shares.load(it.fixed)).sum();
+            assert!(fixed <= ROOM, "{fixed} after {address}");
+        }
+        assert!(shares.given.iter().flatten().count() < 16);
+    }
+
+    #[test]
+    fn contacts_that_do_not_fit_are_refused_with_the_load() {
+        let fast = Demand { frame_rate: 400.0, ..DEMAND };
+        let mut shares = line(2);
+        assert!(shares.fit(0, BOTH, &fast).is_ok());
+        let error = shares.fit(1, BOTH, &fast).unwrap_err();
+        assert!(error.load > ROOM && error.boards == 2, "{error}");
+        assert!(error.to_string().contains("allowed are 80 %"), "{error}");
+        // Where nobody answers faster than in 20 ms, a line is for few.
+        let mut slow = line(1);
+        (0..1000).for_each(|_| slow.answered(Duration::from_millis(20)));
+        assert!(slow.fit(0, BOTH, &fast).is_err());
+    }
+
+    #[test]
+    fn nothing_is_given_that_was_not_asked_for() {
+        let quiet = Selection { images: 0, ..BOTH };
+        assert_eq!(line(1).fit(3, quiet, &DEMAND), Ok(quiet));
+        let seldom = Selection { images: 50, ..BOTH };
+        assert_eq!(line(1).fit(3, seldom, &DEMAND), Ok(seldom));
+    }
+}

@@ -1,0 +1,242 @@
+//! Several boards on one line: what goes over it, who waits for whom, and what happens where something is missing.
+
+mod program;
+mod testbench;
+
+use dermatome::link::{self, Line as Place, Link, LinkErrorKind, Port, ScanFrame, tare, upload};
+use dermatome::simulate::board::{BoardOptions, SimulatedBoard};
+use dermatome_shared::protocol::Selection;
+use program::Desk;
+use serde_json::Value;
+use std::{
+    net::SocketAddr,
+    sync::atomic::Ordering,
+    thread,
+    time::{Duration, Instant},
+};
+use testbench::{Pressed, bus::line, empty_board, square_patch};
+
+const WAIT: Duration = Duration::from_secs(3);
+
+fn port(at: SocketAddr, address: u8) -> Port {
+    Port::Bus(Place::Tcp(at.to_string()), address)
+}
+
+/// A board that measures at its skin's rate.
+fn board(name: &str, frame_rate: f32) -> SimulatedBoard {
+    let patch = Some(square_patch(name, 16, 10, frame_rate));
+    SimulatedBoard::start(BoardOptions { patch, ..BoardOptions::default() }, Pressed::new(1)).unwrap()
+}
+
+fn contacts(link: &mut Link, frames: usize) -> Vec<ScanFrame> {
+    tare(link, 3, WAIT).unwrap();
+    let mut stream = link.subscribe(Selection { contacts: 1, ..Selection::default() }).unwrap();
+    (0..frames).map(|_| stream.next(WAIT).unwrap().expect("a frame")).collect()
+}
+
+#[test]
+fn each_of_several_boards_answers_for_itself_and_loses_nothing() {
+    let boards: Vec<_> = (0..5).map(|number| board(&format!("skin-{number}"), 100.0)).collect();
+    let addresses = [0, 1, 7, 14, 15];
+    let places: Vec<_> = addresses.into_iter().zip(boards.iter().map(SimulatedBoard::address)).collect();
+    let (at, _line) = line(&places);
+    thread::scope(|scope| {
+        for (number, address) in addresses.into_iter().enumerate() {
+            scope.spawn(move || {
+                let mut link = link::open(&port(at, address)).unwrap();
+                assert_eq!(link.port(), format!("rs485:tcp:{at}#{address}"));
+                for _ in 0..20 {
+                    let patch = link.info().unwrap().patch.unwrap();
+                    assert_eq!(patch.skin.as_str(), format!("skin-{number}"));
+                }
+                let frames = contacts(&mut link, 300);
+                let first = frames[0].at.unwrap().sequence;
+                let sequences: Vec<_> = frames.iter().map(|frame| frame.at.unwrap().sequence).collect();
+                assert_eq!(sequences, (first..first + 300).collect::<Vec<_>>());
+                assert_eq!((link.events_lost(), link.packets_damaged()), (0, 0));
+            });
+        }
+    });
+}
+
+#[test]
+fn a_patch_goes_over_the_line_while_others_stream() {
+    let (empty, busy) = (empty_board(), board("busy", 100.0));
+    let (at, _line) = line(&[(2, empty.address()), (3, busy.address())]);
+    let streaming = thread::spawn(move || {
+        let mut link = link::open(&port(at, 3)).unwrap();
+        let frames = contacts(&mut link, 200).len();
+        (frames, link.events_lost())
+    });
+    let mut link = link::open(&port(at, 2)).unwrap();
+    let patch = square_patch("sent", 16, 10, 50.0);
+    upload(&mut link, &patch, |_| ()).unwrap();
+    assert_eq!(link.patch().unwrap(), patch);
+    assert_eq!(streaming.join().unwrap(), (200, 0));
+}
+
+#[test]
+fn a_board_without_power_holds_nobody_up_and_is_found_once_it_has_it() {
+    let boards = [board("here", 100.0), board("away", 100.0)];
+    let (at, line) = line(&[(4, boards[0].address()), (5, boards[1].address())]);
+    line.off.store(1 << 5, Ordering::Relaxed);
+    let away = thread::spawn(move || {
+        let error = link::open(&port(at, 5)).map(drop).unwrap_err();
+        assert!(matches!(error.kind, LinkErrorKind::NoAnswer { .. }), "{error}");
+    });
+    let mut link = link::open(&port(at, 4)).unwrap();
+    let frames = contacts(&mut link, 200);
+    assert_eq!((frames.len(), link.events_lost()), (200, 0));
+    away.join().unwrap();
+    line.off.store(0, Ordering::Relaxed);
+    let mut link = link::open(&port(at, 5)).unwrap();
+    assert_eq!(contacts(&mut link, 10).len(), 10);
+}
+
+#[test]
+fn noise_on_the_line_costs_packets_and_is_counted() {
+    let board = board("noisy", 50.0);
+    let (at, line) = line(&[(1, board.address())]);
+    let mut link = link::open(&port(at, 1)).unwrap();
+    tare(&mut link, 3, WAIT).unwrap();
+    let mut stream = link.subscribe(Selection { contacts: 1, ..Selection::default() }).unwrap();
+    // The start of a packet of this board, of another one, half a token, and noise.
+    for noise in
+        [&[0, 0x31, 5, 5, 5, 0][..], &[0, 0x32, 5, 5, 0], &[0, 0x41, 0x41, 0], &[9; 700], &[0, 0x31, 1]]
+    {
+        *line.noise.lock().unwrap() = noise.to_vec();
+        for _ in 0..20 {
+            stream.next(WAIT).unwrap().expect("a frame");
+        }
+    }
+    let damaged = stream.link().packets_damaged();
+    assert!((1..=5).contains(&damaged), "{damaged}");
+}
+
+#[test]
+fn a_line_that_is_cut_cuts_all_its_boards_and_can_be_opened_again() {
+    let boards = [board("one", 100.0), board("other", 100.0)];
+    let (at, line) = line(&[(0, boards[0].address()), (1, boards[1].address())]);
+    let mut links = [0, 1].map(|address| link::open(&port(at, address)).unwrap());
+    line.is_cut.store(true, Ordering::Relaxed);
+    for link in &mut links {
+        let error = link.info().unwrap_err();
+        assert!(matches!(error.kind, LinkErrorKind::Cut), "{error}");
+    }
+    line.is_cut.store(false, Ordering::Relaxed);
+    let again = link::open(&port(at, 1)).unwrap();
+    drop((links, again));
+    assert!(link::open(&port(at, 0)).is_ok());
+}
+
+#[test]
+fn an_address_is_open_once_and_a_line_as_long_as_somebody_uses_it() {
+    let board = board("only", 100.0);
+    let (at, line) = line(&[(9, board.address())]);
+    let first = link::open(&port(at, 9)).unwrap();
+    let error = link::open(&port(at, 9)).map(drop).unwrap_err();
+    assert!(matches!(error.kind, LinkErrorKind::InUse), "{error}");
+    drop(first);
+    assert!(link::open(&port(at, 9)).is_ok());
+    let turns = || line.turns.lock().unwrap()[9];
+    let deadline = Instant::now() + WAIT;
+    loop {
+        let before = turns();
+        thread::sleep(Duration::from_millis(50));
+        if turns() == before {
+            break;
+        }
+        assert!(Instant::now() < deadline, "nobody uses the line, and turns go on");
+    }
+}
+
+#[test]
+fn images_come_as_often_as_the_line_carries_them_and_contacts_always() {
+    let boards = [board("left", 100.0), board("right", 100.0)];
+    let (at, _line) = line(&[(0, boards[0].address()), (1, boards[1].address())]);
+    thread::scope(|scope| {
+        for address in [0, 1] {
+            scope.spawn(move || {
+                let mut link = link::open(&port(at, address)).unwrap();
+                link.share_line(4);
+                tare(&mut link, 3, WAIT).unwrap();
+                let wanted = Selection { images: 1, contacts: 1, ..Selection::default() };
+                let mut stream = link.subscribe(wanted).unwrap();
+                let every = stream.selection().images;
+                assert!(every > 1 && stream.selection() == Selection { images: every, ..wanted }, "{every}");
+                let frames: Vec<_> = (0..200).map(|_| stream.next(WAIT).unwrap().expect("a frame")).collect();
+                assert!(frames.iter().all(|frame| frame.contacts.is_some()));
+                let images = frames.iter().filter(|frame| frame.image.is_some()).count();
+                assert!(images.abs_diff(200 / usize::from(every)) <= 1, "{images} of every {every}");
+                assert_eq!(stream.link().events_lost(), 0);
+            });
+        }
+    });
+}
+
+#[test]
+fn what_the_line_cannot_carry_is_refused_before_it_begins() {
+    let boards = [board("fast", 400.0), board("too-fast", 400.0)];
+    let (at, _line) = line(&[(0, boards[0].address()), (1, boards[1].address())]);
+    let mut links = [0, 1].map(|address| link::open(&port(at, address)).unwrap());
+    let wanted = Selection { contacts: 1, health: 1, ..Selection::default() };
+    let error = links.iter_mut().map(|link| link.subscribe(wanted).map(drop)).find_map(Result::err).unwrap();
+    assert!(matches!(error.kind, LinkErrorKind::Overload(_)), "{error}");
+    assert!(error.to_string().contains("rs485:tcp:") && !error.may_pass(), "{error}");
+}
+
+/// A board with the skin of a desk.
+fn worn(desk: &Desk) -> SimulatedBoard {
+    let patch = Some(desk.read("skin.dermatome"));
+    SimulatedBoard::start(BoardOptions { patch, ..BoardOptions::default() }, Pressed::new(1)).unwrap()
+}
+
+#[test]
+fn devices_lists_who_is_on_a_line() {
+    let desk = Desk::with_patch();
+    let boards = [worn(&desk), empty_board()];
+    let (at, _line) = line(&[(2, boards[0].address()), (11, boards[1].address())]);
+    let bus = format!("tcp:{at}");
+    let done = desk.run(&["devices", "--bus", &bus, "--json", "found.json"]).success();
+    let wanted =
+        [format!("rs485:{bus}#2  simulated, firmware"), format!("rs485:{bus}#11  simulated, firmware")];
+    let lines: Vec<_> = done.out.lines().collect();
+    assert!(
+        lines.len() == 2 && lines.iter().zip(&wanted).all(|(line, start)| line.starts_with(start)),
+        "{}",
+        done.out
+    );
+    assert!(lines[0].contains("patch `tiny`") && lines[1].contains("no patch"), "{}", done.out);
+    assert_eq!(desk.report("found.json")["boards"][1]["port"], format!("rs485:{bus}#11"));
+    let (nobody, _line) = line(&[]);
+    let done = desk.run(&["devices", "--bus", &format!("tcp:{nobody}")]).success();
+    assert!(done.out.contains("no board answers on `tcp:"), "{}", done.out);
+    let missing = desk.run(&["devices", "--bus", "/dev/ttyNOTTHERE7"]).refused();
+    assert!(missing.contains("`/dev/ttyNOTTHERE7`") && missing.contains("does not exist"), "{missing}");
+}
+
+#[test]
+fn serve_runs_the_boards_of_a_line_and_says_which_do_not_answer() {
+    let desk = Desk::with_patch();
+    let boards = [worn(&desk), worn(&desk)];
+    let (at, _line) = line(&[(0, boards[0].address()), (1, boards[1].address())]);
+    let patch = |address: u8| {
+        format!(
+            "[[patches]]\nname = \"p{address}\"\nskin = \"skin.toml\"\nport = \"rs485:tcp:{at}#{address}\"\nlink = \"palm\"\n\
+             position = [0, 0, 0]\norientation = [0, 0, 0, 1]\n"
+        )
+    };
+    desk.write("robot.toml", format!("name = \"arm\"\n{}{}{}", patch(0), patch(1), patch(2)));
+    let done = desk.run(&["serve", "robot.toml", "--duration", "4", "--json", "report.json"]).success();
+    let lines: Vec<Value> = done.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let frames =
+        |name: &str| lines.iter().filter(|line| line["patch"] == name && line["contacts"].is_array()).count();
+    let report = desk.report("report.json");
+    for number in [0, 1] {
+        assert!(frames(&format!("p{number}")) > 50, "{}", done.out);
+        assert_eq!(report["patches"][number]["frames_missing"], 0, "{report:#}");
+    }
+    let away =
+        lines.iter().find(|line| line["patch"] == "p2" && line["state"]["phase"] == "no_board").unwrap();
+    assert!(away["state"]["text"].as_str().unwrap().contains("no answer from `rs485:tcp:"), "{away}");
+}
