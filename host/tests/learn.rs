@@ -9,7 +9,7 @@ use dermatome::{
         judge::Judged,
         learn,
         matrix::spots,
-        presses::{Positions, Presses, Recording},
+        presses::{Layout, Positions, Presses, Recording},
         responses::Responses,
     },
     model::Model,
@@ -201,8 +201,9 @@ fn an_archive_of_presses_is_read_as_it_was_written() {
     let desk = Desk::empty();
     write_archive(&desk, &written);
     let path = desk.path("presses.npz");
-    assert_eq!(Recording::read(&path, None, 0.0, &tiny().0).unwrap(), written);
-    let shifted = Recording::read(&path, None, 0.5, &tiny().0).unwrap();
+    assert_eq!(Recording::read(&path, None, &Layout::default(), &tiny().0).unwrap(), written);
+    let shifted =
+        Recording::read(&path, None, &Layout { offset: 0.5, ..Layout::default() }, &tiny().0).unwrap();
     assert_eq!(shifted.pressed.values[0], written.pressed.values[0] - 0.5);
     assert_eq!(shifted.positions, written.positions);
 }
@@ -328,10 +329,45 @@ fn presses_of_a_table_are_learnt_from_each_against_its_own_reference() {
     assert!(one[0] > 2.5 * own[0] && one[1] > 2.5 * own[1], "{one:?} {own:?}");
     // An archive that holds them teaches the same.
     let before = read(&Source { path: desk.path("before.csv"), key: None }).unwrap();
-    let as_table = Recording::read(&desk.path("presses.csv"), Some(before), 0.0, &tiny().0).unwrap();
+    let as_table =
+        Recording::read(&desk.path("presses.csv"), Some(before), &Layout::default(), &tiny().0).unwrap();
     write_archive(&desk, &as_table);
     desk.run(&["learn", "skin.toml", "--presses", "presses.npz", "-o", "archive.dermatome"]).success();
     assert!(desk.read("archive.dermatome") == patch, "an archive's own references");
+}
+
+#[test]
+fn presses_as_potentials_or_in_columns_teach_the_same() {
+    let desk = Desk::empty();
+    desk.write("skin.toml", TINY);
+    let recording = drifting(40);
+    write_tables(&desk, &recording);
+    desk.write("before.csv", table(&recording.unpressed));
+    let learn = |presses: &str, before: &str, more: &[&str]| {
+        let command =
+            ["learn", "skin.toml", "--presses", presses, "--reference", before, "--each", "--force"];
+        desk.run(&[&command[..], more].concat()).success();
+        desk.read("tiny.dermatome")
+    };
+    let rows = learn("presses.csv", "before.csv", &[]);
+    for name in ["presses", "before"] {
+        let text = String::from_utf8(desk.read(&format!("{name}.csv"))).unwrap();
+        let cells: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+        let column = |column: usize| cells.iter().map(|row| row[column]).collect::<Vec<_>>().join(",") + "\n";
+        desk.write(&format!("{name}-columns.csv"), (0..cells[0].len()).map(column).collect::<String>());
+    }
+    assert!(learn("presses-columns.csv", "before-columns.csv", &["--transpose"]) == rows, "columns");
+    let refused = desk.run(&[
+        "learn",
+        "skin.toml",
+        "--presses",
+        "presses.csv",
+        "--reference",
+        "before.csv",
+        "--single-ended",
+        "--force",
+    ]);
+    assert!(refused.refused().contains("potentials of electrodes"), "differences are no potentials");
 }
 
 #[test]

@@ -308,7 +308,7 @@ const char *dermatome_code_name(int code);
 // What the flags of a frame say, in words with commas between them, at most `size` bytes with the NUL.
 int dermatome_flag_words(uint16_t flags, char *words, size_t size);
 
-// Opens the port of a board, `/dev/ttyACM0` or `tcp:HOST:PORT`, and makes sure that board and library understand each other:
+// Opens the port of a board, `/dev/ttyACM0`, `tcp:HOST:PORT` or `rs485:LINE#ADDRESS`, and makes sure that board and library understand each other:
 // some seconds at most. Where it fails, `*board` is null and `words` (of `size` bytes; may be null) says why.
 int dermatome_open(const char *port,
                    struct dermatome_board **board,

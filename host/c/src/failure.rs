@@ -98,8 +98,9 @@ fn of_link(kind: &LinkErrorKind) -> i32 {
         | LinkErrorKind::Schema { .. }
         | LinkErrorKind::Refused(Refusal::Version { .. }) => codes::DERMATOME_VERSION,
         LinkErrorKind::Refused(Refusal::NoPatch) => codes::DERMATOME_NO_PATCH,
-        LinkErrorKind::Refused(_) | LinkErrorKind::NoFrontEnd | LinkErrorKind::NoCarrier { .. } => {
-            codes::DERMATOME_REFUSED
-        }
+        LinkErrorKind::Refused(_)
+        | LinkErrorKind::Overload(_)
+        | LinkErrorKind::NoFrontEnd
+        | LinkErrorKind::NoCarrier { .. } => codes::DERMATOME_REFUSED,
     }
 }

@@ -41,7 +41,7 @@ pub unsafe extern "C" fn dermatome_flag_words(flags: u16, words: *mut c_char, si
     }))
 }
 
-/// Opens the port of a board, `/dev/ttyACM0` or `tcp:HOST:PORT`, and makes sure that board and library understand each other:
+/// Opens the port of a board, `/dev/ttyACM0`, `tcp:HOST:PORT` or `rs485:LINE#ADDRESS`, and makes sure that board and library understand each other:
 /// some seconds at most. Where it fails, `*board` is null and `words` (of `size` bytes; may be null) says why.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dermatome_open(

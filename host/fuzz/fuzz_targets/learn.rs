@@ -1,7 +1,7 @@
 //! Any bytes as presses to learn from: as many places as presses, or an error.
 #![no_main]
 
-use dermatome::{learn::presses::Recording, skin::Skin};
+use dermatome::{learn::presses::{Layout, Recording}, skin::Skin};
 use libfuzzer_sys::fuzz_target;
 use std::{io::Write, path::Path, sync::LazyLock};
 
@@ -16,7 +16,7 @@ fuzz_target!(|input: (bool, &[u8])| {
     let ending = if is_archive { ".npz" } else { ".csv" };
     let mut file = tempfile::Builder::new().suffix(ending).tempfile().unwrap();
     file.write_all(bytes).unwrap();
-    if let Ok(recording) = Recording::read(file.path(), None, 0.0, &SKIN) {
+    if let Ok(recording) = Recording::read(file.path(), None, &Layout::default(), &SKIN) {
         assert!(recording.pressed.frames > 0);
     }
 });

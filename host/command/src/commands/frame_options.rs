@@ -1,11 +1,14 @@
 //! Options that say how a file of measured frames is to be read.
 
 use super::choices::SenseOrder;
-use anyhow::{Context, bail};
-use dermatome_frames::recorded::{
-    order::{self, Arrangement},
-    read::{Frames, ReadError, Source, read, read_turned},
-    wording::Wording,
+use anyhow::Context;
+use dermatome_frames::{
+    learn::presses::Layout,
+    recorded::{
+        order::{self, Arrangement},
+        read::{Frames, ReadError, Source, read, read_turned},
+        wording::Wording,
+    },
 };
 use dermatome_shared::stimulation::Step;
 
@@ -37,10 +40,6 @@ impl FrameOptions {
         Arrangement { sense: self.order.into(), rotation: self.rotation, mirrored: self.mirror }
     }
 
-    pub(super) fn offset(&self) -> f64 {
-        self.offset
-    }
-
     /// Reads frames of a skin with these steps and so many electrodes.
     pub(super) fn read(&self, source: &Source, steps: &[Step], electrodes: u8) -> anyhow::Result<Frames> {
         let frames = self.read_plain(source, electrodes, steps.len())?;
@@ -51,15 +50,9 @@ impl FrameOptions {
         apart.with_context(|| format!("`{source}` as potentials of electrodes"))
     }
 
-    /// Presses are read as they are.
-    pub(super) fn refuse_for_presses(&self) -> anyhow::Result<()> {
-        let given = [(self.single_ended, "--single-ended"), (self.transpose, "--transpose")];
-        match given.iter().find(|(given, _)| *given) {
-            Some((_, option)) => {
-                bail!("{option} is not for presses; allowed: differences of pairs, a press a row")
-            }
-            None => Ok(()),
-        }
+    /// How presses lie in their file.
+    pub(super) fn layout(&self) -> Layout {
+        Layout { offset: self.offset, turned: self.transpose, potentials: self.single_ended }
     }
 
     fn read_plain(&self, source: &Source, electrodes: u8, steps: usize) -> Result<Frames, ReadError> {

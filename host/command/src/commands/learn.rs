@@ -116,7 +116,6 @@ struct Report {
 const TURNED: f64 = 8.0;
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    args.options.refuse_for_presses()?;
     let mut skin = Skin::load(&args.skin)?.made()?;
     let in_presses = || format!("presses `{}`", args.presses.display());
     let in_both = || format!("presses `{}` on skin file `{}`", args.presses.display(), args.skin.display());
@@ -173,7 +172,7 @@ fn read(args: &Args, skin: &Skin) -> anyhow::Result<Recording> {
         .map(|source| args.options.read(source, &skin.steps(), skin.electrodes.count))
         .transpose()?;
     let reference = reference.map(|frames| if args.each { frames } else { frames.averaged() });
-    let recording = Recording::read(&args.presses, reference, args.options.offset(), skin)
+    let recording = Recording::read(&args.presses, reference, &args.options.layout(), skin)
         .map_err(|error| in_flags(error, &[("as a reference of their own", "with --reference")]))?;
     let (presses, references) = (recording.pressed.frames, recording.unpressed.frames);
     if let Some(source) = source.filter(|_| args.each && references != presses) {

@@ -1,7 +1,10 @@
 //! Why recorded presses cannot be used.
 
 use super::{POSITIONS, PRESSED, UNPRESSED};
-use crate::recorded::{order::OrderError, read::ReadError};
+use crate::recorded::{
+    order::OrderError,
+    read::{PotentialsError, ReadError},
+};
 use dermatome_model::model::TooManyPixels;
 use num_complex::Complex64;
 
@@ -11,6 +14,9 @@ pub enum PressError {
     /// A file cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
+    /// Frames are no potentials of this skin's electrodes.
+    #[error("frames as potentials of electrodes: {0}")]
+    Potentials(#[from] PotentialsError),
     /// No frames of the untouched skin.
     #[error("`{file}` holds no frames of the untouched skin: give them as a reference of their own{}", also(.archive))]
     NoReference {

@@ -22,6 +22,7 @@ pub use error::PressError;
 use nalgebra::Point3;
 use num_complex::Complex64;
 use place::{Off, lay};
+pub use read::Layout;
 
 /// Array of an archive: frames of the pressed skin, one for each press.
 pub const PRESSED: &str = "v_pressed";

@@ -10,35 +10,59 @@ use dermatome_model::skin::{Shape, Skin};
 use num_complex::Complex64;
 use std::path::Path;
 
+/// How a file holds its frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Layout {
+    /// What is subtracted from every measurement.
+    pub offset: f64,
+    /// Whether presses are columns (of MATLAB's arrays: rows). Arrays of places and forces tell by their size.
+    pub turned: bool,
+    /// Whether frames are squares of the potentials of electrodes.
+    pub potentials: bool,
+}
+
+impl Layout {
+    fn rows(&self, source: &Source, is_row: impl Fn(usize) -> bool) -> Result<Frames, PressError> {
+        Ok(if self.turned { read(source)?.transposed() } else { read_turned(source, is_row)? })
+    }
+
+    /// Differences of the pairs that a skin senses.
+    fn differences(&self, frames: Frames, skin: &Skin) -> Result<Frames, PressError> {
+        let frames = frames.minus(self.offset);
+        if self.potentials { Ok(frames.apart(&skin.steps(), skin.electrodes.count)?) } else { Ok(frames) }
+    }
+}
+
 impl Recording {
     /// Reads the presses of a file. `reference`, one frame of the untouched skin or one for each press, goes before the file's
-    /// own; `offset` is subtracted from every measurement of the file. What the columns of a table are, `skin` says: on a
-    /// flat one x and y, else z too.
+    /// own, and is differences of pairs already. What the columns of a table are, `skin` says: on a flat one x and y, else
+    /// z too.
     pub fn read(
         path: &Path,
         reference: Option<Frames>,
-        offset: f64,
+        layout: &Layout,
         skin: &Skin,
     ) -> Result<Self, PressError> {
         let of_key = |key: &str| Source { path: path.into(), key: Some(key.into()) };
         let is = |ending: &str| path.extension().is_some_and(|it| it.eq_ignore_ascii_case(ending));
         // A MATLAB file may be either.
         if is("npz") || is("mat") && file::read(&of_key(PRESSED)).is_ok() {
-            Self::of_archive(path, reference, offset, skin)
+            Self::of_archive(path, reference, layout, skin)
         } else {
-            Self::of_table(path, reference, offset, skin)
+            Self::of_table(path, reference, layout, skin)
         }
     }
 
     fn of_archive(
         path: &Path,
         reference: Option<Frames>,
-        offset: f64,
+        layout: &Layout,
         skin: &Skin,
     ) -> Result<Self, PressError> {
         let source = |key: &str| Source { path: path.into(), key: Some(key.into()) };
         let is_frame = |length: usize| frame_lengths(skin).contains(&length);
-        let pressed = read_turned(&source(PRESSED), is_frame)?.minus(offset);
+        let frames = |key| layout.differences(layout.rows(&source(key), is_frame)?, skin);
+        let pressed = frames(PRESSED)?;
         let positions = read_turned(&source(POSITIONS), |columns| matches!(columns, 2 | 3))?;
         check_rows(POSITIONS, positions.frames, pressed.frames)?;
         let positions = match positions.measurements {
@@ -48,7 +72,7 @@ impl Recording {
         };
         let unpressed = match reference {
             Some(reference) => reference,
-            None if holds(&source(UNPRESSED)) => read_turned(&source(UNPRESSED), is_frame)?.minus(offset),
+            None if holds(&source(UNPRESSED)) => frames(UNPRESSED)?,
             None => return Err(PressError::NoReference { file: path.display().to_string(), archive: true }),
         };
         let forces = if holds(&source(FORCES)) {
@@ -62,7 +86,7 @@ impl Recording {
     fn of_table(
         path: &Path,
         reference: Option<Frames>,
-        offset: f64,
+        layout: &Layout,
         skin: &Skin,
     ) -> Result<Self, PressError> {
         let is_flat = is_flat_shape(&skin.shape);
@@ -73,7 +97,7 @@ impl Recording {
         let leading =
             |columns: usize| [coordinates, coordinates + 1].into_iter().find(|&it| is_row(columns, it));
         let rows =
-            read_turned(&Source { path: path.into(), key: None }, |columns| leading(columns).is_some())?;
+            layout.rows(&Source { path: path.into(), key: None }, |columns| leading(columns).is_some())?;
         let columns = rows.measurements;
         let leading = match leading(columns) {
             Some(leading) => leading,
@@ -91,7 +115,8 @@ impl Recording {
         let has_force = leading > coordinates;
         let forces = if has_force { Some(column(&rows, coordinates, "the force")?) } else { None };
         let values = rows.iter().flat_map(|row| &row[leading..]).copied().collect();
-        let pressed = Frames { values, measurements: columns - leading, ..rows.clone() }.minus(offset);
+        let pressed = Frames { values, measurements: columns - leading, ..rows.clone() };
+        let pressed = layout.differences(pressed, skin)?;
         Ok(Self { pressed, unpressed, positions, forces })
     }
 }

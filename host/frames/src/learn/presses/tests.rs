@@ -21,13 +21,18 @@ fn place(press: usize, axis: usize) -> f64 {
 
 /// Reads a MATLAB file of these arrays.
 fn read(arrays: &[(&str, Array<'_>)]) -> Result<Recording, PressError> {
+    read_as(&Layout::default(), arrays)
+}
+
+/// The same of frames that lie there like this.
+fn read_as(layout: &Layout, arrays: &[(&str, Array<'_>)]) -> Result<Recording, PressError> {
     let mut bytes = Vec::new();
     mat::write_header(&mut bytes).unwrap();
     arrays.iter().for_each(|(name, array)| mat::write_array(&mut bytes, name, array).unwrap());
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("presses.mat");
     std::fs::write(&path, bytes).unwrap();
-    Recording::read(&path, None, 0.0, &skin())
+    Recording::read(&path, None, layout, &skin())
 }
 
 #[test]
@@ -80,4 +85,38 @@ fn references_are_one_or_one_for_each_press() {
     let error = with(7).unwrap_err();
     assert!(error.contains("`v_unpressed` holds 7 rows, `v_pressed` 12"), "{error}");
     assert!(error.contains("allowed: 1, or one for each press"), "{error}");
+}
+
+#[test]
+fn potentials_become_what_pairs_sense_and_columns_presses_where_the_user_says_so() {
+    // As many presses as a square has potentials: a file of either direction looks the same. MATLAB's are read by columns.
+    let potential = |press: usize, place: usize| ((press * 64 + place) as f64).sqrt();
+    let turned = Layout { turned: true, ..Layout::default() };
+    let read = |layout: &Layout, is_turned: bool| {
+        let pressed = |row, column| if is_turned { potential(row, column) } else { potential(column, row) };
+        let untouched = |row, column| pressed(row, column) + 1.0;
+        let arrays = [
+            ("v_pressed", Array::table(64, 64, pressed)),
+            ("v_unpressed", Array::table(64, 64, untouched)),
+            ("positions_m", Array::table(64, 2, place)),
+        ];
+        read_as(layout, &arrays)
+    };
+    let plain = read(&Layout::default(), false).unwrap();
+    assert_eq!(read(&turned, true).unwrap(), plain);
+    let apart = read(&Layout { potentials: true, ..turned }, true).unwrap();
+    for (press, pairs) in apart.pressed.iter().enumerate() {
+        for (place, pair) in pairs.iter().enumerate() {
+            let minus = place / 8 * 8 + (place + 1) % 8;
+            assert_eq!(pair.re, potential(press, place) - potential(press, minus), "{press}, {place}");
+        }
+    }
+    assert_eq!(apart.positions, plain.positions);
+    let rows = [
+        ("v_pressed", Array::table(PRESSES, STEPS, voltage)),
+        ("positions_m", Array::table(PRESSES, 2, place)),
+        ("v_unpressed", Array::table(1, STEPS, voltage)),
+    ];
+    let error = read_as(&Layout { potentials: true, ..Layout::default() }, &rows).unwrap_err().to_string();
+    assert!(error.contains("frames hold 40 values each; allowed are 64"), "{error}");
 }

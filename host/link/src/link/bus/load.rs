@@ -285,4 +285,25 @@ mod tests {
         let seldom = Selection { images: 50, ..BOTH };
         assert_eq!(line(1).fit(3, seldom, &DEMAND), Ok(seldom));
     }
+
+    /// The table of docs/bus.md.
+    #[test]
+    fn the_table_in_the_documentation_is_true() {
+        let mut rows = String::new();
+        for (boards, frame_rate) in
+            [(1, 100.0), (2, 100.0), (4, 100.0), (5, 100.0), (4, 50.0), (8, 50.0), (9, 50.0)]
+        {
+            let (mut shares, demand) = (line(boards), Demand { frame_rate, ..DEMAND });
+            let given: Result<Vec<_>, _> =
+                (0..boards as u8).map(|at| shares.fit(at, BOTH, &demand)).collect();
+            let images = match given {
+                Err(error) => format!("refused: {:.0} %", 100.0 * error.load),
+                Ok(given) if given[0].images == 0 => "none".to_owned(),
+                Ok(given) => format!("1 in {}", given[0].images),
+            };
+            rows += &format!("| {boards} | {frame_rate} | {images} |\n");
+        }
+        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/bus.md");
+        assert!(std::fs::read_to_string(page).unwrap().contains(&rows), "{rows}");
+    }
 }
