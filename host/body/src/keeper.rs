@@ -401,7 +401,7 @@ impl Board {
     fn stream(&mut self, link: &mut Link, patch: &mut PatchInfo) -> Result<Option<Stop>, LinkError> {
         let silence = frame_timeout(patch);
         let mut stream = link.subscribe(self.selection)?;
-        self.state(Phase::Live, stream.fewer_images(self.selection).unwrap_or_default());
+        self.state(Phase::Live, stream.thinned_out(self.selection).unwrap_or_default());
         let (mut heard, mut touched) = (Instant::now(), Instant::now());
         let mut is_said = false;
         loop {

@@ -120,16 +120,23 @@ impl Subscription<'_> {
         self.selection
     }
 
-    /// In words, where a line with other boards does not carry the images of all frames that were `wanted`.
+    /// In words, where a line with other boards does not carry all that was `wanted` of all frames.
     #[must_use]
-    pub fn fewer_images(&self, wanted: Selection) -> Option<String> {
-        match (wanted.images, self.selection.images) {
-            (wanted, given) if wanted == given => None,
-            (_, 0) => Some("no images: the line that the board shares does not carry them".to_owned()),
-            (_, every) => Some(format!(
-                "images of one frame in {every}: the line that the board shares carries no more"
-            )),
-        }
+    pub fn thinned_out(&self, wanted: Selection) -> Option<String> {
+        let given = self.selection;
+        let all = [
+            ("images", wanted.images, given.images),
+            ("raw frames", wanted.measurements, given.measurements),
+            ("the scope", wanted.scope, given.scope),
+        ];
+        let how = |(what, wanted, given)| match given {
+            _ if given == wanted => None,
+            0 => Some(format!("no {what}")),
+            every => Some(format!("{what} of one frame in {every}")),
+        };
+        let words: Vec<String> = all.into_iter().filter_map(how).collect();
+        (!words.is_empty())
+            .then(|| format!("{}: the line that the board shares carries no more", words.join(", ")))
     }
 
     /// What has come so far.

@@ -113,7 +113,7 @@ impl<'a> Follower<'a> {
         let mut patience = Patience::new(&self.session.patch);
         let wanted = received.selection();
         let mut stream = self.session.link.as_mut().context("the board is lost")?.subscribe(wanted)?;
-        if let Some(words) = stream.fewer_images(wanted) {
+        if let Some(words) = stream.thinned_out(wanted) {
             eprintln!("warning: {words}");
         }
         if let Some(outlets) = received.outlets.as_mut().filter(|_| std::mem::take(&mut received.is_to_tare))

@@ -16,7 +16,7 @@ use dermatome_shared::{
 };
 use std::time::Duration;
 
-/// Contacts of a frame for which there is room; where there are more, images wait, and then come late or not at all.
+/// Contacts of a frame for which there is room; where there are more, long events wait, and then come late or not at all.
 const CONTACTS: usize = 3;
 /// Share of the line that is given away.
 const ROOM: f64 = 0.8;
@@ -44,7 +44,7 @@ pub(in crate::link) struct Demand {
 /// Boards of a line that together say more than it carries.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "the line does not carry what {boards} boards say: contacts and what else was asked for take {:.0} % of its time, allowed \
+    "the line does not carry what {boards} boards are to say: it takes {:.0} % of the line's time, allowed \
      are {:.0} % (lower frame rates, fewer boards on it, or every second frame)", 100.0 * load, 100.0 * ROOM
 )]
 pub struct Overload {
@@ -65,22 +65,22 @@ impl Demand {
         }
     }
 
-    /// Bytes per second of all but images.
-    fn fixed(&self, selection: &Selection) -> f64 {
-        let per_frame =
-            |every: u16, bytes: usize| if every > 0 { bytes as f64 / f64::from(every) } else { 0.0 };
-        let codes = 2 * CODE_BYTES * self.steps;
-        let scope = SAMPLE_BYTES * MAX_SCOPE_SAMPLES;
-        self.frame_rate
-            * (per_frame(selection.contacts, packet_bytes(&contacts()))
-                + per_frame(selection.health, packet_bytes(&health(self.electrodes)))
-                + per_frame(selection.measurements, packet_bytes(&tared()) + codes)
-                + per_frame(selection.scope, packet_bytes(&tared()) + scope))
+    /// Bytes per second of what is short: contacts and health.
+    fn short(&self, selection: &Selection) -> f64 {
+        self.rate(selection.contacts, || packet_bytes(&contacts()))
+            + self.rate(selection.health, || packet_bytes(&health(self.electrodes)))
     }
 
-    /// Bytes per second of images of every frame.
-    fn images(&self) -> f64 {
-        self.frame_rate * packet_bytes(&image(self.pixels)) as f64
+    /// Bytes per second of what is long: images, raw frames and the scope.
+    fn long(&self, selection: &Selection) -> f64 {
+        let scope = || packet_bytes(&Event::Scope(Default::default()));
+        self.rate(selection.images, || packet_bytes(&image(self.pixels)))
+            + self.rate(selection.measurements, || scope() + 2 * CODE_BYTES * self.steps)
+            + self.rate(selection.scope, || scope() + SAMPLE_BYTES * MAX_SCOPE_SAMPLES)
+    }
+
+    fn rate(&self, every: u16, bytes: impl FnOnce() -> usize) -> f64 {
+        if every > 0 { self.frame_rate * bytes() as f64 / f64::from(every) } else { 0.0 }
     }
 }
 
@@ -97,8 +97,8 @@ pub(super) struct Shares {
 /// Bytes per second of one board.
 #[derive(Clone, Copy, Debug, Default)]
 struct Given {
-    fixed: f64,
-    images: f64,
+    short: f64,
+    long: f64,
 }
 
 impl Default for Shares {
@@ -117,8 +117,8 @@ impl Shares {
         self.given[usize::from(address)] = None;
     }
 
-    /// What of a selection fits. All but images of all boards comes first, those included that have not asked yet, which are
-    /// taken to be alike; images share what is left.
+    /// What of a selection fits. What is short comes first, of boards that have not asked yet as well, which are taken to be
+    /// alike; what is long shares the rest, and is left out of frames until it fits, but not for longer than a second.
     pub(super) fn fit(
         &mut self,
         address: u8,
@@ -126,25 +126,33 @@ impl Shares {
         demand: &Demand,
     ) -> Result<Selection, Overload> {
         self.leave(address);
-        let own = demand.fixed(&selection);
+        let (short, all) = (demand.short(&selection), demand.long(&selection));
         let others = self.given.iter().flatten();
         let known = others.clone().count() + 1;
         let boards = self.boards.max(known);
-        let taken: f64 = others.clone().map(|it| self.load(it.fixed + it.images)).sum();
-        let fixed: f64 = others.map(|it| self.load(it.fixed)).sum::<f64>() + self.load(own);
+        let taken: f64 = others.clone().map(|it| self.load(it.short + it.long)).sum();
+        let fixed: f64 = others.map(|it| self.load(it.short)).sum::<f64>() + self.load(short);
+        let to_come = (boards - known) as f64 * self.load(short);
+        let fair = (ROOM - fixed - to_come) / boards as f64;
+        let left = (ROOM - taken - self.load(short) - to_come).min(fair);
+        let load_of = |every: u16| self.load(short + all / f64::from(every)) - self.load(short);
+        let longest = demand.frame_rate.clamp(1.0, 1000.0) as u16;
+        let every = (1..=longest).find(|&every| load_of(every) <= left);
+        let of_each = |asked: u16| every.map_or(0, |every| asked.saturating_mul(every));
+        let fitting = Selection {
+            images: of_each(selection.images),
+            measurements: of_each(selection.measurements),
+            scope: of_each(selection.scope),
+            ..selection
+        };
         if fixed > ROOM {
             return Err(Overload { boards: known, load: fixed });
         }
-        let to_come = (boards - known) as f64 * self.load(own);
-        let fair = (ROOM - fixed - to_come) / boards as f64;
-        let left = (ROOM - taken - self.load(own) - to_come).min(fair);
-        let all = demand.images();
-        let rate = |every: u16| if every > 0 { all / f64::from(every) } else { 0.0 };
-        let fits = |every: &u16| self.load(own + rate(*every)) - self.load(own) <= left;
-        let images =
-            if selection.images == 0 { 0 } else { (selection.images..=1000).find(fits).unwrap_or(0) };
-        self.given[usize::from(address)] = Some(Given { fixed: own, images: rate(images) });
-        Ok(Selection { images, ..selection })
+        if selection.any() && !fitting.any() {
+            return Err(Overload { boards: known, load: taken + self.load(short) + load_of(longest) });
+        }
+        self.given[usize::from(address)] = Some(Given { short, long: demand.long(&fitting) });
+        Ok(fitting)
     }
 
     /// Share of the line's time that a board takes which says so many bytes per second.
@@ -164,10 +172,6 @@ fn packet_bytes(event: &Event) -> usize {
 /// The latest frame that there can be: numbers take the more bytes the larger they are.
 fn stamp() -> FrameStamp {
     FrameStamp { sequence: u32::MAX, timestamp_us: u64::MAX, flags: FrameFlags(u16::MAX) }
-}
-
-fn tared() -> Event {
-    Event::Scope(Default::default())
 }
 
 fn contacts() -> Event {
@@ -244,10 +248,10 @@ mod tests {
                     _ => refused += usize::from(shares.fit(address, BOTH, &demand).is_err()),
                 }
                 let given = shares.given.iter().flatten();
-                let total: f64 = given.map(|it| shares.load(it.fixed + it.images)).sum();
+                let total: f64 = given.map(|it| shares.load(it.short + it.long)).sum();
                 assert!(total <= ROOM + 1e-9, "{total} of {boards} after {turn}");
             }
-            let all = f64::from(boards) * shares.load(demand.fixed(&BOTH));
+            let all = f64::from(boards) * shares.load(demand.short(&BOTH));
             assert_eq!(refused > 0, all > ROOM, "{boards}: {refused}");
         }
     }
@@ -258,7 +262,7 @@ mod tests {
         for address in 0..ADDRESSES {
             let demand = if address % 3 == 0 { slow } else { DEMAND };
             let _ = shares.fit(address, BOTH, &demand);
-            let fixed: f64 = shares.given.iter().flatten().map(|it| shares.load(it.fixed)).sum();
+            let fixed: f64 = shares.given.iter().flatten().map(|it| shares.load(it.short)).sum();
             assert!(fixed <= ROOM, "{fixed} after {address}");
         }
         assert!(shares.given.iter().flatten().count() < 16);
@@ -276,6 +280,22 @@ mod tests {
         let mut slow = line(1);
         (0..1000).for_each(|_| slow.answered(Duration::from_millis(20)));
         assert!(slow.fit(0, BOTH, &fast).is_err());
+    }
+
+    #[test]
+    fn raw_frames_and_the_scope_are_thinned_out_like_images_and_refused_where_not_one_a_second_fits() {
+        let all = Selection { measurements: 1, scope: 2, scope_slot: 5, ..BOTH };
+        let given = line(2).fit(0, all, &DEMAND).unwrap();
+        let every = given.images;
+        assert_eq!(given, Selection { images: every, measurements: every, scope: 2 * every, ..all });
+        assert!(every > line(2).fit(0, BOTH, &DEMAND).unwrap().images, "{given:?}");
+        let raw = Selection { measurements: 1, ..Selection::default() };
+        let mut full = line(4);
+        for address in 0..3 {
+            full.fit(address, BOTH, &Demand { frame_rate: 140.0, ..DEMAND }).unwrap();
+        }
+        let error = full.fit(3, raw, &DEMAND).unwrap_err();
+        assert!(error.load > ROOM && error.boards == 4, "{error}");
     }
 
     #[test]
