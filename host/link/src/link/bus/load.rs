@@ -134,10 +134,13 @@ impl Shares {
         let fixed: f64 = others.map(|it| self.load(it.short)).sum::<f64>() + self.load(short);
         let to_come = (boards - known) as f64 * self.load(short);
         let fair = (ROOM - fixed - to_come) / boards as f64;
-        let left = (ROOM - taken - self.load(short) - to_come).min(fair);
+        let left = ROOM - taken - self.load(short) - to_come;
         let load_of = |every: u16| self.load(short + all / f64::from(every)) - self.load(short);
         let longest = demand.frame_rate.clamp(1.0, 1000.0) as u16;
-        let every = (1..=longest).find(|&every| load_of(every) <= left);
+        let every = (1..=longest).find(|&every| load_of(every) <= left.min(fair));
+        // Who compares or looks for something does with little, and not with nothing.
+        let least = (selection.images == 0 && load_of(longest) <= left).then_some(longest);
+        let every = every.or(least);
         let of_each = |asked: u16| every.map_or(0, |every| asked.saturating_mul(every));
         let fitting = Selection {
             images: of_each(selection.images),
@@ -290,11 +293,15 @@ mod tests {
         assert_eq!(given, Selection { images: every, measurements: every, scope: 2 * every, ..all });
         assert!(every > line(2).fit(0, BOTH, &DEMAND).unwrap().images, "{given:?}");
         let raw = Selection { measurements: 1, ..Selection::default() };
-        let mut full = line(4);
-        for address in 0..3 {
-            full.fit(address, BOTH, &Demand { frame_rate: 140.0, ..DEMAND }).unwrap();
-        }
-        let error = full.fit(3, raw, &DEMAND).unwrap_err();
+        let beside = |frame_rate: f64| {
+            let mut full = line(4);
+            for address in 0..3 {
+                full.fit(address, BOTH, &Demand { frame_rate, ..DEMAND }).unwrap();
+            }
+            full.fit(3, raw, &DEMAND)
+        };
+        assert_eq!(beside(140.0), Ok(Selection { measurements: 100, ..raw }), "once a second");
+        let error = beside(146.0).unwrap_err();
         assert!(error.load > ROOM && error.boards == 4, "{error}");
     }
 
