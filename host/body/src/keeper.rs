@@ -28,6 +28,8 @@ use std::{
 /// Time until a board is tried again, which doubles up to the longest.
 const FIRST_PAUSE: Duration = Duration::from_millis(50);
 const LONGEST_PAUSE: Duration = Duration::from_millis(500);
+/// Until a board is tried again whose line carries no more.
+const FULL_PAUSE: Duration = Duration::from_secs(10);
 /// Longest a keeper waits for a frame without looking what it is asked.
 const LOOK: Duration = Duration::from_millis(20);
 /// How often a skin that is pressed is looked at again.
@@ -243,15 +245,18 @@ impl Board {
                     if is_over {
                         break;
                     }
+                    if matches!(&trouble, Trouble::Link(error) if matches!(error.kind, LinkErrorKind::Overload(_)))
+                    {
+                        // Asking again and again takes more of a full line.
+                        pause = FULL_PAUSE;
+                    }
                 }
-            }
-            if begun.elapsed() > LONGEST_PAUSE {
-                pause = FIRST_PAUSE;
             }
             if self.pause(pause).is_some() {
                 break;
             }
-            pause = (2 * pause).min(LONGEST_PAUSE);
+            pause =
+                if begun.elapsed() > LONGEST_PAUSE { FIRST_PAUSE } else { (2 * pause).min(LONGEST_PAUSE) };
         }
     }
 

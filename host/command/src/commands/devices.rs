@@ -58,27 +58,27 @@ struct Found {
 impl Found {
     /// None where nobody answers; an error where the line itself fails.
     fn at(port: link::Port) -> Result<Option<Self>, LinkError> {
-        let asked = link::open(&port).and_then(|mut link| {
-            let identity = link.identity().clone();
-            Ok((identity, link.info()?))
-        });
+        let opened = link::open(&port);
         let port = port.to_string();
-        match asked {
-            Ok((identity, info)) => Ok(Some(Self {
-                port,
-                board: identity.board.to_string(),
-                firmware: identity.firmware.to_string(),
-                skin: info.patch.map(|patch| patch.skin.to_string()),
-                error: None,
-            })),
+        let found = |board: String, firmware: String, asked: Result<Info, LinkError>| {
+            let (skin, error) = match asked {
+                Ok(info) => (info.patch.map(|patch| patch.skin.to_string()), None),
+                Err(error) => (None, Some(error.to_string())),
+            };
+            Ok(Some(Self { port, board, firmware, skin, error }))
+        };
+        match opened {
+            Ok(mut link) => {
+                let identity = link.identity().clone();
+                found(identity.board.to_string(), identity.firmware.to_string(), link.info())
+            }
             Err(error) => match error.kind {
                 LinkErrorKind::NoAnswer { .. } => Ok(None),
                 LinkErrorKind::Damaged { .. }
                 | LinkErrorKind::ProtocolVersion { .. }
-                | LinkErrorKind::Schema { .. } => {
-                    let (board, firmware) = (String::new(), String::new());
-                    Ok(Some(Self { port, board, firmware, skin: None, error: Some(error.to_string()) }))
-                }
+                | LinkErrorKind::Schema { .. }
+                | LinkErrorKind::Refused(_)
+                | LinkErrorKind::WrongReply { .. } => found(String::new(), String::new(), Err(error)),
                 _ => Err(error),
             },
         }

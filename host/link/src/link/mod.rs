@@ -424,6 +424,9 @@ impl Link {
         left: impl FnMut(Numbered),
     ) -> Result<u32, LinkError> {
         let reply = self.request_within(&Request::Stream(selection), timeout)?;
+        if let Some(place) = self.place.as_ref().filter(|_| !selection.any()) {
+            place.release();
+        }
         let Reply::Streaming { first_sequence } = reply else { return Err(self.wrong_reply("Stream")) };
         self.order.begin(&selection, |event| self.events.push_back(event));
         self.events.drain(..).for_each(left);

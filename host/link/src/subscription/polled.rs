@@ -19,6 +19,7 @@ const MOST_PACKETS: usize = 64;
 /// A stream of frames that is polled, and holds its link.
 pub struct PolledStream {
     link: Link,
+    selection: Selection,
     assembler: Assembler,
     presence: Presence,
     /// When the last frame came.
@@ -56,6 +57,7 @@ impl PolledStream {
         match begun {
             Ok((first, selection)) => Ok(Self {
                 link,
+                selection,
                 assembler: Assembler::new(selection, first),
                 presence: Presence::shown(),
                 heard: Instant::now(),
@@ -116,6 +118,12 @@ impl PolledStream {
     #[must_use]
     pub fn is_asking(&self) -> bool {
         self.asked.is_some()
+    }
+
+    /// What is streamed: on a line with other boards, images as often as it carries them.
+    #[must_use]
+    pub fn selection(&self) -> Selection {
+        self.selection
     }
 
     /// How long no frame has come.

@@ -104,6 +104,12 @@ fn potentials_become_what_pairs_sense_and_columns_presses_where_the_user_says_so
     };
     let plain = read(&Layout::default(), false).unwrap();
     assert_eq!(read(&turned, true).unwrap(), plain);
+    let one = [
+        ("v_pressed", Array::table(PRESSES, STEPS, voltage)),
+        ("v_unpressed", Array::table(STEPS, 1, |step, _| voltage(0, step))),
+        ("positions_m", Array::table(PRESSES, 2, place)),
+    ];
+    assert_eq!(read_as(&turned, &one).unwrap().unpressed.frames, 1, "one reference for all");
     let apart = read(&Layout { potentials: true, ..turned }, true).unwrap();
     for (press, pairs) in apart.pressed.iter().enumerate() {
         for (place, pair) in pairs.iter().enumerate() {

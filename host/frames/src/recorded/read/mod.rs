@@ -37,10 +37,13 @@ impl Frames {
         }
     }
 
-    /// Columns as frames instead of rows.
+    /// Columns as frames instead of rows; a single one stays, as a column is read as a frame.
     #[must_use]
     pub fn transposed(self) -> Self {
         let Self { frames, measurements, .. } = self;
+        if frames == 1 {
+            return self;
+        }
         let values = (0..measurements).flat_map(|m| (0..frames).map(move |frame| frame * measurements + m));
         let values = values.map(|place| self.values[place]).collect();
         Self { values, frames: measurements, measurements: frames, complex: self.complex }

@@ -5,7 +5,7 @@ use super::{
         transport::{READ_TIMEOUT, Transport, open_serial, open_tcp},
         wire::REPLY_TIMEOUT,
     },
-    load::{Demand, Overload, Shares},
+    load::{BYTE, Demand, Overload, Shares},
 };
 use crate::{
     error::{LinkError, LinkErrorKind},
@@ -23,7 +23,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Longest that the line is given to a board which says nothing, adapters' delays included (16 ms each way is usual).
+/// Longest that the line is given to a board which says nothing, adapters' delays included (16 ms at most, as a rule).
 const SILENCE: Duration = Duration::from_millis(TURN_LAPSES_MS + 30);
 /// Longest turn, whatever is said.
 const LONGEST_TURN: Duration = Duration::from_millis(200);
@@ -32,15 +32,24 @@ const IDLE: Duration = Duration::from_millis(1);
 /// Until one that did not answer does, which doubles up to the longest.
 const FIRST_ABSENCE: Duration = Duration::from_millis(20);
 const LONGEST_ABSENCE: Duration = Duration::from_millis(1000);
+/// Between two turns of boards that did not answer, whichever they are: those that do have the line meanwhile.
+const BETWEEN_SILENCES: Duration = Duration::from_millis(200);
 /// Most bytes kept for somebody who does not read; until they are read, the board gets no turn.
 const MOST_UNREAD: usize = 1 << 18;
 
-/// Lines that are open in this program, by their port.
-static LINES: Mutex<BTreeMap<port::Line, Arc<Line>>> = Mutex::new(BTreeMap::new());
+/// Lines that are or were open in this program, by their port.
+static LINES: Mutex<BTreeMap<port::Line, Arc<Mutex<Opened>>>> = Mutex::new(BTreeMap::new());
+
+/// What became of opening a line's port.
+#[derive(Default)]
+struct Opened {
+    line: Option<Arc<Line>>,
+    /// When that failed last, and how: who has waited meanwhile has failed as well.
+    failed: Option<(Instant, ErrorKind, String)>,
+}
 
 /// A line with boards on it.
 struct Line {
-    port: port::Line,
     state: Mutex<State>,
     /// Something was said, is to be sent, or somebody has left.
     changed: Condvar,
@@ -48,6 +57,10 @@ struct Line {
 
 struct State {
     boards: [Option<Board>; ADDRESSES as usize],
+    /// Also of those that nobody has open.
+    turns: [Turns; ADDRESSES as usize],
+    /// Until then no board that did not answer has a turn.
+    silent_until: Instant,
     shares: Shares,
     /// Why the line is dead.
     failed: Option<(ErrorKind, String)>,
@@ -59,9 +72,14 @@ struct Board {
     to_board: Vec<u8>,
     /// From it; packets, as over a line of its own.
     from_board: VecDeque<u8>,
-    /// Turns in a row in which nothing was heard.
+}
+
+/// Turns of an address.
+#[derive(Clone, Copy)]
+struct Turns {
+    /// Those in a row in which nothing was heard.
     silences: u32,
-    /// When it gets its next turn.
+    /// When the next one is.
     due: Instant,
 }
 
@@ -81,14 +99,23 @@ pub(in crate::link) struct Seat {
 /// Takes the place of a board on a line, which is opened if it is not yet in this program; `name` is the board's port, for
 /// errors.
 pub(in crate::link) fn take_seat(name: &str, port: &port::Line, address: u8) -> Result<Seat, LinkError> {
-    let mut lines = lock(&LINES);
-    let line = match lines.get(port).filter(|line| line.lock().failed.is_none()) {
+    let asked = Instant::now();
+    let opened = lock(&LINES).entry(port.clone()).or_default().clone();
+    let mut slot = lock(&opened);
+    let line = match slot.line.as_ref().filter(|line| line.lock().failed.is_none()) {
         Some(line) => line.clone(),
         None => {
+            if let Some((_, kind, words)) = slot.failed.as_ref().filter(|(when, ..)| *when >= asked) {
+                return Err(LinkError::on_open(name, io::Error::new(*kind, words.clone())));
+            }
+            let wire = open(name, port).inspect_err(|error| {
+                if let LinkErrorKind::Open(reason) = &error.kind {
+                    slot.failed = Some((Instant::now(), reason.kind(), reason.to_string()));
+                }
+            })?;
             let line =
-                Line::start(port, open(name, port)?).map_err(|error| LinkError::on_open(name, error))?;
-            lines.insert(port.clone(), line.clone());
-            line
+                Line::start(port, opened.clone(), wire).map_err(|error| LinkError::on_open(name, error))?;
+            slot.line.insert(line).clone()
         }
     };
     let mut state = line.lock();
@@ -99,8 +126,6 @@ pub(in crate::link) fn take_seat(name: &str, port: &port::Line, address: u8) -> 
     *board = Some(Board {
         to_board: Vec::with_capacity(MAX_PACKET_BYTES),
         from_board: VecDeque::with_capacity(MAX_PACKET_BYTES),
-        silences: 0,
-        due: Instant::now(),
     });
     drop(state);
     line.changed.notify_all();
@@ -119,11 +144,28 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Line {
-    fn start(port: &port::Line, wire: Box<dyn Transport>) -> io::Result<Arc<Self>> {
-        let state =
-            State { boards: [const { None }; ADDRESSES as usize], shares: Shares::default(), failed: None };
-        let line = Arc::new(Self { port: port.clone(), state: Mutex::new(state), changed: Condvar::new() });
-        let host = Host { line: line.clone(), wire, ear: Ear::default() };
+    fn start(
+        port: &port::Line,
+        opened: Arc<Mutex<Opened>>,
+        wire: Box<dyn Transport>,
+    ) -> io::Result<Arc<Self>> {
+        let now = Instant::now();
+        let state = State {
+            boards: [const { None }; ADDRESSES as usize],
+            turns: [Turns { silences: 0, due: now }; ADDRESSES as usize],
+            silent_until: now,
+            shares: Shares::default(),
+            failed: None,
+        };
+        let line = Arc::new(Self { state: Mutex::new(state), changed: Condvar::new() });
+        let host = Host {
+            line: line.clone(),
+            opened,
+            wire: Some(wire),
+            ear: Ear::default(),
+            blocks: Vec::new(),
+            failed: None,
+        };
         thread::Builder::new().name(format!("bus {port}")).spawn(move || host.give_turns())?;
         Ok(line)
     }
@@ -136,14 +178,30 @@ impl Line {
 impl State {
     /// Who is to have the line now; or, where nobody is, when somebody will be.
     fn next(&self) -> Result<u8, Option<Instant>> {
-        let boards = (0..).zip(&self.boards);
-        let waiting = boards.filter_map(|(address, board)| {
-            let board = board.as_ref()?;
-            (board.from_board.len() < MOST_UNREAD).then_some((board.due, address))
+        let boards = (0..).zip(self.boards.iter().zip(&self.turns));
+        let waiting = boards.filter_map(|(address, (board, turns))| {
+            let earliest = if turns.silences > 0 { self.silent_until } else { turns.due };
+            (board.as_ref()?.from_board.len() < MOST_UNREAD).then_some((turns.due.max(earliest), address))
         });
         match waiting.min() {
             Some((due, address)) if due <= Instant::now() => Ok(address),
             other => Err(other.map(|(due, _)| due)),
+        }
+    }
+
+    /// A turn of a board has ended.
+    fn end_turn(&mut self, address: u8, turn: Turn) {
+        let now = Instant::now();
+        let turns = &mut self.turns[usize::from(address)];
+        turns.silences = if turn == Turn::Silent { turns.silences + 1 } else { 0 };
+        turns.due = now
+            + match turn {
+                Turn::Said => Duration::ZERO,
+                Turn::Idle => IDLE,
+                Turn::Silent => (FIRST_ABSENCE * (1 << (turns.silences - 1).min(10))).min(LONGEST_ABSENCE),
+            };
+        if turn == Turn::Silent {
+            self.silent_until = now + BETWEEN_SILENCES;
         }
     }
 
@@ -166,28 +224,43 @@ enum Turn {
 /// The host's end of a line.
 struct Host {
     line: Arc<Line>,
-    wire: Box<dyn Transport>,
+    opened: Arc<Mutex<Opened>>,
+    /// As long as it has the line.
+    wire: Option<Box<dyn Transport>>,
     ear: Ear,
+    /// What is sent in a turn.
+    blocks: Vec<u8>,
+    /// Why the line is dead.
+    failed: Option<(ErrorKind, String)>,
+}
+
+/// Whatever ends it: who opens the port again finds it closed, and whoever reads or writes learns that the line is dead.
+impl Drop for Host {
+    fn drop(&mut self) {
+        self.wire = None;
+        let failed =
+            self.failed.take().unwrap_or((ErrorKind::BrokenPipe, "nobody has the line any more".to_owned()));
+        self.line.lock().failed = Some(failed);
+        self.line.changed.notify_all();
+    }
 }
 
 impl Host {
     /// Gives boards the line until all have left, or until it fails.
     fn give_turns(mut self) {
-        let line = self.line.clone();
         // Ends what somebody before has left unfinished.
         let mut failed = self.send(&[0]).err();
         while failed.is_none() {
             let Some(address) = self.wait() else { break };
             failed = self.turn(address).err();
         }
-        if let Some(error) = failed {
-            line.lock().failed = Some((error.kind(), error.to_string()));
-            line.changed.notify_all();
-        }
+        // Who waits for bytes that will never come is to know it.
+        let lasting = |error: &io::Error| if may_pass(error) { ErrorKind::BrokenPipe } else { error.kind() };
+        self.failed = failed.map(|error| (lasting(&error), error.to_string()));
     }
 
     /// Waits until a board is to have the line; none once nobody has one open.
-    fn wait(&self) -> Option<u8> {
+    fn wait(&mut self) -> Option<u8> {
         loop {
             let state = self.line.lock();
             match state.next() {
@@ -208,49 +281,43 @@ impl Host {
     }
 
     /// Gives the line up unless somebody has come meanwhile.
-    fn leave(&self) -> bool {
-        let mut lines = lock(&LINES);
+    fn leave(&mut self) -> bool {
+        let mut opened = lock(&self.opened);
         if self.line.lock().boards.iter().any(Option::is_some) {
             return false;
         }
-        if lines.get(&self.line.port).is_some_and(|line| Arc::ptr_eq(line, &self.line)) {
-            lines.remove(&self.line.port);
-        }
+        opened.line = None;
+        self.wire = None;
         true
     }
 
     /// Sends a board what is for it, and hears it out.
     fn turn(&mut self, address: u8) -> io::Result<()> {
-        let Some(requests) = self.line.lock().board(address).map(|board| std::mem::take(&mut board.to_board))
-        else {
-            return Ok(());
-        };
-        let mut blocks = Vec::with_capacity(requests.len() + 8);
-        for packet in requests.split(|&byte| byte == 0).filter(|packet| !packet.is_empty()) {
-            blocks.push(Mark::Request.byte(address));
-            blocks.extend_from_slice(packet);
-            blocks.push(0);
+        let mut blocks = std::mem::take(&mut self.blocks);
+        blocks.clear();
+        match self.line.lock().board(address) {
+            None => return Ok(()),
+            Some(board) => {
+                for packet in board.to_board.split(|&byte| byte == 0).filter(|packet| !packet.is_empty()) {
+                    blocks.push(Mark::Request.byte(address));
+                    blocks.extend_from_slice(packet);
+                    blocks.push(0);
+                }
+                board.to_board.clear();
+            }
         }
         blocks.extend_from_slice(&Mark::Turn.block(address));
         self.send(&blocks)?;
-        let turn = self.listen(address)?;
-        let mut state = self.line.lock();
-        if let Some(board) = state.board(address) {
-            board.silences = if turn == Turn::Silent { board.silences + 1 } else { 0 };
-            let pause = match turn {
-                Turn::Said => Duration::ZERO,
-                Turn::Idle => IDLE,
-                Turn::Silent => (FIRST_ABSENCE * (1 << (board.silences - 1).min(10))).min(LONGEST_ABSENCE),
-            };
-            board.due = Instant::now() + pause;
-        }
+        let turn = self.listen(address, Duration::from_secs_f64(blocks.len() as f64 * BYTE))?;
+        self.blocks = blocks;
+        self.line.lock().end_turn(address, turn);
         Ok(())
     }
 
     fn send(&mut self, mut bytes: &[u8]) -> io::Result<()> {
         let deadline = Instant::now() + REPLY_TIMEOUT;
         while !bytes.is_empty() {
-            match self.wire.write(bytes) {
+            match self.wire()?.write(bytes) {
                 Ok(0) => return Err(ErrorKind::BrokenPipe.into()),
                 Ok(written) => bytes = &bytes[written..],
                 Err(error) if !may_pass(&error) => return Err(error),
@@ -261,41 +328,49 @@ impl Host {
         Ok(())
     }
 
-    /// Hears a board until its turn ends, or has lapsed.
-    fn listen(&mut self, address: u8) -> io::Result<Turn> {
-        let (given, mut heard) = (Instant::now(), Instant::now());
-        let (mut buffer, mut said) = ([0; 2048], Vec::new());
-        let (mut answered, mut has_said, mut is_over) = (false, false, false);
+    fn wire(&mut self) -> io::Result<&mut dyn Transport> {
+        Ok(self.wire.as_mut().ok_or(ErrorKind::NotConnected)?.as_mut())
+    }
+
+    /// Hears a board until its turn ends, or has lapsed; what it was sent takes so long on the line.
+    fn listen(&mut self, address: u8, sending: Duration) -> io::Result<Turn> {
+        let given = Instant::now() + sending;
+        let (mut heard, mut buffer, mut said) = (given, [0; 2048], Vec::new());
+        let (mut turn, mut is_over, mut is_open) = (Turn::Silent, false, false);
+        // What the turn before has left unfinished is nobody's.
+        self.ear.hear(0);
         while !is_over && heard.elapsed() < SILENCE && given.elapsed() < LONGEST_TURN {
-            let length = match self.wire.read(&mut buffer) {
+            let length = match self.wire()?.read(&mut buffer) {
                 Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
                 Ok(length) => length,
                 Err(error) if may_pass(&error) => continue,
                 Err(error) => return Err(error),
             };
-            heard = Instant::now();
-            for &byte in &buffer[..length] {
-                match self.ear.hear(byte) {
-                    Some(Heard::Byte { mark: Mark::Said, address: from, byte }) if from == address => {
-                        said.push(byte)
+            let before = turn;
+            for event in buffer[..length].iter().filter_map(|&byte| self.ear.hear(byte)) {
+                match event {
+                    Heard::Byte { mark: Mark::Said, address: from, byte } if from == address => {
+                        said.push(byte);
+                        (turn, is_open) = (Turn::Said, byte != 0);
                     }
-                    Some(Heard::Token { mark: Mark::End, address: from }) if from == address => {
-                        is_over = true
+                    Heard::Token { mark: Mark::End, address: from } if from == address => {
+                        is_over = true;
+                        turn = if turn == Turn::Silent { Turn::Idle } else { turn };
                     }
                     _ => continue,
                 }
-                if !std::mem::replace(&mut answered, true) {
-                    self.line.lock().shares.answered(given.elapsed());
-                }
+                heard = Instant::now();
             }
-            has_said |= !said.is_empty();
+            if before == Turn::Silent && turn != before {
+                self.line.lock().shares.answered(given.elapsed());
+            }
             self.hand_over(address, &mut said);
         }
-        Ok(match (answered, has_said) {
-            (false, _) => Turn::Silent,
-            (true, false) => Turn::Idle,
-            (true, true) => Turn::Said,
-        })
+        if is_open {
+            // The next packet does not begin with what there is of this one.
+            self.hand_over(address, &mut vec![0]);
+        }
+        Ok(turn)
     }
 
     /// Whoever reads the board gets what it has said.
@@ -325,8 +400,12 @@ impl Place {
     pub(in crate::link) fn fit(&self, selection: Selection, demand: &Demand) -> Result<Selection, Overload> {
         let mut state = self.line.lock();
         let open = state.boards.iter().flatten().count();
-        state.shares.boards = state.shares.boards.max(open);
-        state.shares.fit(self.address, selection, demand)
+        state.shares.fit(self.address, open, selection, demand)
+    }
+
+    /// Nothing of the board goes over the line any more unless it is asked.
+    pub(in crate::link) fn release(&self) {
+        self.line.lock().shares.leave(self.address);
     }
 }
 
@@ -347,7 +426,12 @@ impl Read for Seat {
             }
             let Some(board) = state.board(self.place.address) else { return Ok(0) };
             if !board.from_board.is_empty() {
-                return board.from_board.read(buffer);
+                let was_full = board.from_board.len() >= MOST_UNREAD;
+                let length = board.from_board.read(buffer);
+                if was_full {
+                    self.place.line.changed.notify_all();
+                }
+                return length;
             }
             let left = deadline.saturating_duration_since(Instant::now());
             if !self.waits || left.is_zero() {
@@ -367,8 +451,9 @@ impl Write for Seat {
         }
         let Some(board) = state.board(self.place.address) else { return Ok(0) };
         board.to_board.extend_from_slice(bytes);
-        if board.silences == 0 {
-            board.due = Instant::now();
+        let turns = &mut state.turns[usize::from(self.place.address)];
+        if turns.silences == 0 {
+            turns.due = Instant::now();
         }
         self.place.line.changed.notify_all();
         Ok(bytes.len())

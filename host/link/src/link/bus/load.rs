@@ -25,12 +25,14 @@ const LEAST_TURNS: f64 = 20.0;
 /// Bytes on the line for a turn and its end.
 const TURN_AND_END: f64 = 6.0;
 /// Seconds of the line that a byte takes: ten bits.
-const BYTE: f64 = 10.0 / BAUD as f64;
+pub(super) const BYTE: f64 = 10.0 / BAUD as f64;
 /// Postcard's longest code of a step, and index in a scope; bytes.
 const CODE_BYTES: usize = 4;
 const SAMPLE_BYTES: usize = 2;
 /// How long a board takes to answer before one has, s.
 const USUAL_ANSWER: f64 = 1e-3;
+/// What one answer counts at most, s: the host may have had something else to do.
+const LONGEST_ANSWER: f64 = 20e-3;
 
 /// What the stream of one board can take of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,7 +112,7 @@ impl Default for Shares {
 impl Shares {
     /// A board has answered so long after it was given the line.
     pub(super) fn answered(&mut self, after: Duration) {
-        self.answer += (after.as_secs_f64() - self.answer) / 16.0;
+        self.answer += (after.as_secs_f64().min(LONGEST_ANSWER) - self.answer) / 128.0;
     }
 
     pub(super) fn leave(&mut self, address: u8) {
@@ -122,14 +124,14 @@ impl Shares {
     pub(super) fn fit(
         &mut self,
         address: u8,
+        open: usize,
         selection: Selection,
         demand: &Demand,
     ) -> Result<Selection, Overload> {
-        self.leave(address);
         let (short, all) = (demand.short(&selection), demand.long(&selection));
-        let others = self.given.iter().flatten();
+        let others = (0..).zip(&self.given).filter(|(it, _)| *it != address).filter_map(|(_, given)| *given);
         let known = others.clone().count() + 1;
-        let boards = self.boards.max(known);
+        let boards = self.boards.max(open).max(known);
         let taken: f64 = others.clone().map(|it| self.load(it.short + it.long)).sum();
         let fixed: f64 = others.map(|it| self.load(it.short)).sum::<f64>() + self.load(short);
         let to_come = (boards - known) as f64 * self.load(short);
@@ -231,9 +233,9 @@ mod tests {
 
     #[test]
     fn a_board_alone_has_more_images_than_each_of_four_and_contacts_of_every_frame() {
-        let alone = line(1).fit(0, BOTH, &DEMAND).unwrap();
+        let alone = line(1).fit(0, 0, BOTH, &DEMAND).unwrap();
         let mut shared = line(4);
-        let four: Vec<_> = (0..4).map(|address| shared.fit(address, BOTH, &DEMAND).unwrap()).collect();
+        let four: Vec<_> = (0..4).map(|address| shared.fit(address, 0, BOTH, &DEMAND).unwrap()).collect();
         assert!(four.iter().all(|it| *it == Selection { images: four[0].images, ..BOTH }), "{four:?}");
         assert!((2..5).contains(&alone.images) && four[0].images > 4 * alone.images, "{alone:?}, {four:?}");
     }
@@ -248,7 +250,7 @@ mod tests {
                 let address = ((turn * 7 + turn / 16) % usize::from(boards)) as u8;
                 match turn % 5 {
                     0 if turn < 150 => shares.leave(address),
-                    _ => refused += usize::from(shares.fit(address, BOTH, &demand).is_err()),
+                    _ => refused += usize::from(shares.fit(address, 0, BOTH, &demand).is_err()),
                 }
                 let given = shares.given.iter().flatten();
                 let total: f64 = given.map(|it| shares.load(it.short + it.long)).sum();
@@ -264,7 +266,7 @@ mod tests {
         let (mut shares, slow) = (line(0), Demand { frame_rate: 20.0, ..DEMAND });
         for address in 0..ADDRESSES {
             let demand = if address % 3 == 0 { slow } else { DEMAND };
-            let _ = shares.fit(address, BOTH, &demand);
+            let _ = shares.fit(address, 0, BOTH, &demand);
             let fixed: f64 = shares.given.iter().flatten().map(|it| shares.load(it.short)).sum();
             assert!(fixed <= ROOM, "{fixed} after {address}");
         }
@@ -275,30 +277,30 @@ mod tests {
     fn contacts_that_do_not_fit_are_refused_with_the_load() {
         let fast = Demand { frame_rate: 400.0, ..DEMAND };
         let mut shares = line(2);
-        assert!(shares.fit(0, BOTH, &fast).is_ok());
-        let error = shares.fit(1, BOTH, &fast).unwrap_err();
+        assert!(shares.fit(0, 0, BOTH, &fast).is_ok());
+        let error = shares.fit(1, 0, BOTH, &fast).unwrap_err();
         assert!(error.load > ROOM && error.boards == 2, "{error}");
         assert!(error.to_string().contains("allowed are 80 %"), "{error}");
         // Where nobody answers faster than in 20 ms, a line is for few.
         let mut slow = line(1);
         (0..1000).for_each(|_| slow.answered(Duration::from_millis(20)));
-        assert!(slow.fit(0, BOTH, &fast).is_err());
+        assert!(slow.fit(0, 0, BOTH, &fast).is_err());
     }
 
     #[test]
     fn raw_frames_and_the_scope_are_thinned_out_like_images_and_refused_where_not_one_a_second_fits() {
         let all = Selection { measurements: 1, scope: 2, scope_slot: 5, ..BOTH };
-        let given = line(2).fit(0, all, &DEMAND).unwrap();
+        let given = line(2).fit(0, 0, all, &DEMAND).unwrap();
         let every = given.images;
         assert_eq!(given, Selection { images: every, measurements: every, scope: 2 * every, ..all });
-        assert!(every > line(2).fit(0, BOTH, &DEMAND).unwrap().images, "{given:?}");
+        assert!(every > line(2).fit(0, 0, BOTH, &DEMAND).unwrap().images, "{given:?}");
         let raw = Selection { measurements: 1, ..Selection::default() };
         let beside = |frame_rate: f64| {
             let mut full = line(4);
             for address in 0..3 {
-                full.fit(address, BOTH, &Demand { frame_rate, ..DEMAND }).unwrap();
+                full.fit(address, 0, BOTH, &Demand { frame_rate, ..DEMAND }).unwrap();
             }
-            full.fit(3, raw, &DEMAND)
+            full.fit(3, 0, raw, &DEMAND)
         };
         assert_eq!(beside(140.0), Ok(Selection { measurements: 100, ..raw }), "once a second");
         let error = beside(146.0).unwrap_err();
@@ -308,9 +310,9 @@ mod tests {
     #[test]
     fn nothing_is_given_that_was_not_asked_for() {
         let quiet = Selection { images: 0, ..BOTH };
-        assert_eq!(line(1).fit(3, quiet, &DEMAND), Ok(quiet));
+        assert_eq!(line(1).fit(3, 0, quiet, &DEMAND), Ok(quiet));
         let seldom = Selection { images: 50, ..BOTH };
-        assert_eq!(line(1).fit(3, seldom, &DEMAND), Ok(seldom));
+        assert_eq!(line(1).fit(3, 0, seldom, &DEMAND), Ok(seldom));
     }
 
     /// The table of docs/bus.md.
@@ -322,7 +324,7 @@ mod tests {
         {
             let (mut shares, demand) = (line(boards), Demand { frame_rate, ..DEMAND });
             let given: Result<Vec<_>, _> =
-                (0..boards as u8).map(|at| shares.fit(at, BOTH, &demand)).collect();
+                (0..boards as u8).map(|at| shares.fit(at, 0, BOTH, &demand)).collect();
             let images = match given {
                 Err(error) => format!("refused: {:.0} %", 100.0 * error.load),
                 Ok(given) if given[0].images == 0 => "none".to_owned(),
