@@ -344,6 +344,7 @@ impl Tape {
         if let Some(text) = &session.skin_file {
             self.writer.attach(&attachment(SKIN_FILE, "application/toml", text.as_bytes()))?;
         }
+        self.mark_whole()?;
         self.channels[skin].clear();
         for topic in Topic::ALL.into_iter().filter(|topic| !topic.is_of_robot()) {
             let schema = topic.schema();

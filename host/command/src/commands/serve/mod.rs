@@ -405,11 +405,12 @@ impl<'a> Served<'a> {
 
     /// Takes what a keeper told; false if nobody reads any more.
     fn take(&mut self, (index, told): (usize, Told)) -> anyhow::Result<bool> {
-        let before = self.body.senses()[index].state.clone();
+        let sense = &self.body.senses()[index];
+        let (before, said) = (sense.state.clone(), reflex_state(sense));
         let has_frame = self.body.take(index, &told).is_some();
         let sense = &self.body.senses()[index];
         if let Some(onlookers) = &mut self.onlookers {
-            onlookers.tell(index, &self.file.patches[index], &told);
+            onlookers.tell(index, &self.file.patches[index], &told, sense);
         }
         if let Some(ros) = &mut self.ros {
             ros.tell(&self.body, index, &told);
@@ -419,11 +420,17 @@ impl<'a> Served<'a> {
         }
         self.follower.took(index, &told, sense);
         let Some(lines) = &mut self.lines else { return Ok(true) };
+        let has_reflexes = reflex_state(sense) != said;
+        if let Some(line) = lines::reflexes(sense)?.filter(|_| has_reflexes) {
+            lines.remark(&line);
+        }
         let line = if sense.state != before {
             lines.remark(&lines::state(sense)?);
             String::new()
         } else if has_frame {
             lines::frame(sense, self.body.wrench(&sense.link))?
+        } else if has_reflexes {
+            String::new()
         } else {
             return Ok(true);
         };
@@ -442,6 +449,11 @@ impl<'a> Served<'a> {
         }
         Ok(())
     }
+}
+
+/// Which reflexes are tripped, and whether the board cannot tell.
+fn reflex_state(sense: &Sense) -> Option<(u8, bool)> {
+    sense.reflexes.as_ref().map(|reflexes| (reflexes.tripped, reflexes.is_blind))
 }
 
 fn totals(sense: &Sense) -> PatchTotals<'_> {

@@ -16,13 +16,14 @@ use dermatome_body::{
     file::{BodyFile, Patch},
     keeper::{Keeper, Phase, State, Told},
 };
+use dermatome_link::words;
 use dermatome_messages::{
     clock::now_ns,
     dermatome::{Status, number_of_gain},
     skin::Look,
 };
 use dermatome_page::{Call, Server};
-use dermatome_shared::patch::PatchView;
+use dermatome_shared::patch::{PatchView, reflexes::ReflexRule};
 use dermatome_urdf::urdf::tree::Joint;
 use serde_json::{Value, json};
 use std::{
@@ -49,6 +50,10 @@ struct Stand {
     outlets: Outlets,
     look: Look,
     status: Status,
+    /// Of the patch on the board.
+    rules: Vec<ReflexRule>,
+    /// Why the board was not driven as it was asked to.
+    refused: Option<String>,
     /// Frames when they were last told.
     frames: u64,
 }
@@ -81,6 +86,8 @@ impl Onlookers {
                 signal_to_noise: f32::NAN,
                 ..Status::default()
             },
+            rules: Vec::new(),
+            refused: None,
             frames: 0,
         };
         let stands = file.patches.iter().zip(looks).enumerate().map(stand).collect();
@@ -89,8 +96,8 @@ impl Onlookers {
     }
 
     /// A keeper told something of a patch.
-    pub(super) fn tell(&mut self, index: usize, patch: &Patch, told: &Told) {
-        let Stand { outlets, look, status, .. } = &mut self.stands[index];
+    pub(super) fn tell(&mut self, index: usize, patch: &Patch, told: &Told, sense: &Sense) {
+        let Stand { outlets, look, status, rules, refused, .. } = &mut self.stands[index];
         match told {
             Told::Patch { bytes, board, firmware, .. } => {
                 // The keeper has looked at it.
@@ -98,6 +105,7 @@ impl Onlookers {
                 let board = format!("{board} {firmware}");
                 outlets.show_patch(&view, Some(&patch.pose), look, board.clone());
                 (status.board, status.patch_crc) = (board, view.crc());
+                *rules = view.reflex_rules().collect();
                 status.patches = vec![format!("{} (on the board)", status.skin)];
                 match self.tape.as_mut().and_then(|tape| tape.patch(index, patch, told)) {
                     Some(Begun::Anew(recorder)) => outlets.record_from(recorder, now_ns()),
@@ -120,8 +128,14 @@ impl Onlookers {
             }
             Told::Frame { frame, received_ns, .. } => {
                 outlets.frame_of(frame, None, *received_ns);
+                // One that trips is not waited with.
+                let warnings = warnings(refused.as_deref(), rules, sense);
+                if status.warnings != warnings {
+                    status.warnings = warnings;
+                    outlets.status(status.clone());
+                }
             }
-            Told::NotDriven(why) => status.warnings = vec![format!("the board keeps its drive: {why}")],
+            Told::NotDriven(why) => *refused = Some(format!("the board keeps its drive: {why}")),
             Told::State(_) | Told::Reference(_) => {}
         }
     }
@@ -138,6 +152,7 @@ impl Onlookers {
             let status = &mut stand.status;
             (status.state, status.text, status.advice) =
                 (state.to_owned(), sense.state.text.clone(), advice.to_owned());
+            status.warnings = warnings(stand.refused.as_deref(), &stand.rules, sense);
             (status.frames, status.frames_lost) = (sense.frames, sense.missing);
             status.frames_per_second = (sense.frames - stand.frames) as f32 / since.as_secs_f32();
             stand.frames = sense.frames;
@@ -188,13 +203,19 @@ impl Onlookers {
                 let Some(driven) = &sense.driven else { bail!("the board has not answered yet") };
                 let wanted = calls::request::<Change>(call)?.of(&driven.drive)?;
                 driven.check(&wanted)?;
-                self.stands[call.space].status.warnings.clear();
+                self.stands[call.space].refused = None;
                 keeper.drive(wanted);
             }
             other => bail!("there is no service `{other}`"),
         }
         Ok(json!({}))
     }
+}
+
+/// What is wrong with a skin, in words.
+fn warnings(refused: Option<&str>, rules: &[ReflexRule], sense: &Sense) -> Vec<String> {
+    let of_reflexes = sense.reflexes.as_ref().map(|now| words::reflexes(rules, now));
+    refused.map(str::to_owned).into_iter().chain(of_reflexes.unwrap_or_default()).collect()
 }
 
 /// The page's word for how a board stands, and what to do.
