@@ -1,10 +1,10 @@
 //! Read: the messages of an MCAP file, from its start on, up to where it was cut.
 
-use crate::session::{Body, METADATA, PATCH, SKIN_FILE, SPACE, Session, attached};
+use crate::session::{Body, METADATA, PATCH, SKIN_FILE, Session, attached};
 use dermatome_messages::{Packed, Topic};
 use mcap::{
     McapError,
-    records::{Record, op},
+    records::{Metadata, Record, op},
     sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions},
 };
 use std::{
@@ -327,13 +327,10 @@ fn piece(of: Of<'_>, opcode: u8, data: &[u8]) -> Result<Option<Piece>, McapError
     }
     let Of { topics, session, space } = of;
     Ok(match mcap::parse_record(opcode, data)? {
-        Record::Metadata(metadata) if metadata.name == METADATA => {
-            let metadata = metadata.metadata;
-            let is_of_skin = metadata.get(SPACE).map(String::as_str) == space;
+        Record::Metadata(Metadata { name, metadata }) if name == attached(METADATA, space) => {
             let (patch, skin_file) = (session.patch.clone(), session.skin_file.clone());
-            let of_skin =
-                || is_of_skin.then(|| Session { patch, skin_file, ..Session::of_metadata(&metadata) });
-            Body::of_metadata(&metadata).map(Piece::Body).or_else(|| of_skin().map(Piece::Session))
+            let of_skin = || Session { patch, skin_file, ..Session::of_metadata(&metadata) };
+            Some(Body::of_metadata(&metadata).map_or_else(|| Piece::Session(of_skin()), Piece::Body))
         }
         Record::Attachment { header, data, .. } if header.name == attached(PATCH, space) => {
             Some(Piece::Patch(data.into_owned()))

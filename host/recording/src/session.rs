@@ -3,13 +3,13 @@
 use dermatome_shared::protocol::FrameSource;
 use std::collections::BTreeMap;
 
-/// Name of the MCAP metadata records that make a file one of ours. One of a whole body has one more, which comes first.
+/// Name of the MCAP metadata record that makes a file one of ours. One of a body tells of that, and each of its skins has one
+/// of its own, named as its attachments are.
 pub(crate) const METADATA: &str = "dermatome";
 /// Names of the attachments; behind the space of a body's skin and a slash.
 pub(crate) const PATCH: &str = "patch.dermatome";
 pub(crate) const SKIN_FILE: &str = "skin.toml";
-/// Keys of metadata: the space of a body's skin, and a body's name and those of its patches.
-pub(crate) const SPACE: &str = "space";
+/// Keys of a body's metadata: its name, and those of its patches.
 pub(crate) const BODY: &str = "body";
 pub(crate) const PATCHES: &str = "patches";
 
@@ -42,7 +42,7 @@ impl Body {
     }
 }
 
-/// The name of an attachment of a skin, in a space where there are several.
+/// The name of an attachment or metadata record of a skin, in a space where there are several.
 pub(crate) fn attached(name: &str, space: Option<&str>) -> String {
     space.map_or_else(|| name.to_owned(), |space| format!("{space}/{name}"))
 }

@@ -3,7 +3,7 @@
 //! Chunks are written whole, one a second or more often: a file that ends anywhere is readable up to its last whole
 //! chunk. Where the disk is full the file is cut back to that place, and stays a recording.
 
-use crate::session::{Body, METADATA, PATCH, SKIN_FILE, SPACE, Session, attached};
+use crate::session::{Body, METADATA, PATCH, SKIN_FILE, Session, attached};
 use dermatome_messages::{
     Packed, Topic,
     clock::now_ns,
@@ -109,7 +109,7 @@ impl Recorder {
         let spaces = body.patches.iter().map(|patch| Some(body.space(patch))).collect();
         let begin = |disk| {
             let mut tape = Tape::begin(disk, host, spaces)?;
-            tape.describe(body.metadata(host))?;
+            tape.describe(METADATA.to_owned(), body.metadata(host))?;
             Ok(tape)
         };
         Self::start(path, MOST_WAITING * body.patches.len().clamp(1, MOST_TIMES), begin)
@@ -323,15 +323,14 @@ impl Tape {
         Ok(self)
     }
 
-    fn describe(&mut self, metadata: BTreeMap<String, String>) -> Result<(), McapError> {
-        self.writer.write_metadata(&Metadata { name: METADATA.to_owned(), metadata })
+    fn describe(&mut self, name: String, metadata: BTreeMap<String, String>) -> Result<(), McapError> {
+        self.writer.write_metadata(&Metadata { name, metadata })
     }
 
     /// The board of a skin is there: what it is of, and where its messages go.
     fn add(&mut self, skin: usize, session: &Session) -> Result<(), McapError> {
         let space = self.spaces[skin].clone();
-        let in_space = space.iter().map(|space| (SPACE.to_owned(), space.clone()));
-        self.describe(session.metadata().into_iter().chain(in_space).collect())?;
+        self.describe(attached(METADATA, space.as_deref()), session.metadata())?;
         let now = now_ns();
         let attachment = |name: &str, media_type: &str, data: &'_ [u8]| Attachment {
             log_time: now,
