@@ -151,6 +151,29 @@ fn a_board_that_comes_back_and_one_that_comes_later_go_on_in_the_same_file_until
     assert!(done.err.contains("bit for bit"), "{}", done.err);
 }
 
+#[test]
+fn a_board_that_starts_anew_gets_a_new_reference_and_is_replayed_through_both() {
+    let desk = Desk::with_patch();
+    let (board, port) = desk.board("skin.toml", &["--store", "flash.dermatome"]);
+    desk.run(&["flash", "skin.dermatome", "--port", &port]).success();
+    desk.write("robot.toml", body(&[("palm", &port)]));
+    let mut serve = desk.start(&["serve", "robot.toml", "--record", "run.mcap"]);
+    serve.read_output();
+    thread::sleep(Duration::from_secs(3));
+    drop(board);
+    let _board = desk.start(&["simulate", "skin.toml", "--store", "flash.dermatome", "--listen", &port]);
+    thread::sleep(Duration::from_secs(4));
+    serve.interrupt();
+    serve.finish().success();
+    let (found, references, _) = frames(&desk, "run.mcap:palm");
+    let restart = found.windows(2).position(|pair| pair[1].0 < pair[0].0).unwrap();
+    assert!(references == 2 && restart > 50 && found.len() - restart > 50, "{references}, {restart}");
+    let done = desk.run(&["replay", "run.mcap:palm", "--json", "replay.json"]).success();
+    assert!(done.err.contains("bit for bit"), "{}", done.err);
+    let report = desk.report("replay.json");
+    assert!(report["frames_with_contacts"].as_u64() > Some(50), "{report}");
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn where_the_disk_is_full_serve_goes_on_says_so_once_and_ends_with_an_error() {
