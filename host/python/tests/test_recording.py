@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import Recorded, run
+from conftest import DISC, SQUARE, Recorded, run
 from mcap.reader import SeekingReader
 from mcap.writer import CompressionType, Writer
 from mcap_ros2.decoder import DecoderFactory
