@@ -50,3 +50,33 @@ impl Averaging {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(has_contacts: bool) -> ScanFrame {
+        ScanFrame { contacts: has_contacts.then(Default::default), ..ScanFrame::default() }
+    }
+
+    #[test]
+    fn it_is_over_with_the_first_contacts_after_its_frames_and_not_where_a_frame_has_lost_its_own() {
+        let mut tare = Averaging { begun: Instant::now(), timeout: Duration::from_secs(60), frames: 0 };
+        assert!(matches!(tare.take(&frame(true)), Taken::More), "from before");
+        assert!(matches!(tare.take(&frame(false)), Taken::First), "lost its contacts");
+        assert!(matches!(tare.take(&frame(true)), Taken::More));
+        for _ in 0..DEFAULT_TARE_FRAMES {
+            assert!(matches!(tare.take(&frame(false)), Taken::More));
+        }
+        assert!(matches!(tare.take(&frame(true)), Taken::Last));
+    }
+
+    #[test]
+    fn one_that_takes_too_long_is_an_error() {
+        let mut tare = Averaging { begun: Instant::now(), timeout: Duration::ZERO, frames: 0 };
+        let Taken::TooLate(LinkErrorKind::NoTare { frames, .. }) = tare.take(&frame(false)) else {
+            panic!("it goes on")
+        };
+        assert_eq!(frames, DEFAULT_TARE_FRAMES);
+    }
+}

@@ -81,7 +81,6 @@ impl Keeper {
             made_now: false,
             has_come: false,
             wants_tare: false,
-            tares_now: false,
         };
         let thread = thread::Builder::new().name(patch.name.clone()).spawn(move || board.keep())?;
         Ok(Self { asked, thread: Some(thread) })
@@ -162,8 +161,6 @@ struct Board {
     made_now: bool,
     has_come: bool,
     wants_tare: bool,
-    /// Whether the next stream begins with a tare.
-    tares_now: bool,
 }
 
 impl Board {
@@ -238,20 +235,18 @@ impl Board {
         }
         self.has_come = true;
         loop {
-            if Untouched::is_lost(self.untouched.as_ref(), &mut link, &patch)? {
-                if let Some(stop) = self.wait_untouched(&mut link, &patch)? {
-                    return Ok(stop);
-                }
-                if self.shows_tares() {
-                    self.tares_now = true;
-                } else {
+            let is_lost = Untouched::is_lost(self.untouched.as_ref(), &mut link, &patch)?;
+            if is_lost && let Some(stop) = self.wait_untouched(&mut link, &patch)? {
+                return Ok(stop);
+            }
+            let is_tared_in_stream = is_lost && self.shows_tares();
+            if !is_tared_in_stream {
+                if is_lost {
                     self.make_reference(&mut link, &patch)?;
                 }
-            }
-            if !self.tares_now {
                 self.know_reference(Untouched::of(&mut link, &patch)?);
             }
-            if let Some(stop) = self.stream(&mut link, &mut patch)? {
+            if let Some(stop) = self.stream(&mut link, &mut patch, is_tared_in_stream)? {
                 return Ok(stop);
             }
         }
@@ -351,11 +346,16 @@ impl Board {
     }
 
     /// Streams until it is to stop, or to make a reference.
-    fn stream(&mut self, link: &mut Link, patch: &mut PatchInfo) -> Result<Option<Stop>, LinkError> {
+    fn stream(
+        &mut self,
+        link: &mut Link,
+        patch: &mut PatchInfo,
+        begins_with_tare: bool,
+    ) -> Result<Option<Stop>, LinkError> {
         let silence = frame_timeout(patch);
         let mut stream = link.subscribe(self.selection)?;
         let mut averaging = None;
-        if std::mem::take(&mut self.tares_now) {
+        if begins_with_tare {
             averaging = Some(Averaging::begin(stream.link(), patch)?);
         } else {
             self.state(Phase::Live, "");
