@@ -9,7 +9,10 @@ use crate::{
 };
 use dermatome_link::{ScanFrame, assemble::HealthReport, pose::Pose};
 use dermatome_messages::clock::{Clock, Jitter};
-use dermatome_shared::protocol::{FrameStamp, PackedImage};
+use dermatome_shared::{
+    pipeline::reflex::Reflexes,
+    protocol::{FrameStamp, PackedImage},
+};
 
 /// A robot's skins as they are now.
 pub struct Body {
@@ -31,6 +34,8 @@ pub struct Sense {
     pub driven: Option<Driven>,
     /// What its board said last about electrodes and itself, where it is asked to; none while that would be stale.
     pub health: Option<HealthReport>,
+    /// What the patch's reflexes say; none without reflexes, and while that would be stale.
+    pub reflexes: Option<Reflexes>,
     /// Frames that have come.
     pub frames: u64,
     /// Frames that have not come, in this stream and those before.
@@ -160,6 +165,7 @@ impl Sense {
             report: None,
             driven: None,
             health: None,
+            reflexes: None,
             frames: 0,
             missing: 0,
             losses: 0,
@@ -186,7 +192,7 @@ impl Sense {
         if state.phase != Phase::Live {
             self.losses += u64::from(state.phase == Phase::Lost && self.state.phase != Phase::Lost);
             // What a board said before is over.
-            (self.report, self.health) = (None, None);
+            (self.report, self.health, self.reflexes) = (None, None, None);
         } else if self.state.phase != Phase::Live {
             self.missing_before = self.missing;
         }
@@ -197,6 +203,7 @@ impl Sense {
         if frame.health.is_some() {
             self.health.clone_from(&frame.health);
         }
+        self.reflexes.clone_from(&frame.reflexes);
         let (at, contacts, image) = (frame.at?, frame.contacts.as_ref()?, frame.image.clone());
         let contacts = on_link(self.skin.as_ref()?, contacts, image.as_ref());
         let time_ns = self.clock.host_time(at.timestamp_us, received_ns);

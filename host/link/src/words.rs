@@ -1,4 +1,6 @@
-//! Words of others, as text and nothing else: what would steer a terminal is escaped.
+//! Words of others, as text and nothing else: what would steer a terminal is escaped. And what reflexes say, in words.
+
+use dermatome_shared::{patch::reflexes::ReflexRule, pipeline::reflex::Reflexes};
 
 /// What `escape_debug` would escape though no terminal minds it.
 const HARMLESS: &[char] = &['"', '\'', '\\'];
@@ -15,6 +17,19 @@ pub fn escaped(text: &str) -> String {
 #[must_use]
 pub fn escaped_lines(text: &str) -> String {
     escape(text, OF_LINES).collect()
+}
+
+/// What a patch's reflexes say that people should know: each rule that is tripped, with its pin, and whether the board cannot tell.
+#[must_use]
+pub fn reflexes(rules: &[ReflexRule], now: &Reflexes) -> Vec<String> {
+    let tripped = rules.iter().enumerate().filter(|(rule, _)| now.is_tripped(*rule));
+    let mut words: Vec<String> = tripped
+        .map(|(_, rule)| format!("reflex `{}` is tripped: pin {} is low", escaped(&rule.name), rule.pin))
+        .collect();
+    if now.is_blind {
+        words.push("reflexes are blind: the board cannot tell what presses".to_owned());
+    }
+    words
 }
 
 /// The same in no more room than the text may take; what has no room any more is left away.
@@ -36,6 +51,29 @@ fn escape<'a>(text: &'a str, kept: &'static [char]) -> impl Iterator<Item = char
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dermatome_shared::patch::reflexes::Limit;
+
+    #[test]
+    fn reflexes_that_are_tripped_are_named_with_their_pins() {
+        let rule = |name: &str, pin| ReflexRule {
+            name: name.try_into().unwrap(),
+            pin,
+            limit: Limit::Strength(0.5),
+            release: 0.8,
+            frames: 2,
+            hold: 0.1,
+            trips_blind: true,
+            rows: 1,
+        };
+        let rules = [rule("hug", 1), rule("bumper", 3)];
+        let now =
+            |tripped, is_blind| Reflexes { tripped, is_blind, values: [0.0, 0.7].into_iter().collect() };
+        assert!(reflexes(&rules, &now(0, false)).is_empty());
+        assert_eq!(reflexes(&rules, &now(2, false)), ["reflex `bumper` is tripped: pin 3 is low"]);
+        let blind = reflexes(&rules, &now(3, true));
+        assert_eq!(blind[0], "reflex `hug` is tripped: pin 1 is low");
+        assert_eq!(blind[2], "reflexes are blind: the board cannot tell what presses");
+    }
 
     #[test]
     fn what_steers_a_terminal_is_escaped_and_what_people_read_stays() {

@@ -32,6 +32,8 @@ pub struct Scene {
     drawn: u64,
     diagnosed: u64,
     flags: FrameFlags,
+    /// Rules that were tripped: a bit for each.
+    tripped: u8,
 }
 
 impl Scene {
@@ -44,7 +46,7 @@ impl Scene {
             along.fold(f64::NEG_INFINITY, f64::max) - low
         };
         let size = (0..3).map(extent).fold(0.0, f64::max);
-        Self { place, centres, size, board, drawn: 0, diagnosed: 0, flags: FrameFlags::default() }
+        Self { place, centres, size, board, drawn: 0, diagnosed: 0, flags: FrameFlags::default(), tripped: 0 }
     }
 
     /// Where the skin, whose frame is called so, lies on its link, and other transforms that hold for good; none where that
@@ -62,10 +64,11 @@ impl Scene {
         let Some(at) = frame.at else { return packed };
         let mut put = |topic, bytes| packed.push(Packed::now(topic, now_ns, bytes));
         self.flags.insert(at.flags);
+        self.tripped |= frame.reflexes.as_ref().map_or(0, |reflexes| reflexes.tripped);
         if now_ns.saturating_sub(self.diagnosed) >= DIAGNOSTICS_PERIOD {
             self.diagnosed = now_ns;
             put(Topic::Diagnostics, cdr::encode(&self.diagnostics(frame, now_ns)));
-            self.flags = FrameFlags::default();
+            (self.flags, self.tripped) = (FrameFlags::default(), 0);
         }
         let Some(contacts) = &frame.contacts else { return packed };
         if now_ns.saturating_sub(self.drawn) < PERIOD {
@@ -152,14 +155,17 @@ impl Scene {
     }
 
     fn diagnostics(&self, frame: &ScanFrame, now_ns: u64) -> DiagnosticArray {
-        let problems: Vec<&str> = self.flags.words().collect();
+        let mut problems: Vec<&str> = self.flags.words().collect();
+        problems.extend((self.tripped > 0).then_some("reflex tripped"));
+        let mut values = frame.health.as_ref().map(health_values).unwrap_or_default();
+        values.extend(frame.reflexes.as_ref().map(|_| tripped_value(self.tripped)));
         let message = if problems.is_empty() { "all is well".to_owned() } else { problems.join(", ") };
         let status = DiagnosticStatus {
             level: u8::from(!problems.is_empty()),
             name: format!("dermatome: {}", self.place.frame_id),
             message,
             hardware_id: self.board.clone(),
-            values: frame.health.as_ref().map(health_values).unwrap_or_default(),
+            values,
         };
         DiagnosticArray { header: self.place.header(now_ns), status: vec![status] }
     }
@@ -193,6 +199,13 @@ pub fn health_values(report: &HealthReport) -> Vec<KeyValue> {
     let temperature = report.vitals.temperature;
     values.extend(temperature.map(|celsius| value("temperature", format!("{celsius:.1}"))));
     values
+}
+
+/// Reflexes that are tripped, a bit for each, by their numbers from 1.
+#[must_use]
+pub fn tripped_value(tripped: u8) -> KeyValue {
+    let rules = (0..u8::BITS).filter(|rule| tripped >> rule & 1 == 1).map(|rule| (rule + 1).to_string());
+    KeyValue { key: "reflexes tripped".to_owned(), value: rules.collect::<Vec<_>>().join(" ") }
 }
 
 /// A contact in words: number, kPa and N, or its strength.

@@ -94,6 +94,13 @@ impl Topic {
         Self::ALL.into_iter().find(|topic| topic.name() == name)
     }
 
+    /// The topic of this name among those of one of several skins, which have its space; not those that skins share.
+    #[must_use]
+    pub fn of_name_in(name: &str, space: &str) -> Option<Self> {
+        let rest = name.strip_prefix('/')?.strip_prefix(space)?.strip_prefix('/')?;
+        Self::ALL.into_iter().find(|topic| topic.name().strip_prefix("/dermatome/") == Some(rest))
+    }
+
     /// Whether the latest message holds until the next: those who come later get it as well.
     #[must_use]
     pub const fn is_lasting(self) -> bool {

@@ -41,6 +41,7 @@ const FRAMES_AT_ONCE: usize = 1000;
 
 /// A recording: iterate over its frames, or take them all as arrays, a row for each frame.
 ///
+/// Of a file of several skins, which `serve --record` makes, one is named behind it: `Recording("run.mcap:palm")`.
 /// A method that gives arrays reads the file once; `read` gives several in one go. Contacts are in the skin's frame, or in
 /// that of the robot's link where the recording was made with a skin file with a [pose].
 #[pyclass(frozen, module = "dermatome")]

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import Recorded, run
+from conftest import DISC, SQUARE, Recorded, run
 from mcap.reader import SeekingReader
 from mcap.writer import CompressionType, Writer
 from mcap_ros2.decoder import DecoderFactory
@@ -172,3 +172,25 @@ def test_a_recording_that_was_cut_gives_what_it_holds(recorded: Recorded, tmp_pa
     found = dermatome.Recording(cut).measurements()
     assert 0 < len(found) < len(whole)
     assert np.array_equal(found, whole[: len(found)])
+
+
+def test_one_of_several_skins_is_named_behind_the_file(tmp_path: Path) -> None:
+    path, body = tmp_path / "run.mcap", tmp_path / "body.toml"
+    place = 'link = "wrist_3"\nposition = [0, 0, 0.04]\norientation = [0, 0, 0, 1]\n'
+    skins = [("palm", DISC), ("back", SQUARE)]
+    tables = [f"[[patches]]\nname = '{name}'\nskin = '{skin}'\nport = 'sim:{skin}'\n{place}" for name, skin in skins]
+    body.write_text('name = "arm"\n' + "".join(tables))
+    ran = run("serve", body, "--record", path, "--duration", "4")
+    assert ran.returncode == 0, ran.stderr
+    for name, skin, pixels in [("palm", "disc-210mm", 812), ("back", "square-50mm", 784)]:
+        recording = dermatome.Recording(f"{path}:{name}")
+        assert (recording.patch.skin, recording.board) == (skin, "simulated")
+        arrays = recording.read()
+        assert arrays.images is not None and arrays.images.shape == (len(arrays.frames), pixels)
+        assert np.all(np.diff(arrays.frames["sequence"].astype(np.int64)) == 1)
+        found = recording.skin
+        assert found is not None and found.pose is not None and found.pose.link == "wrist_3"
+    with pytest.raises(dermatome.Error, match="allowed: one of them behind the file's name: `:palm`, `:back`"):
+        dermatome.Recording(path)
+    with pytest.raises(dermatome.Error, match="not of a skin `foot`"):
+        dermatome.Recording(f"{path}:foot")

@@ -117,7 +117,9 @@ pub struct Player<'a> {
     /// Whether a reference has begun: before it nobody knows what the board knew.
     has_begun: bool,
     /// By how much numbers of contacts are higher than here, as the board had had others before.
-    before: Option<u32>,
+    before: u32,
+    /// Whether that is to be found anew: a board that makes a reference may have started anew, and its numbers with it.
+    counts_anew: bool,
 }
 
 impl<'a> Player<'a> {
@@ -125,7 +127,7 @@ impl<'a> Player<'a> {
     pub fn new(patch: &'a PatchView<'a>, recorded: &[Step]) -> Result<Self, PlayError> {
         let wanted: Vec<Step> = patch.steps().collect();
         let map = StepMap::new(recorded, &wanted)?;
-        Ok(Self { patch, map, state: Box::default(), has_begun: false, before: None })
+        Ok(Self { patch, map, state: Box::default(), has_begun: false, before: 0, counts_anew: true })
     }
 
     /// Whether there was a reference.
@@ -150,7 +152,7 @@ impl<'a> Player<'a> {
     pub fn tare(&mut self, frames: u16) {
         self.state.clear();
         self.state.start_tare(frames);
-        self.has_begun = true;
+        (self.has_begun, self.counts_anew) = (true, true);
     }
 
     fn frame(&mut self, recorded: &RecordedFrame) -> Result<Option<Played>, PlayError> {
@@ -170,10 +172,10 @@ impl<'a> Player<'a> {
     fn renumber(&mut self, contacts: &mut Contacts, recorded: &[Contact]) {
         let number = |contact: &Contact| Some(contact.identity?.number);
         let both = contacts.first().and_then(number).zip(recorded.first().and_then(number));
-        if self.before.is_none() {
-            self.before = both.map(|(here, there)| there.wrapping_sub(here));
+        if let Some((here, there)) = both.filter(|_| self.counts_anew) {
+            (self.before, self.counts_anew) = (there.wrapping_sub(here), false);
         }
-        let before = self.before.unwrap_or(0);
+        let before = self.before;
         let on = |number: u32| number.wrapping_add(before);
         for identity in contacts.iter_mut().filter_map(|contact| contact.identity.as_mut()) {
             identity.number = on(identity.number);

@@ -1,10 +1,10 @@
 //! Read: the messages of an MCAP file, from its start on, up to where it was cut.
 
-use crate::session::{METADATA, PATCH, SKIN_FILE, Session};
+use crate::session::{Body, METADATA, PATCH, SKIN_FILE, Session, attached};
 use dermatome_messages::{Packed, Topic};
 use mcap::{
     McapError,
-    records::{Record, op},
+    records::{Metadata, Record, op},
     sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions},
 };
 use std::{
@@ -42,6 +42,23 @@ pub enum Problem {
     /// Cut before its patch.
     #[error("it ends within its first second, before the patch that its frames were recorded with")]
     NoPatch,
+    /// Of several skins, of which none was named.
+    #[error(
+        "it is of the {} skins of the body `{}`; allowed: one of them behind the file's name: {}",
+        .0.patches.len(), .0.name, behind(.0)
+    )]
+    Several(Body),
+    /// Of other skins than the one that was named.
+    #[error("it is not of a skin `{patch}`; allowed behind the file's name: {allowed}")]
+    Other {
+        /// What was named.
+        patch: String,
+        /// What may be.
+        allowed: String,
+    },
+    /// Of several skins, and the board of this one was not there.
+    #[error("it holds nothing of `{0}`: the skin's board had not answered when it ends")]
+    Unheard(String),
     /// A message that is not what its topic says.
     #[error("a message on {topic} is damaged: {reason}")]
     Message {
@@ -89,6 +106,8 @@ pub struct Recording {
     position: u64,
     reader: LinearReader,
     session: Session,
+    /// Of a body, the space of the skin that is read.
+    space: Option<String>,
     /// `[channel]`.
     topics: HashMap<u16, Topic>,
     /// Messages that were read while looking for the session.
@@ -96,26 +115,50 @@ pub struct Recording {
     ending: Ending,
 }
 
+/// The file of a recording, and the patch of its body that was named behind a colon, as in `run.mcap:palm`; only after a name
+/// that ends in `.mcap`: `C:\run.mcap` names none.
+#[must_use]
+pub fn file_and_patch(text: &Path) -> (PathBuf, Option<String>) {
+    let split = text.to_str().and_then(|text| text.rsplit_once(':'));
+    match split.filter(|(file, _)| file.to_ascii_lowercase().ends_with(".mcap")) {
+        Some((file, patch)) => (file.into(), Some(patch.to_owned())),
+        None => (text.to_owned(), None),
+    }
+}
+
 impl Recording {
     /// Whether a file begins as MCAP files do.
     #[must_use]
     pub fn is_one(path: &Path) -> bool {
         let mut start = [0; mcap::MAGIC.len()];
-        let read = File::open(path).and_then(|mut file| file.read_exact(&mut start));
+        let file = File::open(file_and_patch(path).0);
+        let read = file.and_then(|mut file| file.read_exact(&mut start));
         read.is_ok() && start == mcap::MAGIC
     }
 
-    /// Opens a file and reads what it is of.
+    /// Opens a file and reads what it is of. Of one of a whole body the patch stands [behind](file_and_patch) its name, unless it
+    /// has but one.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
-        let opened = File::open(path).and_then(|file| Ok((file.metadata()?.len(), file)));
-        let (length, file) =
-            opened.map_err(|error| ReadError { path: path.to_owned(), problem: Problem::Io(error) })?;
-        Self::of(path, Box::new(file), length)
+        let (file, patch) = file_and_patch(path);
+        let opened = File::open(&file).and_then(|file| Ok((file.metadata()?.len(), file)));
+        let (length, source) =
+            opened.map_err(|error| ReadError { path: file.clone(), problem: Problem::Io(error) })?;
+        Self::of_patch(path, patch.as_deref(), Box::new(source), length)
     }
 
     /// Reads what the bytes of `source`, about `length` of them, are of; `path` is for errors.
     pub fn of(path: &Path, source: Box<dyn Read + Send>, length: u64) -> Result<Self, ReadError> {
-        let refuse = |problem| ReadError { path: path.to_owned(), problem };
+        Self::of_patch(path, None, source, length)
+    }
+
+    /// The same of this patch of a body.
+    pub fn of_patch(
+        path: &Path,
+        patch: Option<&str>,
+        source: Box<dyn Read + Send>,
+        length: u64,
+    ) -> Result<Self, ReadError> {
+        let refuse = |problem| ReadError { path: file_and_patch(path).0, problem };
         let options = LinearReaderOptions::default()
             .with_prevalidate_chunk_crcs(true)
             .with_record_length_limit(LONGEST_RECORD);
@@ -126,14 +169,19 @@ impl Recording {
             position: 0,
             reader: LinearReader::new_with_options(options),
             session: Session::of_metadata(&BTreeMap::new()),
+            space: None,
             topics: HashMap::new(),
             ahead: VecDeque::new(),
             ending: Ending::Unknown,
         };
         let mut is_ours = false;
-        // Metadata and patch come before the first message.
+        // Metadata and patch come before the first message of a skin.
         while let Some(record) = recording.record()? {
             match record {
+                Piece::Body(body) => {
+                    recording.space = Some(body.space(chosen(&body, patch).map_err(refuse)?));
+                    is_ours = true;
+                }
                 Piece::Session(metadata) => (recording.session, is_ours) = (metadata, true),
                 Piece::Patch(bytes) => recording.session.patch = bytes,
                 Piece::SkinFile(text) => recording.session.skin_file = Some(text),
@@ -143,9 +191,15 @@ impl Recording {
                 }
             }
         }
-        match (is_ours, recording.session.patch.is_empty()) {
+        let Session { skin, patch: bytes, .. } = &recording.session;
+        let other = patch.filter(|patch| recording.space.is_none() && skin != patch);
+        match (is_ours, bytes.is_empty()) {
+            (true, _) if other.is_some() => {
+                let patch = other.unwrap_or_default().to_owned();
+                Err(refuse(Problem::Other { patch, allowed: format!("nothing, or `{skin}`") }))
+            }
             (true, false) => Ok(recording),
-            (true, true) => Err(refuse(Problem::NoPatch)),
+            (true, true) => Err(refuse(recording.space.map_or(Problem::NoPatch, Problem::Unheard))),
             (false, _) if recording.ending == Ending::Whole || !recording.ahead.is_empty() => {
                 Err(refuse(Problem::NotOurs))
             }
@@ -153,7 +207,7 @@ impl Recording {
         }
     }
 
-    /// The file.
+    /// The file, with the patch of a body behind it.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -224,7 +278,9 @@ impl Recording {
                     self.reader.notify_read(read);
                 }
                 LinearReadEvent::Record { data, opcode } => {
-                    match piece(&mut self.topics, &self.session, opcode, data) {
+                    let of =
+                        Of { topics: &mut self.topics, session: &self.session, space: self.space.as_deref() };
+                    match piece(of, opcode, data) {
                         Ok(Some(piece)) => return Ok(Some(piece)),
                         Ok(None) => {}
                         Err(error) => self.ending = Ending::Damaged(error.to_string()),
@@ -249,36 +305,43 @@ fn ending_of(error: &McapError, is_all_read: bool) -> Ending {
 
 /// What a record is to us.
 enum Piece {
+    Body(Body),
     Session(Session),
     Patch(Vec<u8>),
     SkinFile(String),
     Message(Packed),
 }
 
-fn piece(
-    topics: &mut HashMap<u16, Topic>,
-    session: &Session,
-    opcode: u8,
-    data: &[u8],
-) -> Result<Option<Piece>, McapError> {
+/// What is known of a recording as a record comes.
+struct Of<'a> {
+    topics: &'a mut HashMap<u16, Topic>,
+    session: &'a Session,
+    space: Option<&'a str>,
+}
+
+fn piece(of: Of<'_>, opcode: u8, data: &[u8]) -> Result<Option<Piece>, McapError> {
     let is_wanted = matches!(opcode, op::CHANNEL | op::MESSAGE | op::METADATA | op::ATTACHMENT);
     // The library takes an attachment's length for granted.
     if !is_wanted || opcode == op::ATTACHMENT && !is_whole_attachment(data) {
         return Ok(None);
     }
+    let Of { topics, session, space } = of;
     Ok(match mcap::parse_record(opcode, data)? {
-        Record::Metadata(metadata) if metadata.name == METADATA => {
-            let read = Session::of_metadata(&metadata.metadata);
+        Record::Metadata(Metadata { name, metadata }) if name == attached(METADATA, space) => {
             let (patch, skin_file) = (session.patch.clone(), session.skin_file.clone());
-            Some(Piece::Session(Session { patch, skin_file, ..read }))
+            let of_skin = || Session { patch, skin_file, ..Session::of_metadata(&metadata) };
+            Some(Body::of_metadata(&metadata).map_or_else(|| Piece::Session(of_skin()), Piece::Body))
         }
-        Record::Attachment { header, data, .. } => match header.name.as_str() {
-            PATCH => Some(Piece::Patch(data.into_owned())),
-            SKIN_FILE => String::from_utf8(data.into_owned()).ok().map(Piece::SkinFile),
-            _ => None,
-        },
+        Record::Attachment { header, data, .. } if header.name == attached(PATCH, space) => {
+            Some(Piece::Patch(data.into_owned()))
+        }
+        Record::Attachment { header, data, .. } if header.name == attached(SKIN_FILE, space) => {
+            String::from_utf8(data.into_owned()).ok().map(Piece::SkinFile)
+        }
         Record::Channel(channel) => {
-            let topic = Topic::of_name(&channel.topic).filter(|_| channel.message_encoding == "cdr");
+            let name = &channel.topic;
+            let topic = space.map_or_else(|| Topic::of_name(name), |space| Topic::of_name_in(name, space));
+            let topic = topic.filter(|_| channel.message_encoding == "cdr");
             topic.map(|topic| topics.insert(channel.id, topic));
             None
         }
@@ -288,6 +351,25 @@ fn piece(
         }),
         _ => None,
     })
+}
+
+/// The patch of a body that is read: the one that was named, or its only one.
+fn chosen<'a>(body: &'a Body, patch: Option<&str>) -> Result<&'a str, Problem> {
+    match (patch, &body.patches[..]) {
+        (None, [only]) => Ok(only),
+        (None, _) => Err(Problem::Several(body.clone())),
+        (Some(patch), patches) => patches
+            .iter()
+            .find(|it| *it == patch)
+            .map(String::as_str)
+            .ok_or_else(|| Problem::Other { patch: patch.to_owned(), allowed: behind(body) }),
+    }
+}
+
+/// What may stand behind the name of a body's recording.
+fn behind(body: &Body) -> String {
+    let patches: Vec<String> = body.patches.iter().map(|patch| format!("`:{patch}`")).collect();
+    patches.join(", ")
 }
 
 /// Whether the lengths in an attachment fit into it: two times, name, type, content, checksum.

@@ -3,11 +3,49 @@
 use dermatome_shared::protocol::FrameSource;
 use std::collections::BTreeMap;
 
-/// Name of the MCAP metadata record that makes a file one of ours.
+/// Name of the MCAP metadata record that makes a file one of ours. One of a body tells of that, and each of its skins has one
+/// of its own, named as its attachments are.
 pub(crate) const METADATA: &str = "dermatome";
-/// Names of the attachments.
+/// Names of the attachments; behind the space of a body's skin and a slash.
 pub(crate) const PATCH: &str = "patch.dermatome";
 pub(crate) const SKIN_FILE: &str = "skin.toml";
+/// Keys of a body's metadata: its name, and those of its patches.
+pub(crate) const BODY: &str = "body";
+pub(crate) const PATCHES: &str = "patches";
+
+/// A body whose skins are recorded together.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Body {
+    /// Its name.
+    pub name: String,
+    /// Those of its patches: parts of topics, so without spaces.
+    pub patches: Vec<String>,
+}
+
+impl Body {
+    pub(crate) fn metadata(&self, host: &str) -> BTreeMap<String, String> {
+        [(BODY, self.name.clone()), (PATCHES, self.patches.join(" ")), ("host", host.to_owned())]
+            .map(|(key, value)| (key.to_owned(), value))
+            .into()
+    }
+
+    /// Of a metadata record; none where that is of a skin.
+    pub(crate) fn of_metadata(metadata: &BTreeMap<String, String>) -> Option<Self> {
+        let patches = metadata.get(PATCHES)?.split_whitespace().map(str::to_owned).collect();
+        Some(Self { name: metadata.get(BODY)?.clone(), patches })
+    }
+
+    /// The space of one of its patches, by which topics and attachments are named.
+    #[must_use]
+    pub fn space(&self, patch: &str) -> String {
+        format!("{}/{patch}", self.name)
+    }
+}
+
+/// The name of an attachment or metadata record of a skin, in a space where there are several.
+pub(crate) fn attached(name: &str, space: Option<&str>) -> String {
+    space.map_or_else(|| name.to_owned(), |space| format!("{space}/{name}"))
+}
 
 /// Where frames come from, as a file says it.
 const SOURCES: [(FrameSource, &str); 3] = [

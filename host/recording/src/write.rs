@@ -3,7 +3,7 @@
 //! Chunks are written whole, one a second or more often: a file that ends anywhere is readable up to its last whole
 //! chunk. Where the disk is full the file is cut back to that place, and stays a recording.
 
-use crate::session::{METADATA, PATCH, SKIN_FILE, Session};
+use crate::session::{Body, METADATA, PATCH, SKIN_FILE, Session, attached};
 use dermatome_messages::{
     Packed, Topic,
     clock::now_ns,
@@ -16,7 +16,7 @@ use mcap::{
 };
 use std::{
     borrow::Cow,
-    collections::BTreeMap,
+    collections::{BTreeMap, HashMap},
     fs::{File, OpenOptions},
     io::{self, Seek, SeekFrom, Write},
     path::{Path, PathBuf},
@@ -34,6 +34,8 @@ const CHUNK_BYTES: u64 = 512 * 1024;
 const CHUNK_TIME: Duration = Duration::from_secs(1);
 /// Most batches of messages that wait for the disk: some seconds of the fastest board.
 const MOST_WAITING: usize = 4096;
+/// So many times that at most, for several boards.
+const MOST_TIMES: usize = 16;
 
 /// Why nothing is recorded, or no longer.
 #[derive(Debug, thiserror::Error)]
@@ -60,29 +62,96 @@ pub struct Recorded {
     pub failure: Option<String>,
 }
 
-/// A recording under way. Dropping it ends it.
+/// A recording under way, or one skin's part of it. Dropping it and all its parts ends it.
 #[derive(Debug)]
 pub struct Recorder {
     path: PathBuf,
     /// None once it has ended.
-    batches: Option<SyncSender<Vec<Packed>>>,
-    writer: Option<JoinHandle<()>>,
+    entries: Option<SyncSender<Entry>>,
+    writer: Option<Arc<Thread>>,
     state: Arc<Mutex<Recorded>>,
     waits: bool,
+    /// Which of the skins.
+    skin: usize,
+    /// Whether it is known what is recorded.
+    has_begun: bool,
 }
 
+/// What goes into the file of one of its skins.
+#[derive(Debug)]
+enum Entry {
+    /// Its board is there.
+    Session(usize, Box<Session>),
+    /// Messages that belong together.
+    Messages(usize, Vec<Packed>),
+}
+
+/// The thread that writes, for whoever ends last.
+#[derive(Debug)]
+struct Thread(JoinHandle<()>);
+
 impl Recorder {
-    /// Begins a file, which replaces one that is there.
+    /// Begins a file of one skin, which replaces one that is there.
     pub fn create(path: &Path, session: &Session) -> Result<Self, RecordError> {
+        let begin = |disk| {
+            let mut tape = Tape::begin(disk, &session.host, vec![None])?;
+            tape.add(0, session)?;
+            Ok(tape)
+        };
+        let mut recorder = Self::start(path, MOST_WAITING, begin)?;
+        recorder.has_begun = true;
+        Ok(recorder)
+    }
+
+    /// The same of all skins of a body, each of which is a [`Self::part`] of it. `host` is the version of the program that
+    /// records.
+    pub fn create_of_body(path: &Path, host: &str, body: &Body) -> Result<Self, RecordError> {
+        let spaces = body.patches.iter().map(|patch| Some(body.space(patch))).collect();
+        let begin = |disk| {
+            let mut tape = Tape::begin(disk, host, spaces)?;
+            tape.describe(METADATA.to_owned(), body.metadata(host))?;
+            Ok(tape)
+        };
+        Self::start(path, MOST_WAITING * body.patches.len().clamp(1, MOST_TIMES), begin)
+    }
+
+    /// The part of the body's patch of this place, which takes messages once it has begun. The file ends with the last part and
+    /// the whole.
+    #[must_use]
+    pub fn part(&self, skin: usize) -> Self {
+        Self {
+            path: self.path.clone(),
+            entries: self.entries.clone(),
+            writer: self.writer.clone(),
+            state: self.state.clone(),
+            waits: self.waits,
+            skin,
+            has_begun: false,
+        }
+    }
+
+    fn start(
+        path: &Path,
+        most_waiting: usize,
+        begin: impl FnOnce(Disk) -> Result<Tape, McapError>,
+    ) -> Result<Self, RecordError> {
         let refuse = |reason: String| RecordError { path: path.to_owned(), reason };
         let disk = Disk::create(path).map_err(|error| refuse(error.to_string()))?;
         let state = disk.state.clone();
-        let tape = Tape::begin(disk, session).map_err(|error| refuse(in_words(&error)))?;
-        let (batches, waiting) = sync_channel(MOST_WAITING);
+        let tape = begin(disk).and_then(Tape::whole).map_err(|error| refuse(in_words(&error)))?;
+        let (entries, waiting) = sync_channel(most_waiting);
         let writer = thread::Builder::new().name("recorder".to_owned());
         let writer =
             writer.spawn(move || tape.write_all(&waiting)).map_err(|error| refuse(error.to_string()))?;
-        Ok(Self { path: path.to_owned(), batches: Some(batches), writer: Some(writer), state, waits: false })
+        Ok(Self {
+            path: path.to_owned(),
+            entries: Some(entries),
+            writer: Some(Arc::new(Thread(writer))),
+            state,
+            waits: false,
+            skin: 0,
+            has_begun: false,
+        })
     }
 
     /// The same, which waits for a slow disk instead of dropping messages: for those that do not come from a board.
@@ -98,13 +167,22 @@ impl Recorder {
         &self.path
     }
 
+    /// The board of a body's skin is there: its messages are recorded from now on.
+    pub fn begin(&mut self, session: &Session) {
+        let Some(entries) = &self.entries else { return };
+        // Where it has ended early, its state says why.
+        let _ = entries.send(Entry::Session(self.skin, Box::new(session.clone())));
+        self.has_begun = true;
+    }
+
     /// Takes messages that belong together. They are in the file within a second or so.
     pub fn record(&mut self, messages: Vec<Packed>) {
-        let Some(batches) = &self.batches else { return };
+        let Some(entries) = self.entries.as_ref().filter(|_| self.has_begun) else { return };
+        let entry = Entry::Messages(self.skin, messages);
         if self.waits {
             // Where it has ended early, its state says why.
-            let _ = batches.send(messages);
-        } else if let Err(TrySendError::Full(messages)) = batches.try_send(messages) {
+            let _ = entries.send(entry);
+        } else if let Err(TrySendError::Full(Entry::Messages(_, messages))) = entries.try_send(entry) {
             self.state().dropped += messages.len() as u64;
         }
     }
@@ -115,7 +193,7 @@ impl Recorder {
         self.state().clone()
     }
 
-    /// Ends the file.
+    /// Ends the file, or this part of it.
     pub fn finish(mut self) -> Result<Recorded, RecordError> {
         self.end();
         let recorded = self.recorded();
@@ -130,8 +208,8 @@ impl Recorder {
     }
 
     fn end(&mut self) {
-        self.batches = None;
-        if let Some(writer) = self.writer.take()
+        self.entries = None;
+        if let Some(Thread(writer)) = self.writer.take().and_then(Arc::into_inner)
             && writer.join().is_err()
         {
             self.state().failure.get_or_insert_with(|| "the recorder has crashed".to_owned());
@@ -155,9 +233,11 @@ fn in_words(error: &McapError) -> String {
 
 /// How `ros2 bag play` is to publish a topic, as MCAP's profile of ROS 2 asks for: what lasts goes to those who come
 /// later as well, without which nobody hears of `/tf_static`.
-fn channel_metadata(topic: Topic) -> BTreeMap<String, String> {
+fn channel_metadata(topic: Topic, skins: usize) -> BTreeMap<String, String> {
     // Of ROS' numbers: keep the last; reliable; transient local or volatile; alive by itself; without end.
     let (depth, durability) = if topic.is_lasting() { (1, 1) } else { (10, 2) };
+    // What each skin tells under one name lasts of each.
+    let depth = if topic == Topic::Transforms { skins } else { depth };
     let endless = "{sec: 9223372036, nsec: 854775807}";
     let profile = format!(
         "- {{history: 1, depth: {depth}, reliability: 1, durability: {durability}, deadline: {endless}, \
@@ -211,52 +291,74 @@ struct Tape {
     writer: Writer<Disk>,
     file: File,
     state: Arc<Mutex<Recorded>>,
-    /// `[topic]`, with the number of the next message.
-    channels: Vec<(u16, u32)>,
+    /// The space of each skin; none where there is but one.
+    spaces: Vec<Option<String>>,
+    /// `[skin][topic]`; empty before its board is there.
+    channels: Vec<Vec<u16>>,
+    /// Of each channel, the number of the next message.
+    numbers: HashMap<u16, u32>,
     /// Length up to the last whole chunk.
     whole: u64,
     flushed: Instant,
 }
 
 impl Tape {
-    fn begin(disk: Disk, session: &Session) -> Result<Self, McapError> {
+    fn begin(disk: Disk, host: &str, spaces: Vec<Option<String>>) -> Result<Self, McapError> {
         let (state, file) = (disk.state.clone(), disk.file.try_clone()?);
         let options = WriteOptions::new()
             .compression(Some(Compression::Lz4))
             .profile("ros2")
-            .library(format!("dermatome {}", session.host))
+            .library(format!("dermatome {host}"))
             .chunk_size(Some(CHUNK_BYTES))
             // A chunk goes into the file when it is whole.
             .disable_seeking(true);
-        let mut writer = options.create(disk)?;
-        writer.write_metadata(&Metadata { name: METADATA.to_owned(), metadata: session.metadata() })?;
+        let writer = options.create(disk)?;
+        let channels = vec![Vec::new(); spaces.len()];
+        let (numbers, flushed) = (HashMap::new(), Instant::now());
+        Ok(Self { writer, file, state, spaces, channels, numbers, whole: 0, flushed })
+    }
+
+    fn whole(mut self) -> Result<Self, McapError> {
+        self.mark_whole()?;
+        Ok(self)
+    }
+
+    fn describe(&mut self, name: String, metadata: BTreeMap<String, String>) -> Result<(), McapError> {
+        self.writer.write_metadata(&Metadata { name, metadata })
+    }
+
+    /// The board of a skin is there: what it is of, and where its messages go.
+    fn add(&mut self, skin: usize, session: &Session) -> Result<(), McapError> {
+        let space = self.spaces[skin].clone();
+        self.describe(attached(METADATA, space.as_deref()), session.metadata())?;
         let now = now_ns();
         let attachment = |name: &str, media_type: &str, data: &'_ [u8]| Attachment {
             log_time: now,
             create_time: now,
-            name: name.to_owned(),
+            name: attached(name, space.as_deref()),
             media_type: media_type.to_owned(),
             data: Cow::Owned(data.to_owned()),
         };
-        writer.attach(&attachment(PATCH, "application/octet-stream", &session.patch))?;
+        self.writer.attach(&attachment(PATCH, "application/octet-stream", &session.patch))?;
         if let Some(text) = &session.skin_file {
-            writer.attach(&attachment(SKIN_FILE, "application/toml", text.as_bytes()))?;
+            self.writer.attach(&attachment(SKIN_FILE, "application/toml", text.as_bytes()))?;
         }
-        let mut channels = Vec::new();
+        self.mark_whole()?;
+        self.channels[skin].clear();
         for topic in Topic::ALL.into_iter().filter(|topic| !topic.is_of_robot()) {
             let schema = topic.schema();
             let text = schema::definition(schema);
-            let schema = writer.add_schema(schema.name, SCHEMA_ENCODING, text.as_bytes())?;
-            channels.push((writer.add_channel(schema, topic.name(), ENCODING, &channel_metadata(topic))?, 0));
+            let schema = self.writer.add_schema(schema.name, SCHEMA_ENCODING, text.as_bytes())?;
+            let name = space.as_ref().map_or_else(|| topic.name().to_owned(), |space| topic.name_in(space));
+            let metadata = channel_metadata(topic, self.spaces.len());
+            self.channels[skin].push(self.writer.add_channel(schema, &name, ENCODING, &metadata)?);
         }
-        let mut tape = Self { writer, file, state, channels, whole: 0, flushed: Instant::now() };
-        tape.mark_whole()?;
-        Ok(tape)
+        Ok(())
     }
 
     /// Writes what comes until nobody is left to send.
-    fn write_all(mut self, batches: &Receiver<Vec<Packed>>) {
-        let written = self.write_batches(batches).and_then(|()| {
+    fn write_all(mut self, entries: &Receiver<Entry>) {
+        let written = self.write_entries(entries).and_then(|()| {
             self.writer.finish()?;
             Ok(self.mark_whole()?)
         });
@@ -273,14 +375,11 @@ impl Tape {
         }
     }
 
-    fn write_batches(&mut self, batches: &Receiver<Vec<Packed>>) -> Result<(), McapError> {
-        for batch in batches {
-            let count = batch.len() as u64;
-            let frames = batch.iter().filter(|packed| packed.topic == Topic::Measurements).count() as u64;
-            batch.into_iter().try_for_each(|packed| self.write(&packed))?;
-            {
-                let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-                (state.messages, state.frames) = (state.messages + count, state.frames + frames);
+    fn write_entries(&mut self, entries: &Receiver<Entry>) -> Result<(), McapError> {
+        for entry in entries {
+            match entry {
+                Entry::Session(skin, session) => self.add(skin, &session)?,
+                Entry::Messages(skin, batch) => self.write_batch(skin, batch)?,
             }
             if self.flushed.elapsed() >= CHUNK_TIME {
                 self.writer.flush()?;
@@ -290,11 +389,21 @@ impl Tape {
         Ok(())
     }
 
-    fn write(&mut self, packed: &Packed) -> Result<(), McapError> {
-        // Those of a robot, which come last, are not recorded: a recording is of one skin.
-        let Some((channel_id, sequence)) = self.channels.get_mut(packed.topic.index()) else { return Ok(()) };
+    fn write_batch(&mut self, skin: usize, batch: Vec<Packed>) -> Result<(), McapError> {
+        let count = batch.len() as u64;
+        let frames = batch.iter().filter(|packed| packed.topic == Topic::Measurements).count() as u64;
+        batch.into_iter().try_for_each(|packed| self.write(skin, &packed))?;
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        (state.messages, state.frames) = (state.messages + count, state.frames + frames);
+        Ok(())
+    }
+
+    fn write(&mut self, skin: usize, packed: &Packed) -> Result<(), McapError> {
+        // Those of a robot, which come last, are not recorded: a recording is of skins.
+        let Some(&channel_id) = self.channels[skin].get(packed.topic.index()) else { return Ok(()) };
+        let sequence = self.numbers.entry(channel_id).or_default();
         let header = MessageHeader {
-            channel_id: *channel_id,
+            channel_id,
             sequence: *sequence,
             log_time: packed.log_time,
             publish_time: packed.publish_time,

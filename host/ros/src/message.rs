@@ -8,7 +8,7 @@ use dermatome_body::{
 };
 use dermatome_messages::{
     dermatome::{Contact, SkinContact, SkinContactArray},
-    scene::{health_values, transform},
+    scene::{health_values, transform, tripped_value},
     standard::{self, DiagnosticStatus, Header, KeyValue, TfMessage, Time, WrenchStamped},
 };
 use dermatome_shared::frame::FrameFlags;
@@ -72,7 +72,8 @@ pub(crate) fn transforms(file: &BodyFile, time_ns: u64) -> TfMessage {
 
 /// How a skin stands, with what was wrong with its frames since the last time.
 pub(crate) fn status(robot: &str, port: String, sense: &Sense, flags: FrameFlags) -> DiagnosticStatus {
-    let problems: Vec<&str> = flags.words().collect();
+    let is_tripped = sense.reflexes.as_ref().is_some_and(|reflexes| reflexes.tripped > 0);
+    let problems: Vec<&str> = flags.words().chain(is_tripped.then_some("reflex tripped")).collect();
     let state = &sense.state;
     let (level, message) = match state.phase {
         Phase::Live if !problems.is_empty() => (WARN, problems.join(", ")),
@@ -102,5 +103,6 @@ fn values(sense: &Sense) -> Vec<KeyValue> {
         values.push(value("clock skew, ppm", format!("{:.1}", jitter.skew * 1e6)));
     }
     values.extend(sense.health.as_ref().map(health_values).unwrap_or_default());
+    values.extend(sense.reflexes.as_ref().map(|reflexes| tripped_value(reflexes.tripped)));
     values
 }

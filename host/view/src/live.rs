@@ -64,24 +64,34 @@ impl Live {
     }
 
     /// Draws the last image and the contacts in it, unless the last picture is too recent. `told` is what is said of
-    /// them, in the frame of whoever reads it.
-    pub fn draw_if_due(&mut self, at: FrameStamp, contacts: &Contacts, told: &[Contact]) -> io::Result<()> {
+    /// them, in the frame of whoever reads it, and `note` a line that stands before, or nothing.
+    pub fn draw_if_due(
+        &mut self,
+        at: FrameStamp,
+        contacts: &Contacts,
+        told: &[Contact],
+        note: &str,
+    ) -> io::Result<()> {
         if self.drawn.is_some_and(|drawn| drawn.elapsed() < REDRAW_INTERVAL) {
             return Ok(());
         }
         self.drawn = Some(Instant::now());
-        let text = self.text(at, contacts, told, self.screen.room());
+        let text = self.text(at, contacts, told, note, self.screen.room());
         self.screen.draw(&text)
     }
 
-    fn text(&self, at: FrameStamp, contacts: &Contacts, told: &[Contact], room: Room) -> String {
+    fn text(&self, at: FrameStamp, contacts: &Contacts, told: &[Contact], note: &str, room: Room) -> String {
         let warning = terminal::flags(at.flags);
         let mut words = format!("frame {}  {:.2} s  {warning}\n", at.sequence, at.timestamp_us as f64 * 1e-6);
+        if !note.is_empty() {
+            words += note;
+            words.push('\n');
+        }
         words += &terminal::contacts(told);
         let Some(skin) = &self.skin else { return words };
         let maximum = FULL * skin.threshold;
         // Room for some contacts is kept, so that the picture does not jump as they come.
-        let rows = room.rows.saturating_sub(2 + told.len().max(FEW));
+        let rows = room.rows.saturating_sub(2 + usize::from(!note.is_empty()) + told.len().max(FEW));
         let places: Vec<_> = contacts.iter().map(|contact| above(contact.position)).collect();
         let scene = Scene {
             layout: &skin.layout,

@@ -10,7 +10,11 @@ use dermatome_body::{
 };
 use dermatome_link::ScanFrame;
 use dermatome_messages::clock::now_ns;
-use dermatome_shared::{contact::Contact, frame::FrameFlags, protocol::FrameStamp};
+use dermatome_shared::{
+    contact::Contact,
+    frame::FrameFlags,
+    protocol::{FrameSource, FrameStamp},
+};
 use dermatome_zenoh::{Listener, Merge, Robot, Settings};
 use std::{
     fmt::Write as _,
@@ -67,7 +71,8 @@ fn serve(file: &BodyFile, settings: &Settings, is_over: &AtomicBool) {
     };
     for index in 0..SKINS {
         let tables = Box::new(tables.clone());
-        tell(&mut robot, index, &Told::Patch { bytes: Vec::new(), tables, board: String::new() });
+        let (board, firmware, frame_source) = (String::new(), String::new(), FrameSource::Synthetic);
+        tell(&mut robot, index, &Told::Patch { bytes: Vec::new(), tables, board, firmware, frame_source });
         tell(&mut robot, index, &Told::State(State { phase: Phase::Live, text: String::new() }));
     }
     let begun = Instant::now();

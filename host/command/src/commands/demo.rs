@@ -299,7 +299,7 @@ fn show(link: &mut Link, scorer: &Scorer<'_>, mut outlets: Option<&mut Outlets>)
     let draw = |record: &FrameRecord| {
         live.keep_image(record.image.clone());
         // A terminal that cannot be drawn on does not end the demo.
-        let _ = live.draw_if_due(record.at, &record.contacts, &record.contacts);
+        let _ = live.draw_if_due(record.at, &record.contacts, &record.contacts, "");
     };
     let raw = u16::from(outlets.is_some());
     let selection =

@@ -96,6 +96,7 @@ fn play(file: &BodyFile, wishes: &Wishes<'_>, audience: &mut Audience) -> anyhow
         ros: wishes.ros.then_some(None),
         zenoh: None,
         page: wishes.page.map(|listen| (listen, &doors)),
+        record: None,
         prints: false,
     };
     let limit = wishes.duration.or((!wishes.stays).then_some(PATIENCE + Duration::from_secs_f64(SECONDS)));

@@ -164,9 +164,10 @@ impl Outlets {
         Self { speaker: Some(speaker), ..Self::empty() }
     }
 
-    /// The same of one of several skins, whose frame is called so, on a robot that has these other frames that never move.
-    pub(super) fn on_robot(speaker: Speaker, frame: String, fixed: Vec<TransformStamped>) -> Self {
-        Self { frame: Some(frame), fixed, ..Self::telling(speaker) }
+    /// Of one of several skins, whose frame is called so, on a robot that has these other frames that never move; for those
+    /// who look on, if anybody can.
+    pub(super) fn on_robot(speaker: Option<Speaker>, frame: String, fixed: Vec<TransformStamped>) -> Self {
+        Self { speaker, frame: Some(frame), fixed, ..Self::empty() }
     }
 
     /// Images are those of this patch from now on.
@@ -340,11 +341,7 @@ impl Outlets {
     /// Says once if the recording has ended early; the stream goes on.
     pub(super) fn warn(&mut self) {
         let Some(recorder) = self.recorder.as_ref().filter(|_| !self.has_warned) else { return };
-        if let Some(reason) = recorder.recorded().failure {
-            self.has_warned = true;
-            let file = recorder.path().display();
-            eprintln!("warning: the recording `{file}` has ended: {reason}; all else goes on");
-        }
+        self.has_warned = warn_of(recorder);
     }
 
     fn send(&mut self, packed: Packed) {
@@ -355,6 +352,16 @@ impl Outlets {
             speaker.publish(packed);
         }
     }
+}
+
+/// Says if a recording has ended early.
+pub(super) fn warn_of(recorder: &Recorder) -> bool {
+    let failure = recorder.recorded().failure;
+    if let Some(reason) = &failure {
+        let file = recorder.path().display();
+        eprintln!("warning: the recording `{file}` has ended: {reason}; all else goes on");
+    }
+    failure.is_some()
 }
 
 /// What a recording holds, in words.

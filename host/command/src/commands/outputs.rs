@@ -12,6 +12,7 @@ use clap::{
 use dermatome_frames::{array::Source, calibrate::TAKEN_IN};
 use dermatome_geometry::mesh::export::IN_METRES;
 use dermatome_patch::{input, output::check_folder};
+use dermatome_recording::read::file_and_patch;
 use dermatome_shared::patch;
 use dermatome_simulate::port::Port;
 use std::{
@@ -262,7 +263,8 @@ fn inputs<'a>(command: &'a Command, matches: &'a ArgMatches) -> Vec<Input<'a>> {
         Port::Simulated(file) | Port::Recorded(file) => Some((arg, file.clone())),
         Port::Board(_) => None,
     });
-    let given = paths.chain(sources).chain(skins);
+    // Of a recording of several skins, the one stands behind its name.
+    let given = paths.chain(sources).chain(skins).map(|(arg, path)| (arg, file_and_patch(&path).0));
     let with_named = given.flat_map(|(arg, path)| {
         let named = named_in(&path);
         std::iter::once(path).chain(named).map(move |path| Input { arg, path })

@@ -6,6 +6,10 @@ import { McapIndexedReader, McapRecordBuilder, McapStreamReader } from "@mcap/co
 import { decompressFrame } from "./lz4.js";
 import { TOPIC } from "./messages.js";
 
+// Topics of one of several skins are named after its space; the page knows those of a single skin.
+const SINGLE = "/dermatome/";
+const SHOWN = { "dermatome_msgs/msg/Image": "/image", "dermatome_msgs/msg/ContactArray": "/contacts" };
+
 const MAGIC = [0x89, 0x4d, 0x43, 0x41, 0x50, 0x30, 0x0d, 0x0a];
 const RECORD_HEADER = 9;
 const CHUNK = 6;
@@ -30,11 +34,23 @@ export async function openRecording(blob, name, onProgress = () => {}) {
 }
 
 class Recording {
-  // Chunks: `[{ offset, length, start, end, channelIds }]` by time, times in ns.
-  constructor(blob, name, { chunks, schemas, channels, isCut }) {
-    Object.assign(this, { blob, name, chunks, schemas, channels, isCut });
+  // Chunks: `[{ offset, length, start, end, channelIds }]` by time, times in ns. All is of the skin in `space`.
+  constructor(blob, name, index, space = spacesOf(index)[0]) {
+    const { chunks, schemas, channels, isCut } = index;
+    Object.assign(this, { blob, name, index, space, chunks, schemas, isCut });
     this.chunks.sort((a, b) => Number(a.start - b.start));
+    this.channels = new Map([...channels].flatMap(([id, channel]) => ofSpace(channel, space).map((named) => [id, named])));
     this.held = new Map();
+  }
+
+  /** Spaces of the skins that are in the file. */
+  get spaces() {
+    return spacesOf(this.index);
+  }
+
+  /** The same file, of another of its skins. */
+  of(space) {
+    return new Recording(this.blob, this.name, this.index, space);
   }
 
   get start() {
@@ -54,8 +70,7 @@ class Recording {
     if (this.chunks.length === 0) {
       throw new Error("The recording is empty: it was cut before its first chunk was written, or nothing was recorded.");
     }
-    const topics = new Set(this.channelsOf(Object.values(TOPIC)).map((channel) => channel.topic));
-    if (!topics.has(TOPIC.image) && !topics.has(TOPIC.contacts)) {
+    if (this.space === undefined) {
       throw new Error("The file holds no images or contacts of a skin (no topic /dermatome/image): another program wrote it.");
     }
   }
@@ -123,7 +138,9 @@ class Recording {
     const byTopic = new Map();
     for (const record of await this.recordsOf(chunk)) {
       if (record.type !== "Message") continue;
-      const { topic, schemaId } = this.channels.get(record.channelId);
+      const channel = this.channels.get(record.channelId);
+      if (!channel) continue;
+      const { topic, schemaId } = channel;
       const message = { topic, schema: this.schemaText(schemaId), bytes: record.data, logTime: record.logTime };
       if (!byTopic.has(topic)) byTopic.set(topic, []);
       byTopic.get(topic).push(message);
@@ -136,13 +153,28 @@ class Recording {
   async recordsOf({ offset, length }) {
     const records = new McapRecordBuilder();
     for (const schema of this.schemas.values()) records.writeSchema(schema);
-    for (const channel of this.channels.values()) records.writeChannel(channel);
+    for (const channel of this.index.channels.values()) records.writeChannel(channel);
     return recordsIn([records.buffer, await bytesOf(this.blob, offset, length)]);
   }
 
   schemaText(schemaId) {
     return new TextDecoder().decode(this.schemas.get(schemaId)?.data);
   }
+}
+
+// Spaces of the skins whose images or contacts are in a file, in its order.
+function spacesOf({ channels, schemas }) {
+  const shown = [...channels.values()].flatMap(({ topic, schemaId }) => {
+    const end = SHOWN[schemas.get(schemaId)?.name];
+    return end && topic.endsWith(end) ? [topic.slice(1, -end.length)] : [];
+  });
+  return [...new Set(shown)];
+}
+
+// A channel of the skin in `space`, named as that of a single skin; none where it is of another skin, or of all.
+function ofSpace(channel, space) {
+  const start = `/${space}/`;
+  return channel.topic.startsWith(start) ? [{ ...channel, topic: SINGLE + channel.topic.slice(start.length) }] : [];
 }
 
 async function checkMagic(blob) {

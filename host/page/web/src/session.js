@@ -102,6 +102,15 @@ export class Session {
     this.changed("player");
   }
 
+  /** Another skin of the recording that is shown, at the same time. */
+  chooseRecorded(space) {
+    const { recording, position, speed, isPlaying } = this.player;
+    this.openPlayer(recording.of(space));
+    this.player.setSpeed(speed);
+    this.player.seek(position);
+    if (isPlaying) this.player.play();
+  }
+
   closePlayer() {
     this.endPlayer();
     this.forget();

@@ -87,13 +87,18 @@ function waiting(text, advice) {
   return { level: "off", word: "Waiting", text, advice, covers: true };
 }
 
+// Each with its skin.
+function warningsOfRobot({ skins }) {
+  return [...skins].flatMap(([space, { status }]) => (status?.warnings ?? []).map((text) => `${space}: ${text}`));
+}
+
 /** The warnings of a session, in words, each once. */
 export function warningsOf(session) {
   const { status } = session.shown;
   const notices = session.player ? [] : session.program.notices.filter(({ level }) => level > 0);
   const stale = session.isStale ? ["No new image has come for some seconds, although the program says that the skin is live."] : [];
   const isConnected = session.player || session.program.isOpen;
-  const ofStatus = isConnected ? (status?.warnings ?? []) : [];
+  const ofStatus = isConnected ? (session.isWhole ? warningsOfRobot(session.robot) : (status?.warnings ?? [])) : [];
   const texts = [session.lack, session.fault, ...stale, ...ofStatus, ...notices.map(({ message }) => message)];
   return [...new Set(texts.filter((text) => text))];
 }

@@ -2,7 +2,7 @@
 // tests are not run.
 
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
+import { execFileSync, spawn } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { isAbsolute, join } from "node:path";
@@ -255,5 +255,60 @@ describe("a whole robot", () => {
     await until(page, () => window.dermatome.state().robot.links.length === 4, undefined, START_MS);
     assert.deepEqual(errors, []);
     await close();
+  });
+});
+
+describe("reflexes", () => {
+  const RULE = '\n[[reflexes]]\nname = "bumper"\npin = 2\nstrength = 1.0\ncentre = ["25 mm", "0 mm"]\nradius = "20 mm"\n';
+  const TRIPPED = "reflex `bumper` is tripped: pin 2 is low";
+  const told = (words) => [...document.querySelectorAll("#banners li")].some((item) => item.textContent === words);
+  const gone = (words) => [...document.querySelectorAll("#banners li")].every((item) => item.textContent !== words);
+  const says = (page, words) => until(page, told, words, START_MS);
+  let browser, folder, board, port;
+  before(async () => {
+    if (skip) return;
+    browser = await launch();
+    folder = mkdtempSync(join(tmpdir(), "dermatome-reflexes-"));
+    writeFileSync(join(folder, "palm.toml"), TINY + RULE);
+    // A finger that goes from the region to the other side and back.
+    const at = (time, x) => `${time},1,${x},0,0.012,0.9\n`;
+    const round = (start) => [[0, 0.025], [3.9, 0.025], [4, -0.025], [11.9, -0.025]].map(([time, x]) => at(start + time, x)).join("");
+    const rows = Array.from({ length: 20 }, (_, i) => round(12 * i));
+    writeFileSync(join(folder, "path.csv"), `time_s,finger,x_m,y_m,radius_m,depth\n${rows.join("")}`);
+    board = spawn(PROGRAM, ["simulate", "palm.toml", "--listen", "tcp:127.0.0.1:0", "--path", "path.csv"], { cwd: folder });
+    const { value } = await createInterface({ input: board.stdout })[Symbol.asyncIterator]().next();
+    port = value.split(" listens at ")[1];
+    execFileSync(PROGRAM, ["build", "palm.toml", "-o", "palm.dermatome"], { cwd: folder, stdio: "ignore" });
+    execFileSync(PROGRAM, ["flash", "palm.dermatome", "--port", port], { cwd: folder, stdio: "ignore" });
+    writeFileSync(join(folder, "robot.urdf"), '<robot name="r"><link name="palm_link"/></robot>');
+    writeFileSync(join(folder, "robot.toml"), `name = "arm"\nurdf = "robot.urdf"\n${patch("palm").replace("sim:palm.toml", port)}`);
+  });
+  after(async () => {
+    board?.kill();
+    await browser?.close();
+    if (folder) rmSync(folder, { recursive: true, force: true });
+  });
+
+  test("that trip are said of the whole robot, until they are released, and of one skin", { skip }, async () => {
+    const program = await start(folder, "127.0.0.1:0", ["serve", "robot.toml"], "stderr");
+    const { page, errors, close } = await openPage(browser, program.url);
+    await says(page, `arm/palm: ${TRIPPED}`);
+    await screenshot(page, "reflex-robot");
+    await until(page, gone, `arm/palm: ${TRIPPED}`, START_MS);
+    await page.selectOption("#skin-choice", "arm/palm");
+    await says(page, TRIPPED);
+    await screenshot(page, "reflex");
+    assert.deepEqual(errors, []);
+    await close();
+    await program.end();
+  });
+
+  test("are said by `view` too", { skip }, async () => {
+    const program = await start(folder, "127.0.0.1:0", ["view", "--port", port]);
+    const { page, errors, close } = await openPage(browser, program.url);
+    await says(page, TRIPPED);
+    assert.deepEqual(errors, []);
+    await close();
+    await program.end();
   });
 });

@@ -16,9 +16,10 @@ import { openRecording } from "../src/recording.js";
 import { Robot } from "../src/robot.js";
 import { Scale, nextStep } from "../src/scale.js";
 import { bytes, clock, contactLabel, number, ohm } from "../src/words.js";
-import { encode } from "./mock.mjs";
+import { Mock, encode } from "./mock.mjs";
 import { record } from "./recordings.mjs";
 import { schemaOf } from "./schemas.mjs";
+import { hemisphere } from "./skins.mjs";
 
 describe("a robot", () => {
   const turn = { x: 0, y: 0, z: Math.SQRT1_2, w: Math.SQRT1_2 };
@@ -235,6 +236,20 @@ describe("recordings", () => {
     assert.equal(await recording.neighbour(at, true), recording.start + 1_240_000_000n);
     assert.equal(await recording.neighbour(at, false), recording.start + 1_230_000_000n);
     assert.equal(await recording.neighbour(recording.end, true), undefined);
+  });
+
+  test("of several skins each is shown by itself", async () => {
+    const mocks = { "arm/palm": new Mock({ rate: 100 }), "arm/back": new Mock({ rate: 100, skin: hemisphere() }) };
+    const whole = await record({ seconds: 2, mocks });
+    for (const blob of [new Blob([whole]), new Blob([whole.subarray(0, whole.length * 0.8)])]) {
+      const recording = await openRecording(blob, "robot.mcap");
+      assert.deepEqual([recording.spaces, recording.space], [["arm/palm", "arm/back"], "arm/palm"]);
+      for (const [space, skin] of [["arm/palm", "mock-disc"], ["arm/back", "mock-hemisphere"]]) {
+        const messages = await recording.of(space).at(recording.start + 500_000_000n, ["/dermatome/skin", IMAGE]);
+        const [shape, image] = messages.map(({ schema, bytes }) => decode(schema, bytes));
+        assert.deepEqual([shape.name, image.sequence, image.mantissas.length], [skin, 50, shape.pixel_areas.length]);
+      }
+    }
   });
 
   test("cut anywhere, it opens up to a whole chunk or says why not", async () => {

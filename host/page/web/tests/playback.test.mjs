@@ -39,6 +39,27 @@ describe("recordings", () => {
     });
   });
 
+  test("of several skins in a file one is chosen, at the same time", async () => {
+    const mocks = { "arm/palm": new Mock({ rate: 100 }), "arm/back": new Mock({ rate: 100, skin: hemisphere() }) };
+    const buffer = await record({ seconds: 3, mocks });
+    await withPage({}, async ({ page }) => {
+      await untilDrawn(page);
+      assert.equal(await page.isVisible("#skin-choice"), false, "the program has one skin");
+      await open(page, buffer, "robot.mcap");
+      await until(page, () => window.dermatome.state().recording && window.dermatome.state().skin === "mock-disc");
+      assert.deepEqual(await page.locator("#skin-choice option").allTextContents(), ["arm/palm", "arm/back"]);
+      await page.locator("#position").fill("1.5");
+      await until(page, () => window.dermatome.state().sequence === 150);
+      await page.selectOption("#skin-choice", "arm/back");
+      await until(page, () => window.dermatome.state().skin === "mock-hemisphere" && window.dermatome.state().sequence === 150);
+      assert.equal((await state(page)).recording.isPlaying, false);
+      await screenshot(page, "recording-skins");
+      await page.click("#close-recording");
+      await until(page, () => window.dermatome.state().skin === "mock-disc" && window.dermatome.state().sequence > 0);
+      assert.equal(await page.isVisible("#skin-choice"), false);
+    });
+  });
+
   test("the plots show the minute before the position, wherever one scrubs", async () => {
     const buffer = await record({ seconds: 6, rate: 50 });
     await withPage({}, async ({ page }) => {

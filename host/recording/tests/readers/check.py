@@ -281,6 +281,72 @@ class StandardTypes(unittest.TestCase):
                 self.assertEqual(ours.serialize_cdr(message, connection.msgtype), data, connection.topic)
 
 
+class BodyRecording(unittest.TestCase):
+    """A recording of all skins of a body, one of whose boards was not there."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.file = desk.path / "body.mcap"
+        patches = [("palm", f"sim:{MODEL}"), ("back", f"sim:{MODEL}"), ("gone", "tcp:127.0.0.1:1")]
+        place = 'link = "wrist_3"\nposition = [0, 0, 0.04]\norientation = [0, 0, 0, 1]\n'
+        table = "[[patches]]\nname = '{}'\nskin = '{}'\nport = '{}'\n{}"
+        body = "".join(table.format(name, MODEL, port, place) for name, port in patches)
+        (desk.path / "body.toml").write_text(f'name = "arm"\n{body}')
+        ran = subprocess.run(
+            [PROGRAM, "serve", desk.path / "body.toml", "--record", cls.file, "--duration", "5"],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+        )
+        assert ran.returncode == 0, ran.stderr
+        cls.content = readers.mcap_by_index(cls.file)
+
+    def test_every_reader_finds_the_same_in_it(self):
+        # Frames of one skin's tare come into the file when it is over, after later ones of another skin.
+        wanted = {topic: sorted(messages) for topic, messages in self.content.messages.items()}
+        for found in [readers.mcap_from_start(self.file), readers.node("stream", self.file), readers.node("index", self.file)]:
+            found.messages = {topic: sorted(messages) for topic, messages in found.messages.items()}
+            self.assertIsNone(difference(vars(found), {**vars(self.content), "messages": wanted}))
+        found = readers.rosbags_by_index(self.file)
+        self.assertIsNone(difference(without_numbers(found.messages), without_numbers(self.content.messages)))
+
+    def test_topics_of_each_skin_are_in_its_space(self):
+        wanted = {}
+        for topic, name in TYPES.items():
+            for space in ["arm/palm", "arm/back"]:
+                wanted[topic.replace("/dermatome/", f"/{space}/")] = [name, "ros2msg", "cdr"]
+        self.assertEqual(self.content.types, wanted)
+
+    def test_frames_of_each_skin_are_there_once_from_its_reference_on(self):
+        for space in ["arm/palm", "arm/back"]:
+            sequences = [frame["sequence"] for frame in self.content.of(f"/{space}/measurements")]
+            self.assertGreater(len(sequences), 50)
+            self.assertEqual(sequences, list(range(sequences[0], sequences[0] + len(sequences))))
+            references = self.content.of(f"/{space}/reference")
+            self.assertIn(references[0]["first_sequence"], sequences)
+
+    def test_messages_on_a_topic_are_numbered_also_where_skins_share_it(self):
+        for topic, messages in self.content.messages.items():
+            self.assertEqual(sorted(number for number, _, _ in messages), list(range(len(messages))), topic)
+        frames = {
+            transform["child_frame_id"]
+            for message in self.content.of("/tf_static")
+            for transform in message["transforms"]
+        }
+        self.assertEqual(frames, {"arm/palm", "arm/back"})
+
+    def test_what_lasts_of_each_skin_is_published_again(self):
+        with Reader(self.file) as reader:
+            [quality] = [it.ext.offered_qos_profiles[0] for it in reader.connections if it.topic == "/tf_static"]
+        self.assertEqual((quality.durability.name, quality.depth), ("TRANSIENT_LOCAL", 3))
+
+    def test_it_tells_of_the_body_and_of_each_skin_that_was_there(self):
+        self.assertEqual(self.content.metadata["dermatome"]["patches"], "palm back gone")
+        self.assertEqual(set(self.content.metadata), {"dermatome", "arm/palm/dermatome", "arm/back/dermatome"})
+        attached = {f"arm/{patch}/{name}" for patch in ["palm", "back"] for name in ["patch.dermatome", "skin.toml"]}
+        self.assertEqual(set(self.content.attachments), attached)
+
+
 class CutRecording(unittest.TestCase):
     """A recording whose end is missing: read from its start on, by those who can."""
 

@@ -49,6 +49,7 @@ use std::{
 #[command(after_help = "Examples:
   dermatome replay run.mcap
   dermatome replay run.mcap --patch learnt.dermatome --record learnt.mcap
+  dermatome replay robot.mcap:palm
   dermatome replay run.mcap --listen tcp:127.0.0.1:7000
   dermatome replay run.npy --patch skin.dermatome --rate 20
   dermatome replay run.npy --skin skin.toml --rate 20 --listen tcp:127.0.0.1:7000
@@ -56,7 +57,8 @@ use std::{
   dermatome replay presses.npz:v_pressed --patch learnt.dermatome --reference presses.npz:v_unpressed --each
 A recording is also a port of every other command: dermatome stream --port replay:run.mcap")]
 pub(super) struct Args {
-    /// Recording, or frames of another instrument (FILE.npz:KEY where it holds several arrays).
+    /// Recording (FILE.mcap:PATCH where `serve` has recorded several skins), or frames of another instrument (FILE.npz:KEY
+    /// where it holds several arrays).
     #[arg(value_name = "FILE")]
     file: OsString,
     /// Patch file, of `build` or `learn` [default: the recording's own].

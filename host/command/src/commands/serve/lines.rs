@@ -5,7 +5,7 @@ use dermatome_body::{
     contact::{SkinContact, Wrench},
     keeper::State,
 };
-use dermatome_link::contacts::LinkContact;
+use dermatome_link::contacts::{LinkContact, LinkReflexes};
 use serde::Serialize;
 
 /// The contacts of a frame, and what presses on their link.
@@ -49,6 +49,13 @@ struct StateLine<'a> {
     state: &'a State,
 }
 
+#[derive(Serialize)]
+struct ReflexLine<'a> {
+    patch: &'a str,
+    link: &'a str,
+    reflexes: LinkReflexes,
+}
+
 impl<'a> ContactLine<'a> {
     fn of(it: &'a SkinContact) -> Self {
         Self {
@@ -86,6 +93,12 @@ pub(in crate::commands) fn frame(sense: &Sense, wrench: Option<Wrench>) -> serde
 /// How a board stands now, as a line without its end.
 pub(in crate::commands) fn state(sense: &Sense) -> serde_json::Result<String> {
     serde_json::to_string(&StateLine { patch: &sense.name, link: &sense.link, state: &sense.state })
+}
+
+/// What the reflexes of a board's patch say now, as a line without its end; none without reflexes.
+pub(in crate::commands) fn reflexes(sense: &Sense) -> serde_json::Result<Option<String>> {
+    let line = |reflexes| ReflexLine { patch: &sense.name, link: &sense.link, reflexes };
+    sense.reflexes.as_ref().map(|it| serde_json::to_string(&line(it.into()))).transpose()
 }
 
 /// Frames that nobody read in time, as a line without its end.

@@ -2,6 +2,7 @@
 
 pub(super) mod lines;
 mod onlookers;
+mod record;
 mod robot;
 #[cfg_attr(not(feature = "ros"), path = "without_ros.rs")]
 mod ros;
@@ -9,7 +10,15 @@ pub(super) mod table;
 #[cfg_attr(not(feature = "zenoh"), path = "without_zenoh.rs")]
 mod zenoh;
 
-use super::{contact_lines::is_read, doors::Doors, interrupt, lines::Lines, network::Network, view::look_of};
+use super::{
+    contact_lines::is_read,
+    doors::Doors,
+    interrupt,
+    lines::Lines,
+    network::Network,
+    outputs::{Kind, Output},
+    view::look_of,
+};
 use anyhow::{Context, bail};
 use dermatome_body::{
     Body, Sense,
@@ -59,6 +68,7 @@ const DRAWN: Duration = Duration::from_millis(500);
   dermatome serve robot.toml
   dermatome serve robot.toml | python3 controller.py
   dermatome serve robot.toml --duration 60 --json report.json > contacts.jsonl
+  dermatome serve robot.toml --record run.mcap
   ROS_DOMAIN_ID=7 dermatome serve robot.toml --ros
   dermatome serve left-arm.toml --zenoh --zenoh-connect tcp/192.168.0.10:7447
 
@@ -71,6 +81,10 @@ pub(super) struct Args {
     /// Body file: robot.toml.
     #[arg(value_name = "BODY")]
     body: PathBuf,
+    /// Record what all boards send to this file: raw frames, images and contacts, with patches and settings (MCAP). Each skin
+    /// begins with a new reference once nothing presses, so that `replay` makes the same of it bit for bit.
+    #[arg(long, value_name = "FILE.mcap", value_parser = Kind::Recording.parser())]
+    record: Option<Output>,
     /// Do not fetch images: contacts come without active pixels, moments and geometric centres.
     #[arg(long)]
     no_images: bool,
@@ -140,6 +154,8 @@ pub(super) struct Manner<'a> {
     pub(super) zenoh: Option<&'a Network>,
     /// The page is there.
     pub(super) page: Option<(SocketAddr, &'a Doors)>,
+    /// It is recorded to this file.
+    pub(super) record: Option<&'a Output>,
     /// Its lines go to standard output, unless that is a terminal, and a summary to standard error. A terminal has a table in any
     /// case.
     pub(super) prints: bool,
@@ -174,10 +190,11 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     warn(&file);
     let manner = Manner {
         images: !args.no_images,
-        tare: args.tare,
+        tare: args.tare || args.record.is_some(),
         ros: args.ros.then_some(args.domain),
         zenoh: args.is_on_network().then_some(&args.network),
         page: args.listen.map(|listen| (listen, &args.doors)),
+        record: args.record.as_ref(),
         prints: true,
     };
     let is_over = |served| args.duration.is_some_and(|duration| served >= duration);
@@ -200,10 +217,11 @@ pub(super) fn serve(
 ) -> anyhow::Result<()> {
     let ros = manner.ros.map(|domain| Ros::start(file, domain)).transpose()?;
     let skins = skins(&file.patches)?;
-    let onlookers = manner.page.map(|(listen, doors)| {
+    let has_onlookers = manner.page.is_some() || manner.record.is_some();
+    let onlookers = has_onlookers.then(|| {
         let looks = of_each(&skins, look_of)?;
         let looks = file.patches.iter().map(|patch| looks[&patch.path].clone()).collect();
-        Onlookers::open(doors, listen, file, looks)
+        Onlookers::open(manner.page, manner.record, file, looks)
     });
     let (sender, told) = sync_channel(MOST_WAITING);
     let dropped = Arc::<AtomicU64>::default();
@@ -222,6 +240,7 @@ pub(super) fn serve(
     // Nobody takes what they tell any more.
     drop(told);
     keepers.iter().for_each(Keeper::stop);
+    let recorded = served.onlookers.as_mut().map_or(Ok(()), Onlookers::end);
     let written = served.end();
     let senses = served.body.senses();
     if manner.prints {
@@ -235,6 +254,7 @@ pub(super) fn serve(
         lines_dropped: served.lines.as_ref().map_or(0, Lines::dropped),
     })?;
     ended?;
+    recorded?;
     written
 }
 
@@ -263,8 +283,10 @@ fn keepers(
 fn selection(manner: &Manner<'_>) -> Selection {
     let images = u16::from(manner.images);
     let is_told = manner.ros.is_some() || manner.zenoh.is_some() || manner.page.is_some();
-    let health = if is_told { HEALTH_EVERY } else { 0 };
-    Selection { images, contacts: 1, health, ..Selection::default() }
+    let measurements = u16::from(manner.record.is_some());
+    // A replay needs that of each frame.
+    let health = if measurements > 0 { 1 } else { u16::from(is_told) * HEALTH_EVERY };
+    Selection { images, contacts: 1, measurements, health, ..Selection::default() }
 }
 
 /// Something of each skin file.
@@ -383,11 +405,12 @@ impl<'a> Served<'a> {
 
     /// Takes what a keeper told; false if nobody reads any more.
     fn take(&mut self, (index, told): (usize, Told)) -> anyhow::Result<bool> {
-        let before = self.body.senses()[index].state.clone();
+        let sense = &self.body.senses()[index];
+        let (before, said) = (sense.state.clone(), reflex_state(sense));
         let has_frame = self.body.take(index, &told).is_some();
         let sense = &self.body.senses()[index];
         if let Some(onlookers) = &mut self.onlookers {
-            onlookers.tell(index, &self.file.patches[index], &told);
+            onlookers.tell(index, &self.file.patches[index], &told, sense);
         }
         if let Some(ros) = &mut self.ros {
             ros.tell(&self.body, index, &told);
@@ -397,11 +420,17 @@ impl<'a> Served<'a> {
         }
         self.follower.took(index, &told, sense);
         let Some(lines) = &mut self.lines else { return Ok(true) };
+        let has_reflexes = reflex_state(sense) != said;
+        if let Some(line) = lines::reflexes(sense)?.filter(|_| has_reflexes) {
+            lines.remark(&line);
+        }
         let line = if sense.state != before {
             lines.remark(&lines::state(sense)?);
             String::new()
         } else if has_frame {
             lines::frame(sense, self.body.wrench(&sense.link))?
+        } else if has_reflexes {
+            String::new()
         } else {
             return Ok(true);
         };
@@ -420,6 +449,11 @@ impl<'a> Served<'a> {
         }
         Ok(())
     }
+}
+
+/// Which reflexes are tripped, and whether the board cannot tell.
+fn reflex_state(sense: &Sense) -> Option<(u8, bool)> {
+    sense.reflexes.as_ref().map(|reflexes| (reflexes.tripped, reflexes.is_blind))
 }
 
 fn totals(sense: &Sense) -> PatchTotals<'_> {

@@ -1,9 +1,13 @@
-//! Onlookers: the page and other programs, for which each skin has a space of its own.
+//! Onlookers: the page, other programs and a recording, for which each skin has a space of its own.
 
-use super::robot::{Figure, fixed};
+use super::{
+    record::{Begun, Tape},
+    robot::{Figure, fixed},
+};
 use crate::commands::{
     doors::Doors,
     outlets::Outlets,
+    outputs::Output,
     view::calls::{self, Change, DRIVE, OF_EACH, TARE},
 };
 use anyhow::bail;
@@ -12,12 +16,14 @@ use dermatome_body::{
     file::{BodyFile, Patch},
     keeper::{Keeper, Phase, State, Told},
 };
+use dermatome_link::words;
 use dermatome_messages::{
+    clock::now_ns,
     dermatome::{Status, number_of_gain},
     skin::Look,
 };
 use dermatome_page::{Call, Server};
-use dermatome_shared::patch::PatchView;
+use dermatome_shared::patch::{PatchView, reflexes::ReflexRule};
 use dermatome_urdf::urdf::tree::Joint;
 use serde_json::{Value, json};
 use std::{
@@ -30,10 +36,12 @@ const STATUS_PERIOD: Duration = Duration::from_millis(500);
 
 /// Those who look on.
 pub(super) struct Onlookers {
-    server: Server,
+    /// None where all is but recorded.
+    server: Option<Server>,
     stands: Vec<Stand>,
+    tape: Option<Tape>,
     told: Instant,
-    /// The robot, where the body file names its description.
+    /// The robot, where the body file names its description, for the page.
     figure: Option<Figure>,
 }
 
@@ -42,27 +50,35 @@ struct Stand {
     outlets: Outlets,
     look: Look,
     status: Status,
+    /// Of the patch on the board.
+    rules: Vec<ReflexRule>,
+    /// Why the board was not driven as it was asked to.
+    refused: Option<String>,
     /// Frames when they were last told.
     frames: u64,
 }
 
 impl Onlookers {
-    /// Opens the page for a body whose skins look so.
+    /// Opens the page and the recording, whichever is wanted, of a body whose skins look so.
     pub(super) fn open(
-        doors: &Doors,
-        listen: SocketAddr,
+        page: Option<(SocketAddr, &Doors)>,
+        record: Option<&Output>,
         file: &BodyFile,
         looks: Vec<Look>,
     ) -> anyhow::Result<Self> {
+        let tape = record.map(|record| Tape::begin(record, file)).transpose()?;
         let spaces: Vec<String> =
             file.patches.iter().map(|patch| format!("{}/{}", file.name, patch.name)).collect();
         let robot = file.urdf.as_ref().map(|urdf| &urdf.robot);
         // Standard output is for lines.
-        let server =
-            doors.open(listen, &OF_EACH, spaces.clone(), robot.is_some(), |url| eprintln!("{url}"))?;
+        let open = |(listen, doors): (SocketAddr, &Doors)| {
+            doors.open(listen, &OF_EACH, spaces.clone(), robot.is_some(), |url| eprintln!("{url}"))
+        };
+        let server = page.map(open).transpose()?;
+        let speaker = |index| server.as_ref().map(|server: &Server| server.speaker(index));
         let fixed = robot.map(fixed).unwrap_or_default();
         let stand = |(index, (patch, look)): (usize, (&Patch, Look))| Stand {
-            outlets: Outlets::on_robot(server.speaker(index), spaces[index].clone(), fixed.clone()),
+            outlets: Outlets::on_robot(speaker(index), spaces[index].clone(), fixed.clone()),
             look,
             status: Status {
                 port: patch.port.to_string(),
@@ -70,23 +86,39 @@ impl Onlookers {
                 signal_to_noise: f32::NAN,
                 ..Status::default()
             },
+            rules: Vec::new(),
+            refused: None,
             frames: 0,
         };
         let stands = file.patches.iter().zip(looks).enumerate().map(stand).collect();
-        let figure = robot.map(|robot| Figure::show(robot, server.speaker(0)));
-        Ok(Self { server, stands, told: Instant::now(), figure })
+        let figure = robot.zip(speaker(0)).map(|(robot, speaker)| Figure::show(robot, speaker));
+        Ok(Self { server, stands, tape, told: Instant::now(), figure })
     }
 
     /// A keeper told something of a patch.
-    pub(super) fn tell(&mut self, index: usize, patch: &Patch, told: &Told) {
-        let Stand { outlets, look, status, .. } = &mut self.stands[index];
+    pub(super) fn tell(&mut self, index: usize, patch: &Patch, told: &Told, sense: &Sense) {
+        let Stand { outlets, look, status, rules, refused, .. } = &mut self.stands[index];
         match told {
-            Told::Patch { bytes, board, .. } => {
+            Told::Patch { bytes, board, firmware, .. } => {
                 // The keeper has looked at it.
                 let Ok(view) = PatchView::validate(bytes) else { return };
+                let board = format!("{board} {firmware}");
                 outlets.show_patch(&view, Some(&patch.pose), look, board.clone());
-                (status.board, status.patch_crc) = (board.clone(), view.crc());
+                (status.board, status.patch_crc) = (board, view.crc());
+                *rules = view.reflex_rules().collect();
                 status.patches = vec![format!("{} (on the board)", status.skin)];
+                match self.tape.as_mut().and_then(|tape| tape.patch(index, patch, told)) {
+                    Some(Begun::Anew(recorder)) => outlets.record_from(recorder, now_ns()),
+                    Some(Begun::Otherwise) => {
+                        let name = &patch.name;
+                        eprintln!(
+                            "warning: the board of `{name}` has another patch now, and is recorded no more"
+                        );
+                        // What became of the file the whole of it tells.
+                        let _ = outlets.finish_recording();
+                    }
+                    None => {}
+                }
             }
             Told::Driven(driven) => {
                 let in_effect = driven.drive;
@@ -94,10 +126,16 @@ impl Onlookers {
                 (status.frequency, status.amplitude) = (in_effect.frequency, in_effect.amplitude);
                 (status.gain, status.frame_rate) = (number_of_gain(in_effect.gain), in_effect.frame_rate);
             }
-            Told::Frame { frame, .. } => {
-                outlets.frame(frame, None);
+            Told::Frame { frame, received_ns, .. } => {
+                outlets.frame_of(frame, None, *received_ns);
+                // One that trips is not waited with.
+                let warnings = warnings(refused.as_deref(), rules, sense);
+                if status.warnings != warnings {
+                    status.warnings = warnings;
+                    outlets.status(status.clone());
+                }
             }
-            Told::NotDriven(why) => status.warnings = vec![format!("the board keeps its drive: {why}")],
+            Told::NotDriven(why) => *refused = Some(format!("the board keeps its drive: {why}")),
             Told::State(_) | Told::Reference(_) => {}
         }
     }
@@ -114,12 +152,31 @@ impl Onlookers {
             let status = &mut stand.status;
             (status.state, status.text, status.advice) =
                 (state.to_owned(), sense.state.text.clone(), advice.to_owned());
+            status.warnings = warnings(stand.refused.as_deref(), &stand.rules, sense);
             (status.frames, status.frames_lost) = (sense.frames, sense.missing);
             status.frames_per_second = (sense.frames - stand.frames) as f32 / since.as_secs_f32();
             stand.frames = sense.frames;
+            if let Some(tape) = &self.tape {
+                let recorded = tape.recorded();
+                status.recording = tape.path().display().to_string();
+                (status.recorded_bytes, status.recorded_frames) = (recorded.bytes, recorded.frames);
+            }
             let status = status.clone();
             stand.outlets.status(status);
         }
+        if let Some(tape) = &mut self.tape {
+            tape.warn();
+        }
+    }
+
+    /// Ends the recording, if there is one, and says what is in it.
+    pub(super) fn end(&mut self) -> anyhow::Result<()> {
+        let Some(tape) = self.tape.take() else { return Ok(()) };
+        for Stand { outlets, .. } in &mut self.stands {
+            // What became of the file the whole of it tells.
+            let _ = outlets.finish_recording();
+        }
+        tape.end()
     }
 
     /// Tells, now and then, where the robot's joints are.
@@ -131,7 +188,7 @@ impl Onlookers {
 
     /// Does what they ask for.
     pub(super) fn answer(&mut self, keepers: &[Keeper], senses: &[Sense]) {
-        while let Some(call) = self.server.call() {
+        while let Some(call) = self.server.as_ref().and_then(Server::call) {
             let done = self
                 .done(&call, &keepers[call.space], &senses[call.space])
                 .map_err(|error| format!("{error:#}"));
@@ -146,13 +203,19 @@ impl Onlookers {
                 let Some(driven) = &sense.driven else { bail!("the board has not answered yet") };
                 let wanted = calls::request::<Change>(call)?.of(&driven.drive)?;
                 driven.check(&wanted)?;
-                self.stands[call.space].status.warnings.clear();
+                self.stands[call.space].refused = None;
                 keeper.drive(wanted);
             }
             other => bail!("there is no service `{other}`"),
         }
         Ok(json!({}))
     }
+}
+
+/// What is wrong with a skin, in words.
+fn warnings(refused: Option<&str>, rules: &[ReflexRule], sense: &Sense) -> Vec<String> {
+    let of_reflexes = sense.reflexes.as_ref().map(|now| words::reflexes(rules, now));
+    refused.map(str::to_owned).into_iter().chain(of_reflexes.unwrap_or_default()).collect()
 }
 
 /// The page's word for how a board stands, and what to do.

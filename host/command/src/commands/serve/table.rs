@@ -1,7 +1,7 @@
 //! Table: all skins of a body, for people.
 
 use dermatome_body::{Report, Sense, keeper::Phase};
-use dermatome_link::words::escaped;
+use dermatome_link::{contacts::LinkReflexes, words::escaped};
 use std::fmt::Write;
 
 /// All skins, a line each.
@@ -25,9 +25,14 @@ pub(in crate::commands) fn table(body: &str, senses: &[Sense]) -> String {
             Some(report) => report.contacts.len().to_string(),
             None => escaped(&state.text),
         };
+        let tripped = sense.reflexes.as_ref().map(LinkReflexes::from).filter(|now| !now.tripped.is_empty());
+        let tripped = tripped.map_or(String::new(), |now| format!("  reflexes {:?} tripped", now.tripped));
         let phase = word(state.phase);
         // Writing to a string never fails.
-        let _ = writeln!(text, "{name:width$}  {phase:10}  {frames:8}  {missing:7}  {force:>9}  {contacts}");
+        let _ = writeln!(
+            text,
+            "{name:width$}  {phase:10}  {frames:8}  {missing:7}  {force:>9}  {contacts}{tripped}"
+        );
     }
     text
 }

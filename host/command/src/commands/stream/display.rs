@@ -70,12 +70,7 @@ impl<'a> Display<'a> {
         if before.map(state) == Some(state(now)) {
             return;
         }
-        let LinkReflexes { tripped, blind, .. } = now.into();
-        let blind = if blind { ", and the board cannot tell" } else { "" };
-        match &tripped[..] {
-            [] => eprintln!("reflexes: no rule is tripped{blind}"),
-            rules => eprintln!("reflexes: tripped {rules:?}{blind}"),
-        }
+        eprintln!("{}", in_words(now));
     }
 
     /// Shows in lines for somebody else that the board was lost; pictures go on.
@@ -114,14 +109,15 @@ impl<'a> Display<'a> {
             live.keep_image(image.values().collect());
         }
         let Some((at, contacts)) = frame.at.zip(frame.contacts.as_ref()) else { return Ok(()) };
+        let note = frame.reflexes.as_ref().map(in_words).unwrap_or_default();
         match self {
             // Contacts are drawn with their own image.
             Self::Terminal(live, _) if live.has_images() && frame.image.is_none() => Ok(()),
             Self::Terminal(live, Some(pose)) => {
                 let on_link: Contacts = contacts.iter().map(|contact| pose.contact(contact)).collect();
-                live.draw_if_due(at, contacts, &on_link)
+                live.draw_if_due(at, contacts, &on_link, &note)
             }
-            Self::Terminal(live, None) => live.draw_if_due(at, contacts, contacts),
+            Self::Terminal(live, None) => live.draw_if_due(at, contacts, contacts, &note),
             Self::Lines(_) if contacts.is_empty() => Ok(()),
             Self::Lines(lines) => lines.frame(contact_lines(at, contacts, Some(now))),
             Self::LinkFrames(lines, pose) => {
@@ -133,6 +129,16 @@ impl<'a> Display<'a> {
                 lines.frame(json_line(&frame, Some(now))?)
             }
         }
+    }
+}
+
+/// What the rules say: their numbers, from 1.
+fn in_words(now: &Reflexes) -> String {
+    let LinkReflexes { tripped, blind, .. } = now.into();
+    let blind = if blind { ", and the board cannot tell" } else { "" };
+    match &tripped[..] {
+        [] => format!("reflexes: no rule is tripped{blind}"),
+        rules => format!("reflexes: tripped {rules:?}{blind}"),
     }
 }
 

@@ -35,6 +35,7 @@ impl Desk<'_> {
         let (pose, look) = self.task.look.on(&session)?;
         let patch = PatchView::validate(&session.patch).context("the board's patch")?;
         let steps = patch.steps().collect();
+        self.rules = patch.reflex_rules().collect();
         let front_end = info.front_end;
         let present = Present {
             pose,

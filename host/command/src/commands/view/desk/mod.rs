@@ -20,13 +20,14 @@ use crate::commands::{
     stream::session::Session as Board,
 };
 use anyhow::{Context, ensure};
-use dermatome_link::{self as link, ScanFrame, Untouched, frame_timeout, pose::Pose};
+use dermatome_link::{self as link, ScanFrame, Untouched, frame_timeout, pose::Pose, words};
 use dermatome_messages::{clock::now_ns, dermatome::Status, skin::Look};
 use dermatome_page::{Call, Server};
 use dermatome_recording::{session::Session, write::Recorder};
 use dermatome_shared::{
     drive::Drive,
-    patch::PatchView,
+    patch::{PatchView, reflexes::ReflexRule},
+    pipeline::reflex::Reflexes,
     protocol::{PatchInfo, Refusal, Selection},
     stimulation::Step,
 };
@@ -77,6 +78,9 @@ pub(in crate::commands) struct Desk<'a> {
     chosen: usize,
     prepared: Option<Prepared<'a>>,
     threshold: f32,
+    /// Of the board's patch, and what they said last; none while that would be stale.
+    rules: Vec<ReflexRule>,
+    reflexes: Option<Reflexes>,
     slot: Option<u16>,
     /// The drive that was asked for, for a board that comes back without it.
     drive: Option<Drive>,
@@ -128,6 +132,8 @@ impl<'a> Desk<'a> {
             chosen: 0,
             prepared: None,
             threshold: 0.0,
+            rules: Vec::new(),
+            reflexes: None,
             slot: None,
             drive: None,
             waiting: VecDeque::new(),
@@ -162,6 +168,7 @@ impl<'a> Desk<'a> {
                 Err(error) => self.explain(&error),
             }
             self.numbers.begin();
+            self.reflexes = None;
             self.refuse_waiting("the board is lost");
             self.wait(PAUSE, "the board does not answer");
         }
@@ -208,6 +215,8 @@ impl<'a> Desk<'a> {
         self.told = Instant::now();
         let status = &mut self.status;
         status.warnings = self.numbers.warnings();
+        let reflexes = self.reflexes.as_ref().map(|now| words::reflexes(&self.rules, now));
+        status.warnings.extend(reflexes.unwrap_or_default());
         status.frames = self.numbers.frames;
         status.frames_lost = self.numbers.lost();
         status.frames_per_second = self.numbers.per_second();
@@ -350,6 +359,7 @@ impl<'a> Desk<'a> {
     /// A frame has come. Says whether the board has a new reference with it.
     fn take(&mut self, frame: &ScanFrame, missing: u64) -> bool {
         self.numbers.count(frame, missing);
+        self.watch(frame);
         let shown = self.shown(frame);
         let is_tared = self.outlets.frame(frame, shown.as_ref());
         if frame.contacts.is_some() {
@@ -371,6 +381,16 @@ impl<'a> Desk<'a> {
             self.tared();
         }
         is_tared
+    }
+
+    /// What the reflexes say is told at once where it changes.
+    fn watch(&mut self, frame: &ScanFrame) {
+        let said = self.reflexes.take();
+        self.reflexes.clone_from(&frame.reflexes);
+        let state = |reflexes: &Reflexes| (reflexes.tripped, reflexes.is_blind);
+        if said.as_ref().map(state) != self.reflexes.as_ref().map(state) {
+            self.tell();
+        }
     }
 
     /// The board has a new reference.

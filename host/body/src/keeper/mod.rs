@@ -4,17 +4,21 @@
 //! reference that it had, and streams. A board that is lost is tried again until it answers; one that has lost its
 //! reference gets a new one once nothing presses. What it does, and what comes, it [tells](Told).
 
+mod averaging;
+mod told;
+
 use crate::{driven::Driven, file::Patch, surface::is_same};
+use averaging::{Averaging, Taken};
 use dermatome_link::{
-    Link, LinkError, LinkErrorKind, ScanFrame, Untouched, frame_timeout, silence_timeout,
-    tables::SurfaceTables, tare, tare_timeout,
+    Link, LinkError, LinkErrorKind, Untouched, frame_timeout, silence_timeout, tables::SurfaceTables, tare,
+    tare_timeout,
 };
 use dermatome_messages::clock::now_ns;
 use dermatome_shared::{
     acquire::FrontEnd,
     drive::Drive,
     patch::{PatchError, PatchView},
-    protocol::{PatchInfo, Request, Selection},
+    protocol::{FrameSource, PatchInfo, Request, Selection},
     reference::DEFAULT_TARE_FRAMES,
 };
 use dermatome_simulate::port::{OpenError, Port, open};
@@ -24,6 +28,7 @@ use std::{
     thread::{self, JoinHandle},
     time::{Duration, Instant},
 };
+pub use told::{Phase, Reference, State, Told};
 
 /// Time until a board is tried again, which doubles up to the longest.
 const FIRST_PAUSE: Duration = Duration::from_millis(50);
@@ -37,76 +42,8 @@ const LOOK_AGAIN: Duration = Duration::from_millis(300);
 /// Time without a contact after which a tare begins that waits for it.
 const FREE: Duration = Duration::from_millis(500);
 
-/// What a keeper tells.
-#[derive(Debug)]
-pub enum Told {
-    /// How the board stands now.
-    State(State),
-    /// The board holds this patch, which is of the skin: frames from now on are of it.
-    Patch {
-        /// As the board has it.
-        bytes: Vec<u8>,
-        /// Its pixels.
-        tables: Box<SurfaceTables>,
-        /// Kind and firmware of the board.
-        board: String,
-    },
-    /// The board drives its skin like this.
-    Driven(Box<Driven>),
-    /// The board refused to drive it as it was asked to: why, in words.
-    NotDriven(String),
-    /// The board compares frames with this reference from now on.
-    Reference(Box<Reference>),
-    /// A frame.
-    Frame {
-        /// As it came.
-        frame: Box<ScanFrame>,
-        /// When, by this computer's clock, ns since 1970.
-        received_ns: u64,
-        /// Frames of this stream that have not come.
-        missing: u64,
-    },
-}
-
-/// What the untouched skin measures.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Reference {
-    /// When it was made, by this computer's clock, ns since 1970; none where the board had it before.
-    pub made_ns: Option<u64>,
-    /// In codes: `[measurement]`.
-    pub voltages: Vec<f64>,
-}
-
-/// How a board stands.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct State {
-    /// In one word.
-    pub phase: Phase,
-    /// Why, in words; empty where there is nothing to say.
-    pub text: String,
-}
-
-/// How a board stands, in one word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Phase {
-    /// It has not answered yet.
-    NoBoard,
-    /// It answered before.
-    Lost,
-    /// It holds no patch.
-    NoPatch,
-    /// It holds another skin's patch.
-    OtherPatch,
-    /// It has no reference, and something presses.
-    NotTared,
-    /// It averages the untouched skin.
-    Taring,
-    /// It sends contacts.
-    Live,
-    /// It is not tried again.
-    Ended,
-}
+/// What is said of a board that makes a reference.
+const AVERAGING: &str = "averaging the untouched skin";
 
 /// What a keeper may be asked.
 #[derive(Debug)]
@@ -297,7 +234,7 @@ impl Board {
         link.share_line(self.on_line);
         let info = link.info()?;
         let mut patch = info.patch.ok_or(Trouble::NoPatch)?;
-        self.greet(&mut link, &patch)?;
+        self.greet(&mut link, &patch, info.frame_source)?;
         self.front_end = info.front_end;
         // A drive that was asked for before lasts until the board starts anew.
         patch.drive = info.drive.unwrap_or(patch.drive);
@@ -307,14 +244,18 @@ impl Board {
         }
         self.has_come = true;
         loop {
-            if Untouched::is_lost(self.untouched.as_ref(), &mut link, &patch)? {
-                if let Some(stop) = self.wait_untouched(&mut link, &patch)? {
-                    return Ok(stop);
-                }
-                self.make_reference(&mut link, &patch)?;
+            let is_lost = Untouched::is_lost(self.untouched.as_ref(), &mut link, &patch)?;
+            if is_lost && let Some(stop) = self.wait_untouched(&mut link, &patch)? {
+                return Ok(stop);
             }
-            self.know_reference(Untouched::of(&mut link, &patch)?);
-            if let Some(stop) = self.stream(&mut link, &mut patch)? {
+            let is_tared_in_stream = is_lost && self.shows_tares();
+            if !is_tared_in_stream {
+                if is_lost {
+                    self.make_reference(&mut link, &patch)?;
+                }
+                self.know_reference(Untouched::of(&mut link, &patch)?);
+            }
+            if let Some(stop) = self.stream(&mut link, &mut patch, is_tared_in_stream)? {
                 return Ok(stop);
             }
         }
@@ -344,7 +285,12 @@ impl Board {
     }
 
     /// Makes sure that the board's patch is of this skin.
-    fn greet(&mut self, link: &mut Link, patch: &PatchInfo) -> Result<(), Trouble> {
+    fn greet(
+        &mut self,
+        link: &mut Link,
+        patch: &PatchInfo,
+        frame_source: FrameSource,
+    ) -> Result<(), Trouble> {
         if self.known == Some(patch.crc) {
             return Ok(());
         }
@@ -358,8 +304,9 @@ impl Board {
         }
         self.known = Some(patch.crc);
         let identity = link.identity();
-        let board = format!("{} {}", identity.board, identity.firmware);
-        (self.tell)(Told::Patch { bytes, tables: Box::new(tables), board });
+        let board = identity.board.as_str().to_owned();
+        let firmware = identity.firmware.as_str().to_owned();
+        (self.tell)(Told::Patch { bytes, tables: Box::new(tables), board, firmware, frame_source });
         Ok(())
     }
 
@@ -382,10 +329,15 @@ impl Board {
     }
 
     fn make_reference(&mut self, link: &mut Link, patch: &PatchInfo) -> Result<(), LinkError> {
-        self.state(Phase::Taring, "averaging the untouched skin");
+        self.state(Phase::Taring, AVERAGING);
         tare(link, DEFAULT_TARE_FRAMES, tare_timeout(patch, DEFAULT_TARE_FRAMES))?;
         self.made_now = true;
         Ok(())
+    }
+
+    /// Whether frames of a tare are told as well, as somebody wants raw codes: then it is made in the stream.
+    fn shows_tares(&self) -> bool {
+        self.selection.measurements > 0
     }
 
     /// The board has this reference; one that it had not before was made by somebody else.
@@ -403,10 +355,21 @@ impl Board {
     }
 
     /// Streams until it is to stop, or to make a reference.
-    fn stream(&mut self, link: &mut Link, patch: &mut PatchInfo) -> Result<Option<Stop>, LinkError> {
+    fn stream(
+        &mut self,
+        link: &mut Link,
+        patch: &mut PatchInfo,
+        begins_with_tare: bool,
+    ) -> Result<Option<Stop>, LinkError> {
         let silence = frame_timeout(patch);
         let mut stream = link.subscribe(self.selection)?;
-        self.state(Phase::Live, stream.thinned_out(self.selection).unwrap_or_default());
+        let thinned_out = stream.thinned_out(self.selection).unwrap_or_default();
+        let mut averaging = None;
+        if begins_with_tare {
+            averaging = Some(Averaging::begin(stream.link(), patch)?);
+        } else {
+            self.state(Phase::Live, thinned_out.as_str());
+        }
         let (mut heard, mut touched) = (Instant::now(), Instant::now());
         let mut is_said = false;
         loop {
@@ -424,8 +387,12 @@ impl Board {
                     }
                 }
             }
-            if self.wants_tare && touched.elapsed() >= FREE {
+            if self.wants_tare && averaging.is_none() && touched.elapsed() >= FREE {
                 self.wants_tare = false;
+                if self.shows_tares() {
+                    averaging = Some(Averaging::begin(stream.link(), patch)?);
+                    continue;
+                }
                 stream.stop()?;
                 self.make_reference(link, patch)?;
                 return Ok(None);
@@ -445,6 +412,18 @@ impl Board {
             heard = Instant::now();
             if frame.contacts.as_ref().is_some_and(|contacts| !contacts.is_empty()) {
                 touched = heard;
+            }
+            if let Some(tare) = &mut averaging {
+                match tare.take(&frame) {
+                    Taken::First => self.state(Phase::Taring, AVERAGING),
+                    Taken::More => {}
+                    Taken::Last => {
+                        (averaging, self.made_now, self.wants_tare) = (None, true, false);
+                        self.know_reference(Untouched::of(stream.link(), patch)?);
+                        self.state(Phase::Live, thinned_out.as_str());
+                    }
+                    Taken::TooLate(why) => return Err(stream.link().error(why)),
+                }
             }
             if self.wants_tare && touched == heard && !std::mem::replace(&mut is_said, true) {
                 self.state(
