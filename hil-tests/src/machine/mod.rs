@@ -169,6 +169,7 @@ impl Machine {
         self.chip(|chip| {
             chip.flash.cut(seed);
             chip.uart.unplug();
+            chip.usart1.unplug();
             chip.lose_power();
         });
         self.power_up()
