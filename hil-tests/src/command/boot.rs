@@ -61,9 +61,19 @@ pub(super) fn boot(
     keep_trace: bool,
     skin: Option<Skin>,
 ) -> Result<(VirtualBoard, Arc<firmware::Firmware>), Box<dyn Error>> {
-    let Rig::Virtual(VirtualRig { firmware, elf, mut options, .. }) = firmware.open()? else {
-        let rig = firmware.rig_file();
-        return Err(format!("rig `{}` is a real board; it needs no emulator", rig.display()).into());
+    let rig = firmware.rig_file();
+    let (firmware, elf, mut options) = match firmware.open()? {
+        Rig::Virtual(VirtualRig { firmware, elf, options, .. }) => (firmware, elf, options),
+        Rig::Bus(_) => {
+            return Err(format!(
+                "rig `{}` puts boards on one line: only `run` and `cases` do",
+                rig.display()
+            )
+            .into());
+        }
+        Rig::Board { .. } => {
+            return Err(format!("rig `{}` is a real board; it needs no emulator", rig.display()).into());
+        }
     };
     options.keep_trace = keep_trace;
     if let (Some(world), Some(skin)) = (&mut options.world, skin) {

@@ -203,6 +203,13 @@ impl Machine {
         self.sleeps = false;
     }
 
+    /// The CPU stands still until then, as while the flash that it runs from is erased; the rest of the chip goes on.
+    pub fn stand_until(&mut self, end: Time) -> Result<(), Halt> {
+        self.pass_time()?;
+        self.state.now.set(self.now().max(end));
+        self.pass_time()
+    }
+
     /// From now on, counts the cycles of each call of the function at this address.
     pub fn count_calls(&mut self, function: u32) {
         *self.state.calls.borrow_mut() = Some(Calls::of(function, self.cycles()));

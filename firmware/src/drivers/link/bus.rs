@@ -253,7 +253,14 @@ impl Listener<'_> {
                 None => {}
             }
         }
-        if kept > 0 && REQUESTS.try_write(&bytes[..kept]) != Ok(kept) {
+        let mut left = &bytes[..kept];
+        // The pipe takes them in two pieces where they go round its end.
+        while !left.is_empty()
+            && let Ok(taken) = REQUESTS.try_write(left)
+        {
+            left = &left[taken..];
+        }
+        if !left.is_empty() {
             warn!("bytes of a request dropped: those before it were not read yet");
         }
         is_mine
