@@ -72,6 +72,11 @@ fn now(bus: &Bus) -> Time {
     bus.with(|line| line.now())
 }
 
+/// How long a board's CPU has slept, s.
+fn slept(bus: &Bus, board: usize) -> f64 {
+    bus.with(move |line| line.machine(board).slept().seconds())
+}
+
 fn millis(time: Time) -> f64 {
     time.seconds() * 1e3
 }
@@ -133,7 +138,7 @@ fn tared(rig: &Rig, addresses: &[u8]) -> Result<(Bus, Master, Vec<Link>), Failur
         (0..addresses.len()).map(|place| master.link(place)).collect::<Result<_, _>>()?;
     for link in &mut links {
         let drive = link.info()?.drive.ok_or_else(|| Failure::wrong("the board has no drive"))?;
-        link.request(&Request::Drive(Some(Drive { frame_rate: 100.0, ..drive })))?;
+        link.request(&Request::Drive(Some(Drive { frame_rate: 200.0, ..drive })))?;
         link::tare(link, 20, TIMEOUT)?;
     }
     Ok((bus, master, links))
@@ -361,7 +366,8 @@ fn addresses(rig: &Rig) -> Result<String, Failure> {
     bus.with(|line| line.take_record());
     let all: Vec<u8> = (0..ADDRESSES).collect();
     let master = Master::new(bus.clone(), &all);
-    master.run(Time::from_millis(400))?;
+    let quiet = Time::from_millis(400);
+    master.run(quiet)?;
     for &address in &all {
         let (place, is_present) = (usize::from(address), present.contains(&address));
         let lapsed = master.lapsed(place);
@@ -374,5 +380,17 @@ fn addresses(rig: &Rig) -> Result<String, Failure> {
         ensure(identity.board == "nucleo-g474re-rs485", || format!("it calls itself {}", identity.board))?;
     }
     checked_clean(&bus, &present)?;
-    Ok(format!("{present:?}"))
+    // What a turn costs those whose it is, and those whose it is not.
+    let mut costs = Vec::new();
+    for address in [0, 5] {
+        let master = Master::new(bus.clone(), &[address]);
+        bus.with(|line| line.take_record());
+        let since = slept(&bus, 0);
+        let begun = now(&bus);
+        master.run(quiet)?;
+        let busy = now(&bus).since(begun).seconds() - (slept(&bus, 0) - since);
+        costs.push(1e6 * busy / checked_clean(&bus, &present)?.turns as f64);
+    }
+    let [own, other] = costs[..] else { return Err(Failure::wrong("two turns are compared")) };
+    Ok(format!("{present:?}; a turn keeps its board awake for {own:.0} us, another one for {other:.0}"))
 }

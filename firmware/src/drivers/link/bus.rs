@@ -31,7 +31,7 @@ use embassy_sync::{
     pipe::Pipe,
     signal::Signal,
 };
-use embassy_time::{Duration, Instant, Timer, with_timeout};
+use embassy_time::{Duration, Instant, Timer};
 
 use super::{OUTGOING_BYTES, Outgoing, REOPEN_PAUSE, RING_BYTES, Urgency, config};
 use crate::board::{Interrupts, LinkParts, executor};
@@ -184,7 +184,14 @@ async fn serve(parts: &mut LinkParts, ring: &mut [u8; RING_BYTES]) -> Result<Inf
     let (mut tx, rx) = uart.expect("the UART can do LINK_BAUD").split();
     let mut rx = rx.into_ring_buffered(ring);
     rx.start_uart();
-    let mut listener = Listener { rx, address, ear: Ear::default(), nothing_unread: Instant::now() };
+    let mut listener = Listener {
+        rx,
+        address,
+        ear: Ear::default(),
+        bytes: [0; 128],
+        nothing_unread: Instant::now(),
+        look: Timer::after(LOOK_INTERVAL),
+    };
     loop {
         while !listener.hear().await? {}
         match select(listener.overhear(), speak(&mut tx, address)).await {
@@ -210,34 +217,37 @@ struct Listener<'a> {
     rx: RingBufferedUartRx<'a>,
     address: u8,
     ear: Ear,
+    bytes: [u8; 128],
     /// When nothing unread was there last.
     nothing_unread: Instant,
+    /// The line is looked at again.
+    look: Timer,
 }
 
 impl Listener<'_> {
     /// Takes what has come, or looks again; says whether the board may speak now.
     async fn hear(&mut self) -> Result<bool, Error> {
-        // Bytes that come as fast as they are read must not keep the acquisition waiting.
-        yield_now().await;
         let looked = Instant::now();
-        let mut bytes = [0; 128];
-        let Ok(read) = with_timeout(LOOK_INTERVAL, self.rx.read(&mut bytes)).await else {
+        let Either::First(read) = select(self.rx.read(&mut self.bytes), &mut self.look).await else {
+            self.look = Timer::after(LOOK_INTERVAL);
             self.nothing_unread = looked;
             return Ok(false);
         };
         let length = read?;
-        let is_mine = self.take(&mut bytes[..length]);
-        let came_after = self.nothing_unread;
-        if length == bytes.len() {
+        let is_mine = self.take(length);
+        if length == self.bytes.len() {
+            // Bytes that come as fast as they are read must not keep the acquisition waiting.
+            yield_now().await;
             return Ok(false);
         }
-        self.nothing_unread = Instant::now();
-        Ok(is_mine && came_after.elapsed() < OLDEST_TURN)
+        let came_after = core::mem::replace(&mut self.nothing_unread, Instant::now());
+        Ok(is_mine && self.nothing_unread - came_after < OLDEST_TURN)
     }
 
     /// Hands on what belongs to requests to this board; says whether its turn was the last block heard.
-    fn take(&mut self, bytes: &mut [u8]) -> bool {
+    fn take(&mut self, length: usize) -> bool {
         let (mut kept, mut is_mine) = (0, false);
+        let bytes = &mut self.bytes[..length];
         for place in 0..bytes.len() {
             match self.ear.hear(bytes[place]) {
                 Some(Heard::Token { mark, address }) => {
