@@ -46,11 +46,11 @@ pub(super) const CASES: &[Case] = &[
 const CONTACTS: Selection =
     Selection { images: 0, contacts: 1, measurements: 0, health: 100, scope: 0, scope_slot: 0 };
 
-/// A flash with the firmware and the patch of a shipped skin, which a board of its own has taken over the line.
-fn flashed(rig: &Rig, skin: &str) -> Result<Flash, Failure> {
+/// A flash with the firmware and the rig's skin's patch, which a board of its own has taken over the line.
+fn flashed(rig: &Rig) -> Result<Flash, Failure> {
     let bus = rig.bus().start(&[0], &rig.bus().flash())?;
     bus.with(|line| line.take_record());
-    link::upload(&mut Master::new(bus.clone(), &[0]).link(0)?, &patches::shipped(skin)?, |_| ())?;
+    link::upload(&mut Master::new(bus.clone(), &[0]).link(0)?, &patches::shipped("disc-210mm")?, |_| ())?;
     checked(&bus, &[0])?;
     Ok(bus.with(|line| line.machine(0).chip(|chip| chip.flash.clone())))
 }
@@ -131,7 +131,7 @@ fn alone(rig: &Rig) -> Result<String, Failure> {
 
 /// Boards at these addresses with the disc's patch, tared, and their links.
 fn tared(rig: &Rig, addresses: &[u8]) -> Result<(Bus, Master, Vec<Link>), Failure> {
-    let bus = rig.bus().start(addresses, &flashed(rig, "disc-210mm")?)?;
+    let bus = rig.bus().start(addresses, &flashed(rig)?)?;
     bus.with(|line| line.take_record());
     let master = Master::new(bus.clone(), addresses);
     let mut links: Vec<Link> =

@@ -61,8 +61,17 @@ pub(super) fn boot(
     keep_trace: bool,
     skin: Option<Skin>,
 ) -> Result<(VirtualBoard, Arc<firmware::Firmware>), Box<dyn Error>> {
-    let rig = firmware.rig_file();
-    let (firmware, elf, mut options) = match firmware.open()? {
+    boot_on(firmware.open()?, &firmware.rig_file(), keep_trace, skin)
+}
+
+/// The same on a rig that is open.
+pub(super) fn boot_on(
+    opened: Rig,
+    rig: &Path,
+    keep_trace: bool,
+    skin: Option<Skin>,
+) -> Result<(VirtualBoard, Arc<firmware::Firmware>), Box<dyn Error>> {
+    let (firmware, elf, mut options) = match opened {
         Rig::Virtual(VirtualRig { firmware, elf, options, .. }) => (firmware, elf, options),
         Rig::Bus(_) => {
             return Err(format!(
