@@ -215,7 +215,7 @@ mod tests {
         assert!(wrong(record(165, &on), &[5]).contains("speaks on"));
         let other = [&[0][..], &Mark::End.block(4)].concat();
         assert!(wrong(record(165, &other), &[5]).contains("says Token"));
-        let filler = [1; TURN_BYTES - 4];
+        let filler = [1; TURN_BYTES - 3];
         let long = [&[0, Mark::Said.byte(5)][..], &filler, &[0, 0, Mark::Said.byte(5)]].concat();
         assert!(record(165, &long[..long.len() - 1]).check(&[5]).is_ok());
         assert!(wrong(record(165, &long), &[5]).contains("begins a packet after"));

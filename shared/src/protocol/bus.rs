@@ -11,6 +11,8 @@
 //! | `0x30` + address | board | packet, without its zero byte | a reply or an event |
 //! | `0x40` + address | board | complement of the mark | the turn ends |
 //!
+//! Whoever begins to speak sends a zero byte first, which ends what noise or a speaker that was cut off have left.
+//!
 //! A board speaks in its turn only. It begins within [`TURN_LAPSES_MS`] of the turn, or not at all; it begins packets as
 //! long as it has sent fewer than [`TURN_BYTES`], and then ends the turn. So a host that has heard nothing for longer may
 //! give the line to another board.
