@@ -109,7 +109,7 @@ impl Requests {
     fn reply_to(&mut self, request: &RequestPacket) {
         let reply = self.state.device.borrow_mut().handle(request, Instant::now().as_millis());
         self.reply.clear();
-        match protocol::encode(&reply, self.reply.room()).map(|packet| packet.len()) {
+        match protocol::encode(&reply, self.reply.room()).map(<[u8]>::len) {
             Ok(length) => self.reply.add(length),
             Err(error) => warn!("reply not sent: {}", Debug2Format(&error)),
         }

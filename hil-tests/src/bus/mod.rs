@@ -9,6 +9,9 @@
 
 pub mod master;
 pub mod record;
+mod rig;
+
+pub use rig::BusRig;
 
 use crate::{
     chip::{Chip, flash::Flash, time::Time, usart::Symbol},

@@ -6,10 +6,9 @@ use super::{
 };
 use dermatome::{link, link::trim::Plug, model::Model, quantize, skin::Skin};
 use dermatome_hil::{
-    bus::{Bus, SLICE, master::Master},
+    bus::{Bus, BusRig, SLICE, master::Master},
     chip::time::Time,
     machine::Halt,
-    rig::BusRig,
 };
 use dermatome_shared::protocol::bus::{Ear, Heard, Mark};
 use std::{

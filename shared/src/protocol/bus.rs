@@ -44,7 +44,7 @@ impl Mark {
     /// The mark's byte for an address, of which the four low bits count.
     #[must_use]
     pub const fn byte(self, address: u8) -> u8 {
-        self as u8 | address % ADDRESSES
+        self as u8 | (address % ADDRESSES)
     }
 
     /// The whole block of a [`Mark::Turn`] or [`Mark::End`].
