@@ -136,7 +136,7 @@ impl Turn {
         self.quiet_since = self.quiet_since.max(at);
         match self.ear.hear(byte) {
             Some(Heard::Byte { mark: Mark::Said, address: own, byte }) if own == address => {
-                self.heard.push(byte)
+                self.heard.push(byte);
             }
             Some(Heard::Token { mark: Mark::End, address: own }) if own == address => self.ended = true,
             _ => {}

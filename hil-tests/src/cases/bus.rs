@@ -62,7 +62,7 @@ fn flashed(rig: &Rig) -> Result<Flash, Failure> {
 
 fn flash_one(rig: &Rig) -> Result<Flash, Failure> {
     let bus = rig.bus().start(&[0], &rig.bus().flash())?;
-    bus.with(|line| line.take_record());
+    bus.with(Line::take_record);
     link::upload(&mut Master::new(bus.clone(), &[0]).link(0)?, &patches::shipped("disc-210mm")?, |_| ())?;
     checked(&bus, &[0])?;
     Ok(bus.with(|line| line.machine(0).chip(|chip| chip.flash.clone())))
@@ -70,7 +70,7 @@ fn flash_one(rig: &Rig) -> Result<Flash, Failure> {
 
 /// What the line's record shows, if all was in turn.
 fn checked(bus: &Bus, addresses: &[u8]) -> Result<Findings, Failure> {
-    let record = bus.with(|line| line.take_record());
+    let record = bus.with(Line::take_record);
     record.check(addresses).map_err(Failure::wrong)
 }
 
@@ -110,7 +110,7 @@ fn utilisation(findings: &Findings, bus: &Bus, since: Time) -> String {
 fn alone(rig: &Rig) -> Result<String, Failure> {
     let bus = rig.bus().start(&[0], &rig.bus().flash())?;
     bus.with(|line| line.let_hear_itself(0, true));
-    bus.with(|line| line.take_record());
+    bus.with(Line::take_record);
     let mut link = Master::new(bus.clone(), &[0]).link(0)?;
     let board = link.identity().board.clone();
     let patch = patches::shipped("disc-210mm")?;
@@ -145,7 +145,7 @@ fn alone(rig: &Rig) -> Result<String, Failure> {
 /// Boards at these addresses with the disc's patch, tared, and their links.
 fn tared(rig: &Rig, addresses: &[u8]) -> Result<(Bus, Master, Vec<Link>), Failure> {
     let bus = rig.bus().start(addresses, &flashed(rig)?)?;
-    bus.with(|line| line.take_record());
+    bus.with(Line::take_record);
     let master = Master::new(bus.clone(), addresses);
     let mut links: Vec<Link> =
         (0..addresses.len()).map(|place| master.link(place)).collect::<Result<_, _>>()?;
@@ -285,7 +285,7 @@ fn disturbed(rig: &Rig) -> Result<String, Failure> {
 
 fn same_address(rig: &Rig) -> Result<String, Failure> {
     let bus = rig.bus().start(&[0, 3, 3], &rig.bus().flash())?;
-    bus.with(|line| line.take_record());
+    bus.with(Line::take_record);
     let master = Master::new(bus.clone(), &[0, 3]);
     let mut link = master.link(0)?;
     let mut collided = Vec::new();
@@ -298,7 +298,7 @@ fn same_address(rig: &Rig) -> Result<String, Failure> {
             "the board with an address of its own is disturbed".to_owned()
         })?;
         ensure(master.lapsed(1) > lapsed[1] + 5, || "two boards of one address answer as one".to_owned())?;
-        collided.push(bus.with(|line| line.take_record()).collided());
+        collided.push(bus.with(Line::take_record).collided());
     }
     ensure(collided.iter().all(|&bytes| bytes > 20), || format!("{collided:?} bytes collided"))?;
     // Without the other one it is understood, and has been up all the time.
@@ -346,7 +346,7 @@ fn stands_still(rig: &Rig) -> Result<String, Failure> {
     let mut answered = Vec::new();
     for step in 0..STANDS {
         let stands = stands(step);
-        bus.with(|line| line.take_record());
+        bus.with(Line::take_record);
         bus.with(move |line| {
             // Some time after the line was looked at last, another one each time.
             line.run_until(line.now() + Time::from_micros(1000 + 130 * step))?;
@@ -378,7 +378,7 @@ fn stands_still(rig: &Rig) -> Result<String, Failure> {
 fn addresses(rig: &Rig) -> Result<String, Failure> {
     let present = [0, 5, 10, 15];
     let bus = rig.bus().start(&present, &rig.bus().flash())?;
-    bus.with(|line| line.take_record());
+    bus.with(Line::take_record);
     let all: Vec<u8> = (0..ADDRESSES).collect();
     let master = Master::new(bus.clone(), &all);
     let quiet = Time::from_millis(400);
@@ -421,7 +421,7 @@ fn addresses(rig: &Rig) -> Result<String, Failure> {
     let mut costs = Vec::new();
     for address in [0, 5] {
         let master = Master::new(bus.clone(), &[address]);
-        bus.with(|line| line.take_record());
+        bus.with(Line::take_record);
         let since = slept(&bus, 0);
         let begun = now(&bus);
         master.run(quiet)?;
