@@ -47,6 +47,9 @@ pub(super) const CASES: &[Case] = &[
     Case { name: "each address is heard by its board alone", needs: NEEDS, run: addresses },
 ];
 
+/// Bytes of stack that the firmware has (firmware/memory).
+const STACK: u32 = 30_720;
+
 /// All that a frame shows of contacts.
 const CONTACTS: Selection =
     Selection { images: 0, contacts: 1, measurements: 0, health: 100, scope: 0, scope_slot: 0 };
@@ -121,20 +124,25 @@ fn alone(rig: &Rig) -> Result<String, Failure> {
     link::tare(&mut link, 20, TIMEOUT)?;
     let since = now(&bus);
     let mut stream = link.subscribe(Selection { images: 1, ..CONTACTS })?;
-    let (mut images, mut load) = (0, 0.0_f32);
+    let (mut images, mut load, mut free_stack) = (0, 0.0_f32, u32::MAX);
     for _ in 0..150 {
         let frame = next_frame(&mut stream)?;
         images += usize::from(frame.image.is_some());
         ensure(frame.contacts.is_some(), || "a frame has no contacts".to_owned())?;
-        load = load.max(frame.health.map_or(0.0, |health| health.vitals.load));
+        if let Some(health) = frame.health {
+            load = load.max(health.vitals.load);
+            free_stack = free_stack.min(health.vitals.free_stack);
+        }
     }
     ensure_complete(&mut stream)?;
     drop(stream);
+    // As of a board alone.
+    ensure(free_stack >= STACK / 4, || format!("{free_stack} bytes of stack are free"))?;
     ensure(images >= 149, || format!("{images} images in 150 frames"))?;
     let findings = checked_clean(&bus, &[0])?;
     ensure(findings.lapsed == 0, || format!("{} turns were not answered", findings.lapsed))?;
     Ok(format!(
-        "{board}, which hears itself: {} bytes uploaded in {upload:.2} s; {images} images, {}; {}; CPU {:.0} %",
+        "{board}, which hears itself, {free_stack} bytes of its stack free: {} bytes uploaded in {upload:.2} s; {images} images, {}; {}; CPU {:.0} %",
         patch.len(),
         latency(&findings),
         utilisation(&findings, &bus, since),
