@@ -5,6 +5,7 @@
 
 use crate::{
     board::VirtualBoard,
+    bus::BusRig,
     chip::{flash::Flash, time::Time, usart::Symbol},
     machine::{Halt, Machine, Options, cycles::Timing},
     probe::{Programmer, ProgrammerError, emulated},
@@ -50,6 +51,8 @@ pub enum Capability {
     BreakCpu,
     /// Measure time on the board's own clock, and say what happened when.
     VirtualTime,
+    /// Put several boards on one line.
+    SharedLine,
 }
 
 impl fmt::Display for Capability {
@@ -64,6 +67,7 @@ impl fmt::Display for Capability {
             Self::Log => "read its log",
             Self::BreakCpu => "make the CPU hang or fault",
             Self::VirtualTime => "tell virtual time",
+            Self::SharedLine => "put several boards on one line",
         })
     }
 }
@@ -73,18 +77,9 @@ impl fmt::Display for Capability {
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub enum RigFile {
     /// The firmware's ELF on an emulated STM32G474.
-    Virtual {
-        /// The ELF, seen from the rig file's folder.
-        elf: PathBuf,
-        /// What the manuals leave open of the core's cycles: `pessimistic` or `optimistic`.
-        timing: Timing,
-        /// Bits per second of the host's end of the link.
-        baud: u64,
-        /// What is random.
-        seed: u64,
-        /// What it measures; without it, nothing is connected.
-        world: Option<WorldTable>,
-    },
+    Virtual(EmulatedTable),
+    /// The same on several of them, whose links share a line.
+    Bus(EmulatedTable),
     /// A real board.
     Board {
         /// Its serial port.
@@ -94,6 +89,22 @@ pub enum RigFile {
         /// The firmware that the probe programs first, seen from the rig file's folder.
         elf: Option<PathBuf>,
     },
+}
+
+/// What a rig file says of emulated boards.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EmulatedTable {
+    /// The firmware's ELF, seen from the rig file's folder.
+    pub elf: PathBuf,
+    /// What the manuals leave open of the core's cycles: `pessimistic` or `optimistic`.
+    pub timing: Timing,
+    /// Bits per second of the host's end of the link.
+    pub baud: u64,
+    /// What is random.
+    pub seed: u64,
+    /// What it measures; without it, nothing is connected.
+    pub world: Option<WorldTable>,
 }
 
 /// `[world]` of a rig file: what an emulated board measures. Files are seen from the rig file's folder.
@@ -114,6 +125,20 @@ pub struct WorldTable {
 
 fn yes() -> bool {
     true
+}
+
+impl EmulatedTable {
+    /// Firmware, its file and how it runs; `elf` takes the place of the rig file's own.
+    fn parts(self, path: &Path, elf: Option<&Path>) -> Result<(Arc<Firmware>, PathBuf, Options), RigError> {
+        let Self { elf: own, timing, baud, seed, world } = self;
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let world = world.map(|world| world.setup(folder, seed).map(Arc::new)).transpose();
+        let world = world.map_err(|reason| RigError::World { path: path.to_owned(), reason })?;
+        let options =
+            options(timing, baud, seed).map_err(|reason| RigError::File { path: path.to_owned(), reason })?;
+        let elf = elf.map_or_else(|| beside(path, &own), Path::to_owned);
+        Ok((Arc::new(Firmware::load(&elf)?), elf, Options { world, ..options }))
+    }
 }
 
 impl WorldTable {
@@ -197,6 +222,8 @@ pub enum RigError {
 pub enum Rig {
     /// An emulated board.
     Virtual(VirtualRig),
+    /// What emulated boards on one line are made of; a case makes them.
+    Bus(BusRig),
     /// A real one.
     Board {
         /// Where it is.
@@ -244,14 +271,13 @@ impl Rig {
             .map_err(|reason| RigError::Read { path: path.to_owned(), reason })?;
         let wrong = |reason: String| RigError::File { path: path.to_owned(), reason };
         match toml::from_str(&text).map_err(|error| wrong(error.to_string()))? {
-            RigFile::Virtual { elf: own, timing, baud, seed, world } => {
-                let folder = path.parent().unwrap_or(Path::new("."));
-                let world = world.map(|world| world.setup(folder, seed).map(Arc::new)).transpose();
-                let world = world.map_err(|reason| RigError::World { path: path.to_owned(), reason })?;
-                let options = options(timing, baud, seed).map_err(wrong)?;
-                let elf = elf.map_or_else(|| beside(path, &own), Path::to_owned);
-                let firmware = Arc::new(Firmware::load(&elf)?);
-                Ok(Self::Virtual(VirtualRig::start(firmware, elf, Options { world, ..options })?))
+            RigFile::Virtual(table) => {
+                let (firmware, elf, options) = table.parts(path, elf)?;
+                Ok(Self::Virtual(VirtualRig::start(firmware, elf, options)?))
+            }
+            RigFile::Bus(table) => {
+                let (firmware, _, options) = table.parts(path, elf)?;
+                Ok(Self::Bus(BusRig { firmware, options }))
             }
             RigFile::Board { port, probe, elf: own } => {
                 let port: Port = port.parse().map_err(|error| wrong(format!("`port`: {error}")))?;
@@ -283,6 +309,7 @@ impl Rig {
             Self::Virtual(VirtualRig { firmware, elf, options, .. }) => {
                 Ok(Self::Virtual(VirtualRig::start(firmware.clone(), elf.clone(), options.clone())?))
             }
+            Self::Bus(rig) => Ok(Self::Bus(rig.clone())),
             Self::Board { port, programmer } => {
                 let board = Self::Board { port: port.clone(), programmer: programmer.clone() };
                 if board.can(Capability::Reset) {
@@ -305,7 +332,8 @@ impl Rig {
     #[must_use]
     pub fn can(&self, capability: Capability) -> bool {
         match self {
-            Self::Virtual(_) => true,
+            Self::Virtual(_) => capability != Capability::SharedLine,
+            Self::Bus(_) => capability == Capability::SharedLine,
             Self::Board { programmer, .. } => {
                 programmer.as_ref().is_some_and(|programmer| match capability {
                     Capability::Reset => true,
@@ -320,6 +348,7 @@ impl Rig {
     pub fn reset(&self) -> Result<(), RigError> {
         match self {
             Self::Virtual(rig) => rig.board.with(Machine::press_reset)?,
+            Self::Bus(_) => panic!("{UNDECLARED}"),
             Self::Board { programmer, .. } => needed(programmer).reset()?,
         }
         Ok(self.wait(Duration::from_nanos(START_TIME.nanoseconds()))?)
@@ -329,6 +358,7 @@ impl Rig {
     pub fn program(&self) -> Result<(), RigError> {
         match self {
             Self::Virtual(rig) => rig.program(rig.firmware.clone())?,
+            Self::Bus(_) => panic!("{UNDECLARED}"),
             Self::Board { programmer, .. } => needed(programmer).program()?,
         }
         Ok(self.wait(Duration::from_nanos(START_TIME.nanoseconds()))?)
@@ -342,6 +372,7 @@ impl Rig {
                 let _ = rig.board.run(START_TIME);
                 Ok(rig.board.link()?)
             }
+            Self::Bus(_) => panic!("{UNDECLARED}"),
             Self::Board { port, .. } => port::open(port),
         }
     }
@@ -350,6 +381,7 @@ impl Rig {
     pub fn wait(&self, time: Duration) -> Result<(), Halt> {
         match self {
             Self::Virtual(rig) => rig.board.run(Time::from(time)),
+            Self::Bus(_) => panic!("{UNDECLARED}"),
             Self::Board { .. } => {
                 std::thread::sleep(time);
                 Ok(())
@@ -374,7 +406,19 @@ impl Rig {
     pub fn emulated_rig(&self) -> &VirtualRig {
         match self {
             Self::Virtual(rig) => rig,
-            Self::Board { .. } => panic!("{UNDECLARED}"),
+            Self::Bus(_) | Self::Board { .. } => panic!("{UNDECLARED}"),
+        }
+    }
+
+    /// What boards on one line are made of.
+    ///
+    /// # Panics
+    /// If the rig cannot put them there, as [`Rig::emulated`].
+    #[must_use]
+    pub fn bus(&self) -> &BusRig {
+        match self {
+            Self::Bus(rig) => rig,
+            Self::Virtual(_) | Self::Board { .. } => panic!("{UNDECLARED}"),
         }
     }
 

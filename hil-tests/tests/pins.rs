@@ -10,16 +10,20 @@ fn read(path: &str) -> String {
 
 /// Pins that a board of the firmware uses: those that its source names as types, which alone can be handed to
 /// a driver, and all of the one port that it names.
-fn pins_of(board: &str) -> BTreeSet<String> {
-    let files = ["mod.rs", "sensing.rs"].map(|file| format!("{board}/{file}"));
-    let source: String = files.iter().map(|file| read(&format!("firmware/src/board/{file}"))).collect();
-    // Pins that a type names, and those that the board takes as they are.
-    let taken = ["peripherals::", "chip."].into_iter().flat_map(|prefix| after(&source, prefix));
-    let named = taken.filter(|name| is_pin(name)).map(str::to_owned);
+fn pins_of(board: &str, files: &[&str]) -> BTreeSet<String> {
+    let source: String =
+        files.iter().map(|file| read(&format!("firmware/src/board/{board}/{file}"))).collect();
+    let named = named(&source);
     let ports: BTreeSet<_> = after(&source, "pac::GPIO").collect();
     assert_eq!(ports.len(), 1, "{board}: the multiplexers have one port: {ports:?}");
     let whole = ports.iter().flat_map(|port| (0..16).map(move |bit| format!("P{port}{bit}")));
-    named.chain(whole).collect()
+    named.into_iter().chain(whole).collect()
+}
+
+/// Pins that a type names, and those that a board takes as they are.
+fn named(source: &str) -> BTreeSet<String> {
+    let taken = ["peripherals::", "chip."].into_iter().flat_map(|prefix| after(source, prefix));
+    taken.filter(|name| is_pin(name)).map(str::to_owned).collect()
 }
 
 /// The names that follow a prefix.
@@ -35,11 +39,20 @@ fn is_pin(name: &str) -> bool {
         && place.get(1..).is_some_and(|bit| bit.parse::<u8>().is_ok_and(|bit| bit < 16))
 }
 
-/// Pin and peripheral of each row of the table.
+/// Pin and peripheral of each row of the board's table.
 fn rows() -> Vec<(String, String)> {
+    rows_of("pins")
+}
+
+/// The same of what is other where boards share a line.
+fn rows_on_a_bus() -> Vec<(String, String)> {
+    rows_of("rs485 pins")
+}
+
+fn rows_of(name: &str) -> Vec<(String, String)> {
     let text = read("docs/hardware.md");
-    let (_, after) = text.split_once("<!-- pins: begin -->\n").expect("the table's begin");
-    let (table, _) = after.split_once("<!-- pins: end -->").expect("the table's end");
+    let (_, after) = text.split_once(&format!("<!-- {name}: begin -->\n")).expect("the table's begin");
+    let (table, _) = after.split_once(&format!("<!-- {name}: end -->")).expect("the table's end");
     let cells = |row: &str| row.split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
     table.lines().skip(2).map(cells).map(|row| (row[1].clone(), row[3].clone())).collect()
 }
@@ -47,7 +60,8 @@ fn rows() -> Vec<(String, String)> {
 /// Whether the chip has this: "GPIO output", "TIM3_CH1, AF2" or "DAC1_OUT1, analogue".
 fn exists(pin: &str, peripheral: &str) -> bool {
     let Some((function, kind)) = peripheral.split_once(", ") else {
-        return peripheral == "GPIO output" && METADATA.pins.iter().any(|known| known.name == pin);
+        return ["GPIO output", "GPIO input"].contains(&peripheral)
+            && METADATA.pins.iter().any(|known| known.name == pin);
     };
     let af = kind.strip_prefix("AF").map(|number| number.parse::<u8>().unwrap());
     assert!(
@@ -65,7 +79,7 @@ fn exists(pin: &str, peripheral: &str) -> bool {
 
 #[test]
 fn every_pin_can_do_what_the_table_says() {
-    for (pin, peripheral) in rows() {
+    for (pin, peripheral) in rows().into_iter().chain(rows_on_a_bus()) {
         assert!(exists(&pin, &peripheral), "{pin} has no {peripheral}");
     }
 }
@@ -83,12 +97,28 @@ fn no_pin_is_used_twice_and_port_b_is_all_addresses() {
 #[test]
 fn the_firmware_uses_the_pins_of_the_table_and_no_others() {
     let table: BTreeSet<_> = rows().into_iter().map(|(pin, _)| pin).collect();
-    assert_eq!(pins_of("nucleo_g474re"), table);
+    assert_eq!(pins_of("nucleo_g474re", &["mod.rs", "sensing.rs", "link.rs"]), table);
+}
+
+#[test]
+fn on_a_bus_the_link_has_pins_that_are_free_and_all_else_stays() {
+    let table: BTreeSet<_> = rows().into_iter().map(|(pin, _)| pin).collect();
+    let on_a_bus = rows_on_a_bus();
+    let pins: BTreeSet<_> = on_a_bus.iter().map(|(pin, _)| pin.clone()).collect();
+    assert_eq!(pins.len(), on_a_bus.len());
+    assert!(pins.is_disjoint(&table));
+    // High, they would switch the pull-downs of USB-C's pins on, which are addresses.
+    assert!(["PA9", "PA10"].iter().all(|pin| !pins.contains(*pin)));
+    assert_eq!(named(&read("firmware/src/board/nucleo_g474re/link_rs485.rs")), pins);
+    let common = pins_of("nucleo_g474re", &["mod.rs", "sensing.rs"]);
+    assert!(common.is_disjoint(&pins));
+    let link: BTreeSet<_> = table.difference(&common).map(String::as_str).collect();
+    assert_eq!(link, BTreeSet::from(["PA2", "PA3"]), "the other link's");
 }
 
 #[test]
 fn the_second_board_uses_another_port_and_its_own_link() {
-    let pins = pins_of("nucleo_l496zg");
+    let pins = pins_of("nucleo_l496zg", &["mod.rs", "sensing.rs"]);
     let others: Vec<_> = pins.iter().filter(|pin| !pin.starts_with("PF")).map(String::as_str).collect();
     assert_eq!(others, ["PA4", "PA7", "PC0", "PC1", "PC2", "PC3", "PC6", "PC8", "PG7", "PG8"]);
     assert_eq!(pins.len() - others.len(), 16);

@@ -132,9 +132,13 @@ fn noise_on_the_line_costs_packets_and_is_counted() {
     tare(&mut link, 3, WAIT).unwrap();
     let mut stream = link.subscribe(Selection { contacts: 1, ..Selection::default() }).unwrap();
     // The start of a packet of this board, of another one, half a token, and noise.
-    for noise in
-        [&[0, 0x31, 5, 5, 5, 0][..], &[0, 0x32, 5, 5, 0], &[0, 0x41, 0x41, 0], &[9; 700], &[0, 0x31, 1]]
-    {
+    for noise in [
+        &[0, 0x31, !0x31, 5, 5, 5, 0][..],
+        &[0, 0x32, !0x32, 5, 0],
+        &[0, 0x41, 0x41, 0],
+        &[9; 700],
+        &[0, 0x31, !0x31, 1],
+    ] {
         *line.noise.lock().unwrap() = noise.to_vec();
         for _ in 0..20 {
             stream.next(WAIT).unwrap().expect("a frame");

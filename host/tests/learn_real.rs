@@ -5,7 +5,7 @@ use dermatome::{
         Learnt, Request, Strength,
         judge::{ToldApart, board_contacts, judge_board, pairs, told_apart},
         learn,
-        presses::{Positions, Presses, Recording},
+        presses::{Layout, Positions, Presses, Recording},
     },
     model::Model,
     recorded::{
@@ -37,7 +37,7 @@ fn hydrogel() -> Option<(Skin, Model, Presses)> {
     }
     let mut skin = Skin::parse(Path::new("hydrogel.toml"), HYDROGEL).unwrap().made().unwrap();
     let steps = skin.steps();
-    let recording = Recording::read(Path::new(REAL), None, 0.0, &skin).unwrap();
+    let recording = Recording::read(Path::new(REAL), None, &Layout::default(), &skin).unwrap();
     let map = Arrangement::default().index_map(&steps, 16, 192).unwrap();
     let weights = by_magnitude(&recording.unpressed.mean(), &map, &skin.stimulation().combination);
     skin.inverse.weights = Weights::Each(weights);

@@ -21,6 +21,11 @@ impl Handler<AcquisitionInterrupt> for InterruptHandler {
     }
 }
 
+/// For more tasks, once the executor has been started.
+pub fn spawner() -> SendSpawner {
+    EXECUTOR.spawner()
+}
+
 /// Starts the executor. Can be called once.
 pub fn start() -> SendSpawner {
     // Below the timer and the DMA, above everything that computes.

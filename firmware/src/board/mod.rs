@@ -8,6 +8,7 @@
 //! | board           | chip        | feature         | tested                       |
 //! |-----------------|-------------|-----------------|------------------------------|
 //! | NUCLEO-G474RE   | STM32G474RE | `nucleo-g474re` | on an emulated chip          |
+//! | the same on a bus | STM32G474RE | `nucleo-g474re`, `rs485` | on emulated chips |
 //! | NUCLEO-L496ZG   | STM32L496ZG | `nucleo-l496zg` | not at all: it only builds   |
 //!
 //! What a scan does with its timers is the same on all of them: see `chain`.
@@ -21,6 +22,9 @@ mod nucleo_l496zg;
 compile_error!("two boards: add --no-default-features to --features nucleo-l496zg");
 #[cfg(not(any(feature = "nucleo-g474re", feature = "nucleo-l496zg")))]
 compile_error!("no board: add --features nucleo-g474re or --features nucleo-l496zg");
+
+#[cfg(all(feature = "rs485", not(feature = "nucleo-g474re")))]
+compile_error!("only the nucleo-g474re has a link over RS-485");
 
 mod chain;
 pub mod executor;
@@ -70,6 +74,12 @@ pub struct LinkParts {
     pub tx_dma: Peri<'static, LinkTxDma>,
     /// DMA channel that receives.
     pub rx_dma: Peri<'static, LinkRxDma>,
+    /// Pin that switches the line's driver on.
+    #[cfg(feature = "rs485")]
+    pub de_pin: Peri<'static, LinkDePin>,
+    /// The board's address on the line.
+    #[cfg(feature = "rs485")]
+    pub address: u8,
 }
 
 /// The pins of reflexes, from 1 on: low after a reset, and while a rule is tripped.

@@ -12,39 +12,32 @@ use core::convert::Infallible;
 use defmt::{Debug2Format, warn};
 use dermatome_firmware::{
     board::LinkParts,
-    drivers::link::{LinkPort, LinkRx, LinkTx, RING_BYTES},
+    drivers::link::{LinkPort, LinkRx, LinkTx, OUTGOING_BYTES, Outgoing, REOPEN_PAUSE, RING_BYTES, Urgency},
 };
-use dermatome_shared::protocol::{self, MAX_PACKET_BYTES, PacketError, PacketReader, RequestPacket};
+use dermatome_shared::protocol::{self, PacketError, PacketReader, RequestPacket};
 use embassy_futures::{
     select::{Either, select},
     yield_now,
 };
 use embassy_stm32::usart::Error;
-use embassy_sync::{blocking_mutex::raw::NoopRawMutex, mutex::Mutex};
-use embassy_time::{Duration, Instant, Timer};
+use embassy_time::{Instant, Timer};
 use static_cell::{ConstStaticCell, StaticCell};
 
 use super::State;
 
-/// How long a failed link rests: the last bytes leave the UART, and a line with endless errors
-/// cannot take the whole CPU.
-const REOPEN_PAUSE: Duration = Duration::from_millis(2);
-
-/// Both the replies and the events need the sender.
-type Sender<'a> = Mutex<NoopRawMutex, LinkTx<'a>>;
-type Packet = [u8; MAX_PACKET_BYTES];
+type Packets = [u8; OUTGOING_BYTES];
 
 /// Reads requests and sends replies.
 struct Requests {
     state: &'static State,
     reader: &'static mut PacketReader,
-    reply: &'static mut Packet,
+    reply: Outgoing,
 }
 
 /// Sends events.
 struct Events {
     state: &'static State,
-    packet: &'static mut Packet,
+    packets: Outgoing,
 }
 
 /// Serves the host for ever.
@@ -52,12 +45,12 @@ struct Events {
 pub(crate) async fn run(parts: LinkParts, state: &'static State) -> ! {
     static RING: ConstStaticCell<[u8; RING_BYTES]> = ConstStaticCell::new([0; RING_BYTES]);
     static READER: StaticCell<PacketReader> = StaticCell::new();
-    static REPLY: ConstStaticCell<Packet> = ConstStaticCell::new([0; MAX_PACKET_BYTES]);
-    static EVENT: ConstStaticCell<Packet> = ConstStaticCell::new([0; MAX_PACKET_BYTES]);
+    static REPLY: ConstStaticCell<Packets> = ConstStaticCell::new([0; OUTGOING_BYTES]);
+    static EVENT: ConstStaticCell<Packets> = ConstStaticCell::new([0; OUTGOING_BYTES]);
     let reader = READER.init_with(PacketReader::default);
-    let mut requests = Requests { state, reader, reply: REPLY.take() };
-    let mut events = Events { state, packet: EVENT.take() };
     let mut port = LinkPort::new(parts, RING.take());
+    let mut requests = Requests { state, reader, reply: port.outgoing(REPLY.take()) };
+    let mut events = Events { state, packets: port.outgoing(EVENT.take()) };
     loop {
         let (tx, rx) = port.open();
         let Err(error) = serve(tx, rx, &mut requests, &mut events).await;
@@ -74,22 +67,20 @@ async fn serve(
     requests: &mut Requests,
     events: &mut Events,
 ) -> Result<Infallible, Error> {
-    // Ends what a link that failed before may have left unfinished.
-    tx.write(&[0]).await?;
-    let sender = Sender::new(tx);
-    match select(requests.serve(rx, &sender), events.serve(&sender)).await {
+    tx.begin().await?;
+    match select(requests.serve(rx, &tx), events.serve(&tx)).await {
         Either::First(result) | Either::Second(result) => result,
     }
 }
 
 impl Requests {
-    async fn serve(&mut self, mut rx: LinkRx<'_>, sender: &Sender<'_>) -> Result<Infallible, Error> {
+    async fn serve(&mut self, mut rx: LinkRx<'_>, tx: &LinkTx<'_>) -> Result<Infallible, Error> {
         let mut chunk = [0; 128];
         loop {
             let length = rx.read(&mut chunk).await?;
             for &byte in &chunk[..length] {
                 if let Some(request) = self.reader.push(byte) {
-                    self.answer(&request, sender).await?;
+                    self.answer(&request, tx).await?;
                 }
             }
             // Bytes that come as fast as they are read must not keep the other tasks waiting.
@@ -100,13 +91,13 @@ impl Requests {
     async fn answer(
         &mut self,
         request: &Result<RequestPacket, PacketError>,
-        sender: &Sender<'_>,
+        tx: &LinkTx<'_>,
     ) -> Result<(), Error> {
         match request {
             Ok(request) => {
-                let length = self.reply_to(request);
+                self.reply_to(request);
                 self.state.answered.signal(());
-                sender.lock().await.write(&self.reply[..length]).await?;
+                tx.send(&mut self.reply, Urgency::Reply).await?;
                 self.state.device.borrow_mut().settle();
             }
             Err(error) => warn!("packet dropped: {}", Debug2Format(error)),
@@ -114,15 +105,13 @@ impl Requests {
         Ok(())
     }
 
-    /// Lets the device answer; gives the length of the reply's packet.
-    fn reply_to(&mut self, request: &RequestPacket) -> usize {
+    /// Lets the device answer.
+    fn reply_to(&mut self, request: &RequestPacket) {
         let reply = self.state.device.borrow_mut().handle(request, Instant::now().as_millis());
-        match protocol::encode(&reply, self.reply) {
-            Ok(packet) => packet.len(),
-            Err(error) => {
-                warn!("reply not sent: {}", Debug2Format(&error));
-                0
-            }
+        self.reply.clear();
+        match protocol::encode(&reply, self.reply.room()).map(<[u8]>::len) {
+            Ok(length) => self.reply.add(length),
+            Err(error) => warn!("reply not sent: {}", Debug2Format(&error)),
         }
     }
 
@@ -133,17 +122,29 @@ impl Requests {
 }
 
 impl Events {
-    async fn serve(&mut self, sender: &Sender<'_>) -> Result<Infallible, Error> {
+    async fn serve(&mut self, tx: &LinkTx<'_>) -> Result<Infallible, Error> {
         loop {
-            let next = self.state.events.borrow_mut().pop(self.packet);
-            match next {
-                Some(length) => {
-                    sender.lock().await.write(&self.packet[..length]).await?;
-                    // Lets a reply that waits go first.
-                    yield_now().await;
-                }
-                None => self.state.queued.wait().await,
+            if self.gather() {
+                tx.send(&mut self.packets, Urgency::Event).await?;
+                // Lets a reply that waits go first.
+                yield_now().await;
+            } else {
+                self.state.queued.wait().await;
             }
         }
+    }
+
+    /// Takes what waits and is to be sent in one go; says whether there is anything.
+    fn gather(&mut self) -> bool {
+        let queue = &mut *self.state.events.borrow_mut();
+        self.packets.clear();
+        let Some(first) = queue.pop(self.packets.room()) else { return false };
+        self.packets.add(first);
+        while self.packets.wants_more()
+            && let Some(next) = queue.pop_fitting(self.packets.room())
+        {
+            self.packets.add(next);
+        }
+        true
     }
 }

@@ -7,7 +7,10 @@ pub(crate) mod link;
 
 use core::cell::RefCell;
 
-use dermatome_firmware::{board, drivers::flash::SlotFlash};
+use dermatome_firmware::{
+    board,
+    drivers::{flash::SlotFlash, link::OWN_BYTES},
+};
 use dermatome_shared::{
     device::{BoardFacts, Device, flash_slots::FlashSlotStore},
     pipeline::PipelineState,
@@ -21,8 +24,8 @@ use static_cell::{ConstStaticCell, StaticCell};
 
 /// Bytes of short events that wait for the link: some ten contact lists.
 const SHORT_EVENT_BYTES: usize = 2 * 1024;
-/// Bytes of long ones: some three full images.
-const LONG_EVENT_BYTES: usize = 6 * 1024;
+/// Bytes of long ones: some three full images, less what the link needs of the memory.
+const LONG_EVENT_BYTES: usize = 6 * 1024 - OWN_BYTES;
 
 /// Events that wait for the link.
 pub(crate) type Events = EventQueue<SHORT_EVENT_BYTES, LONG_EVENT_BYTES>;

@@ -1,5 +1,6 @@
 //! Cases: what a board with our firmware must do. Each sees a rig and nothing else.
 
+mod bus;
 mod crash;
 mod line;
 mod log;
@@ -64,7 +65,13 @@ impl Failure {
     }
 }
 
-/// All cases, in the order in which they run.
+/// Those of boards on one line.
+#[must_use]
+pub fn on_a_bus() -> Vec<Case> {
+    bus::CASES.to_vec()
+}
+
+/// All cases of one board, in the order in which they run.
 #[must_use]
 pub fn all() -> Vec<Case> {
     // Those that take longest first, so that the cores that share them end together.

@@ -21,6 +21,7 @@ pub(super) enum Block {
     Adc(u8),
     AdcCommon(u8),
     Opamp(u8),
+    Bus,
 }
 
 /// Timers: name, channels and bits.
@@ -40,7 +41,7 @@ pub(super) const DACS: [&str; 4] = ["DAC1", "DAC2", "DAC3", "DAC4"];
 pub(super) const OPAMPS: [&str; 6] = ["OPAMP1", "OPAMP2", "OPAMP3", "OPAMP4", "OPAMP5", "OPAMP6"];
 
 /// Every block, with its name in the reference manual; a block's place here is its number.
-const NAMED: [(&str, Block); 42] = [
+const NAMED: [(&str, Block); 43] = [
     ("RCC", Block::Rcc),
     ("PWR", Block::Pwr),
     ("FLASH", Block::Flash),
@@ -83,6 +84,7 @@ const NAMED: [(&str, Block); 42] = [
     ("OPAMP4", Block::Opamp(3)),
     ("OPAMP5", Block::Opamp(4)),
     ("OPAMP6", Block::Opamp(5)),
+    ("USART1", Block::Bus),
 ];
 
 impl Block {
@@ -115,6 +117,7 @@ impl Block {
             Self::Adc(place) => (29, place),
             Self::AdcCommon(place) => (34, place),
             Self::Opamp(place) => (36, place),
+            Self::Bus => (42, 0),
         };
         first + usize::from(place)
     }
@@ -181,6 +184,7 @@ impl Chip {
             Block::Adc(place) => &mut self.adcs[usize::from(place)],
             Block::AdcCommon(place) => &mut self.adc_commons[usize::from(place)],
             Block::Opamp(place) => &mut self.opamps[usize::from(place)],
+            Block::Bus => &mut self.usart1,
         }
     }
 
@@ -202,6 +206,7 @@ impl Chip {
             Block::Adc(place) => &self.adcs[usize::from(place)],
             Block::AdcCommon(place) => &self.adc_commons[usize::from(place)],
             Block::Opamp(place) => &self.opamps[usize::from(place)],
+            Block::Bus => &self.usart1,
         }
     }
 }

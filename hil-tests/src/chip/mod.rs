@@ -90,6 +90,8 @@ pub struct Chip {
     pub flash: Flash,
     /// The UART of the link.
     pub uart: Usart,
+    /// The UART of a link over a shared line.
+    pub usart1: Usart,
     /// What happened.
     pub trace: Trace,
     /// Is shown the flash whenever it begins to erase or program.
@@ -137,6 +139,7 @@ impl Chip {
             core: Core::default(),
             flash: Flash::default(),
             uart: Usart::new("LPUART1", wire_baud),
+            usart1: Usart::new("USART1", wire_baud),
             trace: Trace::new(keep_trace),
             flash_observer: FlashObserver::default(),
             rcc: Rcc::default(),
@@ -215,7 +218,7 @@ impl Chip {
             self.touched = Blocks::default();
         }
         self.show_flash();
-        for (time, event) in self.uart.take_passed() {
+        for (time, event) in self.uart.take_passed().into_iter().chain(self.usart1.take_passed()) {
             self.trace.add(time, event);
         }
         if self.flash.raises_nmi() && !self.core.nvic.is_pending(NMI) && self.core.nvic.active() != Some(NMI)

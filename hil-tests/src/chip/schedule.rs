@@ -9,7 +9,7 @@ use super::{
 };
 
 /// Blocks that do something by themselves, in the order in which they act when they are due at once. The
-/// link and the flash are asked each time: the world may touch them.
+/// links and the flash are asked each time: the world may touch them.
 const EVENTFUL: [Block; 13] = [
     Block::Timer(0),
     Block::Timer(1),
@@ -56,10 +56,10 @@ impl Chip {
         self.schedule.first.min(self.next_loud_event())
     }
 
-    /// When something happens next that more depends on than the chip's own blocks: link, flash, SysTick.
+    /// When something happens next that more depends on than the chip's own blocks: links, flash, SysTick.
     fn next_loud_event(&self) -> Time {
-        let world = self.uart.next_event().min(self.flash.next_event());
-        world.min(self.core.next_event(self.cycle))
+        let links = self.uart.next_event().min(self.usart1.next_event());
+        links.min(self.flash.next_event()).min(self.core.next_event(self.cycle))
     }
 
     /// Asks blocks that were touched when they are due.
@@ -118,7 +118,7 @@ impl Chip {
         self.core.advance(self.now, self.cycle);
         let at = Moment { now: next, clocks: self.clocks };
         self.ask_world(next)?;
-        for block in [Block::Flash, Block::Link] {
+        for block in [Block::Flash, Block::Link, Block::Bus] {
             self.advance_block(block, at)?;
         }
         for (place, block) in EVENTFUL.into_iter().enumerate() {

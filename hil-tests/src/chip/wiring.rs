@@ -224,13 +224,17 @@ impl Chip {
             timer.run_at(clocks.timer(if timer.number() == 15 { clocks.apb2 } else { clocks.apb1 }));
         }
         self.follow_adc_clocks();
-        self.uart.clock = self.rcc.uart_clock("LPUART1SEL");
+        self.uart.clock = self.rcc.uart_clock("LPUART1SEL", clocks.apb1);
+        self.usart1.clock = self.rcc.uart_clock("USART1SEL", clocks.apb2);
         self.touched = Blocks::ALL;
     }
 
     /// Finds again what pins carry.
     pub(super) fn follow_wires(&mut self) {
-        self.uart.wired = ["TX", "RX"].map(|signal| self.pins_with("LPUART1", signal).next().is_some());
+        let wired = |name| ["TX", "RX", "DE"].map(|signal| self.pins_with(name, signal).next().is_some());
+        let [link, bus] = ["LPUART1", "USART1"].map(wired);
+        self.uart.wire(link, self.now);
+        self.usart1.wire(bus, self.now);
         let mut wires = Vec::new();
         for (timer, (name, channels, _)) in (0..).zip(TIMERS) {
             for channel in 0..channels {

@@ -61,9 +61,28 @@ pub(super) fn boot(
     keep_trace: bool,
     skin: Option<Skin>,
 ) -> Result<(VirtualBoard, Arc<firmware::Firmware>), Box<dyn Error>> {
-    let Rig::Virtual(VirtualRig { firmware, elf, mut options, .. }) = firmware.open()? else {
-        let rig = firmware.rig_file();
-        return Err(format!("rig `{}` is a real board; it needs no emulator", rig.display()).into());
+    boot_on(firmware.open()?, &firmware.rig_file(), keep_trace, skin)
+}
+
+/// The same on a rig that is open.
+pub(super) fn boot_on(
+    opened: Rig,
+    rig: &Path,
+    keep_trace: bool,
+    skin: Option<Skin>,
+) -> Result<(VirtualBoard, Arc<firmware::Firmware>), Box<dyn Error>> {
+    let (firmware, elf, mut options) = match opened {
+        Rig::Virtual(VirtualRig { firmware, elf, options, .. }) => (firmware, elf, options),
+        Rig::Bus(_) => {
+            return Err(format!(
+                "rig `{}` puts boards on one line: only `run` and `cases` do",
+                rig.display()
+            )
+            .into());
+        }
+        Rig::Board { .. } => {
+            return Err(format!("rig `{}` is a real board; it needs no emulator", rig.display()).into());
+        }
     };
     options.keep_trace = keep_trace;
     if let (Some(world), Some(skin)) = (&mut options.world, skin) {

@@ -3,7 +3,7 @@
 use super::boot::Firmware;
 use dermatome_hil::{
     cases::{self, Case},
-    rig::{Rig, VirtualRig},
+    rig::{Capability, Rig, VirtualRig},
 };
 use std::{
     collections::BTreeMap,
@@ -43,7 +43,7 @@ struct Count {
 impl Cases {
     pub(super) fn run(self) -> Result<ExitCode, Box<dyn Error>> {
         let rig = self.firmware.open()?;
-        let chosen = self.chosen();
+        let chosen = self.chosen(&rig);
         if chosen.is_empty() {
             return Err(format!("no case is called like that: {}", self.names.join(", ")).into());
         }
@@ -53,10 +53,12 @@ impl Cases {
         Ok(if count.failed == 0 && repeats { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 
-    fn chosen(&self) -> Vec<Case> {
+    /// Boards on one line have cases of their own.
+    fn chosen(&self, rig: &Rig) -> Vec<Case> {
         let wanted =
             |case: &Case| self.names.is_empty() || self.names.iter().any(|name| case.name.contains(name));
-        cases::all().into_iter().filter(wanted).collect()
+        let all = if rig.can(Capability::SharedLine) { cases::on_a_bus() } else { cases::all() };
+        all.into_iter().filter(wanted).collect()
     }
 }
 
@@ -101,7 +103,7 @@ impl Count {
 /// Runs the cases, on emulated boards as many side by side as there are cores; prints them in order.
 fn run_all(rig: &Rig, cases: &[Case]) -> Count {
     let workers = match rig {
-        Rig::Virtual(_) => available_parallelism().map_or(1, usize::from),
+        Rig::Virtual(_) | Rig::Bus(_) => available_parallelism().map_or(1, usize::from),
         Rig::Board { .. } => 1,
     };
     let next = AtomicUsize::new(0);

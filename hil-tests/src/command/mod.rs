@@ -14,6 +14,7 @@ mod fingers;
 mod mutants;
 mod power_cuts;
 mod run;
+mod run_bus;
 mod soak;
 mod trace;
 

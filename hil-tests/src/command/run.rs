@@ -1,11 +1,12 @@
-//! `run`: an emulated board that any program can talk to over TCP.
+//! `run`: an emulated board, or several on one line, that any program can talk to over TCP.
 //!
 //! Virtual time follows the clock on the wall, as far as the machine is fast enough: a board that
 //! idles takes next to nothing.
 
 use super::{
-    boot::{Firmware, boot, check_faults},
+    boot::{Firmware, boot_on, check_faults},
     fingers::{Fingers, Pressing},
+    run_bus,
 };
 use dermatome::{
     link::{self, Port, program::log::Log, trim::Plug},
@@ -18,6 +19,7 @@ use dermatome_hil::{
     chip::{time::Time, usart::Symbol},
     fault::{Fault, Schedule},
     probe::emulated::LogReader,
+    rig::Rig,
 };
 use std::{
     error::Error,
@@ -38,16 +40,20 @@ const SLICE_BEHIND: Time = Time::from_millis(5);
 #[derive(clap::Args)]
 pub(super) struct Run {
     #[command(flatten)]
-    firmware: Firmware,
+    pub(super) firmware: Firmware,
+    /// How many boards there are on the line of hil-tests/rigs/rs485.toml, at addresses from 0 on [default: 1]. What
+    /// they send, and what is sent to them, is that of docs/protocol.md, "Bus".
+    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=16), conflicts_with_all = ["faults", "logs"])]
+    boards: Option<u8>,
     /// Skin that the board measures, instead of the rig's; the board holds its patch from the start, as if
     /// it had been flashed before.
     #[arg(long)]
     skin: Option<PathBuf>,
     #[command(flatten)]
-    pressing: Pressing,
+    pub(super) pressing: Pressing,
     /// The test plug of docs/hardware.md takes the place of skin and leads, for `dermatome trim`.
     #[arg(long, conflicts_with_all = ["presses", "path", "material"])]
-    plug: bool,
+    pub(super) plug: bool,
     /// Where programs reach the board.
     #[arg(long, default_value = "tcp:127.0.0.1:7000")]
     listen: Port,
@@ -67,7 +73,25 @@ impl Run {
         let listener = TcpListener::bind(address)
             .map_err(|error| format!("cannot listen at `{}`: {error}", self.listen))?;
         let skin = self.skin.as_deref().map(|path| Skin::load(path)?.made()).transpose()?;
-        let (board, firmware) = boot(&self.firmware, false, skin.clone())?;
+        let rig_file = self.firmware.rig_file();
+        let (board, firmware) = match (self.firmware.open()?, self.boards) {
+            (Rig::Bus(_), _) if !self.faults.is_empty() || self.logs => {
+                return Err(format!(
+                    "rig `{}` puts boards on one line: `--fault` and `--logs` are for one alone",
+                    rig_file.display()
+                )
+                .into());
+            }
+            (Rig::Bus(rig), boards) => return run_bus::run(&self, rig, boards.unwrap_or(1), &listener, skin),
+            (_, Some(_)) => {
+                return Err(format!(
+                    "rig `{}` is one board: `--boards` is for --rig hil-tests/rigs/rs485.toml",
+                    rig_file.display()
+                )
+                .into());
+            }
+            (rig, None) => boot_on(rig, &rig_file, false, skin.clone())?,
+        };
         let log = self.logs.then(|| Log::new(&firmware)).transpose()?;
         let log = log.as_ref().map(|log| LogReader::new(log, io::stderr().is_terminal()));
         if let Some(skin) = &skin {
@@ -148,7 +172,7 @@ fn flash(board: &VirtualBoard, skin: &Skin) -> Result<(), Box<dyn Error>> {
 }
 
 /// The next program that connects, if one does. Others wait until it has gone.
-fn accept(listener: &TcpListener) -> io::Result<Option<TcpStream>> {
+pub(super) fn accept(listener: &TcpListener) -> io::Result<Option<TcpStream>> {
     match listener.accept() {
         Ok((stream, _)) => {
             stream.set_nonblocking(true)?;
@@ -201,7 +225,7 @@ fn exchange(
 }
 
 /// Waits for a program that reads slowly, as a line with flow control does.
-fn write_all(stream: &mut TcpStream, mut bytes: &[u8]) -> io::Result<()> {
+pub(super) fn write_all(stream: &mut TcpStream, mut bytes: &[u8]) -> io::Result<()> {
     while !bytes.is_empty() {
         match stream.write(bytes) {
             Ok(0) => return Err(ErrorKind::BrokenPipe.into()),

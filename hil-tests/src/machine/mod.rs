@@ -169,6 +169,7 @@ impl Machine {
         self.chip(|chip| {
             chip.flash.cut(seed);
             chip.uart.unplug();
+            chip.usart1.unplug();
             chip.lose_power();
         });
         self.power_up()
@@ -200,6 +201,13 @@ impl Machine {
         self.poke(circle, &[0xFF, 0xB5, 0xFD, 0xE7]);
         self.set(RegisterARM::PC, u64::from(circle | 1));
         self.sleeps = false;
+    }
+
+    /// The CPU stands still until then, as while the flash that it runs from is erased; the rest of the chip goes on.
+    pub fn stand_until(&mut self, end: Time) -> Result<(), Halt> {
+        self.pass_time()?;
+        self.state.now.set(self.now().max(end));
+        self.pass_time()
     }
 
     /// From now on, counts the cycles of each call of the function at this address.

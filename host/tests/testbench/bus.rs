@@ -110,7 +110,7 @@ impl Board {
             if taken >= TURN_BYTES {
                 break;
             }
-            said.push(Mark::Said.byte(self.address));
+            said.extend_from_slice(&Mark::Said.head(self.address));
             said.extend_from_slice(&self.waiting[taken..=taken + length]);
             taken += length + 1;
         }

@@ -1,15 +1,16 @@
 //! Bus: packets of up to sixteen boards and one host on a line that only one of them drives at a time (RS-485).
 //!
-//! What goes over the line are blocks: a mark that says what follows and whose it is, content, one zero byte. Content of
-//! packets is COBS, that of a turn and its end the complement of their mark: neither has a zero byte, so that whoever
-//! listens is in step again with the next one.
+//! What goes over the line are blocks: a mark that says what follows and whose it is, its complement, perhaps a packet, one
+//! zero byte. Packets are COBS and so have no zero byte: whoever listens is in step again with the next one.
 //!
-//! | mark | from | content | what it means |
+//! | mark | from | packet | what it means |
 //! |---|---|---|---|
-//! | `0x10` + address | host | packet, without its zero byte | a request |
-//! | `0x20` + address | host | complement of the mark | the board may speak now |
-//! | `0x30` + address | board | packet, without its zero byte | a reply or an event |
-//! | `0x40` + address | board | complement of the mark | the turn ends |
+//! | `0x10` + address | host | yes | a request |
+//! | `0x20` + address | host | | the board may speak now |
+//! | `0x30` + address | board | yes | a reply or an event |
+//! | `0x40` + address | board | | the turn ends |
+//!
+//! Whoever begins to speak sends a zero byte first, which ends what noise or a speaker that was cut off have left.
 //!
 //! A board speaks in its turn only. It begins within [`TURN_LAPSES_MS`] of the turn, or not at all; it begins packets as
 //! long as it has sent fewer than [`TURN_BYTES`], and then ends the turn. So a host that has heard nothing for longer may
@@ -45,11 +46,18 @@ impl Mark {
         self as u8 | (address % ADDRESSES)
     }
 
+    /// What a block begins with.
+    #[must_use]
+    pub const fn head(self, address: u8) -> [u8; 2] {
+        let mark = self.byte(address);
+        [mark, !mark]
+    }
+
     /// The whole block of a [`Mark::Turn`] or [`Mark::End`].
     #[must_use]
     pub const fn block(self, address: u8) -> [u8; 3] {
-        let mark = self.byte(address);
-        [mark, !mark, 0]
+        let [mark, check] = self.head(address);
+        [mark, check, 0]
     }
 
     fn of(byte: u8) -> Option<(Self, u8)> {
@@ -91,12 +99,12 @@ enum Place {
     Lost,
     /// Before one.
     Between,
-    /// In the content of a packet.
-    Packet(Mark, u8),
-    /// After the mark of a token.
+    /// After the mark of one.
     Marked(Mark, u8),
-    /// After its complement.
-    Checked(Mark, u8),
+    /// In its packet.
+    Packet(Mark, u8),
+    /// At the end of one without.
+    Token(Mark, u8),
 }
 
 impl Ear {
@@ -108,24 +116,19 @@ impl Ear {
                 let next = if ends { Place::Between } else { self.0 };
                 (next, Some(Heard::Byte { mark, address, byte }))
             }
-            Place::Checked(mark, address) if ends => (Place::Between, Some(Heard::Token { mark, address })),
+            Place::Token(mark, address) if ends => (Place::Between, Some(Heard::Token { mark, address })),
             _ if ends => (Place::Between, None),
-            Place::Between => (Self::after_mark(byte), None),
-            Place::Marked(mark, address) if byte == !mark.byte(address) => {
-                (Place::Checked(mark, address), None)
+            Place::Between => {
+                (Mark::of(byte).map_or(Place::Lost, |(mark, own)| Place::Marked(mark, own)), None)
             }
+            Place::Marked(mark, address) if byte == !mark.byte(address) => match mark {
+                Mark::Request | Mark::Said => (Place::Packet(mark, address), None),
+                Mark::Turn | Mark::End => (Place::Token(mark, address), None),
+            },
             _ => (Place::Lost, None),
         };
         self.0 = next;
         heard
-    }
-
-    fn after_mark(byte: u8) -> Place {
-        match Mark::of(byte) {
-            Some((mark @ (Mark::Request | Mark::Said), address)) => Place::Packet(mark, address),
-            Some((mark, address)) => Place::Marked(mark, address),
-            None => Place::Lost,
-        }
     }
 }
 
@@ -141,7 +144,7 @@ mod tests {
     }
 
     fn packet(mark: Mark, address: u8, content: &[u8]) -> Vec<u8> {
-        [&[mark.byte(address)], content, &[0]].concat()
+        [&mark.head(address)[..], content, &[0]].concat()
     }
 
     #[test]
@@ -152,15 +155,17 @@ mod tests {
     }
 
     #[test]
-    fn a_token_is_heard_whole_and_only_with_its_complement() {
+    fn nothing_is_heard_without_the_complement_of_its_mark() {
         let turn = Mark::Turn.block(15);
         let token = Heard::Token { mark: Mark::Turn, address: 15 };
         assert_eq!(heard([0].into_iter().chain(turn).chain(turn)), [token, token]);
         for bit in 0..16 {
             let mut damaged = turn;
             damaged[bit / 8] ^= 1 << (bit % 8);
-            let tokens = heard([0].into_iter().chain(damaged));
-            assert!(!tokens.iter().any(|it| matches!(it, Heard::Token { .. })), "bit {bit}: {tokens:?}");
+            assert_eq!(heard([0].into_iter().chain(damaged)), [], "bit {bit}");
+            let mut request = packet(Mark::Request, 3, &[7, 7]);
+            request[bit / 8] ^= 1 << (bit % 8);
+            assert_eq!(heard([0].into_iter().chain(request)), [], "bit {bit}");
         }
     }
 

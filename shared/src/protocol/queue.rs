@@ -44,6 +44,12 @@ impl<const BYTES: usize> PacketQueue<BYTES> {
         None
     }
 
+    /// The same where `out` may be too short; then the packet stays.
+    pub fn pop_fitting(&mut self, out: &mut [u8]) -> Option<usize> {
+        let length = self.bytes.iter().position(|&byte| byte == 0)? + 1;
+        if length <= out.len() { self.pop(out) } else { None }
+    }
+
     /// Whether no packet waits.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -74,6 +80,11 @@ impl<const URGENT: usize, const LONG: usize> EventQueue<URGENT, LONG> {
     /// As [`PacketQueue::pop`].
     pub fn pop(&mut self, out: &mut [u8]) -> Option<usize> {
         self.urgent.pop(out).or_else(|| self.long.pop(out))
+    }
+
+    /// As [`PacketQueue::pop_fitting`]: a long packet does not overtake a short one that stays.
+    pub fn pop_fitting(&mut self, out: &mut [u8]) -> Option<usize> {
+        if self.urgent.is_empty() { self.long.pop_fitting(out) } else { self.urgent.pop_fitting(out) }
     }
 }
 
@@ -108,6 +119,24 @@ mod tests {
         assert!(queue.is_empty());
         assert!((300..400).contains(&accepted.len()), "{}", accepted.len());
         assert_eq!(received, accepted.iter().map(|&number| event(number)).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_packet_that_does_not_fit_stays_and_nothing_overtakes_it() {
+        let (mut scratch, mut out) = ([0; MAX_PACKET_BYTES], [0; MAX_PACKET_BYTES]);
+        let mut queue = EventQueue::<100, 200>::new();
+        assert_eq!(queue.pop_fitting(&mut out), None);
+        let scope = Event::Scope(SlotSamples::default());
+        queue.push(&event(1), &mut scratch).unwrap();
+        queue.push(&BoardPacket::Event { number: 0, event: scope }, &mut scratch).unwrap();
+        let length = queue.clone().pop(&mut out).unwrap();
+        assert_eq!(queue.pop_fitting(&mut out[..length - 1]), None);
+        assert_eq!(queue.pop_fitting(&mut out[..length]), Some(length));
+        let packet = super::super::decode::<BoardPacket>(&mut out[..length - 1]).unwrap();
+        assert_eq!(packet, event(1));
+        assert_eq!(queue.pop_fitting(&mut out[..1]), None);
+        assert!(queue.pop_fitting(&mut out).is_some());
+        assert_eq!(queue.pop_fitting(&mut out), None);
     }
 
     #[test]

@@ -22,9 +22,14 @@
 //! | patch slots   | flash from 136 KiB on       | the firmware has the part before, see `memory` |
 //! | reflexes      | PC0 to PC3                  | low while a rule is tripped                    |
 //! | watchdog      | IWDG                        | its clock is its own                           |
+//!
+//! With the feature `rs485` the link is another one, and everything else the same: see `link`.
 
+#[cfg_attr(feature = "rs485", path = "link_rs485.rs")]
+mod link;
 mod sensing;
 
+pub use link::*;
 pub use sensing::*;
 
 use dermatome_shared::restart::ResetCauses;
@@ -36,36 +41,16 @@ use embassy_stm32::{
     interrupt, pac, peripherals, rcc, usart,
 };
 
-use super::{Board, LinkParts, ReflexPins, Thermometer, executor};
+use super::{Board, ReflexPins, Thermometer, executor};
 
-/// What the board calls itself to a host.
-pub const NAME: &str = "nucleo-g474re";
 /// Electrodes its four 16:1 multiplexers switch.
 pub const ELECTRODES: u8 = 16;
-
-/// Bits per second on the link.
-///
-/// LPUART1 divides 170 MHz by 21760 / 256: exactly this rate. Its own limit is a third of its clock,
-/// so the debug adapter is the slower of the two. The HSI adds up to 1 %, which 8 bits without
-/// parity tolerate.
-pub const LINK_BAUD: u32 = 2_000_000;
 
 /// Clock of the core, in cycles per microsecond.
 pub const CYCLES_PER_MICROSECOND: f32 = 170.0;
 
 /// Where the first patch slot starts, bytes from the start of the flash; the second one follows.
 pub const SLOTS_OFFSET: usize = 144 * 1024;
-
-/// UART of the link.
-pub type LinkUart = peripherals::LPUART1;
-/// Pin the link sends on.
-pub type LinkTxPin = peripherals::PA2;
-/// Pin the link receives on.
-pub type LinkRxPin = peripherals::PA3;
-/// DMA channel that sends.
-pub type LinkTxDma = peripherals::DMA1_CH1;
-/// DMA channel that receives.
-pub type LinkRxDma = peripherals::DMA1_CH2;
 
 /// Interrupt that the acquisition runs in.
 pub type AcquisitionInterrupt = interrupt::typelevel::FMAC;
@@ -80,7 +65,10 @@ pub const TEMPERATURE_POINTS: [(usize, f32); 2] = [(0x1FFF_75A8, 30.0), (0x1FFF_
 bind_interrupts!(
     /// The board's interrupts, bound to their handlers.
     pub struct Interrupts {
+    #[cfg(not(feature = "rs485"))]
     LPUART1 => usart::InterruptHandler<LinkUart>;
+    #[cfg(feature = "rs485")]
+    USART1 => usart::InterruptHandler<LinkUart>;
     DMA1_CHANNEL1 => dma::InterruptHandler<LinkTxDma>;
     DMA1_CHANNEL2 => dma::InterruptHandler<LinkRxDma>;
     DMA1_CHANNEL3 => dma::InterruptHandler<peripherals::DMA1_CH3>;
@@ -101,13 +89,7 @@ pub fn start() -> Board {
     // While a debug probe holds the core, nobody can feed the watchdog.
     pac::DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
     Board {
-        link: LinkParts {
-            uart: chip.LPUART1,
-            tx_pin: chip.PA2,
-            rx_pin: chip.PA3,
-            tx_dma: chip.DMA1_CH1,
-            rx_dma: chip.DMA1_CH2,
-        },
+        link: link_parts!(chip),
         sensing: SensingParts {
             dac: chip.DAC1,
             dac_pin: chip.PA4,

@@ -94,14 +94,13 @@ impl Rcc {
         Clocks { system, core, apb1: bus("PPRE1"), apb2: bus("PPRE2") }
     }
 
-    /// Kernel clock of a peripheral, by the value of its field in CCIPR where that means PCLK1,
-    /// SYSCLK, HSI16 or LSE.
+    /// Kernel clock of a peripheral on this bus, by the value of its field in CCIPR where that means the bus, SYSCLK,
+    /// HSI16 or LSE.
     #[must_use]
-    pub fn uart_clock(&self, field: &str) -> u64 {
-        let clocks = self.clocks();
+    pub fn uart_clock(&self, field: &str, bus: u64) -> u64 {
         match self.bank.get("CCIPR", field) {
-            0 => clocks.apb1,
-            1 => clocks.system,
+            0 => bus,
+            1 => self.clocks().system,
             2 => HSI,
             _ => 32_768,
         }

@@ -29,7 +29,9 @@ const SILENCE: Duration = Duration::from_millis(TURN_LAPSES_MS + 30);
 const LONGEST_TURN: Duration = Duration::from_millis(200);
 /// Until a board that had nothing to say gets its next turn.
 const IDLE: Duration = Duration::from_millis(1);
-/// Until one that did not answer does, which doubles up to the longest.
+/// Turns that may lapse one after the other before a board that has answered counts as absent: flash stops its processor.
+const LAPSES: u32 = 2;
+/// Until one that is absent does, which doubles up to the longest.
 const FIRST_ABSENCE: Duration = Duration::from_millis(20);
 const LONGEST_ABSENCE: Duration = Duration::from_millis(1000);
 /// Between two turns of boards that did not answer, whichever they are: those that do have the line meanwhile.
@@ -59,7 +61,7 @@ struct State {
     boards: [Option<Board>; ADDRESSES as usize],
     /// Also of those that nobody has open.
     turns: [Turns; ADDRESSES as usize],
-    /// Until then no board that did not answer has a turn.
+    /// Until then no absent board has a turn.
     silent_until: Instant,
     shares: Shares,
     /// Why the line is dead.
@@ -77,7 +79,7 @@ struct Board {
 /// Turns of an address.
 #[derive(Clone, Copy)]
 struct Turns {
-    /// Those in a row in which nothing was heard.
+    /// Those in a row in which nothing was heard; more by [`LAPSES`] of one that has never answered.
     silences: u32,
     /// When the next one is.
     due: Instant,
@@ -152,7 +154,7 @@ impl Line {
         let now = Instant::now();
         let state = State {
             boards: [const { None }; ADDRESSES as usize],
-            turns: [Turns { silences: 0, due: now }; ADDRESSES as usize],
+            turns: [Turns { silences: LAPSES, due: now }; ADDRESSES as usize],
             silent_until: now,
             shares: Shares::default(),
             failed: None,
@@ -180,7 +182,7 @@ impl State {
     fn next(&self) -> Result<u8, Option<Instant>> {
         let boards = (0..).zip(self.boards.iter().zip(&self.turns));
         let waiting = boards.filter_map(|(address, (board, turns))| {
-            let earliest = if turns.silences > 0 { self.silent_until } else { turns.due };
+            let earliest = if turns.is_absent() { self.silent_until } else { turns.due };
             (board.as_ref()?.from_board.len() < MOST_UNREAD).then_some((turns.due.max(earliest), address))
         });
         match waiting.min() {
@@ -194,19 +196,26 @@ impl State {
         let now = Instant::now();
         let turns = &mut self.turns[usize::from(address)];
         turns.silences = if turn == Turn::Silent { turns.silences + 1 } else { 0 };
+        let absence = FIRST_ABSENCE * (1 << turns.silences.saturating_sub(LAPSES + 1).min(10));
         turns.due = now
             + match turn {
-                Turn::Said => Duration::ZERO,
                 Turn::Idle => IDLE,
-                Turn::Silent => (FIRST_ABSENCE * (1 << (turns.silences - 1).min(10))).min(LONGEST_ABSENCE),
+                Turn::Silent if turns.is_absent() => absence.min(LONGEST_ABSENCE),
+                Turn::Said | Turn::Silent => Duration::ZERO,
             };
-        if turn == Turn::Silent {
+        if turns.is_absent() {
             self.silent_until = now + BETWEEN_SILENCES;
         }
     }
 
     fn board(&mut self, address: u8) -> Option<&mut Board> {
         self.boards[usize::from(address)].as_mut()
+    }
+}
+
+impl Turns {
+    fn is_absent(&self) -> bool {
+        self.silences > LAPSES
     }
 }
 
@@ -295,11 +304,13 @@ impl Host {
     fn turn(&mut self, address: u8) -> io::Result<()> {
         let mut blocks = std::mem::take(&mut self.blocks);
         blocks.clear();
+        // Ends what a board that was cut off has left.
+        blocks.push(0);
         match self.line.lock().board(address) {
             None => return Ok(()),
             Some(board) => {
                 for packet in board.to_board.split(|&byte| byte == 0).filter(|packet| !packet.is_empty()) {
-                    blocks.push(Mark::Request.byte(address));
+                    blocks.extend_from_slice(&Mark::Request.head(address));
                     blocks.extend_from_slice(packet);
                     blocks.push(0);
                 }
@@ -452,7 +463,7 @@ impl Write for Seat {
         let Some(board) = state.board(self.place.address) else { return Ok(0) };
         board.to_board.extend_from_slice(bytes);
         let turns = &mut state.turns[usize::from(self.place.address)];
-        if turns.silences == 0 {
+        if !turns.is_absent() {
             turns.due = Instant::now();
         }
         self.place.line.changed.notify_all();

@@ -167,11 +167,11 @@ impl Shares {
     }
 }
 
-/// Bytes of an event on the line, with its mark.
+/// Bytes of an event on the line, with its head and the zero byte before it.
 fn packet_bytes(event: &Event) -> usize {
     let packet = BoardPacket::Event { number: u32::MAX, event: event.clone() };
     // What is too long for a packet is not sent.
-    encode(&packet, &mut [0; MAX_PACKET_BYTES]).map_or(MAX_PACKET_BYTES, <[u8]>::len) + 1
+    encode(&packet, &mut [0; MAX_PACKET_BYTES]).map_or(MAX_PACKET_BYTES, <[u8]>::len) + 3
 }
 
 /// The latest frame that there can be: numbers take the more bytes the larger they are.
