@@ -11,6 +11,7 @@ use crate::{
 use dermatome::link::{self, Link};
 use dermatome_shared::{
     drive::Drive,
+    frame::FrameFlags,
     patch::PatchView,
     protocol::{
         MAX_PACKET_BYTES, Request, Selection,
@@ -171,11 +172,15 @@ fn three_stream(rig: &Rig) -> Result<String, Failure> {
     let (bus, _, mut links) = tared(rig, &addresses)?;
     checked_clean(&bus, &addresses)?;
     let since = now(&bus);
-    let mut streams = links.iter_mut().map(|link| link.subscribe(CONTACTS)).collect::<Result<Vec<_>, _>>()?;
-    let mut load = 0.0_f32;
+    let mut streams = links
+        .iter_mut()
+        .map(|link| link.subscribe(Selection { images: 7, ..CONTACTS }))
+        .collect::<Result<Vec<_>, _>>()?;
+    let (mut load, mut missed) = (0.0_f32, 0);
     for _ in 0..FRAMES {
         for stream in &mut streams {
             let frame = next_frame(stream)?;
+            missed += usize::from(frame.at.is_some_and(|at| at.flags.contains(FrameFlags::MISSED)));
             ensure(frame.contacts.is_some(), || "a frame has no contacts".to_owned())?;
             load = load.max(frame.health.map_or(0.0, |health| health.vitals.load));
         }
@@ -186,6 +191,9 @@ fn three_stream(rig: &Rig) -> Result<String, Failure> {
     let findings = checked_clean(&bus, &addresses)?;
     ensure(findings.lapsed == 0, || format!("{} turns were not answered", findings.lapsed))?;
     ensure(rate > 95.0, || format!("{rate:.1} frames a second"))?;
+    ensure(missed == 0, || {
+        format!("{missed} frames say that samples were missed, at {rate:.1} frames a second")
+    })?;
     for link in &mut links {
         link.info()?;
     }

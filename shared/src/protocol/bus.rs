@@ -108,6 +108,12 @@ enum Place {
 }
 
 impl Ear {
+    /// Whether a block has begun, as far as is known, and not ended.
+    #[must_use]
+    pub fn is_in_block(&self) -> bool {
+        !matches!(self.0, Place::Between)
+    }
+
     /// Takes one byte, and says what it was or what it made whole.
     pub fn hear(&mut self, byte: u8) -> Option<Heard> {
         let ends = byte == 0;
@@ -158,6 +164,9 @@ mod tests {
     fn nothing_is_heard_without_the_complement_of_its_mark() {
         let turn = Mark::Turn.block(15);
         let token = Heard::Token { mark: Mark::Turn, address: 15 };
+        let mut ear = Ear::default();
+        let in_block = [0, turn[0], turn[1], turn[2]].map(|byte| (ear.hear(byte), ear.is_in_block()).1);
+        assert_eq!(in_block, [false, true, true, false]);
         assert_eq!(heard([0].into_iter().chain(turn).chain(turn)), [token, token]);
         for bit in 0..16 {
             let mut damaged = turn;

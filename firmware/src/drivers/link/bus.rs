@@ -47,6 +47,9 @@ pub const OWN_BYTES: usize = 1024;
 const REQUEST_BYTES: usize = 640;
 /// How often the line is looked at, at the longest.
 const LOOK_INTERVAL: Duration = Duration::from_millis(2);
+/// Until the rest of a block is looked at: it comes byte by byte, and each would be taken by itself, without a pause for the
+/// acquisition.
+const REST_OF_BLOCK: Duration = Duration::from_micros(250);
 /// Oldest that a turn may be: the first byte needs its time as well.
 const OLDEST_TURN: Duration = Duration::from_micros(1000 * TURN_LAPSES_MS - 500);
 /// Sixteenths of a bit for which the driver is on before the first byte and after the last one.
@@ -242,6 +245,9 @@ impl Listener<'_> {
             return Ok(false);
         }
         let came_after = core::mem::replace(&mut self.nothing_unread, Instant::now());
+        if self.ear.is_in_block() {
+            Timer::after(REST_OF_BLOCK).await;
+        }
         Ok(is_mine && self.nothing_unread - came_after < OLDEST_TURN)
     }
 
