@@ -57,8 +57,8 @@ struct Found {
 
 impl Found {
     /// None where nobody answers; an error where the line itself fails.
-    fn at(port: link::Port) -> Result<Option<Self>, LinkError> {
-        let opened = link::open(&port);
+    fn at(port: &link::Port) -> Result<Option<Self>, LinkError> {
+        let opened = link::open(port);
         let port = port.to_string();
         let found = |board: String, firmware: String, asked: Result<Info, LinkError>| {
             let (skin, error) = match asked {
@@ -125,7 +125,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 /// Who answers on a line; all are asked at once, as those that are not there take their time.
 fn ask_all(args: &Args, line: &Line) -> anyhow::Result<()> {
     let asked = thread::scope(|scope| {
-        let one = |address| scope.spawn(move || Found::at(link::Port::Bus(line.clone(), address)));
+        let one = |address| scope.spawn(move || Found::at(&link::Port::Bus(line.clone(), address)));
         let all: Vec<_> = (0..ADDRESSES).map(one).collect();
         all.into_iter().map(|one| one.join().expect("asking does not panic")).collect::<Result<Vec<_>, _>>()
     })?;
