@@ -19,6 +19,8 @@ use std::{
     thread,
 };
 
+/// How long a board may take to start: it checks both of its patches first.
+pub const START_TIME: Time = Time::from_millis(200);
 /// Longest that one read of the line waits, in virtual time.
 const READ_TIME: Time = Time::from_millis(20);
 /// A line hands over what came in this time together, as a USB adapter does.

@@ -4,7 +4,7 @@
 //! what the rig can do, and cannot tell the two apart.
 
 use crate::{
-    board::VirtualBoard,
+    board::{START_TIME, VirtualBoard},
     bus::BusRig,
     chip::{flash::Flash, time::Time, usart::Symbol},
     machine::{Halt, Machine, Options, cycles::Timing},
@@ -26,9 +26,6 @@ use std::{
     sync::Arc,
     time::Duration,
 };
-
-/// How long a board may take to start: it checks both of its patches first.
-pub const START_TIME: Time = Time::from_millis(200);
 
 /// What a rig can do to its board, beyond talking to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

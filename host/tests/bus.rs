@@ -250,7 +250,7 @@ fn devices_lists_who_is_on_a_line() {
     let done = desk.run(&["devices", "--bus", &format!("tcp:{nobody}")]).success();
     assert!(done.out.contains("no board answers on `tcp:"), "{}", done.out);
     let missing = desk.run(&["devices", "--bus", "/dev/ttyNOTTHERE7"]).refused();
-    assert!(missing.contains("`/dev/ttyNOTTHERE7`") && missing.contains("does not exist"), "{missing}");
+    assert!(missing.contains("/dev/ttyNOTTHERE7#") && missing.contains("does not exist"), "{missing}");
 }
 
 #[test]

@@ -14,9 +14,9 @@ mod rig;
 pub use rig::BusRig;
 
 use crate::{
+    board::START_TIME,
     chip::{Chip, flash::Flash, time::Time, usart::Symbol},
     machine::{Halt, Machine, Options},
-    rig::START_TIME,
 };
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;

@@ -2,8 +2,9 @@
 
 use super::{Case, Failure, ensure};
 use crate::{
+    board::START_TIME,
     chip::{time::Time, usart::Symbol},
-    rig::{Capability, Rig, START_TIME},
+    rig::{Capability, Rig},
 };
 use dermatome_shared::protocol::{
     BoardPacket, FrameSource, MAX_PACKET_BYTES, PROTOCOL_VERSION, PacketReader, Refusal, Reply, Request,

@@ -7,14 +7,14 @@
 
 use super::{Case, Failure, ensure, patches};
 use crate::{
-    board::VirtualBoard,
+    board::{START_TIME, VirtualBoard},
     chip::{
         FlashObserver,
         flash::{self, Flash},
         time::Time,
     },
     machine::Options,
-    rig::{Capability, Rig, START_TIME, VirtualRig},
+    rig::{Capability, Rig, VirtualRig},
 };
 use dermatome::link;
 use dermatome_shared::{limits::FLASH_SLOT_BYTES, patch::PatchView};

@@ -2,9 +2,9 @@
 
 use dermatome::{link::program::firmware, skin::Skin};
 use dermatome_hil::{
-    board::VirtualBoard,
+    board::{START_TIME, VirtualBoard},
     fault::{Fault, What},
-    rig::{Rig, RigError, START_TIME, VirtualRig},
+    rig::{Rig, RigError, VirtualRig},
 };
 use std::{
     env,

@@ -1,6 +1,5 @@
 //! What can go wrong on the way to a board and back.
 
-use crate::link::Overload;
 use dermatome_shared::protocol::{PROTOCOL_VERSION, PacketError, Refusal};
 use std::{fmt, io, sync::Arc, time::Duration};
 
@@ -101,6 +100,21 @@ pub enum Damage {
     /// A number in it is none.
     #[error("a number in a packet is infinite or none (NaN)")]
     NotANumber,
+}
+
+/// Boards of a line that together say more than it carries.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the line does not carry what {boards} boards are to say: it takes {:.0} % of the line's time, allowed are {:.0} % (lower \
+     frame rates, fewer boards on it, or every second frame)", 100.0 * load, 100.0 * allowed
+)]
+pub struct Overload {
+    /// Boards that share the line.
+    pub boards: usize,
+    /// Share of the line's time, above 0.
+    pub load: f64,
+    /// Share that may be given away.
+    pub allowed: f64,
 }
 
 impl LinkError {

@@ -79,6 +79,11 @@ const PORTS: &[&str] = &[
     "tcp:127.0.0.1",
     "tcp:127.0.0.1:99999",
     "tcp:127.0.0.1:1",
+    "rs485:",
+    "rs485:/dev/ttyNOTTHERE7",
+    "rs485:/dev/ttyNOTTHERE7#16",
+    "rs485:/dev/ttyNOTTHERE7#1",
+    "rs485:tcp:127.0.0.1:1#1",
     "sim:",
     "sim:none.toml",
     "sim:notes.txt",
@@ -105,6 +110,15 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
             &["", "abc", "tcp:", "sim:none.toml", "replay:", "replay:none.mcap", "replay:notes.txt"]
         }
         (_, "port") => PORTS,
+        ("devices", "bus") => &[
+            "",
+            "abc",
+            "tcp:",
+            "tcp:127.0.0.1:1",
+            "rs485:tcp:127.0.0.1:1#1",
+            "/dev/ttyNOTTHERE7",
+            "notes.txt",
+        ],
         ("view" | "serve" | "demo", "listen") => {
             &["", "abc", "127.0.0.1", "127.0.0.1:99999", "localhost:1", "8.8.8.8:1"]
         }

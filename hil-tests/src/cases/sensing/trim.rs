@@ -5,10 +5,7 @@ use super::{
     ensure,
     session::{self, Session},
 };
-use crate::{
-    machine::Machine,
-    rig::{Rig, START_TIME},
-};
+use crate::{board::START_TIME, machine::Machine, rig::Rig};
 use dermatome::link::{
     Link,
     trim::{self, Plug},

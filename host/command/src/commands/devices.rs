@@ -4,6 +4,7 @@ use super::{
     board::open,
     drive::{self, DriveReport},
 };
+use anyhow::Context;
 use dermatome_link::{
     self as link, Line, Link, LinkError, LinkErrorKind,
     devices::{SerialPort, serial_ports},
@@ -128,7 +129,8 @@ fn ask_all(args: &Args, line: &Line) -> anyhow::Result<()> {
         let one = |address| scope.spawn(move || Found::at(&link::Port::Bus(line.clone(), address)));
         let all: Vec<_> = (0..ADDRESSES).map(one).collect();
         all.into_iter().map(|one| one.join().expect("asking does not panic")).collect::<Result<Vec<_>, _>>()
-    })?;
+    });
+    let asked = asked.context("`--bus`")?;
     let boards: Vec<_> = asked.into_iter().flatten().collect();
     for board in &boards {
         say!("{}", board.line());

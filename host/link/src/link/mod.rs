@@ -16,7 +16,6 @@ mod untouched;
 mod upload;
 mod wire;
 
-pub use bus::Overload;
 pub use tare::{tare, tare_timeout};
 pub use transport::Transport;
 pub use untouched::Untouched;
@@ -90,7 +89,10 @@ pub struct Link {
 pub fn open(port: &Port) -> Result<Link, LinkError> {
     let name = port.to_string();
     match port {
-        Port::Serial(path) => Link::connect(name, transport::open_serial(path)?),
+        Port::Serial(path) => {
+            let serial = transport::open_serial(&name, path)?;
+            Link::connect(name, serial)
+        }
         Port::Tcp(address) => Link::over_tcp(name, address.as_str()),
         Port::Bus(line, address) => Link::on_bus(name, line, *address),
     }

@@ -87,24 +87,25 @@ impl Transport for Serial {
     }
 }
 
-/// Opens a serial port at 2,000,000 baud, 8N1, for this program alone.
-pub(super) fn open_serial(name: &str) -> Result<Serial, LinkError> {
-    let port = serialport::new(name, BAUD).timeout(READ_TIMEOUT).open_native();
-    let port = port.map_err(|error| failed_open(name, error))?;
+/// Opens the serial port of this name at 2,000,000 baud, 8N1, for this program alone; `port` is the port as written, for
+/// errors.
+pub(super) fn open_serial(port: &str, name: &str) -> Result<Serial, LinkError> {
+    let opened = serialport::new(name, BAUD).timeout(READ_TIMEOUT).open_native();
+    let opened = opened.map_err(|error| failed_open(port, name, error))?;
     // What lies in the buffers was meant for whoever had the port before.
-    port.clear(ClearBuffer::All).map_err(|error| LinkError::on_open(name, error.into()))?;
-    Ok(Serial { port, waits: true })
+    opened.clear(ClearBuffer::All).map_err(|error| LinkError::on_open(port, error.into()))?;
+    Ok(Serial { port: opened, waits: true })
 }
 
 /// The `serialport` crate says `NoDevice` both for a port that is missing and for one in use, and of what is no terminal
 /// only what Unix calls that.
-fn failed_open(name: &str, error: serialport::Error) -> LinkError {
+fn failed_open(port: &str, name: &str, error: serialport::Error) -> LinkError {
     match error.kind {
-        ErrorKind::NoDevice if Path::new(name).exists() => LinkError::new(name, LinkErrorKind::InUse),
+        ErrorKind::NoDevice if Path::new(name).exists() => LinkError::new(port, LinkErrorKind::InUse),
         _ if error.description == "Not a typewriter" || Path::new(name).is_file() => {
-            LinkError::new(name, LinkErrorKind::NoPort)
+            LinkError::new(port, LinkErrorKind::NoPort)
         }
-        _ => LinkError::on_open(name, error.into()),
+        _ => LinkError::on_open(port, error.into()),
     }
 }
 
@@ -138,7 +139,7 @@ mod tests {
 
     #[test]
     fn a_missing_serial_port_and_a_closed_tcp_port_are_told_apart() {
-        let error = open_serial("/dev/ttyNOTTHERE7").map(drop).unwrap_err();
+        let error = open_serial("here", "/dev/ttyNOTTHERE7").map(drop).unwrap_err();
         assert!(matches!(error.kind, LinkErrorKind::Missing), "{error}");
         let address = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
         let error = open_tcp("tcp:here", address).unwrap_err();
@@ -150,7 +151,7 @@ mod tests {
     #[test]
     fn a_file_that_is_no_serial_port_is_an_error_of_its_own() {
         let file = tempfile::NamedTempFile::new().unwrap();
-        let error = open_serial(file.path().to_str().unwrap()).map(drop).unwrap_err();
+        let error = open_serial("here", file.path().to_str().unwrap()).map(drop).unwrap_err();
         assert!(matches!(error.kind, LinkErrorKind::NoPort), "{error}");
     }
 }

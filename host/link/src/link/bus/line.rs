@@ -5,10 +5,10 @@ use super::{
         transport::{READ_TIMEOUT, Transport, open_serial, open_tcp},
         wire::REPLY_TIMEOUT,
     },
-    load::{BYTE, Demand, Overload, Shares},
+    load::{BYTE, Demand, Shares},
 };
 use crate::{
-    error::{LinkError, LinkErrorKind},
+    error::{LinkError, LinkErrorKind, Overload},
     port,
 };
 use dermatome_shared::protocol::{
@@ -136,7 +136,7 @@ pub(in crate::link) fn take_seat(name: &str, port: &port::Line, address: u8) -> 
 
 fn open(name: &str, port: &port::Line) -> Result<Box<dyn Transport>, LinkError> {
     Ok(match port {
-        port::Line::Serial(path) => Box::new(open_serial(path)?),
+        port::Line::Serial(path) => Box::new(open_serial(name, path)?),
         port::Line::Tcp(address) => Box::new(open_tcp(name, address.as_str())?),
     })
 }

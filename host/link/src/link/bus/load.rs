@@ -1,6 +1,7 @@
 //! Load: how much of a line boards take, and what of their streams fits.
 
 use super::super::transport::BAUD;
+use crate::error::Overload;
 use dermatome_shared::{
     contact::{Contact, Evidence, track},
     drive::Drive,
@@ -41,19 +42,6 @@ pub(in crate::link) struct Demand {
     pixels: usize,
     steps: usize,
     electrodes: usize,
-}
-
-/// Boards of a line that together say more than it carries.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error(
-    "the line does not carry what {boards} boards are to say: it takes {:.0} % of the line's time, allowed \
-     are {:.0} % (lower frame rates, fewer boards on it, or every second frame)", 100.0 * load, 100.0 * ROOM
-)]
-pub struct Overload {
-    /// Boards that share the line.
-    pub boards: usize,
-    /// Share of the line's time, above 0.
-    pub load: f64,
 }
 
 impl Demand {
@@ -151,10 +139,14 @@ impl Shares {
             ..selection
         };
         if fixed > ROOM {
-            return Err(Overload { boards: known, load: fixed });
+            return Err(Overload { boards: known, load: fixed, allowed: ROOM });
         }
         if selection.any() && !fitting.any() {
-            return Err(Overload { boards: known, load: taken + self.load(short) + load_of(longest) });
+            return Err(Overload {
+                boards: known,
+                load: taken + self.load(short) + load_of(longest),
+                allowed: ROOM,
+            });
         }
         self.given[usize::from(address)] = Some(Given { short, long: demand.long(&fitting) });
         Ok(fitting)

@@ -8,4 +8,3 @@ mod load;
 
 pub(super) use line::{Place, take_seat};
 pub(super) use load::Demand;
-pub use load::Overload;
