@@ -14,7 +14,6 @@ mod fingers;
 mod mutants;
 mod power_cuts;
 mod run;
-mod run_bus;
 mod soak;
 mod trace;
 
