@@ -17,10 +17,9 @@ mod upload;
 mod wire;
 
 pub use tare::{tare, tare_timeout};
-pub use transport::Transport;
+pub use transport::{REPLY_TIMEOUT, Transport};
 pub use untouched::Untouched;
 pub use upload::{UploadError, upload};
-pub use wire::REPLY_TIMEOUT;
 
 use crate::{
     error::{LinkError, LinkErrorKind},

@@ -8,7 +8,7 @@ use std::{
     io::{self, Read, Write},
     net::{TcpStream, ToSocketAddrs},
     path::Path,
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 #[cfg(windows)]
@@ -16,6 +16,8 @@ type NativePort = serialport::COMPort;
 #[cfg(unix)]
 type NativePort = serialport::TTYPort;
 
+/// How long a board has to answer, and to take what is sent.
+pub const REPLY_TIMEOUT: Duration = Duration::from_secs(2);
 /// Longest that one read waits for bytes.
 pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(20);
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
@@ -130,6 +132,27 @@ fn connect(address: impl ToSocketAddrs) -> io::Result<TcpStream> {
         }
     }
     result
+}
+
+/// Sends all bytes, for [`REPLY_TIMEOUT`] at most.
+pub(super) fn write_all(transport: &mut dyn Transport, mut bytes: &[u8]) -> io::Result<()> {
+    let deadline = Instant::now() + REPLY_TIMEOUT;
+    while !bytes.is_empty() {
+        match transport.write(bytes) {
+            Ok(0) => return Err(io::ErrorKind::BrokenPipe.into()),
+            Ok(written) => bytes = &bytes[written..],
+            Err(error) if !may_retry(&error) => return Err(error),
+            Err(_) if Instant::now() >= deadline => return Err(io::ErrorKind::TimedOut.into()),
+            Err(_) => {}
+        }
+    }
+    Ok(())
+}
+
+/// Whether a read or a write only waits for longer than a transport does.
+pub(super) fn may_retry(error: &io::Error) -> bool {
+    use io::ErrorKind::{Interrupted, TimedOut, WouldBlock};
+    matches!(error.kind(), TimedOut | WouldBlock | Interrupted)
 }
 
 #[cfg(test)]

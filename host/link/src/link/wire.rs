@@ -1,6 +1,9 @@
 //! Wire: packets over a transport.
 
-use super::{sound::sound, transport::Transport};
+use super::{
+    sound::sound,
+    transport::{REPLY_TIMEOUT, Transport, may_retry, write_all},
+};
 use crate::error::{Damage, LinkError, LinkErrorKind};
 use dermatome_shared::protocol::{
     BoardPacket, MAX_PACKET_BYTES, PacketError, PacketReader, RequestPacket, encode,
@@ -10,9 +13,6 @@ use std::{
     sync::Arc,
     time::{Duration, Instant},
 };
-
-/// How long a board has to answer, and to take what is sent.
-pub const REPLY_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Most reads for one packet where nobody waits: garbage does not hold anybody up.
 const MOST_READS: usize = 16;
@@ -68,7 +68,7 @@ impl Wire {
     }
 
     pub(super) fn send_bytes(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
-        self.write_all(bytes).map_err(|reason| self.failed(reason))
+        write_all(&mut *self.transport, bytes).map_err(|reason| self.failed(reason))
     }
 
     /// The next packet, waiting for it until `deadline`.
@@ -189,22 +189,4 @@ impl Wire {
             Err(_) => Ok(()),
         }
     }
-
-    fn write_all(&mut self, mut bytes: &[u8]) -> io::Result<()> {
-        let deadline = Instant::now() + REPLY_TIMEOUT;
-        while !bytes.is_empty() {
-            match self.transport.write(bytes) {
-                Ok(0) => return Err(ErrorKind::BrokenPipe.into()),
-                Ok(written) => bytes = &bytes[written..],
-                Err(error) if !may_retry(&error) => return Err(error),
-                Err(_) if Instant::now() >= deadline => return Err(ErrorKind::TimedOut.into()),
-                Err(_) => {}
-            }
-        }
-        Ok(())
-    }
-}
-
-fn may_retry(error: &io::Error) -> bool {
-    matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted)
 }

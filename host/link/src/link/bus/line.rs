@@ -1,10 +1,7 @@
 //! Line: who is on it, and whose turn it is.
 
 use super::{
-    super::{
-        transport::{READ_TIMEOUT, Transport, open_serial, open_tcp},
-        wire::REPLY_TIMEOUT,
-    },
+    super::transport::{READ_TIMEOUT, Transport, may_retry, open_serial, open_tcp, write_all},
     load::{BYTE, Demand, Shares},
 };
 use crate::{
@@ -258,13 +255,13 @@ impl Host {
     /// Gives boards the line until all have left, or until it fails.
     fn give_turns(mut self) {
         // Ends what somebody before has left unfinished.
-        let mut failed = self.send(&[0]).err();
+        let mut failed = self.wire().and_then(|wire| write_all(wire, &[0])).err();
         while failed.is_none() {
             let Some(address) = self.wait() else { break };
             failed = self.turn(address).err();
         }
         // Who waits for bytes that will never come is to know it.
-        let lasting = |error: &io::Error| if may_pass(error) { ErrorKind::BrokenPipe } else { error.kind() };
+        let lasting = |error: &io::Error| if may_retry(error) { ErrorKind::BrokenPipe } else { error.kind() };
         self.failed = failed.map(|error| (lasting(&error), error.to_string()));
     }
 
@@ -318,24 +315,10 @@ impl Host {
             }
         }
         blocks.extend_from_slice(&Mark::Turn.block(address));
-        self.send(&blocks)?;
+        write_all(self.wire()?, &blocks)?;
         let turn = self.listen(address, Duration::from_secs_f64(blocks.len() as f64 * BYTE))?;
         self.blocks = blocks;
         self.line.lock().end_turn(address, turn);
-        Ok(())
-    }
-
-    fn send(&mut self, mut bytes: &[u8]) -> io::Result<()> {
-        let deadline = Instant::now() + REPLY_TIMEOUT;
-        while !bytes.is_empty() {
-            match self.wire()?.write(bytes) {
-                Ok(0) => return Err(ErrorKind::BrokenPipe.into()),
-                Ok(written) => bytes = &bytes[written..],
-                Err(error) if !may_pass(&error) => return Err(error),
-                Err(_) if Instant::now() >= deadline => return Err(ErrorKind::TimedOut.into()),
-                Err(_) => {}
-            }
-        }
         Ok(())
     }
 
@@ -354,7 +337,7 @@ impl Host {
             let length = match self.wire()?.read(&mut buffer) {
                 Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
                 Ok(length) => length,
-                Err(error) if may_pass(&error) => continue,
+                Err(error) if may_retry(&error) => continue,
                 Err(error) => return Err(error),
             };
             let before = turn;
@@ -395,10 +378,6 @@ impl Host {
         said.clear();
         self.line.changed.notify_all();
     }
-}
-
-fn may_pass(error: &io::Error) -> bool {
-    matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted)
 }
 
 impl Place {

@@ -63,10 +63,18 @@ impl Demand {
 
     /// Bytes per second of what is long: images, raw frames and the scope.
     fn long(&self, selection: &Selection) -> f64 {
-        let scope = || packet_bytes(&Event::Scope(Default::default()));
-        self.rate(selection.images, || packet_bytes(&image(self.pixels)))
-            + self.rate(selection.measurements, || scope() + 2 * CODE_BYTES * self.steps)
-            + self.rate(selection.scope, || scope() + SAMPLE_BYTES * MAX_SCOPE_SAMPLES)
+        // The lists of the other two are added to what is around them.
+        let around = |event| packet_bytes(&event);
+        let codes = || Event::Measurements {
+            at: stamp(),
+            codes: heapless::Vec::new(),
+            quadrature: heapless::Vec::new(),
+        };
+        self.rate(selection.images, || around(image(self.pixels)))
+            + self.rate(selection.measurements, || around(codes()) + 2 * CODE_BYTES * self.steps)
+            + self.rate(selection.scope, || {
+                around(Event::Scope(Default::default())) + SAMPLE_BYTES * MAX_SCOPE_SAMPLES
+            })
     }
 
     fn rate(&self, every: u16, bytes: impl FnOnce() -> usize) -> f64 {
@@ -85,7 +93,7 @@ pub(super) struct Shares {
 }
 
 /// Bytes per second of one board.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Given {
     short: f64,
     long: f64,
@@ -122,6 +130,9 @@ impl Shares {
         let boards = self.boards.max(open).max(known);
         let taken: f64 = others.clone().map(|it| self.load(it.short + it.long)).sum();
         let fixed: f64 = others.map(|it| self.load(it.short)).sum::<f64>() + self.load(short);
+        if fixed > ROOM {
+            return Err(Overload { boards: known, load: fixed, allowed: ROOM });
+        }
         let to_come = (boards - known) as f64 * self.load(short);
         let fair = (ROOM - fixed - to_come) / boards as f64;
         let left = ROOM - taken - self.load(short) - to_come;
@@ -129,8 +140,7 @@ impl Shares {
         let longest = demand.frame_rate.clamp(1.0, 1000.0) as u16;
         let every = (1..=longest).find(|&every| load_of(every) <= left.min(fair));
         // Who compares or looks for something does with little, and not with nothing.
-        let least = (selection.images == 0 && load_of(longest) <= left).then_some(longest);
-        let every = every.or(least);
+        let every = every.or((selection.images == 0 && load_of(longest) <= left).then_some(longest));
         let of_each = |asked: u16| every.map_or(0, |every| asked.saturating_mul(every));
         let fitting = Selection {
             images: of_each(selection.images),
@@ -138,9 +148,6 @@ impl Shares {
             scope: of_each(selection.scope),
             ..selection
         };
-        if fixed > ROOM {
-            return Err(Overload { boards: known, load: fixed, allowed: ROOM });
-        }
         if selection.any() && !fitting.any() {
             return Err(Overload {
                 boards: known,
