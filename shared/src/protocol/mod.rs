@@ -9,6 +9,7 @@
 //! a running number of their own, so that a lost event shows as a gap.
 
 pub mod bus;
+pub mod can;
 mod packet;
 mod queue;
 
