@@ -9,6 +9,7 @@
 //! |-----------------|-------------|-----------------|------------------------------|
 //! | NUCLEO-G474RE   | STM32G474RE | `nucleo-g474re` | on an emulated chip          |
 //! | the same on a bus | STM32G474RE | `nucleo-g474re`, `rs485` | on emulated chips |
+//! | the same on USB | STM32G474RE | `nucleo-g474re`, `usb` | on an emulated chip |
 //! | NUCLEO-L496ZG   | STM32L496ZG | `nucleo-l496zg` | not at all: it only builds   |
 //!
 //! What a scan does with its timers is the same on all of them: see `chain`.
@@ -25,6 +26,8 @@ compile_error!("no board: add --features nucleo-g474re or --features nucleo-l496
 
 #[cfg(all(feature = "rs485", not(feature = "nucleo-g474re")))]
 compile_error!("only the nucleo-g474re has a link over RS-485");
+#[cfg(all(feature = "usb", not(feature = "nucleo-g474re")))]
+compile_error!("only the nucleo-g474re has a link over USB");
 
 mod chain;
 pub mod executor;
@@ -63,6 +66,7 @@ pub struct Board {
 }
 
 /// What the link is made of.
+#[cfg(not(feature = "usb"))]
 pub struct LinkParts {
     /// UART.
     pub uart: Peri<'static, LinkUart>,

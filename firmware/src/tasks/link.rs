@@ -12,14 +12,15 @@ use core::convert::Infallible;
 use defmt::{Debug2Format, warn};
 use dermatome_firmware::{
     board::LinkParts,
-    drivers::link::{LinkPort, LinkRx, LinkTx, OUTGOING_BYTES, Outgoing, REOPEN_PAUSE, RING_BYTES, Urgency},
+    drivers::link::{
+        Error, LinkPort, LinkRx, LinkTx, OUTGOING_BYTES, Outgoing, REOPEN_PAUSE, RING_BYTES, Urgency,
+    },
 };
 use dermatome_shared::protocol::{self, PacketError, PacketReader, RequestPacket};
 use embassy_futures::{
     select::{Either, select},
     yield_now,
 };
-use embassy_stm32::usart::Error;
 use embassy_time::{Instant, Timer};
 use static_cell::{ConstStaticCell, StaticCell};
 

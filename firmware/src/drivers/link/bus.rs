@@ -33,7 +33,7 @@ use embassy_sync::{
 };
 use embassy_time::{Duration, Instant, Timer};
 
-use super::{OUTGOING_BYTES, Outgoing, REOPEN_PAUSE, RING_BYTES, Urgency, config};
+use super::{OUTGOING_BYTES, Outgoing, REOPEN_PAUSE, RING_BYTES, Urgency, uart::config};
 use crate::board::{Interrupts, LinkParts, executor};
 
 /// Bytes before a packet: the zero byte, the mark and its complement.

@@ -6,7 +6,7 @@ use embassy_stm32::{
 };
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, mutex::Mutex};
 
-use super::{OUTGOING_BYTES, Outgoing, RING_BYTES, Urgency, config};
+use super::{OUTGOING_BYTES, Outgoing, RING_BYTES, Urgency, uart::config};
 use crate::board::{Interrupts, LinkParts};
 
 /// Bytes before a packet.

@@ -1,4 +1,4 @@
-//! Link: bytes to and from the host over a UART, both ways by DMA.
+//! Link: bytes to and from the host, over a UART, both ways by DMA, or over USB.
 //!
 //! Receiving: each byte makes the UART ask its DMA channel, which writes it into a ring that it
 //! fills for ever. The reader wakes when the line falls idle, which is the end of a packet, and
@@ -11,27 +11,30 @@
 //! the ring could then be out of step with the DMA for ever. So its owner drops both halves
 //! and opens the UART anew, which sets up UART and DMA from reset.
 //!
-//! There are two kinds, of which a build has one: `line`, to one host, and with the feature `rs485` `bus`,
-//! which many boards share.
+//! There are three kinds, of which a build has one: `line`, to one host; with the feature `rs485` `bus`, which
+//! many boards share; and with the feature `usb` `usb`, whose endpoints take the place of UART and DMA.
 
 #[cfg(feature = "rs485")]
 mod bus;
-#[cfg(not(feature = "rs485"))]
+#[cfg(not(any(feature = "rs485", feature = "usb")))]
 mod line;
+#[cfg(not(feature = "usb"))]
+mod uart;
+#[cfg(feature = "usb")]
+mod usb;
 
 #[cfg(feature = "rs485")]
 pub use bus::*;
-#[cfg(not(feature = "rs485"))]
+#[cfg(not(any(feature = "rs485", feature = "usb")))]
 pub use line::*;
+#[cfg(not(feature = "usb"))]
+pub use uart::*;
+#[cfg(feature = "usb")]
+pub use usb::*;
 
 use dermatome_shared::protocol::MAX_PACKET_BYTES;
-use embassy_stm32::{gpio::Pull, usart::Config};
 use embassy_time::Duration;
 
-use crate::board::LINK_BAUD;
-
-/// Bytes in the receive ring.
-pub const RING_BYTES: usize = 5120;
 /// Bytes that an [`Outgoing`] is made of.
 pub const OUTGOING_BYTES: usize = HEAD_BYTES + MAX_PACKET_BYTES;
 
@@ -83,12 +86,4 @@ impl Outgoing {
     fn packets(&self) -> &[u8] {
         &self.bytes[..self.length]
     }
-}
-
-fn config() -> Config {
-    let mut config = Config::default();
-    config.baudrate = LINK_BAUD;
-    // A line that nobody drives must not look like an endless break.
-    config.rx_pull = Pull::Up;
-    config
 }
