@@ -4,7 +4,7 @@
 //! asks the board to run: what happens depends on what was asked and on nothing else.
 
 use crate::{
-    chip::{flash::Flash, time::Time, usart::Symbol},
+    chip::{Chip, flash::Flash, time::Time, usart::Symbol},
     machine::{Halt, Machine, Options},
     world::WorldHandle,
 };
@@ -25,6 +25,9 @@ pub const START_TIME: Time = Time::from_millis(200);
 const READ_TIME: Time = Time::from_millis(20);
 /// A line hands over what came in this time together, as a USB adapter does.
 const BATCH_TIME: Time = Time::from_micros(125);
+
+/// Longest that a host takes to make a port of a board on USB.
+const PORT_TIME: Time = Time::from_millis(1000);
 
 type Job = Box<dyn FnOnce(&mut Machine) + Send>;
 
@@ -69,10 +72,24 @@ impl VirtualBoard {
         self.keep(self.with(move |machine| machine.run_until(machine.now() + time)))
     }
 
-    /// A new end of its link.
+    /// A new end of its link. Over USB that is a program which opens the port, as soon as there is one, and closes it when
+    /// this is dropped.
     #[must_use]
     pub fn line(&self) -> Line {
+        self.open_port();
         Line { board: self.clone(), waiting: VecDeque::new() }
+    }
+
+    /// Over USB, opens the serial port once the host has made one. It waits for a second at most; without a port, whoever
+    /// reads finds silence.
+    fn open_port(&self) {
+        let _ = self.keep(self.with(|machine| {
+            if machine.options().usb {
+                machine.run_while(machine.now() + PORT_TIME, |chip| !chip.usb.host().has_port())?;
+                machine.chip(|chip| chip.usb.host_mut().open());
+            }
+            Ok(())
+        }));
     }
 
     /// A new link to it. Its requests have the same numbers each time, so that a run leaves the same trace.
@@ -99,24 +116,43 @@ impl VirtualBoard {
         })
     }
 
-    /// Sends bytes over the line, some of them damaged.
+    /// Sends bytes over the line, some of them damaged; over USB, none is.
     pub fn send(&self, symbols: Vec<Symbol>) {
         self.with(move |machine| {
-            let now = machine.now();
-            machine.chip(|chip| chip.uart.receive(symbols, now));
+            let (now, is_usb) = (machine.now(), machine.options().usb);
+            machine.chip(|chip| {
+                if is_usb {
+                    let bytes: Vec<u8> = symbols.iter().map(|symbol| symbol.byte).collect();
+                    chip.usb.host_mut().write(&bytes);
+                } else {
+                    chip.uart.receive(symbols, now);
+                }
+            });
         });
     }
 
     /// What the board sends within `time`, or as soon as it has sent something.
     pub fn receive(&self, time: Time) -> Result<Vec<u8>, Halt> {
         self.keep(self.with(move |machine| {
-            machine.run_while(machine.now() + time, |chip| !chip.uart.has_sent())?;
-            if machine.chip(|chip| chip.uart.has_sent()) {
+            let is_usb = machine.options().usb;
+            let has_sent =
+                move |chip: &Chip| if is_usb { chip.usb.host().has_read() } else { chip.uart.has_sent() };
+            machine.run_while(machine.now() + time, |chip| !has_sent(chip))?;
+            // The host's driver hands over what came by USB at once.
+            if !is_usb && machine.chip(|chip| has_sent(chip)) {
                 machine.run_until(machine.now() + BATCH_TIME)?;
             }
-            Ok(machine.chip(|chip| chip.uart.take_sent()).into_iter().map(|(_, byte)| byte).collect())
+            Ok(take_sent(machine))
         }))
     }
+}
+
+/// What the board has sent since this was asked last.
+pub fn take_sent(machine: &mut Machine) -> Vec<u8> {
+    let is_usb = machine.options().usb;
+    let sent =
+        machine.chip(|chip| if is_usb { chip.usb.host_mut().take_read() } else { chip.uart.take_sent() });
+    sent.into_iter().map(|(_, byte)| byte).collect()
 }
 
 /// The host's end of an emulated board's link.
@@ -151,3 +187,11 @@ impl Write for Line {
 }
 
 impl Transport for Line {}
+
+impl Drop for Line {
+    fn drop(&mut self) {
+        // Nobody waits for it, as whoever drops this may be on the way out of a failure.
+        let close = |machine: &mut Machine| machine.chip(|chip| chip.usb.host_mut().close());
+        let _ = self.board.jobs.send(Box::new(close));
+    }
+}

@@ -50,6 +50,8 @@ pub enum Capability {
     VirtualTime,
     /// Put several boards on one line.
     SharedLine,
+    /// Plug the cable of a link over USB, and let the host do anything.
+    Usb,
 }
 
 impl fmt::Display for Capability {
@@ -65,6 +67,7 @@ impl fmt::Display for Capability {
             Self::BreakCpu => "make the CPU hang or fault",
             Self::VirtualTime => "tell virtual time",
             Self::SharedLine => "put several boards on one line",
+            Self::Usb => "plug a cable of USB",
         })
     }
 }
@@ -98,6 +101,9 @@ pub struct EmulatedTable {
     pub timing: Timing,
     /// Bits per second of the host's end of the link.
     pub baud: u64,
+    /// Whether the link goes over USB, for which `baud` means nothing.
+    #[serde(default)]
+    pub usb: bool,
     /// What is random.
     pub seed: u64,
     /// What it measures; without it, nothing is connected.
@@ -127,14 +133,14 @@ fn yes() -> bool {
 impl EmulatedTable {
     /// Firmware, its file and how it runs; `elf` takes the place of the rig file's own.
     fn parts(self, path: &Path, elf: Option<&Path>) -> Result<(Arc<Firmware>, PathBuf, Options), RigError> {
-        let Self { elf: own, timing, baud, seed, world } = self;
+        let Self { elf: own, timing, baud, usb, seed, world } = self;
         let folder = path.parent().unwrap_or(Path::new("."));
         let world = world.map(|world| world.setup(folder, seed).map(Arc::new)).transpose();
         let world = world.map_err(|reason| RigError::World { path: path.to_owned(), reason })?;
         let options =
             options(timing, baud, seed).map_err(|reason| RigError::File { path: path.to_owned(), reason })?;
         let elf = elf.map_or_else(|| beside(path, &own), Path::to_owned);
-        Ok((Arc::new(Firmware::load(&elf)?), elf, Options { world, ..options }))
+        Ok((Arc::new(Firmware::load(&elf)?), elf, Options { usb, world, ..options }))
     }
 }
 
@@ -329,7 +335,12 @@ impl Rig {
     #[must_use]
     pub fn can(&self, capability: Capability) -> bool {
         match self {
-            Self::Virtual(_) => capability != Capability::SharedLine,
+            Self::Virtual(rig) => match capability {
+                Capability::SharedLine => false,
+                Capability::Usb => rig.options.usb,
+                Capability::RawLine => !rig.options.usb,
+                _ => true,
+            },
             Self::Bus(_) => capability == Capability::SharedLine,
             Self::Board { programmer, .. } => {
                 programmer.as_ref().is_some_and(|programmer| match capability {
@@ -437,7 +448,7 @@ fn options(timing: Timing, baud: u64, seed: u64) -> Result<Options, String> {
     if !(1200..=10_000_000).contains(&baud) {
         return Err(format!("`baud` is {baud}, allowed are 1200 to 10000000"));
     }
-    Ok(Options { timing, wire_baud: baud, seed, keep_trace: false, world: None })
+    Ok(Options { timing, wire_baud: baud, seed, keep_trace: false, usb: false, world: None })
 }
 
 /// A path in a rig file counts from the file's folder.

@@ -8,6 +8,7 @@ mod pipeline;
 mod power;
 mod sensing;
 mod upload;
+mod usb;
 
 pub use power::{Found, cut_full_size};
 pub use sensing::{Soaked, soak};
@@ -69,6 +70,12 @@ impl Failure {
 #[must_use]
 pub fn on_a_bus() -> Vec<Case> {
     bus::CASES.to_vec()
+}
+
+/// Those of a board on USB.
+#[must_use]
+pub fn on_usb() -> Vec<Case> {
+    [usb::CASES, upload::CASES, crash::CASES, line::CASES, pipeline::CASES].concat()
 }
 
 /// All cases of one board, in the order in which they run.

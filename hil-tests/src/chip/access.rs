@@ -22,6 +22,7 @@ impl Chip {
                 let at = self.moment();
                 let block = self.block_with(map, register)?;
                 let model = self.model_mut(block);
+                check_size(model, map, register, size)?;
                 let value = model.read(register, at);
                 if model.read_changes(register) {
                     self.touched.insert(block);
@@ -65,7 +66,7 @@ impl Chip {
                 self.check_clocks()
             }
             Block::Pwr | Block::Flash => self.check_clocks(),
-            Block::AdcCommon(_) => {
+            Block::AdcCommon(_) | Block::Crs => {
                 self.follow_clocks();
                 Ok(())
             }
@@ -160,6 +161,7 @@ fn check_write(
     size: u32,
     value: u32,
 ) -> Result<(), Misuse> {
+    check_size(model, map, register, size)?;
     if size != 4 && model.words_only() {
         let rule = format!("{} is written by {size} bytes: its registers want words", register.name);
         return Err(Misuse::rule(map.name, rule));
@@ -172,6 +174,19 @@ fn check_write(
         return Ok(());
     }
     check_bits(map, register, model.bank().value(register), value)
+}
+
+fn check_size(
+    model: &dyn Peripheral,
+    map: &PeripheralMap,
+    register: &Register,
+    size: u32,
+) -> Result<(), Misuse> {
+    if size == 4 && model.halves_only() {
+        let rule = format!("{} is accessed by words: it wants half-words", register.name);
+        return Err(Misuse::rule(map.name, rule));
+    }
+    Ok(())
 }
 
 /// Bits that mean nothing keep the value they have.

@@ -22,6 +22,9 @@ pub(super) enum Block {
     AdcCommon(u8),
     Opamp(u8),
     Bus,
+    Crs,
+    Usb,
+    PacketMemory,
 }
 
 /// Timers: name, channels and bits.
@@ -41,7 +44,7 @@ pub(super) const DACS: [&str; 4] = ["DAC1", "DAC2", "DAC3", "DAC4"];
 pub(super) const OPAMPS: [&str; 6] = ["OPAMP1", "OPAMP2", "OPAMP3", "OPAMP4", "OPAMP5", "OPAMP6"];
 
 /// Every block, with its name in the reference manual; a block's place here is its number.
-const NAMED: [(&str, Block); 43] = [
+const NAMED: [(&str, Block); 46] = [
     ("RCC", Block::Rcc),
     ("PWR", Block::Pwr),
     ("FLASH", Block::Flash),
@@ -85,6 +88,9 @@ const NAMED: [(&str, Block); 43] = [
     ("OPAMP5", Block::Opamp(4)),
     ("OPAMP6", Block::Opamp(5)),
     ("USART1", Block::Bus),
+    ("CRS", Block::Crs),
+    ("USB", Block::Usb),
+    ("USBRAM", Block::PacketMemory),
 ];
 
 impl Block {
@@ -118,6 +124,9 @@ impl Block {
             Self::AdcCommon(place) => (34, place),
             Self::Opamp(place) => (36, place),
             Self::Bus => (42, 0),
+            Self::Crs => (43, 0),
+            Self::Usb => (44, 0),
+            Self::PacketMemory => (45, 0),
         };
         first + usize::from(place)
     }
@@ -185,6 +194,9 @@ impl Chip {
             Block::AdcCommon(place) => &mut self.adc_commons[usize::from(place)],
             Block::Opamp(place) => &mut self.opamps[usize::from(place)],
             Block::Bus => &mut self.usart1,
+            Block::Crs => &mut self.crs,
+            Block::Usb => &mut self.usb,
+            Block::PacketMemory => self.usb.memory_mut(),
         }
     }
 
@@ -207,6 +219,9 @@ impl Chip {
             Block::AdcCommon(place) => &self.adc_commons[usize::from(place)],
             Block::Opamp(place) => &self.opamps[usize::from(place)],
             Block::Bus => &self.usart1,
+            Block::Crs => &self.crs,
+            Block::Usb => &self.usb,
+            Block::PacketMemory => self.usb.memory(),
         }
     }
 }

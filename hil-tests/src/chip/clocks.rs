@@ -4,6 +4,8 @@ use super::time::Time;
 
 /// Frequency of the HSI16, Hz.
 pub const HSI: u64 = 16_000_000;
+/// Frequency of the HSI48, Hz.
+pub const HSI48: u64 = 48_000_000;
 /// Frequency of the crystal on the NUCLEO-G474RE, Hz.
 pub const HSE: u64 = 24_000_000;
 /// Frequency of the LSI, Hz.

@@ -13,6 +13,7 @@ pub mod bank;
 mod blocks;
 pub mod clocks;
 pub mod core;
+pub mod crs;
 pub mod dac;
 pub mod dma;
 pub mod exti;
@@ -39,6 +40,7 @@ pub mod timer;
 pub mod trace;
 mod transfers;
 pub mod usart;
+pub mod usb;
 mod wiring;
 pub mod world;
 
@@ -48,6 +50,7 @@ use self::{
     blocks::{ADC_COMMONS, ADCS, Block, Blocks, DACS, OPAMPS, TIMERS},
     clocks::Clocks,
     core::{Core, CoreMoment},
+    crs::Crs,
     dac::Dac,
     dma::{Dma, Dmamux},
     exti::Exti,
@@ -67,6 +70,7 @@ use self::{
     timer::Timer,
     trace::{Event, Trace},
     usart::Usart,
+    usb::Usb,
     wiring::Wire,
     world::Outside,
 };
@@ -92,11 +96,14 @@ pub struct Chip {
     pub uart: Usart,
     /// The UART of a link over a shared line.
     pub usart1: Usart,
+    /// The USB, with the host at its other end.
+    pub usb: Usb,
     /// What happened.
     pub trace: Trace,
     /// Is shown the flash whenever it begins to erase or program.
     pub flash_observer: FlashObserver,
     rcc: Rcc,
+    crs: Crs,
     pwr: Pwr,
     ports: Vec<Gpio>,
     timers: Vec<Timer>,
@@ -140,9 +147,11 @@ impl Chip {
             flash: Flash::default(),
             uart: Usart::new("LPUART1", wire_baud),
             usart1: Usart::new("USART1", wire_baud),
+            usb: Usb::default(),
             trace: Trace::new(keep_trace),
             flash_observer: FlashObserver::default(),
             rcc: Rcc::default(),
+            crs: Crs::default(),
             pwr: Pwr::default(),
             ports: ('A'..='G').map(Gpio::new).collect(),
             timers: TIMERS.map(|(name, channels, bits)| Timer::new(name, channels, bits)).into(),
@@ -218,7 +227,8 @@ impl Chip {
             self.touched = Blocks::default();
         }
         self.show_flash();
-        for (time, event) in self.uart.take_passed().into_iter().chain(self.usart1.take_passed()) {
+        let uarts = self.uart.take_passed().into_iter().chain(self.usart1.take_passed());
+        for (time, event) in uarts.chain(self.usb.take_passed()) {
             self.trace.add(time, event);
         }
         if self.flash.raises_nmi() && !self.core.nvic.is_pending(NMI) && self.core.nvic.active() != Some(NMI)

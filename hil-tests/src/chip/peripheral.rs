@@ -31,6 +31,11 @@ pub trait Peripheral {
         false
     }
 
+    /// Whether its registers cannot be read or written by words.
+    fn halves_only(&self) -> bool {
+        false
+    }
+
     /// The CPU or the DMA reads a register.
     fn read(&mut self, register: &Register, _at: Moment) -> u32 {
         self.bank().value(register)

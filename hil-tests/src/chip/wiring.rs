@@ -12,6 +12,7 @@ use super::{
     misuse::Misuse,
     peripheral::Peripheral,
     time::Time,
+    usb::UsbClocks,
     world::{OpampSetting, World},
 };
 
@@ -31,6 +32,8 @@ const DAC1_PINS: [(char, usize); 2] = [('A', 4), ('A', 5)];
 /// Fastest clock of converters that convert at the same time, Hz (DS12288, table 66, single-ended, VDDA of 2.7 V and
 /// more).
 const CONVERTERS_TOGETHER: u64 = 52_000_000;
+/// Pins of the USB, which take no alternate function: D- and D+.
+const USB_PINS: [(char, usize); 2] = [('A', 11), ('A', 12)];
 /// Pins that UCPD1 may pull down as long as its dead battery support is on.
 const UCPD1_PINS: [usize; 2] = [4, 6];
 
@@ -152,6 +155,9 @@ impl Chip {
             Block::Dac(0) => (0..2)
                 .filter(|&channel| self.dacs[0].drives_pin(channel))
                 .try_for_each(|channel| self.check_analogue("DAC", DAC1_PINS[channel])),
+            Block::Usb | Block::Port(0) if self.usb.is_powered() => {
+                USB_PINS.into_iter().try_for_each(|pin| self.check_analogue("USB", pin))
+            }
             Block::Port(1) if !self.pwr.ends_dead_battery() => {
                 // After reset they are analogue, or the debug port's.
                 let is_used =
@@ -226,6 +232,9 @@ impl Chip {
         self.follow_adc_clocks();
         self.uart.clock = self.rcc.uart_clock("LPUART1SEL", clocks.apb1);
         self.usart1.clock = self.rcc.uart_clock("USART1SEL", clocks.apb2);
+        let (kernel, is_hsi48) = self.rcc.usb_clock();
+        let is_exact = if is_hsi48 { self.crs.follows_frames() } else { self.rcc.pll_is_exact() };
+        self.usb.run_at(UsbClocks { kernel, is_exact, bus: clocks.apb1 });
         self.touched = Blocks::ALL;
     }
 

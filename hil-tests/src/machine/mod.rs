@@ -50,13 +50,22 @@ pub struct Options {
     pub seed: u64,
     /// Whether events are kept, and not only hashed.
     pub keep_trace: bool,
+    /// Whether the link goes over USB, to a host at the other end of a cable.
+    pub usb: bool,
     /// What the chip measures, if anything.
     pub world: Option<Arc<Setup>>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { timing: Timing::PESSIMISTIC, wire_baud: 2_000_000, seed: 1, keep_trace: false, world: None }
+        Self {
+            timing: Timing::PESSIMISTIC,
+            wire_baud: 2_000_000,
+            seed: 1,
+            keep_trace: false,
+            usb: false,
+            world: None,
+        }
     }
 }
 
@@ -94,6 +103,9 @@ impl Machine {
     pub fn new(flash: Flash, options: Options) -> Result<Self, Halt> {
         let mut chip = Chip::new(options.wire_baud, options.keep_trace);
         chip.flash = flash;
+        if options.usb {
+            chip.usb.host_mut().plug(Time::ZERO);
+        }
         let world = options.world.clone().map(WorldHandle::new);
         if let Some(world) = &world {
             chip.connect(Box::new(AnalogueWorld::new(world.clone())));
@@ -142,6 +154,12 @@ impl Machine {
     #[must_use]
     pub fn world(&self) -> Option<&WorldHandle> {
         self.world.as_ref()
+    }
+
+    /// How it runs.
+    #[must_use]
+    pub fn options(&self) -> &Options {
+        &self.options
     }
 
     /// Looks at the chip, or changes it. Its time is never past an event that is still to happen.

@@ -5,7 +5,7 @@
 
 use super::{
     bank::Bank,
-    clocks::{Clocks, HSE, HSI},
+    clocks::{Clocks, HSE, HSI, HSI48},
     map::{Field, Map, PeripheralMap, Register, Switch},
     misuse::Misuse,
     peripheral::{Moment, Peripheral, has_bank},
@@ -114,6 +114,24 @@ impl Rcc {
             2 => self.clocks().system,
             _ => 0,
         }
+    }
+
+    /// Kernel clock of the USB, Hz, and whether that is the HSI48; 0 where it has none.
+    #[must_use]
+    pub fn usb_clock(&self) -> (u64, bool) {
+        match self.bank.get("CCIPR", "CLK48SEL") {
+            0 if self.bank.is_set("CRRCR", "HSI48RDY") => (HSI48, true),
+            2 if self.bank.is_set("PLLCFGR", "PLLQEN") && self.bank.is_set("CR", "PLLRDY") => {
+                (self.pll_vco() / (2 * (u64::from(self.bank.get("PLLCFGR", "PLLQ")) + 1)), false)
+            }
+            _ => (0, false),
+        }
+    }
+
+    /// Whether the PLL follows the crystal.
+    #[must_use]
+    pub fn pll_is_exact(&self) -> bool {
+        self.bank.get("PLLCFGR", "PLLSRC") == 3
     }
 
     /// PLLPDIV divides (the field PLLP of the crate's map), or at 0 the bit PLLP: by 7 or 17.
