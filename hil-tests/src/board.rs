@@ -103,6 +103,12 @@ impl VirtualBoard {
         self.with(|machine| machine.world().cloned())
     }
 
+    /// Whether its link goes over USB, and nobody has a port of it open: the one that there was went with the device.
+    #[must_use]
+    pub fn has_lost_port(&self) -> bool {
+        self.with(|machine| machine.options().usb && !machine.chip(|chip| chip.usb.host().is_open()))
+    }
+
     /// Why the board stopped, if it has.
     #[must_use]
     pub fn halt(&self) -> Option<Halt> {
@@ -167,6 +173,9 @@ impl Read for Line {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         if self.waiting.is_empty() {
             self.waiting = self.board.receive(READ_TIME).map_err(io::Error::other)?.into();
+            if self.waiting.is_empty() && self.board.has_lost_port() {
+                return Err(io::Error::new(ErrorKind::BrokenPipe, "the device is gone"));
+            }
         }
         match self.waiting.read(buffer)? {
             0 => Err(ErrorKind::TimedOut.into()),

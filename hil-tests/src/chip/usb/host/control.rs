@@ -70,7 +70,7 @@ enum Stage {
 /// A request that is carried out.
 #[derive(Clone, Debug)]
 pub(super) struct Control {
-    request: Request,
+    pub(super) request: Request,
     stage: Stage,
     toggle: bool,
     brought: Vec<u8>,

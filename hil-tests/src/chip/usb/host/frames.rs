@@ -140,6 +140,7 @@ impl Host {
             (Pipe::FromBoard, Answer::Data(toggle, bytes)) => {
                 self.packets_in_frame += 1;
                 if self.port.take(toggle, &bytes, now) {
+                    self.carried += bytes.len();
                     self.passed.extend(bytes.iter().map(|&byte| (now, Event::Sent(byte))));
                 }
             }

@@ -40,6 +40,7 @@ const AGAIN: Time = Time::from_micros(10);
 
 /// Endpoint of both bulk directions: our firmware's.
 const BULK: u8 = 2;
+const BULK_IN: u8 = 0x80 | BULK;
 
 /// What the bus is in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -112,6 +113,7 @@ pub struct Host {
     enumerations: usize,
     packets_in_frame: usize,
     most_packets: usize,
+    carried: usize,
     passed: Vec<(Time, Event)>,
 }
 
@@ -183,6 +185,11 @@ impl Host {
         self.is_configured
     }
 
+    /// A program opens it that does not set DTR, as some do.
+    pub fn open_quietly(&mut self) {
+        self.port.open();
+    }
+
     /// The program closes it.
     pub fn close(&mut self) {
         if self.port.is_open {
@@ -229,6 +236,11 @@ impl Host {
     /// Most bulk packets in a frame since this was asked last.
     pub fn take_most_packets(&mut self) -> usize {
         std::mem::take(&mut self.most_packets)
+    }
+
+    /// Bytes that the board has sent since this was asked last.
+    pub fn take_carried(&mut self) -> usize {
+        std::mem::take(&mut self.carried)
     }
 
     /// Asks something of the device.
@@ -369,11 +381,26 @@ impl Host {
         }
     }
 
+    /// Where a request has both ends begin with DATA0 again, the host does.
+    fn begin_toggles(&mut self, setup: [u8; 8]) {
+        match setup {
+            [0x00, 9, ..] => (self.port.out_toggle, self.port.in_toggle) = (false, false),
+            [0x02, 1, _, _, BULK, ..] => self.port.out_toggle = false,
+            [0x02, 1, _, _, BULK_IN, ..] => self.port.in_toggle = false,
+            _ => {}
+        }
+    }
+
     /// A request has come to its end.
     fn end_request(&mut self, asker: For, result: Result<Vec<u8>, Refused>, now: Time) {
-        self.control = None;
+        let Some((_, Control { request, .. })) = self.control.take() else { return };
         match (asker, self.step) {
-            (For::Case, _) => self.answers.push(result),
+            (For::Case, _) => {
+                if result.is_ok() {
+                    self.begin_toggles(request.setup);
+                }
+                self.answers.push(result);
+            }
             (For::Driver, _) => self.problems.extend(result.err()),
             (For::Enumeration, Some(step)) => {
                 match result.and_then(|brought| step.take(brought, &mut self.described)) {
