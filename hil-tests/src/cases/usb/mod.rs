@@ -12,9 +12,13 @@ use crate::{
     machine::Machine,
     rig::{Capability, Rig},
 };
-use dermatome::link::{self, Link};
+use dermatome::{
+    link::{self, Link},
+    model::Model,
+    quantize,
+    skin::{FoundIn, ImageLayout, Skin},
+};
 use dermatome_shared::{
-    drive::Drive,
     frame::FrameFlags,
     patch::PatchView,
     protocol::{FrameStamp, Request, Selection},
@@ -67,26 +71,36 @@ fn now(board: &VirtualBoard) -> Time {
     board.with(|machine| machine.now())
 }
 
-/// A flash with the firmware and the rig's skin's patch, which a board of its own has taken. Cases share it.
+/// A flash with the firmware and a patch that leaves the board time at its fastest, which a board of its own has taken.
+/// Cases share it.
 fn flashed(rig: &Rig) -> Result<Flash, Failure> {
     static FLASH: Mutex<Option<Flash>> = Mutex::new(None);
     let mut made = FLASH.lock().unwrap_or_else(PoisonError::into_inner);
     let flash = if let Some(flash) = made.take() {
         flash
     } else {
-        link::upload(&mut rig.link()?, &patches::shipped("disc-210mm")?, |_| ())?;
+        link::upload(&mut rig.link()?, &patch(rig)?, |_| ())?;
         rig.emulated().with(|machine| machine.chip(|chip| chip.flash.clone()))
     };
     Ok(made.insert(flash).clone())
 }
 
-/// A board with that patch, tared, as fast as it measures.
+/// The patch of the rig's skin, with contacts found in an image of 256 pixels.
+fn patch(rig: &Rig) -> Result<Vec<u8>, Failure> {
+    let world = rig.emulated().world().ok_or_else(|| Failure::wrong("the rig has no `[world]`"))?;
+    let mut skin = Skin::clone(&world.setup().skin);
+    skin.image = ImageLayout::Grid { columns: 18 };
+    skin.contacts_found_in = FoundIn::Image;
+    skin.drive.frame_rate = 1e4;
+    let model = Model::build(&skin, |_| ()).map_err(Failure::wrong)?;
+    quantize::patch(&skin, &model).map_err(Failure::wrong)
+}
+
+/// A board with that patch, tared.
 fn tared(rig: &Rig) -> Result<(VirtualBoard, Link), Failure> {
     let board = VirtualBoard::start(flashed(rig)?, rig.emulated_rig().options.clone())?;
     board.run(START_TIME)?;
     let mut link = board.link()?;
-    let drive = link.info()?.drive.ok_or_else(|| Failure::wrong("the board has no drive"))?;
-    link.request(&Request::Drive(Some(Drive { frame_rate: 1e4, ..drive })))?;
     link::tare(&mut link, 20, TIMEOUT)?;
     Ok((board, link))
 }

@@ -15,7 +15,9 @@
 mod descriptors;
 mod device;
 
-use core::{cell::Cell, convert::Infallible, future::poll_fn, marker::PhantomData, mem, task::Poll};
+use core::{
+    cell::Cell, convert::Infallible, future::poll_fn, marker::PhantomData, mem, pin::pin, task::Poll,
+};
 
 use embassy_futures::{
     join::join3,
@@ -27,7 +29,7 @@ use embassy_usb_driver::{Driver as _, EndpointError, EndpointIn, EndpointOut, En
 
 use self::descriptors::{FROM_HOST, NOTIFICATION_BYTES, NOTIFICATIONS, TO_HOST};
 use super::{OUTGOING_BYTES, Outgoing, Urgency};
-use crate::board::{Interrupts, LinkParts, executor};
+use crate::board::{self, Interrupts, LinkParts, executor};
 
 /// Bytes before a packet: the zero byte.
 pub const HEAD_BYTES: usize = 1;
@@ -168,9 +170,23 @@ async fn speak(mut endpoint: impl EndpointIn, presence: &Presence) -> ! {
 /// Says all bytes. The last packet is a short one: it has the host's driver hand on what it has.
 async fn say(endpoint: &mut impl EndpointIn, bytes: &[u8]) -> Result<(), EndpointError> {
     for packet in bytes.chunks(BUS_PACKET_BYTES) {
-        endpoint.write(packet).await?;
+        say_packet(endpoint, packet).await?;
     }
-    if bytes.len().is_multiple_of(BUS_PACKET_BYTES) { endpoint.write(&[]).await } else { Ok(()) }
+    if bytes.len().is_multiple_of(BUS_PACKET_BYTES) { say_packet(endpoint, &[]).await } else { Ok(()) }
+}
+
+/// Says a packet as soon as the one before has gone.
+async fn say_packet(endpoint: &mut impl EndpointIn, packet: &[u8]) -> Result<(), EndpointError> {
+    poll_fn(|context| {
+        // It has the driver wake this task when the endpoint changes.
+        let is_enabled = pin!(endpoint.wait_enabled()).poll(context).is_ready();
+        match (is_enabled, is_enabled && board::try_send(TO_HOST, packet)) {
+            (false, _) => Poll::Ready(Err(EndpointError::Disabled)),
+            (true, true) => Poll::Ready(Ok(())),
+            (true, false) => Poll::Pending,
+        }
+    })
+    .await
 }
 
 /// Whether a host listens.
