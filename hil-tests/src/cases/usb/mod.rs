@@ -125,11 +125,12 @@ fn ensure_unharmed(link: &mut Link) -> Result<FrameStamp, Failure> {
     Ok(at)
 }
 
-/// The board goes on measuring from one frame to the other: as many as the time takes.
+/// The board goes on measuring from one frame to the other. At most 178 a second come, fewer where streams begin in
+/// between.
 fn ensure_went_on(before: FrameStamp, after: FrameStamp) -> Result<(), Failure> {
     let (frames, time) = (after.sequence - before.sequence, after.timestamp_us - before.timestamp_us);
     let rate = 1e6 * f64::from(frames) / time as f64;
-    ensure(rate > 150.0, || format!("{frames} frames in {:.3} s", 1e-6 * time as f64))
+    ensure(rate > 60.0, || format!("{frames} frames in {:.3} s", 1e-6 * time as f64))
 }
 
 fn streams(rig: &Rig) -> Result<String, Failure> {
@@ -239,10 +240,13 @@ fn stops_reading(rig: &Rig) -> Result<String, Failure> {
     host(&board, |host, _| host.set_reading(false));
     board.run(Time::from_millis(400))?;
     host(&board, |host, _| host.set_reading(true));
+    let mut stream = link.subscribe(ALL)?;
+    (0..20).try_for_each(|_| next_frame(&mut stream).map(drop))?;
+    drop(stream);
     let after = ensure_unharmed(&mut link)?;
     ensure_went_on(before, after)?;
     let (lost, damaged) = (link.events_lost(), link.packets_damaged());
-    ensure(lost > 30 && damaged == 0, || format!("{lost} events lost, {damaged} packets damaged"))?;
+    ensure(lost > 80 && damaged == 0, || format!("{lost} events lost, {damaged} packets damaged"))?;
     // It leaves, and the next one finds nothing of what it did not read but the packet that waited in the chip.
     link.request(&Request::Stream(ALL))?;
     host(&board, |host, _| host.set_reading(false));
