@@ -82,7 +82,7 @@ impl VirtualBoard {
 
     /// Over USB, opens the serial port once the host has made one. It waits for a second at most; without a port, whoever
     /// reads finds silence.
-    fn open_port(&self) {
+    pub fn open_port(&self) {
         let _ = self.keep(self.with(|machine| {
             if machine.options().usb {
                 machine.run_while(machine.now() + PORT_TIME, |chip| !chip.usb.host().has_port())?;
@@ -101,6 +101,16 @@ impl VirtualBoard {
     #[must_use]
     pub fn world(&self) -> Option<WorldHandle> {
         self.with(|machine| machine.world().cloned())
+    }
+
+    /// The program at the other end of its link is gone.
+    pub fn hang_up(&self) {
+        self.with(|machine| {
+            machine.chip(|chip| {
+                chip.uart.unplug();
+                chip.usb.host_mut().close();
+            });
+        });
     }
 
     /// Whether its link goes over USB, and nobody has a port of it open: the one that there was went with the device.

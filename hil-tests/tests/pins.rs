@@ -49,6 +49,11 @@ fn rows_on_a_bus() -> Vec<(String, String)> {
     rows_of("rs485 pins")
 }
 
+/// The same of a link over USB.
+fn rows_on_usb() -> Vec<(String, String)> {
+    rows_of("usb pins")
+}
+
 fn rows_of(name: &str) -> Vec<(String, String)> {
     let text = read("docs/hardware.md");
     let (_, after) = text.split_once(&format!("<!-- {name}: begin -->\n")).expect("the table's begin");
@@ -79,7 +84,7 @@ fn exists(pin: &str, peripheral: &str) -> bool {
 
 #[test]
 fn every_pin_can_do_what_the_table_says() {
-    for (pin, peripheral) in rows().into_iter().chain(rows_on_a_bus()) {
+    for (pin, peripheral) in rows().into_iter().chain(rows_on_a_bus()).chain(rows_on_usb()) {
         assert!(exists(&pin, &peripheral), "{pin} has no {peripheral}");
     }
 }
@@ -114,6 +119,14 @@ fn on_a_bus_the_link_has_pins_that_are_free_and_all_else_stays() {
     assert!(common.is_disjoint(&pins));
     let link: BTreeSet<_> = table.difference(&common).map(String::as_str).collect();
     assert_eq!(link, BTreeSet::from(["PA2", "PA3"]), "the other link's");
+}
+
+#[test]
+fn on_usb_the_link_has_its_two_pins_and_all_else_stays() {
+    let pins: BTreeSet<_> = rows_on_usb().into_iter().map(|(pin, _)| pin).collect();
+    assert_eq!(pins, BTreeSet::from(["PA11", "PA12"].map(str::to_owned)));
+    assert_eq!(named(&read("firmware/src/board/nucleo_g474re/link_usb.rs")), pins);
+    assert!(pins_of("nucleo_g474re", &["mod.rs", "sensing.rs"]).is_disjoint(&pins));
 }
 
 #[test]

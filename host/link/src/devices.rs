@@ -6,6 +6,8 @@ use std::path::Path;
 
 /// USB vendor number of STMicroelectronics, whose debug adapter is the link of reference boards.
 const ST_VENDOR: u16 = 0x0483;
+/// USB vendor and product number of boards on their own USB: pid.codes' pair for tests.
+const OWN_USB: (u16, u16) = (0x1209, 0x0001);
 
 /// A serial port of this machine.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
@@ -55,23 +57,30 @@ impl From<serialport::SerialPortInfo> for SerialPort {
             usb.as_ref().and_then(|usb| pick(usb).as_deref().map(escaped))
         };
         let product = text(|usb| &usb.product);
-        let vendor_id = usb.as_ref().map(|usb| usb.vid);
+        let manufacturer = text(|usb| &usb.manufacturer);
+        let (vendor_id, product_id) = (usb.as_ref().map(|usb| usb.vid), usb.as_ref().map(|usb| usb.pid));
         Self {
-            likely_board: is_likely_board(vendor_id, product.as_deref()),
+            likely_board: is_likely_board(
+                vendor_id.zip(product_id),
+                [manufacturer.as_deref(), product.as_deref()],
+            ),
             port: info.port_name,
             vendor_id,
-            product_id: usb.as_ref().map(|usb| usb.pid),
-            manufacturer: text(|usb| &usb.manufacturer),
+            product_id,
+            manufacturer,
             serial_number: text(|usb| &usb.serial_number),
             product,
         }
     }
 }
 
-fn is_likely_board(vendor: Option<u16>, product: Option<&str>) -> bool {
-    let product = product.unwrap_or_default().to_lowercase();
-    let named = ["st-link", "stlink", "dermatome"].iter().any(|name| product.contains(name));
-    vendor == Some(ST_VENDOR) || named
+/// By vendor and product number, and what both are called. Windows tells no names but its own.
+fn is_likely_board(ids: Option<(u16, u16)>, names: [Option<&str>; 2]) -> bool {
+    let named = names.into_iter().flatten().any(|name| {
+        let name = name.to_lowercase();
+        ["st-link", "stlink", "dermatome"].iter().any(|known| name.contains(known))
+    });
+    named || ids.is_some_and(|ids| ids.0 == ST_VENDOR || ids == OWN_USB)
 }
 
 #[cfg(test)]
@@ -81,10 +90,19 @@ mod tests {
 
     #[test]
     fn a_debug_adapter_is_a_likely_board_and_a_modem_is_not() {
-        assert!(is_likely_board(Some(0x0483), None));
-        assert!(is_likely_board(Some(0x1234), Some("Dermatome skin")));
-        assert!(!is_likely_board(Some(0x2341), Some("Arduino Uno")));
-        assert!(!is_likely_board(None, None));
+        assert!(is_likely_board(Some((0x0483, 0x374E)), [None, None]));
+        assert!(is_likely_board(Some((0x1234, 1)), [None, Some("Dermatome skin")]));
+        assert!(!is_likely_board(Some((0x2341, 1)), [Some("Arduino"), Some("Arduino Uno")]));
+        assert!(!is_likely_board(None, [None, None]));
+    }
+
+    #[test]
+    fn a_board_on_its_own_usb_is_a_likely_board_by_either_name_or_number() {
+        let test_pair = Some((0x1209, 0x0001));
+        assert!(is_likely_board(test_pair, [Some("Dermatome"), Some("nucleo-g474re-usb")]));
+        assert!(is_likely_board(test_pair, [Some("Microsoft"), Some("USB Serial Device (COM5)")]));
+        assert!(is_likely_board(Some((0x1234, 5)), [Some("Dermatome"), Some("nucleo-g474re-usb")]));
+        assert!(!is_likely_board(Some((0x1209, 0x2303)), [Some("Generic"), Some("Gadget")]));
     }
 
     #[test]

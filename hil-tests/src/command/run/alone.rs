@@ -5,7 +5,7 @@ use super::{
     program::{accept, read, write_all},
 };
 use dermatome_hil::{
-    board::VirtualBoard,
+    board::{VirtualBoard, take_sent},
     chip::{time::Time, usart::Symbol},
     fault::Schedule,
     probe::emulated::LogReader,
@@ -40,6 +40,9 @@ pub(super) fn serve(listener: &TcpListener, mut served: Served<'_>) -> Result<Ex
     loop {
         if client.is_none() {
             client = accept(listener)?;
+            if client.is_some() {
+                served.board.open_port();
+            }
         }
         let Served { board, faults, log, fingers } = &mut served;
         let (now, sent) = run_slice(board, faults, slice)?;
@@ -50,10 +53,10 @@ pub(super) fn serve(listener: &TcpListener, mut served: Served<'_>) -> Result<Ex
             fingers.hear_board(&sent);
         }
         if let Some(stream) = &mut client
-            && !exchange(stream, board, &sent, fingers.as_mut())
+            && (!exchange(stream, board, &sent, fingers.as_mut()) || board.has_lost_port())
         {
             client = None;
-            board.with(|machine| machine.chip(|chip| chip.uart.unplug()));
+            board.hang_up();
             fingers.iter_mut().for_each(Fingers::lose_host);
         }
         let ahead = Duration::from_secs_f64(now.since(start).seconds()).saturating_sub(wall.elapsed());
@@ -72,9 +75,7 @@ fn run_slice(
     let (now, sent, happened) = board.with(move |machine| {
         let deadline = machine.now() + slice;
         let happened = schedule.lock().unwrap_or_else(PoisonError::into_inner).run(machine, deadline);
-        let sent: Vec<u8> =
-            machine.chip(|chip| chip.uart.take_sent()).into_iter().map(|(_, byte)| byte).collect();
-        (machine.now(), sent, happened)
+        (machine.now(), take_sent(machine), happened)
     });
     for (time, what) in happened? {
         say!("{:>12.3} s  {what}", time.seconds());
