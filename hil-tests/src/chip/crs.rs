@@ -59,3 +59,27 @@ impl Peripheral for Crs {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chip::tests::bus::Bus;
+
+    #[test]
+    fn it_trims_by_frames_once_all_three_are_set_and_is_then_left_alone() {
+        let mut bus = Bus::new(Crs::default());
+        // After reset it would follow the USB, if it were on.
+        assert_eq!(bus.get("CFGR", "SYNCSRC"), USB);
+        assert!(!bus.model.follows_frames());
+        bus.fields("CR", &[("AUTOTRIMEN", 1)]);
+        assert!(!bus.model.follows_frames());
+        bus.fields("CR", &[("AUTOTRIMEN", 1), ("CEN", 1)]);
+        assert!(bus.model.follows_frames());
+        assert!(bus.refused("CFGR", 0).contains("while CR.CEN is 1"));
+        assert!(bus.refused("CR", 1 << 7).contains("SWSYNC"));
+        bus.fields("CR", &[]);
+        bus.fields("CFGR", &[("SYNCSRC", 1)]);
+        bus.fields("CR", &[("AUTOTRIMEN", 1), ("CEN", 1)]);
+        assert!(!bus.model.follows_frames(), "a crystal's pace is not the host's");
+    }
+}

@@ -72,3 +72,19 @@ fn reset_flags_add_up_until_they_are_removed() {
     bus.model.restart(ResetCause::Pin);
     assert_eq!(flags.map(|flag| bus.get("CSR", flag)), [0, 0, 0, 1]);
 }
+
+#[test]
+fn the_usb_runs_from_the_hsi48_or_from_the_pll() {
+    let mut bus = with_pll();
+    assert_eq!(bus.model.usb_clock().0, 0, "the HSI48 is off");
+    bus.fields("CRRCR", &[("HSI48ON", 1)]);
+    assert_eq!(bus.model.usb_clock(), (48_000_000, true));
+    bus.fields("CCIPR", &[("CLK48SEL", 2)]);
+    assert_eq!(bus.model.usb_clock().0, 0, "the PLL has no such output");
+    let mut bus = Bus::new(Rcc::default());
+    bus.fields("PLLCFGR", &[("PLLSRC", 2), ("PLLM", 3), ("PLLN", 72), ("PLLQEN", 1), ("PLLQ", 2)]);
+    bus.fields("CR", &[("HSION", 1), ("PLLON", 1)]);
+    bus.fields("CCIPR", &[("CLK48SEL", 2)]);
+    assert_eq!(bus.model.usb_clock(), (48_000_000, false));
+    assert!(!bus.model.pll_is_exact());
+}

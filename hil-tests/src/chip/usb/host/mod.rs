@@ -425,3 +425,6 @@ impl Host {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
