@@ -1,7 +1,7 @@
 //! Device: what it answers to the host's packets, as its endpoint registers say (RM0440, USB chapter, "USB endpoint
 //! registers"), and what it notices of the bus.
 
-use super::{UsbClocks, memory::PacketMemory, registers::rule};
+use super::{UsbClocks, memory::PacketMemory};
 use crate::chip::{bank::Bank, misuse::Misuse, time::Time};
 
 /// From one start of a frame to the next.
@@ -342,4 +342,8 @@ impl Device {
         let length = if count & 0x8000 == 0 { 2 * blocks } else { 32 * (blocks + 1) };
         (self.memory.half(place).into(), length)
     }
+}
+
+pub(super) fn rule(rule: impl Into<String>) -> Misuse {
+    Misuse::rule("USB", rule)
 }

@@ -1,7 +1,7 @@
 //! Registers: what writing them does (RM0440, USB chapter, "USB and USB SRAM registers").
 
 use super::{
-    device::{Device, Stat},
+    device::{Device, Stat, rule},
     memory,
 };
 use crate::chip::{map::Register, misuse::Misuse, time::Time};
@@ -126,8 +126,4 @@ impl Device {
         }
         self.memory.guarded = guarded;
     }
-}
-
-pub(super) fn rule(rule: impl Into<String>) -> Misuse {
-    Misuse::rule("USB", rule)
 }
