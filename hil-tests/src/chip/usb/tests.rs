@@ -176,10 +176,9 @@ fn the_transceiver_has_its_time_and_the_clock_is_exact() {
 
 #[test]
 fn what_is_not_modelled_is_refused() {
-    let mut bus = device();
-    let mut epr = |value| bus.write_at("EPR", 3, value).unwrap_err().to_string();
     for value in [3 | 2 << 9 | TX_VALID, 3 | 1 << 8 | TX_VALID] {
-        assert!(epr(value).contains("isochronous and double-buffered"));
+        let error = device().write_at("EPR", 3, value).unwrap_err().to_string();
+        assert!(error.contains("isochronous and double-buffered"), "{error}");
     }
     let mut bus = device();
     assert!(bus.refused("CNTR", 0x9C10).contains("waking the host"));
