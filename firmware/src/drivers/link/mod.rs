@@ -79,6 +79,7 @@ impl Outgoing {
     }
 
     /// Whether the link wants to send more packets with these.
+    #[allow(clippy::absurd_extreme_comparisons, reason = "a link that sends one packet at a time wants none")]
     pub fn wants_more(&self) -> bool {
         self.length < BYTES_IN_ONE_GO
     }
