@@ -49,6 +49,7 @@ pub(super) const CASES: &[Case] = &[
         needs: NEEDS,
         run: begins_anew,
     },
+    Case { name: "an answer of whole packets reaches the program at once", needs: NEEDS, run: whole_packets },
     Case { name: "a program that does not set DTR is answered", needs: NEEDS, run: without_dtr },
 ];
 
@@ -166,9 +167,9 @@ fn replugged(rig: &Rig) -> Result<String, Failure> {
     const TIMES: usize = 8;
     disturbed(rig, TIMES, 31, |board, random| {
         let apart = Time::from_micros(random.random_range(0..60_000));
-        host(board, |host, now| host.unplug(now));
+        host(board, Host::unplug);
         board.run(apart)?;
-        host(board, |host, now| host.plug(now));
+        host(board, Host::plug);
         Ok(())
     })
 }
@@ -176,7 +177,7 @@ fn replugged(rig: &Rig) -> Result<String, Failure> {
 fn reset(rig: &Rig) -> Result<String, Failure> {
     const TIMES: usize = 5;
     disturbed(rig, TIMES, 32, |board, _| {
-        host(board, |host, now| host.reset_bus(now));
+        host(board, Host::reset_bus);
         Ok(())
     })
 }
@@ -268,7 +269,7 @@ fn sleeps(rig: &Rig) -> Result<String, Failure> {
         board.run(Time::from_micros(7_300))?;
         host(&board, |host, _| host.suspend());
         board.run(Time::from_millis(asleep))?;
-        host(&board, |host, now| host.resume(now));
+        host(&board, Host::resume);
         board.run(Time::from_millis(40))?;
         let after = ensure_unharmed(&mut link)?;
         ensure_went_on(before, after)?;
@@ -279,10 +280,10 @@ fn sleeps(rig: &Rig) -> Result<String, Failure> {
     // The cable comes out of a host that sleeps.
     host(&board, |host, _| host.suspend());
     board.run(Time::from_millis(20))?;
-    host(&board, |host, now| host.unplug(now));
+    host(&board, Host::unplug);
     board.run(Time::from_millis(20))?;
     drop(link);
-    host(&board, |host, now| host.plug(now));
+    host(&board, Host::plug);
     ensure_unharmed(&mut again(&board, 1)?)?;
     Ok(format!("2, 30 and 300 ms: the program goes on with its port; {lost} events were lost"))
 }
@@ -349,6 +350,19 @@ fn begins_anew(rig: &Rig) -> Result<String, Failure> {
     // Without a configuration there is no port.
     ask(ToDevice::new(0x00, 9, 0, 0, 0))?;
     ensure(ask(ToDevice::new(0x82, 0, 0, 0x82, 2)).is_err(), || "it tells of an endpoint".to_owned())?;
+    Ok(String::new())
+}
+
+/// Answers of each length up to two packets: where the last one is full, the host's driver waits for a short one.
+fn whole_packets(rig: &Rig) -> Result<String, Failure> {
+    let (board, mut link) = tared(rig)?;
+    let length = patch(rig)?.len() as u32;
+    for bytes in 1..=2 * 64 {
+        let since = now(&board);
+        link.request(&Request::ReadPatch { offset: length - bytes })?;
+        let time = now(&board).since(since);
+        ensure(time < Time::from_millis(10), || format!("{bytes} bytes of patch come after {time}"))?;
+    }
     Ok(String::new())
 }
 

@@ -153,7 +153,7 @@ impl Device {
         let lost = self.missing.min(3);
         self.bank.set("FNR", "LSOF", lost);
         self.bank.set("FNR", "LCK", 0);
-        self.missing_at = self.missing_at + FRAME;
+        self.missing_at += FRAME;
         if self.missing == MISSING_UNTIL_SUSPENDED {
             self.flag("SUSP");
             self.missing_at = Time::NEVER;
