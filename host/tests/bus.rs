@@ -109,7 +109,7 @@ fn however_many_boards_are_absent_the_others_have_most_of_the_line() {
 }
 
 #[test]
-fn who_reads_late_gets_all_that_there_was_room_for_and_the_line_goes_on() {
+fn who_reads_late_does_not_stop_the_line() {
     let board = board("unread", 400.0);
     let (at, _line) = line(&[(1, board.address())]);
     let mut link = link::open(&port(at, 1)).unwrap();
@@ -187,25 +187,22 @@ fn an_address_is_open_once_and_a_line_as_long_as_somebody_uses_it() {
 
 #[test]
 fn images_come_as_often_as_the_line_carries_them_and_contacts_always() {
-    let boards = [board("left", 40.0), board("right", 40.0)];
+    let boards = [board("left", 100.0), board("right", 100.0)];
     let (at, _line) = line(&[(0, boards[0].address()), (1, boards[1].address())]);
     thread::scope(|scope| {
         for address in [0, 1] {
             scope.spawn(move || {
                 let mut link = link::open(&port(at, address)).unwrap();
-                link.share_line(6);
+                link.share_line(3);
                 tare(&mut link, 3, WAIT).unwrap();
                 let wanted = Selection { images: 1, contacts: 1, ..Selection::default() };
                 let mut stream = link.subscribe(wanted).unwrap();
                 let every = stream.selection().images;
-                assert!(every != 1 && stream.selection() == Selection { images: every, ..wanted }, "{every}");
+                assert!(every > 1 && stream.selection() == Selection { images: every, ..wanted }, "{every}");
                 let frames: Vec<_> = (0..200).map(|_| stream.next(WAIT).unwrap().expect("a frame")).collect();
                 assert!(frames.iter().all(|frame| frame.contacts.is_some()));
                 let images = frames.iter().filter(|frame| frame.image.is_some()).count();
-                assert!(
-                    images.abs_diff(200_usize.checked_div(every.into()).unwrap_or(0)) <= 1,
-                    "{images} of every {every}"
-                );
+                assert!(images.abs_diff(200 / usize::from(every)) <= 1, "{images} of every {every}");
                 assert_eq!(stream.link().events_lost(), 0);
             });
         }

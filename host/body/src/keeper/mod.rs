@@ -390,7 +390,7 @@ impl Board {
             if self.wants_tare && averaging.is_none() && touched.elapsed() >= FREE {
                 self.wants_tare = false;
                 if self.shows_tares() {
-                    averaging = Some(Averaging::begin(stream.link(), patch)?);
+                    (averaging, is_said) = (Some(Averaging::begin(stream.link(), patch)?), false);
                     continue;
                 }
                 stream.stop()?;
