@@ -1,10 +1,11 @@
-//! Bus: boards that share one line, each behind a transport of its own ([`dermatome_shared::protocol::bus`]).
+//! Bus: boards that share a line of RS-485 or a CAN FD bus, each behind a transport of its own.
 //!
-//! A thread has the line for as long as a board on it is open in this program. Turn by turn it sends a board what is
-//! for it, lets it speak, and hands what it says to whoever reads that board.
+//! A thread or two have the bus for as long as a board on it is open in this program.
 
-mod line;
+mod can;
 mod load;
+mod rs485;
+mod seat;
 
-pub(super) use line::{Place, take_seat};
 pub(super) use load::Demand;
+pub(super) use seat::{Place, take_seat};
