@@ -4,6 +4,8 @@ mod can;
 #[path = "../program/mod.rs"]
 mod program;
 mod rs485;
+#[cfg(target_os = "linux")]
+mod socketcan;
 #[path = "../testbench/mod.rs"]
 mod testbench;
 

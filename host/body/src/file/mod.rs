@@ -72,7 +72,7 @@ pub struct Patch {
     pub skin: Description,
     /// Where its board is.
     pub port: Port,
-    /// Boards of the body on the line of that port, with this one.
+    /// Boards of the body on the bus of that port, with this one.
     pub on_bus: usize,
     /// Where it lies.
     pub pose: Pose,

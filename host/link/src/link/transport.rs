@@ -111,20 +111,17 @@ pub(super) fn open_adapter(port: &str, adapter: &Adapter) -> Result<Box<dyn Tran
 }
 
 /// As [`open_adapter`], for two who use it at once.
-pub(super) fn open_halves(
-    port: &str,
-    adapter: &Adapter,
-) -> Result<(Box<dyn Transport>, Box<dyn Transport>), LinkError> {
+pub(super) fn open_halves(port: &str, adapter: &Adapter) -> Result<[Box<dyn Transport>; 2], LinkError> {
     let failed = |reason| LinkError::on_open(port, reason);
     Ok(match adapter {
         Adapter::Serial(name) => {
             let one = open_serial(port, name)?;
             let other = one.port.try_clone_native().map_err(|error| failed(error.into()))?;
-            (Box::new(Serial { port: other, waits: true }), Box::new(one))
+            [Box::new(Serial { port: other, waits: true }), Box::new(one)]
         }
         Adapter::Tcp(address) => {
             let one = open_tcp(port, address.as_str())?;
-            (Box::new(one.try_clone().map_err(failed)?), Box::new(one))
+            [Box::new(one.try_clone().map_err(failed)?), Box::new(one)]
         }
     })
 }

@@ -1,6 +1,6 @@
 //! Load: how much of a bus boards take, and what of their streams fits.
 
-use super::rs485::BYTE;
+use super::super::transport::BAUD;
 use crate::error::Overload;
 use dermatome_shared::{
     contact::{Contact, Evidence, track},
@@ -29,13 +29,15 @@ const ROOM: f64 = 0.8;
 const LEAST_TURNS: f64 = 20.0;
 /// Bytes on the line for a turn and its end.
 const TURN_AND_END: f64 = 6.0;
+/// Seconds of a line that a byte takes: ten bits.
+pub(super) const BYTE: f64 = 10.0 / BAUD as f64;
 /// Bytes on it before a packet: a zero byte, the mark and its complement.
 const HEAD: f64 = 3.0;
 /// Bits of a CAN FD frame before the bit rate switches and after it has switched back, the pause behind it included; 4 more
 /// at most that stuff the first 17 (ISO 11898-1).
 const NOMINAL_BITS: f64 = (17 + 4 + 13) as f64;
-/// Bits between the two: error state, length and data, stuffed with one in four at most; the count of stuff bits, the checksum
-/// and its own stuff bits.
+/// Bits between the two: error state, length and data, stuffed with one in four at most; the count of stuff bits, the
+/// checksum and its own stuff bits.
 const DATA_BITS: f64 = (1 + 4 + 8 * FRAME_BYTES) as f64 * 1.25 + (4 + 21 + 7) as f64;
 /// Longest that a frame with 64 bytes takes, s.
 const FRAME: f64 = NOMINAL_BITS / NOMINAL_RATE as f64 + DATA_BITS / DATA_RATE as f64;

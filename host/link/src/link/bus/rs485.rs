@@ -3,7 +3,8 @@
 //! Turn by turn it sends a board what is for it, lets it speak, and hands what it says to whoever reads that board.
 
 use super::{
-    super::transport::{BAUD, Transport, may_retry, open_adapter, write_all},
+    super::transport::{Transport, may_retry, open_adapter, write_all},
+    load::BYTE,
     seat::Seats,
 };
 use crate::{error::LinkError, port::Adapter};
@@ -14,8 +15,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Seconds of the line that a byte takes: ten bits.
-pub(super) const BYTE: f64 = 10.0 / BAUD as f64;
 /// Longest that the line is given to a board which says nothing, adapters' delays included (16 ms at most, as a rule).
 const SILENCE: Duration = Duration::from_millis(TURN_LAPSES_MS + 30);
 /// Longest turn, whatever is said.

@@ -5,13 +5,11 @@
 
 use super::{
     super::transport::{READ_TIMEOUT, Transport, may_retry},
-    can,
     load::{Demand, Medium, Shares},
-    rs485,
 };
 use crate::{
     error::{LinkError, LinkErrorKind, Overload},
-    port::Bus,
+    port,
 };
 use dermatome_shared::protocol::{MAX_PACKET_BYTES, Selection, bus::ADDRESSES};
 use std::{
@@ -24,19 +22,22 @@ use std::{
 /// Most bytes kept for somebody who does not read.
 const MOST_UNREAD: usize = 1 << 18;
 
+/// How long a bus may take to be closed.
+const CLOSING: Duration = Duration::from_millis(100);
+
 /// Buses that are or were open in this program.
-static BUSES: Mutex<BTreeMap<Bus, Arc<Mutex<Opened>>>> = Mutex::new(BTreeMap::new());
+static BUSES: Mutex<BTreeMap<port::Bus, Arc<Mutex<Opened>>>> = Mutex::new(BTreeMap::new());
 
 /// What became of opening a bus.
 #[derive(Default)]
 struct Opened {
-    line: Option<Arc<Shared>>,
+    bus: Option<Arc<Bus>>,
     /// When that failed last, and how: who has waited meanwhile has failed as well.
     failed: Option<(Instant, ErrorKind, String)>,
 }
 
 /// A bus with boards on it.
-struct Shared {
+struct Bus {
     state: Mutex<State>,
     /// Something was said, is to be sent, or somebody has left.
     changed: Condvar,
@@ -80,7 +81,13 @@ impl State {
     }
 }
 
-impl Shared {
+impl Bus {
+    fn new(medium: Medium) -> Self {
+        let state =
+            State { boards: [const { None }; ADDRESSES as usize], shares: Shares::new(medium), failed: None };
+        Self { state: Mutex::new(state), changed: Condvar::new() }
+    }
+
     fn lock(&self) -> MutexGuard<'_, State> {
         lock(&self.state)
     }
@@ -92,7 +99,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 /// A bus as what drives it sees it.
 pub(super) struct Seats {
-    line: Arc<Shared>,
+    bus: Arc<Bus>,
     opened: Arc<Mutex<Opened>>,
 }
 
@@ -105,26 +112,26 @@ impl Drop for Seats {
 
 impl Seats {
     pub(super) fn lock(&self) -> MutexGuard<'_, State> {
-        self.line.lock()
+        self.bus.lock()
     }
 
     /// Waits until something has changed, for so long at most.
     pub(super) fn wait(&self, state: MutexGuard<'_, State>, time: Option<Duration>) {
         match time {
-            Some(time) => drop(self.line.changed.wait_timeout(state, time)),
-            None => drop(self.line.changed.wait(state)),
+            Some(time) => drop(self.bus.changed.wait_timeout(state, time)),
+            None => drop(self.bus.changed.wait(state)),
         }
     }
 
     /// Whoever reads the board gets what it has said.
     pub(super) fn hand_over(&self, address: u8, said: &[u8]) {
-        if said.is_empty() {
-            return;
-        }
         if let Some(board) = self.lock().board(address) {
             board.from_board.extend(said);
         }
-        self.line.changed.notify_all();
+        // Who waits for the rest of a packet looks again soon enough.
+        if said.contains(&0) {
+            self.bus.changed.notify_all();
+        }
     }
 
     /// If nobody is seated, closes the bus and says so: who comes meanwhile waits for that.
@@ -133,7 +140,7 @@ impl Seats {
         if !self.lock().is_empty() {
             return false;
         }
-        opened.line = None;
+        opened.bus = None;
         close();
         true
     }
@@ -141,7 +148,7 @@ impl Seats {
     /// The bus is dead. The first reason counts.
     pub(super) fn fail(&self, kind: ErrorKind, words: String) {
         self.lock().failed.get_or_insert((kind, words));
-        self.line.changed.notify_all();
+        self.bus.changed.notify_all();
     }
 
     /// The bus is dead: who waits for bytes that will never come is to know it.
@@ -154,14 +161,14 @@ impl Seats {
     pub(super) fn wake(&self) {
         // Who has just looked waits by the time that the lock is free.
         drop(self.lock());
-        self.line.changed.notify_all();
+        self.bus.changed.notify_all();
     }
 }
 
 /// Where a board is: on which bus, and its address there.
 #[derive(Clone)]
 pub(in crate::link) struct Place {
-    line: Arc<Shared>,
+    bus: Arc<Bus>,
     address: u8,
 }
 
@@ -171,27 +178,34 @@ pub(in crate::link) struct Seat {
     waits: bool,
 }
 
-/// Takes the place of a board on a bus, which is opened if it is not yet in this program; `name` is the board's port, for
-/// errors.
-pub(in crate::link) fn take_seat(name: &str, bus: &Bus, address: u8) -> Result<Seat, LinkError> {
+/// Takes the place of a board on a bus, on which packets go over `medium`; if the bus is not open in this program, `start`
+/// opens it and what drives it. `name` is the board's port, for errors.
+pub(super) fn take(
+    name: &str,
+    port: &port::Bus,
+    address: u8,
+    medium: Medium,
+    start: impl FnOnce(Seats) -> Result<(), LinkError>,
+) -> Result<Seat, LinkError> {
     let asked = Instant::now();
-    let opened = lock(&BUSES).entry(bus.clone()).or_default().clone();
+    let opened = lock(&BUSES).entry(port.clone()).or_default().clone();
     let mut slot = lock(&opened);
-    let line = match slot.line.as_ref().filter(|line| line.lock().failed.is_none()) {
-        Some(line) => line.clone(),
+    let bus = match slot.bus.as_ref().filter(|bus| bus.lock().failed.is_none()) {
+        Some(bus) => bus.clone(),
         None => {
             if let Some((_, kind, words)) = slot.failed.as_ref().filter(|(when, ..)| *when >= asked) {
                 return Err(LinkError::on_open(name, io::Error::new(*kind, words.clone())));
             }
-            let line = open(name, bus, &opened).inspect_err(|error| {
+            let bus = Arc::new(Bus::new(medium));
+            start(Seats { bus: bus.clone(), opened: opened.clone() }).inspect_err(|error| {
                 if let LinkErrorKind::Open(reason) = &error.kind {
                     slot.failed = Some((Instant::now(), reason.kind(), reason.to_string()));
                 }
             })?;
-            slot.line.insert(line).clone()
+            slot.bus.insert(bus).clone()
         }
     };
-    let mut state = line.lock();
+    let mut state = bus.lock();
     let board = &mut state.boards[usize::from(address)];
     if board.is_some() {
         return Err(LinkError::new(name, LinkErrorKind::InUse));
@@ -201,43 +215,26 @@ pub(in crate::link) fn take_seat(name: &str, bus: &Bus, address: u8) -> Result<S
         from_board: VecDeque::with_capacity(MAX_PACKET_BYTES),
     });
     drop(state);
-    line.changed.notify_all();
-    Ok(Seat { place: Place { line, address }, waits: true })
-}
-
-/// Opens a bus, and starts what drives it.
-fn open(name: &str, bus: &Bus, opened: &Arc<Mutex<Opened>>) -> Result<Arc<Shared>, LinkError> {
-    let medium = match bus {
-        Bus::Rs485(_) => Medium::Rs485,
-        Bus::Slcan(_) | Bus::SocketCan(_) => Medium::Can,
-    };
-    let state =
-        State { boards: [const { None }; ADDRESSES as usize], shares: Shares::new(medium), failed: None };
-    let line = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
-    let seats = Seats { line: line.clone(), opened: opened.clone() };
-    match bus {
-        Bus::Rs485(adapter) => rs485::start(name, adapter, seats)?,
-        Bus::Slcan(_) | Bus::SocketCan(_) => can::start(name, bus, seats)?,
-    }
-    Ok(line)
+    bus.changed.notify_all();
+    Ok(Seat { place: Place { bus, address }, waits: true })
 }
 
 impl Place {
     /// How many boards the bus is for, those included that are not open.
     pub(in crate::link) fn share_with(&self, boards: usize) {
-        self.line.lock().shares.boards = boards;
+        self.bus.lock().shares.boards = boards;
     }
 
     /// What of a selection fits the bus beside what goes over it for others: images less often where it must be.
     pub(in crate::link) fn fit(&self, selection: Selection, demand: &Demand) -> Result<Selection, Overload> {
-        let mut state = self.line.lock();
+        let mut state = self.bus.lock();
         let open = state.boards.iter().flatten().count();
         state.shares.fit(self.address, open, selection, demand)
     }
 
     /// Nothing of the board goes over the bus any more unless it is asked.
     pub(in crate::link) fn release(&self) {
-        self.line.lock().shares.leave(self.address);
+        self.bus.lock().shares.leave(self.address);
     }
 }
 
@@ -251,7 +248,7 @@ impl Seat {
 impl Read for Seat {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let deadline = Instant::now() + READ_TIMEOUT;
-        let mut state = self.place.line.lock();
+        let mut state = self.place.bus.lock();
         loop {
             if let Some((kind, words)) = &state.failed {
                 return Err(io::Error::new(*kind, words.clone()));
@@ -261,7 +258,7 @@ impl Read for Seat {
                 let was_full = board.is_full();
                 let length = board.from_board.read(buffer);
                 if was_full {
-                    self.place.line.changed.notify_all();
+                    self.place.bus.changed.notify_all();
                 }
                 return length;
             }
@@ -269,7 +266,7 @@ impl Read for Seat {
             if !self.waits || left.is_zero() {
                 return Err(ErrorKind::WouldBlock.into());
             }
-            let woken = self.place.line.changed.wait_timeout(state, left);
+            let woken = self.place.bus.changed.wait_timeout(state, left);
             state = woken.unwrap_or_else(PoisonError::into_inner).0;
         }
     }
@@ -277,13 +274,13 @@ impl Read for Seat {
 
 impl Write for Seat {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let mut state = self.place.line.lock();
+        let mut state = self.place.bus.lock();
         if let Some((kind, words)) = &state.failed {
             return Err(io::Error::new(*kind, words.clone()));
         }
         let Some(board) = state.board(self.place.address) else { return Ok(0) };
         board.to_board.extend_from_slice(bytes);
-        self.place.line.changed.notify_all();
+        self.place.bus.changed.notify_all();
         Ok(bytes.len())
     }
 
@@ -299,11 +296,15 @@ impl Transport for Seat {
     }
 }
 
+/// The last one waits until the bus is closed: its program may end after this.
 impl Drop for Seat {
     fn drop(&mut self) {
-        let mut state = self.place.line.lock();
-        state.boards[usize::from(self.place.address)] = None;
-        state.shares.leave(self.place.address);
-        self.place.line.changed.notify_all();
+        let Place { bus, address } = &self.place;
+        let mut state = bus.lock();
+        state.boards[usize::from(*address)] = None;
+        state.shares.leave(*address);
+        bus.changed.notify_all();
+        let is_closing = |state: &mut State| state.is_empty() && state.failed.is_none();
+        drop(bus.changed.wait_timeout_while(state, CLOSING, is_closing));
     }
 }

@@ -16,8 +16,8 @@ use std::{
 };
 
 /// Ends what somebody before has left, closes the bus, makes it 1 Mbit/s and, where the bit rate switches, 2 Mbit/s, and
-/// opens it.
-const OPEN: &[u8] = b"\rC\rS8\rY2\rO\r";
+/// opens it. An empty line would do as well for the first, but CANable's firmware takes it for the last one once more.
+const OPEN: &[u8] = b"C\rC\rS8\rY2\rO\r";
 const CLOSE: &[u8] = b"C\r";
 /// A frame's letter and digits; what comes behind, the time, is not read.
 const HEAD: usize = 5;
@@ -26,9 +26,9 @@ const LONGEST: usize = 256;
 
 /// Opens an adapter's bus.
 pub(super) fn open(name: &str, adapter: &Adapter) -> Result<Ends, LinkError> {
-    let (wire, mut other) = open_halves(name, adapter)?;
+    let [wire, mut other] = open_halves(name, adapter)?;
     write_all(other.as_mut(), OPEN).map_err(|error| LinkError::on_open(name, error))?;
-    let receiver = Lines { wire, line: Vec::new(), buffer: [0; 4096], has_warned: false };
+    let receiver = Lines { wire, line: Vec::new(), buffer: [0; 4096], name: name.to_owned() };
     Ok((Box::new(Text { wire: other, line: String::new() }), Box::new(receiver)))
 }
 
@@ -66,7 +66,8 @@ struct Lines {
     /// What has come of a line.
     line: Vec<u8>,
     buffer: [u8; 4096],
-    has_warned: bool,
+    /// A board's port, for the log.
+    name: String,
 }
 
 impl Receiver for Lines {
@@ -83,11 +84,10 @@ impl Receiver for Lines {
                     }
                     self.line.clear();
                 }
+                b'\n' => {}
                 b'\x07' => {
                     self.line.clear();
-                    if !std::mem::replace(&mut self.has_warned, true) {
-                        log::warn!("the adapter to the CAN bus has refused a command or a frame");
-                    }
+                    log::info!("the adapter of `{}` has refused a command or a frame", self.name);
                 }
                 byte if self.line.len() < LONGEST => self.line.push(byte),
                 _ => {}
@@ -153,7 +153,7 @@ mod tests {
         let to_read: VecDeque<_> = pieces.into_iter().collect();
         let reads = to_read.len();
         let wire = Box::new(Wire { to_read, ..Wire::default() });
-        let mut lines = Lines { wire, line: Vec::new(), buffer: [0; 4096], has_warned: false };
+        let mut lines = Lines { wire, line: Vec::new(), buffer: [0; 4096], name: "can:here#1".to_owned() };
         let mut frames = Vec::new();
         for _ in 0..reads {
             lines.receive(&mut |identifier, data| frames.push((identifier, data.to_vec()))).unwrap();
@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn what_is_no_frame_ends_with_its_line() {
-        let text = b"V1.2 something\r\r\x07b2011AA\rB0000020011FF\rz\rtoo long ";
+        let text = b"V1.2 something\r\r\n\x07b2011AA\rB0000020011FF\rz\rtoo long ";
         let text = [&text[..], &b"x".repeat(1000), b"\rb2022AABB\rb2001A\x07b2001CC\r"].concat();
         assert_eq!(received([text]), [(0x201, vec![0xAA]), (0x202, vec![0xAA, 0xBB]), (0x200, vec![0xCC])]);
     }
