@@ -1,6 +1,7 @@
 //! Cases: what a board with our firmware must do. Each sees a rig and nothing else.
 
 mod bus;
+mod can;
 mod crash;
 mod line;
 mod log;
@@ -69,6 +70,12 @@ impl Failure {
 #[must_use]
 pub fn on_a_bus() -> Vec<Case> {
     bus::CASES.to_vec()
+}
+
+/// Those of boards on one CAN bus.
+#[must_use]
+pub fn on_can() -> Vec<Case> {
+    can::CASES.to_vec()
 }
 
 /// All cases of one board, in the order in which they run.

@@ -1,0 +1,58 @@
+//! Adapter: the host's node on a CAN bus, with a queue of frames that is never full.
+
+use super::{Frame, Rates};
+use crate::chip::time::Time;
+use std::collections::VecDeque;
+
+/// The host's node.
+#[derive(Debug)]
+pub struct Adapter {
+    /// Whether it takes part in the bus: it acknowledges and sends.
+    pub is_on: bool,
+    /// Its bit rates.
+    pub rates: Rates,
+    queue: VecDeque<(Time, Frame)>,
+    heard: Vec<(Time, Frame)>,
+}
+
+impl Default for Adapter {
+    fn default() -> Self {
+        let rates = Rates { nominal: 1_000_000, data: 2_000_000 };
+        Self { is_on: true, rates, queue: VecDeque::new(), heard: Vec::new() }
+    }
+}
+
+impl Adapter {
+    /// Sends a frame after those that it still has to send.
+    pub fn send(&mut self, frame: Frame, now: Time) {
+        self.queue.push_back((now, frame));
+    }
+
+    /// Frames that it has still to send.
+    #[must_use]
+    pub fn waiting(&self) -> usize {
+        self.queue.len()
+    }
+
+    /// Forgets them.
+    pub fn forget(&mut self) {
+        self.queue.clear();
+    }
+
+    /// What it has heard since it was asked last, with the time each frame ended.
+    pub fn take_heard(&mut self) -> Vec<(Time, Frame)> {
+        std::mem::take(&mut self.heard)
+    }
+
+    pub(super) fn request(&self) -> Option<(Time, Frame)> {
+        self.queue.front().filter(|_| self.is_on).cloned()
+    }
+
+    pub(super) fn note_sent(&mut self) {
+        self.queue.pop_front();
+    }
+
+    pub(super) fn hear(&mut self, at: Time, frame: Frame) {
+        self.heard.push((at, frame));
+    }
+}
