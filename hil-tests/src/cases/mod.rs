@@ -16,10 +16,10 @@ pub use sensing::{Soaked, soak};
 use crate::machine::Halt;
 use crate::rig::{Capability, Rig, RigError};
 use dermatome::{
-    link::{LinkError, ScanFrame, Subscription, UploadError},
+    link::{Link, LinkError, ScanFrame, Subscription, UploadError},
     simulate::port::OpenError,
 };
-use dermatome_shared::protocol::FrameStamp;
+use dermatome_shared::{protocol::FrameStamp, restart::Restart};
 use std::time::Duration;
 
 /// Longest that a case waits for something, in the host's time.
@@ -114,6 +114,12 @@ fn next_with<T>(
 fn ensure_complete(stream: &mut Subscription<'_>) -> Result<(), Failure> {
     let lost = stream.link().events_lost();
     ensure(lost == 0, || format!("{lost} events are lost"))
+}
+
+/// The board answers, and has been up since it was started like this.
+fn ensure_up(link: &mut Link, started_after: &Restart) -> Result<(), Failure> {
+    let info = link.info()?;
+    ensure(info.started_after == *started_after, || format!("it started after {:?}", info.started_after))
 }
 
 /// Patches for cases.

@@ -11,14 +11,24 @@ pub struct Adapter {
     pub is_on: bool,
     /// Its bit rates.
     pub rates: Rates,
+    /// Whether what it hears is kept in a record as well.
+    pub keeps_record: bool,
     queue: VecDeque<(Time, Frame)>,
     heard: Vec<(Time, Frame)>,
+    record: Vec<(Time, Frame)>,
 }
 
 impl Default for Adapter {
     fn default() -> Self {
         let rates = Rates { nominal: 1_000_000, data: 2_000_000 };
-        Self { is_on: true, rates, queue: VecDeque::new(), heard: Vec::new() }
+        Self {
+            is_on: true,
+            rates,
+            keeps_record: false,
+            queue: VecDeque::new(),
+            heard: Vec::new(),
+            record: Vec::new(),
+        }
     }
 }
 
@@ -44,6 +54,11 @@ impl Adapter {
         std::mem::take(&mut self.heard)
     }
 
+    /// What the record holds.
+    pub fn take_record(&mut self) -> Vec<(Time, Frame)> {
+        std::mem::take(&mut self.record)
+    }
+
     pub(super) fn request(&self) -> Option<(Time, Frame)> {
         self.queue.front().filter(|_| self.is_on).cloned()
     }
@@ -53,6 +68,9 @@ impl Adapter {
     }
 
     pub(super) fn hear(&mut self, at: Time, frame: Frame) {
+        if self.keeps_record {
+            self.record.push((at, frame.clone()));
+        }
         self.heard.push((at, frame));
     }
 }

@@ -1,7 +1,10 @@
 //! Host: links to boards on a CAN bus, as slowly as virtual time passes.
 
 use super::{CanBus, Frame};
-use crate::chip::{fdcan::frame::Format, time::Time};
+use crate::{
+    chip::{fdcan::frame::Format, time::Time},
+    machine::Halt,
+};
 use dermatome::link::{Link, LinkError, Transport};
 use dermatome_shared::protocol::can::{Carries, FRAME_BYTES, filled};
 use std::{
@@ -12,8 +15,6 @@ use std::{
 
 /// Longest that one read waits, in virtual time.
 const READ_TIME: Time = Time::from_millis(20);
-/// An adapter hands over what came in this time together.
-const BATCH_TIME: Time = Time::from_micros(120);
 
 /// The host of a bus, with a link to each board that it is asked for.
 #[derive(Clone, Debug)]
@@ -48,9 +49,17 @@ impl Host {
         self.inboxes.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes what was said to its place.
-    fn sort(&self) {
-        let heard = self.bus.with(|wire| wire.host.take_heard());
+    /// Lets time pass until somebody has said something, at most until then; takes what was said to its place. Says whether
+    /// time is left.
+    fn hear(&self, end: Time) -> Result<bool, Halt> {
+        let (heard, now) = self.bus.with(move |wire| {
+            let mut heard = wire.host.take_heard();
+            while heard.is_empty() && wire.now() < end {
+                wire.run_slice()?;
+                heard = wire.host.take_heard();
+            }
+            Ok::<_, Halt>((heard, wire.now()))
+        })?;
         let mut inboxes = self.inboxes();
         for (_, frame) in heard {
             if let Some((Carries::Said, address)) = Carries::of(frame.identifier)
@@ -59,6 +68,7 @@ impl Host {
                 inbox.extend(frame.data);
             }
         }
+        Ok(now < end)
     }
 }
 
@@ -66,14 +76,12 @@ impl Read for Port {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let end = self.host.bus.with(|wire| wire.now()) + READ_TIME;
         loop {
-            self.host.sort();
             let read =
                 self.host.inboxes().get_mut(&self.address).map_or(Ok(0), |inbox| inbox.read(buffer))?;
             if read > 0 {
                 return Ok(read);
             }
-            let now = self.host.bus.with(|wire| wire.run_until(wire.now() + BATCH_TIME).map(|()| wire.now()));
-            if now.map_err(io::Error::other)? >= end {
+            if !self.host.hear(end).map_err(io::Error::other)? {
                 return Err(ErrorKind::TimedOut.into());
             }
         }

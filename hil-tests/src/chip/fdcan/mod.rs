@@ -78,6 +78,7 @@ pub struct Fdcan {
     put: usize,
     sending: Option<usize>,
     not_before: Time,
+    received: usize,
     news: VecDeque<(Time, News)>,
     passed: Vec<(Time, Event)>,
 }
@@ -109,6 +110,7 @@ impl Fdcan {
             put: 0,
             sending: None,
             not_before: Time::ZERO,
+            received: 0,
             news: VecDeque::new(),
             passed: Vec::new(),
         }
@@ -403,6 +405,7 @@ impl Peripheral for Fdcan {
         self.forget_frames();
         self.leave();
         (self.is_off, self.counters, self.not_before) = (false, Counters::default(), Time::ZERO);
+        self.received = 0;
     }
 }
 

@@ -124,6 +124,12 @@ impl Fdcan {
         self.news.push_back((at, news));
     }
 
+    /// Frames that it put into its FIFOs since its power came up or it was reset.
+    #[must_use]
+    pub fn received(&self) -> usize {
+        self.received
+    }
+
     /// What it sent and received since this was asked last.
     pub fn take_passed(&mut self) -> Vec<(Time, Event)> {
         std::mem::take(&mut self.passed)
@@ -250,6 +256,7 @@ impl Fdcan {
         }
         self.ram.store(fifo, (first + fill) % FRAMES, frame, filter);
         self.fifos[fifo].fill += 1;
+        self.received += 1;
         self.passed.push((at, framed(frame, false)));
         self.raise(&format!("RFN[{fifo}]"));
         if fill + 1 == FRAMES {
