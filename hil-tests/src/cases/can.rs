@@ -63,7 +63,7 @@ pub(super) const CASES: &[Case] = &[
 
 /// All that a frame shows of contacts.
 const CONTACTS: Selection =
-    Selection { images: 0, contacts: 1, measurements: 0, health: 100, scope: 0, scope_slot: 0 };
+    Selection { images: 0, contacts: 1, measurements: 0, health: 20, scope: 0, scope_slot: 0 };
 /// Frames a second, at the least, of the disc's scan.
 const LEAST_RATE: f64 = 170.0;
 
@@ -119,28 +119,27 @@ fn three_stream(rig: &Rig) -> Result<String, Failure> {
         BusRig { options: Options { keep_trace: true, ..rig.bus().options.clone() }, ..rig.bus().clone() };
     let (bus, mut links) = tared(rig, &shared, &[0, 1, 2])?;
     bus.with(|wire| wire.host.keeps_record = true);
-    let contacts = stream_all(&bus, &mut links, CONTACTS, 40, 3e-3)?;
-    let images = stream_all(&bus, &mut links, Selection { images: 7, ..CONTACTS }, 100, 25e-3)?;
+    let mut started = Vec::new();
+    let contacts = stream_all(&bus, &mut links, CONTACTS, 40, 3e-3, &mut started)?;
+    let images = Selection { images: 7, ..CONTACTS };
+    let images = stream_all(&bus, &mut links, images, 100, 35e-3, &mut started)?;
     Ok(format!("contacts alone: {contacts}; with an image of each seventh frame: {images}"))
 }
 
 /// All stream so many frames each, and none is lost; contacts come so long after the last slot of their scan at the most, s.
+/// `started` is when the clocks of boards began to count; where it is not known yet, contacts come before the next scan ends.
 fn stream_all(
     bus: &CanBus,
     links: &mut [Link],
     selection: Selection,
     frames: usize,
     longest: f64,
+    started: &mut Vec<f64>,
 ) -> Result<String, Failure> {
     let boards = links.len();
     bus.with(move |wire| {
         (0..boards).for_each(|board| drop(wire.machine(board).chip(|chip| chip.trace.take())))
     });
-    let mut started = Vec::new();
-    for link in links.iter_mut() {
-        let uptime = link.info()?.uptime_ms;
-        started.push(now(bus).seconds() - uptime as f64 * 1e-3);
-    }
     let mut streams =
         links.iter_mut().map(|link| link.subscribe(selection)).collect::<Result<Vec<_>, _>>()?;
     streams.iter_mut().try_for_each(|stream| next_whole(stream).map(drop))?;
@@ -164,13 +163,17 @@ fn stream_all(
     ensure(images >= wanted, || format!("{images} images of {wanted}"))?;
     ensure(traffic.errors == 0, || format!("{} frames met errors", traffic.errors))?;
     let mut latencies = Vec::new();
-    for (board, &started) in (0..).zip(&started) {
+    for board in 0..boards {
         let events = bus.with(move |wire| wire.machine(board).chip(|chip| chip.trace.take()));
-        latencies.extend(contacts_after(&said(&heard, board as u8), started, &last_slots(&events)));
+        let (contacts, scans) = (contacts_said(&heard, board as u8), last_slots(&events));
+        if started.len() == board {
+            started.push(began_to_count(&contacts, &scans)?);
+        }
+        latencies.extend(contacts_after(&contacts, started[board], &scans));
     }
     latencies.sort_by(f64::total_cmp);
     let (median, worst) = (latencies[latencies.len() / 2], latencies[latencies.len() - 1]);
-    ensure(latencies.len() + 3 * boards >= boards * frames && worst < longest, || {
+    ensure(latencies.len() + 3 * boards >= boards * frames && latencies[0] > 0.0 && worst < longest, || {
         format!("{} scans, contacts {:.2} ms after one of them", latencies.len(), 1e3 * worst)
     })?;
     Ok(format!(
@@ -191,32 +194,41 @@ fn last_slots(events: &[(Time, TraceEvent)]) -> Vec<f64> {
     events.iter().filter(is_last).map(|(time, _)| time.seconds()).collect()
 }
 
-/// What a board said, and when the last frame of each packet ended, s.
-fn said(heard: &[(Time, Frame)], address: u8) -> Vec<(f64, BoardPacket)> {
+/// Contacts that a board said: when their last frame ended, and when by the board's clock their scan did, s.
+fn contacts_said(heard: &[(Time, Frame)], address: u8) -> Vec<(f64, f64)> {
     let own = |(_, frame): &&(Time, Frame)| Carries::of(frame.identifier) == Some((Carries::Said, address));
-    let (mut packets, mut bytes) = (Vec::new(), Vec::new());
+    let (mut contacts, mut bytes) = (Vec::new(), Vec::new());
     for (at, frame) in heard.iter().filter(own) {
         for &byte in &frame.data {
             if byte != 0 {
                 bytes.push(byte);
-            } else if let Ok(packet) = decode(&mut std::mem::take(&mut bytes)) {
-                packets.push((at.seconds(), packet));
+            } else if let Ok(BoardPacket::Event { event: Event::Contacts { at: stamp, .. }, .. }) =
+                decode(&mut std::mem::take(&mut bytes))
+            {
+                contacts.push((at.seconds(), stamp.timestamp_us as f64 * 1e-6));
             }
         }
     }
-    packets
+    contacts
 }
 
-/// From the last slot of each scan to the end of its contacts, s, of a board that was switched on then.
-fn contacts_after(said: &[(f64, BoardPacket)], started: f64, scans: &[f64]) -> Vec<f64> {
-    let latency = |(end, packet): &(f64, BoardPacket)| {
-        let BoardPacket::Event { event: Event::Contacts { at, .. }, .. } = packet else { return None };
-        let taken = at.timestamp_us as f64 * 1e-6 + started;
-        let near = |scan: &&f64| (**scan - taken).abs();
-        let scan = scans.iter().min_by(|a, b| near(a).total_cmp(&near(b)))?;
-        Some(end - scan)
+/// When a board's clock began to count: by the median of its contacts, each of the last scan before them.
+fn began_to_count(contacts: &[(f64, f64)], scans: &[f64]) -> Result<f64, Failure> {
+    let mut began: Vec<f64> = contacts
+        .iter()
+        .filter_map(|&(end, taken)| Some(scans.iter().rev().find(|&&scan| scan < end)? - taken))
+        .collect();
+    began.sort_by(f64::total_cmp);
+    began.get(began.len() / 2).copied().ok_or_else(|| Failure::wrong("no contacts were sent"))
+}
+
+/// From the last slot of each scan to the end of its contacts, s.
+fn contacts_after(contacts: &[(f64, f64)], started: f64, scans: &[f64]) -> Vec<f64> {
+    let latency = |&(end, taken): &(f64, f64)| {
+        let near = |scan: &&f64| (**scan - taken - started).abs();
+        Some(end - scans.iter().min_by(|a, b| near(a).total_cmp(&near(b)))?)
     };
-    said.iter().filter_map(latency).collect()
+    contacts.iter().filter_map(latency).collect()
 }
 
 fn others_go_on(rig: &Rig) -> Result<String, Failure> {
