@@ -120,7 +120,7 @@ fn three_stream(rig: &Rig) -> Result<String, Failure> {
     let (bus, mut links) = tared(rig, &shared, &[0, 1, 2])?;
     bus.with(|wire| wire.host.keeps_record = true);
     let mut started = Vec::new();
-    let contacts = stream_all(&bus, &mut links, CONTACTS, 40, 3e-3, &mut started)?;
+    let contacts = stream_all(&bus, &mut links, CONTACTS, 40, 5e-3, &mut started)?;
     let images = Selection { images: 7, ..CONTACTS };
     let images = stream_all(&bus, &mut links, images, 100, 35e-3, &mut started)?;
     Ok(format!("contacts alone: {contacts}; with an image of each seventh frame: {images}"))
