@@ -16,6 +16,7 @@ pub struct Adapter {
     queue: VecDeque<(Time, Frame)>,
     heard: Vec<(Time, Frame)>,
     record: Vec<(Time, Frame)>,
+    sent: Vec<Frame>,
 }
 
 impl Default for Adapter {
@@ -28,6 +29,7 @@ impl Default for Adapter {
             queue: VecDeque::new(),
             heard: Vec::new(),
             record: Vec::new(),
+            sent: Vec::new(),
         }
     }
 }
@@ -54,6 +56,11 @@ impl Adapter {
         std::mem::take(&mut self.heard)
     }
 
+    /// What it has sent since it was asked last.
+    pub fn take_sent(&mut self) -> Vec<Frame> {
+        std::mem::take(&mut self.sent)
+    }
+
     /// What the record holds.
     pub fn take_record(&mut self) -> Vec<(Time, Frame)> {
         std::mem::take(&mut self.record)
@@ -64,7 +71,7 @@ impl Adapter {
     }
 
     pub(super) fn note_sent(&mut self) {
-        self.queue.pop_front();
+        self.sent.extend(self.queue.pop_front().map(|(_, frame)| frame));
     }
 
     pub(super) fn hear(&mut self, at: Time, frame: Frame) {

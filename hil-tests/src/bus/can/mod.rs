@@ -11,6 +11,7 @@
 
 pub mod adapter;
 pub mod host;
+pub mod slcan;
 mod wire;
 
 pub use wire::{Traffic, Wire};
