@@ -138,7 +138,7 @@ fn stream_all(
 ) -> Result<String, Failure> {
     let boards = links.len();
     bus.with(move |wire| {
-        (0..boards).for_each(|board| drop(wire.machine(board).chip(|chip| chip.trace.take())))
+        (0..boards).for_each(|board| drop(wire.machine(board).chip(|chip| chip.trace.take())));
     });
     let mut streams =
         links.iter_mut().map(|link| link.subscribe(selection)).collect::<Result<Vec<_>, _>>()?;
@@ -437,6 +437,10 @@ fn addresses(rig: &Rig) -> Result<String, Failure> {
     let upload = now(&bus).since(since).seconds();
     let Traffic { errors, .. } = bus.with(Wire::take_traffic);
     ensure(errors == 0, || format!("{errors} frames met errors"))?;
+    let lost: usize = (0..present.len())
+        .map(|board| bus.with(move |wire| wire.machine(board).chip(|chip| chip.fdcan.lost())))
+        .sum();
+    ensure(lost == 0, || format!("{lost} frames found no room in a board's FIFO"))?;
     Ok(format!("{present:?}; {} bytes uploaded in {upload:.2} s", patch.len()))
 }
 
@@ -456,6 +460,7 @@ fn same_address(rig: &Rig) -> Result<String, Failure> {
         alone.info()?;
     }
     let Traffic { collisions, .. } = bus.with(Wire::take_traffic);
+    ensure(collisions > 10, || format!("{collisions} frames collided"))?;
     bus.with(|wire| wire.cut_power(2))?;
     let info = host.link(3)?.info()?;
     let up = now(&bus).nanoseconds() / 1_000_000;

@@ -108,8 +108,8 @@ fn frame(kind: u8, rest: &[u8]) -> Option<Frame> {
     };
     let length = LENGTHS[usize::from(code)];
     let fits = identifier < 0x800 && data.len() == 2 * length && (format != Format::Classic || length <= 8);
-    let data = data.chunks(2).map(|pair| pair[0] << 4 | pair[1]).collect();
-    fits.then_some(Frame { identifier, format, data })
+    let bytes = || data.chunks_exact(2).map(|pair| pair[0] << 4 | pair[1]).collect();
+    fits.then(|| Frame { identifier, format, data: bytes() })
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ enum Outcome {
 
 /// A frame on the bus.
 #[derive(Debug)]
-struct Under {
+struct Underway {
     frame: Frame,
     senders: Vec<Node>,
     rates: Rates,
@@ -76,7 +76,7 @@ pub struct Wire {
     /// The host's node.
     pub host: Adapter,
     now: Time,
-    under: Option<Under>,
+    under: Option<Underway>,
     idle_from: Time,
     noise: Option<(Pcg64, u32)>,
     is_shorted: bool,
@@ -249,16 +249,17 @@ impl Wire {
         };
         let Some(frame) = wanting.iter().find(dominant).map(|(.., frame)| frame.clone()) else { return };
         let senders: Vec<Node> = wanting.iter().map(|&(_, node, _)| node).collect();
-        let losers = wanting.iter().filter(|(.., other)| *other != frame).map(|&(_, node, _)| node).collect();
-        self.put(frame, senders, losers, begun);
+        let losers: Vec<Node> =
+            wanting.iter().filter(|(.., other)| *other != frame).map(|&(_, node, _)| node).collect();
+        self.put(frame, senders, &losers, begun);
     }
 
     /// A frame is on the bus.
-    fn put(&mut self, frame: Frame, mut senders: Vec<Node>, losers: Vec<Node>, begun: Time) {
+    fn put(&mut self, frame: Frame, mut senders: Vec<Node>, losers: &[Node], begun: Time) {
         let rates = self.rates(senders[0]);
         let collides_at = begun + rates.bits(COLLISION);
         let error_ends = collides_at + rates.bits(ERROR);
-        let mut under = Under {
+        let mut under = Underway {
             decided_at: begun + frame.until_acknowledged(rates),
             frame,
             senders: Vec::new(),
@@ -276,7 +277,7 @@ impl Wire {
             (under.outcome, under.ends) = (Some(Outcome::Failed(LineError::Bit, Some(loud))), error_ends);
         } else {
             // Whose error flag nobody notices leaves the frame to the others.
-            for &node in &losers {
+            for &node in losers {
                 self.tell(node, collides_at, News::Failed(LineError::Bit));
                 self.traffic.collisions += 1;
             }
@@ -288,7 +289,7 @@ impl Wire {
     }
 
     /// Noise, and nodes of other rates.
-    fn damage(&mut self, under: &mut Under, senders: &[Node]) {
+    fn damage(&mut self, under: &mut Underway, senders: &[Node]) {
         let mut listening = Vec::new();
         for node in self.nodes() {
             if self.is_on(node) {
@@ -359,7 +360,7 @@ impl Wire {
     /// All hear what became of the frame.
     fn finish(&mut self) {
         let Some(under) = self.under.take() else { return };
-        let Under { frame, senders, rates, begun, ends, misses, .. } = under;
+        let Underway { frame, senders, rates, begun, ends, misses, .. } = under;
         let outcome = under.outcome.unwrap_or(Outcome::Sent);
         for node in self.nodes() {
             if !self.is_on(node) {

@@ -161,7 +161,10 @@ mod tests {
         // 29 bits at the nominal rate around 4 + 5 + 512 + 32 + 1 others; 0x55 has no stuff bits.
         let long = micros(Format::Switching, &[0x55; 64]);
         assert!((17.0 + 9.0 + 275.0..=17.0 + 9.0 + 278.0).contains(&long), "{long}");
-        let stuffed = micros(Format::Switching, &[0; 64]);
+        // After five alike, each four that are alike with the stuff bit before them.
+        let mut worst = [0x87; 64];
+        worst[0] = 0x07;
+        let stuffed = micros(Format::Switching, &worst);
         assert!((stuffed - long - 64.0).abs() < 2.0, "a stuff bit for each four of 512: {stuffed}");
         assert!((micros(Format::Fd, &[0x55; 64]) - 2.0 * 275.0 - 26.0).abs() < 4.0);
     }

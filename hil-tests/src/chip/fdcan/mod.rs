@@ -79,6 +79,7 @@ pub struct Fdcan {
     sending: Option<usize>,
     not_before: Time,
     received: usize,
+    lost: usize,
     news: VecDeque<(Time, News)>,
     passed: Vec<(Time, Event)>,
 }
@@ -111,6 +112,7 @@ impl Fdcan {
             sending: None,
             not_before: Time::ZERO,
             received: 0,
+            lost: 0,
             news: VecDeque::new(),
             passed: Vec::new(),
         }
@@ -405,7 +407,7 @@ impl Peripheral for Fdcan {
         self.forget_frames();
         self.leave();
         (self.is_off, self.counters, self.not_before) = (false, Counters::default(), Time::ZERO);
-        self.received = 0;
+        (self.received, self.lost) = (0, 0);
     }
 }
 

@@ -130,6 +130,12 @@ impl Fdcan {
         self.received
     }
 
+    /// Frames for which its FIFOs had no room, since then.
+    #[must_use]
+    pub fn lost(&self) -> usize {
+        self.lost
+    }
+
     /// What it sent and received since this was asked last.
     pub fn take_passed(&mut self) -> Vec<(Time, Event)> {
         std::mem::take(&mut self.passed)
@@ -251,6 +257,7 @@ impl Fdcan {
         let Some((fifo, filter)) = self.filtered(frame.identifier) else { return };
         let Fifo { first, fill } = self.fifos[fifo];
         if fill == FRAMES {
+            self.lost += 1;
             self.raise(&format!("RFL[{fifo}]"));
             return;
         }
