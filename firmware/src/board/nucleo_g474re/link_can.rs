@@ -37,7 +37,10 @@ pub const CAN_MEMORY: pac::fdcanram::Fdcanram = pac::FDCANRAM1;
 /// Its clock, Hz: the crystal.
 pub const CAN_CLOCK: u32 = 24_000_000;
 
-static ON_INTERRUPT: CriticalSectionMutex<Cell<Option<fn()>>> = CriticalSectionMutex::new(Cell::new(None));
+/// What an interrupt calls.
+type Work = Option<fn()>;
+
+static ON_INTERRUPT: CriticalSectionMutex<Cell<Work>> = CriticalSectionMutex::new(Cell::new(None));
 
 /// Calls what the link's driver has set; bound to the interrupt of FDCAN1.
 pub struct CanInterruptHandler;
