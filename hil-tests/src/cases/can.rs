@@ -64,6 +64,8 @@ pub(super) const CASES: &[Case] = &[
 /// All that a frame shows of contacts.
 const CONTACTS: Selection =
     Selection { images: 0, contacts: 1, measurements: 0, health: 20, scope: 0, scope_slot: 0 };
+/// Bytes of stack that the firmware has (firmware/memory).
+const STACK: u32 = 30_720;
 /// Frames a second, at the least, of the disc's scan.
 const LEAST_RATE: f64 = 170.0;
 
@@ -145,12 +147,15 @@ fn stream_all(
     streams.iter_mut().try_for_each(|stream| next_whole(stream).map(drop))?;
     bus.with(|wire| (wire.take_traffic(), wire.host.take_record()));
     let since = now(bus);
-    let (mut load, mut images) = (0.0_f32, 0);
+    let (mut load, mut free_stack, mut images) = (0.0_f32, u32::MAX, 0);
     for _ in 0..frames {
         for stream in &mut streams {
             let frame = next_whole(stream)?;
             images += usize::from(frame.image.is_some());
-            load = load.max(frame.health.map_or(0.0, |health| health.vitals.load));
+            if let Some(health) = frame.health {
+                load = load.max(health.vitals.load);
+                free_stack = free_stack.min(health.vitals.free_stack);
+            }
         }
     }
     let span = now(bus).since(since).seconds();
@@ -159,6 +164,7 @@ fn stream_all(
     drop(streams);
     let rate = frames as f64 / span;
     ensure(rate > LEAST_RATE, || format!("{rate:.1} frames a second"))?;
+    ensure(free_stack >= STACK / 4, || format!("{free_stack} bytes of stack are free"))?;
     let wanted = boards * frames.checked_div(selection.images.into()).unwrap_or(0);
     ensure(images >= wanted, || format!("{images} images of {wanted}"))?;
     ensure(traffic.errors == 0, || format!("{} frames met errors", traffic.errors))?;
@@ -178,7 +184,7 @@ fn stream_all(
     })?;
     Ok(format!(
         "{rate:.1} frames a second of each, {images} images, bus busy {:.0} %, {:.0} kB/s, contacts {:.2} ms after the last slot \
-         of their scan (median), {:.2} at most, CPU at most {:.0} %",
+         of their scan (median), {:.2} at most, CPU at most {:.0} %, {free_stack} bytes of stack free",
         100.0 * traffic.busy.seconds() / span,
         traffic.bytes as f64 / span / 1e3,
         1e3 * median,

@@ -222,10 +222,12 @@ fn work() {
     if flags.bo() && CAN.psr().read().bo() {
         come_back();
     }
+    receive();
     if flags.rfl(0) {
         warn!("frames lost: those before them were not read yet");
+        // What they belonged to is lost, so that the next request starts clean.
+        hand_on(&[0]);
     }
-    receive();
     send();
 }
 
