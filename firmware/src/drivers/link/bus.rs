@@ -31,7 +31,7 @@ use embassy_time::{Duration, Instant, Timer};
 
 use super::{
     OUTGOING_BYTES, Outgoing, REOPEN_PAUSE, Urgency,
-    lanes::{LANES, REQUESTS, hand_on},
+    lanes::{Lane, REQUESTS, hand_on},
     uart::{RING_BYTES, config},
 };
 use crate::board::{Interrupts, LinkParts, executor};
@@ -52,6 +52,9 @@ const REST_OF_BLOCK: Duration = Duration::from_micros(250);
 const OLDEST_TURN: Duration = Duration::from_micros(1000 * TURN_LAPSES_MS - 500);
 /// Sixteenths of a bit for which the driver is on before the first byte and after the last one.
 const DRIVER_TIME: u8 = 16;
+
+/// By urgency.
+static LANES: [Lane<Outgoing>; 2] = [Lane::new(), Lane::new()];
 
 /// What the link's owner holds.
 pub struct LinkPort {
@@ -93,7 +96,7 @@ impl LinkTx<'_> {
     /// Sends all packets, in turns to come. If this is given up before it ends, the memory of the packets is lost.
     pub async fn send(&self, packets: &mut Outgoing, urgency: Urgency) -> Result<(), Error> {
         // They wait for a turn.
-        LANES[urgency as usize].send(packets, || ()).await;
+        *packets = LANES[urgency as usize].send(packets.hand_over(), || ()).await;
         Ok(())
     }
 }
@@ -160,8 +163,9 @@ async fn speak(tx: &mut UartTx<'_, Async>, address: u8) -> Result<(), Error> {
     // What begins before the turn has had its bytes.
     let next = |said| LANES.iter().find_map(|lane| lane.take(|packets| said + packets.last < TURN_BYTES));
     while let Some(taken) = next(said) {
-        said += taken.packets().len();
-        tx.write(taken.packets()).await?;
+        let packets = taken.packets.as_ref().map_or(&[][..], Outgoing::packets);
+        said += packets.len();
+        tx.write(packets).await?;
     }
     let [mark, check, end] = Mark::End.block(address);
     tx.write(&[0, mark, check, end]).await

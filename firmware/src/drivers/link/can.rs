@@ -33,7 +33,7 @@ use embassy_sync::blocking_mutex::CriticalSectionMutex;
 
 use super::{
     OUTGOING_BYTES, Outgoing, Urgency,
-    lanes::{LANES, REQUESTS, Taken, hand_on},
+    lanes::{Lane, REQUESTS, Taken, hand_on},
 };
 use crate::board::{CAN, CAN_CLOCK, CAN_MEMORY, LinkCan, LinkParts, call_can_interrupt, on_can_interrupt};
 
@@ -85,10 +85,19 @@ impl Bit {
 
 /// What is being sent, and how much of it lies in frames already.
 struct Sending {
-    taken: Taken,
+    taken: Taken<Outgoing>,
     done: usize,
 }
 
+impl Sending {
+    /// What does not lie in frames yet.
+    fn left(&self) -> &[u8] {
+        self.taken.packets.as_ref().map_or(&[], |packets| &packets.packets()[self.done..])
+    }
+}
+
+/// By urgency.
+static LANES: [Lane<Outgoing>; 2] = [Lane::new(), Lane::new()];
 static SENDING: CriticalSectionMutex<Cell<Option<Sending>>> = CriticalSectionMutex::new(Cell::new(None));
 /// Whether a packet may have broken off before.
 static IS_BROKEN: AtomicBool = AtomicBool::new(true);
@@ -147,7 +156,7 @@ impl LinkTx<'_> {
     /// Sends all packets; the last frames may still wait for the bus when it returns. If this is given up before it ends,
     /// the memory of the packets is lost.
     pub async fn send(&self, packets: &mut Outgoing, urgency: Urgency) -> Result<(), Error> {
-        LANES[urgency as usize].send(packets, call_can_interrupt).await;
+        *packets = LANES[urgency as usize].send(packets.hand_over(), call_can_interrupt).await;
         Ok(())
     }
 }
@@ -277,12 +286,11 @@ fn send() {
         if IS_BROKEN.swap(false, Ordering::Relaxed) {
             put(buffer, &[0]);
         } else {
-            let left = &now.taken.packets()[now.done..];
-            put(buffer, left);
-            now.done += left.len().min(FRAME_BYTES);
+            put(buffer, now.left());
+            now.done += now.left().len().min(FRAME_BYTES);
         }
         // At its end its memory goes back.
-        sending = Some(now).filter(|now| now.done < now.taken.packets().len());
+        sending = Some(now).filter(|now| !now.left().is_empty());
     }
     SENDING.lock(|cell| cell.set(sending));
 }

@@ -11,15 +11,11 @@ use embassy_sync::{
     signal::Signal,
 };
 
-use super::Outgoing;
-
 /// Bytes of requests that wait: a host has one under way, of half a kilobyte at most.
 const REQUEST_BYTES: usize = 640;
 
 /// Bytes of requests, on their way to the link's owner.
 pub(super) static REQUESTS: Pipe<CriticalSectionRawMutex, REQUEST_BYTES> = Pipe::new();
-/// By urgency.
-pub(super) static LANES: [Lane; 2] = [Lane::new(), Lane::new()];
 
 /// Hands bytes of requests on; says whether there was room for all.
 pub(super) fn hand_on(mut bytes: &[u8]) -> bool {
@@ -33,28 +29,27 @@ pub(super) fn hand_on(mut bytes: &[u8]) -> bool {
 }
 
 /// Packets on their way to the line, and their memory on its way back.
-pub(super) struct Lane {
-    offered: CriticalSectionMutex<Cell<Option<Outgoing>>>,
-    sent: Signal<CriticalSectionRawMutex, Outgoing>,
+pub(super) struct Lane<T> {
+    offered: CriticalSectionMutex<Cell<Option<T>>>,
+    sent: Signal<CriticalSectionRawMutex, T>,
 }
 
-impl Lane {
-    const fn new() -> Self {
+impl<T: Send> Lane<T> {
+    /// With nothing to send.
+    pub(super) const fn new() -> Self {
         Self { offered: CriticalSectionMutex::new(Cell::new(None)), sent: Signal::new() }
     }
 
-    /// Offers all packets, says so, and waits until they are sent. If this is given up before it ends, their memory is
+    /// Offers packets, says so, and gives them back when they are sent. If this is given up before it ends, their memory is
     /// lost.
-    pub(super) async fn send(&self, packets: &mut Outgoing, says_so: fn()) {
-        let empty = Outgoing { bytes: &mut [], ..*packets };
-        let packets_offered = core::mem::replace(packets, empty);
-        self.offered.lock(|offered| offered.set(Some(packets_offered)));
+    pub(super) async fn send(&self, packets: T, says_so: fn()) -> T {
+        self.offered.lock(|offered| offered.set(Some(packets)));
         says_so();
-        *packets = self.sent.wait().await;
+        self.sent.wait().await
     }
 
     /// What is offered, if it fits.
-    pub(super) fn take(&'static self, fits: impl FnOnce(&Outgoing) -> bool) -> Option<Taken> {
+    pub(super) fn take(&'static self, fits: impl FnOnce(&T) -> bool) -> Option<Taken<T>> {
         let packets = self.offered.lock(|offered| {
             let packets = offered.take()?;
             if fits(&packets) {
@@ -68,19 +63,13 @@ impl Lane {
 }
 
 /// Packets that are being sent; their memory goes back when that ends, in whatever way.
-pub(super) struct Taken {
-    lane: &'static Lane,
-    packets: Option<Outgoing>,
+pub(super) struct Taken<T: Send + 'static> {
+    lane: &'static Lane<T>,
+    /// There until then.
+    pub(super) packets: Option<T>,
 }
 
-impl Taken {
-    /// Their bytes.
-    pub(super) fn packets(&self) -> &[u8] {
-        self.packets.as_ref().map_or(&[], Outgoing::packets)
-    }
-}
-
-impl Drop for Taken {
+impl<T: Send> Drop for Taken<T> {
     fn drop(&mut self) {
         if let Some(packets) = self.packets.take() {
             self.lane.sent.signal(packets);

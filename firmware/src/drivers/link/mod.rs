@@ -74,6 +74,13 @@ impl Outgoing {
         self.length < BYTES_IN_ONE_GO
     }
 
+    /// Hands all over, memory included.
+    #[cfg(any(feature = "rs485", feature = "can"))]
+    fn hand_over(&mut self) -> Self {
+        let empty = Self { bytes: &mut [], ..*self };
+        core::mem::replace(self, empty)
+    }
+
     fn packets(&self) -> &[u8] {
         &self.bytes[..self.length]
     }
