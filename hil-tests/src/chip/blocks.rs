@@ -22,6 +22,8 @@ pub(super) enum Block {
     AdcCommon(u8),
     Opamp(u8),
     Bus,
+    Can,
+    CanMemory,
 }
 
 /// Timers: name, channels and bits.
@@ -41,7 +43,7 @@ pub(super) const DACS: [&str; 4] = ["DAC1", "DAC2", "DAC3", "DAC4"];
 pub(super) const OPAMPS: [&str; 6] = ["OPAMP1", "OPAMP2", "OPAMP3", "OPAMP4", "OPAMP5", "OPAMP6"];
 
 /// Every block, with its name in the reference manual; a block's place here is its number.
-const NAMED: [(&str, Block); 43] = [
+const NAMED: [(&str, Block); 45] = [
     ("RCC", Block::Rcc),
     ("PWR", Block::Pwr),
     ("FLASH", Block::Flash),
@@ -85,6 +87,8 @@ const NAMED: [(&str, Block); 43] = [
     ("OPAMP5", Block::Opamp(4)),
     ("OPAMP6", Block::Opamp(5)),
     ("USART1", Block::Bus),
+    ("FDCAN1", Block::Can),
+    ("FDCANRAM1", Block::CanMemory),
 ];
 
 impl Block {
@@ -118,6 +122,8 @@ impl Block {
             Self::AdcCommon(place) => (34, place),
             Self::Opamp(place) => (36, place),
             Self::Bus => (42, 0),
+            Self::Can => (43, 0),
+            Self::CanMemory => (44, 0),
         };
         first + usize::from(place)
     }
@@ -185,6 +191,8 @@ impl Chip {
             Block::AdcCommon(place) => &mut self.adc_commons[usize::from(place)],
             Block::Opamp(place) => &mut self.opamps[usize::from(place)],
             Block::Bus => &mut self.usart1,
+            Block::Can => &mut self.fdcan,
+            Block::CanMemory => &mut self.fdcan.ram,
         }
     }
 
@@ -207,6 +215,8 @@ impl Chip {
             Block::AdcCommon(place) => &self.adc_commons[usize::from(place)],
             Block::Opamp(place) => &self.opamps[usize::from(place)],
             Block::Bus => &self.usart1,
+            Block::Can => &self.fdcan,
+            Block::CanMemory => &self.fdcan.ram,
         }
     }
 }

@@ -134,8 +134,11 @@ impl PeripheralMap {
             .rcc
             .as_ref()
             .map_or((None, None), |clocks| (clocks.enable.as_ref().map(rcc), clocks.reset.as_ref().map(rcc)));
-        let shared = source.name.starts_with("OPAMP");
-        let (clock, reset) = if shared { with_syscfg() } else { (clock, reset) };
+        let (clock, reset) = match source.name {
+            name if name.starts_with("OPAMP") => with_syscfg(),
+            name if name.starts_with("FDCANRAM") => (with_fdcan(), None),
+            _ => (clock, reset),
+        };
         let base = u32::try_from(source.address).ok()?;
         let mut places: FxHashMap<String, Vec<Option<usize>>> = FxHashMap::default();
         let mut registers: Vec<Register> = all.into_values().collect();
@@ -240,6 +243,11 @@ impl Register {
 fn with_syscfg() -> (Switch, Switch) {
     let of_syscfg = |register: &str, field: &str| Some((register.to_owned(), field.to_owned()));
     (of_syscfg("APB2ENR", "SYSCFGEN"), of_syscfg("APB2RSTR", "SYSCFGRST"))
+}
+
+/// Clock of the FDCANs' memory, which stm32-metapac does not say either: theirs. No reset clears it.
+fn with_fdcan() -> Switch {
+    Some(("APB1ENR1".to_owned(), "FDCANEN".to_owned()))
 }
 
 /// Register and field of the RCC.

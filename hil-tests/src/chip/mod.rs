@@ -16,6 +16,7 @@ pub mod core;
 pub mod dac;
 pub mod dma;
 pub mod exti;
+pub mod fdcan;
 pub mod flash;
 pub mod gpio;
 pub mod iwdg;
@@ -51,6 +52,7 @@ use self::{
     dac::Dac,
     dma::{Dma, Dmamux},
     exti::Exti,
+    fdcan::Fdcan,
     flash::Flash,
     gpio::Gpio,
     iwdg::Iwdg,
@@ -92,6 +94,8 @@ pub struct Chip {
     pub uart: Usart,
     /// The UART of a link over a shared line.
     pub usart1: Usart,
+    /// The controller of a link over CAN.
+    pub fdcan: Fdcan,
     /// What happened.
     pub trace: Trace,
     /// Is shown the flash whenever it begins to erase or program.
@@ -140,6 +144,7 @@ impl Chip {
             flash: Flash::default(),
             uart: Usart::new("LPUART1", wire_baud),
             usart1: Usart::new("USART1", wire_baud),
+            fdcan: Fdcan::new("FDCAN1", "FDCANRAM1"),
             trace: Trace::new(keep_trace),
             flash_observer: FlashObserver::default(),
             rcc: Rcc::default(),
@@ -218,7 +223,8 @@ impl Chip {
             self.touched = Blocks::default();
         }
         self.show_flash();
-        for (time, event) in self.uart.take_passed().into_iter().chain(self.usart1.take_passed()) {
+        let passed = [self.uart.take_passed(), self.usart1.take_passed(), self.fdcan.take_passed()];
+        for (time, event) in passed.into_iter().flatten() {
             self.trace.add(time, event);
         }
         if self.flash.raises_nmi() && !self.core.nvic.is_pending(NMI) && self.core.nvic.active() != Some(NMI)

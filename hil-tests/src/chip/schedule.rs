@@ -58,7 +58,7 @@ impl Chip {
 
     /// When something happens next that more depends on than the chip's own blocks: links, flash, SysTick.
     fn next_loud_event(&self) -> Time {
-        let links = self.uart.next_event().min(self.usart1.next_event());
+        let links = self.uart.next_event().min(self.usart1.next_event()).min(self.fdcan.next_event());
         links.min(self.flash.next_event()).min(self.core.next_event(self.cycle))
     }
 
@@ -118,7 +118,7 @@ impl Chip {
         self.core.advance(self.now, self.cycle);
         let at = Moment { now: next, clocks: self.clocks };
         self.ask_world(next)?;
-        for block in [Block::Flash, Block::Link, Block::Bus] {
+        for block in [Block::Flash, Block::Link, Block::Bus, Block::Can] {
             self.advance_block(block, at)?;
         }
         for (place, block) in EVENTFUL.into_iter().enumerate() {

@@ -226,6 +226,7 @@ impl Chip {
         self.follow_adc_clocks();
         self.uart.clock = self.rcc.uart_clock("LPUART1SEL", clocks.apb1);
         self.usart1.clock = self.rcc.uart_clock("USART1SEL", clocks.apb2);
+        self.fdcan.clock = self.rcc.can_clock();
         self.touched = Blocks::ALL;
     }
 
@@ -235,6 +236,7 @@ impl Chip {
         let [link, bus] = ["LPUART1", "USART1"].map(wired);
         self.uart.wire(link, self.now);
         self.usart1.wire(bus, self.now);
+        self.fdcan.wire(["TX", "RX"].map(|signal| self.pins_with("FDCAN1", signal).next().is_some()));
         let mut wires = Vec::new();
         for (timer, (name, channels, _)) in (0..).zip(TIMERS) {
             for channel in 0..channels {

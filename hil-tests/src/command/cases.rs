@@ -53,11 +53,17 @@ impl Cases {
         Ok(if count.failed == 0 && repeats { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 
-    /// Boards on one line have cases of their own.
+    /// Boards on one line have cases of their own, and so have those on one CAN bus.
     fn chosen(&self, rig: &Rig) -> Vec<Case> {
         let wanted =
             |case: &Case| self.names.is_empty() || self.names.iter().any(|name| case.name.contains(name));
-        let all = if rig.can(Capability::SharedLine) { cases::on_a_bus() } else { cases::all() };
+        let all = if rig.can(Capability::SharedLine) {
+            cases::on_a_bus()
+        } else if rig.can(Capability::CanBus) {
+            cases::on_can()
+        } else {
+            cases::all()
+        };
         all.into_iter().filter(wanted).collect()
     }
 }

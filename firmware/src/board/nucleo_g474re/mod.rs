@@ -23,11 +23,14 @@
 //! | reflexes      | PC0 to PC3                  | low while a rule is tripped                    |
 //! | watchdog      | IWDG                        | its clock is its own                           |
 //!
-//! With the feature `rs485` the link is another one, and everything else the same: see `link`.
+//! With the feature `rs485` or `can` the link is another one, and everything else the same: see `link`.
 
 #[cfg_attr(feature = "rs485", path = "link_rs485.rs")]
+#[cfg_attr(feature = "can", path = "link_can.rs")]
 mod link;
 mod sensing;
+#[cfg(any(feature = "rs485", feature = "can"))]
+mod straps;
 
 pub use link::*;
 pub use sensing::*;
@@ -38,7 +41,7 @@ use embassy_stm32::{
     adc::{Adc, AdcConfig},
     bind_interrupts, dma,
     gpio::{Level, Output, Speed},
-    interrupt, pac, peripherals, rcc, usart,
+    interrupt, pac, peripherals, rcc,
 };
 
 use super::{Board, ReflexPins, Thermometer, executor};
@@ -65,11 +68,15 @@ pub const TEMPERATURE_POINTS: [(usize, f32); 2] = [(0x1FFF_75A8, 30.0), (0x1FFF_
 bind_interrupts!(
     /// The board's interrupts, bound to their handlers.
     pub struct Interrupts {
-    #[cfg(not(feature = "rs485"))]
-    LPUART1 => usart::InterruptHandler<LinkUart>;
+    #[cfg(not(any(feature = "rs485", feature = "can")))]
+    LPUART1 => embassy_stm32::usart::InterruptHandler<LinkUart>;
     #[cfg(feature = "rs485")]
-    USART1 => usart::InterruptHandler<LinkUart>;
+    USART1 => embassy_stm32::usart::InterruptHandler<LinkUart>;
+    #[cfg(feature = "can")]
+    FDCAN1_IT0 => CanInterruptHandler;
+    #[cfg(not(feature = "can"))]
     DMA1_CHANNEL1 => dma::InterruptHandler<LinkTxDma>;
+    #[cfg(not(feature = "can"))]
     DMA1_CHANNEL2 => dma::InterruptHandler<LinkRxDma>;
     DMA1_CHANNEL3 => dma::InterruptHandler<peripherals::DMA1_CH3>;
     DMA1_CHANNEL4 => dma::InterruptHandler<peripherals::DMA1_CH4>;
@@ -158,5 +165,7 @@ fn clocks() -> rcc::Config {
     clocks.mux.adc12sel = rcc::mux::Adcsel::PLL1_P;
     // The chip allows more than 150 MHz only with its core voltage boosted.
     clocks.boost = true;
+    #[cfg(feature = "can")]
+    add_clock(&mut clocks);
     clocks
 }

@@ -1,37 +1,31 @@
-//! Link: bytes to and from the host over a UART, both ways by DMA.
+//! Link: bytes to and from the host, over a UART or over CAN FD.
 //!
-//! Receiving: each byte makes the UART ask its DMA channel, which writes it into a ring that it
-//! fills for ever. The reader wakes when the line falls idle, which is the end of a packet, and
-//! when the ring is half full or full. The ring holds 25 ms of bytes, more than the CPU is ever busy
-//! with the flash.
-//! Sending: one DMA transfer for what an [`Outgoing`] holds.
-//!
-//! After any error on the line the UART driver stops the ring. Starting it again would resume a
-//! paused DMA channel, which the G474 does not support (RM0440, "Suspend and resume a channel"):
-//! the ring could then be out of step with the DMA for ever. So its owner drops both halves
-//! and opens the UART anew, which sets up UART and DMA from reset.
-//!
-//! There are two kinds, of which a build has one: `line`, to one host, and with the feature `rs485` `bus`,
-//! which many boards share.
+//! There are three kinds, of which a build has one: `line`, to one host; with the feature `rs485` `bus`, and with the
+//! feature `can` `can`, which many boards share. All send what an [`Outgoing`] holds in one go.
 
 #[cfg(feature = "rs485")]
 mod bus;
-#[cfg(not(feature = "rs485"))]
+#[cfg(feature = "can")]
+mod can;
+#[cfg(any(feature = "rs485", feature = "can"))]
+mod lanes;
+#[cfg(not(any(feature = "rs485", feature = "can")))]
 mod line;
+#[cfg(not(feature = "can"))]
+mod uart;
 
 #[cfg(feature = "rs485")]
 pub use bus::*;
-#[cfg(not(feature = "rs485"))]
+#[cfg(feature = "can")]
+pub use can::*;
+#[cfg(not(any(feature = "rs485", feature = "can")))]
 pub use line::*;
+#[cfg(not(feature = "can"))]
+pub use uart::{RING_BYTES, SETTLES_FIRST};
 
 use dermatome_shared::protocol::MAX_PACKET_BYTES;
-use embassy_stm32::{gpio::Pull, usart::Config};
 use embassy_time::Duration;
 
-use crate::board::LINK_BAUD;
-
-/// Bytes in the receive ring.
-pub const RING_BYTES: usize = 5120;
 /// Bytes that an [`Outgoing`] is made of.
 pub const OUTGOING_BYTES: usize = HEAD_BYTES + MAX_PACKET_BYTES;
 
@@ -80,15 +74,14 @@ impl Outgoing {
         self.length < BYTES_IN_ONE_GO
     }
 
+    /// Hands all over, memory included.
+    #[cfg(any(feature = "rs485", feature = "can"))]
+    fn hand_over(&mut self) -> Self {
+        let empty = Self { bytes: &mut [], ..*self };
+        core::mem::replace(self, empty)
+    }
+
     fn packets(&self) -> &[u8] {
         &self.bytes[..self.length]
     }
-}
-
-fn config() -> Config {
-    let mut config = Config::default();
-    config.baudrate = LINK_BAUD;
-    // A line that nobody drives must not look like an endless break.
-    config.rx_pull = Pull::Up;
-    config
 }
