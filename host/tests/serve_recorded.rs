@@ -91,10 +91,8 @@ fn all_boards_are_in_one_file_and_each_is_replayed_bit_for_bit_on_its_link() {
     let onto = ["replay", "run.mcap:palm", "--record", "run.mcap", "--force"];
     let told = desk.run(&onto).refused();
     assert!(told.contains("would overwrite"), "{told}");
-    let played = format!(
-        "name = \"arm\"\n[[patches]]\nskin = \"skin.toml\"\nlink = \"palm\"\nport = \"replay:run.mcap:palm\"\n\
-        position = [0, 0, 0]\norientation = [0, 0, 0, 1]\n"
-    );
+    let played = "name = \"arm\"\n[[patches]]\nskin = \"skin.toml\"\nlink = \"palm\"\n\
+        port = \"replay:run.mcap:palm\"\nposition = [0, 0, 0]\norientation = [0, 0, 0, 1]\n";
     desk.write("played.toml", played);
     let told = desk.run(&["serve", "played.toml", "--record", "run.mcap", "--force"]).refused();
     assert!(told.contains("would overwrite"), "{told}");
