@@ -5,7 +5,7 @@
 
 use crate::{
     board::{START_TIME, VirtualBoard},
-    bus::BusRig,
+    bus::{BusRig, Shared},
     chip::{flash::Flash, time::Time, usart::Symbol},
     machine::{Halt, Machine, Options, cycles::Timing},
     probe::{Programmer, ProgrammerError, emulated},
@@ -50,6 +50,8 @@ pub enum Capability {
     VirtualTime,
     /// Put several boards on one line.
     SharedLine,
+    /// Put several boards on one CAN bus.
+    CanBus,
     /// Plug the cable of a link over USB, and let the host do anything.
     Usb,
 }
@@ -67,6 +69,7 @@ impl fmt::Display for Capability {
             Self::BreakCpu => "make the CPU hang or fault",
             Self::VirtualTime => "tell virtual time",
             Self::SharedLine => "put several boards on one line",
+            Self::CanBus => "put several boards on one CAN bus",
             Self::Usb => "plug a cable of USB",
         })
     }
@@ -80,6 +83,8 @@ pub enum RigFile {
     Virtual(EmulatedTable),
     /// The same on several of them, whose links share a line.
     Bus(EmulatedTable),
+    /// The same on several of them, on one CAN bus.
+    Can(EmulatedTable),
     /// A real board.
     Board {
         /// Its serial port.
@@ -141,6 +146,11 @@ impl EmulatedTable {
             options(timing, baud, seed).map_err(|reason| RigError::File { path: path.to_owned(), reason })?;
         let elf = elf.map_or_else(|| beside(path, &own), Path::to_owned);
         Ok((Arc::new(Firmware::load(&elf)?), elf, Options { usb, world, ..options }))
+    }
+
+    fn sharing(self, shared: Shared, path: &Path, elf: Option<&Path>) -> Result<Rig, RigError> {
+        let (firmware, _, options) = self.parts(path, elf)?;
+        Ok(Rig::Bus(BusRig { shared, firmware, options }))
     }
 }
 
@@ -225,7 +235,7 @@ pub enum RigError {
 pub enum Rig {
     /// An emulated board.
     Virtual(VirtualRig),
-    /// What emulated boards on one line are made of; a case makes them.
+    /// What emulated boards that share a line or a bus are made of; a case makes them.
     Bus(BusRig),
     /// A real one.
     Board {
@@ -278,10 +288,8 @@ impl Rig {
                 let (firmware, elf, options) = table.parts(path, elf)?;
                 Ok(Self::Virtual(VirtualRig::start(firmware, elf, options)?))
             }
-            RigFile::Bus(table) => {
-                let (firmware, _, options) = table.parts(path, elf)?;
-                Ok(Self::Bus(BusRig { firmware, options }))
-            }
+            RigFile::Bus(table) => table.sharing(Shared::Line, path, elf),
+            RigFile::Can(table) => table.sharing(Shared::Can, path, elf),
             RigFile::Board { port, probe, elf: own } => {
                 let port: Port = port.parse().map_err(|error| wrong(format!("`port`: {error}")))?;
                 let own = own.map(|own| beside(path, &own));
@@ -336,12 +344,15 @@ impl Rig {
     pub fn can(&self, capability: Capability) -> bool {
         match self {
             Self::Virtual(rig) => match capability {
-                Capability::SharedLine => false,
+                Capability::SharedLine | Capability::CanBus => false,
                 Capability::Usb => rig.options.usb,
                 Capability::RawLine => !rig.options.usb,
                 _ => true,
             },
-            Self::Bus(_) => capability == Capability::SharedLine,
+            Self::Bus(rig) => match rig.shared {
+                Shared::Line => capability == Capability::SharedLine,
+                Shared::Can => capability == Capability::CanBus,
+            },
             Self::Board { programmer, .. } => {
                 programmer.as_ref().is_some_and(|programmer| match capability {
                     Capability::Reset => true,
@@ -418,7 +429,7 @@ impl Rig {
         }
     }
 
-    /// What boards on one line are made of.
+    /// What boards that share a line or a bus are made of.
     ///
     /// # Panics
     /// If the rig cannot put them there, as [`Rig::emulated`].

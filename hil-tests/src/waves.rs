@@ -5,11 +5,13 @@ use std::io;
 use vcd::{IdCode, SimulationCommand, TimescaleUnit, Value, VarType, Writer};
 
 /// Bits that each signal has.
-const WIDTHS: [(&str, u32); 8] = [
+const WIDTHS: [(&str, u32); 10] = [
     ("exception", 9),
     ("sleeps", 1),
     ("link_to_host", 8),
     ("link_to_board", 8),
+    ("can_to_host", 11),
+    ("can_to_board", 11),
     ("flash_erase", 32),
     ("flash_program", 32),
     ("dma_complete", 8),
@@ -72,6 +74,9 @@ fn changes(event: Event, handlers: &mut Vec<u64>, resets: &mut u64) -> Vec<(&'st
         }
         Event::Sent(byte) => vec![("link_to_host", byte.into())],
         Event::Received(byte) => vec![("link_to_board", byte.into())],
+        Event::Framed { is_sent, identifier, .. } => {
+            vec![(if is_sent { "can_to_host" } else { "can_to_board" }, identifier.into())]
+        }
         Event::DmaComplete { controller, channel } => {
             vec![("dma_complete", u64::from(controller) << 4 | u64::from(channel))]
         }

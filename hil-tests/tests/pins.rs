@@ -44,10 +44,8 @@ fn rows() -> Vec<(String, String)> {
     rows_of("pins")
 }
 
-/// The same of what is other where boards share a line.
-fn rows_on_a_bus() -> Vec<(String, String)> {
-    rows_of("rs485 pins")
-}
+/// Where boards share a line or a bus: what its table of what is other is called, and the file of the link.
+const SHARED: [(&str, &str); 2] = [("rs485 pins", "link_rs485.rs"), ("can pins", "link_can.rs")];
 
 /// The same of a link over USB.
 fn rows_on_usb() -> Vec<(String, String)> {
@@ -84,7 +82,8 @@ fn exists(pin: &str, peripheral: &str) -> bool {
 
 #[test]
 fn every_pin_can_do_what_the_table_says() {
-    for (pin, peripheral) in rows().into_iter().chain(rows_on_a_bus()).chain(rows_on_usb()) {
+    let others = SHARED.into_iter().flat_map(|(table, _)| rows_of(table));
+    for (pin, peripheral) in rows().into_iter().chain(others).chain(rows_on_usb()) {
         assert!(exists(&pin, &peripheral), "{pin} has no {peripheral}");
     }
 }
@@ -108,15 +107,17 @@ fn the_firmware_uses_the_pins_of_the_table_and_no_others() {
 #[test]
 fn on_a_bus_the_link_has_pins_that_are_free_and_all_else_stays() {
     let table: BTreeSet<_> = rows().into_iter().map(|(pin, _)| pin).collect();
-    let on_a_bus = rows_on_a_bus();
-    let pins: BTreeSet<_> = on_a_bus.iter().map(|(pin, _)| pin.clone()).collect();
-    assert_eq!(pins.len(), on_a_bus.len());
-    assert!(pins.is_disjoint(&table));
-    // High, they would switch the pull-downs of USB-C's pins on, which are addresses.
-    assert!(["PA9", "PA10"].iter().all(|pin| !pins.contains(*pin)));
-    assert_eq!(named(&read("firmware/src/board/nucleo_g474re/link_rs485.rs")), pins);
     let common = pins_of("nucleo_g474re", &["mod.rs", "sensing.rs"]);
-    assert!(common.is_disjoint(&pins));
+    for (name, file) in SHARED {
+        let on_a_bus = rows_of(name);
+        let pins: BTreeSet<_> = on_a_bus.iter().map(|(pin, _)| pin.clone()).collect();
+        assert_eq!(pins.len(), on_a_bus.len());
+        assert!(pins.is_disjoint(&table) && common.is_disjoint(&pins));
+        // High, they would switch the pull-downs of USB-C's pins on, which are addresses.
+        assert!(["PA9", "PA10"].iter().all(|pin| !pins.contains(*pin)));
+        let source = |file| read(&format!("firmware/src/board/nucleo_g474re/{file}"));
+        assert_eq!(named(&(source(file) + &source("straps.rs"))), pins);
+    }
     let link: BTreeSet<_> = table.difference(&common).map(String::as_str).collect();
     assert_eq!(link, BTreeSet::from(["PA2", "PA3"]), "the other link's");
 }

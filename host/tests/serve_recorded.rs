@@ -64,7 +64,7 @@ fn all_boards_are_in_one_file_and_each_is_replayed_bit_for_bit_on_its_link() {
         assert_eq!(report["recorded_at"], "sim:skin.toml");
     }
     assert!(served.err.contains("frames to run.mcap"), "{}", served.err);
-    // By another skin file of the same patch the same lies elsewhere; contacts were recorded on the link.
+    // The skin file in the recording lies where the body has it.
     let recording = Recording::open(&desk.path("run.mcap:palm")).unwrap();
     let text = recording.session().skin_file.clone().unwrap();
     assert!(text.contains("link = \"palm_link\"") && text.starts_with("# A coarse skin"), "{text}");
@@ -90,6 +90,11 @@ fn all_boards_are_in_one_file_and_each_is_replayed_bit_for_bit_on_its_link() {
     assert!(told.contains("run.mcap") && told.contains("--force"), "{told}");
     let onto = ["replay", "run.mcap:palm", "--record", "run.mcap", "--force"];
     let told = desk.run(&onto).refused();
+    assert!(told.contains("would overwrite"), "{told}");
+    let played = "name = \"arm\"\n[[patches]]\nskin = \"skin.toml\"\nlink = \"palm\"\n\
+        port = \"replay:run.mcap:palm\"\nposition = [0, 0, 0]\norientation = [0, 0, 0, 1]\n";
+    desk.write("played.toml", played);
+    let told = desk.run(&["serve", "played.toml", "--record", "run.mcap", "--force"]).refused();
     assert!(told.contains("would overwrite"), "{told}");
     assert_eq!(desk.read("run.mcap"), before);
 }

@@ -8,7 +8,7 @@
 //! | board           | chip        | feature         | tested                       |
 //! |-----------------|-------------|-----------------|------------------------------|
 //! | NUCLEO-G474RE   | STM32G474RE | `nucleo-g474re` | on an emulated chip          |
-//! | the same on a bus | STM32G474RE | `nucleo-g474re`, `rs485` | on emulated chips |
+//! | the same on a bus | STM32G474RE | `nucleo-g474re`, `rs485` or `can` | on emulated chips |
 //! | the same on USB | STM32G474RE | `nucleo-g474re`, `usb` | on an emulated chip |
 //! | NUCLEO-L496ZG   | STM32L496ZG | `nucleo-l496zg` | not at all: it only builds   |
 //!
@@ -26,8 +26,16 @@ compile_error!("no board: add --features nucleo-g474re or --features nucleo-l496
 
 #[cfg(all(feature = "rs485", not(feature = "nucleo-g474re")))]
 compile_error!("only the nucleo-g474re has a link over RS-485");
+#[cfg(all(feature = "can", not(feature = "nucleo-g474re")))]
+compile_error!("only the nucleo-g474re has a link over CAN");
 #[cfg(all(feature = "usb", not(feature = "nucleo-g474re")))]
 compile_error!("only the nucleo-g474re has a link over USB");
+#[cfg(any(
+    all(feature = "can", feature = "rs485"),
+    all(feature = "can", feature = "usb"),
+    all(feature = "rs485", feature = "usb")
+))]
+compile_error!("two links: choose `rs485`, `can` or `usb`");
 
 mod chain;
 pub mod executor;
@@ -69,20 +77,26 @@ pub struct Board {
 #[cfg(not(feature = "usb"))]
 pub struct LinkParts {
     /// UART.
+    #[cfg(not(feature = "can"))]
     pub uart: Peri<'static, LinkUart>,
+    /// CAN controller.
+    #[cfg(feature = "can")]
+    pub can: Peri<'static, LinkCan>,
     /// Pin that sends.
     pub tx_pin: Peri<'static, LinkTxPin>,
     /// Pin that receives.
     pub rx_pin: Peri<'static, LinkRxPin>,
     /// DMA channel that sends.
+    #[cfg(not(feature = "can"))]
     pub tx_dma: Peri<'static, LinkTxDma>,
     /// DMA channel that receives.
+    #[cfg(not(feature = "can"))]
     pub rx_dma: Peri<'static, LinkRxDma>,
     /// Pin that switches the line's driver on.
     #[cfg(feature = "rs485")]
     pub de_pin: Peri<'static, LinkDePin>,
     /// The board's address on the line.
-    #[cfg(feature = "rs485")]
+    #[cfg(any(feature = "rs485", feature = "can"))]
     pub address: u8,
 }
 

@@ -5,7 +5,8 @@
 //! itself the link is opened anew.
 //!
 //! A reply goes out before any event that waits. Once it is on its way, the device settles: it
-//! writes to the flash what the request brought, while the next request comes in by DMA.
+//! writes to the flash what the request brought, while the next request comes in by DMA. Over a link that takes in no
+//! requests meanwhile, it settles before.
 
 use core::convert::Infallible;
 
@@ -13,7 +14,8 @@ use defmt::{Debug2Format, warn};
 use dermatome_firmware::{
     board::LinkParts,
     drivers::link::{
-        Error, LinkPort, LinkRx, LinkTx, OUTGOING_BYTES, Outgoing, REOPEN_PAUSE, RING_BYTES, Urgency,
+        Error, LinkPort, LinkRx, LinkTx, OUTGOING_BYTES, Outgoing, REOPEN_PAUSE, RING_BYTES, SETTLES_FIRST,
+        Urgency,
     },
 };
 use dermatome_shared::protocol::{self, PacketError, PacketReader, RequestPacket};
@@ -98,8 +100,14 @@ impl Requests {
             Ok(request) => {
                 self.reply_to(request);
                 self.state.answered.signal(());
+                let settle = || self.state.device.borrow_mut().settle();
+                if SETTLES_FIRST {
+                    settle();
+                }
                 tx.send(&mut self.reply, Urgency::Reply).await?;
-                self.state.device.borrow_mut().settle();
+                if !SETTLES_FIRST {
+                    settle();
+                }
             }
             Err(error) => warn!("packet dropped: {}", Debug2Format(error)),
         }

@@ -7,24 +7,25 @@
 //! Where two drive the line at once, their bytes are damaged for all who listen. A transceiver whose receiver is tied to
 //! its driver hears nothing while it drives; another one hears itself.
 
+mod board;
+pub mod can;
 pub mod master;
+mod owner;
 pub mod record;
 mod rig;
 
-pub use rig::BusRig;
+pub use rig::{BusRig, Shared};
 
 use crate::{
     board::START_TIME,
     chip::{Chip, flash::Flash, time::Time, usart::Symbol},
     machine::{Halt, Machine, Options},
 };
+use board::Board;
+use owner::Owner;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use record::{Record, Speaker};
-use std::{
-    sync::mpsc::{Receiver, Sender, channel},
-    thread,
-};
 
 /// Boards run alone for so long.
 pub const SLICE: Time = Time::from_micros(40);
@@ -34,19 +35,16 @@ const BYTE: Time = Time::from_micros(5);
 pub const LATENCY: Time = Time::from_micros(45);
 /// The host drives the line so long after it has heard something, at the least.
 const TURNAROUND: Time = Time::from_micros(2);
-/// Pins of port C that are the straps of a board's address, lowest bit first.
-const STRAPS: [usize; 4] = [9, 10, 11, 12];
-
-type Job = Box<dyn FnOnce(&mut Line) + Send>;
-
 /// Boards on one line. It ends when the last handle is dropped.
 #[derive(Clone, Debug)]
-pub struct Bus(Sender<Job>);
+pub struct Bus(Owner<Line>);
 
 /// The line, for whoever runs in its thread.
 #[derive(Debug)]
 pub struct Line {
     boards: Vec<Board>,
+    /// Boards whose receiver is on while their driver is.
+    hear_themselves: Vec<bool>,
     now: Time,
     /// What the host still sends, and when each byte is complete.
     host: Vec<(Time, u8)>,
@@ -60,49 +58,15 @@ pub struct Line {
     record: Option<Record>,
 }
 
-/// One board on it.
-struct Board {
-    machine: Machine,
-    /// How far its own time is behind the line's: it stood still without power.
-    behind: Time,
-    has_power: bool,
-    hears_itself: bool,
-    stands_until: Time,
-}
-
-impl std::fmt::Debug for Board {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(formatter, "Board({})", self.machine.now())
-    }
-}
-
 impl Bus {
     /// Switches boards on that have this in their flash and these addresses, and waits until they have started.
     pub fn start(boards: Vec<(u8, Flash, Options)>) -> Result<Self, Halt> {
-        let (jobs, queue): (Sender<Job>, Receiver<Job>) = channel();
-        let (started, start) = channel();
-        thread::spawn(move || match Line::new(boards) {
-            Err(halt) => drop(started.send(Err(halt))),
-            Ok(mut line) => {
-                let _ = started.send(Ok(()));
-                queue.into_iter().for_each(|job| job(&mut line));
-            }
-        });
-        match start.recv() {
-            Ok(Ok(())) => Ok(Self(jobs)),
-            Ok(Err(halt)) => Err(halt),
-            Err(_) => unreachable!("the thread says how it started"),
-        }
+        Owner::start(|| Line::new(boards)).map(Self)
     }
 
     /// Lets the line's thread do something with it, and waits for the result.
     pub fn with<T: Send + 'static>(&self, work: impl FnOnce(&mut Line) -> T + Send + 'static) -> T {
-        let (done, result) = channel();
-        let job: Job = Box::new(move |line| {
-            let _ = done.send(work(line));
-        });
-        let _ = self.0.send(job);
-        result.recv().expect("the line's thread panicked, and has said why")
+        self.0.with(work)
     }
 
     /// Lets virtual time pass.
@@ -113,8 +77,9 @@ impl Bus {
 
 impl Line {
     fn new(boards: Vec<(u8, Flash, Options)>) -> Result<Self, Halt> {
-        let boards = boards.into_iter().map(Board::new).collect::<Result<_, _>>()?;
+        let boards = boards.into_iter().map(Board::new).collect::<Result<Vec<_>, _>>()?;
         let mut line = Self {
+            hear_themselves: vec![false; boards.len()],
             boards,
             now: Time::ZERO,
             host: Vec::new(),
@@ -188,7 +153,7 @@ impl Line {
 
     /// Whether a board's receiver is on while its driver is.
     pub fn let_hear_itself(&mut self, board: usize, hears: bool) {
-        self.boards[board].hears_itself = hears;
+        self.hear_themselves[board] = hears;
     }
 
     /// A board's CPU stands still for a while, as where its flash is erased; the rest of the chip goes on.
@@ -275,7 +240,7 @@ impl Line {
         for place in 0..self.boards.len() {
             let drives = self.drivers(begun, at).any(|other| other == Speaker::Board(place));
             let board = &self.boards[place];
-            if !board.has_power || drives && !board.hears_itself {
+            if !board.has_power || drives && !self.hear_themselves[place] {
                 continue;
             }
             let arrives = at + LATENCY - board.behind;
@@ -297,36 +262,5 @@ impl Line {
         }
         let byte = symbol.byte ^ 1 << random.random_range(0..8);
         Symbol { byte, damaged: symbol.damaged || random.random() }
-    }
-}
-
-impl Board {
-    fn new((address, flash, options): (u8, Flash, Options)) -> Result<Self, Halt> {
-        let mut machine = Machine::new(flash, options)?;
-        machine.chip(|chip| {
-            for (bit, pin) in STRAPS.into_iter().enumerate() {
-                let is_bridged = address >> bit & 1 == 1;
-                chip.drive('C', pin, is_bridged.then_some(false));
-            }
-        });
-        Ok(Self {
-            machine,
-            behind: Time::ZERO,
-            has_power: true,
-            hears_itself: false,
-            stands_until: Time::ZERO,
-        })
-    }
-
-    fn run_until(&mut self, end: Time) -> Result<(), Halt> {
-        if !self.has_power {
-            self.behind = end - self.machine.now();
-            return Ok(());
-        }
-        let stands_until = (self.stands_until.min(end)) - self.behind;
-        if stands_until > self.machine.now() {
-            self.machine.stand_until(stands_until)?;
-        }
-        self.machine.run_until(end - self.behind)
     }
 }

@@ -1,6 +1,6 @@
-//! Rig: what boards on one line are made of.
+//! Rig: what boards that share a line or a bus are made of.
 
-use super::Bus;
+use super::{Bus, can::CanBus};
 use crate::{
     chip::flash::Flash,
     machine::{Halt, Options},
@@ -9,9 +9,20 @@ use crate::{
 use dermatome::link::program::firmware::Firmware;
 use std::sync::Arc;
 
-/// What emulated boards on one line are made of.
+/// What boards share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shared {
+    /// A line on which one speaks at a time (RS-485).
+    Line,
+    /// A bus of CAN FD.
+    Can,
+}
+
+/// What emulated boards that share a line or a bus are made of.
 #[derive(Clone, Debug)]
 pub struct BusRig {
+    /// Which of both.
+    pub shared: Shared,
     /// Their firmware.
     pub firmware: Arc<Firmware>,
     /// How they run.
@@ -29,10 +40,19 @@ impl BusRig {
 
     /// Boards at these addresses with this in their flash, switched on. What is random differs from one to the other.
     pub fn start(&self, addresses: &[u8], flash: &Flash) -> Result<Bus, Halt> {
+        Bus::start(self.boards(addresses, flash))
+    }
+
+    /// The same on a CAN bus.
+    pub fn start_can(&self, addresses: &[u8], flash: &Flash) -> Result<CanBus, Halt> {
+        CanBus::start(self.boards(addresses, flash))
+    }
+
+    fn boards(&self, addresses: &[u8], flash: &Flash) -> Vec<(u8, Flash, Options)> {
         let board = |(place, &address): (u64, &u8)| {
             let options = Options { seed: self.options.seed + place, ..self.options.clone() };
             (address, flash.clone(), options)
         };
-        Bus::start((0..).zip(addresses).map(board).collect())
+        (0..).zip(addresses).map(board).collect()
     }
 }

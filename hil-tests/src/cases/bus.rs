@@ -1,7 +1,7 @@
 //! Cases of boards on one line: each speaks in its turn and in no other, whatever happens to it, to the line and to
 //! the others. What the line's own record shows is checked after each of them.
 
-use super::{Case, Failure, TIMEOUT, ensure, ensure_complete, next_frame, patches};
+use super::{Case, Failure, TIMEOUT, ensure, ensure_complete, ensure_up, next_frame, patches};
 use crate::{
     bus::{Bus, Line, master::Master, record::Findings},
     chip::{flash::Flash, time::Time},
@@ -231,12 +231,6 @@ fn in_its_turn(
         what(line.machine(board))?;
         Ok::<_, Halt>((before, line.drives(board)))
     })?)
-}
-
-/// All links' boards answer, and have been up since they were started like this.
-fn ensure_up(link: &mut Link, started_after: &Restart) -> Result<(), Failure> {
-    let info = link.info()?;
-    ensure(info.started_after == *started_after, || format!("it started after {:?}", info.started_after))
 }
 
 fn disturbed(rig: &Rig) -> Result<String, Failure> {

@@ -1,6 +1,7 @@
 //! Cases: what a board with our firmware must do. Each sees a rig and nothing else.
 
 mod bus;
+mod can;
 mod crash;
 mod line;
 mod log;
@@ -16,10 +17,10 @@ pub use sensing::{Soaked, soak};
 use crate::machine::Halt;
 use crate::rig::{Capability, Rig, RigError};
 use dermatome::{
-    link::{LinkError, ScanFrame, Subscription, UploadError},
+    link::{Link, LinkError, ScanFrame, Subscription, UploadError},
     simulate::port::OpenError,
 };
-use dermatome_shared::protocol::FrameStamp;
+use dermatome_shared::{protocol::FrameStamp, restart::Restart};
 use std::time::Duration;
 
 /// Longest that a case waits for something, in the host's time.
@@ -72,6 +73,12 @@ pub fn on_a_bus() -> Vec<Case> {
     bus::CASES.to_vec()
 }
 
+/// Those of boards on one CAN bus.
+#[must_use]
+pub fn on_can() -> Vec<Case> {
+    can::CASES.to_vec()
+}
+
 /// Those of a board on USB.
 #[must_use]
 pub fn on_usb() -> Vec<Case> {
@@ -114,6 +121,12 @@ fn next_with<T>(
 fn ensure_complete(stream: &mut Subscription<'_>) -> Result<(), Failure> {
     let lost = stream.link().events_lost();
     ensure(lost == 0, || format!("{lost} events are lost"))
+}
+
+/// The board answers, and has been up since it was started like this.
+fn ensure_up(link: &mut Link, started_after: &Restart) -> Result<(), Failure> {
+    let info = link.info()?;
+    ensure(info.started_after == *started_after, || format!("it started after {:?}", info.started_after))
 }
 
 /// Patches for cases.

@@ -22,6 +22,8 @@ pub(super) enum Block {
     AdcCommon(u8),
     Opamp(u8),
     Bus,
+    Can,
+    CanMemory,
     Crs,
     Usb,
     PacketMemory,
@@ -44,7 +46,7 @@ pub(super) const DACS: [&str; 4] = ["DAC1", "DAC2", "DAC3", "DAC4"];
 pub(super) const OPAMPS: [&str; 6] = ["OPAMP1", "OPAMP2", "OPAMP3", "OPAMP4", "OPAMP5", "OPAMP6"];
 
 /// Every block, with its name in the reference manual; a block's place here is its number.
-const NAMED: [(&str, Block); 46] = [
+const NAMED: [(&str, Block); 48] = [
     ("RCC", Block::Rcc),
     ("PWR", Block::Pwr),
     ("FLASH", Block::Flash),
@@ -88,6 +90,8 @@ const NAMED: [(&str, Block); 46] = [
     ("OPAMP5", Block::Opamp(4)),
     ("OPAMP6", Block::Opamp(5)),
     ("USART1", Block::Bus),
+    ("FDCAN1", Block::Can),
+    ("FDCANRAM1", Block::CanMemory),
     ("CRS", Block::Crs),
     ("USB", Block::Usb),
     ("USBRAM", Block::PacketMemory),
@@ -124,9 +128,11 @@ impl Block {
             Self::AdcCommon(place) => (34, place),
             Self::Opamp(place) => (36, place),
             Self::Bus => (42, 0),
-            Self::Crs => (43, 0),
-            Self::Usb => (44, 0),
-            Self::PacketMemory => (45, 0),
+            Self::Can => (43, 0),
+            Self::CanMemory => (44, 0),
+            Self::Crs => (45, 0),
+            Self::Usb => (46, 0),
+            Self::PacketMemory => (47, 0),
         };
         first + usize::from(place)
     }
@@ -194,6 +200,8 @@ impl Chip {
             Block::AdcCommon(place) => &mut self.adc_commons[usize::from(place)],
             Block::Opamp(place) => &mut self.opamps[usize::from(place)],
             Block::Bus => &mut self.usart1,
+            Block::Can => &mut self.fdcan,
+            Block::CanMemory => &mut self.fdcan.ram,
             Block::Crs => &mut self.crs,
             Block::Usb => &mut self.usb,
             Block::PacketMemory => self.usb.memory_mut(),
@@ -219,6 +227,8 @@ impl Chip {
             Block::AdcCommon(place) => &self.adc_commons[usize::from(place)],
             Block::Opamp(place) => &self.opamps[usize::from(place)],
             Block::Bus => &self.usart1,
+            Block::Can => &self.fdcan,
+            Block::CanMemory => &self.fdcan.ram,
             Block::Crs => &self.crs,
             Block::Usb => &self.usb,
             Block::PacketMemory => self.usb.memory(),

@@ -8,9 +8,9 @@ use super::{
 };
 
 /// Peripherals whose interrupts are modelled, converters apart.
-const WITH_SIGNALS: [&str; 19] = [
+const WITH_SIGNALS: [&str; 20] = [
     "LPUART1", "USART1", "USB", "TIM2", "TIM3", "TIM4", "TIM5", "TIM6", "TIM7", "TIM15", "DMA1", "DMA2",
-    "FLASH", "DMAMUX1", "EXTI", "DAC1", "DAC2", "DAC3", "DAC4",
+    "FLASH", "DMAMUX1", "EXTI", "DAC1", "DAC2", "DAC3", "DAC4", "FDCAN1",
 ];
 
 /// Every line, by exception.

@@ -136,6 +136,7 @@ impl PeripheralMap {
             .map_or((None, None), |clocks| (clocks.enable.as_ref().map(rcc), clocks.reset.as_ref().map(rcc)));
         let (clock, reset) = match source.name {
             name if name.starts_with("OPAMP") => with_syscfg(),
+            name if name.starts_with("FDCANRAM") => (with_fdcan(), None),
             "USBRAM" => with_usb(),
             _ => (clock, reset),
         };
@@ -243,6 +244,11 @@ impl Register {
 fn with_syscfg() -> (Switch, Switch) {
     let of_syscfg = |register: &str, field: &str| Some((register.to_owned(), field.to_owned()));
     (of_syscfg("APB2ENR", "SYSCFGEN"), of_syscfg("APB2RSTR", "SYSCFGRST"))
+}
+
+/// Clock of the FDCANs' memory, which stm32-metapac does not say either: theirs. No reset clears it.
+fn with_fdcan() -> Switch {
+    Some(("APB1ENR1".to_owned(), "FDCANEN".to_owned()))
 }
 
 /// Those of the packet memory: the USB's.

@@ -17,6 +17,7 @@ pub mod crs;
 pub mod dac;
 pub mod dma;
 pub mod exti;
+pub mod fdcan;
 pub mod flash;
 pub mod gpio;
 pub mod iwdg;
@@ -54,6 +55,7 @@ use self::{
     dac::Dac,
     dma::{Dma, Dmamux},
     exti::Exti,
+    fdcan::Fdcan,
     flash::Flash,
     gpio::Gpio,
     iwdg::Iwdg,
@@ -96,6 +98,8 @@ pub struct Chip {
     pub uart: Usart,
     /// The UART of a link over a shared line.
     pub usart1: Usart,
+    /// The controller of a link over CAN.
+    pub fdcan: Fdcan,
     /// The USB, with the host at its other end.
     pub usb: Usb,
     /// What happened.
@@ -147,6 +151,7 @@ impl Chip {
             flash: Flash::default(),
             uart: Usart::new("LPUART1", wire_baud),
             usart1: Usart::new("USART1", wire_baud),
+            fdcan: Fdcan::new("FDCAN1", "FDCANRAM1"),
             usb: Usb::default(),
             trace: Trace::new(keep_trace),
             flash_observer: FlashObserver::default(),
@@ -227,8 +232,8 @@ impl Chip {
             self.touched = Blocks::default();
         }
         self.show_flash();
-        let uarts = self.uart.take_passed().into_iter().chain(self.usart1.take_passed());
-        for (time, event) in uarts.chain(self.usb.take_passed()) {
+        let links = [self.uart.take_passed(), self.usart1.take_passed(), self.fdcan.take_passed()];
+        for (time, event) in links.into_iter().flatten().chain(self.usb.take_passed()) {
             self.trace.add(time, event);
         }
         if self.flash.raises_nmi() && !self.core.nvic.is_pending(NMI) && self.core.nvic.active() != Some(NMI)

@@ -58,7 +58,8 @@ impl Chip {
 
     /// When something happens next that more depends on than the chip's own blocks: links, flash, SysTick.
     fn next_loud_event(&self) -> Time {
-        let links = self.uart.next_event().min(self.usart1.next_event()).min(self.usb.next_event());
+        let uarts = self.uart.next_event().min(self.usart1.next_event());
+        let links = uarts.min(self.fdcan.next_event()).min(self.usb.next_event());
         links.min(self.flash.next_event()).min(self.core.next_event(self.cycle))
     }
 
@@ -118,7 +119,7 @@ impl Chip {
         self.core.advance(self.now, self.cycle);
         let at = Moment { now: next, clocks: self.clocks };
         self.ask_world(next)?;
-        for block in [Block::Flash, Block::Link, Block::Bus, Block::Usb] {
+        for block in [Block::Flash, Block::Link, Block::Bus, Block::Can, Block::Usb] {
             self.advance_block(block, at)?;
         }
         for (place, block) in EVENTFUL.into_iter().enumerate() {

@@ -24,6 +24,15 @@ pub enum Event {
     Sent(u8),
     /// A byte came over the link.
     Received(u8),
+    /// A frame left for the bus, or came from it.
+    Framed {
+        /// Whether it left.
+        is_sent: bool,
+        /// Its identifier.
+        identifier: u16,
+        /// Bytes of its data.
+        bytes: u8,
+    },
     /// A DMA channel has come to the end of its buffer.
     DmaComplete {
         /// Controller, 1 or 2.
@@ -49,6 +58,10 @@ impl fmt::Display for Event {
             Self::Pins { port, levels } => write!(formatter, "pins        GPIO{port} = {levels:#06x}"),
             Self::Sent(byte) => write!(formatter, "link        sends {byte:#04x}"),
             Self::Received(byte) => write!(formatter, "link        receives {byte:#04x}"),
+            Self::Framed { is_sent, identifier, bytes } => {
+                let what = if *is_sent { "sends" } else { "receives" };
+                write!(formatter, "can         {what} a frame, {identifier:#05x} with {bytes} bytes")
+            }
             Self::DmaComplete { controller, channel } => {
                 write!(formatter, "dma         DMA{controller} channel {channel} is at its end")
             }
@@ -116,6 +129,9 @@ impl Event {
             Self::Program(address) => (7, address.into()),
             Self::Reset(cause) => (8, cause.len() as u64),
             Self::Sleep => (9, 0),
+            Self::Framed { is_sent, identifier, bytes } => {
+                (10, u64::from(is_sent) << 24 | u64::from(identifier) << 8 | u64::from(bytes))
+            }
         }
     }
 }

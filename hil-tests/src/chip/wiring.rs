@@ -232,6 +232,7 @@ impl Chip {
         self.follow_adc_clocks();
         self.uart.clock = self.rcc.uart_clock("LPUART1SEL", clocks.apb1);
         self.usart1.clock = self.rcc.uart_clock("USART1SEL", clocks.apb2);
+        self.fdcan.clock = self.rcc.can_clock();
         let (kernel, is_hsi48) = self.rcc.usb_clock();
         let is_exact = if is_hsi48 { self.crs.follows_frames() } else { self.rcc.pll_is_exact() };
         self.usb.run_at(UsbClocks { kernel, is_exact, bus: clocks.apb1 });
@@ -244,6 +245,7 @@ impl Chip {
         let [link, bus] = ["LPUART1", "USART1"].map(wired);
         self.uart.wire(link, self.now);
         self.usart1.wire(bus, self.now);
+        self.fdcan.wire(["TX", "RX"].map(|signal| self.pins_with("FDCAN1", signal).next().is_some()));
         let mut wires = Vec::new();
         for (timer, (name, channels, _)) in (0..).zip(TIMERS) {
             for channel in 0..channels {

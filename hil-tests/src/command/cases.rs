@@ -53,12 +53,14 @@ impl Cases {
         Ok(if count.failed == 0 && repeats { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 
-    /// Boards on one line and on USB have cases of their own.
+    /// Boards on one line, on one CAN bus and on USB have cases of their own.
     fn chosen(&self, rig: &Rig) -> Vec<Case> {
         let wanted =
             |case: &Case| self.names.is_empty() || self.names.iter().any(|name| case.name.contains(name));
         let all = if rig.can(Capability::SharedLine) {
             cases::on_a_bus()
+        } else if rig.can(Capability::CanBus) {
+            cases::on_can()
         } else if rig.can(Capability::Usb) {
             cases::on_usb()
         } else {

@@ -188,6 +188,7 @@ impl Machine {
             chip.flash.cut(seed);
             chip.uart.unplug();
             chip.usart1.unplug();
+            chip.fdcan.unplug();
             chip.lose_power();
         });
         self.power_up()

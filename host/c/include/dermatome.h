@@ -12,7 +12,8 @@
  * finds that a serial port has gone, or takes nothing any more, may allocate some bytes.) dermatome_flag_words and
  * dermatome_error may allocate, and do not wait.
  *
- * The library starts no threads. A board is used by one thread at a time, whichever; boards are independent of each other.
+ * The library starts no threads, but one or two for a bus that boards share. A board is used by one thread at a time,
+ * whichever; boards are independent of each other.
  *
  * Memory: records and buffers are the caller's, and their sizes in bytes go along (sizeof), which tells a header that does
  * not fit the library. Pointers are null where that is allowed, else lead to as much as the size says. Text that goes in ends
@@ -226,6 +227,8 @@ typedef struct dermatome_counts {
   uint64_t packets_damaged;
   // References that the board made.
   uint64_t tares;
+  // Of so many frames one has an image; 0: none. On a bus with other boards that may be more than was asked for.
+  uint64_t images_every;
 } dermatome_counts;
 
 // One place where the skin is pressed.
@@ -308,8 +311,9 @@ const char *dermatome_code_name(int code);
 // What the flags of a frame say, in words with commas between them, at most `size` bytes with the NUL.
 int dermatome_flag_words(uint16_t flags, char *words, size_t size);
 
-// Opens the port of a board, `/dev/ttyACM0`, `tcp:HOST:PORT` or `rs485:LINE#ADDRESS`, and makes sure that board and library understand each other:
-// some seconds at most. Where it fails, `*board` is null and `words` (of `size` bytes; may be null) says why.
+// Opens the port of a board, `/dev/ttyACM0`, `tcp:HOST:PORT`, `rs485:LINE#ADDRESS` or `can:BUS#ADDRESS`, and makes sure that
+// board and library understand each other: some seconds at most. Where it fails, `*board` is null and `words` (of `size`
+// bytes; may be null) says why.
 int dermatome_open(const char *port,
                    struct dermatome_board **board,
                    char *words,
@@ -365,12 +369,12 @@ int dermatome_image(struct dermatome_board *board,
 int dermatome_get_counts(struct dermatome_board *board, struct dermatome_counts *counts, size_t size);
 
 // The file descriptor of the port, for poll(2), select(2) and epoll(7): once it is readable, call `dermatome_poll`. It is the
-// library's: neither read nor close it. Call `dermatome_poll` each few seconds also where it is not readable.
+// library's: neither read nor close it. Call `dermatome_poll` each few seconds also where it is not readable. A board on a
+// bus with others has none.
 int dermatome_descriptor(struct dermatome_board *board);
 
 // Asks for a new reference of `frames` frames of the untouched skin, without waiting. `dermatome_answer` says whether the board
-// does it; `counts.tares` grows when it has. Meanwhile there are no contacts, and
-// polling may say DERMATOME_SILENT.
+// does it; `counts.tares` grows when it has. Meanwhile there are no contacts, and polling may say DERMATOME_SILENT.
 int dermatome_ask_tare(struct dermatome_board *board,
                        uint16_t frames);
 

@@ -151,7 +151,7 @@ impl Board {
     /// What has come of the stream.
     pub fn counts(&mut self) -> Result<Counts, Failure> {
         let stream = self.stream()?;
-        Ok(Counts::new(stream.totals(), stream.link()))
+        Ok(Counts::new(stream.totals(), stream.selection().images, stream.link()))
     }
 
     /// What becomes readable when something comes.
@@ -194,7 +194,8 @@ impl Board {
     fn next(&mut self) -> Result<Option<Frame>, Failure> {
         let stream = self.stream()?;
         let Some(scan) = stream.poll()? else { return Ok(None) };
-        let frame = Frame::new(&scan, Counts::new(stream.totals(), stream.link()));
+        let counts = Counts::new(stream.totals(), stream.selection().images, stream.link());
+        let frame = Frame::new(&scan, counts);
         self.image = scan.image;
         Ok(Some(frame))
     }

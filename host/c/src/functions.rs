@@ -41,8 +41,9 @@ pub unsafe extern "C" fn dermatome_flag_words(flags: u16, words: *mut c_char, si
     }))
 }
 
-/// Opens the port of a board, `/dev/ttyACM0`, `tcp:HOST:PORT` or `rs485:LINE#ADDRESS`, and makes sure that board and library understand each other:
-/// some seconds at most. Where it fails, `*board` is null and `words` (of `size` bytes; may be null) says why.
+/// Opens the port of a board, `/dev/ttyACM0`, `tcp:HOST:PORT`, `rs485:LINE#ADDRESS` or `can:BUS#ADDRESS`, and makes sure that
+/// board and library understand each other: some seconds at most. Where it fails, `*board` is null and `words` (of `size`
+/// bytes; may be null) says why.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dermatome_open(
     port: *const c_char,
@@ -200,7 +201,8 @@ pub unsafe extern "C" fn dermatome_get_counts(board: *mut Board, counts: *mut Co
 }
 
 /// The file descriptor of the port, for poll(2), select(2) and epoll(7): once it is readable, call `dermatome_poll`. It is the
-/// library's: neither read nor close it. Call `dermatome_poll` each few seconds also where it is not readable.
+/// library's: neither read nor close it. Call `dermatome_poll` each few seconds also where it is not readable. A board on a
+/// bus with others has none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dermatome_descriptor(board: *mut Board) -> c_int {
     // SAFETY: as in the head of the header.
@@ -208,8 +210,7 @@ pub unsafe extern "C" fn dermatome_descriptor(board: *mut Board) -> c_int {
 }
 
 /// Asks for a new reference of `frames` frames of the untouched skin, without waiting. `dermatome_answer` says whether the board
-/// does it; `counts.tares` grows when it has. Meanwhile there are no contacts, and
-/// polling may say DERMATOME_SILENT.
+/// does it; `counts.tares` grows when it has. Meanwhile there are no contacts, and polling may say DERMATOME_SILENT.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dermatome_ask_tare(board: *mut Board, frames: u16) -> c_int {
     // SAFETY: as in the head of the header.

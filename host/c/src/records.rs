@@ -36,7 +36,7 @@ const _: () = {
     // Programs that are built hold these sizes: a record that changes is another version of the library.
     assert!(size_of::<Identity>() == 80 && size_of::<Drive>() == 24 && size_of::<Skin>() == 80);
     assert!(size_of::<Pixel>() == 28 && size_of::<Pose>() == 56 && size_of::<Options>() == 12);
-    assert!(size_of::<Contact>() == 84 && size_of::<Counts>() == 56 && size_of::<Frame>() == 752);
+    assert!(size_of::<Contact>() == 84 && size_of::<Counts>() == 64 && size_of::<Frame>() == 760);
 };
 
 /// Who a board is.
@@ -303,13 +303,25 @@ pub struct Counts {
     pub packets_damaged: u64,
     /// References that the board made.
     pub tares: u64,
+    /// Of so many frames one has an image; 0: none. On a bus with other boards that may be more than was asked for.
+    pub images_every: u64,
 }
 
 impl Counts {
-    pub(crate) fn new(totals: Totals, link: &Link) -> Self {
+    pub(crate) fn new(totals: Totals, images_every: u16, link: &Link) -> Self {
         let Totals { frames, frames_missing, parts_missing, parts_unused, tares, .. } = totals;
         let (events_lost, packets_damaged) = (link.events_lost(), link.packets_damaged());
-        Self { frames, frames_missing, parts_missing, parts_unused, events_lost, packets_damaged, tares }
+        let images_every = images_every.into();
+        Self {
+            frames,
+            frames_missing,
+            parts_missing,
+            parts_unused,
+            events_lost,
+            packets_damaged,
+            tares,
+            images_every,
+        }
     }
 }
 

@@ -11,7 +11,7 @@ const SILENCE: Duration = Duration::from_secs(5);
 fn main() -> Result<(), Box<dyn Error>> {
     let port: Port = std::env::args()
         .nth(1)
-        .ok_or("give a port: /dev/ttyACM0, COM5, tcp:HOST:PORT or rs485:LINE#ADDRESS")?
+        .ok_or("give a port: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS or can:BUS#ADDRESS")?
         .parse()?;
     let mut link = open(&port)?;
     let mut stream = link.subscribe(Selection { contacts: 1, ..Selection::default() })?;

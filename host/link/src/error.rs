@@ -78,7 +78,7 @@ pub enum LinkErrorKind {
         /// How long the host waited.
         timeout: Duration,
     },
-    /// The line that it shares with other boards does not carry what it was to stream.
+    /// The bus that it shares with other boards does not carry what it was to stream.
     Overload(Overload),
     /// The board takes no samples that a scope could show.
     NoFrontEnd,
@@ -102,16 +102,16 @@ pub enum Damage {
     NotANumber,
 }
 
-/// Boards of a line that together say more than it carries.
+/// Boards of a bus that together say more than it carries.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "the line does not carry what {boards} boards are to say: it takes {:.0} % of the line's time, allowed are {:.0} % (lower \
+    "the bus does not carry what {boards} boards are to say: it takes {:.0} % of the bus' time, allowed are {:.0} % (lower \
      frame rates, fewer boards on it, or every second frame)", 100.0 * load, 100.0 * allowed
 )]
 pub struct Overload {
-    /// Boards that share the line.
+    /// Boards that share the bus.
     pub boards: usize,
-    /// Share of the line's time, above 0.
+    /// Share of the bus' time, above 0.
     pub load: f64,
     /// Share that may be given away.
     pub allowed: f64,

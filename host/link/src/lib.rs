@@ -23,5 +23,5 @@ pub use dermatome_patch::{pose, tables};
 pub use dermatome_shared as shared;
 pub use error::{Damage, LinkError, LinkErrorKind, Overload};
 pub use link::{Link, REPLY_TIMEOUT, Transport, Untouched, UploadError, open, tare, tare_timeout, upload};
-pub use port::{Line, Port, PortError};
+pub use port::{Adapter, Bus, Port, PortError};
 pub use subscription::{NotBegun, PolledStream, Subscription, frame_timeout, silence_timeout};

@@ -157,6 +157,9 @@ impl Scene {
     fn diagnostics(&self, frame: &ScanFrame, now_ns: u64) -> DiagnosticArray {
         let mut problems: Vec<&str> = self.flags.words().collect();
         problems.extend((self.tripped > 0).then_some("reflex tripped"));
+        problems.extend(
+            frame.reflexes.as_ref().is_some_and(|reflexes| reflexes.is_blind).then_some("reflexes blind"),
+        );
         let mut values = frame.health.as_ref().map(health_values).unwrap_or_default();
         values.extend(frame.reflexes.as_ref().map(|_| tripped_value(self.tripped)));
         let message = if problems.is_empty() { "all is well".to_owned() } else { problems.join(", ") };

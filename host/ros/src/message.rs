@@ -70,10 +70,17 @@ pub(crate) fn transforms(file: &BodyFile, time_ns: u64) -> TfMessage {
     TfMessage { transforms: placed.collect() }
 }
 
-/// How a skin stands, with what was wrong with its frames since the last time.
-pub(crate) fn status(robot: &str, port: String, sense: &Sense, flags: FrameFlags) -> DiagnosticStatus {
-    let is_tripped = sense.reflexes.as_ref().is_some_and(|reflexes| reflexes.tripped > 0);
-    let problems: Vec<&str> = flags.words().chain(is_tripped.then_some("reflex tripped")).collect();
+/// How a skin stands, with what was wrong with its frames, and which reflexes were tripped, since the last time.
+pub(crate) fn status(
+    robot: &str,
+    port: String,
+    sense: &Sense,
+    (flags, tripped): (FrameFlags, u8),
+) -> DiagnosticStatus {
+    let is_blind = sense.reflexes.as_ref().is_some_and(|reflexes| reflexes.is_blind);
+    let of_reflexes = [(tripped > 0, "reflex tripped"), (is_blind, "reflexes blind")];
+    let of_reflexes = of_reflexes.into_iter().filter_map(|(is_so, words)| is_so.then_some(words));
+    let problems: Vec<&str> = flags.words().chain(of_reflexes).collect();
     let state = &sense.state;
     let (level, message) = match state.phase {
         Phase::Live if !problems.is_empty() => (WARN, problems.join(", ")),
@@ -85,10 +92,10 @@ pub(crate) fn status(robot: &str, port: String, sense: &Sense, flags: FrameFlags
         }
     };
     let name = format!("{robot}: {}", sense.name);
-    DiagnosticStatus { level, name, message, hardware_id: port, values: values(sense) }
+    DiagnosticStatus { level, name, message, hardware_id: port, values: values(sense, tripped) }
 }
 
-fn values(sense: &Sense) -> Vec<KeyValue> {
+fn values(sense: &Sense, tripped: u8) -> Vec<KeyValue> {
     let value = |key: &str, value: String| KeyValue { key: key.to_owned(), value };
     let mut values = vec![
         value("link", sense.link.clone()),
@@ -103,6 +110,6 @@ fn values(sense: &Sense) -> Vec<KeyValue> {
         values.push(value("clock skew, ppm", format!("{:.1}", jitter.skew * 1e6)));
     }
     values.extend(sense.health.as_ref().map(health_values).unwrap_or_default());
-    values.extend(sense.reflexes.as_ref().map(|reflexes| tripped_value(reflexes.tripped)));
+    values.extend(sense.reflexes.as_ref().map(|_| tripped_value(tripped)));
     values
 }

@@ -124,7 +124,9 @@ impl Robot {
     fn diagnose(&mut self, body: &Body) {
         let each = self.skins.iter_mut().zip(&self.ports).zip(body.senses());
         let status = each
-            .map(|((skin, port), sense)| message::status(&self.name, port.clone(), sense, skin.take_flags()))
+            .map(|((skin, port), sense)| {
+                message::status(&self.name, port.clone(), sense, skin.take_problems())
+            })
             .collect();
         let header = Header { stamp: Time::of_nanoseconds(now_ns()), frame_id: String::new() };
         publish(&self.diagnostics, DiagnosticArray { header, status });

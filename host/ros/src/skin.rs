@@ -40,6 +40,8 @@ pub(crate) struct Skin {
     last: Option<FrameStamp>,
     /// Of frames since the last diagnostics.
     flags: FrameFlags,
+    /// Reflexes that were tripped since then, a bit for each.
+    tripped: u8,
 }
 
 impl Skin {
@@ -61,6 +63,7 @@ impl Skin {
             is_live: false,
             last: None,
             flags: FrameFlags::default(),
+            tripped: 0,
         })
     }
 
@@ -96,13 +99,14 @@ impl Skin {
         self.services.requests(sense)
     }
 
-    /// What was wrong with its frames since this was asked last.
-    pub(crate) fn take_flags(&mut self) -> FrameFlags {
-        std::mem::take(&mut self.flags)
+    /// What was wrong with its frames, and which reflexes were tripped, since this was asked last.
+    pub(crate) fn take_problems(&mut self) -> (FrameFlags, u8) {
+        (std::mem::take(&mut self.flags), std::mem::take(&mut self.tripped))
     }
 
     fn frame(&mut self, sense: &Sense, report: &Report) {
         self.flags.insert(report.at.flags);
+        self.tripped |= sense.reflexes.as_ref().map_or(0, |reflexes| reflexes.tripped);
         publish(&self.contacts, message::contacts(sense, report));
         let Some(scene) = &self.scene else { return };
         if report.received_ns.saturating_sub(self.drawn) < PERIOD {

@@ -26,7 +26,7 @@ pub enum PortError {
     /// None of the known forms.
     #[error(
         "`{text}` names no port; allowed are a serial port (`/dev/ttyACM0`, `COM5`), `tcp:HOST:PORT`, \
-         `rs485:LINE#ADDRESS`, `sim:SKIN.toml` and `replay:FILE.mcap`"
+         `rs485:LINE#ADDRESS`, `can:BUS#ADDRESS`, `sim:SKIN.toml` and `replay:FILE.mcap`"
     )]
     Unknown {
         /// What was written.

@@ -1,8 +1,9 @@
 //! A bench for tests: small patches, a seeded frame source, a fake board.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
-pub(crate) mod bus;
 pub(crate) mod cable;
+pub(crate) mod can;
+pub(crate) mod rs485;
 
 use dermatome::{
     link::{Link, LinkError, Port},

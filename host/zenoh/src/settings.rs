@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use zenoh::{Config, Session, Wait, config::EndPoint};
 
-/// What Zenoh does otherwise than usual, unless its configuration file has another value than the usual one: a computer that is cut off is known to be
-/// gone, and found again, within a second each. Times in ms.
+/// What Zenoh does otherwise than usual, unless its configuration file has another value than the usual one: a computer that
+/// is cut off is known to be gone, and found again, within a second each. Times in ms.
 const OTHERWISE: [(&str, &str); 6] = [
     // Nothing heard for so long: the other one is gone. A sign of life is sent four times as often.
     ("transport/link/tx/lease", "1000"),

@@ -41,7 +41,7 @@ impl<S: PatchStore, P: BorrowMut<PipelineState>> Device<S, P> {
         emit: &mut impl FnMut(&BoardPacket),
     ) {
         let reflexes = arrival.reflexes.clone();
-        let now = Some((reflexes.tripped, reflexes.is_blind));
+        let now = Some(reflexes.state());
         // Again now and then, as an event may be lost.
         let is_due = self.streaming.any() && self.next_frame.is_multiple_of(REMINDER);
         if !self.has_reflexes() || now == self.reflexes_told && !is_due {

@@ -8,13 +8,7 @@
 //! | link, DMA    | DMA1 channels 1 and 2    | any channel can serve any request on this chip       |
 //! | address      | PC9 (lowest bit) to PC12 | straps: open is 0, bridged to ground is 1            |
 
-use embassy_stm32::{
-    Peri,
-    gpio::{AnyPin, Input, Pull},
-    peripherals,
-};
-
-use super::CYCLES_PER_MICROSECOND;
+use embassy_stm32::peripherals;
 
 /// What the board calls itself to a host.
 pub const NAME: &str = "nucleo-g474re-rs485";
@@ -36,16 +30,6 @@ pub type LinkTxDma = peripherals::DMA1_CH1;
 /// DMA channel that receives.
 pub type LinkRxDma = peripherals::DMA1_CH2;
 
-/// Time in which a pull-up lifts an open strap, us: 50 kohm and some 100 pF.
-const STRAPS_RISE: f32 = 50.0;
-
-/// The address that straps make, the first one its lowest bit.
-pub(super) fn address(straps: [Peri<'static, AnyPin>; 4]) -> u8 {
-    let straps = straps.map(|pin| Input::new(pin, Pull::Up));
-    cortex_m::asm::delay((STRAPS_RISE * CYCLES_PER_MICROSECOND) as u32);
-    straps.iter().rev().fold(0, |address, strap| address << 1 | u8::from(strap.is_low()))
-}
-
 /// Takes the link's parts of the chip.
 macro_rules! link_parts {
     ($chip:ident) => {
@@ -56,12 +40,7 @@ macro_rules! link_parts {
             tx_dma: $chip.DMA1_CH1,
             rx_dma: $chip.DMA1_CH2,
             de_pin: $chip.PA12,
-            address: link::address([
-                $chip.PC9.into(),
-                $chip.PC10.into(),
-                $chip.PC11.into(),
-                $chip.PC12.into(),
-            ]),
+            address: straps::address!($chip),
         }
     };
 }

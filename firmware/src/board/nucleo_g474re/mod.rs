@@ -23,21 +23,20 @@
 //! | reflexes      | PC0 to PC3                  | low while a rule is tripped                    |
 //! | watchdog      | IWDG                        | its clock is its own                           |
 //!
-//! With the feature `rs485` or `usb` the link is another one, and everything else the same: see `link`.
+//! With the feature `rs485`, `can` or `usb` the link is another one, and everything else the same: see `link`.
 
 #[cfg_attr(feature = "rs485", path = "link_rs485.rs")]
+#[cfg_attr(feature = "can", path = "link_can.rs")]
 #[cfg_attr(feature = "usb", path = "link_usb.rs")]
 mod link;
 mod sensing;
+#[cfg(any(feature = "rs485", feature = "can"))]
+mod straps;
 
 pub use link::*;
 pub use sensing::*;
 
 use dermatome_shared::restart::ResetCauses;
-#[cfg(not(feature = "usb"))]
-use embassy_stm32::usart;
-#[cfg(feature = "usb")]
-use embassy_stm32::usb;
 use embassy_stm32::{
     Config,
     adc::{Adc, AdcConfig},
@@ -70,15 +69,17 @@ pub const TEMPERATURE_POINTS: [(usize, f32); 2] = [(0x1FFF_75A8, 30.0), (0x1FFF_
 bind_interrupts!(
     /// The board's interrupts, bound to their handlers.
     pub struct Interrupts {
-    #[cfg(not(any(feature = "rs485", feature = "usb")))]
-    LPUART1 => usart::InterruptHandler<LinkUart>;
+    #[cfg(not(any(feature = "rs485", feature = "can", feature = "usb")))]
+    LPUART1 => embassy_stm32::usart::InterruptHandler<LinkUart>;
     #[cfg(feature = "rs485")]
-    USART1 => usart::InterruptHandler<LinkUart>;
+    USART1 => embassy_stm32::usart::InterruptHandler<LinkUart>;
+    #[cfg(feature = "can")]
+    FDCAN1_IT0 => CanInterruptHandler;
     #[cfg(feature = "usb")]
-    USB_LP => usb::InterruptHandler<LinkUsb>;
-    #[cfg(not(feature = "usb"))]
+    USB_LP => embassy_stm32::usb::InterruptHandler<LinkUsb>;
+    #[cfg(not(any(feature = "can", feature = "usb")))]
     DMA1_CHANNEL1 => dma::InterruptHandler<LinkTxDma>;
-    #[cfg(not(feature = "usb"))]
+    #[cfg(not(any(feature = "can", feature = "usb")))]
     DMA1_CHANNEL2 => dma::InterruptHandler<LinkRxDma>;
     DMA1_CHANNEL3 => dma::InterruptHandler<peripherals::DMA1_CH3>;
     DMA1_CHANNEL4 => dma::InterruptHandler<peripherals::DMA1_CH4>;
@@ -167,7 +168,7 @@ fn clocks() -> rcc::Config {
     clocks.mux.adc12sel = rcc::mux::Adcsel::PLL1_P;
     // The chip allows more than 150 MHz only with its core voltage boosted.
     clocks.boost = true;
-    #[cfg(feature = "usb")]
+    #[cfg(any(feature = "can", feature = "usb"))]
     add_link_clock(&mut clocks);
     clocks
 }

@@ -14,7 +14,7 @@
 //! Everything that it says begins with a zero byte, which ends what noise or a board that was cut off have left on the
 //! line.
 
-use core::{cell::Cell, convert::Infallible, marker::PhantomData};
+use core::{convert::Infallible, marker::PhantomData};
 
 use defmt::warn;
 use dermatome_shared::protocol::bus::{Ear, Heard, Mark, TURN_BYTES, TURN_LAPSES_MS};
@@ -22,18 +22,18 @@ use embassy_futures::{
     select::{Either, select},
     yield_now,
 };
+pub use embassy_stm32::usart::Error;
 use embassy_stm32::{
     mode::Async,
-    usart::{Error, RingBufferedUartRx, Uart, UartTx},
-};
-use embassy_sync::{
-    blocking_mutex::{CriticalSectionMutex, raw::CriticalSectionRawMutex},
-    pipe::Pipe,
-    signal::Signal,
+    usart::{RingBufferedUartRx, Uart, UartTx},
 };
 use embassy_time::{Duration, Instant, Timer};
 
-use super::{OUTGOING_BYTES, Outgoing, REOPEN_PAUSE, RING_BYTES, Urgency, uart::config};
+use super::{
+    OUTGOING_BYTES, Outgoing, REOPEN_PAUSE, Urgency,
+    lanes::{Lane, REQUESTS, hand_on},
+    uart::{RING_BYTES, config},
+};
 use crate::board::{Interrupts, LinkParts, executor};
 
 /// Bytes before a packet: the zero byte, the mark and its complement.
@@ -43,8 +43,6 @@ pub const BYTES_IN_ONE_GO: usize = TURN_BYTES;
 /// Memory that it needs beside ring and packets.
 pub const OWN_BYTES: usize = 1024;
 
-/// Bytes of requests that wait: a host has one under way, of half a kilobyte at most.
-const REQUEST_BYTES: usize = 640;
 /// How often the line is looked at, at the longest.
 const LOOK_INTERVAL: Duration = Duration::from_millis(2);
 /// Until the rest of a block is looked at: it comes byte by byte, and each would be taken by itself, without a pause for the
@@ -55,8 +53,8 @@ const OLDEST_TURN: Duration = Duration::from_micros(1000 * TURN_LAPSES_MS - 500)
 /// Sixteenths of a bit for which the driver is on before the first byte and after the last one.
 const DRIVER_TIME: u8 = 16;
 
-static REQUESTS: Pipe<CriticalSectionRawMutex, REQUEST_BYTES> = Pipe::new();
-static LANES: [Lane; 2] = [Lane::new(), Lane::new()];
+/// By urgency.
+static LANES: [Lane<Outgoing>; 2] = [Lane::new(), Lane::new()];
 
 /// What the link's owner holds.
 pub struct LinkPort {
@@ -97,10 +95,8 @@ impl LinkTx<'_> {
 
     /// Sends all packets, in turns to come. If this is given up before it ends, the memory of the packets is lost.
     pub async fn send(&self, packets: &mut Outgoing, urgency: Urgency) -> Result<(), Error> {
-        let lane = &LANES[urgency as usize];
-        let empty = Outgoing { bytes: &mut [], ..*packets };
-        lane.offer(core::mem::replace(packets, empty));
-        *packets = lane.sent.wait().await;
+        // They wait for a turn.
+        *packets = LANES[urgency as usize].send(packets.hand_over(), || ()).await;
         Ok(())
     }
 }
@@ -109,50 +105,6 @@ impl LinkRx<'_> {
     /// Waits for bytes and says how many came.
     pub async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Error> {
         Ok(REQUESTS.read(bytes).await)
-    }
-}
-
-/// Packets on their way to the bus, and their memory on its way back.
-struct Lane {
-    offered: CriticalSectionMutex<Cell<Option<Outgoing>>>,
-    sent: Signal<CriticalSectionRawMutex, Outgoing>,
-}
-
-impl Lane {
-    const fn new() -> Self {
-        Self { offered: CriticalSectionMutex::new(Cell::new(None)), sent: Signal::new() }
-    }
-
-    fn offer(&self, packets: Outgoing) {
-        self.offered.lock(|offered| offered.set(Some(packets)));
-    }
-
-    /// What is offered, if its last packet begins before the turn has had its bytes, of which so many were said.
-    fn take(&'static self, said: usize) -> Option<Taken> {
-        let packets = self.offered.lock(|offered| {
-            let packets = offered.take()?;
-            let fits = said + packets.last < TURN_BYTES;
-            if fits {
-                return Some(packets);
-            }
-            offered.set(Some(packets));
-            None
-        });
-        packets.map(|packets| Taken { lane: self, packets: Some(packets) })
-    }
-}
-
-/// Packets that are being sent; their memory goes back when that ends, in whatever way.
-struct Taken {
-    lane: &'static Lane,
-    packets: Option<Outgoing>,
-}
-
-impl Drop for Taken {
-    fn drop(&mut self) {
-        if let Some(packets) = self.packets.take() {
-            self.lane.sent.signal(packets);
-        }
     }
 }
 
@@ -208,7 +160,9 @@ async fn serve(parts: &mut LinkParts, ring: &mut [u8; RING_BYTES]) -> Result<Inf
 /// Says what there is to say, and ends the turn.
 async fn speak(tx: &mut UartTx<'_, Async>, address: u8) -> Result<(), Error> {
     let mut said = 0;
-    while let Some(taken) = LANES.iter().find_map(|lane| lane.take(said)) {
+    // What begins before the turn has had its bytes.
+    let next = |said| LANES.iter().find_map(|lane| lane.take(|packets| said + packets.last < TURN_BYTES));
+    while let Some(taken) = next(said) {
         let packets = taken.packets.as_ref().map_or(&[][..], Outgoing::packets);
         said += packets.len();
         tx.write(packets).await?;
@@ -270,14 +224,7 @@ impl Listener<'_> {
                 None => {}
             }
         }
-        let mut left = &bytes[..kept];
-        // The pipe takes them in two pieces where they go round its end.
-        while !left.is_empty()
-            && let Ok(taken) = REQUESTS.try_write(left)
-        {
-            left = &left[taken..];
-        }
-        if !left.is_empty() {
+        if !hand_on(&bytes[..kept]) {
             warn!("bytes of a request dropped: those before it were not read yet");
         }
         is_mine

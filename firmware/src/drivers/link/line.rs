@@ -1,12 +1,16 @@
 //! Line: a link to one host, which may be written to at any time.
 
+pub use embassy_stm32::usart::Error;
 use embassy_stm32::{
     mode::Async,
-    usart::{Error, RingBufferedUartRx, Uart, UartTx},
+    usart::{RingBufferedUartRx, Uart, UartTx},
 };
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, mutex::Mutex};
 
-use super::{OUTGOING_BYTES, Outgoing, RING_BYTES, Urgency, uart::config};
+use super::{
+    OUTGOING_BYTES, Outgoing, Urgency,
+    uart::{RING_BYTES, config},
+};
 use crate::board::{Interrupts, LinkParts};
 
 /// Bytes before a packet.

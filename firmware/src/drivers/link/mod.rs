@@ -1,34 +1,30 @@
-//! Link: bytes to and from the host, over a UART, both ways by DMA, or over USB.
+//! Link: bytes to and from the host, over a UART, over CAN FD or over USB.
 //!
-//! Receiving: each byte makes the UART ask its DMA channel, which writes it into a ring that it
-//! fills for ever. The reader wakes when the line falls idle, which is the end of a packet, and
-//! when the ring is half full or full. The ring holds 25 ms of bytes, more than the CPU is ever busy
-//! with the flash.
-//! Sending: one DMA transfer for what an [`Outgoing`] holds.
-//!
-//! After any error on the line the UART driver stops the ring. Starting it again would resume a
-//! paused DMA channel, which the G474 does not support (RM0440, "Suspend and resume a channel"):
-//! the ring could then be out of step with the DMA for ever. So its owner drops both halves
-//! and opens the UART anew, which sets up UART and DMA from reset.
-//!
-//! There are three kinds, of which a build has one: `line`, to one host; with the feature `rs485` `bus`, which
-//! many boards share; and with the feature `usb` `usb`, whose endpoints take the place of UART and DMA.
+//! There are four kinds, of which a build has one: `line`, to one host; with the feature `rs485` `bus`, and with the
+//! feature `can` `can`, which many boards share; and with the feature `usb` `usb`. All send what an [`Outgoing`] holds in
+//! one go.
 
 #[cfg(feature = "rs485")]
 mod bus;
-#[cfg(not(any(feature = "rs485", feature = "usb")))]
+#[cfg(feature = "can")]
+mod can;
+#[cfg(any(feature = "rs485", feature = "can"))]
+mod lanes;
+#[cfg(not(any(feature = "rs485", feature = "can", feature = "usb")))]
 mod line;
-#[cfg(not(feature = "usb"))]
+#[cfg(not(any(feature = "can", feature = "usb")))]
 mod uart;
 #[cfg(feature = "usb")]
 mod usb;
 
 #[cfg(feature = "rs485")]
 pub use bus::*;
-#[cfg(not(any(feature = "rs485", feature = "usb")))]
+#[cfg(feature = "can")]
+pub use can::*;
+#[cfg(not(any(feature = "rs485", feature = "can", feature = "usb")))]
 pub use line::*;
-#[cfg(not(feature = "usb"))]
-pub use uart::*;
+#[cfg(not(any(feature = "can", feature = "usb")))]
+pub use uart::{RING_BYTES, SETTLES_FIRST};
 #[cfg(feature = "usb")]
 pub use usb::*;
 
@@ -82,6 +78,13 @@ impl Outgoing {
     #[allow(clippy::absurd_extreme_comparisons, reason = "a link that sends one packet at a time wants none")]
     pub fn wants_more(&self) -> bool {
         self.length < BYTES_IN_ONE_GO
+    }
+
+    /// Hands all over, memory included.
+    #[cfg(any(feature = "rs485", feature = "can"))]
+    fn hand_over(&mut self) -> Self {
+        let empty = Self { bytes: &mut [], ..*self };
+        core::mem::replace(self, empty)
     }
 
     fn packets(&self) -> &[u8] {

@@ -24,6 +24,17 @@ pub enum ResetCause {
     Pin,
 }
 
+/// Kernel clock of the FDCANs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CanClock {
+    /// Hz; 0 if it is off.
+    pub hertz: u64,
+    /// Whether the crystal makes it.
+    pub is_crystal: bool,
+    /// Clock of their bus, Hz.
+    pub bus: u64,
+}
+
 /// Model of the RCC.
 #[derive(Clone, Debug)]
 pub struct Rcc {
@@ -116,13 +127,30 @@ impl Rcc {
         }
     }
 
+    /// Kernel clock of the FDCANs: HSE, PLL "Q" or their bus.
+    #[must_use]
+    pub fn can_clock(&self) -> CanClock {
+        let (bus, is_pll_exact) = (self.clocks().apb1, self.pll_is_exact());
+        let (hertz, is_crystal) = match self.bank.get("CCIPR", "FDCANSEL") {
+            0 if self.bank.is_set("CR", "HSERDY") => (HSE, true),
+            1 if self.bank.is_set("PLLCFGR", "PLLQEN") => (self.pll_q(), is_pll_exact),
+            2 => match self.bank.get("CFGR", "SWS") {
+                2 => (bus, true),
+                3 => (bus, is_pll_exact),
+                _ => (bus, false),
+            },
+            _ => (0, false),
+        };
+        CanClock { hertz, is_crystal, bus }
+    }
+
     /// Kernel clock of the USB, Hz, and whether that is the HSI48; 0 where it has none.
     #[must_use]
     pub fn usb_clock(&self) -> (u64, bool) {
         match self.bank.get("CCIPR", "CLK48SEL") {
             0 if self.bank.is_set("CRRCR", "HSI48RDY") => (HSI48, true),
             2 if self.bank.is_set("PLLCFGR", "PLLQEN") && self.bank.is_set("CR", "PLLRDY") => {
-                (self.pll_vco() / (2 * (u64::from(self.bank.get("PLLCFGR", "PLLQ")) + 1)), false)
+                (self.pll_q(), false)
             }
             _ => (0, false),
         }
@@ -158,6 +186,10 @@ impl Rcc {
         };
         // Every reset pulls the pin low as well (7.1.2).
         self.bank.store(csr, kept | flag | csr.mask("PINRSTF"));
+    }
+
+    fn pll_q(&self) -> u64 {
+        self.pll_vco() / (2 * (u64::from(self.bank.get("PLLCFGR", "PLLQ")) + 1))
     }
 
     fn pll_r(&self) -> u64 {

@@ -3,5 +3,5 @@
 pub(crate) mod bus;
 mod joined;
 mod outside;
-mod probe;
+pub(crate) mod probe;
 mod scan;

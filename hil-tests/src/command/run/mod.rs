@@ -1,9 +1,10 @@
-//! `run`: an emulated board, or several on one line, that any program can talk to over TCP.
+//! `run`: an emulated board, or several on one line or bus, that any program can talk to over TCP.
 //!
 //! Virtual time follows the clock on the wall, as far as the machine is fast enough: a board that
 //! idles takes next to nothing.
 
 mod alone;
+mod can;
 mod line;
 mod program;
 
@@ -18,7 +19,8 @@ use dermatome::{
     skin::Skin,
 };
 use dermatome_hil::{
-    bus::{BusRig, master::Master},
+    bus::{BusRig, Shared, can::host::Host, master::Master},
+    chip::flash::Flash,
     chip::time::Time,
     fault::{Fault, Schedule},
     probe::emulated::LogReader,
@@ -39,8 +41,9 @@ use std::{
 pub(super) struct Run {
     #[command(flatten)]
     firmware: Firmware,
-    /// How many boards there are on the line of hil-tests/rigs/rs485.toml, at addresses from 0 on [default: 1]. What
-    /// they send, and what is sent to them, is that of docs/protocol.md, "Bus".
+    /// How many boards there are on the line of hil-tests/rigs/rs485.toml or the bus of hil-tests/rigs/can.toml, at
+    /// addresses from 0 on [default: 1]. What they send over the line, and what is sent to them, is that of
+    /// docs/protocol.md, "Bus"; the CAN bus is reached through an adapter that speaks slcan.
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..=16), conflicts_with_all = ["faults", "logs"])]
     boards: Option<u8>,
     /// Skin that the board measures, instead of the rig's; the board holds its patch from the start, as if
@@ -74,13 +77,13 @@ impl Run {
         let rig_file = self.firmware.rig_file();
         match (self.firmware.open()?, self.boards) {
             (Rig::Bus(_), _) if !self.faults.is_empty() || self.logs => Err(format!(
-                "rig `{}` puts boards on one line: `--fault` and `--logs` are for one alone",
+                "rig `{}` puts boards on one line or bus: `--fault` and `--logs` are for one alone",
                 rig_file.display()
             )
             .into()),
-            (Rig::Bus(rig), boards) => self.run_line(&listener, rig, boards.unwrap_or(1), skin.as_ref()),
+            (Rig::Bus(rig), boards) => self.run_several(&listener, rig, boards.unwrap_or(1), skin.as_ref()),
             (_, Some(_)) => Err(format!(
-                "rig `{}` is one board: `--boards` is for --rig hil-tests/rigs/rs485.toml",
+                "rig `{}` is one board: `--boards` is for --rig hil-tests/rigs/rs485.toml and can.toml",
                 rig_file.display()
             )
             .into()),
@@ -111,7 +114,7 @@ impl Run {
     }
 
     /// Runs boards at addresses from 0 on.
-    fn run_line(
+    fn run_several(
         &self,
         listener: &TcpListener,
         mut rig: BusRig,
@@ -123,24 +126,42 @@ impl Run {
             if let Some(world) = &mut rig.options.world {
                 *world = world.with_skin(skin.clone())?.into();
             }
-            // A board of its own takes the patch over the line.
-            let bus = rig.start(&[0], &flash)?;
-            link::upload(&mut Master::new(bus.clone(), &[0]).link(0)?, &patch_of(skin)?, |_| ())?;
-            flash = bus.with(|line| line.machine(0).chip(|chip| chip.flash.clone()));
+            flash = flashed(&rig, &flash, &patch_of(skin)?)?;
         }
         let addresses: Vec<u8> = (0..boards).collect();
-        let bus = rig.start(&addresses, &flash)?;
-        let mut fingers = Vec::new();
-        for board in 0..usize::from(boards) {
-            fingers.extend(self.touch(bus.with(move |line| line.machine(board).world().cloned()))?);
+        let places = 0..usize::from(boards);
+        let named = || {
+            let name = self.firmware.name();
+            say!("boards        {boards} x {name} (emulated STM32G474RE), addresses 0 to {}", boards - 1);
+        };
+        match rig.shared {
+            Shared::Line => {
+                let bus = rig.start(&addresses, &flash)?;
+                let worlds = places.map(|board| bus.with(move |line| line.machine(board).world().cloned()));
+                let fingers = self.touch_all(worlds)?;
+                named();
+                say!("listening at  tcp:{}   (Ctrl-C stops it)", listener.local_addr()?);
+                line::serve(listener, line::Served::new(bus, fingers))
+            }
+            Shared::Can => {
+                let bus = rig.start_can(&addresses, &flash)?;
+                let worlds = places.map(|board| bus.with(move |wire| wire.machine(board).world().cloned()));
+                let fingers = self.touch_all(worlds)?;
+                named();
+                say!("listening at  tcp:{}   (slcan; Ctrl-C stops it)", listener.local_addr()?);
+                can::serve(listener, can::Served::new(bus, fingers))
+            }
         }
-        say!(
-            "boards        {boards} x {} (emulated STM32G474RE), addresses 0 to {}",
-            self.firmware.name(),
-            boards - 1
-        );
-        say!("listening at  tcp:{}   (Ctrl-C stops it)", listener.local_addr()?);
-        line::serve(listener, line::Served::new(bus, fingers))
+    }
+
+    fn touch_all(
+        &self,
+        mut worlds: impl Iterator<Item = Option<WorldHandle>>,
+    ) -> Result<Vec<Fingers>, Box<dyn Error>> {
+        worlds.try_fold(Vec::new(), |mut fingers, world| {
+            fingers.extend(self.touch(world)?);
+            Ok(fingers)
+        })
     }
 
     /// Presses a board's skin, or puts the plug in its place.
@@ -152,6 +173,22 @@ impl Run {
         }
         self.pressing.fingers(world)
     }
+}
+
+/// A flash with a patch that a board of its own takes over its line or bus.
+fn flashed(rig: &BusRig, flash: &Flash, patch: &[u8]) -> Result<Flash, Box<dyn Error>> {
+    Ok(match rig.shared {
+        Shared::Line => {
+            let bus = rig.start(&[0], flash)?;
+            link::upload(&mut Master::new(bus.clone(), &[0]).link(0)?, patch, |_| ())?;
+            bus.with(|line| line.machine(0).chip(|chip| chip.flash.clone()))
+        }
+        Shared::Can => {
+            let bus = rig.start_can(&[0], flash)?;
+            link::upload(&mut Host::new(bus.clone()).link(0)?, patch, |_| ())?;
+            bus.with(|wire| wire.machine(0).chip(|chip| chip.flash.clone()))
+        }
+    })
 }
 
 fn patch_of(skin: &Skin) -> Result<Vec<u8>, Box<dyn Error>> {

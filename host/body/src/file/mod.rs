@@ -7,7 +7,8 @@
 //! [[patches]]
 //! name = "forearm"                  # the skin's, unless it says another
 //! skin = "forearm-skin/skin.toml"
-//! port = "/dev/ttyACM0"             # or COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS, sim:SKIN.toml, replay:FILE.mcap
+//! port = "/dev/ttyACM0"             # or COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS, can:BUS#ADDRESS,
+//!                                   # sim:SKIN.toml, replay:FILE.mcap
 //! link = "forearm_link"             # with position and orientation; else as the skin file's [pose] says
 //! position = ["0 mm", "0 mm", "40 mm"]
 //! orientation = [0, 0, 0, 1]
@@ -71,8 +72,8 @@ pub struct Patch {
     pub skin: Description,
     /// Where its board is.
     pub port: Port,
-    /// Boards of the body on the line of that port, with this one.
-    pub on_line: usize,
+    /// Boards of the body on the bus of that port, with this one.
+    pub on_bus: usize,
     /// Where it lies.
     pub pose: Pose,
 }
@@ -212,7 +213,7 @@ impl BodyFile {
                 return reader.refuse(&field(index, "port"), format!("{port:?}"), allowed);
             }
         }
-        count_on_lines(&mut patches);
+        count_on_buses(&mut patches);
         let urdf = table.urdf.map(|urdf| reader.urdf(&urdf)).transpose()?;
         if let Some(urdf) = &urdf {
             reader.check_on_robot(urdf, &patches)?;
@@ -221,16 +222,16 @@ impl BodyFile {
     }
 }
 
-/// How many boards share a line.
-fn count_on_lines(patches: &mut [Patch]) {
-    let line = |patch: &Patch| match &patch.port {
-        Port::Board(link::Port::Bus(line, _)) => Some(line.clone()),
+/// How many boards share a bus.
+fn count_on_buses(patches: &mut [Patch]) {
+    let bus = |patch: &Patch| match &patch.port {
+        Port::Board(link::Port::Bus(bus, _)) => Some(bus.clone()),
         _ => None,
     };
-    let lines: Vec<_> = patches.iter().map(line).collect();
-    for (patch, own) in patches.iter_mut().zip(&lines) {
-        let others = lines.iter().filter(|line| own.is_some() && *line == own);
-        patch.on_line = others.count().max(1);
+    let buses: Vec<_> = patches.iter().map(bus).collect();
+    for (patch, own) in patches.iter_mut().zip(&buses) {
+        let others = buses.iter().filter(|bus| own.is_some() && *bus == own);
+        patch.on_bus = others.count().max(1);
     }
 }
 

@@ -54,7 +54,7 @@ impl Reader<'_> {
         };
         let pose = self.pose(index, table, &skin)?;
         let name = table.name.clone().unwrap_or_else(|| as_part_of_topic(&skin.name));
-        Ok(Patch { name, path: skin_path, skin, port, on_line: 1, pose })
+        Ok(Patch { name, path: skin_path, skin, port, on_bus: 1, pose })
     }
 
     fn pose(&self, index: usize, table: &PatchTable, skin: &Description) -> Result<Pose, BodyError> {

@@ -124,7 +124,7 @@ fn with_skin(link: &str, xyz: &str) -> String {
 }
 
 #[test]
-fn boards_of_a_line_are_counted_and_an_address_is_there_once() {
+fn boards_of_a_bus_are_counted_and_an_address_is_there_once() {
     let folder = folder();
     let body = |ports: &[&str]| {
         let patches = (0..).zip(ports).map(|(number, port)| {
@@ -132,16 +132,24 @@ fn boards_of_a_line_are_counted_and_an_address_is_there_once() {
         });
         parse(&folder, &format!("name = \"arm\"\n{}", patches.collect::<String>()))
     };
-    let ports = ["rs485:/dev/ttyUSB0#1", "rs485:/dev/ttyUSB1#1", "rs485:/dev/ttyUSB0#2", "/dev/ttyACM0"];
-    let on_line: Vec<_> = body(&ports).unwrap().patches.iter().map(|patch| patch.on_line).collect();
-    assert_eq!(on_line, [2, 1, 2, 1]);
+    let ports = [
+        "rs485:/dev/ttyUSB0#1",
+        "rs485:/dev/ttyUSB1#1",
+        "rs485:/dev/ttyUSB0#2",
+        "/dev/ttyACM0",
+        "can:/dev/ttyUSB0#1",
+        "can:can0#1",
+        "can:can0#0",
+    ];
+    let on_bus: Vec<_> = body(&ports).unwrap().patches.iter().map(|patch| patch.on_bus).collect();
+    assert_eq!(on_bus, [2, 1, 2, 1, 1, 2, 2]);
     let twice = body(&["rs485:/dev/ttyUSB0#1", "rs485:/dev/ttyUSB0#1"]).unwrap_err();
     assert!(
         twice.contains("`patches[1].port` is \"rs485:/dev/ttyUSB0#1\"; allowed: a port that no"),
         "{twice}"
     );
     let far = body(&["rs485:/dev/ttyUSB0#16"]).unwrap_err();
-    assert!(far.contains("ADDRESS from 0 to 15"), "{far}");
+    assert!(far.contains("ADDRESS is from 0 to 15"), "{far}");
 }
 
 #[test]

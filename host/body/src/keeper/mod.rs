@@ -70,7 +70,7 @@ impl Keeper {
         let (asked, receiver) = channel();
         let board = Board {
             port: patch.port.clone(),
-            on_line: patch.on_line,
+            on_bus: patch.on_bus,
             skin: patch.skin.name.clone(),
             surface,
             selection,
@@ -145,8 +145,8 @@ struct Stop;
 
 struct Board {
     port: Port,
-    /// Boards of the body on its line.
-    on_line: usize,
+    /// Boards of the body on its bus.
+    on_bus: usize,
     /// Name of the skin.
     skin: String,
     surface: SurfaceTables,
@@ -231,7 +231,7 @@ impl Board {
             OpenError::Link(error) => Trouble::Link(error),
             other => Trouble::Open(other),
         })?;
-        link.share_line(self.on_line);
+        link.share_bus(self.on_bus);
         let info = link.info()?;
         let mut patch = info.patch.ok_or(Trouble::NoPatch)?;
         self.greet(&mut link, &patch, info.frame_source)?;
@@ -390,7 +390,7 @@ impl Board {
             if self.wants_tare && averaging.is_none() && touched.elapsed() >= FREE {
                 self.wants_tare = false;
                 if self.shows_tares() {
-                    averaging = Some(Averaging::begin(stream.link(), patch)?);
+                    (averaging, is_said) = (Some(Averaging::begin(stream.link(), patch)?), false);
                     continue;
                 }
                 stream.stop()?;

@@ -29,8 +29,9 @@ fn null_is_refused_wherever_something_must_be() {
         ]
     };
     assert_eq!(before, [DERMATOME_ARGUMENT; 2]);
-    handle.start(Options { images_every: 1, ..Options::default() }).unwrap();
+    handle.start(Options { images_every: 3, ..Options::default() }).unwrap();
     while handle.frame().unwrap().has_image == 0 {}
+    assert_eq!(handle.counts().images_every, 3);
     let (open, mut text, mut no_board) = (handle.0, [1; 8], null_mut());
     let (mut frame, mut contact) = (MaybeUninit::uninit(), Contact::default());
     let pose = Pose { position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0] };

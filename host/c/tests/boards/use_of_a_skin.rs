@@ -51,6 +51,7 @@ fn a_press_is_told_with_its_place_its_image_and_how_sure_it_is() {
     handle.start_plainly().unwrap();
     let frame = handle.frame().unwrap();
     assert_eq!((frame.has_contacts, frame.has_image, handle.image(&mut image)), (1, 0, DERMATOME_STATE));
+    assert_eq!(frame.counts.images_every, 0);
 }
 
 #[test]

@@ -45,7 +45,8 @@ use std::{
 pub(super) struct Args {
     /// Patch to calibrate, as `dermatome build` writes it; with --port, the one that the board uses.
     patch: PathBuf,
-    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS or sim:SKIN.toml. It is tared first.
+    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS, can:BUS#ADDRESS or sim:SKIN.toml. It is
+    /// tared first.
     #[arg(long, requires = "loads")]
     port: Option<Port>,
     /// What the machine does from the first streamed frame on: CSV with the columns time_s,pressure_kpa.

@@ -52,7 +52,7 @@ const NOISE: f64 = 1.5;
     dermatome check --port /dev/ttyACM0 --skin skin.toml\n  \
     dermatome check --port tcp:127.0.0.1:7000 --json check.json")]
 pub(super) struct Args {
-    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS or sim:SKIN.toml.
+    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS, can:BUS#ADDRESS or sim:SKIN.toml.
     #[arg(long)]
     port: Port,
     /// Frames to look at.

@@ -6,7 +6,7 @@ use super::{
 };
 use anyhow::Context;
 use dermatome_link::{
-    self as link, Line, Link, LinkError, LinkErrorKind,
+    self as link, Bus, Link, LinkError, LinkErrorKind,
     devices::{SerialPort, serial_ports},
     program::probe::DebugProbe,
 };
@@ -21,15 +21,17 @@ use std::{thread, time::Duration};
     dermatome devices\n  \
     dermatome devices --json devices.json\n  \
     dermatome devices --port /dev/ttyACM0\n  \
-    dermatome devices --bus /dev/ttyUSB0\n\n\
+    dermatome devices --bus rs485:/dev/ttyUSB0\n  \
+    dermatome devices --bus can:can0\n\n\
     Debug probes are listed by a program built with `--features probe`.")]
 pub(super) struct Args {
-    /// Board to ask, instead of a list: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS or sim:SKIN.toml.
+    /// Board to ask, instead of a list: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS, can:BUS#ADDRESS or
+    /// sim:SKIN.toml.
     #[arg(long)]
     port: Option<Port>,
-    /// Line whose boards to list, each with its address: a serial port or tcp:HOST:PORT.
-    #[arg(long, value_name = "LINE", conflicts_with = "port")]
-    bus: Option<Line>,
+    /// Bus whose boards to list, each with its address: rs485:LINE or can:BUS.
+    #[arg(long, conflicts_with = "port")]
+    bus: Option<Bus>,
     #[command(flatten)]
     json: super::JsonReport,
 }
@@ -45,7 +47,7 @@ struct BusReport<'a> {
     boards: &'a [Found],
 }
 
-/// A board on a line.
+/// A board on a bus.
 #[derive(Serialize)]
 struct Found {
     port: String,
@@ -57,7 +59,7 @@ struct Found {
 }
 
 impl Found {
-    /// None where nobody answers; an error where the line itself fails.
+    /// None where nobody answers; an error where the bus itself fails.
     fn at(port: &link::Port) -> Result<Option<Self>, LinkError> {
         let opened = link::open(port);
         let port = port.to_string();
@@ -118,15 +120,15 @@ struct BoardAnswer<'a> {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     match (&args.port, &args.bus) {
         (Some(port), _) => ask(args, port),
-        (None, Some(line)) => ask_all(args, line),
+        (None, Some(bus)) => ask_all(args, bus),
         (None, None) => list(args),
     }
 }
 
-/// Who answers on a line; all are asked at once, as those that are not there take their time.
-fn ask_all(args: &Args, line: &Line) -> anyhow::Result<()> {
+/// Who answers on a bus; all are asked at once, as those that are not there take their time.
+fn ask_all(args: &Args, bus: &Bus) -> anyhow::Result<()> {
     let asked = thread::scope(|scope| {
-        let one = |address| scope.spawn(move || Found::at(&link::Port::Bus(line.clone(), address)));
+        let one = |address| scope.spawn(move || Found::at(&link::Port::Bus(bus.clone(), address)));
         let all: Vec<_> = (0..ADDRESSES).map(one).collect();
         all.into_iter().map(|one| one.join().expect("asking does not panic")).collect::<Result<Vec<_>, _>>()
     });
@@ -136,7 +138,7 @@ fn ask_all(args: &Args, line: &Line) -> anyhow::Result<()> {
         say!("{}", board.line());
     }
     if boards.is_empty() {
-        say!("no board answers on `{line}`");
+        say!("no board answers on `{bus}`");
     }
     args.json.write(&BusReport { boards: &boards })
 }

@@ -23,7 +23,7 @@ use serde::Serialize;
     dermatome drive --port COM5 --gain 8 --settling 0.5 --integration 2\n  \
     dermatome drive --port COM5 --patch")]
 pub(super) struct Args {
-    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS or sim:SKIN.toml.
+    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS, can:BUS#ADDRESS or sim:SKIN.toml.
     #[arg(long)]
     port: Port,
     #[command(flatten)]

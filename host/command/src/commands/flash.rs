@@ -22,7 +22,7 @@ use std::{
 pub(super) struct Args {
     /// Patch to send, as `dermatome build` writes it.
     patch: PathBuf,
-    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS or sim:SKIN.toml.
+    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS, can:BUS#ADDRESS or sim:SKIN.toml.
     #[arg(long)]
     port: Port,
     #[command(flatten)]

@@ -272,7 +272,8 @@ fn inputs<'a>(command: &'a Command, matches: &'a ArgMatches) -> Vec<Input<'a>> {
     with_named.collect()
 }
 
-/// Files that a TOML file names, relative to its own folder: a skin's mesh, tables, weights.
+/// Files that a TOML file names, relative to its own folder: a skin's mesh, tables, weights; a body's skins, and recordings
+/// that it plays.
 fn named_in(path: &Path) -> Vec<PathBuf> {
     let is_table = path.extension().is_some_and(|ending| ending == "toml");
     if !is_table || !path.is_file() {
@@ -282,13 +283,22 @@ fn named_in(path: &Path) -> Vec<PathBuf> {
     let text = input::read_text(path).unwrap_or_default();
     let Ok(table) = text.parse::<toml_edit::DocumentMut>() else { return Vec::new() };
     let folder = path.parent().unwrap_or(Path::new(""));
-    strings(table.as_item()).map(|name| folder.join(name)).filter(|file| file.is_file()).collect()
+    let file = |text: &str| match text.parse() {
+        Ok(Port::Simulated(file) | Port::Recorded(file)) => folder.join(file_and_patch(&file).0),
+        Ok(Port::Board(_)) | Err(_) => folder.join(text),
+    };
+    strings(table.as_item()).map(file).filter(|file| file.is_file()).collect()
 }
 
 /// The strings of a table and of the tables in it.
 fn strings(item: &toml_edit::Item) -> Box<dyn Iterator<Item = &str> + '_> {
-    match item.as_table_like() {
-        Some(table) => Box::new(table.iter().flat_map(|(_, item)| strings(item))),
+    if let Some(table) = item.as_table_like() {
+        return Box::new(table.iter().flat_map(|(_, item)| strings(item)));
+    }
+    match item.as_array_of_tables() {
+        Some(tables) => {
+            Box::new(tables.iter().flat_map(|table| table.iter().flat_map(|(_, item)| strings(item))))
+        }
         None => Box::new(item.as_str().into_iter()),
     }
 }

@@ -27,7 +27,7 @@ use serde::Serialize;
     dermatome scope --port /dev/ttyACM0\n  \
     dermatome scope --port tcp:127.0.0.1:7000 --slot 12 --png slot12.png")]
 pub(super) struct Args {
-    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS or sim:SKIN.toml.
+    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS, can:BUS#ADDRESS or sim:SKIN.toml.
     #[arg(long)]
     port: Port,
     /// Slot of the scan, from 0.

@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
     dermatome tare --port /dev/ttyACM0\n  \
     dermatome tare --port COM5 --frames 100 --amplitude keep")]
 pub(super) struct Args {
-    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS or sim:SKIN.toml.
+    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS, can:BUS#ADDRESS or sim:SKIN.toml.
     #[arg(long)]
     port: Port,
     /// Frames to average.

@@ -32,7 +32,7 @@ const RESISTANCE: Kind = Kind::new(&[("ohm", 1.0), ("kohm", 1e3)]);
     dermatome trim --port /dev/ttyACM0\n  \
     dermatome trim --port COM5 --first \"2.21 ohm\" --second \"22.01 ohm\"")]
 pub(super) struct Args {
-    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT or rs485:LINE#ADDRESS.
+    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS or can:BUS#ADDRESS.
     #[arg(long)]
     port: Port,
     /// Resistor between electrodes 1 and 2, 3 and 4, ...: "2.2 ohm", or a number in ohm.

@@ -23,7 +23,7 @@ pub use upload::{UploadError, upload};
 
 use crate::{
     error::{LinkError, LinkErrorKind},
-    port::{Line, Port},
+    port::{Bus, Port},
 };
 use bus::Demand;
 use dermatome_patch::tables::SurfaceTables;
@@ -78,7 +78,7 @@ pub struct Link {
     events: VecDeque<Numbered>,
     /// Events of which there were more than are kept.
     events_forgotten: u64,
-    /// Where it is on a line with other boards.
+    /// Where it is on a bus with other boards.
     place: Option<bus::Place>,
     /// Dropped after the wire, so that a simulated board sees its client leave.
     _companion: Option<Box<dyn Send>>,
@@ -93,7 +93,7 @@ pub fn open(port: &Port) -> Result<Link, LinkError> {
             Link::connect(name, serial)
         }
         Port::Tcp(address) => Link::over_tcp(name, address.as_str()),
-        Port::Bus(line, address) => Link::on_bus(name, line, *address),
+        Port::Bus(bus, address) => Link::on_bus(name, bus, *address),
     }
 }
 
@@ -125,9 +125,9 @@ impl Link {
         Self::connect(port, transport)
     }
 
-    /// Opens the line of several boards, unless this program has it open already, and connects to the one at `address`.
-    fn on_bus(port: String, line: &Line, address: u8) -> Result<Self, LinkError> {
-        let seat = bus::take_seat(&port, line, address)?;
+    /// Opens the bus of several boards, unless this program has it open already, and connects to the one at `address`.
+    fn on_bus(port: String, bus: &Bus, address: u8) -> Result<Self, LinkError> {
+        let seat = bus::take_seat(&port, bus, address)?;
         let place = seat.place();
         Ok(Self { place: Some(place), ..Self::connect(port, seat)? })
     }
@@ -400,14 +400,14 @@ impl Link {
         self.order.take(number, event, |event| self.events.push_back(event));
     }
 
-    /// On a line with others: how many boards it is for, those included that are not open yet.
-    pub fn share_line(&self, boards: usize) {
+    /// On a bus with others: how many boards it is for, those included that are not open yet.
+    pub fn share_bus(&self, boards: usize) {
         if let Some(place) = &self.place {
             place.share_with(boards);
         }
     }
 
-    /// What of a selection goes over the link: on a line with others, images are left out of frames until it fits.
+    /// What of a selection goes over the link: on a bus with others, images are left out of frames until it fits.
     pub(crate) fn fitting(&mut self, selection: Selection) -> Result<Selection, LinkError> {
         let Some(place) = self.place.clone().filter(|_| selection.any()) else { return Ok(selection) };
         let info = self.info()?;

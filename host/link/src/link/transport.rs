@@ -1,6 +1,9 @@
 //! Transport: bytes to a board and back.
 
-use crate::error::{LinkError, LinkErrorKind};
+use crate::{
+    error::{LinkError, LinkErrorKind},
+    port::Adapter,
+};
 use serialport::{ClearBuffer, ErrorKind, SerialPort};
 #[cfg(unix)]
 use std::os::fd::{AsRawFd, RawFd};
@@ -97,6 +100,30 @@ pub(super) fn open_serial(port: &str, name: &str) -> Result<Serial, LinkError> {
     // What lies in the buffers was meant for whoever had the port before.
     opened.clear(ClearBuffer::All).map_err(|error| LinkError::on_open(port, error.into()))?;
     Ok(Serial { port: opened, waits: true })
+}
+
+/// Opens the adapter to a bus; `port` is the board's port as written, for errors.
+pub(super) fn open_adapter(port: &str, adapter: &Adapter) -> Result<Box<dyn Transport>, LinkError> {
+    Ok(match adapter {
+        Adapter::Serial(name) => Box::new(open_serial(port, name)?),
+        Adapter::Tcp(address) => Box::new(open_tcp(port, address.as_str())?),
+    })
+}
+
+/// As [`open_adapter`], for two who use it at once.
+pub(super) fn open_halves(port: &str, adapter: &Adapter) -> Result<[Box<dyn Transport>; 2], LinkError> {
+    let failed = |reason| LinkError::on_open(port, reason);
+    Ok(match adapter {
+        Adapter::Serial(name) => {
+            let one = open_serial(port, name)?;
+            let other = one.port.try_clone_native().map_err(|error| failed(error.into()))?;
+            [Box::new(Serial { port: other, waits: true }), Box::new(one)]
+        }
+        Adapter::Tcp(address) => {
+            let one = open_tcp(port, address.as_str())?;
+            [Box::new(one.try_clone().map_err(failed)?), Box::new(one)]
+        }
+    })
 }
 
 /// The `serialport` crate says `NoDevice` both for a port that is missing and for one in use, and of what is no terminal

@@ -48,7 +48,7 @@ pub struct Subscription<'a> {
 }
 
 impl Link {
-    /// Streams what `selection` names, instead of what was streamed before. A refusal is an error. On a line with other
+    /// Streams what `selection` names, instead of what was streamed before. A refusal is an error. On a bus with other
     /// boards images come as often as it carries them: see [`Subscription::selection`].
     ///
     /// Read it: a board on a serial line stops after [`dermatome_shared::device::HOST_TIMEOUT_MS`] without a sign of its
@@ -120,7 +120,7 @@ impl Subscription<'_> {
         self.selection
     }
 
-    /// In words, where a line with other boards does not carry all that was `wanted` of all frames.
+    /// In words, where a bus with other boards does not carry all that was `wanted` of all frames.
     #[must_use]
     pub fn thinned_out(&self, wanted: Selection) -> Option<String> {
         let given = self.selection;
@@ -136,7 +136,7 @@ impl Subscription<'_> {
         };
         let words: Vec<String> = all.into_iter().filter_map(how).collect();
         (!words.is_empty())
-            .then(|| format!("{}: the line that the board shares carries no more", words.join(", ")))
+            .then(|| format!("{}: the bus that the board shares carries no more", words.join(", ")))
     }
 
     /// What has come so far.

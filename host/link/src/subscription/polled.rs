@@ -120,7 +120,7 @@ impl PolledStream {
         self.asked.is_some()
     }
 
-    /// What is streamed: on a line with other boards, images as often as it carries them.
+    /// What is streamed: on a bus with other boards, images as often as it carries them.
     #[must_use]
     pub fn selection(&self) -> Selection {
         self.selection

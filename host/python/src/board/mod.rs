@@ -27,7 +27,8 @@ use std::{path::PathBuf, sync::Arc};
 // Python shows defaults only where they are numbers as such.
 const _: () = assert!(DEFAULT_TARE_FRAMES == 20);
 
-/// Opens a board: `/dev/ttyACM0`, `COM5`, `tcp:HOST:PORT`, `rs485:LINE#ADDRESS`, `sim:SKIN.toml` or `replay:RUN.mcap`.
+/// Opens a board: `/dev/ttyACM0`, `COM5`, `tcp:HOST:PORT`, `rs485:LINE#ADDRESS`, `can:BUS#ADDRESS`, `sim:SKIN.toml` or
+/// `replay:RUN.mcap`.
 ///
 /// A simulated board holds the skin's patch; while it streams a finger goes round on the skin. A replay plays a recording
 /// at the speed at which it was recorded.

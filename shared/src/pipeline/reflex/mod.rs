@@ -51,6 +51,12 @@ pub struct Reflexes {
 }
 
 impl Reflexes {
+    /// Which rules are tripped, a bit for each, and whether the loads mean nothing: what is told when it changes.
+    #[must_use]
+    pub fn state(&self) -> (u8, bool) {
+        (self.tripped, self.is_blind)
+    }
+
     /// Whether the rule of this number is tripped.
     #[must_use]
     pub fn is_tripped(&self, rule: usize) -> bool {

@@ -41,6 +41,8 @@ pub const OWN_BYTES: usize = 0;
 pub const RING_BYTES: usize = 0;
 /// It never fails.
 pub type Error = Infallible;
+/// The next request waits in the host while the flash is written.
+pub const SETTLES_FIRST: bool = false;
 
 /// Bytes of requests that wait: a host has one under way, of half a kilobyte at most.
 const REQUEST_BYTES: usize = 640;

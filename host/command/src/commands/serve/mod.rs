@@ -28,7 +28,7 @@ use dermatome_body::{
 };
 use dermatome_link::tables::SurfaceTables;
 use dermatome_model::skin::Skin;
-use dermatome_shared::protocol::Selection;
+use dermatome_shared::{pipeline::reflex::Reflexes, protocol::Selection};
 use dermatome_urdf::urdf::tree::Joint;
 use dermatome_view::terminal::Screen;
 use onlookers::Onlookers;
@@ -406,7 +406,7 @@ impl<'a> Served<'a> {
     /// Takes what a keeper told; false if nobody reads any more.
     fn take(&mut self, (index, told): (usize, Told)) -> anyhow::Result<bool> {
         let sense = &self.body.senses()[index];
-        let (before, said) = (sense.state.clone(), reflex_state(sense));
+        let (before, said) = (sense.state.clone(), sense.reflexes.as_ref().map(Reflexes::state));
         let has_frame = self.body.take(index, &told).is_some();
         let sense = &self.body.senses()[index];
         if let Some(onlookers) = &mut self.onlookers {
@@ -420,7 +420,7 @@ impl<'a> Served<'a> {
         }
         self.follower.took(index, &told, sense);
         let Some(lines) = &mut self.lines else { return Ok(true) };
-        let has_reflexes = reflex_state(sense) != said;
+        let has_reflexes = sense.reflexes.as_ref().map(Reflexes::state) != said;
         if let Some(line) = lines::reflexes(sense)?.filter(|_| has_reflexes) {
             lines.remark(&line);
         }
@@ -449,11 +449,6 @@ impl<'a> Served<'a> {
         }
         Ok(())
     }
-}
-
-/// Which reflexes are tripped, and whether the board cannot tell.
-fn reflex_state(sense: &Sense) -> Option<(u8, bool)> {
-    sense.reflexes.as_ref().map(|reflexes| (reflexes.tripped, reflexes.is_blind))
 }
 
 fn totals(sense: &Sense) -> PatchTotals<'_> {

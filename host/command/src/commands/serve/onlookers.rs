@@ -109,7 +109,7 @@ impl Onlookers {
                 status.patches = vec![format!("{} (on the board)", status.skin)];
                 match self.tape.as_mut().and_then(|tape| tape.patch(index, patch, told)) {
                     Some(Begun::Anew(recorder)) => outlets.record_from(recorder, now_ns()),
-                    Some(Begun::Otherwise) => {
+                    Some(Begun::Otherwise) if outlets.recorder().is_some() => {
                         let name = &patch.name;
                         eprintln!(
                             "warning: the board of `{name}` has another patch now, and is recorded no more"
@@ -117,7 +117,7 @@ impl Onlookers {
                         // What became of the file the whole of it tells.
                         let _ = outlets.finish_recording();
                     }
-                    None => {}
+                    Some(Begun::Otherwise) | None => {}
                 }
             }
             Told::Driven(driven) => {

@@ -4,6 +4,7 @@ use crate::commands::{
     outlets::{recorded_in_words, warn_of},
     outputs::Output,
 };
+use anyhow::Context;
 use dermatome_body::{
     file::{BodyFile, Patch},
     keeper::Told,
@@ -23,8 +24,8 @@ const HOST: &str = env!("CARGO_PKG_VERSION");
 /// A recording of a body.
 pub(super) struct Tape {
     recorder: Recorder,
-    /// The patch that each skin is recorded with: `[patch]`.
-    patches: Vec<Option<Vec<u8>>>,
+    /// Whether a skin's part has begun: `[patch]`.
+    begun: Vec<bool>,
     /// Skin files as recordings hold them: `[patch]`.
     texts: Vec<String>,
     has_warned: bool,
@@ -45,18 +46,15 @@ impl Tape {
         let patches = file.patches.iter().map(|patch| patch.name.clone()).collect();
         let body = Body { name: file.name.clone(), patches };
         let recorder = Recorder::create_of_body(path, HOST, &body)?;
-        Ok(Self { recorder, patches: vec![None; texts.len()], texts, has_warned: false })
+        Ok(Self { recorder, begun: vec![false; texts.len()], texts, has_warned: false })
     }
 
-    /// A board holds this patch of the body's place `index`, as its keeper told; none where that is no news.
+    /// A board holds this patch of the body's place `index`, as its keeper told; none of what else it told.
     pub(super) fn patch(&mut self, index: usize, patch: &Patch, told: &Told) -> Option<Begun> {
         let Told::Patch { bytes, board, firmware, frame_source, .. } = told else { return None };
-        match &self.patches[index] {
-            Some(before) if before == bytes => return None,
-            Some(_) => return Some(Begun::Otherwise),
-            None => {}
+        if std::mem::replace(&mut self.begun[index], true) {
+            return Some(Begun::Otherwise);
         }
-        self.patches[index] = Some(bytes.clone());
         let mut part = self.recorder.part(index);
         part.begin(&Session {
             skin: patch.skin.name.clone(),
@@ -96,7 +94,6 @@ impl Tape {
 
 /// The skin file of a patch, with the place that the skin has on this body.
 fn text_of(patch: &Patch) -> anyhow::Result<String> {
-    use anyhow::Context;
     let name = || format!("skin file `{}`", patch.path.display());
     let text = read_text(&patch.path).with_context(name)?;
     if patch.skin.pose.as_ref() == Some(&patch.pose) {

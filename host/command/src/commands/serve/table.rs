@@ -25,8 +25,12 @@ pub(in crate::commands) fn table(body: &str, senses: &[Sense]) -> String {
             Some(report) => report.contacts.len().to_string(),
             None => escaped(&state.text),
         };
-        let tripped = sense.reflexes.as_ref().map(LinkReflexes::from).filter(|now| !now.tripped.is_empty());
-        let tripped = tripped.map_or(String::new(), |now| format!("  reflexes {:?} tripped", now.tripped));
+        let tripped =
+            sense.reflexes.as_ref().map(LinkReflexes::from).map_or(String::new(), |now| match now {
+                LinkReflexes { blind: true, .. } => "  reflexes blind".to_owned(),
+                LinkReflexes { tripped, .. } if tripped.is_empty() => String::new(),
+                LinkReflexes { tripped, .. } => format!("  reflexes {tripped:?} tripped"),
+            });
         let phase = word(state.phase);
         // Writing to a string never fails.
         let _ = writeln!(

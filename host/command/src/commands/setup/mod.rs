@@ -37,7 +37,7 @@ use std::{
   dermatome setup --port COM5 --skin skin.toml -o palm.dermatome --corrected palm.toml
   dermatome setup --port tcp:127.0.0.1:7000 --skin skin.toml --yes --json setup.json")]
 pub(super) struct Args {
-    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS or sim:SKIN.toml.
+    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS, can:BUS#ADDRESS or sim:SKIN.toml.
     #[arg(long)]
     port: Port,
     /// Skin file of the skin on it.

@@ -66,11 +66,9 @@ impl<'a> Display<'a> {
     /// Says that rules trip or release, beside lines.
     pub(super) fn reflexes(&self, before: Option<&Reflexes>, now: Option<&Reflexes>) {
         let (Some(now), false) = (now, matches!(self, Self::Terminal(..))) else { return };
-        let state = |reflexes: &Reflexes| (reflexes.tripped, reflexes.is_blind);
-        if before.map(state) == Some(state(now)) {
-            return;
+        if before.map(Reflexes::state) != Some(now.state()) {
+            eprintln!("{}", in_words(now));
         }
-        eprintln!("{}", in_words(now));
     }
 
     /// Shows in lines for somebody else that the board was lost; pictures go on.

@@ -52,7 +52,7 @@ use tally::Tally;
     dermatome stream --port /dev/ttyACM0 --skin forearm/skin.toml | my-robot\n  \
     dermatome stream --port /dev/ttyACM0 --skin head/skin.toml --fit '12 mm' | my-robot")]
 pub(super) struct Args {
-    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS or sim:SKIN.toml.
+    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS, can:BUS#ADDRESS or sim:SKIN.toml.
     #[arg(long)]
     port: Port,
     /// Stop after this many frames, instead of at Ctrl-C.

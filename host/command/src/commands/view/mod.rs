@@ -28,8 +28,8 @@ use std::{net::SocketAddr, path::PathBuf};
   dermatome view --port COM5 --patch smooth.dermatome --patch sharp.dermatome
   dermatome view --port replay:run.mcap")]
 pub(super) struct Args {
-    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS, sim:SKIN.toml or replay:FILE.mcap. Without it the page opens
-    /// recordings only.
+    /// Where the board is: /dev/ttyACM0, COM5, tcp:HOST:PORT, rs485:LINE#ADDRESS, can:BUS#ADDRESS, sim:SKIN.toml or
+    /// replay:FILE.mcap. Without it the page opens recordings only.
     #[arg(long)]
     port: Option<Port>,
     /// Skin file of the board's patch: show its surface, its electrodes, and by its [pose] its place on the robot's link.

@@ -1,4 +1,4 @@
-//! Load: how much of a line boards take, and what of their streams fits.
+//! Load: how much of a bus boards take, and what of their streams fits.
 
 use super::super::transport::BAUD;
 use crate::error::Overload;
@@ -12,21 +12,35 @@ use dermatome_shared::{
         BoardPacket, Event, FrameStamp, MAX_PACKET_BYTES, MAX_SCOPE_SAMPLES, PackedImage, PatchInfo,
         Selection,
         bus::{ADDRESSES, TURN_BYTES},
+        can::{DATA_RATE, FRAME_BYTES, NOMINAL_RATE},
         encode,
     },
 };
-use std::time::Duration;
+use std::{
+    ops::{Add, Mul},
+    time::Duration,
+};
 
 /// Contacts of a frame for which there is room; where there are more, long events wait, and then come late or not at all.
 const CONTACTS: usize = 3;
-/// Share of the line that is given away.
+/// Share of the bus that is given away.
 const ROOM: f64 = 0.8;
 /// Turns that a board gets at least, per second.
 const LEAST_TURNS: f64 = 20.0;
 /// Bytes on the line for a turn and its end.
 const TURN_AND_END: f64 = 6.0;
-/// Seconds of the line that a byte takes: ten bits.
+/// Seconds of a line that a byte takes: ten bits.
 pub(super) const BYTE: f64 = 10.0 / BAUD as f64;
+/// Bytes on it before a packet: a zero byte, the mark and its complement.
+const HEAD: f64 = 3.0;
+/// Bits of a CAN FD frame before the bit rate switches and after it has switched back, the pause behind it included; 4 more
+/// at most that stuff the first 17 (ISO 11898-1).
+const NOMINAL_BITS: f64 = (17 + 4 + 13) as f64;
+/// Bits between the two: error state, length and data, stuffed with one in four at most; the count of stuff bits, the
+/// checksum and its own stuff bits.
+const DATA_BITS: f64 = (1 + 4 + 8 * FRAME_BYTES) as f64 * 1.25 + (4 + 21 + 7) as f64;
+/// Longest that a frame with 64 bytes takes, s.
+const FRAME: f64 = NOMINAL_BITS / NOMINAL_RATE as f64 + DATA_BITS / DATA_RATE as f64;
 /// Postcard's longest code of a step, and index in a scope; bytes.
 const CODE_BYTES: usize = 4;
 const SAMPLE_BYTES: usize = 2;
@@ -35,13 +49,50 @@ const USUAL_ANSWER: f64 = 1e-3;
 /// What one answer counts at most, s: the host may have had something else to do.
 const LONGEST_ANSWER: f64 = 20e-3;
 
-/// What the stream of one board can take of a line.
+/// What the stream of one board can take of a bus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::link) struct Demand {
     frame_rate: f64,
     pixels: usize,
     steps: usize,
     electrodes: usize,
+}
+
+/// What a board says in a second.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Flow {
+    packets: f64,
+    /// Of packets.
+    bytes: f64,
+    /// Of [`FRAME_BYTES`] at most, none with bytes of two packets.
+    frames: f64,
+}
+
+impl Flow {
+    /// Packets with so many bytes, so often in a second.
+    fn of(rate: f64, bytes: usize) -> Self {
+        Self { packets: 1.0, bytes: bytes as f64, frames: bytes.div_ceil(FRAME_BYTES) as f64 } * rate
+    }
+}
+
+impl Add for Flow {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            packets: self.packets + other.packets,
+            bytes: self.bytes + other.bytes,
+            frames: self.frames + other.frames,
+        }
+    }
+}
+
+impl Mul<f64> for Flow {
+    type Output = Self;
+
+    fn mul(self, by: f64) -> Self {
+        Self { packets: self.packets * by, bytes: self.bytes * by, frames: self.frames * by }
+    }
 }
 
 impl Demand {
@@ -55,14 +106,14 @@ impl Demand {
         }
     }
 
-    /// Bytes per second of what is short: contacts and health.
-    fn short(&self, selection: &Selection) -> f64 {
-        self.rate(selection.contacts, || packet_bytes(&contacts()))
-            + self.rate(selection.health, || packet_bytes(&health(self.electrodes)))
+    /// What is short: contacts and health.
+    fn short(&self, selection: &Selection) -> Flow {
+        self.flow(selection.contacts, || packet_bytes(&contacts()))
+            + self.flow(selection.health, || packet_bytes(&health(self.electrodes)))
     }
 
-    /// Bytes per second of what is long: images, raw frames and the scope.
-    fn long(&self, selection: &Selection) -> f64 {
+    /// What is long: images, raw frames and the scope.
+    fn long(&self, selection: &Selection) -> Flow {
         // The lists of the other two are added to what is around them.
         let around = |event| packet_bytes(&event);
         let codes = || Event::Measurements {
@@ -70,42 +121,51 @@ impl Demand {
             codes: heapless::Vec::new(),
             quadrature: heapless::Vec::new(),
         };
-        self.rate(selection.images, || around(image(self.pixels)))
-            + self.rate(selection.measurements, || around(codes()) + 2 * CODE_BYTES * self.steps)
-            + self.rate(selection.scope, || {
+        self.flow(selection.images, || around(image(self.pixels)))
+            + self.flow(selection.measurements, || around(codes()) + 2 * CODE_BYTES * self.steps)
+            + self.flow(selection.scope, || {
                 around(Event::Scope(Default::default())) + SAMPLE_BYTES * MAX_SCOPE_SAMPLES
             })
     }
 
-    fn rate(&self, every: u16, bytes: impl FnOnce() -> usize) -> f64 {
-        if every > 0 { self.frame_rate * bytes() as f64 / f64::from(every) } else { 0.0 }
+    fn flow(&self, every: u16, bytes: impl FnOnce() -> usize) -> Flow {
+        if every > 0 { Flow::of(self.frame_rate / f64::from(every), bytes()) } else { Flow::default() }
     }
 }
 
-/// Who has been given how much of a line.
+/// What packets go over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Medium {
+    /// A line whose boards are given turns.
+    Rs485,
+    /// A CAN FD bus.
+    Can,
+}
+
+/// Who has been given how much of a bus.
 #[derive(Clone, Debug)]
 pub(super) struct Shares {
-    /// Boards that the line is for.
+    medium: Medium,
+    /// Boards that the bus is for.
     pub(super) boards: usize,
     given: [Option<Given>; ADDRESSES as usize],
     /// How long boards take to answer, s: the mean of late.
     answer: f64,
 }
 
-/// Bytes per second of one board.
+/// What one board says.
 #[derive(Clone, Copy, Debug)]
 struct Given {
-    short: f64,
-    long: f64,
-}
-
-impl Default for Shares {
-    fn default() -> Self {
-        Self { boards: 0, given: [None; ADDRESSES as usize], answer: USUAL_ANSWER }
-    }
+    short: Flow,
+    long: Flow,
 }
 
 impl Shares {
+    /// Of a bus of this kind, all of it.
+    pub(super) fn new(medium: Medium) -> Self {
+        Self { medium, boards: 0, given: [None; ADDRESSES as usize], answer: USUAL_ANSWER }
+    }
+
     /// A board has answered so long after it was given the line.
     pub(super) fn answered(&mut self, after: Duration) {
         self.answer += (after.as_secs_f64().min(LONGEST_ANSWER) - self.answer) / 128.0;
@@ -136,7 +196,7 @@ impl Shares {
         let to_come = (boards - known) as f64 * self.load(short);
         let fair = (ROOM - fixed - to_come) / boards as f64;
         let left = ROOM - taken - self.load(short) - to_come;
-        let load_of = |every: u16| self.load(short + all / f64::from(every)) - self.load(short);
+        let load_of = |every: u16| self.load(short + all * f64::from(every).recip()) - self.load(short);
         let longest = demand.frame_rate.clamp(1.0, 1000.0) as u16;
         let every = (1..=longest).find(|&every| load_of(every) <= left.min(fair));
         // Who compares or looks for something does with little, and not with nothing.
@@ -159,18 +219,24 @@ impl Shares {
         Ok(fitting)
     }
 
-    /// Share of the line's time that a board takes which says so many bytes per second.
-    fn load(&self, bytes: f64) -> f64 {
-        let turns = LEAST_TURNS.max(bytes / TURN_BYTES as f64);
-        BYTE * (bytes + TURN_AND_END * turns) + self.answer * turns
+    /// Share of the bus' time that a board takes which says so much.
+    fn load(&self, said: Flow) -> f64 {
+        match self.medium {
+            Medium::Rs485 => {
+                let bytes = said.bytes + HEAD * said.packets;
+                let turns = LEAST_TURNS.max(bytes / TURN_BYTES as f64);
+                BYTE * (bytes + TURN_AND_END * turns) + self.answer * turns
+            }
+            Medium::Can => FRAME * said.frames,
+        }
     }
 }
 
-/// Bytes of an event on the line, with its head and the zero byte before it.
+/// Bytes of an event's packet.
 fn packet_bytes(event: &Event) -> usize {
     let packet = BoardPacket::Event { number: u32::MAX, event: event.clone() };
     // What is too long for a packet is not sent.
-    encode(&packet, &mut [0; MAX_PACKET_BYTES]).map_or(MAX_PACKET_BYTES, <[u8]>::len) + 3
+    encode(&packet, &mut [0; MAX_PACKET_BYTES]).map_or(MAX_PACKET_BYTES, <[u8]>::len)
 }
 
 /// The latest frame that there can be: numbers take the more bytes the larger they are.
@@ -227,7 +293,7 @@ mod tests {
         Selection { images: 1, contacts: 1, measurements: 0, health: 0, scope: 0, scope_slot: 0 };
 
     fn line(boards: usize) -> Shares {
-        Shares { boards, ..Shares::default() }
+        Shares { boards, ..Shares::new(Medium::Rs485) }
     }
 
     #[test]
@@ -241,8 +307,10 @@ mod tests {
 
     #[test]
     fn boards_that_are_alike_and_known_never_have_more_than_the_line_in_whatever_order_they_ask_and_leave() {
-        for boards in 1..=16_u8 {
-            let mut shares = line(boards.into());
+        for (boards, medium) in
+            (1..=16_u8).flat_map(|boards| [(boards, Medium::Rs485), (boards, Medium::Can)])
+        {
+            let mut shares = Shares { boards: boards.into(), ..Shares::new(medium) };
             let demand = Demand { frame_rate: 40.0, ..DEMAND };
             let mut refused = 0;
             for turn in 0..200_usize {
@@ -314,24 +382,37 @@ mod tests {
         assert_eq!(line(1).fit(3, 0, seldom, &DEMAND), Ok(seldom));
     }
 
-    /// The table of docs/bus.md.
+    /// Of 64 bytes, all bits alike: a stuff bit after the first five, and after four more each.
     #[test]
-    fn the_table_in_the_documentation_is_true() {
-        let mut rows = String::new();
-        for (boards, frame_rate) in
-            [(1, 100.0), (2, 100.0), (4, 100.0), (5, 100.0), (4, 50.0), (8, 50.0), (9, 50.0)]
-        {
-            let (mut shares, demand) = (line(boards), Demand { frame_rate, ..DEMAND });
-            let given: Result<Vec<_>, _> =
-                (0..boards as u8).map(|at| shares.fit(at, 0, BOTH, &demand)).collect();
-            let images = match given {
-                Err(error) => format!("refused: {:.0} %", 100.0 * error.load),
-                Ok(given) if given[0].images == 0 => "none".to_owned(),
-                Ok(given) => format!("1 in {}", given[0].images),
-            };
-            rows += &format!("| {boards} | {frame_rate} | {images} |\n");
-        }
+    fn a_frame_on_a_can_bus_takes_as_long_as_its_bits() {
+        let seconds = FRAME;
+        assert!((372e-6..374e-6).contains(&seconds), "{seconds}");
+        let alone = Shares::new(Medium::Can).load(Flow::of(100.0, 65));
+        assert!((alone - 200.0 * FRAME).abs() < 1e-12, "two frames a packet: {alone}");
+    }
+
+    /// The tables of docs/bus.md.
+    #[test]
+    fn the_tables_in_the_documentation_are_true() {
         let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/bus.md");
-        assert!(std::fs::read_to_string(page).unwrap().contains(&rows), "{rows}");
+        let page = std::fs::read_to_string(page).unwrap();
+        let on_line = [(1, 100.0), (2, 100.0), (4, 100.0), (5, 100.0), (4, 50.0), (8, 50.0), (9, 50.0)];
+        let on_can = [(1, 100.0), (2, 100.0), (3, 100.0), (4, 100.0), (5, 100.0), (8, 50.0), (9, 50.0)];
+        for (medium, cases) in [(Medium::Rs485, on_line), (Medium::Can, on_can)] {
+            let mut rows = String::new();
+            for (boards, frame_rate) in cases {
+                let mut shares = Shares { boards, ..Shares::new(medium) };
+                let demand = Demand { frame_rate, ..DEMAND };
+                let given: Result<Vec<_>, _> =
+                    (0..boards as u8).map(|at| shares.fit(at, 0, BOTH, &demand)).collect();
+                let images = match given {
+                    Err(error) => format!("refused: {:.0} %", 100.0 * error.load),
+                    Ok(given) if given[0].images == 0 => "none".to_owned(),
+                    Ok(given) => format!("1 in {}", given[0].images),
+                };
+                rows += &format!("| {boards} | {frame_rate} | {images} |\n");
+            }
+            assert!(page.contains(&rows), "{medium:?}\n{rows}");
+        }
     }
 }

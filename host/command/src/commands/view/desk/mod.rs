@@ -387,8 +387,7 @@ impl<'a> Desk<'a> {
     fn watch(&mut self, frame: &ScanFrame) {
         let said = self.reflexes.take();
         self.reflexes.clone_from(&frame.reflexes);
-        let state = |reflexes: &Reflexes| (reflexes.tripped, reflexes.is_blind);
-        if said.as_ref().map(state) != self.reflexes.as_ref().map(state) {
+        if said.as_ref().map(Reflexes::state) != self.reflexes.as_ref().map(Reflexes::state) {
             self.tell();
         }
     }
