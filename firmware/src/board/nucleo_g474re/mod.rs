@@ -19,7 +19,7 @@
 //! | temperature   | ADC1                        | has the chip's sensor                          |
 //! | sensing, DMA  | DMA1 channels 3 to 6        | waveform, multiplexers, amplifier, converter   |
 //! | acquisition   | interrupt of the FMAC       | nothing else uses it; see `board::executor`    |
-//! | patch slots   | flash from 136 KiB on       | the firmware has the part before, see `memory` |
+//! | patch slots   | flash from 144 KiB on       | the firmware has the part before, see `memory` |
 //! | reflexes      | PC0 to PC3                  | low while a rule is tripped                    |
 //! | watchdog      | IWDG                        | its clock is its own                           |
 //!

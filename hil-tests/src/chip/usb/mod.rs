@@ -2,7 +2,7 @@
 //! host at the other end of the cable.
 //!
 //! The host ([`host`]) makes what happens on the bus: it asks the device for each packet, and the device answers as its
-//! endpoint registers say ([`device`]). Modelled are control, bulk and interrupt endpoints with one buffer for each direction.
+//! endpoint registers say (`device`). Modelled are control, bulk and interrupt endpoints with one buffer for each direction.
 
 mod device;
 pub mod host;
