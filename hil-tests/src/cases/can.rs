@@ -178,9 +178,10 @@ fn stream_all(
         latencies.extend(contacts_after(&contacts, started[board], &scans));
     }
     latencies.sort_by(f64::total_cmp);
+    ensure(latencies.len() + 3 * boards >= boards * frames, || format!("{} scans", latencies.len()))?;
     let (median, worst) = (latencies[latencies.len() / 2], latencies[latencies.len() - 1]);
-    ensure(latencies.len() + 3 * boards >= boards * frames && latencies[0] > 0.0 && worst < longest, || {
-        format!("{} scans, contacts {:.2} ms after one of them", latencies.len(), 1e3 * worst)
+    ensure(latencies[0] > 0.0 && worst < longest, || {
+        format!("contacts {:.2} to {:.2} ms after their scans", 1e3 * latencies[0], 1e3 * worst)
     })?;
     Ok(format!(
         "{rate:.1} frames a second of each, {images} images, bus busy {:.0} %, {:.0} kB/s, contacts {:.2} ms after the last slot \
@@ -271,8 +272,8 @@ fn others_go_on(rig: &Rig) -> Result<String, Failure> {
     ensure_complete(&mut stream)?;
     ensure(rate > LEAST_RATE, || format!("{rate:.1} frames a second"))?;
     let Traffic { errors, .. } = bus.with(Wire::take_traffic);
-    // One frame each broke off.
-    ensure((1..=2).contains(&errors), || format!("{errors} frames met errors"))?;
+    // One frame broke off at the reset, one where power went.
+    ensure(errors == 2, || format!("{errors} frames met errors"))?;
     Ok(format!("{frames} frames, {rate:.1} a second; {errors} frames broke off"))
 }
 
@@ -412,8 +413,7 @@ fn addresses(rig: &Rig) -> Result<String, Failure> {
         let received = bus.with(move |wire| wire.machine(board).chip(|chip| chip.fdcan.received()));
         ensure(received < 20, || format!("board {board} has received {received} frames"))?;
     }
-    let Traffic { errors, .. } = bus.with(Wire::take_traffic);
-    ensure(errors == 0, || format!("{errors} frames met errors"))?;
+    ensure(traffic.errors == 0, || format!("{} frames met errors", traffic.errors))?;
     // All at once, each another patch: no request and no reply is taken for another board's.
     let patches = [0, 1, 2, 3].map(|seed| patches::patch(36, true, 20 + seed));
     let upload = |address: u8, patch: &[u8]| -> Result<(), Failure> {

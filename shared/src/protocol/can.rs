@@ -11,8 +11,9 @@
 //! | `0x200` + address | board | replies and events |
 //!
 //! Nobody needs a turn: where several begin at once, the lowest identifier goes on. So requests come first, and then the
-//! boards with the lowest addresses. A frame that somebody has received damaged is sent again by the hardware; one that the
-//! receiver had no room for is lost, which shows as any damage to a packet does.
+//! boards with the lowest addresses. A frame that somebody has received damaged is sent again by the hardware, unless only
+//! nodes have that are error passive; one that the receiver had no room for is lost, which shows as any damage to a packet
+//! does.
 
 /// Boards on one bus: addresses 0 to 15.
 pub const ADDRESSES: u8 = 16;

@@ -68,9 +68,13 @@ pub fn begin_with_data0(address: u8) {
     });
 }
 
-/// Puts a packet where the chip sends it from, unless another one is
-/// still there; says whether it did. Bulk endpoints only. embassy-stm32 does the same, but takes 25 us for it where it is
-/// built for size.
+/// Whether the host has let the bus rest.
+pub fn host_sleeps() -> bool {
+    pac::USB.cntr().read().fsusp()
+}
+
+/// Puts a packet where the chip sends it from, unless another one is still there; says whether it did. Bulk endpoints only.
+/// embassy-stm32 does the same, but takes 25 us for it where it is built for size.
 pub fn try_send(address: u8, packet: &[u8]) -> bool {
     let (index, memory) = (usize::from(address & 0xF), pac::USBRAM);
     let register = pac::USB.epr(index);

@@ -1,7 +1,7 @@
 //! CAN: a link over a bus of CAN FD that many boards share ([`dermatome_shared::protocol::can`]).
 //!
 //! All of it happens in the interrupt of the FDCAN, above the acquisition: it empties the receive FIFO, in which three frames
-//! have room, 0.9 ms of them, and fills the three transmit buffers from two lanes, replies first. So nothing that is
+//! have room, 0.9 ms of full ones, and fills the three transmit buffers from two lanes, replies first. So nothing that is
 //! computed keeps the bus waiting, and what owns the link never touches it.
 //!
 //! **While the flash is written** the CPU stands still, for longer than the FIFO lasts. A host has one request under way at a
@@ -11,7 +11,7 @@
 //! itself; what comes after it waits, and is dropped as where any link is too slow. It goes on as soon as somebody listens.
 //!
 //! **Off the bus**, after some thirty frames in a row that met an error, the FDCAN waits to be told to come back. What was to
-//! be sent is dropped then. It comes back after 1.4 ms of silence, and begins with a zero byte, which ends the packet that
+//! be sent is dropped then. It comes back after 129 times 11 bits of silence, 1.4 ms where nobody else speaks, and begins with a zero byte, which ends the packet that
 //! broke off.
 
 use core::{
@@ -222,16 +222,18 @@ fn go_on() {
         w.set_cce(false);
         w.set_init(false);
     });
+    // Nothing can be sent before.
+    while CAN.cccr().read().init() {}
 }
 
 /// Does what is to be done, in the FDCAN's interrupt.
 fn work() {
     let flags = CAN.ir().read();
     CAN.ir().write_value(flags);
+    receive();
     if flags.bo() && CAN.psr().read().bo() {
         come_back();
     }
-    receive();
     if flags.rfl(0) {
         warn!("frames lost: those before them were not read yet");
         // What they belonged to is lost, so that the next request starts clean.
@@ -243,6 +245,8 @@ fn work() {
 /// Drops what was to be sent, and begins anew.
 fn come_back() {
     warn!("off the bus; coming back");
+    // The FDCAN's own clock is another one: what was written there is there once it is read.
+    while !CAN.cccr().read().init() {}
     // That forgets all frames.
     CAN.cccr().modify(|w| w.set_cce(true));
     drop(SENDING.lock(Cell::take));
@@ -259,7 +263,8 @@ fn receive() {
         }
         let frame = usize::from(fifo.fgi());
         let word = |place| CAN_MEMORY.rxfifo0(frame * WORDS + place).read();
-        let length = LENGTHS[(word(1) >> LENGTH & 0xF) as usize];
+        let is_ours = word(1) & FD != 0;
+        let length = if is_ours { LENGTHS[(word(1) >> LENGTH & 0xF) as usize] } else { 0 };
         let mut bytes = [0; FRAME_BYTES];
         for (place, four) in bytes[..length.next_multiple_of(4)].chunks_exact_mut(4).enumerate() {
             four.copy_from_slice(&word(2 + place).to_le_bytes());

@@ -5,7 +5,7 @@
 //! Whatever happens on the bus ends a request that is under way, wherever it is: after a reset, the host begins anew.
 
 use embassy_futures::select::{Either, select};
-use embassy_usb_driver::{Bus, ControlPipe, Event};
+use embassy_usb_driver::{Bus, ControlPipe, EndpointError, Event};
 
 use super::{
     BUS_PACKET_BYTES, Presence,
@@ -83,8 +83,11 @@ impl Device<'_> {
             let Some(place) = data.get_mut(..wanted) else {
                 return unless_event(bus, pipe.reject()).await;
             };
-            if unless_event(bus, pipe.data_out(place, true, true)).await? != Ok(wanted) {
-                return Ok(());
+            match unless_event(bus, pipe.data_out(place, true, true)).await? {
+                Ok(length) if length == wanted => {}
+                // There is another request.
+                Err(EndpointError::Disabled) => return Ok(()),
+                _ => return unless_event(bus, pipe.reject()).await,
             }
         }
         match self.answer(bus, &setup, &data[..wanted.min(data.len())]) {
@@ -188,8 +191,8 @@ impl Device<'_> {
                 self.presence.end_session();
                 self.presence.sleeps.set(false);
             }
-            Event::Suspend => self.presence.sleeps.set(true),
-            Event::Resume => self.presence.sleeps.set(false),
+            // Where both have happened, they do not come in order.
+            Event::Suspend | Event::Resume => self.presence.sleeps.set(board::host_sleeps()),
             Event::PowerDetected | Event::PowerRemoved => {}
         }
     }

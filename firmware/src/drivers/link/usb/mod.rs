@@ -131,7 +131,8 @@ async fn run(parts: LinkParts) -> ! {
     };
     let (bus, pipe) = driver.start(BYTES);
     let presence = Presence::default();
-    join3(device::serve(bus, pipe, &presence), hear(from_host, &presence), speak(to_host, &presence)).await.0
+    // In this order: what came before a host went is heard before that, and who speaks learns that it went.
+    join3(hear(from_host, &presence), device::serve(bus, pipe, &presence), speak(to_host, &presence)).await.1
 }
 
 /// Hands on what the host sends.
