@@ -1,4 +1,4 @@
-//! Lanes: how packets reach what drives a shared line, and how the bytes of requests leave it.
+//! Lanes: how packets reach what drives a shared line or the USB, and how the bytes of requests leave it.
 //!
 //! What owns the link hands packets over in one of two lanes, replies and events, with their memory, and gets that back once
 //! they are sent. So it never touches the line itself.
@@ -17,7 +17,8 @@ const REQUEST_BYTES: usize = 640;
 /// Bytes of requests, on their way to the link's owner.
 pub(super) static REQUESTS: Pipe<CriticalSectionRawMutex, REQUEST_BYTES> = Pipe::new();
 
-/// Hands bytes of requests on; says whether there was room for all.
+/// Hands bytes of requests on, without waiting; says whether there was room for all.
+#[cfg(not(feature = "usb"))]
 pub(super) fn hand_on(mut bytes: &[u8]) -> bool {
     // The pipe takes them in two pieces where they go round its end.
     while !bytes.is_empty()

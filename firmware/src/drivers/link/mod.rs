@@ -8,7 +8,7 @@
 mod bus;
 #[cfg(feature = "can")]
 mod can;
-#[cfg(any(feature = "rs485", feature = "can"))]
+#[cfg(any(feature = "rs485", feature = "can", feature = "usb"))]
 mod lanes;
 #[cfg(not(any(feature = "rs485", feature = "can", feature = "usb")))]
 mod line;
@@ -81,7 +81,7 @@ impl Outgoing {
     }
 
     /// Hands all over, memory included.
-    #[cfg(any(feature = "rs485", feature = "can"))]
+    #[cfg(any(feature = "rs485", feature = "can", feature = "usb"))]
     fn hand_over(&mut self) -> Self {
         let empty = Self { bytes: &mut [], ..*self };
         core::mem::replace(self, empty)

@@ -19,16 +19,16 @@ use core::{
     cell::Cell, convert::Infallible, future::poll_fn, marker::PhantomData, mem, pin::pin, task::Poll,
 };
 
-use embassy_futures::{
-    join::join3,
-    select::{Either, select},
-};
+use embassy_futures::{join::join3, select::select};
 use embassy_stm32::usb::Driver;
-use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, pipe::Pipe, signal::Signal};
+use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal};
 use embassy_usb_driver::{Driver as _, EndpointError, EndpointIn, EndpointOut, EndpointType};
 
 use self::descriptors::{FROM_HOST, NOTIFICATION_BYTES, NOTIFICATIONS, TO_HOST};
-use super::{OUTGOING_BYTES, Outgoing, Urgency};
+use super::{
+    OUTGOING_BYTES, Outgoing, Urgency,
+    lanes::{Lane, REQUESTS},
+};
 use crate::board::{self, Interrupts, LinkParts, executor};
 
 /// Bytes before a packet: the zero byte.
@@ -44,13 +44,13 @@ pub type Error = Infallible;
 /// The next request waits in the host while the flash is written.
 pub const SETTLES_FIRST: bool = false;
 
-/// Bytes of requests that wait: a host has one under way, of half a kilobyte at most.
-const REQUEST_BYTES: usize = 640;
 /// Bytes of a packet on the bus.
 const BUS_PACKET_BYTES: usize = 64;
 
-static REQUESTS: Pipe<CriticalSectionRawMutex, REQUEST_BYTES> = Pipe::new();
-static LANES: [Lane; 2] = [Lane::new(), Lane::new()];
+/// By urgency.
+static LANES: [Lane<Outgoing>; 2] = [Lane::new(), Lane::new()];
+/// There is something in a lane.
+static OFFERED: Signal<CriticalSectionRawMutex, ()> = Signal::new();
 
 /// What the link's owner holds.
 pub struct LinkPort(());
@@ -88,10 +88,7 @@ impl LinkTx<'_> {
     /// Sends all packets, or drops them if no host listens. If this is given up before it ends, the memory of the
     /// packets is lost.
     pub async fn send(&self, packets: &mut Outgoing, urgency: Urgency) -> Result<(), Error> {
-        let lane = &LANES[urgency as usize];
-        let empty = Outgoing { bytes: &mut [], ..*packets };
-        lane.offered.signal(mem::replace(packets, empty));
-        *packets = lane.done.wait().await;
+        *packets = LANES[urgency as usize].send(packets.hand_over(), || OFFERED.signal(())).await;
         Ok(())
     }
 }
@@ -100,18 +97,6 @@ impl LinkRx<'_> {
     /// Waits for bytes and says how many came.
     pub async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Error> {
         Ok(REQUESTS.read(bytes).await)
-    }
-}
-
-/// Packets on their way to the bus, and their memory on its way back.
-struct Lane {
-    offered: Signal<CriticalSectionRawMutex, Outgoing>,
-    done: Signal<CriticalSectionRawMutex, Outgoing>,
-}
-
-impl Lane {
-    const fn new() -> Self {
-        Self { offered: Signal::new(), done: Signal::new() }
     }
 }
 
@@ -157,16 +142,15 @@ async fn hear(mut endpoint: impl EndpointOut, presence: &Presence) -> ! {
 /// Says what there is to say, replies first.
 async fn speak(mut endpoint: impl EndpointIn, presence: &Presence) -> ! {
     loop {
-        let [replies, events] = &LANES;
-        let (lane, packets) = match select(replies.offered.wait(), events.offered.wait()).await {
-            Either::First(packets) => (replies, packets),
-            Either::Second(packets) => (events, packets),
+        let Some(taken) = LANES.iter().find_map(|lane| lane.take(|_| true)) else {
+            OFFERED.wait().await;
+            continue;
         };
         if presence.is_here() {
             // What a host does not take that goes away meanwhile is gone.
-            let _ = select(say(&mut endpoint, packets.packets()), presence.end_of_session()).await;
+            let packets = taken.packets.as_ref().map_or(&[][..], Outgoing::packets);
+            let _ = select(say(&mut endpoint, packets), presence.end_of_session()).await;
         }
-        lane.done.signal(packets);
     }
 }
 
