@@ -1,7 +1,9 @@
 //! Cases of boards on one line: each speaks in its turn and in no other, whatever happens to it, to the line and to
 //! the others. What the line's own record shows is checked after each of them.
 
-use super::{Case, Failure, TIMEOUT, ensure, ensure_complete, ensure_up, next_frame, patches};
+use super::{
+    Case, Failure, TIMEOUT, ensure, ensure_complete, ensure_up, ensure_uploads_at_once, next_frame, patches,
+};
 use crate::{
     bus::{Bus, Line, master::Master, record::Findings},
     chip::{flash::Flash, time::Time},
@@ -12,17 +14,13 @@ use dermatome::link::{self, Link};
 use dermatome_shared::{
     drive::Drive,
     frame::FrameFlags,
-    patch::PatchView,
     protocol::{
         MAX_PACKET_BYTES, Request, Selection,
         bus::{ADDRESSES, Mark},
     },
     restart::Restart,
 };
-use std::{
-    sync::{Mutex, PoisonError},
-    thread,
-};
+use std::sync::{Mutex, PoisonError};
 
 const NEEDS: &[Capability] = &[Capability::SharedLine];
 
@@ -404,28 +402,7 @@ fn addresses(rig: &Rig) -> Result<String, Failure> {
         let identity = master.link(address.into())?.identity().clone();
         ensure(identity.board == "nucleo-g474re-rs485", || format!("it calls itself {}", identity.board))?;
     }
-    // All at once, each another patch: no request and no reply is taken for another board's.
-    let patches = [0, 1, 2, 3].map(|seed| patches::patch(36, true, 20 + seed));
-    let upload = |address: u8, patch: &[u8]| -> Result<(), Failure> {
-        link::upload(&mut master.link(address.into())?, patch, |_| ())?;
-        Ok(())
-    };
-    thread::scope(|scope| {
-        let uploads: Vec<_> = present
-            .into_iter()
-            .zip(&patches)
-            .map(|(address, patch)| {
-                let upload = &upload;
-                scope.spawn(move || upload(address, patch))
-            })
-            .collect();
-        uploads.into_iter().try_for_each(|upload| upload.join().expect("an upload panicked"))
-    })?;
-    for (address, patch) in present.into_iter().zip(&patches) {
-        let held = master.link(address.into())?.info()?.patch.map(|patch| patch.crc);
-        let sent = PatchView::open(patch).map_err(Failure::wrong)?.crc();
-        ensure(held == Some(sent), || format!("address {address} holds {held:x?}, not {sent:08x}"))?;
-    }
+    ensure_uploads_at_once(present, |address| master.link(address.into()))?;
     checked_clean(&bus, &present)?;
     // What a turn costs those whose it is, and those whose it is not.
     let mut costs = Vec::new();

@@ -1,7 +1,9 @@
 //! Cases of boards on one CAN bus: whatever happens to one of them, to the bus or to the host, the others go on, and all can be
 //! reached again.
 
-use super::{Case, Failure, TIMEOUT, ensure, ensure_complete, ensure_up, next_frame, patches};
+use super::{
+    Case, Failure, TIMEOUT, ensure, ensure_complete, ensure_up, ensure_uploads_at_once, next_frame, patches,
+};
 use crate::{
     board::START_TIME,
     bus::{
@@ -29,10 +31,7 @@ use dermatome_shared::{
     },
     restart::Restart,
 };
-use std::{
-    sync::{Mutex, PoisonError},
-    thread,
-};
+use std::sync::{Mutex, PoisonError};
 
 const NEEDS: &[Capability] = &[Capability::CanBus];
 
@@ -414,28 +413,7 @@ fn addresses(rig: &Rig) -> Result<String, Failure> {
         ensure(received < 20, || format!("board {board} has received {received} frames"))?;
     }
     ensure(traffic.errors == 0, || format!("{} frames met errors", traffic.errors))?;
-    // All at once, each another patch: no request and no reply is taken for another board's.
-    let patches = [0, 1, 2, 3].map(|seed| patches::patch(36, true, 20 + seed));
-    let upload = |address: u8, patch: &[u8]| -> Result<(), Failure> {
-        link::upload(&mut host.link(address)?, patch, |_| ())?;
-        Ok(())
-    };
-    thread::scope(|scope| {
-        let uploads: Vec<_> = present
-            .into_iter()
-            .zip(&patches)
-            .map(|(address, patch)| {
-                let upload = &upload;
-                scope.spawn(move || upload(address, patch))
-            })
-            .collect();
-        uploads.into_iter().try_for_each(|upload| upload.join().expect("an upload panicked"))
-    })?;
-    for (address, patch) in present.into_iter().zip(&patches) {
-        let held = host.link(address)?.info()?.patch.map(|patch| patch.crc);
-        let sent = PatchView::open(patch).map_err(Failure::wrong)?.crc();
-        ensure(held == Some(sent), || format!("address {address} holds {held:x?}, not {sent:08x}"))?;
-    }
+    ensure_uploads_at_once(present, |address| host.link(address))?;
     // A full-size patch, with the bus for itself.
     let patch = patches::shipped("disc-210mm")?;
     let since = now(&bus);

@@ -17,11 +17,11 @@ pub use sensing::{Soaked, soak};
 use crate::machine::Halt;
 use crate::rig::{Capability, Rig, RigError};
 use dermatome::{
-    link::{Link, LinkError, ScanFrame, Subscription, UploadError},
+    link::{self, Link, LinkError, ScanFrame, Subscription, UploadError},
     simulate::port::OpenError,
 };
-use dermatome_shared::{protocol::FrameStamp, restart::Restart};
-use std::time::Duration;
+use dermatome_shared::{patch::PatchView, protocol::FrameStamp, restart::Restart};
+use std::{thread, time::Duration};
 
 /// Longest that a case waits for something, in the host's time.
 const TIMEOUT: Duration = Duration::from_secs(60);
@@ -127,6 +127,36 @@ fn ensure_complete(stream: &mut Subscription<'_>) -> Result<(), Failure> {
 fn ensure_up(link: &mut Link, started_after: &Restart) -> Result<(), Failure> {
     let info = link.info()?;
     ensure(info.started_after == *started_after, || format!("it started after {:?}", info.started_after))
+}
+
+/// All boards at these addresses take patches at once, each another one: no request and no reply is taken for another
+/// board's.
+fn ensure_uploads_at_once(
+    addresses: [u8; 4],
+    link: impl Fn(u8) -> Result<Link, LinkError> + Sync,
+) -> Result<(), Failure> {
+    let patches = [0, 1, 2, 3].map(|seed| patches::patch(36, true, 20 + seed));
+    let upload = |address: u8, patch: &[u8]| -> Result<(), Failure> {
+        link::upload(&mut link(address)?, patch, |_| ())?;
+        Ok(())
+    };
+    thread::scope(|scope| {
+        let uploads: Vec<_> = addresses
+            .into_iter()
+            .zip(&patches)
+            .map(|(address, patch)| {
+                let upload = &upload;
+                scope.spawn(move || upload(address, patch))
+            })
+            .collect();
+        uploads.into_iter().try_for_each(|upload| upload.join().expect("an upload panicked"))
+    })?;
+    for (address, patch) in addresses.into_iter().zip(&patches) {
+        let held = link(address)?.info()?.patch.map(|patch| patch.crc);
+        let sent = PatchView::open(patch).map_err(Failure::wrong)?.crc();
+        ensure(held == Some(sent), || format!("address {address} holds {held:x?}, not {sent:08x}"))?;
+    }
+    Ok(())
 }
 
 /// Patches for cases.

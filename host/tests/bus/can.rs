@@ -1,15 +1,16 @@
 //! A CAN FD bus behind an adapter that speaks slcan: what goes over it, and what happens where something is missing.
 
 use super::{
-    WAIT, board, contacts,
+    WAIT, a_patch_goes_beside_a_stream, board, each_answers_for_itself, images_are_thinned_out,
+    power_comes_late,
     program::Desk,
     testbench::{
         can::{bus, written},
-        empty_board, square_patch,
+        empty_board,
     },
     worn,
 };
-use dermatome::link::{self, Adapter, Bus, LinkErrorKind, Port, tare, upload};
+use dermatome::link::{self, Adapter, Bus, LinkErrorKind, Port, tare};
 use dermatome::simulate::board::SimulatedBoard;
 use dermatome_shared::protocol::{Request, Selection};
 use std::{
@@ -25,26 +26,12 @@ fn port(at: SocketAddr, address: u8) -> Port {
 
 #[test]
 fn each_of_sixteen_boards_answers_for_itself_and_loses_nothing() {
-    let boards: Vec<_> = (0..16).map(|number| board(&format!("skin-{number}"), 20.0)).collect();
+    let name = |address: u8| format!("skin-{address}");
+    let boards: Vec<_> = (0..16).map(|address| board(&name(address), 20.0)).collect();
     let places: Vec<_> = (0..).zip(boards.iter().map(SimulatedBoard::address)).collect();
     let (at, bus) = bus(&places);
-    thread::scope(|scope| {
-        for address in 0..16 {
-            scope.spawn(move || {
-                let mut link = link::open(&port(at, address)).unwrap();
-                assert_eq!(link.port(), format!("can:tcp:{at}#{address}"));
-                for _ in 0..20 {
-                    let patch = link.info().unwrap().patch.unwrap();
-                    assert_eq!(patch.skin.as_str(), format!("skin-{address}"));
-                }
-                let frames = contacts(&mut link, 100);
-                let first = frames[0].at.unwrap().sequence;
-                let sequences: Vec<_> = frames.iter().map(|frame| frame.at.unwrap().sequence).collect();
-                assert_eq!(sequences, (first..first + 100).collect::<Vec<_>>());
-                assert_eq!((link.events_lost(), link.packets_damaged()), (0, 0));
-            });
-        }
-    });
+    assert_eq!(port(at, 3).to_string(), format!("can:tcp:{at}#3"));
+    each_answers_for_itself((0..16).map(|address| (port(at, address), name(address))).collect(), 100);
     // Set up once for all of them, and closed behind the last one.
     let deadline = Instant::now() + WAIT;
     while *bus.commands.lock().unwrap() != "C C S8 Y2 O C " {
@@ -57,16 +44,7 @@ fn each_of_sixteen_boards_answers_for_itself_and_loses_nothing() {
 fn a_patch_goes_over_the_bus_while_others_stream() {
     let (empty, busy) = (empty_board(), board("busy", 100.0));
     let (at, _bus) = bus(&[(2, empty.address()), (3, busy.address())]);
-    let streaming = thread::spawn(move || {
-        let mut link = link::open(&port(at, 3)).unwrap();
-        let frames = contacts(&mut link, 200).len();
-        (frames, link.events_lost())
-    });
-    let mut link = link::open(&port(at, 2)).unwrap();
-    let patch = square_patch("sent", 16, 10, 50.0);
-    upload(&mut link, &patch, |_| ()).unwrap();
-    assert_eq!(link.patch().unwrap(), patch);
-    assert_eq!(streaming.join().unwrap(), (200, 0));
+    a_patch_goes_beside_a_stream(&port(at, 2), port(at, 3));
 }
 
 #[test]
@@ -74,17 +52,7 @@ fn a_board_without_power_holds_nobody_up_and_is_found_once_it_has_it() {
     let boards = [board("here", 100.0), board("away", 100.0)];
     let (at, bus) = bus(&[(4, boards[0].address()), (5, boards[1].address())]);
     bus.off.store(1 << 5, Ordering::Relaxed);
-    let away = thread::spawn(move || {
-        let error = link::open(&port(at, 5)).map(drop).unwrap_err();
-        assert!(matches!(error.kind, LinkErrorKind::NoAnswer { .. }), "{error}");
-    });
-    let mut link = link::open(&port(at, 4)).unwrap();
-    let frames = contacts(&mut link, 200);
-    assert_eq!((frames.len(), link.events_lost()), (200, 0));
-    away.join().unwrap();
-    bus.off.store(0, Ordering::Relaxed);
-    let mut link = link::open(&port(at, 5)).unwrap();
-    assert_eq!(contacts(&mut link, 10).len(), 10);
+    power_comes_late(&port(at, 4), &port(at, 5), || bus.off.store(0, Ordering::Relaxed));
 }
 
 #[test]
@@ -166,24 +134,7 @@ fn an_adapter_that_is_unplugged_cuts_all_its_boards_and_can_be_opened_again_at_o
 fn images_come_as_often_as_the_bus_carries_them_and_contacts_always() {
     let boards = [board("left", 100.0), board("right", 100.0)];
     let (at, _bus) = bus(&[(0, boards[0].address()), (1, boards[1].address())]);
-    thread::scope(|scope| {
-        for address in [0, 1] {
-            scope.spawn(move || {
-                let mut link = link::open(&port(at, address)).unwrap();
-                link.share_bus(3);
-                tare(&mut link, 3, WAIT).unwrap();
-                let wanted = Selection { images: 1, contacts: 1, ..Selection::default() };
-                let mut stream = link.subscribe(wanted).unwrap();
-                let every = stream.selection().images;
-                assert!(every > 1 && stream.selection() == Selection { images: every, ..wanted }, "{every}");
-                let frames: Vec<_> = (0..200).map(|_| stream.next(WAIT).unwrap().expect("a frame")).collect();
-                assert!(frames.iter().all(|frame| frame.contacts.is_some()));
-                let images = frames.iter().filter(|frame| frame.image.is_some()).count();
-                assert!(images.abs_diff(200 / usize::from(every)) <= 1, "{images} of every {every}");
-                assert_eq!(stream.link().events_lost(), 0);
-            });
-        }
-    });
+    images_are_thinned_out([port(at, 0), port(at, 1)]);
 }
 
 #[test]

@@ -1,12 +1,13 @@
 //! A line of RS-485: what goes over it, who waits for whom, and what happens where something is missing.
 
 use super::{
-    WAIT, board, contacts,
+    WAIT, a_patch_goes_beside_a_stream, board, contacts, each_answers_for_itself, images_are_thinned_out,
+    power_comes_late,
     program::Desk,
-    testbench::{empty_board, rs485::line, square_patch},
+    testbench::{empty_board, rs485::line},
     worn,
 };
-use dermatome::link::{self, Adapter, Bus, LinkErrorKind, Port, tare, upload};
+use dermatome::link::{self, Adapter, Bus, LinkErrorKind, Port, tare};
 use dermatome::simulate::board::SimulatedBoard;
 use dermatome_shared::protocol::{Request, Selection};
 use serde_json::Value;
@@ -23,43 +24,20 @@ fn port(at: SocketAddr, address: u8) -> Port {
 
 #[test]
 fn each_of_several_boards_answers_for_itself_and_loses_nothing() {
-    let boards: Vec<_> = (0..5).map(|number| board(&format!("skin-{number}"), 40.0)).collect();
     let addresses = [0, 1, 7, 14, 15];
+    let name = |address: u8| format!("skin-{address}");
+    let boards = addresses.map(|address| board(&name(address), 40.0));
     let places: Vec<_> = addresses.into_iter().zip(boards.iter().map(SimulatedBoard::address)).collect();
     let (at, _line) = line(&places);
-    thread::scope(|scope| {
-        for (number, address) in addresses.into_iter().enumerate() {
-            scope.spawn(move || {
-                let mut link = link::open(&port(at, address)).unwrap();
-                assert_eq!(link.port(), format!("rs485:tcp:{at}#{address}"));
-                for _ in 0..20 {
-                    let patch = link.info().unwrap().patch.unwrap();
-                    assert_eq!(patch.skin.as_str(), format!("skin-{number}"));
-                }
-                let frames = contacts(&mut link, 300);
-                let first = frames[0].at.unwrap().sequence;
-                let sequences: Vec<_> = frames.iter().map(|frame| frame.at.unwrap().sequence).collect();
-                assert_eq!(sequences, (first..first + 300).collect::<Vec<_>>());
-                assert_eq!((link.events_lost(), link.packets_damaged()), (0, 0));
-            });
-        }
-    });
+    assert_eq!(port(at, 7).to_string(), format!("rs485:tcp:{at}#7"));
+    each_answers_for_itself(addresses.map(|address| (port(at, address), name(address))).into(), 300);
 }
 
 #[test]
 fn a_patch_goes_over_the_line_while_others_stream() {
     let (empty, busy) = (empty_board(), board("busy", 100.0));
     let (at, _line) = line(&[(2, empty.address()), (3, busy.address())]);
-    let streaming = thread::spawn(move || {
-        let mut link = link::open(&port(at, 3)).unwrap();
-        let frames = contacts(&mut link, 200).len();
-        (frames, link.events_lost())
-    });
-    let mut link = link::open(&port(at, 2)).unwrap();
-    let patch = square_patch("sent", 16, 10, 50.0);
-    upload(&mut link, &patch, |_| ()).unwrap();
-    assert_eq!(link.patch().unwrap(), patch);
-    assert_eq!(streaming.join().unwrap(), (200, 0));
+    a_patch_goes_beside_a_stream(&port(at, 2), port(at, 3));
 }
 
 #[test]
@@ -67,17 +45,7 @@ fn a_board_without_power_holds_nobody_up_and_is_found_once_it_has_it() {
     let boards = [board("here", 100.0), board("away", 100.0)];
     let (at, line) = line(&[(4, boards[0].address()), (5, boards[1].address())]);
     line.off.store(1 << 5, Ordering::Relaxed);
-    let away = thread::spawn(move || {
-        let error = link::open(&port(at, 5)).map(drop).unwrap_err();
-        assert!(matches!(error.kind, LinkErrorKind::NoAnswer { .. }), "{error}");
-    });
-    let mut link = link::open(&port(at, 4)).unwrap();
-    let frames = contacts(&mut link, 200);
-    assert_eq!((frames.len(), link.events_lost()), (200, 0));
-    away.join().unwrap();
-    line.off.store(0, Ordering::Relaxed);
-    let mut link = link::open(&port(at, 5)).unwrap();
-    assert_eq!(contacts(&mut link, 10).len(), 10);
+    power_comes_late(&port(at, 4), &port(at, 5), || line.off.store(0, Ordering::Relaxed));
 }
 
 #[test]
@@ -176,24 +144,7 @@ fn an_address_is_open_once_and_a_line_as_long_as_somebody_uses_it() {
 fn images_come_as_often_as_the_line_carries_them_and_contacts_always() {
     let boards = [board("left", 100.0), board("right", 100.0)];
     let (at, _line) = line(&[(0, boards[0].address()), (1, boards[1].address())]);
-    thread::scope(|scope| {
-        for address in [0, 1] {
-            scope.spawn(move || {
-                let mut link = link::open(&port(at, address)).unwrap();
-                link.share_bus(3);
-                tare(&mut link, 3, WAIT).unwrap();
-                let wanted = Selection { images: 1, contacts: 1, ..Selection::default() };
-                let mut stream = link.subscribe(wanted).unwrap();
-                let every = stream.selection().images;
-                assert!(every > 1 && stream.selection() == Selection { images: every, ..wanted }, "{every}");
-                let frames: Vec<_> = (0..200).map(|_| stream.next(WAIT).unwrap().expect("a frame")).collect();
-                assert!(frames.iter().all(|frame| frame.contacts.is_some()));
-                let images = frames.iter().filter(|frame| frame.image.is_some()).count();
-                assert!(images.abs_diff(200 / usize::from(every)) <= 1, "{images} of every {every}");
-                assert_eq!(stream.link().events_lost(), 0);
-            });
-        }
-    });
+    images_are_thinned_out([port(at, 0), port(at, 1)]);
 }
 
 #[test]

@@ -22,16 +22,15 @@ use embassy_futures::{
     select::{Either, select},
     yield_now,
 };
-pub use embassy_stm32::usart::Error;
 use embassy_stm32::{
     mode::Async,
-    usart::{RingBufferedUartRx, Uart, UartTx},
+    usart::{self, RingBufferedUartRx, Uart, UartTx},
 };
 use embassy_time::{Duration, Instant, Timer};
 
 use super::{
     OUTGOING_BYTES, Outgoing, REOPEN_PAUSE, Urgency,
-    lanes::{Lane, REQUESTS, hand_on},
+    lanes::{Error, Lane, LinkRx, REQUESTS, hand_on},
     uart::{RING_BYTES, config},
 };
 use crate::board::{Interrupts, LinkParts, executor};
@@ -64,9 +63,6 @@ pub struct LinkPort {
 /// Gives packets to the bus.
 pub struct LinkTx<'a>(PhantomData<&'a mut LinkPort>);
 
-/// Takes requests from it.
-pub struct LinkRx<'a>(PhantomData<&'a mut LinkPort>);
-
 impl LinkPort {
     /// Starts the bus on these parts. Can be called once, after the acquisition's executor has been started.
     pub fn new(parts: LinkParts, ring: &'static mut [u8; RING_BYTES]) -> Self {
@@ -83,7 +79,7 @@ impl LinkPort {
 
     /// Its two ends, which never fail.
     pub fn open(&mut self) -> (LinkTx<'_>, LinkRx<'_>) {
-        (LinkTx(PhantomData), LinkRx(PhantomData))
+        (LinkTx(PhantomData), LinkRx::new())
     }
 }
 
@@ -101,13 +97,6 @@ impl LinkTx<'_> {
     }
 }
 
-impl LinkRx<'_> {
-    /// Waits for bytes and says how many came.
-    pub async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Error> {
-        Ok(REQUESTS.read(bytes).await)
-    }
-}
-
 /// Drives the line for ever.
 #[embassy_executor::task]
 async fn run(mut parts: LinkParts, ring: &'static mut [u8; RING_BYTES]) -> ! {
@@ -121,7 +110,7 @@ async fn run(mut parts: LinkParts, ring: &'static mut [u8; RING_BYTES]) -> ! {
 }
 
 /// Hears and speaks until the line fails.
-async fn serve(parts: &mut LinkParts, ring: &mut [u8; RING_BYTES]) -> Result<Infallible, Error> {
+async fn serve(parts: &mut LinkParts, ring: &mut [u8; RING_BYTES]) -> Result<Infallible, usart::Error> {
     let address = parts.address;
     let mut config = config();
     // embassy-stm32 takes it for both, before and after.
@@ -158,7 +147,7 @@ async fn serve(parts: &mut LinkParts, ring: &mut [u8; RING_BYTES]) -> Result<Inf
 }
 
 /// Says what there is to say, and ends the turn.
-async fn speak(tx: &mut UartTx<'_, Async>, address: u8) -> Result<(), Error> {
+async fn speak(tx: &mut UartTx<'_, Async>, address: u8) -> Result<(), usart::Error> {
     let mut said = 0;
     // What begins before the turn has had its bytes.
     let next = |said| LANES.iter().find_map(|lane| lane.take(|packets| said + packets.last < TURN_BYTES));
@@ -184,7 +173,7 @@ struct Listener<'a> {
 
 impl Listener<'_> {
     /// Takes what has come, or looks again; says whether the board may speak now.
-    async fn hear(&mut self) -> Result<bool, Error> {
+    async fn hear(&mut self) -> Result<bool, usart::Error> {
         let looked = Instant::now();
         let Either::First(read) = select(self.rx.read(&mut self.bytes), &mut self.look).await else {
             self.look = Timer::after(LOOK_INTERVAL);
@@ -231,7 +220,7 @@ impl Listener<'_> {
     }
 
     /// Drops what comes while the board speaks.
-    async fn overhear(&mut self) -> Result<Infallible, Error> {
+    async fn overhear(&mut self) -> Result<Infallible, usart::Error> {
         loop {
             self.hear().await?;
         }

@@ -16,7 +16,6 @@
 
 use core::{
     cell::Cell,
-    convert::Infallible,
     marker::PhantomData,
     sync::atomic::{AtomicBool, Ordering},
 };
@@ -33,12 +32,9 @@ use embassy_sync::blocking_mutex::CriticalSectionMutex;
 
 use super::{
     OUTGOING_BYTES, Outgoing, Urgency,
-    lanes::{Lane, REQUESTS, Taken, hand_on},
+    lanes::{Error, Lane, LinkRx, Taken, hand_on},
 };
 use crate::board::{CAN, CAN_CLOCK, CAN_MEMORY, LinkCan, LinkParts, call_can_interrupt, on_can_interrupt};
-
-/// It does not fail in a way that its owner could mend.
-pub type Error = Infallible;
 
 /// Bytes before a packet.
 pub const HEAD_BYTES: usize = 0;
@@ -112,9 +108,6 @@ pub struct LinkPort {
 /// Gives packets to the bus.
 pub struct LinkTx<'a>(PhantomData<&'a mut LinkPort>);
 
-/// Takes requests from it.
-pub struct LinkRx<'a>(PhantomData<&'a mut LinkPort>);
-
 impl LinkPort {
     /// Puts the board on the bus. Can be called once.
     pub fn new(mut parts: LinkParts, _ring: &'static mut [u8; RING_BYTES]) -> Self {
@@ -143,7 +136,7 @@ impl LinkPort {
 
     /// Its two ends, which never fail.
     pub fn open(&mut self) -> (LinkTx<'_>, LinkRx<'_>) {
-        (LinkTx(PhantomData), LinkRx(PhantomData))
+        (LinkTx(PhantomData), LinkRx::new())
     }
 }
 
@@ -158,13 +151,6 @@ impl LinkTx<'_> {
     pub async fn send(&self, packets: &mut Outgoing, urgency: Urgency) -> Result<(), Error> {
         *packets = LANES[urgency as usize].send(packets.hand_over(), call_can_interrupt).await;
         Ok(())
-    }
-}
-
-impl LinkRx<'_> {
-    /// Waits for bytes and says how many came.
-    pub async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Error> {
-        Ok(REQUESTS.read(bytes).await)
     }
 }
 

@@ -3,7 +3,7 @@
 //! What owns the link hands packets over in one of two lanes, replies and events, with their memory, and gets that back once
 //! they are sent. So it never touches the line itself.
 
-use core::cell::Cell;
+use core::{cell::Cell, convert::Infallible, marker::PhantomData};
 
 use embassy_sync::{
     blocking_mutex::{CriticalSectionMutex, raw::CriticalSectionRawMutex},
@@ -27,6 +27,23 @@ pub(super) fn hand_on(mut bytes: &[u8]) -> bool {
         bytes = &bytes[taken..];
     }
     bytes.is_empty()
+}
+
+/// What drives the line goes on by itself: a link over lanes does not fail in a way that its owner could mend.
+pub type Error = Infallible;
+
+/// Takes requests from what drives the line.
+pub struct LinkRx<'a>(PhantomData<&'a mut ()>);
+
+impl LinkRx<'_> {
+    pub(super) fn new() -> Self {
+        Self(PhantomData)
+    }
+
+    /// Waits for bytes and says how many came.
+    pub async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Error> {
+        Ok(REQUESTS.read(bytes).await)
+    }
 }
 
 /// Packets on their way to the line, and their memory on its way back.

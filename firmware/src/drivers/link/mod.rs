@@ -21,6 +21,8 @@ mod usb;
 pub use bus::*;
 #[cfg(feature = "can")]
 pub use can::*;
+#[cfg(any(feature = "rs485", feature = "can", feature = "usb"))]
+pub use lanes::{Error, LinkRx};
 #[cfg(not(any(feature = "rs485", feature = "can", feature = "usb")))]
 pub use line::*;
 #[cfg(not(any(feature = "can", feature = "usb")))]

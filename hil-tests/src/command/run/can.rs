@@ -1,9 +1,6 @@
 //! Boards on one CAN bus: a program at the other end of the TCP connection has the bus' adapter, which speaks slcan.
 
-use super::{
-    super::fingers::Fingers,
-    program::{accept, read, write_all},
-};
+use super::{super::fingers::Fingers, program::Served};
 use dermatome_hil::{
     bus::can::{
         CanBus, SLICE,
@@ -13,53 +10,28 @@ use dermatome_hil::{
     machine::Halt,
 };
 use dermatome_shared::protocol::can::Carries;
-use std::{
-    error::Error,
-    net::{TcpListener, TcpStream},
-    process::ExitCode,
-    thread,
-    time::{Duration, Instant},
-};
-
 /// Slices of the bus between two polls of the connection.
 const SLICES: u64 = 10;
 
 /// Boards on a bus, and what goes on beside it.
-pub(super) struct Served {
+pub(super) struct Boards {
     bus: CanBus,
     /// Of each board, where somebody presses.
     fingers: Vec<Fingers>,
     slcan: Slcan,
 }
 
-/// Runs the boards for ever, at the pace of the clock on the wall.
-pub(super) fn serve(listener: &TcpListener, mut served: Served) -> Result<ExitCode, Box<dyn Error>> {
-    listener.set_nonblocking(true)?;
-    let (start, wall) = (served.bus.with(|wire| wire.now()), Instant::now());
-    let mut client: Option<TcpStream> = None;
-    loop {
-        if client.is_none() {
-            client = accept(listener)?;
-        }
-        let asked = client.as_mut().map_or(Some(Vec::new()), read);
-        let is_there = asked.is_some();
-        let (now, told) = served.pass(asked.unwrap_or_default())?;
-        if let Some(stream) = &mut client
-            && !(is_there && write_all(stream, &told).is_ok())
-        {
-            client = None;
-            served.lose_host();
-        }
-        let ahead = Duration::from_secs_f64(now.since(start).seconds()).saturating_sub(wall.elapsed());
-        thread::sleep(ahead);
-    }
-}
-
-impl Served {
+impl Boards {
     /// Whose adapter is off until a program switches it on.
     pub(super) fn new(bus: CanBus, fingers: Vec<Fingers>) -> Self {
         bus.with(|wire| wire.host.is_on = false);
         Self { bus, fingers, slcan: Slcan::default() }
+    }
+}
+
+impl Served for Boards {
+    fn now(&self) -> Time {
+        self.bus.with(|wire| wire.now())
     }
 
     /// An adapter that is unplugged acknowledges nothing.
@@ -72,7 +44,7 @@ impl Served {
         });
     }
 
-    /// Hands a program's lines to the adapter and lets some time pass; gives the time and what the program reads.
+    /// A program's lines go to the adapter, and the adapter's to the program.
     fn pass(&mut self, asked: Vec<u8>) -> Result<(Time, Vec<u8>), Halt> {
         let mut slcan = std::mem::take(&mut self.slcan);
         let (slcan, now, mut told, sent, heard) = self.bus.with(move |wire| {

@@ -141,7 +141,7 @@ impl Run {
                 let fingers = self.touch_all(worlds)?;
                 named();
                 say!("listening at  tcp:{}   (Ctrl-C stops it)", listener.local_addr()?);
-                line::serve(listener, line::Served::new(bus, fingers))
+                program::serve(listener, line::Boards::new(bus, fingers))
             }
             Shared::Can => {
                 let bus = rig.start_can(&addresses, &flash)?;
@@ -149,7 +149,7 @@ impl Run {
                 let fingers = self.touch_all(worlds)?;
                 named();
                 say!("listening at  tcp:{}   (slcan; Ctrl-C stops it)", listener.local_addr()?);
-                can::serve(listener, can::Served::new(bus, fingers))
+                program::serve(listener, can::Boards::new(bus, fingers))
             }
         }
     }

@@ -15,9 +15,7 @@
 mod descriptors;
 mod device;
 
-use core::{
-    cell::Cell, convert::Infallible, future::poll_fn, marker::PhantomData, mem, pin::pin, task::Poll,
-};
+use core::{cell::Cell, future::poll_fn, marker::PhantomData, mem, pin::pin, task::Poll};
 
 use embassy_futures::{join::join3, select::select};
 use embassy_stm32::usb::Driver;
@@ -27,7 +25,7 @@ use embassy_usb_driver::{Driver as _, EndpointError, EndpointIn, EndpointOut, En
 use self::descriptors::{FROM_HOST, NOTIFICATION_BYTES, NOTIFICATIONS, TO_HOST};
 use super::{
     OUTGOING_BYTES, Outgoing, Urgency,
-    lanes::{Lane, REQUESTS},
+    lanes::{Error, Lane, LinkRx, REQUESTS},
 };
 use crate::board::{self, Interrupts, LinkParts, executor};
 
@@ -39,8 +37,6 @@ pub const BYTES_IN_ONE_GO: usize = 0;
 pub const OWN_BYTES: usize = 0;
 /// The chip has a memory of its own for what comes.
 pub const RING_BYTES: usize = 0;
-/// It never fails.
-pub type Error = Infallible;
 /// The next request waits in the host while the flash is written.
 pub const SETTLES_FIRST: bool = false;
 
@@ -58,9 +54,6 @@ pub struct LinkPort(());
 /// Gives packets to the bus.
 pub struct LinkTx<'a>(PhantomData<&'a mut LinkPort>);
 
-/// Takes requests from it.
-pub struct LinkRx<'a>(PhantomData<&'a mut LinkPort>);
-
 impl LinkPort {
     /// Starts the device on these parts. Can be called once, after the acquisition's executor has been started.
     pub fn new(parts: LinkParts, _ring: &'static mut [u8; RING_BYTES]) -> Self {
@@ -75,7 +68,7 @@ impl LinkPort {
 
     /// Its two ends, which never fail.
     pub fn open(&mut self) -> (LinkTx<'_>, LinkRx<'_>) {
-        (LinkTx(PhantomData), LinkRx(PhantomData))
+        (LinkTx(PhantomData), LinkRx::new())
     }
 }
 
@@ -90,13 +83,6 @@ impl LinkTx<'_> {
     pub async fn send(&self, packets: &mut Outgoing, urgency: Urgency) -> Result<(), Error> {
         *packets = LANES[urgency as usize].send(packets.hand_over(), || OFFERED.signal(())).await;
         Ok(())
-    }
-}
-
-impl LinkRx<'_> {
-    /// Waits for bytes and says how many came.
-    pub async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Error> {
-        Ok(REQUESTS.read(bytes).await)
     }
 }
 
