@@ -160,7 +160,8 @@ fn tare(state: &State) -> Result<Asked, Outcome> {
 
 /// The drive that is asked for, or why it cannot be.
 fn drive(request: &DriveRequest, sense: &Sense) -> Result<Asked, Outcome> {
-    let driven = sense.driven.as_ref().filter(|_| sense.state.phase == Phase::Live);
+    let is_there = matches!(sense.state.phase, Phase::Live | Phase::Taring);
+    let driven = sense.driven.as_ref().filter(|_| is_there);
     let Some(driven) = driven else { return Err(Outcome::refused(&sense.state.text)) };
     let drive = request.of(&driven.drive);
     match driven.check(&drive) {

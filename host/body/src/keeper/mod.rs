@@ -379,7 +379,10 @@ impl Board {
                     Asked::Drive(drive) => {
                         let before = patch.drive;
                         self.change_drive(stream.link(), patch, *drive)?;
-                        self.wants_tare |= patch.drive != before;
+                        if patch.drive != before {
+                            // The board begins that of a tare anew, which may take longer now.
+                            (self.wants_tare, averaging) = (true, None);
+                        }
                     }
                     Asked::Stop => {
                         stream.stop()?;

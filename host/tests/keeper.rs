@@ -1,0 +1,91 @@
+//! A board that a program keeps, as `serve` does: what it is asked for while it makes a reference.
+
+mod program;
+
+use dermatome::{
+    body::{
+        file::BodyFile,
+        keeper::{Keeper, Phase, Reference, Told},
+        surface,
+    },
+    shared::{drive::Drive, protocol::Selection},
+    skin::Skin,
+};
+use program::{Desk, Running, TINY};
+use std::{
+    path::Path,
+    sync::mpsc::{Receiver, channel},
+    thread,
+    time::{Duration, Instant},
+};
+
+const BODY: &str = "name = \"arm\"\n[[patches]]\nname = \"palm\"\nskin = \"skin.toml\"\nport = \"PORT\"\n\
+                    link = \"hand\"\nposition = [0, 0, 0]\norientation = [0, 0, 0, 1]\n";
+/// With raw codes: then a tare is made in the stream.
+const RECORDED: Selection =
+    Selection { images: 0, contacts: 1, measurements: 1, health: 0, scope: 0, scope_slot: 0 };
+const SERVED: Selection = Selection { measurements: 0, ..RECORDED };
+
+#[test]
+fn a_drive_that_is_asked_for_in_a_tare_is_that_of_the_reference() {
+    for selection in [RECORDED, SERVED] {
+        let (desk, _board, port) = board();
+        let (keeper, told) = keep(&desk, &port, selection);
+        let before = reference(&told);
+        wait(&told, |told| is(told, Phase::Live).then_some(()));
+        keeper.tare();
+        wait(&told, |told| is(told, Phase::Taring).then_some(()));
+        // Some of the frames that it averages have come.
+        thread::sleep(Duration::from_millis(300));
+        // So slow that this tare would not end in the time that it has.
+        let half = Drive::new(50e3, 0.5e-3, 4.0);
+        keeper.drive(half);
+        let driven = |told: Told| matches!(told, Told::Driven(driven) if driven.drive == half).then_some(());
+        wait(&told, driven);
+        let after = reference(&told);
+        assert_eq!(after.voltages.len(), before.voltages.len());
+        for (before, after) in before.voltages.iter().zip(&after.voltages) {
+            let ratio = after / before;
+            assert!((0.45..0.55).contains(&ratio), "of both drives: {ratio}");
+        }
+    }
+}
+
+/// A simulated board with the patch of a skin that nothing presses on.
+fn board() -> (Desk, Running, String) {
+    let desk = Desk::with_patch();
+    let (board, port) = desk.board("skin.toml", &["--live"]);
+    desk.run(&["flash", "skin.dermatome", "--port", &port]).success();
+    (desk, board, port)
+}
+
+fn keep(desk: &Desk, port: &str, selection: Selection) -> (Keeper, Receiver<Told>) {
+    desk.write("robot.toml", BODY.replace("PORT", port));
+    let file = BodyFile::load(&desk.path("robot.toml")).unwrap();
+    let skin = Skin::parse(Path::new("skin.toml"), TINY).unwrap().made().unwrap();
+    let surface = surface::of_skin(&skin).unwrap().unwrap();
+    let (sender, receiver) = channel();
+    let keeper = Keeper::start(&file.patches[0], surface, selection, move |told| {
+        let _ = sender.send(told);
+    });
+    (keeper.unwrap(), receiver)
+}
+
+fn reference(told: &Receiver<Told>) -> Reference {
+    wait(told, |told| if let Told::Reference(reference) = told { Some(*reference) } else { None })
+}
+
+fn is(told: Told, phase: Phase) -> bool {
+    matches!(told, Told::State(state) if state.phase == phase)
+}
+
+fn wait<T>(told: &Receiver<Told>, is_it: impl Fn(Told) -> Option<T>) -> T {
+    let until = Instant::now() + Duration::from_secs(20);
+    loop {
+        let told = told.recv_timeout(until.saturating_duration_since(Instant::now())).expect("told in time");
+        assert!(!matches!(&told, Told::State(state) if state.phase == Phase::Lost), "{told:?}");
+        if let Some(it) = is_it(told) {
+            return it;
+        }
+    }
+}
