@@ -5,6 +5,7 @@
 //! of the robot's links and by this computer's clock, and sums up what presses on each link ([`contact::Wrench`]).
 #![forbid(unsafe_code)]
 
+pub mod asking;
 mod body;
 pub mod contact;
 pub mod driven;

@@ -16,5 +16,4 @@ mod skin;
 
 pub use node::RosError;
 pub use robot::Robot;
-pub use service::Asked;
 pub use settings::Settings;

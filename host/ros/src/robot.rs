@@ -4,11 +4,10 @@ use crate::{
     message,
     names::{part, same},
     node::{LASTING, Publishers, RELIABLE, RosError, SENSOR_DATA, publish},
-    service::Asked,
     settings::Settings,
     skin::Skin,
 };
-use dermatome_body::{Body, file::BodyFile, keeper::Told};
+use dermatome_body::{Body, asking::Asked, file::BodyFile, keeper::Told};
 use dermatome_messages::{
     clock::now_ns,
     standard::{DiagnosticArray, Header, TfMessage, Time, WrenchStamped},

@@ -3,24 +3,15 @@
 use crate::node::{RELIABLE, RosError};
 use dermatome_body::{
     Sense,
-    keeper::{Phase, State, Told},
+    asking::{Asked, Outcome, Waiting},
+    keeper::Told,
 };
-use dermatome_messages::dermatome::{DriveRequest, number_of_gain};
-use dermatome_shared::drive::Drive;
+use dermatome_messages::dermatome::DriveRequest;
 use ros2_client::{
     Message, Name, Node, ServiceMapping, ServiceTypeName,
     service::{RmwRequestId, Server},
 };
 use serde::{Deserialize, Serialize};
-
-/// What a keeper is to do.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Asked {
-    /// Make a new reference.
-    Tare,
-    /// Drive the skin like this.
-    Drive(Drive),
-}
 
 /// std_srvs/srv/Trigger_Request: nothing, but that DDS adds a byte to.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -32,32 +23,13 @@ struct Nothing {}
 struct DriveMessage(DriveRequest);
 
 /// std_srvs/srv/Trigger_Response and dermatome_msgs/srv/Drive_Response
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Outcome {
-    success: bool,
-    message: String,
-}
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(transparent)]
+struct OutcomeMessage(Outcome);
 
 impl Message for Nothing {}
 impl Message for DriveMessage {}
-impl Message for Outcome {}
-
-impl Outcome {
-    fn done(message: impl Into<String>) -> Self {
-        Self { success: true, message: message.into() }
-    }
-
-    fn refused(message: impl Into<String>) -> Self {
-        Self { success: false, message: message.into() }
-    }
-}
-
-/// What a request waits for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Awaited {
-    Reference { has_begun: bool },
-    Drive(Drive),
-}
+impl Message for OutcomeMessage {}
 
 /// The services of one skin.
 pub(crate) struct Services {
@@ -67,8 +39,8 @@ pub(crate) struct Services {
 
 /// A service with what is not answered yet.
 struct Desk<Request: Message> {
-    server: Server<Request, Outcome>,
-    waiting: Vec<(RmwRequestId, Awaited)>,
+    server: Server<Request, OutcomeMessage>,
+    waiting: Waiting<RmwRequestId>,
 }
 
 impl Services {
@@ -88,8 +60,8 @@ impl Services {
 
     /// Takes what has been asked for; what cannot be is answered.
     pub(crate) fn requests(&mut self, sense: &Sense) -> Vec<Asked> {
-        let tares = self.tare.requests(|_| tare(&sense.state));
-        let drives = self.drive.requests(|DriveMessage(request)| drive(request, sense));
+        let tares = self.tare.requests(|_| Asked::tare(sense));
+        let drives = self.drive.requests(|DriveMessage(request)| Asked::drive(request, sense));
         tares.into_iter().chain(drives).collect()
     }
 
@@ -110,7 +82,7 @@ impl<Request: Message + Clone + 'static> Desk<Request> {
     ) -> Result<Self, RosError> {
         let name = Name::new(space, name).map_err(|error| RosError::Name(error.to_string()))?;
         let server = node.create_server(mapping, &name, kind, RELIABLE, RELIABLE)?;
-        Ok(Self { server, waiting: Vec::new() })
+        Ok(Self { server, waiting: Waiting::default() })
     }
 
     fn requests(&mut self, decide: impl Fn(&Request) -> Result<Asked, Outcome>) -> Vec<Asked> {
@@ -119,7 +91,7 @@ impl<Request: Message + Clone + 'static> Desk<Request> {
             match self.server.receive_request() {
                 Ok(Some((id, request))) => match decide(&request) {
                     Ok(wanted) => {
-                        self.waiting.push((id, Awaited::of(wanted)));
+                        self.waiting.add(id, &wanted);
                         asked.push(wanted);
                     }
                     Err(outcome) => answer(&self.server, id, outcome),
@@ -135,122 +107,16 @@ impl<Request: Message + Clone + 'static> Desk<Request> {
 
     fn hear(&mut self, told: &Told) {
         let Self { server, waiting } = self;
-        waiting.retain_mut(|(id, awaited)| {
-            let outcome = awaited.outcome(told);
-            outcome.map(|outcome| answer(server, *id, outcome)).is_none()
-        });
+        waiting.hear(told, |id, outcome| answer(server, *id, outcome));
     }
 }
 
-fn answer<Request: Message + 'static>(server: &Server<Request, Outcome>, id: RmwRequestId, outcome: Outcome) {
-    if let Err(error) = server.send_response(id, outcome) {
+fn answer<Request: Message + 'static>(
+    server: &Server<Request, OutcomeMessage>,
+    id: RmwRequestId,
+    outcome: Outcome,
+) {
+    if let Err(error) = server.send_response(id, OutcomeMessage(outcome)) {
         log::warn!("ROS does not take a reply: {error:?}");
-    }
-}
-
-/// Whether a new reference can be made, or why not.
-fn tare(state: &State) -> Result<Asked, Outcome> {
-    match state.phase {
-        Phase::Taring => Ok(Asked::Tare),
-        Phase::Live if state.text.is_empty() => Ok(Asked::Tare),
-        // It waits already.
-        _ => Err(Outcome::refused(&state.text)),
-    }
-}
-
-/// The drive that is asked for, or why it cannot be.
-fn drive(request: &DriveRequest, sense: &Sense) -> Result<Asked, Outcome> {
-    let is_there = matches!(sense.state.phase, Phase::Live | Phase::Taring);
-    let driven = sense.driven.as_ref().filter(|_| is_there);
-    let Some(driven) = driven else { return Err(Outcome::refused(&sense.state.text)) };
-    let drive = request.of(&driven.drive);
-    match driven.check(&drive) {
-        Err(error) => Err(Outcome::refused(error.to_string())),
-        Ok(()) if drive == driven.drive => Err(Outcome::done(in_words(&drive))),
-        Ok(()) => Ok(Asked::Drive(drive)),
-    }
-}
-
-fn in_words(drive: &Drive) -> String {
-    let gain = match number_of_gain(drive.gain) {
-        0 => "automatic".to_owned(),
-        gain => gain.to_string(),
-    };
-    let Drive { frequency, amplitude, frame_rate, .. } = drive;
-    format!("{frequency} Hz, {amplitude} A, {frame_rate} frames a second, gain {gain}")
-}
-
-impl Awaited {
-    fn of(asked: Asked) -> Self {
-        match asked {
-            Asked::Tare => Self::Reference { has_begun: false },
-            Asked::Drive(drive) => Self::Drive(drive),
-        }
-    }
-
-    /// What became of it, if this tells.
-    fn outcome(&mut self, told: &Told) -> Option<Outcome> {
-        match (self, told) {
-            (_, Told::State(state)) if !matches!(state.phase, Phase::Live | Phase::Taring) => {
-                Some(Outcome::refused(&state.text))
-            }
-            (Self::Reference { has_begun }, Told::State(state)) => match state.phase {
-                Phase::Taring => {
-                    *has_begun = true;
-                    None
-                }
-                _ if !state.text.is_empty() => Some(Outcome::refused(&state.text)),
-                _ => has_begun.then(|| Outcome::done("the reference is made")),
-            },
-            (Self::Drive(wanted), Told::Driven(driven)) if driven.drive == *wanted => {
-                Some(Outcome::done(in_words(&driven.drive)))
-            }
-            (Self::Drive(_), Told::NotDriven(why)) => Some(Outcome::refused(why)),
-            _ => None,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use dermatome_body::driven::Driven;
-
-    fn state(phase: Phase, text: &str) -> Told {
-        Told::State(State { phase, text: text.to_owned() })
-    }
-
-    #[test]
-    fn a_tare_is_answered_once_its_reference_is_made() {
-        let mut awaited = Awaited::of(Asked::Tare);
-        // The end of one that was under way.
-        assert_eq!(awaited.outcome(&state(Phase::Live, "")), None);
-        let frame = Told::Frame { frame: Box::default(), received_ns: 0, missing: 0 };
-        assert_eq!(awaited.outcome(&frame), None);
-        assert_eq!(awaited.outcome(&state(Phase::Taring, "averaging the untouched skin")), None);
-        let done = Some(Outcome::done("the reference is made"));
-        assert_eq!(awaited.outcome(&state(Phase::Live, "")), done);
-    }
-
-    #[test]
-    fn a_tare_under_a_press_or_of_a_board_that_is_lost_is_answered_with_the_reason() {
-        for phase in [Phase::Live, Phase::Lost, Phase::NotTared] {
-            let refused = Some(Outcome::refused("why"));
-            assert_eq!(Awaited::of(Asked::Tare).outcome(&state(phase, "why")), refused);
-        }
-        let State { phase, text } = State { phase: Phase::Lost, text: "gone".to_owned() };
-        assert_eq!(tare(&State { phase, text }), Err(Outcome::refused("gone")));
-    }
-
-    #[test]
-    fn a_drive_is_answered_once_the_board_has_it_or_refused_it() {
-        let drive = Drive::new(100e3, 1e-3, 50.0);
-        let mut awaited = Awaited::of(Asked::Drive(drive));
-        let driven = |drive| Told::Driven(Box::new(Driven { drive, front_end: None }));
-        assert_eq!(awaited.outcome(&driven(Drive::new(50e3, 1e-3, 50.0))), None);
-        let outcome = awaited.outcome(&driven(drive)).unwrap();
-        assert_eq!(outcome, Outcome::done("100000 Hz, 0.001 A, 50 frames a second, gain automatic"));
-        let refused = Some(Outcome::refused("no"));
-        assert_eq!(awaited.outcome(&Told::NotDriven("no".to_owned())), refused);
     }
 }

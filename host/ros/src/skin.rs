@@ -4,11 +4,12 @@ use crate::{
     message,
     names::part,
     node::{Publishers, RosError, SENSOR_DATA, publish},
-    service::{Asked, Services},
+    service::Services,
     settings::Settings,
 };
 use dermatome_body::{
     Report, Sense,
+    asking::Asked,
     file::BodyFile,
     keeper::{Phase, Told},
 };

@@ -172,6 +172,12 @@ fn wrong(command: &str, option: &str) -> Option<&'static [&'static str]> {
         // Only a program that is built with Zenoh reads it (host/tests/zenoh).
         ("serve" | "body", "zenoh-config") => &[],
         ("serve" | "body", "zenoh-connect" | "zenoh-listen") => &["", "x", "tcp/", "/127.0.0.1:1"],
+        // What a skin's name may be, the robot says.
+        ("body", "tare" | "drive") => &[],
+        ("body", "frequency") => &["", "x", "nan", "0", "-1", "5 furlong", "inf", "1 mA"],
+        ("body", "amplitude") => &["", "x", "nan", "0", "-1 mA", "5 furlong", "1", "50%"],
+        ("body", "frame-rate") => &["", "x", "nan", "0", "-1", "5 furlong", "inf", "1 mA"],
+        ("body", "gain") => &["", "x", "-1", "0.5", "Automatic"],
         ("serve" | "body" | "demo", "duration") => &["", "x", "nan", "-1", "1e30"],
         (_, "give-up-after") => &["", "x", "nan", "-1", "1e30"],
         ("calibrate", "start") => NUMBERS,

@@ -6,6 +6,7 @@
 
 mod hearing;
 mod networks;
+mod orders;
 #[path = "../program/mod.rs"]
 mod program;
 mod strangers;

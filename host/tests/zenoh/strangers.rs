@@ -35,7 +35,7 @@ fn certify(desk: &Desk, folder: &str, computers: &[&str]) {
 fn serve(desk: &Desk, computer: &str, port: u16, config: &str) -> Running {
     let (file, settings) = (format!("{computer}.toml"), format!("{computer}.json5"));
     desk.write(&settings, config.replace("192.168.0.10:7447", &format!("127.0.0.1:{port}")));
-    let mut serve = desk.start(&["serve", &file, "--zenoh", "--zenoh-config", &settings]);
+    let mut serve = desk.start(&["serve", &file, "--zenoh-orders", "--zenoh-config", &settings]);
     serve.read_output();
     serve
 }
@@ -76,6 +76,16 @@ fn a_stranger_is_refused_and_a_computer_of_the_robot_is_heard() {
     let heard: Vec<&str> =
         report["patches"].as_array().unwrap().iter().map(|it| it["patch"].as_str().unwrap()).collect();
     assert_eq!(heard, ["left_arm"], "{report:#}");
+
+    // Nobody but `left_arm` is there to be ordered either, once it is connected again.
+    let drive = ["--drive", "all", "--gain", "8"];
+    let ordered =
+        desk.run(&[&["body", "arm", "--zenoh-config", "body.json5"], &drive[..]].concat()).success();
+    assert!(
+        ordered.out.starts_with("left_arm: 50000 Hz") && ordered.out.lines().count() == 1,
+        "{}",
+        ordered.out
+    );
 }
 
 #[test]

@@ -44,6 +44,26 @@ impl Topic {
     }
 }
 
+/// What a skin is asked to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// Make a new reference.
+    Tare,
+    /// Be driven as [`dermatome_messages::dermatome::DriveRequest`] says.
+    Drive,
+}
+
+impl Order {
+    /// The last part of its key.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Tare => "tare",
+            Self::Drive => "drive",
+        }
+    }
+}
+
 /// A skin of a robot.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Space {
@@ -71,6 +91,17 @@ impl Space {
     /// The key of whatever it is asked for.
     pub(crate) fn of_queries(&self) -> String {
         format!("{self}/*")
+    }
+
+    /// The key under which it is asked to do this.
+    #[must_use]
+    pub fn of_order(&self, order: Order) -> String {
+        format!("{self}/ask/{}", order.name())
+    }
+
+    /// The key of whatever it is asked to do.
+    pub(crate) fn of_orders(&self) -> String {
+        format!("{self}/ask/*")
     }
 
     /// The key that is there as long as this run of a program serves it.

@@ -33,9 +33,9 @@ const ASKED: Duration = Duration::from_secs(1);
 const FIRST_ASKED: Duration = Duration::from_millis(150);
 const FIRST: u32 = 8;
 /// How long an answer may take.
-const ANSWERED: Duration = Duration::from_secs(1);
+pub(crate) const ANSWERED: Duration = Duration::from_secs(1);
 /// How often robots are looked for.
-const LOOK: Duration = Duration::from_millis(200);
+pub(crate) const LOOK: Duration = Duration::from_millis(200);
 
 /// What was heard.
 #[derive(Clone, Debug, PartialEq)]
@@ -326,7 +326,7 @@ impl Listener {
 }
 
 /// The only robot that is there, once one is.
-fn find(session: &Session, is_over: impl Fn() -> bool) -> Result<Option<String>, ZenohError> {
+pub(crate) fn find(session: &Session, is_over: impl Fn() -> bool) -> Result<Option<String>, ZenohError> {
     while !is_over() {
         let replies = session.liveliness().get(all_alive(None)).timeout(ANSWERED).wait()?;
         let mut robots = BTreeSet::new();

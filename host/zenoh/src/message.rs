@@ -6,9 +6,11 @@
 
 use dermatome_body::{
     Report,
+    asking::Outcome,
     contact::SkinContact,
     keeper::{Phase, Reference},
 };
+use dermatome_messages::dermatome::DriveRequest;
 use dermatome_shared::{
     contact::Contact,
     health::{self, Vitals},
@@ -228,6 +230,19 @@ impl Message for Tare {
     }
 }
 
+impl Message for DriveRequest {
+    fn fault(&self) -> Option<&'static str> {
+        // What is not allowed depends on the board.
+        None
+    }
+}
+
+impl Message for Outcome {
+    fn fault(&self) -> Option<&'static str> {
+        (self.message.len() > 4 * MOST_OF_TEXT).then_some("message")
+    }
+}
+
 /// The computer's time, ns since 1970.
 impl Message for u64 {
     fn fault(&self) -> Option<&'static str> {
@@ -330,6 +345,9 @@ mod tests {
         );
         let frame = "ac02f0a20401";
         assert_eq!(hex(&encode(&contacts())), format!("{frame}8080808080808080100201{contact}"));
+        let drive = DriveRequest { frame_rate: 0.5, ..DriveRequest::AS_IT_IS };
+        assert_eq!(hex(&encode(&drive)), format!("0000c07f0000c07f{float}ff"));
+        assert_eq!(hex(&encode(&Outcome::refused("no"))), "00026e6f");
         assert_eq!(hex(&encode(&state())), "046c6566740509617665726167696e670102ac02");
     }
 
@@ -362,6 +380,7 @@ mod tests {
     /// All that a stranger's bytes may be taken for.
     fn decode_all(bytes: &[u8]) {
         let _ = (stamp(bytes), decode::<Contacts>(bytes), decode::<Image>(bytes), decode::<Health>(bytes));
+        let _ = (decode::<Outcome>(bytes), decode::<DriveRequest>(bytes));
         let _ = (decode::<State>(bytes), decode::<Skin>(bytes), decode::<Tare>(bytes), decode::<u64>(bytes));
     }
 

@@ -1,11 +1,12 @@
 //! Outlet: what one skin tells, and answers when it is asked.
 
 use crate::{
+    asking::Desk,
     key::{Space, Topic},
     message::{Contacts, Health, Image, Stamp, State, Tare, Version, encode, shortened},
     settings::ZenohError,
 };
-use dermatome_body::{Report, Sense, keeper::Told};
+use dermatome_body::{Report, Sense, asking::Asked, keeper::Told};
 use dermatome_link::ScanFrame;
 use dermatome_messages::clock::now_ns;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -36,6 +37,7 @@ pub(crate) struct Outlet {
     health: Counted,
     state: Counted,
     answers: Arc<Mutex<Answers>>,
+    desk: Desk,
     /// When an image was told last, ns since 1970.
     drawn: u64,
     _queryable: Queryable<()>,
@@ -85,6 +87,7 @@ impl Outlet {
         space: &Space,
         server: &Server,
         skin: &crate::message::Skin,
+        takes_orders: bool,
     ) -> Result<Self, ZenohError> {
         let run = server.run;
         let declare = |topic, is_urgent| Counted::declare(session, space.of(topic), run, is_urgent);
@@ -105,6 +108,7 @@ impl Outlet {
             health: declare(Topic::Health, false)?,
             state: declare(Topic::State, true)?,
             answers,
+            desk: Desk::open(session, space, run, takes_orders)?,
             drawn: 0,
             _queryable: queryable,
             // Last, as it says that all else is there.
@@ -114,6 +118,7 @@ impl Outlet {
 
     /// Tells what came.
     pub(crate) fn tell(&mut self, sense: &Sense, told: &Told) {
+        self.desk.hear(told);
         match told {
             Told::State(_) => self.stand(sense),
             Told::Reference(reference) => {
@@ -127,6 +132,11 @@ impl Outlet {
             }
             Told::Patch { .. } | Told::Driven(_) | Told::NotDriven(_) => {}
         }
+    }
+
+    /// What its keeper is asked to do.
+    pub(crate) fn requests(&mut self, sense: &Sense) -> Vec<Asked> {
+        self.desk.requests(sense)
     }
 
     /// Whoever asks for the skin gets this one from now on.

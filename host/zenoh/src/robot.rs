@@ -8,6 +8,7 @@ use crate::{
 };
 use dermatome_body::{
     Body, Sense,
+    asking::Asked,
     file::{BodyFile, Patch},
     keeper::Told,
 };
@@ -28,14 +29,21 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Opens the skins of a body file, whose skin files hold these texts, to the network.
-    pub fn start(file: &BodyFile, texts: &[String], settings: &Settings) -> Result<Self, ZenohError> {
+    /// Opens the skins of a body file, whose skin files hold these texts, to the network, where others may tare and drive them
+    /// if it takes orders.
+    pub fn start(
+        file: &BodyFile,
+        texts: &[String],
+        settings: &Settings,
+        takes_orders: bool,
+    ) -> Result<Self, ZenohError> {
         let session = settings.open()?;
         let skins: Vec<Skin> =
             file.patches.iter().zip(texts).map(|(patch, text)| skin(patch, text)).collect();
         let server = Server { computer: computer(), run: run(&session) };
-        let open =
-            |(patch, skin): (&Patch, &Skin)| Outlet::open(&session, &space(&file.name, patch), &server, skin);
+        let open = |(patch, skin): (&Patch, &Skin)| {
+            Outlet::open(&session, &space(&file.name, patch), &server, skin, takes_orders)
+        };
         let outlets = file.patches.iter().zip(&skins).map(open).collect::<Result<_, _>>()?;
         Ok(Self { session, outlets, skins, told: Instant::now() })
     }
@@ -52,15 +60,20 @@ impl Robot {
         outlet.tell(sense, told);
     }
 
-    /// Tells all states again where it is time.
-    pub fn attend(&mut self, body: &Body) {
-        if self.told.elapsed() < PULSE {
-            return;
+    /// Tells all states again where it is time; gives what keepers are asked to do, by their patches.
+    pub fn attend(&mut self, body: &Body) -> Vec<(usize, Asked)> {
+        let is_time = self.told.elapsed() >= PULSE;
+        if is_time {
+            self.told = Instant::now();
         }
-        self.told = Instant::now();
-        for (outlet, sense) in self.outlets.iter_mut().zip(body.senses()) {
-            outlet.stand(sense);
+        let mut wanted = Vec::new();
+        for (index, (outlet, sense)) in self.outlets.iter_mut().zip(body.senses()).enumerate() {
+            if is_time {
+                outlet.stand(sense);
+            }
+            wanted.extend(outlet.requests(sense).into_iter().map(|asked| (index, asked)));
         }
+        wanted
     }
 
     /// Leaves the network: others know at once.

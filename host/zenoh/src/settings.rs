@@ -51,6 +51,16 @@ pub enum ZenohError {
     /// More robots than one, and none was named.
     #[error("there are the robots `{0}`; name one of them")]
     Robots(String),
+    /// No such skin.
+    #[error("no computer serves a skin `{patch}` of the robot `{robot}`; there are: {}", if known.is_empty() { "none" } else { known.as_str() })]
+    Patch {
+        /// The robot's name.
+        robot: String,
+        /// The skin's.
+        patch: String,
+        /// Those that are there.
+        known: String,
+    },
     /// What Zenoh does not do.
     #[error("Zenoh: {0}")]
     Zenoh(String),

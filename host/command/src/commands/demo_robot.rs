@@ -95,6 +95,7 @@ fn play(file: &BodyFile, wishes: &Wishes<'_>, audience: &mut Audience) -> anyhow
         tare: false,
         ros: wishes.ros.then_some(None),
         zenoh: None,
+        zenoh_orders: false,
         page: wishes.page.map(|listen| (listen, &doors)),
         record: None,
         prints: false,

@@ -82,7 +82,7 @@ class Desk:
         self.subscriber = self.session.declare_subscriber(f"{SPACE}/*", self.hear)
         self.printed = path / "printed.jsonl"
         with self.printed.open("w") as printed, (path / "serve.log").open("w") as errors:
-            arguments = [program, "serve", "robot.toml", "--zenoh-connect", endpoint]
+            arguments = [program, "serve", "robot.toml", "--zenoh-orders", "--zenoh-connect", endpoint]
             self.served = subprocess.Popen(
                 arguments, cwd=path, stdin=subprocess.DEVNULL, stdout=printed, stderr=errors
             )
@@ -193,6 +193,30 @@ class B_Questions(unittest.TestCase):
         state = messages.state(desk.ask("state"))
         self.assertEqual((state.phase, state.text), ("live", ""))
         self.assertEqual(state.computer, socket.gethostname())
+
+    def test_to_drive(self):
+        outcome = self.order("drive", messages.drive(frame_rate=40))
+        self.assertTrue(outcome.success, outcome.message)
+        self.assertIn("40 frames a second", outcome.message)
+        for payload, words in [
+            (messages.drive(frequency=-1), "`frequency` is -1"),
+            (messages.drive(gain=3), "`gain` is 3; allowed: "),
+            (b"\x01", "the request is not read: 1 bytes"),
+            (None, "the request is not read: 0 bytes"),
+        ]:
+            outcome = self.order("drive", payload)
+            self.assertFalse(outcome.success)
+            self.assertTrue(outcome.message.startswith(words), outcome.message)
+        other = bytes([99]) + bytes(10)
+        outcome = self.order("drive", messages.drive(frame_rate=50), attachment=other)
+        self.assertIn("messages of version 99/", outcome.message)
+        outcome = self.order("*", None)
+        self.assertEqual((outcome.success, outcome.message), (False, "allowed: `tare` or `drive`, one of them"))
+
+    def order(self, name, payload, **more):
+        asked = desk.session.get(f"dermatome/arm/*/palm/ask/{name}", payload=payload, timeout=20, **more)
+        [reply] = list(asked)
+        return messages.outcome(reply.ok.payload.to_bytes())
 
     def test_who_serves_is_alive_and_then_not(self):
         alive = f"{SPACE}/alive/*"

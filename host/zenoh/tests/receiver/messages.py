@@ -1,5 +1,6 @@
 """Messages of `dermatome serve --zenoh`, read from postcard's encoding by src/message.rs."""
 
+import math
 import struct
 from types import SimpleNamespace
 
@@ -115,3 +116,13 @@ def tare(data):
     found = SimpleNamespace(made_ns=it.maybe(it.number))
     found.voltages = it.list(lambda: it.floats(1, "d")[0])
     return it.end(found)
+
+
+def outcome(data):
+    it = Reader(data)
+    return it.end(SimpleNamespace(success=it.take(1) == b"\1", message=it.text()))
+
+
+def drive(frequency=math.nan, amplitude=math.nan, frame_rate=math.nan, gain=255):
+    """What `ask/drive` takes: Hz, A, 1/s, 0 for an automatic gain; what is left out stays as it is."""
+    return struct.pack("<3fB", frequency, amplitude, frame_rate, gain)

@@ -8,10 +8,13 @@ use crate::commands::{
     serve::{lines, table},
 };
 use anyhow::{Context, ensure};
+use dermatome_body::asking::Outcome;
 use dermatome_link::words::escaped;
+use dermatome_messages::dermatome::DriveRequest;
 use dermatome_view::terminal::Screen;
 use dermatome_zenoh::{
     Listener, Merge, Settings,
+    key::Space,
     merge::{Change, Finding, Totals},
 };
 use serde::Serialize;
@@ -21,6 +24,8 @@ use std::time::{Duration, Instant};
 const LOOK: Duration = Duration::from_millis(20);
 /// How often the table is drawn.
 const DRAWN: Duration = Duration::from_millis(500);
+
+const NOBODY: &str = "no computer serves a robot's skins; run `dermatome serve --zenoh` there";
 
 #[derive(Serialize)]
 struct Report<'a> {
@@ -52,8 +57,7 @@ pub(super) fn run(
     is_over: impl Fn() -> bool,
 ) -> anyhow::Result<()> {
     let listener = Listener::open(name, &Settings::from(network), &is_over)?;
-    let listener =
-        listener.context("no computer serves a robot's skins; run `dermatome serve --zenoh` there")?;
+    let listener = listener.context(NOBODY)?;
     let screen = Screen::default();
     let lines = if screen.is_visible() { None } else { Some(Lines::start(lines::dropped)?) };
     let now = Instant::now();
@@ -75,6 +79,31 @@ pub(super) fn run(
     ended?;
     written?;
     ensure!(!is_nobody, "no computer serves skins of a robot of that name: it is the one in the body files");
+    Ok(())
+}
+
+/// Asks skins of these names, or all, for a new reference or to be driven like that.
+pub(super) fn ask(
+    name: Option<&str>,
+    patches: &[String],
+    drive: Option<&DriveRequest>,
+    network: &Network,
+    is_over: impl Fn() -> bool,
+) -> anyhow::Result<()> {
+    let (mut asked, mut refused) = (0, 0);
+    let tell = |space: &Space, outcome: Outcome| {
+        asked += 1;
+        let (patch, words) = (&space.patch, escaped(&outcome.message));
+        if outcome.success {
+            say!("{patch}: {words}");
+        } else {
+            refused += 1;
+            eprintln!("{patch}: not done: {words}");
+        }
+    };
+    dermatome_zenoh::ask(name, patches, drive, &Settings::from(network), is_over, tell)?;
+    ensure!(asked > 0, NOBODY);
+    ensure!(refused == 0, "{refused} of {asked} skins have not done it");
     Ok(())
 }
 

@@ -3,9 +3,10 @@
 #[cfg_attr(not(feature = "zenoh"), path = "without_zenoh.rs")]
 mod merged;
 
-use super::{JsonReport, interrupt, network::Network};
+use super::{JsonReport, drive, interrupt, network::Network};
 use anyhow::ensure;
 use dermatome_body::file::is_part_of_topic;
+use dermatome_messages::dermatome::{DriveRequest, number_of_gain};
 use std::time::{Duration, Instant};
 
 /// Hear what all computers of a robot serve, as one body: contacts of every skin, and what presses on each link.
@@ -15,10 +16,16 @@ use std::time::{Duration, Instant};
 /// Times are by this computer's clock. Needs a program built with `--features zenoh`.
 ///
 /// Prints the lines that `serve` prints (docs/serve.md); on a terminal a table instead.
+///
+/// With `--tare` or `--drive` it asks computers whose `serve` has `--zenoh-orders` for that, says what became of it, and ends:
+/// with an error where a skin is not tared, or not driven like that.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   dermatome body
   dermatome body arm --zenoh-listen tcp/0.0.0.0:7447 | python3 controller.py
+  dermatome body arm --tare palm --tare elbow
+  dermatome body arm --tare all
+  dermatome body arm --drive palm --frequency \"100 kHz\" --gain 8
   dermatome body arm --zenoh-config body.json5 --duration 60 --json report.json > contacts.jsonl")]
 pub(super) struct Args {
     /// Name of the robot, of its body files; the only one that is there, unless it is given.
@@ -27,10 +34,63 @@ pub(super) struct Args {
     /// Stop after so many seconds, instead of at Ctrl-C.
     #[arg(long, value_name = "SECONDS", value_parser = super::stream::seconds)]
     duration: Option<Duration>,
+    /// Make a new reference of this skin, or of `all`, once nothing presses; may be repeated.
+    #[arg(long, value_name = "PATCH", conflicts_with_all = ["drive", "duration", "json"])]
+    tare: Vec<String>,
+    /// Drive this skin, or `all`, otherwise until its board starts anew; may be repeated.
+    #[arg(long, value_name = "PATCH", requires = "Change", conflicts_with_all = ["duration", "json"])]
+    drive: Vec<String>,
+    #[command(flatten)]
+    change: Change,
     #[command(flatten)]
     network: Network,
     #[command(flatten)]
     json: JsonReport,
+}
+
+/// How skins are to be driven.
+#[derive(clap::Args)]
+struct Change {
+    /// Carrier frequency: "50 kHz", or a number in Hz.
+    #[arg(long, value_name = "FREQUENCY", requires = "drive", allow_hyphen_values = true)]
+    frequency: Option<String>,
+    /// Current amplitude: "0.5 mA".
+    #[arg(long, value_name = "AMPLITUDE", requires = "drive", allow_hyphen_values = true)]
+    amplitude: Option<String>,
+    /// Frames a second: "50 Hz", or a number.
+    #[arg(long, value_name = "RATE", requires = "drive", allow_hyphen_values = true)]
+    frame_rate: Option<String>,
+    /// Gain of the programmable amplifier: automatic, 1, 2, 4, 8, 16, 32 or 64.
+    #[arg(long, value_name = "GAIN", requires = "drive")]
+    gain: Option<String>,
+}
+
+impl Change {
+    /// As skins are asked for it; what their boards cannot do they say themselves.
+    fn request(&self) -> anyhow::Result<DriveRequest> {
+        let read = |name, text: Option<&str>, read: fn(&str) -> anyhow::Result<f32>| {
+            // Not a number means as it is.
+            let Some(text) = text else { return Ok(f32::NAN) };
+            let value = read(text)?;
+            ensure!(value > 0.0 && value.is_finite(), "`--{name}` is {text}; allowed: more than 0");
+            Ok(value)
+        };
+        let amplitude = |text: &str| drive::amplitude(text, None);
+        Ok(DriveRequest {
+            frequency: read("frequency", self.frequency.as_deref(), drive::frequency)?,
+            amplitude: read("amplitude", self.amplitude.as_deref(), amplitude)?,
+            frame_rate: read("frame-rate", self.frame_rate.as_deref(), drive::frame_rate)?,
+            gain: match &self.gain {
+                Some(text) => number_of_gain(drive::gain(text)?),
+                None => DriveRequest::AS_IT_IS.gain,
+            },
+        })
+    }
+}
+
+/// The skins that are named, none of which stands for all.
+fn named(patches: &[String]) -> &[String] {
+    if patches.iter().any(|patch| patch == "all") { &[] } else { patches }
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
@@ -45,5 +105,12 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let begun = Instant::now();
     let is_over =
         || interrupt::requested() || args.duration.is_some_and(|duration| begun.elapsed() >= duration);
+    if !args.drive.is_empty() {
+        let request = args.change.request()?;
+        return merged::ask(name, named(&args.drive), Some(&request), &args.network, is_over);
+    }
+    if !args.tare.is_empty() {
+        return merged::ask(name, named(&args.tare), None, &args.network, is_over);
+    }
     merged::run(name, &args.network, &args.json, is_over)
 }

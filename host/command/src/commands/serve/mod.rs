@@ -103,6 +103,10 @@ pub(super) struct Args {
     /// Also tell other computers, which `dermatome body` joins (docs/zenoh.md), in a program built with `--features zenoh`.
     #[arg(long)]
     zenoh: bool,
+    /// Let other computers tare skins and change how they are driven (`dermatome body --tare`). Whoever is let into the network
+    /// can: see docs/zenoh.md on strangers.
+    #[arg(long)]
+    zenoh_orders: bool,
     #[command(flatten)]
     network: Network,
     /// Also serve the page, and the Foxglove WebSocket protocol for other programs, at this address: 127.0.0.1:8765. The page
@@ -152,6 +156,8 @@ pub(super) struct Manner<'a> {
     pub(super) ros: Option<Option<u16>>,
     /// It tells other computers, by these settings.
     pub(super) zenoh: Option<&'a Network>,
+    /// Those may tare and drive it.
+    pub(super) zenoh_orders: bool,
     /// The page is there.
     pub(super) page: Option<(SocketAddr, &'a Doors)>,
     /// It is recorded to this file.
@@ -193,6 +199,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         tare: args.tare || args.record.is_some(),
         ros: args.ros.then_some(args.domain),
         zenoh: args.is_on_network().then_some(&args.network),
+        zenoh_orders: args.zenoh_orders,
         page: args.listen.map(|listen| (listen, &args.doors)),
         record: args.record.as_ref(),
         prints: true,
@@ -231,7 +238,7 @@ pub(super) fn serve(
         keepers.iter().for_each(Keeper::tare);
     }
     // Last, as others know it from here on.
-    let zenoh = manner.zenoh.map(|network| Zenoh::start(file, network)).transpose()?;
+    let zenoh = manner.zenoh.map(|network| Zenoh::start(file, network, manner.zenoh_orders)).transpose()?;
     let mut served =
         Served::new(file, &keepers, onlookers.transpose()?, ros, zenoh, manner.prints, follower)?;
     let begun = Instant::now();
@@ -260,7 +267,7 @@ pub(super) fn serve(
 
 impl Args {
     fn is_on_network(&self) -> bool {
-        self.zenoh || self.network.is_given()
+        self.zenoh || self.zenoh_orders || self.network.is_given()
     }
 }
 
@@ -388,7 +395,7 @@ impl<'a> Served<'a> {
                 ros.attend(&self.body, self.keepers);
             }
             if let Some(zenoh) = &mut self.zenoh {
-                zenoh.attend(&self.body);
+                zenoh.attend(&self.body, self.keepers);
             }
             if let Some(onlookers) = &mut self.onlookers {
                 onlookers.answer(self.keepers, self.body.senses());

@@ -6,7 +6,7 @@ use dermatome_body::{
     file::BodyFile,
     keeper::{Keeper, Told},
 };
-use dermatome_ros::{Asked, Robot, Settings};
+use dermatome_ros::{Robot, Settings};
 
 /// The node.
 pub(super) struct Ros {
@@ -34,10 +34,8 @@ impl Ros {
     /// Passes on what services ask for.
     pub(super) fn attend(&mut self, body: &Body, keepers: &[Keeper]) {
         for (index, asked) in self.robot.attend(body) {
-            let Some(keeper) = keepers.get(index) else { continue };
-            match asked {
-                Asked::Tare => keeper.tare(),
-                Asked::Drive(drive) => keeper.drive(drive),
+            if let Some(keeper) = keepers.get(index) {
+                asked.pass_to(keeper);
             }
         }
     }

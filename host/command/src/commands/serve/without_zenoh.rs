@@ -2,13 +2,17 @@
 
 use crate::commands::network::Network;
 use anyhow::bail;
-use dermatome_body::{Body, file::BodyFile, keeper::Told};
+use dermatome_body::{
+    Body,
+    file::BodyFile,
+    keeper::{Keeper, Told},
+};
 
 /// There is none.
 pub(super) enum Zenoh {}
 
 impl Zenoh {
-    pub(super) fn start(_: &BodyFile, _: &Network) -> anyhow::Result<Self> {
+    pub(super) fn start(_: &BodyFile, _: &Network, _: bool) -> anyhow::Result<Self> {
         bail!(
             "`--zenoh`: this program is built without Zenoh; build it with `cargo build --release --features zenoh` (docs/zenoh.md)"
         )
@@ -18,7 +22,7 @@ impl Zenoh {
         match *self {}
     }
 
-    pub(super) fn attend(&mut self, _: &Body) {
+    pub(super) fn attend(&mut self, _: &Body, _: &[Keeper]) {
         match *self {}
     }
 

@@ -2,7 +2,11 @@
 
 use crate::commands::network::Network;
 use anyhow::Context;
-use dermatome_body::{Body, file::BodyFile, keeper::Told};
+use dermatome_body::{
+    Body,
+    file::BodyFile,
+    keeper::{Keeper, Told},
+};
 use dermatome_patch::input::read_text;
 use dermatome_zenoh::{Robot, Settings};
 
@@ -12,10 +16,11 @@ pub(super) struct Zenoh {
 }
 
 impl Zenoh {
-    pub(super) fn start(file: &BodyFile, network: &Network) -> anyhow::Result<Self> {
+    pub(super) fn start(file: &BodyFile, network: &Network, takes_orders: bool) -> anyhow::Result<Self> {
         let text = |path| read_text(path).with_context(|| format!("skin file `{}`", path.display()));
         let texts = file.patches.iter().map(|patch| text(&patch.path)).collect::<anyhow::Result<Vec<_>>>()?;
-        let robot = Robot::start(file, &texts, &Settings::from(network)).context("`--zenoh`")?;
+        let robot =
+            Robot::start(file, &texts, &Settings::from(network), takes_orders).context("`--zenoh`")?;
         log::info!("dermatome/{} on the network", file.name);
         Ok(Self { robot })
     }
@@ -25,9 +30,13 @@ impl Zenoh {
         self.robot.tell(body, index, told);
     }
 
-    /// Tells that this computer goes on.
-    pub(super) fn attend(&mut self, body: &Body) {
-        self.robot.attend(body);
+    /// Tells that this computer goes on, and passes on what others ask for.
+    pub(super) fn attend(&mut self, body: &Body, keepers: &[Keeper]) {
+        for (index, asked) in self.robot.attend(body) {
+            if let Some(keeper) = keepers.get(index) {
+                asked.pass_to(keeper);
+            }
+        }
     }
 
     /// Leaves the network.

@@ -1,0 +1,215 @@
+//! Asking: what others ask of a board over a network, and when that is answered.
+
+use crate::{
+    Sense,
+    keeper::{Keeper, Phase, State, Told},
+};
+use dermatome_messages::dermatome::{DriveRequest, number_of_gain};
+use dermatome_shared::drive::Drive;
+use serde::{Deserialize, Serialize};
+
+/// What a keeper is to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Asked {
+    /// Make a new reference.
+    Tare,
+    /// Drive the skin like this.
+    Drive(Drive),
+}
+
+/// What became of it; as std_srvs/srv/Trigger_Response and dermatome_msgs/srv/Drive_Response.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Whether it is done.
+    pub success: bool,
+    /// What is done, or why it is not, in words.
+    pub message: String,
+}
+
+/// Who waits for what they have asked of one board, by who they are.
+#[derive(Debug)]
+pub struct Waiting<Asker>(Vec<(Asker, Awaited)>);
+
+/// What a request waits for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Awaited {
+    Reference { has_begun: bool },
+    Drive(Drive),
+}
+
+impl Asked {
+    /// Whether a new reference can be made, or why not.
+    pub fn tare(sense: &Sense) -> Result<Self, Outcome> {
+        let state = &sense.state;
+        match state.phase {
+            Phase::Taring => Ok(Self::Tare),
+            Phase::Live if state.text.is_empty() => Ok(Self::Tare),
+            // It waits already.
+            _ => Err(Outcome::refused(&state.text)),
+        }
+    }
+
+    /// The drive that is asked for, or why it cannot be.
+    pub fn drive(request: &DriveRequest, sense: &Sense) -> Result<Self, Outcome> {
+        let is_there = matches!(sense.state.phase, Phase::Live | Phase::Taring);
+        let driven = sense.driven.as_ref().filter(|_| is_there);
+        let Some(driven) = driven else { return Err(Outcome::refused(&sense.state.text)) };
+        let drive = request.of(&driven.drive);
+        match driven.check(&drive) {
+            Err(error) => Err(Outcome::refused(error.to_string())),
+            Ok(()) if drive == driven.drive => Err(Outcome::done(in_words(&drive))),
+            Ok(()) => Ok(Self::Drive(drive)),
+        }
+    }
+
+    /// Has a keeper do it.
+    pub fn pass_to(self, keeper: &Keeper) {
+        match self {
+            Self::Tare => keeper.tare(),
+            Self::Drive(drive) => keeper.drive(drive),
+        }
+    }
+}
+
+impl Outcome {
+    fn done(message: impl Into<String>) -> Self {
+        Self { success: true, message: message.into() }
+    }
+
+    /// Why it is not done.
+    pub fn refused(message: impl Into<String>) -> Self {
+        Self { success: false, message: message.into() }
+    }
+}
+
+impl<Asker> Default for Waiting<Asker> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<Asker> Waiting<Asker> {
+    /// How many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Somebody waits for this.
+    pub fn add(&mut self, asker: Asker, asked: &Asked) {
+        let awaited = match *asked {
+            Asked::Tare => Awaited::Reference { has_begun: false },
+            Asked::Drive(drive) => Awaited::Drive(drive),
+        };
+        self.0.push((asker, awaited));
+    }
+
+    /// Answers those who wait no longer, by what the board's keeper has told.
+    pub fn hear(&mut self, told: &Told, mut answer: impl FnMut(&Asker, Outcome)) {
+        self.0.retain_mut(|(asker, awaited)| {
+            let outcome = awaited.outcome(told);
+            outcome.map(|outcome| answer(asker, outcome)).is_none()
+        });
+    }
+}
+
+impl Awaited {
+    /// What became of it, if this tells.
+    fn outcome(&mut self, told: &Told) -> Option<Outcome> {
+        match (self, told) {
+            (_, Told::State(state)) if !matches!(state.phase, Phase::Live | Phase::Taring) => {
+                Some(Outcome::refused(&state.text))
+            }
+            (Self::Reference { has_begun }, Told::State(state)) => Self::reference(has_begun, state),
+            (Self::Drive(wanted), Told::Driven(driven)) if driven.drive == *wanted => {
+                Some(Outcome::done(in_words(&driven.drive)))
+            }
+            (Self::Drive(_), Told::NotDriven(why)) => Some(Outcome::refused(why)),
+            _ => None,
+        }
+    }
+
+    fn reference(has_begun: &mut bool, state: &State) -> Option<Outcome> {
+        if state.phase == Phase::Taring {
+            *has_begun = true;
+            None
+        } else if state.text.is_empty() {
+            has_begun.then(|| Outcome::done("the reference is made"))
+        } else {
+            Some(Outcome::refused(&state.text))
+        }
+    }
+}
+
+fn in_words(drive: &Drive) -> String {
+    let gain = match number_of_gain(drive.gain) {
+        0 => "automatic".to_owned(),
+        gain => gain.to_string(),
+    };
+    let Drive { frequency, amplitude, frame_rate, .. } = drive;
+    format!("{frequency} Hz, {amplitude} A, {frame_rate} frames a second, gain {gain}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::driven::Driven;
+
+    fn state(phase: Phase, text: &str) -> Told {
+        Told::State(State { phase, text: text.to_owned() })
+    }
+
+    /// What who has asked for this is answered when this is told, one after the other.
+    fn answers(asked: Asked, told: &[Told]) -> Vec<Option<Outcome>> {
+        let mut waiting = Waiting::default();
+        waiting.add("who asks", &asked);
+        let each = told.iter().map(|told| {
+            let mut answered = None;
+            waiting.hear(told, |asker, outcome| {
+                assert_eq!(*asker, "who asks");
+                answered = Some(outcome);
+            });
+            answered
+        });
+        each.collect()
+    }
+
+    #[test]
+    fn a_tare_is_answered_once_its_reference_is_made() {
+        let frame = Told::Frame { frame: Box::default(), received_ns: 0, missing: 0 };
+        let told = [
+            // The end of one that was under way.
+            state(Phase::Live, ""),
+            frame,
+            state(Phase::Taring, "averaging the untouched skin"),
+            state(Phase::Live, ""),
+            state(Phase::Live, ""),
+        ];
+        let done = Some(Outcome::done("the reference is made"));
+        assert_eq!(answers(Asked::Tare, &told), [None, None, None, done, None]);
+    }
+
+    #[test]
+    fn a_tare_under_a_press_or_of_a_board_that_is_lost_is_answered_with_the_reason() {
+        for phase in [Phase::Live, Phase::Lost, Phase::NotTared] {
+            assert_eq!(answers(Asked::Tare, &[state(phase, "why")]), [Some(Outcome::refused("why"))]);
+        }
+    }
+
+    #[test]
+    fn a_drive_is_answered_once_the_board_has_it_or_refused_it() {
+        let drive = Drive::new(100e3, 1e-3, 50.0);
+        let driven = |drive| Told::Driven(Box::new(Driven { drive, front_end: None }));
+        let told = [driven(Drive::new(50e3, 1e-3, 50.0)), driven(drive)];
+        let done = Some(Outcome::done("100000 Hz, 0.001 A, 50 frames a second, gain automatic"));
+        assert_eq!(answers(Asked::Drive(drive), &told), [None, done]);
+        let refused = [Some(Outcome::refused("no"))];
+        assert_eq!(answers(Asked::Drive(drive), &[Told::NotDriven("no".to_owned())]), refused);
+    }
+}
