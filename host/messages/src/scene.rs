@@ -5,7 +5,7 @@ use crate::{
     frame::Place,
     standard::{
         Color, DiagnosticArray, DiagnosticStatus, KeyValue, Marker, MarkerArray, Point, PointCloud2,
-        PointField, Pose as RosPose, Quaternion, TfMessage, TransformStamped,
+        PointField, Pose as RosPose, Quaternion, TransformStamped,
     },
     topic::{Packed, Topic},
 };
@@ -23,6 +23,8 @@ const ARROW: f64 = 0.5;
 /// Makes scenes of frames, not more often than one looks at them.
 #[derive(Clone, Debug)]
 pub struct Scene {
+    /// Of the skin, among others of a robot.
+    name: String,
     place: Place,
     /// m: `[pixel][x, y, z]`.
     centres: Vec<[f32; 3]>,
@@ -37,25 +39,17 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Of a skin with these centres of its pixels, m, in the frame of its place, at a board that is called so.
+    /// Of a skin of this name with these centres of its pixels, m, in the frame of its place, at a board that is called so.
     #[must_use]
-    pub fn new(place: Place, centres: Vec<[f32; 3]>, board: String) -> Self {
+    pub fn new(name: String, place: Place, centres: Vec<[f32; 3]>, board: String) -> Self {
         let extent = |axis: usize| {
             let along = centres.iter().map(|centre| f64::from(centre[axis]));
             let low = along.clone().fold(f64::INFINITY, f64::min);
             along.fold(f64::NEG_INFINITY, f64::max) - low
         };
         let size = (0..3).map(extent).fold(0.0, f64::max);
-        Self { place, centres, size, board, drawn: 0, diagnosed: 0, flags: FrameFlags::default(), tripped: 0 }
-    }
-
-    /// Where the skin, whose frame is called so, lies on its link, and other transforms that hold for good; none where that
-    /// is not known.
-    #[must_use]
-    pub fn transform(&self, skin: &str, others: &[TransformStamped], now_ns: u64) -> Option<Packed> {
-        let stamped = transform(self.place.pose.as_ref()?, skin, now_ns);
-        let transforms = [others, &[stamped]].concat();
-        Some(Packed::now(Topic::Transforms, now_ns, cdr::encode(&TfMessage { transforms })))
+        let flags = FrameFlags::default();
+        Self { name, place, centres, size, board, drawn: 0, diagnosed: 0, flags, tripped: 0 }
     }
 
     /// The scene of a frame, if the last one is old enough.
@@ -83,7 +77,7 @@ impl Scene {
         packed
     }
 
-    /// An image as points x, y, z (m) and `change` (relative conductivity).
+    /// An image as points x, y, z (m) and `intensity`, by which other programs colour them: relative change of conductivity.
     #[must_use]
     pub fn cloud(&self, image: &PackedImage, time_ns: u64) -> PointCloud2 {
         let field = |(name, place): (&str, u32)| PointField {
@@ -101,7 +95,7 @@ impl Scene {
             header: self.place.header(time_ns),
             height: 1,
             width,
-            fields: ["x", "y", "z", "change"].into_iter().zip(0..).map(field).collect(),
+            fields: ["x", "y", "z", "intensity"].into_iter().zip(0..).map(field).collect(),
             is_bigendian: false,
             point_step: 16,
             row_step: 16 * width,
@@ -124,7 +118,8 @@ impl Scene {
             frame_locked: true,
             ..Marker::default()
         };
-        let clear = Marker { action: 3, ..marker("contacts", 0, 2) };
+        // Of all names: an empty one.
+        let clear = Marker { action: 3, ..marker("", 0, 2) };
         let drawn = contacts.into_iter().enumerate().flat_map(|(id, contact)| {
             let radius = f64::from((contact.area * FRAC_1_PI).sqrt());
             let position: Point = contact.position.into();
@@ -165,7 +160,7 @@ impl Scene {
         let message = if problems.is_empty() { "all is well".to_owned() } else { problems.join(", ") };
         let status = DiagnosticStatus {
             level: u8::from(!problems.is_empty()),
-            name: format!("dermatome: {}", self.place.frame_id),
+            name: format!("dermatome: {}", self.name),
             message,
             hardware_id: self.board.clone(),
             values,

@@ -107,6 +107,12 @@ impl Topic {
         matches!(self, Self::Skin | Self::Status | Self::Transforms | Self::Joints | Self::Links)
     }
 
+    /// Whether all skins tell it under one name.
+    #[must_use]
+    pub fn is_shared(self) -> bool {
+        !self.name().starts_with("/dermatome/")
+    }
+
     /// Whether it is about a whole robot, not about one of its skins.
     #[must_use]
     pub const fn is_of_robot(self) -> bool {

@@ -55,11 +55,16 @@ pub(crate) struct Request {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Channel {
     /// Number of the space.
-    pub(crate) space: usize,
-    pub(crate) topic: Topic,
+    space: usize,
+    topic: Topic,
 }
 
 impl Channel {
+    /// Of a topic in a space; what all spaces tell under one name is told in the first.
+    pub(crate) fn new(space: usize, topic: Topic) -> Self {
+        Self { space: if topic.is_shared() { 0 } else { space }, topic }
+    }
+
     /// Its number among all channels, space by space, from 0.
     pub(crate) fn index(self) -> usize {
         self.space * Topic::ALL.len() + self.topic.index()
@@ -70,7 +75,8 @@ impl Channel {
 pub(crate) fn channel_of(id: u64, spaces: usize) -> Option<Channel> {
     let index = usize::try_from(id.checked_sub(1)?).ok()?;
     let (space, topic) = (index / Topic::ALL.len(), index % Topic::ALL.len());
-    (space < spaces).then(|| Channel { space, topic: Topic::ALL[topic] })
+    let channel = Channel::new(space, Topic::ALL[topic]);
+    (space < spaces && channel.space == space).then_some(channel)
 }
 
 pub(crate) fn server_info(name: &str, session: &str) -> String {
@@ -85,12 +91,13 @@ pub(crate) fn server_info(name: &str, session: &str) -> String {
     .to_string()
 }
 
-/// A robot's own topics are told in its first space.
 pub(crate) fn advertise(spaces: &[String], is_robot: bool) -> String {
     let channels: Vec<Value> = (0..spaces.len())
-        .flat_map(|space| Topic::ALL.map(|topic| Channel { space, topic }))
-        .filter(|channel| !channel.topic.is_of_robot() || is_robot && channel.space == 0)
-        .map(|channel| advertisement(channel, &spaces[channel.space]))
+        .flat_map(|space| Topic::ALL.map(|topic| (space, topic)))
+        .filter(|(_, topic)| is_robot || !topic.is_of_robot())
+        .map(|(space, topic)| (space, Channel::new(space, topic)))
+        .filter(|(space, channel)| channel.space == *space)
+        .map(|(space, channel)| advertisement(channel, &spaces[space]))
         .collect();
     json!({ "op": "advertise", "channels": channels }).to_string()
 }
@@ -112,7 +119,8 @@ pub(crate) fn advertise_services(services: &[Service], spaces: &[String]) -> Str
     let all = spaces.iter().flat_map(|space| services.iter().map(move |service| (space, service)));
     let about = |(id, (space, service)): (usize, (&String, &Service))| {
         let name = service.name.replacen("dermatome", space, 1);
-        let part = |name: &str, schema: &str| json!({ "encoding": "json", "schemaName": name, "schemaEncoding": "jsonschema", "schema": schema });
+        // Programs know schemas by their names.
+        let part = |kind: &str, schema: &str| json!({ "encoding": "json", "schemaName": format!("{name}_{kind}"), "schemaEncoding": "jsonschema", "schema": schema });
         json!({
             "id": id,
             "name": name,
@@ -182,9 +190,35 @@ mod tests {
         let text = r#"{"op":"unsubscribe","subscriptionIds":[5]}"#;
         assert!(matches!(serde_json::from_str(text), Ok(Said::Unsubscribe { .. })));
         assert!(matches!(serde_json::from_str(r#"{"op":"getParameters","id":"x"}"#), Ok(Said::Other)));
-        assert_eq!(channel_of(1, 1), Some(Channel { space: 0, topic: Topic::ALL[0] }));
+        assert_eq!(channel_of(1, 1), Some(Channel::new(0, Topic::ALL[0])));
         assert_eq!((channel_of(0, 1), channel_of(99, 2)), (None, None));
         let all = 1..=2 * Topic::ALL.len() as u64;
-        assert!(all.clone().all(|id| channel_of(id, 2).unwrap().index() as u64 + 1 == id));
+        assert!(
+            all.clone().all(|id| channel_of(id, 2).is_none_or(|channel| channel.index() as u64 + 1 == id))
+        );
+        let shared = Topic::ALL.into_iter().filter(|topic| topic.is_shared()).count();
+        assert_eq!(all.filter(|id| channel_of(*id, 2).is_none()).count(), shared);
+    }
+
+    #[test]
+    fn no_topic_and_no_schema_is_advertised_twice() {
+        let spaces = ["arm/palm".to_owned(), "arm/back".to_owned()];
+        let names = |text: &str, list: &str, path: &[&str]| -> Vec<String> {
+            let value: Value = serde_json::from_str(text).unwrap();
+            let each = value[list].as_array().unwrap().iter();
+            let name = |it: &Value| path.iter().fold(it, |it, key| &it[*key]).as_str().unwrap().to_owned();
+            let mut names: Vec<String> = each.map(name).collect();
+            names.sort();
+            names
+        };
+        let distinct = |names: &[String]| names.is_sorted_by(|a, b| a < b);
+        for is_robot in [false, true] {
+            let topics = names(&advertise(&spaces, is_robot), "channels", &["topic"]);
+            assert!(distinct(&topics) && topics.contains(&"/tf_static".to_owned()), "{topics:?}");
+            assert_eq!(topics.contains(&"/tf".to_owned()), is_robot);
+        }
+        let services = ["/dermatome/tare", "/dermatome/drive"].map(|name| Service { name, request: "{}" });
+        let text = advertise_services(&services, &spaces);
+        assert!(distinct(&names(&text, "services", &["request", "schemaName"])), "{text}");
     }
 }

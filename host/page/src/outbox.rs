@@ -106,7 +106,7 @@ mod tests {
     use dermatome_messages::Topic;
 
     fn message(topic: Topic, log_time: u64) -> Letter {
-        let channel = Channel { space: 0, topic };
+        let channel = Channel::new(0, topic);
         Letter::Message { channel, subscription: 1, log_time, bytes: Arc::new([]) }
     }
 

@@ -2,12 +2,13 @@
 
 use crate::{
     foxglove::{self, Channel, Service},
+    gate::Refused,
     outbox::{Letter, Outbox},
 };
 use dermatome_messages::{Packed, Topic};
 use serde_json::{Value, json};
 use std::{
-    collections::HashMap,
+    collections::{BTreeSet, HashMap},
     io::{self, ErrorKind},
     net::{Shutdown, TcpStream},
     sync::{
@@ -16,6 +17,9 @@ use std::{
         mpsc::Sender,
     },
 };
+
+/// Most that are told of who did not come in.
+const MOST_REFUSED: usize = 16;
 
 /// What a client asks for. Whoever takes it answers it; dropped, it is answered with an error.
 #[derive(Debug)]
@@ -87,6 +91,8 @@ pub(crate) struct Room {
     /// Subscriptions: `[channel]`.
     subscribers: Vec<AtomicUsize>,
     pub(crate) connections: AtomicUsize,
+    /// Who was refused, in words.
+    refused: Mutex<BTreeSet<String>>,
     pub(crate) is_closed: AtomicBool,
 }
 
@@ -122,6 +128,7 @@ impl Room {
             services,
             calls: Mutex::new(calls),
             inside: Mutex::default(),
+            refused: Mutex::default(),
             connections: AtomicUsize::new(0),
             is_closed: AtomicBool::new(false),
         }
@@ -133,7 +140,7 @@ impl Room {
 
     pub(crate) fn publish(&self, space: usize, packed: Packed) {
         let Packed { topic, log_time, bytes, .. } = packed;
-        let channel = Channel { space, topic };
+        let channel = Channel::new(space, topic);
         if !self.wants(channel) && !topic.is_lasting() {
             return;
         }
@@ -208,6 +215,15 @@ impl Room {
     /// Whether somebody subscribes to a channel.
     pub(crate) fn wants(&self, channel: Channel) -> bool {
         self.subscribers[channel.index()].load(Ordering::Relaxed) > 0
+    }
+
+    /// Says once that somebody did not come in: what a browser says to that does not tell why.
+    pub(crate) fn tell_refused(&self, refused: &Refused) {
+        let words = refused.to_string();
+        let mut told = self.refused.lock().unwrap_or_else(PoisonError::into_inner);
+        if told.len() < MOST_REFUSED && told.insert(words.clone()) {
+            eprintln!("warning: {words}");
+        }
     }
 
     pub(crate) fn close(&self) {

@@ -78,7 +78,7 @@ impl Speaker {
     /// Whether somebody subscribes to a topic.
     #[must_use]
     pub fn wants(&self, topic: Topic) -> bool {
-        self.room.wants(Channel { space: self.space, topic })
+        self.room.wants(Channel::new(self.space, topic))
     }
 }
 
@@ -173,6 +173,7 @@ fn receive(mut stream: TcpStream, gate: &Gate, room: &Arc<Room>) -> io::Result<(
         && !is_harmless(&head)
     {
         discard(&mut stream, &head)?;
+        room.tell_refused(&refused);
         return http::refuse(&mut stream, "403 Forbidden", &refused.to_string());
     }
     if head.is_websocket {

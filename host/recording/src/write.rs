@@ -71,11 +71,14 @@ pub struct Recorder {
     writer: Option<Arc<Thread>>,
     state: Arc<Mutex<Recorded>>,
     waits: bool,
-    /// Which of the skins.
+    /// Which of the skins, or [`OF_ROBOT`].
     skin: usize,
     /// Whether it is known what is recorded.
     has_begun: bool,
 }
+
+/// In place of a skin's: what is of the whole robot.
+const OF_ROBOT: usize = usize::MAX;
 
 /// What goes into the file of one of its skins.
 #[derive(Debug)]
@@ -128,6 +131,14 @@ impl Recorder {
             skin,
             has_begun: false,
         }
+    }
+
+    /// The part of what is of the whole robot, not of one of its skins. It takes messages from the beginning.
+    #[must_use]
+    pub fn of_robot(&self) -> Self {
+        let mut part = self.part(OF_ROBOT);
+        part.has_begun = true;
+        part
     }
 
     fn start(
@@ -233,11 +244,9 @@ fn in_words(error: &McapError) -> String {
 
 /// How `ros2 bag play` is to publish a topic, as MCAP's profile of ROS 2 asks for: what lasts goes to those who come
 /// later as well, without which nobody hears of `/tf_static`.
-fn channel_metadata(topic: Topic, skins: usize) -> BTreeMap<String, String> {
+fn channel_metadata(topic: Topic) -> BTreeMap<String, String> {
     // Of ROS' numbers: keep the last; reliable; transient local or volatile; alive by itself; without end.
     let (depth, durability) = if topic.is_lasting() { (1, 1) } else { (10, 2) };
-    // What each skin tells under one name lasts of each.
-    let depth = if topic == Topic::Transforms { skins } else { depth };
     let endless = "{sec: 9223372036, nsec: 854775807}";
     let profile = format!(
         "- {{history: 1, depth: {depth}, reliability: 1, durability: {durability}, deadline: {endless}, \
@@ -293,8 +302,8 @@ struct Tape {
     state: Arc<Mutex<Recorded>>,
     /// The space of each skin; none where there is but one.
     spaces: Vec<Option<String>>,
-    /// `[skin][topic]`; empty before its board is there.
-    channels: Vec<Vec<u16>>,
+    /// By skin and topic; none before its board is there.
+    channels: HashMap<(usize, Topic), u16>,
     /// Of each channel, the number of the next message.
     numbers: HashMap<u16, u32>,
     /// Length up to the last whole chunk.
@@ -313,7 +322,7 @@ impl Tape {
             // A chunk goes into the file when it is whole.
             .disable_seeking(true);
         let writer = options.create(disk)?;
-        let channels = vec![Vec::new(); spaces.len()];
+        let channels = HashMap::new();
         let (numbers, flushed) = (HashMap::new(), Instant::now());
         Ok(Self { writer, file, state, spaces, channels, numbers, whole: 0, flushed })
     }
@@ -344,16 +353,22 @@ impl Tape {
             self.writer.attach(&attachment(SKIN_FILE, "application/toml", text.as_bytes()))?;
         }
         self.mark_whole()?;
-        self.channels[skin].clear();
-        for topic in Topic::ALL.into_iter().filter(|topic| !topic.is_of_robot()) {
-            let schema = topic.schema();
-            let text = schema::definition(schema);
-            let schema = self.writer.add_schema(schema.name, SCHEMA_ENCODING, text.as_bytes())?;
-            let name = space.as_ref().map_or_else(|| topic.name().to_owned(), |space| topic.name_in(space));
-            let metadata = channel_metadata(topic, self.spaces.len());
-            self.channels[skin].push(self.writer.add_channel(schema, &name, ENCODING, &metadata)?);
-        }
-        Ok(())
+        Topic::ALL
+            .into_iter()
+            .filter(|topic| !topic.is_of_robot())
+            .try_for_each(|topic| self.open(skin, topic).map(drop))
+    }
+
+    /// Where messages of a topic go.
+    fn open(&mut self, skin: usize, topic: Topic) -> Result<u16, McapError> {
+        let schema = topic.schema();
+        let text = schema::definition(schema);
+        let schema = self.writer.add_schema(schema.name, SCHEMA_ENCODING, text.as_bytes())?;
+        let space = self.spaces.get(skin).and_then(Option::as_deref);
+        let name = space.map_or_else(|| topic.name().to_owned(), |space| topic.name_in(space));
+        let channel = self.writer.add_channel(schema, &name, ENCODING, &channel_metadata(topic))?;
+        self.channels.insert((skin, topic), channel);
+        Ok(channel)
     }
 
     /// Writes what comes until nobody is left to send.
@@ -399,8 +414,11 @@ impl Tape {
     }
 
     fn write(&mut self, skin: usize, packed: &Packed) -> Result<(), McapError> {
-        // Those of a robot, which come last, are not recorded: a recording is of skins.
-        let Some(&channel_id) = self.channels[skin].get(packed.topic.index()) else { return Ok(()) };
+        let channel_id = match self.channels.get(&(skin, packed.topic)) {
+            Some(&channel) => channel,
+            None if skin == OF_ROBOT => self.open(skin, packed.topic)?,
+            None => return Ok(()),
+        };
         let sequence = self.numbers.entry(channel_id).or_default();
         let header = MessageHeader {
             channel_id,

@@ -138,5 +138,5 @@ impl Skin {
 fn scene(sense: &Sense) -> Option<Scene> {
     let placed = sense.placed()?;
     let centres = placed.centres.iter().map(|centre| centre.map(|value| value as f32)).collect();
-    Some(Scene::new(Place::of(&sense.name, Some(&placed.pose)), centres, String::new()))
+    Some(Scene::new(sense.name.clone(), Place::of(&sense.name, Some(&placed.pose)), centres, String::new()))
 }

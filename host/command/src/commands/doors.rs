@@ -17,7 +17,8 @@ pub(super) struct Doors {
     /// The token that other computers need [default: one that nobody guesses, new each time].
     #[arg(long, value_name = "TEXT", value_parser = token)]
     token: Option<String>,
-    /// Let a page of somebody else look on too, as a browser names it: https://app.foxglove.dev. May be repeated.
+    /// Let a page of somebody else look on too, as a browser names it: https://app.foxglove.dev. May be repeated. `file://` lets
+    /// in every page that is a file of this computer, as the windows of some programs are.
     #[arg(long, value_name = "ORIGIN", value_parser = origin)]
     allow_origin: Vec<String>,
     /// Do not open the browser.
@@ -30,13 +31,19 @@ fn token(text: &str) -> Result<String, &'static str> {
     if is_plain { Ok(text.to_owned()) } else { Err("allowed: 8 or more letters and digits") }
 }
 
+/// Of pages that are files.
+const FILES: &str = "file://";
+
 fn origin(text: &str) -> Result<String, &'static str> {
+    if text == FILES {
+        return Ok(text.to_owned());
+    }
     let rest = text.strip_prefix("https://").or_else(|| text.strip_prefix("http://"));
     match rest.filter(|rest| !rest.is_empty() && !rest.contains(['/', '?', '#', '*', ' '])) {
         Some(_) => Ok(text.to_owned()),
-        None => {
-            Err("allowed: http:// or https:// and a name, with its port if it has one, and nothing behind")
-        }
+        None => Err(
+            "allowed: http:// or https:// and a name, with its port if it has one, and nothing behind; or file://",
+        ),
     }
 }
 

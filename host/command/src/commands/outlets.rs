@@ -8,9 +8,9 @@ use dermatome_messages::{
     clock::now_ns,
     dermatome::{Reference, Status},
     frame::{Outlook, Place, ScopeTiming},
-    scene::Scene,
+    scene::{Scene, transform},
     skin::{Look, skin},
-    standard::TransformStamped,
+    standard::{TfMessage, TransformStamped},
 };
 use dermatome_page::Speaker;
 use dermatome_recording::{
@@ -120,10 +120,8 @@ pub(super) struct Outlets {
     lasting: Vec<Packed>,
     recorder: Option<Recorder>,
     speaker: Option<Speaker>,
-    /// Name of the skin's frame, where it is not the skin's own.
-    frame: Option<String>,
-    /// Other frames that never move.
-    fixed: Vec<TransformStamped>,
+    /// The skin's name on a robot, and all frames of that which never move; where it is on none, its own.
+    on_robot: Option<(String, Vec<TransformStamped>)>,
     averaging: Averaging,
     /// How the skin is driven.
     drive: Option<Drive>,
@@ -146,12 +144,11 @@ impl Outlets {
     fn empty() -> Self {
         Self {
             outlook: Outlook::default(),
-            scene: Scene::new(Place::default(), Vec::new(), String::new()),
+            scene: Scene::new(String::new(), Place::default(), Vec::new(), String::new()),
             lasting: Vec::new(),
             recorder: None,
             speaker: None,
-            frame: None,
-            fixed: Vec::new(),
+            on_robot: None,
             averaging: Averaging::default(),
             drive: None,
             tare: Vec::new(),
@@ -164,10 +161,10 @@ impl Outlets {
         Self { speaker: Some(speaker), ..Self::empty() }
     }
 
-    /// Of one of several skins, whose frame is called so, on a robot that has these other frames that never move; for those
-    /// who look on, if anybody can.
-    pub(super) fn on_robot(speaker: Option<Speaker>, frame: String, fixed: Vec<TransformStamped>) -> Self {
-        Self { speaker, frame: Some(frame), fixed, ..Self::empty() }
+    /// Of one of several skins, of this name, on a robot that has these frames which never move, all skins' among them; for
+    /// those who look on, if anybody can.
+    pub(super) fn on_robot(speaker: Option<Speaker>, name: String, fixed: Vec<TransformStamped>) -> Self {
+        Self { speaker, on_robot: Some((name, fixed)), ..Self::empty() }
     }
 
     /// Images are those of this patch from now on.
@@ -183,11 +180,18 @@ impl Outlets {
         let now = now_ns();
         let shape = skin(patch, look, &place, now);
         let centres = shape.pixel_centres.chunks_exact(3).map(|at| [at[0], at[1], at[2]]).collect();
-        self.scene = Scene::new(place.clone(), centres, board);
+        let (name, transforms) = self.on_robot.clone().unwrap_or_else(|| {
+            let own = pose.map(|pose| transform(pose, name, now));
+            (name.to_owned(), own.into_iter().collect())
+        });
+        self.scene = Scene::new(name, place.clone(), centres, board);
         self.outlook.place = place;
         self.lasting = vec![Packed::now(Topic::Skin, now, cdr::encode(&shape))];
-        let frame = self.frame.as_deref().unwrap_or(name);
-        self.lasting.extend(self.scene.transform(frame, &self.fixed, now));
+        if !transforms.is_empty() {
+            // Each message has them all: programs that seek in a recording take the last one.
+            let all = cdr::encode(&TfMessage { transforms });
+            self.lasting.push(Packed::now(Topic::Transforms, now, all));
+        }
         for packed in self.lasting.clone() {
             self.send(packed);
         }

@@ -22,6 +22,7 @@ from rosbags.typesys import Stores, get_typestore
 import readers
 
 MODEL = Path(__file__).parents[4] / "models" / "square-50mm" / "skin.toml"
+ARM = MODEL.parents[1] / "arm" / "robot.toml"
 # A third of a turn about the diagonal, and a shift.
 POSE = '\n[pose]\nlink = "wrist_3"\nposition = ["120 mm", -0.03, "0.5 m"]\norientation = [0.5, 0.5, 0.5, 0.5]\n'
 FRAMES = 100
@@ -197,7 +198,7 @@ class WholeRecording(unittest.TestCase):
         self.assertGreater(len(clouds), 10)
         for _, time, cloud in clouds:
             fields = [(field["name"], field["offset"], field["datatype"]) for field in cloud["fields"]]
-            self.assertEqual(fields, [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("change", 12, 7)])
+            self.assertEqual(fields, [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("intensity", 12, 7)])
             self.assertEqual((cloud["height"], cloud["width"], cloud["point_step"]), (1, len(centres), 16))
             points = np.frombuffer(bytes(cloud["data"]), "<f4").reshape(-1, 4)
             image = images[time]
@@ -228,7 +229,7 @@ class WholeRecording(unittest.TestCase):
         for array in content.of("/diagnostics"):
             [status] = array["status"]
             self.assertEqual((status["level"], status["message"]), (0, "all is well"))
-            self.assertEqual(status["name"], "dermatome: wrist_3")
+            self.assertEqual(status["name"], "dermatome: square-50mm")
             self.assertIn({"key": "open electrodes", "value": ""}, status["values"])
 
     def test_patch_and_skin_file_are_in_it(self):
@@ -328,23 +329,63 @@ class BodyRecording(unittest.TestCase):
     def test_messages_on_a_topic_are_numbered_also_where_skins_share_it(self):
         for topic, messages in self.content.messages.items():
             self.assertEqual(sorted(number for number, _, _ in messages), list(range(len(messages))), topic)
-        frames = {
-            transform["child_frame_id"]
-            for message in self.content.of("/tf_static")
-            for transform in message["transforms"]
-        }
-        self.assertEqual(frames, {"arm/palm", "arm/back"})
+        # Each message tells of all, as who seeks takes the last one.
+        for message in self.content.of("/tf_static"):
+            frames = [transform["child_frame_id"] for transform in message["transforms"]]
+            self.assertEqual(frames, ["arm/palm", "arm/back", "arm/gone"])
 
-    def test_what_lasts_of_each_skin_is_published_again(self):
+    def test_what_lasts_is_published_again(self):
         with Reader(self.file) as reader:
             [quality] = [it.ext.offered_qos_profiles[0] for it in reader.connections if it.topic == "/tf_static"]
-        self.assertEqual((quality.durability.name, quality.depth), ("TRANSIENT_LOCAL", 3))
+        self.assertEqual((quality.durability.name, quality.depth), ("TRANSIENT_LOCAL", 1))
 
     def test_it_tells_of_the_body_and_of_each_skin_that_was_there(self):
         self.assertEqual(self.content.metadata["dermatome"]["patches"], "palm back gone")
         self.assertEqual(set(self.content.metadata), {"dermatome", "arm/palm/dermatome", "arm/back/dermatome"})
         attached = {f"arm/{patch}/{name}" for patch in ["palm", "back"] for name in ["patch.dermatome", "skin.toml"]}
         self.assertEqual(set(self.content.attachments), attached)
+
+
+class RobotRecording(unittest.TestCase):
+    """A recording of a robot whose description is known."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.file = desk.path / "robot.mcap"
+        ran = subprocess.run(
+            [PROGRAM, "serve", ARM, "--record", cls.file, "--duration", "4"],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+        )
+        assert ran.returncode == 0, ran.stderr
+        cls.content = readers.mcap_by_index(cls.file)
+
+    def test_every_reader_finds_the_same_of_the_robot(self):
+        topics = ["/links", "/tf", "/tf_static"]
+        wanted = {topic: self.content.messages[topic] for topic in topics}
+        for found in [readers.mcap_from_start(self.file), readers.node("stream", self.file)]:
+            self.assertIsNone(difference({topic: found.messages[topic] for topic in topics}, wanted))
+        found = readers.rosbags_by_index(self.file).messages
+        found = without_numbers({topic: found[topic] for topic in topics})
+        self.assertIsNone(difference(found, without_numbers(wanted)))
+
+    def test_links_joints_and_skins_make_one_tree(self):
+        [links] = self.content.of("/links")
+        shown = {marker["header"]["frame_id"] for marker in links["markers"]}
+        self.assertLessEqual({"upper_arm", "forearm", "hand"}, shown)
+        parents = {}
+        moving = self.content.of("/tf")
+        self.assertGreater(len(moving), 40)
+        for message in moving[:1] + self.content.of("/tf_static")[-1:]:
+            for transform in message["transforms"]:
+                parents[transform["child_frame_id"]] = transform["header"]["frame_id"]
+        skins = {f"arm/{skin}" for skin in ["upper_arm", "forearm", "hand"]}
+
+        def root(frame):
+            return root(parents[frame]) if frame in parents else frame
+
+        self.assertEqual(len({root(frame) for frame in skins | shown}), 1, parents)
 
 
 class CutRecording(unittest.TestCase):

@@ -250,7 +250,7 @@ class A_Frames(unittest.TestCase):
             stamps = {nanoseconds(array.header.stamp) for array in heard.of(f"/arm/{skin}/contacts")}
             for cloud in clouds:
                 fields = [(field.name, field.offset, field.datatype) for field in cloud.fields]
-                self.assertEqual(fields, [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("change", 12, 7)])
+                self.assertEqual(fields, [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("intensity", 12, 7)])
                 self.assertEqual((cloud.height, cloud.width, cloud.point_step), (1, 28 * 28, 16))
                 self.assertEqual((cloud.header.frame_id, len(cloud.data)), (link, 16 * 28 * 28))
                 points = np.frombuffer(bytes(cloud.data), "<f4")

@@ -20,6 +20,7 @@ use dermatome_link::words;
 use dermatome_messages::{
     clock::now_ns,
     dermatome::{Status, number_of_gain},
+    scene::transform,
     skin::Look,
 };
 use dermatome_page::{Call, Server};
@@ -41,7 +42,7 @@ pub(super) struct Onlookers {
     stands: Vec<Stand>,
     tape: Option<Tape>,
     told: Instant,
-    /// The robot, where the body file names its description, for the page.
+    /// The robot, where the body file names its description.
     figure: Option<Figure>,
 }
 
@@ -76,7 +77,10 @@ impl Onlookers {
         };
         let server = page.map(open).transpose()?;
         let speaker = |index| server.as_ref().map(|server: &Server| server.speaker(index));
-        let fixed = robot.map(fixed).unwrap_or_default();
+        let mut fixed = robot.map(fixed).unwrap_or_default();
+        let now = now_ns();
+        let frames = file.patches.iter().zip(&spaces);
+        fixed.extend(frames.map(|(patch, space)| transform(&patch.pose, space, now)));
         let stand = |(index, (patch, look)): (usize, (&Patch, Look))| Stand {
             outlets: Outlets::on_robot(speaker(index), spaces[index].clone(), fixed.clone()),
             look,
@@ -91,7 +95,8 @@ impl Onlookers {
             frames: 0,
         };
         let stands = file.patches.iter().zip(looks).enumerate().map(stand).collect();
-        let figure = robot.zip(speaker(0)).map(|(robot, speaker)| Figure::show(robot, speaker));
+        let recorder = tape.as_ref().map(Tape::of_robot);
+        let figure = robot.map(|robot| Figure::show(robot, speaker(0), recorder));
         Ok(Self { server, stands, tape, told: Instant::now(), figure })
     }
 
@@ -176,6 +181,7 @@ impl Onlookers {
             // What became of the file the whole of it tells.
             let _ = outlets.finish_recording();
         }
+        self.figure = None;
         tape.end()
     }
 

@@ -70,6 +70,11 @@ impl Tape {
         Some(Begun::Anew(part))
     }
 
+    /// Where what is of the whole robot is recorded.
+    pub(super) fn of_robot(&self) -> Recorder {
+        self.recorder.of_robot()
+    }
+
     pub(super) fn path(&self) -> &Path {
         self.recorder.path()
     }

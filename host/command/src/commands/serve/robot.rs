@@ -1,4 +1,4 @@
-//! Robot: what those who look on see of it besides its skins: its links, and how they lie to each other.
+//! Robot: what those who look on, or at a recording, see of it besides its skins: its links, and how they lie to each other.
 
 use dermatome_messages::{
     Packed, Topic, cdr,
@@ -8,6 +8,7 @@ use dermatome_messages::{
     standard::{Color, Marker, MarkerArray, TfMessage, TransformStamped},
 };
 use dermatome_page::Speaker;
+use dermatome_recording::write::Recorder;
 use dermatome_urdf::urdf::tree::{Joint, Link, Motion, Robot};
 use std::time::{Duration, Instant};
 
@@ -18,18 +19,30 @@ const TRIANGLES: i32 = 11;
 
 /// A robot as it is shown.
 pub(super) struct Figure {
-    speaker: Speaker,
+    speaker: Option<Speaker>,
+    recorder: Option<Recorder>,
     joints: Vec<Joint>,
     told: Option<Instant>,
 }
 
 impl Figure {
     /// Shows what its links look like.
-    pub(super) fn show(robot: &Robot, speaker: Speaker) -> Self {
-        let now = now_ns();
-        speaker.publish(Packed::now(Topic::Links, now, cdr::encode(&links(robot, now))));
+    pub(super) fn show(robot: &Robot, speaker: Option<Speaker>, recorder: Option<Recorder>) -> Self {
         let moves = |joint: &&Joint| joint.motion != Motion::Fixed;
-        Self { speaker, joints: robot.joints.iter().filter(moves).cloned().collect(), told: None }
+        let joints = robot.joints.iter().filter(moves).cloned().collect();
+        let mut figure = Self { speaker, recorder, joints, told: None };
+        let now = now_ns();
+        figure.send(Packed::now(Topic::Links, now, cdr::encode(&links(robot, now))));
+        figure
+    }
+
+    fn send(&mut self, packed: Packed) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.record(vec![packed.clone()]);
+        }
+        if let Some(speaker) = &self.speaker {
+            speaker.publish(packed);
+        }
     }
 
     /// Tells now and then where the joints that move are.
@@ -41,7 +54,7 @@ impl Figure {
         let now = now_ns();
         let placed = self.joints.iter().map(|joint| stamped(joint, position(joint), now));
         let message = TfMessage { transforms: placed.collect() };
-        self.speaker.publish(Packed::now(Topic::Joints, now, cdr::encode(&message)));
+        self.send(Packed::now(Topic::Joints, now, cdr::encode(&message)));
     }
 }
 

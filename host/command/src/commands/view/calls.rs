@@ -34,10 +34,7 @@ pub(in crate::commands) static SERVICES: [Service; 8] = [
         name: RECORD,
         request: r#"{"type":"object","properties":{"start":{"type":"boolean"}},"required":["start"]}"#,
     },
-    Service {
-        name: SCOPE,
-        request: r#"{"type":"object","properties":{"slot":{"type":["integer","null"]}}}"#,
-    },
+    Service { name: SCOPE, request: r#"{"type":"object","properties":{"slot":{"type":"integer"}}}"# },
     Service { name: CHECK, request: NOTHING },
     Service {
         name: CALIBRATE,
