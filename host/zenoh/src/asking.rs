@@ -78,7 +78,7 @@ impl Desk {
                     self.waiting.add(query, &asked);
                     wanted.push(asked);
                 }
-                Err(outcome) => self.answer(&query, outcome),
+                Err(outcome) => self.answer(&query, &outcome),
             }
         }
         wanted
@@ -88,7 +88,7 @@ impl Desk {
     pub(crate) fn hear(&mut self, told: &Told) {
         let mut answers = Vec::new();
         self.waiting.hear(told, |query, outcome| answers.push((query.clone(), outcome)));
-        answers.into_iter().for_each(|(query, outcome)| self.answer(&query, outcome));
+        answers.into_iter().for_each(|(query, outcome)| self.answer(&query, &outcome));
     }
 
     fn decide(&self, query: &Query, sense: &Sense) -> Result<Asked, Outcome> {
@@ -124,10 +124,10 @@ impl Desk {
         }
     }
 
-    fn answer(&self, query: &Query, outcome: Outcome) {
+    fn answer(&self, query: &Query, outcome: &Outcome) {
         let key = if self.order(query) == Some(Order::Drive) { &self.drive } else { &self.tare };
         let stamp = Stamp { version: Version::OURS, run: self.run, number: 0 };
-        let outcome = Outcome { message: shortened(&outcome.message), ..outcome };
+        let outcome = Outcome { message: shortened(&outcome.message), success: outcome.success };
         if let Err(error) = query.reply(key, encode(&outcome)).attachment(encode(&stamp)).wait() {
             log::debug!("`{key}` is not answered: {error}");
         }
@@ -147,7 +147,7 @@ pub fn ask(
     let session = settings.open()?;
     let found = match robot {
         Some(robot) => Some(robot.to_owned()),
-        None => find(&session, || is_over())?,
+        None => find(&session, &is_over)?,
     };
     if let Some(robot) = found {
         let skins = skins(&session, &robot, patches, &is_over)?;

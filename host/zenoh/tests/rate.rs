@@ -61,7 +61,7 @@ fn pressed() -> Contact {
 /// A computer that serves its skins until it is to stop.
 fn serve(file: &BodyFile, settings: &Settings, is_over: &AtomicBool) {
     let texts = vec![SKIN.to_owned(); SKINS];
-    let mut robot = Robot::start(file, &texts, settings).unwrap();
+    let mut robot = Robot::start(file, &texts, settings, false).unwrap();
     let mut body = Body::new(&file.patches);
     let tables = surface::of_skin(&file.patches[0].skin.clone().made().unwrap()).unwrap().unwrap();
     let mut tell = |robot: &mut Robot, index, told: &Told| {
