@@ -196,21 +196,14 @@ pub(super) fn quantity(text: &str, kind: Kind) -> Option<f32> {
     kind.read(&quantity).map(|value| value as f32)
 }
 
-pub(super) fn frequency(text: &str) -> anyhow::Result<f32> {
+fn frequency(text: &str) -> anyhow::Result<f32> {
     match quantity(text, quantity::FREQUENCY) {
         Some(frequency) => Ok(frequency),
         None => refuse("frequency", text, "a number in Hz, or text in Hz, kHz or MHz"),
     }
 }
 
-pub(super) fn frame_rate(text: &str) -> anyhow::Result<f32> {
-    match quantity(text, quantity::FREQUENCY) {
-        Some(rate) => Ok(rate),
-        None => refuse("frame-rate", text, "a number a second, or text in Hz"),
-    }
-}
-
-pub(super) fn amplitude(text: &str, front_end: Option<&FrontEnd>) -> anyhow::Result<f32> {
+fn amplitude(text: &str, front_end: Option<&FrontEnd>) -> anyhow::Result<f32> {
     let allowed = "a current in A, mA or uA, or a share of full scale as in 50%";
     if let Some(percent) = text.trim().strip_suffix('%') {
         let Some(front_end) = front_end else {
@@ -228,7 +221,7 @@ pub(super) fn amplitude(text: &str, front_end: Option<&FrontEnd>) -> anyhow::Res
     }
 }
 
-pub(super) fn gain(text: &str) -> anyhow::Result<Gain> {
+fn gain(text: &str) -> anyhow::Result<Gain> {
     match (text, text.parse()) {
         ("automatic", _) => Ok(Gain::Automatic),
         (_, Ok(gain)) => Ok(Gain::Fixed(gain)),

@@ -3,10 +3,11 @@
 #[cfg_attr(not(feature = "zenoh"), path = "without_zenoh.rs")]
 mod merged;
 
-use super::{JsonReport, drive, interrupt, network::Network};
+use super::{JsonReport, drive::quantity, interrupt, network::Network};
 use anyhow::ensure;
 use dermatome_body::file::is_part_of_topic;
-use dermatome_messages::dermatome::{DriveRequest, number_of_gain};
+use dermatome_messages::dermatome::DriveRequest;
+use dermatome_model::skin::quantity::{CURRENT, FREQUENCY, Quantity};
 use std::time::{Duration, Instant};
 
 /// Hear what all computers of a robot serve, as one body: contacts of every skin, and what presses on each link.
@@ -48,44 +49,53 @@ pub(super) struct Args {
     json: JsonReport,
 }
 
-/// How skins are to be driven.
+/// How skins are to be driven; what their boards cannot do they say themselves.
 #[derive(clap::Args)]
 struct Change {
     /// Carrier frequency: "50 kHz", or a number in Hz.
-    #[arg(long, value_name = "FREQUENCY", requires = "drive", allow_hyphen_values = true)]
-    frequency: Option<String>,
+    #[arg(long, value_name = "FREQUENCY", requires = "drive", allow_hyphen_values = true, value_parser = frequency)]
+    frequency: Option<f32>,
     /// Current amplitude: "0.5 mA".
-    #[arg(long, value_name = "AMPLITUDE", requires = "drive", allow_hyphen_values = true)]
-    amplitude: Option<String>,
+    #[arg(long, value_name = "AMPLITUDE", requires = "drive", allow_hyphen_values = true, value_parser = amplitude)]
+    amplitude: Option<f32>,
     /// Frames a second: "50 Hz", or a number.
-    #[arg(long, value_name = "RATE", requires = "drive", allow_hyphen_values = true)]
-    frame_rate: Option<String>,
+    #[arg(long, value_name = "RATE", requires = "drive", allow_hyphen_values = true, value_parser = frequency)]
+    frame_rate: Option<f32>,
     /// Gain of the programmable amplifier: automatic, 1, 2, 4, 8, 16, 32 or 64.
-    #[arg(long, value_name = "GAIN", requires = "drive")]
-    gain: Option<String>,
+    #[arg(long, value_name = "GAIN", requires = "drive", value_parser = gain)]
+    gain: Option<u8>,
 }
 
 impl Change {
-    /// As skins are asked for it; what their boards cannot do they say themselves.
-    fn request(&self) -> anyhow::Result<DriveRequest> {
-        let read = |name, text: Option<&str>, read: fn(&str) -> anyhow::Result<f32>| {
-            // Not a number means as it is.
-            let Some(text) = text else { return Ok(f32::NAN) };
-            let value = read(text)?;
-            ensure!(value > 0.0 && value.is_finite(), "`--{name}` is {text}; allowed: more than 0");
-            Ok(value)
-        };
-        let amplitude = |text: &str| drive::amplitude(text, None);
-        Ok(DriveRequest {
-            frequency: read("frequency", self.frequency.as_deref(), drive::frequency)?,
-            amplitude: read("amplitude", self.amplitude.as_deref(), amplitude)?,
-            frame_rate: read("frame-rate", self.frame_rate.as_deref(), drive::frame_rate)?,
-            gain: match &self.gain {
-                Some(text) => number_of_gain(drive::gain(text)?),
-                None => DriveRequest::AS_IT_IS.gain,
-            },
-        })
+    fn request(&self) -> DriveRequest {
+        let as_it_is = DriveRequest::AS_IT_IS;
+        DriveRequest {
+            frequency: self.frequency.unwrap_or(as_it_is.frequency),
+            amplitude: self.amplitude.unwrap_or(as_it_is.amplitude),
+            frame_rate: self.frame_rate.unwrap_or(as_it_is.frame_rate),
+            gain: self.gain.unwrap_or(as_it_is.gain),
+        }
     }
+}
+
+fn frequency(text: &str) -> Result<f32, &'static str> {
+    positive(quantity(text, FREQUENCY)).ok_or("allowed: more than 0, in Hz, kHz or MHz")
+}
+
+fn amplitude(text: &str) -> Result<f32, &'static str> {
+    // A number alone could be mA.
+    let current = CURRENT.read(&Quantity::Text(text.to_owned())).map(|current| current as f32);
+    positive(current).ok_or("allowed: more than 0, in A, mA or uA")
+}
+
+fn positive(value: Option<f32>) -> Option<f32> {
+    value.filter(|value| *value > 0.0 && value.is_finite())
+}
+
+/// 0 for automatic.
+fn gain(text: &str) -> Result<u8, &'static str> {
+    let fixed = [1, 2, 4, 8, 16, 32, 64].into_iter().find(|gain| gain.to_string() == text);
+    fixed.or((text == "automatic").then_some(0)).ok_or("allowed: automatic, 1, 2, 4, 8, 16, 32 or 64")
 }
 
 /// The skins that are named, none of which stands for all.
@@ -106,7 +116,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let is_over =
         || interrupt::requested() || args.duration.is_some_and(|duration| begun.elapsed() >= duration);
     if !args.drive.is_empty() {
-        let request = args.change.request()?;
+        let request = args.change.request();
         return merged::ask(name, named(&args.drive), Some(&request), &args.network, is_over);
     }
     if !args.tare.is_empty() {
