@@ -1,9 +1,10 @@
-//! Any bytes as the two flash slots, uploads, and power that fails amid an operation of the flash. What counts is a
-//! valid patch; an upload that was reported as done counts until the next one, and no other takes its place.
+//! Any bytes as the slots of flash, uploads and trims, and power that fails amid an operation of the flash. What counts is a
+//! valid patch and a trim; what was reported as done counts until the next one, and no other takes its place.
 #![no_main]
 
 use arbitrary::Arbitrary;
 use dermatome_shared::{
+    acquire::trim::Trim,
     device::{
         PatchStore,
         flash_slots::{Flash, FlashError, FlashSlotStore, PAGE_BYTES, WORD_BYTES},
@@ -13,11 +14,12 @@ use dermatome_shared::{
 use dermatome_shared_fuzz::{damage, small_patch};
 use libfuzzer_sys::fuzz_target;
 
-const SLOT: usize = 2 * PAGE_BYTES;
+/// Two for patches, two for trims.
+const SLOTS: [usize; 4] = [2 * PAGE_BYTES, 2 * PAGE_BYTES, PAGE_BYTES, PAGE_BYTES];
 
 /// Flash whose power fails amid the operation that uses `left` up: it leaves anything.
 struct Cells<'a> {
-    slots: &'a mut [Vec<u8>; 2],
+    slots: &'a mut [Vec<u8>; 4],
     left: u16,
     noise: u8,
 }
@@ -56,9 +58,22 @@ impl Flash for Cells<'_> {
 #[derive(Arbitrary, Debug)]
 struct Input {
     /// What the slots begin with, and what lies in their records.
-    content: [Vec<u8>; 2],
-    records: [[u8; WORD_BYTES]; 2],
-    uploads: Vec<Upload>,
+    content: [Vec<u8>; 4],
+    records: [[u8; WORD_BYTES]; 4],
+    changes: Vec<Change>,
+}
+
+#[derive(Arbitrary, Debug)]
+enum Change {
+    Upload(Upload),
+    Trim(NewTrim),
+}
+
+#[derive(Arbitrary, Debug)]
+struct NewTrim {
+    factor: u8,
+    operations: u16,
+    noise: u8,
 }
 
 #[derive(Arbitrary, Debug)]
@@ -69,34 +84,72 @@ struct Upload {
     noise: u8,
 }
 
+/// What counts.
+#[derive(Clone, PartialEq)]
+struct Held {
+    patch: Option<Vec<u8>>,
+    trim: Option<Trim>,
+}
+
+impl Held {
+    fn in_store(store: &impl PatchStore) -> Self {
+        Self { patch: store.active().map(<[u8]>::to_vec), trim: store.trim() }
+    }
+}
+
+fn upload(store: &mut impl PatchStore, patch: &[u8], piece: u16) -> bool {
+    let mut pieces = patch.chunks(usize::from(piece % 512) + 1);
+    let result = store
+        .begin(patch.len())
+        .and_then(|()| pieces.try_for_each(|piece| store.append(piece)))
+        .and_then(|()| store.commit());
+    result.is_ok()
+}
+
 fuzz_target!(|input: Input| {
-    let mut slots = [0, 1].map(|slot| {
+    let mut slots = [0, 1, 2, 3].map(|slot| {
         let mut bytes = input.content[slot].clone();
-        bytes.resize(SLOT, 0xFF);
-        bytes[SLOT - WORD_BYTES..].copy_from_slice(&input.records[slot]);
+        bytes.resize(SLOTS[slot], 0xFF);
+        bytes[SLOTS[slot] - WORD_BYTES..].copy_from_slice(&input.records[slot]);
         bytes
     });
-    let mut held = FlashSlotStore::open(Cells { slots: &mut slots, left: u16::MAX, noise: 0 })
-        .active()
-        .map(<[u8]>::to_vec);
-    for Upload { edits, piece, operations, noise } in input.uploads.iter().take(8) {
-        let patch = damage(small_patch(), edits);
-        let mut store = FlashSlotStore::open(Cells { slots: &mut slots, left: *operations, noise: *noise });
-        assert!(store.active() == held.as_deref(), "what counts changes by a restart");
-        let pieces = patch.chunks(usize::from(piece % 512) + 1);
-        let result = store
-            .begin(patch.len())
-            .and_then(|()| pieces.into_iter().try_for_each(|piece| store.append(piece)))
-            .and_then(|()| store.commit());
-        if result.is_ok() {
-            held = Some(patch.clone());
+    let mut held =
+        Held::in_store(&FlashSlotStore::open(Cells { slots: &mut slots, left: u16::MAX, noise: 0 }));
+    for change in input.changes.iter().take(8) {
+        let (operations, noise) = match change {
+            Change::Upload(upload) => (upload.operations, upload.noise),
+            Change::Trim(trim) => (trim.operations, trim.noise),
+        };
+        let mut store = FlashSlotStore::open(Cells { slots: &mut slots, left: operations, noise });
+        assert!(Held::in_store(&store) == held, "what counts changes by a restart");
+        let mut wanted = held.clone();
+        let is_done = match change {
+            Change::Upload(Upload { edits, piece, .. }) => {
+                let patch = damage(small_patch(), edits);
+                let is_done = upload(&mut store, &patch, *piece);
+                wanted.patch = Some(patch);
+                is_done
+            }
+            Change::Trim(NewTrim { factor, .. }) => {
+                let mut trim = Trim::NONE;
+                trim.multiply(
+                    usize::from(factor % 5),
+                    usize::from(factor % 7),
+                    [1.0, f32::from(*factor) * 1e-4],
+                );
+                wanted.trim = Some(trim);
+                store.keep_trim(&trim).is_ok()
+            }
+        };
+        if is_done {
+            held = wanted.clone();
         }
-        assert!(store.active() == held.as_deref(), "what counts is not what was reported");
+        assert!(Held::in_store(&store) == held, "what counts is not what was reported");
         let store = FlashSlotStore::open(Cells { slots: &mut slots, left: 0, noise: 0 });
-        let found = store.active().map(<[u8]>::to_vec);
-        // A commit that failed may have come through all the same.
-        assert!(found == held || (result.is_err() && found.as_ref() == Some(&patch)), "what counts is lost");
-        assert!(found.as_deref().is_none_or(|patch| PatchView::validate(patch).is_ok()));
+        let found = Held::in_store(&store);
+        // One that failed may have come through all the same.
+        assert!(found == held || (!is_done && found == wanted), "what counts is lost");
+        assert!(found.patch.as_deref().is_none_or(|patch| PatchView::validate(patch).is_ok()));
         held = found;
     }
 });
