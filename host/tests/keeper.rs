@@ -51,6 +51,33 @@ fn a_drive_that_is_asked_for_in_a_tare_is_that_of_the_reference() {
     }
 }
 
+#[test]
+fn who_asks_for_a_tare_while_one_is_made_gets_one() {
+    for selection in [RECORDED, SERVED] {
+        let (desk, _board, port) = board();
+        let (keeper, told) = keep(&desk, &port, selection);
+        wait(&told, |told| is(told, Phase::Live).then_some(()));
+        // The second is asked for in the first.
+        for _ in 0..2 {
+            keeper.tare();
+            wait(&told, |told| is(told, Phase::Taring).then_some(()));
+        }
+        wait(&told, |told| is(told, Phase::Live).then_some(()));
+    }
+}
+
+#[test]
+fn a_tare_of_frames_that_hardly_come_does_not_keep_its_keeper_from_ending() {
+    let (desk, _board, port) = board();
+    let (keeper, told) = keep(&desk, &port, SERVED);
+    wait(&told, |told| is(told, Phase::Live).then_some(()));
+    keeper.drive(Drive::new(50e3, 1e-3, 0.01));
+    wait(&told, |told| is(told, Phase::Taring).then_some(()));
+    let begun = Instant::now();
+    drop(keeper);
+    assert!(begun.elapsed() < Duration::from_secs(10), "{:?}", begun.elapsed());
+}
+
 /// A simulated board with the patch of a skin that nothing presses on.
 fn board() -> (Desk, Running, String) {
     let desk = Desk::with_patch();

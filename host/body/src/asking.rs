@@ -43,8 +43,7 @@ impl Asked {
         let state = &sense.state;
         match state.phase {
             Phase::Taring => Ok(Self::Tare),
-            Phase::Live if state.text.is_empty() => Ok(Self::Tare),
-            // It waits already.
+            Phase::Live if !state.waits() => Ok(Self::Tare),
             _ => Err(Outcome::refused(&state.text)),
         }
     }
@@ -111,11 +110,13 @@ impl<Asker> Waiting<Asker> {
     }
 
     /// Answers those who wait no longer, by what the board's keeper has told.
-    pub fn hear(&mut self, told: &Told, mut answer: impl FnMut(&Asker, Outcome)) {
-        self.0.retain_mut(|(asker, awaited)| {
-            let outcome = awaited.outcome(told);
-            outcome.map(|outcome| answer(asker, outcome)).is_none()
-        });
+    pub fn hear(&mut self, told: &Told, mut answer: impl FnMut(Asker, Outcome)) {
+        for (asker, mut awaited) in std::mem::take(&mut self.0) {
+            match awaited.outcome(told) {
+                Some(outcome) => answer(asker, outcome),
+                None => self.0.push((asker, awaited)),
+            }
+        }
     }
 }
 
@@ -139,10 +140,10 @@ impl Awaited {
         if state.phase == Phase::Taring {
             *has_begun = true;
             None
-        } else if state.text.is_empty() {
-            has_begun.then(|| Outcome::done("the reference is made"))
-        } else {
+        } else if state.waits() {
             Some(Outcome::refused(&state.text))
+        } else {
+            has_begun.then(|| Outcome::done("the reference is made"))
         }
     }
 }
@@ -159,7 +160,7 @@ fn in_words(drive: &Drive) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::driven::Driven;
+    use crate::{driven::Driven, keeper::WAITS};
 
     fn state(phase: Phase, text: &str) -> Told {
         Told::State(State { phase, text: text.to_owned() })
@@ -172,7 +173,7 @@ mod tests {
         let each = told.iter().map(|told| {
             let mut answered = None;
             waiting.hear(told, |asker, outcome| {
-                assert_eq!(*asker, "who asks");
+                assert_eq!(asker, "who asks");
                 answered = Some(outcome);
             });
             answered
@@ -192,13 +193,17 @@ mod tests {
             state(Phase::Live, ""),
         ];
         let done = Some(Outcome::done("the reference is made"));
-        assert_eq!(answers(Asked::Tare, &told), [None, None, None, done, None]);
+        assert_eq!(answers(Asked::Tare, &told), [None, None, None, done.clone(), None]);
+        // On a bus that carries no more.
+        let thinned_out = "images of one frame in 3: the bus that the board shares carries no more";
+        let told = [Phase::Live, Phase::Taring, Phase::Live].map(|phase| state(phase, thinned_out));
+        assert_eq!(answers(Asked::Tare, &told), [None, None, done]);
     }
 
     #[test]
     fn a_tare_under_a_press_or_of_a_board_that_is_lost_is_answered_with_the_reason() {
-        for phase in [Phase::Live, Phase::Lost, Phase::NotTared] {
-            assert_eq!(answers(Asked::Tare, &[state(phase, "why")]), [Some(Outcome::refused("why"))]);
+        for (phase, why) in [(Phase::Live, WAITS), (Phase::Lost, "gone"), (Phase::NotTared, WAITS)] {
+            assert_eq!(answers(Asked::Tare, &[state(phase, why)]), [Some(Outcome::refused(why))]);
         }
     }
 

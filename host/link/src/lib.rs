@@ -22,6 +22,8 @@ pub use assemble::{ScanFrame, Totals};
 pub use dermatome_patch::{pose, tables};
 pub use dermatome_shared as shared;
 pub use error::{Damage, LinkError, LinkErrorKind, Overload};
-pub use link::{Link, REPLY_TIMEOUT, Transport, Untouched, UploadError, open, tare, tare_timeout, upload};
+pub use link::{
+    Link, REPLY_TIMEOUT, Transport, Untouched, UploadError, is_tared, open, tare, tare_timeout, upload,
+};
 pub use port::{Adapter, Bus, Port, PortError};
 pub use subscription::{NotBegun, PolledStream, Subscription, frame_timeout, silence_timeout};

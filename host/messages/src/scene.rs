@@ -5,7 +5,7 @@ use crate::{
     frame::Place,
     standard::{
         Color, DiagnosticArray, DiagnosticStatus, KeyValue, Marker, MarkerArray, Point, PointCloud2,
-        PointField, Pose as RosPose, Quaternion, TransformStamped,
+        PointField, Pose as RosPose, Quaternion, TfMessage, TransformStamped,
     },
     topic::{Packed, Topic},
 };
@@ -176,6 +176,12 @@ pub fn transform(pose: &Pose, skin: &str, time_ns: u64) -> TransformStamped {
     let transform = RosPose { position: pose.position.into(), orientation: Quaternion { x, y, z, w } };
     let header = Place::of(skin, Some(pose)).header(time_ns);
     TransformStamped { header, child_frame_id: skin.to_owned(), transform }
+}
+
+/// What lies so for good; programs that seek in a recording take the last message for all that there is.
+#[must_use]
+pub fn transforms(transforms: Vec<TransformStamped>, now_ns: u64) -> Packed {
+    Packed::now(Topic::Transforms, now_ns, cdr::encode(&TfMessage { transforms }))
 }
 
 /// What a board says about its electrodes and itself.

@@ -34,14 +34,14 @@ pub struct Visitor {
 pub enum Refused {
     /// Asked for by another name.
     #[error(
-        "this server is asked for as {0:?}, which is no name of it; use the address that `dermatome view` printed"
+        "this server is asked for as {0:?}, which is no name of it; use the address that was printed at the start"
     )]
     Host(String),
     /// A page of somebody else.
     #[error("the page {0:?} may not look on; allow it with `--allow-origin`")]
     Origin(String),
     /// Without the token, or with another.
-    #[error("the token is missing or wrong; use the address that `dermatome view` printed")]
+    #[error("the token is missing or wrong; use the address that was printed at the start")]
     Token,
 }
 

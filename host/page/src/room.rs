@@ -9,7 +9,7 @@ use dermatome_messages::{Packed, Topic};
 use serde_json::{Value, json};
 use std::{
     collections::{BTreeSet, HashMap},
-    io::{self, ErrorKind},
+    io::{self, ErrorKind, Write},
     net::{Shutdown, TcpStream},
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
@@ -222,7 +222,8 @@ impl Room {
         let words = refused.to_string();
         let mut told = self.refused.lock().unwrap_or_else(PoisonError::into_inner);
         if told.len() < MOST_REFUSED && told.insert(words.clone()) {
-            eprintln!("warning: {words}");
+            // Where nobody can be told, that is no reason to end.
+            let _ = writeln!(io::stderr(), "warning: {words}");
         }
     }
 

@@ -107,7 +107,7 @@ impl<Request: Message + Clone + 'static> Desk<Request> {
 
     fn hear(&mut self, told: &Told) {
         let Self { server, waiting } = self;
-        waiting.hear(told, |id, outcome| answer(server, *id, outcome));
+        waiting.hear(told, |id, outcome| answer(server, id, outcome));
     }
 }
 

@@ -43,7 +43,7 @@ fn a_skin_is_tared_and_driven_from_another_computer() {
     let computer = Computer::start(&["--zenoh-orders"]);
     let tared = computer.ask(&["--tare", "palm"]).success();
     assert_eq!(tared.out, "palm: the reference is made\n", "{}", tared.err);
-    // While the one asks for a tare, another one changes the drive, which takes a new reference.
+    // The second may come while the first one's reference is made.
     for rate in ["40", "50 Hz"] {
         let driven = computer.ask(&["--drive", "palm", "--frame-rate", rate, "--gain", "8"]).success();
         let rate = rate.trim_end_matches(" Hz");
@@ -60,6 +60,11 @@ fn a_skin_is_tared_and_driven_from_another_computer() {
     let unknown = computer.ask(&["--tare", "plam"]).refused();
     let words = "no computer serves a skin `plam` of the robot `arm`; there are: `gone`, `palm`";
     assert!(unknown.contains(words), "{unknown}");
+    for nobody in [["body", "leg", "--tare", "all"], ["body", "leg", "--tare", "palm"]] {
+        let at = ["--zenoh-connect", &computer.endpoint];
+        let refused = computer.desk.run(&[&nobody[..], &at].concat()).refused();
+        assert!(refused.contains("no computer serves a"), "{refused}");
+    }
 }
 
 #[test]

@@ -14,13 +14,13 @@ use dermatome_body::{
 use dermatome_messages::dermatome::DriveRequest;
 use std::{
     collections::BTreeSet,
-    sync::mpsc::{Receiver, RecvTimeoutError, TrySendError, channel, sync_channel},
+    sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, channel, sync_channel},
+    thread,
     time::{Duration, Instant},
 };
 use zenoh::{
     Session, Wait,
     bytes::ZBytes,
-    key_expr::KeyExpr,
     query::{ConsolidationMode, Query, Queryable},
     sample::Sample,
 };
@@ -31,54 +31,71 @@ const MOST_WAITING: usize = 32;
 const FOUND: Duration = Duration::from_secs(5);
 /// How long no other skin must have come for all to be there.
 const ALL_FOUND: Duration = Duration::from_secs(1);
-/// Longest that anything takes which is asked for: a reference of the slowest frames.
+/// How long somebody waits for what is asked for: a reference of the slowest frames takes longer.
 const DONE: Duration = Duration::from_secs(300);
+const NOT_ALLOWED: &str = "its computer takes no orders: start `dermatome serve` there with `--zenoh-orders`";
 
 /// Takes what one skin is asked for, and answers when it is done.
 pub(crate) struct Desk {
-    run: u64,
-    /// Keys of what it may be asked for.
-    tare: KeyExpr<'static>,
-    drive: KeyExpr<'static>,
-    /// Whether it does what it is asked for.
-    is_allowed: bool,
-    asked: Receiver<Query>,
+    asked: Receiver<(Order, Query)>,
     waiting: Waiting<Query>,
+    /// Answers wait for who is slow in a thread of their own.
+    answers: SyncSender<(Query, Outcome)>,
     _queryable: Queryable<()>,
 }
 
+/// Answers in the name of one skin.
+struct Clerk {
+    space: Space,
+    run: u64,
+}
+
 impl Desk {
+    /// Does what it is asked for, if that is allowed.
     pub(crate) fn open(
         session: &Session,
         space: &Space,
         run: u64,
         is_allowed: bool,
     ) -> Result<Self, ZenohError> {
-        let key = |order| Ok::<_, ZenohError>(KeyExpr::try_from(space.of_order(order))?);
         let (sender, asked) = sync_channel(MOST_WAITING);
+        let (answers, answered) = sync_channel::<(Query, Outcome)>(2 * MOST_WAITING);
+        let clerk = Clerk { space: space.clone(), run };
+        thread::Builder::new()
+            .name("clerk".to_owned())
+            .spawn(move || answered.iter().for_each(|(query, outcome)| clerk.answer(&query, &outcome)))
+            .map_err(|error| ZenohError::Zenoh(error.to_string()))?;
+        let refuse = answers.clone();
         let queryable = session
             .declare_queryable(space.of_orders())
             .callback(move |query| {
-                // More than that is not looked at, and who asks is told that nobody answered.
-                if let Err(TrySendError::Full(_)) = sender.try_send(query) {
-                    log::debug!("more is asked at once than is looked at");
-                }
+                // Where it is full, who asks is told that nobody answered; and one that but reads all there is asks for nothing.
+                let _ = match order(&query) {
+                    None => return,
+                    Some(_) if !is_allowed => refuse.try_send((query, Outcome::refused(NOT_ALLOWED))).is_ok(),
+                    Some(Err(words)) => refuse.try_send((query, Outcome::refused(words))).is_ok(),
+                    Some(Ok(order)) => sender.try_send((order, query)).is_ok(),
+                };
             })
             .wait()?;
-        let (tare, drive) = (key(Order::Tare)?, key(Order::Drive)?);
-        Ok(Self { run, tare, drive, is_allowed, asked, waiting: Waiting::default(), _queryable: queryable })
+        Ok(Self { asked, waiting: Waiting::default(), answers, _queryable: queryable })
     }
 
     /// Takes what has been asked for; what cannot be done is answered.
     pub(crate) fn requests(&mut self, sense: &Sense) -> Vec<Asked> {
         let mut wanted = Vec::new();
-        while let Ok(query) = self.asked.try_recv() {
-            match self.decide(&query, sense) {
+        for (order, query) in self.asked.try_iter().take(MOST_WAITING) {
+            let decided = if self.waiting.len() < MOST_WAITING {
+                decide(order, &query, sense)
+            } else {
+                Err(Outcome::refused("too much is asked at once"))
+            };
+            match decided {
                 Ok(asked) => {
                     self.waiting.add(query, &asked);
                     wanted.push(asked);
                 }
-                Err(outcome) => self.answer(&query, &outcome),
+                Err(outcome) => drop(self.answers.try_send((query, outcome))),
             }
         }
         wanted
@@ -86,49 +103,39 @@ impl Desk {
 
     /// Answers the requests that this decides.
     pub(crate) fn hear(&mut self, told: &Told) {
-        let mut answers = Vec::new();
-        self.waiting.hear(told, |query, outcome| answers.push((query.clone(), outcome)));
-        answers.into_iter().for_each(|(query, outcome)| self.answer(&query, &outcome));
+        let answers = &self.answers;
+        self.waiting.hear(told, |query, outcome| drop(answers.try_send((query, outcome))));
     }
+}
 
-    fn decide(&self, query: &Query, sense: &Sense) -> Result<Asked, Outcome> {
-        if !self.is_allowed {
-            return Err(Outcome::refused(
-                "its computer takes no orders: start `dermatome serve` there with `--zenoh-orders`",
-            ));
-        }
-        if self.waiting.len() >= MOST_WAITING {
-            return Err(Outcome::refused("too much is asked at once"));
-        }
-        let unreadable = |error: DecodeError| Outcome::refused(format!("the request is not read: {error}"));
-        if let Some(stamp) = query.attachment() {
-            message::stamp(&stamp.to_bytes()).map_err(unreadable)?;
-        }
-        match self.order(query) {
-            Some(Order::Tare) => Asked::tare(sense),
-            Some(Order::Drive) => {
-                let payload = query.payload().map(payload).transpose().map_err(unreadable)?;
-                Asked::drive(&decode(&payload.unwrap_or_default()).map_err(unreadable)?, sense)
-            }
-            None => Err(Outcome::refused("allowed: `tare` or `drive`, one of them")),
+/// What a query asks for, by its key; none where that has no part `ask`, but stands for many.
+fn order(query: &Query) -> Option<Result<Order, &'static str>> {
+    let (_, order) = query.key_expr().as_str().rsplit_once("/ask/")?;
+    let order = [Order::Tare, Order::Drive].into_iter().find(|known| known.name() == order);
+    Some(order.ok_or("allowed: `ask/tare` or `ask/drive`"))
+}
+
+fn decide(order: Order, query: &Query, sense: &Sense) -> Result<Asked, Outcome> {
+    let unreadable = |error: DecodeError| Outcome::refused(format!("the request is not read: {error}"));
+    if let Some(stamp) = query.attachment() {
+        message::stamp(&stamp.to_bytes()).map_err(unreadable)?;
+    }
+    match order {
+        Order::Tare => Asked::tare(sense),
+        Order::Drive => {
+            let payload = query.payload().map(payload).transpose().map_err(unreadable)?;
+            Asked::drive(&decode(&payload.unwrap_or_default()).map_err(unreadable)?, sense)
         }
     }
+}
 
-    /// What a query, whose key may stand for several, asks for.
-    fn order(&self, query: &Query) -> Option<Order> {
-        let asks = |key: &KeyExpr<'static>| query.key_expr().intersects(key);
-        match (asks(&self.tare), asks(&self.drive)) {
-            (true, false) => Some(Order::Tare),
-            (false, true) => Some(Order::Drive),
-            _ => None,
-        }
-    }
-
+impl Clerk {
     fn answer(&self, query: &Query, outcome: &Outcome) {
-        let key = if self.order(query) == Some(Order::Drive) { &self.drive } else { &self.tare };
+        let order = order(query).and_then(Result::ok).unwrap_or(Order::Tare);
+        let key = self.space.of_order(order);
         let stamp = Stamp { version: Version::OURS, run: self.run, number: 0 };
         let outcome = Outcome { message: shortened(&outcome.message), success: outcome.success };
-        if let Err(error) = query.reply(key, encode(&outcome)).attachment(encode(&stamp)).wait() {
+        if let Err(error) = query.reply(&key, encode(&outcome)).attachment(encode(&stamp)).wait() {
             log::debug!("`{key}` is not answered: {error}");
         }
     }
@@ -147,7 +154,10 @@ pub fn ask(
     let session = settings.open()?;
     let found = match robot {
         Some(robot) => Some(robot.to_owned()),
-        None => find(&session, &is_over)?,
+        None => {
+            let begun = Instant::now();
+            find(&session, || is_over() || begun.elapsed() >= FOUND)?
+        }
     };
     if let Some(robot) = found {
         let skins = skins(&session, &robot, patches, &is_over)?;
@@ -178,7 +188,7 @@ fn ask_each(
             .callback(move |reply| {
                 let outcome = match reply.result() {
                     Ok(sample) => outcome(sample),
-                    Err(error) => Outcome::refused(String::from_utf8_lossy(&error.payload().to_bytes())),
+                    Err(_) => Outcome::refused(format!("no answer within {} s", DONE.as_secs())),
                 };
                 // Fails if nobody waits any more.
                 let _ = sender.send((index, outcome));
@@ -197,8 +207,13 @@ fn ask_each(
             Err(RecvTimeoutError::Disconnected) => break,
         }
     }
+    let why = if is_over() {
+        "stopped before it answered: it may be done all the same"
+    } else {
+        "no answer: it has gone, or its computer's program is an older one"
+    };
     for (space, _) in skins.iter().zip(has_answered).filter(|(_, has_answered)| !has_answered) {
-        tell(space, Outcome::refused("no answer: it has gone, or its computer's program is an older one"));
+        tell(space, Outcome::refused(why));
     }
     Ok(())
 }
@@ -239,16 +254,16 @@ fn skins(
             return Ok(there.into_iter().filter(is_meant).collect());
         }
         if begun.elapsed() >= FOUND {
-            let missing = patches.iter().find(|name| !is_there(name)).map_or("", String::as_str);
+            let Some(missing) = patches.iter().find(|name| !is_there(name)) else { break };
             let mut known: Vec<_> = there.iter().map(|space| format!("`{}`", space.patch)).collect();
             known.dedup();
             return Err(ZenohError::Patch {
                 robot: robot.to_owned(),
-                patch: missing.to_owned(),
+                patch: missing.clone(),
                 known: known.join(", "),
             });
         }
-        std::thread::sleep(LOOK);
+        thread::sleep(LOOK);
     }
     Ok(Vec::new())
 }

@@ -1,4 +1,4 @@
-//! Averaging: a tare while a board streams raw codes, so that the frames of which its reference is made come as well.
+//! Averaging: a tare, also while a board streams raw codes, so that the frames of which its reference is made come as well.
 
 use dermatome_link::{Link, LinkError, LinkErrorKind, ScanFrame, tare_timeout};
 use dermatome_shared::{
@@ -7,7 +7,7 @@ use dermatome_shared::{
 };
 use std::time::{Duration, Instant};
 
-/// A tare in a stream: its frames come without contacts.
+/// A tare; in a stream its frames come without contacts.
 pub(super) struct Averaging {
     begun: Instant,
     timeout: Duration,
@@ -27,11 +27,17 @@ pub(super) enum Taken {
 }
 
 impl Averaging {
-    /// Has a board that streams make a reference.
+    /// Has a board make a reference.
     pub(super) fn begin(link: &mut Link, patch: &PatchInfo) -> Result<Self, LinkError> {
         link.request(&Request::Tare { frames: DEFAULT_TARE_FRAMES })?;
         let timeout = tare_timeout(patch, DEFAULT_TARE_FRAMES);
         Ok(Self { begun: Instant::now(), timeout, frames: 0 })
+    }
+
+    /// Why it fails, if it has taken too long.
+    pub(super) fn too_late(&self) -> Option<LinkErrorKind> {
+        let (frames, timeout) = (DEFAULT_TARE_FRAMES, self.timeout);
+        (self.begun.elapsed() > timeout).then_some(LinkErrorKind::NoTare { frames, timeout })
     }
 
     /// A frame has come.
@@ -39,14 +45,11 @@ impl Averaging {
         // Some may be lost, and so may the contacts of one before.
         let is_made = frame.contacts.is_some() && self.frames >= DEFAULT_TARE_FRAMES / 2;
         self.frames += u16::from(frame.contacts.is_none());
-        match self.frames {
+        match self.too_late() {
             _ if is_made => Taken::Last,
-            _ if self.begun.elapsed() > self.timeout => {
-                let (frames, timeout) = (DEFAULT_TARE_FRAMES, self.timeout);
-                Taken::TooLate(LinkErrorKind::NoTare { frames, timeout })
-            }
-            1 if frame.contacts.is_none() => Taken::First,
-            _ => Taken::More,
+            Some(why) => Taken::TooLate(why),
+            None if self.frames == 1 && frame.contacts.is_none() => Taken::First,
+            None => Taken::More,
         }
     }
 }

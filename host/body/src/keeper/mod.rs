@@ -10,8 +10,8 @@ mod told;
 use crate::{driven::Driven, file::Patch, surface::is_same};
 use averaging::{Averaging, Taken};
 use dermatome_link::{
-    Link, LinkError, LinkErrorKind, Untouched, frame_timeout, silence_timeout, tables::SurfaceTables, tare,
-    tare_timeout,
+    Link, LinkError, LinkErrorKind, Untouched, frame_timeout, is_tared, silence_timeout,
+    tables::SurfaceTables,
 };
 use dermatome_messages::clock::now_ns;
 use dermatome_shared::{
@@ -19,15 +19,15 @@ use dermatome_shared::{
     drive::Drive,
     patch::{PatchError, PatchView},
     protocol::{FrameSource, PatchInfo, Request, Selection},
-    reference::DEFAULT_TARE_FRAMES,
 };
 use dermatome_simulate::port::{OpenError, Port, open};
 use std::{
     io,
-    sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel},
+    sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel},
     thread::{self, JoinHandle},
     time::{Duration, Instant},
 };
+pub(crate) use told::WAITS;
 pub use told::{Phase, Reference, State, Told};
 
 /// Time until a board is tried again, which doubles up to the longest.
@@ -239,7 +239,7 @@ impl Board {
         // A drive that was asked for before lasts until the board starts anew.
         patch.drive = info.drive.unwrap_or(patch.drive);
         match self.drive.filter(|drive| *drive != patch.drive) {
-            Some(drive) => self.change_drive(&mut link, &mut patch, drive)?,
+            Some(drive) => drop(self.change_drive(&mut link, &mut patch, drive)?),
             None => self.drives(patch.drive),
         }
         self.has_come = true;
@@ -250,8 +250,8 @@ impl Board {
             }
             let is_tared_in_stream = is_lost && self.shows_tares();
             if !is_tared_in_stream {
-                if is_lost {
-                    self.make_reference(&mut link, &patch)?;
+                if is_lost && let Some(stop) = self.make_reference(&mut link, &mut patch)? {
+                    return Ok(stop);
                 }
                 self.know_reference(Untouched::of(&mut link, &patch)?);
             }
@@ -266,13 +266,14 @@ impl Board {
         (self.tell)(Told::Driven(Box::new(Driven { drive, front_end: self.front_end })));
     }
 
-    /// Has the skin driven like this; the board may refuse.
+    /// Has the skin driven like this; the board may refuse. Says whether it is driven otherwise now.
     fn change_drive(
         &mut self,
         link: &mut Link,
         patch: &mut PatchInfo,
         drive: Drive,
-    ) -> Result<(), LinkError> {
+    ) -> Result<bool, LinkError> {
+        let before = patch.drive;
         match link.request(&Request::Drive(Some(drive))) {
             Ok(_) => patch.drive = drive,
             Err(LinkError { kind: LinkErrorKind::Refused(refusal), .. }) => {
@@ -281,7 +282,7 @@ impl Board {
             Err(error) => return Err(error),
         }
         self.drives(patch.drive);
-        Ok(())
+        Ok(patch.drive != before)
     }
 
     /// Makes sure that the board's patch is of this skin.
@@ -316,10 +317,7 @@ impl Board {
         let mut is_said = false;
         while untouched.is_pressed(link, silence_timeout(patch))? {
             if !std::mem::replace(&mut is_said, true) {
-                self.state(
-                    Phase::NotTared,
-                    "something presses on the skin: its new reference waits until it is free",
-                );
+                self.state(Phase::NotTared, WAITS);
             }
             if let Some(stop) = self.pause(LOOK_AGAIN) {
                 return Ok(Some(stop));
@@ -328,11 +326,27 @@ impl Board {
         Ok(None)
     }
 
-    fn make_reference(&mut self, link: &mut Link, patch: &PatchInfo) -> Result<(), LinkError> {
+    /// Has the board make a reference, which takes long where frames come seldom.
+    fn make_reference(&mut self, link: &mut Link, patch: &mut PatchInfo) -> Result<Option<Stop>, LinkError> {
         self.state(Phase::Taring, AVERAGING);
-        tare(link, DEFAULT_TARE_FRAMES, tare_timeout(patch, DEFAULT_TARE_FRAMES))?;
+        let mut averaging = Averaging::begin(link, patch)?;
+        while !is_tared(link, LOOK)? {
+            if let Some(why) = averaging.too_late() {
+                return Err(link.error(why));
+            }
+            match self.asked.try_recv() {
+                Ok(Asked::Tare) => self.wants_tare = true,
+                Ok(Asked::Drive(drive)) => {
+                    if self.change_drive(link, patch, *drive)? {
+                        averaging = Averaging::begin(link, patch)?;
+                    }
+                }
+                Ok(Asked::Stop) | Err(TryRecvError::Disconnected) => return Ok(Some(Stop)),
+                Err(TryRecvError::Empty) => {}
+            }
+        }
         self.made_now = true;
-        Ok(())
+        Ok(None)
     }
 
     /// Whether frames of a tare are told as well, as somebody wants raw codes: then it is made in the stream.
@@ -361,7 +375,7 @@ impl Board {
         patch: &mut PatchInfo,
         begins_with_tare: bool,
     ) -> Result<Option<Stop>, LinkError> {
-        let silence = frame_timeout(patch);
+        let mut silence = frame_timeout(patch);
         let mut stream = link.subscribe(self.selection)?;
         let thinned_out = stream.thinned_out(self.selection).unwrap_or_default();
         let mut averaging = None;
@@ -377,11 +391,9 @@ impl Board {
                 match asked {
                     Asked::Tare => self.wants_tare = true,
                     Asked::Drive(drive) => {
-                        let before = patch.drive;
-                        self.change_drive(stream.link(), patch, *drive)?;
-                        if patch.drive != before {
-                            // The board begins that of a tare anew, which may take longer now.
-                            (self.wants_tare, averaging) = (true, None);
+                        if self.change_drive(stream.link(), patch, *drive)? {
+                            // The board begins that of a tare anew, and all may take longer now.
+                            (self.wants_tare, averaging, silence) = (true, None, frame_timeout(patch));
                         }
                     }
                     Asked::Stop => {
@@ -397,8 +409,7 @@ impl Board {
                     continue;
                 }
                 stream.stop()?;
-                self.make_reference(link, patch)?;
-                return Ok(None);
+                return self.make_reference(link, patch);
             }
             let Some(frame) = stream.next(LOOK)? else {
                 if heard.elapsed() > silence {
@@ -418,10 +429,14 @@ impl Board {
             }
             if let Some(tare) = &mut averaging {
                 match tare.take(&frame) {
-                    Taken::First => self.state(Phase::Taring, AVERAGING),
+                    Taken::First => {
+                        // Who asks from here on gets one of its own.
+                        self.wants_tare = false;
+                        self.state(Phase::Taring, AVERAGING);
+                    }
                     Taken::More => {}
                     Taken::Last => {
-                        (averaging, self.made_now, self.wants_tare) = (None, true, false);
+                        (averaging, self.made_now) = (None, true);
                         self.know_reference(Untouched::of(stream.link(), patch)?);
                         self.state(Phase::Live, thinned_out.as_str());
                     }
@@ -429,10 +444,7 @@ impl Board {
                 }
             }
             if self.wants_tare && touched == heard && !std::mem::replace(&mut is_said, true) {
-                self.state(
-                    Phase::Live,
-                    "something presses on the skin: its new reference waits until it is free",
-                );
+                self.state(Phase::Live, WAITS);
             }
             let missing = stream.totals().frames_missing;
             (self.tell)(Told::Frame { frame: Box::new(frame), received_ns: now_ns(), missing });

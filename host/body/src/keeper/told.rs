@@ -57,6 +57,17 @@ pub struct State {
     pub text: String,
 }
 
+/// What is said while a new reference waits for something to leave the skin.
+pub(crate) const WAITS: &str = "something presses on the skin: its new reference waits until it is free";
+
+impl State {
+    /// Whether a new reference waits for something to leave the skin.
+    #[must_use]
+    pub fn waits(&self) -> bool {
+        self.text == WAITS
+    }
+}
+
 /// How a board stands, in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]

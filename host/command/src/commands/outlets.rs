@@ -8,9 +8,8 @@ use dermatome_messages::{
     clock::now_ns,
     dermatome::{Reference, Status},
     frame::{Outlook, Place, ScopeTiming},
-    scene::{Scene, transform},
+    scene::{Scene, transform, transforms},
     skin::{Look, skin},
-    standard::{TfMessage, TransformStamped},
 };
 use dermatome_page::Speaker;
 use dermatome_recording::{
@@ -120,8 +119,8 @@ pub(super) struct Outlets {
     lasting: Vec<Packed>,
     recorder: Option<Recorder>,
     speaker: Option<Speaker>,
-    /// The skin's name on a robot, and all frames of that which never move; where it is on none, its own.
-    on_robot: Option<(String, Vec<TransformStamped>)>,
+    /// The skin's name on a robot, whose frames somebody else tells of.
+    on_robot: Option<String>,
     averaging: Averaging,
     /// How the skin is driven.
     drive: Option<Drive>,
@@ -161,10 +160,10 @@ impl Outlets {
         Self { speaker: Some(speaker), ..Self::empty() }
     }
 
-    /// Of one of several skins, of this name, on a robot that has these frames which never move, all skins' among them; for
-    /// those who look on, if anybody can.
-    pub(super) fn on_robot(speaker: Option<Speaker>, name: String, fixed: Vec<TransformStamped>) -> Self {
-        Self { speaker, on_robot: Some((name, fixed)), ..Self::empty() }
+    /// Of one of several skins, of this name, on a robot whose frames somebody else tells of; for those who look on, if anybody
+    /// can.
+    pub(super) fn on_robot(speaker: Option<Speaker>, name: String) -> Self {
+        Self { speaker, on_robot: Some(name), ..Self::empty() }
     }
 
     /// Images are those of this patch from now on.
@@ -180,17 +179,12 @@ impl Outlets {
         let now = now_ns();
         let shape = skin(patch, look, &place, now);
         let centres = shape.pixel_centres.chunks_exact(3).map(|at| [at[0], at[1], at[2]]).collect();
-        let (name, transforms) = self.on_robot.clone().unwrap_or_else(|| {
-            let own = pose.map(|pose| transform(pose, name, now));
-            (name.to_owned(), own.into_iter().collect())
-        });
-        self.scene = Scene::new(name, place.clone(), centres, board);
+        let name_there = self.on_robot.clone().unwrap_or_else(|| name.to_owned());
+        self.scene = Scene::new(name_there, place.clone(), centres, board);
         self.outlook.place = place;
         self.lasting = vec![Packed::now(Topic::Skin, now, cdr::encode(&shape))];
-        if !transforms.is_empty() {
-            // Each message has them all: programs that seek in a recording take the last one.
-            let all = cdr::encode(&TfMessage { transforms });
-            self.lasting.push(Packed::now(Topic::Transforms, now, all));
+        if let Some(pose) = pose.filter(|_| self.on_robot.is_none()) {
+            self.lasting.push(transforms(vec![transform(pose, name, now)], now));
         }
         for packed in self.lasting.clone() {
             self.send(packed);

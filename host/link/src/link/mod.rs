@@ -16,7 +16,7 @@ mod untouched;
 mod upload;
 mod wire;
 
-pub use tare::{tare, tare_timeout};
+pub use tare::{is_tared, tare, tare_timeout};
 pub use transport::{REPLY_TIMEOUT, Transport};
 pub use untouched::Untouched;
 pub use upload::{UploadError, upload};

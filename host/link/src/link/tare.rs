@@ -8,8 +8,12 @@ use std::time::Duration;
 /// Makes a new reference from `frames` frames of the untouched skin, and waits until it is there.
 pub fn tare(link: &mut Link, frames: u16, timeout: Duration) -> Result<(), LinkError> {
     link.request(&Request::Tare { frames })?;
-    let tared = link.wait_for(timeout, |event| matches!(event, Event::Tared { .. }))?;
-    tared.map(drop).ok_or_else(|| link.error(LinkErrorKind::NoTare { frames, timeout }))
+    if is_tared(link, timeout)? { Ok(()) } else { Err(link.error(LinkErrorKind::NoTare { frames, timeout })) }
+}
+
+/// Whether a board that was asked for a new reference has one, within this time.
+pub fn is_tared(link: &mut Link, wait: Duration) -> Result<bool, LinkError> {
+    Ok(link.wait_for(wait, |event| matches!(event, Event::Tared { .. }))?.is_some())
 }
 
 /// How long to wait for a tare: four times what the frames need, plus three seconds.

@@ -211,7 +211,13 @@ class B_Questions(unittest.TestCase):
         outcome = self.order("drive", messages.drive(frame_rate=50), attachment=other)
         self.assertIn("messages of version 99/", outcome.message)
         outcome = self.order("*", None)
-        self.assertEqual((outcome.success, outcome.message), (False, "allowed: `tare` or `drive`, one of them"))
+        self.assertEqual((outcome.success, outcome.message), (False, "allowed: `ask/tare` or `ask/drive`"))
+
+    def test_tares_are_read_without_asking_for_one(self):
+        [reply] = list(desk.session.get("dermatome/arm/**/tare", timeout=5))
+        self.assertTrue(str(reply.ok.key_expr).endswith("/palm/tare"))
+        time.sleep(1)
+        self.assertNotIn("taring", [state.phase for state in desk.of("state")][-2:])
 
     def order(self, name, payload, **more):
         asked = desk.session.get(f"dermatome/arm/*/palm/ask/{name}", payload=payload, timeout=20, **more)

@@ -35,10 +35,11 @@ pub(super) struct Args {
     /// Stop after so many seconds, instead of at Ctrl-C.
     #[arg(long, value_name = "SECONDS", value_parser = super::stream::seconds)]
     duration: Option<Duration>,
-    /// Make a new reference of this skin, or of `all`, once nothing presses; may be repeated.
+    /// Make a new reference of this skin, or of `all`; may be repeated. Where something presses, that is said, and it is made
+    /// once the skin is free.
     #[arg(long, value_name = "PATCH", conflicts_with_all = ["drive", "duration", "json"])]
     tare: Vec<String>,
-    /// Drive this skin, or `all`, otherwise until its board starts anew; may be repeated.
+    /// Drive this skin, or `all`, otherwise; may be repeated. A new reference follows: nothing may touch the skin.
     #[arg(long, value_name = "PATCH", requires = "Change", conflicts_with_all = ["duration", "json"])]
     drive: Vec<String>,
     #[command(flatten)]

@@ -2,7 +2,7 @@
 
 use super::{
     record::{Begun, Tape},
-    robot::{Figure, fixed},
+    robot::Figure,
 };
 use crate::commands::{
     doors::Doors,
@@ -20,7 +20,6 @@ use dermatome_link::words;
 use dermatome_messages::{
     clock::now_ns,
     dermatome::{Status, number_of_gain},
-    scene::transform,
     skin::Look,
 };
 use dermatome_page::{Call, Server};
@@ -42,7 +41,7 @@ pub(super) struct Onlookers {
     stands: Vec<Stand>,
     tape: Option<Tape>,
     told: Instant,
-    /// The robot, where the body file names its description.
+    /// The robot, until the recording ends.
     figure: Option<Figure>,
 }
 
@@ -77,12 +76,8 @@ impl Onlookers {
         };
         let server = page.map(open).transpose()?;
         let speaker = |index| server.as_ref().map(|server: &Server| server.speaker(index));
-        let mut fixed = robot.map(fixed).unwrap_or_default();
-        let now = now_ns();
-        let frames = file.patches.iter().zip(&spaces);
-        fixed.extend(frames.map(|(patch, space)| transform(&patch.pose, space, now)));
         let stand = |(index, (patch, look)): (usize, (&Patch, Look))| Stand {
-            outlets: Outlets::on_robot(speaker(index), spaces[index].clone(), fixed.clone()),
+            outlets: Outlets::on_robot(speaker(index), spaces[index].clone()),
             look,
             status: Status {
                 port: patch.port.to_string(),
@@ -95,9 +90,9 @@ impl Onlookers {
             frames: 0,
         };
         let stands = file.patches.iter().zip(looks).enumerate().map(stand).collect();
-        let recorder = tape.as_ref().map(Tape::of_robot);
-        let figure = robot.map(|robot| Figure::show(robot, speaker(0), recorder));
-        Ok(Self { server, stands, tape, told: Instant::now(), figure })
+        let places = file.patches.iter().zip(&spaces).map(|(patch, space)| (&patch.pose, space.as_str()));
+        let figure = Figure::show(robot, places, speaker(0), tape.as_ref().map(Tape::of_robot));
+        Ok(Self { server, stands, tape, told: Instant::now(), figure: Some(figure) })
     }
 
     /// A keeper told something of a patch.

@@ -1,10 +1,11 @@
 //! Robot: what those who look on, or at a recording, see of it besides its skins: its links, and how they lie to each other.
 
+use dermatome_link::pose::Pose;
 use dermatome_messages::{
     Packed, Topic, cdr,
     clock::now_ns,
     frame::Place,
-    scene::transform,
+    scene::{transform, transforms},
     standard::{Color, Marker, MarkerArray, TfMessage, TransformStamped},
 };
 use dermatome_page::Speaker;
@@ -26,13 +27,25 @@ pub(super) struct Figure {
 }
 
 impl Figure {
-    /// Shows what its links look like.
-    pub(super) fn show(robot: &Robot, speaker: Option<Speaker>, recorder: Option<Recorder>) -> Self {
-        let moves = |joint: &&Joint| joint.motion != Motion::Fixed;
-        let joints = robot.joints.iter().filter(moves).cloned().collect();
-        let mut figure = Self { speaker, recorder, joints, told: None };
+    /// Shows where skins of these places and names lie, and, where the robot's description is known, what its links look like
+    /// and which joints never move.
+    pub(super) fn show<'a>(
+        robot: Option<&Robot>,
+        skins: impl Iterator<Item = (&'a Pose, &'a str)>,
+        speaker: Option<Speaker>,
+        recorder: Option<Recorder>,
+    ) -> Self {
         let now = now_ns();
-        figure.send(Packed::now(Topic::Links, now, cdr::encode(&links(robot, now))));
+        let mut figure = Self { speaker, recorder, joints: Vec::new(), told: None };
+        let mut placed: Vec<_> = skins.map(|(pose, skin)| transform(pose, skin, now)).collect();
+        if let Some(robot) = robot {
+            let (fixed, moving): (Vec<_>, Vec<_>) =
+                robot.joints.iter().cloned().partition(|joint| joint.motion == Motion::Fixed);
+            placed.extend(fixed.iter().map(|joint| stamped(joint, 0.0, now)));
+            figure.joints = moving;
+            figure.send(Packed::now(Topic::Links, now, cdr::encode(&links(robot, now))));
+        }
+        figure.send(transforms(placed, now));
         figure
     }
 
@@ -47,7 +60,7 @@ impl Figure {
 
     /// Tells now and then where the joints that move are.
     pub(super) fn tell(&mut self, position: impl Fn(&Joint) -> f64) {
-        if self.told.is_some_and(|told| told.elapsed() < PERIOD) {
+        if self.joints.is_empty() || self.told.is_some_and(|told| told.elapsed() < PERIOD) {
             return;
         }
         self.told = Some(Instant::now());
@@ -56,13 +69,6 @@ impl Figure {
         let message = TfMessage { transforms: placed.collect() };
         self.send(Packed::now(Topic::Joints, now, cdr::encode(&message)));
     }
-}
-
-/// The joints that never move.
-pub(super) fn fixed(robot: &Robot) -> Vec<TransformStamped> {
-    let now = now_ns();
-    let fixed = robot.joints.iter().filter(|joint| joint.motion == Motion::Fixed);
-    fixed.map(|joint| stamped(joint, 0.0, now)).collect()
 }
 
 fn stamped(joint: &Joint, position: f64, now: u64) -> TransformStamped {
