@@ -9,4 +9,5 @@ pub mod frames;
 pub mod play;
 pub mod read;
 pub mod session;
+mod whole;
 pub mod write;

@@ -1,6 +1,9 @@
 //! Read: the messages of an MCAP file, from its start on, up to where it was cut.
 
-use crate::session::{Body, METADATA, PATCH, SKIN_FILE, Session, attached};
+use crate::{
+    session::{Body, METADATA, PATCH, SKIN_FILE, Session, attached},
+    whole::is_whole,
+};
 use dermatome_messages::{Packed, Topic};
 use mcap::{
     McapError,
@@ -321,9 +324,11 @@ struct Of<'a> {
 
 fn piece(of: Of<'_>, opcode: u8, data: &[u8]) -> Result<Option<Piece>, McapError> {
     let is_wanted = matches!(opcode, op::CHANNEL | op::MESSAGE | op::METADATA | op::ATTACHMENT);
-    // The library takes an attachment's length for granted.
-    if !is_wanted || opcode == op::ATTACHMENT && !is_whole_attachment(data) {
+    if !is_wanted || opcode == op::ATTACHMENT && !is_whole(opcode, data) {
         return Ok(None);
+    }
+    if !is_whole(opcode, data) {
+        return Err(McapError::UnexpectedEof);
     }
     let Of { topics, session, space } = of;
     Ok(match mcap::parse_record(opcode, data)? {
@@ -370,18 +375,4 @@ fn chosen<'a>(body: &'a Body, patch: Option<&str>) -> Result<&'a str, Problem> {
 fn behind(body: &Body) -> String {
     let patches: Vec<String> = body.patches.iter().map(|patch| format!("`:{patch}`")).collect();
     patches.join(", ")
-}
-
-/// Whether the lengths in an attachment fit into it: two times, name, type, content, checksum.
-fn is_whole_attachment(data: &[u8]) -> bool {
-    let number = |at: usize| {
-        let bytes = data.get(at..at.checked_add(4)?)?;
-        Some(u32::from_le_bytes(bytes.try_into().ok()?) as usize)
-    };
-    let end = || {
-        let name_end = 20_usize.checked_add(number(16)?)?;
-        let type_end = name_end.checked_add(4)?.checked_add(number(name_end)?)?;
-        type_end.checked_add(8 + 4)
-    };
-    end().is_some_and(|least| least <= data.len())
 }
